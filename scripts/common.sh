@@ -1,0 +1,33 @@
+# Shared by the scripts beside it (sourced): works from the root of the repository, sets what MPI
+# needs, and has `logged` and `build`.
+# shellcheck shell=bash
+cd "$(dirname "${BASH_SOURCE[0]}")/.." || exit
+# Open MPI refuses root without these; one thread per rank, for BLAS.
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMP_NUM_THREADS=1
+
+fail() {
+  echo "$(basename "$0" .sh): $1" >&2
+  exit 1
+}
+
+# logged LOG WHAT COMMAND...: runs the command with its output added to the log; shows the log's end
+# if it fails
+logged() {
+  local log=$1 what=$2
+  shift 2
+  if ! "$@" >>"$log" 2>&1 </dev/null; then
+    tail -n 25 "$log" >&2
+    fail "$what failed; the whole log is in $log"
+  fi
+}
+
+# build DIRECTORY TARGET [CMAKE OPTIONS]: configures and builds
+build() {
+  local directory=$1 target=$2
+  shift 2
+  mkdir -p "$directory"
+  : >"$directory/build.log"
+  logged "$directory/build.log" "cmake" cmake -S . -B "$directory" "$@"
+  logged "$directory/build.log" "the build" \
+    cmake --build "$directory" --target "$target" --parallel "${CMAKE_BUILD_PARALLEL_LEVEL:-$(nproc)}"
+}

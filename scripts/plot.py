@@ -1,0 +1,313 @@
+#!/usr/bin/env python3
+"""Draws result files of tendril, one column a file, as PNG and PDF.
+
+    plot.py results/uniform-dry.h5
+    plot.py results/uniform-*.h5 --panels norm,shapes --times 10,20,30 --output compare
+
+Symbols are those of the README; all is dimensionless."""
+
+import argparse
+import sys
+from pathlib import Path
+from string import ascii_lowercase
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+
+from tendril_results import ResultsError, load
+
+# Okabe and Ito's colours, told apart by colour-blind readers; times run along a sequential map.
+BLUE, ORANGE, GREEN, RED, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#777777"
+STYLE = {
+    "font.size": 8, "font.family": "serif", "font.serif": ["STIXGeneral"],
+    "mathtext.fontset": "stix", "axes.linewidth": 0.6, "axes.labelsize": 9, "axes.titlesize": 9,
+    "lines.linewidth": 1.1, "xtick.direction": "in", "ytick.direction": "in",
+    "xtick.top": True, "ytick.right": True, "xtick.major.width": 0.6, "ytick.major.width": 0.6,
+    "legend.frameon": False, "legend.fontsize": 8, "legend.handlelength": 1.6,
+    "legend.columnspacing": 1.2, "legend.borderaxespad": 0.2, "legend.handletextpad": 0.5,
+    "savefig.dpi": 200, "pdf.fonttype": 42,
+}
+
+
+class Units:
+    """What the numbers of the file are multiplied by, and the unit they then have. Everything is
+    dimensionless for now; a physical rod gives each kind its scale here and nowhere else."""
+
+    scales = {kind: (1.0, "") for kind in ("length", "time", "speed", "force", "energy", "power")}
+
+    def of(self, kind, values):
+        return self.scales[kind][0] * np.asarray(values)
+
+    def label(self, text, kind):
+        unit = self.scales[kind][1]
+        return f"{text} ({unit})" if unit else text
+
+
+def legend(ax, columns, whole_row):
+    """Above the axes, where it covers no curve; whole_row: it may run on over those beside."""
+    handles, labels = ax.get_legend_handles_labels()
+    if handles:
+        made = ax.legend(handles, labels, loc="lower left", bbox_to_anchor=(0.11, 1.0),
+                         ncol=len(handles) if whole_row else columns)
+        made.set_in_layout(not whole_row)
+
+
+def power_of_ten(value):
+    mantissa, exponent = f"{value:.1e}".split("e")
+    return rf"{mantissa} \times 10^{{{int(exponent)}}}"
+
+
+# Each panel draws one result into one axes. view holds what the command line chose.
+
+
+def panel_norm(ax, r, view):
+    t, norm = r.series.t, np.ma.masked_less_equal(r.series.norm_x2, 0)
+    ax.set_yscale("log")
+    ax.set_ylabel(view.units.label(r"$\|x_2\| = (\int_0^1 x_2^2\, ds)^{1/2}$", "length"))
+    if not norm.count():
+        ax.text(0.5, 0.5, r"$x_2 = 0$ throughout", transform=ax.transAxes, ha="center")
+        return
+    norm = view.units.of("length", norm)
+    ax.plot(view.units.of("time", t), norm, color=BLUE)
+    i = int(norm.argmin())
+    ax.plot(view.units.of("time", t[i]), norm[i], "o", ms=4, color=RED)
+    ax.annotate(rf"${power_of_ten(norm[i])}$ at $t = {t[i]:.3g}$",
+                (view.units.of("time", t[i]), norm[i]), xytext=(5, -4),
+                textcoords="offset points", va="top", color=RED)
+    ax.margins(y=0.25)
+
+
+def curves(ax, r, view, kind, *lines):
+    """lines: (series, label, colour, style); a series the file lacks is left out."""
+    for name, label, colour, style in lines:
+        if name in r.series:
+            ax.plot(view.units.of("time", r.series.t), view.units.of(kind, r.series[name]), style,
+                    color=colour, label=label)
+
+
+def panel_energy(ax, r, view):
+    curves(ax, r, view, "energy", ("energy", r"$E$", BLUE, "-"))
+    curves(ax, r, view, "power", ("growth_power", r"$W$", ORANGE, "-"),
+           ("dissipation", "Diss", "black", ":"))
+    ax.set_ylabel(view.units.label("energy, power", "energy"))
+
+
+def panel_defect(ax, r, view):
+    defect = np.ma.masked_equal(np.abs(r.series.energy_defect), 0)
+    ax.set_yscale("log")
+    if defect.count():
+        ax.plot(view.units.of("time", r.series.t), defect, color=BLUE, lw=0.8)
+    ax.set_ylabel("energy defect, relative")
+
+
+def panel_distance(ax, r, view):
+    curves(ax, r, view, "length", ("length", r"$L$", GREY, "--"),
+           ("end_distance", r"$|x(1)|$", BLUE, "-"), ("mid_distance", r"$|x(1/2)|$", ORANGE, "-"),
+           ("width", "width", GREEN, "-."))
+    ax.set_ylabel(view.units.label("distance from the clamp", "length"))
+
+
+def panel_speed(ax, r, view):
+    curves(ax, r, view, "speed", ("tip_speed", r"$|v(1)|$", BLUE, "-"),
+           ("mid_speed", r"$|v(1/2)|$", ORANGE, "-"))
+    ax.set_ylabel(view.units.label("speed", "speed"))
+
+
+def panel_force(ax, r, view):
+    curves(ax, r, view, "force", ("base_force_1", r"$-n_1(0)$", BLUE, "-"),
+           ("base_force_2", r"$-n_2(0)$", ORANGE, "-"))
+    ax.set_ylabel(view.units.label("force at the clamp", "force"))
+
+
+def shapes_of(r, view):
+    """(label, colour, shape) of the times asked for, as far as the run has come."""
+    colours = plt.get_cmap("viridis")(np.linspace(0, 0.88, len(view.times)))
+    for t, colour in zip(view.times, colours):
+        if t <= r.shapes.t[-1] * (1 + 1e-9):
+            shape = r.at(t)
+            yield f"$t = {shape.t:.4g}$", colour, shape
+
+
+def panel_shapes(ax, r, view):
+    for label, colour, shape in shapes_of(r, view):
+        ax.plot(*view.units.of("length", shape.x.T), color=colour, label=label)
+    ax.plot(0, 0, "ks", ms=3, clip_on=False, zorder=3)
+    ax.set_xlabel(view.units.label("$x_1$", "length"))
+    ax.set_ylabel(view.units.label("$x_2$", "length"))
+
+
+def panel_normalised(ax, r, view):
+    for label, colour, shape in shapes_of(r, view):
+        ax.plot(*(shape.x.T / shape.length), color=colour, label=label)
+    ax.plot(0, 0, "ks", ms=3, clip_on=False, zorder=3)
+    ax.set_xlabel("$x_1 / L$")
+    ax.set_ylabel("$x_2 / L$")
+
+
+PANELS = {
+    "norm": panel_norm, "energy": panel_energy, "shapes": panel_shapes,
+    "normalised": panel_normalised, "distance": panel_distance, "speed": panel_speed,
+    "force": panel_force, "defect": panel_defect,
+}
+EQUAL = ("shapes", "normalised")  # drawn with equal aspect
+
+
+def grid(results, names):
+    """Rows of (panel, result): a file a column; the panels of a single file go in two columns."""
+    if len(results) > 1:
+        return [[(name, r) for r in results] for name in names]
+    cells = [(name, results[0]) for name in names]
+    return [cells[i : i + 2] for i in range(0, len(cells), 2)]
+
+
+def share_limits(row):
+    drawn = [ax for ax in row if ax.has_data()] or row
+    x = np.array([ax.get_xlim() for ax in drawn])
+    y = np.array([ax.get_ylim() for ax in drawn])
+    for ax in row:
+        ax.set(xlim=(x.min(), x.max()), ylim=(y.min(), y.max()))
+
+
+def aspect_of(ax):
+    return float(np.ptp(ax.get_ylim()) / np.ptp(ax.get_xlim()))
+
+
+def set_aspect(ax, aspect):
+    """Equal aspect: widens the limits about their centre until height over width is aspect."""
+    (x0, x1), (y0, y1) = ax.get_xlim(), ax.get_ylim()
+    width = max(x1 - x0, (y1 - y0) / aspect)
+    height = width * aspect
+    ax.set(xlim=((x0 + x1 - width) / 2, (x0 + x1 + width) / 2),
+           ylim=((y0 + y1 - height) / 2, (y0 + y1 + height) / 2))
+    ax.set_aspect("equal", adjustable="box")
+
+
+def size_rows(figure, axes, aspects, width):
+    """Sets the height of the figure so that every row has its height over width."""
+    figure.get_layout_engine().set(hspace=0.04, wspace=0.03)
+    axes[0, 0].get_gridspec().set_height_ratios(aspects)
+    height = sum(aspects) * width / axes.shape[1] + 0.6 * len(aspects)
+    for _ in range(3):  # the layout tells how much room labels and titles take
+        figure.set_size_inches(width, height)
+        figure.draw_without_rendering()
+        boxes = [ax.get_position(original=True) for ax in axes[:, 0]]
+        labels = height * (1 - sum(box.height for box in boxes))
+        height = labels + sum(aspects) * width * boxes[0].width
+    figure.set_size_inches(width, height)
+
+
+def draw(results, names, view):
+    """The figure of the named panels."""
+    cells = grid(results, names)
+    columns = len(cells[0])
+    width = {1: 4.0, 2: 3.5, 3: 2.7}.get(columns, 2.3)  # of one column, in inches
+    figure = plt.figure(layout="constrained")
+    axes = figure.subplots(len(cells), columns, squeeze=False)
+    aspects, letters = [], iter(ascii_lowercase)
+    for row, row_cells in zip(axes, cells):
+        for ax in row[len(row_cells) :]:
+            ax.set_axis_off()
+        row = row[: len(row_cells)]
+        for ax, (name, r) in zip(row, row_cells):
+            ax.set_xlabel(view.units.label("time $t$", "time"))
+            PANELS[name](ax, r, view)
+            ax.margins(x=0.02)
+        if len(results) > 1:
+            share_limits(row)
+            for ax in row[1:]:
+                ax.set_ylabel("")
+                ax.tick_params(labelleft=False)
+        equal = [ax for ax, (name, _) in zip(row, row_cells) if name in EQUAL]
+        aspects.append(np.clip(max(map(aspect_of, equal), default=0.68), 0.36, 1.3))
+        for ax in equal:
+            set_aspect(ax, aspects[-1])
+        for ax in row[:1] if len(results) > 1 else row:
+            legend(ax, 4, len(results) > 1)
+            ax.set_title(f"({next(letters)})", loc="left")
+    if len(results) > 1:
+        for ax, r, title in zip(axes[0], results, view.titles):
+            ax.set_title(title, pad=18 if axes[0, 0].get_legend() else 6)
+    size_rows(figure, axes, aspects, columns * width)
+    return figure
+
+
+def default_times(results):
+    """Four times up to the end of the longest run, round where the run's end is."""
+    end = max(r.shapes.t[-1] for r in results)
+    return [end * k / 4 for k in (1, 2, 3, 4)]
+
+
+def read(path):
+    r = load(path)
+    if not r.finished and r.series:
+        end = r.series.t[-1] if len(r.series.t) else 0
+        print(f"plot: {path}: the run has not reached its end, drawn up to t = {end:.4g}")
+    return r
+
+
+def tell_missing(results, times):
+    for r in results:
+        for t in times:
+            stored = r.at(t).t
+            if t > r.shapes.t[-1] * (1 + 1e-9):
+                print(f"plot: {r.path}: ends at t = {stored:.4g}, before {t:g}")
+            elif abs(stored - t) > 1e-6 * max(t, 1):
+                print(f"plot: {r.path}: no shape stored at t = {t:g}, drawn at {stored:.4g}")
+
+
+def draw_stability(paths, output):
+    """Files of -task stability and -task critical have a script of their own."""
+    try:
+        import plot_stability
+    except ImportError:
+        raise ResultsError(f"{paths[0]}: holds no run in time, nothing to draw") from None
+    return plot_stability.main([*paths, "--output", output])
+
+
+def numbers(text):
+    return [float(word) for word in text.split(",")]
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("files", nargs="+", metavar="FILE", help="result files, HDF5")
+    parser.add_argument("--output", metavar="BASENAME",
+                        help="writes BASENAME.png and .pdf; default: the first file's name")
+    parser.add_argument("--panels", default=",".join(PANELS),
+                        help="comma list, in this order; default %(default)s")
+    parser.add_argument("--times", type=numbers, metavar="T1,T2,...",
+                        help="of the shapes drawn; default: quarters of the longest run")
+    parser.add_argument("--titles", metavar="A,B,...", help="above columns; default: file names")
+    view = parser.parse_args(arguments)
+    names = view.panels.split(",")
+    unknown = [name for name in names if name not in PANELS]
+    if unknown:
+        parser.error(f"--panels {unknown[0]}: unknown, give some of {', '.join(PANELS)}")
+    output = view.output or str(Path(view.files[0]).with_suffix(""))
+    try:
+        results = [read(path) for path in view.files]
+        if not any(r.series for r in results):
+            return draw_stability(view.files, output)
+        for r in results:
+            if not len(r.series.get("t", ())) or not len(r.shapes.get("t", ())):
+                raise ResultsError(f"{r.path}: holds no stored shape to draw")
+        view.units = Units()
+        view.times = view.times or default_times(results)
+        tell_missing(results, view.times)
+        view.titles = view.titles.split(",") if view.titles else [r.name for r in results]
+        with plt.rc_context(STYLE):
+            figure = draw(results, names, view)
+            for ending in ("png", "pdf"):
+                figure.savefig(f"{output}.{ending}")
+    except (ResultsError, OSError) as error:
+        print(f"plot: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

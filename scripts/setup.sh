@@ -1,0 +1,70 @@
+#!/usr/bin/env bash
+# Puts on this machine what tendril needs, where it is missing: Debian's packages (as root or with
+# sudo) and a virtual environment for the Python scripts, .venv. Does nothing when all is there.
+set -euo pipefail
+# shellcheck source-path=SCRIPTDIR
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+packages=(gcc make cmake pkg-config libopenmpi-dev openmpi-bin libhdf5-openmpi-dev liblapack-dev
+          libcmocka-dev clang-format valgrind python3-venv)
+if [ -z "${PETSC_DIR:-}" ]; then packages+=(petsc-dev); fi
+if [ -z "${SLEPC_DIR:-}" ]; then packages+=(slepc-dev); fi
+log=build/setup.log
+
+missing_packages() {
+  local present package
+  # one call for all: dpkg-query leaves out what it does not know and then exits with 1
+  present=$(dpkg-query -W -f '${db:Status-Status} ${Package}\n' "${packages[@]}" 2>/dev/null) || true
+  for package in "${packages[@]}"; do
+    grep -qx "installed $package" <<<"$present" || echo "$package"
+  done
+}
+
+install_packages() {
+  local command missing root=()
+  if ! command -v apt-get >/dev/null; then
+    for command in gcc make cmake pkg-config mpicc mpiexec python3; do
+      command -v "$command" >/dev/null ||
+        fail "no $command and no apt-get here: install what Debian calls ${packages[*]}"
+    done
+    return
+  fi
+  mapfile -t missing < <(missing_packages)
+  if [ ${#missing[@]} = 0 ]; then return; fi
+  if [ "$(id -u)" != 0 ]; then
+    command -v sudo >/dev/null || fail "no sudo here; as root, run: apt-get install ${missing[*]}"
+    if ! sudo -n true 2>/dev/null; then
+      [ -t 0 ] || fail "sudo wants a password; run: sudo apt-get install ${missing[*]}"
+      sudo -v || fail "sudo refused; as root, run: apt-get install ${missing[*]}"
+    fi
+    root=(sudo)
+  fi
+  root+=(env DEBIAN_FRONTEND=noninteractive)
+  echo "setup: installing ${missing[*]}"
+  # Lists that cannot be refreshed may still serve; the installation itself decides.
+  "${root[@]}" apt-get update >>"$log" 2>&1 </dev/null || true
+  logged "$log" "apt-get install ${missing[*]}" \
+    "${root[@]}" apt-get install -y --no-install-recommends "${missing[@]}"
+}
+
+make_venv() {
+  local stamp=.venv/requirements.txt candidate python=
+  if cmp -s scripts/requirements.txt "$stamp" && .venv/bin/python -c '' 2>/dev/null; then return; fi
+  for candidate in /usr/bin/python3 python3; do
+    if "$candidate" -c 'import ensurepip, venv' 2>/dev/null; then
+      python=$candidate
+      break
+    fi
+  done
+  [ "$python" ] || fail "no python3 with the modules venv and ensurepip; install python3-venv"
+  echo "setup: making .venv with numpy, h5py and matplotlib"
+  logged "$log" "making .venv" "$python" -m venv --clear .venv
+  logged "$log" "installing scripts/requirements.txt into .venv" \
+    .venv/bin/python -m pip install --disable-pip-version-check -q -r scripts/requirements.txt
+  cp scripts/requirements.txt "$stamp"
+}
+
+mkdir -p build
+: >"$log"
+install_packages
+make_venv

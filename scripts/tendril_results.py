@@ -1,0 +1,144 @@
+"""Reads tendril's result files.
+
+    from tendril_results import load
+    r = load("results/uniform-dry.h5")
+    r.series.t, r.series.norm_x2        one value per accepted step; names as in the file
+    shape = r.at(20)                    the stored shape nearest to t = 20
+    shape.x[:, 0], shape.x[:, 1]        its nodes; also .s .theta .curvature .force .length .t
+    r.minimum("norm_x2")                (t, value) of the smallest
+    r.options["friction_mu"]            what was in force, as text
+
+All is dimensionless, as in the file. Files of runs that are still going or were killed are read as
+far as they were written; r.finished tells. Needs numpy and h5py.
+"""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+SHAPES = ("x", "theta", "curvature", "force")
+
+
+class ResultsError(Exception):
+    """The file cannot be read, in one plain line."""
+
+
+class Table(dict):
+    """Arrays by name: table["t"] and table.t are the same."""
+
+    def __getattr__(self, name):
+        try:
+            return self[name]
+        except KeyError:
+            raise AttributeError(f"no {name} here; there are {', '.join(self)}") from None
+
+
+@dataclass
+class Shape:
+    """The rod at one stored time."""
+
+    index: int  # among the stored shapes
+    t: float
+    length: float
+    s: np.ndarray  # [n], material labels, 0 to 1
+    x: np.ndarray  # [n, 2]
+    theta: np.ndarray  # [n]
+    curvature: np.ndarray  # [n]
+    force: np.ndarray  # [n, 2], the internal force
+
+
+@dataclass
+class Results:
+    path: Path
+    finished: bool
+    options: dict  # without the leading dash; what was in force, as text
+    attributes: dict  # version, petsc_version, ranks, ...
+    series: Table
+    shapes: Table  # t [k], s [n], x [k,n,2], theta [k,n], curvature [k,n], force [k,n,2]
+    stability: Table = field(default_factory=Table)  # empty if the file holds none
+    critical: Table = field(default_factory=Table)
+    notes: dict = field(default_factory=dict)  # "series/t" -> its units or description
+
+    @property
+    def name(self):
+        return self.path.stem
+
+    def at(self, t):
+        """The stored shape nearest to time t."""
+        if not len(self.shapes.get("t", ())):
+            raise ResultsError(f"{self.path}: holds no shape")
+        k = int(np.argmin(np.abs(self.shapes.t - t)))
+        time = float(self.shapes.t[k])
+        return Shape(k, time, self.value("length", time), self.shapes.s,
+                     *(self.shapes[name][k] for name in SHAPES))
+
+    def value(self, name, t):
+        """A series at time t, between its steps by linear interpolation."""
+        return float(np.interp(t, self.series.t, self.series[name]))
+
+    def minimum(self, name="norm_x2"):
+        """(t, value) of a series at its smallest step."""
+        i = int(np.nanargmin(self.series[name]))
+        return float(self.series.t[i]), float(self.series[name][i])
+
+
+def _text(value):
+    if isinstance(value, np.ndarray) and value.size == 1:
+        value = value.item()
+    return value.decode() if isinstance(value, bytes) else value
+
+
+def _options(text):
+    """'-a 1 -b -c word' as {'a': '1', 'b': '', 'c': 'word'}; a negative number is a value."""
+    options, name = {}, None
+    for word in str(text).split():
+        if word[0] == "-" and word[1:2].isalpha():
+            name = word[1:]
+            options[name] = ""
+        elif name:
+            options[name] = f"{options[name]} {word}".strip()
+    return options
+
+
+def _group(file, name, notes):
+    table = Table()
+    for key, data in file.get(name, {}).items():
+        table[key] = data[()]
+        for attribute in ("units", "description"):
+            if attribute in data.attrs:
+                notes[f"{name}/{key}"] = _text(data.attrs[attribute])
+    return table
+
+
+def _cut(table, names):
+    """A run that is going on or was killed may have written one array further than another."""
+    names = [n for n in names if n in table]
+    if names:
+        rows = min(len(table[n]) for n in names)
+        for n in names:
+            table[n] = table[n][:rows]
+
+
+def load(path):
+    """Reads a result file; raises ResultsError, a plain line, if that cannot be done."""
+    path = Path(path)
+    if not path.is_file():
+        raise ResultsError(f"{path}: no such file")
+    notes = {}
+    try:
+        # no lock: the run that writes the file may be going on
+        with h5py.File(path, "r", locking=False) as file:
+            attributes = {k: _text(v) for k, v in file.attrs.items()}
+            groups = [_group(file, g, notes) for g in ("series", "shapes", "stability", "critical")]
+    except (OSError, RuntimeError, KeyError) as error:
+        raise ResultsError(f"{path}: not a whole HDF5 file ({error})") from None
+    series, shapes, stability, critical = groups
+    if not (series or stability or critical):
+        raise ResultsError(f"{path}: no result file of tendril, it has no group series")
+    _cut(series, list(series))
+    _cut(shapes, ("t",) + SHAPES)
+    options = _options(attributes.pop("options", ""))
+    finished = bool(int(attributes.pop("finished", 0)))
+    return Results(path, finished, options, attributes, series, shapes, stability, critical, notes)

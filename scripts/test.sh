@@ -1,0 +1,11 @@
+#!/usr/bin/env bash
+# From nothing to tested: sets up, builds with warnings as errors, runs all tests.
+#   scripts/test.sh [CTEST OPTIONS]     e.g. -R growth, only the tests named so
+set -euo pipefail
+# shellcheck source-path=SCRIPTDIR
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+scripts/setup.sh
+echo "test: building build-test/"
+build build-test all -DTENDRIL_WERROR=ON -DPython3_EXECUTABLE="$PWD/.venv/bin/python"
+ctest --test-dir build-test --output-on-failure "$@"

@@ -1,0 +1,423 @@
+#include "grow.h"
+#include "newton.h"
+#include "observe.h"
+#include "options.h"
+#include "output.h"
+#include "vbdf.h"
+#include <petsctime.h>
+#include <signal.h>
+
+enum { LINEAR, FRAME, MIXED, AUTO }; /* as -rod_model and the series `model` number them */
+static const RodModel *const models[] = {&rod_linear, &rod_frame, &rod_mixed};
+
+/* One model at work: auto has two, taking turns. */
+typedef struct {
+  Rod rod;
+  TS ts;
+  Newton newton;
+  Mat J;
+  Vec U, tolerance, none; /* none: 0, the part of the tolerance relative to each entry */
+} Leg;
+
+typedef struct {
+  Scene scene;
+  PetscInt model; /* as asked for */
+  Leg leg[3];     /* by model; those not in use are empty */
+  Leg *now;
+  Observer observer;
+  Output output;
+  Observation seen; /* of the latest step */
+  PetscReal rtol, output_interval, next_output;
+  PetscReal stored_at;        /* time of the latest stored shape */
+  PetscReal report_at;        /* time of the next progress line */
+  PetscInt iterations, steps; /* before the latest step; steps of earlier legs */
+  PetscBool quiet;
+  PetscLogDouble begin, reported;
+} Grow;
+
+static volatile sig_atomic_t interrupted;
+
+static void OnSignal(int number) {
+  interrupted = number;
+}
+
+static PetscErrorCode Self(TS ts, Grow **self) {
+  PetscFunctionBegin;
+  PetscCall(TSGetApplicationContext(ts, self));
+  PetscFunctionReturn(0);
+}
+
+/* Local errors add up, in the decay and growth of x2 even with one sign: a step gets this part of
+   the tolerance. */
+static const PetscReal share_of_step = 0.25;
+
+/* The tolerance of each entry: that part of rtol times the present size of its field; -1 leaves out
+   the fields that are not followed (forces and moments of an index-2 problem are not to control the
+   step). */
+static PetscErrorCode BeforeStep(TS ts) {
+  Grow *self;
+  Leg *leg;
+  PetscInt fields, n;
+  PetscReal size[MAX_FIELDS];
+  PetscScalar *a;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  leg = self->now;
+  fields = leg->rod->model->fields;
+  PetscCall(RodFieldSizes(leg->rod, leg->U, size));
+  PetscCall(VecGetLocalSize(leg->tolerance, &n));
+  PetscCall(VecGetArray(leg->tolerance, &a));
+  for (PetscInt i = 0; i < n; i += fields)
+    for (PetscInt f = 0; f < fields; f++)
+      a[i + f] = leg->rod->model->followed[f] ? share_of_step * self->rtol * size[f] : -1;
+  PetscCall(VecRestoreArray(leg->tolerance, &a));
+  PetscCall(TSSetTolerances(ts, PETSC_DEFAULT, leg->tolerance, self->rtol, leg->none));
+  PetscFunctionReturn(0);
+}
+
+/* A Newton solve begins: the friction duals start anew. */
+static PetscErrorCode BeforeStage(TS ts, PetscReal t) {
+  Grow *self;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  self->now->rod->fresh = PETSC_TRUE;
+  PetscFunctionReturn(0);
+}
+
+/* The first step has one point to start from: let the rod grow without friction. */
+static PetscErrorCode FirstGuess(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1, void *ctx) {
+  Rod rod = (Rod)ctx;
+  Node *nodes;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(rod->end - rod->first, &nodes));
+  PetscCall(rod->model->get(rod, t0, U0, NULL, nodes));
+  PetscCall(RodGrowNodes(rod, t0, t1, nodes));
+  PetscCall(rod->model->set(rod, t1, nodes, U1));
+  PetscCall(PetscFree(nodes));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Progress(Grow *self, PetscBool last) {
+  const Observation *seen = &self->seen;
+  PetscReal end = self->scene->end_time;
+  PetscLogDouble now;
+  char rest[32] = "";
+
+  PetscFunctionBegin;
+  if (self->quiet) PetscFunctionReturn(0);
+  PetscCall(PetscTime(&now));
+  if (!last && now - self->reported < 1 && seen->t < self->report_at) PetscFunctionReturn(0);
+  self->reported = now;
+  self->report_at = seen->t + end / 10;
+  if (seen->t > 0 && !last)
+    PetscCall(PetscSNPrintf(rest, sizeof(rest), "%7.1f s",
+                            (double)((now - self->begin) * (end - seen->t) / seen->t)));
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%10.4f %10.4f %12.4e %10.2e %7d %8s %s\n",
+                        (double)seen->t, (double)seen->length, (double)seen->norm_x2,
+                        (double)seen->step, (int)seen->newton_iterations,
+                        models[(int)seen->model]->name, rest));
+  PetscFunctionReturn(0);
+}
+
+/* Stores the shape of a state at time t. U NULL: the initial shape. */
+static PetscErrorCode StoreShape(Grow *self, PetscReal t, Vec U) {
+  const Node *nodes;
+
+  PetscFunctionBegin;
+  PetscCall(ObserverGather(self->observer, self->now->rod, t, U, NULL, &nodes));
+  if (nodes) PetscCall(OutputShape(self->output, t, nodes));
+  self->stored_at = t;
+  PetscFunctionReturn(0);
+}
+
+/* Stores the shapes due between the previous step and this one, by the stepper's dense output. */
+static PetscErrorCode StoreDueShapes(Grow *self, PetscReal t) {
+  Vec W;
+
+  PetscFunctionBegin;
+  while (self->next_output <= t * (1 + 1e-14)) {
+    if (self->next_output >= t * (1 - 1e-12))
+      PetscCall(StoreShape(self, t, self->now->U));
+    else {
+      PetscCall(VecDuplicate(self->now->U, &W));
+      PetscCall(TSInterpolate(self->now->ts, self->next_output, W));
+      PetscCall(StoreShape(self, self->next_output, W));
+      PetscCall(VecDestroy(&W));
+    }
+    self->next_output += self->output_interval;
+  }
+  PetscFunctionReturn(0);
+}
+
+/* auto: the linear model leaves out terms of relative size theta^2. Take it while they are below
+   the tolerance of a step, and take it up again only when well below, so that it does not flicker.
+ */
+static PetscInt BetterModel(const Grow *self) {
+  PetscReal neglected = PetscSqr(self->seen.max_angle);
+  if (self->model != AUTO) return self->model;
+  if (self->now == &self->leg[LINEAR]) return neglected > 0.3 * self->rtol ? FRAME : LINEAR;
+  return neglected < 0.03 * self->rtol ? LINEAR : FRAME;
+}
+
+static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
+  PetscInt iterations = 0, all = 0;
+
+  PetscFunctionBegin;
+  if (U) PetscCall(TSGetSNESIterations(self->now->ts, &all));
+  iterations = all - self->iterations;
+  self->iterations = all;
+  PetscReal before = self->seen.t;
+  PetscCall(ObserverMeasure(self->observer, self->now->rod, t, U, U_t, &self->seen));
+  self->seen.step = t - before;
+  self->seen.newton_iterations = iterations;
+  self->seen.model = self->now - self->leg;
+  PetscCall(OutputSeries(self->output, &self->seen));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode AfterStep(TS ts) {
+  Grow *self;
+  PetscReal t;
+  int stop = interrupted;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  PetscCall(TSGetTime(ts, &t));
+  PetscCall(Observe(self, t, self->now->U, self->now->rod->latest_rate));
+  PetscCall(StoreDueShapes(self, t));
+  PetscCall(Progress(self, PETSC_FALSE));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &stop, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD));
+  if (stop) {
+    interrupted = stop;
+    PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
+  }
+  if (&self->leg[BetterModel(self)] != self->now && t < self->scene->end_time)
+    PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode LegCreate(Grow *self, PetscInt model) {
+  Leg *leg = &self->leg[model];
+  PetscBool fixed, given;
+
+  PetscFunctionBegin;
+  PetscCall(RodCreate(self->scene, models[model], &leg->rod));
+  PetscCall(DMCreateGlobalVector(leg->rod->da, &leg->U));
+  PetscCall(VecDuplicate(leg->U, &leg->tolerance));
+  PetscCall(VecDuplicate(leg->U, &leg->none));
+  PetscCall(RodCreateMatrix(leg->rod, &leg->J));
+  PetscCall(TSCreate(PETSC_COMM_WORLD, &leg->ts));
+  PetscCall(TSSetDM(leg->ts, leg->rod->da));
+  PetscCall(TSSetApplicationContext(leg->ts, self));
+  PetscCall(TSSetEquationType(leg->ts, TS_EQ_DAE_IMPLICIT_INDEX2));
+  PetscCall(TSSetIFunction(leg->ts, NULL, RodResidual, leg->rod));
+  PetscCall(TSSetIJacobian(leg->ts, leg->J, leg->J, RodJacobian, leg->rod));
+  PetscCall(TSSetType(leg->ts, TSVBDF));
+  PetscCall(TSSetTolerances(leg->ts, PETSC_DEFAULT, NULL, self->rtol, NULL));
+  PetscCall(TSSetMaxTime(leg->ts, self->scene->end_time));
+  PetscCall(TSSetMaxSteps(leg->ts, PETSC_MAX_INT));
+  PetscCall(TSSetExactFinalTime(leg->ts, TS_EXACTFINALTIME_MATCHSTEP));
+  PetscCall(TSSetTimeStep(leg->ts, 1e-4));
+  PetscCall(TSSetMaxSNESFailures(leg->ts, -1));
+  PetscCall(TSSetMaxStepRejections(leg->ts, 50));
+  PetscCall(TSSetErrorIfStepFails(leg->ts, PETSC_FALSE));
+  PetscCall(TSSetPreStep(leg->ts, BeforeStep));
+  PetscCall(TSSetPreStage(leg->ts, BeforeStage));
+  PetscCall(TSSetPostStep(leg->ts, AfterStep));
+  PetscCall(NewtonSetUp(leg->ts, leg->rod, &leg->newton));
+  PetscCall(TSSetFromOptions(leg->ts));
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)leg->ts, &fixed, TSBEULER, TSTHETA, TSCN, ""));
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_dt", &given));
+  if (fixed && !given) PetscCall(TSSetTimeStep(leg->ts, 0.01)); /* the paper's */
+  PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));
+  PetscCall(TSSetSolution(leg->ts, leg->U));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode LegDestroy(Leg *leg) {
+  PetscFunctionBegin;
+  PetscCall(TSDestroy(&leg->ts));
+  PetscCall(MatDestroy(&leg->J));
+  PetscCall(VecDestroy(&leg->U));
+  PetscCall(VecDestroy(&leg->tolerance));
+  PetscCall(VecDestroy(&leg->none));
+  PetscCall(RodDestroy(&leg->rod));
+  PetscFunctionReturn(0);
+}
+
+/* The same state in another model's unknowns. */
+static PetscErrorCode Convert(Leg *from, Leg *to, PetscReal t, Vec U, Vec V) {
+  Node *nodes;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(from->rod->end - from->rod->first, &nodes));
+  PetscCall(from->rod->model->get(from->rod, t, U, NULL, nodes));
+  PetscCall(to->rod->model->set(to->rod, t, nodes, V));
+  PetscCall(PetscFree(nodes));
+  PetscFunctionReturn(0);
+}
+
+/* Hands time, state, step and history over to another model. */
+static PetscErrorCode HandOver(Grow *self, Leg *to) {
+  Leg *from = self->now;
+  PetscReal t, dt, times[VBDF_POINTS];
+  PetscInt n, order, steps;
+  Vec old[VBDF_POINTS], new[VBDF_POINTS];
+
+  PetscFunctionBegin;
+  PetscCall(TSGetTime(from->ts, &t));
+  PetscCall(TSGetTimeStep(from->ts, &dt));
+  PetscCall(TSGetStepNumber(from->ts, &steps));
+  PetscCall(TSSetTime(to->ts, t));
+  PetscCall(TSSetTimeStep(to->ts, dt));
+  PetscCall(TSSetStepNumber(to->ts, steps));
+  PetscCall(Convert(from, to, t, from->U, to->U));
+  PetscCall(VBDFGetHistory(from->ts, &n, times, old, &order));
+  for (PetscInt i = 0; i < n; i++) {
+    PetscCall(VecDuplicate(to->U, &new[i]));
+    PetscCall(Convert(from, to, times[i], old[i], new[i]));
+  }
+  PetscCall(VBDFSetHistory(to->ts, n, times, new, order));
+  for (PetscInt i = 0; i < n; i++) PetscCall(VecDestroy(&new[i]));
+  PetscCall(TSGetSNESIterations(to->ts, &self->iterations));
+  self->now = to;
+  if (!self->quiet)
+    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "t = %g: from the %s to the %s model\n", (double)t,
+                          from->rod->model->name, to->rod->model->name));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode ReadOptions(Grow *self) {
+  const char *const names[] = {"linear", "frame", "mixed", "auto"};
+  PetscBool set;
+
+  PetscFunctionBegin;
+  self->model = FRAME;
+  self->rtol = 1e-6;
+  self->output_interval = self->scene->end_time;
+  PetscCall(OptionsHeading("Run"));
+  PetscCall(OptionList("-rod_model",
+                       "which unknowns; auto: linear while accurate enough, else frame", 4, names,
+                       &self->model, NULL));
+  PetscCall(OptionReal("-ts_rtol",
+                       "tolerance of a step, per field, against the field's present size", 1e-13,
+                       0.5, &self->rtol, NULL));
+  PetscCall(OptionReal("-output_interval", "time between stored shapes", 1e-9, 1e9,
+                       &self->output_interval, &set));
+  PetscCall(OptionBool("-quiet", "print nothing but errors", &self->quiet, NULL));
+  UserCheck(self->scene->friction.beta > 0 || self->scene->friction.mu == 0, PETSC_COMM_WORLD,
+            "-friction_beta 0: exact Coulomb friction is not available here, give a value above 0");
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode GrowCreate(Grow *self, const char *output) {
+  Node *nodes;
+
+  PetscFunctionBegin;
+  PetscCall(VBDFRegister());
+  PetscCall(ReadOptions(self));
+  for (PetscInt m = 0; m < 3; m++)
+    if (m == self->model || (self->model == AUTO && m != MIXED)) PetscCall(LegCreate(self, m));
+  PetscCall(OptionsRefuseUnread());
+  PetscCall(ObserverCreate(self->scene, &self->observer));
+  PetscCall(OutputCreate(output, self->scene, &self->output));
+  self->now = &self->leg[self->model == AUTO ? FRAME : self->model];
+  PetscCall(Observe(self, 0, NULL, NULL));
+  self->now = &self->leg[BetterModel(self)];
+  PetscCall(PetscMalloc1(self->now->rod->end - self->now->rod->first, &nodes));
+  PetscCall(RodInitialNodes(self->now->rod, 0, nodes));
+  PetscCall(self->now->rod->model->set(self->now->rod, 0, nodes, self->now->U));
+  PetscCall(PetscFree(nodes));
+  PetscCall(StoreShape(self, 0, NULL));
+  self->next_output = self->output_interval;
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Summary(Grow *self) {
+  const Observation *seen = &self->seen;
+  PetscInt steps, iterations = 0, rejections = 0, n;
+  PetscLogDouble now;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetStepNumber(self->now->ts, &steps));
+  for (int m = 0; m < 3; m++)
+    if (self->leg[m].ts) {
+      PetscCall(TSGetSNESIterations(self->leg[m].ts, &n));
+      iterations += n;
+      PetscCall(TSGetStepRejections(self->leg[m].ts, &n));
+      rejections += n;
+    }
+  PetscCall(PetscTime(&now));
+  if (!self->quiet)
+    PetscCall(
+        PetscPrintf(PETSC_COMM_WORLD,
+                    "t = %g: length %g, tip (%.8g, %.8g), |x2| %.8g\n"
+                    "%d steps, %d rejected, %d Newton iterations, %.3g s; energy defect %.2g\n",
+                    (double)seen->t, (double)seen->length, (double)seen->tip_x1,
+                    (double)seen->tip_x2, (double)seen->norm_x2, (int)steps, (int)rejections,
+                    (int)iterations, now - self->begin, (double)seen->energy_defect));
+  if (!self->quiet && seen->energy_defect > 1e-3)
+    PetscCall(PetscPrintf(
+        PETSC_COMM_WORLD,
+        "The energy balance is off by more than 1e-3: lower -ts_rtol or raise -rod_cells.\n"));
+  PetscFunctionReturn(0);
+}
+
+/* Stores the last state and closes the file, whatever the end. */
+static PetscErrorCode GrowDestroy(Grow *self, PetscBool finished) {
+  PetscFunctionBegin;
+  if (self->seen.t != self->stored_at) PetscCall(StoreShape(self, self->seen.t, self->now->U));
+  PetscCall(OutputDestroy(&self->output, finished));
+  PetscCall(ObserverDestroy(&self->observer));
+  for (int m = 0; m < 3; m++) PetscCall(LegDestroy(&self->leg[m]));
+  PetscFunctionReturn(0);
+}
+
+/*
+  GrowRun - follows the rod of a scene from t = 0 to its end time. Collective.
+
+  output   the result file; empty: none
+
+  Ends with a user's error, the last state stored, if the stepper gives up or the run is
+  interrupted.
+*/
+PetscErrorCode GrowRun(Scene scene, const char *output) {
+  Grow grow = {.scene = scene}, *self = &grow;
+  TSConvergedReason reason = TS_CONVERGED_ITERATING;
+  PetscReal t = 0, dt = 0;
+
+  PetscFunctionBegin;
+  PetscCall(GrowCreate(self, output));
+  signal(SIGTERM, OnSignal);
+  signal(SIGINT, OnSignal);
+  PetscCall(PetscTime(&self->begin));
+  self->reported = self->begin;
+  if (!self->quiet)
+    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%10s %10s %12s %10s %7s %8s %9s\n", "t", "length",
+                          "|x2|", "step", "Newton", "model", "rest"));
+  while (!interrupted) {
+    PetscCall(TSSolve(self->now->ts, self->now->U));
+    PetscCall(TSGetConvergedReason(self->now->ts, &reason));
+    if (reason != TS_CONVERGED_USER || interrupted) break;
+    PetscCall(HandOver(self, &self->leg[BetterModel(self)]));
+  }
+  PetscCall(TSGetTime(self->now->ts, &t));
+  PetscCall(TSGetTimeStep(self->now->ts, &dt));
+  PetscCall(Progress(self, PETSC_TRUE));
+  PetscCall(Summary(self));
+  PetscCall(GrowDestroy(self, (PetscBool)(reason == TS_CONVERGED_TIME)));
+  UserCheck(!interrupted, PETSC_COMM_WORLD,
+            "interrupted by signal %d at t = %g; the results up to there are stored",
+            (int)interrupted, (double)t);
+  UserCheck(reason != TS_CONVERGED_ITS, PETSC_COMM_WORLD,
+            "-ts_max_steps: reached at t = %g before -ts_max_time %g", (double)t,
+            (double)scene->end_time);
+  UserCheck(reason == TS_CONVERGED_TIME, PETSC_COMM_WORLD,
+            "gave up at t = %g with a step of %g (%s): the results up to there are stored; try a "
+            "lower -ts_rtol, more -rod_cells or a larger -friction_beta",
+            (double)t, (double)dt, TSConvergedReasons[reason]);
+  PetscFunctionReturn(0);
+}

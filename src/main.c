@@ -1,0 +1,57 @@
+/* tendril: the growth of an elastic fibre that friction holds back. Options -> scene -> task. */
+#include "critical.h"
+#include "grow.h"
+#include "options.h"
+#include "stability.h"
+#include <slepceps.h>
+
+static const char help[] =
+    "tendril: the slow growth of an elastic fibre that friction holds back.\n"
+    "  tendril -options_file options/uniform-dry.opts [-output FILE.h5] [overrides]\n\n";
+
+enum { GROW, STABILITY, CRITICAL };
+
+static PetscErrorCode Run(int argc, char **argv) {
+  const char *const tasks[] = {"grow", "stability", "critical"};
+  char output[PETSC_MAX_PATH_LEN] = "";
+  PetscInt task = GROW;
+  PetscBool is_help;
+  Scene scene;
+
+  PetscFunctionBegin;
+  PetscCall(OptionsRefuseBareWords(argc, argv));
+  PetscCall(OptionsCheckPetsc());
+  PetscCall(OptionList(
+      "-task",
+      "what to do: follow the rod in time, tabulate its stability, find its critical length", 3,
+      tasks, &task, NULL));
+  PetscCall(OptionString("-output", "result file (HDF5)", output, sizeof(output), NULL));
+  PetscCall(SceneCreate(&scene));
+  PetscCall(PetscOptionsHasHelp(NULL, &is_help));
+  if (scene->shape.type == SHAPE_MODE && task == GROW) {
+    PetscInt n;
+    PetscReal *s, *theta;
+    PetscCall(StabilitySlowestMode(scene, &n, &s, &theta));
+    PetscCall(SceneSetShape(scene, n, s, theta));
+    PetscCall(PetscFree(s));
+    PetscCall(PetscFree(theta));
+  }
+  if (task == GROW)
+    PetscCall(GrowRun(scene, output));
+  else if (task == STABILITY)
+    PetscCall(StabilityRun(scene, output));
+  else
+    PetscCall(CriticalRun(scene, output));
+  PetscCall(SceneDestroy(&scene));
+  PetscFunctionReturn(0);
+}
+
+int main(int argc, char **argv) {
+  PetscErrorCode ierr;
+
+  if (SlepcInitialize(&argc, &argv, NULL, help)) return 1;
+  PetscCall(PetscPushErrorHandler(UserErrorHandler, NULL));
+  ierr = Run(argc, argv);
+  if (ierr) return 1 + 0 * SlepcFinalize();
+  return SlepcFinalize() != 0;
+}

@@ -1,0 +1,16 @@
+/* Newton's method in each time step: its linear solver and its test of convergence. */
+#ifndef TENDRIL_NEWTON_H
+#define TENDRIL_NEWTON_H
+
+#include "rod.h"
+
+typedef struct {
+  Rod rod;
+  PetscReal tolerance;   /* of the update, relative to each field's size */
+  PetscReal update;      /* the latest iteration's largest */
+  PetscReal residual[2]; /* the latest, along and across */
+} Newton;
+
+PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton);
+
+#endif

@@ -1,0 +1,194 @@
+#include "output.h"
+#include "options.h"
+#include <unistd.h>
+#include <errno.h>
+
+enum { SHAPES = 5 };
+static const struct {
+  const char *name, *text;
+  hsize_t components;
+} shape_sets[SHAPES] = {{"/shapes/t", "times of the stored shapes", 0},
+                        {"/shapes/x", "position x1, x2 [k, n, 2]", 2},
+                        {"/shapes/theta", "tangent angle, radians [k, n]", 1},
+                        {"/shapes/curvature", "curvature theta'/g, the moment m [k, n]", 1},
+                        {"/shapes/force", "internal force n1, n2 [k, n, 2]", 2}};
+
+/* Only rank 0 has a file; the others hold an empty shell and share the verdict on errors. Series
+   are kept back until a shape is stored, so that the file changes only then. */
+struct _Output {
+  Scene scene;
+  hid_t file;
+  PetscInt waiting, room;
+  Observation *series;
+  PetscReal *buffer;
+};
+
+/* All options in force, as one text. */
+PetscErrorCode OutputRootAttributes(hid_t file, PetscBool finished) {
+  char *options;
+  char version[64];
+  PetscMPIInt ranks;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsGetAll(NULL, &options));
+  PetscCall(HdfAttributeText(file, "options", options));
+  PetscCall(PetscFree(options));
+  PetscCall(PetscSNPrintf(version, sizeof(version), "%d.%d.%d", PETSC_VERSION_MAJOR,
+                          PETSC_VERSION_MINOR, PETSC_VERSION_SUBMINOR));
+  PetscCall(HdfAttributeText(file, "version", TENDRIL_VERSION));
+  PetscCall(HdfAttributeText(file, "petsc_version", version));
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  PetscCall(HdfAttributeInt(file, "ranks", ranks));
+  PetscCall(HdfAttributeInt(file, "finished", finished));
+  PetscFunctionReturn(0);
+}
+
+/* OutputNewFile - opens a new result file on rank 0 (on the others f is -1). Collective. A path
+   that cannot be written is a user's mistake. */
+PetscErrorCode OutputNewFile(const char *file, hid_t *f) {
+  PetscMPIInt rank;
+  int good = 1;
+
+  PetscFunctionBegin;
+  *f = -1;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  if (!rank) {
+    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+    *f = H5Fcreate(file, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+    good = *f >= 0;
+  }
+  PetscCallMPI(MPI_Bcast(&good, 1, MPI_INT, 0, PETSC_COMM_WORLD));
+  UserCheck(good, PETSC_COMM_WORLD,
+            "-output %s: cannot be written; does its directory exist, and is it yours?", file);
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Group(hid_t file, const char *name) {
+  hid_t g;
+
+  PetscFunctionBegin;
+  g = H5Gcreate2(file, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  HdfCall(g);
+  HdfCall(H5Gclose(g));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode CreateDatasets(Output self) {
+  hsize_t n = self->scene->mesh.cells + 1;
+  char path[64];
+
+  PetscFunctionBegin;
+  PetscCall(Group(self->file, "/series"));
+  PetscCall(Group(self->file, "/shapes"));
+  for (int i = 0; i < OBSERVED; i++) {
+    PetscCall(PetscSNPrintf(path, sizeof(path), "/series/%s", observed_name[i]));
+    PetscCall(HdfAppendable(self->file, path, 0, NULL, "description", observed_text[i]));
+  }
+  PetscCall(HdfWrite(self->file, "/shapes/s", 1, &n, self->scene->mesh.s, "description",
+                     "material label of the nodes [n]"));
+  for (int i = 0; i < SHAPES; i++) {
+    hsize_t row[2] = {n, shape_sets[i].components};
+    int rank = shape_sets[i].components == 0 ? 0 : shape_sets[i].components == 1 ? 1 : 2;
+    PetscCall(HdfAppendable(self->file, shape_sets[i].name, rank, row, "description",
+                            shape_sets[i].text));
+  }
+  PetscCall(OutputRootAttributes(self->file, PETSC_FALSE));
+  HdfCall(H5Fflush(self->file, H5F_SCOPE_GLOBAL));
+  PetscFunctionReturn(0);
+}
+
+/*
+  OutputCreate - a new result file for a run. Collective; the caller ends it with OutputDestroy().
+
+  file   its path; empty: nothing is stored
+*/
+PetscErrorCode OutputCreate(const char *file, Scene scene, Output *output) {
+  Output self;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&self));
+  self->scene = scene;
+  self->file = -1;
+  if (file[0]) PetscCall(OutputNewFile(file, &self->file));
+  if (self->file >= 0) {
+    PetscCall(PetscMalloc1(2 * (scene->mesh.cells + 1), &self->buffer));
+    PetscCall(CreateDatasets(self));
+  }
+  *output = self;
+  PetscFunctionReturn(0);
+}
+
+/* OutputSeries - adds one line of the series; it reaches the file with the next shape. */
+PetscErrorCode OutputSeries(Output output, const Observation *seen) {
+  PetscFunctionBegin;
+  if (output->file < 0) PetscFunctionReturn(0);
+  if (output->waiting == output->room) {
+    output->room = 2 * output->room + 64;
+    PetscCall(PetscRealloc(output->room * sizeof(Observation), &output->series));
+  }
+  output->series[output->waiting++] = *seen;
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode FlushSeries(Output self) {
+  PetscReal *column;
+  char path[64];
+
+  PetscFunctionBegin;
+  if (!self->waiting) PetscFunctionReturn(0);
+  PetscCall(PetscMalloc1(self->waiting, &column));
+  for (int i = 0; i < OBSERVED; i++) {
+    for (PetscInt k = 0; k < self->waiting; k++)
+      column[k] = ((const PetscReal *)&self->series[k])[i];
+    PetscCall(PetscSNPrintf(path, sizeof(path), "/series/%s", observed_name[i]));
+    PetscCall(HdfAppend(self->file, path, self->waiting, column));
+  }
+  PetscCall(PetscFree(column));
+  self->waiting = 0;
+  PetscFunctionReturn(0);
+}
+
+/* Turns a vector from the clamp's frame to the laboratory's. */
+static inline void Turn(Scene scene, const PetscReal v[2], PetscReal to[2]) {
+  PetscReal c = PetscCosReal(scene->clamp_angle), s = PetscSinReal(scene->clamp_angle);
+  to[0] = c * v[0] - s * v[1];
+  to[1] = s * v[0] + c * v[1];
+}
+
+/* OutputShape - stores the shape at one time, and the series up to now. nodes are rank 0's. */
+PetscErrorCode OutputShape(Output output, PetscReal t, const Node *nodes) {
+  PetscInt n = output->scene->mesh.cells + 1;
+  PetscReal *b = output->buffer;
+
+  PetscFunctionBegin;
+  if (output->file < 0) PetscFunctionReturn(0);
+  PetscCall(HdfAppend(output->file, "/shapes/t", 1, &t));
+  for (PetscInt i = 0; i < n; i++) Turn(output->scene, nodes[i].x, &b[2 * i]);
+  PetscCall(HdfAppend(output->file, "/shapes/x", 1, b));
+  for (PetscInt i = 0; i < n; i++) b[i] = nodes[i].theta + output->scene->clamp_angle;
+  PetscCall(HdfAppend(output->file, "/shapes/theta", 1, b));
+  for (PetscInt i = 0; i < n; i++) b[i] = nodes[i].moment;
+  PetscCall(HdfAppend(output->file, "/shapes/curvature", 1, b));
+  for (PetscInt i = 0; i < n; i++) Turn(output->scene, nodes[i].force, &b[2 * i]);
+  PetscCall(HdfAppend(output->file, "/shapes/force", 1, b));
+  PetscCall(FlushSeries(output));
+  HdfCall(H5Fflush(output->file, H5F_SCOPE_GLOBAL));
+  PetscFunctionReturn(0);
+}
+
+/* OutputDestroy - ends the file; finished tells whether the run reached its end. */
+PetscErrorCode OutputDestroy(Output *output, PetscBool finished) {
+  Output self = *output;
+
+  PetscFunctionBegin;
+  if (!self) PetscFunctionReturn(0);
+  if (self->file >= 0) {
+    PetscCall(FlushSeries(self));
+    PetscCall(HdfAttributeInt(self->file, "finished", finished));
+    HdfCall(H5Fclose(self->file));
+  }
+  PetscCall(PetscFree(self->series));
+  PetscCall(PetscFree(self->buffer));
+  PetscCall(PetscFree(*output));
+  PetscFunctionReturn(0);
+}

@@ -1,0 +1,21 @@
+/* TS type "vbdf": backward differentiation formulas of variable order 1 to 6 and variable step for
+   F(t, U, U_t) = 0, differential-algebraic of index 2. PETSc's own "bdf" keeps one order, restarts
+   by a first-order half step and cannot be handed a history. */
+#ifndef TENDRIL_VBDF_H
+#define TENDRIL_VBDF_H
+
+#include <petscts.h>
+
+#define TSVBDF "vbdf"
+enum { VBDF_POINTS = 9 }; /* the new one and up to 8 past ones */
+
+typedef PetscErrorCode (*VBDFGuess)(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1, void *ctx);
+
+PetscErrorCode VBDFRegister(void);
+PetscErrorCode VBDFSetGuess(TS ts, VBDFGuess guess, void *ctx);
+PetscErrorCode VBDFGetHistory(TS ts, PetscInt *n, PetscReal times[], Vec points[], PetscInt *order);
+PetscErrorCode VBDFSetHistory(TS ts, PetscInt n, const PetscReal times[], const Vec points[],
+                              PetscInt order);
+PetscErrorCode VBDFGetOrder(TS ts, PetscInt *order);
+
+#endif
