@@ -19,8 +19,7 @@ static PetscErrorCode FactorCreate(MPI_Comm comm, Scene scene, const Mesh *mesh,
   PetscFunctionBegin;
   PetscCall(PetscMemzero(self, sizeof(*self)));
   self->dense = dense;
-  PetscCall(PencilCreate(comm, scene->growth, &scene->friction, mesh, map_follows,
-                         &self->pencil));
+  PetscCall(PencilCreate(comm, scene->growth, &scene->friction, mesh, map_follows, &self->pencil));
   PetscCall(SpectrumCreate(self->pencil, quiet, &self->spectrum));
   PetscFunctionReturn(0);
 }
@@ -81,8 +80,8 @@ static PetscErrorCode Root(Factor *self, PetscReal a, PetscReal b, PetscReal *ro
   PetscFunctionReturn(0);
 }
 
-/* The first bracket of a crossing, found in steps of 5 % of the length on a coarse mesh. The rod may
-   also be unstable from the start. */
+/* The first bracket of a crossing, found in steps of 5 % of the length on a coarse mesh. The rod
+   may also be unstable from the start. */
 static PetscErrorCode Scan(Scene scene, PetscReal *low, PetscReal *high) {
   PetscReal T = scene->end_time, f, L, L_t;
   Factor coarse;
@@ -93,8 +92,9 @@ static PetscErrorCode Scan(Scene scene, PetscReal *low, PetscReal *high) {
   PetscCall(FactorCreate(PETSC_COMM_SELF, scene, &mesh, PETSC_TRUE, PETSC_TRUE, &coarse));
   *low = *high = 0;
   PetscCall(FactorAt(&coarse, 0, &f));
-  UserCheck(f < 0, PETSC_COMM_WORLD,
-            "-growth_initial_length: the straight rod is unstable already at t = 0, take it shorter");
+  UserCheck(
+      f < 0, PETSC_COMM_WORLD,
+      "-growth_initial_length: the straight rod is unstable already at t = 0, take it shorter");
   while (f < 0 && *high < T) {
     PetscCall(GrowthLength(scene->growth, *high, &L, &L_t));
     *low = *high;
@@ -169,8 +169,9 @@ static PetscErrorCode StoreMode(Scene scene, const Factor *factor, Critical *sel
   quiet      takes no solver options from the command line
   critical   the caller frees its arrays with CriticalDestroy()
 
-  The mesh has -rod_cells cells, equidistant in arc length. The error bound is the change from half the mesh (of order 4, so the error itself is about a
-  fifteenth of it) and what rounding does to a second-order matrix of this size.
+  The mesh has -rod_cells cells, equidistant in arc length. The error bound is the change from half
+  the mesh (of order 4, so the error itself is about a fifteenth of it) and what rounding does to a
+  second-order matrix of this size.
 */
 PetscErrorCode CriticalFind(Scene scene, PetscBool quiet, Critical *self) {
   PetscReal low = 0, high = 0, half_t;
@@ -192,7 +193,8 @@ PetscErrorCode CriticalFind(Scene scene, PetscBool quiet, Critical *self) {
   PetscCall(OnMesh(scene, &fine, low, high, &self->t));
   PetscCall(GrowthLength(scene->growth, self->t, &self->length, NULL));
   self->frequency = fine.frequency;
-  self->error = PetscAbsReal(self->t - half_t) + PetscMax(1, self->length) * (1e-14 + 1e-17 * PetscSqr((PetscReal)n));
+  self->error = PetscAbsReal(self->t - half_t) +
+                PetscMax(1, self->length) * (1e-14 + 1e-17 * PetscSqr((PetscReal)n));
   PetscCall(StoreMode(scene, &fine, self));
   PetscCall(PetscFree2(fine.c, fine.w));
   PetscCall(FactorDestroy(&fine));
@@ -223,20 +225,22 @@ static PetscErrorCode Write(hid_t file, const Critical *self) {
   PetscCall(HdfWrite(file, "/critical/s", 1, &n, self->s, "description", "material label [n]"));
   PetscCall(HdfWrite(file, "/critical/y", 1, &n, self->y, "description",
                      "critical mode, deflection, largest 1 [n]"));
-  PetscCall(HdfWrite(file, "/critical/theta", 1, &n, self->theta, "description",
-                     "its angle dy/dp [n]"));
+  PetscCall(
+      HdfWrite(file, "/critical/theta", 1, &n, self->theta, "description", "its angle dy/dp [n]"));
   PetscCall(OutputRootAttributes(file, PETSC_TRUE));
   PetscFunctionReturn(0);
 }
 
 static PetscErrorCode Print(const Critical *self) {
   PetscFunctionBegin;
-  PetscCall(PetscPrintf(PETSC_COMM_WORLD,
-                        "critical time   t = %.12g\ncritical length L = %.12g\nerror below     %.1e\n",
-                        (double)self->t, (double)self->length, (double)self->error));
+  PetscCall(
+      PetscPrintf(PETSC_COMM_WORLD,
+                  "critical time   t = %.12g\ncritical length L = %.12g\nerror below     %.1e\n",
+                  (double)self->t, (double)self->length, (double)self->error));
   if (self->frequency > 0)
     PetscCall(PetscPrintf(PETSC_COMM_WORLD, "flutter, frequency %.6g per unit of t (L^3 = %.8g)\n",
-                          (double)self->frequency, (double)(self->length * self->length * self->length)));
+                          (double)self->frequency,
+                          (double)(self->length * self->length * self->length)));
   else
     PetscCall(PetscPrintf(PETSC_COMM_WORLD, "buckling (L^3 = %.10g)\n",
                           (double)(self->length * self->length * self->length)));

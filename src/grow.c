@@ -49,7 +49,7 @@ static PetscErrorCode Self(TS ts, Grow **self) {
 
 /* Local errors add up, in the decay and growth of x2 even with one sign: a step gets this part of
    the tolerance. */
-static const PetscReal share_of_step = 0.25;
+static const PetscReal share_of_step = 0.15;
 
 /* The tolerance of each entry: that part of rtol times the present size of its field; -1 leaves out
    the fields that are not followed (forces and moments of an index-2 problem are not to control the

@@ -66,7 +66,8 @@ static PetscErrorCode Allocate(Pencil self) {
   PetscFunctionReturn(0);
 }
 
-/* The label s of a place z, p(s, t) = z L(t): Newton's method within a bracket, from the guess s. */
+/* The label s of a place z, p(s, t) = z L(t): Newton's method within a bracket, from the guess s.
+ */
 static PetscErrorCode Label(Growth growth, PetscReal z, PetscReal t, PetscReal L, PetscReal *s) {
   PetscReal low = 0, high = 1, p, g;
 
@@ -247,7 +248,7 @@ PetscErrorCode PencilBound(Pencil self, PetscReal *bound) {
 static PetscReal Weight(const PencilPoint *x, PencilForm form) {
   switch (form) {
   case FORM_AXIAL:
-    return x->ds * x->P / x->g;
+    return x->dz * x->P / x->g;
   case FORM_DRAG:
     return x->ds * x->drag;
   case FORM_DRAG_RATE:

@@ -4,9 +4,9 @@
    suffers the h^-4 of the fourth-order matrix. D couples all of w, so solves use the mixed unknowns
    (w, c, n) of a node, n the shear force, which make it sparse again:
        K w - Delta n + 1/2.. X^T c = 0,   E^T n + X w = lambda D c,   E c - Delta w = 0.
-   The splines live on a coordinate z in [0,1], a map of the label s that is fixed in time: the share of
-   arc length p(s, t_map) / L(t_map). However narrow the growth zone, nothing is steep in z near t_map.
-   For uniform growth z = s, and this is algebraically the pencil of StraightBands. */
+   The splines live on a coordinate z in [0,1], a map of the label s that is fixed in time: the
+   share of arc length p(s, t_map) / L(t_map). However narrow the growth zone, nothing is steep in z
+   near t_map. For uniform growth z = s, and this is algebraically the pencil of StraightBands. */
 #ifndef TENDRIL_PENCIL_H
 #define TENDRIL_PENCIL_H
 
@@ -45,14 +45,16 @@ struct _Pencil {
   MPI_Comm comm;
   Growth growth;
   const Friction *friction;
-  const Mesh *mesh;            /* nodes in z */
-  PetscReal map;               /* t_map, or map_follows */
-  PetscInt n, first, last;  /* unknowns of each kind, cells + 1; this rank's */
-  PetscInt cell, cells;     /* first cell that touches them, and how many */
-  PencilPoint *point;       /* [cells][GAUSS] */
-  PetscReal *basis;         /* [cells][GAUSS][10]: 3 of w, their 3 slopes, 4 of y */
-  PetscReal *delta;         /* this rank's diagonal of Delta */
-  PetscReal *label, *force; /* all Gauss labels from cell on, and 1; P there */
+  const Mesh *mesh;           /* nodes in z */
+  PetscReal map;              /* t_map, or map_follows */
+  PetscInt n, first, last;    /* unknowns of each kind, cells + 1; this rank's */
+  PetscInt cell, cells;       /* first cell that touches them, and how many */
+  PencilPoint *point;         /* [cells][GAUSS] */
+  PetscReal *basis;           /* [cells][GAUSS][10]: 3 of w, their 3 slopes, 4 of y */
+  PetscReal *delta;           /* this rank's diagonal of Delta */
+  PetscReal *z, *label;       /* all Gauss points from cell on, and 1; their labels */
+  PetscReal *stretch, *force; /* s_z and P there */
+  PetscReal *node;            /* labels of the n nodes */
   PetscReal time;
   PetscReal compression, drag_min, drag_max, rate_max; /* extremes of P, phi0, (ln D)_t */
 };

@@ -22,8 +22,8 @@ static PetscErrorCode AgainstShift(EPS eps, PetscScalar re, PetscScalar im, Pets
 }
 
 /* MUMPS meets zero pivots in the mixed matrix and puts them off, for which its own guess of the
-   room is too small; and its default ordering takes longer than all the rest. It reads both from the
-   options only, when it factors. */
+   room is too small; and its default ordering takes longer than all the rest. It reads both from
+   the options only, when it factors. */
 enum { MUMPS_OPTIONS = 2 };
 static const char *const mumps_names[] = {"-st_mat_mumps_icntl_14", "-st_mat_mumps_icntl_7"};
 static const char *const mumps_values[] = {"300", "0"};
@@ -57,10 +57,11 @@ static PetscErrorCode DirectSolver(EPS eps) {
   PetscFunctionReturn(0);
 }
 
-/* SpectrumCreate - a solver for the pencil's problems, for one kind of them only. The caller destroys
-   it with SpectrumDestroy(), before the pencil. Collective.
+/* SpectrumCreate - a solver for the pencil's problems, for one kind of them only. The caller
+   destroys it with SpectrumDestroy(), before the pencil. Collective.
 
-   quiet   leaves the command line alone; else -eps_... and -st_... are read, here for the first time
+   quiet   leaves the command line alone; else -eps_... and -st_... are read, here for the first
+   time
 */
 PetscErrorCode SpectrumCreate(Pencil pencil, PetscBool quiet, Spectrum *self) {
   PetscBool given;
@@ -204,8 +205,8 @@ PetscErrorCode SpectrumLargest(Spectrum *self, SpectrumRate rate, PetscReal t, E
     Mesh mesh;
     PetscCall(MeshCreate(PetscMin(self->pencil->mesh->cells, 100), PETSC_FALSE,
                          self->pencil->growth, t, &mesh));
-    PetscCall(
-        PencilCreate(PETSC_COMM_SELF, self->pencil->growth, self->pencil->friction, &mesh, &small));
+    PetscCall(PencilCreate(PETSC_COMM_SELF, self->pencil->growth, self->pencil->friction, &mesh,
+                           map_follows, &small));
     PetscCall(SpectrumRightmost(small, t, value));
     PetscCall(PencilDestroy(&small));
     PetscCall(MeshDestroy(&mesh));
