@@ -235,9 +235,9 @@ def draw(results, names, view):
 
 
 def default_times(results):
-    """Four times up to the end of the longest run, round where the run's end is."""
-    end = max(r.shapes.t[-1] for r in results)
-    return [end * k / 4 for k in (1, 2, 3, 4)]
+    """The stored times nearest to the quarters of the longest run."""
+    longest = max(results, key=lambda r: r.shapes.t[-1])
+    return sorted({longest.at(longest.shapes.t[-1] * k / 4).t for k in (1, 2, 3, 4)})
 
 
 def read(path):

@@ -12,6 +12,7 @@ All is dimensionless, as in the file. Files of runs that are still going or were
 far as they were written; r.finished tells. Needs numpy and h5py.
 """
 
+import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -121,19 +122,29 @@ def _cut(table, names):
             table[n] = table[n][:rows]
 
 
+def _read(path):
+    """(attributes, groups, notes). No lock is asked for: the run that writes may be going on."""
+    notes = {}
+    with h5py.File(path, "r", locking=False) as file:
+        attributes = {k: _text(v) for k, v in file.attrs.items()}
+        groups = [_group(file, g, notes) for g in ("series", "shapes", "stability", "critical")]
+    return attributes, groups, notes
+
+
 def load(path):
     """Reads a result file; raises ResultsError, a plain line, if that cannot be done."""
     path = Path(path)
     if not path.is_file():
         raise ResultsError(f"{path}: no such file")
-    notes = {}
-    try:
-        # no lock: the run that writes the file may be going on
-        with h5py.File(path, "r", locking=False) as file:
-            attributes = {k: _text(v) for k, v in file.attrs.items()}
-            groups = [_group(file, g, notes) for g in ("series", "shapes", "stability", "critical")]
-    except (OSError, RuntimeError, KeyError) as error:
-        raise ResultsError(f"{path}: not a whole HDF5 file ({error})") from None
+    for attempt in range(10):
+        try:
+            attributes, groups, notes = _read(path)
+            break
+        except (OSError, RuntimeError, KeyError) as error:
+            # a file that is being written may change between two reads: once more, then
+            if attempt == 9 or time.time() - path.stat().st_mtime > 3:
+                raise ResultsError(f"{path}: not a whole HDF5 file ({error})") from None
+            time.sleep(0.1)
     series, shapes, stability, critical = groups
     if not (series or stability or critical):
         raise ResultsError(f"{path}: no result file of tendril, it has no group series")

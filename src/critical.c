@@ -3,7 +3,7 @@
 #include "output.h"
 #include "spectrum.h"
 
-enum { SCAN_CELLS = 64, SCAN_STEPS = 100, ROOT_STEPS = 60 };
+enum { SHARED_CELLS = 5000, SCAN_CELLS = 64, SCAN_STEPS = 100, ROOT_STEPS = 60 };
 
 /* A growth factor as a function of t, negative while the straight rod is stable. */
 typedef struct {
@@ -53,18 +53,17 @@ static PetscErrorCode FactorAt(Factor *self, PetscReal t, PetscReal *f) {
 
 /* Root in [a, b], f(a) < 0 <= f(b): false position, the stale end's value scaled down (Anderson and
    Bjoerck), with bisection where f is not finite. */
-static PetscErrorCode Root(Factor *self, PetscReal a, PetscReal b, PetscReal *root) {
-  PetscReal fa, fb, f = 0, t = b;
+static PetscErrorCode Root(Factor *self, PetscReal a, PetscReal fa, PetscReal b, PetscReal fb,
+                           PetscReal *root) {
+  PetscReal f = 0, t = b;
 
   PetscFunctionBegin;
-  PetscCall(FactorAt(self, a, &fa));
-  PetscCall(FactorAt(self, b, &fb));
   for (int k = 0; k < ROOT_STEPS && fb != 0; k++) {
     PetscReal old = t;
     t = fa > -1e300 ? (a * fb - b * fa) / (fb - fa) : (a + b) / 2;
     if (!(t > a && t < b)) t = (a + b) / 2;
     PetscCall(FactorAt(self, t, &f));
-    if (f == 0 || PetscAbsReal(t - old) <= 1e-14 * PetscAbsReal(t)) break;
+    if (f == 0 || PetscAbsReal(t - old) <= 2e-13 * PetscAbsReal(t)) break;
     if (f < 0) { /* b is stale if it was kept before too */
       if (fb > 0 && fa > -1e300 && old <= a) fb *= f / fa < 1 ? 1 - f / fa : 0.5;
       a = t;
@@ -74,7 +73,7 @@ static PetscErrorCode Root(Factor *self, PetscReal a, PetscReal b, PetscReal *ro
       b = t;
       fb = f;
     }
-    if (b - a <= 4e-16 * PetscAbsReal(b)) break;
+    if (b - a <= 2e-13 * PetscAbsReal(b)) break;
   }
   *root = t;
   PetscFunctionReturn(0);
@@ -111,20 +110,20 @@ static PetscErrorCode Scan(Scene scene, PetscReal *low, PetscReal *high) {
 
 /* A root near a bracket that belongs to another mesh: widen it till it holds. */
 static PetscErrorCode RootNear(Factor *self, PetscReal low, PetscReal high, PetscReal *root) {
-  PetscReal f, d = (high - low) / 10;
+  PetscReal f_low, f_high, d = high - low;
 
   PetscFunctionBegin;
-  PetscCall(FactorAt(self, low, &f));
-  for (; f >= 0 && low > 0; d *= 2) {
+  PetscCall(FactorAt(self, low, &f_low));
+  for (; f_low >= 0 && low > 0; d *= 4) {
     low = PetscMax(0, low - d);
-    PetscCall(FactorAt(self, low, &f));
+    PetscCall(FactorAt(self, low, &f_low));
   }
-  PetscCall(FactorAt(self, high, &f));
-  for (; f < 0; d *= 2) {
+  PetscCall(FactorAt(self, high, &f_high));
+  for (; f_high < 0; d *= 4) {
     high += d;
-    PetscCall(FactorAt(self, high, &f));
+    PetscCall(FactorAt(self, high, &f_high));
   }
-  PetscCall(Root(self, low, high, root));
+  PetscCall(Root(self, low, f_low, high, f_high, root));
   PetscFunctionReturn(0);
 }
 
@@ -162,9 +161,23 @@ static PetscErrorCode StoreMode(Scene scene, const Factor *factor, Critical *sel
   PetscFunctionReturn(0);
 }
 
+/* Ranks that solved it each for itself differ in the last digit: rank 0's word counts. */
+static PetscErrorCode Agree(Critical *self) {
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Bcast(&self->t, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Bcast(&self->length, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Bcast(&self->error, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Bcast(&self->frequency, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Bcast(self->y, self->n, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Bcast(self->theta, self->n, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  PetscFunctionReturn(0);
+}
+
 /*
   CriticalFind - the critical time and length of a scene, with the error and the mode. Collective on
   PETSC_COMM_WORLD.
+
+  Below SHARED_CELLS every rank solves it for itself, which is faster than to share it.
 
   quiet      takes no solver options from the command line
   critical   the caller frees its arrays with CriticalDestroy()
@@ -174,28 +187,30 @@ static PetscErrorCode StoreMode(Scene scene, const Factor *factor, Critical *sel
   second-order matrix of this size.
 */
 PetscErrorCode CriticalFind(Scene scene, PetscBool quiet, Critical *self) {
-  PetscReal low = 0, high = 0, half_t;
+  PetscReal low = 0, high = 0, half_t, near = 1e-8;
   PetscInt cells = scene->mesh.cells, n = cells + 1;
+  MPI_Comm comm = cells < SHARED_CELLS ? PETSC_COMM_SELF : PETSC_COMM_WORLD;
   Factor fine, half;
   Mesh mesh, half_mesh;
 
   PetscFunctionBegin;
   PetscCall(MeshCreate(cells, PETSC_FALSE, scene->growth, scene->end_time, &mesh));
   PetscCall(MeshCreate((cells + 1) / 2, PETSC_FALSE, scene->growth, scene->end_time, &half_mesh));
-  PetscCall(FactorCreate(PETSC_COMM_WORLD, scene, &mesh, PETSC_FALSE, quiet, &fine));
+  PetscCall(FactorCreate(comm, scene, &mesh, PETSC_FALSE, quiet, &fine));
   if (!quiet) PetscCall(OptionsRefuseUnread());
   if (!scene->growth->uniform || scene->growth->slides) PetscCall(Scan(scene, &low, &high));
-  PetscCall(FactorCreate(PETSC_COMM_WORLD, scene, &half_mesh, PETSC_FALSE, quiet, &half));
+  PetscCall(FactorCreate(comm, scene, &half_mesh, PETSC_FALSE, quiet, &half));
   PetscCall(OnMesh(scene, &half, low, high, &half_t));
   PetscCall(FactorDestroy(&half));
   PetscCall(MeshDestroy(&half_mesh));
   PetscCall(PetscMalloc2(n, &fine.c, n, &fine.w));
-  PetscCall(OnMesh(scene, &fine, low, high, &self->t));
+  PetscCall(OnMesh(scene, &fine, half_t - near, half_t + near, &self->t));
   PetscCall(GrowthLength(scene->growth, self->t, &self->length, NULL));
   self->frequency = fine.frequency;
   self->error = PetscAbsReal(self->t - half_t) +
                 PetscMax(1, self->length) * (1e-14 + 1e-17 * PetscSqr((PetscReal)n));
   PetscCall(StoreMode(scene, &fine, self));
+  PetscCall(Agree(self));
   PetscCall(PetscFree2(fine.c, fine.w));
   PetscCall(FactorDestroy(&fine));
   PetscCall(MeshDestroy(&mesh));

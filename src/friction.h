@@ -14,9 +14,10 @@ typedef struct {
 } Friction;
 
 /* What Newton's method remembers of one friction point: the velocity and the dual w (the dry force
-   over mu, |w| <= 1) of its latest linearisation. */
+   over mu, |w| <= 1) of its latest linearisation; for exact Coulomb friction also the shift that
+   holds a sticking point at rest (else 0). */
 typedef struct {
-  PetscReal v[2], w[2];
+  PetscReal v[2], w[2], shift[2];
 } FrictionDual;
 
 PetscErrorCode FrictionSetFromOptions(Friction *friction);
@@ -25,9 +26,33 @@ void FrictionDualAdvance(const Friction *law, const PetscReal v[2], FrictionDual
 void FrictionLinearise(const Friction *law, const PetscReal v[2], const FrictionDual *dual,
                        PetscReal slope[2][2]);
 
-/* phi(|v|) given |v|^2 */
+PetscReal FrictionDualHold(const Friction *law, const PetscReal v[2], FrictionDual *dual);
+
+/* The dry force is mu w, w = u/r, u = v + shift, r = sqrt(u^2 + beta). Regularised friction has no
+   shift. Exact Coulomb friction takes a tiny beta and moves the shift, shift <- shift + v, until
+   the force settles: then either v = 0, and w is whatever it takes, or |v| is far above sqrt(beta)
+   and w = v/|v| (a method of multipliers). */
+static const PetscReal friction_tiny = 1e-12;
+
+/* r, and u with it */
+static inline PetscReal FrictionRadius(const Friction *law, const PetscReal v[2],
+                                       const FrictionDual *dual, PetscReal u[2]) {
+  u[0] = v[0] + dual->shift[0];
+  u[1] = v[1] + dual->shift[1];
+  return PetscSqrtReal(u[0] * u[0] + u[1] * u[1] + (law->beta > 0 ? law->beta : friction_tiny));
+}
+
+/* The force phi(|v|) v of friction, per length. */
+static inline void FrictionForce(const Friction *law, const PetscReal v[2],
+                                 const FrictionDual *dual, PetscReal f[2]) {
+  PetscReal u[2], r = FrictionRadius(law, v, dual, u);
+  for (int d = 0; d < 2; d++) f[d] = (1 - law->mu) * v[d] + law->mu * u[d] / r;
+}
+
+/* phi(|v|) given |v|^2; a point at rest under exact Coulomb friction loses no power: 1 - mu */
 static inline PetscReal FrictionPhi(const Friction *law, PetscReal v2) {
-  return 1 - law->mu + law->mu / PetscSqrtReal(v2 + law->beta);
+  PetscReal r = PetscSqrtReal(v2 + law->beta);
+  return 1 - law->mu + (r > 0 ? law->mu / r : 0);
 }
 
 #endif

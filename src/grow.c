@@ -308,8 +308,9 @@ static PetscErrorCode ReadOptions(Grow *self) {
   PetscCall(OptionReal("-output_interval", "time between stored shapes", 1e-9, 1e9,
                        &self->output_interval, &set));
   PetscCall(OptionBool("-quiet", "print nothing but errors", &self->quiet, NULL));
-  UserCheck(self->scene->friction.beta > 0 || self->scene->friction.mu == 0, PETSC_COMM_WORLD,
-            "-friction_beta 0: exact Coulomb friction is not available here, give a value above 0");
+  UserCheck(self->scene->friction.beta > 0 || self->model != MIXED, PETSC_COMM_WORLD,
+            "-friction_beta 0: exact Coulomb friction needs -rod_model frame or auto, or give a "
+            "value above 0");
   PetscFunctionReturn(0);
 }
 

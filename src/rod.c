@@ -192,6 +192,7 @@ PetscErrorCode RodResidual(TS ts, PetscReal t, Vec U, Vec U_t, Vec F, void *ctx)
 
   PetscFunctionBegin;
   rod->latest_rate = U_t;
+  rod->latest_time = t;
   rod->residuals++;
   PetscCall(rod->model->residual(rod, t, U, U_t, F));
   PetscFunctionReturn(0);

@@ -36,6 +36,8 @@ typedef struct {
   PetscErrorCode (*get)(Rod, PetscReal t, Vec U, Vec U_t, Node *nodes);
   PetscErrorCode (*residual)(Rod, PetscReal t, Vec U, Vec U_t, Vec F);
   PetscErrorCode (*jacobian)(Rod, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J);
+  /* exact Coulomb friction: see FrictionDualHold(); NULL: regularised friction only */
+  PetscErrorCode (*hold)(Rod, PetscReal t, Vec U, Vec U_t, PetscReal *change);
 } RodModel;
 
 struct _Rod {
@@ -46,7 +48,8 @@ struct _Rod {
   PetscInt first, end; /* owned nodes: first .. end - 1 */
   PetscInt last;       /* the tip, N */
   Vec latest_rate;     /* U_t of the latest residual: of the accepted state, once a step is taken */
-  PetscBool fresh;     /* the next Jacobian is the first of its Newton solve */
+  PetscReal latest_time;         /* t of it */
+  PetscBool fresh;               /* the next Jacobian is the first of its Newton solve */
   PetscInt residuals, jacobians; /* counted work */
   void *data;
 };

@@ -31,20 +31,20 @@ typedef struct {
   PetscReal slope[2][2]; /* d(phi v)/dv */
 } Point;
 
-static void PointEvaluate(const Friction *friction, const Law *law, Point *p) {
-  PetscReal phi;
+static void PointEvaluate(const Friction *friction, const Law *law, const FrictionDual *dual,
+                          Point *p) {
   p->f[X1] = law->g * p->q[0];
   p->f[X2] = law->g * p->q[1];
   p->f[TH] = law->g * p->m;
   p->f[M] = -law->g * (p->q[0] * p->n[1] - p->q[1] * p->n[0]);
-  phi = FrictionPhi(friction, p->v[0] * p->v[0] + p->v[1] * p->v[1]);
-  p->f[N1] = law->g * phi * p->v[0];
-  p->f[N2] = law->g * phi * p->v[1];
+  FrictionForce(friction, p->v, dual, &p->f[N1]);
+  p->f[N1] *= law->g;
+  p->f[N2] *= law->g;
 }
 
 /* The point at a node; u, u_t its six unknowns and their rates. */
-static void PointAtNode(const Friction *friction, const Law *law, const PetscReal *u,
-                        const PetscReal *u_t, Point *p) {
+static void PointAtNode(const Friction *friction, const Law *law, const FrictionDual *dual,
+                        const PetscReal *u, const PetscReal *u_t, Point *p) {
   p->theta = u[TH];
   p->m = u[M];
   p->q[0] = PetscCosReal(u[TH]);
@@ -53,7 +53,7 @@ static void PointAtNode(const Friction *friction, const Law *law, const PetscRea
     p->n[d] = u[N1 + d];
     p->v[d] = u_t[X1 + d] + law->c * p->q[d];
   }
-  PointEvaluate(friction, law, p);
+  PointEvaluate(friction, law, dual, p);
 }
 
 /* The slope x'_t = g_t q + g theta_t q_perp of the velocity at a node. */
@@ -64,8 +64,9 @@ static inline void VelocitySlope(const Law *law, const Point *p, PetscReal theta
 }
 
 /* The point in the middle of a cell between a and b; k = bow h. */
-static void PointAtMid(const Friction *friction, const Law law[3], PetscReal k, const Point *a,
-                       const Point *b, const PetscReal *ua_t, const PetscReal *ub_t, Point *p) {
+static void PointAtMid(const Friction *friction, const Law law[3], const FrictionDual dual[3],
+                       PetscReal k, const Point *a, const Point *b, const PetscReal *ua_t,
+                       const PetscReal *ub_t, Point *p) {
   PetscReal wa[2], wb[2];
   VelocitySlope(&law[0], a, ua_t[TH], wa);
   VelocitySlope(&law[2], b, ub_t[TH], wb);
@@ -77,7 +78,7 @@ static void PointAtMid(const Friction *friction, const Law law[3], PetscReal k, 
     p->n[d] = (a->n[d] + b->n[d]) / 2 + k * (a->f[N1 + d] - b->f[N1 + d]);
     p->v[d] = (ua_t[X1 + d] + ub_t[X1 + d]) / 2 + k * (wa[d] - wb[d]) + law[1].c * p->q[d];
   }
-  PointEvaluate(friction, &law[1], p);
+  PointEvaluate(friction, &law[1], &dual[1], p);
 }
 
 /* The laws at all points of the owned nodes and the cells beside them, at time t. */
@@ -144,11 +145,12 @@ static PetscErrorCode FrameResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F)
   PetscCall(DMDAVecGetArray(rod->da, F, &F_));
   for (PetscInt i = PetscMax(first - 1, 0); i < PetscMin(end, rod->last); i++) {
     const Law *law = &frame->law[2 * (i - first + 1)];
+    const FrictionDual *dual = &frame->dual[2 * (i - first + 1)];
     PetscReal h = s[i + 1] - s[i], r[FIELDS];
-    if (i == PetscMax(first - 1, 0)) PointAtNode(friction, law, u[i], u_t[i], &b);
+    if (i == PetscMax(first - 1, 0)) PointAtNode(friction, law, dual, u[i], u_t[i], &b);
     a = b;
-    PointAtNode(friction, law + 2, u[i + 1], u_t[i + 1], &b);
-    PointAtMid(friction, law, frame->bow * h, &a, &b, u_t[i], u_t[i + 1], &mid);
+    PointAtNode(friction, law + 2, dual + 2, u[i + 1], u_t[i + 1], &b);
+    PointAtMid(friction, law, dual, frame->bow * h, &a, &b, u_t[i], u_t[i + 1], &mid);
     CellResidual(frame, h, u[i], u[i + 1], &a, &mid, &b, r);
     if (i >= first) PetscCall(PetscArraycpy(&F_[i][M], &r[M], 3));
     if (i + 1 < end) PetscCall(PetscArraycpy(&F_[i + 1][X1], &r[X1], 3));
@@ -242,13 +244,13 @@ static PetscErrorCode FrameJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, PetscR
     if (i < rod->last) {
       PetscReal h = s[i + 1] - s[i];
       if (i == PetscMax(first - 1, 0)) {
-        PointAtNode(friction, law, u[i], u_t[i], &b);
+        PointAtNode(friction, law, dual, u[i], u_t[i], &b);
         Linearise(rod, dual, &b);
       }
       a = b;
-      PointAtNode(friction, law + 2, u[i + 1], u_t[i + 1], &b);
+      PointAtNode(friction, law + 2, dual + 2, u[i + 1], u_t[i + 1], &b);
       Linearise(rod, dual + 2, &b);
-      PointAtMid(friction, law, frame->bow * h, &a, &b, u_t[i], u_t[i + 1], &mid);
+      PointAtMid(friction, law, dual, frame->bow * h, &a, &b, u_t[i], u_t[i + 1], &mid);
       Linearise(rod, dual + 1, &mid);
       PetscCall(PetscMemzero(left, sizeof(left)));
       PetscCall(PetscMemzero(right, sizeof(right)));
@@ -273,6 +275,36 @@ static PetscErrorCode FrameJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, PetscR
   PetscCall(Close(rod, local, &u, &u_t));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(0);
+}
+
+/* Moves the shifts of exact Coulomb friction; change is the largest of a force. */
+static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal *change) {
+  Frame *frame = (Frame *)rod->data;
+  const Friction *friction = &rod->scene->friction;
+  const PetscReal(*u)[FIELDS], (*u_t)[FIELDS], *s = rod->scene->mesh.s;
+  PetscInt first = PetscMax(rod->first - 1, 0);
+  Vec local[2];
+  Point a, b, mid;
+
+  PetscFunctionBegin;
+  *change = 0;
+  PetscCall(LawsAt(rod, t));
+  PetscCall(Open(rod, U, U_t, local, &u, &u_t));
+  for (PetscInt i = first; i <= PetscMin(rod->end, rod->last); i++) {
+    const Law *law = &frame->law[2 * (i - rod->first + 1)];
+    FrictionDual *dual = &frame->dual[2 * (i - rod->first + 1)];
+    a = b;
+    PointAtNode(friction, law, dual, u[i], u_t[i], &b);
+    if (i > first) {
+      PointAtMid(friction, law - 2, dual - 2, frame->bow * (s[i] - s[i - 1]), &a, &b, u_t[i - 1],
+                 u_t[i], &mid);
+      *change = PetscMax(*change, FrictionDualHold(friction, mid.v, dual - 1));
+    }
+    if (frame->end_weight > 0) *change = PetscMax(*change, FrictionDualHold(friction, b.v, dual));
+  }
+  PetscCall(Close(rod, local, &u, &u_t));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, change, 1, MPIU_REAL, MPI_MAX, PETSC_COMM_WORLD));
   PetscFunctionReturn(0);
 }
 
@@ -345,4 +377,5 @@ const RodModel rod_frame = {
     .set = FrameSet,
     .get = FrameGet,
     .residual = FrameResidual,
+    .hold = FrameHold,
     .jacobian = FrameJacobian};

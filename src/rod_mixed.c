@@ -130,12 +130,12 @@ static PetscErrorCode Close(Rod rod, Vec *local, const PetscReal (**a)[FIELDS]) 
 static void BalanceResidual(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
                             const PetscReal (*u_t)[FIELDS], PetscInt i, PetscReal r[2]) {
   const PetscReal *s = rod->scene->mesh.s;
-  PetscReal a[2], b[2], v[2], slide, drag;
+  PetscReal a[2], b[2], v[2], drag[2], slide;
   Turn turn;
 
   NodeVelocity(self, rod, u, u_t, i, v, &slide);
-  drag = NodeLength(self, rod, i) * FrictionPhi(&rod->scene->friction, v[0] * v[0] + v[1] * v[1]);
-  for (int d = 0; d < 2; d++) r[d] = drag * v[d];
+  FrictionForce(&rod->scene->friction, v, &self->dual[i - rod->first], drag);
+  for (int d = 0; d < 2; d++) r[d] = NodeLength(self, rod, i) * drag[d];
   for (PetscInt k = i - 1; k <= PetscMin(i + 1, rod->last - 1); k++) {
     PetscReal force;
     TurnEdges(u, k, a, b);

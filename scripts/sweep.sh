@@ -1,0 +1,108 @@
+#!/usr/bin/env bash
+# Runs tendril over any grid of options, one result file a point, in parallel.
+#   scripts/sweep.sh DIRECTORY [-j JOBS AT A TIME] [FIXED OPTIONS ...] -- NAME VALUES [NAME VALUES ...]
+#   scripts/sweep.sh results/map -task critical -growth_type gaussian -- \
+#     friction_mu 0:1:20 growth_width log:0.05:5:20
+# VALUES is a comma list, or low:high:count (even), or log:low:high:count.
+# A point that has a finished result file is passed over, so a sweep that was stopped goes on. Failed
+# points are listed at the end and in DIRECTORY/failed; their messages are in DIRECTORY/*.log.
+# As a Slurm job array, the same command: each task takes its share of the points.
+#   sbatch --array=0-99 scripts/sweep.sh DIRECTORY ... -- ...
+# TENDRIL names the executable (build/tendril).
+set -euo pipefail
+here=$(dirname "${BASH_SOURCE[0]}")
+# In a job array the script is a copy elsewhere; it is started from the repository.
+if [ ! -f "$here/common.sh" ]; then here=${SLURM_SUBMIT_DIR:-$PWD}/scripts; fi
+# shellcheck source-path=SCRIPTDIR
+source "$here/common.sh"
+
+usage() {
+  echo "sweep: $1; see the head of scripts/sweep.sh" >&2
+  exit 2
+}
+
+# values SPEC: one value a line
+values() {
+  case $1 in
+  log:*:*:*) awk -v s="${1#log:}" 'BEGIN { split(s, a, ":"); for (i = 0; i < a[3]; i++)
+      printf "%.10g\n", a[1] * exp(log(a[2] / a[1]) * (a[3] > 1 ? i / (a[3] - 1) : 0)) }' ;;
+  *:*:*) awk -v s="$1" 'BEGIN { split(s, a, ":"); for (i = 0; i < a[3]; i++)
+      printf "%.10g\n", a[1] + (a[2] - a[1]) * (a[3] > 1 ? i / (a[3] - 1) : 0) }' ;;
+  *) tr ',' '\n' <<<"$1" ;;
+  esac
+}
+
+# one DIRECTORY FIXED POINT: a single run; its file gets its name only when it is whole
+one() {
+  local base=$1/$3 fixed=() pairs=() options=()
+  read -r -a fixed <<<"$2"
+  read -r -a pairs <<<"${3//__/ }"
+  for pair in "${pairs[@]}"; do options+=("-${pair%%=*}" "${pair#*=}"); done
+  if "$TENDRIL" "${fixed[@]}" "${options[@]}" -output "$base.part.h5" >"$base.log" 2>&1 </dev/null; then
+    mv "$base.part.h5" "$base.h5"
+  else
+    rm -f "$base.part.h5"
+    return 1
+  fi
+}
+
+export TENDRIL=${TENDRIL:-build/tendril}
+# Open MPI then starts a single process without a daemon of its own.
+export OMPI_MCA_ess_singleton_isolated=1
+if [ "${1:-}" = --one ]; then
+  shift
+  if ! one "$@"; then echo "$3" >>"$1/failed.$SWEEP_ID"; fi
+  exit 0
+fi
+
+[ $# -gt 0 ] || usage "give a directory"
+directory=$1
+shift
+jobs=$((2 * $(nproc))) # short runs mostly wait for MPI to start and end
+if [ "${1:-}" = -j ]; then jobs=$2 && shift 2; fi
+fixed=()
+while [ $# -gt 0 ] && [ "$1" != -- ]; do fixed+=("$1") && shift; done
+[ "${1:-}" = -- ] || usage "give -- and the options to vary"
+shift
+if [ $# = 0 ] || [ $(($# % 2)) = 1 ]; then usage "give NAME VALUES pairs after --"; fi
+[ -x "$TENDRIL" ] || fail "no executable $TENDRIL; run scripts/setup.sh and build, or set TENDRIL"
+
+points=("")
+while [ $# -gt 0 ]; do
+  longer=()
+  mapfile -t each < <(values "$2")
+  [ ${#each[@]} -gt 0 ] || usage "$1 $2: no values"
+  for point in "${points[@]}"; do
+    for value in "${each[@]}"; do longer+=("${point:+${point}__}${1#-}=$value"); done
+  done
+  points=("${longer[@]}")
+  shift 2
+done
+
+mkdir -p "$directory"
+task=${SLURM_ARRAY_TASK_ID:-0}
+task=$((task - ${SLURM_ARRAY_TASK_MIN:-0}))
+tasks=${SLURM_ARRAY_TASK_COUNT:-1}
+mine=()
+for i in "${!points[@]}"; do
+  if [ $((i % tasks)) = "$task" ] && [ ! -f "$directory/${points[i]}.h5" ]; then
+    mine+=("${points[i]}")
+  fi
+done
+echo "sweep: ${#points[@]} points, ${#mine[@]} to run here, $jobs at a time, in $directory"
+export SWEEP_ID=${SLURM_ARRAY_TASK_ID:-all}
+rm -f "$directory/failed.$SWEEP_ID"
+if [ ${#mine[@]} -gt 0 ]; then
+  printf '%s\0' "${mine[@]}" |
+    xargs -0 -P "$jobs" -I {} "$here/sweep.sh" --one "$directory" "${fixed[*]}" {}
+fi
+if [ -s "$directory/failed.$SWEEP_ID" ]; then
+  sort "$directory/failed.$SWEEP_ID" >"$directory/failed"
+  rm "$directory/failed.$SWEEP_ID"
+  echo "sweep: $(wc -l <"$directory/failed") points failed:" >&2
+  while read -r point; do
+    echo "  $point: $(tail -n 1 "$directory/$point.log")" >&2
+  done <"$directory/failed"
+  exit 1
+fi
+rm -f "$directory/failed"

@@ -1,0 +1,124 @@
+/* The critical length against theory.md's table, its order of convergence and its error bound. */
+#include "harness.h"
+#include "critical.h"
+
+static PetscReal Find(Critical *critical, const char *format, ...) {
+  char text[512];
+  Critical own, *at = critical ? critical : &own;
+  PetscReal length;
+  Scene scene;
+  va_list list;
+
+  va_start(list, format);
+  vsnprintf(text, sizeof(text), format, list);
+  va_end(list);
+  SetOptions("%s", text);
+  CHECK(SceneCreate(&scene));
+  CHECK(CriticalFind(scene, PETSC_FALSE, at));
+  CHECK(SceneDestroy(&scene));
+  length = at->length;
+  if (!critical) CHECK(CriticalDestroy(&own));
+  return length;
+}
+
+static const struct {
+  const char *options;
+  PetscReal length, tolerance; /* relative */
+} rows[] = {
+    {"-friction_beta 0", 1.98635270743047, 1e-8},
+    {"-friction_beta 1e-12", 1.98635270743047, 1e-8},
+    {"-friction_beta 1e-6", 1.9863534938, 1e-8},
+    {"-friction_beta 1e-3", 1.9871337245, 1e-8},
+    {"-friction_beta 1e-2", 1.9938850326, 1e-8},
+    {"-friction_beta 1e-2 -rod_cells 6000", 1.9938850326, 1e-8}, /* shared among the ranks */
+    {"-friction_mu 0.5", 2.0717173057, 1e-8},
+    {"-friction_mu 0", 2.17177006749405, 1e-8},
+    {"-friction_mu 0 -growth_initial_length 2", 2.17177006749405, 1e-8},
+    {"-growth_type gaussian -growth_width 5", 1.98713, 3e-6},
+    {"-growth_type gaussian -growth_width 0.5", 1.98698, 3e-6},
+    {"-growth_type gaussian -growth_width 0.05", 1.98686, 3e-6},
+    {"-growth_type gaussian -growth_width 0.5 -friction_beta 0", 1.98635270743047, 1e-8},
+    {"-growth_type gaussian -growth_width 0.005 -friction_beta 1e-12", 1.98635270743047, 1e-8},
+    {"-friction_mu 0 -growth_type gaussian -growth_width 5", 2.17105, 3e-6},
+    {"-friction_mu 0 -growth_type gaussian -growth_width 0.5", 2.115744753044948, 1e-8},
+    {"-friction_mu 0 -growth_type gaussian -growth_width 0.05", 2.056307172441833, 1e-8},
+    /* by shooting with an ODE solver at 1e-12 (theory.md has 2.05164) */
+    {"-friction_mu 0 -growth_type gaussian -growth_width 0.005", 2.0515888825515565, 1e-8}};
+
+static void TestTable(void **state) {
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(rows); k++) {
+    PetscReal length = Find(NULL, "%s", rows[k].options);
+    EXPECT(PetscAbsReal(length - rows[k].length) < rows[k].tolerance * length,
+           "%s: %.12g not %.12g", rows[k].options, (double)length, (double)rows[k].length);
+  }
+}
+
+/* Feed flutters, with either friction; nothing happens near 1.986. */
+static void TestFeed(void **state) {
+  const char *const frictions[] = {"-friction_mu 0", "-friction_mu 1 -friction_beta 0"};
+
+  for (int k = 0; k < 2; k++) {
+    Critical c;
+    PetscReal length = Find(&c, "-growth_type feed %s", frictions[k]);
+    EXPECT(PetscAbsReal(length - 4.23772) < 1e-5, "flutter at %.10g", (double)length);
+    EXPECT(PetscAbsReal(c.frequency - 0.60958) < 1e-5, "frequency %.8g", (double)c.frequency);
+    CHECK(CriticalDestroy(&c));
+  }
+}
+
+/* Order 4 in the cells, asserted from the finest pair that rounding leaves alone; and the bound
+   holds on every mesh. */
+static void TestOrder(void **state) {
+  const PetscReal greenhill = 1.98635270743047;
+  const int cells[] = {16, 32, 64, 128};
+  PetscReal error[4];
+
+  for (int k = 0; k < 4; k++) {
+    Critical c;
+    error[k] = PetscAbsReal(Find(&c, "-friction_beta 0 -rod_cells %d", cells[k]) - greenhill);
+    EXPECT(error[k] <= c.error, "%d cells: off by %g, bound %g", cells[k], (double)error[k],
+           (double)c.error);
+    EXPECT(c.error < 100 * error[k] + 1e-12, "%d cells: off by %g, bound %g", cells[k],
+           (double)error[k], (double)c.error);
+    CHECK(CriticalDestroy(&c));
+  }
+  EXPECT(PetscAbsReal(Order(error[2], error[3]) - 4) < 0.1, "order %g",
+         (double)Order(error[2], error[3]));
+}
+
+/* The mode obeys the clamp, the free tip and its scale. */
+static void TestMode(void **state) {
+  Critical c;
+  PetscReal most = 0;
+
+  Find(&c, "-growth_type gaussian -growth_width 0.2 -rod_cells 200");
+  for (PetscInt i = 0; i < c.n; i++) most = PetscMax(most, PetscAbsReal(c.y[i]));
+  EXPECT(c.n == 201 && c.s[0] == 0 && c.s[200] == 1, "labels");
+  EXPECT(PetscAbsReal(most - 1) < 1e-14 && c.y[200] > 0.99, "scale %g", (double)most);
+  EXPECT(PetscAbsReal(c.y[0]) < 1e-14 && PetscAbsReal(c.theta[0]) < 1e-14, "clamp");
+  EXPECT(PetscAbsReal(c.theta[200] - c.theta[199]) < 1e-4, "curvature at the tip");
+  CHECK(CriticalDestroy(&c));
+}
+
+/* A tabulated law: growth that stops half-way, and goes on, must be followed through the pause. */
+static PetscReal Pausing(PetscReal s, PetscReal t) {
+  return t < 1 ? 0.5 + t - t * t / 2 : 1 + PetscSqr(t - 1) / 2;
+}
+
+static void TestTableOfGrowth(void **state) {
+  char path[64];
+  PetscReal length, rate;
+
+  WriteTable(path, 5, 401, 4, Pausing);
+  length = Find(NULL, "-growth_type table -growth_table %s -ts_max_time 4 -friction_mu 0", path);
+  RemoveFile(path);
+  rate = PetscSqrtReal(2 * (length - 1)); /* viscous friction: L_t L^3 is what counts */
+  EXPECT(PetscAbsReal(rate * length * length * length - 10.24333861) < 1e-4, "L_t L^3 = %g",
+         (double)(rate * length * length * length));
+}
+
+static const struct CMUnitTest tests[] = {cmocka_unit_test(TestTable), cmocka_unit_test(TestFeed),
+                                          cmocka_unit_test(TestOrder), cmocka_unit_test(TestMode),
+                                          cmocka_unit_test(TestTableOfGrowth)};
+
+MAIN(tests)

@@ -1,0 +1,318 @@
+/* Models of the rod: Jacobians by rate for every law, mirror symmetry, set and get. */
+#include "harness.h"
+#include "rod.h"
+
+typedef struct {
+  const char *name;
+  const RodModel *model;
+  const char *options;
+} Model;
+static const Model models[] = {{"frame, order 4", &rod_frame, "-rod_order 4"},
+                               {"frame, order 2", &rod_frame, "-rod_order 2"},
+                               {"mixed", &rod_mixed, ""},
+                               {"linear", &rod_linear, ""}};
+enum { MODELS = sizeof(models) / sizeof(models[0]), FRAME = 0, MIXED = 2, LINEAR = 3 };
+
+static PetscReal Tabulated(PetscReal s, PetscReal t) {
+  return 1 + t * (1 + 0.5 * PetscSinReal(3 * s + t)) + 0.3 * PetscCosReal(2 * s - t);
+}
+
+static const char *const laws[] = {"-growth_type uniform", "-growth_type gaussian",
+                                   "-growth_type feed", "-growth_type table -growth_table "};
+enum { LAWS = 4, TABLE = 3 };
+
+static void Create(const Model *model, int law, PetscInt cells, const char *more, Scene *scene,
+                   Rod *rod) {
+  char path[64] = "";
+  if (law == TABLE) WriteTable(path, 9, 9, 3, Tabulated);
+  SetOptions("%s%s %s -rod_cells %d -ts_max_time 2 %s", laws[law], path, model->options,
+             (int)cells, more);
+  CHECK(SceneCreate(scene));
+  CHECK(RodCreate(*scene, model->model, rod));
+  if (law == TABLE) RemoveFile(path);
+}
+
+static void Destroy(Scene *scene, Rod *rod) {
+  CHECK(RodDestroy(rod));
+  CHECK(SceneDestroy(scene));
+}
+
+/* A new vector of entries size * [-1, 1], the same on any number of ranks. */
+static Vec RandomVector(Rod rod, int seed, PetscReal size) {
+  PetscScalar *a;
+  PetscInt low, high;
+  Vec v;
+  CHECK(DMCreateGlobalVector(rod->da, &v));
+  CHECK(VecGetOwnershipRange(v, &low, &high));
+  CHECK(VecGetArray(v, &a));
+  for (PetscInt i = low; i < high; i++) a[i - low] = size * Scatter(seed, i);
+  CHECK(VecRestoreArray(v, &a));
+  return v;
+}
+
+/* The initial shape shaken: far from any symmetry, edges far from 0. */
+static void RandomState(Rod rod, PetscReal t, Vec *U, Vec *U_t) {
+  PetscReal shake = rod->model == &rod_mixed ? 0.15 / rod->last : 0.3;
+  Node *nodes;
+  Vec noise = RandomVector(rod, 1, shake);
+  CHECK(PetscMalloc1(rod->end - rod->first, &nodes));
+  CHECK(RodInitialNodes(rod, t, nodes));
+  CHECK(VecDuplicate(noise, U));
+  CHECK(rod->model->set(rod, t, nodes, *U));
+  CHECK(VecAXPY(*U, 1, noise));
+  CHECK(PetscFree(nodes));
+  CHECK(VecDestroy(&noise));
+  *U_t = RandomVector(rod, 2, 1);
+}
+
+/* F(U + e w, U_t + e shift w) - F(U, U_t) - e J w, its largest entry for each field. */
+static void Remainder(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J, Vec w,
+                      PetscReal e, PetscReal size[MAX_FIELDS]) {
+  Vec V, V_t, F, G;
+  CHECK(VecDuplicate(U, &V));
+  CHECK(VecDuplicate(U, &V_t));
+  CHECK(VecDuplicate(U, &F));
+  CHECK(VecDuplicate(U, &G));
+  CHECK(VecWAXPY(V, e, w, U));
+  CHECK(VecWAXPY(V_t, e * shift, w, U_t));
+  CHECK(RodResidual(NULL, t, V, V_t, G, rod));
+  CHECK(RodResidual(NULL, t, U, U_t, F, rod));
+  CHECK(VecAXPY(G, -1, F));
+  CHECK(MatMult(J, w, F));
+  CHECK(VecAXPY(G, -e, F));
+  CHECK(RodFieldSizes(rod, G, size));
+  CHECK(VecDestroy(&V));
+  CHECK(VecDestroy(&V_t));
+  CHECK(VecDestroy(&F));
+  CHECK(VecDestroy(&G));
+}
+
+static void JacobianByRate(const Model *model, int law, PetscReal shift) {
+  const PetscReal t = 0.7, e = 2e-4;
+  PetscReal coarse[MAX_FIELDS], fine[MAX_FIELDS], entry;
+  Scene scene;
+  Rod rod;
+  Vec U, U_t, w;
+  Mat J;
+  Create(model, law, 12,
+         "-shape_amplitude 2 -friction_mu 0.7 -friction_beta 0.1 -friction_newton primal", &scene,
+         &rod);
+  RandomState(rod, t, &U, &U_t);
+  w = RandomVector(rod, 3, model->model == &rod_mixed ? 0.1 : 1);
+  CHECK(RodCreateMatrix(rod, &J));
+  CHECK(RodJacobian(NULL, t, U, U_t, shift, J, J, rod));
+  CHECK(MatNorm(J, NORM_INFINITY, &entry));
+  Remainder(rod, t, U, U_t, shift, J, w, e, coarse);
+  Remainder(rod, t, U, U_t, shift, J, w, e / 2, fine);
+  for (PetscInt f = 0; f < rod->model->fields; f++) {
+    PetscReal ratio = coarse[f] / fine[f];
+    if (fine[f] < 1e-15 * entry) { /* linear equations: round-off */
+      EXPECT(coarse[f] < 2e-15 * entry, "%s, %s, equation of %s: %g", model->name, laws[law],
+             rod->model->field[f], coarse[f]);
+      continue;
+    }
+    EXPECT(ratio > 3.9 && ratio < 4.1, "%s, %s, shift %g, equation of %s: %g to %g, ratio %g",
+           model->name, laws[law], shift, rod->model->field[f], coarse[f], fine[f], ratio);
+  }
+  CHECK(MatDestroy(&J));
+  CHECK(VecDestroy(&U));
+  CHECK(VecDestroy(&U_t));
+  CHECK(VecDestroy(&w));
+  Destroy(&scene, &rod);
+}
+
+static void TestJacobians(void **state) {
+  for (int m = 0; m < MODELS; m++)
+    for (int law = 0; law < LAWS; law++) {
+      JacobianByRate(&models[m], law, 3);
+      JacobianByRate(&models[m], law, 0);
+    }
+}
+
+/* The first primal-dual Jacobian of a Newton solve is Newton's own; after a large step no more. */
+static void TestPrimalDual(void **state) {
+  for (int m = 0; m <= MIXED; m++) {
+    Scene scene[2];
+    Rod rod[2];
+    Vec U, U_t, V_t;
+    Mat J[2];
+    PetscReal norm, difference;
+    for (int k = 0; k < 2; k++)
+      Create(&models[m], 0, 12,
+             k ? "-friction_newton primal_dual -shape_amplitude 2"
+               : "-friction_newton primal -shape_amplitude 2",
+             &scene[k], &rod[k]);
+    RandomState(rod[0], 0.7, &U, &U_t);
+    V_t = RandomVector(rod[0], 5, 1);
+    for (int k = 0; k < 2; k++) {
+      CHECK(RodCreateMatrix(rod[k], &J[k]));
+      rod[k]->fresh = PETSC_TRUE;
+      CHECK(RodJacobian(NULL, 0.7, U, U_t, 3, J[k], J[k], rod[k]));
+      EXPECT(!rod[k]->fresh && rod[k]->jacobians == 1, "fresh after the first Jacobian");
+    }
+    CHECK(MatAXPY(J[1], -1, J[0], SAME_NONZERO_PATTERN));
+    CHECK(MatNorm(J[0], NORM_FROBENIUS, &norm));
+    CHECK(MatNorm(J[1], NORM_FROBENIUS, &difference));
+    EXPECT(difference < 1e-13 * norm, "%s: differs by %g of %g", models[m].name, difference, norm);
+    for (int k = 0; k < 2; k++) CHECK(RodJacobian(NULL, 0.7, U, V_t, 3, J[k], J[k], rod[k]));
+    CHECK(MatAXPY(J[1], -1, J[0], SAME_NONZERO_PATTERN));
+    CHECK(MatNorm(J[1], NORM_FROBENIUS, &difference));
+    EXPECT(difference > 1e-6 * norm, "%s: the dual has not been kept", models[m].name);
+    for (int k = 0; k < 2; k++) {
+      CHECK(MatDestroy(&J[k]));
+      Destroy(&scene[k], &rod[k]);
+    }
+    CHECK(VecDestroy(&U));
+    CHECK(VecDestroy(&U_t));
+    CHECK(VecDestroy(&V_t));
+  }
+}
+
+static void Mirror(Rod rod, Vec v) {
+  PetscScalar *a;
+  PetscInt n, fields = rod->model->fields;
+  CHECK(VecGetLocalSize(v, &n));
+  CHECK(VecGetArray(v, &a));
+  for (PetscInt i = 0; i < n; i++)
+    if (rod->model->across[i % fields]) a[i] = -a[i];
+  CHECK(VecRestoreArray(v, &a));
+}
+
+/* F of the mirrored state is the mirrored F, to the last bit or nearly. */
+static void TestMirror(void **state) {
+  for (int m = 0; m < MODELS; m++)
+    for (int law = 0; law < LAWS; law++) {
+      Scene scene;
+      Rod rod;
+      Vec U, U_t, F, G;
+      PetscReal norm, difference;
+      Create(&models[m], law, 12, "-shape_amplitude 2 -clamp_angle 0.3", &scene, &rod);
+      RandomState(rod, 0.7, &U, &U_t);
+      CHECK(VecDuplicate(U, &F));
+      CHECK(VecDuplicate(U, &G));
+      CHECK(RodResidual(NULL, 0.7, U, U_t, F, rod));
+      Mirror(rod, U);
+      Mirror(rod, U_t);
+      CHECK(RodResidual(NULL, 0.7, U, U_t, G, rod));
+      Mirror(rod, G);
+      CHECK(VecAXPY(G, -1, F));
+      CHECK(VecNorm(F, NORM_INFINITY, &norm));
+      CHECK(VecNorm(G, NORM_INFINITY, &difference));
+      EXPECT(difference <= 1e-14 * norm, "%s, %s: %g of %g", models[m].name, laws[law], difference,
+             norm);
+      CHECK(VecDestroy(&U));
+      CHECK(VecDestroy(&U_t));
+      CHECK(VecDestroy(&F));
+      CHECK(VecDestroy(&G));
+      Destroy(&scene, &rod);
+    }
+}
+
+/* Nodes in equilibrium across the rod: n = -P q - m'/g q_perp for the shape sag; with rates. */
+static void BalancedNodes(Rod rod, PetscReal t, PetscReal eps, Node *nodes) {
+  CHECK(RodInitialNodes(rod, t, nodes));
+  for (PetscInt i = rod->first; i < rod->end; i++) {
+    Node *node = &nodes[i - rod->first];
+    PetscReal s = rod->scene->mesh.s[i], g, g_s, theta_s = 3 * eps * (1 - s) * (1 - s);
+    PetscReal q[2] = {PetscCosReal(node->theta), PetscSinReal(node->theta)};
+    PetscReal P = -node->force[0], Q;
+    CHECK(GrowthStretch(rod->scene->growth, 1, &s, t, &g, NULL, &g_s));
+    Q = -(-6 * eps * (1 - s) / g - theta_s * g_s / (g * g)) / g;
+    node->force[0] = -P * q[0] - Q * q[1];
+    node->force[1] = -P * q[1] + Q * q[0];
+  }
+}
+
+enum { POSITION, ANGLE, MOMENT, FORCE, KINDS };
+static const char *const kinds[KINDS] = {"position", "angle", "moment", "shear force"};
+
+static void SetAndGet(const Model *model, int law, PetscInt cells, PetscReal error[KINDS]) {
+  const PetscReal eps = model->model == &rod_linear ? 1e-5 : 1, t = 0.7;
+  char more[80];
+  Scene scene;
+  Rod rod;
+  Node *in, *out;
+  PetscInt n;
+  Vec U;
+  snprintf(more, sizeof(more), "-shape_amplitude %g -rod_grading uniform", eps);
+  Create(model, law, cells, more, &scene, &rod);
+  n = rod->end - rod->first;
+  CHECK(PetscMalloc2(n, &in, n, &out));
+  BalancedNodes(rod, t, eps, in);
+  CHECK(DMCreateGlobalVector(rod->da, &U));
+  CHECK(model->model->set(rod, t, in, U));
+  CHECK(model->model->get(rod, t, U, NULL, out));
+  for (int k = 0; k < KINDS; k++) error[k] = 0;
+  for (PetscInt i = 0; i < n; i++) {
+    const Node *a = &in[i], *b = &out[i];
+    PetscReal force;
+    if (model->model == &rod_mixed && (rod->first + i < 2 || rod->first + i == rod->last - 1))
+      continue;
+    error[POSITION] = PetscMax(error[POSITION], PetscAbsReal(a->x[1] - b->x[1]) / eps);
+    if (eps == 1) error[POSITION] = PetscMax(error[POSITION], PetscAbsReal(a->x[0] - b->x[0]));
+    error[ANGLE] = PetscMax(error[ANGLE], PetscAbsReal(a->theta - b->theta) / eps);
+    error[MOMENT] = PetscMax(error[MOMENT], PetscAbsReal(a->moment - b->moment) / eps);
+    force = (b->force[1] - a->force[1]) * PetscCosReal(a->theta) -
+            (b->force[0] - a->force[0]) * PetscSinReal(a->theta);
+    if (rod->first + i) error[FORCE] = PetscMax(error[FORCE], PetscAbsReal(force) / eps);
+  }
+  for (int k = 0; k < KINDS; k++) error[k] = AllMax(error[k]);
+  CHECK(VecDestroy(&U));
+  CHECK(PetscFree2(in, out));
+  Destroy(&scene, &rod);
+}
+
+/* frame gives all back; mixed and linear the position, the rest with their order. The
+   force at the clamp is left out (linear: one-sided difference, first order); for mixed the ends,
+   where moment and force are those of the discrete rod's balance, not of the shape. */
+static void TestSetAndGet(void **state) {
+  for (int law = 0; law < LAWS; law++)
+    for (int m = 0; m < MODELS; m++) {
+      PetscReal error[2][KINDS];
+      for (int k = 0; k < 2; k++) SetAndGet(&models[m], law, 60 << k, error[k]);
+      for (int kind = 0; kind < KINDS; kind++) {
+        PetscReal order = Order(error[0][kind], error[1][kind]);
+        if (m < MIXED || kind == POSITION) {
+          EXPECT(error[0][kind] < 1e-13, "%s, %s: %s off by %g", models[m].name, laws[law],
+                 kinds[kind], error[0][kind]);
+          continue;
+        }
+        print_message("%s, %s: %s %.1e, order %.2f\n", models[m].name, laws[law], kinds[kind],
+                      error[1][kind], order);
+        EXPECT(order > 1.8 || error[1][kind] < 1e-6, "%s, %s: %s by %g, order %g", models[m].name,
+               laws[law], kinds[kind], error[1][kind], order);
+      }
+    }
+}
+
+/* The rates: those of theta(s) = eps (1-(1-s)^3) with eps = t; x_t is what RodGrowNodes moves. */
+static void TestGrowNodes(void **state) {
+  for (int law = 0; law < LAWS; law++) {
+    const PetscReal t0 = 0.4, t1 = 0.9;
+    PetscReal error = 0;
+    Scene scene;
+    Rod rod;
+    Node *now, *then;
+    PetscInt n;
+    Create(&models[FRAME], law, 200, "-shape_amplitude 1.5", &scene, &rod);
+    n = rod->end - rod->first;
+    CHECK(PetscMalloc2(n, &now, n, &then));
+    CHECK(RodInitialNodes(rod, t0, now));
+    CHECK(RodInitialNodes(rod, t1, then)); /* the same angles, grown */
+    CHECK(RodGrowNodes(rod, t0, t1, now));
+    for (PetscInt i = 0; i < n; i++)
+      error = PetscMax(error, hypot(now[i].x[0] - then[i].x[0], now[i].x[1] - then[i].x[1]) +
+                                  PetscAbsReal(now[i].moment - then[i].moment) +
+                                  PetscAbsReal(now[i].theta - then[i].theta));
+    error = AllMax(error);
+    EXPECT(error < 2e-5, "%s: off by %g", laws[law], error);
+    CHECK(PetscFree2(now, then));
+    Destroy(&scene, &rod);
+  }
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(TestJacobians), cmocka_unit_test(TestPrimalDual),
+    cmocka_unit_test(TestMirror), cmocka_unit_test(TestSetAndGet),
+    cmocka_unit_test(TestGrowNodes)};
+MAIN(tests)
