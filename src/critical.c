@@ -197,7 +197,6 @@ PetscErrorCode CriticalFind(Scene scene, PetscBool quiet, Critical *self) {
   PetscCall(MeshCreate(cells, PETSC_FALSE, scene->growth, scene->end_time, &mesh));
   PetscCall(MeshCreate((cells + 1) / 2, PETSC_FALSE, scene->growth, scene->end_time, &half_mesh));
   PetscCall(FactorCreate(comm, scene, &mesh, PETSC_FALSE, quiet, &fine));
-  if (!quiet) PetscCall(OptionsRefuseUnread());
   if (!scene->growth->uniform || scene->growth->slides) PetscCall(Scan(scene, &low, &high));
   PetscCall(FactorCreate(comm, scene, &half_mesh, PETSC_FALSE, quiet, &half));
   PetscCall(OnMesh(scene, &half, low, high, &half_t));
@@ -274,9 +273,12 @@ PetscErrorCode CriticalRun(Scene scene, const char *output) {
   Critical critical;
 
   PetscFunctionBegin;
+  PetscCall(SpectrumReadOptions());
+  PetscCall(OptionsRefuseUnread());
+  if (output[0]) PetscCall(OutputNewFile(output, &file));
+  if (file >= 0) PetscCall(OutputRootAttributes(file, PETSC_FALSE));
   PetscCall(CriticalFind(scene, PETSC_FALSE, &critical));
   PetscCall(Print(&critical));
-  if (output[0]) PetscCall(OutputNewFile(output, &file));
   PetscCall(Write(file, &critical));
   if (file >= 0) HdfCall(H5Fclose(file));
   PetscCall(CriticalDestroy(&critical));

@@ -31,7 +31,7 @@ typedef struct {
   PetscReal stored_at;        /* time of the latest stored shape */
   PetscReal report_at;        /* time of the next progress line */
   PetscInt iterations, steps; /* before the latest step; steps of earlier legs */
-  PetscBool quiet;
+  PetscBool quiet, beyond;    /* beyond: the linear model has left its range */
   PetscLogDouble begin, reported;
 } Grow;
 
@@ -112,7 +112,7 @@ static PetscErrorCode Progress(Grow *self, PetscBool last) {
   if (!last && now - self->reported < 1 && seen->t < self->report_at) PetscFunctionReturn(0);
   self->reported = now;
   self->report_at = seen->t + end / 10;
-  if (seen->t > 0 && !last)
+  if (now - self->begin > 0.5 && seen->t > 0.02 * end && !last)
     PetscCall(PetscSNPrintf(rest, sizeof(rest), "%7.1f s",
                             (double)((now - self->begin) * (end - seen->t) / seen->t)));
   PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%10.4f %10.4f %12.4e %10.2e %7d %8s %s\n",
@@ -190,6 +190,8 @@ static PetscErrorCode AfterStep(TS ts) {
   PetscCall(StoreDueShapes(self, t));
   PetscCall(Progress(self, PETSC_FALSE));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &stop, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD));
+  self->beyond = (PetscBool)(self->model == LINEAR && self->seen.max_angle > 1);
+  if (self->beyond) PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
   if (stop) {
     interrupted = stop;
     PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
@@ -265,6 +267,7 @@ static PetscErrorCode HandOver(Grow *self, Leg *to) {
   Leg *from = self->now;
   PetscReal t, dt, times[VBDF_POINTS];
   PetscInt n, order, steps;
+  char text[32];
   Vec old[VBDF_POINTS], new[VBDF_POINTS];
 
   PetscFunctionBegin;
@@ -285,8 +288,8 @@ static PetscErrorCode HandOver(Grow *self, Leg *to) {
   PetscCall(TSGetSNESIterations(to->ts, &self->iterations));
   self->now = to;
   if (!self->quiet)
-    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "t = %g: from the %s to the %s model\n", (double)t,
-                          from->rod->model->name, to->rod->model->name));
+    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "t = %s: from the %s to the %s model\n",
+                          OptionNumber(t, text), from->rod->model->name, to->rod->model->name));
   PetscFunctionReturn(0);
 }
 
@@ -318,7 +321,6 @@ static PetscErrorCode GrowCreate(Grow *self, const char *output) {
   Node *nodes;
 
   PetscFunctionBegin;
-  PetscCall(VBDFRegister());
   PetscCall(ReadOptions(self));
   for (PetscInt m = 0; m < 3; m++)
     if (m == self->model || (self->model == AUTO && m != MIXED)) PetscCall(LegCreate(self, m));
@@ -340,6 +342,7 @@ static PetscErrorCode GrowCreate(Grow *self, const char *output) {
 static PetscErrorCode Summary(Grow *self) {
   const Observation *seen = &self->seen;
   PetscInt steps, iterations = 0, rejections = 0, n;
+  char text[4][32];
   PetscLogDouble now;
 
   PetscFunctionBegin;
@@ -355,11 +358,12 @@ static PetscErrorCode Summary(Grow *self) {
   if (!self->quiet)
     PetscCall(
         PetscPrintf(PETSC_COMM_WORLD,
-                    "t = %g: length %g, tip (%.8g, %.8g), |x2| %.8g\n"
-                    "%d steps, %d rejected, %d Newton iterations, %.3g s; energy defect %.2g\n",
-                    (double)seen->t, (double)seen->length, (double)seen->tip_x1,
-                    (double)seen->tip_x2, (double)seen->norm_x2, (int)steps, (int)rejections,
-                    (int)iterations, now - self->begin, (double)seen->energy_defect));
+                    "t = %s: length %s, tip (%s, %s), |x2| %.8e\n"
+                    "%d steps, %d rejected, %d Newton iterations, %.3f s; energy defect %.1e\n",
+                    OptionNumber(seen->t, text[0]), OptionNumber(seen->length, text[1]),
+                    OptionNumber(seen->tip_x1, text[2]), OptionNumber(seen->tip_x2, text[3]),
+                    (double)seen->norm_x2, (int)steps, (int)rejections, (int)iterations,
+                    now - self->begin, (double)seen->energy_defect));
   if (!self->quiet && seen->energy_defect > 1e-3)
     PetscCall(PetscPrintf(
         PETSC_COMM_WORLD,
@@ -389,6 +393,7 @@ PetscErrorCode GrowRun(Scene scene, const char *output) {
   Grow grow = {.scene = scene}, *self = &grow;
   TSConvergedReason reason = TS_CONVERGED_ITERATING;
   PetscReal t = 0, dt = 0;
+  char text[3][32];
 
   PetscFunctionBegin;
   PetscCall(GrowCreate(self, output));
@@ -402,7 +407,7 @@ PetscErrorCode GrowRun(Scene scene, const char *output) {
   while (!interrupted) {
     PetscCall(TSSolve(self->now->ts, self->now->U));
     PetscCall(TSGetConvergedReason(self->now->ts, &reason));
-    if (reason != TS_CONVERGED_USER || interrupted) break;
+    if (reason != TS_CONVERGED_USER || interrupted || self->beyond) break;
     PetscCall(HandOver(self, &self->leg[BetterModel(self)]));
   }
   PetscCall(TSGetTime(self->now->ts, &t));
@@ -410,15 +415,22 @@ PetscErrorCode GrowRun(Scene scene, const char *output) {
   PetscCall(Progress(self, PETSC_TRUE));
   PetscCall(Summary(self));
   PetscCall(GrowDestroy(self, (PetscBool)(reason == TS_CONVERGED_TIME)));
+  OptionNumber(t, text[0]);
+  OptionNumber(dt, text[1]);
+  OptionNumber(scene->end_time, text[2]);
   UserCheck(!interrupted, PETSC_COMM_WORLD,
-            "interrupted by signal %d at t = %g; the results up to there are stored",
-            (int)interrupted, (double)t);
+            "interrupted by signal %d at t = %s; the results up to there are stored",
+            (int)interrupted, text[0]);
+  UserCheck(!grow.beyond, PETSC_COMM_WORLD,
+            "-rod_model linear: stopped at t = %s, where an angle reached 1: a straight rod's "
+            "model says nothing there; take -rod_model auto",
+            text[0]);
   UserCheck(reason != TS_CONVERGED_ITS, PETSC_COMM_WORLD,
-            "-ts_max_steps: reached at t = %g before -ts_max_time %g", (double)t,
-            (double)scene->end_time);
+            "-ts_max_steps: reached at t = %s before -ts_max_time %s", text[0], text[2]);
   UserCheck(reason == TS_CONVERGED_TIME, PETSC_COMM_WORLD,
-            "gave up at t = %g with a step of %g (%s): the results up to there are stored; try a "
-            "lower -ts_rtol, more -rod_cells or a larger -friction_beta",
-            (double)t, (double)dt, TSConvergedReasons[reason]);
+            "gave up at t = %s with a step of %s (%s): the results up to there are stored; try a "
+            "lower -ts_rtol, more "
+            "-rod_cells or a larger -friction_beta",
+            text[0], text[1], TSConvergedReasons[reason]);
   PetscFunctionReturn(0);
 }

@@ -102,6 +102,7 @@ static PetscErrorCode StretchTable(Growth self, PetscReal s, PetscReal t, PetscR
                                    PetscReal *g_t, PetscReal *g_s) {
   Table *tab = (Table *)self->data;
   PetscReal ws[4], ws1[4], wt[4], wt1[4];
+  char text[3][32];
   PetscInt i, j;
 
   PetscFunctionBegin;
@@ -111,9 +112,9 @@ static PetscErrorCode StretchTable(Growth self, PetscReal s, PetscReal t, PetscR
   *g_t = TableProduct(tab, i, j, ws, wt1);
   *g_s = TableProduct(tab, i, j, ws1, wt);
   UserCheck(*g > 0, PETSC_COMM_SELF,
-            "-growth_table: the stretch is %g at s = %g, t = %g; it must stay above 0 between the "
+            "-growth_table: the stretch is %s at s = %s, t = %s; it must stay above 0 between the "
             "entries too",
-            (double)*g, (double)s, (double)t);
+            OptionNumber(*g, text[0]), OptionNumber(s, text[1]), OptionNumber(t, text[2]));
   PetscFunctionReturn(0);
 }
 

@@ -3,6 +3,7 @@
 #include "grow.h"
 #include "options.h"
 #include "stability.h"
+#include "vbdf.h"
 #include <slepceps.h>
 
 static const char help[] =
@@ -26,6 +27,9 @@ static PetscErrorCode Run(int argc, char **argv) {
       "what to do: follow the rod in time, tabulate its stability, find its critical length", 3,
       tasks, &task, NULL));
   PetscCall(OptionString("-output", "result file (HDF5)", output, sizeof(output), NULL));
+  PetscCall(VBDFRegister());
+  PetscCall(OptionsCheckTypes());
+  PetscCall(OptionsRefuseOverwrite(output));
   PetscCall(SceneCreate(&scene));
   PetscCall(PetscOptionsHasHelp(NULL, &is_help));
   if (scene->shape.type == SHAPE_MODE && task == GROW) {
@@ -47,11 +51,17 @@ static PetscErrorCode Run(int argc, char **argv) {
 }
 
 int main(int argc, char **argv) {
-  PetscErrorCode ierr;
+  int failed;
 
-  if (SlepcInitialize(&argc, &argv, NULL, help)) return 1;
-  PetscCall(PetscPushErrorHandler(UserErrorHandler, NULL));
-  ierr = Run(argc, argv);
-  if (ierr) return 1 + 0 * SlepcFinalize();
-  return SlepcFinalize() != 0;
+  MPI_Init(&argc, &argv);
+  failed = OptionsCheckFiles(argc, argv);
+  if (!failed) {
+    if (SlepcInitialize(&argc, &argv, NULL, help)) return 1;
+    PetscCall(PetscPushErrorHandler(UserErrorHandler, NULL));
+    failed = Run(argc, argv) != 0;
+    PetscCall(PetscPopErrorHandler());
+    failed |= SlepcFinalize() != 0;
+  }
+  MPI_Finalize();
+  return failed;
 }

@@ -53,8 +53,8 @@ static PetscErrorCode RelativeUpdates(Rod rod, Vec U, Vec dU, PetscReal weight,
 /* Exact Coulomb friction: once the iteration has converged, the shifts that hold sticking points
    are moved, until the forces settle to this, but not more often than that: the shifts outlive the
    step, and go on settling in the next. */
-static const PetscReal settled = 0.1;
-enum { MOST_HOLDS = 1 };
+static const PetscReal settled = 0.05;
+enum { MOST_HOLDS = 2 };
 
 static PetscErrorCode Hold(Newton *self, SNES snes, PetscInt it, Vec U, Vec F,
                            SNESConvergedReason *reason) {

@@ -9,7 +9,7 @@ typedef struct {
   PetscReal tolerance;   /* of the update, relative to each field's size */
   PetscReal update;      /* the latest iteration's largest */
   PetscReal residual[2]; /* the latest, along and across */
-  PetscInt holds, held; /* how often sticking points were held anew, and at which iteration last */
+  PetscInt holds, held;  /* how often sticking points were held anew, and at which iteration last */
 } Newton;
 
 PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton);

@@ -22,7 +22,11 @@ PetscErrorCode OptionList(const char *name, const char *text, PetscInt n, const 
                           PetscInt *choice, PetscBool *set);
 PetscErrorCode OptionsHeading(const char *title);
 
+const char *OptionNumber(PetscReal value, char text[32]);
+int OptionsCheckFiles(int argc, char **argv);
 PetscErrorCode OptionsCheckPetsc(void);
+PetscErrorCode OptionsCheckTypes(void);
+PetscErrorCode OptionsRefuseOverwrite(const char *output);
 PetscErrorCode OptionsRefuseUnread(void);
 PetscErrorCode OptionsRefuseBareWords(int argc, char **argv);
 

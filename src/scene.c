@@ -141,6 +141,7 @@ PetscErrorCode SceneShapeAngle(Scene scene, PetscReal s, PetscReal *theta, Petsc
 PetscErrorCode SceneCreate(Scene *scene) {
   const char *const gradings[] = {"uniform", "growth"};
   PetscInt cells = 500, grading = 1;
+  char text[2][32];
   Scene self;
 
   PetscFunctionBegin;
@@ -158,8 +159,8 @@ PetscErrorCode SceneCreate(Scene *scene) {
   self->end_time = 40;
   PetscCall(OptionReal("-ts_max_time", "end of the run", 1e-12, 1e6, &self->end_time, NULL));
   UserCheck(self->end_time <= self->growth->end_time * (1 + 1e-12), PETSC_COMM_WORLD,
-            "-ts_max_time %g: the growth table ends at t = %g", (double)self->end_time,
-            (double)self->growth->end_time);
+            "-ts_max_time %s: the growth table ends at t = %s",
+            OptionNumber(self->end_time, text[0]), OptionNumber(self->growth->end_time, text[1]));
   PetscCall(MeshCreate(cells, (PetscBool)grading, self->growth, self->end_time, &self->mesh));
   *scene = self;
   PetscFunctionReturn(0);

@@ -57,6 +57,29 @@ static PetscErrorCode DirectSolver(EPS eps) {
   PetscFunctionReturn(0);
 }
 
+static PetscErrorCode TakeOptions(EPS eps) {
+  PetscBool given;
+
+  PetscFunctionBegin;
+  PetscCall(DirectSolver(eps));
+  PetscCall(EPSSetFromOptions(eps));
+  for (int i = 0; i < MUMPS_OPTIONS; i++)
+    PetscCall(PetscOptionsHasName(NULL, NULL, mumps_names[i], &given)); /* counts as read */
+  PetscFunctionReturn(0);
+}
+
+/* SpectrumReadOptions - reads the solver's options and forgets them, so that a mistyped one can be
+   refused before any work. Collective. */
+PetscErrorCode SpectrumReadOptions(void) {
+  EPS eps;
+
+  PetscFunctionBegin;
+  PetscCall(EPSCreate(PETSC_COMM_WORLD, &eps));
+  PetscCall(TakeOptions(eps));
+  PetscCall(EPSDestroy(&eps));
+  PetscFunctionReturn(0);
+}
+
 /* SpectrumCreate - a solver for the pencil's problems, for one kind of them only. The caller
    destroys it with SpectrumDestroy(), before the pencil. Collective.
 
@@ -64,8 +87,6 @@ static PetscErrorCode DirectSolver(EPS eps) {
    time
 */
 PetscErrorCode SpectrumCreate(Pencil pencil, PetscBool quiet, Spectrum *self) {
-  PetscBool given;
-
   PetscFunctionBegin;
   PetscCall(PetscMemzero(self, sizeof(*self)));
   self->pencil = pencil;
@@ -73,11 +94,7 @@ PetscErrorCode SpectrumCreate(Pencil pencil, PetscBool quiet, Spectrum *self) {
   PetscCall(EPSCreate(pencil->comm, &self->eps));
   PetscCall(EPSSetTolerances(self->eps, 1e-11, 500));
   PetscCall(EPSSetDimensions(self->eps, 1, 12, PETSC_DEFAULT));
-  if (quiet) PetscFunctionReturn(0);
-  PetscCall(DirectSolver(self->eps));
-  PetscCall(EPSSetFromOptions(self->eps));
-  for (int i = 0; i < MUMPS_OPTIONS; i++)
-    PetscCall(PetscOptionsHasName(NULL, NULL, mumps_names[i], &given)); /* counts as read */
+  if (!quiet) PetscCall(TakeOptions(self->eps));
   PetscFunctionReturn(0);
 }
 
@@ -418,7 +435,8 @@ static PetscErrorCode LeftSymmetric(Pencil p, PetscReal shift, PetscReal W[]) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode LeftGeneral(Pencil p, PetscReal shift, PetscReal W[]) {
+/* paired[k]: rows k and k + 1 are the real and imaginary part of one vector */
+static PetscErrorCode LeftGeneral(Pencil p, PetscReal shift, PetscReal W[], PetscBool paired[]) {
   PetscInt n = p->n;
   PetscReal *T, *re, *im;
 
@@ -426,13 +444,15 @@ static PetscErrorCode LeftGeneral(Pencil p, PetscReal shift, PetscReal W[]) {
   PetscCall(PetscMalloc3(n * n, &T, n, &re, n, &im));
   PetscCall(SpectrumDense(p, shift, PETSC_FALSE, T));
   PetscCall(DenseEigenvalues(n, T, re, im, W));
+  for (PetscInt k = 0; k < n; k++) paired[k] = (PetscBool)(im[k] > 0); /* LAPACK's order */
   PetscCall(PetscFree3(T, re, im));
   PetscFunctionReturn(0);
 }
 
-/* Scales each row to length 1 in the norm that belongs to a c-by-c form: sqrt(row form^-1 row^T).
- */
-static PetscErrorCode ScaleRows(Pencil p, PencilForm form, PetscReal W[]) {
+/* Scales each row, a pair as one, to length 1 in the norm that belongs to a c-by-c form:
+   sqrt(row form^-1 row^*). */
+static PetscErrorCode ScaleRows(Pencil p, PencilForm form, const PetscBool paired[],
+                                PetscReal W[]) {
   PetscInt n = p->n;
   PetscReal *band, *R, *row;
 
@@ -441,11 +461,15 @@ static PetscErrorCode ScaleRows(Pencil p, PencilForm form, PetscReal W[]) {
   PetscCall(PencilBand(p, form, band));
   PetscCall(BandCholesky(n, HALF, band, R));
   for (PetscInt k = 0; k < n; k++) {
+    PetscInt last = paired[k] ? k + 1 : k;
     PetscReal size = 0;
-    PetscCall(PetscArraycpy(row, W + k * n, n));
-    BandUpperSolve(n, HALF, R, PETSC_TRUE, row);
-    for (PetscInt i = 0; i < n; i++) size += row[i] * row[i];
-    for (PetscInt i = 0; i < n; i++) W[k * n + i] /= PetscSqrtReal(size);
+    for (PetscInt m = k; m <= last; m++) {
+      PetscCall(PetscArraycpy(row, W + m * n, n));
+      BandUpperSolve(n, HALF, R, PETSC_TRUE, row);
+      for (PetscInt i = 0; i < n; i++) size += row[i] * row[i];
+    }
+    for (PetscInt i = k * n; i < (last + 1) * n; i++) W[i] /= PetscSqrtReal(size);
+    k = last;
   }
   PetscCall(PetscFree3(band, R, row));
   PetscFunctionReturn(0);
@@ -460,15 +484,19 @@ static PetscErrorCode ScaleRows(Pencil p, PencilForm form, PetscReal W[]) {
   W           row k at W + k n
 */
 PetscErrorCode SpectrumLeftVectors(Pencil p, PetscReal t, PetscBool unit_rows, PetscReal W[]) {
+  PetscBool *paired;
   PetscReal shift;
 
   PetscFunctionBegin;
+  PetscCall(PetscCalloc1(p->n, &paired));
   PetscCall(PencilSetTime(p, t, FRAME_ARC));
   PetscCall(PencilBound(p, &shift));
   if (p->growth->slides)
-    PetscCall(LeftGeneral(p, shift, W));
+    PetscCall(LeftGeneral(p, shift, W, paired));
   else
     PetscCall(LeftSymmetric(p, shift, W));
-  if (unit_rows || p->growth->slides) PetscCall(ScaleRows(p, unit_rows ? FORM_MASS : FORM_DRAG, W));
+  if (unit_rows || p->growth->slides)
+    PetscCall(ScaleRows(p, unit_rows ? FORM_MASS : FORM_DRAG, paired, W));
+  PetscCall(PetscFree(paired));
   PetscFunctionReturn(0);
 }

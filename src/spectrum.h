@@ -22,6 +22,7 @@ typedef struct {
   PetscBool quiet; /* takes no options from the command line */
 } Spectrum;
 
+PetscErrorCode SpectrumReadOptions(void);
 PetscErrorCode SpectrumCreate(Pencil pencil, PetscBool quiet, Spectrum *spectrum);
 PetscErrorCode SpectrumDestroy(Spectrum *spectrum);
 PetscErrorCode SpectrumLargest(Spectrum *spectrum, SpectrumRate rate, PetscReal t,

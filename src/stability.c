@@ -65,9 +65,11 @@ static PetscErrorCode TransientOptions(Settings *set) {
                        0, 1e6, &set->t2, &set->t2_given));
   PetscCall(OptionInt("-stability_transient_cells", "cells of its mesh", 8, 2000,
                       &set->transient_cells, NULL));
-  PetscCall(OptionString("-stability_optimal_shape",
-                         "HDF5 file for the initial shape that grows most, for -shape_file",
-                         set->shape, sizeof(set->shape), NULL));
+  PetscCall(
+      OptionString("-stability_optimal_shape",
+                   "HDF5 file for the initial shape that grows most in L2, for -shape_file (take a "
+                   "-shape_amplitude of 1e-5 or less: it bends right at the tip)",
+                   set->shape, sizeof(set->shape), NULL));
   UserCheck(set->transient || !set->shape[0], PETSC_COMM_WORLD,
             "-stability_optimal_shape needs -stability_transient");
   PetscFunctionReturn(0);
@@ -270,13 +272,14 @@ static PetscErrorCode Verdict(Stability *self, Curve curve) {
 }
 
 static PetscErrorCode PrintVerdict(const Stability *self) {
+  const PetscBool slides = self->scene->growth->slides;
   const PetscReal start = self->set.start;
   PetscReal best = start;
 
   PetscFunctionBegin;
   for (int c = 0; c < CURVES; c++) {
     if (!self->has[c]) continue;
-    if (c != CURVE_A) best = PetscMax(best, self->until[c]);
+    if (c != CURVE_A && (c != CURVE_W || !slides)) best = PetscMax(best, self->until[c]);
     if (self->until[c] <= start)
       PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%-32s not even at t = %g\n", curves[c].verdict,
                             (double)start));
@@ -296,6 +299,11 @@ static PetscErrorCode PrintVerdict(const Stability *self) {
                     "Best norm: decay for certain up to t = %.8g; the frozen modes grow from t_cr "
                     "= %.8g on; gap %.2g.\n",
                     (double)best, (double)self->critical.t, (double)(self->critical.t - best)));
+  if (slides && self->has[CURVE_W])
+    PetscCall(
+        PetscPrintf(PETSC_COMM_WORLD,
+                    "(The W norm, as the modes, is judged on a rod of frozen length: no proof for "
+                    "one that is fed.)\n"));
   if (best > self->critical.t * (1 + 1e-6))
     PetscCall(
         PetscPrintf(PETSC_COMM_WORLD,
@@ -406,7 +414,7 @@ static PetscErrorCode Transient(Stability *self, hid_t file, hid_t shape) {
     Optimal best;
     PetscCall(TransientOptimal(&propagator, (TransientNorm)k, &best));
     PetscCall(PetscPrintf(PETSC_COMM_WORLD,
-                          "largest amplification from t = %g to %g, %s norm: %.8g\n",
+                          "largest amplification from t = %g to %g, %s norm: %.10g\n",
                           (double)set->t1, (double)set->t2, names[k], (double)best.amplification));
     PetscCall(WriteOptimal(file, &best, names[k]));
     if (k == TRANSIENT_L2) PetscCall(WriteShapeFile(shape, &best, scene->shape.amplitude));
@@ -471,6 +479,7 @@ PetscErrorCode StabilityRun(Scene scene, const char *output) {
   PetscCall(ReadSolverOptions());
   PetscCall(OptionsRefuseUnread());
   if (output[0]) PetscCall(OutputNewFile(output, &file));
+  if (file >= 0) PetscCall(OutputRootAttributes(file, PETSC_FALSE));
   if (self.set.shape[0]) PetscCall(OutputNewFile(self.set.shape, &shape));
   PetscCall(CriticalFind(scene, PETSC_TRUE, &self.critical));
   PetscCall(CompleteSettings(&self.set, self.critical.t));

@@ -18,6 +18,8 @@ typedef struct {
 } VBDF;
 
 static const PetscReal safety = 0.5; /* aim at this part of the tolerance */
+static const PetscReal smallest =
+    1e-12; /* step, as a part of the final time: below is but round-off */
 static const PetscReal shrink_most = 0.2, grow_most = 2;
 
 /* Values at t of the Lagrange polynomials on n points. */
@@ -206,13 +208,13 @@ static PetscErrorCode Retry(TS ts, VBDF *self, PetscInt attempt, PetscReal facto
     self->n = 1;
   }
   if (ts->max_reject >= 0 && attempt > ts->max_reject) ts->reason = TS_DIVERGED_STEP_REJECTED;
-  if (ts->ptime + ts->time_step == ts->ptime) ts->reason = TS_DIVERGED_STEP_REJECTED;
+  if (ts->time_step < smallest * ts->max_time) ts->reason = TS_DIVERGED_STEP_REJECTED;
   PetscFunctionReturn(0);
 }
 
 static PetscErrorCode TSStep_VBDF(TS ts) {
   VBDF *self = (VBDF *)ts->data;
-  PetscReal factor = 1;
+  PetscReal factor = 1, size;
   PetscBool accept;
 
   PetscFunctionBegin;
@@ -229,6 +231,8 @@ static PetscErrorCode TSStep_VBDF(TS ts) {
     PetscCall(Predict(ts, self));
     PetscCall(SolveStage(ts, self));
     PetscCall(SNESGetConvergedReason(ts->snes, &solved));
+    PetscCall(VecNorm(self->point[0], NORM_INFINITY, &size));
+    if (PetscIsInfOrNanReal(size)) solved = SNES_DIVERGED_FNORM_NAN;
     if (solved < 0) {
       ts->num_snes_failures++;
       if (self->fixed ||

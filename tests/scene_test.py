@@ -6,6 +6,7 @@
 import argparse
 import json
 import os
+import re
 import shlex
 import subprocess
 import sys
@@ -23,6 +24,9 @@ except ImportError:
     sys.exit("scene_test: needs h5py and numpy; scripts/setup.sh makes .venv with them")
 
 CHECKS = {}
+ENVIRONMENT = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
+                   OMPI_MCA_rmaps_base_oversubscribe="1", OMPI_MCA_mpi_yield_when_idle="1",
+                   OMP_NUM_THREADS="1")
 TENDRIL = MPIEXEC = SCRATCH = None
 
 DRY = "-growth_initial_length 2 -shape_amplitude 0.1 "  # the rod of v_short
@@ -56,17 +60,21 @@ def expect(condition, message):
 class Run:
     """A finished run: r.tip_x1 and so on are series, r.shapes['x'] and so on the stored shapes."""
 
-    def __init__(self, options, ranks=1):
+    def __init__(self, options, ranks=1, group="grow"):
         file = Path(SCRATCH) / "run.h5"
         command = [TENDRIL, *shlex.split(options), "-output", str(file)]
         if ranks > 1:
             command = [MPIEXEC, "-n", str(ranks), *command]
-        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                              env=ENVIRONMENT)
         expect(done.returncode == 0 and not done.stderr,
                f"tendril {options}, {ranks} ranks: exit {done.returncode}, {done.stderr.strip()}")
         with h5py.File(file) as f:
             expect(f.attrs["finished"] == 1, f"{options}: not finished")
             expect(f.attrs["ranks"] == ranks, f"{options}: ran on {f.attrs['ranks']} ranks")
+            if group != "grow":
+                expect(len(f[group]) > 1, f"{options}: no results in /{group}")
+                return
             self.shapes = {name: d[:] for name, d in f["shapes"].items()}
             self.series = {name: d[:] for name, d in f["series"].items()}
         file.unlink()
@@ -143,11 +151,10 @@ def references_mixed():
 
 def errors(options, cells, fine):
     """Of tip, norm and energy at the end, for each number of cells, against a finer run."""
-    result = {"tip": [], "norm_x2": [], "energy": []}
+    result = {"tip_x2": [], "norm_x2": [], "energy": []}
     for n in cells:
         r = Run(f"{options} -rod_cells {n}")
-        result["tip"].append(distance(r.tip, fine.tip))
-        for k in ("norm_x2", "energy"):
+        for k in result:
             result[k].append(abs(r.series[k][-1] / fine.series[k][-1] - 1))
     return result
 
@@ -155,34 +162,33 @@ def errors(options, cells, fine):
 @check
 def orders_in_space():
     """From the finest pair, time error far below, against a finer run of another kind."""
-    tight = SMOOTH + "-ts_max_time 1 -ts_rtol 1e-10"
-    small = SMOOTH.replace("0.1", "1e-6", 1) + "-ts_max_time 1 -ts_rtol 1e-10"
-    fine, fine_small = Run(tight + " -rod_cells 600"), Run(small + " -rod_cells 600")
+    bent = SMOOTH + "-ts_max_time 1 -ts_rtol "
+    small = SMOOTH.replace("0.1", "1e-6", 1) + "-ts_max_time 1 -ts_rtol "
+    fine, fine_small = Run(bent + "1e-10 -rod_cells 600"), Run(small + "1e-10 -rod_cells 600")
     for what, options, exact, cells, should in (
-            ("frame, order 2", tight + " -rod_order 2", fine, (40, 80, 160), 2),
-            ("frame, order 4", tight, fine, (12, 24, 48), 4),
-            ("mixed", tight + " -rod_model mixed", fine, (40, 80, 160), 2),
-            ("linear", small + " -rod_model linear", fine_small, (8, 16, 32), 4)):
+            ("frame, order 2", bent + "1e-8 -rod_order 2", fine, (120, 240, 480), 2),
+            ("frame, order 4", bent + "1e-10", fine, (12, 24, 48), 4),
+            ("mixed", bent + "1e-10 -rod_model mixed", fine, (40, 80, 160), 2),
+            ("linear", small + "1e-10 -rod_model linear", fine_small, (8, 16, 32), 4)):
         for k, e in errors(options, cells, exact).items():
             print(f"{what:15} {k:8} errors {e[0]:.1e} {e[1]:.1e} {e[2]:.1e}, order {order(e):.2f}")
-            if (what, k) == ("linear", "tip"):
-                continue  # of the straight rod, exact
             if (what, k) == ("linear", "energy"):
-                should_be = 2  # from the spline's second derivative at the nodes
+                should = 2  # from the spline's second derivative at the nodes
             expect(should - 0.3 < order(e) < should + 0.8, f"{what}: {k} order {order(e):.2f}")
 
 
 @check
 def backward_euler():
     """First order in time at fixed steps."""
-    fine = Run(DRY + "-ts_max_time 1 -ts_rtol 1e-9")
-    e = [distance(Run(f"{DRY} -ts_max_time 1 -ts_type beuler -ts_dt {h}").tip, fine.tip)
+    short = SMOOTH + "-ts_max_time 1 -rod_cells 100 "
+    fine = Run(short + "-ts_rtol 1e-9")
+    e = [distance(Run(f"{short} -ts_type beuler -ts_dt {h}").tip, fine.tip)
          for h in (0.02, 0.01, 0.005)]
-    r = Run(f"{DRY} -ts_max_time 1 -ts_type beuler")  # the paper's step by default
+    r = Run(f"{short} -ts_type beuler")  # the paper's step by default
     print(f"beuler: tip {e[0]:.1e} {e[1]:.1e} {e[2]:.1e}, order {order(e):.2f}")
     expect(0.9 < order(e) < 1.1, f"order {order(e):.2f}")
     expect(r.steps == 100 and np.ptp(r.step[1:]) < 1e-12, f"{r.steps} steps")
-    expect(abs(distance(r.tip, fine.tip) / e[1] - 1) < 1e-6, "0.01 is not the default step")
+    expect(abs(distance(r.tip, fine.tip) / e[1] - 1) < 1e-3, "0.01 is not the default step")
 
 
 @check
@@ -226,7 +232,7 @@ def straight():
                 force = (0.5 + r.t) * (0.7 * (1.001 ** 0.5 - 0.001 ** 0.5) + 0.15)
                 worst = np.abs(r.base_force_1 / force - 1).max()
                 print(f"{model}: force at the clamp to {worst:.1e}")
-                expect(worst < 1e-5, f"{model}: force at the clamp off by {worst:.1e}")
+                expect(worst < (1e-4 if model == "mixed" else 1e-8), f"{model}: force at the clamp off by {worst:.1e}")
 
 
 @check
@@ -258,15 +264,16 @@ def clamp_angle():
 
 @check
 def small_amplitude():
-    """1e-13 and 1e-3 decay alike: x2 is followed relative to its own size."""
+    """Amplitudes from 1e-13 to 1e-2 decay alike: x2 is followed relative to its own size."""
     for model in ("frame", "mixed", "linear"):
-        options = f"-ts_max_time 1.5 -rod_model {model} -shape_amplitude"
-        a, b = Run(options + " 1e-3"), Run(options + " 1e-13")
-        decay = a.norm_x2[-1] / a.norm_x2[0]
-        other = b.norm_x2[-1] / b.norm_x2[0]
-        print(f"{model}: decay to {decay:.6e} and {other:.6e}")
-        expect(decay < 1e-10, f"{model}: no decay, {decay:.1e}")
-        expect(abs(other / decay - 1) < 1e-4, f"{model}: {decay:.6e} and {other:.6e}")
+        decay = {}
+        for amplitude in (1e-2, 1e-5, 1e-13):
+            r = Run(f"-ts_max_time 1.5 -rod_model {model} -shape_amplitude {amplitude}")
+            decay[amplitude] = r.norm_x2[-1] / r.norm_x2[0]
+        print(f"{model}: decay to", *(f"{d:.7e}" for d in decay.values()))
+        expect(decay[1e-2] < 1e-10, f"{model}: no decay, {decay[1e-2]:.1e}")
+        expect(abs(decay[1e-13] / decay[1e-5] - 1) < 1e-5, f"{model}: {decay}")
+        expect(abs(decay[1e-13] / decay[1e-2] - 1) < 0.1, f"{model}: {decay}")  # not yet linear
 
 
 @check
@@ -280,41 +287,58 @@ def newton():
               f"iterations, tips differ by {distance(a.tip, b.tip):.1e}")
         expect(distance(a.tip, b.tip) < 1e-5, f"tips differ by {distance(a.tip, b.tip):.1e}")
         expect(a.newton_iterations.sum() <= b.newton_iterations.sum(), "primal takes fewer")
+    options = DRY + "-ts_max_time 10 -rod_cells 200 -friction_beta 1e-6 -friction_newton "
+    a = Run(options + "primal_dual")
+    try:
+        b = Run(options + "primal")
+        expect(b.newton_iterations.sum() > a.newton_iterations.sum(), "primal does as well")
+        print(f"primal ends at beta = 1e-6, in {b.newton_iterations.sum():.0f} iterations")
+    except Failure as failure:
+        expect("gave up at t =" in str(failure), failure)
+        print("primal gives up at beta = 1e-6")
 
 
 @check
 def nearly_exact_friction():
     """beta from 1e-2 to 1e-12 with all else at its default."""
-    before = None
+    before = {}
     for exponent in range(2, 13):
-        r = Run(f"{DRY} -ts_max_time 32 -rod_cells 200 -friction_beta 1e-{exponent}")
-        short = Run(f"{DRY} -ts_max_time 5 -friction_beta 1e-{exponent}")
-        for run in (short, r):
-            per_step = run.newton_iterations.sum() / run.steps
-            print(f"beta 1e-{exponent}, t = {run.t[-1]:.0f}: {run.steps} steps, "
-                  f"{per_step:.2f} iterations per step, tip {run.tip[0]:.7f} {run.tip[1]:.7f}")
+        for name, options in (("short", "-ts_max_time 5"),
+                              ("folded", "-ts_max_time 32 -rod_cells 200")):
+            r = Run(f"{DRY} {options} -friction_beta 1e-{exponent}")
+            per_step = r.newton_iterations.sum() / r.steps
+            moved = distance(r.tip, before.get(name, r.tip))
+            before[name] = r.tip
+            print(f"beta 1e-{exponent}, {name}: {r.steps} steps, {per_step:.2f} iterations per step, "
+                  f"tip {r.tip[0]:.7f} {r.tip[1]:.7f}")
             expect(per_step <= 4, f"beta 1e-{exponent}: {per_step:.2f} iterations per step")
-        if before is not None and exponent > 4:
-            expect(distance(short.tip, before) < 3 * 10 ** (-exponent / 2 + 0.5),
-                   f"beta 1e-{exponent}: tip moved by {distance(short.tip, before):.1e}")
-        before = short.tip
+            beta = 10. ** (1 - exponent)
+            bound = 0.1 * beta + 3e-7 if name == "short" else beta ** 0.5
+            expect(moved < bound, f"beta 1e-{exponent}, {name}: tip moved by {moved:.1e}")
+
+
+def task_of(file):
+    found = re.search(r"^-task\s+(\w+)", file.read_text(), re.MULTILINE)
+    return found.group(1) if found else "grow"
 
 
 @check
 def options_files():
-    """Each scene in options/ runs for a few steps as it stands."""
+    """Each scene in options/ runs for a few steps as it stands, or as a small problem of its task."""
+    small = {"stability": "-stability_points 3 -stability_vertices 60", "critical": "-rod_cells 60"}
     for file in sorted((HERE.parent / "options").glob("*.opts")):
-        r = Run(f"-options_file {file} -ts_max_time 0.01")
-        print(f"{file.name}: {r.steps} steps")
-        expect(r.t[-1] == 0.01, f"{file.name}: ends at {r.t[-1]}")
+        task = task_of(file)
+        r = Run(f"-options_file {file} {small.get(task, '-ts_max_time 0.01')}", group=task)
+        if task == "grow":
+            expect(r.t[-1] == 0.01, f"{file.name}: ends at {r.t[-1]}")
+        print(f"{file.name}: task {task}")
 
 
 @check
 def energy_balance():
     """Each scene of options/ that grows, to its end."""
     for file in sorted((HERE.parent / "options").glob("*.opts")):
-        text = file.read_text()
-        if "-task" in text:
+        if task_of(file) != "grow":
             continue
         r = Run(f"-options_file {file}")
         defect = r.energy_defect[r.t > 0.01].max()

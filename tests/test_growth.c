@@ -69,8 +69,7 @@ static void Law(const char *options, PetscReal L0, PetscReal h, PetscBool slides
   Consistent(growth, h);
   GrowsAtUnitRate(growth, L0);
   EXPECT(PetscAbsReal(Stretch(growth, 0.3, 0) - L0) < 1e-14, "g(s, 0) is not L0");
-  EXPECT(GrowthSlide(growth, 0.25) == (slides ? 0.75 : 0), "slide %g",
-         GrowthSlide(growth, 0.25));
+  EXPECT(GrowthSlide(growth, 0.25) == (slides ? 0.75 : 0), "slide %g", GrowthSlide(growth, 0.25));
   CHECK(GrowthDestroy(&growth));
 }
 
@@ -134,8 +133,8 @@ static void TestTableExact(void **state) {
   Growth growth = Tabulated(6, 5, Bicubic);
   for (PetscReal s = 0; s <= 1; s += 0.07)
     for (PetscReal t = 0; t <= 4; t += 0.31)
-      EXPECT(PetscAbsReal(Stretch(growth, s, t) - Bicubic(s, t)) < 1e-12,
-             "error %g at s %g, t %g", Stretch(growth, s, t) - Bicubic(s, t), s, t);
+      EXPECT(PetscAbsReal(Stretch(growth, s, t) - Bicubic(s, t)) < 1e-12, "error %g at s %g, t %g",
+             Stretch(growth, s, t) - Bicubic(s, t), s, t);
   EXPECT(PetscAbsReal(Arc(growth, 1, 0) - 2) < 1e-13, "length %.15g", Arc(growth, 1, 0));
   CHECK(GrowthDestroy(&growth));
 }

@@ -53,6 +53,5 @@ static void TestGraded(void **state) {
   }
 }
 
-static const struct CMUnitTest tests[] = {cmocka_unit_test(TestEven),
-                                          cmocka_unit_test(TestGraded)};
+static const struct CMUnitTest tests[] = {cmocka_unit_test(TestEven), cmocka_unit_test(TestGraded)};
 MAIN(tests)

@@ -71,8 +71,8 @@ static void TestCrossings(void **state) {
       PetscInt count;
       Trace(curves[c].curve, curves[c].from, curves[c].to, n, nodes);
       count = ObserveCrossings(n, nodes);
-      EXPECT(count == curves[c].crossings, "%s with %d nodes: %d crossings, not %d",
-             curves[c].name, (int)n, (int)count, (int)curves[c].crossings);
+      EXPECT(count == curves[c].crossings, "%s with %d nodes: %d crossings, not %d", curves[c].name,
+             (int)n, (int)count, (int)curves[c].crossings);
     }
 }
 
@@ -122,8 +122,8 @@ static void Destroy(Scene *scene, Rod *rod, Observer *observer) {
   CHECK(SceneDestroy(scene));
 }
 
-/* -n1(0) = L (mu (sqrt(1 + beta) - sqrt(beta)) + (1 - mu)/2) of the straight rod; all work of growth
-   goes into friction. */
+/* -n1(0) = L (mu (sqrt(1 + beta) - sqrt(beta)) + (1 - mu)/2) of the straight rod; all work of
+   growth goes into friction. */
 static void TestStraight(void **state) {
   const PetscReal mu[] = {1, 0.3, 0}, beta = 1e-2, t = 1.5, L = 2;
   for (int k = 0; k < 3; k++) {
@@ -145,8 +145,7 @@ static void TestStraight(void **state) {
            should);
     EXPECT(PetscAbsReal(seen.length - L) < 1e-14 && PetscAbsReal(seen.end_distance - L) < 1e-13 &&
                PetscAbsReal(seen.mid_distance - L / 2) < 1e-13,
-           "length %g, tip at %g, middle at %g", seen.length, seen.end_distance,
-           seen.mid_distance);
+           "length %g, tip at %g, middle at %g", seen.length, seen.end_distance, seen.mid_distance);
     EXPECT(PetscAbsReal(seen.tip_speed - 1) < 1e-13 && PetscAbsReal(seen.mid_speed - 0.5) < 1e-13,
            "speeds %g, %g", seen.tip_speed, seen.mid_speed);
     EXPECT(PetscAbsReal(seen.growth_power / seen.dissipation - 1) < 1e-6, "W %g, dissipation %g",

@@ -25,8 +25,8 @@ static void Create(const Model *model, int law, PetscInt cells, const char *more
                    Rod *rod) {
   char path[64] = "";
   if (law == TABLE) WriteTable(path, 9, 9, 3, Tabulated);
-  SetOptions("%s%s %s -rod_cells %d -ts_max_time 2 %s", laws[law], path, model->options,
-             (int)cells, more);
+  SetOptions("%s%s %s -rod_cells %d -ts_max_time 2 %s", laws[law], path, model->options, (int)cells,
+             more);
   CHECK(SceneCreate(scene));
   CHECK(RodCreate(*scene, model->model, rod));
   if (law == TABLE) RemoveFile(path);
@@ -312,7 +312,6 @@ static void TestGrowNodes(void **state) {
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(TestJacobians), cmocka_unit_test(TestPrimalDual),
-    cmocka_unit_test(TestMirror), cmocka_unit_test(TestSetAndGet),
-    cmocka_unit_test(TestGrowNodes)};
+    cmocka_unit_test(TestJacobians), cmocka_unit_test(TestPrimalDual), cmocka_unit_test(TestMirror),
+    cmocka_unit_test(TestSetAndGet), cmocka_unit_test(TestGrowNodes)};
 MAIN(tests)

@@ -68,9 +68,8 @@ static void TestOrder(void **state) {
       PetscReal exact = PetscExpReal(PetscSinReal(4 * at));
       SplineWeights(n, x, at, &i, value, slope, NULL);
       error[k] = PetscMax(error[k], PetscAbsReal(Apply(value, f, f2, i) - exact));
-      slope_error[k] =
-          PetscMax(slope_error[k],
-                   PetscAbsReal(Apply(slope, f, f2, i) - 4 * PetscCosReal(4 * at) * exact));
+      slope_error[k] = PetscMax(
+          slope_error[k], PetscAbsReal(Apply(slope, f, f2, i) - 4 * PetscCosReal(4 * at) * exact));
     }
   }
   print_message("spline: order %.2f, of the slope %.2f\n", Order(error[1], error[2]),
