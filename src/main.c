@@ -1,4 +1,5 @@
 /* tendril: the growth of an elastic fibre that friction holds back. Options -> scene -> task. */
+#include "chain.h"
 #include "critical.h"
 #include "grow.h"
 #include "options.h"
@@ -28,6 +29,7 @@ static PetscErrorCode Run(int argc, char **argv) {
       tasks, &task, NULL));
   PetscCall(OptionString("-output", "result file (HDF5)", output, sizeof(output), NULL));
   PetscCall(VBDFRegister());
+  PetscCall(ChainRegister());
   PetscCall(OptionsCheckTypes());
   PetscCall(OptionsRefuseOverwrite(output));
   PetscCall(SceneCreate(&scene));

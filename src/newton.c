@@ -1,4 +1,5 @@
 #include "newton.h"
+#include "chain.h"
 
 /* Newton's iteration stops when its update is this part of the step's error tolerance. */
 static const PetscReal share_of_tolerance = 0.02;
@@ -122,7 +123,8 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
 /*
   NewtonSetUp - sets the SNES of a TS: full Newton steps, the test above, and a direct solver:
   PETSc's block LU in natural order on one rank (the matrix is block-banded, its diagonal blocks
-  regular), MUMPS on several. PETSc's options override. newton must live as long as the TS.
+  regular), on several the same on each, joined by PCCHAIN. PETSc's options override. newton must
+  live as long as the TS.
 */
 PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   PetscReal rtol;
@@ -146,11 +148,8 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   PetscCall(SNESGetKSP(snes, &ksp));
   PetscCall(KSPSetType(ksp, KSPPREONLY));
   PetscCall(KSPGetPC(ksp, &pc));
-  PetscCall(PCSetType(pc, PCLU));
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  if (ranks > 1)
-    PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
-  else
-    PetscCall(PCFactorSetMatOrderingType(pc, MATORDERINGNATURAL));
+  PetscCall(PCSetType(pc, ranks > 1 ? PCCHAIN : PCLU));
+  if (ranks == 1) PetscCall(PCFactorSetMatOrderingType(pc, MATORDERINGNATURAL));
   PetscFunctionReturn(0);
 }
