@@ -45,6 +45,17 @@ def draw_stability(ax, r, legend=True):
         ax.legend(loc="lower right", fontsize=6)
 
 
+def minimum(t, norm):
+    """Time and size of the smallest value, by a parabola through the logarithms around it: the
+    minimum is flat, and the nearest step may be some way off."""
+    i = int(norm.argmin())
+    low, high = max(0, i - 4), min(len(t), i + 5)
+    if i in (0, len(t) - 1) or high - low < 5:
+        return t[i], norm[i]
+    a, b, c = np.polyfit(t[low:high] - t[i], np.log(norm[low:high]), 2)
+    return t[i] - b / (2 * a), np.exp(c - b * b / (4 * a))
+
+
 def draw_run(ax, r, end):
     """|x2| of a run in time, with its minimum."""
     t, norm = r.series.t, r.series.norm_x2
@@ -52,11 +63,12 @@ def draw_run(ax, r, end):
     if not keep.any():
         raise ResultsError(f"{r.path}: holds no deflection before t = {end:g}")
     t, norm = t[keep], norm[keep]
-    i = int(norm.argmin())
+    at, least = minimum(t, norm)
     ax.semilogy(t, norm, color=BLUE)
-    ax.plot(t[i], norm[i], "o", ms=4, color=RED)
-    ax.annotate(rf"$t = {t[i]:.4g}$", (t[i], norm[i]), xytext=(-4, 4), ha="right", color=RED,
+    ax.plot(at, least, "o", ms=4, color=RED)
+    ax.annotate(rf"$t = {at:.5g}$", (at, least), xytext=(-4, 4), ha="right", color=RED,
                 textcoords="offset points", fontsize=7)
+    ax.set_xlim(0, end)
     ax.set_xlabel("$t$")
     ax.set_ylabel(r"$\|x_2\|$")
 

@@ -351,7 +351,7 @@ if __name__ == "__main__":
     parser.add_argument("tendril")
     parser.add_argument("--mpiexec", default="mpiexec")
     parser.add_argument("checks", nargs="*", metavar="CHECK", help=", ".join(CHECKS))
-    arguments = parser.parse_args()
+    arguments = parser.parse_intermixed_args()
     unknown = set(arguments.checks) - set(CHECKS)
     if unknown:
         parser.error(f"no check is named {', '.join(unknown)}")

@@ -25,6 +25,12 @@ static void TestLaw(void **state) {
   EXPECT(law.mu == 1 && law.beta == 1e-3 && law.newton == NEWTON_PRIMAL_DUAL, "defaults");
 }
 
+/* The dual that belongs to v. */
+static void Settle(const Friction *law, const PetscReal v[2], FrictionDual *dual) {
+  FrictionDualReset(law, v, dual);
+  FrictionDualAdvance(law, v, dual);
+}
+
 /* |f(v + e w) - f(v) - e f'(v) w| falls fourfold when e is halved. */
 static void TestPrimalSlope(void **state) {
   const char *laws[] = {"-friction_newton primal",
@@ -50,18 +56,24 @@ static void TestPrimalSlope(void **state) {
     }
 }
 
+/* A reset near the dual of before makes Newton's own slope; elsewhere the old dual is kept. */
 static void TestDualAfterReset(void **state) {
   Friction primal = Create("-friction_newton primal -friction_mu 0.8"), dual_law = primal;
-  const PetscReal v[2] = {0.02, -0.5};
+  const PetscReal v[2] = {0.02, -0.5}, before[2] = {0.05, -0.48}, away[2] = {0.5, 0.1};
   PetscReal a[2][2], b[2][2];
   FrictionDual dual = {0};
   dual_law.newton = NEWTON_PRIMAL_DUAL;
-  FrictionDualReset(&primal, v, &dual);
+  Settle(&dual_law, before, &dual);
+  FrictionDualReset(&dual_law, v, &dual);
   FrictionLinearise(&primal, v, &dual, a);
   FrictionLinearise(&dual_law, v, &dual, b);
   for (int i = 0; i < 4; i++)
-    EXPECT(PetscAbsReal(a[i / 2][i % 2] - b[i / 2][i % 2]) < 1e-15 * 1e3, "entry %d: %g, %g", i,
+    EXPECT(PetscAbsReal(a[i / 2][i % 2] - b[i / 2][i % 2]) < 1e-13, "entry %d: %g, %g", i,
            a[i / 2][i % 2], b[i / 2][i % 2]);
+  FrictionDualReset(&dual_law, away, &dual);
+  EXPECT(hypot(dual.w[0] - 0.02 / 0.5014, dual.w[1] + 0.5 / 0.5014) < 2e-3,
+         "the dual (%g, %g) was thrown away", dual.w[0], dual.w[1]);
+  EXPECT(dual.v[0] == away[0] && dual.v[1] == away[1], "the point is not the new one");
 }
 
 /* A step that ends where it began makes w = v/r at once; a short step keeps it to second order. */
@@ -70,7 +82,7 @@ static void TestDualFollows(void **state) {
   const PetscReal v[2] = {0.2, -0.1}, w[2] = {0.3, 0.7};
   PetscReal error[2], r = PetscSqrtReal(0.05 + 0.05);
   FrictionDual dual = {0};
-  FrictionDualReset(&law, v, &dual);
+  Settle(&law, v, &dual);
   dual.w[0] = -0.9;
   dual.w[1] = 0.1;
   FrictionDualAdvance(&law, v, &dual);
@@ -78,7 +90,7 @@ static void TestDualFollows(void **state) {
          dual.w[1]);
   for (int k = 0; k < 2; k++) {
     PetscReal e = 1e-4 / (1 << k), moved[2] = {v[0] + e * w[0], v[1] + e * w[1]};
-    FrictionDualReset(&law, v, &dual);
+    Settle(&law, v, &dual);
     FrictionDualAdvance(&law, moved, &dual);
     EXPECT(dual.v[0] == moved[0] && dual.v[1] == moved[1], "the point is not the new one");
     r = PetscSqrtReal(moved[0] * moved[0] + moved[1] * moved[1] + 0.05);
@@ -92,7 +104,7 @@ static void TestDualStaysInDisc(void **state) {
   const PetscReal start[2] = {1e-5, 1};
   PetscReal most = 0;
   FrictionDual dual = {0};
-  FrictionDualReset(&law, start, &dual);
+  Settle(&law, start, &dual);
   for (int k = 0; k < 1000; k++) {
     PetscReal size = PetscPowReal(10, 4 * Scatter(2, k)), v[2];
     v[0] = size * Scatter(0, k);

@@ -1,0 +1,102 @@
+#include "accuracy.h"
+#include "options.h"
+
+/*
+  What scripts/chart.sh and scripts/accuracy.py have taught. The largest relative error of tip, |x2|
+  and energy is, for the frame model of order 4 and vbdf,
+    in time   per_fold F (rtol / 1e-6)^(5/6), where F counts how often x2 falls or grows e-fold:
+              each fold adds its local errors with one sign, and the energy doubles them;
+    in space  arc_error h^4 of the largest cell, h its arc length at the end of the run, and
+              label_error F / N^4, because an error in a rate of decay adds up over its folds.
+  A third of the asked error is for time and a sixth for space: the error is then below what is
+  asked, and not far below.
+*/
+static const PetscReal per_fold = 9e-6, arc_error = 0.06, label_error = 400;
+static const PetscReal share_of_time = 0.35, share_of_space = 0.15;
+
+typedef struct {
+  PetscReal tolerance, length0, mu, amplitude, time;
+  PetscInt order;  /* in space */
+  PetscBool graded; /* growth differs along the rod */
+} Asked;
+
+/* The value of an option that is read and checked later, by whom it concerns. */
+static PetscErrorCode Look(const char *name, PetscReal usual, PetscReal *value) {
+  PetscFunctionBegin;
+  *value = usual;
+  PetscCall(PetscOptionsGetReal(NULL, NULL, name, value, NULL));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Is(const char *name, const char *word, PetscBool *is) {
+  char given[64] = "";
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsGetString(NULL, NULL, name, given, sizeof(given), NULL));
+  PetscCall(PetscStrcmp(given, word, is));
+  PetscFunctionReturn(0);
+}
+
+/* How many e-folds the deflection of the straight rod falls and grows: y_t = -(1.875/L)^4 y /
+   (friction 1 to 1.4) until buckling, then back up until it is visible, if the run is that long. */
+static PetscReal Folds(const Asked *asked) {
+  PetscReal L = asked->length0, end = L + asked->time, fall;
+
+  fall = 4.12 * (1 - 0.3 * asked->mu) * (1 / (L * L * L) - 1 / (end * end * end));
+  return PetscMax(2, 2 * PetscMin(fall, 80) +
+                         PetscMax(0, -PetscLogReal(PetscMax(1e-30, asked->amplitude))));
+}
+
+static PetscErrorCode Default(const char *name, const char *format, PetscReal value) {
+  char text[32];
+  PetscBool given;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsHasName(NULL, NULL, name, &given));
+  if (given) PetscFunctionReturn(0);
+  PetscCall(PetscSNPrintf(text, sizeof(text), format, (double)value));
+  PetscCall(PetscOptionsSetValue(NULL, name, text));
+  PetscFunctionReturn(0);
+}
+
+/*
+  AccuracyApply - reads -accuracy and sets from it -rod_cells and -ts_rtol where they are not given.
+
+  Collective; call it before the scene is read. The model stays the frame of order 4 unless another
+  is asked for: the chart has it on the front at every accuracy.
+*/
+PetscErrorCode AccuracyApply(void) {
+  PetscReal time, space, cells, h;
+  PetscBool set, second, mixed;
+  Asked asked;
+
+  PetscFunctionBegin;
+  PetscCall(OptionsHeading("Accuracy"));
+  asked.tolerance = 1e-4;
+  PetscCall(OptionReal("-accuracy",
+                       "asked relative error of tip, |x2| and energy: sets cells and tolerance",
+                       1e-10, 0.1, &asked.tolerance, &set));
+  if (!set) PetscFunctionReturn(0);
+  PetscCall(Look("-growth_initial_length", 0.5, &asked.length0));
+  PetscCall(Look("-friction_mu", 1, &asked.mu));
+  PetscCall(Look("-shape_amplitude", 0.01, &asked.amplitude));
+  PetscCall(Look("-ts_max_time", 40, &asked.time));
+  PetscCall(Is("-growth_type", "gaussian", &asked.graded));
+  PetscCall(Is("-rod_order", "2", &second));
+  PetscCall(Is("-rod_model", "mixed", &mixed));
+  asked.amplitude = PetscAbsReal(asked.amplitude);
+  asked.order = second || mixed ? 2 : 4;
+  UserCheck(asked.length0 > 0 && asked.time > 0 && asked.mu >= 0 && asked.mu <= 1,
+            PETSC_COMM_WORLD,
+            "-growth_initial_length, -ts_max_time or -friction_mu: out of range");
+
+  time = share_of_time * asked.tolerance / (per_fold * Folds(&asked));
+  PetscCall(Default("-ts_rtol", "%.3g", PetscMax(1e-13, PetscMin(0.01, 1e-6 * PetscPowReal(time, 1.2)))));
+
+  space = share_of_space * asked.tolerance;
+  h = PetscPowReal(space / arc_error, 1. / asked.order);
+  cells = (asked.graded ? 1.5 : 1) * (asked.length0 + asked.time) / h;
+  cells = PetscMax(cells, PetscPowReal(label_error * Folds(&asked) / space, 1. / asked.order));
+  PetscCall(Default("-rod_cells", "%.0f", PetscCeilReal(PetscMax(32, PetscMin(1e6, cells)))));
+  PetscFunctionReturn(0);
+}

@@ -1,0 +1,9 @@
+/* One knob for model, mesh and tolerances. */
+#ifndef TENDRIL_ACCURACY_H
+#define TENDRIL_ACCURACY_H
+
+#include <petscsys.h>
+
+PetscErrorCode AccuracyApply(void);
+
+#endif
