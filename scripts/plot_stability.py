@@ -46,14 +46,16 @@ def draw_stability(ax, r, legend=True):
 
 
 def minimum(t, norm):
-    """Time and size of the smallest value, by a parabola through the logarithms around it: the
+    """Time and size of the smallest value, by a quartic through the logarithms around it: the
     minimum is flat, and the nearest step may be some way off."""
     i = int(norm.argmin())
     low, high = max(0, i - 4), min(len(t), i + 5)
     if i in (0, len(t) - 1) or high - low < 5:
         return t[i], norm[i]
-    a, b, c = np.polyfit(t[low:high] - t[i], np.log(norm[low:high]), 2)
-    return t[i] - b / (2 * a), np.exp(c - b * b / (4 * a))
+    quartic = np.poly1d(np.polyfit(t[low:high] - t[i], np.log(norm[low:high]), 4))
+    near = np.linspace(t[max(0, i - 2)], t[min(len(t) - 1, i + 2)], 2001) - t[i]
+    k = int(quartic(near).argmin())
+    return t[i] + near[k], float(np.exp(quartic(near[k])))
 
 
 def draw_run(ax, r, end):

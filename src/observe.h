@@ -47,6 +47,7 @@ PetscErrorCode ObserverGather(Observer observer, Rod rod, PetscReal t, Vec U, Ve
                               const Node **nodes);
 PetscErrorCode ObserverMeasure(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t,
                                Observation *seen);
+void ObserverJump(Observer observer);
 PetscInt ObserveCrossings(PetscInt n, const Node *nodes);
 
 #endif
