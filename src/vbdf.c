@@ -25,10 +25,10 @@ static const PetscReal safety = 0.5; /* aim at this part of the tolerance */
 /* Dry friction cannot hold a rod that is bent too sharply, and without inertia it snaps at once: a
    jump. It shows in an error that a much shorter step (a third at most) does not lessen to this
    part. Backward Euler carries the rod over, and the history starts anew behind it. Likewise for a
-   step below jump_step of the final time, where an initial layer may be left unresolved. */
-static const PetscReal jump_persists = 0.7, jump_step = 1e-9;
+   first step below jump_step of the final time, where an initial layer may be left unresolved. */
+static const PetscReal jump_persists = 0.7, jump_step = 1e-11;
 /* ... and below this one there is nothing but round-off. */
-static const PetscReal smallest = 1e-12;
+static const PetscReal smallest = 1e-13;
 static const PetscReal shrink_most = 0.2, grow_most = 2;
 
 /* Values at t of the Lagrange polynomials on n points. */
@@ -148,9 +148,9 @@ static PetscErrorCode Choose(TS ts, VBDF *self, PetscBool *accept, PetscReal *fa
   else
     PetscCall(FirstError(ts, self, &e));
   *accept = (PetscBool)(e <= 1);
-  self->jumped =
-      (PetscBool)(!*accept && k == 1 &&
-                  (e > jump_persists * self->rejected || ts->time_step < jump_step * ts->max_time));
+  self->jumped = (PetscBool)(!*accept && k == 1 &&
+                             (e > jump_persists * self->rejected ||
+                              (self->n == 1 && ts->time_step < jump_step * ts->max_time)));
   self->rejected = *accept ? PETSC_MAX_REAL : e;
   if (self->jumped) *accept = PETSC_TRUE;
   *factor = StepFactor(e, k);
@@ -217,7 +217,7 @@ static PetscErrorCode Retry(TS ts, VBDF *self, PetscInt attempt, PetscReal facto
   ts->reject++;
   ts->time_step *= factor;
   self->since = 0;
-  if (attempt >= 3 || ts->time_step < jump_step * ts->max_time) {
+  if (attempt >= 3) {
     self->order = 1;
     self->n = 1;
   }
