@@ -256,7 +256,7 @@ def reason_of(state, verdict):
         return "time limit"
     if verdict == CRASHED:
         return "signal" if (state["exit"] or 0) < 0 else "traceback"
-    for code, pattern in (("newton", r"Newton|nonlinear|SNES"), ("rejections", r"REJECTED"),
+    for code, pattern in (("angle", "where an angle reached"), ("newton", r"Newton|nonlinear|SNES"), ("rejections", r"REJECTED"),
                           ("zero pivot", r"pivot|LU failed"), ("step", r"gave up|STEP"),
                           ("refused", r".")):
         if re.search(pattern, text):
@@ -269,7 +269,7 @@ def measure(case, store):
     run = run_tendril if case.solver == "tendril" else run_peer
     state, values = run(case)
     for _ in range(case.repeat - 1):
-        if state["exit"] == 0 and state["seconds"] < 5:
+        if state["exit"] == 0 and state["seconds"] < 2:
             state["seconds"] = min(state["seconds"], run(case)[0]["seconds"])
     result = {"key": case.key, "solver": case.solver, "scene": case.scene.name,
               "scene_options": case.scene.options, "options": case.options, **state}
@@ -280,7 +280,7 @@ def measure(case, store):
     elif state["exit"] < 0 or state["traceback"] or "Traceback" in state["message"]:
         verdict = CRASHED
     elif state["exit"]:
-        verdict = GAVE_UP if re.search("gave up|failed|-ts_max_steps", state["message"]) \
+        verdict = GAVE_UP if re.search("gave up|failed|stopped at|-ts_max_steps", state["message"]) \
             else REFUSED
     else:
         reference = store.reference(case.scene)

@@ -32,7 +32,6 @@ static PetscErrorCode Run(int argc, char **argv) {
   PetscCall(VBDFRegister());
   PetscCall(ChainRegister());
   PetscCall(OptionsCheckTypes());
-  PetscCall(OptionsRefuseOverwrite(output));
   if (task == GROW) PetscCall(AccuracyApply());
   PetscCall(SceneCreate(&scene));
   PetscCall(PetscOptionsHasHelp(NULL, &is_help));

@@ -309,15 +309,27 @@ static PetscErrorCode CheckType(const char *option, PetscFunctionList list) {
   PetscFunctionReturn(0);
 }
 
+/* Refuses a word that is not in a list. */
+static PetscErrorCode CheckWord(const char *option, size_t n, const char *const list[],
+                                const char *fault) {
+  char given[64];
+  PetscBool found, good = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsGetString(NULL, NULL, option, given, sizeof(given), &found));
+  for (size_t i = 0; found && i < n && !good; i++) PetscCall(PetscStrcmp(given, list[i], &good));
+  UserCheck(!found || good, PETSC_COMM_WORLD, "%s %s: %s", option, given, fault);
+  PetscFunctionReturn(0);
+}
+
 /*
   OptionsCheckTypes - refuses unknown solver types, and time steppers that are wrong for the rod:
   those that take F for U_t + G(t, U) or start from an explicit stage. Call when the time steppers
   are known.
 */
 PetscErrorCode OptionsCheckTypes(void) {
-  const char *const right[] = {"vbdf", "bdf", "beuler", "theta", "cn"};
-  char given[64];
-  PetscBool found, good = PETSC_FALSE;
+  const char *const steppers[] = {"vbdf", "bdf", "beuler", "theta", "cn"};
+  const char *const adapts[] = {"none", "basic", "dsp", "cfl", "glee", "history"};
 
   PetscFunctionBegin;
   PetscCall(TSInitializePackage());
@@ -325,17 +337,15 @@ PetscErrorCode OptionsCheckTypes(void) {
   PetscCall(KSPInitializePackage());
   PetscCall(PCInitializePackage());
   PetscCall(CheckType("-ts_type", TSList));
+  PetscCall(CheckWord("-ts_adapt_type", PETSC_STATIC_ARRAY_LENGTH(adapts), adapts,
+                      "PETSc has no such type"));
   PetscCall(CheckType("-snes_type", SNESList));
   PetscCall(CheckType("-snes_linesearch_type", SNESLineSearchList));
   PetscCall(CheckType("-ksp_type", KSPList));
   PetscCall(CheckType("-pc_type", PCList));
-  PetscCall(PetscOptionsGetString(NULL, NULL, "-ts_type", given, sizeof(given), &found));
-  for (size_t i = 0; found && i < PETSC_STATIC_ARRAY_LENGTH(right) && !good; i++)
-    PetscCall(PetscStrcmp(given, right[i], &good));
-  UserCheck(!found || good, PETSC_COMM_WORLD,
-            "-ts_type %s: wrong for friction that is nonlinear in the velocity; give vbdf, bdf, "
-            "beuler, theta or cn",
-            given);
+  PetscCall(CheckWord(
+      "-ts_type", PETSC_STATIC_ARRAY_LENGTH(steppers), steppers,
+      "wrong for friction that is nonlinear in the velocity; give vbdf, bdf, beuler, theta or cn"));
   PetscFunctionReturn(0);
 }
 
@@ -460,6 +470,7 @@ PetscErrorCode OptionsRefuseOverwrite(const char *output) {
 
 /* Why a file of options cannot be one, or NULL. */
 static const char *FileFault(const char *file, int *line) {
+  static char fault_text[128];
   char text[4096];
   struct stat status;
   const char *fault = NULL;
@@ -474,8 +485,11 @@ static const char *FileFault(const char *file, int *line) {
     for (const char *c = text; *c; c++)
       if (!isprint((unsigned char)*c) && !isspace((unsigned char)*c) && !((unsigned char)*c & 0x80))
         fault = "is not a text file";
-    if (!fault && *word && !strchr("#!%", *word) && *word != '-')
-      fault = "has a line that begins with neither - nor #";
+    if (!fault && *word && !strchr("#!%", *word) && *word != '-') {
+      (void)snprintf(fault_text, sizeof(fault_text), "begin the line with - or #: %.60s", word);
+      fault_text[strcspn(fault_text, "\r\n")] = 0;
+      fault = fault_text;
+    }
   }
   fclose(f);
   return fault;

@@ -51,6 +51,7 @@ PetscErrorCode OutputNewFile(const char *file, hid_t *f) {
 
   PetscFunctionBegin;
   *f = -1;
+  PetscCall(OptionsRefuseOverwrite(file));
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   if (!rank) {
     H5Eset_auto2(H5E_DEFAULT, NULL, NULL);

@@ -99,39 +99,53 @@ static PetscErrorCode Moment(Rod rod, PetscReal t, const PetscScalar *y, PetscIn
   PetscFunctionReturn(0);
 }
 
+/* y'''' at an inner node, by differences of the spline's y''. */
+static PetscReal FourthDerivative(Rod rod, const PetscScalar *y, PetscInt i) {
+  const PetscReal *s = rod->scene->mesh.s;
+  PetscReal d[3][3], a = s[i] - s[i - 1], b = s[i + 1] - s[i];
+
+  for (int k = 0; k < 3; k++) Evaluate(rod, y, i - 1 + k, d[k]);
+  return 2 * ((d[2][2] - d[1][2]) / b - (d[1][2] - d[0][2]) / a) / (a + b);
+}
+
 /* The spline's y'' at a node lags by (a^3 + b^3) / (12 (a + b)) y'''', a and b the cells beside it;
    with that put right the moment is of fourth order too. */
 static PetscErrorCode BetterMoment(Rod rod, PetscReal t, const PetscScalar *y, PetscInt i,
                                    PetscReal *m) {
   const PetscReal *s = rod->scene->mesh.s;
-  PetscInt mid = PetscMax(i, 1); /* at the clamp as beside it */
-  PetscReal d[3][3], a, b, bend, g;
+  PetscInt mid = PetscMax(i, 1);
+  PetscReal a, b, bend, g;
 
   PetscFunctionBegin;
   *m = 0;
   if (i == rod->last) PetscFunctionReturn(0);
   PetscCall(Moment(rod, t, y, i, m));
-  for (int k = 0; k < 3; k++) Evaluate(rod, y, mid - 1 + k, d[k]);
   a = s[mid] - s[mid - 1];
   b = s[mid + 1] - s[mid];
-  bend = 2 * ((d[2][2] - d[1][2]) / b - (d[1][2] - d[0][2]) / a) / (a + b);
+  bend = FourthDerivative(rod, y, mid);
+  if (!i) bend += a / b * (bend - FourthDerivative(rod, y, 2)); /* on to the clamp */
   PetscCall(GrowthStretch(rod->scene->growth, 1, &s[i], t, &g, NULL, NULL));
   *m += (a * a * a + b * b * b) / (12 * (a + b)) * bend / (g * g);
   PetscFunctionReturn(0);
 }
 
-/* n2 = theta n1 - m'/g, with m' by differences between neighbours. */
+/* n2 = theta n1 - m'/g, m' that of the parabola through the moments at three nodes. */
 static PetscErrorCode ShearForce(Rod rod, PetscReal t, const PetscScalar *y, PetscInt i,
                                  PetscReal g, Node *node) {
   const PetscReal *s = rod->scene->mesh.s;
-  PetscInt a = PetscMax(i - 1, 0), b = PetscMin(i + 1, rod->last);
-  PetscReal ma, mb;
+  PetscInt mid = PetscMax(i, 1);
+  PetscReal m[3], left, right, a, b;
 
   PetscFunctionBegin;
-  PetscCall(Moment(rod, t, y, a, &ma));
-  PetscCall(Moment(rod, t, y, b, &mb));
+  node->force[1] = 0;
+  if (i == rod->last) PetscFunctionReturn(0);
+  for (int k = 0; k < 3; k++) PetscCall(Moment(rod, t, y, mid - 1 + k, &m[k]));
+  a = s[mid] - s[mid - 1];
+  b = s[mid + 1] - s[mid];
+  left = (m[1] - m[0]) / a; /* the slopes in the middles of the cells */
+  right = (m[2] - m[1]) / b;
   node->force[1] =
-      i == rod->last ? 0 : node->theta * node->force[0] - (mb - ma) / (s[b] - s[a]) / g;
+      node->theta * node->force[0] - (left + (right - left) * (i ? a : -a) / (a + b)) / g;
   PetscFunctionReturn(0);
 }
 
