@@ -13,9 +13,12 @@ import re
 import sys
 from pathlib import Path
 
-from measure import ROOT, Case, Scene, Store
+from measure import DECAY, ROOT, Case, Scene, Store, from_reference
 
-STANDARD = {"growth_type": "uniform", "friction_mu": "1", "ts_max_time": "40"}
+# scenes of options/ with a reference: its file, the options
+INDEPENDENT = {"uniform-dry": ("v_decay_mu1", DECAY),
+               "uniform-half": ("v_decay_mu05", DECAY + " -friction_mu 0.5"),
+               "uniform-viscous": ("v_decay_mu0", DECAY + " -friction_mu 0")}
 
 
 def read_options(path):
@@ -33,11 +36,14 @@ def times_of(end):
 
 
 def scene_of(name, options):
-    """A scene, measured at five times, its reference of a tolerance far below those asked for."""
+    """A scene, measured at five times, its reference an independent one where there is one, else a
+    run with a tolerance far below those asked for."""
     end = float(options.get("ts_max_time", 40))
+    if name in INDEPENDENT:
+        return from_reference(name, INDEPENDENT[name][1], INDEPENDENT[name][0], (1.5, 8, 12, 40))
     text = " ".join(f"-{k} {v}" for k, v in options.items()
                     if k not in ("ts_max_time", "output_interval", "task"))
-    return Scene(name, text, times_of(end), finer="-rod_cells 1600 -ts_rtol 1e-11")
+    return Scene(name, text, times_of(end), finer="-rod_cells 1200 -ts_rtol 2e-11|-rod_cells 1200 -ts_rtol 1e-10")
 
 
 def scenes_of_options():

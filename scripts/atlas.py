@@ -20,7 +20,7 @@ from measure import (CRASHED, DECAY, GAVE_UP, HUNG, REFUSED, RIGHT_, ROOT, THICK
                      Store, say)
 from plot import STYLE
 
-LIMIT, LIMIT_PEER = 15, 40  # seconds
+LIMIT, LIMIT_PEER = 8, 25  # seconds
 FINER = "-rod_cells 1000 -ts_rtol 1e-8"
 METHODS = {  # name: (solver, options)
     "default": ("tendril", ""),

@@ -5,5 +5,6 @@
 #include <petscsys.h>
 
 PetscErrorCode AccuracyApply(void);
+PetscReal AccuracyEstimate(PetscInt steps, PetscReal rtol, PetscReal h, PetscInt order);
 
 #endif

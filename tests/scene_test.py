@@ -26,7 +26,7 @@ except ImportError:
 CHECKS = {}
 ENVIRONMENT = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
                    OMPI_MCA_rmaps_base_oversubscribe="1", OMPI_MCA_mpi_yield_when_idle="1",
-                   OMP_NUM_THREADS="1")
+                   OMPI_MCA_ess_singleton_isolated="1", OMP_NUM_THREADS="1")
 TENDRIL = MPIEXEC = SCRATCH = None
 
 DRY = "-growth_initial_length 2 -shape_amplitude 0.1 "  # the rod of v_short
@@ -144,6 +144,19 @@ def references_auto():
 
 
 @check
+def no_seam():
+    """What is observed in the linear model, before it hands over, is what the frame model shows."""
+    options = "-ts_max_time 13 -ts_rtol 1e-8 -rod_model"
+    auto, frame = Run(options + " auto"), Run(options + " frame")
+    expect(auto.model[-1] == 1 and (auto.model == 0).any(), "no hand-over before t = 13")
+    for t in (2, 8, auto.t[auto.model == 0][-1], auto.t[auto.model == 0][-1] + 0.1):
+        apart = {k: abs(auto.at(k, t) / frame.at(k, t) - 1)
+                 for k in ("norm_x2", "energy", "max_angle", "base_force_1", "dissipation")}
+        print(f"t = {t:.2f}:", ", ".join(f"{k} {e:.1e}" for k, e in apart.items()))
+        expect(max(apart.values()) < 5e-5, f"t = {t:.2f}: {apart}")
+
+
+@check
 def references_mixed():
     for name in REFERENCES:
         against_reference(name, "-rod_model mixed -rod_cells 2000 -ts_rtol 1e-6", 1e-3)
@@ -169,12 +182,11 @@ def orders_in_space():
             ("frame, order 2", bent + "1e-8 -rod_order 2", fine, (120, 240, 480), 2),
             ("frame, order 4", bent + "1e-10", fine, (12, 24, 48), 4),
             ("mixed", bent + "1e-10 -rod_model mixed", fine, (40, 80, 160), 2),
-            ("linear", small + "1e-10 -rod_model linear", fine_small, (8, 16, 32), 4)):
+            ("linear", small + "1e-10 -rod_model linear", fine_small, (16, 32, 64), 4)):
         for k, e in errors(options, cells, exact).items():
             print(f"{what:15} {k:8} errors {e[0]:.1e} {e[1]:.1e} {e[2]:.1e}, order {order(e):.2f}")
-            if (what, k) == ("linear", "energy"):
-                should = 2  # from the spline's second derivative at the nodes
-            expect(should - 0.3 < order(e) < should + 0.8, f"{what}: {k} order {order(e):.2f}")
+            low = 3 if (what, k) == ("linear", "energy") else should - 0.3  # the moment lags a little
+            expect(low < order(e) < should + 0.8, f"{what}: {k} order {order(e):.2f}")
 
 
 @check
