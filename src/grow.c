@@ -158,6 +158,7 @@ static PetscErrorCode StoreDueShapes(Grow *self, PetscReal t) {
 static PetscInt BetterModel(const Grow *self) {
   PetscReal neglected = PetscSqr(self->seen.max_angle);
   if (self->model != AUTO) return self->model;
+  if (self->scene->curvature.any) return FRAME; /* the linear model knows none */
   if (self->now == &self->leg[LINEAR]) return neglected > 0.3 * self->rtol ? FRAME : LINEAR;
   return neglected < 0.03 * self->rtol ? LINEAR : FRAME;
 }
@@ -311,6 +312,9 @@ static PetscErrorCode ReadOptions(Grow *self) {
   PetscCall(OptionReal("-output_interval", "time between stored shapes", 1e-9, 1e9,
                        &self->output_interval, &set));
   PetscCall(OptionBool("-quiet", "print nothing but errors", &self->quiet, NULL));
+  UserCheck(!self->scene->curvature.any || self->model != LINEAR, PETSC_COMM_WORLD,
+            "-rod_curvature: the linear model is of a rod that is straight by nature; take "
+            "-rod_model frame or auto");
   UserCheck(self->scene->friction.beta > 0 || self->model != MIXED, PETSC_COMM_WORLD,
             "-friction_beta 0: exact Coulomb friction needs -rod_model frame or auto, or give a "
             "value above 0");

@@ -42,6 +42,9 @@ static PetscErrorCode Run(int argc, char **argv) {
     PetscCall(PetscFree(s));
     PetscCall(PetscFree(theta));
   }
+  UserCheck(task == GROW || !scene->curvature.any, PETSC_COMM_WORLD,
+            "-rod_curvature: -task %s is about a rod that is straight by nature; take it out",
+            tasks[task]);
   if (task == GROW)
     PetscCall(GrowRun(scene, output));
   else if (task == STABILITY)

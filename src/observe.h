@@ -24,7 +24,7 @@
   X(mid_speed, "|v| at s = 1/2")                                                                   \
   X(base_force_1, "force of the clamp on the rod along x1, -n1(0)")                                \
   X(base_force_2, "force of the clamp on the rod along x2, -n2(0)")                                \
-  X(inflections, "sign changes of the moment along the rod")                                       \
+  X(inflections, "sign changes of the curvature along the rod")                                    \
   X(self_crossings, "points in which the rod crosses itself")                                      \
   X(step, "size of the step that led here")                                                        \
   X(newton_iterations, "Newton iterations of that step, rejected tries included")                  \

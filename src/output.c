@@ -7,11 +7,12 @@ enum { SHAPES = 5 };
 static const struct {
   const char *name, *text;
   hsize_t components;
-} shape_sets[SHAPES] = {{"/shapes/t", "times of the stored shapes", 0},
-                        {"/shapes/x", "position x1, x2 [k, n, 2]", 2},
-                        {"/shapes/theta", "tangent angle, radians [k, n]", 1},
-                        {"/shapes/curvature", "curvature theta'/g, the moment m [k, n]", 1},
-                        {"/shapes/force", "internal force n1, n2 [k, n, 2]", 2}};
+} shape_sets[SHAPES] = {
+    {"/shapes/t", "times of the stored shapes", 0},
+    {"/shapes/x", "position x1, x2 [k, n, 2]", 2},
+    {"/shapes/theta", "tangent angle, radians [k, n]", 1},
+    {"/shapes/curvature", "curvature theta'/g, the moment m and the natural k0 [k, n]", 1},
+    {"/shapes/force", "internal force n1, n2 [k, n, 2]", 2}};
 
 /* Only rank 0 has a file; the others hold an empty shell and share the verdict on errors. Series
    are kept back until a shape is stored, so that the file changes only then. */
@@ -167,7 +168,10 @@ PetscErrorCode OutputShape(Output output, PetscReal t, const Node *nodes) {
   PetscCall(HdfAppend(output->file, "/shapes/x", 1, b));
   for (PetscInt i = 0; i < n; i++) b[i] = nodes[i].theta + output->scene->clamp_angle;
   PetscCall(HdfAppend(output->file, "/shapes/theta", 1, b));
-  for (PetscInt i = 0; i < n; i++) b[i] = nodes[i].moment;
+  for (PetscInt i = 0; i < n; i++) {
+    PetscCall(SceneCurvature(output->scene, output->scene->mesh.s[i], t, &b[i]));
+    b[i] += nodes[i].moment;
+  }
   PetscCall(HdfAppend(output->file, "/shapes/curvature", 1, b));
   for (PetscInt i = 0; i < n; i++) Turn(output->scene, nodes[i].force, &b[2 * i]);
   PetscCall(HdfAppend(output->file, "/shapes/force", 1, b));

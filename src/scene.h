@@ -2,6 +2,7 @@
 #ifndef TENDRIL_SCENE_H
 #define TENDRIL_SCENE_H
 
+#include "curvature.h"
 #include "friction.h"
 #include "growth.h"
 #include "mesh.h"
@@ -22,6 +23,7 @@ struct _Scene {
   Growth growth;
   Friction friction;
   Shape shape;
+  Curvature curvature; /* natural, k0 */
   Mesh mesh;
   PetscReal clamp_angle; /* alpha; the problem is solved in the clamp's frame, results are turned */
   PetscReal end_time;    /* T, -ts_max_time */
@@ -29,6 +31,7 @@ struct _Scene {
 
 PetscErrorCode SceneCreate(Scene *scene);
 PetscErrorCode SceneDestroy(Scene *scene);
+PetscErrorCode SceneCurvature(Scene scene, PetscReal s, PetscReal t, PetscReal *k);
 PetscErrorCode SceneShapeAngle(Scene scene, PetscReal s, PetscReal *theta, PetscReal *theta_s);
 PetscErrorCode SceneSetShape(Scene scene, PetscInt n, const PetscReal s[], const PetscReal theta[]);
 
