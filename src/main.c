@@ -3,6 +3,7 @@
 #include "critical.h"
 #include "grow.h"
 #include "options.h"
+#include "restart.h"
 #include "stability.h"
 #include "vbdf.h"
 #include <slepceps.h>
@@ -15,19 +16,22 @@ enum { GROW, STABILITY, CRITICAL };
 
 static PetscErrorCode Run(int argc, char **argv) {
   const char *const tasks[] = {"grow", "stability", "critical"};
-  char output[PETSC_MAX_PATH_LEN] = "";
+  char output[PETSC_MAX_PATH_LEN] = "", restart[PETSC_MAX_PATH_LEN] = "";
   PetscInt task = GROW;
-  PetscBool is_help;
+  PetscBool is_help, go_on;
   Scene scene;
 
   PetscFunctionBegin;
   PetscCall(OptionsRefuseBareWords(argc, argv));
+  PetscCall(RestartOptions(restart, sizeof(restart), &go_on));
   PetscCall(OptionsCheckPetsc());
   PetscCall(OptionList(
       "-task",
       "what to do: follow the rod in time, tabulate its stability, find its critical length", 3,
       tasks, &task, NULL));
   PetscCall(OptionString("-output", "result file (HDF5)", output, sizeof(output), NULL));
+  UserCheck(!go_on || task == GROW, PETSC_COMM_WORLD,
+            "-restart: -task %s has nothing to go on with; take it out", tasks[task]);
   PetscCall(VBDFRegister());
   PetscCall(ChainRegister());
   PetscCall(OptionsCheckTypes());
@@ -46,7 +50,7 @@ static PetscErrorCode Run(int argc, char **argv) {
             "-rod_curvature: -task %s is about a rod that is straight by nature; take it out",
             tasks[task]);
   if (task == GROW)
-    PetscCall(GrowRun(scene, output));
+    PetscCall(GrowRun(scene, output, restart));
   else if (task == STABILITY)
     PetscCall(StabilityRun(scene, output));
   else

@@ -7,8 +7,6 @@ const char *const observed_name[OBSERVED] = {OBSERVABLES(X)};
 const char *const observed_text[OBSERVED] = {OBSERVABLES(X)};
 #undef X
 
-enum { BALANCE_POINTS = 5 };
-
 struct _Observer {
   Scene scene;
   Vec all; /* every node, on rank 0 */
@@ -340,6 +338,44 @@ static void MeasureBalance(Observer self, Observation *seen) {
   scale = PetscMax(PetscAbsReal(self->lost_work), PetscMax(seen->energy, self->first_energy));
   seen->energy_defect =
       scale > 0 ? PetscAbsReal(seen->energy - self->first_energy - self->net_work) / scale : 0;
+}
+
+/* The sums of the energy balance and the points they are built on, which rank 0 has. */
+static void BalanceParts(Observer self, PetscReal *part[3], PetscReal *sum[3]) {
+  part[0] = self->time;
+  part[1] = self->net;
+  part[2] = self->loss;
+  sum[0] = &self->first_energy;
+  sum[1] = &self->net_work;
+  sum[2] = &self->lost_work;
+}
+
+/* ObserverGetBalance - on rank 0, what the energy balance needs to go on. Not collective. */
+PetscErrorCode ObserverGetBalance(Observer self, PetscReal state[BALANCE_STATE]) {
+  PetscReal *part[3], *sum[3];
+
+  PetscFunctionBegin;
+  BalanceParts(self, part, sum);
+  *state++ = self->n;
+  for (int k = 0; k < 3; k++) {
+    *state++ = *sum[k];
+    for (int i = 0; i < BALANCE_POINTS; i++) *state++ = part[k][i];
+  }
+  PetscFunctionReturn(0);
+}
+
+/* ObserverSetBalance - gives back what ObserverGetBalance gave. Not collective. */
+PetscErrorCode ObserverSetBalance(Observer self, const PetscReal state[BALANCE_STATE]) {
+  PetscReal *part[3], *sum[3];
+
+  PetscFunctionBegin;
+  BalanceParts(self, part, sum);
+  self->n = (PetscInt)*state++;
+  for (int k = 0; k < 3; k++) {
+    *sum[k] = *state++;
+    for (int i = 0; i < BALANCE_POINTS; i++) part[k][i] = *state++;
+  }
+  PetscFunctionReturn(0);
 }
 
 /*

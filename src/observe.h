@@ -40,6 +40,7 @@ enum { OBSERVED = sizeof(Observation) / sizeof(PetscReal) };
 extern const char *const observed_name[OBSERVED], *const observed_text[OBSERVED];
 
 typedef struct _Observer *Observer;
+enum { BALANCE_POINTS = 5, BALANCE_STATE = 3 * BALANCE_POINTS + 4 };
 
 PetscErrorCode ObserverCreate(Scene scene, Observer *observer);
 PetscErrorCode ObserverDestroy(Observer *observer);
@@ -47,6 +48,8 @@ PetscErrorCode ObserverGather(Observer observer, Rod rod, PetscReal t, Vec U, Ve
                               const Node **nodes);
 PetscErrorCode ObserverMeasure(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t,
                                Observation *seen);
+PetscErrorCode ObserverGetBalance(Observer observer, PetscReal state[BALANCE_STATE]);
+PetscErrorCode ObserverSetBalance(Observer observer, const PetscReal state[BALANCE_STATE]);
 PetscInt ObserveCrossings(PetscInt n, const Node *nodes);
 
 #endif
