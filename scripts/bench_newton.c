@@ -9,6 +9,10 @@
 #include <petsctime.h>
 #include <slepcsys.h>
 
+extern void dgbsv_(const PetscBLASInt *, const PetscBLASInt *, const PetscBLASInt *,
+                   const PetscBLASInt *, PetscReal *, const PetscBLASInt *, PetscBLASInt *,
+                   PetscReal *, const PetscBLASInt *, PetscBLASInt *);
+
 enum {
   HALF = 11
 }; /* block tridiagonal, 6 unknowns per node: no entry is further off the diagonal */

@@ -29,5 +29,5 @@ build() {
   : >"$directory/build.log"
   logged "$directory/build.log" "cmake" cmake -S . -B "$directory" "$@"
   logged "$directory/build.log" "the build" \
-    cmake --build "$directory" --target "$target" --parallel "${CMAKE_BUILD_PARALLEL_LEVEL:-$(nproc)}"
+    cmake --build "$directory" --target "$target" --parallel "${CMAKE_BUILD_PARALLEL_LEVEL:-$(env -u OMP_NUM_THREADS nproc)}"
 }

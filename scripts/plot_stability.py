@@ -36,24 +36,28 @@ def draw_stability(ax, r, legend=True):
             lowest = min(lowest, float(np.min(table[name])))
     ax.axhline(0, color=GREY, lw=0.5)
     ax.axvline(float(table.t_cr), color=RED, lw=0.6, ls="--")
-    ax.annotate(rf"$t_{{cr}} = {float(table.t_cr):.5g}$", (float(table.t_cr), 0),
-                xytext=(-3, 8), textcoords="offset points", ha="right", color=RED, fontsize=7)
+    ax.annotate(rf"$t_{{cr}} = {float(table.t_cr):.5g}$", (float(table.t_cr), 1),
+                xycoords=ax.get_xaxis_transform(), xytext=(0, 3), textcoords="offset points",
+                ha="center", va="bottom", color=RED, fontsize=7)
     ax.set_yscale("symlog", linthresh=1)
     ax.set_xlim(table.t[0], table.t[-1])
     ax.set_ylabel("eigenvalue")
+    ax.set_xlabel("time $t$")
     if legend:
-        ax.legend(loc="lower right", fontsize=6)
+        ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.09), ncol=2, fontsize=6)
 
 
 def minimum(t, norm):
-    """Time and size of the smallest value, by a parabola through the logarithms around it: the
+    """Time and size of the smallest value, by a quartic through the logarithms around it: the
     minimum is flat, and the nearest step may be some way off."""
     i = int(norm.argmin())
     low, high = max(0, i - 4), min(len(t), i + 5)
     if i in (0, len(t) - 1) or high - low < 5:
         return t[i], norm[i]
-    a, b, c = np.polyfit(t[low:high] - t[i], np.log(norm[low:high]), 2)
-    return t[i] - b / (2 * a), np.exp(c - b * b / (4 * a))
+    quartic = np.poly1d(np.polyfit(t[low:high] - t[i], np.log(norm[low:high]), 4))
+    near = np.linspace(t[max(0, i - 2)], t[min(len(t) - 1, i + 2)], 2001) - t[i]
+    k = int(quartic(near).argmin())
+    return t[i] + near[k], float(np.exp(quartic(near[k])))
 
 
 def draw_run(ax, r, end):
@@ -69,7 +73,7 @@ def draw_run(ax, r, end):
     ax.annotate(rf"$t = {at:.5g}$", (at, least), xytext=(-4, 4), ha="right", color=RED,
                 textcoords="offset points", fontsize=7)
     ax.set_xlim(0, end)
-    ax.set_xlabel("$t$")
+    ax.set_xlabel("time $t$")
     ax.set_ylabel(r"$\|x_2\|$")
 
 

@@ -16,7 +16,7 @@ static const PetscReal share_of_time = 0.35, share_of_space = 0.15;
 
 typedef struct {
   PetscReal tolerance, length0, mu, amplitude, time;
-  PetscInt order;  /* in space */
+  PetscInt order;   /* in space */
   PetscBool graded; /* growth differs along the rod */
 } Asked;
 
@@ -86,12 +86,12 @@ PetscErrorCode AccuracyApply(void) {
   PetscCall(Is("-rod_model", "mixed", &mixed));
   asked.amplitude = PetscAbsReal(asked.amplitude);
   asked.order = second || mixed ? 2 : 4;
-  UserCheck(asked.length0 > 0 && asked.time > 0 && asked.mu >= 0 && asked.mu <= 1,
-            PETSC_COMM_WORLD,
+  UserCheck(asked.length0 > 0 && asked.time > 0 && asked.mu >= 0 && asked.mu <= 1, PETSC_COMM_WORLD,
             "-growth_initial_length, -ts_max_time or -friction_mu: out of range");
 
   time = share_of_time * asked.tolerance / (per_fold * Folds(&asked));
-  PetscCall(Default("-ts_rtol", "%.3g", PetscMax(1e-13, PetscMin(0.01, 1e-6 * PetscPowReal(time, 1.2)))));
+  PetscCall(
+      Default("-ts_rtol", "%.3g", PetscMax(1e-13, PetscMin(0.01, 1e-6 * PetscPowReal(time, 1.2)))));
 
   space = share_of_space * asked.tolerance;
   h = PetscPowReal(space / arc_error, 1. / asked.order);

@@ -18,6 +18,7 @@ typedef struct {
   TS ts;
   Newton newton;
   Mat J;
+  PetscInt jumps;         /* so far */
   Vec U, tolerance, none; /* none: 0, the part of the tolerance relative to each entry */
 } Leg;
 
@@ -170,10 +171,15 @@ static PetscInt BetterModel(const Grow *self) {
 }
 
 static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
-  PetscInt iterations = 0, all = 0;
+  PetscInt iterations = 0, all = 0, jumps = 0;
 
   PetscFunctionBegin;
-  if (U) PetscCall(TSGetSNESIterations(self->now->ts, &all));
+  if (U) {
+    PetscCall(TSGetSNESIterations(self->now->ts, &all));
+    PetscCall(VBDFGetJumps(self->now->ts, &jumps));
+    if (jumps > self->now->jumps) ObserverJump(self->observer);
+    self->now->jumps = jumps;
+  }
   iterations = all - self->iterations;
   self->iterations = all;
   PetscReal before = self->seen.t;
@@ -566,7 +572,7 @@ static PetscErrorCode GrowCreate(Grow *self, const char *output, const char *res
 
 static PetscErrorCode Summary(Grow *self) {
   const Observation *seen = &self->seen;
-  PetscInt steps, iterations = 0, rejections = 0, n;
+  PetscInt steps, iterations = 0, rejections = 0, jumps = 0, n;
   char text[4][32];
   PetscLogDouble now;
 
@@ -578,6 +584,8 @@ static PetscErrorCode Summary(Grow *self) {
       iterations += n;
       PetscCall(TSGetStepRejections(self->leg[m].ts, &n));
       rejections += n;
+      PetscCall(VBDFGetJumps(self->leg[m].ts, &n));
+      jumps += n;
     }
   PetscCall(PetscTime(&now));
   if (!self->quiet)

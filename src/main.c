@@ -1,4 +1,5 @@
 /* tendril: the growth of an elastic fibre that friction holds back. Options -> scene -> task. */
+#include "accuracy.h"
 #include "chain.h"
 #include "critical.h"
 #include "grow.h"
@@ -36,6 +37,7 @@ static PetscErrorCode Run(int argc, char **argv) {
   PetscCall(ChainRegister());
   PetscCall(OptionsCheckTypes());
   PetscCall(OptionsRefuseOverwrite(output));
+  if (task == GROW) PetscCall(AccuracyApply());
   PetscCall(SceneCreate(&scene));
   PetscCall(PetscOptionsHasHelp(NULL, &is_help));
   if (scene->shape.type == SHAPE_MODE && task == GROW) {

@@ -16,6 +16,7 @@ struct _Observer {
   PetscInt n;
   PetscReal time[BALANCE_POINTS], net[BALANCE_POINTS], loss[BALANCE_POINTS];
   PetscReal first_energy, net_work, lost_work;
+  PetscBool jumped; /* the step to be measured next was a jump */
 };
 
 PetscErrorCode ObserverCreate(Scene scene, Observer *observer) {
@@ -314,7 +315,13 @@ static void MeasureBalance(Observer self, Observation *seen) {
   PetscReal scale;
 
   if (self->n && seen->t == self->time[self->n - 1]) return;
-  if (!self->n) self->first_energy = seen->energy;
+  if (self->jumped) { /* what bending lost, friction took: the powers on both sides do not tell */
+    self->lost_work += PetscMax(0, self->first_energy + self->net_work - seen->energy);
+    self->net_work = seen->energy - self->first_energy;
+    self->n = 0;
+  } else if (!self->n)
+    self->first_energy = seen->energy;
+  self->jumped = PETSC_FALSE;
   if (self->n == BALANCE_POINTS) {
     for (int i = 1; i < BALANCE_POINTS; i++) {
       self->time[i - 1] = self->time[i];
@@ -376,6 +383,12 @@ PetscErrorCode ObserverSetBalance(Observer self, const PetscReal state[BALANCE_S
     for (int i = 0; i < BALANCE_POINTS; i++) part[k][i] = *state++;
   }
   PetscFunctionReturn(0);
+}
+
+/* ObserverJump - tells that the step measured next was a jump: its energy balance is taken for
+   closed, and summed on from there. */
+void ObserverJump(Observer observer) {
+  observer->jumped = PETSC_TRUE;
 }
 
 /*

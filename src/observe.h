@@ -50,6 +50,7 @@ PetscErrorCode ObserverMeasure(Observer observer, Rod rod, PetscReal t, Vec U, V
                                Observation *seen);
 PetscErrorCode ObserverGetBalance(Observer observer, PetscReal state[BALANCE_STATE]);
 PetscErrorCode ObserverSetBalance(Observer observer, const PetscReal state[BALANCE_STATE]);
+void ObserverJump(Observer observer);
 PetscInt ObserveCrossings(PetscInt n, const Node *nodes);
 
 #endif

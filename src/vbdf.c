@@ -3,12 +3,16 @@
 
 /* point[0] is the new solution, at time[0]; point[1], point[2], ... those of the steps before. */
 typedef struct {
-  PetscInt order;  /* k, of the present step */
-  PetscInt most;   /* highest order allowed */
-  PetscInt n;      /* past points */
-  PetscInt since;  /* steps since the order changed */
-  PetscBool given; /* the history was handed over: do not restart */
-  PetscBool fixed; /* -ts_adapt_type none: steps as told, order as high as the history allows */
+  PetscInt order;   /* k, of the present step */
+  PetscInt most;    /* highest order allowed */
+  PetscInt n;       /* past points */
+  PetscInt since;   /* steps since the order changed */
+  PetscBool given;  /* the history was handed over: do not restart */
+  PetscBool jumped; /* the present step was accepted as a jump */
+  PetscInt jumps;
+  PetscReal rejected; /* error of the try before, if one of this step was rejected at a third of the
+                         size or more */
+  PetscBool fixed;    /* -ts_adapt_type none: steps as told, order as high as the history allows */
   PetscReal time[VBDF_POINTS];
   Vec point[VBDF_POINTS];
   PetscReal shift; /* U_t = shift U + affine */
@@ -18,8 +22,13 @@ typedef struct {
 } VBDF;
 
 static const PetscReal safety = 0.5; /* aim at this part of the tolerance */
-static const PetscReal smallest =
-    1e-12; /* step, as a part of the final time: below is but round-off */
+/* Dry friction cannot hold a rod that is bent too sharply, and without inertia it snaps at once: a
+   jump. It shows in an error that a much shorter step (a third at most) does not lessen to this
+   part. Backward Euler carries the rod over, and the history starts anew behind it. Likewise for a
+   first step below jump_step of the final time, where an initial layer may be left unresolved. */
+static const PetscReal jump_persists = 0.7, jump_step = 1e-11;
+/* ... and below this one there is nothing but round-off. */
+static const PetscReal smallest = 1e-13;
 static const PetscReal shrink_most = 0.2, grow_most = 2;
 
 /* Values at t of the Lagrange polynomials on n points. */
@@ -139,6 +148,11 @@ static PetscErrorCode Choose(TS ts, VBDF *self, PetscBool *accept, PetscReal *fa
   else
     PetscCall(FirstError(ts, self, &e));
   *accept = (PetscBool)(e <= 1);
+  self->jumped = (PetscBool)(!*accept && k == 1 &&
+                             (e > jump_persists * self->rejected ||
+                              (self->n == 1 && ts->time_step < jump_step * ts->max_time)));
+  self->rejected = *accept ? PETSC_MAX_REAL : e;
+  if (self->jumped) *accept = PETSC_TRUE;
   *factor = StepFactor(e, k);
   if (k > 1) {
     PetscCall(LocalError(ts, self, k - 1, &lower));
@@ -219,6 +233,8 @@ static PetscErrorCode TSStep_VBDF(TS ts) {
 
   PetscFunctionBegin;
   PetscCall(PetscObjectTypeCompare((PetscObject)ts->adapt, TSADAPTNONE, &self->fixed));
+  self->jumped = PETSC_FALSE;
+  self->rejected = PETSC_MAX_REAL;
   if (ts->steprestart && !self->given) self->n = 0;
   if (!self->given && !ts->steprollback) PetscCall(Push(ts, self));
   self->given = PETSC_FALSE;
@@ -245,10 +261,16 @@ static PetscErrorCode TSStep_VBDF(TS ts) {
     accept = PETSC_TRUE;
     if (!self->fixed) PetscCall(Choose(ts, self, &accept, &factor));
     if (accept) break;
+    if (factor > 1. / 3) self->rejected = PETSC_MAX_REAL;
     PetscCall(Retry(ts, self, attempt, factor));
   }
   if (ts->reason) PetscFunctionReturn(0);
   self->since++;
+  if (self->jumped) {
+    self->jumps++;
+    self->n = 0;
+    factor = 1;
+  }
   PetscCall(VecCopy(self->point[0], ts->vec_sol));
   ts->ptime = self->time[0];
   if (ts->exact_final_time == TS_EXACTFINALTIME_MATCHSTEP &&
@@ -429,6 +451,16 @@ PetscErrorCode VBDFSetHistory(TS ts, PetscInt n, const PetscReal times[], const 
   self->order = order;
   self->since = 0;
   self->given = PETSC_TRUE;
+  PetscFunctionReturn(0);
+}
+
+/* VBDFGetJumps - how many steps were jumps, so far; 0 if the type is another one. */
+PetscErrorCode VBDFGetJumps(TS ts, PetscInt *jumps) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  *jumps = self ? self->jumps : 0;
   PetscFunctionReturn(0);
 }
 

@@ -16,6 +16,7 @@ PetscErrorCode VBDFSetGuess(TS ts, VBDFGuess guess, void *ctx);
 PetscErrorCode VBDFGetHistory(TS ts, PetscInt *n, PetscReal times[], Vec points[], PetscInt *order);
 PetscErrorCode VBDFSetHistory(TS ts, PetscInt n, const PetscReal times[], const Vec points[],
                               PetscInt order);
+PetscErrorCode VBDFGetJumps(TS ts, PetscInt *jumps);
 PetscErrorCode VBDFGetOrder(TS ts, PetscInt *order);
 
 #endif

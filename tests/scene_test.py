@@ -196,7 +196,7 @@ def petsc_bdf():
     fine = Run(DRY + "-ts_max_time 1 -ts_rtol 1e-9")
     r = Run(DRY + "-ts_max_time 1 -ts_type bdf -ts_bdf_order 5")
     print(f"PETSc's bdf: tip off by {distance(r.tip, fine.tip):.1e} in {r.steps} steps")
-    expect(distance(r.tip, fine.tip) < 1e-5, f"tip off by {distance(r.tip, fine.tip):.1e}")
+    expect(distance(r.tip, fine.tip) < 1e-6, f"tip off by {distance(r.tip, fine.tip):.1e}")
 
 
 @check

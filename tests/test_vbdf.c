@@ -1,6 +1,7 @@
 /* The time stepper on problems with known solutions: orders 1 to 5 from a warm start, exactness for
    polynomials on uneven steps, error control, dense output; then the orders on a rod. */
 #include "harness.h"
+#include "chain.h"
 #include "newton.h"
 #include "vbdf.h"
 
@@ -378,6 +379,7 @@ static void RunCreate(const char *options, PetscReal rtol, PetscReal h, Run *run
   CHECK(SceneCreate(&run->scene));
   CHECK(RodCreate(run->scene, &rod_frame, &run->rod));
   CHECK(VBDFRegister());
+  CHECK(ChainRegister());
   CHECK(DMCreateGlobalVector(run->rod->da, &run->U));
   CHECK(VecDuplicate(run->U, &run->tolerance));
   CHECK(VecDuplicate(run->U, &run->none));

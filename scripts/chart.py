@@ -1,0 +1,229 @@
+#!/usr/bin/env python3
+"""Speed against accuracy: runs methods over their settings, keeps every run in a table, and draws
+error over time and over counted work, a column per scene.
+
+    chart.py [--quick] [--only SCENE,...] [--draw]
+
+--draw: from what is stored, without new runs."""
+
+import argparse
+import csv
+import math
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+
+from measure import RIGHT_, ROOT, SCENES, WRONG, Case, Store, say
+from plot import STYLE
+
+TITLES = {"decay": "decay to $10^{-13}$, $t = 12$", "short": "thick start, $t = 5$",
+          "folded": "folded rod, $t = 40$", "gaussian": "growth zone $a = 0.05$", "feed": "feed"}
+TOLERANCES = ("1e-2", "1e-3", "1e-4", "1e-5", "1e-6", "1e-7", "1e-8")
+# name: (solver, colour, marker, line); colours after Okabe and Ito
+METHODS = {
+    "frame 4, vbdf": ("tendril", "#0072B2", "o", "-"),
+    "frame 2, vbdf": ("tendril", "#56B4E9", "s", "-"),
+    "mixed, vbdf": ("tendril", "#009E73", "D", "-"),
+    "auto, vbdf": ("tendril", "#CC79A7", "v", "-"),
+    "linear, vbdf": ("tendril", "#999999", "^", "-"),
+    "frame 4, bdf 2": ("tendril", "#F0E442", "p", "--"),
+    "frame 4, bdf 5": ("tendril", "#E69F00", "h", "--"),
+    "frame 4, backward Euler": ("tendril", "#D55E00", "X", "--"),
+    "mixed, backward Euler": ("tendril", "#8C510A", "P", "--"),
+    "paper's elements": ("paper_fem", "#000000", "*", ":"),
+    "PyElastica": ("pyelastica_rod", "#666666", "d", ":"),
+}
+MESHES = {"1e-2": 60, "1e-3": 100, "1e-4": 150, "1e-5": 250, "1e-6": 400, "1e-7": 600,
+          "1e-8": 1000}  # an even spatial error beside that of time, for order 4
+
+
+def settings(name, quick):
+    """The options of a method, coarse to fine."""
+    tolerances = TOLERANCES[1:6:2] if quick else TOLERANCES
+    steps = ("0.1", "0.02") if quick else ("0.1", "0.05", "0.02", "0.01", "0.005", "0.002")
+    if name in ("frame 4, vbdf", "auto, vbdf"):
+        model = "frame" if name[0] == "f" else "auto"
+        even = [f"-rod_model {model} -rod_cells {MESHES[r]} -ts_rtol {r}" for r in tolerances]
+        fine = [] if quick else [f"-rod_model {model} -rod_cells {n} -ts_rtol {r}"
+                                 for n, r in ((50, "1e-4"), (100, "1e-6"), (200, "1e-4"),
+                                              (200, "1e-6"), (500, "1e-4"), (500, "1e-6"),
+                                              (500, "1e-7"))]
+        return even + fine
+    if name in ("frame 2, vbdf", "mixed, vbdf"):
+        model = "frame -rod_order 2" if name[0] == "f" else "mixed"
+        pairs = [(100, "1e-4"), (500, "1e-5")] if quick else [
+            (100, "1e-3"), (100, "1e-4"), (200, "1e-4"), (500, "1e-5"), (1000, "1e-5"),
+            (2000, "1e-6"), (5000, "1e-6")]
+        return [f"-rod_model {model} -rod_cells {n} -ts_rtol {r}" for n, r in pairs]
+    if name == "linear, vbdf":
+        return [f"-rod_model linear -rod_cells {2 * MESHES[r]} -ts_rtol {r}" for r in tolerances]
+    if "bdf 2" in name or "bdf 5" in name:
+        return [f"-ts_type bdf -ts_bdf_order {name[-1]} -rod_cells {MESHES[r]} -ts_rtol {r}"
+                for r in tolerances]
+    if "Euler" in name:
+        model = "mixed -rod_cells 500" if name[0] == "m" else "frame -rod_cells 200"
+        return [f"-ts_type beuler -ts_dt {h} -rod_model {model}" for h in steps]
+    if name == "paper's elements":
+        return [f"-dt {h} -nel 64" for h in (steps if quick else steps[:5])] + (
+            [] if quick else ["-dt 0.01 -nel 200", "-dt 0.01 -nel 64 -literal"])
+    return (["-elements 20 -dt 3e-5"] if quick else
+            ["-elements 10 -dt 6e-5", "-elements 20 -dt 3e-5", "-elements 40 -dt 1.5e-5",
+             "-elements 40 -mass 3e-4 -dt 8e-6"])
+
+
+def runs(store, arguments):
+    """{scene: {method: [run]}}"""
+    found = {}
+    for scene in arguments.only.split(","):
+        for name, (solver, *_) in METHODS.items():
+            for options in settings(name, arguments.quick):
+                slow = solver != "tendril"
+                case = Case(solver, SCENES[scene], options, limit=90 if slow else 30,
+                            repeat=1 if slow else 3)
+                known = case.key in store.runs
+                if arguments.draw and not known:
+                    continue
+                if slow and scene not in ("short", "decay", "folded", "gaussian"):
+                    if arguments.quick:
+                        continue
+                run = store.get(case)
+                run["method"] = name
+                found.setdefault(scene, {}).setdefault(name, []).append(run)
+                if not known:
+                    say(run)
+    return found
+
+
+def finished(run):
+    return run["verdict"] in (RIGHT_, WRONG) and math.isfinite(run["error"]) and run["error"] > 0
+
+
+def front(all_runs, x):
+    """The runs that no other beats in both, cheapest first."""
+    best, result = math.inf, []
+    for run in sorted(all_runs, key=lambda r: (r[x], r["error"])):
+        if run["error"] < best:
+            best = run["error"]
+            result.append(run)
+    return result
+
+
+def cheapest(all_runs, bound, x="seconds"):
+    return min((r for r in all_runs if r["error"] <= bound), key=lambda r: r[x], default=None)
+
+
+def draw_scene(ax, methods, x):
+    good = [r for runs_ in methods.values() for r in runs_ if finished(r) and r.get(x)]
+    if not good:
+        return
+    low = min(r["error"] for r in good)
+    pareto = front(good, x)
+    # a failure stands at the top, at the cost it had
+    top = 5
+    for name, runs_ in methods.items():
+        _, colour, marker, line = METHODS[name]
+        done = [r for r in runs_ if finished(r) and r.get(x)]
+        own = front(done, x)
+        ax.plot([r[x] for r in own], [min(r["error"], top) for r in own], line, color=colour, lw=1,
+                zorder=2)
+        ax.plot([r[x] for r in done], [min(r["error"], top) for r in done], marker, color=colour,
+                ms=4.5, mew=0.3, mec="black", zorder=3, ls="none")
+        lost = [r for r in runs_ if not finished(r) and r.get(x)]
+        ax.plot([r[x] for r in lost], [3 * top] * len(lost), marker, mfc="none", mec=colour, ms=5,
+                mew=1, ls="none", zorder=3, clip_on=False)
+        codes = sorted({r["reason"] for r in lost})
+        for code in codes:
+            first = min((r for r in lost if r["reason"] == code), key=lambda r: r[x])
+            ax.annotate(code, (first[x], 3 * top), xytext=(0, 5), textcoords="offset points",
+                        fontsize=5, rotation=35, color=colour)
+    ax.step([r[x] for r in pareto], [r["error"] for r in pareto], where="post", color="black",
+            lw=2.5, alpha=0.2, zorder=1)
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    ax.set_ylim(low / 3, 3.5 * top)
+
+
+def draw(found, base):
+    scenes = [s for s in SCENES if s in found]
+    with plt.rc_context(STYLE):
+        fig, axes = plt.subplots(2, len(scenes), figsize=(2.6 * len(scenes), 5.6), sharey="col",
+                                 squeeze=False)
+        for column, scene in enumerate(scenes):
+            for row, x in enumerate(("seconds", "work")):
+                draw_scene(axes[row, column], found[scene], x)
+            axes[0, column].set_title(TITLES[scene], fontsize=8, pad=22)
+            axes[0, column].set_xlabel("wall time / s")
+            axes[1, column].set_xlabel("Newton iterations × unknowns")
+        for row in range(2):
+            axes[row, 0].set_ylabel("largest relative error of\n"
+                                    r"$\mathbf{x}(1,t)$, $\|x_2\|$, $E$")
+        handles = [plt.Line2D([], [], color=c, marker=m, ls=line, ms=5, lw=1, mec="black", mew=0.3,
+                              label=name) for name, (_, c, m, line) in METHODS.items()]
+        handles += [plt.Line2D([], [], color="black", lw=2.5, alpha=0.2, label="Pareto front"),
+                    plt.Line2D([], [], color="black", marker="o", mfc="none", ls="none", ms=5,
+                               label="did not finish (reason)")]
+        fig.legend(handles=handles, ncol=5, loc="lower center", fontsize=7, frameon=False)
+        fig.tight_layout(rect=(0, 0.13, 1, 1), h_pad=2.5)
+        for suffix in (".png", ".pdf"):
+            fig.savefig(f"{base}{suffix}", dpi=200)
+        plt.close(fig)
+
+
+COLUMNS = ("scene", "method", "options", "verdict", "reason", "error", "tip", "norm_x2", "energy",
+           "seconds", "process_seconds", "steps", "rejected", "newton", "work", "scene_options")
+
+
+def table(found, path):
+    with open(path, "w", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS, extrasaction="ignore", lineterminator="\n")
+        writer.writeheader()
+        for methods in found.values():
+            for runs_ in methods.values():
+                for run in runs_:
+                    writer.writerow({k: f"{v:.4g}" if isinstance(v, float) else v
+                                     for k, v in run.items()})
+
+
+def summary(found):
+    """The front, and how much more the best of the others costs."""
+    for scene, methods in found.items():
+        everything = [r for runs_ in methods.values() for r in runs_ if finished(r)]
+        print(f"{scene}: front", ", ".join(
+            dict.fromkeys(r["method"] for r in front(everything, "seconds"))))
+        for bound in (1e-2, 1e-4, 1e-6):
+            line = []
+            best = cheapest(everything, bound)
+            for name in ("frame 4, vbdf", "auto, vbdf", "linear, vbdf", "frame 2, vbdf",
+                         "mixed, vbdf", "frame 4, bdf 5", "frame 4, bdf 2",
+                         "frame 4, backward Euler", "mixed, backward Euler", "paper's elements",
+                         "PyElastica"):
+                one = cheapest([r for r in methods.get(name, ()) if finished(r)], bound)
+                line.append(f"{name} {one['seconds'] / best['seconds']:.3g}" if one
+                            else f"{name} -")
+            if best:
+                print(f"  error {bound:g}: {best['method']} {best['seconds']:.3f} s "
+                      f"({best['options']}); times as long: " + "; ".join(line))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true", help="a coarse matrix, under 3 minutes")
+    parser.add_argument("--draw", action="store_true", help="only draw what is stored")
+    parser.add_argument("--only", default=",".join(SCENES), metavar="SCENE,...")
+    arguments = parser.parse_args()
+    place = ROOT / ("results/chart-quick" if arguments.quick else "docs")
+    place.mkdir(parents=True, exist_ok=True)
+    store = Store(ROOT / "results" / ("chart-quick" if arguments.quick else "chart") / "runs.jsonl")
+    found = runs(store, arguments)
+    table(found, place / "chart.csv")
+    draw(found, Path(place) / "chart")
+    summary(found)
+    print(f"chart: {place}/chart.csv, .png and .pdf")
+
+
+if __name__ == "__main__":
+    main()
