@@ -13,10 +13,10 @@ static const char help[] =
     "tendril: the slow growth of an elastic fibre that friction holds back.\n"
     "  tendril -options_file options/uniform-dry.opts [-output FILE.h5] [overrides]\n\n";
 
-enum { GROW, STABILITY, CRITICAL };
+enum { GROW, STABILITY, CRITICAL, UNITS };
 
 static PetscErrorCode Run(int argc, char **argv) {
-  const char *const tasks[] = {"grow", "stability", "critical"};
+  const char *const tasks[] = {"grow", "stability", "critical", "units"};
   char output[PETSC_MAX_PATH_LEN] = "", restart[PETSC_MAX_PATH_LEN] = "";
   PetscInt task = GROW;
   PetscBool is_help, go_on;
@@ -28,7 +28,7 @@ static PetscErrorCode Run(int argc, char **argv) {
   PetscCall(OptionsCheckPetsc());
   PetscCall(OptionList(
       "-task",
-      "what to do: follow the rod in time, tabulate its stability, find its critical length", 3,
+      "what to do: follow the rod in time, tabulate its stability, find its critical length", 4,
       tasks, &task, NULL));
   PetscCall(OptionString("-output", "result file (HDF5)", output, sizeof(output), NULL));
   UserCheck(!go_on || task == GROW, PETSC_COMM_WORLD,
@@ -47,6 +47,15 @@ static PetscErrorCode Run(int argc, char **argv) {
     PetscCall(SceneSetShape(scene, n, s, theta));
     PetscCall(PetscFree(s));
     PetscCall(PetscFree(theta));
+  }
+  if (task == UNITS) {
+    PetscReal start, end;
+    PetscCall(OptionsRefuseUnread());
+    PetscCall(GrowthLength(scene->growth, 0, &start, NULL));
+    PetscCall(GrowthLength(scene->growth, scene->end_time, &end, NULL));
+    PetscCall(SiPrint(&scene->si, scene->friction.mu, start, end));
+    PetscCall(SceneDestroy(&scene));
+    PetscFunctionReturn(0);
   }
   UserCheck(task == GROW || !scene->curvature.any, PETSC_COMM_WORLD,
             "-rod_curvature: -task %s is about a rod that is straight by nature; take it out",

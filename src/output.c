@@ -1,5 +1,6 @@
 #include "output.h"
 #include "options.h"
+#include "xdmf.h"
 #include <unistd.h>
 #include <errno.h>
 #include <sys/stat.h>
@@ -23,6 +24,7 @@ struct _Output {
   PetscInt waiting, room;
   Observation *series;
   PetscReal *buffer;
+  char name[PETSC_MAX_PATH_LEN];
 };
 
 /* All options in force, as one text. */
@@ -75,6 +77,19 @@ static PetscErrorCode Group(hid_t file, const char *name) {
   PetscFunctionReturn(0);
 }
 
+/* The scales of the physical rod, if one was given. */
+static PetscErrorCode SiAttributes(Output self) {
+  const Si *si = &self->scene->si;
+  char name[32];
+
+  PetscFunctionBegin;
+  for (int k = 0; k < SI_SCALES; k++) {
+    PetscCall(PetscSNPrintf(name, sizeof(name), "si_%s", si_name[k]));
+    if (si->scale[k] > 0) PetscCall(HdfAttributeReal(self->file, name, si->scale[k]));
+  }
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode CreateDatasets(Output self) {
   hsize_t n = self->scene->mesh.cells + 1;
   char path[64];
@@ -95,6 +110,7 @@ static PetscErrorCode CreateDatasets(Output self) {
                             shape_sets[i].text));
   }
   PetscCall(OutputRootAttributes(self->file, PETSC_FALSE));
+  PetscCall(SiAttributes(self));
   HdfCall(H5Fflush(self->file, H5F_SCOPE_GLOBAL));
   PetscFunctionReturn(0);
 }
@@ -114,6 +130,7 @@ PetscErrorCode OutputCreate(const char *file, Scene scene, Output *output) {
   if (file[0]) PetscCall(OutputNewFile(file, &self->file));
   if (self->file >= 0) {
     PetscCall(PetscMalloc1(2 * (scene->mesh.cells + 1), &self->buffer));
+    PetscCall(PetscStrncpy(self->name, file, sizeof(self->name)));
     PetscCall(CreateDatasets(self));
   }
   *output = self;
@@ -164,6 +181,7 @@ static PetscErrorCode CutAt(Output self, hsize_t series, hsize_t shapes) {
   if (H5Lexists(self->file, "/event", H5P_DEFAULT) > 0)
     HdfCall(H5Ldelete(self->file, "/event", H5P_DEFAULT));
   PetscCall(OutputRootAttributes(self->file, PETSC_FALSE));
+  PetscCall(SiAttributes(self));
   HdfCall(H5Fflush(self->file, H5F_SCOPE_GLOBAL));
   PetscFunctionReturn(0);
 }
@@ -210,9 +228,30 @@ PetscErrorCode OutputContinue(const char *file, const char *from, Scene scene, P
             "-output %s: cannot be written; does its directory exist, and is it yours?", file);
   if (self->file >= 0) {
     PetscCall(PetscMalloc1(2 * (scene->mesh.cells + 1), &self->buffer));
+    PetscCall(PetscStrncpy(self->name, file, sizeof(self->name)));
     PetscCall(CutAt(self, series, shapes));
   }
   *output = self;
+  PetscFunctionReturn(0);
+}
+
+/* The file that ParaView opens, beside the result file. */
+static PetscErrorCode Describe(Output self) {
+  hid_t d, space;
+  hsize_t n;
+  PetscReal *t;
+
+  PetscFunctionBegin;
+  d = H5Dopen2(self->file, "/shapes/t", H5P_DEFAULT);
+  HdfCall(d);
+  space = H5Dget_space(d);
+  H5Sget_simple_extent_dims(space, &n, NULL);
+  H5Sclose(space);
+  PetscCall(PetscMalloc1(n, &t));
+  HdfCall(H5Dread(d, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, t));
+  H5Dclose(d);
+  PetscCall(XdmfWrite(self->name, self->scene->mesh.cells + 1, (PetscInt)n, t));
+  PetscCall(PetscFree(t));
   PetscFunctionReturn(0);
 }
 
@@ -229,6 +268,7 @@ PetscErrorCode OutputRestart(Output output, RestartState *state, PetscInt n,
                          "time, step and history of the stepper, for -restart"));
   PetscCall(HdfOverwrite(output->file, "/restart/points", n, points,
                          "the stepper's past points [point][node][field], latest first"));
+  PetscCall(Describe(output));
   HdfCall(H5Fflush(output->file, H5F_SCOPE_GLOBAL));
   PetscFunctionReturn(0);
 }
@@ -323,6 +363,7 @@ PetscErrorCode OutputDestroy(Output *output, PetscBool finished) {
   if (!self) PetscFunctionReturn(0);
   if (self->file >= 0) {
     PetscCall(FlushSeries(self));
+    PetscCall(Describe(self));
     PetscCall(HdfAttributeInt(self->file, "finished", finished));
     HdfCall(H5Fclose(self->file));
   }

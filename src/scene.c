@@ -156,6 +156,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
   PetscCall(PetscNew(&self));
   PetscCall(GrowthCreate(&self->growth));
   PetscCall(FrictionSetFromOptions(&self->friction));
+  PetscCall(SiSetFromOptions(&self->si, &self->friction));
   PetscCall(OptionsHeading("Rod"));
   PetscCall(OptionReal("-clamp_angle", "alpha, direction of the clamp, in radians", -1e3, 1e3,
                        &self->clamp_angle, NULL));

@@ -6,6 +6,7 @@
 #include "friction.h"
 #include "growth.h"
 #include "mesh.h"
+#include "si.h"
 
 typedef enum { SHAPE_STRAIGHT, SHAPE_SAG, SHAPE_MODE, SHAPE_RANDOM, SHAPE_FILE } ShapeType;
 
@@ -25,6 +26,7 @@ struct _Scene {
   Shape shape;
   Curvature curvature; /* natural, k0 */
   Mesh mesh;
+  Si si;
   PetscReal clamp_angle; /* alpha; the problem is solved in the clamp's frame, results are turned */
   PetscReal end_time;    /* T, -ts_max_time */
 };

@@ -176,5 +176,71 @@ def restart_after_a_signal():
         same_run(read(file), whole, number.name, 1e-6)
 
 
+TUBE = "-si_bending_stiffness 4.4907e-4 -si_friction_dry 20.03 "
+
+
+@check
+def laboratory_units():
+    """There and back; a rod of twice the size in metres is the same in numbers."""
+    d = scene.SCRATCH
+    table = {line.split()[0]: line.split()[1:] for line in
+             tendril(f"-task units {TUBE} -si_speed 0.01").splitlines()[1:]}
+    expect(abs(float(table["length"][2]) / 35.46 - 1) < 2e-4, f"length {table['length']}")
+    for name in ("length", "force", "time", "speed", "energy", "power", "curvature"):
+        to, _, back = table[name]
+        expect(abs(float(to) * float(back) - 1) < 1e-6, f"{name}: {to} and {back}")
+    runs = []
+    for k in (1, 2):  # lengths k, friction per length the same: YI k^3, speed k
+        physical = f"-si_bending_stiffness {3e-4 * k**3} -si_friction_dry 15 " \
+                   f"-si_friction_viscous {50 / k} -si_speed {0.1 * k}"
+        tendril(f"{DRY} -ts_max_time 3 {physical} -output {d}/si.h5")
+        with h5py.File(f"{d}/si.h5") as f:
+            runs.append((read(f"{d}/si.h5"), {n: f.attrs[f"si_{n}"] for n in
+                                              ("length", "force", "time", "energy", "power")}))
+    (a, sa), (b, sb) = runs
+    expect(np.array_equal(a["shapes/x"], b["shapes/x"]), "numbers differ")
+    for name, factor in (("length", 2), ("force", 2), ("time", 1), ("energy", 4), ("power", 4)):
+        expect(abs(sb[name] / sa[name] / factor - 1) < 1e-12, f"scale of {name}")
+    expect(abs(sa["power"] * sa["time"] / sa["energy"] - 1) < 1e-12, "power x time = energy")
+    bare = Run(f"{DRY} -ts_max_time 3 -friction_mu 0.75")
+    expect(distance(a["shapes/x"][-1][-1], bare.tip) < 1e-12, "mu = 15/(15 + 50 x 0.1)")
+    for wrong, word in (("-si_friction_dry 20", "-si_bending_stiffness"), (TUBE + "-friction_mu 0.5",
+                        "-friction_mu"), (TUBE + "-si_friction_viscous 3", "-si_speed"),
+                        ("-si_bending_stiffness 1", "-si_friction_dry"), ("-task units", "units")):
+        expect(word in tendril(f"{wrong} -ts_max_time 0.1", 1), wrong)
+
+
+@check
+def paraview():
+    """ParaView's own reader plays the rod in time."""
+    try:
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+        from vtkmodules.vtkIOXdmf2 import vtkXdmfReader
+    except ImportError:
+        print("vtk is not installed: left out")
+        return
+    d = scene.SCRATCH
+    tendril(f"{DRY} -ts_max_time 3 -output_interval 0.5 -output {d}/rod.h5")
+    r = read(f"{d}/rod.h5")
+    reader = vtkXdmfReader()
+    reader.SetFileName(f"{d}/rod.xmf")
+    reader.UpdateInformation()
+    times = np.array(reader.GetOutputInformation(0).Get(reader.GetExecutive().TIME_STEPS()))
+    expect(np.allclose(times, r["shapes/t"]), f"times {times}")
+    for k, t in enumerate(times):
+        reader.UpdateTimeStep(t)
+        grid = reader.GetOutputDataObject(0)
+        while grid.IsA("vtkMultiBlockDataSet"):
+            grid = grid.GetBlock(0)
+        x = vtk_to_numpy(grid.GetPoints().GetData())
+        expect(np.allclose(x[:, :2], r["shapes/x"][k], atol=1e-6), f"x at t = {t}")
+        arrays = {"theta": r["shapes/theta"][k], "curvature": r["shapes/curvature"][k],
+                  "force_1": r["shapes/force"][k, :, 0], "force_2": r["shapes/force"][k, :, 1]}
+        for name, values in arrays.items():
+            a = vtk_to_numpy(grid.GetPointData().GetArray(name))
+            expect(np.allclose(a, values, atol=1e-6), f"{name} at t = {t}")
+    print(f"{len(times)} shapes read by VTK")
+
+
 if __name__ == "__main__":
     sys.exit(scene.main(CHECKS))
