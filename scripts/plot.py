@@ -4,7 +4,7 @@
     plot.py results/uniform-dry.h5
     plot.py results/uniform-*.h5 --panels norm,shapes --times 10,20,30 --output compare
 
-Symbols are those of the README; all is dimensionless."""
+Symbols are those of the README; all is dimensionless, or with --si in the units of the laboratory."""
 
 import argparse
 import sys
@@ -33,10 +33,23 @@ STYLE = {
 
 
 class Units:
-    """What the numbers of the file are multiplied by, and the unit they then have. Everything is
-    dimensionless for now; a physical rod gives each kind its scale here and nowhere else."""
+    """What the numbers of the file are multiplied by, and the unit they then have: none, or with
+    --si those of a run that was given a physical rod."""
 
-    scales = {kind: (1.0, "") for kind in ("length", "time", "speed", "force", "energy", "power")}
+    def __init__(self, results=None):
+        names = {"length": "m", "time": "s", "speed": "m/s", "force": "N", "energy": "J", "power": "W"}
+        self.scales = dict.fromkeys(names, (1.0, ""))
+        for kind, unit in names.items() if results else ():
+            found = {r.attributes.get(f"si_{kind}") for r in results}
+            if "length" == kind and None in found:
+                bare = next(r for r in results if "si_length" not in r.attributes)
+                raise ResultsError(f"{bare.path}: --si needs a run with -si_bending_stiffness ...")
+            if len(found) > 1:
+                raise ResultsError(f"{results[0].path}: the files differ in their scale of {kind}")
+            if None not in found:  # without -si_speed time has no scale and stays a bare number
+                self.scales[kind] = (float(found.pop()), unit)
+        if results and not self.scales["power"][1]:
+            self.scales["power"] = (self.scales["energy"][0], "J per unit of $t$")
 
     def of(self, kind, values):
         return self.scales[kind][0] * np.asarray(values)
@@ -92,7 +105,8 @@ def panel_energy(ax, r, view):
     curves(ax, r, view, "energy", ("energy", r"$E$", BLUE, "-"))
     curves(ax, r, view, "power", ("growth_power", r"$W$", ORANGE, "-"),
            ("dissipation", "Diss", "black", ":"))
-    ax.set_ylabel(view.units.label("energy, power", "energy"))
+    units = [view.units.scales[kind][1] for kind in ("energy", "power")]
+    ax.set_ylabel(f"energy ({units[0]}), power ({units[1]})" if units[0] else "energy, power")
 
 
 def panel_defect(ax, r, view):
@@ -281,6 +295,8 @@ def main(arguments=None):
                         help="comma list, in this order; default %(default)s")
     parser.add_argument("--times", type=numbers, metavar="T1,T2,...",
                         help="of the shapes drawn; default: quarters of the longest run")
+    parser.add_argument("--si", action="store_true",
+                        help="in metres, newtons, seconds: for runs with -si_ options")
     parser.add_argument("--titles", metavar="A,B,...", help="above columns; default: file names")
     view = parser.parse_args(arguments)
     names = view.panels.split(",")
@@ -295,7 +311,7 @@ def main(arguments=None):
         for r in results:
             if not len(r.series.get("t", ())) or not len(r.shapes.get("t", ())):
                 raise ResultsError(f"{r.path}: holds no stored shape to draw")
-        view.units = Units()
+        view.units = Units(results if view.si else None)
         view.times = view.times or default_times(results)
         tell_missing(results, view.times)
         view.titles = view.titles.split(",") if view.titles else [r.name for r in results]

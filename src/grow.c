@@ -1,8 +1,10 @@
 #include "grow.h"
+#include "event.h"
 #include "newton.h"
 #include "observe.h"
 #include "options.h"
 #include "output.h"
+#include "restart.h"
 #include "vbdf.h"
 #include <petsctime.h>
 #include <signal.h>
@@ -34,6 +36,10 @@ typedef struct {
   PetscInt iterations, steps; /* before the latest step; steps of earlier legs */
   PetscBool quiet, beyond;    /* beyond: the linear model has left its range */
   PetscLogDouble begin, reported;
+  Watch watch;
+  Event event;            /* that ended the run */
+  PetscLogDouble kept_at; /* wall time when the state for a restart was stored */
+  PetscReal start;        /* t at which this run began: 0, or a restart's */
 } Grow;
 
 static volatile sig_atomic_t interrupted;
@@ -135,13 +141,13 @@ static PetscErrorCode StoreShape(Grow *self, PetscReal t, Vec U) {
 }
 
 /* Stores the shapes due between the previous step and this one, by the stepper's dense output. */
-static PetscErrorCode StoreDueShapes(Grow *self, PetscReal t) {
+static PetscErrorCode StoreDueShapes(Grow *self, PetscReal t, Vec U) {
   Vec W;
 
   PetscFunctionBegin;
   while (self->next_output <= t * (1 + 1e-14)) {
     if (self->next_output >= t * (1 - 1e-12))
-      PetscCall(StoreShape(self, t, self->now->U));
+      PetscCall(StoreShape(self, t, U));
     else {
       PetscCall(VecDuplicate(self->now->U, &W));
       PetscCall(TSInterpolate(self->now->ts, self->next_output, W));
@@ -159,6 +165,7 @@ static PetscErrorCode StoreDueShapes(Grow *self, PetscReal t) {
 static PetscInt BetterModel(const Grow *self) {
   PetscReal neglected = PetscSqr(self->seen.max_angle);
   if (self->model != AUTO) return self->model;
+  if (self->scene->curvature.any) return FRAME; /* the linear model knows none */
   if (self->now == &self->leg[LINEAR]) return neglected > 0.3 * self->rtol ? FRAME : LINEAR;
   return neglected < 0.03 * self->rtol ? LINEAR : FRAME;
 }
@@ -184,16 +191,160 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   PetscFunctionReturn(0);
 }
 
+/* Has an event happened in the state U of time t? Collective. */
+static PetscErrorCode LookForEvent(Grow *self, PetscReal t, Vec U, Event *event) {
+  const Node *nodes;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(event, sizeof(*event)));
+  PetscCall(ObserverGather(self->observer, self->now->rod, t, U, NULL, &nodes));
+  if (nodes) PetscCall(WatchLook(&self->watch, self->scene, t, nodes, event));
+  PetscCallMPI(MPI_Bcast(event, sizeof(*event), MPI_BYTE, 0, PETSC_COMM_WORLD));
+  PetscFunctionReturn(0);
+}
+
+/* U_t at time t by the slopes of the stepper's dense output, a polynomial of degree 7 at most:
+   seven times over the step h have it exactly but for the last degree. */
+static PetscErrorCode InterpolateRate(TS ts, PetscReal t, PetscReal end, PetscReal h, Vec U,
+                                      Vec U_t) {
+  PetscReal at[7] = {t};
+
+  PetscFunctionBegin;
+  for (int k = 1; k < 7; k++) { /* none is nearer to t than a fourteenth of the step */
+    at[k] = end - h * (k - 0.5) / 6;
+    if (PetscAbsReal(at[k] - t) < h / 14) at[k] -= h / 12;
+  }
+  PetscCall(VecZeroEntries(U_t));
+  for (int k = 0; k < 7; k++) {
+    PetscReal slope = 0;
+    for (int i = 0; i < 7; i++) { /* l_k'(t) */
+      PetscReal product = 1;
+      if (i == k) continue;
+      for (int j = 0; j < 7; j++)
+        if (j != k && j != i) product *= (t - at[j]) / (at[k] - at[j]);
+      slope += product / (at[k] - at[i]);
+    }
+    PetscCall(TSInterpolate(ts, at[k], U));
+    PetscCall(VecAXPY(U_t, slope, U));
+  }
+  PetscFunctionReturn(0);
+}
+
+/* If an event has happened in the step to t: finds it by bisection on the dense output; t, U and
+   U_t are then those of the event. */
+static PetscErrorCode LocateEvent(Grow *self, PetscReal *t, Vec U, Vec U_t) {
+  TS ts = self->now->ts;
+  PetscReal before = self->seen.t, low = before, end = *t;
+  Event event;
+
+  PetscFunctionBegin;
+  PetscCall(LookForEvent(self, *t, self->now->U, &event));
+  if (event.kind == EVENT_NONE) PetscFunctionReturn(0);
+  self->event = event;
+  for (int k = 0; k < 60 && self->event.t - low > 4 * PETSC_MACHINE_EPSILON * end; k++) {
+    PetscReal mid = (low + self->event.t) / 2;
+    PetscCall(TSInterpolate(ts, mid, U));
+    PetscCall(LookForEvent(self, mid, U, &event));
+    if (event.kind)
+      self->event = event;
+    else
+      low = mid;
+  }
+  *t = self->event.t;
+  PetscCall(InterpolateRate(ts, *t, end, end - before, U, U_t));
+  PetscCall(TSInterpolate(ts, *t, U));
+  PetscFunctionReturn(0);
+}
+
+/* All of a vector on rank 0, in the order of nodes and fields, at to. */
+static PetscErrorCode Collect(Vec v, PetscReal *to) {
+  VecScatter scatter;
+  const PetscScalar *a;
+  PetscInt n;
+  Vec all;
+
+  PetscFunctionBegin;
+  PetscCall(VecScatterCreateToZero(v, &scatter, &all));
+  PetscCall(VecScatterBegin(scatter, v, all, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecScatterEnd(scatter, v, all, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecGetLocalSize(all, &n));
+  PetscCall(VecGetArrayRead(all, &a));
+  PetscCall(PetscArraycpy(to, a, n));
+  PetscCall(VecRestoreArrayRead(all, &a));
+  PetscCall(VecScatterDestroy(&scatter));
+  PetscCall(VecDestroy(&all));
+  PetscFunctionReturn(0);
+}
+
+/* Stores what a restart needs, after an accepted step. Every second is enough: a restart takes off
+   the file what came later. */
+static PetscErrorCode StoreRestart(Grow *self, PetscBool always) {
+  RestartState state = {.t = self->seen.t, .model = self->now - self->leg};
+  PetscInt n, order, steps, size = 0, length;
+  Vec old[VBDF_POINTS];
+  PetscReal *points;
+  PetscLogDouble now;
+  int due;
+
+  PetscFunctionBegin;
+  PetscCall(PetscTime(&now));
+  due = always || now - self->kept_at > 1;
+  PetscCallMPI(MPI_Bcast(&due, 1, MPI_INT, 0, PETSC_COMM_WORLD));
+  if (!due || self->seen.t == 0) PetscFunctionReturn(0);
+  self->kept_at = now;
+  for (int m = 0; m < 3; m++) /* the file has room for any model of this run */
+    if (self->leg[m].rod) {
+      PetscCall(VecGetSize(self->leg[m].U, &length));
+      size = PetscMax(size, length * (VBDF_POINTS - 1));
+    }
+  PetscCall(PetscCalloc1(size, &points));
+  PetscCall(VBDFGetHistory(self->now->ts, &n, state.time, old, &order));
+  if (!n) { /* another stepper starts afresh from the last point */
+    n = order = 1;
+    old[0] = self->now->U;
+  }
+  if (self->event.kind) old[0] = self->now->U; /* the step was cut there */
+  state.time[0] = self->seen.t;
+  PetscCall(VecGetSize(self->now->U, &length));
+  for (PetscInt i = 0; i < n; i++) PetscCall(Collect(old[i], points + i * length));
+  PetscCall(TSGetTimeStep(self->now->ts, &state.step));
+  PetscCall(TSGetStepNumber(self->now->ts, &steps));
+  state.points = n;
+  state.order = order;
+  state.steps = steps;
+  state.fields = self->now->rod->model->fields;
+  state.reference_length = self->scene->curvature.reference_length;
+  PetscCall(ObserverGetBalance(self->observer, state.balance));
+  PetscCall(OutputRestart(self->output, &state, size, points));
+  PetscCall(PetscFree(points));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode AfterStep(TS ts) {
   Grow *self;
-  PetscReal t;
+  PetscReal t, stored;
+  Vec U, U_t, here[2] = {NULL, NULL};
   int stop = interrupted;
 
   PetscFunctionBegin;
   PetscCall(Self(ts, &self));
   PetscCall(TSGetTime(ts, &t));
-  PetscCall(Observe(self, t, self->now->U, self->now->rod->latest_rate));
-  PetscCall(StoreDueShapes(self, t));
+  U = self->now->U;
+  U_t = self->now->rod->latest_rate;
+  if (self->watch.any) {
+    for (int k = 0; k < 2; k++) PetscCall(VecDuplicate(U, &here[k]));
+    PetscCall(LocateEvent(self, &t, here[0], here[1]));
+    if (self->event.kind) U = here[0], U_t = here[1];
+  }
+  PetscCall(Observe(self, t, U, U_t));
+  stored = self->stored_at;
+  PetscCall(StoreDueShapes(self, t, U));
+  if (self->event.kind) { /* the run ends there */
+    PetscCall(VecCopy(U, self->now->U));
+    PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
+  }
+  for (int k = 0; k < 2; k++) PetscCall(VecDestroy(&here[k]));
+  if (self->stored_at != stored) PetscCall(StoreRestart(self, PETSC_FALSE));
   PetscCall(Progress(self, PETSC_FALSE));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &stop, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD));
   self->beyond = (PetscBool)(self->model == LINEAR && self->seen.max_angle > 1);
@@ -316,22 +467,23 @@ static PetscErrorCode ReadOptions(Grow *self) {
                        0.5, &self->rtol, NULL));
   PetscCall(OptionReal("-output_interval", "time between stored shapes", 1e-9, 1e9,
                        &self->output_interval, &set));
+  PetscCall(WatchSetFromOptions(&self->watch, self->scene->growth));
   PetscCall(OptionBool("-quiet", "print nothing but errors", &self->quiet, NULL));
+  UserCheck(!self->scene->curvature.any || self->model != LINEAR, PETSC_COMM_WORLD,
+            "-rod_curvature: the linear model is of a rod that is straight by nature; take "
+            "-rod_model frame or auto");
   UserCheck(self->scene->friction.beta > 0 || self->model != MIXED, PETSC_COMM_WORLD,
             "-friction_beta 0: exact Coulomb friction needs -rod_model frame or auto, or give a "
             "value above 0");
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode GrowCreate(Grow *self, const char *output) {
+/* The state of a fresh run: the scene's initial shape. */
+static PetscErrorCode Begin(Grow *self, const char *output) {
   Node *nodes;
+  Event event;
 
   PetscFunctionBegin;
-  PetscCall(ReadOptions(self));
-  for (PetscInt m = 0; m < 3; m++)
-    if (m == self->model || (self->model == AUTO && m != MIXED)) PetscCall(LegCreate(self, m));
-  PetscCall(OptionsRefuseUnread());
-  PetscCall(ObserverCreate(self->scene, &self->observer));
   PetscCall(OutputCreate(output, self->scene, &self->output));
   self->now = &self->leg[self->model == AUTO ? FRAME : self->model];
   PetscCall(Observe(self, 0, NULL, NULL));
@@ -340,8 +492,81 @@ static PetscErrorCode GrowCreate(Grow *self, const char *output) {
   PetscCall(RodInitialNodes(self->now->rod, 0, nodes));
   PetscCall(self->now->rod->model->set(self->now->rod, 0, nodes, self->now->U));
   PetscCall(PetscFree(nodes));
+  PetscCall(LookForEvent(self, 0, NULL, &event));
+  UserCheck(!event.kind, PETSC_COMM_WORLD, "-stop_%s: it is so at the start already",
+            event_name[event.kind]);
   PetscCall(StoreShape(self, 0, NULL));
   self->next_output = self->output_interval;
+  PetscFunctionReturn(0);
+}
+
+/* The state of an earlier run, with the history of its stepper. */
+static PetscErrorCode TakeUp(Grow *self, const RestartState *state, const PetscReal *points) {
+  Leg *leg = self->now = &self->leg[(int)state->model];
+  PetscInt low, high, length;
+  PetscScalar *a;
+  Vec old[VBDF_POINTS];
+  PetscBool given;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetOwnershipRange(leg->U, &low, &high));
+  PetscCall(VecGetSize(leg->U, &length));
+  for (PetscInt i = 0; i < (PetscInt)state->points; i++) {
+    PetscCall(VecDuplicate(leg->U, &old[i]));
+    PetscCall(VecGetArray(old[i], &a));
+    PetscCall(PetscArraycpy(a, points + i * length + low, high - low));
+    PetscCall(VecRestoreArray(old[i], &a));
+  }
+  PetscCall(VecCopy(old[0], leg->U));
+  PetscCall(
+      VBDFSetHistory(leg->ts, (PetscInt)state->points, state->time, old, (PetscInt)state->order));
+  for (PetscInt i = 0; i < (PetscInt)state->points; i++) PetscCall(VecDestroy(&old[i]));
+  PetscCall(TSSetTime(leg->ts, state->t));
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_dt", &given));
+  if (!given) PetscCall(TSSetTimeStep(leg->ts, state->step));
+  PetscCall(TSSetStepNumber(leg->ts, (PetscInt)state->steps));
+  PetscCall(ObserverSetBalance(self->observer, state->balance));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *state,
+                           const PetscReal *points, const char *output) {
+  Event event;
+
+  PetscFunctionBegin;
+  PetscCall(TakeUp(self, state, points));
+  self->seen.t = self->start = self->stored_at = state->t;
+  PetscCall(LookForEvent(self, state->t, self->now->U, &event));
+  UserCheck(!event.kind, PETSC_COMM_WORLD,
+            "-stop_%s: it is so at t = %g already, where -restart %s is", event_name[event.kind],
+            (double)state->t, restart);
+  PetscCall(
+      OutputContinue(output, restart, self->scene, state->t, self->output_interval, &self->output));
+  self->next_output = self->output_interval;
+  while (self->next_output <= state->t * (1 + 1e-12)) self->next_output += self->output_interval;
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode GrowCreate(Grow *self, const char *output, const char *restart) {
+  RestartState state;
+  PetscReal *points = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(ReadOptions(self));
+  if (restart[0]) PetscCall(RestartRead(restart, self->scene, &state, &points));
+  for (PetscInt m = 0; m < 3; m++)
+    if (m == self->model || (self->model == AUTO && m != MIXED)) PetscCall(LegCreate(self, m));
+  PetscCall(OptionsRefuseUnread());
+  PetscCall(ObserverCreate(self->scene, &self->observer));
+  if (!restart[0]) {
+    PetscCall(Begin(self, output));
+    PetscFunctionReturn(0);
+  }
+  UserCheck(state.model >= 0 && state.model <= MIXED && self->leg[(int)state.model].rod &&
+                self->leg[(int)state.model].rod->model->fields == state.fields,
+            PETSC_COMM_WORLD, "-rod_model: the run in -restart %s was of another model", restart);
+  PetscCall(GoOn(self, restart, &state, points, output));
+  PetscCall(PetscFree(points));
   PetscFunctionReturn(0);
 }
 
@@ -379,10 +604,28 @@ static PetscErrorCode Summary(Grow *self) {
   PetscFunctionReturn(0);
 }
 
+static PetscErrorCode TellEvent(Grow *self) {
+  const Event *event = &self->event;
+  char text[3][32];
+
+  PetscFunctionBegin;
+  if (self->quiet) PetscFunctionReturn(0);
+  OptionNumber(event->t, text[0]);
+  OptionNumber(event->s[0], text[1]);
+  OptionNumber(event->s[1], text[2]);
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "stopped at t = %s: %s at s = %s", text[0],
+                        event_name[event->kind], text[1]));
+  if (event->s[0] != event->s[1]) PetscCall(PetscPrintf(PETSC_COMM_WORLD, " and %s", text[2]));
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "\n"));
+  PetscFunctionReturn(0);
+}
+
 /* Stores the last state and closes the file, whatever the end. */
 static PetscErrorCode GrowDestroy(Grow *self, PetscBool finished) {
   PetscFunctionBegin;
   if (self->seen.t != self->stored_at) PetscCall(StoreShape(self, self->seen.t, self->now->U));
+  if (self->seen.t > self->start) PetscCall(StoreRestart(self, PETSC_TRUE));
+  if (self->event.kind) PetscCall(OutputEvent(self->output, &self->event));
   PetscCall(OutputDestroy(&self->output, finished));
   PetscCall(ObserverDestroy(&self->observer));
   for (int m = 0; m < 3; m++) PetscCall(LegDestroy(&self->leg[m]));
@@ -393,18 +636,19 @@ static PetscErrorCode GrowDestroy(Grow *self, PetscBool finished) {
   GrowRun - follows the rod of a scene from t = 0 to its end time. Collective.
 
   output   the result file; empty: none
+  restart  the result file of a run to go on with; empty: none
 
   Ends with a user's error, the last state stored, if the stepper gives up or the run is
   interrupted.
 */
-PetscErrorCode GrowRun(Scene scene, const char *output) {
-  Grow grow = {.scene = scene}, *self = &grow;
+PetscErrorCode GrowRun(Scene scene, const char *output, const char *restart) {
+  Grow grow = {.scene = scene, .kept_at = -2}, *self = &grow;
   TSConvergedReason reason = TS_CONVERGED_ITERATING;
   PetscReal t = 0, dt = 0;
   char text[3][32];
 
   PetscFunctionBegin;
-  PetscCall(GrowCreate(self, output));
+  PetscCall(GrowCreate(self, output, restart));
   signal(SIGTERM, OnSignal);
   signal(SIGINT, OnSignal);
   PetscCall(PetscTime(&self->begin));
@@ -415,17 +659,19 @@ PetscErrorCode GrowRun(Scene scene, const char *output) {
   while (!interrupted) {
     PetscCall(TSSolve(self->now->ts, self->now->U));
     PetscCall(TSGetConvergedReason(self->now->ts, &reason));
-    if (reason != TS_CONVERGED_USER || interrupted || self->beyond) break;
+    if (reason != TS_CONVERGED_USER || interrupted || self->beyond || self->event.kind) break;
     PetscCall(HandOver(self, &self->leg[BetterModel(self)]));
   }
   PetscCall(TSGetTime(self->now->ts, &t));
   PetscCall(TSGetTimeStep(self->now->ts, &dt));
   PetscCall(Progress(self, PETSC_TRUE));
   PetscCall(Summary(self));
-  PetscCall(GrowDestroy(self, (PetscBool)(reason == TS_CONVERGED_TIME)));
+  if (self->event.kind) PetscCall(TellEvent(self));
+  PetscCall(GrowDestroy(self, (PetscBool)(reason == TS_CONVERGED_TIME || self->event.kind)));
   OptionNumber(t, text[0]);
   OptionNumber(dt, text[1]);
   OptionNumber(scene->end_time, text[2]);
+  if (self->event.kind) PetscFunctionReturn(0);
   UserCheck(!interrupted, PETSC_COMM_WORLD,
             "interrupted by signal %d at t = %s; the results up to there are stored",
             (int)interrupted, text[0]);

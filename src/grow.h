@@ -4,6 +4,6 @@
 
 #include "rod.h"
 
-PetscErrorCode GrowRun(Scene scene, const char *output);
+PetscErrorCode GrowRun(Scene scene, const char *output, const char *restart);
 
 #endif

@@ -128,6 +128,65 @@ PetscErrorCode HdfWrite(hid_t file, const char *name, int rank, const hsize_t di
   PetscFunctionReturn(0);
 }
 
+/* HdfOverwrite - writes an array in the place of the one of the same size that stands there, so
+   that the file does not grow; creates it the first time. */
+PetscErrorCode HdfOverwrite(hid_t file, const char *name, hsize_t n, const PetscReal data[],
+                            const char *description) {
+  hid_t d;
+
+  PetscFunctionBegin;
+  if (H5Lexists(file, name, H5P_DEFAULT) > 0) {
+    d = H5Dopen2(file, name, H5P_DEFAULT);
+    HdfCall(d);
+    HdfCall(H5Dwrite(d, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, data));
+    H5Dclose(d);
+  } else
+    PetscCall(HdfWrite(file, name, 1, &n, data, "description", description));
+  PetscFunctionReturn(0);
+}
+
+/* HdfTruncate - leaves the first rows entries of a dataset made by HdfAppendable. */
+PetscErrorCode HdfTruncate(hid_t file, const char *name, hsize_t rows) {
+  hsize_t dims[4];
+  hid_t d = H5Dopen2(file, name, H5P_DEFAULT), space;
+
+  PetscFunctionBegin;
+  HdfCall(d);
+  space = H5Dget_space(d);
+  H5Sget_simple_extent_dims(space, dims, NULL);
+  H5Sclose(space);
+  dims[0] = PetscMin(dims[0], rows);
+  HdfCall(H5Dset_extent(d, dims));
+  H5Dclose(d);
+  PetscFunctionReturn(0);
+}
+
+/* HdfReadAttributeText - reads a text attribute of a file, on every rank; the caller frees it
+   (PetscFree). A file that is no result of tendril is a user's mistake. */
+PetscErrorCode HdfReadAttributeText(const char *option, const char *file, const char *name,
+                                    char **text) {
+  hid_t f, a = -1, type = -1;
+  herr_t status = -1;
+  size_t size = 0;
+
+  PetscFunctionBegin;
+  H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+  f = H5Fopen(file, H5F_ACC_RDONLY, H5P_DEFAULT);
+  UserCheck(f >= 0, PETSC_COMM_WORLD, "%s %s: not there, or not a whole HDF5 file", option, file);
+  if (H5Aexists(f, name) > 0) a = H5Aopen(f, name, H5P_DEFAULT);
+  if (a >= 0) {
+    type = H5Aget_type(a);
+    size = H5Tget_size(type);
+    PetscCall(PetscCalloc1(size + 1, text));
+    status = H5Tis_variable_str(type) ? -1 : H5Aread(a, type, *text);
+    H5Tclose(type);
+    H5Aclose(a);
+  }
+  H5Fclose(f);
+  UserCheck(status >= 0, PETSC_COMM_WORLD, "%s %s: is not a result file of tendril", option, file);
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode Attribute(hid_t object, const char *name, hid_t type, const void *value) {
   hid_t space, a;
 

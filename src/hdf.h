@@ -13,6 +13,11 @@ PetscErrorCode HdfAppendable(hid_t file, const char *name, int rank, const hsize
 PetscErrorCode HdfAppend(hid_t file, const char *name, hsize_t rows, const PetscReal data[]);
 PetscErrorCode HdfWrite(hid_t file, const char *name, int rank, const hsize_t dims[],
                         const PetscReal data[], const char *attribute, const char *description);
+PetscErrorCode HdfOverwrite(hid_t file, const char *name, hsize_t n, const PetscReal data[],
+                            const char *description);
+PetscErrorCode HdfTruncate(hid_t file, const char *name, hsize_t rows);
+PetscErrorCode HdfReadAttributeText(const char *option, const char *file, const char *name,
+                                    char **text);
 PetscErrorCode HdfAttributeText(hid_t object, const char *name, const char *text);
 PetscErrorCode HdfAttributeReal(hid_t object, const char *name, PetscReal value);
 PetscErrorCode HdfAttributeInt(hid_t object, const char *name, int value);

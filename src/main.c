@@ -4,6 +4,7 @@
 #include "critical.h"
 #include "grow.h"
 #include "options.h"
+#include "restart.h"
 #include "stability.h"
 #include "vbdf.h"
 #include <slepceps.h>
@@ -12,23 +13,26 @@ static const char help[] =
     "tendril: the slow growth of an elastic fibre that friction holds back.\n"
     "  tendril -options_file options/uniform-dry.opts [-output FILE.h5] [overrides]\n\n";
 
-enum { GROW, STABILITY, CRITICAL };
+enum { GROW, STABILITY, CRITICAL, UNITS };
 
 static PetscErrorCode Run(int argc, char **argv) {
-  const char *const tasks[] = {"grow", "stability", "critical"};
-  char output[PETSC_MAX_PATH_LEN] = "";
+  const char *const tasks[] = {"grow", "stability", "critical", "units"};
+  char output[PETSC_MAX_PATH_LEN] = "", restart[PETSC_MAX_PATH_LEN] = "";
   PetscInt task = GROW;
-  PetscBool is_help;
+  PetscBool is_help, go_on;
   Scene scene;
 
   PetscFunctionBegin;
   PetscCall(OptionsRefuseBareWords(argc, argv));
+  PetscCall(RestartOptions(restart, sizeof(restart), &go_on));
   PetscCall(OptionsCheckPetsc());
   PetscCall(OptionList(
       "-task",
-      "what to do: follow the rod in time, tabulate its stability, find its critical length", 3,
+      "what to do: follow the rod in time, tabulate its stability, find its critical length", 4,
       tasks, &task, NULL));
   PetscCall(OptionString("-output", "result file (HDF5)", output, sizeof(output), NULL));
+  UserCheck(!go_on || task == GROW, PETSC_COMM_WORLD,
+            "-restart: -task %s has nothing to go on with; take it out", tasks[task]);
   PetscCall(VBDFRegister());
   PetscCall(ChainRegister());
   PetscCall(OptionsCheckTypes());
@@ -43,8 +47,20 @@ static PetscErrorCode Run(int argc, char **argv) {
     PetscCall(PetscFree(s));
     PetscCall(PetscFree(theta));
   }
+  if (task == UNITS) {
+    PetscReal start, end;
+    PetscCall(OptionsRefuseUnread());
+    PetscCall(GrowthLength(scene->growth, 0, &start, NULL));
+    PetscCall(GrowthLength(scene->growth, scene->end_time, &end, NULL));
+    PetscCall(SiPrint(&scene->si, scene->friction.mu, start, end));
+    PetscCall(SceneDestroy(&scene));
+    PetscFunctionReturn(0);
+  }
+  UserCheck(task == GROW || !scene->curvature.any, PETSC_COMM_WORLD,
+            "-rod_curvature: -task %s is about a rod that is straight by nature; take it out",
+            tasks[task]);
   if (task == GROW)
-    PetscCall(GrowRun(scene, output));
+    PetscCall(GrowRun(scene, output, restart));
   else if (task == STABILITY)
     PetscCall(StabilityRun(scene, output));
   else

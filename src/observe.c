@@ -7,8 +7,6 @@ const char *const observed_name[OBSERVED] = {OBSERVABLES(X)};
 const char *const observed_text[OBSERVED] = {OBSERVABLES(X)};
 #undef X
 
-enum { BALANCE_POINTS = 5 };
-
 struct _Observer {
   Scene scene;
   Vec all; /* every node, on rank 0 */
@@ -79,7 +77,7 @@ PetscErrorCode ObserverGather(Observer observer, Rod rod, PetscReal t, Vec U, Ve
 /* A point of the rod with all that integrals need. */
 typedef struct {
   Node node;
-  PetscReal g, g_t, q[2], v[2], drag; /* drag = phi(|v|) */
+  PetscReal g, g_t, k0, q[2], v[2], drag; /* drag = phi(|v|) */
 } Sample;
 
 static PetscErrorCode SampleFill(Scene scene, PetscReal s, PetscReal t, Sample *p) {
@@ -87,6 +85,7 @@ static PetscErrorCode SampleFill(Scene scene, PetscReal s, PetscReal t, Sample *
 
   PetscFunctionBegin;
   PetscCall(GrowthStretch(scene->growth, 1, &s, t, &p->g, &p->g_t, NULL));
+  PetscCall(SceneCurvature(scene, s, t, &p->k0));
   p->q[0] = PetscCosReal(p->node.theta);
   p->q[1] = PetscSinReal(p->node.theta);
   for (int d = 0; d < 2; d++) p->v[d] = p->node.x_t[d] + c * p->q[d];
@@ -106,7 +105,7 @@ static PetscErrorCode SampleMid(Scene scene, PetscReal sa, PetscReal sb, PetscRe
     const Sample *p = end[e];
     const Node *n = &p->node;
     PetscReal k = e ? -h / 8 : h / 8;
-    mid->node.theta += n->theta / 2 + k * p->g * n->moment;
+    mid->node.theta += n->theta / 2 + k * p->g * (n->moment + p->k0);
     mid->node.moment += n->moment / 2 - k * p->g * (p->q[0] * n->force[1] - p->q[1] * n->force[0]);
     for (int d = 0; d < 2; d++) {
       PetscReal perp = d ? p->q[0] : -p->q[1];
@@ -136,7 +135,8 @@ static void Integrate(Scene scene, const Sample *p, PetscReal weight, Observatio
   sum->energy += weight * m2 * p->g / 2;
   if (!scene->growth->slides)
     sum->growth_power -=
-        weight * p->g_t * (p->node.force[0] * p->q[0] + p->node.force[1] * p->q[1] + m2 / 2);
+        weight * p->g_t *
+        (p->node.force[0] * p->q[0] + p->node.force[1] * p->q[1] + m2 / 2 + p->node.moment * p->k0);
   sum->dissipation += weight * p->g * p->drag * (p->v[0] * p->v[0] + p->v[1] * p->v[1]);
 }
 
@@ -150,8 +150,8 @@ static PetscErrorCode MeasureIntegrals(Scene scene, PetscReal t, const Node *nod
   b.node = nodes[0];
   PetscCall(SampleFill(scene, s[0], t, &b));
   if (scene->growth->slides)
-    seen->growth_power =
-        -(b.node.force[0] * b.q[0] + b.node.force[1] * b.q[1] + PetscSqr(b.node.moment) / 2);
+    seen->growth_power = -(b.node.force[0] * b.q[0] + b.node.force[1] * b.q[1] +
+                           PetscSqr(b.node.moment) / 2 + b.node.moment * b.k0);
   for (PetscInt i = 0; i < scene->mesh.cells; i++) {
     PetscReal h = s[i + 1] - s[i];
     a = b;
@@ -266,11 +266,12 @@ PetscInt ObserveCrossings(PetscInt n, const Node *nodes) {
 }
 
 /* What is read off the nodes one by one. */
-static void MeasureShape(Scene scene, const Node *nodes, Observation *seen) {
+static PetscErrorCode MeasureShape(Scene scene, PetscReal t, const Node *nodes, Observation *seen) {
   PetscInt n = scene->mesh.cells + 1;
   PetscReal low = 0, high = 0, most = 0, sign = 0;
   const Node *tip = &nodes[n - 1];
 
+  PetscFunctionBegin;
   for (PetscInt i = 0; i < n; i++) {
     low = PetscMin(low, nodes[i].x[1]);
     high = PetscMax(high, nodes[i].x[1]);
@@ -278,10 +279,12 @@ static void MeasureShape(Scene scene, const Node *nodes, Observation *seen) {
     most = PetscMax(most, PetscAbsReal(nodes[i].moment));
   }
   for (PetscInt i = 0; i < n; i++) {
-    PetscReal m = nodes[i].moment;
-    if (PetscAbsReal(m) <= 1e-6 * most) continue; /* the tip's moment is 0 but for round-off */
-    if (m * sign < 0) seen->inflections++;
-    sign = m;
+    PetscReal k;
+    PetscCall(SceneCurvature(scene, scene->mesh.s[i], t, &k));
+    k += nodes[i].moment;
+    if (PetscAbsReal(k) <= 1e-6 * most) continue; /* the tip's moment is 0 but for round-off */
+    if (k * sign < 0) seen->inflections++;
+    sign = k;
   }
   seen->tip_x1 = LabX1(scene, tip->x);
   seen->tip_x2 = LabX2(scene, tip->x);
@@ -290,6 +293,7 @@ static void MeasureShape(Scene scene, const Node *nodes, Observation *seen) {
   seen->base_force_1 = -LabX1(scene, nodes[0].force);
   seen->base_force_2 = -LabX2(scene, nodes[0].force);
   if (seen->max_angle > PETSC_PI / 2) seen->self_crossings = ObserveCrossings(n, nodes);
+  PetscFunctionReturn(0);
 }
 
 /* The integral from the last but one to the last time of the polynomial through all of them. */
@@ -343,6 +347,44 @@ static void MeasureBalance(Observer self, Observation *seen) {
       scale > 0 ? PetscAbsReal(seen->energy - self->first_energy - self->net_work) / scale : 0;
 }
 
+/* The sums of the energy balance and the points they are built on, which rank 0 has. */
+static void BalanceParts(Observer self, PetscReal *part[3], PetscReal *sum[3]) {
+  part[0] = self->time;
+  part[1] = self->net;
+  part[2] = self->loss;
+  sum[0] = &self->first_energy;
+  sum[1] = &self->net_work;
+  sum[2] = &self->lost_work;
+}
+
+/* ObserverGetBalance - on rank 0, what the energy balance needs to go on. Not collective. */
+PetscErrorCode ObserverGetBalance(Observer self, PetscReal state[BALANCE_STATE]) {
+  PetscReal *part[3], *sum[3];
+
+  PetscFunctionBegin;
+  BalanceParts(self, part, sum);
+  *state++ = self->n;
+  for (int k = 0; k < 3; k++) {
+    *state++ = *sum[k];
+    for (int i = 0; i < BALANCE_POINTS; i++) *state++ = part[k][i];
+  }
+  PetscFunctionReturn(0);
+}
+
+/* ObserverSetBalance - gives back what ObserverGetBalance gave. Not collective. */
+PetscErrorCode ObserverSetBalance(Observer self, const PetscReal state[BALANCE_STATE]) {
+  PetscReal *part[3], *sum[3];
+
+  PetscFunctionBegin;
+  BalanceParts(self, part, sum);
+  self->n = (PetscInt)*state++;
+  for (int k = 0; k < 3; k++) {
+    *sum[k] = *state++;
+    for (int i = 0; i < BALANCE_POINTS; i++) part[k][i] = *state++;
+  }
+  PetscFunctionReturn(0);
+}
+
 /* ObserverJump - tells that the step measured next was a jump: its energy balance is taken for
    closed, and summed on from there. */
 void ObserverJump(Observer observer) {
@@ -365,7 +407,7 @@ PetscErrorCode ObserverMeasure(Observer observer, Rod rod, PetscReal t, Vec U, V
     seen->t = t;
     PetscCall(GrowthLength(observer->scene->growth, t, &seen->length, NULL));
     PetscCall(MeasureIntegrals(observer->scene, t, nodes, seen));
-    MeasureShape(observer->scene, nodes, seen);
+    PetscCall(MeasureShape(observer->scene, t, nodes, seen));
     MeasureBalance(observer, seen);
   }
   PetscCallMPI(MPI_Bcast(seen, OBSERVED, MPIU_REAL, 0, PETSC_COMM_WORLD));

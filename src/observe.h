@@ -24,7 +24,7 @@
   X(mid_speed, "|v| at s = 1/2")                                                                   \
   X(base_force_1, "force of the clamp on the rod along x1, -n1(0)")                                \
   X(base_force_2, "force of the clamp on the rod along x2, -n2(0)")                                \
-  X(inflections, "sign changes of the moment along the rod")                                       \
+  X(inflections, "sign changes of the curvature along the rod")                                    \
   X(self_crossings, "points in which the rod crosses itself")                                      \
   X(step, "size of the step that led here")                                                        \
   X(newton_iterations, "Newton iterations of that step, rejected tries included")                  \
@@ -40,6 +40,7 @@ enum { OBSERVED = sizeof(Observation) / sizeof(PetscReal) };
 extern const char *const observed_name[OBSERVED], *const observed_text[OBSERVED];
 
 typedef struct _Observer *Observer;
+enum { BALANCE_POINTS = 5, BALANCE_STATE = 3 * BALANCE_POINTS + 4 };
 
 PetscErrorCode ObserverCreate(Scene scene, Observer *observer);
 PetscErrorCode ObserverDestroy(Observer *observer);
@@ -47,6 +48,8 @@ PetscErrorCode ObserverGather(Observer observer, Rod rod, PetscReal t, Vec U, Ve
                               const Node **nodes);
 PetscErrorCode ObserverMeasure(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t,
                                Observation *seen);
+PetscErrorCode ObserverGetBalance(Observer observer, PetscReal state[BALANCE_STATE]);
+PetscErrorCode ObserverSetBalance(Observer observer, const PetscReal state[BALANCE_STATE]);
 void ObserverJump(Observer observer);
 PetscInt ObserveCrossings(PetscInt n, const Node *nodes);
 

@@ -2,12 +2,19 @@
 #ifndef TENDRIL_OUTPUT_H
 #define TENDRIL_OUTPUT_H
 
+#include "event.h"
 #include "hdf.h"
 #include "observe.h"
+#include "restart.h"
 
 typedef struct _Output *Output;
 
 PetscErrorCode OutputCreate(const char *file, Scene scene, Output *output);
+PetscErrorCode OutputContinue(const char *file, const char *from, Scene scene, PetscReal t,
+                              PetscReal interval, Output *output);
+PetscErrorCode OutputRestart(Output output, RestartState *state, PetscInt n,
+                             const PetscReal points[]);
+PetscErrorCode OutputEvent(Output output, const Event *event);
 PetscErrorCode OutputSeries(Output output, const Observation *seen);
 PetscErrorCode OutputShape(Output output, PetscReal t, const Node *nodes);
 PetscErrorCode OutputDestroy(Output *output, PetscBool finished);

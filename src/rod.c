@@ -112,10 +112,11 @@ PetscErrorCode RodInitialNodes(Rod rod, PetscReal t, Node *nodes) {
   PetscCall(StraightForce(scene->growth, &scene->friction, rod->last + 1, scene->mesh.s, t, P));
   for (PetscInt i = rod->first; i < rod->end; i++) {
     Node *node = &nodes[i - rod->first];
-    PetscReal g, slope;
+    PetscReal g, slope, k0;
+    PetscCall(SceneCurvature(scene, scene->mesh.s[i], t, &k0));
     PetscCall(GrowthStretch(scene->growth, 1, &scene->mesh.s[i], t, &g, NULL, NULL));
     PetscCall(SceneShapeAngle(scene, scene->mesh.s[i], &node->theta, &slope));
-    node->moment = slope / g;
+    node->moment = slope / g - k0;
     node->force[0] = -P[i];
   }
   PetscCall(PetscFree(P));
@@ -130,7 +131,7 @@ PetscErrorCode RodInitialNodes(Rod rod, PetscReal t, Node *nodes) {
 PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes) {
   const PetscReal *s = rod->scene->mesh.s;
   PetscInt n = rod->end - rod->first;
-  PetscReal *dx[2], *all, g[2];
+  PetscReal *dx[2], *all, g[2], k0[2];
   DM da = rod->nodes;
   Vec owned, ghosted;
   Node *with;
@@ -161,7 +162,9 @@ PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes) {
   for (PetscInt k = 0; k < n; k++) {
     PetscCall(GrowthStretch(rod->scene->growth, 1, &s[rod->first + k], t0, &g[0], NULL, NULL));
     PetscCall(GrowthStretch(rod->scene->growth, 1, &s[rod->first + k], t1, &g[1], NULL, NULL));
-    nodes[k].moment *= g[0] / g[1];
+    PetscCall(SceneCurvature(rod->scene, s[rod->first + k], t0, &k0[0]));
+    PetscCall(SceneCurvature(rod->scene, s[rod->first + k], t1, &k0[1]));
+    nodes[k].moment = (nodes[k].moment + k0[0]) * g[0] / g[1] - k0[1];
     for (int d = 0; d < 2; d++) nodes[k].x[d] += dx[d][k];
   }
   PetscCall(PetscFree(all));

@@ -13,7 +13,7 @@ enum { MAX_FIELDS = 6 };
 
 /* What is known at a node, for any model. */
 typedef struct {
-  PetscReal x[2], theta, moment, force[2]; /* position, tangent angle, m, n */
+  PetscReal x[2], theta, moment, force[2]; /* position, tangent angle, m = curvature - k0, n */
   PetscReal x_t[2], theta_t;               /* their rates at fixed s */
 } Node;
 enum { NODE_VALUES = sizeof(Node) / sizeof(PetscReal) };

@@ -1,5 +1,5 @@
 /* The frame model: first order in s, the constraint built in (theory.md, section 1),
-     x' = g q,  theta' = g m,  m' = -g (q1 n2 - q2 n1),  n' = g phi(|v|) v,  v = x_t + c q,
+     x' = g q,  theta' = g (m + k0),  m' = -g (q1 n2 - q2 n1),  n' = g phi(|v|) v,  v = x_t + c q,
      s = 0: x = 0, theta = 0 (in the clamp's frame);  s = 1: m = 0, n = 0.
    On a cell of width h between nodes a and b, with y = (x, theta, m, n) and y' = f(y),
      order 4 (Lobatto):   y_b - y_a = h/6 (f_a + 4 f_mid + f_b),
@@ -15,7 +15,7 @@ enum { X1, X2, TH, M, N1, N2, FIELDS };
 
 /* What the laws give at a point. */
 typedef struct {
-  PetscReal g, g_t, c;
+  PetscReal g, g_t, c, k0;
 } Law;
 
 typedef struct {
@@ -35,7 +35,7 @@ static void PointEvaluate(const Friction *friction, const Law *law, const Fricti
                           Point *p) {
   p->f[X1] = law->g * p->q[0];
   p->f[X2] = law->g * p->q[1];
-  p->f[TH] = law->g * p->m;
+  p->f[TH] = law->g * (p->m + law->k0);
   p->f[M] = -law->g * (p->q[0] * p->n[1] - p->q[1] * p->n[0]);
   FrictionForce(friction, p->v, dual, &p->f[N1]);
   p->f[N1] *= law->g;
@@ -95,6 +95,7 @@ static PetscErrorCode LawsAt(Rod rod, PetscReal t) {
       PetscReal z = half ? (s[i] + s[i + 1]) / 2 : s[i];
       PetscCall(GrowthStretch(rod->scene->growth, 1, &z, t, &law->g, &law->g_t, NULL));
       law->c = GrowthSlide(rod->scene->growth, z);
+      PetscCall(SceneCurvature(rod->scene, z, t, &law->k0));
     }
   frame->time = t;
   PetscFunctionReturn(0);

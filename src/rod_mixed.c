@@ -1,8 +1,8 @@
 /* The mixed model, the paper's unknowns x1, x2, lambda, as a discrete elastic rod, second order:
    nodes x_i, edges e_i = x_i - x_{i-1} of prescribed length l_i, lambda_i on edge i.
-     energy        E = sum_k K_k^2 / (2 w_k),  K = 2 tan(psi/2) = 2 a x b / (|a||b| + a.b),
-                   psi the turn from edge a = e_k to b = e_{k+1}, w_k = (l_k + l_{k+1})/2; at the
-   clamp a = (1,0) and w_0 = l_1/2; at the tip no term, so kappa(1) = kappa'(1) = 0 balance dE/dx_i
+     energy        E = sum_k (K_k - k0_k w_k)^2 / (2 w_k),  K = 2 tan(psi/2) = 2 a x b / (|a||b| +
+   a.b), psi the turn from edge a = e_k to b = e_{k+1}, w_k = (l_k + l_{k+1})/2; at the clamp a =
+   (1,0) and w_0 = l_1/2; at the tip no term, so kappa(1) = kappa'(1) = 0 balance dE/dx_i
    + M_i phi(|v_i|) v_i + flux_{i+1} - flux_i = 0,  flux_i = 2 lambda_i e_i / h_i constraint
    (|e_i|^2 - l_i^2) / l_i = 0 clamp         x_0 = 0, lambda_0 = 0 (no such edge) (Bergou et al.,
    Discrete elastic rods, 2008). Lambda as in the paper: flux = 2 lambda x'. */
@@ -14,6 +14,7 @@ enum { REACH = 2, WIDTH = 2 * REACH + 1 };
 typedef struct {
   PetscReal time;
   PetscReal *length;  /* l of edge first - 1 + k, for edges first - 1 .. end + 1 where they exist */
+  PetscReal *natural; /* k0 at turn first - 1 + k, for turns first - 1 .. end */
   FrictionDual *dual; /* owned nodes */
 } Mixed;
 
@@ -66,6 +67,11 @@ static PetscReal TurnWidth(const Mixed *self, Rod rod, PetscInt k) {
   return ((k ? EdgeLength(self, rod, k) : 0) + EdgeLength(self, rod, k + 1)) / 2;
 }
 
+/* The moment at turn k: its curvature less the natural one. */
+static PetscReal TurnMoment(const Mixed *self, Rod rod, PetscInt k, const Turn *turn) {
+  return turn->K / TurnWidth(self, rod, k) - self->natural[k - rod->first + 1];
+}
+
 /* M_i, the length whose friction acts on node i */
 static PetscReal NodeLength(const Mixed *self, Rod rod, PetscInt i) {
   return (EdgeLength(self, rod, i) + (i < rod->last ? EdgeLength(self, rod, i + 1) : 0)) / 2;
@@ -81,6 +87,11 @@ static PetscErrorCode LengthsAt(Rod rod, PetscReal t) {
     PetscReal p[2];
     PetscCall(GrowthArc(rod->scene->growth, 2, &rod->scene->mesh.s[i - 1], t, p, NULL));
     self->length[i - rod->first + 1] = p[1] - p[0];
+  }
+  for (PetscInt k = PetscMax(0, rod->first - 1); k <= PetscMin(rod->last, rod->end); k++) {
+    const PetscReal *s = rod->scene->mesh.s; /* turn 0 lies in the first half of edge 1 */
+    PetscCall(
+        SceneCurvature(rod->scene, k ? s[k] : s[1] / 4, t, &self->natural[k - rod->first + 1]));
   }
   self->time = t;
   PetscFunctionReturn(0);
@@ -140,7 +151,7 @@ static void BalanceResidual(const Mixed *self, Rod rod, const PetscReal (*u)[FIE
     PetscReal force;
     TurnEdges(u, k, a, b);
     TurnValue(a, b, &turn);
-    force = turn.K / TurnWidth(self, rod, k);
+    force = TurnMoment(self, rod, k, &turn);
     for (int d = 0; d < 2; d++) { /* x_i ends edge i (+) and begins edge i + 1 (-) */
       if (k == i - 1) r[d] += force * turn.slope[2 + d];
       if (k == i) r[d] += force * (turn.slope[d] - turn.slope[2 + d]);
@@ -190,12 +201,13 @@ static void AddByEdge(Row row, PetscInt i, int d, PetscInt e, int c, PetscReal v
 /* d2E of turn k in the balance of node i */
 static void TurnJacobian(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS], PetscInt i,
                          PetscInt k, Row row) {
-  PetscReal a[2], b[2], w = TurnWidth(self, rod, k);
+  PetscReal a[2], b[2], w = TurnWidth(self, rod, k), moment;
   Turn turn;
 
   TurnEdges(u, k, a, b);
   TurnValue(a, b, &turn);
   TurnCurve(a, b, &turn);
+  moment = TurnMoment(self, rod, k, &turn);
   for (int p = 0; p < 4; p++) { /* by which x_i enters: edge k (a) or k + 1 (b) */
     PetscInt edge = p < 2 ? k : k + 1;
     PetscReal sign = edge == i ? 1 : edge == i + 1 ? -1 : 0;
@@ -204,7 +216,7 @@ static void TurnJacobian(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS
       PetscInt by = q < 2 ? k : k + 1;
       if (by)
         AddByEdge(row, i, p % 2, by, q % 2,
-                  sign * (turn.slope[p] * turn.slope[q] + turn.K * turn.curve[p][q]) / w);
+                  sign * (turn.slope[p] * turn.slope[q] / w + moment * turn.curve[p][q]));
     }
   }
 }
@@ -310,7 +322,7 @@ static void EdgeState(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
     TurnEdges(u, k, a, b);
     TurnValue(a, b, &turn);
     for (int d = 0; d < 2; d++)
-      n[d] += turn.K / TurnWidth(self, rod, k) * turn.slope[(k == i ? 0 : 2) + d];
+      n[d] += TurnMoment(self, rod, k, &turn) * turn.slope[(k == i ? 0 : 2) + d];
   }
 }
 
@@ -334,7 +346,7 @@ static void NodeState(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
   if (i == rod->last) return;
   TurnEdges(u, i, a, b);
   TurnValue(a, b, &turn);
-  node->moment = turn.K / TurnWidth(self, rod, i);
+  node->moment = TurnMoment(self, rod, i, &turn);
 }
 
 static PetscErrorCode MixedGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes) {
@@ -368,7 +380,9 @@ static PetscErrorCode MixedGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes
   PetscCall(RodSumAlong(n, theta));                             /* angle of edge i */
   for (PetscInt i = PetscMax(1, rod->first); i < rod->end; i++) /* from its middle on to its end */
     nodes[i - rod->first].theta =
-        theta[i - rod->first] + nodes[i - rod->first].moment * EdgeLength(self, rod, i) / 2;
+        theta[i - rod->first] +
+        (nodes[i - rod->first].moment + (i < rod->last ? self->natural[i - rod->first + 1] : 0)) *
+            EdgeLength(self, rod, i) / 2;
   PetscCall(PetscFree(theta));
   PetscFunctionReturn(0);
 }
@@ -380,7 +394,7 @@ static PetscErrorCode MixedCreate(Rod rod) {
   PetscFunctionBegin;
   PetscCall(PetscNew(&self));
   self->time = PETSC_MIN_REAL;
-  PetscCall(PetscCalloc2(n + 4, &self->length, n, &self->dual));
+  PetscCall(PetscCalloc3(n + 4, &self->length, n + 2, &self->natural, n, &self->dual));
   rod->data = self;
   PetscFunctionReturn(0);
 }
@@ -389,7 +403,7 @@ static PetscErrorCode MixedDestroy(Rod rod) {
   Mixed *self = (Mixed *)rod->data;
 
   PetscFunctionBegin;
-  PetscCall(PetscFree2(self->length, self->dual));
+  PetscCall(PetscFree3(self->length, self->natural, self->dual));
   PetscCall(PetscFree(rod->data));
   PetscFunctionReturn(0);
 }

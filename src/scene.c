@@ -112,16 +112,17 @@ static PetscErrorCode ShapeSetFromOptions(Scene scene) {
 
 /*
   SceneShapeAngle - the initial angle against the clamp and its derivative by s, at one label.
-  sag: theta = eps (1 - (1-s)^3), the cantilever under a uniform side load.
+  sag: theta = eps (1 - (1-s)^3), the cantilever under a uniform side load. A natural curvature
+  comes on top, so that the tip bears no moment whatever the shape.
 */
 PetscErrorCode SceneShapeAngle(Scene scene, PetscReal s, PetscReal *theta, PetscReal *theta_s) {
   const Shape *shape = &scene->shape;
 
   PetscFunctionBegin;
-  *theta = *theta_s = 0;
+  PetscCall(CurvatureAngle(&scene->curvature, scene->growth, s, theta, theta_s));
   if (shape->type == SHAPE_SAG) {
-    *theta = shape->amplitude * (1 - (1 - s) * (1 - s) * (1 - s));
-    *theta_s = shape->amplitude * 3 * (1 - s) * (1 - s);
+    *theta += shape->amplitude * (1 - (1 - s) * (1 - s) * (1 - s));
+    *theta_s += shape->amplitude * 3 * (1 - s) * (1 - s);
   } else if (shape->n) {
     PetscReal value[4], slope[4];
     PetscInt i;
@@ -131,6 +132,13 @@ PetscErrorCode SceneShapeAngle(Scene scene, PetscReal s, PetscReal *theta, Petsc
       *theta_s += slope[k] * shape->theta[i + k] + slope[2 + k] * shape->theta2[i + k];
     }
   }
+  PetscFunctionReturn(0);
+}
+
+/* SceneCurvature - the natural curvature at one label and time. */
+PetscErrorCode SceneCurvature(Scene scene, PetscReal s, PetscReal t, PetscReal *k) {
+  PetscFunctionBegin;
+  PetscCall(CurvatureValue(&scene->curvature, scene->growth, s, t, k));
   PetscFunctionReturn(0);
 }
 
@@ -148,6 +156,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
   PetscCall(PetscNew(&self));
   PetscCall(GrowthCreate(&self->growth));
   PetscCall(FrictionSetFromOptions(&self->friction));
+  PetscCall(SiSetFromOptions(&self->si, &self->friction));
   PetscCall(OptionsHeading("Rod"));
   PetscCall(OptionReal("-clamp_angle", "alpha, direction of the clamp, in radians", -1e3, 1e3,
                        &self->clamp_angle, NULL));
@@ -161,6 +170,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
   UserCheck(self->end_time <= self->growth->end_time * (1 + 1e-12), PETSC_COMM_WORLD,
             "-ts_max_time %s: the growth table ends at t = %s",
             OptionNumber(self->end_time, text[0]), OptionNumber(self->growth->end_time, text[1]));
+  PetscCall(CurvatureSetFromOptions(&self->curvature, self->growth, self->end_time));
   PetscCall(MeshCreate(cells, (PetscBool)grading, self->growth, self->end_time, &self->mesh));
   *scene = self;
   PetscFunctionReturn(0);
@@ -169,6 +179,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
 PetscErrorCode SceneDestroy(Scene *scene) {
   PetscFunctionBegin;
   if (!*scene) PetscFunctionReturn(0);
+  PetscCall(CurvatureDestroy(&(*scene)->curvature));
   PetscCall(GrowthDestroy(&(*scene)->growth));
   PetscCall(MeshDestroy(&(*scene)->mesh));
   PetscCall(PetscFree3((*scene)->shape.s, (*scene)->shape.theta, (*scene)->shape.theta2));

@@ -2,9 +2,11 @@
 #ifndef TENDRIL_SCENE_H
 #define TENDRIL_SCENE_H
 
+#include "curvature.h"
 #include "friction.h"
 #include "growth.h"
 #include "mesh.h"
+#include "si.h"
 
 typedef enum { SHAPE_STRAIGHT, SHAPE_SAG, SHAPE_MODE, SHAPE_RANDOM, SHAPE_FILE } ShapeType;
 
@@ -22,13 +24,16 @@ struct _Scene {
   Growth growth;
   Friction friction;
   Shape shape;
+  Curvature curvature; /* natural, k0 */
   Mesh mesh;
+  Si si;
   PetscReal clamp_angle; /* alpha; the problem is solved in the clamp's frame, results are turned */
   PetscReal end_time;    /* T, -ts_max_time */
 };
 
 PetscErrorCode SceneCreate(Scene *scene);
 PetscErrorCode SceneDestroy(Scene *scene);
+PetscErrorCode SceneCurvature(Scene scene, PetscReal s, PetscReal t, PetscReal *k);
 PetscErrorCode SceneShapeAngle(Scene scene, PetscReal s, PetscReal *theta, PetscReal *theta_s);
 PetscErrorCode SceneSetShape(Scene scene, PetscInt n, const PetscReal s[], const PetscReal theta[]);
 

@@ -358,22 +358,27 @@ def energy_balance():
         expect(defect < 1e-3, f"{file.name}: energy defect {defect:.1e}")
 
 
-if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+def main(available):
+    global TENDRIL, MPIEXEC, SCRATCH
+    parser = argparse.ArgumentParser()
     parser.add_argument("tendril")
     parser.add_argument("--mpiexec", default="mpiexec")
-    parser.add_argument("checks", nargs="*", metavar="CHECK", help=", ".join(CHECKS))
+    parser.add_argument("checks", nargs="*", metavar="CHECK", help=", ".join(available))
     arguments = parser.parse_intermixed_args()
-    unknown = set(arguments.checks) - set(CHECKS)
+    unknown = set(arguments.checks) - set(available)
     if unknown:
         parser.error(f"no check is named {', '.join(unknown)}")
     TENDRIL, MPIEXEC = str(Path(arguments.tendril).resolve()), arguments.mpiexec
     failed = 0
-    for name in arguments.checks or CHECKS:
+    for name in arguments.checks or available:
         with tempfile.TemporaryDirectory(prefix="tendril-") as SCRATCH:
             try:
-                CHECKS[name]()
+                available[name]()
             except Failure as failure:
                 failed += 1
                 print(f"{name} FAILED: {failure}")
-    sys.exit(failed != 0)
+    return failed != 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(CHECKS))

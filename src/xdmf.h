@@ -1,0 +1,9 @@
+/* A description of a result file for ParaView and VisIt. */
+#ifndef TENDRIL_XDMF_H
+#define TENDRIL_XDMF_H
+
+#include <petscsys.h>
+
+PetscErrorCode XdmfWrite(const char *file, PetscInt nodes, PetscInt shapes, const PetscReal t[]);
+
+#endif
