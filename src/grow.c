@@ -327,6 +327,8 @@ static PetscErrorCode AfterStep(TS ts) {
   int stop = interrupted;
 
   PetscFunctionBegin;
+  PetscCall(TSGetConvergedReason(ts, &reason));
+  if (reason < 0) PetscFunctionReturn(0); /* called after a step that failed, too */
   PetscCall(Self(ts, &self));
   PetscCall(TSGetTime(ts, &t));
   U = self->now->U;

@@ -149,26 +149,25 @@ static PetscErrorCode ShearForce(Rod rod, PetscReal t, const PetscScalar *y, Pet
   PetscFunctionReturn(0);
 }
 
-/* x1 = p - 1/2 int theta^2 g ds, to the order of the model */
-static PetscErrorCode AxialPosition(Rod rod, PetscReal t, Node *nodes) {
+/* x1 = p - 1/2 int theta^2 g ds, to the order of the model; y is ghosted. */
+static PetscErrorCode AxialPosition(Rod rod, PetscReal t, const PetscScalar *y, Node *nodes) {
   const PetscReal *s = rod->scene->mesh.s;
-  PetscReal *square, *shortened, g;
+  PetscReal *shortened, before = 0, d[3], g;
   PetscInt n = rod->end - rod->first;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc2(n, &square, n, &shortened));
-  for (PetscInt k = 0; k < n; k++) {
-    PetscCall(GrowthStretch(rod->scene->growth, 1, &s[rod->first + k], t, &g, NULL, NULL));
-    square[k] = g * PetscSqr(nodes[k].theta) / 2;
+  PetscCall(PetscCalloc1(n, &shortened));
+  for (PetscInt i = PetscMax(rod->first - 1, 0); i < rod->end; i++) {
+    PetscReal square; /* theta^2 g / 2 */
+    PetscCall(GrowthStretch(rod->scene->growth, 1, &s[i], t, &g, NULL, NULL));
+    Evaluate(rod, y, i, d);
+    square = d[1] * d[1] / g / 2;
+    if (i && i >= rod->first) shortened[i - rod->first] = (s[i] - s[i - 1]) * (before + square) / 2;
+    before = square;
   }
-  for (PetscInt k = 0; k < n;
-       k++) /* the trapezium rule; at the left end of a rank's part, the rectangle's */
-    shortened[k] = rod->first + k ? (s[rod->first + k] - s[rod->first + k - 1]) *
-                                        (k ? (square[k - 1] + square[k]) / 2 : square[k])
-                                  : 0;
   PetscCall(RodSumAlong(n, shortened));
   for (PetscInt k = 0; k < n; k++) nodes[k].x[0] -= shortened[k];
-  PetscCall(PetscFree2(square, shortened));
+  PetscCall(PetscFree(shortened));
   PetscFunctionReturn(0);
 }
 
@@ -200,9 +199,9 @@ static PetscErrorCode LinearGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *node
     node->x_t[1] = d[0];
     node->theta_t = (d[1] - node->theta * g_t) / g;
   }
+  PetscCall(AxialPosition(rod, t, y, nodes));
   PetscCall(Close(rod, &local[0], &y));
   if (U_t) PetscCall(Close(rod, &local[1], &y_t));
-  PetscCall(AxialPosition(rod, t, nodes));
   PetscCall(PetscFree(P));
   PetscFunctionReturn(0);
 }
