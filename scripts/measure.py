@@ -298,7 +298,8 @@ def measure(case, store):
     elif state["exit"] < 0 or state["traceback"] or "Traceback" in state["message"]:
         verdict = CRASHED
     elif state["exit"]:
-        verdict = GAVE_UP if re.search("gave up|failed|stopped at|-ts_max_steps", state["message"]) \
+        verdict = GAVE_UP if "failed" in state or re.search(
+            "gave up|failed|stopped at|-ts_max_steps", state["message"]) \
             else REFUSED
     else:
         reference = store.reference(case.scene)

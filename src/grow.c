@@ -322,6 +322,7 @@ static PetscErrorCode StoreRestart(Grow *self, PetscBool always) {
 
 static PetscErrorCode AfterStep(TS ts) {
   Grow *self;
+  TSConvergedReason reason;
   PetscReal t, stored;
   Vec U, U_t, here[2] = {NULL, NULL};
   int stop = interrupted;

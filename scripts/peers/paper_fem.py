@@ -167,7 +167,10 @@ class Rod:
             df.assemble(self.J, tensor=self.A)
             for bc in self.bcs:
                 bc.apply(self.A)
-            self.solver.solve(self.update.vector(), self.b)
+            try:
+                self.solver.solve(self.update.vector(), self.b)
+            except RuntimeError:
+                raise RuntimeError(f"LU failed, a zero pivot, at t = {t:g}") from None
             self.now.vector().axpy(-1, self.update.vector())
             du, u = self.update.vector().get_local(), self.now.vector().get_local()
             change = max(np.abs(du[d]).max() / max(np.abs(u[d]).max(), 1e-300)
