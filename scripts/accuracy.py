@@ -43,7 +43,8 @@ def scene_of(name, options):
         return from_reference(name, INDEPENDENT[name][1], INDEPENDENT[name][0], (1.5, 8, 12, 40))
     text = " ".join(f"-{k} {v}" for k, v in options.items()
                     if k not in ("ts_max_time", "output_interval", "task"))
-    return Scene(name, text, times_of(end), finer="-rod_cells 1200 -ts_rtol 2e-11|-rod_cells 1200 -ts_rtol 1e-10")
+    return Scene(name, text, times_of(end),
+                 finer="-rod_cells 1200 -ts_rtol 2e-11|-rod_cells 1200 -ts_rtol 1e-10")
 
 
 def scenes_of_options():

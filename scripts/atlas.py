@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The atlas of failure: every method on every cell of a grid of rods, with verdict and cost; a table,
-a map (methods down, cells across) and a Dolan-More profile.
+"""The atlas of failure: every method on every cell of a grid of rods, with verdict and cost; a
+table, a map (methods down, cells across) and a Dolan-More profile.
 
     atlas.py [--quick] [--methods NAME,...] [--draw]
 
@@ -16,8 +16,8 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from measure import (CRASHED, DECAY, GAVE_UP, HUNG, REFUSED, RIGHT_, ROOT, THICK, WRONG, Case, Scene,
-                     Store, say)
+from measure import (CRASHED, DECAY, GAVE_UP, HUNG, REFUSED, RIGHT_, ROOT, THICK, WRONG, Case,
+                     Scene, Store, say)
 from plot import STYLE
 
 LIMIT, LIMIT_PEER = 8, 25  # seconds
@@ -55,6 +55,8 @@ def cells(quick):
     result = []
     for mu in ("1", "0.5", "0"):
         for beta in ("1e-1", "1e-3", "1e-6", "1e-9", "1e-12", "0"):
+            if mu == "0.5" and beta not in ("1e-3", "1e-9", "0"):
+                continue
             if mu == "0" and beta != "1e-3":
                 continue  # beta is of the dry share alone
             result.append(scene(rf"decay and fold, $t=20$: $\mu$, $\beta$", f"{mu}, {beta}",
@@ -123,6 +125,9 @@ def measure_all(store, arguments):
 LOOK = {RIGHT_: ("#a6d5f0", ""), WRONG: ("#E69F00", "w"), GAVE_UP: ("#F5E663", "g"),
         REFUSED: ("#e4e4e4", "n"), CRASHED: ("#D55E00", "c"), HUNG: ("#7a4fa3", "h")}
 
+NAMES = {RIGHT_: "right (seconds)",
+         HUNG: f"hung, or over {LIMIT} s; peers {LIMIT_PEER} s (h)"}
+
 
 def cost(seconds):
     return f"{seconds:.2f}"[1 if seconds < 0.995 else 0:] if seconds < 1.95 else f"{seconds:.0f}"
@@ -155,15 +160,14 @@ def draw_map(found, base):
         for k, (group, labels) in enumerate(groups.items()):
             first = columns[group, next(iter(labels))]
             ax.text(first - 0.5, -0.75, group, fontsize=7, ha="left", va="bottom",
-                    rotation=0 if len(labels) > 6 else 18)
+                    rotation=0 if len(labels) > 5 else 18)
         ax.set_xlim(-0.7, at - gap - 0.3)
         ax.set_ylim(len(methods) - 0.5, -0.6)
         ax.tick_params(length=0)
         for side in ax.spines.values():
             side.set_visible(False)
         handles = [plt.Rectangle((0, 0), 1, 1, fc=LOOK[v][0], ec="none",
-                                 label=f"{v} ({LOOK[v][1]})" if LOOK[v][1] else
-                                 f"{v} (seconds)") for v in LOOK]
+                                 label=NAMES.get(v, f"{v} ({LOOK[v][1]})")) for v in LOOK]
         fig.legend(handles=handles, ncol=6, loc="lower center", fontsize=7)
         fig.tight_layout(rect=(0, 0.05, 1, 1))
         for suffix in (".png", ".pdf"):

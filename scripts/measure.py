@@ -146,8 +146,8 @@ class Store:
 
 
 def execute(command, limit):
-    """(exit code, or None when stopped at the limit; stdout; stderr; seconds). On a busy machine MPI
-    now and then fails to start: that says nothing about the run, which is then repeated."""
+    """(exit code, or None when stopped at the limit; stdout; stderr; seconds). On a busy machine
+    MPI now and then fails to start: that says nothing about the run, which is then repeated."""
     for _ in range(3):
         result = execute_once(command, limit)
         if "before MPI_INIT" not in result[2]:
@@ -274,9 +274,10 @@ def reason_of(state, verdict):
         return "time limit"
     if verdict == CRASHED:
         return "signal" if (state["exit"] or 0) < 0 else "traceback"
-    for code, pattern in (("angle", "where an angle reached"), ("newton", r"Newton|nonlinear|SNES"), ("rejections", r"REJECTED"),
-                          ("zero pivot", r"pivot|LU failed"), ("step", r"gave up|STEP"),
-                          ("refused", r".")):
+    for code, pattern in (("angle", "where an angle reached"),
+                          ("zero pivot", r"pivot|LU failed"),
+                          ("newton", r"Newton|nonlinear|SNES"), ("rejections", r"REJECTED"),
+                          ("step", r"gave up|STEP"), ("refused", r".")):
         if re.search(pattern, text):
             return code
     return "silent"

@@ -54,6 +54,23 @@ PetscErrorCode RodCreateMatrix(Rod rod, Mat *J) {
   PetscFunctionReturn(0);
 }
 
+/* RodOpen - the values of a vector, indexed by node and with those of the neighbours, for reading;
+   array points to a pointer to arrays of the model's fields. End with RodClose(). Collective. */
+PetscErrorCode RodOpen(Rod rod, Vec v, Vec *local, void *array) {
+  PetscFunctionBegin;
+  PetscCall(DMGetLocalVector(rod->da, local));
+  PetscCall(DMGlobalToLocal(rod->da, v, INSERT_VALUES, *local));
+  PetscCall(DMDAVecGetArrayRead(rod->da, *local, array));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode RodClose(Rod rod, Vec *local, void *array) {
+  PetscFunctionBegin;
+  PetscCall(DMDAVecRestoreArrayRead(rod->da, *local, array));
+  PetscCall(DMRestoreLocalVector(rod->da, local));
+  PetscFunctionReturn(0);
+}
+
 /* RodSumAlong - adds up a quantity along the rod: on entry value[i] is the part of the cell left of
    owned node i, on exit the sum from the clamp. Collective. */
 PetscErrorCode RodSumAlong(PetscInt n, PetscReal value[]) {

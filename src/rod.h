@@ -61,6 +61,8 @@ PetscErrorCode RodDestroy(Rod *rod);
 PetscErrorCode RodCreateMatrix(Rod rod, Mat *J);
 PetscErrorCode RodInitialNodes(Rod rod, PetscReal t, Node *nodes);
 PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes);
+PetscErrorCode RodOpen(Rod rod, Vec v, Vec *local, void *array);
+PetscErrorCode RodClose(Rod rod, Vec *local, void *array);
 PetscErrorCode RodSumAlong(PetscInt n, PetscReal value[]);
 PetscErrorCode RodFieldSizes(Rod rod, Vec U, PetscReal size[MAX_FIELDS]);
 PetscErrorCode RodResidual(TS ts, PetscReal t, Vec U, Vec U_t, Vec F, void *rod);

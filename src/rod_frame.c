@@ -109,28 +109,6 @@ static void CellResidual(const Frame *frame, PetscReal h, const PetscReal *ua, c
            h * (frame->end_weight * (a->f[f] + b->f[f]) + frame->mid_weight * mid->f[f]);
 }
 
-/* The ghosted arrays of U and U_t, indexed by global node. */
-static PetscErrorCode Open(Rod rod, Vec U, Vec U_t, Vec local[2], const PetscReal (**u)[FIELDS],
-                           const PetscReal (**u_t)[FIELDS]) {
-  PetscFunctionBegin;
-  for (int k = 0; k < 2; k++) {
-    PetscCall(DMGetLocalVector(rod->da, &local[k]));
-    PetscCall(DMGlobalToLocal(rod->da, k ? U_t : U, INSERT_VALUES, local[k]));
-    PetscCall(DMDAVecGetArrayRead(rod->da, local[k], k ? (void *)u_t : (void *)u));
-  }
-  PetscFunctionReturn(0);
-}
-
-static PetscErrorCode Close(Rod rod, Vec local[2], const PetscReal (**u)[FIELDS],
-                            const PetscReal (**u_t)[FIELDS]) {
-  PetscFunctionBegin;
-  for (int k = 0; k < 2; k++) {
-    PetscCall(DMDAVecRestoreArrayRead(rod->da, local[k], k ? (void *)u_t : (void *)u));
-    PetscCall(DMRestoreLocalVector(rod->da, &local[k]));
-  }
-  PetscFunctionReturn(0);
-}
-
 static PetscErrorCode FrameResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F) {
   Frame *frame = (Frame *)rod->data;
   const Friction *friction = &rod->scene->friction;
@@ -142,7 +120,8 @@ static PetscErrorCode FrameResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F)
 
   PetscFunctionBegin;
   PetscCall(LawsAt(rod, t));
-  PetscCall(Open(rod, U, U_t, local, &u, &u_t));
+  PetscCall(RodOpen(rod, U, &local[0], &u));
+  PetscCall(RodOpen(rod, U_t, &local[1], &u_t));
   PetscCall(DMDAVecGetArray(rod->da, F, &F_));
   for (PetscInt i = PetscMax(first - 1, 0); i < PetscMin(end, rod->last); i++) {
     const Law *law = &frame->law[2 * (i - first + 1)];
@@ -159,7 +138,8 @@ static PetscErrorCode FrameResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F)
   if (first == 0) PetscCall(PetscArraycpy(&F_[0][X1], &u[0][X1], 3));
   if (end == rod->last + 1) PetscCall(PetscArraycpy(&F_[rod->last][M], &u[rod->last][M], 3));
   PetscCall(DMDAVecRestoreArray(rod->da, F, &F_));
-  PetscCall(Close(rod, local, &u, &u_t));
+  PetscCall(RodClose(rod, &local[0], &u));
+  PetscCall(RodClose(rod, &local[1], &u_t));
   PetscFunctionReturn(0);
 }
 
@@ -234,7 +214,8 @@ static PetscErrorCode FrameJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, PetscR
 
   PetscFunctionBegin;
   PetscCall(LawsAt(rod, t));
-  PetscCall(Open(rod, U, U_t, local, &u, &u_t));
+  PetscCall(RodOpen(rod, U, &local[0], &u));
+  PetscCall(RodOpen(rod, U_t, &local[1], &u_t));
   PetscCall(PetscMemzero(row, sizeof(row)));
   if (first == 0)
     for (int f = X1; f <= TH; f++) row[f][FIELDS + f] = 1;
@@ -273,7 +254,8 @@ static PetscErrorCode FrameJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, PetscR
           row[f][FIELDS + k] = right[f][k];
         }
   }
-  PetscCall(Close(rod, local, &u, &u_t));
+  PetscCall(RodClose(rod, &local[0], &u));
+  PetscCall(RodClose(rod, &local[1], &u_t));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(0);
@@ -291,7 +273,8 @@ static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal 
   PetscFunctionBegin;
   *change = 0;
   PetscCall(LawsAt(rod, t));
-  PetscCall(Open(rod, U, U_t, local, &u, &u_t));
+  PetscCall(RodOpen(rod, U, &local[0], &u));
+  PetscCall(RodOpen(rod, U_t, &local[1], &u_t));
   for (PetscInt i = first; i <= PetscMin(rod->end, rod->last); i++) {
     const Law *law = &frame->law[2 * (i - rod->first + 1)];
     FrictionDual *dual = &frame->dual[2 * (i - rod->first + 1)];
@@ -304,7 +287,8 @@ static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal 
     }
     if (frame->end_weight > 0) *change = PetscMax(*change, FrictionDualHold(friction, b.v, dual));
   }
-  PetscCall(Close(rod, local, &u, &u_t));
+  PetscCall(RodClose(rod, &local[0], &u));
+  PetscCall(RodClose(rod, &local[1], &u_t));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, change, 1, MPIU_REAL, MPI_MAX, PETSC_COMM_WORLD));
   PetscFunctionReturn(0);
 }

@@ -21,22 +21,6 @@ static PetscErrorCode BandsAt(Rod rod, PetscReal t) {
   PetscFunctionReturn(0);
 }
 
-/* The ghosted array of a vector, indexed by global node. */
-static PetscErrorCode Open(Rod rod, Vec v, Vec *local, const PetscScalar **a) {
-  PetscFunctionBegin;
-  PetscCall(DMGetLocalVector(rod->da, local));
-  PetscCall(DMGlobalToLocal(rod->da, v, INSERT_VALUES, *local));
-  PetscCall(DMDAVecGetArrayRead(rod->da, *local, (void *)a));
-  PetscFunctionReturn(0);
-}
-
-static PetscErrorCode Close(Rod rod, Vec *local, const PetscScalar **a) {
-  PetscFunctionBegin;
-  PetscCall(DMDAVecRestoreArrayRead(rod->da, *local, (void *)a));
-  PetscCall(DMRestoreLocalVector(rod->da, local));
-  PetscFunctionReturn(0);
-}
-
 /* F = D y_t - K y */
 static PetscErrorCode LinearResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F) {
   Linear *self = (Linear *)rod->data;
@@ -45,13 +29,13 @@ static PetscErrorCode LinearResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F
   Vec local[2];
 
   PetscFunctionBegin;
-  PetscCall(Open(rod, U, &local[0], &y));
-  PetscCall(Open(rod, U_t, &local[1], &y_t));
+  PetscCall(RodOpen(rod, U, &local[0], &y));
+  PetscCall(RodOpen(rod, U_t, &local[1], &y_t));
   PetscCall(DMDAVecGetArray(rod->da, F, &f));
   PetscCall(StraightApply(self->straight, t, rod->first, rod->end, y, y_t, f));
   PetscCall(DMDAVecRestoreArray(rod->da, F, &f));
-  PetscCall(Close(rod, &local[0], &y));
-  PetscCall(Close(rod, &local[1], &y_t));
+  PetscCall(RodClose(rod, &local[0], &y));
+  PetscCall(RodClose(rod, &local[1], &y_t));
   PetscFunctionReturn(0);
 }
 
@@ -180,8 +164,8 @@ static PetscErrorCode LinearGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *node
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(rod->last + 1, &P));
   PetscCall(StraightForce(rod->scene->growth, &rod->scene->friction, rod->last + 1, s, t, P));
-  PetscCall(Open(rod, U, &local[0], &y));
-  if (U_t) PetscCall(Open(rod, U_t, &local[1], &y_t));
+  PetscCall(RodOpen(rod, U, &local[0], &y));
+  if (U_t) PetscCall(RodOpen(rod, U_t, &local[1], &y_t));
   for (PetscInt i = rod->first; i < rod->end; i++) {
     Node *node = &nodes[i - rod->first];
     PetscReal d[3], g, g_t;
@@ -200,8 +184,8 @@ static PetscErrorCode LinearGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *node
     node->theta_t = (d[1] - node->theta * g_t) / g;
   }
   PetscCall(AxialPosition(rod, t, y, nodes));
-  PetscCall(Close(rod, &local[0], &y));
-  if (U_t) PetscCall(Close(rod, &local[1], &y_t));
+  PetscCall(RodClose(rod, &local[0], &y));
+  if (U_t) PetscCall(RodClose(rod, &local[1], &y_t));
   PetscCall(PetscFree(P));
   PetscFunctionReturn(0);
 }

@@ -122,21 +122,6 @@ static void NodeVelocity(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS
     v[d] = u_t[i][d] + (*slide ? *slide * (u[i + 1][d] - u[i - 1][d]) : 0);
 }
 
-static PetscErrorCode Open(Rod rod, Vec v, Vec *local, const PetscReal (**a)[FIELDS]) {
-  PetscFunctionBegin;
-  PetscCall(DMGetLocalVector(rod->da, local));
-  PetscCall(DMGlobalToLocal(rod->da, v, INSERT_VALUES, *local));
-  PetscCall(DMDAVecGetArrayRead(rod->da, *local, (void *)a));
-  PetscFunctionReturn(0);
-}
-
-static PetscErrorCode Close(Rod rod, Vec *local, const PetscReal (**a)[FIELDS]) {
-  PetscFunctionBegin;
-  PetscCall(DMDAVecRestoreArrayRead(rod->da, *local, (void *)a));
-  PetscCall(DMRestoreLocalVector(rod->da, local));
-  PetscFunctionReturn(0);
-}
-
 /* Residual of the balance at node i. */
 static void BalanceResidual(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
                             const PetscReal (*u_t)[FIELDS], PetscInt i, PetscReal r[2]) {
@@ -173,8 +158,8 @@ static PetscErrorCode MixedResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F)
 
   PetscFunctionBegin;
   PetscCall(LengthsAt(rod, t));
-  PetscCall(Open(rod, U, &local[0], &u));
-  PetscCall(Open(rod, U_t, &local[1], &u_t));
+  PetscCall(RodOpen(rod, U, &local[0], &u));
+  PetscCall(RodOpen(rod, U_t, &local[1], &u_t));
   PetscCall(DMDAVecGetArray(rod->da, F, &f));
   if (!rod->first) PetscCall(PetscArraycpy(f[0], u[0], FIELDS));
   for (PetscInt i = PetscMax(1, rod->first); i < rod->end; i++) {
@@ -184,8 +169,8 @@ static PetscErrorCode MixedResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F)
     f[i][LAMBDA] = (e[0] * e[0] + e[1] * e[1]) / l - l;
   }
   PetscCall(DMDAVecRestoreArray(rod->da, F, &f));
-  PetscCall(Close(rod, &local[0], &u));
-  PetscCall(Close(rod, &local[1], &u_t));
+  PetscCall(RodClose(rod, &local[0], &u));
+  PetscCall(RodClose(rod, &local[1], &u_t));
   PetscFunctionReturn(0);
 }
 
@@ -261,8 +246,8 @@ static PetscErrorCode MixedJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, PetscR
 
   PetscFunctionBegin;
   PetscCall(LengthsAt(rod, t));
-  PetscCall(Open(rod, U, &local[0], &u));
-  PetscCall(Open(rod, U_t, &local[1], &u_t));
+  PetscCall(RodOpen(rod, U, &local[0], &u));
+  PetscCall(RodOpen(rod, U_t, &local[1], &u_t));
   for (PetscInt i = rod->first; i < rod->end; i++) {
     PetscInt cols[WIDTH];
     PetscCall(PetscMemzero(row, sizeof(row)));
@@ -276,8 +261,8 @@ static PetscErrorCode MixedJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, PetscR
       for (int f = 0; f < FIELDS; f++) row[f][REACH * FIELDS + f] = 1;
     PetscCall(MatSetValuesBlocked(J, 1, &i, WIDTH, cols, &row[0][0], INSERT_VALUES));
   }
-  PetscCall(Close(rod, &local[0], &u));
-  PetscCall(Close(rod, &local[1], &u_t));
+  PetscCall(RodClose(rod, &local[0], &u));
+  PetscCall(RodClose(rod, &local[1], &u_t));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(0);
@@ -360,8 +345,8 @@ static PetscErrorCode MixedGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes
   PetscCall(LengthsAt(rod, t));
   PetscCall(PetscArrayzero(nodes, n));
   PetscCall(PetscCalloc1(n, &theta));
-  PetscCall(Open(rod, U, &local[0], &u));
-  if (U_t) PetscCall(Open(rod, U_t, &local[1], &u_t));
+  PetscCall(RodOpen(rod, U, &local[0], &u));
+  if (U_t) PetscCall(RodOpen(rod, U_t, &local[1], &u_t));
   for (PetscInt i = rod->first; i < rod->end; i++) {
     Node *node = &nodes[i - rod->first];
     for (int d = 0; d < 2; d++) {
@@ -375,8 +360,8 @@ static PetscErrorCode MixedGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes
         2 * PetscAtan2Real(a[0] * b[1] - a[1] * b[0],
                            hypot(a[0], a[1]) * hypot(b[0], b[1]) + a[0] * b[0] + a[1] * b[1]);
   }
-  PetscCall(Close(rod, &local[0], &u));
-  if (U_t) PetscCall(Close(rod, &local[1], &u_t));
+  PetscCall(RodClose(rod, &local[0], &u));
+  if (U_t) PetscCall(RodClose(rod, &local[1], &u_t));
   PetscCall(RodSumAlong(n, theta));                             /* angle of edge i */
   for (PetscInt i = PetscMax(1, rod->first); i < rod->end; i++) /* from its middle on to its end */
     nodes[i - rod->first].theta =

@@ -131,13 +131,13 @@ def growth_that_jumps():
 
 @check
 def noisy_table():
-    """One part in a hundred of noise along the rod and in time: the tip stays within that of the
+    """Half a part in a hundred of noise along the rod and in time: the tip stays within that of the
     smooth rod's."""
     noise = np.random.default_rng(1)
     times = np.linspace(0, 5, 26)
     smooth = grown(table("smooth.h5", lambda s, t: 2 + t, times))
-    rough = grown(table("rough.h5", lambda s, t: (2 + t) * (1 + 0.005 * noise.uniform(-1, 1, len(s))),
-                        times))
+    rough = grown(table("rough.h5",
+                        lambda s, t: (2 + t) * (1 + 0.005 * noise.uniform(-1, 1, len(s))), times))
     off = np.hypot(*(rough[k][-1] - smooth[k][-1] for k in ("tip_x1", "tip_x2"))) / 7
     expect(off < 0.05, f"the tip is off by {off:g} of the length")
 

@@ -10,4 +10,5 @@ mkdir -p results/peers
 [ -x $venv/bin/python ] || python3 -m venv $venv
 logged results/peers/setup.log "pip" $venv/bin/pip install --quiet pyelastica==1.0.0
 /usr/bin/python3 -c 'import dolfin' 2>/dev/null ||
-  echo "setup: no dolfin for /usr/bin/python3: apt install python3-dolfin, or go without paper_fem" >&2
+  echo "setup: no dolfin for /usr/bin/python3: apt install python3-dolfin, or leave out paper_fem" \
+    >&2
