@@ -77,7 +77,7 @@ static PetscErrorCode TabulateAngle(Curvature *self, Growth growth) {
   PetscReal *s, *angle, g, k[3];
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc3(ANGLES, &self->even, ANGLES, &self->angle, ANGLES, &self->angle2));
+  PetscCall(PetscMalloc3(ANGLES, &self->even, ANGLES, &self->angle, ANGLES, &self->slope));
   s = self->even;
   angle = self->angle;
   s[0] = angle[0] = 0;
@@ -90,8 +90,9 @@ static PetscErrorCode TabulateAngle(Curvature *self, Growth growth) {
       k[e] *= g;
     }
     angle[i] = angle[i - 1] + h / 6 * (k[0] + 4 * k[1] + k[2]);
+    if (i == 1) self->slope[0] = k[0];
+    self->slope[i] = k[2];
   }
-  PetscCall(SplineSecondDerivatives(ANGLES, s, 1, ANGLES, 1, angle, self->angle2));
   PetscFunctionReturn(0);
 }
 
@@ -99,16 +100,19 @@ static PetscErrorCode TabulateAngle(Curvature *self, Growth growth) {
    and its derivative by s. */
 PetscErrorCode CurvatureAngle(const Curvature *self, Growth growth, PetscReal s, PetscReal *theta,
                               PetscReal *theta_s) {
-  PetscReal weight[4], g;
+  const PetscReal h = 1. / (ANGLES - 1), zero = 0;
+  PetscReal a, b, g;
   PetscInt i;
 
   PetscFunctionBegin;
   *theta = *theta_s = 0;
   if (!self->any) PetscFunctionReturn(0);
-  SplineWeights(ANGLES, self->even, s, &i, weight, NULL, NULL);
-  for (int j = 0; j < 2; j++)
-    *theta += weight[j] * self->angle[i + j] + weight[2 + j] * self->angle2[i + j];
-  PetscCall(GrowthStretch(growth, 1, &s, 0, &g, NULL, NULL));
+  i = PetscMax(0, PetscMin(ANGLES - 2, (PetscInt)(s / h)));
+  b = s / h - i;
+  a = 1 - b; /* Hermite's cubic: a spline would cost a dense solve */
+  *theta = a * a * (1 + 2 * b) * self->angle[i] + b * b * (1 + 2 * a) * self->angle[i + 1] +
+           a * b * h * (a * self->slope[i] - b * self->slope[i + 1]);
+  PetscCall(GrowthStretch(growth, 1, &s, zero, &g, NULL, NULL));
   PetscCall(CurvatureValue(self, growth, s, 0, theta_s));
   *theta_s *= g;
   PetscFunctionReturn(0);
@@ -154,7 +158,7 @@ PetscErrorCode CurvatureSetFromOptions(Curvature *self, Growth growth, PetscReal
 PetscErrorCode CurvatureDestroy(Curvature *self) {
   PetscFunctionBegin;
   PetscCall(PetscFree3(self->s, self->k, self->k2));
-  PetscCall(PetscFree3(self->even, self->angle, self->angle2));
+  PetscCall(PetscFree3(self->even, self->angle, self->slope));
   PetscFunctionReturn(0);
 }
 

@@ -6,13 +6,12 @@
 #include "growth.h"
 
 typedef struct {
-  PetscBool any;         /* not 0 everywhere */
-  PetscReal constant;    /* the part of -rod_curvature */
-  PetscInt n;            /* knots of the other part (file or random); 0: none */
-  PetscReal *s, *k, *k2; /* its labels, curvatures and their second derivatives */
-  PetscReal *even, *angle,
-      *angle2; /* int_0^s g k0 ds at t = 0 and its second derivative, at even labels */
-  PetscReal reference_length; /* feed: the length L(T) whose labels those of the table are */
+  PetscBool any;                   /* not 0 everywhere */
+  PetscReal constant;              /* the part of -rod_curvature */
+  PetscInt n;                      /* knots of the other part (file or random); 0: none */
+  PetscReal *s, *k, *k2;           /* its labels, curvatures and their second derivatives */
+  PetscReal *even, *angle, *slope; /* int_0^s g k0 ds at t = 0 and its slope, at even labels */
+  PetscReal reference_length;      /* feed: the length L(T) whose labels those of the table are */
 } Curvature;
 
 PetscErrorCode CurvatureSetFromOptions(Curvature *curvature, Growth growth, PetscReal end_time);
