@@ -77,7 +77,9 @@ static PetscErrorCode BeforeStep(TS ts) {
   PetscCall(VecGetArray(leg->tolerance, &a));
   for (PetscInt i = 0; i < n; i += fields)
     for (PetscInt f = 0; f < fields; f++)
-      a[i + f] = leg->rod->model->followed[f] ? share_of_step * self->rtol * size[f] : -1;
+      a[i + f] = leg->rod->model->followed[f]
+                     ? share_of_step * self->rtol * PetscMax(size[f], rod_vanished)
+                     : -1;
   PetscCall(VecRestoreArray(leg->tolerance, &a));
   PetscCall(TSSetTolerances(ts, PETSC_DEFAULT, leg->tolerance, self->rtol, leg->none));
   PetscFunctionReturn(0);
@@ -361,6 +363,21 @@ static PetscErrorCode AfterStep(TS ts) {
   PetscFunctionReturn(0);
 }
 
+/* PETSc's theta methods start Newton's iteration from the step before, a rod at rest, where
+   friction is stiffest: let them extrapolate, which only an option can tell them. */
+static PetscErrorCode ExtrapolateTheta(void) {
+  const char *const option = "-ts_theta_initial_guess_extrapolate";
+  char type[32] = "";
+  PetscBool given, theta = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsGetString(NULL, NULL, "-ts_type", type, sizeof(type), NULL));
+  PetscCall(PetscStrInList(type, "beuler,theta,cn", ',', &theta));
+  PetscCall(PetscOptionsHasName(NULL, NULL, option, &given));
+  if (theta && !given) PetscCall(PetscOptionsSetValue(NULL, option, "true"));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode LegCreate(Grow *self, PetscInt model) {
   Leg *leg = &self->leg[model];
   PetscBool fixed, given;
@@ -390,10 +407,14 @@ static PetscErrorCode LegCreate(Grow *self, PetscInt model) {
   PetscCall(TSSetPreStage(leg->ts, BeforeStage));
   PetscCall(TSSetPostStep(leg->ts, AfterStep));
   PetscCall(NewtonSetUp(leg->ts, leg->rod, &leg->newton));
+  PetscCall(ExtrapolateTheta());
   PetscCall(TSSetFromOptions(leg->ts));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)leg->ts, &fixed, TSBEULER, TSTHETA, TSCN, ""));
   PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_dt", &given));
   if (fixed && !given) PetscCall(TSSetTimeStep(leg->ts, 0.01)); /* the paper's */
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_max_snes_failures", &given));
+  if (fixed && !given)
+    PetscCall(TSSetMaxSNESFailures(leg->ts, 10)); /* a fixed step does not help itself */
   PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));
   PetscCall(TSSetSolution(leg->ts, leg->U));
   PetscFunctionReturn(0);

@@ -43,7 +43,7 @@ static PetscErrorCode RelativeUpdates(Rod rod, Vec U, Vec dU, PetscReal weight,
   update[ALONG] = update[ACROSS] = 0;
   for (PetscInt f = 0; f < rod->model->fields; f++)
     if (change[f] != 0) {
-      PetscReal r = change[f] / PetscMax(size[f], PETSC_MIN_REAL),
+      PetscReal r = change[f] / PetscMax(size[f], rod_vanished),
                 *most = &update[rod->model->across[f]];
       if (!rod->model->followed[f]) r *= weight;
       if (!(r <= *most)) *most = r;

@@ -18,6 +18,9 @@ typedef struct {
 } Node;
 enum { NODE_VALUES = sizeof(Node) / sizeof(PetscReal) };
 
+/* A field smaller than this has died away: its relative error is of no account. */
+static const PetscReal rod_vanished = 1e-280;
+
 typedef struct _Rod *Rod;
 
 typedef struct {
