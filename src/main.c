@@ -19,7 +19,7 @@ static PetscErrorCode Run(int argc, char **argv) {
   const char *const tasks[] = {"grow", "stability", "critical", "units"};
   char output[PETSC_MAX_PATH_LEN] = "", restart[PETSC_MAX_PATH_LEN] = "";
   PetscInt task = GROW;
-  PetscBool is_help, go_on;
+  PetscBool go_on;
   Scene scene;
 
   PetscFunctionBegin;
@@ -38,7 +38,6 @@ static PetscErrorCode Run(int argc, char **argv) {
   PetscCall(OptionsCheckTypes());
   if (task == GROW) PetscCall(AccuracyApply());
   PetscCall(SceneCreate(&scene));
-  PetscCall(PetscOptionsHasHelp(NULL, &is_help));
   if (scene->shape.type == SHAPE_MODE && task == GROW) {
     PetscInt n;
     PetscReal *s, *theta;
