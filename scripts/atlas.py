@@ -2,13 +2,16 @@
 """The atlas of failure: every method on every cell of a grid of rods, with verdict and cost; a
 table, a map (methods down, cells across) and a Dolan-More profile.
 
-    atlas.py [--quick] [--methods NAME,...] [--draw]
+    atlas.py [--quick] [--methods NAME,...] [--draw] [--jobs N]
 
---draw: from what is stored, without new runs. Fails if the default loses a cell."""
+--draw: from what is stored, without new runs. Fails if the default loses a cell. Runs go side by
+side, one to a core."""
 
 import argparse
 import csv
+import os
 import sys
+from concurrent.futures import ThreadPoolExecutor
 
 import matplotlib
 
@@ -20,7 +23,7 @@ from measure import (CRASHED, DECAY, GAVE_UP, HUNG, REFUSED, RIGHT_, ROOT, THICK
                      Scene, Store, say)
 from plot import STYLE
 
-LIMIT, LIMIT_PEER = 8, 25  # seconds
+LIMIT, LIMIT_PEER = 15, 60  # seconds; the slowest cell of the default takes 3
 FINER = "-rod_cells 1000 -ts_rtol 1e-8"
 METHODS = {  # name: (solver, options)
     "default": ("tendril", ""),
@@ -38,7 +41,8 @@ METHODS = {  # name: (solver, options)
     "backtracking": ("tendril", "-snes_linesearch_type bt"),
     "MUMPS": ("tendril", "-pc_factor_mat_solver_type mumps"),
     "GMRES, ILU": ("tendril", "-ksp_type gmres -pc_type ilu"),
-    "paper's elements": ("paper_fem", "-dt 0.01 -nel 64"),
+    "paper's elements": ("paper_fem", "-dt 0.01 -nel 128 -graded"),
+    "paper's elements, step 0.002": ("paper_fem", "-dt 0.002 -nel 128 -graded"),
     "paper's, taken literally": ("paper_fem", "-dt 0.01 -nel 64 -literal"),
     "PyElastica": ("pyelastica_rod", "-elements 20 -dt 3e-5"),
 }
@@ -84,41 +88,55 @@ NUMBERS = ([("cells $N$", n, f"-rod_cells {n}") for n in
 STEPS = [("step", h, f"-ts_dt {h}") for h in ("0.5", "0.1", "0.05", "0.01", "0.002")]
 
 
-def measure_all(store, arguments):
-    """[(method, group, label, run)]"""
-    found = []
+SETTINGS = tuple(dict.fromkeys(n[0] for n in NUMBERS + STEPS))  # groups without a claim
+SET = ("default", "frame 2", "mixed", "primal Newton", "PETSc's bdf 5",
+       "backward Euler, start extrapolated")  # the methods whose settings are varied
 
-    def one(method, group, label, case):
-        known = case.key in store.runs
-        if arguments.draw and not known:
-            return
-        run = store.get(case, again=method in arguments.again.split(","))
-        if not known:
-            say(dict(run, scene=label))
-        found.append((method, group, label, run))
 
+def never(method, group):
+    """Explicit, with inertia, PyElastica cannot follow the decay; a small step of the paper's
+    elements takes minutes there."""
+    return "decay" in group and method in ("PyElastica", "paper's elements, step 0.002")
+
+
+def cases(arguments):
+    """[(method, group, label, case)]"""
     names = arguments.methods.split(",") if arguments.methods else (
         QUICK_METHODS if arguments.quick else METHODS)
+    result = []
     for group, where in cells(arguments.quick):
         for method in names:
             solver, options = METHODS[method]
-            if solver == "pyelastica_rod" and "decay" in group:
-                continue  # explicit, with inertia: minutes for each, and it cannot follow the decay
             limit = LIMIT if solver == "tendril" else LIMIT_PEER
-            one(method, group, where.name, Case(solver, where, options, limit))
+            if not never(method, group):
+                result.append((method, group, where.name, Case(solver, where, options, limit)))
+    if arguments.quick:
+        return result
     thick = Scene("thick", THICK, (2, 6, 10), finer=FINER)
-    for method in ("default", "frame 2", "mixed", "primal Newton", "PETSc's bdf 5",
-                   "backward Euler, start extrapolated"):
-        if method not in names or arguments.quick:
-            continue
-        numbers = [n for n in NUMBERS if n[0] != "tolerance"] + STEPS if "Euler" in method \
-            else NUMBERS
-        for group, label, more in numbers:
+    for method in (m for m in SET if m in names):
+        euler = "Euler" in method
+        for group, label, more in (n for n in NUMBERS + STEPS
+                                   if n[0] != ("tolerance" if euler else "step")):
             options = f"{METHODS[method][1].replace('-ts_dt 0.01', '')} {more}".strip()
-            if "Euler" in method and group != "step":
+            if euler and group != "step":
                 options += " -ts_dt 0.01"
-            one(method, group, label, Case("tendril", thick, options, limit=30))
-    return found
+            result.append((method, group, label, Case("tendril", thick, options, limit=30)))
+    return result
+
+
+def measure_all(store, arguments):
+    """[(method, group, label, run)]"""
+    wanted = cases(arguments)
+    again = [w[3].key for w in wanted if w[0] in arguments.again.split(",")]
+    if not arguments.draw:
+        new = [w for w in wanted if w[3].key not in store.runs or w[3].key in again]
+        print(f"atlas: {len(new)} of {len(wanted)} runs to do, {arguments.jobs} at a time")
+        with ThreadPoolExecutor(arguments.jobs) as pool:
+            list(pool.map(store.reference, dict.fromkeys(w[3].scene for w in new)))
+            for run in pool.map(lambda w: dict(store.get(w[3], again=w[3].key in again),
+                                               scene=w[2]), new):
+                say(run)
+    return [(*w[:3], store.runs[w[3].key]) for w in wanted if w[3].key in store.runs]
 
 
 # verdict: (colour, letter); Okabe and Ito, and the letter says the same
@@ -177,7 +195,7 @@ def draw_map(found, base):
 
 def draw_profile(found, base):
     """Share of cells solved right within tau times the time of the fastest right method there."""
-    grid = [f for f in found if f[1] not in ("cells $N$", "tolerance", "step")]
+    grid = [f for f in found if f[1] not in SETTINGS]
     fastest = {}
     for _, group, label, run in grid:
         if run["verdict"] == RIGHT_:
@@ -224,7 +242,7 @@ def table(found, path):
 
 def summary(found):
     """Counts per method; the cells that the default lost."""
-    grid = [f for f in found if f[1] not in ("cells $N$", "tolerance", "step")]
+    grid = [f for f in found if f[1] not in SETTINGS]
     for method in METHODS:
         own = [f[3] for f in grid if f[0] == method]
         if own:
@@ -244,6 +262,8 @@ def main():
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="fewer cells, under 3 minutes")
     parser.add_argument("--draw", action="store_true", help="only draw what is stored")
+    parser.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)), metavar="N",
+                        help="runs side by side")
     parser.add_argument("--methods", default="", metavar="NAME,...")
     parser.add_argument("--again", default="", metavar="METHOD,...", help="repeat these")
     arguments = parser.parse_args()

@@ -19,6 +19,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -101,6 +102,7 @@ class Store:
     def __init__(self, path):
         self.path = Path(path)
         self.path.parent.mkdir(parents=True, exist_ok=True)
+        self.lock = threading.Lock()
         self.runs = {}
         if self.path.exists():
             for line in self.path.read_text().splitlines():
@@ -110,13 +112,15 @@ class Store:
                 except (ValueError, KeyError):
                     pass  # cut short by an interruption
 
+    def keep(self, run):
+        with self.lock, self.path.open("a") as file:
+            self.runs[run["key"]] = run
+            file.write(json.dumps(run) + "\n")
+
     def get(self, case, again=False):
         """The result of a case: from the store, else measured and kept."""
         if again or case.key not in self.runs:
-            run = measure(case, self)
-            self.runs[case.key] = run
-            with self.path.open("a") as file:
-                file.write(json.dumps(run) + "\n")
+            self.keep(measure(case, self))
         return self.runs[case.key]
 
     def reference(self, scene):
@@ -138,10 +142,8 @@ class Store:
         else:
             raise RuntimeError(f"{scene.name}: no reference: {state['message']}")
         if key not in self.runs:
-            self.runs[key] = {"key": key, "values": values, "seconds": state["seconds"],
-                              "options": finer}
-            with self.path.open("a") as file:
-                file.write(json.dumps(self.runs[key]) + "\n")
+            self.keep({"key": key, "values": values, "seconds": state["seconds"],
+                       "options": finer})
         return self.runs[key]["values"]
 
 

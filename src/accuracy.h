@@ -2,9 +2,10 @@
 #ifndef TENDRIL_ACCURACY_H
 #define TENDRIL_ACCURACY_H
 
-#include <petscsys.h>
+#include "rod.h"
 
 PetscErrorCode AccuracyApply(void);
-PetscReal AccuracyEstimate(PetscInt steps, PetscReal rtol, PetscReal h, PetscInt order);
+PetscErrorCode AccuracyEstimate(Rod rod, PetscReal t, PetscReal rtol, PetscReal folds,
+                                PetscReal *error);
 
 #endif

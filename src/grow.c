@@ -1,4 +1,5 @@
 #include "grow.h"
+#include "accuracy.h"
 #include "event.h"
 #include "newton.h"
 #include "observe.h"
@@ -31,10 +32,11 @@ typedef struct {
   Output output;
   Observation seen; /* of the latest step */
   PetscReal rtol, output_interval, next_output;
-  PetscReal stored_at;        /* time of the latest stored shape */
-  PetscReal report_at;        /* time of the next progress line */
-  PetscInt iterations, steps; /* before the latest step; steps of earlier legs */
-  PetscBool quiet, beyond;    /* beyond: the linear model has left its range */
+  PetscReal stored_at;            /* time of the latest stored shape */
+  PetscReal report_at;            /* time of the next progress line */
+  PetscInt iterations, steps;     /* before the latest step; steps of earlier legs */
+  PetscReal folds, largest_angle; /* so far: e-folds of |x2|, up and down */
+  PetscBool quiet, beyond;        /* beyond: the linear model has left its range */
   PetscLogDouble begin, reported;
   Watch watch;
   Event event;            /* that ended the run */
@@ -184,8 +186,11 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   }
   iterations = all - self->iterations;
   self->iterations = all;
-  PetscReal before = self->seen.t;
+  PetscReal before = self->seen.t, norm = self->seen.norm_x2;
   PetscCall(ObserverMeasure(self->observer, self->now->rod, t, U, U_t, &self->seen));
+  if (norm > rod_vanished && self->seen.norm_x2 > rod_vanished)
+    self->folds += PetscAbsReal(PetscLogReal(self->seen.norm_x2 / norm));
+  self->largest_angle = PetscMax(self->largest_angle, self->seen.max_angle);
   self->seen.step = t - before;
   self->seen.newton_iterations = iterations;
   self->seen.model = self->now - self->leg;
@@ -315,6 +320,8 @@ static PetscErrorCode StoreRestart(Grow *self, PetscBool always) {
   state.order = order;
   state.steps = steps;
   state.fields = self->now->rod->model->fields;
+  state.folds = self->folds;
+  state.largest_angle = self->largest_angle;
   state.reference_length = self->scene->curvature.reference_length;
   PetscCall(ObserverGetBalance(self->observer, state.balance));
   PetscCall(OutputRestart(self->output, &state, size, points));
@@ -508,17 +515,17 @@ static PetscErrorCode Begin(Grow *self, const char *output) {
   Event event;
 
   PetscFunctionBegin;
-  PetscCall(OutputCreate(output, self->scene, &self->output));
   self->now = &self->leg[self->model == AUTO ? FRAME : self->model];
+  PetscCall(LookForEvent(self, 0, NULL, &event));
+  UserCheck(!event.kind, PETSC_COMM_WORLD, "-stop_%s: it is so at the start already",
+            event_name[event.kind]);
+  PetscCall(OutputCreate(output, self->scene, &self->output)); /* after all refusals */
   PetscCall(Observe(self, 0, NULL, NULL));
   self->now = &self->leg[BetterModel(self)];
   PetscCall(PetscMalloc1(self->now->rod->end - self->now->rod->first, &nodes));
   PetscCall(RodInitialNodes(self->now->rod, 0, nodes));
   PetscCall(self->now->rod->model->set(self->now->rod, 0, nodes, self->now->U));
   PetscCall(PetscFree(nodes));
-  PetscCall(LookForEvent(self, 0, NULL, &event));
-  UserCheck(!event.kind, PETSC_COMM_WORLD, "-stop_%s: it is so at the start already",
-            event_name[event.kind]);
   PetscCall(StoreShape(self, 0, NULL));
   self->next_output = self->output_interval;
   PetscFunctionReturn(0);
@@ -550,6 +557,8 @@ static PetscErrorCode TakeUp(Grow *self, const RestartState *state, const PetscR
   if (!given) PetscCall(TSSetTimeStep(leg->ts, state->step));
   PetscCall(TSSetStepNumber(leg->ts, (PetscInt)state->steps));
   PetscCall(ObserverSetBalance(self->observer, state->balance));
+  self->folds = state->folds;
+  self->largest_angle = state->largest_angle;
   PetscFunctionReturn(0);
 }
 
@@ -594,6 +603,28 @@ static PetscErrorCode GrowCreate(Grow *self, const char *output, const char *res
   PetscFunctionReturn(0);
 }
 
+/* The last words on a run: how far off it may be. Other steppers than vbdf are not calibrated. */
+static PetscErrorCode Errors(Grow *self) {
+  Rod rod = self->now->rod;
+  PetscReal error, defect = self->seen.energy_defect;
+  PetscBool vbdf;
+
+  PetscFunctionBegin;
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "energy defect %.1e", (double)defect));
+  PetscCall(PetscObjectTypeCompare((PetscObject)self->now->ts, TSVBDF, &vbdf));
+  if (vbdf) {
+    PetscCall(AccuracyEstimate(rod, self->seen.t, self->rtol, self->folds, &error));
+    if (self->model == LINEAR) error += PetscSqr(self->largest_angle);
+    PetscCall(PetscPrintf(PETSC_COMM_WORLD, ", error estimate %.1e", (double)error));
+  }
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "\n"));
+  if (defect > 1e-3)
+    PetscCall(PetscPrintf(
+        PETSC_COMM_WORLD,
+        "The energy balance is off by more than 1e-3: lower -ts_rtol or raise -rod_cells.\n"));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode Summary(Grow *self) {
   const Observation *seen = &self->seen;
   PetscInt steps, iterations = 0, rejections = 0, jumps = 0, n;
@@ -612,19 +643,14 @@ static PetscErrorCode Summary(Grow *self) {
       jumps += n;
     }
   PetscCall(PetscTime(&now));
-  if (!self->quiet)
-    PetscCall(
-        PetscPrintf(PETSC_COMM_WORLD,
-                    "t = %s: length %s, tip (%s, %s), |x2| %.8e\n"
-                    "%d steps, %d rejected, %d Newton iterations, %.3f s; energy defect %.1e\n",
-                    OptionNumber(seen->t, text[0]), OptionNumber(seen->length, text[1]),
-                    OptionNumber(seen->tip_x1, text[2]), OptionNumber(seen->tip_x2, text[3]),
-                    (double)seen->norm_x2, (int)steps, (int)rejections, (int)iterations,
-                    now - self->begin, (double)seen->energy_defect));
-  if (!self->quiet && seen->energy_defect > 1e-3)
-    PetscCall(PetscPrintf(
-        PETSC_COMM_WORLD,
-        "The energy balance is off by more than 1e-3: lower -ts_rtol or raise -rod_cells.\n"));
+  if (self->quiet) PetscFunctionReturn(0);
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "t = %s: length %s, tip (%s, %s), |x2| %.8e\n",
+                        OptionNumber(seen->t, text[0]), OptionNumber(seen->length, text[1]),
+                        OptionNumber(seen->tip_x1, text[2]), OptionNumber(seen->tip_x2, text[3]),
+                        (double)seen->norm_x2));
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%d steps, %d rejected, %d Newton iterations, %.3f s; ",
+                        (int)steps, (int)rejections, (int)iterations, now - self->begin));
+  PetscCall(Errors(self));
   PetscFunctionReturn(0);
 }
 

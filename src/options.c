@@ -401,7 +401,8 @@ static PetscErrorCode RefuseUnread(const char *name) {
 }
 
 /*
-  OptionsRefuseUnread - refuses the run if an option was given that nothing has read.
+  OptionsRefuseUnread - refuses the run if an option was given that nothing has read; with -help,
+  ends it in good order.
   Call after everything has read its options and before any work. Collective.
 */
 PetscErrorCode OptionsRefuseUnread(void) {
@@ -410,8 +411,15 @@ PetscErrorCode OptionsRefuseUnread(void) {
                         "log_view",     "options_file", "memory_view"};
   PetscInt n;
   char **unread, **values;
+  PetscBool help;
 
   PetscFunctionBegin;
+  PetscCall(PetscOptionsHasHelp(NULL, &help));
+  if (help) { /* all has been listed: that was what was asked for */
+    PetscCall(PetscFinalize());
+    MPI_Finalize();
+    exit(0);
+  }
   PetscCall(PetscOptionsLeftGet(NULL, &n, &unread, &values));
   for (PetscInt i = 0; i < n; i++) {
     PetscBool fine;

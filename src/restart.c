@@ -44,8 +44,10 @@ PetscErrorCode RestartOptions(char file[], size_t length, PetscBool *restart) {
       if (name[0]) PetscCall(Inherit(name, value, stopped));
       PetscCall(PetscStrncpy(name, word, sizeof(name)));
       value[0] = 0;
-    } else
+    } else {
+      if (value[0]) PetscCall(PetscStrlcat(value, " ", sizeof(value))); /* a name with a blank */
       PetscCall(PetscStrlcat(value, word, sizeof(value)));
+    }
   }
   if (name[0]) PetscCall(Inherit(name, value, stopped));
   PetscCall(PetscFree(text));

@@ -50,6 +50,7 @@ struct _Rod {
   DM nodes;            /* Node at each node, stencil 1 */
   PetscInt first, end; /* owned nodes: first .. end - 1 */
   PetscInt last;       /* the tip, N */
+  PetscInt order;      /* of the error in space */
   Vec latest_rate;     /* U_t of the latest residual: of the accepted state, once a step is taken */
   PetscReal latest_time;         /* t of it */
   PetscBool fresh;               /* the next Jacobian is the first of its Newton solve */

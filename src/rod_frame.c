@@ -332,6 +332,7 @@ static PetscErrorCode FrameCreate(Rod rod) {
   PetscCall(
       OptionList("-rod_order", "order in space of the frame model", 2, orders, &choice, NULL));
   PetscCall(PetscNew(&frame));
+  rod->order = choice ? 4 : 2;
   frame->end_weight = choice ? 1. / 6 : 0;
   frame->mid_weight = choice ? 4. / 6 : 1;
   frame->bow = choice ? 1. / 8 : 0;

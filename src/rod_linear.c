@@ -261,6 +261,7 @@ static PetscErrorCode LinearCreate(Rod rod) {
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&self));
+  rod->order = 4;
   PetscCall(StraightCreate(rod->scene->growth, &rod->scene->friction, &rod->scene->mesh,
                            &self->straight));
   PetscCall(PetscMalloc2(n, &self->K, n, &self->D));

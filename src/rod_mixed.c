@@ -380,6 +380,7 @@ static PetscErrorCode MixedCreate(Rod rod) {
   PetscCall(PetscNew(&self));
   self->time = PETSC_MIN_REAL;
   PetscCall(PetscCalloc3(n + 4, &self->length, n + 2, &self->natural, n, &self->dual));
+  rod->order = 2;
   rod->data = self;
   PetscFunctionReturn(0);
 }

@@ -147,6 +147,49 @@ CASES = [
     ("-shape_type file -shape_file {truncated}", "-shape_file"),
     ("-shape_type file -shape_file {shape_lengths}", "-shape_file"),
     ("-shape_type file -shape_file {shape_turned}", "-shape_file"),
+    # natural curvature
+    ("-rod_curvature 1e4", "-rod_curvature"),
+    ("-rod_curvature bent", "-rod_curvature"),
+    ("-rod_curvature 0.1 -rod_model linear", "-rod_curvature"),
+    ("-rod_curvature 0.1 -task critical", "-rod_curvature"),
+    ("-rod_curvature_random -1", "-rod_curvature_random"),
+    ("-rod_curvature_random 0.1 -rod_curvature_length 0", "-rod_curvature_length"),
+    ("-rod_curvature_random 0.1 -rod_curvature_seed -1", "-rod_curvature_seed"),
+    ("-rod_curvature_seed 3", "-rod_curvature_seed"),
+    ("-rod_curvature_file {missing}", "-rod_curvature_file"),
+    ("-rod_curvature_file {text}", "-rod_curvature_file"),
+    ("-rod_curvature_file {shape_lengths}", "-rod_curvature_file"),
+    ("-rod_curvature_file {curvature_nan}", "-rod_curvature_file"),
+    # events
+    ("-stop_length 0.4", "-stop_length"),
+    ("-stop_length long", "-stop_length"),
+    ("-stop_angle 0", "-stop_angle"),
+    ("-stop_angle -1", "-stop_angle"),
+    ("-stop_angle 0.5 -shape_amplitude 1", "-stop_angle"),
+    ("-stop_self_contact -0.1", "-stop_self_contact"),
+    ("-stop_contact 0.1", "-stop_contact"),
+    # laboratory units
+    ("-si_friction_dry 20", "-si_bending_stiffness"),
+    ("-si_bending_stiffness 0 -si_friction_dry 20", "-si_bending_stiffness"),
+    ("-si_bending_stiffness 1e-4", "-si_friction"),
+    ("-si_bending_stiffness 1e-4 -si_friction_dry -20", "-si_friction_dry"),
+    ("-si_bending_stiffness 1e-4 -si_friction_dry 20 -friction_mu 0.5", "-friction_mu"),
+    ("-si_bending_stiffness 1e-4 -si_friction_viscous 20", "-si_speed"),
+    ("-task units", "-si_"),
+    # going on
+    ("-restart {missing}", "-restart"),
+    ("-restart {text}", "-restart"),
+    ("-restart {truncated}", "-restart"),
+    ("-restart {table}", "-restart"),
+    ("-restart {directory}", "-restart"),
+    ("-restart {result}", "-restart"),
+    ("-restart {result} -ts_max_time 1 -rod_cells 30", "-rod_cells"),
+    # accuracy
+    ("-accuracy 0", "-accuracy"),
+    ("-accuracy 1", "-accuracy"),
+    ("-accuracy 1e-12", "-accuracy"),
+    ("-accuracy high", "-accuracy"),
+    ("-accuracy 1e-3 -task critical", "-accuracy"),
     # results
     ("-output {missing}/out.h5", "-output"),
     ("-output {directory}", "-output"),
@@ -209,6 +252,7 @@ def make_files(d, tendril):
     write_hdf5(d / "table_words", s=[b"a"] * 6, t=t, g=g)
     write_hdf5(d / "shape_lengths", s=s, theta=[0, 0.1, 0.2])
     write_hdf5(d / "shape_turned", s=s, theta=[0.1] * 6)
+    write_hdf5(d / "curvature_nan", s=s, curvature=[0, 0, float("nan"), 0, 0, 0])
     whole = (d / "table").read_bytes()
     (d / "truncated").write_bytes(whole[: len(whole) // 2])
 

@@ -117,6 +117,9 @@ def growth_that_shrinks():
            f"defect {r['energy_defect'][r['t'] > 0.1].max():g}")
     r = grown(there_and_back .replace("-shape_amplitude 0.1", "-shape_type straight"))
     expect(abs(r["tip_x1"][-1] - 2) < 1e-9 and (r["norm_x2"] == 0).all(), "straight no more")
+    # (before growth has set in, the defect is that of a work of 1e-7)
+    expect(r["energy_defect"][r["t"] > 0.5].max() < 1e-3,
+           f"straight: defect {r['energy_defect'][r['t'] > 0.5].max():g}")
 
 
 @check

@@ -69,6 +69,8 @@ class Run:
                               env=ENVIRONMENT)
         expect(done.returncode == 0 and not done.stderr,
                f"tendril {options}, {ranks} ranks: exit {done.returncode}, {done.stderr.strip()}")
+        found = re.search(r"error estimate ([0-9.e+-]+)", done.stdout)
+        self.estimate = float(found.group(1)) if found else None
         with h5py.File(file) as f:
             expect(f.attrs["finished"] == 1, f"{options}: not finished")
             expect(f.attrs["ranks"] == ranks, f"{options}: ran on {f.attrs['ranks']} ranks")
@@ -126,9 +128,12 @@ def against_reference(name, more, defect):
     late = r.energy_defect[r.t > 0.01].max()
     expect(late < defect and r.energy_defect.max() < 1e-3,
            f"{name} {more}: energy defect {late:.1e}, {r.energy_defect.max():.1e} at first")
+    largest = max(worst.values())
+    expect(largest <= r.estimate <= 100 * largest,
+           f"{name} {more}: estimated error {r.estimate:.1e}, measured {largest:.1e}")
     print(f"{name:13} {more:40} {r.steps:5} steps, {r.newton_iterations.sum():5.0f} Newton, largest "
           f"errors: |x2| {worst['norm_x2']:.1e}, energy {worst['energy']:.1e}, "
-          f"tip {worst['tip']:.1e}; defect {late:.1e}")
+          f"tip {worst['tip']:.1e}; estimated {r.estimate:.1e}; defect {late:.1e}")
 
 
 @check

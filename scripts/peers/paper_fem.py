@@ -7,6 +7,7 @@ x1, x2 and lambda, interior penalty for the bending, backward differences at a f
 
 Takes tendril's options for the scene (uniform and gaussian growth, sag, beta > 0) and
   -nel N      elements, even in s          -dt DT      the step; the times are multiples of it
+  -graded     elements dense where a growth zone is narrow, as tendril has them
   -literal    the paper as it stands: Newton from the last step, test on the residual, no condition
               on lambda(1); else lambda(1) = 0, start by extrapolation, test on increments
 Prints a JSON line per time, and one of the cost (loop alone, without the compilation of forms).
@@ -16,6 +17,7 @@ import json
 import os
 import sys
 import time
+from math import erf, pi, sqrt
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 import dolfin as df  # noqa: E402  (after the number of threads)
@@ -30,13 +32,13 @@ def arguments(words):
     options = {"growth_type": "uniform", "growth_initial_length": "0.5", "growth_width": "0.5",
                "friction_mu": "1", "friction_beta": "1e-3", "shape_type": "sag",
                "shape_amplitude": "0.01", "ts_max_time": "40", "output_interval": "", "times": "",
-               "nel": "64", "dt": "0.01", "literal": ""}
+               "nel": "64", "dt": "0.01", "literal": "", "graded": ""}
     k = 0
     while k < len(words):
         name = words[k].lstrip("-")
         if name not in options:
             refuse(f"-{name}: not supported")
-        if name == "literal":
+        if name in ("literal", "graded"):
             options[name] = "yes"
             k += 1
         else:
@@ -63,13 +65,14 @@ class Rod:
         self.dt, self.L0 = number["dt"], number["growth_initial_length"]
         self.cells = int(options["nel"])
         mesh = df.UnitIntervalMesh(self.cells)
+        if options["graded"] and options["growth_type"] == "gaussian":
+            self.grade(mesh, number["growth_width"], float(options["ts_max_time"]))
         P = df.FiniteElement("CG", mesh.ufl_cell(), DEGREE)
         self.space = df.FunctionSpace(mesh, df.MixedElement([P, P, P]))
         self.now, self.old = df.Function(self.space), df.Function(self.space)
         self.t = df.Constant(0.0)
         s = df.SpatialCoordinate(mesh)[0]
         if options["growth_type"] == "gaussian":
-            from math import erf, pi, sqrt
             a = number["growth_width"]
             b = 2 / (a * sqrt(pi) * erf(1 / a))
             self.g = self.L0 + b * df.exp(-(s / a) ** 2) * self.t
@@ -78,11 +81,18 @@ class Rod:
         self.forms(mesh, number)
         self.start(number)
 
+    def grade(self, mesh, width, end):
+        """Nodes even in the arc length at the end, plus half as many even in s."""
+        s = np.concatenate(([0], np.logspace(-6, 0, 20000)))
+        zone = np.array([erf(x / width) for x in s]) / erf(1 / width)
+        along = (self.L0 * s + end * zone) / (self.L0 + end) + s / 2
+        mesh.coordinates()[:, 0] = np.interp(mesh.coordinates()[:, 0], along / along[-1], s)
+
     def forms(self, mesh, number):
         """bending'' + g phi(|x_t|) x_t + 2 (lambda x')' = 0,  |x'|^2 = g^2, tested by e and z"""
         g, dt = self.g, df.Constant(self.dt)
         mu, beta = number["friction_mu"], number["friction_beta"]
-        h, normal = df.Constant(1 / self.cells), df.FacetNormal(mesh)[0]
+        h, normal = df.CellVolume(mesh), df.FacetNormal(mesh)[0]
         x1, x2, lam = df.split(self.now)
         y1, y2, _ = df.split(self.old)
         e1, e2, z = df.TestFunctions(self.space)
