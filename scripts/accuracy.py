@@ -42,7 +42,7 @@ def scene_of(name, options):
     if name in INDEPENDENT:
         return from_reference(name, INDEPENDENT[name][1], INDEPENDENT[name][0], (1.5, 8, 12, 40))
     text = " ".join(f"-{k} {v}" for k, v in options.items()
-                    if k not in ("ts_max_time", "output_interval", "task"))
+                    if k not in ("ts_max_time", "output_interval", "task", "stop_length"))
     return Scene(name, text, times_of(end),
                  finer="-rod_cells 1200 -ts_rtol 2e-11|-rod_cells 1200 -ts_rtol 1e-10")
 
@@ -51,7 +51,7 @@ def scenes_of_options():
     for path in sorted((ROOT / "options").glob("*.opts")):
         options = read_options(path)
         if options.get("task", "grow") == "grow" and not any(
-                re.match("stop_|shape_file|growth_table|restart|rod_curvature_file", k)
+                re.match("shape_file|growth_table|restart|rod_curvature_file", k)
                 for k in options):
             yield scene_of(path.stem, options)
 

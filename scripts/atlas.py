@@ -33,9 +33,9 @@ METHODS = {  # name: (solver, options)
     "linear": ("tendril", "-rod_model linear"),
     "PETSc's bdf 5": ("tendril", "-ts_type bdf -ts_bdf_order 5"),
     "PETSc's bdf 2": ("tendril", "-ts_type bdf -ts_bdf_order 2"),
-    "backward Euler, start extrapolated":
-        ("tendril", "-ts_type beuler -ts_theta_initial_guess_extrapolate -ts_dt 0.01"),
-    "backward Euler, start at last step": ("tendril", "-ts_type beuler -ts_dt 0.01"),
+    "backward Euler, start extrapolated": ("tendril", "-ts_type beuler -ts_dt 0.01"),
+    "backward Euler, start at last step":  # as PETSc has it
+        ("tendril", "-ts_type beuler -ts_theta_initial_guess_extrapolate 0 -ts_dt 0.01"),
     "primal Newton": ("tendril", "-friction_newton primal"),
     "primal, backtracking": ("tendril", "-friction_newton primal -snes_linesearch_type bt"),
     "backtracking": ("tendril", "-snes_linesearch_type bt"),

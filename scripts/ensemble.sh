@@ -13,8 +13,7 @@ shift || true
 directory=${ENSEMBLE:-results/ensemble}
 python=${PYTHON:-.venv/bin/python}
 # 200 cells: the shapes of a single member differ from those of 500 by less than a line's width
-scripts/sweep.sh "$directory" -growth_type feed -growth_initial_length 0.5 -shape_type straight \
-  -rod_curvature_random 0.1 -rod_curvature_length 0.1 -ts_max_time 19.5 -rod_cells 200 \
-  -ts_rtol 1e-5 -quiet "$@" -- rod_curvature_seed "1:$members:$members"
+scripts/sweep.sh "$directory" -options_file options/pushed-tube.opts -stop_length 20 -rod_cells 200 \
+  -ts_rtol 1e-5 -output_interval 19.5 -quiet "$@" -- rod_curvature_seed "1:$members:$members"
 "$python" scripts/ensemble.py "$directory" --output "$directory"
 echo "ensemble: $directory.png and .pdf show it"

@@ -32,6 +32,30 @@ def crossing(r):
     return float(r.series.length[first[0]]) if len(first) else np.nan
 
 
+def loops(shape):
+    """The sense of turning, +-1, of each loop of a shape: each crossing of its polygon closes one,
+    from the first pass s to the second; [(s first, s second, sense)]."""
+    a, step = shape.x[:-1], np.diff(shape.x, axis=0)
+    apart = a[None] - a[:, None]
+    cross = step[:, None, 0] * step[None, :, 1] - step[:, None, 1] * step[None, :, 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        u = (apart[..., 0] * step[None, :, 1] - apart[..., 1] * step[None, :, 0]) / cross
+        w = (apart[..., 0] * step[:, None, 1] - apart[..., 1] * step[:, None, 0]) / cross
+    i, j = np.nonzero(np.triu((u >= 0) & (u < 1) & (w >= 0) & (w < 1), 2))
+    return [(shape.s[m], shape.s[n], np.sign(shape.theta[n] - shape.theta[m]))
+            for m, n in zip(i, j)]
+
+
+def eight(r):
+    """The first stored time at which the rod holds a figure 8, two loops side by side that turn in
+    opposite senses; nan if it never does."""
+    for t in r.shapes.t:
+        found = loops(r.at(t))
+        if any(a[2] * b[2] < 0 and a[1] <= b[0] for a in found for b in found):
+            return float(t)
+    return np.nan
+
+
 def tube(directory, pictures):
     figure, axes = plt.subplots(1, 3, figsize=(7.2, 2.9), layout="constrained")
     for name, (label, colour, style) in TUBES.items():
@@ -58,36 +82,38 @@ def tube(directory, pictures):
     figure.savefig(pictures / "tube.png")
 
 
+def outcome(r):
+    """What an imperfection leads to, by the run's end."""
+    apart = [float(np.interp(t, r.series.t, r.series.end_distance)) for t in (20, 30, 40)]
+    return {"width": float(np.interp(10, r.series.t, r.series.width)), "crossing": crossing(r) - 0.5,
+            "eight": eight(r), "apart": apart, "drift": apart[2] - apart[1]}
+
+
 def imperfections(directory, pictures):
     """Width at t = 10, first crossing, and how the ends move apart, over amplitude."""
-    kinds = {"sag": ("initial sag", RED, "s"), "constant": ("natural curvature, constant", BLUE, "o"),
-             "random": ("natural curvature, random", GREEN, "^")}
+    kinds = {"sag": ("initial sag", RED, "s"), "constant": ("constant curvature", BLUE, "o"),
+             "random": ("random curvature", GREEN, "^")}
+    panels = {"width": "width at $t = 10$", "crossing": "time of the first crossing",
+              "drift": "$|x(1)|$ at $t = 40$ less that at $30$"}
     figure, axes = plt.subplots(1, 3, figsize=(7.2, 2.7), layout="constrained")
     for kind, (label, colour, mark) in kinds.items():
-        rows = []
-        for file in directory.glob(f"map-{kind}-*.h5"):
-            r = load(file)
-            rows.append((float(file.stem.split("-")[-1]),
-                         *(np.interp(10, r.series.t, r.series[n]) for n in ("width", "max_angle")),
-                         crossing(r) - 0.5,
-                         *(np.interp(t, r.series.t, r.series.end_distance) for t in (20, 30, 40))))
-        rows = np.array(sorted(rows))
-        for row in rows:
-            print(f"{kind} {row[0]:g}: at t = 10 width {row[1]:.2e}, largest angle {row[2]:.2e}; first "
-                  f"crossing t = {row[3]:.1f}; ends apart at t = 20, 30, 40: {row[4]:.2f}, "
-                  f"{row[5]:.2f}, {row[6]:.2f}")
-        axes[0].plot(rows[:, 0], rows[:, 1], mark + "-", color=colour, label=label, ms=4)
-        axes[1].plot(rows[:, 0], rows[:, 3], mark + "-", color=colour, ms=4)
-        axes[2].plot(rows[:, 0], rows[:, 6] - rows[:, 5], mark + "-", color=colour, ms=4)
+        rows = {float(file.stem.split("-")[-1]): outcome(load(file))
+                for file in directory.glob(f"map-{kind}-*.h5")}
+        rows = dict(sorted(rows.items()))
+        for amplitude, row in rows.items():
+            times = [f"{row[k]:.1f}" if row[k] == row[k] else "none" for k in ("crossing", "eight")]
+            print(f"| {label} {amplitude:g} | {row['width']:.2g} | {times[0]} | {times[1]} | "
+                  + ", ".join(f"{d:.2f}" for d in row["apart"]) + " |")
+        for ax, name in zip(axes, panels):
+            ax.plot(list(rows), [row[name] for row in rows.values()], mark + "-", color=colour,
+                    label=label, ms=4)
     axes[0].set_yscale("log")
-    axes[0].set_ylabel("width at $t = 10$")
-    axes[1].set_ylabel("time of the first crossing")
-    axes[2].set_ylabel("$|x(1)|$ at $t = 40$ less that at $30$")
     axes[2].axhline(0, color="#999999", lw=0.6)
-    for ax, letter in zip(axes, "abc"):
-        ax.set(xscale="log", xlabel="amplitude")
+    for ax, letter, text in zip(axes, "abc", panels.values()):
+        ax.set(xscale="log", xlabel="amplitude", ylabel=text)
         ax.set_title(f"({letter})", loc="left")
-    figure.legend(loc="outside upper center", ncol=3)
+    handles, labels = axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncol=3)
     figure.savefig(pictures / "imperfections.png")
 
 

@@ -24,8 +24,11 @@ draw() { # draw PICTURE ARGUMENTS OF PLOT.PY...
 
 for mu in 1 0.5 0; do
   grow "uniform-$mu" -options_file options/paper-uniform.opts -friction_mu "$mu"
+  grow "uniform-$mu-perfect" -options_file options/paper-uniform.opts -friction_mu "$mu" \
+    -rod_curvature 0
 done
 draw uniform "$d"/uniform-{1,0.5,0}.h5 --panels norm,shapes,normalised --times 10,20,30 \
+  --beside "$d/uniform-1-perfect.h5,$d/uniform-0.5-perfect.h5,$d/uniform-0-perfect.h5" \
   --titles '$\mu = 1$,$\mu = 0.5$,$\mu = 0$'
 grow folded -options_file options/paper-folded.opts
 draw folded "$d/folded.h5" --panels shapes,normalised,distance,speed --times 8,16,24,32
@@ -35,7 +38,7 @@ done
 draw gaussian "$d"/gaussian-{5,0.5,0.05}.h5 --panels shapes,distance --times 5,10,15,20 \
   --titles '$a = 5$,$a = 0.5$,$a = 0.05$'
 for law in feed gaussian; do
-  more=(-growth_type "$law" -ts_max_time 19.5)
+  more=(-growth_type "$law" -stop_length 20)
   if [ $law = gaussian ]; then more+=(-growth_width 0.05); fi
   grow "tube-$law" -options_file options/pushed-tube.opts "${more[@]}"
   grow "tube-$law-perfect" -options_file options/pushed-tube.opts "${more[@]}" \
@@ -51,3 +54,5 @@ for amplitude in 0.001 0.01 0.1 0.2 0.3; do
     -rod_curvature_random "$amplitude" -rod_curvature_length 0.2
 done
 "$python" scripts/figures.py "$d" "$pictures"
+ENSEMBLE=$d/ensemble scripts/ensemble.sh 200 # tubes: seeds of natural curvature
+cp "$d/ensemble.png" "$pictures/ensemble.png"

@@ -85,6 +85,10 @@ def panel_norm(ax, r, view):
         return
     norm = view.units.of("length", norm)
     ax.plot(view.units.of("time", t), norm, color=BLUE)
+    if r.path in view.beside:
+        r = view.beside[r.path]
+        t, norm = r.series.t, view.units.of("length", np.ma.masked_less_equal(r.series.norm_x2, 0))
+        ax.plot(view.units.of("time", t), norm, "--", color=GREY)
     i = int(norm.argmin())
     ax.plot(view.units.of("time", t[i]), norm[i], "o", ms=4, color=RED)
     ax.annotate(rf"${power_of_ten(norm[i])}$ at $t = {t[i]:.3g}$",
@@ -297,6 +301,8 @@ def main(arguments=None):
                         help="of the shapes drawn; default: quarters of the longest run")
     parser.add_argument("--si", action="store_true",
                         help="in metres, newtons, seconds: for runs with -si_ options")
+    parser.add_argument("--beside", metavar="FILE,...", default="",
+                        help="runs drawn dashed beside these in the panel norm, one for each")
     parser.add_argument("--titles", metavar="A,B,...", help="above columns; default: file names")
     view = parser.parse_args(arguments)
     names = view.panels.split(",")
@@ -311,6 +317,8 @@ def main(arguments=None):
         for r in results:
             if not len(r.series.get("t", ())) or not len(r.shapes.get("t", ())):
                 raise ResultsError(f"{r.path}: holds no stored shape to draw")
+        others = [read(path) for path in view.beside.split(",") if path]
+        view.beside = {r.path: other for r, other in zip(results, others)}
         view.units = Units(results if view.si else None)
         view.times = view.times or default_times(results)
         tell_missing(results, view.times)

@@ -38,12 +38,17 @@ one() {
   read -r -a fixed <<<"$2"
   read -r -a pairs <<<"${3//__/ }"
   for pair in "${pairs[@]}"; do options+=("-${pair%%=*}" "${pair#*=}"); done
-  if "$TENDRIL" "${fixed[@]}" "${options[@]}" -output "$base.part.h5" >"$base.log" 2>&1 </dev/null; then
-    mv "$base.part.h5" "$base.h5"
-  else
+  for _ in 1 2 3; do
+    if "$TENDRIL" "${fixed[@]}" "${options[@]}" -output "$base.part.h5" >"$base.log" 2>&1 </dev/null
+    then
+      mv "$base.part.h5" "$base.h5"
+      return
+    fi
     rm -f "$base.part.h5"
-    return 1
-  fi
+    # now and then MPI itself does not start on a busy machine, which says nothing about the run
+    grep -q "before MPI_INIT" "$base.log" || return 1
+  done
+  return 1
 }
 
 export TENDRIL=${TENDRIL:-build/tendril}

@@ -273,7 +273,7 @@ typedef struct {
   PetscReal *R1, *R2;
 } Amplifier;
 
-static PetscErrorCode Amplify(Mat A, Vec x, Vec y) {
+static PetscErrorCode AmplifyEither(Mat A, PetscBool transpose, Vec x, Vec y) {
   Amplifier *self;
   PetscReal *c;
 
@@ -281,25 +281,28 @@ static PetscErrorCode Amplify(Mat A, Vec x, Vec y) {
   PetscCall(MatShellGetContext(A, &self));
   PetscCall(VecCopy(x, y));
   PetscCall(VecGetArray(y, &c));
-  BandUpperSolve(self->propagator->n, HALF, self->R1, PETSC_FALSE, c);
-  PetscCall(PropagatorApply(self->propagator, PETSC_FALSE, c));
-  BandUpperMult(self->propagator->n, HALF, self->R2, PETSC_FALSE, c);
+  if (transpose)
+    BandUpperMult(self->propagator->n, HALF, self->R2, PETSC_TRUE, c);
+  else
+    BandUpperSolve(self->propagator->n, HALF, self->R1, PETSC_FALSE, c);
+  PetscCall(PropagatorApply(self->propagator, transpose, c));
+  if (transpose)
+    BandUpperSolve(self->propagator->n, HALF, self->R1, PETSC_TRUE, c);
+  else
+    BandUpperMult(self->propagator->n, HALF, self->R2, PETSC_FALSE, c);
   PetscCall(VecRestoreArray(y, &c));
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode AmplifyTranspose(Mat A, Vec x, Vec y) {
-  Amplifier *self;
-  PetscReal *c;
-
+static PetscErrorCode Amplify(Mat A, Vec x, Vec y) {
   PetscFunctionBegin;
-  PetscCall(MatShellGetContext(A, &self));
-  PetscCall(VecCopy(x, y));
-  PetscCall(VecGetArray(y, &c));
-  BandUpperMult(self->propagator->n, HALF, self->R2, PETSC_TRUE, c);
-  PetscCall(PropagatorApply(self->propagator, PETSC_TRUE, c));
-  BandUpperSolve(self->propagator->n, HALF, self->R1, PETSC_TRUE, c);
-  PetscCall(VecRestoreArray(y, &c));
+  PetscCall(AmplifyEither(A, PETSC_FALSE, x, y));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode AmplifyTranspose(Mat A, Vec x, Vec y) {
+  PetscFunctionBegin;
+  PetscCall(AmplifyEither(A, PETSC_TRUE, x, y));
   PetscFunctionReturn(0);
 }
 

@@ -3,27 +3,19 @@
 
     bad_physics.py build/tendril [CHECK...]      (no CHECK: all of them)"""
 
-import os
 import subprocess
 import sys
-import tempfile
 from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
-try:
-    import h5py
-    import numpy as np
-except ImportError:
-    venv = HERE.parent / ".venv/bin/python"
-    if venv.exists() and Path(sys.prefix) != venv.parent.parent:
-        os.execv(venv, [str(venv), *sys.argv])
-    sys.exit("bad_physics: needs h5py and numpy; scripts/setup.sh makes .venv with them")
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
+from scene_test import Failure, expect
+
+import h5py
+import numpy as np
 
 CHECKS = {}
-ENVIRONMENT = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
-                   OMPI_MCA_ess_singleton_isolated="1", OMP_NUM_THREADS="1")
 LIMIT = 60  # seconds
-TENDRIL = SCRATCH = None
 BENT = "-growth_initial_length 2 -shape_amplitude 0.1 "
 
 
@@ -32,22 +24,13 @@ def check(function):
     return function
 
 
-class Failure(Exception):
-    pass
-
-
-def expect(condition, message):
-    if not condition:
-        raise Failure(message)
-
-
 def tendril(options):
     """(exit code, stderr, results)"""
-    file = SCRATCH / "run.h5"
+    file = Path(scene.SCRATCH) / "run.h5"
     file.unlink(missing_ok=True)
     try:
-        done = subprocess.run([TENDRIL, *options.split(), "-output", str(file)], text=True,
-                              capture_output=True, env=ENVIRONMENT, timeout=LIMIT)
+        done = subprocess.run([scene.TENDRIL, *options.split(), "-output", str(file)], text=True,
+                              capture_output=True, env=scene.ENVIRONMENT, timeout=LIMIT)
     except subprocess.TimeoutExpired:
         raise Failure(f"{options}: hung") from None
     results = {}
@@ -79,10 +62,10 @@ def refused(options, word):
 def table(name, g, times, labels=41):
     """A growth table g(s, t) as file; its options."""
     s = np.linspace(0, 1, labels)
-    with h5py.File(SCRATCH / name, "w") as f:
+    with h5py.File(f"{scene.SCRATCH}/{name}", "w") as f:
         f["s"], f["t"] = s, times
         f["g"] = np.array([g(s, t) * np.ones(labels) for t in times])
-    return (f"-growth_type table -growth_table {SCRATCH / name} -shape_amplitude 0.1 "
+    return (f"-growth_type table -growth_table {scene.SCRATCH}/{name} -shape_amplitude 0.1 "
             f"-ts_max_time {times[-1]:g} ")
 
 
@@ -176,9 +159,9 @@ def crossed_initial_shape():
     """A full loop crosses itself: the run goes on and the crossings are counted. A spiral of more
     than a full turn does not cross (its curvature falls steadily), and runs as well."""
     s = np.linspace(0, 1, 101)
-    with h5py.File(SCRATCH / "loop.h5", "w") as f:
+    with h5py.File(f"{scene.SCRATCH}/loop.h5", "w") as f:
         f["s"], f["theta"] = s, 7.5 * s * s * (3 - 2 * s)
-    for shape, crosses in ((f"-shape_type file -shape_file {SCRATCH / 'loop.h5'}", True),
+    for shape, crosses in ((f"-shape_type file -shape_file {scene.SCRATCH}/loop.h5", True),
                            ("-shape_amplitude 6.5", False), ("-shape_amplitude -6.5", False)):
         r = grown(f"-growth_initial_length 6 {shape} -ts_max_time 2 -rod_cells 200")
         expect(abs(r["length"][-1] - 8) < 1e-9, f"{shape}: length {r['length'][-1]}")
@@ -198,24 +181,5 @@ def clamp_at_pi():
         expect(abs(back["energy"][-1] / ahead["energy"][-1] - 1) < 1e-9, f"{angle}: energy")
 
 
-def main():
-    global TENDRIL, SCRATCH
-    TENDRIL, names = sys.argv[1], sys.argv[2:]
-    unknown = [n for n in names if n not in CHECKS]
-    if unknown:
-        sys.exit(f"bad_physics: no check {unknown[0]}; there are {', '.join(CHECKS)}")
-    failures = 0
-    with tempfile.TemporaryDirectory() as scratch:
-        SCRATCH = Path(scratch)
-        for name in names or CHECKS:
-            try:
-                CHECKS[name]()
-                print(f"ok   {name}", flush=True)
-            except Failure as failure:
-                failures += 1
-                print(f"FAIL {name}: {failure}", flush=True)
-    return failures > 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(scene.main(CHECKS))
