@@ -8,6 +8,7 @@ PetscErrorCode FrictionSetFromOptions(Friction *friction) {
 
   PetscFunctionBegin;
   friction->mu = 1;
+  friction->more = 0;
   friction->beta = 1e-3;
   PetscCall(OptionsHeading("Friction"));
   PetscCall(OptionReal("-friction_mu", "dry share of friction, 0 (viscous) to 1 (dry)", 0, 1,
@@ -67,7 +68,7 @@ void FrictionLinearise(const Friction *law, const PetscReal v[2], const Friction
   for (int i = 0; i < 2; i++)
     for (int j = 0; j < 2; j++) {
       PetscReal w = law->newton == NEWTON_PRIMAL ? u[i] / r : dual->w[i];
-      slope[i][j] = (i == j) * (1 - law->mu + d) - d * w * u[j] / r;
+      slope[i][j] = (i == j) * (1 - law->mu + law->more + d) - d * w * u[j] / r;
     }
 }
 

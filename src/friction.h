@@ -10,6 +10,7 @@ typedef enum { NEWTON_PRIMAL, NEWTON_PRIMAL_DUAL } FrictionNewton;
 typedef struct {
   PetscReal mu;   /* dry share, in [0,1] */
   PetscReal beta; /* regularisation of |v|^2; 0: exact Coulomb friction */
+  PetscReal more; /* viscous friction beside 1 - mu: 0, but in a snap (snap.c) */
   FrictionNewton newton;
 } Friction;
 
@@ -46,13 +47,13 @@ static inline PetscReal FrictionRadius(const Friction *law, const PetscReal v[2]
 static inline void FrictionForce(const Friction *law, const PetscReal v[2],
                                  const FrictionDual *dual, PetscReal f[2]) {
   PetscReal u[2], r = FrictionRadius(law, v, dual, u);
-  for (int d = 0; d < 2; d++) f[d] = (1 - law->mu) * v[d] + law->mu * u[d] / r;
+  for (int d = 0; d < 2; d++) f[d] = (1 - law->mu + law->more) * v[d] + law->mu * u[d] / r;
 }
 
 /* phi(|v|) given |v|^2; a point at rest under exact Coulomb friction loses no power: 1 - mu */
 static inline PetscReal FrictionPhi(const Friction *law, PetscReal v2) {
   PetscReal r = PetscSqrtReal(v2 + law->beta);
-  return 1 - law->mu + (r > 0 ? law->mu / r : 0);
+  return 1 - law->mu + law->more + (r > 0 ? law->mu / r : 0);
 }
 
 #endif

@@ -1,11 +1,12 @@
 #include "grow.h"
 #include "accuracy.h"
 #include "event.h"
-#include "newton.h"
+#include "leg.h"
 #include "observe.h"
 #include "options.h"
 #include "output.h"
 #include "restart.h"
+#include "snap.h"
 #include "vbdf.h"
 #include <petsctime.h>
 #include <signal.h>
@@ -13,20 +14,10 @@
 enum { LINEAR, FRAME, MIXED, AUTO }; /* as -rod_model and the series `model` number them */
 static const RodModel *const models[] = {&rod_linear, &rod_frame, &rod_mixed};
 
-/* One model at work: auto has two, taking turns. */
-typedef struct {
-  Rod rod;
-  TS ts;
-  Newton newton;
-  Mat J;
-  PetscInt jumps;         /* so far */
-  Vec U, tolerance, none; /* none: 0, the part of the tolerance relative to each entry */
-} Leg;
-
 typedef struct {
   Scene scene;
   PetscInt model; /* as asked for */
-  Leg leg[3];     /* by model; those not in use are empty */
+  Leg leg[3];     /* by model; those not in use are empty; auto has two, taking turns */
   Leg *now;
   Observer observer;
   Output output;
@@ -51,63 +42,12 @@ static void OnSignal(int number) {
 }
 
 static PetscErrorCode Self(TS ts, Grow **self) {
-  PetscFunctionBegin;
-  PetscCall(TSGetApplicationContext(ts, self));
-  PetscFunctionReturn(0);
-}
-
-/* Local errors add up, in the decay and growth of x2 even with one sign: a step gets this part of
-   the tolerance. */
-static const PetscReal share_of_step = 0.15;
-
-/* The tolerance of each entry: that part of rtol times the present size of its field; -1 leaves out
-   the fields that are not followed (forces and moments of an index-2 problem are not to control the
-   step). */
-static PetscErrorCode BeforeStep(TS ts) {
-  Grow *self;
   Leg *leg;
-  PetscInt fields, n;
-  PetscReal size[MAX_FIELDS];
-  PetscScalar *a;
 
   PetscFunctionBegin;
-  PetscCall(Self(ts, &self));
-  leg = self->now;
-  fields = leg->rod->model->fields;
-  PetscCall(RodFieldSizes(leg->rod, leg->U, size));
-  PetscCall(VecGetLocalSize(leg->tolerance, &n));
-  PetscCall(VecGetArray(leg->tolerance, &a));
-  for (PetscInt i = 0; i < n; i += fields)
-    for (PetscInt f = 0; f < fields; f++)
-      a[i + f] = leg->rod->model->followed[f]
-                     ? share_of_step * self->rtol * PetscMax(size[f], rod_vanished)
-                     : -1;
-  PetscCall(VecRestoreArray(leg->tolerance, &a));
-  PetscCall(TSSetTolerances(ts, PETSC_DEFAULT, leg->tolerance, self->rtol, leg->none));
-  PetscFunctionReturn(0);
-}
-
-/* A Newton solve begins: the friction duals start anew. */
-static PetscErrorCode BeforeStage(TS ts, PetscReal t) {
-  Grow *self;
-
-  PetscFunctionBegin;
-  PetscCall(Self(ts, &self));
-  self->now->rod->fresh = PETSC_TRUE;
-  PetscFunctionReturn(0);
-}
-
-/* The first step has one point to start from: let the rod grow without friction. */
-static PetscErrorCode FirstGuess(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1, void *ctx) {
-  Rod rod = (Rod)ctx;
-  Node *nodes;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc1(rod->end - rod->first, &nodes));
-  PetscCall(rod->model->get(rod, t0, U0, NULL, nodes));
-  PetscCall(RodGrowNodes(rod, t0, t1, nodes));
-  PetscCall(rod->model->set(rod, t1, nodes, U1));
-  PetscCall(PetscFree(nodes));
+  *self = NULL;
+  PetscCall(TSGetApplicationContext(ts, &leg));
+  *self = (Grow *)leg->owner;
   PetscFunctionReturn(0);
 }
 
@@ -370,71 +310,15 @@ static PetscErrorCode AfterStep(TS ts) {
   PetscFunctionReturn(0);
 }
 
-/* PETSc's theta methods start Newton's iteration from the step before, a rod at rest, where
-   friction is stiffest: let them extrapolate, which only an option can tell them. */
-static PetscErrorCode ExtrapolateTheta(void) {
-  const char *const option = "-ts_theta_initial_guess_extrapolate";
-  char type[32] = "";
-  PetscBool given, theta = PETSC_FALSE;
-
-  PetscFunctionBegin;
-  PetscCall(PetscOptionsGetString(NULL, NULL, "-ts_type", type, sizeof(type), NULL));
-  PetscCall(PetscStrInList(type, "beuler,theta,cn", ',', &theta));
-  PetscCall(PetscOptionsHasName(NULL, NULL, option, &given));
-  if (theta && !given) PetscCall(PetscOptionsSetValue(NULL, option, "true"));
-  PetscFunctionReturn(0);
-}
-
-static PetscErrorCode LegCreate(Grow *self, PetscInt model) {
+static PetscErrorCode AddLeg(Grow *self, PetscInt model) {
   Leg *leg = &self->leg[model];
-  PetscBool fixed, given;
 
   PetscFunctionBegin;
-  PetscCall(RodCreate(self->scene, models[model], &leg->rod));
-  PetscCall(DMCreateGlobalVector(leg->rod->da, &leg->U));
-  PetscCall(VecDuplicate(leg->U, &leg->tolerance));
-  PetscCall(VecDuplicate(leg->U, &leg->none));
-  PetscCall(RodCreateMatrix(leg->rod, &leg->J));
-  PetscCall(TSCreate(PETSC_COMM_WORLD, &leg->ts));
-  PetscCall(TSSetDM(leg->ts, leg->rod->da));
-  PetscCall(TSSetApplicationContext(leg->ts, self));
-  PetscCall(TSSetEquationType(leg->ts, TS_EQ_DAE_IMPLICIT_INDEX2));
-  PetscCall(TSSetIFunction(leg->ts, NULL, RodResidual, leg->rod));
-  PetscCall(TSSetIJacobian(leg->ts, leg->J, leg->J, RodJacobian, leg->rod));
-  PetscCall(TSSetType(leg->ts, TSVBDF));
-  PetscCall(TSSetTolerances(leg->ts, PETSC_DEFAULT, NULL, self->rtol, NULL));
+  PetscCall(LegCreate(self->scene, models[model], self->rtol, NULL, leg));
+  leg->owner = self;
   PetscCall(TSSetMaxTime(leg->ts, self->scene->end_time));
-  PetscCall(TSSetMaxSteps(leg->ts, PETSC_MAX_INT));
-  PetscCall(TSSetExactFinalTime(leg->ts, TS_EXACTFINALTIME_MATCHSTEP));
-  PetscCall(TSSetTimeStep(leg->ts, 1e-4));
-  PetscCall(TSSetMaxSNESFailures(leg->ts, -1));
-  PetscCall(TSSetMaxStepRejections(leg->ts, 50));
-  PetscCall(TSSetErrorIfStepFails(leg->ts, PETSC_FALSE));
-  PetscCall(TSSetPreStep(leg->ts, BeforeStep));
-  PetscCall(TSSetPreStage(leg->ts, BeforeStage));
   PetscCall(TSSetPostStep(leg->ts, AfterStep));
-  PetscCall(NewtonSetUp(leg->ts, leg->rod, &leg->newton));
-  PetscCall(ExtrapolateTheta());
-  PetscCall(TSSetFromOptions(leg->ts));
-  PetscCall(PetscObjectTypeCompareAny((PetscObject)leg->ts, &fixed, TSBEULER, TSTHETA, TSCN, ""));
-  PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_dt", &given));
-  if (fixed && !given) PetscCall(TSSetTimeStep(leg->ts, 0.01)); /* the paper's */
-  PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_max_snes_failures", &given));
-  if (fixed && !given)
-    PetscCall(TSSetMaxSNESFailures(leg->ts, 10)); /* a fixed step does not help itself */
-  PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));
-  PetscCall(TSSetSolution(leg->ts, leg->U));
-  PetscFunctionReturn(0);
-}
-
-static PetscErrorCode LegDestroy(Leg *leg) {
-  PetscFunctionBegin;
-  PetscCall(TSDestroy(&leg->ts));
-  PetscCall(MatDestroy(&leg->J));
-  PetscCall(VecDestroy(&leg->U));
-  PetscCall(VecDestroy(&leg->tolerance));
-  PetscCall(VecDestroy(&leg->none));
-  PetscCall(RodDestroy(&leg->rod));
+  if (model != LINEAR) PetscCall(VBDFSetSnap(leg->ts, SnapFollow));
   PetscFunctionReturn(0);
 }
 
@@ -588,7 +472,7 @@ static PetscErrorCode GrowCreate(Grow *self, const char *output, const char *res
   PetscCall(ReadOptions(self));
   if (restart[0]) PetscCall(RestartRead(restart, self->scene, &state, &points));
   for (PetscInt m = 0; m < 3; m++)
-    if (m == self->model || (self->model == AUTO && m != MIXED)) PetscCall(LegCreate(self, m));
+    if (m == self->model || (self->model == AUTO && m != MIXED)) PetscCall(AddLeg(self, m));
   PetscCall(OptionsRefuseUnread());
   PetscCall(ObserverCreate(self->scene, &self->observer));
   if (!restart[0]) {
@@ -604,7 +488,7 @@ static PetscErrorCode GrowCreate(Grow *self, const char *output, const char *res
 }
 
 /* The last words on a run: how far off it may be. Other steppers than vbdf are not calibrated. */
-static PetscErrorCode Errors(Grow *self) {
+static PetscErrorCode Errors(Grow *self, PetscInt jumps) {
   Rod rod = self->now->rod;
   PetscReal error, defect = self->seen.energy_defect;
   PetscBool vbdf;
@@ -617,6 +501,8 @@ static PetscErrorCode Errors(Grow *self) {
     if (self->model == LINEAR) error += PetscSqr(self->largest_angle);
     PetscCall(PetscPrintf(PETSC_COMM_WORLD, ", error estimate %.1e", (double)error));
   }
+  if (jumps)
+    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "; %d snap%s", (int)jumps, jumps > 1 ? "s" : ""));
   PetscCall(PetscPrintf(PETSC_COMM_WORLD, "\n"));
   if (defect > 1e-3)
     PetscCall(PetscPrintf(
@@ -650,7 +536,7 @@ static PetscErrorCode Summary(Grow *self) {
                         (double)seen->norm_x2));
   PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%d steps, %d rejected, %d Newton iterations, %.3f s; ",
                         (int)steps, (int)rejections, (int)iterations, now - self->begin));
-  PetscCall(Errors(self));
+  PetscCall(Errors(self, jumps));
   PetscFunctionReturn(0);
 }
 

@@ -11,6 +11,7 @@ struct _Growth {
   PetscReal end_time;       /* the law is defined up to here */
   PetscBool uniform;        /* g does not depend on s */
   PetscBool slides;         /* feed: the rod slides through the clamp, c = 1 - s */
+  PetscBool stopped;        /* GrowthStop(): stands still at one time of another law */
   PetscErrorCode (*stretch)(Growth, PetscReal s, PetscReal t, PetscReal *g, PetscReal *g_t,
                             PetscReal *g_s);
   PetscErrorCode (*arc)(Growth, PetscReal s, PetscReal t, PetscReal *p, PetscReal *p_t);
@@ -20,6 +21,7 @@ struct _Growth {
 
 PetscErrorCode GrowthCreate(Growth *growth);
 PetscErrorCode GrowthDestroy(Growth *growth);
+PetscErrorCode GrowthStop(Growth law, PetscReal t, Growth *stopped);
 PetscErrorCode GrowthStretch(Growth growth, PetscInt n, const PetscReal s[], PetscReal t,
                              PetscReal g[], PetscReal g_t[], PetscReal g_s[]);
 PetscErrorCode GrowthArc(Growth growth, PetscInt n, const PetscReal s[], PetscReal t, PetscReal p[],
@@ -28,7 +30,7 @@ PetscErrorCode GrowthLength(Growth growth, PetscReal t, PetscReal *length, Petsc
 
 /* Convective speed of the material along the rod (theory.md section 3): v = x_t + c q. */
 static inline PetscReal GrowthSlide(Growth growth, PetscReal s) {
-  return growth->slides ? 1 - s : 0;
+  return growth->slides && !growth->stopped ? 1 - s : 0;
 }
 
 #endif

@@ -19,16 +19,24 @@ typedef struct {
   Vec affine, rate, work;
   VBDFGuess guess;
   void *guess_ctx;
+  VBDFSnap snap;
+  PetscBool snapped; /* the present step begins behind a snap */
 } VBDF;
 
 static const PetscReal safety = 0.5; /* aim at this part of the tolerance */
 /* Dry friction cannot hold a rod that is bent too sharply, and without inertia it snaps at once: a
    jump. It shows in an error that a much shorter step (a third at most) does not lessen to this
-   part. Backward Euler carries the rod over, and the history starts anew behind it. Likewise for a
-   first step below jump_step of the final time, where an initial layer may be left unresolved. */
+   part. VBDFSetSnap() tells how to follow it; else, or if it shows once more, backward Euler
+   carries the rod over. The history starts anew behind it. Likewise for a first step below
+   jump_step of the final time, where an initial layer may be left unresolved. */
 static const PetscReal jump_persists = 0.7, jump_step = 1e-11;
-/* ... and below this one there is nothing but round-off. */
-static const PetscReal smallest = 1e-13;
+/* A rod that barely sticks may slip by a little, and stick again in a step that is short enough: in
+   a step below this part of the final time, such an error is a jump, too. (That of a kink would
+   fall like the step, to a third at most.) */
+static const PetscReal slip_persists = 0.25, slip_step = 1e-8;
+/* ... and below this part of the present time there is nothing but round-off; early on, of this
+   part of the final time. */
+static const PetscReal smallest = 1e-13, early = 1e-3;
 static const PetscReal shrink_most = 0.2, grow_most = 2;
 
 /* Values at t of the Lagrange polynomials on n points. */
@@ -140,7 +148,7 @@ static PetscReal StepFactor(PetscReal e, PetscInt q) {
 */
 static PetscErrorCode Choose(TS ts, VBDF *self, PetscBool *accept, PetscReal *factor) {
   PetscInt k = self->order, best = k;
-  PetscReal e, lower = 0, higher = 0;
+  PetscReal e, persists, lower = 0, higher = 0;
 
   PetscFunctionBegin;
   if (self->n > k)
@@ -148,8 +156,9 @@ static PetscErrorCode Choose(TS ts, VBDF *self, PetscBool *accept, PetscReal *fa
   else
     PetscCall(FirstError(ts, self, &e));
   *accept = (PetscBool)(e <= 1);
+  persists = ts->time_step < slip_step * ts->max_time ? slip_persists : jump_persists;
   self->jumped = (PetscBool)(!*accept && k == 1 &&
-                             (e > jump_persists * self->rejected ||
+                             (e > persists * self->rejected ||
                               (self->n == 1 && ts->time_step < jump_step * ts->max_time)));
   self->rejected = *accept ? PETSC_MAX_REAL : e;
   if (self->jumped) *accept = PETSC_TRUE;
@@ -222,7 +231,24 @@ static PetscErrorCode Retry(TS ts, VBDF *self, PetscInt attempt, PetscReal facto
     self->n = 1;
   }
   if (ts->max_reject >= 0 && attempt > ts->max_reject) ts->reason = TS_DIVERGED_STEP_REJECTED;
-  if (ts->time_step < smallest * ts->max_time) ts->reason = TS_DIVERGED_STEP_REJECTED;
+  if (ts->time_step < smallest * PetscMax(ts->ptime, early * ts->max_time))
+    ts->reason = TS_DIVERGED_STEP_REJECTED;
+  PetscFunctionReturn(0);
+}
+
+/* A jump shows: follows it from the last point on, and begins the step again behind it. */
+static PetscErrorCode Snap(TS ts, VBDF *self, PetscBool *accept) {
+  PetscBool done;
+
+  PetscFunctionBegin;
+  PetscCall(self->snap(ts, self->time[1], self->point[1], &done));
+  if (!done) PetscFunctionReturn(0);
+  *accept = PETSC_FALSE;
+  self->jumped = PETSC_FALSE;
+  self->snapped = PETSC_TRUE;
+  self->rejected = PETSC_MAX_REAL;
+  self->order = 1;
+  self->n = 1;
   PetscFunctionReturn(0);
 }
 
@@ -233,7 +259,7 @@ static PetscErrorCode TSStep_VBDF(TS ts) {
 
   PetscFunctionBegin;
   PetscCall(PetscObjectTypeCompare((PetscObject)ts->adapt, TSADAPTNONE, &self->fixed));
-  self->jumped = PETSC_FALSE;
+  self->jumped = self->snapped = PETSC_FALSE;
   self->rejected = PETSC_MAX_REAL;
   if (ts->steprestart && !self->given) self->n = 0;
   if (!self->given && !ts->steprollback) PetscCall(Push(ts, self));
@@ -260,14 +286,18 @@ static PetscErrorCode TSStep_VBDF(TS ts) {
     }
     accept = PETSC_TRUE;
     if (!self->fixed) PetscCall(Choose(ts, self, &accept, &factor));
+    if (self->jumped && self->snap && !self->snapped) {
+      PetscCall(Snap(ts, self, &accept));
+      if (!accept) continue;
+    }
     if (accept) break;
     if (factor > 1. / 3) self->rejected = PETSC_MAX_REAL;
     PetscCall(Retry(ts, self, attempt, factor));
   }
   if (ts->reason) PetscFunctionReturn(0);
   self->since++;
+  if (self->jumped || self->snapped) self->jumps++;
   if (self->jumped) {
-    self->jumps++;
     self->n = 0;
     factor = 1;
   }
@@ -406,6 +436,16 @@ PetscErrorCode VBDFSetGuess(TS ts, VBDFGuess guess, void *ctx) {
     self->guess = guess;
     self->guess_ctx = ctx;
   }
+  PetscFunctionReturn(0);
+}
+
+/* VBDFSetSnap - sets how to follow a jump. No effect on other types. */
+PetscErrorCode VBDFSetSnap(TS ts, VBDFSnap snap) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  if (self) self->snap = snap;
   PetscFunctionReturn(0);
 }
 

@@ -340,6 +340,27 @@ def task_of(file):
 
 
 @check
+def snap():
+    """Where dry friction cannot hold a bent rod, it takes the path of a vanishing viscous share: the
+    limit of 1 - mu = 1e-4, 1e-5. (A single step of backward Euler would miss the bent rod's tip by
+    0.3 %, the hairpin's by half.)"""
+    for amplitude in ("1.5", "3.1"):
+        bent = f"-growth_initial_length 2 -shape_amplitude {amplitude} -ts_max_time 5 "
+        nearly = [Run(bent + f"-friction_mu {mu}").tip for mu in ("0.9999", "0.99999")]
+        limit = nearly[1] + (nearly[1] - nearly[0]) / 9
+        dry = Run(bent)
+        on_two = Run(bent, ranks=2)
+        stuck = Run(bent + "-friction_beta 0").tip
+        print(f"{amplitude}: limit {limit}, dry off by {distance(dry.tip, limit):.1e}, exact Coulomb "
+              f"by {distance(stuck, limit):.1e}; two ranks differ by "
+              f"{distance(on_two.tip, dry.tip):.1e}")
+        expect(distance(dry.tip, limit) < 2e-4, f"{amplitude}: tip {dry.tip}, not {limit}")
+        expect(distance(stuck, limit) < 2e-3, f"{amplitude}: exact Coulomb, tip {stuck}")
+        expect(distance(on_two.tip, dry.tip) < 1e-5, f"{amplitude}: two ranks, tip {on_two.tip}")
+        expect(dry.energy_defect[-1] < 1e-3, f"{amplitude}: defect {dry.energy_defect[-1]:.1e}")
+
+
+@check
 def options_files():
     """Each scene in options/ runs for a few steps as it stands, or as a small problem of its task."""
     small = {"stability": "-stability_points 3 -stability_vertices 60", "critical": "-rod_cells 60"}
