@@ -13,7 +13,7 @@ import re
 import sys
 from pathlib import Path
 
-from measure import DECAY, ROOT, Case, Scene, Store, from_reference
+from measure import CORES, DECAY, ROOT, Case, Scene, Store, from_reference
 
 # scenes of options/ with a reference: its file, the options
 INDEPENDENT = {"uniform-dry": ("v_decay_mu1", DECAY),
@@ -81,14 +81,19 @@ def main():
     parser.add_argument("--scenes", type=int, default=10, help="drawn at random")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--store", type=Path, default=ROOT / "results/accuracy/runs.jsonl")
+    parser.add_argument("--jobs", type=int, default=CORES, help="runs side by side")
     parser.add_argument("--again", action="store_true", help="repeat runs that are in the store")
     parser.add_argument("--output", type=Path, help="a table, CSV")
     arguments = parser.parse_args()
     store, missed, table = Store(arguments.store), 0, []
-    for scene in [*scenes_of_options(), *scenes_at_random(arguments.scenes, arguments.seed)]:
+    scenes = [*scenes_of_options(), *scenes_at_random(arguments.scenes, arguments.seed)]
+    wanted = {(scene, asked): Case("tendril", scene, f"-accuracy {asked}", limit=300)
+              for scene in scenes for asked in arguments.tolerances.split(",")}
+    store.get_all([(scene.name, case) for (scene, _), case in wanted.items()], arguments.jobs,
+                  [case.key for case in wanted.values()] if arguments.again else ())
+    for scene in scenes:
         for asked in arguments.tolerances.split(","):
-            run = store.get(Case("tendril", scene, f"-accuracy {asked}", limit=300),
-                            again=arguments.again)
+            run = store.runs[wanted[scene, asked].key]
             ratio = run.get("error", float("inf")) / float(asked)
             met = 0.01 <= ratio <= 1
             missed += not met

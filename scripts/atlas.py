@@ -9,9 +9,7 @@ side, one to a core."""
 
 import argparse
 import csv
-import os
 import sys
-from concurrent.futures import ThreadPoolExecutor
 
 import matplotlib
 
@@ -19,7 +17,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from measure import (CRASHED, DECAY, GAVE_UP, HUNG, REFUSED, RIGHT_, ROOT, THICK, WRONG, Case,
+from measure import (CORES, CRASHED, DECAY, GAVE_UP, HUNG, REFUSED, RIGHT_, ROOT, THICK, WRONG, Case,
                      Scene, Store, say)
 from plot import STYLE
 
@@ -78,6 +76,23 @@ def cells(quick):
     for length in ("0.25", "10", "30"):
         result.append(scene("$L_0$, $t=5$", length,
                             f"-growth_initial_length {length} -shape_amplitude 0.1", (1, 5)))
+    corners = [("fed", f"{THICK} -growth_type feed -friction_beta", ("1e-9", "0"), (2, 6, 10)),
+               ("0.05", f"{THICK} -growth_type gaussian -growth_width 0.05 -friction_beta",
+                ("1e-12", "0"), (2, 6, 10)),
+               ("0.005", f"{THICK} -growth_type gaussian -growth_width 0.005 -friction_beta",
+                ("1e-12",), (2, 6, 10)),
+               ("0.05, 1e-16", "-growth_type gaussian -growth_width 0.05 -shape_amplitude 1e-16 "
+                "-growth_initial_length 2 -friction_beta", ("1e-9",), (2, 5)),
+               ("hairpin", "-growth_initial_length 2 -shape_amplitude 3.1 -friction_beta",
+                ("1e-12", "0"), (2, 5)),
+               ("fed hairpin", "-growth_type feed -growth_initial_length 2 -shape_amplitude 3.1 "
+                "-friction_beta", ("1e-9",), (2, 5))]
+    for name, options, betas, times in corners:
+        for beta in betas:
+            result.append(scene(r"corners: width or shape, $\beta$", f"{name}, {beta}",
+                                f"{options} {beta}", times))
+    for n in ("100", "1000", "10000"):
+        result.append(scene("decay, $N$", n, f"{DECAY} -rod_cells {n}", (8, 12)))
     return result[::4] if quick else result
 
 
@@ -129,65 +144,95 @@ def measure_all(store, arguments):
     wanted = cases(arguments)
     again = [w[3].key for w in wanted if w[0] in arguments.again.split(",")]
     if not arguments.draw:
-        new = [w for w in wanted if w[3].key not in store.runs or w[3].key in again]
-        print(f"atlas: {len(new)} of {len(wanted)} runs to do, {arguments.jobs} at a time")
-        with ThreadPoolExecutor(arguments.jobs) as pool:
-            list(pool.map(store.reference, dict.fromkeys(w[3].scene for w in new)))
-            for run in pool.map(lambda w: dict(store.get(w[3], again=w[3].key in again),
-                                               scene=w[2]), new):
-                say(run)
-    return [(*w[:3], store.runs[w[3].key]) for w in wanted if w[3].key in store.runs]
+        store.get_all([w[2:] for w in wanted], arguments.jobs, again)
+    found = [(*w[:3], dict(store.runs[w[3].key])) for w in wanted if w[3].key in store.runs]
+    explain(found)
+    return found
 
 
-# verdict: (colour, letter); Okabe and Ito, and the letter says the same
-LOOK = {RIGHT_: ("#a6d5f0", ""), WRONG: ("#E69F00", "w"), GAVE_UP: ("#F5E663", "g"),
-        REFUSED: ("#e4e4e4", "n"), CRASHED: ("#D55E00", "c"), HUNG: ("#7a4fa3", "h")}
+def explain(found):
+    """Why a finished run is wrong. The default is right on the same mesh: with another stepper the
+    error is in time; with another model, all else the same, in space or of the model. The paper's
+    elements err in time if a fifth of the step lessens the error to a half."""
+    error = {f[:3]: f[3].get("error") for f in found}
+    for method, group, label, run in found:
+        if run["verdict"] != WRONG:
+            continue
+        finer = error.get(("paper's elements, step 0.002", group, label))
+        if group in SETTINGS:
+            why = "time" if group != SETTINGS[0] or "Euler" in method else "space"
+        elif method in ("frame 2", "mixed"):
+            why = "space"
+        elif method == "paper's elements" and finer and finer > run["error"] / 2:
+            why = "space"
+        elif method == "paper's elements, step 0.002":
+            coarse = error.get(("paper's elements", group, label)) or np.inf
+            why = "space" if run["error"] > coarse / 2 else "time"
+        else:
+            why = {"linear": "model", "PyElastica": "elements"}.get(method, "time")
+        run["reason"] = why
 
-NAMES = {RIGHT_: "right (seconds)",
-         HUNG: f"hung, or over {LIMIT} s; peers {LIMIT_PEER} s (h)"}
+
+# Okabe and Ito's colours; the letter in a cell tells why
+COLOUR = {RIGHT_: "#a6d5f0", WRONG: "#E69F00", GAVE_UP: "#F5E663", REFUSED: "#e4e4e4",
+          CRASHED: "#D55E00", HUNG: "#7a4fa3"}
+LETTER = {"time": "t", "space": "s", "model": "m", "elements": "e", "angle": "a", "newton": "N",
+          "rejections": "N", "step": "N", "zero pivot": "N", "time limit": "h", "refused": "n"}
+NAMES = {RIGHT_: "right, with its seconds",
+         WRONG: "wrong (errs in t time, s space, m model, e its elements)",
+         GAVE_UP: "gave up (N Newton or the step, a large angles)", REFUSED: "not supported (n)",
+         CRASHED: "crashed (c)", HUNG: f"hung or over {LIMIT} s, peers {LIMIT_PEER} s (h)"}
 
 
 def cost(seconds):
     return f"{seconds:.2f}"[1 if seconds < 0.995 else 0:] if seconds < 1.95 else f"{seconds:.0f}"
 
 
-def draw_map(found, base):
+def draw_block(ax, found, methods):
+    """Methods down, cells across, in groups; returns how many columns wide it is."""
     groups = {}
     for _, group, label, _ in found:
         groups.setdefault(group, {})[label] = None
-    methods = [m for m in METHODS if any(f[0] == m for f in found)]
-    columns, gap = {}, 0.6
-    at = 0.0
+    columns, at, gap = {}, 0.0, 0.7
     for group, labels in groups.items():
+        ax.text(at - 0.5, -0.75, group, fontsize=7, ha="left", va="bottom")
         for label in labels:
             columns[group, label] = at
             at += 1
-        at += gap
+        at = max(at + gap, columns[group, next(iter(labels))] + 0.33 * len(group.replace("$", "")))
+    for method, group, label, run in found:
+        x, y, verdict = columns[group, label], methods.index(method), run["verdict"]
+        ax.add_patch(plt.Rectangle((x - 0.5, y - 0.5), 1, 1, fc=COLOUR[verdict], ec="white",
+                                   lw=0.6))
+        right = verdict == RIGHT_
+        ax.text(x, y, cost(run["seconds"]) if right else LETTER.get(run["reason"], "c"),
+                ha="center", va="center", fontsize=5 if right else 7,
+                color="white" if verdict in (HUNG, CRASHED) else "black")
+    ax.set_yticks(range(len(methods)), methods)
+    ax.set_xticks(list(columns.values()), [label for _, label in columns], rotation=90, fontsize=7)
+    ax.set_ylim(len(methods) - 0.5, -0.6)
+    ax.tick_params(length=0)
+    for side in ax.spines.values():
+        side.set_visible(False)
+    return at - gap
+
+
+def draw_map(found, base):
+    """Above, the cells; below, the settings of some methods on one rod."""
+    blocks = [[f for f in found if (f[1] in SETTINGS) == below] for below in (False, True)]
+    blocks = [b for b in blocks if b]
+    methods = [[m for m in METHODS if any(f[0] == m for f in b)] for b in blocks]
     with plt.rc_context(STYLE):
-        fig, ax = plt.subplots(figsize=(2 + 0.22 * at, 1.7 + 0.2 * len(methods)))
-        for method, group, label, run in found:
-            x, y = columns[group, label], methods.index(method)
-            colour, letter = LOOK[run["verdict"]]
-            ax.add_patch(plt.Rectangle((x - 0.5, y - 0.5), 1, 1, fc=colour, ec="white", lw=0.6))
-            text = letter if run["verdict"] != RIGHT_ else cost(run["seconds"])
-            ax.text(x, y, text, ha="center", va="center", fontsize=5 if not letter else 7,
-                    color="white" if run["verdict"] in (HUNG, CRASHED) else "black")
-        ax.set_yticks(range(len(methods)), methods)
-        ax.set_xticks(list(columns.values()), [label for _, label in columns], rotation=90,
-                      fontsize=7)
-        for k, (group, labels) in enumerate(groups.items()):
-            first = columns[group, next(iter(labels))]
-            ax.text(first - 0.5, -0.75, group, fontsize=7, ha="left", va="bottom",
-                    rotation=0 if len(labels) > 5 else 18)
-        ax.set_xlim(-0.7, at - gap - 0.3)
-        ax.set_ylim(len(methods) - 0.5, -0.6)
-        ax.tick_params(length=0)
-        for side in ax.spines.values():
-            side.set_visible(False)
-        handles = [plt.Rectangle((0, 0), 1, 1, fc=LOOK[v][0], ec="none",
-                                 label=NAMES.get(v, f"{v} ({LOOK[v][1]})")) for v in LOOK]
-        fig.legend(handles=handles, ncol=6, loc="lower center", fontsize=7)
-        fig.tight_layout(rect=(0, 0.05, 1, 1))
+        heights = [len(m) + 5 for m in methods]
+        fig, axes = plt.subplots(len(blocks), squeeze=False, figsize=(10.6, 0.6 + 0.19 * sum(heights)),
+                                 height_ratios=heights)
+        widths = [draw_block(ax, b, m) for ax, b, m in zip(axes[:, 0], blocks, methods)]
+        for ax in axes[:, 0]:
+            ax.set_xlim(-0.7, max(widths) - 0.3)
+        handles = [plt.Rectangle((0, 0), 1, 1, fc=COLOUR[v], ec="none", label=NAMES[v])
+                   for v in COLOUR]
+        fig.legend(handles=handles, ncol=3, loc="lower center", fontsize=7)
+        fig.tight_layout(rect=(0, 0.06, 1, 1))
         for suffix in (".png", ".pdf"):
             fig.savefig(f"{base}{suffix}", dpi=200)
         plt.close(fig)
@@ -246,7 +291,7 @@ def summary(found):
     for method in METHODS:
         own = [f[3] for f in grid if f[0] == method]
         if own:
-            counts = {v: sum(r["verdict"] == v for r in own) for v in LOOK}
+            counts = {v: sum(r["verdict"] == v for r in own) for v in COLOUR}
             print(f"{method:36}", ", ".join(f"{n} {v}" for v, n in counts.items() if n),
                   f"; {sum(r['seconds'] for r in own):.0f} s")
     lost = [f for f in grid if f[0] == "default" and f[3]["verdict"] != RIGHT_]
@@ -262,7 +307,7 @@ def main():
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="fewer cells, under 3 minutes")
     parser.add_argument("--draw", action="store_true", help="only draw what is stored")
-    parser.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)), metavar="N",
+    parser.add_argument("--jobs", type=int, default=CORES, metavar="N",
                         help="runs side by side")
     parser.add_argument("--methods", default="", metavar="NAME,...")
     parser.add_argument("--again", default="", metavar="METHOD,...", help="repeat these")

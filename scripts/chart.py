@@ -2,9 +2,9 @@
 """Speed against accuracy: runs methods over their settings, keeps every run in a table, and draws
 error over time and over counted work, a column per scene.
 
-    chart.py [--quick] [--only SCENE,...] [--draw]
+    chart.py [--quick] [--only SCENE,...] [--draw] [--jobs N]
 
---draw: from what is stored, without new runs."""
+--draw: from what is stored, without new runs. Runs go side by side, one to a core."""
 
 import argparse
 import csv
@@ -17,7 +17,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from measure import RIGHT_, ROOT, SCENES, WRONG, Case, Store, say
+from measure import CORES, RIGHT_, ROOT, SCENES, WRONG, Case, Store
 from plot import STYLE
 
 TITLES = {"decay": "decay to $10^{-13}$, $t = 12$", "short": "thick start, $t = 5$",
@@ -89,23 +89,28 @@ def limit(slow, quick):
     return 120 if slow else 30
 
 
-def runs(store, arguments):
-    """{scene: {method: [run]}}"""
-    found = {}
+def cases(arguments):
+    """[(scene, method, case)]"""
+    result = []
     for scene in arguments.only.split(","):
         for name, (solver, *_) in METHODS.items():
+            slow = solver != "tendril"
             for options in settings(name, scene, arguments.quick):
-                slow = solver != "tendril"
-                case = Case(solver, SCENES[scene], options, limit=limit(slow, arguments.quick),
-                            repeat=1 if slow or arguments.quick else 3)
-                known = case.key in store.runs
-                if arguments.draw and not known:
-                    continue
-                run = store.get(case)
-                run["method"] = name
-                found.setdefault(scene, {}).setdefault(name, []).append(run)
-                if not known:
-                    say(run)
+                result.append((scene, name, Case(
+                    solver, SCENES[scene], options, limit=limit(slow, arguments.quick),
+                    repeat=1 if slow or arguments.quick else 3)))
+    return result
+
+
+def runs(store, arguments):
+    """{scene: {method: [run]}}"""
+    wanted, found = cases(arguments), {}
+    if not arguments.draw:
+        store.get_all([(scene, case) for scene, _, case in wanted], arguments.jobs)
+    for scene, name, case in wanted:
+        if case.key in store.runs:
+            run = dict(store.runs[case.key], method=name)
+            found.setdefault(scene, {}).setdefault(name, []).append(run)
     return found
 
 
@@ -255,6 +260,7 @@ def main():
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="a coarse matrix, under 3 minutes")
     parser.add_argument("--draw", action="store_true", help="only draw what is stored")
+    parser.add_argument("--jobs", type=int, default=CORES, metavar="N", help="runs side by side")
     parser.add_argument("--only", default=",".join(SCENES), metavar="SCENE,...")
     arguments = parser.parse_args()
     place = ROOT / ("results/chart-quick" if arguments.quick else "docs")

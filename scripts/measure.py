@@ -21,6 +21,7 @@ import sys
 import tempfile
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -35,6 +36,7 @@ TENDRIL = os.environ.get("TENDRIL", str(ROOT / "build" / "tendril"))
 ENVIRONMENT = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
                    OMPI_MCA_ess_singleton_isolated="1", OMP_NUM_THREADS="1",
                    OPENBLAS_NUM_THREADS="1")
+CORES = len(os.sched_getaffinity(0))
 RIGHT = 1e-2  # a finished run with a larger error is wrong
 
 # verdicts
@@ -122,6 +124,18 @@ class Store:
         if again or case.key not in self.runs:
             self.keep(measure(case, self))
         return self.runs[case.key]
+
+    def get_all(self, named, jobs, again=()):
+        """Measures what is not yet stored of [(name, case)], so many at a time, one to a core;
+        prints a line for each."""
+        new = [(n, c) for n, c in named if c.key not in self.runs or c.key in again]
+        print(f"{len(new)} of {len(named)} runs to do, {jobs} at a time", flush=True)
+        with ThreadPoolExecutor(jobs) as pool:
+            list(pool.map(self.reference, dict.fromkeys(c.scene for _, c in new)))
+            runs = pool.map(lambda case: self.get(case, again=case.key in again),
+                            [c for _, c in new])
+            for (name, _), run in zip(new, runs):
+                say(dict(run, scene=name))
 
     def reference(self, scene):
         """[{t, tip, norm_x2, energy}] at the scene's times."""
@@ -278,7 +292,7 @@ def reason_of(state, verdict):
         return "signal" if (state["exit"] or 0) < 0 else "traceback"
     for code, pattern in (("angle", "where an angle reached"),
                           ("zero pivot", r"pivot|LU failed"),
-                          ("newton", r"Newton|nonlinear|SNES"), ("rejections", r"REJECTED"),
+                          ("newton", r"Newton|NONLINEAR|SNES"), ("rejections", r"REJECTED"),
                           ("step", r"gave up|STEP"), ("refused", r".")):
         if re.search(pattern, text):
             return code

@@ -19,8 +19,9 @@ static const PetscReal fewest_folds = 2, margin = 1.5; /* of the estimate after 
 
 typedef struct {
   PetscReal tolerance, length0, mu, amplitude, time;
-  PetscInt order;   /* in space */
-  PetscBool graded; /* growth differs along the rod */
+  PetscReal curvature; /* natural, about; 0: none */
+  PetscInt order;      /* in space */
+  PetscBool graded;    /* growth differs along the rod */
 } Asked;
 
 /* The value of an option that is read and checked later, by whom it concerns. */
@@ -41,10 +42,13 @@ static PetscErrorCode Is(const char *name, const char *word, PetscBool *is) {
 }
 
 /* How many e-folds the deflection of the straight rod falls and grows: y_t = -(1.875/L)^4 y /
-   (friction 1 to 1.4) until buckling, then back up until it is visible, if the run is that long. */
+   (friction 1 to 1.4) until buckling, then back up until it is visible, if the run is that long.
+   That of a rod with a natural curvature does not fall below it. */
 static PetscReal Folds(const Asked *asked) {
   PetscReal L = asked->length0, end = L + asked->time, fall;
 
+  if (asked->curvature > 0)
+    return PetscMax(fewest_folds, -2 * PetscLogReal(PetscMax(1e-30, asked->curvature)));
   fall = 4.12 * (1 - 0.3 * asked->mu) * (1 / (L * L * L) - 1 / (end * end * end));
   return PetscMax(fewest_folds, 2 * PetscMin(fall, 80) +
                                     PetscMax(0, -PetscLogReal(PetscMax(1e-30, asked->amplitude))));
@@ -69,8 +73,8 @@ static PetscErrorCode Default(const char *name, const char *format, PetscReal va
   is asked for: the chart has it on the front at every accuracy.
 */
 PetscErrorCode AccuracyApply(void) {
-  PetscReal time, space, cells, h;
-  PetscBool set, second, mixed;
+  PetscReal time, space, cells, h, constant, random;
+  PetscBool set, second, mixed, from_file;
   Asked asked;
 
   PetscFunctionBegin;
@@ -87,6 +91,10 @@ PetscErrorCode AccuracyApply(void) {
   PetscCall(Is("-growth_type", "gaussian", &asked.graded));
   PetscCall(Is("-rod_order", "2", &second));
   PetscCall(Is("-rod_model", "mixed", &mixed));
+  PetscCall(Look("-rod_curvature", 0, &constant));
+  PetscCall(Look("-rod_curvature_random", 0, &random));
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-rod_curvature_file", &from_file));
+  asked.curvature = PetscMax(PetscMax(PetscAbsReal(constant), random), from_file ? 0.01 : 0);
   asked.amplitude = PetscAbsReal(asked.amplitude);
   asked.order = second || mixed ? 2 : 4;
   UserCheck(asked.length0 > 0 && asked.time > 0 && asked.mu >= 0 && asked.mu <= 1, PETSC_COMM_WORLD,
