@@ -27,6 +27,11 @@ NARROW = m.Scene("narrow", "-growth_type gaussian -growth_width 0.005 " + m.THIC
 THIN = m.Scene("thin", m.DECAY + " -friction_beta 1e-9", (8, 14, 16),
                finer="-rod_cells 800 -ts_rtol 1e-7")
 
+HAIRPIN = m.Scene("hairpin", "-growth_initial_length 2 -shape_amplitude 3.1", (2, 5),
+                  finer="-rod_cells 800 -ts_rtol 1e-8")
+STICK = m.Scene("stick", m.THICK + " -growth_type feed -friction_beta 0", (4, 6),
+                finer="-rod_cells 800 -ts_rtol 1e-7")
+
 CHECKS = {  # name: (scene, [(options, verdicts)]); the first is the default
     "decay": (DECAY8, [("", (m.RIGHT_,)),
                        ("-ts_type beuler -ts_theta_initial_guess_extrapolate -ts_dt 0.01",
@@ -40,6 +45,13 @@ CHECKS = {  # name: (scene, [(options, verdicts)]); the first is the default
                                                  (m.WRONG, m.GAVE_UP))]),
     "thin-friction": (THIN, [("", (m.RIGHT_,)),
                              ("-friction_newton primal", (m.GAVE_UP, m.HUNG))]),
+    "snap": (HAIRPIN, [("", (m.RIGHT_,)), ("-rod_model auto", (m.RIGHT_,)),
+                       ("-ts_type bdf -ts_bdf_order 5", (m.WRONG, m.GAVE_UP)),
+                       ("-friction_newton primal", (m.GAVE_UP, m.HUNG)),
+                       ("-rod_model mixed", (m.GAVE_UP, m.HUNG))]),
+    "stick": (STICK, [("", (m.RIGHT_,)),
+                      ("-friction_newton primal", (m.GAVE_UP, m.HUNG)),
+                      ("-snes_linesearch_type bt", (m.GAVE_UP, m.HUNG))]),
 }
 
 
