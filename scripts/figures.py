@@ -32,9 +32,8 @@ def crossing(r):
     return float(r.series.length[first[0]]) if len(first) else np.nan
 
 
-def loops(shape):
-    """The sense of turning, +-1, of each loop of a shape: each crossing of its polygon closes one,
-    from the first pass s to the second; [(s first, s second, sense)]."""
+def crossings(shape):
+    """Where the polygon of a shape crosses itself: [(s of the first pass, s of the second)]."""
     a, step = shape.x[:-1], np.diff(shape.x, axis=0)
     apart = a[None] - a[:, None]
     cross = step[:, None, 0] * step[None, :, 1] - step[:, None, 1] * step[None, :, 0]
@@ -42,16 +41,15 @@ def loops(shape):
         u = (apart[..., 0] * step[None, :, 1] - apart[..., 1] * step[None, :, 0]) / cross
         w = (apart[..., 0] * step[:, None, 1] - apart[..., 1] * step[:, None, 0]) / cross
     i, j = np.nonzero(np.triu((u >= 0) & (u < 1) & (w >= 0) & (w < 1), 2))
-    return [(shape.s[m], shape.s[n], np.sign(shape.theta[n] - shape.theta[m]))
-            for m, n in zip(i, j)]
+    return list(zip(shape.s[i], shape.s[j]))
 
 
 def eight(r):
-    """The first stored time at which the rod holds a figure 8, two loops side by side that turn in
-    opposite senses; nan if it never does."""
+    """The first stored time at which the rod draws a figure 8: two strands cross twice, and so close
+    a loop and a second one beside it; nan if they never do."""
     for t in r.shapes.t:
-        found = loops(r.at(t))
-        if any(a[2] * b[2] < 0 and a[1] <= b[0] for a in found for b in found):
+        found = crossings(r.at(t))
+        if any(a[0] < b[0] and b[1] < a[1] for a in found for b in found):
             return float(t)
     return np.nan
 
@@ -67,9 +65,10 @@ def tube(directory, pictures):
         scale = float(r.attributes["si_length"])
         values = [LENGTH, at_length(r, "end_distance", LENGTH), at_length(r, "width", LENGTH),
                   crossing(r)]
-        print(f"{name}: " + ", ".join(f"{w} {v:.3f} ({100 * v * scale:.2f} cm)" for w, v in
-                                      zip(("length", "end distance", "width", "first crossing at"),
-                                          values)))
+        print(f"{name}: " + ", ".join(
+            f"{w} {v:.3f} ({100 * v * scale:.2f} cm)" if v == v else f"{w} none" for w, v in
+            zip(("length", "end distance", "width", "first crossing at"), values))
+            + f", figure 8 from t = {eight(r):g}".replace("nan", "none"))
     axes[0].set(xlabel="$x_1$", ylabel="$x_2$")
     axes[0].set_aspect("equal", adjustable="datalim")
     axes[0].plot(0, 0, "ks", ms=3, zorder=4)

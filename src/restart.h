@@ -11,7 +11,7 @@ typedef struct {
   PetscReal t, step;                /* where the run is, and the size of its next step */
   PetscReal points, order;          /* of the stepper's history; its next order */
   PetscReal model, fields, steps;   /* models are numbered as in grow.c */
-  PetscReal folds, largest_angle;   /* so far, for the estimate of the error */
+  PetscReal folds, neglected;       /* so far, for the estimate of the error */
   PetscReal reference_length;       /* of the natural curvature of a fed rod */
   PetscReal time[VBDF_POINTS];      /* of the points */
   PetscReal balance[BALANCE_STATE]; /* of the energy balance */
