@@ -364,7 +364,7 @@ def task_of(file):
 def snap():
     """Where dry friction cannot hold a bent rod, it takes the path of a vanishing viscous share: the
     limit of 1 - mu = 1e-4, 1e-5. (A single step of backward Euler would miss the bent rod's tip by
-    0.3 %, the hairpin's by half.)"""
+    0.2 %, the hairpin's by a quarter.)"""
     for amplitude in ("1.5", "3.1"):
         bent = f"-growth_initial_length 2 -shape_amplitude {amplitude} -ts_max_time 5 "
         nearly = [Run(bent + f"-friction_mu {mu}").tip for mu in ("0.9999", "0.99999")]
