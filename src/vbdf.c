@@ -10,6 +10,7 @@ typedef struct {
   PetscBool given;  /* the history was handed over: do not restart */
   PetscBool jumped; /* the present step was accepted as a jump */
   PetscInt jumps;
+  PetscReal layer;    /* a first step this short is accepted whatever its error */
   PetscReal rejected; /* error of the try before, if one of this step was rejected at a third of the
                          size or more */
   PetscBool fixed;    /* -ts_adapt_type none: steps as told, order as high as the history allows */
@@ -28,8 +29,9 @@ static const PetscReal safety = 0.5; /* aim at this part of the tolerance */
    jump. It shows in an error that a much shorter step (a third at most) does not lessen to this
    part. VBDFSetSnap() tells how to follow it; else, or if it shows once more, backward Euler
    carries the rod over. The history starts anew behind it. Likewise for a first step below
-   jump_step of the final time, where an initial layer may be left unresolved. */
-static const PetscReal jump_persists = 0.7, jump_step = 1e-11;
+   jump_step of the final time: an initial layer as fast as that is left unresolved, and crossed in
+   steps that double. */
+static const PetscReal jump_persists = 0.7, jump_step = 1e-13;
 /* A rod that barely sticks may slip by a little, and stick again in a step that is short enough: in
    a step below this part of the final time, such an error is a jump, too. (That of a kink would
    fall like the step, to a third at most.) */
@@ -157,9 +159,9 @@ static PetscErrorCode Choose(TS ts, VBDF *self, PetscBool *accept, PetscReal *fa
     PetscCall(FirstError(ts, self, &e));
   *accept = (PetscBool)(e <= 1);
   persists = ts->time_step < slip_step * ts->max_time ? slip_persists : jump_persists;
-  self->jumped = (PetscBool)(!*accept && k == 1 &&
-                             (e > persists * self->rejected ||
-                              (self->n == 1 && ts->time_step < jump_step * ts->max_time)));
+  self->jumped =
+      (PetscBool)(!*accept && k == 1 &&
+                  (e > persists * self->rejected || (self->n == 1 && ts->time_step < self->layer)));
   self->rejected = *accept ? PETSC_MAX_REAL : e;
   if (self->jumped) *accept = PETSC_TRUE;
   *factor = StepFactor(e, k);
@@ -260,6 +262,7 @@ static PetscErrorCode TSStep_VBDF(TS ts) {
   PetscFunctionBegin;
   PetscCall(PetscObjectTypeCompare((PetscObject)ts->adapt, TSADAPTNONE, &self->fixed));
   self->jumped = self->snapped = PETSC_FALSE;
+  self->layer = PetscMax(self->layer, jump_step * ts->max_time);
   self->rejected = PETSC_MAX_REAL;
   if (ts->steprestart && !self->given) self->n = 0;
   if (!self->given && !ts->steprollback) PetscCall(Push(ts, self));
@@ -300,7 +303,12 @@ static PetscErrorCode TSStep_VBDF(TS ts) {
   if (self->jumped) {
     self->n = 0;
     factor = 1;
-  }
+    if (ts->time_step < self->layer) {
+      factor = 2;
+      self->layer *= 2;
+    }
+  } else
+    self->layer = 0;
   PetscCall(VecCopy(self->point[0], ts->vec_sol));
   ts->ptime = self->time[0];
   if (ts->exact_final_time == TS_EXACTFINALTIME_MATCHSTEP &&
