@@ -10,7 +10,7 @@ typedef struct {
   PetscBool given;  /* the history was handed over: do not restart */
   PetscBool jumped; /* the present step was accepted as a jump */
   PetscInt jumps;
-  PetscReal layer;    /* a first step this short is accepted whatever its error */
+  PetscReal layer;    /* a step this short is accepted whatever its error */
   PetscReal rejected; /* error of the try before, if one of this step was rejected at a third of the
                          size or more */
   PetscBool fixed;    /* -ts_adapt_type none: steps as told, order as high as the history allows */
@@ -28,7 +28,7 @@ static const PetscReal safety = 0.5; /* aim at this part of the tolerance */
 /* Dry friction cannot hold a rod that is bent too sharply, and without inertia it snaps at once: a
    jump. It shows in an error that a much shorter step (a third at most) does not lessen to this
    part. VBDFSetSnap() tells how to follow it; else, or if it shows once more, backward Euler
-   carries the rod over. The history starts anew behind it. Likewise for a first step below
+   carries the rod over. The history starts anew behind it. Likewise for a step below
    jump_step of the final time: an initial layer as fast as that is left unresolved, and crossed in
    steps that double. */
 static const PetscReal jump_persists = 0.7, jump_step = 1e-13;
@@ -159,9 +159,8 @@ static PetscErrorCode Choose(TS ts, VBDF *self, PetscBool *accept, PetscReal *fa
     PetscCall(FirstError(ts, self, &e));
   *accept = (PetscBool)(e <= 1);
   persists = ts->time_step < slip_step * ts->max_time ? slip_persists : jump_persists;
-  self->jumped =
-      (PetscBool)(!*accept && k == 1 &&
-                  (e > persists * self->rejected || (self->n == 1 && ts->time_step < self->layer)));
+  self->jumped = (PetscBool)(!*accept && k == 1 &&
+                             (e > persists * self->rejected || ts->time_step < self->layer));
   self->rejected = *accept ? PETSC_MAX_REAL : e;
   if (self->jumped) *accept = PETSC_TRUE;
   *factor = StepFactor(e, k);
