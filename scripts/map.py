@@ -57,13 +57,14 @@ def even(values):
 
 
 def draw(ax, xs, ys, table, axes, quantity):
+    # before the contours: their labels cut them where they are on the screen
+    for values, scale in ((xs, ax.set_xscale), (ys, ax.set_yscale)):
+        if not even(values):
+            scale("log")
     colours = ax.pcolormesh(xs, ys, table, shading="nearest", cmap="cividis", rasterized=True)
     if np.isfinite(table).all() and min(table.shape) > 2 and np.ptp(table) > 0:
         lines = ax.contour(xs, ys, table, levels=8, colors="white", linewidths=0.5)
         ax.clabel(lines, fontsize=6, fmt="%.4g")
-    for values, scale in ((xs, ax.set_xscale), (ys, ax.set_yscale)):
-        if not even(values):
-            scale("log")
     ax.set_xlabel(LABELS.get(axes[0], axes[0]))
     ax.set_ylabel(LABELS.get(axes[1], axes[1]))
     ax.figure.colorbar(colours, ax=ax, label=LABELS.get(quantity, quantity))

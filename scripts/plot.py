@@ -54,6 +54,11 @@ class Units:
     def of(self, kind, values):
         return self.scales[kind][0] * np.asarray(values)
 
+    def time(self, t):
+        """A time in words."""
+        unit = self.scales["time"][1]
+        return rf"$t = {self.of('time', t):.4g}$" + (f" {unit}" if unit else "")
+
     def label(self, text, kind):
         unit = self.scales[kind][1]
         return f"{text} ({unit})" if unit else text
@@ -89,10 +94,11 @@ def panel_norm(ax, r, view):
         r = view.beside[r.path]
         t, norm = r.series.t, view.units.of("length", np.ma.masked_less_equal(r.series.norm_x2, 0))
         ax.plot(view.units.of("time", t), norm, "--", color=GREY)
-    i = int(norm.argmin())
-    ax.plot(view.units.of("time", t[i]), norm[i], "o", ms=4, color=RED)
-    ax.annotate(rf"${power_of_ten(norm[i])}$ at $t = {t[i]:.3g}$",
-                (view.units.of("time", t[i]), norm[i]), xytext=(5, -4),
+    at, least = r.minimum("norm_x2")
+    least = view.units.of("length", least)
+    ax.plot(view.units.of("time", at), least, "o", ms=4, color=RED)
+    ax.annotate(rf"${power_of_ten(least)}$ at {view.units.time(at)}",
+                (view.units.of("time", at), least), xytext=(5, -4),
                 textcoords="offset points", va="top", color=RED)
     ax.margins(y=0.25)
 
@@ -146,7 +152,7 @@ def shapes_of(r, view):
     for t, colour in zip(view.times, colours):
         if t <= r.shapes.t[-1] * (1 + 1e-9):
             shape = r.at(t)
-            yield f"$t = {shape.t:.4g}$", colour, shape
+            yield view.units.time(shape.t), colour, shape
 
 
 def panel_shapes(ax, r, view):

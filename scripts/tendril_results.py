@@ -80,9 +80,16 @@ class Results:
         return float(np.interp(t, self.series.t, self.series[name]))
 
     def minimum(self, name="norm_x2"):
-        """(t, value) of a series at its smallest step."""
-        i = int(np.nanargmin(self.series[name]))
-        return float(self.series.t[i]), float(self.series[name][i])
+        """(t, value) of a series at its minimum: that of the parabola through the logarithms of the
+        smallest positive step and its neighbours."""
+        t, values = self.series.t, np.where(self.series[name] > 0, self.series[name], np.nan)
+        i = int(np.nanargmin(values))
+        if not 0 < i < len(t) - 1:
+            return float(t[i]), float(values[i])
+        a, b, c = np.polyfit(t[i - 1:i + 2] - t[i], np.log(values[i - 1:i + 2]), 2)
+        if not a > 0:
+            return float(t[i]), float(values[i])
+        return float(t[i] - b / (2 * a)), float(np.exp(c - b * b / (4 * a)))
 
 
 def _text(value):

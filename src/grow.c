@@ -462,6 +462,7 @@ static PetscErrorCode TakeUp(Grow *self, const RestartState *state, const PetscR
 static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *state,
                            const PetscReal *points, const char *output) {
   Event event;
+  char text[32];
 
   PetscFunctionBegin;
   PetscCall(TakeUp(self, state, points));
@@ -472,6 +473,9 @@ static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *
             (double)state->t, restart);
   PetscCall(
       OutputContinue(output, restart, self->scene, state->t, self->output_interval, &self->output));
+  if (!self->quiet)
+    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "goes on from t = %s of %s, into %s\n",
+                          OptionNumber(state->t, text), restart, output[0] ? output : restart));
   self->next_output = self->output_interval;
   while (self->next_output <= state->t * (1 + 1e-12)) self->next_output += self->output_interval;
   PetscFunctionReturn(0);
@@ -503,7 +507,7 @@ static PetscErrorCode GrowCreate(Grow *self, const char *output, const char *res
 /* The last words on a run: how far off it may be. Other steppers than vbdf are not calibrated. */
 static PetscErrorCode Errors(Grow *self, PetscInt jumps) {
   Rod rod = self->now->rod;
-  PetscReal error, defect = self->seen.energy_defect;
+  PetscReal error = 0, asked = PETSC_MAX_REAL, defect = self->seen.energy_defect;
   PetscBool vbdf;
 
   PetscFunctionBegin;
@@ -513,10 +517,15 @@ static PetscErrorCode Errors(Grow *self, PetscInt jumps) {
     PetscCall(AccuracyEstimate(rod, self->seen.t, self->rtol, self->folds, &error));
     error += self->neglected;
     PetscCall(PetscPrintf(PETSC_COMM_WORLD, ", error estimate %.1e", (double)error));
+    PetscCall(PetscOptionsGetReal(NULL, NULL, "-accuracy", &asked, NULL));
   }
   if (jumps)
     PetscCall(PetscPrintf(PETSC_COMM_WORLD, "; %d snap%s", (int)jumps, jumps > 1 ? "s" : ""));
   PetscCall(PetscPrintf(PETSC_COMM_WORLD, "\n"));
+  if (error > 3 * asked) /* it is an upper one */
+    PetscCall(PetscPrintf(PETSC_COMM_WORLD,
+                          "-accuracy %g is not met with the -rod_cells or -ts_rtol given.\n",
+                          (double)asked));
   if (defect > 1e-3)
     PetscCall(PetscPrintf(
         PETSC_COMM_WORLD,
@@ -555,17 +564,21 @@ static PetscErrorCode Summary(Grow *self) {
 
 static PetscErrorCode TellEvent(Grow *self) {
   const Event *event = &self->event;
-  char text[3][32];
+  char text[4][32];
 
   PetscFunctionBegin;
   if (self->quiet) PetscFunctionReturn(0);
   OptionNumber(event->t, text[0]);
   OptionNumber(event->s[0], text[1]);
   OptionNumber(event->s[1], text[2]);
-  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "stopped at t = %s: %s at s = %s", text[0],
-                        event_name[event->kind], text[1]));
-  if (event->s[0] != event->s[1]) PetscCall(PetscPrintf(PETSC_COMM_WORLD, " and %s", text[2]));
-  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "\n"));
+  OptionNumber(self->watch.bound[event->kind], text[3]);
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "stopped at t = %s: ", text[0]));
+  if (event->kind == EVENT_LENGTH)
+    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "length %s\n", text[3]));
+  else if (event->kind == EVENT_ANGLE)
+    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "an angle of %s at s = %s\n", text[3], text[1]));
+  else
+    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "touches itself at s = %s and %s\n", text[1], text[2]));
   PetscFunctionReturn(0);
 }
 

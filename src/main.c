@@ -7,6 +7,7 @@
 #include "restart.h"
 #include "stability.h"
 #include "vbdf.h"
+#include <signal.h>
 #include <slepceps.h>
 
 static const char help[] =
@@ -74,7 +75,11 @@ int main(int argc, char **argv) {
   MPI_Init(&argc, &argv);
   failed = OptionsCheckFiles(argc, argv);
   if (!failed) {
+    for (int i = 1; i < argc; i++) /* or "-help | head" would end in PETSc's account of a signal */
+      if (!strcmp(argv[i], "-help")) (void)PetscOptionsSetValue(NULL, "-no_signal_handler", NULL);
+    signal(SIGPIPE, SIG_IGN);
     if (SlepcInitialize(&argc, &argv, NULL, help)) return 1;
+    signal(SIGPIPE, SIG_IGN); /* "| head" is no reason to lose a run */
     PetscCall(PetscPushErrorHandler(UserErrorHandler, NULL));
     failed = Run(argc, argv) != 0;
     PetscCall(PetscPopErrorHandler());

@@ -400,8 +400,19 @@ static PetscErrorCode RefuseUnread(const char *name) {
   PetscFunctionReturn(0);
 }
 
+static PetscBool OnCommandLine(const char *name) {
+  PetscBool same = PETSC_FALSE;
+  int argc = 0;
+  char **argv = NULL;
+
+  (void)PetscGetArgs(&argc, &argv);
+  for (int i = 1; i < argc && !same; i++) (void)PetscStrcmp(argv[i], name, &same);
+  return same;
+}
+
 /*
-  OptionsRefuseUnread - refuses the run if an option was given that nothing has read; with -help,
+  OptionsRefuseUnread - refuses the run if an option was given that nothing has read (in an options
+  file that is fine if the command line asks for a task of its own); with -help,
   ends it in good order.
   Call after everything has read its options and before any work. Collective.
 */
@@ -411,7 +422,7 @@ PetscErrorCode OptionsRefuseUnread(void) {
                         "log_view",     "options_file", "memory_view"};
   PetscInt n;
   char **unread, **values;
-  PetscBool help;
+  PetscBool help, other = OnCommandLine("-task"); /* than that of an options file */
 
   PetscFunctionBegin;
   PetscCall(PetscOptionsHasHelp(NULL, &help));
@@ -428,6 +439,7 @@ PetscErrorCode OptionsRefuseUnread(void) {
     for (size_t j = 0; j < PETSC_STATIC_ARRAY_LENGTH(late) && !fine; j++)
       PetscCall(PetscStrcmp(unread[i], late[j], &fine));
     PetscCall(PetscSNPrintf(full, sizeof(full), "-%s", unread[i]));
+    if (!fine && other) fine = (PetscBool)!OnCommandLine(full);
     if (!fine) PetscCall(RefuseUnread(full));
   }
   PetscCall(PetscOptionsLeftRestore(NULL, &n, &unread, &values));

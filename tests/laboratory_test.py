@@ -3,12 +3,14 @@
 
     laboratory_test.py build/tendril [--mpiexec mpiexec] CHECK...      (no CHECK: all of them)"""
 
+import re
 import shlex
 import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
+from xml.etree import ElementTree
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
@@ -84,7 +86,9 @@ def events():
         for rtol in (1e-6, 1e-8):
             text = tendril(f"{FED} {out} {stop} -ts_rtol {rtol} -output_interval 1")
             r = read(f"{scene.SCRATCH}/e.h5")
-            expect(f": {kind} at s = " in text and r["kind"] == kind, f"{stop}: {text}")
+            word = {"self_contact": "touches itself at s", "angle": "an angle of 2 at s",
+                    "length": "length 7.77"}[kind]
+            expect(f": {word}" in text and r["kind"] == kind, f"{stop}: {text}")
             expect(r["finished"] == 1, f"{stop}: not finished")
             expect(r["event/t"] == r["series/t"][-1] == r["shapes/t"][-1], f"{stop}: times differ")
             expect((np.diff(r["series/t"]) > 0).all(), f"{stop}: times do not increase")
@@ -240,6 +244,88 @@ def paraview():
             a = vtk_to_numpy(grid.GetPointData().GetArray(name))
             expect(np.allclose(a, values, atol=1e-6), f"{name} at t = {t}")
     print(f"{len(times)} shapes read by VTK")
+
+
+@check
+def scales():
+    """The table of -task units is what README says: l = (YI/N)^(1/3), forces in N l, times in l/V."""
+    YI, mu, nu, V = 3e-4, 15, 50, 0.1
+    N = mu + nu * V
+    l = (YI / N) ** (1 / 3)
+    text = tendril(f"-task units -si_bending_stiffness {YI} -si_friction_dry {mu} "
+                   f"-si_friction_viscous {nu} -si_speed {V} -growth_initial_length 2 -ts_max_time 3")
+    table = {line.split()[0]: float(line.split()[1]) for line in text.splitlines()[1:-1]}
+    for name, value in dict(length=l, force=N * l, time=l / V, speed=V, energy=N * l * l,
+                            power=N * l * V, curvature=1 / l).items():
+        expect(abs(table[name] / value - 1) < 1e-7, f"{name}: {table[name]}, not {value}")
+    start, end, share = (float(x) for x in re.findall(
+        r"from (\S+) m to (\S+) m; .* is (\S+)\.$", text.splitlines()[-1])[0])
+    expect(np.allclose((start / l, end / l, share), (2, 5, mu / N), rtol=1e-5), f"{text}")
+
+
+@check
+def xdmf():
+    """Each array that the .xmf names is that of the .h5 (read without ParaView)."""
+    d = scene.SCRATCH
+    tendril(f"{DRY} -ts_max_time 1 -output_interval 0.5 -output {d}/rod.h5")
+    r = read(f"{d}/rod.h5")
+    grids = ElementTree.parse(f"{d}/rod.xmf").findall("./Domain/Grid/Grid")
+    expect(len(grids) == len(r["shapes/t"]), f"{len(grids)} shapes")
+    for k, grid in enumerate(grids):
+        expect(float(grid.find("Time").get("Value")) == r["shapes/t"][k], f"time {k}")
+        for name, label, column in (("x", None, slice(2)), ("theta", "theta", None),
+                                    ("curvature", "curvature", None), ("force", "force_1", 0),
+                                    ("force", "force_2", 1)):
+            slab = grid.find("Geometry/DataItem" if label is None else
+                             f"Attribute[@Name='{label}']/DataItem")
+            start, stride, count = np.array([int(n) for n in slab[0].text.split()]).reshape(3, -1)
+            file, data = slab[1].text.split(":")
+            with h5py.File(f"{d}/{file}") as f:
+                whole = f[data][()]
+            expect([int(n) for n in slab[1].get("Dimensions").split()] == list(whole.shape), data)
+            got = whole[tuple(slice(a, a + h * n, h) for a, h, n in zip(start, stride, count))]
+            expect([int(n) for n in slab.get("Dimensions").split()] == list(got.shape), data)
+            want = r[f"shapes/{name}"][k] if column is None else r[f"shapes/{name}"][k][:, column]
+            expect(np.array_equal(got.ravel(), want.ravel()), f"{label or 'x'} of shape {k}")
+
+
+@check
+def curvature_at_rest():
+    """At t = 0 the rod has the angle of its natural curvature; a random one has the root mean square
+    and the correlation it was asked for."""
+    for law in ("uniform", "gaussian"):
+        r = Run(f"-growth_type {law} -growth_initial_length 2 -shape_type straight -ts_max_time 0.01 "
+                "-rod_curvature 0.1")
+        expect(abs(r.shapes["theta"][0, -1] - 0.2) < 1e-9, f"{law}: {r.shapes['theta'][0, -1]}")
+    part = 0.005
+    r = Run("-growth_initial_length 2 -shape_type straight -ts_max_time 0.001 -rod_cells 2000 "
+            f"-rod_curvature_random 0.1 -rod_curvature_length {part}")
+    s, k = r.shapes["s"], r.shapes["curvature"][0]
+    even = np.interp(np.linspace(0, 1, 4001), s, k)
+    shift = int(part * 4000)
+    rms, along = even.std(), np.mean(even[shift:] * even[:-shift]) / np.mean(even ** 2)
+    print(f"root mean square {rms:.4f}, correlation after one length {along:.3f}")
+    expect(abs(rms / 0.1 - 1) < 0.15, f"root mean square {rms}")
+    expect(abs(along - np.exp(-0.5)) < 0.2, f"correlation {along}")
+
+
+@check
+def restart_keeps_curvature():
+    """Past its end, a fed rod keeps the natural curvature that its material has: in one go on or in
+    two it is the same rod. Points that do not belong to their state are refused."""
+    d = scene.SCRATCH
+    fed = "-growth_type feed -growth_initial_length 2 -shape_type straight -output_interval 0.5 " \
+          "-rod_curvature_random 0.1 -rod_curvature_length 0.2 "
+    for name in ("one", "two"):
+        tendril(f"{fed} -ts_max_time 4 -output {d}/{name}.h5")
+    tendril(f"-restart {d}/two.h5 -ts_max_time 5.5")
+    for name in ("one", "two"):
+        tendril(f"-restart {d}/{name}.h5 -ts_max_time 7")
+    one, two = read(f"{d}/one.h5"), read(f"{d}/two.h5")
+    same_run(one, two, "in one and in two", 1e-5)
+    with h5py.File(f"{d}/one.h5", "r+") as f:
+        f["restart/points"][0] += 1
+    expect("was broken" in tendril(f"-restart {d}/one.h5 -ts_max_time 8", 1), "goes on from a mix")
 
 
 if __name__ == "__main__":

@@ -117,8 +117,31 @@ static void TestTableOfGrowth(void **state) {
          (double)(rate * length * length * length));
 }
 
-static const struct CMUnitTest tests[] = {cmocka_unit_test(TestTable), cmocka_unit_test(TestFeed),
-                                          cmocka_unit_test(TestOrder), cmocka_unit_test(TestMode),
-                                          cmocka_unit_test(TestTableOfGrowth)};
+/* theta = dy/dp of the mode, also where it comes from the Sturm-Liouville problem for w alone. */
+static void TestModeAngle(void **state) {
+  const char *const laws[] = {"uniform", "gaussian -growth_width 0.2", "feed"};
+
+  for (int k = 0; k < 3; k++) {
+    PetscReal worst = 0;
+    Critical c;
+    Scene scene;
+    Find(&c, "-growth_type %s -rod_cells 200", laws[k]);
+    CHECK(SceneCreate(&scene));
+    for (PetscInt i = 0; i < 200; i++) {
+      PetscReal p[2];
+      CHECK(GrowthArc(scene->growth, 2, c.s + i, c.t, p, NULL));
+      worst = PetscMax(worst, PetscAbsReal(c.y[i + 1] - c.y[i] -
+                                           (c.theta[i] + c.theta[i + 1]) / 2 * (p[1] - p[0])));
+    }
+    EXPECT(worst < 1e-6, "%s: y and theta differ by %g", laws[k], (double)worst);
+    CHECK(SceneDestroy(&scene));
+    CHECK(CriticalDestroy(&c));
+  }
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(TestTable),         cmocka_unit_test(TestFeed),
+    cmocka_unit_test(TestOrder),         cmocka_unit_test(TestMode),
+    cmocka_unit_test(TestTableOfGrowth), cmocka_unit_test(TestModeAngle)};
 
 MAIN(tests)

@@ -240,10 +240,140 @@ static void TestPropagator(void **state) {
   CHECK(SceneDestroy(&scene));
 }
 
-static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(TestTheorem),        cmocka_unit_test(TestFeedNorm),
-    cmocka_unit_test(TestBound),          cmocka_unit_test(TestLeftNorm),
-    cmocka_unit_test(TestLeftNormOfFeed), cmocka_unit_test(TestSlowestMode),
-    cmocka_unit_test(TestPropagator)};
+/* Viscous friction: for uniform growth and for feed the L2 norm is the friction norm, so it grows
+   twice as fast as the rate, to the accuracy that is asked of NormGrowth(). */
+static void TestPlainNorm(void **state) {
+  const char *const laws[] = {"-growth_type uniform", "-growth_type feed"};
+
+  for (int k = 0; k < 2; k++)
+    for (int i = 0; i < 4; i++) {
+      PetscReal t = 0.5 * i, L, L_t, rate;
+      Eigenvalue value;
+      Pencil pencil;
+      Scene scene;
+      Norm l2;
+      Mesh mesh;
+      Setup(&scene, laws[k], 0, 10);
+      EvenMesh(scene, 100, &mesh);
+      CHECK(PencilCreate(PETSC_COMM_WORLD, scene->growth, &scene->friction, &mesh, 1, &pencil));
+      CHECK(NormCreate(pencil, NULL, 1, &l2));
+      CHECK(NormGrowth(&l2, t, FRAME_LABEL, &value));
+      CHECK(GrowthLength(scene->growth, t, &L, &L_t));
+      rate = Rate(scene, RATE_FRICTION, t, 100);
+      if (k) value.value += L_t / L;
+      EXPECT(PetscAbsReal(value.value - 2 * rate) < 2e-9 * PetscMax(1, 2 * PetscAbsReal(rate)),
+             "law %d, t %g: %.14g and twice %.14g", k, (double)t, (double)value.value,
+             (double)rate);
+      CHECK(NormDestroy(&l2));
+      CHECK(PencilDestroy(&pencil));
+      CHECK(MeshDestroy(&mesh));
+      CHECK(SceneDestroy(&scene));
+    }
+}
+
+/* What z is fixed to is a matter of the mesh only: the norm grows alike on the map of another time.
+ */
+static void TestMap(void **state) {
+  const PetscReal map[] = {0.6, 1.5};
+  PetscReal found[2];
+  Scene scene;
+
+  Setup(&scene, "-growth_type gaussian -growth_width 0.5", 0.5, 10);
+  for (int k = 0; k < 2; k++) {
+    Eigenvalue value;
+    Pencil pencil;
+    Norm l2;
+    Mesh mesh;
+    EvenMesh(scene, 300, &mesh);
+    CHECK(PencilCreate(PETSC_COMM_WORLD, scene->growth, &scene->friction, &mesh, map[k], &pencil));
+    CHECK(NormCreate(pencil, NULL, map[k], &l2));
+    CHECK(NormGrowth(&l2, 0.6, FRAME_LABEL, &value));
+    found[k] = value.value;
+    CHECK(NormDestroy(&l2));
+    CHECK(PencilDestroy(&pencil));
+    CHECK(MeshDestroy(&mesh));
+  }
+  EXPECT(PetscAbsReal(found[1] / found[0] - 1) < 1e-5, "%.12g and %.12g", (double)found[0],
+         (double)found[1]);
+  CHECK(SceneDestroy(&scene));
+}
+
+/* W^T W = D for rows scaled by friction; rows of length 1 in L2 make it M, which is D / L for
+   viscous friction and uniform growth: the sum of squares tells them apart. */
+static void TestScaling(void **state) {
+  enum { CELLS = 40, N = CELLS + 1 };
+  PetscReal W[N * N], sum[2] = {0, 0}, L;
+  Pencil pencil;
+  Scene scene;
+  Mesh mesh;
+
+  Setup(&scene, "-growth_type uniform", 0, 10);
+  EvenMesh(scene, CELLS, &mesh);
+  CHECK(PencilCreate(PETSC_COMM_SELF, scene->growth, &scene->friction, &mesh, 2, &pencil));
+  for (int k = 0; k < 2; k++) {
+    CHECK(SpectrumLeftVectors(pencil, 2, (PetscBool)k, W));
+    for (int i = 0; i < N * N; i++) sum[k] += W[i] * W[i];
+  }
+  CHECK(GrowthLength(scene->growth, 2, &L, NULL));
+  EXPECT(PetscAbsReal(sum[0] / sum[1] / L - 1) < 1e-8, "%.12g, %.12g", (double)sum[0],
+         (double)sum[1]);
+  CHECK(PencilDestroy(&pencil));
+  CHECK(MeshDestroy(&mesh));
+  CHECK(SceneDestroy(&scene));
+}
+
+/* Both optimal shapes are what they are said to be: clamped, theta = dy/dp at their own time, their
+   L2 norms in the ratio of the amplification; and the steps are of order 5. */
+static void TestOptimal(void **state) {
+  enum { CELLS = 200 };
+  const PetscReal t[2] = {0.3, 1.2};
+  Propagator propagator, rough;
+  Optimal best;
+  PetscReal size[2] = {0, 0};
+  Scene scene;
+  Mesh mesh;
+
+  Setup(&scene, "-growth_type gaussian -growth_width 0.5", 1, 10);
+  EvenMesh(scene, CELLS, &mesh);
+  CHECK(PropagatorCreate(scene->growth, &scene->friction, &mesh, t[0], t[1], 1e-9, &propagator));
+  CHECK(PropagatorCreate(scene->growth, &scene->friction, &mesh, t[0], t[1], 1e-6, &rough));
+  EXPECT(propagator.steps < 5 * rough.steps, "%d and %d steps", (int)propagator.steps,
+         (int)rough.steps);
+  CHECK(TransientOptimal(&propagator, TRANSIENT_L2, &best));
+  for (int k = 0; k < 2; k++) {
+    const PetscReal *y = k ? best.y2 : best.y1, *theta = k ? best.theta2 : best.theta1;
+    PetscReal worst = 0, most = 0;
+    for (PetscInt i = 0; i < CELLS; i++) {
+      PetscReal p[2];
+      CHECK(GrowthArc(scene->growth, 2, best.s + i, t[k], p, NULL));
+      worst = PetscMax(
+          worst, PetscAbsReal(y[i + 1] - y[i] - (theta[i] + theta[i + 1]) / 2 * (p[1] - p[0])));
+      most = PetscMax(most, PetscAbsReal(y[i + 1]));
+      size[k] += (y[i] * y[i] + y[i + 1] * y[i + 1]) / 2 * (best.s[i + 1] - best.s[i]);
+    }
+    EXPECT(worst < 1e-4 * most && y[0] == 0, "shape %d: y and theta differ by %g", k,
+           (double)(worst / most));
+  }
+  EXPECT(PetscAbsReal(PetscSqrtReal(size[1] / size[0]) / best.amplification - 1) < 1e-3,
+         "norms %g and %g, amplification %g", (double)size[0], (double)size[1],
+         (double)best.amplification);
+  CHECK(OptimalDestroy(&best));
+  CHECK(PropagatorDestroy(&rough));
+  CHECK(PropagatorDestroy(&propagator));
+  CHECK(MeshDestroy(&mesh));
+  CHECK(SceneDestroy(&scene));
+}
+
+static const struct CMUnitTest tests[] = {cmocka_unit_test(TestTheorem),
+                                          cmocka_unit_test(TestFeedNorm),
+                                          cmocka_unit_test(TestBound),
+                                          cmocka_unit_test(TestLeftNorm),
+                                          cmocka_unit_test(TestLeftNormOfFeed),
+                                          cmocka_unit_test(TestSlowestMode),
+                                          cmocka_unit_test(TestPropagator),
+                                          cmocka_unit_test(TestPlainNorm),
+                                          cmocka_unit_test(TestMap),
+                                          cmocka_unit_test(TestScaling),
+                                          cmocka_unit_test(TestOptimal)};
 
 MAIN(tests)

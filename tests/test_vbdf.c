@@ -466,8 +466,81 @@ static void TestOrdersOnRod(void **state) {
   for (int k = 0; k < 2; k++) RunDestroy(&tight[k]);
 }
 
+/* y = sin t and, from t = 0.3 on, 1 more: one jump, and nothing special behind it; or a kink there,
+   which is none. */
+static PetscErrorCode Broken(TS ts, PetscReal t, Vec U, Vec V, Vec F, void *ctx) {
+  const PetscScalar *y;
+  PetscScalar *f;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayRead(U, &y));
+  PetscCall(VecGetArray(F, &f));
+  f[0] = y[0] - PetscSinReal(t) - (*(PetscBool *)ctx ? 5 * PetscMax(0, t - 0.3) : t > 0.3);
+  PetscCall(VecRestoreArray(F, &f));
+  PetscCall(VecRestoreArrayRead(U, &y));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode BrokenSlope(TS ts, PetscReal t, Vec U, Vec V, PetscReal shift, Mat J, Mat P,
+                                  void *ctx) {
+  const PetscScalar *y;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayRead(U, &y));
+  PetscCall(MatSetValue(J, 0, 0, 1, INSERT_VALUES));
+  PetscCall(VecRestoreArrayRead(U, &y));
+  PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(0);
+}
+
+static void Jump(PetscBool kink) {
+  TSConvergedReason reason;
+  PetscInt jumps, steps;
+  const PetscScalar *y;
+  Mat J;
+  Vec U;
+  TS ts;
+
+  SetOptions("-snes_linesearch_type basic -pc_type lu -ksp_type preonly -snes_rtol 1e-12 "
+             "-snes_atol 1e-12");
+  CHECK(VecCreateSeq(PETSC_COMM_SELF, 1, &U));
+  CHECK(VecSet(U, 0));
+  CHECK(MatCreateSeqDense(PETSC_COMM_SELF, 1, 1, NULL, &J));
+  CHECK(TSCreate(PETSC_COMM_SELF, &ts));
+  CHECK(TSSetType(ts, TSVBDF));
+  CHECK(TSSetIFunction(ts, NULL, Broken, &kink));
+  CHECK(TSSetIJacobian(ts, J, J, BrokenSlope, NULL));
+  CHECK(TSSetTolerances(ts, 1e-6, NULL, 1e-6, NULL));
+  CHECK(TSSetTimeStep(ts, 1e-6));
+  CHECK(TSSetMaxTime(ts, 1));
+  CHECK(TSSetExactFinalTime(ts, TS_EXACTFINALTIME_MATCHSTEP));
+  CHECK(TSSetMaxSNESFailures(ts, -1));
+  CHECK(TSSetMaxStepRejections(ts, 60));
+  CHECK(TSSetErrorIfStepFails(ts, PETSC_FALSE));
+  CHECK(TSSetFromOptions(ts));
+  CHECK(TSSolve(ts, U));
+  CHECK(TSGetConvergedReason(ts, &reason));
+  CHECK(VBDFGetJumps(ts, &jumps));
+  CHECK(TSGetStepNumber(ts, &steps));
+  CHECK(VecGetArrayRead(U, &y));
+  print_message("%d jumps, %d steps, y %.10g, %s\n", (int)jumps, (int)steps, (double)y[0],
+                TSConvergedReasons[reason]);
+  EXPECT(reason > 0 && jumps == !kink, "%d jumps", (int)jumps);
+  EXPECT(PetscAbsReal(y[0] - (kink ? 3.5 : 1) - PetscSinReal(1)) < 1e-9, "y %.12g", (double)y[0]);
+  CHECK(VecRestoreArrayRead(U, &y));
+  CHECK(TSDestroy(&ts));
+  CHECK(MatDestroy(&J));
+  CHECK(VecDestroy(&U));
+}
+
+static void TestJump(void **state) {
+  Jump(PETSC_FALSE);
+  Jump(PETSC_TRUE);
+}
+
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(TestOrders), cmocka_unit_test(TestExactForPolynomials),
-    cmocka_unit_test(TestAdaptive), cmocka_unit_test(TestHistory),
-    cmocka_unit_test(TestOrdersOnRod)};
+    cmocka_unit_test(TestOrders),      cmocka_unit_test(TestExactForPolynomials),
+    cmocka_unit_test(TestAdaptive),    cmocka_unit_test(TestHistory),
+    cmocka_unit_test(TestOrdersOnRod), cmocka_unit_test(TestJump)};
 MAIN(tests)
