@@ -230,7 +230,7 @@ def draw_map(found, base):
         for ax in axes[:, 0]:
             ax.set_xlim(-0.7, max(widths) - 0.3)
         handles = [plt.Rectangle((0, 0), 1, 1, fc=COLOUR[v], ec="none", label=NAMES[v])
-                   for v in COLOUR]
+                   for v in COLOUR if any(f[3]["verdict"] == v for f in found)]
         fig.legend(handles=handles, ncol=3, loc="lower center", fontsize=7)
         fig.tight_layout(rect=(0, 0.06, 1, 1))
         for suffix in (".png", ".pdf"):
@@ -248,17 +248,20 @@ def draw_profile(found, base):
             fastest[key] = min(fastest.get(key, np.inf), max(run["seconds"], 1e-3))
     total = len({(g, l) for _, g, l, _ in grid})
     tau = np.logspace(0, 3, 400)
-    styles = ("-", "--", ":", "-.")
-    colours = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000")
+    named = {"default": "#0072B2", "auto": "#CC79A7", "mixed": "#009E73", "PETSc's bdf 5": "#E69F00",
+             "primal Newton": "#D55E00", "backward Euler, start extrapolated": "#000000",
+             "paper's elements, step 0.002": "#56B4E9"}  # the others in grey
     with plt.rc_context(STYLE):
         fig, ax = plt.subplots(figsize=(6.4, 3.4))
-        for k, method in enumerate(m for m in METHODS if any(f[0] == m for f in grid)):
+        for method in (m for m in METHODS if any(f[0] == m for f in grid)):
             ratios = np.array([max(run["seconds"], 1e-3) / fastest[g, l]
                                for m, g, l, run in grid if m == method
                                and run["verdict"] == RIGHT_])
             share = [(ratios <= t * (1 + 1e-9)).sum() / total for t in tau]
-            ax.step(tau, share, where="post", color=colours[k % 5], ls=styles[k // 5],
-                    lw=2 if method == "default" else 1.1, label=method)
+            own = [f[3] for f in grid if f[0] == method]
+            ax.step(tau, share, where="post", color=named.get(method, "#bbbbbb"),
+                    lw=2 if method == "default" else 1.2, zorder=3 if method in named else 1,
+                    label=f"{method}: {len(ratios)} of {len(own)} run")
         ax.set_xscale("log")
         ax.set_xlim(1, 1e3)
         ax.set_ylim(0, 1.02)

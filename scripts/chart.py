@@ -162,28 +162,39 @@ def draw_scene(ax, methods, x):
     ax.set_ylim(low / 3, 3.5 * TOP)
 
 
-def draw(found, base):
+AXES = {"seconds": "wall time / s", "work": "Newton iterations × unknowns"}
+# what the README shows: two rods, over time, the methods one would choose among
+SHORT_SCENES, SHORT_METHODS = ("decay", "gaussian"), (
+    "frame 4, vbdf", "auto, vbdf", "mixed, vbdf", "frame 4, bdf 5", "frame 4, backward Euler",
+    "paper's elements", "PyElastica")
+
+
+def draw(found, base, over=tuple(AXES), room=0.2):
+    """A column per scene, a row per measure of cost."""
     scenes = [s for s in SCENES if s in found]
+    names = [n for n in METHODS if any(n in found[s] for s in scenes)]
+    few = len(scenes) < 3
     with plt.rc_context(STYLE):
-        fig, axes = plt.subplots(2, len(scenes), figsize=(1 + 2.5 * len(scenes), 6.2), sharey="col",
-                                 squeeze=False)
+        fig, axes = plt.subplots(len(over), len(scenes), sharey="col", squeeze=False,
+                                 figsize=(1 + (2.9 if few else 2.5) * len(scenes),
+                                          3.8 if len(over) == 1 else 6.2))
         for column, scene in enumerate(scenes):
-            for row, x in enumerate(("seconds", "work")):
+            for row, x in enumerate(over):
                 draw_scene(axes[row, column], found[scene], x)
+                axes[row, column].set_xlabel(AXES[x])
             axes[0, column].set_title(TITLES[scene], fontsize=8, pad=22)
-            axes[0, column].set_xlabel("wall time / s")
-            axes[1, column].set_xlabel("Newton iterations × unknowns")
-        for row in range(2):
+        for row in range(len(over)):
             axes[row, 0].set_ylabel("largest relative error of\n"
                                     r"$\mathbf{x}(1,t)$, $\|x_2\|$, $E$")
-        handles = [plt.Line2D([], [], color=c, marker=m, ls=line, ms=5, lw=1, mec="black", mew=0.3,
-                              label=name) for name, (_, c, m, line) in METHODS.items()]
+        handles = [plt.Line2D([], [], color=METHODS[n][1], marker=METHODS[n][2], ls=METHODS[n][3],
+                              ms=5, lw=1, mec="black", mew=0.3, label=n) for n in names]
         handles += [plt.Line2D([], [], color="black", lw=2.5, alpha=0.2, label="Pareto front"),
                     plt.Line2D([], [], color="black", marker="o", mfc="none", ls="none", ms=5,
                                label="did not finish (reason)"),
                     plt.Line2D([], [], ls="none", label=f"errors above {TOP} are drawn at {TOP}")]
-        fig.legend(handles=handles, ncol=5, loc="lower center", fontsize=7, frameon=False)
-        fig.subplots_adjust(left=0.9 / fig.get_figwidth(), right=0.99, bottom=0.2, top=0.88,
+        fig.legend(handles=handles, ncol=3 if few else 5, loc="lower center", fontsize=7,
+                   frameon=False)
+        fig.subplots_adjust(left=0.9 / fig.get_figwidth(), right=0.99, bottom=room, top=0.88,
                             hspace=0.5, wspace=0.28)
         for suffix in (".png", ".pdf"):
             fig.savefig(f"{base}{suffix}", dpi=200)
@@ -201,10 +212,10 @@ def draw_estimates(found, base):
                     if finished(r) and "estimate" in r]
             ax.plot([r["error"] for r in good], [r["estimate"] for r in good], "o", ms=3,
                     mew=0.3, mec="black", color=colour, label=TITLES[scene])
-        for factor, text in ((1, "1"), (10, "10"), (100, "100")):
+        for factor in (1, 10, 100):
             ax.plot(limits, factor * limits, color="#999999", lw=0.6, zorder=1)
-            ax.annotate(text, (3 / factor, 3), fontsize=7, color="#555555", ha="center",
-                        va="bottom", annotation_clip=False)
+            ax.annotate(f"{factor} × the error", (2e-9, 2.6e-9 * factor), fontsize=6, rotation=43,
+                        color="#555555", rotation_mode="anchor")
         ax.set(xscale="log", yscale="log", xlim=limits, ylim=(1e-9, 3),
                xlabel="largest measured error", ylabel="estimated error")
         ax.legend(loc="lower right", fontsize=7)
@@ -269,9 +280,13 @@ def main():
     found = runs(store, arguments)
     table(found, place / "chart.csv")
     draw(found, Path(place) / "chart")
+    few = {s: {m: r for m, r in found[s].items() if m in SHORT_METHODS}
+           for s in SHORT_SCENES if s in found}
+    if few:
+        draw(few, Path(place) / "chart-short", over=("seconds",), room=0.31)
     draw_estimates(found, Path(place) / "chart")
     summary(found, place / "chart-factors.md")
-    print(f"chart: {place}/chart.csv, .png, -estimate.png and -factors.md")
+    print(f"chart: {place}/chart.csv, .png, -short.png, -estimate.png and -factors.md")
 
 
 if __name__ == "__main__":

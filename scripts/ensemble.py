@@ -13,6 +13,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.ticker import MaxNLocator
 
 from plot import BLUE, GREY, ORANGE, STYLE
 from tendril_results import ResultsError, load
@@ -24,7 +25,7 @@ def contact_length(r):
     return r.series.length[first[0]] if len(first) else np.nan
 
 
-def histogram(ax, values, label, bins):
+def histogram(ax, values, label, bins, median=True):
     values = values[np.isfinite(values)]
     ax.set_xlabel(label)
     ax.set_ylabel("members")
@@ -32,7 +33,9 @@ def histogram(ax, values, label, bins):
         ax.text(0.5, 0.5, "none", transform=ax.transAxes, ha="center")
         return
     ax.hist(values, bins=bins, color=BLUE, edgecolor="white", lw=0.4)
-    ax.axvline(np.median(values), color=ORANGE, lw=1.2)
+    if median:
+        ax.axvline(np.median(values), color=ORANGE, lw=1.2, label="median")
+        ax.legend(loc="upper right")
 
 
 def main(arguments=None):
@@ -63,14 +66,17 @@ def main(arguments=None):
         for r in members:
             axes[0, 0].plot(*r.at(r.shapes.t[-1]).x.T, color=GREY, lw=0.4, alpha=0.35)
         middle = members[int(np.argmin(np.abs(width - np.median(width))))]
-        axes[0, 0].plot(*middle.at(middle.shapes.t[-1]).x.T, color=ORANGE, lw=1.3)
+        axes[0, 0].plot(*middle.at(middle.shapes.t[-1]).x.T, color=ORANGE, lw=1.3,
+                        label="of median width")
+        axes[0, 0].legend(loc="upper right")
         axes[0, 0].plot(0, 0, "ks", ms=3, zorder=4)
         axes[0, 0].set(xlabel="$x_1$", ylabel="$x_2$")
         axes[0, 0].set_aspect("equal", adjustable="datalim")
         histogram(axes[0, 1], contact, "length at the first crossing", 24)
         histogram(axes[1, 0], width, "width at the end", 24)
         histogram(axes[1, 1], loops.astype(float), "crossings at the end",
-                  np.arange(-0.5, loops.max() + 1))
+                  np.arange(-0.5, loops.max() + 1), median=False)
+        axes[1, 1].yaxis.set_major_locator(MaxNLocator(integer=True))
         axes[1, 1].set_xticks(range(0, loops.max() + 1, max(1, loops.max() // 8)))
         for ax, letter in zip(axes.flat, "abcd"):
             ax.set_title(f"({letter})", loc="left")

@@ -7,6 +7,7 @@ imperfections lead to.
 import sys
 from pathlib import Path
 
+import h5py
 import matplotlib
 
 matplotlib.use("Agg")
@@ -28,8 +29,17 @@ def at_length(r, name, length):
 
 
 def crossing(r):
-    first = np.flatnonzero(r.series.self_crossings > 0)
-    return float(r.series.length[first[0]]) if len(first) else np.nan
+    """The length at which the rod first crosses itself, from the run that stops there; nan if it
+    never does."""
+    file = r.path.with_name(f"crossing-{r.path.name}")
+    if not file.exists():
+        if (r.series.self_crossings > 0).any():
+            raise SystemExit(f"figures: {file} is missing, run scripts/figures.sh")
+        return np.nan
+    stopped = load(file)
+    with h5py.File(file) as f:
+        return float(stopped.series.length[-1]) if "event" in f and \
+            f["event"].attrs["kind"] == b"self_contact" else np.nan
 
 
 def crossings(shape):

@@ -17,6 +17,9 @@ grow() { # grow NAME OPTIONS...
   mv "$d/$1.part.h5" "$d/$1.h5"
   rm -f "$d/$1.part.xmf"
 }
+crossing() { # crossing NAME OPTIONS...: up to where the rod first crosses itself, found as an event
+  grow "crossing-$1" "${@:2}" -stop_self_contact 0
+}
 draw() { # draw PICTURE ARGUMENTS OF PLOT.PY...
   "$python" scripts/plot.py "${@:2}" --output "$pictures/$1"
   rm "$pictures/$1.pdf"
@@ -41,6 +44,7 @@ for law in feed gaussian; do
   more=(-growth_type "$law" -stop_length 20)
   if [ $law = gaussian ]; then more+=(-growth_width 0.05); fi
   grow "tube-$law" -options_file options/pushed-tube.opts "${more[@]}"
+  crossing "tube-$law" -options_file options/pushed-tube.opts "${more[@]}"
   grow "tube-$law-perfect" -options_file options/pushed-tube.opts "${more[@]}" \
     -rod_curvature_random 0 -shape_type sag -shape_amplitude 0.1
 done
@@ -48,10 +52,12 @@ for amplitude in 0.01 0.1 1; do
   grow "map-sag-$amplitude" -ts_max_time 40 -output_interval 1 -shape_amplitude "$amplitude"
 done
 for amplitude in 0.001 0.01 0.1 0.2 0.3; do
-  grow "map-constant-$amplitude" -ts_max_time 40 -output_interval 1 -shape_type straight \
-    -rod_curvature "$amplitude"
-  grow "map-random-$amplitude" -ts_max_time 40 -output_interval 1 -shape_type straight \
-    -rod_curvature_random "$amplitude" -rod_curvature_length 0.2
+  bent=(-ts_max_time 40 -output_interval 1 -shape_type straight)
+  for what in grow crossing; do
+    "$what" "map-constant-$amplitude" "${bent[@]}" -rod_curvature "$amplitude"
+    "$what" "map-random-$amplitude" "${bent[@]}" -rod_curvature_random "$amplitude" \
+      -rod_curvature_length 0.2
+  done
 done
 "$python" scripts/figures.py "$d" "$pictures"
 ENSEMBLE=$d/ensemble scripts/ensemble.sh 200 # tubes: seeds of natural curvature

@@ -86,6 +86,11 @@ while [ $# -gt 0 ]; do
 done
 
 mkdir -p "$directory"
+# Points are passed over by name, so those of other options must not be taken for these.
+if ! printf '%s\n' "${fixed[*]}" | cmp -s - "$directory/options" && [ -f "$directory/options" ]; then
+  fail "$directory holds a sweep with other options ($(cat "$directory/options")); give another directory"
+fi
+printf '%s\n' "${fixed[*]}" >"$directory/options"
 task=${SLURM_ARRAY_TASK_ID:-0}
 task=$((task - ${SLURM_ARRAY_TASK_MIN:-0}))
 tasks=${SLURM_ARRAY_TASK_COUNT:-1}

@@ -81,7 +81,8 @@ PetscErrorCode AccuracyApply(void) {
   PetscCall(OptionsHeading("Accuracy"));
   asked.tolerance = 1e-4;
   PetscCall(OptionReal("-accuracy",
-                       "asked relative error of tip, |x2| and energy: sets cells and tolerance",
+                       "asked relative error of tip, |x2| and energy: sets -rod_cells and -ts_rtol "
+                       "where they are not given; off unless given",
                        1e-7, 0.1, &asked.tolerance, &set));
   if (!set) PetscFunctionReturn(0);
   PetscCall(Look("-growth_initial_length", 0.5, &asked.length0));

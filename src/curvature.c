@@ -144,7 +144,9 @@ PetscErrorCode CurvatureSetFromOptions(Curvature *self, Growth growth, PetscReal
   UserCheck(!from_file || !random, PETSC_COMM_WORLD,
             "-rod_curvature_file and -rod_curvature_random: give one of them");
   if (random) {
-    PetscCall(OptionReal("-rod_curvature_length", "its correlation length, as a part of the rod",
+    PetscCall(OptionReal("-rod_curvature_length",
+                         "its correlation length, as a part of the rod; of a fed rod, as a part of "
+                         "what it is at -ts_max_time",
                          1e-4, 100, &length, NULL));
     PetscCall(OptionInt("-rod_curvature_seed", "its seed", 0, PETSC_MAX_INT, &seed, NULL));
     PetscCall(AtRandom(self, amplitude, length, seed));

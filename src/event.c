@@ -12,16 +12,18 @@ PetscErrorCode WatchSetFromOptions(Watch *watch, Growth growth) {
   PetscCall(PetscMemzero(watch, sizeof(*watch)));
   PetscCall(GrowthLength(growth, 0, &length, NULL));
   PetscCall(OptionReal(
-      "-stop_self_contact", "ends the run where a rod of this diameter touches itself; 0: crosses",
-      0, 1e3, &watch->bound[EVENT_SELF_CONTACT], &watch->watched[EVENT_SELF_CONTACT]));
+      "-stop_self_contact",
+      "ends the run where a rod of this diameter touches itself; 0: crosses; off unless given", 0,
+      1e3, &watch->bound[EVENT_SELF_CONTACT], &watch->watched[EVENT_SELF_CONTACT]));
   watch->bound[EVENT_LENGTH] = 1e9;
-  PetscCall(OptionReal("-stop_length", "ends the run at this length", 0, 1e9,
+  PetscCall(OptionReal("-stop_length", "ends the run at this length; off unless given", 0, 1e9,
                        &watch->bound[EVENT_LENGTH], &watch->watched[EVENT_LENGTH]));
   UserCheck(watch->bound[EVENT_LENGTH] > length, PETSC_COMM_WORLD,
             "-stop_length: the rod is %s long at the start, give more", OptionNumber(length, text));
-  PetscCall(OptionReal("-stop_angle",
-                       "ends the run when an angle against the clamp reaches this, radians", 0, 1e4,
-                       &watch->bound[EVENT_ANGLE], &watch->watched[EVENT_ANGLE]));
+  PetscCall(OptionReal(
+      "-stop_angle",
+      "ends the run when an angle against the clamp reaches this, radians; off unless given", 0,
+      1e4, &watch->bound[EVENT_ANGLE], &watch->watched[EVENT_ANGLE]));
   for (int k = 0; k < EVENT_KINDS; k++) watch->any = (PetscBool)(watch->any || watch->watched[k]);
   PetscFunctionReturn(0);
 }

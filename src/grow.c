@@ -393,8 +393,9 @@ static PetscErrorCode ReadOptions(Grow *self) {
   PetscCall(OptionReal("-ts_rtol",
                        "tolerance of a step, per field, against the field's present size", 1e-13,
                        0.5, &self->rtol, NULL));
-  PetscCall(OptionReal("-output_interval", "time between stored shapes", 1e-9, 1e9,
-                       &self->output_interval, &set));
+  PetscCall(OptionReal("-output_interval",
+                       "time between stored shapes; if not given, the first and last are stored",
+                       1e-9, 1e9, &self->output_interval, &set));
   PetscCall(WatchSetFromOptions(&self->watch, self->scene->growth));
   PetscCall(OptionBool("-quiet", "print nothing but errors", &self->quiet, NULL));
   UserCheck(!self->scene->curvature.any || self->model != LINEAR, PETSC_COMM_WORLD,

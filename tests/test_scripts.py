@@ -101,6 +101,15 @@ class Scripts(unittest.TestCase):
         self.assertIn("no shape stored at t = 0.7", out)
         self.assertIn("ends at t = 2, before 9", out)
 
+    def test_options_page(self):
+        """docs/options.md is what scripts/options.py makes of this executable."""
+        done = subprocess.run([sys.executable, str(SCRIPTS / "options.py"), TENDRIL],
+                              capture_output=True, text=True)
+        page = (SCRIPTS.parent / "docs" / "options.md").read_text()
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertGreater(page.count("| -"), 40)
+        self.assertEqual(done.stdout, page, "redraw it: scripts/options.py TENDRIL > docs/options.md")
+
     def test_animate(self):
         film = self.file.parent / "film.gif"
         result, _, err = quietly(animate.main, [self.file, "--output", film, "--frames", "3"])
