@@ -11,6 +11,7 @@ for file in options/*.opts; do
   name=$(basename "$file" .opts)
   echo "gallery: $name"
   mpiexec -n 1 --bind-to none build/tendril -options_file "$file" -output "results/$name.h5" >"results/$name.log"
+  case $name in paper-* | pushed-tube) continue ;; esac # drawn by scripts/figures.sh
   what=()
   if grep -q '^-output_interval' "$file"; then what=(--panels norm,shapes); fi
   case $name in
