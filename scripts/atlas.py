@@ -17,8 +17,8 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from measure import (CORES, CRASHED, DECAY, GAVE_UP, HUNG, REFUSED, RIGHT_, ROOT, THICK, WRONG, Case,
-                     Scene, Store, say)
+from measure import (CORES, CRASHED, DECAY, GAVE_UP, HUNG, QUANTITIES, REFUSED, RIGHT_, ROOT, THICK,
+                     WRONG, Case, Scene, Store)
 from plot import STYLE
 
 LIMIT, LIMIT_PEER = 15, 60  # seconds; the slowest cell of the default takes 3
@@ -48,8 +48,8 @@ QUICK_METHODS = ("default", "mixed", "linear", "backward Euler, start at last st
                  "primal Newton", "paper's, taken literally")
 
 
-def scene(group, label, options, times):
-    return group, Scene(label, options, times, finer=FINER)
+def scene(group, label, options, times, quantities=QUANTITIES):
+    return group, Scene(label, options, times, finer=FINER, quantities=quantities)
 
 
 def cells(quick):
@@ -73,9 +73,11 @@ def cells(quick):
         result.append(scene(r"amplitude $\epsilon$, $t=16$",
                             "hairpin" if amplitude == "3.1" else amplitude,
                             f"-growth_initial_length 2 -shape_amplitude {amplitude}", (2, 8, 16)))
-    for length in ("0.25", "10", "30"):
+    for length in ("0.001", "0.1", "0.25", "10", "30"):
+        # below 0.2, x2 and the energy die out altogether: what is left to compare is the tip
+        left = ("tip",) if float(length) < 0.2 else QUANTITIES
         result.append(scene("$L_0$, $t=5$", length,
-                            f"-growth_initial_length {length} -shape_amplitude 0.1", (1, 5)))
+                            f"-growth_initial_length {length} -shape_amplitude 0.1", (1, 5), left))
     corners = [("fed", f"{THICK} -growth_type feed -friction_beta", ("1e-9", "0"), (2, 6, 10)),
                ("0.05", f"{THICK} -growth_type gaussian -growth_width 0.05 -friction_beta",
                 ("1e-12", "0"), (2, 6, 10)),

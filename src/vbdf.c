@@ -30,8 +30,8 @@ static const PetscReal safety = 0.5; /* aim at this part of the tolerance */
    part. VBDFSetSnap() tells how to follow it; else, or if it shows once more, backward Euler
    carries the rod over. The history starts anew behind it. Likewise for a step below
    jump_step of the final time: an initial layer as fast as that is left unresolved, and crossed in
-   steps that double. */
-static const PetscReal jump_persists = 0.7, jump_step = 1e-13;
+   steps that double, up to longest_jump of it. */
+static const PetscReal jump_persists = 0.7, jump_step = 1e-13, longest_jump = 1e-6;
 /* A rod that barely sticks may slip by a little, and stick again in a step that is short enough: in
    a step below this part of the final time, such an error is a jump, too. (That of a kink would
    fall like the step, to a third at most.) */
@@ -288,7 +288,7 @@ static PetscErrorCode TSStep_VBDF(TS ts) {
     }
     accept = PETSC_TRUE;
     if (!self->fixed) PetscCall(Choose(ts, self, &accept, &factor));
-    if (self->jumped && self->snap && !self->snapped) {
+    if (self->jumped && self->snap && !self->snapped && ts->time_step >= self->layer) {
       PetscCall(Snap(ts, self, &accept));
       if (!accept) continue;
     }
@@ -304,9 +304,9 @@ static PetscErrorCode TSStep_VBDF(TS ts) {
     factor = 1;
     if (ts->time_step < self->layer) {
       factor = 2;
-      self->layer *= 2;
+      self->layer = PetscMin(2 * self->layer, longest_jump * ts->max_time);
     }
-  } else
+  } else if (self->n > 1) /* its error was seen: the layer is behind */
     self->layer = 0;
   PetscCall(VecCopy(self->point[0], ts->vec_sol));
   ts->ptime = self->time[0];
