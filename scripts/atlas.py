@@ -17,8 +17,8 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from measure import (CORES, CRASHED, DECAY, GAVE_UP, HUNG, QUANTITIES, REFUSED, RIGHT_, ROOT, THICK,
-                     WRONG, Case, Scene, Store)
+from measure import (CORES, CRASHED, DECAY, GAVE_UP, HUNG, QUANTITIES, REFUSED, RIGHT_, THICK,
+                     WRONG, Case, Scene, workplace)
 from plot import STYLE
 
 LIMIT, LIMIT_PEER = 15, 60  # seconds; the slowest cell of the default takes 3
@@ -317,9 +317,7 @@ def main():
     parser.add_argument("--methods", default="", metavar="NAME,...")
     parser.add_argument("--again", default="", metavar="METHOD,...", help="repeat these")
     arguments = parser.parse_args()
-    place = ROOT / ("results/atlas-quick" if arguments.quick else "docs")
-    place.mkdir(parents=True, exist_ok=True)
-    store = Store(ROOT / "results" / ("atlas-quick" if arguments.quick else "atlas") / "runs.jsonl")
+    place, store = workplace("atlas", arguments.quick)
     found = measure_all(store, arguments)
     table(found, place / "atlas.csv")
     draw_map(found, place / "atlas")

@@ -17,7 +17,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from measure import CORES, RIGHT_, ROOT, SCENES, WRONG, Case, Store
+from measure import CORES, RIGHT_, SCENES, WRONG, Case, workplace
 from plot import STYLE
 
 TITLES = {"decay": "decay to $10^{-13}$, $t = 12$", "short": "thick start, $t = 5$",
@@ -274,9 +274,7 @@ def main():
     parser.add_argument("--jobs", type=int, default=CORES, metavar="N", help="runs side by side")
     parser.add_argument("--only", default=",".join(SCENES), metavar="SCENE,...")
     arguments = parser.parse_args()
-    place = ROOT / ("results/chart-quick" if arguments.quick else "docs")
-    place.mkdir(parents=True, exist_ok=True)
-    store = Store(ROOT / "results" / ("chart-quick" if arguments.quick else "chart") / "runs.jsonl")
+    place, store = workplace("chart", arguments.quick)
     found = runs(store, arguments)
     table(found, place / "chart.csv")
     draw(found, Path(place) / "chart")

@@ -161,6 +161,14 @@ class Store:
         return self.runs[key]["values"]
 
 
+def workplace(name, quick):
+    """(where the pictures and tables of a study go, its store); a quick one has its own."""
+    name += "-quick" * quick
+    place = ROOT / "results" / name if quick else ROOT / "docs"
+    place.mkdir(parents=True, exist_ok=True)
+    return place, Store(ROOT / "results" / name / "runs.jsonl")
+
+
 def execute(command, limit):
     """(exit code, or None when stopped at the limit; stdout; stderr; seconds). On a busy machine
     MPI now and then fails to start: that says nothing about the run, which is then repeated."""

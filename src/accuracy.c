@@ -120,7 +120,7 @@ PetscErrorCode AccuracyApply(void) {
 
   rod    at the end of the run, t      rtol   of its steps
   folds  how often |x2| fell or grew e-fold
-  error  out; of the linear model without what it neglects, the largest angle squared
+  error  out; of the linear model without what it neglects (grow.c)
 */
 PetscErrorCode AccuracyEstimate(Rod rod, PetscReal t, PetscReal rtol, PetscReal folds,
                                 PetscReal *error) {

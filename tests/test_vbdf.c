@@ -2,7 +2,7 @@
    polynomials on uneven steps, error control, dense output; then the orders on a rod. */
 #include "harness.h"
 #include "chain.h"
-#include "newton.h"
+#include "leg.h"
 #include "vbdf.h"
 
 /* Each rank holds one copy, shifted in time by its rank:
@@ -301,122 +301,54 @@ static void TestHistory(void **state) {
 
 typedef struct {
   Scene scene;
-  Rod rod;
-  TS ts;
-  Newton newton;
-  Mat J;
-  Vec U, tolerance, none;
-  PetscReal rtol, h; /* h: of the history to be taken at warm - i h */
+  Leg leg;
+  PetscReal h; /* of the history to be taken at warm - i h */
   PetscInt taken;
   Vec point[VBDF_POINTS];
 } Run;
 static const PetscReal warm = 1;
 
-static PetscErrorCode BeforeStep(TS ts) {
-  Run *run;
-  PetscInt fields, n;
-  PetscReal size[MAX_FIELDS];
-  PetscScalar *a;
-
-  PetscFunctionBegin;
-  PetscCall(TSGetApplicationContext(ts, &run));
-  fields = run->rod->model->fields;
-  PetscCall(RodFieldSizes(run->rod, run->U, size));
-  PetscCall(VecGetLocalSize(run->tolerance, &n));
-  PetscCall(VecGetArray(run->tolerance, &a));
-  for (PetscInt i = 0; i < n; i++)
-    a[i] = run->rod->model->followed[i % fields] ? run->rtol * size[i % fields] : -1;
-  PetscCall(VecRestoreArray(run->tolerance, &a));
-  PetscCall(TSSetTolerances(ts, PETSC_DEFAULT, run->tolerance, run->rtol, run->none));
-  PetscFunctionReturn(0);
-}
-
-static PetscErrorCode BeforeStage(TS ts, PetscReal t) {
-  Run *run;
-
-  PetscFunctionBegin;
-  PetscCall(TSGetApplicationContext(ts, &run));
-  run->rod->fresh = PETSC_TRUE;
-  PetscFunctionReturn(0);
-}
-
 /* Takes the points that the warm start needs, oldest (index 5) first, by dense output. */
 static PetscErrorCode TakePoints(TS ts) {
   PetscReal t;
+  Leg *leg;
   Run *run;
 
   PetscFunctionBegin;
-  PetscCall(TSGetApplicationContext(ts, &run));
+  PetscCall(TSGetApplicationContext(ts, &leg));
+  run = (Run *)leg->owner;
   PetscCall(TSGetTime(ts, &t));
   while (run->h > 0 && run->taken < 6 && warm - (5 - run->taken) * run->h <= t * (1 + 1e-14)) {
     PetscReal at = warm - (5 - run->taken) * run->h;
-    PetscCall(VecDuplicate(run->U, &run->point[5 - run->taken]));
+    PetscCall(VecDuplicate(leg->U, &run->point[5 - run->taken]));
     PetscCall(TSInterpolate(ts, at, run->point[5 - run->taken]));
     run->taken++;
   }
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode Guess(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1, void *ctx) {
-  Rod rod = (Rod)ctx;
-  Node *nodes;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc1(rod->end - rod->first, &nodes));
-  PetscCall(rod->model->get(rod, t0, U0, NULL, nodes));
-  PetscCall(RodGrowNodes(rod, t0, t1, nodes));
-  PetscCall(rod->model->set(rod, t1, nodes, U1));
-  PetscCall(PetscFree(nodes));
-  PetscFunctionReturn(0);
-}
-
 static void RunCreate(const char *options, PetscReal rtol, PetscReal h, Run *run) {
   Node *nodes;
-  *run = (Run){.rtol = rtol, .h = h};
+  *run = (Run){.h = h};
   SetOptions("-growth_initial_length 2 -shape_amplitude 0.1 -friction_beta 0.05 -rod_cells 20 "
              "-ts_max_time 3 %s",
              options);
   CHECK(SceneCreate(&run->scene));
-  CHECK(RodCreate(run->scene, &rod_frame, &run->rod));
   CHECK(VBDFRegister());
   CHECK(ChainRegister());
-  CHECK(DMCreateGlobalVector(run->rod->da, &run->U));
-  CHECK(VecDuplicate(run->U, &run->tolerance));
-  CHECK(VecDuplicate(run->U, &run->none));
-  CHECK(RodCreateMatrix(run->rod, &run->J));
-  CHECK(TSCreate(PETSC_COMM_WORLD, &run->ts));
-  CHECK(TSSetDM(run->ts, run->rod->da));
-  CHECK(TSSetApplicationContext(run->ts, run));
-  CHECK(TSSetIFunction(run->ts, NULL, RodResidual, run->rod));
-  CHECK(TSSetIJacobian(run->ts, run->J, run->J, RodJacobian, run->rod));
-  CHECK(TSSetType(run->ts, TSVBDF));
-  CHECK(TSSetTolerances(run->ts, PETSC_DEFAULT, NULL, rtol, NULL));
-  CHECK(TSSetExactFinalTime(run->ts, TS_EXACTFINALTIME_MATCHSTEP));
-  CHECK(TSSetMaxSteps(run->ts, 100000));
-  CHECK(TSSetTimeStep(run->ts, 1e-5));
-  CHECK(TSSetMaxStepRejections(run->ts, 50));
-  CHECK(TSSetMaxSNESFailures(run->ts, -1));
-  CHECK(TSSetPreStep(run->ts, BeforeStep));
-  CHECK(TSSetPreStage(run->ts, BeforeStage));
-  CHECK(TSSetPostStep(run->ts, TakePoints));
-  CHECK(NewtonSetUp(run->ts, run->rod, &run->newton));
-  CHECK(TSSetFromOptions(run->ts));
-  CHECK(VBDFSetGuess(run->ts, Guess, run->rod));
-  CHECK(TSSetSolution(run->ts, run->U));
-  CHECK(PetscMalloc1(run->rod->end - run->rod->first, &nodes));
-  CHECK(RodInitialNodes(run->rod, 0, nodes));
-  CHECK(run->rod->model->set(run->rod, 0, nodes, run->U));
+  CHECK(LegCreate(run->scene, &rod_frame, rtol, NULL, &run->leg));
+  run->leg.owner = run;
+  CHECK(TSSetPostStep(run->leg.ts, TakePoints));
+  CHECK(TSSetTimeStep(run->leg.ts, 1e-5));
+  CHECK(PetscMalloc1(run->leg.rod->end - run->leg.rod->first, &nodes));
+  CHECK(RodInitialNodes(run->leg.rod, 0, nodes));
+  CHECK(rod_frame.set(run->leg.rod, 0, nodes, run->leg.U));
   CHECK(PetscFree(nodes));
 }
 
 static void RunDestroy(Run *run) {
   for (int i = 0; i < VBDF_POINTS; i++) CHECK(VecDestroy(&run->point[i]));
-  CHECK(TSDestroy(&run->ts));
-  CHECK(MatDestroy(&run->J));
-  CHECK(VecDestroy(&run->U));
-  CHECK(VecDestroy(&run->tolerance));
-  CHECK(VecDestroy(&run->none));
-  CHECK(RodDestroy(&run->rod));
+  CHECK(LegDestroy(&run->leg));
   CHECK(SceneDestroy(&run->scene));
 }
 
@@ -426,7 +358,7 @@ static PetscReal Difference(Run *run, Vec A, Vec B) {
   Vec D;
   CHECK(VecDuplicate(A, &D));
   CHECK(VecWAXPY(D, -1, A, B));
-  CHECK(RodFieldSizes(run->rod, D, size));
+  CHECK(RodFieldSizes(run->leg.rod, D, size));
   CHECK(VecDestroy(&D));
   return PetscMax(size[0], PetscMax(size[1], size[2]));
 }
@@ -436,8 +368,8 @@ static void TestOrdersOnRod(void **state) {
   Run tight[2];
   for (int k = 0; k < 2; k++) {
     RunCreate("", 1e-11, steps[k], &tight[k]);
-    CHECK(TSSetMaxTime(tight[k].ts, end));
-    CHECK(TSSolve(tight[k].ts, tight[k].U));
+    CHECK(TSSetMaxTime(tight[k].leg.ts, end));
+    CHECK(TSSolve(tight[k].leg.ts, tight[k].leg.U));
     EXPECT(tight[k].taken == 6, "%d points", (int)tight[k].taken);
   }
   for (PetscInt order = 1; order <= 5; order++) {
@@ -449,13 +381,13 @@ static void TestOrdersOnRod(void **state) {
       snprintf(options, sizeof(options), "-ts_adapt_type none -ts_bdf_order %d", (int)order);
       RunCreate(options, 1e-11, 0, &run);
       for (int i = 0; i < 6; i++) times[i] = warm - i * steps[k];
-      CHECK(VecCopy(tight[k].point[0], run.U));
-      CHECK(TSSetTime(run.ts, warm));
-      CHECK(TSSetTimeStep(run.ts, steps[k]));
-      CHECK(TSSetMaxTime(run.ts, end));
-      CHECK(VBDFSetHistory(run.ts, order, times, tight[k].point, order));
-      CHECK(TSSolve(run.ts, run.U));
-      error[k] = Difference(&run, run.U, tight[1].U);
+      CHECK(VecCopy(tight[k].point[0], run.leg.U));
+      CHECK(TSSetTime(run.leg.ts, warm));
+      CHECK(TSSetTimeStep(run.leg.ts, steps[k]));
+      CHECK(TSSetMaxTime(run.leg.ts, end));
+      CHECK(VBDFSetHistory(run.leg.ts, order, times, tight[k].point, order));
+      CHECK(TSSolve(run.leg.ts, run.leg.U));
+      error[k] = Difference(&run, run.leg.U, tight[1].leg.U);
       RunDestroy(&run);
     }
     measured = Order(error[0], error[1]);
@@ -483,12 +415,8 @@ static PetscErrorCode Broken(TS ts, PetscReal t, Vec U, Vec V, Vec F, void *ctx)
 
 static PetscErrorCode BrokenSlope(TS ts, PetscReal t, Vec U, Vec V, PetscReal shift, Mat J, Mat P,
                                   void *ctx) {
-  const PetscScalar *y;
-
   PetscFunctionBegin;
-  PetscCall(VecGetArrayRead(U, &y));
   PetscCall(MatSetValue(J, 0, 0, 1, INSERT_VALUES));
-  PetscCall(VecRestoreArrayRead(U, &y));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(0);
