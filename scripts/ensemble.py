@@ -35,7 +35,7 @@ def histogram(ax, values, label, bins, median=True):
     ax.hist(values, bins=bins, color=BLUE, edgecolor="white", lw=0.4)
     if median:
         ax.axvline(np.median(values), color=ORANGE, lw=1.2, label="median")
-        ax.legend(loc="upper right")
+        ax.legend(loc="best")
 
 
 def main(arguments=None):
