@@ -1,10 +1,10 @@
 /* Times one Newton iteration of the frame model (residual, Jacobian, factorisation, solve) and, on
    one rank, LAPACK's band solver on the same matrix. Options as of tendril; -bench_repeat R: best
    of R. */
-#include "chain.h"
-#include "newton.h"
-#include "options.h"
-#include "vbdf.h"
+#include "stepping/chain.h"
+#include "stepping/newton.h"
+#include "base/options.h"
+#include "stepping/vbdf.h"
 #include <petscblaslapack.h>
 #include <petsctime.h>
 #include <slepcsys.h>

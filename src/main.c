@@ -1,12 +1,12 @@
 /* tendril: the growth of an elastic fibre that friction holds back. Options -> scene -> task. */
-#include "accuracy.h"
-#include "chain.h"
-#include "critical.h"
-#include "grow.h"
-#include "options.h"
-#include "restart.h"
-#include "stability.h"
-#include "vbdf.h"
+#include "tasks/accuracy.h"
+#include "stepping/chain.h"
+#include "tasks/critical.h"
+#include "tasks/grow.h"
+#include "base/options.h"
+#include "record/restart.h"
+#include "tasks/stability.h"
+#include "stepping/vbdf.h"
 #include <signal.h>
 #include <slepceps.h>
 

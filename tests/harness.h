@@ -10,9 +10,9 @@
 #include <unistd.h>
 #include <cmocka.h>
 #include <slepcsys.h>
-#include "hdf.h"
-#include "options.h"
-#include "scene.h"
+#include "base/hdf.h"
+#include "base/options.h"
+#include "scene/scene.h"
 
 /* A failed call ends all ranks: nothing hangs. */
 #define CHECK(call) PetscCallAbort(PETSC_COMM_WORLD, call)

@@ -1,7 +1,7 @@
 /* The solver for chains gives what the matrix asks for: A x = b for the Jacobians of the models. */
 #include "harness.h"
-#include "chain.h"
-#include "rod.h"
+#include "stepping/chain.h"
+#include "rod/rod.h"
 #include <petscksp.h>
 
 static void Solve(const RodModel *model, const char *options) {

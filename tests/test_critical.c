@@ -1,6 +1,6 @@
 /* The critical length against theory.md's table, its order of convergence and its error bound. */
 #include "harness.h"
-#include "critical.h"
+#include "tasks/critical.h"
 
 static PetscReal Find(Critical *critical, const char *format, ...) {
   char text[512];

@@ -1,6 +1,6 @@
 /* Self-contact of a rod of some thickness: shapes whose gaps are known. */
 #include "harness.h"
-#include "event.h"
+#include "record/event.h"
 
 enum { ARM = 10, ARC = 2000, ALL = 2 * ARM + ARC };
 

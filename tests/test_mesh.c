@@ -1,6 +1,6 @@
 /* The nodes: even where growth is, and where it is not, equidistant in int (g/L + 1/2) ds. */
 #include "harness.h"
-#include "mesh.h"
+#include "scene/mesh.h"
 
 static void Create(const char *options, PetscInt cells, PetscBool graded, PetscReal end,
                    Growth *growth, Mesh *mesh) {

@@ -1,7 +1,7 @@
 /* What is measured: crossings of known curves, integrals of a known rod, the straight rod's forces,
    the turn of the clamp. */
 #include "harness.h"
-#include "observe.h"
+#include "record/observe.h"
 
 enum { MOST = 2001 };
 

@@ -1,6 +1,6 @@
 /* Models of the rod: Jacobians by rate for every law, mirror symmetry, set and get. */
 #include "harness.h"
-#include "rod.h"
+#include "rod/rod.h"
 
 typedef struct {
   const char *name;

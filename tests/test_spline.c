@@ -1,7 +1,7 @@
 /* Not-a-knot splines: exact for cubics on any knots, fourth order for smooth functions up to the
    ends, rows and strides kept apart. */
 #include "harness.h"
-#include "spline.h"
+#include "base/spline.h"
 
 static PetscReal Cubic(PetscReal x) {
   return 1 - 2 * x + 3 * x * x - 0.7 * x * x * x;

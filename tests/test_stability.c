@@ -1,9 +1,9 @@
 /* Norms and eigenvalues of the straight rod against theorems, and the propagator. */
 #include "harness.h"
-#include "critical.h"
-#include "norm.h"
-#include "stability.h"
-#include "transient.h"
+#include "tasks/critical.h"
+#include "straight/norm.h"
+#include "tasks/stability.h"
+#include "straight/transient.h"
 
 static void Setup(Scene *scene, const char *law, PetscReal mu, int cells) {
   SetOptions("%s -friction_mu %g -rod_cells %d -shape_amplitude 0.02", law, mu, cells);

@@ -1,7 +1,7 @@
 /* The straight rod: its force, and the matrices D and K against integrals taken exactly. */
 #include "harness.h"
-#include "pencil.h"
-#include "straight.h"
+#include "straight/pencil.h"
+#include "straight/straight.h"
 #include <petscblaslapack.h>
 
 static const char *const laws[] = {"-growth_type uniform",

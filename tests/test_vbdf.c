@@ -1,9 +1,9 @@
 /* The time stepper on problems with known solutions: orders 1 to 5 from a warm start, exactness for
    polynomials on uneven steps, error control, dense output; then the orders on a rod. */
 #include "harness.h"
-#include "chain.h"
-#include "leg.h"
-#include "vbdf.h"
+#include "stepping/chain.h"
+#include "stepping/leg.h"
+#include "stepping/vbdf.h"
 
 /* Each rank holds one copy, shifted in time by its rank:
      y1' = -y2 + y1 (z - exp(-t)),  y2' = y1 + y2 (z - exp(-t)),  0 = y1^2 + y2^2 - 1,

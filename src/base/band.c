@@ -1,0 +1,110 @@
+#include "base/band.h"
+
+/* PETSc declares LAPACK's dense routines only; these are LAPACK's own for bands. */
+extern void dgbtrf_(const int *m, const int *n, const int *kl, const int *ku, double *ab,
+                    const int *ldab, int *ipiv, int *info);
+extern void dgbtrs_(const char *trans, const int *n, const int *kl, const int *ku, const int *nrhs,
+                    const double *ab, const int *ldab, const int *ipiv, double *b, const int *ldb,
+                    int *info, size_t);
+
+/* BandCreate - a zero matrix of n rows, lower and upper diagonals beside the main one. The caller
+   frees it with BandDestroy(). */
+PetscErrorCode BandCreate(PetscInt n, PetscInt lower, PetscInt upper, Band *band) {
+  PetscFunctionBegin;
+  band->n = n;
+  band->lower = lower;
+  band->upper = upper;
+  PetscCall(PetscCalloc1(n * (2 * lower + upper + 1), &band->a));
+  PetscCall(PetscMalloc1(n, &band->pivot));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode BandDestroy(Band *band) {
+  PetscFunctionBegin;
+  PetscCall(PetscFree(band->a));
+  PetscCall(PetscFree(band->pivot));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode BandZero(Band *band) {
+  PetscFunctionBegin;
+  PetscCall(PetscArrayzero(band->a, band->n * (2 * band->lower + band->upper + 1)));
+  PetscFunctionReturn(0);
+}
+
+/* BandFactor - LU with row exchanges, in place. */
+PetscErrorCode BandFactor(Band *band) {
+  int n = (int)band->n, kl = (int)band->lower, ku = (int)band->upper, ld = 2 * kl + ku + 1, info;
+
+  PetscFunctionBegin;
+  dgbtrf_(&n, &n, &kl, &ku, band->a, &ld, band->pivot, &info);
+  PetscCheck(!info, PETSC_COMM_SELF, PETSC_ERR_MAT_LU_ZRPVT, "banded matrix is singular (row %d)",
+             info);
+  PetscFunctionReturn(0);
+}
+
+/* BandSolve - solves with the factors, or with their transpose, in place. b: [columns][n] */
+PetscErrorCode BandSolve(const Band *band, PetscBool transpose, PetscInt columns, PetscReal b[]) {
+  int n = (int)band->n, kl = (int)band->lower, ku = (int)band->upper, ld = 2 * kl + ku + 1, info;
+  int nrhs = (int)columns;
+
+  PetscFunctionBegin;
+  dgbtrs_(transpose ? "T" : "N", &n, &kl, &ku, &nrhs, band->a, &ld, band->pivot, b, &n, &info, 1);
+  PetscCheck(!info, PETSC_COMM_SELF, PETSC_ERR_LIB, "dgbtrs failed: %d", info);
+  PetscFunctionReturn(0);
+}
+
+/*
+  BandCholesky - R with R^T R = A, A symmetric and positive.
+
+  rows   [n][2 width + 1], entry (i, i - width + b) at b
+  R      [n][width + 1], entry (i, i + b) at b
+*/
+PetscErrorCode BandCholesky(PetscInt n, PetscInt width, const PetscReal rows[], PetscReal R[]) {
+  const PetscInt m = width + 1;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < n; i++)
+    for (PetscInt b = 0; b < m; b++) {
+      PetscReal sum = i + b < n ? rows[i * (2 * width + 1) + width + b] : 0;
+      for (PetscInt k = PetscMax(0, i + b - width); k < i && i + b < n; k++)
+        sum -= R[k * m + i - k] * R[k * m + i + b - k];
+      if (!b) PetscCheck(sum > 0, PETSC_COMM_SELF, PETSC_ERR_MAT_CH_ZRPVT, "matrix not positive");
+      R[i * m + b] = b ? sum / R[i * m] : PetscSqrtReal(sum);
+    }
+  PetscFunctionReturn(0);
+}
+
+/* BandUpperMult - x <- R x or R^T x. */
+void BandUpperMult(PetscInt n, PetscInt upper, const PetscReal R[], PetscBool transpose,
+                   PetscReal x[]) {
+  const PetscInt m = upper + 1;
+  if (!transpose)
+    for (PetscInt i = 0; i < n; i++) {
+      PetscReal sum = 0;
+      for (PetscInt b = 0; b < m && i + b < n; b++) sum += R[i * m + b] * x[i + b];
+      x[i] = sum;
+    }
+  else
+    for (PetscInt i = n - 1; i >= 0; i--) {
+      PetscReal sum = 0;
+      for (PetscInt b = 0; b < m && i - b >= 0; b++) sum += R[(i - b) * m + b] * x[i - b];
+      x[i] = sum;
+    }
+}
+
+/* BandUpperSolve - x <- R^-1 x or R^-T x. */
+void BandUpperSolve(PetscInt n, PetscInt upper, const PetscReal R[], PetscBool transpose,
+                    PetscReal x[]) {
+  const PetscInt m = upper + 1;
+  if (!transpose)
+    for (PetscInt i = n - 1; i >= 0; i--) {
+      for (PetscInt b = 1; b < m && i + b < n; b++) x[i] -= R[i * m + b] * x[i + b];
+      x[i] /= R[i * m];
+    }
+  else
+    for (PetscInt i = 0; i < n; i++) {
+      for (PetscInt b = 1; b < m && i - b >= 0; b++) x[i] -= R[(i - b) * m + b] * x[i - b];
+      x[i] /= R[i * m];
+    }
+}

@@ -1,0 +1,83 @@
+#include "base/spline.h"
+#include <petscblaslapack.h>
+
+/*
+  SplineSecondDerivatives - second derivatives at the knots of the cubic splines through many rows.
+
+  n, x         the knots, increasing, n >= 4
+  rows         how many splines; entry j of row r is f[r * row_stride + j * stride]
+  f2           second derivatives in the same layout as f, allocated by the caller
+
+  End conditions: not-a-knot (third derivative continuous across the first and last inner knot), so
+  the spline is fourth order up to the ends and exact for cubics.
+*/
+PetscErrorCode SplineSecondDerivatives(PetscInt n, const PetscReal x[], PetscInt rows,
+                                       PetscInt row_stride, PetscInt stride, const PetscReal f[],
+                                       PetscReal f2[]) {
+  PetscBLASInt nb, one = 1, info, *pivots;
+  PetscReal *a, *b;
+
+  PetscFunctionBegin;
+  PetscCall(PetscBLASIntCast(n, &nb));
+  PetscCall(PetscCalloc3(n * n, &a, n, &b, n, &pivots));
+#define A(i, j) a[(i) + n * (j)]
+  for (PetscInt i = 1; i < n - 1; i++) {
+    A(i, i - 1) = (x[i] - x[i - 1]) / 6;
+    A(i, i) = (x[i + 1] - x[i - 1]) / 3;
+    A(i, i + 1) = (x[i + 1] - x[i]) / 6;
+  }
+  A(0, 0) = x[2] - x[1], A(0, 1) = x[0] - x[2], A(0, 2) = x[1] - x[0];
+  A(n - 1, n - 3) = x[n - 1] - x[n - 2], A(n - 1, n - 2) = x[n - 3] - x[n - 1];
+  A(n - 1, n - 1) = x[n - 2] - x[n - 3];
+#undef A
+  PetscCallBLAS("LAPACKgetrf", LAPACKgetrf_(&nb, &nb, a, &nb, pivots, &info));
+  PetscCheck(!info, PETSC_COMM_SELF, PETSC_ERR_LIB,
+             "spline matrix is singular: knots not increasing");
+  for (PetscInt r = 0; r < rows; r++) {
+    const PetscReal *y = f + r * row_stride;
+    b[0] = b[n - 1] = 0;
+    for (PetscInt i = 1; i < n - 1; i++)
+      b[i] = (y[(i + 1) * stride] - y[i * stride]) / (x[i + 1] - x[i]) -
+             (y[i * stride] - y[(i - 1) * stride]) / (x[i] - x[i - 1]);
+    PetscCallBLAS("LAPACKgetrs", LAPACKgetrs_("N", &nb, &one, a, &nb, pivots, b, &nb, &info));
+    for (PetscInt i = 0; i < n; i++) f2[r * row_stride + i * stride] = b[i];
+  }
+  PetscCall(PetscFree3(a, b, pivots));
+  PetscFunctionReturn(0);
+}
+
+/*
+  SplineWeights - the weights of f_i, f_{i+1}, f2_i, f2_{i+1} in the spline's value, slope and
+  integral from x_i at a point; i is the knot left of it. Outside the knots the end cubics go on.
+  Any of the three may be NULL.
+*/
+void SplineWeights(PetscInt n, const PetscReal x[], PetscReal at, PetscInt *i, PetscReal value[4],
+                   PetscReal slope[4], PetscReal integral[4]) {
+  PetscInt lo = 0, hi = n - 1;
+  PetscReal h, a, b;
+
+  while (hi - lo > 1) {
+    PetscInt mid = (lo + hi) / 2;
+    if (x[mid] > at)
+      hi = mid;
+    else
+      lo = mid;
+  }
+  *i = lo;
+  h = x[lo + 1] - x[lo];
+  b = (at - x[lo]) / h;
+  a = 1 - b;
+  if (value) {
+    value[0] = a, value[1] = b;
+    value[2] = (a * a * a - a) * h * h / 6, value[3] = (b * b * b - b) * h * h / 6;
+  }
+  if (slope) {
+    slope[0] = -1 / h, slope[1] = 1 / h;
+    slope[2] = -(3 * a * a - 1) * h / 6, slope[3] = (3 * b * b - 1) * h / 6;
+  }
+  if (integral) {
+    integral[0] = h * (1 - a * a) / 2, integral[1] = h * b * b / 2;
+    integral[2] = h * h * h / 6 * ((1 - a * a * a * a) / 4 - (1 - a * a) / 2);
+    integral[3] = h * h * h / 6 * (b * b * b * b / 4 - b * b / 2);
+  }
+}

@@ -1,0 +1,192 @@
+#include "record/event.h"
+#include "base/options.h"
+
+const char *const event_name[EVENT_KINDS] = {"none", "self_contact", "length", "angle"};
+
+/* WatchSetFromOptions - reads and checks which events end the run. */
+PetscErrorCode WatchSetFromOptions(Watch *watch, Growth growth) {
+  PetscReal length;
+  char text[32];
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(watch, sizeof(*watch)));
+  PetscCall(GrowthLength(growth, 0, &length, NULL));
+  PetscCall(OptionReal(
+      "-stop_self_contact",
+      "ends the run where a rod of this diameter touches itself; 0: crosses; off unless given", 0,
+      1e3, &watch->bound[EVENT_SELF_CONTACT], &watch->watched[EVENT_SELF_CONTACT]));
+  watch->bound[EVENT_LENGTH] = 1e9;
+  PetscCall(OptionReal("-stop_length", "ends the run at this length; off unless given", 0, 1e9,
+                       &watch->bound[EVENT_LENGTH], &watch->watched[EVENT_LENGTH]));
+  UserCheck(watch->bound[EVENT_LENGTH] > length, PETSC_COMM_WORLD,
+            "-stop_length: the rod is %s long at the start, give more", OptionNumber(length, text));
+  PetscCall(OptionReal(
+      "-stop_angle",
+      "ends the run when an angle against the clamp reaches this, radians; off unless given", 0,
+      1e4, &watch->bound[EVENT_ANGLE], &watch->watched[EVENT_ANGLE]));
+  for (int k = 0; k < EVENT_KINDS; k++) watch->any = (PetscBool)(watch->any || watch->watched[k]);
+  PetscFunctionReturn(0);
+}
+
+/* Segments of the rod lo .. hi - 1, in a binary tree of bounding boxes. */
+typedef struct {
+  PetscReal low[2], high[2];
+} Box;
+
+typedef struct {
+  const Node *nodes;
+  const PetscReal *s;
+  PetscReal *p; /* arc length */
+  Box *box;
+  PetscReal diameter, apart; /* parts farther apart than this along the rod are not neighbours */
+  PetscReal nearest;
+  Event *event;
+} Contact;
+
+static Box BoxBuild(Contact *self, PetscInt lo, PetscInt hi, PetscInt k) {
+  Box box, l, r;
+  if (hi - lo == 1) {
+    for (int d = 0; d < 2; d++) {
+      box.low[d] = PetscMin(self->nodes[lo].x[d], self->nodes[hi].x[d]);
+      box.high[d] = PetscMax(self->nodes[lo].x[d], self->nodes[hi].x[d]);
+    }
+    return self->box[k] = box;
+  }
+  l = BoxBuild(self, lo, (lo + hi) / 2, 2 * k + 1);
+  r = BoxBuild(self, (lo + hi) / 2, hi, 2 * k + 2);
+  for (int d = 0; d < 2; d++) {
+    box.low[d] = PetscMin(l.low[d], r.low[d]);
+    box.high[d] = PetscMax(l.high[d], r.high[d]);
+  }
+  return self->box[k] = box;
+}
+
+/* The point of segment ab nearest to c: its place z in [0,1], and its distance. */
+static PetscReal PointDistance(const PetscReal a[2], const PetscReal b[2], const PetscReal c[2],
+                               PetscReal *z) {
+  PetscReal e[2] = {b[0] - a[0], b[1] - a[1]}, o[2] = {c[0] - a[0], c[1] - a[1]};
+  PetscReal ee = e[0] * e[0] + e[1] * e[1];
+  *z = ee > 0 ? PetscMin(1, PetscMax(0, (e[0] * o[0] + e[1] * o[1]) / ee)) : 0;
+  return hypot(o[0] - *z * e[0], o[1] - *z * e[1]);
+}
+
+/* The distance between segments ab and cd, 0 where they cross, and the places z on them. */
+static PetscReal SegmentDistance(const PetscReal a[2], const PetscReal b[2], const PetscReal c[2],
+                                 const PetscReal d[2], PetscReal z[2]) {
+  PetscReal r[2] = {b[0] - a[0], b[1] - a[1]}, q[2] = {d[0] - c[0], d[1] - c[1]},
+            o[2] = {c[0] - a[0], c[1] - a[1]}, det = r[0] * q[1] - r[1] * q[0], best, at, now;
+  if (det != 0) {
+    z[0] = (o[0] * q[1] - o[1] * q[0]) / det;
+    z[1] = (o[0] * r[1] - o[1] * r[0]) / det;
+    if (z[0] >= 0 && z[0] <= 1 && z[1] >= 0 && z[1] <= 1) return 0;
+  }
+  best = PointDistance(c, d, a, &z[1]);
+  z[0] = 0;
+  if ((now = PointDistance(c, d, b, &at)) < best) best = now, z[0] = 1, z[1] = at;
+  if ((now = PointDistance(a, b, c, &at)) < best) best = now, z[0] = at, z[1] = 0;
+  if ((now = PointDistance(a, b, d, &at)) < best) best = now, z[0] = at, z[1] = 1;
+  return best;
+}
+
+static void Meet(Contact *self, PetscInt i, PetscInt j) {
+  const Node *a = self->nodes + i, *c = self->nodes + j;
+  PetscReal z[2], distance;
+
+  if (j <= i + 1 || self->p[j] - self->p[i + 1] < self->apart) return;
+  distance = SegmentDistance(a[0].x, a[1].x, c[0].x, c[1].x, z);
+  if (distance > self->diameter || distance >= self->nearest) return;
+  self->nearest = distance;
+  self->event->kind = EVENT_SELF_CONTACT;
+  self->event->s[0] = self->s[i] + z[0] * (self->s[i + 1] - self->s[i]);
+  self->event->s[1] = self->s[j] + z[1] * (self->s[j + 1] - self->s[j]);
+  for (int d = 0; d < 2; d++)
+    self->event->x[d] =
+        (a[0].x[d] + z[0] * (a[1].x[d] - a[0].x[d]) + c[0].x[d] + z[1] * (c[1].x[d] - c[0].x[d])) /
+        2;
+}
+
+static void Search(Contact *self, PetscInt lo1, PetscInt hi1, PetscInt k1, PetscInt lo2,
+                   PetscInt hi2, PetscInt k2) {
+  const Box *a = &self->box[k1], *b = &self->box[k2];
+  PetscInt mid;
+
+  if (self->p[hi2] - self->p[lo1] < self->apart) return;
+  for (int d = 0; d < 2; d++)
+    if (a->low[d] > b->high[d] + self->diameter || b->low[d] > a->high[d] + self->diameter) return;
+  if (hi1 - lo1 == 1 && hi2 - lo2 == 1) {
+    if (k1 != k2) Meet(self, lo1, lo2);
+  } else if (k1 == k2) {
+    mid = (lo1 + hi1) / 2;
+    Search(self, lo1, mid, 2 * k1 + 1, lo1, mid, 2 * k1 + 1);
+    Search(self, mid, hi1, 2 * k1 + 2, mid, hi1, 2 * k1 + 2);
+    Search(self, lo1, mid, 2 * k1 + 1, mid, hi1, 2 * k1 + 2);
+  } else if (hi1 - lo1 >= hi2 - lo2) {
+    mid = (lo1 + hi1) / 2;
+    Search(self, lo1, mid, 2 * k1 + 1, lo2, hi2, k2);
+    Search(self, mid, hi1, 2 * k1 + 2, lo2, hi2, k2);
+  } else {
+    mid = (lo2 + hi2) / 2;
+    Search(self, lo1, hi1, k1, lo2, mid, 2 * k2 + 1);
+    Search(self, lo1, hi1, k1, mid, hi2, 2 * k2 + 2);
+  }
+}
+
+/*
+  EventContact - does a rod of this diameter (0: its centre line) touch itself? Not collective.
+
+  event  kind, s and x of the nearest pair, if any; else kind EVENT_NONE
+
+  Two parts are neighbours if they are within pi/2 diameters along the rod: half a circle as tight
+  as the rod can be, whose ends just touch.
+*/
+PetscErrorCode EventContact(PetscInt cells, const PetscReal s[], const Node *nodes,
+                            PetscReal diameter, Event *event) {
+  Contact self = {.nodes = nodes, .s = s, .diameter = diameter, .event = event};
+  PetscInt size = 1;
+
+  PetscFunctionBegin;
+  event->kind = EVENT_NONE;
+  self.apart = PETSC_PI / 2 * diameter;
+  self.nearest = PETSC_MAX_REAL;
+  while (size < cells) size *= 2;
+  PetscCall(PetscMalloc2(cells + 1, &self.p, 2 * size, &self.box));
+  self.p[0] = 0;
+  for (PetscInt i = 0; i < cells; i++)
+    self.p[i + 1] =
+        self.p[i] + hypot(nodes[i + 1].x[0] - nodes[i].x[0], nodes[i + 1].x[1] - nodes[i].x[1]);
+  BoxBuild(&self, 0, cells, 0);
+  Search(&self, 0, cells, 0, 0, cells, 0);
+  PetscCall(PetscFree2(self.p, self.box));
+  PetscFunctionReturn(0);
+}
+
+/*
+  WatchLook - has an event happened at time t? Not collective.
+
+  nodes  cells + 1 nodes, all of the rod
+  event  the event; kind EVENT_NONE if none has
+*/
+PetscErrorCode WatchLook(const Watch *watch, Scene scene, PetscReal t, const Node *nodes,
+                         Event *event) {
+  PetscInt last = scene->mesh.cells;
+  PetscReal length;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(event, sizeof(*event)));
+  if (watch->watched[EVENT_SELF_CONTACT])
+    PetscCall(EventContact(last, scene->mesh.s, nodes, watch->bound[EVENT_SELF_CONTACT], event));
+  for (PetscInt i = 0; i <= last && watch->watched[EVENT_ANGLE] && !event->kind; i++)
+    if (PetscAbsReal(nodes[i].theta) >= watch->bound[EVENT_ANGLE]) {
+      event->kind = EVENT_ANGLE;
+      event->s[0] = event->s[1] = scene->mesh.s[i];
+      PetscCall(PetscArraycpy(event->x, nodes[i].x, 2));
+    }
+  PetscCall(GrowthLength(scene->growth, t, &length, NULL));
+  if (watch->watched[EVENT_LENGTH] && !event->kind && length >= watch->bound[EVENT_LENGTH]) {
+    event->kind = EVENT_LENGTH;
+    event->s[0] = event->s[1] = 1;
+    PetscCall(PetscArraycpy(event->x, nodes[last].x, 2));
+  }
+  event->t = t;
+  PetscFunctionReturn(0);
+}

@@ -1,0 +1,29 @@
+/* Events that end a run: a length, an angle, self-contact. Here is what they are and where on the
+   rod; the time stepping locates them in time. */
+#ifndef TENDRIL_EVENT_H
+#define TENDRIL_EVENT_H
+
+#include "rod/rod.h"
+
+typedef enum { EVENT_NONE, EVENT_SELF_CONTACT, EVENT_LENGTH, EVENT_ANGLE, EVENT_KINDS } EventKind;
+extern const char *const event_name[EVENT_KINDS];
+
+/* What to watch for. */
+typedef struct {
+  PetscBool watched[EVENT_KINDS], any;
+  PetscReal bound[EVENT_KINDS]; /* diameter, length, angle */
+} Watch;
+
+/* What happened: s the one or two labels concerned, x the place (in the clamp's frame). */
+typedef struct {
+  EventKind kind;
+  PetscReal t, s[2], x[2];
+} Event;
+
+PetscErrorCode WatchSetFromOptions(Watch *watch, Growth growth);
+PetscErrorCode WatchLook(const Watch *watch, Scene scene, PetscReal t, const Node *nodes,
+                         Event *event);
+PetscErrorCode EventContact(PetscInt cells, const PetscReal s[], const Node *nodes,
+                            PetscReal diameter, Event *event);
+
+#endif

@@ -1,0 +1,415 @@
+#include "record/observe.h"
+
+#define X(name, text) #name,
+const char *const observed_name[OBSERVED] = {OBSERVABLES(X)};
+#undef X
+#define X(name, text) text,
+const char *const observed_text[OBSERVED] = {OBSERVABLES(X)};
+#undef X
+
+struct _Observer {
+  Scene scene;
+  Vec all; /* every node, on rank 0 */
+  VecScatter to_zero;
+  Node *gathered; /* rank 0: cells + 1 nodes */
+  /* the energy balance: the latest times with W - dissipation and dissipation, newest last */
+  PetscInt n;
+  PetscReal time[BALANCE_POINTS], net[BALANCE_POINTS], loss[BALANCE_POINTS];
+  PetscReal first_energy, net_work, lost_work;
+  PetscBool jumped; /* the step to be measured next was a jump */
+};
+
+PetscErrorCode ObserverCreate(Scene scene, Observer *observer) {
+  PetscMPIInt rank;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(observer));
+  (*observer)->scene = scene;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  if (!rank) PetscCall(PetscMalloc1(scene->mesh.cells + 1, &(*observer)->gathered));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode ObserverDestroy(Observer *observer) {
+  PetscFunctionBegin;
+  if (!*observer) PetscFunctionReturn(0);
+  PetscCall(VecScatterDestroy(&(*observer)->to_zero));
+  PetscCall(VecDestroy(&(*observer)->all));
+  PetscCall(PetscFree((*observer)->gathered));
+  PetscCall(PetscFree(*observer));
+  PetscFunctionReturn(0);
+}
+
+/*
+  ObserverGather - all nodes of a rod on rank 0, in the clamp's frame. Collective.
+
+  U      NULL before the first step: the initial shape, with the rates of growth without friction
+  U_t    NULL: rates are 0
+  nodes  cells + 1 nodes on rank 0, valid until the next call; NULL on the others
+*/
+PetscErrorCode ObserverGather(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t,
+                              const Node **nodes) {
+  PetscScalar *local;
+  const PetscScalar *all;
+  Vec v;
+
+  PetscFunctionBegin;
+  PetscCall(DMGetGlobalVector(rod->nodes, &v));
+  PetscCall(VecGetArray(v, &local));
+  if (U)
+    PetscCall(rod->model->get(rod, t, U, U_t, (Node *)local));
+  else
+    PetscCall(RodInitialNodes(rod, t, (Node *)local));
+  PetscCall(VecRestoreArray(v, &local));
+  if (!observer->to_zero) PetscCall(VecScatterCreateToZero(v, &observer->to_zero, &observer->all));
+  PetscCall(VecScatterBegin(observer->to_zero, v, observer->all, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecScatterEnd(observer->to_zero, v, observer->all, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(DMRestoreGlobalVector(rod->nodes, &v));
+  *nodes = NULL;
+  if (!observer->gathered) PetscFunctionReturn(0);
+  PetscCall(VecGetArrayRead(observer->all, &all));
+  PetscCall(PetscMemcpy(observer->gathered, all, (observer->scene->mesh.cells + 1) * sizeof(Node)));
+  PetscCall(VecRestoreArrayRead(observer->all, &all));
+  *nodes = observer->gathered;
+  PetscFunctionReturn(0);
+}
+
+/* A point of the rod with all that integrals need. */
+typedef struct {
+  Node node;
+  PetscReal g, g_t, k0, q[2], v[2], drag; /* drag = phi(|v|) */
+} Sample;
+
+static PetscErrorCode SampleFill(Scene scene, PetscReal s, PetscReal t, Sample *p) {
+  PetscReal c = GrowthSlide(scene->growth, s);
+
+  PetscFunctionBegin;
+  PetscCall(GrowthStretch(scene->growth, 1, &s, t, &p->g, &p->g_t, NULL));
+  PetscCall(SceneCurvature(scene, s, t, &p->k0));
+  p->q[0] = PetscCosReal(p->node.theta);
+  p->q[1] = PetscSinReal(p->node.theta);
+  for (int d = 0; d < 2; d++) p->v[d] = p->node.x_t[d] + c * p->q[d];
+  p->drag = FrictionPhi(&scene->friction, p->v[0] * p->v[0] + p->v[1] * p->v[1]);
+  PetscFunctionReturn(0);
+}
+
+/* The middle of a cell by Hermite's formula y_mid = (y_a + y_b)/2 + h/8 (y'_a - y'_b). */
+static PetscErrorCode SampleMid(Scene scene, PetscReal sa, PetscReal sb, PetscReal t,
+                                const Sample *a, const Sample *b, Sample *mid) {
+  const Sample *end[2] = {a, b};
+  PetscReal h = sb - sa;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(mid, sizeof(*mid)));
+  for (int e = 0; e < 2; e++) {
+    const Sample *p = end[e];
+    const Node *n = &p->node;
+    PetscReal k = e ? -h / 8 : h / 8;
+    mid->node.theta += n->theta / 2 + k * p->g * (n->moment + p->k0);
+    mid->node.moment += n->moment / 2 - k * p->g * (p->q[0] * n->force[1] - p->q[1] * n->force[0]);
+    for (int d = 0; d < 2; d++) {
+      PetscReal perp = d ? p->q[0] : -p->q[1];
+      mid->node.x[d] += n->x[d] / 2 + k * p->g * p->q[d];
+      mid->node.x_t[d] += n->x_t[d] / 2 + k * (p->g_t * p->q[d] + p->g * n->theta_t * perp);
+      mid->node.force[d] += n->force[d] / 2 + k * p->g * p->drag * p->v[d];
+    }
+  }
+  PetscCall(SampleFill(scene, (sa + sb) / 2, t, mid));
+  PetscFunctionReturn(0);
+}
+
+/* x2 in the frame of the laboratory, that of the clamp turned by alpha */
+static inline PetscReal LabX2(Scene scene, const PetscReal x[2]) {
+  return PetscSinReal(scene->clamp_angle) * x[0] + PetscCosReal(scene->clamp_angle) * x[1];
+}
+
+static inline PetscReal LabX1(Scene scene, const PetscReal x[2]) {
+  return PetscCosReal(scene->clamp_angle) * x[0] - PetscSinReal(scene->clamp_angle) * x[1];
+}
+
+/* Adds a sample to the integrals, which are kept in the fields they end up in. */
+static void Integrate(Scene scene, const Sample *p, PetscReal weight, Observation *sum) {
+  PetscReal x2 = LabX2(scene, p->node.x), m2 = PetscSqr(p->node.moment);
+  sum->norm_x2 += weight * x2 * x2;
+  sum->norm_x2_length += weight * x2 * x2 * p->g;
+  sum->energy += weight * m2 * p->g / 2;
+  if (!scene->growth->slides)
+    sum->growth_power -=
+        weight * p->g_t *
+        (p->node.force[0] * p->q[0] + p->node.force[1] * p->q[1] + m2 / 2 + p->node.moment * p->k0);
+  sum->dissipation += weight * p->g * p->drag * (p->v[0] * p->v[0] + p->v[1] * p->v[1]);
+}
+
+/* Integrals over the rod by Simpson's rule on each cell, and what is read at s = 1/2. */
+static PetscErrorCode MeasureIntegrals(Scene scene, PetscReal t, const Node *nodes,
+                                       Observation *seen) {
+  const PetscReal *s = scene->mesh.s;
+  Sample a, b, mid;
+
+  PetscFunctionBegin;
+  b.node = nodes[0];
+  PetscCall(SampleFill(scene, s[0], t, &b));
+  if (scene->growth->slides)
+    seen->growth_power = -(b.node.force[0] * b.q[0] + b.node.force[1] * b.q[1] +
+                           PetscSqr(b.node.moment) / 2 + b.node.moment * b.k0);
+  for (PetscInt i = 0; i < scene->mesh.cells; i++) {
+    PetscReal h = s[i + 1] - s[i];
+    a = b;
+    b.node = nodes[i + 1];
+    PetscCall(SampleFill(scene, s[i + 1], t, &b));
+    PetscCall(SampleMid(scene, s[i], s[i + 1], t, &a, &b, &mid));
+    Integrate(scene, &a, h / 6, seen);
+    Integrate(scene, &mid, 4 * h / 6, seen);
+    Integrate(scene, &b, h / 6, seen);
+    if (s[i] < 0.5 && s[i + 1] >= 0.5) { /* the parabola through a, mid and b */
+      PetscReal z = (0.5 - s[i]) / h,
+                w[3] = {(1 - z) * (1 - 2 * z), 4 * z * (1 - z), z * (2 * z - 1)}, x[2], v[2];
+      for (int d = 0; d < 2; d++) {
+        x[d] = w[0] * a.node.x[d] + w[1] * mid.node.x[d] + w[2] * b.node.x[d];
+        v[d] = w[0] * a.v[d] + w[1] * mid.v[d] + w[2] * b.v[d];
+      }
+      seen->mid_distance = hypot(x[0], x[1]);
+      seen->mid_speed = hypot(v[0], v[1]);
+    }
+  }
+  seen->norm_x2 = PetscSqrtReal(seen->norm_x2);
+  seen->norm_x2_length = PetscSqrtReal(seen->norm_x2_length);
+  seen->tip_speed = hypot(b.v[0], b.v[1]);
+  PetscFunctionReturn(0);
+}
+
+/* Does segment ab cross segment cd? Touching in an end point does not count twice: half-open. */
+static PetscBool SegmentsCross(const PetscReal a[2], const PetscReal b[2], const PetscReal c[2],
+                               const PetscReal d[2]) {
+  PetscReal r[2] = {b[0] - a[0], b[1] - a[1]}, q[2] = {d[0] - c[0], d[1] - c[1]},
+            o[2] = {c[0] - a[0], c[1] - a[1]};
+  PetscReal det = r[0] * q[1] - r[1] * q[0], u = o[0] * q[1] - o[1] * q[0],
+            w = o[0] * r[1] - o[1] * r[0];
+  if (det == 0) return PETSC_FALSE;
+  u /= det;
+  w /= det;
+  return (PetscBool)(u >= 0 && u < 1 && w >= 0 && w < 1);
+}
+
+/* A binary tree of bounding boxes over the segments lo .. hi - 1, and the range of their angles. */
+typedef struct {
+  PetscReal low[2], high[2], theta_low, theta_high;
+} Box;
+
+static Box BuildBoxes(const Node *nodes, PetscInt lo, PetscInt hi, PetscInt k, Box *tree) {
+  Box box, l, r;
+  if (hi - lo == 1) {
+    for (int d = 0; d < 2; d++) {
+      box.low[d] = PetscMin(nodes[lo].x[d], nodes[hi].x[d]);
+      box.high[d] = PetscMax(nodes[lo].x[d], nodes[hi].x[d]);
+    }
+    box.theta_low = PetscMin(nodes[lo].theta, nodes[hi].theta);
+    box.theta_high = PetscMax(nodes[lo].theta, nodes[hi].theta);
+    return tree[k] = box;
+  }
+  l = BuildBoxes(nodes, lo, (lo + hi) / 2, 2 * k + 1, tree);
+  r = BuildBoxes(nodes, (lo + hi) / 2, hi, 2 * k + 2, tree);
+  for (int d = 0; d < 2; d++) {
+    box.low[d] = PetscMin(l.low[d], r.low[d]);
+    box.high[d] = PetscMax(l.high[d], r.high[d]);
+  }
+  box.theta_low = PetscMin(l.theta_low, r.theta_low);
+  box.theta_high = PetscMax(l.theta_high, r.theta_high);
+  return tree[k] = box;
+}
+
+static PetscInt CrossingsBetween(const Node *nodes, const Box *tree, PetscInt lo1, PetscInt hi1,
+                                 PetscInt k1, PetscInt lo2, PetscInt hi2, PetscInt k2) {
+  const Box *a = &tree[k1], *b = &tree[k2];
+  for (int d = 0; d < 2; d++)
+    if (a->low[d] > b->high[d] || b->low[d] > a->high[d]) return 0;
+  /* an arc whose angles span less than pi cannot meet itself, nor its neighbour in the same arc */
+  if (PetscMax(a->theta_high, b->theta_high) - PetscMin(a->theta_low, b->theta_low) < PETSC_PI &&
+      hi1 == lo2)
+    return 0;
+  if (hi1 - lo1 == 1 && hi2 - lo2 == 1) {
+    if (hi1 == lo2) return 0; /* neighbours share a node */
+    return SegmentsCross(nodes[lo1].x, nodes[hi1].x, nodes[lo2].x, nodes[hi2].x);
+  }
+  if (hi1 - lo1 >= hi2 - lo2) {
+    PetscInt mid = (lo1 + hi1) / 2;
+    return CrossingsBetween(nodes, tree, lo1, mid, 2 * k1 + 1, lo2, hi2, k2) +
+           CrossingsBetween(nodes, tree, mid, hi1, 2 * k1 + 2, lo2, hi2, k2);
+  }
+  PetscInt mid = (lo2 + hi2) / 2;
+  return CrossingsBetween(nodes, tree, lo1, hi1, k1, lo2, mid, 2 * k2 + 1) +
+         CrossingsBetween(nodes, tree, lo1, hi1, k1, mid, hi2, 2 * k2 + 2);
+}
+
+static PetscInt CrossingsWithin(const Node *nodes, const Box *tree, PetscInt lo, PetscInt hi,
+                                PetscInt k) {
+  PetscInt mid = (lo + hi) / 2;
+  if (hi - lo < 3 || tree[k].theta_high - tree[k].theta_low < PETSC_PI) return 0;
+  return CrossingsWithin(nodes, tree, lo, mid, 2 * k + 1) +
+         CrossingsWithin(nodes, tree, mid, hi, 2 * k + 2) +
+         CrossingsBetween(nodes, tree, lo, mid, 2 * k + 1, mid, hi, 2 * k + 2);
+}
+
+/* ObserveCrossings - in how many points the polygon through n nodes crosses itself. Not collective.
+ */
+PetscInt ObserveCrossings(PetscInt n, const Node *nodes) {
+  PetscInt size = 1, count;
+  Box *tree;
+
+  if (n < 4) return 0;
+  while (size < n - 1) size *= 2;
+  if (PetscMalloc1(2 * size, &tree)) return -1;
+  BuildBoxes(nodes, 0, n - 1, 0, tree);
+  count = CrossingsWithin(nodes, tree, 0, n - 1, 0);
+  (void)PetscFree(tree);
+  return count;
+}
+
+/* What is read off the nodes one by one. */
+static PetscErrorCode MeasureShape(Scene scene, PetscReal t, const Node *nodes, Observation *seen) {
+  PetscInt n = scene->mesh.cells + 1;
+  PetscReal low = 0, high = 0, most = 0, sign = 0;
+  const Node *tip = &nodes[n - 1];
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < n; i++) {
+    low = PetscMin(low, nodes[i].x[1]);
+    high = PetscMax(high, nodes[i].x[1]);
+    seen->max_angle = PetscMax(seen->max_angle, PetscAbsReal(nodes[i].theta));
+    most = PetscMax(most, PetscAbsReal(nodes[i].moment));
+  }
+  for (PetscInt i = 0; i < n; i++) {
+    PetscReal k;
+    PetscCall(SceneCurvature(scene, scene->mesh.s[i], t, &k));
+    k += nodes[i].moment;
+    if (PetscAbsReal(k) <= 1e-6 * most) continue; /* the tip's moment is 0 but for round-off */
+    if (k * sign < 0) seen->inflections++;
+    sign = k;
+  }
+  seen->tip_x1 = LabX1(scene, tip->x);
+  seen->tip_x2 = LabX2(scene, tip->x);
+  seen->end_distance = hypot(tip->x[0], tip->x[1]);
+  seen->width = high - low;
+  seen->base_force_1 = -LabX1(scene, nodes[0].force);
+  seen->base_force_2 = -LabX2(scene, nodes[0].force);
+  if (seen->max_angle > PETSC_PI / 2) seen->self_crossings = ObserveCrossings(n, nodes);
+  PetscFunctionReturn(0);
+}
+
+/* The integral from the last but one to the last time of the polynomial through all of them. */
+static PetscReal LastInterval(PetscInt n, const PetscReal time[], const PetscReal f[]) {
+  PetscReal a = time[n - 2], h = time[n - 1] - a, sum = 0;
+  for (int q = 0; q < GAUSS; q++)
+    for (PetscInt i = 0; i < n; i++) {
+      PetscReal l = 1;
+      for (PetscInt j = 0; j < n; j++)
+        if (j != i) l *= (a + h * gauss_point[q] - time[j]) / (time[i] - time[j]);
+      sum += h * gauss_weight[q] * l * f[i];
+    }
+  return sum;
+}
+
+/* Follows the energy balance dE/dt = W - dissipation, with as many points as the steps have order.
+ */
+static void MeasureBalance(Observer self, Observation *seen) {
+  PetscReal scale;
+
+  if (self->n && seen->t == self->time[self->n - 1]) return;
+  if (self->jumped) { /* what bending lost, friction took: the powers on both sides do not tell */
+    self->lost_work += PetscMax(0, self->first_energy + self->net_work - seen->energy);
+    self->net_work = seen->energy - self->first_energy;
+    self->n = 0;
+  } else if (!self->n)
+    self->first_energy = seen->energy;
+  self->jumped = PETSC_FALSE;
+  if (self->n == BALANCE_POINTS) {
+    for (int i = 1; i < BALANCE_POINTS; i++) {
+      self->time[i - 1] = self->time[i];
+      self->net[i - 1] = self->net[i];
+      self->loss[i - 1] = self->loss[i];
+    }
+    self->n--;
+  }
+  self->time[self->n] = seen->t;
+  self->net[self->n] = seen->growth_power - seen->dissipation;
+  self->loss[self->n] = seen->dissipation;
+  self->n++;
+  if (self->n == 2) { /* the powers at the start are not known: the first step's hold for it */
+    self->net[0] = self->net[1];
+    self->loss[0] = self->loss[1];
+  }
+  if (self->n > 1) {
+    self->net_work += LastInterval(self->n, self->time, self->net);
+    self->lost_work += LastInterval(self->n, self->time, self->loss);
+  }
+  scale = PetscMax(PetscAbsReal(self->lost_work), PetscMax(seen->energy, self->first_energy));
+  seen->energy_defect =
+      scale > 0 ? PetscAbsReal(seen->energy - self->first_energy - self->net_work) / scale : 0;
+}
+
+/* The sums of the energy balance and the points they are built on, which rank 0 has. */
+static void BalanceParts(Observer self, PetscReal *part[3], PetscReal *sum[3]) {
+  part[0] = self->time;
+  part[1] = self->net;
+  part[2] = self->loss;
+  sum[0] = &self->first_energy;
+  sum[1] = &self->net_work;
+  sum[2] = &self->lost_work;
+}
+
+/* ObserverGetBalance - on rank 0, what the energy balance needs to go on. Not collective. */
+PetscErrorCode ObserverGetBalance(Observer self, PetscReal state[BALANCE_STATE]) {
+  PetscReal *part[3], *sum[3];
+
+  PetscFunctionBegin;
+  BalanceParts(self, part, sum);
+  *state++ = self->n;
+  for (int k = 0; k < 3; k++) {
+    *state++ = *sum[k];
+    for (int i = 0; i < BALANCE_POINTS; i++) *state++ = part[k][i];
+  }
+  PetscFunctionReturn(0);
+}
+
+/* ObserverSetBalance - gives back what ObserverGetBalance gave. Not collective. */
+PetscErrorCode ObserverSetBalance(Observer self, const PetscReal state[BALANCE_STATE]) {
+  PetscReal *part[3], *sum[3];
+
+  PetscFunctionBegin;
+  BalanceParts(self, part, sum);
+  self->n = (PetscInt)*state++;
+  for (int k = 0; k < 3; k++) {
+    *sum[k] = *state++;
+    for (int i = 0; i < BALANCE_POINTS; i++) part[k][i] = *state++;
+  }
+  PetscFunctionReturn(0);
+}
+
+/* ObserverJump - tells that the step measured next was a jump: its energy balance is taken for
+   closed, and summed on from there. */
+void ObserverJump(Observer observer) {
+  observer->jumped = PETSC_TRUE;
+}
+
+/*
+  ObserverMeasure - all that is measured on a rod at one time; step, newton_iterations and model are
+  left to the caller. Collective; the result is on every rank. Times must come in increasing order,
+  for the energy balance is summed from one to the next.
+*/
+PetscErrorCode ObserverMeasure(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t,
+                               Observation *seen) {
+  const Node *nodes;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(seen, sizeof(*seen)));
+  PetscCall(ObserverGather(observer, rod, t, U, U_t, &nodes));
+  if (nodes) {
+    seen->t = t;
+    PetscCall(GrowthLength(observer->scene->growth, t, &seen->length, NULL));
+    PetscCall(MeasureIntegrals(observer->scene, t, nodes, seen));
+    PetscCall(MeasureShape(observer->scene, t, nodes, seen));
+    MeasureBalance(observer, seen);
+  }
+  PetscCallMPI(MPI_Bcast(seen, OBSERVED, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  PetscFunctionReturn(0);
+}

@@ -1,0 +1,66 @@
+#include "record/xdmf.h"
+
+/* One array of one stored shape: entry k of /shapes/name, component c of every `components`. */
+static void Slab(FILE *f, const char *h5, const char *name, PetscInt shapes, PetscInt nodes,
+                 PetscInt k, int components, int from, int count) {
+  if (components == 1)
+    fprintf(f,
+            "<DataItem ItemType=\"HyperSlab\" Dimensions=\"1 %d\" Type=\"HyperSlab\">"
+            "<DataItem Dimensions=\"3 2\" Format=\"XML\">%d 0 1 1 1 %d</DataItem>"
+            "<DataItem Dimensions=\"%d %d\" Precision=\"8\" Format=\"HDF\">%s:/shapes/%s"
+            "</DataItem></DataItem>",
+            (int)nodes, (int)k, (int)nodes, (int)shapes, (int)nodes, h5, name);
+  else
+    fprintf(f,
+            "<DataItem ItemType=\"HyperSlab\" Dimensions=\"1 %d %d\" Type=\"HyperSlab\">"
+            "<DataItem Dimensions=\"3 3\" Format=\"XML\">%d 0 %d 1 1 1 1 %d %d</DataItem>"
+            "<DataItem Dimensions=\"%d %d %d\" Precision=\"8\" Format=\"HDF\">%s:/shapes/%s"
+            "</DataItem></DataItem>",
+            (int)nodes, count, (int)k, from, (int)nodes, count, (int)shapes, (int)nodes, components,
+            h5, name);
+}
+
+static void Scalar(FILE *f, const char *label, const char *h5, const char *name, PetscInt shapes,
+                   PetscInt nodes, PetscInt k, int components, int from) {
+  fprintf(f, "    <Attribute Name=\"%s\" AttributeType=\"Scalar\" Center=\"Node\">", label);
+  Slab(f, h5, name, shapes, nodes, k, components, from, 1);
+  fprintf(f, "</Attribute>\n");
+}
+
+/*
+  XdmfWrite - writes FILE.xmf beside a result file FILE.h5: the rod as a polyline that moves in
+  time, with its angle, curvature and force. Not collective. A file that cannot be written is passed
+  over: the results are in the other.
+*/
+PetscErrorCode XdmfWrite(const char *file, PetscInt nodes, PetscInt shapes, const PetscReal t[]) {
+  char path[PETSC_MAX_PATH_LEN], *dot;
+  const char *slash = strrchr(file, '/'), *h5 = slash ? slash + 1 : file;
+  FILE *f;
+
+  PetscFunctionBegin;
+  PetscCall(PetscStrncpy(path, file, sizeof(path) - 4));
+  dot = strrchr(path, '.');
+  if (dot && !strchr(dot, '/')) *dot = 0;
+  PetscCall(PetscStrlcat(path, ".xmf", sizeof(path)));
+  f = fopen(path, "w");
+  if (!f) PetscFunctionReturn(0);
+  fprintf(f, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
+             "<Grid Name=\"rod\" GridType=\"Collection\" CollectionType=\"Temporal\">\n");
+  for (PetscInt k = 0; k < shapes; k++) {
+    fprintf(f,
+            "  <Grid Name=\"rod\">\n    <Time Value=\"%.15g\"/>\n"
+            "    <Topology TopologyType=\"Polyline\" NumberOfElements=\"1\" "
+            "NodesPerElement=\"%d\"/>\n    <Geometry GeometryType=\"XY\">",
+            (double)t[k], (int)nodes);
+    Slab(f, h5, "x", shapes, nodes, k, 2, 0, 2);
+    fprintf(f, "</Geometry>\n");
+    Scalar(f, "theta", h5, "theta", shapes, nodes, k, 1, 0);
+    Scalar(f, "curvature", h5, "curvature", shapes, nodes, k, 1, 0);
+    Scalar(f, "force_1", h5, "force", shapes, nodes, k, 2, 0);
+    Scalar(f, "force_2", h5, "force", shapes, nodes, k, 2, 1);
+    fprintf(f, "  </Grid>\n");
+  }
+  fprintf(f, "</Grid>\n</Domain>\n</Xdmf>\n");
+  fclose(f);
+  PetscFunctionReturn(0);
+}

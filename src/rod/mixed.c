@@ -1,0 +1,408 @@
+/* The mixed model, the paper's unknowns x1, x2, lambda, as a discrete elastic rod, second order:
+   nodes x_i, edges e_i = x_i - x_{i-1} of prescribed length l_i, lambda_i on edge i.
+     energy        E = sum_k (K_k - k0_k w_k)^2 / (2 w_k),  K = 2 tan(psi/2) = 2 a x b / (|a||b| +
+   a.b), psi the turn from edge a = e_k to b = e_{k+1}, w_k = (l_k + l_{k+1})/2; at the clamp a =
+   (1,0) and w_0 = l_1/2; at the tip no term, so kappa(1) = kappa'(1) = 0 balance dE/dx_i
+   + M_i phi(|v_i|) v_i + flux_{i+1} - flux_i = 0,  flux_i = 2 lambda_i e_i / h_i constraint
+   (|e_i|^2 - l_i^2) / l_i = 0 clamp         x_0 = 0, lambda_0 = 0 (no such edge) (Bergou et al.,
+   Discrete elastic rods, 2008). Lambda as in the paper: flux = 2 lambda x'. */
+#include "rod/rod.h"
+
+enum { X1, X2, LAMBDA, FIELDS };
+enum { REACH = 2, WIDTH = 2 * REACH + 1 };
+
+typedef struct {
+  PetscReal time;
+  PetscReal *length;  /* l of edge first - 1 + k, for edges first - 1 .. end + 1 where they exist */
+  PetscReal *natural; /* k0 at turn first - 1 + k, for turns first - 1 .. end */
+  FrictionDual *dual; /* owned nodes */
+} Mixed;
+
+/* K and its first and second derivatives by (a, b), for one turn. */
+typedef struct {
+  PetscReal K, slope[4], curve[4][4];
+} Turn;
+
+static void TurnValue(const PetscReal a[2], const PetscReal b[2], Turn *turn) {
+  PetscReal la = hypot(a[0], a[1]), lb = hypot(b[0], b[1]);
+  PetscReal N = a[0] * b[1] - a[1] * b[0], D = la * lb + a[0] * b[0] + a[1] * b[1];
+  PetscReal N1[4] = {b[1], -b[0], -a[1], a[0]}, D1[4];
+  for (int d = 0; d < 2; d++) {
+    D1[d] = lb * a[d] / la + b[d];
+    D1[2 + d] = la * b[d] / lb + a[d];
+  }
+  turn->K = 2 * N / D;
+  for (int i = 0; i < 4; i++) turn->slope[i] = 2 * (N1[i] - N * D1[i] / D) / D;
+}
+
+static void TurnCurve(const PetscReal a[2], const PetscReal b[2], Turn *turn) {
+  PetscReal la = hypot(a[0], a[1]), lb = hypot(b[0], b[1]);
+  PetscReal N = a[0] * b[1] - a[1] * b[0], D = la * lb + a[0] * b[0] + a[1] * b[1];
+  PetscReal N1[4] = {b[1], -b[0], -a[1], a[0]}, D1[4], N2[4][4] = {{0}}, D2[4][4];
+  N2[0][3] = N2[3][0] = 1;
+  N2[1][2] = N2[2][1] = -1;
+  for (int d = 0; d < 2; d++) {
+    D1[d] = lb * a[d] / la + b[d];
+    D1[2 + d] = la * b[d] / lb + a[d];
+    for (int e = 0; e < 2; e++) {
+      D2[d][e] = lb / la * ((d == e) - a[d] * a[e] / (la * la));
+      D2[2 + d][2 + e] = la / lb * ((d == e) - b[d] * b[e] / (lb * lb));
+      D2[d][2 + e] = D2[2 + e][d] = a[d] * b[e] / (la * lb) + (d == e);
+    }
+  }
+  for (int i = 0; i < 4; i++)
+    for (int j = 0; j < 4; j++)
+      turn->curve[i][j] = 2 *
+                          (N2[i][j] - (N1[i] * D1[j] + D1[i] * N1[j]) / D - N * D2[i][j] / D +
+                           2 * N * D1[i] * D1[j] / (D * D)) /
+                          D;
+}
+
+static inline PetscReal EdgeLength(const Mixed *self, Rod rod, PetscInt i) {
+  return self->length[i - rod->first + 1];
+}
+
+/* w_k, the length that turn k is spread over */
+static PetscReal TurnWidth(const Mixed *self, Rod rod, PetscInt k) {
+  return ((k ? EdgeLength(self, rod, k) : 0) + EdgeLength(self, rod, k + 1)) / 2;
+}
+
+/* The moment at turn k: its curvature less the natural one. */
+static PetscReal TurnMoment(const Mixed *self, Rod rod, PetscInt k, const Turn *turn) {
+  return turn->K / TurnWidth(self, rod, k) - self->natural[k - rod->first + 1];
+}
+
+/* M_i, the length whose friction acts on node i */
+static PetscReal NodeLength(const Mixed *self, Rod rod, PetscInt i) {
+  return (EdgeLength(self, rod, i) + (i < rod->last ? EdgeLength(self, rod, i + 1) : 0)) / 2;
+}
+
+static PetscErrorCode LengthsAt(Rod rod, PetscReal t) {
+  Mixed *self = (Mixed *)rod->data;
+  PetscInt from = PetscMax(1, rod->first - 1), to = PetscMin(rod->last, rod->end + 1);
+
+  PetscFunctionBegin;
+  if (self->time == t) PetscFunctionReturn(0);
+  for (PetscInt i = from; i <= to; i++) {
+    PetscReal p[2];
+    PetscCall(GrowthArc(rod->scene->growth, 2, &rod->scene->mesh.s[i - 1], t, p, NULL));
+    self->length[i - rod->first + 1] = p[1] - p[0];
+  }
+  for (PetscInt k = PetscMax(0, rod->first - 1); k <= PetscMin(rod->last, rod->end); k++) {
+    const PetscReal *s = rod->scene->mesh.s; /* turn 0 lies in the first half of edge 1 */
+    PetscCall(
+        SceneCurvature(rod->scene, k ? s[k] : s[1] / 4, t, &self->natural[k - rod->first + 1]));
+  }
+  self->time = t;
+  PetscFunctionReturn(0);
+}
+
+static void Edge(const PetscReal (*u)[FIELDS], PetscInt i, PetscReal e[2]) {
+  e[0] = u[i][X1] - u[i - 1][X1];
+  e[1] = u[i][X2] - u[i - 1][X2];
+}
+
+/* The two edges of turn k. */
+static void TurnEdges(const PetscReal (*u)[FIELDS], PetscInt k, PetscReal a[2], PetscReal b[2]) {
+  a[0] = 1;
+  a[1] = 0;
+  if (k) Edge(u, k, a);
+  Edge(u, k + 1, b);
+}
+
+/* The velocity of node i, v = x_t + c q, with q by central differences; slide is c over the length.
+ */
+static void NodeVelocity(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
+                         const PetscReal (*u_t)[FIELDS], PetscInt i, PetscReal v[2],
+                         PetscReal *slide) {
+  *slide = i < rod->last ? GrowthSlide(rod->scene->growth, rod->scene->mesh.s[i]) /
+                               (2 * NodeLength(self, rod, i))
+                         : 0;
+  for (int d = 0; d < 2; d++)
+    v[d] = u_t[i][d] + (*slide ? *slide * (u[i + 1][d] - u[i - 1][d]) : 0);
+}
+
+/* Residual of the balance at node i. */
+static void BalanceResidual(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
+                            const PetscReal (*u_t)[FIELDS], PetscInt i, PetscReal r[2]) {
+  const PetscReal *s = rod->scene->mesh.s;
+  PetscReal a[2], b[2], v[2], drag[2], slide;
+  Turn turn;
+
+  NodeVelocity(self, rod, u, u_t, i, v, &slide);
+  FrictionForce(&rod->scene->friction, v, &self->dual[i - rod->first], drag);
+  for (int d = 0; d < 2; d++) r[d] = NodeLength(self, rod, i) * drag[d];
+  for (PetscInt k = i - 1; k <= PetscMin(i + 1, rod->last - 1); k++) {
+    PetscReal force;
+    TurnEdges(u, k, a, b);
+    TurnValue(a, b, &turn);
+    force = TurnMoment(self, rod, k, &turn);
+    for (int d = 0; d < 2; d++) { /* x_i ends edge i (+) and begins edge i + 1 (-) */
+      if (k == i - 1) r[d] += force * turn.slope[2 + d];
+      if (k == i) r[d] += force * (turn.slope[d] - turn.slope[2 + d]);
+      if (k == i + 1) r[d] -= force * turn.slope[d];
+    }
+  }
+  for (PetscInt e = i; e <= PetscMin(i + 1, rod->last); e++) {
+    Edge(u, e, a);
+    for (int d = 0; d < 2; d++)
+      r[d] += (e == i ? -1 : 1) * 2 * u[e][LAMBDA] * a[d] / (s[e] - s[e - 1]);
+  }
+}
+
+static PetscErrorCode MixedResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F) {
+  Mixed *self = (Mixed *)rod->data;
+  const PetscReal(*u)[FIELDS], (*u_t)[FIELDS];
+  PetscReal(*f)[FIELDS], e[2];
+  Vec local[2];
+
+  PetscFunctionBegin;
+  PetscCall(LengthsAt(rod, t));
+  PetscCall(RodOpen(rod, U, &local[0], &u));
+  PetscCall(RodOpen(rod, U_t, &local[1], &u_t));
+  PetscCall(DMDAVecGetArray(rod->da, F, &f));
+  if (!rod->first) PetscCall(PetscArraycpy(f[0], u[0], FIELDS));
+  for (PetscInt i = PetscMax(1, rod->first); i < rod->end; i++) {
+    PetscReal l = EdgeLength(self, rod, i);
+    BalanceResidual(self, rod, u, u_t, i, f[i]);
+    Edge(u, i, e);
+    f[i][LAMBDA] = (e[0] * e[0] + e[1] * e[1]) / l - l;
+  }
+  PetscCall(DMDAVecRestoreArray(rod->da, F, &f));
+  PetscCall(RodClose(rod, &local[0], &u));
+  PetscCall(RodClose(rod, &local[1], &u_t));
+  PetscFunctionReturn(0);
+}
+
+/* The derivative of node i's rows by node i - REACH + k stands in columns k FIELDS ... */
+typedef PetscReal Row[FIELDS][WIDTH * FIELDS];
+
+/* Adds value to d(r_d)/d(edge e, component c), as seen from node i. */
+static void AddByEdge(Row row, PetscInt i, int d, PetscInt e, int c, PetscReal value) {
+  row[d][(e - i + REACH) * FIELDS + c] += value;
+  row[d][(e - 1 - i + REACH) * FIELDS + c] -= value;
+}
+
+/* d2E of turn k in the balance of node i */
+static void TurnJacobian(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS], PetscInt i,
+                         PetscInt k, Row row) {
+  PetscReal a[2], b[2], w = TurnWidth(self, rod, k), moment;
+  Turn turn;
+
+  TurnEdges(u, k, a, b);
+  TurnValue(a, b, &turn);
+  TurnCurve(a, b, &turn);
+  moment = TurnMoment(self, rod, k, &turn);
+  for (int p = 0; p < 4; p++) { /* by which x_i enters: edge k (a) or k + 1 (b) */
+    PetscInt edge = p < 2 ? k : k + 1;
+    PetscReal sign = edge == i ? 1 : edge == i + 1 ? -1 : 0;
+    if (!sign || !edge) continue;
+    for (int q = 0; q < 4; q++) {
+      PetscInt by = q < 2 ? k : k + 1;
+      if (by)
+        AddByEdge(row, i, p % 2, by, q % 2,
+                  sign * (turn.slope[p] * turn.slope[q] / w + moment * turn.curve[p][q]));
+    }
+  }
+}
+
+static void BalanceJacobian(Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
+                            const PetscReal (*u_t)[FIELDS], PetscInt i, PetscReal shift, Row row) {
+  const Friction *friction = &rod->scene->friction;
+  const PetscReal *s = rod->scene->mesh.s;
+  FrictionDual *dual = &self->dual[i - rod->first];
+  PetscReal v[2], e[2], slide, slope[2][2], M = NodeLength(self, rod, i);
+
+  NodeVelocity(self, rod, u, u_t, i, v, &slide);
+  if (rod->fresh)
+    FrictionDualReset(friction, v, dual);
+  else
+    FrictionDualAdvance(friction, v, dual);
+  FrictionLinearise(friction, v, dual, slope);
+  for (int d = 0; d < 2; d++)
+    for (int c = 0; c < 2; c++) {
+      row[d][REACH * FIELDS + c] += M * slope[d][c] * shift;
+      row[d][(REACH + 1) * FIELDS + c] += M * slope[d][c] * slide;
+      row[d][(REACH - 1) * FIELDS + c] -= M * slope[d][c] * slide;
+    }
+  for (PetscInt k = i - 1; k <= PetscMin(i + 1, rod->last - 1); k++)
+    TurnJacobian(self, rod, u, i, k, row);
+  for (PetscInt edge = i; edge <= PetscMin(i + 1, rod->last); edge++) {
+    PetscReal sign = (edge == i ? -1 : 1) * 2 / (s[edge] - s[edge - 1]);
+    Edge(u, edge, e);
+    for (int d = 0; d < 2; d++) {
+      row[d][(edge - i + REACH) * FIELDS + LAMBDA] += sign * e[d];
+      AddByEdge(row, i, d, edge, d, sign * u[edge][LAMBDA]);
+    }
+  }
+}
+
+static PetscErrorCode MixedJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J) {
+  Mixed *self = (Mixed *)rod->data;
+  const PetscReal(*u)[FIELDS], (*u_t)[FIELDS];
+  PetscReal e[2];
+  Vec local[2];
+  Row row;
+
+  PetscFunctionBegin;
+  PetscCall(LengthsAt(rod, t));
+  PetscCall(RodOpen(rod, U, &local[0], &u));
+  PetscCall(RodOpen(rod, U_t, &local[1], &u_t));
+  for (PetscInt i = rod->first; i < rod->end; i++) {
+    PetscInt cols[WIDTH];
+    PetscCall(PetscMemzero(row, sizeof(row)));
+    for (PetscInt k = 0; k < WIDTH; k++) cols[k] = i - REACH + k <= rod->last ? i - REACH + k : -1;
+    if (i) {
+      BalanceJacobian(self, rod, u, u_t, i, shift, row);
+      Edge(u, i, e);
+      for (int d = 0; d < 2; d++)
+        AddByEdge(row, i, LAMBDA, i, d, 2 * e[d] / EdgeLength(self, rod, i));
+    } else
+      for (int f = 0; f < FIELDS; f++) row[f][REACH * FIELDS + f] = 1;
+    PetscCall(MatSetValuesBlocked(J, 1, &i, WIDTH, cols, &row[0][0], INSERT_VALUES));
+  }
+  PetscCall(RodClose(rod, &local[0], &u));
+  PetscCall(RodClose(rod, &local[1], &u_t));
+  PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(0);
+}
+
+/* lambda = -n.q / (2 g) on the edges: the force along the edge is the constraint's. */
+static PetscErrorCode MixedSet(Rod rod, PetscReal t, const Node *nodes, Vec U) {
+  Mixed *self = (Mixed *)rod->data;
+  const PetscReal *s = rod->scene->mesh.s;
+  PetscReal(*u)[FIELDS];
+
+  PetscFunctionBegin;
+  PetscCall(LengthsAt(rod, t));
+  PetscCall(DMDAVecGetArray(rod->da, U, &u));
+  for (PetscInt i = rod->first; i < rod->end; i++) {
+    const Node *b = &nodes[i - rod->first], *a = i > rod->first ? b - 1 : b;
+    PetscReal n[2] = {(a->force[0] + b->force[0]) / 2, (a->force[1] + b->force[1]) / 2};
+    u[i][X1] = b->x[0];
+    u[i][X2] = b->x[1];
+    u[i][LAMBDA] = i ? -(n[0] * PetscCosReal(b->theta) + n[1] * PetscSinReal(b->theta)) *
+                           (s[i] - s[i - 1]) / (2 * EdgeLength(self, rod, i))
+                     : 0;
+  }
+  PetscCall(DMDAVecRestoreArray(rod->da, U, &u));
+  PetscFunctionReturn(0);
+}
+
+/* What is known of an edge: its force n = Q - flux, with Q = dE/d(edge), and its rate of turning.
+ */
+static void EdgeState(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
+                      const PetscReal (*u_t)[FIELDS], PetscInt i, PetscReal n[2],
+                      PetscReal *turning) {
+  const PetscReal *s = rod->scene->mesh.s;
+  PetscReal a[2], b[2], e[2], e_t[2] = {0, 0};
+  Turn turn;
+
+  Edge(u, i, e);
+  if (u_t) Edge(u_t, i, e_t);
+  *turning = (e[0] * e_t[1] - e[1] * e_t[0]) / (e[0] * e[0] + e[1] * e[1]);
+  for (int d = 0; d < 2; d++) n[d] = -2 * u[i][LAMBDA] * e[d] / (s[i] - s[i - 1]);
+  for (PetscInt k = i - 1; k <= PetscMin(i, rod->last - 1); k++) {
+    TurnEdges(u, k, a, b);
+    TurnValue(a, b, &turn);
+    for (int d = 0; d < 2; d++)
+      n[d] += TurnMoment(self, rod, k, &turn) * turn.slope[(k == i ? 0 : 2) + d];
+  }
+}
+
+/* Force, angle's rate and moment at a node, from the edges beside it. */
+static void NodeState(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
+                      const PetscReal (*u_t)[FIELDS], PetscInt i, Node *node) {
+  PetscReal n[2][2], turning[2], a[2], b[2], share;
+  PetscInt left = PetscMin(PetscMax(i, 1), rod->last - 1);
+  Turn turn;
+
+  for (int e = 0; e < 2; e++) EdgeState(self, rod, u, u_t, left + e, n[e], &turning[e]);
+  /* linear between, and to the clamp beyond, the middles of two edges */
+  share =
+      EdgeLength(self, rod, left) / (EdgeLength(self, rod, left) + EdgeLength(self, rod, left + 1));
+  if (!i) share = -share;
+  for (int d = 0; d < 2; d++)
+    node->force[d] = i == rod->last ? 0 : n[0][d] + share * (n[1][d] - n[0][d]);
+  node->theta_t = !i               ? 0
+                  : i == rod->last ? turning[1]
+                                   : turning[0] + share * (turning[1] - turning[0]);
+  if (i == rod->last) return;
+  TurnEdges(u, i, a, b);
+  TurnValue(a, b, &turn);
+  node->moment = TurnMoment(self, rod, i, &turn);
+}
+
+static PetscErrorCode MixedGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes) {
+  Mixed *self = (Mixed *)rod->data;
+  const PetscReal(*u)[FIELDS], (*u_t)[FIELDS] = NULL;
+  PetscInt n = rod->end - rod->first;
+  PetscReal *theta, a[2], b[2];
+  Vec local[2];
+
+  PetscFunctionBegin;
+  PetscCall(LengthsAt(rod, t));
+  PetscCall(PetscArrayzero(nodes, n));
+  PetscCall(PetscCalloc1(n, &theta));
+  PetscCall(RodOpen(rod, U, &local[0], &u));
+  if (U_t) PetscCall(RodOpen(rod, U_t, &local[1], &u_t));
+  for (PetscInt i = rod->first; i < rod->end; i++) {
+    Node *node = &nodes[i - rod->first];
+    for (int d = 0; d < 2; d++) {
+      node->x[d] = u[i][d];
+      node->x_t[d] = u_t ? u_t[i][d] : 0;
+    }
+    NodeState(self, rod, u, u_t, i, node);
+    if (!i) continue;
+    TurnEdges(u, i - 1, a, b); /* the turn into edge i */
+    theta[i - rod->first] =
+        2 * PetscAtan2Real(a[0] * b[1] - a[1] * b[0],
+                           hypot(a[0], a[1]) * hypot(b[0], b[1]) + a[0] * b[0] + a[1] * b[1]);
+  }
+  PetscCall(RodClose(rod, &local[0], &u));
+  if (U_t) PetscCall(RodClose(rod, &local[1], &u_t));
+  PetscCall(RodSumAlong(n, theta));                             /* angle of edge i */
+  for (PetscInt i = PetscMax(1, rod->first); i < rod->end; i++) /* from its middle on to its end */
+    nodes[i - rod->first].theta =
+        theta[i - rod->first] +
+        (nodes[i - rod->first].moment + (i < rod->last ? self->natural[i - rod->first + 1] : 0)) *
+            EdgeLength(self, rod, i) / 2;
+  PetscCall(PetscFree(theta));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode MixedCreate(Rod rod) {
+  PetscInt n = rod->end - rod->first;
+  Mixed *self;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&self));
+  self->time = PETSC_MIN_REAL;
+  PetscCall(PetscCalloc3(n + 4, &self->length, n + 2, &self->natural, n, &self->dual));
+  rod->order = 2;
+  rod->data = self;
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode MixedDestroy(Rod rod) {
+  Mixed *self = (Mixed *)rod->data;
+
+  PetscFunctionBegin;
+  PetscCall(PetscFree3(self->length, self->natural, self->dual));
+  PetscCall(PetscFree(rod->data));
+  PetscFunctionReturn(0);
+}
+
+const RodModel rod_mixed = {.name = "mixed",
+                            .fields = FIELDS,
+                            .stencil = REACH,
+                            .field = {"x1", "x2", "lambda"},
+                            .followed = {PETSC_TRUE, PETSC_TRUE},
+                            .across = {PETSC_FALSE, PETSC_TRUE, PETSC_FALSE},
+                            .create = MixedCreate,
+                            .destroy = MixedDestroy,
+                            .set = MixedSet,
+                            .get = MixedGet,
+                            .residual = MixedResidual,
+                            .jacobian = MixedJacobian};

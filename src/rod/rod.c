@@ -1,0 +1,235 @@
+#include "rod/rod.h"
+#include "base/options.h"
+
+/*
+  RodCreate - a rod of one model in a scene, which must outlive it. Collective; the caller destroys
+  it with RodDestroy(). Too many ranks for the mesh are a user's mistake.
+*/
+PetscErrorCode RodCreate(Scene scene, const RodModel *model, Rod *rod) {
+  PetscMPIInt ranks;
+  Rod self;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&self));
+  self->model = model;
+  self->scene = scene;
+  self->last = scene->mesh.cells;
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  UserCheck((self->last + 1) / ranks >= PetscMax(3, model->stencil), PETSC_COMM_WORLD,
+            "-rod_cells %d: too few for %d ranks, give at least %d cells or run on fewer ranks",
+            (int)self->last, (int)ranks, (int)(ranks * PetscMax(3, model->stencil)));
+  PetscCall(DMDACreate1d(PETSC_COMM_WORLD, DM_BOUNDARY_NONE, self->last + 1, model->fields,
+                         model->stencil, NULL, &self->da));
+  PetscCall(DMSetUp(self->da));
+  PetscCall(DMDACreate1d(PETSC_COMM_WORLD, DM_BOUNDARY_NONE, self->last + 1, NODE_VALUES, 1, NULL,
+                         &self->nodes));
+  PetscCall(DMSetUp(self->nodes));
+  PetscCall(DMDAGetCorners(self->da, &self->first, NULL, NULL, &self->end, NULL, NULL));
+  self->end += self->first;
+  for (PetscInt f = 0; f < model->fields; f++)
+    PetscCall(DMDASetFieldName(self->da, f, model->field[f]));
+  if (model->create) PetscCall(model->create(self));
+  *rod = self;
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode RodDestroy(Rod *rod) {
+  PetscFunctionBegin;
+  if (!*rod) PetscFunctionReturn(0);
+  if ((*rod)->model->destroy) PetscCall((*rod)->model->destroy(*rod));
+  PetscCall(DMDestroy(&(*rod)->da));
+  PetscCall(DMDestroy(&(*rod)->nodes));
+  PetscCall(PetscFree(*rod));
+  PetscFunctionReturn(0);
+}
+
+/* RodCreateMatrix - an empty matrix for the rod's Jacobian: blocks of one node, block-banded. */
+PetscErrorCode RodCreateMatrix(Rod rod, Mat *J) {
+  PetscInt bs = rod->model->fields, w = rod->model->stencil, n = (rod->end - rod->first) * bs;
+
+  PetscFunctionBegin;
+  PetscCall(MatCreateBAIJ(PETSC_COMM_WORLD, bs, n, n, PETSC_DETERMINE, PETSC_DETERMINE, 2 * w + 1,
+                          NULL, w, NULL, J));
+  PetscCall(MatSetOption(*J, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
+  PetscFunctionReturn(0);
+}
+
+/* RodOpen - the values of a vector, indexed by node and with those of the neighbours, for reading;
+   array points to a pointer to arrays of the model's fields. End with RodClose(). Collective. */
+PetscErrorCode RodOpen(Rod rod, Vec v, Vec *local, void *array) {
+  PetscFunctionBegin;
+  PetscCall(DMGetLocalVector(rod->da, local));
+  PetscCall(DMGlobalToLocal(rod->da, v, INSERT_VALUES, *local));
+  PetscCall(DMDAVecGetArrayRead(rod->da, *local, array));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode RodClose(Rod rod, Vec *local, void *array) {
+  PetscFunctionBegin;
+  PetscCall(DMDAVecRestoreArrayRead(rod->da, *local, array));
+  PetscCall(DMRestoreLocalVector(rod->da, local));
+  PetscFunctionReturn(0);
+}
+
+/* RodSumAlong - adds up a quantity along the rod: on entry value[i] is the part of the cell left of
+   owned node i, on exit the sum from the clamp. Collective. */
+PetscErrorCode RodSumAlong(PetscInt n, PetscReal value[]) {
+  PetscReal total = 0, before = 0;
+  PetscMPIInt rank;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < n; i++) total += value[i];
+  PetscCallMPI(MPI_Exscan(&total, &before, 1, MPIU_REAL, MPI_SUM, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  if (!rank) before = 0; /* MPI leaves it undefined there */
+  for (PetscInt i = 0; i < n; i++) value[i] = before += value[i];
+  PetscFunctionReturn(0);
+}
+
+/* Positions and their rates by quadrature of x' = g q, x'_t = g_t q over the angle of the scene's
+   initial shape. */
+static PetscErrorCode IntegratePosition(Rod rod, PetscReal t, Node *nodes) {
+  const PetscReal *s = rod->scene->mesh.s;
+  PetscInt n = rod->end - rod->first;
+  PetscReal *sum[4], *all;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(4 * n, &all));
+  for (int f = 0; f < 4; f++) sum[f] = all + f * n;
+  for (PetscInt i = PetscMax(rod->first, 1); i < rod->end; i++)
+    for (int q = 0; q < GAUSS; q++) {
+      PetscReal h = s[i] - s[i - 1], z = s[i - 1] + h * gauss_point[q], g, g_t, theta, slope;
+      PetscInt k = i - rod->first;
+      PetscCall(GrowthStretch(rod->scene->growth, 1, &z, t, &g, &g_t, NULL));
+      PetscCall(SceneShapeAngle(rod->scene, z, &theta, &slope));
+      sum[0][k] += h * gauss_weight[q] * g * PetscCosReal(theta);
+      sum[1][k] += h * gauss_weight[q] * g * PetscSinReal(theta);
+      sum[2][k] += h * gauss_weight[q] * g_t * PetscCosReal(theta);
+      sum[3][k] += h * gauss_weight[q] * g_t * PetscSinReal(theta);
+    }
+  for (int f = 0; f < 4; f++) PetscCall(RodSumAlong(n, sum[f]));
+  for (PetscInt k = 0; k < n; k++)
+    for (int d = 0; d < 2; d++) {
+      nodes[k].x[d] = sum[d][k];
+      nodes[k].x_t[d] = sum[2 + d][k];
+    }
+  PetscCall(PetscFree(all));
+  PetscFunctionReturn(0);
+}
+
+/* RodInitialNodes - the scene's initial shape at the owned nodes, with the force of the straight
+   rod and the velocity of growth without friction. Collective. */
+PetscErrorCode RodInitialNodes(Rod rod, PetscReal t, Node *nodes) {
+  Scene scene = rod->scene;
+  PetscReal *P;
+
+  PetscFunctionBegin;
+  PetscCall(PetscArrayzero(nodes, rod->end - rod->first));
+  PetscCall(PetscMalloc1(rod->last + 1, &P));
+  PetscCall(StraightForce(scene->growth, &scene->friction, rod->last + 1, scene->mesh.s, t, P));
+  for (PetscInt i = rod->first; i < rod->end; i++) {
+    Node *node = &nodes[i - rod->first];
+    PetscReal g, slope, k0;
+    PetscCall(SceneCurvature(scene, scene->mesh.s[i], t, &k0));
+    PetscCall(GrowthStretch(scene->growth, 1, &scene->mesh.s[i], t, &g, NULL, NULL));
+    PetscCall(SceneShapeAngle(scene, scene->mesh.s[i], &node->theta, &slope));
+    node->moment = slope / g - k0;
+    node->force[0] = -P[i];
+  }
+  PetscCall(PetscFree(P));
+  PetscCall(IntegratePosition(rod, t, nodes));
+  PetscFunctionReturn(0);
+}
+
+/*
+  RodGrowNodes - the first guess for a step that has no history: the rod stretched by growth at
+  unchanged angles. A guess that keeps x would put friction where it is stiffest, at rest.
+*/
+PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes) {
+  const PetscReal *s = rod->scene->mesh.s;
+  PetscInt n = rod->end - rod->first;
+  PetscReal *dx[2], *all, g[2], k0[2];
+  DM da = rod->nodes;
+  Vec owned, ghosted;
+  Node *with;
+
+  PetscFunctionBegin;
+  PetscCall(DMGetGlobalVector(da, &owned));
+  PetscCall(DMGetLocalVector(da, &ghosted));
+  PetscCall(VecGetArray(owned, (PetscScalar **)&with));
+  PetscCall(PetscArraycpy(with, nodes, n));
+  PetscCall(VecRestoreArray(owned, (PetscScalar **)&with));
+  PetscCall(DMGlobalToLocal(da, owned, INSERT_VALUES, ghosted));
+  PetscCall(DMDAVecGetArrayRead(da, ghosted, &with));
+  PetscCall(PetscCalloc1(2 * n, &all));
+  dx[0] = all;
+  dx[1] = all + n;
+  for (PetscInt i = PetscMax(rod->first, 1); i < rod->end; i++) {
+    PetscReal p[2][2];
+    PetscCall(GrowthArc(rod->scene->growth, 2, &s[i - 1], t0, p[0], NULL));
+    PetscCall(GrowthArc(rod->scene->growth, 2, &s[i - 1], t1, p[1], NULL));
+    for (int d = 0; d < 2; d++)
+      dx[d][i - rod->first] =
+          (with[i].x[d] - with[i - 1].x[d]) * ((p[1][1] - p[1][0]) / (p[0][1] - p[0][0]) - 1);
+  }
+  PetscCall(DMDAVecRestoreArrayRead(da, ghosted, &with));
+  PetscCall(DMRestoreLocalVector(da, &ghosted));
+  PetscCall(DMRestoreGlobalVector(da, &owned));
+  for (int d = 0; d < 2; d++) PetscCall(RodSumAlong(n, dx[d]));
+  for (PetscInt k = 0; k < n; k++) {
+    PetscCall(GrowthStretch(rod->scene->growth, 1, &s[rod->first + k], t0, &g[0], NULL, NULL));
+    PetscCall(GrowthStretch(rod->scene->growth, 1, &s[rod->first + k], t1, &g[1], NULL, NULL));
+    PetscCall(SceneCurvature(rod->scene, s[rod->first + k], t0, &k0[0]));
+    PetscCall(SceneCurvature(rod->scene, s[rod->first + k], t1, &k0[1]));
+    nodes[k].moment = (nodes[k].moment + k0[0]) * g[0] / g[1] - k0[1];
+    for (int d = 0; d < 2; d++) nodes[k].x[d] += dx[d][k];
+  }
+  PetscCall(PetscFree(all));
+  PetscFunctionReturn(0);
+}
+
+/* RodFieldSizes - max |U| of each field over the rod. Collective. */
+PetscErrorCode RodFieldSizes(Rod rod, Vec U, PetscReal size[MAX_FIELDS]) {
+  PetscInt fields = rod->model->fields, n = (rod->end - rod->first) * fields;
+  const PetscScalar *u;
+
+  PetscFunctionBegin;
+  for (PetscInt f = 0; f < MAX_FIELDS; f++) size[f] = 0;
+  PetscCall(VecGetArrayRead(U, &u));
+  for (PetscInt i = 0; i < n; i += fields)
+    for (PetscInt f = 0; f < fields; f++) {
+      PetscReal a = PetscAbsReal(u[i + f]);
+      if (!(a <= size[f])) size[f] = a; /* lets NaN through */
+    }
+  PetscCall(VecRestoreArrayRead(U, &u));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, size, MAX_FIELDS, MPIU_REAL, MPI_MAX, PETSC_COMM_WORLD));
+  PetscFunctionReturn(0);
+}
+
+/* RodResidual - F(t, U, U_t) of the rod's model, in the form of a TSIFunction. */
+PetscErrorCode RodResidual(TS ts, PetscReal t, Vec U, Vec U_t, Vec F, void *ctx) {
+  Rod rod = (Rod)ctx;
+
+  PetscFunctionBegin;
+  rod->latest_rate = U_t;
+  rod->latest_time = t;
+  rod->residuals++;
+  PetscCall(rod->model->residual(rod, t, U, U_t, F));
+  PetscFunctionReturn(0);
+}
+
+/* RodJacobian - dF/dU + shift dF/dU_t of the rod's model, in the form of a TSIJacobian. */
+PetscErrorCode RodJacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J, Mat P,
+                           void *ctx) {
+  Rod rod = (Rod)ctx;
+
+  PetscFunctionBegin;
+  rod->jacobians++;
+  PetscCall(rod->model->jacobian(rod, t, U, U_t, shift, P));
+  rod->fresh = PETSC_FALSE;
+  if (J != P) {
+    PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
+    PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
+  }
+  PetscFunctionReturn(0);
+}

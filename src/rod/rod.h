@@ -1,0 +1,76 @@
+/* What a model of the rod is: its unknowns, their equations F(t, U, U_t) = 0, and how to read from
+   them what every model of a rod has (position, angle, moment, force, velocity). A model knows no
+   time stepper. */
+#ifndef TENDRIL_ROD_H
+#define TENDRIL_ROD_H
+
+#include "scene/scene.h"
+#include "straight/straight.h"
+#include <petscdmda.h>
+#include <petscts.h>
+
+enum { MAX_FIELDS = 6 };
+
+/* What is known at a node, for any model. */
+typedef struct {
+  PetscReal x[2], theta, moment, force[2]; /* position, tangent angle, m = curvature - k0, n */
+  PetscReal x_t[2], theta_t;               /* their rates at fixed s */
+} Node;
+enum { NODE_VALUES = sizeof(Node) / sizeof(PetscReal) };
+
+/* A field smaller than this has died away: its relative error is of no account. */
+static const PetscReal rod_vanished = 1e-280;
+
+typedef struct _Rod *Rod;
+
+typedef struct {
+  const char *name;
+  PetscInt fields;  /* unknowns per node */
+  PetscInt stencil; /* neighbours on each side */
+  const char *field[MAX_FIELDS];
+  PetscBool followed[MAX_FIELDS]; /* under error control and in Newton's test: x, theta */
+  PetscBool
+      across[MAX_FIELDS]; /* changes sign in the mirror, as does its equation: x2, theta, m, n2 */
+  PetscBool linear;       /* one Newton step solves it */
+  PetscErrorCode (*create)(Rod);
+  PetscErrorCode (*destroy)(Rod);
+  /* U from nodes (local, owned), and nodes from U; U_t may be NULL (rates are then 0) */
+  PetscErrorCode (*set)(Rod, PetscReal t, const Node *nodes, Vec U);
+  PetscErrorCode (*get)(Rod, PetscReal t, Vec U, Vec U_t, Node *nodes);
+  PetscErrorCode (*residual)(Rod, PetscReal t, Vec U, Vec U_t, Vec F);
+  PetscErrorCode (*jacobian)(Rod, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J);
+  /* exact Coulomb friction: see FrictionDualHold(); NULL: regularised friction only */
+  PetscErrorCode (*hold)(Rod, PetscReal t, Vec U, Vec U_t, PetscReal *change);
+} RodModel;
+
+struct _Rod {
+  const RodModel *model;
+  Scene scene;
+  DM da;               /* the unknowns: 1D DMDA over the nodes */
+  DM nodes;            /* Node at each node, stencil 1 */
+  PetscInt first, end; /* owned nodes: first .. end - 1 */
+  PetscInt last;       /* the tip, N */
+  PetscInt order;      /* of the error in space */
+  Vec latest_rate;     /* U_t of the latest residual: of the accepted state, once a step is taken */
+  PetscReal latest_time;         /* t of it */
+  PetscBool fresh;               /* the next Jacobian is the first of its Newton solve */
+  PetscInt residuals, jacobians; /* counted work */
+  void *data;
+};
+
+extern const RodModel rod_frame, rod_mixed, rod_linear;
+
+PetscErrorCode RodCreate(Scene scene, const RodModel *model, Rod *rod);
+PetscErrorCode RodDestroy(Rod *rod);
+PetscErrorCode RodCreateMatrix(Rod rod, Mat *J);
+PetscErrorCode RodInitialNodes(Rod rod, PetscReal t, Node *nodes);
+PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes);
+PetscErrorCode RodOpen(Rod rod, Vec v, Vec *local, void *array);
+PetscErrorCode RodClose(Rod rod, Vec *local, void *array);
+PetscErrorCode RodSumAlong(PetscInt n, PetscReal value[]);
+PetscErrorCode RodFieldSizes(Rod rod, Vec U, PetscReal size[MAX_FIELDS]);
+PetscErrorCode RodResidual(TS ts, PetscReal t, Vec U, Vec U_t, Vec F, void *rod);
+PetscErrorCode RodJacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J, Mat P,
+                           void *rod);
+
+#endif

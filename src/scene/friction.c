@@ -1,0 +1,94 @@
+#include "scene/friction.h"
+#include "base/options.h"
+
+/* FrictionSetFromOptions - reads and checks the friction law's options. */
+PetscErrorCode FrictionSetFromOptions(Friction *friction) {
+  const char *const linearisations[] = {"primal", "primal_dual"};
+  PetscInt choice = NEWTON_PRIMAL_DUAL;
+
+  PetscFunctionBegin;
+  friction->mu = 1;
+  friction->more = 0;
+  friction->beta = 1e-3;
+  PetscCall(OptionsHeading("Friction"));
+  PetscCall(OptionReal("-friction_mu", "dry share of friction, 0 (viscous) to 1 (dry)", 0, 1,
+                       &friction->mu, NULL));
+  PetscCall(OptionReal("-friction_beta",
+                       "regularisation of |x_t|^2; 0: exact Coulomb friction with stick", 0, 1e6,
+                       &friction->beta, NULL));
+  PetscCall(OptionList("-friction_newton", "linearisation of dry friction", 2, linearisations,
+                       &choice, NULL));
+  friction->newton = (FrictionNewton)choice;
+  PetscFunctionReturn(0);
+}
+
+/*
+  FrictionDualReset - begins a Newton solve at v. The dual w = u/r makes the first linearisation
+  Newton's own, which is best if it is near the dual of the step before. Where it is not, the guess
+  for v is but noise around rest (tiny beta), and the old dual is the better one.
+*/
+void FrictionDualReset(const Friction *law, const PetscReal v[2], FrictionDual *dual) {
+  PetscReal u[2], r = FrictionRadius(law, v, dual, u);
+
+  PetscBool near = (PetscBool)(hypot(u[0] / r - dual->w[0], u[1] / r - dual->w[1]) < 0.2);
+
+  for (int i = 0; i < 2; i++) {
+    dual->v[i] = v[i];
+    if (near) dual->w[i] = u[i] / r;
+  }
+}
+
+/*
+  FrictionDualAdvance - follows a Newton step from dual->v to v. The dual obeys r w = u, linearised
+  at the old point, and is drawn back to the unit disc (Chan, Golub, Mulet, SIAM J. Sci. Comput. 20,
+  1999): w <- P( u/r + (dv - w (u.dv)/r) / r ).
+*/
+void FrictionDualAdvance(const Friction *law, const PetscReal v[2], FrictionDual *dual) {
+  PetscReal u[2], r = FrictionRadius(law, dual->v, dual, u), *w = dual->w;
+  PetscReal dv[2] = {v[0] - dual->v[0], v[1] - dual->v[1]}, size;
+  PetscReal along = (u[0] * dv[0] + u[1] * dv[1]) / r;
+
+  for (int i = 0; i < 2; i++) w[i] = (u[i] + dv[i] - w[i] * along) / r;
+  size = PetscSqrtReal(w[0] * w[0] + w[1] * w[1]);
+  for (int i = 0; i < 2; i++) {
+    if (size > 1) w[i] /= size;
+    dual->v[i] = v[i];
+  }
+}
+
+/*
+  FrictionLinearise - the derivative of the force phi(|v|) v by v,
+    primal:       (1 - mu) I + mu/r (I - (u/r) (u/r)^T),
+    primal-dual:  (1 - mu) I + mu/r (I - w (u/r)^T).
+*/
+void FrictionLinearise(const Friction *law, const PetscReal v[2], const FrictionDual *dual,
+                       PetscReal slope[2][2]) {
+  PetscReal u[2], r = FrictionRadius(law, v, dual, u), d = law->mu / r;
+
+  for (int i = 0; i < 2; i++)
+    for (int j = 0; j < 2; j++) {
+      PetscReal w = law->newton == NEWTON_PRIMAL ? u[i] / r : dual->w[i];
+      slope[i][j] = (i == j) * (1 - law->mu + law->more + d) - d * w * u[j] / r;
+    }
+}
+
+/* FrictionDualHold - moves the shift by v, for exact Coulomb friction. Returns how much the dry
+   force would change if the point moved on like this. A point that slides needs no shift; the
+   longest kept leaves the force within 0.5 % of its limit. */
+PetscReal FrictionDualHold(const Friction *law, const PetscReal v[2], FrictionDual *dual) {
+  const PetscReal longest = 10 * PetscSqrtReal(friction_tiny);
+  PetscReal u[2], next[2], r = FrictionRadius(law, v, dual, u),
+                           size = PetscSqrtReal(u[0] * u[0] + u[1] * u[1]), s, change = 0;
+
+  if (PetscSqrtReal(v[0] * v[0] + v[1] * v[1]) > longest) {
+    dual->shift[0] = dual->shift[1] = 0;
+    return 0;
+  }
+  for (int i = 0; i < 2; i++) {
+    dual->shift[i] = size > longest ? u[i] * longest / size : u[i];
+    next[i] = dual->shift[i] + v[i];
+  }
+  s = PetscSqrtReal(next[0] * next[0] + next[1] * next[1] + friction_tiny);
+  for (int i = 0; i < 2; i++) change = PetscMax(change, PetscAbsReal(next[i] / s - u[i] / r));
+  return change;
+}

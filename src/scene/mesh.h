@@ -1,0 +1,16 @@
+/* The nodes of the rod: N cells in the material label s, graded where growth concentrates. */
+#ifndef TENDRIL_MESH_H
+#define TENDRIL_MESH_H
+
+#include "scene/growth.h"
+
+typedef struct {
+  PetscInt cells;
+  PetscReal *s; /* cells + 1 nodes from 0 to 1, the same on every rank */
+} Mesh;
+
+PetscErrorCode MeshCreate(PetscInt cells, PetscBool graded, Growth growth, PetscReal end_time,
+                          Mesh *mesh);
+PetscErrorCode MeshDestroy(Mesh *mesh);
+
+#endif

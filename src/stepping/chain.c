@@ -1,0 +1,195 @@
+#include "stepping/chain.h"
+#include <petsc/private/pcimpl.h>
+#include <petscblaslapack.h>
+
+/* Each rank factors its own diagonal block A (block LU in natural order, as on one rank). With B
+   the part of its rows that reaches over to other ranks and g the values there, A x + B g = b. What
+   it needs to know of others is little: on a line, the few unknowns next to each cut. Let E be all
+   of those, of all ranks. The columns of A^-1 B, read off in the rows of E, give a small dense
+   system x_E + (A^-1 B g)_E = (A^-1 b)_E that every rank solves; then x = A^-1 (b - B g). */
+typedef struct {
+  Mat A, B; /* borrowed from the matrix */
+  PC local; /* LU of A */
+  PetscInt n, first;
+  PetscInt ghosts, edges;    /* columns of B; size of E */
+  PetscInt *ghost;           /* the place in E of each column of B */
+  PetscInt *edge;            /* E, global indices, increasing */
+  PetscReal *dense, *values; /* edges x edges, column major; edges */
+  PetscBLASInt *pivots;
+  Vec x, y, g;
+} Chain;
+
+/* The global indices of the columns of B. */
+static PetscErrorCode GhostColumns(PC pc, Chain *self, PetscInt **columns) {
+  const PetscInt *map;
+  PetscBool blocked;
+  PetscInt bs = 1, n;
+
+  PetscFunctionBegin;
+  PetscCall(PetscObjectTypeCompare((PetscObject)pc->pmat, MATMPIBAIJ, &blocked));
+  if (blocked) {
+    PetscCall(MatMPIBAIJGetSeqBAIJ(pc->pmat, &self->A, &self->B, &map));
+    PetscCall(MatGetBlockSize(pc->pmat, &bs));
+  } else
+    PetscCall(MatMPIAIJGetSeqAIJ(pc->pmat, &self->A, &self->B, &map));
+  PetscCall(MatGetSize(self->B, NULL, &n));
+  self->ghosts = n;
+  PetscCall(PetscMalloc1(n, columns));
+  for (PetscInt k = 0; k < n; k++) (*columns)[k] = map[k / bs] * bs + k % bs;
+  PetscFunctionReturn(0);
+}
+
+/* E, from the ghost columns of all ranks. */
+static PetscErrorCode FindEdges(PC pc, Chain *self) {
+  MPI_Comm comm = PetscObjectComm((PetscObject)pc);
+  PetscMPIInt ranks, mine, *counts, *starts;
+  PetscInt *columns, total = 0;
+
+  PetscFunctionBegin;
+  PetscCall(GhostColumns(pc, self, &columns));
+  PetscCallMPI(MPI_Comm_size(comm, &ranks));
+  PetscCall(PetscMPIIntCast(self->ghosts, &mine));
+  PetscCall(PetscMalloc2(ranks, &counts, ranks, &starts));
+  PetscCallMPI(MPI_Allgather(&mine, 1, MPI_INT, counts, 1, MPI_INT, comm));
+  for (PetscMPIInt r = 0; r < ranks; r++) {
+    starts[r] = (PetscMPIInt)total;
+    total += counts[r];
+  }
+  PetscCall(PetscMalloc1(total, &self->edge));
+  PetscCallMPI(MPI_Allgatherv(columns, mine, MPIU_INT, self->edge, counts, starts, MPIU_INT, comm));
+  PetscCall(PetscSortRemoveDupsInt(&total, self->edge));
+  self->edges = total;
+  PetscCall(PetscMalloc1(self->ghosts, &self->ghost));
+  for (PetscInt k = 0; k < self->ghosts; k++)
+    PetscCall(PetscFindInt(columns[k], self->edges, self->edge, &self->ghost[k]));
+  PetscCall(PetscFree2(counts, starts));
+  PetscCall(PetscFree(columns));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode FirstSetUp(PC pc, Chain *self) {
+  PetscFunctionBegin;
+  PetscCall(MatGetOwnershipRange(pc->pmat, &self->first, &self->n));
+  self->n -= self->first;
+  PetscCall(FindEdges(pc, self));
+  PetscCall(PetscMalloc3(self->edges * self->edges, &self->dense, self->edges, &self->values,
+                         self->edges, &self->pivots));
+  PetscCall(MatCreateVecs(self->A, &self->x, &self->y));
+  PetscCall(MatCreateVecs(self->B, &self->g, NULL));
+  PetscCall(PCCreate(PETSC_COMM_SELF, &self->local));
+  PetscCall(PCSetOptionsPrefix(self->local, "chain_"));
+  PetscCall(PCSetType(self->local, PCLU));
+  PetscCall(PCFactorSetMatOrderingType(self->local, MATORDERINGNATURAL));
+  PetscCall(PCSetFromOptions(self->local));
+  PetscFunctionReturn(0);
+}
+
+/* Adds to column the entries of v that belong to E. */
+static PetscErrorCode ReadEdges(Chain *self, Vec v, PetscReal *column) {
+  const PetscScalar *a;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayRead(v, &a));
+  for (PetscInt e = 0; e < self->edges; e++)
+    if (self->edge[e] >= self->first && self->edge[e] < self->first + self->n)
+      column[e] += a[self->edge[e] - self->first];
+  PetscCall(VecRestoreArrayRead(v, &a));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode PCSetUp_Chain(PC pc) {
+  Chain *self = (Chain *)pc->data;
+  PetscInt m;
+  PetscBLASInt order, info;
+
+  PetscFunctionBegin;
+  if (!self->local) PetscCall(FirstSetUp(pc, self));
+  PetscCall(PCSetOperators(self->local, self->A, self->A));
+  PetscCall(PCSetUp(self->local));
+  m = self->edges;
+  PetscCall(PetscArrayzero(self->dense, m * m));
+  for (PetscInt k = 0; k < self->ghosts; k++) { /* a column of A^-1 B */
+    PetscCall(VecZeroEntries(self->g));
+    PetscCall(VecSetValue(self->g, k, 1, INSERT_VALUES));
+    PetscCall(VecAssemblyBegin(self->g));
+    PetscCall(VecAssemblyEnd(self->g));
+    PetscCall(MatMult(self->B, self->g, self->x));
+    PetscCall(PCApply(self->local, self->x, self->y));
+    PetscCall(ReadEdges(self, self->y, self->dense + self->ghost[k] * m));
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, self->dense, (PetscMPIInt)(m * m), MPIU_REAL, MPI_SUM,
+                             PetscObjectComm((PetscObject)pc)));
+  for (PetscInt e = 0; e < m; e++) self->dense[e * m + e] += 1;
+  PetscCall(PetscBLASIntCast(m, &order));
+  PetscCallBLAS("LAPACKgetrf",
+                LAPACKgetrf_(&order, &order, self->dense, &order, self->pivots, &info));
+  if (info || PetscIsInfOrNanReal(self->dense[0])) pc->failedreason = PC_FACTOR_NUMERIC_ZEROPIVOT;
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode PCApply_Chain(PC pc, Vec b, Vec x) {
+  Chain *self = (Chain *)pc->data;
+  PetscBLASInt m = (PetscBLASInt)self->edges, one = 1, info;
+  PetscScalar *g;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetLocalVectorRead(b, self->x));
+  PetscCall(PCApply(self->local, self->x, self->y));
+  PetscCall(PetscArrayzero(self->values, self->edges));
+  PetscCall(ReadEdges(self, self->y, self->values));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, self->values, m, MPIU_REAL, MPI_SUM,
+                             PetscObjectComm((PetscObject)pc)));
+  PetscCallBLAS("LAPACKgetrs", LAPACKgetrs_("N", &m, &one, self->dense, &m, self->pivots,
+                                            self->values, &m, &info));
+  PetscCall(VecGetArrayWrite(self->g, &g));
+  for (PetscInt k = 0; k < self->ghosts; k++) g[k] = -self->values[self->ghost[k]];
+  PetscCall(VecRestoreArrayWrite(self->g, &g));
+  PetscCall(MatMultAdd(self->B, self->g, self->x, self->y)); /* b - B g */
+  PetscCall(VecRestoreLocalVectorRead(b, self->x));
+  PetscCall(VecGetLocalVector(x, self->x));
+  PetscCall(PCApply(self->local, self->y, self->x));
+  PetscCall(VecRestoreLocalVector(x, self->x));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode PCReset_Chain(PC pc) {
+  Chain *self = (Chain *)pc->data;
+
+  PetscFunctionBegin;
+  PetscCall(PCDestroy(&self->local));
+  PetscCall(VecDestroy(&self->x));
+  PetscCall(VecDestroy(&self->y));
+  PetscCall(VecDestroy(&self->g));
+  PetscCall(PetscFree(self->edge));
+  PetscCall(PetscFree(self->ghost));
+  PetscCall(PetscFree3(self->dense, self->values, self->pivots));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode PCDestroy_Chain(PC pc) {
+  PetscFunctionBegin;
+  PetscCall(PCReset_Chain(pc));
+  PetscCall(PetscFree(pc->data));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode PCCreate_Chain(PC pc) {
+  Chain *self;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&self));
+  pc->data = self;
+  pc->ops->setup = PCSetUp_Chain;
+  pc->ops->apply = PCApply_Chain;
+  pc->ops->reset = PCReset_Chain;
+  pc->ops->destroy = PCDestroy_Chain;
+  PetscFunctionReturn(0);
+}
+
+/* ChainRegister - makes the type known; call once, before PCSetType(). For MPIBAIJ and MPIAIJ
+   matrices on two ranks or more. The local factorisation has the options prefix -chain_. */
+PetscErrorCode ChainRegister(void) {
+  PetscFunctionBegin;
+  PetscCall(PCRegister(PCCHAIN, PCCreate_Chain));
+  PetscFunctionReturn(0);
+}

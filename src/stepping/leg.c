@@ -1,0 +1,134 @@
+#include "stepping/leg.h"
+#include "stepping/vbdf.h"
+
+/* Local errors add up, in the decay and growth of x2 even with one sign: a step gets this part of
+   the tolerance. */
+static const PetscReal share_of_step = 0.15;
+
+/* The tolerance of each entry: that part of rtol times the present size of its field; -1 leaves out
+   the fields that are not followed (forces and moments of an index-2 problem are not to control the
+   step). */
+static PetscErrorCode BeforeStep(TS ts) {
+  Leg *leg;
+  PetscInt fields, n;
+  PetscReal size[MAX_FIELDS];
+  PetscScalar *a;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetApplicationContext(ts, &leg));
+  fields = leg->rod->model->fields;
+  PetscCall(RodFieldSizes(leg->rod, leg->U, size));
+  PetscCall(VecGetLocalSize(leg->tolerance, &n));
+  PetscCall(VecGetArray(leg->tolerance, &a));
+  for (PetscInt i = 0; i < n; i += fields)
+    for (PetscInt f = 0; f < fields; f++)
+      a[i + f] = leg->rod->model->followed[f]
+                     ? share_of_step * leg->rtol * PetscMax(size[f], rod_vanished)
+                     : -1;
+  PetscCall(VecRestoreArray(leg->tolerance, &a));
+  PetscCall(TSSetTolerances(ts, PETSC_DEFAULT, leg->tolerance, leg->rtol, leg->none));
+  PetscFunctionReturn(0);
+}
+
+/* A Newton solve begins: the friction duals start anew. */
+static PetscErrorCode BeforeStage(TS ts, PetscReal t) {
+  Leg *leg;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetApplicationContext(ts, &leg));
+  leg->rod->fresh = PETSC_TRUE;
+  PetscFunctionReturn(0);
+}
+
+/* The first step has one point to start from: let the rod grow without friction. */
+static PetscErrorCode FirstGuess(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1, void *ctx) {
+  Rod rod = (Rod)ctx;
+  Node *nodes;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(rod->end - rod->first, &nodes));
+  PetscCall(rod->model->get(rod, t0, U0, NULL, nodes));
+  PetscCall(RodGrowNodes(rod, t0, t1, nodes));
+  PetscCall(rod->model->set(rod, t1, nodes, U1));
+  PetscCall(PetscFree(nodes));
+  PetscFunctionReturn(0);
+}
+
+/* PETSc's theta methods start Newton's iteration from the step before, a rod at rest, where
+   friction is stiffest: let them extrapolate, which only an option can tell them. */
+static PetscErrorCode ExtrapolateTheta(void) {
+  const char *const option = "-ts_theta_initial_guess_extrapolate";
+  char type[32] = "";
+  PetscBool given, theta = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsGetString(NULL, NULL, "-ts_type", type, sizeof(type), NULL));
+  PetscCall(PetscStrInList(type, "beuler,theta,cn", ',', &theta));
+  PetscCall(PetscOptionsHasName(NULL, NULL, option, &given));
+  if (theta && !given) PetscCall(PetscOptionsSetValue(NULL, option, "true"));
+  PetscFunctionReturn(0);
+}
+
+/*
+  LegCreate - a model of a scene with its stepper, ready for TSSolve() once U is set. Collective;
+  the caller destroys it with LegDestroy().
+
+  rtol    tolerance of a step, per field
+  prefix  of the options of its stepper, or NULL
+
+  The caller sets what is done after a step, and the end if it is not the scene's.
+*/
+PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, const char *prefix,
+                         Leg *leg) {
+  PetscBool fixed, given;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(leg, sizeof(*leg)));
+  leg->rtol = rtol;
+  PetscCall(RodCreate(scene, model, &leg->rod));
+  PetscCall(DMCreateGlobalVector(leg->rod->da, &leg->U));
+  PetscCall(VecDuplicate(leg->U, &leg->tolerance));
+  PetscCall(VecDuplicate(leg->U, &leg->none));
+  PetscCall(RodCreateMatrix(leg->rod, &leg->J));
+  PetscCall(TSCreate(PETSC_COMM_WORLD, &leg->ts));
+  PetscCall(TSSetOptionsPrefix(leg->ts, prefix));
+  PetscCall(TSSetDM(leg->ts, leg->rod->da));
+  PetscCall(TSSetApplicationContext(leg->ts, leg));
+  PetscCall(TSSetEquationType(leg->ts, TS_EQ_DAE_IMPLICIT_INDEX2));
+  PetscCall(TSSetIFunction(leg->ts, NULL, RodResidual, leg->rod));
+  PetscCall(TSSetIJacobian(leg->ts, leg->J, leg->J, RodJacobian, leg->rod));
+  PetscCall(TSSetType(leg->ts, TSVBDF));
+  PetscCall(TSSetTolerances(leg->ts, PETSC_DEFAULT, NULL, rtol, NULL));
+  PetscCall(TSSetMaxTime(leg->ts, scene->end_time));
+  PetscCall(TSSetMaxSteps(leg->ts, PETSC_MAX_INT));
+  PetscCall(TSSetExactFinalTime(leg->ts, TS_EXACTFINALTIME_MATCHSTEP));
+  PetscCall(TSSetTimeStep(leg->ts, 1e-4));
+  PetscCall(TSSetMaxSNESFailures(leg->ts, -1));
+  PetscCall(TSSetMaxStepRejections(leg->ts, 50));
+  PetscCall(TSSetErrorIfStepFails(leg->ts, PETSC_FALSE));
+  PetscCall(TSSetPreStep(leg->ts, BeforeStep));
+  PetscCall(TSSetPreStage(leg->ts, BeforeStage));
+  PetscCall(NewtonSetUp(leg->ts, leg->rod, &leg->newton));
+  PetscCall(ExtrapolateTheta());
+  PetscCall(TSSetFromOptions(leg->ts));
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)leg->ts, &fixed, TSBEULER, TSTHETA, TSCN, ""));
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_dt", &given));
+  if (fixed && !given) PetscCall(TSSetTimeStep(leg->ts, 0.01)); /* the paper's */
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_max_snes_failures", &given));
+  if (fixed && !given)
+    PetscCall(TSSetMaxSNESFailures(leg->ts, 10)); /* a fixed step does not help itself */
+  PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));
+  PetscCall(TSSetSolution(leg->ts, leg->U));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode LegDestroy(Leg *leg) {
+  PetscFunctionBegin;
+  PetscCall(TSDestroy(&leg->ts));
+  PetscCall(MatDestroy(&leg->J));
+  PetscCall(VecDestroy(&leg->U));
+  PetscCall(VecDestroy(&leg->tolerance));
+  PetscCall(VecDestroy(&leg->none));
+  PetscCall(RodDestroy(&leg->rod));
+  PetscFunctionReturn(0);
+}

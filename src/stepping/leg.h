@@ -1,0 +1,23 @@
+/* A model at work: its rod, its stepper, and the tolerances of a step. */
+#ifndef TENDRIL_LEG_H
+#define TENDRIL_LEG_H
+
+#include "stepping/newton.h"
+
+typedef struct {
+  Rod rod;
+  TS ts; /* its application context is the leg */
+  Newton newton;
+  Mat J;
+  Vec U;               /* the state */
+  Vec tolerance, none; /* none: 0, the part of the tolerance relative to each entry */
+  PetscReal rtol;
+  PetscInt jumps; /* so far; kept by the owner */
+  void *owner;
+} Leg;
+
+PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, const char *prefix,
+                         Leg *leg);
+PetscErrorCode LegDestroy(Leg *leg);
+
+#endif

@@ -1,0 +1,154 @@
+#include "stepping/newton.h"
+#include "stepping/chain.h"
+
+/* Newton's iteration stops when its update is this part of the step's error tolerance. */
+static const PetscReal share_of_tolerance = 0.02;
+/* ... but no update below this part of a field can be asked for. */
+static const PetscReal round_off = 1e-13;
+/* A rate is an estimate: what it says is left must be this much smaller still. */
+static const PetscReal share_of_rate = 0.5;
+
+/* The equations fall in two halves that do not see each other on the straight rod: along it (x1,
+   n1) and across it (x2, theta, m, n2). The second may be 1e-16 times the first. */
+enum { ALONG, ACROSS };
+
+/* The largest residual of each half. */
+static PetscErrorCode Residuals(Rod rod, Vec F, PetscReal residual[2]) {
+  PetscReal size[MAX_FIELDS];
+
+  PetscFunctionBegin;
+  PetscCall(RodFieldSizes(rod, F, size));
+  residual[ALONG] = residual[ACROSS] = 0;
+  for (PetscInt f = 0; f < rod->model->fields; f++)
+    residual[rod->model->across[f]] = PetscMax(residual[rod->model->across[f]], size[f]);
+  PetscFunctionReturn(0);
+}
+
+/* Forces and moments do not control the step, but where the rod sticks they are all that Newton's
+   method has to find: they must settle to this part of their size, or the next step starts from
+   noise. Not for ever: with a tiny beta and a tiny step their round-off may lie above it. */
+static const PetscReal loose = 1e-4;
+enum { PATIENCE = 8 };
+
+/* The largest update of each half's fields, relative to the field's size; those not followed count
+   by weight. A field that is 0 throughout (the straight rod's x2) has converged when its update is
+   0. */
+static PetscErrorCode RelativeUpdates(Rod rod, Vec U, Vec dU, PetscReal weight,
+                                      PetscReal update[2]) {
+  PetscReal size[MAX_FIELDS], change[MAX_FIELDS];
+
+  PetscFunctionBegin;
+  PetscCall(RodFieldSizes(rod, U, size));
+  PetscCall(RodFieldSizes(rod, dU, change));
+  update[ALONG] = update[ACROSS] = 0;
+  for (PetscInt f = 0; f < rod->model->fields; f++)
+    if (change[f] != 0) {
+      PetscReal r = change[f] / PetscMax(size[f], rod_vanished),
+                *most = &update[rod->model->across[f]];
+      if (!rod->model->followed[f]) r *= weight;
+      if (!(r <= *most)) *most = r;
+    }
+  PetscFunctionReturn(0);
+}
+
+/* Exact Coulomb friction: once the iteration has converged, the shifts that hold sticking points
+   are moved, until the forces settle to this, but not more often than that: the shifts outlive the
+   step, and go on settling in the next. */
+static const PetscReal settled = 0.05;
+enum { MOST_HOLDS = 2 };
+
+static PetscErrorCode Hold(Newton *self, SNES snes, PetscInt it, Vec U, Vec F,
+                           SNESConvergedReason *reason) {
+  PetscReal change;
+
+  PetscFunctionBegin;
+  PetscCall(self->rod->model->hold(self->rod, self->rod->latest_time, U, self->rod->latest_rate,
+                                   &change));
+  PetscCall(PetscInfo(snes, "held forces change by %g\n", (double)change));
+  if (change > settled && self->holds < MOST_HOLDS) {
+    self->holds++;
+    *reason = SNES_CONVERGED_ITERATING;
+    self->held = it;
+    PetscCall(SNESComputeFunction(snes, U, F));
+  }
+  PetscFunctionReturn(0);
+}
+
+/*
+  Converged - the test of SNES: by the update, per field, against the field's own size. A norm of
+  the residual over all fields would not see x2 at 1e-16 beside x1.
+
+  What is left after an iteration is about its update times the rate of convergence. The rate is
+  that of the updates or, already after the first iteration, that of the residuals of the half that
+  has still something to do: so an iteration that has arrived need not be repeated to see it.
+*/
+static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscReal gnorm,
+                                PetscReal fnorm, SNESConvergedReason *reason, void *ctx) {
+  Newton *self = (Newton *)ctx;
+  PetscReal update[2] = {0, 0}, residual[2] = {0, 0}, floor = PetscMax(self->tolerance, round_off),
+            rate = 0, left;
+  Vec U, dU, F;
+
+  PetscFunctionBegin;
+  *reason = PetscIsInfOrNanReal(fnorm) ? SNES_DIVERGED_FNORM_NAN : SNES_CONVERGED_ITERATING;
+  if (*reason) PetscFunctionReturn(0);
+  PetscCall(SNESGetFunction(snes, &F, NULL, NULL));
+  PetscCall(Residuals(self->rod, F, residual));
+  if (!it)
+    self->held = self->holds = 0;
+  else {
+    PetscCall(SNESGetSolution(snes, &U));
+    PetscCall(SNESGetSolutionUpdate(snes, &dU));
+    PetscCall(RelativeUpdates(self->rod, U, dU,
+                              it - self->held > PATIENCE ? 0 : PetscMin(1, floor / loose), update));
+    for (int half = ALONG; half <= ACROSS; half++)
+      if (update[half] > floor) rate = PetscMax(rate, residual[half] / self->residual[half]);
+    left = PetscMax(update[ALONG], update[ACROSS]);
+    if (it > 1) rate = PetscMin(rate, left / self->update);
+    self->update = left;
+    if (PetscIsInfOrNanReal(left))
+      *reason = SNES_DIVERGED_FNORM_NAN;
+    else if (left <= floor || (rate < 0.3 && left * rate <= share_of_rate * floor))
+      *reason = SNES_CONVERGED_SNORM_RELATIVE;
+    PetscCall(PetscInfo(snes, "iteration %d: update %g, rate %g, residual %g %g\n", (int)it,
+                        (double)left, (double)rate, (double)residual[ALONG],
+                        (double)residual[ACROSS]));
+  }
+  if (*reason > 0 && self->rod->scene->friction.beta == 0 && self->rod->model->hold)
+    PetscCall(Hold(self, snes, it, U, F, reason));
+  for (int half = ALONG; half <= ACROSS; half++) self->residual[half] = residual[half];
+  PetscFunctionReturn(0);
+}
+
+/*
+  NewtonSetUp - sets the SNES of a TS: full Newton steps, the test above, and a direct solver:
+  PETSc's block LU in natural order on one rank (the matrix is block-banded, its diagonal blocks
+  regular), on several the same on each, joined by PCCHAIN. PETSc's options override. newton must
+  live as long as the TS.
+*/
+PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
+  PetscReal rtol;
+  PetscMPIInt ranks;
+  SNES snes;
+  SNESLineSearch search;
+  KSP ksp;
+  PC pc;
+
+  PetscFunctionBegin;
+  newton->rod = rod;
+  PetscCall(TSGetTolerances(ts, NULL, NULL, &rtol, NULL));
+  newton->tolerance = share_of_tolerance * rtol;
+  PetscCall(TSGetSNES(ts, &snes));
+  PetscCall(SNESSetType(snes, rod->model->linear ? SNESKSPONLY : SNESNEWTONLS));
+  PetscCall(SNESGetLineSearch(snes, &search));
+  PetscCall(SNESLineSearchSetType(search, SNESLINESEARCHBASIC));
+  PetscCall(SNESSetConvergenceTest(snes, Converged, newton, NULL));
+  PetscCall(SNESSetTolerances(snes, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, 40, 1000000));
+  PetscCall(SNESGetKSP(snes, &ksp));
+  PetscCall(KSPSetType(ksp, KSPPREONLY));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  PetscCall(PCSetType(pc, ranks > 1 ? PCCHAIN : PCLU));
+  if (ranks == 1) PetscCall(PCFactorSetMatOrderingType(pc, MATORDERINGNATURAL));
+  PetscFunctionReturn(0);
+}

@@ -1,0 +1,17 @@
+/* Newton's method in each time step: its linear solver and its test of convergence. */
+#ifndef TENDRIL_NEWTON_H
+#define TENDRIL_NEWTON_H
+
+#include "rod/rod.h"
+
+typedef struct {
+  Rod rod;
+  PetscReal tolerance;   /* of the update, relative to each field's size */
+  PetscReal update;      /* the latest iteration's largest */
+  PetscReal residual[2]; /* the latest, along and across */
+  PetscInt holds, held;  /* how often sticking points were held anew, and at which iteration last */
+} Newton;
+
+PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton);
+
+#endif

@@ -1,0 +1,64 @@
+#include "stepping/snap.h"
+#include "stepping/leg.h"
+#include "stepping/vbdf.h"
+
+/*
+  Dry friction is 1 per length at most. Where a bent rod pulls harder, no velocity balances it: with
+  mu = 1 the rod snaps, and where it comes to rest depends on the path. The path is that of a
+  vanishing viscous share d: friction mu v/|v| + d v, of which d v is the finite velocity in the
+  fast time t/d. So growth stands still, friction is dry and viscous of strength 1, and the rod is
+  followed until it rests.
+*/
+static const PetscReal nearly_dry = 1e-4; /* 1 - mu up to here: growth waits meanwhile */
+/* It must rest a little below the limit of friction, or it would snap again at once. */
+static const PetscReal slack = 1e-5;
+static const PetscReal tiny_beta = 1e-18; /* of velocities in fast time, which begin near 1 */
+static const PetscReal rest = 1e-6, long_after = 1e4; /* velocity at rest; fast time to get there */
+static const PetscReal least_rtol = 1e-6; /* no need to be more accurate than the slack */
+
+static PetscErrorCode StopAtRest(TS ts) {
+  Leg *leg;
+  PetscReal speed[MAX_FIELDS], fastest = 0;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetApplicationContext(ts, &leg));
+  PetscCall(RodFieldSizes(leg->rod, leg->rod->latest_rate, speed));
+  for (PetscInt f = 0; f < leg->rod->model->fields; f++)
+    if (leg->rod->model->followed[f]) fastest = PetscMax(fastest, speed[f]);
+  if (fastest < rest) PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
+  PetscFunctionReturn(0);
+}
+
+/*
+  SnapFollow - a VBDFSnap: takes a rod that dry friction cannot hold to where it rests. Collective.
+
+  ts    of a leg          t, U  where the rod snaps; U is, on exit, where it rests
+  done  false, U as it was: friction is not dry, or the snap could not be followed
+*/
+PetscErrorCode SnapFollow(TS ts, PetscReal t, Vec U, PetscBool *done) {
+  struct _Scene fast;
+  TSConvergedReason reason;
+  Leg *slow, leg;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetApplicationContext(ts, &slow));
+  fast = *slow->rod->scene;
+  *done = PETSC_FALSE;
+  if (1 - fast.friction.mu > nearly_dry) PetscFunctionReturn(0);
+  PetscCall(GrowthStop(slow->rod->scene->growth, t, &fast.growth));
+  fast.friction.beta = tiny_beta;
+  fast.friction.mu *= 1 - slack;
+  fast.friction.more = fast.friction.mu; /* 1 - mu + more = 1 */
+  fast.end_time = long_after;
+  PetscCall(LegCreate(&fast, slow->rod->model, PetscMax(slow->rtol, least_rtol), "snap_", &leg));
+  PetscCall(TSSetPostStep(leg.ts, StopAtRest));
+  PetscCall(VecCopy(U, leg.U));
+  PetscCall(TSSolve(leg.ts, leg.U));
+  PetscCall(TSGetConvergedReason(leg.ts, &reason));
+  *done = (PetscBool)(reason > 0);
+  if (*done) PetscCall(VecCopy(leg.U, U));
+  PetscCall(PetscInfo(ts, "snap at t = %g: %s\n", (double)t, TSConvergedReasons[reason]));
+  PetscCall(LegDestroy(&leg));
+  PetscCall(GrowthDestroy(&fast.growth));
+  PetscFunctionReturn(0);
+}

@@ -1,0 +1,522 @@
+#include "stepping/vbdf.h"
+#include <petsc/private/tsimpl.h>
+
+/* point[0] is the new solution, at time[0]; point[1], point[2], ... those of the steps before. */
+typedef struct {
+  PetscInt order;   /* k, of the present step */
+  PetscInt most;    /* highest order allowed */
+  PetscInt n;       /* past points */
+  PetscInt since;   /* steps since the order changed */
+  PetscBool given;  /* the history was handed over: do not restart */
+  PetscBool jumped; /* the present step was accepted as a jump */
+  PetscInt jumps;
+  PetscReal layer;    /* a step this short is accepted whatever its error */
+  PetscReal rejected; /* error of the try before, if one of this step was rejected at a third of the
+                         size or more */
+  PetscBool fixed;    /* -ts_adapt_type none: steps as told, order as high as the history allows */
+  PetscReal time[VBDF_POINTS];
+  Vec point[VBDF_POINTS];
+  PetscReal shift; /* U_t = shift U + affine */
+  Vec affine, rate, work;
+  VBDFGuess guess;
+  void *guess_ctx;
+  VBDFSnap snap;
+  PetscBool snapped; /* the present step begins behind a snap */
+} VBDF;
+
+static const PetscReal safety = 0.5; /* aim at this part of the tolerance */
+/* Dry friction cannot hold a rod that is bent too sharply, and without inertia it snaps at once: a
+   jump. It shows in an error that a much shorter step (a third at most) does not lessen to this
+   part. VBDFSetSnap() tells how to follow it; else, or if it shows once more, backward Euler
+   carries the rod over. The history starts anew behind it. Likewise for a step below
+   jump_step of the final time: an initial layer as fast as that is left unresolved, and crossed in
+   steps that double, up to longest_jump of it. */
+static const PetscReal jump_persists = 0.7, jump_step = 1e-13, longest_jump = 1e-6;
+/* A rod that barely sticks may slip by a little, and stick again in a step that is short enough: in
+   a step below this part of the final time, such an error is a jump, too. (That of a kink would
+   fall like the step, to a third at most.) */
+static const PetscReal slip_persists = 0.25, slip_step = 1e-8;
+/* ... and below this part of the present time there is nothing but round-off; early on, of this
+   part of the final time. */
+static const PetscReal smallest = 1e-13, early = 1e-3;
+static const PetscReal shrink_most = 0.2, grow_most = 2;
+
+/* Values at t of the Lagrange polynomials on n points. */
+static void LagrangeValues(PetscInt n, const PetscReal points[], PetscReal t, PetscScalar L[]) {
+  for (PetscInt k = 0; k < n; k++) {
+    L[k] = 1;
+    for (PetscInt j = 0; j < n; j++)
+      if (j != k) L[k] *= (t - points[j]) / (points[k] - points[j]);
+  }
+}
+
+/* Derivatives at points[0] of the Lagrange polynomials on n points. */
+static void LagrangeSlopes(PetscInt n, const PetscReal points[], PetscScalar D[]) {
+  D[0] = 0;
+  for (PetscInt k = 1; k < n; k++) {
+    D[k] = 1 / (points[k] - points[0]);
+    for (PetscInt j = 1; j < n; j++)
+      if (j != k) D[k] *= (points[0] - points[j]) / (points[k] - points[j]);
+    D[0] += 1 / (points[0] - points[k]);
+  }
+}
+
+/* X = the polynomial through past points 1 .. m, at time[0]. */
+static PetscErrorCode Extrapolate(VBDF *self, PetscInt m, Vec X) {
+  PetscScalar L[VBDF_POINTS];
+
+  PetscFunctionBegin;
+  LagrangeValues(m, self->time + 1, self->time[0], L);
+  PetscCall(VecZeroEntries(X));
+  PetscCall(VecMAXPY(X, m, L, self->point + 1));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Predict(TS ts, VBDF *self) {
+  PetscFunctionBegin;
+  if (self->n > 1)
+    PetscCall(Extrapolate(self, PetscMin(self->order + 1, self->n), self->point[0]));
+  else if (self->guess)
+    PetscCall(self->guess(ts, self->time[1], self->time[0], self->point[1], self->point[0],
+                          self->guess_ctx));
+  else
+    PetscCall(VecCopy(self->point[1], self->point[0]));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode SolveStage(TS ts, VBDF *self) {
+  PetscScalar D[VBDF_POINTS];
+  PetscInt its, linear;
+
+  PetscFunctionBegin;
+  LagrangeSlopes(self->order + 1, self->time, D);
+  self->shift = PetscRealPart(D[0]);
+  PetscCall(VecZeroEntries(self->affine));
+  PetscCall(VecMAXPY(self->affine, self->order, D + 1, self->point + 1));
+  PetscCall(TSPreStage(ts, self->time[0]));
+  PetscCall(SNESSolve(ts->snes, NULL, self->point[0]));
+  PetscCall(SNESGetIterationNumber(ts->snes, &its));
+  PetscCall(SNESGetLinearSolveIterations(ts->snes, &linear));
+  ts->snes_its += its;
+  ts->ksp_its += linear;
+  PetscFunctionReturn(0);
+}
+
+/*
+  LocalError - the weighted error that a step of order q would have made, over the tolerance.
+
+  With P the polynomial through the q + 1 past points, U - P = prod_{j=1}^{q+1} (t - t_j) U[t, ..],
+  and the formula of order q errs by 1/shift_q prod_{j=1}^{q} (t - t_j) of the same divided
+  difference: err = (U - P) / (shift_q (t - t_{q+1})), shift_q = sum_{j=1}^{q} 1/(t - t_j).
+*/
+static PetscErrorCode LocalError(TS ts, VBDF *self, PetscInt q, PetscReal *error) {
+  PetscReal shift = 0, factor, absolute, relative;
+
+  PetscFunctionBegin;
+  for (PetscInt j = 1; j <= q; j++) shift += 1 / (self->time[0] - self->time[j]);
+  factor = 1 / (shift * (self->time[0] - self->time[q + 1]));
+  PetscCall(Extrapolate(self, q + 1, self->work));
+  PetscCall(VecAXPBY(self->work, 1 - factor, factor, self->point[0])); /* U - err */
+  PetscCall(TSErrorWeightedNorm(ts, self->point[0], self->work, ts->adapt->wnormtype, error,
+                                &absolute, &relative));
+  PetscFunctionReturn(0);
+}
+
+/* The first step has no second point to tell its error from. A decaying mode that changes by d in
+   it errs by d^2/2; U is compared with the guess, growth alone. */
+static PetscErrorCode FirstError(TS ts, VBDF *self, PetscReal *error) {
+  PetscReal change, absolute, relative;
+
+  PetscFunctionBegin;
+  *error = 0;
+  if (!self->guess) PetscFunctionReturn(0);
+  PetscCall(
+      self->guess(ts, self->time[1], self->time[0], self->point[1], self->work, self->guess_ctx));
+  PetscCall(TSErrorWeightedNorm(ts, self->point[0], self->work, ts->adapt->wnormtype, &change,
+                                &absolute, &relative));
+  *error = change * change * ts->rtol / 2;
+  PetscFunctionReturn(0);
+}
+
+/* The factor by which the step may change for an error e of order q, as a part of the tolerance. */
+static PetscReal StepFactor(PetscReal e, PetscInt q) {
+  return PetscPowReal(safety / PetscMax(e, 1e-14), 1.0 / (q + 1));
+}
+
+/*
+  Choose - accepts or rejects the step just solved; sets the next order and the factor for the step.
+  The order changes to the one that allows the longest step, upwards only after order + 1 steps of
+  one order (before, the estimates feel the change), except while the history is still building up.
+*/
+static PetscErrorCode Choose(TS ts, VBDF *self, PetscBool *accept, PetscReal *factor) {
+  PetscInt k = self->order, best = k;
+  PetscReal e, persists, lower = 0, higher = 0;
+
+  PetscFunctionBegin;
+  if (self->n > k)
+    PetscCall(LocalError(ts, self, k, &e));
+  else
+    PetscCall(FirstError(ts, self, &e));
+  *accept = (PetscBool)(e <= 1);
+  persists = ts->time_step < slip_step * ts->max_time ? slip_persists : jump_persists;
+  self->jumped = (PetscBool)(!*accept && k == 1 &&
+                             (e > persists * self->rejected || ts->time_step < self->layer));
+  self->rejected = *accept ? PETSC_MAX_REAL : e;
+  if (self->jumped) *accept = PETSC_TRUE;
+  *factor = StepFactor(e, k);
+  if (k > 1) {
+    PetscCall(LocalError(ts, self, k - 1, &lower));
+    if (StepFactor(lower, k - 1) > *factor) {
+      best = k - 1;
+      *factor = StepFactor(lower, k - 1);
+    }
+  }
+  if (*accept && k < self->most && self->n >= k + 2 &&
+      (self->since > k || self->n < self->most + 2)) {
+    PetscCall(LocalError(ts, self, k + 1, &higher));
+    if (0.95 * StepFactor(higher, k + 1) > *factor) {
+      best = k + 1;
+      *factor = 0.95 * StepFactor(higher, k + 1);
+    }
+  }
+  if (best != k) self->since = 0;
+  self->order = best;
+  *factor = PetscMax(shrink_most, PetscMin(*factor, *accept ? grow_most : 0.9));
+  PetscCall(PetscInfo(
+      ts, "t %g dt %g order %d error %g (lower %g, higher %g) %s, next order %d, step times %g\n",
+      (double)self->time[0], (double)ts->time_step, (int)k, (double)e, (double)lower,
+      (double)higher, *accept ? "accepted" : "rejected", (int)best, (double)*factor));
+  PetscFunctionReturn(0);
+}
+
+/* Moves the accepted solution into the history. */
+static PetscErrorCode Push(TS ts, VBDF *self) {
+  Vec last = self->point[VBDF_POINTS - 1];
+
+  PetscFunctionBegin;
+  for (PetscInt i = VBDF_POINTS - 1; i > 1; i--) {
+    self->point[i] = self->point[i - 1];
+    self->time[i] = self->time[i - 1];
+  }
+  self->point[1] = last;
+  self->time[1] = ts->ptime;
+  PetscCall(VecCopy(ts->vec_sol, last));
+  self->n = PetscMin(self->n + 1, VBDF_POINTS - 1);
+  PetscFunctionReturn(0);
+}
+
+/* Keeps the step within the limits and lets the last ones end at the final time. */
+static PetscErrorCode LimitStep(TS ts, VBDF *self) {
+  PetscReal least, most, left = ts->max_time - ts->ptime;
+
+  PetscFunctionBegin;
+  PetscCall(TSAdaptGetStepLimits(ts->adapt, &least, &most));
+  ts->time_step = PetscMin(ts->time_step, most);
+  if (ts->exact_final_time != TS_EXACTFINALTIME_MATCHSTEP) PetscFunctionReturn(0);
+  if (ts->time_step > left * (1 - 1e-9))
+    ts->time_step = left;
+  else if (!self->fixed && ts->time_step > left / 2)
+    ts->time_step = left / 2;
+  PetscFunctionReturn(0);
+}
+
+/* After a rejection: a shorter step; after several, a fresh start from the last point alone,
+   because the history may lie on the other side of a kink. */
+static PetscErrorCode Retry(TS ts, VBDF *self, PetscInt attempt, PetscReal factor) {
+  PetscFunctionBegin;
+  ts->reject++;
+  ts->time_step *= factor;
+  self->since = 0;
+  if (attempt >= 3) {
+    self->order = 1;
+    self->n = 1;
+  }
+  if (ts->max_reject >= 0 && attempt > ts->max_reject) ts->reason = TS_DIVERGED_STEP_REJECTED;
+  if (ts->time_step < smallest * PetscMax(ts->ptime, early * ts->max_time))
+    ts->reason = TS_DIVERGED_STEP_REJECTED;
+  PetscFunctionReturn(0);
+}
+
+/* A jump shows: follows it from the last point on, and begins the step again behind it. */
+static PetscErrorCode Snap(TS ts, VBDF *self, PetscBool *accept) {
+  PetscBool done;
+
+  PetscFunctionBegin;
+  PetscCall(self->snap(ts, self->time[1], self->point[1], &done));
+  if (!done) PetscFunctionReturn(0);
+  *accept = PETSC_FALSE;
+  self->jumped = PETSC_FALSE;
+  self->snapped = PETSC_TRUE;
+  self->rejected = PETSC_MAX_REAL;
+  self->order = 1;
+  self->n = 1;
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode TSStep_VBDF(TS ts) {
+  VBDF *self = (VBDF *)ts->data;
+  PetscReal factor = 1, size;
+  PetscBool accept;
+
+  PetscFunctionBegin;
+  PetscCall(PetscObjectTypeCompare((PetscObject)ts->adapt, TSADAPTNONE, &self->fixed));
+  self->jumped = self->snapped = PETSC_FALSE;
+  self->layer = PetscMax(self->layer, jump_step * ts->max_time);
+  self->rejected = PETSC_MAX_REAL;
+  if (ts->steprestart && !self->given) self->n = 0;
+  if (!self->given && !ts->steprollback) PetscCall(Push(ts, self));
+  self->given = PETSC_FALSE;
+  if (self->fixed) self->order = PetscMin(self->order + 1, self->most);
+  for (PetscInt attempt = 1; !ts->reason; attempt++) {
+    SNESConvergedReason solved;
+    self->order = PetscMax(1, PetscMin(self->order, self->n));
+    PetscCall(LimitStep(ts, self));
+    self->time[0] = ts->ptime + ts->time_step;
+    PetscCall(Predict(ts, self));
+    PetscCall(SolveStage(ts, self));
+    PetscCall(SNESGetConvergedReason(ts->snes, &solved));
+    PetscCall(VecNorm(self->point[0], NORM_INFINITY, &size));
+    if (PetscIsInfOrNanReal(size)) solved = SNES_DIVERGED_FNORM_NAN;
+    if (solved < 0) {
+      ts->num_snes_failures++;
+      if (self->fixed ||
+          (ts->max_snes_failures >= 0 && ts->num_snes_failures > ts->max_snes_failures))
+        ts->reason = TS_DIVERGED_NONLINEAR_SOLVE;
+      else
+        PetscCall(Retry(ts, self, attempt, 0.3));
+      continue;
+    }
+    accept = PETSC_TRUE;
+    if (!self->fixed) PetscCall(Choose(ts, self, &accept, &factor));
+    if (self->jumped && self->snap && !self->snapped && ts->time_step >= self->layer) {
+      PetscCall(Snap(ts, self, &accept));
+      if (!accept) continue;
+    }
+    if (accept) break;
+    if (factor > 1. / 3) self->rejected = PETSC_MAX_REAL;
+    PetscCall(Retry(ts, self, attempt, factor));
+  }
+  if (ts->reason) PetscFunctionReturn(0);
+  self->since++;
+  if (self->jumped || self->snapped) self->jumps++;
+  if (self->jumped) {
+    self->n = 0;
+    factor = 1;
+    if (ts->time_step < self->layer) {
+      factor = 2;
+      self->layer = PetscMin(2 * self->layer, longest_jump * ts->max_time);
+    }
+  } else if (self->n > 1) /* its error was seen: the layer is behind */
+    self->layer = 0;
+  PetscCall(VecCopy(self->point[0], ts->vec_sol));
+  ts->ptime = self->time[0];
+  if (ts->exact_final_time == TS_EXACTFINALTIME_MATCHSTEP &&
+      PetscAbsReal(ts->max_time - ts->ptime) < 1e-12 * ts->max_time)
+    ts->ptime = ts->max_time;
+  ts->time_step *= factor;
+  PetscFunctionReturn(0);
+}
+
+/* Dense output: the polynomial through the new and the past points, one degree above the formula.
+ */
+static PetscErrorCode TSInterpolate_VBDF(TS ts, PetscReal t, Vec X) {
+  VBDF *self = (VBDF *)ts->data;
+  PetscScalar L[VBDF_POINTS];
+  PetscInt m = PetscMin(self->order + 2, self->n + 1);
+
+  PetscFunctionBegin;
+  LagrangeValues(m, self->time, t, L);
+  PetscCall(VecZeroEntries(X));
+  PetscCall(VecMAXPY(X, m, L, self->point));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode SNESTSFormFunction_VBDF(SNES snes, Vec U, Vec F, TS ts) {
+  VBDF *self = (VBDF *)ts->data;
+
+  PetscFunctionBegin;
+  PetscCall(VecWAXPY(self->rate, self->shift, U, self->affine));
+  PetscCall(TSComputeIFunction(ts, self->time[0], U, self->rate, F, PETSC_FALSE));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode SNESTSFormJacobian_VBDF(SNES snes, Vec U, Mat J, Mat P, TS ts) {
+  VBDF *self = (VBDF *)ts->data;
+
+  PetscFunctionBegin;
+  /* rate holds U_t of the latest residual, which SNES evaluated at this U */
+  PetscCall(TSComputeIJacobian(ts, self->time[0], U, self->rate, self->shift, J, P, PETSC_FALSE));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode TSReset_VBDF(TS ts) {
+  VBDF *self = (VBDF *)ts->data;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < VBDF_POINTS; i++) PetscCall(VecDestroy(&self->point[i]));
+  PetscCall(VecDestroy(&self->affine));
+  PetscCall(VecDestroy(&self->rate));
+  PetscCall(VecDestroy(&self->work));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode TSDestroy_VBDF(TS ts) {
+  PetscFunctionBegin;
+  PetscCall(TSReset_VBDF(ts));
+  PetscCall(PetscFree(ts->data));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode TSSetUp_VBDF(TS ts) {
+  VBDF *self = (VBDF *)ts->data;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < VBDF_POINTS; i++)
+    if (!self->point[i]) PetscCall(VecDuplicate(ts->vec_sol, &self->point[i]));
+  if (!self->affine) PetscCall(VecDuplicate(ts->vec_sol, &self->affine));
+  if (!self->rate) PetscCall(VecDuplicate(ts->vec_sol, &self->rate));
+  if (!self->work) PetscCall(VecDuplicate(ts->vec_sol, &self->work));
+  PetscCall(TSGetAdapt(ts, &ts->adapt));
+  PetscCall(TSGetSNES(ts, &ts->snes));
+  PetscFunctionReturn(0);
+}
+
+#if PETSC_VERSION_GE(3, 23, 0)
+static PetscErrorCode TSSetFromOptions_VBDF(TS ts, PetscOptionItems PetscOptionsObject) {
+#else
+static PetscErrorCode TSSetFromOptions_VBDF(TS ts, PetscOptionItems *PetscOptionsObject) {
+#endif
+  VBDF *self = (VBDF *)ts->data;
+
+  PetscFunctionBegin;
+  PetscOptionsHeadBegin(PetscOptionsObject, "variable-order BDF");
+  PetscCall(PetscOptionsRangeInt("-ts_bdf_order", "highest order, 1 to 6", "", self->most,
+                                 &self->most, NULL, 1, 6));
+  PetscOptionsHeadEnd();
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode TSCreate_VBDF(TS ts) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&self));
+  self->most = 5;
+  self->order = 1;
+  ts->data = self;
+  ts->ops->reset = TSReset_VBDF;
+  ts->ops->destroy = TSDestroy_VBDF;
+  ts->ops->setup = TSSetUp_VBDF;
+  ts->ops->setfromoptions = TSSetFromOptions_VBDF;
+  ts->ops->step = TSStep_VBDF;
+  ts->ops->interpolate = TSInterpolate_VBDF;
+  ts->ops->snesfunction = SNESTSFormFunction_VBDF;
+  ts->ops->snesjacobian = SNESTSFormJacobian_VBDF;
+  ts->default_adapt_type = TSADAPTBASIC;
+  ts->usessnes = PETSC_TRUE;
+  PetscFunctionReturn(0);
+}
+
+/* VBDFRegister - makes the type known; call once, before TSSetType(). */
+PetscErrorCode VBDFRegister(void) {
+  PetscFunctionBegin;
+  PetscCall(TSRegister(TSVBDF, TSCreate_VBDF));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Self(TS ts, VBDF **self) {
+  PetscBool same;
+
+  PetscFunctionBegin;
+  PetscCall(PetscObjectTypeCompare((PetscObject)ts, TSVBDF, &same));
+  *self = same ? (VBDF *)ts->data : NULL;
+  PetscFunctionReturn(0);
+}
+
+/* VBDFSetGuess - sets how to guess the first step, from one point. No effect on other types. */
+PetscErrorCode VBDFSetGuess(TS ts, VBDFGuess guess, void *ctx) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  if (self) {
+    self->guess = guess;
+    self->guess_ctx = ctx;
+  }
+  PetscFunctionReturn(0);
+}
+
+/* VBDFSetSnap - sets how to follow a jump. No effect on other types. */
+PetscErrorCode VBDFSetSnap(TS ts, VBDFSnap snap) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  if (self) self->snap = snap;
+  PetscFunctionReturn(0);
+}
+
+/*
+  VBDFGetHistory - the points that the next step starts from, latest first, after an accepted step.
+
+  n       how many, at most VBDF_POINTS; 0 on exit if the type is another one
+  points  borrowed
+  order   the order chosen for the next step
+*/
+PetscErrorCode VBDFGetHistory(TS ts, PetscInt *n, PetscReal times[], Vec points[],
+                              PetscInt *order) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  *n = 0;
+  PetscCall(Self(ts, &self));
+  if (!self) PetscFunctionReturn(0);
+  *n = PetscMin(self->n + 1, VBDF_POINTS - 1);
+  *order = self->order;
+  for (PetscInt i = 0; i < *n; i++) {
+    times[i] = self->time[i];
+    points[i] = self->point[i];
+  }
+  PetscFunctionReturn(0);
+}
+
+/* VBDFSetHistory - hands over n points, latest first (copied), to a TS that has its solution set.
+   No effect on other types, which then start afresh. */
+PetscErrorCode VBDFSetHistory(TS ts, PetscInt n, const PetscReal times[], const Vec points[],
+                              PetscInt order) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  if (!self) PetscFunctionReturn(0);
+  PetscCall(TSSetUp_VBDF(ts));
+  for (PetscInt i = 0; i < n; i++) {
+    self->time[i + 1] = times[i];
+    PetscCall(VecCopy(points[i], self->point[i + 1]));
+  }
+  self->n = n;
+  self->order = order;
+  self->since = 0;
+  self->given = PETSC_TRUE;
+  PetscFunctionReturn(0);
+}
+
+/* VBDFGetJumps - how many steps were jumps, so far; 0 if the type is another one. */
+PetscErrorCode VBDFGetJumps(TS ts, PetscInt *jumps) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  *jumps = self ? self->jumps : 0;
+  PetscFunctionReturn(0);
+}
+
+/* VBDFGetOrder - the order of the next step; 0 if the type is another one. */
+PetscErrorCode VBDFGetOrder(TS ts, PetscInt *order) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  *order = self ? self->order : 0;
+  PetscFunctionReturn(0);
+}

@@ -1,0 +1,525 @@
+#include "straight/pencil.h"
+#include "straight/straight.h"
+
+enum { PER_POINT = 10 };
+
+/* Knot j of the open knot vector: the ends repeat. */
+static inline PetscReal Knot(const Mesh *mesh, PetscInt j) {
+  return mesh->s[PetscMax(0, PetscMin(j, mesh->cells))];
+}
+
+/* B-splines on a cell at z = s by de Boor's recursion: value[0..2] the quadratics, value[3..5]
+   their slopes, value[6..9] the cubics. */
+static void SplineValues(const Mesh *mesh, PetscInt cell, PetscReal s, PetscReal value[PER_POINT]) {
+  PetscReal N[4][4] = {{1}};
+
+  for (PetscInt p = 1; p <= 3; p++)
+    for (PetscInt k = 0; k <= p; k++) {
+      PetscInt j = cell - p + k; /* support: knots j .. j + p + 1 */
+      N[p][k] = 0;
+      if (k > 0)
+        N[p][k] += (s - Knot(mesh, j)) / (Knot(mesh, j + p) - Knot(mesh, j)) * N[p - 1][k - 1];
+      if (k < p)
+        N[p][k] +=
+            (Knot(mesh, j + p + 1) - s) / (Knot(mesh, j + p + 1) - Knot(mesh, j + 1)) * N[p - 1][k];
+    }
+  for (PetscInt k = 0; k < 3; k++) {
+    PetscInt j = cell - 2 + k;
+    value[k] = N[2][k];
+    value[3 + k] = 0;
+    if (k > 0) value[3 + k] += 2 / (Knot(mesh, j + 2) - Knot(mesh, j)) * N[1][k - 1];
+    if (k < 2) value[3 + k] -= 2 / (Knot(mesh, j + 3) - Knot(mesh, j + 1)) * N[1][k];
+  }
+  for (PetscInt k = 0; k < 4; k++) value[6 + k] = N[3][k];
+}
+
+/* The rows of this rank, the cells they touch, the splines at the Gauss points of these. */
+static PetscErrorCode Allocate(Pencil self) {
+  const Mesh *mesh = self->mesh;
+  PetscInt nloc = PETSC_DECIDE, end, labels;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSplitOwnership(self->comm, &nloc, &self->n));
+  PetscCallMPI(MPI_Scan(&nloc, &self->last, 1, MPIU_INT, MPI_SUM, self->comm));
+  self->first = self->last - nloc;
+  self->cell = PetscMin(mesh->cells - 1, PetscMax(0, self->first - 1));
+  end = PetscMin(mesh->cells, PetscMax(self->last + 2, self->cell + 1));
+  self->cells = end - self->cell;
+  labels = (mesh->cells - self->cell) * GAUSS + 1;
+  PetscCall(PetscMalloc2(self->cells * GAUSS, &self->point, self->cells * GAUSS * PER_POINT,
+                         &self->basis));
+  PetscCall(PetscMalloc6(nloc, &self->delta, labels, &self->z, labels, &self->label, labels,
+                         &self->stretch, labels, &self->force, self->n, &self->node));
+  for (PetscInt c = 0; c < mesh->cells - self->cell; c++)
+    for (int q = 0; q < GAUSS; q++) {
+      PetscReal left = mesh->s[self->cell + c], h = mesh->s[self->cell + c + 1] - left;
+      self->z[c * GAUSS + q] = left + h * gauss_point[q];
+      if (c < self->cells)
+        SplineValues(mesh, self->cell + c, left + h * gauss_point[q],
+                     self->basis + (c * GAUSS + q) * PER_POINT);
+    }
+  self->z[labels - 1] = 1;
+  for (PetscInt i = 0; i < nloc; i++) {
+    PetscInt j = self->first + i;
+    self->delta[i] = (Knot(mesh, j + 2) - Knot(mesh, j - 1)) / 3;
+  }
+  PetscFunctionReturn(0);
+}
+
+/* The label s of a place z, p(s, t) = z L(t): Newton's method within a bracket, from the guess s.
+ */
+static PetscErrorCode Label(Growth growth, PetscReal z, PetscReal t, PetscReal L, PetscReal *s) {
+  PetscReal low = 0, high = 1, p, g;
+
+  PetscFunctionBegin;
+  for (int k = 0; k < 100; k++) {
+    PetscReal old = *s;
+    PetscCall(GrowthArc(growth, 1, s, t, &p, NULL));
+    PetscCall(GrowthStretch(growth, 1, s, t, &g, NULL, NULL));
+    if (p < z * L)
+      low = *s;
+    else
+      high = *s;
+    *s += (z * L - p) / g;
+    if (!(*s >= low && *s <= high)) *s = (low + high) / 2;
+    if (PetscAbsReal(*s - old) <= 2e-16 * PetscAbsReal(*s)) break;
+  }
+  PetscFunctionReturn(0);
+}
+
+/* Places labels for z = p / L at time t. */
+static PetscErrorCode Map(Pencil self, PetscReal t) {
+  PetscInt points = (self->mesh->cells - self->cell) * GAUSS;
+  PetscReal L, g, s = 0;
+
+  PetscFunctionBegin;
+  PetscCall(GrowthLength(self->growth, t, &L, NULL));
+  self->label[points] = 1;
+  for (PetscInt i = 0; i < points; i++) {
+    s = self->z[i];
+    if (!self->growth->uniform) {
+      s = i ? self->label[i - 1] : s;
+      PetscCall(Label(self->growth, self->z[i], t, L, &s));
+    }
+    PetscCall(GrowthStretch(self->growth, 1, &s, t, &g, NULL, NULL));
+    self->label[i] = s;
+    self->stretch[i] = L / g;
+  }
+  s = 0;
+  for (PetscInt i = 0; i < self->n; i++) {
+    if (self->growth->uniform || i == 0 || i == self->n - 1)
+      s = self->mesh->s[i];
+    else
+      PetscCall(Label(self->growth, self->mesh->s[i], t, L, &s));
+    self->node[i] = s;
+  }
+  PetscFunctionReturn(0);
+}
+
+/*
+  PencilCreate - prepares the linear problem on a mesh. Collective on comm.
+
+  mesh     in z; outlives the pencil, as do the laws; mesh->cells + 1 unknowns of each kind
+  map      the time that z belongs to, or map_follows
+  pencil   the caller destroys it with PencilDestroy(); PencilSetTime() comes before any assembly
+*/
+PetscErrorCode PencilCreate(MPI_Comm comm, Growth growth, const Friction *friction,
+                            const Mesh *mesh, PetscReal map, Pencil *pencil) {
+  Pencil self;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&self));
+  self->comm = comm;
+  self->growth = growth;
+  self->friction = friction;
+  self->mesh = mesh;
+  self->n = mesh->cells + 1;
+  self->map = map;
+  PetscCall(Allocate(self));
+  if (map != map_follows) PetscCall(Map(self, map));
+  *pencil = self;
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode PencilDestroy(Pencil *pencil) {
+  PetscFunctionBegin;
+  if (!*pencil) PetscFunctionReturn(0);
+  PetscCall(PetscFree2((*pencil)->point, (*pencil)->basis));
+  PetscCall(PetscFree6((*pencil)->delta, (*pencil)->z, (*pencil)->label, (*pencil)->stretch,
+                       (*pencil)->force, (*pencil)->node));
+  PetscCall(PetscFree(*pencil));
+  PetscFunctionReturn(0);
+}
+
+/* the drag g phi0 at one label */
+static PetscErrorCode DragAt(Pencil self, PetscReal s, PetscReal t, PetscReal *drag) {
+  PetscReal p, v0, g;
+
+  PetscFunctionBegin;
+  PetscCall(GrowthStretch(self->growth, 1, &s, t, &g, NULL, NULL));
+  PetscCall(GrowthArc(self->growth, 1, &s, t, &p, &v0));
+  v0 += GrowthSlide(self->growth, s);
+  *drag = g * FrictionPhi(self->friction, v0 * v0);
+  PetscFunctionReturn(0);
+}
+
+/* The step of the central difference for D_t: its error, of second order, is below rounding's. */
+static const PetscReal rate_step = 1e-5;
+
+/* dp/dz = g s_z with s_z = L(t_map) / g(s, t_map); its derivative by z. */
+static PetscErrorCode StretchAt(Pencil self, PetscReal map, PetscReal t, PetscInt i,
+                                PencilPoint *x) {
+  PetscReal s = self->label[i], s_z = self->stretch[i], g, g_s, m, m_s;
+
+  PetscFunctionBegin;
+  PetscCall(GrowthStretch(self->growth, 1, &s, t, &g, NULL, &g_s));
+  PetscCall(GrowthStretch(self->growth, 1, &s, map, &m, NULL, &m_s));
+  x->g = g * s_z;
+  x->g_z = s_z * s_z * (g_s - g * m_s / m);
+  x->ds = x->dz * s_z;
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode PointSet(Pencil self, PetscReal t, PencilFrame frame, PetscInt i) {
+  PencilPoint *x = self->point + i;
+  const PetscReal *z = self->mesh->s + self->cell + i / GAUSS;
+  PetscReal s = self->label[i], before, after, slide = GrowthSlide(self->growth, s);
+
+  PetscFunctionBegin;
+  x->dz = (z[1] - z[0]) * gauss_weight[i % GAUSS];
+  PetscCall(StretchAt(self, self->map == map_follows ? t : self->map, t, i, x));
+  PetscCall(DragAt(self, s, t, &x->drag));
+  PetscCall(DragAt(self, s, t - rate_step, &before));
+  PetscCall(DragAt(self, s, t + rate_step, &after));
+  x->drag_rate = (after - before) / (2 * rate_step);
+  x->P = self->force[i];
+  x->slide = frame == FRAME_ARC && self->growth->slides ? 1 : slide;
+  x->ratio = 1;
+  PetscFunctionReturn(0);
+}
+
+/*
+  PencilSetTime - evaluates all coefficients at time t. Collective.
+
+  frame   FRAME_LABEL: y_t at fixed s, what the time stepping sees; FRAME_ARC: y_t at fixed arc
+          length, the rod of frozen length that feed's eigenvalues are defined by. They differ for
+          laws that slide only.
+*/
+PetscErrorCode PencilSetTime(Pencil self, PetscReal t, PencilFrame frame) {
+  PetscInt labels = (self->mesh->cells - self->cell) * GAUSS + 1;
+  PetscReal most[4] = {0, PETSC_MIN_REAL, PETSC_MIN_REAL, PETSC_MIN_REAL}, all[4];
+
+  PetscFunctionBegin;
+  if (self->map == map_follows) PetscCall(Map(self, t));
+  PetscCall(StraightForce(self->growth, self->friction, labels, self->label, t, self->force));
+  for (PetscInt i = 0; i < self->cells * GAUSS; i++) {
+    const PencilPoint *x = self->point + i;
+    PetscReal phi0;
+    PetscCall(PointSet(self, t, frame, i));
+    phi0 = x->drag * x->ds / (x->g * x->dz);
+    most[0] = PetscMax(most[0], x->P);
+    most[1] = PetscMax(most[1], -phi0);
+    most[2] = PetscMax(most[2], phi0);
+    most[3] = PetscMax(most[3], x->drag_rate / x->drag);
+  }
+  PetscCall(MPIU_Allreduce(most, all, 4, MPIU_REAL, MPIU_MAX, self->comm));
+  self->compression = all[0];
+  self->drag_min = -all[1];
+  self->drag_max = all[2];
+  self->rate_max = all[3];
+  self->time = t;
+  PetscFunctionReturn(0);
+}
+
+/*
+  PencilBound - a number that no eigenvalue of (K, D) exceeds, for laws that do not slide.
+
+  On a half line with a free end int y'^2 - y''^2 <= int y^2: the largest eigenvalue of
+  -(y'''' + y'') there is 1. A rod clamped at s = 0 goes on as 0 behind its clamp, hence
+  lambda <= max(P)^2 / min(phi0). The margin covers quadrature and keeps the shift regular.
+*/
+PetscErrorCode PencilBound(Pencil self, PetscReal *bound) {
+  PetscFunctionBegin;
+  *bound = 1.05 * PetscSqr(self->compression) / self->drag_min + 0.05;
+  PetscFunctionReturn(0);
+}
+
+/* The integrand's weight of each form. */
+static PetscReal Weight(const PencilPoint *x, PencilForm form) {
+  switch (form) {
+  case FORM_AXIAL:
+    return x->dz * x->P / x->g;
+  case FORM_DRAG:
+    return x->ds * x->drag;
+  case FORM_DRAG_RATE:
+    return x->ds * x->drag_rate;
+  case FORM_MASS:
+    return x->ds;
+  case FORM_SLIDE:
+  case FORM_SLIDE_T:
+    return -x->ds * x->drag * x->slide / x->g;
+  default:
+    return 0;
+  }
+}
+
+/* Adds one Gauss point to the rows of this rank: value_i weight value_j. */
+static void AddPoint(Pencil self, PetscInt row0, PetscInt nrow, const PetscReal *row, PetscInt col0,
+                     PetscInt ncol, const PetscReal *col, PetscReal weight, PetscReal *band) {
+  for (PetscInt i = 0; i < nrow; i++) {
+    PetscInt r = row0 + i;
+    if (r < self->first || r >= self->last) continue;
+    for (PetscInt j = 0; j < ncol; j++)
+      if (col0 + j >= 0)
+        band[(r - self->first) * WIDTH + HALF + col0 + j - r] += weight * row[i] * col[j];
+  }
+}
+
+/*
+  PencilBand - the rows of this rank of one form, at the time of PencilSetTime(). Not collective.
+
+  band   [last - first][WIDTH], the caller's; entries outside the matrix are 0
+*/
+PetscErrorCode PencilBand(Pencil self, PencilForm form, PetscReal band[]) {
+  PetscFunctionBegin;
+  PetscCall(PetscArrayzero(band, (self->last - self->first) * WIDTH));
+  for (PetscInt i = 0; i < self->cells * GAUSS; i++) {
+    const PencilPoint *x = self->point + i;
+    const PetscReal *w = self->basis + i * PER_POINT, *w1 = w + 3, *y = w + 6;
+    PetscInt cell = self->cell + i / GAUSS;
+    PetscReal curve[3]; /* (w/g)' */
+
+    for (int k = 0; k < 3; k++) curve[k] = w1[k] / x->g - w[k] * x->g_z / (x->g * x->g);
+    if (form == FORM_BEND || form == FORM_STIFF || form == FORM_BEND_RATIO) {
+      PetscReal bend = x->dz / x->g;
+      if (form == FORM_BEND_RATIO) bend *= x->ratio;
+      if (form == FORM_STIFF) bend = -bend;
+      AddPoint(self, cell - 1, 3, curve, cell - 1, 3, curve, bend, band);
+    }
+    if (form == FORM_AXIAL || form == FORM_STIFF)
+      AddPoint(self, cell - 1, 3, w, cell - 1, 3, w, Weight(x, FORM_AXIAL), band);
+    if (form == FORM_DRAG || form == FORM_DRAG_RATE || form == FORM_MASS)
+      AddPoint(self, cell - 2, 4, y, cell - 2, 4, y, Weight(x, form), band);
+    if (form == FORM_SLIDE) AddPoint(self, cell - 2, 4, y, cell - 1, 3, w, Weight(x, form), band);
+    if (form == FORM_SLIDE_T) AddPoint(self, cell - 1, 3, w, cell - 2, 4, y, Weight(x, form), band);
+  }
+  PetscFunctionReturn(0);
+}
+
+/* PencilMatrixFromBand - a sparse matrix of a band; *A NULL: created, the caller's, else refilled
+   in the same pattern. Collective. */
+PetscErrorCode PencilMatrixFromBand(Pencil self, const PetscReal band[], Mat *A) {
+  PetscInt nloc = self->last - self->first;
+
+  PetscFunctionBegin;
+  if (!*A) {
+    PetscCall(
+        MatCreateAIJ(self->comm, nloc, nloc, self->n, self->n, WIDTH, NULL, 2 * HALF, NULL, A));
+    PetscCall(MatSetOption(*A, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
+  }
+  for (PetscInt r = self->first; r < self->last; r++) {
+    PetscInt cols[WIDTH];
+    for (int b = 0; b < WIDTH; b++) {
+      PetscInt col = r - HALF + b;
+      cols[b] = col < self->n ? col : -1; /* PETSc passes over negative columns */
+    }
+    PetscCall(
+        MatSetValues(*A, 1, &r, WIDTH, cols, band + (r - self->first) * WIDTH, INSERT_VALUES));
+  }
+  PetscCall(MatAssemblyBegin(*A, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(*A, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(0);
+}
+
+/* PencilMatrix - one form as a sparse n by n matrix, as PencilMatrixFromBand(). Collective. */
+PetscErrorCode PencilMatrix(Pencil self, PencilForm form, Mat *A) {
+  PetscReal *band;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1((self->last - self->first) * WIDTH, &band));
+  PetscCall(PencilBand(self, form, band));
+  PetscCall(PencilMatrixFromBand(self, band, A));
+  PetscCall(PetscFree(band));
+  PetscFunctionReturn(0);
+}
+
+/* PencilDifference - E, which takes (c_i) to (c_i - c_{i-1}); the caller destroys it. */
+PetscErrorCode PencilDifference(Pencil self, Mat *E) {
+  PetscReal *band;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1((self->last - self->first) * WIDTH, &band));
+  for (PetscInt i = 0; i < self->last - self->first; i++) {
+    band[i * WIDTH + HALF] = 1;
+    band[i * WIDTH + HALF - 1] = -1;
+  }
+  *E = NULL;
+  PetscCall(PencilMatrixFromBand(self, band, E));
+  PetscCall(PetscFree(band));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode MixedBand(Pencil self, PetscInt row_kind, PetscInt col_kind,
+                                const PetscReal band[], Mat A) {
+  PetscFunctionBegin;
+  if (!band) PetscFunctionReturn(0);
+  for (PetscInt r = self->first; r < self->last; r++) {
+    PetscInt cols[WIDTH], row = 3 * r + row_kind;
+    for (int b = 0; b < WIDTH; b++) {
+      PetscInt col = r - HALF + b;
+      cols[b] = col < 0 || col >= self->n ? -1 : 3 * col + col_kind;
+    }
+    PetscCall(
+        MatSetValues(A, 1, &row, WIDTH, cols, band + (r - self->first) * WIDTH, INSERT_VALUES));
+  }
+  PetscFunctionReturn(0);
+}
+
+/* E, E^T and Delta, which join w, c and n */
+static PetscErrorCode MixedJoin(Pencil self, Mat A) {
+  PetscFunctionBegin;
+  for (PetscInt i = self->first; i < self->last; i++) {
+    PetscInt w = 3 * i, c = w + 1, n = w + 2;
+    PetscCall(MatSetValue(A, w, n, -self->delta[i - self->first], INSERT_VALUES));
+    PetscCall(MatSetValue(A, n, w, -self->delta[i - self->first], INSERT_VALUES));
+    PetscCall(MatSetValue(A, n, c, 1, INSERT_VALUES));
+    PetscCall(MatSetValue(A, c, n, 1, INSERT_VALUES));
+    if (i > 0) PetscCall(MatSetValue(A, n, c - 3, -1, INSERT_VALUES));
+    if (i < self->n - 1) PetscCall(MatSetValue(A, c, n + 3, -1, INSERT_VALUES));
+  }
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode MixedCreate(Pencil self, PetscInt diagonal, PetscInt off, Mat *A) {
+  PetscInt nloc = 3 * (self->last - self->first);
+
+  PetscFunctionBegin;
+  if (*A) PetscFunctionReturn(0);
+  PetscCall(
+      MatCreateAIJ(self->comm, nloc, nloc, 3 * self->n, 3 * self->n, diagonal, NULL, off, NULL, A));
+  PetscCall(MatSetOption(*A, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
+  PetscFunctionReturn(0);
+}
+
+/*
+  PencilMixed - the mixed pencil A z = lambda B z, z = (w, c, n) by node, 3 n rows. Collective.
+
+  K      w by w      X   c by w, or NULL      XT   w by c, or NULL
+  c      c by c, added to A, or NULL          D    c by c, the only part of B
+  A, B   created if NULL on entry, else refilled (with the same bands present)
+*/
+PetscErrorCode PencilMixed(Pencil self, const PetscReal K[], const PetscReal X[],
+                           const PetscReal XT[], const PetscReal c[], const PetscReal D[], Mat *A,
+                           Mat *B) {
+  PetscFunctionBegin;
+  PetscCall(MixedCreate(self, 2 * WIDTH + 3, 2 * WIDTH, A));
+  PetscCall(MixedBand(self, 0, 0, K, *A));
+  PetscCall(MixedBand(self, 1, 0, X, *A));
+  PetscCall(MixedBand(self, 0, 1, XT, *A));
+  if (!c) { /* keep D's places in A: a shift then needs no new pattern */
+    PetscReal *zero;
+    PetscCall(PetscCalloc1((self->last - self->first) * WIDTH, &zero));
+    PetscCall(MixedBand(self, 1, 1, zero, *A));
+    PetscCall(PetscFree(zero));
+  } else
+    PetscCall(MixedBand(self, 1, 1, c, *A));
+  PetscCall(MixedJoin(self, *A));
+  PetscCall(MatAssemblyBegin(*A, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(*A, MAT_FINAL_ASSEMBLY));
+  if (!B) PetscFunctionReturn(0);
+  PetscCall(MixedCreate(self, WIDTH, 2 * HALF, B));
+  PetscCall(MixedBand(self, 1, 1, D, *B));
+  PetscCall(MatAssemblyBegin(*B, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(*B, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(0);
+}
+
+/* PencilSum - c = C w = E^-1 Delta w, running sums from the clamp. Collective. */
+PetscErrorCode PencilSum(Pencil self, Vec w, Vec c) {
+  PetscInt nloc = self->last - self->first;
+  const PetscReal *a;
+  PetscReal *b, sum = 0, before = 0;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayRead(w, &a));
+  PetscCall(VecGetArray(c, &b));
+  for (PetscInt i = 0; i < nloc; i++) b[i] = sum += self->delta[i] * a[i];
+  PetscCallMPI(MPI_Scan(&sum, &before, 1, MPIU_REAL, MPI_SUM, self->comm));
+  before -= sum;
+  for (PetscInt i = 0; i < nloc; i++) b[i] += before;
+  PetscCall(VecRestoreArrayRead(w, &a));
+  PetscCall(VecRestoreArray(c, &b));
+  PetscFunctionReturn(0);
+}
+
+/* PencilSumTranspose - w = C^T c = Delta E^-T c, running sums from the tip. Collective. */
+PetscErrorCode PencilSumTranspose(Pencil self, Vec c, Vec w) {
+  PetscInt nloc = self->last - self->first;
+  const PetscReal *a;
+  PetscReal *b, sum = 0, upto = 0, total = 0;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayRead(c, &a));
+  PetscCall(VecGetArray(w, &b));
+  for (PetscInt i = nloc - 1; i >= 0; i--) b[i] = sum += a[i];
+  PetscCallMPI(MPI_Scan(&sum, &upto, 1, MPIU_REAL, MPI_SUM, self->comm));
+  PetscCall(MPIU_Allreduce(&sum, &total, 1, MPIU_REAL, MPIU_SUM, self->comm));
+  for (PetscInt i = 0; i < nloc; i++) b[i] = self->delta[i] * (b[i] + (total - upto));
+  PetscCall(VecRestoreArrayRead(c, &a));
+  PetscCall(VecRestoreArray(w, &b));
+  PetscFunctionReturn(0);
+}
+
+/* PencilUnsum - w = C^-1 c, for E of PencilDifference(). c and w differ. */
+PetscErrorCode PencilUnsum(Pencil self, Mat E, Vec c, Vec w) {
+  PetscReal *b;
+
+  PetscFunctionBegin;
+  PetscCall(MatMult(E, c, w));
+  PetscCall(VecGetArray(w, &b));
+  for (PetscInt i = 0; i < self->last - self->first; i++) b[i] /= self->delta[i];
+  PetscCall(VecRestoreArray(w, &b));
+  PetscFunctionReturn(0);
+}
+
+/* PencilUnsumTranspose - c = C^-T w; w is overwritten by Delta^-1 w. */
+PetscErrorCode PencilUnsumTranspose(Pencil self, Mat E, Vec w, Vec c) {
+  PetscReal *b;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArray(w, &b));
+  for (PetscInt i = 0; i < self->last - self->first; i++) b[i] /= self->delta[i];
+  PetscCall(VecRestoreArray(w, &b));
+  PetscCall(MatMultTranspose(E, w, c));
+  PetscFunctionReturn(0);
+}
+
+/*
+  PencilShape - deflection and angle at the nodes. Not collective.
+
+  c, w       all n coefficients of y and of w = y', on every rank that calls
+  y, theta   n values each at the nodes, or NULL: y, and dy/dp at time t, the one of
+             PencilSetTime() if the map follows
+*/
+PetscErrorCode PencilShape(Pencil self, const PetscReal c[], const PetscReal w[], PetscReal t,
+                           PetscReal y[], PetscReal theta[]) {
+  const Mesh *mesh = self->mesh;
+  PetscReal map = self->map == map_follows ? t : self->map;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < self->n; i++) {
+    PetscInt cell = PetscMin(i, mesh->cells - 1);
+    PetscReal value[PER_POINT], sum = 0, slope = 0, g, m, L;
+    SplineValues(mesh, cell, mesh->s[i], value);
+    for (PetscInt k = 0; k < 4; k++)
+      if (y && cell - 2 + k >= 0) sum += c[cell - 2 + k] * value[6 + k];
+    for (PetscInt k = 0; k < 3; k++)
+      if (theta && cell - 1 + k >= 0) slope += w[cell - 1 + k] * value[k];
+    PetscCall(GrowthStretch(self->growth, 1, &self->node[i], t, &g, NULL, NULL));
+    PetscCall(GrowthStretch(self->growth, 1, &self->node[i], map, &m, NULL, NULL));
+    PetscCall(GrowthLength(self->growth, map, &L, NULL));
+    if (y) y[i] = sum;
+    if (theta) theta[i] = slope / (g * L / m);
+  }
+  PetscFunctionReturn(0);
+}

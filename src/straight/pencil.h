@@ -1,0 +1,81 @@
+/* The linear problem D y_t = K y of the straight rod in a form that stays accurate on any mesh. The
+   unknowns are w = y', in quadratic B-splines; y is their sum c = C w in the cubic splines of
+   straight.h, C = E^-1 Delta (E takes differences). Then K is of second order in w, and no number
+   suffers the h^-4 of the fourth-order matrix. D couples all of w, so solves use the mixed unknowns
+   (w, c, n) of a node, n the shear force, which make it sparse again:
+       K w - Delta n + 1/2.. X^T c = 0,   E^T n + X w = lambda D c,   E c - Delta w = 0.
+   The splines live on a coordinate z in [0,1], a map of the label s that is fixed in time: the
+   share of arc length p(s, t_map) / L(t_map). However narrow the growth zone, nothing is steep in z
+   near t_map. For uniform growth z = s, and this is algebraically the pencil of StraightBands. */
+#ifndef TENDRIL_PENCIL_H
+#define TENDRIL_PENCIL_H
+
+#include "scene/friction.h"
+#include "scene/growth.h"
+#include "scene/mesh.h"
+#include <petscmat.h>
+
+/* a map that follows the time: z = p / L at each PencilSetTime() */
+static const PetscReal map_follows = -1;
+
+enum { HALF = 3, WIDTH = 2 * HALF + 1 }; /* of all bands: column i - HALF + b of row i at b */
+
+/* the forms that can be assembled; the first basis is that of the rows */
+typedef enum {
+  FORM_BEND,       /* int (w/g)' (w/g)' / g, w by w */
+  FORM_AXIAL,      /* int P/g w w, w by w */
+  FORM_STIFF,      /* FORM_AXIAL - FORM_BEND: K for laws that do not slide */
+  FORM_BEND_RATIO, /* FORM_BEND weighted by ratio, w by w */
+  FORM_DRAG,       /* D = int g phi0 y y, c by c */
+  FORM_DRAG_RATE,  /* its derivative by t, c by c */
+  FORM_MASS,       /* int y y ds, c by c */
+  FORM_SLIDE,      /* X = - int phi0 slide y w, c by w */
+  FORM_SLIDE_T     /* its transpose, w by c */
+} PencilForm;
+
+/* For sliding laws the time derivative may be taken at fixed label s or at fixed arc length. */
+typedef enum { FRAME_LABEL, FRAME_ARC } PencilFrame;
+
+typedef struct {
+  PetscReal dz, ds, g, g_z, P, drag, drag_rate, slide, ratio; /* at a Gauss point; g = dp/dz */
+} PencilPoint;
+
+typedef struct _Pencil *Pencil;
+struct _Pencil {
+  MPI_Comm comm;
+  Growth growth;
+  const Friction *friction;
+  const Mesh *mesh;           /* nodes in z */
+  PetscReal map;              /* t_map, or map_follows */
+  PetscInt n, first, last;    /* unknowns of each kind, cells + 1; this rank's */
+  PetscInt cell, cells;       /* first cell that touches them, and how many */
+  PencilPoint *point;         /* [cells][GAUSS] */
+  PetscReal *basis;           /* [cells][GAUSS][10]: 3 of w, their 3 slopes, 4 of y */
+  PetscReal *delta;           /* this rank's diagonal of Delta */
+  PetscReal *z, *label;       /* all Gauss points from cell on, and 1; their labels */
+  PetscReal *stretch, *force; /* s_z and P there */
+  PetscReal *node;            /* labels of the n nodes */
+  PetscReal time;
+  PetscReal compression, drag_min, drag_max, rate_max; /* extremes of P, phi0, (ln D)_t */
+};
+
+PetscErrorCode PencilCreate(MPI_Comm comm, Growth growth, const Friction *friction,
+                            const Mesh *mesh, PetscReal map, Pencil *pencil);
+PetscErrorCode PencilDestroy(Pencil *pencil);
+PetscErrorCode PencilSetTime(Pencil pencil, PetscReal t, PencilFrame frame);
+PetscErrorCode PencilBound(Pencil pencil, PetscReal *bound);
+PetscErrorCode PencilBand(Pencil pencil, PencilForm form, PetscReal band[]);
+PetscErrorCode PencilMatrix(Pencil pencil, PencilForm form, Mat *A);
+PetscErrorCode PencilMatrixFromBand(Pencil pencil, const PetscReal band[], Mat *A);
+PetscErrorCode PencilDifference(Pencil pencil, Mat *E);
+PetscErrorCode PencilMixed(Pencil pencil, const PetscReal K[], const PetscReal X[],
+                           const PetscReal XT[], const PetscReal c[], const PetscReal D[], Mat *A,
+                           Mat *B);
+PetscErrorCode PencilSum(Pencil pencil, Vec w, Vec c);
+PetscErrorCode PencilSumTranspose(Pencil pencil, Vec c, Vec w);
+PetscErrorCode PencilUnsumTranspose(Pencil pencil, Mat E, Vec w, Vec c);
+PetscErrorCode PencilUnsum(Pencil pencil, Mat E, Vec c, Vec w);
+PetscErrorCode PencilShape(Pencil pencil, const PetscReal c[], const PetscReal w[], PetscReal t,
+                           PetscReal y[], PetscReal theta[]);
+
+#endif

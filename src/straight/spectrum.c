@@ -1,0 +1,502 @@
+#include "straight/spectrum.h"
+#include "base/band.h"
+#include "straight/straight.h"
+#include <slepcblaslapack.h>
+
+PetscErrorCode SpectrumDestroy(Spectrum *self) {
+  PetscFunctionBegin;
+  PetscCall(EPSDestroy(&self->eps));
+  PetscCall(MatDestroy(&self->A));
+  PetscCall(MatDestroy(&self->B));
+  PetscFunctionReturn(0);
+}
+
+/* The residual against the distance to the shift: an eigenvalue may well be 0, where a relative
+   test would never be met. */
+static PetscErrorCode AgainstShift(EPS eps, PetscScalar re, PetscScalar im, PetscReal residual,
+                                   PetscReal *error, void *ctx) {
+  PetscReal shift = ((Spectrum *)ctx)->shift;
+  PetscFunctionBegin;
+  *error = residual * SlepcAbsEigenvalue(re - shift, im);
+  PetscFunctionReturn(0);
+}
+
+/* MUMPS meets zero pivots in the mixed matrix and puts them off, for which its own guess of the
+   room is too small; and its default ordering takes longer than all the rest. It reads both from
+   the options only, when it factors. */
+enum { MUMPS_OPTIONS = 2 };
+static const char *const mumps_names[] = {"-st_mat_mumps_icntl_14", "-st_mat_mumps_icntl_7"};
+static const char *const mumps_values[] = {"300", "0"};
+
+static PetscErrorCode SolveWithMumpsOptions(EPS eps) {
+  PetscBool given[MUMPS_OPTIONS];
+
+  PetscFunctionBegin;
+  for (int i = 0; i < MUMPS_OPTIONS; i++) {
+    PetscCall(PetscOptionsHasName(NULL, NULL, mumps_names[i], &given[i]));
+    if (!given[i]) PetscCall(PetscOptionsSetValue(NULL, mumps_names[i], mumps_values[i]));
+  }
+  PetscCall(EPSSolve(eps));
+  for (int i = 0; i < MUMPS_OPTIONS; i++)
+    if (!given[i]) PetscCall(PetscOptionsClearValue(NULL, mumps_names[i]));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode DirectSolver(EPS eps) {
+  ST st;
+  KSP ksp;
+  PC pc;
+
+  PetscFunctionBegin;
+  PetscCall(EPSGetST(eps, &st));
+  PetscCall(STGetKSP(st, &ksp));
+  PetscCall(KSPSetType(ksp, KSPPREONLY));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PCSetType(pc, PCLU));
+  PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode TakeOptions(EPS eps) {
+  PetscBool given;
+
+  PetscFunctionBegin;
+  PetscCall(DirectSolver(eps));
+  PetscCall(EPSSetFromOptions(eps));
+  for (int i = 0; i < MUMPS_OPTIONS; i++)
+    PetscCall(PetscOptionsHasName(NULL, NULL, mumps_names[i], &given)); /* counts as read */
+  PetscFunctionReturn(0);
+}
+
+/* SpectrumReadOptions - reads the solver's options and forgets them, so that a mistyped one can be
+   refused before any work. Collective. */
+PetscErrorCode SpectrumReadOptions(void) {
+  EPS eps;
+
+  PetscFunctionBegin;
+  PetscCall(EPSCreate(PETSC_COMM_WORLD, &eps));
+  PetscCall(TakeOptions(eps));
+  PetscCall(EPSDestroy(&eps));
+  PetscFunctionReturn(0);
+}
+
+/* SpectrumCreate - a solver for the pencil's problems, for one kind of them only. The caller
+   destroys it with SpectrumDestroy(), before the pencil. Collective.
+
+   quiet   leaves the command line alone; else -eps_... and -st_... are read, here for the first
+   time
+*/
+PetscErrorCode SpectrumCreate(Pencil pencil, PetscBool quiet, Spectrum *self) {
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(self, sizeof(*self)));
+  self->pencil = pencil;
+  self->quiet = quiet;
+  PetscCall(EPSCreate(pencil->comm, &self->eps));
+  PetscCall(EPSSetTolerances(self->eps, 1e-11, 500));
+  PetscCall(EPSSetDimensions(self->eps, 1, 12, PETSC_DEFAULT));
+  if (!quiet) PetscCall(TakeOptions(self->eps));
+  PetscFunctionReturn(0);
+}
+
+/* Copies a distributed vector to an array of all ranks; stride and offset pick one kind. */
+static PetscErrorCode GatherKind(Vec z, PetscInt n, PetscInt stride, PetscInt offset,
+                                 PetscReal out[]) {
+  VecScatter scatter;
+  Vec all;
+  const PetscReal *a;
+
+  PetscFunctionBegin;
+  PetscCall(VecScatterCreateToAll(z, &scatter, &all));
+  PetscCall(VecScatterBegin(scatter, z, all, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecScatterEnd(scatter, z, all, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecGetArrayRead(all, &a));
+  for (PetscInt i = 0; i < n; i++) out[i] = a[stride * i + offset];
+  PetscCall(VecRestoreArrayRead(all, &a));
+  PetscCall(VecScatterDestroy(&scatter));
+  PetscCall(VecDestroy(&all));
+  PetscFunctionReturn(0);
+}
+
+/* The friction norm |y|^2 = int g phi0 y^2 ds: over L(t) for growth in place, so that a norm that
+   only swells with the rod counts as constant; as it is for laws that slide. Returns (ln L)_t or 0.
+ */
+static PetscErrorCode NormSwell(Pencil pencil, PetscReal *swell) {
+  PetscReal L, L_t;
+
+  PetscFunctionBegin;
+  PetscCall(GrowthLength(pencil->growth, pencil->time, &L, &L_t));
+  *swell = pencil->growth->slides ? 0 : L_t / L;
+  PetscFunctionReturn(0);
+}
+
+/* The mixed pencil of a rate, at the time the pencil is set to. For RATE_FRICTION
+   d/dt |y|^2 / 2 |y|^2 = <y, (K + K^T)/2 y + (D_t - swell D)/2 y> / <y, D y>. */
+static PetscErrorCode AssembleRate(Spectrum *self, SpectrumRate rate, PetscReal *bound) {
+  Pencil p = self->pencil;
+  PetscInt rows = (p->last - p->first) * WIDTH;
+  PetscReal *K, *D, *extra, *X, *XT, swell = 0;
+  PetscBool friction = (PetscBool)(rate == RATE_FRICTION), slides = p->growth->slides;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc5(rows, &K, rows, &D, rows, &extra, rows, &X, rows, &XT));
+  PetscCall(PencilBand(p, FORM_STIFF, K));
+  PetscCall(PencilBand(p, FORM_DRAG, D));
+  PetscCall(PencilBand(p, FORM_DRAG_RATE, extra));
+  PetscCall(PencilBand(p, FORM_SLIDE, X));
+  PetscCall(PencilBand(p, FORM_SLIDE_T, XT));
+  PetscCall(PencilBound(p, bound));
+  PetscCall(NormSwell(p, &swell));
+  for (PetscInt i = 0; i < rows && friction; i++) {
+    extra[i] = (extra[i] - swell * D[i]) / 2;
+    X[i] /= 2;
+    XT[i] /= 2;
+  }
+  if (friction) *bound += PetscMax(0, (p->rate_max - swell) / 2);
+  PetscCall(PencilMixed(p, K, slides ? X : NULL, slides && friction ? XT : NULL,
+                        friction ? extra : NULL, D, &self->A, &self->B));
+  PetscCall(PetscFree5(K, D, extra, X, XT));
+  PetscFunctionReturn(0);
+}
+
+/* Solves for the eigenvalue nearest the shift; vectors as in SpectrumLargest(). */
+static PetscErrorCode Solve(Spectrum *self, PetscInt stride, Eigenvalue *value, PetscReal c[],
+                            PetscReal w[]) {
+  EPS eps = self->eps;
+  PetscInt found;
+  PetscScalar re, im;
+  Vec x;
+
+  PetscFunctionBegin;
+  if (!self->quiet) PetscCall(EPSSetFromOptions(eps));
+  PetscCall(SolveWithMumpsOptions(eps));
+  PetscCall(EPSGetConverged(eps, &found));
+  PetscCheck(found > 0, self->pencil->comm, PETSC_ERR_CONV_FAILED,
+             "no eigenvalue converged at t = %g", (double)self->pencil->time);
+  PetscCall(MatCreateVecs(self->A, &x, NULL));
+  PetscCall(EPSGetEigenpair(eps, 0, &re, &im, x, NULL));
+  PetscCall(EPSGetErrorEstimate(eps, 0, &value->error));
+  value->value = re;
+  value->frequency = PetscAbsReal(im);
+  if (w) PetscCall(GatherKind(x, self->pencil->n, stride, 0, w));
+  if (c && stride == 3) PetscCall(GatherKind(x, self->pencil->n, stride, 1, c));
+  PetscCall(VecDestroy(&x));
+  PetscFunctionReturn(0);
+}
+
+/* Turns shift-and-invert on or off; a solver serves one kind of problem only. */
+static PetscErrorCode ShiftInvert(Spectrum *self, EPSProblemType type) {
+  ST st;
+
+  PetscFunctionBegin;
+  PetscCall(EPSSetOperators(self->eps, self->A, self->B));
+  PetscCall(EPSSetProblemType(self->eps, type));
+  PetscCall(EPSSetTarget(self->eps, self->shift));
+  PetscCall(EPSSetWhichEigenpairs(self->eps, EPS_TARGET_MAGNITUDE));
+  PetscCall(EPSGetST(self->eps, &st));
+  PetscCall(STSetType(st, STSINVERT));
+  PetscCall(STSetMatStructure(st, SUBSET_NONZERO_PATTERN));
+  PetscCall(DirectSolver(self->eps));
+  PetscCall(EPSSetConvergenceTestFunction(self->eps, AgainstShift, self, NULL));
+  PetscFunctionReturn(0);
+}
+
+/*
+  SpectrumLargest - the largest eigenvalue of A(t) = D^-1 K, or the largest rate of growth of any
+  deflection in the friction norm. Collective.
+
+  value   the error is that of the eigenvalue as far as the residual tells
+  c, w    coefficients of the eigenvector, n values on all ranks, or NULL
+
+  Shift-and-invert at PencilBound(), above which there is no eigenvalue: the nearest one is the
+  largest. A law that slides has a nonsymmetric A, see SpectrumRightmost().
+*/
+PetscErrorCode SpectrumLargest(Spectrum *self, SpectrumRate rate, PetscReal t, Eigenvalue *value,
+                               PetscReal c[], PetscReal w[]) {
+  PetscBool nonsymmetric = (PetscBool)(self->pencil->growth->slides && rate == RATE_A);
+
+  PetscFunctionBegin;
+  PetscCall(PencilSetTime(self->pencil, t, rate == RATE_A ? FRAME_ARC : FRAME_LABEL));
+  PetscCall(AssembleRate(self, rate, &self->shift));
+  if (nonsymmetric) {
+    Pencil small;
+    Mesh mesh;
+    PetscCall(MeshCreate(PetscMin(self->pencil->mesh->cells, 100), PETSC_FALSE,
+                         self->pencil->growth, t, &mesh));
+    PetscCall(PencilCreate(PETSC_COMM_SELF, self->pencil->growth, self->pencil->friction, &mesh,
+                           map_follows, &small));
+    PetscCall(SpectrumRightmost(small, t, value));
+    PetscCall(PencilDestroy(&small));
+    PetscCall(MeshDestroy(&mesh));
+    self->shift = value->value + 1e-3 + value->frequency / 4;
+    PetscCall(EPSSetDimensions(self->eps, 6, 30, PETSC_DEFAULT));
+  }
+  PetscCall(ShiftInvert(self, nonsymmetric ? EPS_GNHEP : EPS_GHEP));
+  if (!nonsymmetric) {
+    PetscCall(Solve(self, 3, value, c, w));
+    value->error *= value->error * PetscAbsReal(value->value - self->shift);
+    PetscFunctionReturn(0);
+  }
+  {
+    Eigenvalue near = *value, first;
+    PetscInt found, best = 0;
+    PetscReal least = PETSC_MAX_REAL;
+    Vec x;
+    PetscCall(Solve(self, 3, &first, NULL, NULL));
+    PetscCall(EPSGetConverged(self->eps, &found));
+    for (PetscInt i = 0; i < found; i++) {
+      PetscScalar re, im;
+      PetscReal d;
+      PetscCall(EPSGetEigenvalue(self->eps, i, &re, &im));
+      d = SlepcAbsEigenvalue(re - near.value, PetscAbsReal(im) - near.frequency);
+      if (d >= least) continue;
+      least = d;
+      best = i;
+      value->value = re;
+      value->frequency = PetscAbsReal(im);
+    }
+    PetscCall(EPSGetErrorEstimate(self->eps, best, &value->error));
+    PetscCall(MatCreateVecs(self->A, &x, NULL));
+    PetscCall(EPSGetEigenvector(self->eps, best, x, NULL));
+    if (w) PetscCall(GatherKind(x, self->pencil->n, 3, 0, w));
+    if (c) PetscCall(GatherKind(x, self->pencil->n, 3, 1, c));
+    PetscCall(VecDestroy(&x));
+  }
+  PetscFunctionReturn(0);
+}
+
+/*
+  SpectrumBuckling - the largest eigenvalue of int P g u u = ratio int u_p u_p / .., u = y_p: above
+  1 the straight rod is unstable, at 1 critical (the Sturm-Liouville problem of theory.md section
+  4). For uniform growth L^3 / ratio = L_cr^3. Collective; arguments as in SpectrumLargest(), w
+  only.
+*/
+PetscErrorCode SpectrumBuckling(Spectrum *self, PetscReal t, Eigenvalue *ratio, PetscReal c[],
+                                PetscReal w[]) {
+  PetscMPIInt ranks;
+
+  PetscFunctionBegin;
+  PetscCall(PencilSetTime(self->pencil, t, FRAME_LABEL));
+  PetscCall(PencilMatrix(self->pencil, FORM_AXIAL, &self->A));
+  PetscCall(PencilMatrix(self->pencil, FORM_BEND, &self->B));
+  PetscCall(EPSSetOperators(self->eps, self->A, self->B));
+  PetscCall(EPSSetProblemType(self->eps, EPS_GHEP));
+  PetscCall(EPSSetWhichEigenpairs(self->eps, EPS_LARGEST_REAL));
+  PetscCallMPI(MPI_Comm_size(self->pencil->comm, &ranks));
+  if (ranks > 1) PetscCall(DirectSolver(self->eps)); /* else PETSc's own: B is positive */
+  PetscCall(Solve(self, 1, ratio, NULL, w));
+  ratio->error *= ratio->error * PetscAbsReal(ratio->value);
+  if (c && w) {
+    Pencil p = self->pencil;
+    const PetscReal *s = p->mesh->s;
+    PetscReal sum = 0;
+    for (PetscInt i = 0; i < p->n; i++)
+      c[i] = sum += w[i] * (s[PetscMin(i + 2, p->mesh->cells)] - s[PetscMax(i - 1, 0)]) / 3;
+  }
+  PetscFunctionReturn(0);
+}
+
+static void FillMixed(PetscInt n, const PetscReal *band, PetscReal factor, PetscInt row_kind,
+                      PetscInt col_kind, Band *A) {
+  for (PetscInt i = 0; i < n; i++)
+    for (PetscInt b = 0; b < WIDTH; b++) {
+      PetscInt j = i - HALF + b;
+      PetscReal value = factor * band[i * WIDTH + b];
+      if (j >= 0 && j < n && value != 0) *BandAt(A, 3 * i + row_kind, 3 * j + col_kind) += value;
+    }
+}
+
+/* K - shift D in the mixed unknowns, factored, on one rank. D: [n][WIDTH], filled here. */
+static PetscErrorCode FactorMixed(Pencil p, PetscReal shift, PetscReal D[], Band *A) {
+  PetscReal *band;
+
+  PetscFunctionBegin;
+  PetscCheck(p->first == 0 && p->last == p->n, PETSC_COMM_SELF, PETSC_ERR_PLIB,
+             "the dense route wants a pencil of one rank");
+  PetscCall(PetscMalloc1(p->n * WIDTH, &band));
+  PetscCall(BandCreate(3 * p->n, 3 * HALF + 1, 3 * HALF + 1, A));
+  PetscCall(PencilBand(p, FORM_STIFF, band));
+  FillMixed(p->n, band, 1, 0, 0, A);
+  PetscCall(PencilBand(p, FORM_SLIDE, band));
+  FillMixed(p->n, band, 1, 1, 0, A);
+  PetscCall(PencilBand(p, FORM_DRAG, D));
+  FillMixed(p->n, D, -shift, 1, 1, A);
+  for (PetscInt i = 0; i < p->n; i++) {
+    PetscInt w = 3 * i, c = w + 1, n = w + 2;
+    *BandAt(A, w, n) = *BandAt(A, n, w) = -p->delta[i];
+    *BandAt(A, n, c) = *BandAt(A, c, n) = 1;
+    if (i > 0) *BandAt(A, n, c - 3) = -1;
+    if (i < p->n - 1) *BandAt(A, c, n + 3) = -1;
+  }
+  PetscCall(BandFactor(A));
+  PetscCall(PetscFree(band));
+  PetscFunctionReturn(0);
+}
+
+/*
+  SpectrumDense - the inverse of A - shift as a dense matrix, on one rank, at the time the pencil is
+  set to. In the inverse the low modes, the ones that matter, are accurate to rounding.
+
+  symmetric   R (K - shift D)^-1 R^T with D = R^T R, else (K - shift D)^-1 D
+  T           n * n, by columns
+*/
+PetscErrorCode SpectrumDense(Pencil p, PetscReal shift, PetscBool symmetric, PetscReal T[]) {
+  PetscInt n = p->n;
+  PetscReal *D, *R, *column;
+  Band A;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc3(n * WIDTH, &D, n * (HALF + 1), &R, 3 * n, &column));
+  PetscCall(FactorMixed(p, shift, D, &A));
+  PetscCall(BandCholesky(n, HALF, D, R));
+  for (PetscInt j = 0; j < n; j++) {
+    PetscCall(PetscArrayzero(T + j * n, n));
+    T[j * n + j] = 1;
+    if (!symmetric) BandUpperMult(n, HALF, R, PETSC_FALSE, T + j * n);
+    BandUpperMult(n, HALF, R, PETSC_TRUE, T + j * n);
+    PetscCall(PetscArrayzero(column, 3 * n));
+    for (PetscInt i = 0; i < n; i++) column[3 * i + 1] = T[j * n + i];
+    PetscCall(BandSolve(&A, PETSC_FALSE, 1, column));
+    for (PetscInt i = 0; i < n; i++) T[j * n + i] = column[3 * i + 1];
+    if (symmetric) BandUpperMult(n, HALF, R, PETSC_FALSE, T + j * n);
+  }
+  if (symmetric)
+    for (PetscInt j = 0; j < n; j++)
+      for (PetscInt i = 0; i < j; i++)
+        T[j * n + i] = T[i * n + j] = (T[j * n + i] + T[i * n + j]) / 2;
+  PetscCall(BandDestroy(&A));
+  PetscCall(PetscFree3(D, R, column));
+  PetscFunctionReturn(0);
+}
+
+/* All eigenvalues of a dense matrix, and if VL is given its left eigenvectors by columns (re, im).
+ */
+static PetscErrorCode DenseEigenvalues(PetscInt n, PetscReal T[], PetscReal re[], PetscReal im[],
+                                       PetscReal *VL) {
+  PetscBLASInt nb, one = 1, lwork, info;
+  PetscReal *work, none;
+
+  PetscFunctionBegin;
+  PetscCall(PetscBLASIntCast(n, &nb));
+  PetscCall(PetscBLASIntCast(40 * n, &lwork));
+  PetscCall(PetscMalloc1(lwork, &work));
+  PetscCallBLAS("LAPACKgeev", LAPACKgeev_(VL ? "V" : "N", "N", &nb, T, &nb, re, im, VL ? VL : &none,
+                                          VL ? &nb : &one, &none, &one, work, &lwork, &info));
+  PetscCheck(!info, PETSC_COMM_SELF, PETSC_ERR_LIB, "dgeev failed: %d", (int)info);
+  PetscCall(PetscFree(work));
+  PetscFunctionReturn(0);
+}
+
+/*
+  SpectrumRightmost - the eigenvalue of A(t) with the largest real part, real or complex, from the
+  whole dense spectrum. One rank; for small n.
+*/
+PetscErrorCode SpectrumRightmost(Pencil p, PetscReal t, Eigenvalue *value) {
+  PetscInt n = p->n;
+  PetscReal *T, *re, *im, shift;
+
+  PetscFunctionBegin;
+  PetscCall(PencilSetTime(p, t, FRAME_ARC));
+  PetscCall(PencilBound(p, &shift));
+  PetscCall(PetscMalloc3(n * n, &T, n, &re, n, &im));
+  PetscCall(SpectrumDense(p, shift, PETSC_FALSE, T));
+  PetscCall(DenseEigenvalues(n, T, re, im, NULL));
+  value->value = PETSC_MIN_REAL;
+  value->error = 0;
+  for (PetscInt i = 0; i < n; i++) {
+    PetscReal size = re[i] * re[i] + im[i] * im[i], at = shift + re[i] / size;
+    if (size == 0 || at <= value->value) continue;
+    value->value = at;
+    value->frequency = PetscAbsReal(im[i]) / size;
+  }
+  PetscCall(PetscFree3(T, re, im));
+  PetscFunctionReturn(0);
+}
+
+/* The symmetric case: W = U^T R, U the eigenvectors of R (K - shift D)^-1 R^T, so W^T W = D. */
+static PetscErrorCode LeftSymmetric(Pencil p, PetscReal shift, PetscReal W[]) {
+  PetscBLASInt nb, lwork, liwork, info, *iwork;
+  PetscInt n = p->n;
+  PetscReal *work, *values, *D, *R;
+
+  PetscFunctionBegin;
+  PetscCall(SpectrumDense(p, shift, PETSC_TRUE, W));
+  PetscCall(PetscBLASIntCast(n, &nb));
+  PetscCall(PetscBLASIntCast(1 + 6 * n + 2 * n * n, &lwork));
+  PetscCall(PetscBLASIntCast(3 + 5 * n, &liwork));
+  PetscCall(
+      PetscMalloc5(lwork, &work, liwork, &iwork, n, &values, n * WIDTH, &D, n * (HALF + 1), &R));
+  PetscCallBLAS("LAPACKsyevd",
+                LAPACKsyevd_("V", "U", &nb, W, &nb, values, work, &lwork, iwork, &liwork, &info));
+  PetscCheck(!info, PETSC_COMM_SELF, PETSC_ERR_LIB, "dsyevd failed: %d", (int)info);
+  PetscCall(PencilBand(p, FORM_DRAG, D));
+  PetscCall(BandCholesky(n, HALF, D, R));
+  for (PetscInt k = 0; k < n; k++) BandUpperMult(n, HALF, R, PETSC_TRUE, W + k * n);
+  PetscCall(PetscFree5(work, iwork, values, D, R));
+  PetscFunctionReturn(0);
+}
+
+/* paired[k]: rows k and k + 1 are the real and imaginary part of one vector */
+static PetscErrorCode LeftGeneral(Pencil p, PetscReal shift, PetscReal W[], PetscBool paired[]) {
+  PetscInt n = p->n;
+  PetscReal *T, *re, *im;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc3(n * n, &T, n, &re, n, &im));
+  PetscCall(SpectrumDense(p, shift, PETSC_FALSE, T));
+  PetscCall(DenseEigenvalues(n, T, re, im, W));
+  for (PetscInt k = 0; k < n; k++) paired[k] = (PetscBool)(im[k] > 0); /* LAPACK's order */
+  PetscCall(PetscFree3(T, re, im));
+  PetscFunctionReturn(0);
+}
+
+/* Scales each row, a pair as one, to length 1 in the norm that belongs to a c-by-c form:
+   sqrt(row form^-1 row^*). */
+static PetscErrorCode ScaleRows(Pencil p, PencilForm form, const PetscBool paired[],
+                                PetscReal W[]) {
+  PetscInt n = p->n;
+  PetscReal *band, *R, *row;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc3(n * WIDTH, &band, n * (HALF + 1), &R, n, &row));
+  PetscCall(PencilBand(p, form, band));
+  PetscCall(BandCholesky(n, HALF, band, R));
+  for (PetscInt k = 0; k < n; k++) {
+    PetscInt last = paired[k] ? k + 1 : k;
+    PetscReal size = 0;
+    for (PetscInt m = k; m <= last; m++) {
+      PetscCall(PetscArraycpy(row, W + m * n, n));
+      BandUpperSolve(n, HALF, R, PETSC_TRUE, row);
+      for (PetscInt i = 0; i < n; i++) size += row[i] * row[i];
+    }
+    for (PetscInt i = k * n; i < (last + 1) * n; i++) W[i] /= PetscSqrtReal(size);
+    k = last;
+  }
+  PetscCall(PetscFree3(band, R, row));
+  PetscFunctionReturn(0);
+}
+
+/*
+  SpectrumLeftVectors - W, whose rows are the left eigenvectors of A(t) (their real and imaginary
+  parts where they are complex), acting on the coefficients c. One rank, dense.
+
+  unit_rows   rows of length 1 in the L2 norm; else in the dual friction norm, so that W^T W = D
+              where A is self-adjoint
+  W           row k at W + k n
+*/
+PetscErrorCode SpectrumLeftVectors(Pencil p, PetscReal t, PetscBool unit_rows, PetscReal W[]) {
+  PetscBool *paired;
+  PetscReal shift;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(p->n, &paired));
+  PetscCall(PencilSetTime(p, t, FRAME_ARC));
+  PetscCall(PencilBound(p, &shift));
+  if (p->growth->slides)
+    PetscCall(LeftGeneral(p, shift, W, paired));
+  else
+    PetscCall(LeftSymmetric(p, shift, W));
+  if (unit_rows || p->growth->slides)
+    PetscCall(ScaleRows(p, unit_rows ? FORM_MASS : FORM_DRAG, paired, W));
+  PetscCall(PetscFree(paired));
+  PetscFunctionReturn(0);
+}

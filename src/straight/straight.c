@@ -1,0 +1,321 @@
+#include "straight/straight.h"
+
+/* Gauss-Legendre points and weights on [0,1] */
+const PetscReal gauss_point[GAUSS] = {0.069431844202973712, 0.330009478207571868,
+                                      0.669990521792428132, 0.930568155797026288};
+const PetscReal gauss_weight[GAUSS] = {0.173927422568726929, 0.326072577431273071,
+                                       0.326072577431273071, 0.173927422568726929};
+
+/* v0 = p_t + c: the speed of a material point of the straight rod, along it. */
+PetscErrorCode StraightVelocity(Straight straight, PetscReal s, PetscReal t, PetscReal *v0) {
+  PetscReal p;
+
+  PetscFunctionBegin;
+  PetscCall(GrowthArc(straight->growth, 1, &s, t, &p, v0));
+  *v0 += GrowthSlide(straight->growth, s);
+  PetscFunctionReturn(0);
+}
+
+/* The integrand g phi0 v0 of the compression. */
+static PetscErrorCode AxialFriction(Growth growth, const Friction *friction, PetscReal s,
+                                    PetscReal t, PetscReal *f) {
+  PetscReal p, g, v0;
+
+  PetscFunctionBegin;
+  PetscCall(GrowthStretch(growth, 1, &s, t, &g, NULL, NULL));
+  PetscCall(GrowthArc(growth, 1, &s, t, &p, &v0));
+  v0 += GrowthSlide(growth, s);
+  *f = v0 == 0 ? 0 : g * FrictionPhi(friction, v0 * v0) * v0;
+  PetscFunctionReturn(0);
+}
+
+/* P for uniform growth and for feed, exactly. */
+static PetscReal CompressionExact(Growth growth, const Friction *f, PetscReal s, PetscReal t) {
+  PetscReal L = growth->initial_length + t, b = f->beta;
+  if (growth->slides) return L * (1 - s) * FrictionPhi(f, 1);
+  return L * (f->mu * (PetscSqrtReal(1 + b) - PetscSqrtReal(s * s + b)) +
+              (1 - f->mu) * (1 - s * s) / 2);
+}
+
+/*
+  StraightForce - the axial compression P = int_s^1 g phi0 v0 ds of the straight rod.
+
+  n, s   labels, increasing, the last one 1
+  P      n values; the internal force of the straight rod is n1 = -P
+*/
+PetscErrorCode StraightForce(Growth growth, const Friction *friction, PetscInt n,
+                             const PetscReal s[], PetscReal t, PetscReal P[]) {
+  PetscFunctionBegin;
+  P[n - 1] = 0;
+  for (PetscInt i = n - 2; i >= 0; i--) {
+    P[i] = P[i + 1];
+    if (growth->uniform) {
+      P[i] = CompressionExact(growth, friction, s[i], t);
+      continue;
+    }
+    for (int q = 0; q < GAUSS; q++) {
+      PetscReal h = s[i + 1] - s[i], f = 0;
+      PetscCall(AxialFriction(growth, friction, s[i] + h * gauss_point[q], t, &f));
+      P[i] += h * gauss_weight[q] * f;
+    }
+  }
+  PetscFunctionReturn(0);
+}
+
+/* int from gauss_point[q] to 1 of the cubic that is 1 at gauss_point[r], 0 at the other points */
+static PetscReal TailWeight(int q, int r) {
+  PetscReal a = gauss_point[q], sum = 0;
+  for (int k = 0; k < GAUSS; k++) {
+    PetscReal x = a + (1 - a) * gauss_point[k], l = 1;
+    for (int j = 0; j < GAUSS; j++)
+      if (j != r) l *= (x - gauss_point[j]) / (gauss_point[r] - gauss_point[j]);
+    sum += (1 - a) * gauss_weight[k] * l;
+  }
+  return sum;
+}
+
+/* P at all Gauss points, summed from the tip. */
+static PetscErrorCode CompressionAtGauss(Straight self, PetscReal t) {
+  const PetscReal *s = self->mesh->s;
+  PetscReal tail[GAUSS][GAUSS], f[GAUSS], beyond = 0;
+
+  PetscFunctionBegin;
+  if (self->time == t) PetscFunctionReturn(0);
+  for (int q = 0; q < GAUSS; q++)
+    for (int r = 0; r < GAUSS; r++) tail[q][r] = TailWeight(q, r);
+  for (PetscInt c = self->mesh->cells - 1; c >= 0; c--) {
+    PetscReal h = s[c + 1] - s[c], *P = self->compression + c * GAUSS;
+    for (int q = 0; q < GAUSS; q++)
+      PetscCall(AxialFriction(self->growth, self->friction, s[c] + h * gauss_point[q], t, &f[q]));
+    for (int q = 0; q < GAUSS; q++) {
+      P[q] = beyond;
+      for (int r = 0; r < GAUSS; r++) P[q] += h * tail[q][r] * f[r];
+    }
+    for (int q = 0; q < GAUSS; q++) beyond += h * gauss_weight[q] * f[q];
+  }
+  self->time = t;
+  PetscFunctionReturn(0);
+}
+
+/* Knot j of the open knot vector: three more at each end. */
+static inline PetscReal Knot(const Mesh *mesh, PetscInt j) {
+  return mesh->s[PetscMax(0, PetscMin(j, mesh->cells))];
+}
+
+/*
+  StraightBasis - the four cubic B-splines that are not 0 on a cell, by de Boor's recursion.
+
+  xi   place in the cell, 0 to 1
+  B    B[d][k]: d-th derivative by s of spline k, which belongs to unknown cell - 2 + k (unknowns
+       -2 and -1, the splines that y(0) = y'(0) = 0 leave out, count from the clamp)
+*/
+void StraightBasis(Straight straight, PetscInt cell, PetscReal xi, PetscReal B[3][BASIS]) {
+  const Mesh *mesh = straight->mesh;
+  PetscReal s = mesh->s[cell] + xi * (mesh->s[cell + 1] - mesh->s[cell]);
+  PetscReal N[4][BASIS] = {{1}}; /* N[p][k], degree p */
+
+  for (PetscInt p = 1; p <= 3; p++)
+    for (PetscInt k = 0; k <= p; k++) {
+      PetscInt j = cell - p + k; /* support: knots j .. j + p + 1 */
+      N[p][k] = 0;
+      if (k > 0)
+        N[p][k] += (s - Knot(mesh, j)) / (Knot(mesh, j + p) - Knot(mesh, j)) * N[p - 1][k - 1];
+      if (k < p)
+        N[p][k] +=
+            (Knot(mesh, j + p + 1) - s) / (Knot(mesh, j + p + 1) - Knot(mesh, j + 1)) * N[p - 1][k];
+    }
+  for (PetscInt k = 0; k < BASIS; k++) {
+    PetscInt j = cell - 3 + k;
+    PetscReal d1[2] = {0, 0}; /* first derivatives of the two quadratics below */
+    for (PetscInt m = 0; m < 2; m++) {
+      PetscInt i = j + m, q = k + m - 1; /* quadratic on knots i .. i + 3, its index on this cell */
+      if (q > 0 && q <= 2) d1[m] += 2 / (Knot(mesh, i + 2) - Knot(mesh, i)) * N[1][q - 1];
+      if (q >= 0 && q < 2) d1[m] -= 2 / (Knot(mesh, i + 3) - Knot(mesh, i + 1)) * N[1][q];
+    }
+    B[0][k] = N[3][k];
+    B[1][k] = B[2][k] = 0;
+    if (k > 0) {
+      PetscReal w = 3 / (Knot(mesh, j + 3) - Knot(mesh, j));
+      B[1][k] += w * N[2][k - 1];
+      B[2][k] += w * d1[0];
+    }
+    if (k < 3) {
+      PetscReal w = 3 / (Knot(mesh, j + 4) - Knot(mesh, j + 1));
+      B[1][k] -= w * N[2][k];
+      B[2][k] -= w * d1[1];
+    }
+  }
+}
+
+/*
+  StraightCreate - prepares the linear problem on a mesh, which must outlive it as must the laws.
+  The caller destroys it with StraightDestroy().
+*/
+PetscErrorCode StraightCreate(Growth growth, const Friction *friction, const Mesh *mesh,
+                              Straight *straight) {
+  Straight self;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&self));
+  self->growth = growth;
+  self->friction = friction;
+  self->mesh = mesh;
+  self->n = mesh->cells + 1;
+  self->time = self->assembled = PETSC_MIN_REAL;
+  PetscCall(PetscMalloc2(mesh->cells * GAUSS * 3 * BASIS, &self->basis, mesh->cells * GAUSS,
+                         &self->compression));
+  for (PetscInt c = 0; c < mesh->cells; c++)
+    for (int q = 0; q < GAUSS; q++)
+      StraightBasis(self, c, gauss_point[q],
+                    (PetscReal(*)[BASIS])(self->basis + (c * GAUSS + q) * 3 * BASIS));
+  *straight = self;
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode StraightDestroy(Straight *straight) {
+  PetscFunctionBegin;
+  if (!*straight) PetscFunctionReturn(0);
+  PetscCall(PetscFree2((*straight)->basis, (*straight)->compression));
+  PetscCall(PetscFree((*straight)->bend));
+  PetscCall(PetscFree((*straight)->curve));
+  PetscCall(PetscFree(*straight));
+  PetscFunctionReturn(0);
+}
+
+/* The coefficients of the weak form at Gauss point q of a cell, times its weight:
+   <eta, K y> = int -bend (y'/g)' (eta'/g)' + axial y' eta' - convect eta y',  <eta, D y> = int drag
+   eta y. */
+typedef struct {
+  PetscReal bend, axial, convect, drag, inv_g, twist; /* (y'/g)' = inv_g y'' - twist y' */
+} Weights;
+
+static PetscErrorCode WeightsAt(Straight self, PetscReal t, PetscInt c, int q, Weights *w) {
+  PetscReal h = self->mesh->s[c + 1] - self->mesh->s[c], s = self->mesh->s[c] + h * gauss_point[q];
+  PetscReal ds = h * gauss_weight[q], g, g_s, v0, P;
+
+  PetscFunctionBegin;
+  PetscCall(GrowthStretch(self->growth, 1, &s, t, &g, NULL, &g_s));
+  PetscCall(StraightVelocity(self, s, t, &v0));
+  P = self->growth->uniform ? CompressionExact(self->growth, self->friction, s, t)
+                            : self->compression[c * GAUSS + q];
+  w->bend = ds / g;
+  w->axial = ds * P / g;
+  w->drag = ds * g * FrictionPhi(self->friction, v0 * v0);
+  w->convect = w->drag * GrowthSlide(self->growth, s) / g;
+  w->inv_g = 1 / g;
+  w->twist = g_s / (g * g);
+  PetscFunctionReturn(0);
+}
+
+/* Assembles rows first to last - 1 of the three parts at time t. */
+static PetscErrorCode AssembleParts(Straight self, PetscReal t) {
+  PetscInt first = self->first, last = self->last;
+
+  PetscFunctionBegin;
+  PetscCall(PetscArrayzero(self->bend, 3 * (last - first) * BAND));
+  if (!self->curve) PetscCall(PetscMalloc1(self->mesh->cells * GAUSS * BASIS, &self->curve));
+  if (!self->growth->uniform) PetscCall(CompressionAtGauss(self, t));
+  PetscCall(GrowthLength(self->growth, t, &self->length, NULL));
+  self->assembled = t;
+  for (PetscInt c = PetscMax(0, first - 1); c <= PetscMin(self->mesh->cells - 1, last + 1); c++)
+    for (int q = 0; q < GAUSS; q++) {
+      const PetscReal *B = self->basis + (c * GAUSS + q) * 3 * BASIS, *B1 = B + BASIS,
+                      *B2 = B1 + BASIS;
+      Weights w = {0};
+      PetscReal *curve = self->curve + (c * GAUSS + q) * BASIS;
+      PetscCall(WeightsAt(self, t, c, q, &w));
+      for (PetscInt i = 0; i < BASIS; i++)
+        curve[i] = PetscSqrtReal(w.bend) * (w.inv_g * B2[i] - w.twist * B1[i]);
+      for (PetscInt i = 0; i < BASIS; i++) {
+        PetscInt row = c - 2 + i;
+        if (row < PetscMax(0, first) || row >= last) continue;
+        for (PetscInt j = PetscMax(0, 2 - c); j < BASIS; j++) {
+          PetscInt at = (row - first) * BAND + 3 + j - i;
+          self->bend[at] -= curve[i] * curve[j];
+          self->press[at] += w.axial * B1[i] * B1[j] - w.convect * B[i] * B1[j];
+          self->drag[at] += w.drag * B[i] * B[j];
+        }
+      }
+    }
+  PetscFunctionReturn(0);
+}
+
+/* Sees to it that the parts of these rows are there, at time t but for their scale; ratio is L(t)
+   over the length they were assembled at (1 if g is not uniform). */
+static PetscErrorCode PartsAt(Straight self, PetscReal t, PetscInt first, PetscInt last,
+                              PetscReal *ratio) {
+  PetscInt n = (last - first) * BAND;
+  PetscReal length;
+
+  PetscFunctionBegin;
+  PetscCall(GrowthLength(self->growth, t, &length, NULL));
+  if (self->first != first || self->last != last ||
+      (!self->growth->uniform && self->assembled != t)) {
+    if (self->last - self->first != last - first) {
+      PetscCall(PetscFree(self->bend));
+      PetscCall(PetscMalloc1(3 * n, &self->bend));
+      self->press = self->bend + n;
+      self->drag = self->press + n;
+    }
+    self->first = first;
+    self->last = last;
+    PetscCall(AssembleParts(self, t));
+  }
+  *ratio = length / self->length;
+  PetscFunctionReturn(0);
+}
+
+/*
+  StraightBands - rows first to last - 1 of K and D at time t.
+
+  K, D   [last - first][BAND], the caller's: column r - 3 + b of row r at b; entries outside the
+         matrix are 0
+
+  For feed K holds the convective part too and is not symmetric: v2 = y_t + (c/g) y'. For uniform
+  growth and feed, bend falls with L^-3, press is constant and drag grows with L: assembled once.
+*/
+PetscErrorCode StraightBands(Straight straight, PetscReal t, PetscInt first, PetscInt last,
+                             PetscReal *K, PetscReal *D) {
+  PetscReal ratio;
+
+  PetscFunctionBegin;
+  PetscCall(PartsAt(straight, t, first, last, &ratio));
+  for (PetscInt k = 0; k < (last - first) * BAND; k++) {
+    K[k] = straight->bend[k] / (ratio * ratio * ratio) + straight->press[k];
+    D[k] = straight->drag[k] * ratio;
+  }
+  PetscFunctionReturn(0);
+}
+
+/*
+  StraightApply - f = D y_t - K y in rows first to last - 1.
+
+  y, y_t, f   indexed by unknown; y and y_t known three beyond the rows on each side
+
+  Bending is applied as curve^T (curve y), not by its matrix: the entries of K grow like N^4, and
+  the round-off of K y with them; in two steps it grows like N^2.
+*/
+PetscErrorCode StraightApply(Straight straight, PetscReal t, PetscInt first, PetscInt last,
+                             const PetscReal *y, const PetscReal *y_t, PetscReal *f) {
+  PetscReal ratio;
+
+  PetscFunctionBegin;
+  PetscCall(PartsAt(straight, t, first, last, &ratio));
+  for (PetscInt i = first; i < last; i++) {
+    f[i] = 0;
+    for (PetscInt b = PetscMax(0, 3 - i); b < BAND && i + b - 3 < straight->n; b++) {
+      PetscInt at = (i - first) * BAND + b, j = i + b - 3;
+      f[i] += straight->drag[at] * ratio * y_t[j] - straight->press[at] * y[j];
+    }
+  }
+  for (PetscInt c = PetscMax(0, first - 1); c <= PetscMin(straight->mesh->cells - 1, last + 1); c++)
+    for (int q = 0; q < GAUSS; q++) {
+      const PetscReal *curve = straight->curve + (c * GAUSS + q) * BASIS;
+      PetscReal bent = 0;
+      for (PetscInt j = PetscMax(0, 2 - c); j < BASIS; j++) bent += curve[j] * y[c - 2 + j];
+      bent /= ratio * ratio * ratio;
+      for (PetscInt j = PetscMax(0, first - c + 2); j < BASIS && c - 2 + j < last; j++)
+        f[c - 2 + j] += curve[j] * bent;
+    }
+  PetscFunctionReturn(0);
+}

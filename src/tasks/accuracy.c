@@ -1,0 +1,143 @@
+#include "tasks/accuracy.h"
+#include "base/options.h"
+
+/*
+  What scripts/chart.sh and scripts/accuracy.py have taught. The largest relative error of tip, |x2|
+  and energy is, with vbdf,
+    in time   per_fold F (rtol / 1e-6)^(5/6), where F counts how often x2 falls or grows e-fold:
+              each fold adds its local errors with one sign, and the energy doubles them (the mixed
+              model, which has no angle to follow, twice that);
+    in space  arc_error h^order of the largest cell, h its arc length at the end of the run, and
+              label_error F / N^order, because an error in a rate of decay adds up over its folds.
+  A third of the asked error is for time and a sixth for space: the error is then below what is
+  asked, and not far below.
+*/
+static const PetscReal per_fold = 9e-6;
+static const PetscReal arc_error[] = {0.2, 0.06}, label_error[] = {20, 400}; /* order 2, 4 */
+static const PetscReal share_of_time = 0.35, share_of_space = 0.15;
+static const PetscReal fewest_folds = 2, margin = 1.5; /* of the estimate after a run */
+
+typedef struct {
+  PetscReal tolerance, length0, mu, amplitude, time;
+  PetscReal curvature; /* natural, about; 0: none */
+  PetscInt order;      /* in space */
+  PetscBool graded;    /* growth differs along the rod */
+} Asked;
+
+/* The value of an option that is read and checked later, by whom it concerns. */
+static PetscErrorCode Look(const char *name, PetscReal usual, PetscReal *value) {
+  PetscFunctionBegin;
+  *value = usual;
+  PetscCall(PetscOptionsGetReal(NULL, NULL, name, value, NULL));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Is(const char *name, const char *word, PetscBool *is) {
+  char given[64] = "";
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsGetString(NULL, NULL, name, given, sizeof(given), NULL));
+  PetscCall(PetscStrcmp(given, word, is));
+  PetscFunctionReturn(0);
+}
+
+/* How many e-folds the deflection of the straight rod falls and grows: y_t = -(1.875/L)^4 y /
+   (friction 1 to 1.4) until buckling, then back up until it is visible, if the run is that long.
+   That of a rod with a natural curvature does not fall below it. */
+static PetscReal Folds(const Asked *asked) {
+  PetscReal L = asked->length0, end = L + asked->time, fall;
+
+  if (asked->curvature > 0)
+    return PetscMax(fewest_folds, -2 * PetscLogReal(PetscMax(1e-30, asked->curvature)));
+  fall = 4.12 * (1 - 0.3 * asked->mu) * (1 / (L * L * L) - 1 / (end * end * end));
+  return PetscMax(fewest_folds, 2 * PetscMin(fall, 80) +
+                                    PetscMax(0, -PetscLogReal(PetscMax(1e-30, asked->amplitude))));
+}
+
+static PetscErrorCode Default(const char *name, const char *format, PetscReal value) {
+  char text[32];
+  PetscBool given;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsHasName(NULL, NULL, name, &given));
+  if (given) PetscFunctionReturn(0);
+  PetscCall(PetscSNPrintf(text, sizeof(text), format, (double)value));
+  PetscCall(PetscOptionsSetValue(NULL, name, text));
+  PetscFunctionReturn(0);
+}
+
+/*
+  AccuracyApply - reads -accuracy and sets from it -rod_cells and -ts_rtol where they are not given.
+
+  Collective; call it before the scene is read. The model stays the frame of order 4 unless another
+  is asked for: the chart has it on the front at every accuracy.
+*/
+PetscErrorCode AccuracyApply(void) {
+  PetscReal time, space, cells, h, constant, random;
+  PetscBool set, second, mixed, from_file;
+  Asked asked;
+
+  PetscFunctionBegin;
+  PetscCall(OptionsHeading("Accuracy"));
+  asked.tolerance = 1e-4;
+  PetscCall(OptionReal("-accuracy",
+                       "asked relative error of tip, |x2| and energy: sets -rod_cells and -ts_rtol "
+                       "where they are not given; off unless given",
+                       1e-7, 0.1, &asked.tolerance, &set));
+  if (!set) PetscFunctionReturn(0);
+  PetscCall(Look("-growth_initial_length", 0.5, &asked.length0));
+  PetscCall(Look("-friction_mu", 1, &asked.mu));
+  PetscCall(Look("-shape_amplitude", 0.01, &asked.amplitude));
+  PetscCall(Look("-ts_max_time", 40, &asked.time));
+  PetscCall(Is("-growth_type", "gaussian", &asked.graded));
+  PetscCall(Is("-rod_order", "2", &second));
+  PetscCall(Is("-rod_model", "mixed", &mixed));
+  PetscCall(Look("-rod_curvature", 0, &constant));
+  PetscCall(Look("-rod_curvature_random", 0, &random));
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-rod_curvature_file", &from_file));
+  asked.curvature = PetscMax(PetscMax(PetscAbsReal(constant), random), from_file ? 0.01 : 0);
+  asked.amplitude = PetscAbsReal(asked.amplitude);
+  asked.order = second || mixed ? 2 : 4;
+  UserCheck(asked.length0 > 0 && asked.time > 0 && asked.mu >= 0 && asked.mu <= 1, PETSC_COMM_WORLD,
+            "-growth_initial_length, -ts_max_time or -friction_mu: out of range");
+
+  time = share_of_time * asked.tolerance / (per_fold * (mixed ? 2 : 1) * Folds(&asked));
+  PetscCall(
+      Default("-ts_rtol", "%.3g", PetscMax(1e-13, PetscMin(0.01, 1e-6 * PetscPowReal(time, 1.2)))));
+
+  space = share_of_space * asked.tolerance;
+  h = PetscPowReal(space / arc_error[asked.order == 4], 1. / asked.order);
+  cells = (asked.graded ? 1.5 : 1) * (asked.length0 + asked.time) / h;
+  cells = PetscMax(
+      cells, PetscPowReal(label_error[asked.order == 4] * Folds(&asked) / space, 1. / asked.order));
+  PetscCall(Default("-rod_cells", "%.0f", PetscCeilReal(PetscMax(32, PetscMin(1e6, cells)))));
+  PetscFunctionReturn(0);
+}
+
+/*
+  AccuracyEstimate - an upper estimate of the largest relative error of tip, |x2| and energy over a
+  run of vbdf, by the fits at the head of this file. Not collective.
+
+  rod    at the end of the run, t      rtol   of its steps
+  folds  how often |x2| fell or grew e-fold
+  error  out; of the linear model without what it neglects (grow.c)
+*/
+PetscErrorCode AccuracyEstimate(Rod rod, PetscReal t, PetscReal rtol, PetscReal folds,
+                                PetscReal *error) {
+  const Mesh *mesh = &rod->scene->mesh;
+  PetscBool fourth = (PetscBool)(rod->order == 4);
+  PetscReal h = 0, *g;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(mesh->cells + 1, &g));
+  PetscCall(GrowthStretch(rod->scene->growth, mesh->cells + 1, mesh->s, t, g, NULL, NULL));
+  for (PetscInt i = 0; i < mesh->cells; i++)
+    h = PetscMax(h, (mesh->s[i + 1] - mesh->s[i]) * (g[i] + g[i + 1]) / 2);
+  PetscCall(PetscFree(g));
+  folds += fewest_folds;
+  *error = margin * per_fold * (rod->model == &rod_mixed ? 2 : 1) * folds *
+               PetscPowReal(rtol / 1e-6, 5. / 6) +
+           arc_error[fourth] * PetscPowReal(h, rod->order) +
+           label_error[fourth] * folds / PetscPowReal(mesh->cells, rod->order);
+  PetscFunctionReturn(0);
+}

@@ -1,0 +1,286 @@
+#include "tasks/critical.h"
+#include "base/options.h"
+#include "record/output.h"
+#include "straight/spectrum.h"
+
+enum { SHARED_CELLS = 5000, SCAN_CELLS = 64, SCAN_STEPS = 100, ROOT_STEPS = 60 };
+
+/* A growth factor as a function of t, negative while the straight rod is stable. */
+typedef struct {
+  Pencil pencil;
+  Spectrum spectrum;
+  PetscBool dense;     /* all eigenvalues of a small matrix, to be sure of the rightmost */
+  PetscReal frequency; /* of the latest evaluation */
+  PetscReal *c, *w;    /* its mode, if asked for */
+} Factor;
+
+static PetscErrorCode FactorCreate(MPI_Comm comm, Scene scene, const Mesh *mesh, PetscBool dense,
+                                   PetscBool quiet, Factor *self) {
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(self, sizeof(*self)));
+  self->dense = dense;
+  PetscCall(PencilCreate(comm, scene->growth, &scene->friction, mesh, map_follows, &self->pencil));
+  PetscCall(SpectrumCreate(self->pencil, quiet, &self->spectrum));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode FactorDestroy(Factor *self) {
+  PetscFunctionBegin;
+  PetscCall(SpectrumDestroy(&self->spectrum));
+  PetscCall(PencilDestroy(&self->pencil));
+  PetscFunctionReturn(0);
+}
+
+/* For growth in place ln(ratio) of SpectrumBuckling(), nearly straight over ln L: L^3 times a
+   constant for uniform growth. For feed the largest real part of an eigenvalue. */
+static PetscErrorCode FactorAt(Factor *self, PetscReal t, PetscReal *f) {
+  Eigenvalue value;
+
+  PetscFunctionBegin;
+  if (!self->pencil->growth->slides) {
+    PetscCall(SpectrumBuckling(&self->spectrum, t, &value, self->c, self->w));
+    *f = value.value > 0 ? PetscLogReal(value.value) : PETSC_MIN_REAL;
+  } else {
+    if (self->dense)
+      PetscCall(SpectrumRightmost(self->pencil, t, &value));
+    else
+      PetscCall(SpectrumLargest(&self->spectrum, RATE_A, t, &value, self->c, self->w));
+    *f = value.value;
+  }
+  self->frequency = value.frequency;
+  PetscFunctionReturn(0);
+}
+
+/* Root in [a, b], f(a) < 0 <= f(b): false position, the stale end's value scaled down (Anderson and
+   Bjoerck), with bisection where f is not finite. */
+static PetscErrorCode Root(Factor *self, PetscReal a, PetscReal fa, PetscReal b, PetscReal fb,
+                           PetscReal *root) {
+  PetscReal f = 0, t = b;
+
+  PetscFunctionBegin;
+  for (int k = 0; k < ROOT_STEPS && fb != 0; k++) {
+    PetscReal old = t;
+    t = fa > -1e300 ? (a * fb - b * fa) / (fb - fa) : (a + b) / 2;
+    if (!(t > a && t < b)) t = (a + b) / 2;
+    PetscCall(FactorAt(self, t, &f));
+    if (f == 0 || PetscAbsReal(t - old) <= 2e-13 * PetscAbsReal(t)) break;
+    if (f < 0) { /* b is stale if it was kept before too */
+      if (fb > 0 && fa > -1e300 && old <= a) fb *= f / fa < 1 ? 1 - f / fa : 0.5;
+      a = t;
+      fa = f;
+    } else {
+      if (old >= b && fa > -1e300) fa *= f / fb < 1 ? 1 - f / fb : 0.5;
+      b = t;
+      fb = f;
+    }
+    if (b - a <= 2e-13 * PetscAbsReal(b)) break;
+  }
+  *root = t;
+  PetscFunctionReturn(0);
+}
+
+/* The first bracket of a crossing, found in steps of 5 % of the length on a coarse mesh. The rod
+   may also be unstable from the start. */
+static PetscErrorCode Scan(Scene scene, PetscReal *low, PetscReal *high) {
+  PetscReal T = scene->end_time, f, L, L_t;
+  Factor coarse;
+  Mesh mesh;
+
+  PetscFunctionBegin;
+  PetscCall(MeshCreate(SCAN_CELLS, PETSC_FALSE, scene->growth, T, &mesh));
+  PetscCall(FactorCreate(PETSC_COMM_SELF, scene, &mesh, PETSC_TRUE, PETSC_TRUE, &coarse));
+  *low = *high = 0;
+  PetscCall(FactorAt(&coarse, 0, &f));
+  UserCheck(
+      f < 0, PETSC_COMM_WORLD,
+      "-growth_initial_length: the straight rod is unstable already at t = 0, take it shorter");
+  while (f < 0 && *high < T) {
+    PetscCall(GrowthLength(scene->growth, *high, &L, &L_t));
+    *low = *high;
+    *high += PetscMin(0.05 * L / PetscMax(PetscAbsReal(L_t), 1e-12), T / SCAN_STEPS);
+    *high = PetscMin(*high, T);
+    PetscCall(FactorAt(&coarse, *high, &f));
+  }
+  PetscCall(FactorDestroy(&coarse));
+  PetscCall(MeshDestroy(&mesh));
+  UserCheck(f >= 0, PETSC_COMM_WORLD,
+            "-ts_max_time %g: the straight rod is stable up to there, look further", (double)T);
+  PetscFunctionReturn(0);
+}
+
+/* A root near a bracket that belongs to another mesh: widen it till it holds. */
+static PetscErrorCode RootNear(Factor *self, PetscReal low, PetscReal high, PetscReal *root) {
+  PetscReal f_low, f_high, d = high - low;
+
+  PetscFunctionBegin;
+  PetscCall(FactorAt(self, low, &f_low));
+  for (; f_low >= 0 && low > 0; d *= 4) {
+    low = PetscMax(0, low - d);
+    PetscCall(FactorAt(self, low, &f_low));
+  }
+  PetscCall(FactorAt(self, high, &f_high));
+  for (; f_high < 0; d *= 4) {
+    high += d;
+    PetscCall(FactorAt(self, high, &f_high));
+  }
+  PetscCall(Root(self, low, f_low, high, f_high, root));
+  PetscFunctionReturn(0);
+}
+
+/* The critical time on one mesh. Uniform growth takes one solve: L^3 / ratio = L_cr^3. */
+static PetscErrorCode OnMesh(Scene scene, Factor *factor, PetscReal low, PetscReal high,
+                             PetscReal *t) {
+  Eigenvalue ratio;
+  PetscReal L;
+
+  PetscFunctionBegin;
+  if (scene->growth->uniform && !scene->growth->slides) {
+    PetscCall(GrowthLength(scene->growth, 1, &L, NULL));
+    PetscCall(SpectrumBuckling(&factor->spectrum, 1, &ratio, factor->c, factor->w));
+    *t = L / PetscPowReal(ratio.value, 1. / 3) - scene->growth->initial_length;
+  } else
+    PetscCall(RootNear(factor, low, high, t));
+  PetscFunctionReturn(0);
+}
+
+/* The mode at the nodes, scaled to largest |y| = 1 and to the side of y(1) > 0. */
+static PetscErrorCode StoreMode(Scene scene, const Factor *factor, Critical *self) {
+  PetscReal most = 0;
+
+  PetscFunctionBegin;
+  self->n = factor->pencil->n;
+  PetscCall(PetscMalloc3(self->n, &self->s, self->n, &self->y, self->n, &self->theta));
+  PetscCall(PetscArraycpy(self->s, factor->pencil->node, self->n));
+  PetscCall(PencilShape(factor->pencil, factor->c, factor->w, self->t, self->y, self->theta));
+  for (PetscInt i = 0; i < self->n; i++) most = PetscMax(most, PetscAbsReal(self->y[i]));
+  if (self->y[self->n - 1] < 0) most = -most;
+  for (PetscInt i = 0; i < self->n; i++) {
+    self->y[i] /= most;
+    self->theta[i] /= most;
+  }
+  PetscFunctionReturn(0);
+}
+
+/* Ranks that solved it each for itself differ in the last digit: rank 0's word counts. */
+static PetscErrorCode Agree(Critical *self) {
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Bcast(&self->t, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Bcast(&self->length, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Bcast(&self->error, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Bcast(&self->frequency, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Bcast(self->y, self->n, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Bcast(self->theta, self->n, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  PetscFunctionReturn(0);
+}
+
+/*
+  CriticalFind - the critical time and length of a scene, with the error and the mode. Collective on
+  PETSC_COMM_WORLD.
+
+  Below SHARED_CELLS every rank solves it for itself, which is faster than to share it.
+
+  quiet      takes no solver options from the command line
+  critical   the caller frees its arrays with CriticalDestroy()
+
+  The mesh has -rod_cells cells, equidistant in arc length. The error bound is the change from half
+  the mesh (of order 4, so the error itself is about a fifteenth of it) and what rounding does to a
+  second-order matrix of this size.
+*/
+PetscErrorCode CriticalFind(Scene scene, PetscBool quiet, Critical *self) {
+  PetscReal low = 0, high = 0, half_t, near = 1e-8;
+  PetscInt cells = scene->mesh.cells, n = cells + 1;
+  MPI_Comm comm = cells < SHARED_CELLS ? PETSC_COMM_SELF : PETSC_COMM_WORLD;
+  Factor fine, half;
+  Mesh mesh, half_mesh;
+
+  PetscFunctionBegin;
+  PetscCall(MeshCreate(cells, PETSC_FALSE, scene->growth, scene->end_time, &mesh));
+  PetscCall(MeshCreate((cells + 1) / 2, PETSC_FALSE, scene->growth, scene->end_time, &half_mesh));
+  PetscCall(FactorCreate(comm, scene, &mesh, PETSC_FALSE, quiet, &fine));
+  if (!scene->growth->uniform || scene->growth->slides) PetscCall(Scan(scene, &low, &high));
+  PetscCall(FactorCreate(comm, scene, &half_mesh, PETSC_FALSE, quiet, &half));
+  PetscCall(OnMesh(scene, &half, low, high, &half_t));
+  PetscCall(FactorDestroy(&half));
+  PetscCall(MeshDestroy(&half_mesh));
+  PetscCall(PetscMalloc2(n, &fine.c, n, &fine.w));
+  PetscCall(OnMesh(scene, &fine, half_t - near, half_t + near, &self->t));
+  PetscCall(GrowthLength(scene->growth, self->t, &self->length, NULL));
+  self->frequency = fine.frequency;
+  self->error = PetscAbsReal(self->t - half_t) +
+                PetscMax(1, self->length) * (1e-14 + 1e-17 * PetscSqr((PetscReal)n));
+  PetscCall(StoreMode(scene, &fine, self));
+  PetscCall(Agree(self));
+  PetscCall(PetscFree2(fine.c, fine.w));
+  PetscCall(FactorDestroy(&fine));
+  PetscCall(MeshDestroy(&mesh));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode CriticalDestroy(Critical *self) {
+  PetscFunctionBegin;
+  PetscCall(PetscFree3(self->s, self->y, self->theta));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Write(hid_t file, const Critical *self) {
+  const hsize_t n = (hsize_t)self->n;
+
+  PetscFunctionBegin;
+  if (file < 0) PetscFunctionReturn(0);
+  hid_t group = H5Gcreate2(file, "/critical", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  HdfCall(group);
+  H5Gclose(group);
+  PetscCall(HdfWrite(file, "/critical/t", 0, NULL, &self->t, "units", "1 (time)"));
+  PetscCall(HdfWrite(file, "/critical/length", 0, NULL, &self->length, "units", "(YI/N)^(1/3)"));
+  PetscCall(HdfWrite(file, "/critical/error", 0, NULL, &self->error, "description",
+                     "bound on the error of t and of length"));
+  PetscCall(HdfWrite(file, "/critical/frequency", 0, NULL, &self->frequency, "units",
+                     "radians per unit of t; 0: buckling"));
+  PetscCall(HdfWrite(file, "/critical/s", 1, &n, self->s, "description", "material label [n]"));
+  PetscCall(HdfWrite(file, "/critical/y", 1, &n, self->y, "description",
+                     "critical mode, deflection, largest 1 [n]"));
+  PetscCall(
+      HdfWrite(file, "/critical/theta", 1, &n, self->theta, "description", "its angle dy/dp [n]"));
+  PetscCall(OutputRootAttributes(file, PETSC_TRUE));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Print(const Critical *self) {
+  PetscFunctionBegin;
+  PetscCall(
+      PetscPrintf(PETSC_COMM_WORLD,
+                  "critical time   t = %.12g\ncritical length L = %.12g\nerror below     %.1e\n",
+                  (double)self->t, (double)self->length, (double)self->error));
+  if (self->frequency > 0)
+    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "flutter, frequency %.6g per unit of t (L^3 = %.8g)\n",
+                          (double)self->frequency,
+                          (double)(self->length * self->length * self->length)));
+  else
+    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "buckling (L^3 = %.10g)\n",
+                          (double)(self->length * self->length * self->length)));
+  if (self->t < 0)
+    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "the rod is longer than that from the start\n"));
+  PetscFunctionReturn(0);
+}
+
+/*
+  CriticalRun - -task critical: finds the critical time, prints it and stores it with its mode.
+
+  output   the result file, "": none
+*/
+PetscErrorCode CriticalRun(Scene scene, const char *output) {
+  hid_t file = -1;
+  Critical critical;
+
+  PetscFunctionBegin;
+  PetscCall(SpectrumReadOptions());
+  PetscCall(OptionsRefuseUnread());
+  if (output[0]) PetscCall(OutputNewFile(output, &file));
+  if (file >= 0) PetscCall(OutputRootAttributes(file, PETSC_FALSE));
+  PetscCall(CriticalFind(scene, PETSC_FALSE, &critical));
+  PetscCall(Print(&critical));
+  PetscCall(Write(file, &critical));
+  if (file >= 0) HdfCall(H5Fclose(file));
+  PetscCall(CriticalDestroy(&critical));
+  PetscFunctionReturn(0);
+}

@@ -1,0 +1,20 @@
+/* -task critical: when the straight rod stops being stable. */
+#ifndef TENDRIL_CRITICAL_H
+#define TENDRIL_CRITICAL_H
+
+#include "scene/scene.h"
+
+/* The first time at which a mode of the straight rod stops decaying. */
+typedef struct {
+  PetscReal t, length;
+  PetscReal error;     /* bound on both */
+  PetscReal frequency; /* per unit of t; 0: the mode buckles, else it flutters */
+  PetscInt n;          /* its shape at n labels, largest |y| = 1; theta = dy/dp */
+  PetscReal *s, *y, *theta;
+} Critical;
+
+PetscErrorCode CriticalFind(Scene scene, PetscBool quiet, Critical *critical);
+PetscErrorCode CriticalDestroy(Critical *critical);
+PetscErrorCode CriticalRun(Scene scene, const char *output);
+
+#endif

@@ -1,0 +1,9 @@
+/* -task grow: follows the rod in time. */
+#ifndef TENDRIL_GROW_H
+#define TENDRIL_GROW_H
+
+#include "rod/rod.h"
+
+PetscErrorCode GrowRun(Scene scene, const char *output, const char *restart);
+
+#endif

@@ -1,0 +1,543 @@
+#include "tasks/stability.h"
+#include "tasks/critical.h"
+#include "straight/norm.h"
+#include "base/options.h"
+#include "record/output.h"
+#include "straight/transient.h"
+
+enum { MODE_CELLS = 400, MOST_DENSE = 4000, ROOT_STEPS = 60, MARGIN_POINTS = 4 };
+
+/* The curves of the stability figure. */
+typedef enum { CURVE_A, CURVE_L2, CURVE_W, CURVE_FRICTION, CURVES } Curve;
+
+static const struct {
+  const char *name, *heading, *text, *verdict;
+} curves[CURVES] = {
+    {"lambda_max_A", "lambda(A)", "largest real part of the eigenvalues of A(t) [k]",
+     "every mode decays (necessary)"},
+    {"lambda_max_A_plus_AT", "lambda(A+A^T)",
+     "largest eigenvalue of A + A^T in the discrete L2 norm, twice the rate in it [k]",
+     "stable in plain L2"},
+    {"lambda_max_C", "lambda(C)",
+     "largest eigenvalue of C(t) = W^T W A + transpose against the L2 norm, W the left "
+     "eigenvectors "
+     "of A(t_cr) [k]",
+     "stable in the W norm"},
+    {"rate_friction_norm", "friction rate",
+     "largest growth rate of any deflection in the friction norm [k]",
+     "stable in the friction norm"}};
+
+typedef struct {
+  PetscReal start, end;
+  PetscInt points, vertices;
+  PetscBool end_given, unit_rows, only_modes;
+  PetscBool transient; /* and its window and size */
+  PetscReal t1, t2;
+  PetscInt transient_cells;
+  PetscBool t1_given, t2_given;
+  char shape[PETSC_MAX_PATH_LEN];
+} Settings;
+
+typedef struct {
+  Scene scene;
+  Settings set;
+  Mesh mesh;
+  Pencil follow, fixed; /* z moving with t for A, fixed at t_cr for the norms */
+  Spectrum modes, friction;
+  Norm l2, left;
+  PetscBool has[CURVES];
+  Critical critical;
+  PetscReal *t, *value[CURVES], *frequency; /* [points] */
+  PetscReal until[CURVES];                  /* the verdict; start: not even there */
+  PetscBool beyond[CURVES];                 /* still stable at the end of what was looked at */
+} Stability;
+
+static PetscErrorCode TransientOptions(Settings *set) {
+  PetscFunctionBegin;
+  set->transient = PETSC_TRUE;
+  set->transient_cells = 200;
+  PetscCall(OptionBool("-stability_transient", "the largest transient growth, by its propagator",
+                       &set->transient, NULL));
+  PetscCall(OptionReal("-stability_transient_start",
+                       "t1 of its window (-stability_start if not set)", 0, 1e6, &set->t1,
+                       &set->t1_given));
+  PetscCall(OptionReal("-stability_transient_end", "t2 of its window (-stability_end if not set)",
+                       0, 1e6, &set->t2, &set->t2_given));
+  PetscCall(OptionInt("-stability_transient_cells", "cells of its mesh", 8, 2000,
+                      &set->transient_cells, NULL));
+  PetscCall(
+      OptionString("-stability_optimal_shape",
+                   "HDF5 file for the initial shape that grows most in L2, for -shape_file (take a "
+                   "-shape_amplitude of 1e-5 or less: it bends right at the tip)",
+                   set->shape, sizeof(set->shape), NULL));
+  UserCheck(set->transient || !set->shape[0], PETSC_COMM_WORLD,
+            "-stability_optimal_shape needs -stability_transient");
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode ReadSettings(Scene scene, Settings *set) {
+  const char *const norms[] = {"friction", "left"};
+  PetscInt choice = 1;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(set, sizeof(*set)));
+  set->points = 50;
+  set->vertices = 1000;
+  PetscCall(OptionsHeading("Stability"));
+  PetscCall(OptionReal("-stability_start", "first time of the table", 0, 1e6, &set->start, NULL));
+  PetscCall(OptionReal("-stability_end", "last time of the table (t_cr if not set)", 0, 1e6,
+                       &set->end, &set->end_given));
+  PetscCall(OptionInt("-stability_points", "times in the table", 1, 1000000, &set->points, NULL));
+  PetscCall(
+      OptionInt("-stability_vertices", "size of the matrices", 9, 20000000, &set->vertices, NULL));
+  PetscCall(
+      OptionList("-stability_norm",
+                 "how the rows of W are scaled: to length 1 in the friction norm, or (left) in "
+                 "the L2 norm",
+                 2, norms, &choice, NULL));
+  PetscCall(OptionBool("-stability_only_modes", "the eigenvalues of A alone, for huge matrices",
+                       &set->only_modes, NULL));
+  PetscCall(TransientOptions(set));
+  set->unit_rows = (PetscBool)choice;
+  UserCheck(!set->end_given || set->end > set->start, PETSC_COMM_WORLD,
+            "-stability_end %g: give a time after -stability_start %g", (double)set->end,
+            (double)set->start);
+  UserCheck(PetscMax(set->end, set->t2) <= scene->growth->end_time, PETSC_COMM_WORLD,
+            "-stability_end: the growth table ends at t = %g", (double)scene->growth->end_time);
+  PetscFunctionReturn(0);
+}
+
+/* Reads the options of solvers that are made only once t_cr is known, so that a mistyped one is
+   refused now. */
+static PetscErrorCode ReadSolverOptions(void) {
+  EPS eps;
+
+  PetscFunctionBegin;
+  PetscCall(EPSCreate(PETSC_COMM_WORLD, &eps));
+  PetscCall(EPSSetOptionsPrefix(eps, "norm_"));
+  PetscCall(EPSSetType(eps, EPSGD));
+  PetscCall(EPSSetFromOptions(eps));
+  PetscCall(EPSDestroy(&eps));
+  PetscFunctionReturn(0);
+}
+
+/* The left eigenvectors at t_cr, dense, on every rank. */
+static PetscErrorCode CreateLeft(Stability *self) {
+  PetscInt n = self->set.vertices;
+  PetscReal *W;
+  Pencil own;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(n * n, &W));
+  PetscCall(PencilCreate(PETSC_COMM_SELF, self->scene->growth, &self->scene->friction, &self->mesh,
+                         self->critical.t, &own));
+  PetscCall(SpectrumLeftVectors(own, self->critical.t, self->set.unit_rows, W));
+  PetscCall(NormCreate(self->fixed, W, self->critical.t, &self->left));
+  PetscCall(PencilDestroy(&own));
+  PetscCall(PetscFree(W));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode CreateSolvers(Stability *self) {
+  Scene scene = self->scene;
+
+  PetscFunctionBegin;
+  PetscCall(SpectrumCreate(self->follow, PETSC_TRUE, &self->friction));
+  self->has[CURVE_A] = PETSC_TRUE;
+  self->has[CURVE_L2] = self->has[CURVE_FRICTION] = (PetscBool)!self->set.only_modes;
+  self->has[CURVE_W] = (PetscBool)(!self->set.only_modes && self->set.vertices <= MOST_DENSE);
+  if (self->set.only_modes) PetscFunctionReturn(0);
+  PetscCall(PencilCreate(PETSC_COMM_WORLD, scene->growth, &scene->friction, &self->mesh,
+                         self->critical.t, &self->fixed));
+  PetscCall(NormCreate(self->fixed, NULL, self->critical.t, &self->l2));
+  if (self->has[CURVE_W])
+    PetscCall(CreateLeft(self));
+  else
+    PetscCall(PetscPrintf(PETSC_COMM_WORLD,
+                          "C(t) left out: above -stability_vertices %d the dense left eigenvectors "
+                          "take too much\n",
+                          MOST_DENSE));
+  PetscFunctionReturn(0);
+}
+
+/* One curve at one time. The growth in L2 of a law that slides counts the arc length that enters:
+   the norm is int y^2 dp = L int y^2 ds. */
+static PetscErrorCode CurveAt(Stability *self, Curve curve, PetscReal t, Eigenvalue *value) {
+  PetscReal L, L_t;
+
+  PetscFunctionBegin;
+  switch (curve) {
+  case CURVE_A:
+    PetscCall(SpectrumLargest(&self->modes, RATE_A, t, value, NULL, NULL));
+    break;
+  case CURVE_FRICTION:
+    PetscCall(SpectrumLargest(&self->friction, RATE_FRICTION, t, value, NULL, NULL));
+    break;
+  case CURVE_W:
+    PetscCall(NormGrowth(&self->left, t, FRAME_ARC, value));
+    break;
+  default:
+    PetscCall(NormGrowth(&self->l2, t, FRAME_LABEL, value));
+    PetscCall(GrowthLength(self->scene->growth, t, &L, &L_t));
+    if (self->scene->growth->slides) value->value += L_t / L;
+  }
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Tabulate(Stability *self) {
+  const Settings *set = &self->set;
+
+  PetscFunctionBegin;
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%12s %12s", "t", "L"));
+  for (int c = 0; c < CURVES; c++)
+    if (self->has[c]) PetscCall(PetscPrintf(PETSC_COMM_WORLD, " %14s", curves[c].heading));
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "\n"));
+  for (PetscInt i = 0; i < set->points; i++) {
+    PetscReal L;
+    self->t[i] = set->start + (set->end - set->start) * (PetscReal)i / PetscMax(1, set->points - 1);
+    PetscCall(GrowthLength(self->scene->growth, self->t[i], &L, NULL));
+    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%12.8g %12.8g", (double)self->t[i], (double)L));
+    for (int c = 0; c < CURVES; c++) {
+      Eigenvalue value;
+      if (!self->has[c]) continue;
+      PetscCall(CurveAt(self, (Curve)c, self->t[i], &value));
+      self->value[c][i] = value.value;
+      if (c == CURVE_A) self->frequency[i] = value.frequency;
+      PetscCall(PetscPrintf(PETSC_COMM_WORLD, " %14.7g", (double)value.value));
+    }
+    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "\n"));
+  }
+  PetscFunctionReturn(0);
+}
+
+/* The sign change of a curve in [a, b], by false position (Illinois). */
+static PetscErrorCode Crossing(Stability *self, Curve curve, PetscReal a, PetscReal fa, PetscReal b,
+                               PetscReal fb, PetscReal *t) {
+  Eigenvalue value;
+  int side = 0;
+
+  PetscFunctionBegin;
+  *t = b;
+  for (int k = 0; k < ROOT_STEPS && b - a > 1e-11 * PetscMax(1, b) && fb != 0; k++) {
+    PetscReal old = *t;
+    *t = (a * fb - b * fa) / (fb - fa);
+    PetscCall(CurveAt(self, curve, *t, &value));
+    if (PetscAbsReal(*t - old) < 1e-11 * PetscMax(1, b)) break;
+    if (value.value < 0) {
+      a = *t, fa = value.value;
+      if (side < 0) fb /= 2;
+      side = -1;
+    } else {
+      b = *t, fb = value.value;
+      if (side > 0) fa /= 2;
+      side = 1;
+    }
+  }
+  PetscFunctionReturn(0);
+}
+
+/* How long a curve stays negative from the start on, judged at the points of the table and, if it
+   does all along, at a few more behind t_cr. */
+static PetscErrorCode Verdict(Stability *self, Curve curve) {
+  const Settings *set = &self->set;
+  const PetscReal *f = self->value[curve], margin = 0.01 * self->critical.length;
+  PetscReal a = self->t[set->points - 1], fa = f[set->points - 1];
+
+  PetscFunctionBegin;
+  self->until[curve] = set->start;
+  if (curve == CURVE_A) self->until[curve] = PetscMax(set->start, self->critical.t);
+  if (curve == CURVE_A || f[0] >= 0) PetscFunctionReturn(0);
+  for (PetscInt i = 1; i < set->points; i++)
+    if (f[i] >= 0) {
+      PetscCall(
+          Crossing(self, curve, self->t[i - 1], f[i - 1], self->t[i], f[i], &self->until[curve]));
+      PetscFunctionReturn(0);
+    }
+  for (int k = 1; k <= MARGIN_POINTS; k++) {
+    PetscReal b = PetscMax(a, self->critical.t + k * margin * (k > 1));
+    Eigenvalue value;
+    if (k == 1) b = PetscMax(set->end, self->critical.t) + margin;
+    if (b > self->scene->growth->end_time) break;
+    PetscCall(CurveAt(self, curve, b, &value));
+    if (value.value >= 0) {
+      PetscCall(Crossing(self, curve, a, fa, b, value.value, &self->until[curve]));
+      PetscFunctionReturn(0);
+    }
+    a = b;
+    fa = value.value;
+  }
+  self->until[curve] = a;
+  self->beyond[curve] = PETSC_TRUE;
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode PrintVerdict(const Stability *self) {
+  const PetscBool slides = self->scene->growth->slides;
+  const PetscReal start = self->set.start;
+  PetscReal best = start;
+
+  PetscFunctionBegin;
+  for (int c = 0; c < CURVES; c++) {
+    if (!self->has[c]) continue;
+    if (c != CURVE_A && (c != CURVE_W || !slides)) best = PetscMax(best, self->until[c]);
+    if (self->until[c] <= start)
+      PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%-32s not even at t = %g\n", curves[c].verdict,
+                            (double)start));
+    else
+      PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%-32s on [%g, %.10g)%s\n", curves[c].verdict,
+                            (double)start, (double)self->until[c],
+                            self->beyond[c] ? " at least" : ""));
+  }
+  if (!self->has[CURVE_FRICTION]) PetscFunctionReturn(0);
+  if (self->scene->growth->uniform && !self->scene->growth->slides)
+    PetscCall(PetscPrintf(PETSC_COMM_WORLD,
+                          "Uniform growth: A is self-adjoint in the friction norm, so the rod is "
+                          "exponentially stable exactly up to t_cr.\n"));
+  else
+    PetscCall(
+        PetscPrintf(PETSC_COMM_WORLD,
+                    "Best norm: decay for certain up to t = %.8g; the frozen modes grow from t_cr "
+                    "= %.8g on; gap %.2g.\n",
+                    (double)best, (double)self->critical.t, (double)(self->critical.t - best)));
+  if (slides && self->has[CURVE_W])
+    PetscCall(
+        PetscPrintf(PETSC_COMM_WORLD,
+                    "(The W norm, as the modes, is judged on a rod of frozen length: no proof for "
+                    "one that is fed.)\n"));
+  if (best > self->critical.t * (1 + 1e-6))
+    PetscCall(
+        PetscPrintf(PETSC_COMM_WORLD,
+                    "(The friction norm follows D(t) and may see decay for longer than a mode "
+                    "frozen in time does.)\n"));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode WriteScalar(hid_t file, const char *name, PetscReal value, const char *text) {
+  PetscFunctionBegin;
+  PetscCall(HdfWrite(file, name, 0, NULL, &value, "description", text));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode WriteTable(hid_t file, Stability *self) {
+  const hsize_t k = (hsize_t)self->set.points;
+  char name[80];
+  PetscReal *L;
+
+  PetscFunctionBegin;
+  if (file < 0) PetscFunctionReturn(0);
+  hid_t group = H5Gcreate2(file, "/stability", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  HdfCall(group);
+  H5Gclose(group);
+  PetscCall(PetscMalloc1(k, &L));
+  for (hsize_t i = 0; i < k; i++)
+    PetscCall(GrowthLength(self->scene->growth, self->t[i], &L[i], NULL));
+  PetscCall(HdfWrite(file, "/stability/t", 1, &k, self->t, "units", "1 (time) [k]"));
+  PetscCall(HdfWrite(file, "/stability/length", 1, &k, L, "units", "(YI/N)^(1/3) [k]"));
+  PetscCall(HdfWrite(file, "/stability/frequency_A", 1, &k, self->frequency, "description",
+                     "imaginary part that belongs to lambda_max_A [k]"));
+  PetscCall(PetscFree(L));
+  for (int c = 0; c < CURVES; c++) {
+    if (!self->has[c]) continue;
+    PetscCall(PetscSNPrintf(name, sizeof(name), "/stability/%s", curves[c].name));
+    PetscCall(HdfWrite(file, name, 1, &k, self->value[c], "description", curves[c].text));
+    PetscCall(PetscSNPrintf(name, sizeof(name), "/stability/%s_until", curves[c].name));
+    PetscCall(WriteScalar(file, name, self->until[c], "negative from the first time up to here"));
+  }
+  PetscCall(WriteScalar(file, "/stability/t_cr", self->critical.t, "critical time"));
+  PetscCall(WriteScalar(file, "/stability/t_cr_error", self->critical.error, "bound on its error"));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode WriteOptimal(hid_t file, const Optimal *best, const char *norm) {
+  const hsize_t n = (hsize_t)best->n;
+  const struct {
+    const char *name, *text;
+    const PetscReal *data;
+  } sets[] = {{"s", "material label [n]", best->s},
+              {"initial_y", "deflection that grows most, norm 1 at t1 [n]", best->y1},
+              {"initial_theta", "its angle [n]", best->theta1},
+              {"final_y", "what it has become at t2 [n]", best->y2},
+              {"final_theta", "its angle [n]", best->theta2}};
+  char name[80];
+
+  PetscFunctionBegin;
+  if (file < 0) PetscFunctionReturn(0);
+  PetscCall(PetscSNPrintf(name, sizeof(name), "/transient/%s", norm));
+  hid_t group = H5Gcreate2(file, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  HdfCall(group);
+  H5Gclose(group);
+  PetscCall(PetscSNPrintf(name, sizeof(name), "/transient/%s/amplification", norm));
+  PetscCall(WriteScalar(file, name, best->amplification, "largest |y(t2)| / |y(t1)|"));
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(sets); i++) {
+    PetscCall(PetscSNPrintf(name, sizeof(name), "/transient/%s/%s", norm, sets[i].name));
+    PetscCall(HdfWrite(file, name, 1, &n, sets[i].data, "description", sets[i].text));
+  }
+  PetscFunctionReturn(0);
+}
+
+/* The optimal shape as -shape_type file reads it, scaled to -shape_amplitude. */
+static PetscErrorCode WriteShapeFile(hid_t file, const Optimal *best, PetscReal amplitude) {
+  const hsize_t n = (hsize_t)best->n;
+  PetscReal *theta, most = 0;
+
+  PetscFunctionBegin;
+  if (file < 0) PetscFunctionReturn(0);
+  PetscCall(PetscMalloc1(best->n, &theta));
+  for (PetscInt i = 0; i < best->n; i++) most = PetscMax(most, PetscAbsReal(best->theta1[i]));
+  for (PetscInt i = 0; i < best->n; i++) theta[i] = i ? best->theta1[i] * amplitude / most : 0;
+  PetscCall(HdfWrite(file, "/s", 1, &n, best->s, "description", "material label [n]"));
+  PetscCall(HdfWrite(file, "/theta", 1, &n, theta, "description", "angle against the clamp [n]"));
+  PetscCall(PetscFree(theta));
+  PetscFunctionReturn(0);
+}
+
+/* The transient growth over a window in both norms; every rank computes it for itself. */
+static PetscErrorCode Transient(Stability *self, hid_t file, hid_t shape) {
+  const char *const names[] = {"L2", "friction"};
+  const Settings *set = &self->set;
+  Scene scene = self->scene;
+  Propagator propagator;
+  Mesh mesh;
+
+  PetscFunctionBegin;
+  PetscCall(MeshCreate(set->transient_cells, PETSC_FALSE, scene->growth, set->t2, &mesh));
+  PetscCall(PropagatorCreate(scene->growth, &scene->friction, &mesh, set->t1, set->t2, 1e-9,
+                             &propagator));
+  if (file >= 0) {
+    hid_t group = H5Gcreate2(file, "/transient", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    HdfCall(group);
+    H5Gclose(group);
+    PetscCall(WriteScalar(file, "/transient/t1", set->t1, "start of the window"));
+    PetscCall(WriteScalar(file, "/transient/t2", set->t2, "end of the window"));
+  }
+  for (int k = 0; k < 2; k++) {
+    Optimal best;
+    PetscCall(TransientOptimal(&propagator, (TransientNorm)k, &best));
+    PetscCall(PetscPrintf(PETSC_COMM_WORLD,
+                          "largest amplification from t = %g to %g, %s norm: %.10g\n",
+                          (double)set->t1, (double)set->t2, names[k], (double)best.amplification));
+    PetscCall(WriteOptimal(file, &best, names[k]));
+    if (k == TRANSIENT_L2) PetscCall(WriteShapeFile(shape, &best, scene->shape.amplitude));
+    PetscCall(OptimalDestroy(&best));
+  }
+  PetscCall(PropagatorDestroy(&propagator));
+  PetscCall(MeshDestroy(&mesh));
+  PetscFunctionReturn(0);
+}
+
+/* Ranges that depend on t_cr. */
+static PetscErrorCode CompleteSettings(Settings *set, PetscReal t_cr) {
+  PetscFunctionBegin;
+  if (!set->end_given) set->end = t_cr;
+  UserCheck(
+      set->end > set->start, PETSC_COMM_WORLD,
+      "-stability_end: the rod is unstable from t = %g on, before -stability_start %g; give an "
+      "end after that",
+      (double)t_cr, (double)set->start);
+  if (!set->t1_given) set->t1 = set->start;
+  if (!set->t2_given) set->t2 = set->end;
+  UserCheck(!set->transient || set->t2 > set->t1, PETSC_COMM_WORLD,
+            "-stability_transient_end %g: give a time after -stability_transient_start %g",
+            (double)set->t2, (double)set->t1);
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Destroy(Stability *self) {
+  PetscFunctionBegin;
+  PetscCall(SpectrumDestroy(&self->modes));
+  PetscCall(SpectrumDestroy(&self->friction));
+  if (self->has[CURVE_L2]) PetscCall(NormDestroy(&self->l2));
+  if (self->has[CURVE_W]) PetscCall(NormDestroy(&self->left));
+  PetscCall(PencilDestroy(&self->follow));
+  PetscCall(PencilDestroy(&self->fixed));
+  PetscCall(CriticalDestroy(&self->critical));
+  PetscCall(MeshDestroy(&self->mesh));
+  PetscCall(PetscFree2(self->t, self->frequency));
+  for (int c = 0; c < CURVES; c++) PetscCall(PetscFree(self->value[c]));
+  PetscFunctionReturn(0);
+}
+
+/*
+  StabilityRun - -task stability: the curves over a range of t, the verdicts, the transient growth;
+  printed and stored.
+
+  output   the result file, "": none
+*/
+PetscErrorCode StabilityRun(Scene scene, const char *output) {
+  Stability self;
+  hid_t file = -1, shape = -1;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(&self, sizeof(self)));
+  self.scene = scene;
+  PetscCall(ReadSettings(scene, &self.set));
+  PetscCall(
+      MeshCreate(self.set.vertices - 1, PETSC_FALSE, scene->growth, scene->end_time, &self.mesh));
+  PetscCall(PencilCreate(PETSC_COMM_WORLD, scene->growth, &scene->friction, &self.mesh, map_follows,
+                         &self.follow));
+  PetscCall(SpectrumCreate(self.follow, PETSC_FALSE, &self.modes));
+  PetscCall(ReadSolverOptions());
+  PetscCall(OptionsRefuseUnread());
+  if (output[0]) PetscCall(OutputNewFile(output, &file));
+  if (file >= 0) PetscCall(OutputRootAttributes(file, PETSC_FALSE));
+  if (self.set.shape[0]) PetscCall(OutputNewFile(self.set.shape, &shape));
+  PetscCall(CriticalFind(scene, PETSC_TRUE, &self.critical));
+  PetscCall(CompleteSettings(&self.set, self.critical.t));
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "critical time t = %.12g, error below %.1e\n",
+                        (double)self.critical.t, (double)self.critical.error));
+  PetscCall(PetscMalloc2(self.set.points, &self.t, self.set.points, &self.frequency));
+  for (int c = 0; c < CURVES; c++) PetscCall(PetscCalloc1(self.set.points, &self.value[c]));
+  PetscCall(CreateSolvers(&self));
+  PetscCall(Tabulate(&self));
+  for (int c = 0; c < CURVES; c++)
+    if (self.has[c]) PetscCall(Verdict(&self, (Curve)c));
+  PetscCall(PrintVerdict(&self));
+  PetscCall(WriteTable(file, &self));
+  if (self.set.transient) PetscCall(Transient(&self, file, shape));
+  if (file >= 0) {
+    PetscCall(OutputRootAttributes(file, PETSC_TRUE));
+    HdfCall(H5Fclose(file));
+  }
+  if (shape >= 0) HdfCall(H5Fclose(shape));
+  PetscCall(Destroy(&self));
+  PetscFunctionReturn(0);
+}
+
+/*
+  StabilitySlowestMode - the eigenvector of A(0) that decays slowest, as an initial shape.
+  Collective.
+
+  n          the number of knots
+  s, theta   labels from 0 to 1 and angles against the clamp, theta[0] = 0, scaled so that the
+             largest |theta| is the scene's amplitude; allocated here, the caller frees both
+*/
+PetscErrorCode StabilitySlowestMode(Scene scene, PetscInt *n, PetscReal **s, PetscReal **theta) {
+  PetscReal *c, *w, most = 0;
+  Spectrum spectrum;
+  Eigenvalue value;
+  Pencil pencil;
+  Mesh mesh;
+
+  PetscFunctionBegin;
+  PetscCall(MeshCreate(MODE_CELLS, PETSC_FALSE, scene->growth, scene->end_time, &mesh));
+  PetscCall(
+      PencilCreate(PETSC_COMM_SELF, scene->growth, &scene->friction, &mesh, map_follows, &pencil));
+  PetscCall(SpectrumCreate(pencil, PETSC_TRUE, &spectrum));
+  *n = pencil->n;
+  PetscCall(PetscMalloc2(*n, &c, *n, &w));
+  PetscCall(PetscMalloc1(*n, s));
+  PetscCall(PetscMalloc1(*n, theta));
+  PetscCall(SpectrumLargest(&spectrum, RATE_A, 0, &value, c, w));
+  PetscCall(PencilShape(pencil, c, w, 0, NULL, *theta));
+  PetscCall(PetscArraycpy(*s, pencil->node, *n));
+  (*theta)[0] = 0;
+  for (PetscInt i = 0; i < *n; i++)
+    if (PetscAbsReal((*theta)[i]) > PetscAbsReal(most)) most = (*theta)[i];
+  for (PetscInt i = 0; i < *n; i++) (*theta)[i] *= scene->shape.amplitude / most;
+  PetscCallMPI(MPI_Bcast(*theta, *n, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  PetscCall(SpectrumDestroy(&spectrum));
+  PetscCall(PencilDestroy(&pencil));
+  PetscCall(MeshDestroy(&mesh));
+  PetscCall(PetscFree2(c, w));
+  PetscFunctionReturn(0);
+}
