@@ -3,6 +3,7 @@
 # shellcheck shell=bash
 cd "$(dirname "${BASH_SOURCE[0]}")/.." || exit
 # Open MPI refuses root without these; one thread per rank, for BLAS.
+export PYTHONPATH=$PWD/scripts${PYTHONPATH:+:$PYTHONPATH} # the package tendril
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMP_NUM_THREADS=1
 
 fail() {

@@ -9,10 +9,10 @@
 #include <stdint.h>
 #include <unistd.h>
 #include <cmocka.h>
-#include <slepcsys.h>
 #include "base/hdf.h"
 #include "base/options.h"
 #include "scene/scene.h"
+#include "tasks/tendril.h"
 
 /* A failed call ends all ranks: nothing hangs. */
 #define CHECK(call) PetscCallAbort(PETSC_COMM_WORLD, call)
@@ -65,9 +65,10 @@ static inline void WriteTable(char path[64], PetscInt ns, PetscInt nt, PetscReal
   PetscMPIInt rank;
   MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
   if (!rank) {
-    hsize_t dims[2] = {(hsize_t)nt, (hsize_t)ns};
+    PetscInt dims[2] = {nt, ns};
     PetscReal *s, *t, *values;
-    hid_t file;
+    char fault[HDF_FAULT];
+    HdfFile file;
     int handle;
     strcpy(path, "/tmp/tendril-table-XXXXXX");
     handle = mkstemp(path);
@@ -78,11 +79,12 @@ static inline void WriteTable(char path[64], PetscInt ns, PetscInt nt, PetscReal
     for (PetscInt j = 0; j < nt; j++) t[j] = end * j / (nt - 1);
     for (PetscInt j = 0; j < nt; j++)
       for (PetscInt i = 0; i < ns; i++) values[j * ns + i] = g(s[i], t[j]);
-    file = H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
-    CHECK(HdfWrite(file, "/s", 1, &dims[1], s, "description", "labels"));
-    CHECK(HdfWrite(file, "/t", 1, &dims[0], t, "description", "times"));
-    CHECK(HdfWrite(file, "/g", 2, dims, values, "description", "stretch"));
-    H5Fclose(file);
+    CHECK(HdfCreate(path, &file));
+    CHECK(HdfWrite(file, "/s", 1, &dims[1], s, "1", "labels"));
+    CHECK(HdfWrite(file, "/t", 1, &dims[0], t, "l/V", "times"));
+    CHECK(HdfWrite(file, "/g", 2, dims, values, "l", "stretch"));
+    CHECK(HdfClose(&file, fault));
+    assert_string_equal(fault, "");
     CHECK(PetscFree3(s, t, values));
   }
   MPI_Bcast(path, 64, MPI_CHAR, 0, PETSC_COMM_WORLD);
@@ -95,14 +97,15 @@ static inline void RemoveFile(const char *path) {
   if (!rank) unlink(path);
 }
 
-/* int main of a test; SLEPc rather than PETSc, as in tendril. */
+/* int main of a test */
 #define MAIN(tests)                                                                                \
   int main(int argc, char **argv) {                                                                \
-    int failed;                                                                                    \
-    if (SlepcInitialize(&argc, &argv, NULL, NULL)) return 1;                                       \
+    PetscBool done;                                                                                \
+    int failed = TendrilInitialize(&argc, &argv, &done);                                           \
+    if (done || failed) return 1;                                                                  \
+    ErrorsOptionsRead();                                                                           \
     failed = cmocka_run_group_tests(tests, NULL, NULL);                                            \
-    if (SlepcFinalize()) return 1;                                                                 \
-    return failed != 0;                                                                            \
+    return TendrilFinalize() || failed != 0;                                                       \
   }
 
 #endif

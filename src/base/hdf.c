@@ -1,8 +1,387 @@
 #include "base/hdf.h"
 #include "base/options.h"
+#include <errno.h>
+#include <fcntl.h>
+#include <hdf5.h>
+#include <unistd.h>
+
+struct _HdfFile {
+  hid_t id;
+  char path[PETSC_MAX_PATH_LEN], part[PETSC_MAX_PATH_LEN + 8];
+  char fault[HDF_FAULT]; /* what went wrong first; empty: nothing yet */
+};
+
+/* The innermost entry of HDF5's account of an error: the cause. */
+static herr_t Innermost(unsigned n, const H5E_error2_t *entry, void *ctx) {
+  const char *mark = "error message = '", *quote = strstr(entry->desc, mark);
+  char *fault = (char *)ctx;
+
+  if (n) return 0;
+  (void)snprintf(fault, HDF_FAULT, "%s", quote ? quote + strlen(mark) : entry->desc);
+  if (quote) fault[strcspn(fault, "'")] = 0;
+  return 0;
+}
+
+static void Cause(char fault[HDF_FAULT]) {
+  (void)snprintf(fault, HDF_FAULT, "HDF5 does not say why");
+  (void)H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, Innermost, fault);
+}
+
+/* HDF5 prints its own account of every error unless told not to: Cause() has what matters of it. */
+static void BeQuiet(void) {
+  (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+}
+
+/* Notes the failure of a call of the library, which shows in a negative value; returns the value.
+ */
+static hid_t Try(HdfFile file, hid_t value) {
+  if (value < 0 && !file->fault[0]) Cause(file->fault);
+  return value;
+}
+
+static PetscBool Sound(HdfFile file) {
+  return (PetscBool)(file && !file->fault[0]);
+}
+
+static PetscErrorCode New(const char *path, HdfFile *file) {
+  PetscFunctionBegin;
+  BeQuiet();
+  PetscCall(PetscNew(file));
+  PetscCall(PetscStrncpy((*file)->path, path, sizeof((*file)->path)));
+  (void)snprintf((*file)->part, sizeof((*file)->part), "%s.part", path);
+  PetscFunctionReturn(0);
+}
+
+/* HdfCreate - begins a new file, which takes the place of what has its name when it is closed. Not
+   collective; the caller ends it with HdfClose(), which also tells if it could not begin. */
+PetscErrorCode HdfCreate(const char *path, HdfFile *file) {
+  PetscFunctionBegin;
+  PetscCall(New(path, file));
+  (*file)->id = Try(*file, H5Fcreate((*file)->part, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
+  PetscFunctionReturn(0);
+}
+
+/* Copies a file; 0, or errno. */
+static int CopyFile(const char *from, const char *to) {
+  FILE *in = fopen(from, "rb"), *out = in ? fopen(to, "wb") : NULL;
+  static char block[1 << 20];
+  int fault = out ? 0 : errno;
+  size_t n;
+
+  while (!fault && (n = fread(block, 1, sizeof(block), in)) > 0)
+    if (fwrite(block, 1, n, out) != n) fault = errno;
+  if (!fault && in && ferror(in)) fault = EIO;
+  if (out && fclose(out) && !fault) fault = errno;
+  if (in) fclose(in);
+  return fault;
+}
+
+/* HdfAmend - as HdfCreate(), but begins with a copy of the file `from`, which may be the one of
+   this path. */
+PetscErrorCode HdfAmend(const char *from, const char *path, HdfFile *file) {
+  int fault;
+
+  PetscFunctionBegin;
+  PetscCall(New(path, file));
+  (*file)->id = -1;
+  fault = CopyFile(from, (*file)->part);
+  if (fault)
+    (void)snprintf((*file)->fault, HDF_FAULT, "%s", strerror(fault));
+  else
+    (*file)->id = Try(*file, H5Fopen((*file)->part, H5F_ACC_RDWR, H5P_DEFAULT));
+  PetscFunctionReturn(0);
+}
+
+/* Sees a file to the disk. */
+static int Synchronise(const char *path) {
+  int handle = open(path, O_RDONLY), fault = 0;
+
+  if (handle < 0) return errno;
+  if (fsync(handle)) fault = errno;
+  if (close(handle) && !fault) fault = errno;
+  return fault == EINVAL ? 0 : fault; /* a file system that has no such thing */
+}
 
 /*
-  HdfRead - reads a whole array of reals from an HDF5 file, on every rank.
+  HdfClose - ends a file: sees it to the disk and gives it its name. Not collective.
+
+  fault  empty, or why it could not be written: then what stood under its name before is still there
+*/
+PetscErrorCode HdfClose(HdfFile *file, char fault[HDF_FAULT]) {
+  HdfFile self = *file;
+  int error = 0;
+
+  PetscFunctionBegin;
+  fault[0] = 0;
+  if (!self) PetscFunctionReturn(0);
+  if (self->id >= 0) {
+    if (Sound(self)) Try(self, H5Fflush(self->id, H5F_SCOPE_GLOBAL));
+    Try(self, H5Fclose(self->id));
+  }
+  if (Sound(self)) error = Synchronise(self->part);
+  if (Sound(self) && !error && rename(self->part, self->path)) error = errno;
+  if (error) (void)snprintf(self->fault, HDF_FAULT, "%s", strerror(error));
+  if (!Sound(self)) (void)unlink(self->part);
+  PetscCall(PetscStrncpy(fault, self->fault, HDF_FAULT));
+  PetscCall(PetscFree(*file));
+  PetscFunctionReturn(0);
+}
+
+/* HdfFault - has anything gone wrong yet? HdfClose() tells what. */
+PetscBool HdfFault(HdfFile file) {
+  return (PetscBool)(file && file->fault[0]);
+}
+
+/* HdfGroup - makes a group. */
+PetscErrorCode HdfGroup(HdfFile file, const char *name) {
+  hid_t group;
+
+  PetscFunctionBegin;
+  if (!Sound(file)) PetscFunctionReturn(0);
+  group = Try(file, H5Gcreate2(file->id, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+  if (group >= 0) Try(file, H5Gclose(group));
+  PetscFunctionReturn(0);
+}
+
+/* Sets an attribute of an open object, replacing what was there. */
+static void Attribute(HdfFile file, hid_t object, const char *name, hid_t type, const void *value) {
+  hid_t space = Try(file, H5Screate(H5S_SCALAR)), a = -1;
+
+  if (H5Aexists(object, name) > 0) Try(file, H5Adelete(object, name));
+  if (Sound(file)) a = Try(file, H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT));
+  if (a >= 0) {
+    Try(file, H5Awrite(a, type, value));
+    Try(file, H5Aclose(a));
+  }
+  if (space >= 0) Try(file, H5Sclose(space));
+}
+
+static void TextAttribute(HdfFile file, hid_t object, const char *name, const char *text) {
+  hid_t type = Try(file, H5Tcopy(H5T_C_S1));
+
+  if (type < 0) return;
+  Try(file, H5Tset_size(type, strlen(text) + 1));
+  Attribute(file, object, name, type, text);
+  Try(file, H5Tclose(type));
+}
+
+/* Sets an attribute of the named object. */
+static void AttributeOf(HdfFile file, const char *object, const char *name, hid_t type,
+                        const void *value) {
+  hid_t o;
+
+  if (!Sound(file)) return;
+  o = Try(file, H5Oopen(file->id, object, H5P_DEFAULT));
+  if (o < 0) return;
+  if (type < 0)
+    TextAttribute(file, o, name, (const char *)value);
+  else
+    Attribute(file, o, name, type, value);
+  Try(file, H5Oclose(o));
+}
+
+/* HdfText - sets a text attribute of an object ("/": the file), replacing what was there. */
+PetscErrorCode HdfText(HdfFile file, const char *object, const char *name, const char *text) {
+  PetscFunctionBegin;
+  AttributeOf(file, object, name, -1, text);
+  PetscFunctionReturn(0);
+}
+
+/* HdfReal - sets a real attribute. */
+PetscErrorCode HdfReal(HdfFile file, const char *object, const char *name, PetscReal value) {
+  PetscFunctionBegin;
+  AttributeOf(file, object, name, H5T_NATIVE_DOUBLE, &value);
+  PetscFunctionReturn(0);
+}
+
+/* HdfInt - sets an integer attribute. */
+PetscErrorCode HdfInt(HdfFile file, const char *object, const char *name, int value) {
+  PetscFunctionBegin;
+  AttributeOf(file, object, name, H5T_NATIVE_INT, &value);
+  PetscFunctionReturn(0);
+}
+
+static void Sizes(int rank, const PetscInt from[], hsize_t to[HDF_RANK]) {
+  for (int i = 0; i < rank; i++) to[i] = (hsize_t)from[i];
+}
+
+/* Makes a dataset with its two notes and closes space and plist; -1 if it could not. */
+static hid_t MakeDataset(HdfFile file, const char *name, hid_t space, hid_t plist,
+                         const char *units, const char *description) {
+  hid_t d = -1;
+
+  if (Sound(file))
+    d = Try(file,
+            H5Dcreate2(file->id, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, plist, H5P_DEFAULT));
+  if (d >= 0) {
+    TextAttribute(file, d, "units", units);
+    TextAttribute(file, d, "description", description);
+  }
+  if (space >= 0) Try(file, H5Sclose(space));
+  return d;
+}
+
+/* HdfWrite - writes one dataset of fixed size (rank 0: a scalar), in the place of what was there.
+ */
+PetscErrorCode HdfWrite(HdfFile file, const char *name, int rank, const PetscInt dims[],
+                        const PetscReal data[], const char *units, const char *description) {
+  hsize_t sizes[HDF_RANK];
+  hid_t d;
+
+  PetscFunctionBegin;
+  if (!Sound(file)) PetscFunctionReturn(0);
+  if (H5Lexists(file->id, name, H5P_DEFAULT) > 0) Try(file, H5Ldelete(file->id, name, H5P_DEFAULT));
+  Sizes(rank, dims, sizes);
+  d = MakeDataset(file, name,
+                  Try(file, rank ? H5Screate_simple(rank, sizes, NULL) : H5Screate(H5S_SCALAR)),
+                  H5P_DEFAULT, units, description);
+  if (d < 0) PetscFunctionReturn(0);
+  Try(file, H5Dwrite(d, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, data));
+  Try(file, H5Dclose(d));
+  PetscFunctionReturn(0);
+}
+
+/* HdfAppendable - makes an empty dataset that grows along its first dimension; row has the rank
+   sizes of one entry of it (none for rank 0). */
+PetscErrorCode HdfAppendable(HdfFile file, const char *name, int rank, const PetscInt row[],
+                             const char *units, const char *description) {
+  hsize_t dims[HDF_RANK] = {0}, most[HDF_RANK] = {H5S_UNLIMITED}, chunk[HDF_RANK], values = 1;
+  hid_t plist, d;
+
+  PetscFunctionBegin;
+  if (!Sound(file)) PetscFunctionReturn(0);
+  for (int i = 0; i < rank; i++) {
+    dims[i + 1] = most[i + 1] = chunk[i + 1] = (hsize_t)row[i];
+    values *= (hsize_t)row[i];
+  }
+  chunk[0] = PetscMax(1, 512 / values);
+  plist = Try(file, H5Pcreate(H5P_DATASET_CREATE));
+  Try(file, H5Pset_chunk(plist, rank + 1, chunk));
+  d = MakeDataset(file, name, Try(file, H5Screate_simple(rank + 1, dims, most)), plist, units,
+                  description);
+  if (d >= 0) Try(file, H5Dclose(d));
+  Try(file, H5Pclose(plist));
+  PetscFunctionReturn(0);
+}
+
+/* Opens a dataset and reads its sizes; -1 if it could not. */
+static hid_t OpenDataset(HdfFile file, const char *name, int *rank, hsize_t dims[HDF_RANK]) {
+  hid_t d = Try(file, H5Dopen2(file->id, name, H5P_DEFAULT)), space;
+
+  if (d < 0) return d;
+  space = Try(file, H5Dget_space(d));
+  *rank = H5Sget_simple_extent_dims(space, dims, NULL);
+  Try(file, H5Sclose(space));
+  return d;
+}
+
+/* HdfAppend - writes rows entries at the end of a dataset made by HdfAppendable(). */
+PetscErrorCode HdfAppend(HdfFile file, const char *name, PetscInt rows, const PetscReal data[]) {
+  hsize_t dims[HDF_RANK], start[HDF_RANK] = {0}, count[HDF_RANK];
+  hid_t d, space, memory;
+  int rank;
+
+  PetscFunctionBegin;
+  if (!Sound(file) || !rows) PetscFunctionReturn(0);
+  d = OpenDataset(file, name, &rank, dims);
+  if (d < 0) PetscFunctionReturn(0);
+  start[0] = dims[0];
+  dims[0] += (hsize_t)rows;
+  Try(file, H5Dset_extent(d, dims));
+  for (int i = 0; i < rank; i++) count[i] = dims[i];
+  count[0] = (hsize_t)rows;
+  space = Try(file, H5Dget_space(d));
+  memory = Try(file, H5Screate_simple(rank, count, NULL));
+  Try(file, H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL));
+  if (Sound(file)) Try(file, H5Dwrite(d, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, data));
+  Try(file, H5Sclose(memory));
+  Try(file, H5Sclose(space));
+  Try(file, H5Dclose(d));
+  PetscFunctionReturn(0);
+}
+
+/* HdfTruncate - leaves the first rows entries of a dataset made by HdfAppendable(). */
+PetscErrorCode HdfTruncate(HdfFile file, const char *name, PetscInt rows) {
+  hsize_t dims[HDF_RANK];
+  hid_t d;
+  int rank;
+
+  PetscFunctionBegin;
+  if (!Sound(file)) PetscFunctionReturn(0);
+  d = OpenDataset(file, name, &rank, dims);
+  if (d < 0) PetscFunctionReturn(0);
+  dims[0] = PetscMin(dims[0], (hsize_t)rows);
+  Try(file, H5Dset_extent(d, dims));
+  Try(file, H5Dclose(d));
+  PetscFunctionReturn(0);
+}
+
+/* HdfDelete - takes an object out, if it is there. */
+PetscErrorCode HdfDelete(HdfFile file, const char *name) {
+  PetscFunctionBegin;
+  if (Sound(file) && H5Lexists(file->id, name, H5P_DEFAULT) > 0)
+    Try(file, H5Ldelete(file->id, name, H5P_DEFAULT));
+  PetscFunctionReturn(0);
+}
+
+/* Reads a dataset of `rank` dimensions; data is allocated. */
+static PetscErrorCode ReadAll(hid_t f, const char *name, int rank, PetscInt dims[],
+                              PetscReal **data, char fault[HDF_FAULT]) {
+  hid_t d = H5Dopen2(f, name, H5P_DEFAULT), space;
+  hsize_t sizes[HDF_RANK], total = 1;
+  int found;
+
+  PetscFunctionBegin;
+  if (d < 0) {
+    (void)snprintf(fault, HDF_FAULT, "has no dataset %s", name);
+    PetscFunctionReturn(0);
+  }
+  space = H5Dget_space(d);
+  found = H5Sget_simple_extent_ndims(space);
+  if (found == rank)
+    H5Sget_simple_extent_dims(space, sizes, NULL);
+  else
+    (void)snprintf(fault, HDF_FAULT, "%s must have %d dimension(s), it has %d", name, rank, found);
+  H5Sclose(space);
+  if (!fault[0]) {
+    for (int i = 0; i < rank; i++) {
+      total *= sizes[i];
+      dims[i] = (PetscInt)sizes[i];
+    }
+    if (total >= PETSC_MAX_INT) (void)snprintf(fault, HDF_FAULT, "%s is too large", name);
+  }
+  if (!fault[0]) {
+    PetscCall(PetscMalloc1(total, data));
+    if (H5Dread(d, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, *data) < 0)
+      (void)snprintf(fault, HDF_FAULT, "%s cannot be read as numbers; is the file whole?", name);
+    for (hsize_t i = 0; i < total && !fault[0]; i++)
+      if (PetscIsInfOrNanReal((*data)[i]))
+        (void)snprintf(fault, HDF_FAULT, "%s has a value that is not finite", name);
+  }
+  H5Dclose(d);
+  PetscFunctionReturn(0);
+}
+
+static hid_t OpenToRead(const char *path, char fault[HDF_FAULT]) {
+  hid_t f;
+
+  BeQuiet();
+  fault[0] = 0;
+  f = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
+  if (f < 0) (void)snprintf(fault, HDF_FAULT, "not there, or not a whole HDF5 file");
+  return f;
+}
+
+/* Tells all ranks what rank 0 has met; a user's mistake if it is anything. */
+static PetscErrorCode Verdict(const char *option, const char *path, char fault[HDF_FAULT]) {
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Bcast(fault, HDF_FAULT, MPI_CHAR, 0, OptionsComm()));
+  UserCheck(!fault[0], OptionsComm(), "%s %s: %s", option, path, fault);
+  PetscFunctionReturn(0);
+}
+
+/*
+  HdfRead - reads a whole array of reals from a file. Collective on OptionsComm(): rank 0 reads.
 
   option  the option that gave the file, named in the message when the file is bad
   rank    the number of dimensions expected
@@ -12,216 +391,103 @@
   A file that is missing, truncated or lacks the array, and values that are not finite, are a user's
   mistake.
 */
-PetscErrorCode HdfRead(const char *option, const char *file, const char *name, int rank,
-                       hsize_t dims[], PetscReal **data) {
-  hid_t f, d, space;
-  hsize_t total = 1;
-  int ndims;
-  herr_t status;
+PetscErrorCode HdfRead(const char *option, const char *path, const char *name, int rank,
+                       PetscInt dims[], PetscReal **data) {
+  char fault[HDF_FAULT] = "";
+  PetscMPIInt me;
+  PetscInt total = 1;
+  hid_t f = -1;
 
   PetscFunctionBegin;
-  H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
-  f = H5Fopen(file, H5F_ACC_RDONLY, H5P_DEFAULT);
-  UserCheck(f >= 0, PETSC_COMM_WORLD, "%s %s: not there, or not a whole HDF5 file", option, file);
-  d = H5Dopen2(f, name, H5P_DEFAULT);
-  if (d < 0) H5Fclose(f);
-  UserCheck(d >= 0, PETSC_COMM_WORLD, "%s %s: has no dataset %s", option, file, name);
-  space = H5Dget_space(d);
-  ndims = H5Sget_simple_extent_ndims(space);
-  if (ndims == rank) H5Sget_simple_extent_dims(space, dims, NULL);
-  H5Sclose(space);
-  if (ndims != rank) {
-    H5Dclose(d);
+  *data = NULL;
+  PetscCallMPI(MPI_Comm_rank(OptionsComm(), &me));
+  if (!me) f = OpenToRead(path, fault);
+  if (f >= 0) {
+    PetscCall(ReadAll(f, name, rank, dims, data, fault));
     H5Fclose(f);
   }
-  UserCheck(ndims == rank, PETSC_COMM_WORLD, "%s %s: %s must have %d dimension(s), it has %d",
-            option, file, name, rank, ndims);
+  PetscCall(Verdict(option, path, fault));
+  PetscCallMPI(MPI_Bcast(dims, rank, MPIU_INT, 0, OptionsComm()));
   for (int i = 0; i < rank; i++) total *= dims[i];
-  PetscCall(PetscMalloc1(total, data));
-  status = H5Dread(d, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, *data);
-  H5Dclose(d);
-  H5Fclose(f);
-  UserCheck(status >= 0, PETSC_COMM_WORLD,
-            "%s %s: %s cannot be read as numbers; is the file whole?", option, file, name);
-  for (hsize_t i = 0; i < total; i++)
-    UserCheck(!PetscIsInfOrNanReal((*data)[i]), PETSC_COMM_WORLD,
-              "%s %s: %s has a value that is not finite", option, file, name);
+  if (me) PetscCall(PetscMalloc1(total, data));
+  PetscCallMPI(MPI_Bcast(*data, (PetscMPIInt)total, MPIU_REAL, 0, OptionsComm()));
   PetscFunctionReturn(0);
 }
 
-/* HdfExists - tells whether a file is HDF5 and holds the named object. */
-PetscErrorCode HdfExists(const char *file, const char *name, PetscBool *exists) {
-  hid_t f;
-
-  PetscFunctionBegin;
-  H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
-  f = H5Fopen(file, H5F_ACC_RDONLY, H5P_DEFAULT);
-  *exists = (PetscBool)(f >= 0 && H5Lexists(f, name, H5P_DEFAULT) > 0);
-  if (f >= 0) H5Fclose(f);
-  PetscFunctionReturn(0);
-}
-
-/* HdfAppendable - creates an empty dataset that grows along its first dimension; row has the rank
-   sizes of one entry of it (none for rank 0). */
-PetscErrorCode HdfAppendable(hid_t file, const char *name, int rank, const hsize_t row[],
-                             const char *attribute, const char *description) {
-  hsize_t dims[4] = {0}, most[4] = {H5S_UNLIMITED}, chunk[4], values = 1;
-  hid_t space, plist, d;
-
-  PetscFunctionBegin;
-  for (int i = 0; i < rank; i++) {
-    dims[i + 1] = most[i + 1] = chunk[i + 1] = row[i];
-    values *= row[i];
-  }
-  chunk[0] = PetscMax(1, 512 / values);
-  space = H5Screate_simple(rank + 1, dims, most);
-  plist = H5Pcreate(H5P_DATASET_CREATE);
-  HdfCall(H5Pset_chunk(plist, rank + 1, chunk));
-  d = H5Dcreate2(file, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, plist, H5P_DEFAULT);
-  HdfCall(d);
-  PetscCall(HdfAttributeText(d, attribute, description));
-  H5Dclose(d);
-  H5Pclose(plist);
-  H5Sclose(space);
-  PetscFunctionReturn(0);
-}
-
-/* HdfAppend - adds rows entries at the end of a dataset made by HdfAppendable. */
-PetscErrorCode HdfAppend(hid_t file, const char *name, hsize_t rows, const PetscReal data[]) {
-  hsize_t dims[4], start[4] = {0}, count[4];
-  hid_t d = H5Dopen2(file, name, H5P_DEFAULT), space, memory;
-  int n;
-
-  PetscFunctionBegin;
-  HdfCall(d);
-  space = H5Dget_space(d);
-  n = H5Sget_simple_extent_dims(space, dims, NULL);
-  H5Sclose(space);
-  start[0] = dims[0];
-  dims[0] += rows;
-  HdfCall(H5Dset_extent(d, dims));
-  for (int i = 0; i < n; i++) count[i] = dims[i];
-  count[0] = rows;
-  space = H5Dget_space(d);
-  memory = H5Screate_simple(n, count, NULL);
-  HdfCall(H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL));
-  HdfCall(H5Dwrite(d, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, data));
-  H5Sclose(memory);
-  H5Sclose(space);
-  H5Dclose(d);
-  PetscFunctionReturn(0);
-}
-
-/* HdfWrite - writes one dataset of fixed size (rank 0: a scalar), with one text attribute. */
-PetscErrorCode HdfWrite(hid_t file, const char *name, int rank, const hsize_t dims[],
-                        const PetscReal data[], const char *attribute, const char *description) {
-  hid_t space = rank ? H5Screate_simple(rank, dims, NULL) : H5Screate(H5S_SCALAR), d;
-
-  PetscFunctionBegin;
-  if (H5Lexists(file, name, H5P_DEFAULT) > 0) HdfCall(H5Ldelete(file, name, H5P_DEFAULT));
-  d = H5Dcreate2(file, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-  HdfCall(d);
-  HdfCall(H5Dwrite(d, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, data));
-  PetscCall(HdfAttributeText(d, attribute, description));
-  H5Dclose(d);
-  H5Sclose(space);
-  PetscFunctionReturn(0);
-}
-
-/* HdfOverwrite - writes an array in the place of the one of the same size that stands there, so
-   that the file does not grow; creates it the first time. */
-PetscErrorCode HdfOverwrite(hid_t file, const char *name, hsize_t n, const PetscReal data[],
-                            const char *description) {
-  hid_t d;
-
-  PetscFunctionBegin;
-  if (H5Lexists(file, name, H5P_DEFAULT) > 0) {
-    d = H5Dopen2(file, name, H5P_DEFAULT);
-    HdfCall(d);
-    HdfCall(H5Dwrite(d, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, data));
-    H5Dclose(d);
-  } else
-    PetscCall(HdfWrite(file, name, 1, &n, data, "description", description));
-  PetscFunctionReturn(0);
-}
-
-/* HdfTruncate - leaves the first rows entries of a dataset made by HdfAppendable. */
-PetscErrorCode HdfTruncate(hid_t file, const char *name, hsize_t rows) {
-  hsize_t dims[4];
-  hid_t d = H5Dopen2(file, name, H5P_DEFAULT), space;
-
-  PetscFunctionBegin;
-  HdfCall(d);
-  space = H5Dget_space(d);
-  H5Sget_simple_extent_dims(space, dims, NULL);
-  H5Sclose(space);
-  dims[0] = PetscMin(dims[0], rows);
-  HdfCall(H5Dset_extent(d, dims));
-  H5Dclose(d);
-  PetscFunctionReturn(0);
-}
-
-/* HdfReadAttributeText - reads a text attribute of a file, on every rank; the caller frees it
-   (PetscFree). A file that is no result of tendril is a user's mistake. */
-PetscErrorCode HdfReadAttributeText(const char *option, const char *file, const char *name,
-                                    char **text) {
-  hid_t f, a = -1, type = -1;
+/* HdfReadText - reads a text attribute of a file; the caller frees it (PetscFree). A file that is
+   no result of tendril is a user's mistake. Collective on OptionsComm(). */
+PetscErrorCode HdfReadText(const char *option, const char *path, const char *name, char **text) {
+  char fault[HDF_FAULT] = "";
+  hid_t f = -1, a = -1, type;
   herr_t status = -1;
-  size_t size = 0;
+  PetscMPIInt me;
+  int size = 0;
 
   PetscFunctionBegin;
-  H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
-  f = H5Fopen(file, H5F_ACC_RDONLY, H5P_DEFAULT);
-  UserCheck(f >= 0, PETSC_COMM_WORLD, "%s %s: not there, or not a whole HDF5 file", option, file);
-  if (H5Aexists(f, name) > 0) a = H5Aopen(f, name, H5P_DEFAULT);
+  *text = NULL;
+  PetscCallMPI(MPI_Comm_rank(OptionsComm(), &me));
+  if (!me) f = OpenToRead(path, fault);
+  if (f >= 0 && H5Aexists(f, name) > 0) a = H5Aopen(f, name, H5P_DEFAULT);
   if (a >= 0) {
     type = H5Aget_type(a);
-    size = H5Tget_size(type);
-    PetscCall(PetscCalloc1(size + 1, text));
+    size = (int)H5Tget_size(type) + 1;
+    PetscCall(PetscCalloc1(size, text));
     status = H5Tis_variable_str(type) ? -1 : H5Aread(a, type, *text);
     H5Tclose(type);
     H5Aclose(a);
   }
+  if (f >= 0) H5Fclose(f);
+  if (f >= 0 && status < 0) (void)snprintf(fault, HDF_FAULT, "is not a result file of tendril");
+  PetscCall(Verdict(option, path, fault));
+  PetscCallMPI(MPI_Bcast(&size, 1, MPI_INT, 0, OptionsComm()));
+  if (me) PetscCall(PetscCalloc1(size, text));
+  PetscCallMPI(MPI_Bcast(*text, size, MPI_CHAR, 0, OptionsComm()));
+  PetscFunctionReturn(0);
+}
+
+/* HdfHas - tells whether a file is HDF5 and holds the named object, or attribute of the file if the
+   name has no slash in front. Collective on OptionsComm(). */
+PetscErrorCode HdfHas(const char *path, const char *name, PetscBool *has) {
+  char fault[HDF_FAULT];
+  PetscMPIInt me;
+  int found = 0;
+  hid_t f;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(OptionsComm(), &me));
+  if (!me && (f = OpenToRead(path, fault)) >= 0) {
+    found = (name[0] == '/' ? H5Lexists(f, name, H5P_DEFAULT) : H5Aexists(f, name)) > 0;
+    H5Fclose(f);
+  }
+  PetscCallMPI(MPI_Bcast(&found, 1, MPI_INT, 0, OptionsComm()));
+  *has = (PetscBool)found;
+  PetscFunctionReturn(0);
+}
+
+/* HdfReadRow - reads entry `row` of a dataset, n reals. Not collective; fault says what is wrong.
+ */
+PetscErrorCode HdfReadRow(const char *path, const char *name, PetscInt row, PetscInt n,
+                          PetscReal data[], char fault[HDF_FAULT]) {
+  hsize_t start[HDF_RANK] = {(hsize_t)row}, count[HDF_RANK], dims[HDF_RANK], values = 1,
+          size = (hsize_t)n;
+  hid_t f, d = -1, space = -1, memory = -1;
+  int rank = 0;
+
+  PetscFunctionBegin;
+  f = OpenToRead(path, fault);
+  if (f < 0) PetscFunctionReturn(0);
+  d = H5Dopen2(f, name, H5P_DEFAULT);
+  if (d >= 0) space = H5Dget_space(d);
+  if (space >= 0) rank = H5Sget_simple_extent_dims(space, dims, NULL);
+  for (int i = 0; i < rank; i++) values *= count[i] = i ? dims[i] : 1;
+  if (rank > 0 && start[0] < dims[0] && values == size &&
+      H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) >= 0)
+    memory = H5Screate_simple(1, &size, NULL);
+  if (memory < 0 || H5Dread(d, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, data) < 0)
+    (void)snprintf(fault, HDF_FAULT, "%s cannot be read", name);
+  if (memory >= 0) H5Sclose(memory);
+  if (space >= 0) H5Sclose(space);
+  if (d >= 0) H5Dclose(d);
   H5Fclose(f);
-  UserCheck(status >= 0, PETSC_COMM_WORLD, "%s %s: is not a result file of tendril", option, file);
-  PetscFunctionReturn(0);
-}
-
-static PetscErrorCode Attribute(hid_t object, const char *name, hid_t type, const void *value) {
-  hid_t space, a;
-
-  PetscFunctionBegin;
-  if (H5Aexists(object, name) > 0) HdfCall(H5Adelete(object, name));
-  space = H5Screate(H5S_SCALAR);
-  a = H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
-  HdfCall(a);
-  HdfCall(H5Awrite(a, type, value));
-  H5Aclose(a);
-  H5Sclose(space);
-  PetscFunctionReturn(0);
-}
-
-/* HdfAttributeText - sets a text attribute of an open object, replacing what was there. */
-PetscErrorCode HdfAttributeText(hid_t object, const char *name, const char *text) {
-  hid_t type = H5Tcopy(H5T_C_S1);
-
-  PetscFunctionBegin;
-  HdfCall(H5Tset_size(type, strlen(text) + 1));
-  PetscCall(Attribute(object, name, type, text));
-  H5Tclose(type);
-  PetscFunctionReturn(0);
-}
-
-/* HdfAttributeReal - sets a real attribute of an open object. */
-PetscErrorCode HdfAttributeReal(hid_t object, const char *name, PetscReal value) {
-  PetscFunctionBegin;
-  PetscCall(Attribute(object, name, H5T_NATIVE_DOUBLE, &value));
-  PetscFunctionReturn(0);
-}
-
-/* HdfAttributeInt - sets an integer attribute of an open object. */
-PetscErrorCode HdfAttributeInt(hid_t object, const char *name, int value) {
-  PetscFunctionBegin;
-  PetscCall(Attribute(object, name, H5T_NATIVE_INT, &value));
   PetscFunctionReturn(0);
 }

@@ -1,29 +1,42 @@
-/* The one place that knows the HDF5 C interface: arrays in, growing arrays out. */
+/* The one place that knows the HDF5 library: arrays in, files out.
+
+   A file is written beside its name and renamed when it is whole, so that under its name there is
+   never half a file, whatever ends the program. What goes wrong while it is written (a full disk)
+   is kept until HdfClose() tells. */
 #ifndef TENDRIL_HDF_H
 #define TENDRIL_HDF_H
 
 #include <petscsys.h>
-#include <hdf5.h>
 
-PetscErrorCode HdfRead(const char *option, const char *file, const char *name, int rank,
-                       hsize_t dims[], PetscReal **data);
-PetscErrorCode HdfExists(const char *file, const char *name, PetscBool *exists);
-PetscErrorCode HdfAppendable(hid_t file, const char *name, int rank, const hsize_t row[],
-                             const char *attribute, const char *description);
-PetscErrorCode HdfAppend(hid_t file, const char *name, hsize_t rows, const PetscReal data[]);
-PetscErrorCode HdfWrite(hid_t file, const char *name, int rank, const hsize_t dims[],
-                        const PetscReal data[], const char *attribute, const char *description);
-PetscErrorCode HdfOverwrite(hid_t file, const char *name, hsize_t n, const PetscReal data[],
-                            const char *description);
-PetscErrorCode HdfTruncate(hid_t file, const char *name, hsize_t rows);
-PetscErrorCode HdfReadAttributeText(const char *option, const char *file, const char *name,
-                                    char **text);
-PetscErrorCode HdfAttributeText(hid_t object, const char *name, const char *text);
-PetscErrorCode HdfAttributeReal(hid_t object, const char *name, PetscReal value);
-PetscErrorCode HdfAttributeInt(hid_t object, const char *name, int value);
+enum { HDF_FAULT = 256, HDF_RANK = 4 };
 
-/* Check a call of the HDF5 library, which reports failure by a negative value. */
-#define HdfCall(call)                                                                              \
-  PetscCheck((call) >= 0, PETSC_COMM_SELF, PETSC_ERR_LIB, "HDF5 failed: %s", #call)
+typedef struct _HdfFile *HdfFile;
+
+/* writing, on one rank; a file that is NULL takes everything and keeps nothing */
+PetscErrorCode HdfCreate(const char *path, HdfFile *file);
+PetscErrorCode HdfAmend(const char *from, const char *path, HdfFile *file);
+PetscErrorCode HdfClose(HdfFile *file, char fault[HDF_FAULT]);
+PetscBool HdfFault(HdfFile file);
+PetscErrorCode HdfGroup(HdfFile file, const char *name);
+PetscErrorCode HdfWrite(HdfFile file, const char *name, int rank, const PetscInt dims[],
+                        const PetscReal data[], const char *units, const char *description);
+PetscErrorCode HdfAppendable(HdfFile file, const char *name, int rank, const PetscInt row[],
+                             const char *units, const char *description);
+PetscErrorCode HdfAppend(HdfFile file, const char *name, PetscInt rows, const PetscReal data[]);
+PetscErrorCode HdfTruncate(HdfFile file, const char *name, PetscInt rows);
+PetscErrorCode HdfDelete(HdfFile file, const char *name);
+PetscErrorCode HdfText(HdfFile file, const char *object, const char *name, const char *text);
+PetscErrorCode HdfReal(HdfFile file, const char *object, const char *name, PetscReal value);
+PetscErrorCode HdfInt(HdfFile file, const char *object, const char *name, int value);
+
+/* reading, collective on OptionsComm(): rank 0 reads and tells the others */
+PetscErrorCode HdfRead(const char *option, const char *path, const char *name, int rank,
+                       PetscInt dims[], PetscReal **data);
+PetscErrorCode HdfReadText(const char *option, const char *path, const char *name, char **text);
+PetscErrorCode HdfHas(const char *path, const char *name, PetscBool *has);
+
+/* reading, on one rank */
+PetscErrorCode HdfReadRow(const char *path, const char *name, PetscInt row, PetscInt n,
+                          PetscReal data[], char fault[HDF_FAULT]);
 
 #endif

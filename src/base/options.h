@@ -1,36 +1,101 @@
-/* Reading options: each value is parsed strictly, checked against its range, entered in -help and
-   remembered by name, so that a mistyped option is refused with the nearest known name. */
+/* Options. Each module declares its own as rows of a table; all rows together are the reference
+   manual (-help, docs/options.md), say which files a run reads and writes and what a restart keeps,
+   and tell a mistyped name from one that this run has no use for. */
 #ifndef TENDRIL_OPTIONS_H
 #define TENDRIL_OPTIONS_H
 
-#include <petscsys.h>
+#include "base/errors.h"
 
-/* The error class of a user's mistake: one plain line on stderr, no traceback. */
-#define TENDRIL_ERR_USER PETSC_ERR_USER
+typedef enum { KIND_REAL, KIND_INT, KIND_BOOL, KIND_WORD, KIND_TEXT } OptionKind;
 
-/* Refuse a user's mistake; the message names the option and the remedy. Collective on comm. */
-#define UserCheck(cond, comm, ...) PetscCheck(cond, comm, TENDRIL_ERR_USER, __VA_ARGS__)
+/* What a quantity is measured in: laboratory units are converted by its scale (scene/si.h). */
+typedef enum {
+  UNIT_NONE,
+  UNIT_LENGTH,
+  UNIT_FORCE,
+  UNIT_TIME,
+  UNIT_SPEED,
+  UNIT_ENERGY,
+  UNIT_POWER,
+  UNIT_CURVATURE,
+  UNIT_ANGLE,
+  UNIT_ALL
+} Dimension;
 
-PetscErrorCode OptionReal(const char *name, const char *text, PetscReal low, PetscReal high,
-                          PetscReal *value, PetscBool *set);
-PetscErrorCode OptionInt(const char *name, const char *text, PetscInt low, PetscInt high,
-                         PetscInt *value, PetscBool *set);
-PetscErrorCode OptionBool(const char *name, const char *text, PetscBool *value, PetscBool *set);
-PetscErrorCode OptionString(const char *name, const char *text, char *value, size_t length,
-                            PetscBool *set);
-PetscErrorCode OptionList(const char *name, const char *text, PetscInt n, const char *const *list,
-                          PetscInt *choice, PetscBool *set);
-PetscErrorCode OptionsHeading(const char *title);
+enum {
+  INPUT_FILE = 1,  /* names a file that is read */
+  OUTPUT_FILE = 2, /* names a file that is written */
+  PASSING = 4,     /* says how a run was run, not what it was: a restart does not keep it */
+  EVENT = 8,       /* ends a run: a restart of one that has ended there does not keep it */
+  PETSCS = 16,     /* PETSc reads it, tendril only checks it */
+  LATE = 32,       /* PETSc reads it only deep in a solve, or at its end */
+  IN_PLACE = 64    /* an input file that may be written over */
+};
 
+typedef struct {
+  const char *name; /* with its dash */
+  OptionKind kind;
+  const char *usual;   /* the default, as text; "": none, off unless given */
+  PetscReal low, high; /* closed range of a number */
+  const char *words;   /* "one,of,these", or NULL */
+  Dimension dimension;
+  int flags;
+  const char *text; /* meaning, for -help */
+} OptionRow;
+
+typedef struct {
+  const char *title;
+  size_t n;
+  const OptionRow *rows;
+} OptionGroup;
+
+#define ROW_REAL(name, usual, low, high, dimension, flags, text)                                   \
+  { name, KIND_REAL, usual, low, high, NULL, dimension, flags, text }
+#define ROW_INT(name, usual, low, high, flags, text)                                               \
+  { name, KIND_INT, usual, low, high, NULL, UNIT_NONE, flags, text }
+#define ROW_BOOL(name, usual, flags, text)                                                         \
+  { name, KIND_BOOL, usual, 0, 0, NULL, UNIT_NONE, flags, text }
+#define ROW_WORD(name, usual, words, flags, text)                                                  \
+  { name, KIND_WORD, usual, 0, 0, words, UNIT_NONE, flags, text }
+#define ROW_TEXT(name, flags, text)                                                                \
+  { name, KIND_TEXT, "", 0, 0, NULL, UNIT_NONE, flags, text }
+#define OPTION_GROUP(title, rows)                                                                  \
+  { title, PETSC_STATIC_ARRAY_LENGTH(rows), rows }
+
+extern const OptionGroup petsc_options;
+
+/* options_table.c: the table */
+void OptionsSetTable(size_t n, const OptionGroup *const groups[]);
+const OptionRow *OptionFind(const char *name);
+const OptionRow *OptionNext(size_t *place);
+void OptionsHelp(FILE *file);
+const char *OptionNearest(const char *name);
+
+/* options.c: reading */
+MPI_Comm OptionsComm(void);
+PetscErrorCode OptionsPush(MPI_Comm comm, PetscOptions options);
+PetscErrorCode OptionsPop(void);
+PetscErrorCode OptionsSetScales(const PetscReal scale[UNIT_ALL]);
+PetscErrorCode OptionReal(const char *name, PetscReal *value, PetscBool *set);
+PetscErrorCode OptionInt(const char *name, PetscInt *value, PetscBool *set);
+PetscErrorCode OptionBool(const char *name, PetscBool *value, PetscBool *set);
+PetscErrorCode OptionWord(const char *name, PetscInt *choice, PetscBool *set);
+PetscErrorCode OptionText(const char *name, char value[PETSC_MAX_PATH_LEN], PetscBool *set);
+PetscErrorCode OptionCheck(const OptionRow *row);
+PetscErrorCode OptionGiven(const char *name, PetscBool *given);
+PetscErrorCode OptionDefault(const char *name, const char *format, ...);
 const char *OptionNumber(PetscReal value, char text[32]);
-int OptionsCheckFiles(int argc, char **argv);
+
+/* options_use.c: what was given, as a whole */
 PetscErrorCode OptionsCheckPetsc(void);
 PetscErrorCode OptionsCheckTypes(void);
-PetscErrorCode OptionsRefuseOverwrite(const char *output);
 PetscErrorCode OptionsRefuseUnread(void);
-PetscErrorCode OptionsRefuseBareWords(int argc, char **argv);
+PetscErrorCode OptionsRefuseLeft(void);
+PetscErrorCode OptionsRefuseOverwrite(const char *option, const char *output);
+PetscErrorCode OptionsList(char **text);
+PetscErrorCode OptionsInForce(char **text);
 
-PetscErrorCode UserErrorHandler(MPI_Comm comm, int line, const char *func, const char *file,
-                                PetscErrorCode n, PetscErrorType p, const char *mess, void *ctx);
+/* options_words.c: the command line and options files, before PETSc takes them */
+int OptionsCheckWords(int argc, char **argv);
 
 #endif

@@ -1,5 +1,5 @@
 #include "base/spline.h"
-#include <petscblaslapack.h>
+#include "base/band.h"
 
 /*
   SplineSecondDerivatives - second derivatives at the knots of the cubic splines through many rows.
@@ -14,35 +14,35 @@
 PetscErrorCode SplineSecondDerivatives(PetscInt n, const PetscReal x[], PetscInt rows,
                                        PetscInt row_stride, PetscInt stride, const PetscReal f[],
                                        PetscReal f2[]) {
-  PetscBLASInt nb, one = 1, info, *pivots;
-  PetscReal *a, *b;
+  PetscReal *b;
+  Band A; /* three diagonals, and two more in the corners */
 
   PetscFunctionBegin;
-  PetscCall(PetscBLASIntCast(n, &nb));
-  PetscCall(PetscCalloc3(n * n, &a, n, &b, n, &pivots));
-#define A(i, j) a[(i) + n * (j)]
+  PetscCall(BandCreate(n, 2, 2, &A));
+  PetscCall(PetscMalloc1(n, &b));
   for (PetscInt i = 1; i < n - 1; i++) {
-    A(i, i - 1) = (x[i] - x[i - 1]) / 6;
-    A(i, i) = (x[i + 1] - x[i - 1]) / 3;
-    A(i, i + 1) = (x[i + 1] - x[i]) / 6;
+    *BandAt(&A, i, i - 1) = (x[i] - x[i - 1]) / 6;
+    *BandAt(&A, i, i) = (x[i + 1] - x[i - 1]) / 3;
+    *BandAt(&A, i, i + 1) = (x[i + 1] - x[i]) / 6;
   }
-  A(0, 0) = x[2] - x[1], A(0, 1) = x[0] - x[2], A(0, 2) = x[1] - x[0];
-  A(n - 1, n - 3) = x[n - 1] - x[n - 2], A(n - 1, n - 2) = x[n - 3] - x[n - 1];
-  A(n - 1, n - 1) = x[n - 2] - x[n - 3];
-#undef A
-  PetscCallBLAS("LAPACKgetrf", LAPACKgetrf_(&nb, &nb, a, &nb, pivots, &info));
-  PetscCheck(!info, PETSC_COMM_SELF, PETSC_ERR_LIB,
-             "spline matrix is singular: knots not increasing");
+  *BandAt(&A, 0, 0) = x[2] - x[1];
+  *BandAt(&A, 0, 1) = x[0] - x[2];
+  *BandAt(&A, 0, 2) = x[1] - x[0];
+  *BandAt(&A, n - 1, n - 3) = x[n - 1] - x[n - 2];
+  *BandAt(&A, n - 1, n - 2) = x[n - 3] - x[n - 1];
+  *BandAt(&A, n - 1, n - 1) = x[n - 2] - x[n - 3];
+  PetscCall(BandFactor(&A));
   for (PetscInt r = 0; r < rows; r++) {
     const PetscReal *y = f + r * row_stride;
     b[0] = b[n - 1] = 0;
     for (PetscInt i = 1; i < n - 1; i++)
       b[i] = (y[(i + 1) * stride] - y[i * stride]) / (x[i + 1] - x[i]) -
              (y[i * stride] - y[(i - 1) * stride]) / (x[i] - x[i - 1]);
-    PetscCallBLAS("LAPACKgetrs", LAPACKgetrs_("N", &nb, &one, a, &nb, pivots, b, &nb, &info));
+    PetscCall(BandSolve(&A, PETSC_FALSE, 1, b));
     for (PetscInt i = 0; i < n; i++) f2[r * row_stride + i * stride] = b[i];
   }
-  PetscCall(PetscFree3(a, b, pivots));
+  PetscCall(BandDestroy(&A));
+  PetscCall(PetscFree(b));
   PetscFunctionReturn(0);
 }
 

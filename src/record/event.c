@@ -1,5 +1,16 @@
 #include "record/event.h"
-#include "base/options.h"
+#include "base/boxes.h"
+
+static const OptionRow rows[] = {
+    ROW_REAL(
+        "-stop_self_contact", "", 0, 1e3, UNIT_LENGTH, EVENT,
+        "ends the run where a rod of this diameter touches itself; 0: crosses; off unless given"),
+    ROW_REAL("-stop_length", "", 0, 1e9, UNIT_LENGTH, EVENT,
+             "ends the run at this length; off unless given"),
+    ROW_REAL(
+        "-stop_angle", "", 0, 1e4, UNIT_ANGLE, EVENT,
+        "ends the run when an angle against the clamp reaches this, radians; off unless given")};
+const OptionGroup event_options = OPTION_GROUP("Events", rows);
 
 const char *const event_name[EVENT_KINDS] = {"none", "self_contact", "length", "angle"};
 
@@ -11,55 +22,26 @@ PetscErrorCode WatchSetFromOptions(Watch *watch, Growth growth) {
   PetscFunctionBegin;
   PetscCall(PetscMemzero(watch, sizeof(*watch)));
   PetscCall(GrowthLength(growth, 0, &length, NULL));
-  PetscCall(OptionReal(
-      "-stop_self_contact",
-      "ends the run where a rod of this diameter touches itself; 0: crosses; off unless given", 0,
-      1e3, &watch->bound[EVENT_SELF_CONTACT], &watch->watched[EVENT_SELF_CONTACT]));
-  watch->bound[EVENT_LENGTH] = 1e9;
-  PetscCall(OptionReal("-stop_length", "ends the run at this length; off unless given", 0, 1e9,
-                       &watch->bound[EVENT_LENGTH], &watch->watched[EVENT_LENGTH]));
-  UserCheck(watch->bound[EVENT_LENGTH] > length, PETSC_COMM_WORLD,
+  PetscCall(OptionReal("-stop_self_contact", &watch->bound[EVENT_SELF_CONTACT],
+                       &watch->watched[EVENT_SELF_CONTACT]));
+  watch->bound[EVENT_LENGTH] = PETSC_MAX_REAL;
+  PetscCall(OptionReal("-stop_length", &watch->bound[EVENT_LENGTH], &watch->watched[EVENT_LENGTH]));
+  UserCheck(watch->bound[EVENT_LENGTH] > length, OptionsComm(),
             "-stop_length: the rod is %s long at the start, give more", OptionNumber(length, text));
-  PetscCall(OptionReal(
-      "-stop_angle",
-      "ends the run when an angle against the clamp reaches this, radians; off unless given", 0,
-      1e4, &watch->bound[EVENT_ANGLE], &watch->watched[EVENT_ANGLE]));
+  PetscCall(OptionReal("-stop_angle", &watch->bound[EVENT_ANGLE], &watch->watched[EVENT_ANGLE]));
   for (int k = 0; k < EVENT_KINDS; k++) watch->any = (PetscBool)(watch->any || watch->watched[k]);
   PetscFunctionReturn(0);
 }
 
-/* Segments of the rod lo .. hi - 1, in a binary tree of bounding boxes. */
-typedef struct {
-  PetscReal low[2], high[2];
-} Box;
-
+/* The search for the nearest pair of segments that touch. */
 typedef struct {
   const Node *nodes;
   const PetscReal *s;
-  PetscReal *p; /* arc length */
-  Box *box;
+  PetscReal *p;              /* arc length */
   PetscReal diameter, apart; /* parts farther apart than this along the rod are not neighbours */
   PetscReal nearest;
   Event *event;
 } Contact;
-
-static Box BoxBuild(Contact *self, PetscInt lo, PetscInt hi, PetscInt k) {
-  Box box, l, r;
-  if (hi - lo == 1) {
-    for (int d = 0; d < 2; d++) {
-      box.low[d] = PetscMin(self->nodes[lo].x[d], self->nodes[hi].x[d]);
-      box.high[d] = PetscMax(self->nodes[lo].x[d], self->nodes[hi].x[d]);
-    }
-    return self->box[k] = box;
-  }
-  l = BoxBuild(self, lo, (lo + hi) / 2, 2 * k + 1);
-  r = BoxBuild(self, (lo + hi) / 2, hi, 2 * k + 2);
-  for (int d = 0; d < 2; d++) {
-    box.low[d] = PetscMin(l.low[d], r.low[d]);
-    box.high[d] = PetscMax(l.high[d], r.high[d]);
-  }
-  return self->box[k] = box;
-}
 
 /* The point of segment ab nearest to c: its place z in [0,1], and its distance. */
 static PetscReal PointDistance(const PetscReal a[2], const PetscReal b[2], const PetscReal c[2],
@@ -88,7 +70,15 @@ static PetscReal SegmentDistance(const PetscReal a[2], const PetscReal b[2], con
   return best;
 }
 
-static void Meet(Contact *self, PetscInt i, PetscInt j) {
+/* Is one box too near the other along the rod to touch it? */
+static PetscBool TooNear(const Box *a, PetscInt first_a, PetscInt last_a, const Box *b,
+                         PetscInt first_b, PetscInt last_b, void *ctx) {
+  const Contact *self = (const Contact *)ctx;
+  return (PetscBool)(self->p[last_b] - self->p[first_a] < self->apart);
+}
+
+static void Meet(PetscInt i, PetscInt j, void *ctx) {
+  Contact *self = (Contact *)ctx;
   const Node *a = self->nodes + i, *c = self->nodes + j;
   PetscReal z[2], distance;
 
@@ -105,32 +95,6 @@ static void Meet(Contact *self, PetscInt i, PetscInt j) {
         2;
 }
 
-static void Search(Contact *self, PetscInt lo1, PetscInt hi1, PetscInt k1, PetscInt lo2,
-                   PetscInt hi2, PetscInt k2) {
-  const Box *a = &self->box[k1], *b = &self->box[k2];
-  PetscInt mid;
-
-  if (self->p[hi2] - self->p[lo1] < self->apart) return;
-  for (int d = 0; d < 2; d++)
-    if (a->low[d] > b->high[d] + self->diameter || b->low[d] > a->high[d] + self->diameter) return;
-  if (hi1 - lo1 == 1 && hi2 - lo2 == 1) {
-    if (k1 != k2) Meet(self, lo1, lo2);
-  } else if (k1 == k2) {
-    mid = (lo1 + hi1) / 2;
-    Search(self, lo1, mid, 2 * k1 + 1, lo1, mid, 2 * k1 + 1);
-    Search(self, mid, hi1, 2 * k1 + 2, mid, hi1, 2 * k1 + 2);
-    Search(self, lo1, mid, 2 * k1 + 1, mid, hi1, 2 * k1 + 2);
-  } else if (hi1 - lo1 >= hi2 - lo2) {
-    mid = (lo1 + hi1) / 2;
-    Search(self, lo1, mid, 2 * k1 + 1, lo2, hi2, k2);
-    Search(self, mid, hi1, 2 * k1 + 2, lo2, hi2, k2);
-  } else {
-    mid = (lo2 + hi2) / 2;
-    Search(self, lo1, hi1, k1, lo2, mid, 2 * k2 + 1);
-    Search(self, lo1, hi1, k1, mid, hi2, 2 * k2 + 2);
-  }
-}
-
 /*
   EventContact - does a rod of this diameter (0: its centre line) touch itself? Not collective.
 
@@ -142,21 +106,21 @@ static void Search(Contact *self, PetscInt lo1, PetscInt hi1, PetscInt k1, Petsc
 PetscErrorCode EventContact(PetscInt cells, const PetscReal s[], const Node *nodes,
                             PetscReal diameter, Event *event) {
   Contact self = {.nodes = nodes, .s = s, .diameter = diameter, .event = event};
-  PetscInt size = 1;
+  Boxes boxes;
 
   PetscFunctionBegin;
   event->kind = EVENT_NONE;
   self.apart = PETSC_PI / 2 * diameter;
   self.nearest = PETSC_MAX_REAL;
-  while (size < cells) size *= 2;
-  PetscCall(PetscMalloc2(cells + 1, &self.p, 2 * size, &self.box));
+  PetscCall(PetscMalloc1(cells + 1, &self.p));
   self.p[0] = 0;
   for (PetscInt i = 0; i < cells; i++)
     self.p[i + 1] =
         self.p[i] + hypot(nodes[i + 1].x[0] - nodes[i].x[0], nodes[i + 1].x[1] - nodes[i].x[1]);
-  BoxBuild(&self, 0, cells, 0);
-  Search(&self, 0, cells, 0, 0, cells, 0);
-  PetscCall(PetscFree2(self.p, self.box));
+  PetscCall(BoxesCreate(cells, NODE_VALUES, nodes[0].x, NULL, &boxes));
+  BoxesPairs(boxes, diameter, TooNear, Meet, &self);
+  PetscCall(BoxesDestroy(&boxes));
+  PetscCall(PetscFree(self.p));
   PetscFunctionReturn(0);
 }
 

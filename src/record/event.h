@@ -20,6 +20,8 @@ typedef struct {
   PetscReal t, s[2], x[2];
 } Event;
 
+extern const OptionGroup event_options;
+
 PetscErrorCode WatchSetFromOptions(Watch *watch, Growth growth);
 PetscErrorCode WatchLook(const Watch *watch, Scene scene, PetscReal t, const Node *nodes,
                          Event *event);

@@ -1,9 +1,14 @@
 #include "record/observe.h"
+#include "base/boxes.h"
+#include "base/lagrange.h"
 
-#define X(name, text) #name,
+#define X(name, units, text) #name,
 const char *const observed_name[OBSERVED] = {OBSERVABLES(X)};
 #undef X
-#define X(name, text) text,
+#define X(name, units, text) units,
+const char *const observed_units[OBSERVED] = {OBSERVABLES(X)};
+#undef X
+#define X(name, units, text) text,
 const char *const observed_text[OBSERVED] = {OBSERVABLES(X)};
 #undef X
 
@@ -25,7 +30,7 @@ PetscErrorCode ObserverCreate(Scene scene, Observer *observer) {
   PetscFunctionBegin;
   PetscCall(PetscNew(observer));
   (*observer)->scene = scene;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCallMPI(MPI_Comm_rank(scene->comm, &rank));
   if (!rank) PetscCall(PetscMalloc1(scene->mesh.cells + 1, &(*observer)->gathered));
   PetscFunctionReturn(0);
 }
@@ -77,19 +82,20 @@ PetscErrorCode ObserverGather(Observer observer, Rod rod, PetscReal t, Vec U, Ve
 /* A point of the rod with all that integrals need. */
 typedef struct {
   Node node;
-  PetscReal g, g_t, k0, q[2], v[2], drag; /* drag = phi(|v|) */
+  PetscReal g, g_t, k0, B, q[2], v[2], drag;
 } Sample;
 
 static PetscErrorCode SampleFill(Scene scene, PetscReal s, PetscReal t, Sample *p) {
-  PetscReal c = GrowthSlide(scene->growth, s);
+  PetscReal c = GrowthSlide(scene->growth, s, t);
 
   PetscFunctionBegin;
   PetscCall(GrowthStretch(scene->growth, 1, &s, t, &p->g, &p->g_t, NULL));
   PetscCall(SceneCurvature(scene, s, t, &p->k0));
+  p->B = SceneStiffness(scene, s, t);
   p->q[0] = PetscCosReal(p->node.theta);
   p->q[1] = PetscSinReal(p->node.theta);
   for (int d = 0; d < 2; d++) p->v[d] = p->node.x_t[d] + c * p->q[d];
-  p->drag = FrictionPhi(&scene->friction, p->v[0] * p->v[0] + p->v[1] * p->v[1]);
+  p->drag = LoadDrag(&scene->load, p->v);
   PetscFunctionReturn(0);
 }
 
@@ -105,7 +111,7 @@ static PetscErrorCode SampleMid(Scene scene, PetscReal sa, PetscReal sb, PetscRe
     const Sample *p = end[e];
     const Node *n = &p->node;
     PetscReal k = e ? -h / 8 : h / 8;
-    mid->node.theta += n->theta / 2 + k * p->g * (n->moment + p->k0);
+    mid->node.theta += n->theta / 2 + k * p->g * (n->moment / p->B + p->k0);
     mid->node.moment += n->moment / 2 - k * p->g * (p->q[0] * n->force[1] - p->q[1] * n->force[0]);
     for (int d = 0; d < 2; d++) {
       PetscReal perp = d ? p->q[0] : -p->q[1];
@@ -129,7 +135,7 @@ static inline PetscReal LabX1(Scene scene, const PetscReal x[2]) {
 
 /* Adds a sample to the integrals, which are kept in the fields they end up in. */
 static void Integrate(Scene scene, const Sample *p, PetscReal weight, Observation *sum) {
-  PetscReal x2 = LabX2(scene, p->node.x), m2 = PetscSqr(p->node.moment);
+  PetscReal x2 = LabX2(scene, p->node.x), m2 = PetscSqr(p->node.moment) / p->B;
   sum->norm_x2 += weight * x2 * x2;
   sum->norm_x2_length += weight * x2 * x2 * p->g;
   sum->energy += weight * m2 * p->g / 2;
@@ -151,7 +157,7 @@ static PetscErrorCode MeasureIntegrals(Scene scene, PetscReal t, const Node *nod
   PetscCall(SampleFill(scene, s[0], t, &b));
   if (scene->growth->slides)
     seen->growth_power = -(b.node.force[0] * b.q[0] + b.node.force[1] * b.q[1] +
-                           PetscSqr(b.node.moment) / 2 + b.node.moment * b.k0);
+                           PetscSqr(b.node.moment) / b.B / 2 + b.node.moment * b.k0);
   for (PetscInt i = 0; i < scene->mesh.cells; i++) {
     PetscReal h = s[i + 1] - s[i];
     a = b;
@@ -191,83 +197,45 @@ static PetscBool SegmentsCross(const PetscReal a[2], const PetscReal b[2], const
   return (PetscBool)(u >= 0 && u < 1 && w >= 0 && w < 1);
 }
 
-/* A binary tree of bounding boxes over the segments lo .. hi - 1, and the range of their angles. */
+/* The polygon whose crossings are counted. */
 typedef struct {
-  PetscReal low[2], high[2], theta_low, theta_high;
-} Box;
+  const Node *nodes;
+  PetscInt count;
+} Crossings;
 
-static Box BuildBoxes(const Node *nodes, PetscInt lo, PetscInt hi, PetscInt k, Box *tree) {
-  Box box, l, r;
-  if (hi - lo == 1) {
-    for (int d = 0; d < 2; d++) {
-      box.low[d] = PetscMin(nodes[lo].x[d], nodes[hi].x[d]);
-      box.high[d] = PetscMax(nodes[lo].x[d], nodes[hi].x[d]);
-    }
-    box.theta_low = PetscMin(nodes[lo].theta, nodes[hi].theta);
-    box.theta_high = PetscMax(nodes[lo].theta, nodes[hi].theta);
-    return tree[k] = box;
-  }
-  l = BuildBoxes(nodes, lo, (lo + hi) / 2, 2 * k + 1, tree);
-  r = BuildBoxes(nodes, (lo + hi) / 2, hi, 2 * k + 2, tree);
-  for (int d = 0; d < 2; d++) {
-    box.low[d] = PetscMin(l.low[d], r.low[d]);
-    box.high[d] = PetscMax(l.high[d], r.high[d]);
-  }
-  box.theta_low = PetscMin(l.theta_low, r.theta_low);
-  box.theta_high = PetscMax(l.theta_high, r.theta_high);
-  return tree[k] = box;
+/* An arc whose angles span less than pi cannot meet itself, nor its neighbour in the same arc. */
+static PetscBool CannotCross(const Box *a, PetscInt first_a, PetscInt last_a, const Box *b,
+                             PetscInt first_b, PetscInt last_b, void *ctx) {
+  PetscReal span = PetscMax(a->high[2], b->high[2]) - PetscMin(a->low[2], b->low[2]);
+  return (PetscBool)(span < PETSC_PI && (last_a == first_b || first_a == first_b));
 }
 
-static PetscInt CrossingsBetween(const Node *nodes, const Box *tree, PetscInt lo1, PetscInt hi1,
-                                 PetscInt k1, PetscInt lo2, PetscInt hi2, PetscInt k2) {
-  const Box *a = &tree[k1], *b = &tree[k2];
-  for (int d = 0; d < 2; d++)
-    if (a->low[d] > b->high[d] || b->low[d] > a->high[d]) return 0;
-  /* an arc whose angles span less than pi cannot meet itself, nor its neighbour in the same arc */
-  if (PetscMax(a->theta_high, b->theta_high) - PetscMin(a->theta_low, b->theta_low) < PETSC_PI &&
-      hi1 == lo2)
-    return 0;
-  if (hi1 - lo1 == 1 && hi2 - lo2 == 1) {
-    if (hi1 == lo2) return 0; /* neighbours share a node */
-    return SegmentsCross(nodes[lo1].x, nodes[hi1].x, nodes[lo2].x, nodes[hi2].x);
-  }
-  if (hi1 - lo1 >= hi2 - lo2) {
-    PetscInt mid = (lo1 + hi1) / 2;
-    return CrossingsBetween(nodes, tree, lo1, mid, 2 * k1 + 1, lo2, hi2, k2) +
-           CrossingsBetween(nodes, tree, mid, hi1, 2 * k1 + 2, lo2, hi2, k2);
-  }
-  PetscInt mid = (lo2 + hi2) / 2;
-  return CrossingsBetween(nodes, tree, lo1, hi1, k1, lo2, mid, 2 * k2 + 1) +
-         CrossingsBetween(nodes, tree, lo1, hi1, k1, mid, hi2, 2 * k2 + 2);
-}
-
-static PetscInt CrossingsWithin(const Node *nodes, const Box *tree, PetscInt lo, PetscInt hi,
-                                PetscInt k) {
-  PetscInt mid = (lo + hi) / 2;
-  if (hi - lo < 3 || tree[k].theta_high - tree[k].theta_low < PETSC_PI) return 0;
-  return CrossingsWithin(nodes, tree, lo, mid, 2 * k + 1) +
-         CrossingsWithin(nodes, tree, mid, hi, 2 * k + 2) +
-         CrossingsBetween(nodes, tree, lo, mid, 2 * k + 1, mid, hi, 2 * k + 2);
+static void CountCrossing(PetscInt i, PetscInt j, void *ctx) {
+  Crossings *self = (Crossings *)ctx;
+  const Node *a = self->nodes + i, *c = self->nodes + j;
+  if (j > i + 1)
+    self->count += SegmentsCross(a[0].x, a[1].x, c[0].x, c[1].x); /* else: a node in common */
 }
 
 /* ObserveCrossings - in how many points the polygon through n nodes crosses itself. Not collective.
  */
-PetscInt ObserveCrossings(PetscInt n, const Node *nodes) {
-  PetscInt size = 1, count;
-  Box *tree;
+PetscErrorCode ObserveCrossings(PetscInt n, const Node *nodes, PetscInt *count) {
+  Crossings self = {nodes, 0};
+  Boxes boxes;
 
-  if (n < 4) return 0;
-  while (size < n - 1) size *= 2;
-  if (PetscMalloc1(2 * size, &tree)) return -1;
-  BuildBoxes(nodes, 0, n - 1, 0, tree);
-  count = CrossingsWithin(nodes, tree, 0, n - 1, 0);
-  (void)PetscFree(tree);
-  return count;
+  PetscFunctionBegin;
+  *count = 0;
+  if (n < 4) PetscFunctionReturn(0);
+  PetscCall(BoxesCreate(n - 1, NODE_VALUES, nodes[0].x, &nodes[0].theta, &boxes));
+  BoxesPairs(boxes, 0, CannotCross, CountCrossing, &self);
+  PetscCall(BoxesDestroy(&boxes));
+  *count = self.count;
+  PetscFunctionReturn(0);
 }
 
 /* What is read off the nodes one by one. */
 static PetscErrorCode MeasureShape(Scene scene, PetscReal t, const Node *nodes, Observation *seen) {
-  PetscInt n = scene->mesh.cells + 1;
+  PetscInt n = scene->mesh.cells + 1, crossings = 0;
   PetscReal low = 0, high = 0, most = 0, sign = 0;
   const Node *tip = &nodes[n - 1];
 
@@ -292,20 +260,18 @@ static PetscErrorCode MeasureShape(Scene scene, PetscReal t, const Node *nodes, 
   seen->width = high - low;
   seen->base_force_1 = -LabX1(scene, nodes[0].force);
   seen->base_force_2 = -LabX2(scene, nodes[0].force);
-  if (seen->max_angle > PETSC_PI / 2) seen->self_crossings = ObserveCrossings(n, nodes);
+  if (seen->max_angle > PETSC_PI / 2) PetscCall(ObserveCrossings(n, nodes, &crossings));
+  seen->self_crossings = crossings;
   PetscFunctionReturn(0);
 }
 
 /* The integral from the last but one to the last time of the polynomial through all of them. */
 static PetscReal LastInterval(PetscInt n, const PetscReal time[], const PetscReal f[]) {
-  PetscReal a = time[n - 2], h = time[n - 1] - a, sum = 0;
-  for (int q = 0; q < GAUSS; q++)
-    for (PetscInt i = 0; i < n; i++) {
-      PetscReal l = 1;
-      for (PetscInt j = 0; j < n; j++)
-        if (j != i) l *= (a + h * gauss_point[q] - time[j]) / (time[i] - time[j]);
-      sum += h * gauss_weight[q] * l * f[i];
-    }
+  PetscReal a = time[n - 2], h = time[n - 1] - a, sum = 0, L[BALANCE_POINTS];
+  for (int q = 0; q < GAUSS; q++) {
+    LagrangeValues(n, time, a + h * gauss_point[q], L);
+    for (PetscInt i = 0; i < n; i++) sum += h * gauss_weight[q] * L[i] * f[i];
+  }
   return sum;
 }
 
@@ -410,6 +376,6 @@ PetscErrorCode ObserverMeasure(Observer observer, Rod rod, PetscReal t, Vec U, V
     PetscCall(MeasureShape(observer->scene, t, nodes, seen));
     MeasureBalance(observer, seen);
   }
-  PetscCallMPI(MPI_Bcast(seen, OBSERVED, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Bcast(seen, OBSERVED, MPIU_REAL, 0, observer->scene->comm));
   PetscFunctionReturn(0);
 }

@@ -1,306 +1,229 @@
 #include "record/output.h"
-#include "base/options.h"
 #include "record/xdmf.h"
-#include <unistd.h>
-#include <errno.h>
+#include <petsctime.h>
 #include <sys/stat.h>
 
-enum { SHAPES = 5 };
+/* What is stored of a shape. */
+enum { SHAPES = 7 };
 static const struct {
-  const char *name, *text;
-  hsize_t components;
-} shape_sets[SHAPES] = {
-    {"/shapes/t", "times of the stored shapes", 0},
-    {"/shapes/x", "position x1, x2 [k, n, 2]", 2},
-    {"/shapes/theta", "tangent angle, radians [k, n]", 1},
-    {"/shapes/curvature", "curvature theta'/g, the moment m and the natural k0 [k, n]", 1},
-    {"/shapes/force", "internal force n1, n2 [k, n, 2]", 2}};
+  const char *name, *units, *text;
+  PetscInt components; /* per node; 0: one value a shape */
+} shape_sets[SHAPES] = {{"/shapes/t", "l/V", "times of the stored shapes", 0},
+                        {"/shapes/x", "l", "position x1, x2 [k, n, 2]", 2},
+                        {"/shapes/theta", "rad", "tangent angle [k, n]", 1},
+                        {"/shapes/curvature", "1/l",
+                         "curvature theta'/g: of the moment, m/B, and natural, k0 [k, n]", 1},
+                        {"/shapes/force", "N l", "internal force n1, n2 [k, n, 2]", 2},
+                        {"/shapes/natural_curvature", "1/l", "natural curvature k0 [k, n]", 1},
+                        {"/shapes/stretch", "l", "stretch g = |x'| [k, n]", 1}};
+static const char *const meaning_of_units =
+    "l = (YI/N)^(1/3), N the friction per length at the speed V of the tip, YI the bending "
+    "stiffness; "
+    "si_length and the like, if given, say what 1 is in SI units";
 
-/* Only rank 0 has a file; the others hold an empty shell and share the verdict on errors. Series
-   are kept back until a shape is stored, so that the file changes only then. */
+/* A store copies the file, so that it is whole at any time. One is due where a shape waits for a
+   second, else every ten, and later where storing has taken long: it is to take a twentieth of the
+   time at most. Nor is more kept back than a share of the file, or what is nothing to a machine. */
+static const PetscLogDouble soon = 1, late = 10, share = 20;
+static const double kept_back = 6.4e7, kept_share = 0.25;
+
+/* Only rank 0 has a file; the others hold an empty shell and share the verdict on errors. */
 struct _Output {
   Scene scene;
-  hid_t file;
-  PetscInt waiting, room;
-  Observation *series;
-  PetscReal *buffer;
-  char name[PETSC_MAX_PATH_LEN];
+  char path[PETSC_MAX_PATH_LEN]; /* empty: nothing is stored */
+  PetscBool mine, there, broken; /* this rank writes it; it has been written; it could not be */
+  char from[PETSC_MAX_PATH_LEN]; /* what the next store begins with: the file itself, as a rule */
+  PetscInt cut[2];               /* -1, or how many series and shapes of it to keep */
+  PetscInt series_n, series_room;
+  Observation *series; /* that wait to be stored */
+  PetscInt shapes_n, shapes_room;
+  PetscReal *shape[SHAPES]; /* that wait to be stored */
+  PetscInt times_n, times_room;
+  PetscReal *times; /* of all shapes, stored and waiting */
+  Event event;
+  char *earlier; /* the options of earlier legs */
+  PetscLogDouble stored_at, cost;
+  double stored, waits; /* bytes */
 };
 
-/* All options in force, as one text. */
-PetscErrorCode OutputRootAttributes(hid_t file, PetscBool finished) {
+/* How many values a shape has in a set. */
+static PetscInt ShapeSize(Output self, int set) {
+  PetscInt per_node = shape_sets[set].components;
+  return per_node ? per_node * (self->scene->mesh.cells + 1) : 1;
+}
+
+/* Makes room for one more of n entries of `size` reals. */
+static PetscErrorCode Room(PetscInt n, PetscInt *room, size_t size, void *array) {
+  PetscFunctionBegin;
+  if (n < *room) PetscFunctionReturn(0);
+  *room = 2 * *room + 16;
+  PetscCall(PetscRealloc((size_t)*room * size * sizeof(PetscReal), (void **)array));
+  PetscFunctionReturn(0);
+}
+
+/* The value of each option in force, defaults included. */
+static PetscErrorCode ParameterAttributes(HdfFile file) {
+  char *all, name[128];
+
+  PetscFunctionBegin;
+  PetscCall(OptionsInForce(&all));
+  for (char *line = strtok(all, "\n"); line; line = strtok(NULL, "\n")) {
+    char *value = line + strcspn(line, " ");
+    const OptionRow *row;
+    *value++ = 0;
+    (void)snprintf(name, sizeof(name), "-%s", line);
+    row = OptionFind(name);
+    (void)snprintf(name, sizeof(name), "parameters/%s", line);
+    if (row->kind == KIND_REAL)
+      PetscCall(HdfReal(file, "/", name, strtod(value, NULL)));
+    else if (row->kind == KIND_INT)
+      PetscCall(HdfInt(file, "/", name, (int)strtol(value, NULL, 10)));
+    else
+      PetscCall(HdfText(file, "/", name, value));
+  }
+  PetscCall(PetscFree(all));
+  PetscFunctionReturn(0);
+}
+
+/* OutputAttributes - what a result is of: options, versions, ranks; and whether it is finished. */
+PetscErrorCode OutputAttributes(HdfFile file, MPI_Comm comm, PetscBool finished) {
   char *options;
   char version[64];
   PetscMPIInt ranks;
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsGetAll(NULL, &options));
-  PetscCall(HdfAttributeText(file, "options", options));
+  PetscCall(OptionsList(&options));
+  PetscCall(HdfText(file, "/", "options", options));
   PetscCall(PetscFree(options));
+  PetscCall(ParameterAttributes(file));
   PetscCall(PetscSNPrintf(version, sizeof(version), "%d.%d.%d", PETSC_VERSION_MAJOR,
                           PETSC_VERSION_MINOR, PETSC_VERSION_SUBMINOR));
-  PetscCall(HdfAttributeText(file, "version", TENDRIL_VERSION));
-  PetscCall(HdfAttributeText(file, "petsc_version", version));
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  PetscCall(HdfAttributeInt(file, "ranks", ranks));
-  PetscCall(HdfAttributeInt(file, "finished", finished));
+  PetscCall(HdfText(file, "/", "version", TENDRIL_VERSION));
+  PetscCall(HdfText(file, "/", "petsc_version", version));
+  PetscCall(HdfText(file, "/", "units", meaning_of_units));
+  PetscCallMPI(MPI_Comm_size(comm, &ranks));
+  PetscCall(HdfInt(file, "/", "ranks", ranks));
+  PetscCall(HdfInt(file, "/", "finished", finished));
   PetscFunctionReturn(0);
 }
 
-/* OutputNewFile - opens a new result file on rank 0 (on the others f is -1). Collective. A path
-   that cannot be written is a user's mistake. */
-PetscErrorCode OutputNewFile(const char *file, hid_t *f) {
+/* Refuses to write over what is no result of tendril. Collective. */
+static PetscErrorCode RefuseForeign(const char *option, const char *path) {
+  struct stat status;
+  PetscBool ours;
+
+  PetscFunctionBegin;
+  PetscCall(OptionsRefuseOverwrite(option, path));
+  PetscCall(HdfHas(path, "version", &ours));
+  UserCheck(ours || stat(path, &status) || (S_ISREG(status.st_mode) && !status.st_size),
+            OptionsComm(),
+            "%s %s: is there, and is no result of tendril; name another file, or take it away",
+            option, path);
+  PetscFunctionReturn(0);
+}
+
+/* All ranks learn what rank 0 has met. */
+static PetscErrorCode Verdict(const char *option, const char *path, MPI_Comm comm,
+                              char fault[HDF_FAULT]) {
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Bcast(fault, HDF_FAULT, MPI_CHAR, 0, comm));
+  UserCheck(!fault[0], comm, "%s %s: cannot be written: %s", option, path, fault);
+  PetscFunctionReturn(0);
+}
+
+/* OutputNewFile - a new result file, on rank 0 (on the others it is NULL). Collective; the caller
+   ends it with OutputEndFile(). A path that cannot be written is a user's mistake. */
+PetscErrorCode OutputNewFile(const char *option, const char *path, MPI_Comm comm, HdfFile *file) {
+  char fault[HDF_FAULT] = "";
   PetscMPIInt rank;
-  int good = 1;
 
   PetscFunctionBegin;
-  *f = -1;
-  PetscCall(OptionsRefuseOverwrite(file));
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  *file = NULL;
+  PetscCall(RefuseForeign(option, path));
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
   if (!rank) {
-    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
-    *f = H5Fcreate(file, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
-    good = *f >= 0;
+    PetscCall(HdfCreate(path, file));
+    if (HdfFault(*file)) PetscCall(HdfClose(file, fault));
   }
-  PetscCallMPI(MPI_Bcast(&good, 1, MPI_INT, 0, PETSC_COMM_WORLD));
-  UserCheck(good, PETSC_COMM_WORLD,
-            "-output %s: cannot be written; does its directory exist, and is it yours?", file);
+  PetscCall(Verdict(option, path, comm, fault));
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode Group(hid_t file, const char *name) {
-  hid_t g;
+/* OutputEndFile - ends what OutputNewFile() began. Collective. */
+PetscErrorCode OutputEndFile(const char *option, const char *path, MPI_Comm comm, HdfFile *file) {
+  char fault[HDF_FAULT] = "";
 
   PetscFunctionBegin;
-  g = H5Gcreate2(file, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-  HdfCall(g);
-  HdfCall(H5Gclose(g));
+  PetscCall(HdfClose(file, fault));
+  PetscCall(Verdict(option, path, comm, fault));
   PetscFunctionReturn(0);
 }
 
 /* The scales of the physical rod, if one was given. */
-static PetscErrorCode SiAttributes(Output self) {
+static PetscErrorCode ScaleAttributes(Output self, HdfFile file) {
   const Si *si = &self->scene->si;
   char name[32];
 
   PetscFunctionBegin;
-  for (int k = 0; k < SI_SCALES; k++) {
-    PetscCall(PetscSNPrintf(name, sizeof(name), "si_%s", si_name[k]));
-    if (si->scale[k] > 0) PetscCall(HdfAttributeReal(self->file, name, si->scale[k]));
+  for (int k = UNIT_LENGTH; k <= UNIT_CURVATURE; k++) {
+    (void)snprintf(name, sizeof(name), "si_%s", si_name[k]);
+    if (si->scale[k] > 0) PetscCall(HdfReal(file, "/", name, si->scale[k]));
   }
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode CreateDatasets(Output self) {
-  hsize_t n = self->scene->mesh.cells + 1;
+/* An empty file's groups and datasets. */
+static PetscErrorCode Layout(Output self, HdfFile file) {
+  PetscInt n = self->scene->mesh.cells + 1;
   char path[64];
 
   PetscFunctionBegin;
-  PetscCall(Group(self->file, "/series"));
-  PetscCall(Group(self->file, "/shapes"));
+  PetscCall(HdfGroup(file, "/series"));
+  PetscCall(HdfGroup(file, "/shapes"));
   for (int i = 0; i < OBSERVED; i++) {
-    PetscCall(PetscSNPrintf(path, sizeof(path), "/series/%s", observed_name[i]));
-    PetscCall(HdfAppendable(self->file, path, 0, NULL, "description", observed_text[i]));
+    (void)snprintf(path, sizeof(path), "/series/%s", observed_name[i]);
+    PetscCall(HdfAppendable(file, path, 0, NULL, observed_units[i], observed_text[i]));
   }
-  PetscCall(HdfWrite(self->file, "/shapes/s", 1, &n, self->scene->mesh.s, "description",
+  PetscCall(HdfWrite(file, "/shapes/s", 1, &n, self->scene->mesh.s, "1",
                      "material label of the nodes [n]"));
   for (int i = 0; i < SHAPES; i++) {
-    hsize_t row[2] = {n, shape_sets[i].components};
-    int rank = shape_sets[i].components == 0 ? 0 : shape_sets[i].components == 1 ? 1 : 2;
-    PetscCall(HdfAppendable(self->file, shape_sets[i].name, rank, row, "description",
-                            shape_sets[i].text));
+    PetscInt row[2] = {n, shape_sets[i].components};
+    PetscCall(HdfAppendable(file, shape_sets[i].name, (int)shape_sets[i].components, row,
+                            shape_sets[i].units, shape_sets[i].text));
   }
-  PetscCall(OutputRootAttributes(self->file, PETSC_FALSE));
-  PetscCall(SiAttributes(self));
-  HdfCall(H5Fflush(self->file, H5F_SCOPE_GLOBAL));
   PetscFunctionReturn(0);
 }
 
-/*
-  OutputCreate - a new result file for a run. Collective; the caller ends it with OutputDestroy().
-
-  file   its path; empty: nothing is stored
-*/
-PetscErrorCode OutputCreate(const char *file, Scene scene, Output *output) {
-  Output self;
-
-  PetscFunctionBegin;
-  PetscCall(PetscNew(&self));
-  self->scene = scene;
-  self->file = -1;
-  if (file[0]) PetscCall(OutputNewFile(file, &self->file));
-  if (self->file >= 0) {
-    PetscCall(PetscMalloc1(2 * (scene->mesh.cells + 1), &self->buffer));
-    PetscCall(PetscStrncpy(self->name, file, sizeof(self->name)));
-    PetscCall(CreateDatasets(self));
-  }
-  *output = self;
-  PetscFunctionReturn(0);
-}
-
-/* Copies a file, on one rank; returns whether that went well. */
-static int CopyFile(const char *from, const char *to) {
-  FILE *in = fopen(from, "rb"), *out = in ? fopen(to, "wb") : NULL;
-  char block[65536];
-  size_t n;
-  int good = out != NULL;
-
-  while (good && (n = fread(block, 1, sizeof(block), in)) > 0) good = fwrite(block, 1, n, out) == n;
-  if (out && fclose(out)) good = 0;
-  if (in) fclose(in);
-  return good;
-}
-
-static PetscBool SameFile(const char *a, const char *b) {
-  struct stat sa, sb;
-  return (PetscBool)(!stat(a, &sa) && !stat(b, &sb) && sa.st_dev == sb.st_dev &&
-                     sa.st_ino == sb.st_ino);
-}
-
-/* Is t one of the times at which shapes are stored? */
-static PetscBool OnGrid(PetscReal t, PetscReal interval) {
-  return (PetscBool)(PetscAbsReal(t - interval * PetscFloorReal(t / interval + 0.5)) <
-                     1e-9 * PetscMax(interval, t));
-}
-
-/* How many of n increasing times are at or before t. */
-static hsize_t CountUpTo(hsize_t n, const PetscReal times[], PetscReal t) {
-  while (n > 0 && times[n - 1] > t * (1 + 1e-12)) n--;
-  return n;
-}
-
-/* Takes off a file what came after time t. */
-static PetscErrorCode CutAt(Output self, hsize_t series, hsize_t shapes) {
+/* Takes off a file what is not wanted of it. */
+static PetscErrorCode Cut(Output self, HdfFile file) {
   char path[64];
 
   PetscFunctionBegin;
   for (int i = 0; i < OBSERVED; i++) {
-    PetscCall(PetscSNPrintf(path, sizeof(path), "/series/%s", observed_name[i]));
-    PetscCall(HdfTruncate(self->file, path, series));
+    (void)snprintf(path, sizeof(path), "/series/%s", observed_name[i]);
+    PetscCall(HdfTruncate(file, path, self->cut[0]));
   }
-  for (int i = 0; i < SHAPES; i++) PetscCall(HdfTruncate(self->file, shape_sets[i].name, shapes));
-  if (H5Lexists(self->file, "/event", H5P_DEFAULT) > 0)
-    HdfCall(H5Ldelete(self->file, "/event", H5P_DEFAULT));
-  PetscCall(OutputRootAttributes(self->file, PETSC_FALSE));
-  PetscCall(SiAttributes(self));
-  HdfCall(H5Fflush(self->file, H5F_SCOPE_GLOBAL));
+  for (int i = 0; i < SHAPES; i++) PetscCall(HdfTruncate(file, shape_sets[i].name, self->cut[1]));
+  PetscCall(HdfDelete(file, "/event"));
   PetscFunctionReturn(0);
 }
 
-/*
-  OutputContinue - the result file of a run that goes on. Collective.
-
-  file      its path; the file `from` itself goes on if it is the same or empty, else a copy of it
-  t         what `from` holds after this time is taken off: it comes again
-  interval  a last shape that was stored at t only because the run ended there is taken off too
-*/
-PetscErrorCode OutputContinue(const char *file, const char *from, Scene scene, PetscReal t,
-                              PetscReal interval, Output *output) {
-  PetscReal *times;
-  hsize_t series, shapes, n;
-  PetscMPIInt rank;
-  int good = 1;
-  Output self;
-
-  PetscFunctionBegin;
-  PetscCall(HdfRead("-restart", from, "/series/t", 1, &n, &times));
-  series = CountUpTo(n, times, t);
-  good = series > 0 && PetscAbsReal(times[series - 1] - t) <= 1e-12 * t;
-  PetscCall(PetscFree(times));
-  UserCheck(good, PETSC_COMM_WORLD, "-restart %s: its series end before its last state", from);
-  PetscCall(HdfRead("-restart", from, "/shapes/t", 1, &n, &times));
-  shapes = CountUpTo(n, times, t);
-  if (shapes > 1 && times[shapes - 1] > t * (1 - 1e-12) && !OnGrid(t, interval)) shapes--;
-  PetscCall(PetscFree(times));
-  PetscCall(PetscNew(&self));
-  self->scene = scene;
-  self->file = -1;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  if (!rank) {
-    if (!file[0])
-      file = from;
-    else if (!SameFile(file, from))
-      good = CopyFile(from, file);
-    if (good) self->file = H5Fopen(file, H5F_ACC_RDWR, H5P_DEFAULT);
-    good = self->file >= 0;
-  }
-  PetscCallMPI(MPI_Bcast(&good, 1, MPI_INT, 0, PETSC_COMM_WORLD));
-  UserCheck(good, PETSC_COMM_WORLD,
-            "-output %s: cannot be written; does its directory exist, and is it yours?", file);
-  if (self->file >= 0) {
-    PetscCall(PetscMalloc1(2 * (scene->mesh.cells + 1), &self->buffer));
-    PetscCall(PetscStrncpy(self->name, file, sizeof(self->name)));
-    PetscCall(CutAt(self, series, shapes));
-  }
-  *output = self;
-  PetscFunctionReturn(0);
-}
-
-/* The file that ParaView opens, beside the result file. */
-static PetscErrorCode Describe(Output self) {
-  hid_t d, space;
-  hsize_t n;
-  PetscReal *t;
-
-  PetscFunctionBegin;
-  d = H5Dopen2(self->file, "/shapes/t", H5P_DEFAULT);
-  HdfCall(d);
-  space = H5Dget_space(d);
-  H5Sget_simple_extent_dims(space, &n, NULL);
-  H5Sclose(space);
-  PetscCall(PetscMalloc1(n, &t));
-  HdfCall(H5Dread(d, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, t));
-  H5Dclose(d);
-  PetscCall(XdmfWrite(self->name, self->scene->mesh.cells + 1, (PetscInt)n, t));
-  PetscCall(PetscFree(t));
-  PetscFunctionReturn(0);
-}
-
-/* OutputRestart - stores what the run needs to go on from here, in the place of what stood there.
-   n reals in points, rank 0's. */
-PetscErrorCode OutputRestart(Output output, RestartState *state, PetscInt n,
-                             const PetscReal points[]) {
-  PetscFunctionBegin;
-  if (output->file < 0) PetscFunctionReturn(0);
-  state->sum = RestartSum(n, points);
-  if (H5Lexists(output->file, "/restart", H5P_DEFAULT) <= 0)
-    PetscCall(Group(output->file, "/restart"));
-  PetscCall(HdfOverwrite(output->file, "/restart/state", RESTART_STATE, (const PetscReal *)state,
-                         "time, step and history of the stepper, for -restart"));
-  PetscCall(HdfOverwrite(output->file, "/restart/points", n, points,
-                         "the stepper's past points [point][node][field], latest first"));
-  PetscCall(Describe(output));
-  HdfCall(H5Fflush(output->file, H5F_SCOPE_GLOBAL));
-  PetscFunctionReturn(0);
-}
-
-/* OutputSeries - adds one line of the series; it reaches the file with the next shape. */
-PetscErrorCode OutputSeries(Output output, const Observation *seen) {
-  PetscFunctionBegin;
-  if (output->file < 0) PetscFunctionReturn(0);
-  if (output->waiting == output->room) {
-    output->room = 2 * output->room + 64;
-    PetscCall(PetscRealloc(output->room * sizeof(Observation), &output->series));
-  }
-  output->series[output->waiting++] = *seen;
-  PetscFunctionReturn(0);
-}
-
-static PetscErrorCode FlushSeries(Output self) {
+/* Writes what waits. */
+static PetscErrorCode WriteRows(Output self, HdfFile file) {
   PetscReal *column;
   char path[64];
 
   PetscFunctionBegin;
-  if (!self->waiting) PetscFunctionReturn(0);
-  PetscCall(PetscMalloc1(self->waiting, &column));
+  PetscCall(PetscMalloc1(self->series_n, &column));
   for (int i = 0; i < OBSERVED; i++) {
-    for (PetscInt k = 0; k < self->waiting; k++)
+    for (PetscInt k = 0; k < self->series_n; k++)
       column[k] = ((const PetscReal *)&self->series[k])[i];
-    PetscCall(PetscSNPrintf(path, sizeof(path), "/series/%s", observed_name[i]));
-    PetscCall(HdfAppend(self->file, path, self->waiting, column));
+    (void)snprintf(path, sizeof(path), "/series/%s", observed_name[i]);
+    PetscCall(HdfAppend(file, path, self->series_n, column));
   }
   PetscCall(PetscFree(column));
-  self->waiting = 0;
+  for (int i = 0; i < SHAPES; i++)
+    PetscCall(HdfAppend(file, shape_sets[i].name, self->shapes_n, self->shape[i]));
   PetscFunctionReturn(0);
 }
 
@@ -311,65 +234,294 @@ static inline void Turn(Scene scene, const PetscReal v[2], PetscReal to[2]) {
   to[1] = s * v[0] + c * v[1];
 }
 
-/* OutputEvent - stores the event that ended the run. */
-PetscErrorCode OutputEvent(Output output, const Event *event) {
-  const hsize_t two = 2;
+static PetscErrorCode WriteEvent(Output self, HdfFile file) {
+  const Event *event = &self->event;
+  const PetscInt two = 2;
   PetscReal x[2];
-  hid_t group;
 
   PetscFunctionBegin;
-  if (output->file < 0) PetscFunctionReturn(0);
-  PetscCall(Group(output->file, "/event"));
-  PetscCall(HdfWrite(output->file, "/event/t", 0, NULL, &event->t, "description", "its time"));
-  PetscCall(HdfWrite(output->file, "/event/s", 1, &two, event->s, "description",
+  if (event->kind == EVENT_NONE) PetscFunctionReturn(0);
+  PetscCall(HdfDelete(file, "/event"));
+  PetscCall(HdfGroup(file, "/event"));
+  PetscCall(HdfWrite(file, "/event/t", 0, NULL, &event->t, "l/V", "its time"));
+  PetscCall(HdfWrite(file, "/event/s", 1, &two, event->s, "1",
                      "labels of the places concerned; twice the same if it is one"));
-  Turn(output->scene, event->x, x);
-  PetscCall(HdfWrite(output->file, "/event/x", 1, &two, x, "description", "position x1, x2"));
-  group = H5Gopen2(output->file, "/event", H5P_DEFAULT);
-  HdfCall(group);
-  PetscCall(HdfAttributeText(group, "kind", event_name[event->kind]));
-  H5Gclose(group);
+  Turn(self->scene, event->x, x);
+  PetscCall(HdfWrite(file, "/event/x", 1, &two, x, "l", "position x1, x2"));
+  PetscCall(HdfText(file, "/event", "kind", event_name[event->kind]));
   PetscFunctionReturn(0);
 }
 
-/* OutputShape - stores the shape at one time, and the series up to now. nodes are rank 0's. */
-PetscErrorCode OutputShape(Output output, PetscReal t, const Node *nodes) {
-  PetscInt n = output->scene->mesh.cells + 1;
-  PetscReal *b = output->buffer;
+/* The stepper's history, a point at a time on rank 0: all of it need not fit there. Collective. */
+static PetscErrorCode WritePoints(Output self, HdfFile file, PetscInt n, Vec points[],
+                                  PetscReal *sum) {
+  const PetscScalar *a;
+  VecScatter to_zero;
+  PetscInt length;
+  Vec all;
 
   PetscFunctionBegin;
-  if (output->file < 0) PetscFunctionReturn(0);
-  PetscCall(HdfAppend(output->file, "/shapes/t", 1, &t));
-  for (PetscInt i = 0; i < n; i++) Turn(output->scene, nodes[i].x, &b[2 * i]);
-  PetscCall(HdfAppend(output->file, "/shapes/x", 1, b));
-  for (PetscInt i = 0; i < n; i++) b[i] = nodes[i].theta + output->scene->clamp_angle;
-  PetscCall(HdfAppend(output->file, "/shapes/theta", 1, b));
+  *sum = 0;
+  PetscCall(VecGetSize(points[0], &length));
+  PetscCall(HdfAppendable(file, "/restart/points", 1, &length, "mixed",
+                          "the stepper's past points, latest first [point][node times fields]"));
+  PetscCall(VecScatterCreateToZero(points[0], &to_zero, &all));
   for (PetscInt i = 0; i < n; i++) {
-    PetscCall(SceneCurvature(output->scene, output->scene->mesh.s[i], t, &b[i]));
-    b[i] += nodes[i].moment;
+    PetscCall(VecScatterBegin(to_zero, points[i], all, INSERT_VALUES, SCATTER_FORWARD));
+    PetscCall(VecScatterEnd(to_zero, points[i], all, INSERT_VALUES, SCATTER_FORWARD));
+    if (!file) continue;
+    PetscCall(VecGetArrayRead(all, &a));
+    for (PetscInt k = 0; k < length; k++) *sum += PetscAbsReal(a[k]);
+    PetscCall(HdfAppend(file, "/restart/points", 1, a));
+    PetscCall(VecRestoreArrayRead(all, &a));
   }
-  PetscCall(HdfAppend(output->file, "/shapes/curvature", 1, b));
-  for (PetscInt i = 0; i < n; i++) Turn(output->scene, nodes[i].force, &b[2 * i]);
-  PetscCall(HdfAppend(output->file, "/shapes/force", 1, b));
-  PetscCall(FlushSeries(output));
-  HdfCall(H5Fflush(output->file, H5F_SCOPE_GLOBAL));
+  PetscCall(VecScatterDestroy(&to_zero));
+  PetscCall(VecDestroy(&all));
   PetscFunctionReturn(0);
 }
 
-/* OutputDestroy - ends the file; finished tells whether the run reached its end. */
-PetscErrorCode OutputDestroy(Output *output, PetscBool finished) {
-  Output self = *output;
+/* What the run needs to go on from here, in the place of what stood there. Collective. */
+static PetscErrorCode WriteRestart(Output self, HdfFile file, RestartState *state, Vec points[]) {
+  const PetscInt n = RESTART_STATE, scales = UNIT_ALL;
 
   PetscFunctionBegin;
-  if (!self) PetscFunctionReturn(0);
-  if (self->file >= 0) {
-    PetscCall(FlushSeries(self));
-    PetscCall(Describe(self));
-    PetscCall(HdfAttributeInt(self->file, "finished", finished));
-    HdfCall(H5Fclose(self->file));
+  PetscCall(HdfDelete(file, "/restart"));
+  if (!state) PetscFunctionReturn(0);
+  PetscCall(HdfGroup(file, "/restart"));
+  PetscCall(WritePoints(self, file, (PetscInt)state->points, points, &state->sum));
+  PetscCall(HdfWrite(file, "/restart/state", 1, &n, (const PetscReal *)state, "mixed",
+                     "time, step and history of the stepper, for -restart"));
+  PetscCall(HdfWrite(file, "/restart/scales", 1, &scales, self->scene->si.scale, "SI",
+                     "the scales of the rod in the laboratory, 0: none"));
+  PetscFunctionReturn(0);
+}
+
+/* On rank 0, the file that the next store makes. */
+static PetscErrorCode OpenStore(Output self, HdfFile *file) {
+  PetscFunctionBegin;
+  *file = NULL;
+  if (!self->mine) PetscFunctionReturn(0);
+  if (self->from[0])
+    PetscCall(HdfAmend(self->from, self->path, file));
+  else {
+    PetscCall(HdfCreate(self->path, file));
+    PetscCall(Layout(self, *file));
   }
-  PetscCall(PetscFree(self->series));
-  PetscCall(PetscFree(self->buffer));
+  if (self->cut[0] >= 0) PetscCall(Cut(self, *file));
+  PetscFunctionReturn(0);
+}
+
+/* What waited is in the file. */
+static PetscErrorCode Stored(Output self, PetscLogDouble begin) {
+  PetscLogDouble now;
+
+  PetscFunctionBegin;
+  PetscCall(PetscStrncpy(self->from, self->path, sizeof(self->from)));
+  self->there = PETSC_TRUE;
+  self->cut[0] = self->cut[1] = -1;
+  self->series_n = self->shapes_n = 0;
+  self->stored += self->waits;
+  self->waits = 0;
+  PetscCall(XdmfWrite(self->path, self->scene->mesh.cells + 1, self->times_n, self->times));
+  PetscCall(PetscTime(&now));
+  self->stored_at = now;
+  self->cost = now - begin;
+  PetscFunctionReturn(0);
+}
+
+/*
+  OutputStore - brings all that waits into the file, with what the run needs to go on from here.
+  Collective.
+
+  state, points  of RestartKeep(); NULL: the run has not taken a step
+
+  What cannot be written (a full disk) is a user's mistake: the file is then what it was before.
+*/
+PetscErrorCode OutputStore(Output self, RestartState *state, Vec points[], PetscBool finished) {
+  char fault[HDF_FAULT] = "", text[32];
+  PetscLogDouble begin;
+  HdfFile file;
+
+  PetscFunctionBegin;
+  if (!self->path[0] || self->broken) PetscFunctionReturn(0);
+  PetscCall(PetscTime(&begin));
+  PetscCall(OpenStore(self, &file));
+  if (file) {
+    PetscCall(WriteRows(self, file));
+    PetscCall(WriteEvent(self, file));
+    PetscCall(OutputAttributes(file, self->scene->comm, finished));
+    PetscCall(ScaleAttributes(self, file));
+    if (self->earlier) PetscCall(HdfText(file, "/", "earlier_options", self->earlier));
+  }
+  PetscCall(WriteRestart(self, file, state, points));
+  PetscCall(HdfClose(&file, fault));
+  PetscCallMPI(MPI_Bcast(fault, HDF_FAULT, MPI_CHAR, 0, self->scene->comm));
+  self->broken = (PetscBool)(fault[0] != 0);
+  UserCheck(!fault[0], self->scene->comm,
+            self->there ? "-output %s: cannot be written at t = %s: %s; what was stored before is "
+                          "whole: make room and go on with -restart"
+                        : "-output %s: cannot be written at t = %s: %s",
+            self->path, OptionNumber(state ? state->t : 0, text), fault);
+  if (self->mine) PetscCall(Stored(self, begin));
+  PetscFunctionReturn(0);
+}
+
+/* OutputDue - is it time to store? On rank 0; false on the others. Not collective. */
+PetscBool OutputDue(Output self) {
+  PetscLogDouble now, since;
+
+  if (!self->mine || PetscTime(&now)) return PETSC_FALSE;
+  if (self->waits > PetscMax(kept_back, kept_share * self->stored)) return PETSC_TRUE;
+  since = now - self->stored_at;
+  return (PetscBool)(since > share * self->cost && since > (self->shapes_n ? soon : late));
+}
+
+static PetscErrorCode New(const char *path, Scene scene, Output *output) {
+  PetscMPIInt rank;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(output));
+  (*output)->scene = scene;
+  (*output)->cut[0] = (*output)->cut[1] = -1;
+  PetscCall(PetscStrncpy((*output)->path, path, sizeof((*output)->path)));
+  PetscCallMPI(MPI_Comm_rank(scene->comm, &rank));
+  (*output)->mine = (PetscBool)(!rank && path[0]);
+  if (path[0]) PetscCall(RefuseForeign("-output", path));
+  PetscFunctionReturn(0);
+}
+
+/*
+  OutputCreate - the result file of a new run. Collective; the caller ends it with OutputDestroy().
+
+  path   empty: nothing is stored
+*/
+PetscErrorCode OutputCreate(const char *path, Scene scene, Output *output) {
+  PetscFunctionBegin;
+  PetscCall(New(path, scene, output));
+  PetscFunctionReturn(0);
+}
+
+/* Is t one of the times at which shapes are stored? */
+static PetscBool OnGrid(PetscReal t, PetscReal interval) {
+  return (PetscBool)(PetscAbsReal(t - interval * PetscFloorReal(t / interval + 0.5)) <
+                     1e-9 * PetscMax(interval, t));
+}
+
+/* How many of n increasing times are at or before t. */
+static PetscInt CountUpTo(PetscInt n, const PetscReal times[], PetscReal t) {
+  while (n > 0 && times[n - 1] > t * (1 + 1e-12)) n--;
+  return n;
+}
+
+/* The options of all earlier legs, a heading line with its end before each. */
+static PetscErrorCode EarlierOptions(Output self, const char *from, PetscReal t) {
+  char *before = NULL, *last;
+  PetscBool has;
+  size_t room;
+
+  PetscFunctionBegin;
+  PetscCall(HdfHas(from, "earlier_options", &has));
+  if (has) PetscCall(HdfReadText("-restart", from, "earlier_options", &before));
+  PetscCall(HdfReadText("-restart", from, "options", &last));
+  room = (before ? strlen(before) : 0) + strlen(last) + 64;
+  PetscCall(PetscMalloc1(room, &self->earlier));
+  (void)snprintf(self->earlier, room, "%s# up to t = %.17g\n%s", before ? before : "", (double)t,
+                 last);
+  PetscCall(PetscFree(before));
+  PetscCall(PetscFree(last));
+  PetscFunctionReturn(0);
+}
+
+/*
+  OutputContinue - the result file of a run that goes on. Collective.
+
+  path      the file `from` itself goes on if it is the same or empty, else a copy of it
+  t         what `from` holds after this time is taken off: it comes again
+  interval  a last shape that was stored at t only because the run ended there is taken off too
+*/
+PetscErrorCode OutputContinue(const char *path, const char *from, Scene scene, PetscReal t,
+                              PetscReal interval, Output *output) {
+  PetscReal *times;
+  PetscInt series, shapes, n;
+  PetscBool good;
+
+  PetscFunctionBegin;
+  PetscCall(HdfRead("-restart", from, "/series/t", 1, &n, &times));
+  series = CountUpTo(n, times, t);
+  good = (PetscBool)(series > 0 && PetscAbsReal(times[series - 1] - t) <= 1e-12 * t);
+  PetscCall(PetscFree(times));
+  UserCheck(good, scene->comm, "-restart %s: its series end before its last state", from);
+  PetscCall(HdfRead("-restart", from, "/shapes/t", 1, &n, &times));
+  shapes = CountUpTo(n, times, t);
+  if (shapes > 1 && times[shapes - 1] > t * (1 - 1e-12) && !OnGrid(t, interval)) shapes--;
+  PetscCall(New(path[0] ? path : from, scene, output));
+  PetscCall(PetscStrncpy((*output)->from, from, sizeof((*output)->from)));
+  (*output)->cut[0] = series;
+  (*output)->cut[1] = shapes;
+  (*output)->times = times;
+  (*output)->times_n = (*output)->times_room = shapes;
+  PetscCall(EarlierOptions(*output, from, t));
+  PetscFunctionReturn(0);
+}
+
+/* OutputSeries - adds one line of the series. */
+PetscErrorCode OutputSeries(Output self, const Observation *seen) {
+  PetscFunctionBegin;
+  if (!self->mine) PetscFunctionReturn(0);
+  PetscCall(Room(self->series_n, &self->series_room, OBSERVED, &self->series));
+  self->series[self->series_n++] = *seen;
+  self->waits += sizeof(*seen);
+  PetscFunctionReturn(0);
+}
+
+/* OutputShape - adds the shape at one time. nodes are rank 0's. */
+PetscErrorCode OutputShape(Output self, PetscReal t, const Node *nodes) {
+  PetscInt n = self->scene->mesh.cells + 1, k = self->shapes_n, room = self->shapes_room;
+  PetscReal *b[SHAPES], k0, g, B;
+
+  PetscFunctionBegin;
+  if (!self->mine) PetscFunctionReturn(0);
+  for (int i = 0; i < SHAPES; i++) {
+    room = self->shapes_room;
+    PetscCall(Room(k, &room, (size_t)ShapeSize(self, i), &self->shape[i]));
+    b[i] = self->shape[i] + k * ShapeSize(self, i);
+    self->waits += (double)(ShapeSize(self, i) * (PetscInt)sizeof(PetscReal));
+  }
+  self->shapes_room = room;
+  *b[0] = t;
+  for (PetscInt i = 0; i < n; i++) {
+    const PetscReal s = self->scene->mesh.s[i];
+    PetscCall(SceneCurvature(self->scene, s, t, &k0));
+    PetscCall(GrowthStretch(self->scene->growth, 1, &s, t, &g, NULL, NULL));
+    B = SceneStiffness(self->scene, s, t);
+    Turn(self->scene, nodes[i].x, b[1] + 2 * i);
+    b[2][i] = nodes[i].theta + self->scene->clamp_angle;
+    b[3][i] = k0 + nodes[i].moment / B;
+    Turn(self->scene, nodes[i].force, b[4] + 2 * i);
+    b[5][i] = k0;
+    b[6][i] = g;
+  }
+  self->shapes_n++;
+  PetscCall(Room(self->times_n, &self->times_room, 1, &self->times));
+  self->times[self->times_n++] = t;
+  PetscFunctionReturn(0);
+}
+
+/* OutputEvent - keeps the event that ended the run for the next store. */
+PetscErrorCode OutputEvent(Output self, const Event *event) {
+  PetscFunctionBegin;
+  self->event = *event;
+  PetscFunctionReturn(0);
+}
+
+/* OutputDestroy - frees it; what was not stored is lost. */
+PetscErrorCode OutputDestroy(Output *output) {
+  PetscFunctionBegin;
+  if (!*output) PetscFunctionReturn(0);
+  for (int i = 0; i < SHAPES; i++) PetscCall(PetscFree((*output)->shape[i]));
+  PetscCall(PetscFree((*output)->series));
+  PetscCall(PetscFree((*output)->times));
+  PetscCall(PetscFree((*output)->earlier));
   PetscCall(PetscFree(*output));
   PetscFunctionReturn(0);
 }

@@ -1,28 +1,21 @@
 #include "record/restart.h"
 #include "base/hdf.h"
-#include "base/options.h"
 #include <ctype.h>
 
-/* Options of the earlier run that say how it was run, not what it was. */
-static PetscErrorCode Passing(const char *name, PetscBool stopped, PetscBool *passing) {
-  const char *const all[] = {"-output",       "-restart", "-options_file", "-quiet",
-                             "-task",         "-ts_dt",   "-log_view",     "-malloc_dump",
-                             "-ts_max_steps", "-help",    "-ts_monitor",   "-options_left"};
+static const OptionRow rows[] = {
+    ROW_TEXT("-restart", INPUT_FILE | IN_PLACE | PASSING, "result file of a run to go on with")};
+const OptionGroup restart_options = OPTION_GROUP("Going on", rows);
 
-  PetscFunctionBegin;
-  *passing = (PetscBool)(stopped && !strncmp(name, "-stop_", 6));
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(all) && !*passing; i++)
-    PetscCall(PetscStrcmp(name, all[i], passing));
-  PetscFunctionReturn(0);
-}
-
+/* Takes over one option of the earlier run, unless it is given now, or says how a run was run and
+   not what it was. stopped: the earlier run was ended by an event. */
 static PetscErrorCode Inherit(const char *name, const char *value, PetscBool stopped) {
-  PetscBool passing, given;
+  const OptionRow *row = OptionFind(name);
+  PetscBool given;
 
   PetscFunctionBegin;
-  PetscCall(Passing(name, stopped, &passing));
-  PetscCall(PetscOptionsHasName(NULL, NULL, name, &given));
-  if (!passing && !given) PetscCall(PetscOptionsSetValue(NULL, name, value[0] ? value : NULL));
+  if (row && (row->flags & PASSING || (stopped && row->flags & EVENT))) PetscFunctionReturn(0);
+  PetscCall(OptionGiven(name, &given));
+  if (!given) PetscCall(PetscOptionsSetValue(NULL, name, value[0] ? value : NULL));
   PetscFunctionReturn(0);
 }
 
@@ -30,73 +23,157 @@ static PetscErrorCode Inherit(const char *name, const char *value, PetscBool sto
   RestartOptions - with -restart FILE, takes over the options the earlier run had in force; those
   given now win. Collective; before anything else reads options.
 */
-PetscErrorCode RestartOptions(char file[], size_t length, PetscBool *restart) {
-  char *text, *word, name[128] = "", value[PETSC_MAX_PATH_LEN] = "";
+PetscErrorCode RestartOptions(char file[PETSC_MAX_PATH_LEN], PetscBool *restart) {
   PetscBool stopped;
+  char *text;
 
   PetscFunctionBegin;
-  PetscCall(OptionString("-restart", "result file of a run to go on with", file, length, restart));
+  PetscCall(OptionText("-restart", file, restart));
   if (!*restart) PetscFunctionReturn(0);
-  PetscCall(HdfReadAttributeText("-restart", file, "options", &text));
-  PetscCall(HdfExists(file, "/event", &stopped));
-  for (word = strtok(text, " \t\n"); word; word = strtok(NULL, " \t\n")) {
-    if (word[0] == '-' && isalpha((unsigned char)word[1])) {
-      if (name[0]) PetscCall(Inherit(name, value, stopped));
-      PetscCall(PetscStrncpy(name, word, sizeof(name)));
-      value[0] = 0;
-    } else {
-      if (value[0]) PetscCall(PetscStrlcat(value, " ", sizeof(value))); /* a name with a blank */
-      PetscCall(PetscStrlcat(value, word, sizeof(value)));
-    }
+  PetscCall(HdfReadText("-restart", file, "options", &text));
+  PetscCall(HdfHas(file, "/event", &stopped));
+  for (char *line = strtok(text, "\n"); line; line = strtok(NULL, "\n")) {
+    char *value = line + strcspn(line, " ");
+    if (*value) *value++ = 0;
+    PetscCall(Inherit(line, value, stopped));
   }
-  if (name[0]) PetscCall(Inherit(name, value, stopped));
   PetscCall(PetscFree(text));
   PetscFunctionReturn(0);
 }
 
-/* RestartSum - tells whether the points in a file belong to their state. */
-PetscReal RestartSum(PetscInt n, const PetscReal points[]) {
-  PetscReal sum = 0;
-  for (PetscInt i = 0; i < n; i++) sum += PetscAbsReal(points[i]);
-  return sum;
+/* The scales of the earlier run must be those of this one: its numbers stand for other lengths
+   otherwise. */
+static PetscErrorCode CheckScales(const char *file, Scene scene) {
+  PetscReal *scale;
+  PetscInt n;
+
+  PetscFunctionBegin;
+  PetscCall(HdfRead("-restart", file, "/restart/scales", 1, &n, &scale));
+  for (PetscInt k = 0; k < PetscMin(n, UNIT_ALL); k++)
+    UserCheck(PetscAbsReal(scale[k] - scene->si.scale[k]) <= 1e-12 * PetscAbsReal(scale[k]),
+              scene->comm,
+              "-si_: the run in -restart %s is of another rod in the laboratory; leave these "
+              "options out, they are taken from there",
+              file);
+  PetscCall(PetscFree(scale));
+  PetscFunctionReturn(0);
+}
+
+/* Gives the scene the file's mesh, which may depend on the end time the run had. */
+static PetscErrorCode TakeMesh(const char *file, Scene scene) {
+  PetscReal *s;
+  PetscInt n;
+
+  PetscFunctionBegin;
+  PetscCall(HdfRead("-restart", file, "/shapes/s", 1, &n, &s));
+  UserCheck(n == scene->mesh.cells + 1, scene->comm, "-rod_cells %d: the run in -restart %s has %d",
+            (int)scene->mesh.cells, file, (int)n - 1);
+  PetscCall(PetscArraycpy(scene->mesh.s, s, n));
+  PetscCall(PetscFree(s));
+  PetscFunctionReturn(0);
 }
 
 /*
-  RestartRead - reads what is stored to go on from, and gives the scene the file's mesh (which may
-  depend on the end time the run had). Collective; the caller frees points (PetscFree).
+  RestartRead - reads what is stored to go on from, and makes the scene that of the file.
+  Collective.
+
+  begun  false if the earlier run had not taken a step: state is then not set, the run begins anew
 */
-PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, PetscReal **points) {
+PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, PetscBool *begun) {
+  PetscBool result;
   PetscReal *data;
-  PetscBool exists;
-  hsize_t n;
+  PetscInt n;
   char text[32];
 
   PetscFunctionBegin;
-  PetscCall(HdfExists(file, "/restart", &exists));
-  UserCheck(exists, PETSC_COMM_WORLD,
-            "-restart %s: holds nothing to go on from; the run was broken before its first stored "
-            "shape, or has its results from another task",
-            file);
+  PetscCall(HdfHas(file, "/restart/points", begun));
+  PetscCall(HdfHas(file, "/shapes/x", &result));
+  UserCheck(result, scene->comm, "-restart %s: is the result of another task, not of a run", file);
+  if (!*begun) PetscFunctionReturn(0);
   PetscCall(HdfRead("-restart", file, "/restart/state", 1, &n, &data));
-  UserCheck(n == RESTART_STATE, PETSC_COMM_WORLD, "-restart %s: is of another version of tendril",
-            file);
+  UserCheck(n == RESTART_STATE, scene->comm, "-restart %s: is of another version of tendril", file);
   PetscCall(PetscMemcpy(state, data, sizeof(*state)));
   PetscCall(PetscFree(data));
-  PetscCall(HdfRead("-restart", file, "/shapes/s", 1, &n, &data));
-  UserCheck((PetscInt)n == scene->mesh.cells + 1, PETSC_COMM_WORLD,
-            "-rod_cells %d: the run in -restart %s has %d", (int)scene->mesh.cells, file,
-            (int)n - 1);
-  PetscCall(PetscArraycpy(scene->mesh.s, data, n));
-  PetscCall(PetscFree(data));
+  PetscCall(CheckScales(file, scene));
+  PetscCall(TakeMesh(file, scene));
   scene->curvature.reference_length = state->reference_length;
-  PetscCall(HdfRead("-restart", file, "/restart/points", 1, &n, points));
-  UserCheck(state->points >= 1 && state->points < VBDF_POINTS &&
-                n >= state->points * state->fields * (scene->mesh.cells + 1) &&
-                RestartSum((PetscInt)n, *points) == state->sum,
-            PETSC_COMM_WORLD,
-            "-restart %s: was broken while it was being written, and cannot be gone on with", file);
-  UserCheck(scene->end_time > state->t * (1 + 1e-12), PETSC_COMM_WORLD,
+  UserCheck(scene->end_time > state->t * (1 + 1e-12), scene->comm,
             "-restart %s: is at t = %s already; give a later -ts_max_time", file,
             OptionNumber(state->t, text));
+  PetscFunctionReturn(0);
+}
+
+/* Reads point i of the history on rank 0 and hands it out; adds up its sum there. */
+static PetscErrorCode ReadPoint(const char *file, PetscInt i, VecScatter to_zero, Vec all, Vec U,
+                                PetscReal *sum, char fault[HDF_FAULT]) {
+  PetscScalar *a;
+  PetscInt n;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetLocalSize(all, &n));
+  PetscCall(VecGetArray(all, &a));
+  if (n && !fault[0]) PetscCall(HdfReadRow(file, "/restart/points", i, n, a, fault));
+  for (PetscInt k = 0; k < n; k++) *sum += PetscAbsReal(a[k]);
+  PetscCall(VecRestoreArray(all, &a));
+  PetscCall(VecScatterBegin(to_zero, all, U, INSERT_VALUES, SCATTER_REVERSE));
+  PetscCall(VecScatterEnd(to_zero, all, U, INSERT_VALUES, SCATTER_REVERSE));
+  PetscFunctionReturn(0);
+}
+
+/* RestartTake - gives a leg the state and the history of an earlier run. Collective. */
+PetscErrorCode RestartTake(const char *file, const RestartState *state, Leg *leg) {
+  PetscInt n = (PetscInt)state->points;
+  char fault[HDF_FAULT] = "";
+  VecScatter to_zero;
+  PetscReal sum = 0;
+  PetscMPIInt rank;
+  PetscBool given;
+  Vec old[VBDF_POINTS], all;
+  int whole;
+
+  PetscFunctionBegin;
+  PetscCall(VecScatterCreateToZero(leg->U, &to_zero, &all));
+  for (PetscInt i = 0; i < n; i++) {
+    PetscCall(VecDuplicate(leg->U, &old[i]));
+    PetscCall(ReadPoint(file, i, to_zero, all, old[i], &sum, fault));
+  }
+  PetscCallMPI(MPI_Comm_rank(leg->rod->scene->comm, &rank));
+  whole = rank || (!fault[0] && sum == state->sum);
+  PetscCallMPI(MPI_Bcast(&whole, 1, MPI_INT, 0, leg->rod->scene->comm));
+  UserCheck(whole, leg->rod->scene->comm,
+            "-restart %s: its last state is not whole, and cannot be gone on with", file);
+  PetscCall(VecCopy(old[0], leg->U));
+  PetscCall(VBDFSetHistory(leg->ts, n, state->time, old, (PetscInt)state->order));
+  for (PetscInt i = 0; i < n; i++) PetscCall(VecDestroy(&old[i]));
+  PetscCall(VecScatterDestroy(&to_zero));
+  PetscCall(VecDestroy(&all));
+  PetscCall(TSSetTime(leg->ts, state->t));
+  PetscCall(OptionGiven("-ts_dt", &given));
+  if (!given) PetscCall(TSSetTimeStep(leg->ts, state->step));
+  PetscCall(TSSetStepNumber(leg->ts, (PetscInt)state->steps));
+  PetscFunctionReturn(0);
+}
+
+/*
+  RestartKeep - what a leg's stepper knows at time t, after an accepted step. Collective.
+
+  latest  the state at t
+  state   its time, step, points, order, fields and steps are set
+  points  borrowed, at most VBDF_POINTS, latest first
+*/
+PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *state, Vec points[]) {
+  PetscInt n, order, steps;
+
+  PetscFunctionBegin;
+  PetscCall(VBDFGetHistory(leg->ts, &n, state->time, points, &order));
+  if (!n) n = order = 1; /* another stepper starts afresh from the last point */
+  points[0] = latest;
+  state->t = state->time[0] = t;
+  PetscCall(TSGetTimeStep(leg->ts, &state->step));
+  PetscCall(TSGetStepNumber(leg->ts, &steps));
+  state->points = n;
+  state->order = order;
+  state->steps = steps;
+  state->fields = leg->rod->model->fields;
   PetscFunctionReturn(0);
 }

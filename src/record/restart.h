@@ -3,10 +3,11 @@
 #define TENDRIL_RESTART_H
 
 #include "record/observe.h"
+#include "stepping/leg.h"
 #include "stepping/vbdf.h"
 
-/* All reals, stored as one array, /restart/state; the points beside it, latest first, as
-   [points][node][field]. */
+/* All reals, stored as one array, /restart/state; the points beside it, /restart/points, latest
+   first, [point][node times fields]. */
 typedef struct {
   PetscReal t, step;                /* where the run is, and the size of its next step */
   PetscReal points, order;          /* of the stepper's history; its next order */
@@ -19,8 +20,11 @@ typedef struct {
 } RestartState;
 enum { RESTART_STATE = sizeof(RestartState) / sizeof(PetscReal) };
 
-PetscErrorCode RestartOptions(char file[], size_t length, PetscBool *restart);
-PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, PetscReal **points);
-PetscReal RestartSum(PetscInt n, const PetscReal points[]);
+extern const OptionGroup restart_options;
+
+PetscErrorCode RestartOptions(char file[PETSC_MAX_PATH_LEN], PetscBool *restart);
+PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, PetscBool *begun);
+PetscErrorCode RestartTake(const char *file, const RestartState *state, Leg *leg);
+PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *state, Vec points[]);
 
 #endif

@@ -30,11 +30,12 @@ static void Scalar(FILE *f, const char *label, const char *h5, const char *name,
 /*
   XdmfWrite - writes FILE.xmf beside a result file FILE.h5: the rod as a polyline that moves in
   time, with its angle, curvature and force. Not collective. A file that cannot be written is passed
-  over: the results are in the other.
+  over, and there is then none: the results are in the other.
 */
 PetscErrorCode XdmfWrite(const char *file, PetscInt nodes, PetscInt shapes, const PetscReal t[]) {
-  char path[PETSC_MAX_PATH_LEN], *dot;
+  char path[PETSC_MAX_PATH_LEN], part[PETSC_MAX_PATH_LEN + 8], *dot;
   const char *slash = strrchr(file, '/'), *h5 = slash ? slash + 1 : file;
+  PetscBool whole;
   FILE *f;
 
   PetscFunctionBegin;
@@ -42,7 +43,8 @@ PetscErrorCode XdmfWrite(const char *file, PetscInt nodes, PetscInt shapes, cons
   dot = strrchr(path, '.');
   if (dot && !strchr(dot, '/')) *dot = 0;
   PetscCall(PetscStrlcat(path, ".xmf", sizeof(path)));
-  f = fopen(path, "w");
+  (void)snprintf(part, sizeof(part), "%s.part", path);
+  f = fopen(part, "w");
   if (!f) PetscFunctionReturn(0);
   fprintf(f, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
              "<Grid Name=\"rod\" GridType=\"Collection\" CollectionType=\"Temporal\">\n");
@@ -61,6 +63,11 @@ PetscErrorCode XdmfWrite(const char *file, PetscInt nodes, PetscInt shapes, cons
     fprintf(f, "  </Grid>\n");
   }
   fprintf(f, "</Grid>\n</Domain>\n</Xdmf>\n");
-  fclose(f);
+  whole = (PetscBool)!ferror(f);
+  whole = (PetscBool)(!fclose(f) && whole);
+  if (!whole || rename(part, path)) {
+    (void)remove(part);
+    (void)remove(path);
+  }
   PetscFunctionReturn(0);
 }

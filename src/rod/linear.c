@@ -149,7 +149,7 @@ static PetscErrorCode AxialPosition(Rod rod, PetscReal t, const PetscScalar *y, 
     if (i && i >= rod->first) shortened[i - rod->first] = (s[i] - s[i - 1]) * (before + square) / 2;
     before = square;
   }
-  PetscCall(RodSumAlong(n, shortened));
+  PetscCall(RodSumAlong(rod, n, shortened));
   for (PetscInt k = 0; k < n; k++) nodes[k].x[0] -= shortened[k];
   PetscCall(PetscFree(shortened));
   PetscFunctionReturn(0);
@@ -163,7 +163,7 @@ static PetscErrorCode LinearGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *node
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(rod->last + 1, &P));
-  PetscCall(StraightForce(rod->scene->growth, &rod->scene->friction, rod->last + 1, s, t, P));
+  PetscCall(StraightForce(rod->scene, rod->last + 1, s, t, P));
   PetscCall(RodOpen(rod, U, &local[0], &y));
   if (U_t) PetscCall(RodOpen(rod, U_t, &local[1], &y_t));
   for (PetscInt i = rod->first; i < rod->end; i++) {
@@ -209,13 +209,13 @@ static PetscErrorCode CreateFit(Rod rod) {
   }
   PetscCall(MatAssemblyBegin(A, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(A, MAT_FINAL_ASSEMBLY));
-  PetscCall(KSPCreate(PETSC_COMM_WORLD, &self->fit));
+  PetscCall(KSPCreate(rod->scene->comm, &self->fit));
   PetscCall(KSPSetOperators(self->fit, A, A));
   PetscCall(MatDestroy(&A));
   PetscCall(KSPSetType(self->fit, KSPPREONLY));
   PetscCall(KSPGetPC(self->fit, &pc));
   PetscCall(PCSetType(pc, PCLU));
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  PetscCallMPI(MPI_Comm_size(rod->scene->comm, &ranks));
   if (ranks > 1)
     PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
   else
@@ -262,8 +262,7 @@ static PetscErrorCode LinearCreate(Rod rod) {
   PetscFunctionBegin;
   PetscCall(PetscNew(&self));
   rod->order = 4;
-  PetscCall(StraightCreate(rod->scene->growth, &rod->scene->friction, &rod->scene->mesh,
-                           &self->straight));
+  PetscCall(StraightCreate(rod->scene, &rod->scene->mesh, &self->straight));
   PetscCall(PetscMalloc2(n, &self->K, n, &self->D));
   PetscCall(PetscMalloc1((rod->last + 1) * 3 * BASIS, &self->basis));
   for (PetscInt i = 0; i <= rod->last; i++)

@@ -15,7 +15,7 @@ typedef struct {
   PetscReal time;
   PetscReal *length;  /* l of edge first - 1 + k, for edges first - 1 .. end + 1 where they exist */
   PetscReal *natural; /* k0 at turn first - 1 + k, for turns first - 1 .. end */
-  FrictionDual *dual; /* owned nodes */
+  LoadDual *dual;     /* owned nodes */
 } Mixed;
 
 /* K and its first and second derivatives by (a, b), for one turn. */
@@ -110,27 +110,30 @@ static void TurnEdges(const PetscReal (*u)[FIELDS], PetscInt k, PetscReal a[2], 
   Edge(u, k + 1, b);
 }
 
-/* The velocity of node i, v = x_t + c q, with q by central differences; slide is c over the length.
+/* Node i and its velocity, v = x_t + c q, with q by central differences; slide is c over the
+ * length.
  */
-static void NodeVelocity(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
-                         const PetscReal (*u_t)[FIELDS], PetscInt i, PetscReal v[2],
-                         PetscReal *slide) {
-  *slide = i < rod->last ? GrowthSlide(rod->scene->growth, rod->scene->mesh.s[i]) /
-                               (2 * NodeLength(self, rod, i))
-                         : 0;
+static void PlaceAt(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
+                    const PetscReal (*u_t)[FIELDS], PetscInt i, Place *at, PetscReal *slide) {
+  PetscReal s = rod->scene->mesh.s[i];
+
+  *slide = i < rod->last
+               ? GrowthSlide(rod->scene->growth, s, self->time) / (2 * NodeLength(self, rod, i))
+               : 0;
   for (int d = 0; d < 2; d++)
-    v[d] = u_t[i][d] + (*slide ? *slide * (u[i + 1][d] - u[i - 1][d]) : 0);
+    at->v[d] = u_t[i][d] + (*slide ? *slide * (u[i + 1][d] - u[i - 1][d]) : 0);
 }
 
 /* Residual of the balance at node i. */
 static void BalanceResidual(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
                             const PetscReal (*u_t)[FIELDS], PetscInt i, PetscReal r[2]) {
   const PetscReal *s = rod->scene->mesh.s;
-  PetscReal a[2], b[2], v[2], drag[2], slide;
+  PetscReal a[2], b[2], drag[2], slide;
+  Place at;
   Turn turn;
 
-  NodeVelocity(self, rod, u, u_t, i, v, &slide);
-  FrictionForce(&rod->scene->friction, v, &self->dual[i - rod->first], drag);
+  PlaceAt(self, rod, u, u_t, i, &at, &slide);
+  LoadForce(&rod->scene->load, &at, &self->dual[i - rod->first], drag);
   for (int d = 0; d < 2; d++) r[d] = NodeLength(self, rod, i) * drag[d];
   for (PetscInt k = i - 1; k <= PetscMin(i + 1, rod->last - 1); k++) {
     PetscReal force;
@@ -208,17 +211,12 @@ static void TurnJacobian(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS
 
 static void BalanceJacobian(Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
                             const PetscReal (*u_t)[FIELDS], PetscInt i, PetscReal shift, Row row) {
-  const Friction *friction = &rod->scene->friction;
   const PetscReal *s = rod->scene->mesh.s;
-  FrictionDual *dual = &self->dual[i - rod->first];
-  PetscReal v[2], e[2], slide, slope[2][2], M = NodeLength(self, rod, i);
+  PetscReal e[2], slide, slope[2][2], M = NodeLength(self, rod, i);
+  Place at;
 
-  NodeVelocity(self, rod, u, u_t, i, v, &slide);
-  if (rod->fresh)
-    FrictionDualReset(friction, v, dual);
-  else
-    FrictionDualAdvance(friction, v, dual);
-  FrictionLinearise(friction, v, dual, slope);
+  PlaceAt(self, rod, u, u_t, i, &at, &slide);
+  LoadLinearise(&rod->scene->load, &at, rod->fresh, &self->dual[i - rod->first], slope);
   for (int d = 0; d < 2; d++)
     for (int c = 0; c < 2; c++) {
       row[d][REACH * FIELDS + c] += M * slope[d][c] * shift;
@@ -362,7 +360,7 @@ static PetscErrorCode MixedGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes
   }
   PetscCall(RodClose(rod, &local[0], &u));
   if (U_t) PetscCall(RodClose(rod, &local[1], &u_t));
-  PetscCall(RodSumAlong(n, theta));                             /* angle of edge i */
+  PetscCall(RodSumAlong(rod, n, theta));                        /* angle of edge i */
   for (PetscInt i = PetscMax(1, rod->first); i < rod->end; i++) /* from its middle on to its end */
     nodes[i - rod->first].theta =
         theta[i - rod->first] +

@@ -1,5 +1,4 @@
 #include "rod/rod.h"
-#include "base/options.h"
 
 /*
   RodCreate - a rod of one model in a scene, which must outlive it. Collective; the caller destroys
@@ -14,14 +13,14 @@ PetscErrorCode RodCreate(Scene scene, const RodModel *model, Rod *rod) {
   self->model = model;
   self->scene = scene;
   self->last = scene->mesh.cells;
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  UserCheck((self->last + 1) / ranks >= PetscMax(3, model->stencil), PETSC_COMM_WORLD,
+  PetscCallMPI(MPI_Comm_size(scene->comm, &ranks));
+  UserCheck((self->last + 1) / ranks >= PetscMax(3, model->stencil), scene->comm,
             "-rod_cells %d: too few for %d ranks, give at least %d cells or run on fewer ranks",
             (int)self->last, (int)ranks, (int)(ranks * PetscMax(3, model->stencil)));
-  PetscCall(DMDACreate1d(PETSC_COMM_WORLD, DM_BOUNDARY_NONE, self->last + 1, model->fields,
+  PetscCall(DMDACreate1d(scene->comm, DM_BOUNDARY_NONE, self->last + 1, model->fields,
                          model->stencil, NULL, &self->da));
   PetscCall(DMSetUp(self->da));
-  PetscCall(DMDACreate1d(PETSC_COMM_WORLD, DM_BOUNDARY_NONE, self->last + 1, NODE_VALUES, 1, NULL,
+  PetscCall(DMDACreate1d(scene->comm, DM_BOUNDARY_NONE, self->last + 1, NODE_VALUES, 1, NULL,
                          &self->nodes));
   PetscCall(DMSetUp(self->nodes));
   PetscCall(DMDAGetCorners(self->da, &self->first, NULL, NULL, &self->end, NULL, NULL));
@@ -48,7 +47,7 @@ PetscErrorCode RodCreateMatrix(Rod rod, Mat *J) {
   PetscInt bs = rod->model->fields, w = rod->model->stencil, n = (rod->end - rod->first) * bs;
 
   PetscFunctionBegin;
-  PetscCall(MatCreateBAIJ(PETSC_COMM_WORLD, bs, n, n, PETSC_DETERMINE, PETSC_DETERMINE, 2 * w + 1,
+  PetscCall(MatCreateBAIJ(rod->scene->comm, bs, n, n, PETSC_DETERMINE, PETSC_DETERMINE, 2 * w + 1,
                           NULL, w, NULL, J));
   PetscCall(MatSetOption(*J, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
   PetscFunctionReturn(0);
@@ -73,14 +72,14 @@ PetscErrorCode RodClose(Rod rod, Vec *local, void *array) {
 
 /* RodSumAlong - adds up a quantity along the rod: on entry value[i] is the part of the cell left of
    owned node i, on exit the sum from the clamp. Collective. */
-PetscErrorCode RodSumAlong(PetscInt n, PetscReal value[]) {
+PetscErrorCode RodSumAlong(Rod rod, PetscInt n, PetscReal value[]) {
   PetscReal total = 0, before = 0;
   PetscMPIInt rank;
 
   PetscFunctionBegin;
   for (PetscInt i = 0; i < n; i++) total += value[i];
-  PetscCallMPI(MPI_Exscan(&total, &before, 1, MPIU_REAL, MPI_SUM, PETSC_COMM_WORLD));
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCallMPI(MPI_Exscan(&total, &before, 1, MPIU_REAL, MPI_SUM, rod->scene->comm));
+  PetscCallMPI(MPI_Comm_rank(rod->scene->comm, &rank));
   if (!rank) before = 0; /* MPI leaves it undefined there */
   for (PetscInt i = 0; i < n; i++) value[i] = before += value[i];
   PetscFunctionReturn(0);
@@ -107,7 +106,7 @@ static PetscErrorCode IntegratePosition(Rod rod, PetscReal t, Node *nodes) {
       sum[2][k] += h * gauss_weight[q] * g_t * PetscCosReal(theta);
       sum[3][k] += h * gauss_weight[q] * g_t * PetscSinReal(theta);
     }
-  for (int f = 0; f < 4; f++) PetscCall(RodSumAlong(n, sum[f]));
+  for (int f = 0; f < 4; f++) PetscCall(RodSumAlong(rod, n, sum[f]));
   for (PetscInt k = 0; k < n; k++)
     for (int d = 0; d < 2; d++) {
       nodes[k].x[d] = sum[d][k];
@@ -126,14 +125,14 @@ PetscErrorCode RodInitialNodes(Rod rod, PetscReal t, Node *nodes) {
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(nodes, rod->end - rod->first));
   PetscCall(PetscMalloc1(rod->last + 1, &P));
-  PetscCall(StraightForce(scene->growth, &scene->friction, rod->last + 1, scene->mesh.s, t, P));
+  PetscCall(StraightForce(scene, rod->last + 1, scene->mesh.s, t, P));
   for (PetscInt i = rod->first; i < rod->end; i++) {
     Node *node = &nodes[i - rod->first];
     PetscReal g, slope, k0;
     PetscCall(SceneCurvature(scene, scene->mesh.s[i], t, &k0));
     PetscCall(GrowthStretch(scene->growth, 1, &scene->mesh.s[i], t, &g, NULL, NULL));
     PetscCall(SceneShapeAngle(scene, scene->mesh.s[i], &node->theta, &slope));
-    node->moment = slope / g - k0;
+    node->moment = SceneStiffness(scene, scene->mesh.s[i], t) * (slope / g - k0);
     node->force[0] = -P[i];
   }
   PetscCall(PetscFree(P));
@@ -175,7 +174,7 @@ PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes) {
   PetscCall(DMDAVecRestoreArrayRead(da, ghosted, &with));
   PetscCall(DMRestoreLocalVector(da, &ghosted));
   PetscCall(DMRestoreGlobalVector(da, &owned));
-  for (int d = 0; d < 2; d++) PetscCall(RodSumAlong(n, dx[d]));
+  for (int d = 0; d < 2; d++) PetscCall(RodSumAlong(rod, n, dx[d]));
   for (PetscInt k = 0; k < n; k++) {
     PetscCall(GrowthStretch(rod->scene->growth, 1, &s[rod->first + k], t0, &g[0], NULL, NULL));
     PetscCall(GrowthStretch(rod->scene->growth, 1, &s[rod->first + k], t1, &g[1], NULL, NULL));
@@ -202,7 +201,7 @@ PetscErrorCode RodFieldSizes(Rod rod, Vec U, PetscReal size[MAX_FIELDS]) {
       if (!(a <= size[f])) size[f] = a; /* lets NaN through */
     }
   PetscCall(VecRestoreArrayRead(U, &u));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, size, MAX_FIELDS, MPIU_REAL, MPI_MAX, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, size, MAX_FIELDS, MPIU_REAL, MPI_MAX, rod->scene->comm));
   PetscFunctionReturn(0);
 }
 

@@ -39,7 +39,7 @@ typedef struct {
   PetscErrorCode (*get)(Rod, PetscReal t, Vec U, Vec U_t, Node *nodes);
   PetscErrorCode (*residual)(Rod, PetscReal t, Vec U, Vec U_t, Vec F);
   PetscErrorCode (*jacobian)(Rod, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J);
-  /* exact Coulomb friction: see FrictionDualHold(); NULL: regularised friction only */
+  /* exact Coulomb friction: see LoadHold(); NULL: regularised friction only */
   PetscErrorCode (*hold)(Rod, PetscReal t, Vec U, Vec U_t, PetscReal *change);
 } RodModel;
 
@@ -59,6 +59,7 @@ struct _Rod {
 };
 
 extern const RodModel rod_frame, rod_mixed, rod_linear;
+extern const OptionGroup frame_options;
 
 PetscErrorCode RodCreate(Scene scene, const RodModel *model, Rod *rod);
 PetscErrorCode RodDestroy(Rod *rod);
@@ -67,7 +68,7 @@ PetscErrorCode RodInitialNodes(Rod rod, PetscReal t, Node *nodes);
 PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes);
 PetscErrorCode RodOpen(Rod rod, Vec v, Vec *local, void *array);
 PetscErrorCode RodClose(Rod rod, Vec *local, void *array);
-PetscErrorCode RodSumAlong(PetscInt n, PetscReal value[]);
+PetscErrorCode RodSumAlong(Rod rod, PetscInt n, PetscReal value[]);
 PetscErrorCode RodFieldSizes(Rod rod, Vec U, PetscReal size[MAX_FIELDS]);
 PetscErrorCode RodResidual(TS ts, PetscReal t, Vec U, Vec U_t, Vec F, void *rod);
 PetscErrorCode RodJacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J, Mat P,

@@ -1,7 +1,20 @@
 #include "scene/curvature.h"
 #include "base/hdf.h"
-#include "base/options.h"
 #include "base/spline.h"
+
+static const OptionRow rows[] = {
+    ROW_REAL("-rod_curvature", "0", -1e3, 1e3, UNIT_CURVATURE, 0,
+             "natural curvature of the whole rod, per length"),
+    ROW_TEXT("-rod_curvature_file", INPUT_FILE,
+             "HDF5 file with /s and /curvature, the natural curvature"),
+    ROW_REAL("-rod_curvature_random", "", 0, 1e3, UNIT_CURVATURE, 0,
+             "root mean square of a random natural curvature, per length"),
+    ROW_REAL(
+        "-rod_curvature_length", "0.1", 1e-4, 100, UNIT_NONE, 0,
+        "its correlation length, as a part of the rod; of a fed rod, as a part of what it is at "
+        "-ts_max_time"),
+    ROW_INT("-rod_curvature_seed", "1", 0, 2e9, 0, "its seed")};
+const OptionGroup curvature_options = OPTION_GROUP("Natural curvature", rows);
 
 enum { WAVES = 64, ANGLES = 4001 };
 
@@ -19,19 +32,19 @@ static PetscErrorCode SetTable(Curvature *self, PetscInt n, const PetscReal s[],
 static PetscErrorCode FromFile(Curvature *self, const char *file) {
   const char *option = "-rod_curvature_file";
   PetscReal *s, *k;
-  hsize_t n, m;
+  PetscInt n, m;
 
   PetscFunctionBegin;
   PetscCall(HdfRead(option, file, "/s", 1, &n, &s));
   PetscCall(HdfRead(option, file, "/curvature", 1, &m, &k));
-  UserCheck(n == m, PETSC_COMM_WORLD, "%s %s: /s and /curvature differ in length", option, file);
-  UserCheck(n >= 4 && n <= 100000, PETSC_COMM_WORLD, "%s %s: needs 4 to 100000 entries, has %d",
+  UserCheck(n == m, OptionsComm(), "%s %s: /s and /curvature differ in length", option, file);
+  UserCheck(n >= 4 && n <= 1000000, OptionsComm(), "%s %s: needs 4 to 1000000 entries, has %d",
             option, file, (int)n);
-  UserCheck(PetscAbsReal(s[0]) < 1e-12 && PetscAbsReal(s[n - 1] - 1) < 1e-12, PETSC_COMM_WORLD,
+  UserCheck(PetscAbsReal(s[0]) < 1e-12 && PetscAbsReal(s[n - 1] - 1) < 1e-12, OptionsComm(),
             "%s %s: /s must run from 0 to 1", option, file);
-  for (hsize_t i = 1; i < n; i++)
-    UserCheck(s[i] > s[i - 1], PETSC_COMM_WORLD, "%s %s: /s must increase", option, file);
-  PetscCall(SetTable(self, (PetscInt)n, s, k));
+  for (PetscInt i = 1; i < n; i++)
+    UserCheck(s[i] > s[i - 1], OptionsComm(), "%s %s: /s must increase", option, file);
+  PetscCall(SetTable(self, n, s, k));
   PetscCall(PetscFree(s));
   PetscCall(PetscFree(k));
   PetscFunctionReturn(0);
@@ -126,29 +139,21 @@ PetscErrorCode CurvatureAngle(const Curvature *self, Growth growth, PetscReal s,
 */
 PetscErrorCode CurvatureSetFromOptions(Curvature *self, Growth growth, PetscReal end_time) {
   char file[PETSC_MAX_PATH_LEN] = "";
-  PetscReal amplitude = 0, length = 0.1;
-  PetscInt seed = 1;
-  PetscBool constant, from_file, random;
+  PetscReal amplitude = 0, length = 0;
+  PetscInt seed = 0;
+  PetscBool from_file, random;
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(self, sizeof(*self)));
   PetscCall(GrowthLength(growth, end_time, &self->reference_length, NULL));
-  PetscCall(OptionReal("-rod_curvature", "natural curvature of the whole rod, per length", -1e3,
-                       1e3, &self->constant, &constant));
-  PetscCall(OptionString("-rod_curvature_file",
-                         "HDF5 file with /s and /curvature, the natural curvature", file,
-                         sizeof(file), &from_file));
-  PetscCall(OptionReal("-rod_curvature_random",
-                       "root mean square of a random natural curvature, per length", 0, 1e3,
-                       &amplitude, &random));
-  UserCheck(!from_file || !random, PETSC_COMM_WORLD,
+  PetscCall(OptionReal("-rod_curvature", &self->constant, NULL));
+  PetscCall(OptionText("-rod_curvature_file", file, &from_file));
+  PetscCall(OptionReal("-rod_curvature_random", &amplitude, &random));
+  UserCheck(!from_file || !random, OptionsComm(),
             "-rod_curvature_file and -rod_curvature_random: give one of them");
   if (random) {
-    PetscCall(OptionReal("-rod_curvature_length",
-                         "its correlation length, as a part of the rod; of a fed rod, as a part of "
-                         "what it is at -ts_max_time",
-                         1e-4, 100, &length, NULL));
-    PetscCall(OptionInt("-rod_curvature_seed", "its seed", 0, PETSC_MAX_INT, &seed, NULL));
+    PetscCall(OptionReal("-rod_curvature_length", &length, NULL));
+    PetscCall(OptionInt("-rod_curvature_seed", &seed, NULL));
     PetscCall(AtRandom(self, amplitude, length, seed));
   }
   if (from_file) PetscCall(FromFile(self, file));

@@ -14,6 +14,8 @@ typedef struct {
   PetscReal reference_length;      /* feed: the length L(T) whose labels those of the table are */
 } Curvature;
 
+extern const OptionGroup curvature_options;
+
 PetscErrorCode CurvatureSetFromOptions(Curvature *curvature, Growth growth, PetscReal end_time);
 PetscErrorCode CurvatureAngle(const Curvature *curvature, Growth growth, PetscReal s,
                               PetscReal *theta, PetscReal *theta_s);

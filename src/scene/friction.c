@@ -1,23 +1,23 @@
 #include "scene/friction.h"
-#include "base/options.h"
+
+static const OptionRow rows[] = {
+    ROW_REAL("-friction_mu", "1", 0, 1, UNIT_NONE, 0,
+             "dry share of friction, 0 (viscous) to 1 (dry)"),
+    ROW_REAL("-friction_beta", "1e-3", 0, 1e6, UNIT_NONE, 0,
+             "regularisation of |x_t|^2; 0: exact Coulomb friction with stick"),
+    ROW_WORD("-friction_newton", "primal_dual", "primal,primal_dual", 0,
+             "linearisation of dry friction")};
+const OptionGroup friction_options = OPTION_GROUP("Friction", rows);
 
 /* FrictionSetFromOptions - reads and checks the friction law's options. */
 PetscErrorCode FrictionSetFromOptions(Friction *friction) {
-  const char *const linearisations[] = {"primal", "primal_dual"};
-  PetscInt choice = NEWTON_PRIMAL_DUAL;
+  PetscInt choice;
 
   PetscFunctionBegin;
-  friction->mu = 1;
   friction->more = 0;
-  friction->beta = 1e-3;
-  PetscCall(OptionsHeading("Friction"));
-  PetscCall(OptionReal("-friction_mu", "dry share of friction, 0 (viscous) to 1 (dry)", 0, 1,
-                       &friction->mu, NULL));
-  PetscCall(OptionReal("-friction_beta",
-                       "regularisation of |x_t|^2; 0: exact Coulomb friction with stick", 0, 1e6,
-                       &friction->beta, NULL));
-  PetscCall(OptionList("-friction_newton", "linearisation of dry friction", 2, linearisations,
-                       &choice, NULL));
+  PetscCall(OptionReal("-friction_mu", &friction->mu, NULL));
+  PetscCall(OptionReal("-friction_beta", &friction->beta, NULL));
+  PetscCall(OptionWord("-friction_newton", &choice, NULL));
   friction->newton = (FrictionNewton)choice;
   PetscFunctionReturn(0);
 }

@@ -3,7 +3,7 @@
 #ifndef TENDRIL_FRICTION_H
 #define TENDRIL_FRICTION_H
 
-#include <petscsys.h>
+#include "base/options.h"
 
 typedef enum { NEWTON_PRIMAL, NEWTON_PRIMAL_DUAL } FrictionNewton;
 
@@ -20,6 +20,8 @@ typedef struct {
 typedef struct {
   PetscReal v[2], w[2], shift[2];
 } FrictionDual;
+
+extern const OptionGroup friction_options;
 
 PetscErrorCode FrictionSetFromOptions(Friction *friction);
 void FrictionDualReset(const Friction *law, const PetscReal v[2], FrictionDual *dual);
@@ -54,6 +56,12 @@ static inline void FrictionForce(const Friction *law, const PetscReal v[2],
 static inline PetscReal FrictionPhi(const Friction *law, PetscReal v2) {
   PetscReal r = PetscSqrtReal(v2 + law->beta);
   return 1 - law->mu + law->more + (r > 0 ? law->mu / r : 0);
+}
+
+/* int_a^b phi(v) v dv: the axial friction on a straight rod whose speed rises evenly from a to b */
+static inline PetscReal FrictionBetween(const Friction *law, PetscReal a, PetscReal b) {
+  return law->mu * (PetscSqrtReal(b * b + law->beta) - PetscSqrtReal(a * a + law->beta)) +
+         (1 - law->mu) * (b * b - a * a) / 2;
 }
 
 #endif

@@ -1,23 +1,28 @@
-/* Growth laws: the prescribed stretch g(s,t) = |x'| and the arc length p(s,t) = int_0^s g. */
+/* Growth laws: the prescribed stretch g(s,t) = |x'|, the arc length p(s,t) = int_0^s g, and the
+   speed c(s,t) at which material slides past the labels (theory.md, section 3). */
 #ifndef TENDRIL_GROWTH_H
 #define TENDRIL_GROWTH_H
 
-#include <petscsys.h>
+#include "base/options.h"
 
 typedef struct _Growth *Growth;
 struct _Growth {
-  char type[16];
+  const char *type;
   PetscReal initial_length; /* L0 */
   PetscReal end_time;       /* the law is defined up to here */
-  PetscBool uniform;        /* g does not depend on s */
-  PetscBool slides;         /* feed: the rod slides through the clamp, c = 1 - s */
+  PetscBool even;           /* g does not depend on s: labels share out the length evenly */
+  PetscBool similar;        /* the straight rod's velocity depends on s alone, not on t */
+  PetscBool slides;         /* material slides past the labels: c is not 0 */
   PetscBool stopped;        /* GrowthStop(): stands still at one time of another law */
   PetscErrorCode (*stretch)(Growth, PetscReal s, PetscReal t, PetscReal *g, PetscReal *g_t,
                             PetscReal *g_s);
   PetscErrorCode (*arc)(Growth, PetscReal s, PetscReal t, PetscReal *p, PetscReal *p_t);
+  PetscReal (*slide)(Growth, PetscReal s, PetscReal t); /* NULL unless it slides */
   PetscErrorCode (*destroy)(Growth);
   void *data;
 };
+
+extern const OptionGroup growth_options;
 
 PetscErrorCode GrowthCreate(Growth *growth);
 PetscErrorCode GrowthDestroy(Growth *growth);
@@ -27,10 +32,14 @@ PetscErrorCode GrowthStretch(Growth growth, PetscInt n, const PetscReal s[], Pet
 PetscErrorCode GrowthArc(Growth growth, PetscInt n, const PetscReal s[], PetscReal t, PetscReal p[],
                          PetscReal p_t[]);
 PetscErrorCode GrowthLength(Growth growth, PetscReal t, PetscReal *length, PetscReal *length_t);
+PetscErrorCode GrowthDestroyData(Growth growth);
 
-/* Convective speed of the material along the rod (theory.md section 3): v = x_t + c q. */
-static inline PetscReal GrowthSlide(Growth growth, PetscReal s) {
-  return growth->slides && !growth->stopped ? 1 - s : 0;
+/* creators that have a file of their own */
+PetscErrorCode GrowthCreateTable(Growth growth);
+
+/* Convective speed of the material along the rod: v = x_t + c q. */
+static inline PetscReal GrowthSlide(Growth growth, PetscReal s, PetscReal t) {
+  return growth->slides && !growth->stopped ? growth->slide(growth, s, t) : 0;
 }
 
 #endif

@@ -21,7 +21,7 @@ PetscErrorCode MeshCreate(PetscInt cells, PetscBool graded, Growth growth, Petsc
   PetscFunctionBegin;
   mesh->cells = cells;
   PetscCall(PetscMalloc1(cells + 1, &mesh->s));
-  graded = (PetscBool)(graded && !growth->uniform);
+  graded = (PetscBool)(graded && !growth->even);
   if (graded) PetscCall(GrowthLength(growth, end_time, &length, NULL));
   for (PetscInt i = 0; i <= cells; i++) {
     PetscReal goal = (PetscReal)i / cells, lo = i ? mesh->s[i - 1] : 0, hi = 1, p;

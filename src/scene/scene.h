@@ -1,28 +1,23 @@
-/* What is simulated: growth, friction, clamp, initial shape and the mesh it lives on. */
+/* What is simulated: growth, load, clamp, tip, initial shape and the mesh it lives on. */
 #ifndef TENDRIL_SCENE_H
 #define TENDRIL_SCENE_H
 
 #include "scene/curvature.h"
-#include "scene/friction.h"
 #include "scene/growth.h"
+#include "scene/load.h"
 #include "scene/mesh.h"
+#include "scene/shape.h"
 #include "scene/si.h"
-
-typedef enum { SHAPE_STRAIGHT, SHAPE_SAG, SHAPE_MODE, SHAPE_RANDOM, SHAPE_FILE } ShapeType;
-
-typedef struct {
-  ShapeType type;
-  PetscReal amplitude; /* eps, largest initial angle against the clamp */
-  PetscInt seed;
-  char file[PETSC_MAX_PATH_LEN];
-  PetscInt n;                    /* knots of a tabulated shape (random, file, mode) */
-  PetscReal *s, *theta, *theta2; /* its knots, angles and their second derivatives */
-} Shape;
+#include "scene/stiffness.h"
+#include "scene/tip.h"
 
 typedef struct _Scene *Scene;
 struct _Scene {
+  MPI_Comm comm; /* the ranks that share it */
   Growth growth;
-  Friction friction;
+  Load load;
+  Stiffness stiffness;
+  Tip tip;
   Shape shape;
   Curvature curvature; /* natural, k0 */
   Mesh mesh;
@@ -31,10 +26,16 @@ struct _Scene {
   PetscReal end_time;    /* T, -ts_max_time */
 };
 
+extern const OptionGroup scene_options;
+
 PetscErrorCode SceneCreate(Scene *scene);
 PetscErrorCode SceneDestroy(Scene *scene);
 PetscErrorCode SceneCurvature(Scene scene, PetscReal s, PetscReal t, PetscReal *k);
 PetscErrorCode SceneShapeAngle(Scene scene, PetscReal s, PetscReal *theta, PetscReal *theta_s);
-PetscErrorCode SceneSetShape(Scene scene, PetscInt n, const PetscReal s[], const PetscReal theta[]);
+
+/* B at the label s and time t. */
+static inline PetscReal SceneStiffness(Scene scene, PetscReal s, PetscReal t) {
+  return StiffnessAt(&scene->stiffness, scene->growth, s, t);
+}
 
 #endif

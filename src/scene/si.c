@@ -1,57 +1,67 @@
 #include "scene/si.h"
-#include "base/options.h"
 
-enum { LENGTH, FORCE, TIME, SPEED, ENERGY, POWER, CURVATURE };
-const char *const si_name[SI_SCALES] = {"length", "force", "time",     "speed",
-                                        "energy", "power", "curvature"};
-const char *const si_unit[SI_SCALES] = {"m", "N", "s", "m/s", "J", "W", "1/m"};
+const char *const si_name[UNIT_ALL] = {NULL,     "length", "force",     "time", "speed",
+                                       "energy", "power",  "curvature", NULL};
+const char *const si_unit[UNIT_ALL] = {NULL, "m", "N", "s", "m/s", "J", "W", "1/m", NULL};
+
+static const OptionRow rows[] = {
+    ROW_REAL("-si_bending_stiffness", "", 0, 1e30, UNIT_NONE, 0, "YI, in N m^2"),
+    ROW_REAL("-si_friction_dry", "", 0, 1e30, UNIT_NONE, 0, "dry friction per length, in N/m"),
+    ROW_REAL("-si_friction_viscous", "", 0, 1e30, UNIT_NONE, 0,
+             "viscous friction per length and speed, in N s/m^2"),
+    ROW_REAL("-si_speed", "", 0, 1e30, UNIT_NONE, 0,
+             "V, the speed at which the rod grows, in m/s")};
+const OptionGroup si_options = OPTION_GROUP("Laboratory units", rows);
+
+/* The scales: the unit of length is (YI/N)^(1/3), that of force N times it. */
+static void SetScales(Si *si, PetscReal N) {
+  PetscReal l = PetscPowReal(si->stiffness / N, 1. / 3);
+
+  si->scale[UNIT_LENGTH] = l;
+  si->scale[UNIT_FORCE] = N * l;
+  si->scale[UNIT_TIME] = si->speed > 0 ? l / si->speed : 0;
+  si->scale[UNIT_SPEED] = si->speed;
+  si->scale[UNIT_ENERGY] = N * l * l;
+  si->scale[UNIT_POWER] = N * l * si->speed;
+  si->scale[UNIT_CURVATURE] = 1 / l;
+}
 
 /*
   SiSetFromOptions - reads the physical rod, if one is given, and sets the scales and the dry share
-  of friction from it: the unit of length is (YI/N)^(1/3), that of force N times it, with the
-  friction per length N = mu + nu V at the speed V of growth.
+  of friction (-friction_mu) from it, with the friction per length N = mu + nu V at the speed V of
+  growth. Before other options are read: from here on they may carry units. Collective.
 
   Without -si_speed purely dry friction still has scales of length and force, but not of time.
 */
-PetscErrorCode SiSetFromOptions(Si *si, Friction *friction) {
+PetscErrorCode SiSetFromOptions(Si *si) {
   PetscBool given[4], mu_given;
-  PetscReal N, mu, l;
+  PetscReal N, mu, mu_asked = 0;
   char text[32];
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(si, sizeof(*si)));
-  PetscCall(OptionsHeading("Laboratory units"));
-  PetscCall(
-      OptionReal("-si_bending_stiffness", "YI, in N m^2", 0, 1e30, &si->stiffness, &given[0]));
-  PetscCall(OptionReal("-si_friction_dry", "dry friction per length, in N/m", 0, 1e30, &si->dry,
-                       &given[1]));
-  PetscCall(OptionReal("-si_friction_viscous", "viscous friction per length and speed, in N s/m^2",
-                       0, 1e30, &si->viscous, &given[2]));
-  PetscCall(OptionReal("-si_speed", "V, the speed at which the rod grows, in m/s", 0, 1e30,
-                       &si->speed, &given[3]));
+  PetscCall(OptionReal("-si_bending_stiffness", &si->stiffness, &given[0]));
+  PetscCall(OptionReal("-si_friction_dry", &si->dry, &given[1]));
+  PetscCall(OptionReal("-si_friction_viscous", &si->viscous, &given[2]));
+  PetscCall(OptionReal("-si_speed", &si->speed, &given[3]));
   si->given = (PetscBool)(given[0] || given[1] || given[2] || given[3]);
   if (!si->given) PetscFunctionReturn(0);
-  UserCheck(si->stiffness > 0, PETSC_COMM_WORLD,
+  UserCheck(si->stiffness > 0, OptionsComm(),
             "-si_bending_stiffness: give YI in N m^2, above 0, with the other -si_ options");
-  UserCheck(!given[3] || si->speed > 0, PETSC_COMM_WORLD, "-si_speed: give more than 0");
-  UserCheck(si->viscous == 0 || si->speed > 0, PETSC_COMM_WORLD,
+  UserCheck(!given[3] || si->speed > 0, OptionsComm(), "-si_speed: give more than 0");
+  UserCheck(si->viscous == 0 || si->speed > 0, OptionsComm(),
             "-si_friction_viscous: needs -si_speed, in m/s");
   N = si->dry + si->viscous * si->speed;
-  UserCheck(N > 0, PETSC_COMM_WORLD,
+  UserCheck(N > 0, OptionsComm(),
             "-si_friction_dry or -si_friction_viscous: give one of them above 0");
   mu = si->dry / N;
-  PetscCall(PetscOptionsHasName(NULL, NULL, "-friction_mu", &mu_given));
-  UserCheck(!mu_given || PetscAbsReal(friction->mu - mu) < 1e-4, PETSC_COMM_WORLD,
+  PetscCall(OptionReal("-friction_mu", &mu_asked, &mu_given));
+  UserCheck(!mu_given || PetscAbsReal(mu_asked - mu) < 1e-4, OptionsComm(),
             "-friction_mu: the -si_ options make it %s; leave it out", OptionNumber(mu, text));
-  friction->mu = mu;
-  l = PetscPowReal(si->stiffness / N, 1. / 3);
-  si->scale[LENGTH] = l;
-  si->scale[FORCE] = N * l;
-  si->scale[TIME] = si->speed > 0 ? l / si->speed : 0;
-  si->scale[SPEED] = si->speed;
-  si->scale[ENERGY] = N * l * l;
-  si->scale[POWER] = N * l * si->speed;
-  si->scale[CURVATURE] = 1 / l;
+  PetscCall(PetscSNPrintf(text, sizeof(text), "%.17g", (double)mu));
+  PetscCall(PetscOptionsSetValue(NULL, "-friction_mu", text));
+  SetScales(si, N);
+  PetscCall(OptionsSetScales(si->scale));
   PetscFunctionReturn(0);
 }
 
@@ -61,21 +71,21 @@ PetscErrorCode SiPrint(const Si *si, PetscReal mu, PetscReal start, PetscReal en
   char text[32];
 
   PetscFunctionBegin;
-  UserCheck(si->given, PETSC_COMM_WORLD,
+  UserCheck(si->given, OptionsComm(),
             "-task units: give the rod, -si_bending_stiffness, -si_friction_dry and the like");
-  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%-12s %22s %22s\n", "1 of", "is, in SI units",
+  PetscCall(PetscPrintf(OptionsComm(), "%-12s %22s %22s\n", "1 of", "is, in SI units",
                         "and 1 SI unit is"));
-  for (int k = 0; k < SI_SCALES; k++) {
+  for (int k = UNIT_LENGTH; k <= UNIT_CURVATURE; k++) {
     char to[32] = "unknown: -si_speed", from[32] = "";
     if (si->scale[k] > 0) {
       (void)snprintf(to, sizeof(to), "%.8g %s", si->scale[k], si_unit[k]);
       (void)snprintf(from, sizeof(from), "%.8g", 1 / si->scale[k]);
     }
-    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%-12s %22s %22s\n", si_name[k], to, from));
+    PetscCall(PetscPrintf(OptionsComm(), "%-12s %22s %22s\n", si_name[k], to, from));
   }
-  PetscCall(PetscPrintf(PETSC_COMM_WORLD,
+  PetscCall(PetscPrintf(OptionsComm(),
                         "The rod grows from %g m to %g m; the dry share of friction is %s.\n",
-                        (double)(start * si->scale[LENGTH]), (double)(end * si->scale[LENGTH]),
-                        OptionNumber(mu, text)));
+                        (double)(start * si->scale[UNIT_LENGTH]),
+                        (double)(end * si->scale[UNIT_LENGTH]), OptionNumber(mu, text)));
   PetscFunctionReturn(0);
 }

@@ -2,17 +2,19 @@
 #ifndef TENDRIL_SI_H
 #define TENDRIL_SI_H
 
-#include "scene/friction.h"
+#include "base/options.h"
 
-enum { SI_SCALES = 7 };
 typedef struct {
   PetscBool given;
   PetscReal stiffness, dry, viscous, speed; /* YI, mu, nu, V; V = 0: not given, no scale of time */
-  PetscReal scale[SI_SCALES];               /* of what si_name lists; 0: unknown */
+  PetscReal scale[UNIT_ALL];                /* what 1 of each is in SI; 0: unknown */
 } Si;
-extern const char *const si_name[SI_SCALES], *const si_unit[SI_SCALES];
 
-PetscErrorCode SiSetFromOptions(Si *si, Friction *friction);
+/* of the dimensions UNIT_LENGTH to UNIT_CURVATURE; NULL for the others */
+extern const char *const si_name[UNIT_ALL], *const si_unit[UNIT_ALL];
+extern const OptionGroup si_options;
+
+PetscErrorCode SiSetFromOptions(Si *si);
 PetscErrorCode SiPrint(const Si *si, PetscReal mu, PetscReal start, PetscReal end);
 
 #endif

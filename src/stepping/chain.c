@@ -1,5 +1,4 @@
 #include "stepping/chain.h"
-#include <petsc/private/pcimpl.h>
 #include <petscblaslapack.h>
 
 /* Each rank factors its own diagonal block A (block LU in natural order, as on one rank). With B
@@ -8,8 +7,8 @@
    of those, of all ranks. The columns of A^-1 B, read off in the rows of E, give a small dense
    system x_E + (A^-1 B g)_E = (A^-1 b)_E that every rank solves; then x = A^-1 (b - B g). */
 typedef struct {
-  Mat A, B; /* borrowed from the matrix */
-  PC local; /* LU of A */
+  Mat whole, A, B; /* A and B are the parts of the whole that this rank has; all borrowed */
+  PC local;        /* LU of A */
   PetscInt n, first;
   PetscInt ghosts, edges;    /* columns of B; size of E */
   PetscInt *ghost;           /* the place in E of each column of B */
@@ -20,18 +19,18 @@ typedef struct {
 } Chain;
 
 /* The global indices of the columns of B. */
-static PetscErrorCode GhostColumns(PC pc, Chain *self, PetscInt **columns) {
+static PetscErrorCode GhostColumns(Chain *self, PetscInt **columns) {
   const PetscInt *map;
   PetscBool blocked;
   PetscInt bs = 1, n;
 
   PetscFunctionBegin;
-  PetscCall(PetscObjectTypeCompare((PetscObject)pc->pmat, MATMPIBAIJ, &blocked));
+  PetscCall(PetscObjectTypeCompare((PetscObject)self->whole, MATMPIBAIJ, &blocked));
   if (blocked) {
-    PetscCall(MatMPIBAIJGetSeqBAIJ(pc->pmat, &self->A, &self->B, &map));
-    PetscCall(MatGetBlockSize(pc->pmat, &bs));
+    PetscCall(MatMPIBAIJGetSeqBAIJ(self->whole, &self->A, &self->B, &map));
+    PetscCall(MatGetBlockSize(self->whole, &bs));
   } else
-    PetscCall(MatMPIAIJGetSeqAIJ(pc->pmat, &self->A, &self->B, &map));
+    PetscCall(MatMPIAIJGetSeqAIJ(self->whole, &self->A, &self->B, &map));
   PetscCall(MatGetSize(self->B, NULL, &n));
   self->ghosts = n;
   PetscCall(PetscMalloc1(n, columns));
@@ -46,7 +45,7 @@ static PetscErrorCode FindEdges(PC pc, Chain *self) {
   PetscInt *columns, total = 0;
 
   PetscFunctionBegin;
-  PetscCall(GhostColumns(pc, self, &columns));
+  PetscCall(GhostColumns(self, &columns));
   PetscCallMPI(MPI_Comm_size(comm, &ranks));
   PetscCall(PetscMPIIntCast(self->ghosts, &mine));
   PetscCall(PetscMalloc2(ranks, &counts, ranks, &starts));
@@ -69,7 +68,8 @@ static PetscErrorCode FindEdges(PC pc, Chain *self) {
 
 static PetscErrorCode FirstSetUp(PC pc, Chain *self) {
   PetscFunctionBegin;
-  PetscCall(MatGetOwnershipRange(pc->pmat, &self->first, &self->n));
+  PetscCall(PCGetOperators(pc, NULL, &self->whole));
+  PetscCall(MatGetOwnershipRange(self->whole, &self->first, &self->n));
   self->n -= self->first;
   PetscCall(FindEdges(pc, self));
   PetscCall(PetscMalloc3(self->edges * self->edges, &self->dense, self->edges, &self->values,
@@ -97,12 +97,13 @@ static PetscErrorCode ReadEdges(Chain *self, Vec v, PetscReal *column) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode PCSetUp_Chain(PC pc) {
-  Chain *self = (Chain *)pc->data;
+static PetscErrorCode SetUp(PC pc) {
+  Chain *self;
   PetscInt m;
   PetscBLASInt order, info;
 
   PetscFunctionBegin;
+  PetscCall(PCShellGetContext(pc, &self));
   if (!self->local) PetscCall(FirstSetUp(pc, self));
   PetscCall(PCSetOperators(self->local, self->A, self->A));
   PetscCall(PCSetUp(self->local));
@@ -123,16 +124,19 @@ static PetscErrorCode PCSetUp_Chain(PC pc) {
   PetscCall(PetscBLASIntCast(m, &order));
   PetscCallBLAS("LAPACKgetrf",
                 LAPACKgetrf_(&order, &order, self->dense, &order, self->pivots, &info));
-  if (info || PetscIsInfOrNanReal(self->dense[0])) pc->failedreason = PC_FACTOR_NUMERIC_ZEROPIVOT;
+  if (info || PetscIsInfOrNanReal(self->dense[0]))
+    PetscCall(PCSetFailedReason(pc, PC_FACTOR_NUMERIC_ZEROPIVOT));
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode PCApply_Chain(PC pc, Vec b, Vec x) {
-  Chain *self = (Chain *)pc->data;
-  PetscBLASInt m = (PetscBLASInt)self->edges, one = 1, info;
+static PetscErrorCode Apply(PC pc, Vec b, Vec x) {
+  Chain *self;
+  PetscBLASInt m, one = 1, info;
   PetscScalar *g;
 
   PetscFunctionBegin;
+  PetscCall(PCShellGetContext(pc, &self));
+  m = (PetscBLASInt)self->edges;
   PetscCall(VecGetLocalVectorRead(b, self->x));
   PetscCall(PCApply(self->local, self->x, self->y));
   PetscCall(PetscArrayzero(self->values, self->edges));
@@ -152,10 +156,11 @@ static PetscErrorCode PCApply_Chain(PC pc, Vec b, Vec x) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode PCReset_Chain(PC pc) {
-  Chain *self = (Chain *)pc->data;
+static PetscErrorCode Destroy(PC pc) {
+  Chain *self;
 
   PetscFunctionBegin;
+  PetscCall(PCShellGetContext(pc, &self));
   PetscCall(PCDestroy(&self->local));
   PetscCall(VecDestroy(&self->x));
   PetscCall(VecDestroy(&self->y));
@@ -163,33 +168,22 @@ static PetscErrorCode PCReset_Chain(PC pc) {
   PetscCall(PetscFree(self->edge));
   PetscCall(PetscFree(self->ghost));
   PetscCall(PetscFree3(self->dense, self->values, self->pivots));
+  PetscCall(PetscFree(self));
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode PCDestroy_Chain(PC pc) {
-  PetscFunctionBegin;
-  PetscCall(PCReset_Chain(pc));
-  PetscCall(PetscFree(pc->data));
-  PetscFunctionReturn(0);
-}
-
-static PetscErrorCode PCCreate_Chain(PC pc) {
+/* ChainSetType - makes a PC this solver. For MPIBAIJ and MPIAIJ matrices on two ranks or more. The
+   local factorisation has the options prefix -chain_. */
+PetscErrorCode ChainSetType(PC pc) {
   Chain *self;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&self));
-  pc->data = self;
-  pc->ops->setup = PCSetUp_Chain;
-  pc->ops->apply = PCApply_Chain;
-  pc->ops->reset = PCReset_Chain;
-  pc->ops->destroy = PCDestroy_Chain;
-  PetscFunctionReturn(0);
-}
-
-/* ChainRegister - makes the type known; call once, before PCSetType(). For MPIBAIJ and MPIAIJ
-   matrices on two ranks or more. The local factorisation has the options prefix -chain_. */
-PetscErrorCode ChainRegister(void) {
-  PetscFunctionBegin;
-  PetscCall(PCRegister(PCCHAIN, PCCreate_Chain));
+  PetscCall(PCSetType(pc, PCSHELL));
+  PetscCall(PCShellSetName(pc, "chain: each rank's block LU, joined by a dense system"));
+  PetscCall(PCShellSetContext(pc, self));
+  PetscCall(PCShellSetSetUp(pc, SetUp));
+  PetscCall(PCShellSetApply(pc, Apply));
+  PetscCall(PCShellSetDestroy(pc, Destroy));
   PetscFunctionReturn(0);
 }

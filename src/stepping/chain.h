@@ -1,12 +1,9 @@
-/* PC type "chain": an exact parallel solver for matrices that couple neighbouring nodes of a line.
- */
+/* An exact parallel solver for matrices that couple neighbouring nodes of a line. */
 #ifndef TENDRIL_CHAIN_H
 #define TENDRIL_CHAIN_H
 
 #include <petscpc.h>
 
-#define PCCHAIN "chain"
-
-PetscErrorCode ChainRegister(void);
+PetscErrorCode ChainSetType(PC pc);
 
 #endif

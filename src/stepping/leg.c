@@ -1,4 +1,5 @@
 #include "stepping/leg.h"
+#include "base/lagrange.h"
 #include "stepping/vbdf.h"
 
 /* Local errors add up, in the decay and growth of x2 even with one sign: a step gets this part of
@@ -90,7 +91,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   PetscCall(VecDuplicate(leg->U, &leg->tolerance));
   PetscCall(VecDuplicate(leg->U, &leg->none));
   PetscCall(RodCreateMatrix(leg->rod, &leg->J));
-  PetscCall(TSCreate(PETSC_COMM_WORLD, &leg->ts));
+  PetscCall(TSCreate(scene->comm, &leg->ts));
   PetscCall(TSSetOptionsPrefix(leg->ts, prefix));
   PetscCall(TSSetDM(leg->ts, leg->rod->da));
   PetscCall(TSSetApplicationContext(leg->ts, leg));
@@ -119,6 +120,35 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
     PetscCall(TSSetMaxSNESFailures(leg->ts, 10)); /* a fixed step does not help itself */
   PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));
   PetscCall(TSSetSolution(leg->ts, leg->U));
+  PetscFunctionReturn(0);
+}
+
+enum { DENSE_POINTS = 7 };
+
+/*
+  LegInterpolate - the state and its rate at a time within the latest step, by the stepper's dense
+  output. Collective.
+
+  end, h  of the step
+
+  PETSc's steppers know no rate: their dense output is a polynomial of degree 6 at most, so seven
+  places over the step have it.
+*/
+PetscErrorCode LegInterpolate(Leg *leg, PetscReal t, PetscReal end, PetscReal h, Vec U, Vec U_t) {
+  PetscReal at[DENSE_POINTS], slope[DENSE_POINTS];
+  PetscBool done;
+
+  PetscFunctionBegin;
+  PetscCall(VBDFInterpolate(leg->ts, t, U, U_t, &done));
+  if (done) PetscFunctionReturn(0);
+  for (int k = 0; k < DENSE_POINTS; k++) at[k] = end - h * k / (DENSE_POINTS - 1);
+  LagrangeSlopes(DENSE_POINTS, at, t, slope);
+  PetscCall(VecZeroEntries(U_t));
+  for (int k = 0; k < DENSE_POINTS; k++) {
+    PetscCall(TSInterpolate(leg->ts, at[k], U));
+    PetscCall(VecAXPY(U_t, slope[k], U));
+  }
+  PetscCall(TSInterpolate(leg->ts, t, U));
   PetscFunctionReturn(0);
 }
 

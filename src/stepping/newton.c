@@ -114,7 +114,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
                         (double)left, (double)rate, (double)residual[ALONG],
                         (double)residual[ACROSS]));
   }
-  if (*reason > 0 && self->rod->scene->friction.beta == 0 && self->rod->model->hold)
+  if (*reason > 0 && LoadSticks(&self->rod->scene->load) && self->rod->model->hold)
     PetscCall(Hold(self, snes, it, U, F, reason));
   for (int half = ALONG; half <= ACROSS; half++) self->residual[half] = residual[half];
   PetscFunctionReturn(0);
@@ -123,7 +123,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
 /*
   NewtonSetUp - sets the SNES of a TS: full Newton steps, the test above, and a direct solver:
   PETSc's block LU in natural order on one rank (the matrix is block-banded, its diagonal blocks
-  regular), on several the same on each, joined by PCCHAIN. PETSc's options override. newton must
+  regular), on several the same on each, joined by chain.c. PETSc's options override. newton must
   live as long as the TS.
 */
 PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
@@ -147,8 +147,12 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   PetscCall(SNESGetKSP(snes, &ksp));
   PetscCall(KSPSetType(ksp, KSPPREONLY));
   PetscCall(KSPGetPC(ksp, &pc));
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  PetscCall(PCSetType(pc, ranks > 1 ? PCCHAIN : PCLU));
-  if (ranks == 1) PetscCall(PCFactorSetMatOrderingType(pc, MATORDERINGNATURAL));
+  PetscCallMPI(MPI_Comm_size(rod->scene->comm, &ranks));
+  if (ranks > 1) {
+    PetscCall(ChainSetType(pc));
+    PetscFunctionReturn(0);
+  }
+  PetscCall(PCSetType(pc, PCLU));
+  PetscCall(PCFactorSetMatOrderingType(pc, MATORDERINGNATURAL));
   PetscFunctionReturn(0);
 }

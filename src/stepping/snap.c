@@ -9,12 +9,9 @@
   fast time t/d. So growth stands still, friction is dry and viscous of strength 1, and the rod is
   followed until it rests.
 */
-static const PetscReal nearly_dry = 1e-4; /* 1 - mu up to here: growth waits meanwhile */
-/* It must rest a little below the limit of friction, or it would snap again at once. */
-static const PetscReal slack = 1e-5;
-static const PetscReal tiny_beta = 1e-18; /* of velocities in fast time, which begin near 1 */
 static const PetscReal rest = 1e-6, long_after = 1e4; /* velocity at rest; fast time to get there */
-static const PetscReal least_rtol = 1e-6; /* no need to be more accurate than the slack */
+static const PetscReal least_rtol =
+    1e-6; /* no need to be more accurate than the slack of LoadInFastTime() */
 
 static PetscErrorCode StopAtRest(TS ts) {
   Leg *leg;
@@ -38,17 +35,16 @@ static PetscErrorCode StopAtRest(TS ts) {
 PetscErrorCode SnapFollow(TS ts, PetscReal t, Vec U, PetscBool *done) {
   struct _Scene fast;
   TSConvergedReason reason;
+  PetscBool dry;
   Leg *slow, leg;
 
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &slow));
   fast = *slow->rod->scene;
   *done = PETSC_FALSE;
-  if (1 - fast.friction.mu > nearly_dry) PetscFunctionReturn(0);
+  PetscCall(LoadInFastTime(&slow->rod->scene->load, &fast.load, &dry));
+  if (!dry) PetscFunctionReturn(0);
   PetscCall(GrowthStop(slow->rod->scene->growth, t, &fast.growth));
-  fast.friction.beta = tiny_beta;
-  fast.friction.mu *= 1 - slack;
-  fast.friction.more = fast.friction.mu; /* 1 - mu + more = 1 */
   fast.end_time = long_after;
   PetscCall(LegCreate(&fast, slow->rod->model, PetscMax(slow->rtol, least_rtol), "snap_", &leg));
   PetscCall(TSSetPostStep(leg.ts, StopAtRest));

@@ -1,5 +1,7 @@
 #include "stepping/vbdf.h"
-#include <petsc/private/tsimpl.h>
+#include "base/lagrange.h"
+#include "base/compat.h"
+#include <petsc/private/tsimpl.h> /* a TS type cannot do without */
 
 /* point[0] is the new solution, at time[0]; point[1], point[2], ... those of the steps before. */
 typedef struct {
@@ -41,24 +43,13 @@ static const PetscReal slip_persists = 0.25, slip_step = 1e-8;
 static const PetscReal smallest = 1e-13, early = 1e-3;
 static const PetscReal shrink_most = 0.2, grow_most = 2;
 
-/* Values at t of the Lagrange polynomials on n points. */
-static void LagrangeValues(PetscInt n, const PetscReal points[], PetscReal t, PetscScalar L[]) {
-  for (PetscInt k = 0; k < n; k++) {
-    L[k] = 1;
-    for (PetscInt j = 0; j < n; j++)
-      if (j != k) L[k] *= (t - points[j]) / (points[k] - points[j]);
-  }
-}
+static PetscErrorCode Self(TS ts, VBDF **self) {
+  PetscBool same;
 
-/* Derivatives at points[0] of the Lagrange polynomials on n points. */
-static void LagrangeSlopes(PetscInt n, const PetscReal points[], PetscScalar D[]) {
-  D[0] = 0;
-  for (PetscInt k = 1; k < n; k++) {
-    D[k] = 1 / (points[k] - points[0]);
-    for (PetscInt j = 1; j < n; j++)
-      if (j != k) D[k] *= (points[0] - points[j]) / (points[k] - points[j]);
-    D[0] += 1 / (points[0] - points[k]);
-  }
+  PetscFunctionBegin;
+  PetscCall(PetscObjectTypeCompare((PetscObject)ts, TSVBDF, &same));
+  *self = same ? (VBDF *)ts->data : NULL;
+  PetscFunctionReturn(0);
 }
 
 /* X = the polynomial through past points 1 .. m, at time[0]. */
@@ -89,7 +80,7 @@ static PetscErrorCode SolveStage(TS ts, VBDF *self) {
   PetscInt its, linear;
 
   PetscFunctionBegin;
-  LagrangeSlopes(self->order + 1, self->time, D);
+  LagrangeSlopes(self->order + 1, self->time, self->time[0], D);
   self->shift = PetscRealPart(D[0]);
   PetscCall(VecZeroEntries(self->affine));
   PetscCall(VecMAXPY(self->affine, self->order, D + 1, self->point + 1));
@@ -331,6 +322,25 @@ static PetscErrorCode TSInterpolate_VBDF(TS ts, PetscReal t, Vec X) {
   PetscFunctionReturn(0);
 }
 
+/* VBDFInterpolate - the state and its rate at a time within the latest step, by the dense output;
+   done is false if the type is another one. Collective. */
+PetscErrorCode VBDFInterpolate(TS ts, PetscReal t, Vec U, Vec U_t, PetscBool *done) {
+  VBDF *self = NULL;
+  PetscScalar D[VBDF_POINTS];
+  PetscInt m;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  *done = (PetscBool)(self != NULL);
+  if (!self) PetscFunctionReturn(0);
+  m = PetscMin(self->order + 2, self->n + 1);
+  LagrangeSlopes(m, self->time, t, D);
+  PetscCall(VecZeroEntries(U_t));
+  PetscCall(VecMAXPY(U_t, m, D, self->point));
+  PetscCall(TSInterpolate_VBDF(ts, t, U));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode SNESTSFormFunction_VBDF(SNES snes, Vec U, Vec F, TS ts) {
   VBDF *self = (VBDF *)ts->data;
 
@@ -381,11 +391,7 @@ static PetscErrorCode TSSetUp_VBDF(TS ts) {
   PetscFunctionReturn(0);
 }
 
-#if PETSC_VERSION_GE(3, 23, 0)
-static PetscErrorCode TSSetFromOptions_VBDF(TS ts, PetscOptionItems PetscOptionsObject) {
-#else
-static PetscErrorCode TSSetFromOptions_VBDF(TS ts, PetscOptionItems *PetscOptionsObject) {
-#endif
+static PetscErrorCode TSSetFromOptions_VBDF(TS ts, OptionItems PetscOptionsObject) {
   VBDF *self = (VBDF *)ts->data;
 
   PetscFunctionBegin;
@@ -421,15 +427,6 @@ static PetscErrorCode TSCreate_VBDF(TS ts) {
 PetscErrorCode VBDFRegister(void) {
   PetscFunctionBegin;
   PetscCall(TSRegister(TSVBDF, TSCreate_VBDF));
-  PetscFunctionReturn(0);
-}
-
-static PetscErrorCode Self(TS ts, VBDF **self) {
-  PetscBool same;
-
-  PetscFunctionBegin;
-  PetscCall(PetscObjectTypeCompare((PetscObject)ts, TSVBDF, &same));
-  *self = same ? (VBDF *)ts->data : NULL;
   PetscFunctionReturn(0);
 }
 

@@ -20,6 +20,7 @@ PetscErrorCode VBDFSetSnap(TS ts, VBDFSnap snap);
 PetscErrorCode VBDFGetHistory(TS ts, PetscInt *n, PetscReal times[], Vec points[], PetscInt *order);
 PetscErrorCode VBDFSetHistory(TS ts, PetscInt n, const PetscReal times[], const Vec points[],
                               PetscInt order);
+PetscErrorCode VBDFInterpolate(TS ts, PetscReal t, Vec U, Vec U_t, PetscBool *done);
 PetscErrorCode VBDFGetJumps(TS ts, PetscInt *jumps);
 PetscErrorCode VBDFGetOrder(TS ts, PetscInt *order);
 

@@ -1,36 +1,20 @@
 #include "straight/pencil.h"
+#include "base/bspline.h"
 #include "straight/straight.h"
 
 enum { PER_POINT = 10 };
 
-/* Knot j of the open knot vector: the ends repeat. */
-static inline PetscReal Knot(const Mesh *mesh, PetscInt j) {
-  return mesh->s[PetscMax(0, PetscMin(j, mesh->cells))];
-}
-
-/* B-splines on a cell at z = s by de Boor's recursion: value[0..2] the quadratics, value[3..5]
-   their slopes, value[6..9] the cubics. */
+/* B-splines on a cell at z = s: value[0..2] the quadratics, value[3..5] their slopes, value[6..9]
+   the cubics. */
 static void SplineValues(const Mesh *mesh, PetscInt cell, PetscReal s, PetscReal value[PER_POINT]) {
-  PetscReal N[4][4] = {{1}};
+  BSplines b;
 
-  for (PetscInt p = 1; p <= 3; p++)
-    for (PetscInt k = 0; k <= p; k++) {
-      PetscInt j = cell - p + k; /* support: knots j .. j + p + 1 */
-      N[p][k] = 0;
-      if (k > 0)
-        N[p][k] += (s - Knot(mesh, j)) / (Knot(mesh, j + p) - Knot(mesh, j)) * N[p - 1][k - 1];
-      if (k < p)
-        N[p][k] +=
-            (Knot(mesh, j + p + 1) - s) / (Knot(mesh, j + p + 1) - Knot(mesh, j + 1)) * N[p - 1][k];
-    }
+  BSplineEvaluate(mesh->cells, mesh->s, cell, s, &b);
   for (PetscInt k = 0; k < 3; k++) {
-    PetscInt j = cell - 2 + k;
-    value[k] = N[2][k];
-    value[3 + k] = 0;
-    if (k > 0) value[3 + k] += 2 / (Knot(mesh, j + 2) - Knot(mesh, j)) * N[1][k - 1];
-    if (k < 2) value[3 + k] -= 2 / (Knot(mesh, j + 3) - Knot(mesh, j + 1)) * N[1][k];
+    value[k] = b.value[2][k];
+    value[3 + k] = b.slope[2][k];
   }
-  for (PetscInt k = 0; k < 4; k++) value[6 + k] = N[3][k];
+  for (PetscInt k = 0; k < 4; k++) value[6 + k] = b.value[CUBIC][k];
 }
 
 /* The rows of this rank, the cells they touch, the splines at the Gauss points of these. */
@@ -61,7 +45,8 @@ static PetscErrorCode Allocate(Pencil self) {
   self->z[labels - 1] = 1;
   for (PetscInt i = 0; i < nloc; i++) {
     PetscInt j = self->first + i;
-    self->delta[i] = (Knot(mesh, j + 2) - Knot(mesh, j - 1)) / 3;
+    self->delta[i] =
+        (BSplineKnot(mesh->cells, mesh->s, j + 2) - BSplineKnot(mesh->cells, mesh->s, j - 1)) / 3;
   }
   PetscFunctionReturn(0);
 }
@@ -97,7 +82,7 @@ static PetscErrorCode Map(Pencil self, PetscReal t) {
   self->label[points] = 1;
   for (PetscInt i = 0; i < points; i++) {
     s = self->z[i];
-    if (!self->growth->uniform) {
+    if (!self->growth->even) {
       s = i ? self->label[i - 1] : s;
       PetscCall(Label(self->growth, self->z[i], t, L, &s));
     }
@@ -107,7 +92,7 @@ static PetscErrorCode Map(Pencil self, PetscReal t) {
   }
   s = 0;
   for (PetscInt i = 0; i < self->n; i++) {
-    if (self->growth->uniform || i == 0 || i == self->n - 1)
+    if (self->growth->even || i == 0 || i == self->n - 1)
       s = self->mesh->s[i];
     else
       PetscCall(Label(self->growth, self->mesh->s[i], t, L, &s));
@@ -119,19 +104,19 @@ static PetscErrorCode Map(Pencil self, PetscReal t) {
 /*
   PencilCreate - prepares the linear problem on a mesh. Collective on comm.
 
-  mesh     in z; outlives the pencil, as do the laws; mesh->cells + 1 unknowns of each kind
+  mesh     in z; outlives the pencil, as does the scene; mesh->cells + 1 unknowns of each kind
   map      the time that z belongs to, or map_follows
   pencil   the caller destroys it with PencilDestroy(); PencilSetTime() comes before any assembly
 */
-PetscErrorCode PencilCreate(MPI_Comm comm, Growth growth, const Friction *friction,
-                            const Mesh *mesh, PetscReal map, Pencil *pencil) {
+PetscErrorCode PencilCreate(MPI_Comm comm, Scene scene, const Mesh *mesh, PetscReal map,
+                            Pencil *pencil) {
   Pencil self;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&self));
   self->comm = comm;
-  self->growth = growth;
-  self->friction = friction;
+  self->scene = scene;
+  self->growth = scene->growth;
   self->mesh = mesh;
   self->n = mesh->cells + 1;
   self->map = map;
@@ -158,8 +143,8 @@ static PetscErrorCode DragAt(Pencil self, PetscReal s, PetscReal t, PetscReal *d
   PetscFunctionBegin;
   PetscCall(GrowthStretch(self->growth, 1, &s, t, &g, NULL, NULL));
   PetscCall(GrowthArc(self->growth, 1, &s, t, &p, &v0));
-  v0 += GrowthSlide(self->growth, s);
-  *drag = g * FrictionPhi(self->friction, v0 * v0);
+  v0 += GrowthSlide(self->growth, s, t);
+  *drag = g * LoadAxialDrag(&self->scene->load, v0);
   PetscFunctionReturn(0);
 }
 
@@ -183,7 +168,7 @@ static PetscErrorCode StretchAt(Pencil self, PetscReal map, PetscReal t, PetscIn
 static PetscErrorCode PointSet(Pencil self, PetscReal t, PencilFrame frame, PetscInt i) {
   PencilPoint *x = self->point + i;
   const PetscReal *z = self->mesh->s + self->cell + i / GAUSS;
-  PetscReal s = self->label[i], before, after, slide = GrowthSlide(self->growth, s);
+  PetscReal s = self->label[i], before, after, slide = GrowthSlide(self->growth, s, t);
 
   PetscFunctionBegin;
   x->dz = (z[1] - z[0]) * gauss_weight[i % GAUSS];
@@ -211,7 +196,7 @@ PetscErrorCode PencilSetTime(Pencil self, PetscReal t, PencilFrame frame) {
 
   PetscFunctionBegin;
   if (self->map == map_follows) PetscCall(Map(self, t));
-  PetscCall(StraightForce(self->growth, self->friction, labels, self->label, t, self->force));
+  PetscCall(StraightForce(self->scene, labels, self->label, t, self->force));
   for (PetscInt i = 0; i < self->cells * GAUSS; i++) {
     const PencilPoint *x = self->point + i;
     PetscReal phi0;

@@ -10,9 +10,7 @@
 #ifndef TENDRIL_PENCIL_H
 #define TENDRIL_PENCIL_H
 
-#include "scene/friction.h"
-#include "scene/growth.h"
-#include "scene/mesh.h"
+#include "scene/scene.h"
 #include <petscmat.h>
 
 /* a map that follows the time: z = p / L at each PencilSetTime() */
@@ -43,8 +41,8 @@ typedef struct {
 typedef struct _Pencil *Pencil;
 struct _Pencil {
   MPI_Comm comm;
-  Growth growth;
-  const Friction *friction;
+  Scene scene;
+  Growth growth;              /* the scene's */
   const Mesh *mesh;           /* nodes in z */
   PetscReal map;              /* t_map, or map_follows */
   PetscInt n, first, last;    /* unknowns of each kind, cells + 1; this rank's */
@@ -59,8 +57,8 @@ struct _Pencil {
   PetscReal compression, drag_min, drag_max, rate_max; /* extremes of P, phi0, (ln D)_t */
 };
 
-PetscErrorCode PencilCreate(MPI_Comm comm, Growth growth, const Friction *friction,
-                            const Mesh *mesh, PetscReal map, Pencil *pencil);
+PetscErrorCode PencilCreate(MPI_Comm comm, Scene scene, const Mesh *mesh, PetscReal map,
+                            Pencil *pencil);
 PetscErrorCode PencilDestroy(Pencil *pencil);
 PetscErrorCode PencilSetTime(Pencil pencil, PetscReal t, PencilFrame frame);
 PetscErrorCode PencilBound(Pencil pencil, PetscReal *bound);

@@ -74,7 +74,7 @@ PetscErrorCode SpectrumReadOptions(void) {
   EPS eps;
 
   PetscFunctionBegin;
-  PetscCall(EPSCreate(PETSC_COMM_WORLD, &eps));
+  PetscCall(EPSCreate(OptionsComm(), &eps));
   PetscCall(TakeOptions(eps));
   PetscCall(EPSDestroy(&eps));
   PetscFunctionReturn(0);
@@ -222,8 +222,7 @@ PetscErrorCode SpectrumLargest(Spectrum *self, SpectrumRate rate, PetscReal t, E
     Mesh mesh;
     PetscCall(MeshCreate(PetscMin(self->pencil->mesh->cells, 100), PETSC_FALSE,
                          self->pencil->growth, t, &mesh));
-    PetscCall(PencilCreate(PETSC_COMM_SELF, self->pencil->growth, self->pencil->friction, &mesh,
-                           map_follows, &small));
+    PetscCall(PencilCreate(PETSC_COMM_SELF, self->pencil->scene, &mesh, map_follows, &small));
     PetscCall(SpectrumRightmost(small, t, value));
     PetscCall(PencilDestroy(&small));
     PetscCall(MeshDestroy(&mesh));

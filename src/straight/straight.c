@@ -1,40 +1,39 @@
 #include "straight/straight.h"
+#include "base/bspline.h"
 
-/* Gauss-Legendre points and weights on [0,1] */
-const PetscReal gauss_point[GAUSS] = {0.069431844202973712, 0.330009478207571868,
-                                      0.669990521792428132, 0.930568155797026288};
-const PetscReal gauss_weight[GAUSS] = {0.173927422568726929, 0.326072577431273071,
-                                       0.326072577431273071, 0.173927422568726929};
+/* Does the linear problem only scale with L? Then it is assembled once, and P known in closed form.
+ */
+static PetscBool Scales(Scene scene) {
+  return (PetscBool)(scene->growth->even && scene->growth->similar);
+}
 
 /* v0 = p_t + c: the speed of a material point of the straight rod, along it. */
 PetscErrorCode StraightVelocity(Straight straight, PetscReal s, PetscReal t, PetscReal *v0) {
   PetscReal p;
 
   PetscFunctionBegin;
-  PetscCall(GrowthArc(straight->growth, 1, &s, t, &p, v0));
-  *v0 += GrowthSlide(straight->growth, s);
+  PetscCall(GrowthArc(straight->scene->growth, 1, &s, t, &p, v0));
+  *v0 += GrowthSlide(straight->scene->growth, s, t);
   PetscFunctionReturn(0);
 }
 
 /* The integrand g phi0 v0 of the compression. */
-static PetscErrorCode AxialFriction(Growth growth, const Friction *friction, PetscReal s,
-                                    PetscReal t, PetscReal *f) {
+static PetscErrorCode AxialLoad(Scene scene, PetscReal s, PetscReal t, PetscReal *f) {
   PetscReal p, g, v0;
 
   PetscFunctionBegin;
-  PetscCall(GrowthStretch(growth, 1, &s, t, &g, NULL, NULL));
-  PetscCall(GrowthArc(growth, 1, &s, t, &p, &v0));
-  v0 += GrowthSlide(growth, s);
-  *f = v0 == 0 ? 0 : g * FrictionPhi(friction, v0 * v0) * v0;
+  PetscCall(GrowthStretch(scene->growth, 1, &s, t, &g, NULL, NULL));
+  PetscCall(GrowthArc(scene->growth, 1, &s, t, &p, &v0));
+  v0 += GrowthSlide(scene->growth, s, t);
+  *f = v0 == 0 ? 0 : g * LoadAxialDrag(&scene->load, v0) * v0;
   PetscFunctionReturn(0);
 }
 
-/* P for uniform growth and for feed, exactly. */
-static PetscReal CompressionExact(Growth growth, const Friction *f, PetscReal s, PetscReal t) {
-  PetscReal L = growth->initial_length + t, b = f->beta;
-  if (growth->slides) return L * (1 - s) * FrictionPhi(f, 1);
-  return L * (f->mu * (PetscSqrtReal(1 + b) - PetscSqrtReal(s * s + b)) +
-              (1 - f->mu) * (1 - s * s) / 2);
+/* P for uniform growth, v0 = s, and for feed, v0 = 1, exactly. */
+static PetscReal CompressionExact(Scene scene, PetscReal s, PetscReal t) {
+  PetscReal L = scene->growth->initial_length + t;
+  if (scene->growth->slides) return L * (1 - s) * LoadAxialDrag(&scene->load, 1);
+  return L * LoadAxialBetween(&scene->load, s, 1);
 }
 
 /*
@@ -43,19 +42,19 @@ static PetscReal CompressionExact(Growth growth, const Friction *f, PetscReal s,
   n, s   labels, increasing, the last one 1
   P      n values; the internal force of the straight rod is n1 = -P
 */
-PetscErrorCode StraightForce(Growth growth, const Friction *friction, PetscInt n,
-                             const PetscReal s[], PetscReal t, PetscReal P[]) {
+PetscErrorCode StraightForce(Scene scene, PetscInt n, const PetscReal s[], PetscReal t,
+                             PetscReal P[]) {
   PetscFunctionBegin;
   P[n - 1] = 0;
   for (PetscInt i = n - 2; i >= 0; i--) {
     P[i] = P[i + 1];
-    if (growth->uniform) {
-      P[i] = CompressionExact(growth, friction, s[i], t);
+    if (Scales(scene)) {
+      P[i] = CompressionExact(scene, s[i], t);
       continue;
     }
     for (int q = 0; q < GAUSS; q++) {
       PetscReal h = s[i + 1] - s[i], f = 0;
-      PetscCall(AxialFriction(growth, friction, s[i] + h * gauss_point[q], t, &f));
+      PetscCall(AxialLoad(scene, s[i] + h * gauss_point[q], t, &f));
       P[i] += h * gauss_weight[q] * f;
     }
   }
@@ -66,10 +65,9 @@ PetscErrorCode StraightForce(Growth growth, const Friction *friction, PetscInt n
 static PetscReal TailWeight(int q, int r) {
   PetscReal a = gauss_point[q], sum = 0;
   for (int k = 0; k < GAUSS; k++) {
-    PetscReal x = a + (1 - a) * gauss_point[k], l = 1;
-    for (int j = 0; j < GAUSS; j++)
-      if (j != r) l *= (x - gauss_point[j]) / (gauss_point[r] - gauss_point[j]);
-    sum += (1 - a) * gauss_weight[k] * l;
+    PetscReal L[GAUSS];
+    LagrangeValues(GAUSS, gauss_point, a + (1 - a) * gauss_point[k], L);
+    sum += (1 - a) * gauss_weight[k] * L[r];
   }
   return sum;
 }
@@ -86,7 +84,7 @@ static PetscErrorCode CompressionAtGauss(Straight self, PetscReal t) {
   for (PetscInt c = self->mesh->cells - 1; c >= 0; c--) {
     PetscReal h = s[c + 1] - s[c], *P = self->compression + c * GAUSS;
     for (int q = 0; q < GAUSS; q++)
-      PetscCall(AxialFriction(self->growth, self->friction, s[c] + h * gauss_point[q], t, &f[q]));
+      PetscCall(AxialLoad(self->scene, s[c] + h * gauss_point[q], t, &f[q]));
     for (int q = 0; q < GAUSS; q++) {
       P[q] = beyond;
       for (int r = 0; r < GAUSS; r++) P[q] += h * tail[q][r] * f[r];
@@ -97,13 +95,8 @@ static PetscErrorCode CompressionAtGauss(Straight self, PetscReal t) {
   PetscFunctionReturn(0);
 }
 
-/* Knot j of the open knot vector: three more at each end. */
-static inline PetscReal Knot(const Mesh *mesh, PetscInt j) {
-  return mesh->s[PetscMax(0, PetscMin(j, mesh->cells))];
-}
-
 /*
-  StraightBasis - the four cubic B-splines that are not 0 on a cell, by de Boor's recursion.
+  StraightBasis - the four cubic B-splines that are not 0 on a cell.
 
   xi   place in the cell, 0 to 1
   B    B[d][k]: d-th derivative by s of spline k, which belongs to unknown cell - 2 + k (unknowns
@@ -111,54 +104,27 @@ static inline PetscReal Knot(const Mesh *mesh, PetscInt j) {
 */
 void StraightBasis(Straight straight, PetscInt cell, PetscReal xi, PetscReal B[3][BASIS]) {
   const Mesh *mesh = straight->mesh;
-  PetscReal s = mesh->s[cell] + xi * (mesh->s[cell + 1] - mesh->s[cell]);
-  PetscReal N[4][BASIS] = {{1}}; /* N[p][k], degree p */
+  BSplines b;
 
-  for (PetscInt p = 1; p <= 3; p++)
-    for (PetscInt k = 0; k <= p; k++) {
-      PetscInt j = cell - p + k; /* support: knots j .. j + p + 1 */
-      N[p][k] = 0;
-      if (k > 0)
-        N[p][k] += (s - Knot(mesh, j)) / (Knot(mesh, j + p) - Knot(mesh, j)) * N[p - 1][k - 1];
-      if (k < p)
-        N[p][k] +=
-            (Knot(mesh, j + p + 1) - s) / (Knot(mesh, j + p + 1) - Knot(mesh, j + 1)) * N[p - 1][k];
-    }
+  BSplineEvaluate(mesh->cells, mesh->s, cell,
+                  mesh->s[cell] + xi * (mesh->s[cell + 1] - mesh->s[cell]), &b);
   for (PetscInt k = 0; k < BASIS; k++) {
-    PetscInt j = cell - 3 + k;
-    PetscReal d1[2] = {0, 0}; /* first derivatives of the two quadratics below */
-    for (PetscInt m = 0; m < 2; m++) {
-      PetscInt i = j + m, q = k + m - 1; /* quadratic on knots i .. i + 3, its index on this cell */
-      if (q > 0 && q <= 2) d1[m] += 2 / (Knot(mesh, i + 2) - Knot(mesh, i)) * N[1][q - 1];
-      if (q >= 0 && q < 2) d1[m] -= 2 / (Knot(mesh, i + 3) - Knot(mesh, i + 1)) * N[1][q];
-    }
-    B[0][k] = N[3][k];
-    B[1][k] = B[2][k] = 0;
-    if (k > 0) {
-      PetscReal w = 3 / (Knot(mesh, j + 3) - Knot(mesh, j));
-      B[1][k] += w * N[2][k - 1];
-      B[2][k] += w * d1[0];
-    }
-    if (k < 3) {
-      PetscReal w = 3 / (Knot(mesh, j + 4) - Knot(mesh, j + 1));
-      B[1][k] -= w * N[2][k];
-      B[2][k] -= w * d1[1];
-    }
+    B[0][k] = b.value[CUBIC][k];
+    B[1][k] = b.slope[CUBIC][k];
+    B[2][k] = b.curve[k];
   }
 }
 
 /*
-  StraightCreate - prepares the linear problem on a mesh, which must outlive it as must the laws.
+  StraightCreate - prepares the linear problem of a scene on a mesh; both must outlive it.
   The caller destroys it with StraightDestroy().
 */
-PetscErrorCode StraightCreate(Growth growth, const Friction *friction, const Mesh *mesh,
-                              Straight *straight) {
+PetscErrorCode StraightCreate(Scene scene, const Mesh *mesh, Straight *straight) {
   Straight self;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&self));
-  self->growth = growth;
-  self->friction = friction;
+  self->scene = scene;
   self->mesh = mesh;
   self->n = mesh->cells + 1;
   self->time = self->assembled = PETSC_MIN_REAL;
@@ -194,14 +160,13 @@ static PetscErrorCode WeightsAt(Straight self, PetscReal t, PetscInt c, int q, W
   PetscReal ds = h * gauss_weight[q], g, g_s, v0, P;
 
   PetscFunctionBegin;
-  PetscCall(GrowthStretch(self->growth, 1, &s, t, &g, NULL, &g_s));
+  PetscCall(GrowthStretch(self->scene->growth, 1, &s, t, &g, NULL, &g_s));
   PetscCall(StraightVelocity(self, s, t, &v0));
-  P = self->growth->uniform ? CompressionExact(self->growth, self->friction, s, t)
-                            : self->compression[c * GAUSS + q];
+  P = Scales(self->scene) ? CompressionExact(self->scene, s, t) : self->compression[c * GAUSS + q];
   w->bend = ds / g;
   w->axial = ds * P / g;
-  w->drag = ds * g * FrictionPhi(self->friction, v0 * v0);
-  w->convect = w->drag * GrowthSlide(self->growth, s) / g;
+  w->drag = ds * g * LoadAxialDrag(&self->scene->load, v0);
+  w->convect = w->drag * GrowthSlide(self->scene->growth, s, t) / g;
   w->inv_g = 1 / g;
   w->twist = g_s / (g * g);
   PetscFunctionReturn(0);
@@ -214,8 +179,8 @@ static PetscErrorCode AssembleParts(Straight self, PetscReal t) {
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(self->bend, 3 * (last - first) * BAND));
   if (!self->curve) PetscCall(PetscMalloc1(self->mesh->cells * GAUSS * BASIS, &self->curve));
-  if (!self->growth->uniform) PetscCall(CompressionAtGauss(self, t));
-  PetscCall(GrowthLength(self->growth, t, &self->length, NULL));
+  if (!Scales(self->scene)) PetscCall(CompressionAtGauss(self, t));
+  PetscCall(GrowthLength(self->scene->growth, t, &self->length, NULL));
   self->assembled = t;
   for (PetscInt c = PetscMax(0, first - 1); c <= PetscMin(self->mesh->cells - 1, last + 1); c++)
     for (int q = 0; q < GAUSS; q++) {
@@ -241,16 +206,16 @@ static PetscErrorCode AssembleParts(Straight self, PetscReal t) {
 }
 
 /* Sees to it that the parts of these rows are there, at time t but for their scale; ratio is L(t)
-   over the length they were assembled at (1 if g is not uniform). */
+   over the length they were assembled at (1 if the problem does not only scale). */
 static PetscErrorCode PartsAt(Straight self, PetscReal t, PetscInt first, PetscInt last,
                               PetscReal *ratio) {
   PetscInt n = (last - first) * BAND;
   PetscReal length;
 
   PetscFunctionBegin;
-  PetscCall(GrowthLength(self->growth, t, &length, NULL));
+  PetscCall(GrowthLength(self->scene->growth, t, &length, NULL));
   if (self->first != first || self->last != last ||
-      (!self->growth->uniform && self->assembled != t)) {
+      (!Scales(self->scene) && self->assembled != t)) {
     if (self->last - self->first != last - first) {
       PetscCall(PetscFree(self->bend));
       PetscCall(PetscMalloc1(3 * n, &self->bend));

@@ -4,16 +4,14 @@
 #ifndef TENDRIL_STRAIGHT_H
 #define TENDRIL_STRAIGHT_H
 
-#include "scene/friction.h"
-#include "scene/growth.h"
-#include "scene/mesh.h"
+#include "base/lagrange.h"
+#include "scene/scene.h"
 
-enum { GAUSS = 4, BASIS = 4, BAND = 7 }; /* per cell; per row of K and D */
+enum { BASIS = 4, BAND = 7 }; /* per cell; per row of K and D */
 
 typedef struct _Straight *Straight;
 struct _Straight {
-  Growth growth;
-  const Friction *friction;
+  Scene scene;
   const Mesh *mesh;
   PetscInt n;             /* unknowns, cells + 1 */
   PetscReal *basis;       /* [cells][GAUSS][3][BASIS]: B, B', B'' at the Gauss points */
@@ -26,18 +24,15 @@ struct _Straight {
       *curve; /* [cells][GAUSS][BASIS]: bend = -curve^T curve, of the cells that touch the rows */
 };
 
-PetscErrorCode StraightCreate(Growth growth, const Friction *friction, const Mesh *mesh,
-                              Straight *straight);
+PetscErrorCode StraightCreate(Scene scene, const Mesh *mesh, Straight *straight);
 PetscErrorCode StraightDestroy(Straight *straight);
 PetscErrorCode StraightVelocity(Straight straight, PetscReal s, PetscReal t, PetscReal *v0);
-PetscErrorCode StraightForce(Growth growth, const Friction *friction, PetscInt n,
-                             const PetscReal s[], PetscReal t, PetscReal P[]);
+PetscErrorCode StraightForce(Scene scene, PetscInt n, const PetscReal s[], PetscReal t,
+                             PetscReal P[]);
 PetscErrorCode StraightBands(Straight straight, PetscReal t, PetscInt first, PetscInt last,
                              PetscReal *K, PetscReal *D);
 PetscErrorCode StraightApply(Straight straight, PetscReal t, PetscInt first, PetscInt last,
                              const PetscReal *y, const PetscReal *y_t, PetscReal *f);
 void StraightBasis(Straight straight, PetscInt cell, PetscReal xi, PetscReal B[3][BASIS]);
-
-extern const PetscReal gauss_point[GAUSS], gauss_weight[GAUSS];
 
 #endif

@@ -233,14 +233,14 @@ static PetscErrorCode ChooseSteps(Propagator *self, PetscReal tolerance) {
   tolerance   on the relative error of one step
   propagator  the caller destroys it with PropagatorDestroy()
 */
-PetscErrorCode PropagatorCreate(Growth growth, const Friction *friction, const Mesh *mesh,
-                                PetscReal t1, PetscReal t2, PetscReal tolerance, Propagator *self) {
+PetscErrorCode PropagatorCreate(Scene scene, const Mesh *mesh, PetscReal t1, PetscReal t2,
+                                PetscReal tolerance, Propagator *self) {
   PetscFunctionBegin;
   PetscCall(PetscMemzero(self, sizeof(*self)));
   self->t1 = t1;
   self->t2 = t2;
   self->n = mesh->cells + 1;
-  PetscCall(PencilCreate(PETSC_COMM_SELF, growth, friction, mesh, t2, &self->pencil));
+  PetscCall(PencilCreate(PETSC_COMM_SELF, scene, mesh, t2, &self->pencil));
   PetscCall(PetscMalloc1(STAGES * self->n, &self->work));
   PetscCall(ChooseSteps(self, tolerance));
   PetscFunctionReturn(0);
@@ -324,8 +324,8 @@ static PetscErrorCode NormFactor(Pencil p, TransientNorm norm, PetscReal t, Pets
 }
 
 /* Shapes at the nodes from coefficients c; w = C^-1 c. */
-static PetscErrorCode Shape(Pencil p, const PetscReal c[], PetscReal t, PetscReal y[],
-                            PetscReal theta[]) {
+static PetscErrorCode ShapeOf(Pencil p, const PetscReal c[], PetscReal t, PetscReal y[],
+                              PetscReal theta[]) {
   PetscReal *w;
 
   PetscFunctionBegin;
@@ -384,9 +384,9 @@ PetscErrorCode TransientOptimal(Propagator *self, TransientNorm norm, Optimal *b
   PetscCall(PetscArraycpy(best->s, p->node, n));
   PetscCall(VecGetArray(v, &c));
   BandUpperSolve(n, HALF, ends.R1, PETSC_FALSE, c);
-  PetscCall(Shape(p, c, self->t1, best->y1, best->theta1));
+  PetscCall(ShapeOf(p, c, self->t1, best->y1, best->theta1));
   PetscCall(PropagatorApply(self, PETSC_FALSE, c));
-  PetscCall(Shape(p, c, self->t2, best->y2, best->theta2));
+  PetscCall(ShapeOf(p, c, self->t2, best->y2, best->theta2));
   PetscCall(VecRestoreArray(v, &c));
   sign = best->y1[n - 1] < 0 ? -1 : 1;
   for (PetscInt i = 0; i < n; i++) {

@@ -1,5 +1,10 @@
 #include "tasks/accuracy.h"
-#include "base/options.h"
+
+static const OptionRow rows[] = {ROW_REAL(
+    "-accuracy", "", 1e-7, 0.1, UNIT_NONE, 0,
+    "asked relative error of tip, |x2| and energy: sets -rod_cells and -ts_rtol where they "
+    "are not given; off unless given")};
+const OptionGroup accuracy_options = OPTION_GROUP("Accuracy", rows);
 
 /*
   What scripts/chart.sh and scripts/accuracy.py have taught. The largest relative error of tip, |x2|
@@ -24,14 +29,6 @@ typedef struct {
   PetscBool graded;    /* growth differs along the rod */
 } Asked;
 
-/* The value of an option that is read and checked later, by whom it concerns. */
-static PetscErrorCode Look(const char *name, PetscReal usual, PetscReal *value) {
-  PetscFunctionBegin;
-  *value = usual;
-  PetscCall(PetscOptionsGetReal(NULL, NULL, name, value, NULL));
-  PetscFunctionReturn(0);
-}
-
 static PetscErrorCode Is(const char *name, const char *word, PetscBool *is) {
   char given[64] = "";
 
@@ -54,18 +51,6 @@ static PetscReal Folds(const Asked *asked) {
                                     PetscMax(0, -PetscLogReal(PetscMax(1e-30, asked->amplitude))));
 }
 
-static PetscErrorCode Default(const char *name, const char *format, PetscReal value) {
-  char text[32];
-  PetscBool given;
-
-  PetscFunctionBegin;
-  PetscCall(PetscOptionsHasName(NULL, NULL, name, &given));
-  if (given) PetscFunctionReturn(0);
-  PetscCall(PetscSNPrintf(text, sizeof(text), format, (double)value));
-  PetscCall(PetscOptionsSetValue(NULL, name, text));
-  PetscFunctionReturn(0);
-}
-
 /*
   AccuracyApply - reads -accuracy and sets from it -rod_cells and -ts_rtol where they are not given.
 
@@ -73,44 +58,37 @@ static PetscErrorCode Default(const char *name, const char *format, PetscReal va
   is asked for: the chart has it on the front at every accuracy.
 */
 PetscErrorCode AccuracyApply(void) {
-  PetscReal time, space, cells, h, constant, random;
+  PetscReal time, space, cells, h, constant = 0, random = 0;
   PetscBool set, second, mixed, from_file;
   Asked asked;
 
   PetscFunctionBegin;
-  PetscCall(OptionsHeading("Accuracy"));
-  asked.tolerance = 1e-4;
-  PetscCall(OptionReal("-accuracy",
-                       "asked relative error of tip, |x2| and energy: sets -rod_cells and -ts_rtol "
-                       "where they are not given; off unless given",
-                       1e-7, 0.1, &asked.tolerance, &set));
+  PetscCall(OptionReal("-accuracy", &asked.tolerance, &set));
   if (!set) PetscFunctionReturn(0);
-  PetscCall(Look("-growth_initial_length", 0.5, &asked.length0));
-  PetscCall(Look("-friction_mu", 1, &asked.mu));
-  PetscCall(Look("-shape_amplitude", 0.01, &asked.amplitude));
-  PetscCall(Look("-ts_max_time", 40, &asked.time));
+  PetscCall(OptionReal("-growth_initial_length", &asked.length0, NULL));
+  PetscCall(OptionReal("-friction_mu", &asked.mu, NULL));
+  PetscCall(OptionReal("-shape_amplitude", &asked.amplitude, NULL));
+  PetscCall(OptionReal("-ts_max_time", &asked.time, NULL));
   PetscCall(Is("-growth_type", "gaussian", &asked.graded));
   PetscCall(Is("-rod_order", "2", &second));
   PetscCall(Is("-rod_model", "mixed", &mixed));
-  PetscCall(Look("-rod_curvature", 0, &constant));
-  PetscCall(Look("-rod_curvature_random", 0, &random));
-  PetscCall(PetscOptionsHasName(NULL, NULL, "-rod_curvature_file", &from_file));
+  PetscCall(OptionReal("-rod_curvature", &constant, NULL));
+  PetscCall(OptionReal("-rod_curvature_random", &random, NULL));
+  PetscCall(OptionGiven("-rod_curvature_file", &from_file));
   asked.curvature = PetscMax(PetscMax(PetscAbsReal(constant), random), from_file ? 0.01 : 0);
   asked.amplitude = PetscAbsReal(asked.amplitude);
   asked.order = second || mixed ? 2 : 4;
-  UserCheck(asked.length0 > 0 && asked.time > 0 && asked.mu >= 0 && asked.mu <= 1, PETSC_COMM_WORLD,
-            "-growth_initial_length, -ts_max_time or -friction_mu: out of range");
 
   time = share_of_time * asked.tolerance / (per_fold * (mixed ? 2 : 1) * Folds(&asked));
-  PetscCall(
-      Default("-ts_rtol", "%.3g", PetscMax(1e-13, PetscMin(0.01, 1e-6 * PetscPowReal(time, 1.2)))));
+  PetscCall(OptionDefault("-ts_rtol", "%.3g",
+                          PetscMax(1e-13, PetscMin(0.01, 1e-6 * PetscPowReal(time, 1.2)))));
 
   space = share_of_space * asked.tolerance;
   h = PetscPowReal(space / arc_error[asked.order == 4], 1. / asked.order);
   cells = (asked.graded ? 1.5 : 1) * (asked.length0 + asked.time) / h;
   cells = PetscMax(
       cells, PetscPowReal(label_error[asked.order == 4] * Folds(&asked) / space, 1. / asked.order));
-  PetscCall(Default("-rod_cells", "%.0f", PetscCeilReal(PetscMax(32, PetscMin(1e6, cells)))));
+  PetscCall(OptionDefault("-rod_cells", "%.0f", PetscCeilReal(PetscMax(32, PetscMin(1e6, cells)))));
   PetscFunctionReturn(0);
 }
 

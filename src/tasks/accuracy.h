@@ -4,6 +4,8 @@
 
 #include "rod/rod.h"
 
+extern const OptionGroup accuracy_options;
+
 PetscErrorCode AccuracyApply(void);
 PetscErrorCode AccuracyEstimate(Rod rod, PetscReal t, PetscReal rtol, PetscReal folds,
                                 PetscReal *error);

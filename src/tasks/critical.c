@@ -1,5 +1,4 @@
 #include "tasks/critical.h"
-#include "base/options.h"
 #include "record/output.h"
 #include "straight/spectrum.h"
 
@@ -19,7 +18,7 @@ static PetscErrorCode FactorCreate(MPI_Comm comm, Scene scene, const Mesh *mesh,
   PetscFunctionBegin;
   PetscCall(PetscMemzero(self, sizeof(*self)));
   self->dense = dense;
-  PetscCall(PencilCreate(comm, scene->growth, &scene->friction, mesh, map_follows, &self->pencil));
+  PetscCall(PencilCreate(comm, scene, mesh, map_follows, &self->pencil));
   PetscCall(SpectrumCreate(self->pencil, quiet, &self->spectrum));
   PetscFunctionReturn(0);
 }
@@ -92,7 +91,7 @@ static PetscErrorCode Scan(Scene scene, PetscReal *low, PetscReal *high) {
   *low = *high = 0;
   PetscCall(FactorAt(&coarse, 0, &f));
   UserCheck(
-      f < 0, PETSC_COMM_WORLD,
+      f < 0, scene->comm,
       "-growth_initial_length: the straight rod is unstable already at t = 0, take it shorter");
   while (f < 0 && *high < T) {
     PetscCall(GrowthLength(scene->growth, *high, &L, &L_t));
@@ -103,7 +102,7 @@ static PetscErrorCode Scan(Scene scene, PetscReal *low, PetscReal *high) {
   }
   PetscCall(FactorDestroy(&coarse));
   PetscCall(MeshDestroy(&mesh));
-  UserCheck(f >= 0, PETSC_COMM_WORLD,
+  UserCheck(f >= 0, scene->comm,
             "-ts_max_time %g: the straight rod is stable up to there, look further", (double)T);
   PetscFunctionReturn(0);
 }
@@ -134,7 +133,7 @@ static PetscErrorCode OnMesh(Scene scene, Factor *factor, PetscReal low, PetscRe
   PetscReal L;
 
   PetscFunctionBegin;
-  if (scene->growth->uniform && !scene->growth->slides) {
+  if (scene->growth->even && !scene->growth->slides) {
     PetscCall(GrowthLength(scene->growth, 1, &L, NULL));
     PetscCall(SpectrumBuckling(&factor->spectrum, 1, &ratio, factor->c, factor->w));
     *t = L / PetscPowReal(ratio.value, 1. / 3) - scene->growth->initial_length;
@@ -162,20 +161,20 @@ static PetscErrorCode StoreMode(Scene scene, const Factor *factor, Critical *sel
 }
 
 /* Ranks that solved it each for itself differ in the last digit: rank 0's word counts. */
-static PetscErrorCode Agree(Critical *self) {
+static PetscErrorCode Agree(Scene scene, Critical *self) {
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Bcast(&self->t, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
-  PetscCallMPI(MPI_Bcast(&self->length, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
-  PetscCallMPI(MPI_Bcast(&self->error, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
-  PetscCallMPI(MPI_Bcast(&self->frequency, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
-  PetscCallMPI(MPI_Bcast(self->y, self->n, MPIU_REAL, 0, PETSC_COMM_WORLD));
-  PetscCallMPI(MPI_Bcast(self->theta, self->n, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Bcast(&self->t, 1, MPIU_REAL, 0, scene->comm));
+  PetscCallMPI(MPI_Bcast(&self->length, 1, MPIU_REAL, 0, scene->comm));
+  PetscCallMPI(MPI_Bcast(&self->error, 1, MPIU_REAL, 0, scene->comm));
+  PetscCallMPI(MPI_Bcast(&self->frequency, 1, MPIU_REAL, 0, scene->comm));
+  PetscCallMPI(MPI_Bcast(self->y, self->n, MPIU_REAL, 0, scene->comm));
+  PetscCallMPI(MPI_Bcast(self->theta, self->n, MPIU_REAL, 0, scene->comm));
   PetscFunctionReturn(0);
 }
 
 /*
   CriticalFind - the critical time and length of a scene, with the error and the mode. Collective on
-  PETSC_COMM_WORLD.
+  the scene's ranks.
 
   Below SHARED_CELLS every rank solves it for itself, which is faster than to share it.
 
@@ -189,7 +188,7 @@ static PetscErrorCode Agree(Critical *self) {
 PetscErrorCode CriticalFind(Scene scene, PetscBool quiet, Critical *self) {
   PetscReal low = 0, high = 0, half_t, near = 1e-8;
   PetscInt cells = scene->mesh.cells, n = cells + 1;
-  MPI_Comm comm = cells < SHARED_CELLS ? PETSC_COMM_SELF : PETSC_COMM_WORLD;
+  MPI_Comm comm = cells < SHARED_CELLS ? PETSC_COMM_SELF : scene->comm;
   Factor fine, half;
   Mesh mesh, half_mesh;
 
@@ -197,7 +196,7 @@ PetscErrorCode CriticalFind(Scene scene, PetscBool quiet, Critical *self) {
   PetscCall(MeshCreate(cells, PETSC_FALSE, scene->growth, scene->end_time, &mesh));
   PetscCall(MeshCreate((cells + 1) / 2, PETSC_FALSE, scene->growth, scene->end_time, &half_mesh));
   PetscCall(FactorCreate(comm, scene, &mesh, PETSC_FALSE, quiet, &fine));
-  if (!scene->growth->uniform || scene->growth->slides) PetscCall(Scan(scene, &low, &high));
+  if (!scene->growth->even || scene->growth->slides) PetscCall(Scan(scene, &low, &high));
   PetscCall(FactorCreate(comm, scene, &half_mesh, PETSC_FALSE, quiet, &half));
   PetscCall(OnMesh(scene, &half, low, high, &half_t));
   PetscCall(FactorDestroy(&half));
@@ -209,7 +208,7 @@ PetscErrorCode CriticalFind(Scene scene, PetscBool quiet, Critical *self) {
   self->error = PetscAbsReal(self->t - half_t) +
                 PetscMax(1, self->length) * (1e-14 + 1e-17 * PetscSqr((PetscReal)n));
   PetscCall(StoreMode(scene, &fine, self));
-  PetscCall(Agree(self));
+  PetscCall(Agree(scene, self));
   PetscCall(PetscFree2(fine.c, fine.w));
   PetscCall(FactorDestroy(&fine));
   PetscCall(MeshDestroy(&mesh));
@@ -222,65 +221,60 @@ PetscErrorCode CriticalDestroy(Critical *self) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode Write(hid_t file, const Critical *self) {
-  const hsize_t n = (hsize_t)self->n;
+static PetscErrorCode Write(Scene scene, HdfFile file, const Critical *self) {
+  const PetscInt n = self->n;
 
   PetscFunctionBegin;
-  if (file < 0) PetscFunctionReturn(0);
-  hid_t group = H5Gcreate2(file, "/critical", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-  HdfCall(group);
-  H5Gclose(group);
-  PetscCall(HdfWrite(file, "/critical/t", 0, NULL, &self->t, "units", "1 (time)"));
-  PetscCall(HdfWrite(file, "/critical/length", 0, NULL, &self->length, "units", "(YI/N)^(1/3)"));
-  PetscCall(HdfWrite(file, "/critical/error", 0, NULL, &self->error, "description",
+  if (!file) PetscFunctionReturn(0);
+  PetscCall(HdfGroup(file, "/critical"));
+  PetscCall(HdfWrite(file, "/critical/t", 0, NULL, &self->t, "l/V", "critical time"));
+  PetscCall(HdfWrite(file, "/critical/length", 0, NULL, &self->length, "l", "critical length"));
+  PetscCall(HdfWrite(file, "/critical/error", 0, NULL, &self->error, "l",
                      "bound on the error of t and of length"));
-  PetscCall(HdfWrite(file, "/critical/frequency", 0, NULL, &self->frequency, "units",
-                     "radians per unit of t; 0: buckling"));
-  PetscCall(HdfWrite(file, "/critical/s", 1, &n, self->s, "description", "material label [n]"));
-  PetscCall(HdfWrite(file, "/critical/y", 1, &n, self->y, "description",
+  PetscCall(HdfWrite(file, "/critical/frequency", 0, NULL, &self->frequency, "rad V/l",
+                     "frequency of the flutter; 0: buckling"));
+  PetscCall(HdfWrite(file, "/critical/s", 1, &n, self->s, "1", "material label [n]"));
+  PetscCall(HdfWrite(file, "/critical/y", 1, &n, self->y, "1",
                      "critical mode, deflection, largest 1 [n]"));
-  PetscCall(
-      HdfWrite(file, "/critical/theta", 1, &n, self->theta, "description", "its angle dy/dp [n]"));
-  PetscCall(OutputRootAttributes(file, PETSC_TRUE));
+  PetscCall(HdfWrite(file, "/critical/theta", 1, &n, self->theta, "1/l", "its angle dy/dp [n]"));
+  PetscCall(OutputAttributes(file, scene->comm, PETSC_TRUE));
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode Print(const Critical *self) {
+static PetscErrorCode Print(MPI_Comm comm, const Critical *self) {
+  double cube = (double)(self->length * self->length * self->length);
+
   PetscFunctionBegin;
-  PetscCall(
-      PetscPrintf(PETSC_COMM_WORLD,
-                  "critical time   t = %.12g\ncritical length L = %.12g\nerror below     %.1e\n",
-                  (double)self->t, (double)self->length, (double)self->error));
+  PetscCall(PetscPrintf(
+      comm, "critical time   t = %.12g\ncritical length L = %.12g\nerror below     %.1e\n",
+      (double)self->t, (double)self->length, (double)self->error));
   if (self->frequency > 0)
-    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "flutter, frequency %.6g per unit of t (L^3 = %.8g)\n",
-                          (double)self->frequency,
-                          (double)(self->length * self->length * self->length)));
+    PetscCall(PetscPrintf(comm, "flutter, frequency %.6g per unit of t (L^3 = %.8g)\n",
+                          (double)self->frequency, cube));
   else
-    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "buckling (L^3 = %.10g)\n",
-                          (double)(self->length * self->length * self->length)));
-  if (self->t < 0)
-    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "the rod is longer than that from the start\n"));
+    PetscCall(PetscPrintf(comm, "buckling (L^3 = %.10g)\n", cube));
+  if (self->t < 0) PetscCall(PetscPrintf(comm, "the rod is longer than that from the start\n"));
   PetscFunctionReturn(0);
 }
 
 /*
   CriticalRun - -task critical: finds the critical time, prints it and stores it with its mode.
+  Collective on the scene's ranks.
 
   output   the result file, "": none
 */
 PetscErrorCode CriticalRun(Scene scene, const char *output) {
-  hid_t file = -1;
+  HdfFile file = NULL;
   Critical critical;
 
   PetscFunctionBegin;
   PetscCall(SpectrumReadOptions());
   PetscCall(OptionsRefuseUnread());
-  if (output[0]) PetscCall(OutputNewFile(output, &file));
-  if (file >= 0) PetscCall(OutputRootAttributes(file, PETSC_FALSE));
+  if (output[0]) PetscCall(OutputNewFile("-output", output, scene->comm, &file));
   PetscCall(CriticalFind(scene, PETSC_FALSE, &critical));
-  PetscCall(Print(&critical));
-  PetscCall(Write(file, &critical));
-  if (file >= 0) HdfCall(H5Fclose(file));
+  PetscCall(Print(scene->comm, &critical));
+  PetscCall(Write(scene, file, &critical));
+  if (output[0]) PetscCall(OutputEndFile("-output", output, scene->comm, &file));
   PetscCall(CriticalDestroy(&critical));
   PetscFunctionReturn(0);
 }

@@ -1,45 +1,32 @@
+/* -task grow: the loop, and the hand-over between models. */
 #include "tasks/grow.h"
-#include "tasks/accuracy.h"
-#include "record/event.h"
-#include "stepping/leg.h"
-#include "record/observe.h"
-#include "base/options.h"
-#include "record/output.h"
-#include "record/restart.h"
 #include "stepping/snap.h"
-#include "stepping/vbdf.h"
-#include <petsctime.h>
+#include "tasks/growing.h"
 #include <signal.h>
 
-enum { LINEAR, FRAME, MIXED, AUTO }; /* as -rod_model and the series `model` number them */
-static const RodModel *const models[] = {&rod_linear, &rod_frame, &rod_mixed};
+const RodModel *const grow_models[MODELS] = {&rod_linear, &rod_frame, &rod_mixed};
 
-typedef struct {
-  Scene scene;
-  PetscInt model; /* as asked for */
-  Leg leg[3];     /* by model; those not in use are empty; auto has two, taking turns */
-  Leg *now;
-  Observer observer;
-  Output output;
-  Observation seen; /* of the latest step */
-  PetscReal rtol, output_interval, next_output;
-  PetscReal stored_at;        /* time of the latest stored shape */
-  PetscReal report_at;        /* time of the next progress line */
-  PetscInt iterations, steps; /* before the latest step; steps of earlier legs */
-  PetscReal folds;            /* of |x2|, up and down, so far */
-  PetscReal neglected;        /* largest part that the linear model left out */
-  PetscBool quiet, beyond;    /* beyond: the linear model has left its range */
-  PetscLogDouble begin, reported;
-  Watch watch;
-  Event event;            /* that ended the run */
-  PetscLogDouble kept_at; /* wall time when the state for a restart was stored */
-  PetscReal start;        /* t at which this run began: 0, or a restart's */
-} Grow;
+static const OptionRow rows[] = {
+    ROW_WORD("-rod_model", "frame", "linear,frame,mixed,auto", 0,
+             "which unknowns; auto: linear while accurate enough, else frame"),
+    ROW_REAL("-ts_rtol", "1e-6", 1e-13, 0.5, UNIT_NONE, 0,
+             "tolerance of a step, per field, against the field's present size"),
+    ROW_REAL("-output_interval", "", 1e-9, 1e9, UNIT_TIME, 0,
+             "time between stored shapes; if not given, the first and last are stored"),
+    ROW_BOOL("-quiet", "false", PASSING, "print nothing but errors")};
+const OptionGroup grow_options = OPTION_GROUP("Run", rows);
 
-static volatile sig_atomic_t interrupted;
+static volatile sig_atomic_t interrupted; /* by this signal, on this rank */
 
-static void OnSignal(int number) {
+static void StopOn(int number) {
   interrupted = number;
+}
+
+/* From here on these signals end the run in good order, after its present step. */
+static void CatchSignals(void) {
+  interrupted = 0;
+  signal(SIGTERM, StopOn);
+  signal(SIGINT, StopOn);
 }
 
 static PetscErrorCode Self(TS ts, Grow **self) {
@@ -52,36 +39,14 @@ static PetscErrorCode Self(TS ts, Grow **self) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode Progress(Grow *self, PetscBool last) {
-  const Observation *seen = &self->seen;
-  PetscReal end = self->scene->end_time;
-  PetscLogDouble now;
-  char rest[32] = "";
-
-  PetscFunctionBegin;
-  if (self->quiet) PetscFunctionReturn(0);
-  PetscCall(PetscTime(&now));
-  if (!last && now - self->reported < 1 && seen->t < self->report_at) PetscFunctionReturn(0);
-  self->reported = now;
-  self->report_at = seen->t + end / 10;
-  if (now - self->begin > 0.5 && seen->t > 0.02 * end && !last)
-    PetscCall(PetscSNPrintf(rest, sizeof(rest), "%7.1f s",
-                            (double)((now - self->begin) * (end - seen->t) / seen->t)));
-  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%10.4f %10.4f %12.4e %10.2e %7d %8s %s\n",
-                        (double)seen->t, (double)seen->length, (double)seen->norm_x2,
-                        (double)seen->step, (int)seen->newton_iterations,
-                        models[(int)seen->model]->name, rest));
-  PetscFunctionReturn(0);
-}
-
-/* Stores the shape of a state at time t. U NULL: the initial shape. */
+/* Hands the shape of a state at time t to the output. U NULL: the initial shape. */
 static PetscErrorCode StoreShape(Grow *self, PetscReal t, Vec U) {
   const Node *nodes;
 
   PetscFunctionBegin;
   PetscCall(ObserverGather(self->observer, self->now->rod, t, U, NULL, &nodes));
   if (nodes) PetscCall(OutputShape(self->output, t, nodes));
-  self->stored_at = t;
+  self->stored_shape = t;
   PetscFunctionReturn(0);
 }
 
@@ -101,6 +66,25 @@ static PetscErrorCode StoreDueShapes(Grow *self, PetscReal t, Vec U) {
     }
     self->next_output += self->output_interval;
   }
+  PetscFunctionReturn(0);
+}
+
+/* Brings all there is into the result file, with what the run needs to go on from here. */
+static PetscErrorCode Store(Grow *self, PetscBool finished) {
+  RestartState state = {.model = self->now - self->leg,
+                        .folds = self->folds,
+                        .neglected = self->neglected,
+                        .reference_length = self->scene->curvature.reference_length};
+  Vec points[VBDF_POINTS];
+
+  PetscFunctionBegin;
+  if (self->seen.t == 0) {
+    PetscCall(OutputStore(self->output, NULL, NULL, finished));
+    PetscFunctionReturn(0);
+  }
+  PetscCall(RestartKeep(self->now, self->seen.t, self->now->U, &state, points));
+  PetscCall(ObserverGetBalance(self->observer, state.balance));
+  PetscCall(OutputStore(self->output, &state, points, finished));
   PetscFunctionReturn(0);
 }
 
@@ -128,6 +112,7 @@ static PetscErrorCode Neglect(Grow *self, Vec U_t) {
 }
 
 static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
+  PetscReal before = self->seen.t, norm = self->seen.norm_x2;
   PetscInt iterations = 0, all = 0, jumps = 0;
 
   PetscFunctionBegin;
@@ -139,7 +124,6 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   }
   iterations = all - self->iterations;
   self->iterations = all;
-  PetscReal before = self->seen.t, norm = self->seen.norm_x2;
   PetscCall(ObserverMeasure(self->observer, self->now->rod, t, U, U_t, &self->seen));
   if (norm > rod_vanished && self->seen.norm_x2 > rod_vanished)
     self->folds += PetscAbsReal(PetscLogReal(self->seen.norm_x2 / norm));
@@ -151,143 +135,34 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   PetscFunctionReturn(0);
 }
 
-/* Has an event happened in the state U of time t? Collective. */
-static PetscErrorCode LookForEvent(Grow *self, PetscReal t, Vec U, Event *event) {
-  const Node *nodes;
+/* What the ranks must agree on after a step: a signal may have reached one of them only, and rank 0
+   alone knows when to store. */
+static PetscErrorCode Agree(Grow *self, PetscBool *store) {
+  int word[2] = {interrupted, OutputDue(self->output)};
 
   PetscFunctionBegin;
-  PetscCall(PetscMemzero(event, sizeof(*event)));
-  PetscCall(ObserverGather(self->observer, self->now->rod, t, U, NULL, &nodes));
-  if (nodes) PetscCall(WatchLook(&self->watch, self->scene, t, nodes, event));
-  PetscCallMPI(MPI_Bcast(event, sizeof(*event), MPI_BYTE, 0, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, word, 2, MPI_INT, MPI_MAX, self->scene->comm));
+  self->stopped = word[0];
+  *store = (PetscBool)word[1];
   PetscFunctionReturn(0);
 }
 
-/* U_t at time t by the slopes of the stepper's dense output, a polynomial of degree 7 at most:
-   seven times over the step h have it exactly but for the last degree. */
-static PetscErrorCode InterpolateRate(TS ts, PetscReal t, PetscReal end, PetscReal h, Vec U,
-                                      Vec U_t) {
-  PetscReal at[7] = {t};
-
+/* Does the run, or this model of it, end with the step just taken? */
+static PetscErrorCode StopHere(Grow *self, TS ts) {
   PetscFunctionBegin;
-  for (int k = 1; k < 7; k++) { /* none is nearer to t than a fourteenth of the step */
-    at[k] = end - h * (k - 0.5) / 6;
-    if (PetscAbsReal(at[k] - t) < h / 14) at[k] -= h / 12;
-  }
-  PetscCall(VecZeroEntries(U_t));
-  for (int k = 0; k < 7; k++) {
-    PetscReal slope = 0;
-    for (int i = 0; i < 7; i++) { /* l_k'(t) */
-      PetscReal product = 1;
-      if (i == k) continue;
-      for (int j = 0; j < 7; j++)
-        if (j != k && j != i) product *= (t - at[j]) / (at[k] - at[j]);
-      slope += product / (at[k] - at[i]);
-    }
-    PetscCall(TSInterpolate(ts, at[k], U));
-    PetscCall(VecAXPY(U_t, slope, U));
-  }
-  PetscFunctionReturn(0);
-}
-
-/* If an event has happened in the step to t: finds it by bisection on the dense output; t, U and
-   U_t are then those of the event. */
-static PetscErrorCode LocateEvent(Grow *self, PetscReal *t, Vec U, Vec U_t) {
-  TS ts = self->now->ts;
-  PetscReal before = self->seen.t, low = before, end = *t;
-  Event event;
-
-  PetscFunctionBegin;
-  PetscCall(LookForEvent(self, *t, self->now->U, &event));
-  if (event.kind == EVENT_NONE) PetscFunctionReturn(0);
-  self->event = event;
-  for (int k = 0; k < 60 && self->event.t - low > 4 * PETSC_MACHINE_EPSILON * end; k++) {
-    PetscReal mid = (low + self->event.t) / 2;
-    PetscCall(TSInterpolate(ts, mid, U));
-    PetscCall(LookForEvent(self, mid, U, &event));
-    if (event.kind)
-      self->event = event;
-    else
-      low = mid;
-  }
-  *t = self->event.t;
-  PetscCall(InterpolateRate(ts, *t, end, end - before, U, U_t));
-  PetscCall(TSInterpolate(ts, *t, U));
-  PetscFunctionReturn(0);
-}
-
-/* All of a vector on rank 0, in the order of nodes and fields, at to. */
-static PetscErrorCode Collect(Vec v, PetscReal *to) {
-  VecScatter scatter;
-  const PetscScalar *a;
-  PetscInt n;
-  Vec all;
-
-  PetscFunctionBegin;
-  PetscCall(VecScatterCreateToZero(v, &scatter, &all));
-  PetscCall(VecScatterBegin(scatter, v, all, INSERT_VALUES, SCATTER_FORWARD));
-  PetscCall(VecScatterEnd(scatter, v, all, INSERT_VALUES, SCATTER_FORWARD));
-  PetscCall(VecGetLocalSize(all, &n));
-  PetscCall(VecGetArrayRead(all, &a));
-  PetscCall(PetscArraycpy(to, a, n));
-  PetscCall(VecRestoreArrayRead(all, &a));
-  PetscCall(VecScatterDestroy(&scatter));
-  PetscCall(VecDestroy(&all));
-  PetscFunctionReturn(0);
-}
-
-/* Stores what a restart needs, after an accepted step. Every second is enough: a restart takes off
-   the file what came later. */
-static PetscErrorCode StoreRestart(Grow *self, PetscBool always) {
-  RestartState state = {.t = self->seen.t, .model = self->now - self->leg};
-  PetscInt n, order, steps, size = 0, length;
-  Vec old[VBDF_POINTS];
-  PetscReal *points;
-  PetscLogDouble now;
-  int due;
-
-  PetscFunctionBegin;
-  PetscCall(PetscTime(&now));
-  due = always || now - self->kept_at > 1;
-  PetscCallMPI(MPI_Bcast(&due, 1, MPI_INT, 0, PETSC_COMM_WORLD));
-  if (!due || self->seen.t == 0) PetscFunctionReturn(0);
-  self->kept_at = now;
-  for (int m = 0; m < 3; m++) /* the file has room for any model of this run */
-    if (self->leg[m].rod) {
-      PetscCall(VecGetSize(self->leg[m].U, &length));
-      size = PetscMax(size, length * (VBDF_POINTS - 1));
-    }
-  PetscCall(PetscCalloc1(size, &points));
-  PetscCall(VBDFGetHistory(self->now->ts, &n, state.time, old, &order));
-  if (!n) { /* another stepper starts afresh from the last point */
-    n = order = 1;
-    old[0] = self->now->U;
-  }
-  if (self->event.kind) old[0] = self->now->U; /* the step was cut there */
-  state.time[0] = self->seen.t;
-  PetscCall(VecGetSize(self->now->U, &length));
-  for (PetscInt i = 0; i < n; i++) PetscCall(Collect(old[i], points + i * length));
-  PetscCall(TSGetTimeStep(self->now->ts, &state.step));
-  PetscCall(TSGetStepNumber(self->now->ts, &steps));
-  state.points = n;
-  state.order = order;
-  state.steps = steps;
-  state.fields = self->now->rod->model->fields;
-  state.folds = self->folds;
-  state.neglected = self->neglected;
-  state.reference_length = self->scene->curvature.reference_length;
-  PetscCall(ObserverGetBalance(self->observer, state.balance));
-  PetscCall(OutputRestart(self->output, &state, size, points));
-  PetscCall(PetscFree(points));
+  self->beyond = (PetscBool)(self->model == LINEAR && self->seen.max_angle > 1);
+  if (self->event.kind || self->stopped || self->beyond ||
+      (&self->leg[BetterModel(self)] != self->now && self->seen.t < self->scene->end_time))
+    PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
   PetscFunctionReturn(0);
 }
 
 static PetscErrorCode AfterStep(TS ts) {
   Grow *self;
   TSConvergedReason reason;
-  PetscReal t, stored;
+  PetscBool store;
+  PetscReal t;
   Vec U, U_t, here[2] = {NULL, NULL};
-  int stop = interrupted;
 
   PetscFunctionBegin;
   PetscCall(TSGetConvergedReason(ts, &reason));
@@ -298,28 +173,17 @@ static PetscErrorCode AfterStep(TS ts) {
   U_t = self->now->rod->latest_rate;
   if (self->watch.any) {
     for (int k = 0; k < 2; k++) PetscCall(VecDuplicate(U, &here[k]));
-    PetscCall(LocateEvent(self, &t, here[0], here[1]));
+    PetscCall(GrowLocateEvent(self, &t, here[0], here[1]));
     if (self->event.kind) U = here[0], U_t = here[1];
   }
   PetscCall(Observe(self, t, U, U_t));
-  stored = self->stored_at;
   PetscCall(StoreDueShapes(self, t, U));
-  if (self->event.kind) { /* the run ends there */
-    PetscCall(VecCopy(U, self->now->U));
-    PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
-  }
+  if (self->event.kind) PetscCall(VecCopy(U, self->now->U)); /* the run ends there */
   for (int k = 0; k < 2; k++) PetscCall(VecDestroy(&here[k]));
-  if (self->stored_at != stored) PetscCall(StoreRestart(self, PETSC_FALSE));
-  PetscCall(Progress(self, PETSC_FALSE));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &stop, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD));
-  self->beyond = (PetscBool)(self->model == LINEAR && self->seen.max_angle > 1);
-  if (self->beyond) PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
-  if (stop) {
-    interrupted = stop;
-    PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
-  }
-  if (&self->leg[BetterModel(self)] != self->now && t < self->scene->end_time)
-    PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
+  PetscCall(GrowProgress(self, PETSC_FALSE));
+  PetscCall(Agree(self, &store));
+  PetscCall(StopHere(self, ts));
+  if (store) PetscCall(Store(self, PETSC_FALSE));
   PetscFunctionReturn(0);
 }
 
@@ -327,7 +191,7 @@ static PetscErrorCode AddLeg(Grow *self, PetscInt model) {
   Leg *leg = &self->leg[model];
 
   PetscFunctionBegin;
-  PetscCall(LegCreate(self->scene, models[model], self->rtol, NULL, leg));
+  PetscCall(LegCreate(self->scene, grow_models[model], self->rtol, NULL, leg));
   leg->owner = self;
   PetscCall(TSSetMaxTime(leg->ts, self->scene->end_time));
   PetscCall(TSSetPostStep(leg->ts, AfterStep));
@@ -373,35 +237,23 @@ static PetscErrorCode HandOver(Grow *self, Leg *to) {
   PetscCall(TSGetSNESIterations(to->ts, &self->iterations));
   self->now = to;
   if (!self->quiet)
-    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "t = %s: from the %s to the %s model\n",
+    PetscCall(PetscPrintf(self->scene->comm, "t = %s: from the %s to the %s model\n",
                           OptionNumber(t, text), from->rod->model->name, to->rod->model->name));
   PetscFunctionReturn(0);
 }
 
 static PetscErrorCode ReadOptions(Grow *self) {
-  const char *const names[] = {"linear", "frame", "mixed", "auto"};
-  PetscBool set;
-
   PetscFunctionBegin;
-  self->model = FRAME;
-  self->rtol = 1e-6;
   self->output_interval = self->scene->end_time;
-  PetscCall(OptionsHeading("Run"));
-  PetscCall(OptionList("-rod_model",
-                       "which unknowns; auto: linear while accurate enough, else frame", 4, names,
-                       &self->model, NULL));
-  PetscCall(OptionReal("-ts_rtol",
-                       "tolerance of a step, per field, against the field's present size", 1e-13,
-                       0.5, &self->rtol, NULL));
-  PetscCall(OptionReal("-output_interval",
-                       "time between stored shapes; if not given, the first and last are stored",
-                       1e-9, 1e9, &self->output_interval, &set));
+  PetscCall(OptionWord("-rod_model", &self->model, NULL));
+  PetscCall(OptionReal("-ts_rtol", &self->rtol, NULL));
+  PetscCall(OptionReal("-output_interval", &self->output_interval, NULL));
   PetscCall(WatchSetFromOptions(&self->watch, self->scene->growth));
-  PetscCall(OptionBool("-quiet", "print nothing but errors", &self->quiet, NULL));
-  UserCheck(!self->scene->curvature.any || self->model != LINEAR, PETSC_COMM_WORLD,
+  PetscCall(OptionBool("-quiet", &self->quiet, NULL));
+  UserCheck(!self->scene->curvature.any || self->model != LINEAR, self->scene->comm,
             "-rod_curvature: the linear model is of a rod that is straight by nature; take "
             "-rod_model frame or auto");
-  UserCheck(self->scene->friction.beta > 0 || self->model != MIXED, PETSC_COMM_WORLD,
+  UserCheck(!LoadSticks(&self->scene->load) || self->model != MIXED, self->scene->comm,
             "-friction_beta 0: exact Coulomb friction needs -rod_model frame or auto, or give a "
             "value above 0");
   PetscFunctionReturn(0);
@@ -414,8 +266,8 @@ static PetscErrorCode Begin(Grow *self, const char *output) {
 
   PetscFunctionBegin;
   self->now = &self->leg[self->model == AUTO ? FRAME : self->model];
-  PetscCall(LookForEvent(self, 0, NULL, &event));
-  UserCheck(!event.kind, PETSC_COMM_WORLD, "-stop_%s: it is so at the start already",
+  PetscCall(GrowLookForEvent(self, 0, NULL, &event));
+  UserCheck(!event.kind, self->scene->comm, "-stop_%s: it is so at the start already",
             event_name[event.kind]);
   PetscCall(OutputCreate(output, self->scene, &self->output)); /* after all refusals */
   PetscCall(Observe(self, 0, NULL, NULL));
@@ -425,229 +277,146 @@ static PetscErrorCode Begin(Grow *self, const char *output) {
   PetscCall(self->now->rod->model->set(self->now->rod, 0, nodes, self->now->U));
   PetscCall(PetscFree(nodes));
   PetscCall(StoreShape(self, 0, NULL));
+  PetscCall(Store(self, PETSC_FALSE)); /* what cannot be written is to show before the work */
   self->next_output = self->output_interval;
   PetscFunctionReturn(0);
 }
 
 /* The state of an earlier run, with the history of its stepper. */
-static PetscErrorCode TakeUp(Grow *self, const RestartState *state, const PetscReal *points) {
-  Leg *leg = self->now = &self->leg[(int)state->model];
-  PetscInt low, high, length;
-  PetscScalar *a;
-  Vec old[VBDF_POINTS];
-  PetscBool given;
-
-  PetscFunctionBegin;
-  PetscCall(VecGetOwnershipRange(leg->U, &low, &high));
-  PetscCall(VecGetSize(leg->U, &length));
-  for (PetscInt i = 0; i < (PetscInt)state->points; i++) {
-    PetscCall(VecDuplicate(leg->U, &old[i]));
-    PetscCall(VecGetArray(old[i], &a));
-    PetscCall(PetscArraycpy(a, points + i * length + low, high - low));
-    PetscCall(VecRestoreArray(old[i], &a));
-  }
-  PetscCall(VecCopy(old[0], leg->U));
-  PetscCall(
-      VBDFSetHistory(leg->ts, (PetscInt)state->points, state->time, old, (PetscInt)state->order));
-  for (PetscInt i = 0; i < (PetscInt)state->points; i++) PetscCall(VecDestroy(&old[i]));
-  PetscCall(TSSetTime(leg->ts, state->t));
-  PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_dt", &given));
-  if (!given) PetscCall(TSSetTimeStep(leg->ts, state->step));
-  PetscCall(TSSetStepNumber(leg->ts, (PetscInt)state->steps));
-  PetscCall(ObserverSetBalance(self->observer, state->balance));
-  self->folds = state->folds;
-  self->neglected = state->neglected;
-  PetscFunctionReturn(0);
-}
-
 static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *state,
-                           const PetscReal *points, const char *output) {
+                           const char *output) {
   Event event;
   char text[32];
 
   PetscFunctionBegin;
-  PetscCall(TakeUp(self, state, points));
-  self->seen.t = self->start = self->stored_at = state->t;
-  PetscCall(LookForEvent(self, state->t, self->now->U, &event));
-  UserCheck(!event.kind, PETSC_COMM_WORLD,
+  UserCheck(state->model >= 0 && state->model < MODELS && self->leg[(int)state->model].rod &&
+                self->leg[(int)state->model].rod->model->fields == state->fields,
+            self->scene->comm, "-rod_model: the run in -restart %s was of another model", restart);
+  self->now = &self->leg[(int)state->model];
+  PetscCall(RestartTake(restart, state, self->now));
+  PetscCall(ObserverSetBalance(self->observer, state->balance));
+  self->folds = state->folds;
+  self->neglected = state->neglected;
+  self->seen.t = self->start = self->stored_shape = state->t;
+  PetscCall(GrowLookForEvent(self, state->t, self->now->U, &event));
+  UserCheck(!event.kind, self->scene->comm,
             "-stop_%s: it is so at t = %g already, where -restart %s is", event_name[event.kind],
             (double)state->t, restart);
   PetscCall(
       OutputContinue(output, restart, self->scene, state->t, self->output_interval, &self->output));
+  PetscCall(Store(self, PETSC_FALSE));
   if (!self->quiet)
-    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "goes on from t = %s of %s, into %s\n",
+    PetscCall(PetscPrintf(self->scene->comm, "goes on from t = %s of %s, into %s\n",
                           OptionNumber(state->t, text), restart, output[0] ? output : restart));
   self->next_output = self->output_interval;
   while (self->next_output <= state->t * (1 + 1e-12)) self->next_output += self->output_interval;
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode GrowCreate(Grow *self, const char *output, const char *restart) {
+static PetscErrorCode Create(Grow *self, const char *output, const char *restart) {
+  PetscBool begun = PETSC_FALSE;
   RestartState state;
-  PetscReal *points = NULL;
 
   PetscFunctionBegin;
   PetscCall(ReadOptions(self));
-  if (restart[0]) PetscCall(RestartRead(restart, self->scene, &state, &points));
-  for (PetscInt m = 0; m < 3; m++)
+  if (restart[0]) PetscCall(RestartRead(restart, self->scene, &state, &begun));
+  for (PetscInt m = 0; m < MODELS; m++)
     if (m == self->model || (self->model == AUTO && m != MIXED)) PetscCall(AddLeg(self, m));
   PetscCall(OptionsRefuseUnread());
   PetscCall(ObserverCreate(self->scene, &self->observer));
-  if (!restart[0]) {
-    PetscCall(Begin(self, output));
-    PetscFunctionReturn(0);
-  }
-  UserCheck(state.model >= 0 && state.model <= MIXED && self->leg[(int)state.model].rod &&
-                self->leg[(int)state.model].rod->model->fields == state.fields,
-            PETSC_COMM_WORLD, "-rod_model: the run in -restart %s was of another model", restart);
-  PetscCall(GoOn(self, restart, &state, points, output));
-  PetscCall(PetscFree(points));
-  PetscFunctionReturn(0);
-}
-
-/* The last words on a run: how far off it may be. Other steppers than vbdf are not calibrated. */
-static PetscErrorCode Errors(Grow *self, PetscInt jumps) {
-  Rod rod = self->now->rod;
-  PetscReal error = 0, asked = PETSC_MAX_REAL, defect = self->seen.energy_defect;
-  PetscBool vbdf;
-
-  PetscFunctionBegin;
-  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "energy defect %.1e", (double)defect));
-  PetscCall(PetscObjectTypeCompare((PetscObject)self->now->ts, TSVBDF, &vbdf));
-  if (vbdf) {
-    PetscCall(AccuracyEstimate(rod, self->seen.t, self->rtol, self->folds, &error));
-    error += self->neglected;
-    PetscCall(PetscPrintf(PETSC_COMM_WORLD, ", error estimate %.1e", (double)error));
-    PetscCall(PetscOptionsGetReal(NULL, NULL, "-accuracy", &asked, NULL));
-  }
-  if (jumps)
-    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "; %d snap%s", (int)jumps, jumps > 1 ? "s" : ""));
-  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "\n"));
-  if (error > 3 * asked) /* it is an upper one */
-    PetscCall(PetscPrintf(PETSC_COMM_WORLD,
-                          "-accuracy %g is not met with the -rod_cells or -ts_rtol given.\n",
-                          (double)asked));
-  if (defect > 1e-3)
-    PetscCall(PetscPrintf(
-        PETSC_COMM_WORLD,
-        "The energy balance is off by more than 1e-3: lower -ts_rtol or raise -rod_cells.\n"));
-  PetscFunctionReturn(0);
-}
-
-static PetscErrorCode Summary(Grow *self) {
-  const Observation *seen = &self->seen;
-  PetscInt steps, iterations = 0, rejections = 0, jumps = 0, n;
-  char text[4][32];
-  PetscLogDouble now;
-
-  PetscFunctionBegin;
-  PetscCall(TSGetStepNumber(self->now->ts, &steps));
-  for (int m = 0; m < 3; m++)
-    if (self->leg[m].ts) {
-      PetscCall(TSGetSNESIterations(self->leg[m].ts, &n));
-      iterations += n;
-      PetscCall(TSGetStepRejections(self->leg[m].ts, &n));
-      rejections += n;
-      PetscCall(VBDFGetJumps(self->leg[m].ts, &n));
-      jumps += n;
-    }
-  PetscCall(PetscTime(&now));
-  if (self->quiet) PetscFunctionReturn(0);
-  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "t = %s: length %s, tip (%s, %s), |x2| %.8e\n",
-                        OptionNumber(seen->t, text[0]), OptionNumber(seen->length, text[1]),
-                        OptionNumber(seen->tip_x1, text[2]), OptionNumber(seen->tip_x2, text[3]),
-                        (double)seen->norm_x2));
-  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%d steps, %d rejected, %d Newton iterations, %.3f s; ",
-                        (int)steps, (int)rejections, (int)iterations, now - self->begin));
-  PetscCall(Errors(self, jumps));
-  PetscFunctionReturn(0);
-}
-
-static PetscErrorCode TellEvent(Grow *self) {
-  const Event *event = &self->event;
-  char text[4][32];
-
-  PetscFunctionBegin;
-  if (self->quiet) PetscFunctionReturn(0);
-  OptionNumber(event->t, text[0]);
-  OptionNumber(event->s[0], text[1]);
-  OptionNumber(event->s[1], text[2]);
-  OptionNumber(self->watch.bound[event->kind], text[3]);
-  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "stopped at t = %s: ", text[0]));
-  if (event->kind == EVENT_LENGTH)
-    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "length %s\n", text[3]));
-  else if (event->kind == EVENT_ANGLE)
-    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "an angle of %s at s = %s\n", text[3], text[1]));
+  if (begun)
+    PetscCall(GoOn(self, restart, &state, output));
   else
-    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "touches itself at s = %s and %s\n", text[1], text[2]));
+    PetscCall(Begin(self, output[0] ? output : restart));
   PetscFunctionReturn(0);
 }
 
-/* Stores the last state and closes the file, whatever the end. */
-static PetscErrorCode GrowDestroy(Grow *self, PetscBool finished) {
+static PetscErrorCode Destroy(Grow *self) {
   PetscFunctionBegin;
-  if (self->seen.t != self->stored_at) PetscCall(StoreShape(self, self->seen.t, self->now->U));
-  if (self->seen.t > self->start) PetscCall(StoreRestart(self, PETSC_TRUE));
-  if (self->event.kind) PetscCall(OutputEvent(self->output, &self->event));
-  PetscCall(OutputDestroy(&self->output, finished));
+  PetscCall(OutputDestroy(&self->output));
   PetscCall(ObserverDestroy(&self->observer));
-  for (int m = 0; m < 3; m++) PetscCall(LegDestroy(&self->leg[m]));
+  for (int m = 0; m < MODELS; m++) PetscCall(LegDestroy(&self->leg[m]));
+  PetscFunctionReturn(0);
+}
+
+/* Steps to the end, from model to model. */
+static PetscErrorCode Follow(Grow *self, TSConvergedReason *reason) {
+  PetscFunctionBegin;
+  for (;;) {
+    PetscCall(TSSolve(self->now->ts, self->now->U));
+    PetscCall(TSGetConvergedReason(self->now->ts, reason));
+    if (*reason != TS_CONVERGED_USER || self->stopped || self->beyond || self->event.kind) break;
+    PetscCall(HandOver(self, &self->leg[BetterModel(self)]));
+  }
+  PetscCall(GrowProgress(self, PETSC_TRUE));
+  PetscCall(GrowSummary(self));
+  PetscFunctionReturn(0);
+}
+
+/* Stores the last state, whatever the end. */
+static PetscErrorCode End(Grow *self, PetscBool finished) {
+  PetscFunctionBegin;
+  if (self->seen.t != self->stored_shape) PetscCall(StoreShape(self, self->seen.t, self->now->U));
+  PetscCall(OutputEvent(self->output, &self->event));
+  PetscCall(Store(self, finished));
+  PetscFunctionReturn(0);
+}
+
+/* The line for an end that was not asked for. */
+static PetscErrorCode Verdict(const Grow *self, TSConvergedReason reason) {
+  MPI_Comm comm = self->scene->comm;
+  char text[3][32];
+  PetscReal dt;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetTimeStep(self->now->ts, &dt));
+  OptionNumber(self->seen.t, text[0]);
+  OptionNumber(dt, text[1]);
+  OptionNumber(self->scene->end_time, text[2]);
+  if (self->event.kind) PetscFunctionReturn(0);
+  UserCheck(!self->stopped, comm,
+            "interrupted by signal %d at t = %s; the results up to there are stored", self->stopped,
+            text[0]);
+  UserCheck(!self->beyond, comm,
+            "-rod_model linear: stopped at t = %s, where an angle reached 1: a straight rod's "
+            "model says nothing there; take -rod_model auto",
+            text[0]);
+  UserCheck(reason != TS_CONVERGED_ITS, comm,
+            "-ts_max_steps: reached at t = %s before -ts_max_time %s", text[0], text[2]);
+  UserCheck(reason == TS_CONVERGED_TIME, comm,
+            "gave up at t = %s with a step of %s (%s): the results up to there are stored; try a "
+            "lower -ts_rtol, more -rod_cells or a larger -friction_beta",
+            text[0], text[1], TSConvergedReasons[reason]);
   PetscFunctionReturn(0);
 }
 
 /*
-  GrowRun - follows the rod of a scene from t = 0 to its end time. Collective.
+  GrowRun - follows the rod of a scene from t = 0 to its end time. Collective on the scene's ranks.
 
   output   the result file; empty: none
   restart  the result file of a run to go on with; empty: none
 
   Ends with a user's error, the last state stored, if the stepper gives up or the run is
-  interrupted.
+  interrupted (SIGTERM, SIGINT).
 */
 PetscErrorCode GrowRun(Scene scene, const char *output, const char *restart) {
-  Grow grow = {.scene = scene, .kept_at = -2}, *self = &grow;
   TSConvergedReason reason = TS_CONVERGED_ITERATING;
-  PetscReal t = 0, dt = 0;
-  char text[3][32];
+  Grow grow = {.scene = scene}, *self = &grow;
+  PetscErrorCode error;
+  PetscBool finished;
 
   PetscFunctionBegin;
-  PetscCall(GrowCreate(self, output, restart));
-  signal(SIGTERM, OnSignal);
-  signal(SIGINT, OnSignal);
-  PetscCall(PetscTime(&self->begin));
-  self->reported = self->begin;
-  if (!self->quiet)
-    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%10s %10s %12s %10s %7s %8s %9s\n", "t", "length",
-                          "|x2|", "step", "Newton", "model", "rest"));
-  while (!interrupted) {
-    PetscCall(TSSolve(self->now->ts, self->now->U));
-    PetscCall(TSGetConvergedReason(self->now->ts, &reason));
-    if (reason != TS_CONVERGED_USER || interrupted || self->beyond || self->event.kind) break;
-    PetscCall(HandOver(self, &self->leg[BetterModel(self)]));
+  PetscCall(Create(self, output, restart));
+  CatchSignals();
+  PetscCall(GrowHeading(self));
+  error = Follow(self, &reason);
+  if (error) { /* what has been computed is not lost */
+    (void)End(self, PETSC_FALSE);
+    PetscFunctionReturn(error);
   }
-  PetscCall(TSGetTime(self->now->ts, &t));
-  PetscCall(TSGetTimeStep(self->now->ts, &dt));
-  PetscCall(Progress(self, PETSC_TRUE));
-  PetscCall(Summary(self));
-  if (self->event.kind) PetscCall(TellEvent(self));
-  PetscCall(GrowDestroy(self, (PetscBool)(reason == TS_CONVERGED_TIME || self->event.kind)));
-  OptionNumber(t, text[0]);
-  OptionNumber(dt, text[1]);
-  OptionNumber(scene->end_time, text[2]);
-  if (self->event.kind) PetscFunctionReturn(0);
-  UserCheck(!interrupted, PETSC_COMM_WORLD,
-            "interrupted by signal %d at t = %s; the results up to there are stored",
-            (int)interrupted, text[0]);
-  UserCheck(!grow.beyond, PETSC_COMM_WORLD,
-            "-rod_model linear: stopped at t = %s, where an angle reached 1: a straight rod's "
-            "model says nothing there; take -rod_model auto",
-            text[0]);
-  UserCheck(reason != TS_CONVERGED_ITS, PETSC_COMM_WORLD,
-            "-ts_max_steps: reached at t = %s before -ts_max_time %s", text[0], text[2]);
-  UserCheck(reason == TS_CONVERGED_TIME, PETSC_COMM_WORLD,
-            "gave up at t = %s with a step of %s (%s): the results up to there are stored; try a "
-            "lower -ts_rtol, more "
-            "-rod_cells or a larger -friction_beta",
-            text[0], text[1], TSConvergedReasons[reason]);
+  finished = (PetscBool)(reason == TS_CONVERGED_TIME || self->event.kind);
+  PetscCall(End(self, finished));
+  PetscCall(Verdict(self, reason));
+  PetscCall(Destroy(self));
   PetscFunctionReturn(0);
 }

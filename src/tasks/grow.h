@@ -2,7 +2,9 @@
 #ifndef TENDRIL_GROW_H
 #define TENDRIL_GROW_H
 
-#include "rod/rod.h"
+#include "scene/scene.h"
+
+extern const OptionGroup grow_options;
 
 PetscErrorCode GrowRun(Scene scene, const char *output, const char *restart);
 

@@ -1,11 +1,31 @@
 #include "tasks/stability.h"
 #include "tasks/critical.h"
 #include "straight/norm.h"
-#include "base/options.h"
 #include "record/output.h"
 #include "straight/transient.h"
 
 enum { MODE_CELLS = 400, MOST_DENSE = 4000, ROOT_STEPS = 60, MARGIN_POINTS = 4 };
+
+static const OptionRow rows[] = {
+    ROW_REAL("-stability_start", "0", 0, 1e6, UNIT_TIME, 0, "first time of the table"),
+    ROW_REAL("-stability_end", "", 0, 1e6, UNIT_TIME, 0,
+             "last time of the table (t_cr if not set)"),
+    ROW_INT("-stability_points", "50", 1, 1000000, 0, "times in the table"),
+    ROW_INT("-stability_vertices", "1000", 9, 20000000, 0, "size of the matrices"),
+    ROW_WORD("-stability_norm", "left", "friction,left", 0,
+             "how the rows of W are scaled: to length 1 in the friction norm, or (left) in the L2 "
+             "norm"),
+    ROW_BOOL("-stability_only_modes", "false", 0, "the eigenvalues of A alone, for huge matrices"),
+    ROW_BOOL("-stability_transient", "true", 0, "the largest transient growth, by its propagator"),
+    ROW_REAL("-stability_transient_start", "", 0, 1e6, UNIT_TIME, 0,
+             "t1 of its window (-stability_start if not set)"),
+    ROW_REAL("-stability_transient_end", "", 0, 1e6, UNIT_TIME, 0,
+             "t2 of its window (-stability_end if not set)"),
+    ROW_INT("-stability_transient_cells", "200", 8, 2000, 0, "cells of its mesh"),
+    ROW_TEXT("-stability_optimal_shape", OUTPUT_FILE,
+             "HDF5 file for the initial shape that grows most in L2, for -shape_file (take a "
+             "-shape_amplitude of 1e-5 or less: it bends right at the tip)")};
+const OptionGroup stability_options = OPTION_GROUP("-task stability", rows);
 
 /* The curves of the stability figure. */
 typedef enum { CURVE_A, CURVE_L2, CURVE_W, CURVE_FRICTION, CURVES } Curve;
@@ -54,55 +74,33 @@ typedef struct {
 
 static PetscErrorCode TransientOptions(Settings *set) {
   PetscFunctionBegin;
-  set->transient = PETSC_TRUE;
-  set->transient_cells = 200;
-  PetscCall(OptionBool("-stability_transient", "the largest transient growth, by its propagator",
-                       &set->transient, NULL));
-  PetscCall(OptionReal("-stability_transient_start",
-                       "t1 of its window (-stability_start if not set)", 0, 1e6, &set->t1,
-                       &set->t1_given));
-  PetscCall(OptionReal("-stability_transient_end", "t2 of its window (-stability_end if not set)",
-                       0, 1e6, &set->t2, &set->t2_given));
-  PetscCall(OptionInt("-stability_transient_cells", "cells of its mesh", 8, 2000,
-                      &set->transient_cells, NULL));
-  PetscCall(
-      OptionString("-stability_optimal_shape",
-                   "HDF5 file for the initial shape that grows most in L2, for -shape_file (take a "
-                   "-shape_amplitude of 1e-5 or less: it bends right at the tip)",
-                   set->shape, sizeof(set->shape), NULL));
-  UserCheck(set->transient || !set->shape[0], PETSC_COMM_WORLD,
+  PetscCall(OptionBool("-stability_transient", &set->transient, NULL));
+  PetscCall(OptionReal("-stability_transient_start", &set->t1, &set->t1_given));
+  PetscCall(OptionReal("-stability_transient_end", &set->t2, &set->t2_given));
+  PetscCall(OptionInt("-stability_transient_cells", &set->transient_cells, NULL));
+  PetscCall(OptionText("-stability_optimal_shape", set->shape, NULL));
+  UserCheck(set->transient || !set->shape[0], OptionsComm(),
             "-stability_optimal_shape needs -stability_transient");
   PetscFunctionReturn(0);
 }
 
 static PetscErrorCode ReadSettings(Scene scene, Settings *set) {
-  const char *const norms[] = {"friction", "left"};
-  PetscInt choice = 1;
+  PetscInt choice;
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(set, sizeof(*set)));
-  set->points = 50;
-  set->vertices = 1000;
-  PetscCall(OptionsHeading("Stability"));
-  PetscCall(OptionReal("-stability_start", "first time of the table", 0, 1e6, &set->start, NULL));
-  PetscCall(OptionReal("-stability_end", "last time of the table (t_cr if not set)", 0, 1e6,
-                       &set->end, &set->end_given));
-  PetscCall(OptionInt("-stability_points", "times in the table", 1, 1000000, &set->points, NULL));
-  PetscCall(
-      OptionInt("-stability_vertices", "size of the matrices", 9, 20000000, &set->vertices, NULL));
-  PetscCall(
-      OptionList("-stability_norm",
-                 "how the rows of W are scaled: to length 1 in the friction norm, or (left) in "
-                 "the L2 norm",
-                 2, norms, &choice, NULL));
-  PetscCall(OptionBool("-stability_only_modes", "the eigenvalues of A alone, for huge matrices",
-                       &set->only_modes, NULL));
+  PetscCall(OptionReal("-stability_start", &set->start, NULL));
+  PetscCall(OptionReal("-stability_end", &set->end, &set->end_given));
+  PetscCall(OptionInt("-stability_points", &set->points, NULL));
+  PetscCall(OptionInt("-stability_vertices", &set->vertices, NULL));
+  PetscCall(OptionWord("-stability_norm", &choice, NULL));
+  PetscCall(OptionBool("-stability_only_modes", &set->only_modes, NULL));
   PetscCall(TransientOptions(set));
   set->unit_rows = (PetscBool)choice;
-  UserCheck(!set->end_given || set->end > set->start, PETSC_COMM_WORLD,
+  UserCheck(!set->end_given || set->end > set->start, OptionsComm(),
             "-stability_end %g: give a time after -stability_start %g", (double)set->end,
             (double)set->start);
-  UserCheck(PetscMax(set->end, set->t2) <= scene->growth->end_time, PETSC_COMM_WORLD,
+  UserCheck(PetscMax(set->end, set->t2) <= scene->growth->end_time, OptionsComm(),
             "-stability_end: the growth table ends at t = %g", (double)scene->growth->end_time);
   PetscFunctionReturn(0);
 }
@@ -113,7 +111,7 @@ static PetscErrorCode ReadSolverOptions(void) {
   EPS eps;
 
   PetscFunctionBegin;
-  PetscCall(EPSCreate(PETSC_COMM_WORLD, &eps));
+  PetscCall(EPSCreate(OptionsComm(), &eps));
   PetscCall(EPSSetOptionsPrefix(eps, "norm_"));
   PetscCall(EPSSetType(eps, EPSGD));
   PetscCall(EPSSetFromOptions(eps));
@@ -129,8 +127,7 @@ static PetscErrorCode CreateLeft(Stability *self) {
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(n * n, &W));
-  PetscCall(PencilCreate(PETSC_COMM_SELF, self->scene->growth, &self->scene->friction, &self->mesh,
-                         self->critical.t, &own));
+  PetscCall(PencilCreate(PETSC_COMM_SELF, self->scene, &self->mesh, self->critical.t, &own));
   PetscCall(SpectrumLeftVectors(own, self->critical.t, self->set.unit_rows, W));
   PetscCall(NormCreate(self->fixed, W, self->critical.t, &self->left));
   PetscCall(PencilDestroy(&own));
@@ -147,13 +144,12 @@ static PetscErrorCode CreateSolvers(Stability *self) {
   self->has[CURVE_L2] = self->has[CURVE_FRICTION] = (PetscBool)!self->set.only_modes;
   self->has[CURVE_W] = (PetscBool)(!self->set.only_modes && self->set.vertices <= MOST_DENSE);
   if (self->set.only_modes) PetscFunctionReturn(0);
-  PetscCall(PencilCreate(PETSC_COMM_WORLD, scene->growth, &scene->friction, &self->mesh,
-                         self->critical.t, &self->fixed));
+  PetscCall(PencilCreate(scene->comm, scene, &self->mesh, self->critical.t, &self->fixed));
   PetscCall(NormCreate(self->fixed, NULL, self->critical.t, &self->l2));
   if (self->has[CURVE_W])
     PetscCall(CreateLeft(self));
   else
-    PetscCall(PetscPrintf(PETSC_COMM_WORLD,
+    PetscCall(PetscPrintf(OptionsComm(),
                           "C(t) left out: above -stability_vertices %d the dense left eigenvectors "
                           "take too much\n",
                           MOST_DENSE));
@@ -188,24 +184,24 @@ static PetscErrorCode Tabulate(Stability *self) {
   const Settings *set = &self->set;
 
   PetscFunctionBegin;
-  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%12s %12s", "t", "L"));
+  PetscCall(PetscPrintf(OptionsComm(), "%12s %12s", "t", "L"));
   for (int c = 0; c < CURVES; c++)
-    if (self->has[c]) PetscCall(PetscPrintf(PETSC_COMM_WORLD, " %14s", curves[c].heading));
-  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "\n"));
+    if (self->has[c]) PetscCall(PetscPrintf(OptionsComm(), " %14s", curves[c].heading));
+  PetscCall(PetscPrintf(OptionsComm(), "\n"));
   for (PetscInt i = 0; i < set->points; i++) {
     PetscReal L;
     self->t[i] = set->start + (set->end - set->start) * (PetscReal)i / PetscMax(1, set->points - 1);
     PetscCall(GrowthLength(self->scene->growth, self->t[i], &L, NULL));
-    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%12.8g %12.8g", (double)self->t[i], (double)L));
+    PetscCall(PetscPrintf(OptionsComm(), "%12.8g %12.8g", (double)self->t[i], (double)L));
     for (int c = 0; c < CURVES; c++) {
       Eigenvalue value;
       if (!self->has[c]) continue;
       PetscCall(CurveAt(self, (Curve)c, self->t[i], &value));
       self->value[c][i] = value.value;
       if (c == CURVE_A) self->frequency[i] = value.frequency;
-      PetscCall(PetscPrintf(PETSC_COMM_WORLD, " %14.7g", (double)value.value));
+      PetscCall(PetscPrintf(OptionsComm(), " %14.7g", (double)value.value));
     }
-    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "\n"));
+    PetscCall(PetscPrintf(OptionsComm(), "\n"));
   }
   PetscFunctionReturn(0);
 }
@@ -281,118 +277,116 @@ static PetscErrorCode PrintVerdict(const Stability *self) {
     if (!self->has[c]) continue;
     if (c != CURVE_A && (c != CURVE_W || !slides)) best = PetscMax(best, self->until[c]);
     if (self->until[c] <= start)
-      PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%-32s not even at t = %g\n", curves[c].verdict,
+      PetscCall(PetscPrintf(OptionsComm(), "%-32s not even at t = %g\n", curves[c].verdict,
                             (double)start));
     else
-      PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%-32s on [%g, %.10g)%s\n", curves[c].verdict,
+      PetscCall(PetscPrintf(OptionsComm(), "%-32s on [%g, %.10g)%s\n", curves[c].verdict,
                             (double)start, (double)self->until[c],
                             self->beyond[c] ? " at least" : ""));
   }
   if (!self->has[CURVE_FRICTION]) PetscFunctionReturn(0);
-  if (self->scene->growth->uniform && !self->scene->growth->slides)
-    PetscCall(PetscPrintf(PETSC_COMM_WORLD,
+  if (self->scene->growth->even && !self->scene->growth->slides)
+    PetscCall(PetscPrintf(OptionsComm(),
                           "Uniform growth: A is self-adjoint in the friction norm, so the rod is "
                           "exponentially stable exactly up to t_cr.\n"));
   else
     PetscCall(
-        PetscPrintf(PETSC_COMM_WORLD,
+        PetscPrintf(OptionsComm(),
                     "Best norm: decay for certain up to t = %.8g; the frozen modes grow from t_cr "
                     "= %.8g on; gap %.2g.\n",
                     (double)best, (double)self->critical.t, (double)(self->critical.t - best)));
   if (slides && self->has[CURVE_W])
     PetscCall(
-        PetscPrintf(PETSC_COMM_WORLD,
+        PetscPrintf(OptionsComm(),
                     "(The W norm, as the modes, is judged on a rod of frozen length: no proof for "
                     "one that is fed.)\n"));
   if (best > self->critical.t * (1 + 1e-6))
-    PetscCall(
-        PetscPrintf(PETSC_COMM_WORLD,
-                    "(The friction norm follows D(t) and may see decay for longer than a mode "
-                    "frozen in time does.)\n"));
+    PetscCall(PetscPrintf(
+        OptionsComm(), "(The friction norm follows D(t) and may see decay for longer than a mode "
+                       "frozen in time does.)\n"));
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode WriteScalar(hid_t file, const char *name, PetscReal value, const char *text) {
+static PetscErrorCode WriteScalar(HdfFile file, const char *name, PetscReal value,
+                                  const char *units, const char *text) {
   PetscFunctionBegin;
-  PetscCall(HdfWrite(file, name, 0, NULL, &value, "description", text));
+  PetscCall(HdfWrite(file, name, 0, NULL, &value, units, text));
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode WriteTable(hid_t file, Stability *self) {
-  const hsize_t k = (hsize_t)self->set.points;
+static PetscErrorCode WriteTable(HdfFile file, Stability *self) {
+  const PetscInt k = self->set.points;
   char name[80];
   PetscReal *L;
 
   PetscFunctionBegin;
-  if (file < 0) PetscFunctionReturn(0);
-  hid_t group = H5Gcreate2(file, "/stability", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-  HdfCall(group);
-  H5Gclose(group);
+  if (!file) PetscFunctionReturn(0);
+  PetscCall(HdfGroup(file, "/stability"));
   PetscCall(PetscMalloc1(k, &L));
-  for (hsize_t i = 0; i < k; i++)
+  for (PetscInt i = 0; i < k; i++)
     PetscCall(GrowthLength(self->scene->growth, self->t[i], &L[i], NULL));
-  PetscCall(HdfWrite(file, "/stability/t", 1, &k, self->t, "units", "1 (time) [k]"));
-  PetscCall(HdfWrite(file, "/stability/length", 1, &k, L, "units", "(YI/N)^(1/3) [k]"));
-  PetscCall(HdfWrite(file, "/stability/frequency_A", 1, &k, self->frequency, "description",
+  PetscCall(HdfWrite(file, "/stability/t", 1, &k, self->t, "l/V", "times [k]"));
+  PetscCall(HdfWrite(file, "/stability/length", 1, &k, L, "l", "lengths [k]"));
+  PetscCall(HdfWrite(file, "/stability/frequency_A", 1, &k, self->frequency, "rad V/l",
                      "imaginary part that belongs to lambda_max_A [k]"));
   PetscCall(PetscFree(L));
   for (int c = 0; c < CURVES; c++) {
     if (!self->has[c]) continue;
     PetscCall(PetscSNPrintf(name, sizeof(name), "/stability/%s", curves[c].name));
-    PetscCall(HdfWrite(file, name, 1, &k, self->value[c], "description", curves[c].text));
+    PetscCall(HdfWrite(file, name, 1, &k, self->value[c], "V/l", curves[c].text));
     PetscCall(PetscSNPrintf(name, sizeof(name), "/stability/%s_until", curves[c].name));
-    PetscCall(WriteScalar(file, name, self->until[c], "negative from the first time up to here"));
+    PetscCall(
+        WriteScalar(file, name, self->until[c], "l/V", "negative from the first time up to here"));
   }
-  PetscCall(WriteScalar(file, "/stability/t_cr", self->critical.t, "critical time"));
-  PetscCall(WriteScalar(file, "/stability/t_cr_error", self->critical.error, "bound on its error"));
+  PetscCall(WriteScalar(file, "/stability/t_cr", self->critical.t, "l/V", "critical time"));
+  PetscCall(WriteScalar(file, "/stability/t_cr_error", self->critical.error, "l/V",
+                        "bound on its error"));
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode WriteOptimal(hid_t file, const Optimal *best, const char *norm) {
-  const hsize_t n = (hsize_t)best->n;
+static PetscErrorCode WriteOptimal(HdfFile file, const Optimal *best, const char *norm) {
+  const PetscInt n = best->n;
   const struct {
-    const char *name, *text;
+    const char *name, *units, *text;
     const PetscReal *data;
-  } sets[] = {{"s", "material label [n]", best->s},
-              {"initial_y", "deflection that grows most, norm 1 at t1 [n]", best->y1},
-              {"initial_theta", "its angle [n]", best->theta1},
-              {"final_y", "what it has become at t2 [n]", best->y2},
-              {"final_theta", "its angle [n]", best->theta2}};
+  } sets[] = {{"s", "1", "material label [n]", best->s},
+              {"initial_y", "l", "deflection that grows most, norm 1 at t1 [n]", best->y1},
+              {"initial_theta", "rad", "its angle [n]", best->theta1},
+              {"final_y", "l", "what it has become at t2 [n]", best->y2},
+              {"final_theta", "rad", "its angle [n]", best->theta2}};
   char name[80];
 
   PetscFunctionBegin;
-  if (file < 0) PetscFunctionReturn(0);
+  if (!file) PetscFunctionReturn(0);
   PetscCall(PetscSNPrintf(name, sizeof(name), "/transient/%s", norm));
-  hid_t group = H5Gcreate2(file, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-  HdfCall(group);
-  H5Gclose(group);
+  PetscCall(HdfGroup(file, name));
   PetscCall(PetscSNPrintf(name, sizeof(name), "/transient/%s/amplification", norm));
-  PetscCall(WriteScalar(file, name, best->amplification, "largest |y(t2)| / |y(t1)|"));
+  PetscCall(WriteScalar(file, name, best->amplification, "1", "largest |y(t2)| / |y(t1)|"));
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(sets); i++) {
     PetscCall(PetscSNPrintf(name, sizeof(name), "/transient/%s/%s", norm, sets[i].name));
-    PetscCall(HdfWrite(file, name, 1, &n, sets[i].data, "description", sets[i].text));
+    PetscCall(HdfWrite(file, name, 1, &n, sets[i].data, sets[i].units, sets[i].text));
   }
   PetscFunctionReturn(0);
 }
 
 /* The optimal shape as -shape_type file reads it, scaled to -shape_amplitude. */
-static PetscErrorCode WriteShapeFile(hid_t file, const Optimal *best, PetscReal amplitude) {
-  const hsize_t n = (hsize_t)best->n;
+static PetscErrorCode WriteShapeFile(HdfFile file, const Optimal *best, PetscReal amplitude) {
+  const PetscInt n = best->n;
   PetscReal *theta, most = 0;
 
   PetscFunctionBegin;
-  if (file < 0) PetscFunctionReturn(0);
+  if (!file) PetscFunctionReturn(0);
   PetscCall(PetscMalloc1(best->n, &theta));
   for (PetscInt i = 0; i < best->n; i++) most = PetscMax(most, PetscAbsReal(best->theta1[i]));
   for (PetscInt i = 0; i < best->n; i++) theta[i] = i ? best->theta1[i] * amplitude / most : 0;
-  PetscCall(HdfWrite(file, "/s", 1, &n, best->s, "description", "material label [n]"));
-  PetscCall(HdfWrite(file, "/theta", 1, &n, theta, "description", "angle against the clamp [n]"));
+  PetscCall(HdfWrite(file, "/s", 1, &n, best->s, "1", "material label [n]"));
+  PetscCall(HdfWrite(file, "/theta", 1, &n, theta, "rad", "angle against the clamp [n]"));
   PetscCall(PetscFree(theta));
   PetscFunctionReturn(0);
 }
 
 /* The transient growth over a window in both norms; every rank computes it for itself. */
-static PetscErrorCode Transient(Stability *self, hid_t file, hid_t shape) {
+static PetscErrorCode Transient(Stability *self, HdfFile file, HdfFile shape) {
   const char *const names[] = {"L2", "friction"};
   const Settings *set = &self->set;
   Scene scene = self->scene;
@@ -401,19 +395,16 @@ static PetscErrorCode Transient(Stability *self, hid_t file, hid_t shape) {
 
   PetscFunctionBegin;
   PetscCall(MeshCreate(set->transient_cells, PETSC_FALSE, scene->growth, set->t2, &mesh));
-  PetscCall(PropagatorCreate(scene->growth, &scene->friction, &mesh, set->t1, set->t2, 1e-9,
-                             &propagator));
-  if (file >= 0) {
-    hid_t group = H5Gcreate2(file, "/transient", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-    HdfCall(group);
-    H5Gclose(group);
-    PetscCall(WriteScalar(file, "/transient/t1", set->t1, "start of the window"));
-    PetscCall(WriteScalar(file, "/transient/t2", set->t2, "end of the window"));
+  PetscCall(PropagatorCreate(scene, &mesh, set->t1, set->t2, 1e-9, &propagator));
+  if (file) {
+    PetscCall(HdfGroup(file, "/transient"));
+    PetscCall(WriteScalar(file, "/transient/t1", set->t1, "l/V", "start of the window"));
+    PetscCall(WriteScalar(file, "/transient/t2", set->t2, "l/V", "end of the window"));
   }
   for (int k = 0; k < 2; k++) {
     Optimal best;
     PetscCall(TransientOptimal(&propagator, (TransientNorm)k, &best));
-    PetscCall(PetscPrintf(PETSC_COMM_WORLD,
+    PetscCall(PetscPrintf(OptionsComm(),
                           "largest amplification from t = %g to %g, %s norm: %.10g\n",
                           (double)set->t1, (double)set->t2, names[k], (double)best.amplification));
     PetscCall(WriteOptimal(file, &best, names[k]));
@@ -430,13 +421,13 @@ static PetscErrorCode CompleteSettings(Settings *set, PetscReal t_cr) {
   PetscFunctionBegin;
   if (!set->end_given) set->end = t_cr;
   UserCheck(
-      set->end > set->start, PETSC_COMM_WORLD,
+      set->end > set->start, OptionsComm(),
       "-stability_end: the rod is unstable from t = %g on, before -stability_start %g; give an "
       "end after that",
       (double)t_cr, (double)set->start);
   if (!set->t1_given) set->t1 = set->start;
   if (!set->t2_given) set->t2 = set->end;
-  UserCheck(!set->transient || set->t2 > set->t1, PETSC_COMM_WORLD,
+  UserCheck(!set->transient || set->t2 > set->t1, OptionsComm(),
             "-stability_transient_end %g: give a time after -stability_transient_start %g",
             (double)set->t2, (double)set->t1);
   PetscFunctionReturn(0);
@@ -465,7 +456,7 @@ static PetscErrorCode Destroy(Stability *self) {
 */
 PetscErrorCode StabilityRun(Scene scene, const char *output) {
   Stability self;
-  hid_t file = -1, shape = -1;
+  HdfFile file = NULL, shape = NULL;
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(&self, sizeof(self)));
@@ -473,17 +464,16 @@ PetscErrorCode StabilityRun(Scene scene, const char *output) {
   PetscCall(ReadSettings(scene, &self.set));
   PetscCall(
       MeshCreate(self.set.vertices - 1, PETSC_FALSE, scene->growth, scene->end_time, &self.mesh));
-  PetscCall(PencilCreate(PETSC_COMM_WORLD, scene->growth, &scene->friction, &self.mesh, map_follows,
-                         &self.follow));
+  PetscCall(PencilCreate(scene->comm, scene, &self.mesh, map_follows, &self.follow));
   PetscCall(SpectrumCreate(self.follow, PETSC_FALSE, &self.modes));
   PetscCall(ReadSolverOptions());
   PetscCall(OptionsRefuseUnread());
-  if (output[0]) PetscCall(OutputNewFile(output, &file));
-  if (file >= 0) PetscCall(OutputRootAttributes(file, PETSC_FALSE));
-  if (self.set.shape[0]) PetscCall(OutputNewFile(self.set.shape, &shape));
+  if (output[0]) PetscCall(OutputNewFile("-output", output, scene->comm, &file));
+  if (self.set.shape[0])
+    PetscCall(OutputNewFile("-stability_optimal_shape", self.set.shape, scene->comm, &shape));
   PetscCall(CriticalFind(scene, PETSC_TRUE, &self.critical));
   PetscCall(CompleteSettings(&self.set, self.critical.t));
-  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "critical time t = %.12g, error below %.1e\n",
+  PetscCall(PetscPrintf(OptionsComm(), "critical time t = %.12g, error below %.1e\n",
                         (double)self.critical.t, (double)self.critical.error));
   PetscCall(PetscMalloc2(self.set.points, &self.t, self.set.points, &self.frequency));
   for (int c = 0; c < CURVES; c++) PetscCall(PetscCalloc1(self.set.points, &self.value[c]));
@@ -494,11 +484,11 @@ PetscErrorCode StabilityRun(Scene scene, const char *output) {
   PetscCall(PrintVerdict(&self));
   PetscCall(WriteTable(file, &self));
   if (self.set.transient) PetscCall(Transient(&self, file, shape));
-  if (file >= 0) {
-    PetscCall(OutputRootAttributes(file, PETSC_TRUE));
-    HdfCall(H5Fclose(file));
-  }
-  if (shape >= 0) HdfCall(H5Fclose(shape));
+  if (file) PetscCall(OutputAttributes(file, scene->comm, PETSC_TRUE));
+  if (output[0]) PetscCall(OutputEndFile("-output", output, scene->comm, &file));
+  if (shape) PetscCall(OutputAttributes(shape, scene->comm, PETSC_TRUE));
+  if (self.set.shape[0])
+    PetscCall(OutputEndFile("-stability_optimal_shape", self.set.shape, scene->comm, &shape));
   PetscCall(Destroy(&self));
   PetscFunctionReturn(0);
 }
@@ -520,8 +510,7 @@ PetscErrorCode StabilitySlowestMode(Scene scene, PetscInt *n, PetscReal **s, Pet
 
   PetscFunctionBegin;
   PetscCall(MeshCreate(MODE_CELLS, PETSC_FALSE, scene->growth, scene->end_time, &mesh));
-  PetscCall(
-      PencilCreate(PETSC_COMM_SELF, scene->growth, &scene->friction, &mesh, map_follows, &pencil));
+  PetscCall(PencilCreate(PETSC_COMM_SELF, scene, &mesh, map_follows, &pencil));
   PetscCall(SpectrumCreate(pencil, PETSC_TRUE, &spectrum));
   *n = pencil->n;
   PetscCall(PetscMalloc2(*n, &c, *n, &w));
@@ -534,7 +523,7 @@ PetscErrorCode StabilitySlowestMode(Scene scene, PetscInt *n, PetscReal **s, Pet
   for (PetscInt i = 0; i < *n; i++)
     if (PetscAbsReal((*theta)[i]) > PetscAbsReal(most)) most = (*theta)[i];
   for (PetscInt i = 0; i < *n; i++) (*theta)[i] *= scene->shape.amplitude / most;
-  PetscCallMPI(MPI_Bcast(*theta, *n, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Bcast(*theta, *n, MPIU_REAL, 0, OptionsComm()));
   PetscCall(SpectrumDestroy(&spectrum));
   PetscCall(PencilDestroy(&pencil));
   PetscCall(MeshDestroy(&mesh));

@@ -4,6 +4,8 @@
 
 #include "scene/scene.h"
 
+extern const OptionGroup stability_options;
+
 PetscErrorCode StabilityRun(Scene scene, const char *output);
 PetscErrorCode StabilitySlowestMode(Scene scene, PetscInt *n, PetscReal **s, PetscReal **theta);
 

@@ -1,0 +1,332 @@
+#!/usr/bin/env python3
+"""The atlas of failure: every method on every cell of a grid of rods, with verdict and cost; a
+table, a map (methods down, cells across) and a Dolan-More profile.
+
+    atlas.py [--quick] [--methods NAME,...] [--draw] [--jobs N]
+
+--draw: from what is stored, without new runs. Fails if the default loses a cell. Runs go side by
+side, one to a core."""
+
+import argparse
+import csv
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+
+from measure import (CORES, CRASHED, DECAY, GAVE_UP, HUNG, QUANTITIES, REFUSED, RIGHT_, THICK,
+                     WRONG, Case, Scene, workplace)
+from tendril.style import STYLE
+
+LIMIT, LIMIT_PEER = 15, 60  # seconds; the slowest cell of the default takes 3
+FINER = "-rod_cells 1000 -ts_rtol 1e-8"
+METHODS = {  # name: (solver, options)
+    "default": ("tendril", ""),
+    "auto": ("tendril", "-rod_model auto"),
+    "frame 2": ("tendril", "-rod_order 2"),
+    "mixed": ("tendril", "-rod_model mixed"),
+    "linear": ("tendril", "-rod_model linear"),
+    "PETSc's bdf 5": ("tendril", "-ts_type bdf -ts_bdf_order 5"),
+    "PETSc's bdf 2": ("tendril", "-ts_type bdf -ts_bdf_order 2"),
+    "backward Euler, start extrapolated": ("tendril", "-ts_type beuler -ts_dt 0.01"),
+    "backward Euler, start at last step":  # as PETSc has it
+        ("tendril", "-ts_type beuler -ts_theta_initial_guess_extrapolate 0 -ts_dt 0.01"),
+    "primal Newton": ("tendril", "-friction_newton primal"),
+    "primal, backtracking": ("tendril", "-friction_newton primal -snes_linesearch_type bt"),
+    "backtracking": ("tendril", "-snes_linesearch_type bt"),
+    "MUMPS": ("tendril", "-pc_factor_mat_solver_type mumps"),
+    "GMRES, ILU": ("tendril", "-ksp_type gmres -pc_type ilu"),
+    "paper's elements": ("paper_fem", "-dt 0.01 -nel 128 -graded"),
+    "paper's elements, step 0.002": ("paper_fem", "-dt 0.002 -nel 128 -graded"),
+    "paper's, taken literally": ("paper_fem", "-dt 0.01 -nel 64 -literal"),
+    "PyElastica": ("pyelastica_rod", "-elements 20 -dt 3e-5"),
+}
+QUICK_METHODS = ("default", "mixed", "linear", "backward Euler, start at last step",
+                 "primal Newton", "paper's, taken literally")
+
+
+def scene(group, label, options, times, quantities=QUANTITIES):
+    return group, Scene(label, options, times, finer=FINER, quantities=quantities)
+
+
+def cells(quick):
+    """[(group, scene)]"""
+    result = []
+    for mu in ("1", "0.5", "0"):
+        for beta in ("1e-1", "1e-3", "1e-6", "1e-9", "1e-12", "0"):
+            if mu == "0.5" and beta not in ("1e-3", "1e-9", "0"):
+                continue
+            if mu == "0" and beta != "1e-3":
+                continue  # beta is of the dry share alone
+            result.append(scene(rf"decay and fold, $t=20$: $\mu$, $\beta$", f"{mu}, {beta}",
+                                f"{DECAY} -friction_mu {mu} -friction_beta {beta}", (8, 14, 20)))
+    for mu in ("1", "0"):
+        for growth in ("uniform", "5", "0.5", "0.05", "0.005", "feed"):
+            law = (f"-growth_type {growth}" if growth[0] in "uf" else
+                   f"-growth_type gaussian -growth_width {growth}")
+            result.append(scene(r"growth, $t=10$: $\mu$, law or width $a$", f"{mu}, {growth}",
+                                f"{THICK} {law} -friction_mu {mu}", (2, 6, 10)))
+    for amplitude in ("1e-15", "1e-8", "1e-2", "0.5", "1.5", "3.1"):
+        result.append(scene(r"amplitude $\epsilon$, $t=16$",
+                            "hairpin" if amplitude == "3.1" else amplitude,
+                            f"-growth_initial_length 2 -shape_amplitude {amplitude}", (2, 8, 16)))
+    for length in ("0.001", "0.1", "0.25", "10", "30"):
+        # below 0.2, x2 and the energy die out altogether: what is left to compare is the tip
+        left = ("tip",) if float(length) < 0.2 else QUANTITIES
+        result.append(scene("$L_0$, $t=5$", length,
+                            f"-growth_initial_length {length} -shape_amplitude 0.1", (1, 5), left))
+    corners = [("fed", f"{THICK} -growth_type feed -friction_beta", ("1e-9", "0"), (2, 6, 10)),
+               ("0.05", f"{THICK} -growth_type gaussian -growth_width 0.05 -friction_beta",
+                ("1e-12", "0"), (2, 6, 10)),
+               ("0.005", f"{THICK} -growth_type gaussian -growth_width 0.005 -friction_beta",
+                ("1e-12",), (2, 6, 10)),
+               ("0.05, 1e-16", "-growth_type gaussian -growth_width 0.05 -shape_amplitude 1e-16 "
+                "-growth_initial_length 2 -friction_beta", ("1e-9",), (2, 5)),
+               ("hairpin", "-growth_initial_length 2 -shape_amplitude 3.1 -friction_beta",
+                ("1e-12", "0"), (2, 5)),
+               ("fed hairpin", "-growth_type feed -growth_initial_length 2 -shape_amplitude 3.1 "
+                "-friction_beta", ("1e-9",), (2, 5))]
+    for name, options, betas, times in corners:
+        for beta in betas:
+            result.append(scene(r"corners: width or shape, $\beta$", f"{name}, {beta}",
+                                f"{options} {beta}", times))
+    for n in ("100", "1000", "10000"):
+        result.append(scene("decay, $N$", n, f"{DECAY} -rod_cells {n}", (8, 12)))
+    return result[::4] if quick else result
+
+
+NUMBERS = ([("cells $N$", n, f"-rod_cells {n}") for n in
+            ("10", "20", "50", "200", "1000", "4000", "10000")] +
+           [("tolerance", r, f"-ts_rtol {r}") for r in
+            ("1e-2", "1e-3", "1e-4", "1e-5", "1e-7", "1e-8", "1e-9")])
+STEPS = [("step", h, f"-ts_dt {h}") for h in ("0.5", "0.1", "0.05", "0.01", "0.002")]
+
+
+SETTINGS = tuple(dict.fromkeys(n[0] for n in NUMBERS + STEPS))  # groups without a claim
+SET = ("default", "frame 2", "mixed", "primal Newton", "PETSc's bdf 5",
+       "backward Euler, start extrapolated")  # the methods whose settings are varied
+
+
+def never(method, group):
+    """Explicit, with inertia, PyElastica cannot follow the decay; a small step of the paper's
+    elements takes minutes there."""
+    return "decay" in group and method in ("PyElastica", "paper's elements, step 0.002")
+
+
+def cases(arguments):
+    """[(method, group, label, case)]"""
+    names = arguments.methods.split(",") if arguments.methods else (
+        QUICK_METHODS if arguments.quick else METHODS)
+    result = []
+    for group, where in cells(arguments.quick):
+        for method in names:
+            solver, options = METHODS[method]
+            limit = LIMIT if solver == "tendril" else LIMIT_PEER
+            if not never(method, group):
+                result.append((method, group, where.name, Case(solver, where, options, limit)))
+    if arguments.quick:
+        return result
+    thick = Scene("thick", THICK, (2, 6, 10), finer=FINER)
+    for method in (m for m in SET if m in names):
+        euler = "Euler" in method
+        for group, label, more in (n for n in NUMBERS + STEPS
+                                   if n[0] != ("tolerance" if euler else "step")):
+            options = f"{METHODS[method][1].replace('-ts_dt 0.01', '')} {more}".strip()
+            if euler and group != "step":
+                options += " -ts_dt 0.01"
+            result.append((method, group, label, Case("tendril", thick, options, limit=30)))
+    return result
+
+
+def measure_all(store, arguments):
+    """[(method, group, label, run)]"""
+    wanted = cases(arguments)
+    again = [w[3].key for w in wanted if w[0] in arguments.again.split(",")]
+    if not arguments.draw:
+        store.get_all([w[2:] for w in wanted], arguments.jobs, again)
+    found = [(*w[:3], dict(store.runs[w[3].key])) for w in wanted if w[3].key in store.runs]
+    explain(found)
+    return found
+
+
+def explain(found):
+    """Why a finished run is wrong. The default is right on the same mesh: with another stepper the
+    error is in time; with another model, all else the same, in space or of the model. The paper's
+    elements err in time if a fifth of the step lessens the error to a half."""
+    error = {f[:3]: f[3].get("error") for f in found}
+    for method, group, label, run in found:
+        if run["verdict"] != WRONG:
+            continue
+        finer = error.get(("paper's elements, step 0.002", group, label))
+        if group in SETTINGS:
+            why = "time" if group != SETTINGS[0] or "Euler" in method else "space"
+        elif method in ("frame 2", "mixed"):
+            why = "space"
+        elif method == "paper's elements" and finer and finer > run["error"] / 2:
+            why = "space"
+        elif method == "paper's elements, step 0.002":
+            coarse = error.get(("paper's elements", group, label)) or np.inf
+            why = "space" if run["error"] > coarse / 2 else "time"
+        else:
+            why = {"linear": "model", "PyElastica": "elements"}.get(method, "time")
+        run["reason"] = why
+
+
+# Okabe and Ito's colours; the letter in a cell tells why
+COLOUR = {RIGHT_: "#a6d5f0", WRONG: "#E69F00", GAVE_UP: "#F5E663", REFUSED: "#e4e4e4",
+          CRASHED: "#D55E00", HUNG: "#7a4fa3"}
+LETTER = {"time": "t", "space": "s", "model": "m", "elements": "e", "angle": "a", "newton": "N",
+          "rejections": "N", "step": "N", "zero pivot": "N", "time limit": "h", "refused": "n"}
+NAMES = {RIGHT_: "right, with its seconds",
+         WRONG: "wrong (errs in t time, s space, m model, e its elements)",
+         GAVE_UP: "gave up (N Newton or the step, a large angles)", REFUSED: "not supported (n)",
+         CRASHED: "crashed (c)", HUNG: f"hung or over {LIMIT} s, peers {LIMIT_PEER} s (h)"}
+
+
+def cost(seconds):
+    return f"{seconds:.2f}"[1 if seconds < 0.995 else 0:] if seconds < 1.95 else f"{seconds:.0f}"
+
+
+def draw_block(ax, found, methods):
+    """Methods down, cells across, in groups; returns how many columns wide it is."""
+    groups = {}
+    for _, group, label, _ in found:
+        groups.setdefault(group, {})[label] = None
+    columns, at, gap = {}, 0.0, 0.7
+    for group, labels in groups.items():
+        ax.text(at - 0.5, -0.75, group, fontsize=7, ha="left", va="bottom")
+        for label in labels:
+            columns[group, label] = at
+            at += 1
+        at = max(at + gap, columns[group, next(iter(labels))] + 0.33 * len(group.replace("$", "")))
+    for method, group, label, run in found:
+        x, y, verdict = columns[group, label], methods.index(method), run["verdict"]
+        ax.add_patch(plt.Rectangle((x - 0.5, y - 0.5), 1, 1, fc=COLOUR[verdict], ec="white",
+                                   lw=0.6))
+        right = verdict == RIGHT_
+        ax.text(x, y, cost(run["seconds"]) if right else LETTER.get(run["reason"], "c"),
+                ha="center", va="center", fontsize=5 if right else 7,
+                color="white" if verdict in (HUNG, CRASHED) else "black")
+    ax.set_yticks(range(len(methods)), methods)
+    ax.set_xticks(list(columns.values()), [label for _, label in columns], rotation=90, fontsize=7)
+    ax.set_ylim(len(methods) - 0.5, -0.6)
+    ax.tick_params(length=0)
+    for side in ax.spines.values():
+        side.set_visible(False)
+    return at - gap
+
+
+def draw_map(found, base):
+    """Above, the cells; below, the settings of some methods on one rod."""
+    blocks = [[f for f in found if (f[1] in SETTINGS) == below] for below in (False, True)]
+    blocks = [b for b in blocks if b]
+    methods = [[m for m in METHODS if any(f[0] == m for f in b)] for b in blocks]
+    with plt.rc_context(STYLE):
+        heights = [len(m) + 5 for m in methods]
+        fig, axes = plt.subplots(len(blocks), squeeze=False, figsize=(10.6, 0.6 + 0.19 * sum(heights)),
+                                 height_ratios=heights)
+        widths = [draw_block(ax, b, m) for ax, b, m in zip(axes[:, 0], blocks, methods)]
+        for ax in axes[:, 0]:
+            ax.set_xlim(-0.7, max(widths) - 0.3)
+        handles = [plt.Rectangle((0, 0), 1, 1, fc=COLOUR[v], ec="none", label=NAMES[v])
+                   for v in COLOUR if any(f[3]["verdict"] == v for f in found)]
+        fig.legend(handles=handles, ncol=3, loc="lower center", fontsize=7)
+        fig.tight_layout(rect=(0, 0.06, 1, 1))
+        for suffix in (".png", ".pdf"):
+            fig.savefig(f"{base}{suffix}", dpi=200)
+        plt.close(fig)
+
+
+def draw_profile(found, base):
+    """Share of cells solved right within tau times the time of the fastest right method there."""
+    grid = [f for f in found if f[1] not in SETTINGS]
+    fastest = {}
+    for _, group, label, run in grid:
+        if run["verdict"] == RIGHT_:
+            key = group, label
+            fastest[key] = min(fastest.get(key, np.inf), max(run["seconds"], 1e-3))
+    total = len({(g, l) for _, g, l, _ in grid})
+    tau = np.logspace(0, 3, 400)
+    named = {"default": "#0072B2", "auto": "#CC79A7", "mixed": "#009E73", "PETSc's bdf 5": "#E69F00",
+             "primal Newton": "#D55E00", "backward Euler, start extrapolated": "#000000",
+             "paper's elements, step 0.002": "#56B4E9"}  # the others in grey
+    with plt.rc_context(STYLE):
+        fig, ax = plt.subplots(figsize=(6.4, 3.4))
+        for method in (m for m in METHODS if any(f[0] == m for f in grid)):
+            ratios = np.array([max(run["seconds"], 1e-3) / fastest[g, l]
+                               for m, g, l, run in grid if m == method
+                               and run["verdict"] == RIGHT_])
+            share = [(ratios <= t * (1 + 1e-9)).sum() / total for t in tau]
+            own = [f[3] for f in grid if f[0] == method]
+            ax.step(tau, share, where="post", color=named.get(method, "#bbbbbb"),
+                    lw=2 if method == "default" else 1.2, zorder=3 if method in named else 1,
+                    label=f"{method}: {len(ratios)} of {len(own)} run")
+        ax.set_xscale("log")
+        ax.set_xlim(1, 1e3)
+        ax.set_ylim(0, 1.02)
+        ax.set_xlabel(r"$\tau$, time over that of the fastest right method")
+        ax.set_ylabel(r"share of the cells solved right within $\tau$")
+        ax.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), fontsize=7, handlelength=2.4)
+        fig.tight_layout()
+        for suffix in (".png", ".pdf"):
+            fig.savefig(f"{base}-profile{suffix}", dpi=200)
+        plt.close(fig)
+
+
+COLUMNS = ("method", "group", "cell", "verdict", "reason", "error", "tip", "norm_x2", "energy",
+           "seconds", "steps", "rejected", "newton", "reached", "options", "scene_options",
+           "message")
+
+
+def table(found, path):
+    with open(path, "w", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS, extrasaction="ignore", lineterminator="\n")
+        writer.writeheader()
+        for method, group, label, run in found:
+            row = dict(run, method=method, group=group, cell=label)
+            writer.writerow({k: f"{v:.4g}" if isinstance(v, float) else v for k, v in row.items()})
+
+
+def summary(found):
+    """Counts per method; the cells that the default lost."""
+    grid = [f for f in found if f[1] not in SETTINGS]
+    for method in METHODS:
+        own = [f[3] for f in grid if f[0] == method]
+        if own:
+            counts = {v: sum(r["verdict"] == v for r in own) for v in COLOUR}
+            print(f"{method:36}", ", ".join(f"{n} {v}" for v, n in counts.items() if n),
+                  f"; {sum(r['seconds'] for r in own):.0f} s")
+    lost = [f for f in grid if f[0] == "default" and f[3]["verdict"] != RIGHT_]
+    for _, _, _, run in lost:
+        print(f"LOST by the default: {run['verdict']} {run['reason']} error "
+              f"{run.get('error', float('nan')):.1e}: tendril {run['scene_options']} "
+              f"{run['options']}  {run['message']}")
+    return len(lost)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true", help="fewer cells, under 3 minutes")
+    parser.add_argument("--draw", action="store_true", help="only draw what is stored")
+    parser.add_argument("--jobs", type=int, default=CORES, metavar="N",
+                        help="runs side by side")
+    parser.add_argument("--methods", default="", metavar="NAME,...")
+    parser.add_argument("--again", default="", metavar="METHOD,...", help="repeat these")
+    arguments = parser.parse_args()
+    place, store = workplace("atlas", arguments.quick)
+    found = measure_all(store, arguments)
+    table(found, place / "atlas.csv")
+    draw_map(found, place / "atlas")
+    draw_profile(found, place / "atlas")
+    lost = summary(found)
+    print(f"atlas: {len(found)} runs; {place}/atlas.csv, .png, -profile.png; "
+          f"cells lost by the default: {lost}")
+    return lost > 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

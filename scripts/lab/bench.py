@@ -1,0 +1,200 @@
+"""Runs what scripts/bench.sh measures and writes it as one page of tables (docs/bench.md).
+
+Every time stands beside its error, measured in the same run. Times are the best of a few runs, for
+machines are noisy; quote their ratios."""
+import json
+import math
+import os
+import re
+import subprocess
+import sys
+
+import numpy as np
+
+from tendril import results as tendril_results
+
+TENDRIL, BENCH = "build/tendril", "build/bench_newton"
+WORK = "results/bench"
+REFERENCE = "tests/reference"
+SHORT = "-growth_initial_length 2 -shape_amplitude 0.1"
+DRY = "-options_file options/uniform-dry.opts"
+
+
+def run(options, output, repeat=3):
+    """Best wall time of the run (its own clock), Newton iterations, steps and the results."""
+    best = math.inf
+    for _ in range(repeat):
+        done = subprocess.run([TENDRIL, *options.split(), "-output", output], capture_output=True, text=True)
+        if done.returncode:
+            return None
+        found = re.search(r"(\d+) steps, \d+ rejected, (\d+) Newton iterations, ([\d.]+) s", done.stdout)
+        steps, iterations, seconds = int(found[1]), int(found[2]), float(found[3])
+        best = min(best, seconds)
+    return best, iterations, steps, tendril_results.load(output)
+
+
+def reference(name):
+    with open(f"{REFERENCE}/{name}.json") as lines:
+        return {entry["t"]: entry for entry in map(json.loads, filter(str.strip, lines))}
+
+
+def norm_error(results, entries, times):
+    """Largest relative error of the norm, by Simpson's rule on the stored shapes (uniform growth)."""
+    s, errors = results.shapes.s, []
+    for t in times:
+        k = int(np.argmin(abs(results.shapes.t - t)))
+        y, slope, h = results.shapes.x[k, :, 1], entries[t]["length"] * np.sin(results.shapes.theta[k]), np.diff(s)
+        mid = (y[:-1] + y[1:]) / 2 + h / 8 * (slope[:-1] - slope[1:])
+        norm = np.sqrt(np.sum(h / 6 * (y[:-1] ** 2 + 4 * mid ** 2 + y[1:] ** 2)))
+        errors.append(abs(norm / entries[t]["norm_x2"] - 1))
+    return max(errors)
+
+
+def distance(tip, entry):
+    return np.linalg.norm(np.array(tip) - entry) / np.linalg.norm(entry)
+
+
+def tip_error(results, entries, times):
+    at = [int(np.argmin(abs(results.shapes.t - t))) for t in times]
+    return max(distance(results.shapes.x[k, -1], entries[t]["tip"]) for k, t in zip(at, times))
+
+
+def finite_elements(peer, options, times):
+    """Seconds of the peer's own loop, and what it found at the times."""
+    done = subprocess.run([*peer, *options.split(), "-times", ",".join(map(str, times))], capture_output=True, text=True, check=True)
+    lines = [json.loads(line) for line in done.stdout.splitlines()]
+    return lines[-1]["seconds"], {line["t"]: line for line in lines[:-1]}
+
+
+def table(out, head, rows):
+    out.append("| " + " | ".join(head) + " |")
+    out.append("|" + "---|" * len(head))
+    out.extend("| " + " | ".join(row) + " |" for row in rows)
+    out.append("")
+
+
+def dry_rod(out, peer):
+    """The whole dry rod to t = 40, and the finite elements of the paper beside it."""
+    entries = reference("v_decay_mu1")
+    rows, times = [], {}
+    for title, options in [
+        ("frame, defaults", ""),
+        ("auto, defaults", "-rod_model auto"),
+        ("frame, -ts_rtol 2e-8", "-ts_rtol 2e-8"),
+        ("auto, -ts_rtol 2e-8", "-rod_model auto -ts_rtol 2e-8"),
+        ("mixed, N = 2000", "-rod_model mixed -rod_cells 2000"),
+    ]:
+        seconds, iterations, steps, results = run(f"{DRY} {options}", f"{WORK}/dry.h5")
+        times[title] = seconds
+        rows.append([title, f"{seconds:.2f}", str(steps), str(iterations), f"{norm_error(results, entries, [1.5, 8, 12]):.1e}",
+                     f"{tip_error(results, entries, [15, 20, 30, 40]):.1e}", f"{results.series.energy_defect[-1]:.0e}"])
+    for nel in (64, 500) if peer else ():
+        seconds, found = finite_elements(peer, f"-nel {nel} -dt 0.01 -ts_max_time 40", [1.5, 8, 12, 15, 20, 30, 40])
+        times[f"fem {nel}"] = seconds
+        rows.append([f"the paper's finite elements, {nel} cells, dt 0.01", f"{seconds:.1f}", "4000", "",
+                     f"{max(abs(found[t]['norm_x2'] / entries[t]['norm_x2'] - 1) for t in (1.5, 8, 12)):.1e}",
+                     f"{max(distance(found[t]['tip'], entries[t]['tip']) for t in (15, 20, 30, 40)):.1e}", ""])
+    out.append("## The dry rod to t = 40 (options/uniform-dry.opts), one core\n")
+    out.append("Error of the norm of x2: largest at t = 1.5, 8, 12; of the tip: largest at t = 15, 20, 30, 40; relative to the reference.\n")
+    table(out, ["method", "seconds", "steps", "Newton", "error of norm", "error of tip", "energy defect"], rows)
+    if "fem 64" in times:
+        out.append(f"The finite elements (64 cells) take {times['fem 64'] / times['frame, defaults']:.0f} times as long as the frame model "
+                   f"with defaults and {times['fem 64'] / times['auto, -ts_rtol 2e-8']:.0f} times as long as auto at 2e-8.\n")
+
+
+def short_rod(out, peer):
+    """v_short: the time for a tip good to 1e-5, ours measured, the peer's extrapolated if need be."""
+    entries = reference("v_short")
+    rows = []
+    ours = None
+    for options in ("-ts_rtol 1e-5 -rod_cells 100", "-ts_rtol 3e-6 -rod_cells 150", "-ts_rtol 1e-6 -rod_cells 200", ""):
+        seconds, iterations, steps, results = run(f"{SHORT} -ts_max_time 5 -output_interval 1 {options}", f"{WORK}/short.h5", 5)
+        error = tip_error(results, entries, [1, 5])
+        if error < 1e-5 and (ours is None or seconds < ours):
+            ours = seconds
+        rows.append([f"frame {options or 'defaults'}", f"{seconds:.4f}", str(steps), f"{error:.1e}"])
+    last = None
+    for dt in (0.02, 0.01, 0.005, 0.0025) if peer else ():
+        seconds, found = finite_elements(peer, f"{SHORT} -nel 64 -dt {dt} -ts_max_time 5", [1, 5])
+        error = max(distance(found[t]["tip"], entries[t]["tip"]) for t in (1, 5))
+        rows.append([f"the paper's finite elements, 64 cells, dt {dt}", f"{seconds:.2f}", str(round(5 / dt)), f"{error:.1e}"])
+        last = seconds, error
+    out.append("## The short rod (L0 = 2, sag 0.1, to t = 5): error of the tip, largest at t = 1 and 5\n")
+    table(out, ["method", "seconds", "steps", "error of tip"], rows)
+    if last:
+        need = last[0] * last[1] / 1e-5
+        out.append(f"For an error of 1e-5 the finite elements, of first order in time, would need {need:.0f} s (extrapolated from their "
+                   f"finest run); ours needs {ours:.3f} s (measured): a factor of {need / ours:.0f}.\n")
+
+
+def friction_limit(out):
+    """beta from 1e-2 to exact Coulomb friction."""
+    rows, tips = [], {}
+    betas = ["1e-2", "1e-3", "1e-4", "1e-5", "1e-6", "1e-7", "1e-8", "1e-9", "1e-10", "1e-11", "1e-12", "0"]
+    runs = {}
+    for beta in betas:
+        runs[beta] = [run(f"{SHORT} -ts_max_time {end} -friction_beta {beta}", f"{WORK}/beta.h5", 1) for end in (5, 32)]
+        tips[beta] = [np.array(r[3].shapes.x[-1, -1]) if r else None for r in runs[beta]]
+    for beta in betas:
+        row = [beta]
+        for k in (0, 1):
+            if runs[beta][k] is None:
+                row += ["failed"] * 3
+                continue
+            seconds, iterations, steps, _ = runs[beta][k]
+            row += [f"{iterations / steps:.2f}", f"{seconds:.2f}", f"{np.linalg.norm(tips[beta][k] - tips['0'][k]):.1e}" if beta != "0" else "-"]
+        rows.append(row)
+    out.append("## Friction to the limit: L0 = 2, sag 0.1, to t = 5 and folded to t = 32, no other option changed\n")
+    table(out, ["beta", "Newton per step, t = 5", "seconds", "tip against beta = 0", "Newton per step, t = 32", "seconds", "tip against beta = 0"], rows)
+
+
+def drift(out):
+    """Does the free end of the folded dry rod drift because of beta? And where does a rod stand still?"""
+    rows = []
+    for beta in ("1e-3", "1e-6", "1e-10", "0"):
+        _, _, _, results = run(f"{SHORT} -ts_max_time 60 -output_interval 10 -friction_beta {beta}", f"{WORK}/drift.h5", 1)
+        x = {t: results.shapes.x[int(np.argmin(abs(results.shapes.t - t))), -1, 0] for t in (20, 40, 50, 60)}
+        _, _, _, fed = run(f"-options_file options/feed.opts -ts_max_time 16 -friction_beta {beta}", f"{WORK}/drift.h5", 1)
+        rows.append([beta, *(f"{x[t]:.3f}" for t in x), *(f"{fed.value('tip_speed', t):.1e}" for t in (8, 12, 16))])
+    out.append("## Creep and stick\n")
+    out.append("x1 of the tip of the folded, uniformly growing dry rod, and speed of the tip of the fed rod after it has folded. The drift of the "
+               "first is the same without any regularisation: growth goes on at the tip itself. The second truly stands still: a regularised law "
+               "lets it creep at about sqrt(beta), exact Coulomb friction holds it.\n")
+    table(out, ["beta", "tip x1, t = 20", "40", "50", "60", "fed: speed, t = 8", "12", "16"], rows)
+
+
+def newton(out):
+    """One Newton iteration against LAPACK's band solver."""
+    rows = []
+    for cells, ranks in ((500, 1), (5000, 1), (50000, 1), (500000, 1), (500000, 2)):
+        command = [BENCH, "-rod_cells", str(cells), "-bench_repeat", "5" if cells > 1e5 else "30"]
+        if ranks > 1:
+            command = ["mpiexec", "-n", str(ranks), *command]
+        words = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
+        total, band = float(words[6]), float(words[7])
+        rows.append([words[0], words[1], *(f"{float(w):.3f}" for w in words[2:6]), f"{total:.3f}",
+                     f"{band:.3f}" if band else "-", f"{total / band:.2f}" if band else "-", words[8] if band else "-"])
+    out.append("## One Newton iteration of the frame model, microseconds per node\n")
+    table(out, ["N", "ranks", "residual", "Jacobian", "factor", "solve", "all", "dgbsv", "all / dgbsv", "difference of solutions"], rows)
+
+
+def main():
+    os.makedirs(WORK, exist_ok=True)
+    os.makedirs("docs", exist_ok=True)
+    peer = None
+    if os.path.exists("scripts/lab/peers/paper_fem.py") and not subprocess.run(["/usr/bin/python3", "-c", "import dolfin"], capture_output=True).returncode:
+        peer = ["/usr/bin/python3", "scripts/lab/peers/paper_fem.py"]
+    else:
+        print("bench: without the finite elements of the paper (Debian's package fenics is not there)")
+    with open("/proc/cpuinfo") as info:
+        cpu = re.search(r"model name\s*: (.*)", info.read())
+    out = ["# Measured", "", f"By scripts/bench.sh on {os.cpu_count()} cores, {cpu[1] if cpu else 'unknown CPU'}. Ratios travel further than seconds.", ""]
+    for part in (lambda: dry_rod(out, peer), lambda: short_rod(out, peer), lambda: friction_limit(out), lambda: drift(out), lambda: newton(out)):
+        part()
+        with open("docs/bench.md", "w") as page:
+            page.write("\n".join(out))
+    print("bench: docs/bench.md holds the tables")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,291 @@
+#!/usr/bin/env python3
+"""Speed against accuracy: runs methods over their settings, keeps every run in a table, and draws
+error over time and over counted work, a column per scene.
+
+    chart.py [--quick] [--only SCENE,...] [--draw] [--jobs N]
+
+--draw: from what is stored, without new runs. Runs go side by side, one to a core."""
+
+import argparse
+import csv
+import math
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+
+from measure import CORES, RIGHT_, SCENES, WRONG, Case, workplace
+from tendril.style import STYLE
+
+TITLES = {"decay": "decay to $10^{-13}$, $t = 12$", "short": "thick start, $t = 5$",
+          "folded": "folded rod, $t = 40$", "gaussian": "growth zone $a = 0.05$", "feed": "feed"}
+TOP = 5  # of the error axis
+TOLERANCES = ("1e-2", "1e-3", "1e-4", "1e-5", "1e-6", "1e-7", "1e-8")
+# name: (solver, colour, marker, line); colours after Okabe and Ito
+METHODS = {
+    "frame 4, vbdf": ("tendril", "#0072B2", "o", "-"),
+    "frame 2, vbdf": ("tendril", "#56B4E9", "s", "-"),
+    "mixed, vbdf": ("tendril", "#009E73", "D", "-"),
+    "auto, vbdf": ("tendril", "#CC79A7", "v", "-"),
+    "linear, vbdf": ("tendril", "#999999", "^", "-"),
+    "frame 4, bdf 2": ("tendril", "#F0E442", "p", "--"),
+    "frame 4, bdf 5": ("tendril", "#E69F00", "h", "--"),
+    "frame 4, backward Euler": ("tendril", "#D55E00", "X", "--"),
+    "mixed, backward Euler": ("tendril", "#8C510A", "P", "--"),
+    "paper's elements": ("paper_fem", "#000000", "*", ":"),
+    "PyElastica": ("pyelastica_rod", "#666666", "d", ":"),
+}
+MESHES = {"1e-2": 60, "1e-3": 100, "1e-4": 150, "1e-5": 250, "1e-6": 400, "1e-7": 600,
+          "1e-8": 1000}  # an even spatial error beside that of time, for order 4
+
+
+def settings(name, scene, quick):
+    """The options of a method, coarse to fine."""
+    tolerances = TOLERANCES[1:6:2] if quick else TOLERANCES
+    steps = ("0.1", "0.02") if quick else ("0.1", "0.05", "0.02", "0.01", "0.005", "0.002")
+    if name in ("frame 4, vbdf", "auto, vbdf"):
+        model = "frame" if name[0] == "f" else "auto"
+        even = [f"-rod_model {model} -rod_cells {MESHES[r]} -ts_rtol {r}" for r in tolerances]
+        fine = [] if quick else [f"-rod_model {model} -rod_cells {n} -ts_rtol {r}"
+                                 for n, r in ((50, "1e-4"), (100, "1e-6"), (200, "1e-4"),
+                                              (200, "1e-6"), (500, "1e-4"), (500, "1e-6"),
+                                              (500, "1e-7"), (1000, "1e-9"), (1500, "1e-10"))]
+        return even + fine
+    if name in ("frame 2, vbdf", "mixed, vbdf"):
+        model = "frame -rod_order 2" if name[0] == "f" else "mixed"
+        pairs = [(100, "1e-4"), (500, "1e-5")] if quick else [
+            (100, "1e-3"), (100, "1e-4"), (200, "1e-4"), (500, "1e-5"), (1000, "1e-5"),
+            (2000, "1e-6"), (5000, "1e-6")]
+        return [f"-rod_model {model} -rod_cells {n} -ts_rtol {r}" for n, r in pairs]
+    if name == "linear, vbdf":
+        return [f"-rod_model linear -rod_cells {2 * MESHES[r]} -ts_rtol {r}" for r in tolerances]
+    if "bdf 2" in name or "bdf 5" in name:
+        return [f"-ts_type bdf -ts_bdf_order {name[-1]} -rod_cells {MESHES[r]} -ts_rtol {r}"
+                for r in (tolerances[:5] if name[-1] == "2" else tolerances)]
+    if "Euler" in name:
+        model = "mixed -rod_cells 500" if name[0] == "m" else "frame -rod_cells 200"
+        # with PETSc's own start, the last step, Newton's method stalls: a start by extrapolation
+        return [f"-ts_type beuler -ts_theta_initial_guess_extrapolate -ts_dt {h} -rod_model {model}"
+                for h in steps]
+    if name == "paper's elements":
+        nel = 200 if scene == "gaussian" else 64  # fine enough: halving the elements changes less
+        short = steps if scene in ("short", "gaussian") else steps[:4]  # the others take minutes
+        return [f"-dt {h} -nel {nel} -graded" for h in (steps[1:] if quick else short)] + (
+            [] if quick else [f"-dt 0.05 -nel {2 * nel} -graded", f"-dt 0.01 -nel {nel} -literal"])
+    if scene != "short":  # it takes minutes, and cannot follow a decay to 1e-13
+        return [] if quick else ["-elements 20 -dt 3e-5"]
+    return ["-elements 10 -dt 3e-5"] if quick else [
+        "-elements 10 -dt 3e-5", "-elements 20 -dt 3e-5", "-elements 40 -dt 1.5e-5",
+        "-elements 40 -mass 3e-4 -dt 8e-6"]
+
+
+def limit(slow, quick):
+    """Seconds a run may take."""
+    if quick:
+        return 15 if slow else 5
+    return 120 if slow else 30
+
+
+def cases(arguments):
+    """[(scene, method, case)]"""
+    result = []
+    for scene in arguments.only.split(","):
+        for name, (solver, *_) in METHODS.items():
+            slow = solver != "tendril"
+            for options in settings(name, scene, arguments.quick):
+                result.append((scene, name, Case(
+                    solver, SCENES[scene], options, limit=limit(slow, arguments.quick),
+                    repeat=1 if slow or arguments.quick else 3)))
+    return result
+
+
+def runs(store, arguments):
+    """{scene: {method: [run]}}"""
+    wanted, found = cases(arguments), {}
+    if not arguments.draw:
+        store.get_all([(scene, case) for scene, _, case in wanted], arguments.jobs)
+    for scene, name, case in wanted:
+        if case.key in store.runs:
+            run = dict(store.runs[case.key], method=name)
+            found.setdefault(scene, {}).setdefault(name, []).append(run)
+    return found
+
+
+def finished(run):
+    return run["verdict"] in (RIGHT_, WRONG) and math.isfinite(run["error"]) and run["error"] > 0
+
+
+def front(all_runs, x):
+    """The runs that no other beats in both, cheapest first."""
+    best, result = math.inf, []
+    for run in sorted(all_runs, key=lambda r: (r[x], r["error"])):
+        if run["error"] < best:
+            best = run["error"]
+            result.append(run)
+    return result
+
+
+def cheapest(all_runs, bound, x="seconds"):
+    return min((r for r in all_runs if r["error"] <= bound), key=lambda r: r[x], default=None)
+
+
+def draw_scene(ax, methods, x):
+    good = [r for runs_ in methods.values() for r in runs_ if finished(r) and r.get(x)]
+    if not good:
+        return
+    low = min(r["error"] for r in good)
+    pareto = front(good, x)
+    # a failure stands at the top, at the cost it had
+    for name, runs_ in methods.items():
+        _, colour, marker, line = METHODS[name]
+        done = [r for r in runs_ if finished(r) and r.get(x)]
+        own = front(done, x)
+        ax.plot([r[x] for r in own], [min(r["error"], TOP) for r in own], line, color=colour, lw=1,
+                zorder=2)
+        ax.plot([r[x] for r in done], [min(r["error"], TOP) for r in done], marker, color=colour,
+                ms=4.5, mew=0.3, mec="black", zorder=3, ls="none")
+        lost = [r for r in runs_ if not finished(r) and r.get(x)]
+        ax.plot([r[x] for r in lost], [3 * TOP] * len(lost), marker, mfc="none", mec=colour, ms=5,
+                mew=1, ls="none", zorder=3, clip_on=False)
+        codes = sorted({r["reason"] for r in lost})
+        for code in codes:
+            first = min((r for r in lost if r["reason"] == code), key=lambda r: r[x])
+            ax.annotate(code, (first[x], 3 * TOP), xytext=(0, 5), textcoords="offset points",
+                        fontsize=5, rotation=35, color=colour)
+    ax.step([r[x] for r in pareto], [min(r["error"], TOP) for r in pareto], where="post",
+            color="black", lw=2.5, alpha=0.2, zorder=1)
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    ax.set_ylim(low / 3, 3.5 * TOP)
+
+
+AXES = {"seconds": "wall time / s", "work": "Newton iterations × unknowns"}
+# what the README shows: two rods, over time, the methods one would choose among
+SHORT_SCENES, SHORT_METHODS = ("decay", "gaussian"), (
+    "frame 4, vbdf", "auto, vbdf", "mixed, vbdf", "frame 4, bdf 5", "frame 4, backward Euler",
+    "paper's elements", "PyElastica")
+
+
+def draw(found, base, over=tuple(AXES), room=0.2):
+    """A column per scene, a row per measure of cost."""
+    scenes = [s for s in SCENES if s in found]
+    names = [n for n in METHODS if any(n in found[s] for s in scenes)]
+    few = len(scenes) < 3
+    with plt.rc_context(STYLE):
+        fig, axes = plt.subplots(len(over), len(scenes), sharey="col", squeeze=False,
+                                 figsize=(1 + (2.9 if few else 2.5) * len(scenes),
+                                          3.8 if len(over) == 1 else 6.2))
+        for column, scene in enumerate(scenes):
+            for row, x in enumerate(over):
+                draw_scene(axes[row, column], found[scene], x)
+                axes[row, column].set_xlabel(AXES[x])
+            axes[0, column].set_title(TITLES[scene], fontsize=8, pad=22)
+        for row in range(len(over)):
+            axes[row, 0].set_ylabel("largest relative error of\n"
+                                    r"$\mathbf{x}(1,t)$, $\|x_2\|$, $E$")
+        handles = [plt.Line2D([], [], color=METHODS[n][1], marker=METHODS[n][2], ls=METHODS[n][3],
+                              ms=5, lw=1, mec="black", mew=0.3, label=n) for n in names]
+        handles += [plt.Line2D([], [], color="black", lw=2.5, alpha=0.2, label="Pareto front"),
+                    plt.Line2D([], [], color="black", marker="o", mfc="none", ls="none", ms=5,
+                               label="did not finish (reason)"),
+                    plt.Line2D([], [], ls="none", label=f"errors above {TOP} are drawn at {TOP}")]
+        fig.legend(handles=handles, ncol=3 if few else 5, loc="lower center", fontsize=7,
+                   frameon=False)
+        fig.subplots_adjust(left=0.9 / fig.get_figwidth(), right=0.99, bottom=room, top=0.88,
+                            hspace=0.5, wspace=0.28)
+        for suffix in (".png", ".pdf"):
+            fig.savefig(f"{base}{suffix}", dpi=200)
+        plt.close(fig)
+
+
+def draw_estimates(found, base):
+    """How honest the error estimate of the summary is: estimated over measured error."""
+    colours = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00")
+    limits = np.array((1e-9, 1))
+    with plt.rc_context(STYLE):
+        fig, ax = plt.subplots(figsize=(3.6, 3.3))
+        for colour, scene in zip(colours, (s for s in SCENES if s in found)):
+            good = [r for runs_ in found[scene].values() for r in runs_
+                    if finished(r) and "estimate" in r]
+            ax.plot([r["error"] for r in good], [r["estimate"] for r in good], "o", ms=3,
+                    mew=0.3, mec="black", color=colour, label=TITLES[scene])
+        for factor in (1, 10, 100):
+            ax.plot(limits, factor * limits, color="#999999", lw=0.6, zorder=1)
+            ax.annotate(f"{factor} × the error", (2e-9, 2.6e-9 * factor), fontsize=6, rotation=43,
+                        color="#555555", rotation_mode="anchor")
+        ax.set(xscale="log", yscale="log", xlim=limits, ylim=(1e-9, 3),
+               xlabel="largest measured error", ylabel="estimated error")
+        ax.legend(loc="lower right", fontsize=7)
+        fig.tight_layout()
+        for suffix in (".png", ".pdf"):
+            fig.savefig(f"{base}-estimate{suffix}", dpi=200)
+        plt.close(fig)
+    ratios = [r["estimate"] / r["error"] for methods in found.values() for runs_ in methods.values()
+              for r in runs_ if finished(r) and r["error"] < 0.3 and "estimate" in r]
+    if ratios:
+        low, quarter, half, three, high = np.percentile(ratios, (0, 25, 50, 75, 100))
+        print(f"estimate over error, {len(ratios)} runs: least {low:.2g}, quartiles {quarter:.2g} "
+              f"{half:.2g} {three:.2g}, most {high:.2g}; below 1: {sum(r < 1 for r in ratios)}")
+
+
+COLUMNS = ("scene", "method", "options", "verdict", "reason", "error", "tip", "norm_x2", "energy",
+           "estimate", "seconds", "process_seconds", "steps", "rejected", "newton", "work", "scene_options")
+
+
+def table(found, path):
+    with open(path, "w", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS, extrasaction="ignore", lineterminator="\n")
+        writer.writeheader()
+        for methods in found.values():
+            for runs_ in methods.values():
+                for run in runs_:
+                    writer.writerow({k: f"{v:.4g}" if isinstance(v, float) else v
+                                     for k, v in run.items()})
+
+
+def summary(found, path):
+    """The front by name, and how many times longer each method takes: a Markdown table."""
+    lines = ["| scene | error | fastest | s | " + " | ".join(METHODS) + " |",
+             "|" + "---|" * (4 + len(METHODS))]
+    for scene, methods in found.items():
+        everything = [r for runs_ in methods.values() for r in runs_ if finished(r)]
+        print(f"{scene}: front", ", ".join(
+            dict.fromkeys(r["method"] for r in front(everything, "seconds"))))
+        for bound in (1e-2, 1e-4, 1e-6):
+            best = cheapest(everything, bound)
+            if not best:
+                continue
+            ones = [cheapest([r for r in methods.get(name, ()) if finished(r)], bound)
+                    for name in METHODS]
+            lines.append(f"| {scene} | {bound:g} | `{best['options']}` | {best['seconds']:.3f} | "
+                         + " | ".join(f"{one['seconds'] / best['seconds']:.2g}" if one else "-"
+                                      for one in ones) + " |")
+    path.write_text("\n".join(lines) + "\n")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true", help="a coarse matrix, under 3 minutes")
+    parser.add_argument("--draw", action="store_true", help="only draw what is stored")
+    parser.add_argument("--jobs", type=int, default=CORES, metavar="N", help="runs side by side")
+    parser.add_argument("--only", default=",".join(SCENES), metavar="SCENE,...")
+    arguments = parser.parse_args()
+    place, store = workplace("chart", arguments.quick)
+    found = runs(store, arguments)
+    table(found, place / "chart.csv")
+    draw(found, Path(place) / "chart")
+    few = {s: {m: r for m, r in found[s].items() if m in SHORT_METHODS}
+           for s in SHORT_SCENES if s in found}
+    if few:
+        draw(few, Path(place) / "chart-short", over=("seconds",), room=0.31)
+    draw_estimates(found, Path(place) / "chart")
+    summary(found, place / "chart-factors.md")
+    print(f"chart: {place}/chart.csv, .png, -short.png, -estimate.png and -factors.md")
+
+
+if __name__ == "__main__":
+    main()

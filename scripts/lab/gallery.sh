@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# Runs every scene of options/ and draws it for options/README.md, into options/pictures/.
+set -euo pipefail
+# shellcheck source-path=SCRIPTDIR
+source "$(dirname "${BASH_SOURCE[0]}")/../common.sh"
+
+scripts/setup.sh
+build build tendril
+mkdir -p results options/pictures
+for file in options/*.opts; do
+  name=$(basename "$file" .opts)
+  echo "gallery: $name"
+  mpiexec -n 1 --bind-to none build/tendril -options_file "$file" -output "results/$name.h5" >"results/$name.log"
+  case $name in paper-* | pushed-tube) continue ;; esac # drawn by scripts/lab/figures.sh
+  what=()
+  if grep -q '^-output_interval' "$file"; then what=(--panels norm,shapes); fi
+  case $name in
+  stability-dry | stability-viscous) # with a run below: its smallest |x2| beside t_cr
+    build/tendril -quiet -friction_mu "$([ "$name" = stability-dry ] && echo 1 || echo 0)" -ts_max_time 2 -output results/run.h5
+    .venv/bin/python -m tendril.plot_stability "results/$name.h5" --run results/run.h5 --output "results/gallery-$name"
+    ;;
+  *) .venv/bin/python -m tendril.plot "results/$name.h5" "${what[@]}" --output "results/gallery-$name" ;;
+  esac
+  cp "results/gallery-$name.png" "options/pictures/$name.png"
+done

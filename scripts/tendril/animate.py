@@ -1,0 +1,125 @@
+"""Makes a film of the growth from a result file: the rod coloured by its axial force, with arrows
+for the friction that acts on it.
+
+    scripts/animate.sh results/uniform-dry.h5 [--output film.gif] [--from T --to T] [--frames N]
+
+The ending of --output decides: .gif, or .mp4 where ffmpeg is installed."""
+
+import argparse
+import sys
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.animation import FFMpegWriter, PillowWriter
+from matplotlib.collections import LineCollection
+from matplotlib.colors import AsinhNorm
+
+from .style import STYLE
+from .results import ResultsError, load
+
+ARROWS = 28
+
+
+def friction(shape):
+    """The friction on the rod per unit length, -phi v = -dn/dp, p the arc length."""
+    p = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(shape.x, axis=0).T))])
+    return p, -np.gradient(shape.force, p, axis=0)
+
+
+def axial(shape):
+    """The axial force n.q, negative in compression."""
+    return shape.force[:, 0] * np.cos(shape.theta) + shape.force[:, 1] * np.sin(shape.theta)
+
+
+class Film:
+    def __init__(self, r, shapes):
+        self.shapes = shapes
+        strongest = max(np.abs(axial(s)).max() for s in shapes) or 1
+        drag = max(np.percentile(np.hypot(*friction(s)[1].T), 95) for s in shapes) or 1
+        low = np.min([s.x.min(axis=0) for s in shapes], axis=0)
+        high = np.max([s.x.max(axis=0) for s in shapes], axis=0)
+        room = 0.06 * (high - low).max()
+        low, high = low - room, high + room
+        if high[1] - low[1] < 0.4 * (high[0] - low[0]):
+            middle, half = (low[1] + high[1]) / 2, 0.2 * (high[0] - low[0])
+            low[1], high[1] = middle - half, middle + half
+        aspect = (high[1] - low[1]) / (high[0] - low[0])
+        self.figure, ax = plt.subplots(figsize=(6, min(5.2 * aspect + 0.7, 8)),
+                                       layout="constrained")
+        ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="$x_1$", ylabel="$x_2$")
+        ax.set_aspect("equal")
+        (self.outline,) = ax.plot([], [], color="#333333", lw=3.2, solid_capstyle="round")
+        self.rod = LineCollection([], cmap="coolwarm_r", linewidths=2.2, capstyle="round", zorder=3,
+                                  norm=AsinhNorm(strongest / 20, -strongest, strongest))
+        ax.add_collection(self.rod)
+        ax.plot(0, 0, "ks", ms=4, zorder=4)
+        nothing = np.zeros(ARROWS)
+        # the strongest friction is drawn as long as a twelfth of the picture's width
+        self.arrows = ax.quiver(nothing, nothing, nothing, nothing, angles="xy", scale_units="xy",
+                                scale=12 * drag / (high[0] - low[0]), width=0.0022,
+                                color="#555555", zorder=1)
+        steps = [a * 10.0**e for e in range(-3, 5) for a in (1, 3)]
+        steps = [v for v in steps if strongest / 15 < v <= strongest]
+        self.figure.colorbar(self.rod, ax=ax, shrink=0.9, pad=0.01, format="%g",
+                             ticks=[-v for v in steps] + [0] + steps,
+                             label=r"axial force $n \cdot q$ (compression < 0)")
+        self.title = ax.set_title("", loc="left", fontfamily="monospace", fontsize=8)
+
+    def show(self, k):
+        shape = self.shapes[k]
+        force = axial(shape)
+        self.outline.set_data(*shape.x.T)
+        self.rod.set_segments(np.stack([shape.x[:-1], shape.x[1:]], axis=1))
+        self.rod.set_array((force[:-1] + force[1:]) / 2)
+        p, drag = friction(shape)
+        at = np.linspace(0, p[-1], ARROWS)
+        x, f = ([np.interp(at, p, column) for column in array.T] for array in (shape.x, drag))
+        self.arrows.set_offsets(np.column_stack(x))
+        self.arrows.set_UVC(*f)
+        self.title.set_text(f"t = {shape.t:6.2f}   length {shape.length:6.2f}")
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(prog="scripts/animate.sh", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("file", help="result file, HDF5")
+    parser.add_argument("--output", help="default: the file's name with .gif")
+    parser.add_argument("--from", dest="begin", type=float, default=0, metavar="T")
+    parser.add_argument("--to", dest="end", type=float, default=np.inf, metavar="T")
+    parser.add_argument("--frames", type=int, default=160, help="at most; default %(default)s")
+    parser.add_argument("--rate", type=int, default=20, help="frames a second; default %(default)s")
+    choice = parser.parse_args(arguments)
+    output = Path(choice.output or Path(choice.file).with_suffix(".gif"))
+    try:
+        if output.suffix == ".mp4":
+            if not FFMpegWriter.isAvailable():
+                raise ResultsError(f"{output}: needs ffmpeg, which is not installed; use .gif")
+            writer = FFMpegWriter(fps=choice.rate)
+        elif output.suffix == ".gif":
+            writer = PillowWriter(fps=choice.rate)
+        else:
+            raise ResultsError(f"--output {output}: give a name that ends in .gif or .mp4")
+        r = load(choice.file)
+        times = [t for t in r.shapes.get("t", ()) if choice.begin <= t <= choice.end]
+        if not times:
+            raise ResultsError(f"{r.path}: holds no shape in that time")
+        every = -(-len(times) // max(choice.frames, 1))
+        with plt.rc_context(STYLE):
+            film = Film(r, [r.at(t) for t in times[::every]])
+            with writer.saving(film.figure, str(output), dpi=110):
+                for k in range(len(film.shapes)):
+                    film.show(k)
+                    writer.grab_frame()
+    except (ResultsError, OSError) as error:
+        print(f"animate: {error}", file=sys.stderr)
+        return 1
+    print(f"animate: {output}, {len(film.shapes)} frames")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,102 @@
+"""Draws a quantity of a sweep over two options, as PNG and PDF.
+
+    scripts/map.sh results/map --axes friction_mu,growth_width
+    scripts/map.sh results/map2 --axes friction_mu,friction_beta --quantity critical/length
+
+Reads the files of scripts/sweep.sh; points that are missing or unfinished stay white."""
+
+import argparse
+import sys
+from pathlib import Path
+
+import h5py
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+
+from .style import STYLE
+
+LABELS = {"friction_mu": r"dry share $\mu$", "growth_width": r"growth width $a$",
+          "friction_beta": r"regularisation $\beta$", "growth_initial_length": r"$L_0$",
+          "critical/t": r"$t_{cr}$", "critical/length": r"$L_{cr}$"}
+
+
+def point(path):
+    """{'friction_mu': 0.5, ...} from friction_mu=0.5__growth_width=1.h5"""
+    return {k: float(v) for k, v in (pair.split("=") for pair in path.stem.split("__"))}
+
+
+def read(directory, axes, quantity):
+    """(x values, y values, table [y, x] with NaN where there is no result)"""
+    found = {}
+    for path in sorted(Path(directory).glob("*=*.h5")):
+        if path.name.endswith(".part.h5"):
+            continue
+        values = point(path)
+        if not all(axis in values for axis in axes):
+            raise ValueError(f"{path}: does not vary {' and '.join(axes)}")
+        with h5py.File(path, "r", locking=False) as file:
+            if file.attrs.get("finished", 0):
+                found[tuple(values[a] for a in axes)] = float(file[quantity][()])
+    if not found:
+        raise ValueError(f"{directory}: holds no finished point")
+    xs, ys = (np.array(sorted({p[k] for p in found})) for k in (0, 1))
+    table = np.array([[found.get((x, y), np.nan) for x in xs] for y in ys])
+    return xs, ys, table
+
+
+def even(values):
+    """Whether values are closer to evenly spaced than to evenly spaced logarithms."""
+    if len(values) < 3 or values[0] <= 0:
+        return True
+    steps, ratios = np.diff(values), np.diff(np.log(values))
+    return np.ptp(steps) / steps.mean() <= np.ptp(ratios) / ratios.mean()
+
+
+def draw(ax, xs, ys, table, axes, quantity):
+    # before the contours: their labels cut them where they are on the screen
+    for values, scale in ((xs, ax.set_xscale), (ys, ax.set_yscale)):
+        if not even(values):
+            scale("log")
+    colours = ax.pcolormesh(xs, ys, table, shading="nearest", cmap="cividis", rasterized=True)
+    if np.isfinite(table).all() and min(table.shape) > 2 and np.ptp(table) > 0:
+        lines = ax.contour(xs, ys, table, levels=8, colors="white", linewidths=0.5)
+        ax.clabel(lines, fontsize=6, fmt="%.4g")
+    ax.set_xlabel(LABELS.get(axes[0], axes[0]))
+    ax.set_ylabel(LABELS.get(axes[1], axes[1]))
+    ax.figure.colorbar(colours, ax=ax, label=LABELS.get(quantity, quantity))
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(prog="scripts/map.sh", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("directory", help="of scripts/sweep.sh")
+    parser.add_argument("--axes", required=True, metavar="X,Y", help="options along the axes")
+    parser.add_argument("--quantity", default="critical/t", help="default %(default)s")
+    parser.add_argument("--output", metavar="BASENAME",
+                        help="writes BASENAME.png and .pdf; default: the directory's name")
+    view = parser.parse_args(arguments)
+    axes = view.axes.replace("-", "").split(",")
+    if len(axes) != 2:
+        parser.error("--axes: give two options, X,Y")
+    try:
+        xs, ys, table = read(view.directory, axes, view.quantity)
+        with plt.rc_context(STYLE):
+            figure, ax = plt.subplots(figsize=(3.4, 2.7), layout="constrained")
+            draw(ax, xs, ys, table, axes, view.quantity)
+            output = view.output or view.directory.rstrip("/")
+            for ending in ("png", "pdf"):
+                figure.savefig(f"{output}.{ending}")
+    except (ValueError, KeyError, OSError) as error:
+        print(f"map: {error}", file=sys.stderr)
+        return 1
+    missing = int(np.isnan(table).sum())
+    if missing:
+        print(f"map: {missing} of {table.size} points have no result")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,163 @@
+"""Draws files of -task stability and -task critical, as PNG and PDF: the eigenvalues over t (with
+|x2| of a run below them), the critical mode, the perturbation that grows most.
+
+    python -m tendril.plot_stability results/stability-dry.h5 --run results/uniform-dry.h5
+    python -m tendril.plot_stability results/critical.h5
+
+Symbols are those of the README; all is dimensionless."""
+
+import argparse
+import sys
+from pathlib import Path
+
+import h5py
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+
+from .results import ResultsError, load
+from .style import STYLE
+
+BLUE, ORANGE, GREEN, RED, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#777777"
+CURVES = (("lambda_max_A", BLUE, r"$\lambda_{max}(A)$", "-"),
+          ("lambda_max_A_plus_AT", ORANGE, r"$\lambda_{max}(A + A^T)$", "-"),
+          ("lambda_max_C", GREEN, r"$\lambda_{max}(C)$", "-"),
+          ("rate_friction_norm", "black", "rate, friction norm", ":"))
+
+
+def draw_stability(ax, r, legend=True):
+    """The curves of one result of -task stability over t."""
+    table, lowest = r.stability, 0
+    for name, colour, label, line in CURVES:
+        if name in table:
+            ax.plot(table.t, table[name], color=colour, ls=line, label=label)
+            lowest = min(lowest, float(np.min(table[name])))
+    ax.axhline(0, color=GREY, lw=0.5)
+    ax.axvline(float(table.t_cr), color=RED, lw=0.6, ls="--")
+    ax.annotate(rf"$t_{{cr}} = {float(table.t_cr):.5g}$", (float(table.t_cr), 1),
+                xycoords=ax.get_xaxis_transform(), xytext=(0, 3), textcoords="offset points",
+                ha="center", va="bottom", color=RED, fontsize=7)
+    ax.set_yscale("symlog", linthresh=1)
+    ax.set_xlim(table.t[0], table.t[-1])
+    ax.set_ylabel("eigenvalue")
+    ax.set_xlabel("time $t$")
+    if legend:
+        ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.09), ncol=2, fontsize=6)
+
+
+def minimum(t, norm):
+    """Time and size of the smallest value, by a quartic through the logarithms around it: the
+    minimum is flat, and the nearest step may be some way off."""
+    i = int(norm.argmin())
+    low, high = max(0, i - 4), min(len(t), i + 5)
+    if i in (0, len(t) - 1) or high - low < 5:
+        return t[i], norm[i]
+    quartic = np.poly1d(np.polyfit(t[low:high] - t[i], np.log(norm[low:high]), 4))
+    near = np.linspace(t[max(0, i - 2)], t[min(len(t) - 1, i + 2)], 2001) - t[i]
+    k = int(quartic(near).argmin())
+    return t[i] + near[k], float(np.exp(quartic(near[k])))
+
+
+def draw_run(ax, r, end):
+    """|x2| of a run in time, with its minimum."""
+    t, norm = r.series.t, r.series.norm_x2
+    keep = (t <= end) & (norm > 0)
+    if not keep.any():
+        raise ResultsError(f"{r.path}: holds no deflection before t = {end:g}")
+    t, norm = t[keep], norm[keep]
+    at, least = minimum(t, norm)
+    ax.semilogy(t, norm, color=BLUE)
+    ax.plot(at, least, "o", ms=4, color=RED)
+    ax.annotate(rf"$t = {at:.5g}$", (at, least), xytext=(-4, 4), ha="right", color=RED,
+                textcoords="offset points", fontsize=7)
+    ax.set_xlim(0, end)
+    ax.set_xlabel("time $t$")
+    ax.set_ylabel(r"$\|x_2\|$")
+
+
+def draw_critical(ax, r):
+    """The critical mode of one result of -task critical."""
+    c = r.critical
+    ax.plot(c.s, c.y, color=BLUE, label=r"$y$")
+    ax.plot(c.s, c.theta, color=ORANGE, ls="--", label=r"$\theta$")
+    kind = rf"flutter, $\omega = {float(c.frequency):.4g}$" if c.frequency > 0 else "buckling"
+    ax.set_title(rf"$t_{{cr}} = {float(c.t):.6f}$, $L_{{cr}} = {float(c.length):.6f}$, {kind}",
+                 fontsize=7)
+    ax.set_xlabel("$s$")
+    ax.set_ylabel("critical mode")
+    ax.legend(loc="upper left")
+
+
+def draw_optimal(ax, path, norm="L2"):
+    """The deflection that grows most over the window of a result, before and after."""
+    with h5py.File(path, "r", locking=False) as file:
+        group = file[f"transient/{norm}"]
+        t1, t2 = file["transient/t1"][()], file["transient/t2"][()]
+        amplification = group["amplification"][()]
+        s, before, after = (group[k][()] for k in ("s", "initial_y", "final_y"))
+    ax.plot(s, before / np.abs(before).max(), color=BLUE, label=rf"at $t = {t1:.4g}$")
+    ax.plot(s, after / np.abs(after).max(), color=ORANGE, ls="--", label=rf"at $t = {t2:.4g}$")
+    ax.set_title(f"amplification {amplification:.4g} in {norm}", fontsize=7)
+    ax.set_xlabel("$s$")
+    ax.set_ylabel("optimal perturbation")
+    ax.legend(loc="best")
+
+
+def has_transient(path):
+    with h5py.File(path, "r", locking=False) as file:
+        return "transient" in file
+
+
+def panels(results, runs):
+    """One column a file: a list of functions that draw, one a row."""
+    columns = []
+    for i, r in enumerate(results):
+        column = []
+        if r.stability:
+            column.append(lambda ax, r=r: draw_stability(ax, r))
+            if runs:
+                run, end = runs[min(i, len(runs) - 1)], float(r.stability.t[-1])
+                column.append(lambda ax, run=run, end=end: draw_run(ax, run, end))
+            if has_transient(r.path):
+                column.append(lambda ax, r=r: draw_optimal(ax, r.path))
+        if r.critical:
+            column.append(lambda ax, r=r: draw_critical(ax, r))
+        if not column:
+            raise ResultsError(f"{r.path}: holds neither a stability table nor a critical mode")
+        columns.append(column)
+    return columns
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(prog="python -m tendril.plot_stability", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("files", nargs="+", metavar="FILE", help="result files, HDF5")
+    parser.add_argument("--run", action="append", default=[], metavar="FILE",
+                        help="a run in time to draw below a table; once a table, or once for all")
+    parser.add_argument("--output", metavar="BASENAME",
+                        help="writes BASENAME.png and .pdf; default: the first file's name")
+    view = parser.parse_args(arguments)
+    output = view.output or str(Path(view.files[0]).with_suffix(""))
+    try:
+        columns = panels([load(p) for p in view.files], [load(p) for p in view.run])
+        rows = max(len(c) for c in columns)
+        with plt.rc_context(STYLE):
+            figure, axes = plt.subplots(rows, len(columns), squeeze=False, layout="constrained",
+                                        figsize=(3.4 * len(columns), 2.2 * rows))
+            for k, column in enumerate(columns):
+                for ax, panel in zip(axes[:, k], column):
+                    panel(ax)
+                for ax in axes[len(column):, k]:
+                    ax.set_visible(False)
+            for ending in ("png", "pdf"):
+                figure.savefig(f"{output}.{ending}")
+    except (ResultsError, KeyError, OSError) as error:
+        print(f"plot_stability: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,114 @@
+#include "base/boxes.h"
+
+struct _Boxes {
+  PetscInt segments, stride;
+  const PetscReal *x, *angle; /* of point i at i * stride */
+  Box *box;                   /* the children of box k are 2 k + 1 and 2 k + 2 */
+};
+
+/* One search. */
+typedef struct {
+  const struct _Boxes *tree;
+  PetscReal reach;
+  BoxesSkip skip;
+  BoxesMeet meet;
+  void *ctx;
+} Search;
+
+/* A box of the tree, with the segments it holds. */
+typedef struct {
+  PetscInt first, last, k;
+} Branch;
+
+static Branch Half(Branch b, int which) {
+  PetscInt mid = (b.first + b.last) / 2;
+  if (which) return (Branch){mid, b.last, 2 * b.k + 2};
+  return (Branch){b.first, mid, 2 * b.k + 1};
+}
+
+static Box Build(Boxes self, Branch branch) {
+  Box box, half[2];
+
+  if (branch.last - branch.first == 1) {
+    for (int d = 0; d < 3; d++) {
+      const PetscReal *x = d < 2 ? self->x + d : self->angle;
+      PetscReal a = x ? x[branch.first * self->stride] : 0,
+                b = x ? x[branch.last * self->stride] : 0;
+      box.low[d] = PetscMin(a, b);
+      box.high[d] = PetscMax(a, b);
+    }
+  } else {
+    for (int w = 0; w < 2; w++) half[w] = Build(self, Half(branch, w));
+    for (int d = 0; d < 3; d++) {
+      box.low[d] = PetscMin(half[0].low[d], half[1].low[d]);
+      box.high[d] = PetscMax(half[0].high[d], half[1].high[d]);
+    }
+  }
+  return self->box[branch.k] = box;
+}
+
+/*
+  BoxesCreate - the tree over a polygon of segments + 1 points. Not collective; the caller destroys
+  it with BoxesDestroy().
+
+  x       two coordinates of point i at x[i * stride]; borrowed
+  angle   of point i at angle[i * stride], borrowed; or NULL
+*/
+PetscErrorCode BoxesCreate(PetscInt segments, PetscInt stride, const PetscReal *x,
+                           const PetscReal *angle, Boxes *boxes) {
+  PetscInt size = 1;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(boxes));
+  (*boxes)->segments = segments;
+  (*boxes)->stride = stride;
+  (*boxes)->x = x;
+  (*boxes)->angle = angle;
+  while (size < segments) size *= 2;
+  PetscCall(PetscMalloc1(2 * size, &(*boxes)->box));
+  (void)Build(*boxes, (Branch){0, segments, 0});
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode BoxesDestroy(Boxes *boxes) {
+  PetscFunctionBegin;
+  if (!*boxes) PetscFunctionReturn(0);
+  PetscCall(PetscFree((*boxes)->box));
+  PetscCall(PetscFree(*boxes));
+  PetscFunctionReturn(0);
+}
+
+/* Pairs of a segment of a and one of b; a is b, or lies before it. */
+static void Pairs(const Search *search, Branch a, Branch b) {
+  const Box *box_a = &search->tree->box[a.k], *box_b = &search->tree->box[b.k];
+  PetscInt in_a = a.last - a.first, in_b = b.last - b.first;
+
+  for (int d = 0; d < 2; d++)
+    if (box_a->low[d] > box_b->high[d] + search->reach ||
+        box_b->low[d] > box_a->high[d] + search->reach)
+      return;
+  if (search->skip && search->skip(box_a, a.first, a.last, box_b, b.first, b.last, search->ctx))
+    return;
+  if (in_a == 1 && in_b == 1) {
+    if (a.k != b.k) search->meet(a.first, b.first, search->ctx);
+  } else if (a.k == b.k) {
+    Pairs(search, Half(a, 0), Half(a, 0));
+    Pairs(search, Half(a, 1), Half(a, 1));
+    Pairs(search, Half(a, 0), Half(a, 1));
+  } else if (in_a >= in_b) {
+    for (int w = 0; w < 2; w++) Pairs(search, Half(a, w), b);
+  } else
+    for (int w = 0; w < 2; w++) Pairs(search, a, Half(b, w));
+}
+
+/*
+  BoxesPairs - tells of all pairs of segments whose boxes are within reach of each other, and of
+  some more.
+
+  skip   leaves out two boxes and all in them, or NULL
+*/
+void BoxesPairs(Boxes boxes, PetscReal reach, BoxesSkip skip, BoxesMeet meet, void *ctx) {
+  Search search = {boxes, reach, skip, meet, ctx};
+  Branch all = {0, boxes->segments, 0};
+  Pairs(&search, all, all);
+}

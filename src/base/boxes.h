@@ -1,0 +1,25 @@
+/* A binary tree of bounding boxes over the segments of a polygon: finds pairs of segments that are
+   near each other without looking at all pairs. */
+#ifndef TENDRIL_BOXES_H
+#define TENDRIL_BOXES_H
+
+#include <petscsys.h>
+
+typedef struct {
+  PetscReal low[3], high[3]; /* x1, x2 and an angle */
+} Box;
+
+typedef struct _Boxes *Boxes;
+
+/* Told of segments first .. last - 1 of each of two boxes: may they be left out? */
+typedef PetscBool (*BoxesSkip)(const Box *a, PetscInt first_a, PetscInt last_a, const Box *b,
+                               PetscInt first_b, PetscInt last_b, void *ctx);
+/* Told of two segments i < j. */
+typedef void (*BoxesMeet)(PetscInt i, PetscInt j, void *ctx);
+
+PetscErrorCode BoxesCreate(PetscInt segments, PetscInt stride, const PetscReal *x,
+                           const PetscReal *angle, Boxes *boxes);
+PetscErrorCode BoxesDestroy(Boxes *boxes);
+void BoxesPairs(Boxes boxes, PetscReal reach, BoxesSkip skip, BoxesMeet meet, void *ctx);
+
+#endif

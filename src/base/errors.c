@@ -1,0 +1,77 @@
+#include "base/errors.h"
+#include <unistd.h>
+
+static ErrorState *now; /* the innermost ErrorsBegin() */
+
+/* An error that one rank has met alone: the others wait for it in some exchange, for ever. All are
+   ended, after the line is out. Ranks that meet the same error at once would each print it: the
+   lowest comes first and ends the others before they do. */
+static void EndAll(MPI_Comm comm, PetscMPIInt rank, PetscErrorCode n) {
+  (void)fflush(stderr);
+  if (!rank) (void)usleep(100000); /* mpiexec may drop what was written in the last moment */
+  MPI_Abort(comm, (int)n);
+}
+
+static void Say(PetscErrorCode n, const char *message) {
+  const char *const format =
+      n == TENDRIL_ERR_USER ? "tendril: %s\n" : "tendril: an option is not as PETSc needs it: %s\n";
+  if (now->keep)
+    (void)snprintf(now->message, sizeof(now->message), "%s", message);
+  else
+    fprintf(stderr, format, message);
+  now->said = PETSC_TRUE;
+}
+
+/* One line for a user's mistake, PETSc's traceback for everything else. */
+static PetscErrorCode Handle(MPI_Comm comm, int line, const char *func, const char *file,
+                             PetscErrorCode n, PetscErrorType p, const char *mess, void *ctx) {
+  PetscMPIInt rank = 0, ranks = 1, together = 1;
+  PetscBool plain = (PetscBool)(n == TENDRIL_ERR_USER || now->reading || now->said), alone;
+
+  MPI_Comm_rank(now->comm, &rank);
+  MPI_Comm_size(now->comm, &ranks);
+  MPI_Comm_size(comm, &together);
+  alone = (PetscBool)(together < ranks && !now->said);
+  if (alone && p == PETSC_ERROR_INITIAL && rank) (void)usleep(1000000 + 100000 * (unsigned)rank);
+  if (plain) {
+    if (p == PETSC_ERROR_INITIAL && !now->said && (!rank || alone)) Say(n, mess ? mess : "");
+    now->said = PETSC_TRUE;
+  } else
+    n = PetscTraceBackErrorHandler(alone ? PETSC_COMM_SELF : comm, line, func, file, n, p, mess,
+                                   ctx);
+  if (alone && p == PETSC_ERROR_INITIAL) EndAll(now->comm, rank, n);
+  return n;
+}
+
+/*
+  ErrorsBegin - from here on errors are those of one run. Collective on comm.
+
+  comm   the ranks of the run: an error that a part of them meets ends them all
+  keep   the line of a user's mistake is kept in state->message, not printed (a sweep goes on)
+  state  lives until ErrorsEnd()
+*/
+PetscErrorCode ErrorsBegin(MPI_Comm comm, PetscBool keep, ErrorState *state) {
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(state, sizeof(*state)));
+  state->comm = comm;
+  state->keep = keep;
+  state->reading = PETSC_TRUE;
+  state->outer = now;
+  now = state;
+  PetscCall(PetscPushErrorHandler(Handle, NULL));
+  PetscFunctionReturn(0);
+}
+
+/* ErrorsEnd - the run is over. */
+PetscErrorCode ErrorsEnd(void) {
+  PetscFunctionBegin;
+  PetscCall(PetscPopErrorHandler());
+  now = now->outer;
+  PetscFunctionReturn(0);
+}
+
+/* ErrorsOptionsRead - the options are read and the solvers set up: from here on an error of PETSc
+   is not about an option. */
+void ErrorsOptionsRead(void) {
+  if (now) now->reading = PETSC_FALSE;
+}

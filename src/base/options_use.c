@@ -1,0 +1,181 @@
+/* What was given, as a whole: what PETSc reads is checked, what nothing reads is refused, all of it
+   is listed for the record. */
+#include "base/options.h"
+#include <ctype.h>
+#include <petscts.h>
+#include <sys/stat.h>
+
+/* OptionsCheckPetsc - checks what was given to PETSc's own options as far as the table knows them.
+   Collective. */
+PetscErrorCode OptionsCheckPetsc(void) {
+  const OptionRow *row;
+  PetscBool given;
+  size_t place = 0;
+
+  PetscFunctionBegin;
+  while ((row = OptionNext(&place)))
+    if (row->flags & PETSCS) PetscCall(OptionCheck(row));
+  PetscCall(OptionGiven("-ts_init_time", &given));
+  UserCheck(
+      !given, OptionsComm(),
+      "-ts_init_time: a run begins at t = 0; give -growth_initial_length, or -restart FILE to "
+      "go on from a result");
+  PetscFunctionReturn(0);
+}
+
+/* Refuses a type that PETSc does not know. */
+static PetscErrorCode CheckType(const char *option, PetscFunctionList list) {
+  char given[64];
+  PetscBool found;
+  void (*create)(void) = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsGetString(NULL, NULL, option, given, sizeof(given), &found));
+  if (!found) PetscFunctionReturn(0);
+  PetscCall(PetscFunctionListFind(list, given, &create));
+  UserCheck(create, OptionsComm(), "%s %s: PETSc has no such type", option, given);
+  PetscFunctionReturn(0);
+}
+
+/* OptionsCheckTypes - refuses unknown solver types. Call when tendril's own are registered.
+   Collective. */
+PetscErrorCode OptionsCheckTypes(void) {
+  PetscFunctionBegin;
+  PetscCall(TSInitializePackage());
+  PetscCall(SNESInitializePackage());
+  PetscCall(KSPInitializePackage());
+  PetscCall(PCInitializePackage());
+  PetscCall(CheckType("-snes_type", SNESList));
+  PetscCall(CheckType("-snes_linesearch_type", SNESLineSearchList));
+  PetscCall(CheckType("-ksp_type", KSPList));
+  PetscCall(CheckType("-pc_type", PCList));
+  PetscFunctionReturn(0);
+}
+
+static PetscBool StartsWith(const char *text, const char *with) {
+  return (PetscBool)!strncmp(text, with, strlen(with));
+}
+
+/* Options that PETSc reads after the run is set up: views, monitors and reasons of its objects, in
+   a solve; and some at its very end. */
+static PetscBool ReadLate(const char *name) {
+  const char *const objects[] = {"-ts_",  "-snes_", "-ksp_", "-pc_",  "-mat_",      "-vec_",
+                                 "-dm_",  "-eps_",  "-st_",  "-svd_", "-norm_",     "-chain_",
+                                 "-fit_", "-snap_", "-sub_", "-da_",  "-transient_"},
+                    *const words[] = {"_view", "_monitor", "_converged_reason", "_error", "_test_"};
+  const OptionRow *row = OptionFind(name);
+
+  if ((row && row->flags & LATE) || StartsWith(name, "-mat_")) return PETSC_TRUE;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(objects); i++)
+    for (size_t j = 0; StartsWith(name, objects[i]) && j < PETSC_STATIC_ARRAY_LENGTH(words); j++)
+      if (strstr(name, words[j])) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* One option that nothing has read. */
+static PetscErrorCode RefuseUnread(const char *name) {
+  const char *best = OptionNearest(name);
+
+  PetscFunctionBegin;
+  UserCheck(!best || strcmp(best, name), OptionsComm(),
+            "%s: nothing in this run reads it; take it out, or choose the type it belongs to",
+            name);
+  UserCheck(!best, OptionsComm(), "%s: unknown option, did you mean %s?", name, best);
+  UserCheck(PETSC_FALSE, OptionsComm(), "%s: unknown option; -help lists them", name);
+  PetscFunctionReturn(0);
+}
+
+static PetscBool OnCommandLine(const char *name) {
+  PetscBool same = PETSC_FALSE;
+  int argc = 0;
+  char **argv = NULL;
+
+  (void)PetscGetArgs(&argc, &argv);
+  for (int i = 1; i < argc && !same; i++) same = (PetscBool)!strcmp(argv[i], name);
+  return same;
+}
+
+/*
+  OptionsRefuseUnread - refuses the run if an option was given that nothing has read (in an options
+  file that is fine if the command line asks for a task of its own).
+  Call after everything has read its options and before any work. Collective.
+*/
+PetscErrorCode OptionsRefuseUnread(void) {
+  PetscInt n;
+  char **unread, **values;
+  PetscBool other = OnCommandLine("-task"); /* than that of an options file */
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsLeftGet(NULL, &n, &unread, &values));
+  for (PetscInt i = 0; i < n; i++) {
+    char full[80];
+    (void)snprintf(full, sizeof(full), "-%s", unread[i]);
+    if (ReadLate(full) || (other && !OnCommandLine(full))) continue;
+    PetscCall(RefuseUnread(full));
+  }
+  PetscCall(PetscOptionsLeftRestore(NULL, &n, &unread, &values));
+  ErrorsOptionsRead();
+  PetscFunctionReturn(0);
+}
+
+/* OptionsRefuseOverwrite - refuses an output file, which the named option gives, that is also an
+   input. Collective. */
+PetscErrorCode OptionsRefuseOverwrite(const char *option, const char *output) {
+  char file[PETSC_MAX_PATH_LEN];
+  struct stat to, from;
+  const OptionRow *row;
+  PetscBool found;
+  size_t place = 0;
+
+  PetscFunctionBegin;
+  if (!output[0] || stat(output, &to)) PetscFunctionReturn(0);
+  while ((row = OptionNext(&place))) {
+    if (!(row->flags & INPUT_FILE) || row->flags & IN_PLACE) continue;
+    PetscCall(PetscOptionsGetString(NULL, NULL, row->name, file, sizeof(file), &found));
+    if (!found || stat(file, &from)) continue;
+    UserCheck(to.st_dev != from.st_dev || to.st_ino != from.st_ino, OptionsComm(),
+              "%s %s: would overwrite the file that %s gives; name another", option, output,
+              row->name);
+  }
+  PetscFunctionReturn(0);
+}
+
+/* OptionsList - all options that were given, one a line, as an options file has them. The caller
+   frees the text (PetscFree). (Asking PETSc for them one by one would count them as read.) */
+PetscErrorCode OptionsList(char **text) {
+  char *all;
+  size_t n;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsGetAll(NULL, &all));
+  n = strlen(all);
+  PetscCall(PetscMalloc1(n + 2, text));
+  for (size_t i = 0; i < n; i++)
+    (*text)[i] =
+        all[i] == ' ' && all[i + 1] == '-' && isalpha((unsigned char)all[i + 2]) ? '\n' : all[i];
+  while (n > 0 && isspace((unsigned char)(*text)[n - 1])) n--;
+  (*text)[n] = '\n';
+  (*text)[n + 1] = 0;
+  PetscCall(PetscFree(all));
+  PetscFunctionReturn(0);
+}
+
+/* OptionsRefuseLeft - at the end of a run: refuses what PETSc was to read and did not, as
+   OptionsRefuseUnread() could not know. Collective. */
+PetscErrorCode OptionsRefuseLeft(void) {
+  PetscInt n;
+  char **unread, **values;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsLeftGet(NULL, &n, &unread, &values));
+  for (PetscInt i = 0; i < n; i++) {
+    const OptionRow *row;
+    char full[80];
+    (void)snprintf(full, sizeof(full), "-%s", unread[i]);
+    row = OptionFind(full);
+    UserCheck(!ReadLate(full) || (row && row->flags & LATE), OptionsComm(),
+              "%s: nothing in this run has read it; the run itself is complete", full);
+  }
+  PetscCall(PetscOptionsLeftRestore(NULL, &n, &unread, &values));
+  PetscFunctionReturn(0);
+}

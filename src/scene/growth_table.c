@@ -1,0 +1,169 @@
+#include "base/hdf.h"
+#include "base/spline.h"
+#include "scene/growth.h"
+
+/* table: a bicubic not-a-knot spline through /g [nt, ns] at /t and /s. With the second derivatives
+   in s, in t and in both at the knots, its value is a product of the two sets of spline weights. */
+typedef struct {
+  PetscInt ns, nt;
+  PetscReal *s, *t, *g, *g_ss, *g_tt, *g_sstt;
+  PetscReal *p, *p_tt; /* arc length at the knots, and its second derivative in t */
+} Table;
+
+static PetscReal TableProduct(const Table *tab, PetscInt i, PetscInt j, const PetscReal ws[4],
+                              const PetscReal wt[4]) {
+  PetscReal sum = 0;
+  for (PetscInt a = 0; a < 2; a++)
+    for (PetscInt b = 0; b < 2; b++) {
+      PetscInt k = (j + b) * tab->ns + i + a;
+      sum += ws[a] * (wt[b] * tab->g[k] + wt[2 + b] * tab->g_tt[k]) +
+             ws[2 + a] * (wt[b] * tab->g_ss[k] + wt[2 + b] * tab->g_sstt[k]);
+    }
+  return sum;
+}
+
+static PetscErrorCode StretchTable(Growth self, PetscReal s, PetscReal t, PetscReal *g,
+                                   PetscReal *g_t, PetscReal *g_s) {
+  Table *tab = (Table *)self->data;
+  PetscReal ws[4], ws1[4], wt[4], wt1[4];
+  char text[3][32];
+  PetscInt i, j;
+
+  PetscFunctionBegin;
+  SplineWeights(tab->ns, tab->s, s, &i, ws, ws1, NULL);
+  SplineWeights(tab->nt, tab->t, t, &j, wt, wt1, NULL);
+  *g = TableProduct(tab, i, j, ws, wt);
+  *g_t = TableProduct(tab, i, j, ws, wt1);
+  *g_s = TableProduct(tab, i, j, ws1, wt);
+  UserCheck(*g > 0, PETSC_COMM_SELF,
+            "-growth_table: the stretch is %s at s = %s, t = %s; it must stay above 0 between the "
+            "entries too",
+            OptionNumber(*g, text[0]), OptionNumber(s, text[1]), OptionNumber(t, text[2]));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode ArcTable(Growth self, PetscReal s, PetscReal t, PetscReal *p,
+                               PetscReal *p_t) {
+  Table *tab = (Table *)self->data;
+  PetscReal ws[4], wt[4], wt1[4];
+  PetscInt i, j;
+
+  PetscFunctionBegin;
+  SplineWeights(tab->ns, tab->s, s, &i, NULL, NULL, ws);
+  SplineWeights(tab->nt, tab->t, t, &j, wt, wt1, NULL);
+  *p = TableProduct(tab, i, j, ws, wt);
+  *p_t = TableProduct(tab, i, j, ws, wt1);
+  for (PetscInt b = 0; b < 2; b++) {
+    PetscInt k = (j + b) * tab->ns + i;
+    *p += wt[b] * tab->p[k] + wt[2 + b] * tab->p_tt[k];
+    *p_t += wt1[b] * tab->p[k] + wt1[2 + b] * tab->p_tt[k];
+  }
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode DestroyTable(Growth self) {
+  Table *tab = (Table *)self->data;
+
+  PetscFunctionBegin;
+  PetscCall(PetscFree3(tab->s, tab->t, tab->g));
+  PetscCall(PetscFree5(tab->g_ss, tab->g_tt, tab->g_sstt, tab->p, tab->p_tt));
+  PetscCall(PetscFree(self->data));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode TableCheck(const char *file, const Table *tab) {
+  PetscFunctionBegin;
+  UserCheck(tab->ns >= 4 && tab->nt >= 4, OptionsComm(),
+            "-growth_table %s: needs at least 4 entries in /s and in /t", file);
+  UserCheck(PetscAbsReal(tab->s[0]) < 1e-12 && PetscAbsReal(tab->s[tab->ns - 1] - 1) < 1e-12,
+            OptionsComm(), "-growth_table %s: /s must run from 0 to 1", file);
+  UserCheck(tab->t[0] <= 1e-12, OptionsComm(), "-growth_table %s: /t must start at 0", file);
+  for (PetscInt i = 1; i < tab->ns; i++)
+    UserCheck(tab->s[i] > tab->s[i - 1], OptionsComm(), "-growth_table %s: /s must increase", file);
+  for (PetscInt i = 1; i < tab->nt; i++)
+    UserCheck(tab->t[i] > tab->t[i - 1], OptionsComm(), "-growth_table %s: /t must increase", file);
+  for (PetscInt i = 0; i < tab->ns * tab->nt; i++)
+    UserCheck(tab->g[i] > 0, OptionsComm(), "-growth_table %s: /g must be positive", file);
+  PetscFunctionReturn(0);
+}
+
+/* The spline may dip below 0 between positive entries: looks at a few places between each two. */
+static PetscErrorCode TableCheckBetween(const char *file, const Table *tab) {
+  enum { PLACES = 4 };
+
+  PetscFunctionBegin;
+  for (PetscInt j = 0; j < PLACES * (tab->nt - 1); j++)
+    for (PetscInt i = 0; i < PLACES * (tab->ns - 1); i++) {
+      PetscReal a = (PetscReal)(i % PLACES) / PLACES, b = (PetscReal)(j % PLACES) / PLACES,
+                s = (1 - a) * tab->s[i / PLACES] + a * tab->s[i / PLACES + 1],
+                t = (1 - b) * tab->t[j / PLACES] + b * tab->t[j / PLACES + 1], ws[4], wt[4], g;
+      char text[3][32];
+      PetscInt m, n;
+      SplineWeights(tab->ns, tab->s, s, &m, ws, NULL, NULL);
+      SplineWeights(tab->nt, tab->t, t, &n, wt, NULL, NULL);
+      g = TableProduct(tab, m, n, ws, wt);
+      UserCheck(g > 0, OptionsComm(),
+                "-growth_table %s: between its entries the stretch falls to %s at s = %s, t = %s; "
+                "give more entries there",
+                file, OptionNumber(g, text[0]), OptionNumber(s, text[1]), OptionNumber(t, text[2]));
+    }
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode TableRead(const char *file, Table *tab) {
+  PetscInt ns, nt, dims[2];
+  PetscReal *s, *t, *g;
+
+  PetscFunctionBegin;
+  PetscCall(HdfRead("-growth_table", file, "/s", 1, &ns, &s));
+  PetscCall(HdfRead("-growth_table", file, "/t", 1, &nt, &t));
+  PetscCall(HdfRead("-growth_table", file, "/g", 2, dims, &g));
+  UserCheck(dims[0] == nt && dims[1] == ns, OptionsComm(),
+            "-growth_table %s: /g must be [%d, %d] as /t and /s are long, it is [%d, %d]", file,
+            (int)nt, (int)ns, (int)dims[0], (int)dims[1]);
+  tab->ns = ns;
+  tab->nt = nt;
+  PetscCall(PetscMalloc3(ns, &tab->s, nt, &tab->t, ns * nt, &tab->g));
+  PetscCall(PetscArraycpy(tab->s, s, ns));
+  PetscCall(PetscArraycpy(tab->t, t, nt));
+  PetscCall(PetscArraycpy(tab->g, g, ns * nt));
+  PetscCall(PetscFree(s));
+  PetscCall(PetscFree(t));
+  PetscCall(PetscFree(g));
+  PetscCall(TableCheck(file, tab));
+  PetscFunctionReturn(0);
+}
+
+/* GrowthCreateTable - the law of -growth_table. */
+PetscErrorCode GrowthCreateTable(Growth self) {
+  char file[PETSC_MAX_PATH_LEN] = "";
+  PetscBool set;
+  PetscInt n;
+  Table *tab;
+
+  PetscFunctionBegin;
+  PetscCall(OptionText("-growth_table", file, &set));
+  UserCheck(set, OptionsComm(), "-growth_type table needs -growth_table FILE");
+  PetscCall(PetscNew(&tab));
+  PetscCall(TableRead(file, tab));
+  n = tab->ns * tab->nt;
+  PetscCall(PetscCalloc5(n, &tab->g_ss, n, &tab->g_tt, n, &tab->g_sstt, n, &tab->p, n, &tab->p_tt));
+  PetscCall(SplineSecondDerivatives(tab->ns, tab->s, tab->nt, tab->ns, 1, tab->g, tab->g_ss));
+  PetscCall(SplineSecondDerivatives(tab->nt, tab->t, tab->ns, 1, tab->ns, tab->g, tab->g_tt));
+  PetscCall(SplineSecondDerivatives(tab->nt, tab->t, tab->ns, 1, tab->ns, tab->g_ss, tab->g_sstt));
+  for (PetscInt k = 0; k < n; k++) {
+    if (k % tab->ns == 0) continue; /* p = 0 at the clamp */
+    PetscReal h = tab->s[k % tab->ns] - tab->s[k % tab->ns - 1];
+    tab->p[k] = tab->p[k - 1] + h / 2 * (tab->g[k - 1] + tab->g[k]) -
+                h * h * h / 24 * (tab->g_ss[k - 1] + tab->g_ss[k]);
+  }
+  PetscCall(SplineSecondDerivatives(tab->nt, tab->t, tab->ns, 1, tab->ns, tab->p, tab->p_tt));
+  PetscCall(TableCheckBetween(file, tab));
+  self->data = tab;
+  self->initial_length = tab->p[tab->ns - 1];
+  self->end_time = tab->t[tab->nt - 1];
+  self->stretch = StretchTable;
+  self->arc = ArcTable;
+  self->destroy = DestroyTable;
+  PetscFunctionReturn(0);
+}

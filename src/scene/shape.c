@@ -1,0 +1,138 @@
+#include "scene/shape.h"
+#include "base/hdf.h"
+#include "base/lagrange.h"
+#include "base/spline.h"
+
+enum { RANDOM_KNOTS = 201, RANDOM_MODES = 8 };
+
+static const OptionRow rows[] = {
+    ROW_WORD("-shape_type", "sag", "straight,sag,mode,random,file", 0, "initial shape"),
+    ROW_REAL("-shape_amplitude", "0.01", -6.5, 6.5, UNIT_ANGLE, 0,
+             "eps, largest initial angle, in radians"),
+    ROW_INT("-shape_seed", "1", 0, 2e9, 0, "seed of the random shape"),
+    ROW_TEXT("-shape_file", INPUT_FILE,
+             "HDF5 file with /s and /theta, the angle against the clamp")};
+const OptionGroup shape_options = OPTION_GROUP("Initial shape", rows);
+
+/*
+  ShapeSetTable - gives the shape by its angle against the clamp at n labels (splined).
+
+  s, theta   copied; s must run from 0 to 1 and theta[0] be 0
+*/
+PetscErrorCode ShapeSetTable(Shape *shape, PetscInt n, const PetscReal s[],
+                             const PetscReal theta[]) {
+  PetscFunctionBegin;
+  PetscCall(ShapeDestroy(shape));
+  PetscCall(PetscMalloc3(n, &shape->s, n, &shape->theta, n, &shape->theta2));
+  shape->n = n;
+  PetscCall(PetscArraycpy(shape->s, s, n));
+  PetscCall(PetscArraycpy(shape->theta, theta, n));
+  PetscCall(SplineSecondDerivatives(n, shape->s, 1, n, 1, shape->theta, shape->theta2));
+  PetscFunctionReturn(0);
+}
+
+/* ShapeDestroy - frees what a tabulated shape holds. */
+PetscErrorCode ShapeDestroy(Shape *shape) {
+  PetscFunctionBegin;
+  PetscCall(PetscFree3(shape->s, shape->theta, shape->theta2));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode FromFile(Shape *shape, const char *file) {
+  PetscReal *s, *theta;
+  PetscInt n, m;
+
+  PetscFunctionBegin;
+  PetscCall(HdfRead("-shape_file", file, "/s", 1, &n, &s));
+  PetscCall(HdfRead("-shape_file", file, "/theta", 1, &m, &theta));
+  UserCheck(n == m, OptionsComm(), "-shape_file %s: /s and /theta differ in length", file);
+  UserCheck(n >= 4, OptionsComm(), "-shape_file %s: needs 4 entries at least, has %d", file,
+            (int)n);
+  UserCheck(PetscAbsReal(s[0]) < 1e-12 && PetscAbsReal(s[n - 1] - 1) < 1e-12, OptionsComm(),
+            "-shape_file %s: /s must run from 0 to 1", file);
+  for (PetscInt i = 1; i < n; i++)
+    UserCheck(s[i] > s[i - 1], OptionsComm(), "-shape_file %s: /s must increase", file);
+  UserCheck(PetscAbsReal(theta[0]) < 1e-9, OptionsComm(),
+            "-shape_file %s: /theta is measured against the clamp and must start at 0", file);
+  theta[0] = 0;
+  PetscCall(ShapeSetTable(shape, n, s, theta));
+  PetscCall(PetscFree(s));
+  PetscCall(PetscFree(theta));
+  PetscFunctionReturn(0);
+}
+
+/* A seeded sum of smooth modes, theta' = (1-s)^2 sum_k c_k cos(k pi s) / k^2, c_k even in [-1,1]:
+   each meets kappa(1) = kappa'(1) = 0. Scaled so that max |theta| = eps. */
+static PetscErrorCode AtRandom(Shape *shape) {
+  PetscReal s[RANDOM_KNOTS], theta[RANDOM_KNOTS], c[RANDOM_MODES], most = 0;
+  PetscRandom random;
+
+  PetscFunctionBegin;
+  PetscCall(PetscRandomCreate(PETSC_COMM_SELF, &random));
+  PetscCall(PetscRandomSetType(random, PETSCRANDER48));
+  PetscCall(PetscRandomSetInterval(random, -1, 1));
+  PetscCall(PetscRandomSetSeed(random, (unsigned long)shape->seed));
+  PetscCall(PetscRandomSeed(random));
+  for (int k = 0; k < RANDOM_MODES; k++) PetscCall(PetscRandomGetValueReal(random, &c[k]));
+  PetscCall(PetscRandomDestroy(&random));
+  s[0] = theta[0] = 0;
+  for (int i = 1; i < RANDOM_KNOTS; i++) {
+    s[i] = (PetscReal)i / (RANDOM_KNOTS - 1);
+    theta[i] = theta[i - 1];
+    for (int q = 0; q < GAUSS; q++) {
+      PetscReal h = s[i] - s[i - 1], z = s[i - 1] + h * gauss_point[q], slope = 0;
+      for (int k = 0; k < RANDOM_MODES; k++)
+        slope += c[k] * PetscCosReal((k + 1) * PETSC_PI * z) / PetscSqr(k + 1);
+      theta[i] += h * gauss_weight[q] * PetscSqr(1 - z) * slope;
+    }
+    most = PetscMax(most, PetscAbsReal(theta[i]));
+  }
+  for (int i = 0; i < RANDOM_KNOTS; i++) theta[i] *= shape->amplitude / most;
+  PetscCall(ShapeSetTable(shape, RANDOM_KNOTS, s, theta));
+  PetscFunctionReturn(0);
+}
+
+/* ShapeSetFromOptions - reads and checks the options of the initial shape. Collective; the caller
+   ends it with ShapeDestroy(). */
+PetscErrorCode ShapeSetFromOptions(Shape *shape) {
+  char file[PETSC_MAX_PATH_LEN] = "";
+  PetscInt choice;
+  PetscBool set;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(shape, sizeof(*shape)));
+  PetscCall(OptionWord("-shape_type", &choice, NULL));
+  shape->type = (ShapeType)choice;
+  if (choice != SHAPE_STRAIGHT && choice != SHAPE_FILE)
+    PetscCall(OptionReal("-shape_amplitude", &shape->amplitude, NULL));
+  if (choice == SHAPE_RANDOM) {
+    PetscCall(OptionInt("-shape_seed", &shape->seed, NULL));
+    PetscCall(AtRandom(shape));
+  }
+  if (choice == SHAPE_FILE) {
+    PetscCall(OptionText("-shape_file", file, &set));
+    UserCheck(set, OptionsComm(), "-shape_type file needs -shape_file FILE");
+    PetscCall(FromFile(shape, file));
+  }
+  PetscFunctionReturn(0);
+}
+
+/*
+  ShapeAngle - the initial angle against the clamp and its derivative by s, at one label.
+  sag: theta = eps (1 - (1-s)^3), the cantilever under a uniform side load.
+*/
+void ShapeAngle(const Shape *shape, PetscReal s, PetscReal *theta, PetscReal *theta_s) {
+  *theta = *theta_s = 0;
+  if (shape->type == SHAPE_SAG) {
+    *theta = shape->amplitude * (1 - (1 - s) * (1 - s) * (1 - s));
+    *theta_s = shape->amplitude * 3 * (1 - s) * (1 - s);
+  } else if (shape->n) {
+    PetscReal value[4], slope[4];
+    PetscInt i;
+    SplineWeights(shape->n, shape->s, s, &i, value, slope, NULL);
+    for (int k = 0; k < 2; k++) {
+      *theta += value[k] * shape->theta[i + k] + value[2 + k] * shape->theta2[i + k];
+      *theta_s += slope[k] * shape->theta[i + k] + slope[2 + k] * shape->theta2[i + k];
+    }
+  }
+}

@@ -1,0 +1,118 @@
+/* -task grow: what is printed. */
+#include "tasks/accuracy.h"
+#include "tasks/growing.h"
+#include <petsctime.h>
+
+/* GrowHeading - above the lines of progress. Collective. */
+PetscErrorCode GrowHeading(Grow *self) {
+  PetscFunctionBegin;
+  PetscCall(PetscTime(&self->begin));
+  self->reported = self->begin;
+  if (!self->quiet)
+    PetscCall(PetscPrintf(self->scene->comm, "%10s %10s %12s %10s %7s %8s %11s\n", "t", "length",
+                          "|x2|", "step", "Newton", "model", "time left"));
+  PetscFunctionReturn(0);
+}
+
+/* GrowProgress - a line every tenth of the run, and every second. Collective. */
+PetscErrorCode GrowProgress(Grow *self, PetscBool last) {
+  const Observation *seen = &self->seen;
+  PetscReal end = self->scene->end_time;
+  PetscLogDouble now;
+  char left[32] = "";
+
+  PetscFunctionBegin;
+  if (self->quiet) PetscFunctionReturn(0);
+  PetscCall(PetscTime(&now));
+  if (!last && now - self->reported < 1 && seen->t < self->report_at) PetscFunctionReturn(0);
+  self->reported = now;
+  self->report_at = seen->t + end / 10;
+  if (now - self->begin > 0.5 && seen->t > self->start + 0.02 * end && !last)
+    (void)snprintf(left, sizeof(left), "%9.1f s",
+                   (now - self->begin) * (end - seen->t) / (seen->t - self->start));
+  PetscCall(PetscPrintf(self->scene->comm, "%10.4f %10.4f %12.4e %10.2e %7d %8s %s\n",
+                        (double)seen->t, (double)seen->length, (double)seen->norm_x2,
+                        (double)seen->step, (int)seen->newton_iterations,
+                        grow_models[(int)seen->model]->name, left));
+  PetscFunctionReturn(0);
+}
+
+/* How far off the run may be. Other steppers than vbdf are not calibrated. */
+static PetscErrorCode Errors(Grow *self, PetscInt jumps) {
+  MPI_Comm comm = self->scene->comm;
+  PetscReal error = 0, asked = PETSC_MAX_REAL, defect = self->seen.energy_defect;
+  PetscBool vbdf;
+
+  PetscFunctionBegin;
+  PetscCall(PetscPrintf(comm, "energy defect %.1e", (double)defect));
+  PetscCall(PetscObjectTypeCompare((PetscObject)self->now->ts, TSVBDF, &vbdf));
+  if (vbdf) {
+    PetscCall(AccuracyEstimate(self->now->rod, self->seen.t, self->rtol, self->folds, &error));
+    error += self->neglected;
+    PetscCall(PetscPrintf(comm, ", error estimate %.1e", (double)error));
+  }
+  if (jumps) PetscCall(PetscPrintf(comm, "; %d snap%s", (int)jumps, jumps > 1 ? "s" : ""));
+  PetscCall(PetscPrintf(comm, "\n"));
+  PetscCall(OptionReal("-accuracy", &asked, NULL));
+  if (error > 3 * asked) /* it is an upper one */
+    PetscCall(PetscPrintf(comm, "-accuracy %g is not met with the -rod_cells or -ts_rtol given.\n",
+                          (double)asked));
+  if (defect > 1e-3)
+    PetscCall(PetscPrintf(
+        comm,
+        "The energy balance is off by more than 1e-3: lower -ts_rtol or raise -rod_cells.\n"));
+  PetscFunctionReturn(0);
+}
+
+/* Where on the rod an event was, or what it reached. */
+static PetscErrorCode TellEvent(Grow *self) {
+  MPI_Comm comm = self->scene->comm;
+  const Event *event = &self->event;
+  char text[4][32];
+
+  PetscFunctionBegin;
+  if (event->kind == EVENT_NONE) PetscFunctionReturn(0);
+  OptionNumber(event->t, text[0]);
+  OptionNumber(event->s[0], text[1]);
+  OptionNumber(event->s[1], text[2]);
+  OptionNumber(self->watch.bound[event->kind], text[3]);
+  PetscCall(PetscPrintf(comm, "stopped at t = %s: ", text[0]));
+  if (event->kind == EVENT_LENGTH)
+    PetscCall(PetscPrintf(comm, "length %s\n", text[3]));
+  else if (event->kind == EVENT_ANGLE)
+    PetscCall(PetscPrintf(comm, "an angle of %s at s = %s\n", text[3], text[1]));
+  else
+    PetscCall(PetscPrintf(comm, "touches itself at s = %s and %s\n", text[1], text[2]));
+  PetscFunctionReturn(0);
+}
+
+/* GrowSummary - the last words on a run. Collective. */
+PetscErrorCode GrowSummary(Grow *self) {
+  const Observation *seen = &self->seen;
+  PetscInt steps, iterations = 0, rejections = 0, jumps = 0, n;
+  char text[4][32];
+  PetscLogDouble now;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetStepNumber(self->now->ts, &steps));
+  for (int m = 0; m < MODELS; m++)
+    if (self->leg[m].ts) {
+      PetscCall(TSGetSNESIterations(self->leg[m].ts, &n));
+      iterations += n;
+      PetscCall(TSGetStepRejections(self->leg[m].ts, &n));
+      rejections += n;
+      PetscCall(VBDFGetJumps(self->leg[m].ts, &n));
+      jumps += n;
+    }
+  PetscCall(PetscTime(&now));
+  if (self->quiet) PetscFunctionReturn(0);
+  PetscCall(PetscPrintf(self->scene->comm, "t = %s: length %s, tip (%s, %s), |x2| %.8e\n",
+                        OptionNumber(seen->t, text[0]), OptionNumber(seen->length, text[1]),
+                        OptionNumber(seen->tip_x1, text[2]), OptionNumber(seen->tip_x2, text[3]),
+                        (double)seen->norm_x2));
+  PetscCall(PetscPrintf(self->scene->comm, "%d steps, %d rejected, %d Newton iterations, %.3f s; ",
+                        (int)steps, (int)rejections, (int)iterations, now - self->begin));
+  PetscCall(Errors(self, jumps));
+  PetscCall(TellEvent(self));
+  PetscFunctionReturn(0);
+}

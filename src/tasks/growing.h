@@ -1,0 +1,42 @@
+/* A run that is under way: what the files of -task grow share. */
+#ifndef TENDRIL_GROWING_H
+#define TENDRIL_GROWING_H
+
+#include "record/output.h"
+
+enum { LINEAR, FRAME, MIXED, AUTO, MODELS = AUTO }; /* as -rod_model and the series `model` say */
+
+typedef struct {
+  Scene scene;
+  PetscInt model;  /* as asked for */
+  Leg leg[MODELS]; /* by model; those not in use are empty; auto has two, taking turns */
+  Leg *now;
+  Observer observer;
+  Output output;
+  Observation seen; /* of the latest step */
+  PetscReal rtol, output_interval, next_output;
+  PetscReal stored_shape;     /* time of the latest shape handed to the output */
+  PetscReal report_at;        /* time of the next progress line */
+  PetscInt iterations, steps; /* before the latest step; steps of earlier legs */
+  PetscReal folds;            /* of |x2|, up and down, so far */
+  PetscReal neglected;        /* largest part that the linear model left out */
+  PetscBool quiet, beyond;    /* beyond: the linear model has left its range */
+  int stopped;                /* the signal that all ranks have agreed to stop on */
+  PetscLogDouble begin, reported;
+  Watch watch;
+  Event event;     /* that ended the run */
+  PetscReal start; /* t at which this run began: 0, or a restart's */
+} Grow;
+
+extern const RodModel *const grow_models[MODELS];
+
+/* grow_events.c */
+PetscErrorCode GrowLookForEvent(Grow *self, PetscReal t, Vec U, Event *event);
+PetscErrorCode GrowLocateEvent(Grow *self, PetscReal *t, Vec U, Vec U_t);
+
+/* grow_report.c */
+PetscErrorCode GrowHeading(Grow *self);
+PetscErrorCode GrowProgress(Grow *self, PetscBool last);
+PetscErrorCode GrowSummary(Grow *self);
+
+#endif

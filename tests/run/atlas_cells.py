@@ -1,0 +1,77 @@
+#!/usr/bin/env python3
+"""A fast part of the atlas of failure (scripts/atlas.py): the default is right where other methods
+fail, and each of these is shown to fail, so that the map stays true.
+
+    atlas_cells.py build/tendril [CHECK...]      (no CHECK: all of them)"""
+
+import os
+import sys
+import tempfile
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent.parent / "scripts" / "lab"))
+try:
+    import measure as m
+except ImportError:
+    venv = HERE.parent.parent / ".venv/bin/python"
+    if venv.exists() and Path(sys.prefix) != venv.parent.parent:
+        os.execv(venv, [str(venv), *sys.argv])
+    sys.exit("atlas_cells: needs h5py and numpy; scripts/setup.sh makes .venv with them")
+
+DECAY8 = m.from_reference("decay", m.DECAY, "v_decay_mu1", (1.5, 8))
+FOLD = m.from_reference("fold", m.DECAY, "v_decay_mu1", (15, 20))
+SHORT = m.from_reference("short", m.THICK, "v_short")
+NARROW = m.Scene("narrow", "-growth_type gaussian -growth_width 0.005 " + m.THICK, (5,),
+                 finer="-rod_cells 1000 -ts_rtol 1e-7")
+THIN = m.Scene("thin", m.DECAY + " -friction_beta 1e-9", (8, 14, 16),
+               finer="-rod_cells 800 -ts_rtol 1e-7")
+
+HAIRPIN = m.Scene("hairpin", "-growth_initial_length 2 -shape_amplitude 3.1", (2, 5),
+                  finer="-rod_cells 800 -ts_rtol 1e-8")
+STICK = m.Scene("stick", m.THICK + " -growth_type feed -friction_beta 0", (4, 6),
+                finer="-rod_cells 800 -ts_rtol 1e-7")
+
+CHECKS = {  # name: (scene, [(options, verdicts)]); the first is the default
+    "decay": (DECAY8, [("", (m.RIGHT_,)),
+                       ("-ts_type beuler -ts_theta_initial_guess_extrapolate -ts_dt 0.01",
+                        (m.WRONG,)),
+                       ("-rod_model linear", (m.WRONG,))]),
+    "fold": (FOLD, [("", (m.RIGHT_,)), ("-rod_model auto", (m.RIGHT_,)),
+                    ("-rod_model linear", (m.GAVE_UP,)), ("-rod_cells 20", (m.WRONG,))]),
+    "short": (SHORT, [("", (m.RIGHT_,)), ("-rod_model mixed", (m.RIGHT_,)),
+                      ("-ts_rtol 1e-2", (m.WRONG,))]),
+    "narrow-zone": (NARROW, [("", (m.RIGHT_,)), ("-rod_grading uniform -rod_cells 50",
+                                                 (m.WRONG, m.GAVE_UP))]),
+    "thin-friction": (THIN, [("", (m.RIGHT_,)),
+                             ("-friction_newton primal", (m.GAVE_UP, m.HUNG))]),
+    "snap": (HAIRPIN, [("", (m.RIGHT_,)), ("-rod_model auto", (m.RIGHT_,)),
+                       ("-ts_type bdf -ts_bdf_order 5", (m.WRONG, m.GAVE_UP)),
+                       ("-friction_newton primal", (m.GAVE_UP, m.HUNG)),
+                       ("-rod_model mixed", (m.GAVE_UP, m.HUNG))]),
+    "stick": (STICK, [("", (m.RIGHT_,)),
+                      ("-friction_newton primal", (m.GAVE_UP, m.HUNG)),
+                      ("-snes_linesearch_type bt", (m.GAVE_UP, m.HUNG))]),
+}
+
+
+def main():
+    m.TENDRIL, names = sys.argv[1], sys.argv[2:] or list(CHECKS)
+    failures = 0
+    with tempfile.TemporaryDirectory() as scratch:
+        store = m.Store(Path(scratch) / "store.jsonl")
+        for name in names:
+            if name not in CHECKS:
+                sys.exit(f"atlas_cells: no check {name}; there are {', '.join(CHECKS)}")
+            scene, runs = CHECKS[name]
+            for options, verdicts in runs:
+                run = store.get(m.Case("tendril", scene, options, limit=20))
+                good = run["verdict"] in verdicts
+                failures += not good
+                print("ok  " if good else f"FAIL (should be {' or '.join(verdicts)})", m.short(run),
+                      run["message"], flush=True)
+    return failures > 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,412 @@
+#!/usr/bin/env python3
+"""Wrong input must be refused in one plain line, and a run that is stopped must leave its result.
+
+    bad_input.py build/tendril [--mpiexec mpiexec] [--only WORD] [--verbose]
+
+Every case: exit code not 0; exactly one line on stderr, which starts with "tendril: " and names the
+option (or the time); no traceback. Needs h5py for the cases with HDF5 input of its own making and
+for reading what a killed run left; takes .venv's python if this one has none."""
+
+import argparse
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+try:
+    import h5py
+except ImportError:
+    venv = Path(__file__).resolve().parent.parent.parent / ".venv/bin/python"
+    if venv.exists() and Path(sys.prefix) != venv.parent.parent:
+        os.execv(venv, [str(venv), *sys.argv])
+    sys.exit("bad_input: needs h5py; scripts/setup.sh makes .venv with it")
+
+SECONDS = 60  # a refusal takes far less; more is a hang
+SHORT = "-output out.h5 -rod_cells 20 -ts_max_time 1e-3".split()
+
+SOUND = [
+    "-growth_type table -growth_table table",
+    "-options_file sound_opts -friction_mu 0.5",
+    "-ts_type beuler -ts_adapt_type none -ts_dt 1e-4",
+    "-clamp_angle -0.5 -shape_amplitude -1e-3",
+    "-clamp_angle 90deg",
+    "-snes_view -ksp_converged_reason -options_view -ts_view",
+    "",
+]
+
+# (command line after SHORT, what the line must contain). {X} are the files made below.
+CASES = [
+    # out of range
+    ("-friction_mu 1.5", "-friction_mu"),
+    ("-friction_mu -0.1", "-friction_mu"),
+    ("-friction_beta -1e-3", "-friction_beta"),
+    ("-growth_initial_length 0", "-growth_initial_length"),
+    ("-growth_initial_length -2", "-growth_initial_length"),
+    ("-growth_type gaussian -growth_width 0", "-growth_width"),
+    ("-rod_cells 0", "-rod_cells"),
+    ("-rod_cells 3", "-rod_cells"),
+    ("-rod_cells -100", "-rod_cells"),
+    ("-rod_cells 99999999999", "-rod_cells"),
+    ("-rod_order 3", "-rod_order"),
+    ("-ts_max_time -1", "-ts_max_time"),
+    ("-ts_max_time 0", "-ts_max_time"),
+    ("-ts_rtol 0", "-ts_rtol"),
+    ("-ts_rtol -1e-6", "-ts_rtol"),
+    ("-ts_rtol 1e-20", "-ts_rtol"),
+    ("-ts_dt 0", "-ts_dt"),
+    ("-ts_bdf_order 9", "-ts_bdf_order"),
+    ("-ts_bdf_order 0", "-ts_bdf_order"),
+    ("-output_interval 0", "-output_interval"),
+    ("-output_interval -1", "-output_interval"),
+    ("-shape_amplitude 100", "-shape_amplitude"),
+    ("-shape_type random -shape_seed -1", "-shape_seed"),
+    # no number, or another kind of number
+    ("-friction_mu dry", "-friction_mu"),
+    ("-friction_mu nan", "-friction_mu"),
+    ("-friction_mu 0.5.1", "-friction_mu"),
+    ("-friction_mu 0,5", "-friction_mu"),
+    ("-friction_mu", "-friction_mu"),
+    ("-friction_beta 1e-3x", "-friction_beta"),
+    ("-clamp_angle inf", "-clamp_angle"),
+    ("-clamp_angle 90", "-clamp_angle"),
+    ("-clamp_angle 90m", "-clamp_angle"),
+    ("-stop_length 28cm", "-stop_length"),
+    ("-rod_cells 12.5", "-rod_cells"),
+    ("-rod_cells many", "-rod_cells"),
+    ("-ts_max_time inf", "-ts_max_time"),
+    ("-ts_max_time nan", "-ts_max_time"),
+    ("-ts_rtol tight", "-ts_rtol"),
+    ("-ts_dt 0.01s", "-ts_dt"),
+    ("-ts_init_time 1", "-ts_init_time"),
+    ("-ts_bdf_order two", "-ts_bdf_order"),
+    ("-ts_max_steps lots", "-ts_max_steps"),
+    ("-output_interval often", "-output_interval"),
+    ("-snes_max_it many", "-snes_max_it"),
+    ("-snes_atol x", "-snes_atol"),
+    ("-ts_adapt_dt_max big", "-ts_adapt_dt_max"),
+    ("-quiet perhaps", "-quiet"),
+    # not a word of the list
+    ("-task nonsense", "-task"),
+    ("-growth_type exponential", "-growth_type"),
+    ("-growth_type Uniform", "-growth_type"),
+    ("-growth_type", "-growth_type"),
+    ("-friction_newton dual", "-friction_newton"),
+    ("-shape_type bent", "-shape_type"),
+    ("-rod_model beam", "-rod_model"),
+    ("-rod_grading fine", "-rod_grading"),
+    ("-ts_type nonsense", "-ts_type"),
+    ("-ts_type euler", "-ts_type"),
+    ("-ts_type rosw", "-ts_type"),
+    ("-ts_type arkimex", "-ts_type"),
+    ("-ts_adapt_type nonsense", "-ts_adapt_type"),
+    ("-snes_type nonsense", "-snes_type"),
+    ("-ksp_type nonsense", "-ksp_type"),
+    ("-pc_type nonsense", "-pc_type"),
+    ("-ts_dt_max 1", "-ts_dt_max"),
+    # a name nobody knows, or that nothing in this run reads
+    ("-friction_nu 1", "-friction_mu"),
+    ("-friction_betta 1e-3", "-friction_beta"),
+    ("-rod_cell 20", "-rod_cells"),
+    ("-ts_maxtime 1", "-ts_max_time"),
+    ("-growth_typ gaussian", "-growth_type"),
+    ("-xyzzy 1", "-xyzzy"),
+    ("-growth_width 0.1", "-growth_width"),
+    ("-shape_file {text}", "-shape_file"),
+    ("-growth_table {table}", "-growth_table"),
+    ("--friction_mu 0.5", "friction_mu"),
+    ("friction_mu 0.5", "friction_mu"),
+    ("-rod_cells 20 uniform", "uniform"),
+    # options files
+    ("-options_file {missing}", "-options_file"),
+    ("-options_file", "-options_file"),
+    ("-options_file {directory}", "-options_file"),
+    ("-options_file {unknown_opts}", "-friction_mu"),
+    ("-options_file {range_opts}", "-friction_mu"),
+    ("-options_file {dashless_opts}", "friction_mu"),
+    ("-options_file {result}", "-options_file"),
+    # growth tables
+    ("-growth_type table", "-growth_table"),
+    ("-growth_type table -growth_table {missing}", "-growth_table"),
+    ("-growth_type table -growth_table {text}", "-growth_table"),
+    ("-growth_type table -growth_table {empty}", "-growth_table"),
+    ("-growth_type table -growth_table {directory}", "-growth_table"),
+    ("-growth_type table -growth_table {truncated}", "-growth_table"),
+    ("-growth_type table -growth_table {result}", "-growth_table"),
+    ("-growth_type table -growth_table {table_turned}", "-growth_table"),
+    ("-growth_type table -growth_table {table_flat}", "-growth_table"),
+    ("-growth_type table -growth_table {table_nan}", "-growth_table"),
+    ("-growth_type table -growth_table {table_negative}", "-growth_table"),
+    ("-growth_type table -growth_table {table_half}", "-growth_table"),
+    ("-growth_type table -growth_table {table_unsorted}", "-growth_table"),
+    ("-growth_type table -growth_table {table_few}", "-growth_table"),
+    ("-growth_type table -growth_table {table_late}", "-growth_table"),
+    ("-growth_type table -growth_table {table_words}", "-growth_table"),
+    ("-growth_type table -growth_table {table} -ts_max_time 2.5", "-ts_max_time"),
+    # shapes
+    ("-shape_type file", "-shape_file"),
+    ("-shape_type file -shape_file {missing}", "-shape_file"),
+    ("-shape_type file -shape_file {truncated}", "-shape_file"),
+    ("-shape_type file -shape_file {shape_lengths}", "-shape_file"),
+    ("-shape_type file -shape_file {shape_turned}", "-shape_file"),
+    # natural curvature
+    ("-rod_curvature 1e4", "-rod_curvature"),
+    ("-rod_curvature bent", "-rod_curvature"),
+    ("-rod_curvature 0.1 -rod_model linear", "-rod_curvature"),
+    ("-rod_curvature 0.1 -task critical", "-rod_curvature"),
+    ("-rod_curvature_random -1", "-rod_curvature_random"),
+    ("-rod_curvature_random 0.1 -rod_curvature_length 0", "-rod_curvature_length"),
+    ("-rod_curvature_random 0.1 -rod_curvature_seed -1", "-rod_curvature_seed"),
+    ("-rod_curvature_seed 3", "-rod_curvature_seed"),
+    ("-rod_curvature_file {missing}", "-rod_curvature_file"),
+    ("-rod_curvature_file {text}", "-rod_curvature_file"),
+    ("-rod_curvature_file {shape_lengths}", "-rod_curvature_file"),
+    ("-rod_curvature_file {curvature_nan}", "-rod_curvature_file"),
+    # events
+    ("-stop_length 0.4", "-stop_length"),
+    ("-stop_length long", "-stop_length"),
+    ("-stop_angle 0", "-stop_angle"),
+    ("-stop_angle -1", "-stop_angle"),
+    ("-stop_angle 0.5 -shape_amplitude 1", "-stop_angle"),
+    ("-stop_self_contact -0.1", "-stop_self_contact"),
+    ("-stop_contact 0.1", "-stop_contact"),
+    # laboratory units
+    ("-si_friction_dry 20", "-si_bending_stiffness"),
+    ("-si_bending_stiffness 0 -si_friction_dry 20", "-si_bending_stiffness"),
+    ("-si_bending_stiffness 1e-4", "-si_friction"),
+    ("-si_bending_stiffness 1e-4 -si_friction_dry -20", "-si_friction_dry"),
+    ("-si_bending_stiffness 1e-4 -si_friction_dry 20 -friction_mu 0.5", "-friction_mu"),
+    ("-si_bending_stiffness 1e-4 -si_friction_viscous 20", "-si_speed"),
+    ("-task units", "-si_"),
+    # going on
+    ("-restart {missing}", "-restart"),
+    ("-restart {text}", "-restart"),
+    ("-restart {truncated}", "-restart"),
+    ("-restart {table}", "-restart"),
+    ("-restart {directory}", "-restart"),
+    ("-restart {result}", "-restart"),
+    ("-restart {result} -ts_max_time 1 -rod_cells 30", "-rod_cells"),
+    # accuracy
+    ("-accuracy 0", "-accuracy"),
+    ("-accuracy 1", "-accuracy"),
+    ("-accuracy 1e-12", "-accuracy"),
+    ("-accuracy high", "-accuracy"),
+    ("-accuracy 1e-3 -task critical", "-accuracy"),
+    # results
+    ("-output {missing}/out.h5", "-output"),
+    ("-output {directory}", "-output"),
+    ("-output /proc/out.h5", "-output"),
+    ("-output {text}", "-output"),
+    ("-output {table_kept}", "-output"),
+    ("-output", "-output"),
+    ("-growth_type table -growth_table {table_kept} -output {table_kept}", "-output"),
+    # a run that does not reach its end
+    ("-ts_max_time 40 -ts_max_steps 5", "-ts_max_steps"),
+    ("-eps_view", "-eps_view"),
+]
+
+AFTER_THE_START = ("-ts_max_steps", "-eps_view")  # these stop a run that has begun
+
+# (ranks, command line, what the line must contain); mpiexec adds lines of its own
+PARALLEL_CASES = [
+    (3, "-rod_cells 4", "rank"),
+    (2, "-friction_mu 1.5", "-friction_mu"),
+    (2, "-friction_nu 1", "-friction_mu"),
+    (2, "-options_file {missing}", "-options_file"),
+    (2, "-growth_type table -growth_table {truncated}", "-growth_table"),
+    (2, "-output {missing}/out.h5", "-output"),
+    (2, "-rod_cells 20 uniform", "uniform"),
+]
+
+
+def write_hdf5(path, **arrays):
+    with h5py.File(path, "w") as file:
+        for name, values in arrays.items():
+            file[name] = values
+
+
+def make_files(d, tendril):
+    """Files to be refused, by name; the tables but one are spoilt in a single point each."""
+    def text(name, content):
+        (d / name).write_text(content)
+
+    text("text", "s,t,g\n0,0,0.5\n")
+    text("empty", "")
+    text("unknown_opts", "# a scene\n-growth_type uniform\n-friction_nu 1\n")
+    text("range_opts", "-friction_mu 7 # too large\n")
+    text("dashless_opts", "-growth_type uniform\nfriction_mu 0.5\n")
+    (d / "directory").mkdir()
+
+    s, t = [0, 0.2, 0.4, 0.6, 0.8, 1], [0, 0.5, 1, 1.5, 2]
+    g = [[0.5 + tk] * len(s) for tk in t]
+
+    def g_with(value):
+        return [[value if (i, k) == (2, 3) else x for i, x in enumerate(row)]
+                for k, row in enumerate(g)]
+
+    for name in ("table", "table_kept"):
+        write_hdf5(d / name, s=s, t=t, g=g)
+    write_hdf5(d / "table_turned", s=s, t=t, g=[list(column) for column in zip(*g)])
+    write_hdf5(d / "table_flat", s=s, t=t, g=sum(g, []))
+    write_hdf5(d / "table_nan", s=s, t=t, g=g_with(float("nan")))
+    write_hdf5(d / "table_negative", s=s, t=t, g=g_with(-1.0))
+    write_hdf5(d / "table_half", s=[x / 2 for x in s], t=t, g=g)
+    write_hdf5(d / "table_unsorted", s=[0, 0.4, 0.2, 0.6, 0.8, 1], t=t, g=g)
+    write_hdf5(d / "table_few", s=s, t=t[:2], g=g[:2])
+    write_hdf5(d / "table_late", s=s, t=[x + 1 for x in t], g=g)
+    write_hdf5(d / "table_words", s=[b"a"] * 6, t=t, g=g)
+    write_hdf5(d / "shape_lengths", s=s, theta=[0, 0.1, 0.2])
+    write_hdf5(d / "shape_turned", s=s, theta=[0.1] * 6)
+    write_hdf5(d / "curvature_nan", s=s, curvature=[0, 0, float("nan"), 0, 0, 0])
+    whole = (d / "table").read_bytes()
+    (d / "truncated").write_bytes(whole[: len(whole) // 2])
+
+    # sound input is accepted without a word, else the refusals would prove nothing
+    text("sound_opts", "# a scene\n-growth_type gaussian # a law\n-growth_width 0.3\n")
+    for line in SOUND:
+        done = run([tendril, *SHORT, "-output", "result", *line.split()], d)
+        if done.returncode != 0 or done.stderr:
+            sys.exit(f"bad_input: sound input is refused: {line}\n{done.stderr}")
+    return {p.name: str(p) for p in d.iterdir()} | {"missing": str(d / "missing")}
+
+
+def run(command, directory):
+    return subprocess.run(command, cwd=directory, stdin=subprocess.DEVNULL, capture_output=True,
+                          text=True, errors="replace", timeout=SECONDS)
+
+
+def complaints(stderr, expected, alone):
+    """What is wrong with a refusal; alone: nothing but the one line may stand on stderr."""
+    lines = [line for line in stderr.splitlines() if line.strip()]
+    ours = [line for line in lines if line.startswith("tendril: ")]
+    if len(ours) != 1:
+        yield f"{len(ours)} lines start with 'tendril: '"
+    elif expected not in ours[0]:
+        yield f"the line does not contain {expected}"
+    elif len(ours[0]) > 300:
+        yield "the line is too long"
+    if alone and len(lines) > len(ours):
+        yield f"{len(lines) - len(ours)} other lines on stderr"
+    for mark in ("PETSC ERROR", "HDF5-DIAG", "Segmentation", "Signal:"):
+        if mark in stderr:
+            yield f"{mark} on stderr"
+
+
+def check_refusal(command, expected, directory, alone=True):
+    old = directory / "out.h5"  # a result of an earlier run, which a refused one must not touch
+    before = (directory / "result").read_bytes()
+    old.write_bytes(before)
+    try:
+        done = run(command, directory)
+    except subprocess.TimeoutExpired:
+        return [f"still going after {SECONDS} s"], ""
+    wrong = list(complaints(done.stderr, expected, alone))
+    if expected not in AFTER_THE_START and old.read_bytes() != before:
+        wrong.append("an older result was overwritten")
+    if done.returncode == 0:
+        wrong.insert(0, "exit code 0")
+    elif done.returncode < 0 or done.returncode >= 128:
+        wrong.insert(0, f"ended by a signal, exit code {done.returncode}")
+    return wrong, done.stderr
+
+
+def start_and_stop(tendril, directory, number):
+    """A long run stopped by a signal once its result file has grown for a while."""
+    result = directory / f"stopped_{number}.h5"
+    command = [tendril, "-output", str(result), "-output_interval", "0.01", "-rod_cells", "2000"]
+    with subprocess.Popen(command, cwd=directory, stdin=subprocess.DEVNULL, text=True,
+                          stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:
+        end = time.monotonic() + SECONDS
+        sizes = set()
+        while len(sizes) < 4 and process.poll() is None and time.monotonic() < end:
+            sizes.add(result.stat().st_size if result.exists() else 0)
+            time.sleep(0.02)
+        if process.poll() is not None:
+            return result, process, process.stderr.read(), "ended before it could be stopped"
+        process.send_signal(number)
+        try:
+            stderr = process.communicate(timeout=SECONDS)[1]
+        except subprocess.TimeoutExpired:
+            process.kill()
+            return result, process, "", "did not end on the signal"
+    return result, process, stderr, None
+
+
+def check_stop(tendril, directory, number):
+    result, process, stderr, wrong = start_and_stop(tendril, directory, number)
+    if wrong:
+        return [wrong], stderr
+    wrong = []
+    if number != signal.SIGKILL:
+        wrong += complaints(stderr, "t = ", True)
+        if process.returncode <= 0 or process.returncode == 127:
+            wrong.append(f"no clean end: exit code {process.returncode}")
+    try:
+        with h5py.File(result, "r") as file:
+            shapes, steps = file["shapes/t"][()], file["series/t"][()]
+            for name in ("x", "theta", "curvature", "force"):
+                if len(file[f"shapes/{name}"]) != len(shapes):
+                    wrong.append(f"shapes/{name} and shapes/t differ in length")
+                file[f"shapes/{name}"][-1]
+            for name, series in file["series"].items():
+                if len(series) != len(steps):
+                    wrong.append(f"series/{name} and series/t differ in length")
+            if int(file.attrs["finished"]) != 0:
+                wrong.append("the file says finished")
+        if not len(shapes) or not len(steps):
+            wrong.append(f"{len(shapes)} shapes and {len(steps)} steps in the file")
+        elif number != signal.SIGKILL and shapes[-1] != steps[-1]:
+            wrong.append(f"last shape at t = {shapes[-1]}, last step at t = {steps[-1]}")
+    except (OSError, KeyError) as error:
+        wrong.append(f"the file cannot be read: {error}")
+    return wrong, stderr
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("tendril")
+    parser.add_argument("--mpiexec", default=shutil.which("mpiexec"))
+    parser.add_argument("--only", default="", help="run the cases whose command line has this")
+    parser.add_argument("--verbose", action="store_true", help="show what every case printed")
+    choice = parser.parse_args()
+    os.environ.update(OMP_NUM_THREADS="1", OMPI_ALLOW_RUN_AS_ROOT="1",
+                      OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
+                      OMPI_MCA_ess_singleton_isolated="1")  # no helper process: a quicker start
+    tendril = str(Path(choice.tendril).resolve())
+    count = failed = 0
+
+    def report(name, outcome):
+        nonlocal count, failed
+        wrong, stderr = outcome
+        count += 1
+        failed += bool(wrong)
+        if wrong or choice.verbose:
+            print(f"{'FAILED' if wrong else 'ok'}: {name}: {'; '.join(wrong)}")
+            for line in stderr.splitlines()[:6]:
+                print(f"    | {line}", flush=True)
+
+    with tempfile.TemporaryDirectory(prefix="tendril-") as name:
+        directory = Path(name)
+        files = make_files(directory, tendril)
+        for line, expected in CASES:
+            if choice.only in line:
+                command = [tendril, *SHORT, *line.format(**files).split()]
+                report(line, check_refusal(command, expected, directory))
+        for ranks, line, expected in PARALLEL_CASES if choice.mpiexec else []:
+            if choice.only in line:
+                command = [choice.mpiexec, "-n", str(ranks), "--oversubscribe", tendril, *SHORT,
+                           *line.format(**files).split()]
+                report(f"{ranks} ranks, {line}",
+                       check_refusal(command, expected, directory, alone=False))
+        for number in (signal.SIGKILL, signal.SIGTERM, signal.SIGINT):
+            if choice.only in number.name:
+                report(number.name, check_stop(tendril, directory, number))
+    print(f"bad_input: {count - failed} of {count} cases as they should be")
+    return 1 if failed or not count else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

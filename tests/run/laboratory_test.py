@@ -1,0 +1,332 @@
+#!/usr/bin/env python3
+"""The rod in the laboratory: natural curvature, events, restart, physical units, files for ParaView.
+
+    laboratory_test.py build/tendril [--mpiexec mpiexec] CHECK...      (no CHECK: all of them)"""
+
+import re
+import shlex
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from xml.etree import ElementTree
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
+from scene_test import DRY, Run, distance, expect
+
+import h5py
+import numpy as np
+
+CHECKS = {}
+
+
+def check(function):
+    CHECKS[function.__name__.replace("_", "-")] = function
+    return function
+
+
+CURVED = "-rod_curvature 0.02 -rod_curvature_random 0.1 -shape_type straight "
+
+
+@check
+def natural_curvature():
+    """Energy is balanced, two models agree, and mirrored curvature gives the mirrored rod."""
+    for law, length, end in (("uniform", 0.5, 20), ("gaussian", 0.5, 10), ("feed", 1, 8)):
+        options = (f"-growth_type {law} -growth_initial_length {length} -ts_max_time {end} " + CURVED)
+        a = Run(options)
+        b = Run(options + "-rod_model mixed -rod_cells 2000")
+        defect = a.energy_defect[a.t > 0.01].max()
+        print(f"{law}: defect {defect:.1e}, frame and mixed differ by {distance(b.tip, a.tip):.1e}, "
+              f"tip {a.tip}")
+        expect(defect < 1e-5, f"{law}: energy defect {defect:.1e}")
+        expect(distance(b.tip, a.tip) < 1e-4, f"{law}: models differ by {distance(b.tip, a.tip):.1e}")
+        expect(a.max_angle[-1] > 1, f"{law}: does not bend")
+    up, down = (Run(f"-ts_max_time 5 -shape_type straight -rod_curvature {k}") for k in (0.1, -0.1))
+    expect(np.allclose(up.tip_x2, -down.tip_x2, rtol=1e-12, atol=0), "not mirrored")
+    one, three = (Run(f"-ts_max_time 5 {CURVED}", ranks=n) for n in (1, 3))
+    expect(distance(three.tip, one.tip) < 1e-7, "3 ranks differ")
+    # a rod that nothing pushes keeps its natural curvature: at t = 0 it stores no energy
+    expect(up.energy[0] < 1e-12, f"energy {up.energy[0]} at t = 0")
+    expect(np.allclose(up.shapes["curvature"][0], 0.1, rtol=1e-9), "curvature at t = 0")
+
+
+def tendril(options, code=0):
+    """Runs it; exit code 0 or a refusal with one plain line, which is returned."""
+    done = subprocess.run([scene.TENDRIL, *shlex.split(options)], capture_output=True, text=True,
+                          env=scene.ENVIRONMENT)
+    expect((done.returncode != 0) == (code != 0), f"{options}: exit {done.returncode} {done.stderr}")
+    if code:
+        expect(done.stderr.startswith("tendril: ") and done.stderr.count("\n") == 1, done.stderr)
+    return done.stderr if code else done.stdout
+
+
+def read(file):
+    """Series and shapes by name; event, kind if there is one."""
+    with h5py.File(file) as f:
+        r = {f"{g}/{n}": d[()] for g in ("series", "shapes", "event") for n, d in
+             (f[g].items() if g in f else ())}
+        r["finished"] = f.attrs["finished"]
+        kind = f["event"].attrs["kind"] if "event" in f else ""
+        r["kind"] = kind.decode() if isinstance(kind, bytes) else kind
+    return r
+
+
+FED = "-growth_type feed -growth_initial_length 2 -shape_amplitude 0.1 -ts_max_time 20 "
+
+
+@check
+def events():
+    """Located to the tolerance: against a run with a hundredth of it, and against what is known."""
+    out = f"-output {scene.SCRATCH}/e.h5 "
+    for stop, kind in (("-stop_self_contact 0", "self_contact"), ("-stop_angle 2", "angle"),
+                       ("-stop_self_contact 0.2", "self_contact"), ("-stop_length 7.77", "length")):
+        found = []
+        for rtol in (1e-6, 1e-8):
+            text = tendril(f"{FED} {out} {stop} -ts_rtol {rtol} -output_interval 1")
+            r = read(f"{scene.SCRATCH}/e.h5")
+            word = {"self_contact": "touches itself at s", "angle": "an angle of 2 at s",
+                    "length": "length 7.77"}[kind]
+            expect(f": {word}" in text and r["kind"] == kind, f"{stop}: {text}")
+            expect(r["finished"] == 1, f"{stop}: not finished")
+            expect(r["event/t"] == r["series/t"][-1] == r["shapes/t"][-1], f"{stop}: times differ")
+            expect((np.diff(r["series/t"]) > 0).all(), f"{stop}: times do not increase")
+            found.append(float(r["event/t"]))
+        off = abs(found[0] / found[1] - 1)
+        print(f"{stop}: t = {found[1]:.9g}, s = {r['event/s']}, differs by {off:.1e}")
+        expect(off < 1e-5, f"{stop}: t = {found[0]} and {found[1]}")
+        if kind == "length":
+            expect(abs(found[0] - 5.77) < 1e-12, f"length 7.77 at t = {found[0]}")
+        if kind == "angle":
+            expect(abs(np.abs(r["shapes/theta"][-1]).max() - 2) < 1e-9, "angle")
+        if stop.endswith(" 0"):  # both labels are at one place
+            x, s = r["shapes/x"][-1], r["shapes/s"]
+            both = np.array([[np.interp(p, s, x[:, d]) for d in (0, 1)] for p in r["event/s"]])
+            expect(np.abs(both - r["event/x"]).max() < 1e-6, f"crossing at {both}")
+        # the speeds at the event belong to the run
+        whole = scene.Run(f"{FED} -ts_rtol 1e-8 -ts_max_time {found[1]!r}")
+        for name in ("tip_speed", "dissipation", "energy", "tip_x2"):
+            expect(abs(r[f"series/{name}"][-1] / whole.series[name][-1] - 1) < 1e-4, f"{stop}: {name}")
+    expect("-stop_angle" in tendril(f"{FED} -stop_angle 0.01", 1), "already so")
+    expect("-stop_length" in tendril(f"{FED} -stop_length 1", 1), "too short")
+
+
+def same_run(a, b, what, bound):
+    expect(len(a["shapes/t"]) == len(b["shapes/t"]) and np.allclose(a["shapes/t"], b["shapes/t"]),
+           f"{what}: shapes at {a['shapes/t']} and {b['shapes/t']}")
+    expect((np.diff(a["series/t"]) > 0).all(), f"{what}: times do not increase")
+    expect(abs(a["series/step"].sum() - a["series/t"][-1]) < 1e-9, f"{what}: a step is missing")
+    expect(len({len(v) for k, v in a.items() if k.startswith("series/")}) == 1, f"{what}: lengths")
+    off = distance(a["shapes/x"][-1][-1], b["shapes/x"][-1][-1])
+    print(f"{what}: {len(a['series/t'])} and {len(b['series/t'])} steps, tips differ by {off:.1e}, "
+          f"defect {a['series/energy_defect'][-1]:.1e}")
+    expect(off < bound, f"{what}: tips differ by {off:.1e}")
+    expect(a["series/energy_defect"][-1] < 1e-5, f"{what}: energy defect")
+
+
+@check
+def restart():
+    """A run that was broken and goes on is the unbroken one; so is one that goes on past its end."""
+    d = scene.SCRATCH
+    for law, more in (("uniform", ""), ("gaussian", "-rod_model auto -shape_amplitude 1e-4"),
+                      ("feed", "-rod_curvature_random 0.05 -rod_curvature_length 0.2")):
+        options = f"{DRY} -growth_type {law} {more} -ts_max_time 12 -output_interval 0.5 "
+        tendril(f"{options} -output {d}/whole.h5")
+        whole = read(f"{d}/whole.h5")
+        tendril(f"{options} -output {d}/a.h5 -ts_max_steps 60", 1)
+        broken = Path(f"{d}/a.h5").read_bytes()
+        size = len(broken)
+        tendril(f"-restart {d}/a.h5 -output {d}/b.h5")
+        expect(Path(f"{d}/a.h5").read_bytes() == broken, "-restart changed a file it should read")
+        tendril(f"-restart {d}/a.h5 -output {d}/a.h5")
+        a, b = read(f"{d}/a.h5"), read(f"{d}/b.h5")
+        same_run(a, whole, f"{law}, broken at step 60", 1e-6)
+        expect(all(np.array_equal(a[k], b[k]) for k in a), "a new file and the same differ")
+        expect("-restart" in tendril(f"-restart {d}/a.h5", 1), "goes on past its end")
+    tendril(f"{DRY} -ts_max_time 7.3 -output_interval 0.5 -output {d}/a.h5")
+    tendril(f"-restart {d}/a.h5 -ts_max_time 12")
+    tendril(f"{DRY} -ts_max_time 12 -output_interval 0.5 -output {d}/whole.h5")
+    same_run(read(f"{d}/a.h5"), read(f"{d}/whole.h5"), "past its end", 1e-5)
+    tendril(f"{FED} -stop_angle 1 -output_interval 0.5 -output {d}/a.h5")
+    tendril(f"-restart {d}/a.h5")
+    tendril(f"{FED} -output_interval 0.5 -output {d}/whole.h5")
+    same_run(read(f"{d}/a.h5"), read(f"{d}/whole.h5"), "past an event", 1e-4)
+    for options in (f"-restart {d}/none.h5", f"-restart {scene.TENDRIL}", "-restart",
+                    f"-restart {d}/whole.h5 -ts_max_time 30 -rod_cells 20",
+                    f"-restart {d}/whole.h5 -ts_max_time 30 -rod_model mixed",
+                    f"-restart {d}/whole.h5 -ts_max_time 30 -task critical"):
+        tendril(options, 1)
+
+
+@check
+def restart_after_a_signal():
+    d = scene.SCRATCH
+    options = f"{DRY} -ts_max_time 12 -output_interval 0.25 -rod_cells 3000 "
+    tendril(f"{options} -output {d}/whole.h5")
+    whole = read(f"{d}/whole.h5")
+    for number in (signal.SIGTERM, signal.SIGKILL):
+        file = Path(f"{d}/{number.name}.h5")
+        run = subprocess.Popen([scene.TENDRIL, *shlex.split(options), "-output", file],
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                               env=scene.ENVIRONMENT)
+        while run.poll() is None and not (file.exists() and file.stat().st_size > 3e6):
+            time.sleep(0.01)
+        expect(run.poll() is None, "ended before it could be stopped")
+        time.sleep(0.05)
+        run.send_signal(number)
+        expect(run.wait() != 0, "exit 0 after a signal")
+        tendril(f"-restart {file}")
+        same_run(read(file), whole, number.name, 1e-6)
+
+
+TUBE = "-si_bending_stiffness 4.4907e-4 -si_friction_dry 20.03 "
+
+
+@check
+def laboratory_units():
+    """There and back; a rod of twice the size in metres is the same in numbers."""
+    d = scene.SCRATCH
+    table = {line.split()[0]: line.split()[1:] for line in
+             tendril(f"-task units {TUBE} -si_speed 0.01").splitlines()[1:]}
+    expect(abs(float(table["length"][2]) / 35.46 - 1) < 2e-4, f"length {table['length']}")
+    for name in ("length", "force", "time", "speed", "energy", "power", "curvature"):
+        to, _, back = table[name]
+        expect(abs(float(to) * float(back) - 1) < 1e-6, f"{name}: {to} and {back}")
+    runs = []
+    for k in (1, 2):  # lengths k, friction per length the same: YI k^3, speed k
+        physical = f"-si_bending_stiffness {3e-4 * k**3} -si_friction_dry 15 " \
+                   f"-si_friction_viscous {50 / k} -si_speed {0.1 * k}"
+        tendril(f"{DRY} -ts_max_time 3 {physical} -output {d}/si.h5")
+        with h5py.File(f"{d}/si.h5") as f:
+            runs.append((read(f"{d}/si.h5"), {n: f.attrs[f"si_{n}"] for n in
+                                              ("length", "force", "time", "energy", "power")}))
+    (a, sa), (b, sb) = runs
+    expect(np.array_equal(a["shapes/x"], b["shapes/x"]), "numbers differ")
+    for name, factor in (("length", 2), ("force", 2), ("time", 1), ("energy", 4), ("power", 4)):
+        expect(abs(sb[name] / sa[name] / factor - 1) < 1e-12, f"scale of {name}")
+    expect(abs(sa["power"] * sa["time"] / sa["energy"] - 1) < 1e-12, "power x time = energy")
+    bare = Run(f"{DRY} -ts_max_time 3 -friction_mu 0.75")
+    expect(distance(a["shapes/x"][-1][-1], bare.tip) < 1e-12, "mu = 15/(15 + 50 x 0.1)")
+    for wrong, word in (("-si_friction_dry 20", "-si_bending_stiffness"), (TUBE + "-friction_mu 0.5",
+                        "-friction_mu"), (TUBE + "-si_friction_viscous 3", "-si_speed"),
+                        ("-si_bending_stiffness 1", "-si_friction_dry"), ("-task units", "units")):
+        expect(word in tendril(f"{wrong} -ts_max_time 0.1", 1), wrong)
+
+
+@check
+def paraview():
+    """ParaView's own reader plays the rod in time."""
+    try:
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+        from vtkmodules.vtkIOXdmf2 import vtkXdmfReader
+    except ImportError:
+        print("vtk is not installed: left out")
+        return
+    d = scene.SCRATCH
+    tendril(f"{DRY} -ts_max_time 3 -output_interval 0.5 -output {d}/rod.h5")
+    r = read(f"{d}/rod.h5")
+    reader = vtkXdmfReader()
+    reader.SetFileName(f"{d}/rod.xmf")
+    reader.UpdateInformation()
+    times = np.array(reader.GetOutputInformation(0).Get(reader.GetExecutive().TIME_STEPS()))
+    expect(np.allclose(times, r["shapes/t"]), f"times {times}")
+    for k, t in enumerate(times):
+        reader.UpdateTimeStep(t)
+        grid = reader.GetOutputDataObject(0)
+        while grid.IsA("vtkMultiBlockDataSet"):
+            grid = grid.GetBlock(0)
+        x = vtk_to_numpy(grid.GetPoints().GetData())
+        expect(np.allclose(x[:, :2], r["shapes/x"][k], atol=1e-6), f"x at t = {t}")
+        arrays = {"theta": r["shapes/theta"][k], "curvature": r["shapes/curvature"][k],
+                  "force_1": r["shapes/force"][k, :, 0], "force_2": r["shapes/force"][k, :, 1]}
+        for name, values in arrays.items():
+            a = vtk_to_numpy(grid.GetPointData().GetArray(name))
+            expect(np.allclose(a, values, atol=1e-6), f"{name} at t = {t}")
+    print(f"{len(times)} shapes read by VTK")
+
+
+@check
+def scales():
+    """The table of -task units is what README says: l = (YI/N)^(1/3), forces in N l, times in l/V."""
+    YI, mu, nu, V = 3e-4, 15, 50, 0.1
+    N = mu + nu * V
+    l = (YI / N) ** (1 / 3)
+    text = tendril(f"-task units -si_bending_stiffness {YI} -si_friction_dry {mu} "
+                   f"-si_friction_viscous {nu} -si_speed {V} -growth_initial_length 2 -ts_max_time 3")
+    table = {line.split()[0]: float(line.split()[1]) for line in text.splitlines()[1:-1]}
+    for name, value in dict(length=l, force=N * l, time=l / V, speed=V, energy=N * l * l,
+                            power=N * l * V, curvature=1 / l).items():
+        expect(abs(table[name] / value - 1) < 1e-7, f"{name}: {table[name]}, not {value}")
+    start, end, share = (float(x) for x in re.findall(
+        r"from (\S+) m to (\S+) m; .* is (\S+)\.$", text.splitlines()[-1])[0])
+    expect(np.allclose((start / l, end / l, share), (2, 5, mu / N), rtol=1e-5), f"{text}")
+
+
+@check
+def xdmf():
+    """Each array that the .xmf names is that of the .h5 (read without ParaView)."""
+    d = scene.SCRATCH
+    tendril(f"{DRY} -ts_max_time 1 -output_interval 0.5 -output {d}/rod.h5")
+    r = read(f"{d}/rod.h5")
+    grids = ElementTree.parse(f"{d}/rod.xmf").findall("./Domain/Grid/Grid")
+    expect(len(grids) == len(r["shapes/t"]), f"{len(grids)} shapes")
+    for k, grid in enumerate(grids):
+        expect(float(grid.find("Time").get("Value")) == r["shapes/t"][k], f"time {k}")
+        for name, label, column in (("x", None, slice(2)), ("theta", "theta", None),
+                                    ("curvature", "curvature", None), ("force", "force_1", 0),
+                                    ("force", "force_2", 1)):
+            slab = grid.find("Geometry/DataItem" if label is None else
+                             f"Attribute[@Name='{label}']/DataItem")
+            start, stride, count = np.array([int(n) for n in slab[0].text.split()]).reshape(3, -1)
+            file, data = slab[1].text.split(":")
+            with h5py.File(f"{d}/{file}") as f:
+                whole = f[data][()]
+            expect([int(n) for n in slab[1].get("Dimensions").split()] == list(whole.shape), data)
+            got = whole[tuple(slice(a, a + h * n, h) for a, h, n in zip(start, stride, count))]
+            expect([int(n) for n in slab.get("Dimensions").split()] == list(got.shape), data)
+            want = r[f"shapes/{name}"][k] if column is None else r[f"shapes/{name}"][k][:, column]
+            expect(np.array_equal(got.ravel(), want.ravel()), f"{label or 'x'} of shape {k}")
+
+
+@check
+def curvature_at_rest():
+    """At t = 0 the rod has the angle of its natural curvature; a random one has the root mean square
+    and the correlation it was asked for."""
+    for law in ("uniform", "gaussian"):
+        r = Run(f"-growth_type {law} -growth_initial_length 2 -shape_type straight -ts_max_time 0.01 "
+                "-rod_curvature 0.1")
+        expect(abs(r.shapes["theta"][0, -1] - 0.2) < 1e-9, f"{law}: {r.shapes['theta'][0, -1]}")
+    part = 0.005
+    r = Run("-growth_initial_length 2 -shape_type straight -ts_max_time 0.001 -rod_cells 2000 "
+            f"-rod_curvature_random 0.1 -rod_curvature_length {part}")
+    s, k = r.shapes["s"], r.shapes["curvature"][0]
+    even = np.interp(np.linspace(0, 1, 4001), s, k)
+    shift = int(part * 4000)
+    rms, along = even.std(), np.mean(even[shift:] * even[:-shift]) / np.mean(even ** 2)
+    print(f"root mean square {rms:.4f}, correlation after one length {along:.3f}")
+    expect(abs(rms / 0.1 - 1) < 0.15, f"root mean square {rms}")
+    expect(abs(along - np.exp(-0.5)) < 0.2, f"correlation {along}")
+
+
+@check
+def restart_keeps_curvature():
+    """Past its end, a fed rod keeps the natural curvature that its material has: in one go on or in
+    two it is the same rod. Points that do not belong to their state are refused."""
+    d = scene.SCRATCH
+    fed = "-growth_type feed -growth_initial_length 2 -shape_type straight -output_interval 0.5 " \
+          "-rod_curvature_random 0.1 -rod_curvature_length 0.2 "
+    for name in ("one", "two"):
+        tendril(f"{fed} -ts_max_time 4 -output {d}/{name}.h5")
+    tendril(f"-restart {d}/two.h5 -ts_max_time 5.5")
+    for name in ("one", "two"):
+        tendril(f"-restart {d}/{name}.h5 -ts_max_time 7")
+    one, two = read(f"{d}/one.h5"), read(f"{d}/two.h5")
+    same_run(one, two, "in one and in two", 1e-5)
+    with h5py.File(f"{d}/one.h5", "r+") as f:
+        f["restart/points"][0] += 1
+    expect("is not whole" in tendril(f"-restart {d}/one.h5 -ts_max_time 8", 1), "goes on from a mix")
+
+
+if __name__ == "__main__":
+    sys.exit(scene.main(CHECKS))

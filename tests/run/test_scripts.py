@@ -1,0 +1,120 @@
+#!/usr/bin/env python3
+"""The reader and the pictures, on results made by tendril itself.
+
+    test_scripts.py build/tendril        with .venv's python, or one that has h5py and matplotlib"""
+
+import contextlib
+import io
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+SCRIPTS = Path(__file__).resolve().parent.parent.parent / "scripts"
+sys.path.insert(0, str(SCRIPTS))
+try:
+    import numpy as np
+
+    from tendril import ResultsError, animate, load, plot
+except ImportError as error:
+    venv = SCRIPTS.parent / ".venv/bin/python"
+    if venv.exists() and Path(sys.prefix) != venv.parent.parent:
+        os.execv(venv, [str(venv), *sys.argv])
+    sys.exit(f"test_scripts: {error}; scripts/setup.sh makes .venv")
+
+TENDRIL = ""
+
+
+def quietly(function, arguments):
+    """(result, stdout, stderr) of a script's main."""
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        result = function([str(a) for a in arguments])
+    return result, out.getvalue(), err.getvalue()
+
+
+class Scripts(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.directory = tempfile.TemporaryDirectory(prefix="tendril-")
+        d = Path(cls.directory.name)
+        cls.file, cls.straight, cls.cut = d / "a.h5", d / "straight.h5", d / "cut.h5"
+        for file, more in ((cls.file, "-clamp_angle -0.5"), (cls.straight, "-shape_type straight")):
+            command = [TENDRIL, "-output", file, "-rod_cells", "60", "-ts_max_time", "2",
+                       "-output_interval", "0.5", *more.split()]
+            subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+        cls.cut.write_bytes(cls.file.read_bytes()[:2000])
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.directory.cleanup()
+
+    def test_reader(self):
+        r = load(self.file)
+        self.assertTrue(r.finished)
+        self.assertEqual(r.options["clamp_angle"], "-0.5")
+        self.assertEqual(r.options["rod_cells"], "60")
+        self.assertTrue(all(len(a) == len(r.series.t) for a in r.series.values()))
+        np.testing.assert_allclose(r.shapes.t, [0, 0.5, 1, 1.5, 2], atol=1e-12)
+        np.testing.assert_allclose(r.series.length, 0.5 + r.series.t, rtol=1e-12)
+        shape = r.at(0.9)
+        self.assertEqual((shape.index, shape.x.shape, shape.force.shape), (2, (61, 2), (61, 2)))
+        self.assertAlmostEqual(shape.length, 1.5)
+        self.assertAlmostEqual(shape.theta[0], -0.5)
+        t, value = r.minimum("length")
+        self.assertEqual((t, value), (0, 0.5))
+        self.assertIn("series/norm_x2", r.notes)
+
+    def test_reader_agrees_with_itself(self):
+        r = load(self.file)  # the last shape is the last step
+        shape = r.at(2)
+        np.testing.assert_allclose(shape.x[-1], [r.series.tip_x1[-1], r.series.tip_x2[-1]],
+                                   rtol=1e-9)
+        np.testing.assert_allclose(-shape.force[0],
+                                   [r.series.base_force_1[-1], r.series.base_force_2[-1]],
+                                   rtol=1e-9)
+
+    def test_bad_files(self):
+        for path in (self.cut, self.file.parent / "none.h5", self.file.parent):
+            with self.assertRaises(ResultsError):
+                load(path)
+            result, _, err = quietly(plot.main, [path])
+            self.assertEqual(result, 1)
+            self.assertRegex(err, r"^plot: .*\n$")
+
+    def test_plot(self):
+        base = self.file.parent / "picture"
+        for files, more in (([self.file], []), ([self.file, self.straight], []),
+                            ([self.straight], ["--panels", "norm", "--times", "1"])):
+            result, out, err = quietly(plot.main, [*files, "--output", base, *more])
+            self.assertEqual((result, out, err), (0, "", ""))
+            for ending in (".png", ".pdf"):
+                self.assertGreater(base.with_suffix(ending).stat().st_size, 3000)
+                base.with_suffix(ending).unlink()
+
+    def test_plot_tells_of_times_it_lacks(self):
+        _, out, _ = quietly(plot.main, [self.file, "--times", "0.7,9", "--panels", "shapes"])
+        self.assertIn("no shape stored at t = 0.7", out)
+        self.assertIn("ends at t = 2, before 9", out)
+
+    def test_options_page(self):
+        """docs/options.md is what scripts/options.py makes of this executable."""
+        done = subprocess.run([sys.executable, str(SCRIPTS / "lab" / "options.py"), TENDRIL],
+                              capture_output=True, text=True)
+        page = (SCRIPTS.parent / "docs" / "options.md").read_text()
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertGreater(page.count("| -"), 40)
+        self.assertEqual(done.stdout, page, "redraw it: scripts/lab/options.py TENDRIL > docs/options.md")
+
+    def test_animate(self):
+        film = self.file.parent / "film.gif"
+        result, _, err = quietly(animate.main, [self.file, "--output", film, "--frames", "3"])
+        self.assertEqual((result, err), (0, ""))
+        self.assertGreater(film.stat().st_size, 5000)
+
+
+if __name__ == "__main__":
+    TENDRIL = str(Path(sys.argv.pop(1)).resolve())
+    unittest.main()

@@ -1,0 +1,471 @@
+/* The time stepper on problems with known solutions: orders 1 to 5 from a warm start, exactness for
+   polynomials on uneven steps, error control, dense output; then the orders on a rod. */
+#include "harness.h"
+#include "stepping/chain.h"
+#include "stepping/leg.h"
+#include "stepping/vbdf.h"
+
+/* Each rank holds one copy, shifted in time by its rank:
+     y1' = -y2 + y1 (z - exp(-t)),  y2' = y1 + y2 (z - exp(-t)),  0 = y1^2 + y2^2 - 1,
+     w' = -2 t w^2:
+   index 2 in (y, z), y = (cos t, sin t), z = exp(-t), w = 1 / (1 + t^2). */
+enum { Y1, Y2, Z, W, FIELDS };
+
+static PetscReal Shift(void) {
+  PetscMPIInt rank;
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  return 0.3 * rank;
+}
+
+static PetscErrorCode Residual(TS ts, PetscReal t, Vec U, Vec U_t, Vec F, void *ctx) {
+  const PetscScalar *u, *u_t;
+  PetscScalar *f;
+  PetscReal p = t + Shift(), pull;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayRead(U, &u));
+  PetscCall(VecGetArrayRead(U_t, &u_t));
+  PetscCall(VecGetArray(F, &f));
+  pull = u[Z] - PetscExpReal(-p);
+  f[Y1] = u_t[Y1] + u[Y2] - u[Y1] * pull;
+  f[Y2] = u_t[Y2] - u[Y1] - u[Y2] * pull;
+  f[Z] = u[Y1] * u[Y1] + u[Y2] * u[Y2] - 1;
+  f[W] = u_t[W] + 2 * p * u[W] * u[W];
+  PetscCall(VecRestoreArrayRead(U, &u));
+  PetscCall(VecRestoreArrayRead(U_t, &u_t));
+  PetscCall(VecRestoreArray(F, &f));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Jacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J, Mat P,
+                               void *ctx) {
+  const PetscScalar *u;
+  PetscReal p = t + Shift(), pull;
+  PetscInt first, rows[FIELDS];
+
+  PetscFunctionBegin;
+  PetscCall(VecGetOwnershipRange(U, &first, NULL));
+  for (int i = 0; i < FIELDS; i++) rows[i] = first + i;
+  PetscCall(VecGetArrayRead(U, &u));
+  pull = u[Z] - PetscExpReal(-p);
+  PetscScalar a[FIELDS][FIELDS] = {{shift - pull, 1, -u[Y1], 0},
+                                   {-1, shift - pull, -u[Y2], 0},
+                                   {2 * u[Y1], 2 * u[Y2], 0, 0},
+                                   {0, 0, 0, shift + 4 * p * u[W]}};
+  PetscCall(VecRestoreArrayRead(U, &u));
+  PetscCall(MatSetValues(P, FIELDS, rows, FIELDS, rows, &a[0][0], INSERT_VALUES));
+  PetscCall(MatAssemblyBegin(P, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(P, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(0);
+}
+
+static void Exact(PetscReal t, Vec U) {
+  PetscReal p = t + Shift();
+  PetscScalar *u;
+  CHECK(VecGetArray(U, &u));
+  u[Y1] = PetscCosReal(p);
+  u[Y2] = PetscSinReal(p);
+  u[Z] = PetscExpReal(-p);
+  u[W] = 1 / (1 + p * p);
+  CHECK(VecRestoreArray(U, &u));
+}
+
+/* y' = degree t^(degree - 1), y = t^degree */
+static PetscInt degree;
+
+static PetscErrorCode PowerResidual(TS ts, PetscReal t, Vec U, Vec U_t, Vec F, void *ctx) {
+  PetscFunctionBegin;
+  PetscCall(VecCopy(U_t, F));
+  PetscCall(VecShift(F, -degree * PetscPowReal(t, degree - 1)));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode PowerJacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J,
+                                    Mat P, void *ctx) {
+  PetscInt low, high;
+
+  PetscFunctionBegin;
+  PetscCall(MatGetOwnershipRange(P, &low, &high));
+  for (PetscInt i = low; i < high; i++) PetscCall(MatSetValue(P, i, i, shift, INSERT_VALUES));
+  PetscCall(MatAssemblyBegin(P, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(P, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(0);
+}
+
+static void PowerExact(PetscReal t, Vec U) {
+  CHECK(VecSet(U, PetscPowReal(t, degree)));
+}
+
+typedef struct {
+  TS ts;
+  Vec U, V;
+  Mat J;
+  void (*exact)(PetscReal t, Vec U);
+} Problem;
+
+static void Create(PetscBool power, Problem *p) {
+  SNESLineSearch search;
+  SNES snes;
+  KSP ksp;
+  PC pc;
+  CHECK(VecCreateMPI(PETSC_COMM_WORLD, FIELDS, PETSC_DETERMINE, &p->U));
+  CHECK(VecDuplicate(p->U, &p->V));
+  CHECK(MatCreateAIJ(PETSC_COMM_WORLD, FIELDS, FIELDS, PETSC_DETERMINE, PETSC_DETERMINE, FIELDS,
+                     NULL, 0, NULL, &p->J));
+  CHECK(TSCreate(PETSC_COMM_WORLD, &p->ts));
+  CHECK(TSSetIFunction(p->ts, NULL, power ? PowerResidual : Residual, NULL));
+  CHECK(TSSetIJacobian(p->ts, p->J, p->J, power ? PowerJacobian : Jacobian, NULL));
+  CHECK(TSSetType(p->ts, TSVBDF));
+  CHECK(TSSetExactFinalTime(p->ts, TS_EXACTFINALTIME_MATCHSTEP));
+  CHECK(TSSetMaxSteps(p->ts, 100000));
+  CHECK(TSGetSNES(p->ts, &snes));
+  CHECK(SNESSetTolerances(snes, 1e-15, 1e-13, 1e-12, 20, 1000));
+  CHECK(SNESGetLineSearch(snes, &search));
+  CHECK(SNESLineSearchSetType(search, SNESLINESEARCHBASIC));
+  CHECK(SNESGetKSP(snes, &ksp));
+  CHECK(KSPSetType(ksp, KSPPREONLY));
+  CHECK(KSPGetPC(ksp, &pc));
+  CHECK(PCSetType(pc, PCBJACOBI)); /* each rank's block by LU: exact */
+  CHECK(PetscOptionsInsertString(NULL, "-sub_ksp_type preonly -sub_pc_type lu "
+                                       "-sub_pc_factor_shift_type nonzero"));
+  CHECK(TSSetFromOptions(p->ts));
+  CHECK(TSSetSolution(p->ts, p->U));
+  p->exact = power ? PowerExact : Exact;
+}
+
+static void Destroy(Problem *p) {
+  CHECK(TSDestroy(&p->ts));
+  CHECK(MatDestroy(&p->J));
+  CHECK(VecDestroy(&p->U));
+  CHECK(VecDestroy(&p->V));
+}
+
+/* Hands over n exact points, latest at t, spaced by h times 1, 1 + uneven, 1 + 2 uneven ... */
+static void WarmStart(Problem *p, PetscReal t, PetscReal h, PetscReal uneven, PetscInt n) {
+  PetscReal times[VBDF_POINTS];
+  Vec points[VBDF_POINTS];
+  for (PetscInt i = 0; i < n; i++) {
+    times[i] = i ? times[i - 1] - h * (1 + (i - 1) * uneven) : t;
+    CHECK(VecDuplicate(p->U, &points[i]));
+    p->exact(times[i], points[i]);
+  }
+  p->exact(t, p->U);
+  CHECK(TSSetTime(p->ts, t));
+  CHECK(TSSetTimeStep(p->ts, h));
+  CHECK(VBDFSetHistory(p->ts, n, times, points, n));
+  for (PetscInt i = 0; i < n; i++) CHECK(VecDestroy(&points[i]));
+}
+
+/* Largest error of y and w, or of z, at time t in X. */
+static PetscReal Error(Problem *p, PetscReal t, Vec X, PetscBool algebraic) {
+  PetscReal error = 0;
+  const PetscScalar *v;
+  p->exact(t, p->V);
+  CHECK(VecAXPY(p->V, -1, X));
+  CHECK(VecGetArrayRead(p->V, &v));
+  for (int f = 0; f < FIELDS; f++)
+    if ((f == Z) == algebraic) error = PetscMax(error, PetscAbsReal(v[f]));
+  CHECK(VecRestoreArrayRead(p->V, &v));
+  return AllMax(error);
+}
+
+/* Errors at t = 3: of y and w, of z, and of y and w by dense output within the last step. */
+static void RunFixed(PetscInt order, PetscReal h, PetscReal error[3]) {
+  Problem p;
+  Vec X;
+  SetOptions("-ts_adapt_type none -ts_bdf_order %d", (int)order);
+  Create(PETSC_FALSE, &p);
+  WarmStart(&p, 1, h, 0, order);
+  CHECK(TSSetMaxTime(p.ts, 3));
+  CHECK(TSSolve(p.ts, p.U));
+  error[0] = Error(&p, 3, p.U, PETSC_FALSE);
+  error[1] = Error(&p, 3, p.U, PETSC_TRUE);
+  CHECK(VecDuplicate(p.U, &X));
+  CHECK(TSInterpolate(p.ts, 3 - 0.4 * h, X));
+  error[2] = Error(&p, 3 - 0.4 * h, X, PETSC_FALSE);
+  CHECK(VecDestroy(&X));
+  Destroy(&p);
+}
+
+static void TestOrders(void **state) {
+  for (PetscInt order = 1; order <= 5; order++) {
+    PetscReal coarse[3], fine[3];
+    RunFixed(order, 1. / 20, coarse);
+    RunFixed(order, 1. / 40, fine);
+    print_message("BDF%d: order %.2f (error %.1e), of the multiplier %.2f, dense output %.2f\n",
+                  (int)order, Order(coarse[0], fine[0]), fine[0], Order(coarse[1], fine[1]),
+                  Order(coarse[2], fine[2]));
+    for (int k = 0; k < 3; k++) {
+      PetscReal measured = Order(coarse[k], fine[k]);
+      EXPECT(measured > order - 0.25 && (k == 1 || measured < order + 0.6),
+             "BDF%d, error %d: order %g", (int)order, k, measured);
+    }
+    EXPECT(fine[2] < 1.5 * fine[0], "dense output %g, steps %g", fine[2], fine[0]);
+  }
+}
+
+/* A formula of order k follows t^k exactly, its dense output too, on steps of any length. */
+static void TestExactForPolynomials(void **state) {
+  for (PetscInt order = 1; order <= 6; order++) {
+    Problem p;
+    PetscReal error, t, dense;
+    Vec X;
+    SetOptions("-ts_adapt_type none -ts_bdf_order %d", (int)order);
+    degree = order;
+    Create(PETSC_TRUE, &p);
+    WarmStart(&p, 1, 0.1, 0.3, order);
+    CHECK(VecDuplicate(p.U, &X));
+    CHECK(TSSetMaxTime(p.ts, 10));
+    for (int k = 0; k < 5; k++) {
+      CHECK(TSSetTimeStep(p.ts, 0.1 * (1 + k % 3)));
+      CHECK(TSStep(p.ts));
+      CHECK(TSGetTime(p.ts, &t));
+      error = Error(&p, t, p.U, PETSC_FALSE) / PetscPowReal(t, order);
+      EXPECT(error < 1e-12, "BDF%d, step %d: %g", (int)order, k, error);
+      CHECK(TSInterpolate(p.ts, t - 0.03, X));
+      dense = Error(&p, t - 0.03, X, PETSC_FALSE) / PetscPowReal(t, order);
+      EXPECT(dense < 1e-11, "BDF%d, dense output at step %d: %g", (int)order, k, dense);
+    }
+    CHECK(VecDestroy(&X));
+    Destroy(&p);
+  }
+}
+
+/* From two points; only y and w are under control, as in tendril. */
+static PetscReal RunAdaptive(PetscReal rtol, PetscInt *steps) {
+  Problem p;
+  Vec tolerance, none;
+  PetscScalar *a;
+  PetscReal error;
+  SetOptions("-ts_adapt_type basic");
+  Create(PETSC_FALSE, &p);
+  CHECK(VecDuplicate(p.U, &tolerance));
+  CHECK(VecDuplicate(p.U, &none));
+  CHECK(VecGetArray(tolerance, &a));
+  for (int f = 0; f < FIELDS; f++) a[f] = f == Z ? -1 : rtol;
+  CHECK(VecRestoreArray(tolerance, &a));
+  CHECK(TSSetTolerances(p.ts, rtol, tolerance, 0, none));
+  WarmStart(&p, 0, 1e-3, 0, 2);
+  CHECK(TSSetMaxSNESFailures(p.ts, -1));
+  CHECK(TSSetMaxTime(p.ts, 3));
+  CHECK(TSSolve(p.ts, p.U));
+  CHECK(TSGetStepNumber(p.ts, steps));
+  error = Error(&p, 3, p.U, PETSC_FALSE);
+  CHECK(VecDestroy(&tolerance));
+  CHECK(VecDestroy(&none));
+  Destroy(&p);
+  return error;
+}
+
+static void TestAdaptive(void **state) {
+  PetscReal before = 1;
+  for (PetscReal rtol = 1e-4; rtol > 1e-11; rtol *= 1e-2) {
+    PetscInt steps;
+    PetscReal error = RunAdaptive(rtol, &steps);
+    print_message("tolerance %.0e: error %.1e in %d steps\n", rtol, error, (int)steps);
+    EXPECT(error < 20 * rtol, "tolerance %g: error %g", rtol, error);
+    EXPECT(error < 0.1 * before, "tolerance %g: error %g, before %g", rtol, error, before);
+    EXPECT(steps < 40 * PetscPowReal(rtol, -1. / 6), "tolerance %g: %d steps", rtol, (int)steps);
+    before = error;
+  }
+}
+
+/* What is handed out is what was handed in, moved on by the steps between. */
+static void TestHistory(void **state) {
+  PetscReal times[VBDF_POINTS], norm;
+  Vec points[VBDF_POINTS];
+  PetscInt n, order;
+  Problem p;
+  SetOptions("-ts_adapt_type none -ts_bdf_order 3");
+  Create(PETSC_FALSE, &p);
+  WarmStart(&p, 1, 0.1, 0.5, 4);
+  CHECK(TSSetMaxTime(p.ts, 10));
+  CHECK(TSSetTimeStep(p.ts, 0.2));
+  CHECK(TSStep(p.ts));
+  CHECK(VBDFGetHistory(p.ts, &n, times, points, &order));
+  EXPECT(n == 5 && order == 3, "%d points, order %d", (int)n, (int)order);
+  for (int i = 0; i < 4; i++) {
+    const PetscReal should[4] = {1.2, 1, 0.9, 0.75};
+    EXPECT(PetscAbsReal(times[i] - should[i]) < 1e-14, "point %d at %g", i, times[i]);
+    EXPECT(Error(&p, times[i], points[i], PETSC_FALSE) < (i ? 1e-15 : 1e-3), "point %d", i);
+  }
+  CHECK(VecCopy(points[0], p.V));
+  CHECK(VecAXPY(p.V, -1, p.U));
+  CHECK(VecNorm(p.V, NORM_INFINITY, &norm));
+  EXPECT(norm == 0, "the latest point is not the solution, by %g", norm);
+  Destroy(&p);
+}
+
+/* ---- on a rod: the dry rod of length 2, at t = 2 ---- */
+
+typedef struct {
+  Scene scene;
+  Leg leg;
+  PetscReal h; /* of the history to be taken at warm - i h */
+  PetscInt taken;
+  Vec point[VBDF_POINTS];
+} Run;
+static const PetscReal warm = 1;
+
+/* Takes the points that the warm start needs, oldest (index 5) first, by dense output. */
+static PetscErrorCode TakePoints(TS ts) {
+  PetscReal t;
+  Leg *leg;
+  Run *run;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetApplicationContext(ts, &leg));
+  run = (Run *)leg->owner;
+  PetscCall(TSGetTime(ts, &t));
+  while (run->h > 0 && run->taken < 6 && warm - (5 - run->taken) * run->h <= t * (1 + 1e-14)) {
+    PetscReal at = warm - (5 - run->taken) * run->h;
+    PetscCall(VecDuplicate(leg->U, &run->point[5 - run->taken]));
+    PetscCall(TSInterpolate(ts, at, run->point[5 - run->taken]));
+    run->taken++;
+  }
+  PetscFunctionReturn(0);
+}
+
+static void RunCreate(const char *options, PetscReal rtol, PetscReal h, Run *run) {
+  Node *nodes;
+  *run = (Run){.h = h};
+  SetOptions("-growth_initial_length 2 -shape_amplitude 0.1 -friction_beta 0.05 -rod_cells 20 "
+             "-ts_max_time 3 %s",
+             options);
+  CHECK(SceneCreate(&run->scene));
+  CHECK(LegCreate(run->scene, &rod_frame, rtol, NULL, &run->leg));
+  run->leg.owner = run;
+  CHECK(TSSetPostStep(run->leg.ts, TakePoints));
+  CHECK(TSSetTimeStep(run->leg.ts, 1e-5));
+  CHECK(PetscMalloc1(run->leg.rod->end - run->leg.rod->first, &nodes));
+  CHECK(RodInitialNodes(run->leg.rod, 0, nodes));
+  CHECK(rod_frame.set(run->leg.rod, 0, nodes, run->leg.U));
+  CHECK(PetscFree(nodes));
+}
+
+static void RunDestroy(Run *run) {
+  for (int i = 0; i < VBDF_POINTS; i++) CHECK(VecDestroy(&run->point[i]));
+  CHECK(LegDestroy(&run->leg));
+  CHECK(SceneDestroy(&run->scene));
+}
+
+/* Largest difference of x and theta. */
+static PetscReal Difference(Run *run, Vec A, Vec B) {
+  PetscReal size[MAX_FIELDS];
+  Vec D;
+  CHECK(VecDuplicate(A, &D));
+  CHECK(VecWAXPY(D, -1, A, B));
+  CHECK(RodFieldSizes(run->leg.rod, D, size));
+  CHECK(VecDestroy(&D));
+  return PetscMax(size[0], PetscMax(size[1], size[2]));
+}
+
+static void TestOrdersOnRod(void **state) {
+  const PetscReal steps[2] = {0.1, 0.05}, end = 2;
+  Run tight[2];
+  for (int k = 0; k < 2; k++) {
+    RunCreate("", 1e-11, steps[k], &tight[k]);
+    CHECK(TSSetMaxTime(tight[k].leg.ts, end));
+    CHECK(TSSolve(tight[k].leg.ts, tight[k].leg.U));
+    EXPECT(tight[k].taken == 6, "%d points", (int)tight[k].taken);
+  }
+  for (PetscInt order = 1; order <= 5; order++) {
+    PetscReal error[2], measured;
+    for (int k = 0; k < 2; k++) {
+      char options[64];
+      PetscReal times[6];
+      Run run;
+      snprintf(options, sizeof(options), "-ts_adapt_type none -ts_bdf_order %d", (int)order);
+      RunCreate(options, 1e-11, 0, &run);
+      for (int i = 0; i < 6; i++) times[i] = warm - i * steps[k];
+      CHECK(VecCopy(tight[k].point[0], run.leg.U));
+      CHECK(TSSetTime(run.leg.ts, warm));
+      CHECK(TSSetTimeStep(run.leg.ts, steps[k]));
+      CHECK(TSSetMaxTime(run.leg.ts, end));
+      CHECK(VBDFSetHistory(run.leg.ts, order, times, tight[k].point, order));
+      CHECK(TSSolve(run.leg.ts, run.leg.U));
+      error[k] = Difference(&run, run.leg.U, tight[1].leg.U);
+      RunDestroy(&run);
+    }
+    measured = Order(error[0], error[1]);
+    print_message("BDF%d on the rod: error %.1e, order %.2f\n", (int)order, error[1], measured);
+    EXPECT(measured > order - 0.3 && measured < order + 0.7, "BDF%d: errors %g %g, order %g",
+           (int)order, error[0], error[1], measured);
+  }
+  for (int k = 0; k < 2; k++) RunDestroy(&tight[k]);
+}
+
+/* y = sin t and, from t = 0.3 on, 1 more: one jump, and nothing special behind it; or a kink there,
+   which is none. */
+static PetscErrorCode Broken(TS ts, PetscReal t, Vec U, Vec V, Vec F, void *ctx) {
+  const PetscScalar *y;
+  PetscScalar *f;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayRead(U, &y));
+  PetscCall(VecGetArray(F, &f));
+  f[0] = y[0] - PetscSinReal(t) - (*(PetscBool *)ctx ? 5 * PetscMax(0, t - 0.3) : t > 0.3);
+  PetscCall(VecRestoreArray(F, &f));
+  PetscCall(VecRestoreArrayRead(U, &y));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode BrokenSlope(TS ts, PetscReal t, Vec U, Vec V, PetscReal shift, Mat J, Mat P,
+                                  void *ctx) {
+  PetscFunctionBegin;
+  PetscCall(MatSetValue(J, 0, 0, 1, INSERT_VALUES));
+  PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(0);
+}
+
+static void Jump(PetscBool kink) {
+  TSConvergedReason reason;
+  PetscInt jumps, steps;
+  const PetscScalar *y;
+  Mat J;
+  Vec U;
+  TS ts;
+
+  SetOptions("-snes_linesearch_type basic -pc_type lu -ksp_type preonly -snes_rtol 1e-12 "
+             "-snes_atol 1e-12");
+  CHECK(VecCreateSeq(PETSC_COMM_SELF, 1, &U));
+  CHECK(VecSet(U, 0));
+  CHECK(MatCreateSeqDense(PETSC_COMM_SELF, 1, 1, NULL, &J));
+  CHECK(TSCreate(PETSC_COMM_SELF, &ts));
+  CHECK(TSSetType(ts, TSVBDF));
+  CHECK(TSSetIFunction(ts, NULL, Broken, &kink));
+  CHECK(TSSetIJacobian(ts, J, J, BrokenSlope, NULL));
+  CHECK(TSSetTolerances(ts, 1e-6, NULL, 1e-6, NULL));
+  CHECK(TSSetTimeStep(ts, 1e-6));
+  CHECK(TSSetMaxTime(ts, 1));
+  CHECK(TSSetExactFinalTime(ts, TS_EXACTFINALTIME_MATCHSTEP));
+  CHECK(TSSetMaxSNESFailures(ts, -1));
+  CHECK(TSSetMaxStepRejections(ts, 60));
+  CHECK(TSSetErrorIfStepFails(ts, PETSC_FALSE));
+  CHECK(TSSetFromOptions(ts));
+  CHECK(TSSolve(ts, U));
+  CHECK(TSGetConvergedReason(ts, &reason));
+  CHECK(VBDFGetJumps(ts, &jumps));
+  CHECK(TSGetStepNumber(ts, &steps));
+  CHECK(VecGetArrayRead(U, &y));
+  print_message("%d jumps, %d steps, y %.10g, %s\n", (int)jumps, (int)steps, (double)y[0],
+                TSConvergedReasons[reason]);
+  EXPECT(reason > 0 && jumps == !kink, "%d jumps", (int)jumps);
+  EXPECT(PetscAbsReal(y[0] - (kink ? 3.5 : 1) - PetscSinReal(1)) < 1e-9, "y %.12g", (double)y[0]);
+  CHECK(VecRestoreArrayRead(U, &y));
+  CHECK(TSDestroy(&ts));
+  CHECK(MatDestroy(&J));
+  CHECK(VecDestroy(&U));
+}
+
+static void TestJump(void **state) {
+  Jump(PETSC_FALSE);
+  Jump(PETSC_TRUE);
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(TestOrders),      cmocka_unit_test(TestExactForPolynomials),
+    cmocka_unit_test(TestAdaptive),    cmocka_unit_test(TestHistory),
+    cmocka_unit_test(TestOrdersOnRod), cmocka_unit_test(TestJump)};
+MAIN(tests)
