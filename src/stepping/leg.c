@@ -70,6 +70,21 @@ static PetscErrorCode ExtrapolateTheta(void) {
   PetscFunctionReturn(0);
 }
 
+/* The rates observed are those of the latest residual. A linear solve ends without one at what it has
+   found; vbdf knows its rates all the same, PETSc's steppers do not: there Newton's method looks
+   once more. */
+static PetscErrorCode LookAgain(Leg *leg) {
+  PetscBool vbdf;
+  SNES snes;
+
+  PetscFunctionBegin;
+  PetscCall(PetscObjectTypeCompare((PetscObject)leg->ts, TSVBDF, &vbdf));
+  if (vbdf || !leg->rod->model->linear) PetscFunctionReturn(0);
+  PetscCall(TSGetSNES(leg->ts, &snes));
+  PetscCall(SNESSetType(snes, SNESNEWTONLS));
+  PetscFunctionReturn(0);
+}
+
 /*
   LegCreate - a model of a scene with its stepper, ready for TSSolve() once U is set. Collective;
   the caller destroys it with LegDestroy().
@@ -112,6 +127,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   PetscCall(NewtonSetUp(leg->ts, leg->rod, &leg->newton));
   PetscCall(ExtrapolateTheta());
   PetscCall(TSSetFromOptions(leg->ts));
+  PetscCall(LookAgain(leg));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)leg->ts, &fixed, TSBEULER, TSTHETA, TSCN, ""));
   PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_dt", &given));
   if (fixed && !given) PetscCall(TSSetTimeStep(leg->ts, 0.01)); /* the paper's */

@@ -300,6 +300,8 @@ static PetscErrorCode TSStep_VBDF(TS ts) {
   } else if (self->n > 1) /* its error was seen: the layer is behind */
     self->layer = 0;
   PetscCall(VecCopy(self->point[0], ts->vec_sol));
+  /* of the accepted state: a linear solve has not looked at it any more */
+  PetscCall(VecWAXPY(self->rate, self->shift, self->point[0], self->affine));
   ts->ptime = self->time[0];
   if (ts->exact_final_time == TS_EXACTFINALTIME_MATCHSTEP &&
       PetscAbsReal(ts->max_time - ts->ptime) < 1e-12 * ts->max_time)
