@@ -27,6 +27,12 @@ build() {
   local directory=$1 target=$2
   shift 2
   mkdir -p "$directory"
+  # a checkout that was copied or moved: CMake's cache is of the other place
+  if [ -f "$directory/CMakeCache.txt" ] &&
+    ! grep -qx "CMAKE_HOME_DIRECTORY:INTERNAL=$PWD" "$directory/CMakeCache.txt"; then
+    rm -rf "$directory"
+    mkdir -p "$directory"
+  fi
   : >"$directory/build.log"
   logged "$directory/build.log" "cmake" cmake -S . -B "$directory" "$@"
   logged "$directory/build.log" "the build" \

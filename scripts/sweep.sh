@@ -5,7 +5,7 @@
 #     friction_mu 0:1:20 growth_width log:0.05:5:20
 # VALUES is a comma list, or low:high:count (even), or log:low:high:count.
 # A point that has a finished result file is passed over, so a sweep that was stopped goes on. Failed
-# points are listed at the end and in DIRECTORY/failed; their messages are in DIRECTORY/*.log.
+# points are listed at the end and in DIRECTORY/failed.*; their messages are in DIRECTORY/*.log.
 # As a Slurm job array, the same command: each task takes its share of the points.
 #   sbatch --array=0-99 scripts/sweep.sh DIRECTORY ... -- ...
 # TENDRIL names the executable (build/tendril).
@@ -32,22 +32,25 @@ values() {
   esac
 }
 
-# one DIRECTORY FIXED POINT: a single run; its file gets its name only when it is whole
+# one DIRECTORY POINT: a single run; its files get their place only when the run is whole
 one() {
-  local base=$1/$3 fixed=() pairs=() options=()
-  read -r -a fixed <<<"$2"
-  read -r -a pairs <<<"${3//__/ }"
+  local directory=$1 point=$2 fixed=() pairs=() options=()
+  mapfile -t fixed <"$directory/options"
+  IFS=$'\t' read -r -a pairs <<<"${point//__/$'\t'}"
   for pair in "${pairs[@]}"; do options+=("-${pair%%=*}" "${pair#*=}"); done
   for _ in 1 2 3; do
-    if "$TENDRIL" "${fixed[@]}" "${options[@]}" -output "$base.part.h5" >"$base.log" 2>&1 </dev/null
-    then
-      mv "$base.part.h5" "$base.h5"
+    if "$TENDRIL" "${fixed[@]}" "${options[@]}" -output "$directory/running/$point.h5" \
+      >"$directory/$point.log" 2>&1 </dev/null; then
+      if [ -f "$directory/running/$point.xmf" ]; then
+        mv "$directory/running/$point.xmf" "$directory/$point.xmf"
+      fi
+      mv "$directory/running/$point.h5" "$directory/$point.h5"
       return
     fi
-    rm -f "$base.part.h5"
     # now and then MPI itself does not start on a busy machine, which says nothing about the run
-    grep -q "before MPI_INIT" "$base.log" || return 1
+    grep -q "before MPI_INIT" "$directory/$point.log" || break
   done
+  rm -f "$directory/running/$point".*
   return 1
 }
 
@@ -56,7 +59,7 @@ export TENDRIL=${TENDRIL:-build/tendril}
 export OMPI_MCA_ess_singleton_isolated=1
 if [ "${1:-}" = --one ]; then
   shift
-  if ! one "$@"; then echo "$3" >>"$1/failed.$SWEEP_ID"; fi
+  if ! one "$@"; then echo "$2" >>"$1/failed.$SWEEP_ID"; fi
   exit 0
 fi
 
@@ -85,12 +88,31 @@ while [ $# -gt 0 ]; do
   shift 2
 done
 
-mkdir -p "$directory"
-# Points are passed over by name, so those of other options must not be taken for these.
-if ! printf '%s\n' "${fixed[*]}" | cmp -s - "$directory/options" && [ -f "$directory/options" ]; then
-  fail "$directory holds a sweep with other options ($(cat "$directory/options")); give another directory"
-fi
-printf '%s\n' "${fixed[*]}" >"$directory/options"
+# Points are passed over by name, so those of other options, or of an options file that has been
+# edited since, must not be taken for these.
+what() {
+  local word before=
+  for word in "${fixed[@]}"; do
+    if [ "$before" = -options_file ]; then cat "$word" || fail "no options file $word"; fi
+    before=$word
+  done
+}
+# keep FILE TEXT: notes it there, at one blow (other tasks may look); fails if something else stands
+# there
+keep() {
+  printf '%s' "$2" >"$1.$$"
+  if [ -f "$1" ] && ! cmp -s "$1.$$" "$1"; then
+    rm "$1.$$"
+    fail "$directory holds a sweep with other options, or of an options file that was edited since; give another directory"
+  fi
+  mv "$1.$$" "$1"
+}
+mkdir -p "$directory/running"
+lines=
+if [ ${#fixed[@]} -gt 0 ]; then printf -v lines '%s\n' "${fixed[@]}"; fi
+keep "$directory/options" "$lines"
+keep "$directory/scene" "$(what)"
+
 task=${SLURM_ARRAY_TASK_ID:-0}
 task=$((task - ${SLURM_ARRAY_TASK_MIN:-0}))
 tasks=${SLURM_ARRAY_TASK_COUNT:-1}
@@ -101,19 +123,17 @@ for i in "${!points[@]}"; do
   fi
 done
 echo "sweep: ${#points[@]} points, ${#mine[@]} to run here, $jobs at a time, in $directory"
-export SWEEP_ID=${SLURM_ARRAY_TASK_ID:-all}
-rm -f "$directory/failed.$SWEEP_ID"
+export SWEEP_ID=${SLURM_ARRAY_TASK_ID:-all} # each task of a job array keeps its own account
+failed=$directory/failed.$SWEEP_ID
+rm -f "$failed"
 if [ ${#mine[@]} -gt 0 ]; then
-  printf '%s\0' "${mine[@]}" |
-    xargs -0 -P "$jobs" -I {} "$here/sweep.sh" --one "$directory" "${fixed[*]}" {}
+  printf '%s\0' "${mine[@]}" | xargs -0 -P "$jobs" -I {} "$here/sweep.sh" --one "$directory" {}
 fi
-if [ -s "$directory/failed.$SWEEP_ID" ]; then
-  sort "$directory/failed.$SWEEP_ID" >"$directory/failed"
-  rm "$directory/failed.$SWEEP_ID"
-  echo "sweep: $(wc -l <"$directory/failed") points failed:" >&2
+if [ -s "$failed" ]; then
+  sort -o "$failed" "$failed"
+  echo "sweep: $(wc -l <"$failed") points failed ($failed):" >&2
   while read -r point; do
     echo "  $point: $(tail -n 1 "$directory/$point.log")" >&2
-  done <"$directory/failed"
+  done <"$failed"
   exit 1
 fi
-rm -f "$directory/failed"

@@ -1,9 +1,10 @@
 #include "scene/scene.h"
+#include <unistd.h>
 
 static const OptionRow rows[] = {
     ROW_REAL("-clamp_angle", "0", -6.2832, 6.2832, UNIT_ANGLE, 0,
              "alpha, direction of the clamp, in radians (or degrees: 90deg)"),
-    ROW_INT("-rod_cells", "500", 4, 2e7, 0, "N, so N + 1 nodes"),
+    ROW_INT("-rod_cells", "500", 4, 3e8, 0, "N, so N + 1 nodes"),
     ROW_WORD("-rod_grading", "growth", "uniform,growth", 0,
              "node placement: equidistant in s, or denser where the rod grows"),
     ROW_REAL("-ts_max_time", "40", 1e-12, 1e6, UNIT_TIME, 0, "end of the run")};
@@ -29,6 +30,26 @@ PetscErrorCode SceneCurvature(Scene scene, PetscReal s, PetscReal t, PetscReal *
   PetscFunctionReturn(0);
 }
 
+/* Refuses more cells than a rank can number or this machine has memory for: a node's unknowns, their
+   history, its row of the Jacobian and of its factors. */
+static PetscErrorCode CheckSize(PetscInt cells) {
+  const double bytes = 3200, most = 1.8e7; /* a node; nodes of a rank: 108 entries each, in 31 bits */
+  double nodes, memory = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
+  PetscMPIInt ranks;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(OptionsComm(), &ranks));
+  nodes = (double)cells / ranks;
+  UserCheck(nodes <= most || sizeof(PetscInt) > 4, OptionsComm(),
+            "-rod_cells %d: too many for %d rank(s), give at most %g a rank", (int)cells,
+            (int)ranks, most);
+  UserCheck(memory <= 0 || nodes * bytes <= memory, OptionsComm(),
+            "-rod_cells %d: would take about %.0f GB a rank, and there are %.0f GB here; give fewer, "
+            "or more ranks",
+            (int)cells, nodes * bytes / 1e9, memory / 1e9);
+  PetscFunctionReturn(0);
+}
+
 /*
   SceneCreate - reads and checks all options that say what is simulated, and places the nodes.
   Collective on OptionsComm(), the ranks that are to share the scene; the caller destroys it with
@@ -48,6 +69,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
   PetscCall(OptionReal("-clamp_angle", &self->clamp_angle, NULL));
   PetscCall(ShapeSetFromOptions(&self->shape));
   PetscCall(OptionInt("-rod_cells", &cells, NULL));
+  PetscCall(CheckSize(cells));
   PetscCall(OptionWord("-rod_grading", &grading, NULL));
   PetscCall(OptionReal("-ts_max_time", &self->end_time, NULL));
   UserCheck(self->end_time <= self->growth->end_time * (1 + 1e-12), OptionsComm(),

@@ -23,9 +23,12 @@ typedef struct {
   VBDFGuess guess;
   void *guess_ctx;
   VBDFSnap snap;
-  PetscBool snapped; /* the present step begins behind a snap */
+  PetscBool tried, snapped; /* to follow a snap in the present step; it begins behind one */
 } VBDF;
 
+/* A snap may be too far for Newton's method: then it fails however short the step is, and after so
+   many tries it is followed. */
+enum { failures_of_snap = 4 };
 static const PetscReal safety = 0.5; /* aim at this part of the tolerance */
 /* Dry friction cannot hold a rod that is bent too sharply, and without inertia it snaps at once: a
    jump. It shows in an error that a much shorter step (a third at most) does not lessen to this
@@ -234,10 +237,11 @@ static PetscErrorCode Snap(TS ts, VBDF *self, PetscBool *accept) {
 
   PetscFunctionBegin;
   PetscCall(self->snap(ts, self->time[1], self->point[1], &done));
+  self->tried = PETSC_TRUE;
+  self->snapped = done;
   if (!done) PetscFunctionReturn(0);
   *accept = PETSC_FALSE;
   self->jumped = PETSC_FALSE;
-  self->snapped = PETSC_TRUE;
   self->rejected = PETSC_MAX_REAL;
   self->order = 1;
   self->n = 1;
@@ -251,7 +255,7 @@ static PetscErrorCode TSStep_VBDF(TS ts) {
 
   PetscFunctionBegin;
   PetscCall(PetscObjectTypeCompare((PetscObject)ts->adapt, TSADAPTNONE, &self->fixed));
-  self->jumped = self->snapped = PETSC_FALSE;
+  self->jumped = self->tried = self->snapped = PETSC_FALSE;
   self->layer = PetscMax(self->layer, jump_step * ts->max_time);
   self->rejected = PETSC_MAX_REAL;
   if (ts->steprestart && !self->given) self->n = 0;
@@ -273,13 +277,15 @@ static PetscErrorCode TSStep_VBDF(TS ts) {
       if (self->fixed ||
           (ts->max_snes_failures >= 0 && ts->num_snes_failures > ts->max_snes_failures))
         ts->reason = TS_DIVERGED_NONLINEAR_SOLVE;
+      else if (attempt > failures_of_snap && self->snap && !self->tried)
+        PetscCall(Snap(ts, self, &accept));
       else
         PetscCall(Retry(ts, self, attempt, 0.3));
       continue;
     }
     accept = PETSC_TRUE;
     if (!self->fixed) PetscCall(Choose(ts, self, &accept, &factor));
-    if (self->jumped && self->snap && !self->snapped && ts->time_step >= self->layer) {
+    if (self->jumped && self->snap && !self->tried && ts->time_step >= self->layer) {
       PetscCall(Snap(ts, self, &accept));
       if (!accept) continue;
     }

@@ -51,6 +51,8 @@ CASES = [
     ("-rod_cells 3", "-rod_cells"),
     ("-rod_cells -100", "-rod_cells"),
     ("-rod_cells 99999999999", "-rod_cells"),
+    ("-rod_cells 20000000", "-rod_cells"),
+    ("-rod_cells 16000000", "-rod_cells"),
     ("-rod_order 3", "-rod_order"),
     ("-ts_max_time -1", "-ts_max_time"),
     ("-ts_max_time 0", "-ts_max_time"),
