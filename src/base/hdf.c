@@ -11,6 +11,14 @@ struct _HdfFile {
   char fault[HDF_FAULT]; /* what went wrong first; empty: nothing yet */
 };
 
+/* HdfBegin - opens the library; before MPI_Init(). At its end it would close once more a file that
+   could not be closed (a full disk), and crash: so it has no end of its own, neither at exit nor,
+   by a hook that it sets if MPI is there before it, in MPI_Finalize(). */
+void HdfBegin(void) {
+  (void)H5dont_atexit();
+  (void)H5open();
+}
+
 /* The innermost entry of HDF5's account of an error: the cause. */
 static herr_t Innermost(unsigned n, const H5E_error2_t *entry, void *ctx) {
   const char *mark = "error message = '", *quote = strstr(entry->desc, mark);

@@ -12,6 +12,8 @@ enum { HDF_FAULT = 256, HDF_RANK = 4 };
 
 typedef struct _HdfFile *HdfFile;
 
+void HdfBegin(void);
+
 /* writing, on one rank; a file that is NULL takes everything and keeps nothing */
 PetscErrorCode HdfCreate(const char *path, HdfFile *file);
 PetscErrorCode HdfAmend(const char *from, const char *path, HdfFile *file);

@@ -323,8 +323,8 @@ static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal 
   PetscCall(CellsOpen(rod, t, U, U_t, &cell));
   for (PetscInt i = first; i < PetscMin(rod->end, rod->last); i++) {
     CellsNext(&cell, i);
-    /* the clamped end does not move unless it slides: a shift there would hold nothing, and round-off
-       adds up in it to a force on a rod whose x2 may be 1e-25 */
+    /* the clamped end does not move unless it slides: a shift there would hold nothing, and
+       round-off adds up in it to a force on a rod whose x2 may be 1e-25 */
     if (i == first && ends && (i > 0 || cell.law->c != 0))
       *change = PetscMax(*change, LoadHold(cell.load, &cell.a.at, cell.dual));
     *change = PetscMax(*change, LoadHold(cell.load, &cell.mid.at, cell.dual + 1));

@@ -30,10 +30,11 @@ PetscErrorCode SceneCurvature(Scene scene, PetscReal s, PetscReal t, PetscReal *
   PetscFunctionReturn(0);
 }
 
-/* Refuses more cells than a rank can number or this machine has memory for: a node's unknowns, their
-   history, its row of the Jacobian and of its factors. */
+/* Refuses more cells than a rank can number or this machine has memory for: a node's unknowns,
+   their history, its row of the Jacobian and of its factors. */
 static PetscErrorCode CheckSize(PetscInt cells) {
-  const double bytes = 3200, most = 1.8e7; /* a node; nodes of a rank: 108 entries each, in 31 bits */
+  const double bytes = 3200,
+               most = 1.8e7; /* a node; nodes of a rank: 108 entries each, in 31 bits */
   double nodes, memory = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
   PetscMPIInt ranks;
 
@@ -43,10 +44,11 @@ static PetscErrorCode CheckSize(PetscInt cells) {
   UserCheck(nodes <= most || sizeof(PetscInt) > 4, OptionsComm(),
             "-rod_cells %d: too many for %d rank(s), give at most %g a rank", (int)cells,
             (int)ranks, most);
-  UserCheck(memory <= 0 || nodes * bytes <= memory, OptionsComm(),
-            "-rod_cells %d: would take about %.0f GB a rank, and there are %.0f GB here; give fewer, "
-            "or more ranks",
-            (int)cells, nodes * bytes / 1e9, memory / 1e9);
+  UserCheck(
+      memory <= 0 || nodes * bytes <= memory, OptionsComm(),
+      "-rod_cells %d: would take about %.0f GB a rank, and there are %.0f GB here; give fewer, "
+      "or more ranks",
+      (int)cells, nodes * bytes / 1e9, memory / 1e9);
   PetscFunctionReturn(0);
 }
 

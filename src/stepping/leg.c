@@ -70,9 +70,9 @@ static PetscErrorCode ExtrapolateTheta(void) {
   PetscFunctionReturn(0);
 }
 
-/* The rates observed are those of the latest residual. A linear solve ends without one at what it has
-   found; vbdf knows its rates all the same, PETSc's steppers do not: there Newton's method looks
-   once more. */
+/* The rates observed are those of the latest residual. A linear solve ends without one at what it
+   has found; vbdf knows its rates all the same, PETSc's steppers do not: there Newton's method
+   looks once more. */
 static PetscErrorCode LookAgain(Leg *leg) {
   PetscBool vbdf;
   SNES snes;

@@ -1,4 +1,5 @@
 #include "tasks/tendril.h"
+#include "base/hdf.h"
 #include "record/event.h"
 #include "record/restart.h"
 #include "stepping/vbdf.h"
@@ -128,6 +129,7 @@ int TendrilInitialize(int *argc, char ***argv, PetscBool *done) {
 
   signal(SIGPIPE, SIG_IGN); /* "| head" is no reason to lose a run */
   signal(SIGXFSZ, SIG_IGN); /* a file that may grow no more shows when it is written */
+  HdfBegin();
   MPI_Initialized(&begun);
   began_mpi = (PetscBool)!begun;
   if (began_mpi) MPI_Init(argc, argv);

@@ -1,0 +1,265 @@
+#!/usr/bin/env python3
+"""What may happen to a run from outside: a full disk, a limit on file sizes, signals at any moment,
+an error on one rank, a restart in place. Nothing is lost, nothing hangs, no file is wrong.
+
+    faults.py build/tendril [--mpiexec mpiexec] CHECK...      (no CHECK: all of them)
+    faults.py build/tendril --storm COUNT [SEED]    COUNT runs on 1 to 3 ranks killed (TERM, KILL) at
+                                                    random moments; every third with a disk that fills
+"""
+
+import contextlib
+import os
+import random
+import shlex
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
+from scene_test import DRY, Failure, distance, expect
+
+import h5py
+import numpy as np
+
+CHECKS = {}
+LIMIT = 120  # seconds; more is a hang
+
+
+def check(function):
+    CHECKS[function.__name__.replace("_", "-")] = function
+    return function
+
+
+def command(options, ranks=1):
+    launch = [scene.MPIEXEC, "-n", str(ranks), "--bind-to", "none"] if ranks > 1 else []
+    return [*launch, scene.TENDRIL, *shlex.split(options)]
+
+
+def run(options, ranks=1, before=""):
+    """(exit code, tendril's lines on stderr, all of stderr); before: shell commands."""
+    line = f"{before}exec {shlex.join(command(options, ranks))}"
+    try:
+        done = subprocess.run(["bash", "-c", line], capture_output=True, text=True, timeout=LIMIT,
+                              env=scene.ENVIRONMENT)
+    except subprocess.TimeoutExpired:
+        raise Failure(f"{options}, {ranks} ranks: hangs") from None
+    said = [s for s in done.stderr.splitlines() if s.startswith("tendril: ")]
+    return done.returncode, said, done.stderr
+
+
+def read(file):
+    """A result, checked to be whole: all arrays as long as they should be, shapes that are rods."""
+    with h5py.File(file) as f:
+        t, shapes = f["series/t"][()], f["shapes/t"][()]
+        for name, series in f["series"].items():
+            expect(len(series) == len(t), f"{file}: series/{name} has {len(series)} of {len(t)}")
+        for name, data in f["shapes"].items():
+            expect(name == "s" or len(data) == len(shapes), f"{file}: shapes/{name} is short")
+        expect((np.diff(t) > 0).all(), f"{file}: times do not increase")
+        x = f["shapes/x"][()]
+        length = np.hypot(*np.diff(x, axis=1).transpose(2, 0, 1)).sum(axis=1)
+        expect(length.min() > 0.1, f"{file}: a shape is {length.min()} long")
+        return {"finished": f.attrs["finished"], "t": t, "shapes": shapes, "x": x,
+                "tip": x[-1, -1], "restart": "restart" in f}
+
+
+@contextlib.contextmanager
+def small_disk(kilobytes):
+    """A file system of this size; None where one may not be made."""
+    with tempfile.TemporaryDirectory(prefix="tendril-") as place:
+        made = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={kilobytes}k", "tmpfs", place],
+                              capture_output=True).returncode == 0
+        try:
+            yield Path(place) if made else None
+        finally:
+            if made:
+                subprocess.run(["umount", "-l", place], check=False)
+
+
+FEED = f"-options_file {scene.HERE.parent.parent}/options/feed.opts "
+
+
+@check
+def full_disk():
+    """One line that names the file and the reason; what was stored is whole; a restart elsewhere goes
+    on to the same end."""
+    whole = f"{scene.SCRATCH}/whole.h5"
+    expect(run(f"{FEED} -output {whole}")[0] == 0, "the run itself fails")
+    for ranks in (1, 2):
+        with small_disk(600) as disk:
+            if not disk:
+                print("no file system of its own can be mounted here: left out")
+                return
+            code, said, stderr = run(f"{FEED} -output {disk}/feed.h5", ranks)
+            print(f"{ranks} ranks: exit {code}, {said}")
+            expect(code != 0 and len(said) == 1, f"{ranks} ranks: exit {code}, {stderr}")
+            expect("feed.h5" in said[0] and "No space left" in said[0], said[0])
+            expect(not read(f"{disk}/feed.h5")["finished"], "says it is finished")
+            expect(sorted(p.name for p in disk.iterdir() if p.suffix == ".part") == [], "leftovers")
+            code, _, stderr = run(f"-restart {disk}/feed.h5 -output {scene.SCRATCH}/on.h5", ranks)
+            expect(code == 0, f"restart: {stderr}")
+            off = distance(read(f"{scene.SCRATCH}/on.h5")["tip"], read(whole)["tip"])
+            expect(off < 1e-8, f"{ranks} ranks: the end differs by {off:.1e}")
+    with small_disk(64) as disk:  # not even the first shape: refused before any work
+        code, said, _ = run(f"{FEED} -output {disk}/feed.h5")
+        expect(code != 0 and len(said) == 1 and "No space left" in said[0], said)
+        expect(not list(disk.glob("*.h5")), "half a file is left")
+
+
+@check
+def file_size_limit():
+    code, said, stderr = run(f"{FEED} -output {scene.SCRATCH}/feed.h5", before="ulimit -f 600; ")
+    print(f"exit {code}, {said}")
+    expect(code > 0 and len(said) == 1 and "File too large" in said[0], f"exit {code}: {stderr}")
+    read(f"{scene.SCRATCH}/feed.h5")
+
+
+@check
+def restart_in_place():
+    """On 1, 2 and 3 ranks, and from each number to each."""
+    options = f"{DRY} -rod_cells 60 -output_interval 0.5 "
+    whole = f"{scene.SCRATCH}/whole.h5"
+    run(f"{options} -ts_max_time 5 -output {whole}")
+    for first in (1, 2, 3):
+        for then in (1, 2, 3):
+            file = f"{scene.SCRATCH}/r{first}{then}.h5"
+            code, _, err = run(f"{options} -ts_max_time 2.2 -output {file}", first)
+            expect(code == 0, f"{first} ranks: {err}")
+            code, _, err = run(f"-restart {file} -ts_max_time 5", then)
+            expect(code == 0, f"{first}, then {then} ranks: {err}")
+            a, b = read(file), read(whole)
+            expect(np.allclose(a["shapes"], b["shapes"]), f"shapes at {a['shapes']}")
+            off = distance(a["tip"], b["tip"])
+            expect(off < 1e-5, f"{first}, then {then} ranks: tip off by {off:.1e}")
+    with h5py.File(file) as f:
+        earlier, now = f.attrs["earlier_options"], f.attrs["options"]
+        expect("-ts_max_time 2.2" in str(earlier) and "-ts_max_time 5" in str(now), str(earlier))
+
+
+@check
+def table_that_dips():
+    """Below 0 between its entries: refused before any work, on any number of ranks."""
+    file = f"{scene.SCRATCH}/table.h5"
+    s, t = np.linspace(0, 1, 9), np.linspace(0, 2, 9)
+    g = np.ones((9, 9))
+    g[:, 4:6] = 1e-3
+    with h5py.File(file, "w") as f:
+        f["s"], f["t"], f["g"] = s, t, g
+    for ranks in (1, 2, 3):
+        code, said, _ = run(f"-growth_type table -growth_table {file} -ts_max_time 2", ranks)
+        expect(code != 0 and len(said) == 1 and "-growth_table" in said[0], f"{ranks}: {said}")
+    print(said[0])
+
+
+@check
+def another_laboratory():
+    """A restart with other scales would give the past another length."""
+    tube = "-si_bending_stiffness 4.4907e-4 -si_friction_dry 20.03 "
+    file = f"{scene.SCRATCH}/tube.h5"
+    expect(run(f"{DRY} {tube} -ts_max_time 1 -output {file}")[0] == 0, "fails")
+    code, said, _ = run(f"-restart {file} -ts_max_time 2 -si_friction_dry 10")
+    expect(code != 0 and len(said) == 1 and "-si_" in said[0], said)
+    expect(run(f"-restart {file} -ts_max_time 2 -si_friction_dry 20.03")[0] == 0, "the same ones")
+    with h5py.File(file) as f:
+        expect(f.attrs["parameters/friction_mu"] == 1 and f.attrs["parameters/rod_cells"] == 500
+               and f.attrs["parameters/ts_type"] == b"vbdf", "parameters")
+        for group in ("series", "shapes"):
+            for name, data in f[group].items():
+                expect(data.attrs["units"] and data.attrs["description"], f"{group}/{name}")
+        expect(f["shapes/stretch"].shape == f["shapes/theta"].shape, "stretch")
+
+
+STORM = f"{DRY} -rod_cells 1500 -output_interval 0.1 -ts_max_time 12 "
+
+
+def killed(file, ranks, number, after, more=""):
+    """Starts the storm's run and kills it; its stderr."""
+    options = f"-restart {file} {more}" if Path(file).exists() else f"{STORM} -output {file} {more}"
+    with subprocess.Popen(command(options, ranks), stdout=subprocess.DEVNULL,
+                          stderr=subprocess.PIPE, text=True, env=scene.ENVIRONMENT,
+                          start_new_session=True) as process:
+        time.sleep(after)
+        with contextlib.suppress(ProcessLookupError):
+            if number == signal.SIGKILL:  # all ranks at once
+                os.killpg(process.pid, number)
+                subprocess.run(["pkill", "-9", "-f", str(file)], check=False)
+            else:
+                process.send_signal(number)
+        try:
+            return process.communicate(timeout=LIMIT)[1]
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            raise Failure(f"{file}: does not end on signal {number}") from None
+
+
+def survives(file, ranks, whole):
+    """After a kill: the file is whole, and the run goes on to the same end, or says why not."""
+    if not Path(file).exists():
+        return "killed before its first store"
+    read(file)
+    if read(file)["finished"]:
+        return "had finished"
+    code, said, stderr = run(f"-restart {file}", ranks)
+    expect(code == 0, f"{file}: does not go on: {stderr}")
+    after = read(file)
+    off = distance(after["tip"], whole["tip"])
+    expect(after["finished"] and off < 1e-8, f"{file}: ends {off:.1e} away")
+    expect(np.allclose(after["shapes"], whole["shapes"]), f"{file}: shapes at other times")
+    return f"goes on, tip to {off:.0e}"
+
+
+def storm(count, seed):
+    dice = random.Random(seed)
+    expect(run(f"{STORM} -output {scene.SCRATCH}/whole.h5")[0] == 0, "the run itself fails")
+    whole, begun = read(f"{scene.SCRATCH}/whole.h5"), time.monotonic()
+    run(f"{STORM} -quiet")
+    takes = time.monotonic() - begun
+    outcomes = {}
+    for k in range(count):
+        ranks, number = dice.choice((1, 2, 3)), dice.choice((signal.SIGTERM, signal.SIGKILL))
+        with small_disk(dice.randint(2000, 40000)) if k % 3 == 2 else \
+                contextlib.nullcontext(Path(scene.SCRATCH)) as place:
+            file = f"{place or scene.SCRATCH}/storm{k}.h5"
+            for _ in range(dice.randint(1, 2)):
+                err = killed(file, ranks, number, dice.uniform(0, takes))
+            full = "No space left" in err
+            if full:
+                elsewhere = f"{scene.SCRATCH}/elsewhere{k}.h5"
+                if Path(file).exists():
+                    read(file)
+                    code, _, err = run(f"-restart {file} -output {elsewhere}", ranks)
+                    expect(code == 0, f"{file}: {err}")
+                    off = distance(read(elsewhere)["tip"], whole["tip"])
+                    expect(off < 1e-8, f"{file}: ends {off:.1e} away")
+                outcome = "disk full: goes on elsewhere"
+            elif place and k % 3 == 2:
+                with contextlib.suppress(Failure):
+                    survives(file, ranks, whole)
+                if Path(file).exists():
+                    read(file)
+                outcome = "on a small disk"
+            else:
+                outcome = survives(file, ranks, whole).split(",")[0]
+            outcomes[outcome] = outcomes.get(outcome, 0) + 1
+            for old in (file, file.replace(".h5", ".xmf")):
+                Path(old).unlink(missing_ok=True)
+        print(f"{k}: {ranks} ranks, {number.name}: {outcome}", flush=True)
+    print(f"storm of {count}, seed {seed}:", ", ".join(f"{n} {o}" for o, n in outcomes.items()))
+
+
+@check
+def small_storm():
+    storm(6, 1)
+
+
+if __name__ == "__main__":
+    if "--storm" in sys.argv:
+        at = sys.argv.index("--storm")
+        numbers = [int(n) for n in sys.argv[at + 1:]]
+        CHECKS["storm"] = lambda: storm(numbers[0], numbers[1] if len(numbers) > 1 else 1)
+        sys.argv[at:] = ["storm"]
+    sys.exit(scene.main(CHECKS))
