@@ -252,27 +252,26 @@ static PetscErrorCode WriteEvent(Output self, HdfFile file) {
   PetscFunctionReturn(0);
 }
 
-/* The stepper's history, a point at a time on rank 0: all of it need not fit there. Collective. */
-static PetscErrorCode WritePoints(Output self, HdfFile file, PetscInt n, Vec points[],
-                                  PetscReal *sum) {
+/* Appends vectors, as rows, to a dataset made here: one at a time on rank 0, where all of them need
+   not fit; adds up the absolute values. Collective. */
+static PetscErrorCode WriteVectors(HdfFile file, const char *name, const char *text, PetscInt n,
+                                   Vec vectors[], PetscReal *sum) {
   const PetscScalar *a;
   VecScatter to_zero;
   PetscInt length;
   Vec all;
 
   PetscFunctionBegin;
-  *sum = 0;
-  PetscCall(VecGetSize(points[0], &length));
-  PetscCall(HdfAppendable(file, "/restart/points", 1, &length, "mixed",
-                          "the stepper's past points, latest first [point][node times fields]"));
-  PetscCall(VecScatterCreateToZero(points[0], &to_zero, &all));
+  PetscCall(VecGetSize(vectors[0], &length));
+  PetscCall(HdfAppendable(file, name, 1, &length, "mixed", text));
+  PetscCall(VecScatterCreateToZero(vectors[0], &to_zero, &all));
   for (PetscInt i = 0; i < n; i++) {
-    PetscCall(VecScatterBegin(to_zero, points[i], all, INSERT_VALUES, SCATTER_FORWARD));
-    PetscCall(VecScatterEnd(to_zero, points[i], all, INSERT_VALUES, SCATTER_FORWARD));
+    PetscCall(VecScatterBegin(to_zero, vectors[i], all, INSERT_VALUES, SCATTER_FORWARD));
+    PetscCall(VecScatterEnd(to_zero, vectors[i], all, INSERT_VALUES, SCATTER_FORWARD));
     if (!file) continue;
     PetscCall(VecGetArrayRead(all, &a));
     for (PetscInt k = 0; k < length; k++) *sum += PetscAbsReal(a[k]);
-    PetscCall(HdfAppend(file, "/restart/points", 1, a));
+    PetscCall(HdfAppend(file, name, 1, a));
     PetscCall(VecRestoreArrayRead(all, &a));
   }
   PetscCall(VecScatterDestroy(&to_zero));
@@ -280,15 +279,36 @@ static PetscErrorCode WritePoints(Output self, HdfFile file, PetscInt n, Vec poi
   PetscFunctionReturn(0);
 }
 
+static PetscErrorCode WriteMemory(HdfFile file, Rod rod, PetscReal *sum) {
+  Vec memory;
+  DM da;
+
+  PetscFunctionBegin;
+  if (!rod->model->memory) PetscFunctionReturn(0);
+  PetscCall(RodCreateMemory(rod, &da, &memory));
+  PetscCall(rod->model->remember(rod, memory));
+  PetscCall(WriteVectors(file, "/restart/memory",
+                         "what Newton's method remembers from step to step [1][node times values]",
+                         1, &memory, sum));
+  PetscCall(VecDestroy(&memory));
+  PetscCall(DMDestroy(&da));
+  PetscFunctionReturn(0);
+}
+
 /* What the run needs to go on from here, in the place of what stood there. Collective. */
-static PetscErrorCode WriteRestart(Output self, HdfFile file, RestartState *state, Vec points[]) {
+static PetscErrorCode WriteRestart(Output self, HdfFile file, Rod rod, RestartState *state,
+                                   Vec points[]) {
   const PetscInt n = RESTART_STATE, scales = UNIT_ALL;
 
   PetscFunctionBegin;
   PetscCall(HdfDelete(file, "/restart"));
   if (!state) PetscFunctionReturn(0);
   PetscCall(HdfGroup(file, "/restart"));
-  PetscCall(WritePoints(self, file, (PetscInt)state->points, points, &state->sum));
+  state->sum = 0;
+  PetscCall(WriteVectors(file, "/restart/points",
+                         "the stepper's past points, latest first [point][node times fields]",
+                         (PetscInt)state->points, points, &state->sum));
+  PetscCall(WriteMemory(file, rod, &state->sum));
   PetscCall(HdfWrite(file, "/restart/state", 1, &n, (const PetscReal *)state, "mixed",
                      "time, step and history of the stepper, for -restart"));
   PetscCall(HdfWrite(file, "/restart/scales", 1, &scales, self->scene->si.scale, "SI",
@@ -333,11 +353,12 @@ static PetscErrorCode Stored(Output self, PetscLogDouble begin) {
   OutputStore - brings all that waits into the file, with what the run needs to go on from here.
   Collective.
 
-  state, points  of RestartKeep(); NULL: the run has not taken a step
+  rod            at work; state, points  of RestartKeep(), NULL: the run has not taken a step
 
   What cannot be written (a full disk) is a user's mistake: the file is then what it was before.
 */
-PetscErrorCode OutputStore(Output self, RestartState *state, Vec points[], PetscBool finished) {
+PetscErrorCode OutputStore(Output self, Rod rod, RestartState *state, Vec points[],
+                           PetscBool finished) {
   char fault[HDF_FAULT] = "", text[32];
   PetscLogDouble begin;
   HdfFile file;
@@ -353,7 +374,7 @@ PetscErrorCode OutputStore(Output self, RestartState *state, Vec points[], Petsc
     PetscCall(ScaleAttributes(self, file));
     if (self->earlier) PetscCall(HdfText(file, "/", "earlier_options", self->earlier));
   }
-  PetscCall(WriteRestart(self, file, state, points));
+  PetscCall(WriteRestart(self, file, rod, state, points));
   PetscCall(HdfClose(&file, fault));
   PetscCallMPI(MPI_Bcast(fault, HDF_FAULT, MPI_CHAR, 0, self->scene->comm));
   self->broken = (PetscBool)(fault[0] != 0);

@@ -16,7 +16,8 @@ PetscErrorCode OutputSeries(Output output, const Observation *seen);
 PetscErrorCode OutputShape(Output output, PetscReal t, const Node *nodes);
 PetscErrorCode OutputEvent(Output output, const Event *event);
 PetscBool OutputDue(Output output);
-PetscErrorCode OutputStore(Output output, RestartState *state, Vec points[], PetscBool finished);
+PetscErrorCode OutputStore(Output output, Rod rod, RestartState *state, Vec points[],
+                           PetscBool finished);
 PetscErrorCode OutputDestroy(Output *output);
 
 /* for the results of other tasks */

@@ -103,50 +103,87 @@ PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, P
   PetscFunctionReturn(0);
 }
 
-/* Reads point i of the history on rank 0 and hands it out; adds up its sum there. */
-static PetscErrorCode ReadPoint(const char *file, PetscInt i, VecScatter to_zero, Vec all, Vec U,
-                                PetscReal *sum, char fault[HDF_FAULT]) {
+/* A vector that is read row by row from a file: on rank 0, and handed out. */
+typedef struct {
+  const char *file;
+  VecScatter to_zero;
+  Vec all;
+  PetscReal sum; /* of what was read, on rank 0 */
+  char fault[HDF_FAULT];
+} Reader;
+
+static PetscErrorCode ReaderOpen(Vec like, Reader *self) {
+  PetscFunctionBegin;
+  PetscCall(VecScatterCreateToZero(like, &self->to_zero, &self->all));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode ReaderClose(Reader *self) {
+  PetscFunctionBegin;
+  PetscCall(VecScatterDestroy(&self->to_zero));
+  PetscCall(VecDestroy(&self->all));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode ReadVector(Reader *self, const char *name, PetscInt row, Vec v) {
   PetscScalar *a;
   PetscInt n;
 
   PetscFunctionBegin;
-  PetscCall(VecGetLocalSize(all, &n));
-  PetscCall(VecGetArray(all, &a));
-  if (n && !fault[0]) PetscCall(HdfReadRow(file, "/restart/points", i, n, a, fault));
-  for (PetscInt k = 0; k < n; k++) *sum += PetscAbsReal(a[k]);
-  PetscCall(VecRestoreArray(all, &a));
-  PetscCall(VecScatterBegin(to_zero, all, U, INSERT_VALUES, SCATTER_REVERSE));
-  PetscCall(VecScatterEnd(to_zero, all, U, INSERT_VALUES, SCATTER_REVERSE));
+  PetscCall(VecGetLocalSize(self->all, &n));
+  PetscCall(VecGetArray(self->all, &a));
+  if (n && !self->fault[0]) PetscCall(HdfReadRow(self->file, name, row, n, a, self->fault));
+  for (PetscInt k = 0; k < n; k++) self->sum += PetscAbsReal(a[k]);
+  PetscCall(VecRestoreArray(self->all, &a));
+  PetscCall(VecScatterBegin(self->to_zero, self->all, v, INSERT_VALUES, SCATTER_REVERSE));
+  PetscCall(VecScatterEnd(self->to_zero, self->all, v, INSERT_VALUES, SCATTER_REVERSE));
   PetscFunctionReturn(0);
 }
 
-/* RestartTake - gives a leg the state and the history of an earlier run. Collective. */
+/* Gives a rod back what it remembered. */
+static PetscErrorCode Recall(Reader *reader, Rod rod) {
+  Vec memory;
+  DM da;
+
+  PetscFunctionBegin;
+  if (!rod->model->memory) PetscFunctionReturn(0);
+  PetscCall(RodCreateMemory(rod, &da, &memory));
+  PetscCall(ReaderOpen(memory, reader));
+  PetscCall(ReadVector(reader, "/restart/memory", 0, memory));
+  PetscCall(ReaderClose(reader));
+  PetscCall(rod->model->recall(rod, memory));
+  PetscCall(VecDestroy(&memory));
+  PetscCall(DMDestroy(&da));
+  PetscFunctionReturn(0);
+}
+
+/* RestartTake - gives a leg the state, the history and the memory of an earlier run. Collective. */
 PetscErrorCode RestartTake(const char *file, const RestartState *state, Leg *leg) {
+  MPI_Comm comm = leg->rod->scene->comm;
   PetscInt n = (PetscInt)state->points;
-  char fault[HDF_FAULT] = "";
-  VecScatter to_zero;
-  PetscReal sum = 0;
+  Reader reader = {.file = file};
   PetscMPIInt rank;
   PetscBool given;
-  Vec old[VBDF_POINTS], all;
+  Vec old[VBDF_POINTS];
   int whole;
 
   PetscFunctionBegin;
-  PetscCall(VecScatterCreateToZero(leg->U, &to_zero, &all));
+  PetscCall(ReaderOpen(leg->U, &reader));
   for (PetscInt i = 0; i < n; i++) {
     PetscCall(VecDuplicate(leg->U, &old[i]));
-    PetscCall(ReadPoint(file, i, to_zero, all, old[i], &sum, fault));
+    PetscCall(ReadVector(&reader, "/restart/points", i, old[i]));
   }
-  PetscCallMPI(MPI_Comm_rank(leg->rod->scene->comm, &rank));
-  whole = rank || (!fault[0] && sum == state->sum);
-  PetscCallMPI(MPI_Bcast(&whole, 1, MPI_INT, 0, leg->rod->scene->comm));
-  UserCheck(whole, leg->rod->scene->comm,
-            "-restart %s: its last state is not whole, and cannot be gone on with", file);
+  PetscCall(ReaderClose(&reader));
+  PetscCall(Recall(&reader, leg->rod));
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  whole = rank || (!reader.fault[0] && reader.sum == state->sum);
+  PetscCallMPI(MPI_Bcast(&whole, 1, MPI_INT, 0, comm));
+  UserCheck(whole, comm, "-restart %s: its last state is not whole, and cannot be gone on with",
+            file);
   PetscCall(VecCopy(old[0], leg->U));
   PetscCall(VBDFSetHistory(leg->ts, n, state->time, old, (PetscInt)state->order));
+  PetscCall(VBDFSetMemory(leg->ts, state->memory));
   for (PetscInt i = 0; i < n; i++) PetscCall(VecDestroy(&old[i]));
-  PetscCall(VecScatterDestroy(&to_zero));
-  PetscCall(VecDestroy(&all));
   PetscCall(TSSetTime(leg->ts, state->t));
   PetscCall(OptionGiven("-ts_dt", &given));
   if (!given) PetscCall(TSSetTimeStep(leg->ts, state->step));
@@ -158,7 +195,7 @@ PetscErrorCode RestartTake(const char *file, const RestartState *state, Leg *leg
   RestartKeep - what a leg's stepper knows at time t, after an accepted step. Collective.
 
   latest  the state at t
-  state   its time, step, points, order, fields and steps are set
+  state   its time, step, points, order, memory, fields and steps are set
   points  borrowed, at most VBDF_POINTS, latest first
 */
 PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *state, Vec points[]) {
@@ -171,6 +208,7 @@ PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *stat
   state->t = state->time[0] = t;
   PetscCall(TSGetTimeStep(leg->ts, &state->step));
   PetscCall(TSGetStepNumber(leg->ts, &steps));
+  PetscCall(VBDFGetMemory(leg->ts, state->memory));
   state->points = n;
   state->order = order;
   state->steps = steps;

@@ -6,17 +6,19 @@
 #include "stepping/leg.h"
 #include "stepping/vbdf.h"
 
-/* All reals, stored as one array, /restart/state; the points beside it, /restart/points, latest
-   first, [point][node times fields]. */
+/* All reals, stored as one array, /restart/state; beside it the stepper's points, /restart/points,
+   latest first, [point][node times fields], and what Newton's method remembers, /restart/memory. */
 typedef struct {
   PetscReal t, step;                /* where the run is, and the size of its next step */
   PetscReal points, order;          /* of the stepper's history; its next order */
   PetscReal model, fields, steps;   /* models are numbered as in grow.c */
+  PetscReal memory[VBDF_MEMORY];    /* of the stepper, beside its points */
+  PetscReal norm;                   /* |x2| */
   PetscReal folds, neglected;       /* so far, for the estimate of the error */
   PetscReal reference_length;       /* of the natural curvature of a fed rod */
   PetscReal time[VBDF_POINTS];      /* of the points */
   PetscReal balance[BALANCE_STATE]; /* of the energy balance */
-  PetscReal sum;                    /* of the absolute values of all points: a torn file shows */
+  PetscReal sum;                    /* of the absolute values of all of it: a torn file shows */
 } RestartState;
 enum { RESTART_STATE = sizeof(RestartState) / sizeof(PetscReal) };
 

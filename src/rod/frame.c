@@ -335,6 +335,53 @@ static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal 
   PetscFunctionReturn(0);
 }
 
+/* The dual and the shift of each node and of the middle of the cell on its right. */
+enum { REMEMBERED = 8 };
+
+static void Remembered(LoadDual *dual, PetscReal *value[REMEMBERED]) {
+  for (int k = 0; k < 2; k++)
+    for (int d = 0; d < 2; d++) {
+      value[4 * k + d] = &dual[k].w[d];
+      value[4 * k + 2 + d] = &dual[k].shift[d];
+    }
+}
+
+static PetscErrorCode FrameRemember(Rod rod, Vec memory) {
+  Frame *frame = (Frame *)rod->data;
+  PetscReal *value[REMEMBERED], *m;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArray(memory, &m));
+  for (PetscInt i = rod->first; i < rod->end; i++) {
+    Remembered(frame->dual + 2 * (i - rod->first + 1), value);
+    for (int k = 0; k < REMEMBERED; k++) m[(i - rod->first) * REMEMBERED + k] = *value[k];
+  }
+  PetscCall(VecRestoreArray(memory, &m));
+  PetscFunctionReturn(0);
+}
+
+/* (The cells beside the owned nodes are remembered here too.) */
+static PetscErrorCode FrameRecall(Rod rod, Vec memory) {
+  Frame *frame = (Frame *)rod->data;
+  PetscReal *value[REMEMBERED];
+  const PetscReal(*m)[REMEMBERED];
+  Vec local;
+  DM da;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetDM(memory, &da));
+  PetscCall(DMGetLocalVector(da, &local));
+  PetscCall(DMGlobalToLocal(da, memory, INSERT_VALUES, local));
+  PetscCall(DMDAVecGetArrayRead(da, local, &m));
+  for (PetscInt i = PetscMax(rod->first - 1, 0); i <= PetscMin(rod->end, rod->last); i++) {
+    Remembered(frame->dual + 2 * (i - rod->first + 1), value);
+    for (int k = 0; k < REMEMBERED; k++) *value[k] = m[i][k];
+  }
+  PetscCall(DMDAVecRestoreArrayRead(da, local, &m));
+  PetscCall(DMRestoreLocalVector(da, &local));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode FrameSet(Rod rod, PetscReal t, const Node *nodes, Vec U) {
   PetscReal(*u)[FIELDS];
 
@@ -404,4 +451,7 @@ const RodModel rod_frame = {
     .get = FrameGet,
     .residual = FrameResidual,
     .hold = FrameHold,
+    .memory = REMEMBERED,
+    .remember = FrameRemember,
+    .recall = FrameRecall,
     .jacobian = FrameJacobian};

@@ -370,6 +370,31 @@ static PetscErrorCode MixedGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes
   PetscFunctionReturn(0);
 }
 
+/* The dual of each node. */
+static PetscErrorCode MixedRemember(Rod rod, Vec memory) {
+  Mixed *self = (Mixed *)rod->data;
+  PetscReal *m;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArray(memory, &m));
+  for (PetscInt k = 0; k < rod->end - rod->first; k++)
+    PetscCall(PetscArraycpy(m + 2 * k, self->dual[k].w, 2));
+  PetscCall(VecRestoreArray(memory, &m));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode MixedRecall(Rod rod, Vec memory) {
+  Mixed *self = (Mixed *)rod->data;
+  const PetscReal *m;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayRead(memory, &m));
+  for (PetscInt k = 0; k < rod->end - rod->first; k++)
+    PetscCall(PetscArraycpy(self->dual[k].w, m + 2 * k, 2));
+  PetscCall(VecRestoreArrayRead(memory, &m));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode MixedCreate(Rod rod) {
   PetscInt n = rod->end - rod->first;
   Mixed *self;
@@ -403,4 +428,7 @@ const RodModel rod_mixed = {.name = "mixed",
                             .set = MixedSet,
                             .get = MixedGet,
                             .residual = MixedResidual,
-                            .jacobian = MixedJacobian};
+                            .jacobian = MixedJacobian,
+                            .memory = 2,
+                            .remember = MixedRemember,
+                            .recall = MixedRecall};

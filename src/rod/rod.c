@@ -53,6 +53,17 @@ PetscErrorCode RodCreateMatrix(Rod rod, Mat *J) {
   PetscFunctionReturn(0);
 }
 
+/* RodCreateMemory - a vector for what the model remembers, and the DMDA it is on; the caller
+   destroys both. Collective. */
+PetscErrorCode RodCreateMemory(Rod rod, DM *da, Vec *memory) {
+  PetscFunctionBegin;
+  PetscCall(DMDACreate1d(rod->scene->comm, DM_BOUNDARY_NONE, rod->last + 1, rod->model->memory, 1,
+                         NULL, da));
+  PetscCall(DMSetUp(*da));
+  PetscCall(DMCreateGlobalVector(*da, memory));
+  PetscFunctionReturn(0);
+}
+
 /* RodOpen - the values of a vector, indexed by node and with those of the neighbours, for reading;
    array points to a pointer to arrays of the model's fields. End with RodClose(). Collective. */
 PetscErrorCode RodOpen(Rod rod, Vec v, Vec *local, void *array) {

@@ -39,6 +39,11 @@ typedef struct {
   PetscErrorCode (*get)(Rod, PetscReal t, Vec U, Vec U_t, Node *nodes);
   PetscErrorCode (*residual)(Rod, PetscReal t, Vec U, Vec U_t, Vec F);
   PetscErrorCode (*jacobian)(Rod, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J);
+  /* what Newton's method remembers from step to step, `memory` reals a node, for a restart; 0: none
+   */
+  PetscInt memory;
+  PetscErrorCode (*remember)(Rod, Vec memory);
+  PetscErrorCode (*recall)(Rod, Vec memory);
   /* exact Coulomb friction: see LoadHold(); NULL: regularised friction only */
   PetscErrorCode (*hold)(Rod, PetscReal t, Vec U, Vec U_t, PetscReal *change);
 } RodModel;
@@ -64,6 +69,7 @@ extern const OptionGroup frame_options;
 PetscErrorCode RodCreate(Scene scene, const RodModel *model, Rod *rod);
 PetscErrorCode RodDestroy(Rod *rod);
 PetscErrorCode RodCreateMatrix(Rod rod, Mat *J);
+PetscErrorCode RodCreateMemory(Rod rod, DM *da, Vec *memory);
 PetscErrorCode RodInitialNodes(Rod rod, PetscReal t, Node *nodes);
 PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes);
 PetscErrorCode RodOpen(Rod rod, Vec v, Vec *local, void *array);

@@ -506,6 +506,31 @@ PetscErrorCode VBDFSetHistory(TS ts, PetscInt n, const PetscReal times[], const 
   PetscFunctionReturn(0);
 }
 
+/* VBDFGetMemory - what the stepper remembers besides its history; zeros if the type is another one.
+ */
+PetscErrorCode VBDFGetMemory(TS ts, PetscReal memory[VBDF_MEMORY]) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  memory[0] = self ? (PetscReal)self->since : 0;
+  memory[1] = self ? self->layer : 0;
+  PetscFunctionReturn(0);
+}
+
+/* VBDFSetMemory - gives it back, after VBDFSetHistory(): the stepper goes on as if it had not
+   stopped. */
+PetscErrorCode VBDFSetMemory(TS ts, const PetscReal memory[VBDF_MEMORY]) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  if (!self) PetscFunctionReturn(0);
+  self->since = (PetscInt)memory[0];
+  self->layer = memory[1];
+  PetscFunctionReturn(0);
+}
+
 /* VBDFGetJumps - how many steps were jumps, so far; 0 if the type is another one. */
 PetscErrorCode VBDFGetJumps(TS ts, PetscInt *jumps) {
   VBDF *self = NULL;

@@ -8,6 +8,7 @@
 
 #define TSVBDF "vbdf"
 enum { VBDF_POINTS = 9 }; /* the new one and up to 8 past ones */
+enum { VBDF_MEMORY = 2 }; /* what it remembers besides */
 
 typedef PetscErrorCode (*VBDFGuess)(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1, void *ctx);
 
@@ -20,6 +21,8 @@ PetscErrorCode VBDFSetSnap(TS ts, VBDFSnap snap);
 PetscErrorCode VBDFGetHistory(TS ts, PetscInt *n, PetscReal times[], Vec points[], PetscInt *order);
 PetscErrorCode VBDFSetHistory(TS ts, PetscInt n, const PetscReal times[], const Vec points[],
                               PetscInt order);
+PetscErrorCode VBDFGetMemory(TS ts, PetscReal memory[VBDF_MEMORY]);
+PetscErrorCode VBDFSetMemory(TS ts, const PetscReal memory[VBDF_MEMORY]);
 PetscErrorCode VBDFInterpolate(TS ts, PetscReal t, Vec U, Vec U_t, PetscBool *done);
 PetscErrorCode VBDFGetJumps(TS ts, PetscInt *jumps);
 PetscErrorCode VBDFGetOrder(TS ts, PetscInt *order);

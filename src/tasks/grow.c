@@ -72,6 +72,7 @@ static PetscErrorCode StoreDueShapes(Grow *self, PetscReal t, Vec U) {
 /* Brings all there is into the result file, with what the run needs to go on from here. */
 static PetscErrorCode Store(Grow *self, PetscBool finished) {
   RestartState state = {.model = self->now - self->leg,
+                        .norm = self->seen.norm_x2,
                         .folds = self->folds,
                         .neglected = self->neglected,
                         .reference_length = self->scene->curvature.reference_length};
@@ -79,12 +80,12 @@ static PetscErrorCode Store(Grow *self, PetscBool finished) {
 
   PetscFunctionBegin;
   if (self->seen.t == 0) {
-    PetscCall(OutputStore(self->output, NULL, NULL, finished));
+    PetscCall(OutputStore(self->output, self->now->rod, NULL, NULL, finished));
     PetscFunctionReturn(0);
   }
   PetscCall(RestartKeep(self->now, self->seen.t, self->now->U, &state, points));
   PetscCall(ObserverGetBalance(self->observer, state.balance));
-  PetscCall(OutputStore(self->output, &state, points, finished));
+  PetscCall(OutputStore(self->output, self->now->rod, &state, points, finished));
   PetscFunctionReturn(0);
 }
 
@@ -296,6 +297,7 @@ static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *
   PetscCall(RestartTake(restart, state, self->now));
   PetscCall(ObserverSetBalance(self->observer, state->balance));
   self->folds = state->folds;
+  self->seen.norm_x2 = state->norm;
   self->neglected = state->neglected;
   self->seen.t = self->start = self->stored_shape = state->t;
   PetscCall(GrowLookForEvent(self, state->t, self->now->U, &event));
