@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# Installs tendril into a place of its own, builds a user's program against it by pkg-config and by
+# CMake, runs it, and takes tendril away again.   test.sh BUILD_DIRECTORY
+set -euo pipefail
+build=$1
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+place=$(mktemp -d)
+trap 'rm -rf "$place"' EXIT
+expected='tip (2.992'
+cmake --install "$build" --prefix "$place/usr" >"$place/log"
+for file in bin/tendril share/man/man1/tendril.1 share/tendril/options/feed.opts; do
+  [ -f "$place/usr/$file" ] || { echo "not installed: $file" && exit 1; }
+done
+"$place/usr/bin/tendril" -version
+libdir=$(dirname "$(find "$place/usr" -name libtendril.a)")
+
+export PKG_CONFIG_PATH=$libdir/pkgconfig${PKG_CONFIG_PATH:+:$PKG_CONFIG_PATH}
+read -r -a flags <<<"$(pkg-config --cflags --libs tendril)"
+cc "$here/grow_rod.c" -o "$place/by-pkg-config" "${flags[@]}" -Wl,--no-as-needed
+"$place/by-pkg-config" | tee "$place/out"
+grep -qF "$expected" "$place/out"
+
+cmake -S "$here" -B "$place/cmake" -DCMAKE_PREFIX_PATH="$place/usr" >"$place/log"
+cmake --build "$place/cmake" >"$place/log" || { cat "$place/log" && exit 1; }
+"$place/cmake/grow_rod" | grep -F "$expected"
+
+cmake --build "$build" --target uninstall >"$place/log"
+left=$(find "$place/usr" ! -type d)
+[ -z "$left" ] || { echo "left behind: $left" && exit 1; }
+echo "installed, used by pkg-config and by CMake, taken away"
