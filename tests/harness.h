@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <setjmp.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <unistd.h>
 #include <cmocka.h>
 #include "base/hdf.h"
@@ -97,13 +98,14 @@ static inline void RemoveFile(const char *path) {
   if (!rank) unlink(path);
 }
 
-/* int main of a test */
+/* int main of a test; the environment's TENDRIL_CASE picks one of its cases. */
 #define MAIN(tests)                                                                                \
   int main(int argc, char **argv) {                                                                \
     PetscBool done;                                                                                \
     int failed = TendrilInitialize(&argc, &argv, &done);                                           \
     if (done || failed) return 1;                                                                  \
     ErrorsOptionsRead();                                                                           \
+    if (getenv("TENDRIL_CASE")) cmocka_set_test_filter(getenv("TENDRIL_CASE"));                    \
     failed = cmocka_run_group_tests(tests, NULL, NULL);                                            \
     return TendrilFinalize() || failed != 0;                                                       \
   }

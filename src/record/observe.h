@@ -16,7 +16,7 @@
   X(energy, "N l^2", "bending energy, 1/2 int m^2 g ds")                                           \
   X(growth_power, "N l V", "power of growth W")                                                    \
   X(dissipation, "N l V", "power lost to friction, int g phi |v|^2 ds")                            \
-  X(energy_defect, "1", "|E - E(0) - int (W - dissipation) dt| over the work of growth so far")    \
+  X(energy_defect, "1", "|E - E(0) - int (W - dissipation) dt| over what friction took, or E")     \
   X(end_distance, "l", "|x(1) - x(0)|")                                                            \
   X(mid_distance, "l", "|x(1/2) - x(0)|")                                                          \
   X(width, "l", "extent of the shape across the direction of the clamp")                           \

@@ -1,11 +1,16 @@
-/* The mixed model, the paper's unknowns x1, x2, lambda, as a discrete elastic rod, second order:
-   nodes x_i, edges e_i = x_i - x_{i-1} of prescribed length l_i, lambda_i on edge i.
-     energy        E = sum_k (K_k - k0_k w_k)^2 / (2 w_k),  K = 2 tan(psi/2) = 2 a x b / (|a||b| +
-   a.b), psi the turn from edge a = e_k to b = e_{k+1}, w_k = (l_k + l_{k+1})/2; at the clamp a =
-   (1,0) and w_0 = l_1/2; at the tip no term, so kappa(1) = kappa'(1) = 0 balance dE/dx_i
-   + M_i phi(|v_i|) v_i + flux_{i+1} - flux_i = 0,  flux_i = 2 lambda_i e_i / h_i constraint
-   (|e_i|^2 - l_i^2) / l_i = 0 clamp         x_0 = 0, lambda_0 = 0 (no such edge) (Bergou et al.,
-   Discrete elastic rods, 2008). Lambda as in the paper: flux = 2 lambda x'. */
+/* The mixed model, the paper's unknowns x1, x2, lambda, as a discrete elastic rod, second order
+   (Bergou et al., Discrete elastic rods, 2008): nodes x_i, edges e_i = x_i - x_{i-1} of prescribed
+   length l_i, lambda_i on edge i.
+
+     energy      E = sum_k (K_k - k0_k w_k)^2 / (2 w_k),  K = 2 tan(psi/2) = 2 a x b / (|a||b| +
+   a.b) balance     dE/dx_i + M_i F(v_i) + flux_{i+1} - flux_i = 0,  flux_i = 2 lambda_i e_i / h_i
+     constraint  (|e_i|^2 - l_i^2) / l_i = 0
+     clamp       x_0 = 0, lambda_0 = 0 (there is no such edge)
+
+   psi is the turn from edge a = e_k to b = e_{k+1}, w_k = (l_k + l_{k+1})/2; at the clamp a = (1,0)
+   and w_0 = l_1/2; at the tip there is no term, so kappa(1) = kappa'(1) = 0. lambda is the paper's
+   on the straight rod; on a bent one the paper's is larger by kappa^2/(2g), as its energy is
+   another. */
 #include "rod/rod.h"
 
 enum { X1, X2, LAMBDA, FIELDS };

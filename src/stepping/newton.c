@@ -1,7 +1,8 @@
 #include "stepping/newton.h"
 #include "stepping/chain.h"
 
-/* Newton's iteration stops when its update is this part of the step's error tolerance. */
+/* Newton's iteration stops when its update is this part of rtol: of the step's own tolerance, a
+   seventh (leg.c). */
 static const PetscReal share_of_tolerance = 0.02;
 /* ... but no update below this part of a field can be asked for. */
 static const PetscReal round_off = 1e-13;

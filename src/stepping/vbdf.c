@@ -117,7 +117,8 @@ static PetscErrorCode LocalError(TS ts, VBDF *self, PetscInt q, PetscReal *error
 }
 
 /* The first step has no second point to tell its error from. A decaying mode that changes by d in
-   it errs by d^2/2; U is compared with the guess, growth alone. */
+   it errs by d^2/2; U is compared with the guess, growth alone. (On the safe side: against rtol,
+   while change is measured against the tolerance, a part of it.) */
 static PetscErrorCode FirstError(TS ts, VBDF *self, PetscReal *error) {
   PetscReal change, absolute, relative;
 
@@ -462,7 +463,8 @@ PetscErrorCode VBDFSetSnap(TS ts, VBDFSnap snap) {
 }
 
 /*
-  VBDFGetHistory - the points that the next step starts from, latest first, after an accepted step.
+  VBDFGetHistory - the points that the next step starts from, latest first, after an accepted step or
+  after VBDFSetHistory().
 
   n       how many, at most VBDF_POINTS; 0 on exit if the type is another one
   points  borrowed
@@ -470,17 +472,19 @@ PetscErrorCode VBDFSetSnap(TS ts, VBDFSnap snap) {
 */
 PetscErrorCode VBDFGetHistory(TS ts, PetscInt *n, PetscReal times[], Vec points[],
                               PetscInt *order) {
+  PetscInt first = 1; /* a history that was handed over has no new point yet */
   VBDF *self = NULL;
 
   PetscFunctionBegin;
   *n = 0;
   PetscCall(Self(ts, &self));
   if (!self) PetscFunctionReturn(0);
-  *n = PetscMin(self->n + 1, VBDF_POINTS - 1);
+  if (!self->given) first = 0;
+  *n = PetscMin(self->n + 1 - first, VBDF_POINTS - 1);
   *order = self->order;
   for (PetscInt i = 0; i < *n; i++) {
-    times[i] = self->time[i];
-    points[i] = self->point[i];
+    times[i] = self->time[first + i];
+    points[i] = self->point[first + i];
   }
   PetscFunctionReturn(0);
 }

@@ -3,7 +3,7 @@
    straight.h, C = E^-1 Delta (E takes differences). Then K is of second order in w, and no number
    suffers the h^-4 of the fourth-order matrix. D couples all of w, so solves use the mixed unknowns
    (w, c, n) of a node, n the shear force, which make it sparse again:
-       K w - Delta n + 1/2.. X^T c = 0,   E^T n + X w = lambda D c,   E c - Delta w = 0.
+       K w - Delta n = 0,   E^T n + X w = lambda D c,   E c - Delta w = 0.
    The splines live on a coordinate z in [0,1], a map of the label s that is fixed in time: the
    share of arc length p(s, t_map) / L(t_map). However narrow the growth zone, nothing is steep in z
    near t_map. For uniform growth z = s, and this is algebraically the pencil of StraightBands. */

@@ -4,6 +4,8 @@
 #include "record/output.h"
 #include "straight/transient.h"
 
+/* Below SHARED_VERTICES every rank solves it for itself, which is faster than to share it. */
+enum { SHARED_VERTICES = 5000 };
 enum { MODE_CELLS = 400, MOST_DENSE = 4000, ROOT_STEPS = 60, MARGIN_POINTS = 4 };
 
 static const OptionRow rows[] = {
@@ -34,7 +36,7 @@ static const struct {
   const char *name, *heading, *text, *verdict;
 } curves[CURVES] = {
     {"lambda_max_A", "lambda(A)", "largest real part of the eigenvalues of A(t) [k]",
-     "every mode decays (necessary)"},
+     "every mode, frozen in time, decays"},
     {"lambda_max_A_plus_AT", "lambda(A+A^T)",
      "largest eigenvalue of A + A^T in the discrete L2 norm, twice the rate in it [k]",
      "stable in plain L2"},
@@ -60,6 +62,7 @@ typedef struct {
 
 typedef struct {
   Scene scene;
+  MPI_Comm comm; /* of the solvers */
   Settings set;
   Mesh mesh;
   Pencil follow, fixed; /* z moving with t for A, fixed at t_cr for the norms */
@@ -144,7 +147,7 @@ static PetscErrorCode CreateSolvers(Stability *self) {
   self->has[CURVE_L2] = self->has[CURVE_FRICTION] = (PetscBool)!self->set.only_modes;
   self->has[CURVE_W] = (PetscBool)(!self->set.only_modes && self->set.vertices <= MOST_DENSE);
   if (self->set.only_modes) PetscFunctionReturn(0);
-  PetscCall(PencilCreate(scene->comm, scene, &self->mesh, self->critical.t, &self->fixed));
+  PetscCall(PencilCreate(self->comm, scene, &self->mesh, self->critical.t, &self->fixed));
   PetscCall(NormCreate(self->fixed, NULL, self->critical.t, &self->l2));
   if (self->has[CURVE_W])
     PetscCall(CreateLeft(self));
@@ -177,6 +180,7 @@ static PetscErrorCode CurveAt(Stability *self, Curve curve, PetscReal t, Eigenva
     PetscCall(GrowthLength(self->scene->growth, t, &L, &L_t));
     if (self->scene->growth->slides) value->value += L_t / L;
   }
+  PetscCallMPI(MPI_Bcast(value, sizeof(*value), MPI_BYTE, 0, self->scene->comm)); /* one verdict */
   PetscFunctionReturn(0);
 }
 
@@ -462,9 +466,10 @@ PetscErrorCode StabilityRun(Scene scene, const char *output) {
   PetscCall(PetscMemzero(&self, sizeof(self)));
   self.scene = scene;
   PetscCall(ReadSettings(scene, &self.set));
+  self.comm = self.set.vertices < SHARED_VERTICES ? PETSC_COMM_SELF : scene->comm;
   PetscCall(
       MeshCreate(self.set.vertices - 1, PETSC_FALSE, scene->growth, scene->end_time, &self.mesh));
-  PetscCall(PencilCreate(scene->comm, scene, &self.mesh, map_follows, &self.follow));
+  PetscCall(PencilCreate(self.comm, scene, &self.mesh, map_follows, &self.follow));
   PetscCall(SpectrumCreate(self.follow, PETSC_FALSE, &self.modes));
   PetscCall(ReadSolverOptions());
   PetscCall(OptionsRefuseUnread());

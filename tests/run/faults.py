@@ -207,20 +207,23 @@ def survives(file, ranks, whole):
     expect(code == 0, f"{file}: does not go on: {stderr}")
     after = read(file)
     off = distance(after["tip"], whole["tip"])
-    expect(after["finished"] and off < 1e-8, f"{file}: ends {off:.1e} away")
+    expect(after["finished"] and off < 1e-8, f"{file}, {ranks} ranks: ends {off:.1e} away")
     expect(np.allclose(after["shapes"], whole["shapes"]), f"{file}: shapes at other times")
     return f"goes on, tip to {off:.0e}"
 
 
 def storm(count, seed):
     dice = random.Random(seed)
-    expect(run(f"{STORM} -output {scene.SCRATCH}/whole.h5")[0] == 0, "the run itself fails")
-    whole, begun = read(f"{scene.SCRATCH}/whole.h5"), time.monotonic()
-    run(f"{STORM} -quiet")
-    takes = time.monotonic() - begun
-    outcomes = {}
+    wholes, takes, outcomes = {}, 0, {}
+    for ranks in (1, 2, 3):  # one rank and two may differ by a decision that hung on round-off
+        begun = time.monotonic()
+        expect(run(f"{STORM} -output {scene.SCRATCH}/whole.h5", ranks)[0] == 0, "the run fails")
+        takes = max(takes, time.monotonic() - begun)
+        wholes[ranks] = read(f"{scene.SCRATCH}/whole.h5")
+    print("ranks differ by", *(f"{distance(w['tip'], wholes[1]['tip']):.1e}" for w in wholes.values()))
     for k in range(count):
         ranks, number = dice.choice((1, 2, 3)), dice.choice((signal.SIGTERM, signal.SIGKILL))
+        whole = wholes[ranks]
         with small_disk(dice.randint(2000, 40000)) if k % 3 == 2 else \
                 contextlib.nullcontext(Path(scene.SCRATCH)) as place:
             file = f"{place or scene.SCRATCH}/storm{k}.h5"

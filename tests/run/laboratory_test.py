@@ -139,6 +139,7 @@ def restart():
         size = len(broken)
         tendril(f"-restart {d}/a.h5 -output {d}/b.h5")
         expect(Path(f"{d}/a.h5").read_bytes() == broken, "-restart changed a file it should read")
+        tendril(f"-restart {d}/a.h5 -output {d}/a.h5 -ts_max_steps 60", 1)  # not a step further
         tendril(f"-restart {d}/a.h5 -output {d}/a.h5")
         a, b = read(f"{d}/a.h5"), read(f"{d}/b.h5")
         same_run(a, whole, f"{law}, broken at step 60", 1e-12)

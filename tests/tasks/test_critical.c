@@ -42,7 +42,7 @@ static const struct {
     {"-friction_mu 0 -growth_type gaussian -growth_width 5", 2.17105, 3e-6},
     {"-friction_mu 0 -growth_type gaussian -growth_width 0.5", 2.115744753044948, 1e-8},
     {"-friction_mu 0 -growth_type gaussian -growth_width 0.05", 2.056307172441833, 1e-8},
-    /* by shooting with an ODE solver at 1e-12 (theory.md has 2.05164) */
+    /* by shooting with an ODE solver at 1e-12 */
     {"-friction_mu 0 -growth_type gaussian -growth_width 0.005", 2.0515888825515565, 1e-8}};
 
 static void TestTable(void **state) {
