@@ -135,6 +135,18 @@ PetscErrorCode HdfClose(HdfFile *file, char fault[HDF_FAULT]) {
   PetscFunctionReturn(0);
 }
 
+/* HdfDrop - ends a file that is not wanted any more; what stood under its name before is still
+ * there.
+ */
+PetscErrorCode HdfDrop(HdfFile *file) {
+  char fault[HDF_FAULT];
+
+  PetscFunctionBegin;
+  if (*file && !(*file)->fault[0]) (void)snprintf((*file)->fault, HDF_FAULT, "dropped");
+  PetscCall(HdfClose(file, fault));
+  PetscFunctionReturn(0);
+}
+
 /* HdfFault - has anything gone wrong yet? HdfClose() tells what. */
 PetscBool HdfFault(HdfFile file) {
   return (PetscBool)(file && file->fault[0]);
@@ -414,6 +426,7 @@ PetscErrorCode HdfRead(const char *option, const char *path, const char *name, i
     PetscCall(ReadAll(f, name, rank, dims, data, fault));
     H5Fclose(f);
   }
+  if (fault[0]) PetscCall(PetscFree(*data));
   PetscCall(Verdict(option, path, fault));
   PetscCallMPI(MPI_Bcast(dims, rank, MPIU_INT, 0, OptionsComm()));
   for (int i = 0; i < rank; i++) total *= dims[i];
@@ -446,6 +459,7 @@ PetscErrorCode HdfReadText(const char *option, const char *path, const char *nam
   }
   if (f >= 0) H5Fclose(f);
   if (f >= 0 && status < 0) (void)snprintf(fault, HDF_FAULT, "is not a result file of tendril");
+  if (fault[0]) PetscCall(PetscFree(*text));
   PetscCall(Verdict(option, path, fault));
   PetscCallMPI(MPI_Bcast(&size, 1, MPI_INT, 0, OptionsComm()));
   if (me) PetscCall(PetscCalloc1(size, text));

@@ -18,6 +18,7 @@ void HdfBegin(void);
 PetscErrorCode HdfCreate(const char *path, HdfFile *file);
 PetscErrorCode HdfAmend(const char *from, const char *path, HdfFile *file);
 PetscErrorCode HdfClose(HdfFile *file, char fault[HDF_FAULT]);
+PetscErrorCode HdfDrop(HdfFile *file);
 PetscBool HdfFault(HdfFile file);
 PetscErrorCode HdfGroup(HdfFile file, const char *name);
 PetscErrorCode HdfWrite(HdfFile file, const char *name, int rank, const PetscInt dims[],

@@ -102,18 +102,19 @@ static PetscBool OnCommandLine(const char *name) {
 */
 PetscErrorCode OptionsRefuseUnread(void) {
   PetscInt n;
-  char **unread, **values;
+  char **unread, **values, found[80] = "";
   PetscBool other = OnCommandLine("-task"); /* than that of an options file */
 
   PetscFunctionBegin;
   PetscCall(PetscOptionsLeftGet(NULL, &n, &unread, &values));
-  for (PetscInt i = 0; i < n; i++) {
+  for (PetscInt i = 0; i < n && !found[0]; i++) {
     char full[80];
     (void)snprintf(full, sizeof(full), "-%s", unread[i]);
-    if (ReadLate(full) || (other && !OnCommandLine(full))) continue;
-    PetscCall(RefuseUnread(full));
+    if (!ReadLate(full) && (!other || OnCommandLine(full)))
+      PetscCall(PetscStrncpy(found, full, sizeof(found)));
   }
   PetscCall(PetscOptionsLeftRestore(NULL, &n, &unread, &values));
+  if (found[0]) PetscCall(RefuseUnread(found));
   ErrorsOptionsRead();
   PetscFunctionReturn(0);
 }
@@ -164,18 +165,20 @@ PetscErrorCode OptionsList(char **text) {
    OptionsRefuseUnread() could not know. Collective. */
 PetscErrorCode OptionsRefuseLeft(void) {
   PetscInt n;
-  char **unread, **values;
+  char **unread, **values, found[80] = "";
 
   PetscFunctionBegin;
   PetscCall(PetscOptionsLeftGet(NULL, &n, &unread, &values));
-  for (PetscInt i = 0; i < n; i++) {
+  for (PetscInt i = 0; i < n && !found[0]; i++) {
     const OptionRow *row;
     char full[80];
     (void)snprintf(full, sizeof(full), "-%s", unread[i]);
     row = OptionFind(full);
-    UserCheck(!ReadLate(full) || (row && row->flags & LATE), OptionsComm(),
-              "%s: nothing in this run has read it; the run itself is complete", full);
+    if (ReadLate(full) && !(row && row->flags & LATE))
+      PetscCall(PetscStrncpy(found, full, sizeof(found)));
   }
   PetscCall(PetscOptionsLeftRestore(NULL, &n, &unread, &values));
+  UserCheck(!found[0], OptionsComm(),
+            "%s: nothing in this run has read it; the run itself is complete", found);
   PetscFunctionReturn(0);
 }

@@ -44,18 +44,20 @@ PetscErrorCode RestartOptions(char file[PETSC_MAX_PATH_LEN], PetscBool *restart)
 /* The scales of the earlier run must be those of this one: its numbers stand for other lengths
    otherwise. */
 static PetscErrorCode CheckScales(const char *file, Scene scene) {
+  PetscBool same = PETSC_TRUE;
   PetscReal *scale;
   PetscInt n;
 
   PetscFunctionBegin;
   PetscCall(HdfRead("-restart", file, "/restart/scales", 1, &n, &scale));
   for (PetscInt k = 0; k < PetscMin(n, UNIT_ALL); k++)
-    UserCheck(PetscAbsReal(scale[k] - scene->si.scale[k]) <= 1e-12 * PetscAbsReal(scale[k]),
-              scene->comm,
-              "-si_: the run in -restart %s is of another rod in the laboratory; leave these "
-              "options out, they are taken from there",
-              file);
+    if (PetscAbsReal(scale[k] - scene->si.scale[k]) > 1e-12 * PetscAbsReal(scale[k]))
+      same = PETSC_FALSE;
   PetscCall(PetscFree(scale));
+  UserCheck(same, scene->comm,
+            "-si_: the run in -restart %s is of another rod in the laboratory; leave these options "
+            "out, they are taken from there",
+            file);
   PetscFunctionReturn(0);
 }
 
@@ -91,9 +93,9 @@ PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, P
   UserCheck(result, scene->comm, "-restart %s: is the result of another task, not of a run", file);
   if (!*begun) PetscFunctionReturn(0);
   PetscCall(HdfRead("-restart", file, "/restart/state", 1, &n, &data));
-  UserCheck(n == RESTART_STATE, scene->comm, "-restart %s: is of another version of tendril", file);
-  PetscCall(PetscMemcpy(state, data, sizeof(*state)));
+  if (n == RESTART_STATE) PetscCall(PetscMemcpy(state, data, sizeof(*state)));
   PetscCall(PetscFree(data));
+  UserCheck(n == RESTART_STATE, scene->comm, "-restart %s: is of another version of tendril", file);
   PetscCall(CheckScales(file, scene));
   PetscCall(TakeMesh(file, scene));
   scene->curvature.reference_length = state->reference_length;

@@ -10,6 +10,7 @@ PetscErrorCode RodCreate(Scene scene, const RodModel *model, Rod *rod) {
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&self));
+  *rod = self; /* whole or not, the caller destroys it */
   self->model = model;
   self->scene = scene;
   self->last = scene->mesh.cells;
@@ -28,14 +29,13 @@ PetscErrorCode RodCreate(Scene scene, const RodModel *model, Rod *rod) {
   for (PetscInt f = 0; f < model->fields; f++)
     PetscCall(DMDASetFieldName(self->da, f, model->field[f]));
   if (model->create) PetscCall(model->create(self));
-  *rod = self;
   PetscFunctionReturn(0);
 }
 
 PetscErrorCode RodDestroy(Rod *rod) {
   PetscFunctionBegin;
   if (!*rod) PetscFunctionReturn(0);
-  if ((*rod)->model->destroy) PetscCall((*rod)->model->destroy(*rod));
+  if ((*rod)->data && (*rod)->model->destroy) PetscCall((*rod)->model->destroy(*rod));
   PetscCall(DMDestroy(&(*rod)->da));
   PetscCall(DMDestroy(&(*rod)->nodes));
   PetscCall(PetscFree(*rod));

@@ -18,35 +18,31 @@ const OptionGroup curvature_options = OPTION_GROUP("Natural curvature", rows);
 
 enum { WAVES = 64, ANGLES = 4001 };
 
-static PetscErrorCode SetTable(Curvature *self, PetscInt n, const PetscReal s[],
-                               const PetscReal k[]) {
+/* The spline through the knots that are there. */
+static PetscErrorCode MakeSpline(Curvature *self) {
   PetscFunctionBegin;
-  PetscCall(PetscMalloc3(n, &self->s, n, &self->k, n, &self->k2));
-  PetscCall(PetscArraycpy(self->s, s, n));
-  PetscCall(PetscArraycpy(self->k, k, n));
-  PetscCall(SplineSecondDerivatives(n, self->s, 1, n, 1, self->k, self->k2));
-  self->n = n;
+  PetscCall(PetscMalloc1(self->n, &self->k2));
+  PetscCall(SplineSecondDerivatives(self->n, self->s, 1, self->n, 1, self->k, self->k2));
   PetscFunctionReturn(0);
 }
 
 static PetscErrorCode FromFile(Curvature *self, const char *file) {
   const char *option = "-rod_curvature_file";
-  PetscReal *s, *k;
+  const PetscInt most = 1000000;
   PetscInt n, m;
 
   PetscFunctionBegin;
-  PetscCall(HdfRead(option, file, "/s", 1, &n, &s));
-  PetscCall(HdfRead(option, file, "/curvature", 1, &m, &k));
+  PetscCall(HdfRead(option, file, "/s", 1, &n, &self->s));
+  PetscCall(HdfRead(option, file, "/curvature", 1, &m, &self->k));
   UserCheck(n == m, OptionsComm(), "%s %s: /s and /curvature differ in length", option, file);
-  UserCheck(n >= 4 && n <= 1000000, OptionsComm(), "%s %s: needs 4 to 1000000 entries, has %d",
-            option, file, (int)n);
-  UserCheck(PetscAbsReal(s[0]) < 1e-12 && PetscAbsReal(s[n - 1] - 1) < 1e-12, OptionsComm(),
-            "%s %s: /s must run from 0 to 1", option, file);
+  UserCheck(n >= 4 && n <= most, OptionsComm(), "%s %s: needs 4 to %d entries, has %d", option,
+            file, (int)most, (int)n);
+  UserCheck(PetscAbsReal(self->s[0]) < 1e-12 && PetscAbsReal(self->s[n - 1] - 1) < 1e-12,
+            OptionsComm(), "%s %s: /s must run from 0 to 1", option, file);
   for (PetscInt i = 1; i < n; i++)
-    UserCheck(s[i] > s[i - 1], OptionsComm(), "%s %s: /s must increase", option, file);
-  PetscCall(SetTable(self, n, s, k));
-  PetscCall(PetscFree(s));
-  PetscCall(PetscFree(k));
+    UserCheck(self->s[i] > self->s[i - 1], OptionsComm(), "%s %s: /s must increase", option, file);
+  self->n = n;
+  PetscCall(MakeSpline(self));
   PetscFunctionReturn(0);
 }
 
@@ -58,7 +54,7 @@ static PetscErrorCode FromFile(Curvature *self, const char *file) {
 static PetscErrorCode AtRandom(Curvature *self, PetscReal amplitude, PetscReal length,
                                PetscInt seed) {
   PetscInt n = 8 + (PetscInt)(8 / length);
-  PetscReal *s, *k, wave[WAVES], phase[WAVES], u[2];
+  PetscReal wave[WAVES], phase[WAVES], u[2];
   PetscRandom random;
 
   PetscFunctionBegin;
@@ -72,15 +68,16 @@ static PetscErrorCode AtRandom(Curvature *self, PetscReal amplitude, PetscReal l
     wave[j] = PetscSqrtReal(-2 * PetscLogReal(1 - u[0])) * PetscCosReal(2 * PETSC_PI * u[1]);
   }
   PetscCall(PetscRandomDestroy(&random));
-  PetscCall(PetscCalloc2(n, &s, n, &k));
+  PetscCall(PetscMalloc1(n, &self->s));
+  PetscCall(PetscCalloc1(n, &self->k));
   for (PetscInt i = 0; i < n; i++) {
-    s[i] = (PetscReal)i / (n - 1);
+    self->s[i] = (PetscReal)i / (n - 1);
     for (int j = 0; j < WAVES; j++)
-      k[i] += amplitude * PetscSqrtReal(2. / WAVES) *
-              PetscCosReal(wave[j] * s[i] / length + 2 * PETSC_PI * phase[j]);
+      self->k[i] += amplitude * PetscSqrtReal(2. / WAVES) *
+                    PetscCosReal(wave[j] * self->s[i] / length + 2 * PETSC_PI * phase[j]);
   }
-  PetscCall(SetTable(self, n, s, k));
-  PetscCall(PetscFree2(s, k));
+  self->n = n;
+  PetscCall(MakeSpline(self));
   PetscFunctionReturn(0);
 }
 
@@ -164,7 +161,9 @@ PetscErrorCode CurvatureSetFromOptions(Curvature *self, Growth growth, PetscReal
 
 PetscErrorCode CurvatureDestroy(Curvature *self) {
   PetscFunctionBegin;
-  PetscCall(PetscFree3(self->s, self->k, self->k2));
+  PetscCall(PetscFree(self->s));
+  PetscCall(PetscFree(self->k));
+  PetscCall(PetscFree(self->k2));
   PetscCall(PetscFree3(self->even, self->angle, self->slope));
   PetscFunctionReturn(0);
 }

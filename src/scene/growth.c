@@ -79,12 +79,12 @@ static PetscErrorCode CreateGaussian(Growth self) {
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&law));
+  self->data = law;
+  self->destroy = GrowthDestroyData;
   PetscCall(OptionReal("-growth_width", &law->a, NULL));
   law->b = 2 / (law->a * PetscSqrtReal(PETSC_PI) * erf(1 / law->a));
-  self->data = law;
   self->stretch = StretchGaussian;
   self->arc = ArcGaussian;
-  self->destroy = GrowthDestroyData;
   PetscFunctionReturn(0);
 }
 
@@ -107,13 +107,13 @@ PetscErrorCode GrowthCreate(Growth *growth) {
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&self));
+  *growth = self; /* whole or not, the caller destroys it */
   self->end_time = PETSC_MAX_REAL;
   PetscCall(OptionWord("-growth_type", &choice, NULL));
   if (laws[choice].create != GrowthCreateTable)
     PetscCall(OptionReal("-growth_initial_length", &self->initial_length, NULL));
   self->type = laws[choice].name;
   PetscCall(laws[choice].create(self));
-  *growth = self;
   PetscFunctionReturn(0);
 }
 

@@ -65,7 +65,9 @@ static PetscErrorCode DestroyTable(Growth self) {
   Table *tab = (Table *)self->data;
 
   PetscFunctionBegin;
-  PetscCall(PetscFree3(tab->s, tab->t, tab->g));
+  PetscCall(PetscFree(tab->s));
+  PetscCall(PetscFree(tab->t));
+  PetscCall(PetscFree(tab->g));
   PetscCall(PetscFree5(tab->g_ss, tab->g_tt, tab->g_sstt, tab->p, tab->p_tt));
   PetscCall(PetscFree(self->data));
   PetscFunctionReturn(0);
@@ -111,25 +113,15 @@ static PetscErrorCode TableCheckBetween(const char *file, const Table *tab) {
 }
 
 static PetscErrorCode TableRead(const char *file, Table *tab) {
-  PetscInt ns, nt, dims[2];
-  PetscReal *s, *t, *g;
+  PetscInt dims[2];
 
   PetscFunctionBegin;
-  PetscCall(HdfRead("-growth_table", file, "/s", 1, &ns, &s));
-  PetscCall(HdfRead("-growth_table", file, "/t", 1, &nt, &t));
-  PetscCall(HdfRead("-growth_table", file, "/g", 2, dims, &g));
-  UserCheck(dims[0] == nt && dims[1] == ns, OptionsComm(),
+  PetscCall(HdfRead("-growth_table", file, "/s", 1, &tab->ns, &tab->s));
+  PetscCall(HdfRead("-growth_table", file, "/t", 1, &tab->nt, &tab->t));
+  PetscCall(HdfRead("-growth_table", file, "/g", 2, dims, &tab->g));
+  UserCheck(dims[0] == tab->nt && dims[1] == tab->ns, OptionsComm(),
             "-growth_table %s: /g must be [%d, %d] as /t and /s are long, it is [%d, %d]", file,
-            (int)nt, (int)ns, (int)dims[0], (int)dims[1]);
-  tab->ns = ns;
-  tab->nt = nt;
-  PetscCall(PetscMalloc3(ns, &tab->s, nt, &tab->t, ns * nt, &tab->g));
-  PetscCall(PetscArraycpy(tab->s, s, ns));
-  PetscCall(PetscArraycpy(tab->t, t, nt));
-  PetscCall(PetscArraycpy(tab->g, g, ns * nt));
-  PetscCall(PetscFree(s));
-  PetscCall(PetscFree(t));
-  PetscCall(PetscFree(g));
+            (int)tab->nt, (int)tab->ns, (int)dims[0], (int)dims[1]);
   PetscCall(TableCheck(file, tab));
   PetscFunctionReturn(0);
 }
@@ -145,6 +137,8 @@ PetscErrorCode GrowthCreateTable(Growth self) {
   PetscCall(OptionText("-growth_table", file, &set));
   UserCheck(set, OptionsComm(), "-growth_type table needs -growth_table FILE");
   PetscCall(PetscNew(&tab));
+  self->data = tab;
+  self->destroy = DestroyTable;
   PetscCall(TableRead(file, tab));
   n = tab->ns * tab->nt;
   PetscCall(PetscCalloc5(n, &tab->g_ss, n, &tab->g_tt, n, &tab->g_sstt, n, &tab->p, n, &tab->p_tt));
@@ -159,11 +153,9 @@ PetscErrorCode GrowthCreateTable(Growth self) {
   }
   PetscCall(SplineSecondDerivatives(tab->nt, tab->t, tab->ns, 1, tab->ns, tab->p, tab->p_tt));
   PetscCall(TableCheckBetween(file, tab));
-  self->data = tab;
   self->initial_length = tab->p[tab->ns - 1];
   self->end_time = tab->t[tab->nt - 1];
   self->stretch = StretchTable;
   self->arc = ArcTable;
-  self->destroy = DestroyTable;
   PetscFunctionReturn(0);
 }

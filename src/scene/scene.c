@@ -55,7 +55,7 @@ static PetscErrorCode CheckSize(PetscInt cells) {
 /*
   SceneCreate - reads and checks all options that say what is simulated, and places the nodes.
   Collective on OptionsComm(), the ranks that are to share the scene; the caller destroys it with
-  SceneDestroy().
+  SceneDestroy(), also after an error.
 */
 PetscErrorCode SceneCreate(Scene *scene) {
   PetscInt cells, grading;
@@ -64,6 +64,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&self));
+  *scene = self; /* whole or not, the caller destroys it */
   self->comm = OptionsComm();
   PetscCall(SiSetFromOptions(&self->si)); /* first: the others may carry units */
   PetscCall(GrowthCreate(&self->growth));
@@ -79,7 +80,6 @@ PetscErrorCode SceneCreate(Scene *scene) {
             OptionNumber(self->end_time, text[0]), OptionNumber(self->growth->end_time, text[1]));
   PetscCall(CurvatureSetFromOptions(&self->curvature, self->growth, self->end_time));
   PetscCall(MeshCreate(cells, (PetscBool)grading, self->growth, self->end_time, &self->mesh));
-  *scene = self;
   PetscFunctionReturn(0);
 }
 

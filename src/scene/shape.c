@@ -38,13 +38,9 @@ PetscErrorCode ShapeDestroy(Shape *shape) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode FromFile(Shape *shape, const char *file) {
-  PetscReal *s, *theta;
-  PetscInt n, m;
-
+static PetscErrorCode Check(const char *file, PetscInt n, const PetscReal s[], PetscInt m,
+                            const PetscReal theta[]) {
   PetscFunctionBegin;
-  PetscCall(HdfRead("-shape_file", file, "/s", 1, &n, &s));
-  PetscCall(HdfRead("-shape_file", file, "/theta", 1, &m, &theta));
   UserCheck(n == m, OptionsComm(), "-shape_file %s: /s and /theta differ in length", file);
   UserCheck(n >= 4, OptionsComm(), "-shape_file %s: needs 4 entries at least, has %d", file,
             (int)n);
@@ -54,10 +50,25 @@ static PetscErrorCode FromFile(Shape *shape, const char *file) {
     UserCheck(s[i] > s[i - 1], OptionsComm(), "-shape_file %s: /s must increase", file);
   UserCheck(PetscAbsReal(theta[0]) < 1e-9, OptionsComm(),
             "-shape_file %s: /theta is measured against the clamp and must start at 0", file);
-  theta[0] = 0;
-  PetscCall(ShapeSetTable(shape, n, s, theta));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode FromFile(Shape *shape, const char *file) {
+  PetscReal *s = NULL, *theta = NULL;
+  PetscErrorCode error;
+  PetscInt n, m;
+
+  PetscFunctionBegin;
+  error = HdfRead("-shape_file", file, "/s", 1, &n, &s);
+  if (!error) error = HdfRead("-shape_file", file, "/theta", 1, &m, &theta);
+  if (!error) error = Check(file, n, s, m, theta);
+  if (!error) {
+    theta[0] = 0;
+    error = ShapeSetTable(shape, n, s, theta);
+  }
   PetscCall(PetscFree(s));
   PetscCall(PetscFree(theta));
+  PetscCall(error);
   PetscFunctionReturn(0);
 }
 

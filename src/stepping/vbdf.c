@@ -463,8 +463,8 @@ PetscErrorCode VBDFSetSnap(TS ts, VBDFSnap snap) {
 }
 
 /*
-  VBDFGetHistory - the points that the next step starts from, latest first, after an accepted step or
-  after VBDFSetHistory().
+  VBDFGetHistory - the points that the next step starts from, latest first, after an accepted step
+  or after VBDFSetHistory().
 
   n       how many, at most VBDF_POINTS; 0 on exit if the type is another one
   points  borrowed

@@ -6,6 +6,7 @@ enum { SHARED_CELLS = 5000, SCAN_CELLS = 64, SCAN_STEPS = 100, ROOT_STEPS = 60 }
 
 /* A growth factor as a function of t, negative while the straight rod is stable. */
 typedef struct {
+  Mesh mesh;
   Pencil pencil;
   Spectrum spectrum;
   PetscBool dense;     /* all eigenvalues of a small matrix, to be sure of the rightmost */
@@ -13,12 +14,13 @@ typedef struct {
   PetscReal *c, *w;    /* its mode, if asked for */
 } Factor;
 
-static PetscErrorCode FactorCreate(MPI_Comm comm, Scene scene, const Mesh *mesh, PetscBool dense,
+/* On a mesh of cells equidistant in arc length. */
+static PetscErrorCode FactorCreate(MPI_Comm comm, Scene scene, PetscInt cells, PetscBool dense,
                                    PetscBool quiet, Factor *self) {
   PetscFunctionBegin;
-  PetscCall(PetscMemzero(self, sizeof(*self)));
   self->dense = dense;
-  PetscCall(PencilCreate(comm, scene, mesh, map_follows, &self->pencil));
+  PetscCall(MeshCreate(cells, PETSC_FALSE, scene->growth, scene->end_time, &self->mesh));
+  PetscCall(PencilCreate(comm, scene, &self->mesh, map_follows, &self->pencil));
   PetscCall(SpectrumCreate(self->pencil, quiet, &self->spectrum));
   PetscFunctionReturn(0);
 }
@@ -27,6 +29,8 @@ static PetscErrorCode FactorDestroy(Factor *self) {
   PetscFunctionBegin;
   PetscCall(SpectrumDestroy(&self->spectrum));
   PetscCall(PencilDestroy(&self->pencil));
+  PetscCall(MeshDestroy(&self->mesh));
+  PetscCall(PetscFree2(self->c, self->w));
   PetscFunctionReturn(0);
 }
 
@@ -78,18 +82,14 @@ static PetscErrorCode Root(Factor *self, PetscReal a, PetscReal fa, PetscReal b,
   PetscFunctionReturn(0);
 }
 
-/* The first bracket of a crossing, found in steps of 5 % of the length on a coarse mesh. The rod
-   may also be unstable from the start. */
-static PetscErrorCode Scan(Scene scene, PetscReal *low, PetscReal *high) {
+/* The first bracket of a crossing, found in steps of 5 % of the length. The rod may also be
+   unstable from the start. */
+static PetscErrorCode ScanWith(Factor *coarse, Scene scene, PetscReal *low, PetscReal *high) {
   PetscReal T = scene->end_time, f, L, L_t;
-  Factor coarse;
-  Mesh mesh;
 
   PetscFunctionBegin;
-  PetscCall(MeshCreate(SCAN_CELLS, PETSC_FALSE, scene->growth, T, &mesh));
-  PetscCall(FactorCreate(PETSC_COMM_SELF, scene, &mesh, PETSC_TRUE, PETSC_TRUE, &coarse));
   *low = *high = 0;
-  PetscCall(FactorAt(&coarse, 0, &f));
+  PetscCall(FactorAt(coarse, 0, &f));
   UserCheck(
       f < 0, scene->comm,
       "-growth_initial_length: the straight rod is unstable already at t = 0, take it shorter");
@@ -98,12 +98,22 @@ static PetscErrorCode Scan(Scene scene, PetscReal *low, PetscReal *high) {
     *low = *high;
     *high += PetscMin(0.05 * L / PetscMax(PetscAbsReal(L_t), 1e-12), T / SCAN_STEPS);
     *high = PetscMin(*high, T);
-    PetscCall(FactorAt(&coarse, *high, &f));
+    PetscCall(FactorAt(coarse, *high, &f));
   }
-  PetscCall(FactorDestroy(&coarse));
-  PetscCall(MeshDestroy(&mesh));
   UserCheck(f >= 0, scene->comm,
             "-ts_max_time %g: the straight rod is stable up to there, look further", (double)T);
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Scan(Scene scene, PetscReal *low, PetscReal *high) {
+  PetscErrorCode error;
+  Factor coarse = {0};
+
+  PetscFunctionBegin;
+  error = FactorCreate(PETSC_COMM_SELF, scene, SCAN_CELLS, PETSC_TRUE, PETSC_TRUE, &coarse);
+  if (!error) error = ScanWith(&coarse, scene, low, high);
+  PetscCall(FactorDestroy(&coarse));
+  PetscCall(error);
   PetscFunctionReturn(0);
 }
 
@@ -172,6 +182,29 @@ static PetscErrorCode Agree(Scene scene, Critical *self) {
   PetscFunctionReturn(0);
 }
 
+/* The critical time on two meshes, of which the finer is kept. */
+static PetscErrorCode FindWith(Factor *fine, Factor *half, Scene scene, PetscBool quiet,
+                               Critical *self) {
+  PetscReal low = 0, high = 0, half_t, near = 1e-8;
+  PetscInt cells = scene->mesh.cells, n = cells + 1;
+  MPI_Comm comm = cells < SHARED_CELLS ? PETSC_COMM_SELF : scene->comm;
+
+  PetscFunctionBegin;
+  PetscCall(FactorCreate(comm, scene, cells, PETSC_FALSE, quiet, fine));
+  if (!scene->growth->even || scene->growth->slides) PetscCall(Scan(scene, &low, &high));
+  PetscCall(FactorCreate(comm, scene, (cells + 1) / 2, PETSC_FALSE, quiet, half));
+  PetscCall(OnMesh(scene, half, low, high, &half_t));
+  PetscCall(PetscMalloc2(n, &fine->c, n, &fine->w));
+  PetscCall(OnMesh(scene, fine, half_t - near, half_t + near, &self->t));
+  PetscCall(GrowthLength(scene->growth, self->t, &self->length, NULL));
+  self->frequency = fine->frequency;
+  self->error = PetscAbsReal(self->t - half_t) +
+                PetscMax(1, self->length) * (1e-14 + 1e-17 * PetscSqr((PetscReal)n));
+  PetscCall(StoreMode(scene, fine, self));
+  PetscCall(Agree(scene, self));
+  PetscFunctionReturn(0);
+}
+
 /*
   CriticalFind - the critical time and length of a scene, with the error and the mode. Collective on
   the scene's ranks.
@@ -186,32 +219,15 @@ static PetscErrorCode Agree(Scene scene, Critical *self) {
   second-order matrix of this size.
 */
 PetscErrorCode CriticalFind(Scene scene, PetscBool quiet, Critical *self) {
-  PetscReal low = 0, high = 0, half_t, near = 1e-8;
-  PetscInt cells = scene->mesh.cells, n = cells + 1;
-  MPI_Comm comm = cells < SHARED_CELLS ? PETSC_COMM_SELF : scene->comm;
-  Factor fine, half;
-  Mesh mesh, half_mesh;
+  Factor fine = {0}, half = {0};
+  PetscErrorCode error;
 
   PetscFunctionBegin;
-  PetscCall(MeshCreate(cells, PETSC_FALSE, scene->growth, scene->end_time, &mesh));
-  PetscCall(MeshCreate((cells + 1) / 2, PETSC_FALSE, scene->growth, scene->end_time, &half_mesh));
-  PetscCall(FactorCreate(comm, scene, &mesh, PETSC_FALSE, quiet, &fine));
-  if (!scene->growth->even || scene->growth->slides) PetscCall(Scan(scene, &low, &high));
-  PetscCall(FactorCreate(comm, scene, &half_mesh, PETSC_FALSE, quiet, &half));
-  PetscCall(OnMesh(scene, &half, low, high, &half_t));
+  PetscCall(PetscMemzero(self, sizeof(*self)));
+  error = FindWith(&fine, &half, scene, quiet, self);
   PetscCall(FactorDestroy(&half));
-  PetscCall(MeshDestroy(&half_mesh));
-  PetscCall(PetscMalloc2(n, &fine.c, n, &fine.w));
-  PetscCall(OnMesh(scene, &fine, half_t - near, half_t + near, &self->t));
-  PetscCall(GrowthLength(scene->growth, self->t, &self->length, NULL));
-  self->frequency = fine.frequency;
-  self->error = PetscAbsReal(self->t - half_t) +
-                PetscMax(1, self->length) * (1e-14 + 1e-17 * PetscSqr((PetscReal)n));
-  PetscCall(StoreMode(scene, &fine, self));
-  PetscCall(Agree(scene, self));
-  PetscCall(PetscFree2(fine.c, fine.w));
   PetscCall(FactorDestroy(&fine));
-  PetscCall(MeshDestroy(&mesh));
+  PetscCall(error);
   PetscFunctionReturn(0);
 }
 
@@ -264,17 +280,20 @@ static PetscErrorCode Print(MPI_Comm comm, const Critical *self) {
   output   the result file, "": none
 */
 PetscErrorCode CriticalRun(Scene scene, const char *output) {
+  Critical critical = {0};
   HdfFile file = NULL;
-  Critical critical;
+  PetscErrorCode error;
 
   PetscFunctionBegin;
   PetscCall(SpectrumReadOptions());
   PetscCall(OptionsRefuseUnread());
   if (output[0]) PetscCall(OutputNewFile("-output", output, scene->comm, &file));
-  PetscCall(CriticalFind(scene, PETSC_FALSE, &critical));
-  PetscCall(Print(scene->comm, &critical));
-  PetscCall(Write(scene, file, &critical));
-  if (output[0]) PetscCall(OutputEndFile("-output", output, scene->comm, &file));
+  error = CriticalFind(scene, PETSC_FALSE, &critical);
+  if (!error) error = Print(scene->comm, &critical);
+  if (!error) error = Write(scene, file, &critical);
   PetscCall(CriticalDestroy(&critical));
+  if (error) PetscCall(HdfDrop(&file));
+  PetscCall(error);
+  if (output[0]) PetscCall(OutputEndFile("-output", output, scene->comm, &file));
   PetscFunctionReturn(0);
 }

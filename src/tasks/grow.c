@@ -392,6 +392,21 @@ static PetscErrorCode Verdict(const Grow *self, TSConvergedReason reason) {
   PetscFunctionReturn(0);
 }
 
+static PetscErrorCode Run(Grow *self) {
+  TSConvergedReason reason = TS_CONVERGED_ITERATING;
+  PetscErrorCode error;
+
+  PetscFunctionBegin;
+  CatchSignals();
+  PetscCall(GrowHeading(self));
+  error = Follow(self, &reason);
+  if (error) (void)End(self, PETSC_FALSE); /* what has been computed is not lost */
+  PetscCall(error);
+  PetscCall(End(self, (PetscBool)(reason == TS_CONVERGED_TIME || self->event.kind)));
+  PetscCall(Verdict(self, reason));
+  PetscFunctionReturn(0);
+}
+
 /*
   GrowRun - follows the rod of a scene from t = 0 to its end time. Collective on the scene's ranks.
 
@@ -402,23 +417,13 @@ static PetscErrorCode Verdict(const Grow *self, TSConvergedReason reason) {
   interrupted (SIGTERM, SIGINT).
 */
 PetscErrorCode GrowRun(Scene scene, const char *output, const char *restart) {
-  TSConvergedReason reason = TS_CONVERGED_ITERATING;
   Grow grow = {.scene = scene}, *self = &grow;
   PetscErrorCode error;
-  PetscBool finished;
 
   PetscFunctionBegin;
-  PetscCall(Create(self, output, restart));
-  CatchSignals();
-  PetscCall(GrowHeading(self));
-  error = Follow(self, &reason);
-  if (error) { /* what has been computed is not lost */
-    (void)End(self, PETSC_FALSE);
-    PetscFunctionReturn(error);
-  }
-  finished = (PetscBool)(reason == TS_CONVERGED_TIME || self->event.kind);
-  PetscCall(End(self, finished));
-  PetscCall(Verdict(self, reason));
+  error = Create(self, output, restart);
+  if (!error) error = Run(self);
   PetscCall(Destroy(self));
+  PetscCall(error);
   PetscFunctionReturn(0);
 }

@@ -63,6 +63,7 @@ typedef struct {
 typedef struct {
   Scene scene;
   MPI_Comm comm; /* of the solvers */
+  HdfFile file, shape_file;
   Settings set;
   Mesh mesh;
   Pencil follow, fixed; /* z moving with t for A, fixed at t_cr for the norms */
@@ -439,6 +440,8 @@ static PetscErrorCode CompleteSettings(Settings *set, PetscReal t_cr) {
 
 static PetscErrorCode Destroy(Stability *self) {
   PetscFunctionBegin;
+  PetscCall(HdfDrop(&self->file));
+  PetscCall(HdfDrop(&self->shape_file));
   PetscCall(SpectrumDestroy(&self->modes));
   PetscCall(SpectrumDestroy(&self->friction));
   if (self->has[CURVE_L2]) PetscCall(NormDestroy(&self->l2));
@@ -452,6 +455,56 @@ static PetscErrorCode Destroy(Stability *self) {
   PetscFunctionReturn(0);
 }
 
+/* Reads everything, opens the files. */
+static PetscErrorCode Open(Stability *self, const char *output) {
+  Scene scene = self->scene;
+
+  PetscFunctionBegin;
+  PetscCall(ReadSettings(scene, &self->set));
+  self->comm = self->set.vertices < SHARED_VERTICES ? PETSC_COMM_SELF : scene->comm;
+  PetscCall(
+      MeshCreate(self->set.vertices - 1, PETSC_FALSE, scene->growth, scene->end_time, &self->mesh));
+  PetscCall(PencilCreate(self->comm, scene, &self->mesh, map_follows, &self->follow));
+  PetscCall(SpectrumCreate(self->follow, PETSC_FALSE, &self->modes));
+  PetscCall(ReadSolverOptions());
+  PetscCall(OptionsRefuseUnread());
+  if (output[0]) PetscCall(OutputNewFile("-output", output, scene->comm, &self->file));
+  if (self->set.shape[0])
+    PetscCall(
+        OutputNewFile("-stability_optimal_shape", self->set.shape, scene->comm, &self->shape_file));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Compute(Stability *self) {
+  PetscFunctionBegin;
+  PetscCall(CriticalFind(self->scene, PETSC_TRUE, &self->critical));
+  PetscCall(CompleteSettings(&self->set, self->critical.t));
+  PetscCall(PetscPrintf(OptionsComm(), "critical time t = %.12g, error below %.1e\n",
+                        (double)self->critical.t, (double)self->critical.error));
+  PetscCall(PetscMalloc2(self->set.points, &self->t, self->set.points, &self->frequency));
+  for (int c = 0; c < CURVES; c++) PetscCall(PetscCalloc1(self->set.points, &self->value[c]));
+  PetscCall(CreateSolvers(self));
+  PetscCall(Tabulate(self));
+  for (int c = 0; c < CURVES; c++)
+    if (self->has[c]) PetscCall(Verdict(self, (Curve)c));
+  PetscCall(PrintVerdict(self));
+  PetscCall(WriteTable(self->file, self));
+  if (self->set.transient) PetscCall(Transient(self, self->file, self->shape_file));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Close(Stability *self, const char *output) {
+  MPI_Comm comm = self->scene->comm;
+
+  PetscFunctionBegin;
+  if (self->file) PetscCall(OutputAttributes(self->file, comm, PETSC_TRUE));
+  if (output[0]) PetscCall(OutputEndFile("-output", output, comm, &self->file));
+  if (self->shape_file) PetscCall(OutputAttributes(self->shape_file, comm, PETSC_TRUE));
+  if (self->set.shape[0])
+    PetscCall(OutputEndFile("-stability_optimal_shape", self->set.shape, comm, &self->shape_file));
+  PetscFunctionReturn(0);
+}
+
 /*
   StabilityRun - -task stability: the curves over a range of t, the verdicts, the transient growth;
   printed and stored.
@@ -459,42 +512,15 @@ static PetscErrorCode Destroy(Stability *self) {
   output   the result file, "": none
 */
 PetscErrorCode StabilityRun(Scene scene, const char *output) {
-  Stability self;
-  HdfFile file = NULL, shape = NULL;
+  Stability self = {.scene = scene};
+  PetscErrorCode error;
 
   PetscFunctionBegin;
-  PetscCall(PetscMemzero(&self, sizeof(self)));
-  self.scene = scene;
-  PetscCall(ReadSettings(scene, &self.set));
-  self.comm = self.set.vertices < SHARED_VERTICES ? PETSC_COMM_SELF : scene->comm;
-  PetscCall(
-      MeshCreate(self.set.vertices - 1, PETSC_FALSE, scene->growth, scene->end_time, &self.mesh));
-  PetscCall(PencilCreate(self.comm, scene, &self.mesh, map_follows, &self.follow));
-  PetscCall(SpectrumCreate(self.follow, PETSC_FALSE, &self.modes));
-  PetscCall(ReadSolverOptions());
-  PetscCall(OptionsRefuseUnread());
-  if (output[0]) PetscCall(OutputNewFile("-output", output, scene->comm, &file));
-  if (self.set.shape[0])
-    PetscCall(OutputNewFile("-stability_optimal_shape", self.set.shape, scene->comm, &shape));
-  PetscCall(CriticalFind(scene, PETSC_TRUE, &self.critical));
-  PetscCall(CompleteSettings(&self.set, self.critical.t));
-  PetscCall(PetscPrintf(OptionsComm(), "critical time t = %.12g, error below %.1e\n",
-                        (double)self.critical.t, (double)self.critical.error));
-  PetscCall(PetscMalloc2(self.set.points, &self.t, self.set.points, &self.frequency));
-  for (int c = 0; c < CURVES; c++) PetscCall(PetscCalloc1(self.set.points, &self.value[c]));
-  PetscCall(CreateSolvers(&self));
-  PetscCall(Tabulate(&self));
-  for (int c = 0; c < CURVES; c++)
-    if (self.has[c]) PetscCall(Verdict(&self, (Curve)c));
-  PetscCall(PrintVerdict(&self));
-  PetscCall(WriteTable(file, &self));
-  if (self.set.transient) PetscCall(Transient(&self, file, shape));
-  if (file) PetscCall(OutputAttributes(file, scene->comm, PETSC_TRUE));
-  if (output[0]) PetscCall(OutputEndFile("-output", output, scene->comm, &file));
-  if (shape) PetscCall(OutputAttributes(shape, scene->comm, PETSC_TRUE));
-  if (self.set.shape[0])
-    PetscCall(OutputEndFile("-stability_optimal_shape", self.set.shape, scene->comm, &shape));
+  error = Open(&self, output);
+  if (!error) error = Compute(&self);
+  if (!error) error = Close(&self, output);
   PetscCall(Destroy(&self));
+  PetscCall(error);
   PetscFunctionReturn(0);
 }
 

@@ -53,37 +53,58 @@ static PetscErrorCode PrintUnits(Scene scene) {
   PetscFunctionReturn(0);
 }
 
-/* TendrilRun - does what the options ask for (-task), from the scene to the result. Collective;
-   after TendrilInitialize(). A failure has been told when it returns. */
-PetscErrorCode TendrilRun(void) {
-  char output[PETSC_MAX_PATH_LEN] = "", restart[PETSC_MAX_PATH_LEN] = "";
+/* What is asked for, as far as it concerns no one else. */
+typedef struct {
   PetscInt task;
+  char output[PETSC_MAX_PATH_LEN], restart[PETSC_MAX_PATH_LEN];
+} Asked;
+
+static PetscErrorCode ReadOptions(Asked *asked) {
   PetscBool go_on;
-  Scene scene;
 
   PetscFunctionBegin;
-  PetscCall(RestartOptions(restart, &go_on));
+  PetscCall(PetscMemzero(asked, sizeof(*asked)));
+  PetscCall(RestartOptions(asked->restart, &go_on));
   PetscCall(OptionsCheckPetsc());
-  PetscCall(OptionWord("-task", &task, NULL));
-  PetscCall(OptionText("-output", output, NULL));
-  UserCheck(!go_on || task == GROW, OptionsComm(),
+  PetscCall(OptionWord("-task", &asked->task, NULL));
+  PetscCall(OptionText("-output", asked->output, NULL));
+  UserCheck(!go_on || asked->task == GROW, OptionsComm(),
             "-restart: only -task grow has something to go on with; take it out");
   PetscCall(OptionsCheckTypes());
-  if (task == GROW) PetscCall(AccuracyApply());
-  PetscCall(SceneCreate(&scene));
-  UserCheck(task == GROW || task == UNITS || !scene->curvature.any, scene->comm,
+  if (asked->task == GROW) PetscCall(AccuracyApply());
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode RunTask(Scene scene, const Asked *asked) {
+  PetscFunctionBegin;
+  UserCheck(asked->task == GROW || asked->task == UNITS || !scene->curvature.any, scene->comm,
             "-rod_curvature: -task critical and stability are about a rod that is straight by "
             "nature; take it out");
-  if (scene->shape.type == SHAPE_MODE && task == GROW) PetscCall(TakeSlowestMode(scene));
-  if (task == UNITS)
+  if (scene->shape.type == SHAPE_MODE && asked->task == GROW) PetscCall(TakeSlowestMode(scene));
+  if (asked->task == UNITS)
     PetscCall(PrintUnits(scene));
-  else if (task == GROW)
-    PetscCall(GrowRun(scene, output, restart));
-  else if (task == STABILITY)
-    PetscCall(StabilityRun(scene, output));
+  else if (asked->task == GROW)
+    PetscCall(GrowRun(scene, asked->output, asked->restart));
+  else if (asked->task == STABILITY)
+    PetscCall(StabilityRun(scene, asked->output));
   else
-    PetscCall(CriticalRun(scene, output));
+    PetscCall(CriticalRun(scene, asked->output));
+  PetscFunctionReturn(0);
+}
+
+/* TendrilRun - does what the options ask for (-task), from the scene to the result. Collective;
+   after TendrilInitialize(). A failure has been told when it returns, and all is freed. */
+PetscErrorCode TendrilRun(void) {
+  PetscErrorCode error;
+  Scene scene = NULL;
+  Asked asked;
+
+  PetscFunctionBegin;
+  PetscCall(ReadOptions(&asked));
+  error = SceneCreate(&scene);
+  if (!error) error = RunTask(scene, &asked);
   PetscCall(SceneDestroy(&scene));
+  PetscCall(error);
   PetscCall(OptionsRefuseLeft());
   PetscFunctionReturn(0);
 }
