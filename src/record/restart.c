@@ -68,10 +68,10 @@ static PetscErrorCode TakeMesh(const char *file, Scene scene) {
 
   PetscFunctionBegin;
   PetscCall(HdfRead("-restart", file, "/shapes/s", 1, &n, &s));
+  if (n == scene->mesh.cells + 1) PetscCall(PetscArraycpy(scene->mesh.s, s, n));
+  PetscCall(PetscFree(s));
   UserCheck(n == scene->mesh.cells + 1, scene->comm, "-rod_cells %d: the run in -restart %s has %d",
             (int)scene->mesh.cells, file, (int)n - 1);
-  PetscCall(PetscArraycpy(scene->mesh.s, s, n));
-  PetscCall(PetscFree(s));
   PetscFunctionReturn(0);
 }
 
