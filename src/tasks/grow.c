@@ -143,7 +143,7 @@ static PetscErrorCode Agree(Grow *self, PetscBool *store) {
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, word, 2, MPI_INT, MPI_MAX, self->scene->comm));
-  self->stopped = word[0];
+  self->stopped = self->seen.t < self->scene->end_time ? word[0] : 0; /* at its end it has ended */
   *store = (PetscBool)word[1];
   PetscFunctionReturn(0);
 }
