@@ -1,7 +1,7 @@
 /* Times one Newton iteration of the frame model (residual, Jacobian, factorisation, solve) and, on
    one rank, LAPACK's band solver on the same matrix. Options as of tendril; -bench_repeat R: best
    of R. */
-#include "stepping/chain.h"
+#include "base/chain.h"
 #include "tasks/tendril.h"
 #include "stepping/newton.h"
 #include "base/options.h"

@@ -62,7 +62,9 @@ typedef struct {
 #define OPTION_GROUP(title, rows)                                                                  \
   { title, PETSC_STATIC_ARRAY_LENGTH(rows), rows }
 
+/* options_petsc.c: PETSc's own */
 extern const OptionGroup petsc_options;
+PetscErrorCode OptionsRename(PetscBool new_names);
 
 /* options_table.c: the table */
 void OptionsSetTable(size_t n, const OptionGroup *const groups[]);

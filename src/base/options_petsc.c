@@ -50,3 +50,25 @@ static const OptionRow rows[] = {
     ROW_TEXT("-help", PETSCS | PASSING | LATE, "this; -help petsc: PETSc's own"),
     ROW_TEXT("-version", PETSCS | PASSING | LATE, "versions of tendril, PETSc and SLEPc")};
 const OptionGroup petsc_options = OPTION_GROUP("PETSc's own, as far as they are used often", rows);
+
+/* PETSc 3.25 gave these another name, and has a warning for the old one. In tendril the old one
+   stands for both, in the table as in result files, whichever PETSc wrote them. */
+static const char *const renamed[][2] = {{"-ts_dt", "-ts_time_step"},
+                                         {"-ts_max_reject", "-ts_max_step_rejections"}};
+
+/* OptionsRename - moves what was given for options that PETSc has renamed to their new names, for
+   PETSc to read, or to the old ones. Collective. */
+PetscErrorCode OptionsRename(PetscBool new_names) {
+  PetscFunctionBegin;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(renamed); i++) {
+    const char *from = renamed[i][!new_names], *to = renamed[i][new_names];
+    char value[128] = "";
+    PetscBool given;
+    PetscCall(PetscOptionsGetString(NULL, NULL, from, value, sizeof(value), &given));
+    if (!given) continue;
+    PetscCall(PetscOptionsSetValue(NULL, to, value));
+    PetscCall(PetscOptionsClearValue(NULL, from));
+    if (!new_names) PetscCall(PetscOptionsHasName(NULL, NULL, to, &given)); /* counts as read */
+  }
+  PetscFunctionReturn(0);
+}

@@ -13,6 +13,7 @@ PetscErrorCode OptionsCheckPetsc(void) {
   size_t place = 0;
 
   PetscFunctionBegin;
+  PetscCall(OptionsRename(PETSC_FALSE));
   while ((row = OptionNext(&place)))
     if (row->flags & PETSCS) PetscCall(OptionCheck(row));
   PetscCall(OptionGiven("-ts_init_time", &given));

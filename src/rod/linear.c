@@ -1,5 +1,6 @@
 /* The linear model: a small deflection y = x2 of the straight rod, D y_t = K y in cubic B-splines
    (straight.h), one unknown per node. Terms of relative size theta^2 are left out. */
+#include "base/chain.h"
 #include "rod/rod.h"
 #include <petscksp.h>
 
@@ -194,7 +195,6 @@ static PetscErrorCode LinearGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *node
    and row N y there, so that no diagonal entry is 0. */
 static PetscErrorCode CreateFit(Rod rod) {
   Linear *self = (Linear *)rod->data;
-  PetscMPIInt ranks;
   Mat A;
   PC pc;
 
@@ -214,12 +214,7 @@ static PetscErrorCode CreateFit(Rod rod) {
   PetscCall(MatDestroy(&A));
   PetscCall(KSPSetType(self->fit, KSPPREONLY));
   PetscCall(KSPGetPC(self->fit, &pc));
-  PetscCall(PCSetType(pc, PCLU));
-  PetscCallMPI(MPI_Comm_size(rod->scene->comm, &ranks));
-  if (ranks > 1)
-    PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
-  else
-    PetscCall(PCFactorSetMatOrderingType(pc, MATORDERINGNATURAL));
+  PetscCall(ChainSetType(pc));
   PetscFunctionReturn(0);
 }
 

@@ -85,6 +85,15 @@ static PetscErrorCode LookAgain(Leg *leg) {
   PetscFunctionReturn(0);
 }
 
+/* The stepper's options, by the names that PETSc has for them. */
+static PetscErrorCode TakeOptions(TS ts) {
+  PetscFunctionBegin;
+  if (PETSC_VERSION_GE(3, 25, 0)) PetscCall(OptionsRename(PETSC_TRUE));
+  PetscCall(TSSetFromOptions(ts));
+  if (PETSC_VERSION_GE(3, 25, 0)) PetscCall(OptionsRename(PETSC_FALSE));
+  PetscFunctionReturn(0);
+}
+
 /*
   LegCreate - a model of a scene with its stepper, ready for TSSolve() once U is set. Collective;
   the caller destroys it with LegDestroy().
@@ -126,7 +135,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   PetscCall(TSSetPreStage(leg->ts, BeforeStage));
   PetscCall(NewtonSetUp(leg->ts, leg->rod, &leg->newton));
   PetscCall(ExtrapolateTheta());
-  PetscCall(TSSetFromOptions(leg->ts));
+  PetscCall(TakeOptions(leg->ts));
   PetscCall(LookAgain(leg));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)leg->ts, &fixed, TSBEULER, TSTHETA, TSCN, ""));
   PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_dt", &given));

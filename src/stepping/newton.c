@@ -1,5 +1,6 @@
 #include "stepping/newton.h"
-#include "stepping/chain.h"
+#include "base/compat.h"
+#include "base/chain.h"
 
 /* Newton's iteration stops when its update is this part of rtol: of the step's own tolerance, a
    seventh (leg.c). */
@@ -91,7 +92,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
   Vec U, dU, F;
 
   PetscFunctionBegin;
-  *reason = PetscIsInfOrNanReal(fnorm) ? SNES_DIVERGED_FNORM_NAN : SNES_CONVERGED_ITERATING;
+  *reason = PetscIsInfOrNanReal(fnorm) ? DIVERGED_NAN : SNES_CONVERGED_ITERATING;
   if (*reason) PetscFunctionReturn(0);
   PetscCall(SNESGetFunction(snes, &F, NULL, NULL));
   PetscCall(Residuals(self->rod, F, residual));
@@ -108,7 +109,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
     if (it > 1) rate = PetscMin(rate, left / self->update);
     self->update = left;
     if (PetscIsInfOrNanReal(left))
-      *reason = SNES_DIVERGED_FNORM_NAN;
+      *reason = DIVERGED_NAN;
     else if (left <= floor || (rate < 0.3 && left * rate <= share_of_rate * floor))
       *reason = SNES_CONVERGED_SNORM_RELATIVE;
     PetscCall(PetscInfo(snes, "iteration %d: update %g, rate %g, residual %g %g\n", (int)it,
@@ -124,12 +125,11 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
 /*
   NewtonSetUp - sets the SNES of a TS: full Newton steps, the test above, and a direct solver:
   PETSc's block LU in natural order on one rank (the matrix is block-banded, its diagonal blocks
-  regular), on several the same on each, joined by chain.c. PETSc's options override. newton must
-  live as long as the TS.
+  regular), on several the same on each, joined (base/chain.c). PETSc's options override. newton
+  must live as long as the TS.
 */
 PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   PetscReal rtol;
-  PetscMPIInt ranks;
   SNES snes;
   SNESLineSearch search;
   KSP ksp;
@@ -142,18 +142,12 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   PetscCall(TSGetSNES(ts, &snes));
   PetscCall(SNESSetType(snes, rod->model->linear ? SNESKSPONLY : SNESNEWTONLS));
   PetscCall(SNESGetLineSearch(snes, &search));
-  PetscCall(SNESLineSearchSetType(search, SNESLINESEARCHBASIC));
+  PetscCall(SNESLineSearchSetType(search, FULL_STEPS));
   PetscCall(SNESSetConvergenceTest(snes, Converged, newton, NULL));
   PetscCall(SNESSetTolerances(snes, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, 40, 1000000));
   PetscCall(SNESGetKSP(snes, &ksp));
   PetscCall(KSPSetType(ksp, KSPPREONLY));
   PetscCall(KSPGetPC(ksp, &pc));
-  PetscCallMPI(MPI_Comm_size(rod->scene->comm, &ranks));
-  if (ranks > 1) {
-    PetscCall(ChainSetType(pc));
-    PetscFunctionReturn(0);
-  }
-  PetscCall(PCSetType(pc, PCLU));
-  PetscCall(PCFactorSetMatOrderingType(pc, MATORDERINGNATURAL));
+  PetscCall(ChainSetType(pc));
   PetscFunctionReturn(0);
 }

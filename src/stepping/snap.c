@@ -13,6 +13,10 @@ static const PetscReal rest = 1e-6, long_after = 1e4; /* velocity at rest; fast 
 static const PetscReal least_rtol =
     1e-6; /* no need to be more accurate than the slack of LoadInFastTime() */
 
+/* A snap takes some 150 steps; one that takes many times that is being chased by a Newton iteration
+   that fails, and must not hold up the run for ever. */
+static const PetscInt most_steps = 1000;
+
 static PetscErrorCode StopAtRest(TS ts) {
   Leg *leg;
   PetscReal speed[MAX_FIELDS], fastest = 0;
@@ -36,6 +40,7 @@ PetscErrorCode SnapFollow(TS ts, PetscReal t, Vec U, PetscBool *done) {
   struct _Scene fast;
   TSConvergedReason reason;
   PetscBool dry;
+  PetscInt steps;
   Leg *slow, leg;
 
   PetscFunctionBegin;
@@ -48,12 +53,15 @@ PetscErrorCode SnapFollow(TS ts, PetscReal t, Vec U, PetscBool *done) {
   fast.end_time = long_after;
   PetscCall(LegCreate(&fast, slow->rod->model, PetscMax(slow->rtol, least_rtol), "snap_", &leg));
   PetscCall(TSSetPostStep(leg.ts, StopAtRest));
+  PetscCall(TSSetMaxSteps(leg.ts, most_steps));
   PetscCall(VecCopy(U, leg.U));
   PetscCall(TSSolve(leg.ts, leg.U));
   PetscCall(TSGetConvergedReason(leg.ts, &reason));
-  *done = (PetscBool)(reason > 0);
+  *done = (PetscBool)(reason > 0 && reason != TS_CONVERGED_ITS);
   if (*done) PetscCall(VecCopy(leg.U, U));
-  PetscCall(PetscInfo(ts, "snap at t = %g: %s\n", (double)t, TSConvergedReasons[reason]));
+  PetscCall(TSGetStepNumber(leg.ts, &steps));
+  PetscCall(PetscInfo(ts, "snap at t = %g: %s after %d steps\n", (double)t,
+                      TSConvergedReasons[reason], (int)steps));
   PetscCall(LegDestroy(&leg));
   PetscCall(GrowthDestroy(&fast.growth));
   PetscFunctionReturn(0);

@@ -272,7 +272,7 @@ static PetscErrorCode TSStep_VBDF(TS ts) {
     PetscCall(SolveStage(ts, self));
     PetscCall(SNESGetConvergedReason(ts->snes, &solved));
     PetscCall(VecNorm(self->point[0], NORM_INFINITY, &size));
-    if (PetscIsInfOrNanReal(size)) solved = SNES_DIVERGED_FNORM_NAN;
+    if (PetscIsInfOrNanReal(size)) solved = DIVERGED_NAN;
     if (solved < 0) {
       ts->num_snes_failures++;
       if (self->fixed ||

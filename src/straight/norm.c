@@ -1,4 +1,5 @@
 #include "straight/norm.h"
+#include "base/chain.h"
 #include "straight/straight.h"
 #include <petscblaslapack.h>
 
@@ -89,34 +90,14 @@ static PetscErrorCode Precondition(PC pc, Vec x, Vec y) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode DirectSolve(MPI_Comm comm, PetscBool banded, KSP *ksp) {
-  PetscMPIInt ranks;
+static PetscErrorCode DirectSolve(MPI_Comm comm, KSP *ksp) {
   PC pc;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_size(comm, &ranks));
   PetscCall(KSPCreate(comm, ksp));
   PetscCall(KSPSetType(*ksp, KSPPREONLY));
   PetscCall(KSPGetPC(*ksp, &pc));
-  PetscCall(PCSetType(pc, PCLU));
-  if (banded && ranks == 1)
-    PetscCall(PCFactorSetMatOrderingType(pc, MATORDERINGNATURAL));
-  else
-    PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
-  PetscFunctionReturn(0);
-}
-
-/* Zero pivots of the mixed matrix need room; its default ordering is slow (see spectrum.c). */
-static PetscErrorCode RoomForPivots(KSP ksp) {
-  PC pc;
-  Mat factor;
-
-  PetscFunctionBegin;
-  PetscCall(KSPGetPC(ksp, &pc));
-  PetscCall(PCFactorSetUpMatSolverType(pc));
-  PetscCall(PCFactorGetMatrix(pc, &factor));
-  PetscCall(MatMumpsSetIcntl(factor, 14, 300));
-  PetscCall(MatMumpsSetIcntl(factor, 7, 0));
+  PetscCall(ChainSetType(pc));
   PetscFunctionReturn(0);
 }
 
@@ -199,8 +180,8 @@ PetscErrorCode NormCreate(Pencil pencil, const PetscReal W[], PetscReal at, Norm
   for (int i = 0; i < 4; i++) PetscCall(MatCreateVecs(self->E, &self->c[i], NULL));
   for (int i = 0; i < 2; i++) PetscCall(MatCreateVecs(self->E, &self->w[i], NULL));
   PetscCall(MatCreateVecs(self->E, &self->guess, NULL));
-  PetscCall(DirectSolve(pencil->comm, PETSC_TRUE, &self->solve_drag));
-  PetscCall(DirectSolve(pencil->comm, PETSC_FALSE, &self->solve_mixed));
+  PetscCall(DirectSolve(pencil->comm, &self->solve_drag));
+  PetscCall(DirectSolve(pencil->comm, &self->solve_mixed));
   PetscCall(SetUpSolver(self));
   PetscFunctionReturn(0);
 }
@@ -245,7 +226,6 @@ static PetscErrorCode AssemblePreconditioner(Norm *self) {
   PetscCall(PencilMixed(p, bend, NULL, NULL, mass, NULL, &self->mixed, NULL));
   if (!self->z[0]) PetscCall(MatCreateVecs(self->mixed, &self->z[0], &self->z[1]));
   PetscCall(KSPSetOperators(self->solve_mixed, self->mixed, self->mixed));
-  PetscCall(RoomForPivots(self->solve_mixed));
   PetscCall(KSPSetUp(self->solve_mixed));
   PetscCall(PetscFree2(bend, mass));
   PetscFunctionReturn(0);

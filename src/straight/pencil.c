@@ -375,13 +375,16 @@ static PetscErrorCode MixedJoin(Pencil self, Mat A) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode MixedCreate(Pencil self, PetscInt diagonal, PetscInt off, Mat *A) {
+/* By blocks of a node: in natural order none of them is singular when its turn comes, zeros on the
+   diagonal or not (for w and c alone the form is definite, up to a few modes, and n's row holds all
+   of the node's and of those before), so that LU needs no other exchange than within a block. */
+static PetscErrorCode MixedCreate(Pencil self, Mat *A) {
   PetscInt nloc = 3 * (self->last - self->first);
 
   PetscFunctionBegin;
   if (*A) PetscFunctionReturn(0);
-  PetscCall(
-      MatCreateAIJ(self->comm, nloc, nloc, 3 * self->n, 3 * self->n, diagonal, NULL, off, NULL, A));
+  PetscCall(MatCreateBAIJ(self->comm, 3, nloc, nloc, 3 * self->n, 3 * self->n, WIDTH, NULL,
+                          2 * HALF, NULL, A));
   PetscCall(MatSetOption(*A, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
   PetscFunctionReturn(0);
 }
@@ -397,7 +400,7 @@ PetscErrorCode PencilMixed(Pencil self, const PetscReal K[], const PetscReal X[]
                            const PetscReal XT[], const PetscReal c[], const PetscReal D[], Mat *A,
                            Mat *B) {
   PetscFunctionBegin;
-  PetscCall(MixedCreate(self, 2 * WIDTH + 3, 2 * WIDTH, A));
+  PetscCall(MixedCreate(self, A));
   PetscCall(MixedBand(self, 0, 0, K, *A));
   PetscCall(MixedBand(self, 1, 0, X, *A));
   PetscCall(MixedBand(self, 0, 1, XT, *A));
@@ -412,7 +415,7 @@ PetscErrorCode PencilMixed(Pencil self, const PetscReal K[], const PetscReal X[]
   PetscCall(MatAssemblyBegin(*A, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(*A, MAT_FINAL_ASSEMBLY));
   if (!B) PetscFunctionReturn(0);
-  PetscCall(MixedCreate(self, WIDTH, 2 * HALF, B));
+  PetscCall(MixedCreate(self, B));
   PetscCall(MixedBand(self, 1, 1, D, *B));
   PetscCall(MatAssemblyBegin(*B, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(*B, MAT_FINAL_ASSEMBLY));

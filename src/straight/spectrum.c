@@ -1,5 +1,6 @@
 #include "straight/spectrum.h"
 #include "base/band.h"
+#include "base/chain.h"
 #include "straight/straight.h"
 #include <slepcblaslapack.h>
 
@@ -21,27 +22,6 @@ static PetscErrorCode AgainstShift(EPS eps, PetscScalar re, PetscScalar im, Pets
   PetscFunctionReturn(0);
 }
 
-/* MUMPS meets zero pivots in the mixed matrix and puts them off, for which its own guess of the
-   room is too small; and its default ordering takes longer than all the rest. It reads both from
-   the options only, when it factors. */
-enum { MUMPS_OPTIONS = 2 };
-static const char *const mumps_names[] = {"-st_mat_mumps_icntl_14", "-st_mat_mumps_icntl_7"};
-static const char *const mumps_values[] = {"300", "0"};
-
-static PetscErrorCode SolveWithMumpsOptions(EPS eps) {
-  PetscBool given[MUMPS_OPTIONS];
-
-  PetscFunctionBegin;
-  for (int i = 0; i < MUMPS_OPTIONS; i++) {
-    PetscCall(PetscOptionsHasName(NULL, NULL, mumps_names[i], &given[i]));
-    if (!given[i]) PetscCall(PetscOptionsSetValue(NULL, mumps_names[i], mumps_values[i]));
-  }
-  PetscCall(EPSSolve(eps));
-  for (int i = 0; i < MUMPS_OPTIONS; i++)
-    if (!given[i]) PetscCall(PetscOptionsClearValue(NULL, mumps_names[i]));
-  PetscFunctionReturn(0);
-}
-
 static PetscErrorCode DirectSolver(EPS eps) {
   ST st;
   KSP ksp;
@@ -52,19 +32,7 @@ static PetscErrorCode DirectSolver(EPS eps) {
   PetscCall(STGetKSP(st, &ksp));
   PetscCall(KSPSetType(ksp, KSPPREONLY));
   PetscCall(KSPGetPC(ksp, &pc));
-  PetscCall(PCSetType(pc, PCLU));
-  PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
-  PetscFunctionReturn(0);
-}
-
-static PetscErrorCode TakeOptions(EPS eps) {
-  PetscBool given;
-
-  PetscFunctionBegin;
-  PetscCall(DirectSolver(eps));
-  PetscCall(EPSSetFromOptions(eps));
-  for (int i = 0; i < MUMPS_OPTIONS; i++)
-    PetscCall(PetscOptionsHasName(NULL, NULL, mumps_names[i], &given)); /* counts as read */
+  PetscCall(ChainSetType(pc));
   PetscFunctionReturn(0);
 }
 
@@ -75,7 +43,8 @@ PetscErrorCode SpectrumReadOptions(void) {
 
   PetscFunctionBegin;
   PetscCall(EPSCreate(OptionsComm(), &eps));
-  PetscCall(TakeOptions(eps));
+  PetscCall(DirectSolver(eps));
+  PetscCall(EPSSetFromOptions(eps));
   PetscCall(EPSDestroy(&eps));
   PetscFunctionReturn(0);
 }
@@ -94,7 +63,8 @@ PetscErrorCode SpectrumCreate(Pencil pencil, PetscBool quiet, Spectrum *self) {
   PetscCall(EPSCreate(pencil->comm, &self->eps));
   PetscCall(EPSSetTolerances(self->eps, 1e-11, 500));
   PetscCall(EPSSetDimensions(self->eps, 1, 12, PETSC_DEFAULT));
-  if (!quiet) PetscCall(TakeOptions(self->eps));
+  PetscCall(DirectSolver(self->eps));
+  if (!quiet) PetscCall(EPSSetFromOptions(self->eps));
   PetscFunctionReturn(0);
 }
 
@@ -168,7 +138,7 @@ static PetscErrorCode Solve(Spectrum *self, PetscInt stride, Eigenvalue *value, 
 
   PetscFunctionBegin;
   if (!self->quiet) PetscCall(EPSSetFromOptions(eps));
-  PetscCall(SolveWithMumpsOptions(eps));
+  PetscCall(EPSSolve(eps));
   PetscCall(EPSGetConverged(eps, &found));
   PetscCheck(found > 0, self->pencil->comm, PETSC_ERR_CONV_FAILED,
              "no eigenvalue converged at t = %g", (double)self->pencil->time);
@@ -195,7 +165,6 @@ static PetscErrorCode ShiftInvert(Spectrum *self, EPSProblemType type) {
   PetscCall(EPSGetST(self->eps, &st));
   PetscCall(STSetType(st, STSINVERT));
   PetscCall(STSetMatStructure(st, SUBSET_NONZERO_PATTERN));
-  PetscCall(DirectSolver(self->eps));
   PetscCall(EPSSetConvergenceTestFunction(self->eps, AgainstShift, self, NULL));
   PetscFunctionReturn(0);
 }
@@ -271,8 +240,6 @@ PetscErrorCode SpectrumLargest(Spectrum *self, SpectrumRate rate, PetscReal t, E
 */
 PetscErrorCode SpectrumBuckling(Spectrum *self, PetscReal t, Eigenvalue *ratio, PetscReal c[],
                                 PetscReal w[]) {
-  PetscMPIInt ranks;
-
   PetscFunctionBegin;
   PetscCall(PencilSetTime(self->pencil, t, FRAME_LABEL));
   PetscCall(PencilMatrix(self->pencil, FORM_AXIAL, &self->A));
@@ -280,8 +247,6 @@ PetscErrorCode SpectrumBuckling(Spectrum *self, PetscReal t, Eigenvalue *ratio, 
   PetscCall(EPSSetOperators(self->eps, self->A, self->B));
   PetscCall(EPSSetProblemType(self->eps, EPS_GHEP));
   PetscCall(EPSSetWhichEigenpairs(self->eps, EPS_LARGEST_REAL));
-  PetscCallMPI(MPI_Comm_size(self->pencil->comm, &ranks));
-  if (ranks > 1) PetscCall(DirectSolver(self->eps)); /* else PETSc's own: B is positive */
   PetscCall(Solve(self, 1, ratio, NULL, w));
   ratio->error *= ratio->error * PetscAbsReal(ratio->value);
   if (c && w) {

@@ -122,7 +122,7 @@ static PetscErrorCode ApplyStep(PetscInt n, const Band *A, const PetscReal *drag
     PetscCall(PetscArrayzero(work, STAGES * n));
     for (PetscInt r = 0; r < n; r++) work[STAGES * r + STAGES - 1] = c[r];
     PetscCall(BandSolve(A, PETSC_TRUE, 1, work));
-    PetscCall(PetscArrayzero(c, n));
+    for (PetscInt r = 0; r < n; r++) c[r] = 0; /* gcc 12 fears that memset's size is negative */
     StageLoads(n, drag, PETSC_TRUE, c, work);
   }
   PetscFunctionReturn(0);

@@ -33,6 +33,7 @@ static PetscErrorCode Is(const char *name, const char *word, PetscBool *is) {
   char given[64] = "";
 
   PetscFunctionBegin;
+  *is = PETSC_FALSE;
   PetscCall(PetscOptionsGetString(NULL, NULL, name, given, sizeof(given), NULL));
   PetscCall(PetscStrcmp(given, word, is));
   PetscFunctionReturn(0);

@@ -19,10 +19,12 @@ const OptionGroup grow_options = OPTION_GROUP("Run", rows);
 static volatile sig_atomic_t interrupted; /* by this signal, on this rank */
 
 static void StopOn(int number) {
+  if (interrupted) signal(number, SIG_DFL);
   interrupted = number;
 }
 
-/* From here on these signals end the run in good order, after its present step. */
+/* From here on these signals end the run in good order, after its present step. Who cannot wait for
+   that says it three times. */
 static void CatchSignals(void) {
   interrupted = 0;
   signal(SIGTERM, StopOn);

@@ -172,7 +172,12 @@ int TendrilInitialize(int *argc, char ***argv, PetscBool *done) {
 /* TendrilFinalize - ends what TendrilInitialize() began. Returns 0 if all is well. */
 int TendrilFinalize(void) {
   int failed = OptionsPop() != 0;
+  PetscBool given;
 
+  /* what nothing reads has been refused; after an error PETSc would list all that was not reached
+   */
+  failed |= PetscOptionsHasName(NULL, NULL, "-options_left", &given) != 0;
+  if (!given) failed |= PetscOptionsSetValue(NULL, "-options_left", "no") != 0;
   failed |= ErrorsEnd() != 0;
   failed |= SlepcFinalize() != 0;
   if (began_mpi) MPI_Finalize();

@@ -14,7 +14,12 @@ done
 "$place/usr/bin/tendril" -version
 libdir=$(dirname "$(find "$place/usr" -name libtendril.a)")
 
-export PKG_CONFIG_PATH=$libdir/pkgconfig${PKG_CONFIG_PATH:+:$PKG_CONFIG_PATH}
+export PKG_CONFIG_PATH=$libdir/pkgconfig${PKG_CONFIG_PATH:+:$PKG_CONFIG_PATH} LD_LIBRARY_PATH=${LD_LIBRARY_PATH:-}
+for own in "${PETSC_DIR:-}" "${SLEPC_DIR:-}"; do # not the system's: as CMakeLists.txt finds them
+  [ "$own" ] || continue
+  PKG_CONFIG_PATH=$own/${PETSC_ARCH:-}/lib/pkgconfig:$own/lib/pkgconfig:$PKG_CONFIG_PATH
+  LD_LIBRARY_PATH=$own/${PETSC_ARCH:-}/lib:$own/lib:$LD_LIBRARY_PATH
+done
 read -r -a flags <<<"$(pkg-config --cflags --libs tendril)"
 cc "$here/grow_rod.c" -o "$place/by-pkg-config" "${flags[@]}" -Wl,--no-as-needed
 "$place/by-pkg-config" | tee "$place/out"

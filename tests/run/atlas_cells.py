@@ -50,8 +50,7 @@ CHECKS = {  # name: (scene, [(options, verdicts)]); the first is the default
                        ("-friction_newton primal", (m.GAVE_UP, m.HUNG)),
                        ("-rod_model mixed", (m.RIGHT_,))]),
     "stick": (STICK, [("", (m.RIGHT_,)),
-                      ("-friction_newton primal", (m.GAVE_UP, m.HUNG)),
-                      ("-snes_linesearch_type bt", (m.GAVE_UP, m.HUNG))]),
+                      ("-friction_newton primal", (m.GAVE_UP, m.HUNG))]),
 }
 
 

@@ -1,7 +1,8 @@
 /* The time stepper on problems with known solutions: orders 1 to 5 from a warm start, exactness for
    polynomials on uneven steps, error control, dense output; then the orders on a rod. */
 #include "harness.h"
-#include "stepping/chain.h"
+#include "base/compat.h"
+#include "base/chain.h"
 #include "stepping/leg.h"
 #include "stepping/vbdf.h"
 
@@ -121,7 +122,7 @@ static void Create(PetscBool power, Problem *p) {
   CHECK(TSGetSNES(p->ts, &snes));
   CHECK(SNESSetTolerances(snes, 1e-15, 1e-13, 1e-12, 20, 1000));
   CHECK(SNESGetLineSearch(snes, &search));
-  CHECK(SNESLineSearchSetType(search, SNESLINESEARCHBASIC));
+  CHECK(SNESLineSearchSetType(search, FULL_STEPS));
   CHECK(SNESGetKSP(snes, &ksp));
   CHECK(KSPSetType(ksp, KSPPREONLY));
   CHECK(KSPGetPC(ksp, &pc));
@@ -427,7 +428,7 @@ static void Jump(PetscBool kink) {
   Vec U;
   TS ts;
 
-  SetOptions("-snes_linesearch_type basic -pc_type lu -ksp_type preonly -snes_rtol 1e-12 "
+  SetOptions("-snes_linesearch_type " FULL_STEPS " -pc_type lu -ksp_type preonly -snes_rtol 1e-12 "
              "-snes_atol 1e-12");
   CHECK(VecCreateSeq(PETSC_COMM_SELF, 1, &U));
   CHECK(VecSet(U, 0));

@@ -1,6 +1,6 @@
 /* The solver for chains gives what the matrix asks for: A x = b for the Jacobians of the models. */
 #include "harness.h"
-#include "stepping/chain.h"
+#include "base/chain.h"
 #include "rod/rod.h"
 #include <petscksp.h>
 

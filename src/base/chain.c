@@ -1,4 +1,4 @@
-#include "stepping/chain.h"
+#include "base/chain.h"
 #include <petscblaslapack.h>
 
 /* Each rank factors its own diagonal block A (block LU in natural order, as on one rank). With B
@@ -7,8 +7,9 @@
    of those, of all ranks. The columns of A^-1 B, read off in the rows of E, give a small dense
    system x_E + (A^-1 B g)_E = (A^-1 b)_E that every rank solves; then x = A^-1 (b - B g). */
 typedef struct {
-  Mat whole, A, B; /* A and B are the parts of the whole that this rank has; all borrowed */
-  PC local;        /* LU of A */
+  Mat whole, A, B;  /* A and B are the parts of the whole that this rank has; all borrowed */
+  PetscObjectId id; /* the whole's: a later matrix may well have its address */
+  PC local;         /* LU of A */
   PetscInt n, first;
   PetscInt ghosts, edges;    /* columns of B; size of E */
   PetscInt *ghost;           /* the place in E of each column of B */
@@ -68,7 +69,6 @@ static PetscErrorCode FindEdges(PC pc, Chain *self) {
 
 static PetscErrorCode FirstSetUp(PC pc, Chain *self) {
   PetscFunctionBegin;
-  PetscCall(PCGetOperators(pc, NULL, &self->whole));
   PetscCall(MatGetOwnershipRange(self->whole, &self->first, &self->n));
   self->n -= self->first;
   PetscCall(FindEdges(pc, self));
@@ -97,13 +97,30 @@ static PetscErrorCode ReadEdges(Chain *self, Vec v, PetscReal *column) {
   PetscFunctionReturn(0);
 }
 
+static PetscErrorCode Forget(Chain *self) {
+  PetscFunctionBegin;
+  PetscCall(PCDestroy(&self->local));
+  PetscCall(VecDestroy(&self->x));
+  PetscCall(VecDestroy(&self->y));
+  PetscCall(VecDestroy(&self->g));
+  PetscCall(PetscFree(self->edge));
+  PetscCall(PetscFree(self->ghost));
+  PetscCall(PetscFree3(self->dense, self->values, self->pivots));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode SetUp(PC pc) {
   Chain *self;
+  PetscObjectId id;
   PetscInt m;
   PetscBLASInt order, info;
 
   PetscFunctionBegin;
   PetscCall(PCShellGetContext(pc, &self));
+  PetscCall(PCGetOperators(pc, NULL, &self->whole));
+  PetscCall(PetscObjectGetId((PetscObject)self->whole, &id));
+  if (self->local && id != self->id) PetscCall(Forget(self));
+  self->id = id;
   if (!self->local) PetscCall(FirstSetUp(pc, self));
   PetscCall(PCSetOperators(self->local, self->A, self->A));
   PetscCall(PCSetUp(self->local));
@@ -161,23 +178,25 @@ static PetscErrorCode Destroy(PC pc) {
 
   PetscFunctionBegin;
   PetscCall(PCShellGetContext(pc, &self));
-  PetscCall(PCDestroy(&self->local));
-  PetscCall(VecDestroy(&self->x));
-  PetscCall(VecDestroy(&self->y));
-  PetscCall(VecDestroy(&self->g));
-  PetscCall(PetscFree(self->edge));
-  PetscCall(PetscFree(self->ghost));
-  PetscCall(PetscFree3(self->dense, self->values, self->pivots));
+  PetscCall(Forget(self));
   PetscCall(PetscFree(self));
   PetscFunctionReturn(0);
 }
 
-/* ChainSetType - makes a PC this solver. For MPIBAIJ and MPIAIJ matrices on two ranks or more. The
-   local factorisation has the options prefix -chain_. */
+/* ChainSetType - makes a PC this solver; call it once for each. On one rank it is PETSc's LU in
+   natural order; on several, for MPIBAIJ and MPIAIJ matrices, the local factorisation has the
+   options prefix -chain_. */
 PetscErrorCode ChainSetType(PC pc) {
+  PetscMPIInt ranks;
   Chain *self;
 
   PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(PetscObjectComm((PetscObject)pc), &ranks));
+  if (ranks == 1) {
+    PetscCall(PCSetType(pc, PCLU));
+    PetscCall(PCFactorSetMatOrderingType(pc, MATORDERINGNATURAL));
+    PetscFunctionReturn(0);
+  }
   PetscCall(PetscNew(&self));
   PetscCall(PCSetType(pc, PCSHELL));
   PetscCall(PCShellSetName(pc, "chain: each rank's block LU, joined by a dense system"));
