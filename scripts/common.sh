@@ -11,6 +11,10 @@ fail() {
   exit 1
 }
 
+cores() {
+  env -u OMP_NUM_THREADS nproc # which takes that for a limit
+}
+
 # logged LOG WHAT COMMAND...: runs the command with its output added to the log; shows the log's end
 # if it fails
 logged() {
@@ -36,5 +40,5 @@ build() {
   : >"$directory/build.log"
   logged "$directory/build.log" "cmake" cmake -S . -B "$directory" "$@"
   logged "$directory/build.log" "the build" \
-    cmake --build "$directory" --target "$target" --parallel "${CMAKE_BUILD_PARALLEL_LEVEL:-$(env -u OMP_NUM_THREADS nproc)}"
+    cmake --build "$directory" --target "$target" --parallel "${CMAKE_BUILD_PARALLEL_LEVEL:-$(cores)}"
 }

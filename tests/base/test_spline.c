@@ -1,7 +1,9 @@
 /* Not-a-knot splines: exact for cubics on any knots, fourth order for smooth functions up to the
    ends, rows and strides kept apart. */
 #include "harness.h"
+#include "base/lagrange.h"
 #include "base/spline.h"
+#include <petscdt.h>
 
 static PetscReal Cubic(PetscReal x) {
   return 1 - 2 * x + 3 * x * x - 0.7 * x * x * x;
@@ -79,7 +81,19 @@ static void TestOrder(void **state) {
          Order(slope_error[1], slope_error[2]));
 }
 
-static const struct CMUnitTest tests[] = {cmocka_unit_test(TestExactForCubics),
-                                          cmocka_unit_test(TestStrides),
-                                          cmocka_unit_test(TestOrder)};
+/* The table of Gauss's points is that of PETSc, on [0,1]. */
+static void TestGauss(void **state) {
+  PetscReal x[GAUSS], w[GAUSS];
+
+  (void)state;
+  CHECK(PetscDTGaussQuadrature(GAUSS, 0, 1, x, w));
+  for (int q = 0; q < GAUSS; q++) {
+    EXPECT(PetscAbsReal(x[q] - gauss_point[q]) < 1e-15, "point %d is %.17g", q, gauss_point[q]);
+    EXPECT(PetscAbsReal(w[q] - gauss_weight[q]) < 1e-15, "weight %d is %.17g", q, gauss_weight[q]);
+  }
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(TestGauss), cmocka_unit_test(TestExactForCubics),
+    cmocka_unit_test(TestStrides), cmocka_unit_test(TestOrder)};
 MAIN(tests)

@@ -315,6 +315,32 @@ def small_amplitude():
 
 
 @check
+def rates():
+    """The rates that are stored are those of the steps: the tip's speed across the rod, of which
+    tip_speed at a small deflection has just the square, against the change of tip_x2."""
+    for model in ("frame", "linear"):
+        r = Run(f"-growth_initial_length 2 -shape_amplitude 1e-3 -ts_max_time 0.1 -ts_rtol 1e-8 "
+                f"-rod_model {model}")
+        ahead = np.gradient(r.tip_x1, r.t)
+        across = np.abs(np.diff(r.tip_x2) / np.diff(r.t))[1:6]
+        speed = np.sqrt(np.maximum(r.tip_speed ** 2 - (1 if model == "linear" else ahead ** 2), 0))
+        between = (speed[1:6] + speed[2:7]) / 2
+        off = np.abs(between / across - 1).max()
+        print(f"{model}: across {across}, stored {between}")
+        expect(off < 0.05, f"{model}: off by {off:.1e}")
+
+
+@check
+def exact_friction_in_the_small():
+    """Where |x2| falls to 1e-25, exact Coulomb friction adds no noise of its own."""
+    r = Run("-growth_initial_length 0.389 -shape_type random -shape_amplitude 0.0432 -shape_seed 37 "
+            "-ts_max_time 28 -friction_beta 0")
+    print(f"tip {r.tip}, |x2| at least {r.norm_x2.min():.1e}, defect {r.energy_defect[-1]:.1e}")
+    expect(r.norm_x2.min() < 1e-24, f"|x2| falls to {r.norm_x2.min():.1e} only")
+    expect(abs(r.tip[0] - 20.40006) < 2e-4, f"tip {r.tip}, with beta = 1e-12 at 20.40006")
+
+
+@check
 def newton():
     """Both linearisations reach one solution; the primal-dual one takes no more iterations, and goes
     on where the primal one fails."""
