@@ -1,5 +1,4 @@
 #include "base/hdf.h"
-#include "base/options.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <hdf5.h>
@@ -432,6 +431,62 @@ PetscErrorCode HdfRead(const char *option, const char *path, const char *name, i
   for (int i = 0; i < rank; i++) total *= dims[i];
   if (me) PetscCall(PetscMalloc1(total, data));
   PetscCallMPI(MPI_Bcast(*data, (PetscMPIInt)total, MPIU_REAL, 0, OptionsComm()));
+  PetscFunctionReturn(0);
+}
+
+/* Reads a text attribute of an open object; empty if there is none. */
+static void ReadAttribute(hid_t object, const char *name, char *text, size_t length) {
+  hid_t a, type, fixed;
+
+  text[0] = 0;
+  if (H5Aexists(object, name) <= 0) return;
+  a = H5Aopen(object, name, H5P_DEFAULT);
+  type = H5Aget_type(a);
+  if (H5Tis_variable_str(type) > 0) { /* as h5py writes it */
+    char *value = NULL;
+    fixed = H5Tcopy(H5T_C_S1);
+    (void)H5Tset_size(fixed, H5T_VARIABLE);
+    (void)H5Tset_cset(fixed, H5Tget_cset(type));
+    if (H5Aread(a, fixed, &value) >= 0 && value) {
+      (void)snprintf(text, length, "%s", value);
+      (void)H5free_memory(value);
+    }
+    H5Tclose(fixed);
+  } else if (H5Tget_class(type) == H5T_STRING && H5Tget_size(type) < length) {
+    (void)H5Aread(a, type, text);
+    text[H5Tget_size(type)] = 0;
+  }
+  H5Tclose(type);
+  H5Aclose(a);
+}
+
+/*
+  HdfReadQuantity - as HdfRead(), for quantities that have a dimension: with an attribute `units`
+  (m, cm, s, ...) they are converted by the scales of the laboratory, without they have none.
+*/
+PetscErrorCode HdfReadQuantity(const char *option, const char *path, const char *name,
+                               Dimension dimension, int rank, PetscInt dims[], PetscReal **data) {
+  char units[32] = "", fault[HDF_FAULT], what[128];
+  PetscReal factor;
+  PetscInt total = 1;
+  PetscMPIInt me;
+  hid_t f = -1, d;
+
+  PetscFunctionBegin;
+  PetscCall(HdfRead(option, path, name, rank, dims, data));
+  PetscCallMPI(MPI_Comm_rank(OptionsComm(), &me));
+  if (!me) f = OpenToRead(path, fault);
+  if (f >= 0) {
+    d = H5Dopen2(f, name, H5P_DEFAULT);
+    ReadAttribute(d, "units", units, sizeof(units));
+    H5Dclose(d);
+    H5Fclose(f);
+  }
+  PetscCallMPI(MPI_Bcast(units, sizeof(units), MPI_CHAR, 0, OptionsComm()));
+  (void)snprintf(what, sizeof(what), "%s %.60s: %s in", option, path, name);
+  PetscCall(OptionUnit(what, units, dimension, &factor));
+  for (int i = 0; i < rank; i++) total *= dims[i];
+  for (PetscInt i = 0; i < total; i++) (*data)[i] *= factor;
   PetscFunctionReturn(0);
 }
 

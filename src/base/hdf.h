@@ -6,7 +6,7 @@
 #ifndef TENDRIL_HDF_H
 #define TENDRIL_HDF_H
 
-#include <petscsys.h>
+#include "base/options.h"
 
 enum { HDF_FAULT = 256, HDF_RANK = 4 };
 
@@ -35,6 +35,8 @@ PetscErrorCode HdfInt(HdfFile file, const char *object, const char *name, int va
 /* reading, collective on OptionsComm(): rank 0 reads and tells the others */
 PetscErrorCode HdfRead(const char *option, const char *path, const char *name, int rank,
                        PetscInt dims[], PetscReal **data);
+PetscErrorCode HdfReadQuantity(const char *option, const char *path, const char *name,
+                               Dimension dimension, int rank, PetscInt dims[], PetscReal **data);
 PetscErrorCode HdfReadText(const char *option, const char *path, const char *name, char **text);
 PetscErrorCode HdfHas(const char *path, const char *name, PetscBool *has);
 

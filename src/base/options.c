@@ -140,35 +140,41 @@ static const struct {
              {"rad", UNIT_ANGLE, 1},
              {"deg", UNIT_ANGLE, PETSC_PI / 180}};
 
-/* The factor of a unit that stands behind a number. */
-static PetscErrorCode Unit(const OptionRow *row, const char *given, const char *unit,
-                           PetscReal *factor) {
-  PetscReal scale = row->dimension == UNIT_ANGLE ? 1 : now ? now->scale[row->dimension] : 0;
+/*
+  OptionUnit - the factor by which a quantity in a unit becomes one of tendril's numbers.
+
+  what   names it in the message, with the number it stands behind
+  unit   as the table above has it; empty, or one of tendril's own (l, l/V, ...): 1
+*/
+PetscErrorCode OptionUnit(const char *what, const char *unit, Dimension dimension,
+                          PetscReal *factor) {
+  PetscReal scale = dimension == UNIT_ANGLE ? 1 : now ? now->scale[dimension] : 0;
+  PetscBool own;
 
   PetscFunctionBegin;
   *factor = 1;
-  if (!unit[0]) PetscFunctionReturn(0);
-  for (size_t i = 0; row->dimension && i < PETSC_STATIC_ARRAY_LENGTH(units); i++) {
-    if (strcmp(unit, units[i].name) || units[i].dimension != row->dimension) continue;
+  PetscCall(PetscStrInList(unit, "1;l;l/V;N l;V;1/l", ';', &own));
+  if (!unit[0] || (own && dimension)) PetscFunctionReturn(0);
+  for (size_t i = 0; dimension && i < PETSC_STATIC_ARRAY_LENGTH(units); i++) {
+    if (strcmp(unit, units[i].name) || units[i].dimension != dimension) continue;
     UserCheck(scale > 0, OptionsComm(),
               "%s %s: a unit needs the rod in the laboratory: -si_bending_stiffness, "
               "-si_friction_dry and the like%s",
-              row->name, given,
-              row->dimension == UNIT_TIME || row->dimension == UNIT_SPEED ? ", here also -si_speed"
-                                                                          : "");
+              what, unit,
+              dimension == UNIT_TIME || dimension == UNIT_SPEED ? ", here also -si_speed" : "");
     *factor = units[i].si / scale;
     PetscFunctionReturn(0);
   }
-  UserCheck(PETSC_FALSE, OptionsComm(), "%s %s: give a number%s", row->name, given,
-            row->dimension == UNIT_ANGLE ? " (of radians, or with deg behind it)"
-            : row->dimension             ? ", or one with its unit"
-                                         : "");
+  UserCheck(PETSC_FALSE, OptionsComm(), "%s %s: give a number%s", what, unit,
+            dimension == UNIT_ANGLE ? " (of radians, or with deg behind it)"
+            : dimension             ? ", or one with its unit"
+                                    : "");
   PetscFunctionReturn(0);
 }
 
 static PetscErrorCode ParseReal(const OptionRow *row, const char *text, PetscReal *value) {
   PetscReal factor;
-  char *end, unit[32];
+  char *end, unit[32], what[128];
   size_t n;
 
   PetscFunctionBegin;
@@ -177,7 +183,8 @@ static PetscErrorCode ParseReal(const OptionRow *row, const char *text, PetscRea
   while (isspace((unsigned char)*end)) end++;
   (void)snprintf(unit, sizeof(unit), "%s", end);
   for (n = strlen(unit); n > 0 && isspace((unsigned char)unit[n - 1]); n--) unit[n - 1] = 0;
-  PetscCall(Unit(row, text, unit, &factor));
+  (void)snprintf(what, sizeof(what), "%s %.*s", row->name, (int)(end - text), text);
+  PetscCall(OptionUnit(what, unit, row->dimension, &factor));
   *value *= factor;
   UserCheck(!PetscIsInfOrNanReal(*value), OptionsComm(), "%s %s: give a finite number", row->name,
             text);
@@ -318,6 +325,16 @@ PetscErrorCode OptionText(const char *name, char value[PETSC_MAX_PATH_LEN], Pets
   UserCheck(!found || value[0], OptionsComm(), "%s: give a value", name);
   if (found) PetscCall(Keep(row, value));
   if (set) *set = found;
+  PetscFunctionReturn(0);
+}
+
+/* OptionQuantity - the number in a part of an option's text, with its unit if it has one. */
+PetscErrorCode OptionQuantity(const char *option, const char *text, Dimension dimension,
+                              PetscReal *value) {
+  const OptionRow row = {.name = option, .dimension = dimension};
+
+  PetscFunctionBegin;
+  PetscCall(ParseReal(&row, text, value));
   PetscFunctionReturn(0);
 }
 

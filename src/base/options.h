@@ -83,6 +83,10 @@ PetscErrorCode OptionInt(const char *name, PetscInt *value, PetscBool *set);
 PetscErrorCode OptionBool(const char *name, PetscBool *value, PetscBool *set);
 PetscErrorCode OptionWord(const char *name, PetscInt *choice, PetscBool *set);
 PetscErrorCode OptionText(const char *name, char value[PETSC_MAX_PATH_LEN], PetscBool *set);
+PetscErrorCode OptionUnit(const char *what, const char *unit, Dimension dimension,
+                          PetscReal *factor);
+PetscErrorCode OptionQuantity(const char *option, const char *text, Dimension dimension,
+                              PetscReal *value);
 PetscErrorCode OptionCheck(const OptionRow *row);
 PetscErrorCode OptionGiven(const char *name, PetscBool *given);
 PetscErrorCode OptionDefault(const char *name, const char *format, ...);

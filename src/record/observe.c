@@ -82,20 +82,29 @@ PetscErrorCode ObserverGather(Observer observer, Rod rod, PetscReal t, Vec U, Ve
 /* A point of the rod with all that integrals need. */
 typedef struct {
   Node node;
-  PetscReal g, g_t, k0, B, q[2], v[2], drag;
+  PetscReal g, g_t, c, strain; /* stretch, its rate, slide, rate of the material's stretch */
+  PetscReal k0, k0_t, B, B_t; /* natural curvature and stiffness, and their rates in the material */
+  PetscReal F[2];             /* the load */
+  Place at;
 } Sample;
 
 static PetscErrorCode SampleFill(Scene scene, PetscReal s, PetscReal t, Sample *p) {
-  PetscReal c = GrowthSlide(scene->growth, s, t);
+  Growth growth = scene->growth;
 
   PetscFunctionBegin;
-  PetscCall(GrowthStretch(scene->growth, 1, &s, t, &p->g, &p->g_t, NULL));
-  PetscCall(SceneCurvature(scene, s, t, &p->k0));
-  p->B = SceneStiffness(scene, s, t);
-  p->q[0] = PetscCosReal(p->node.theta);
-  p->q[1] = PetscSinReal(p->node.theta);
-  for (int d = 0; d < 2; d++) p->v[d] = p->node.x_t[d] + c * p->q[d];
-  p->drag = LoadDrag(&scene->load, p->v);
+  PetscCall(GrowthStretch(growth, 1, &s, t, &p->g, &p->g_t, NULL));
+  p->c = GrowthSlide(growth, s, t);
+  p->strain = GrowthStrain(growth, s, t, p->g_t);
+  PetscCall(SceneCurvature(scene, s, t, &p->k0, &p->k0_t));
+  PetscCall(SceneStiffness(scene, s, t, &p->B, &p->B_t));
+  p->at.t = t;
+  p->at.q[0] = PetscCosReal(p->node.theta);
+  p->at.q[1] = PetscSinReal(p->node.theta);
+  for (int d = 0; d < 2; d++) {
+    p->at.x[d] = p->node.x[d];
+    p->at.v[d] = p->node.x_t[d] + p->c * p->at.q[d];
+  }
+  LoadSeen(&scene->load, &p->at, p->F);
   PetscFunctionReturn(0);
 }
 
@@ -110,14 +119,15 @@ static PetscErrorCode SampleMid(Scene scene, PetscReal sa, PetscReal sb, PetscRe
   for (int e = 0; e < 2; e++) {
     const Sample *p = end[e];
     const Node *n = &p->node;
+    const PetscReal *q = p->at.q;
     PetscReal k = e ? -h / 8 : h / 8;
     mid->node.theta += n->theta / 2 + k * p->g * (n->moment / p->B + p->k0);
-    mid->node.moment += n->moment / 2 - k * p->g * (p->q[0] * n->force[1] - p->q[1] * n->force[0]);
+    mid->node.moment += n->moment / 2 - k * p->g * (q[0] * n->force[1] - q[1] * n->force[0]);
     for (int d = 0; d < 2; d++) {
-      PetscReal perp = d ? p->q[0] : -p->q[1];
-      mid->node.x[d] += n->x[d] / 2 + k * p->g * p->q[d];
-      mid->node.x_t[d] += n->x_t[d] / 2 + k * (p->g_t * p->q[d] + p->g * n->theta_t * perp);
-      mid->node.force[d] += n->force[d] / 2 + k * p->g * p->drag * p->v[d];
+      PetscReal perp = d ? q[0] : -q[1];
+      mid->node.x[d] += n->x[d] / 2 + k * p->g * q[d];
+      mid->node.x_t[d] += n->x_t[d] / 2 + k * (p->g_t * q[d] + p->g * n->theta_t * perp);
+      mid->node.force[d] += n->force[d] / 2 + k * p->g * p->F[d];
     }
   }
   PetscCall(SampleFill(scene, (sa + sb) / 2, t, mid));
@@ -133,20 +143,44 @@ static inline PetscReal LabX1(Scene scene, const PetscReal x[2]) {
   return PetscCosReal(scene->clamp_angle) * x[0] - PetscSinReal(scene->clamp_angle) * x[1];
 }
 
-/* Adds a sample to the integrals, which are kept in the fields they end up in. */
+/* What a length of material costs: n.q + m^2/2B + m k0, the force against which the rod is fed, or
+   grows, but for its sign. */
+static PetscReal Tension(const Sample *p) {
+  const Node *n = &p->node;
+  return n->force[0] * p->at.q[0] + n->force[1] * p->at.q[1] + PetscSqr(n->moment) / p->B / 2 +
+         n->moment * p->k0;
+}
+
+/*
+  Adds a sample to the integrals, which are kept in the fields they end up in. The power of growth
+  is W = - int (n.q + m^2/2B + m k0) (g_t + c_s) ds - int m k0_t g ds + 1/2 int (m/B)^2 B_t g ds
+        - c (n.q + m^2/2B + m k0) at s = 0.
+*/
 static void Integrate(Scene scene, const Sample *p, PetscReal weight, Observation *sum) {
   PetscReal x2 = LabX2(scene, p->node.x), m2 = PetscSqr(p->node.moment) / p->B;
   sum->norm_x2 += weight * x2 * x2;
   sum->norm_x2_length += weight * x2 * x2 * p->g;
   sum->energy += weight * m2 * p->g / 2;
-  if (!scene->growth->slides)
-    sum->growth_power -=
-        weight * p->g_t *
-        (p->node.force[0] * p->q[0] + p->node.force[1] * p->q[1] + m2 / 2 + p->node.moment * p->k0);
-  sum->dissipation += weight * p->g * p->drag * (p->v[0] * p->v[0] + p->v[1] * p->v[1]);
+  sum->growth_power += weight * (-p->strain * Tension(p) - p->node.moment * p->k0_t * p->g +
+                                 m2 / p->B * p->B_t * p->g / 2);
+  sum->dissipation += weight * p->g * (p->F[0] * p->at.v[0] + p->F[1] * p->at.v[1]);
 }
 
-/* Integrals over the rod by Simpson's rule on each cell, and what is read at s = 1/2. */
+/* What is read at s = 1/2 of the cell that holds it: on the parabola through a, mid and b. */
+static void MeasureMiddle(PetscReal sa, PetscReal h, const Sample *a, const Sample *mid,
+                          const Sample *b, Observation *seen) {
+  PetscReal z = (0.5 - sa) / h, w[3] = {(1 - z) * (1 - 2 * z), 4 * z * (1 - z), z * (2 * z - 1)};
+  PetscReal x[2], v[2];
+
+  for (int d = 0; d < 2; d++) {
+    x[d] = w[0] * a->node.x[d] + w[1] * mid->node.x[d] + w[2] * b->node.x[d];
+    v[d] = w[0] * a->at.v[d] + w[1] * mid->at.v[d] + w[2] * b->at.v[d];
+  }
+  seen->mid_distance = hypot(x[0], x[1]);
+  seen->mid_speed = hypot(v[0], v[1]);
+}
+
+/* Integrals over the rod by Simpson's rule on each cell, and what is read at its ends. */
 static PetscErrorCode MeasureIntegrals(Scene scene, PetscReal t, const Node *nodes,
                                        Observation *seen) {
   const PetscReal *s = scene->mesh.s;
@@ -155,9 +189,8 @@ static PetscErrorCode MeasureIntegrals(Scene scene, PetscReal t, const Node *nod
   PetscFunctionBegin;
   b.node = nodes[0];
   PetscCall(SampleFill(scene, s[0], t, &b));
-  if (scene->growth->slides)
-    seen->growth_power = -(b.node.force[0] * b.q[0] + b.node.force[1] * b.q[1] +
-                           PetscSqr(b.node.moment) / b.B / 2 + b.node.moment * b.k0);
+  seen->feed_force = -Tension(&b);
+  seen->growth_power = b.c * seen->feed_force;
   for (PetscInt i = 0; i < scene->mesh.cells; i++) {
     PetscReal h = s[i + 1] - s[i];
     a = b;
@@ -167,20 +200,12 @@ static PetscErrorCode MeasureIntegrals(Scene scene, PetscReal t, const Node *nod
     Integrate(scene, &a, h / 6, seen);
     Integrate(scene, &mid, 4 * h / 6, seen);
     Integrate(scene, &b, h / 6, seen);
-    if (s[i] < 0.5 && s[i + 1] >= 0.5) { /* the parabola through a, mid and b */
-      PetscReal z = (0.5 - s[i]) / h,
-                w[3] = {(1 - z) * (1 - 2 * z), 4 * z * (1 - z), z * (2 * z - 1)}, x[2], v[2];
-      for (int d = 0; d < 2; d++) {
-        x[d] = w[0] * a.node.x[d] + w[1] * mid.node.x[d] + w[2] * b.node.x[d];
-        v[d] = w[0] * a.v[d] + w[1] * mid.v[d] + w[2] * b.v[d];
-      }
-      seen->mid_distance = hypot(x[0], x[1]);
-      seen->mid_speed = hypot(v[0], v[1]);
-    }
+    if (s[i] < 0.5 && s[i + 1] >= 0.5) MeasureMiddle(s[i], h, &a, &mid, &b, seen);
   }
   seen->norm_x2 = PetscSqrtReal(seen->norm_x2);
   seen->norm_x2_length = PetscSqrtReal(seen->norm_x2_length);
-  seen->tip_speed = hypot(b.v[0], b.v[1]);
+  seen->tip_speed = hypot(b.at.v[0], b.at.v[1]);
+  seen->tip_power = b.node.force[0] * b.at.v[0] + b.node.force[1] * b.at.v[1];
   PetscFunctionReturn(0);
 }
 
@@ -247,9 +272,10 @@ static PetscErrorCode MeasureShape(Scene scene, PetscReal t, const Node *nodes, 
     most = PetscMax(most, PetscAbsReal(nodes[i].moment));
   }
   for (PetscInt i = 0; i < n; i++) {
-    PetscReal k;
-    PetscCall(SceneCurvature(scene, scene->mesh.s[i], t, &k));
-    k += nodes[i].moment;
+    PetscReal k, B;
+    PetscCall(SceneCurvature(scene, scene->mesh.s[i], t, &k, NULL));
+    PetscCall(SceneStiffness(scene, scene->mesh.s[i], t, &B, NULL));
+    k += nodes[i].moment / B;
     if (PetscAbsReal(k) <= 1e-6 * most) continue; /* the tip's moment is 0 but for round-off */
     if (k * sign < 0) seen->inflections++;
     sign = k;
@@ -260,6 +286,8 @@ static PetscErrorCode MeasureShape(Scene scene, PetscReal t, const Node *nodes, 
   seen->width = high - low;
   seen->base_force_1 = -LabX1(scene, nodes[0].force);
   seen->base_force_2 = -LabX2(scene, nodes[0].force);
+  seen->tip_force_1 = LabX1(scene, tip->force);
+  seen->tip_force_2 = LabX2(scene, tip->force);
   if (seen->max_angle > PETSC_PI / 2) PetscCall(ObserveCrossings(n, nodes, &crossings));
   seen->self_crossings = crossings;
   PetscFunctionReturn(0);
@@ -275,7 +303,8 @@ static PetscReal LastInterval(PetscInt n, const PetscReal time[], const PetscRea
   return sum;
 }
 
-/* Follows the energy balance dE/dt = W - dissipation, with as many points as the steps have order.
+/* Follows the energy balance dE/dt = W + power at the tip - dissipation, with as many points as the
+ * steps have order.
  */
 static void MeasureBalance(Observer self, Observation *seen) {
   PetscReal scale;
@@ -297,7 +326,7 @@ static void MeasureBalance(Observer self, Observation *seen) {
     self->n--;
   }
   self->time[self->n] = seen->t;
-  self->net[self->n] = seen->growth_power - seen->dissipation;
+  self->net[self->n] = seen->growth_power + seen->tip_power - seen->dissipation;
   self->loss[self->n] = seen->dissipation;
   self->n++;
   if (self->n == 2) { /* the powers at the start are not known: the first step's hold for it */

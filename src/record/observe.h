@@ -15,8 +15,9 @@
   X(max_angle, "rad", "largest |theta| against the clamp, radians")                                \
   X(energy, "N l^2", "bending energy, 1/2 int m^2 g ds")                                           \
   X(growth_power, "N l V", "power of growth W")                                                    \
-  X(dissipation, "N l V", "power lost to friction, int g phi |v|^2 ds")                            \
-  X(energy_defect, "1", "|E - E(0) - int (W - dissipation) dt| over what friction took, or E")     \
+  X(dissipation, "N l V", "power lost to friction along the rod, int g F.v ds")                    \
+  X(energy_defect, "1",                                                                            \
+    "|E - E(0) - int (W + tip_power - dissipation)| over friction's work, or E")                   \
   X(end_distance, "l", "|x(1) - x(0)|")                                                            \
   X(mid_distance, "l", "|x(1/2) - x(0)|")                                                          \
   X(width, "l", "extent of the shape across the direction of the clamp")                           \
@@ -24,6 +25,10 @@
   X(mid_speed, "V", "|v| at s = 1/2")                                                              \
   X(base_force_1, "N l", "force of the clamp on the rod along x1, -n1(0)")                         \
   X(base_force_2, "N l", "force of the clamp on the rod along x2, -n2(0)")                         \
+  X(feed_force, "N l", "force against which the rod is fed at the clamp, -n.q - m^2/2B - m k0")    \
+  X(tip_force_1, "N l", "force on the tip along x1, n1(1)")                                        \
+  X(tip_force_2, "N l", "force on the tip along x2, n2(1)")                                        \
+  X(tip_power, "N l V", "power of the force on the tip, n(1).v(1)")                                \
   X(inflections, "1", "sign changes of the curvature along the rod")                               \
   X(self_crossings, "1", "points in which the rod crosses itself")                                 \
   X(step, "l/V", "size of the step that led here")                                                 \

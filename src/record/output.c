@@ -512,9 +512,9 @@ PetscErrorCode OutputShape(Output self, PetscReal t, const Node *nodes) {
   *b[0] = t;
   for (PetscInt i = 0; i < n; i++) {
     const PetscReal s = self->scene->mesh.s[i];
-    PetscCall(SceneCurvature(self->scene, s, t, &k0));
+    PetscCall(SceneCurvature(self->scene, s, t, &k0, NULL));
     PetscCall(GrowthStretch(self->scene->growth, 1, &s, t, &g, NULL, NULL));
-    B = SceneStiffness(self->scene, s, t);
+    PetscCall(SceneStiffness(self->scene, s, t, &B, NULL));
     Turn(self->scene, nodes[i].x, b[1] + 2 * i);
     b[2][i] = nodes[i].theta + self->scene->clamp_angle;
     b[3][i] = k0 + nodes[i].moment / B;

@@ -98,7 +98,6 @@ PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, P
   UserCheck(n == RESTART_STATE, scene->comm, "-restart %s: is of another version of tendril", file);
   PetscCall(CheckScales(file, scene));
   PetscCall(TakeMesh(file, scene));
-  scene->curvature.reference_length = state->reference_length;
   UserCheck(scene->end_time > state->t * (1 + 1e-12), scene->comm,
             "-restart %s: is at t = %s already; give a later -ts_max_time", file,
             OptionNumber(state->t, text));

@@ -15,7 +15,6 @@ typedef struct {
   PetscReal memory[VBDF_MEMORY];    /* of the stepper, beside its points */
   PetscReal norm;                   /* |x2| */
   PetscReal folds, neglected;       /* so far, for the estimate of the error */
-  PetscReal reference_length;       /* of the natural curvature of a fed rod */
   PetscReal time[VBDF_POINTS];      /* of the points */
   PetscReal balance[BALANCE_STATE]; /* of the energy balance */
   PetscReal sum;                    /* of the absolute values of all of it: a torn file shows */

@@ -28,15 +28,17 @@ typedef struct {
   LoadDual *dual;                        /* likewise */
 } Frame;
 
-/* One point of the rod: its unknowns, velocity, f, and the slope dF/dv of the load. */
+/* One point of the rod: its unknowns, f, its place and velocity, the slope of the load. */
 typedef struct {
-  PetscReal theta, m, n[2], f[FIELDS], slope[2][2];
+  PetscReal theta, m, n[2], f[FIELDS];
   Place at;
+  LoadSlope slope;
 } Point;
 
 /* The present state of a rod, and the cell that is looked at. */
 typedef struct {
   Rod rod;
+  PetscReal t;
   const Load *load;
   const PetscReal (*u)[FIELDS], (*u_t)[FIELDS], *s;
   Vec local[2];
@@ -60,8 +62,8 @@ static void PointEvaluate(const Load *load, const Law *law, const LoadDual *dual
 }
 
 /* The point at a node; u, u_t its six unknowns and their rates. */
-static void PointAtNode(const Load *load, const Law *law, const LoadDual *dual, const PetscReal *u,
-                        const PetscReal *u_t, Point *p) {
+static inline void PointAtNode(const Load *load, const Law *law, const LoadDual *dual, PetscReal t,
+                               const PetscReal *u, const PetscReal *u_t, Point *p) {
   p->theta = u[TH];
   p->m = u[M];
   p->at.q[0] = PetscCosReal(u[TH]);
@@ -69,7 +71,9 @@ static void PointAtNode(const Load *load, const Law *law, const LoadDual *dual, 
   for (int d = 0; d < 2; d++) {
     p->n[d] = u[N1 + d];
     p->at.v[d] = u_t[X1 + d] + law->c * p->at.q[d];
+    p->at.x[d] = u[X1 + d];
   }
+  p->at.t = t;
   PointEvaluate(load, law, dual, p);
 }
 
@@ -94,7 +98,9 @@ static void PointAtMid(const Load *load, const Law law[3], const LoadDual *dual,
   for (int d = 0; d < 2; d++) {
     p->n[d] = (a->n[d] + b->n[d]) / 2 + k * (a->f[N1 + d] - b->f[N1 + d]);
     p->at.v[d] = (ua_t[X1 + d] + ub_t[X1 + d]) / 2 + k * (wa[d] - wb[d]) + law[1].c * p->at.q[d];
+    p->at.x[d] = (a->at.x[d] + b->at.x[d]) / 2 + k * (a->f[X1 + d] - b->f[X1 + d]);
   }
+  p->at.t = a->at.t;
   PointEvaluate(load, &law[1], dual, p);
 }
 
@@ -110,11 +116,13 @@ static PetscErrorCode LawsAt(Rod rod, PetscReal t) {
   for (PetscInt i = i0; i <= i1; i++)
     for (int half = 0; half < 2 && (!half || i < i1); half++) {
       Law *law = &frame->law[2 * (i - rod->first + 1) + half];
+      PetscReal B;
       law->s = half ? (s[i] + s[i + 1]) / 2 : s[i];
       PetscCall(GrowthStretch(scene->growth, 1, &law->s, t, &law->g, &law->g_t, NULL));
       law->c = GrowthSlide(scene->growth, law->s, t);
-      law->flex = 1 / SceneStiffness(scene, law->s, t);
-      PetscCall(SceneCurvature(scene, law->s, t, &law->k0));
+      PetscCall(SceneStiffness(scene, law->s, t, &B, NULL));
+      law->flex = 1 / B;
+      PetscCall(SceneCurvature(scene, law->s, t, &law->k0, NULL));
     }
   frame->time = t;
   PetscFunctionReturn(0);
@@ -129,11 +137,12 @@ static PetscErrorCode CellsOpen(Rod rod, PetscReal t, Vec U, Vec U_t, Cell *cell
   PetscCall(LawsAt(rod, t));
   PetscCall(PetscMemzero(cell, sizeof(*cell)));
   cell->rod = rod;
+  cell->t = t;
   cell->load = &rod->scene->load;
   cell->s = rod->scene->mesh.s;
   PetscCall(RodOpen(rod, U, &cell->local[0], &cell->u));
   PetscCall(RodOpen(rod, U_t, &cell->local[1], &cell->u_t));
-  PointAtNode(cell->load, frame->law + k, frame->dual + k, cell->u[first], cell->u_t[first],
+  PointAtNode(cell->load, frame->law + k, frame->dual + k, t, cell->u[first], cell->u_t[first],
               &cell->b);
   PetscFunctionReturn(0);
 }
@@ -154,7 +163,7 @@ static void CellsNext(Cell *cell, PetscInt i) {
   cell->dual = frame->dual + k;
   cell->h = cell->s[i + 1] - cell->s[i];
   cell->a = cell->b;
-  PointAtNode(cell->load, cell->law + 2, cell->dual + 2, cell->u[i + 1], cell->u_t[i + 1],
+  PointAtNode(cell->load, cell->law + 2, cell->dual + 2, cell->t, cell->u[i + 1], cell->u_t[i + 1],
               &cell->b);
   PointAtMid(cell->load, cell->law, cell->dual + 1, frame->bow * cell->h, &cell->a, &cell->b,
              cell->u_t[i], cell->u_t[i + 1], &cell->mid);
@@ -169,10 +178,16 @@ static void CellResidual(const Frame *frame, const Cell *cell, const PetscReal *
                       frame->mid_weight * cell->mid.f[f]);
 }
 
-/* What the tip's conditions are about. */
-static TipState TipOf(const PetscReal u[FIELDS]) {
-  TipState tip = {{u[X1], u[X2]}, u[TH], u[M], {u[N1], u[N2]}};
+/* What the tip's conditions are about: the end of the last cell. */
+static TipState TipOf(const Cell *cell) {
+  const Point *b = &cell->b;
+  TipState tip = {.at = b->at, .theta = b->theta, .moment = b->m, .force = {b->n[0], b->n[1]}};
   return tip;
+}
+
+/* The tip's own dual stands where that of a cell behind the tip would. */
+static LoadDual *TipDual(Rod rod) {
+  return ((Frame *)rod->data)->dual + 2 * (rod->last - rod->first + 1) + 1;
 }
 
 static PetscErrorCode FrameResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F) {
@@ -193,8 +208,8 @@ static PetscErrorCode FrameResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F)
   }
   if (first == 0) PetscCall(PetscArraycpy(&F_[0][X1], &cell.u[0][X1], 3));
   if (end == rod->last + 1) {
-    TipState tip = TipOf(cell.u[rod->last]);
-    TipResidual(&rod->scene->tip, &tip, &F_[rod->last][M]);
+    TipState tip = TipOf(&cell);
+    TipResidual(&rod->scene->tip, &tip, TipDual(rod), &F_[rod->last][M]);
   }
   PetscCall(DMDAVecRestoreArray(rod->da, F, &F_));
   PetscCall(CellsClose(&cell));
@@ -207,9 +222,9 @@ static PetscErrorCode FrameResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F)
   sign  -1 for node a (left), +1 for node b
   p     the node's point, mid the cell's
 */
-static void CellJacobian(const Frame *frame, PetscReal h, PetscReal sign, PetscReal shift,
-                         const Law *law, const Law *mid_law, PetscReal theta_t, const Point *p,
-                         const Point *mid, PetscReal J[FIELDS][FIELDS]) {
+static void CellJacobian(const Frame *frame, const Load *load, PetscReal h, PetscReal sign,
+                         PetscReal shift, const Law *law, const Law *mid_law, PetscReal theta_t,
+                         const Point *p, const Point *mid, PetscReal J[FIELDS][FIELDS]) {
   const PetscReal g = law->g, k = -sign * frame->bow * h, we = h * frame->end_weight,
                   wm = h * frame->mid_weight;
   const PetscReal perp[2] = {-p->at.q[1], p->at.q[0]}, mid_perp[2] = {-mid->at.q[1], mid->at.q[0]},
@@ -222,10 +237,12 @@ static void CellJacobian(const Frame *frame, PetscReal h, PetscReal sign, PetscR
   PetscReal fn[2][3], n[2][FIELDS] = {{0}}, v[2][FIELDS] = {{0}};    /* d(n'), d(n_mid), d(v_mid) */
 
   for (int d = 0; d < 2; d++) {
-    PetscReal drag[2] = {g * p->slope[d][0], g * p->slope[d][1]};
+    PetscReal drag[2] = {g * p->slope.v[d][0], g * p->slope.v[d][1]};
     fn[d][X1] = shift * drag[0];
     fn[d][X2] = shift * drag[1];
     fn[d][TH] = law->c * (drag[0] * perp[0] + drag[1] * perp[1]);
+    if (load->turns) fn[d][TH] += g * p->slope.theta[d];
+    for (int c = 0; c < 2 && load->moves; c++) fn[d][X1 + c] += g * p->slope.x[d][c];
     for (int f = X1; f <= TH; f++) n[d][f] = k * fn[d][f];
     n[d][N1 + d] = 0.5;
     v[d][X1 + d] = 0.5 * shift;
@@ -247,13 +264,19 @@ static void CellJacobian(const Frame *frame, PetscReal h, PetscReal sign, PetscR
   for (int d = 0; d < 2; d++) {
     for (int f = X1; f <= TH; f++) J[N1 + d][f] -= we * fn[d][f];
     for (int f = X1; f <= M; f++)
-      J[N1 + d][f] -= wm * gm * (mid->slope[d][0] * v[0][f] + mid->slope[d][1] * v[1][f]);
+      J[N1 + d][f] -= wm * gm * (mid->slope.v[d][0] * v[0][f] + mid->slope.v[d][1] * v[1][f]);
+    for (int f = TH; f <= M && load->turns; f++)
+      J[N1 + d][f] -= wm * gm * mid->slope.theta[d] * th[f];
+    for (int c = 0; c < 2 && load->moves; c++) { /* by x_mid */
+      J[N1 + d][X1 + c] -= wm * gm * mid->slope.x[d][c] / 2;
+      J[N1 + d][TH] -= wm * gm * mid->slope.x[d][c] * k * g * perp[c];
+    }
   }
 }
 
 /* The slope of the load at a point. */
 static void Linearise(Cell *cell, LoadDual *dual, Point *p) {
-  LoadLinearise(cell->load, &p->at, cell->rod->fresh, dual, p->slope);
+  LoadLinearise(cell->load, &p->at, cell->rod->fresh, dual, &p->slope);
 }
 
 /* The rows of a node, by itself (columns FIELDS ...) and its neighbours. */
@@ -286,16 +309,16 @@ static PetscErrorCode FrameJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, PetscR
       Linearise(&cell, cell.dual + 1, &cell.mid);
       PetscCall(PetscMemzero(left, sizeof(left)));
       PetscCall(PetscMemzero(right, sizeof(right)));
-      CellJacobian(frame, cell.h, -1, shift, cell.law, cell.law + 1, cell.u_t[i][TH], &cell.a,
-                   &cell.mid, left);
-      CellJacobian(frame, cell.h, 1, shift, cell.law + 2, cell.law + 1, cell.u_t[i + 1][TH],
-                   &cell.b, &cell.mid, right);
+      CellJacobian(frame, cell.load, cell.h, -1, shift, cell.law, cell.law + 1, cell.u_t[i][TH],
+                   &cell.a, &cell.mid, left);
+      CellJacobian(frame, cell.load, cell.h, 1, shift, cell.law + 2, cell.law + 1,
+                   cell.u_t[i + 1][TH], &cell.b, &cell.mid, right);
       PutRows(row, M, FIELDS, left);
       PutRows(row, M, 2 * FIELDS, right);
     } else {
-      TipState tip = TipOf(cell.u[i]);
+      TipState tip = TipOf(&cell);
       PetscReal by[TIP_ROWS][FIELDS];
-      TipJacobian(&rod->scene->tip, &tip, by);
+      TipJacobian(&rod->scene->tip, &tip, shift, rod->fresh, TipDual(rod), by);
       for (int f = 0; f < TIP_ROWS; f++)
         PetscCall(PetscArraycpy(&row[M + f][FIELDS], by[f], FIELDS));
     }
@@ -309,6 +332,19 @@ static PetscErrorCode FrameJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, PetscR
   PetscCall(CellsClose(&cell));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(0);
+}
+
+/* Moves the shift at a point; change is the largest of a force so far. The speed that growth drives
+   it with is that of the straight rod, p_t + c: on a bent one too, the rest of v stretches nothing.
+ */
+static PetscErrorCode HoldPoint(const Cell *cell, const Load *load, const Law *law, const Place *at,
+                                LoadDual *dual, PetscReal *change) {
+  PetscReal p, p_t;
+
+  PetscFunctionBegin;
+  PetscCall(GrowthArc(cell->rod->scene->growth, 1, &law->s, cell->t, &p, &p_t));
+  *change = PetscMax(*change, LoadHold(load, at, p_t + law->c, dual));
   PetscFunctionReturn(0);
 }
 
@@ -326,23 +362,28 @@ static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal 
     /* the clamped end does not move unless it slides: a shift there would hold nothing, and
        round-off adds up in it to a force on a rod whose x2 may be 1e-25 */
     if (i == first && ends && (i > 0 || cell.law->c != 0))
-      *change = PetscMax(*change, LoadHold(cell.load, &cell.a.at, cell.dual));
-    *change = PetscMax(*change, LoadHold(cell.load, &cell.mid.at, cell.dual + 1));
-    if (ends) *change = PetscMax(*change, LoadHold(cell.load, &cell.b.at, cell.dual + 2));
+      PetscCall(HoldPoint(&cell, cell.load, cell.law, &cell.a.at, cell.dual, change));
+    PetscCall(HoldPoint(&cell, cell.load, cell.law + 1, &cell.mid.at, cell.dual + 1, change));
+    if (ends)
+      PetscCall(HoldPoint(&cell, cell.load, cell.law + 2, &cell.b.at, cell.dual + 2, change));
   }
+  if (rod->end == rod->last + 1 && TipResists(&rod->scene->tip))
+    PetscCall(HoldPoint(&cell, &rod->scene->tip.resistance, cell.law + 2, &cell.b.at, TipDual(rod),
+                        change));
   PetscCall(CellsClose(&cell));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, change, 1, MPIU_REAL, MPI_MAX, rod->scene->comm));
   PetscFunctionReturn(0);
 }
 
 /* The dual and the shift of each node and of the middle of the cell on its right. */
-enum { REMEMBERED = 8 };
+enum { REMEMBERED = 12 };
 
 static void Remembered(LoadDual *dual, PetscReal *value[REMEMBERED]) {
   for (int k = 0; k < 2; k++)
     for (int d = 0; d < 2; d++) {
-      value[4 * k + d] = &dual[k].w[d];
-      value[4 * k + 2 + d] = &dual[k].shift[d];
+      value[6 * k + d] = &dual[k].w[d];
+      value[6 * k + 2 + d] = &dual[k].shift[d];
+      value[6 * k + 4 + d] = &dual[k].drive[d];
     }
 }
 

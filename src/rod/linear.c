@@ -73,14 +73,15 @@ static void Evaluate(Rod rod, const PetscScalar *y, PetscInt i, PetscReal d[3]) 
   }
 }
 
-/* The moment m = (y'/g)'/g at node i. */
+/* The moment m = B (y'/g)'/g at node i. */
 static PetscErrorCode Moment(Rod rod, PetscReal t, const PetscScalar *y, PetscInt i, PetscReal *m) {
-  PetscReal d[3], g, g_s;
+  PetscReal d[3], g, g_s, B;
 
   PetscFunctionBegin;
   Evaluate(rod, y, i, d);
   PetscCall(GrowthStretch(rod->scene->growth, 1, &rod->scene->mesh.s[i], t, &g, NULL, &g_s));
-  *m = (d[2] / g - d[1] * g_s / (g * g)) / g;
+  PetscCall(SceneStiffness(rod->scene, rod->scene->mesh.s[i], t, &B, NULL));
+  *m = B * (d[2] / g - d[1] * g_s / (g * g)) / g;
   PetscFunctionReturn(0);
 }
 
@@ -99,7 +100,7 @@ static PetscErrorCode BetterMoment(Rod rod, PetscReal t, const PetscScalar *y, P
                                    PetscReal *m) {
   const PetscReal *s = rod->scene->mesh.s;
   PetscInt mid = PetscMax(i, 1);
-  PetscReal a, b, bend, g;
+  PetscReal a, b, bend, g, B;
 
   PetscFunctionBegin;
   *m = 0;
@@ -110,11 +111,13 @@ static PetscErrorCode BetterMoment(Rod rod, PetscReal t, const PetscScalar *y, P
   bend = FourthDerivative(rod, y, mid);
   if (!i) bend += a / b * (bend - FourthDerivative(rod, y, 2)); /* on to the clamp */
   PetscCall(GrowthStretch(rod->scene->growth, 1, &s[i], t, &g, NULL, NULL));
-  *m += (a * a * a + b * b * b) / (12 * (a + b)) * bend / (g * g);
+  PetscCall(SceneStiffness(rod->scene, s[i], t, &B, NULL));
+  *m += B * (a * a * a + b * b * b) / (12 * (a + b)) * bend / (g * g);
   PetscFunctionReturn(0);
 }
 
-/* n2 = theta n1 - m'/g, m' that of the parabola through the moments at three nodes. */
+/* n2 = theta n1 - m'/g, m' that of the parabola through the moments at three nodes; at the tip what
+   pushes there. */
 static PetscErrorCode ShearForce(Rod rod, PetscReal t, const PetscScalar *y, PetscInt i,
                                  PetscReal g, Node *node) {
   const PetscReal *s = rod->scene->mesh.s;
@@ -122,8 +125,12 @@ static PetscErrorCode ShearForce(Rod rod, PetscReal t, const PetscScalar *y, Pet
   PetscReal m[3], left, right, a, b;
 
   PetscFunctionBegin;
-  node->force[1] = 0;
-  if (i == rod->last) PetscFunctionReturn(0);
+  if (i == rod->last) {
+    PetscReal press, turns, drags;
+    PetscCall(StraightTip(rod->scene, t, &press, &turns, &drags));
+    node->force[1] = -turns * node->theta - drags * node->x_t[1];
+    PetscFunctionReturn(0);
+  }
   for (int k = 0; k < 3; k++) PetscCall(Moment(rod, t, y, mid - 1 + k, &m[k]));
   a = s[mid] - s[mid - 1];
   b = s[mid + 1] - s[mid];
@@ -177,12 +184,13 @@ static PetscErrorCode LinearGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *node
     node->x[1] = d[0];
     node->theta = d[1] / g;
     node->force[0] = -P[i];
+    if (U_t) {
+      Evaluate(rod, y_t, i, d);
+      node->x_t[1] = d[0];
+      node->theta_t = (d[1] - node->theta * g_t) / g;
+    }
     PetscCall(BetterMoment(rod, t, y, i, &node->moment));
     PetscCall(ShearForce(rod, t, y, i, g, node));
-    if (!U_t) continue;
-    Evaluate(rod, y_t, i, d);
-    node->x_t[1] = d[0];
-    node->theta_t = (d[1] - node->theta * g_t) / g;
   }
   PetscCall(AxialPosition(rod, t, y, nodes));
   PetscCall(RodClose(rod, &local[0], &y));
@@ -280,7 +288,19 @@ static PetscErrorCode LinearDestroy(Rod rod) {
   PetscFunctionReturn(0);
 }
 
+static const char *LinearRefuses(Scene scene) {
+  if (scene->curvature.any)
+    return "-rod_curvature: the linear model is of a rod that is straight by nature";
+  if (scene->tip.type != TIP_FREE)
+    return "-tip_type: the linear model is of a rod whose tip is free: straight, it could not grow "
+           "against what holds it";
+  if (!LoadIsEven(&scene->load, scene->reach, scene->end_time))
+    return "-friction_field: changes across the straight rod, which the linear model starts from";
+  return NULL;
+}
+
 const RodModel rod_linear = {.name = "linear",
+                             .refuses = LinearRefuses,
                              .fields = 1,
                              .stencil = 3,
                              .field = {"y"},

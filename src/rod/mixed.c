@@ -2,8 +2,10 @@
    (Bergou et al., Discrete elastic rods, 2008): nodes x_i, edges e_i = x_i - x_{i-1} of prescribed
    length l_i, lambda_i on edge i.
 
-     energy      E = sum_k (K_k - k0_k w_k)^2 / (2 w_k),  K = 2 tan(psi/2) = 2 a x b / (|a||b| +
-   a.b) balance     dE/dx_i + M_i F(v_i) + flux_{i+1} - flux_i = 0,  flux_i = 2 lambda_i e_i / h_i
+     energy      E = sum_k B_k (K_k - k0_k w_k)^2 / (2 w_k),
+                 K = 2 tan(psi/2) = 2 a x b / (|a||b| + a.b)
+     balance     dE/dx_i + M_i F(v_i) + flux_{i+1} - flux_i = 0,  flux_i = 2 lambda_i e_i / h_i;
+                 at the tip less the force on it
      constraint  (|e_i|^2 - l_i^2) / l_i = 0
      clamp       x_0 = 0, lambda_0 = 0 (there is no such edge)
 
@@ -20,7 +22,8 @@ typedef struct {
   PetscReal time;
   PetscReal *length;  /* l of edge first - 1 + k, for edges first - 1 .. end + 1 where they exist */
   PetscReal *natural; /* k0 at turn first - 1 + k, for turns first - 1 .. end */
-  LoadDual *dual;     /* owned nodes */
+  PetscReal *bend;    /* B there */
+  LoadDual *dual;     /* owned nodes, and one more for the tip's resistance */
 } Mixed;
 
 /* K and its first and second derivatives by (a, b), for one turn. */
@@ -72,9 +75,14 @@ static PetscReal TurnWidth(const Mixed *self, Rod rod, PetscInt k) {
   return ((k ? EdgeLength(self, rod, k) : 0) + EdgeLength(self, rod, k + 1)) / 2;
 }
 
-/* The moment at turn k: its curvature less the natural one. */
+static inline PetscReal TurnStiffness(const Mixed *self, Rod rod, PetscInt k) {
+  return self->bend[k - rod->first + 1];
+}
+
+/* The moment at turn k: B times its curvature less the natural one. */
 static PetscReal TurnMoment(const Mixed *self, Rod rod, PetscInt k, const Turn *turn) {
-  return turn->K / TurnWidth(self, rod, k) - self->natural[k - rod->first + 1];
+  return TurnStiffness(self, rod, k) *
+         (turn->K / TurnWidth(self, rod, k) - self->natural[k - rod->first + 1]);
 }
 
 /* M_i, the length whose friction acts on node i */
@@ -94,9 +102,9 @@ static PetscErrorCode LengthsAt(Rod rod, PetscReal t) {
     self->length[i - rod->first + 1] = p[1] - p[0];
   }
   for (PetscInt k = PetscMax(0, rod->first - 1); k <= PetscMin(rod->last, rod->end); k++) {
-    const PetscReal *s = rod->scene->mesh.s; /* turn 0 lies in the first half of edge 1 */
-    PetscCall(
-        SceneCurvature(rod->scene, k ? s[k] : s[1] / 4, t, &self->natural[k - rod->first + 1]));
+    const PetscReal *s = rod->scene->mesh.s, at = k ? s[k] : s[1] / 4; /* 0: in half of edge 1 */
+    PetscCall(SceneCurvature(rod->scene, at, t, &self->natural[k - rod->first + 1], NULL));
+    PetscCall(SceneStiffness(rod->scene, at, t, &self->bend[k - rod->first + 1], NULL));
   }
   self->time = t;
   PetscFunctionReturn(0);
@@ -115,18 +123,43 @@ static void TurnEdges(const PetscReal (*u)[FIELDS], PetscInt k, PetscReal a[2], 
   Edge(u, k + 1, b);
 }
 
-/* Node i and its velocity, v = x_t + c q, with q by central differences; slide is c over the
- * length.
- */
+/* The edge that the tangent of node i is taken from: between its neighbours. */
+static void Across(Rod rod, const PetscReal (*u)[FIELDS], PetscInt i, PetscReal e[2]) {
+  const PetscInt next = PetscMin(i + 1, rod->last);
+  e[0] = u[next][X1] - u[i - 1][X1];
+  e[1] = u[next][X2] - u[i - 1][X2];
+}
+
+/* Node i and its velocity, v = x_t + c q, with q by central differences; slide is c over the length
+   of these. u_t NULL: at rest. */
 static void PlaceAt(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
                     const PetscReal (*u_t)[FIELDS], PetscInt i, Place *at, PetscReal *slide) {
-  PetscReal s = rod->scene->mesh.s[i];
+  PetscReal e[2], size, c = GrowthSlide(rod->scene->growth, rod->scene->mesh.s[i], self->time);
 
-  *slide = i < rod->last
-               ? GrowthSlide(rod->scene->growth, s, self->time) / (2 * NodeLength(self, rod, i))
-               : 0;
-  for (int d = 0; d < 2; d++)
-    at->v[d] = u_t[i][d] + (*slide ? *slide * (u[i + 1][d] - u[i - 1][d]) : 0);
+  Across(rod, u, i, e);
+  size = hypot(e[0], e[1]);
+  *slide = c != 0 && i < rod->last ? c / (2 * NodeLength(self, rod, i)) : 0;
+  at->t = self->time;
+  for (int d = 0; d < 2; d++) {
+    at->x[d] = u[i][d];
+    at->q[d] = e[d] / size;
+    at->v[d] = (u_t ? u_t[i][d] : 0) + *slide * e[d];
+  }
+}
+
+/* The tip as its force sees it: its direction is that of the last edge. */
+static TipState TipAt(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
+                      const PetscReal (*u_t)[FIELDS]) {
+  PetscReal slide;
+  TipState tip = {.theta = 0};
+
+  PlaceAt(self, rod, u, u_t, rod->last, &tip.at, &slide);
+  return tip;
+}
+
+/* The tip's resistance remembers behind what the nodes do. */
+static LoadDual *TipDual(const Mixed *self, Rod rod) {
+  return self->dual + (rod->end - rod->first);
 }
 
 /* Residual of the balance at node i. */
@@ -155,6 +188,11 @@ static void BalanceResidual(const Mixed *self, Rod rod, const PetscReal (*u)[FIE
     Edge(u, e, a);
     for (int d = 0; d < 2; d++)
       r[d] += (e == i ? -1 : 1) * 2 * u[e][LAMBDA] * a[d] / (s[e] - s[e - 1]);
+  }
+  if (i == rod->last && rod->scene->tip.force != 0) {
+    TipState tip = TipAt(self, rod, u, u_t);
+    TipForce(&rod->scene->tip, &tip, TipDual(self, rod), a);
+    for (int d = 0; d < 2; d++) r[d] -= a[d];
   }
 }
 
@@ -194,7 +232,7 @@ static void AddByEdge(Row row, PetscInt i, int d, PetscInt e, int c, PetscReal v
 /* d2E of turn k in the balance of node i */
 static void TurnJacobian(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS], PetscInt i,
                          PetscInt k, Row row) {
-  PetscReal a[2], b[2], w = TurnWidth(self, rod, k), moment;
+  PetscReal a[2], b[2], w = TurnWidth(self, rod, k), B = TurnStiffness(self, rod, k), moment;
   Turn turn;
 
   TurnEdges(u, k, a, b);
@@ -209,25 +247,71 @@ static void TurnJacobian(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS
       PetscInt by = q < 2 ? k : k + 1;
       if (by)
         AddByEdge(row, i, p % 2, by, q % 2,
-                  sign * (turn.slope[p] * turn.slope[q] / w + moment * turn.curve[p][q]));
+                  sign * (B * turn.slope[p] * turn.slope[q] / w + moment * turn.curve[p][q]));
     }
   }
+}
+
+/* Adds to the balance of node i the slope of a force that turns with the edge e of Across():
+   dq = q_perp (q_perp . de) / |e|. */
+static void AddTurning(Rod rod, const PetscReal (*u)[FIELDS], PetscInt i, const PetscReal theta[2],
+                       Row row) {
+  const PetscInt next = PetscMin(i + 1, rod->last) - i + REACH;
+  PetscReal e[2], square;
+
+  Across(rod, u, i, e);
+  square = e[0] * e[0] + e[1] * e[1];
+  for (int d = 0; d < 2; d++)
+    for (int c = 0; c < 2; c++) {
+      PetscReal value = theta[d] * (c ? e[0] : -e[1]) / square;
+      row[d][next * FIELDS + c] += value;
+      row[d][(REACH - 1) * FIELDS + c] -= value;
+    }
+}
+
+static void LoadJacobian(Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
+                         const PetscReal (*u_t)[FIELDS], PetscInt i, PetscReal shift, Row row) {
+  const Load *load = &rod->scene->load;
+  PetscReal slide, M = NodeLength(self, rod, i);
+  LoadSlope slope;
+  Place at;
+
+  PlaceAt(self, rod, u, u_t, i, &at, &slide);
+  LoadLinearise(load, &at, rod->fresh, &self->dual[i - rod->first], &slope);
+  for (int d = 0; d < 2; d++)
+    for (int c = 0; c < 2; c++) {
+      row[d][REACH * FIELDS + c] += M * slope.v[d][c] * shift;
+      if (load->moves) row[d][REACH * FIELDS + c] += M * slope.x[d][c];
+      if (slide == 0) continue;
+      row[d][(REACH + 1) * FIELDS + c] += M * slope.v[d][c] * slide;
+      row[d][(REACH - 1) * FIELDS + c] -= M * slope.v[d][c] * slide;
+    }
+  if (!load->turns) return;
+  for (int d = 0; d < 2; d++) slope.theta[d] *= M;
+  AddTurning(rod, u, i, slope.theta, row);
+}
+
+/* The slope of the force on the tip. */
+static void TipRows(Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
+                    const PetscReal (*u_t)[FIELDS], PetscReal shift, Row row) {
+  TipState tip = TipAt(self, rod, u, u_t);
+  PetscReal J[TIP_ROWS][TIP_FIELDS], theta[2];
+
+  TipJacobian(&rod->scene->tip, &tip, shift, rod->fresh, TipDual(self, rod), J);
+  for (int d = 0; d < 2; d++) {
+    for (int c = 0; c < 2; c++) row[d][REACH * FIELDS + c] += J[1 + d][c];
+    theta[d] = J[1 + d][2];
+  }
+  AddTurning(rod, u, rod->last, theta, row);
 }
 
 static void BalanceJacobian(Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
                             const PetscReal (*u_t)[FIELDS], PetscInt i, PetscReal shift, Row row) {
   const PetscReal *s = rod->scene->mesh.s;
-  PetscReal e[2], slide, slope[2][2], M = NodeLength(self, rod, i);
-  Place at;
+  PetscReal e[2];
 
-  PlaceAt(self, rod, u, u_t, i, &at, &slide);
-  LoadLinearise(&rod->scene->load, &at, rod->fresh, &self->dual[i - rod->first], slope);
-  for (int d = 0; d < 2; d++)
-    for (int c = 0; c < 2; c++) {
-      row[d][REACH * FIELDS + c] += M * slope[d][c] * shift;
-      row[d][(REACH + 1) * FIELDS + c] += M * slope[d][c] * slide;
-      row[d][(REACH - 1) * FIELDS + c] -= M * slope[d][c] * slide;
-    }
+  LoadJacobian(self, rod, u, u_t, i, shift, row);
+  if (i == rod->last && rod->scene->tip.force != 0) TipRows(self, rod, u, u_t, shift, row);
   for (PetscInt k = i - 1; k <= PetscMin(i + 1, rod->last - 1); k++)
     TurnJacobian(self, rod, u, i, k, row);
   for (PetscInt edge = i; edge <= PetscMin(i + 1, rod->last); edge++) {
@@ -326,12 +410,15 @@ static void NodeState(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
   share =
       EdgeLength(self, rod, left) / (EdgeLength(self, rod, left) + EdgeLength(self, rod, left + 1));
   if (!i) share = -share;
-  for (int d = 0; d < 2; d++)
-    node->force[d] = i == rod->last ? 0 : n[0][d] + share * (n[1][d] - n[0][d]);
+  for (int d = 0; d < 2; d++) node->force[d] = n[0][d] + share * (n[1][d] - n[0][d]);
   node->theta_t = !i               ? 0
                   : i == rod->last ? turning[1]
                                    : turning[0] + share * (turning[1] - turning[0]);
-  if (i == rod->last) return;
+  if (i == rod->last) {
+    TipState tip = TipAt(self, rod, u, u_t);
+    TipForce(&rod->scene->tip, &tip, TipDual(self, rod), node->force);
+    return;
+  }
   TurnEdges(u, i, a, b);
   TurnValue(a, b, &turn);
   node->moment = TurnMoment(self, rod, i, &turn);
@@ -368,22 +455,28 @@ static PetscErrorCode MixedGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes
   PetscCall(RodSumAlong(rod, n, theta));                        /* angle of edge i */
   for (PetscInt i = PetscMax(1, rod->first); i < rod->end; i++) /* from its middle on to its end */
     nodes[i - rod->first].theta =
-        theta[i - rod->first] +
-        (nodes[i - rod->first].moment + (i < rod->last ? self->natural[i - rod->first + 1] : 0)) *
-            EdgeLength(self, rod, i) / 2;
+        theta[i - rod->first] + (nodes[i - rod->first].moment / TurnStiffness(self, rod, i) +
+                                 (i < rod->last ? self->natural[i - rod->first + 1] : 0)) *
+                                    EdgeLength(self, rod, i) / 2;
   PetscCall(PetscFree(theta));
   PetscFunctionReturn(0);
 }
 
-/* The dual of each node. */
+/* The dual of each node, and that of the tip beside the last node's. */
+enum { REMEMBERED = 4 };
+
 static PetscErrorCode MixedRemember(Rod rod, Vec memory) {
   Mixed *self = (Mixed *)rod->data;
   PetscReal *m;
 
   PetscFunctionBegin;
+  PetscCall(VecZeroEntries(memory));
   PetscCall(VecGetArray(memory, &m));
   for (PetscInt k = 0; k < rod->end - rod->first; k++)
-    PetscCall(PetscArraycpy(m + 2 * k, self->dual[k].w, 2));
+    PetscCall(PetscArraycpy(m + REMEMBERED * k, self->dual[k].w, 2));
+  if (rod->end == rod->last + 1)
+    PetscCall(
+        PetscArraycpy(m + REMEMBERED * (rod->last - rod->first) + 2, TipDual(self, rod)->w, 2));
   PetscCall(VecRestoreArray(memory, &m));
   PetscFunctionReturn(0);
 }
@@ -395,7 +488,10 @@ static PetscErrorCode MixedRecall(Rod rod, Vec memory) {
   PetscFunctionBegin;
   PetscCall(VecGetArrayRead(memory, &m));
   for (PetscInt k = 0; k < rod->end - rod->first; k++)
-    PetscCall(PetscArraycpy(self->dual[k].w, m + 2 * k, 2));
+    PetscCall(PetscArraycpy(self->dual[k].w, m + REMEMBERED * k, 2));
+  if (rod->end == rod->last + 1)
+    PetscCall(
+        PetscArraycpy(TipDual(self, rod)->w, m + REMEMBERED * (rod->last - rod->first) + 2, 2));
   PetscCall(VecRestoreArrayRead(memory, &m));
   PetscFunctionReturn(0);
 }
@@ -407,7 +503,8 @@ static PetscErrorCode MixedCreate(Rod rod) {
   PetscFunctionBegin;
   PetscCall(PetscNew(&self));
   self->time = PETSC_MIN_REAL;
-  PetscCall(PetscCalloc3(n + 4, &self->length, n + 2, &self->natural, n, &self->dual));
+  PetscCall(PetscCalloc4(n + 4, &self->length, n + 2, &self->natural, n + 2, &self->bend, n + 1,
+                         &self->dual));
   rod->order = 2;
   rod->data = self;
   PetscFunctionReturn(0);
@@ -417,12 +514,20 @@ static PetscErrorCode MixedDestroy(Rod rod) {
   Mixed *self = (Mixed *)rod->data;
 
   PetscFunctionBegin;
-  PetscCall(PetscFree3(self->length, self->natural, self->dual));
+  PetscCall(PetscFree4(self->length, self->natural, self->bend, self->dual));
   PetscCall(PetscFree(rod->data));
   PetscFunctionReturn(0);
 }
 
+static const char *MixedRefuses(Scene scene) {
+  if (LoadSticks(&scene->load))
+    return "-friction_beta 0: the mixed model has no exact Coulomb friction; give a value above 0";
+  if (scene->tip.type != TIP_FREE) return "-tip_type: the mixed model's tip is free";
+  return NULL;
+}
+
 const RodModel rod_mixed = {.name = "mixed",
+                            .refuses = MixedRefuses,
                             .fields = FIELDS,
                             .stencil = REACH,
                             .field = {"x1", "x2", "lambda"},
@@ -434,6 +539,6 @@ const RodModel rod_mixed = {.name = "mixed",
                             .get = MixedGet,
                             .residual = MixedResidual,
                             .jacobian = MixedJacobian,
-                            .memory = 2,
+                            .memory = REMEMBERED,
                             .remember = MixedRemember,
                             .recall = MixedRecall};

@@ -139,11 +139,12 @@ PetscErrorCode RodInitialNodes(Rod rod, PetscReal t, Node *nodes) {
   PetscCall(StraightForce(scene, rod->last + 1, scene->mesh.s, t, P));
   for (PetscInt i = rod->first; i < rod->end; i++) {
     Node *node = &nodes[i - rod->first];
-    PetscReal g, slope, k0;
-    PetscCall(SceneCurvature(scene, scene->mesh.s[i], t, &k0));
+    PetscReal g, slope, k0, B;
+    PetscCall(SceneCurvature(scene, scene->mesh.s[i], t, &k0, NULL));
+    PetscCall(SceneStiffness(scene, scene->mesh.s[i], t, &B, NULL));
     PetscCall(GrowthStretch(scene->growth, 1, &scene->mesh.s[i], t, &g, NULL, NULL));
     PetscCall(SceneShapeAngle(scene, scene->mesh.s[i], &node->theta, &slope));
-    node->moment = SceneStiffness(scene, scene->mesh.s[i], t) * (slope / g - k0);
+    node->moment = B * (slope / g - k0);
     node->force[0] = -P[i];
   }
   PetscCall(PetscFree(P));
@@ -158,7 +159,7 @@ PetscErrorCode RodInitialNodes(Rod rod, PetscReal t, Node *nodes) {
 PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes) {
   const PetscReal *s = rod->scene->mesh.s;
   PetscInt n = rod->end - rod->first;
-  PetscReal *dx[2], *all, g[2], k0[2];
+  PetscReal *dx[2], *all, g[2], k0[2], B[2];
   DM da = rod->nodes;
   Vec owned, ghosted;
   Node *with;
@@ -189,12 +190,35 @@ PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes) {
   for (PetscInt k = 0; k < n; k++) {
     PetscCall(GrowthStretch(rod->scene->growth, 1, &s[rod->first + k], t0, &g[0], NULL, NULL));
     PetscCall(GrowthStretch(rod->scene->growth, 1, &s[rod->first + k], t1, &g[1], NULL, NULL));
-    PetscCall(SceneCurvature(rod->scene, s[rod->first + k], t0, &k0[0]));
-    PetscCall(SceneCurvature(rod->scene, s[rod->first + k], t1, &k0[1]));
-    nodes[k].moment = (nodes[k].moment + k0[0]) * g[0] / g[1] - k0[1];
+    for (int e = 0; e < 2; e++) {
+      PetscCall(SceneCurvature(rod->scene, s[rod->first + k], e ? t1 : t0, &k0[e], NULL));
+      PetscCall(SceneStiffness(rod->scene, s[rod->first + k], e ? t1 : t0, &B[e], NULL));
+    }
+    nodes[k].moment = B[1] * ((nodes[k].moment / B[0] + k0[0]) * g[0] / g[1] - k0[1]);
     for (int d = 0; d < 2; d++) nodes[k].x[d] += dx[d][k];
   }
   PetscCall(PetscFree(all));
+  PetscFunctionReturn(0);
+}
+
+/* RodHoldTip - tells a scene whose tip is held where that is: where the initial shape has it.
+   Collective. */
+PetscErrorCode RodHoldTip(Rod rod) {
+  PetscInt n = rod->end - rod->first;
+  PetscReal tip[3] = {0, 0, 0};
+  Node *nodes;
+
+  PetscFunctionBegin;
+  if (rod->scene->tip.type == TIP_FREE) PetscFunctionReturn(0);
+  PetscCall(PetscMalloc1(n, &nodes));
+  PetscCall(RodInitialNodes(rod, 0, nodes));
+  if (rod->end == rod->last + 1) {
+    PetscCall(PetscArraycpy(tip, nodes[n - 1].x, 2));
+    tip[2] = nodes[n - 1].theta;
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, tip, 3, MPIU_REAL, MPI_SUM, rod->scene->comm));
+  PetscCall(SceneHoldTip(rod->scene, tip, tip[2]));
+  PetscCall(PetscFree(nodes));
   PetscFunctionReturn(0);
 }
 

@@ -32,6 +32,8 @@ typedef struct {
   PetscBool
       across[MAX_FIELDS]; /* changes sign in the mirror, as does its equation: x2, theta, m, n2 */
   PetscBool linear;       /* one Newton step solves it */
+  const char *(*refuses)(Scene); /* why it cannot be of this scene; NULL: it can, as can a model
+                                    without this function */
   PetscErrorCode (*create)(Rod);
   PetscErrorCode (*destroy)(Rod);
   /* U from nodes (local, owned), and nodes from U; U_t may be NULL (rates are then 0) */
@@ -72,6 +74,7 @@ PetscErrorCode RodCreateMatrix(Rod rod, Mat *J);
 PetscErrorCode RodCreateMemory(Rod rod, DM *da, Vec *memory);
 PetscErrorCode RodInitialNodes(Rod rod, PetscReal t, Node *nodes);
 PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes);
+PetscErrorCode RodHoldTip(Rod rod);
 PetscErrorCode RodOpen(Rod rod, Vec v, Vec *local, void *array);
 PetscErrorCode RodClose(Rod rod, Vec *local, void *array);
 PetscErrorCode RodSumAlong(Rod rod, PetscInt n, PetscReal value[]);

@@ -1,46 +1,58 @@
 #include "scene/curvature.h"
 #include "base/hdf.h"
 #include "base/spline.h"
+#include <ctype.h>
 
 static const OptionRow rows[] = {
     ROW_REAL("-rod_curvature", "0", -1e3, 1e3, UNIT_CURVATURE, 0,
              "natural curvature of the whole rod, per length"),
-    ROW_TEXT("-rod_curvature_file", INPUT_FILE,
-             "HDF5 file with /s and /curvature, the natural curvature"),
+    ROW_TEXT(
+        "-rod_curvature_file", INPUT_FILE,
+        "HDF5 file with the natural curvature, /curvature, over the label /s of a rod that grows "
+        "in place, over the /distance from the tip of one that slides (feed, apical)"),
     ROW_REAL("-rod_curvature_random", "", 0, 1e3, UNIT_CURVATURE, 0,
              "root mean square of a random natural curvature, per length"),
     ROW_REAL(
-        "-rod_curvature_length", "0.1", 1e-4, 100, UNIT_NONE, 0,
-        "its correlation length, as a part of the rod; of a fed rod, as a part of what it is at "
-        "-ts_max_time"),
+        "-rod_curvature_length", "0.1", 1e-4, 1e4, UNIT_LENGTH, 0,
+        "its correlation length: a part of the rod, if it grows in place; a length, if it slides"),
     ROW_INT("-rod_curvature_seed", "1", 0, 2e9, 0, "its seed")};
 const OptionGroup curvature_options = OPTION_GROUP("Natural curvature", rows);
 
-enum { WAVES = 64, ANGLES = 4001 };
+enum { WAVES = 64, ANGLES = 4001, PER_LENGTH = 8, MARGIN = 30 };
 
 /* The spline through the knots that are there. */
 static PetscErrorCode MakeSpline(Curvature *self) {
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(self->n, &self->k2));
-  PetscCall(SplineSecondDerivatives(self->n, self->s, 1, self->n, 1, self->k, self->k2));
+  PetscCall(SplineSecondDerivatives(self->n, self->at, 1, self->n, 1, self->k, self->k2));
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode FromFile(Curvature *self, const char *file) {
-  const char *option = "-rod_curvature_file";
+static PetscErrorCode FromFile(Curvature *self, Growth growth, const char *file) {
+  const char *option = "-rod_curvature_file", *where = growth->slides ? "/distance" : "/s";
   const PetscInt most = 1000000;
+  PetscBool has;
   PetscInt n, m;
 
   PetscFunctionBegin;
-  PetscCall(HdfRead(option, file, "/s", 1, &n, &self->s));
-  PetscCall(HdfRead(option, file, "/curvature", 1, &m, &self->k));
-  UserCheck(n == m, OptionsComm(), "%s %s: /s and /curvature differ in length", option, file);
+  PetscCall(HdfHas(file, growth->slides ? "/s" : "/distance", &has));
+  UserCheck(!has, OptionsComm(),
+            "%s %s: with -growth_type %s natural curvature is laid out over %s, give that", option,
+            file, growth->type, where);
+  PetscCall(HdfReadQuantity(option, file, where, growth->slides ? UNIT_LENGTH : UNIT_NONE, 1, &n,
+                            &self->at));
+  PetscCall(HdfReadQuantity(option, file, "/curvature", UNIT_CURVATURE, 1, &m, &self->k));
+  UserCheck(n == m, OptionsComm(), "%s %s: %s and /curvature differ in length", option, file,
+            where);
   UserCheck(n >= 4 && n <= most, OptionsComm(), "%s %s: needs 4 to %d entries, has %d", option,
             file, (int)most, (int)n);
-  UserCheck(PetscAbsReal(self->s[0]) < 1e-12 && PetscAbsReal(self->s[n - 1] - 1) < 1e-12,
-            OptionsComm(), "%s %s: /s must run from 0 to 1", option, file);
+  UserCheck(PetscAbsReal(self->at[0]) < 1e-12, OptionsComm(), "%s %s: %s must start at 0", option,
+            file, where);
+  UserCheck(growth->slides || PetscAbsReal(self->at[n - 1] - 1) < 1e-12, OptionsComm(),
+            "%s %s: /s must run from 0 to 1", option, file);
   for (PetscInt i = 1; i < n; i++)
-    UserCheck(self->s[i] > self->s[i - 1], OptionsComm(), "%s %s: /s must increase", option, file);
+    UserCheck(self->at[i] > self->at[i - 1], OptionsComm(), "%s %s: %s must increase", option, file,
+              where);
   self->n = n;
   PetscCall(MakeSpline(self));
   PetscFunctionReturn(0);
@@ -48,13 +60,15 @@ static PetscErrorCode FromFile(Curvature *self, const char *file) {
 
 /*
   A smooth random curvature of root mean square `amplitude` over all seeds and of correlation
-  exp(-(ds/length)^2/2): waves of even random phase and normally distributed wave number,
-  tabulated at eight knots per correlation length.
+  exp(-(dx/length)^2/2): waves of even random phase and normally distributed wave number, tabulated
+  from low to high at eight knots per correlation length. The knots are multiples of their distance,
+  and go on beyond the ends: so the curvature at a place does not depend on these.
 */
 static PetscErrorCode AtRandom(Curvature *self, PetscReal amplitude, PetscReal length,
-                               PetscInt seed) {
-  PetscInt n = 8 + (PetscInt)(8 / length);
-  PetscReal wave[WAVES], phase[WAVES], u[2];
+                               PetscInt seed, PetscReal low, PetscReal high) {
+  PetscReal wave[WAVES], phase[WAVES], u[2], h = length / PER_LENGTH;
+  PetscInt first = (PetscInt)PetscFloorReal(low / h) - MARGIN,
+           n = (PetscInt)PetscCeilReal(high / h) + MARGIN + 1 - first;
   PetscRandom random;
 
   PetscFunctionBegin;
@@ -68,13 +82,13 @@ static PetscErrorCode AtRandom(Curvature *self, PetscReal amplitude, PetscReal l
     wave[j] = PetscSqrtReal(-2 * PetscLogReal(1 - u[0])) * PetscCosReal(2 * PETSC_PI * u[1]);
   }
   PetscCall(PetscRandomDestroy(&random));
-  PetscCall(PetscMalloc1(n, &self->s));
+  PetscCall(PetscMalloc1(n, &self->at));
   PetscCall(PetscCalloc1(n, &self->k));
   for (PetscInt i = 0; i < n; i++) {
-    self->s[i] = (PetscReal)i / (n - 1);
+    self->at[i] = (PetscReal)(first + i) * h;
     for (int j = 0; j < WAVES; j++)
       self->k[i] += amplitude * PetscSqrtReal(2. / WAVES) *
-                    PetscCosReal(wave[j] * self->s[i] / length + 2 * PETSC_PI * phase[j]);
+                    PetscCosReal(wave[j] * self->at[i] / length + 2 * PETSC_PI * phase[j]);
   }
   self->n = n;
   PetscCall(MakeSpline(self));
@@ -96,7 +110,7 @@ static PetscErrorCode TabulateAngle(Curvature *self, Growth growth) {
     for (int e = 0; e < 3; e++) { /* Simpson's rule */
       PetscReal z = s[i] - h + e * h / 2;
       PetscCall(GrowthStretch(growth, 1, &z, zero, &g, NULL, NULL));
-      PetscCall(CurvatureValue(self, growth, z, zero, &k[e]));
+      PetscCall(CurvatureValue(self, growth, z, zero, &k[e], NULL));
       k[e] *= g;
     }
     angle[i] = angle[i - 1] + h / 6 * (k[0] + 4 * k[1] + k[2]);
@@ -123,37 +137,57 @@ PetscErrorCode CurvatureAngle(const Curvature *self, Growth growth, PetscReal s,
   *theta = a * a * (1 + 2 * b) * self->angle[i] + b * b * (1 + 2 * a) * self->angle[i + 1] +
            a * b * h * (a * self->slope[i] - b * self->slope[i + 1]);
   PetscCall(GrowthStretch(growth, 1, &s, zero, &g, NULL, NULL));
-  PetscCall(CurvatureValue(self, growth, s, 0, theta_s));
+  PetscCall(CurvatureValue(self, growth, s, 0, theta_s, NULL));
   *theta_s *= g;
+  PetscFunctionReturn(0);
+}
+
+/* The correlation length: a part of a rod that grows in place, which has no unit. */
+static PetscErrorCode ReadLength(Growth growth, PetscReal *length) {
+  char text[64] = "";
+  PetscBool unit;
+
+  PetscFunctionBegin;
+  PetscCall(OptionReal("-rod_curvature_length", length, NULL));
+  PetscCall(PetscOptionsGetString(NULL, NULL, "-rod_curvature_length", text, sizeof(text), NULL));
+  unit = (PetscBool)(text[0] && isalpha((unsigned char)text[strlen(text) - 1]));
+  UserCheck(
+      !unit || growth->slides, OptionsComm(),
+      "-rod_curvature_length %s: with -growth_type %s it is a part of the rod, without a unit",
+      text, growth->type);
   PetscFunctionReturn(0);
 }
 
 /*
   CurvatureSetFromOptions - reads and checks the options of the natural curvature. Collective; the
-  caller ends it with CurvatureDestroy().
+  caller ends it with CurvatureDestroy(), also after an error.
 
-  A fed rod slides along its labels: there the table's labels are those at end_time.
+  end_time  of the run: so far curvature is wanted
 */
 PetscErrorCode CurvatureSetFromOptions(Curvature *self, Growth growth, PetscReal end_time) {
   char file[PETSC_MAX_PATH_LEN] = "";
-  PetscReal amplitude = 0, length = 0;
-  PetscInt seed = 0;
+  PetscReal amplitude = 0, length, low = 0, high = 1, L;
+  PetscInt seed;
   PetscBool from_file, random;
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(self, sizeof(*self)));
-  PetscCall(GrowthLength(growth, end_time, &self->reference_length, NULL));
   PetscCall(OptionReal("-rod_curvature", &self->constant, NULL));
   PetscCall(OptionText("-rod_curvature_file", file, &from_file));
   PetscCall(OptionReal("-rod_curvature_random", &amplitude, &random));
   UserCheck(!from_file || !random, OptionsComm(),
             "-rod_curvature_file and -rod_curvature_random: give one of them");
   if (random) {
-    PetscCall(OptionReal("-rod_curvature_length", &length, NULL));
+    PetscCall(ReadLength(growth, &length));
     PetscCall(OptionInt("-rod_curvature_seed", &seed, NULL));
-    PetscCall(AtRandom(self, amplitude, length, seed));
+    PetscCall(GrowthLength(growth, end_time, &L, NULL));
+    if (growth->slides) {
+      low = growth->initial_length - L;
+      high = L;
+    }
+    PetscCall(AtRandom(self, amplitude, length, seed, low, high));
   }
-  if (from_file) PetscCall(FromFile(self, file));
+  if (from_file) PetscCall(FromFile(self, growth, file));
   self->any = (PetscBool)(self->constant != 0 || from_file || (random && amplitude > 0));
   if (self->any) PetscCall(TabulateAngle(self, growth));
   PetscFunctionReturn(0);
@@ -161,28 +195,39 @@ PetscErrorCode CurvatureSetFromOptions(Curvature *self, Growth growth, PetscReal
 
 PetscErrorCode CurvatureDestroy(Curvature *self) {
   PetscFunctionBegin;
-  PetscCall(PetscFree(self->s));
+  PetscCall(PetscFree(self->at));
   PetscCall(PetscFree(self->k));
   PetscCall(PetscFree(self->k2));
   PetscCall(PetscFree3(self->even, self->angle, self->slope));
   PetscFunctionReturn(0);
 }
 
-/* CurvatureValue - k0 at the label s and time t, per arc length. A fed rod carries it along: the
-   material at s will be at 1 - (1 - s) L(t)/L(T) when the run ends. */
+/*
+  CurvatureValue - k0 at the label s and time t, per arc length, and the rate k_t at which it
+  changes for the material there (may be NULL).
+
+  In place the table is over the labels. Where material slides, it is over the distance that the
+  material there had from the tip at the start (growth.h): a fed rod carries its curvature along.
+  Beyond the ends of a file's table its last values go on.
+*/
 PetscErrorCode CurvatureValue(const Curvature *self, Growth growth, PetscReal s, PetscReal t,
-                              PetscReal *k) {
-  PetscReal weight[4], length;
+                              PetscReal *k, PetscReal *k_t) {
+  PetscReal weight[4], slope[4], at = s, at_t = 0;
   PetscInt i;
 
   PetscFunctionBegin;
   *k = self->constant;
+  if (k_t) *k_t = 0;
   if (!self->n) PetscFunctionReturn(0);
-  if (growth->slides) {
-    PetscCall(GrowthLength(growth, t, &length, NULL));
-    s = PetscMax(0, 1 - (1 - s) * length / self->reference_length);
+  if (growth->slides) PetscCall(GrowthOrigin(growth, s, t, &at, &at_t));
+  if (at < self->at[0] || at > self->at[self->n - 1]) {
+    *k += self->k[at < self->at[0] ? 0 : self->n - 1];
+    PetscFunctionReturn(0);
   }
-  SplineWeights(self->n, self->s, s, &i, weight, NULL, NULL);
+  SplineWeights(self->n, self->at, at, &i, weight, slope, NULL);
   for (int j = 0; j < 2; j++) *k += weight[j] * self->k[i + j] + weight[2 + j] * self->k2[i + j];
+  if (!k_t || at_t == 0) PetscFunctionReturn(0);
+  for (int j = 0; j < 2; j++)
+    *k_t += at_t * (slope[j] * self->k[i + j] + slope[2 + j] * self->k2[i + j]);
   PetscFunctionReturn(0);
 }

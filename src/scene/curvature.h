@@ -9,9 +9,8 @@ typedef struct {
   PetscBool any;                   /* not 0 everywhere */
   PetscReal constant;              /* the part of -rod_curvature */
   PetscInt n;                      /* knots of the other part (file or random); 0: none */
-  PetscReal *s, *k, *k2;           /* its labels, curvatures and their second derivatives */
+  PetscReal *at, *k, *k2;          /* their places, curvatures and second derivatives */
   PetscReal *even, *angle, *slope; /* int_0^s g k0 ds at t = 0 and its slope, at even labels */
-  PetscReal reference_length;      /* feed: the length L(T) whose labels those of the table are */
 } Curvature;
 
 extern const OptionGroup curvature_options;
@@ -21,6 +20,6 @@ PetscErrorCode CurvatureAngle(const Curvature *curvature, Growth growth, PetscRe
                               PetscReal *theta, PetscReal *theta_s);
 PetscErrorCode CurvatureDestroy(Curvature *curvature);
 PetscErrorCode CurvatureValue(const Curvature *curvature, Growth growth, PetscReal s, PetscReal t,
-                              PetscReal *k);
+                              PetscReal *k, PetscReal *k_t);
 
 #endif

@@ -1,13 +1,22 @@
 #include "scene/growth.h"
 
 static const OptionRow rows[] = {
-    ROW_WORD("-growth_type", "uniform", "uniform,gaussian,feed,table", 0, "the law g(s,t)"),
+    ROW_WORD("-growth_type", "uniform", "uniform,gaussian,feed,apical,table", 0, "the law g(s,t)"),
     ROW_REAL("-growth_initial_length", "0.5", 1e-6, 1e6, UNIT_LENGTH, 0,
              "L0, length at t = 0, in (YI/N)^(1/3)"),
     ROW_REAL("-growth_width", "0.5", 1e-6, 1e6, UNIT_NONE, 0,
              "a, width in s of the growth zone at the clamp (gaussian)"),
+    ROW_REAL("-growth_zone", "0.5", 1e-6, 1e6, UNIT_LENGTH, 0,
+             "length of the growth zone behind the tip (apical)"),
     ROW_TEXT("-growth_table", INPUT_FILE, "HDF5 file with /s [ns], /t [nt], /g [nt, ns] (table)")};
 const OptionGroup growth_options = OPTION_GROUP("Growth", rows);
+
+/* GrowthDestroyData - for laws whose data is one block. */
+PetscErrorCode GrowthDestroyData(Growth self) {
+  PetscFunctionBegin;
+  PetscCall(PetscFree(self->data));
+  PetscFunctionReturn(0);
+}
 
 /* uniform: g = L0 + t; feed: the same map of s to arc length, with sliding material */
 static PetscErrorCode StretchUniform(Growth self, PetscReal s, PetscReal t, PetscReal *g,
@@ -37,11 +46,72 @@ static PetscReal SlideFeed(Growth self, PetscReal s, PetscReal t) {
   return 1 - s;
 }
 
+static PetscReal StrainFeed(Growth self, PetscReal s, PetscReal t) {
+  return 0;
+}
+
+static PetscErrorCode OriginFeed(Growth self, PetscReal s, PetscReal t, PetscReal *d,
+                                 PetscReal *d_t) {
+  *d = (1 - s) * (self->initial_length + t);
+  *d_t = 0;
+  return 0;
+}
+
 static PetscErrorCode CreateFeed(Growth self) {
   PetscFunctionBegin;
   PetscCall(CreateUniform(self));
   self->slides = PETSC_TRUE;
   self->slide = SlideFeed;
+  self->strain = StrainFeed;
+  self->origin = OriginFeed;
+  PetscFunctionReturn(0);
+}
+
+/*
+  apical: growth in a zone of length l behind the tip (the whole rod while it is shorter), with the
+  bell w = 30 z^2 (1-z)^2 / l of the distance z l from the tip. Labels share out the length evenly,
+  g = L; material behind is at rest, so it slides past them: V = L_t (1 - W(z)),  W = z^3 (10 - 15 z
+  + 6 z^2),   c = V - s L_t = L_t ((1 - s) - W(z)).
+*/
+static PetscReal ZoneAt(Growth self, PetscReal s, PetscReal t, PetscReal *L_over_zone) {
+  PetscReal L = self->initial_length + t;
+  *L_over_zone = L / PetscMin(*(PetscReal *)self->data, L);
+  return PetscMin(1, (1 - s) * *L_over_zone);
+}
+
+static PetscReal SlideApical(Growth self, PetscReal s, PetscReal t) {
+  PetscReal ratio, z = ZoneAt(self, s, t, &ratio);
+  return (1 - s) - z * z * z * (10 - 15 * z + 6 * z * z);
+}
+
+static PetscReal StrainApical(Growth self, PetscReal s, PetscReal t) {
+  PetscReal ratio, z = ZoneAt(self, s, t, &ratio);
+  return 30 * z * z * (1 - z) * (1 - z) * ratio;
+}
+
+/* What is laid down keeps its place; while it stretches it takes on that of where it is. */
+static PetscErrorCode OriginApical(Growth self, PetscReal s, PetscReal t, PetscReal *d,
+                                   PetscReal *d_t) {
+  *d = self->initial_length - s * (self->initial_length + t);
+  *d_t = -SlideApical(self, s, t) - s;
+  return 0;
+}
+
+static PetscErrorCode CreateApical(Growth self) {
+  PetscReal *zone;
+
+  PetscFunctionBegin;
+  PetscCall(CreateUniform(self));
+  self->similar = PETSC_FALSE;
+  self->slides = PETSC_TRUE;
+  PetscCall(PetscNew(&zone));
+  self->data = zone;
+  self->destroy = GrowthDestroyData;
+  PetscCall(OptionReal("-growth_zone", zone, NULL));
+  self->slide = SlideApical;
+  self->strain = StrainApical;
+  self->origin = OriginApical;
+  self->finest = *zone;
   PetscFunctionReturn(0);
 }
 
@@ -67,13 +137,6 @@ static PetscErrorCode ArcGaussian(Growth self, PetscReal s, PetscReal t, PetscRe
   return 0;
 }
 
-/* GrowthDestroyData - for laws whose data is one block. */
-PetscErrorCode GrowthDestroyData(Growth self) {
-  PetscFunctionBegin;
-  PetscCall(PetscFree(self->data));
-  PetscFunctionReturn(0);
-}
-
 static PetscErrorCode CreateGaussian(Growth self) {
   Gaussian *law;
 
@@ -95,6 +158,7 @@ static const struct {
 } laws[] = {{"uniform", CreateUniform},
             {"gaussian", CreateGaussian},
             {"feed", CreateFeed},
+            {"apical", CreateApical},
             {"table", GrowthCreateTable}};
 
 /*
@@ -149,6 +213,15 @@ static PetscErrorCode ArcStopped(Growth self, PetscReal s, PetscReal t, PetscRea
   PetscFunctionReturn(0);
 }
 
+static PetscErrorCode OriginStopped(Growth self, PetscReal s, PetscReal t, PetscReal *d,
+                                    PetscReal *d_t) {
+  Stopped *at = (Stopped *)self->data;
+  PetscFunctionBegin;
+  PetscCall(at->law->origin(at->law, s, at->t, d, d_t));
+  *d_t = 0;
+  PetscFunctionReturn(0);
+}
+
 /* GrowthStop - a law that stands still at time t of another, which must outlive it; no material
    slides. The caller destroys it with GrowthDestroy(). Not collective. */
 PetscErrorCode GrowthStop(Growth law, PetscReal t, Growth *stopped) {
@@ -164,6 +237,7 @@ PetscErrorCode GrowthStop(Growth law, PetscReal t, Growth *stopped) {
   (*stopped)->data = at;
   (*stopped)->stretch = StretchStopped;
   (*stopped)->arc = ArcStopped;
+  (*stopped)->origin = OriginStopped;
   (*stopped)->destroy = GrowthDestroyData;
   PetscFunctionReturn(0);
 }

@@ -13,11 +13,15 @@ struct _Growth {
   PetscBool even;           /* g does not depend on s: labels share out the length evenly */
   PetscBool similar;        /* the straight rod's velocity depends on s alone, not on t */
   PetscBool slides;         /* material slides past the labels: c is not 0 */
+  PetscReal finest;         /* length of a zone at the tip that the mesh must resolve; 0: none */
   PetscBool stopped;        /* GrowthStop(): stands still at one time of another law */
   PetscErrorCode (*stretch)(Growth, PetscReal s, PetscReal t, PetscReal *g, PetscReal *g_t,
                             PetscReal *g_s);
   PetscErrorCode (*arc)(Growth, PetscReal s, PetscReal t, PetscReal *p, PetscReal *p_t);
-  PetscReal (*slide)(Growth, PetscReal s, PetscReal t); /* NULL unless it slides */
+  /* where material slides; NULL unless it does */
+  PetscReal (*slide)(Growth, PetscReal s, PetscReal t);
+  PetscReal (*strain)(Growth, PetscReal s, PetscReal t);
+  PetscErrorCode (*origin)(Growth, PetscReal s, PetscReal t, PetscReal *d, PetscReal *d_t);
   PetscErrorCode (*destroy)(Growth);
   void *data;
 };
@@ -40,6 +44,19 @@ PetscErrorCode GrowthCreateTable(Growth growth);
 /* Convective speed of the material along the rod: v = x_t + c q. */
 static inline PetscReal GrowthSlide(Growth growth, PetscReal s, PetscReal t) {
   return growth->slides && !growth->stopped ? growth->slide(growth, s, t) : 0;
+}
+
+/* How fast the material there stretches, times g: g_t + c_s. */
+static inline PetscReal GrowthStrain(Growth growth, PetscReal s, PetscReal t, PetscReal g_t) {
+  if (growth->stopped) return 0;
+  return growth->slides ? growth->strain(growth, s, t) : g_t;
+}
+
+/* Where material slides: the distance from the tip that the material there had at the start (of fed
+   material: its place on the tube that is not in yet, beyond the clamp), and its rate. */
+static inline PetscErrorCode GrowthOrigin(Growth growth, PetscReal s, PetscReal t, PetscReal *d,
+                                          PetscReal *d_t) {
+  return growth->origin(growth, s, t, d, d_t);
 }
 
 #endif

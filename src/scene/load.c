@@ -1,10 +1,107 @@
 #include "scene/load.h"
 
-/* LoadSetFromOptions - reads and checks the options of all terms. Collective. */
-PetscErrorCode LoadSetFromOptions(Load *load) {
+static const OptionRow rows[] = {
+    ROW_REAL("-friction_across", "1", 1e-6, 1e6, UNIT_NONE, 0,
+             "a, ratio of friction across the rod to that along it, dry and viscous alike"),
+    ROW_TEXT(
+        "-friction_field", INPUT_FILE,
+        "HDF5 file with /x1 [n1], /x2 [n2], /factor [n2, n1], or also /t [nt] and /factor [nt, "
+        "n2, n1]: what friction is multiplied by, constant beyond the edges"),
+    ROW_TEXT("-friction_layers", 0,
+             "\"X:F,X:F,...\": friction in layers along x1, the start of each and its factor"),
+    ROW_REAL("-friction_layer_width", "0.1", 1e-9, 1e6, UNIT_LENGTH, 0,
+             "length over which layers are joined")};
+const OptionGroup load_options = OPTION_GROUP("Friction that varies", rows);
+
+static PetscErrorCode ReadField(Load *load) {
+  char file[PETSC_MAX_PATH_LEN] = "", layers[PETSC_MAX_PATH_LEN] = "";
+  PetscReal width;
+  PetscBool from_file, layered;
+
+  PetscFunctionBegin;
+  PetscCall(OptionText("-friction_field", file, &from_file));
+  PetscCall(OptionText("-friction_layers", layers, &layered));
+  UserCheck(!from_file || !layered, OptionsComm(),
+            "-friction_field and -friction_layers: give one of them");
+  if (layered) {
+    PetscCall(OptionReal("-friction_layer_width", &width, NULL));
+    PetscCall(FieldFromLayers("-friction_layers", layers, width, &load->field));
+  }
+  if (from_file) PetscCall(FieldFromFile("-friction_field", file, &load->field));
+  PetscFunctionReturn(0);
+}
+
+/*
+  LoadSetFromOptions - reads and checks the options of all terms. Collective; the caller ends it
+  with LoadDestroy(), also after an error.
+
+  clamp_angle  of the clamp in the laboratory
+*/
+PetscErrorCode LoadSetFromOptions(Load *load, PetscReal clamp_angle) {
   PetscFunctionBegin;
   PetscCall(FrictionSetFromOptions(&load->friction));
+  PetscCall(OptionReal("-friction_across", &load->across, NULL));
+  PetscCall(ReadField(load));
+  load->clamp[0] = PetscCosReal(clamp_angle);
+  load->clamp[1] = PetscSinReal(clamp_angle);
+  load->turns = (PetscBool)(load->across != 1);
+  load->moves = (PetscBool)(load->field != NULL);
+  load->plain = (PetscBool)(!load->turns && !load->moves);
   PetscFunctionReturn(0);
+}
+
+PetscErrorCode LoadDestroy(Load *load) {
+  PetscFunctionBegin;
+  PetscCall(FieldDestroy(&load->field));
+  PetscFunctionReturn(0);
+}
+
+/* LoadFactor - N at a place in the clamp's frame, and its derivatives there. */
+PetscReal LoadFactor(const Load *load, const PetscReal x[2], PetscReal t, PetscReal slope[2]) {
+  const PetscReal c = load->clamp[0], s = load->clamp[1];
+  PetscReal lab[2] = {c * x[0] - s * x[1], s * x[0] + c * x[1]}, by[2], factor = 1;
+
+  slope[0] = slope[1] = 0;
+  if (!load->field) return factor;
+  FieldAt(load->field, lab, load->stopped ? load->stopped_at : t, &factor, by);
+  slope[0] = c * by[0] + s * by[1];
+  slope[1] = -s * by[0] + c * by[1];
+  return factor;
+}
+
+/* LoadForceVaried - f <- N M f. */
+void LoadForceVaried(const Load *load, const Place *at, PetscReal f[2]) {
+  const PetscReal *q = at->q;
+  PetscReal slope[2], N = load->moves ? LoadFactor(load, at->x, at->t, slope) : 1,
+                      along = q[0] * f[0] + q[1] * f[1], across = q[0] * f[1] - q[1] * f[0];
+
+  across *= load->across;
+  f[0] = N * (along * q[0] - across * q[1]);
+  f[1] = N * (along * q[1] + across * q[0]);
+}
+
+/*
+  LoadSlopeVaried - from the slope df/dv to those of N M f:
+    dF/dv = N M df/dv,   dF/dtheta = N (1 - a) (q_perp (q.f) + q (q_perp.f)),   dF/dx = (M f)
+  (dN/dx)^T
+*/
+void LoadSlopeVaried(const Load *load, const Place *at, const LoadDual *dual, LoadSlope *slope) {
+  const PetscReal *q = at->q, perp[2] = {-at->q[1], at->q[0]}, a = load->across;
+  PetscReal by[2] = {0, 0}, N = load->moves ? LoadFactor(load, at->x, at->t, by) : 1, f[2], along,
+            across;
+
+  for (int c = 0; c < 2; c++) {
+    along = N * (q[0] * slope->v[0][c] + q[1] * slope->v[1][c]);
+    across = N * a * (perp[0] * slope->v[0][c] + perp[1] * slope->v[1][c]);
+    for (int d = 0; d < 2; d++) slope->v[d][c] = along * q[d] + across * perp[d];
+  }
+  FrictionForce(&load->friction, at->v, dual, f);
+  along = q[0] * f[0] + q[1] * f[1];
+  across = perp[0] * f[0] + perp[1] * f[1];
+  for (int d = 0; d < 2; d++) {
+    slope->theta[d] = N * (1 - a) * (along * perp[d] + across * q[d]);
+    for (int c = 0; c < 2; c++) slope->x[d][c] = (along * q[d] + a * across * perp[d]) * by[c];
+  }
 }
 
 static const PetscReal nearly_dry = 1e-4; /* 1 - mu up to here: growth waits meanwhile */
@@ -12,10 +109,10 @@ static const PetscReal nearly_dry = 1e-4; /* 1 - mu up to here: growth waits mea
 static const PetscReal slack = 1e-5;
 static const PetscReal tiny_beta = 1e-18; /* of velocities in fast time, which begin near 1 */
 
-/* LoadInFastTime - the load in the fast time of a snap (stepping/snap.c): dry friction as it is,
-   but for a little slack, and viscous friction of strength 1 beside it. dry: false if this load is
-   not dry, so that nothing snaps. */
-PetscErrorCode LoadInFastTime(const Load *load, Load *fast, PetscBool *dry) {
+/* LoadInFastTime - the load in the fast time of a snap at t (stepping/snap.c): dry friction as it
+   is, but for a little slack, and viscous friction of strength 1 beside it. dry: false if this load
+   is not dry, so that nothing snaps. What fast holds is borrowed. */
+PetscErrorCode LoadInFastTime(const Load *load, PetscReal t, Load *fast, PetscBool *dry) {
   Friction *friction = &fast->friction;
 
   PetscFunctionBegin;
@@ -24,5 +121,21 @@ PetscErrorCode LoadInFastTime(const Load *load, Load *fast, PetscBool *dry) {
   friction->beta = tiny_beta;
   friction->mu *= 1 - slack;
   friction->more = friction->mu; /* 1 - mu + more = 1 */
+  fast->stopped = PETSC_TRUE;
+  fast->stopped_at = t;
   PetscFunctionReturn(0);
+}
+
+/* LoadIsEven - does the load leave a straight rod straight, up to this length and time? Not if a
+   field changes across the axis. */
+PetscBool LoadIsEven(const Load *load, PetscReal length, PetscReal end) {
+  enum { ALONG = 200, TIMES = 20 };
+
+  for (int i = 0; i <= ALONG && load->moves; i++)
+    for (int j = 0; j <= TIMES; j++) {
+      PetscReal x[2] = {length * i / ALONG, 0}, slope[2];
+      (void)LoadFactor(load, x, end * j / TIMES, slope);
+      if (PetscAbsReal(slope[1]) > 1e-9) return PETSC_FALSE;
+    }
+  return PETSC_TRUE;
 }

@@ -1,39 +1,67 @@
 /* The load density: what the world exerts on the rod per length, at a place and a velocity. Models
    ask it alone; no one else knows of what terms it is made. Its sign is that of the equation
-   n' = g F: F is what the rod overcomes. */
+   n' = g F: F is what the rod overcomes.
+
+     F = N(x,t) M f(v),   M = q q^T + a q_perp q_perp^T,   f(v) = phi(|v|) v  (friction.h)
+
+   N is a factor that varies in space and time, a the ratio of friction across the rod to that along
+   it. Where N = 1 and a = 1, neither is computed. */
 #ifndef TENDRIL_LOAD_H
 #define TENDRIL_LOAD_H
 
+#include "scene/field.h"
 #include "scene/friction.h"
 
 typedef struct {
   Friction friction;
+  PetscReal across;       /* a */
+  Field field;            /* N; NULL: 1 */
+  PetscReal clamp[2];     /* direction of the clamp in the laboratory, where N is given */
+  PetscBool plain;        /* N = 1 and a = 1 */
+  PetscBool turns, moves; /* F depends on the direction of the rod (a), on the place (N) */
+  PetscBool stopped;      /* N is that of one time, stopped_at */
+  PetscReal stopped_at;
 } Load;
 
-/* Where on the rod, and how fast. */
+/* Where on the rod, and how fast; all in the clamp's frame. */
 typedef struct {
-  PetscReal s, t, x[2], q[2], v[2]; /* label, time, position, tangent, velocity of the material */
+  PetscReal t, x[2], q[2], v[2]; /* time, position, tangent, velocity of the material */
 } Place;
+
+/* The derivatives of F: by v, by the angle of the rod (if it turns), by x (if it moves). */
+typedef struct {
+  PetscReal v[2][2], theta[2], x[2][2];
+} LoadSlope;
 
 typedef FrictionDual LoadDual; /* what Newton's method remembers of a place */
 
-PetscErrorCode LoadSetFromOptions(Load *load);
+extern const OptionGroup load_options;
+
+PetscErrorCode LoadSetFromOptions(Load *load, PetscReal clamp_angle);
+PetscErrorCode LoadDestroy(Load *load);
+PetscErrorCode LoadInFastTime(const Load *load, PetscReal t, Load *fast, PetscBool *dry);
+PetscBool LoadIsEven(const Load *load, PetscReal length, PetscReal end);
+void LoadForceVaried(const Load *load, const Place *at, PetscReal f[2]);
+void LoadSlopeVaried(const Load *load, const Place *at, const LoadDual *dual, LoadSlope *slope);
+PetscReal LoadFactor(const Load *load, const PetscReal x[2], PetscReal t, PetscReal slope[2]);
 
 /* F */
 static inline void LoadForce(const Load *load, const Place *at, const LoadDual *dual,
                              PetscReal f[2]) {
   FrictionForce(&load->friction, at->v, dual, f);
+  if (!load->plain) LoadForceVaried(load, at, f);
 }
 
-/* The slope dF/dv for Newton's method, the dual brought up to the present velocity first; fresh: a
+/* The slope of F for Newton's method, the dual brought up to the present velocity first; fresh: a
    Newton solve begins. */
 static inline void LoadLinearise(const Load *load, const Place *at, PetscBool fresh, LoadDual *dual,
-                                 PetscReal slope[2][2]) {
+                                 LoadSlope *slope) {
   if (fresh)
     FrictionDualReset(&load->friction, at->v, dual);
   else
     FrictionDualAdvance(&load->friction, at->v, dual);
-  FrictionLinearise(&load->friction, at->v, dual, slope);
+  FrictionLinearise(&load->friction, at->v, dual, slope->v);
+  if (!load->plain) LoadSlopeVaried(load, at, dual, slope);
 }
 
 /* Does a place stick or slide, without anything between (exact Coulomb friction)? */
@@ -41,27 +69,30 @@ static inline PetscBool LoadSticks(const Load *load) {
   return (PetscBool)(load->friction.beta == 0);
 }
 
-/* Moves what holds a sticking place; returns how much its force would change if it moved on so. */
-static inline PetscReal LoadHold(const Load *load, const Place *at, LoadDual *dual) {
-  return FrictionDualHold(&load->friction, at->v, dual);
+/* Moves what holds a sticking place; returns how much its force would change if it moved on so.
+   driven: the part of its velocity along the rod that growth prescribes. */
+static inline PetscReal LoadHold(const Load *load, const Place *at, PetscReal driven,
+                                 LoadDual *dual) {
+  const PetscReal drive[2] = {driven * at->q[0], driven * at->q[1]};
+  return FrictionDualHold(&load->friction, at->v, drive, dual);
 }
 
-/* The drag F/v where F is along v, of the velocity v. */
-static inline PetscReal LoadDrag(const Load *load, const PetscReal v[2]) {
-  return FrictionPhi(&load->friction, v[0] * v[0] + v[1] * v[1]);
+/* F where nothing is held, as an observer sees it: a place at rest bears no dry force. */
+static inline void LoadSeen(const Load *load, const Place *at, PetscReal f[2]) {
+  PetscReal drag = FrictionPhi(&load->friction, at->v[0] * at->v[0] + at->v[1] * at->v[1]);
+  for (int d = 0; d < 2; d++) f[d] = drag * at->v[d];
+  if (!load->plain) LoadForceVaried(load, at, f);
 }
 
-/* The drag on the straight rod, which moves along itself at this speed. */
+/* The straight rod, which moves along itself: the drag F/v there, without N. */
 static inline PetscReal LoadAxialDrag(const Load *load, PetscReal speed) {
   return FrictionPhi(&load->friction, speed * speed);
 }
 
 /* The axial load on a piece of straight rod of unit length, whose speed rises evenly from a to b,
-   times b - a. */
+   times b - a; N = 1. */
 static inline PetscReal LoadAxialBetween(const Load *load, PetscReal a, PetscReal b) {
   return FrictionBetween(&load->friction, a, b);
 }
-
-PetscErrorCode LoadInFastTime(const Load *load, Load *fast, PetscBool *dry);
 
 #endif

@@ -3,12 +3,33 @@
 /* The part of the nodes spread evenly over s whatever the growth, so that no part of the initial
    rod is left without. */
 static const PetscReal even_share = 0.5;
+/* A growth zone at the tip gets this part of the nodes besides, densest at the tip itself and
+   fading over twice its length. */
+static const PetscReal zone_share = 1. / 3;
+
+/* What the nodes are equidistant in, from 0 to its value at s = 1. */
+static PetscErrorCode Measure(Growth growth, PetscReal s, PetscReal end_time, PetscReal length,
+                              PetscReal *m) {
+  PetscReal p, u;
+
+  PetscFunctionBegin;
+  *m = s;
+  if (growth->finest > 0) {
+    u = PetscMin(1, (1 - s) * length / (2 * PetscMin(growth->finest, length)));
+    *m += zone_share * (1 - u) * (1 - u);
+  } else if (!growth->even) {
+    PetscCall(GrowthArc(growth, 1, &s, end_time, &p, NULL));
+    *m = p / length + even_share * s;
+  }
+  PetscFunctionReturn(0);
+}
 
 /*
   MeshCreate - places the nodes.
 
   cells     N
-  graded    nodes equidistant in int (g(s,T)/L(T) + even_share) ds, else in s
+  graded    nodes equidistant in int (g(s,T)/L(T) + even_share) ds, or denser in a zone of growth at
+            the tip; else in s
   end_time  T
   mesh      the caller destroys it with MeshDestroy()
 
@@ -16,23 +37,25 @@ static const PetscReal even_share = 0.5;
 */
 PetscErrorCode MeshCreate(PetscInt cells, PetscBool graded, Growth growth, PetscReal end_time,
                           Mesh *mesh) {
-  PetscReal length = 1;
+  PetscReal length, first, all;
 
   PetscFunctionBegin;
   mesh->cells = cells;
   PetscCall(PetscMalloc1(cells + 1, &mesh->s));
-  graded = (PetscBool)(graded && !growth->even);
-  if (graded) PetscCall(GrowthLength(growth, end_time, &length, NULL));
+  graded = (PetscBool)(graded && (!growth->even || growth->finest > 0));
+  PetscCall(GrowthLength(growth, end_time, &length, NULL));
+  PetscCall(Measure(growth, 0, end_time, length, &first));
+  PetscCall(Measure(growth, 1, end_time, length, &all));
   for (PetscInt i = 0; i <= cells; i++) {
-    PetscReal goal = (PetscReal)i / cells, lo = i ? mesh->s[i - 1] : 0, hi = 1, p;
+    PetscReal goal = (PetscReal)i / cells, lo = i ? mesh->s[i - 1] : 0, hi = 1, m;
     if (!graded || i == 0 || i == cells) {
       mesh->s[i] = goal;
       continue;
     }
     for (PetscInt k = 0; k < 60 && hi - lo > 1e-17; k++) {
       PetscReal mid = (lo + hi) / 2;
-      PetscCall(GrowthArc(growth, 1, &mid, end_time, &p, NULL));
-      if (p / length + even_share * mid > goal * (1 + even_share))
+      PetscCall(Measure(growth, mid, end_time, length, &m));
+      if (m - first > goal * (all - first))
         hi = mid;
       else
         lo = mid;

@@ -23,13 +23,6 @@ PetscErrorCode SceneShapeAngle(Scene scene, PetscReal s, PetscReal *theta, Petsc
   PetscFunctionReturn(0);
 }
 
-/* SceneCurvature - the natural curvature at one label and time. */
-PetscErrorCode SceneCurvature(Scene scene, PetscReal s, PetscReal t, PetscReal *k) {
-  PetscFunctionBegin;
-  PetscCall(CurvatureValue(&scene->curvature, scene->growth, s, t, k));
-  PetscFunctionReturn(0);
-}
-
 /* Refuses more cells than a rank can number or this machine has memory for: a node's unknowns,
    their history, its row of the Jacobian and of its factors. */
 static PetscErrorCode CheckSize(PetscInt cells) {
@@ -68,8 +61,10 @@ PetscErrorCode SceneCreate(Scene *scene) {
   self->comm = OptionsComm();
   PetscCall(SiSetFromOptions(&self->si)); /* first: the others may carry units */
   PetscCall(GrowthCreate(&self->growth));
-  PetscCall(LoadSetFromOptions(&self->load));
   PetscCall(OptionReal("-clamp_angle", &self->clamp_angle, NULL));
+  PetscCall(LoadSetFromOptions(&self->load, self->clamp_angle));
+  PetscCall(TipSetFromOptions(&self->tip, &self->load));
+  PetscCall(StiffnessSetFromOptions(&self->stiffness));
   PetscCall(ShapeSetFromOptions(&self->shape));
   PetscCall(OptionInt("-rod_cells", &cells, NULL));
   PetscCall(CheckSize(cells));
@@ -78,8 +73,18 @@ PetscErrorCode SceneCreate(Scene *scene) {
   UserCheck(self->end_time <= self->growth->end_time * (1 + 1e-12), OptionsComm(),
             "-ts_max_time %s: the growth table ends at t = %s",
             OptionNumber(self->end_time, text[0]), OptionNumber(self->growth->end_time, text[1]));
+  PetscCall(GrowthLength(self->growth, self->end_time, &self->reach, NULL));
+  self->reach = PetscMax(self->reach, self->growth->initial_length);
   PetscCall(CurvatureSetFromOptions(&self->curvature, self->growth, self->end_time));
   PetscCall(MeshCreate(cells, (PetscBool)grading, self->growth, self->end_time, &self->mesh));
+  PetscFunctionReturn(0);
+}
+
+/* SceneHoldTip - tells a scene whose tip is held where that is, in the clamp's frame. */
+PetscErrorCode SceneHoldTip(Scene scene, const PetscReal x[2], PetscReal theta) {
+  PetscFunctionBegin;
+  PetscCall(PetscArraycpy(scene->tip.x, x, 2));
+  scene->tip.theta = theta;
   PetscFunctionReturn(0);
 }
 
@@ -87,6 +92,9 @@ PetscErrorCode SceneDestroy(Scene *scene) {
   PetscFunctionBegin;
   if (!*scene) PetscFunctionReturn(0);
   PetscCall(CurvatureDestroy(&(*scene)->curvature));
+  PetscCall(LoadDestroy(&(*scene)->load));
+  PetscCall(TipDestroy(&(*scene)->tip));
+  PetscCall(StiffnessDestroy(&(*scene)->stiffness));
   PetscCall(GrowthDestroy(&(*scene)->growth));
   PetscCall(MeshDestroy(&(*scene)->mesh));
   PetscCall(ShapeDestroy(&(*scene)->shape));

@@ -24,18 +24,31 @@ struct _Scene {
   Si si;
   PetscReal clamp_angle; /* alpha; the problem is solved in the clamp's frame, results are turned */
   PetscReal end_time;    /* T, -ts_max_time */
+  PetscReal reach;       /* the longest that the rod becomes */
 };
 
 extern const OptionGroup scene_options;
 
 PetscErrorCode SceneCreate(Scene *scene);
 PetscErrorCode SceneDestroy(Scene *scene);
-PetscErrorCode SceneCurvature(Scene scene, PetscReal s, PetscReal t, PetscReal *k);
+PetscErrorCode SceneHoldTip(Scene scene, const PetscReal x[2], PetscReal theta);
 PetscErrorCode SceneShapeAngle(Scene scene, PetscReal s, PetscReal *theta, PetscReal *theta_s);
 
-/* B at the label s and time t. */
-static inline PetscReal SceneStiffness(Scene scene, PetscReal s, PetscReal t) {
-  return StiffnessAt(&scene->stiffness, scene->growth, s, t);
+/* The natural curvature at the label s and time t, and the rate at which it changes for the
+   material there (may be NULL). */
+static inline PetscErrorCode SceneCurvature(Scene scene, PetscReal s, PetscReal t, PetscReal *k,
+                                            PetscReal *k_t) {
+  return CurvatureValue(&scene->curvature, scene->growth, s, t, k, k_t);
+}
+
+/* B at the label s and time t, and the rate B_t at which it changes for the material there (may be
+   NULL). */
+static inline PetscErrorCode SceneStiffness(Scene scene, PetscReal s, PetscReal t, PetscReal *B,
+                                            PetscReal *B_t) {
+  *B = 1;
+  if (B_t) *B_t = 0;
+  return scene->stiffness.varies ? StiffnessTable(&scene->stiffness, scene->growth, s, t, B, B_t)
+                                 : (PetscErrorCode)0;
 }
 
 #endif

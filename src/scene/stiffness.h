@@ -1,4 +1,5 @@
-/* The bending stiffness B of the rod, over that of the unit of force and length: 1. */
+/* The bending stiffness B of the rod over that of the unit of force and length: 1, or given by a
+   table over the distance from the tip. */
 #ifndef TENDRIL_STIFFNESS_H
 #define TENDRIL_STIFFNESS_H
 
@@ -6,12 +7,15 @@
 
 typedef struct {
   PetscBool varies; /* B is not 1 everywhere */
+  PetscInt n;
+  PetscReal *distance, *factor, *factor2; /* knots of the spline, values, second derivatives */
 } Stiffness;
 
-/* B at the label s and time t. */
-static inline PetscReal StiffnessAt(const Stiffness *stiffness, Growth growth, PetscReal s,
-                                    PetscReal t) {
-  return 1;
-}
+extern const OptionGroup stiffness_options;
+
+PetscErrorCode StiffnessSetFromOptions(Stiffness *stiffness);
+PetscErrorCode StiffnessDestroy(Stiffness *stiffness);
+PetscErrorCode StiffnessTable(const Stiffness *stiffness, Growth growth, PetscReal s, PetscReal t,
+                              PetscReal *B, PetscReal *B_t);
 
 #endif

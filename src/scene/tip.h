@@ -1,30 +1,47 @@
-/* The tip s = 1: what is free there and what is held. */
+/* The tip s = 1: what pushes on it, or holds it.
+     free      m = 0,  n = f
+     pinned    m = 0,  x as at the start
+     clamped   theta and x as at the start
+   f is the force on the tip: none; dead, -P along the clamp; follower, -P q; resistance, -P N v/r,
+   r = sqrt(v^2 + beta), N a field as for friction. */
 #ifndef TENDRIL_TIP_H
 #define TENDRIL_TIP_H
 
-#include <petscsys.h>
+#include "scene/load.h"
 
-/* The state of the tip. */
-typedef struct {
-  PetscReal x[2], theta, moment, force[2];
-} TipState;
-enum { TIP_ROWS = 3 };
+typedef enum { TIP_FREE, TIP_PINNED, TIP_CLAMPED } TipType;
+typedef enum { TIP_DEAD, TIP_FOLLOWER, TIP_RESISTANCE } TipLaw;
+
+enum { TIP_ROWS = 3, TIP_FIELDS = 6 };
 
 typedef struct {
-  PetscBool loaded; /* anything but m = 0, n = 0 */
+  TipType type;
+  TipLaw law;
+  PetscReal force;       /* P */
+  Load resistance;       /* its friction is that of the tip: dry, of strength 1; its field is N */
+  PetscReal x[2], theta; /* where it is held, once the scene knows */
 } Tip;
 
-/* The three conditions at the tip, r = 0: no moment, no force. */
-static inline void TipResidual(const Tip *tip, const TipState *at, PetscReal r[TIP_ROWS]) {
-  r[0] = at->moment;
-  r[1] = at->force[0];
-  r[2] = at->force[1];
-}
+/* The state of the tip, in the clamp's frame. */
+typedef struct {
+  Place at;
+  PetscReal theta, moment, force[2];
+} TipState;
 
-/* Their derivatives by (x1, x2, theta, m, n1, n2). */
-static inline void TipJacobian(const Tip *tip, const TipState *at, PetscReal J[TIP_ROWS][6]) {
-  for (int i = 0; i < TIP_ROWS; i++)
-    for (int j = 0; j < 6; j++) J[i][j] = j == 3 + i;
+extern const OptionGroup tip_options;
+
+PetscErrorCode TipSetFromOptions(Tip *tip, const Load *load);
+PetscErrorCode TipDestroy(Tip *tip);
+PetscErrorCode TipInFastTime(const Tip *tip, PetscReal t, Tip *fast);
+void TipForce(const Tip *tip, const TipState *at, const LoadDual *dual, PetscReal f[2]);
+void TipResidual(const Tip *tip, const TipState *at, const LoadDual *dual, PetscReal r[TIP_ROWS]);
+void TipJacobian(const Tip *tip, const TipState *at, PetscReal shift, PetscBool fresh,
+                 LoadDual *dual, PetscReal J[TIP_ROWS][TIP_FIELDS]);
+PetscReal TipCompression(const Tip *tip, const Place *at);
+
+/* Is the tip's force one of resistance? */
+static inline PetscBool TipResists(const Tip *tip) {
+  return (PetscBool)(tip->type == TIP_FREE && tip->force != 0 && tip->law == TIP_RESISTANCE);
 }
 
 #endif

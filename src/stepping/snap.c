@@ -47,8 +47,9 @@ PetscErrorCode SnapFollow(TS ts, PetscReal t, Vec U, PetscBool *done) {
   PetscCall(TSGetApplicationContext(ts, &slow));
   fast = *slow->rod->scene;
   *done = PETSC_FALSE;
-  PetscCall(LoadInFastTime(&slow->rod->scene->load, &fast.load, &dry));
+  PetscCall(LoadInFastTime(&slow->rod->scene->load, t, &fast.load, &dry));
   if (!dry) PetscFunctionReturn(0);
+  PetscCall(TipInFastTime(&slow->rod->scene->tip, t, &fast.tip));
   PetscCall(GrowthStop(slow->rod->scene->growth, t, &fast.growth));
   fast.end_time = long_after;
   PetscCall(LegCreate(&fast, slow->rod->model, PetscMax(slow->rtol, least_rtol), "snap_", &leg));

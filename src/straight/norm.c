@@ -311,7 +311,7 @@ static PetscErrorCode Assemble(Norm *self, PetscReal t, PencilFrame frame) {
   PetscCall(PencilMatrix(p, FORM_STIFF, &self->K));
   PetscCall(PencilMatrix(p, FORM_DRAG, &self->D));
   PetscCall(PencilMatrix(p, FORM_MASS, &self->M));
-  if (p->growth->slides) PetscCall(PencilMatrix(p, FORM_SLIDE, &self->X));
+  if (p->skew) PetscCall(PencilMatrix(p, FORM_SLIDE, &self->X));
   PetscCall(KSPSetOperators(self->solve_drag, self->D, self->D));
   PetscCall(AssemblePreconditioner(self));
   PetscFunctionReturn(0);

@@ -117,6 +117,9 @@ PetscErrorCode PencilCreate(MPI_Comm comm, Scene scene, const Mesh *mesh, PetscR
   self->comm = comm;
   self->scene = scene;
   self->growth = scene->growth;
+  self->skew = (PetscBool)(scene->growth->slides || scene->load.across != 1 ||
+                           (scene->tip.force != 0 && scene->tip.law == TIP_FOLLOWER));
+  self->held = scene->tip.type == TIP_FREE ? 0 : scene->tip.type == TIP_PINNED ? 1 : 2;
   self->mesh = mesh;
   self->n = mesh->cells + 1;
   self->map = map;
@@ -136,15 +139,26 @@ PetscErrorCode PencilDestroy(Pencil *pencil) {
   PetscFunctionReturn(0);
 }
 
-/* the drag g phi0 at one label */
+/* the drag on a deflection, g a N phi(V), at one label */
 static PetscErrorCode DragAt(Pencil self, PetscReal s, PetscReal t, PetscReal *drag) {
-  PetscReal p, v0, g;
+  StraightMotion at;
 
   PetscFunctionBegin;
-  PetscCall(GrowthStretch(self->growth, 1, &s, t, &g, NULL, NULL));
-  PetscCall(GrowthArc(self->growth, 1, &s, t, &p, &v0));
-  v0 += GrowthSlide(self->growth, s, t);
-  *drag = g * LoadAxialDrag(&self->scene->load, v0);
+  PetscCall(StraightAt(self->scene, s, t, &at));
+  *drag = at.g * at.drag * self->scene->load.across;
+  PetscFunctionReturn(0);
+}
+
+/* The load across is N phi (a v2 + (1 - a) V theta), v2 = y_t + c theta at fixed label: what stands
+   before theta, over a N phi. At fixed arc length y_t is less by p_t theta: V/a remains. */
+static PetscErrorCode SlideAt(Pencil self, PetscReal s, PetscReal t, PencilFrame frame,
+                              PetscReal *slide) {
+  const PetscReal a = self->scene->load.across;
+  StraightMotion at;
+
+  PetscFunctionBegin;
+  PetscCall(StraightAt(self->scene, s, t, &at));
+  *slide = frame == FRAME_ARC && self->growth->slides ? at.V / a : at.c + (1 - a) / a * at.V;
   PetscFunctionReturn(0);
 }
 
@@ -168,7 +182,7 @@ static PetscErrorCode StretchAt(Pencil self, PetscReal map, PetscReal t, PetscIn
 static PetscErrorCode PointSet(Pencil self, PetscReal t, PencilFrame frame, PetscInt i) {
   PencilPoint *x = self->point + i;
   const PetscReal *z = self->mesh->s + self->cell + i / GAUSS;
-  PetscReal s = self->label[i], before, after, slide = GrowthSlide(self->growth, s, t);
+  PetscReal s = self->label[i], before = 0, after = 0;
 
   PetscFunctionBegin;
   x->dz = (z[1] - z[0]) * gauss_weight[i % GAUSS];
@@ -178,8 +192,31 @@ static PetscErrorCode PointSet(Pencil self, PetscReal t, PencilFrame frame, Pets
   PetscCall(DragAt(self, s, t + rate_step, &after));
   x->drag_rate = (after - before) / (2 * rate_step);
   x->P = self->force[i];
-  x->slide = frame == FRAME_ARC && self->growth->slides ? 1 : slide;
+  PetscCall(SceneStiffness(self->scene, s, t, &x->B, NULL));
+  PetscCall(SlideAt(self, s, t, frame, &x->slide));
   x->ratio = 1;
+  PetscFunctionReturn(0);
+}
+
+/* What pushes on the tip: n2 = - turns theta - drags v2, v2 = y_t at fixed label, y_t + p_t theta
+   at fixed arc length. */
+static PetscErrorCode TipSet(Pencil self, PetscReal t, PencilFrame frame) {
+  PencilTip *tip = &self->tip;
+  PetscReal press, turns, before, after, map = self->map == map_follows ? t : self->map, g, m, L;
+  const PetscReal one = 1;
+  StraightMotion at;
+
+  PetscFunctionBegin;
+  PetscCall(StraightTip(self->scene, t - rate_step, &press, &turns, &before));
+  PetscCall(StraightTip(self->scene, t + rate_step, &press, &turns, &after));
+  PetscCall(StraightTip(self->scene, t, &press, &tip->turns, &tip->drags));
+  tip->drags_rate = (after - before) / (2 * rate_step);
+  PetscCall(StraightAt(self->scene, 1, t, &at));
+  if (frame == FRAME_ARC && self->growth->slides) tip->turns += tip->drags * at.p_t;
+  PetscCall(GrowthStretch(self->growth, 1, &one, t, &g, NULL, NULL));
+  PetscCall(GrowthStretch(self->growth, 1, &one, map, &m, NULL, NULL));
+  PetscCall(GrowthLength(self->growth, map, &L, NULL));
+  tip->g = g * L / m; /* dp/dz */
   PetscFunctionReturn(0);
 }
 
@@ -197,12 +234,13 @@ PetscErrorCode PencilSetTime(Pencil self, PetscReal t, PencilFrame frame) {
   PetscFunctionBegin;
   if (self->map == map_follows) PetscCall(Map(self, t));
   PetscCall(StraightForce(self->scene, labels, self->label, t, self->force));
+  PetscCall(TipSet(self, t, frame));
   for (PetscInt i = 0; i < self->cells * GAUSS; i++) {
     const PencilPoint *x = self->point + i;
     PetscReal phi0;
     PetscCall(PointSet(self, t, frame, i));
     phi0 = x->drag * x->ds / (x->g * x->dz);
-    most[0] = PetscMax(most[0], x->P);
+    most[0] = PetscMax(most[0], x->P > 0 ? x->P * x->P / x->B : 0);
     most[1] = PetscMax(most[1], -phi0);
     most[2] = PetscMax(most[2], phi0);
     most[3] = PetscMax(most[3], x->drag_rate / x->drag);
@@ -217,15 +255,21 @@ PetscErrorCode PencilSetTime(Pencil self, PetscReal t, PencilFrame frame) {
 }
 
 /*
-  PencilBound - a number that no eigenvalue of (K, D) exceeds, for laws that do not slide.
+  PencilBound - a number that no eigenvalue of (K, D) exceeds, where K is symmetric; for other laws
+  a shift.
 
   On a half line with a free end int y'^2 - y''^2 <= int y^2: the largest eigenvalue of
   -(y'''' + y'') there is 1. A rod clamped at s = 0 goes on as 0 behind its clamp, hence
-  lambda <= max(P)^2 / min(phi0). The margin covers quadrature and keeps the shift regular.
+  lambda <= max(P^2/B) / min(drag). The margin covers quadrature and keeps the shift regular.
 */
 PetscErrorCode PencilBound(Pencil self, PetscReal *bound) {
   PetscFunctionBegin;
-  *bound = 1.05 * PetscSqr(self->compression) / self->drag_min + 0.05;
+  UserCheck(
+      self->drag_min > 0, self->scene->comm,
+      "-friction_field or -friction_mu: there is a place without friction across the rod at t "
+      "= %g: a deflection there grows without bound",
+      (double)self->time);
+  *bound = 1.05 * self->compression / self->drag_min + 0.05;
   PetscFunctionReturn(0);
 }
 
@@ -260,6 +304,17 @@ static void AddPoint(Pencil self, PetscInt row0, PetscInt nrow, const PetscReal 
   }
 }
 
+/* At the tip y is the last of its coefficients, and w that of its own. */
+static void AddTip(Pencil self, PencilForm form, PetscReal *band) {
+  const PencilTip *tip = &self->tip;
+  PetscReal *at = band + (self->n - 1 - self->first) * WIDTH + HALF;
+
+  if (self->n - 1 < self->first || self->n - 1 >= self->last) return;
+  if (form == FORM_DRAG) *at += tip->drags;
+  if (form == FORM_DRAG_RATE) *at += tip->drags_rate;
+  if (form == FORM_SLIDE || form == FORM_SLIDE_T) *at -= tip->turns / tip->g;
+}
+
 /*
   PencilBand - the rows of this rank of one form, at the time of PencilSetTime(). Not collective.
 
@@ -276,7 +331,7 @@ PetscErrorCode PencilBand(Pencil self, PencilForm form, PetscReal band[]) {
 
     for (int k = 0; k < 3; k++) curve[k] = w1[k] / x->g - w[k] * x->g_z / (x->g * x->g);
     if (form == FORM_BEND || form == FORM_STIFF || form == FORM_BEND_RATIO) {
-      PetscReal bend = x->dz / x->g;
+      PetscReal bend = x->dz / x->g * x->B;
       if (form == FORM_BEND_RATIO) bend *= x->ratio;
       if (form == FORM_STIFF) bend = -bend;
       AddPoint(self, cell - 1, 3, curve, cell - 1, 3, curve, bend, band);
@@ -288,6 +343,7 @@ PetscErrorCode PencilBand(Pencil self, PencilForm form, PetscReal band[]) {
     if (form == FORM_SLIDE) AddPoint(self, cell - 2, 4, y, cell - 1, 3, w, Weight(x, form), band);
     if (form == FORM_SLIDE_T) AddPoint(self, cell - 1, 3, w, cell - 2, 4, y, Weight(x, form), band);
   }
+  AddTip(self, form, band);
   PetscFunctionReturn(0);
 }
 
@@ -344,6 +400,12 @@ PetscErrorCode PencilDifference(Pencil self, Mat *E) {
   PetscFunctionReturn(0);
 }
 
+/* Is unknown `kind` (0 w, 1 c) of node i held at 0? Of a pinned tip y, of a clamped one also w. */
+static PetscBool Held(Pencil self, PetscInt i, PetscInt kind) {
+  return (PetscBool)(i == self->n - 1 &&
+                     (kind == 1 ? self->held > 0 : kind == 0 && self->held > 1));
+}
+
 static PetscErrorCode MixedBand(Pencil self, PetscInt row_kind, PetscInt col_kind,
                                 const PetscReal band[], Mat A) {
   PetscFunctionBegin;
@@ -352,8 +414,9 @@ static PetscErrorCode MixedBand(Pencil self, PetscInt row_kind, PetscInt col_kin
     PetscInt cols[WIDTH], row = 3 * r + row_kind;
     for (int b = 0; b < WIDTH; b++) {
       PetscInt col = r - HALF + b;
-      cols[b] = col < 0 || col >= self->n ? -1 : 3 * col + col_kind;
+      cols[b] = col < 0 || col >= self->n || Held(self, col, col_kind) ? -1 : 3 * col + col_kind;
     }
+    if (Held(self, r, row_kind)) continue;
     PetscCall(
         MatSetValues(A, 1, &row, WIDTH, cols, band + (r - self->first) * WIDTH, INSERT_VALUES));
   }
@@ -365,10 +428,19 @@ static PetscErrorCode MixedJoin(Pencil self, Mat A) {
   PetscFunctionBegin;
   for (PetscInt i = self->first; i < self->last; i++) {
     PetscInt w = 3 * i, c = w + 1, n = w + 2;
-    PetscCall(MatSetValue(A, w, n, -self->delta[i - self->first], INSERT_VALUES));
-    PetscCall(MatSetValue(A, n, w, -self->delta[i - self->first], INSERT_VALUES));
-    PetscCall(MatSetValue(A, n, c, 1, INSERT_VALUES));
-    PetscCall(MatSetValue(A, c, n, 1, INSERT_VALUES));
+    PetscReal delta = self->delta[i - self->first];
+    if (Held(self, i, 0))
+      PetscCall(MatSetValue(A, w, w, 1, INSERT_VALUES));
+    else {
+      PetscCall(MatSetValue(A, w, n, -delta, INSERT_VALUES));
+      PetscCall(MatSetValue(A, n, w, -delta, INSERT_VALUES));
+    }
+    if (Held(self, i, 1))
+      PetscCall(MatSetValue(A, c, c, 1, INSERT_VALUES));
+    else {
+      PetscCall(MatSetValue(A, n, c, 1, INSERT_VALUES));
+      PetscCall(MatSetValue(A, c, n, 1, INSERT_VALUES));
+    }
     if (i > 0) PetscCall(MatSetValue(A, n, c - 3, -1, INSERT_VALUES));
     if (i < self->n - 1) PetscCall(MatSetValue(A, c, n + 3, -1, INSERT_VALUES));
   }

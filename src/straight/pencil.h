@@ -20,14 +20,14 @@ enum { HALF = 3, WIDTH = 2 * HALF + 1 }; /* of all bands: column i - HALF + b of
 
 /* the forms that can be assembled; the first basis is that of the rows */
 typedef enum {
-  FORM_BEND,       /* int (w/g)' (w/g)' / g, w by w */
+  FORM_BEND,       /* int B (w/g)' (w/g)' / g, w by w */
   FORM_AXIAL,      /* int P/g w w, w by w */
-  FORM_STIFF,      /* FORM_AXIAL - FORM_BEND: K for laws that do not slide */
+  FORM_STIFF,      /* FORM_AXIAL - FORM_BEND: K where it is symmetric */
   FORM_BEND_RATIO, /* FORM_BEND weighted by ratio, w by w */
-  FORM_DRAG,       /* D = int g phi0 y y, c by c */
+  FORM_DRAG,       /* D = int g a N phi y y, and the tip's, c by c */
   FORM_DRAG_RATE,  /* its derivative by t, c by c */
   FORM_MASS,       /* int y y ds, c by c */
-  FORM_SLIDE,      /* X = - int phi0 slide y w, c by w */
+  FORM_SLIDE,      /* X = - int a N phi slide y w, and the tip's, c by w */
   FORM_SLIDE_T     /* its transpose, w by c */
 } PencilForm;
 
@@ -35,18 +35,26 @@ typedef enum {
 typedef enum { FRAME_LABEL, FRAME_ARC } PencilFrame;
 
 typedef struct {
-  PetscReal dz, ds, g, g_z, P, drag, drag_rate, slide, ratio; /* at a Gauss point; g = dp/dz */
+  PetscReal dz, ds, g, g_z, P, B, drag, drag_rate, slide, ratio; /* at a Gauss point; g = dp/dz */
 } PencilPoint;
+
+/* The tip: n2 = - turns theta - drags y_t. */
+typedef struct {
+  PetscReal turns, drags, drags_rate, g;
+} PencilTip;
 
 typedef struct _Pencil *Pencil;
 struct _Pencil {
   MPI_Comm comm;
   Scene scene;
-  Growth growth;              /* the scene's */
-  const Mesh *mesh;           /* nodes in z */
-  PetscReal map;              /* t_map, or map_follows */
-  PetscInt n, first, last;    /* unknowns of each kind, cells + 1; this rank's */
-  PetscInt cell, cells;       /* first cell that touches them, and how many */
+  Growth growth;           /* the scene's */
+  const Mesh *mesh;        /* nodes in z */
+  PetscReal map;           /* t_map, or map_follows */
+  PetscInt n, first, last; /* unknowns of each kind, cells + 1; this rank's */
+  PetscInt cell, cells;    /* first cell that touches them, and how many */
+  PetscBool skew;          /* K is not symmetric */
+  PetscInt held;           /* how many conditions hold the tip: 0; 1, y = 0; 2, y' = 0 as well */
+  PencilTip tip;
   PencilPoint *point;         /* [cells][GAUSS] */
   PetscReal *basis;           /* [cells][GAUSS][10]: 3 of w, their 3 slopes, 4 of y */
   PetscReal *delta;           /* this rank's diagonal of Delta */
@@ -54,7 +62,7 @@ struct _Pencil {
   PetscReal *stretch, *force; /* s_z and P there */
   PetscReal *node;            /* labels of the n nodes */
   PetscReal time;
-  PetscReal compression, drag_min, drag_max, rate_max; /* extremes of P, phi0, (ln D)_t */
+  PetscReal compression, drag_min, drag_max, rate_max; /* extremes of P^2/B, drag, (ln D)_t */
 };
 
 PetscErrorCode PencilCreate(MPI_Comm comm, Scene scene, const Mesh *mesh, PetscReal map,

@@ -105,7 +105,7 @@ static PetscErrorCode AssembleRate(Spectrum *self, SpectrumRate rate, PetscReal 
   Pencil p = self->pencil;
   PetscInt rows = (p->last - p->first) * WIDTH;
   PetscReal *K, *D, *extra, *X, *XT, swell = 0;
-  PetscBool friction = (PetscBool)(rate == RATE_FRICTION), slides = p->growth->slides;
+  PetscBool friction = (PetscBool)(rate == RATE_FRICTION), skew = p->skew;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc5(rows, &K, rows, &D, rows, &extra, rows, &X, rows, &XT));
@@ -122,7 +122,7 @@ static PetscErrorCode AssembleRate(Spectrum *self, SpectrumRate rate, PetscReal 
     XT[i] /= 2;
   }
   if (friction) *bound += PetscMax(0, (p->rate_max - swell) / 2);
-  PetscCall(PencilMixed(p, K, slides ? X : NULL, slides && friction ? XT : NULL,
+  PetscCall(PencilMixed(p, K, skew ? X : NULL, skew && friction ? XT : NULL,
                         friction ? extra : NULL, D, &self->A, &self->B));
   PetscCall(PetscFree5(K, D, extra, X, XT));
   PetscFunctionReturn(0);
@@ -177,11 +177,11 @@ static PetscErrorCode ShiftInvert(Spectrum *self, EPSProblemType type) {
   c, w    coefficients of the eigenvector, n values on all ranks, or NULL
 
   Shift-and-invert at PencilBound(), above which there is no eigenvalue: the nearest one is the
-  largest. A law that slides has a nonsymmetric A, see SpectrumRightmost().
+  largest. Where K is not symmetric, see SpectrumRightmost().
 */
 PetscErrorCode SpectrumLargest(Spectrum *self, SpectrumRate rate, PetscReal t, Eigenvalue *value,
                                PetscReal c[], PetscReal w[]) {
-  PetscBool nonsymmetric = (PetscBool)(self->pencil->growth->slides && rate == RATE_A);
+  PetscBool nonsymmetric = (PetscBool)(self->pencil->skew && rate == RATE_A);
 
   PetscFunctionBegin;
   PetscCall(PencilSetTime(self->pencil, t, rate == RATE_A ? FRAME_ARC : FRAME_LABEL));
@@ -259,13 +259,21 @@ PetscErrorCode SpectrumBuckling(Spectrum *self, PetscReal t, Eigenvalue *ratio, 
   PetscFunctionReturn(0);
 }
 
-static void FillMixed(PetscInt n, const PetscReal *band, PetscReal factor, PetscInt row_kind,
+/* Is the last unknown of this kind (0 w, 1 c) held at 0? */
+static PetscBool LastHeld(Pencil p, PetscInt kind) {
+  return (PetscBool)(kind == 1 ? p->held > 0 : kind == 0 && p->held > 1);
+}
+
+static void FillMixed(Pencil p, const PetscReal *band, PetscReal factor, PetscInt row_kind,
                       PetscInt col_kind, Band *A) {
+  const PetscInt n = p->n;
   for (PetscInt i = 0; i < n; i++)
     for (PetscInt b = 0; b < WIDTH; b++) {
       PetscInt j = i - HALF + b;
       PetscReal value = factor * band[i * WIDTH + b];
-      if (j >= 0 && j < n && value != 0) *BandAt(A, 3 * i + row_kind, 3 * j + col_kind) += value;
+      if (j < 0 || j >= n || value == 0) continue;
+      if ((i == n - 1 && LastHeld(p, row_kind)) || (j == n - 1 && LastHeld(p, col_kind))) continue;
+      *BandAt(A, 3 * i + row_kind, 3 * j + col_kind) += value;
     }
 }
 
@@ -279,15 +287,21 @@ static PetscErrorCode FactorMixed(Pencil p, PetscReal shift, PetscReal D[], Band
   PetscCall(PetscMalloc1(p->n * WIDTH, &band));
   PetscCall(BandCreate(3 * p->n, 3 * HALF + 1, 3 * HALF + 1, A));
   PetscCall(PencilBand(p, FORM_STIFF, band));
-  FillMixed(p->n, band, 1, 0, 0, A);
+  FillMixed(p, band, 1, 0, 0, A);
   PetscCall(PencilBand(p, FORM_SLIDE, band));
-  FillMixed(p->n, band, 1, 1, 0, A);
+  FillMixed(p, band, 1, 1, 0, A);
   PetscCall(PencilBand(p, FORM_DRAG, D));
-  FillMixed(p->n, D, -shift, 1, 1, A);
+  FillMixed(p, D, -shift, 1, 1, A);
   for (PetscInt i = 0; i < p->n; i++) {
     PetscInt w = 3 * i, c = w + 1, n = w + 2;
-    *BandAt(A, w, n) = *BandAt(A, n, w) = -p->delta[i];
-    *BandAt(A, n, c) = *BandAt(A, c, n) = 1;
+    if (i == p->n - 1 && LastHeld(p, 0))
+      *BandAt(A, w, w) = 1;
+    else
+      *BandAt(A, w, n) = *BandAt(A, n, w) = -p->delta[i];
+    if (i == p->n - 1 && LastHeld(p, 1))
+      *BandAt(A, c, c) = 1;
+    else
+      *BandAt(A, n, c) = *BandAt(A, c, n) = 1;
     if (i > 0) *BandAt(A, n, c - 3) = -1;
     if (i < p->n - 1) *BandAt(A, c, n + 3) = -1;
   }
@@ -319,6 +333,7 @@ PetscErrorCode SpectrumDense(Pencil p, PetscReal shift, PetscBool symmetric, Pet
     BandUpperMult(n, HALF, R, PETSC_TRUE, T + j * n);
     PetscCall(PetscArrayzero(column, 3 * n));
     for (PetscInt i = 0; i < n; i++) column[3 * i + 1] = T[j * n + i];
+    if (LastHeld(p, 1)) column[3 * (n - 1) + 1] = 0; /* held: an eigenvalue 0 of the inverse */
     PetscCall(BandSolve(&A, PETSC_FALSE, 1, column));
     for (PetscInt i = 0; i < n; i++) T[j * n + i] = column[3 * i + 1];
     if (symmetric) BandUpperMult(n, HALF, R, PETSC_FALSE, T + j * n);
@@ -350,27 +365,49 @@ static PetscErrorCode DenseEigenvalues(PetscInt n, PetscReal T[], PetscReal re[]
   PetscFunctionReturn(0);
 }
 
+/* A shift that is that many times the size of what is looked for is moved nearer, so often at most.
+ */
+static const PetscReal far_shift = 1e4;
+enum { MOST_SHIFTS = 3 };
+
+/* The rightmost of the eigenvalues shift + 1/mu, mu those of the inverse, below the bound of all.
+ */
+static PetscErrorCode RightmostBy(Pencil p, PetscReal shift, PetscReal bound, PetscReal T[],
+                                  PetscReal re[], PetscReal im[], Eigenvalue *value) {
+  PetscFunctionBegin;
+  PetscCall(SpectrumDense(p, shift, PETSC_FALSE, T));
+  PetscCall(DenseEigenvalues(p->n, T, re, im, NULL));
+  value->value = PETSC_MIN_REAL;
+  value->error = 0;
+  for (PetscInt i = 0; i < p->n; i++) {
+    PetscReal size = re[i] * re[i] + im[i] * im[i], at = shift + re[i] / size;
+    if (size == 0 || at <= value->value || at > bound * (1 + 1e-8)) continue;
+    value->value = at;
+    value->frequency = PetscAbsReal(im[i]) / size;
+  }
+  PetscFunctionReturn(0);
+}
+
 /*
   SpectrumRightmost - the eigenvalue of A(t) with the largest real part, real or complex, from the
   whole dense spectrum. One rank; for small n.
 */
 PetscErrorCode SpectrumRightmost(Pencil p, PetscReal t, Eigenvalue *value) {
   PetscInt n = p->n;
-  PetscReal *T, *re, *im, shift;
+  PetscReal *T, *re, *im, bound, shift;
 
   PetscFunctionBegin;
   PetscCall(PencilSetTime(p, t, FRAME_ARC));
-  PetscCall(PencilBound(p, &shift));
+  PetscCall(PencilBound(p, &bound));
   PetscCall(PetscMalloc3(n * n, &T, n, &re, n, &im));
-  PetscCall(SpectrumDense(p, shift, PETSC_FALSE, T));
-  PetscCall(DenseEigenvalues(n, T, re, im, NULL));
-  value->value = PETSC_MIN_REAL;
-  value->error = 0;
-  for (PetscInt i = 0; i < n; i++) {
-    PetscReal size = re[i] * re[i] + im[i] * im[i], at = shift + re[i] / size;
-    if (size == 0 || at <= value->value) continue;
-    value->value = at;
-    value->frequency = PetscAbsReal(im[i]) / size;
+  shift = bound;
+  for (int k = 0; k < MOST_SHIFTS; k++) {
+    PetscReal size, old = shift;
+    PetscCall(RightmostBy(p, shift, bound, T, re, im, value));
+    size = PetscAbsReal(value->value) + value->frequency;
+    if (shift - value->value <= far_shift * size) break;
+    shift = value->value + size; /* what is small against the shift was lost in it */
+    if (!(shift < old)) break;
   }
   PetscCall(PetscFree3(T, re, im));
   PetscFunctionReturn(0);
@@ -455,12 +492,11 @@ PetscErrorCode SpectrumLeftVectors(Pencil p, PetscReal t, PetscBool unit_rows, P
   PetscCall(PetscCalloc1(p->n, &paired));
   PetscCall(PencilSetTime(p, t, FRAME_ARC));
   PetscCall(PencilBound(p, &shift));
-  if (p->growth->slides)
+  if (p->skew)
     PetscCall(LeftGeneral(p, shift, W, paired));
   else
     PetscCall(LeftSymmetric(p, shift, W));
-  if (unit_rows || p->growth->slides)
-    PetscCall(ScaleRows(p, unit_rows ? FORM_MASS : FORM_DRAG, paired, W));
+  if (unit_rows || p->skew) PetscCall(ScaleRows(p, unit_rows ? FORM_MASS : FORM_DRAG, paired, W));
   PetscCall(PetscFree(paired));
   PetscFunctionReturn(0);
 }

@@ -1,35 +1,70 @@
 #include "straight/straight.h"
 #include "base/bspline.h"
 
-/* Does the linear problem only scale with L? Then it is assembled once, and P known in closed form.
+/* StraightScales - does the linear problem only scale with L? Then it is assembled once, and P
+ * known in closed form.
  */
-static PetscBool Scales(Scene scene) {
-  return (PetscBool)(scene->growth->even && scene->growth->similar);
+PetscBool StraightScales(Scene scene) {
+  return (PetscBool)(scene->growth->even && scene->growth->similar && !scene->load.moves &&
+                     !scene->stiffness.varies && scene->tip.force == 0 &&
+                     scene->tip.type == TIP_FREE);
 }
 
-/* v0 = p_t + c: the speed of a material point of the straight rod, along it. */
-PetscErrorCode StraightVelocity(Straight straight, PetscReal s, PetscReal t, PetscReal *v0) {
-  PetscReal p;
+/*
+  StraightAt - the straight rod at one label.
+
+  motion  stretch, arc length, speed V of the material along the rod, slide c, and the factor of the
+          load there
+*/
+PetscErrorCode StraightAt(Scene scene, PetscReal s, PetscReal t, StraightMotion *motion) {
+  PetscReal x[2] = {0, 0}, slope[2];
 
   PetscFunctionBegin;
-  PetscCall(GrowthArc(straight->scene->growth, 1, &s, t, &p, v0));
-  *v0 += GrowthSlide(straight->scene->growth, s, t);
+  PetscCall(GrowthStretch(scene->growth, 1, &s, t, &motion->g, NULL, &motion->g_s));
+  PetscCall(GrowthArc(scene->growth, 1, &s, t, &motion->p, &motion->p_t));
+  motion->c = GrowthSlide(scene->growth, s, t);
+  motion->V = motion->p_t + motion->c;
+  x[0] = motion->p;
+  motion->N = scene->load.moves ? LoadFactor(&scene->load, x, t, slope) : 1;
+  motion->drag = LoadAxialDrag(&scene->load, motion->V) * motion->N;
   PetscFunctionReturn(0);
 }
 
-/* The integrand g phi0 v0 of the compression. */
+/*
+  StraightTip - what the tip's force does to the straight rod.
+
+  press   its compression
+  turns   how much of it turns with the tip: n2 = - turns theta
+  drags   its resistance to a velocity across: n2 = - drags v2
+*/
+PetscErrorCode StraightTip(Scene scene, PetscReal t, PetscReal *press, PetscReal *turns,
+                           PetscReal *drags) {
+  StraightMotion tip;
+  Place at = {.t = t, .q = {1, 0}};
+
+  PetscFunctionBegin;
+  *press = *turns = *drags = 0;
+  if (scene->tip.force == 0) PetscFunctionReturn(0);
+  PetscCall(StraightAt(scene, 1, t, &tip));
+  at.x[0] = tip.p;
+  at.v[0] = tip.V;
+  *press = TipCompression(&scene->tip, &at);
+  if (scene->tip.law == TIP_FOLLOWER) *turns = *press;
+  if (scene->tip.law == TIP_RESISTANCE && tip.V != 0) *drags = *press / tip.V;
+  PetscFunctionReturn(0);
+}
+
+/* The integrand g N phi V of the compression. */
 static PetscErrorCode AxialLoad(Scene scene, PetscReal s, PetscReal t, PetscReal *f) {
-  PetscReal p, g, v0;
+  StraightMotion at;
 
   PetscFunctionBegin;
-  PetscCall(GrowthStretch(scene->growth, 1, &s, t, &g, NULL, NULL));
-  PetscCall(GrowthArc(scene->growth, 1, &s, t, &p, &v0));
-  v0 += GrowthSlide(scene->growth, s, t);
-  *f = v0 == 0 ? 0 : g * LoadAxialDrag(&scene->load, v0) * v0;
+  PetscCall(StraightAt(scene, s, t, &at));
+  *f = at.V == 0 ? 0 : at.g * at.drag * at.V;
   PetscFunctionReturn(0);
 }
 
-/* P for uniform growth, v0 = s, and for feed, v0 = 1, exactly. */
+/* P for uniform growth, V = s, and for feed, V = 1, exactly. */
 static PetscReal CompressionExact(Scene scene, PetscReal s, PetscReal t) {
   PetscReal L = scene->growth->initial_length + t;
   if (scene->growth->slides) return L * (1 - s) * LoadAxialDrag(&scene->load, 1);
@@ -37,18 +72,22 @@ static PetscReal CompressionExact(Scene scene, PetscReal s, PetscReal t) {
 }
 
 /*
-  StraightForce - the axial compression P = int_s^1 g phi0 v0 ds of the straight rod.
+  StraightForce - the axial compression P of the straight rod: that of the tip's force, and int_s^1
+  g N phi V ds.
 
   n, s   labels, increasing, the last one 1
   P      n values; the internal force of the straight rod is n1 = -P
 */
 PetscErrorCode StraightForce(Scene scene, PetscInt n, const PetscReal s[], PetscReal t,
                              PetscReal P[]) {
+  PetscBool scales = StraightScales(scene);
+  PetscReal turns, drags;
+
   PetscFunctionBegin;
-  P[n - 1] = 0;
+  PetscCall(StraightTip(scene, t, &P[n - 1], &turns, &drags));
   for (PetscInt i = n - 2; i >= 0; i--) {
     P[i] = P[i + 1];
-    if (Scales(scene)) {
+    if (scales) {
       P[i] = CompressionExact(scene, s[i], t);
       continue;
     }
@@ -75,10 +114,11 @@ static PetscReal TailWeight(int q, int r) {
 /* P at all Gauss points, summed from the tip. */
 static PetscErrorCode CompressionAtGauss(Straight self, PetscReal t) {
   const PetscReal *s = self->mesh->s;
-  PetscReal tail[GAUSS][GAUSS], f[GAUSS], beyond = 0;
+  PetscReal tail[GAUSS][GAUSS], f[GAUSS], beyond, turns, drags;
 
   PetscFunctionBegin;
   if (self->time == t) PetscFunctionReturn(0);
+  PetscCall(StraightTip(self->scene, t, &beyond, &turns, &drags));
   for (int q = 0; q < GAUSS; q++)
     for (int r = 0; r < GAUSS; r++) tail[q][r] = TailWeight(q, r);
   for (PetscInt c = self->mesh->cells - 1; c >= 0; c--) {
@@ -157,18 +197,39 @@ typedef struct {
 
 static PetscErrorCode WeightsAt(Straight self, PetscReal t, PetscInt c, int q, Weights *w) {
   PetscReal h = self->mesh->s[c + 1] - self->mesh->s[c], s = self->mesh->s[c] + h * gauss_point[q];
-  PetscReal ds = h * gauss_weight[q], g, g_s, v0, P;
+  PetscReal ds = h * gauss_weight[q], P, B, a = self->scene->load.across;
+  StraightMotion at;
 
   PetscFunctionBegin;
-  PetscCall(GrowthStretch(self->scene->growth, 1, &s, t, &g, NULL, &g_s));
-  PetscCall(StraightVelocity(self, s, t, &v0));
-  P = Scales(self->scene) ? CompressionExact(self->scene, s, t) : self->compression[c * GAUSS + q];
-  w->bend = ds / g;
-  w->axial = ds * P / g;
-  w->drag = ds * g * LoadAxialDrag(&self->scene->load, v0);
-  w->convect = w->drag * GrowthSlide(self->scene->growth, s, t) / g;
-  w->inv_g = 1 / g;
-  w->twist = g_s / (g * g);
+  PetscCall(StraightAt(self->scene, s, t, &at));
+  PetscCall(SceneStiffness(self->scene, s, t, &B, NULL));
+  P = StraightScales(self->scene) ? CompressionExact(self->scene, s, t)
+                                  : self->compression[c * GAUSS + q];
+  w->bend = ds / at.g * B;
+  w->axial = ds * P / at.g;
+  w->drag = ds * at.g * at.drag * a;
+  /* the load across is N phi (a v2 + (1 - a) V theta), v2 = y_t + c theta */
+  w->convect = ds * at.drag * (a * at.c + (1 - a) * at.V);
+  w->inv_g = 1 / at.g;
+  w->twist = at.g_s / (at.g * at.g);
+  PetscFunctionReturn(0);
+}
+
+/* What the tip's force adds: -eta(1) (turns theta(1) + drags y_t(1)). Of all splines the last alone
+   is not 0 at the tip. */
+static PetscErrorCode AddTip(Straight self, PetscReal t) {
+  PetscInt last = self->n - 1, cell = self->mesh->cells - 1;
+  PetscReal press, turns, drags, g, B[3][BASIS];
+  const PetscReal tip = 1;
+
+  PetscFunctionBegin;
+  if (last < self->first || last >= self->last) PetscFunctionReturn(0);
+  PetscCall(StraightTip(self->scene, t, &press, &turns, &drags));
+  PetscCall(GrowthStretch(self->scene->growth, 1, &tip, t, &g, NULL, NULL));
+  StraightBasis(self, cell, 1, B);
+  for (PetscInt j = PetscMax(0, 2 - cell); j < BASIS; j++)
+    self->press[(last - self->first) * BAND + j] -= turns * B[1][j] / g;
+  self->drag[(last - self->first) * BAND + 3] += drags;
   PetscFunctionReturn(0);
 }
 
@@ -179,7 +240,7 @@ static PetscErrorCode AssembleParts(Straight self, PetscReal t) {
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(self->bend, 3 * (last - first) * BAND));
   if (!self->curve) PetscCall(PetscMalloc1(self->mesh->cells * GAUSS * BASIS, &self->curve));
-  if (!Scales(self->scene)) PetscCall(CompressionAtGauss(self, t));
+  if (!StraightScales(self->scene)) PetscCall(CompressionAtGauss(self, t));
   PetscCall(GrowthLength(self->scene->growth, t, &self->length, NULL));
   self->assembled = t;
   for (PetscInt c = PetscMax(0, first - 1); c <= PetscMin(self->mesh->cells - 1, last + 1); c++)
@@ -202,6 +263,7 @@ static PetscErrorCode AssembleParts(Straight self, PetscReal t) {
         }
       }
     }
+  PetscCall(AddTip(self, t));
   PetscFunctionReturn(0);
 }
 
@@ -215,7 +277,7 @@ static PetscErrorCode PartsAt(Straight self, PetscReal t, PetscInt first, PetscI
   PetscFunctionBegin;
   PetscCall(GrowthLength(self->scene->growth, t, &length, NULL));
   if (self->first != first || self->last != last ||
-      (!Scales(self->scene) && self->assembled != t)) {
+      (!StraightScales(self->scene) && self->assembled != t)) {
     if (self->last - self->first != last - first) {
       PetscCall(PetscFree(self->bend));
       PetscCall(PetscMalloc1(3 * n, &self->bend));

@@ -9,6 +9,12 @@
 
 enum { BASIS = 4, BAND = 7 }; /* per cell; per row of K and D */
 
+/* At one label: stretch and its slope, arc length and its rate, slide, speed V = p_t + c, factor N
+   and drag N phi(V) of the load. */
+typedef struct {
+  PetscReal g, g_s, p, p_t, c, V, N, drag;
+} StraightMotion;
+
 typedef struct _Straight *Straight;
 struct _Straight {
   Scene scene;
@@ -26,7 +32,10 @@ struct _Straight {
 
 PetscErrorCode StraightCreate(Scene scene, const Mesh *mesh, Straight *straight);
 PetscErrorCode StraightDestroy(Straight *straight);
-PetscErrorCode StraightVelocity(Straight straight, PetscReal s, PetscReal t, PetscReal *v0);
+PetscBool StraightScales(Scene scene);
+PetscErrorCode StraightAt(Scene scene, PetscReal s, PetscReal t, StraightMotion *motion);
+PetscErrorCode StraightTip(Scene scene, PetscReal t, PetscReal *press, PetscReal *turns,
+                           PetscReal *drags);
 PetscErrorCode StraightForce(Scene scene, PetscInt n, const PetscReal s[], PetscReal t,
                              PetscReal P[]);
 PetscErrorCode StraightBands(Straight straight, PetscReal t, PetscInt first, PetscInt last,

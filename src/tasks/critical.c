@@ -1,6 +1,7 @@
 #include "tasks/critical.h"
 #include "record/output.h"
 #include "straight/spectrum.h"
+#include "straight/straight.h"
 
 enum { SHARED_CELLS = 5000, SCAN_CELLS = 64, SCAN_STEPS = 100, ROOT_STEPS = 60 };
 
@@ -34,13 +35,13 @@ static PetscErrorCode FactorDestroy(Factor *self) {
   PetscFunctionReturn(0);
 }
 
-/* For growth in place ln(ratio) of SpectrumBuckling(), nearly straight over ln L: L^3 times a
-   constant for uniform growth. For feed the largest real part of an eigenvalue. */
+/* Where K is symmetric and the tip free, ln(ratio) of SpectrumBuckling(), nearly straight over ln
+   L: L^3 times a constant for uniform growth. Else the largest real part of an eigenvalue. */
 static PetscErrorCode FactorAt(Factor *self, PetscReal t, PetscReal *f) {
   Eigenvalue value;
 
   PetscFunctionBegin;
-  if (!self->pencil->growth->slides) {
+  if (!self->pencil->skew && !self->pencil->held) {
     PetscCall(SpectrumBuckling(&self->spectrum, t, &value, self->c, self->w));
     *f = value.value > 0 ? PetscLogReal(value.value) : PETSC_MIN_REAL;
   } else {
@@ -143,7 +144,7 @@ static PetscErrorCode OnMesh(Scene scene, Factor *factor, PetscReal low, PetscRe
   PetscReal L;
 
   PetscFunctionBegin;
-  if (scene->growth->even && !scene->growth->slides) {
+  if (StraightScales(scene) && !factor->pencil->skew) {
     PetscCall(GrowthLength(scene->growth, 1, &L, NULL));
     PetscCall(SpectrumBuckling(&factor->spectrum, 1, &ratio, factor->c, factor->w));
     *t = L / PetscPowReal(ratio.value, 1. / 3) - scene->growth->initial_length;
@@ -191,7 +192,7 @@ static PetscErrorCode FindWith(Factor *fine, Factor *half, Scene scene, PetscBoo
 
   PetscFunctionBegin;
   PetscCall(FactorCreate(comm, scene, cells, PETSC_FALSE, quiet, fine));
-  if (!scene->growth->even || scene->growth->slides) PetscCall(Scan(scene, &low, &high));
+  if (!StraightScales(scene) || fine->pencil->skew) PetscCall(Scan(scene, &low, &high));
   PetscCall(FactorCreate(comm, scene, (cells + 1) / 2, PETSC_FALSE, quiet, half));
   PetscCall(OnMesh(scene, half, low, high, &half_t));
   PetscCall(PetscMalloc2(n, &fine->c, n, &fine->w));

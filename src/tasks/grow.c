@@ -76,8 +76,7 @@ static PetscErrorCode Store(Grow *self, PetscBool finished) {
   RestartState state = {.model = self->now - self->leg,
                         .norm = self->seen.norm_x2,
                         .folds = self->folds,
-                        .neglected = self->neglected,
-                        .reference_length = self->scene->curvature.reference_length};
+                        .neglected = self->neglected};
   Vec points[VBDF_POINTS];
 
   PetscFunctionBegin;
@@ -97,7 +96,7 @@ static PetscErrorCode Store(Grow *self, PetscBool finished) {
 static PetscInt BetterModel(const Grow *self) {
   PetscReal neglected = PetscSqr(self->seen.max_angle);
   if (self->model != AUTO) return self->model;
-  if (self->scene->curvature.any) return FRAME; /* the linear model knows none */
+  if (!self->can[LINEAR]) return FRAME;
   if (self->now == &self->leg[LINEAR]) return neglected > 0.3 * self->rtol ? FRAME : LINEAR;
   return neglected < 0.03 * self->rtol ? LINEAR : FRAME;
 }
@@ -253,12 +252,13 @@ static PetscErrorCode ReadOptions(Grow *self) {
   PetscCall(OptionReal("-output_interval", &self->output_interval, NULL));
   PetscCall(WatchSetFromOptions(&self->watch, self->scene->growth));
   PetscCall(OptionBool("-quiet", &self->quiet, NULL));
-  UserCheck(!self->scene->curvature.any || self->model != LINEAR, self->scene->comm,
-            "-rod_curvature: the linear model is of a rod that is straight by nature; take "
-            "-rod_model frame or auto");
-  UserCheck(!LoadSticks(&self->scene->load) || self->model != MIXED, self->scene->comm,
-            "-friction_beta 0: exact Coulomb friction needs -rod_model frame or auto, or give a "
-            "value above 0");
+  for (PetscInt m = 0; m < MODELS; m++) {
+    const RodModel *model = grow_models[m];
+    const char *why = model->refuses ? model->refuses(self->scene) : NULL;
+    self->can[m] = (PetscBool)(why == NULL);
+    UserCheck(!why || self->model != m, self->scene->comm, "%s; take -rod_model frame or auto",
+              why);
+  }
   PetscFunctionReturn(0);
 }
 
@@ -325,7 +325,9 @@ static PetscErrorCode Create(Grow *self, const char *output, const char *restart
   PetscCall(ReadOptions(self));
   if (restart[0]) PetscCall(RestartRead(restart, self->scene, &state, &begun));
   for (PetscInt m = 0; m < MODELS; m++)
-    if (m == self->model || (self->model == AUTO && m != MIXED)) PetscCall(AddLeg(self, m));
+    if (m == self->model || (self->model == AUTO && m != MIXED && self->can[m]))
+      PetscCall(AddLeg(self, m));
+  PetscCall(RodHoldTip(self->leg[self->model == AUTO ? FRAME : self->model].rod));
   PetscCall(OptionsRefuseUnread());
   PetscCall(ObserverCreate(self->scene, &self->observer));
   if (begun)

@@ -8,8 +8,9 @@ enum { LINEAR, FRAME, MIXED, AUTO, MODELS = AUTO }; /* as -rod_model and the ser
 
 typedef struct {
   Scene scene;
-  PetscInt model;  /* as asked for */
-  Leg leg[MODELS]; /* by model; those not in use are empty; auto has two, taking turns */
+  PetscInt model;        /* as asked for */
+  PetscBool can[MODELS]; /* which models can be of this scene */
+  Leg leg[MODELS];       /* by model; those not in use are empty; auto has two, taking turns */
   Leg *now;
   Observer observer;
   Output output;

@@ -23,9 +23,10 @@ static const OptionRow rows[] = {
 static const OptionGroup main_options = OPTION_GROUP("Task and files", rows);
 
 static const OptionGroup *const table[] = {
-    &main_options,  &restart_options,   &accuracy_options,  &growth_options, &friction_options,
-    &scene_options, &curvature_options, &shape_options,     &grow_options,   &frame_options,
-    &event_options, &si_options,        &stability_options, &petsc_options};
+    &main_options,      &restart_options, &accuracy_options, &growth_options,    &friction_options,
+    &load_options,      &tip_options,     &scene_options,    &stiffness_options, &curvature_options,
+    &shape_options,     &grow_options,    &frame_options,    &event_options,     &si_options,
+    &stability_options, &petsc_options};
 
 enum { GROW, STABILITY, CRITICAL, UNITS };
 

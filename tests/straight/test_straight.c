@@ -19,10 +19,11 @@ static void Teardown(Scene *scene, Straight *straight) {
   CHECK(SceneDestroy(scene));
 }
 
-/* v0 is s for uniform growth and 1 for feed; the force at the clamp is theory.md's. */
+/* V is s for uniform growth and 1 for feed; the force at the clamp is theory.md's. */
 static void TestForce(void **state) {
   const PetscReal ends[2] = {0, 1}, t = 1.3, L = 1.8, b = 1e-3;
-  PetscReal P[2], v0;
+  StraightMotion at;
+  PetscReal P[2];
   Scene scene;
   Straight straight;
 
@@ -33,14 +34,14 @@ static void TestForce(void **state) {
     EXPECT(PetscAbsReal(
                P[0] - L * (mu * (PetscSqrtReal(1 + b) - PetscSqrtReal(b)) + (1 - mu) / 2)) < 1e-14,
            "mu %g: clamp force %g", (double)mu, (double)P[0]);
-    CHECK(StraightVelocity(straight, 0.3, t, &v0));
-    EXPECT(PetscAbsReal(v0 - 0.3) < 1e-15, "v0 %g", (double)v0);
+    CHECK(StraightAt(scene, 0.3, t, &at));
+    EXPECT(PetscAbsReal(at.V - 0.3) < 1e-15, "V %g", (double)at.V);
     Teardown(&scene, &straight);
   }
   Setup(&scene, &straight, laws[2], 1, 10);
   for (int k = 0; k <= 10; k++) {
-    CHECK(StraightVelocity(straight, k / 10., t, &v0));
-    EXPECT(PetscAbsReal(v0 - 1) < 1e-15, "feed: v0 %g at %d/10", (double)v0, k);
+    CHECK(StraightAt(scene, k / 10., t, &at));
+    EXPECT(PetscAbsReal(at.V - 1) < 1e-15, "feed: V %g at %d/10", (double)at.V, k);
   }
   CHECK(StraightForce(scene, 2, ends, t, P));
   EXPECT(PetscAbsReal(P[0] - L / PetscSqrtReal(1 + b)) < 1e-14, "feed: force %g", (double)P[0]);

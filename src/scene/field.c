@@ -1,0 +1,318 @@
+#include "scene/field.h"
+#include "base/band.h"
+#include "base/bspline.h"
+#include "base/hdf.h"
+
+/* A table is interpolated by a cubic spline (C2) in each of t, x2 and x1, with slope 0 at both
+   ends, so that it goes on beyond its edges as a constant without a kink. Its coefficients are
+   those of B-splines: n knots have n + 2, of which the first two and the last two are equal. */
+enum { TIME, ACROSS, ALONG, AXES };
+
+typedef struct {
+  PetscInt n;    /* knots; 1: nothing varies along this axis */
+  PetscReal *at; /* their places */
+} Axis;
+
+struct _Field {
+  /* layers along x1: factor[k] from start[k] on, joined over width */
+  PetscInt layers;
+  PetscReal *start, *factor, width;
+  /* or a table */
+  Axis axis[AXES];
+  PetscReal *c; /* coefficients [t][x2][x1] */
+};
+
+/* How many coefficients an axis has. */
+static PetscInt Size(const Axis *axis) {
+  return axis->n > 1 ? axis->n + 2 : 1;
+}
+
+/* ---- layers ---- */
+
+static PetscErrorCode BadLayers(const char *option, const char *text) {
+  PetscFunctionBegin;
+  UserCheck(PETSC_FALSE, OptionsComm(),
+            "%s %s: give START:FACTOR,START:FACTOR,... with starts that increase and factors of at "
+            "least 0",
+            option, text);
+  PetscFunctionReturn(0);
+}
+
+/*
+  FieldFromLayers - a factor in layers along x1, from "0:1,3:2.5,6:0.4": the start of each layer and
+  its factor; the first goes on to the left. Collective on OptionsComm(); the caller destroys it.
+
+  width  neighbours are joined over this length, smoothly (C2), half of it on either side
+*/
+PetscErrorCode FieldFromLayers(const char *option, const char *text, PetscReal width,
+                               Field *field) {
+  const char *at = text;
+  PetscInt n = 1;
+  Field self;
+
+  PetscFunctionBegin;
+  for (const char *c = text; *c; c++) n += *c == ',';
+  PetscCall(PetscNew(&self));
+  *field = self;
+  self->width = width;
+  PetscCall(PetscMalloc2(n, &self->start, n, &self->factor));
+  for (PetscInt k = 0; k < n; k++) {
+    size_t length = strcspn(at, ",");
+    char layer[80], *colon;
+    if (length == 0 || length >= sizeof(layer)) PetscCall(BadLayers(option, text));
+    PetscCall(PetscStrncpy(layer, at, length + 1));
+    colon = strchr(layer, ':');
+    if (!colon) PetscCall(BadLayers(option, text));
+    *colon = 0;
+    PetscCall(OptionQuantity(option, layer, UNIT_LENGTH, &self->start[k]));
+    PetscCall(OptionQuantity(option, colon + 1, UNIT_NONE, &self->factor[k]));
+    if (self->factor[k] < 0 || (k && self->start[k] <= self->start[k - 1]))
+      PetscCall(BadLayers(option, text));
+    UserCheck(!k || self->start[k] - self->start[k - 1] >= width || k == 1, OptionsComm(),
+              "%s %s: a layer is thinner than the width over which layers are joined; lower "
+              "-friction_layer_width",
+              option, text);
+    at += length + 1;
+  }
+  self->layers = n;
+  PetscFunctionReturn(0);
+}
+
+/* The smooth step from 0 to 1 between -1/2 and 1/2 with two derivatives, and its slope. */
+static PetscReal SmoothStep(PetscReal u, PetscReal *slope) {
+  PetscReal z = PetscMax(0, PetscMin(1, u + 0.5));
+  *slope = 30 * z * z * (1 - z) * (1 - z);
+  return z * z * z * (10 - 15 * z + 6 * z * z);
+}
+
+static void LayersAt(Field self, PetscReal x1, PetscReal *factor, PetscReal slope[2]) {
+  *factor = self->factor[0];
+  slope[0] = slope[1] = 0;
+  for (PetscInt k = 1; k < self->layers; k++) {
+    PetscReal step, rise = self->factor[k] - self->factor[k - 1];
+    *factor += rise * SmoothStep((x1 - self->start[k]) / self->width, &step);
+    slope[0] += rise * step / self->width;
+  }
+}
+
+/* ---- tables ---- */
+
+/* The coefficients of the splines along one axis: from values [before][n][after] to
+   [before][n + 2][after]. */
+static PetscErrorCode Interpolate(const Axis *axis, PetscInt before, PetscInt after,
+                                  const PetscReal *values, PetscReal **c) {
+  PetscInt n = axis->n, m = Size(axis);
+  PetscReal *b;
+  BSplines splines;
+  Band A;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(before * m * after, c));
+  if (n == 1) {
+    PetscCall(PetscArraycpy(*c, values, before * after));
+    PetscFunctionReturn(0);
+  }
+  PetscCall(BandCreate(m, 2, 2, &A));
+  for (PetscInt i = 0; i < n; i++) { /* values at the knots: rows 1 .. n */
+    PetscInt cell = PetscMin(i, n - 2);
+    BSplineEvaluate(n - 1, axis->at, cell, axis->at[i], &splines);
+    for (PetscInt k = 0; k <= CUBIC; k++)
+      if (splines.value[CUBIC][k] != 0) *BandAt(&A, i + 1, cell + k) = splines.value[CUBIC][k];
+  }
+  *BandAt(&A, 0, 0) = *BandAt(&A, m - 1, m - 1) = 1; /* slope 0 at the ends */
+  *BandAt(&A, 0, 1) = *BandAt(&A, m - 1, m - 2) = -1;
+  PetscCall(BandFactor(&A));
+  PetscCall(PetscMalloc1(m, &b));
+  for (PetscInt i = 0; i < before; i++)
+    for (PetscInt j = 0; j < after; j++) {
+      b[0] = b[m - 1] = 0;
+      for (PetscInt k = 0; k < n; k++) b[k + 1] = values[(i * n + k) * after + j];
+      PetscCall(BandSolve(&A, PETSC_FALSE, 1, b));
+      for (PetscInt k = 0; k < m; k++) (*c)[(i * m + k) * after + j] = b[k];
+    }
+  PetscCall(PetscFree(b));
+  PetscCall(BandDestroy(&A));
+  PetscFunctionReturn(0);
+}
+
+/* The splines that are not 0 at a place: which is the first, how many, their values and slopes. */
+typedef struct {
+  PetscInt first, n;
+  PetscReal value[CUBIC + 1], slope[CUBIC + 1];
+} Weights;
+
+static void WeightsAt(const Axis *axis, PetscReal at, Weights *w) {
+  PetscInt low = 0, high = axis->n - 1;
+  BSplines splines;
+
+  w->first = 0;
+  w->n = 1;
+  w->value[0] = 1;
+  w->slope[0] = 0;
+  if (axis->n == 1) return;
+  if (at <= axis->at[0] || at >= axis->at[high]) { /* constant beyond */
+    if (at > axis->at[0]) w->first = axis->n + 1;
+    return;
+  }
+  while (high - low > 1) {
+    PetscInt mid = (low + high) / 2;
+    if (axis->at[mid] > at)
+      high = mid;
+    else
+      low = mid;
+  }
+  BSplineEvaluate(axis->n - 1, axis->at, low, at, &splines);
+  w->first = low;
+  w->n = CUBIC + 1;
+  for (int k = 0; k <= CUBIC; k++) {
+    w->value[k] = splines.value[CUBIC][k];
+    w->slope[k] = splines.slope[CUBIC][k];
+  }
+}
+
+static void TableAt(Field self, const PetscReal x[2], PetscReal t, PetscReal *factor,
+                    PetscReal slope[2]) {
+  const PetscReal at[AXES] = {t, x[1], x[0]};
+  PetscInt m[AXES];
+  Weights w[AXES];
+
+  for (int a = 0; a < AXES; a++) {
+    m[a] = Size(&self->axis[a]);
+    WeightsAt(&self->axis[a], at[a], &w[a]);
+  }
+  *factor = slope[0] = slope[1] = 0;
+  for (PetscInt i = 0; i < w[TIME].n; i++)
+    for (PetscInt j = 0; j < w[ACROSS].n; j++) {
+      const PetscReal *row = self->c +
+                             ((w[TIME].first + i) * m[ACROSS] + w[ACROSS].first + j) * m[ALONG] +
+                             w[ALONG].first;
+      PetscReal value = 0, along = 0;
+      for (PetscInt k = 0; k < w[ALONG].n; k++) {
+        value += w[ALONG].value[k] * row[k];
+        along += w[ALONG].slope[k] * row[k];
+      }
+      *factor += w[TIME].value[i] * w[ACROSS].value[j] * value;
+      slope[0] += w[TIME].value[i] * w[ACROSS].value[j] * along;
+      slope[1] += w[TIME].value[i] * w[ACROSS].slope[j] * value;
+    }
+}
+
+/* Reads an axis, if the file has it. */
+static PetscErrorCode ReadAxis(const char *option, const char *file, const char *name,
+                               Dimension dimension, Axis *axis) {
+  PetscBool has;
+
+  PetscFunctionBegin;
+  axis->n = 1;
+  PetscCall(HdfHas(file, name, &has));
+  if (!has) PetscFunctionReturn(0);
+  PetscCall(HdfReadQuantity(option, file, name, dimension, 1, &axis->n, &axis->at));
+  UserCheck(axis->n == 1 || axis->n >= 3, OptionsComm(), "%s %s: %s needs 1 entry, or 3 at least",
+            option, file, name);
+  for (PetscInt i = 1; i < axis->n; i++)
+    UserCheck(axis->at[i] > axis->at[i - 1], OptionsComm(), "%s %s: %s must increase", option, file,
+              name);
+  PetscFunctionReturn(0);
+}
+
+/* Splines may dip below 0 between entries that do not: looks at a few places between each two. */
+static PetscErrorCode CheckSign(const char *option, const char *file, Field self) {
+  enum { PLACES = 4 };
+  PetscInt count[AXES], total = 1;
+  char text[4][32];
+
+  PetscFunctionBegin;
+  for (int a = 0; a < AXES; a++)
+    total *= count[a] = self->axis[a].n > 1 ? PLACES * (self->axis[a].n - 1) + 1 : 1;
+  for (PetscInt k = 0; k < total; k++) {
+    PetscInt place[AXES] = {k / (count[ACROSS] * count[ALONG]), k / count[ALONG] % count[ACROSS],
+                            k % count[ALONG]};
+    PetscReal at[AXES], factor, slope[2];
+    for (int a = 0; a < AXES; a++) {
+      const Axis *axis = &self->axis[a];
+      PetscInt i = PetscMin(place[a] / PLACES, axis->n - 2);
+      PetscReal z = (PetscReal)(place[a] - i * PLACES) / PLACES;
+      at[a] = axis->n > 1 ? (1 - z) * axis->at[i] + z * axis->at[i + 1] : 0;
+    }
+    TableAt(self, (PetscReal[]){at[ALONG], at[ACROSS]}, at[TIME], &factor, slope);
+    UserCheck(
+        factor >= -1e-12, OptionsComm(),
+        "%s %s: the factor is %s at x1 = %s, x2 = %s, t = %s; it must not fall below 0, between "
+        "the entries neither (give more of them where it changes)",
+        option, file, OptionNumber(factor, text[0]), OptionNumber(at[ALONG], text[1]),
+        OptionNumber(at[ACROSS], text[2]), OptionNumber(at[TIME], text[3]));
+  }
+  PetscFunctionReturn(0);
+}
+
+/* From the values [nt][n2][n1] to the coefficients, axis by axis. */
+static PetscErrorCode SetValues(Field self, const PetscReal *values) {
+  const Axis *axis = self->axis;
+  PetscReal *along, *across;
+
+  PetscFunctionBegin;
+  PetscCall(Interpolate(&axis[ALONG], axis[TIME].n * axis[ACROSS].n, 1, values, &along));
+  PetscCall(Interpolate(&axis[ACROSS], axis[TIME].n, Size(&axis[ALONG]), along, &across));
+  PetscCall(
+      Interpolate(&axis[TIME], 1, Size(&axis[ACROSS]) * Size(&axis[ALONG]), across, &self->c));
+  PetscCall(PetscFree(along));
+  PetscCall(PetscFree(across));
+  PetscFunctionReturn(0);
+}
+
+/*
+  FieldFromFile - a factor from a table in HDF5: /x1 [n1], /x2 [n2] and, if it changes in time,
+  /t [nt]; /factor [n2, n1] or [nt, n2, n1]. An axis along which nothing changes has one entry.
+  Collective on OptionsComm(); the caller destroys it, also after an error.
+
+  Places and times have no dimension, or that of their attribute `units`.
+*/
+PetscErrorCode FieldFromFile(const char *option, const char *file, Field *field) {
+  PetscReal *values = NULL;
+  PetscInt dims[AXES];
+  PetscErrorCode error;
+  PetscBool timed;
+  Field self;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&self));
+  *field = self;
+  PetscCall(ReadAxis(option, file, "/x1", UNIT_LENGTH, &self->axis[ALONG]));
+  PetscCall(ReadAxis(option, file, "/x2", UNIT_LENGTH, &self->axis[ACROSS]));
+  PetscCall(ReadAxis(option, file, "/t", UNIT_TIME, &self->axis[TIME]));
+  timed = (PetscBool)(self->axis[TIME].at != NULL);
+  PetscCall(HdfRead(option, file, "/factor", timed ? 3 : 2, dims, &values));
+  if ((timed && dims[0] != self->axis[TIME].n) || dims[timed] != self->axis[ACROSS].n ||
+      dims[timed + 1] != self->axis[ALONG].n) {
+    PetscCall(PetscFree(values));
+    UserCheck(PETSC_FALSE, OptionsComm(),
+              "%s %s: /factor must be [%s%d, %d] as %s/x2 and /x1 are long", option, file,
+              timed ? "nt, " : "", (int)self->axis[ACROSS].n, (int)self->axis[ALONG].n,
+              timed ? "/t, " : "");
+  }
+  error = SetValues(self, values);
+  PetscCall(PetscFree(values));
+  PetscCall(error);
+  PetscCall(CheckSign(option, file, self));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode FieldDestroy(Field *field) {
+  Field self = *field;
+
+  PetscFunctionBegin;
+  if (!self) PetscFunctionReturn(0);
+  PetscCall(PetscFree2(self->start, self->factor));
+  for (int a = 0; a < AXES; a++) PetscCall(PetscFree(self->axis[a].at));
+  PetscCall(PetscFree(self->c));
+  PetscCall(PetscFree(*field));
+  PetscFunctionReturn(0);
+}
+
+/* FieldAt - the factor at a place (in the laboratory) and a time, and its derivatives by x1, x2. */
+void FieldAt(Field self, const PetscReal x[2], PetscReal t, PetscReal *factor, PetscReal slope[2]) {
+  if (self->layers)
+    LayersAt(self, x[0], factor, slope);
+  else
+    TableAt(self, x, t, factor, slope);
+}
