@@ -240,6 +240,10 @@ PetscErrorCode SpectrumLargest(Spectrum *self, SpectrumRate rate, PetscReal t, E
 */
 PetscErrorCode SpectrumBuckling(Spectrum *self, PetscReal t, Eigenvalue *ratio, PetscReal c[],
                                 PetscReal w[]) {
+  ST st;
+  KSP ksp;
+  PC pc;
+
   PetscFunctionBegin;
   PetscCall(PencilSetTime(self->pencil, t, FRAME_LABEL));
   PetscCall(PencilMatrix(self->pencil, FORM_AXIAL, &self->A));
@@ -247,6 +251,12 @@ PetscErrorCode SpectrumBuckling(Spectrum *self, PetscReal t, Eigenvalue *ratio, 
   PetscCall(EPSSetOperators(self->eps, self->A, self->B));
   PetscCall(EPSSetProblemType(self->eps, EPS_GHEP));
   PetscCall(EPSSetWhichEigenpairs(self->eps, EPS_LARGEST_REAL));
+  PetscCall(EPSGetST(self->eps, &st));
+  PetscCall(STGetKSP(st, &ksp));
+  PetscCall(KSPGetPC(ksp, &pc));
+  /* the matrix is positive definite, any order will do: this rounds ten times less than from end to
+     end; several ranks have their own solver, which this does not concern */
+  PetscCall(PCFactorSetMatOrderingType(pc, MATORDERINGAMD));
   PetscCall(Solve(self, 1, ratio, NULL, w));
   ratio->error *= ratio->error * PetscAbsReal(ratio->value);
   if (c && w) {
