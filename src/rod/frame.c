@@ -336,16 +336,12 @@ static PetscErrorCode FrameJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, PetscR
 }
 
 /* Moves the shift at a point; change is the largest of a force so far. The speed that growth drives
-   it with is that of the straight rod, p_t + c: on a bent one too, the rest of v stretches nothing.
- */
-static PetscErrorCode HoldPoint(const Cell *cell, const Load *load, const Law *law, const Place *at,
-                                LoadDual *dual, PetscReal *change) {
-  PetscReal p, p_t;
+   it with is that of the straight rod: on a bent one too, the rest of v stretches nothing. */
+static void HoldPoint(const Cell *cell, const Load *load, const Law *law, const Place *at,
+                      LoadDual *dual, PetscReal *change) {
+  PetscReal V = GrowthSpeed(cell->rod->scene->growth, law->s, cell->t);
 
-  PetscFunctionBegin;
-  PetscCall(GrowthArc(cell->rod->scene->growth, 1, &law->s, cell->t, &p, &p_t));
-  *change = PetscMax(*change, LoadHold(load, at, p_t + law->c, dual));
-  PetscFunctionReturn(0);
+  *change = PetscMax(*change, LoadHold(load, at, V, dual));
 }
 
 /* Moves the shifts of exact Coulomb friction; change is the largest of a force. */
@@ -362,14 +358,12 @@ static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal 
     /* the clamped end does not move unless it slides: a shift there would hold nothing, and
        round-off adds up in it to a force on a rod whose x2 may be 1e-25 */
     if (i == first && ends && (i > 0 || cell.law->c != 0))
-      PetscCall(HoldPoint(&cell, cell.load, cell.law, &cell.a.at, cell.dual, change));
-    PetscCall(HoldPoint(&cell, cell.load, cell.law + 1, &cell.mid.at, cell.dual + 1, change));
-    if (ends)
-      PetscCall(HoldPoint(&cell, cell.load, cell.law + 2, &cell.b.at, cell.dual + 2, change));
+      HoldPoint(&cell, cell.load, cell.law, &cell.a.at, cell.dual, change);
+    HoldPoint(&cell, cell.load, cell.law + 1, &cell.mid.at, cell.dual + 1, change);
+    if (ends) HoldPoint(&cell, cell.load, cell.law + 2, &cell.b.at, cell.dual + 2, change);
   }
   if (rod->end == rod->last + 1 && TipResists(&rod->scene->tip))
-    PetscCall(HoldPoint(&cell, &rod->scene->tip.resistance, cell.law + 2, &cell.b.at, TipDual(rod),
-                        change));
+    HoldPoint(&cell, &rod->scene->tip.resistance, cell.law + 2, &cell.b.at, TipDual(rod), change);
   PetscCall(CellsClose(&cell));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, change, 1, MPIU_REAL, MPI_MAX, rod->scene->comm));
   PetscFunctionReturn(0);

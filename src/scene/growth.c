@@ -46,6 +46,10 @@ static PetscReal SlideFeed(Growth self, PetscReal s, PetscReal t) {
   return 1 - s;
 }
 
+static PetscReal SpeedFeed(Growth self, PetscReal s, PetscReal t) {
+  return 1;
+}
+
 static PetscReal StrainFeed(Growth self, PetscReal s, PetscReal t) {
   return 0;
 }
@@ -62,6 +66,7 @@ static PetscErrorCode CreateFeed(Growth self) {
   PetscCall(CreateUniform(self));
   self->slides = PETSC_TRUE;
   self->slide = SlideFeed;
+  self->speed = SpeedFeed;
   self->strain = StrainFeed;
   self->origin = OriginFeed;
   PetscFunctionReturn(0);
@@ -70,8 +75,8 @@ static PetscErrorCode CreateFeed(Growth self) {
 /*
   apical: growth in a zone of length l behind the tip (the whole rod while it is shorter), with the
   bell w = 30 z^2 (1-z)^2 / l of the distance z l from the tip. Labels share out the length evenly,
-  g = L; material behind is at rest, so it slides past them: V = L_t (1 - W(z)),  W = z^3 (10 - 15 z
-  + 6 z^2),   c = V - s L_t = L_t ((1 - s) - W(z)).
+  g = L; material behind is at rest, so it slides past them:
+    V = L_t (1 - W(z)) = L_t (1-z)^3 (1 + 3z + 6z^2),   W = z^3 (10 - 15z + 6z^2),   c = V - s L_t.
 */
 static PetscReal ZoneAt(Growth self, PetscReal s, PetscReal t, PetscReal *L_over_zone) {
   PetscReal L = self->initial_length + t;
@@ -82,6 +87,11 @@ static PetscReal ZoneAt(Growth self, PetscReal s, PetscReal t, PetscReal *L_over
 static PetscReal SlideApical(Growth self, PetscReal s, PetscReal t) {
   PetscReal ratio, z = ZoneAt(self, s, t, &ratio);
   return (1 - s) - z * z * z * (10 - 15 * z + 6 * z * z);
+}
+
+static PetscReal SpeedApical(Growth self, PetscReal s, PetscReal t) {
+  PetscReal ratio, z = ZoneAt(self, s, t, &ratio), y = 1 - z;
+  return y * y * y * (1 + 3 * z + 6 * z * z);
 }
 
 static PetscReal StrainApical(Growth self, PetscReal s, PetscReal t) {
@@ -109,6 +119,7 @@ static PetscErrorCode CreateApical(Growth self) {
   self->destroy = GrowthDestroyData;
   PetscCall(OptionReal("-growth_zone", zone, NULL));
   self->slide = SlideApical;
+  self->speed = SpeedApical;
   self->strain = StrainApical;
   self->origin = OriginApical;
   self->finest = *zone;

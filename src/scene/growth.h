@@ -20,6 +20,7 @@ struct _Growth {
   PetscErrorCode (*arc)(Growth, PetscReal s, PetscReal t, PetscReal *p, PetscReal *p_t);
   /* where material slides; NULL unless it does */
   PetscReal (*slide)(Growth, PetscReal s, PetscReal t);
+  PetscReal (*speed)(Growth, PetscReal s, PetscReal t);
   PetscReal (*strain)(Growth, PetscReal s, PetscReal t);
   PetscErrorCode (*origin)(Growth, PetscReal s, PetscReal t, PetscReal *d, PetscReal *d_t);
   PetscErrorCode (*destroy)(Growth);
@@ -44,6 +45,17 @@ PetscErrorCode GrowthCreateTable(Growth growth);
 /* Convective speed of the material along the rod: v = x_t + c q. */
 static inline PetscReal GrowthSlide(Growth growth, PetscReal s, PetscReal t) {
   return growth->slides && !growth->stopped ? growth->slide(growth, s, t) : 0;
+}
+
+/* The speed of the material along a straight rod, V = p_t + c, without cancellation: 0 where it is
+   at rest. */
+static inline PetscReal GrowthSpeed(Growth growth, PetscReal s, PetscReal t) {
+  PetscReal p, p_t = 0;
+
+  if (growth->stopped) return 0;
+  if (growth->slides) return growth->speed(growth, s, t);
+  (void)growth->arc(growth, s, t, &p, &p_t);
+  return p_t;
 }
 
 /* How fast the material there stretches, times g: g_t + c_s. */

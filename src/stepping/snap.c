@@ -13,19 +13,25 @@ static const PetscReal rest = 1e-6, long_after = 1e4; /* velocity at rest; fast 
 static const PetscReal least_rtol =
     1e-6; /* no need to be more accurate than the slack of LoadInFastTime() */
 
-/* A snap takes some 150 steps; one that takes many times that is being chased by a Newton iteration
-   that fails, and must not hold up the run for ever. */
-static const PetscInt most_steps = 1000;
+/* A snap takes some 150 steps, 1000 from one wave length to another. One that gets nowhere in so
+   many is being chased by a Newton iteration that fails, and must not hold up the run for ever. */
+static const PetscInt many_steps = 1000, most_steps = 5000;
+static const PetscReal nowhere = 1e-3; /* fast time */
 
 static PetscErrorCode StopAtRest(TS ts) {
   Leg *leg;
-  PetscReal speed[MAX_FIELDS], fastest = 0;
+  PetscReal speed[MAX_FIELDS], fastest = 0, t;
+  PetscInt steps;
 
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &leg));
+  PetscCall(TSGetTime(ts, &t));
+  PetscCall(TSGetStepNumber(ts, &steps));
   PetscCall(RodFieldSizes(leg->rod, leg->rod->latest_rate, speed));
   for (PetscInt f = 0; f < leg->rod->model->fields; f++)
     if (leg->rod->model->followed[f]) fastest = PetscMax(fastest, speed[f]);
+  if (steps >= many_steps && t < nowhere)
+    PetscCall(TSSetConvergedReason(ts, TS_DIVERGED_STEP_REJECTED));
   if (fastest < rest) PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
   PetscFunctionReturn(0);
 }

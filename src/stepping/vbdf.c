@@ -15,6 +15,7 @@ typedef struct {
   PetscReal layer;    /* a step this short is accepted whatever its error */
   PetscReal rejected; /* error of the try before, if one of this step was rejected at a third of the
                          size or more */
+  PetscReal usual;    /* the longest of the latest steps, slowly forgotten */
   PetscBool fixed;    /* -ts_adapt_type none: steps as told, order as high as the history allows */
   PetscReal time[VBDF_POINTS];
   Vec point[VBDF_POINTS];
@@ -29,6 +30,9 @@ typedef struct {
 /* A snap may be too far for Newton's method: then it fails however short the step is, and after so
    many tries it is followed. */
 enum { failures_of_snap = 4 };
+/* Or it shows on the way: towards the turning point from which a rod snaps, steps shrink without
+   end. One that is this part of the usual one asks whether the rod snaps. */
+static const PetscReal shrunk = 1e-4, forgets = 0.95;
 static const PetscReal safety = 0.5; /* aim at this part of the tolerance */
 /* Dry friction cannot hold a rod that is bent too sharply, and without inertia it snaps at once: a
    jump. It shows in an error that a much shorter step (a third at most) does not lessen to this
@@ -249,6 +253,14 @@ static PetscErrorCode Snap(TS ts, VBDF *self, PetscBool *accept) {
   PetscFunctionReturn(0);
 }
 
+/* Have the steps shrunk as they do before a snap? Asked once for each time that they have. */
+static PetscBool Shrinks(const TS ts, VBDF *self) {
+  PetscBool shrinks = (PetscBool)(ts->time_step < shrunk * self->usual);
+
+  self->usual = shrinks ? ts->time_step : PetscMax(ts->time_step, forgets * self->usual);
+  return shrinks;
+}
+
 static PetscErrorCode TSStep_VBDF(TS ts) {
   VBDF *self = (VBDF *)ts->data;
   PetscReal factor = 1, size;
@@ -263,6 +275,7 @@ static PetscErrorCode TSStep_VBDF(TS ts) {
   if (!self->given && !ts->steprollback) PetscCall(Push(ts, self));
   self->given = PETSC_FALSE;
   if (self->fixed) self->order = PetscMin(self->order + 1, self->most);
+  if (!self->fixed && self->snap && Shrinks(ts, self)) PetscCall(Snap(ts, self, &accept));
   for (PetscInt attempt = 1; !ts->reason; attempt++) {
     SNESConvergedReason solved;
     self->order = PetscMax(1, PetscMin(self->order, self->n));
@@ -519,6 +532,7 @@ PetscErrorCode VBDFGetMemory(TS ts, PetscReal memory[VBDF_MEMORY]) {
   PetscCall(Self(ts, &self));
   memory[0] = self ? (PetscReal)self->since : 0;
   memory[1] = self ? self->layer : 0;
+  memory[2] = self ? self->usual : 0;
   PetscFunctionReturn(0);
 }
 
@@ -532,6 +546,7 @@ PetscErrorCode VBDFSetMemory(TS ts, const PetscReal memory[VBDF_MEMORY]) {
   if (!self) PetscFunctionReturn(0);
   self->since = (PetscInt)memory[0];
   self->layer = memory[1];
+  self->usual = memory[2];
   PetscFunctionReturn(0);
 }
 

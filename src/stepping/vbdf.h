@@ -8,7 +8,7 @@
 
 #define TSVBDF "vbdf"
 enum { VBDF_POINTS = 9 }; /* the new one and up to 8 past ones */
-enum { VBDF_MEMORY = 2 }; /* what it remembers besides */
+enum { VBDF_MEMORY = 3 }; /* what it remembers besides */
 
 typedef PetscErrorCode (*VBDFGuess)(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1, void *ctx);
 
