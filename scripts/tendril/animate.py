@@ -1,7 +1,7 @@
 """Makes a film of the growth from a result file: the rod coloured by its axial force, with arrows
 for the friction that acts on it.
 
-    scripts/animate.sh results/uniform-dry.h5 [--output film.gif] [--from T --to T] [--frames N]
+    scripts/animate.sh results/uniform-dry.h5 [--output film.gif] [--from T --to T] [--frames N] [--si]
 
 The ending of --output decides: .gif, or .mp4 where ffmpeg is installed."""
 
@@ -20,6 +20,7 @@ from matplotlib.colors import AsinhNorm
 
 from .style import STYLE
 from .results import ResultsError, load
+from .units import Units, moment
 
 ARROWS = 28
 
@@ -36,12 +37,12 @@ def axial(shape):
 
 
 class Film:
-    def __init__(self, r, shapes):
-        self.shapes = shapes
-        strongest = max(np.abs(axial(s)).max() for s in shapes) or 1
+    def __init__(self, shapes, units):
+        self.shapes, self.units = shapes, units
+        strongest = units.of("force", max(np.abs(axial(s)).max() for s in shapes) or 1)
         drag = max(np.percentile(np.hypot(*friction(s)[1].T), 95) for s in shapes) or 1
-        low = np.min([s.x.min(axis=0) for s in shapes], axis=0)
-        high = np.max([s.x.max(axis=0) for s in shapes], axis=0)
+        low = units.of("length", np.min([s.x.min(axis=0) for s in shapes], axis=0))
+        high = units.of("length", np.max([s.x.max(axis=0) for s in shapes], axis=0))
         room = 0.06 * (high - low).max()
         low, high = low - room, high + room
         if high[1] - low[1] < 0.4 * (high[0] - low[0]):
@@ -50,7 +51,8 @@ class Film:
         aspect = (high[1] - low[1]) / (high[0] - low[0])
         self.figure, ax = plt.subplots(figsize=(6, min(5.2 * aspect + 0.7, 8)),
                                        layout="constrained")
-        ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="$x_1$", ylabel="$x_2$")
+        ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]),
+               xlabel=units.label("$x_1$", "length"), ylabel=units.label("$x_2$", "length"))
         ax.set_aspect("equal")
         (self.outline,) = ax.plot([], [], color="#333333", lw=3.2, solid_capstyle="round")
         self.rod = LineCollection([], cmap="coolwarm_r", linewidths=2.2, capstyle="round", zorder=3,
@@ -66,21 +68,24 @@ class Film:
         steps = [v for v in steps if strongest / 15 < v <= strongest]
         self.figure.colorbar(self.rod, ax=ax, shrink=0.9, pad=0.01, format="%g",
                              ticks=[-v for v in steps] + [0] + steps,
-                             label=r"axial force $n \cdot q$ (compression < 0)")
+                             label=units.label(r"axial force $n \cdot q$", "force")
+                             + " (compression < 0)")
         self.title = ax.set_title("", loc="left", fontfamily="monospace", fontsize=8)
 
     def show(self, k):
         shape = self.shapes[k]
-        force = axial(shape)
-        self.outline.set_data(*shape.x.T)
-        self.rod.set_segments(np.stack([shape.x[:-1], shape.x[1:]], axis=1))
+        force, nodes = self.units.of("force", axial(shape)), self.units.of("length", shape.x)
+        self.outline.set_data(*nodes.T)
+        self.rod.set_segments(np.stack([nodes[:-1], nodes[1:]], axis=1))
         self.rod.set_array((force[:-1] + force[1:]) / 2)
         p, drag = friction(shape)
         at = np.linspace(0, p[-1], ARROWS)
-        x, f = ([np.interp(at, p, column) for column in array.T] for array in (shape.x, drag))
+        x, f = ([np.interp(at, p, column) for column in array.T] for array in (nodes, drag))
         self.arrows.set_offsets(np.column_stack(x))
         self.arrows.set_UVC(*f)
-        self.title.set_text(f"t = {shape.t:6.2f}   length {shape.length:6.2f}")
+        length, unit = self.units.of("length", shape.length), self.units.scales["length"][1]
+        self.title.set_text(f"{self.units.plain(shape.t, '6.2f')}   "
+                            f"length {length:6.2f} {unit}".rstrip())
 
 
 def main(arguments=None):
@@ -88,8 +93,11 @@ def main(arguments=None):
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("file", help="result file, HDF5")
     parser.add_argument("--output", help="default: the file's name with .gif")
-    parser.add_argument("--from", dest="begin", type=float, default=0, metavar="T")
-    parser.add_argument("--to", dest="end", type=float, default=np.inf, metavar="T")
+    parser.add_argument("--from", dest="begin", default="0", metavar="T",
+                        help="of a run with -si_ options also 20s or 2min")
+    parser.add_argument("--to", dest="end", default="inf", metavar="T")
+    parser.add_argument("--si", action="store_true",
+                        help="in centimetres, newtons, seconds and the like: for runs with -si_ options")
     parser.add_argument("--frames", type=int, default=160, help="at most; default %(default)s")
     parser.add_argument("--rate", type=int, default=20, help="frames a second; default %(default)s")
     choice = parser.parse_args(arguments)
@@ -104,12 +112,14 @@ def main(arguments=None):
         else:
             raise ResultsError(f"--output {output}: give a name that ends in .gif or .mp4")
         r = load(choice.file)
-        times = [t for t in r.shapes.get("t", ()) if choice.begin <= t <= choice.end]
+        begin, end = moment("--from", choice.begin, [r]), moment("--to", choice.end, [r])
+        times = [t for t in r.shapes.get("t", ())
+                 if begin * (1 - 1e-9) <= t <= end * (1 + 1e-9)]
         if not times:
             raise ResultsError(f"{r.path}: holds no shape in that time")
         every = -(-len(times) // max(choice.frames, 1))
         with plt.rc_context(STYLE):
-            film = Film(r, [r.at(t) for t in times[::every]])
+            film = Film([r.at(t) for t in times[::every]], Units([r] if choice.si else ()))
             with writer.saving(film.figure, str(output), dpi=110):
                 for k in range(len(film.shapes)):
                     film.show(k)

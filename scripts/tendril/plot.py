@@ -2,6 +2,7 @@
 
     scripts/plot.sh results/uniform-dry.h5
     scripts/plot.sh results/uniform-*.h5 --panels norm,shapes --times 10,20,30 --output compare
+    scripts/plot.sh mytube.h5 --si --times 20s,1min
 
 Symbols are those of the README; all is dimensionless, or with --si in the units of the laboratory."""
 
@@ -19,38 +20,7 @@ import numpy as np
 from . import plot_stability
 from .results import ResultsError, load
 from .style import BLUE, GREEN, GREY, ORANGE, RED, STYLE
-
-
-class Units:
-    """What the numbers of the file are multiplied by, and the unit they then have: none, or with
-    --si those of a run that was given a physical rod."""
-
-    def __init__(self, results=None):
-        names = {"length": "m", "time": "s", "speed": "m/s", "force": "N", "energy": "J", "power": "W"}
-        self.scales = dict.fromkeys(names, (1.0, ""))
-        for kind, unit in names.items() if results else ():
-            found = {r.attributes.get(f"si_{kind}") for r in results}
-            if "length" == kind and None in found:
-                bare = next(r for r in results if "si_length" not in r.attributes)
-                raise ResultsError(f"{bare.path}: --si needs a run with -si_bending_stiffness ...")
-            if len(found) > 1:
-                raise ResultsError(f"{results[0].path}: the files differ in their scale of {kind}")
-            if None not in found:  # without -si_speed time has no scale and stays a bare number
-                self.scales[kind] = (float(found.pop()), unit)
-        if results and not self.scales["power"][1]:
-            self.scales["power"] = (self.scales["energy"][0], "J per unit of $t$")
-
-    def of(self, kind, values):
-        return self.scales[kind][0] * np.asarray(values)
-
-    def time(self, t):
-        """A time in words."""
-        unit = self.scales["time"][1]
-        return rf"$t = {self.of('time', t):.4g}$" + (f" {unit}" if unit else "")
-
-    def label(self, text, kind):
-        unit = self.scales[kind][1]
-        return f"{text} ({unit})" if unit else text
+from .units import Units, moment
 
 
 def legend(ax, columns, whole_row):
@@ -261,23 +231,19 @@ def read(path):
     return r
 
 
-def tell_missing(results, times):
+def tell_missing(results, times, units):
     for r in results:
         for t in times:
-            stored = r.at(t).t
+            stored, asked = units.plain(r.at(t).t), units.plain(t, "g")
             if t > r.shapes.t[-1] * (1 + 1e-9):
-                print(f"plot: {r.path}: ends at t = {stored:.4g}, before {t:g}")
-            elif abs(stored - t) > 1e-6 * max(t, 1):
-                print(f"plot: {r.path}: no shape stored at t = {t:g}, drawn at {stored:.4g}")
+                print(f"plot: {r.path}: ends at {stored}, before {asked[4:]}")
+            elif abs(r.at(t).t - t) > 1e-6 * max(t, 1):
+                print(f"plot: {r.path}: no shape stored at {asked}, drawn at {stored[4:]}")
 
 
 def draw_stability(paths, output):
     """Files of -task stability and -task critical have a module of their own."""
     return plot_stability.main([*paths, "--output", output])
-
-
-def numbers(text):
-    return [float(word) for word in text.split(",")]
 
 
 def main(arguments=None):
@@ -288,10 +254,11 @@ def main(arguments=None):
                         help="writes BASENAME.png and .pdf; default: the first file's name")
     parser.add_argument("--panels", default=",".join(PANELS),
                         help="comma list, in this order; default %(default)s")
-    parser.add_argument("--times", type=numbers, metavar="T1,T2,...",
-                        help="of the shapes drawn; default: quarters of the longest run")
+    parser.add_argument("--times", metavar="T1,T2,...",
+                        help="of the shapes drawn; of a run with -si_ options also 20s or 2min; "
+                        "default: quarters of the longest run")
     parser.add_argument("--si", action="store_true",
-                        help="in metres, newtons, seconds: for runs with -si_ options")
+                        help="in centimetres, newtons, seconds and the like: for runs with -si_ options")
     parser.add_argument("--beside", metavar="FILE,...", default="",
                         help="runs drawn dashed beside these in the panel norm, one for each")
     parser.add_argument("--titles", metavar="A,B,...", help="above columns; default: file names")
@@ -310,9 +277,10 @@ def main(arguments=None):
                 raise ResultsError(f"{r.path}: holds no stored shape to draw")
         others = [read(path) for path in view.beside.split(",") if path]
         view.beside = {r.path: other for r, other in zip(results, others)}
-        view.units = Units(results if view.si else None)
-        view.times = view.times or default_times(results)
-        tell_missing(results, view.times)
+        view.units = Units(results if view.si else ())
+        view.times = ([moment("--times", word, results) for word in view.times.split(",")]
+                      if view.times else default_times(results))
+        tell_missing(results, view.times, view.units)
         view.titles = view.titles.split(",") if view.titles else [r.name for r in results]
         with plt.rc_context(STYLE):
             figure = draw(results, names, view)

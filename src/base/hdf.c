@@ -483,8 +483,8 @@ PetscErrorCode HdfReadQuantity(const char *option, const char *path, const char 
     H5Fclose(f);
   }
   PetscCallMPI(MPI_Bcast(units, sizeof(units), MPI_CHAR, 0, OptionsComm()));
-  (void)snprintf(what, sizeof(what), "%s %.60s: %s in", option, path, name);
-  PetscCall(OptionUnit(what, units, dimension, &factor));
+  (void)snprintf(what, sizeof(what), "%s %.60s: %s in ", option, path, name);
+  PetscCall(OptionUnit(what, strcmp(units, "1") ? units : "", dimension, &factor));
   for (int i = 0; i < rank; i++) total *= dims[i];
   for (PetscInt i = 0; i < total; i++) (*data)[i] *= factor;
   PetscFunctionReturn(0);

@@ -5,6 +5,8 @@
 #include <stdarg.h>
 #include <stdlib.h>
 
+enum { MOST_BARE = 16, LONGEST_BARE = 60 };
+
 /* One run's options: PETSc's database of them, the ranks that share it, its laboratory units, and
    what was read, for the record. A sweep has one of each member. */
 typedef struct Reading {
@@ -15,6 +17,11 @@ typedef struct Reading {
     const OptionRow *row;
     char *value;
   } * read;
+  size_t n_bare;
+  struct {
+    const char *name;
+    char *said;
+  } bare[MOST_BARE]; /* whose value has lost its unit in the database */
   PetscBool pushed;
   struct Reading *outer;
 } Reading;
@@ -45,6 +52,7 @@ PetscErrorCode OptionsPop(void) {
   if (self->pushed) PetscCall(PetscOptionsPop());
   for (size_t i = 0; i < self->n; i++) PetscCall(PetscFree(self->read[i].value));
   PetscCall(PetscFree(self->read));
+  for (size_t i = 0; i < self->n_bare; i++) PetscCall(PetscFree(self->bare[i].said));
   now = self->outer;
   PetscCall(PetscFree(self));
   PetscFunctionReturn(0);
@@ -61,6 +69,12 @@ PetscErrorCode OptionsSetScales(const PetscReal scale[UNIT_ALL]) {
   PetscFunctionBegin;
   if (now) PetscCall(PetscArraycpy(now->scale, scale, UNIT_ALL));
   PetscFunctionReturn(0);
+}
+
+/* OptionsScale - what 1 of a dimension is in SI units; 0: not known. */
+PetscReal OptionsScale(Dimension dimension) {
+  if (dimension >= UNIT_ANGLE) return 1; /* radians; the -si_ options are in SI as they are */
+  return now ? now->scale[dimension] : 0;
 }
 
 /* Keeps the value in force of an option, for the record. */
@@ -115,63 +129,6 @@ static PetscErrorCode Given(const char *name, OptionKind kind, const OptionRow *
   PetscFunctionReturn(0);
 }
 
-/* The units that a value may carry, in SI. */
-static const struct {
-  const char *name;
-  Dimension dimension;
-  PetscReal si;
-} units[] = {{"m", UNIT_LENGTH, 1},
-             {"cm", UNIT_LENGTH, 1e-2},
-             {"mm", UNIT_LENGTH, 1e-3},
-             {"um", UNIT_LENGTH, 1e-6},
-             {"s", UNIT_TIME, 1},
-             {"min", UNIT_TIME, 60},
-             {"h", UNIT_TIME, 3600},
-             {"N", UNIT_FORCE, 1},
-             {"mN", UNIT_FORCE, 1e-3},
-             {"1/m", UNIT_CURVATURE, 1},
-             {"/m", UNIT_CURVATURE, 1},
-             {"1/cm", UNIT_CURVATURE, 1e2},
-             {"/cm", UNIT_CURVATURE, 1e2},
-             {"1/mm", UNIT_CURVATURE, 1e3},
-             {"/mm", UNIT_CURVATURE, 1e3},
-             {"m/s", UNIT_SPEED, 1},
-             {"mm/s", UNIT_SPEED, 1e-3},
-             {"rad", UNIT_ANGLE, 1},
-             {"deg", UNIT_ANGLE, PETSC_PI / 180}};
-
-/*
-  OptionUnit - the factor by which a quantity in a unit becomes one of tendril's numbers.
-
-  what   names it in the message, with the number it stands behind
-  unit   as the table above has it; empty, or one of tendril's own (l, l/V, ...): 1
-*/
-PetscErrorCode OptionUnit(const char *what, const char *unit, Dimension dimension,
-                          PetscReal *factor) {
-  PetscReal scale = dimension == UNIT_ANGLE ? 1 : now ? now->scale[dimension] : 0;
-  PetscBool own;
-
-  PetscFunctionBegin;
-  *factor = 1;
-  PetscCall(PetscStrInList(unit, "1;l;l/V;N l;V;1/l", ';', &own));
-  if (!unit[0] || (own && dimension)) PetscFunctionReturn(0);
-  for (size_t i = 0; dimension && i < PETSC_STATIC_ARRAY_LENGTH(units); i++) {
-    if (strcmp(unit, units[i].name) || units[i].dimension != dimension) continue;
-    UserCheck(scale > 0, OptionsComm(),
-              "%s %s: a unit needs the rod in the laboratory: -si_bending_stiffness, "
-              "-si_friction_dry and the like%s",
-              what, unit,
-              dimension == UNIT_TIME || dimension == UNIT_SPEED ? ", here also -si_speed" : "");
-    *factor = units[i].si / scale;
-    PetscFunctionReturn(0);
-  }
-  UserCheck(PETSC_FALSE, OptionsComm(), "%s %s: give a number%s", what, unit,
-            dimension == UNIT_ANGLE ? " (of radians, or with deg behind it)"
-            : dimension             ? ", or one with its unit"
-                                    : "");
-  PetscFunctionReturn(0);
-}
-
 static PetscErrorCode ParseReal(const OptionRow *row, const char *text, PetscReal *value) {
   PetscReal factor;
   char *end, unit[32], what[128];
@@ -207,13 +164,14 @@ static PetscErrorCode ParseInt(const OptionRow *row, const char *text, PetscInt 
 }
 
 static PetscErrorCode CheckRange(const OptionRow *row, const char *given, PetscReal value) {
-  char bound[32];
+  Dimension told = row->dimension < UNIT_ANGLE ? row->dimension : UNIT_NONE;
+  char bound[64];
 
   PetscFunctionBegin;
-  OptionNumber(row->low, bound);
+  OptionBoth(row->low, told, bound);
   UserCheck(value >= row->low, OptionsComm(), "%s %s: too small, give at least %s", row->name,
             given, bound);
-  OptionNumber(row->high, bound);
+  OptionBoth(row->high, told, bound);
   UserCheck(value <= row->high, OptionsComm(), "%s %s: too large, give at most %s%s", row->name,
             given, bound, row->dimension == UNIT_ANGLE ? " (radians), or degrees with deg" : "");
   PetscFunctionReturn(0);
@@ -335,6 +293,36 @@ PetscErrorCode OptionQuantity(const char *option, const char *text, Dimension di
 
   PetscFunctionBegin;
   PetscCall(ParseReal(&row, text, value));
+  PetscFunctionReturn(0);
+}
+
+/* OptionSaid - what was given for an option before OptionTakeOffUnit(); NULL: no unit was. */
+const char *OptionSaid(const char *name) {
+  for (size_t i = 0; now && i < now->n_bare; i++)
+    if (!strcmp(now->bare[i].name, name)) return now->bare[i].said;
+  return NULL;
+}
+
+/* OptionTakeOffUnit - puts a number into the database for a value that carries a unit: PETSc, which
+   reads the option too, knows none. */
+PetscErrorCode OptionTakeOffUnit(const OptionRow *row) {
+  char given[PETSC_MAX_PATH_LEN], text[40], *end;
+  PetscReal value;
+  PetscBool found;
+
+  PetscFunctionBegin;
+  if (!row->dimension) PetscFunctionReturn(0);
+  PetscCall(PetscOptionsGetString(NULL, NULL, row->name, given, sizeof(given), &found));
+  if (!found) PetscFunctionReturn(0);
+  (void)strtod(given, &end);
+  if (end == given || !*end) PetscFunctionReturn(0);
+  PetscCall(ParseReal(row, given, &value));
+  PetscCall(CheckRange(row, given, value));
+  (void)snprintf(text, sizeof(text), "%.17g", (double)value);
+  PetscCall(PetscOptionsSetValue(NULL, row->name, text));
+  if (!now || now->n_bare == MOST_BARE || strlen(given) > LONGEST_BARE) PetscFunctionReturn(0);
+  now->bare[now->n_bare].name = row->name;
+  PetscCall(PetscStrallocpy(given, &now->bare[now->n_bare++].said));
   PetscFunctionReturn(0);
 }
 

@@ -19,7 +19,13 @@ typedef enum {
   UNIT_POWER,
   UNIT_CURVATURE,
   UNIT_ANGLE,
-  UNIT_ALL
+  UNIT_ALL,
+  /* those of the -si_ options, which are in SI units if they carry none */
+  SI_STIFFNESS = UNIT_ALL,
+  SI_DRY,
+  SI_VISCOUS,
+  SI_SPEED,
+  DIMENSIONS
 } Dimension;
 
 enum {
@@ -29,7 +35,8 @@ enum {
   EVENT = 8,       /* ends a run: a restart of one that has ended there does not keep it */
   PETSCS = 16,     /* PETSc reads it, tendril only checks it */
   LATE = 32,       /* PETSc reads it only deep in a solve, or at its end */
-  IN_PLACE = 64    /* an input file that may be written over */
+  IN_PLACE = 64,   /* an input file that may be written over */
+  SHARED = 128     /* PETSc reads it as well as tendril */
 };
 
 typedef struct {
@@ -78,19 +85,27 @@ MPI_Comm OptionsComm(void);
 PetscErrorCode OptionsPush(MPI_Comm comm, PetscOptions options);
 PetscErrorCode OptionsPop(void);
 PetscErrorCode OptionsSetScales(const PetscReal scale[UNIT_ALL]);
+PetscReal OptionsScale(Dimension dimension);
 PetscErrorCode OptionReal(const char *name, PetscReal *value, PetscBool *set);
 PetscErrorCode OptionInt(const char *name, PetscInt *value, PetscBool *set);
 PetscErrorCode OptionBool(const char *name, PetscBool *value, PetscBool *set);
 PetscErrorCode OptionWord(const char *name, PetscInt *choice, PetscBool *set);
 PetscErrorCode OptionText(const char *name, char value[PETSC_MAX_PATH_LEN], PetscBool *set);
-PetscErrorCode OptionUnit(const char *what, const char *unit, Dimension dimension,
-                          PetscReal *factor);
 PetscErrorCode OptionQuantity(const char *option, const char *text, Dimension dimension,
                               PetscReal *value);
+PetscErrorCode OptionTakeOffUnit(const OptionRow *row);
+const char *OptionSaid(const char *name);
 PetscErrorCode OptionCheck(const OptionRow *row);
 PetscErrorCode OptionGiven(const char *name, PetscBool *given);
 PetscErrorCode OptionDefault(const char *name, const char *format, ...);
 const char *OptionNumber(PetscReal value, char text[32]);
+
+/* options_units.c: the laboratory's units */
+PetscErrorCode OptionUnit(const char *what, const char *unit, Dimension dimension,
+                          PetscReal *factor);
+const char *OptionShownIn(PetscReal value, Dimension dimension, PetscReal *factor);
+const char *OptionInLaboratory(PetscReal value, Dimension dimension, char text[32]);
+const char *OptionBoth(PetscReal value, Dimension dimension, char text[64]);
 
 /* options_use.c: what was given, as a whole */
 PetscErrorCode OptionsCheckPetsc(void);

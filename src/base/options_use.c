@@ -5,8 +5,8 @@
 #include <petscts.h>
 #include <sys/stat.h>
 
-/* OptionsCheckPetsc - checks what was given to PETSc's own options as far as the table knows them.
-   Collective. */
+/* OptionsCheckPetsc - checks what was given to PETSc's own options as far as the table knows them,
+   and makes numbers of what carries a unit. Collective; after the laboratory's scales are set. */
 PetscErrorCode OptionsCheckPetsc(void) {
   const OptionRow *row;
   PetscBool given;
@@ -14,8 +14,10 @@ PetscErrorCode OptionsCheckPetsc(void) {
 
   PetscFunctionBegin;
   PetscCall(OptionsRename(PETSC_FALSE));
-  while ((row = OptionNext(&place)))
+  while ((row = OptionNext(&place))) {
+    if (row->flags & (PETSCS | SHARED)) PetscCall(OptionTakeOffUnit(row));
     if (row->flags & PETSCS) PetscCall(OptionCheck(row));
+  }
   PetscCall(OptionGiven("-ts_init_time", &given));
   UserCheck(
       !given, OptionsComm(),
@@ -142,22 +144,34 @@ PetscErrorCode OptionsRefuseOverwrite(const char *option, const char *output) {
   PetscFunctionReturn(0);
 }
 
-/* OptionsList - all options that were given, one a line, as an options file has them. The caller
-   frees the text (PetscFree). (Asking PETSc for them one by one would count them as read.) */
+/* Makes a line of each option in a text of PETSc's. */
+static void BreakLines(char *all) {
+  size_t n = strlen(all);
+  for (size_t i = 0; i < n; i++)
+    if (all[i] == ' ' && all[i + 1] == '-' && isalpha((unsigned char)all[i + 2])) all[i] = '\n';
+  while (n > 0 && isspace((unsigned char)all[n - 1])) all[--n] = 0;
+}
+
+/* OptionsList - all options that were given, one a line, as an options file has them, units and
+   all. The caller frees the text (PetscFree). (Asking PETSc for them one by one would count them as
+   read.) */
 PetscErrorCode OptionsList(char **text) {
-  char *all;
-  size_t n;
+  char *all, name[128];
+  size_t at = 0, room;
 
   PetscFunctionBegin;
   PetscCall(PetscOptionsGetAll(NULL, &all));
-  n = strlen(all);
-  PetscCall(PetscMalloc1(n + 2, text));
-  for (size_t i = 0; i < n; i++)
-    (*text)[i] =
-        all[i] == ' ' && all[i + 1] == '-' && isalpha((unsigned char)all[i + 2]) ? '\n' : all[i];
-  while (n > 0 && isspace((unsigned char)(*text)[n - 1])) n--;
-  (*text)[n] = '\n';
-  (*text)[n + 1] = 0;
+  BreakLines(all);
+  room = strlen(all) + 2048; /* what carries a unit is short */
+  PetscCall(PetscCalloc1(room, text));
+  for (const char *line = all; line; line = strchr(line, '\n') ? strchr(line, '\n') + 1 : NULL) {
+    const char *said;
+    (void)snprintf(name, sizeof(name), "%.*s", (int)strcspn(line, " \n"), line);
+    said = OptionSaid(name);
+    at +=
+        (size_t)(said ? snprintf(*text + at, room - at, "%s %s\n", name, said)
+                      : snprintf(*text + at, room - at, "%.*s\n", (int)strcspn(line, "\n"), line));
+  }
   PetscCall(PetscFree(all));
   PetscFunctionReturn(0);
 }

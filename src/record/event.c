@@ -17,7 +17,7 @@ const char *const event_name[EVENT_KINDS] = {"none", "self_contact", "length", "
 /* WatchSetFromOptions - reads and checks which events end the run. */
 PetscErrorCode WatchSetFromOptions(Watch *watch, Growth growth) {
   PetscReal length;
-  char text[32];
+  char text[64];
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(watch, sizeof(*watch)));
@@ -27,7 +27,8 @@ PetscErrorCode WatchSetFromOptions(Watch *watch, Growth growth) {
   watch->bound[EVENT_LENGTH] = PETSC_MAX_REAL;
   PetscCall(OptionReal("-stop_length", &watch->bound[EVENT_LENGTH], &watch->watched[EVENT_LENGTH]));
   UserCheck(watch->bound[EVENT_LENGTH] > length, OptionsComm(),
-            "-stop_length: the rod is %s long at the start, give more", OptionNumber(length, text));
+            "-stop_length: the rod is %s long at the start, give more",
+            OptionBoth(length, UNIT_LENGTH, text));
   PetscCall(OptionReal("-stop_angle", &watch->bound[EVENT_ANGLE], &watch->watched[EVENT_ANGLE]));
   for (int k = 0; k < EVENT_KINDS; k++) watch->any = (PetscBool)(watch->any || watch->watched[k]);
   PetscFunctionReturn(0);

@@ -359,7 +359,7 @@ static PetscErrorCode Stored(Output self, PetscLogDouble begin) {
 */
 PetscErrorCode OutputStore(Output self, Rod rod, RestartState *state, Vec points[],
                            PetscBool finished) {
-  char fault[HDF_FAULT] = "", text[32];
+  char fault[HDF_FAULT] = "", text[64];
   PetscLogDouble begin;
   HdfFile file;
 
@@ -382,7 +382,7 @@ PetscErrorCode OutputStore(Output self, Rod rod, RestartState *state, Vec points
             self->there ? "-output %s: cannot be written at t = %s: %s; what was stored before is "
                           "whole: make room and go on with -restart"
                         : "-output %s: cannot be written at t = %s: %s",
-            self->path, OptionNumber(state ? state->t : 0, text), fault);
+            self->path, OptionBoth(state ? state->t : 0, UNIT_TIME, text), fault);
   if (self->mine) PetscCall(Stored(self, begin));
   PetscFunctionReturn(0);
 }

@@ -85,7 +85,7 @@ PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, P
   PetscBool result;
   PetscReal *data;
   PetscInt n;
-  char text[32];
+  char text[64];
 
   PetscFunctionBegin;
   PetscCall(HdfHas(file, "/restart/points", begun));
@@ -100,7 +100,7 @@ PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, P
   PetscCall(TakeMesh(file, scene));
   UserCheck(scene->end_time > state->t * (1 + 1e-12), scene->comm,
             "-restart %s: is at t = %s already; give a later -ts_max_time", file,
-            OptionNumber(state->t, text));
+            OptionBoth(state->t, UNIT_TIME, text));
   PetscFunctionReturn(0);
 }
 

@@ -335,13 +335,9 @@ static PetscErrorCode FrameJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, PetscR
   PetscFunctionReturn(0);
 }
 
-/* Moves the shift at a point; change is the largest of a force so far. The speed that growth drives
-   it with is that of the straight rod: on a bent one too, the rest of v stretches nothing. */
-static void HoldPoint(const Cell *cell, const Load *load, const Law *law, const Place *at,
-                      LoadDual *dual, PetscReal *change) {
-  PetscReal V = GrowthSpeed(cell->rod->scene->growth, law->s, cell->t);
-
-  *change = PetscMax(*change, LoadHold(load, at, V, dual));
+/* Moves the shift at a point; change is the largest of a force so far. */
+static void HoldPoint(const Load *load, const Place *at, LoadDual *dual, PetscReal *change) {
+  *change = PetscMax(*change, LoadHold(load, at, dual));
 }
 
 /* Moves the shifts of exact Coulomb friction; change is the largest of a force. */
@@ -358,26 +354,25 @@ static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal 
     /* the clamped end does not move unless it slides: a shift there would hold nothing, and
        round-off adds up in it to a force on a rod whose x2 may be 1e-25 */
     if (i == first && ends && (i > 0 || cell.law->c != 0))
-      HoldPoint(&cell, cell.load, cell.law, &cell.a.at, cell.dual, change);
-    HoldPoint(&cell, cell.load, cell.law + 1, &cell.mid.at, cell.dual + 1, change);
-    if (ends) HoldPoint(&cell, cell.load, cell.law + 2, &cell.b.at, cell.dual + 2, change);
+      HoldPoint(cell.load, &cell.a.at, cell.dual, change);
+    HoldPoint(cell.load, &cell.mid.at, cell.dual + 1, change);
+    if (ends) HoldPoint(cell.load, &cell.b.at, cell.dual + 2, change);
   }
   if (rod->end == rod->last + 1 && TipResists(&rod->scene->tip))
-    HoldPoint(&cell, &rod->scene->tip.resistance, cell.law + 2, &cell.b.at, TipDual(rod), change);
+    HoldPoint(&rod->scene->tip.resistance, &cell.b.at, TipDual(rod), change);
   PetscCall(CellsClose(&cell));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, change, 1, MPIU_REAL, MPI_MAX, rod->scene->comm));
   PetscFunctionReturn(0);
 }
 
 /* The dual and the shift of each node and of the middle of the cell on its right. */
-enum { REMEMBERED = 12 };
+enum { REMEMBERED = 8 };
 
 static void Remembered(LoadDual *dual, PetscReal *value[REMEMBERED]) {
   for (int k = 0; k < 2; k++)
     for (int d = 0; d < 2; d++) {
-      value[6 * k + d] = &dual[k].w[d];
-      value[6 * k + 2 + d] = &dual[k].shift[d];
-      value[6 * k + 4 + d] = &dual[k].drive[d];
+      value[4 * k + d] = &dual[k].w[d];
+      value[4 * k + 2 + d] = &dual[k].shift[d];
     }
 }
 

@@ -219,7 +219,7 @@ static PetscErrorCode ReadAxis(const char *option, const char *file, const char 
 static PetscErrorCode CheckSign(const char *option, const char *file, Field self) {
   enum { PLACES = 4 };
   PetscInt count[AXES], total = 1;
-  char text[4][32];
+  char text[4][64];
 
   PetscFunctionBegin;
   for (int a = 0; a < AXES; a++)
@@ -239,8 +239,8 @@ static PetscErrorCode CheckSign(const char *option, const char *file, Field self
         factor >= -1e-12, OptionsComm(),
         "%s %s: the factor is %s at x1 = %s, x2 = %s, t = %s; it must not fall below 0, between "
         "the entries neither (give more of them where it changes)",
-        option, file, OptionNumber(factor, text[0]), OptionNumber(at[ALONG], text[1]),
-        OptionNumber(at[ACROSS], text[2]), OptionNumber(at[TIME], text[3]));
+        option, file, OptionNumber(factor, text[0]), OptionBoth(at[ALONG], UNIT_LENGTH, text[1]),
+        OptionBoth(at[ACROSS], UNIT_LENGTH, text[2]), OptionBoth(at[TIME], UNIT_TIME, text[3]));
   }
   PetscFunctionReturn(0);
 }

@@ -72,34 +72,20 @@ void FrictionLinearise(const Friction *law, const PetscReal v[2], const Friction
     }
 }
 
-/* Reduces a vector to a length. */
-static void Shorten(PetscReal a[2], PetscReal longest) {
-  PetscReal size = PetscSqrtReal(a[0] * a[0] + a[1] * a[1]);
-  for (int i = 0; i < 2 && size > longest; i++) a[i] *= longest / size;
-}
-
-static const PetscReal drive_gain = 1e8; /* how much a driven velocity is enlarged in the shift */
-
-/* FrictionDualHold - moves the shift by v, but for the part of v that is driven, for exact Coulomb
-   friction. Returns how much the dry force would change if the point moved on like this. A point
-   that slides needs no shift; the longest kept leaves the force within 0.5 % of its limit. */
-PetscReal FrictionDualHold(const Friction *law, const PetscReal v[2], const PetscReal driven[2],
-                           FrictionDual *dual) {
+/* FrictionDualHold - moves the shift by v, for exact Coulomb friction. Returns how much the dry
+   force would change if the point moved on like this. A point that slides needs no shift; the
+   longest kept leaves the force within 0.5 % of its limit. */
+PetscReal FrictionDualHold(const Friction *law, const PetscReal v[2], FrictionDual *dual) {
   const PetscReal longest = 10 * PetscSqrtReal(friction_tiny);
-  PetscReal u[2], next[2], r = FrictionRadius(law, v, dual, u), held[2], s, change = 0;
+  PetscReal u[2], next[2], r = FrictionRadius(law, v, dual, u),
+                           size = PetscSqrtReal(u[0] * u[0] + u[1] * u[1]), s, change = 0;
 
   if (PetscSqrtReal(v[0] * v[0] + v[1] * v[1]) > longest) {
-    for (int i = 0; i < 2; i++) dual->shift[i] = dual->drive[i] = 0;
+    dual->shift[0] = dual->shift[1] = 0;
     return 0;
   }
   for (int i = 0; i < 2; i++) {
-    held[i] = dual->shift[i] - dual->drive[i] + (v[i] - driven[i]);
-    dual->drive[i] = drive_gain * driven[i];
-  }
-  Shorten(held, longest);
-  Shorten(dual->drive, longest);
-  for (int i = 0; i < 2; i++) {
-    dual->shift[i] = held[i] + dual->drive[i];
+    dual->shift[i] = size > longest ? u[i] * longest / size : u[i];
     next[i] = dual->shift[i] + v[i];
   }
   s = PetscSqrtReal(next[0] * next[0] + next[1] * next[1] + friction_tiny);

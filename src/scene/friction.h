@@ -16,9 +16,9 @@ typedef struct {
 
 /* What Newton's method remembers of one friction point: the velocity and the dual w (the dry force
    over mu, |w| <= 1) of its latest linearisation; for exact Coulomb friction also the shift that
-   holds a sticking point at rest (else 0), and the part of it that growth drives. */
+   holds a sticking point at rest (else 0). */
 typedef struct {
-  PetscReal v[2], w[2], shift[2], drive[2];
+  PetscReal v[2], w[2], shift[2];
 } FrictionDual;
 
 extern const OptionGroup friction_options;
@@ -29,16 +29,12 @@ void FrictionDualAdvance(const Friction *law, const PetscReal v[2], FrictionDual
 void FrictionLinearise(const Friction *law, const PetscReal v[2], const FrictionDual *dual,
                        PetscReal slope[2][2]);
 
-PetscReal FrictionDualHold(const Friction *law, const PetscReal v[2], const PetscReal driven[2],
-                           FrictionDual *dual);
+PetscReal FrictionDualHold(const Friction *law, const PetscReal v[2], FrictionDual *dual);
 
 /* The dry force is mu w, w = u/r, u = v + shift, r = sqrt(u^2 + beta). Regularised friction has no
    shift. Exact Coulomb friction takes a tiny beta and moves the shift, shift <- shift + v, until
    the force settles: then either v = 0, and w is whatever it takes, or |v| is far above sqrt(beta)
-   and w = v/|v| (a method of multipliers). What growth drives along the rod, however slowly, is no
-   rest: that part of v is not added up but enters the shift many times enlarged, so that w points
-   along it; where it ends, at the end of a growth zone, so does its share in w. So the forces in
-   material at rest are those of the limit beta -> 0. */
+   and w = v/|v| (a method of multipliers). */
 static const PetscReal friction_tiny = 1e-12;
 
 /* r, and u with it */

@@ -123,6 +123,7 @@ static PetscErrorCode CreateApical(Growth self) {
   self->strain = StrainApical;
   self->origin = OriginApical;
   self->finest = *zone;
+  self->rests = PETSC_TRUE;
   PetscFunctionReturn(0);
 }
 

@@ -13,6 +13,7 @@ struct _Growth {
   PetscBool even;           /* g does not depend on s: labels share out the length evenly */
   PetscBool similar;        /* the straight rod's velocity depends on s alone, not on t */
   PetscBool slides;         /* material slides past the labels: c is not 0 */
+  PetscBool rests;          /* there is material at rest, behind a growth zone */
   PetscReal finest;         /* length of a zone at the tip that the mesh must resolve; 0: none */
   PetscBool stopped;        /* GrowthStop(): stands still at one time of another law */
   PetscErrorCode (*stretch)(Growth, PetscReal s, PetscReal t, PetscReal *g, PetscReal *g_t,

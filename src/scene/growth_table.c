@@ -26,7 +26,7 @@ static PetscErrorCode StretchTable(Growth self, PetscReal s, PetscReal t, PetscR
                                    PetscReal *g_t, PetscReal *g_s) {
   Table *tab = (Table *)self->data;
   PetscReal ws[4], ws1[4], wt[4], wt1[4];
-  char text[3][32];
+  char text[3][64];
   PetscInt i, j;
 
   PetscFunctionBegin;
@@ -38,7 +38,7 @@ static PetscErrorCode StretchTable(Growth self, PetscReal s, PetscReal t, PetscR
   UserCheck(*g > 0, PETSC_COMM_SELF,
             "-growth_table: the stretch is %s at s = %s, t = %s; it must stay above 0 between the "
             "entries too",
-            OptionNumber(*g, text[0]), OptionNumber(s, text[1]), OptionNumber(t, text[2]));
+            OptionNumber(*g, text[0]), OptionNumber(s, text[1]), OptionBoth(t, UNIT_TIME, text[2]));
   PetscFunctionReturn(0);
 }
 
@@ -99,7 +99,7 @@ static PetscErrorCode TableCheckBetween(const char *file, const Table *tab) {
       PetscReal a = (PetscReal)(i % PLACES) / PLACES, b = (PetscReal)(j % PLACES) / PLACES,
                 s = (1 - a) * tab->s[i / PLACES] + a * tab->s[i / PLACES + 1],
                 t = (1 - b) * tab->t[j / PLACES] + b * tab->t[j / PLACES + 1], ws[4], wt[4], g;
-      char text[3][32];
+      char text[3][64];
       PetscInt m, n;
       SplineWeights(tab->ns, tab->s, s, &m, ws, NULL, NULL);
       SplineWeights(tab->nt, tab->t, t, &n, wt, NULL, NULL);
@@ -107,7 +107,8 @@ static PetscErrorCode TableCheckBetween(const char *file, const Table *tab) {
       UserCheck(g > 0, OptionsComm(),
                 "-growth_table %s: between its entries the stretch falls to %s at s = %s, t = %s; "
                 "give more entries there",
-                file, OptionNumber(g, text[0]), OptionNumber(s, text[1]), OptionNumber(t, text[2]));
+                file, OptionNumber(g, text[0]), OptionNumber(s, text[1]),
+                OptionBoth(t, UNIT_TIME, text[2]));
     }
   PetscFunctionReturn(0);
 }

@@ -126,6 +126,13 @@ PetscErrorCode LoadInFastTime(const Load *load, PetscReal t, Load *fast, PetscBo
   PetscFunctionReturn(0);
 }
 
+/* LoadNextToExact - for a rod of which a part is at rest: there exact Coulomb friction does not say
+   what the axial force is. So it is taken as what it is the limit of, which says that it is 0. */
+void LoadNextToExact(Load *load) {
+  const PetscReal next_to_exact = 1e-16;
+  if (load->friction.beta == 0) load->friction.beta = next_to_exact;
+}
+
 /* LoadIsEven - does the load leave a straight rod straight, up to this length and time? Not if a
    field changes across the axis. */
 PetscBool LoadIsEven(const Load *load, PetscReal length, PetscReal end) {

@@ -38,6 +38,7 @@ typedef FrictionDual LoadDual; /* what Newton's method remembers of a place */
 extern const OptionGroup load_options;
 
 PetscErrorCode LoadSetFromOptions(Load *load, PetscReal clamp_angle);
+void LoadNextToExact(Load *load);
 PetscErrorCode LoadDestroy(Load *load);
 PetscErrorCode LoadInFastTime(const Load *load, PetscReal t, Load *fast, PetscBool *dry);
 PetscBool LoadIsEven(const Load *load, PetscReal length, PetscReal end);
@@ -69,12 +70,9 @@ static inline PetscBool LoadSticks(const Load *load) {
   return (PetscBool)(load->friction.beta == 0);
 }
 
-/* Moves what holds a sticking place; returns how much its force would change if it moved on so.
-   driven: the part of its velocity along the rod that growth prescribes. */
-static inline PetscReal LoadHold(const Load *load, const Place *at, PetscReal driven,
-                                 LoadDual *dual) {
-  const PetscReal drive[2] = {driven * at->q[0], driven * at->q[1]};
-  return FrictionDualHold(&load->friction, at->v, drive, dual);
+/* Moves what holds a sticking place; returns how much its force would change if it moved on so. */
+static inline PetscReal LoadHold(const Load *load, const Place *at, LoadDual *dual) {
+  return FrictionDualHold(&load->friction, at->v, dual);
 }
 
 /* F where nothing is held, as an observer sees it: a place at rest bears no dry force. */

@@ -7,7 +7,7 @@ static const OptionRow rows[] = {
     ROW_INT("-rod_cells", "500", 4, 3e8, 0, "N, so N + 1 nodes"),
     ROW_WORD("-rod_grading", "growth", "uniform,growth", 0,
              "node placement: equidistant in s, or denser where the rod grows"),
-    ROW_REAL("-ts_max_time", "40", 1e-12, 1e6, UNIT_TIME, 0, "end of the run")};
+    ROW_REAL("-ts_max_time", "40", 1e-12, 1e6, UNIT_TIME, SHARED, "end of the run")};
 const OptionGroup scene_options = OPTION_GROUP("Rod and clamp", rows);
 
 /* SceneShapeAngle - the initial angle against the clamp and its derivative by s, at one label. A
@@ -52,7 +52,7 @@ static PetscErrorCode CheckSize(PetscInt cells) {
 */
 PetscErrorCode SceneCreate(Scene *scene) {
   PetscInt cells, grading;
-  char text[2][32];
+  char text[2][64];
   Scene self;
 
   PetscFunctionBegin;
@@ -63,6 +63,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
   PetscCall(GrowthCreate(&self->growth));
   PetscCall(OptionReal("-clamp_angle", &self->clamp_angle, NULL));
   PetscCall(LoadSetFromOptions(&self->load, self->clamp_angle));
+  if (self->growth->rests) LoadNextToExact(&self->load);
   PetscCall(TipSetFromOptions(&self->tip, &self->load));
   PetscCall(StiffnessSetFromOptions(&self->stiffness));
   PetscCall(ShapeSetFromOptions(&self->shape));
@@ -72,7 +73,8 @@ PetscErrorCode SceneCreate(Scene *scene) {
   PetscCall(OptionReal("-ts_max_time", &self->end_time, NULL));
   UserCheck(self->end_time <= self->growth->end_time * (1 + 1e-12), OptionsComm(),
             "-ts_max_time %s: the growth table ends at t = %s",
-            OptionNumber(self->end_time, text[0]), OptionNumber(self->growth->end_time, text[1]));
+            OptionBoth(self->end_time, UNIT_TIME, text[0]),
+            OptionBoth(self->growth->end_time, UNIT_TIME, text[1]));
   PetscCall(GrowthLength(self->growth, self->end_time, &self->reach, NULL));
   self->reach = PetscMax(self->reach, self->growth->initial_length);
   PetscCall(CurvatureSetFromOptions(&self->curvature, self->growth, self->end_time));
@@ -80,9 +82,19 @@ PetscErrorCode SceneCreate(Scene *scene) {
   PetscFunctionReturn(0);
 }
 
-/* SceneHoldTip - tells a scene whose tip is held where that is, in the clamp's frame. */
+/* SceneHoldTip - tells a scene whose tip is held where that is, in the clamp's frame. A rod that is
+   straight from the clamp to there cannot grow, and one that nearly is has too many ways to.
+   Collective. */
 PetscErrorCode SceneHoldTip(Scene scene, const PetscReal x[2], PetscReal theta) {
+  const PetscReal slack = 1e-8;
+  PetscReal away = PetscSqrtReal(x[0] * x[0] + x[1] * x[1]), length;
+
   PetscFunctionBegin;
+  PetscCall(GrowthLength(scene->growth, 0, &length, NULL));
+  UserCheck(away < (1 - slack) * length, scene->comm,
+            "-tip_type: the rod is straight from the clamp to its held tip (to %g) and has nowhere "
+            "to grow: give it a larger -shape_amplitude or a natural curvature",
+            (double)slack);
   PetscCall(PetscArraycpy(scene->tip.x, x, 2));
   scene->tip.theta = theta;
   PetscFunctionReturn(0);

@@ -5,12 +5,14 @@ const char *const si_name[UNIT_ALL] = {NULL,     "length", "force",     "time", 
 const char *const si_unit[UNIT_ALL] = {NULL, "m", "N", "s", "m/s", "J", "W", "1/m", NULL};
 
 static const OptionRow rows[] = {
-    ROW_REAL("-si_bending_stiffness", "", 0, 1e30, UNIT_NONE, 0, "YI, in N m^2"),
-    ROW_REAL("-si_friction_dry", "", 0, 1e30, UNIT_NONE, 0, "dry friction per length, in N/m"),
-    ROW_REAL("-si_friction_viscous", "", 0, 1e30, UNIT_NONE, 0,
-             "viscous friction per length and speed, in N s/m^2"),
-    ROW_REAL("-si_speed", "", 0, 1e30, UNIT_NONE, 0,
-             "V, the speed at which the rod grows, in m/s")};
+    ROW_REAL("-si_bending_stiffness", "", 0, 1e30, SI_STIFFNESS, 0,
+             "YI, in N m^2 or with its unit (Nmm^2)"),
+    ROW_REAL("-si_friction_dry", "", 0, 1e30, SI_DRY, 0,
+             "dry friction per length, in N/m or with its unit (mN/mm)"),
+    ROW_REAL("-si_friction_viscous", "", 0, 1e30, SI_VISCOUS, 0,
+             "viscous friction per length and speed, in N s/m^2 or with its unit (mPas)"),
+    ROW_REAL("-si_speed", "", 0, 1e30, SI_SPEED, 0,
+             "V, the speed at which the rod grows, in m/s or with its unit (mm/h)")};
 const OptionGroup si_options = OPTION_GROUP("Laboratory units", rows);
 
 /* The scales: the unit of length is (YI/N)^(1/3), that of force N times it. */

@@ -101,6 +101,24 @@ static PetscErrorCode Map(Pencil self, PetscReal t) {
   PetscFunctionReturn(0);
 }
 
+/* Is the straight rod a solution, and are its eigenvalues to be had? Where material is at rest they
+   crowd towards 0 as beta falls. */
+static PetscErrorCode CheckStraight(Scene scene) {
+  const PetscReal least = 1e-6;
+  const Friction *friction = &scene->load.friction;
+
+  PetscFunctionBegin;
+  UserCheck(
+      LoadIsEven(&scene->load, scene->reach, scene->end_time), scene->comm,
+      "-friction_field: it changes across the rod's axis, where a straight rod does not stay "
+      "straight; -task critical, -task stability and -shape_type mode need one that does not");
+  UserCheck(!scene->growth->rests || friction->mu == 0 || friction->beta >= least, scene->comm,
+            "-friction_beta: material behind the growth zone is at rest; for its eigenvalues take "
+            "%g at least",
+            (double)least);
+  PetscFunctionReturn(0);
+}
+
 /*
   PencilCreate - prepares the linear problem on a mesh. Collective on comm.
 
@@ -113,6 +131,7 @@ PetscErrorCode PencilCreate(MPI_Comm comm, Scene scene, const Mesh *mesh, PetscR
   Pencil self;
 
   PetscFunctionBegin;
+  PetscCall(CheckStraight(scene));
   PetscCall(PetscNew(&self));
   self->comm = comm;
   self->scene = scene;

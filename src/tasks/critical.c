@@ -87,6 +87,7 @@ static PetscErrorCode Root(Factor *self, PetscReal a, PetscReal fa, PetscReal b,
    unstable from the start. */
 static PetscErrorCode ScanWith(Factor *coarse, Scene scene, PetscReal *low, PetscReal *high) {
   PetscReal T = scene->end_time, f, L, L_t;
+  char text[64];
 
   PetscFunctionBegin;
   *low = *high = 0;
@@ -102,7 +103,8 @@ static PetscErrorCode ScanWith(Factor *coarse, Scene scene, PetscReal *low, Pets
     PetscCall(FactorAt(coarse, *high, &f));
   }
   UserCheck(f >= 0, scene->comm,
-            "-ts_max_time %g: the straight rod is stable up to there, look further", (double)T);
+            "-ts_max_time %s: the straight rod is stable up to there, look further",
+            OptionBoth(T, UNIT_TIME, text));
   PetscFunctionReturn(0);
 }
 
@@ -258,6 +260,23 @@ static PetscErrorCode Write(Scene scene, HdfFile file, const Critical *self) {
   PetscFunctionReturn(0);
 }
 
+/* What it is in the laboratory, as far as that is known. */
+static PetscErrorCode PrintLaboratory(MPI_Comm comm, const Critical *self) {
+  PetscReal second = OptionsScale(UNIT_TIME);
+  char length[32], time[32];
+
+  PetscFunctionBegin;
+  OptionInLaboratory(self->length, UNIT_LENGTH, length);
+  OptionInLaboratory(self->t, UNIT_TIME, time);
+  if (!length[0]) PetscFunctionReturn(0);
+  PetscCall(PetscPrintf(comm, "in the laboratory: %s%s%sL = %s", time[0] ? "t = " : "", time,
+                        time[0] ? ", " : "", length));
+  if (self->frequency > 0 && second > 0)
+    PetscCall(PetscPrintf(comm, ", frequency %.6g rad/s", (double)(self->frequency / second)));
+  PetscCall(PetscPrintf(comm, "\n"));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode Print(MPI_Comm comm, const Critical *self) {
   double cube = (double)(self->length * self->length * self->length);
 
@@ -270,6 +289,7 @@ static PetscErrorCode Print(MPI_Comm comm, const Critical *self) {
                           (double)self->frequency, cube));
   else
     PetscCall(PetscPrintf(comm, "buckling (L^3 = %.10g)\n", cube));
+  PetscCall(PrintLaboratory(comm, self));
   if (self->t < 0) PetscCall(PetscPrintf(comm, "the rod is longer than that from the start\n"));
   PetscFunctionReturn(0);
 }

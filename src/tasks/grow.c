@@ -218,7 +218,7 @@ static PetscErrorCode HandOver(Grow *self, Leg *to) {
   Leg *from = self->now;
   PetscReal t, dt, times[VBDF_POINTS];
   PetscInt n, order, steps;
-  char text[32];
+  char text[64];
   Vec old[VBDF_POINTS], new[VBDF_POINTS];
 
   PetscFunctionBegin;
@@ -240,7 +240,8 @@ static PetscErrorCode HandOver(Grow *self, Leg *to) {
   self->now = to;
   if (!self->quiet)
     PetscCall(PetscPrintf(self->scene->comm, "t = %s: from the %s to the %s model\n",
-                          OptionNumber(t, text), from->rod->model->name, to->rod->model->name));
+                          OptionBoth(t, UNIT_TIME, text), from->rod->model->name,
+                          to->rod->model->name));
   PetscFunctionReturn(0);
 }
 
@@ -289,7 +290,7 @@ static PetscErrorCode Begin(Grow *self, const char *output) {
 static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *state,
                            const char *output) {
   Event event;
-  char text[32];
+  char text[64];
 
   PetscFunctionBegin;
   UserCheck(state->model >= 0 && state->model < MODELS && self->leg[(int)state->model].rod &&
@@ -304,14 +305,15 @@ static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *
   self->seen.t = self->start = self->stored_shape = state->t;
   PetscCall(GrowLookForEvent(self, state->t, self->now->U, &event));
   UserCheck(!event.kind, self->scene->comm,
-            "-stop_%s: it is so at t = %g already, where -restart %s is", event_name[event.kind],
-            (double)state->t, restart);
+            "-stop_%s: it is so at t = %s already, where -restart %s is", event_name[event.kind],
+            OptionBoth(state->t, UNIT_TIME, text), restart);
   PetscCall(
       OutputContinue(output, restart, self->scene, state->t, self->output_interval, &self->output));
   PetscCall(Store(self, PETSC_FALSE));
   if (!self->quiet)
     PetscCall(PetscPrintf(self->scene->comm, "goes on from t = %s of %s, into %s\n",
-                          OptionNumber(state->t, text), restart, output[0] ? output : restart));
+                          OptionBoth(state->t, UNIT_TIME, text), restart,
+                          output[0] ? output : restart));
   self->next_output = self->output_interval;
   while (self->next_output <= state->t * (1 + 1e-12)) self->next_output += self->output_interval;
   PetscFunctionReturn(0);
@@ -371,14 +373,14 @@ static PetscErrorCode End(Grow *self, PetscBool finished) {
 /* The line for an end that was not asked for. */
 static PetscErrorCode Verdict(const Grow *self, TSConvergedReason reason) {
   MPI_Comm comm = self->scene->comm;
-  char text[3][32];
+  char text[3][64];
   PetscReal dt;
 
   PetscFunctionBegin;
   PetscCall(TSGetTimeStep(self->now->ts, &dt));
-  OptionNumber(self->seen.t, text[0]);
-  OptionNumber(dt, text[1]);
-  OptionNumber(self->scene->end_time, text[2]);
+  OptionBoth(self->seen.t, UNIT_TIME, text[0]);
+  OptionBoth(dt, UNIT_TIME, text[1]);
+  OptionBoth(self->scene->end_time, UNIT_TIME, text[2]);
   if (self->event.kind) PetscFunctionReturn(0);
   UserCheck(!self->stopped, comm,
             "interrupted by signal %d at t = %s; the results up to there are stored", self->stopped,

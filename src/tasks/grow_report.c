@@ -3,21 +3,43 @@
 #include "tasks/growing.h"
 #include <petsctime.h>
 
+/* The lines of progress are in the units of the laboratory, if it is known: those that suit the end
+   of the run. */
+static const char *TimeUnit(const Grow *self, PetscReal *factor) {
+  return OptionShownIn(self->scene->end_time, UNIT_TIME, factor);
+}
+
+static const char *LengthUnit(const Grow *self, PetscReal *factor) {
+  return OptionShownIn(self->scene->reach, UNIT_LENGTH, factor);
+}
+
+/* A column's name with its unit. */
+static const char *Column(const char *name, const char *unit, char text[16]) {
+  (void)snprintf(text, 16, unit ? "%s, %s" : "%s", name, unit);
+  return text;
+}
+
 /* GrowHeading - above the lines of progress. Collective. */
 PetscErrorCode GrowHeading(Grow *self) {
+  PetscReal factor;
+  const char *length = LengthUnit(self, &factor), *time = TimeUnit(self, &factor);
+  char text[4][16];
+
   PetscFunctionBegin;
   PetscCall(PetscTime(&self->begin));
   self->reported = self->begin;
   if (!self->quiet)
-    PetscCall(PetscPrintf(self->scene->comm, "%10s %10s %12s %10s %7s %8s %11s\n", "t", "length",
-                          "|x2|", "step", "Newton", "model", "time left"));
+    PetscCall(PetscPrintf(self->scene->comm, "%10s %10s %12s %10s %7s %8s %11s\n",
+                          Column("t", time, text[0]), Column("length", length, text[1]),
+                          Column("|x2|", length, text[2]), Column("step", time, text[3]), "Newton",
+                          "model", "time left"));
   PetscFunctionReturn(0);
 }
 
 /* GrowProgress - a line every tenth of the run, and every second. Collective. */
 PetscErrorCode GrowProgress(Grow *self, PetscBool last) {
   const Observation *seen = &self->seen;
-  PetscReal end = self->scene->end_time;
+  PetscReal end = self->scene->end_time, time, length;
   PetscLogDouble now;
   char left[32] = "";
 
@@ -30,10 +52,12 @@ PetscErrorCode GrowProgress(Grow *self, PetscBool last) {
   if (now - self->begin > 0.5 && seen->t > self->start + 0.02 * end && !last)
     (void)snprintf(left, sizeof(left), "%9.1f s",
                    (now - self->begin) * (end - seen->t) / (seen->t - self->start));
+  (void)TimeUnit(self, &time);
+  (void)LengthUnit(self, &length);
   PetscCall(PetscPrintf(self->scene->comm, "%10.4f %10.4f %12.4e %10.2e %7d %8s %s\n",
-                        (double)seen->t, (double)seen->length, (double)seen->norm_x2,
-                        (double)seen->step, (int)seen->newton_iterations,
-                        grow_models[(int)seen->model]->name, left));
+                        (double)(time * seen->t), (double)(length * seen->length),
+                        (double)(length * seen->norm_x2), (double)(time * seen->step),
+                        (int)seen->newton_iterations, grow_models[(int)seen->model]->name, left));
   PetscFunctionReturn(0);
 }
 
@@ -68,14 +92,15 @@ static PetscErrorCode Errors(Grow *self, PetscInt jumps) {
 static PetscErrorCode TellEvent(Grow *self) {
   MPI_Comm comm = self->scene->comm;
   const Event *event = &self->event;
-  char text[4][32];
+  char text[4][64];
 
   PetscFunctionBegin;
   if (event->kind == EVENT_NONE) PetscFunctionReturn(0);
-  OptionNumber(event->t, text[0]);
+  OptionBoth(event->t, UNIT_TIME, text[0]);
   OptionNumber(event->s[0], text[1]);
   OptionNumber(event->s[1], text[2]);
-  OptionNumber(self->watch.bound[event->kind], text[3]);
+  OptionBoth(self->watch.bound[event->kind], event->kind == EVENT_LENGTH ? UNIT_LENGTH : UNIT_NONE,
+             text[3]);
   PetscCall(PetscPrintf(comm, "stopped at t = %s: ", text[0]));
   if (event->kind == EVENT_LENGTH)
     PetscCall(PetscPrintf(comm, "length %s\n", text[3]));
@@ -83,6 +108,25 @@ static PetscErrorCode TellEvent(Grow *self) {
     PetscCall(PetscPrintf(comm, "an angle of %s at s = %s\n", text[3], text[1]));
   else
     PetscCall(PetscPrintf(comm, "touches itself at s = %s and %s\n", text[1], text[2]));
+  PetscFunctionReturn(0);
+}
+
+/* The state once more, in the laboratory: all lengths in one unit. */
+static PetscErrorCode TellLaboratory(const Grow *self) {
+  const Observation *seen = &self->seen;
+  PetscReal f;
+  const char *unit = OptionShownIn(seen->length, UNIT_LENGTH, &f);
+  char time[32];
+
+  PetscFunctionBegin;
+  if (!unit) PetscFunctionReturn(0);
+  OptionInLaboratory(seen->t, UNIT_TIME, time);
+  PetscCall(
+      PetscPrintf(self->scene->comm,
+                  "in the laboratory: %s%s%slength %.6g %s, tip (%.6g, %.6g) %s, |x2| %.6g %s\n",
+                  time[0] ? "t = " : "", time, time[0] ? ", " : "", (double)(f * seen->length),
+                  unit, (double)(f * seen->tip_x1), (double)(f * seen->tip_x2), unit,
+                  (double)(f * seen->norm_x2), unit));
   PetscFunctionReturn(0);
 }
 
@@ -110,6 +154,7 @@ PetscErrorCode GrowSummary(Grow *self) {
                         OptionNumber(seen->t, text[0]), OptionNumber(seen->length, text[1]),
                         OptionNumber(seen->tip_x1, text[2]), OptionNumber(seen->tip_x2, text[3]),
                         (double)seen->norm_x2));
+  PetscCall(TellLaboratory(self));
   PetscCall(PetscPrintf(self->scene->comm, "%d steps, %d rejected, %d Newton iterations, %.3f s; ",
                         (int)steps, (int)rejections, (int)iterations, now - self->begin));
   PetscCall(Errors(self, jumps));

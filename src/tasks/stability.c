@@ -272,6 +272,14 @@ static PetscErrorCode Verdict(Stability *self, Curve curve) {
   PetscFunctionReturn(0);
 }
 
+/* Is A self-adjoint in the friction norm, and that norm the same at all times but for a factor? For
+   uniform growth it is, with friction that is the same in all directions and places, and a tip that
+   is free or pushed along the clamp. */
+static PetscBool IsSelfAdjoint(Scene scene) {
+  return (PetscBool)(scene->growth->even && !scene->growth->slides && scene->load.plain &&
+                     (scene->tip.force == 0 || scene->tip.law == TIP_DEAD));
+}
+
 static PetscErrorCode PrintVerdict(const Stability *self) {
   const PetscBool slides = self->scene->growth->slides;
   const PetscReal start = self->set.start;
@@ -290,7 +298,7 @@ static PetscErrorCode PrintVerdict(const Stability *self) {
                             self->beyond[c] ? " at least" : ""));
   }
   if (!self->has[CURVE_FRICTION]) PetscFunctionReturn(0);
-  if (self->scene->growth->even && !self->scene->growth->slides)
+  if (IsSelfAdjoint(self->scene))
     PetscCall(PetscPrintf(OptionsComm(),
                           "Uniform growth: A is self-adjoint in the friction norm, so the rod is "
                           "exponentially stable exactly up to t_cr.\n"));
@@ -460,6 +468,8 @@ static PetscErrorCode Open(Stability *self, const char *output) {
   Scene scene = self->scene;
 
   PetscFunctionBegin;
+  UserCheck(scene->tip.type == TIP_FREE, scene->comm,
+            "-tip_type: -task stability is about a free tip; -task critical knows the others");
   PetscCall(ReadSettings(scene, &self->set));
   self->comm = self->set.vertices < SHARED_VERTICES ? PETSC_COMM_SELF : scene->comm;
   PetscCall(

@@ -62,10 +62,12 @@ typedef struct {
 
 static PetscErrorCode ReadOptions(Asked *asked) {
   PetscBool go_on;
+  Si si;
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(asked, sizeof(*asked)));
   PetscCall(RestartOptions(asked->restart, &go_on));
+  PetscCall(SiSetFromOptions(&si)); /* from here on options may carry units */
   PetscCall(OptionsCheckPetsc());
   PetscCall(OptionWord("-task", &asked->task, NULL));
   PetscCall(OptionText("-output", asked->output, NULL));

@@ -217,6 +217,140 @@ def laboratory_units():
         expect(word in tendril(f"{wrong} -ts_max_time 0.1", 1), wrong)
 
 
+LAB = dict(stiffness=2.209e-6, dry=0.5, speed=5e-3)  # SI: the tube of docs/guide.md
+LENGTH = (LAB["stiffness"] / LAB["dry"]) ** (1 / 3)
+FORCE, TIME = LAB["dry"] * LENGTH, LENGTH / LAB["speed"]
+SI = "-si_bending_stiffness {stiffness} -si_friction_dry {dry} -si_speed {speed} ".format(**LAB)
+# (option, its value with a unit, and as a number of tendril's)
+QUANTITIES = [
+    ("-growth_initial_length", "1cm", 0.01 / LENGTH), ("-growth_zone", "5mm", 5e-3 / LENGTH),
+    ("-ts_max_time", "0.2min", 12 / TIME), ("-output_interval", "2s", 2 / TIME),
+    ("-ts_dt", "0.2ms", 2e-4 / TIME), ("-ts_adapt_dt_max", "0.3s", 0.3 / TIME),
+    ("-tip_force", "500uN", 5e-4 / FORCE), ("-friction_layer_width", "2000um", 2e-3 / LENGTH),
+    ("-rod_curvature", "2/m", 2 * LENGTH), ("-stop_length", "0.0605m", 0.0605 / LENGTH)]
+LAYERS = [(0, 1), (0.03, 2.5)]
+
+
+def spoken(units, leave=()):
+    """The same scene, with units or in tendril's numbers."""
+    words = [f"{name} {text if units else repr(number)}" for name, text, number in QUANTITIES
+             if name not in leave]
+    layers = ",".join(f"{x * 100}cm:{f}" if units else f"{x / LENGTH!r}:{f}" for x, f in LAYERS)
+    return f"{SI} -growth_type apical -shape_type straight -friction_layers {layers} -rod_cells 60 " \
+           + " ".join(words)
+
+
+@check
+def units_everywhere():
+    """With units it is the same run as with numbers; also when it is broken and goes on; the file
+    keeps what was said."""
+    d = scene.SCRATCH
+    for name, units in (("units", True), ("numbers", False)):
+        tendril(f"{spoken(units)} -output {d}/{name}.h5")
+    a, b = read(f"{d}/units.h5"), read(f"{d}/numbers.h5")
+    for key in b:
+        if key.startswith(("series/", "shapes/")):
+            expect(a[key].shape == b[key].shape, f"{key}: {a[key].shape}, {b[key].shape}")
+    for key in ("shapes/x", "shapes/t", "series/tip_x2", "series/base_force_1"):
+        expect(np.allclose(a[key], b[key], rtol=1e-7, atol=1e-9), f"{key} differs")
+    expect(a["kind"] == "length" and abs(a["series/length"][-1] * LENGTH - 0.0605) < 1e-9, "length")
+    with h5py.File(f"{d}/units.h5") as f:
+        said = f.attrs["options"].decode().splitlines()
+        for name, text, number in QUANTITIES:
+            expect(f"{name} {text}" in said, f"{name} {text} is not kept: {said}")
+            expect(abs(f.attrs[f"parameters/{name[1:]}"] / number - 1) < 1e-12, f"{name} in force")
+    tendril(f"{spoken(True, ['-ts_dt'])} -output {d}/whole.h5")
+    tendril(f"{spoken(True, ['-ts_dt'])} -output {d}/broken.h5 -ts_max_steps 20", 1)
+    tendril(f"-restart {d}/broken.h5 -ts_max_time 12s")  # as it was, said otherwise
+    one, two = read(f"{d}/whole.h5"), read(f"{d}/broken.h5")
+    for key in one:
+        expect(np.array_equal(one[key], two[key]) or key == "finished", f"restart: {key} differs")
+
+
+@check
+def accuracy_with_units():
+    d = scene.SCRATCH
+    chosen = []
+    for units in (True, False):
+        text = spoken(units).replace("-rod_cells 60", "-accuracy 1e-2")
+        tendril(f"{text} -output {d}/accuracy.h5")
+        with h5py.File(f"{d}/accuracy.h5") as f:
+            chosen.append((f.attrs["parameters/rod_cells"], f.attrs["parameters/ts_rtol"]))
+    expect(chosen[0] == chosen[1], f"{chosen}")
+
+
+@check
+def units_of_the_rod():
+    """The rod itself may be given with units: the same table; a sliding law's correlation length."""
+    table = tendril(f"-task units {SI}")
+    for said in ("-si_bending_stiffness 2.209Nmm^2 -si_friction_dry 0.5mN/mm -si_speed 5mm/s",
+                 "-si_bending_stiffness 0.02209Ncm^2 -si_friction_dry 5mN/cm -si_speed 30cm/min"):
+        expect(tendril(f"-task units {said}") == table, said)
+    viscous = "-task units -si_bending_stiffness 2.209Nmm^2 -si_speed 3.6mm/h -si_friction_viscous "
+    expect(tendril(viscous + "300Pas") == tendril(viscous + "300"), "viscous")
+    fed = f"{SI} -growth_type feed -rod_curvature_random 0.1 -rod_cells 20 -ts_max_time 0.01 " \
+          f"-output {scene.SCRATCH}/k.h5 -rod_curvature_length "
+    shapes = []
+    for length in ("5mm", repr(5e-3 / LENGTH)):
+        tendril(fed + length)
+        shapes.append(read(f"{scene.SCRATCH}/k.h5")["shapes/x"])
+    expect(np.allclose(*shapes, rtol=1e-9), "-rod_curvature_length")
+
+
+@check
+def misplaced_units():
+    """One line, which names the option and the units it takes."""
+    for options, words in (
+            ("-stop_length 3s", "-stop_length 3s m, cm, mm, um"),
+            ("-stop_length 3furlong", "-stop_length 3furlong m, cm, mm, um"),
+            ("-ts_max_time 2cm", "-ts_max_time 2cm h, min, s"),
+            ("-ts_dt 2cm", "-ts_dt 2cm h, min, s"), ("-tip_force 2kg", "-tip_force N, mN, uN"),
+            ("-rod_curvature 2cm", "-rod_curvature 1/m, /m, 1/cm"),
+            ("-friction_layers 0s:1,3cm:2", "-friction_layers m, cm, mm, um"),
+            ("-friction_layers 0:1cm,3cm:2", "-friction_layers 1cm takes no unit"),
+            ("-friction_beta 1cm", "-friction_beta 1cm takes no unit"),
+            ("-si_speed 3cm", "-si_speed 3cm m/s mm/h"),
+            ("-si_friction_dry 3N", "-si_friction_dry 3N N/m mN/mm"),
+            ("-si_bending_stiffness 3N", "-si_bending_stiffness 3N Nmm^2")):
+        said = tendril(f"{SI} -growth_type feed -rod_cells 20 -ts_max_time 0.01 {options}", 1)
+        for word in words.replace(", ", ",").split(" "):
+            expect(word in said.replace(", ", ","), f"{options}: {said}")
+    for options, word in ((SI.replace("-si_speed 0.005", "-ts_max_time 2min"), "-si_speed"),
+                          ("-ts_max_time 2min", "-si_bending_stiffness"),
+                          (f"{SI} -growth_initial_length 3cm -stop_length 2cm", "(3 cm)")):
+        expect(word in tendril(options, 1), options)
+
+
+@check
+def speaks_both():
+    """Log, summary, event and errors have the laboratory's numbers, too; without one none of it."""
+    run = f"{SI} -growth_type feed -growth_initial_length 1cm -friction_beta 1e-6 -shape_type " \
+          "straight -rod_curvature 3/m -rod_cells 60 -ts_max_time 80s "
+    text = tendril(f"{run} -stop_length 30cm")
+    lines = text.splitlines()
+    expect(re.search(r"t, s +length, cm +\|x2\|, cm +step, s ", lines[0]), lines[0])
+    last = [line for line in lines if re.match(r" +[0-9]", line)][-1].split()
+    expect(last[:2] == ["58.0000", "30.0000"], f"{last}")
+    line = next(line for line in lines if line.startswith("in the laboratory: "))
+    t, length, x, y = re.match(r"in the laboratory: t = (\S+) s, length (\S+) cm, tip \((\S+), (\S+)\)"
+                               r" cm, \|x2\| \S+ cm$", line).groups()
+    expect((t, length) == ("58", "30"), line)
+    bare = re.search(r"tip \((\S+), (\S+)\)", text).groups()
+    expect(np.allclose([float(x), float(y)], [float(v) * LENGTH * 100 for v in bare], rtol=1e-5), line)
+    expect(re.search(r"stopped at t = \S+ \(58 s\): length \S+ \(30 cm\)", text), text)
+    expect("ms) before -ts_max_time" in tendril(f"{run} -ts_max_steps 3", 1), "error")
+    for task, length, more in ((f"{SI} -ts_max_time 1h", r"t = \S+ s, ", ""),
+                               (SI.partition("-si_speed")[0], "", "")):
+        text = tendril(f"-task critical {task}")
+        line = re.search(rf"^in the laboratory: {length}L = (\S+) cm$", text, re.MULTILINE)
+        expect(line and abs(float(line.group(1)) / (1.98713372 * LENGTH * 100) - 1) < 1e-5, text)
+    flutter = tendril(f"-task critical -growth_type feed -growth_initial_length 2 {SI}")
+    expect(re.search(r"L = \S+ cm, frequency \S+ rad/s$", flutter, re.MULTILINE), flutter)
+    for bare in ("-ts_max_time 1 -stop_length 1", "-task critical"):
+        text = tendril(bare)
+        expect("laboratory" not in text and " cm" not in text and ", s" not in text, text)
+
+
 @check
 def paraview():
     """ParaView's own reader plays the rod in time."""

@@ -99,6 +99,37 @@ class Scripts(unittest.TestCase):
         self.assertIn("no shape stored at t = 0.7", out)
         self.assertIn("ends at t = 2, before 9", out)
 
+    def test_laboratory(self):
+        """--si and times with units, of a run in the laboratory; refused of another."""
+        d = self.file.parent
+        tube, film = d / "tube.h5", d / "tube.gif"
+        subprocess.run([TENDRIL, "-output", tube, *"""-rod_cells 60 -si_bending_stiffness 2.209e-6
+            -si_friction_dry 0.5 -si_speed 5e-3 -growth_initial_length 0.6094313102
+            -ts_max_time 3.656587861265385 -output_interval 0.3047156551""".split()],
+                       check=True, stdout=subprocess.DEVNULL)
+        with contextlib.redirect_stdout(io.StringIO()):
+            u = plot.Units([load(tube)])
+        self.assertEqual([u.scales[k][1] for k in ("length", "time", "speed", "force")],
+                         ["cm", "s", "mm/s", "mN"])
+        self.assertAlmostEqual(float(u.of("length", load(tube).series.length[-1])), 7, places=6)
+        self.assertEqual(u.label("$x_1$", "length"), "$x_1$ (cm)")
+        said = ["--times", "4s,0.1min,20s", "--panels", "shapes,force", "--output", d / "si"]
+        result, out, err = quietly(plot.main, [tube, "--si", *said])
+        self.assertEqual((result, err), (0, ""))
+        self.assertEqual(out, f"plot: {tube}: ends at t = 12 s, before 20 s\n")
+        self.assertEqual(quietly(plot.main, [tube, *said])[0], 0)
+        result, out, err = quietly(animate.main, [tube, "--si", "--from", "2s", "--to", "0.1min",
+                                                  "--output", film])
+        self.assertEqual((result, out, err), (0, f"animate: {film}, 5 frames\n", ""))
+        for main, more, word in ((plot.main, ["--times", "4s"], "seconds"),
+                                 (plot.main, ["--si"], "--si"),
+                                 (plot.main, ["--times", "4furlong"], "min"),
+                                 (animate.main, ["--from", "4s"], "seconds"),
+                                 (animate.main, ["--si"], "--si")):
+            result, _, err = quietly(main, [self.file, *more, "--output", d / "no.gif"])
+            self.assertEqual((result, err.count("\n")), (1, 1), err)
+            self.assertIn(word, err)
+
     def test_options_page(self):
         """docs/options.md is what scripts/options.py makes of this executable."""
         done = subprocess.run([sys.executable, str(SCRIPTS / "lab" / "options.py"), TENDRIL],
