@@ -38,6 +38,7 @@ file(GLOB pages docs/*.md)
 install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs)
 file(GLOB scenes options/*.opts)
 install(FILES ${scenes} DESTINATION ${CMAKE_INSTALL_DATADIR}/tendril/options)
+install(DIRECTORY options/data DESTINATION ${CMAKE_INSTALL_DATADIR}/tendril/options)
 
 if(NOT TARGET uninstall)
   add_custom_target(uninstall COMMAND ${CMAKE_COMMAND} -P ${PROJECT_SOURCE_DIR}/cmake/uninstall.cmake

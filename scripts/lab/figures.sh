@@ -42,7 +42,8 @@ draw gaussian "$d"/gaussian-{5,0.5,0.05}.h5 --panels shapes,distance --times 5,1
   --titles '$a = 5$,$a = 0.5$,$a = 0.05$'
 for law in feed gaussian; do
   more=(-growth_type "$law" -stop_length 20)
-  if [ $law = gaussian ]; then more+=(-growth_width 0.05); fi
+  # a fed tube's natural curvature varies over a length, that of one growing in place over a part of it
+  if [ $law = gaussian ]; then more+=(-growth_width 0.05 -rod_curvature_length 0.2); fi
   grow "tube-$law" -options_file options/pushed-tube.opts "${more[@]}"
   crossing "tube-$law" -options_file options/pushed-tube.opts "${more[@]}"
   grow "tube-$law-perfect" -options_file options/pushed-tube.opts "${more[@]}" \

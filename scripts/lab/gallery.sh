@@ -7,19 +7,30 @@ source "$(dirname "${BASH_SOURCE[0]}")/../common.sh"
 scripts/setup.sh
 build build tendril
 mkdir -p results options/pictures
+.venv/bin/python -m tendril.scene_data
 for file in options/*.opts; do
   name=$(basename "$file" .opts)
   echo "gallery: $name"
   mpiexec -n 1 --bind-to none build/tendril -options_file "$file" -output "results/$name.h5" >"results/$name.log"
   case $name in paper-* | pushed-tube) continue ;; esac # drawn by scripts/lab/figures.sh
-  what=()
+  files=("results/$name.h5") what=()
   if grep -q '^-output_interval' "$file"; then what=(--panels norm,shapes); fi
+  case $name in
+  root-layers | catheter) what=(--panels shapes,force --times 2,4,6,8,10,12) ;;
+  vine-stuck) what=(--panels shapes,force --times 0,1,2,4,6,8) ;;
+  snake) # beside the rod that slides as hard along as across
+    build/tendril -quiet -options_file "$file" -friction_across 1 -output results/snake-1.h5
+    files=(results/snake-1.h5 "${files[@]}")
+    what=(--panels "norm,shapes" --times 3,6,9,12)
+    what+=(--titles "as hard along as across,twice as hard across")
+    ;;
+  esac
   case $name in
   stability-dry | stability-viscous) # with a run below: its smallest |x2| beside t_cr
     build/tendril -quiet -friction_mu "$([ "$name" = stability-dry ] && echo 1 || echo 0)" -ts_max_time 2 -output results/run.h5
     .venv/bin/python -m tendril.plot_stability "results/$name.h5" --run results/run.h5 --output "results/gallery-$name"
     ;;
-  *) .venv/bin/python -m tendril.plot "results/$name.h5" "${what[@]}" --output "results/gallery-$name" ;;
+  *) .venv/bin/python -m tendril.plot "${files[@]}" "${what[@]}" --output "results/gallery-$name" ;;
   esac
   cp "results/gallery-$name.png" "options/pictures/$name.png"
 done

@@ -197,15 +197,9 @@ static void TableAt(Field self, const PetscReal x[2], PetscReal t, PetscReal *fa
     }
 }
 
-/* Reads an axis, if the file has it. */
 static PetscErrorCode ReadAxis(const char *option, const char *file, const char *name,
                                Dimension dimension, Axis *axis) {
-  PetscBool has;
-
   PetscFunctionBegin;
-  axis->n = 1;
-  PetscCall(HdfHas(file, name, &has));
-  if (!has) PetscFunctionReturn(0);
   PetscCall(HdfReadQuantity(option, file, name, dimension, 1, &axis->n, &axis->at));
   UserCheck(axis->n == 1 || axis->n >= 3, OptionsComm(), "%s %s: %s needs 1 entry, or 3 at least",
             option, file, name);
@@ -279,8 +273,9 @@ PetscErrorCode FieldFromFile(const char *option, const char *file, Field *field)
   *field = self;
   PetscCall(ReadAxis(option, file, "/x1", UNIT_LENGTH, &self->axis[ALONG]));
   PetscCall(ReadAxis(option, file, "/x2", UNIT_LENGTH, &self->axis[ACROSS]));
-  PetscCall(ReadAxis(option, file, "/t", UNIT_TIME, &self->axis[TIME]));
-  timed = (PetscBool)(self->axis[TIME].at != NULL);
+  self->axis[TIME].n = 1;
+  PetscCall(HdfHas(file, "/t", &timed));
+  if (timed) PetscCall(ReadAxis(option, file, "/t", UNIT_TIME, &self->axis[TIME]));
   PetscCall(HdfRead(option, file, "/factor", timed ? 3 : 2, dims, &values));
   if ((timed && dims[0] != self->axis[TIME].n) || dims[timed] != self->axis[ACROSS].n ||
       dims[timed + 1] != self->axis[ALONG].n) {

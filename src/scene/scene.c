@@ -91,6 +91,8 @@ PetscErrorCode SceneHoldTip(Scene scene, const PetscReal x[2], PetscReal theta) 
 
   PetscFunctionBegin;
   PetscCall(GrowthLength(scene->growth, 0, &length, NULL));
+  UserCheck(scene->tip.force == 0, scene->comm,
+            "-tip_force: has no effect on a tip that is held; leave it or -tip_type out");
   UserCheck(away < (1 - slack) * length, scene->comm,
             "-tip_type: the rod is straight from the clamp to its held tip (to %g) and has nowhere "
             "to grow: give it a larger -shape_amplitude or a natural curvature",

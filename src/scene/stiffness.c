@@ -22,12 +22,16 @@ static PetscErrorCode Check(const char *file, const Stiffness *self, PetscInt m)
   for (PetscInt i = 1; i < n; i++)
     UserCheck(d[i] > d[i - 1], OptionsComm(), "-rod_stiffness_file %s: /distance must increase",
               file);
+  for (PetscInt i = 0; i < n; i++)
+    UserCheck(self->factor[i] > 0, OptionsComm(),
+              "-rod_stiffness_file %s: the factor is %s at distance %s; it must be above 0", file,
+              OptionNumber(self->factor[i], text[0]), OptionNumber(d[i], text[1]));
   for (PetscInt i = 0; i < 8 * (n - 1); i++) { /* between the entries too */
     PetscReal z = (PetscReal)(i % 8) / 8, at = (1 - z) * d[i / 8] + z * d[i / 8 + 1], w[4], B = 0;
     PetscInt k;
     SplineWeights(n, d, at, &k, w, NULL, NULL);
     for (int j = 0; j < 2; j++) B += w[j] * self->factor[k + j] + w[2 + j] * self->factor2[k + j];
-    UserCheck(B > 0 && self->factor[i / 8 + 1] > 0, OptionsComm(),
+    UserCheck(B > 0, OptionsComm(),
               "-rod_stiffness_file %s: the factor is %s at distance %s; it must stay above 0, "
               "between the entries too",
               file, OptionNumber(B, text[0]), OptionNumber(at, text[1]));

@@ -246,6 +246,8 @@ PetscErrorCode SpectrumBuckling(Spectrum *self, PetscReal t, Eigenvalue *ratio, 
 
   PetscFunctionBegin;
   PetscCall(PencilSetTime(self->pencil, t, FRAME_LABEL));
+  *ratio = (Eigenvalue){0};
+  if (self->pencil->compression == 0) PetscFunctionReturn(0);
   PetscCall(PencilMatrix(self->pencil, FORM_AXIAL, &self->A));
   PetscCall(PencilMatrix(self->pencil, FORM_BEND, &self->B));
   PetscCall(EPSSetOperators(self->eps, self->A, self->B));

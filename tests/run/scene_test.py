@@ -66,7 +66,7 @@ class Run:
         if ranks > 1:
             command = [MPIEXEC, "-n", str(ranks), *command]
         done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                              env=ENVIRONMENT)
+                              env=ENVIRONMENT, cwd=HERE.parent.parent)  # scenes name their data
         expect(done.returncode == 0 and not done.stderr,
                f"tendril {options}, {ranks} ranks: exit {done.returncode}, {done.stderr.strip()}")
         found = re.search(r"error estimate ([0-9.e+-]+)", done.stdout)

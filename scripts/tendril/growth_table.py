@@ -1,0 +1,242 @@
+"""Makes a growth table for -growth_type table from the rate at which material elongates, given over
+its distance along the rod from the tip or from the clamp.
+
+    scripts/growth_table.sh root.h5 --length 2 --end 5 --rate "2*exp(-d/0.5)"
+    scripts/growth_table.sh stem.h5 --length 1 --end 3 --rate measured.csv --from clamp --check
+
+The rate is relative, per time: 0.1 means that a piece gains a tenth of its length in unit time. It is
+an expression of d (distance), t (time) and L (length of the rod), with numpy's functions; or a CSV
+file of two columns, distance and rate, joined by straight lines, its last rate going on beyond.
+All is dimensionless, as in tendril. Labels are shared out evenly over the rod as it is at the end."""
+
+import argparse
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from .results import ResultsError, load
+
+# Gauss points on [0, 1] and their weights
+POINTS, WEIGHTS = (np.polynomial.legendre.leggauss(4) + np.array([[1], [0]])) / 2
+FINE = 4  # marks followed for each label of the table
+MOST = 1e4  # a label that stretches more is worth a warning
+
+
+class BadTable(Exception):
+    """What is asked for cannot be, in one plain line."""
+
+
+def read_csv(path):
+    try:
+        rows = [line.split("#")[0].split(",") for line in Path(path).read_text().splitlines()]
+        rows = [row for row in rows if "".join(row).strip()]
+        if not rows[0][0].strip()[-1:].isdigit():  # a line of names
+            rows = rows[1:]
+        table = np.array([[float(word) for word in row] for row in rows])
+    except OSError as error:
+        raise BadTable(f"--rate {path}: {error.strerror}") from None
+    except (ValueError, IndexError) as error:
+        raise BadTable(f"--rate {path}: {error}") from None
+    if table.ndim != 2 or table.shape[1] != 2 or len(table) < 2:
+        raise BadTable(f"--rate {path}: give two columns, distance and rate, and two rows at least")
+    if table[0, 0] != 0 or np.any(np.diff(table[:, 0]) <= 0):
+        raise BadTable(f"--rate {path}: distances must rise from 0")
+    return table.T
+
+
+def make_rate(text):
+    """r(d, t, L)"""
+    if text.endswith(".csv"):
+        distance, rate = read_csv(text)
+        return lambda d, t, length: np.interp(d, distance, rate)
+    names = {name: getattr(np, name) for name in dir(np) if not name.startswith("_")}
+
+    def rate(d, t, length):
+        try:
+            with np.errstate(all="ignore"):
+                value = eval(text, {"__builtins__": {}}, dict(names, d=d, t=t, L=length))
+            return np.broadcast_to(np.asarray(value, float), np.shape(d))
+        except Exception as error:
+            raise BadTable(f"--rate {text}: {error}") from None
+
+    return rate
+
+
+def checked(rate):
+    def value(d, t, length):
+        r = rate(d, t, length)
+        if not np.all(np.isfinite(r)):
+            at = float(np.asarray(d)[~np.isfinite(r)].flat[0])
+            raise BadTable(f"--rate: is not finite at d = {at:.4g}, t = {t:.4g}")
+        return r
+
+    return value
+
+
+def speed(rate, d, t):
+    """int_0^d rate, at distances that rise from 0 to the length of the rod."""
+    gap = np.diff(d)
+    inside = d[:-1, None] + gap[:, None] * POINTS
+    return np.concatenate([[0], np.cumsum(gap * (rate(inside, t, d[-1]) @ WEIGHTS))])
+
+
+def step(rate, d, log, t, h):
+    """One step of Runge and Kutta's: distances, and the logarithm of their stretch."""
+    def slope(d, t):
+        return speed(rate, d, t), rate(d, t, d[-1])
+
+    k1 = slope(d, t)
+    k2 = slope(d + h / 2 * k1[0], t + h / 2)
+    k3 = slope(d + h / 2 * k2[0], t + h / 2)
+    k4 = slope(d + h * k3[0], t + h)
+    move = [h / 6 * (a + 2 * b + 2 * c + e) for a, b, c, e in zip(k1, k2, k3, k4)]
+    return d + move[0], log + move[1]
+
+
+def final_length(rate, length, end, steps):
+    """dL/dt is the speed at the other end; Runge and Kutta's method."""
+    def slope(length, t):
+        return speed(rate, np.linspace(0, length, 1001), t)[-1]
+
+    h = end / steps
+    for t in h * np.arange(steps):
+        k1 = slope(length, t)
+        k2 = slope(length + h / 2 * k1, t + h / 2)
+        k3 = slope(length + h / 2 * k2, t + h / 2)
+        length += h / 6 * (k1 + 2 * k2 + 2 * k3 + slope(length + h * k3, t + h))
+        if not length > 0:
+            raise BadTable("the rod shrinks to nothing")
+    return length
+
+
+def follow_back(rate, d, end, steps):
+    """Marks from the end back to t = 0: (distances, log of the stretch) at all steps."""
+    log, h = np.zeros_like(d), -end / steps
+    path = [(d, log)]
+    for k in range(steps):
+        d, log = step(rate, d, log, end + k * h, h)
+        if np.any(np.diff(d) <= 0):
+            raise BadTable("the marks get out of order: the rate is too steep for these steps, give "
+                           "more --times")
+        path.append((d, log))
+    return path
+
+
+def make_table(rate, length, end, labels, times, side):
+    """s, t, g, p (where the labels are), and the relative error of the way there and back."""
+    marks, each = FINE * (labels - 1) + 1, FINE
+    last = final_length(rate, length, end, each * (times - 1))
+    back = follow_back(rate, np.linspace(0, last, marks), end, each * (times - 1))
+    back = back[::-each]  # at the times of the table
+    d = np.array([path[0][::FINE] for path in back])
+    g = last * np.exp([path[1][::FINE] for path in back])
+    error = abs(d[0, -1] / length - 1)
+    if side == "tip":
+        p, g = (d[:, -1:] - d)[:, ::-1], g[:, ::-1]
+    else:
+        p = d
+    return np.linspace(0, 1, labels), np.linspace(0, end, times), g, p, error
+
+
+def compare(file, end, s, t, p):
+    """Grows the straight rod of this table; the largest error of a place over the length."""
+    tendril = os.environ.get("TENDRIL", "build/tendril")
+    with tempfile.TemporaryDirectory() as scratch:
+        output = f"{scratch}/run.h5"
+        # friction does not move a straight rod; the times of four rows of the table
+        command = [tendril, "-growth_type", "table", "-growth_table", str(file), "-shape_type",
+                   "straight", "-ts_max_time", repr(end), "-output", output, "-output_interval",
+                   repr(end / 4), "-quiet"]
+        try:
+            done = subprocess.run(command, capture_output=True, text=True)
+        except OSError as error:
+            raise BadTable(f"--check: {tendril}: {error.strerror}") from None
+        if done.returncode:
+            raise BadTable(f"--check: {done.stderr.strip()}")
+        r = load(output)
+    worst = 0
+    for time, x, g in zip(r.shapes.t, r.shapes.x, r.shapes.stretch):
+        k = int(np.argmin(np.abs(t - time)))
+        if abs(t[k] - time) > 1e-6 * end:
+            continue
+        i = np.clip(np.searchsorted(r.shapes.s, s) - 1, 0, len(r.shapes.s) - 2)
+        h = r.shapes.s[i + 1] - r.shapes.s[i]
+        b = (s - r.shapes.s[i]) / h
+        a = 1 - b  # Hermite's cubic
+        places = (a * a * (1 + 2 * b) * x[i, 0] + b * b * (1 + 2 * a) * x[i + 1, 0]
+                  + a * b * h * (a * g[i] - b * g[i + 1]))
+        worst = max(worst, np.abs(places - p[k]).max() / p[k, -1])
+    return worst
+
+
+def arguments_of(words):
+    parser = argparse.ArgumentParser(prog="scripts/growth_table.sh", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("file", help="the table to write, HDF5")
+    parser.add_argument("--length", type=float, required=True, metavar="L0", help="length at t = 0")
+    parser.add_argument("--end", type=float, required=True, metavar="T",
+                        help="last time of the table: -ts_max_time of the run, or later")
+    parser.add_argument("--rate", required=True, metavar="EXPRESSION|FILE.csv",
+                        help="relative rate of elongation over the distance d")
+    parser.add_argument("--from", choices=("tip", "clamp"), default="tip", dest="side",
+                        help="where distances are counted from; default %(default)s")
+    parser.add_argument("--labels", type=int, default=201, help="default %(default)s")
+    parser.add_argument("--times", type=int, default=101, help="default %(default)s")
+    parser.add_argument("--unit", action="store_true",
+                        help="multiplies the rate so that dL/dt = 1 at t = 0")
+    parser.add_argument("--check", action="store_true",
+                        help="grows the straight rod with it by build/tendril, and compares")
+    choice = parser.parse_args(words)
+    if not (choice.length > 0 and choice.end > 0):
+        raise BadTable("--length and --end: give more than 0")
+    if choice.labels < 4 or choice.times < 4:
+        raise BadTable("--labels and --times: give 4 at least")
+    if (choice.times - 1) % 4:
+        choice.times += 4 - (choice.times - 1) % 4  # a row at each quarter
+    return choice
+
+
+def make(choice):
+    rate = checked(make_rate(choice.rate))
+    if choice.unit:
+        first = speed(rate, np.linspace(0, choice.length, 1001), 0)[-1]
+        if not first > 0:
+            raise BadTable("--unit: the rod does not lengthen at t = 0")
+        plain = rate
+        rate = lambda d, t, length: plain(d, t, length) / first  # noqa: E731
+    s, t, g, p, error = make_table(rate, choice.length, choice.end, choice.labels, choice.times,
+                                   choice.side)
+    with h5py.File(choice.file, "w") as f:
+        f["s"], f["t"], f["g"] = s, t, g
+    length = p[:, -1]
+    slope = np.gradient(length, t, edge_order=2)
+    stretch = g.max(axis=0) / g.min(axis=0)
+    print(f"growth_table: {choice.file}: {len(t)} times, {len(s)} labels; length {length[0]:.6g} to "
+          f"{length[-1]:.6g}, dL/dt {slope[0]:.4g} to {slope[-1]:.4g}")
+    print(f"growth_table: labels stretch by {stretch.min():.3g} to {stretch.max():.3g}; error "
+          f"{error:.1e}")
+    if stretch.max() > MOST:
+        print("growth_table: that is much: steps have to follow it; for a zone behind the tip take "
+              "-growth_type apical")
+    if choice.check:
+        worst = compare(choice.file, choice.end, s, t, p)
+        print(f"growth_table: the straight rod of a run is where it should be to {worst:.1e} of its "
+              "length")
+
+
+def main(words=None):
+    try:
+        make(arguments_of(words))
+    except (BadTable, ResultsError, OSError) as error:
+        print(f"growth_table: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
