@@ -2,7 +2,7 @@
 """The atlas of failure: every method on every cell of a grid of rods, with verdict and cost; a
 table, a map (methods down, cells across) and a Dolan-More profile.
 
-    atlas.py [--quick] [--methods NAME,...] [--draw] [--jobs N]
+    atlas.py [--quick] [--methods NAME,...] [--draw] [--jobs N] [--kept docs/atlas.csv]
 
 --draw: from what is stored, without new runs. Fails if the default loses a cell. Runs go side by
 side, one to a core."""
@@ -46,6 +46,26 @@ METHODS = {  # name: (solver, options)
 }
 QUICK_METHODS = ("default", "mixed", "linear", "backward Euler, start at last step",
                  "primal Newton", "paper's, taken literally")
+
+
+WORLD = "the world, $t=6$"  # laws around the rod
+WORLD_LAWS = {
+    "a = 2": "-friction_across 2",
+    "a = 0.5, fed": "-friction_across 0.5 -growth_type feed",
+    "a = 2, exact": "-friction_across 2 -friction_beta 0",
+    "layers": "-friction_layers 0:1,3:2.5,5:0.4",
+    "layers, exact": "-friction_layers 0:1,3:2.5,5:0.4 -friction_beta 0",
+    "dead tip": "-tip_force 0.5",
+    "follower": "-tip_force 0.5 -tip_law follower -friction_mu 0.5",
+    "resistance": "-tip_force 0.5 -tip_law resistance",
+    "pinned": "-tip_type pinned",
+    "clamped": "-tip_type clamped",
+    "apical": "-growth_type apical -growth_zone 0.6",
+    "apical, exact": "-growth_type apical -growth_zone 0.6 -friction_beta 0",
+    "stiffness, fed": "-rod_stiffness_file options/data/catheter.h5 -growth_type feed",
+    "all of it": "-growth_type apical -growth_zone 0.6 -friction_across 2 -tip_force 0.3 "
+                 "-tip_law resistance -friction_layers 0:1,3:2.5 -rod_curvature 0.05 "
+                 "-rod_stiffness_file options/data/catheter.h5 -friction_beta 1e-6"}
 
 
 def scene(group, label, options, times, quantities=QUANTITIES):
@@ -95,6 +115,8 @@ def cells(quick):
                                 f"{options} {beta}", times))
     for n in ("100", "1000", "10000"):
         result.append(scene("decay, $N$", n, f"{DECAY} -rod_cells {n}", (8, 12)))
+    for name, options in WORLD_LAWS.items():
+        result.append(scene(WORLD, name, f"{THICK} {options}", (2, 6)))
     return result[::4] if quick else result
 
 
@@ -111,8 +133,10 @@ SET = ("default", "frame 2", "mixed", "primal Newton", "PETSc's bdf 5",
 
 
 def never(method, group):
-    """Explicit, with inertia, PyElastica cannot follow the decay; a small step of the paper's
-    elements takes minutes there."""
+    """The peers know nothing of a world around the rod. Explicit, with inertia, PyElastica cannot
+    follow the decay; a small step of the paper's elements takes minutes there."""
+    if group == WORLD:
+        return METHODS[method][0] != "tendril"
     return "decay" in group and method in ("PyElastica", "paper's elements, step 0.002")
 
 
@@ -141,9 +165,24 @@ def cases(arguments):
     return result
 
 
+def take_up(store, wanted, path):
+    """Puts the rows of an earlier table into the store, so that only what is new is run."""
+    with open(path, newline="") as file:
+        rows = {(r["method"], r["group"], r["cell"]): r for r in csv.DictReader(file)}
+    for method, group, label, case in wanted:
+        row = rows.get((method, group, label))
+        if not row or case.key in store.runs or row["scene_options"] != case.scene.options:
+            continue
+        run = {k: row[k] for k in ("verdict", "reason", "options", "scene_options", "message")}
+        run |= {k: float(row[k]) for k in COLUMNS[5:14] if row[k]}
+        store.keep({"key": case.key, **run})
+
+
 def measure_all(store, arguments):
     """[(method, group, label, run)]"""
     wanted = cases(arguments)
+    if arguments.kept:
+        take_up(store, wanted, arguments.kept)
     again = [w[3].key for w in wanted if w[0] in arguments.again.split(",")]
     if not arguments.draw:
         store.get_all([w[2:] for w in wanted], arguments.jobs, again)
@@ -314,6 +353,7 @@ def main():
     parser.add_argument("--draw", action="store_true", help="only draw what is stored")
     parser.add_argument("--jobs", type=int, default=CORES, metavar="N",
                         help="runs side by side")
+    parser.add_argument("--kept", metavar="CSV", help="take up an earlier table; run what is new")
     parser.add_argument("--methods", default="", metavar="NAME,...")
     parser.add_argument("--again", default="", metavar="METHOD,...", help="repeat these")
     arguments = parser.parse_args()
