@@ -260,8 +260,9 @@ static PetscErrorCode Write(Scene scene, HdfFile file, const Critical *self) {
   PetscFunctionReturn(0);
 }
 
-/* What it is in the laboratory, as far as that is known. */
-static PetscErrorCode PrintLaboratory(MPI_Comm comm, const Critical *self) {
+/* CriticalPrintLaboratory - prints what it is in the laboratory, as far as that is known.
+   Collective. */
+PetscErrorCode CriticalPrintLaboratory(MPI_Comm comm, const Critical *self) {
   PetscReal second = OptionsScale(UNIT_TIME);
   char length[32], time[32];
 
@@ -289,7 +290,7 @@ static PetscErrorCode Print(MPI_Comm comm, const Critical *self) {
                           (double)self->frequency, cube));
   else
     PetscCall(PetscPrintf(comm, "buckling (L^3 = %.10g)\n", cube));
-  PetscCall(PrintLaboratory(comm, self));
+  PetscCall(CriticalPrintLaboratory(comm, self));
   if (self->t < 0) PetscCall(PetscPrintf(comm, "the rod is longer than that from the start\n"));
   PetscFunctionReturn(0);
 }

@@ -14,6 +14,7 @@ typedef struct {
 } Critical;
 
 PetscErrorCode CriticalFind(Scene scene, PetscBool quiet, Critical *critical);
+PetscErrorCode CriticalPrintLaboratory(MPI_Comm comm, const Critical *critical);
 PetscErrorCode CriticalDestroy(Critical *critical);
 PetscErrorCode CriticalRun(Scene scene, const char *output);
 

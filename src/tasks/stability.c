@@ -491,6 +491,7 @@ static PetscErrorCode Compute(Stability *self) {
   PetscCall(CompleteSettings(&self->set, self->critical.t));
   PetscCall(PetscPrintf(OptionsComm(), "critical time t = %.12g, error below %.1e\n",
                         (double)self->critical.t, (double)self->critical.error));
+  PetscCall(CriticalPrintLaboratory(OptionsComm(), &self->critical));
   PetscCall(PetscMalloc2(self->set.points, &self->t, self->set.points, &self->frequency));
   for (int c = 0; c < CURVES; c++) PetscCall(PetscCalloc1(self->set.points, &self->value[c]));
   PetscCall(CreateSolvers(self));
