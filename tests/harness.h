@@ -60,6 +60,38 @@ static inline void SetOptions(const char *format, ...) {
   CHECK(PetscOptionsInsertString(NULL, text));
 }
 
+/* The name of a new file, the same on all ranks. */
+static inline void OpenScratch(char path[64]) {
+  PetscMPIInt rank;
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  if (!rank) {
+    int handle;
+    strcpy(path, "/tmp/tendril-table-XXXXXX");
+    handle = mkstemp(path);
+    assert_true(handle >= 0);
+    close(handle);
+  }
+  MPI_Bcast(path, 64, MPI_CHAR, 0, PETSC_COMM_WORLD);
+}
+
+/* n datasets, with their ranks, dimensions and values, into a file that OpenScratch() named. */
+static inline void WriteScratch(const char *path, int n, const char *const name[],
+                                const int rank_of[], const PetscInt *const dims[],
+                                const PetscReal *const values[]) {
+  PetscMPIInt rank;
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  if (!rank) {
+    char fault[HDF_FAULT];
+    HdfFile file;
+    CHECK(HdfCreate(path, &file));
+    for (int i = 0; i < n; i++)
+      CHECK(HdfWrite(file, name[i], rank_of[i], dims[i], values[i], "1", name[i] + 1));
+    CHECK(HdfClose(&file, fault));
+    assert_string_equal(fault, "");
+  }
+  MPI_Barrier(PETSC_COMM_WORLD);
+}
+
 /* A file with /s [ns], /t [nt] and /g [nt, ns] of a function; its name is left in path. */
 static inline void WriteTable(char path[64], PetscInt ns, PetscInt nt, PetscReal end,
                               PetscReal (*g)(PetscReal s, PetscReal t)) {

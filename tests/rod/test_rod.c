@@ -18,8 +18,9 @@ static PetscReal Tabulated(PetscReal s, PetscReal t) {
 }
 
 static const char *const laws[] = {"-growth_type uniform", "-growth_type gaussian",
-                                   "-growth_type feed", "-growth_type table -growth_table "};
-enum { LAWS = 4, TABLE = 3 };
+                                   "-growth_type feed", "-growth_type apical -growth_zone 0.6",
+                                   "-growth_type table -growth_table "};
+enum { LAWS = 5, UNIFORM = 0, FEED = 2, APICAL = 3, TABLE = 4 };
 
 /* A natural curvature of both kinds; the linear model has none, and the mirror must turn it. */
 static const char *const curved = " -rod_curvature 0.7 -rod_curvature_random 0.9 "
@@ -98,7 +99,7 @@ static void JacobianByRate(const Model *model, int law, PetscReal shift, const c
   Rod rod;
   Vec U, U_t, w;
   Mat J;
-  char all[256];
+  char all[768];
   snprintf(all, sizeof(all),
            "-shape_amplitude 2 -friction_mu 0.7 -friction_beta 0.1 -friction_newton primal%s",
            more);
@@ -117,8 +118,8 @@ static void JacobianByRate(const Model *model, int law, PetscReal shift, const c
              rod->model->field[f], coarse[f]);
       continue;
     }
-    EXPECT(ratio > 3.9 && ratio < 4.1, "%s, %s, shift %g, equation of %s: %g to %g, ratio %g",
-           model->name, laws[law], shift, rod->model->field[f], coarse[f], fine[f], ratio);
+    EXPECT(ratio > 3.9 && ratio < 4.1, "%s, %s%s, shift %g, equation of %s: %g to %g, ratio %g",
+           model->name, laws[law], more, shift, rod->model->field[f], coarse[f], fine[f], ratio);
   }
   CHECK(MatDestroy(&J));
   CHECK(VecDestroy(&U));
@@ -134,6 +135,77 @@ static void TestJacobians(void **state) {
       JacobianByRate(&models[m], law, 0, "");
       if (m != LINEAR) JacobianByRate(&models[m], law, 3, curved);
     }
+}
+
+/* Friction's factor over place and time, curved in each. */
+static PetscReal Factor(PetscReal x1, PetscReal x2, PetscReal t) {
+  return 1.5 + 0.4 * PetscSinReal(2 * x1 + t) + 0.5 * PetscCosReal(x2 + 0.5 * x1) +
+         0.3 * PetscSinReal(3 * t);
+}
+
+static void WriteField(char path[64]) {
+  enum { N1 = 9, N2 = 8, NT = 5 };
+  PetscInt dims[3] = {NT, N2, N1};
+  PetscReal x1[N1], x2[N2], t[NT], factor[NT * N2 * N1];
+  OpenScratch(path);
+  for (int i = 0; i < N1; i++) x1[i] = -3 + 0.75 * i;
+  for (int j = 0; j < N2; j++) x2[j] = -3 + 0.8 * j;
+  for (int k = 0; k < NT; k++) t[k] = 0.4 * k;
+  for (int k = 0; k < NT; k++)
+    for (int j = 0; j < N2; j++)
+      for (int i = 0; i < N1; i++) factor[(k * N2 + j) * N1 + i] = Factor(x1[i], x2[j], t[k]);
+  WriteScratch(path, 4, (const char *[]){"/t", "/x2", "/x1", "/factor"}, (int[]){1, 1, 1, 3},
+               (const PetscInt *[]){dims, dims + 1, dims + 2, dims},
+               (const PetscReal *[]){t, x2, x1, factor});
+}
+
+static void WriteStiffness(char path[64]) {
+  enum { N = 6 };
+  PetscInt n = N;
+  PetscReal distance[N], factor[N];
+  OpenScratch(path);
+  for (int i = 0; i < N; i++) {
+    distance[i] = 0.3 * i;
+    factor[i] = 3 - 2 * PetscExpReal(-distance[i]);
+  }
+  WriteScratch(path, 2, (const char *[]){"/distance", "/factor"}, (int[]){1, 1},
+               (const PetscInt *[]){&n, &n}, (const PetscReal *[]){distance, factor});
+}
+
+/* The Jacobians of each law of the world around the rod, and of all together. */
+static void TestWorld(void **state) {
+  const char *const alone[] = {" -friction_across 2.5",
+                               " -friction_layers -1:1,0.3:2.5,0.8:0.4 -friction_layer_width 0.4",
+                               " -tip_force 0.8",
+                               " -tip_force 0.8 -tip_law follower",
+                               " -tip_force 0.8 -tip_law resistance",
+                               " -tip_type pinned",
+                               " -tip_type clamped"};
+  char field[64], stiffness[64], with_field[128], with_tip_field[192], stiff[128], all[512];
+  WriteField(field);
+  WriteStiffness(stiffness);
+  snprintf(with_field, sizeof(with_field), " -friction_field %s", field);
+  snprintf(with_tip_field, sizeof(with_tip_field),
+           " -tip_force 0.8 -tip_law resistance -tip_field %s", field);
+  snprintf(stiff, sizeof(stiff), " -rod_stiffness_file %s", stiffness);
+  snprintf(all, sizeof(all), " -friction_across 2.5 -clamp_angle 0.4%s%s%s%s", with_field,
+           with_tip_field, stiff, curved);
+  for (int m = 0; m < MODELS; m++)
+    for (int law = 0; law < LAWS; law++) {
+      if (law != UNIFORM && law != FEED && law != APICAL) continue;
+      for (size_t k = 0; k < sizeof(alone) / sizeof(alone[0]); k++)
+        JacobianByRate(&models[m], law, 3, alone[k]);
+      JacobianByRate(&models[m], law, 3, stiff);
+      JacobianByRate(&models[m], law, 0, stiff);
+      if (m == LINEAR) continue; /* takes no field that changes across, and no natural curvature */
+      JacobianByRate(&models[m], law, 3, with_field);
+      JacobianByRate(&models[m], law, 0, with_field);
+      JacobianByRate(&models[m], law, 3, with_tip_field);
+      JacobianByRate(&models[m], law, 3, all);
+      JacobianByRate(&models[m], law, 0, all);
+    }
+  RemoveFile(field);
+  RemoveFile(stiffness);
 }
 
 /* Once the duals belong to the state, the primal-dual Jacobian is Newton's own; after a large step
@@ -321,6 +393,7 @@ static void TestGrowNodes(void **state) {
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(TestJacobians), cmocka_unit_test(TestPrimalDual), cmocka_unit_test(TestMirror),
-    cmocka_unit_test(TestSetAndGet), cmocka_unit_test(TestGrowNodes)};
+    cmocka_unit_test(TestJacobians),  cmocka_unit_test(TestWorld),
+    cmocka_unit_test(TestPrimalDual), cmocka_unit_test(TestMirror),
+    cmocka_unit_test(TestSetAndGet),  cmocka_unit_test(TestGrowNodes)};
 MAIN(tests)

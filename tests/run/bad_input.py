@@ -34,6 +34,8 @@ SOUND = [
     "-ts_type beuler -ts_adapt_type none -ts_dt 1e-4",
     "-clamp_angle -0.5 -shape_amplitude -1e-3",
     "-clamp_angle 90deg",
+    "-friction_field field -tip_force 1 -tip_law resistance -tip_field field_across",
+    "-friction_layers 0:1,3:2 -friction_layer_width 0.2 -rod_stiffness_file stiffness",
     "-snes_view -ksp_converged_reason -options_view -ts_view",
     "",
 ]
@@ -167,6 +169,52 @@ CASES = [
     ("-rod_curvature_file {text}", "-rod_curvature_file"),
     ("-rod_curvature_file {shape_lengths}", "-rod_curvature_file"),
     ("-rod_curvature_file {curvature_nan}", "-rod_curvature_file"),
+    # friction that varies
+    ("-friction_across 0", "-friction_across"),
+    ("-friction_across -1", "-friction_across"),
+    ("-friction_field {missing}", "-friction_field"),
+    ("-friction_field {text}", "-friction_field"),
+    ("-friction_field {table}", "-friction_field"),
+    ("-friction_field {field_negative}", "-friction_field"),
+    ("-friction_field {field_dips}", "-friction_field"),
+    ("-friction_field {field_nan}", "-friction_field"),
+    ("-friction_field {field_unsorted}", "-friction_field"),
+    ("-friction_field {field_turned}", "-friction_field"),
+    ("-friction_field {field_no_factor}", "-friction_field"),
+    ("-friction_field {field} -friction_layers 0:1", "-friction_layers"),
+    ("-friction_layers 0:1,3:2,2:1", "-friction_layers"),
+    ("-friction_layers 0:1,3:-2", "-friction_layers"),
+    ("-friction_layers 0:1,3", "-friction_layers"),
+    ("-friction_layers 0:1,", "-friction_layers"),
+    ("-friction_layers 0:nan", "-friction_layers"),
+    ("-friction_layers 0:1,1:2,1.05:3", "-friction_layer"),
+    ("-friction_layers 0:1 -friction_layer_width 0", "-friction_layer_width"),
+    ("-friction_layer_width 0.2", "-friction_layer_width"),
+    ("-friction_field {field_across} -task critical -ts_max_time 5", "-friction_field"),
+    ("-friction_field {field_across} -task stability -ts_max_time 5", "-friction_field"),
+    # tip
+    ("-tip_law follower", "-tip_law"),
+    ("-tip_law upwards -tip_force 1", "-tip_law"),
+    ("-tip_force hard", "-tip_force"),
+    ("-tip_force -1 -tip_law resistance", "-tip_force"),
+    ("-tip_force 1 -tip_field {field}", "-tip_field"),
+    ("-tip_force 1 -tip_law resistance -tip_field {missing}", "-tip_field"),
+    ("-tip_force 1 -tip_law resistance -tip_field {field_nan}", "-tip_field"),
+    ("-tip_force 1 -tip_law resistance -tip_field {field_negative}", "-tip_field"),
+    ("-tip_field {field}", "-tip_field"),
+    ("-tip_type glued", "-tip_type"),
+    ("-tip_type pinned -tip_force 1", "-tip_"),
+    # growth at the tip, stiffness along the rod
+    ("-growth_type apical -growth_zone 0", "-growth_zone"),
+    ("-growth_zone 0.3", "-growth_zone"),
+    ("-rod_stiffness_file {missing}", "-rod_stiffness_file"),
+    ("-rod_stiffness_file {table}", "-rod_stiffness_file"),
+    ("-rod_stiffness_file {stiffness_zero}", "-rod_stiffness_file"),
+    ("-rod_stiffness_file {stiffness_negative}", "-rod_stiffness_file"),
+    ("-rod_stiffness_file {stiffness_nan}", "-rod_stiffness_file"),
+    ("-rod_stiffness_file {stiffness_late}", "-rod_stiffness_file"),
+    ("-rod_stiffness_file {stiffness_unsorted}", "-rod_stiffness_file"),
+    ("-rod_stiffness_file {stiffness_lengths}", "-rod_stiffness_file"),
     # events
     ("-stop_length 0.4", "-stop_length"),
     ("-stop_length long", "-stop_length"),
@@ -263,6 +311,27 @@ def make_files(d, tendril):
     write_hdf5(d / "shape_lengths", s=s, theta=[0, 0.1, 0.2])
     write_hdf5(d / "shape_turned", s=s, theta=[0.1] * 6)
     write_hdf5(d / "curvature_nan", s=s, curvature=[0, 0, float("nan"), 0, 0, 0])
+    x1, x2 = [0, 1, 2, 3, 4], [-1, 0, 1]
+
+    def spoilt(value, row=1, column=2):
+        return [[value if (i, j) == (row, column) else 1.0 for j in range(5)] for i in range(3)]
+
+    write_hdf5(d / "field", x1=x1, x2=x2, factor=spoilt(1.5))
+    write_hdf5(d / "field_across", x1=x1, x2=x2, factor=[[k] * 5 for k in (1.0, 2.0, 3.0)])
+    write_hdf5(d / "field_negative", x1=x1, x2=x2, factor=spoilt(-1.0))
+    write_hdf5(d / "field_dips", x1=x1, x2=x2, factor=[[0.0, 0.0, 9.0, 9.0, 0.0]] * 3)
+    write_hdf5(d / "field_nan", x1=x1, x2=x2, factor=spoilt(float("nan")))
+    write_hdf5(d / "field_unsorted", x1=[0, 2, 1, 3, 4], x2=x2, factor=spoilt(1.0))
+    write_hdf5(d / "field_turned", x1=x1, x2=x2, factor=[[1.0] * 3] * 5)
+    write_hdf5(d / "field_no_factor", x1=x1, x2=x2)
+    far = [0, 1, 2, 3]
+    write_hdf5(d / "stiffness", distance=far, factor=[1.0, 2.0, 2.5, 3.0])
+    write_hdf5(d / "stiffness_zero", distance=far, factor=[1.0, 0.0, 1.0, 1.0])
+    write_hdf5(d / "stiffness_negative", distance=far, factor=[1.0, 1.0, -1.0, 1.0])
+    write_hdf5(d / "stiffness_nan", distance=far, factor=[1.0, float("nan"), 1.0, 1.0])
+    write_hdf5(d / "stiffness_late", distance=[x + 1 for x in far], factor=[1.0] * 4)
+    write_hdf5(d / "stiffness_unsorted", distance=[0, 2, 1, 3], factor=[1.0] * 4)
+    write_hdf5(d / "stiffness_lengths", distance=far, factor=[1.0] * 5)
     whole = (d / "table").read_bytes()
     (d / "truncated").write_bytes(whole[: len(whole) // 2])
 

@@ -89,6 +89,50 @@ static void TestGaussian(void **state) {
   Law("-growth_type gaussian -growth_width 0.005", 1, 2e-5, PETSC_FALSE);
 }
 
+/* V = c + s L_t against its integral in quadruple precision, to round-off; strain against the slope
+   of c, what is laid down against time: all the way to the end of the zone, where 1 - W cancels. */
+static void Apical(PetscReal zone, PetscReal t) {
+  Growth growth;
+  PetscReal L, worst = 0, slope = 0, still = 0;
+  SetOptions("-growth_type apical -growth_zone %g -growth_initial_length 0.5", zone);
+  CHECK(GrowthCreate(&growth));
+  CHECK(GrowthLength(growth, t, &L, NULL));
+  EXPECT(growth->slides && growth->even && L == 0.5 + t, "L = %g", L);
+  zone = PetscMin(zone, L);
+  for (int i = 0; i <= 400; i++) {
+    PetscReal s = i / 400., h = 1e-3 * zone / L, strain = GrowthStrain(growth, s, t, 1), d, d_t,
+              moved;
+    __float128 z = (1 - (__float128)s) * L / zone, beyond = z < 1 ? 1 - z : 0;
+    __float128 V = beyond * beyond * beyond * (1 + 3 * z + 6 * z * z); /* 1 - W, multiplied out */
+    worst = PetscMax(worst, PetscAbsReal(GrowthSlide(growth, s, t) + s - (PetscReal)V));
+    EXPECT(strain >= 0, "strain %g at s %g", strain, s);
+    if (s > 3 * h && s < 1 - 3 * h && PetscAbsReal((1 - s) * L / zone - 1) > 3e-3) {
+      PetscReal by = (8 * (GrowthSlide(growth, s + h, t) - GrowthSlide(growth, s - h, t)) -
+                      (GrowthSlide(growth, s + 2 * h, t) - GrowthSlide(growth, s - 2 * h, t))) /
+                     (12 * h);
+      slope = PetscMax(slope, PetscAbsReal(by + 1 - strain)); /* g_t + c_s */
+    }
+    CHECK(GrowthOrigin(growth, s, t, &d, &d_t));
+    if (z < 1) continue; /* at rest: its place, and so where it comes from, stays */
+    CHECK(GrowthOrigin(growth, s * L / (L + 1), t + 1, &moved, &d_t));
+    still = PetscMax(still, PetscAbsReal(moved - d));
+  }
+  print_message("zone %g, t %g: V to %.1e, strain to %.1e, places to %.1e\n", zone, t, worst, slope,
+                still);
+  EXPECT(worst < 4e-15, "V off by %g", worst);
+  EXPECT(slope < 1e-9 * PetscMax(1, L / zone), "strain off by %g", slope);
+  EXPECT(still < 1e-14 * L, "material at rest moves by %g", still);
+  CHECK(GrowthDestroy(&growth));
+}
+
+static void TestApical(void **state) {
+  Apical(0.5, 0);
+  Apical(0.5, 3);
+  Apical(2, 0.3); /* the whole rod grows */
+  Apical(2, 4);
+  Apical(0.2, 30);
+}
+
 /* By the formula itself, at one point: g = L0 + 2 t exp(-s^2/a^2) / (a sqrt(pi) erf(1/a)). */
 static void TestGaussianValue(void **state) {
   Growth growth;
@@ -176,8 +220,9 @@ static void TestTableOrder(void **state) {
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(TestUniform),         cmocka_unit_test(TestFeed),
-    cmocka_unit_test(TestGaussian),        cmocka_unit_test(TestGaussianValue),
-    cmocka_unit_test(TestTableConsistent), cmocka_unit_test(TestTableExact),
-    cmocka_unit_test(TestTableOrder),      cmocka_unit_test(TestStopped)};
+    cmocka_unit_test(TestUniform),       cmocka_unit_test(TestFeed),
+    cmocka_unit_test(TestApical),        cmocka_unit_test(TestGaussian),
+    cmocka_unit_test(TestGaussianValue), cmocka_unit_test(TestTableConsistent),
+    cmocka_unit_test(TestTableExact),    cmocka_unit_test(TestTableOrder),
+    cmocka_unit_test(TestStopped)};
 MAIN(tests)
