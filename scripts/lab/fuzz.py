@@ -1,0 +1,174 @@
+#!/usr/bin/env python3
+"""Random scenes: each at the defaults, against a hundredth of the tolerance on a finer mesh.
+
+    fuzz.py EXE SEED COUNT [--wide] [--world]
+
+--wide: lengths, shapes and times far apart; --world: also friction across and in fields and layers,
+forces on the tip and held tips, growth at the tip, stiffness along the rod. Prints the bad ones with
+their command and a summary; exit 1 if any is lost (gave up, hung, tip off by more than 1e-4 of the
+length). Files that scenes need are kept beside the results, under /tmp/fuzz-SEED."""
+
+import os
+import random
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+LIMIT, REFERENCE_LIMIT = 60, 200  # seconds
+TIP, NORM = 1e-4, 1e-2            # off by more is bad
+
+
+class Draw(random.Random):
+    """Draws numbers of three digits."""
+
+    def between(self, a, b):
+        return float(f"{self.uniform(a, b):.3g}")
+
+    def over_decades(self, a, b):
+        return float(f"{np.exp(self.uniform(np.log(a), np.log(b))):.3g}")
+
+    def happens(self, share):
+        return self.random() < share
+
+
+def plain_scene(draw, wide, laws=("uniform", "uniform", "gaussian", "feed")):
+    """Options by name: growth, friction, shape, natural curvature, model."""
+    o = {"growth_type": draw.choice(laws)}
+    if o["growth_type"] == "gaussian":
+        o["growth_width"] = draw.over_decades(.01, 5)
+    o["friction_mu"] = draw.choice([0, 1, 1, round(draw.random(), 3)])
+    o["friction_beta"] = draw.choice([0, 1e-3, draw.over_decades(1e-12, 1e-1)])
+    if o["friction_mu"] == 0:
+        o["friction_beta"] = 1e-3
+    o["growth_initial_length"] = draw.over_decades(*((.05, 8) if wide else (.3, 10)))
+    o["shape_type"] = draw.choice(["sag", "sag", "random"])
+    o["shape_amplitude"] = draw.over_decades(*((1e-12, 1.5) if wide else (1e-4, 2.5)))
+    if o["shape_type"] == "random":
+        o["shape_seed"] = draw.randint(1, 1000)
+    if draw.happens(.3):
+        o["rod_curvature_random"] = draw.over_decades(1e-6, .5)
+    elif draw.happens(.15):
+        o["rod_curvature"] = draw.over_decades(1e-6, 1)
+    if draw.happens(.2):
+        o["clamp_angle"] = draw.between(-3, 3)
+    o["rod_model"] = draw.choice(["frame", "frame", "frame", "auto"])
+    o["ts_max_time"] = draw.over_decades(*((.5, 30) if wide else (3, 40)))
+    return o
+
+
+def write(path, **arrays):
+    with h5py.File(path, "w") as file:
+        for name, values in arrays.items():
+            file[name] = values
+    return path
+
+
+def random_field(draw, path, reach, end):
+    """A factor of a few waves over the plane, in half of them over time; never below a tenth."""
+    x1, x2 = np.linspace(-reach, reach, 61), np.linspace(-reach, reach, 41)
+    t = np.linspace(0, end, 9) if draw.happens(.5) else np.zeros(1)
+    factor = np.ones((len(t), len(x2), len(x1)))
+    for _ in range(3):
+        a, b, c = (draw.between(-1, 1) * 8 / reach for _ in range(3))
+        phase = (a * x1[None, None, :] + b * x2[None, :, None] + c * t[:, None, None] * reach / end)
+        factor += draw.between(0, .3) * np.sin(phase + draw.between(0, 6))
+    if len(t) > 1:
+        return write(path, x1=x1, x2=x2, t=t, factor=factor)
+    return write(path, x1=x1, x2=x2, factor=factor[0])
+
+
+def world_scene(draw, wide, files):
+    """Options by name: a plain scene in a world of about half of all that there is."""
+    o = plain_scene(draw, wide, ("uniform", "gaussian", "feed", "apical", "apical"))
+    o["ts_max_time"] = min(o["ts_max_time"], 12)
+    reach = o["growth_initial_length"] + o["ts_max_time"]
+    if o["growth_type"] == "apical":
+        o["growth_zone"] = draw.over_decades(.1, 3)
+    if draw.happens(.5):
+        o["friction_across"] = draw.over_decades(.3, 4)
+    if draw.happens(.3):
+        o["friction_field"] = random_field(draw, f"{files}-field.h5", reach, o["ts_max_time"])
+    elif draw.happens(.4):
+        starts = sorted({draw.between(0, reach) for _ in range(3)})
+        starts = [a for k, a in enumerate(starts) if k == 0 or a - starts[k - 1] > .5]
+        o["friction_layers"] = ",".join(f"{a}:{draw.over_decades(.2, 5)}" for a in starts)
+        o["friction_layer_width"] = draw.over_decades(.02, .4)
+    if draw.happens(.25):
+        o["tip_type"] = draw.choice(["pinned", "clamped"])
+        o["growth_initial_length"] = max(o["growth_initial_length"], 1)
+        if o["shape_type"] != "straight":  # a held tip bends the rod at once: not from a straight one
+            o["shape_amplitude"] = max(o["shape_amplitude"], .1)
+    elif draw.happens(.6):
+        o["tip_force"] = draw.over_decades(.01, 3)
+        o["tip_law"] = draw.choice(["dead", "follower", "resistance", "resistance"])
+        if o["tip_law"] == "resistance" and draw.happens(.3):
+            o["tip_field"] = random_field(draw, f"{files}-tip.h5", reach, o["ts_max_time"])
+    if draw.happens(.3):
+        base, rise, over = draw.over_decades(.5, 3), draw.over_decades(.3, 5), draw.over_decades(.3, 5)
+        distance = np.linspace(0, 8 * over, 201)
+        o["rod_stiffness_file"] = write(f"{files}-stiffness.h5", distance=distance,
+                                        factor=base + rise * (1 - np.exp(-distance / over)))
+    return o
+
+
+def run(exe, options, limit, file, extra=()):
+    """(tip, norm, length, seconds) or None, what it said, the command."""
+    command = [exe, *(word for k, v in options.items() for word in (f"-{k}", str(v))), *extra]
+    began = time.time()
+    try:
+        done = subprocess.run([*command, "-output", file], capture_output=True, text=True,
+                              timeout=limit)
+    except subprocess.TimeoutExpired:
+        return None, "hung", " ".join(command[1:])
+    if done.returncode:
+        return None, (done.stderr or done.stdout).strip()[-200:], " ".join(command[1:])
+    with h5py.File(file) as f:
+        s = {k: float(f["series"][k][-1]) for k in ("tip_x1", "tip_x2", "norm_x2", "length")}
+    os.remove(file)
+    tip = np.array([s["tip_x1"], s["tip_x2"]])
+    return (tip, s["norm_x2"], s["length"], time.time() - began), "ok", " ".join(command[1:])
+
+
+def main():
+    words = [w for w in sys.argv[1:] if not w.startswith("--")]
+    if len(words) != 3 or set(sys.argv[1:]) - set(words) - {"--wide", "--world"}:
+        sys.exit(__doc__)
+    exe, seed, count = words[0], int(words[1]), int(words[2])
+    wide, world = "--wide" in sys.argv, "--world" in sys.argv
+    draw, directory = Draw(seed), Path(f"/tmp/fuzz-{seed}")
+    directory.mkdir(exist_ok=True)
+    lost, norms, tips, walls = 0, 0, [], []
+    for i in range(count):
+        files = directory / str(i)
+        o = world_scene(draw, wide, files) if world else plain_scene(draw, wide)
+        found, said, command = run(exe, o, LIMIT, f"{files}.h5")
+        if found is None:
+            lost += 1
+            print("lost:", said, command, flush=True)
+            continue
+        walls.append(found[3])
+        fine, said, _ = run(exe, {**o, "rod_model": "frame"}, REFERENCE_LIMIT, f"{files}.h5",
+                            ["-rod_cells", "1200", "-ts_rtol", "1e-8"])
+        if fine is None:
+            print("no reference:", said, command, flush=True)
+            continue
+        tip = float(np.hypot(*(found[0] - fine[0]))) / found[2]
+        norm = abs(found[1] / fine[1] - 1) if fine[1] else 0
+        tips.append(tip)
+        norms += norm > NORM
+        if tip > TIP:
+            lost += 1
+            print(f"tip off by {tip:.1e}:", command, flush=True)
+        elif norm > NORM:
+            print(f"norm off by {norm:.1e} at |x2| {fine[1]:.1e}:", command, flush=True)
+    print(f"{lost} of {count} random scenes lost; tip off by at most {max(tips, default=0):.1e}, norm by "
+          f"1 % or more in {norms}, median {np.median(walls) if walls else 0:.2f} s")
+    sys.exit(int(lost > 0))
+
+
+if __name__ == "__main__":
+    main()
