@@ -123,6 +123,19 @@ static void TurnEdges(const PetscReal (*u)[FIELDS], PetscInt k, PetscReal a[2], 
   Edge(u, k + 1, b);
 }
 
+/* By how much the rod turns from the middle of the last edge to the tip, where there is no moment.
+ */
+static PetscReal TipTurn(const Mixed *self, Rod rod) {
+  return self->natural[rod->last - rod->first + 1] * EdgeLength(self, rod, rod->last) / 2;
+}
+
+static void Rotate(PetscReal e[2], PetscReal angle) {
+  PetscReal x = e[0], c = PetscCosReal(angle), s = PetscSinReal(angle);
+
+  e[0] = c * x - s * e[1];
+  e[1] = s * x + c * e[1];
+}
+
 /* The edge that the tangent of node i is taken from: between its neighbours. */
 static void Across(Rod rod, const PetscReal (*u)[FIELDS], PetscInt i, PetscReal e[2]) {
   const PetscInt next = PetscMin(i + 1, rod->last);
@@ -138,6 +151,7 @@ static void PlaceAt(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
 
   Across(rod, u, i, e);
   size = hypot(e[0], e[1]);
+  if (i == rod->last) Rotate(e, TipTurn(self, rod));
   *slide = c != 0 && i < rod->last ? c / (2 * NodeLength(self, rod, i)) : 0;
   at->t = self->time;
   for (int d = 0; d < 2; d++) {
@@ -147,7 +161,7 @@ static void PlaceAt(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
   }
 }
 
-/* The tip as its force sees it: its direction is that of the last edge. */
+/* The tip as its force sees it. */
 static TipState TipAt(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
                       const PetscReal (*u_t)[FIELDS]) {
   PetscReal slide;
@@ -456,7 +470,7 @@ static PetscErrorCode MixedGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes
   for (PetscInt i = PetscMax(1, rod->first); i < rod->end; i++) /* from its middle on to its end */
     nodes[i - rod->first].theta =
         theta[i - rod->first] + (nodes[i - rod->first].moment / TurnStiffness(self, rod, i) +
-                                 (i < rod->last ? self->natural[i - rod->first + 1] : 0)) *
+                                 self->natural[i - rod->first + 1]) *
                                     EdgeLength(self, rod, i) / 2;
   PetscCall(PetscFree(theta));
   PetscFunctionReturn(0);

@@ -211,7 +211,7 @@ static PetscErrorCode ReadAxis(const char *option, const char *file, const char 
 
 /* Splines may dip below 0 between entries that do not: looks at a few places between each two. */
 static PetscErrorCode CheckSign(const char *option, const char *file, Field self) {
-  enum { PLACES = 4 };
+  enum { PLACES = 2 };
   PetscInt count[AXES], total = 1;
   char text[4][64];
 

@@ -12,11 +12,33 @@ PetscErrorCode SpectrumDestroy(Spectrum *self) {
   PetscFunctionReturn(0);
 }
 
+/* The mixed matrix has lengths of 1 in it. Where the rod's own length and rates are far from that,
+   it would hold numbers of all sizes; so K is measured in units of B/L^3 and D in those of drag
+   times L (powers of 2, which round nothing). */
+typedef struct {
+  PetscReal force, drag; /* what K and D are multiplied by */
+} Units;
+
+static PetscErrorCode UnitsAt(Pencil p, Units *units) {
+  PetscReal L;
+
+  PetscFunctionBegin;
+  PetscCall(GrowthLength(p->growth, p->time, &L, NULL));
+  units->force = exp2(round(3 * log2(L)));
+  units->drag = exp2(-round(log2(L * p->drag_max)));
+  PetscFunctionReturn(0);
+}
+
+static void Scale(PetscInt n, PetscReal band[], PetscReal factor) {
+  for (PetscInt i = 0; i < n; i++) band[i] *= factor;
+}
+
 /* The residual against the distance to the shift: an eigenvalue may well be 0, where a relative
    test would never be met. */
 static PetscErrorCode AgainstShift(EPS eps, PetscScalar re, PetscScalar im, PetscReal residual,
                                    PetscReal *error, void *ctx) {
-  PetscReal shift = ((Spectrum *)ctx)->shift;
+  const Spectrum *self = (const Spectrum *)ctx;
+  PetscReal shift = self->shift / self->rate;
   PetscFunctionBegin;
   *error = residual * SlepcAbsEigenvalue(re - shift, im);
   PetscFunctionReturn(0);
@@ -106,6 +128,7 @@ static PetscErrorCode AssembleRate(Spectrum *self, SpectrumRate rate, PetscReal 
   PetscInt rows = (p->last - p->first) * WIDTH;
   PetscReal *K, *D, *extra, *X, *XT, swell = 0;
   PetscBool friction = (PetscBool)(rate == RATE_FRICTION), skew = p->skew;
+  Units units;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc5(rows, &K, rows, &D, rows, &extra, rows, &X, rows, &XT));
@@ -122,6 +145,13 @@ static PetscErrorCode AssembleRate(Spectrum *self, SpectrumRate rate, PetscReal 
     XT[i] /= 2;
   }
   if (friction) *bound += PetscMax(0, (p->rate_max - swell) / 2);
+  PetscCall(UnitsAt(p, &units));
+  self->rate = units.drag / units.force;
+  Scale(rows, K, units.force);
+  Scale(rows, X, units.force);
+  Scale(rows, XT, units.force);
+  Scale(rows, extra, units.force);
+  Scale(rows, D, units.drag);
   PetscCall(PencilMixed(p, K, skew ? X : NULL, skew && friction ? XT : NULL,
                         friction ? extra : NULL, D, &self->A, &self->B));
   PetscCall(PetscFree5(K, D, extra, X, XT));
@@ -145,8 +175,8 @@ static PetscErrorCode Solve(Spectrum *self, PetscInt stride, Eigenvalue *value, 
   PetscCall(MatCreateVecs(self->A, &x, NULL));
   PetscCall(EPSGetEigenpair(eps, 0, &re, &im, x, NULL));
   PetscCall(EPSGetErrorEstimate(eps, 0, &value->error));
-  value->value = re;
-  value->frequency = PetscAbsReal(im);
+  value->value = re * self->rate;
+  value->frequency = PetscAbsReal(im) * self->rate;
   if (w) PetscCall(GatherKind(x, self->pencil->n, stride, 0, w));
   if (c && stride == 3) PetscCall(GatherKind(x, self->pencil->n, stride, 1, c));
   PetscCall(VecDestroy(&x));
@@ -160,7 +190,7 @@ static PetscErrorCode ShiftInvert(Spectrum *self, EPSProblemType type) {
   PetscFunctionBegin;
   PetscCall(EPSSetOperators(self->eps, self->A, self->B));
   PetscCall(EPSSetProblemType(self->eps, type));
-  PetscCall(EPSSetTarget(self->eps, self->shift));
+  PetscCall(EPSSetTarget(self->eps, self->shift / self->rate));
   PetscCall(EPSSetWhichEigenpairs(self->eps, EPS_TARGET_MAGNITUDE));
   PetscCall(EPSGetST(self->eps, &st));
   PetscCall(STSetType(st, STSINVERT));
@@ -215,6 +245,8 @@ PetscErrorCode SpectrumLargest(Spectrum *self, SpectrumRate rate, PetscReal t, E
       PetscScalar re, im;
       PetscReal d;
       PetscCall(EPSGetEigenvalue(self->eps, i, &re, &im));
+      re *= self->rate;
+      im *= self->rate;
       d = SlepcAbsEigenvalue(re - near.value, PetscAbsReal(im) - near.frequency);
       if (d >= least) continue;
       least = d;
@@ -223,12 +255,32 @@ PetscErrorCode SpectrumLargest(Spectrum *self, SpectrumRate rate, PetscReal t, E
       value->frequency = PetscAbsReal(im);
     }
     PetscCall(EPSGetErrorEstimate(self->eps, best, &value->error));
+    value->error *= self->rate;
     PetscCall(MatCreateVecs(self->A, &x, NULL));
     PetscCall(EPSGetEigenvector(self->eps, best, x, NULL));
     if (w) PetscCall(GatherKind(x, self->pencil->n, 3, 0, w));
     if (c) PetscCall(GatherKind(x, self->pencil->n, 3, 1, c));
     PetscCall(VecDestroy(&x));
   }
+  PetscFunctionReturn(0);
+}
+
+/* A positive definite matrix may be eliminated in any order: this one, where PETSc has it, rounds
+   ten times less than from end to end. Several ranks have their own solver, which it does not
+   concern. */
+static PetscErrorCode OrderForAccuracy(EPS eps) {
+  PetscErrorCode (*order)(Mat, MatOrderingType, IS *, IS *);
+  ST st;
+  KSP ksp;
+  PC pc;
+
+  PetscFunctionBegin;
+  PetscCall(PetscFunctionListFind(MatOrderingList, MATORDERINGAMD, &order));
+  if (!order) PetscFunctionReturn(0);
+  PetscCall(EPSGetST(eps, &st));
+  PetscCall(STGetKSP(st, &ksp));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PCFactorSetMatOrderingType(pc, MATORDERINGAMD));
   PetscFunctionReturn(0);
 }
 
@@ -240,25 +292,17 @@ PetscErrorCode SpectrumLargest(Spectrum *self, SpectrumRate rate, PetscReal t, E
 */
 PetscErrorCode SpectrumBuckling(Spectrum *self, PetscReal t, Eigenvalue *ratio, PetscReal c[],
                                 PetscReal w[]) {
-  ST st;
-  KSP ksp;
-  PC pc;
-
   PetscFunctionBegin;
   PetscCall(PencilSetTime(self->pencil, t, FRAME_LABEL));
   *ratio = (Eigenvalue){0};
+  self->rate = 1;
   if (self->pencil->compression == 0) PetscFunctionReturn(0);
   PetscCall(PencilMatrix(self->pencil, FORM_AXIAL, &self->A));
   PetscCall(PencilMatrix(self->pencil, FORM_BEND, &self->B));
   PetscCall(EPSSetOperators(self->eps, self->A, self->B));
   PetscCall(EPSSetProblemType(self->eps, EPS_GHEP));
   PetscCall(EPSSetWhichEigenpairs(self->eps, EPS_LARGEST_REAL));
-  PetscCall(EPSGetST(self->eps, &st));
-  PetscCall(STGetKSP(st, &ksp));
-  PetscCall(KSPGetPC(ksp, &pc));
-  /* the matrix is positive definite, any order will do: this rounds ten times less than from end to
-     end; several ranks have their own solver, which this does not concern */
-  PetscCall(PCFactorSetMatOrderingType(pc, MATORDERINGAMD));
+  PetscCall(OrderForAccuracy(self->eps));
   PetscCall(Solve(self, 1, ratio, NULL, w));
   ratio->error *= ratio->error * PetscAbsReal(ratio->value);
   if (c && w) {
@@ -290,7 +334,8 @@ static void FillMixed(Pencil p, const PetscReal *band, PetscReal factor, PetscIn
 }
 
 /* K - shift D in the mixed unknowns, factored, on one rank. D: [n][WIDTH], filled here. */
-static PetscErrorCode FactorMixed(Pencil p, PetscReal shift, PetscReal D[], Band *A) {
+static PetscErrorCode FactorMixed(Pencil p, PetscReal shift, const Units *units, PetscReal D[],
+                                  Band *A) {
   PetscReal *band;
 
   PetscFunctionBegin;
@@ -299,11 +344,11 @@ static PetscErrorCode FactorMixed(Pencil p, PetscReal shift, PetscReal D[], Band
   PetscCall(PetscMalloc1(p->n * WIDTH, &band));
   PetscCall(BandCreate(3 * p->n, 3 * HALF + 1, 3 * HALF + 1, A));
   PetscCall(PencilBand(p, FORM_STIFF, band));
-  FillMixed(p, band, 1, 0, 0, A);
+  FillMixed(p, band, units->force, 0, 0, A);
   PetscCall(PencilBand(p, FORM_SLIDE, band));
-  FillMixed(p, band, 1, 1, 0, A);
+  FillMixed(p, band, units->force, 1, 0, A);
   PetscCall(PencilBand(p, FORM_DRAG, D));
-  FillMixed(p, D, -shift, 1, 1, A);
+  FillMixed(p, D, -shift * units->force, 1, 1, A);
   for (PetscInt i = 0; i < p->n; i++) {
     PetscInt w = 3 * i, c = w + 1, n = w + 2;
     if (i == p->n - 1 && LastHeld(p, 0))
@@ -332,11 +377,13 @@ static PetscErrorCode FactorMixed(Pencil p, PetscReal shift, PetscReal D[], Band
 PetscErrorCode SpectrumDense(Pencil p, PetscReal shift, PetscBool symmetric, PetscReal T[]) {
   PetscInt n = p->n;
   PetscReal *D, *R, *column;
+  Units units;
   Band A;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc3(n * WIDTH, &D, n * (HALF + 1), &R, 3 * n, &column));
-  PetscCall(FactorMixed(p, shift, D, &A));
+  PetscCall(UnitsAt(p, &units));
+  PetscCall(FactorMixed(p, shift, &units, D, &A));
   PetscCall(BandCholesky(n, HALF, D, R));
   for (PetscInt j = 0; j < n; j++) {
     PetscCall(PetscArrayzero(T + j * n, n));
@@ -354,6 +401,7 @@ PetscErrorCode SpectrumDense(Pencil p, PetscReal shift, PetscBool symmetric, Pet
     for (PetscInt j = 0; j < n; j++)
       for (PetscInt i = 0; i < j; i++)
         T[j * n + i] = T[i * n + j] = (T[j * n + i] + T[i * n + j]) / 2;
+  Scale(n * n, T, units.force);
   PetscCall(BandDestroy(&A));
   PetscCall(PetscFree3(D, R, column));
   PetscFunctionReturn(0);

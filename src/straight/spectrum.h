@@ -19,6 +19,7 @@ typedef struct {
   EPS eps;
   Mat A, B;
   PetscReal shift;
+  PetscReal rate;  /* a rate in the matrices' units, see Units */
   PetscBool quiet; /* takes no options from the command line */
 } Spectrum;
 
