@@ -15,12 +15,15 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.ticker import LogLocator, NullLocator
 
 from .style import STYLE
 
 LABELS = {"friction_mu": r"dry share $\mu$", "growth_width": r"growth width $a$",
           "friction_beta": r"regularisation $\beta$", "growth_initial_length": r"$L_0$",
-          "critical/t": r"$t_{cr}$", "critical/length": r"$L_{cr}$"}
+          "friction_across": r"friction across over along $a$", "tip_force": r"force on the tip $P$",
+          "growth_zone": r"length of the growth zone", "critical/t": r"$t_{cr}$",
+          "critical/length": r"$L_{cr}$", "critical/frequency": r"frequency at $t_{cr}$"}
 
 
 def point(path):
@@ -57,12 +60,20 @@ def even(values):
 
 def draw(ax, xs, ys, table, axes, quantity):
     # before the contours: their labels cut them where they are on the screen
-    for values, scale in ((xs, ax.set_xscale), (ys, ax.set_yscale)):
+    for values, scale, axis in ((xs, ax.set_xscale, ax.xaxis), (ys, ax.set_yscale, ax.yaxis)):
         if not even(values):
             scale("log")
-    colours = ax.pcolormesh(xs, ys, table, shading="nearest", cmap="cividis", rasterized=True)
+            if values[-1] < 1000 * values[0]:  # few decades: 0.5, 1, 2, not powers of ten alone
+                axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+                axis.set_major_formatter("{x:g}")
+                axis.set_minor_locator(NullLocator())
+    low, high = np.nanmin(table), np.nanmax(table)
+    wide = low > 0 and high > 100 * low  # over decades: colours and contours by the logarithm
+    colours = ax.pcolormesh(xs, ys, table, shading="nearest", cmap="cividis", rasterized=True,
+                            norm="log" if wide else "linear")
     if np.isfinite(table).all() and min(table.shape) > 2 and np.ptp(table) > 0:
-        lines = ax.contour(xs, ys, table, levels=8, colors="white", linewidths=0.5)
+        levels = LogLocator(subs=(1, 2, 5)).tick_values(low, high) if wide else 8
+        lines = ax.contour(xs, ys, table, levels=levels, colors="white", linewidths=0.5)
         ax.clabel(lines, fontsize=6, fmt="%.4g")
     ax.set_xlabel(LABELS.get(axes[0], axes[0]))
     ax.set_ylabel(LABELS.get(axes[1], axes[1]))
