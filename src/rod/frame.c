@@ -45,7 +45,7 @@ typedef struct {
   Law *law;       /* of nodes a, mid, b of the cell */
   LoadDual *dual; /* likewise */
   PetscReal h;
-  Point a, mid, b;
+  Point *a, mid, *b, ends[2]; /* the end of a cell is where the next begins: they change places */
 } Cell;
 
 /* f at a point */
@@ -62,7 +62,7 @@ static void PointEvaluate(const Load *load, const Law *law, const LoadDual *dual
 }
 
 /* The point at a node; u, u_t its six unknowns and their rates. */
-static inline void PointAtNode(const Load *load, const Law *law, const LoadDual *dual, PetscReal t,
+static inline void PointAtNode(const Load *load, const Law *law, const LoadDual *dual,
                                const PetscReal *u, const PetscReal *u_t, Point *p) {
   p->theta = u[TH];
   p->m = u[M];
@@ -73,7 +73,6 @@ static inline void PointAtNode(const Load *load, const Law *law, const LoadDual 
     p->at.v[d] = u_t[X1 + d] + law->c * p->at.q[d];
     p->at.x[d] = u[X1 + d];
   }
-  p->at.t = t;
   PointEvaluate(load, law, dual, p);
 }
 
@@ -98,9 +97,9 @@ static void PointAtMid(const Load *load, const Law law[3], const LoadDual *dual,
   for (int d = 0; d < 2; d++) {
     p->n[d] = (a->n[d] + b->n[d]) / 2 + k * (a->f[N1 + d] - b->f[N1 + d]);
     p->at.v[d] = (ua_t[X1 + d] + ub_t[X1 + d]) / 2 + k * (wa[d] - wb[d]) + law[1].c * p->at.q[d];
-    p->at.x[d] = (a->at.x[d] + b->at.x[d]) / 2 + k * (a->f[X1 + d] - b->f[X1 + d]);
   }
-  p->at.t = a->at.t;
+  for (int d = 0; d < 2 && load->moves; d++)
+    p->at.x[d] = (a->at.x[d] + b->at.x[d]) / 2 + k * (a->f[X1 + d] - b->f[X1 + d]);
   PointEvaluate(load, &law[1], dual, p);
 }
 
@@ -142,8 +141,11 @@ static PetscErrorCode CellsOpen(Rod rod, PetscReal t, Vec U, Vec U_t, Cell *cell
   cell->s = rod->scene->mesh.s;
   PetscCall(RodOpen(rod, U, &cell->local[0], &cell->u));
   PetscCall(RodOpen(rod, U_t, &cell->local[1], &cell->u_t));
-  PointAtNode(cell->load, frame->law + k, frame->dual + k, t, cell->u[first], cell->u_t[first],
-              &cell->b);
+  cell->a = &cell->ends[0];
+  cell->b = &cell->ends[1];
+  cell->a->at.t = cell->mid.at.t = cell->b->at.t = t;
+  PointAtNode(cell->load, frame->law + k, frame->dual + k, cell->u[first], cell->u_t[first],
+              cell->b);
   PetscFunctionReturn(0);
 }
 
@@ -158,14 +160,15 @@ static PetscErrorCode CellsClose(Cell *cell) {
 static void CellsNext(Cell *cell, PetscInt i) {
   Frame *frame = (Frame *)cell->rod->data;
   PetscInt k = 2 * (i - cell->rod->first + 1);
+  Point *begin = cell->b;
 
   cell->law = frame->law + k;
   cell->dual = frame->dual + k;
   cell->h = cell->s[i + 1] - cell->s[i];
-  cell->a = cell->b;
-  PointAtNode(cell->load, cell->law + 2, cell->dual + 2, cell->t, cell->u[i + 1], cell->u_t[i + 1],
-              &cell->b);
-  PointAtMid(cell->load, cell->law, cell->dual + 1, frame->bow * cell->h, &cell->a, &cell->b,
+  cell->b = cell->a;
+  cell->a = begin;
+  PointAtNode(cell->load, cell->law + 2, cell->dual + 2, cell->u[i + 1], cell->u_t[i + 1], cell->b);
+  PointAtMid(cell->load, cell->law, cell->dual + 1, frame->bow * cell->h, cell->a, cell->b,
              cell->u_t[i], cell->u_t[i + 1], &cell->mid);
 }
 
@@ -174,13 +177,13 @@ static void CellResidual(const Frame *frame, const Cell *cell, const PetscReal *
                          const PetscReal *ub, PetscReal r[FIELDS]) {
   for (int f = 0; f < FIELDS; f++)
     r[f] = ub[f] - ua[f] -
-           cell->h * (frame->end_weight * (cell->a.f[f] + cell->b.f[f]) +
+           cell->h * (frame->end_weight * (cell->a->f[f] + cell->b->f[f]) +
                       frame->mid_weight * cell->mid.f[f]);
 }
 
 /* What the tip's conditions are about: the end of the last cell. */
 static TipState TipOf(const Cell *cell) {
-  const Point *b = &cell->b;
+  const Point *b = cell->b;
   TipState tip = {.at = b->at, .theta = b->theta, .moment = b->m, .force = {b->n[0], b->n[1]}};
   return tip;
 }
@@ -216,6 +219,14 @@ static PetscErrorCode FrameResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F)
   PetscFunctionReturn(0);
 }
 
+/* Adds to the derivative of n_d' by x1, x2, theta at a node what comes of a load that varies in
+   space and with direction. */
+static void AddVaried(const Load *load, PetscReal g, const LoadSlope *slope, int d,
+                      PetscReal fn[3]) {
+  if (load->turns) fn[TH] += g * slope->theta[d];
+  for (int c = 0; c < 2 && load->moves; c++) fn[X1 + c] += g * slope->x[d][c];
+}
+
 /*
   Adds to J[6][6] the derivative of the cell's equations by the unknowns of one of its nodes.
 
@@ -241,8 +252,7 @@ static void CellJacobian(const Frame *frame, const Load *load, PetscReal h, Pets
     fn[d][X1] = shift * drag[0];
     fn[d][X2] = shift * drag[1];
     fn[d][TH] = law->c * (drag[0] * perp[0] + drag[1] * perp[1]);
-    if (load->turns) fn[d][TH] += g * p->slope.theta[d];
-    for (int c = 0; c < 2 && load->moves; c++) fn[d][X1 + c] += g * p->slope.x[d][c];
+    if (!load->plain) AddVaried(load, g, &p->slope, d, fn[d]);
     for (int f = X1; f <= TH; f++) n[d][f] = k * fn[d][f];
     n[d][N1 + d] = 0.5;
     v[d][X1 + d] = 0.5 * shift;
@@ -265,6 +275,9 @@ static void CellJacobian(const Frame *frame, const Load *load, PetscReal h, Pets
     for (int f = X1; f <= TH; f++) J[N1 + d][f] -= we * fn[d][f];
     for (int f = X1; f <= M; f++)
       J[N1 + d][f] -= wm * gm * (mid->slope.v[d][0] * v[0][f] + mid->slope.v[d][1] * v[1][f]);
+  }
+  if (load->plain) return;
+  for (int d = 0; d < 2; d++) {
     for (int f = TH; f <= M && load->turns; f++)
       J[N1 + d][f] -= wm * gm * mid->slope.theta[d] * th[f];
     for (int c = 0; c < 2 && load->moves; c++) { /* by x_mid */
@@ -304,15 +317,15 @@ static PetscErrorCode FrameJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, PetscR
     PetscInt cols[3] = {i - 1, i, i < rod->last ? i + 1 : -1}; /* -1: none, ignored */
     if (i < rod->last) {
       CellsNext(&cell, i);
-      if (i == PetscMax(first - 1, 0)) Linearise(&cell, cell.dual, &cell.a);
-      Linearise(&cell, cell.dual + 2, &cell.b);
+      if (i == PetscMax(first - 1, 0)) Linearise(&cell, cell.dual, cell.a);
+      Linearise(&cell, cell.dual + 2, cell.b);
       Linearise(&cell, cell.dual + 1, &cell.mid);
       PetscCall(PetscMemzero(left, sizeof(left)));
       PetscCall(PetscMemzero(right, sizeof(right)));
       CellJacobian(frame, cell.load, cell.h, -1, shift, cell.law, cell.law + 1, cell.u_t[i][TH],
-                   &cell.a, &cell.mid, left);
+                   cell.a, &cell.mid, left);
       CellJacobian(frame, cell.load, cell.h, 1, shift, cell.law + 2, cell.law + 1,
-                   cell.u_t[i + 1][TH], &cell.b, &cell.mid, right);
+                   cell.u_t[i + 1][TH], cell.b, &cell.mid, right);
       PutRows(row, M, FIELDS, left);
       PutRows(row, M, 2 * FIELDS, right);
     } else {
@@ -354,12 +367,12 @@ static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal 
     /* the clamped end does not move unless it slides: a shift there would hold nothing, and
        round-off adds up in it to a force on a rod whose x2 may be 1e-25 */
     if (i == first && ends && (i > 0 || cell.law->c != 0))
-      HoldPoint(cell.load, &cell.a.at, cell.dual, change);
+      HoldPoint(cell.load, &cell.a->at, cell.dual, change);
     HoldPoint(cell.load, &cell.mid.at, cell.dual + 1, change);
-    if (ends) HoldPoint(cell.load, &cell.b.at, cell.dual + 2, change);
+    if (ends) HoldPoint(cell.load, &cell.b->at, cell.dual + 2, change);
   }
   if (rod->end == rod->last + 1 && TipResists(&rod->scene->tip))
-    HoldPoint(&rod->scene->tip.resistance, &cell.b.at, TipDual(rod), change);
+    HoldPoint(&rod->scene->tip.resistance, &cell.b->at, TipDual(rod), change);
   PetscCall(CellsClose(&cell));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, change, 1, MPIU_REAL, MPI_MAX, rod->scene->comm));
   PetscFunctionReturn(0);

@@ -38,7 +38,10 @@ PetscErrorCode SceneShapeAngle(Scene scene, PetscReal s, PetscReal *theta, Petsc
    material there (may be NULL). */
 static inline PetscErrorCode SceneCurvature(Scene scene, PetscReal s, PetscReal t, PetscReal *k,
                                             PetscReal *k_t) {
-  return CurvatureValue(&scene->curvature, scene->growth, s, t, k, k_t);
+  *k = 0;
+  if (k_t) *k_t = 0;
+  return scene->curvature.any ? CurvatureValue(&scene->curvature, scene->growth, s, t, k, k_t)
+                              : (PetscErrorCode)0;
 }
 
 /* B at the label s and time t, and the rate B_t at which it changes for the material there (may be
