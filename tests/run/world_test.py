@@ -332,6 +332,21 @@ def straight_forces():
                   f"the limit to {far:.1e}")
             expect(not r.base_force_2.any() and not r.tip_x2.any(), f"{model} {law}: x2 is not 0")
 
+
+@check
+def tip_field():
+    """A resistance is multiplied by its field where the tip is: a fed straight rod's clamp bears
+    L + P N(L)."""
+    field_file = field(lambda x1, x2: 1 + x1 / 2 + 0 * x2, x1=(-1.8, 10), x2=(-1, 1), spacing=0.1)
+    for model in ("frame", "mixed"):
+        r = Run("-shape_type straight -growth_type feed -growth_initial_length 1 -ts_max_time 4 "
+                f"-friction_beta 1e-16 -tip_force 0.7 -tip_law resistance -tip_field {field_file} "
+                f"-rod_model {model}")
+        off = np.abs(r.base_force_1 / (r.length + 0.7 * (1 + r.length / 2)) - 1).max()
+        print(f"{model}: the clamp's force to {off:.1e}")
+        expect(off < 1e-9, f"{model}: the clamp's force is off by {off:.1e}")
+
+
 # --- references ----------------------------------------------------------------------------------
 
 
@@ -478,6 +493,20 @@ def energy_balance():
         expect(late < 2e-5 and r.energy_defect[-1] < 7e-8, f"{law}: {late:.1e}")
         if law == "apical":
             expect((r.tip_power < 0).all(), f"resistance gives {r.tip_power.max()}")
+
+
+@check
+def held_tip():
+    """A nearly straight rod whose tip is pinned snaps aside. That is seen by the steps that shrink
+    before it; else Newton's method takes ten times the iterations."""
+    for cells in (150, 200):
+        r = Run("-tip_type pinned -growth_initial_length 2 -shape_amplitude 0.1 -ts_max_time 1 "
+                f"-rod_cells {cells}")
+        newton = r.newton_iterations.sum()
+        print(f"{cells} cells: {r.steps} steps, {newton:.0f} Newton, |x2| {r.norm_x2[-1]:.9g}")
+        expect(newton < 3000, f"{cells} cells: {newton:.0f} Newton iterations")
+        expect(np.ptp(r.tip_x1) < 1e-9 and np.ptp(r.tip_x2) < 1e-9, f"{cells} cells: the tip moves")
+        expect(abs(r.norm_x2[-1] / 0.52129997 - 1) < 1e-6, f"{cells} cells: |x2| {r.norm_x2[-1]}")
 
 
 def same_on_ranks(options, numbers=(2, 3)):
