@@ -23,7 +23,7 @@ def check(function):
 
 
 def stability(options):
-    """/stability by name."""
+    """/stability by name; said: what was printed."""
     file = f"{scene.SCRATCH}/stability.h5"
     done = scene.subprocess.run([scene.TENDRIL, *options.split(), "-output", file], text=True,
                                 capture_output=True, env=scene.ENVIRONMENT)
@@ -32,6 +32,7 @@ def stability(options):
         r = {name: d[()] for name, d in f["stability"].items()}
         if "transient" in f:
             r["L2"] = f["transient/L2/amplification"][()]
+    r["said"] = done.stdout
     return r
 
 
@@ -67,6 +68,18 @@ def optimal_shape():
         expect(abs(grown / r["L2"] - 1) < 1e-3, f"{law}: grows by {grown}, not {r['L2']}")
 
 
+@check
+def theorem():
+    """That uniform growth is stable exactly up to t_cr is claimed where it is so, and only there."""
+    layers = "-friction_layers 0:1,1:2"
+    for options, holds in (("", True), ("-tip_force 0.5", True), ("-growth_type gaussian", False),
+                           ("-growth_type feed", False), ("-friction_across 2", False),
+                           (layers, False), ("-tip_force 0.5 -tip_law follower", False),
+                           ("-tip_force 0.5 -tip_law resistance", False)):
+        said = stability("-task stability -stability_points 3 -stability_vertices 60 "
+                         f"-stability_transient 0 {options}")["said"]
+        expect(("A is self-adjoint" in said) == holds, f"{options}: {said}")
+        expect(("Best norm" in said) != holds, f"{options}: {said}")
 
 
 if __name__ == "__main__":
