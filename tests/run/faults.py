@@ -119,6 +119,22 @@ def file_size_limit():
 
 
 @check
+def file_size_limit_of_tasks():
+    """What a task cannot write is seen, also what goes to the disk only when its file is closed."""
+    file = Path(scene.SCRATCH) / "task.h5"
+    for task in ("critical -rod_cells 60", "stability -stability_points 3 -stability_vertices 60"):
+        options = f"-task {task} -output {file}"
+        expect(run(options)[0] == 0, f"{task}: fails")
+        for limit in (1, (file.stat().st_size - 1) // 1024):
+            file.unlink(missing_ok=True)
+            code, said, stderr = run(options, before=f"ulimit -f {limit}; ")
+            print(f"{task}, {limit} kB: exit {code}, {said}")
+            expect(code > 0 and len(said) == 1 and "File too large" in said[0],
+                   f"{task}, {limit} kB: exit {code}, {stderr}")
+            expect(not file.exists(), f"{task}, {limit} kB: half a file is left")
+
+
+@check
 def restart_in_place():
     """On 1, 2 and 3 ranks, and from each number to each."""
     options = f"{DRY} -rod_cells 60 -output_interval 0.5 "
