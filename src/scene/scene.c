@@ -86,7 +86,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
    straight from the clamp to there cannot grow, and one that nearly is has too many ways to.
    Collective. */
 PetscErrorCode SceneHoldTip(Scene scene, const PetscReal x[2], PetscReal theta) {
-  const PetscReal slack = 1e-8;
+  const PetscReal slack = 1e-6;
   PetscReal away = PetscSqrtReal(x[0] * x[0] + x[1] * x[1]), length;
 
   PetscFunctionBegin;
