@@ -66,8 +66,7 @@ fi
 [ $# -gt 0 ] || usage "give a directory"
 directory=$1
 shift
-# (nproc minds OMP_NUM_THREADS, which common.sh sets to 1)
-jobs=$((2 * $(env -u OMP_NUM_THREADS nproc))) # short runs mostly wait for MPI to start and end
+jobs=$((2 * $(cores))) # short runs mostly wait for MPI to start and end
 if [ "${1:-}" = -j ]; then jobs=$2 && shift 2; fi
 fixed=()
 while [ $# -gt 0 ] && [ "$1" != -- ]; do fixed+=("$1") && shift; done

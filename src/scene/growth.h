@@ -50,13 +50,8 @@ static inline PetscReal GrowthSlide(Growth growth, PetscReal s, PetscReal t) {
 
 /* The speed of the material along a straight rod, V = p_t + c, without cancellation: 0 where it is
    at rest. */
-static inline PetscReal GrowthSpeed(Growth growth, PetscReal s, PetscReal t) {
-  PetscReal p, p_t = 0;
-
-  if (growth->stopped) return 0;
-  if (growth->slides) return growth->speed(growth, s, t);
-  (void)growth->arc(growth, s, t, &p, &p_t);
-  return p_t;
+static inline PetscReal GrowthSpeed(Growth growth, PetscReal s, PetscReal t, PetscReal p_t) {
+  return growth->slides && !growth->stopped ? growth->speed(growth, s, t) : p_t;
 }
 
 /* How fast the material there stretches, times g: g_t + c_s. */

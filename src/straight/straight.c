@@ -23,7 +23,7 @@ PetscErrorCode StraightAt(Scene scene, PetscReal s, PetscReal t, StraightMotion 
   PetscCall(GrowthStretch(scene->growth, 1, &s, t, &motion->g, NULL, &motion->g_s));
   PetscCall(GrowthArc(scene->growth, 1, &s, t, &motion->p, &motion->p_t));
   motion->c = GrowthSlide(scene->growth, s, t);
-  motion->V = GrowthSpeed(scene->growth, s, t);
+  motion->V = GrowthSpeed(scene->growth, s, t, motion->p_t);
   x[0] = motion->p;
   motion->N = scene->load.moves ? LoadFactor(&scene->load, x, t, slope) : 1;
   motion->drag = LoadAxialDrag(&scene->load, motion->V) * motion->N;

@@ -318,9 +318,6 @@ def straight_forces():
             bound = 2e-4 if model == "mixed" else 6e-8
             if (law, beta) == (apical, 1e-12):  # the end of the zone, where V is 1e-6, is not resolved
                 bound = 4e-3 if model == "mixed" else 2e-3
-            bound = 2e-4 if model == "mixed" else 6e-8
-            if (law, beta) == (apical, 1e-12):  # the end of the zone, where V is 1e-6, is not resolved
-                bound = 4e-3 if model == "mixed" else 2e-3
             expect(worst < bound, f"{model} {law}{factor}{more}mu {mu}, beta {beta}: off by {worst:.1e}")
             far = 0
             if limit:
