@@ -42,7 +42,7 @@ typedef struct {
   PetscReal diameter, apart; /* parts farther apart than this along the rod are not neighbours */
   PetscReal nearest;
   Event *event;
-} Contact;
+} Approach;
 
 /* The point of segment ab nearest to c: its place z in [0,1], and its distance. */
 static PetscReal PointDistance(const PetscReal a[2], const PetscReal b[2], const PetscReal c[2],
@@ -74,12 +74,12 @@ static PetscReal SegmentDistance(const PetscReal a[2], const PetscReal b[2], con
 /* Is one box too near the other along the rod to touch it? */
 static PetscBool TooNear(const Box *a, PetscInt first_a, PetscInt last_a, const Box *b,
                          PetscInt first_b, PetscInt last_b, void *ctx) {
-  const Contact *self = (const Contact *)ctx;
+  const Approach *self = (const Approach *)ctx;
   return (PetscBool)(self->p[last_b] - self->p[first_a] < self->apart);
 }
 
 static void Meet(PetscInt i, PetscInt j, void *ctx) {
-  Contact *self = (Contact *)ctx;
+  Approach *self = (Approach *)ctx;
   const Node *a = self->nodes + i, *c = self->nodes + j;
   PetscReal z[2], distance;
 
@@ -106,7 +106,7 @@ static void Meet(PetscInt i, PetscInt j, void *ctx) {
 */
 PetscErrorCode EventContact(PetscInt cells, const PetscReal s[], const Node *nodes,
                             PetscReal diameter, Event *event) {
-  Contact self = {.nodes = nodes, .s = s, .diameter = diameter, .event = event};
+  Approach self = {.nodes = nodes, .s = s, .diameter = diameter, .event = event};
   Boxes boxes;
 
   PetscFunctionBegin;

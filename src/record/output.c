@@ -284,7 +284,7 @@ static PetscErrorCode WriteMemory(HdfFile file, Rod rod, PetscReal *sum) {
   DM da;
 
   PetscFunctionBegin;
-  if (!rod->model->memory) PetscFunctionReturn(0);
+  if (!rod->memory) PetscFunctionReturn(0);
   PetscCall(RodCreateMemory(rod, &da, &memory));
   PetscCall(rod->model->remember(rod, memory));
   PetscCall(WriteVectors(file, "/restart/memory",

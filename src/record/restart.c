@@ -147,7 +147,7 @@ static PetscErrorCode Recall(Reader *reader, Rod rod) {
   DM da;
 
   PetscFunctionBegin;
-  if (!rod->model->memory) PetscFunctionReturn(0);
+  if (!rod->memory) PetscFunctionReturn(0);
   PetscCall(RodCreateMemory(rod, &da, &memory));
   PetscCall(ReaderOpen(memory, reader));
   PetscCall(ReadVector(reader, "/restart/memory", 0, memory));

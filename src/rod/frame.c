@@ -25,7 +25,8 @@ typedef struct {
   PetscReal end_weight, mid_weight, bow; /* times h: 1/6, 4/6, 1/8 (order 4); 0, 1, 0 (order 2) */
   PetscReal time;                        /* of the laws below */
   Law *law;                              /* nodes and mids from node first - 1 on, alternating */
-  LoadDual *dual;                        /* likewise */
+  LoadDual *dual;                        /* likewise, duals of them at each */
+  PetscInt duals;
 } Frame;
 
 /* One point of the rod: its unknowns, f, its place and velocity, the slope of the load. */
@@ -42,8 +43,8 @@ typedef struct {
   const Load *load;
   const PetscReal (*u)[FIELDS], (*u_t)[FIELDS], *s;
   Vec local[2];
-  Law *law;       /* of nodes a, mid, b of the cell */
-  LoadDual *dual; /* likewise */
+  Law *law;          /* of nodes a, mid, b of the cell */
+  LoadDual *dual[3]; /* likewise */
   PetscReal h;
   Point *a, mid, *b, ends[2]; /* the end of a cell is where the next begins: they change places */
 } Cell;
@@ -127,6 +128,11 @@ static PetscErrorCode LawsAt(Rod rod, PetscReal t) {
   PetscFunctionReturn(0);
 }
 
+/* The duals of point k: nodes and mids alternate, from node first - 1 on. */
+static inline LoadDual *DualsAt(const Frame *frame, PetscInt k) {
+  return frame->dual + k * frame->duals;
+}
+
 /* Begins a walk along the cells that touch owned nodes, at the first of these. Collective. */
 static PetscErrorCode CellsOpen(Rod rod, PetscReal t, Vec U, Vec U_t, Cell *cell) {
   Frame *frame = (Frame *)rod->data;
@@ -144,7 +150,7 @@ static PetscErrorCode CellsOpen(Rod rod, PetscReal t, Vec U, Vec U_t, Cell *cell
   cell->a = &cell->ends[0];
   cell->b = &cell->ends[1];
   cell->a->at.t = cell->mid.at.t = cell->b->at.t = t;
-  PointAtNode(cell->load, frame->law + k, frame->dual + k, cell->u[first], cell->u_t[first],
+  PointAtNode(cell->load, frame->law + k, DualsAt(frame, k), cell->u[first], cell->u_t[first],
               cell->b);
   PetscFunctionReturn(0);
 }
@@ -163,12 +169,12 @@ static void CellsNext(Cell *cell, PetscInt i) {
   Point *begin = cell->b;
 
   cell->law = frame->law + k;
-  cell->dual = frame->dual + k;
+  for (int e = 0; e < 3; e++) cell->dual[e] = DualsAt(frame, k + e);
   cell->h = cell->s[i + 1] - cell->s[i];
   cell->b = cell->a;
   cell->a = begin;
-  PointAtNode(cell->load, cell->law + 2, cell->dual + 2, cell->u[i + 1], cell->u_t[i + 1], cell->b);
-  PointAtMid(cell->load, cell->law, cell->dual + 1, frame->bow * cell->h, cell->a, cell->b,
+  PointAtNode(cell->load, cell->law + 2, cell->dual[2], cell->u[i + 1], cell->u_t[i + 1], cell->b);
+  PointAtMid(cell->load, cell->law, cell->dual[1], frame->bow * cell->h, cell->a, cell->b,
              cell->u_t[i], cell->u_t[i + 1], &cell->mid);
 }
 
@@ -190,7 +196,7 @@ static TipState TipOf(const Cell *cell) {
 
 /* The tip's own dual stands where that of a cell behind the tip would. */
 static LoadDual *TipDual(Rod rod) {
-  return ((Frame *)rod->data)->dual + 2 * (rod->last - rod->first + 1) + 1;
+  return DualsAt((Frame *)rod->data, 2 * (rod->last - rod->first + 1) + 1);
 }
 
 static PetscErrorCode FrameResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F) {
@@ -317,9 +323,9 @@ static PetscErrorCode FrameJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, PetscR
     PetscInt cols[3] = {i - 1, i, i < rod->last ? i + 1 : -1}; /* -1: none, ignored */
     if (i < rod->last) {
       CellsNext(&cell, i);
-      if (i == PetscMax(first - 1, 0)) Linearise(&cell, cell.dual, cell.a);
-      Linearise(&cell, cell.dual + 2, cell.b);
-      Linearise(&cell, cell.dual + 1, &cell.mid);
+      if (i == PetscMax(first - 1, 0)) Linearise(&cell, cell.dual[0], cell.a);
+      Linearise(&cell, cell.dual[2], cell.b);
+      Linearise(&cell, cell.dual[1], &cell.mid);
       PetscCall(PetscMemzero(left, sizeof(left)));
       PetscCall(PetscMemzero(right, sizeof(right)));
       CellJacobian(frame, cell.load, cell.h, -1, shift, cell.law, cell.law + 1, cell.u_t[i][TH],
@@ -355,7 +361,8 @@ static void HoldPoint(const Load *load, const Place *at, LoadDual *dual, PetscRe
 
 /* Moves the shifts of exact Coulomb friction; change is the largest of a force. */
 static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal *change) {
-  PetscBool ends = (PetscBool)(((Frame *)rod->data)->end_weight > 0);
+  const Frame *frame = (const Frame *)rod->data;
+  PetscBool ends = (PetscBool)(frame->end_weight > 0);
   PetscInt first = PetscMax(rod->first - 1, 0);
   Cell cell;
 
@@ -367,38 +374,38 @@ static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal 
     /* the clamped end does not move unless it slides: a shift there would hold nothing, and
        round-off adds up in it to a force on a rod whose x2 may be 1e-25 */
     if (i == first && ends && (i > 0 || cell.law->c != 0))
-      HoldPoint(cell.load, &cell.a->at, cell.dual, change);
-    HoldPoint(cell.load, &cell.mid.at, cell.dual + 1, change);
-    if (ends) HoldPoint(cell.load, &cell.b->at, cell.dual + 2, change);
+      HoldPoint(cell.load, &cell.a->at, cell.dual[0], change);
+    HoldPoint(cell.load, &cell.mid.at, cell.dual[1], change);
+    if (ends) HoldPoint(cell.load, &cell.b->at, cell.dual[2], change);
   }
   if (rod->end == rod->last + 1 && TipResists(&rod->scene->tip))
     HoldPoint(&rod->scene->tip.resistance, &cell.b->at, TipDual(rod), change);
+  if (rod->end == rod->last + 1 && frame->duals > 1)
+    *change = PetscMax(
+        *change, ContactHold(&rod->scene->contact, cell.b->at.x, cell.b->at.v, TipDual(rod) + 1));
   PetscCall(CellsClose(&cell));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, change, 1, MPIU_REAL, MPI_MAX, rod->scene->comm));
   PetscFunctionReturn(0);
 }
 
-/* The dual and the shift of each node and of the middle of the cell on its right. */
-enum { REMEMBERED = 8 };
+/* The duals and the shifts of each node and of the middle of the cell on its right. */
+enum { REMEMBERED = 4 };
 
-static void Remembered(LoadDual *dual, PetscReal *value[REMEMBERED]) {
-  for (int k = 0; k < 2; k++)
-    for (int d = 0; d < 2; d++) {
-      value[4 * k + d] = &dual[k].w[d];
-      value[4 * k + 2 + d] = &dual[k].shift[d];
-    }
+/* Value k of what is remembered from owned node i on, in this order. */
+static PetscReal *Remembered(Frame *frame, Rod rod, PetscInt i, PetscInt k) {
+  LoadDual *dual = DualsAt(frame, 2 * (i - rod->first + 1)) + k / REMEMBERED;
+  return (k % REMEMBERED < 2 ? dual->w : dual->shift) + k % 2;
 }
 
 static PetscErrorCode FrameRemember(Rod rod, Vec memory) {
   Frame *frame = (Frame *)rod->data;
-  PetscReal *value[REMEMBERED], *m;
+  PetscReal *m;
 
   PetscFunctionBegin;
   PetscCall(VecGetArray(memory, &m));
-  for (PetscInt i = rod->first; i < rod->end; i++) {
-    Remembered(frame->dual + 2 * (i - rod->first + 1), value);
-    for (int k = 0; k < REMEMBERED; k++) m[(i - rod->first) * REMEMBERED + k] = *value[k];
-  }
+  for (PetscInt i = rod->first; i < rod->end; i++)
+    for (PetscInt k = 0; k < rod->memory; k++) *m++ = *Remembered(frame, rod, i, k);
+  m -= (rod->end - rod->first) * rod->memory;
   PetscCall(VecRestoreArray(memory, &m));
   PetscFunctionReturn(0);
 }
@@ -406,21 +413,20 @@ static PetscErrorCode FrameRemember(Rod rod, Vec memory) {
 /* (The cells beside the owned nodes are remembered here too.) */
 static PetscErrorCode FrameRecall(Rod rod, Vec memory) {
   Frame *frame = (Frame *)rod->data;
-  PetscReal *value[REMEMBERED];
-  const PetscReal(*m)[REMEMBERED];
+  const PetscReal *m;
   Vec local;
+  PetscInt from = PetscMax(rod->first - 1, 0);
   DM da;
 
   PetscFunctionBegin;
   PetscCall(VecGetDM(memory, &da));
   PetscCall(DMGetLocalVector(da, &local));
   PetscCall(DMGlobalToLocal(da, memory, INSERT_VALUES, local));
-  PetscCall(DMDAVecGetArrayRead(da, local, &m));
-  for (PetscInt i = PetscMax(rod->first - 1, 0); i <= PetscMin(rod->end, rod->last); i++) {
-    Remembered(frame->dual + 2 * (i - rod->first + 1), value);
-    for (int k = 0; k < REMEMBERED; k++) *value[k] = m[i][k];
-  }
-  PetscCall(DMDAVecRestoreArrayRead(da, local, &m));
+  PetscCall(VecGetArrayRead(local, &m));
+  for (PetscInt i = from; i <= PetscMin(rod->end, rod->last); i++)
+    for (PetscInt k = 0; k < rod->memory; k++)
+      *Remembered(frame, rod, i, k) = m[(i - from) * rod->memory + k];
+  PetscCall(VecRestoreArrayRead(local, &m));
   PetscCall(DMRestoreLocalVector(da, &local));
   PetscFunctionReturn(0);
 }
@@ -467,7 +473,9 @@ static PetscErrorCode FrameCreate(Rod rod) {
   frame->mid_weight = choice ? 4. / 6 : 1;
   frame->bow = choice ? 1. / 8 : 0;
   frame->time = PETSC_MIN_REAL;
-  PetscCall(PetscCalloc2(points, &frame->law, points, &frame->dual));
+  frame->duals = rod->scene->load.duals;
+  rod->memory = 2 * frame->duals * REMEMBERED;
+  PetscCall(PetscCalloc2(points, &frame->law, points * frame->duals, &frame->dual));
   rod->data = frame;
   PetscFunctionReturn(0);
 }
@@ -494,7 +502,6 @@ const RodModel rod_frame = {
     .get = FrameGet,
     .residual = FrameResidual,
     .hold = FrameHold,
-    .memory = REMEMBERED,
     .remember = FrameRemember,
     .recall = FrameRecall,
     .jacobian = FrameJacobian};

@@ -291,6 +291,8 @@ static PetscErrorCode LinearDestroy(Rod rod) {
 static const char *LinearRefuses(Scene scene) {
   if (scene->curvature.any)
     return "-rod_curvature: the linear model is of a rod that is straight by nature";
+  if (scene->contact.walls.n)
+    return "-wall_file: the linear model is of a rod that touches nothing";
   if (scene->tip.type != TIP_FREE)
     return "-tip_type: the linear model is of a rod whose tip is free: straight, it could not grow "
            "against what holds it";

@@ -520,6 +520,7 @@ static PetscErrorCode MixedCreate(Rod rod) {
   PetscCall(PetscCalloc4(n + 4, &self->length, n + 2, &self->natural, n + 2, &self->bend, n + 1,
                          &self->dual));
   rod->order = 2;
+  rod->memory = REMEMBERED;
   rod->data = self;
   PetscFunctionReturn(0);
 }
@@ -536,6 +537,7 @@ static PetscErrorCode MixedDestroy(Rod rod) {
 static const char *MixedRefuses(Scene scene) {
   if (LoadSticks(&scene->load))
     return "-friction_beta 0: the mixed model has no exact Coulomb friction; give a value above 0";
+  if (scene->contact.any) return "-wall_file, -contact_self: the mixed model has no contact";
   if (scene->tip.type != TIP_FREE) return "-tip_type: the mixed model's tip is free";
   return NULL;
 }
@@ -553,6 +555,5 @@ const RodModel rod_mixed = {.name = "mixed",
                             .get = MixedGet,
                             .residual = MixedResidual,
                             .jacobian = MixedJacobian,
-                            .memory = REMEMBERED,
                             .remember = MixedRemember,
                             .recall = MixedRecall};

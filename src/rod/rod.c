@@ -57,8 +57,8 @@ PetscErrorCode RodCreateMatrix(Rod rod, Mat *J) {
    destroys both. Collective. */
 PetscErrorCode RodCreateMemory(Rod rod, DM *da, Vec *memory) {
   PetscFunctionBegin;
-  PetscCall(DMDACreate1d(rod->scene->comm, DM_BOUNDARY_NONE, rod->last + 1, rod->model->memory, 1,
-                         NULL, da));
+  PetscCall(
+      DMDACreate1d(rod->scene->comm, DM_BOUNDARY_NONE, rod->last + 1, rod->memory, 1, NULL, da));
   PetscCall(DMSetUp(*da));
   PetscCall(DMCreateGlobalVector(*da, memory));
   PetscFunctionReturn(0);

@@ -41,9 +41,7 @@ typedef struct {
   PetscErrorCode (*get)(Rod, PetscReal t, Vec U, Vec U_t, Node *nodes);
   PetscErrorCode (*residual)(Rod, PetscReal t, Vec U, Vec U_t, Vec F);
   PetscErrorCode (*jacobian)(Rod, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J);
-  /* what Newton's method remembers from step to step, `memory` reals a node, for a restart; 0: none
-   */
-  PetscInt memory;
+  /* what Newton's method remembers from step to step, for a restart: see memory of the rod */
   PetscErrorCode (*remember)(Rod, Vec memory);
   PetscErrorCode (*recall)(Rod, Vec memory);
   /* exact Coulomb friction: see LoadHold(); NULL: regularised friction only */
@@ -61,6 +59,7 @@ struct _Rod {
   Vec latest_rate;     /* U_t of the latest residual: of the accepted state, once a step is taken */
   PetscReal latest_time;         /* t of it */
   PetscBool fresh;               /* the next Jacobian is the first of its Newton solve */
+  PetscInt memory;               /* reals a node that its Newton's method remembers; 0: none */
   PetscInt residuals, jacobians; /* counted work */
   void *data;
 };

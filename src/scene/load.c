@@ -46,8 +46,20 @@ PetscErrorCode LoadSetFromOptions(Load *load, PetscReal clamp_angle) {
   load->clamp[1] = PetscSinReal(clamp_angle);
   load->turns = (PetscBool)(load->across != 1);
   load->moves = (PetscBool)(load->field != NULL);
-  load->plain = (PetscBool)(!load->turns && !load->moves);
+  load->varied = (PetscBool)(load->turns || load->moves);
+  load->plain = (PetscBool)!load->varied;
+  load->walls = NULL;
+  load->duals = 1;
   PetscFunctionReturn(0);
+}
+
+/* LoadSetWalls - lets the walls of a contact press, if it has any; it must outlive the load. */
+void LoadSetWalls(Load *load, const Contact *contact) {
+  if (!contact->walls.n) return;
+  load->walls = contact;
+  load->plain = PETSC_FALSE;
+  load->moves = PETSC_TRUE;
+  if (contact->walls.rub) load->duals = 1 + contact->walls.n;
 }
 
 PetscErrorCode LoadDestroy(Load *load) {
@@ -101,6 +113,40 @@ void LoadSlopeVaried(const Load *load, const Place *at, const LoadDual *dual, Lo
   for (int d = 0; d < 2; d++) {
     slope->theta[d] = N * (1 - a) * (along * perp[d] + across * q[d]);
     for (int c = 0; c < 2; c++) slope->x[d][c] = (along * q[d] + a * across * perp[d]) * by[c];
+  }
+}
+
+/* The dual of the friction with a wall. */
+static LoadDual *WallDual(const Load *load, const LoadDual *dual, const Touch *touch) {
+  return load->duals > 1 ? (LoadDual *)dual + 1 + touch->wall : NULL;
+}
+
+/* LoadForceWalls - takes off f what walls push with. */
+void LoadForceWalls(const Load *load, const Place *at, const LoadDual *dual, PetscReal f[2]) {
+  Touch touch[MOST_TOUCHES];
+  PetscInt n = ContactTouches(load->walls, at->x, touch);
+  Push push;
+
+  for (PetscInt k = 0; k < n; k++) {
+    ContactPush(load->walls, &touch[k], at->v, WallDual(load, dual, &touch[k]), &push);
+    for (int d = 0; d < 2; d++) f[d] -= push.force[d];
+  }
+}
+
+/* LoadSlopeWalls - the same for the slopes. */
+void LoadSlopeWalls(const Load *load, const Place *at, PetscBool fresh, LoadDual *dual,
+                    LoadSlope *slope) {
+  Touch touch[MOST_TOUCHES];
+  PetscInt n = ContactTouches(load->walls, at->x, touch);
+  Push push;
+
+  for (PetscInt k = 0; k < n; k++) {
+    ContactPushSlope(load->walls, &touch[k], at->v, fresh, WallDual(load, dual, &touch[k]), &push);
+    for (int d = 0; d < 2; d++)
+      for (int c = 0; c < 2; c++) {
+        slope->x[d][c] -= push.x[d][c];
+        slope->v[d][c] -= push.v[d][c];
+      }
   }
 }
 

@@ -5,10 +5,12 @@
      F = N(x,t) M f(v),   M = q q^T + a q_perp q_perp^T,   f(v) = phi(|v|) v  (friction.h)
 
    N is a factor that varies in space and time, a the ratio of friction across the rod to that along
-   it. Where N = 1 and a = 1, neither is computed. */
+   it. Where N = 1 and a = 1, neither is computed. Walls that press on the rod (contact.h) take
+   their force off F. */
 #ifndef TENDRIL_LOAD_H
 #define TENDRIL_LOAD_H
 
+#include "scene/contact.h"
 #include "scene/field.h"
 #include "scene/friction.h"
 
@@ -17,8 +19,11 @@ typedef struct {
   PetscReal across;       /* a */
   Field field;            /* N; NULL: 1 */
   PetscReal clamp[2];     /* direction of the clamp in the laboratory, where N is given */
-  PetscBool plain;        /* N = 1 and a = 1 */
-  PetscBool turns, moves; /* F depends on the direction of the rod (a), on the place (N) */
+  const Contact *walls;   /* NULL: none; borrowed */
+  PetscBool plain;        /* N = 1 and a = 1, no walls */
+  PetscBool varied;       /* N or a is not 1 */
+  PetscBool turns, moves; /* F depends on the direction of the rod (a), on the place (N, walls) */
+  PetscInt duals;         /* of each place: that of the friction along the rod, one for each wall */
   PetscBool stopped;      /* N is that of one time, stopped_at */
   PetscReal stopped_at;
 } Load;
@@ -33,24 +38,29 @@ typedef struct {
   PetscReal v[2][2], theta[2], x[2][2];
 } LoadSlope;
 
-typedef FrictionDual LoadDual; /* what Newton's method remembers of a place */
+typedef FrictionDual LoadDual; /* what Newton's method remembers of a place: load->duals of them */
 
 extern const OptionGroup load_options;
 
 PetscErrorCode LoadSetFromOptions(Load *load, PetscReal clamp_angle);
 void LoadNextToExact(Load *load);
+void LoadSetWalls(Load *load, const Contact *contact);
 PetscErrorCode LoadDestroy(Load *load);
 PetscErrorCode LoadInFastTime(const Load *load, PetscReal t, Load *fast, PetscBool *dry);
 PetscBool LoadIsEven(const Load *load, PetscReal length, PetscReal end);
 void LoadForceVaried(const Load *load, const Place *at, PetscReal f[2]);
 void LoadSlopeVaried(const Load *load, const Place *at, const LoadDual *dual, LoadSlope *slope);
+void LoadForceWalls(const Load *load, const Place *at, const LoadDual *dual, PetscReal f[2]);
+void LoadSlopeWalls(const Load *load, const Place *at, PetscBool fresh, LoadDual *dual,
+                    LoadSlope *slope);
 PetscReal LoadFactor(const Load *load, const PetscReal x[2], PetscReal t, PetscReal slope[2]);
 
 /* F */
 static inline void LoadForce(const Load *load, const Place *at, const LoadDual *dual,
                              PetscReal f[2]) {
   FrictionForce(&load->friction, at->v, dual, f);
-  if (!load->plain) LoadForceVaried(load, at, f);
+  if (load->varied) LoadForceVaried(load, at, f);
+  if (load->walls) LoadForceWalls(load, at, dual, f);
 }
 
 /* The slope of F for Newton's method, the dual brought up to the present velocity first; fresh: a
@@ -62,7 +72,10 @@ static inline void LoadLinearise(const Load *load, const Place *at, PetscBool fr
   else
     FrictionDualAdvance(&load->friction, at->v, dual);
   FrictionLinearise(&load->friction, at->v, dual, slope->v);
-  if (!load->plain) LoadSlopeVaried(load, at, dual, slope);
+  if (!load->plain) {
+    LoadSlopeVaried(load, at, dual, slope);
+    if (load->walls) LoadSlopeWalls(load, at, fresh, dual, slope);
+  }
 }
 
 /* Does a place stick or slide, without anything between (exact Coulomb friction)? */
@@ -72,14 +85,17 @@ static inline PetscBool LoadSticks(const Load *load) {
 
 /* Moves what holds a sticking place; returns how much its force would change if it moved on so. */
 static inline PetscReal LoadHold(const Load *load, const Place *at, LoadDual *dual) {
-  return FrictionDualHold(&load->friction, at->v, dual);
+  PetscReal change = FrictionDualHold(&load->friction, at->v, dual);
+  if (load->duals == 1) return change;
+  return PetscMax(change, ContactHold(load->walls, at->x, at->v, dual + 1));
 }
 
-/* F where nothing is held, as an observer sees it: a place at rest bears no dry force. */
+/* F of friction where nothing is held, as an observer sees it: a place at rest bears no dry force.
+   Without walls. */
 static inline void LoadSeen(const Load *load, const Place *at, PetscReal f[2]) {
   PetscReal drag = FrictionPhi(&load->friction, at->v[0] * at->v[0] + at->v[1] * at->v[1]);
   for (int d = 0; d < 2; d++) f[d] = drag * at->v[d];
-  if (!load->plain) LoadForceVaried(load, at, f);
+  if (load->varied) LoadForceVaried(load, at, f);
 }
 
 /* The straight rod, which moves along itself: the drag F/v there, without N. */

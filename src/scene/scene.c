@@ -45,6 +45,29 @@ static PetscErrorCode CheckSize(PetscInt cells) {
   PetscFunctionReturn(0);
 }
 
+/* The stiffness of contact follows from the largest cell at the end of the run, or at its start. */
+static PetscErrorCode SetContactStiffness(Scene scene) {
+  PetscReal largest = 0, *p;
+  const PetscInt n = scene->mesh.cells + 1;
+
+  PetscFunctionBegin;
+  if (!scene->contact.any) PetscFunctionReturn(0);
+  PetscCall(PetscMalloc1(n, &p));
+  for (int end = 0; end < 2; end++) {
+    PetscCall(GrowthArc(scene->growth, n, scene->mesh.s, end ? scene->end_time : 0, p, NULL));
+    for (PetscInt i = 0; i + 1 < n; i++) largest = PetscMax(largest, p[i + 1] - p[i]);
+  }
+  PetscCall(PetscFree(p));
+  ContactSetStiffness(&scene->contact, largest);
+  PetscFunctionReturn(0);
+}
+
+/* SceneLinkWalls - tells the load and the tip of the walls; once more after a scene is copied. */
+void SceneLinkWalls(Scene scene) {
+  LoadSetWalls(&scene->load, &scene->contact);
+  scene->tip.walls = scene->contact.walls.n ? &scene->contact : NULL;
+}
+
 /*
   SceneCreate - reads and checks all options that say what is simulated, and places the nodes.
   Collective on OptionsComm(), the ranks that are to share the scene; the caller destroys it with
@@ -79,6 +102,9 @@ PetscErrorCode SceneCreate(Scene *scene) {
   self->reach = PetscMax(self->reach, self->growth->initial_length);
   PetscCall(CurvatureSetFromOptions(&self->curvature, self->growth, self->end_time));
   PetscCall(MeshCreate(cells, (PetscBool)grading, self->growth, self->end_time, &self->mesh));
+  PetscCall(ContactSetFromOptions(&self->contact, &self->load.friction, self->clamp_angle));
+  PetscCall(SetContactStiffness(self));
+  SceneLinkWalls(self);
   PetscFunctionReturn(0);
 }
 
@@ -108,6 +134,7 @@ PetscErrorCode SceneDestroy(Scene *scene) {
   PetscCall(CurvatureDestroy(&(*scene)->curvature));
   PetscCall(LoadDestroy(&(*scene)->load));
   PetscCall(TipDestroy(&(*scene)->tip));
+  PetscCall(ContactDestroy(&(*scene)->contact));
   PetscCall(StiffnessDestroy(&(*scene)->stiffness));
   PetscCall(GrowthDestroy(&(*scene)->growth));
   PetscCall(MeshDestroy(&(*scene)->mesh));

@@ -2,6 +2,7 @@
 #ifndef TENDRIL_SCENE_H
 #define TENDRIL_SCENE_H
 
+#include "scene/contact.h"
 #include "scene/curvature.h"
 #include "scene/growth.h"
 #include "scene/load.h"
@@ -18,6 +19,7 @@ struct _Scene {
   Load load;
   Stiffness stiffness;
   Tip tip;
+  Contact contact; /* load and tip know its walls */
   Shape shape;
   Curvature curvature; /* natural, k0 */
   Mesh mesh;
@@ -31,6 +33,7 @@ extern const OptionGroup scene_options;
 
 PetscErrorCode SceneCreate(Scene *scene);
 PetscErrorCode SceneDestroy(Scene *scene);
+void SceneLinkWalls(Scene scene);
 PetscErrorCode SceneHoldTip(Scene scene, const PetscReal x[2], PetscReal theta);
 PetscErrorCode SceneShapeAngle(Scene scene, PetscReal s, PetscReal *theta, PetscReal *theta_s);
 

@@ -45,6 +45,7 @@ PetscErrorCode TipSetFromOptions(Tip *tip, const Load *load) {
   if (field) PetscCall(FieldFromFile("-tip_field", file, &tip->resistance.field));
   tip->resistance.moves = field;
   tip->resistance.plain = (PetscBool)!field;
+  tip->resistance.varied = field;
   PetscFunctionReturn(0);
 }
 
@@ -66,20 +67,52 @@ PetscErrorCode TipInFastTime(const Tip *tip, PetscReal t, Tip *fast) {
   PetscFunctionReturn(0);
 }
 
+/* The dual of the tip's friction with a wall. */
+static LoadDual *WallDual(const Tip *tip, const LoadDual *dual, const Touch *touch) {
+  return tip->walls->walls.rub ? (LoadDual *)dual + 1 + touch->wall : NULL;
+}
+
+/* Adds to f the push of walls. */
+static void AddWalls(const Tip *tip, const TipState *at, const LoadDual *dual, PetscReal f[2]) {
+  Touch touch[MOST_TOUCHES];
+  PetscInt n = ContactTouches(tip->walls, at->at.x, touch);
+  Push push;
+
+  for (PetscInt k = 0; k < n; k++) {
+    ContactPush(tip->walls, &touch[k], at->at.v, WallDual(tip, dual, &touch[k]), &push);
+    for (int d = 0; d < 2; d++) f[d] += tip->walls->tip * push.force[d];
+  }
+}
+
+/* Takes its derivatives off J, the condition being n - f = 0. */
+static void AddWallsSlope(const Tip *tip, const TipState *at, PetscReal shift, PetscBool fresh,
+                          LoadDual *dual, PetscReal J[TIP_ROWS][TIP_FIELDS]) {
+  const PetscReal l = tip->walls->tip;
+  Touch touch[MOST_TOUCHES];
+  PetscInt n = ContactTouches(tip->walls, at->at.x, touch);
+  Push push;
+
+  for (PetscInt k = 0; k < n; k++) {
+    ContactPushSlope(tip->walls, &touch[k], at->at.v, fresh, WallDual(tip, dual, &touch[k]), &push);
+    for (int d = 0; d < 2; d++)
+      for (int c = 0; c < 2; c++) J[1 + d][c] -= l * (push.x[d][c] + shift * push.v[d][c]);
+  }
+}
+
 /* TipForce - the force f on a tip that is free. */
 void TipForce(const Tip *tip, const TipState *at, const LoadDual *dual, PetscReal f[2]) {
   const PetscReal P = tip->force;
 
   f[0] = f[1] = 0;
-  if (P == 0) return;
-  if (tip->law == TIP_DEAD)
+  if (P != 0 && tip->law == TIP_DEAD)
     f[0] = -P;
-  else if (tip->law == TIP_FOLLOWER)
+  else if (P != 0 && tip->law == TIP_FOLLOWER)
     for (int d = 0; d < 2; d++) f[d] = -P * at->at.q[d];
-  else {
+  else if (P != 0) {
     LoadForce(&tip->resistance, &at->at, dual, f);
     for (int d = 0; d < 2; d++) f[d] *= -P;
   }
+  if (tip->walls) AddWalls(tip, at, dual, f);
 }
 
 /* TipResidual - the three conditions at the tip, r = 0. */
@@ -108,12 +141,14 @@ void TipJacobian(const Tip *tip, const TipState *at, PetscReal shift, PetscBool 
     for (int j = 0; j < TIP_FIELDS; j++) J[i][j] = 0;
   J[0][tip->type == TIP_CLAMPED ? TH : M] = 1;
   for (int d = 0; d < 2; d++) J[1 + d][tip->type == TIP_FREE ? N1 + d : X1 + d] = 1;
-  if (tip->type != TIP_FREE || P == 0) return;
+  if (tip->type != TIP_FREE) return;
+  if (tip->walls) AddWallsSlope(tip, at, shift, fresh, dual, J);
+  if (P == 0) return;
   for (int d = 0; d < 2 && tip->law == TIP_FOLLOWER; d++) J[1 + d][TH] = P * perp[d];
   if (tip->law != TIP_RESISTANCE) return;
   LoadLinearise(&tip->resistance, &at->at, fresh, dual, &slope);
   for (int d = 0; d < 2; d++)
-    for (int c = 0; c < 2; c++) J[1 + d][X1 + c] = P * (shift * slope.v[d][c] + slope.x[d][c]);
+    for (int c = 0; c < 2; c++) J[1 + d][X1 + c] += P * (shift * slope.v[d][c] + slope.x[d][c]);
 }
 
 /* TipCompression - how much the tip's force presses on a straight rod, which is at `at`. */

@@ -3,7 +3,8 @@
      pinned    m = 0,  x as at the start
      clamped   theta and x as at the start
    f is the force on the tip: none; dead, -P along the clamp; follower, -P q; resistance, -P N v/r,
-   r = sqrt(v^2 + beta), N a field as for friction. */
+   r = sqrt(v^2 + beta), N a field as for friction. A free tip that meets a wall is pushed by it,
+   too: it stands for a piece of the rod (contact.h). */
 #ifndef TENDRIL_TIP_H
 #define TENDRIL_TIP_H
 
@@ -20,6 +21,7 @@ typedef struct {
   PetscReal force;       /* P */
   Load resistance;       /* its friction is that of the tip: dry, of strength 1; its field is N */
   PetscReal x[2], theta; /* where it is held, once the scene knows */
+  const Contact *walls;  /* NULL: none; borrowed */
 } Tip;
 
 /* The state of the tip, in the clamp's frame. */

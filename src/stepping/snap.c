@@ -56,6 +56,8 @@ PetscErrorCode SnapFollow(TS ts, PetscReal t, Vec U, PetscBool *done) {
   PetscCall(LoadInFastTime(&slow->rod->scene->load, t, &fast.load, &dry));
   if (!dry) PetscFunctionReturn(0);
   PetscCall(TipInFastTime(&slow->rod->scene->tip, t, &fast.tip));
+  fast.contact.rub.beta = fast.load.friction.beta;
+  SceneLinkWalls(&fast);
   PetscCall(GrowthStop(slow->rod->scene->growth, t, &fast.growth));
   fast.end_time = long_after;
   PetscCall(LegCreate(&fast, slow->rod->model, PetscMax(slow->rtol, least_rtol), "snap_", &leg));

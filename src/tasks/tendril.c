@@ -23,10 +23,10 @@ static const OptionRow rows[] = {
 static const OptionGroup main_options = OPTION_GROUP("Task and files", rows);
 
 static const OptionGroup *const table[] = {
-    &main_options,      &restart_options, &accuracy_options, &growth_options,    &friction_options,
-    &load_options,      &tip_options,     &scene_options,    &stiffness_options, &curvature_options,
-    &shape_options,     &grow_options,    &frame_options,    &event_options,     &si_options,
-    &stability_options, &petsc_options};
+    &main_options,      &restart_options,   &accuracy_options, &growth_options, &friction_options,
+    &load_options,      &tip_options,       &contact_options,  &scene_options,  &stiffness_options,
+    &curvature_options, &shape_options,     &grow_options,     &frame_options,  &event_options,
+    &si_options,        &stability_options, &petsc_options};
 
 enum { GROW, STABILITY, CRITICAL, UNITS };
 
@@ -83,6 +83,10 @@ static PetscErrorCode RunTask(Scene scene, const Asked *asked) {
   UserCheck(asked->task == GROW || asked->task == UNITS || !scene->curvature.any, scene->comm,
             "-rod_curvature: -task critical and stability are about a rod that is straight by "
             "nature; take it out");
+  UserCheck(asked->task == GROW || asked->task == UNITS || !scene->contact.any, scene->comm,
+            "-%s: -task critical and stability are about a straight rod that touches nothing; take "
+            "it out",
+            scene->contact.self ? "contact_self" : "wall_file");
   if (scene->shape.type == SHAPE_MODE && asked->task == GROW) PetscCall(TakeSlowestMode(scene));
   if (asked->task == UNITS)
     PetscCall(PrintUnits(scene));

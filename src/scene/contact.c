@@ -1,0 +1,161 @@
+#include "scene/contact.h"
+
+static const OptionRow rows[] = {
+    ROW_TEXT("-wall_file", INPUT_FILE,
+             "text file of walls, one a line: plane, circle, polygon or path (docs/guide.md)"),
+    ROW_REAL("-contact_diameter", "0", 0, 1e3, UNIT_LENGTH, 0,
+             "D, of the rod: walls meet its surface, and with -contact_self it meets itself"),
+    ROW_BOOL("-contact_self", "false", 0, "parts of the rod cannot pass through each other"),
+    ROW_REAL("-contact_friction", "0", 0, 100, UNIT_NONE, 0,
+             "mu_c, friction in contact over its normal force: with walls that do not say their "
+             "own, and of the rod with itself"),
+    ROW_REAL("-contact_stiffness", "", 1e-6, 1e30, UNIT_NONE, 0,
+             "k, force per length and depth, in N/l; if not given it follows from the mesh and the "
+             "diameter")};
+const OptionGroup contact_options = OPTION_GROUP("Contact", rows);
+
+/*
+  ContactSetFromOptions - reads and checks the options of contact and its walls. Collective; the
+  caller ends it with ContactDestroy(), also after an error.
+
+  friction  along the rod: that in contact is regularised likewise
+*/
+PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
+                                     PetscReal clamp_angle) {
+  char file[PETSC_MAX_PATH_LEN] = "";
+  PetscBool walls, rubs, thick;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(contact, sizeof(*contact)));
+  PetscCall(OptionText("-wall_file", file, &walls));
+  PetscCall(OptionBool("-contact_self", &contact->self, NULL));
+  PetscCall(OptionReal("-contact_diameter", &contact->diameter, &thick));
+  PetscCall(OptionReal("-contact_friction", &contact->friction, &rubs));
+  PetscCall(OptionReal("-contact_stiffness", &contact->stiffness, &contact->given));
+  contact->any = (PetscBool)(walls || contact->self);
+  UserCheck(contact->any || !(rubs || contact->given), OptionsComm(),
+            "%s: there is nothing to touch; give -wall_file, or -contact_self",
+            rubs ? "-contact_friction" : "-contact_stiffness");
+  UserCheck(!contact->self || contact->diameter > 0, OptionsComm(),
+            "-contact_self: give the rod its -contact_diameter");
+  contact->rub = *friction;
+  contact->rub.mu = 1;
+  contact->rub.more = 0;
+  if (walls)
+    PetscCall(
+        WallsRead(file, contact->diameter / 2, contact->friction, clamp_angle, &contact->walls));
+  PetscFunctionReturn(0);
+}
+
+/* The layer over which a point load spreads is this many of the largest cells: fewer, and the mesh
+   does not see it; more, and contact is softer than need be. */
+static const PetscReal cells_of_layer = 1.5;
+/* A force of about 1 is not to press the rod in by more than this part of its diameter. */
+static const PetscReal part_of_diameter = 2e-3;
+/* The pressure sets in over this part of how far a force of 1 presses. */
+static const PetscReal part_smooth = 0.1;
+
+/*
+  ContactSetStiffness - k, unless it is given, and what follows from it. A point load Q on a rod of
+  stiffness 1 sinks in by Q/(2 sqrt(2) k^(3/4)) and spreads over l = k^(-1/4) (Winkler's
+  foundation).
+
+  cell  the largest length of a cell in the run
+*/
+void ContactSetStiffness(Contact *contact, PetscReal cell) {
+  PetscReal l = cells_of_layer * cell;
+
+  if (!contact->any) return;
+  if (contact->diameter > 0)
+    l = PetscMin(l, PetscPowReal(2 * PETSC_SQRT2 * part_of_diameter * contact->diameter, 1. / 3));
+  if (!contact->given) contact->stiffness = 1 / (l * l * l * l);
+  contact->tip = PetscPowReal(contact->stiffness, -0.25);
+  contact->smooth = part_smooth * contact->tip * contact->tip * contact->tip / (2 * PETSC_SQRT2);
+}
+
+PetscErrorCode ContactDestroy(Contact *contact) {
+  PetscFunctionBegin;
+  PetscCall(WallsDestroy(&contact->walls));
+  PetscFunctionReturn(0);
+}
+
+/* ContactTouches - the walls that press on a point of the rod; returns how many. */
+PetscInt ContactTouches(const Contact *contact, const PetscReal x[2], Touch touch[MOST_TOUCHES]) {
+  return WallsTouch(&contact->walls, x, contact->diameter / 2, contact->smooth, touch);
+}
+
+/* The speed along a surface, t.v with t = n turned to the left. */
+static PetscReal Slip(const Touch *touch, const PetscReal v[2]) {
+  return touch->normal[0] * v[1] - touch->normal[1] * v[0];
+}
+
+/*
+  ContactPush - what a wall does to a point of the rod that moves at v; of the derivatives see
+  ContactPushSlope().
+
+    f = p n - mu p w t,   w = u/r, u = v.t
+*/
+void ContactPush(const Contact *contact, const Touch *touch, const PetscReal v[2],
+                 const FrictionDual *dual, Push *push) {
+  const FrictionDual none = {.v = {0}};
+  const PetscReal *n = touch->normal, mu = contact->walls.wall[touch->wall].friction;
+  PetscReal slope, w = 0, u = Slip(touch, v);
+
+  push->normal = ContactPressure(contact, touch->gap, &slope);
+  if (mu > 0) w = ContactRub(contact, u, dual && !touch->again ? dual : &none, &slope);
+  push->rubbing = mu * push->normal * w;
+  push->power = push->rubbing * u;
+  push->force[0] = push->normal * n[0] + push->rubbing * n[1];
+  push->force[1] = push->normal * n[1] - push->rubbing * n[0];
+}
+
+/*
+  ContactPushSlope - the derivatives of f by x and v, the dual brought up to v first (fresh: a
+  Newton solve begins). With dn = bend t (t.dx), dt = -bend n (t.dx), dp = p' n.dx:
+
+    df = p' (n.dx)(n - mu w t) + p (dn - mu w dt) - mu p w' t (t.dv + v.dt)
+*/
+void ContactPushSlope(const Contact *contact, const Touch *touch, const PetscReal v[2],
+                      PetscBool fresh, FrictionDual *dual, Push *push) {
+  const PetscReal *n = touch->normal, t[2] = {-n[1], n[0]},
+                  mu = contact->walls.wall[touch->wall].friction;
+  PetscReal u[2] = {Slip(touch, v), 0}, p, slope, w = 0, by_u = 0;
+  FrictionDual own = {.v = {0}};
+
+  p = ContactPressure(contact, touch->gap, &slope);
+  if (!dual || touch->again) dual = &own;
+  if (mu > 0 && p > 0) {
+    if (fresh)
+      FrictionDualReset(&contact->rub, u, dual);
+    else
+      FrictionDualAdvance(&contact->rub, u, dual);
+    w = ContactRub(contact, u[0], dual, &by_u);
+  }
+  for (int d = 0; d < 2; d++)
+    for (int c = 0; c < 2; c++) {
+      PetscReal dn = touch->bend * t[d] * t[c], dt = -touch->bend * n[d] * t[c],
+                du = -touch->bend * (v[0] * n[0] + v[1] * n[1]) * t[c];
+      push->x[d][c] = slope * n[c] * (n[d] - mu * w * t[d]) + p * (dn - mu * w * dt) -
+                      mu * p * by_u * t[d] * du;
+      push->v[d][c] = -mu * p * by_u * t[d] * t[c];
+    }
+}
+
+/* ContactHold - moves what holds a point that sticks to a wall (exact Coulomb friction); returns
+   how much its force would change if it moved on so. duals: one for each wall. */
+PetscReal ContactHold(const Contact *contact, const PetscReal x[2], const PetscReal v[2],
+                      FrictionDual duals[]) {
+  Touch touch[MOST_TOUCHES];
+  PetscInt n = ContactTouches(contact, x, touch);
+  PetscReal change = 0, slope;
+
+  for (PetscInt k = 0; k < n; k++) {
+    const Touch *t = &touch[k];
+    PetscReal mu = contact->walls.wall[t->wall].friction, u[2] = {Slip(t, v), 0},
+              p = ContactPressure(contact, t->gap, &slope);
+    if (t->again || mu == 0 || p == 0) continue;
+    change =
+        PetscMax(change, PetscMin(1, mu * p) * FrictionDualHold(&contact->rub, u, &duals[t->wall]));
+  }
+  return change;
+}

@@ -1,0 +1,88 @@
+/* Contact: the rod has a diameter, and what touches it pushes back.
+
+   Gap gamma: distance of the centre line from a surface less the radius, or from another strand of
+   the rod less the diameter. Force per length along the normal:
+
+     p(gamma) = k s(gamma),   s = 0 beyond w,   (w - gamma)^2 / 4w up to w,   -gamma below -w,
+
+   C1, with the potential U, U' = -p. Rigid contact is the limit of large k. Friction in contact:
+   mu_c p against the relative velocity along the surface, u, as -mu_c p u/r, r = sqrt(u^2 + beta).
+   The end of the rod is a point contact of its own, of strength k l, l = k^(-1/4): the length over
+   which a point load spreads on such a foundation. */
+#ifndef TENDRIL_CONTACT_H
+#define TENDRIL_CONTACT_H
+
+#include "scene/friction.h"
+#include "scene/walls.h"
+
+typedef struct {
+  PetscBool any;                    /* there are walls, or strands that touch */
+  PetscBool self;                   /* strands touch */
+  PetscBool given;                  /* k is the user's */
+  PetscReal diameter;               /* D */
+  PetscReal stiffness, smooth, tip; /* k, w, l */
+  PetscReal friction;               /* mu_c between strands, and of walls without their own */
+  Friction rub;                     /* how contact friction is regularised: dry, of strength 1 */
+  Walls walls;
+} Contact;
+
+/* Where on a surface, and what it does there: the force on the rod per length (of its tip: times
+   l), and its derivatives. */
+typedef struct {
+  PetscReal force[2]; /* normal and friction together */
+  PetscReal normal;   /* p */
+  PetscReal rubbing;  /* mu_c p w, the part of friction along the surface */
+  PetscReal v[2][2], x[2][2];
+  PetscReal power; /* lost to friction */
+} Push;
+
+extern const OptionGroup contact_options;
+
+PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
+                                     PetscReal clamp_angle);
+void ContactSetStiffness(Contact *contact, PetscReal cell);
+PetscErrorCode ContactDestroy(Contact *contact);
+PetscInt ContactTouches(const Contact *contact, const PetscReal x[2], Touch touch[MOST_TOUCHES]);
+void ContactPush(const Contact *contact, const Touch *touch, const PetscReal v[2],
+                 const FrictionDual *dual, Push *push);
+void ContactPushSlope(const Contact *contact, const Touch *touch, const PetscReal v[2],
+                      PetscBool fresh, FrictionDual *dual, Push *push);
+PetscReal ContactHold(const Contact *contact, const PetscReal x[2], const PetscReal v[2],
+                      FrictionDual duals[]);
+
+/* p(gamma), and its derivative */
+static inline PetscReal ContactPressure(const Contact *contact, PetscReal gap, PetscReal *slope) {
+  const PetscReal k = contact->stiffness, w = contact->smooth;
+
+  if (gap >= w) return *slope = 0;
+  if (gap <= -w) {
+    *slope = -k;
+    return -k * gap;
+  }
+  *slope = -k * (w - gap) / (2 * w);
+  return k * (w - gap) * (w - gap) / (4 * w);
+}
+
+/* U(gamma) = int_gamma^w p */
+static inline PetscReal ContactEnergy(const Contact *contact, PetscReal gap) {
+  const PetscReal k = contact->stiffness, w = contact->smooth;
+
+  if (gap >= w) return 0;
+  if (gap <= -w) return k * (2 * w * w / 3 + (gap * gap - w * w) / 2);
+  return k * (w - gap) * (w - gap) * (w - gap) / (12 * w);
+}
+
+/* The friction of a surface that slips by at u, over mu_c p: w, and dw/du. The dual of another
+   direction is that of a scalar. */
+static inline PetscReal ContactRub(const Contact *contact, PetscReal u, const FrictionDual *dual,
+                                   PetscReal *slope) {
+  const PetscReal v[2] = {u, 0};
+  PetscReal f[2], by[2][2];
+
+  FrictionForce(&contact->rub, v, dual, f);
+  FrictionLinearise(&contact->rub, v, dual, by);
+  *slope = by[0][0];
+  return f[0];
+}
+
+#endif

@@ -1,0 +1,524 @@
+#include "scene/walls.h"
+#include <ctype.h>
+
+const char *const wall_kind[WALL_KINDS] = {"plane", "circle", "polygon", "path"};
+
+/* What each kind is given by, for who has it wrong. */
+static const char *const wall_form[WALL_KINDS] = {
+    "plane X1 X2 N1 N2, a point and the direction to the side of the rod",
+    "circle X1 X2 R outside|inside", "polygon outside|inside X1 Y1 X2 Y2 X3 Y3 ...",
+    "path R X1 Y1 X2 Y2 ..., a conduit of radius R along these points"};
+
+static const PetscReal everywhere = 1e300;
+
+static PetscReal Dot(const PetscReal a[2], const PetscReal b[2]) {
+  return a[0] * b[0] + a[1] * b[1];
+}
+
+static PetscReal Cross(const PetscReal a[2], const PetscReal b[2]) {
+  return a[0] * b[1] - a[1] * b[0];
+}
+
+/* ---- where a point touches ---- */
+
+/* The distance of x from a piece, 0 on it, and its normal; is x in the piece's range? */
+static PetscBool PieceDistance(const WallPiece *p, const PetscReal x[2], PetscReal *distance,
+                               PetscReal normal[2], PetscReal *bend) {
+  PetscReal o[2] = {x[0] - p->at[0], x[1] - p->at[1]}, size, z;
+
+  if (!p->round) {
+    z = Dot(o, p->t);
+    *distance = Dot(o, p->n);
+    for (int d = 0; d < 2; d++) normal[d] = p->n[d];
+    *bend = 0;
+    return (PetscBool)(z >= p->from && z < p->to && *distance >= -p->deep);
+  }
+  size = hypot(o[0], o[1]);
+  if (size == 0) return PETSC_FALSE;
+  *distance = p->sign * (size - p->r);
+  for (int d = 0; d < 2; d++) normal[d] = p->sign * o[d] / size;
+  *bend = p->sign / size;
+  return (PetscBool)(Dot(o, p->middle) >= p->reach * size && *distance >= -p->deep);
+}
+
+/* How far x is from the axis of a conduit, seen from one of its pieces. */
+static PetscReal AxisDistance(const Wall *wall, const WallPiece *p, const PetscReal x[2],
+                              PetscReal distance) {
+  if (p->at_mouth) return hypot(x[0] - p->mouth[0], x[1] - p->mouth[1]);
+  return PetscAbsReal(wall->number[0] - distance);
+}
+
+/* The pieces of a conduit that count at x are those of the nearest place of its axis. */
+static PetscReal NearestAxis(const Wall *wall, const PetscReal x[2]) {
+  PetscReal nearest = everywhere, distance, normal[2], bend;
+
+  for (PetscInt k = 0; k < wall->pieces; k++)
+    if (PieceDistance(&wall->piece[k], x, &distance, normal, &bend))
+      nearest = PetscMin(nearest, AxisDistance(wall, &wall->piece[k], x, distance));
+  return nearest;
+}
+
+/*
+  WallsTouch - the surfaces near a point of the rod, in the clamp's frame.
+
+  radius  of the rod        within  only those with a gap below this
+  Returns how many there are.
+*/
+PetscInt WallsTouch(const Walls *walls, const PetscReal x[2], PetscReal radius, PetscReal within,
+                    Touch touch[MOST_TOUCHES]) {
+  PetscInt n = 0;
+
+  for (PetscInt w = 0; w < walls->n; w++) {
+    const Wall *wall = &walls->wall[w];
+    PetscReal axis = wall->kind == WALL_PATH ? NearestAxis(wall, x) * (1 + 1e-9) : everywhere;
+    PetscInt before = n;
+    for (PetscInt k = 0; k < wall->pieces && n < MOST_TOUCHES; k++) {
+      const WallPiece *p = &wall->piece[k];
+      Touch *t = &touch[n];
+      if (!PieceDistance(p, x, &t->gap, t->normal, &t->bend) || t->gap - radius >= within) continue;
+      if (wall->kind == WALL_PATH && AxisDistance(wall, p, x, t->gap) > axis) continue;
+      t->gap -= radius;
+      t->wall = w;
+      t->again = (PetscBool)(n > before);
+      n++;
+    }
+  }
+  return n;
+}
+
+/* ---- making the pieces ---- */
+
+/* What a wall is made from. */
+typedef struct {
+  const char *file;
+  int line;                  /* of the file */
+  PetscReal radius, turn[2]; /* of the rod; cosine and sine of the clamp's angle */
+  Wall *wall;
+} Maker;
+
+/* Numbers k, k + 1 of the wall, a place or direction of the laboratory, in the clamp's frame. */
+static void PlaceOf(const Maker *self, PetscInt k, PetscReal x[2]) {
+  const PetscReal *a = self->wall->number + k, c = self->turn[0], s = self->turn[1];
+  x[0] = c * a[0] + s * a[1];
+  x[1] = -s * a[0] + c * a[1];
+}
+
+static WallPiece *NewPiece(Wall *wall) {
+  WallPiece *p = &wall->piece[wall->pieces++];
+  p->deep = everywhere;
+  return p;
+}
+
+/* A line from a on, of this length, free on its left side (1) or right side (-1), moved by `off`
+   against it. */
+static WallPiece *AddLine(Wall *wall, const PetscReal a[2], const PetscReal t[2], PetscReal length,
+                          PetscReal side, PetscReal off) {
+  WallPiece *p = NewPiece(wall);
+  p->n[0] = -side * t[1];
+  p->n[1] = side * t[0];
+  for (int d = 0; d < 2; d++) {
+    p->t[d] = t[d];
+    p->at[d] = a[d] - off * p->n[d];
+  }
+  p->from = 0;
+  p->to = length;
+  return p;
+}
+
+/* An arc about c, between two directions less than half a turn apart; all round if they are NULL.
+ */
+static WallPiece *AddArc(Wall *wall, const PetscReal c[2], PetscReal r, PetscReal sign,
+                         const PetscReal *one, const PetscReal *other) {
+  WallPiece *p = NewPiece(wall);
+  PetscReal size;
+
+  p->round = PETSC_TRUE;
+  p->r = r;
+  p->sign = sign;
+  p->reach = -2;
+  for (int d = 0; d < 2; d++) p->at[d] = c[d];
+  if (!one) return p;
+  for (int d = 0; d < 2; d++) p->middle[d] = one[d] + other[d];
+  size = hypot(p->middle[0], p->middle[1]);
+  for (int d = 0; d < 2; d++) p->middle[d] /= size;
+  p->reach = Dot(one, p->middle);
+  return p;
+}
+
+static PetscErrorCode MakePlane(Maker *self) {
+  PetscReal a[2], n[2], t[2], size;
+  WallPiece *p;
+
+  PetscFunctionBegin;
+  PlaceOf(self, 0, a);
+  PlaceOf(self, 2, n);
+  size = hypot(n[0], n[1]);
+  UserCheck(size > 0, OptionsComm(), "-wall_file %s, line %d: the plane's normal is 0", self->file,
+            self->line);
+  t[0] = n[1] / size;
+  t[1] = -n[0] / size;
+  p = AddLine(self->wall, a, t, everywhere, 1, 0);
+  p->from = -everywhere;
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode MakeCircle(Maker *self) {
+  const PetscReal r = self->wall->number[2];
+  PetscReal c[2];
+
+  PetscFunctionBegin;
+  PlaceOf(self, 0, c);
+  UserCheck(r > 0, OptionsComm(), "-wall_file %s, line %d: a circle's radius must be above 0",
+            self->file, self->line);
+  UserCheck(!self->wall->inside || r > self->radius, OptionsComm(),
+            "-wall_file %s, line %d: the circle is narrower than the rod (-contact_diameter)",
+            self->file, self->line);
+  (void)AddArc(self->wall, c, r, self->wall->inside ? -1 : 1, NULL, NULL);
+  PetscFunctionReturn(0);
+}
+
+/* The unit vector from one place to another; its length is returned. */
+static PetscReal Direction(const PetscReal a[2], const PetscReal b[2], PetscReal t[2]) {
+  PetscReal size = hypot(b[0] - a[0], b[1] - a[1]);
+  for (int d = 0; d < 2; d++) t[d] = size > 0 ? (b[d] - a[d]) / size : 0;
+  return size;
+}
+
+/* Twice the area of a polygon, positive if it runs to the left. */
+static PetscReal Area(const Maker *self, PetscInt from, PetscInt n) {
+  PetscReal sum = 0, a[2], b[2];
+  for (PetscInt k = 0; k < n; k++) {
+    PlaceOf(self, from + 2 * k, a);
+    PlaceOf(self, from + 2 * ((k + 1) % n), b);
+    sum += Cross(a, b);
+  }
+  return sum;
+}
+
+/* Do two edges of a polygon cross? */
+static PetscBool EdgesCross(const Maker *self, PetscInt n, PetscInt i, PetscInt j) {
+  PetscReal a[2], b[2], c[2], d[2], r[2], q[2], o[2], det, u, w;
+
+  PlaceOf(self, 2 * i, a);
+  PlaceOf(self, 2 * ((i + 1) % n), b);
+  PlaceOf(self, 2 * j, c);
+  PlaceOf(self, 2 * ((j + 1) % n), d);
+  for (int k = 0; k < 2; k++) r[k] = b[k] - a[k], q[k] = d[k] - c[k], o[k] = c[k] - a[k];
+  det = Cross(r, q);
+  if (det == 0) return PETSC_FALSE;
+  u = Cross(o, q) / det;
+  w = Cross(o, r) / det;
+  return (PetscBool)(u >= 0 && u <= 1 && w >= 0 && w <= 1);
+}
+
+static PetscErrorCode CheckPolygon(Maker *self, PetscInt n) {
+  PetscReal area = Area(self, 0, n);
+
+  PetscFunctionBegin;
+  UserCheck(self->radius > 0, OptionsComm(),
+            "-wall_file %s, line %d: a polygon's corners need a rod that is not infinitely thin: "
+            "give -contact_diameter",
+            self->file, self->line);
+  UserCheck(area != 0, OptionsComm(), "-wall_file %s, line %d: the polygon has no area", self->file,
+            self->line);
+  for (PetscInt i = 0; i < n; i++)
+    for (PetscInt j = i + 2; j < n; j++)
+      UserCheck((i == 0 && j == n - 1) || !EdgesCross(self, n, i, j), OptionsComm(),
+                "-wall_file %s, line %d: the polygon crosses itself", self->file, self->line);
+  PetscFunctionReturn(0);
+}
+
+/* Each edge is a line; a corner that stands out is an arc of radius 0 between the normals of its
+   edges. In a corner that stands in, the rod touches both. */
+static PetscErrorCode MakePolygon(Maker *self) {
+  const PetscInt n = self->wall->numbers / 2;
+  PetscReal side = Area(self, 0, n) > 0 ? -1 : 1, a[2], b[2], c[2], t[2], u[2], length;
+
+  PetscFunctionBegin;
+  PetscCall(CheckPolygon(self, n));
+  if (self->wall->inside) side = -side;
+  for (PetscInt k = 0; k < n; k++) {
+    PetscReal one[2], other[2];
+    PlaceOf(self, 2 * k, a);
+    PlaceOf(self, 2 * ((k + 1) % n), b);
+    PlaceOf(self, 2 * ((k + 2) % n), c);
+    length = Direction(a, b, t);
+    UserCheck(length > 0, OptionsComm(), "-wall_file %s, line %d: two of its points are the same",
+              self->file, self->line);
+    AddLine(self->wall, a, t, length, side, 0)->deep = self->radius;
+    (void)Direction(b, c, u);
+    if (side * Cross(t, u) >= 0) continue; /* stands in */
+    one[0] = -side * t[1];
+    one[1] = side * t[0];
+    other[0] = -side * u[1];
+    other[1] = side * u[0];
+    (void)AddArc(self->wall, b, 0, 1, one, other);
+  }
+  PetscFunctionReturn(0);
+}
+
+/* The mouths of a conduit are rounded: an arc of its own radius on either side, as a trumpet has.
+ */
+static void AddMouth(Wall *wall, const PetscReal end[2], const PetscReal outwards[2]) {
+  const PetscReal r = wall->number[0];
+
+  for (int side = -1; side <= 1; side += 2) {
+    PetscReal across[2] = {-side * outwards[1], side * outwards[0]},
+              in[2] = {-across[0], -across[1]}, c[2];
+    WallPiece *p;
+    for (int d = 0; d < 2; d++) c[d] = end[d] + 2 * r * across[d];
+    p = AddArc(wall, c, r, 1, in, outwards);
+    p->at_mouth = PETSC_TRUE;
+    for (int d = 0; d < 2; d++) p->mouth[d] = end[d];
+  }
+}
+
+/* How much of both its edges the rounding of a corner by this angle takes: an arc of twice the
+   conduit's radius if there is room; of a gentle corner more, so that points along a curve give
+   that curve. */
+static PetscReal Rounding(PetscReal r, PetscReal angle, PetscReal before, PetscReal after) {
+  PetscReal wanted = r * PetscMax(1, 2 * PetscTanReal(angle / 2));
+  return PetscMin(wanted, PetscMin(before, after) / 2);
+}
+
+/* The arc of the axis about a corner b, and with it the two walls there. */
+static PetscErrorCode AddCorner(Maker *self, const PetscReal b[2], const PetscReal t[2],
+                                const PetscReal u[2], PetscReal angle, PetscReal taken) {
+  const PetscReal r = self->wall->number[0], side = Cross(t, u) > 0 ? 1 : -1,
+                  axis = taken / PetscTanReal(angle / 2);
+  PetscReal c[2], one[2] = {side * t[1], -side * t[0]}, other[2] = {side * u[1], -side * u[0]};
+
+  PetscFunctionBegin;
+  UserCheck(axis > r, OptionsComm(),
+            "-wall_file %s, line %d: the path turns more sharply than a conduit of this radius "
+            "can: put its points farther apart, or make it narrower",
+            self->file, self->line);
+  for (int d = 0; d < 2; d++) c[d] = b[d] - taken * t[d] - axis * one[d];
+  (void)AddArc(self->wall, c, axis + r, -1, one, other);
+  (void)AddArc(self->wall, c, axis - r, 1, one, other);
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode MakePath(Maker *self) {
+  Wall *wall = self->wall;
+  const PetscInt n = (wall->numbers - 1) / 2;
+  const PetscReal r = wall->number[0];
+  PetscReal a[2], b[2], c[2], t[2], u[2], start[2], length, next, taken = 0, leaves;
+
+  PetscFunctionBegin;
+  UserCheck(r > self->radius, OptionsComm(),
+            "-wall_file %s, line %d: the conduit is narrower than the rod (-contact_diameter)",
+            self->file, self->line);
+  PlaceOf(self, 1, a);
+  for (PetscInt k = 0; k + 1 < n; k++, taken = leaves) {
+    PlaceOf(self, 1 + 2 * k, a);
+    PlaceOf(self, 3 + 2 * k, b);
+    length = Direction(a, b, t);
+    UserCheck(length > 0, OptionsComm(), "-wall_file %s, line %d: two of its points are the same",
+              self->file, self->line);
+    leaves = 0;
+    if (!k) AddMouth(wall, a, (PetscReal[2]){-t[0], -t[1]});
+    if (k + 2 < n) {
+      PetscReal angle;
+      PlaceOf(self, 5 + 2 * k, c);
+      next = Direction(b, c, u);
+      angle = PetscAbsReal(PetscAtan2Real(Cross(t, u), Dot(t, u)));
+      if (angle > 1e-9 && next > 0) {
+        leaves = Rounding(r, angle, length, next);
+        PetscCall(AddCorner(self, b, t, u, angle, leaves));
+      }
+    } else
+      AddMouth(wall, b, t);
+    for (int d = 0; d < 2; d++) start[d] = a[d] + taken * t[d];
+    for (int side = -1; side <= 1; side += 2)
+      (void)AddLine(wall, start, t, length - taken - leaves, side, r);
+  }
+  PetscFunctionReturn(0);
+}
+
+/* ---- reading ---- */
+
+static PetscErrorCode Malformed(const Maker *self, WallKind kind) {
+  PetscFunctionBegin;
+  UserCheck(PETSC_FALSE, OptionsComm(), "-wall_file %s, line %d: give %s%s", self->file, self->line,
+            wall_form[kind], ", and friction MU behind it if it has its own");
+  PetscFunctionReturn(0);
+}
+
+/* The words of a line, in place; returns how many. */
+static PetscInt Words(char *line, PetscInt room, char *word[]) {
+  PetscInt n = 0;
+  for (char *c = strtok(line, " \t\r\n,"); c && n < room; c = strtok(NULL, " \t\r\n,"))
+    word[n++] = c;
+  return n;
+}
+
+/* Takes `friction MU` off the end of a line's words. */
+static PetscErrorCode TakeFriction(Maker *self, PetscInt *n, char *word[]) {
+  char what[PETSC_MAX_PATH_LEN];
+
+  PetscFunctionBegin;
+  if (*n < 3 || strcmp(word[*n - 2], "friction")) PetscFunctionReturn(0);
+  (void)snprintf(what, sizeof(what), "-wall_file %s, line %d: friction ", self->file, self->line);
+  PetscCall(OptionQuantity(what, word[*n - 1], UNIT_NONE, &self->wall->friction));
+  UserCheck(self->wall->friction >= 0 && self->wall->friction <= 100, OptionsComm(),
+            "-wall_file %s, line %d: friction must be from 0 to 100", self->file, self->line);
+  *n -= 2;
+  PetscFunctionReturn(0);
+}
+
+/* Takes outside or inside out of a line's words, where it stands at k. */
+static PetscBool TakeSide(Maker *self, PetscInt k, PetscInt *n, char *word[]) {
+  if (k >= *n || (strcmp(word[k], "inside") && strcmp(word[k], "outside"))) return PETSC_FALSE;
+  self->wall->inside = (PetscBool)!strcmp(word[k], "inside");
+  for (PetscInt i = k; i + 1 < *n; i++) word[i] = word[i + 1];
+  (*n)--;
+  return PETSC_TRUE;
+}
+
+/* Have the words of a wall the right number? */
+static PetscBool Counts(WallKind kind, PetscInt n) {
+  if (kind == WALL_PLANE) return (PetscBool)(n == 4);
+  if (kind == WALL_CIRCLE) return (PetscBool)(n == 3);
+  if (kind == WALL_POLYGON) return (PetscBool)(n >= 6 && n % 2 == 0);
+  return (PetscBool)(n >= 5 && n % 2 == 1);
+}
+
+static PetscErrorCode ReadNumbers(Maker *self, WallKind kind, PetscInt n, char *word[]) {
+  char what[PETSC_MAX_PATH_LEN];
+
+  PetscFunctionBegin;
+  (void)snprintf(what, sizeof(what), "-wall_file %s, line %d: ", self->file, self->line);
+  PetscCall(PetscMalloc1(n, &self->wall->number));
+  self->wall->numbers = n;
+  for (PetscInt k = 0; k < n; k++) /* a plane's normal has no unit */
+    PetscCall(OptionQuantity(what, word[k], kind == WALL_PLANE && k > 1 ? UNIT_NONE : UNIT_LENGTH,
+                             &self->wall->number[k]));
+  PetscFunctionReturn(0);
+}
+
+/* One line of the file that is not empty. */
+static PetscErrorCode ReadWall(Maker *self, PetscInt n, char *word[]) {
+  static PetscErrorCode (*const make[WALL_KINDS])(Maker *) = {MakePlane, MakeCircle, MakePolygon,
+                                                              MakePath};
+  Wall *wall = self->wall;
+  PetscInt kind = 0, place;
+  PetscBool sided;
+
+  PetscFunctionBegin;
+  while (kind < WALL_KINDS && strcmp(word[0], wall_kind[kind])) kind++;
+  UserCheck(kind < WALL_KINDS, OptionsComm(),
+            "-wall_file %s, line %d: %s is no wall; there are plane, circle, polygon and path",
+            self->file, self->line, word[0]);
+  wall->kind = (WallKind)kind;
+  PetscCall(TakeFriction(self, &n, word));
+  place = kind == WALL_CIRCLE ? n - 1 : 1;
+  sided = (PetscBool)(kind == WALL_CIRCLE || kind == WALL_POLYGON);
+  if (sided && !TakeSide(self, place, &n, word)) PetscCall(Malformed(self, wall->kind));
+  if (!Counts(wall->kind, n - 1)) PetscCall(Malformed(self, wall->kind));
+  PetscCall(ReadNumbers(self, wall->kind, n - 1, word + 1));
+  PetscCall(PetscCalloc1(2 * wall->numbers + 8, &wall->piece));
+  PetscCall(make[kind](self));
+  PetscFunctionReturn(0);
+}
+
+/* The text of a file, on all ranks; the caller frees it. Collective. */
+static PetscErrorCode ReadText(const char *file, char **text) {
+  enum { LARGEST = 1 << 24 };
+  PetscMPIInt rank, size = -1;
+
+  PetscFunctionBegin;
+  *text = NULL;
+  PetscCallMPI(MPI_Comm_rank(OptionsComm(), &rank));
+  if (!rank) {
+    FILE *f = fopen(file, "r");
+    if (f) {
+      PetscCall(PetscMalloc1(LARGEST + 1, text));
+      size = (PetscMPIInt)fread(*text, 1, LARGEST + 1, f);
+      if (ferror(f)) size = -1;
+      (void)fclose(f);
+    }
+  }
+  PetscCallMPI(MPI_Bcast(&size, 1, MPI_INT, 0, OptionsComm()));
+  if (size < 0 || size > LARGEST) PetscCall(PetscFree(*text));
+  UserCheck(size >= 0, OptionsComm(), "-wall_file %s: no such file, or it cannot be read", file);
+  UserCheck(size <= LARGEST, OptionsComm(), "-wall_file %s: larger than any wall", file);
+  if (rank) PetscCall(PetscMalloc1(size + 1, text));
+  PetscCallMPI(MPI_Bcast(*text, size, MPI_CHAR, 0, OptionsComm()));
+  (*text)[size] = 0;
+  PetscFunctionReturn(0);
+}
+
+/* All lines of a text, which is taken apart. */
+static PetscErrorCode ReadLines(Maker *self, char *text, PetscReal friction, Walls *walls) {
+  PetscInt lines = 1, longest = 0, at = 0, n;
+  char **word, *line, *next;
+
+  PetscFunctionBegin;
+  for (const char *c = text; *c; c++) {
+    lines += *c == '\n';
+    at = *c == '\n' ? 0 : at + 1;
+    longest = PetscMax(longest, at);
+  }
+  PetscCall(PetscCalloc1(lines, &walls->wall));
+  PetscCall(PetscMalloc1(longest + 1, &word));
+  for (line = text, self->line = 1; line; line = next, self->line++) {
+    PetscErrorCode error;
+    next = strchr(line, '\n');
+    if (next) *next++ = 0;
+    line[strcspn(line, "#")] = 0;
+    n = Words(line, longest + 1, word);
+    if (!n) continue;
+    self->wall = &walls->wall[walls->n++];
+    self->wall->friction = friction;
+    error = ReadWall(self, n, word);
+    if (error) PetscCall(PetscFree(word));
+    PetscCall(error);
+  }
+  PetscCall(PetscFree(word));
+  UserCheck(walls->n > 0, OptionsComm(), "-wall_file %s: there is no wall in it", self->file);
+  PetscFunctionReturn(0);
+}
+
+/*
+  WallsRead - the walls of a file: one a line, # begins a comment, lengths may carry units.
+  Collective on OptionsComm(); the caller ends it with WallsDestroy(), also after an error.
+
+  radius    of the rod
+  friction  of walls that do not say their own
+*/
+PetscErrorCode WallsRead(const char *file, PetscReal radius, PetscReal friction,
+                         PetscReal clamp_angle, Walls *walls) {
+  Maker self = {.file = file,
+                .radius = radius,
+                .turn = {PetscCosReal(clamp_angle), PetscSinReal(clamp_angle)}};
+  PetscErrorCode error;
+  char *text;
+
+  PetscFunctionBegin;
+  PetscCall(ReadText(file, &text));
+  error = ReadLines(&self, text, friction, walls);
+  PetscCall(PetscFree(text));
+  PetscCall(error);
+  for (PetscInt w = 0; w < walls->n; w++) {
+    const Wall *wall = &walls->wall[w];
+    if (wall->friction > 0) walls->rub = PETSC_TRUE;
+    for (PetscInt k = 0; k < wall->pieces; k++)
+      if (wall->piece[k].round && wall->piece[k].sign > 0) {
+        PetscReal r = wall->piece[k].r + radius;
+        walls->smallest = walls->smallest > 0 ? PetscMin(walls->smallest, r) : r;
+      }
+  }
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode WallsDestroy(Walls *walls) {
+  PetscFunctionBegin;
+  for (PetscInt w = 0; w < walls->n; w++) {
+    PetscCall(PetscFree(walls->wall[w].number));
+    PetscCall(PetscFree(walls->wall[w].piece));
+  }
+  PetscCall(PetscFree(walls->wall));
+  walls->n = 0;
+  PetscFunctionReturn(0);
+}

@@ -1,0 +1,57 @@
+/* Walls: what stands around the rod, at rest. A wall is a plane, a circle, a polygon or a conduit;
+   each is made of pieces, lines and arcs, whose signed distance is smooth. */
+#ifndef TENDRIL_WALLS_H
+#define TENDRIL_WALLS_H
+
+#include "base/options.h"
+
+typedef enum { WALL_PLANE, WALL_CIRCLE, WALL_POLYGON, WALL_PATH, WALL_KINDS } WallKind;
+extern const char *const wall_kind[WALL_KINDS];
+
+/* A piece of a wall: a line, of which one side is free, or an arc, free outside or inside. */
+typedef struct {
+  PetscBool round;
+  PetscReal at[2];            /* a point of the line; the centre of the arc */
+  PetscReal t[2], n[2];       /* line: along it, and into the free side */
+  PetscReal from, to;         /* line: where along t it is */
+  PetscReal r, sign;          /* arc: radius; 1 free outside, -1 inside */
+  PetscReal middle[2], reach; /* arc: its middle direction and the cosine of half its angle */
+  PetscReal deep;             /* not met by what is deeper behind it than this */
+  PetscReal mouth[2];         /* arc at the mouth of a conduit: where the axis ends */
+  PetscBool at_mouth;
+} WallPiece;
+
+typedef struct {
+  WallKind kind;
+  PetscBool inside; /* circle and polygon: the rod is inside */
+  PetscReal friction;
+  PetscInt numbers;
+  PetscReal *number; /* as given, in the laboratory; a path's first is its radius */
+  PetscInt pieces;
+  WallPiece *piece; /* in the clamp's frame */
+} Wall;
+
+typedef struct {
+  PetscInt n;
+  Wall *wall;
+  PetscBool rub;      /* any has friction */
+  PetscReal smallest; /* of what the rod is outside of, the least radius; 0: there is none */
+} Walls;
+
+/* A surface near a point: its distance less the rod's radius; the normal, towards the rod; the
+   curvature of the lines of equal distance, dn = bend t (t.dx), t across n. */
+typedef struct {
+  PetscReal gap, normal[2], bend;
+  PetscInt wall;
+  PetscBool again; /* another piece of the wall before it */
+} Touch;
+
+enum { MOST_TOUCHES = 16 };
+
+PetscErrorCode WallsRead(const char *file, PetscReal radius, PetscReal friction,
+                         PetscReal clamp_angle, Walls *walls);
+PetscErrorCode WallsDestroy(Walls *walls);
+PetscInt WallsTouch(const Walls *walls, const PetscReal x[2], PetscReal radius, PetscReal within,
+                    Touch touch[MOST_TOUCHES]);
+
+#endif
