@@ -108,7 +108,7 @@ static PetscErrorCode Run(void) {
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   if (ranks > 1)
-    PetscCall(ChainSetType(pc));
+    PetscCall(ChainSetType(pc, MATORDERINGNATURAL));
   else
     PetscCall(PCSetType(pc, PCLU));
   if (ranks == 1) PetscCall(PCFactorSetMatOrderingType(pc, MATORDERINGNATURAL));

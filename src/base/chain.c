@@ -9,7 +9,9 @@
 typedef struct {
   Mat whole, A, B;  /* A and B are the parts of the whole that this rank has; all borrowed */
   PetscObjectId id; /* the whole's: a later matrix may well have its address */
-  PC local;         /* LU of A */
+  PetscObjectState pattern; /* of its nonzeros */
+  MatOrderingType ordering;
+  PC local; /* LU of A */
   PetscInt n, first;
   PetscInt ghosts, edges;    /* columns of B; size of E */
   PetscInt *ghost;           /* the place in E of each column of B */
@@ -79,7 +81,7 @@ static PetscErrorCode FirstSetUp(PC pc, Chain *self) {
   PetscCall(PCCreate(PETSC_COMM_SELF, &self->local));
   PetscCall(PCSetOptionsPrefix(self->local, "chain_"));
   PetscCall(PCSetType(self->local, PCLU));
-  PetscCall(PCFactorSetMatOrderingType(self->local, MATORDERINGNATURAL));
+  PetscCall(PCFactorSetMatOrderingType(self->local, self->ordering));
   PetscCall(PCSetFromOptions(self->local));
   PetscFunctionReturn(0);
 }
@@ -111,6 +113,7 @@ static PetscErrorCode Forget(Chain *self) {
 
 static PetscErrorCode SetUp(PC pc) {
   Chain *self;
+  PetscObjectState pattern;
   PetscObjectId id;
   PetscInt m;
   PetscBLASInt order, info;
@@ -119,8 +122,10 @@ static PetscErrorCode SetUp(PC pc) {
   PetscCall(PCShellGetContext(pc, &self));
   PetscCall(PCGetOperators(pc, NULL, &self->whole));
   PetscCall(PetscObjectGetId((PetscObject)self->whole, &id));
-  if (self->local && id != self->id) PetscCall(Forget(self));
+  PetscCall(MatGetNonzeroState(self->whole, &pattern));
+  if (self->local && (id != self->id || pattern != self->pattern)) PetscCall(Forget(self));
   self->id = id;
+  self->pattern = pattern;
   if (!self->local) PetscCall(FirstSetUp(pc, self));
   PetscCall(PCSetOperators(self->local, self->A, self->A));
   PetscCall(PCSetUp(self->local));
@@ -184,9 +189,9 @@ static PetscErrorCode Destroy(PC pc) {
 }
 
 /* ChainSetType - makes a PC this solver; call it once for each. On one rank it is PETSc's LU in
-   natural order; on several, for MPIBAIJ and MPIAIJ matrices, the local factorisation has the
-   options prefix -chain_. */
-PetscErrorCode ChainSetType(PC pc) {
+   this order (natural for a chain; another if far nodes see each other); on several, for MPIBAIJ
+   and MPIAIJ matrices, the local factorisation has the options prefix -chain_. */
+PetscErrorCode ChainSetType(PC pc, MatOrderingType ordering) {
   PetscMPIInt ranks;
   Chain *self;
 
@@ -194,10 +199,11 @@ PetscErrorCode ChainSetType(PC pc) {
   PetscCallMPI(MPI_Comm_size(PetscObjectComm((PetscObject)pc), &ranks));
   if (ranks == 1) {
     PetscCall(PCSetType(pc, PCLU));
-    PetscCall(PCFactorSetMatOrderingType(pc, MATORDERINGNATURAL));
+    PetscCall(PCFactorSetMatOrderingType(pc, ordering));
     PetscFunctionReturn(0);
   }
   PetscCall(PetscNew(&self));
+  self->ordering = ordering;
   PetscCall(PCSetType(pc, PCSHELL));
   PetscCall(PCShellSetName(pc, "chain: each rank's block LU, joined by a dense system"));
   PetscCall(PCShellSetContext(pc, self));

@@ -6,6 +6,6 @@
 
 #include <petscpc.h>
 
-PetscErrorCode ChainSetType(PC pc);
+PetscErrorCode ChainSetType(PC pc, MatOrderingType ordering);
 
 #endif

@@ -8,26 +8,11 @@
    The rows of node i are the x and theta equations of the cell on its left and the m and n
    equations of the cell on its right: so each diagonal block can be factored without looking
    elsewhere. */
-#include "rod/rod.h"
+#include "rod/frame.h"
 
 static const OptionRow rows[] = {
     ROW_WORD("-rod_order", "4", "2,4", 0, "order in space of the frame model")};
 const OptionGroup frame_options = OPTION_GROUP("Frame model", rows);
-
-enum { X1, X2, TH, M, N1, N2, FIELDS };
-
-/* What the laws give at a point; flex = 1/B. */
-typedef struct {
-  PetscReal s, g, g_t, c, k0, flex;
-} Law;
-
-typedef struct {
-  PetscReal end_weight, mid_weight, bow; /* times h: 1/6, 4/6, 1/8 (order 4); 0, 1, 0 (order 2) */
-  PetscReal time;                        /* of the laws below */
-  Law *law;                              /* nodes and mids from node first - 1 on, alternating */
-  LoadDual *dual;                        /* likewise, duals of them at each */
-  PetscInt duals;
-} Frame;
 
 /* One point of the rod: its unknowns, f, its place and velocity, the slope of the load. */
 typedef struct {
@@ -43,8 +28,9 @@ typedef struct {
   const Load *load;
   const PetscReal (*u)[FIELDS], (*u_t)[FIELDS], *s;
   Vec local[2];
-  Law *law;          /* of nodes a, mid, b of the cell */
-  LoadDual *dual[3]; /* likewise */
+  Law *law;                   /* of nodes a, mid, b of the cell */
+  LoadDual *dual[3];          /* likewise */
+  const PetscReal (*push)[2]; /* what strands add to n' at all points of the rod; NULL: none */
   PetscReal h;
   Point *a, mid, *b, ends[2]; /* the end of a cell is where the next begins: they change places */
 } Cell;
@@ -133,6 +119,13 @@ static inline LoadDual *DualsAt(const Frame *frame, PetscInt k) {
   return frame->dual + k * frame->duals;
 }
 
+/* Adds to n' what strands that touch do at node i, or behind it. */
+static inline void AddPush(const Cell *cell, PetscInt i, int half, Point *p) {
+  if (!cell->push) return;
+  p->f[N1] += cell->push[2 * i + half][0];
+  p->f[N2] += cell->push[2 * i + half][1];
+}
+
 /* Begins a walk along the cells that touch owned nodes, at the first of these. Collective. */
 static PetscErrorCode CellsOpen(Rod rod, PetscReal t, Vec U, Vec U_t, Cell *cell) {
   Frame *frame = (Frame *)rod->data;
@@ -152,6 +145,8 @@ static PetscErrorCode CellsOpen(Rod rod, PetscReal t, Vec U, Vec U_t, Cell *cell
   cell->a->at.t = cell->mid.at.t = cell->b->at.t = t;
   PointAtNode(cell->load, frame->law + k, DualsAt(frame, k), cell->u[first], cell->u_t[first],
               cell->b);
+  if (frame->strands) PetscCall(FrameStrandsLoad(rod, t, U, U_t, &cell->push));
+  AddPush(cell, first, 0, cell->b);
   PetscFunctionReturn(0);
 }
 
@@ -174,8 +169,10 @@ static void CellsNext(Cell *cell, PetscInt i) {
   cell->b = cell->a;
   cell->a = begin;
   PointAtNode(cell->load, cell->law + 2, cell->dual[2], cell->u[i + 1], cell->u_t[i + 1], cell->b);
+  AddPush(cell, i + 1, 0, cell->b);
   PointAtMid(cell->load, cell->law, cell->dual[1], frame->bow * cell->h, cell->a, cell->b,
              cell->u_t[i], cell->u_t[i + 1], &cell->mid);
+  AddPush(cell, i, 1, &cell->mid);
 }
 
 /* Residual of the six equations of a cell. */
@@ -219,6 +216,8 @@ static PetscErrorCode FrameResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F)
   if (end == rod->last + 1) {
     TipState tip = TipOf(&cell);
     TipResidual(&rod->scene->tip, &tip, TipDual(rod), &F_[rod->last][M]);
+    for (int d = 0; d < 2 && cell.push && rod->scene->tip.type == TIP_FREE; d++)
+      F_[rod->last][N1 + d] -= cell.push[2 * rod->last + 1][d];
   }
   PetscCall(DMDAVecRestoreArray(rod->da, F, &F_));
   PetscCall(CellsClose(&cell));
@@ -316,6 +315,7 @@ static PetscErrorCode FrameJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, PetscR
 
   PetscFunctionBegin;
   PetscCall(CellsOpen(rod, t, U, U_t, &cell));
+  if (cell.push) PetscCall(FrameStrandsPattern(rod, J));
   PetscCall(PetscMemzero(row, sizeof(row)));
   if (first == 0)
     for (int f = X1; f <= TH; f++) row[f][FIELDS + f] = 1;
@@ -349,6 +349,7 @@ static PetscErrorCode FrameJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, PetscR
     }
   }
   PetscCall(CellsClose(&cell));
+  if (cell.push) PetscCall(FrameStrandsJacobian(rod, t, U, U_t, shift, J));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(0);
@@ -384,6 +385,7 @@ static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal 
     *change = PetscMax(
         *change, ContactHold(&rod->scene->contact, cell.b->at.x, cell.b->at.v, TipDual(rod) + 1));
   PetscCall(CellsClose(&cell));
+  if (frame->strands) PetscCall(FrameStrandsHold(rod, change));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, change, 1, MPIU_REAL, MPI_MAX, rod->scene->comm));
   PetscFunctionReturn(0);
 }
@@ -477,6 +479,10 @@ static PetscErrorCode FrameCreate(Rod rod) {
   rod->memory = 2 * frame->duals * REMEMBERED;
   PetscCall(PetscCalloc2(points, &frame->law, points * frame->duals, &frame->dual));
   rod->data = frame;
+  if (!rod->scene->contact.self) PetscFunctionReturn(0);
+  UserCheck(rod->order == 4, rod->scene->comm, "-rod_order 2: -contact_self needs order 4");
+  rod->coupled = PETSC_TRUE;
+  PetscCall(FrameStrandsCreate(rod, &frame->strands));
   PetscFunctionReturn(0);
 }
 
@@ -484,6 +490,7 @@ static PetscErrorCode FrameDestroy(Rod rod) {
   Frame *frame = (Frame *)rod->data;
 
   PetscFunctionBegin;
+  PetscCall(FrameStrandsDestroy(&frame->strands));
   PetscCall(PetscFree2(frame->law, frame->dual));
   PetscCall(PetscFree(rod->data));
   PetscFunctionReturn(0);

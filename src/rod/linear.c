@@ -222,7 +222,7 @@ static PetscErrorCode CreateFit(Rod rod) {
   PetscCall(MatDestroy(&A));
   PetscCall(KSPSetType(self->fit, KSPPREONLY));
   PetscCall(KSPGetPC(self->fit, &pc));
-  PetscCall(ChainSetType(pc));
+  PetscCall(ChainSetType(pc, MATORDERINGNATURAL));
   PetscFunctionReturn(0);
 }
 

@@ -58,6 +58,7 @@ struct _Rod {
   PetscInt order;      /* of the error in space */
   Vec latest_rate;     /* U_t of the latest residual: of the accepted state, once a step is taken */
   PetscReal latest_time;         /* t of it */
+  PetscBool coupled;             /* nodes far from each other along the rod see each other */
   PetscBool fresh;               /* the next Jacobian is the first of its Newton solve */
   PetscInt memory;               /* reals a node that its Newton's method remembers; 0: none */
   PetscInt residuals, jacobians; /* counted work */

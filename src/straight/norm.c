@@ -97,7 +97,7 @@ static PetscErrorCode DirectSolve(MPI_Comm comm, KSP *ksp) {
   PetscCall(KSPCreate(comm, ksp));
   PetscCall(KSPSetType(*ksp, KSPPREONLY));
   PetscCall(KSPGetPC(*ksp, &pc));
-  PetscCall(ChainSetType(pc));
+  PetscCall(ChainSetType(pc, MATORDERINGNATURAL));
   PetscFunctionReturn(0);
 }
 

@@ -54,7 +54,7 @@ static PetscErrorCode DirectSolver(EPS eps) {
   PetscCall(STGetKSP(st, &ksp));
   PetscCall(KSPSetType(ksp, KSPPREONLY));
   PetscCall(KSPGetPC(ksp, &pc));
-  PetscCall(ChainSetType(pc));
+  PetscCall(ChainSetType(pc, MATORDERINGNATURAL));
   PetscFunctionReturn(0);
 }
 

@@ -30,7 +30,7 @@ static void Solve(const RodModel *model, const char *options) {
   CHECK(KSPCreate(PETSC_COMM_WORLD, &ksp));
   CHECK(KSPSetType(ksp, KSPPREONLY));
   CHECK(KSPGetPC(ksp, &pc));
-  CHECK(ChainSetType(pc));
+  CHECK(ChainSetType(pc, MATORDERINGNATURAL));
   for (int k = 0; k < 2; k++) { /* a second matrix in the same solver: nothing stale is used */
     PetscInt low, high;
     PetscScalar *a;

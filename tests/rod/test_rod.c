@@ -1,6 +1,5 @@
 /* Models of the rod: Jacobians by rate for every law, mirror symmetry, set and get. */
-#include "harness.h"
-#include "rod/rod.h"
+#include "rod/by_rate.h"
 
 typedef struct {
   const char *name;
@@ -42,19 +41,6 @@ static void Destroy(Scene *scene, Rod *rod) {
   CHECK(SceneDestroy(scene));
 }
 
-/* A new vector of entries size * [-1, 1], the same on any number of ranks. */
-static Vec RandomVector(Rod rod, int seed, PetscReal size) {
-  PetscScalar *a;
-  PetscInt low, high;
-  Vec v;
-  CHECK(DMCreateGlobalVector(rod->da, &v));
-  CHECK(VecGetOwnershipRange(v, &low, &high));
-  CHECK(VecGetArray(v, &a));
-  for (PetscInt i = low; i < high; i++) a[i - low] = size * Scatter(seed, i);
-  CHECK(VecRestoreArray(v, &a));
-  return v;
-}
-
 /* The initial shape shaken: far from any symmetry, edges far from 0. */
 static void RandomState(Rod rod, PetscReal t, Vec *U, Vec *U_t) {
   PetscReal shake = rod->model == &rod_mixed ? 0.15 / rod->last : 0.3;
@@ -68,28 +54,6 @@ static void RandomState(Rod rod, PetscReal t, Vec *U, Vec *U_t) {
   CHECK(PetscFree(nodes));
   CHECK(VecDestroy(&noise));
   *U_t = RandomVector(rod, 2, 1);
-}
-
-/* F(U + e w, U_t + e shift w) - F(U, U_t) - e J w, its largest entry for each field. */
-static void Remainder(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J, Vec w,
-                      PetscReal e, PetscReal size[MAX_FIELDS]) {
-  Vec V, V_t, F, G;
-  CHECK(VecDuplicate(U, &V));
-  CHECK(VecDuplicate(U, &V_t));
-  CHECK(VecDuplicate(U, &F));
-  CHECK(VecDuplicate(U, &G));
-  CHECK(VecWAXPY(V, e, w, U));
-  CHECK(VecWAXPY(V_t, e * shift, w, U_t));
-  CHECK(RodResidual(NULL, t, V, V_t, G, rod));
-  CHECK(RodResidual(NULL, t, U, U_t, F, rod));
-  CHECK(VecAXPY(G, -1, F));
-  CHECK(MatMult(J, w, F));
-  CHECK(VecAXPY(G, -e, F));
-  CHECK(RodFieldSizes(rod, G, size));
-  CHECK(VecDestroy(&V));
-  CHECK(VecDestroy(&V_t));
-  CHECK(VecDestroy(&F));
-  CHECK(VecDestroy(&G));
 }
 
 static void JacobianByRate(const Model *model, int law, PetscReal shift, const char *more) {

@@ -1,0 +1,44 @@
+/* What the tests of Jacobians share: a Jacobian is tested by a rate, |F(x + e w) - F(x) - e J w| falls
+   fourfold when e is halved. */
+#ifndef TENDRIL_BY_RATE_H
+#define TENDRIL_BY_RATE_H
+
+#include "harness.h"
+#include "rod/rod.h"
+
+/* A new vector of entries size * [-1, 1], the same on any number of ranks. */
+static inline Vec RandomVector(Rod rod, int seed, PetscReal size) {
+  PetscScalar *a;
+  PetscInt low, high;
+  Vec v;
+  CHECK(DMCreateGlobalVector(rod->da, &v));
+  CHECK(VecGetOwnershipRange(v, &low, &high));
+  CHECK(VecGetArray(v, &a));
+  for (PetscInt i = low; i < high; i++) a[i - low] = size * Scatter(seed, i);
+  CHECK(VecRestoreArray(v, &a));
+  return v;
+}
+
+/* F(U + e w, U_t + e shift w) - F(U, U_t) - e J w, its largest entry for each field. */
+static inline void Remainder(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J, Vec w,
+                      PetscReal e, PetscReal size[MAX_FIELDS]) {
+  Vec V, V_t, F, G;
+  CHECK(VecDuplicate(U, &V));
+  CHECK(VecDuplicate(U, &V_t));
+  CHECK(VecDuplicate(U, &F));
+  CHECK(VecDuplicate(U, &G));
+  CHECK(VecWAXPY(V, e, w, U));
+  CHECK(VecWAXPY(V_t, e * shift, w, U_t));
+  CHECK(RodResidual(NULL, t, V, V_t, G, rod));
+  CHECK(RodResidual(NULL, t, U, U_t, F, rod));
+  CHECK(VecAXPY(G, -1, F));
+  CHECK(MatMult(J, w, F));
+  CHECK(VecAXPY(G, -e, F));
+  CHECK(RodFieldSizes(rod, G, size));
+  CHECK(VecDestroy(&V));
+  CHECK(VecDestroy(&V_t));
+  CHECK(VecDestroy(&F));
+  CHECK(VecDestroy(&G));
+}
+
+#endif
