@@ -1,6 +1,6 @@
 #include "record/observe.h"
-#include "base/boxes.h"
 #include "base/lagrange.h"
+#include "rod/crossing.h"
 
 #define X(name, units, text) #name,
 const char *const observed_name[OBSERVED] = {OBSERVABLES(X)};
@@ -22,6 +22,10 @@ struct _Observer {
   PetscReal time[BALANCE_POINTS], net[BALANCE_POINTS], loss[BALANCE_POINTS];
   PetscReal first_energy, net_work, lost_work;
   PetscBool jumped; /* the step to be measured next was a jump */
+  /* rank 0, in a scene with contact: NULL else */
+  Touching touching;
+  TouchSum contact;
+  const PetscReal (*push)[2]; /* force of contact per length */
 };
 
 PetscErrorCode ObserverCreate(Scene scene, Observer *observer) {
@@ -32,6 +36,7 @@ PetscErrorCode ObserverCreate(Scene scene, Observer *observer) {
   (*observer)->scene = scene;
   PetscCallMPI(MPI_Comm_rank(scene->comm, &rank));
   if (!rank) PetscCall(PetscMalloc1(scene->mesh.cells + 1, &(*observer)->gathered));
+  if (!rank && scene->contact.any) PetscCall(TouchingCreate(scene, &(*observer)->touching));
   PetscFunctionReturn(0);
 }
 
@@ -40,6 +45,7 @@ PetscErrorCode ObserverDestroy(Observer *observer) {
   if (!*observer) PetscFunctionReturn(0);
   PetscCall(VecScatterDestroy(&(*observer)->to_zero));
   PetscCall(VecDestroy(&(*observer)->all));
+  PetscCall(TouchingDestroy(&(*observer)->touching));
   PetscCall(PetscFree((*observer)->gathered));
   PetscCall(PetscFree(*observer));
   PetscFunctionReturn(0);
@@ -84,7 +90,8 @@ typedef struct {
   Node node;
   PetscReal g, g_t, c, strain; /* stretch, its rate, slide, rate of the material's stretch */
   PetscReal k0, k0_t, B, B_t; /* natural curvature and stiffness, and their rates in the material */
-  PetscReal F[2];             /* the load */
+  PetscReal F[2];             /* the load of friction along the rod */
+  const PetscReal *push;      /* the force of contact per length, NULL: none */
   Place at;
 } Sample;
 
@@ -127,7 +134,7 @@ static PetscErrorCode SampleMid(Scene scene, PetscReal sa, PetscReal sb, PetscRe
       PetscReal perp = d ? q[0] : -q[1];
       mid->node.x[d] += n->x[d] / 2 + k * p->g * q[d];
       mid->node.x_t[d] += n->x_t[d] / 2 + k * (p->g_t * q[d] + p->g * n->theta_t * perp);
-      mid->node.force[d] += n->force[d] / 2 + k * p->g * p->F[d];
+      mid->node.force[d] += n->force[d] / 2 + k * p->g * (p->F[d] - (p->push ? p->push[d] : 0));
     }
   }
   PetscCall(SampleFill(scene, (sa + sb) / 2, t, mid));
@@ -180,14 +187,32 @@ static void MeasureMiddle(PetscReal sa, PetscReal h, const Sample *a, const Samp
   seen->mid_speed = hypot(v[0], v[1]);
 }
 
+/* What there is of contact, and what it adds to the integrals: material that is laid down where it
+   is pressed works against U besides. */
+static void AddContact(Observer self, Observation *seen) {
+  const TouchSum *contact = &self->contact;
+
+  if (!self->touching) return;
+  seen->contact_force = contact->normal;
+  seen->contact_energy = contact->energy;
+  seen->penetration = contact->depth;
+  seen->contacts = contact->zones;
+  seen->wall_force_1 = LabX1(self->scene, contact->wall);
+  seen->wall_force_2 = LabX2(self->scene, contact->wall);
+  seen->dissipation += contact->loss;
+  seen->growth_power += contact->strain;
+}
+
 /* Integrals over the rod by Simpson's rule on each cell, and what is read at its ends. */
-static PetscErrorCode MeasureIntegrals(Scene scene, PetscReal t, const Node *nodes,
+static PetscErrorCode MeasureIntegrals(Observer self, PetscReal t, const Node *nodes,
                                        Observation *seen) {
-  const PetscReal *s = scene->mesh.s;
+  Scene scene = self->scene;
+  const PetscReal *s = scene->mesh.s, *tip = self->contact.tip;
   Sample a, b, mid;
 
   PetscFunctionBegin;
   b.node = nodes[0];
+  b.push = self->push ? self->push[0] : NULL;
   PetscCall(SampleFill(scene, s[0], t, &b));
   seen->feed_force = -Tension(&b);
   seen->growth_power = b.c * seen->feed_force;
@@ -195,6 +220,7 @@ static PetscErrorCode MeasureIntegrals(Scene scene, PetscReal t, const Node *nod
     PetscReal h = s[i + 1] - s[i];
     a = b;
     b.node = nodes[i + 1];
+    b.push = self->push ? self->push[2 * i + 2] : NULL;
     PetscCall(SampleFill(scene, s[i + 1], t, &b));
     PetscCall(SampleMid(scene, s[i], s[i + 1], t, &a, &b, &mid));
     Integrate(scene, &a, h / 6, seen);
@@ -205,56 +231,8 @@ static PetscErrorCode MeasureIntegrals(Scene scene, PetscReal t, const Node *nod
   seen->norm_x2 = PetscSqrtReal(seen->norm_x2);
   seen->norm_x2_length = PetscSqrtReal(seen->norm_x2_length);
   seen->tip_speed = hypot(b.at.v[0], b.at.v[1]);
-  seen->tip_power = b.node.force[0] * b.at.v[0] + b.node.force[1] * b.at.v[1];
-  PetscFunctionReturn(0);
-}
-
-/* Does segment ab cross segment cd? Touching in an end point does not count twice: half-open. */
-static PetscBool SegmentsCross(const PetscReal a[2], const PetscReal b[2], const PetscReal c[2],
-                               const PetscReal d[2]) {
-  PetscReal r[2] = {b[0] - a[0], b[1] - a[1]}, q[2] = {d[0] - c[0], d[1] - c[1]},
-            o[2] = {c[0] - a[0], c[1] - a[1]};
-  PetscReal det = r[0] * q[1] - r[1] * q[0], u = o[0] * q[1] - o[1] * q[0],
-            w = o[0] * r[1] - o[1] * r[0];
-  if (det == 0) return PETSC_FALSE;
-  u /= det;
-  w /= det;
-  return (PetscBool)(u >= 0 && u < 1 && w >= 0 && w < 1);
-}
-
-/* The polygon whose crossings are counted. */
-typedef struct {
-  const Node *nodes;
-  PetscInt count;
-} Crossings;
-
-/* An arc whose angles span less than pi cannot meet itself, nor its neighbour in the same arc. */
-static PetscBool CannotCross(const Box *a, PetscInt first_a, PetscInt last_a, const Box *b,
-                             PetscInt first_b, PetscInt last_b, void *ctx) {
-  PetscReal span = PetscMax(a->high[2], b->high[2]) - PetscMin(a->low[2], b->low[2]);
-  return (PetscBool)(span < PETSC_PI && (last_a == first_b || first_a == first_b));
-}
-
-static void CountCrossing(PetscInt i, PetscInt j, void *ctx) {
-  Crossings *self = (Crossings *)ctx;
-  const Node *a = self->nodes + i, *c = self->nodes + j;
-  if (j > i + 1)
-    self->count += SegmentsCross(a[0].x, a[1].x, c[0].x, c[1].x); /* else: a node in common */
-}
-
-/* ObserveCrossings - in how many points the polygon through n nodes crosses itself. Not collective.
- */
-PetscErrorCode ObserveCrossings(PetscInt n, const Node *nodes, PetscInt *count) {
-  Crossings self = {nodes, 0};
-  Boxes boxes;
-
-  PetscFunctionBegin;
-  *count = 0;
-  if (n < 4) PetscFunctionReturn(0);
-  PetscCall(BoxesCreate(n - 1, NODE_VALUES, nodes[0].x, &nodes[0].theta, &boxes));
-  BoxesPairs(boxes, 0, CannotCross, CountCrossing, &self);
-  PetscCall(BoxesDestroy(&boxes));
-  *count = self.count;
+  seen->tip_power = (b.node.force[0] - tip[0]) * b.at.v[0] + (b.node.force[1] - tip[1]) * b.at.v[1];
+  AddContact(self, seen);
   PetscFunctionReturn(0);
 }
 
@@ -288,7 +266,7 @@ static PetscErrorCode MeasureShape(Scene scene, PetscReal t, const Node *nodes, 
   seen->base_force_2 = -LabX2(scene, nodes[0].force);
   seen->tip_force_1 = LabX1(scene, tip->force);
   seen->tip_force_2 = LabX2(scene, tip->force);
-  if (seen->max_angle > PETSC_PI / 2) PetscCall(ObserveCrossings(n, nodes, &crossings));
+  if (seen->max_angle > PETSC_PI / 2) PetscCall(RodCrossings(n, nodes, &crossings));
   seen->self_crossings = crossings;
   PetscFunctionReturn(0);
 }
@@ -307,15 +285,15 @@ static PetscReal LastInterval(PetscInt n, const PetscReal time[], const PetscRea
  * steps have order.
  */
 static void MeasureBalance(Observer self, Observation *seen) {
-  PetscReal scale;
+  PetscReal scale, energy = seen->energy + seen->contact_energy;
 
   if (self->n && seen->t == self->time[self->n - 1]) return;
   if (self->jumped) { /* what bending lost, friction took: the powers on both sides do not tell */
-    self->lost_work += PetscMax(0, self->first_energy + self->net_work - seen->energy);
-    self->net_work = seen->energy - self->first_energy;
+    self->lost_work += PetscMax(0, self->first_energy + self->net_work - energy);
+    self->net_work = energy - self->first_energy;
     self->n = 0;
   } else if (!self->n)
-    self->first_energy = seen->energy;
+    self->first_energy = energy;
   self->jumped = PETSC_FALSE;
   if (self->n == BALANCE_POINTS) {
     for (int i = 1; i < BALANCE_POINTS; i++) {
@@ -337,9 +315,9 @@ static void MeasureBalance(Observer self, Observation *seen) {
     self->net_work += LastInterval(self->n, self->time, self->net);
     self->lost_work += LastInterval(self->n, self->time, self->loss);
   }
-  scale = PetscMax(PetscAbsReal(self->lost_work), PetscMax(seen->energy, self->first_energy));
+  scale = PetscMax(PetscAbsReal(self->lost_work), PetscMax(energy, self->first_energy));
   seen->energy_defect =
-      scale > 0 ? PetscAbsReal(seen->energy - self->first_energy - self->net_work) / scale : 0;
+      scale > 0 ? PetscAbsReal(energy - self->first_energy - self->net_work) / scale : 0;
 }
 
 /* The sums of the energy balance and the points they are built on, which rank 0 has. */
@@ -386,6 +364,25 @@ void ObserverJump(Observer observer) {
   observer->jumped = PETSC_TRUE;
 }
 
+static PetscErrorCode LookAtContact(Observer self, PetscReal t, const Node *nodes,
+                                    PetscBool moves) {
+  PetscFunctionBegin;
+  if (self->touching)
+    PetscCall(TouchingLook(self->touching, t, nodes, moves, &self->contact, &self->push));
+  PetscFunctionReturn(0);
+}
+
+/* ObserverContact - on rank 0, where the scene has contact: its force on the rod per length, at
+   nodes and between them (2 cells + 1, in the clamp's frame; friction is left out: rates are not
+   known). Not collective; borrowed. */
+PetscErrorCode ObserverContact(Observer observer, PetscReal t, const Node *nodes,
+                               const PetscReal (**force)[2]) {
+  PetscFunctionBegin;
+  PetscCall(LookAtContact(observer, t, nodes, PETSC_FALSE));
+  *force = observer->push;
+  PetscFunctionReturn(0);
+}
+
 /*
   ObserverMeasure - all that is measured on a rod at one time; step, newton_iterations and model are
   left to the caller. Collective; the result is on every rank. Times must come in increasing order,
@@ -401,7 +398,8 @@ PetscErrorCode ObserverMeasure(Observer observer, Rod rod, PetscReal t, Vec U, V
   if (nodes) {
     seen->t = t;
     PetscCall(GrowthLength(observer->scene->growth, t, &seen->length, NULL));
-    PetscCall(MeasureIntegrals(observer->scene, t, nodes, seen));
+    PetscCall(LookAtContact(observer, t, nodes, (PetscBool)(U_t != NULL)));
+    PetscCall(MeasureIntegrals(observer, t, nodes, seen));
     PetscCall(MeasureShape(observer->scene, t, nodes, seen));
     MeasureBalance(observer, seen);
   }

@@ -2,7 +2,7 @@
 #ifndef TENDRIL_OBSERVE_H
 #define TENDRIL_OBSERVE_H
 
-#include "rod/rod.h"
+#include "record/touching.h"
 
 /* X(name, units, description): the series of the result file, in this order. */
 #define OBSERVABLES(X)                                                                             \
@@ -15,9 +15,9 @@
   X(max_angle, "rad", "largest |theta| against the clamp, radians")                                \
   X(energy, "N l^2", "bending energy, 1/2 int m^2 g ds")                                           \
   X(growth_power, "N l V", "power of growth W")                                                    \
-  X(dissipation, "N l V", "power lost to friction along the rod, int g F.v ds")                    \
+  X(dissipation, "N l V", "power lost to friction along the rod, int g F.v ds, and in contact")    \
   X(energy_defect, "1",                                                                            \
-    "|E - E(0) - int (W + tip_power - dissipation)| over friction's work, or E")                   \
+    "|E - E(0) - int (W + tip_power - dissipation)| over friction's work, or E; E with contact")   \
   X(end_distance, "l", "|x(1) - x(0)|")                                                            \
   X(mid_distance, "l", "|x(1/2) - x(0)|")                                                          \
   X(width, "l", "extent of the shape across the direction of the clamp")                           \
@@ -28,7 +28,13 @@
   X(feed_force, "N l", "force against which the rod is fed at the clamp, -n.q - m^2/2B - m k0")    \
   X(tip_force_1, "N l", "force on the tip along x1, n1(1)")                                        \
   X(tip_force_2, "N l", "force on the tip along x2, n2(1)")                                        \
-  X(tip_power, "N l V", "power of the force on the tip, n(1).v(1)")                                \
+  X(tip_power, "N l V", "power of the force on the tip, n(1).v(1), but for contact")               \
+  X(contact_force, "N l", "sum of the normal forces of contact")                                   \
+  X(wall_force_1, "N l", "force of the walls on the rod along x1")                                 \
+  X(wall_force_2, "N l", "force of the walls on the rod along x2")                                 \
+  X(contact_energy, "N l^2", "energy of contact, int U ds")                                        \
+  X(penetration, "l", "how deep the rod is in a wall or in itself, at most")                       \
+  X(contacts, "1", "zones of contact along the rod")                                               \
   X(inflections, "1", "sign changes of the curvature along the rod")                               \
   X(self_crossings, "1", "points in which the rod crosses itself")                                 \
   X(step, "l/V", "size of the step that led here")                                                 \
@@ -52,11 +58,12 @@ PetscErrorCode ObserverCreate(Scene scene, Observer *observer);
 PetscErrorCode ObserverDestroy(Observer *observer);
 PetscErrorCode ObserverGather(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t,
                               const Node **nodes);
+PetscErrorCode ObserverContact(Observer observer, PetscReal t, const Node *nodes,
+                               const PetscReal (**force)[2]);
 PetscErrorCode ObserverMeasure(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t,
                                Observation *seen);
 PetscErrorCode ObserverGetBalance(Observer observer, PetscReal state[BALANCE_STATE]);
 PetscErrorCode ObserverSetBalance(Observer observer, const PetscReal state[BALANCE_STATE]);
 void ObserverJump(Observer observer);
-PetscErrorCode ObserveCrossings(PetscInt n, const Node *nodes, PetscInt *count);
 
 #endif

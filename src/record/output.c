@@ -4,7 +4,7 @@
 #include <sys/stat.h>
 
 /* What is stored of a shape. */
-enum { SHAPES = 7 };
+enum { SHAPES = 8, CONTACT = SHAPES - 1 }; /* contact only if the scene has any */
 static const struct {
   const char *name, *units, *text;
   PetscInt components; /* per node; 0: one value a shape */
@@ -15,7 +15,11 @@ static const struct {
                          "curvature theta'/g: of the moment, m/B, and natural, k0 [k, n]", 1},
                         {"/shapes/force", "N l", "internal force n1, n2 [k, n, 2]", 2},
                         {"/shapes/natural_curvature", "1/l", "natural curvature k0 [k, n]", 1},
-                        {"/shapes/stretch", "l", "stretch g = |x'| [k, n]", 1}};
+                        {"/shapes/stretch", "l", "stretch g = |x'| [k, n]", 1},
+                        {"/shapes/contact", "N",
+                         "force of contact per length, on the rod; without "
+                         "friction [k, n, 2]",
+                         2}};
 static const char *const meaning_of_units =
     "l = (YI/N)^(1/3), N the friction per length at the speed V of the tip, YI the bending "
     "stiffness; "
@@ -45,6 +49,11 @@ struct _Output {
   PetscLogDouble stored_at, cost;
   double stored, waits; /* bytes */
 };
+
+/* How many sets there are. */
+static int Sets(Output self) {
+  return self->scene->contact.any ? SHAPES : CONTACT;
+}
 
 /* How many values a shape has in a set. */
 static PetscInt ShapeSize(Output self, int set) {
@@ -186,7 +195,7 @@ static PetscErrorCode Layout(Output self, HdfFile file) {
   }
   PetscCall(HdfWrite(file, "/shapes/s", 1, &n, self->scene->mesh.s, "1",
                      "material label of the nodes [n]"));
-  for (int i = 0; i < SHAPES; i++) {
+  for (int i = 0; i < Sets(self); i++) {
     PetscInt row[2] = {n, shape_sets[i].components};
     PetscCall(HdfAppendable(file, shape_sets[i].name, (int)shape_sets[i].components, row,
                             shape_sets[i].units, shape_sets[i].text));
@@ -203,7 +212,8 @@ static PetscErrorCode Cut(Output self, HdfFile file) {
     (void)snprintf(path, sizeof(path), "/series/%s", observed_name[i]);
     PetscCall(HdfTruncate(file, path, self->cut[0]));
   }
-  for (int i = 0; i < SHAPES; i++) PetscCall(HdfTruncate(file, shape_sets[i].name, self->cut[1]));
+  for (int i = 0; i < Sets(self); i++)
+    PetscCall(HdfTruncate(file, shape_sets[i].name, self->cut[1]));
   PetscCall(HdfDelete(file, "/event"));
   PetscFunctionReturn(0);
 }
@@ -222,7 +232,7 @@ static PetscErrorCode WriteRows(Output self, HdfFile file) {
     PetscCall(HdfAppend(file, path, self->series_n, column));
   }
   PetscCall(PetscFree(column));
-  for (int i = 0; i < SHAPES; i++)
+  for (int i = 0; i < Sets(self); i++)
     PetscCall(HdfAppend(file, shape_sets[i].name, self->shapes_n, self->shape[i]));
   PetscFunctionReturn(0);
 }
@@ -495,14 +505,16 @@ PetscErrorCode OutputSeries(Output self, const Observation *seen) {
   PetscFunctionReturn(0);
 }
 
-/* OutputShape - adds the shape at one time. nodes are rank 0's. */
-PetscErrorCode OutputShape(Output self, PetscReal t, const Node *nodes) {
+/* OutputShape - adds the shape at one time. nodes are rank 0's; contact is the force of contact per
+   length at nodes and between them, NULL if the scene has none. */
+PetscErrorCode OutputShape(Output self, PetscReal t, const Node *nodes,
+                           const PetscReal (*contact)[2]) {
   PetscInt n = self->scene->mesh.cells + 1, k = self->shapes_n, room = self->shapes_room;
   PetscReal *b[SHAPES], k0, g, B;
 
   PetscFunctionBegin;
   if (!self->mine) PetscFunctionReturn(0);
-  for (int i = 0; i < SHAPES; i++) {
+  for (int i = 0; i < Sets(self); i++) {
     room = self->shapes_room;
     PetscCall(Room(k, &room, (size_t)ShapeSize(self, i), &self->shape[i]));
     b[i] = self->shape[i] + k * ShapeSize(self, i);
@@ -521,6 +533,7 @@ PetscErrorCode OutputShape(Output self, PetscReal t, const Node *nodes) {
     Turn(self->scene, nodes[i].force, b[4] + 2 * i);
     b[5][i] = k0;
     b[6][i] = g;
+    if (contact) Turn(self->scene, contact[2 * i], b[CONTACT] + 2 * i);
   }
   self->shapes_n++;
   PetscCall(Room(self->times_n, &self->times_room, 1, &self->times));

@@ -13,7 +13,8 @@ PetscErrorCode OutputCreate(const char *file, Scene scene, Output *output);
 PetscErrorCode OutputContinue(const char *file, const char *from, Scene scene, PetscReal t,
                               PetscReal interval, Output *output);
 PetscErrorCode OutputSeries(Output output, const Observation *seen);
-PetscErrorCode OutputShape(Output output, PetscReal t, const Node *nodes);
+PetscErrorCode OutputShape(Output output, PetscReal t, const Node *nodes,
+                           const PetscReal (*contact)[2]);
 PetscErrorCode OutputEvent(Output output, const Event *event);
 PetscBool OutputDue(Output output);
 PetscErrorCode OutputStore(Output output, Rod rod, RestartState *state, Vec points[],

@@ -20,6 +20,7 @@ typedef struct {
   PetscInt point;
   int side;         /* 0 left, 1 right */
   PetscBool ends;   /* the foot is an end of the rod */
+  PetscBool apart;  /* they are not the same strand */
   PetscBool active; /* they press */
   Spot at, foot;
   PetscReal n[2], distance, gap;
@@ -363,14 +364,38 @@ static void Shares(const struct _Strands *self, PetscInt point, PetscReal share[
   share[1] = point == self->points - 1 ? self->contact->tip : 0;
 }
 
-/* The parabola through the three points of a cell. */
-static void Parabola(PetscReal z, PetscReal value[3], PetscReal slope[3]) {
-  value[0] = (1 - z) * (1 - 2 * z);
-  value[1] = 4 * z * (1 - z);
-  value[2] = z * (2 * z - 1);
-  slope[0] = 4 * z - 3;
-  slope[1] = 4 - 8 * z;
-  slope[2] = 4 * z - 1;
+/* Who takes the force on a foot: the four points around it, by the cubic convolution kernel (Keys,
+   IEEE Trans. Acoust. 29, 1981). It keeps the force, its moment and the next moment, and goes over
+   smoothly as the foot moves along; at the ends of the rod the missing point is that of the
+   parabola through its neighbours. */
+typedef struct {
+  PetscInt point[4];
+  PetscReal share[4], share_z[4]; /* and by z */
+} Spread;
+
+static void SpreadOf(const struct _Strands *self, const Spot *foot, Spread *spread) {
+  PetscInt j = PetscMin(2 * foot->cell + (PetscInt)(2 * foot->z), self->points - 2);
+  PetscReal u = 2 * foot->cell + 2 * foot->z - j, *a = spread->share, *b = spread->share_z;
+  const PetscReal value[4] = {(-u + 2 * u * u - u * u * u) / 2, (2 - 5 * u * u + 3 * u * u * u) / 2,
+                              (u + 4 * u * u - 3 * u * u * u) / 2, (-u * u + u * u * u) / 2},
+                  slope[4] = {-1 + 4 * u - 3 * u * u, -10 * u + 9 * u * u, 1 + 8 * u - 9 * u * u,
+                              -2 * u + 3 * u * u};
+  int missing = j == 0 ? 0 : j == self->points - 2 ? 3 : -1;
+
+  for (int k = 0; k < 4; k++) {
+    spread->point[k] = j - 1 + k;
+    a[k] = value[k];
+    b[k] = slope[k];
+  }
+  if (missing < 0) return;
+  for (int k = 1; k <= 3; k++) {
+    const PetscReal part = k == 1 ? 3 : k == 2 ? -3 : 1;
+    int to = missing ? 3 - k : k;
+    a[to] += part * value[missing];
+    b[to] += part * slope[missing];
+  }
+  a[missing] = b[missing] = 0;
+  spread->point[missing] = j;
 }
 
 static FrictionDual *DualOf(const struct _Strands *self, const Pair *pair) {
@@ -379,7 +404,7 @@ static FrictionDual *DualOf(const struct _Strands *self, const Pair *pair) {
 
 /* Where a pair is, and its gap. */
 static void PairPlace(const struct _Strands *self, const StrandState *state, Pair *pair) {
-  PetscReal o[2], apart;
+  PetscReal o[2];
 
   SpotAt(self, state, pair->at.cell, pair->at.z, &pair->at);
   FootFrom(self, state, pair->at.x, &pair->foot, &pair->ends);
@@ -387,10 +412,11 @@ static void PairPlace(const struct _Strands *self, const StrandState *state, Pai
   pair->distance = hypot(o[0], o[1]);
   for (int d = 0; d < 2; d++) pair->n[d] = o[d] / pair->distance;
   pair->gap = pair->distance - self->contact->diameter;
-  apart = PetscAbsReal(ArcAt(self, pair->at.cell, pair->at.z) -
-                       ArcAt(self, pair->foot.cell, pair->foot.z));
+  pair->apart =
+      (PetscBool)(PetscAbsReal(ArcAt(self, pair->at.cell, pair->at.z) -
+                               ArcAt(self, pair->foot.cell, pair->foot.z)) >= self->apart);
   pair->active =
-      (PetscBool)(pair->gap < self->contact->smooth && apart >= self->apart && pair->distance > 0);
+      (PetscBool)(pair->gap < self->contact->smooth && pair->apart && pair->distance > 0);
 }
 
 /* The speed at which the point slips along its partner, to the left of the normal. */
@@ -411,18 +437,17 @@ static void PairForce(const struct _Strands *self, const Pair *pair, PetscReal f
 
 /* Hands a force to who takes it: on points as load per label, n' = load. */
 static void HandOut(Strands self, const Pair *pair, const PetscReal f[2]) {
-  PetscReal share[2], value[3], slope[3];
+  PetscReal share[2];
+  Spread spread;
 
   Shares(self, pair->point, share);
-  Parabola(pair->foot.z, value, slope);
+  SpreadOf(self, &pair->foot, &spread);
   for (int d = 0; d < 2; d++) {
     PetscReal all = (share[0] + share[1]) * f[d];
     self->force[pair->point][d] -= share[0] * f[d] / self->weight[pair->point];
     self->force[self->points][d] += share[1] * f[d];
-    for (int k = 0; k < 3; k++) {
-      PetscInt taker = 2 * pair->foot.cell + k;
-      self->force[taker][d] += all * value[k] / self->weight[taker];
-    }
+    for (int k = 0; k < 4; k++)
+      self->force[spread.point[k]][d] += all * spread.share[k] / self->weight[spread.point[k]];
   }
 }
 
@@ -439,6 +464,16 @@ static void AddToSum(Strands self, const Pair *pair) {
   sum->depth = PetscMax(sum->depth, -pair->gap);
 }
 
+static void Nearest(Strands self, const Pair *pair) {
+  const PetscReal *s = self->scene->mesh.s;
+  const Spot *spot[2] = {&pair->at, &pair->foot};
+
+  if (!pair->apart || pair->gap >= self->sum.nearest) return;
+  self->sum.nearest = pair->gap;
+  for (int k = 0; k < 2; k++)
+    self->sum.at[k] = s[spot[k]->cell] + spot[k]->z * (s[spot[k]->cell + 1] - s[spot[k]->cell]);
+}
+
 /*
   StrandsLoad - finds the feet of all pairs and their forces, after a new search if nodes have moved
   far since the last. Not collective: the same on every rank.
@@ -452,9 +487,11 @@ PetscErrorCode StrandsLoad(Strands self, const StrandState *state) {
   if (Moved(self, state)) PetscCall(StrandsSearch(self, state));
   PetscCall(PetscArrayzero(self->force, self->points + 1));
   PetscCall(PetscMemzero(&self->sum, sizeof(self->sum)));
+  self->sum.nearest = PETSC_MAX_REAL;
   for (PetscInt k = 0; k < self->n; k++) {
     Pair *pair = &self->pair[k];
     PairPlace(self, state, pair);
+    Nearest(self, pair);
     if (!pair->active) continue;
     pair->p = ContactPressure(self->contact, pair->gap, &pair->p_gap);
     pair->slip = pair->w = pair->w_slip = 0;
@@ -589,28 +626,29 @@ static void SlipSlope(const struct _Strands *self, const StrandState *state, con
 static void TakersSlope(const struct _Strands *self, const Pair *pair, const PairSlope *by,
                         StrandSlope *slope) {
   const PetscReal mu = self->contact->friction, p = pair->p, w = pair->w;
-  PetscReal share[2], value[3], value_z[3], f[2];
+  PetscReal share[2], f[2];
+  Spread spread;
 
   Shares(self, pair->point, share);
-  Parabola(pair->foot.z, value, value_z);
+  SpreadOf(self, &pair->foot, &spread);
   PairForce(self, pair, f);
   slope->cell[0] = pair->at.cell;
   slope->cell[1] = pair->foot.cell;
-  slope->takers = 4 + (share[1] > 0);
-  slope->taker[3] = pair->point;
-  slope->taker[4] = self->points;
-  for (int k = 0; k < 3; k++) slope->taker[k] = 2 * pair->foot.cell + k;
+  slope->takers = 5 + (share[1] > 0);
+  slope->taker[4] = pair->point;
+  slope->taker[5] = self->points;
+  for (int k = 0; k < 4; k++) slope->taker[k] = spread.point[k];
   for (int d = 0; d < 2; d++) {
     const PetscReal n = pair->n[d], t = d ? pair->n[0] : -pair->n[1], all = share[0] + share[1];
     for (int u = 0; u < STRAND_UNKNOWNS; u++) {
       PetscReal dt = d ? by->n[0][u] : -by->n[1][u],
                 df = pair->p_gap * by->gap[u] * (n - mu * w * t) + p * (by->n[d][u] - mu * w * dt) -
                      mu * p * pair->w_slip * t * by->slip[u];
-      for (int k = 0; k < 3; k++)
-        slope->by[k][d][u] =
-            all * (df * value[k] + f[d] * value_z[k] * by->z[u]) / self->weight[slope->taker[k]];
-      slope->by[3][d][u] = -share[0] * df / self->weight[pair->point];
-      slope->by[4][d][u] = share[1] * df;
+      for (int k = 0; k < 4; k++)
+        slope->by[k][d][u] = all * (df * spread.share[k] + f[d] * spread.share_z[k] * by->z[u]) /
+                             self->weight[spread.point[k]];
+      slope->by[4][d][u] = -share[0] * df / self->weight[pair->point];
+      slope->by[5][d][u] = share[1] * df;
     }
   }
 }

@@ -5,8 +5,8 @@
      E = sum_i W_i U(gamma_i),   gamma = |x_i - x(foot)| - D,   foot: (x_i - x(foot)).x' = 0,
 
    and the forces are those of this energy: p W n on the point, the opposite on the foot, handed to
-   the three points of its cell by the parabola through them. So they cancel, and do no work in a
-   circle. Friction acts likewise, on point and foot, against their relative velocity. */
+   the four points around it. So they cancel, and do no work in a circle. Friction acts likewise, on
+   point and foot, against their relative velocity. */
 #ifndef TENDRIL_STRANDS_H
 #define TENDRIL_STRANDS_H
 
@@ -21,7 +21,7 @@ typedef struct {
   const PetscReal *u, *u_t; /* x1, x2, theta of node i at u[i * stride]; rates likewise */
 } StrandState;
 
-enum { STRAND_UNKNOWNS = 12, STRAND_TAKERS = 5 };
+enum { STRAND_UNKNOWNS = 12, STRAND_TAKERS = 6 };
 
 /* One contact: the unknowns it depends on are x1, x2, theta of nodes a and b of two cells, that of
    the point and that of the foot; the points that take its force: n' = -load of point k changes by
@@ -41,6 +41,8 @@ typedef struct {
   PetscReal sum[2];       /* of all forces: 0 */
   PetscReal depth;        /* deepest penetration */
   PetscReal strain;       /* power of material that is laid down where it is pressed */
+  PetscReal nearest;      /* the smallest gap, if any is small */
+  PetscReal at[2];        /* the labels where it is */
 } StrandSum;
 
 PetscErrorCode StrandsCreate(Scene scene, Strands *strands);

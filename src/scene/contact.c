@@ -53,7 +53,7 @@ static const PetscReal cells_of_layer = 1.5;
 /* A force of about 1 is not to press the rod in by more than this part of its diameter. */
 static const PetscReal part_of_diameter = 2e-3;
 /* The pressure sets in over this part of how far a force of 1 presses. */
-static const PetscReal part_smooth = 5;
+static const PetscReal part_smooth = 2;
 
 /*
   ContactSetStiffness - k, unless it is given, and what follows from it. A point load Q on a rod of

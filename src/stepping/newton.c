@@ -148,6 +148,6 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   PetscCall(SNESGetKSP(snes, &ksp));
   PetscCall(KSPSetType(ksp, KSPPREONLY));
   PetscCall(KSPGetPC(ksp, &pc));
-  PetscCall(ChainSetType(pc, rod->coupled ? MATORDERINGND : MATORDERINGNATURAL));
+  PetscCall(ChainSetType(pc, rod->coupled ? MATORDERING1WD : MATORDERINGNATURAL));
   PetscFunctionReturn(0);
 }

@@ -43,11 +43,13 @@ static PetscErrorCode Self(TS ts, Grow **self) {
 
 /* Hands the shape of a state at time t to the output. U NULL: the initial shape. */
 static PetscErrorCode StoreShape(Grow *self, PetscReal t, Vec U) {
+  const PetscReal(*contact)[2] = NULL;
   const Node *nodes;
 
   PetscFunctionBegin;
   PetscCall(ObserverGather(self->observer, self->now->rod, t, U, NULL, &nodes));
-  if (nodes) PetscCall(OutputShape(self->output, t, nodes));
+  if (nodes) PetscCall(ObserverContact(self->observer, t, nodes, &contact));
+  if (nodes) PetscCall(OutputShape(self->output, t, nodes, contact));
   self->stored_shape = t;
   PetscFunctionReturn(0);
 }

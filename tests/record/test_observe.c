@@ -2,6 +2,7 @@
    the turn of the clamp. */
 #include "harness.h"
 #include "record/observe.h"
+#include "rod/crossing.h"
 
 enum { MOST = 2001 };
 
@@ -70,7 +71,7 @@ static void TestCrossings(void **state) {
     for (PetscInt n = 401; n <= MOST; n += 800) {
       PetscInt count;
       Trace(curves[c].curve, curves[c].from, curves[c].to, n, nodes);
-      CHECK(ObserveCrossings(n, nodes, &count));
+      CHECK(RodCrossings(n, nodes, &count));
       EXPECT(count == curves[c].crossings, "%s with %d nodes: %d crossings, not %d", curves[c].name,
              (int)n, (int)count, (int)curves[c].crossings);
     }
@@ -101,7 +102,7 @@ static void TestCrossingsAtRandom(void **state) {
     for (PetscInt i = 0; i < n - 1; i++)
       for (PetscInt j = i + 2; j < n - 1; j++)
         count += Cross(nodes[i].x, nodes[i + 1].x, nodes[j].x, nodes[j + 1].x);
-    CHECK(ObserveCrossings(n, nodes, &found));
+    CHECK(RodCrossings(n, nodes, &found));
     all += count;
     EXPECT(found == count, "curve %d: %d crossings, not %d", k, (int)found, (int)count);
   }

@@ -1,0 +1,26 @@
+/* What contact amounts to on a rod that is known node by node: what is measured of it, stored and
+   watched for. On one rank. */
+#ifndef TENDRIL_TOUCHING_H
+#define TENDRIL_TOUCHING_H
+
+#include "rod/rod.h"
+#include "rod/strands.h"
+
+typedef struct {
+  PetscReal energy, loss, strain; /* int U, power lost to friction, power of growth where pressed */
+  PetscReal normal, wall[2];      /* sum of normal forces; force of the walls on the rod */
+  PetscReal depth;                /* deepest penetration, 0: none */
+  PetscInt zones;
+  PetscReal tip[2];  /* force of contact on the tip */
+  PetscReal nearest; /* the smallest gap */
+  PetscReal at[2];   /* labels of where it is; the second is that of the other strand, or -1 */
+} TouchSum;
+
+typedef struct _Touching *Touching;
+
+PetscErrorCode TouchingCreate(Scene scene, Touching *touching);
+PetscErrorCode TouchingDestroy(Touching *touching);
+PetscErrorCode TouchingLook(Touching touching, PetscReal t, const Node *nodes, PetscBool moves,
+                            TouchSum *sum, const PetscReal (**force)[2]);
+
+#endif

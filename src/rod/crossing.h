@@ -1,0 +1,9 @@
+/* Where the centre line of a rod crosses itself. */
+#ifndef TENDRIL_CROSSING_H
+#define TENDRIL_CROSSING_H
+
+#include "rod/rod.h"
+
+PetscErrorCode RodCrossings(PetscInt n, const Node *nodes, PetscInt *count);
+
+#endif
