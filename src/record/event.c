@@ -7,21 +7,23 @@ static const OptionRow rows[] = {
         "ends the run where a rod of this diameter touches itself; 0: crosses; off unless given"),
     ROW_REAL("-stop_length", "", 0, 1e9, UNIT_LENGTH, EVENT,
              "ends the run at this length; off unless given"),
+    ROW_BOOL("-stop_contact", "false", EVENT,
+             "ends the run where the rod first touches a wall, or itself (-contact_self)"),
     ROW_REAL(
         "-stop_angle", "", 0, 1e4, UNIT_ANGLE, EVENT,
         "ends the run when an angle against the clamp reaches this, radians; off unless given")};
 const OptionGroup event_options = OPTION_GROUP("Events", rows);
 
-const char *const event_name[EVENT_KINDS] = {"none", "self_contact", "length", "angle"};
+const char *const event_name[EVENT_KINDS] = {"none", "self_contact", "length", "angle", "contact"};
 
 /* WatchSetFromOptions - reads and checks which events end the run. */
-PetscErrorCode WatchSetFromOptions(Watch *watch, Growth growth) {
+PetscErrorCode WatchSetFromOptions(Watch *watch, Scene scene) {
   PetscReal length;
   char text[64];
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(watch, sizeof(*watch)));
-  PetscCall(GrowthLength(growth, 0, &length, NULL));
+  PetscCall(GrowthLength(scene->growth, 0, &length, NULL));
   PetscCall(OptionReal("-stop_self_contact", &watch->bound[EVENT_SELF_CONTACT],
                        &watch->watched[EVENT_SELF_CONTACT]));
   watch->bound[EVENT_LENGTH] = PETSC_MAX_REAL;
@@ -30,6 +32,9 @@ PetscErrorCode WatchSetFromOptions(Watch *watch, Growth growth) {
             "-stop_length: the rod is %s long at the start, give more",
             OptionBoth(length, UNIT_LENGTH, text));
   PetscCall(OptionReal("-stop_angle", &watch->bound[EVENT_ANGLE], &watch->watched[EVENT_ANGLE]));
+  PetscCall(OptionBool("-stop_contact", &watch->watched[EVENT_CONTACT], NULL));
+  UserCheck(!watch->watched[EVENT_CONTACT] || scene->contact.any, OptionsComm(),
+            "-stop_contact: there is nothing to touch; give -wall_file, or -contact_self");
   for (int k = 0; k < EVENT_KINDS; k++) watch->any = (PetscBool)(watch->any || watch->watched[k]);
   PetscFunctionReturn(0);
 }
@@ -125,14 +130,28 @@ PetscErrorCode EventContact(PetscInt cells, const PetscReal s[], const Node *nod
   PetscFunctionReturn(0);
 }
 
+/* Does the rod touch a wall or itself? */
+static PetscErrorCode LookForContact(Observer observer, Scene scene, PetscReal t, const Node *nodes,
+                                     Event *event) {
+  TouchSum touch;
+
+  PetscFunctionBegin;
+  PetscCall(ObserverTouch(observer, t, nodes, &touch));
+  if (touch.nearest >= scene->contact.smooth) PetscFunctionReturn(0);
+  event->kind = EVENT_CONTACT;
+  for (int k = 0; k < 2; k++) event->s[k] = touch.at[k];
+  for (int d = 0; d < 2; d++) event->x[d] = touch.x[d];
+  PetscFunctionReturn(0);
+}
+
 /*
   WatchLook - has an event happened at time t? Not collective.
 
   nodes  cells + 1 nodes, all of the rod
   event  the event; kind EVENT_NONE if none has
 */
-PetscErrorCode WatchLook(const Watch *watch, Scene scene, PetscReal t, const Node *nodes,
-                         Event *event) {
+PetscErrorCode WatchLook(const Watch *watch, Observer observer, Scene scene, PetscReal t,
+                         const Node *nodes, Event *event) {
   PetscInt last = scene->mesh.cells;
   PetscReal length;
 
@@ -146,6 +165,8 @@ PetscErrorCode WatchLook(const Watch *watch, Scene scene, PetscReal t, const Nod
       event->s[0] = event->s[1] = scene->mesh.s[i];
       PetscCall(PetscArraycpy(event->x, nodes[i].x, 2));
     }
+  if (watch->watched[EVENT_CONTACT] && !event->kind)
+    PetscCall(LookForContact(observer, scene, t, nodes, event));
   PetscCall(GrowthLength(scene->growth, t, &length, NULL));
   if (watch->watched[EVENT_LENGTH] && !event->kind && length >= watch->bound[EVENT_LENGTH]) {
     event->kind = EVENT_LENGTH;

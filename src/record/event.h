@@ -1,11 +1,19 @@
-/* Events that end a run: a length, an angle, self-contact. Here is what they are and where on the
+/* Events that end a run: a length, an angle, the first contact, or that of a rod that may cross
+   itself. Here is what they are and where on the
    rod; the time stepping locates them in time. */
 #ifndef TENDRIL_EVENT_H
 #define TENDRIL_EVENT_H
 
-#include "rod/rod.h"
+#include "record/observe.h"
 
-typedef enum { EVENT_NONE, EVENT_SELF_CONTACT, EVENT_LENGTH, EVENT_ANGLE, EVENT_KINDS } EventKind;
+typedef enum {
+  EVENT_NONE,
+  EVENT_SELF_CONTACT,
+  EVENT_LENGTH,
+  EVENT_ANGLE,
+  EVENT_CONTACT,
+  EVENT_KINDS
+} EventKind;
 extern const char *const event_name[EVENT_KINDS];
 
 /* What to watch for. */
@@ -22,9 +30,9 @@ typedef struct {
 
 extern const OptionGroup event_options;
 
-PetscErrorCode WatchSetFromOptions(Watch *watch, Growth growth);
-PetscErrorCode WatchLook(const Watch *watch, Scene scene, PetscReal t, const Node *nodes,
-                         Event *event);
+PetscErrorCode WatchSetFromOptions(Watch *watch, Scene scene);
+PetscErrorCode WatchLook(const Watch *watch, Observer observer, Scene scene, PetscReal t,
+                         const Node *nodes, Event *event);
 PetscErrorCode EventContact(PetscInt cells, const PetscReal s[], const Node *nodes,
                             PetscReal diameter, Event *event);
 

@@ -383,6 +383,14 @@ PetscErrorCode ObserverContact(Observer observer, PetscReal t, const Node *nodes
   PetscFunctionReturn(0);
 }
 
+/* ObserverTouch - on rank 0, what there is of contact; all 0 in a scene without. Not collective. */
+PetscErrorCode ObserverTouch(Observer observer, PetscReal t, const Node *nodes, TouchSum *sum) {
+  PetscFunctionBegin;
+  PetscCall(LookAtContact(observer, t, nodes, PETSC_FALSE));
+  *sum = observer->contact;
+  PetscFunctionReturn(0);
+}
+
 /*
   ObserverMeasure - all that is measured on a rod at one time; step, newton_iterations and model are
   left to the caller. Collective; the result is on every rank. Times must come in increasing order,

@@ -60,6 +60,7 @@ PetscErrorCode ObserverGather(Observer observer, Rod rod, PetscReal t, Vec U, Ve
                               const Node **nodes);
 PetscErrorCode ObserverContact(Observer observer, PetscReal t, const Node *nodes,
                                const PetscReal (**force)[2]);
+PetscErrorCode ObserverTouch(Observer observer, PetscReal t, const Node *nodes, TouchSum *sum);
 PetscErrorCode ObserverMeasure(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t,
                                Observation *seen);
 PetscErrorCode ObserverGetBalance(Observer observer, PetscReal state[BALANCE_STATE]);

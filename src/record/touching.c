@@ -33,8 +33,8 @@ typedef struct {
 
 /* The laws at a point, and its velocity from the rate of x. */
 static PetscErrorCode SpotLaws(Scene scene, PetscReal t, const PetscReal x_t[2], PetscReal theta,
-                               PetscReal g_t, Spot *spot) {
-  PetscReal c = GrowthSlide(scene->growth, spot->s, t);
+                               PetscReal g_t, PetscBool moves, Spot *spot) {
+  PetscReal c = moves ? GrowthSlide(scene->growth, spot->s, t) : 0;
 
   PetscFunctionBegin;
   spot->strain = GrowthStrain(scene->growth, spot->s, t, g_t);
@@ -44,8 +44,8 @@ static PetscErrorCode SpotLaws(Scene scene, PetscReal t, const PetscReal x_t[2],
 }
 
 /* Node i; or the middle of the cell behind it, y = (y_a + y_b)/2 + h/8 (y'_a - y'_b). */
-static PetscErrorCode SpotOf(Scene scene, PetscReal t, const Node *nodes, PetscInt i, int half,
-                             Spot *spot) {
+static PetscErrorCode SpotOf(Scene scene, PetscReal t, const Node *nodes, PetscBool moves,
+                             PetscInt i, int half, Spot *spot) {
   const PetscReal *s = scene->mesh.s, h = half ? s[i + 1] - s[i] : 0;
   PetscReal g[2], g_t[2], x_t[2] = {nodes[i].x_t[0], nodes[i].x_t[1]}, theta = nodes[i].theta;
 
@@ -66,7 +66,7 @@ static PetscErrorCode SpotOf(Scene scene, PetscReal t, const Node *nodes, PetscI
     }
   }
   PetscCall(GrowthStretch(scene->growth, 1, &spot->s, t, &spot->g, g_t, NULL));
-  PetscCall(SpotLaws(scene, t, x_t, theta, g_t[0], spot));
+  PetscCall(SpotLaws(scene, t, x_t, theta, g_t[0], moves, spot));
   spot->weight = 4 * h / 6;
   if (half) PetscFunctionReturn(0);
   if (i > 0) spot->weight += (s[i] - s[i - 1]) / 6;
@@ -110,13 +110,15 @@ static PetscBool Walls1(Touching self, const Spot *spot, PetscBool tip, PetscRea
     sum->nearest = nearest;
     sum->at[0] = spot->s;
     sum->at[1] = -1;
+    for (int d = 0; d < 2; d++) sum->x[d] = spot->x[d];
   }
   sum->depth = PetscMax(sum->depth, -nearest);
   return (PetscBool)(nearest <= 0);
 }
 
 /* All walls. */
-static PetscErrorCode LookAtWalls(Touching self, PetscReal t, const Node *nodes, TouchSum *sum) {
+static PetscErrorCode LookAtWalls(Touching self, PetscReal t, const Node *nodes, PetscBool moves,
+                                  TouchSum *sum) {
   const PetscInt cells = self->scene->mesh.cells;
   PetscBool before = PETSC_FALSE;
   Spot spot;
@@ -124,7 +126,7 @@ static PetscErrorCode LookAtWalls(Touching self, PetscReal t, const Node *nodes,
   PetscFunctionBegin;
   for (PetscInt k = 0; k <= 2 * cells; k++) {
     PetscBool touches;
-    PetscCall(SpotOf(self->scene, t, nodes, k / 2, (int)(k % 2), &spot));
+    PetscCall(SpotOf(self->scene, t, nodes, moves, k / 2, (int)(k % 2), &spot));
     touches = Walls1(self, &spot, (PetscBool)(k == 2 * cells && self->scene->tip.type == TIP_FREE),
                      self->force[k], sum);
     sum->zones += touches && !before;
@@ -162,7 +164,10 @@ static PetscErrorCode LookAtStrands(Touching self, PetscReal t, const Node *node
   for (int d = 0; d < 2; d++) sum->tip[d] += force[points][d];
   if (strands.nearest < sum->nearest) {
     sum->nearest = strands.nearest;
-    for (int k = 0; k < 2; k++) sum->at[k] = strands.at[k];
+    for (int k = 0; k < 2; k++) {
+      sum->at[k] = strands.at[k];
+      sum->x[k] = strands.x[k];
+    }
   }
   PetscFunctionReturn(0);
 }
@@ -179,7 +184,7 @@ PetscErrorCode TouchingLook(Touching self, PetscReal t, const Node *nodes, Petsc
   PetscCall(PetscMemzero(sum, sizeof(*sum)));
   PetscCall(PetscArrayzero(self->force, 2 * self->scene->mesh.cells + 1));
   sum->nearest = PETSC_MAX_REAL;
-  if (self->scene->contact.walls.n) PetscCall(LookAtWalls(self, t, nodes, sum));
+  if (self->scene->contact.walls.n) PetscCall(LookAtWalls(self, t, nodes, moves, sum));
   if (self->strands) PetscCall(LookAtStrands(self, t, nodes, moves, sum));
   *force = (const PetscReal(*)[2])self->force;
   PetscFunctionReturn(0);

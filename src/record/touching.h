@@ -14,6 +14,7 @@ typedef struct {
   PetscReal tip[2];  /* force of contact on the tip */
   PetscReal nearest; /* the smallest gap */
   PetscReal at[2];   /* labels of where it is; the second is that of the other strand, or -1 */
+  PetscReal x[2];    /* and the place, of the centre line */
 } TouchSum;
 
 typedef struct _Touching *Touching;

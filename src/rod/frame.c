@@ -393,9 +393,13 @@ static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal 
 /* The duals and the shifts of each node and of the middle of the cell on its right. */
 enum { REMEMBERED = 4 };
 
-/* Value k of what is remembered from owned node i on, in this order. */
+/* Value k of what is remembered at node i, in this order; NULL: nothing. */
 static PetscReal *Remembered(Frame *frame, Rod rod, PetscInt i, PetscInt k) {
-  LoadDual *dual = DualsAt(frame, 2 * (i - rod->first + 1)) + k / REMEMBERED;
+  LoadDual *dual;
+
+  if (k >= 2 * frame->duals * REMEMBERED)
+    return FrameStrandsRemembered(rod, i, k - 2 * frame->duals * REMEMBERED);
+  dual = DualsAt(frame, 2 * (i - rod->first + 1)) + k / REMEMBERED;
   return (k % REMEMBERED < 2 ? dual->w : dual->shift) + k % 2;
 }
 
@@ -406,7 +410,10 @@ static PetscErrorCode FrameRemember(Rod rod, Vec memory) {
   PetscFunctionBegin;
   PetscCall(VecGetArray(memory, &m));
   for (PetscInt i = rod->first; i < rod->end; i++)
-    for (PetscInt k = 0; k < rod->memory; k++) *m++ = *Remembered(frame, rod, i, k);
+    for (PetscInt k = 0; k < rod->memory; k++) {
+      const PetscReal *value = Remembered(frame, rod, i, k);
+      *m++ = value ? *value : 0;
+    }
   m -= (rod->end - rod->first) * rod->memory;
   PetscCall(VecRestoreArray(memory, &m));
   PetscFunctionReturn(0);
@@ -426,10 +433,13 @@ static PetscErrorCode FrameRecall(Rod rod, Vec memory) {
   PetscCall(DMGlobalToLocal(da, memory, INSERT_VALUES, local));
   PetscCall(VecGetArrayRead(local, &m));
   for (PetscInt i = from; i <= PetscMin(rod->end, rod->last); i++)
-    for (PetscInt k = 0; k < rod->memory; k++)
-      *Remembered(frame, rod, i, k) = m[(i - from) * rod->memory + k];
+    for (PetscInt k = 0; k < rod->memory; k++) {
+      PetscReal *value = Remembered(frame, rod, i, k);
+      if (value) *value = m[(i - from) * rod->memory + k];
+    }
   PetscCall(VecRestoreArrayRead(local, &m));
   PetscCall(DMRestoreLocalVector(da, &local));
+  if (frame->strands) PetscCall(FrameStrandsRecalled(rod));
   PetscFunctionReturn(0);
 }
 
@@ -483,6 +493,7 @@ static PetscErrorCode FrameCreate(Rod rod) {
   UserCheck(rod->order == 4, rod->scene->comm, "-rod_order 2: -contact_self needs order 4");
   rod->coupled = PETSC_TRUE;
   PetscCall(FrameStrandsCreate(rod, &frame->strands));
+  rod->memory += FrameStrandsMemory(rod);
   PetscFunctionReturn(0);
 }
 

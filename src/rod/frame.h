@@ -28,5 +28,8 @@ PetscErrorCode FrameStrandsLoad(Rod rod, PetscReal t, Vec U, Vec U_t, const Pets
 PetscErrorCode FrameStrandsPattern(Rod rod, Mat J);
 PetscErrorCode FrameStrandsJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J);
 PetscErrorCode FrameStrandsHold(Rod rod, PetscReal *change);
+PetscReal *FrameStrandsRemembered(Rod rod, PetscInt i, PetscInt k);
+PetscInt FrameStrandsMemory(Rod rod);
+PetscErrorCode FrameStrandsRecalled(Rod rod);
 
 #endif

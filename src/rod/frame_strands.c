@@ -92,6 +92,44 @@ PetscErrorCode FrameStrandsHold(Rod rod, PetscReal *change) {
   PetscFunctionReturn(0);
 }
 
+/* What is remembered of a node and of the middle behind it: of either side, the dual and the shift.
+ */
+enum { SIDES = 2, OF_SIDE = 4 };
+
+/* FrameStrandsMemory - how many reals a node remembers of the friction between strands. */
+PetscInt FrameStrandsMemory(Rod rod) {
+  FrictionDual *duals;
+  return StrandsDuals(((Frame *)rod->data)->strands->strands, &duals) ? 2 * SIDES * OF_SIDE : 0;
+}
+
+/* FrameStrandsRemembered - the k-th of them at node i; NULL where there is none (behind the tip).
+ */
+PetscReal *FrameStrandsRemembered(Rod rod, PetscInt i, PetscInt k) {
+  FrictionDual *duals;
+  PetscInt n = StrandsDuals(((Frame *)rod->data)->strands->strands, &duals),
+           at = 2 * SIDES * i + k / OF_SIDE;
+  if (at >= n) return NULL;
+  return (k % OF_SIDE < 2 ? duals[at].w : duals[at].shift) + k % 2;
+}
+
+/* FrameStrandsRecalled - each rank has recalled what its own nodes remember: tells the others.
+   Collective. */
+PetscErrorCode FrameStrandsRecalled(Rod rod) {
+  const PetscInt reals = sizeof(FrictionDual) / sizeof(PetscReal);
+  FrictionDual *duals;
+  PetscInt n = StrandsDuals(((Frame *)rod->data)->strands->strands, &duals);
+  PetscMPIInt count;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < n; k++) {
+    PetscInt node = k / (2 * SIDES);
+    if (node < rod->first || node >= rod->end) PetscCall(PetscMemzero(&duals[k], sizeof(*duals)));
+  }
+  PetscCall(PetscMPIIntCast(n * reals, &count));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, duals, count, MPIU_REAL, MPI_SUM, rod->scene->comm));
+  PetscFunctionReturn(0);
+}
+
 /* ---- the matrix ---- */
 
 /* How far a foot may wander along the rod, in cells, before the matrix needs another pattern. */

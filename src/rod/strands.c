@@ -472,6 +472,7 @@ static void Nearest(Strands self, const Pair *pair) {
   self->sum.nearest = pair->gap;
   for (int k = 0; k < 2; k++)
     self->sum.at[k] = s[spot[k]->cell] + spot[k]->z * (s[spot[k]->cell + 1] - s[spot[k]->cell]);
+  for (int d = 0; d < 2; d++) self->sum.x[d] = (pair->at.x[d] + pair->foot.x[d]) / 2;
 }
 
 /*

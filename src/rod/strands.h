@@ -42,7 +42,7 @@ typedef struct {
   PetscReal depth;        /* deepest penetration */
   PetscReal strain;       /* power of material that is laid down where it is pressed */
   PetscReal nearest;      /* the smallest gap, if any is small */
-  PetscReal at[2];        /* the labels where it is */
+  PetscReal at[2], x[2];  /* the labels where it is, and the place between them */
 } StrandSum;
 
 PetscErrorCode StrandsCreate(Scene scene, Strands *strands);

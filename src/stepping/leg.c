@@ -1,5 +1,6 @@
 #include "stepping/leg.h"
 #include "base/lagrange.h"
+#include "stepping/guard.h"
 #include "stepping/vbdf.h"
 
 /* Local errors add up, in the decay and growth of x2 even with one sign: a step gets this part of
@@ -144,6 +145,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   if (fixed && !given)
     PetscCall(TSSetMaxSNESFailures(leg->ts, 10)); /* a fixed step does not help itself */
   PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));
+  if (scene->contact.any) PetscCall(VBDFSetCheck(leg->ts, GuardPasses));
   PetscCall(TSSetSolution(leg->ts, leg->U));
   PetscFunctionReturn(0);
 }

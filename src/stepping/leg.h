@@ -12,7 +12,8 @@ typedef struct {
   Vec U;               /* the state */
   Vec tolerance, none; /* none: 0, the part of the tolerance relative to each entry */
   PetscReal rtol;
-  PetscInt jumps; /* so far; kept by the owner */
+  PetscInt jumps;   /* so far; kept by the owner */
+  PetscBool passes; /* the latest try of a step ended beyond a wall, or with the rod crossed */
   void *owner;
 } Leg;
 

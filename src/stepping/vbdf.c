@@ -24,6 +24,7 @@ typedef struct {
   VBDFGuess guess;
   void *guess_ctx;
   VBDFSnap snap;
+  VBDFCheck check;
   PetscBool tried, snapped; /* to follow a snap in the present step; it begins behind one */
 } VBDF;
 
@@ -236,6 +237,18 @@ static PetscErrorCode Retry(TS ts, VBDF *self, PetscInt attempt, PetscReal facto
   PetscFunctionReturn(0);
 }
 
+/* Whether a solved step may be; if not, it is as if it had not been solved. */
+static PetscErrorCode Check(TS ts, VBDF *self, SNESConvergedReason *solved) {
+  PetscBool impossible = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  if (!self->check || *solved < 0) PetscFunctionReturn(0);
+  PetscCall(
+      self->check(ts, self->time[1], self->time[0], self->point[1], self->point[0], &impossible));
+  if (impossible) *solved = SNES_DIVERGED_FUNCTION_DOMAIN;
+  PetscFunctionReturn(0);
+}
+
 /* A jump shows: follows it from the last point on, and begins the step again behind it. */
 static PetscErrorCode Snap(TS ts, VBDF *self, PetscBool *accept) {
   PetscBool done;
@@ -286,6 +299,7 @@ static PetscErrorCode TSStep_VBDF(TS ts) {
     PetscCall(SNESGetConvergedReason(ts->snes, &solved));
     PetscCall(VecNorm(self->point[0], NORM_INFINITY, &size));
     if (PetscIsInfOrNanReal(size)) solved = DIVERGED_NAN;
+    PetscCall(Check(ts, self, &solved));
     if (solved < 0) {
       ts->num_snes_failures++;
       if (self->fixed ||
@@ -472,6 +486,16 @@ PetscErrorCode VBDFSetSnap(TS ts, VBDFSnap snap) {
   PetscFunctionBegin;
   PetscCall(Self(ts, &self));
   if (self) self->snap = snap;
+  PetscFunctionReturn(0);
+}
+
+/* VBDFSetCheck - sets what a step must not do. No effect on other types. */
+PetscErrorCode VBDFSetCheck(TS ts, VBDFCheck check) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  if (self) self->check = check;
   PetscFunctionReturn(0);
 }
 

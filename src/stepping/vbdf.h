@@ -15,9 +15,14 @@ typedef PetscErrorCode (*VBDFGuess)(TS ts, PetscReal t0, PetscReal t1, Vec U0, V
 /* A snap of the state U at time t: sets U to the state behind it; done is true if it could. */
 typedef PetscErrorCode (*VBDFSnap)(TS ts, PetscReal t, Vec U, PetscBool *done);
 
+/* Is a step from U0 at t0 to U1 at t1 one that cannot be, whatever its error? */
+typedef PetscErrorCode (*VBDFCheck)(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
+                                    PetscBool *impossible);
+
 PetscErrorCode VBDFRegister(void);
 PetscErrorCode VBDFSetGuess(TS ts, VBDFGuess guess, void *ctx);
 PetscErrorCode VBDFSetSnap(TS ts, VBDFSnap snap);
+PetscErrorCode VBDFSetCheck(TS ts, VBDFCheck check);
 PetscErrorCode VBDFGetHistory(TS ts, PetscInt *n, PetscReal times[], Vec points[], PetscInt *order);
 PetscErrorCode VBDFSetHistory(TS ts, PetscInt n, const PetscReal times[], const Vec points[],
                               PetscInt order);

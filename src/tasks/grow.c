@@ -253,7 +253,7 @@ static PetscErrorCode ReadOptions(Grow *self) {
   PetscCall(OptionWord("-rod_model", &self->model, NULL));
   PetscCall(OptionReal("-ts_rtol", &self->rtol, NULL));
   PetscCall(OptionReal("-output_interval", &self->output_interval, NULL));
-  PetscCall(WatchSetFromOptions(&self->watch, self->scene->growth));
+  PetscCall(WatchSetFromOptions(&self->watch, self->scene));
   PetscCall(OptionBool("-quiet", &self->quiet, NULL));
   for (PetscInt m = 0; m < MODELS; m++) {
     const RodModel *model = grow_models[m];
@@ -265,6 +265,31 @@ static PetscErrorCode ReadOptions(Grow *self) {
   PetscFunctionReturn(0);
 }
 
+/* Refuses a rod that starts in a wall, or touching itself. */
+static PetscErrorCode CheckStart(Grow *self) {
+  const Contact *contact = &self->scene->contact;
+  TouchSum touch = {.nearest = PETSC_MAX_REAL};
+  const Node *nodes;
+  char text[64];
+
+  PetscFunctionBegin;
+  if (!contact->any) PetscFunctionReturn(0);
+  PetscCall(ObserverGather(self->observer, self->now->rod, 0, NULL, NULL, &nodes));
+  if (nodes) PetscCall(ObserverTouch(self->observer, 0, nodes, &touch));
+  PetscCallMPI(MPI_Bcast(&touch, sizeof(touch), MPI_BYTE, 0, self->scene->comm));
+  OptionBoth(-touch.nearest, UNIT_LENGTH, text);
+  UserCheck(
+      touch.nearest >= -contact->smooth || touch.at[1] >= 0, self->scene->comm,
+      "-wall_file: the rod starts in a wall, %s deep at s = %g; move the wall or make the rod "
+      "thinner (-contact_diameter)",
+      text, (double)touch.at[0]);
+  UserCheck(touch.nearest >= -contact->smooth, self->scene->comm,
+            "-contact_self: the rod touches itself at the start, at s = %g and %g; give another "
+            "shape or a smaller -contact_diameter",
+            (double)touch.at[0], (double)touch.at[1]);
+  PetscFunctionReturn(0);
+}
+
 /* The state of a fresh run: the scene's initial shape. */
 static PetscErrorCode Begin(Grow *self, const char *output) {
   Node *nodes;
@@ -272,6 +297,7 @@ static PetscErrorCode Begin(Grow *self, const char *output) {
 
   PetscFunctionBegin;
   self->now = &self->leg[self->model == AUTO ? FRAME : self->model];
+  PetscCall(CheckStart(self));
   PetscCall(GrowLookForEvent(self, 0, NULL, &event));
   UserCheck(!event.kind, self->scene->comm, "-stop_%s: it is so at the start already",
             event_name[event.kind]);
@@ -393,6 +419,10 @@ static PetscErrorCode Verdict(const Grow *self, TSConvergedReason reason) {
             text[0]);
   UserCheck(reason != TS_CONVERGED_ITS, comm,
             "-ts_max_steps: reached at t = %s before -ts_max_time %s", text[0], text[2]);
+  UserCheck(reason == TS_CONVERGED_TIME || !self->now->passes, comm,
+            "gave up at t = %s with a step of %s: the rod would pass through itself or a wall; the "
+            "results up to there are stored; give more -rod_cells or a higher -contact_stiffness",
+            text[0], text[1]);
   UserCheck(reason == TS_CONVERGED_TIME, comm,
             "gave up at t = %s with a step of %s (%s): the results up to there are stored; try a "
             "lower -ts_rtol, more -rod_cells or a larger -friction_beta",

@@ -9,7 +9,7 @@ PetscErrorCode GrowLookForEvent(Grow *self, PetscReal t, Vec U, Event *event) {
   PetscFunctionBegin;
   PetscCall(PetscMemzero(event, sizeof(*event)));
   PetscCall(ObserverGather(self->observer, self->now->rod, t, U, NULL, &nodes));
-  if (nodes) PetscCall(WatchLook(&self->watch, self->scene, t, nodes, event));
+  if (nodes) PetscCall(WatchLook(&self->watch, self->observer, self->scene, t, nodes, event));
   PetscCallMPI(MPI_Bcast(event, sizeof(*event), MPI_BYTE, 0, self->scene->comm));
   PetscFunctionReturn(0);
 }

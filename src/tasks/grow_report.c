@@ -104,6 +104,8 @@ static PetscErrorCode TellEvent(Grow *self) {
   PetscCall(PetscPrintf(comm, "stopped at t = %s: ", text[0]));
   if (event->kind == EVENT_LENGTH)
     PetscCall(PetscPrintf(comm, "length %s\n", text[3]));
+  else if (event->kind == EVENT_CONTACT && event->s[1] < 0)
+    PetscCall(PetscPrintf(comm, "touches a wall at s = %s\n", text[1]));
   else if (event->kind == EVENT_ANGLE)
     PetscCall(PetscPrintf(comm, "an angle of %s at s = %s\n", text[3], text[1]));
   else
