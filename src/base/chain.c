@@ -8,8 +8,7 @@
    system x_E + (A^-1 B g)_E = (A^-1 b)_E that every rank solves; then x = A^-1 (b - B g). */
 typedef struct {
   Mat whole, A, B;  /* A and B are the parts of the whole that this rank has; all borrowed */
-  PetscObjectId id; /* the whole's: a later matrix may well have its address */
-  PetscObjectState pattern; /* of its nonzeros */
+  PetscObjectId id; /* of B: another, or one of another pattern, may well have its address */
   MatOrderingType ordering;
   PC local; /* LU of A */
   PetscInt n, first;
@@ -21,19 +20,29 @@ typedef struct {
   Vec x, y, g;
 } Chain;
 
+/* This rank's parts of the whole; map has the blocks, of size bs, that the columns of B stand for.
+ */
+static PetscErrorCode Parts(Chain *self, const PetscInt **map, PetscInt *bs) {
+  PetscBool blocked;
+
+  PetscFunctionBegin;
+  *bs = 1;
+  PetscCall(PetscObjectTypeCompare((PetscObject)self->whole, MATMPIBAIJ, &blocked));
+  if (blocked) {
+    PetscCall(MatMPIBAIJGetSeqBAIJ(self->whole, &self->A, &self->B, map));
+    PetscCall(MatGetBlockSize(self->whole, bs));
+  } else
+    PetscCall(MatMPIAIJGetSeqAIJ(self->whole, &self->A, &self->B, map));
+  PetscFunctionReturn(0);
+}
+
 /* The global indices of the columns of B. */
 static PetscErrorCode GhostColumns(Chain *self, PetscInt **columns) {
   const PetscInt *map;
-  PetscBool blocked;
-  PetscInt bs = 1, n;
+  PetscInt bs, n;
 
   PetscFunctionBegin;
-  PetscCall(PetscObjectTypeCompare((PetscObject)self->whole, MATMPIBAIJ, &blocked));
-  if (blocked) {
-    PetscCall(MatMPIBAIJGetSeqBAIJ(self->whole, &self->A, &self->B, &map));
-    PetscCall(MatGetBlockSize(self->whole, &bs));
-  } else
-    PetscCall(MatMPIAIJGetSeqAIJ(self->whole, &self->A, &self->B, &map));
+  PetscCall(Parts(self, &map, &bs));
   PetscCall(MatGetSize(self->B, NULL, &n));
   self->ghosts = n;
   PetscCall(PetscMalloc1(n, columns));
@@ -113,19 +122,18 @@ static PetscErrorCode Forget(Chain *self) {
 
 static PetscErrorCode SetUp(PC pc) {
   Chain *self;
-  PetscObjectState pattern;
+  const PetscInt *map;
   PetscObjectId id;
-  PetscInt m;
+  PetscInt m, bs;
   PetscBLASInt order, info;
 
   PetscFunctionBegin;
   PetscCall(PCShellGetContext(pc, &self));
   PetscCall(PCGetOperators(pc, NULL, &self->whole));
-  PetscCall(PetscObjectGetId((PetscObject)self->whole, &id));
-  PetscCall(MatGetNonzeroState(self->whole, &pattern));
-  if (self->local && (id != self->id || pattern != self->pattern)) PetscCall(Forget(self));
+  PetscCall(Parts(self, &map, &bs));
+  PetscCall(PetscObjectGetId((PetscObject)self->B, &id));
+  if (self->local && id != self->id) PetscCall(Forget(self));
   self->id = id;
-  self->pattern = pattern;
   if (!self->local) PetscCall(FirstSetUp(pc, self));
   PetscCall(PCSetOperators(self->local, self->A, self->A));
   PetscCall(PCSetUp(self->local));

@@ -181,6 +181,18 @@ static PetscErrorCode ScaleAttributes(Output self, HdfFile file) {
   PetscFunctionReturn(0);
 }
 
+/* The walls around the rod, for who draws it. */
+static PetscErrorCode WallAttribute(Output self, HdfFile file) {
+  char *text;
+
+  PetscFunctionBegin;
+  if (!self->scene->contact.walls.n) PetscFunctionReturn(0);
+  PetscCall(WallsText(&self->scene->contact.walls, &text));
+  PetscCall(HdfText(file, "/", "walls", text));
+  PetscCall(PetscFree(text));
+  PetscFunctionReturn(0);
+}
+
 /* An empty file's groups and datasets. */
 static PetscErrorCode Layout(Output self, HdfFile file) {
   PetscInt n = self->scene->mesh.cells + 1;
@@ -382,6 +394,7 @@ PetscErrorCode OutputStore(Output self, Rod rod, RestartState *state, Vec points
     PetscCall(WriteEvent(self, file));
     PetscCall(OutputAttributes(file, self->scene->comm, finished));
     PetscCall(ScaleAttributes(self, file));
+    PetscCall(WallAttribute(self, file));
     if (self->earlier) PetscCall(HdfText(file, "/", "earlier_options", self->earlier));
   }
   PetscCall(WriteRestart(self, file, rod, state, points));

@@ -522,3 +522,25 @@ PetscErrorCode WallsDestroy(Walls *walls) {
   walls->n = 0;
   PetscFunctionReturn(0);
 }
+
+/* WallsText - the walls as a file has them, dimensionless. The caller frees the text (PetscFree).
+ */
+PetscErrorCode WallsText(const Walls *walls, char **text) {
+  enum { NUMBER = 26, WORDS = 64 };
+  size_t room = 1, at = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt w = 0; w < walls->n; w++) room += WORDS + NUMBER * (size_t)walls->wall[w].numbers;
+  PetscCall(PetscCalloc1(room, text));
+  for (PetscInt w = 0; w < walls->n; w++) {
+    const Wall *wall = &walls->wall[w];
+    const char *side = wall->inside ? " inside" : " outside";
+    at += (size_t)snprintf(*text + at, room - at, "%s%s", wall_kind[wall->kind],
+                           wall->kind == WALL_POLYGON ? side : "");
+    for (PetscInt k = 0; k < wall->numbers; k++)
+      at += (size_t)snprintf(*text + at, room - at, " %.17g", (double)wall->number[k]);
+    at += (size_t)snprintf(*text + at, room - at, "%s friction %.17g\n",
+                           wall->kind == WALL_CIRCLE ? side : "", (double)wall->friction);
+  }
+  PetscFunctionReturn(0);
+}

@@ -51,6 +51,7 @@ enum { MOST_TOUCHES = 16 };
 PetscErrorCode WallsRead(const char *file, PetscReal radius, PetscReal friction,
                          PetscReal clamp_angle, Walls *walls);
 PetscErrorCode WallsDestroy(Walls *walls);
+PetscErrorCode WallsText(const Walls *walls, char **text);
 PetscInt WallsTouch(const Walls *walls, const PetscReal x[2], PetscReal radius, PetscReal within,
                     Touch touch[MOST_TOUCHES]);
 
