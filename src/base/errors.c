@@ -12,17 +12,24 @@ static void EndAll(MPI_Comm comm, PetscMPIInt rank, PetscErrorCode n) {
   MPI_Abort(comm, (int)n);
 }
 
-static void Say(PetscErrorCode n, const char *message) {
-  const char *const format =
-      n == TENDRIL_ERR_USER ? "tendril: %s\n" : "tendril: an option is not as PETSc needs it: %s\n";
-  if (now->keep)
-    (void)snprintf(now->message, sizeof(now->message), "%s", message);
+static void Say(PetscErrorCode n, const char *message, PetscBool keep) {
+  const char *const about = n == TENDRIL_ERR_USER ? "" : "an option is not as PETSc needs it: ";
+  if (keep)
+    (void)snprintf(now->message, sizeof(now->message), "%s%s", about, message);
   else
-    fprintf(stderr, format, message);
+    fprintf(stderr, "tendril: %s%s\n", about, message);
   now->said = PETSC_TRUE;
 }
 
-/* One line for a user's mistake, PETSc's traceback for everything else. */
+/* A line for what is no user's mistake. */
+static void Keep(const char *func, PetscErrorCode n, const char *message) {
+  (void)snprintf(now->message, sizeof(now->message), "PETSc, error %d in %s(): %s", (int)n, func,
+                 message);
+  now->message[strcspn(now->message, "\n")] = 0;
+  now->said = PETSC_TRUE;
+}
+
+/* One line for a user's mistake, PETSc's traceback for everything else, unless the line is kept. */
 static PetscErrorCode Handle(MPI_Comm comm, int line, const char *func, const char *file,
                              PetscErrorCode n, PetscErrorType p, const char *mess, void *ctx) {
   PetscMPIInt rank = 0, ranks = 1, together = 1;
@@ -34,9 +41,12 @@ static PetscErrorCode Handle(MPI_Comm comm, int line, const char *func, const ch
   alone = (PetscBool)(together < ranks && !now->said);
   if (alone && p == PETSC_ERROR_INITIAL && rank) (void)usleep(1000000 + 100000 * (unsigned)rank);
   if (plain) {
-    if (p == PETSC_ERROR_INITIAL && !now->said && (!rank || alone)) Say(n, mess ? mess : "");
+    if (p == PETSC_ERROR_INITIAL && !now->said && (!rank || alone))
+      Say(n, mess ? mess : "", (PetscBool)(now->keep && !alone));
     now->said = PETSC_TRUE;
-  } else
+  } else if (now->keep && !alone)
+    Keep(func, n, mess ? mess : "");
+  else
     n = PetscTraceBackErrorHandler(alone ? PETSC_COMM_SELF : comm, line, func, file, n, p, mess,
                                    ctx);
   if (alone && p == PETSC_ERROR_INITIAL) EndAll(now->comm, rank, n);
@@ -47,7 +57,7 @@ static PetscErrorCode Handle(MPI_Comm comm, int line, const char *func, const ch
   ErrorsBegin - from here on errors are those of one run. Collective on comm.
 
   comm   the ranks of the run: an error that a part of them meets ends them all
-  keep   the line of a user's mistake is kept in state->message, not printed (a sweep goes on)
+  keep   the line of an error is kept in state->message, not printed (a sweep goes on)
   state  lives until ErrorsEnd()
 */
 PetscErrorCode ErrorsBegin(MPI_Comm comm, PetscBool keep, ErrorState *state) {

@@ -225,13 +225,12 @@ static void Sizes(int rank, const PetscInt from[], hsize_t to[HDF_RANK]) {
 }
 
 /* Makes a dataset with its two notes and closes space and plist; -1 if it could not. */
-static hid_t MakeDataset(HdfFile file, const char *name, hid_t space, hid_t plist,
+static hid_t MakeDataset(HdfFile file, const char *name, hid_t type, hid_t space, hid_t plist,
                          const char *units, const char *description) {
   hid_t d = -1;
 
   if (Sound(file))
-    d = Try(file,
-            H5Dcreate2(file->id, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, plist, H5P_DEFAULT));
+    d = Try(file, H5Dcreate2(file->id, name, type, space, H5P_DEFAULT, plist, H5P_DEFAULT));
   if (d >= 0) {
     TextAttribute(file, d, "units", units);
     TextAttribute(file, d, "description", description);
@@ -251,7 +250,7 @@ PetscErrorCode HdfWrite(HdfFile file, const char *name, int rank, const PetscInt
   if (!Sound(file)) PetscFunctionReturn(0);
   if (H5Lexists(file->id, name, H5P_DEFAULT) > 0) Try(file, H5Ldelete(file->id, name, H5P_DEFAULT));
   Sizes(rank, dims, sizes);
-  d = MakeDataset(file, name,
+  d = MakeDataset(file, name, H5T_IEEE_F64LE,
                   Try(file, rank ? H5Screate_simple(rank, sizes, NULL) : H5Screate(H5S_SCALAR)),
                   H5P_DEFAULT, units, description);
   if (d < 0) PetscFunctionReturn(0);
@@ -276,8 +275,8 @@ PetscErrorCode HdfAppendable(HdfFile file, const char *name, int rank, const Pet
   chunk[0] = PetscMax(1, 512 / values);
   plist = Try(file, H5Pcreate(H5P_DATASET_CREATE));
   Try(file, H5Pset_chunk(plist, rank + 1, chunk));
-  d = MakeDataset(file, name, Try(file, H5Screate_simple(rank + 1, dims, most)), plist, units,
-                  description);
+  d = MakeDataset(file, name, H5T_IEEE_F64LE, Try(file, H5Screate_simple(rank + 1, dims, most)),
+                  plist, units, description);
   if (d >= 0) Try(file, H5Dclose(d));
   Try(file, H5Pclose(plist));
   PetscFunctionReturn(0);
@@ -315,6 +314,74 @@ PetscErrorCode HdfAppend(HdfFile file, const char *name, PetscInt rows, const Pe
   if (Sound(file)) Try(file, H5Dwrite(d, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, data));
   Try(file, H5Sclose(memory));
   Try(file, H5Sclose(space));
+  Try(file, H5Dclose(d));
+  PetscFunctionReturn(0);
+}
+
+/* The type of a column in a file, to be closed by the caller. */
+static hid_t ColumnType(HdfKind kind) {
+  hid_t type;
+
+  if (kind != HDF_TEXTS) return H5Tcopy(kind == HDF_REALS ? H5T_IEEE_F64LE : H5T_STD_I64LE);
+  type = H5Tcopy(H5T_C_S1);
+  (void)H5Tset_size(type, H5T_VARIABLE);
+  return type;
+}
+
+/* HdfColumn - makes a dataset of n values, which HdfPut() fills one by one: until then they are
+   NaN, 0 or an empty text. */
+PetscErrorCode HdfColumn(HdfFile file, const char *name, HdfKind kind, PetscInt n,
+                         const char *units, const char *description) {
+  const PetscReal nothing = NAN;
+  hsize_t size = (hsize_t)n;
+  hid_t plist, type, d;
+
+  PetscFunctionBegin;
+  if (!Sound(file)) PetscFunctionReturn(0);
+  type = Try(file, ColumnType(kind));
+  plist = Try(file, H5Pcreate(H5P_DATASET_CREATE));
+  if (kind == HDF_REALS) Try(file, H5Pset_fill_value(plist, H5T_NATIVE_DOUBLE, &nothing));
+  d = MakeDataset(file, name, type, Try(file, H5Screate_simple(1, &size, NULL)), plist, units,
+                  description);
+  if (d >= 0) Try(file, H5Dclose(d));
+  Try(file, H5Pclose(plist));
+  Try(file, H5Tclose(type));
+  PetscFunctionReturn(0);
+}
+
+/* The type of a column in memory, to be closed by the caller. */
+static hid_t MemoryType(hid_t dataset) {
+  hid_t type = H5Dget_type(dataset);
+  H5T_class_t class = H5Tget_class(type);
+
+  if (class == H5T_STRING) return type;
+  (void)H5Tclose(type);
+  return H5Tcopy(class == H5T_FLOAT ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64);
+}
+
+/* HdfPut - writes n values into the given rows of a dataset made by HdfColumn(); data are
+   PetscReal, PetscInt64 or const char *, by its kind. */
+PetscErrorCode HdfPut(HdfFile file, const char *name, PetscInt n, const PetscInt rows[],
+                      const void *data) {
+  hsize_t dims[HDF_RANK], size = (hsize_t)n, *place;
+  hid_t d, space, memory, type;
+  int rank;
+
+  PetscFunctionBegin;
+  if (!Sound(file) || !n) PetscFunctionReturn(0);
+  d = OpenDataset(file, name, &rank, dims);
+  if (d < 0) PetscFunctionReturn(0);
+  PetscCall(PetscMalloc1(n, &place));
+  for (PetscInt i = 0; i < n; i++) place[i] = (hsize_t)rows[i];
+  type = Try(file, MemoryType(d));
+  space = Try(file, H5Dget_space(d));
+  memory = Try(file, H5Screate_simple(1, &size, NULL));
+  Try(file, H5Sselect_elements(space, H5S_SELECT_SET, (size_t)n, place));
+  if (Sound(file)) Try(file, H5Dwrite(d, type, memory, space, H5P_DEFAULT, data));
+  PetscCall(PetscFree(place));
+  Try(file, H5Sclose(memory));
+  Try(file, H5Sclose(space));
+  Try(file, H5Tclose(type));
   Try(file, H5Dclose(d));
   PetscFunctionReturn(0);
 }
@@ -566,5 +633,165 @@ PetscErrorCode HdfReadRow(const char *path, const char *name, PetscInt row, Pets
   if (space >= 0) H5Sclose(space);
   if (d >= 0) H5Dclose(d);
   H5Fclose(f);
+  PetscFunctionReturn(0);
+}
+
+/* HdfIs - is there a file of HDF5's, whole or not? Not collective. */
+PetscBool HdfIs(const char *path) {
+  BeQuiet();
+  return (PetscBool)(H5Fis_hdf5(path) > 0);
+}
+
+/* A text that grows. */
+typedef struct {
+  char *text;
+  size_t n, room;
+} Words;
+
+/* Adds a word, of at most `most` characters, and its end; blanks behind it are left out. */
+static PetscErrorCode AddWord(Words *self, const char *word, size_t most) {
+  size_t n = 0;
+
+  PetscFunctionBegin;
+  while (n < most && word[n]) n++;
+  while (n > 0 && word[n - 1] == ' ') n--;
+  if (self->n + n + 1 > self->room) {
+    self->room = 2 * self->room + n + 1024;
+    PetscCall(PetscRealloc(self->room, &self->text));
+  }
+  PetscCall(PetscMemcpy(self->text + self->n, word, n));
+  self->n += n;
+  self->text[self->n++] = 0;
+  PetscFunctionReturn(0);
+}
+
+/* The shortest text that is read as this number again; nothing for NaN. */
+static void NumberText(double value, const char *unit, char text[64]) {
+  text[0] = 0;
+  if (value != value) return;
+  for (int digits = 15; digits <= 17; digits++) {
+    (void)snprintf(text, 64, "%.*g", digits, value);
+    if (strtod(text, NULL) == value) break;
+  }
+  (void)snprintf(text + strlen(text), 64 - strlen(text), "%s", unit);
+}
+
+static PetscErrorCode AddNumbers(hid_t d, hsize_t n, Words *words, char fault[HDF_FAULT]) {
+  double *value;
+  char text[64], unit[32];
+
+  PetscFunctionBegin;
+  ReadAttribute(d, "units", unit, sizeof(unit));
+  if (!strcmp(unit, "1")) unit[0] = 0;
+  PetscCall(PetscMalloc1(n, &value));
+  if (H5Dread(d, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, value) < 0)
+    (void)snprintf(fault, HDF_FAULT, "cannot be read as numbers; is the file whole?");
+  for (hsize_t i = 0; i < n && !fault[0]; i++) {
+    NumberText(value[i], unit, text);
+    PetscCall(AddWord(words, text, sizeof(text)));
+  }
+  PetscCall(PetscFree(value));
+  PetscFunctionReturn(0);
+}
+
+/* Texts of one length, or of any. */
+static PetscErrorCode AddTexts(hid_t d, hid_t type, hsize_t n, Words *words,
+                               char fault[HDF_FAULT]) {
+  PetscBool any = (PetscBool)(H5Tis_variable_str(type) > 0);
+  size_t size = H5Tget_size(type);
+  char *all;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(n * size, &all));
+  if (H5Dread(d, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, all) < 0)
+    (void)snprintf(fault, HDF_FAULT, "cannot be read as text; is the file whole?");
+  for (hsize_t i = 0; i < n && !fault[0]; i++) {
+    const char *word = any ? ((char **)(void *)all)[i] : all + i * size;
+    PetscCall(AddWord(words, word ? word : "", any ? PETSC_MAX_PATH_LEN : size));
+    if (any) (void)H5free_memory(((char **)(void *)all)[i]);
+  }
+  PetscCall(PetscFree(all));
+  PetscFunctionReturn(0);
+}
+
+/* True and false, as h5py writes them. */
+static PetscErrorCode AddSwitches(hid_t d, hid_t type, hsize_t n, Words *words,
+                                  char fault[HDF_FAULT]) {
+  signed char *all;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(n, &all));
+  if (H5Tget_size(type) != 1 || H5Dread(d, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, all) < 0)
+    (void)snprintf(fault, HDF_FAULT, "holds neither numbers nor text");
+  for (hsize_t i = 0; i < n && !fault[0]; i++)
+    PetscCall(AddWord(words, all[i] ? "true" : "false", 5));
+  PetscCall(PetscFree(all));
+  PetscFunctionReturn(0);
+}
+
+/* One dataset of a table; rows -1: the first. */
+static PetscErrorCode AddColumn(hid_t d, PetscInt *rows, Words *words, char fault[HDF_FAULT]) {
+  hid_t space = H5Dget_space(d), type = H5Dget_type(d);
+  H5T_class_t class = H5Tget_class(type);
+  hsize_t n = 0;
+
+  PetscFunctionBegin;
+  if (H5Sget_simple_extent_ndims(space) != 1)
+    (void)snprintf(fault, HDF_FAULT, "must have one dimension, that of the rows");
+  else
+    (void)H5Sget_simple_extent_dims(space, &n, NULL);
+  if (!fault[0] && *rows >= 0 && n != (hsize_t)*rows)
+    (void)snprintf(fault, HDF_FAULT, "has %d rows, the first has %d", (int)n, (int)*rows);
+  *rows = (PetscInt)n;
+  if (!fault[0] && (class == H5T_INTEGER || class == H5T_FLOAT))
+    PetscCall(AddNumbers(d, n, words, fault));
+  else if (!fault[0] && class == H5T_STRING)
+    PetscCall(AddTexts(d, type, n, words, fault));
+  else if (!fault[0] && class == H5T_ENUM)
+    PetscCall(AddSwitches(d, type, n, words, fault));
+  else if (!fault[0])
+    (void)snprintf(fault, HDF_FAULT, "holds neither numbers nor text");
+  H5Tclose(type);
+  H5Sclose(space);
+  PetscFunctionReturn(0);
+}
+
+/*
+  HdfReadTable - reads all datasets of a file as the columns of a table, numbers as text. Not
+  collective.
+
+  text   column by column its name and its rows, a 0 behind each; the caller frees it (PetscFree)
+  size   of the text
+  fault  empty, or what is wrong with the file
+*/
+PetscErrorCode HdfReadTable(const char *path, PetscInt *columns, PetscInt *rows, char **text,
+                            size_t *size, char fault[HDF_FAULT]) {
+  Words words = {0};
+  H5G_info_t info = {0};
+  hid_t f = OpenToRead(path, fault), d;
+
+  PetscFunctionBegin;
+  *columns = 0;
+  *rows = -1;
+  if (f >= 0) (void)H5Gget_info(f, &info);
+  for (hsize_t i = 0; i < info.nlinks && !fault[0]; i++) {
+    char name[64], why[HDF_FAULT] = "";
+    (void)H5Lget_name_by_idx(f, ".", H5_INDEX_NAME, H5_ITER_INC, i, name, sizeof(name),
+                             H5P_DEFAULT);
+    PetscCall(AddWord(&words, name, sizeof(name)));
+    d = H5Dopen2(f, name, H5P_DEFAULT);
+    if (d < 0)
+      (void)snprintf(why, sizeof(why), "is no dataset");
+    else {
+      PetscCall(AddColumn(d, rows, &words, why));
+      H5Dclose(d);
+    }
+    if (why[0]) (void)snprintf(fault, HDF_FAULT, "%s %.120s", name, why);
+    ++*columns;
+  }
+  if (f >= 0) H5Fclose(f);
+  if (fault[0]) PetscCall(PetscFree(words.text));
+  *text = words.text;
+  *size = words.n;
   PetscFunctionReturn(0);
 }

@@ -11,6 +11,7 @@
 enum { HDF_FAULT = 256, HDF_RANK = 4 };
 
 typedef struct _HdfFile *HdfFile;
+typedef enum { HDF_REALS, HDF_INTS, HDF_TEXTS } HdfKind; /* of a column */
 
 void HdfBegin(void);
 
@@ -26,6 +27,10 @@ PetscErrorCode HdfWrite(HdfFile file, const char *name, int rank, const PetscInt
 PetscErrorCode HdfAppendable(HdfFile file, const char *name, int rank, const PetscInt row[],
                              const char *units, const char *description);
 PetscErrorCode HdfAppend(HdfFile file, const char *name, PetscInt rows, const PetscReal data[]);
+PetscErrorCode HdfColumn(HdfFile file, const char *name, HdfKind kind, PetscInt n,
+                         const char *units, const char *description);
+PetscErrorCode HdfPut(HdfFile file, const char *name, PetscInt n, const PetscInt rows[],
+                      const void *data);
 PetscErrorCode HdfTruncate(HdfFile file, const char *name, PetscInt rows);
 PetscErrorCode HdfDelete(HdfFile file, const char *name);
 PetscErrorCode HdfText(HdfFile file, const char *object, const char *name, const char *text);
@@ -41,6 +46,9 @@ PetscErrorCode HdfReadText(const char *option, const char *path, const char *nam
 PetscErrorCode HdfHas(const char *path, const char *name, PetscBool *has);
 
 /* reading, on one rank */
+PetscBool HdfIs(const char *path);
+PetscErrorCode HdfReadTable(const char *path, PetscInt *columns, PetscInt *rows, char **text,
+                            size_t *size, char fault[HDF_FAULT]);
 PetscErrorCode HdfReadRow(const char *path, const char *name, PetscInt row, PetscInt n,
                           PetscReal data[], char fault[HDF_FAULT]);
 

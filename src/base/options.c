@@ -58,6 +58,11 @@ PetscErrorCode OptionsPop(void) {
   PetscFunctionReturn(0);
 }
 
+/* OptionsPushed - are the options now read those of a run within another, a member of a sweep? */
+PetscBool OptionsPushed(void) {
+  return (PetscBool)(now && now->pushed);
+}
+
 /* OptionsComm - the ranks that share the options now read. */
 MPI_Comm OptionsComm(void) {
   return now ? now->comm : PETSC_COMM_WORLD;

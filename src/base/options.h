@@ -36,7 +36,8 @@ enum {
   PETSCS = 16,     /* PETSc reads it, tendril only checks it */
   LATE = 32,       /* PETSc reads it only deep in a solve, or at its end */
   IN_PLACE = 64,   /* an input file that may be written over */
-  SHARED = 128     /* PETSc reads it as well as tendril */
+  SHARED = 128,    /* PETSc reads it as well as tendril */
+  PROGRAM = 256    /* of the program as a whole: no member of a sweep has it */
 };
 
 typedef struct {
@@ -84,6 +85,7 @@ const char *OptionNearest(const char *name);
 MPI_Comm OptionsComm(void);
 PetscErrorCode OptionsPush(MPI_Comm comm, PetscOptions options);
 PetscErrorCode OptionsPop(void);
+PetscBool OptionsPushed(void);
 PetscErrorCode OptionsSetScales(const PetscReal scale[UNIT_ALL]);
 PetscReal OptionsScale(Dimension dimension);
 PetscErrorCode OptionReal(const char *name, PetscReal *value, PetscBool *set);
@@ -113,6 +115,8 @@ PetscErrorCode OptionsCheckTypes(void);
 PetscErrorCode OptionsRefuseUnread(void);
 PetscErrorCode OptionsRefuseLeft(void);
 PetscErrorCode OptionsRefuseOverwrite(const char *option, const char *output);
+PetscErrorCode OptionsRefuseStrange(const char *name);
+PetscBool OptionOnCommandLine(const char *name);
 PetscErrorCode OptionsList(char **text);
 PetscErrorCode OptionsInForce(char **text);
 

@@ -39,16 +39,19 @@ static const OptionRow rows[] = {
     ROW_INT("-eps_max_it", "", 1, 2e9, PETSCS, "its most iterations"),
     ROW_REAL("-eps_tol", "", 1e-300, 1e300, UNIT_NONE, PETSCS, "its tolerance"),
     ROW_TEXT("-st_type", PETSCS, "spectral transformation"),
-    ROW_TEXT("-options_file", INPUT_FILE | PETSCS | PASSING | LATE, "a scene: a file of options"),
-    ROW_TEXT("-options_left", PETSCS | PASSING | LATE, "lists what was not read, at the end"),
-    ROW_TEXT("-options_view", PETSCS | PASSING | LATE, "lists all options"),
-    ROW_TEXT("-log_view", PETSCS | PASSING | LATE, "where the time went"),
-    ROW_TEXT("-malloc_dump", PETSCS | PASSING | LATE, "lists memory that was not freed"),
-    ROW_TEXT("-malloc_view", PETSCS | PASSING | LATE, "lists memory in use"),
-    ROW_TEXT("-memory_view", PETSCS | PASSING | LATE, "how much memory was used"),
-    ROW_TEXT("-info", PETSCS | PASSING | LATE, "what the solvers do, at length"),
-    ROW_TEXT("-help", PETSCS | PASSING | LATE, "this; -help petsc: PETSc's own"),
-    ROW_TEXT("-version", PETSCS | PASSING | LATE, "versions of tendril, PETSc and SLEPc")};
+    ROW_TEXT("-options_file", INPUT_FILE | PETSCS | PASSING | LATE | PROGRAM,
+             "a scene: a file of options"),
+    ROW_TEXT("-options_left", PETSCS | PASSING | LATE | PROGRAM,
+             "lists what was not read, at the end"),
+    ROW_TEXT("-options_view", PETSCS | PASSING | LATE | PROGRAM, "lists all options"),
+    ROW_TEXT("-log_view", PETSCS | PASSING | LATE | PROGRAM, "where the time went"),
+    ROW_TEXT("-malloc_dump", PETSCS | PASSING | LATE | PROGRAM, "lists memory that was not freed"),
+    ROW_TEXT("-malloc_view", PETSCS | PASSING | LATE | PROGRAM, "lists memory in use"),
+    ROW_TEXT("-memory_view", PETSCS | PASSING | LATE | PROGRAM, "how much memory was used"),
+    ROW_TEXT("-info", PETSCS | PASSING | LATE | PROGRAM, "what the solvers do, at length"),
+    ROW_TEXT("-help", PETSCS | PASSING | LATE | PROGRAM, "this; -help petsc: PETSc's own"),
+    ROW_TEXT("-version", PETSCS | PASSING | LATE | PROGRAM,
+             "versions of tendril, PETSc and SLEPc")};
 const OptionGroup petsc_options = OPTION_GROUP("PETSc's own, as far as they are used often", rows);
 
 /* PETSc 3.25 gave these another name, and has a warning for the old one. In tendril the old one

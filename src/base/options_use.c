@@ -59,13 +59,15 @@ static PetscBool StartsWith(const char *text, const char *with) {
   return (PetscBool)!strncmp(text, with, strlen(with));
 }
 
+/* The objects of PETSc that are at work, by the prefixes of their options. */
+static const char *const objects[] = {"-ts_",  "-snes_", "-ksp_", "-pc_",  "-mat_",      "-vec_",
+                                      "-dm_",  "-eps_",  "-st_",  "-svd_", "-norm_",     "-chain_",
+                                      "-fit_", "-snap_", "-sub_", "-da_",  "-transient_"};
+
 /* Options that PETSc reads after the run is set up: views, monitors and reasons of its objects, in
    a solve; and some at its very end. */
 static PetscBool ReadLate(const char *name) {
-  const char *const objects[] = {"-ts_",  "-snes_", "-ksp_", "-pc_",  "-mat_",      "-vec_",
-                                 "-dm_",  "-eps_",  "-st_",  "-svd_", "-norm_",     "-chain_",
-                                 "-fit_", "-snap_", "-sub_", "-da_",  "-transient_"},
-                    *const words[] = {"_view", "_monitor", "_converged_reason", "_error", "_test_"};
+  const char *const words[] = {"_view", "_monitor", "_converged_reason", "_error", "_test_"};
   const OptionRow *row = OptionFind(name);
 
   if ((row && row->flags & LATE) || StartsWith(name, "-mat_")) return PETSC_TRUE;
@@ -88,7 +90,18 @@ static PetscErrorCode RefuseUnread(const char *name) {
   PetscFunctionReturn(0);
 }
 
-static PetscBool OnCommandLine(const char *name) {
+/* OptionsRefuseStrange - refuses an option that is not in the table and cannot be one of PETSc's
+   objects at work. Collective. */
+PetscErrorCode OptionsRefuseStrange(const char *name) {
+  PetscFunctionBegin;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(objects); i++)
+    if (StartsWith(name, objects[i])) PetscFunctionReturn(0);
+  PetscCall(RefuseUnread(name));
+  PetscFunctionReturn(0);
+}
+
+/* OptionOnCommandLine - does the command line itself have this option, or only an options file? */
+PetscBool OptionOnCommandLine(const char *name) {
   PetscBool same = PETSC_FALSE;
   int argc = 0;
   char **argv = NULL;
@@ -106,14 +119,14 @@ static PetscBool OnCommandLine(const char *name) {
 PetscErrorCode OptionsRefuseUnread(void) {
   PetscInt n;
   char **unread, **values, found[80] = "";
-  PetscBool other = OnCommandLine("-task"); /* than that of an options file */
+  PetscBool other = (PetscBool)(!OptionsPushed() && OptionOnCommandLine("-task"));
 
   PetscFunctionBegin;
   PetscCall(PetscOptionsLeftGet(NULL, &n, &unread, &values));
   for (PetscInt i = 0; i < n && !found[0]; i++) {
     char full[80];
     (void)snprintf(full, sizeof(full), "-%s", unread[i]);
-    if (!ReadLate(full) && (!other || OnCommandLine(full)))
+    if (!ReadLate(full) && (!other || OptionOnCommandLine(full)))
       PetscCall(PetscStrncpy(found, full, sizeof(found)));
   }
   PetscCall(PetscOptionsLeftRestore(NULL, &n, &unread, &values));

@@ -4,22 +4,18 @@
 #include <sys/stat.h>
 
 /* What is stored of a shape. */
-enum { SHAPES = 8, CONTACT = SHAPES - 1 }; /* contact only if the scene has any */
-static const struct {
-  const char *name, *units, *text;
-  PetscInt components; /* per node; 0: one value a shape */
-} shape_sets[SHAPES] = {{"/shapes/t", "l/V", "times of the stored shapes", 0},
-                        {"/shapes/x", "l", "position x1, x2 [k, n, 2]", 2},
-                        {"/shapes/theta", "rad", "tangent angle [k, n]", 1},
-                        {"/shapes/curvature", "1/l",
-                         "curvature theta'/g: of the moment, m/B, and natural, k0 [k, n]", 1},
-                        {"/shapes/force", "N l", "internal force n1, n2 [k, n, 2]", 2},
-                        {"/shapes/natural_curvature", "1/l", "natural curvature k0 [k, n]", 1},
-                        {"/shapes/stretch", "l", "stretch g = |x'| [k, n]", 1},
-                        {"/shapes/contact", "N",
-                         "force of contact per length, on the rod; without "
-                         "friction [k, n, 2]",
-                         2}};
+enum { SHAPES = SHAPE_SETS, CONTACT = CONTACT_SET };
+const struct ShapeSet shape_sets[SHAPES] = {
+    {"/shapes/t", "l/V", "times of the stored shapes", 0},
+    {"/shapes/x", "l", "position x1, x2 [k, n, 2]", 2},
+    {"/shapes/theta", "rad", "tangent angle [k, n]", 1},
+    {"/shapes/curvature", "1/l", "curvature theta'/g: of the moment, m/B, and natural, k0 [k, n]",
+     1},
+    {"/shapes/force", "N l", "internal force n1, n2 [k, n, 2]", 2},
+    {"/shapes/natural_curvature", "1/l", "natural curvature k0 [k, n]", 1},
+    {"/shapes/stretch", "l", "stretch g = |x'| [k, n]", 1},
+    {"/shapes/contact", "N", "force of contact per length, on the rod; without friction [k, n, 2]",
+     2}};
 static const char *const meaning_of_units =
     "l = (YI/N)^(1/3), N the friction per length at the speed V of the tip, YI the bending "
     "stiffness; "
@@ -36,6 +32,7 @@ struct _Output {
   Scene scene;
   char path[PETSC_MAX_PATH_LEN]; /* empty: nothing is stored */
   PetscBool mine, there, broken; /* this rank writes it; it has been written; it could not be */
+  PetscBool series_kept, shapes_kept; /* for OutputHarvest() */
   char from[PETSC_MAX_PATH_LEN]; /* what the next store begins with: the file itself, as a rule */
   PetscInt cut[2];               /* -1, or how many series and shapes of it to keep */
   PetscInt series_n, series_room;
@@ -94,10 +91,22 @@ static PetscErrorCode ParameterAttributes(HdfFile file) {
   PetscFunctionReturn(0);
 }
 
+/* OutputVersions - what wrote a result, and what its units mean. */
+PetscErrorCode OutputVersions(HdfFile file) {
+  char version[64];
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(version, sizeof(version), "%d.%d.%d", PETSC_VERSION_MAJOR,
+                          PETSC_VERSION_MINOR, PETSC_VERSION_SUBMINOR));
+  PetscCall(HdfText(file, "/", "version", TENDRIL_VERSION));
+  PetscCall(HdfText(file, "/", "petsc_version", version));
+  PetscCall(HdfText(file, "/", "units", meaning_of_units));
+  PetscFunctionReturn(0);
+}
+
 /* OutputAttributes - what a result is of: options, versions, ranks; and whether it is finished. */
 PetscErrorCode OutputAttributes(HdfFile file, MPI_Comm comm, PetscBool finished) {
   char *options;
-  char version[64];
   PetscMPIInt ranks;
 
   PetscFunctionBegin;
@@ -105,19 +114,15 @@ PetscErrorCode OutputAttributes(HdfFile file, MPI_Comm comm, PetscBool finished)
   PetscCall(HdfText(file, "/", "options", options));
   PetscCall(PetscFree(options));
   PetscCall(ParameterAttributes(file));
-  PetscCall(PetscSNPrintf(version, sizeof(version), "%d.%d.%d", PETSC_VERSION_MAJOR,
-                          PETSC_VERSION_MINOR, PETSC_VERSION_SUBMINOR));
-  PetscCall(HdfText(file, "/", "version", TENDRIL_VERSION));
-  PetscCall(HdfText(file, "/", "petsc_version", version));
-  PetscCall(HdfText(file, "/", "units", meaning_of_units));
+  PetscCall(OutputVersions(file));
   PetscCallMPI(MPI_Comm_size(comm, &ranks));
   PetscCall(HdfInt(file, "/", "ranks", ranks));
   PetscCall(HdfInt(file, "/", "finished", finished));
   PetscFunctionReturn(0);
 }
 
-/* Refuses to write over what is no result of tendril. Collective. */
-static PetscErrorCode RefuseForeign(const char *option, const char *path) {
+/* OutputRefuse - refuses to write over what is no result of tendril, or an input. Collective. */
+PetscErrorCode OutputRefuse(const char *option, const char *path) {
   struct stat status;
   PetscBool ours;
 
@@ -148,7 +153,7 @@ PetscErrorCode OutputNewFile(const char *option, const char *path, MPI_Comm comm
 
   PetscFunctionBegin;
   *file = NULL;
-  PetscCall(RefuseForeign(option, path));
+  PetscCall(OutputRefuse(option, path));
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   if (!rank) {
     PetscCall(HdfCreate(path, file));
@@ -430,7 +435,7 @@ static PetscErrorCode New(const char *path, Scene scene, Output *output) {
   PetscCall(PetscStrncpy((*output)->path, path, sizeof((*output)->path)));
   PetscCallMPI(MPI_Comm_rank(scene->comm, &rank));
   (*output)->mine = (PetscBool)(!rank && path[0]);
-  if (path[0]) PetscCall(RefuseForeign("-output", path));
+  if (path[0]) PetscCall(OutputRefuse("-output", path));
   PetscFunctionReturn(0);
 }
 
@@ -442,6 +447,45 @@ static PetscErrorCode New(const char *path, Scene scene, Output *output) {
 PetscErrorCode OutputCreate(const char *path, Scene scene, Output *output) {
   PetscFunctionBegin;
   PetscCall(New(path, scene, output));
+  PetscFunctionReturn(0);
+}
+
+/* OutputKeep - what comes from here on is kept in memory, of an output without a file. */
+PetscErrorCode OutputKeep(Output self, PetscBool series, PetscBool shapes) {
+  PetscMPIInt rank;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(self->scene->comm, &rank));
+  self->series_kept = (PetscBool)(!rank && series);
+  self->shapes_kept = (PetscBool)(!rank && shapes);
+  PetscFunctionReturn(0);
+}
+
+/* OutputHarvest - hands over what was kept, with the last observation; on rank 0 of the run. */
+PetscErrorCode OutputHarvest(Output self, const Observation *last, Harvest *harvest) {
+  size_t n = OBSERVED + (size_t)self->series_n * OBSERVED;
+  PetscReal *to;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(harvest, sizeof(*harvest)));
+  harvest->values = OBSERVED;
+  harvest->steps = self->series_n;
+  harvest->shapes = self->shapes_n;
+  if (self->shapes_n) harvest->nodes = self->scene->mesh.cells + 1;
+  for (int i = 0; i < SHAPES; i++) n += (size_t)(self->shapes_n * ShapeSize(self, i));
+  harvest->n = n + (size_t)harvest->nodes;
+  PetscCall(PetscMalloc1(harvest->n, &harvest->data));
+  to = harvest->data;
+  PetscCall(PetscMemcpy(to, last, sizeof(*last)));
+  to += OBSERVED;
+  PetscCall(PetscArraycpy(to, (const PetscReal *)self->series, self->series_n * OBSERVED));
+  to += self->series_n * OBSERVED;
+  PetscCall(PetscArraycpy(to, self->scene->mesh.s, harvest->nodes));
+  to += harvest->nodes;
+  for (int i = 0; i < SHAPES; i++) {
+    PetscCall(PetscArraycpy(to, self->shape[i], self->shapes_n * ShapeSize(self, i)));
+    to += self->shapes_n * ShapeSize(self, i);
+  }
   PetscFunctionReturn(0);
 }
 
@@ -511,7 +555,7 @@ PetscErrorCode OutputContinue(const char *path, const char *from, Scene scene, P
 /* OutputSeries - adds one line of the series. */
 PetscErrorCode OutputSeries(Output self, const Observation *seen) {
   PetscFunctionBegin;
-  if (!self->mine) PetscFunctionReturn(0);
+  if (!self->mine && !self->series_kept) PetscFunctionReturn(0);
   PetscCall(Room(self->series_n, &self->series_room, OBSERVED, &self->series));
   self->series[self->series_n++] = *seen;
   self->waits += sizeof(*seen);
@@ -526,7 +570,7 @@ PetscErrorCode OutputShape(Output self, PetscReal t, const Node *nodes,
   PetscReal *b[SHAPES], k0, g, B;
 
   PetscFunctionBegin;
-  if (!self->mine) PetscFunctionReturn(0);
+  if (!self->mine && !self->shapes_kept) PetscFunctionReturn(0);
   for (int i = 0; i < Sets(self); i++) {
     room = self->shapes_room;
     PetscCall(Room(k, &room, (size_t)ShapeSize(self, i), &self->shape[i]));

@@ -9,9 +9,26 @@
 
 typedef struct _Output *Output;
 
+/* What a run leaves in memory for whoever runs it, one behind the other: its last observation, its
+   series [steps][OBSERVED], and, if there are shapes, the labels of the nodes [nodes] and the
+   shapes, set by set, each as in a result file [shapes][...]. */
+typedef struct {
+  PetscInt values, steps, shapes, nodes; /* values: reals of the first part */
+  size_t n;
+  PetscReal *data; /* [n]; the owner frees it (PetscFree) */
+} Harvest;
+
+enum { SHAPE_SETS = 8, CONTACT_SET = 7 }; /* contact is the last: only if the scene has any */
+extern const struct ShapeSet {
+  const char *name, *units, *text;
+  PetscInt components; /* per node; 0: one value a shape */
+} shape_sets[SHAPE_SETS];
+
 PetscErrorCode OutputCreate(const char *file, Scene scene, Output *output);
 PetscErrorCode OutputContinue(const char *file, const char *from, Scene scene, PetscReal t,
                               PetscReal interval, Output *output);
+PetscErrorCode OutputKeep(Output output, PetscBool series, PetscBool shapes);
+PetscErrorCode OutputHarvest(Output output, const Observation *last, Harvest *harvest);
 PetscErrorCode OutputSeries(Output output, const Observation *seen);
 PetscErrorCode OutputShape(Output output, PetscReal t, const Node *nodes,
                            const PetscReal (*contact)[2]);
@@ -22,6 +39,8 @@ PetscErrorCode OutputStore(Output output, Rod rod, RestartState *state, Vec poin
 PetscErrorCode OutputDestroy(Output *output);
 
 /* for the results of other tasks */
+PetscErrorCode OutputRefuse(const char *option, const char *path);
+PetscErrorCode OutputVersions(HdfFile file);
 PetscErrorCode OutputNewFile(const char *option, const char *path, MPI_Comm comm, HdfFile *file);
 PetscErrorCode OutputEndFile(const char *option, const char *path, MPI_Comm comm, HdfFile *file);
 PetscErrorCode OutputAttributes(HdfFile file, MPI_Comm comm, PetscBool finished);

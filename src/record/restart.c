@@ -2,8 +2,8 @@
 #include "base/hdf.h"
 #include <ctype.h>
 
-static const OptionRow rows[] = {
-    ROW_TEXT("-restart", INPUT_FILE | IN_PLACE | PASSING, "result file of a run to go on with")};
+static const OptionRow rows[] = {ROW_TEXT("-restart", INPUT_FILE | IN_PLACE | PASSING | PROGRAM,
+                                          "result file of a run to go on with")};
 const OptionGroup restart_options = OPTION_GROUP("Going on", rows);
 
 /* Takes over one option of the earlier run, unless it is given now, or says how a run was run and

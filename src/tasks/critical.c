@@ -3,6 +3,13 @@
 #include "straight/spectrum.h"
 #include "straight/straight.h"
 
+/* the numbers among the results, in the order of Numbers() */
+const char *const critical_name[] = {"t", "length", "error", "frequency"},
+                  *const critical_units[] = {"l/V", "l", "l", "rad V/l"},
+                  *const critical_text[] = {"critical time", "critical length",
+                                            "bound on the error of t and of length",
+                                            "frequency of the flutter; 0: buckling"};
+
 enum { SHARED_CELLS = 5000, SCAN_CELLS = 64, SCAN_STEPS = 100, ROOT_STEPS = 60 };
 
 /* A growth factor as a function of t, negative while the straight rod is stable. */
@@ -240,18 +247,37 @@ PetscErrorCode CriticalDestroy(Critical *self) {
   PetscFunctionReturn(0);
 }
 
+static void Numbers(const Critical *self, PetscReal value[CRITICAL_VALUES]) {
+  value[0] = self->t;
+  value[1] = self->length;
+  value[2] = self->error;
+  value[3] = self->frequency;
+}
+
+/* What a member of a sweep leaves. */
+static PetscErrorCode Leave(const Critical *self, Harvest *harvest) {
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(harvest, sizeof(*harvest)));
+  harvest->values = CRITICAL_VALUES;
+  harvest->n = CRITICAL_VALUES;
+  PetscCall(PetscMalloc1(CRITICAL_VALUES, &harvest->data));
+  Numbers(self, harvest->data);
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode Write(Scene scene, HdfFile file, const Critical *self) {
   const PetscInt n = self->n;
+  PetscReal value[CRITICAL_VALUES];
+  char name[64];
 
   PetscFunctionBegin;
   if (!file) PetscFunctionReturn(0);
+  Numbers(self, value);
   PetscCall(HdfGroup(file, "/critical"));
-  PetscCall(HdfWrite(file, "/critical/t", 0, NULL, &self->t, "l/V", "critical time"));
-  PetscCall(HdfWrite(file, "/critical/length", 0, NULL, &self->length, "l", "critical length"));
-  PetscCall(HdfWrite(file, "/critical/error", 0, NULL, &self->error, "l",
-                     "bound on the error of t and of length"));
-  PetscCall(HdfWrite(file, "/critical/frequency", 0, NULL, &self->frequency, "rad V/l",
-                     "frequency of the flutter; 0: buckling"));
+  for (int k = 0; k < CRITICAL_VALUES; k++) {
+    (void)snprintf(name, sizeof(name), "/critical/%s", critical_name[k]);
+    PetscCall(HdfWrite(file, name, 0, NULL, &value[k], critical_units[k], critical_text[k]));
+  }
   PetscCall(HdfWrite(file, "/critical/s", 1, &n, self->s, "1", "material label [n]"));
   PetscCall(HdfWrite(file, "/critical/y", 1, &n, self->y, "1",
                      "critical mode, deflection, largest 1 [n]"));
@@ -300,8 +326,9 @@ static PetscErrorCode Print(MPI_Comm comm, const Critical *self) {
   Collective on the scene's ranks.
 
   output   the result file, "": none
+  member   of a sweep: it gets the numbers, and nothing is printed; NULL: it is none
 */
-PetscErrorCode CriticalRun(Scene scene, const char *output) {
+PetscErrorCode CriticalRun(Scene scene, const char *output, Member *member) {
   Critical critical = {0};
   HdfFile file = NULL;
   PetscErrorCode error;
@@ -311,7 +338,7 @@ PetscErrorCode CriticalRun(Scene scene, const char *output) {
   PetscCall(OptionsRefuseUnread());
   if (output[0]) PetscCall(OutputNewFile("-output", output, scene->comm, &file));
   error = CriticalFind(scene, PETSC_FALSE, &critical);
-  if (!error) error = Print(scene->comm, &critical);
+  if (!error) error = member ? Leave(&critical, &member->harvest) : Print(scene->comm, &critical);
   if (!error) error = Write(scene, file, &critical);
   PetscCall(CriticalDestroy(&critical));
   if (error) PetscCall(HdfDrop(&file));

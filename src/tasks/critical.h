@@ -2,7 +2,7 @@
 #ifndef TENDRIL_CRITICAL_H
 #define TENDRIL_CRITICAL_H
 
-#include "scene/scene.h"
+#include "tasks/member.h"
 
 /* The first time at which a mode of the straight rod stops decaying. */
 typedef struct {
@@ -13,9 +13,13 @@ typedef struct {
   PetscReal *s, *y, *theta;
 } Critical;
 
+enum { CRITICAL_VALUES = 4 };
+extern const char *const critical_name[CRITICAL_VALUES], *const critical_units[CRITICAL_VALUES],
+                                                             *const critical_text[CRITICAL_VALUES];
+
 PetscErrorCode CriticalFind(Scene scene, PetscBool quiet, Critical *critical);
 PetscErrorCode CriticalPrintLaboratory(MPI_Comm comm, const Critical *critical);
 PetscErrorCode CriticalDestroy(Critical *critical);
-PetscErrorCode CriticalRun(Scene scene, const char *output);
+PetscErrorCode CriticalRun(Scene scene, const char *output, Member *member);
 
 #endif

@@ -1,5 +1,6 @@
 /* -task grow: the loop, and the hand-over between models. */
 #include "tasks/grow.h"
+#include "base/signals.h"
 #include "stepping/snap.h"
 #include "tasks/growing.h"
 #include <signal.h>
@@ -13,23 +14,8 @@ static const OptionRow rows[] = {
              "tolerance of a step, per field, against the field's present size"),
     ROW_REAL("-output_interval", "", 1e-9, 1e9, UNIT_TIME, 0,
              "time between stored shapes; if not given, the first and last are stored"),
-    ROW_BOOL("-quiet", "false", PASSING, "print nothing but errors")};
+    ROW_BOOL("-quiet", "false", PASSING | PROGRAM, "print nothing but errors")};
 const OptionGroup grow_options = OPTION_GROUP("Run", rows);
-
-static volatile sig_atomic_t interrupted; /* by this signal, on this rank */
-
-static void StopOn(int number) {
-  if (interrupted) signal(number, SIG_DFL);
-  interrupted = number;
-}
-
-/* From here on these signals end the run in good order, after its present step. Who cannot wait for
-   that says it three times. */
-static void CatchSignals(void) {
-  interrupted = 0;
-  signal(SIGTERM, StopOn);
-  signal(SIGINT, StopOn);
-}
 
 static PetscErrorCode Self(TS ts, Grow **self) {
   Leg *leg;
@@ -142,9 +128,12 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
 /* What the ranks must agree on after a step: a signal may have reached one of them only, and rank 0
    alone knows when to store. */
 static PetscErrorCode Agree(Grow *self, PetscBool *store) {
-  int word[2] = {interrupted, OutputDue(self->output)};
+  int word[2] = {SignalCaught(), OutputDue(self->output)};
+  PetscBool drop = PETSC_FALSE;
 
   PetscFunctionBegin;
+  if (self->member) PetscCall(self->member->meanwhile(self->member->ctx, &drop));
+  if (drop && !word[0]) word[0] = SIGTERM;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, word, 2, MPI_INT, MPI_MAX, self->scene->comm));
   self->stopped = self->seen.t < self->scene->end_time ? word[0] : 0; /* at its end it has ended */
   *store = (PetscBool)word[1];
@@ -255,6 +244,7 @@ static PetscErrorCode ReadOptions(Grow *self) {
   PetscCall(OptionReal("-output_interval", &self->output_interval, NULL));
   PetscCall(WatchSetFromOptions(&self->watch, self->scene));
   PetscCall(OptionBool("-quiet", &self->quiet, NULL));
+  if (self->member) self->quiet = PETSC_TRUE;
   for (PetscInt m = 0; m < MODELS; m++) {
     const RodModel *model = grow_models[m];
     const char *why = model->refuses ? model->refuses(self->scene) : NULL;
@@ -302,6 +292,7 @@ static PetscErrorCode Begin(Grow *self, const char *output) {
   UserCheck(!event.kind, self->scene->comm, "-stop_%s: it is so at the start already",
             event_name[event.kind]);
   PetscCall(OutputCreate(output, self->scene, &self->output)); /* after all refusals */
+  if (self->member) PetscCall(OutputKeep(self->output, self->member->series, self->member->shapes));
   PetscCall(Observe(self, 0, NULL, NULL));
   self->now = &self->leg[BetterModel(self)];
   PetscCall(PetscMalloc1(self->now->rod->end - self->now->rod->first, &nodes));
@@ -435,13 +426,15 @@ static PetscErrorCode Run(Grow *self) {
   PetscErrorCode error;
 
   PetscFunctionBegin;
-  CatchSignals();
+  if (!self->member) SignalsCatch();
   PetscCall(GrowHeading(self));
   error = Follow(self, &reason);
   if (error) (void)End(self, PETSC_FALSE); /* what has been computed is not lost */
   PetscCall(error);
   PetscCall(End(self, (PetscBool)(reason == TS_CONVERGED_TIME || self->event.kind)));
+  if (self->member) self->member->stopped = (PetscBool)(self->stopped != 0);
   PetscCall(Verdict(self, reason));
+  if (self->member) PetscCall(OutputHarvest(self->output, &self->seen, &self->member->harvest));
   PetscFunctionReturn(0);
 }
 
@@ -450,12 +443,13 @@ static PetscErrorCode Run(Grow *self) {
 
   output   the result file; empty: none
   restart  the result file of a run to go on with; empty: none
+  member   of a sweep: it gets what the run leaves, and is asked after every step; NULL: it is none
 
   Ends with a user's error, the last state stored, if the stepper gives up or the run is
   interrupted (SIGTERM, SIGINT).
 */
-PetscErrorCode GrowRun(Scene scene, const char *output, const char *restart) {
-  Grow grow = {.scene = scene}, *self = &grow;
+PetscErrorCode GrowRun(Scene scene, const char *output, const char *restart, Member *member) {
+  Grow grow = {.scene = scene, .member = member}, *self = &grow;
   PetscErrorCode error;
 
   PetscFunctionBegin;

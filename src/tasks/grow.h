@@ -2,10 +2,10 @@
 #ifndef TENDRIL_GROW_H
 #define TENDRIL_GROW_H
 
-#include "scene/scene.h"
+#include "tasks/member.h"
 
 extern const OptionGroup grow_options;
 
-PetscErrorCode GrowRun(Scene scene, const char *output, const char *restart);
+PetscErrorCode GrowRun(Scene scene, const char *output, const char *restart, Member *member);
 
 #endif

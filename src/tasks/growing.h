@@ -2,12 +2,13 @@
 #ifndef TENDRIL_GROWING_H
 #define TENDRIL_GROWING_H
 
-#include "record/output.h"
+#include "tasks/member.h"
 
 enum { LINEAR, FRAME, MIXED, AUTO, MODELS = AUTO }; /* as -rod_model and the series `model` say */
 
 typedef struct {
   Scene scene;
+  Member *member;        /* NULL: the run is no sweep's */
   PetscInt model;        /* as asked for */
   PetscBool can[MODELS]; /* which models can be of this scene */
   Leg leg[MODELS];       /* by model; those not in use are empty; auto has two, taking turns */

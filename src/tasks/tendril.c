@@ -6,7 +6,9 @@
 #include "tasks/accuracy.h"
 #include "tasks/critical.h"
 #include "tasks/grow.h"
+#include "tasks/single.h"
 #include "tasks/stability.h"
+#include "tasks/sweep.h"
 #include <signal.h>
 #include <slepceps.h>
 
@@ -16,103 +18,29 @@ static const char about[] =
 
 static const OptionRow rows[] = {
     ROW_WORD(
-        "-task", "grow", "grow,stability,critical,units", PASSING,
+        "-task", "grow", "grow,stability,critical,units,sweep", PASSING | PROGRAM,
         "what to do: follow the rod in time, tabulate its stability, find its critical length, "
-        "print its laboratory units"),
-    ROW_TEXT("-output", OUTPUT_FILE | PASSING, "result file (HDF5)")};
+        "print its laboratory units, run a table of runs"),
+    ROW_TEXT("-output", OUTPUT_FILE | PASSING | PROGRAM, "result file (HDF5)")};
 static const OptionGroup main_options = OPTION_GROUP("Task and files", rows);
 
 static const OptionGroup *const table[] = {
     &main_options,      &restart_options,   &accuracy_options, &growth_options, &friction_options,
     &load_options,      &tip_options,       &contact_options,  &scene_options,  &stiffness_options,
     &curvature_options, &shape_options,     &grow_options,     &frame_options,  &event_options,
-    &si_options,        &stability_options, &petsc_options};
-
-enum { GROW, STABILITY, CRITICAL, UNITS };
-
-/* The slowest mode as initial shape: the scene alone cannot know it. */
-static PetscErrorCode TakeSlowestMode(Scene scene) {
-  PetscReal *s, *theta;
-  PetscInt n;
-
-  PetscFunctionBegin;
-  PetscCall(StabilitySlowestMode(scene, &n, &s, &theta));
-  PetscCall(ShapeSetTable(&scene->shape, n, s, theta));
-  PetscCall(PetscFree(s));
-  PetscCall(PetscFree(theta));
-  PetscFunctionReturn(0);
-}
-
-static PetscErrorCode PrintUnits(Scene scene) {
-  PetscReal start, end;
-
-  PetscFunctionBegin;
-  PetscCall(OptionsRefuseUnread());
-  PetscCall(GrowthLength(scene->growth, 0, &start, NULL));
-  PetscCall(GrowthLength(scene->growth, scene->end_time, &end, NULL));
-  PetscCall(SiPrint(&scene->si, scene->load.friction.mu, start, end));
-  PetscFunctionReturn(0);
-}
-
-/* What is asked for, as far as it concerns no one else. */
-typedef struct {
-  PetscInt task;
-  char output[PETSC_MAX_PATH_LEN], restart[PETSC_MAX_PATH_LEN];
-} Asked;
-
-static PetscErrorCode ReadOptions(Asked *asked) {
-  PetscBool go_on;
-  Si si;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMemzero(asked, sizeof(*asked)));
-  PetscCall(RestartOptions(asked->restart, &go_on));
-  PetscCall(SiSetFromOptions(&si)); /* from here on options may carry units */
-  PetscCall(OptionsCheckPetsc());
-  PetscCall(OptionWord("-task", &asked->task, NULL));
-  PetscCall(OptionText("-output", asked->output, NULL));
-  UserCheck(!go_on || asked->task == GROW, OptionsComm(),
-            "-restart: only -task grow has something to go on with; take it out");
-  PetscCall(OptionsCheckTypes());
-  if (asked->task == GROW) PetscCall(AccuracyApply());
-  PetscFunctionReturn(0);
-}
-
-static PetscErrorCode RunTask(Scene scene, const Asked *asked) {
-  PetscFunctionBegin;
-  UserCheck(asked->task == GROW || asked->task == UNITS || !scene->curvature.any, scene->comm,
-            "-rod_curvature: -task critical and stability are about a rod that is straight by "
-            "nature; take it out");
-  UserCheck(asked->task == GROW || asked->task == UNITS || !scene->contact.any, scene->comm,
-            "-%s: -task critical and stability are about a straight rod that touches nothing; take "
-            "it out",
-            scene->contact.self ? "contact_self" : "wall_file");
-  if (scene->shape.type == SHAPE_MODE && asked->task == GROW) PetscCall(TakeSlowestMode(scene));
-  if (asked->task == UNITS)
-    PetscCall(PrintUnits(scene));
-  else if (asked->task == GROW)
-    PetscCall(GrowRun(scene, asked->output, asked->restart));
-  else if (asked->task == STABILITY)
-    PetscCall(StabilityRun(scene, asked->output));
-  else
-    PetscCall(CriticalRun(scene, asked->output));
-  PetscFunctionReturn(0);
-}
+    &si_options,        &stability_options, &sweep_options,    &petsc_options};
 
 /* TendrilRun - does what the options ask for (-task), from the scene to the result. Collective;
    after TendrilInitialize(). A failure has been told when it returns, and all is freed. */
 PetscErrorCode TendrilRun(void) {
-  PetscErrorCode error;
-  Scene scene = NULL;
-  Asked asked;
+  PetscInt task;
 
   PetscFunctionBegin;
-  PetscCall(ReadOptions(&asked));
-  error = SceneCreate(&scene);
-  if (!error) error = RunTask(scene, &asked);
-  PetscCall(SceneDestroy(&scene));
-  PetscCall(error);
-  PetscCall(OptionsRefuseLeft());
+  PetscCall(OptionWord("-task", &task, NULL));
+  if (task == TASK_SWEEP)
+    PetscCall(SweepRun());
+  else
+    PetscCall(SingleRun(task, NULL, NULL));
   PetscFunctionReturn(0);
 }
 
