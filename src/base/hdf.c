@@ -359,11 +359,28 @@ static hid_t MemoryType(hid_t dataset) {
   return H5Tcopy(class == H5T_FLOAT ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64);
 }
 
+/* Selects the given rows of a dataset; those that follow one another at one blow. */
+static PetscErrorCode SelectRows(HdfFile file, hid_t space, PetscInt n, const PetscInt rows[]) {
+  hsize_t size = (hsize_t)n, *place;
+  PetscInt k = 1;
+
+  PetscFunctionBegin;
+  while (k < n && rows[k] == rows[0] + k) k++;
+  PetscCall(PetscMalloc1(n, &place));
+  for (PetscInt i = 0; i < n; i++) place[i] = (hsize_t)rows[i];
+  if (k == n)
+    Try(file, H5Sselect_hyperslab(space, H5S_SELECT_SET, place, NULL, &size, NULL));
+  else
+    Try(file, H5Sselect_elements(space, H5S_SELECT_SET, (size_t)n, place));
+  PetscCall(PetscFree(place));
+  PetscFunctionReturn(0);
+}
+
 /* HdfPut - writes n values into the given rows of a dataset made by HdfColumn(); data are
    PetscReal, PetscInt64 or const char *, by its kind. */
 PetscErrorCode HdfPut(HdfFile file, const char *name, PetscInt n, const PetscInt rows[],
                       const void *data) {
-  hsize_t dims[HDF_RANK], size = (hsize_t)n, *place;
+  hsize_t dims[HDF_RANK], size = (hsize_t)n;
   hid_t d, space, memory, type;
   int rank;
 
@@ -371,14 +388,11 @@ PetscErrorCode HdfPut(HdfFile file, const char *name, PetscInt n, const PetscInt
   if (!Sound(file) || !n) PetscFunctionReturn(0);
   d = OpenDataset(file, name, &rank, dims);
   if (d < 0) PetscFunctionReturn(0);
-  PetscCall(PetscMalloc1(n, &place));
-  for (PetscInt i = 0; i < n; i++) place[i] = (hsize_t)rows[i];
   type = Try(file, MemoryType(d));
   space = Try(file, H5Dget_space(d));
   memory = Try(file, H5Screate_simple(1, &size, NULL));
-  Try(file, H5Sselect_elements(space, H5S_SELECT_SET, (size_t)n, place));
+  PetscCall(SelectRows(file, space, n, rows));
   if (Sound(file)) Try(file, H5Dwrite(d, type, memory, space, H5P_DEFAULT, data));
-  PetscCall(PetscFree(place));
   Try(file, H5Sclose(memory));
   Try(file, H5Sclose(space));
   Try(file, H5Tclose(type));

@@ -10,6 +10,7 @@ PetscErrorCode SweepHeading(Sweep *self) {
   PetscFunctionBegin;
   PetscCall(PetscTime(&self->begin));
   self->report_after = 1;
+  self->reported = self->done;
   self->report_at = self->done + n / 10;
   if (self->quiet) PetscFunctionReturn(0);
   PetscCallMPI(MPI_Comm_size(OptionsComm(), &ranks));
@@ -33,8 +34,10 @@ PetscErrorCode SweepProgress(Sweep *self) {
   if (self->quiet) PetscFunctionReturn(0);
   PetscCall(PetscTime(&now));
   now -= self->begin;
-  if (!self->ran || self->done == n || (now < self->report_after && self->done < self->report_at))
+  if (self->done == self->reported || self->done == n ||
+      (now < self->report_after && self->done < self->report_at))
     PetscFunctionReturn(0);
+  self->reported = self->done;
   self->report_after = now + PetscMin(60, PetscMax(1, now / 10));
   self->report_at = PetscMax(self->done, self->report_at) + PetscMax(1, n / 10);
   PetscCall(PetscPrintf(PETSC_COMM_SELF, "%10d %10d %10.1f %9.0f s\n", (int)self->done,

@@ -32,7 +32,7 @@ typedef struct {
   PetscInt first_member;              /* that failed */
   char first[MEMBER_LINE];            /* its line */
   PetscLogDouble begin, report_after; /* seconds */
-  PetscInt report_at;                 /* members */
+  PetscInt reported, report_at;       /* members */
 } Sweep;
 
 /* sweep_member.c */
