@@ -1,7 +1,10 @@
 """Draws the distributions over an ensemble: length at the first self-contact (of the centre line),
 width and number of loops at the end, and the members' shapes.
 
-    python -m tendril.ensemble results/ensemble --output results/ensemble"""
+    python -m tendril.ensemble results/ensemble --output results/ensemble
+
+Reads the files of scripts/sweep.sh in a directory, or the one file of tendril -task sweep with
+-sweep_store series,shapes."""
 
 import argparse
 import sys
@@ -16,12 +19,28 @@ from matplotlib.ticker import MaxNLocator
 
 from .style import BLUE, GREY, ORANGE, STYLE
 from .results import ResultsError, load
+from .sweep import load_sweep
 
 
 def contact_length(r):
     """The length at which the rod first crosses itself, to the step; nan if it never does."""
     first = np.flatnonzero(r.series.self_crossings > 0)
     return r.series.length[first[0]] if len(first) else np.nan
+
+
+def read(place):
+    """The finished runs of a directory, or of a sweep's file."""
+    place = Path(place)
+    if place.is_dir():
+        members = [load(f) for f in sorted(place.glob("*.h5"))]
+    else:
+        members = list(load_sweep(place).members())
+        if members and not (members[0].series and members[0].shapes):
+            raise ResultsError(f"{place}: holds no series or no shapes; -sweep_store series,shapes")
+    members = [r for r in members if r.finished and r.series]
+    if not members:
+        raise ResultsError(f"{place}: holds no finished run")
+    return members
 
 
 def histogram(ax, values, label, bins, median=True):
@@ -40,14 +59,11 @@ def histogram(ax, values, label, bins, median=True):
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="python -m tendril.ensemble", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("directory")
+    parser.add_argument("place", help="directory, or file of a sweep")
     parser.add_argument("--output", metavar="BASENAME", required=True)
     choice = parser.parse_args(arguments)
     try:
-        members = [load(f) for f in sorted(Path(choice.directory).glob("*.h5"))]
-        members = [r for r in members if r.finished and r.series]
-        if not members:
-            raise ResultsError(f"{choice.directory}: holds no finished run")
+        members = read(choice.place)
     except (ResultsError, OSError) as error:
         print(f"ensemble: {error}", file=sys.stderr)
         return 1

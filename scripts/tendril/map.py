@@ -3,7 +3,8 @@
     scripts/map.sh results/map --axes friction_mu,growth_width
     scripts/map.sh results/map2 --axes friction_mu,friction_beta --quantity critical/length
 
-Reads the files of scripts/sweep.sh; points that are missing or unfinished stay white."""
+Reads the files of scripts/sweep.sh in a directory, or the one file of tendril -task sweep, where
+final/width and the like are quantities too; points that are missing or unfinished stay white."""
 
 import argparse
 import sys
@@ -17,7 +18,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import LogLocator, NullLocator
 
+from .results import ResultsError
 from .style import STYLE
+from .sweep import load_sweep
 
 LABELS = {"friction_mu": r"dry share $\mu$", "growth_width": r"growth width $a$",
           "friction_beta": r"regularisation $\beta$", "growth_initial_length": r"$L_0$",
@@ -31,8 +34,8 @@ def point(path):
     return {k: float(v) for k, v in (pair.split("=") for pair in path.stem.split("__"))}
 
 
-def read(directory, axes, quantity):
-    """(x values, y values, table [y, x] with NaN where there is no result)"""
+def of_directory(directory, axes, quantity):
+    """{(x, y): value} of the files in a directory of scripts/sweep.sh"""
     found = {}
     for path in sorted(Path(directory).glob("*=*.h5")):
         if path.name.endswith(".part.h5"):
@@ -43,8 +46,28 @@ def read(directory, axes, quantity):
         with h5py.File(path, "r", locking=False) as file:
             if file.attrs.get("finished", 0):
                 found[tuple(values[a] for a in axes)] = float(file[quantity][()])
+    return found
+
+
+def of_sweep(path, axes, quantity):
+    """{(x, y): value} of the file of a sweep"""
+    sweep = load_sweep(path)
+    for axis in axes:
+        if axis not in sweep.columns:
+            raise ValueError(f"{path}: does not vary {axis}")
+    group, _, name = quantity.partition("/")
+    there = {"final": sweep.final, "critical": sweep.critical}.get(group, {})
+    if name not in there:
+        raise ValueError(f"{path}: holds no {quantity}")
+    points = zip(*(sweep.columns[axis].astype(float) for axis in axes))
+    return {p: float(v) for p, v, s in zip(points, there[name], sweep.status) if s == 1}
+
+
+def read(place, axes, quantity):
+    """(x values, y values, table [y, x] with NaN where there is no result)"""
+    found = (of_directory if Path(place).is_dir() else of_sweep)(place, axes, quantity)
     if not found:
-        raise ValueError(f"{directory}: holds no finished point")
+        raise ValueError(f"{place}: holds no finished point")
     xs, ys = (np.array(sorted({p[k] for p in found})) for k in (0, 1))
     table = np.array([[found.get((x, y), np.nan) for x in xs] for y in ys])
     return xs, ys, table
@@ -83,24 +106,24 @@ def draw(ax, xs, ys, table, axes, quantity):
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="scripts/map.sh", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("directory", help="of scripts/sweep.sh")
+    parser.add_argument("place", help="directory of scripts/sweep.sh, or file of a sweep")
     parser.add_argument("--axes", required=True, metavar="X,Y", help="options along the axes")
     parser.add_argument("--quantity", default="critical/t", help="default %(default)s")
     parser.add_argument("--output", metavar="BASENAME",
-                        help="writes BASENAME.png and .pdf; default: the directory's name")
+                        help="writes BASENAME.png and .pdf; default: the place's name")
     view = parser.parse_args(arguments)
     axes = view.axes.replace("-", "").split(",")
     if len(axes) != 2:
         parser.error("--axes: give two options, X,Y")
     try:
-        xs, ys, table = read(view.directory, axes, view.quantity)
+        xs, ys, table = read(view.place, axes, view.quantity)
         with plt.rc_context(STYLE):
             figure, ax = plt.subplots(figsize=(3.4, 2.7), layout="constrained")
             draw(ax, xs, ys, table, axes, view.quantity)
-            output = view.output or view.directory.rstrip("/")
+            output = view.output or view.place.rstrip("/").removesuffix(".h5")
             for ending in ("png", "pdf"):
                 figure.savefig(f"{output}.{ending}")
-    except (ValueError, KeyError, OSError) as error:
+    except (ResultsError, ValueError, KeyError, OSError) as error:
         print(f"map: {error}", file=sys.stderr)
         return 1
     missing = int(np.isnan(table).sum())

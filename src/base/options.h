@@ -116,6 +116,7 @@ PetscErrorCode OptionsRefuseUnread(void);
 PetscErrorCode OptionsRefuseLeft(void);
 PetscErrorCode OptionsRefuseOverwrite(const char *option, const char *output);
 PetscErrorCode OptionsRefuseStrange(const char *name);
+PetscBool OptionOfPetsc(const char *name);
 PetscBool OptionOnCommandLine(const char *name);
 PetscErrorCode OptionsList(char **text);
 PetscErrorCode OptionsInForce(char **text);

@@ -90,13 +90,18 @@ static PetscErrorCode RefuseUnread(const char *name) {
   PetscFunctionReturn(0);
 }
 
-/* OptionsRefuseStrange - refuses an option that is not in the table and cannot be one of PETSc's
-   objects at work. Collective. */
+/* OptionOfPetsc - can this, which is not in the table, be an option of one of PETSc's objects? */
+PetscBool OptionOfPetsc(const char *name) {
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(objects); i++)
+    if (StartsWith(name, objects[i])) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* OptionsRefuseStrange - refuses an option that is not in the table and cannot be PETSc's.
+   Collective. */
 PetscErrorCode OptionsRefuseStrange(const char *name) {
   PetscFunctionBegin;
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(objects); i++)
-    if (StartsWith(name, objects[i])) PetscFunctionReturn(0);
-  PetscCall(RefuseUnread(name));
+  if (!OptionOfPetsc(name)) PetscCall(RefuseUnread(name));
   PetscFunctionReturn(0);
 }
 

@@ -207,7 +207,7 @@ static PetscErrorCode Share(Table self) {
   PetscFunctionReturn(0);
 }
 
-/* A name that cannot stand above a column; the table's options are those of -help. */
+/* Refuses a name that cannot stand above a column. */
 static PetscErrorCode CheckName(const char *option, const char *path, Table self, PetscInt column) {
   char name[80];
   const OptionRow *row;
@@ -223,8 +223,9 @@ static PetscErrorCode CheckName(const char *option, const char *path, Table self
   near = OptionNearest(name);
   UserCheck(row || !near, OptionsComm(), "%s %s: %s: unknown option, did you mean %s?", option,
             path, name, near);
-  UserCheck(row, OptionsComm(), "%s %s: %s: unknown option; -help lists them", option, path, name);
-  UserCheck(!(row->flags & (PROGRAM | OUTPUT_FILE)), OptionsComm(),
+  UserCheck(row || OptionOfPetsc(name), OptionsComm(),
+            "%s %s: %s: unknown option; -help lists them", option, path, name);
+  UserCheck(!row || !(row->flags & (PROGRAM | OUTPUT_FILE)), OptionsComm(),
             "%s %s: %s is of the sweep as a whole, not of a run; take the column out", option, path,
             name);
   PetscFunctionReturn(0);

@@ -134,8 +134,8 @@ static PetscErrorCode WriteInputs(Collection self, HdfFile file) {
     (void)snprintf(name, sizeof(name), "-%s", TableName(self->table, c));
     const OptionRow *row = OptionFind(name);
     (void)snprintf(name, sizeof(name), "/columns/%s", TableName(self->table, c));
-    PetscCall(
-        HdfColumn(file, name, numbers ? HDF_REALS : HDF_TEXTS, n, "as the option", row->text));
+    PetscCall(HdfColumn(file, name, numbers ? HDF_REALS : HDF_TEXTS, n, "as the option",
+                        row ? row->text : "an option of PETSc's"));
     PetscCall(HdfPut(file, name, n, rows, numbers ? (const void *)number : (const void *)text));
   }
   PetscCall(PetscFree3(number, text, rows));

@@ -300,7 +300,7 @@ static PetscErrorCode Begin(Grow *self, const char *output) {
   PetscCall(self->now->rod->model->set(self->now->rod, 0, nodes, self->now->U));
   PetscCall(PetscFree(nodes));
   PetscCall(StoreShape(self, 0, NULL));
-  PetscCall(Store(self, PETSC_FALSE)); /* what cannot be written is to show before the work */
+  if (!self->member) PetscCall(Store(self, PETSC_FALSE)); /* what cannot be written shows early */
   self->next_output = self->output_interval;
   PetscFunctionReturn(0);
 }
