@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Runs tendril over any grid of options, one result file a point, in parallel.
+# Runs tendril over any grid of options, one result file a point, in parallel: in one job (-task
+# sweep) if each point grows a rod or finds a critical length, else a process a point.
 #   scripts/sweep.sh DIRECTORY [-j JOBS AT A TIME] [FIXED OPTIONS ...] -- NAME VALUES [NAME VALUES ...]
 #   scripts/sweep.sh results/map -task critical -growth_type gaussian -- \
 #     friction_mu 0:1:20 growth_width log:0.05:5:20
@@ -8,7 +9,7 @@
 # points are listed at the end and in DIRECTORY/failed.*; their messages are in DIRECTORY/*.log.
 # As a Slurm job array, the same command: each task takes its share of the points.
 #   sbatch --array=0-99 scripts/sweep.sh DIRECTORY ... -- ...
-# TENDRIL names the executable (build/tendril).
+# TENDRIL names the executable (build/tendril), MPIEXEC what starts it on several cores (mpiexec).
 set -euo pipefail
 here=$(dirname "${BASH_SOURCE[0]}")
 # In a job array the script is a copy elsewhere; it is started from the repository.
@@ -30,6 +31,46 @@ values() {
       printf "%.10g\n", a[1] + (a[2] - a[1]) * (a[3] > 1 ? i / (a[3] - 1) : 0) }' ;;
   *) tr ',' '\n' <<<"$1" ;;
   esac
+}
+
+# task_of OPTIONS ...: what each point does: as the last -task says, here or in an options file
+task_of() {
+  local word before='' task=grow
+  for word in "$@"; do
+    case $before in
+    -task) task=$word ;;
+    -options_file) task=$(awk -v t="$task" '$1 == "-task" { t = $2 } END { print t }' "$word") ;;
+    esac
+    before=$word
+  done
+  echo "$task"
+}
+
+# together DIRECTORY TASK JOBS POINTS ...: all points in one job
+together() {
+  local directory=$1 task=$2 jobs=$3 point word before='' rest=() launch=() pairs=() names=() values=()
+  local table=$directory/running/$SWEEP_ID
+  shift 3
+  for word in "${fixed[@]}"; do # the options of a point, but for -task
+    if [ "$word" != -task ] && [ "$before" != -task ]; then rest+=("$word"); fi
+    before=$word
+  done
+  rm -f "$table".* # of an earlier sweep; what it finished has its place
+  for point in "$@"; do
+    IFS=$'\t' read -r -a pairs <<<"${point//__/$'\t'}"
+    names=("${pairs[@]%%=*}") values=("${pairs[@]#*=}")
+    values=("${values[@]//\"/\"\"}")
+    [ -f "$table.csv" ] || (IFS=, && echo "${names[*]}") >"$table.csv"
+    (IFS=, && echo "${values[*]/#/\"}" | sed 's/,"/","/g; s/$/"/') >>"$table.csv"
+  done
+  if [ "$jobs" -gt 1 ]; then launch=("${MPIEXEC:-mpiexec}" -n "$jobs"); fi
+  "${launch[@]}" "$TENDRIL" "${rest[@]}" -task sweep -sweep_file "$table.csv" -sweep_task "$task" \
+    -sweep_directory "$directory" -output "$table.h5" >"$table.log" 2>&1 </dev/null ||
+    fail "$(grep -m 1 "^tendril: " "$table.log" || tail -n 1 "$table.log")"
+  for point in "$@"; do
+    [ -f "$directory/$point.h5" ] || echo "$point" >>"$directory/failed.$SWEEP_ID"
+  done
+  rm -f "$table".*
 }
 
 # one DIRECTORY POINT: a single run; its files get their place only when the run is whole
@@ -55,8 +96,11 @@ one() {
 }
 
 export TENDRIL=${TENDRIL:-build/tendril}
-# Open MPI then starts a single process without a daemon of its own.
-export OMPI_MCA_ess_singleton_isolated=1
+# Open MPI then starts a single process without a daemon of its own; several where they may run, as
+# many as are asked for (by one name up to version 4, by another from 5 on).
+export OMPI_MCA_ess_singleton_isolated=1 OMPI_MCA_rmaps_base_oversubscribe=1 \
+  OMPI_MCA_hwloc_base_binding_policy=none PRTE_MCA_hwloc_default_binding_policy=none \
+  PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe
 if [ "${1:-}" = --one ]; then
   shift
   if ! one "$@"; then echo "$2" >>"$1/failed.$SWEEP_ID"; fi
@@ -66,7 +110,7 @@ fi
 [ $# -gt 0 ] || usage "give a directory"
 directory=$1
 shift
-jobs=$((2 * $(cores))) # short runs mostly wait for MPI to start and end
+jobs=
 if [ "${1:-}" = -j ]; then jobs=$2 && shift 2; fi
 fixed=()
 while [ $# -gt 0 ] && [ "$1" != -- ]; do fixed+=("$1") && shift; done
@@ -121,11 +165,19 @@ for i in "${!points[@]}"; do
     mine+=("${points[i]}")
   fi
 done
+job=$(task_of "${fixed[@]}")
+if [[ " ${fixed[*]} " == *" -restart "* ]]; then job=restart; fi
+case $job in
+grow | critical) jobs=${jobs:-$(cores)} ;;
+*) jobs=${jobs:-$((2 * $(cores)))} ;; # short processes mostly wait for MPI to start and end
+esac
 echo "sweep: ${#points[@]} points, ${#mine[@]} to run here, $jobs at a time, in $directory"
 export SWEEP_ID=${SLURM_ARRAY_TASK_ID:-all} # each task of a job array keeps its own account
 failed=$directory/failed.$SWEEP_ID
 rm -f "$failed"
-if [ ${#mine[@]} -gt 0 ]; then
+if [ ${#mine[@]} -gt 0 ] && [[ $job =~ ^(grow|critical)$ ]]; then
+  together "$directory" "$job" $((jobs < ${#mine[@]} ? jobs : ${#mine[@]})) "${mine[@]}"
+elif [ ${#mine[@]} -gt 0 ]; then
   printf '%s\0' "${mine[@]}" | xargs -0 -P "$jobs" -I {} "$here/sweep.sh" --one "$directory" {}
 fi
 if [ -s "$failed" ]; then
