@@ -136,6 +136,18 @@ PetscErrorCode OutputRefuse(const char *option, const char *path) {
   PetscFunctionReturn(0);
 }
 
+/* As OutputRefuse(); nor does a single run take the place of a whole sweep. */
+static PetscErrorCode RefuseTaken(const char *option, const char *path) {
+  PetscBool sweep;
+
+  PetscFunctionBegin;
+  PetscCall(OutputRefuse(option, path));
+  PetscCall(HdfHas(path, "/status", &sweep));
+  UserCheck(!sweep, OptionsComm(), "%s %s: holds a sweep; name another file, or take it away",
+            option, path);
+  PetscFunctionReturn(0);
+}
+
 /* All ranks learn what rank 0 has met. */
 static PetscErrorCode Verdict(const char *option, const char *path, MPI_Comm comm,
                               char fault[HDF_FAULT]) {
@@ -153,7 +165,7 @@ PetscErrorCode OutputNewFile(const char *option, const char *path, MPI_Comm comm
 
   PetscFunctionBegin;
   *file = NULL;
-  PetscCall(OutputRefuse(option, path));
+  PetscCall(RefuseTaken(option, path));
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   if (!rank) {
     PetscCall(HdfCreate(path, file));
@@ -435,7 +447,7 @@ static PetscErrorCode New(const char *path, Scene scene, Output *output) {
   PetscCall(PetscStrncpy((*output)->path, path, sizeof((*output)->path)));
   PetscCallMPI(MPI_Comm_rank(scene->comm, &rank));
   (*output)->mine = (PetscBool)(!rank && path[0]);
-  if (path[0]) PetscCall(OutputRefuse("-output", path));
+  if (path[0]) PetscCall(RefuseTaken("-output", path));
   PetscFunctionReturn(0);
 }
 
