@@ -55,6 +55,8 @@ def tendril(options, ranks=1, before=""):
     except subprocess.TimeoutExpired:
         raise Failure(f"{options}, {ranks} ranks: hangs") from None
     said = [s.split(": ", 1)[1] for s in done.stderr.splitlines() if s.startswith("tendril: ")]
+    if done.returncode and not said:
+        said = ["nothing of its own, but: " + done.stderr[-500:]]
     return done.returncode, done.stdout, said
 
 
@@ -165,14 +167,15 @@ def failures():
 0.5,,,,,x
 0.5,,,,,
 """
+    alone = [tendril(f"{SHORT} {row} -output single.h5")[2] for row in rows(table)]
     for ranks in (1, 3):
         fresh()
         s, said = sweep(table, ALL, ranks)
         expect(list(s.status) == [2, 2, 1, 2, 2, 2, 2, 2, 1], f"{ranks} ranks: status {s.status}")
         expect("9 runs: 2 finished, 7 failed" in said and re.search(r"run \d failed: -", said), said)
         for k, row in enumerate(rows(table)):
-            r = tendril(f"{SHORT} {row} -output single.h5")
-            expect(r[2] == ([s.line[k]] if s.line[k] else []), f"{row}: {r[2]}, not {s.line[k]}")
+            said_alone = alone[k][0] if alone[k] else ""
+            expect(said_alone == s.line[k], f"{row}: {s.line[k]}, not {said_alone}")
             expect(np.isnan(s.final.t[k]) == bool(s.line[k]), f"{row}: final/t {s.final.t[k]}")
         expect(len(s.member(2).series.t) > 5 and not len(s.member(1).series.t), "series")
         again, said = sweep(table, ALL, ranks)
@@ -387,40 +390,47 @@ def memory():
     expect(most[1] < most[0] + 3000, f"{most} kB")  # 2 kB a member would be 3600
 
 
-@check
-def scripts():
-    """scripts/sweep.sh in one job and a process a point; map.sh and ensemble of its files and of a
-    sweep's one."""
+def script(command, code=0):
+    """What a script prints."""
     environment = dict(scene.ENVIRONMENT, TENDRIL=scene.TENDRIL, MPIEXEC=scene.MPIEXEC,
                        PYTHON=sys.executable, PYTHONPATH=str(ROOT / "scripts"))
+    done = subprocess.run(shlex.split(command), capture_output=True, text=True, env=environment,
+                          cwd=ROOT, timeout=LIMIT)
+    expect(done.returncode == code, f"{command}: {done.returncode}, {done.stderr}")
+    return done.stdout + done.stderr
 
-    def run(command, code=0):
-        done = subprocess.run(["bash", *shlex.split(command)], capture_output=True, text=True,
-                              env=environment, cwd=ROOT, timeout=LIMIT)
-        expect(done.returncode == code, f"{command}: {done.returncode}, {done.stderr}")
-        return done.stdout + done.stderr
 
+@check
+def sweep_script():
+    """In one job and a process a point."""
     d = scene.SCRATCH
-    said = run(f"scripts/sweep.sh {d}/a -j 2 {SHORT} -- friction_mu 0:1.5:4 friction_layers 0:1", 1)
+    command = f"scripts/sweep.sh {d}/a -j 2 {SHORT} -- friction_mu 0:1.5:4 friction_layers 0:1"
+    said = script(command, 1)
     expect("sweep: 4 points, 4 to run here, 2 at a time" in said and "1 points failed" in said, said)
     expect("friction_mu=1.5__friction_layers=0:1: tendril: -friction_mu 1.5: too large" in said, said)
     same(single("-friction_mu 0.5 -friction_layers 0:1"),
          load(Path(d) / "a/friction_mu=0.5__friction_layers=0:1.h5"), "sweep.sh")
-    said = run(f"scripts/sweep.sh {d}/a -j 2 {SHORT} -- friction_mu 0:1.5:4 friction_layers 0:1", 1)
-    expect("sweep: 4 points, 1 to run here" in said, said)
-    run(f"scripts/sweep.sh {d}/b -j 1 -options_file options/critical.opts -- friction_mu 0,1 "
-        "growth_initial_length 0.3,0.5")
-    run(f"scripts/map.sh {d}/b --axes friction_mu,growth_initial_length")
-    run(f"scripts/sweep.sh {d}/c -j 2 -task stability -stability_points 3 "
-        "-stability_vertices 20 -- friction_mu 0,1")
-    expect(len(list(Path(f"{d}/c").glob("*.h5"))) == 2, "stability")
+    expect("sweep: 4 points, 1 to run here" in script(command, 1), command)
+    said = script(f"scripts/sweep.sh {d}/c -friction_mew 1 -- friction_mu 0,1", 1)
+    expect("did you mean -friction_mu?" in said, said)
+    script(f"scripts/sweep.sh {d}/d -task stability -stability_points 3 -stability_vertices 20 -- "
+           "friction_mu 0,1")
+    expect(len(list(Path(f"{d}/d").glob("*.h5"))) == 2, "stability")
+
+
+@check
+def map_and_ensemble():
+    """Of the files of sweep.sh, and of a sweep's one."""
+    d = scene.SCRATCH
+    script(f"scripts/sweep.sh {d}/b -j 1 -options_file options/critical.opts -- friction_mu 0,1 "
+           "growth_initial_length 0.3,0.5")
+    script(f"scripts/map.sh {d}/b --axes friction_mu,growth_initial_length")
     sweep("friction_mu,shape_amplitude\n0,0.1\n1,0.1\n0,0.2\n1,0.2\n", ALL)
-    run(f"scripts/map.sh {d}/out.h5 --axes friction_mu,shape_amplitude --quantity final/width")
-    said = run(f"scripts/map.sh {d}/out.h5 --axes friction_mu,rod_cells", 1)
+    script(f"scripts/map.sh {d}/out.h5 --axes friction_mu,shape_amplitude --quantity final/width")
+    said = script(f"scripts/map.sh {d}/out.h5 --axes friction_mu,rod_cells", 1)
     expect("does not vary rod_cells" in said, said)
-    done = subprocess.run([sys.executable, "-m", "tendril.ensemble", f"{d}/out.h5", "--output",
-                           f"{d}/e"], capture_output=True, text=True, env=environment)
-    expect(done.returncode == 0 and "ensemble: 4 members" in done.stdout, f"{done.stderr}")
+    said = script(f"{sys.executable} -m tendril.ensemble {d}/out.h5 --output {d}/e")
+    expect("ensemble: 4 members" in said, said)
     for name in ("b", "out", "e"):
         expect((Path(d) / f"{name}.png").stat().st_size > 3000, f"{name}.png")
 
