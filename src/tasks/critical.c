@@ -321,14 +321,8 @@ static PetscErrorCode Print(MPI_Comm comm, const Critical *self) {
   PetscFunctionReturn(0);
 }
 
-/*
-  CriticalRun - -task critical: finds the critical time, prints it and stores it with its mode.
-  Collective on the scene's ranks.
-
-  output   the result file, "": none
-  member   of a sweep: it gets the numbers, and nothing is printed; NULL: it is none
-*/
-PetscErrorCode CriticalRun(Scene scene, const char *output, Member *member) {
+/* member NULL: a run of its own. */
+static PetscErrorCode FindAndStore(Scene scene, const char *output, Member *member) {
   Critical critical = {0};
   HdfFile file = NULL;
   PetscErrorCode error;
@@ -344,5 +338,25 @@ PetscErrorCode CriticalRun(Scene scene, const char *output, Member *member) {
   if (error) PetscCall(HdfDrop(&file));
   PetscCall(error);
   if (output[0]) PetscCall(OutputEndFile("-output", output, scene->comm, &file));
+  PetscFunctionReturn(0);
+}
+
+/*
+  CriticalRun - -task critical: finds the critical time, prints it and stores it with its mode.
+  Collective on the scene's ranks.
+
+  output   the result file, "": none
+*/
+PetscErrorCode CriticalRun(Scene scene, const char *output) {
+  PetscFunctionBegin;
+  PetscCall(FindAndStore(scene, output, NULL));
+  PetscFunctionReturn(0);
+}
+
+/* CriticalMember - as CriticalRun(), of a member of a sweep: nothing is printed, and the numbers
+   are left in memory. Collective on the scene's ranks. */
+PetscErrorCode CriticalMember(Scene scene, const char *output, Member *member) {
+  PetscFunctionBegin;
+  PetscCall(FindAndStore(scene, output, member));
   PetscFunctionReturn(0);
 }

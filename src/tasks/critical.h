@@ -20,6 +20,7 @@ extern const char *const critical_name[CRITICAL_VALUES], *const critical_units[C
 PetscErrorCode CriticalFind(Scene scene, PetscBool quiet, Critical *critical);
 PetscErrorCode CriticalPrintLaboratory(MPI_Comm comm, const Critical *critical);
 PetscErrorCode CriticalDestroy(Critical *critical);
-PetscErrorCode CriticalRun(Scene scene, const char *output, Member *member);
+PetscErrorCode CriticalRun(Scene scene, const char *output);
+PetscErrorCode CriticalMember(Scene scene, const char *output, Member *member);
 
 #endif

@@ -438,18 +438,7 @@ static PetscErrorCode Run(Grow *self) {
   PetscFunctionReturn(0);
 }
 
-/*
-  GrowRun - follows the rod of a scene from t = 0 to its end time. Collective on the scene's ranks.
-
-  output   the result file; empty: none
-  restart  the result file of a run to go on with; empty: none
-  member   of a sweep: it gets what the run leaves, and is asked after every step; NULL: it is none
-
-  Ends with a user's error, the last state stored, if the stepper gives up or the run is
-  interrupted (SIGTERM, SIGINT).
-*/
-PetscErrorCode GrowRun(Scene scene, const char *output, const char *restart, Member *member) {
-  Grow grow = {.scene = scene, .member = member}, *self = &grow;
+static PetscErrorCode CreateAndRun(Grow *self, const char *output, const char *restart) {
   PetscErrorCode error;
 
   PetscFunctionBegin;
@@ -457,5 +446,32 @@ PetscErrorCode GrowRun(Scene scene, const char *output, const char *restart, Mem
   if (!error) error = Run(self);
   PetscCall(Destroy(self));
   PetscCall(error);
+  PetscFunctionReturn(0);
+}
+
+/*
+  GrowRun - follows the rod of a scene from t = 0 to its end time. Collective on the scene's ranks.
+
+  output   the result file; empty: none
+  restart  the result file of a run to go on with; empty: none
+
+  Ends with a user's error, the last state stored, if the stepper gives up or the run is
+  interrupted (SIGTERM, SIGINT).
+*/
+PetscErrorCode GrowRun(Scene scene, const char *output, const char *restart) {
+  Grow grow = {.scene = scene};
+
+  PetscFunctionBegin;
+  PetscCall(CreateAndRun(&grow, output, restart));
+  PetscFunctionReturn(0);
+}
+
+/* GrowMember - as GrowRun(), of a member of a sweep: nothing is printed, signals are the sweep's,
+   and what the run leaves is in memory. Collective on the scene's ranks. */
+PetscErrorCode GrowMember(Scene scene, const char *output, Member *member) {
+  Grow grow = {.scene = scene, .member = member};
+
+  PetscFunctionBegin;
+  PetscCall(CreateAndRun(&grow, output, ""));
   PetscFunctionReturn(0);
 }

@@ -6,6 +6,7 @@
 
 extern const OptionGroup grow_options;
 
-PetscErrorCode GrowRun(Scene scene, const char *output, const char *restart, Member *member);
+PetscErrorCode GrowRun(Scene scene, const char *output, const char *restart);
+PetscErrorCode GrowMember(Scene scene, const char *output, Member *member);
 
 #endif

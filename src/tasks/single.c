@@ -68,14 +68,18 @@ static PetscErrorCode RunTask(Scene scene, const Asked *asked, Member *member) {
             scene->contact.self ? "contact_self" : "wall_file");
   if (scene->shape.type == SHAPE_MODE && asked->task == TASK_GROW)
     PetscCall(TakeSlowestMode(scene));
-  if (asked->task == TASK_UNITS)
+  if (member && asked->task == TASK_GROW)
+    PetscCall(GrowMember(scene, asked->output, member));
+  else if (member)
+    PetscCall(CriticalMember(scene, asked->output, member));
+  else if (asked->task == TASK_UNITS)
     PetscCall(PrintUnits(scene));
   else if (asked->task == TASK_GROW)
-    PetscCall(GrowRun(scene, asked->output, asked->restart, member));
+    PetscCall(GrowRun(scene, asked->output, asked->restart));
   else if (asked->task == TASK_STABILITY)
     PetscCall(StabilityRun(scene, asked->output));
   else
-    PetscCall(CriticalRun(scene, asked->output, member));
+    PetscCall(CriticalRun(scene, asked->output));
   PetscFunctionReturn(0);
 }
 
