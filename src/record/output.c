@@ -484,7 +484,7 @@ PetscErrorCode OutputHarvest(Output self, const Observation *last, Harvest *harv
   harvest->steps = self->series_n;
   harvest->shapes = self->shapes_n;
   if (self->shapes_n) harvest->nodes = self->scene->mesh.cells + 1;
-  for (int i = 0; i < SHAPES; i++) n += (size_t)(self->shapes_n * ShapeSize(self, i));
+  for (int i = 0; i < CONTACT_SET; i++) n += (size_t)(self->shapes_n * ShapeSize(self, i));
   harvest->n = n + (size_t)harvest->nodes;
   PetscCall(PetscMalloc1(harvest->n, &harvest->data));
   to = harvest->data;
@@ -494,7 +494,7 @@ PetscErrorCode OutputHarvest(Output self, const Observation *last, Harvest *harv
   to += self->series_n * OBSERVED;
   PetscCall(PetscArraycpy(to, self->scene->mesh.s, harvest->nodes));
   to += harvest->nodes;
-  for (int i = 0; i < SHAPES; i++) {
+  for (int i = 0; i < CONTACT_SET; i++) {
     PetscCall(PetscArraycpy(to, self->shape[i], self->shapes_n * ShapeSize(self, i)));
     to += self->shapes_n * ShapeSize(self, i);
   }
