@@ -1,7 +1,6 @@
 /* The frame model of a rod that touches itself: what rod/strands.h finds goes into the equations
    and into their derivatives. Every rank knows the whole rod and finds the same. */
 #include "rod/frame.h"
-#include <petsc/private/hashsetij.h>
 #include <petsc/private/matimpl.h> /* a matrix that is given another pattern does not say so itself */
 
 struct FrameStrands {
@@ -9,7 +8,8 @@ struct FrameStrands {
   VecScatter to_all; /* NULL on one rank */
   Vec all[2];        /* U and U_t of the whole rod */
   const PetscScalar *open[2];
-  PetscHSetIJ pattern; /* cells that the matrix has room for to see each other */
+  /* what the matrix has room for: the feet of points on cell a are foot[from[a]] ... */
+  PetscInt *from, *foot;
 };
 
 PetscErrorCode FrameStrandsCreate(Rod rod, struct FrameStrands **strands) {
@@ -21,7 +21,7 @@ PetscErrorCode FrameStrandsCreate(Rod rod, struct FrameStrands **strands) {
   PetscCall(PetscNew(&self));
   *strands = self;
   PetscCall(StrandsCreate(rod->scene, &self->strands));
-  PetscCall(PetscHSetIJCreate(&self->pattern));
+  PetscCall(PetscCalloc1(rod->last + 1, &self->from));
   PetscCallMPI(MPI_Comm_size(rod->scene->comm, &ranks));
   if (ranks == 1) PetscFunctionReturn(0);
   PetscCall(DMGetGlobalVector(rod->da, &U));
@@ -37,7 +37,8 @@ PetscErrorCode FrameStrandsDestroy(struct FrameStrands **strands) {
   PetscFunctionBegin;
   if (!self) PetscFunctionReturn(0);
   PetscCall(StrandsDestroy(&self->strands));
-  PetscCall(PetscHSetIJDestroy(&self->pattern));
+  PetscCall(PetscFree(self->from));
+  PetscCall(PetscFree(self->foot));
   PetscCall(VecScatterDestroy(&self->to_all));
   for (int k = 0; k < 2; k++) PetscCall(VecDestroy(&self->all[k]));
   PetscCall(PetscFree(*strands));
@@ -201,6 +202,28 @@ static PetscErrorCode Allocate(Rod rod, Columns *columns, Mat J) {
   PetscFunctionReturn(0);
 }
 
+/* Remembers for which pairs there is room. */
+static PetscErrorCode KeepPairs(struct FrameStrands *self, PetscInt cells, PetscInt n,
+                                PetscInt (*near)[2]) {
+  PetscFunctionBegin;
+  PetscCall(PetscFree(self->foot));
+  PetscCall(PetscMalloc1(n, &self->foot));
+  PetscCall(PetscArrayzero(self->from, cells + 1));
+  for (PetscInt k = 0; k < n; k++) self->from[near[k][0] + 1]++;
+  for (PetscInt a = 0; a < cells; a++) self->from[a + 1] += self->from[a];
+  for (PetscInt k = 0; k < n; k++) self->foot[--self->from[near[k][0] + 1]] = near[k][1];
+  for (PetscInt a = 0; a < cells; a++) self->from[a] = self->from[a + 1];
+  self->from[cells] = n;
+  PetscFunctionReturn(0);
+}
+
+/* Is there room for a pair? */
+static PetscBool HasRoom(const struct FrameStrands *self, const PetscInt cell[2]) {
+  for (PetscInt k = self->from[cell[0]]; k < self->from[cell[0] + 1]; k++)
+    if (PetscAbsInt(self->foot[k] - cell[1]) <= WANDER) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 /* Gives J the pattern of the rod and of all pairs that are near to touching. */
 static PetscErrorCode NewPattern(Rod rod, Mat J, PetscInt n, PetscInt (*near)[2]) {
   struct FrameStrands *self = ((Frame *)rod->data)->strands;
@@ -211,13 +234,8 @@ static PetscErrorCode NewPattern(Rod rod, Mat J, PetscInt n, PetscInt (*near)[2]
   PetscCall(PetscCalloc3(rows, &columns.n, rows, &columns.room, rows, &columns.column));
   for (PetscInt i = rod->first; i < rod->end; i++)
     PetscCall(AddColumns(rod, &columns, i, i, i - 1, i + 1));
-  PetscCall(PetscHSetIJClear(self->pattern));
-  for (PetscInt k = 0; k < n; k++) {
-    PetscHashIJKey key = {near[k][0], near[k][1]};
-    PetscCall(AddPair(rod, &columns, near[k]));
-    for (key.j = near[k][1] - WANDER; key.j <= near[k][1] + WANDER; key.j++)
-      PetscCall(PetscHSetIJAdd(self->pattern, key));
-  }
+  for (PetscInt k = 0; k < n; k++) PetscCall(AddPair(rod, &columns, near[k]));
+  PetscCall(KeepPairs(self, rod->last, n, near));
   PetscCall(Allocate(rod, &columns, J));
   for (PetscInt i = 0; i < rows; i++) PetscCall(PetscFree(columns.column[i]));
   PetscCall(PetscFree3(columns.n, columns.room, columns.column));
@@ -233,10 +251,7 @@ PetscErrorCode FrameStrandsPattern(Rod rod, Mat J) {
   PetscFunctionBegin;
   PetscCall(StrandsNear(self->strands, &n, &near));
   PetscCall(MatAssembled(J, &assembled));
-  for (PetscInt k = 0; k < n && there && assembled; k++) {
-    PetscHashIJKey key = {near[k][0], near[k][1]};
-    PetscCall(PetscHSetIJHas(self->pattern, key, &there));
-  }
+  for (PetscInt k = 0; k < n && there && assembled; k++) there = HasRoom(self, near[k]);
   if (!there || !assembled) PetscCall(NewPattern(rod, J, n, near));
   PetscCall(PetscFree(near));
   PetscCall(MatZeroEntries(J));
