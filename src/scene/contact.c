@@ -50,27 +50,30 @@ PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
 /* The layer over which a point load spreads is this many of the largest cells: fewer, and the mesh
    does not see it; more, and contact is softer than need be. */
 static const PetscReal cells_of_layer = 1.5;
-/* A force of about 1 is not to press the rod in by more than this part of its diameter. */
+/* A force of usual size is not to press the rod in by more than this part of its diameter. */
 static const PetscReal part_of_diameter = 2e-3;
-/* The pressure sets in over this part of how far a force of 1 presses. */
+/* The pressure sets in over so many times the depth to which such a force presses: so the step
+   feels no kink where a point begins to touch. */
 static const PetscReal part_smooth = 2;
 
 /*
   ContactSetStiffness - k, unless it is given, and what follows from it. A point load Q on a rod of
   stiffness 1 sinks in by Q/(2 sqrt(2) k^(3/4)) and spreads over l = k^(-1/4) (Winkler's
-  foundation).
+  foundation). Forces are about as friction has them, 1, or as bending has them in a rod so short
+  that friction is nothing to it, 1/L^2.
 
-  cell  the largest length of a cell in the run
+  cell, length  the largest of a cell and of the rod in the run
 */
-void ContactSetStiffness(Contact *contact, PetscReal cell) {
+void ContactSetStiffness(Contact *contact, PetscReal cell, PetscReal length) {
+  const PetscReal depth = 2 * PETSC_SQRT2, Q = PetscMax(1, 10 / (length * length));
   PetscReal l = cells_of_layer * cell;
 
   if (!contact->any) return;
   if (contact->diameter > 0)
-    l = PetscMin(l, PetscPowReal(2 * PETSC_SQRT2 * part_of_diameter * contact->diameter, 1. / 3));
+    l = PetscMin(l, PetscPowReal(depth * part_of_diameter * contact->diameter / Q, 1. / 3));
   if (!contact->given) contact->stiffness = 1 / (l * l * l * l);
   contact->tip = PetscPowReal(contact->stiffness, -0.25);
-  contact->smooth = part_smooth * contact->tip * contact->tip * contact->tip / (2 * PETSC_SQRT2);
+  contact->smooth = part_smooth * Q * contact->tip * contact->tip * contact->tip / depth;
 }
 
 PetscErrorCode ContactDestroy(Contact *contact) {

@@ -40,7 +40,7 @@ extern const OptionGroup contact_options;
 
 PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
                                      PetscReal clamp_angle);
-void ContactSetStiffness(Contact *contact, PetscReal cell);
+void ContactSetStiffness(Contact *contact, PetscReal cell, PetscReal length);
 PetscErrorCode ContactDestroy(Contact *contact);
 PetscInt ContactTouches(const Contact *contact, const PetscReal x[2], Touch touch[MOST_TOUCHES]);
 void ContactPush(const Contact *contact, const Touch *touch, const PetscReal v[2],

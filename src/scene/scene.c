@@ -58,7 +58,7 @@ static PetscErrorCode SetContactStiffness(Scene scene) {
     for (PetscInt i = 0; i + 1 < n; i++) largest = PetscMax(largest, p[i + 1] - p[i]);
   }
   PetscCall(PetscFree(p));
-  ContactSetStiffness(&scene->contact, largest);
+  ContactSetStiffness(&scene->contact, largest, scene->reach);
   PetscFunctionReturn(0);
 }
 

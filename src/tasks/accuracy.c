@@ -14,11 +14,13 @@ const OptionGroup accuracy_options = OPTION_GROUP("Accuracy", rows);
               model, which has no angle to follow, twice that);
     in space  arc_error h^order of the largest cell, h its arc length at the end of the run, and
               label_error F / N^order, because an error in a rate of decay adds up over its folds.
+    in contact  contact_error / N^3, for the mesh decides how stiff contact is (scene/contact.c).
   A third of the asked error is for time and a sixth for space: the error is then below what is
   asked, and not far below.
 */
 static const PetscReal per_fold = 9e-6;
 static const PetscReal arc_error[] = {0.2, 0.06}, label_error[] = {20, 400}; /* order 2, 4 */
+static const PetscReal contact_error = 800, share_of_contact = 0.5;
 static const PetscReal share_of_time = 0.35, share_of_space = 0.15;
 static const PetscReal fewest_folds = 2, margin = 1.5; /* of the estimate after a run */
 
@@ -27,6 +29,7 @@ typedef struct {
   PetscReal curvature; /* natural, about; 0: none */
   PetscInt order;      /* in space */
   PetscBool graded;    /* growth differs along the rod */
+  PetscBool contact;
 } Asked;
 
 static PetscErrorCode Is(const char *name, const char *word, PetscBool *is) {
@@ -60,7 +63,7 @@ static PetscReal Folds(const Asked *asked) {
 */
 PetscErrorCode AccuracyApply(void) {
   PetscReal time, space, cells, h, constant = 0, random = 0;
-  PetscBool set, second, mixed, from_file;
+  PetscBool set, second, mixed, from_file, walls;
   Asked asked;
 
   PetscFunctionBegin;
@@ -76,6 +79,9 @@ PetscErrorCode AccuracyApply(void) {
   PetscCall(OptionReal("-rod_curvature", &constant, NULL));
   PetscCall(OptionReal("-rod_curvature_random", &random, NULL));
   PetscCall(OptionGiven("-rod_curvature_file", &from_file));
+  PetscCall(OptionGiven("-wall_file", &walls));
+  PetscCall(OptionBool("-contact_self", &asked.contact, NULL));
+  asked.contact = (PetscBool)(asked.contact || walls);
   asked.curvature = PetscMax(PetscMax(PetscAbsReal(constant), random), from_file ? 0.01 : 0);
   asked.amplitude = PetscAbsReal(asked.amplitude);
   asked.order = second || mixed ? 2 : 4;
@@ -89,6 +95,9 @@ PetscErrorCode AccuracyApply(void) {
   cells = (asked.graded ? 1.5 : 1) * (asked.length0 + asked.time) / h;
   cells = PetscMax(
       cells, PetscPowReal(label_error[asked.order == 4] * Folds(&asked) / space, 1. / asked.order));
+  if (asked.contact)
+    cells =
+        PetscMax(cells, PetscPowReal(contact_error / (share_of_contact * asked.tolerance), 1. / 3));
   PetscCall(OptionDefault("-rod_cells", "%.0f", PetscCeilReal(PetscMax(32, PetscMin(1e6, cells)))));
   PetscFunctionReturn(0);
 }

@@ -61,6 +61,32 @@ PetscErrorCode GrowProgress(Grow *self, PetscBool last) {
   PetscFunctionReturn(0);
 }
 
+/* Rigid contact is the limit of no penetration; as far off as this times that, over the length. */
+static const PetscReal per_depth = 5;
+
+/* What there is of contact. */
+static PetscErrorCode TellContact(const Grow *self) {
+  const Contact *contact = &self->scene->contact;
+  char text[2][64], part[64] = "";
+
+  PetscFunctionBegin;
+  if (!contact->any) PetscFunctionReturn(0);
+  OptionBoth(self->depth, UNIT_LENGTH, text[0]);
+  if (contact->diameter > 0)
+    (void)snprintf(part, sizeof(part), " (%.2g %% of the diameter)",
+                   (double)(100 * self->depth / contact->diameter));
+  PetscCall(PetscPrintf(self->scene->comm,
+                        "contact of stiffness %.3g: at the end in %d zone%s, penetration at most "
+                        "%s%s\n",
+                        (double)contact->stiffness, (int)self->seen.contacts,
+                        self->seen.contacts == 1 ? "" : "s", text[0], part));
+  if (contact->diameter > 0 && self->depth > 0.05 * contact->diameter)
+    PetscCall(PetscPrintf(self->scene->comm, "The rod is pressed in by more than 5 %% of its "
+                                             "diameter: give more -rod_cells or a higher "
+                                             "-contact_stiffness.\n"));
+  PetscFunctionReturn(0);
+}
+
 /* How far off the run may be. Other steppers than vbdf are not calibrated. */
 static PetscErrorCode Errors(Grow *self, PetscInt jumps) {
   MPI_Comm comm = self->scene->comm;
@@ -72,7 +98,7 @@ static PetscErrorCode Errors(Grow *self, PetscInt jumps) {
   PetscCall(PetscObjectTypeCompare((PetscObject)self->now->ts, TSVBDF, &vbdf));
   if (vbdf) {
     PetscCall(AccuracyEstimate(self->now->rod, self->seen.t, self->rtol, self->folds, &error));
-    error += self->neglected;
+    error += self->neglected + per_depth * self->soft;
     PetscCall(PetscPrintf(comm, ", error estimate %.1e", (double)error));
   }
   if (jumps) PetscCall(PetscPrintf(comm, "; %d snap%s", (int)jumps, jumps > 1 ? "s" : ""));
@@ -160,6 +186,7 @@ PetscErrorCode GrowSummary(Grow *self) {
   PetscCall(PetscPrintf(self->scene->comm, "%d steps, %d rejected, %d Newton iterations, %.3f s; ",
                         (int)steps, (int)rejections, (int)iterations, now - self->begin));
   PetscCall(Errors(self, jumps));
+  PetscCall(TellContact(self));
   PetscCall(TellEvent(self));
   PetscFunctionReturn(0);
 }
