@@ -20,7 +20,7 @@ const OptionGroup accuracy_options = OPTION_GROUP("Accuracy", rows);
 */
 static const PetscReal per_fold = 9e-6;
 static const PetscReal arc_error[] = {0.2, 0.06}, label_error[] = {20, 400}; /* order 2, 4 */
-static const PetscReal contact_error = 800, share_of_contact = 0.5;
+static const PetscReal contact_error = 1600, share_of_contact = 0.5;
 static const PetscReal share_of_time = 0.35, share_of_space = 0.15;
 static const PetscReal fewest_folds = 2, margin = 1.5; /* of the estimate after a run */
 

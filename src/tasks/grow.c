@@ -119,7 +119,6 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
     self->folds += PetscAbsReal(PetscLogReal(self->seen.norm_x2 / norm));
   PetscCall(Neglect(self, U_t));
   self->depth = PetscMax(self->depth, self->seen.penetration);
-  self->soft = PetscMax(self->soft, self->seen.penetration / self->seen.length);
   self->seen.step = t - before;
   self->seen.newton_iterations = iterations;
   self->seen.model = self->now - self->leg;

@@ -98,7 +98,7 @@ static PetscErrorCode Errors(Grow *self, PetscInt jumps) {
   PetscCall(PetscObjectTypeCompare((PetscObject)self->now->ts, TSVBDF, &vbdf));
   if (vbdf) {
     PetscCall(AccuracyEstimate(self->now->rod, self->seen.t, self->rtol, self->folds, &error));
-    error += self->neglected + per_depth * self->soft;
+    error += self->neglected + per_depth * self->depth / self->seen.length;
     PetscCall(PetscPrintf(comm, ", error estimate %.1e", (double)error));
   }
   if (jumps) PetscCall(PetscPrintf(comm, "; %d snap%s", (int)jumps, jumps > 1 ? "s" : ""));

@@ -22,8 +22,7 @@ typedef struct {
   PetscInt iterations, steps; /* before the latest step; steps of earlier legs */
   PetscReal folds;            /* of |x2|, up and down, so far */
   PetscReal neglected;        /* largest part that the linear model left out */
-  PetscReal depth;            /* largest penetration so far, and that over the length */
-  PetscReal soft;
+  PetscReal depth;            /* largest penetration so far */
   PetscBool quiet, beyond;    /* beyond: the linear model has left its range */
   int stopped;                /* the signal that all ranks have agreed to stop on */
   PetscLogDouble begin, reported;
