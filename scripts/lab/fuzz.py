@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 """Random scenes: each at the defaults, against a hundredth of the tolerance on a finer mesh.
 
-    fuzz.py EXE SEED COUNT [--wide] [--world]
+    fuzz.py EXE SEED COUNT [--wide] [--world] [--contact]
 
 --wide: lengths, shapes and times far apart; --world: also friction across and in fields and layers,
-forces on the tip and held tips, growth at the tip, stiffness along the rod. Prints the bad ones with
+forces on the tip and held tips, growth at the tip, stiffness along the rod; --contact: walls of all kinds around
+a fed or growing rod that also meets itself (the reference then has the same stiffness of contact, and a
+tip off by 1 % of the length is called lost, for which way a rod folds may hang by a hair). Prints the bad ones with
 their command and a summary; exit 1 if any is lost (gave up, hung, tip off by more than 1e-4 of the
 length). Files that scenes need are kept beside the results, under /tmp/fuzz-SEED."""
 
@@ -20,6 +22,7 @@ import numpy as np
 
 LIMIT, REFERENCE_LIMIT = 60, 200  # seconds
 TIP, NORM = 1e-4, 1e-2            # off by more is bad
+TIP_IN_CONTACT = 1e-2
 
 
 class Draw(random.Random):
@@ -115,6 +118,53 @@ def world_scene(draw, wide, files):
     return o
 
 
+def random_walls(draw, path, diameter):
+    """One to three walls that a rod from the origin along x1 does not start in."""
+    lines, r = [], diameter / 2
+    kind = draw.choice(["cavity", "plane", "stones", "conduit", "polygon", "none"])
+    friction = f" friction {draw.between(0, 1)}" if draw.happens(.5) else ""
+    if kind == "cavity":
+        size = draw.between(2, 5)
+        lines.append(f"circle {size - r - .1:.4f} 0 {size} inside{friction}")
+    elif kind == "plane":
+        lines.append(f"plane {draw.between(1.5, 6)} 0 -1 {draw.between(-.5, .5)}{friction}")
+    elif kind == "stones":
+        for k in range(draw.randint(1, 4)):
+            lines.append(f"circle {2.5 + 1.8 * k} {draw.between(-1.2, 1.2)} {draw.between(.2, .8)} "
+                         f"outside{friction}")
+    elif kind == "conduit":
+        turn, bend = draw.between(1.5, 4), draw.between(-1.2, 1.2)
+        ends = f"{turn + 4 * np.cos(bend):.4f} {4 * np.sin(bend):.4f}"
+        lines.append(f"path {draw.between(r + .1, r + .6):.4f} -1 0 {turn} 0 {ends}{friction}")
+    elif kind == "polygon":
+        a, b = draw.between(2, 5), draw.between(-1, 1)
+        lines.append(f"polygon outside {a} {b - .6} {a + 1.5} {b - .8} {a + 1.2} {b + .9} {a} {b + .6}"
+                     f"{friction}")
+    Path(path).write_text("".join(line + "\n" for line in lines))
+    return path if lines else None
+
+
+def contact_scene(draw, wide, files):
+    """Options by name: a plain scene that is long enough to touch what is around it."""
+    o = plain_scene(draw, False, ("feed", "feed", "uniform", "apical"))
+    if o["growth_type"] == "apical":
+        o["growth_zone"] = draw.over_decades(.3, 2)
+    o.update(growth_initial_length=.5, ts_max_time=draw.between(4, 16), shape_type="straight",
+             rod_model="frame", contact_diameter=draw.between(.05, .3))
+    o.pop("shape_amplitude"), o.pop("shape_seed", None), o.pop("rod_curvature", None)
+    o["rod_curvature_random"], o["rod_curvature_length"] = draw.over_decades(.02, .3), 3
+    o["rod_curvature_seed"] = draw.randint(1, 1000)
+    o.pop("clamp_angle", None)
+    walls = random_walls(draw, f"{files}.walls", o["contact_diameter"])
+    if walls:
+        o["wall_file"] = walls
+    if not walls or draw.happens(.7):
+        o["contact_self"] = "true"
+    if draw.happens(.3):
+        o["contact_friction"] = draw.over_decades(.05, 1)
+    return o
+
+
 def run(exe, options, limit, file, extra=()):
     """(tip, norm, length, seconds) or None, what it said, the command."""
     command = [exe, *(word for k, v in options.items() for word in (f"-{k}", str(v))), *extra]
@@ -128,31 +178,39 @@ def run(exe, options, limit, file, extra=()):
         return None, (done.stderr or done.stdout).strip()[-200:], " ".join(command[1:])
     with h5py.File(file) as f:
         s = {k: float(f["series"][k][-1]) for k in ("tip_x1", "tip_x2", "norm_x2", "length")}
+        crossed = "contact_self" in options and f["series/self_crossings"][:].max() > 0
+        stiffness = f.attrs.get("contact_stiffness")
     os.remove(file)
+    if crossed:
+        return None, "crosses itself", " ".join(command[1:])
     tip = np.array([s["tip_x1"], s["tip_x2"]])
-    return (tip, s["norm_x2"], s["length"], time.time() - began), "ok", " ".join(command[1:])
+    return (tip, s["norm_x2"], s["length"], time.time() - began, stiffness), "ok", " ".join(command[1:])
 
 
 def main():
     words = [w for w in sys.argv[1:] if not w.startswith("--")]
-    if len(words) != 3 or set(sys.argv[1:]) - set(words) - {"--wide", "--world"}:
+    if len(words) != 3 or set(sys.argv[1:]) - set(words) - {"--wide", "--world", "--contact"}:
         sys.exit(__doc__)
     exe, seed, count = words[0], int(words[1]), int(words[2])
-    wide, world = "--wide" in sys.argv, "--world" in sys.argv
+    wide, world, contact = (f"--{word}" in sys.argv for word in ("wide", "world", "contact"))
     draw, directory = Draw(seed), Path(f"/tmp/fuzz-{seed}")
     directory.mkdir(exist_ok=True)
     lost, norms, tips, walls = 0, 0, [], []
     for i in range(count):
         files = directory / str(i)
-        o = world_scene(draw, wide, files) if world else plain_scene(draw, wide)
+        o = (contact_scene(draw, wide, files) if contact else world_scene(draw, wide, files) if world
+             else plain_scene(draw, wide))
         found, said, command = run(exe, o, LIMIT, f"{files}.h5")
         if found is None:
             lost += 1
             print("lost:", said, command, flush=True)
             continue
         walls.append(found[3])
-        fine, said, _ = run(exe, {**o, "rod_model": "frame"}, REFERENCE_LIMIT, f"{files}.h5",
-                            ["-rod_cells", "1200", "-ts_rtol", "1e-8"])
+        o = {**o, "rod_model": "frame"}
+        if contact:
+            o["contact_stiffness"] = float(found[4])
+        fine, said, _ = run(exe, o, REFERENCE_LIMIT, f"{files}.h5",
+                            ["-rod_cells", "1200" if not contact else "800", "-ts_rtol", "1e-8"])
         if fine is None:
             print("no reference:", said, command, flush=True)
             continue
@@ -160,7 +218,7 @@ def main():
         norm = abs(found[1] / fine[1] - 1) if fine[1] else 0
         tips.append(tip)
         norms += norm > NORM
-        if tip > TIP:
+        if tip > (TIP_IN_CONTACT if contact else TIP):
             lost += 1
             print(f"tip off by {tip:.1e}:", command, flush=True)
         elif norm > NORM:

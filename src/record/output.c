@@ -198,11 +198,13 @@ static PetscErrorCode ScaleAttributes(Output self, HdfFile file) {
   PetscFunctionReturn(0);
 }
 
-/* The walls around the rod, for who draws it. */
-static PetscErrorCode WallAttribute(Output self, HdfFile file) {
+/* The stiffness of contact in force, and the walls around the rod, for who draws it. */
+static PetscErrorCode ContactAttributes(Output self, HdfFile file) {
   char *text;
 
   PetscFunctionBegin;
+  if (self->scene->contact.any)
+    PetscCall(HdfReal(file, "/", "contact_stiffness", self->scene->contact.stiffness));
   if (!self->scene->contact.walls.n) PetscFunctionReturn(0);
   PetscCall(WallsText(&self->scene->contact.walls, &text));
   PetscCall(HdfText(file, "/", "walls", text));
@@ -411,7 +413,7 @@ PetscErrorCode OutputStore(Output self, Rod rod, RestartState *state, Vec points
     PetscCall(WriteEvent(self, file));
     PetscCall(OutputAttributes(file, self->scene->comm, finished));
     PetscCall(ScaleAttributes(self, file));
-    PetscCall(WallAttribute(self, file));
+    PetscCall(ContactAttributes(self, file));
     if (self->earlier) PetscCall(HdfText(file, "/", "earlier_options", self->earlier));
   }
   PetscCall(WriteRestart(self, file, rod, state, points));
