@@ -392,6 +392,7 @@ static PetscErrorCode End(Grow *self, PetscBool finished) {
 
 /* The line for an end that was not asked for. */
 static PetscErrorCode Verdict(const Grow *self, TSConvergedReason reason) {
+  const PetscReal straight = 0.01;
   MPI_Comm comm = self->scene->comm;
   char text[3][64];
   PetscReal dt;
@@ -411,6 +412,12 @@ static PetscErrorCode Verdict(const Grow *self, TSConvergedReason reason) {
             text[0]);
   UserCheck(reason != TS_CONVERGED_ITS, comm,
             "-ts_max_steps: reached at t = %s before -ts_max_time %s", text[0], text[2]);
+  UserCheck(
+      reason == TS_CONVERGED_TIME || self->seen.contacts == 0 || self->seen.max_angle > straight,
+      comm,
+      "gave up at t = %s: the rod is pressed straight against a wall, and nothing says to which "
+      "side it gives way; the results up to there are stored; give it a small -rod_curvature",
+      text[0]);
   UserCheck(reason == TS_CONVERGED_TIME || !self->now->passes, comm,
             "gave up at t = %s with a step of %s: the rod would pass through itself or a wall; the "
             "results up to there are stored; give more -rod_cells or a higher -contact_stiffness",
