@@ -9,7 +9,8 @@
   fast time t/d. So growth stands still, friction is dry and viscous of strength 1, and the rod is
   followed until it rests.
 */
-static const PetscReal rest = 1e-6, long_after = 1e4; /* velocity at rest; fast time to get there */
+/* velocity at rest, fast time to get there; a rod that falls from rest begins slowly */
+static const PetscReal rest = 1e-6, long_after = 1e4, long_enough = 10;
 static const PetscReal least_rtol =
     1e-6; /* no need to be more accurate than the slack of LoadInFastTime() */
 
@@ -32,7 +33,7 @@ static PetscErrorCode StopAtRest(TS ts) {
     if (leg->rod->model->followed[f]) fastest = PetscMax(fastest, speed[f]);
   if (steps >= many_steps && t < nowhere)
     PetscCall(TSSetConvergedReason(ts, TS_DIVERGED_STEP_REJECTED));
-  if (fastest < rest) PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
+  if (fastest < rest && t > long_enough) PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
   PetscFunctionReturn(0);
 }
 
