@@ -1,0 +1,267 @@
+"""Walls in pictures: what `-wall_file` said, as the result file has it, and the rod at its diameter.
+
+    from tendril.walls import draw_walls, draw_rod, draw_contact
+    draw_walls(ax, r)               # planes, circles, polygons and conduits, behind all else
+    draw_rod(ax, r, shape.x)        # as thick as it is
+    draw_contact(ax, r, shape)      # arrows: the force of contact per length
+
+for axes of equal aspect. What is drawn fits itself to the limits that stand when it is drawn."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib import rcParams
+from matplotlib.artist import Artist
+from matplotlib.collections import LineCollection
+from matplotlib.lines import Line2D
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path
+from matplotlib.transforms import Affine2D
+
+SOLID, EDGE = "#d9d4c7", "#8a8371"
+
+
+@dataclass
+class Wall:
+    kind: str  # plane, circle, polygon, path
+    inside: bool  # circle and polygon: where the rod is
+    numbers: np.ndarray
+    friction: float
+
+
+def parse(text):
+    """The walls of the attribute `walls`, one a line."""
+    walls = []
+    for line in str(text or "").splitlines():
+        words = line.partition("#")[0].replace(",", " ").split()
+        if not words:
+            continue
+        friction = 0.0
+        if len(words) > 2 and words[-2] == "friction":
+            friction = float(words[-1])
+            words = words[:-2]
+        numbers = [float(w) for w in words[1:] if w not in ("inside", "outside")]
+        walls.append(Wall(words[0], "inside" in words, np.array(numbers), friction))
+    return walls
+
+
+def walls_of(r):
+    """The walls around a run; none is an empty list."""
+    return parse(r.attributes.get("walls"))
+
+
+def diameter_of(r):
+    """The rod's diameter, 0 if it has none."""
+    return float(r.attributes.get("parameters/contact_diameter", 0) or 0)
+
+
+# ---- outlines ----
+
+
+def arc(centre, radius, begin, end, points=33):
+    """Points of an arc from one angle to another, in radians."""
+    a = np.linspace(begin, end, points)
+    return np.asarray(centre) + radius * np.column_stack([np.cos(a), np.sin(a)])
+
+
+def axis_of(radius, points):
+    """The axis of a conduit with its corners rounded as the solver rounds them, each vertex with
+    the normal to the left."""
+    points = points.reshape(-1, 2)
+    steps = np.diff(points, axis=0)
+    lengths = np.hypot(*steps.T)
+    along = steps / lengths[:, None]
+    x, n = [points[0]], [(-along[0, 1], along[0, 0])]
+    for k in range(1, len(points) - 1):
+        t, u = along[k - 1], along[k]
+        turn = np.arctan2(t[0] * u[1] - t[1] * u[0], t @ u)
+        normals = (-t[1], t[0]), (-u[1], u[0])
+        if abs(turn) < 1e-9:
+            x.append(points[k])
+            n.append(normals[0])
+            continue
+        half = np.tan(abs(turn) / 2)
+        taken = min(radius * max(1, 2 * half), min(lengths[k - 1], lengths[k]) / 2)
+        side, bend = np.sign(turn), taken / half
+        centre = points[k] - taken * t + side * bend * np.array(normals[0])
+        begin = np.arctan2(*(-side * np.array(normals[0]))[::-1])
+        ring = arc((0, 0), 1, begin, begin + turn)
+        x.extend(centre + bend * ring)
+        n.extend(-side * ring)
+    x.append(points[-1])
+    n.append((-along[-1, 1], along[-1, 0]))
+    return np.array(x), np.array(n)
+
+
+def mouth(radius, end, outwards, side):
+    """The rounded lip at an end of a conduit, from its wall outwards."""
+    across = side * np.array([-outwards[1], outwards[0]])
+    begin = np.arctan2(-across[1], -across[0])
+    turn = np.pi / 2 if side < 0 else -np.pi / 2
+    turn = turn if np.allclose(arc((0, 0), 1, begin, begin + turn)[-1], outwards, atol=1e-6) else -turn
+    return arc(end + 2 * radius * across, radius, begin, begin + turn)
+
+
+def conduit(radius, points):
+    """The two walls of a conduit as lines, mouths included."""
+    x, n = axis_of(radius, points)
+    out = [x[0] - x[1], x[-1] - x[-2]]
+    out = [o / np.hypot(*o) for o in out]
+    lines = []
+    for side in (1, -1):
+        # at the first end the left of the axis is the right of the direction outwards
+        first = mouth(radius, x[0], out[0], -side)[::-1]
+        last = mouth(radius, x[-1], out[1], side)
+        lines.append(np.concatenate([first, x + side * radius * n, last]))
+    return lines
+
+
+def view_of(ax):
+    (x0, x1), (y0, y1) = sorted(ax.get_xlim()), sorted(ax.get_ylim())
+    return x0, x1, y0, y1
+
+
+def half_plane(point, normal, view):
+    """The part of the view that lies behind a plane, a polygon, and the plane's line in it."""
+    x0, x1, y0, y1 = view
+    size = 2 * np.hypot(x1 - x0, y1 - y0)
+    normal = normal / np.hypot(*normal)
+    along = np.array([normal[1], -normal[0]])
+    foot = point + along * (along @ (np.array([(x0 + x1) / 2, (y0 + y1) / 2]) - point))
+    a, b = foot - size * along, foot + size * along
+    return np.array([a, b, b - size * normal, a - size * normal]), np.array([a, b])
+
+
+def ring_of(wall):
+    """The outline of a circle or polygon, closed."""
+    if wall.kind == "circle":
+        return arc(wall.numbers[:2], wall.numbers[2], 0, 2 * np.pi, 181)
+    x = wall.numbers.reshape(-1, 2)
+    return np.concatenate([x, x[:1]])
+
+
+def reach_of(walls):
+    """Where walls with an extent are, [n, 2]: for who chooses the limits of a picture."""
+    parts = [ring_of(w) for w in walls if w.kind in ("circle", "polygon")]
+    parts += [p for w in walls if w.kind == "path" for p in conduit(w.numbers[0], w.numbers[1:])]
+    return np.concatenate(parts) if parts else np.zeros((0, 2))
+
+
+# ---- drawing ----
+
+
+def closed(vertices):
+    codes = [Path.MOVETO] + [Path.LINETO] * (len(vertices) - 1)
+    return list(vertices), codes
+
+
+def solid(wall, view):
+    """(the patch where the wall's body is, its outlines)."""
+    x0, x1, y0, y1 = view
+    if wall.kind == "plane":
+        body, line = half_plane(wall.numbers[:2], wall.numbers[2:], view)
+        return Path(np.concatenate([body, body[:1]])), [line]
+    if wall.kind == "path":
+        left, right = conduit(wall.numbers[0], wall.numbers[1:])
+        return None, [left, right]
+    ring = ring_of(wall)
+    if not wall.inside:
+        return Path(ring), [ring]
+    # all of the view but the hole: the box one way round, the ring the other
+    wide, high = x1 - x0, y1 - y0
+    box = np.array([(x0 - wide, y0 - high), (x1 + wide, y0 - high), (x1 + wide, y1 + high),
+                    (x0 - wide, y1 + high), (x0 - wide, y0 - high)])
+    area = np.sum(ring[:-1, 0] * ring[1:, 1] - ring[1:, 0] * ring[:-1, 1])
+    vertices, codes = closed(box)
+    more, their = closed(ring[::-1] if area > 0 else ring)
+    return Path(np.array(vertices + more), codes + their), [ring]
+
+
+class Scenery(Artist):
+    """The walls of a run, drawn within whatever limits the axes have when they are drawn."""
+
+    def __init__(self, walls, scale):
+        super().__init__()
+        self.walls, self.grow, self.scale = walls, Affine2D().scale(scale), scale
+        self.set_zorder(-1)
+
+    def get_window_extent(self, renderer=None):
+        return self.axes.bbox
+
+    def get_tightbbox(self, renderer=None):
+        return None
+
+    def draw(self, renderer):
+        view = tuple(v / self.scale for v in view_of(self.axes))
+        for wall in self.walls:
+            body, lines = solid(wall, view)
+            parts = [] if body is None else [(body, dict(facecolor=SOLID, edgecolor="none"))]
+            parts += [(Path(line), dict(fill=False, edgecolor=EDGE, lw=0.8)) for line in lines]
+            for path, look in parts:
+                patch = PathPatch(self.grow.transform_path(path), **look)
+                patch.axes, patch.figure = self.axes, self.axes.figure
+                patch.set_transform(self.axes.transData)
+                patch.set_clip_path(self.axes.patch)
+                patch.draw(renderer)
+
+
+def draw_walls(ax, r, scale=1.0):
+    """Draws the walls of a run behind all else, and makes room for those the rod is within.
+    scale: what a unit of length is in the picture."""
+    walls = walls_of(r)
+    if not walls:
+        return
+    ax.add_artist(Scenery(walls, scale))
+    holds = [w for w in walls if w.inside or w.kind == "path"]
+    if holds:
+        ax.update_datalim(scale * reach_of(holds))
+        ax.autoscale_view()
+
+
+class Thick:
+    """A line as wide as `width` in the data of its axes, which have equal aspect."""
+
+    width, least = 0.0, 0.5
+
+    def draw(self, renderer):
+        box = self.axes.get_window_extent()
+        pixels = self.width * box.width / abs(np.subtract(*self.axes.get_xlim()))
+        self.set_linewidth(max(self.least, pixels * 72 / self.axes.figure.dpi))
+        super().draw(renderer)
+
+
+class ThickLine(Thick, Line2D):
+    pass
+
+
+class ThickSegments(Thick, LineCollection):
+    pass
+
+
+def draw_rod(ax, r, x, scale=1.0, **look):
+    """The rod through the nodes x, as thick as it is, and thinly if it has no diameter."""
+    look.setdefault("solid_capstyle", "round")
+    line = ThickLine(*(scale * np.asarray(x).T), **look)
+    line.width = scale * diameter_of(r)
+    line.least = look.get("lw", rcParams["lines.linewidth"] if line.width == 0 else Thick.least)
+    ax.add_line(line)
+    ax.autoscale_view()
+    return line
+
+
+def draw_contact(ax, r, shape, scale=1.0, **look):
+    """Arrows for the force of contact per length on the rod, the largest of them a tenth of the
+    rod's extent long. Returns what that is per length, 0 if nothing touches."""
+    force = r.shapes["contact"][shape.index] if "contact" in r.shapes else np.zeros_like(shape.x)
+    size = np.hypot(*force.T)
+    most = size.max()
+    if most == 0:
+        return 0.0
+    drawn = size > 0.02 * most
+    long = 0.1 * scale * np.ptp(shape.x, axis=0).max() / most
+    # an arrow ends on the rod's surface, where the force acts
+    tip = shape.x[drawn] - diameter_of(r) / 2 * force[drawn] / size[drawn, None]
+    look = {"color": "#D55E00", "width": 0.0022, "zorder": 3, **look}
+    ax.quiver(*(scale * tip.T), *force[drawn].T, angles="xy", scale_units="xy", scale=1 / long,
+              pivot="tip", headwidth=3, headlength=4, headaxislength=3.5, **look)
+    return float(most)
