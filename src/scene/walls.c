@@ -33,7 +33,8 @@ static PetscBool PieceDistance(const WallPiece *p, const PetscReal x[2], PetscRe
     *bend = 0;
     return (PetscBool)(z >= p->from && z < p->to && *distance >= -p->deep);
   }
-  size = hypot(o[0], o[1]);
+  if (p->reach > 0 && Dot(o, p->middle) < 0) return PETSC_FALSE;
+  size = PetscSqrtReal(Dot(o, o));
   if (size == 0) return PETSC_FALSE;
   *distance = p->sign * (size - p->r);
   for (int d = 0; d < 2; d++) normal[d] = p->sign * o[d] / size;
@@ -44,7 +45,8 @@ static PetscBool PieceDistance(const WallPiece *p, const PetscReal x[2], PetscRe
 /* How far x is from the axis of a conduit, seen from one of its pieces. */
 static PetscReal AxisDistance(const Wall *wall, const WallPiece *p, const PetscReal x[2],
                               PetscReal distance) {
-  if (p->at_mouth) return hypot(x[0] - p->mouth[0], x[1] - p->mouth[1]);
+  if (p->at_mouth)
+    return PetscSqrtReal(PetscSqr(x[0] - p->mouth[0]) + PetscSqr(x[1] - p->mouth[1]));
   return PetscAbsReal(wall->number[0] - distance);
 }
 
