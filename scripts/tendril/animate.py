@@ -15,12 +15,12 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.animation import FFMpegWriter, PillowWriter
-from matplotlib.collections import LineCollection
 from matplotlib.colors import AsinhNorm
 
 from .style import STYLE
 from .results import ResultsError, load
 from .units import Units, moment
+from .walls import ThickLine, ThickSegments, diameter_of, draw_walls
 
 ARROWS = 28
 
@@ -37,8 +37,9 @@ def axial(shape):
 
 
 class Film:
-    def __init__(self, shapes, units):
+    def __init__(self, r, shapes, units):
         self.shapes, self.units = shapes, units
+        unit = units.of("length", 1.0)
         strongest = units.of("force", max(np.abs(axial(s)).max() for s in shapes) or 1)
         drag = max(np.percentile(np.hypot(*friction(s)[1].T), 95) for s in shapes) or 1
         low = units.of("length", np.min([s.x.min(axis=0) for s in shapes], axis=0))
@@ -54,10 +55,15 @@ class Film:
         ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]),
                xlabel=units.label("$x_1$", "length"), ylabel=units.label("$x_2$", "length"))
         ax.set_aspect("equal")
-        (self.outline,) = ax.plot([], [], color="#333333", lw=3.2, solid_capstyle="round")
-        self.rod = LineCollection([], cmap="coolwarm_r", linewidths=2.2, capstyle="round", zorder=3,
-                                  norm=AsinhNorm(strongest / 20, -strongest, strongest))
+        draw_walls(ax, r, unit, room=False)
+        self.outline = ThickLine([], [], color="#333333", solid_capstyle="round")
+        ax.add_line(self.outline)
+        self.rod = ThickSegments([], cmap="coolwarm_r", capstyle="round", zorder=3,
+                                 norm=AsinhNorm(strongest / 20, -strongest, strongest))
         ax.add_collection(self.rod)
+        # as thick as the rod is, and not thinner than can be seen
+        for line, least in ((self.outline, 3.2), (self.rod, 2.2)):
+            line.width, line.least = unit * diameter_of(r), least
         ax.plot(0, 0, "ks", ms=4, zorder=4)
         nothing = np.zeros(ARROWS)
         # the strongest friction is drawn as long as a twelfth of the picture's width
@@ -119,7 +125,8 @@ def main(arguments=None):
             raise ResultsError(f"{r.path}: holds no shape in that time")
         every = -(-len(times) // max(choice.frames, 1))
         with plt.rc_context(STYLE):
-            film = Film([r.at(t) for t in times[::every]], Units([r] if choice.si else ()))
+            film = Film(r, [r.at(t) for t in times[::every]],
+                        Units([r] if choice.si else ()))
             with writer.saving(film.figure, str(output), dpi=110):
                 for k in range(len(film.shapes)):
                     film.show(k)

@@ -21,6 +21,7 @@ from . import plot_stability
 from .results import ResultsError, load
 from .style import BLUE, GREEN, GREY, ORANGE, RED, STYLE
 from .units import Units, moment
+from .walls import draw_contact, draw_rod, draw_walls
 
 
 def legend(ax, columns, whole_row):
@@ -115,11 +116,31 @@ def shapes_of(r, view):
 
 
 def panel_shapes(ax, r, view):
+    unit = view.units.of("length", 1.0)
     for label, colour, shape in shapes_of(r, view):
-        ax.plot(*view.units.of("length", shape.x.T), color=colour, label=label)
+        draw_rod(ax, r, shape.x, unit, color=colour, label=label)
+    draw_walls(ax, r, unit)
     ax.plot(0, 0, "ks", ms=3, clip_on=False, zorder=3)
     ax.set_xlabel(view.units.label("$x_1$", "length"))
     ax.set_ylabel(view.units.label("$x_2$", "length"))
+
+
+def panel_touch(ax, r, view):
+    """The last of the times asked for, and what presses on the rod."""
+    unit = view.units.of("length", 1.0)
+    for label, _, shape in list(shapes_of(r, view))[-1:]:
+        draw_rod(ax, r, shape.x, unit, color=BLUE, label=label)
+        draw_contact(ax, r, shape, unit)
+    draw_walls(ax, r, unit)
+    ax.plot(0, 0, "ks", ms=3, clip_on=False, zorder=3)
+    ax.set_xlabel(view.units.label("$x_1$", "length"))
+    ax.set_ylabel(view.units.label("$x_2$", "length"))
+
+
+def panel_contact(ax, r, view):
+    curves(ax, r, view, "force", ("contact_force", "in contact", BLUE, "-"),
+           ("feed_force", "feeding", ORANGE, "-"))
+    ax.set_ylabel(view.units.label("force", "force"))
 
 
 def panel_normalised(ax, r, view):
@@ -133,9 +154,10 @@ def panel_normalised(ax, r, view):
 PANELS = {
     "norm": panel_norm, "energy": panel_energy, "shapes": panel_shapes,
     "normalised": panel_normalised, "distance": panel_distance, "speed": panel_speed,
-    "force": panel_force, "defect": panel_defect,
+    "force": panel_force, "defect": panel_defect, "touch": panel_touch, "contact": panel_contact,
 }
-EQUAL = ("shapes", "normalised")  # drawn with equal aspect
+OF_CONTACT = ("touch", "contact")  # drawn if asked for, or if there is contact
+EQUAL = ("shapes", "normalised", "touch")  # drawn with equal aspect
 
 
 def grid(results, names):
@@ -252,8 +274,9 @@ def main(arguments=None):
     parser.add_argument("files", nargs="+", metavar="FILE", help="result files, HDF5")
     parser.add_argument("--output", metavar="BASENAME",
                         help="writes BASENAME.png and .pdf; default: the first file's name")
-    parser.add_argument("--panels", default=",".join(PANELS),
-                        help="comma list, in this order; default %(default)s")
+    parser.add_argument("--panels", metavar="A,B,...",
+                        help=f"comma list, in this order, of {', '.join(PANELS)}; default: all, "
+                        f"{' and '.join(OF_CONTACT)} where there is contact")
     parser.add_argument("--times", metavar="T1,T2,...",
                         help="of the shapes drawn; of a run with -si_ options also 20s or 2min; "
                         "default: quarters of the longest run")
@@ -263,7 +286,7 @@ def main(arguments=None):
                         help="runs drawn dashed beside these in the panel norm, one for each")
     parser.add_argument("--titles", metavar="A,B,...", help="above columns; default: file names")
     view = parser.parse_args(arguments)
-    names = view.panels.split(",")
+    names = view.panels.split(",") if view.panels else list(PANELS)
     unknown = [name for name in names if name not in PANELS]
     if unknown:
         parser.error(f"--panels {unknown[0]}: unknown, give some of {', '.join(PANELS)}")
@@ -275,6 +298,8 @@ def main(arguments=None):
         for r in results:
             if not len(r.series.get("t", ())) or not len(r.shapes.get("t", ())):
                 raise ResultsError(f"{r.path}: holds no stored shape to draw")
+        if not view.panels and not any("contact" in r.shapes for r in results):
+            names = [name for name in names if name not in OF_CONTACT]
         others = [read(path) for path in view.beside.split(",") if path]
         view.beside = {r.path: other for r, other in zip(results, others)}
         view.units = Units(results if view.si else ())

@@ -205,7 +205,7 @@ class Scenery(Artist):
                 patch.draw(renderer)
 
 
-def draw_walls(ax, r, scale=1.0):
+def draw_walls(ax, r, scale=1.0, room=True):
     """Draws the walls of a run behind all else, and makes room for those the rod is within.
     scale: what a unit of length is in the picture."""
     walls = walls_of(r)
@@ -213,7 +213,7 @@ def draw_walls(ax, r, scale=1.0):
         return
     ax.add_artist(Scenery(walls, scale))
     holds = [w for w in walls if w.inside or w.kind == "path"]
-    if holds:
+    if holds and room:
         ax.update_datalim(scale * reach_of(holds))
         ax.autoscale_view()
 

@@ -383,7 +383,8 @@ static PetscErrorCode Stored(Output self, PetscLogDouble begin) {
   self->series_n = self->shapes_n = 0;
   self->stored += self->waits;
   self->waits = 0;
-  PetscCall(XdmfWrite(self->path, self->scene->mesh.cells + 1, self->times_n, self->times));
+  PetscCall(XdmfWrite(self->path, self->scene->mesh.cells + 1, self->times_n, self->times,
+                      self->scene->contact.any));
   PetscCall(PetscTime(&now));
   self->stored_at = now;
   self->cost = now - begin;

@@ -29,10 +29,11 @@ static void Scalar(FILE *f, const char *label, const char *h5, const char *name,
 
 /*
   XdmfWrite - writes FILE.xmf beside a result file FILE.h5: the rod as a polyline that moves in
-  time, with its angle, curvature and force. Not collective. A file that cannot be written is passed
-  over, and there is then none: the results are in the other.
+  time, with its angle, curvature and force, and that of contact if there is any. Not collective. A
+  file that cannot be written is passed over, and there is then none: the results are in the other.
 */
-PetscErrorCode XdmfWrite(const char *file, PetscInt nodes, PetscInt shapes, const PetscReal t[]) {
+PetscErrorCode XdmfWrite(const char *file, PetscInt nodes, PetscInt shapes, const PetscReal t[],
+                         PetscBool contact) {
   char path[PETSC_MAX_PATH_LEN], part[PETSC_MAX_PATH_LEN + 8], *dot;
   const char *slash = strrchr(file, '/'), *h5 = slash ? slash + 1 : file;
   PetscBool whole;
@@ -60,6 +61,10 @@ PetscErrorCode XdmfWrite(const char *file, PetscInt nodes, PetscInt shapes, cons
     Scalar(f, "curvature", h5, "curvature", shapes, nodes, k, 1, 0);
     Scalar(f, "force_1", h5, "force", shapes, nodes, k, 2, 0);
     Scalar(f, "force_2", h5, "force", shapes, nodes, k, 2, 1);
+    if (contact) {
+      Scalar(f, "contact_1", h5, "contact", shapes, nodes, k, 2, 0);
+      Scalar(f, "contact_2", h5, "contact", shapes, nodes, k, 2, 1);
+    }
     fprintf(f, "  </Grid>\n");
   }
   fprintf(f, "</Grid>\n</Domain>\n</Xdmf>\n");

@@ -4,6 +4,7 @@
 
 #include <petscsys.h>
 
-PetscErrorCode XdmfWrite(const char *file, PetscInt nodes, PetscInt shapes, const PetscReal t[]);
+PetscErrorCode XdmfWrite(const char *file, PetscInt nodes, PetscInt shapes, const PetscReal t[],
+                         PetscBool contact);
 
 #endif
