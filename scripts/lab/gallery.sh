@@ -28,13 +28,13 @@ for file in options/*.opts; do
     build/tendril -quiet -options_file "$file" -ts_max_time 39.5 -output results/tube-contact-40.h5
     build/tendril -quiet -options_file options/pushed-tube.opts -stop_length 56.4cm -output results/tube-crossing.h5
     files=(results/tube-crossing.h5 "${files[@]}" results/tube-contact-40.h5)
-    what=(--panels shapes --times 8,19.5,39.5 --titles "may cross itself,cannot,cannot: length 40")
+    what=(--panels shapes --times 9.5,19.5,39.5 --titles "may cross itself,cannot,cannot: length 40")
     ;;
   cable-conduit) what=(--panels touch,contact --times 9.6) ;;
   packing) what=(--panels touch,contact --times 27.8) ;;
   against-wall) what=(--panels shapes,contact --times 0.4,0.6,1,4) ;;
-  root-stones) what=(--panels shapes --times 2,4,6,8,10) ;;
-  vine-corners) what=(--panels shapes --times 2,4,6,9) ;;
+  root-stones) what=(--panels shapes --times 1,3,6,10) ;;
+  vine-corners) what=(--panels shapes --times 3,5,7,9) ;;
   esac
   case $name in
   stability-dry | stability-viscous) # with a run below: its smallest |x2| beside t_cr
