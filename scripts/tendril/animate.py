@@ -1,5 +1,5 @@
 """Makes a film of the growth from a result file: the rod coloured by its axial force, with arrows
-for the friction that acts on it.
+for the friction that acts on it, and for what presses on it.
 
     scripts/animate.sh results/uniform-dry.h5 [--output film.gif] [--from T --to T] [--frames N] [--si]
 
@@ -20,15 +20,15 @@ from matplotlib.colors import AsinhNorm
 from .style import STYLE
 from .results import ResultsError, load
 from .units import Units, moment
-from .walls import ThickLine, ThickSegments, diameter_of, draw_walls
+from .walls import ThickLine, ThickSegments, contact_of, diameter_of, draw_contact, draw_walls
 
 ARROWS = 28
 
 
-def friction(shape):
-    """The friction on the rod per unit length, -phi v = -dn/dp, p the arc length."""
+def friction(r, shape):
+    """The friction on the rod per unit length, -phi v = -dn/dp less contact, p the arc length."""
     p = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(shape.x, axis=0).T))])
-    return p, -np.gradient(shape.force, p, axis=0)
+    return p, -np.gradient(shape.force, p, axis=0) - contact_of(r, shape)
 
 
 def axial(shape):
@@ -38,10 +38,11 @@ def axial(shape):
 
 class Film:
     def __init__(self, r, shapes, units):
-        self.shapes, self.units = shapes, units
+        self.r, self.shapes, self.units = r, shapes, units
+        self.pressed = None
         unit = units.of("length", 1.0)
         strongest = units.of("force", max(np.abs(axial(s)).max() for s in shapes) or 1)
-        drag = max(np.percentile(np.hypot(*friction(s)[1].T), 95) for s in shapes) or 1
+        drag = max(np.percentile(np.hypot(*friction(r, s)[1].T), 95) for s in shapes) or 1
         low = units.of("length", np.min([s.x.min(axis=0) for s in shapes], axis=0))
         high = units.of("length", np.max([s.x.max(axis=0) for s in shapes], axis=0))
         room = 0.06 * (high - low).max()
@@ -56,6 +57,8 @@ class Film:
                xlabel=units.label("$x_1$", "length"), ylabel=units.label("$x_2$", "length"))
         ax.set_aspect("equal")
         draw_walls(ax, r, unit, room=False)
+        self.ax = ax
+        self.most = max(np.hypot(*contact_of(r, s).T).max() for s in shapes)
         self.outline = ThickLine([], [], color="#333333", solid_capstyle="round")
         ax.add_line(self.outline)
         self.rod = ThickSegments([], cmap="coolwarm_r", capstyle="round", zorder=3,
@@ -84,7 +87,11 @@ class Film:
         self.outline.set_data(*nodes.T)
         self.rod.set_segments(np.stack([nodes[:-1], nodes[1:]], axis=1))
         self.rod.set_array((force[:-1] + force[1:]) / 2)
-        p, drag = friction(shape)
+        if self.pressed:
+            self.pressed.remove()
+        self.pressed = draw_contact(self.ax, self.r, shape, self.units.of("length", 1.0),
+                                    self.most)
+        p, drag = friction(self.r, shape)
         at = np.linspace(0, p[-1], ARROWS)
         x, f = ([np.interp(at, p, column) for column in array.T] for array in (nodes, drag))
         self.arrows.set_offsets(np.column_stack(x))

@@ -249,19 +249,23 @@ def draw_rod(ax, r, x, scale=1.0, **look):
     return line
 
 
-def draw_contact(ax, r, shape, scale=1.0, **look):
-    """Arrows for the force of contact per length on the rod, the largest of them a tenth of the
-    rod's extent long. Returns what that is per length, 0 if nothing touches."""
-    force = r.shapes["contact"][shape.index] if "contact" in r.shapes else np.zeros_like(shape.x)
+def contact_of(r, shape):
+    """The force of contact per length on the rod, without friction, [n, 2]."""
+    return r.shapes["contact"][shape.index] if "contact" in r.shapes else np.zeros_like(shape.x)
+
+
+def draw_contact(ax, r, shape, scale=1.0, most=None, **look):
+    """Arrows for the force of contact per length on the rod; one of the size `most`, the largest
+    if not given, is a tenth of the rod's extent long. Returns them; None if nothing touches."""
+    force = contact_of(r, shape)
     size = np.hypot(*force.T)
-    most = size.max()
-    if most == 0:
-        return 0.0
+    if size.max() == 0:
+        return None
+    most = most or size.max()
     drawn = size > 0.02 * most
     long = 0.1 * scale * np.ptp(shape.x, axis=0).max() / most
     # an arrow ends on the rod's surface, where the force acts
     tip = shape.x[drawn] - diameter_of(r) / 2 * force[drawn] / size[drawn, None]
     look = {"color": "#D55E00", "width": 0.0022, "zorder": 3, **look}
-    ax.quiver(*(scale * tip.T), *force[drawn].T, angles="xy", scale_units="xy", scale=1 / long,
-              pivot="tip", headwidth=3, headlength=4, headaxislength=3.5, **look)
-    return float(most)
+    return ax.quiver(*(scale * tip.T), *force[drawn].T, angles="xy", scale_units="xy", scale=1 / long,
+                     pivot="tip", headwidth=3, headlength=4, headaxislength=3.5, **look)
