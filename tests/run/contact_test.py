@@ -1,0 +1,291 @@
+#!/usr/bin/env python3
+"""Contact: walls and the rod itself, against exact answers (docs/theory.md) and against what must hold
+always. Where lengths are far below 1, friction is nothing beside bending.
+
+    contact_test.py build/tendril [--mpiexec mpiexec] CHECK...      (no CHECK: all of them)"""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
+from scene_test import Run, distance, expect
+from laboratory_test import read, tendril
+from world_test import file
+
+import numpy as np
+
+CHECKS = {}
+
+
+def check(function):
+    CHECKS[function.__name__.replace("_", "-")] = function
+    return function
+
+
+def walls(*lines):
+    """The options that give these walls."""
+    path = Path(scene.SCRATCH) / "walls.txt"
+    path.write_text("\n".join(lines) + "\n")
+    return f"-wall_file {path} "
+
+
+def falls(errors, factor):
+    """The power of 1/factor with which errors fall, from first to last."""
+    return np.log(errors[0] / errors[-1]) / np.log(factor) / (len(errors) - 1)
+
+
+def elliptic(k):
+    """Complete elliptic integrals K(k), E(k), by the arithmetic-geometric mean."""
+    a, b, c, total, power = 1.0, np.sqrt(1 - k * k), k, k * k / 2, 0.5
+    for _ in range(8):
+        a, b, c, power = (a + b) / 2, np.sqrt(a * b), (a - b) / 2, 2 * power
+        total += power * c * c
+    K = np.pi / 2 / a
+    return K, K * (1 - total)
+
+
+# --- A: the tip on a plane across the clamp's direction ------------------------------------------
+
+PLANE = 0.009
+ON_PLANE = ("-growth_type feed -growth_initial_length 0.0085 -shape_type straight -rod_curvature 1e-4 "
+            "-friction_mu 0 ")
+FLAT = 0.7177700  # P D^2/B from where the tip lies flat
+
+
+def on_plane(ratio):
+    """D/L -> P L^2/B, height/L."""
+    low, high = 0.0, np.sqrt(0.5)
+    for _ in range(60):
+        k = (low + high) / 2
+        K, E = elliptic(k)
+        low, high = (k, high) if 2 * E / K - 1 > ratio else (low, k)
+    return K ** 2, 2 * k / K
+
+
+def plane_errors(more="", end=0.0035):
+    """Largest relative errors of force and height from D/L = 0.95 on; the run."""
+    r = Run(f"{ON_PLANE} -ts_max_time {end} {walls(f'plane {PLANE} 0 -1 0')} {more}")
+    off = []
+    for i in np.flatnonzero((r.length > PLANE / 0.95) & (r.length < PLANE / 0.46)):
+        force, height = on_plane(PLANE / r.length[i])
+        force, height = force / r.length[i] ** 2, height * r.length[i]
+        off.append((r.base_force_1[i] / force - 1, r.tip_x2[i] / height - 1,
+                    -r.wall_force_1[i] / force - 1))
+    return np.abs(off).max(axis=0), r
+
+
+@check
+def plane():
+    """A: force and height, and their errors' fall with k."""
+    for ratio, force, height in ((0.9, 2.5981410, 0.3898486), (0.5, 3.3296320, 0.7466129)):
+        expect(np.allclose(on_plane(ratio), (force, height), rtol=2e-7), f"the test itself: {ratio}")
+    off, r = plane_errors()
+    print(f"{r.steps} steps; force, height, force of the wall off by {off}")
+    expect(off.max() < 3e-6, f"off by {off}")
+    expect(abs(r.contact_force + r.wall_force_1).max() < 1e-9 * r.contact_force.max(), "wall_force")
+    e = [plane_errors(f"-contact_stiffness {k} -ts_rtol 1e-8")[0] for k in (1e12, 1e13, 1e14)]
+    for name, column in zip(("force", "height"), np.transpose(e)):
+        power = falls(column, 10)
+        print(f"{name}: {column}, as k^-{power:.3f}")
+        expect(abs(power - 0.75) < 0.03, f"{name}: falls as k^-{power:.2f}")
+
+
+@check
+def flat_on_plane():
+    """A, beyond: the rod lies down along the wall; the feeding force goes through 0 and stays."""
+    r = Run(f"{ON_PLANE} -ts_max_time 0.0165 {walls(f'plane {PLANE} 0 -1 0')}")
+    lies = r.length > PLANE / 0.4569466 + 0.001
+    off = np.abs(r.base_force_1[lies] * PLANE ** 2 / FLAT - 1).max()
+    feed = np.abs(r.feed_force[lies] * PLANE ** 2).max()
+    print(f"{lies.sum()} steps: force off by {off:.1e}, feeding force {feed:.1e}")
+    expect(lies.sum() > 20 and off < 1e-5, f"force off by {off:.1e}")
+    expect(feed < 1e-4, f"feeding force {feed:.1e}")
+
+
+# --- B: fed along the inside of a circle ---------------------------------------------------------
+
+LEAVES, MEETS, TIP = 125.194118, 24.117047, 1.2236846
+
+
+def in_circle(R=0.001, more="", length=4.0):
+    """A run to this length, in radii."""
+    return Run(f"-growth_type feed -growth_initial_length {0.2 * R} -shape_amplitude 0.2 -friction_mu 0 "
+               f"-ts_max_time {(length - 0.2) * R} {walls(f'circle 0 {R} {R} inside')} {more}")
+
+
+def circle_errors(r, R):
+    """What differs from the exact answer, relative; lengths in radii."""
+    x, theta, curvature, force, contact = (
+        r.shapes[name][-1] for name in ("x", "theta", "curvature", "force", "contact"))
+    x, curvature, force = x / R, curvature * R, force * R ** 2
+    place = np.unwrap(np.arctan2(x[:, 0], 1 - x[:, 1]))  # about the centre, from the clamp
+    gap = 1 - np.hypot(x[:, 0], x[:, 1] - 1)
+    middle = len(gap) // 4 + gap[len(gap) // 4:].argmax()
+    n, size = force[middle], np.hypot(*force[middle])
+    # n.q + curvature^2/2 is the same all along; the free end leaves where its curvature is the wall's
+    along = n @ [np.cos(theta[middle]), np.sin(theta[middle])] + curvature[middle] ** 2 / 2 - 0.5
+    first = place[np.flatnonzero(gap[:middle] < 1e-5)[-1]]
+    ways = np.arctan2(n[1], n[0]) + np.arccos(along / size) * np.array([1, -1])
+    ways += 2 * np.pi * np.round((first - ways) / (2 * np.pi))
+    leaves = ways[abs(ways - first).argmin()]
+    rest = slice(len(gap) // 10, int(0.4 * len(gap)))
+    return {"leaves": np.degrees(place[-1] - leaves) / LEAVES - 1,
+            "meets": np.degrees(place[-1] - theta[-1]) / MEETS - 1,
+            "tip force": size / TIP - 1,
+            "feeding force": r.feed_force[-1] * 2 * R ** 2 - 1,
+            "pressure": np.hypot(*contact[rest].T).mean() * R ** 3 - 1}
+
+
+@check
+def circle():
+    """B: angles and forces, and how errors fall with k: as that of a point load or a pressure."""
+    for R, bound in ((0.001, 1e-5), (0.01, 2e-5)):
+        off = circle_errors(in_circle(R), R)
+        print(f"R = {R}:", ", ".join(f"{k} {e:.1e}" for k, e in off.items()))
+        for k, e in off.items():
+            expect(abs(e) < (1e-3 if k == "pressure" else bound), f"R = {R}, {k}: off by {e:.1e}")
+    e = [circle_errors(in_circle(more=f"-contact_stiffness {k}"), 0.001) for k in (1e16, 1e18)]
+    for name, should in (("meets", 0.75), ("tip force", 0.75), ("feeding force", 1)):
+        power = falls([abs(off[name]) for off in e], 100)
+        print(f"{name}: {e[0][name]:.1e} {e[1][name]:.1e}, as k^-{power:.3f}")
+        expect(abs(power - should) < 0.03, f"{name}: falls as k^-{power:.2f}")
+
+
+# --- C: between parallel walls, clamped at both ends ---------------------------------------------
+
+SPAN, HALF = 0.01, 1e-5
+
+
+def excess(root):
+    """u = root/4, root = L sqrt(P/B) -> excess length and reaction of the wall, small slopes, for point
+    contact (root up to 4 pi) and for flat contact (up to 6 pi); in h^2/L, B h/L^3."""
+    if root > 4 * np.pi:
+        return 3 * root / (4 * np.pi), root ** 3 / np.pi
+    # a quarter of the rod, from the clamp to its inflection: y = c (1 - cos bx) + d (bx - sin bx)
+    u, x = root / 4, np.linspace(0, 0.25, 2001)
+    shape = np.array([[1 - np.cos(u), u - np.sin(u)], [np.cos(u), np.sin(u)]])
+    c, d = np.linalg.solve(shape, [0.5, 0])
+    slope = root * (c * np.sin(root * x) + d * (1 - np.cos(root * x)))
+    square = slope ** 2
+    total = 4 * (x[1] / 3) * (square[0] + square[-1] + 4 * square[1:-1:2].sum()
+                              + 2 * square[2:-1:2].sum())
+    cot = 1 / np.tan(u) if u < np.pi else -1e9
+    return total / 2, root ** 3 * -cot / (1 - u * cot)
+
+
+@check
+def parallel_walls():
+    """C: point contact from 4 pi^2 on, flat from 16 pi^2 on, which buckles at 36 pi^2."""
+    for root in (2 * np.pi + 1e-9, 4 * np.pi - 1e-9):
+        expect(abs(excess(root)[0] / (np.pi ** 2 / 4 if root < 7 else 3) - 1) < 1e-6, "the test itself")
+    s = np.linspace(0, 1, 201)
+    bent = file("curvature", s=s, curvature=2e-3 * np.cos(2 * np.pi * s))
+    end = 4.45 * HALF ** 2 / SPAN
+    r = Run(f"-growth_type uniform -growth_initial_length {SPAN} -tip_type clamped -shape_type straight "
+            f"-rod_curvature_file {bent} -friction_mu 0 -ts_max_time {end} "
+            + walls(f"plane 0 {HALF} 0 -1", f"plane 0 {-HALF} 0 1"))
+    roots = np.linspace(2 * np.pi + 1e-6, 6 * np.pi, 2000)
+    exact = np.array([excess(u) for u in roots])
+    have = r.t * SPAN / HALF ** 2
+    for name, low, high in (("point", 2.6, 2.98), ("flat", 3.02, 4.4)):
+        now = (have > low) & (have < high)
+        u = np.interp(have[now], exact[:, 0], roots)
+        force = np.abs(r.base_force_1[now] * SPAN ** 2 / u ** 2 - 1).max()
+        push = np.abs(np.abs(r.wall_force_2[now]) * SPAN ** 3 / HALF
+                      / np.interp(u, roots, exact[:, 1]) - 1).max()
+        print(f"{name}: {now.sum()} steps, P from {u.min() ** 2 / np.pi ** 2:.2f} to "
+              f"{u.max() ** 2 / np.pi ** 2:.2f} pi^2: off by {force:.1e}, reaction by {push:.1e}")
+        expect(now.sum() > 5 and force < 3e-3 and push < 3e-3, f"{name}: {force:.1e}, {push:.1e}")
+    before = r.contact_force == 0
+    first = (r.base_force_1[before] * SPAN ** 2 / np.pi ** 2).max()
+    print(f"touches at {first:.4f} pi^2")
+    expect(abs(first - 4) < 0.02, f"touches at {first} pi^2")
+    # beyond, the flat part buckles
+    r = Run(f"-growth_type uniform -growth_initial_length {SPAN} -tip_type clamped -shape_type straight "
+            f"-rod_curvature_file {bent} -friction_mu 0 -ts_max_time {1.3 * end} "
+            + walls(f"plane 0 {HALF} 0 -1", f"plane 0 {-HALF} 0 1"))
+    most = r.base_force_1.max() * SPAN ** 2 / np.pi ** 2
+    print(f"buckles at {most:.3f} pi^2")
+    expect(35 < most < 37.5, f"the flat part holds {most} pi^2")
+
+
+# --- D: the capstan ------------------------------------------------------------------------------
+
+NO_DRAG = "-friction_mu 0 -friction_layers 0:1e-8 -friction_beta 1e-12 "
+
+
+@check
+def capstan():
+    """D: round half a circle, pulled: tension grows as exp(mu phi); inside a circle, pushed: thrust."""
+    mu, R, arm = 0.3, 10, 5
+    length = 2 * arm + np.pi * R
+    s = np.linspace(0, 1, 2001)
+    theta = np.clip((s * length - arm) / R, 0, np.pi)
+    path = file("shape", s=s, theta=theta)
+    r = Run(f"-growth_type feed -growth_initial_length {length!r} -shape_type file -shape_file {path} "
+            f"-tip_force 20 -ts_max_time 2 {NO_DRAG} "
+            + walls(f"circle {arm} {R} {0.999 * R} outside friction {mu}"))
+    ratio = -r.tip_force_1[-1] / -r.base_force_1[-1]
+    print(f"pulled: {r.steps} steps, ratio {ratio:.5f}, exp(mu pi) {np.exp(mu * np.pi):.5f}")
+    expect(abs(ratio / np.exp(mu * np.pi) - 1) < 0.01, f"pulled: ratio {ratio}")
+    R = 0.001
+    r = in_circle(R, f"-contact_friction {mu} -friction_beta 1e-12", length=6.5)
+    x, force, theta = (r.shapes[name][-1] for name in ("x", "force", "theta"))
+    thrust = -(force[:, 0] * np.cos(theta) + force[:, 1] * np.sin(theta))
+    place = np.unwrap(np.arctan2(x[:, 0], R - x[:, 1]))
+    a, b = (abs(place - z).argmin() for z in (0.5, 2.5))
+    ratio = thrust[a] / thrust[b] / np.exp(mu * (place[b] - place[a]))
+    print(f"pushed: {r.steps} steps, ratio over exp(mu phi) {ratio:.6f}")
+    expect(abs(ratio - 1) < 0.01, f"pushed: {ratio}")
+
+
+# --- E: folded in a channel ----------------------------------------------------------------------
+
+
+@check
+def channel():
+    """E: the force of the walls on a rod folded between them, per length, within its bound; with
+    friction the thrust falls no faster than it can."""
+    a, h, L = 0.01, 1e-4, 0.0099
+    for mu in (0, 0.2):
+        r = Run(f"-growth_type feed -growth_initial_length {L} -shape_type straight -rod_curvature 1e-3 "
+                f"-friction_mu 0 -ts_max_time 2e-4 -contact_friction {mu} -friction_beta 1e-12 "
+                + walls(f"plane 0 {h} 0 -1", f"plane 0 {-h} 0 1", f"plane {a} 0 -1 0 friction 0"))
+        late = r.contacts > 3
+        front = -r.wall_force_1 if mu == 0 else -r.tip_force_1
+        push = (r.contact_force - front)[late]
+        bound = h * r.base_force_1[late] ** 2 / np.pi ** 2 * a
+        most = (push / bound).max()
+        print(f"mu_c {mu}: {r.steps} steps, {late.sum()} folded, to P = "
+              f"{r.base_force_1[-1] * a * a / np.pi ** 2:.0f} pi^2, {r.contacts.max():.0f} contacts; "
+              f"wall force over its bound {(push / bound).min():.3f} to {most:.3f}")
+        expect(late.sum() > 10 and (push > 0).all() and most < 1.01, f"wall force {most} of its bound")
+
+
+# --- F: the rod touches itself -------------------------------------------------------------------
+
+TUBE = ("-growth_type feed -growth_initial_length 0.5 -shape_type straight -rod_curvature_random 0.1 "
+        "-rod_curvature_length 4 -rod_curvature_seed 1 -contact_self -contact_diameter 0.1787 ")
+COIL = ("-growth_type feed -growth_initial_length 0.5 -shape_type straight -contact_self "
+        "-contact_diameter 0.1 -rod_cells 200 ")
+
+
+@check
+def tube():
+    """The paper's tube, beyond its experiment."""
+    r = Run(TUBE + "-ts_max_time 19.5 -output_interval 0.5")
+    late = r.energy_defect[r.t > 0.01].max()
+    print(f"{r.steps} steps, {r.newton_iterations.sum():.0f} Newton, force {r.contact_force[-1]:.4f}, "
+          f"penetration {r.penetration.max() / 0.1787:.1e} D, defect {late:.1e}")
+    expect(r.contact_force[-1] > 1 and r.contacts[-1] >= 1, "it does not touch itself")
+    expect(not r.self_crossings.any(), "it crosses itself")
+    expect(r.penetration.max() < 0.01 * 0.1787, f"penetration {r.penetration.max()}")
+    expect(late < 1e-5, f"energy defect {late:.1e}")
+    free = Run(TUBE.replace("-contact_self -contact_diameter 0.1787", "") + "-ts_max_time 19.5")
+    expect(free.self_crossings[-1] > 0, "the tube would not cross itself: this shows nothing")
+    expect(r.steps < 4 * free.steps, f"{r.steps} steps against {free.steps}")
+
+
+if __name__ == "__main__":
+    sys.exit(scene.main(CHECKS))
