@@ -154,7 +154,7 @@ def circle():
 
 # --- C: between parallel walls, clamped at both ends ---------------------------------------------
 
-SPAN, HALF = 0.01, 1e-5
+SPAN, HALF = 0.01, 2e-5
 
 
 def excess(root):
@@ -179,15 +179,18 @@ def parallel_walls():
     """C: point contact from 4 pi^2 on, flat from 16 pi^2 on, which buckles at 36 pi^2."""
     for root in (2 * np.pi + 1e-9, 4 * np.pi - 1e-9):
         expect(abs(excess(root)[0] / (np.pi ** 2 / 4 if root < 7 else 3) - 1) < 1e-6, "the test itself")
-    s = np.linspace(0, 1, 201)
-    bent = file("curvature", s=s, curvature=2e-3 * np.cos(2 * np.pi * s))
+    s = np.linspace(0, 1, 401)
+    tilt = np.pi * HALF / (2 * SPAN)  # it starts halfway to the wall
+    path = file("shape", s=s, theta=tilt * np.sin(2 * np.pi * s))
+    start = SPAN * tilt ** 2 / 4
+    options = (f"-growth_type uniform -growth_initial_length {SPAN} -tip_type clamped -shape_type file "
+               f"-shape_file {path} -friction_mu 0 "
+               + walls(f"plane 0 {HALF} 0 -1", f"plane 0 {-HALF} 0 1"))
     end = 4.45 * HALF ** 2 / SPAN
-    r = Run(f"-growth_type uniform -growth_initial_length {SPAN} -tip_type clamped -shape_type straight "
-            f"-rod_curvature_file {bent} -friction_mu 0 -ts_max_time {end} "
-            + walls(f"plane 0 {HALF} 0 -1", f"plane 0 {-HALF} 0 1"))
+    r = Run(f"{options} -ts_max_time {end - start}")
     roots = np.linspace(2 * np.pi + 1e-6, 6 * np.pi, 2000)
     exact = np.array([excess(u) for u in roots])
-    have = r.t * SPAN / HALF ** 2
+    have = (start + r.t) * SPAN / HALF ** 2
     for name, low, high in (("point", 2.6, 2.98), ("flat", 3.02, 4.4)):
         now = (have > low) & (have < high)
         u = np.interp(have[now], exact[:, 0], roots)
@@ -202,9 +205,7 @@ def parallel_walls():
     print(f"touches at {first:.4f} pi^2")
     expect(abs(first - 4) < 0.02, f"touches at {first} pi^2")
     # beyond, the flat part buckles
-    r = Run(f"-growth_type uniform -growth_initial_length {SPAN} -tip_type clamped -shape_type straight "
-            f"-rod_curvature_file {bent} -friction_mu 0 -ts_max_time {1.3 * end} "
-            + walls(f"plane 0 {HALF} 0 -1", f"plane 0 {-HALF} 0 1"))
+    r = Run(f"{options} -ts_max_time {1.3 * end}")
     most = r.base_force_1.max() * SPAN ** 2 / np.pi ** 2
     print(f"buckles at {most:.3f} pi^2")
     expect(35 < most < 37.5, f"the flat part holds {most} pi^2")
@@ -285,6 +286,154 @@ def tube():
     free = Run(TUBE.replace("-contact_self -contact_diameter 0.1787", "") + "-ts_max_time 19.5")
     expect(free.self_crossings[-1] > 0, "the tube would not cross itself: this shows nothing")
     expect(r.steps < 4 * free.steps, f"{r.steps} steps against {free.steps}")
+
+
+@check
+def cancel():
+    """Forces of the rod on itself cancel: summed over the nodes, tip included, they are far below
+    their size; and none is a wall's."""
+    r = Run(COIL + "-rod_curvature 1 -ts_max_time 9 -rod_cells 400")
+    x, s, g, push = (r.shapes[k] for k in ("x", "s", "stretch", "contact"))
+    h = np.diff(s)
+    share = (np.r_[h, 0] + np.r_[0, h]) / 2 * g[-1]
+    total, size = np.hypot(*(share @ push[-1])), share @ np.hypot(*push[-1].T)
+    print(f"{r.steps} steps, force {r.contact_force[-1]:.3f}, {r.contacts[-1]:.0f} zones: sum {total:.1e} "
+          f"of {size:.1e}")
+    expect(r.contact_force[-1] > 0.5 and not r.self_crossings.any(), "no contact")
+    expect(total < 0.02 * size, f"sum {total} of {size}")
+    expect(abs(size / 2 / r.contact_force[-1] - 1) < 0.1, f"{size} is not twice {r.contact_force[-1]}")
+    expect(not r.wall_force_1.any() and not r.wall_force_2.any(), "there is no wall")
+
+
+@check
+def mirror():
+    """Opposite natural curvature, mirrored walls: the mirrored rod, with contact friction too."""
+    tips = []
+    for sign in (1, -1):
+        curved = COIL + f"-contact_friction 0.3 -rod_curvature {sign} -ts_max_time 8 "
+        r = Run(curved)
+        bent = Run("-growth_type feed -growth_initial_length 0.5 -shape_type straight -ts_max_time 2 "
+                   f"-rod_curvature {sign * 0.1} -contact_diameter 0.05 -rod_cells 100 "
+                   + walls(f"polygon outside 1 {sign * 0.3} 2 {sign * -0.4} 3 {sign * 1.5} friction 0.3"))
+        expect(r.contact_force[-1] > 0 and bent.contact_force[-1] > 0, f"{sign}: no contact")
+        tips.append(np.r_[r.tip, bent.tip] * [1, sign, 1, sign])
+    print(f"tips {tips[0]}, differ by {abs(tips[1] - tips[0]).max():.1e}")
+    expect(np.allclose(tips[1], tips[0], rtol=0, atol=1e-7), f"not mirrored: {tips}")
+
+
+def on_ranks(options, bound):
+    one = Run(options)
+    expect(one.contact_force[-1] > 0, f"{options}: no contact")
+    for n in (2, 3):
+        r = Run(options, ranks=n)
+        off = {k: abs(r.series[k][-1] / one.series[k][-1] - 1)
+               for k in ("tip_x1", "tip_x2", "energy", "dissipation", "contact_force")}
+        print(f"{n} ranks: {r.steps} and {one.steps} steps, differ by {max(off.values()):.1e}")
+        expect(max(off.values()) < bound, f"{options}: {n} ranks differ, {off}")
+
+
+@check
+def ranks():
+    """1, 2 and 3 ranks agree: the rod on itself, on walls."""
+    on_ranks(COIL + "-rod_curvature 1 -ts_max_time 8 -contact_friction 0.3 -rod_cells 100", 1e-6)
+    on_ranks("-growth_type feed -growth_initial_length 0.5 -rod_curvature 0.1 -shape_type straight "
+             "-contact_diameter 0.1 -ts_max_time 2.5 -rod_cells 60 "
+             + walls("circle 2 0.4 0.7 outside friction 0.4", "plane 3 0 -1 0"), 1e-6)
+
+
+@check
+def restart():
+    """A run that was broken in the midst of contact goes on to the last bit."""
+    d = scene.SCRATCH
+    pillar = walls("circle 2 0.4 0.7 outside friction 0.4", "plane 3 0 -1 0")
+    for options in (COIL + "-rod_curvature 1 -ts_max_time 8 -contact_friction 0.3 -rod_cells 100 ",
+                    COIL + "-rod_curvature 1 -ts_max_time 8 -contact_friction 0.3 -rod_cells 100 "
+                    "-friction_beta 0 ",
+                    "-growth_type feed -growth_initial_length 0.5 -rod_curvature 0.1 -shape_type straight "
+                    f"-contact_diameter 0.1 -ts_max_time 2.5 -rod_cells 60 {pillar}"):
+        tendril(f"{options} -output {d}/whole.h5")
+        whole = read(f"{d}/whole.h5")
+        pressed = np.flatnonzero(whole["series/contact_force"] > 0)
+        expect(len(pressed) > 20, f"{options}: touches for {len(pressed)} steps")
+        tendril(f"{options} -output {d}/broken.h5 -ts_max_steps {pressed[len(pressed) // 2]}", 1)
+        tendril(f"-restart {d}/broken.h5 -output {d}/broken.h5")
+        broken = read(f"{d}/broken.h5")
+        different = [k for k in whole if not np.array_equal(whole[k], broken[k])]
+        print(f"{len(whole['series/t'])} steps, {len(pressed)} in contact, different: {different}")
+        expect(not different, f"{options}: {different} differ")
+
+
+@check
+def energy_balance():
+    """With contact, its friction and material that is laid down under pressure."""
+    for name, options in (
+            ("coil", COIL + "-rod_curvature 1 -ts_max_time 8 -contact_friction 0.3 -rod_cells 300"),
+            ("grows", "-growth_type uniform -growth_initial_length 0.5 -rod_curvature 0.1 -shape_type "
+             "straight -contact_diameter 0.1 -ts_max_time 2.5 -contact_friction 0.3 "
+             + walls("plane 2 0 -1 0.2", "circle 1 -1.2 1 outside"))):
+        r = Run(options)
+        late = r.energy_defect[r.t > 0.01].max()
+        print(f"{name}: {r.steps} steps, defect at most {late:.1e}, {r.energy_defect[-1]:.1e} at the end")
+        expect(r.contact_force[-1] > 0 and r.dissipation.min() > -1e-12, f"{name}: no contact")
+        expect(late < 1e-5, f"{name}: defect {late:.1e}")
+
+
+# --- where methods fail --------------------------------------------------------------------------
+
+
+@check
+def robust():
+    """Stiff contact, friction next to exact and exact, corners, a thin rod, a snap in contact."""
+    fed = ("-growth_type feed -growth_initial_length 0.5 -shape_type straight -rod_curvature 0.1 "
+           "-ts_max_time 3 -rod_cells 100 ")
+    stone = walls("polygon outside 1.5 0.5 1.8 -0.6 3 -0.5 2.5 0.6 friction 0.3")
+    for name, options, most in (
+            ("stiff", fed + "-contact_diameter 0.05 -contact_stiffness 1e7 ", 1500),
+            ("tiny beta", fed + "-contact_diameter 0.05 -friction_beta 1e-10 ", 1500),
+            ("exact", fed + "-contact_diameter 0.05 -friction_beta 0 ", 1500),
+            ("thin", fed + "-contact_diameter 1e-3 ", 1500)):
+        r = Run(options + stone)
+        late = r.energy_defect[r.t > 0.01].max()
+        print(f"{name}: {r.steps} steps, {r.newton_iterations.sum():.0f} Newton, penetration "
+              f"{r.penetration.max():.1e}, force {r.contact_force[-1]:.3f}, defect {late:.1e}, tip {r.tip}")
+        expect(r.contact_force.max() > 0, f"{name}: no contact")
+        expect(r.steps < most and late < 1e-3, f"{name}: {r.steps} steps, defect {late:.1e}")
+    # a nearly straight rod that presses on a wall snaps aside
+    r = Run("-growth_type feed -growth_initial_length 0.9 -shape_type straight -rod_curvature 1e-6 "
+            "-ts_max_time 0.6 -rod_cells 100 " + walls("plane 1 0 -1 0"))
+    print(f"snap: {r.steps} steps, {r.newton_iterations.sum():.0f} Newton, tip {r.tip}")
+    expect(abs(r.tip_x1[-1] - 1) < 1e-4 and r.tip_x2[-1] > 0.5, f"tip {r.tip}")
+
+
+@check
+def guard():
+    """Contact that is far too soft: the rod would pass through. It ends in one plain line."""
+    d = scene.SCRATCH
+    for name, options in (
+            ("through a circle", "-growth_type feed -growth_initial_length 0.5 -shape_type straight "
+             "-rod_curvature 0.01 -ts_max_time 4 -contact_stiffness 1e-3 -rod_cells 50 "
+             + walls("circle 2 0 0.1 outside")),
+            ("through a plane", "-growth_type feed -growth_initial_length 0.5 -shape_type straight "
+             "-rod_curvature 0.01 -ts_max_time 4 -contact_stiffness 1e-3 -rod_cells 50 "
+             "-contact_diameter 0.1 " + walls("plane 2 0 -1 0")),
+            ("through itself", TUBE + "-contact_stiffness 1e-4 -ts_max_time 19.5 -rod_cells 200")):
+        line = tendril(f"{options} -output {d}/passes.h5", 1)
+        crossed = read(f"{d}/passes.h5")["series/self_crossings"].max()
+        print(f"{name}: {line.strip()}")
+        expect("pass through itself or a wall" in line, f"{name}: {line}")
+        expect(crossed == 0, f"{name}: crosses itself before it ends")
+
+
+@check
+def first_touch():
+    """-stop_contact ends the run where the rod first touches."""
+    d = scene.SCRATCH
+    fed = "-growth_type feed -growth_initial_length 0.5 -shape_type straight -ts_max_time 4 -stop_contact "
+    tendril(f"{fed} -contact_diameter 0.2 {walls('plane 1.5 0 -1 0')} -output {d}/touch.h5")
+    r = read(f"{d}/touch.h5")
+    print(f"event {r['kind']} at t = {r['series/t'][-1]:.6f}")
+    expect(r["kind"] == "contact" and abs(r["series/t"][-1] - 0.9) < 1e-3, f"{r['kind']}, "
+           f"{r['series/t'][-1]}")
 
 
 if __name__ == "__main__":
