@@ -15,7 +15,8 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from .style import BLUE, GREY, ORANGE, STYLE
-from .results import ResultsError, load
+from .errors import ResultsError
+from .results import load
 
 
 def contact_length(r):
