@@ -168,7 +168,8 @@ def run(scene=None, *, output=None, progress: bool | None = None, ranks: int = 1
     Raises RunError, with tendril's own line, for a run that is refused or gives up; what was stored
     until then is in its .results."""
     with tempfile.TemporaryDirectory(prefix="tendril-") as directory:
-        output = Path(output or Path(directory) / "run.h5")
+        name = Path(scene).stem if isinstance(scene, (str, Path)) else "run"
+        output = Path(output or Path(directory) / f"{name}.h5")
         launch = ["mpiexec", "-n", str(ranks)] if ranks > 1 else []
         command = [*launch, executable(), *scene_words(scene, directory),
                    *words_of(options, directory), "-output", str(output)]

@@ -178,6 +178,7 @@ function makeRod() {
     axes: [{ label: withUnit("x₁", "l"), labelSize: 20, size: 34 },
            { label: withUnit("x₂", "l"), labelSize: 20, size: 50 }],
     series: [{}, {}], hooks: { draw: [drawRods] },
+    padding: [8, 16, 0, 0],  // fixed, so that the box is what the limits were made for
   }, [[0, 1], [0, 0]], element("rod"));
   element("least").textContent = number(-data.strongest * factor(data.runs[0], "N l"));
   element("most").textContent = withUnit(number(data.strongest * factor(data.runs[0], "N l")), "N l");
