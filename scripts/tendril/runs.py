@@ -18,6 +18,7 @@ import shutil
 import signal
 import subprocess
 import tempfile
+import time
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -104,14 +105,14 @@ def follow(process, progress):
     """Reads what a run prints, and shows how far it is by the time that it says is left."""
     from tqdm import tqdm
 
-    said = []
+    said, begin = [], time.perf_counter()
     form = "{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining}"
     with tqdm(total=1.0, desc="tendril", bar_format=form, leave=False,
               disable=None if progress is None else not progress) as bar:
         for line in process.stdout:
             said.append(line)
             if left := SECONDS_LEFT.search(line):
-                elapsed = bar.format_dict["elapsed"]
+                elapsed = time.perf_counter() - begin
                 done = elapsed / (elapsed + float(left[1]))
                 bar.update(max(0, done - bar.n))
     return "".join(said)
