@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
+from scipy.spatial import cKDTree
 
 from .measured import PIXEL, Curve, DataError, Measured, Photograph
 from .results import Results
@@ -78,9 +79,20 @@ class Camera:
 
 
 def best_time(r: Results, points):
-    """The stored time, as a part of the run, at which these points lie nearest to the rod."""
-    cost = [np.mean(distances(points, x)[0] ** 2) for x in r.shapes.x]
+    """The stored time, as a part of the run, at which rod and points lie nearest to each other: both
+    ways, for a rod that is too long has something near every point, too. Medians, against outliers."""
+    tree = cKDTree(points)
+    cost = [np.median(np.abs(distances(points, x)[0])) + np.median(tree.query(x)[0])
+            for x in r.shapes.x]
     return float(r.shapes.t[int(np.argmin(cost))] / r.shapes.t[-1])
+
+
+def loose_end(points, line):
+    """How far the end of a line is from the nearest point, beyond what the gaps between points explain:
+    distances from the points alone would not tell that a rod is too long."""
+    tree = cKDTree(points)
+    gap = 2 * np.quantile(tree.query(points, 2)[0][:, 1], 0.95)
+    return max(0.0, float(tree.query(line[-1])[0] - gap))
 
 
 class Comparison:
@@ -94,15 +106,25 @@ class Comparison:
         self.timeless = [p for p in measured.photographs if p.abscissa is None]
         self.groups: list[str] = []  # of each residual
 
-    def names(self):
-        """Of the numbers that are found beside the parameters."""
-        camera = ["camera scale", "camera x", "camera y", "camera angle"] if self.camera else []
-        return camera + [f"time of {p.source}" for p in self.timeless]
-
-    def guess(self, r: Results):
-        """The numbers to begin with, for a run: its last photograph tells the camera."""
-        own = []
+    def told(self, r: Results, own) -> list[str]:
+        """In words, the numbers that were found beside the parameters."""
+        words = []
         if self.camera:
+            x, y = self.camera.size * np.asarray(own[1:3])
+            words.append(f"picture: {self.camera.size * np.exp(own[0]):.5g} px per "
+                         f"{'m' if 'si_length' in r.attributes else 'unit of length'}, the clamp at "
+                         f"({x:.5g}, {y:.5g}) px, turned by {np.degrees(own[3]):.3g} degrees")
+        for p, part in zip(self.timeless, own[len(own) - len(self.timeless):]):
+            t = float(np.clip(part, 0, 1)) * r.shapes.t[-1]
+            lab = f" ({t * r.scale('time'):.4g} s)" if "si_time" in r.attributes else ""
+            words.append(f"{p.source}: best at t = {t:.4g}{lab}")
+        return words
+
+    def guess(self, r: Results, own=()):
+        """The numbers to begin with, for a run: its last photograph tells the camera, unless it is known
+        from before."""
+        own = list(own[:Camera.COUNT]) if self.camera else []
+        if self.camera and not own:
             last = max((p for p in self.measured.photographs),
                        key=lambda p: np.ptp(p.points.numbers, axis=0).max())
             t = time_of(r, last.abscissa, last.at) if last.abscissa else r.shapes.t[-1]
@@ -133,11 +155,12 @@ class Comparison:
         return finer(shape_at(r, t) * (r.scale("length") if p.points.si else 1))
 
     def of_photograph(self, r, p: Photograph, own):
-        """Distances of its points; of one in order the last is the tip, also along the rod."""
+        """Distances of its points; of one in order the last is the tip, also along the rod, of others
+        the rod must end where they do."""
         line = self.line(r, p, own)
         found, _ = distances(p.points.numbers, line)
         if not p.ordered:
-            return found
+            return np.append(found, loose_end(p.points.numbers, line))
         gap, end = p.points.numbers[-1] - line[-1], line[-1] - line[-2]
         end = end / np.hypot(*end)
         return np.concatenate([found[:-1], [end[0] * gap[1] - end[1] * gap[0], end @ gap]])

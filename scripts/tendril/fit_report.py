@@ -13,7 +13,7 @@ from .comparing import LINES
 from .measured import PIXEL, Values
 from .runs import scene_words, text_of, write_arrays
 from .style import BLUE, GREY, ORANGE, STYLE
-from .units import DIMENSIONS
+from .units import DIMENSIONS, KINDS, suited_to
 
 if TYPE_CHECKING:
     from .fitting import Fit
@@ -23,7 +23,21 @@ CLOSE = 0.95  # a correlation from which on two parameters are hardly told apart
 
 
 def unit_of(values: Values):
+    """The name of a unit in which something was measured, in SI."""
     return {"": "", PIXEL: PIXEL, "rad": "rad"}.get(values.unit) or DIMENSIONS.get(values.unit, ("", ""))[1]
+
+
+def shown(values: Values, most=None):
+    """(what its numbers are multiplied by in words and pictures, the name of the unit they then have):
+    centimetres for metres, where that suits."""
+    if values.unit not in KINDS:
+        return 1, unit_of(values)
+    name, si = suited_to(KINDS[values.unit], np.nanmax(np.abs(values.numbers)) if most is None else most)
+    return 1 / si, name
+
+
+def labelled(text, unit):
+    return f"{text} ({unit})" if unit else text
 
 
 def share_of(fit: Fit, k, part):
@@ -93,15 +107,14 @@ def describe(fit: Fit) -> str:
         lines.append("correlations")
         for k, p in enumerate(fit.parameters):
             lines.append(f"{p.name:{width}} " + " ".join(f"{c:7.3f}" for c in fit.correlations[k, :k + 1]))
-    units = {c.name: unit_of(c.values) for c in fit.problem.measured.curves}
-    units |= {LINES: unit_of(p.points) for p in fit.problem.measured.photographs}
-    groups = np.array(fit.problem.comparison.groups)
+    values = {c.name: c.values for c in fit.problem.measured.curves}
+    values |= {LINES: p.points for p in fit.problem.measured.photographs}
     for name, noise in fit.noise.items():
         what = "centre lines" if name == LINES else name
-        lines.append(f"noise of {what}: {noise:.3g} {units[name]}".rstrip()
-                     + f", {np.sum(groups == name)} residuals")
-    for name, value in zip(fit.problem.comparison.names(), fit.u[len(fit.parameters):]):
-        lines.append(f"{name}: {value:.5g}")
+        factor, unit = shown(values[name], noise)
+        lines.append(f"noise of {what}: {factor * noise:.3g} {unit}".rstrip())
+    lines.append(f"{fit.problem.measured.count()} points measured")
+    lines += fit.problem.comparison.told(fit.run, fit.u[len(fit.parameters):])
     lines += [*fit.indistinct, f"{fit.problem.count} runs, {fit.seconds:.0f} s"]
     return "\n".join(lines)
 
@@ -126,28 +139,32 @@ def table(fit: Fit):
 
 def draw_photograph(ax, fit: Fit, p):
     line = fit.problem.comparison.line(fit.run, p, fit.u[len(fit.parameters):])
-    ax.plot(*p.points.numbers.T, ".", ms=3, color=ORANGE, label="measured")
-    ax.plot(*line.T, color=BLUE, label="best scene")
+    factor, unit = shown(p.points)
+    ax.plot(*(factor * p.points.numbers.T), ".", ms=3, color=ORANGE, label="measured")
+    ax.plot(*(factor * line.T), color=BLUE, label="best scene")
     ax.set_aspect("equal", adjustable="datalim")
     if p.points.unit == PIXEL:
         ax.invert_yaxis()
-    name = {"t": "t", "length": "L"}.get(p.abscissa, "no time")
-    at = f" = {float(p.at.numbers):.4g} {unit_of(p.at)}" if p.abscissa else ""
-    ax.set_title(f"{name}{at}".rstrip(), fontsize=8)
-    ax.set_xlabel(f"$x_1$ ({unit_of(p.points)})" if unit_of(p.points) else "$x_1$")
+    title = "no time"
+    if p.abscissa:
+        times, name = shown(p.at)
+        title = f"{'t' if p.abscissa == 't' else 'L'} = {times * float(p.at.numbers):.4g} {name}".rstrip()
+    ax.set_title(title, fontsize=8)
+    ax.set_xlabel(labelled("$x_1$", unit))
 
 
 def draw_curve(ax, fit: Fit, c):
-    ax.plot(c.at.numbers, c.values.numbers, ".", ms=4, color=ORANGE)
-    ax.plot(c.at.numbers, fit.problem.comparison.model(fit.run, c), color=BLUE)
-    ax.set_xlabel(f"{c.abscissa} ({unit_of(c.at)})" if unit_of(c.at) else c.abscissa)
-    name = c.name.replace("_", " ")
-    ax.set_title(f"{name} ({unit_of(c.values)})" if unit_of(c.values) else name, fontsize=8)
+    (along, at_unit), (factor, unit) = shown(c.at), shown(c.values)
+    ax.plot(along * c.at.numbers, factor * c.values.numbers, ".", ms=4, color=ORANGE)
+    ax.plot(along * c.at.numbers, factor * fit.problem.comparison.model(fit.run, c), color=BLUE)
+    ax.set_xlabel(labelled(c.abscissa, at_unit))
+    ax.set_title(labelled(c.name.replace("_", " "), unit), fontsize=8)
 
 
 def draw_residuals(ax, fit: Fit):
     """How residuals, over their noise, are distributed, beside the normal distribution."""
-    f = np.clip(fit.problem.residuals(fit.u), -5, 5)
+    f = fit.problem.residuals(fit.u)
+    f = np.clip(f[f != 0], -5, 5)  # 0: an end that is where it should be
     ax.hist(f, bins=41, range=(-5, 5), density=True, color=GREY)
     x = np.linspace(-5, 5, 201)
     ax.plot(x, stats.norm.pdf(x), color=BLUE, lw=0.8)
@@ -208,5 +225,6 @@ def save(fit: Fit, basename):
     Path(f"{basename}.txt").write_text(describe(fit) + "\n")
     table(fit).to_csv(f"{basename}.csv", index=False)
     figure = draw(fit)
-    for ending in ("png", "pdf"):
-        figure.savefig(f"{basename}.{ending}", dpi=200)
+    with plt.rc_context(STYLE):
+        for ending in ("png", "pdf"):
+            figure.savefig(f"{basename}.{ending}")

@@ -29,7 +29,7 @@ from typing import Mapping, Sequence
 import numpy as np
 from scipy import optimize, stats
 
-from .comparing import LINES, Comparison
+from .comparing import Comparison, time_of
 from .errors import RunError, TendrilError
 from .fit_report import describe, draw, indistinct, scene_text, table
 from .measured import Measured, gather
@@ -308,11 +308,9 @@ def bent_length(comparison: Comparison, r: Results, share=0.05):
         if p.abscissa and not comparison.camera:
             points = comparison.plain_points(r, p, [])
             if np.ptp(points[:, 1]) > share * np.ptp(points[:, 0]):
-                from .comparing import time_of
                 found.append(r.value("length", float(time_of(r, p.abscissa, p.at))))
     for c in comparison.measured.curves:
         if c.name == "width":
-            from .comparing import time_of
             length = np.interp(time_of(r, c.abscissa, c.at), r.series.t, r.series.length)
             width = c.values.numbers / (r.scale("length") if c.values.si else 1)
             found += list(length[width > share * length][:1])
@@ -468,6 +466,8 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", a
     best, costs = search(problem, starts, SEARCH * accuracy, seed, tell)
     p = len(looked_for)
     problem.prepare(best.u[:p], accuracy)
+    (r,) = problem.run([best.u[:p]])
+    best.u = np.r_[best.u[:p], problem.comparison.guess(r, best.u[p:])]  # times, now that it looks so
     for tolerance in (1e-3, 1e-4):  # the noise as the residuals tell it, then once more
         problem.measure_noise(best.u)
         best = problem.solve(best.u, tolerance)

@@ -237,7 +237,7 @@ def gather(data, unit="") -> Measured:
     data  a file, a list of files, Measured, or a dict of photographs by their time or length:
           {"20s": "photo.csv", "30s": points [m, 2]}"""
     if isinstance(data, Measured):
-        return data
+        return checked(data)
     if isinstance(data, Mapping):
         found = []
         for at, points in data.items():
@@ -245,14 +245,19 @@ def gather(data, unit="") -> Measured:
                 found.append(read(points, unit, str(at)))
             else:
                 found.append(Measured([photograph(np.asarray(points, float), unit,
-                                                  moment(str(at), "data"), False, f"data at {at}")]))
+                                                  moment(str(at), "data"), False,
+                                                  f"photograph at {at}" if at else "photograph")]))
     elif isinstance(data, (str, Path)):
         found = [read(data, unit)]
     elif isinstance(data, Sequence):
         found = [gather(one, unit) for one in data]
     else:
         raise DataError("data: give a CSV file, several in a list, or {'20s': 'photo.csv', ...}")
-    whole = Measured([p for m in found for p in m.photographs], [c for m in found for c in m.curves])
+    return checked(Measured([p for m in found for p in m.photographs],
+                            [c for m in found for c in m.curves]))
+
+
+def checked(whole: Measured) -> Measured:
     if not whole.count():
         raise DataError("data: nothing was measured there")
     if len({p.points.unit for p in whole.photographs}) > 1:

@@ -86,12 +86,16 @@ def moment(option, text, results):
     return value * TIMES[unit] / scale
 
 
+def suited_to(kind, most):
+    """(name, what 1 of it is in SI units) of the unit that suits a largest value, in SI units."""
+    return next((u for u in SHOWN[kind] if most >= u[2] * (1 - 1e-9)), SHOWN[kind][0])[:2]
+
+
 def suited(kind, results):
-    """(name, what 1 of it is in SI units) of the unit that suits the largest value of these runs."""
+    """The same for the largest value of these runs."""
     largest = [r.scale(kind) * np.abs(a[np.isfinite(a)]).max(initial=0) for r in results
                for name, a in r.series.items() if name in DECIDES[kind]]
-    most = max(largest, default=1)
-    return next((u for u in SHOWN[kind] if most >= u[2] * (1 - 1e-9)), SHOWN[kind][0])[:2]
+    return suited_to(kind, max(largest, default=1))
 
 
 def laboratory_units(results):
