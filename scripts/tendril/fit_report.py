@@ -179,8 +179,8 @@ def draw(fit: Fit, most=7):
     keep = np.unique(np.linspace(0, len(photographs) - 1, min(most, len(photographs))).astype(int))
     panels = [(draw_photograph, photographs[k]) for k in keep]
     panels += [(draw_curve, c) for c in fit.problem.measured.curves]
-    columns = min(4, len(panels) + 1)
-    rows = -(-(len(panels) + 1) // columns)
+    rows = -(-(len(panels) + 1) // 4)
+    columns = -(-(len(panels) + 1) // rows)
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(rows, columns, figsize=(2.1 * columns, 1.9 * rows + 0.3),
                                     squeeze=False, layout="constrained")

@@ -9,7 +9,7 @@ Any option with a number is a parameter, by its bounds and, if one is known, a s
 braces in the text of another option: friction_layers="0:1,3:{hard}" with {"hard": (1, 10)}; and so are
 curvature_mode_1, _2, ...: the natural curvature sum of mode_k cos((k-1) pi s), over the label s of a
 rod that grows in place, over the distance from the tip, as a part of the final length, of one that
-slides (feed, apical), dimensionless.
+slides (feed, apical); in 1/m and the like, or dimensionless.
 
 The sum of squares of the residuals, over their noise, is made least by scipy's least_squares, with
 Huber's loss against outliers. Runs for the derivatives are made side by side. The noise is estimated
@@ -36,6 +36,7 @@ from .measured import Measured, gather
 from .results import Results
 from .runs import critical
 from .sweeps import cores, run_all
+from .units import scales_of_rod
 
 HUBER = 1.345  # 95 % efficiency for normal noise
 STEP, FINE_STEP = 3e-3, 1e-2  # of differences, in parts of a parameter's bounds: forward, central
@@ -44,6 +45,7 @@ SHAPES = 120  # stored in a run, between which shapes are interpolated
 LOGARITHMIC = 4  # a positive parameter with bounds this far apart is looked for by its logarithm
 FAILED = 1e3  # a residual, in noise, of a run that failed
 CONFIDENCE = 0.95
+PER = {"/m": 1, "1/m": 1, "/cm": 1e-2, "1/cm": 1e-2, "/mm": 1e-3, "1/mm": 1e-3}  # of curvatures
 MODE = re.compile(r"curvature_mode_(\d+)$")
 
 
@@ -74,6 +76,8 @@ class Parameter:
             raise TendrilError(f"{name}: give two bounds, the lower first, and a start if one is known")
         if len(units) > 1:
             raise TendrilError(f"{name}: give bounds and start in one unit")
+        if MODE.match(name) and units - {"", *PER}:
+            raise TendrilError(f"{name}: give its bounds in {', '.join(PER)}, or dimensionless")
         start = values[2] if len(values) == 3 else None
         if start is not None and not values[0] <= start <= values[1]:
             raise TendrilError(f"{name}: the start {start:g} is not within its bounds")
@@ -114,7 +118,8 @@ class Problem:
         self.options, self.jobs = dict(options), jobs or 2 * cores()
         self.comparison = Comparison(measured)
         self.settings: dict = {}  # end, stored shapes, cells and tolerance of all runs
-        self.span = 1.0  # length over which curvature modes are laid out
+        self.glimpse = self.begin = None  # a run at the first point, for what it says of the scene
+        self.reach = 1.0  # length at the end, in units of that run
         self.noise: dict[str, float] = {}
         self.count = 0  # of runs
         self.known: dict = {}  # runs by their point
@@ -122,7 +127,7 @@ class Problem:
     def words(self, u):
         """The options of a run, apart from its settings; u: parameters, from 0 to 1."""
         values = {p.name: p.text(p.value(x)) for p, x in zip(self.parameters, u)}
-        modes = {int(MODE.match(name)[1]): float(values.pop(name)) for name in list(values)
+        modes = {int(MODE.match(name)[1]): with_unit(values.pop(name)) for name in list(values)
                  if MODE.match(name)}
         options = {}
         for name, value in self.options.items():
@@ -131,23 +136,32 @@ class Problem:
                 value = value.format_map(values)
                 values = {p: v for p, v in values.items() if p not in used}
             options[name.lstrip("-")] = value
-        if modes:
-            options["rod_curvature_file"] = self.curvature(modes)
+        if modes and self.glimpse is not None:
+            options["rod_curvature_file"] = self.curvature(modes, u)
         return options | values
 
-    def curvature(self, modes):
-        """The arrays of -rod_curvature_file for some modes."""
-        s = np.linspace(0, 1, 201)
-        slides = self.settings.get("slides", False)
-        return {"distance" if slides else "s": s * (self.span if slides else 1),
-                "curvature": sum(a * np.cos((k - 1) * np.pi * s) for k, a in modes.items())}
+    def unit_length(self, u):
+        """1 of tendril's unit of length in m at a point, 1 without laboratory units."""
+        rod = dict(self.glimpse.attributes)
+        for p, x, x0 in zip(self.parameters, u, self.begin):
+            if p.name.startswith("si_"):
+                rod[f"parameters/{p.name}"] *= p.value(x) / p.value(x0)
+        return scales_of_rod(rod).get("length", 1.0)
+
+    def curvature(self, modes, u):
+        """The arrays of -rod_curvature_file for some modes, {number: (amplitude, unit)}."""
+        s, unit = np.linspace(0, 1, 201), self.unit_length(u)
+        reach = self.reach * self.unit_length(self.begin) / unit
+        slides = self.glimpse.attributes["parameters/growth_type"] in ("feed", "apical")
+        bend = sum(a * (unit / PER[per] if per else 1) * np.cos((k - 1) * np.pi * s)
+                   for k, (a, per) in modes.items())
+        return {"distance" if slides else "s": s * (reach if slides else 1), "curvature": bend}
 
     def run(self, points) -> list[Results | RunError]:
         """Runs at these points, side by side; those that were made before are not made again."""
         keys = [tuple(np.round(np.asarray(u, float), 12)) for u in points]
         new = [key for key in dict.fromkeys(keys) if key not in self.known]
-        settings = {k: v for k, v in self.settings.items() if k != "slides"}
-        for key, r in zip(new, run_all([self.words(key) | settings for key in new], self.scene,
+        for key, r in zip(new, run_all([self.words(key) | self.settings for key in new], self.scene,
                                        self.jobs, progress=False)):
             self.known[key] = r
         self.count += len(new)
@@ -167,17 +181,16 @@ class Problem:
     def prepare(self, u, accuracy):
         """Chooses how all runs are made, from one at u: their end, which shapes they store, and cells
         and tolerance for an accuracy; so that runs differ by their parameters alone."""
-        self.known, self.settings = {}, {}
-        glimpse = self.first([u], {"ts_max_time": 1e-6})
-        self.settings["slides"] = glimpse.attributes["parameters/growth_type"] in ("feed", "apical")
+        self.known, self.settings, self.glimpse = {}, {}, None
+        self.glimpse, self.begin = self.first(u, {"ts_max_time": 1e-6}), u
         end = self.ends()
-        length0 = float(glimpse.series.length[0])
         if "stop_length" in end and "ts_max_time" not in end:
             last = max(self.measured.abscissae("length"), key=lambda v: np.max(v.numbers))
-            reach = float(np.max(last.numbers)) / (glimpse.scale("length") if last.si else 1)
-            end["ts_max_time"] = 1.2 * max(reach - length0, 0.1)
-        chosen = self.first([u], end | {"accuracy": accuracy})
-        self.span = float(chosen.series.length[-1])
+            reach = float(np.max(last.numbers)) / (self.glimpse.scale("length") if last.si else 1)
+            end["ts_max_time"] = 1.2 * max(reach - float(self.glimpse.series.length[0]), 0.1)
+        if any(MODE.match(p.name) for p in self.parameters):
+            self.reach = self.first(u, end | {"rod_cells": 40, "ts_rtol": 1e-3}).series.length[-1]
+        chosen = self.first(u, end | {"accuracy": accuracy})
         for name in ("rod_cells", "ts_rtol"):
             end.setdefault(name, chosen.options.get(name))
         if "stop_length" in end and "ts_max_time" not in self.ends():
@@ -186,9 +199,9 @@ class Problem:
         self.settings |= {k: v for k, v in end.items() if v is not None and k not in self.options}
         self.known = {}
 
-    def first(self, points, settings):
+    def first(self, u, settings):
         """A run that must not fail."""
-        (r,) = run_all([self.words(points[0]) | settings], self.scene, self.jobs, progress=False)
+        (r,) = run_all([self.words(u) | settings], self.scene, self.jobs, progress=False)
         self.count += 1
         if isinstance(r, RunError):
             raise r
