@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
 # Runs every scene of options/ and draws it for options/README.md, into options/pictures/.
+#   scripts/lab/gallery.sh
 set -euo pipefail
 # shellcheck source-path=SCRIPTDIR
 source "$(dirname "${BASH_SOURCE[0]}")/../common.sh"
