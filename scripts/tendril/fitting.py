@@ -43,6 +43,7 @@ STEP, FINE_STEP = 3e-3, 1e-2  # of differences, in parts of a parameter's bounds
 SEARCH = 10  # the search for a start is made with this many times the error of the final runs
 SHAPES = 120  # stored in a run, between which shapes are interpolated
 LOGARITHMIC = 4  # a positive parameter with bounds this far apart is looked for by its logarithm
+BETTER = 0.05  # less of the cost is no reason to go on: 1.92 is that of an interval's end
 FAILED = 1e3  # a residual, in noise, of a run that failed
 CONFIDENCE = 0.95
 PER = {"/m": 1, "1/m": 1, "/cm": 1e-2, "1/cm": 1e-2, "/mm": 1e-3, "1/mm": 1e-3}  # of curvatures
@@ -270,11 +271,12 @@ class Problem:
         return (np.r_[np.zeros(p), np.full(len(u) - p, -np.inf)],
                 np.r_[np.ones(p), np.full(len(u) - p, np.inf)])
 
-    def solve(self, u, tolerance, most=15) -> Solution:
-        """The least cost from a start."""
+    def solve(self, u, tolerance, ahead=True, most=15) -> Solution:
+        """The least cost from a start. ahead: runs for derivatives are made before they are asked for,
+        as there are cores for them."""
         inside = np.clip(u, *[b + s for b, s in zip(self.bounds(u), (1e-6, -1e-6))])
-        found = optimize.least_squares(self.with_neighbours, inside, self.jacobian, self.bounds(u),
-                                       loss="huber", f_scale=HUBER, x_scale="jac", xtol=tolerance,
+        found = optimize.least_squares(self.with_neighbours if ahead else self.residuals, inside,
+                                       self.jacobian, self.bounds(u), loss="huber", f_scale=HUBER, x_scale="jac", xtol=tolerance,
                                        ftol=tolerance, gtol=None, max_nfev=most)
         return Solution(found.x, found.cost)
 
@@ -407,8 +409,9 @@ def huber_covariance(problem: Problem, f, jacobian):
 
 
 def widened(problem: Problem, u, covariance, cost):
-    """The covariance with its principal axes as long as runs along them tell: where the cost rises less
-    than the linearised problem says, the axis is that much longer."""
+    """(the covariance with its principal axes as long as runs along them tell, the best point among
+    these runs, its cost). Where the cost rises less than the linearised problem says, the axis is that
+    much longer; where it falls, the search was not at its end."""
     p = len(problem.parameters)
     variance, axes = np.linalg.eigh(covariance[:p, :p])
     reach = np.minimum(stats.norm.ppf((1 + CONFIDENCE) / 2) * np.sqrt(np.maximum(variance, 0)), 0.5)
@@ -421,18 +424,17 @@ def widened(problem: Problem, u, covariance, cost):
             trials.append(np.r_[inside, u[p:] + rest @ (inside - u[:p])])
     problem.run([t[:p] for t in trials])
     inverse = np.linalg.pinv(covariance, hermitian=True)
+    costs = [problem.cost(problem.residuals(trial)) for trial in trials]
     longer = np.ones(p)
-    for k in range(p):
-        for trial in trials[2 * k:2 * k + 2]:
-            step = trial - u
-            expected = 0.5 * step @ inverse @ step
-            risen = problem.cost(problem.residuals(trial)) - cost
-            if expected > 1e-3:
-                longer[k] = max(longer[k], np.sqrt(expected / max(risen, 1e-4 * expected)))
-    stretch = axes @ np.diag(np.minimum(longer, 1e3)) @ axes.T
+    for k, (trial, reached) in enumerate(zip(trials, costs)):
+        expected = 0.5 * (trial - u) @ inverse @ (trial - u)
+        if expected > 1e-3:
+            risen = max(reached - cost, 1e-4 * expected)
+            longer[k // 2] = max(longer[k // 2], np.sqrt(expected / risen))
     whole = np.eye(len(u))
-    whole[:p, :p] = stretch
-    return whole @ covariance @ whole.T
+    whole[:p, :p] = axes @ np.diag(longer) @ axes.T
+    least = int(np.argmin(costs))
+    return whole @ covariance @ whole.T, trials[least], costs[least]
 
 
 def search(problem: Problem, starts, accuracy, seed, tell):
@@ -449,9 +451,24 @@ def search(problem: Problem, starts, accuracy, seed, tell):
     problem.measure_noise(whole[0], share=0.03)
     ranked = sorted(whole, key=lambda u: problem.cost(problem.residuals(u)))
     with ThreadPoolExecutor() as pool:
-        found = list(pool.map(lambda u: problem.solve(u, 3e-3), ranked[:2]))
+        found = list(pool.map(lambda u: problem.solve(u, 3e-3, ahead=False), ranked[:2]))
     tell("searches end at " + " and ".join(f"{s.cost:.4g}" for s in found))
     return min(found, key=lambda s: s.cost), [s.cost for s in found]
+
+
+def certain(problem: Problem, best: Solution, tell, most=4):
+    """(the least cost, its covariance, the freedom): as long as a run on a principal axis is better than
+    the best, the search goes on from there."""
+    for last in range(most):
+        problem.measure_noise(best.u)
+        f = problem.residuals(best.u)
+        best = Solution(best.u, problem.cost(f))
+        covariance, freedom = huber_covariance(problem, f, problem.central_jacobian(best.u))
+        covariance, other, cost = widened(problem, best.u, covariance, best.cost)
+        if cost > best.cost - BETTER or last == most - 1:
+            return best, covariance, freedom
+        best = problem.solve(other, 1e-4)
+        tell(f"a better one beside it, {problem.count} runs")
 
 
 def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", accuracy: float = 3e-4,
@@ -485,12 +502,8 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", a
         problem.measure_noise(best.u)
         best = problem.solve(best.u, tolerance)
     tell(f"{problem.count} runs, polished")
-    problem.measure_noise(best.u)
-    f = problem.residuals(best.u)
-    covariance, freedom = huber_covariance(problem, f, problem.central_jacobian(best.u))
-    covariance = widened(problem, best.u, covariance, problem.cost(f))
+    best, covariance, freedom = certain(problem, best, tell)
     (r,) = problem.run([best.u[:p]])
-    found = Fit(problem, best.u, covariance, r, freedom, problem.cost(f), costs,
-                time.perf_counter() - begin)
+    found = Fit(problem, best.u, covariance, r, freedom, best.cost, costs, time.perf_counter() - begin)
     found.indistinct = indistinct(found)
     return found
