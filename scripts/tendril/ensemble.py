@@ -1,15 +1,13 @@
 """Draws the distributions over an ensemble: length at the first self-contact (of the centre line),
 width and number of loops at the end, and the members' shapes.
 
-    python -m tendril.ensemble results/ensemble --output results/ensemble"""
+    python -m tendril ensemble results/ensemble --output results/ensemble"""
 
 import argparse
 import sys
 from pathlib import Path
 
 import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import MaxNLocator
@@ -25,24 +23,31 @@ def contact_length(r):
     return r.series.length[first[0]] if len(first) else np.nan
 
 
+def above(ax):
+    """The legend where it covers nothing."""
+    ax.legend(loc="lower right", bbox_to_anchor=(1, 1))
+
+
 def histogram(ax, values, label, bins, median=True):
     values = values[np.isfinite(values)]
     ax.set_xlabel(label)
     ax.set_ylabel("members")
+    ax.yaxis.set_major_locator(MaxNLocator(integer=True))
     if not len(values):
         ax.text(0.5, 0.5, "none", transform=ax.transAxes, ha="center")
         return
     ax.hist(values, bins=bins, color=BLUE, edgecolor="white", lw=0.4)
     if median:
         ax.axvline(np.median(values), color=ORANGE, lw=1.2, label="median")
-        ax.legend(loc="best")
+        above(ax)
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="python -m tendril.ensemble", description=__doc__,
+    parser = argparse.ArgumentParser(prog="python -m tendril ensemble", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("directory")
     parser.add_argument("--output", metavar="BASENAME", required=True)
+    matplotlib.use("Agg")
     choice = parser.parse_args(arguments)
     try:
         members = [load(f) for f in sorted(Path(choice.directory).glob("*.h5"))]
@@ -68,7 +73,7 @@ def main(arguments=None):
         middle = members[int(np.argmin(np.abs(width - np.median(width))))]
         axes[0, 0].plot(*middle.at(middle.shapes.t[-1]).x.T, color=ORANGE, lw=1.3,
                         label="of median width")
-        axes[0, 0].legend(loc="upper right")
+        above(axes[0, 0])
         axes[0, 0].plot(0, 0, "ks", ms=3, zorder=4)
         axes[0, 0].set(xlabel="$x_1$", ylabel="$x_2$")
         axes[0, 0].set_aspect("equal", adjustable="datalim")
@@ -76,7 +81,6 @@ def main(arguments=None):
         histogram(axes[1, 0], width, "width at the end", 24)
         histogram(axes[1, 1], loops.astype(float), "crossings at the end",
                   np.arange(-0.5, loops.max() + 1), median=False)
-        axes[1, 1].yaxis.set_major_locator(MaxNLocator(integer=True))
         axes[1, 1].set_xticks(range(0, loops.max() + 1, max(1, loops.max() // 8)))
         for ax, letter in zip(axes.flat, "abcd"):
             ax.set_title(f"({letter})", loc="left")

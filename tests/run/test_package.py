@@ -3,6 +3,8 @@
 
     test_package.py build/tendril        with .venv's python, or one that has what the package needs"""
 
+import contextlib
+import io
 import os
 import re
 import subprocess
@@ -21,7 +23,7 @@ try:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     import tendril
-    from tendril import runs
+    from tendril import map, runs
     from tendril.units import in_laboratory
 except ImportError as error:
     venv = ROOT / ".venv/bin/python"
@@ -143,6 +145,23 @@ class Package(unittest.TestCase):
         self.assertEqual(tendril.load(kept).series.width[-1], self.runs[1].series.width[-1])
         lengths = tendril.sweep(over={"tip_force": [0, 1]}, task="critical", friction_beta=1e-6)
         np.testing.assert_allclose(lengths.dataset().length, [1.98635, 1.326992], rtol=1e-5)
+
+    def test_map(self):
+        """Of last values of a sweep; on a logarithmic axis cells meet at geometric means."""
+        place = self.place / "map"
+        s = tendril.sweep("feed", {"friction_mu": [0, 1], "growth_initial_length": [1, 2, 4]},
+                          directory=place, rod_cells=40, ts_max_time=0.2)
+        said = io.StringIO()
+        with contextlib.redirect_stderr(said):
+            axes = ["--axes", "growth_initial_length,friction_mu", "--output", str(self.place / "map")]
+            self.assertEqual(map.main([str(place), *axes, "--quantity", "wdth"]), 1)
+            self.assertEqual(map.main([str(place), *axes, "--quantity", "width"]), 0)
+        self.assertRegex(said.getvalue(), r"^map: .*holds no wdth; there are .*width\n$")
+        self.assertGreater((self.place / "map.png").stat().st_size, 3000)
+        xs, ys, table = map.read(place, ["growth_initial_length", "friction_mu"], "series/width")
+        np.testing.assert_array_equal(table, s.dataset().width.values)
+        np.testing.assert_allclose(map.edges(xs), 2.0 ** np.array([-0.5, 0.5, 1.5, 2.5]))
+        np.testing.assert_allclose(map.edges(ys), [-0.5, 0.5, 1.5])
 
     def test_three_lines(self):
         """The example of the README does what it says."""
