@@ -212,7 +212,8 @@ def scene_text(fit: Fit, arrays=None) -> str:
              for name, value in options.items() if value is not None}
     kept = [line for line in scene_lines(fit) if not line.startswith("-")
             or line[1:].split()[0] not in given]
-    return "\n".join([*kept, "# by tendril.fit", *(f"-{name} {value}" for name, value in given.items())]) + "\n"
+    found = [f"-{name} {value}" for name, value in given.items()]
+    return "\n".join([*kept, "# by tendril.fit", *found]) + "\n"
 
 
 def save(fit: Fit, basename):

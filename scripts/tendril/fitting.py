@@ -121,6 +121,9 @@ class Problem:
         self.settings: dict = {}  # end, stored shapes, cells and tolerance of all runs
         self.glimpse = self.begin = None  # a run at the first point, for what it says of the scene
         self.reach = 1.0  # length at the end, in units of that run
+        # parameters that are words in braces in the text of another option
+        self.inserted = {p.name for p in self.parameters for text in self.options.values()
+                         if isinstance(text, str) and "{" + p.name + "}" in text}
         self.noise: dict[str, float] = {}
         self.count = 0  # of runs
         self.known: dict = {}  # runs by their point
@@ -133,10 +136,12 @@ class Problem:
         options = {}
         for name, value in self.options.items():
             if isinstance(value, str) and "{" in value:
-                used = [p for p in values if "{" + p + "}" in value]
-                value = value.format_map(values)
-                values = {p: v for p, v in values.items() if p not in used}
+                try:
+                    value = value.format_map(values)
+                except (KeyError, ValueError, IndexError):
+                    raise TendrilError(f"{name} {value}: what stands in braces is no parameter") from None
             options[name.lstrip("-")] = value
+        values = {name: text for name, text in values.items() if name not in self.inserted}
         if modes and self.glimpse is not None:
             options["rod_curvature_file"] = self.curvature(modes, u)
         return options | values
@@ -192,6 +197,7 @@ class Problem:
         if any(MODE.match(p.name) for p in self.parameters):
             self.reach = self.first(u, end | {"rod_cells": 40, "ts_rtol": 1e-3}).series.length[-1]
         chosen = self.first(u, end | {"accuracy": accuracy})
+        self.check_end(chosen)
         for name in ("rod_cells", "ts_rtol"):
             end.setdefault(name, chosen.options.get(name))
         if "stop_length" in end and "ts_max_time" not in self.ends():
@@ -199,6 +205,16 @@ class Problem:
         end["output_interval"] = float(chosen.series.t[-1]) / SHAPES
         self.settings |= {k: v for k, v in end.items() if v is not None and k not in self.options}
         self.known = {}
+
+    def check_end(self, r: Results):
+        """A run must go on for as long as something was measured."""
+        for abscissa in ("t", "length"):
+            for at in self.measured.abscissae(abscissa):
+                si = r.scale({"t": "time", "length": "length"}[abscissa]) if at.si else 1
+                last, end = np.max(at.numbers), r.series[abscissa][-1] * si
+                if end < last * (1 - 1e-6):
+                    raise TendrilError(f"the scene ends at {abscissa} = {end:.6g}, before the last of what was "
+                                       f"measured, at {last:.6g}; take out what ends it (-stop_...)")
 
     def first(self, u, settings):
         """A run that must not fail."""
@@ -276,7 +292,8 @@ class Problem:
         as there are cores for them."""
         inside = np.clip(u, *[b + s for b, s in zip(self.bounds(u), (1e-6, -1e-6))])
         found = optimize.least_squares(self.with_neighbours if ahead else self.residuals, inside,
-                                       self.jacobian, self.bounds(u), loss="huber", f_scale=HUBER, x_scale="jac", xtol=tolerance,
+                                       self.jacobian, self.bounds(u), loss="huber",
+                                       f_scale=HUBER, x_scale="jac", xtol=tolerance,
                                        ftol=tolerance, gtol=None, max_nfev=most)
         return Solution(found.x, found.cost)
 

@@ -4,7 +4,8 @@
     scripts/map.sh results/map2 --axes friction_mu,friction_beta --quantity critical/length
     scripts/map.sh results/widths --axes friction_mu,growth_initial_length --quantity width
 
-The quantity is a number of the files, or a series, of which the last value is taken. Reads the files of scripts/sweep.sh; points that are missing or unfinished stay white."""
+The quantity is a number of the files, or a series, of which the last value is taken. Reads the files
+of scripts/sweep.sh; points that are missing or unfinished stay white."""
 
 import argparse
 import sys

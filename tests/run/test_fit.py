@@ -220,6 +220,22 @@ class Fitting(unittest.TestCase):
         for name, (low, high) in found.intervals.items():
             self.assertGreater(high / low, 4, name)
 
+    def test_refuses_what_the_scene_cannot(self):
+        data = self.place / "late.csv"
+        data.write_text("t (s),width (cm)\n1,2\n20,3\n")
+        bounds = {"si_friction_dry": ("0.2N/m", "2N/m")}
+        for more, word in ((dict(stop_length="5cm"), "ends at t = 8, before .* at 20"),
+                           (dict(friction_layers="0:1,3:{hard}"), "in braces is no parameter")):
+            with self.assertRaisesRegex(tendril.TendrilError, word):
+                tendril.fit(TUBE, data, bounds, **more)
+
+    def test_words_in_braces(self):
+        """One may stand in several options; none of it is an option of its own."""
+        problem = fitting.Problem(TUBE, measured.Measured(), [Parameter.of("hard", (1, 3))],
+                                  dict(friction_layers="0:1,3:{hard}", tip_force="{hard}", rod_cells=40))
+        self.assertEqual(problem.words([0.5]), {"friction_layers": "0:1,3:2.0", "tip_force": "2.0",
+                                                "rod_cells": 40})
+
     def test_refused_in_one_line(self):
         data = self.place / "one.csv"
         data.write_text("t (s),wdth (cm)\n1,2\n2,3\n")
