@@ -19,7 +19,7 @@ import numpy as np
 
 import tendril
 from tendril.comparing import finer, shape_at
-from tendril.fitting import with_unit
+from tendril.parameters import with_unit
 
 NOISE = 0.01  # of the width
 
@@ -99,10 +99,12 @@ def attempt(trial, r, seed, place):
     seconds, cores = time.perf_counter() - begin, sum(os.times()[:4]) - before
     truth = {name: with_unit(value)[0] for name, value in trial.hidden.items()}
     inside = {name: low <= truth[name] <= high for name, (low, high) in found.intervals.items()}
-    width = {name: (high - low) / 2 / abs(truth[name]) for name, (low, high) in found.intervals.items()}
+    width = {name: (high - low) / 2 / abs(truth[name])
+             for name, (low, high) in found.intervals.items()}
     estimates = ", ".join(f"{name} {value:.5g}{'' if inside[name] else ' (!)'}"
                           for name, value in found.values.items())
-    print(f"seed {seed}: {estimates}; {found.problem.count} runs, {seconds:.0f} s, {cores:.0f} s of cores", flush=True)
+    print(f"seed {seed}: {estimates}; {found.problem.count} runs, {seconds:.0f} s, {cores:.0f} s of cores",
+          flush=True)
     for words in found.indistinct:
         print(f"  {words}", flush=True)
     return inside, width, seconds, cores, found.problem.count

@@ -338,9 +338,10 @@ def draw(names, view):
     if view.overlay:
         headed = name_runs(figure, view)
     elif shared:
+        over = any(ax.get_legend() for ax in axes[0])  # a legend, which the titles stand above
         for ax, title in zip(axes[0], view.titles):
-            ax.set_title(title, pad=18)
-        headed = 0.2
+            ax.set_title(title, pad=18 if over else 6)
+        headed = 0.2 * over
     place(figure, axes, aspects, shared, headed)
     plt.close(figure)  # it is returned, and not pyplot's to show
     return figure

@@ -17,11 +17,11 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 try:
     import numpy as np
-    from scipy import stats
+    from scipy import optimize, stats
 
     import tendril
-    from tendril import comparing, fit_command, fitting, measured
-    from tendril.fitting import Parameter
+    from tendril import comparing, fit_command, fitting, measured, problem
+    from tendril.parameters import Parameter
 except ImportError as error:
     venv = ROOT / ".venv/bin/python"
     if venv.exists() and Path(sys.prefix) != venv.parent.parent:
@@ -135,7 +135,7 @@ class Intervals(unittest.TestCase):
             for _ in range(400):
                 design = 1e3 * random.normal(size=(80, 2))
                 f = random.normal(size=80) + 20 * (random.random(80) < outliers) * random.normal(size=80)
-                solution = fitting.optimize.least_squares(lambda b: f - design @ b, [0, 0], loss="huber",
+                solution = optimize.least_squares(lambda b: f - design @ b, [0, 0], loss="huber",
                                                           f_scale=fitting.HUBER)
                 covariance, freedom = fitting.huber_covariance(problem, solution.fun, -design)
                 reach = stats.t.ppf(0.975, freedom) * np.sqrt(np.diag(covariance))
@@ -177,7 +177,7 @@ class Fitting(unittest.TestCase):
         said = io.StringIO()
         with contextlib.redirect_stdout(said):
             code = fit_command.main([str(scene), str(data), "--parameter", "si_friction_dry=0.2N/m:2N/m",
-                                     "-p", "rod_curvature=-10/m:10/m", "--starts", "2", "--accuracy", "1e-3",
+                                     "-p", "rod_curvature=-10/m:10/m", "--starts", "0", "--accuracy", "1e-3",
                                      "--output", str(out)])
         self.assertEqual(code, 0)
         lines = {line.split()[0]: line.split() for line in reversed(said.getvalue().splitlines())}
@@ -207,7 +207,7 @@ class Fitting(unittest.TestCase):
         file = self.place / "series.csv"
         np.savetxt(file, np.column_stack(columns) + noise, delimiter=",", comments="",
                    header="t (s),width (m),end_distance (m)")
-        shared = dict(starts=0, accuracy=1e-3, rod_curvature=f"{CURVATURE}/m")
+        shared = dict(starts=0, accuracy=3e-3, rod_curvature=f"{CURVATURE}/m")
         found = tendril.fit({k: v for k, v in TUBE.items() if k != "si_bending_stiffness"}, file,
                             {"si_friction_dry": ("0.2N/m", "2N/m", "0.5N/m"),
                              "si_bending_stiffness": ("1Nmm^2", "9Nmm^2", "2Nmm^2")}, **shared)
@@ -231,9 +231,9 @@ class Fitting(unittest.TestCase):
 
     def test_words_in_braces(self):
         """One may stand in several options; none of it is an option of its own."""
-        problem = fitting.Problem(TUBE, measured.Measured(), [Parameter.of("hard", (1, 3))],
+        looked = problem.Problem(TUBE, measured.Measured(), [Parameter.of("hard", (1, 3))],
                                   dict(friction_layers="0:1,3:{hard}", tip_force="{hard}", rod_cells=40))
-        self.assertEqual(problem.words([0.5]), {"friction_layers": "0:1,3:2.0", "tip_force": "2.0",
+        self.assertEqual(looked.words([0.5]), {"friction_layers": "0:1,3:2.0", "tip_force": "2.0",
                                                 "rod_cells": 40})
 
     def test_refused_in_one_line(self):
