@@ -24,6 +24,7 @@ import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, NullLocator
 
 from . import plot_stability
@@ -94,7 +95,8 @@ def mark_minimum(ax, r, view):
     late = at > 0.55 * r.series.t[-1]
     ax.annotate(rf"${power_of_ten(point[1])}$ at {view.units.time(at)}", point, color=RED,
                 xytext=(-5 if late else 5, -5), textcoords="offset points", va="top",
-                ha="right" if late else "left")
+                ha="right" if late else "left",
+                path_effects=[withStroke(linewidth=2.5, foreground="white")])  # over other curves
 
 
 def panel_norm(ax, r, view):
