@@ -1,6 +1,13 @@
 # Shared by the scripts beside it (sourced): works from the root of the repository, sets what MPI
 # needs, and has `logged` and `build`.
 # shellcheck shell=bash
+# -h behind any of them: what stands at its head
+case ${1:-} in
+-h | --help)
+  awk 'NR > 1 && !/^#/ { exit } NR > 1 && !/shellcheck/ { sub(/^# ?/, ""); print }' "$0"
+  exit
+  ;;
+esac
 cd "$(dirname "${BASH_SOURCE[0]}")/.." || exit
 # Open MPI refuses root without these; one thread per rank, for BLAS.
 export PYTHONPATH=$PWD/scripts${PYTHONPATH:+:$PYTHONPATH} # the package tendril

@@ -15,5 +15,5 @@ python=${PYTHON:-.venv/bin/python}
 # 200 cells: the shapes of a single member differ from those of 500 by less than a line's width
 scripts/sweep.sh "$directory" -options_file options/pushed-tube.opts -stop_length 20 -rod_cells 200 \
   -ts_rtol 1e-5 -output_interval 19.5 -quiet "$@" -- rod_curvature_seed "1:$members:$members"
-"$python" -m tendril.ensemble "$directory" --output "$directory"
+"$python" -m tendril ensemble "$directory" --output "$directory"
 echo "ensemble: $directory.png and .pdf show it"

@@ -26,6 +26,6 @@ for file in "${scenes[@]}"; do
   name=$(basename "$file" .opts)
   echo "run: growing $file"
   mpiexec -n 1 --bind-to none build/tendril -options_file "$file" -output "results/$name.h5"
-  .venv/bin/python -m tendril.plot "results/$name.h5" --output "results/$name"
+  .venv/bin/python -m tendril plot "results/$name.h5" --output "results/$name"
   echo "run: results/$name.h5 holds the result, results/$name.png and .pdf show it"
 done

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Puts on this machine what tendril needs, where it is missing: Debian's packages (as root or with
-# sudo) and a virtual environment for the Python scripts, .venv. Does nothing when all is there.
+# sudo) and a virtual environment for the Python package, .venv. Does nothing when all is there.
+#   scripts/setup.sh
 set -euo pipefail
 # shellcheck source-path=SCRIPTDIR
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
@@ -57,10 +58,10 @@ make_venv() {
     fi
   done
   [ "$python" ] || fail "no python3 with the modules venv and ensurepip; install python3-venv"
-  echo "setup: making .venv with numpy, h5py and matplotlib"
+  echo "setup: making .venv with the Python package and what it needs"
   logged "$log" "making .venv" "$python" -m venv --clear .venv
-  logged "$log" "installing scripts/requirements.txt into .venv" \
-    .venv/bin/python -m pip install --disable-pip-version-check -q -r scripts/requirements.txt
+  logged "$log" "installing the Python package (scripts/pyproject.toml) into .venv" \
+    .venv/bin/python -m pip install --disable-pip-version-check -q -e scripts
   cp scripts/requirements.txt "$stamp"
 }
 

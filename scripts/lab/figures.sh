@@ -21,7 +21,7 @@ crossing() { # crossing NAME OPTIONS...: up to where the rod first crosses itsel
   grow "crossing-$1" "${@:2}" -stop_self_contact 0
 }
 draw() { # draw PICTURE ARGUMENTS OF PLOT.PY...
-  "$python" -m tendril.plot "${@:2}" --output "$pictures/$1"
+  "$python" -m tendril plot "${@:2}" --output "$pictures/$1"
   rm "$pictures/$1.pdf"
 }
 

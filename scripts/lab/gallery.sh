@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
 # Runs every scene of options/ and draws it for options/README.md, into options/pictures/.
+#   scripts/lab/gallery.sh
 set -euo pipefail
 # shellcheck source-path=SCRIPTDIR
 source "$(dirname "${BASH_SOURCE[0]}")/../common.sh"
@@ -39,9 +40,9 @@ for file in options/*.opts; do
   case $name in
   stability-dry | stability-viscous) # with a run below: its smallest |x2| beside t_cr
     build/tendril -quiet -friction_mu "$([ "$name" = stability-dry ] && echo 1 || echo 0)" -ts_max_time 2 -output results/run.h5
-    .venv/bin/python -m tendril.plot_stability "results/$name.h5" --run results/run.h5 --output "results/gallery-$name"
+    .venv/bin/python -m tendril stability "results/$name.h5" --run results/run.h5 --output "results/gallery-$name"
     ;;
-  *) .venv/bin/python -m tendril.plot "${files[@]}" "${what[@]}" --output "results/gallery-$name" ;;
+  *) .venv/bin/python -m tendril plot "${files[@]}" "${what[@]}" --output "results/gallery-$name" ;;
   esac
   cp "results/gallery-$name.png" "options/pictures/$name.png"
 done

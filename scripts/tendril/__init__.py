@@ -1,5 +1,37 @@
-"""tendril's results in Python: reading, drawing, playing them."""
+"""tendril in Python: run it, sweep it, fit it to an experiment, read, draw and play its results.
 
-from .results import Results, ResultsError, Shape, load
+    import tendril
+    r = tendril.run("options/feed.opts", friction_mu=0.5)
+    tendril.plot(r).savefig("feed.png")
 
-__all__ = ["Results", "ResultsError", "Shape", "load"]
+What is here is imported when it is first asked for: reading a file does not wait for matplotlib.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .errors import ResultsError, RunError, TendrilError
+    from .films import animate
+    from .fitting import Fit, fit
+    from .page import view
+    from .pictures import plot
+    from .results import Results, Shape, load
+    from .runs import Critical, critical, run
+    from .sweeps import Sweep, sweep
+
+_HOME = {"ResultsError": "errors", "RunError": "errors", "TendrilError": "errors",
+         "animate": "films", "Fit": "fitting", "fit": "fitting", "view": "page", "plot": "pictures",
+         "Results": "results", "Shape": "results", "load": "results", "Critical": "runs",
+         "critical": "runs", "run": "runs", "Sweep": "sweeps", "sweep": "sweeps"}
+__all__ = sorted(_HOME)
+
+
+def __getattr__(name):
+    if name not in _HOME:
+        raise AttributeError(f"module tendril has no {name}; it has {', '.join(__all__)}")
+    return getattr(import_module(f".{_HOME[name]}", __name__), name)
+
+
+def __dir__():
+    return __all__

@@ -1,7 +1,7 @@
 """Draws the distributions over an ensemble: length at the first self-contact (of the centre line),
 width and number of loops at the end, and the members' shapes.
 
-    python -m tendril.ensemble results/ensemble --output results/ensemble
+    python -m tendril ensemble results/ensemble --output results/ensemble
 
 Reads the files of scripts/sweep.sh in a directory, or the one file of tendril -task sweep with
 -sweep_store series,shapes."""
@@ -11,15 +11,14 @@ import sys
 from pathlib import Path
 
 import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from .style import BLUE, GREY, ORANGE, STYLE
-from .results import ResultsError, load
-from .sweep import load_sweep
+from .collection import load_sweep
+from .errors import ResultsError
+from .results import load
 
 
 def contact_length(r):
@@ -43,24 +42,31 @@ def read(place):
     return members
 
 
+def above(ax):
+    """The legend where it covers nothing."""
+    ax.legend(loc="lower right", bbox_to_anchor=(1, 1))
+
+
 def histogram(ax, values, label, bins, median=True):
     values = values[np.isfinite(values)]
     ax.set_xlabel(label)
     ax.set_ylabel("members")
+    ax.yaxis.set_major_locator(MaxNLocator(integer=True))
     if not len(values):
         ax.text(0.5, 0.5, "none", transform=ax.transAxes, ha="center")
         return
     ax.hist(values, bins=bins, color=BLUE, edgecolor="white", lw=0.4)
     if median:
         ax.axvline(np.median(values), color=ORANGE, lw=1.2, label="median")
-        ax.legend(loc="best")
+        above(ax)
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="python -m tendril.ensemble", description=__doc__,
+    parser = argparse.ArgumentParser(prog="python -m tendril ensemble", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("place", help="directory, or file of a sweep")
     parser.add_argument("--output", metavar="BASENAME", required=True)
+    matplotlib.use("Agg")
     choice = parser.parse_args(arguments)
     try:
         members = read(choice.place)
@@ -83,7 +89,7 @@ def main(arguments=None):
         middle = members[int(np.argmin(np.abs(width - np.median(width))))]
         axes[0, 0].plot(*middle.at(middle.shapes.t[-1]).x.T, color=ORANGE, lw=1.3,
                         label="of median width")
-        axes[0, 0].legend(loc="upper right")
+        above(axes[0, 0])
         axes[0, 0].plot(0, 0, "ks", ms=3, zorder=4)
         axes[0, 0].set(xlabel="$x_1$", ylabel="$x_2$")
         axes[0, 0].set_aspect("equal", adjustable="datalim")
@@ -91,7 +97,6 @@ def main(arguments=None):
         histogram(axes[1, 0], width, "width at the end", 24)
         histogram(axes[1, 1], loops.astype(float), "crossings at the end",
                   np.arange(-0.5, loops.max() + 1), median=False)
-        axes[1, 1].yaxis.set_major_locator(MaxNLocator(integer=True))
         axes[1, 1].set_xticks(range(0, loops.max() + 1, max(1, loops.max() // 8)))
         for ax, letter in zip(axes.flat, "abcd"):
             ax.set_title(f"({letter})", loc="left")

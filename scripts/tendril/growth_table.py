@@ -19,7 +19,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from .results import ResultsError, load
+from .errors import ResultsError
+from .results import load
 
 # Gauss points on [0, 1] and their weights
 POINTS, WEIGHTS = (np.polynomial.legendre.leggauss(4) + np.array([[1], [0]])) / 2

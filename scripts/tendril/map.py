@@ -2,9 +2,11 @@
 
     scripts/map.sh results/map --axes friction_mu,growth_width
     scripts/map.sh results/map2 --axes friction_mu,friction_beta --quantity critical/length
+    scripts/map.sh results/widths --axes friction_mu,growth_initial_length --quantity width
 
-Reads the files of scripts/sweep.sh in a directory, or the one file of tendril -task sweep, where
-final/width and the like are quantities too; points that are missing or unfinished stay white."""
+The quantity is a number of the files, or a series, of which the last value is taken. Reads the files of
+scripts/sweep.sh in a directory, or the one file of tendril -task sweep, where final/width and the like
+are quantities too; points that are missing or unfinished stay white."""
 
 import argparse
 import sys
@@ -12,15 +14,14 @@ from pathlib import Path
 
 import h5py
 import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, NullLocator
 
-from .results import ResultsError
+from .collection import load_sweep
+from .errors import ResultsError
 from .style import STYLE
-from .sweep import load_sweep
 
 LABELS = {"friction_mu": r"dry share $\mu$", "growth_width": r"growth width $a$",
           "friction_beta": r"regularisation $\beta$", "growth_initial_length": r"$L_0$",
@@ -34,6 +35,15 @@ def point(path):
     return {k: float(v) for k, v in (pair.split("=") for pair in path.stem.split("__"))}
 
 
+def value_of(file, quantity):
+    """A number of a file, or the last of a series: "critical/t", "series/width" or "width"."""
+    name = quantity if "/" in quantity else f"series/{quantity}"
+    if name not in file:
+        known = [*(f"critical/{k}" for k in file.get("critical", ())), *file.get("series", ())]
+        raise ValueError(f"{file.filename}: holds no {quantity}; there are {', '.join(known)}")
+    return float(np.ravel(file[name][()])[-1])
+
+
 def of_directory(directory, axes, quantity):
     """{(x, y): value} of the files in a directory of scripts/sweep.sh"""
     found = {}
@@ -45,7 +55,7 @@ def of_directory(directory, axes, quantity):
             raise ValueError(f"{path}: does not vary {' and '.join(axes)}")
         with h5py.File(path, "r", locking=False) as file:
             if file.attrs.get("finished", 0):
-                found[tuple(values[a] for a in axes)] = float(file[quantity][()])
+                found[tuple(values[a] for a in axes)] = value_of(file, quantity)
     return found
 
 
@@ -81,6 +91,16 @@ def even(values):
     return np.ptp(steps) / steps.mean() <= np.ptp(ratios) / ratios.mean()
 
 
+def edges(values):
+    """Where cells around these values meet: halfway, on a logarithmic axis by their logarithms."""
+    v = np.asarray(values, float) if even(values) else np.log(values)
+    if len(v) == 1:
+        return [v[0] - 0.5, v[0] + 0.5]
+    middle = (v[1:] + v[:-1]) / 2
+    found = np.concatenate([[2 * v[0] - middle[0]], middle, [2 * v[-1] - middle[-1]]])
+    return found if even(values) else np.exp(found)
+
+
 def draw(ax, xs, ys, table, axes, quantity):
     # before the contours: their labels cut them where they are on the screen
     for values, scale, axis in ((xs, ax.set_xscale, ax.xaxis), (ys, ax.set_yscale, ax.yaxis)):
@@ -92,15 +112,17 @@ def draw(ax, xs, ys, table, axes, quantity):
                 axis.set_minor_locator(NullLocator())
     low, high = np.nanmin(table), np.nanmax(table)
     wide = low > 0 and high > 100 * low  # over decades: colours and contours by the logarithm
-    colours = ax.pcolormesh(xs, ys, table, shading="nearest", cmap="cividis", rasterized=True,
-                            norm="log" if wide else "linear")
+    colours = ax.pcolormesh(edges(xs), edges(ys), table, shading="flat", cmap="cividis",
+                            rasterized=True, norm="log" if wide else "linear")
     if np.isfinite(table).all() and min(table.shape) > 2 and np.ptp(table) > 0:
         levels = LogLocator(subs=(1, 2, 5)).tick_values(low, high) if wide else 8
         lines = ax.contour(xs, ys, table, levels=levels, colors="white", linewidths=0.5)
-        ax.clabel(lines, fontsize=6, fmt="%.4g")
+        for text in ax.clabel(lines, fontsize=6, fmt="%.4g"):
+            text.set_path_effects([withStroke(linewidth=1.2, foreground="#555555")])  # on light cells
     ax.set_xlabel(LABELS.get(axes[0], axes[0]))
     ax.set_ylabel(LABELS.get(axes[1], axes[1]))
-    ax.figure.colorbar(colours, ax=ax, label=LABELS.get(quantity, quantity))
+    label = LABELS.get(quantity, quantity.removeprefix("series/").replace("_", " "))
+    ax.figure.colorbar(colours, ax=ax, label=label)
 
 
 def main(arguments=None):
@@ -112,6 +134,7 @@ def main(arguments=None):
     parser.add_argument("--output", metavar="BASENAME",
                         help="writes BASENAME.png and .pdf; default: the place's name")
     view = parser.parse_args(arguments)
+    matplotlib.use("Agg")
     axes = view.axes.replace("-", "").split(",")
     if len(axes) != 2:
         parser.error("--axes: give two options, X,Y")

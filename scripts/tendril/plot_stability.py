@@ -1,8 +1,8 @@
 """Draws files of -task stability and -task critical, as PNG and PDF: the eigenvalues over t (with
 |x2| of a run below them), the critical mode, the perturbation that grows most.
 
-    python -m tendril.plot_stability results/stability-dry.h5 --run results/uniform-dry.h5
-    python -m tendril.plot_stability results/critical.h5
+    python -m tendril stability results/stability-dry.h5 --run results/uniform-dry.h5
+    python -m tendril stability results/critical.h5
 
 Symbols are those of the README; all is dimensionless."""
 
@@ -10,21 +10,30 @@ import argparse
 import sys
 from pathlib import Path
 
-import h5py
 import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from .results import ResultsError, load
-from .style import STYLE
+from .errors import ResultsError, TendrilError
+from .results import load
+from .style import BLUE, GREEN, GREY, ORANGE, RED, STYLE
 
-BLUE, ORANGE, GREEN, RED, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#777777"
 CURVES = (("lambda_max_A", BLUE, r"$\lambda_{max}(A)$", "-"),
           ("lambda_max_A_plus_AT", ORANGE, r"$\lambda_{max}(A + A^T)$", "-"),
           ("lambda_max_C", GREEN, r"$\lambda_{max}(C)$", "-"),
           ("rate_friction_norm", "black", "rate, friction norm", ":"))
+
+
+LINEAR = 1  # up to here the axis of the eigenvalues is linear, beyond logarithmic
+
+
+def symlog(ax):
+    """An axis that is logarithmic on both sides of a linear strip. Where it changes from the one to
+    the other curves have a kink that is none of theirs: the strip is drawn, and says so."""
+    ax.set_yscale("symlog", linthresh=LINEAR)
+    ax.axhspan(-LINEAR, LINEAR, color="#f0f0f0", lw=0, zorder=0)
+    ax.annotate("linear", (1, 0), xycoords=ax.get_yaxis_transform(), xytext=(3, 0),
+                textcoords="offset points", rotation=270, va="center", fontsize=6, color=GREY)
 
 
 def draw_stability(ax, r, legend=True):
@@ -39,7 +48,7 @@ def draw_stability(ax, r, legend=True):
     ax.annotate(rf"$t_{{cr}} = {float(table.t_cr):.5g}$", (float(table.t_cr), 1),
                 xycoords=ax.get_xaxis_transform(), xytext=(0, 3), textcoords="offset points",
                 ha="center", va="bottom", color=RED, fontsize=7)
-    ax.set_yscale("symlog", linthresh=1)
+    symlog(ax)
     ax.set_xlim(table.t[0], table.t[-1])
     ax.set_ylabel("eigenvalue")
     ax.set_xlabel("time $t$")
@@ -90,24 +99,17 @@ def draw_critical(ax, r):
     ax.legend(loc="upper left")
 
 
-def draw_optimal(ax, path, norm="L2"):
+def draw_optimal(ax, r, norm="L2"):
     """The deflection that grows most over the window of a result, before and after."""
-    with h5py.File(path, "r", locking=False) as file:
-        group = file[f"transient/{norm}"]
-        t1, t2 = file["transient/t1"][()], file["transient/t2"][()]
-        amplification = group["amplification"][()]
-        s, before, after = (group[k][()] for k in ("s", "initial_y", "final_y"))
+    table = r.groups["transient"]
+    t1, t2, amplification = table.t1, table.t2, table[f"{norm}/amplification"]
+    s, before, after = (table[f"{norm}/{name}"] for name in ("s", "initial_y", "final_y"))
     ax.plot(s, before / np.abs(before).max(), color=BLUE, label=rf"at $t = {t1:.4g}$")
     ax.plot(s, after / np.abs(after).max(), color=ORANGE, ls="--", label=rf"at $t = {t2:.4g}$")
     ax.set_title(f"amplification {amplification:.4g} in {norm}", fontsize=7)
     ax.set_xlabel("$s$")
     ax.set_ylabel("optimal perturbation")
     ax.legend(loc="best")
-
-
-def has_transient(path):
-    with h5py.File(path, "r", locking=False) as file:
-        return "transient" in file
 
 
 def panels(results, runs):
@@ -120,8 +122,8 @@ def panels(results, runs):
             if runs:
                 run, end = runs[min(i, len(runs) - 1)], float(r.stability.t[-1])
                 column.append(lambda ax, run=run, end=end: draw_run(ax, run, end))
-            if has_transient(r.path):
-                column.append(lambda ax, r=r: draw_optimal(ax, r.path))
+            if "transient" in r.groups:
+                column.append(lambda ax, r=r: draw_optimal(ax, r))
         if r.critical:
             column.append(lambda ax, r=r: draw_critical(ax, r))
         if not column:
@@ -131,13 +133,14 @@ def panels(results, runs):
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="python -m tendril.plot_stability", description=__doc__,
+    parser = argparse.ArgumentParser(prog="python -m tendril stability", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("files", nargs="+", metavar="FILE", help="result files, HDF5")
     parser.add_argument("--run", action="append", default=[], metavar="FILE",
                         help="a run in time to draw below a table; once a table, or once for all")
     parser.add_argument("--output", metavar="BASENAME",
                         help="writes BASENAME.png and .pdf; default: the first file's name")
+    matplotlib.use("Agg")
     view = parser.parse_args(arguments)
     output = view.output or str(Path(view.files[0]).with_suffix(""))
     try:
@@ -153,11 +156,8 @@ def main(arguments=None):
                     ax.set_visible(False)
             for ending in ("png", "pdf"):
                 figure.savefig(f"{output}.{ending}")
-    except (ResultsError, KeyError, OSError) as error:
+    except (TendrilError, KeyError, OSError) as error:
         print(f"plot_stability: {error}", file=sys.stderr)
         return 1
     return 0
 
-
-if __name__ == "__main__":
-    sys.exit(main())

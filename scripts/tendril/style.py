@@ -2,6 +2,7 @@
 
 # Okabe and Ito's colours, told apart by colour-blind readers; times run along a sequential map.
 BLUE, ORANGE, GREEN, RED, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#777777"
+COLOURS = (BLUE, RED, GREEN, ORANGE, "#CC79A7", "#56B4E9", "#000000")  # of runs drawn together
 STYLE = {
     "font.size": 8, "font.family": "serif", "font.serif": ["STIXGeneral"],
     "mathtext.fontset": "stix", "axes.linewidth": 0.6, "axes.labelsize": 9, "axes.titlesize": 9,

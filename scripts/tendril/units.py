@@ -1,11 +1,12 @@
-"""The units of pictures: none, or those of the laboratory, of a size that suits the run."""
+"""Units: those of a file's numbers in the laboratory, and those of pictures, of a size that suits the
+run."""
 
 import contextlib
 import re
 
 import numpy as np
 
-from .results import ResultsError
+from .errors import ResultsError
 
 # (name, in SI, the least that is told in it), the larger first
 SHOWN = {
@@ -18,8 +19,44 @@ SHOWN = {
 }
 # the series whose largest value decides
 DECIDES = {"length": ["length"], "time": ["t"], "force": ["base_force_1", "base_force_2"],
-           "energy": ["energy", "growth_power"], "power": ["growth_power"]}
+           "energy": ["energy"], "power": ["growth_power", "dissipation"],
+           "speed": ["tip_speed", "mid_speed"]}
 TIMES = {"ms": 1e-3, "s": 1, "min": 60, "h": 3600, "d": 86400}
+# a unit of the file as powers of the scales of the laboratory, and its name in SI
+DIMENSIONS = {
+    "l": ({"length": 1}, "m"), "l/V": ({"time": 1}, "s"), "V": ({"speed": 1}, "m/s"),
+    "N l": ({"force": 1}, "N"), "N l^2": ({"energy": 1}, "J"), "N l V": ({"power": 1}, "W"),
+    "1/l": ({"length": -1}, "1/m"), "l^(3/2)": ({"length": 1.5}, "m^(3/2)"),
+    "V/l": ({"time": -1}, "1/s"), "rad V/l": ({"time": -1}, "rad/s"),
+    "N": ({"force": 1, "length": -1}, "N/m"),
+}
+KINDS = {"l": "length", "l/V": "time", "V": "speed", "N l": "force", "N l^2": "energy",
+         "N l V": "power"}
+
+
+def in_laboratory(unit, scale):
+    """(factor, SI unit) of a unit of the file. scale: a function from a kind, "length", to what 1 of
+    it is in SI units. Angles, labels and counts stay as they are."""
+    if unit not in DIMENSIONS:
+        return 1.0, unit
+    powers, name = DIMENSIONS[unit]
+    return float(np.prod([scale(kind) ** power for kind, power in powers.items()])), name
+
+
+def scales_of_rod(attributes):
+    """{"length": what 1 is in m, ...} from the rod's own -si_ values, for files that keep only
+    these (of -task critical)."""
+    stiffness, dry, viscous, speed = (attributes.get(f"parameters/si_{name}") for name in (
+        "bending_stiffness", "friction_dry", "friction_viscous", "speed"))
+    friction = (dry or 0) + (viscous or 0) * (speed or 0)
+    if not (stiffness and friction):
+        return {}
+    length = (stiffness / friction) ** (1 / 3)
+    scales = {"length": length, "force": friction * length, "energy": friction * length**2,
+              "curvature": 1 / length}
+    if speed:
+        scales |= {"speed": speed, "time": length / speed, "power": friction * length * speed}
+    return scales
 
 
 def scale_of(results, kind):
@@ -31,8 +68,9 @@ def scale_of(results, kind):
 
 
 def moment(option, text, results):
-    """A time as the file counts it, from "12.5" or, of a run in the laboratory, "20s"."""
-    number, unit = re.fullmatch(r"(.*?)\s*([a-z]*)", text.strip(), re.DOTALL).groups()
+    """A time as the file counts it, from a number, "12.5" or, of a run in the laboratory, "20s"."""
+    text = str(text).strip()
+    number, unit = re.fullmatch(r"(.*?)\s*([a-z]*)", text, re.DOTALL).groups()
     with contextlib.suppress(ValueError):
         return float(text)
     try:
@@ -44,8 +82,33 @@ def moment(option, text, results):
     scale = scale_of(results, "time")
     if scale is None:
         raise ResultsError(f"{option} {text}: {results[0].path} does not know its seconds; give a "
-                           "number, or run it with -si_speed and the like")
+                        "number, or run it with -si_speed and the like")
     return value * TIMES[unit] / scale
+
+
+def suited_to(kind, most):
+    """(name, what 1 of it is in SI units) of the unit that suits a largest value, in SI units."""
+    return next((u for u in SHOWN[kind] if most >= u[2] * (1 - 1e-9)), SHOWN[kind][0])[:2]
+
+
+def suited(kind, results):
+    """The same for the largest value of these runs."""
+    largest = [r.scale(kind) * np.abs(a[np.isfinite(a)]).max(initial=0) for r in results
+               for name, a in r.series.items() if name in DECIDES[kind]]
+    return suited_to(kind, max(largest, default=1))
+
+
+def laboratory_units(results):
+    """{"l": ("cm", what 1 of it is in SI units), ...}: units of the file in the laboratory, of a size
+    that suits these runs, whose scales may differ. A unit that one of them cannot tell in SI is left
+    out; nothing remains if not all runs are in the laboratory."""
+    found = {}
+    for unit, (_, name) in DIMENSIONS.items():
+        with contextlib.suppress(ResultsError):
+            for r in results:
+                in_laboratory(unit, r.scale)
+            found[unit] = suited(KINDS[unit], results) if unit in KINDS else (name, 1)
+    return found
 
 
 class Units:
@@ -60,31 +123,15 @@ class Units:
         for kind in SHOWN if results else ():
             scale = scale_of(results, kind)
             if scale is not None:  # without -si_speed time has no scale and stays a bare number
-                self.scales[kind] = self.suited(kind, float(scale), results)
-        if results:
-            self.share_prefix(results)
-
-    def share_prefix(self, results):
-        """Energy and power are drawn on one axis: with the larger prefix of the two."""
-        units = [self.scales[kind][1] for kind in ("energy", "power")]
-        if not units[1]:
-            self.scales["power"] = (self.scales["energy"][0], f"{units[0]} per unit of $t$")
-            return
-        prefix = min(("", "m", "µ", "n").index(unit[:-1]) for unit in units)
-        for kind in ("energy", "power"):
-            name, si, _ = SHOWN[kind][prefix]
-            self.scales[kind] = (float(scale_of(results, kind)) / si, name)
-
-    @staticmethod
-    def suited(kind, scale, results):
-        series = [np.abs(r.series[name]) for r in results for name in DECIDES.get(kind, ())
-                  if name in r.series]
-        most = max((a[np.isfinite(a)].max(initial=0) for a in series), default=1) * scale
-        name, si, _ = next((u for u in SHOWN[kind] if most >= u[2] * (1 - 1e-9)), SHOWN[kind][0])
-        return scale / si, name
+                name, si = suited(kind, results)
+                self.scales[kind] = (float(scale) / si, name)
+        if results and not self.scales["power"][1]:
+            # a power per unit of t: the time it is per stays a bare number
+            self.scales["power"] = (self.scales["energy"][0],
+                                    f"{self.scales['energy'][1]} per unit of $t$")
 
     def of(self, kind, values):
-        return self.scales[kind][0] * np.asarray(values)
+        return self.scales[kind][0] * np.asarray(values) if kind else np.asarray(values)
 
     def plain(self, t, form=".4g"):
         """A time in words."""
@@ -97,5 +144,5 @@ class Units:
         return rf"$t = {self.of('time', t):.4g}$" + (f" {unit}" if unit else "")
 
     def label(self, text, kind):
-        unit = self.scales[kind][1]
+        unit = self.scales[kind][1] if kind else ""
         return f"{text} ({unit})" if unit else text

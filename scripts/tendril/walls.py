@@ -18,6 +18,8 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from matplotlib.transforms import Affine2D
 
+from .surroundings import contact_force
+
 SOLID, EDGE = "#d9d4c7", "#8a8371"
 
 
@@ -249,15 +251,10 @@ def draw_rod(ax, r, x, scale=1.0, **look):
     return line
 
 
-def contact_of(r, shape):
-    """The force of contact per length on the rod, without friction, [n, 2]."""
-    return r.shapes["contact"][shape.index] if "contact" in r.shapes else np.zeros_like(shape.x)
-
-
 def draw_contact(ax, r, shape, scale=1.0, most=None, **look):
     """Arrows for the force of contact per length on the rod; one of the size `most`, the largest
     if not given, is a tenth of the rod's extent long. Returns them; None if nothing touches."""
-    force = contact_of(r, shape)
+    force = contact_force(r, shape)
     size = np.hypot(*force.T)
     if size.max() == 0:
         return None

@@ -24,7 +24,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "scripts"))
 from tendril import load
-from tendril.sweep import load_sweep
+from tendril.collection import load_sweep
 
 CHECKS = {}
 LIMIT = 100  # seconds; more is a hang
@@ -429,7 +429,7 @@ def map_and_ensemble():
     script(f"scripts/map.sh {d}/out.h5 --axes friction_mu,shape_amplitude --quantity final/width")
     said = script(f"scripts/map.sh {d}/out.h5 --axes friction_mu,rod_cells", 1)
     expect("does not vary rod_cells" in said, said)
-    said = script(f"{sys.executable} -m tendril.ensemble {d}/out.h5 --output {d}/e")
+    said = script(f"{sys.executable} -m tendril ensemble {d}/out.h5 --output {d}/e")
     expect("ensemble: 4 members" in said, said)
     for name in ("b", "out", "e"):
         expect((Path(d) / f"{name}.png").stat().st_size > 3000, f"{name}.png")

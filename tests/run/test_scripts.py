@@ -17,7 +17,8 @@ sys.path.insert(0, str(SCRIPTS))
 try:
     import numpy as np
 
-    from tendril import ResultsError, animate, load, plot
+    from tendril import ResultsError, films, load, pictures
+    from tendril.units import Units
 except ImportError as error:
     venv = SCRIPTS.parent / ".venv/bin/python"
     if venv.exists() and Path(sys.prefix) != venv.parent.parent:
@@ -80,7 +81,7 @@ class Scripts(unittest.TestCase):
         for path in (self.cut, self.file.parent / "none.h5", self.file.parent):
             with self.assertRaises(ResultsError):
                 load(path)
-            result, _, err = quietly(plot.main, [path])
+            result, _, err = quietly(pictures.main, [path])
             self.assertEqual(result, 1)
             self.assertRegex(err, r"^plot: .*\n$")
 
@@ -88,16 +89,23 @@ class Scripts(unittest.TestCase):
         base = self.file.parent / "picture"
         for files, more in (([self.file], []), ([self.file, self.straight], []),
                             ([self.straight], ["--panels", "norm", "--times", "1"])):
-            result, out, err = quietly(plot.main, [*files, "--output", base, *more])
+            result, out, err = quietly(pictures.main, [*files, "--output", base, *more])
             self.assertEqual((result, out, err), (0, "", ""))
             for ending in (".png", ".pdf"):
                 self.assertGreater(base.with_suffix(ending).stat().st_size, 3000)
                 base.with_suffix(ending).unlink()
 
     def test_plot_tells_of_times_it_lacks(self):
-        _, out, _ = quietly(plot.main, [self.file, "--times", "0.7,9", "--panels", "shapes"])
+        _, out, _ = quietly(pictures.main, [self.file, "--times", "0.7,2", "--panels", "shapes"])
         self.assertIn("no shape stored at t = 0.7", out)
-        self.assertIn("ends at t = 2, before 9", out)
+
+    def test_a_time_beyond_the_end_is_an_error(self):
+        base = self.file.parent / "beyond"
+        for files in ([self.file], [self.file, self.straight]):
+            result, _, err = quietly(pictures.main, [*files, "--times", "1,9", "--output", base])
+            self.assertEqual(result, 1)
+            self.assertRegex(err, r"^plot: \S+: ends at t = 2; no shape at 9\n$")
+        self.assertFalse(base.with_suffix(".png").exists())
 
     def test_laboratory(self):
         """--si and times with units, of a run in the laboratory; refused of another."""
@@ -108,24 +116,24 @@ class Scripts(unittest.TestCase):
             -ts_max_time 3.656587861265385 -output_interval 0.3047156551""".split()],
                        check=True, stdout=subprocess.DEVNULL)
         with contextlib.redirect_stdout(io.StringIO()):
-            u = plot.Units([load(tube)])
+            u = Units([load(tube)])
         self.assertEqual([u.scales[k][1] for k in ("length", "time", "speed", "force")],
                          ["cm", "s", "mm/s", "mN"])
         self.assertAlmostEqual(float(u.of("length", load(tube).series.length[-1])), 7, places=6)
         self.assertEqual(u.label("$x_1$", "length"), "$x_1$ (cm)")
-        said = ["--times", "4s,0.1min,20s", "--panels", "shapes,force", "--output", d / "si"]
-        result, out, err = quietly(plot.main, [tube, "--si", *said])
-        self.assertEqual((result, err), (0, ""))
-        self.assertEqual(out, f"plot: {tube}: ends at t = 12 s, before 20 s\n")
-        self.assertEqual(quietly(plot.main, [tube, *said])[0], 0)
-        result, out, err = quietly(animate.main, [tube, "--si", "--from", "2s", "--to", "0.1min",
+        said = ["--times", "4s,0.1min", "--panels", "shapes,force", "--output", d / "si"]
+        self.assertEqual(quietly(pictures.main, [tube, "--si", *said]), (0, "", ""))
+        beyond = quietly(pictures.main, [tube, "--si", "--times", "20s", "--output", d / "no"])
+        self.assertEqual(beyond[2], f"plot: {tube}: ends at t = 12 s; no shape at 20 s\n")
+        self.assertEqual(quietly(pictures.main, [tube, *said])[0], 0)
+        result, out, err = quietly(films.main, [tube, "--si", "--from", "2s", "--to", "0.1min",
                                                   "--output", film])
         self.assertEqual((result, out, err), (0, f"animate: {film}, 5 frames\n", ""))
-        for main, more, word in ((plot.main, ["--times", "4s"], "seconds"),
-                                 (plot.main, ["--si"], "--si"),
-                                 (plot.main, ["--times", "4furlong"], "min"),
-                                 (animate.main, ["--from", "4s"], "seconds"),
-                                 (animate.main, ["--si"], "--si")):
+        for main, more, word in ((pictures.main, ["--times", "4s"], "seconds"),
+                                 (pictures.main, ["--si"], "--si"),
+                                 (pictures.main, ["--times", "4furlong"], "min"),
+                                 (films.main, ["--from", "4s"], "seconds"),
+                                 (films.main, ["--si"], "--si")):
             result, _, err = quietly(main, [self.file, *more, "--output", d / "no.gif"])
             self.assertEqual((result, err.count("\n")), (1, 1), err)
             self.assertIn(word, err)
@@ -141,7 +149,7 @@ class Scripts(unittest.TestCase):
 
     def test_animate(self):
         film = self.file.parent / "film.gif"
-        result, _, err = quietly(animate.main, [self.file, "--output", film, "--frames", "3"])
+        result, _, err = quietly(films.main, [self.file, "--output", film, "--frames", "3"])
         self.assertEqual((result, err), (0, ""))
         self.assertGreater(film.stat().st_size, 5000)
 

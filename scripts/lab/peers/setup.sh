@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # What the peers need: PyElastica from PyPI in a venv of its own, results/peers/venv. (paper_fem.py
 # needs Debian's python3-dolfin.)
+#   scripts/lab/peers/setup.sh
 set -euo pipefail
 # shellcheck source-path=SCRIPTDIR
 source "$(dirname "${BASH_SOURCE[0]}")/../../common.sh"

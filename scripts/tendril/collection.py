@@ -1,6 +1,6 @@
 """Reads the one result file of `tendril -task sweep`.
 
-    from tendril.sweep import load_sweep
+    from tendril.collection import load_sweep
     s = load_sweep("results/map.h5")
     s.columns.friction_mu, s.final.width    what was asked and what came of it, an entry a run
     s.status, s.line, s.seconds             0 not run yet, 1 finished, 2 failed; why; wall time

@@ -5,44 +5,37 @@ for the friction that acts on it, and for what presses on it.
 
 The ending of --output decides: .gif, or .mp4 where ffmpeg is installed."""
 
+from __future__ import annotations
+
 import argparse
 import sys
 from pathlib import Path
 
 import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.animation import FFMpegWriter, PillowWriter
 from matplotlib.colors import AsinhNorm
 
+from .errors import ResultsError, TendrilError
+from .results import Results, load
 from .style import STYLE
-from .results import ResultsError, load
+from .surroundings import arc_length, axial_force, contact_force, friction
 from .units import Units, moment
-from .walls import ThickLine, ThickSegments, contact_of, diameter_of, draw_contact, draw_walls
+from .walls import ThickLine, ThickSegments, diameter_of, draw_contact, draw_walls
 
 ARROWS = 28
 
 
-def friction(r, shape):
-    """The friction on the rod per unit length, -phi v = -dn/dp less contact, p the arc length."""
-    p = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(shape.x, axis=0).T))])
-    return p, -np.gradient(shape.force, p, axis=0) - contact_of(r, shape)
-
-
-def axial(shape):
-    """The axial force n.q, negative in compression."""
-    return shape.force[:, 0] * np.cos(shape.theta) + shape.force[:, 1] * np.sin(shape.theta)
-
-
 class Film:
+    """A figure that shows one shape after the other; on the whole film its axes stay as they are."""
+
     def __init__(self, r, shapes, units):
         self.r, self.shapes, self.units = r, shapes, units
         self.pressed = None
         unit = units.of("length", 1.0)
-        strongest = units.of("force", max(np.abs(axial(s)).max() for s in shapes) or 1)
-        drag = max(np.percentile(np.hypot(*friction(r, s)[1].T), 95) for s in shapes) or 1
+        strongest = units.of("force", max(np.abs(axial_force(s)).max() for s in shapes) or 1)
+        drag = max(np.percentile(np.hypot(*friction(r, s).T), 95) for s in shapes) or 1
         low = units.of("length", np.min([s.x.min(axis=0) for s in shapes], axis=0))
         high = units.of("length", np.max([s.x.max(axis=0) for s in shapes], axis=0))
         room = 0.06 * (high - low).max()
@@ -53,12 +46,13 @@ class Film:
         aspect = (high[1] - low[1]) / (high[0] - low[0])
         self.figure, ax = plt.subplots(figsize=(6, min(5.2 * aspect + 0.7, 8)),
                                        layout="constrained")
+        plt.close(self.figure)
         ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]),
                xlabel=units.label("$x_1$", "length"), ylabel=units.label("$x_2$", "length"))
         ax.set_aspect("equal")
         draw_walls(ax, r, unit, room=False)
         self.ax = ax
-        self.most = max(np.hypot(*contact_of(r, s).T).max() for s in shapes)
+        self.most = max(np.hypot(*contact_force(r, s).T).max() for s in shapes)
         self.outline = ThickLine([], [], color="#333333", solid_capstyle="round")
         ax.add_line(self.outline)
         self.rod = ThickSegments([], cmap="coolwarm_r", capstyle="round", zorder=3,
@@ -83,7 +77,7 @@ class Film:
 
     def show(self, k):
         shape = self.shapes[k]
-        force, nodes = self.units.of("force", axial(shape)), self.units.of("length", shape.x)
+        force, nodes = self.units.of("force", axial_force(shape)), self.units.of("length", shape.x)
         self.outline.set_data(*nodes.T)
         self.rod.set_segments(np.stack([nodes[:-1], nodes[1:]], axis=1))
         self.rod.set_array((force[:-1] + force[1:]) / 2)
@@ -91,7 +85,7 @@ class Film:
             self.pressed.remove()
         self.pressed = draw_contact(self.ax, self.r, shape, self.units.of("length", 1.0),
                                     self.most)
-        p, drag = friction(self.r, shape)
+        p, drag = arc_length(shape), friction(self.r, shape)
         at = np.linspace(0, p[-1], ARROWS)
         x, f = ([np.interp(at, p, column) for column in array.T] for array in (nodes, drag))
         self.arrows.set_offsets(np.column_stack(x))
@@ -99,6 +93,44 @@ class Film:
         length, unit = self.units.of("length", shape.length), self.units.scales["length"][1]
         self.title.set_text(f"{self.units.plain(shape.t, '6.2f')}   "
                             f"length {length:6.2f} {unit}".rstrip())
+
+
+def writer_of(output, rate):
+    """What writes a film of this name."""
+    if output.suffix == ".mp4":
+        if not FFMpegWriter.isAvailable():
+            raise ResultsError(f"{output}: needs ffmpeg, which is not installed; use .gif")
+        return FFMpegWriter(fps=rate)
+    if output.suffix == ".gif":
+        return PillowWriter(fps=rate)
+    raise ResultsError(f"--output {output}: give a name that ends in .gif or .mp4")
+
+
+def animate(r: Results, output: str | Path, *, begin: float | str = 0, end: float | str = "inf",
+            si: bool = False, frames: int = 160, rate: int = 20) -> int:
+    """Writes a film of a run, .gif or .mp4; the number of its frames.
+
+    begin, end  of the film, dimensionless or with a unit, "20s"
+    si          in units of the laboratory that suit the run
+    frames      at most so many
+    rate        frames a second"""
+    output = Path(output)
+    writer = writer_of(output, rate)
+    first, last = moment("--from", begin, [r]), moment("--to", end, [r])
+    times = [t for t in r.shapes.get("t", ()) if first * (1 - 1e-9) <= t <= last * (1 + 1e-9)]
+    if not times:
+        raise ResultsError(f"{r.path}: holds no shape in that time")
+    every = -(-len(times) // max(frames, 1))
+    with plt.rc_context(STYLE):
+        film = Film(r, [r.at(t) for t in times[::every]], Units([r] if si else ()))
+        film.show(0)
+        film.figure.draw_without_rendering()
+        film.figure.set_layout_engine("none")  # laid out once, not for every frame
+        with writer.saving(film.figure, str(output), dpi=110):
+            for k in range(len(film.shapes)):
+                film.show(k)
+                writer.grab_frame()
+    return len(film.shapes)
 
 
 def main(arguments=None):
@@ -114,36 +146,13 @@ def main(arguments=None):
     parser.add_argument("--frames", type=int, default=160, help="at most; default %(default)s")
     parser.add_argument("--rate", type=int, default=20, help="frames a second; default %(default)s")
     choice = parser.parse_args(arguments)
+    matplotlib.use("Agg")
     output = Path(choice.output or Path(choice.file).with_suffix(".gif"))
     try:
-        if output.suffix == ".mp4":
-            if not FFMpegWriter.isAvailable():
-                raise ResultsError(f"{output}: needs ffmpeg, which is not installed; use .gif")
-            writer = FFMpegWriter(fps=choice.rate)
-        elif output.suffix == ".gif":
-            writer = PillowWriter(fps=choice.rate)
-        else:
-            raise ResultsError(f"--output {output}: give a name that ends in .gif or .mp4")
-        r = load(choice.file)
-        begin, end = moment("--from", choice.begin, [r]), moment("--to", choice.end, [r])
-        times = [t for t in r.shapes.get("t", ())
-                 if begin * (1 - 1e-9) <= t <= end * (1 + 1e-9)]
-        if not times:
-            raise ResultsError(f"{r.path}: holds no shape in that time")
-        every = -(-len(times) // max(choice.frames, 1))
-        with plt.rc_context(STYLE):
-            film = Film(r, [r.at(t) for t in times[::every]],
-                        Units([r] if choice.si else ()))
-            with writer.saving(film.figure, str(output), dpi=110):
-                for k in range(len(film.shapes)):
-                    film.show(k)
-                    writer.grab_frame()
-    except (ResultsError, OSError) as error:
+        frames = animate(load(choice.file), output, begin=choice.begin, end=choice.end, si=choice.si,
+                         frames=choice.frames, rate=choice.rate)
+    except (TendrilError, OSError) as error:
         print(f"animate: {error}", file=sys.stderr)
         return 1
-    print(f"animate: {output}, {len(film.shapes)} frames")
+    print(f"animate: {output}, {frames} frames")
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,0 +1,140 @@
+#!/usr/bin/env python3
+"""Whether tendril.fit finds a hidden truth, and whether its intervals are what they say: scenes with
+synthetic photographs and series made from a run of a thousand times the accuracy, with noise of 1 % of
+the width, over and over with other noise.
+
+    PYTHONPATH=scripts .venv/bin/python scripts/lab/fit_trial.py [--seeds 20] [--first 1] [SCENE ...]
+
+Prints a line a fit, and at the end the table of docs/fitting.md."""
+
+import argparse
+import os
+import sys
+import tempfile
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+import tendril
+from tendril.comparing import finer, shape_at
+from tendril.parameters import with_unit
+
+NOISE = 0.01  # of the width
+
+
+@dataclass
+class Trial:
+    """A scene, what of it is hidden, what is measured."""
+
+    scene: dict
+    hidden: dict  # parameter -> its truth
+    bounds: dict  # parameter -> (low, high)
+    end: str | float  # last time
+    photographs: int = 8
+    points: int = 40  # of a photograph
+    series: list = field(default_factory=list)
+    options: dict = field(default_factory=dict)  # with {parameter} in their text
+
+    def run(self):
+        """The run that is photographed."""
+        values = {name: str(value) for name, value in self.hidden.items()}
+        texts = {name: text.format_map(values) for name, text in self.options.items()}
+        used = "".join(self.options.values())
+        direct = {name: value for name, value in self.hidden.items() if "{" + name + "}" not in used}
+        end, unit = with_unit(self.end)
+        return tendril.run(self.scene, accuracy=1e-6, ts_max_time=self.end,
+                           output_interval=f"{end / 80}{unit}", **texts, **direct)
+
+
+TUBE = dict(growth_type="feed", growth_initial_length="1cm", si_bending_stiffness="2.209Nmm^2",
+            si_speed="5mm/s", friction_beta=1e-6, shape_type="straight")
+TRIALS = {
+    "fed tube": Trial(TUBE, {"si_friction_dry": "0.62N/m", "rod_curvature": "3.7/m"},
+                      {"si_friction_dry": ("0.1N/m", "2N/m"), "rod_curvature": ("-10/m", "10/m")}, "40s"),
+    "uniform": Trial(dict(growth_type="uniform", growth_initial_length=1, shape_type="straight"),
+                     {"friction_mu": 0.7, "friction_across": 1.4, "rod_curvature": 0.15},
+                     {"friction_mu": (0, 1), "friction_across": (0.5, 3), "rod_curvature": (-0.5, 0.5)},
+                     12, series=["base_force_1"]),
+    "root in a layer": Trial(dict(growth_type="apical", growth_initial_length=1, tip_law="resistance",
+                                  friction_beta=1e-6, shape_type="straight"),
+                             {"growth_zone": 1.8, "hard": 3.4, "tip_force": 0.9, "rod_curvature": 0.11},
+                             {"growth_zone": (0.5, 4), "hard": (1, 10), "tip_force": (0.1, 3),
+                              "rod_curvature": (-0.4, 0.4)}, 10,
+                             options={"friction_layers": "0:0.3,3:{hard}"}),
+}
+
+
+def measure(trial, r, seed, place):
+    """CSV files of photographs, points in no order, and of series, with noise."""
+    random = np.random.default_rng(seed)
+    si = "si_length" in r.attributes
+    length = r.scale("length") if si else 1
+    times = np.linspace(0, r.shapes.t[-1], trial.photographs + 1)[1:]
+    noise, rows = NOISE * r.series.width[-1] * length, []
+    for t in times:
+        line = finer(shape_at(r, t)) * length
+        points = line[random.choice(len(line), trial.points, replace=False)]
+        points = points + noise * random.normal(size=points.shape)
+        rows += [(t * (r.scale("time") if si else 1), *p) for p in points]
+    files = [write(place / "photographs.csv", ("t (s),x1 (m),x2 (m)" if si else "t,x1,x2"), rows)]
+    for name in trial.series:  # its noise is 1 % of its own largest value
+        t = np.linspace(0, r.series.t[-1], 41)[1:]
+        values = np.interp(t, r.series.t, r.series[name])
+        values = values + NOISE * np.abs(values).max() * random.normal(size=t.shape)
+        files.append(write(place / f"{name}.csv", f"t,{name}", np.column_stack([t, values])))
+    return files
+
+
+def write(path, head, rows):
+    path.write_text("\n".join([head, *(",".join(repr(float(v)) for v in row) for row in rows)]) + "\n")
+    return path
+
+
+def attempt(trial, r, seed, place):
+    """(which intervals hold the truth, half of each over the truth, seconds, seconds of all cores, runs)"""
+    begin, before = time.perf_counter(), sum(os.times()[:4])
+    found = tendril.fit(trial.scene, measure(trial, r, seed, place), trial.bounds, **trial.options)
+    seconds, cores = time.perf_counter() - begin, sum(os.times()[:4]) - before
+    truth = {name: with_unit(value)[0] for name, value in trial.hidden.items()}
+    inside = {name: low <= truth[name] <= high for name, (low, high) in found.intervals.items()}
+    width = {name: (high - low) / 2 / abs(truth[name])
+             for name, (low, high) in found.intervals.items()}
+    estimates = ", ".join(f"{name} {value:.5g}{'' if inside[name] else ' (!)'}"
+                          for name, value in found.values.items())
+    print(f"seed {seed}: {estimates}; {found.problem.count} runs, {seconds:.0f} s, {cores:.0f} s of cores",
+          flush=True)
+    for words in found.indistinct:
+        print(f"  {words}", flush=True)
+    return inside, width, seconds, cores, found.problem.count
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scenes", nargs="*", metavar="SCENE", help=f"of {', '.join(TRIALS)}; default: all")
+    parser.add_argument("--seeds", type=int, default=20)
+    parser.add_argument("--first", type=int, default=1, help="seed")
+    choice = parser.parse_args()
+    rows = []
+    for name in choice.scenes or TRIALS:
+        trial = TRIALS[name]
+        r = trial.run()
+        print(f"{name}: {', '.join(f'{k} {v}' for k, v in trial.hidden.items())}", flush=True)
+        with tempfile.TemporaryDirectory(prefix="tendril-") as place:
+            found = [attempt(trial, r, seed, Path(place))
+                     for seed in range(choice.first, choice.first + choice.seeds)]
+        for parameter, truth in trial.hidden.items():
+            held = sum(inside[parameter] for inside, *_ in found)
+            reach = np.median([width[parameter] for _, width, *_ in found])
+            rows.append(f"| {name} | {parameter} | {truth} | ±{100 * reach:.2g} % | {held} of {len(found)} | "
+                        f"{np.median([runs for *_, runs in found]):.0f} | "
+                        f"{max(seconds for _, _, seconds, *_ in found):.0f} s | "
+                        f"{max(cores for *_, cores, _ in found):.0f} s |")
+    print("| scene | hidden | truth | interval | holds the truth | runs | longest fit | of all cores |\n"
+          + "|---" * 8 + "|")
+    print("\n".join(rows))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,192 @@
+"""How far a run is from what was measured: residuals, in the units of the measurement."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.interpolate import CubicSpline, PchipInterpolator
+from scipy.spatial import cKDTree
+
+from .measured import PIXEL, Curve, DataError, Measured, Photograph
+from .results import Results
+from .units import in_laboratory
+
+FINER = 4  # points between nodes, so that the line is as good as the nodes are
+LINES = "lines"  # the group of all points of centre lines; series are groups by their names
+
+
+def time_of(r: Results, abscissa, at):
+    """Dimensionless times of a run at times or lengths that were measured."""
+    unit = {"t": "l/V", "length": "l"}[abscissa]
+    if at.si and at.unit != unit:
+        raise DataError(f"{abscissa} was measured in another unit than {unit} has")
+    values = at.numbers / in_laboratory(unit, r.scale)[0] if at.si else at.numbers
+    if abscissa == "t":
+        return values
+    return np.interp(values, r.series.length, r.series.t)
+
+
+def shape_at(r: Results, t):
+    """[n, 2], the rod at time t: the cubic through the four stored shapes around it. Beyond the ends
+    of the run, its first or last."""
+    times = r.shapes.t
+    t = float(np.clip(t, times[0], times[-1]))
+    first = int(np.clip(np.searchsorted(times, t) - 2, 0, max(0, len(times) - 4)))
+    near = times[first:first + 4]
+    weights = [np.prod([(t - b) / (a - b) for b in near if b != a]) for a in near]
+    return np.tensordot(weights, r.shapes.x[first:first + 4], 1)
+
+
+def finer(x):
+    """A line of nodes [n, 2] as a smooth one of more points."""
+    s = np.arange(len(x))
+    return CubicSpline(s, x)(np.linspace(0, len(x) - 1, FINER * (len(x) - 1) + 1))
+
+
+def distances(points, line):
+    """([m] distances of points from a line, positive on its left; [m, 2] its nearest places)"""
+    start, along = line[:-1], np.diff(line, axis=0)
+    part = np.einsum("mnd,nd->mn", points[:, None] - start, along) / np.sum(along**2, axis=1)
+    foot = start + np.clip(part, 0, 1)[..., None] * along
+    gap = points[:, None] - foot
+    nearest = np.argmin(np.sum(gap**2, axis=2), axis=1)
+    rows = np.arange(len(points))
+    gap, along = gap[rows, nearest], along[nearest]
+    side = np.sign(along[:, 0] * gap[:, 1] - along[:, 1] * gap[:, 0])
+    return np.where(side == 0, 1, side) * np.hypot(*gap.T), foot[rows, nearest]
+
+
+class Camera:
+    """How a picture shows the rod: scale (pixels per length), the clamp's place, a turn. Pixels are
+    counted downwards."""
+
+    COUNT = 4
+
+    def __init__(self, size):
+        self.size = size  # of what is in the picture, in pixels
+
+    def see(self, x, numbers):
+        """[n, 2] in pixels. numbers: logarithm of the scale, place over the size, angle in radians."""
+        scale, angle = self.size * np.exp(numbers[0]), numbers[3]
+        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        return self.size * np.asarray(numbers[1:3]) + scale * (x @ turn.T) * [1, -1]
+
+    def guess(self, points, x):
+        """Numbers by which a line comes to lie over points: equal centres and radii of gyration."""
+        x, points = x * [1, -1], np.asarray(points)
+        ratio = np.sqrt(points.var(axis=0).sum() / max(x.var(axis=0).sum(), 1e-30))
+        place = points.mean(axis=0) - ratio * x.mean(axis=0)
+        return [np.log(ratio / self.size), *(place / self.size), 0.0]
+
+
+def best_time(r: Results, points):
+    """The stored time, as a part of the run, at which rod and points lie nearest to each other: both
+    ways, for a rod that is too long has something near every point, too. Medians, against outliers."""
+    tree = cKDTree(points)
+    cost = [np.median(np.abs(distances(points, x)[0])) + np.median(tree.query(x)[0])
+            for x in r.shapes.x]
+    return float(r.shapes.t[int(np.argmin(cost))] / r.shapes.t[-1])
+
+
+def loose_end(points, line):
+    """How far the end of a line is from the nearest point, beyond what the gaps between points explain:
+    distances from the points alone would not tell that a rod is too long."""
+    tree = cKDTree(points)
+    gap = 2 * np.quantile(tree.query(points, 2)[0][:, 1], 0.95)
+    return max(0.0, float(tree.query(line[-1])[0] - gap))
+
+
+class Comparison:
+    """Residuals of a run. Beside the run they depend on a few numbers of their own, `own`: those of the
+    camera, and the times of photographs that have none (as parts of the run)."""
+
+    def __init__(self, measured: Measured):
+        self.measured = measured
+        pixels = [p.points.numbers for p in measured.photographs if p.points.unit == PIXEL]
+        self.camera = Camera(float(np.ptp(np.vstack(pixels), axis=0).max())) if pixels else None
+        self.timeless = [p for p in measured.photographs if p.abscissa is None]
+        self.groups: list[str] = []  # of each residual
+
+    def told(self, r: Results, own) -> list[str]:
+        """In words, the numbers that were found beside the parameters."""
+        words = []
+        if self.camera:
+            x, y = self.camera.size * np.asarray(own[1:3])
+            words.append(f"picture: {self.camera.size * np.exp(own[0]):.5g} px per "
+                         f"{'m' if 'si_length' in r.attributes else 'unit of length'}, the clamp at "
+                         f"({x:.5g}, {y:.5g}) px, turned by {np.degrees(own[3]):.3g} degrees")
+        for p, part in zip(self.timeless, own[len(own) - len(self.timeless):]):
+            t = float(np.clip(part, 0, 1)) * r.shapes.t[-1]
+            lab = f" ({t * r.scale('time'):.4g} s)" if "si_time" in r.attributes else ""
+            words.append(f"{p.source}: best at t = {t:.4g}{lab}")
+        return words
+
+    def guess(self, r: Results, own=()):
+        """The numbers to begin with, for a run: its last photograph tells the camera, unless it is known
+        from before."""
+        own = list(own[:Camera.COUNT]) if self.camera else []
+        if self.camera and not own:
+            last = max((p for p in self.measured.photographs),
+                       key=lambda p: np.ptp(p.points.numbers, axis=0).max())
+            t = time_of(r, last.abscissa, last.at) if last.abscissa else r.shapes.t[-1]
+            own = self.camera.guess(last.points.numbers, self.seen_plain(r, t))
+        return np.array(own + [best_time(r, self.plain_points(r, p, own)) for p in self.timeless])
+
+    def seen_plain(self, r, t):
+        """The rod in metres, or dimensionless if the run knows none."""
+        return shape_at(r, t) * float(r.attributes.get("si_length", 1))
+
+    def plain_points(self, r, p: Photograph, own):
+        """Points as the file of a run counts them."""
+        points = p.points.numbers
+        if self.camera:  # back through the camera, as it is guessed
+            points = (points - self.camera.size * np.asarray(own[1:3])) * [1, -1]
+            return points / (self.camera.size * np.exp(own[0])) / float(r.attributes.get("si_length", 1))
+        return points / r.scale("length") if p.points.si else points
+
+    def line(self, r, p: Photograph, own):
+        """[n, 2], what a photograph should show of a run, in its own unit."""
+        if p.abscissa:
+            t = time_of(r, p.abscissa, p.at)
+        else:
+            k = (Camera.COUNT if self.camera else 0) + self.timeless.index(p)
+            t = np.clip(own[k], 0, 1) * r.shapes.t[-1]
+        if self.camera:
+            return finer(self.camera.see(self.seen_plain(r, t), own[:Camera.COUNT]))
+        return finer(shape_at(r, t) * (r.scale("length") if p.points.si else 1))
+
+    def of_photograph(self, r, p: Photograph, own):
+        """Distances of its points; of one in order the last is the tip, also along the rod, of others
+        the rod must end where they do."""
+        line = self.line(r, p, own)
+        found, _ = distances(p.points.numbers, line)
+        if not p.ordered:
+            return np.append(found, loose_end(p.points.numbers, line))
+        gap, end = p.points.numbers[-1] - line[-1], line[-1] - line[-2]
+        end = end / np.hypot(*end)
+        return np.concatenate([found[:-1], [end[0] * gap[1] - end[1] * gap[0], end @ gap]])
+
+    def model(self, r, c: Curve):
+        """[m], a series of a run where it was measured, in the unit of the measurement."""
+        if c.name not in r.series:
+            raise DataError(f"{c.source}: {c.name} is no series; there are {', '.join(r.series)}")
+        unit = r.units[f"series/{c.name}"]
+        if c.values.si and c.values.unit != unit:
+            raise DataError(f"{c.source}: {c.name} was measured in a unit of something else")
+        t = np.clip(time_of(r, c.abscissa, c.at), 0, r.series.t[-1])
+        factor = in_laboratory(unit, r.scale)[0] if c.values.si else 1
+        return factor * PchipInterpolator(r.series.t, r.series[c.name])(t)
+
+    def residuals(self, r: Results, own) -> np.ndarray:
+        """Measured less computed, group by group as in self.groups."""
+        parts = [(LINES, self.of_photograph(r, p, own)) for p in self.measured.photographs]
+        parts += [(c.name, c.values.numbers - self.model(r, c)) for c in self.measured.curves]
+        self.groups = [name for name, values in parts for _ in values]
+        return np.concatenate([values for _, values in parts])
+
+    def spreads(self) -> dict[str, float]:
+        """How large what was measured is, by group: the measure of a first guess of its noise."""
+        found = {c.name: float(np.ptp(c.values.numbers)) or 1.0 for c in self.measured.curves}
+        if self.measured.photographs:
+            found[LINES] = float(max(np.ptp(p.points.numbers, axis=0).max()
+                                     for p in self.measured.photographs))
+        return found

@@ -1,0 +1,86 @@
+"""Finds options of a scene that give what was measured: friction, stiffness, natural curvature or any
+other, with intervals, from photographs or series.
+
+    scripts/fit.sh mytube.opts photographs.csv --parameter si_friction_dry=0.1N/m:2N/m \\
+      --parameter rod_curvature=-10/m:10/m --output fit
+    scripts/fit.sh root.opts 20s@a.csv 30s@b.csv --unit px --parameter hard=1:10 \\
+      -- -friction_layers "0:1,3cm:{hard}"
+
+SCENE is an options file. DATA are CSV files, a photograph without its own time as TIME@FILE (20s@a.csv,
+12cm@b.csv). Leaves BASENAME.opts, the best scene, .txt, the report, .csv, the residuals, and the
+picture of what was measured beside it, .png and .pdf. What data may look like, and what the numbers
+mean: docs/fitting.md."""
+
+import argparse
+import sys
+
+import matplotlib
+
+from .errors import TendrilError
+from .fitting import fit
+from .measured import Measured, gather, read
+
+
+def measured(words, unit):
+    """All DATA as one; a word is FILE or TIME@FILE."""
+    whole = Measured()
+    for word in words:
+        at, _, path = word.rpartition("@")
+        one = read(path, unit, at)
+        whole.photographs += one.photographs
+        whole.curves += one.curves
+    return gather(whole)
+
+
+def parameters(words):
+    """{name: "LOW:HIGH:START"}"""
+    found = {}
+    for word in words:
+        name, equals, bounds = word.partition("=")
+        if not equals:
+            raise TendrilError(f"--parameter {word}: give NAME=LOW:HIGH or NAME=LOW:HIGH:START")
+        found[name.lstrip("-")] = bounds
+    return found
+
+
+def options(words):
+    """{name: value} of words behind --, as on tendril's command line."""
+    found, name = {}, None
+    for word in words:
+        if word.startswith("-") and word[1:2].isalpha():
+            name = word[1:]
+            found[name] = True
+        elif name is None or found[name] is not True:
+            raise TendrilError(f"{word}: a word without an option")
+        else:
+            found[name] = word
+    return found
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(prog="scripts/fit.sh", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scene", metavar="SCENE")
+    parser.add_argument("data", nargs="+", metavar="DATA")
+    parser.add_argument("--parameter", "-p", action="append", required=True,
+                        metavar="NAME=LOW:HIGH[:START]", help="what is looked for; give it once for each")
+    parser.add_argument("--unit", default="", help="of coordinates that carry none: cm, px, ...")
+    parser.add_argument("--output", metavar="BASENAME", default="fit", help="default %(default)s")
+    parser.add_argument("--accuracy", type=float, default=3e-4, help="of the runs; default %(default)s")
+    parser.add_argument("--starts", type=int, default=8, help="that fill the bounds; default %(default)s")
+    parser.add_argument("--seed", type=int, default=1, help="of the starts; default %(default)s")
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    own, more = (words[:words.index("--")], words[words.index("--") + 1:]) if "--" in words else (words, [])
+    choice = parser.parse_args(own)
+    matplotlib.use("Agg")
+    try:
+        found = fit(choice.scene, measured(choice.data, choice.unit), parameters(choice.parameter),
+                    unit=choice.unit, accuracy=choice.accuracy, starts=choice.starts, seed=choice.seed,
+                    progress=True, **options(more))
+        found.save(choice.output)
+    except (TendrilError, OSError) as error:
+        print(f"fit: {error}", file=sys.stderr)
+        return 1
+    print(found.report())
+    print(f"fit: {choice.output}.opts is the best scene; .txt, .csv, .png and .pdf beside it")
+    return 0

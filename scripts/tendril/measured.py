@@ -1,0 +1,266 @@
+"""What was measured, from CSV files: centre lines as photographs have them, and series.
+
+Columns carry their unit, "x1 (cm)" or "x1 [cm]"; without one a number is dimensionless, or in what
+`unit` says. Three kinds of file:
+
+  t (s), x1 (cm), x2 (cm)[, point]    points of centre lines, a row a point, in any order; photographs
+                                      are told apart by t, or by length (cm). A column point says that
+                                      they are in order, counted from the clamp to the tip
+  t (s), width (cm), base_force_1 (N) series by their names in docs/results.md, over t or length; what
+                                      is missing is left empty
+  two columns of numbers              one photograph, as a digitiser exports it, with its time or length
+                                      given beside the file; or several side by side under a line of
+                                      times and a line "X, Y, X, Y" (WebPlotDigitizer)
+
+Points in px are those of a picture, x2 downwards: scale, place and turn of the camera are then found
+together with the rest. A photograph without a time is compared with the shape that fits it best."""
+
+from __future__ import annotations
+
+import csv
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Mapping, Sequence
+
+import numpy as np
+
+from .errors import TendrilError
+from .units import SHOWN, TIMES
+
+PIXEL = "px"
+# name of a unit -> (unit of tendril's files, what 1 of it is in SI)
+KNOWN = {name: (unit, si) for kind, unit in
+         (("length", "l"), ("speed", "V"), ("force", "N l"), ("energy", "N l^2"), ("power", "N l V"))
+         for name, si, _ in SHOWN[kind]}
+KNOWN |= {name.replace("µ", "u"): value for name, value in KNOWN.items()}
+KNOWN |= {name: ("l/V", si) for name, si in TIMES.items()}
+KNOWN |= {"rad": ("rad", 1), "deg": ("rad", np.pi / 180), "": ("", 1), "1": ("", 1),
+          PIXEL: (PIXEL, 1)}
+ABSCISSAE = ("t", "length")
+
+
+class DataError(TendrilError):
+    """What was measured cannot be read, in one plain line."""
+
+
+@dataclass
+class Values:
+    """Numbers with what they are: in SI units, in pixels, or dimensionless as tendril has them."""
+
+    numbers: np.ndarray
+    unit: str = ""  # "" dimensionless; else that of KNOWN: "l" is metres, PIXEL, ...
+
+    @property
+    def si(self):
+        return self.unit not in ("", PIXEL, "rad")
+
+
+@dataclass
+class Photograph:
+    """The points of one centre line."""
+
+    points: Values  # numbers [m, 2]
+    abscissa: str | None  # "t" or "length"; None: neither is known
+    at: Values  # one number
+    ordered: bool  # from the clamp to the tip
+    source: str
+
+
+@dataclass
+class Curve:
+    """A series as measured."""
+
+    name: str
+    abscissa: str  # "t" or "length"
+    at: Values  # numbers [m], rising
+    values: Values  # numbers [m]
+    source: str
+
+
+@dataclass
+class Measured:
+    photographs: list[Photograph] = field(default_factory=list)
+    curves: list[Curve] = field(default_factory=list)
+
+    def abscissae(self, name) -> list[Values]:
+        """All times, or lengths, at which something was measured."""
+        return [m.at for m in (*self.photographs, *self.curves) if m.abscissa == name]
+
+    def count(self) -> int:
+        return sum(len(p.points.numbers) for p in self.photographs) \
+            + sum(len(c.values.numbers) for c in self.curves)
+
+
+def values_of(numbers, unit, what):
+    """Values of numbers in a unit by its name, "cm"."""
+    if unit not in KNOWN:
+        raise DataError(f"{what}: {unit} is no unit; give one of "
+                        f"{', '.join(name for name in KNOWN if name)}")
+    name, si = KNOWN[unit]
+    return Values(si * np.asarray(numbers, float), name)
+
+
+def heading(cell):
+    """(name, unit) of "x1 (cm)", "x1 [cm]" or "x1"."""
+    name, unit = re.fullmatch(r"\s*([^(\[]*?)\s*(?:[(\[]\s*(.*?)\s*[)\]])?\s*", cell).groups()
+    return name, unit
+
+
+def moment(text, what):
+    """(abscissa, Values) of what stands beside a photograph: "20s", "t = 20s", "12cm", "" for none."""
+    text = text.strip()
+    if not text:
+        return None, Values(np.nan)
+    found = re.fullmatch(r"(?:(t|length)\s*=?\s*)?([-+0-9.eE]+?)\s*([a-zA-Zµ]*)", text)
+    try:
+        at = values_of(float(found[2]), found[3], what)
+    except (TypeError, ValueError):
+        raise DataError(f'{what}: "{text}" is no time and no length; give 20s, 12cm, or t=2.5') from None
+    return found[1] or ("length" if at.unit == "l" else "t"), at
+
+
+def number(cell, what):
+    if not cell.strip():
+        return np.nan
+    try:
+        return float(cell)
+    except ValueError:
+        raise DataError(f'{what}: "{cell.strip()}" is no number') from None
+
+
+def is_number(cell):
+    try:
+        float(cell)
+        return True
+    except ValueError:
+        return False
+
+
+def read_rows(path):
+    """The rows of a CSV file as lists of words, without empty ones and those that begin with #."""
+    try:
+        with open(path, newline="", encoding="utf-8-sig") as file:
+            lines = [line for line in file if line.strip(" ,;\t\r\n") and not line.startswith("#")]
+    except OSError as error:
+        raise DataError(f"{path}: {error.strerror}") from None
+    if not lines:
+        raise DataError(f"{path}: is empty")
+    separator = max(",;\t", key=lines[0].count)
+    return list(csv.reader(lines, delimiter=separator))
+
+
+def columns_of(rows, width, path):
+    """[row, column] as numbers, NaN where nothing is given."""
+    return np.array([[number(cell, path) for cell in (row + [""] * width)[:width]] for row in rows])
+
+
+def photograph(points, unit, at, ordered, source):
+    """A photograph of the points whose two numbers are given; at as of moment()."""
+    points = points[np.isfinite(points).all(axis=1)]
+    if len(points) < 3:
+        raise DataError(f"{source}: a photograph needs three points at least, it has {len(points)}")
+    return Photograph(values_of(points, unit, source), *at, ordered, source)
+
+
+def side_by_side(rows, unit, path):
+    """Photographs in pairs of columns, under a line of times or lengths (WebPlotDigitizer)."""
+    table = columns_of(rows[2:], len(rows[1]), path)
+    return [photograph(table[:, k:k + 2], unit, moment((rows[0] + [""] * k)[k], path), False,
+                       f"{path}, columns {k + 1} and {k + 2}")
+            for k in range(0, len(rows[1]) - 1, 2)]
+
+
+def lines_of(table, names, units, abscissa, path):
+    """Photographs of a file of points, a row a point."""
+    place = {name: table[:, k] for k, name in enumerate(names)}
+    points = np.column_stack([place["x1"], place["x2"]])
+    if units["x1"] != units["x2"]:
+        raise DataError(f"{path}: x1 is in {units['x1']}, x2 in {units['x2']}; give them in one unit")
+    when = place.get(abscissa, np.full(len(points), np.nan))
+    found = []
+    for value in [*np.unique(when[np.isfinite(when)]), *([np.nan] if np.isnan(when).any() else [])]:
+        rows = np.isnan(when) if np.isnan(value) else when == value
+        if "point" in place:
+            rows = np.flatnonzero(rows)[np.argsort(place["point"][rows], kind="stable")]
+        at = (None, Values(np.nan)) if np.isnan(value) else (
+            abscissa, values_of(value, units[abscissa], path))
+        found.append(photograph(points[rows], units["x1"], at, "point" in place,
+                                f"{path}, {abscissa} = {value:g}"))
+    return found
+
+
+def curves_of(table, names, units, abscissa, path):
+    """Series of a file with a column each."""
+    if abscissa is None:
+        raise DataError(f"{path}: has no column t or length; there are {', '.join(names)}")
+    when, found = table[:, names.index(abscissa)], []
+    for k, name in enumerate(names):
+        rows = np.flatnonzero(np.isfinite(when) & np.isfinite(table[:, k]))
+        if name == abscissa or not len(rows):
+            continue
+        rows = rows[np.argsort(when[rows], kind="stable")]
+        found.append(Curve(name, abscissa, values_of(when[rows], units[abscissa], path),
+                           values_of(table[rows, k], units[name], f"{path}, {name}"), str(path)))
+    return found
+
+
+def read(path, unit="", at="") -> Measured:
+    """Reads one file.
+
+    unit  of the numbers that carry none, "cm" or "px"; "": dimensionless
+    at    of a photograph that does not say so itself, "20s" or "12cm"; "": not known"""
+    rows = read_rows(path)
+    if all(is_number(cell) for cell in rows[0] if cell.strip()):
+        table = columns_of(rows, 2, path)
+        return Measured([photograph(table, unit, moment(at, path), False, str(path))])
+    if len(rows) > 1 and [c.strip().upper() for c in rows[1]][:2] == ["X", "Y"]:
+        return Measured(side_by_side(rows, unit, path))
+    headings = [heading(cell) for cell in rows[0]]
+    names = [name for name, _ in headings]
+    units = {name: unit if given is None and name in ("x1", "x2") else given or ""
+             for name, given in headings}
+    table = columns_of(rows[1:], len(names), path)
+    abscissa = next((name for name in ABSCISSAE if name in names), None)
+    if {"x1", "x2"} <= set(names):
+        found = lines_of(table, names, units, abscissa, path)
+        if abscissa is None and at:
+            for one in found:
+                one.abscissa, one.at = moment(at, path)
+        return Measured(found)
+    return Measured([], curves_of(table, names, units, abscissa, path))
+
+
+def gather(data, unit="") -> Measured:
+    """All that was measured as one.
+
+    data  a file, a list of files, Measured, or a dict of photographs by their time or length:
+          {"20s": "photo.csv", "30s": points [m, 2]}"""
+    if isinstance(data, Measured):
+        return checked(data)
+    if isinstance(data, Mapping):
+        found = []
+        for at, points in data.items():
+            if isinstance(points, (str, Path)):
+                found.append(read(points, unit, str(at)))
+            else:
+                found.append(Measured([photograph(np.asarray(points, float), unit,
+                                                  moment(str(at), "data"), False,
+                                                  f"photograph at {at}" if at else "photograph")]))
+    elif isinstance(data, (str, Path)):
+        found = [read(data, unit)]
+    elif isinstance(data, Sequence):
+        found = [gather(one, unit) for one in data]
+    else:
+        raise DataError("data: give a CSV file, several in a list, or {'20s': 'photo.csv', ...}")
+    return checked(Measured([p for m in found for p in m.photographs],
+                            [c for m in found for c in m.curves]))
+
+
+def checked(whole: Measured) -> Measured:
+    if not whole.count():
+        raise DataError("data: nothing was measured there")
+    if len({p.points.unit for p in whole.photographs}) > 1:
+        raise DataError("data: the photographs are in different units, some dimensionless or in px; "
+                        "give all in one")
+    return whole

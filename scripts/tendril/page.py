@@ -1,0 +1,182 @@
+"""Makes one page for a browser of result files: the rod in motion with its forces, all series under a
+common cursor, summary and options. The page is one file, and needs no server and no network.
+
+    scripts/view.sh results/uniform-dry.h5
+    scripts/view.sh slow.h5 fast.h5 --output compare.html --titles slow,fast
+
+The curves are drawn by uPlot (web/uplot), the page itself is web/page.*."""
+
+from __future__ import annotations
+
+import argparse
+import base64
+import html
+import json
+import re
+import sys
+from pathlib import Path
+from typing import Sequence
+
+import numpy as np
+
+from .errors import ResultsError, TendrilError
+from .results import Results, load
+from .style import COLOURS
+from .surroundings import arc_length, axial_force, contact_force, friction, walls
+from .units import in_laboratory, laboratory_units
+
+WEB = Path(__file__).resolve().parent / "web"
+MOST_SHAPES, MOST_NODES, ARROWS = 300, 501, 28  # what a page holds of a run
+# (title, series, logarithmic); series that are in none get a chart of their own
+CHARTS = (
+    ("distance", ("length", "end_distance", "mid_distance", "width"), False),
+    ("deflection", ("norm_x2",), True),
+    ("energy", ("energy", "contact_energy"), False),
+    ("power", ("growth_power", "dissipation", "tip_power"), False),
+    ("force at the clamp", ("base_force_1", "base_force_2", "feed_force"), False),
+    ("force on the tip", ("tip_force_1", "tip_force_2"), False),
+    ("speed", ("tip_speed", "mid_speed"), False),
+    ("tip", ("tip_x1", "tip_x2"), False),
+    ("crossings, inflections", ("self_crossings", "inflections"), False),
+    ("energy defect", ("energy_defect",), True),
+    ("step", ("step",), True),
+)
+SUMMARY = (("length", "length"), ("time", "t"), ("tip x1", "tip_x1"), ("tip x2", "tip_x2"),
+           ("width", "width"), ("energy", "energy"), ("push at the clamp", "base_force_1"),
+           ("energy defect", "energy_defect"))
+
+
+def packed(values):
+    """An array as base64 of 32-bit numbers, least significant byte first as browsers have it."""
+    return base64.b64encode(np.ascontiguousarray(values, "<f4").tobytes()).decode()
+
+
+def thinned(count, most):
+    """Indices of at most so many of count things, the first and the last among them."""
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
+
+
+def at_arrows(shape, values):
+    """[ARROWS, 2], nodal values at equal distances along the rod."""
+    p = arc_length(shape)
+    return np.column_stack([np.interp(np.linspace(0, p[-1], ARROWS), p, v) for v in values.T])
+
+
+def shapes_of(r):
+    """What moves: arrays by name, [stored time, ...], thinned to what a page holds."""
+    nodes = thinned(len(r.shapes.s), MOST_NODES)
+    table = {"t": [], "x": [], "axial": [], "places": [], "friction": []}
+    if "contact" in r.shapes:
+        table["contact"] = []
+    for t in r.shapes.t[thinned(len(r.shapes.t), MOST_SHAPES)]:
+        shape = r.at(t)
+        force = {"friction": friction(r, shape), "contact": contact_force(r, shape)}
+        table["t"].append(shape.t)
+        table["x"].append(shape.x[nodes])
+        table["axial"].append(axial_force(shape)[nodes])
+        table["places"].append(at_arrows(shape, shape.x))
+        for name in force.keys() & table.keys():
+            table[name].append(at_arrows(shape, force[name]))
+    return {name: np.asarray(rows) for name, rows in table.items()}
+
+
+def summary_of(r):
+    """The end of a run in numbers, dimensionless, and in words."""
+    last = {text: float(r.series[name][-1]) for text, name in SUMMARY if name in r.series}
+    table = {text: value for text, value in last.items() if np.isfinite(value)}
+    return table | {"steps": len(r.series.t) - 1,
+                    "Newton iterations": int(r.series.newton_iterations.sum()),
+                    "finished": "yes" if r.finished else "no",
+                    "ended by": str(r.groups.get("event", {}).get("kind", "its end")),
+                    "version": str(r.attributes.get("version", ""))}
+
+
+def run_of(r, title, colour, shapes, units):
+    options = "\n".join(f"-{name} {value}".rstrip() for name, value in r.options.items())
+    return {
+        "name": title, "colour": colour, "options": options, "summary": summary_of(r),
+        "factors": {unit: in_laboratory(unit, r.scale)[0] / si for unit, (_, si) in units.items()},
+        "series": {name: packed(values) for name, values in r.series.items()},
+        "shapes": {name: packed(values) for name, values in shapes.items()},
+        "widths": {name: int(np.prod(values.shape[1:])) for name, values in shapes.items()
+                   if name != "t"},
+        "walls": [np.ravel(line).tolist() for line in walls(r)],
+    }
+
+
+def charts_of(results):
+    """Which series are drawn together, and what they are: every series but time is in one."""
+    present = dict.fromkeys(name for r in results for name in r.series if name != "t")
+    units = {name: r.units.get(f"series/{name}", "1") for r in results for name in r.series}
+    charts = [(title, [n for n in names if n in present], log) for title, names, log in CHARTS]
+    drawn = {name for _, names, _ in charts for name in names}
+    charts += [(name.replace("_", " "), [name], False) for name in present if name not in drawn]
+    return [{"title": title, "series": names, "log": log, "unit": units[names[0]]}
+            for title, names, log in charts if names]
+
+
+def content_of(results, titles):
+    """What the page's script draws; arrays are dimensionless, the script has the units."""
+    units = laboratory_units(results)
+    shapes = [shapes_of(r) for r in results]
+    drag = [np.percentile(np.hypot(*np.moveaxis(s["friction"], -1, 0)), 95) for s in shapes]
+    summary = [(text, results[0].units.get(f"series/{name}", "1")) for text, name in SUMMARY]
+    summary += [(text, "1") for text in ("steps", "Newton iterations", "finished", "ended by",
+                                          "version")]
+    return {
+        "runs": [run_of(r, title, COLOURS[i % len(COLOURS)], shape, units)
+                 for i, (r, title, shape) in enumerate(zip(results, titles, shapes))],
+        "charts": charts_of(results), "summary": summary, "colours": COLOURS,
+        "names": {name: name.replace("_", " ") for r in results for name in r.series},
+        "units": {unit: name for unit, (name, _) in units.items()},
+        "drag": float(max(drag)) or 1.0,
+        "strongest": float(max(np.abs(s["axial"]).max() for s in shapes)) or 1.0,
+    }
+
+
+def page_of(content, title):
+    """The page as text. Within a script element "<" could end it."""
+    parts = {
+        "title": html.escape(title), "style": (WEB / "uplot/uPlot.min.css").read_text()
+        + (WEB / "page.css").read_text(), "licence": (WEB / "uplot/LICENSE").read_text(),
+        "uplot": (WEB / "uplot/uPlot.iife.min.js").read_text(),
+        "script": (WEB / "page.js").read_text(),
+        "data": json.dumps(content, allow_nan=False).replace("<", "\\u003c"),
+    }
+    return re.sub("@([a-z]+)@", lambda found: parts[found[1]], (WEB / "page.html").read_text())
+
+
+def view(results: Results | Sequence[Results], output: str | Path,
+         titles: Sequence[str] | None = None) -> Path:
+    """Writes a page for a browser of one run, or of several in one picture; its path.
+
+    titles  of the runs; None: the names of their files"""
+    runs = [results] if isinstance(results, Results) else list(results)
+    titles = list(titles or [r.name for r in runs])
+    if len(titles) != len(runs):
+        raise ResultsError(f"view: {len(titles)} titles for {len(runs)} runs")
+    for r in runs:
+        if not len(r.series.get("t", ())) or not len(r.shapes.get("t", ())):
+            raise ResultsError(f"{r.path}: holds no stored shape to show")
+    output = Path(output)
+    output.write_text(page_of(content_of(runs, titles), " · ".join(titles)), encoding="utf-8")
+    return output
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(prog="scripts/view.sh", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("files", nargs="+", metavar="FILE", help="result files, HDF5")
+    parser.add_argument("--output", metavar="FILE.html",
+                        help="default: the first file's name with .html")
+    parser.add_argument("--titles", metavar="A,B,...", help="of the files; default: their names")
+    choice = parser.parse_args(arguments)
+    try:
+        output = view([load(path) for path in choice.files],
+                      choice.output or Path(choice.files[0]).with_suffix(".html"),
+                      choice.titles.split(",") if choice.titles else None)
+    except (TendrilError, OSError) as error:
+        print(f"view: {error}", file=sys.stderr)
+        return 1
+    print(f"view: {output}, {output.stat().st_size / 1e6:.1f} MB; open it in a browser")
+    return 0

@@ -1,0 +1,481 @@
+"""Draws result files of tendril as PNG and PDF: one column a file, or all files in one with
+--overlay.
+
+    scripts/plot.sh results/uniform-dry.h5
+    scripts/plot.sh results/uniform-*.h5 --panels norm,shapes --times 10,20,30 --output compare
+    scripts/plot.sh slow.h5 fast.h5 --overlay --panels shapes,width,tip_x1+tip_x2
+    scripts/plot.sh mytube.h5 --si --times 20s,1min
+
+Symbols are those of the README; all is dimensionless, or with --si in the units of the laboratory.
+
+panels: {panels}, or the name of any series of the file (docs/results.md), or several in one,
+joined by +"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+from string import ascii_lowercase
+from typing import TYPE_CHECKING, Sequence
+
+import matplotlib
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import LogLocator, NullLocator
+
+from . import plot_stability
+from .errors import ResultsError, TendrilError
+from .results import Results, load
+from .style import BLUE, COLOURS, GREEN, GREY, ORANGE, RED, STYLE
+from .units import KINDS, Units, moment
+from .walls import draw_contact, draw_rod, draw_walls
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+STYLES = ("-", "--", ":", "-.", (0, (4, 1, 1, 1, 1, 1)))
+
+
+@dataclass
+class View:
+    """What is drawn, and how."""
+
+    results: list[Results]
+    units: Units
+    times: list[float] | None = None  # of the shapes; None: quarters of each run
+    overlay: bool = False
+    titles: list[str] = field(default_factory=list)
+    beside: dict = field(default_factory=dict)  # path -> run drawn dashed beside it
+
+    def colour(self, r, otherwise):
+        """In an overlay a run has its colour in all panels."""
+        return COLOURS[self.results.index(r) % len(COLOURS)] if self.overlay else otherwise
+
+    def style(self, r, number, otherwise):
+        """In an overlay lines of one run are told apart by their style."""
+        return STYLES[number % len(STYLES)] if self.overlay else otherwise
+
+    def times_of(self, r):
+        end = r.shapes.t[-1] * (1 + 1e-9)
+        if self.times is not None:
+            return [t for t in self.times if t <= end]
+        if self.overlay:  # the same for all
+            r = min(self.results, key=lambda r: r.shapes.t[-1])
+        return sorted({r.at(r.shapes.t[-1] * k / 4).t for k in (1, 2, 3, 4)})
+
+
+def power_of_ten(value):
+    mantissa, exponent = f"{value:.1e}".split("e")
+    return rf"{mantissa} \times 10^{{{int(exponent)}}}"
+
+
+# Each panel draws one result into one axes.
+
+
+def decades(ax):
+    """A logarithmic axis with a tick a decade, or every few, so that labels do not run together."""
+    ax.set_yscale("log")
+    ax.yaxis.set_major_locator(LogLocator(numticks=7))
+    ax.yaxis.set_minor_locator(NullLocator())
+
+
+def mark_minimum(ax, r, view):
+    """The smallest deflection, if it lies within the run and is not just its first or last step."""
+    at, least = r.minimum("norm_x2")
+    if at in (r.series.t[0], r.series.t[-1]):
+        return
+    point = view.units.of("time", at), view.units.of("length", least)
+    ax.plot(*point, "o", ms=4, color=view.colour(r, RED))
+    if view.overlay:
+        return
+    late = at > 0.55 * r.series.t[-1]
+    ax.annotate(rf"${power_of_ten(point[1])}$ at {view.units.time(at)}", point, color=RED,
+                xytext=(-5 if late else 5, -5), textcoords="offset points", va="top",
+                ha="right" if late else "left",
+                path_effects=[withStroke(linewidth=2.5, foreground="white")])  # over other curves
+
+
+def panel_norm(ax, r, view):
+    decades(ax)
+    ax.set_ylabel(view.units.label(r"$\|x_2\| = (\int_0^1 x_2^2\, ds)^{1/2}$", "length"))
+    for run, line, colour in ((r, "-", BLUE), (view.beside.get(r.path), "--", GREY)):
+        if run is not None and (run.series.norm_x2 > 0).any():
+            norm = view.units.of("length", np.ma.masked_less_equal(run.series.norm_x2, 0))
+            ax.plot(view.units.of("time", run.series.t), norm, line, color=view.colour(r, colour))
+    if (r.series.norm_x2 > 0).any():
+        mark_minimum(ax, r, view)
+        ax.margins(y=0.25)  # room for what is written below the minimum
+    elif not view.overlay:
+        ax.text(0.5, 0.5, r"$x_2 = 0$ throughout", transform=ax.transAxes, ha="center")
+
+
+def curves(kind, label, *lines):
+    """A panel of lines over time: (series, label, colour, style); a series the file lacks is left
+    out."""
+    def panel(ax, r, view):
+        for number, (name, text, colour, style) in enumerate(lines):
+            if name in r.series:
+                ax.plot(view.units.of("time", r.series.t), view.units.of(kind, r.series[name]),
+                        linestyle=view.style(r, number, style), color=view.colour(r, colour),
+                        label=text)
+        ax.set_ylabel(view.units.label(label, kind))
+
+    return panel
+
+
+def panel_power(ax, r, view):
+    lines = [("growth_power", "growth", BLUE, "-"), ("dissipation", "friction", ORANGE, "--")]
+    if any(run.series.get("tip_power", np.zeros(1)).any() for run in view.results):
+        lines.append(("tip_power", "tip", GREEN, ":"))
+    curves("power", "power", *lines)(ax, r, view)
+
+
+def panel_defect(ax, r, view):
+    defect = np.ma.masked_equal(np.abs(r.series.energy_defect), 0)
+    decades(ax)
+    if defect.count():
+        ax.plot(view.units.of("time", r.series.t), defect, color=view.colour(r, BLUE), lw=0.8)
+    ax.set_ylabel("energy defect, relative")
+
+
+def draw_shapes(ax, r, view, line):
+    """The rod at the times asked for; line: draws a shape with the look it is given."""
+    times = view.times_of(r)
+    shades = plt.get_cmap("viridis")(np.linspace(0, 0.88, len(times)))
+    for number, (t, shade) in enumerate(zip(times, shades)):
+        shape = r.at(t)
+        line(shape, color=view.colour(r, shade), linestyle=view.style(r, number, "-"),
+             label=f"${view.units.of('time', shape.t):.4g}$")
+    ax.plot(0, 0, "ks", ms=3, clip_on=False, zorder=3)
+
+
+def axes_of_place(ax, view):
+    ax.set_xlabel(view.units.label("$x_1$", "length"))
+    ax.set_ylabel(view.units.label("$x_2$", "length"))
+
+
+def panel_shapes(ax, r, view):
+    unit = view.units.of("length", 1.0)
+    draw_shapes(ax, r, view, lambda shape, **look: draw_rod(ax, r, shape.x, unit, **look))
+    draw_walls(ax, r, unit)
+    axes_of_place(ax, view)
+
+
+def panel_touch(ax, r, view):
+    """The last of the times asked for, and what presses on the rod."""
+    unit, times = view.units.of("length", 1.0), view.times_of(r)
+    shape = r.at(times[-1] if times else r.shapes.t[-1])
+    draw_rod(ax, r, shape.x, unit, color=view.colour(r, BLUE),
+             label=f"${view.units.of('time', shape.t):.4g}$")
+    draw_contact(ax, r, shape, unit)
+    draw_walls(ax, r, unit)
+    ax.plot(0, 0, "ks", ms=3, clip_on=False, zorder=3)
+    axes_of_place(ax, view)
+
+
+def panel_normalised(ax, r, view):
+    draw_shapes(ax, r, view,
+                lambda shape, **look: ax.plot(*(shape.x.T / shape.length), **look))
+    ax.set_xlabel("$x_1 / L$")
+    ax.set_ylabel("$x_2 / L$")
+
+
+PANELS = {
+    "norm": panel_norm,
+    "shapes": panel_shapes,
+    "energy": curves("energy", "energy", ("energy", "bending", BLUE, "-")),
+    "power": panel_power,
+    "distance": curves("length", "distance from the clamp", ("length", "$L$", GREY, "--"),
+                       ("end_distance", r"$|x(1)|$", BLUE, "-"),
+                       ("mid_distance", r"$|x(1/2)|$", ORANGE, "-"),
+                       ("width", "width", GREEN, "-.")),
+    "normalised": panel_normalised,
+    "force": curves("force", "force at the clamp", ("base_force_1", r"$-n_1(0)$", BLUE, "-"),
+                    ("base_force_2", r"$-n_2(0)$", ORANGE, "-")),
+    "speed": curves("speed", "speed", ("tip_speed", r"$|v(1)|$", BLUE, "-"),
+                    ("mid_speed", r"$|v(1/2)|$", ORANGE, "-")),
+    "defect": panel_defect,
+    "touch": panel_touch,
+    "contact": curves("force", "force", ("contact_force", "in contact", BLUE, "-"),
+                      ("feed_force", "feeding", ORANGE, "-")),
+}
+OF_CONTACT = ("touch", "contact")  # drawn if asked for, or if there is contact
+SHAPES = ("shapes", "normalised", "touch")  # drawn with equal aspect, with times for a legend
+__doc__ = __doc__.format(panels=", ".join(PANELS))
+
+
+def panel_of(name, results):
+    """A panel by its name: one of PANELS, or series of the files, joined by +."""
+    if name in PANELS:
+        return PANELS[name]
+    series = name.split("+")
+    for one in series:
+        if not any(one in r.series for r in results):
+            raise ResultsError(f"panel {one}: unknown, give some of {', '.join(PANELS)}, or of the "
+                               f"series {', '.join(results[0].series)}")
+    units = {r.units.get(f"series/{one}", "1") for r in results for one in series
+             if one in r.series}
+    if len(units) > 1:
+        raise ResultsError(f"panel {name}: has no one unit, {' and '.join(sorted(units))}; give them "
+                           "as panels of their own")
+    kind = KINDS.get(units.pop())
+    label = series[0].replace("_", " ") if len(series) == 1 else kind or "value"
+    return curves(kind, label, *((one, one.replace("_", " "), COLOURS[i % len(COLOURS)], "-")
+                                 for i, one in enumerate(series)))
+
+
+def grid(view, names):
+    """Rows of (panel, results drawn in it): a file a column; in an overlay, and of a single file,
+    panels go in two columns."""
+    if len(view.results) > 1 and not view.overlay:
+        return [[(name, [r]) for r in view.results] for name in names]
+    cells = [(name, view.results) for name in names]
+    return [cells[i : i + 2] for i in range(0, len(cells), 2)]
+
+
+def share_limits(row):
+    drawn = [ax for ax in row if ax.has_data()] or row
+    x = np.array([ax.get_xlim() for ax in drawn])
+    y = np.array([ax.get_ylim() for ax in drawn])
+    for ax in row:
+        ax.set(xlim=(x.min(), x.max()), ylim=(y.min(), y.max()))
+
+
+def aspect_of(ax):
+    return float(np.ptp(ax.get_ylim()) / np.ptp(ax.get_xlim()))
+
+
+def set_aspect(ax, aspect):
+    """Equal aspect: widens the limits about their centre until height over width is aspect."""
+    (x0, x1), (y0, y1) = ax.get_xlim(), ax.get_ylim()
+    width = max(x1 - x0, (y1 - y0) / aspect)
+    height = width * aspect
+    ax.set(xlim=((x0 + x1 - width) / 2, (x0 + x1 + width) / 2),
+           ylim=((y0 + y1 - height) / 2, (y0 + y1 + height) / 2))
+
+
+def legend_entries(ax, view, name):
+    """(handles, labels) of a panel. Of shapes they are times, behind the name of the axis; in an
+    overlay lines have the colour of their run, so the legend shows their style alone."""
+    handles, labels = ax.get_legend_handles_labels()
+    first = {}
+    for handle, label in zip(handles, labels):
+        first.setdefault(label, handle)
+    if view.overlay:
+        first = {label: Line2D([], [], color="black", linestyle=handle.get_linestyle())
+                 for label, handle in first.items()}
+        if len(first) == 1:
+            return [], []
+    if name in SHAPES and first:
+        unit = view.units.scales["time"][1]
+        first = {f"$t$ in {unit}:" if unit else "$t =$": Line2D([], [], lw=0)} | first
+    return list(first.values()), list(first)
+
+
+def legend(ax, view, name):
+    """Above the axes, where it covers no curve."""
+    handles, labels = legend_entries(ax, view, name)
+    if len(handles) > 1:
+        short = name in SHAPES
+        ax.legend(handles, labels, loc="lower left", bbox_to_anchor=(0.1, 0.99), ncol=len(handles),
+                  handlelength=1.1 if short else 1.6, columnspacing=0.8 if short else 1.2,
+                  handletextpad=0.3 if short else 0.5)
+
+
+def limit_row(view, row, cells):
+    """Sets the limits of a row of panels; of each its height over its width."""
+    for ax in row:
+        ax.margins(x=0.02)
+    if len(view.results) > 1 and not view.overlay:
+        share_limits(row)
+        for ax in row[1:]:
+            ax.set_ylabel("")
+            ax.tick_params(labelleft=False)
+    equal = [ax for ax, (name, _) in zip(row, cells) if name in SHAPES]
+    aspect = float(np.clip(max(map(aspect_of, equal), default=0), 0.36, 1.3))
+    for ax in equal:
+        set_aspect(ax, aspect)
+    return [aspect if ax in equal else FLAT for ax in row]
+
+
+FLAT = 0.66  # height over width of a panel of curves
+WIDTHS = {1: 3.4, 2: 2.7, 3: 2.1}  # of a panel, by the number of columns, in inches
+BELOW, ABOVE, LEFT, RIGHT = 0.44, 0.26, 0.66, 0.1  # room for labels around a panel, in inches
+
+
+def place(figure, axes, aspects, shared, headed):
+    """Puts the panels where they belong: every one of the same width, in whatever units its labels
+    are, the tops of a row in line; with shared labels the columns move together.
+
+    aspects  a row a list, height over width of its panels"""
+    columns = axes.shape[1]
+    panel, gap = WIDTHS.get(columns, 1.8), (0.12 if shared else LEFT + RIGHT)
+    width = LEFT + columns * panel + (columns - 1) * gap + RIGHT
+    height = sum(max(row) * panel + BELOW + ABOVE for row in aspects) + headed
+    figure.set_size_inches(width, height)
+    top = height - headed
+    for row, row_aspects in zip(axes, aspects):
+        top -= ABOVE
+        for k, (ax, aspect) in enumerate(zip(row, row_aspects)):
+            ax.set_position([(LEFT + k * (panel + gap)) / width, (top - aspect * panel) / height,
+                             panel / width, aspect * panel / height])
+        top -= max(row_aspects) * panel + BELOW
+
+
+def name_runs(figure, view):
+    """The runs of an overlay, at the head of the figure."""
+    handles = [Line2D([], [], color=view.colour(r, "black")) for r in view.results]
+    figure.legend(handles, view.titles, loc="upper left", ncol=min(4, len(handles)),
+                  bbox_to_anchor=(0.02, 1))
+    return 0.18 * -(-len(handles) // 4) + 0.06
+
+
+def draw(names, view):
+    """The figure of the named panels."""
+    panels = {name: panel_of(name, view.results) for name in names}
+    cells = grid(view, names)
+    columns = len(cells[0])
+    figure = plt.figure()
+    axes = figure.subplots(len(cells), columns, squeeze=False)
+    aspects, letters = [], iter(ascii_lowercase)
+    shared = len(view.results) > 1 and not view.overlay
+    for row, row_cells in zip(axes, cells):
+        for ax in row[len(row_cells) :]:
+            ax.set_axis_off()
+        row = row[: len(row_cells)]
+        for ax, (name, runs) in zip(row, row_cells):
+            ax.set_xlabel(view.units.label("time $t$", "time"))
+            for r in runs:
+                panels[name](ax, r, view)
+        aspects.append(limit_row(view, row, row_cells))
+        for k, (ax, (name, _)) in enumerate(zip(row, row_cells)):
+            if not shared or k == 0 or (name in SHAPES and view.times is None):
+                legend(ax, view, name)
+            if not shared or k == 0:
+                ax.set_title(f"({next(letters)})", loc="left")
+    headed = 0.0
+    if view.overlay:
+        headed = name_runs(figure, view)
+    elif shared:
+        over = any(ax.get_legend() for ax in axes[0])  # a legend, which the titles stand above
+        for ax, title in zip(axes[0], view.titles):
+            ax.set_title(title, pad=18 if over else 6)
+        headed = 0.2 * over
+    place(figure, axes, aspects, shared, headed)
+    plt.close(figure)  # it is returned, and not pyplot's to show
+    return figure
+
+
+def check_times(view):
+    """A time beyond the end of all runs, or a run that has none of them, would be an empty panel."""
+    for r in view.results:
+        if not len(r.series.get("t", ())) or not len(r.shapes.get("t", ())):
+            raise ResultsError(f"{r.path}: holds no stored shape to draw")
+    if view.times is None:
+        return
+    latest = max(view.results, key=lambda r: r.shapes.t[-1])
+    for t in view.times:
+        if t < 0 or t > latest.shapes.t[-1] * (1 + 1e-9):
+            raise ResultsError(f"{latest.path}: ends at {view.units.plain(latest.shapes.t[-1])}; no "
+                               f"shape at {view.units.plain(t)[4:]}")
+    for r in view.results:
+        if not view.times_of(r):
+            raise ResultsError(f"{r.path}: ends at {view.units.plain(r.shapes.t[-1])}, before the "
+                               "first of the times asked for")
+
+
+def usual_panels(runs):
+    """All panels, those of contact where there is any."""
+    touch = any("contact" in r.shapes for r in runs)
+    return [name for name in PANELS if touch or name not in OF_CONTACT]
+
+
+def plot(results: Results | Sequence[Results], panels: Sequence[str] | str | None = None, *,
+         times: Sequence[float | str] | None = None, si: bool = False, overlay: bool = False,
+         titles: Sequence[str] | None = None, beside: Sequence[Results] = ()) -> Figure:
+    """Draws one run or several, one column each; the figure, which savefig saves.
+
+    panels   names of PANELS or of series, "width", or several in one panel, "width+end_distance";
+             None: all PANELS, those of contact where there is any
+    times    of the shapes drawn, dimensionless or with a unit, "20s"; None: quarters of each run
+    si       in units of the laboratory that suit the runs
+    overlay  all runs in every panel, instead of a column each
+    titles   of the runs; None: the names of their files
+    beside   runs drawn dashed beside these in the panel norm, one for each"""
+    runs = [results] if isinstance(results, Results) else list(results)
+    names = panels.split(",") if isinstance(panels, str) else list(panels or usual_panels(runs))
+    view = View(runs, Units(runs if si else ()), overlay=overlay and len(runs) > 1,
+                titles=list(titles or [r.name for r in runs]),
+                beside={r.path: other for r, other in zip(runs, beside)})
+    if times is not None:
+        view.times = [moment("--times", t, runs) for t in times]
+    check_times(view)
+    with plt.rc_context(STYLE):
+        return draw(names, view)
+
+
+def read(path):
+    r = load(path)
+    if not r.finished and r.series:
+        end = r.series.t[-1] if len(r.series.t) else 0
+        print(f"plot: {path}: the run has not reached its end, drawn up to t = {end:.4g}")
+    return r
+
+
+def tell_missing(results, times, units):
+    for r in results:
+        for t in times:
+            stored, asked = units.plain(r.at(t).t), units.plain(t, "g")
+            if t > r.shapes.t[-1] * (1 + 1e-9):
+                print(f"plot: {r.path}: ends at {stored}, before {asked[4:]}")
+            elif abs(r.at(t).t - t) > 1e-6 * max(t, 1):
+                print(f"plot: {r.path}: no shape stored at {asked}, drawn at {stored[4:]}")
+
+
+def options(arguments):
+    parser = argparse.ArgumentParser(prog="scripts/plot.sh", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("files", nargs="+", metavar="FILE", help="result files, HDF5")
+    parser.add_argument("--output", metavar="BASENAME",
+                        help="writes BASENAME.png and .pdf; default: the first file's name")
+    parser.add_argument("--panels", metavar="A,B+C,...",
+                        help="comma list, in this order; default: all that are named above, "
+                        f"{' and '.join(OF_CONTACT)} where there is contact")
+    parser.add_argument("--times", metavar="T1,T2,...",
+                        help="of the shapes drawn; of a run with -si_ options also 20s or 2min; "
+                        "default: quarters of each run")
+    parser.add_argument("--overlay", action="store_true",
+                        help="all files in every panel, instead of a column each")
+    parser.add_argument("--si", action="store_true",
+                        help="in centimetres, newtons, seconds and the like: for runs with -si_ options")
+    parser.add_argument("--beside", metavar="FILE,...", default="",
+                        help="runs drawn dashed beside these in the panel norm, one for each")
+    parser.add_argument("--titles", metavar="A,B,...", help="of the files; default: their names")
+    return parser.parse_args(arguments)
+
+
+def main(arguments=None):
+    matplotlib.use("Agg")
+    choice = options(arguments)
+    output = choice.output or str(Path(choice.files[0]).with_suffix(""))
+    try:
+        results = [read(path) for path in choice.files]
+        if not any(r.series for r in results):
+            return plot_stability.main([*choice.files, "--output", output])
+        times = choice.times.split(",") if choice.times else None
+        figure = plot(results, choice.panels, times=times, si=choice.si, overlay=choice.overlay,
+                      titles=choice.titles.split(",") if choice.titles else None,
+                      beside=[read(path) for path in choice.beside.split(",") if path])
+        tell_missing(results, [moment("--times", t, results) for t in times or ()],
+                     Units(results if choice.si else ()))
+        with plt.rc_context(STYLE):
+            for ending in ("png", "pdf"):
+                figure.savefig(f"{output}.{ending}")
+    except (TendrilError, OSError) as error:
+        print(f"plot: {error}", file=sys.stderr)
+        return 1
+    return 0

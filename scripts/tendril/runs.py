@@ -1,0 +1,215 @@
+"""Runs tendril and reads what it leaves.
+
+    r = tendril.run("options/feed.opts", friction_mu=0.5, ts_max_time=12)
+    r = tendril.run(growth_type="feed", si_bending_stiffness="2.2Nmm^2", si_friction_dry="0.5N/m",
+                    si_speed="5mm/s", stop_length="30cm", rod_curvature="3/m", output="tube.h5")
+
+Options are those of docs/options.md, without the dash. A value is a number, text ("30cm", "feed"),
+True for a flag; pairs for what is written 0:1,3:2.5; and for a file of arrays a dict of them:
+
+    tendril.run(rod_stiffness_file={"distance": [0, 1, 2, 3], "factor": [0.1, 0.5, 1, 1]})
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from .errors import RunError, TendrilError
+from .results import Results, load
+
+CHECKOUT = Path(__file__).resolve().parents[2]
+# Open MPI refuses root without the first two; one thread each, for BLAS
+ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+               "OMP_NUM_THREADS": "1"}
+# A single process needs no daemon, and no network to be looked for: it starts in half the time.
+SINGLE = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self"}
+TRIES = 3  # now and then MPI itself does not start on a busy machine, which says nothing of the run
+SECONDS_LEFT = re.compile(r"([0-9.]+) s$")
+
+
+def executable() -> str:
+    """The program: what the variable TENDRIL names; else build/tendril of the checkout that this
+    package lies in, or of the working directory; else tendril on the PATH."""
+    if os.environ.get("TENDRIL"):
+        found = shutil.which(os.environ["TENDRIL"])
+        if not found:
+            raise TendrilError(f"TENDRIL={os.environ['TENDRIL']}: no executable")
+        return found
+    for place in (CHECKOUT, Path.cwd()):
+        if found := shutil.which(place / "build" / "tendril"):
+            return found
+    if found := shutil.which("tendril"):
+        return found
+    raise TendrilError("no executable tendril: build it (scripts/run.sh does), put it on the PATH, or "
+                       "name it in the variable TENDRIL")
+
+
+def text_of(value) -> str:
+    """An option's value as tendril reads it."""
+    if isinstance(value, (bool, np.bool_)):
+        return "true" if value else "false"
+    if isinstance(value, (int, np.integer)):
+        return str(int(value))
+    if isinstance(value, (float, np.floating)):
+        return repr(float(value))
+    if isinstance(value, (list, tuple)):
+        return ",".join(":".join(text_of(v) for v in pair) if isinstance(pair, (list, tuple))
+                        else text_of(pair) for pair in value)
+    return re.sub(r"^([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?) +(\S+)$", r"\1\2", str(value))  # "5 mm/s"
+
+
+def write_arrays(path, arrays):
+    """A dict of arrays as the HDF5 file that an option names."""
+    with h5py.File(path, "w") as file:
+        for name, values in arrays.items():
+            file[name.lstrip("/")] = np.asarray(values, float)
+    return str(path)
+
+
+def words_of(options, directory) -> list[str]:
+    """Options as words of a command line; arrays go into files in the directory. None is left out."""
+    words = []
+    for name, value in options.items():
+        name = name.lstrip("-")
+        if isinstance(value, dict):
+            value = write_arrays(Path(directory) / f"{name}.h5", value)
+        if value is not None:
+            words += [f"-{name}", text_of(value)]
+    return words
+
+
+def scene_words(scene, directory) -> list[str]:
+    """A scene: an options file, the name of one in options/, options as a dict, or nothing."""
+    if scene is None:
+        return []
+    if isinstance(scene, dict):
+        return words_of(scene, directory)
+    known = CHECKOUT / "options" / f"{scene}.opts"
+    path = Path(scene) if Path(scene).is_file() or not known.is_file() else known
+    if not path.is_file():
+        raise TendrilError(f"{scene}: no options file, and no scene of that name")
+    return ["-options_file", str(path)]
+
+
+def follow(process, progress):
+    """Reads what a run prints, and shows how far it is by the time that it says is left."""
+    from tqdm import tqdm
+
+    said, begin = [], time.perf_counter()
+    form = "{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining}"
+    with tqdm(total=1.0, desc="tendril", bar_format=form, leave=False,
+              disable=None if progress is None else not progress) as bar:
+        for line in process.stdout:
+            said.append(line)
+            if left := SECONDS_LEFT.search(line):
+                elapsed = time.perf_counter() - begin
+                done = elapsed / (elapsed + float(left[1]))
+                bar.update(max(0, done - bar.n))
+    return "".join(said)
+
+
+def start(command, progress):
+    """(exit code, what it printed, what it complained of) of one run."""
+    environment = os.environ | ENVIRONMENT | ({} if command[0] == "mpiexec" else SINGLE)
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                          stdin=subprocess.DEVNULL, env=environment) as process:
+        try:
+            said = follow(process, progress)
+            complaint = process.stderr.read()
+        except KeyboardInterrupt:
+            process.send_signal(signal.SIGINT)  # it stores what it has, and ends
+            process.wait()
+            raise
+    return process.returncode, said, complaint
+
+
+def plain_line(complaint, code):
+    """tendril's own line among what MPI may have added."""
+    lines = complaint.strip().splitlines()
+    own = [line for line in lines if line.startswith("tendril: ")]
+    return own[-1][len("tendril: "):] if own else (lines or [f"ended with exit code {code}"])[-1]
+
+
+def execute(command, output=None, progress=False) -> str:
+    """Runs a command line of tendril; what it printed. Raises RunError with tendril's own line."""
+    for _ in range(TRIES):
+        code, said, complaint = start(command, progress)
+        if code == 0:
+            return said
+        if "before MPI_INIT" not in complaint:
+            break
+    stored = None
+    if output and Path(output).is_file():
+        try:
+            stored = load(output)
+        except TendrilError:
+            pass  # it was refused before it wrote there
+    raise RunError(plain_line(complaint, code), command, stored)
+
+
+def run(scene=None, *, output=None, progress: bool | None = None, ranks: int = 1,
+        **options) -> Results:
+    """Runs a scene and returns its results, which are dimensionless as in the file.
+
+    scene     an options file, the name of one in options/, a dict of options, or None
+    output    the result file, if it is to be kept
+    progress  a bar; None: where standard error is a terminal
+    ranks     processes of one run, by mpiexec
+    options   those of docs/options.md; they override the scene's
+
+    Raises RunError, with tendril's own line, for a run that is refused or gives up; what was stored
+    until then is in its .results."""
+    with tempfile.TemporaryDirectory(prefix="tendril-") as directory:
+        name = Path(scene).stem if isinstance(scene, (str, Path)) else "run"
+        output = Path(output or Path(directory) / f"{name}.h5")
+        launch = ["mpiexec", "-n", str(ranks)] if ranks > 1 else []
+        command = [*launch, executable(), *scene_words(scene, directory),
+                   *words_of(options, directory), "-output", str(output)]
+        execute(command, output, progress)
+        return load(output)
+
+
+@dataclass(repr=False)
+class Critical:
+    """When the straight rod gives way."""
+
+    t: float  # in units of l/V
+    length: float  # in units of l
+    error: float  # a bound on that of the length
+    frequency: float  # of the flutter, rad per unit of time; 0: it buckles
+    s: np.ndarray  # [n], labels of the mode
+    y: np.ndarray  # [n], its deflection, largest 1
+    results: Results
+
+    def __repr__(self):
+        kind = f"flutter, frequency {self.frequency:.6g}" if self.flutters else "buckling"
+        return f"<t = {self.t:.10g}, length {self.length:.10g}, {kind}>"
+
+    @property
+    def flutters(self) -> bool:
+        return self.frequency > 0
+
+    def in_si(self) -> Critical:
+        """The same in seconds, metres and radians per second."""
+        scale = self.results.scale
+        return replace(self, t=self.t * scale("time"), length=self.length * scale("length"),
+                       error=self.error * scale("length"),
+                       frequency=self.frequency / scale("time"))
+
+
+def critical(scene=None, **options) -> Critical:
+    """The length at which the straight rod gives way; scene and options as for run."""
+    r = run(scene, task="critical", **options)
+    numbers = (float(r.critical[name]) for name in ("t", "length", "error", "frequency"))
+    return Critical(*numbers, r.critical.s, r.critical.y, r)

@@ -1,0 +1,386 @@
+"use strict";
+// The page of scripts/view.sh. `data` is what page.py wrote: runs, with arrays as base64 of 32-bit
+// numbers, all dimensionless; charts, which series are drawn together; units of the laboratory.
+const data = JSON.parse(document.getElementById("data").textContent);
+const element = (id) => document.getElementById(id);
+const state = { t: 0, lab: false, playing: false };  // t in the units that are shown
+const PLAY_SECONDS = 12, DASHES = [[], [6, 3], [2, 2], [8, 3, 2, 3]];
+const ARROW_SHARE = 1 / 12;  // of the picture's width: the strongest friction
+
+function floats(text) {
+  const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+  return new Float32Array(bytes.buffer);
+}
+
+function unpack(run) {
+  run.shown = true;
+  for (const table of [run.series, run.shapes])
+    for (const name of Object.keys(table)) table[name] = floats(table[name]);
+  run.end = run.series.t[run.series.t.length - 1];
+}
+
+const several = data.runs.length > 1;
+// of a unit of the file, "l" or "N l": what its numbers are multiplied by, and the name to be shown
+const factor = (run, unit) => (state.lab && run.factors[unit]) || 1;
+const named = (unit) => (state.lab && data.units[unit]) || (unit === "rad" ? unit : "");
+const withUnit = (text, unit) => (named(unit) ? `${text} (${named(unit)})` : text);
+const lastTime = () => Math.max(...data.runs.map((run) => run.end * factor(run, "l/V")));
+
+function number(v) {
+  if (v === null || v === undefined || Number.isNaN(v)) return "–";
+  const size = Math.abs(v);
+  return size === 0 ? "0" : size >= 1e-3 && size < 1e5 ? String(+v.toPrecision(4)) : v.toExponential(2);
+}
+
+function tick(v) {
+  const size = Math.abs(v);
+  return v === null ? "" : size === 0 || (size >= 1e-3 && size < 1e5) ? String(+v.toPrecision(6))
+    : v.toExponential().replace("e+", "e");
+}
+
+// The last index whose value is not above t, and how far t is on the way to the next.
+function locate(values, t) {
+  let low = 0, high = values.length - 1;
+  if (t >= values[high]) return [high, 0];
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (values[middle] <= t) low = middle; else high = middle;
+  }
+  return [low, Math.max(0, (t - values[low]) / (values[high] - values[low]))];
+}
+
+// The rod between two stored shapes; of each array of `shapes` the row at that time.
+function shapeAt(run, t) {
+  const [k, w] = locate(run.shapes.t, t), shape = {};
+  for (const [name, width] of Object.entries(run.widths)) {
+    const all = run.shapes[name], a = k * width, b = (w ? k + 1 : k) * width;
+    shape[name] = Float32Array.from({ length: width }, (_, i) => all[a + i] * (1 - w) + all[b + i] * w);
+  }
+  return shape;
+}
+
+// ---- the rod ----
+
+let rod = null;  // uPlot draws its axes, the hook below the rod itself
+
+function limits(x) {
+  let low = [Infinity, Infinity], high = [-Infinity, -Infinity];
+  for (let i = 0; i < x.length; i++) {
+    low[i % 2] = Math.min(low[i % 2], x[i]);
+    high[i % 2] = Math.max(high[i % 2], x[i]);
+  }
+  return [low, high];
+}
+
+// [x1 limits, x2 limits] of what is to be seen, in the units shown: the whole run, or the present shape
+function view() {
+  let low = [0, 0], high = [0, 0];
+  for (const run of data.runs.filter((r) => r.shown)) {
+    const f = factor(run, "l");
+    const x = element("follow").checked ? shapeAt(run, state.t / factor(run, "l/V")).x : run.shapes.x;
+    const [a, b] = limits(x);
+    for (const d of [0, 1]) {
+      low[d] = Math.min(low[d], a[d] * f);
+      high[d] = Math.max(high[d], b[d] * f);
+    }
+  }
+  const room = 0.06 * Math.max(high[0] - low[0], high[1] - low[1], 1e-9);
+  return [0, 1].map((d) => [low[d] - room, high[d] + room]);
+}
+
+// The limits widened until both axes have the same scale on the screen.
+function equalScales(u) {
+  const box = u.bbox, ratio = box.height / box.width;
+  let [x, y] = view();
+  const wide = Math.max(x[1] - x[0], (y[1] - y[0]) / ratio);
+  return [[x, wide], [y, wide * ratio]].map(([v, size]) =>
+    [(v[0] + v[1] - size) / 2, (v[0] + v[1] + size) / 2]);
+}
+
+const ENDS = [[180, 4, 38], [221, 221, 221], [59, 76, 192]];  // compression, none, tension
+function shade(force) {
+  const size = Math.asinh(20 * Math.abs(force) / data.strongest) / Math.asinh(20);
+  const end = force < 0 ? ENDS[0] : ENDS[2];
+  const mix = ENDS[1].map((c, i) => Math.round(c + (end[i] - c) * Math.min(1, size)));
+  return `rgb(${mix})`;
+}
+
+function polyline(u, points, f) {
+  u.ctx.beginPath();
+  for (let i = 0; i < points.length; i += 2)
+    u.ctx.lineTo(u.valToPos(points[i] * f, "x", true), u.valToPos(points[i + 1] * f, "y", true));
+  u.ctx.stroke();
+}
+
+function drawForces(u, places, forces, colour, f) {
+  const scale = ARROW_SHARE * u.bbox.width / data.drag, ctx = u.ctx;
+  ctx.strokeStyle = colour;
+  ctx.lineWidth = devicePixelRatio;
+  for (let i = 0; i < places.length; i += 2) {
+    const x = u.valToPos(places[i] * f, "x", true), y = u.valToPos(places[i + 1] * f, "y", true);
+    const dx = forces[i] * scale, dy = -forces[i + 1] * scale;
+    const head = Math.min(0.35, 7 * devicePixelRatio / Math.hypot(dx, dy));  // of the arrow
+    ctx.beginPath();
+    ctx.moveTo(x, y);
+    ctx.lineTo(x + dx, y + dy);
+    ctx.lineTo(x + dx - head * (dx - 0.5 * dy), y + dy - head * (dy + 0.5 * dx));
+    ctx.moveTo(x + dx, y + dy);
+    ctx.lineTo(x + dx - head * (dx + 0.5 * dy), y + dy - head * (dy - 0.5 * dx));
+    ctx.stroke();
+  }
+}
+
+function drawRun(u, run) {
+  const shape = shapeAt(run, state.t / factor(run, "l/V")), f = factor(run, "l"), ctx = u.ctx;
+  for (const line of run.walls) {
+    ctx.strokeStyle = "#999";
+    ctx.lineWidth = 2 * devicePixelRatio;
+    polyline(u, line, f);
+  }
+  if (element("friction").checked) drawForces(u, shape.places, shape.friction, "#777", f);
+  if (shape.contact && element("contact").checked) drawForces(u, shape.places, shape.contact, "#009E73", f);
+  ctx.lineWidth = (several ? 2.5 : 5) * devicePixelRatio;
+  ctx.strokeStyle = several ? run.colour : "#333";
+  polyline(u, shape.x, f);
+  if (several) return;
+  ctx.lineWidth = 3.4 * devicePixelRatio;
+  for (let i = 0; i + 1 < shape.axial.length; i++) {
+    ctx.strokeStyle = shade((shape.axial[i] + shape.axial[i + 1]) / 2);
+    polyline(u, shape.x.subarray(2 * i, 2 * i + 4), f);
+  }
+}
+
+function drawRods(u) {
+  u.ctx.save();
+  u.ctx.beginPath();
+  u.ctx.rect(u.bbox.left, u.bbox.top, u.bbox.width, u.bbox.height);
+  u.ctx.clip();
+  u.ctx.lineCap = u.ctx.lineJoin = "round";
+  for (const run of data.runs) if (run.shown) drawRun(u, run);
+  const x = u.valToPos(0, "x", true), y = u.valToPos(0, "y", true), size = 8 * devicePixelRatio;
+  u.ctx.fillStyle = "#000";
+  u.ctx.fillRect(x - size / 2, y - size / 2, size, size);  // the clamp
+  u.ctx.restore();
+}
+
+function rodSize() {
+  const width = element("rod").clientWidth, [x, y] = view();
+  const aspect = Math.min(1, Math.max(0.35, (y[1] - y[0]) / (x[1] - x[0])));
+  return { width, height: Math.min(width * aspect + 50, Math.max(260, 0.6 * innerHeight)) };
+}
+
+function makeRod() {
+  if (rod) rod.destroy();
+  const range = (d) => (u) => equalScales(u)[d];
+  rod = new uPlot({
+    ...rodSize(), legend: { show: false }, cursor: { show: false },
+    scales: { x: { time: false, range: range(0) }, y: { range: range(1) } },
+    axes: [{ label: withUnit("x₁", "l"), labelSize: 20, size: 34 },
+           { label: withUnit("x₂", "l"), labelSize: 20, size: 50 }],
+    series: [{}, {}], hooks: { draw: [drawRods] },
+    padding: [8, 16, 0, 0],  // fixed, so that the box is what the limits were made for
+  }, [[0, 1], [0, 0]], element("rod"));
+  element("least").textContent = number(-data.strongest * factor(data.runs[0], "N l"));
+  element("most").textContent = withUnit(number(data.strongest * factor(data.runs[0], "N l")), "N l");
+}
+
+// ---- the curves ----
+
+let charts = [];
+
+// The times of all runs that are shown, and a series of a run at these; null beyond its ends.
+function commonTimes(runs) {
+  const all = new Set();
+  for (const run of runs) for (const t of run.series.t) all.add(t * factor(run, "l/V"));
+  return Float64Array.from(all).sort();
+}
+
+function resample(run, name, unit, times, log) {
+  const t = run.series.t, y = run.series[name], ft = factor(run, "l/V"), fy = factor(run, unit);
+  return Array.from(times, (time) => {
+    if (time / ft > run.end * (1 + 1e-6)) return null;
+    const [k, w] = locate(t, time / ft);
+    const value = (w ? y[k] * (1 - w) + y[k + 1] * w : y[k]) * fy;
+    return log && !(value > 0) ? null : value;
+  });
+}
+
+function columns(chart, runs, times) {
+  const lines = [], values = [];
+  runs.forEach((run) => chart.series.forEach((name, i) => {
+    if (!(name in run.series) || run.series[name].every((v) => v === 0)) return;
+    lines.push({
+      label: several ? (chart.series.length > 1 ? `${run.name}, ${data.names[name]}` : run.name) : data.names[name],
+      stroke: several ? run.colour : data.colours[i % data.colours.length],
+      dash: several ? DASHES[i % DASHES.length] : [], width: 1.5, points: { show: false },
+      value: (u, v) => number(v),
+    });
+    values.push(resample(run, name, chart.unit, times, chart.log));
+  }));
+  return [lines, values];
+}
+
+// On a logarithmic axis only decades, and of many only some, have a line and a number.
+function decades(u, splits) {
+  const [low, high] = [u.scales.y.min, u.scales.y.max].map(Math.log10);
+  const every = Math.max(1, Math.ceil((high - low) / 6));
+  return splits.map((v) => {
+    const power = Math.log10(v);
+    return Math.abs(power - Math.round(power)) < 1e-9 && Math.round(power) % every === 0 ? v : null;
+  });
+}
+
+function valueAxis(log) {
+  const axis = { size: 58, values: (u, ticks) => ticks.map(tick) };
+  return log ? { ...axis, space: 1, filter: decades, grid: { filter: decades }, ticks: { filter: decades } } : axis;
+}
+
+function makeChart(chart, runs, times) {
+  const [lines, values] = columns(chart, runs, times);
+  if (!values.length) return null;
+  const box = document.createElement("div");
+  box.className = "chart";
+  box.innerHTML = "<h2></h2>";
+  box.firstChild.textContent = withUnit(chart.title, chart.unit);
+  element("charts").append(box);
+  const u = new uPlot({
+    width: box.clientWidth, height: 210,
+    cursor: { sync: { key: "time" }, drag: { x: true, y: false }, y: false },
+    scales: { x: { time: false }, y: chart.log ? { distr: 3 } : {} },
+    axes: [{ size: 32 }, valueAxis(chart.log)],
+    series: [{ label: withUnit("t", "l/V"), value: (u, v) => number(v) }, ...lines],
+    hooks: { draw: [mark] },
+  }, [times, ...values], box);
+  u.over.addEventListener("click", () => { if (u.select.width < 3) goTo(u.posToVal(u.cursor.left, "x")); });
+  u.over.addEventListener("mouseleave", () => requestAnimationFrame(markTime));
+  return u;
+}
+
+function makeCharts() {
+  charts.forEach((u) => u.destroy());
+  element("charts").replaceChildren();
+  const runs = data.runs.filter((run) => run.shown), times = commonTimes(runs);
+  charts = data.charts.map((chart) => makeChart(chart, runs, times)).filter(Boolean);
+}
+
+// ---- time, units, runs ----
+
+function mark(u) {
+  const left = u.valToPos(state.t, "x");
+  if (Number.isFinite(left)) u.setCursor({ left, top: 10 }, false, false);  // once it has its scales
+}
+
+function markTime() {
+  charts.forEach(mark);
+}
+
+function goTo(t) {
+  state.t = Math.min(Math.max(t, 0), lastTime());
+  element("slider").value = 1000 * state.t / lastTime();
+  element("now").textContent = `t = ${number(state.t)} ${named("l/V")}`;
+  rod.redraw(false, element("follow").checked);
+  if (element("follow").checked) rod.setData(rod.data);  // takes its limits anew
+  markTime();
+}
+
+function play() {
+  state.playing = !state.playing;
+  element("play").textContent = state.playing ? "❚❚" : "▶";
+  if (state.playing && state.t >= lastTime() * 0.999) state.t = 0;
+  let before = performance.now();
+  const frame = (now) => {
+    if (!state.playing) return;
+    goTo(state.t + lastTime() * (now - before) / 1000 / PLAY_SECONDS);
+    before = now;
+    if (state.t >= lastTime()) play(); else requestAnimationFrame(frame);
+  };
+  requestAnimationFrame(frame);
+}
+
+function redraw() {
+  makeRod();
+  makeCharts();
+  makeAbout();
+  goTo(state.t);
+}
+
+function changeUnits() {
+  const part = state.t / lastTime();
+  state.lab = element("lab").checked;
+  state.t = part * lastTime();
+  redraw();
+}
+
+function makeRuns() {
+  for (const run of several ? data.runs : []) {
+    const label = document.createElement("label"), box = document.createElement("input");
+    const swatch = document.createElement("span");
+    box.type = "checkbox";
+    box.checked = true;
+    box.onchange = () => {
+      run.shown = box.checked;
+      if (!data.runs.some((r) => r.shown)) box.checked = run.shown = true;  // one is always there
+      redraw();
+    };
+    swatch.className = "swatch";
+    swatch.style.background = run.colour;
+    label.append(box, swatch, run.name);
+    element("runs").append(label);
+  }
+}
+
+function makeAbout() {
+  const table = document.createElement("table"), about = element("about");
+  table.className = "summary";
+  const row = (cells, tag) => {
+    const line = table.insertRow();
+    for (const text of cells) line.appendChild(document.createElement(tag)).textContent = text;
+    if (tag === "td") line.cells[0].outerHTML = `<th>${line.cells[0].innerHTML}</th>`;
+  };
+  if (several) row(["", ...data.runs.map((run) => run.name)], "th");
+  for (const [text, unit] of data.summary)
+    row([withUnit(text, unit), ...data.runs.map((run) => {
+      const value = run.summary[text];
+      return typeof value === "number" ? number(value * factor(run, unit)) : value ?? "–";
+    })], "td");
+  const open = Array.from(about.querySelectorAll("details"), (d) => d.open);
+  const zero = Object.keys(data.names).filter((name) => data.runs.every((run) =>
+    (run.series[name] || []).every((v) => v === 0)));
+  const note = document.createElement("p");
+  note.className = "hint";
+  note.textContent = zero.length ? `0 throughout: ${zero.map((name) => data.names[name]).join(", ")}` : "";
+  about.replaceChildren(table, note, ...data.runs.map((run, i) => {
+    const details = document.createElement("details"), pre = document.createElement("pre");
+    details.append(document.createElement("summary"), pre);
+    details.firstChild.textContent = `options of ${run.name}`;
+    details.open = Boolean(open[i]);
+    pre.textContent = run.options;
+    return details;
+  }));
+}
+
+function connect() {
+  element("play").onclick = play;
+  element("slider").oninput = () => goTo(element("slider").value / 1000 * lastTime());
+  element("lab").onchange = changeUnits;
+  element("lab-label").hidden = Object.keys(data.units).length === 0;
+  element("contact-label").hidden = !data.runs.some((run) => "contact" in run.widths);
+  for (const id of ["friction", "contact"]) element(id).onchange = () => goTo(state.t);
+  element("follow").onchange = redraw;
+  element("bar").hidden = several;
+  element("friction").checked = !several;  // the arrows of many rods hide one another
+  document.addEventListener("keydown", (event) => {
+    if (event.code === "Space" && !["INPUT", "BUTTON", "SUMMARY"].includes(event.target.tagName)) {
+      event.preventDefault();
+      play();
+    }
+  });
+  let width = innerWidth;  // a phone that hides its address bar changes the height alone
+  addEventListener("resize", () => { if (innerWidth !== width) { width = innerWidth; redraw(); } });
+}
+
+data.runs.forEach(unpack);
+connect();
+makeRuns();
+redraw();
+document.body.dataset.ready = "yes";

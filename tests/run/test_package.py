@@ -1,0 +1,238 @@
+#!/usr/bin/env python3
+"""The Python package: runs, sweeps, what results can be turned into, pictures of several runs.
+
+    test_package.py build/tendril        with .venv's python, or one that has what the package needs"""
+
+import contextlib
+import io
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+try:
+    import h5py
+    import matplotlib
+    import numpy as np
+    import xarray
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    import tendril
+    from tendril import map, runs
+    from tendril.units import in_laboratory
+except ImportError as error:
+    venv = ROOT / ".venv/bin/python"
+    if venv.exists() and Path(sys.prefix) != venv.parent.parent:
+        os.execv(venv, [str(venv), *sys.argv])
+    sys.exit(f"test_package: {error}; scripts/setup.sh makes .venv")
+
+matplotlib.use("Agg")
+SHORT = dict(rod_cells=40, ts_max_time=1, output_interval=0.25)
+TUBE = dict(growth_type="feed", growth_initial_length="1cm", si_bending_stiffness="2.209 Nmm^2",
+            si_friction_dry="0.5N/m", si_speed="5 mm/s", rod_cells=60, stop_length="6 cm",
+            output_interval="1s")
+
+
+class Package(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.directory = tempfile.TemporaryDirectory(prefix="tendril-")
+        cls.place = Path(cls.directory.name)
+        cls.tube = tendril.run(**TUBE)
+        cls.runs = [tendril.run("feed", friction_mu=mu, **SHORT) for mu in (0, 1)]
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.directory.cleanup()
+
+    def test_run(self):
+        """What options say is what is run; the file is gone unless it is asked for."""
+        r = tendril.run("feed", friction_mu=0.5, output=self.place / "kept.h5", **SHORT)
+        self.assertEqual(r.attributes["parameters/friction_mu"], 0.5)
+        self.assertEqual((r.name, r.finished, r.options["growth_type"]), ("kept", True, "feed"))
+        self.assertEqual(tendril.load(self.place / "kept.h5").series.tip_x2[-1], r.series.tip_x2[-1])
+        self.assertFalse(self.runs[0].path.exists())
+        options = ROOT / "options/feed.opts"
+        self.assertEqual(tendril.run(options, friction_mu=0, **SHORT).series.tip_x2[-1],
+                         self.runs[0].series.tip_x2[-1])
+        two = tendril.run(dict(growth_type="feed", growth_initial_length=2, shape_amplitude=0.1),
+                          friction_mu=0, **SHORT)
+        self.assertEqual(two.series.tip_x2[-1], self.runs[0].series.tip_x2[-1])
+
+    def test_values(self):
+        """Numbers to their last digit, units with a blank, pairs, flags, arrays as files."""
+        words = runs.words_of({"a": 0.1, "-b": "5 mm/s", "c": [(0, 1), (3, 2.5)], "d": True, "e": None,
+                               "f": np.float64(1e-17), "g": [1, 2], "h": np.int64(3),
+                               "i": {"distance": [0, 1], "factor": [2, 3]}}, self.place)
+        self.assertEqual(words[:-2], ["-a", "0.1", "-b", "5mm/s", "-c", "0:1,3:2.5", "-d", "true", "-f",
+                                      "1e-17", "-g", "1,2", "-h", "3"])
+        with h5py.File(words[-1]) as file:
+            self.assertEqual(file["factor"][1], 3)
+
+    def test_errors(self):
+        with self.assertRaises(tendril.RunError) as refused:
+            tendril.run("feed", frictoin_mu=1)
+        self.assertEqual(str(refused.exception),
+                         "-frictoin_mu: unknown option, did you mean -friction_mu?")
+        self.assertIsNone(refused.exception.results)
+        with self.assertRaises(tendril.RunError) as broken:
+            tendril.run("feed", ts_max_steps=9, **SHORT)
+        self.assertEqual(len(broken.exception.results.series.t), 10)
+        with self.assertRaisesRegex(tendril.TendrilError, "no options file"):
+            tendril.run("no-such-scene")
+        with self.assertRaisesRegex(tendril.ResultsError, "-si_speed"):
+            self.runs[0].dataset(si=True)
+        place, os.environ["TENDRIL"] = os.environ["TENDRIL"], str(self.place / "none")
+        try:
+            with self.assertRaisesRegex(tendril.TendrilError, "no executable"):
+                tendril.run("feed")
+        finally:
+            os.environ["TENDRIL"] = place
+
+    def test_critical(self):
+        """The exact length of the dry rod; the tube's in metres."""
+        c = tendril.critical(friction_mu=1, growth_initial_length=0.5)
+        self.assertAlmostEqual(c.length, 1.987133724512, delta=1e-9)
+        self.assertFalse(c.flutters)
+        tube = tendril.critical(**{k: v for k, v in TUBE.items() if k != "output_interval"
+                                   and k != "stop_length"})
+        self.assertTrue(tube.flutters)
+        self.assertAlmostEqual(tube.in_si().length / tube.length, (2.209e-6 / 0.5) ** (1 / 3), 9)
+
+    def test_units(self):
+        """SI values are the file's times its scales; every unit of a file is known."""
+        r = self.tube
+        table = r.dataset(si=True)
+        self.assertIsInstance(table, xarray.Dataset)
+        self.assertEqual((table.width.attrs["units"], table.x.attrs["units"]), ("m", "m"))
+        self.assertAlmostEqual(float(table.length[-1]), 0.06, 12)
+        force = 0.5 * (2.209e-6 / 0.5) ** (1 / 3)
+        np.testing.assert_allclose(table.base_force_1, r.series.base_force_1 * force, rtol=1e-12)
+        np.testing.assert_allclose(table.curvature, r.shapes.curvature * 0.5 / force, rtol=1e-12)
+        self.assertEqual(table.x.dims, ("shape_t", "s", "axis"))
+        self.assertEqual(table.x.sel(axis="x1", s=1, shape_t=table.shape_t[-1]),
+                         r.shapes.x[-1, -1, 0] * force / 0.5)
+        named = {u: in_laboratory(u, r.scale)[1] for u in r.units.values()}
+        self.assertEqual({u for u, si in named.items() if u == si}, {"1", "rad"})
+        self.assertEqual(r.dataset().width.attrs["units"], "l")
+
+    def test_csv(self):
+        self.tube.to_csv(self.place / "tube.csv", si=True)
+        head, *rows = (self.place / "tube.csv").read_text().splitlines()
+        self.assertIn("width (m)", head)
+        self.assertEqual(len(rows), len(self.tube.series.t))
+        frame = self.runs[0].frame()
+        np.testing.assert_array_equal(frame["norm_x2"], self.runs[0].series.norm_x2)
+
+    def test_sweep(self):
+        """Each member is the run with these options; one that is refused is told, the others stay."""
+        s = tendril.sweep("feed", {"friction_mu": [0, 1, 2], "growth_initial_length": [2, 1]},
+                          directory=self.place / "sweep", **SHORT)
+        self.assertEqual(s.members.shape, (3, 2))
+        self.assertEqual(s.members[1, 0].series.tip_x2[-1], self.runs[1].series.tip_x2[-1])
+        self.assertEqual([point["friction_mu"] for point, _ in s.failed], [2, 2])
+        self.assertIn("too large", str(s.failed[0][1]))
+        table = s.dataset()
+        self.assertEqual(float(table.width.sel(friction_mu=0, growth_initial_length=2)),
+                         self.runs[0].series.width[-1])
+        self.assertTrue(np.isnan(table.width.sel(friction_mu=2)).all())
+        kept = self.place / "sweep" / "friction_mu=1__growth_initial_length=2.h5"
+        self.assertEqual(tendril.load(kept).series.width[-1], self.runs[1].series.width[-1])
+        lengths = tendril.sweep(over={"tip_force": [0, 1]}, task="critical", friction_beta=1e-6)
+        np.testing.assert_allclose(lengths.dataset().length, [1.98635, 1.326992], rtol=1e-5)
+
+    def test_map(self):
+        """Of last values of a sweep; on a logarithmic axis cells meet at geometric means."""
+        place = self.place / "map"
+        s = tendril.sweep("feed", {"friction_mu": [0, 1], "growth_initial_length": [1, 2, 4]},
+                          directory=place, rod_cells=40, ts_max_time=0.2)
+        said = io.StringIO()
+        with contextlib.redirect_stderr(said):
+            axes = ["--axes", "growth_initial_length,friction_mu", "--output", str(self.place / "map")]
+            self.assertEqual(map.main([str(place), *axes, "--quantity", "wdth"]), 1)
+            self.assertEqual(map.main([str(place), *axes, "--quantity", "width"]), 0)
+        self.assertRegex(said.getvalue(), r"^map: .*holds no wdth; there are .*width\n$")
+        self.assertGreater((self.place / "map.png").stat().st_size, 3000)
+        xs, ys, table = map.read(place, ["growth_initial_length", "friction_mu"], "series/width")
+        np.testing.assert_array_equal(table, s.dataset().width.values)
+        np.testing.assert_allclose(map.edges(xs), 2.0 ** np.array([-0.5, 0.5, 1.5, 2.5]))
+        np.testing.assert_allclose(map.edges(ys), [-0.5, 0.5, 1.5])
+
+    def test_three_lines(self):
+        """The example of the README does what it says."""
+        readme = (ROOT / "README.md").read_text()
+        code = re.search(r"(?m)^    import tendril\n(    .*\n)+", readme)[0]
+        lines = [line[4:] for line in code.splitlines()]
+        self.assertLessEqual(len(lines), 4)
+        done = subprocess.run([sys.executable, "-c", "\n".join(lines)], cwd=self.place, text=True,
+                              capture_output=True, env=os.environ | {"PYTHONPATH": str(ROOT / "scripts")})
+        self.assertEqual(done.returncode, 0, done.stderr)
+        for file in re.findall(r'"(\w+\.(?:png|html|csv|gif))"', code):
+            self.assertGreater((self.place / file).stat().st_size, 1000, file)
+
+    def test_version(self):
+        text = (ROOT / "scripts/pyproject.toml").read_text()
+        version = re.search(r'(?m)^version = "(.*?)"', text)[1]
+        self.assertEqual(self.tube.attributes["version"], version)
+
+    def test_help(self):
+        """Every shell script tells how it is used."""
+        scripts = [f for f in (ROOT / "scripts").glob("**/*.sh") if f.name not in ("common.sh", "python.sh")]
+        self.assertGreater(len(scripts), 12)
+        for script in scripts:
+            done = subprocess.run([script, "-h"], capture_output=True, text=True, cwd=self.place)
+            self.assertEqual(done.returncode, 0, f"{script}: {done.stderr}")
+            self.assertIn(script.name, done.stdout)
+
+    def boxes(self, figure):
+        """Where all texts and legends of a figure are, in points of the screen."""
+        renderer = FigureCanvasAgg(figure).get_renderer()
+        figure.draw(renderer)  # only then labels are where they belong
+        for ax in figure.axes:
+            texts = [t for t in (ax.title, ax._left_title, ax.xaxis.label, ax.yaxis.label, *ax.texts)
+                     if t.get_text() and ax.axison]
+            for text in texts + [ax.get_legend()] * (ax.get_legend() is not None):
+                yield text, text.get_window_extent(renderer)
+
+    def test_pictures_do_not_collide(self):
+        """No text of a picture lies over another or beyond its edge, in any unit and arrangement; panels
+        have the same size in all units."""
+        sizes = []
+        for choice in (dict(), dict(si=True)):
+            figure = tendril.plot(self.tube, **choice)
+            sizes.append([ax.get_position().width * figure.get_size_inches()[0] for ax in figure.axes])
+        np.testing.assert_allclose(sizes[0], sizes[1], rtol=1e-12)
+        for picture in (tendril.plot(self.tube, si=True), tendril.plot(self.runs),
+                        tendril.plot(self.runs, overlay=True),
+                        tendril.plot(self.runs, "norm,width+end_distance,tip_speed,norm_x2_length")):
+            found = list(self.boxes(picture))
+            whole = picture.bbox
+            for i, (a, box) in enumerate(found):
+                self.assertTrue(whole.x0 <= box.x0 and box.x1 <= whole.x1 and whole.y0 <= box.y0
+                                and box.y1 <= whole.y1, f"{a} is cut off")
+                for b, other in found[:i]:
+                    self.assertFalse(box.overlaps(other), f"{a} lies over {b}")
+
+    def test_overlay(self):
+        """Every run in every panel, each in its own colour."""
+        figure = tendril.plot(self.runs, "width,shapes", overlay=True, times=[0.5, 1])
+        width, shapes = figure.axes
+        self.assertEqual([list(line.get_ydata()) for line in width.lines],
+                         [list(r.series.width) for r in self.runs])
+        colours = [line.get_color() for line in width.lines]
+        self.assertEqual(len(set(colours)), 2)
+        rods = [line for line in shapes.lines if len(line.get_xdata()) > 1]
+        self.assertEqual([line.get_color() for line in rods], [c for c in colours for _ in range(2)])
+        for wrong, word in (("wdth", "unknown"), ("width+energy", "no one unit")):
+            with self.assertRaisesRegex(tendril.ResultsError, word):
+                tendril.plot(self.runs, wrong)
+
+
+if __name__ == "__main__":
+    os.environ["TENDRIL"] = str(Path(sys.argv.pop(1)).resolve())
+    unittest.main()
