@@ -9,9 +9,10 @@ static const OptionRow rows[] = {
     ROW_REAL("-contact_friction", "0", 0, 100, UNIT_NONE, 0,
              "mu_c, friction in contact over its normal force: with walls that do not say their "
              "own, and of the rod with itself"),
-    ROW_REAL("-contact_stiffness", "", 1e-6, 1e30, UNIT_NONE, 0,
-             "k, force per length and depth, in N/l; if not given it follows from the mesh and the "
-             "diameter")};
+    ROW_REAL(
+        "-contact_stiffness", "", 1e-6, 1e30, UNIT_NONE, 0,
+        "k, force per length and depth, in N/l; if not given it follows from the diameter, and "
+        "without one, or with -accuracy, from the mesh")};
 const OptionGroup contact_options = OPTION_GROUP("Contact", rows);
 
 /*
@@ -32,6 +33,7 @@ PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
   PetscCall(OptionReal("-contact_diameter", &contact->diameter, &thick));
   PetscCall(OptionReal("-contact_friction", &contact->friction, &rubs));
   PetscCall(OptionReal("-contact_stiffness", &contact->stiffness, &contact->given));
+  PetscCall(OptionGiven("-accuracy", &contact->fine));
   contact->any = (PetscBool)(walls || contact->self);
   UserCheck(contact->any || !(rubs || contact->given), OptionsComm(),
             "%s: there is nothing to touch; give -wall_file, or -contact_self",
@@ -51,7 +53,7 @@ PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
    does not see it; more, and contact is softer than need be. */
 static const PetscReal cells_of_layer = 1.5;
 /* A force of usual size is not to press the rod in by more than this part of its diameter. */
-static const PetscReal part_of_diameter = 2e-3;
+static const PetscReal part_of_diameter = 1e-3;
 /* The pressure sets in over so many times the depth to which such a force presses: so the step
    feels no kink where a point begins to touch. */
 static const PetscReal part_smooth = 2;
@@ -69,8 +71,10 @@ void ContactSetStiffness(Contact *contact, PetscReal cell, PetscReal length) {
   PetscReal l = cells_of_layer * cell;
 
   if (!contact->any) return;
-  if (contact->diameter > 0)
-    l = PetscMin(l, PetscPowReal(depth * part_of_diameter * contact->diameter / Q, 1. / 3));
+  if (contact->diameter > 0) {
+    PetscReal thick = PetscPowReal(depth * part_of_diameter * contact->diameter / Q, 1. / 3);
+    l = contact->fine ? PetscMin(l, thick) : thick;
+  }
   if (!contact->given) contact->stiffness = 1 / (l * l * l * l);
   contact->tip = PetscPowReal(contact->stiffness, -0.25);
   contact->smooth = part_smooth * Q * contact->tip * contact->tip * contact->tip / depth;

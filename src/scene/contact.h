@@ -19,6 +19,7 @@ typedef struct {
   PetscBool any;                    /* there are walls, or strands that touch */
   PetscBool self;                   /* strands touch */
   PetscBool given;                  /* k is the user's */
+  PetscBool fine;                   /* k follows the mesh, too: an accuracy is asked for */
   PetscReal diameter;               /* D */
   PetscReal stiffness, smooth, tip; /* k, w, l */
   PetscReal friction;               /* mu_c between strands, and of walls without their own */
