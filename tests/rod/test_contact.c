@@ -1,5 +1,5 @@
-/* Contact: Jacobians by rate with walls and with strands of the rod that press on each other, forces
-   that cancel, feet that are feet. */
+/* Contact: Jacobians by rate with walls and with strands of the rod that press on each other,
+   forces that cancel, feet that are feet. */
 #include "rod/by_rate.h"
 #include "rod/strands.h"
 
@@ -102,6 +102,187 @@ static void TestWallJacobians(void **state) {
   }
 }
 
-static const struct CMUnitTest tests[] = {cmocka_unit_test(TestWallJacobians),
-                                          cmocka_unit_test(TestStrandJacobians)};
+/* The pressure is minus the slope of the energy, and goes over smoothly. */
+static void TestPressure(void **state) {
+  Contact contact = {.any = PETSC_TRUE, .given = PETSC_TRUE, .stiffness = 70};
+  ContactSetStiffness(&contact, 0.1);
+  for (int i = -40; i <= 40; i++) {
+    const PetscReal gap = contact.smooth * i / 20.1, e = 1e-5 * contact.smooth;
+    PetscReal slope, skip,
+        p = ContactPressure(&contact, gap, &slope),
+        by_energy = (ContactEnergy(&contact, gap - e) - ContactEnergy(&contact, gap + e)) / (2 * e),
+        by_p = (ContactPressure(&contact, gap + e, &skip) -
+                ContactPressure(&contact, gap - e, &skip)) /
+               (2 * e);
+    EXPECT(PetscAbsReal(by_energy - p) < 1e-8 * contact.stiffness * contact.smooth,
+           "gap %g: %g, %g", gap, p, by_energy);
+    EXPECT(PetscAbsReal(by_p - slope) < 1e-4 * contact.stiffness, "gap %g: %g, %g", gap, slope,
+           by_p);
+  }
+}
+
+/* Energy and force of the walls at a place; within: how near they are seen. */
+static PetscReal WallField(const Walls *walls, const PetscReal x[2], PetscReal f[2]) {
+  const PetscReal within = 0.05;
+  Touch touch[MOST_TOUCHES];
+  PetscInt n = WallsTouch(walls, x, 0.1, within, touch);
+  PetscReal sum = 0;
+  f[0] = f[1] = 0;
+  for (PetscInt k = 0; k < n; k++) {
+    sum += PetscSqr(within - touch[k].gap) / 2;
+    for (int d = 0; d < 2; d++) f[d] += (within - touch[k].gap) * touch[k].normal[d];
+  }
+  return sum;
+}
+
+/* Is a place, in a clamp's frame turned by 0.3, out of the conduit of the test below? */
+static PetscBool Outside(const PetscReal x[2]) {
+  static const PetscReal axis[4][2] = {{0, 0}, {1, 0}, {1.5, 0.8}, {1.2, 1.6}};
+  const PetscReal y[2] = {cos(0.3) * x[0] - sin(0.3) * x[1], sin(0.3) * x[0] + cos(0.3) * x[1]};
+  for (int k = 0; k < 3; k++) {
+    PetscReal t[2] = {axis[k + 1][0] - axis[k][0], axis[k + 1][1] - axis[k][1]}, z;
+    z = ((y[0] - axis[k][0]) * t[0] + (y[1] - axis[k][1]) * t[1]) / (t[0] * t[0] + t[1] * t[1]);
+    z = PetscMax(0, PetscMin(1, z));
+    if (hypot(y[0] - axis[k][0] - z * t[0], y[1] - axis[k][1] - z * t[1]) < 0.18)
+      return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+/* Along paths at random, past corners and through mouths: no jumps, and the force is minus the
+   slope of the energy. */
+static void TestWallsAreSmooth(void **state) {
+  const char *const file_of[] = {"polygon outside 0.3 0.2 0.8 0.1 0.9 0.9 0.4 0.8\n",
+                                 "polygon inside 0 0 1 0 1 0.5 0.5 0.5 0.5 1 0 1\n",
+                                 "path 0.2 0 0 1 0 1.5 0.8 1.2 1.6\n",
+                                 "circle 0.5 0.5 0.3 outside\nplane 0.2 0 1 0.3\n"};
+  for (size_t w = 0; w < sizeof(file_of) / sizeof(file_of[0]); w++) {
+    Walls walls = {0};
+    PetscInt met = 0;
+    char file[64];
+    WriteWalls(file, file_of[w]);
+    CHECK(WallsRead(file, 0.1, 0, 0.3, &walls));
+    for (int path = 0; path < 200; path++) {
+      const PetscReal a[2] = {1.5 * Scatter(path, 1), 1.5 * Scatter(path, 2)},
+                      turn = PETSC_PI * Scatter(path, 3), step = 1e-4;
+      PetscReal before = 0, f0[2] = {0, 0};
+      for (int i = 0; i <= 4000; i++) {
+        PetscReal x[2] = {a[0] + i * step * PetscCosReal(turn),
+                          a[1] + i * step * PetscSinReal(turn)},
+                  f[2], now = WallField(&walls, x, f), size = hypot(f[0], f[1]);
+        /* a conduit's mouth is a trumpet that ends: what is outside of it is not asked */
+        if (w == 2 && Outside(x)) {
+          f0[0] = f0[1] = 1;
+          continue;
+        }
+        /* less deep than the rod is thick: what lies deeper has no side */
+        if (i && size < 0.1 && hypot(f0[0], f0[1]) < 0.1) {
+          PetscReal work = -step * ((f[0] + f0[0]) / 2 * PetscCosReal(turn) +
+                                    (f[1] + f0[1]) / 2 * PetscSinReal(turn));
+          met += size > 0;
+          EXPECT(hypot(f[0] - f0[0], f[1] - f0[1]) < 6 * step, "%s at %g, %g: force jumps",
+                 file_of[w], x[0], x[1]);
+          EXPECT(PetscAbsReal(now - before - work) < 6 * step * step,
+                 "%s at %g, %g: energy %g, work %g", file_of[w], x[0], x[1], now - before, work);
+        }
+        before = now;
+        f0[0] = f[0], f0[1] = f[1];
+      }
+    }
+    EXPECT(met > 1000, "%s: met %d times", file_of[w], (int)met);
+    CHECK(WallsDestroy(&walls));
+    RemoveFile(file);
+  }
+}
+
+/* A spiral whose turns press on each other, bent by e in a way of its own; x at nodes. */
+static void Spiral(const PetscReal s[], PetscInt cells, PetscReal L, PetscReal e, Node *nodes) {
+  enum { PARTS = 40 };
+  for (PetscInt i = 0; i <= cells; i++) {
+    nodes[i].theta = 16 * s[i] - 4 * s[i] * s[i] + e * PetscSinReal(5 * s[i]);
+    for (int d = 0; d < 2; d++) nodes[i].x[d] = i ? nodes[i - 1].x[d] : 0;
+    for (int k = 0; i && k <= PARTS; k++) {
+      PetscReal h = (s[i] - s[i - 1]) / PARTS, z = s[i - 1] + k * h,
+                w = L * h / 3 * (k % PARTS ? 2 + 2 * (k % 2) : 1),
+                theta = 16 * z - 4 * z * z + e * PetscSinReal(5 * z);
+      nodes[i].x[0] += w * PetscCosReal(theta);
+      nodes[i].x[1] += w * PetscSinReal(theta);
+    }
+  }
+}
+
+/* x at point k: a node, or the middle behind it. */
+static PetscReal PointAt(const PetscReal s[], PetscReal L, const Node *nodes, PetscInt k, int d) {
+  const Node *a = &nodes[k / 2], *b = a + k % 2;
+  PetscReal h = L * (s[k / 2 + k % 2] - s[k / 2]);
+  if (k % 2 == 0) return a->x[d];
+  return (a->x[d] + b->x[d]) / 2 +
+         h / 8 * (d ? sin(a->theta) - sin(b->theta) : cos(a->theta) - cos(b->theta));
+}
+
+/* The relative error of the work of the forces when the spiral bends, against the energy. */
+static PetscReal WorkError(PetscInt cells) {
+  const PetscReal t = 0.7, e = 1e-5;
+  PetscReal energy[2], work = 0, L;
+  const PetscReal(*force)[2];
+  Node *nodes[3];
+  Strands strands;
+  StrandSum sum;
+  Scene scene;
+  SetOptions("-growth_initial_length 0.5 -ts_max_time 2 -rod_cells %d -contact_self "
+             "-contact_diameter 0.03 -contact_stiffness 300",
+             (int)cells);
+  CHECK(SceneCreate(&scene));
+  CHECK(StrandsCreate(scene, &strands));
+  CHECK(GrowthLength(scene->growth, t, &L, NULL));
+  for (int k = 0; k < 3; k++) {
+    StrandState state = {.t = t, .stride = NODE_VALUES};
+    CHECK(PetscCalloc1(cells + 1, &nodes[k]));
+    Spiral(scene->mesh.s, cells, L, (k - 1) * e, nodes[k]);
+    if (k == 1) continue;
+    state.u = nodes[k][0].x;
+    CHECK(StrandsSearch(strands, &state));
+    CHECK(StrandsLoad(strands, &state));
+    StrandsSum(strands, &sum);
+    energy[k / 2] = sum.energy;
+  }
+  {
+    StrandState state = {.t = t, .stride = NODE_VALUES, .u = nodes[1][0].x};
+    CHECK(StrandsSearch(strands, &state));
+    CHECK(StrandsLoad(strands, &state));
+    StrandsSum(strands, &sum);
+  }
+  force = StrandsForces(strands);
+  EXPECT(sum.normal > 0.01, "nothing touches: %g", sum.normal);
+  EXPECT(hypot(sum.sum[0], sum.sum[1]) < 1e-12 * sum.normal, "sum %g, %g of %g", sum.sum[0],
+         sum.sum[1], sum.normal);
+  for (PetscInt k = 0; k <= 2 * cells + 1; k++)
+    for (int d = 0; d < 2; d++) {
+      const PetscReal *s = scene->mesh.s;
+      PetscInt at = PetscMin(k, 2 * cells), i = at / 2;
+      PetscReal weight = k > 2 * cells ? -1
+                         : at % 2
+                             ? 4 * (s[i + 1] - s[i]) / 6
+                             : ((i ? s[i] - s[i - 1] : 0) + (i < cells ? s[i + 1] - s[i] : 0)) / 6;
+      work -=
+          weight * force[k][d] * (PointAt(s, L, nodes[2], at, d) - PointAt(s, L, nodes[0], at, d));
+    }
+  for (int k = 0; k < 3; k++) CHECK(PetscFree(nodes[k]));
+  CHECK(StrandsDestroy(&strands));
+  CHECK(SceneDestroy(&scene));
+  return PetscAbsReal(work / (energy[0] - energy[1]) - 1);
+}
+
+/* The forces of strands cancel, and are minus the slope of their energy, ever better on finer
+ * meshes. */
+static void TestStrandsAreConservative(void **state) {
+  PetscReal coarse = WorkError(50), fine = WorkError(100);
+  print_message("work of strands off by %g, %g\n", (double)coarse, (double)fine);
+  EXPECT(fine < 1e-3 && fine < coarse / 4, "off by %g, %g", coarse, fine);
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(TestPressure), cmocka_unit_test(TestWallsAreSmooth),
+    cmocka_unit_test(TestStrandsAreConservative), cmocka_unit_test(TestWallJacobians),
+    cmocka_unit_test(TestStrandJacobians)};
 MAIN(tests)
