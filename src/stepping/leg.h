@@ -14,6 +14,7 @@ typedef struct {
   PetscReal rtol;
   PetscInt jumps;   /* so far; kept by the owner */
   PetscBool passes; /* the latest try of a step ended beyond a wall, or with the rod crossed */
+  PetscReal speed;  /* of a snap, at its latest step */
   void *owner;
 } Leg;
 

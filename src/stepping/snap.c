@@ -9,8 +9,11 @@
   fast time t/d. So growth stands still, friction is dry and viscous of strength 1, and the rod is
   followed until it rests.
 */
-/* velocity at rest, fast time to get there; a rod that falls from rest begins slowly */
-static const PetscReal rest = 1e-6, long_after = 1e4, long_enough = 10;
+static const PetscReal rest = 1e-6, long_after = 1e4; /* velocity at rest; fast time to get there */
+/* A rod that falls from rest begins slowly: it is at rest if it does not gain speed, in as many
+ * steps.
+ */
+static const PetscInt few_steps = 5;
 static const PetscReal least_rtol =
     1e-6; /* no need to be more accurate than the slack of LoadInFastTime() */
 
@@ -33,7 +36,9 @@ static PetscErrorCode StopAtRest(TS ts) {
     if (leg->rod->model->followed[f]) fastest = PetscMax(fastest, speed[f]);
   if (steps >= many_steps && t < nowhere)
     PetscCall(TSSetConvergedReason(ts, TS_DIVERGED_STEP_REJECTED));
-  if (fastest < rest && t > long_enough) PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
+  if (fastest < rest && fastest <= leg->speed && steps >= few_steps)
+    PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
+  leg->speed = fastest;
   PetscFunctionReturn(0);
 }
 
