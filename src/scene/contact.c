@@ -33,8 +33,8 @@ PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
   PetscCall(OptionReal("-contact_diameter", &contact->diameter, &thick));
   PetscCall(OptionReal("-contact_friction", &contact->friction, &rubs));
   PetscCall(OptionReal("-contact_stiffness", &contact->stiffness, &contact->given));
-  PetscCall(OptionGiven("-accuracy", &contact->fine));
   contact->any = (PetscBool)(walls || contact->self);
+  if (contact->any) PetscCall(OptionGiven("-accuracy", &contact->fine));
   UserCheck(contact->any || !(rubs || contact->given), OptionsComm(),
             "%s: there is nothing to touch; give -wall_file, or -contact_self",
             rubs ? "-contact_friction" : "-contact_stiffness");
