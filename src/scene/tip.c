@@ -93,12 +93,12 @@ void TipResidual(const Tip *tip, const TipState *at, const LoadDual *dual, Petsc
 }
 
 /*
-  TipJacobian - their derivatives by (x1, x2, theta, m, n1, n2), of which x has the rate shift x +
-  ...
+  TipJacobian - their derivatives by (x1, x2, theta, m, n1, n2), of which x_c has the rate
+  shift[c] x_c + ...
 
   fresh, dual  as for LoadLinearise()
 */
-void TipJacobian(const Tip *tip, const TipState *at, PetscReal shift, PetscBool fresh,
+void TipJacobian(const Tip *tip, const TipState *at, const PetscReal shift[2], PetscBool fresh,
                  LoadDual *dual, PetscReal J[TIP_ROWS][TIP_FIELDS]) {
   enum { X1, X2, TH, M, N1, N2 };
   const PetscReal P = tip->force, perp[2] = {-at->at.q[1], at->at.q[0]};
@@ -113,7 +113,7 @@ void TipJacobian(const Tip *tip, const TipState *at, PetscReal shift, PetscBool 
   if (tip->law != TIP_RESISTANCE) return;
   LoadLinearise(&tip->resistance, &at->at, fresh, dual, &slope);
   for (int d = 0; d < 2; d++)
-    for (int c = 0; c < 2; c++) J[1 + d][X1 + c] = P * (shift * slope.v[d][c] + slope.x[d][c]);
+    for (int c = 0; c < 2; c++) J[1 + d][X1 + c] = P * (shift[c] * slope.v[d][c] + slope.x[d][c]);
 }
 
 /* TipCompression - how much the tip's force presses on a straight rod, which is at `at`. */

@@ -70,6 +70,21 @@ static void RandomState(Rod rod, PetscReal t, Vec *U, Vec *U_t) {
   *U_t = RandomVector(rod, 2, 1);
 }
 
+/* V_t = U_t + e shift w, the shift of the fields across greater by the rod's factor_rate. */
+static void Shifted(Rod rod, Vec U_t, PetscReal shift, Vec w, PetscReal e, Vec V_t) {
+  PetscInt fields = rod->model->fields, n;
+  const PetscScalar *d;
+  PetscScalar *v;
+  CHECK(VecWAXPY(V_t, e * shift, w, U_t));
+  CHECK(VecGetLocalSize(w, &n));
+  CHECK(VecGetArrayRead(w, &d));
+  CHECK(VecGetArray(V_t, &v));
+  for (PetscInt i = 0; i < n; i++)
+    if (rod->model->across[i % fields]) v[i] += e * rod->factor_rate * d[i];
+  CHECK(VecRestoreArray(V_t, &v));
+  CHECK(VecRestoreArrayRead(w, &d));
+}
+
 /* F(U + e w, U_t + e shift w) - F(U, U_t) - e J w, its largest entry for each field. */
 static void Remainder(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J, Vec w,
                       PetscReal e, PetscReal size[MAX_FIELDS]) {
@@ -79,7 +94,7 @@ static void Remainder(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat
   CHECK(VecDuplicate(U, &F));
   CHECK(VecDuplicate(U, &G));
   CHECK(VecWAXPY(V, e, w, U));
-  CHECK(VecWAXPY(V_t, e * shift, w, U_t));
+  Shifted(rod, U_t, shift, w, e, V_t);
   CHECK(RodResidual(NULL, t, V, V_t, G, rod));
   CHECK(RodResidual(NULL, t, U, U_t, F, rod));
   CHECK(VecAXPY(G, -1, F));
@@ -104,6 +119,7 @@ static void JacobianByRate(const Model *model, int law, PetscReal shift, const c
            "-shape_amplitude 2 -friction_mu 0.7 -friction_beta 0.1 -friction_newton primal%s",
            more);
   Create(model, law, 12, all, &scene, &rod);
+  rod->factor_rate = -0.7 * shift;
   RandomState(rod, t, &U, &U_t);
   w = RandomVector(rod, 3, model->model == &rod_mixed ? 0.1 : 1);
   CHECK(RodCreateMatrix(rod, &J));
