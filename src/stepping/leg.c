@@ -2,9 +2,9 @@
 #include "base/lagrange.h"
 #include "stepping/vbdf.h"
 
-/* Local errors add up, in the decay and growth of x2 even with one sign: a step gets this part of
-   the tolerance. */
-static const PetscReal share_of_step = 0.15;
+/* Local errors add up, in the decay and growth of x2 even with one sign: a step gets at most this
+   part of the tolerance, and aims at a fifth of it. */
+static const PetscReal share_of_step = 0.3;
 
 /* A rod in friction goes downhill: its rates are real, or nearly so, and the formula of order 6 is
    stable for them. */

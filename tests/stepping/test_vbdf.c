@@ -240,18 +240,18 @@ static void TestExactForPolynomials(void **state) {
 /* ---- fields with a factor: y_c = A(t) shape_c(t), beside one that has none, u = t^2 ---- */
 
 /* u' = 2 t,  y1' = a y1 - turn y2,  y2' = turn y1 + a y2: a shape that turns, or stands if turn =
-   0; log A = - 30 t + 4 t^2 + cubic t^3, a its slope. */
+   0; log A = - 30 t + square t^2 + cubic t^3, a its slope. */
 enum { PLAIN, TURNS1, TURNS2, OF_THREE };
 typedef struct {
-  PetscReal cubic, turn;
+  PetscReal square, cubic, turn;
 } Turning;
 
 static PetscReal LogFactor(const Turning *c, PetscReal t) {
-  return t * (-30 + t * (4 + t * c->cubic));
+  return t * (-30 + t * (c->square + t * c->cubic));
 }
 
 static PetscReal FactorSlope(const Turning *c, PetscReal t) {
-  return -30 + t * (8 + t * 3 * c->cubic);
+  return -30 + t * (2 * c->square + t * 3 * c->cubic);
 }
 
 static PetscErrorCode TurningResidual(TS ts, PetscReal t, Vec U, Vec U_t, Vec F, void *ctx) {
@@ -359,11 +359,12 @@ static void RunTurning(const Turning *c, PetscInt order, PetscReal h, PetscReal 
   Destroy(&p);
 }
 
-/* A shape that stands and a factor whose logarithm is a parabola: no error at any order, on steps
-   of any length, in the dense output and its rate; a plain field beside it as ever. */
+/* A shape that stands and a factor whose logarithm is a parabola (at order 1, a line): no error at
+   any order, on steps of any length, in the dense output and its rate; a plain field beside it as
+   ever. */
 static void TestExactForExponentials(void **state) {
-  const Turning stands = {0, 0};
   for (PetscInt order = 1; order <= 6; order++) {
+    const Turning stands = {order == 1 ? 0 : 4, 0, 0};
     PetscReal error[2], dense[2], slope[2];
     RunTurning(&stands, order, 0.1, 0.3, error, dense, slope);
     EXPECT(error[1] < 1e-11 && dense[1] < 1e-11 && slope[1] < 1e-9, "BDF%d: %g, dense %g, rate %g",
@@ -375,7 +376,7 @@ static void TestExactForExponentials(void **state) {
 
 /* A shape that turns and a factor that is not a parabola's: the formulas keep their orders. */
 static void TestOrdersWithFactor(void **state) {
-  const Turning turns = {1, 0.4};
+  const Turning turns = {4, 1, 0.4};
   for (PetscInt order = 1; order <= 6; order++) {
     PetscReal coarse[2], fine[2], dense[2][2], slope[2][2], measured;
     RunTurning(&turns, order, 0.04, 0, coarse, dense[0], slope[0]);
@@ -579,6 +580,13 @@ static PetscErrorCode BrokenSlope(TS ts, PetscReal t, Vec U, Vec V, PetscReal sh
   PetscFunctionReturn(0);
 }
 
+/* The first step is judged by a guess, as on the rod: else a jump passes in one unseen. */
+static PetscErrorCode Stay(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1, void *ctx) {
+  PetscFunctionBegin;
+  PetscCall(VecCopy(U0, U1));
+  PetscFunctionReturn(0);
+}
+
 static void Jump(PetscBool kink) {
   TSConvergedReason reason;
   PetscInt jumps, steps;
@@ -603,6 +611,7 @@ static void Jump(PetscBool kink) {
   CHECK(TSSetMaxSNESFailures(ts, -1));
   CHECK(TSSetMaxStepRejections(ts, 60));
   CHECK(TSSetErrorIfStepFails(ts, PETSC_FALSE));
+  CHECK(VBDFSetGuess(ts, Stay, NULL));
   CHECK(TSSetFromOptions(ts));
   CHECK(TSSolve(ts, U));
   CHECK(TSGetConvergedReason(ts, &reason));
