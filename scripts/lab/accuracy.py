@@ -44,7 +44,7 @@ def scene_of(name, options):
     text = " ".join(f"-{k} {v}" for k, v in options.items()
                     if k not in ("ts_max_time", "output_interval", "task", "stop_length"))
     return Scene(name, text, times_of(end),
-                 finer="-rod_cells 1200 -ts_rtol 2e-11|-rod_cells 1200 -ts_rtol 1e-10")
+                 finer="|".join(f"-rod_cells 1200 -ts_rtol {r}" for r in ("2e-11", "1e-10", "1e-9")))
 
 
 def scenes_of_options():

@@ -6,7 +6,11 @@ static const OptionRow rows[] = {
     ROW_WORD("-ts_type", "vbdf", "vbdf,bdf,beuler,theta,cn", PETSCS,
              "time stepper: tendril's BDF of variable order, or PETSc's; others are wrong for "
              "friction that is nonlinear in the velocity"),
-    ROW_INT("-ts_bdf_order", "5", 1, 6, PETSCS, "highest order of vbdf; order of bdf"),
+    ROW_INT("-ts_bdf_order", "6", 1, 6, PETSCS, "highest order of vbdf; order of bdf, there 2"),
+    ROW_INT(
+        "-ts_bdf_factor", "2", 0, 3, PETSCS,
+        "of vbdf: degree of the logarithm of the factor taken out of the fields across the rod, "
+        "which decay and grow; 0: none is"),
     ROW_REAL("-ts_dt", "1e-4", 1e-300, 1e300, UNIT_TIME, PETSCS | PASSING,
              "first step; every step of beuler, theta and cn (0.01)"),
     ROW_INT("-ts_max_steps", "", 0, 2e9, PETSCS | PASSING, "ends the run after so many steps"),

@@ -17,9 +17,11 @@ struct _Observer {
   Vec all; /* every node, on rank 0 */
   VecScatter to_zero;
   Node *gathered; /* rank 0: cells + 1 nodes */
-  /* the energy balance: the latest times with W - dissipation and dissipation, newest last */
+  /* the energy balance: the latest times with W - dissipation, dissipation and energy, newest last
+   */
   PetscInt n;
   PetscReal time[BALANCE_POINTS], net[BALANCE_POINTS], loss[BALANCE_POINTS];
+  PetscReal energy[BALANCE_POINTS];
   PetscReal first_energy, net_work, lost_work;
   PetscBool jumped; /* the step to be measured next was a jump */
   /* rank 0, in a scene with contact: NULL else */
@@ -271,14 +273,33 @@ static PetscErrorCode MeasureShape(Scene scene, PetscReal t, const Node *nodes, 
   PetscFunctionReturn(0);
 }
 
-/* The integral from the last but one to the last time of the polynomial through all of them. */
-static PetscReal LastInterval(PetscInt n, const PetscReal time[], const PetscReal f[]) {
-  PetscReal a = time[n - 2], h = time[n - 1] - a, sum = 0, L[BALANCE_POINTS];
+/* The integral from the last but one to the last time of the polynomial through all of them. What
+   changes like energy is divided by it first, and its logarithm taken for a polynomial, too: while
+   a wobble decays, a step may be many times longer than the energy lasts. NULL: not. */
+static PetscReal LastInterval(PetscInt n, const PetscReal time[], const PetscReal f[],
+                              const PetscReal energy[]) {
+  PetscReal a = time[n - 2], h = time[n - 1] - a, sum = 0, L[BALANCE_POINTS], log_now;
+
   for (int q = 0; q < GAUSS; q++) {
     LagrangeValues(n, time, a + h * gauss_point[q], L);
-    for (PetscInt i = 0; i < n; i++) sum += h * gauss_weight[q] * L[i] * f[i];
+    log_now = 0;
+    for (PetscInt i = 0; i < n && energy; i++) log_now += L[i] * PetscLogReal(energy[i]);
+    for (PetscInt i = 0; i < n; i++)
+      sum += h * gauss_weight[q] * L[i] * f[i] * (energy ? PetscExpReal(log_now) / energy[i] : 1);
   }
   return sum;
+}
+
+/* Can energies be divided by? Not if there is none, nor if they are so far apart that the round-off
+   of a balance of large powers would grow. */
+static PetscBool Comparable(PetscInt n, const PetscReal energy[]) {
+  PetscReal least = energy[0], most = energy[0];
+
+  for (PetscInt i = 1; i < n; i++) {
+    least = PetscMin(least, energy[i]);
+    most = PetscMax(most, energy[i]);
+  }
+  return (PetscBool)(least > 0 && most < 1e4 * least);
 }
 
 /* Follows the energy balance dE/dt = W + power at the tip - dissipation, with as many points as the
@@ -300,20 +321,23 @@ static void MeasureBalance(Observer self, Observation *seen) {
       self->time[i - 1] = self->time[i];
       self->net[i - 1] = self->net[i];
       self->loss[i - 1] = self->loss[i];
+      self->energy[i - 1] = self->energy[i];
     }
     self->n--;
   }
   self->time[self->n] = seen->t;
   self->net[self->n] = seen->growth_power + seen->tip_power - seen->dissipation;
   self->loss[self->n] = seen->dissipation;
+  self->energy[self->n] = seen->energy;
   self->n++;
   if (self->n == 2) { /* the powers at the start are not known: the first step's hold for it */
     self->net[0] = self->net[1];
     self->loss[0] = self->loss[1];
   }
   if (self->n > 1) {
-    self->net_work += LastInterval(self->n, self->time, self->net);
-    self->lost_work += LastInterval(self->n, self->time, self->loss);
+    self->net_work += LastInterval(self->n, self->time, self->net,
+                                   Comparable(self->n, self->energy) ? self->energy : NULL);
+    self->lost_work += LastInterval(self->n, self->time, self->loss, NULL);
   }
   scale = PetscMax(PetscAbsReal(self->lost_work), PetscMax(energy, self->first_energy));
   seen->energy_defect =
@@ -321,10 +345,12 @@ static void MeasureBalance(Observer self, Observation *seen) {
 }
 
 /* The sums of the energy balance and the points they are built on, which rank 0 has. */
-static void BalanceParts(Observer self, PetscReal *part[3], PetscReal *sum[3]) {
+static void BalanceParts(Observer self, PetscReal *part[BALANCE_PARTS],
+                         PetscReal *sum[BALANCE_SUMS]) {
   part[0] = self->time;
   part[1] = self->net;
   part[2] = self->loss;
+  part[3] = self->energy;
   sum[0] = &self->first_energy;
   sum[1] = &self->net_work;
   sum[2] = &self->lost_work;
@@ -332,29 +358,27 @@ static void BalanceParts(Observer self, PetscReal *part[3], PetscReal *sum[3]) {
 
 /* ObserverGetBalance - on rank 0, what the energy balance needs to go on. Not collective. */
 PetscErrorCode ObserverGetBalance(Observer self, PetscReal state[BALANCE_STATE]) {
-  PetscReal *part[3], *sum[3];
+  PetscReal *part[BALANCE_PARTS], *sum[BALANCE_SUMS];
 
   PetscFunctionBegin;
   BalanceParts(self, part, sum);
   *state++ = self->n;
-  for (int k = 0; k < 3; k++) {
-    *state++ = *sum[k];
+  for (int k = 0; k < BALANCE_SUMS; k++) *state++ = *sum[k];
+  for (int k = 0; k < BALANCE_PARTS; k++)
     for (int i = 0; i < BALANCE_POINTS; i++) *state++ = part[k][i];
-  }
   PetscFunctionReturn(0);
 }
 
 /* ObserverSetBalance - gives back what ObserverGetBalance gave. Not collective. */
 PetscErrorCode ObserverSetBalance(Observer self, const PetscReal state[BALANCE_STATE]) {
-  PetscReal *part[3], *sum[3];
+  PetscReal *part[BALANCE_PARTS], *sum[BALANCE_SUMS];
 
   PetscFunctionBegin;
   BalanceParts(self, part, sum);
   self->n = (PetscInt)*state++;
-  for (int k = 0; k < 3; k++) {
-    *sum[k] = *state++;
+  for (int k = 0; k < BALANCE_SUMS; k++) *sum[k] = *state++;
+  for (int k = 0; k < BALANCE_PARTS; k++)
     for (int i = 0; i < BALANCE_POINTS; i++) part[k][i] = *state++;
-  }
   PetscFunctionReturn(0);
 }
 

@@ -52,7 +52,8 @@ extern const char *const observed_name[OBSERVED], *const observed_units[OBSERVED
                                                       *const observed_text[OBSERVED];
 
 typedef struct _Observer *Observer;
-enum { BALANCE_POINTS = 5, BALANCE_STATE = 3 * BALANCE_POINTS + 4 };
+enum { BALANCE_POINTS = 6, BALANCE_PARTS = 4, BALANCE_SUMS = 3 };
+enum { BALANCE_STATE = BALANCE_PARTS * BALANCE_POINTS + BALANCE_SUMS + 1 };
 
 PetscErrorCode ObserverCreate(Scene scene, Observer *observer);
 PetscErrorCode ObserverDestroy(Observer *observer);

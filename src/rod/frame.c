@@ -236,11 +236,13 @@ static void AddVaried(const Load *load, PetscReal g, const LoadSlope *slope, int
   Adds to J[6][6] the derivative of the cell's equations by the unknowns of one of its nodes.
 
   sign  -1 for node a (left), +1 for node b
+  shift of each field: U_t = shift U + ...
   p     the node's point, mid the cell's
 */
 static void CellJacobian(const Frame *frame, const Load *load, PetscReal h, PetscReal sign,
-                         PetscReal shift, const Law *law, const Law *mid_law, PetscReal theta_t,
-                         const Point *p, const Point *mid, PetscReal J[FIELDS][FIELDS]) {
+                         const PetscReal shift[], const Law *law, const Law *mid_law,
+                         PetscReal theta_t, const Point *p, const Point *mid,
+                         PetscReal J[FIELDS][FIELDS]) {
   const PetscReal g = law->g, k = -sign * frame->bow * h, we = h * frame->end_weight,
                   wm = h * frame->mid_weight;
   const PetscReal perp[2] = {-p->at.q[1], p->at.q[0]}, mid_perp[2] = {-mid->at.q[1], mid->at.q[0]},
@@ -254,14 +256,14 @@ static void CellJacobian(const Frame *frame, const Load *load, PetscReal h, Pets
 
   for (int d = 0; d < 2; d++) {
     PetscReal drag[2] = {g * p->slope.v[d][0], g * p->slope.v[d][1]};
-    fn[d][X1] = shift * drag[0];
-    fn[d][X2] = shift * drag[1];
+    fn[d][X1] = shift[X1] * drag[0];
+    fn[d][X2] = shift[X2] * drag[1];
     fn[d][TH] = law->c * (drag[0] * perp[0] + drag[1] * perp[1]);
     if (!load->plain) AddVaried(load, g, &p->slope, d, fn[d]);
     for (int f = X1; f <= TH; f++) n[d][f] = k * fn[d][f];
     n[d][N1 + d] = 0.5;
-    v[d][X1 + d] = 0.5 * shift;
-    v[d][TH] = k * (law->g_t * perp[d] - g * theta_t * p->at.q[d] + shift * g * perp[d]);
+    v[d][X1 + d] = 0.5 * shift[X1 + d];
+    v[d][TH] = k * (law->g_t * perp[d] - g * theta_t * p->at.q[d] + shift[TH] * g * perp[d]);
     for (int f = TH; f <= M; f++) v[d][f] += mid_law->c * mid_perp[d] * th[f];
   }
   for (int f = 0; f < FIELDS; f++) J[f][f] += sign;
@@ -306,7 +308,8 @@ static void PutRows(Rows rows, int from, PetscInt column, PetscReal part[FIELDS]
     for (int k = 0; k < FIELDS; k++) rows[f][column + k] = part[f][k];
 }
 
-static PetscErrorCode FrameJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J) {
+static PetscErrorCode FrameJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[],
+                                    Mat J) {
   Frame *frame = (Frame *)rod->data;
   PetscInt first = rod->first, end = rod->end;
   PetscReal left[FIELDS][FIELDS], right[FIELDS][FIELDS]; /* a cell's rows by node a and by node b */

@@ -26,7 +26,8 @@ PetscErrorCode FrameStrandsCreate(Rod rod, struct FrameStrands **strands);
 PetscErrorCode FrameStrandsDestroy(struct FrameStrands **strands);
 PetscErrorCode FrameStrandsLoad(Rod rod, PetscReal t, Vec U, Vec U_t, const PetscReal (**force)[2]);
 PetscErrorCode FrameStrandsPattern(Rod rod, Mat J);
-PetscErrorCode FrameStrandsJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J);
+PetscErrorCode FrameStrandsJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[],
+                                    Mat J);
 PetscErrorCode FrameStrandsHold(Rod rod, PetscReal *change);
 PetscReal *FrameStrandsRemembered(Rod rod, PetscInt i, PetscInt k);
 PetscInt FrameStrandsMemory(Rod rod);

@@ -324,7 +324,8 @@ static PetscErrorCode AddTaker(Rod rod, const StrandState *state, const StrandSl
 
 /* FrameStrandsJacobian - adds to J, whose other values are set, the derivatives of the forces of
    contact, in the state of the latest load. Collective. */
-PetscErrorCode FrameStrandsJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J) {
+PetscErrorCode FrameStrandsJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[],
+                                    Mat J) {
   struct FrameStrands *self = ((Frame *)rod->data)->strands;
   const StrandSlope *slopes;
   StrandState state;

@@ -41,7 +41,8 @@ static PetscErrorCode LinearResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F
 }
 
 /* J = shift D - K */
-static PetscErrorCode LinearJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J) {
+static PetscErrorCode LinearJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[],
+                                     Mat J) {
   Linear *self = (Linear *)rod->data;
 
   PetscFunctionBegin;
@@ -51,7 +52,8 @@ static PetscErrorCode LinearJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, Petsc
     PetscScalar row[BAND];
     for (PetscInt b = 0; b < BAND; b++) {
       cols[b] = i + b - 3 <= rod->last ? i + b - 3 : -1;
-      row[b] = shift * self->D[(i - rod->first) * BAND + b] - self->K[(i - rod->first) * BAND + b];
+      row[b] =
+          shift[0] * self->D[(i - rod->first) * BAND + b] - self->K[(i - rod->first) * BAND + b];
     }
     PetscCall(MatSetValues(J, 1, &i, BAND, cols, row, INSERT_VALUES));
   }

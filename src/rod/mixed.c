@@ -284,7 +284,8 @@ static void AddTurning(Rod rod, const PetscReal (*u)[FIELDS], PetscInt i, const 
 }
 
 static void LoadJacobian(Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
-                         const PetscReal (*u_t)[FIELDS], PetscInt i, PetscReal shift, Row row) {
+                         const PetscReal (*u_t)[FIELDS], PetscInt i, const PetscReal shift[],
+                         Row row) {
   const Load *load = &rod->scene->load;
   PetscReal slide, M = NodeLength(self, rod, i);
   LoadSlope slope;
@@ -294,7 +295,7 @@ static void LoadJacobian(Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
   LoadLinearise(load, &at, rod->fresh, &self->dual[i - rod->first], &slope);
   for (int d = 0; d < 2; d++)
     for (int c = 0; c < 2; c++) {
-      row[d][REACH * FIELDS + c] += M * slope.v[d][c] * shift;
+      row[d][REACH * FIELDS + c] += M * slope.v[d][c] * shift[c];
       if (load->moves) row[d][REACH * FIELDS + c] += M * slope.x[d][c];
       if (slide == 0) continue;
       row[d][(REACH + 1) * FIELDS + c] += M * slope.v[d][c] * slide;
@@ -307,7 +308,7 @@ static void LoadJacobian(Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
 
 /* The slope of the force on the tip. */
 static void TipRows(Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
-                    const PetscReal (*u_t)[FIELDS], PetscReal shift, Row row) {
+                    const PetscReal (*u_t)[FIELDS], const PetscReal shift[], Row row) {
   TipState tip = TipAt(self, rod, u, u_t);
   PetscReal J[TIP_ROWS][TIP_FIELDS], theta[2];
 
@@ -320,7 +321,8 @@ static void TipRows(Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
 }
 
 static void BalanceJacobian(Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
-                            const PetscReal (*u_t)[FIELDS], PetscInt i, PetscReal shift, Row row) {
+                            const PetscReal (*u_t)[FIELDS], PetscInt i, const PetscReal shift[],
+                            Row row) {
   const PetscReal *s = rod->scene->mesh.s;
   PetscReal e[2];
 
@@ -338,7 +340,8 @@ static void BalanceJacobian(Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
   }
 }
 
-static PetscErrorCode MixedJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J) {
+static PetscErrorCode MixedJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[],
+                                    Mat J) {
   Mixed *self = (Mixed *)rod->data;
   const PetscReal(*u)[FIELDS], (*u_t)[FIELDS];
   PetscReal e[2];

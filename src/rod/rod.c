@@ -252,14 +252,18 @@ PetscErrorCode RodResidual(TS ts, PetscReal t, Vec U, Vec U_t, Vec F, void *ctx)
   PetscFunctionReturn(0);
 }
 
-/* RodJacobian - dF/dU + shift dF/dU_t of the rod's model, in the form of a TSIJacobian. */
+/* RodJacobian - dF/dU + shift dF/dU_t of the rod's model, in the form of a TSIJacobian; for the
+   fields across the shift is greater by factor_rate. */
 PetscErrorCode RodJacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J, Mat P,
                            void *ctx) {
+  PetscReal shifts[MAX_FIELDS];
   Rod rod = (Rod)ctx;
 
   PetscFunctionBegin;
   rod->jacobians++;
-  PetscCall(rod->model->jacobian(rod, t, U, U_t, shift, P));
+  for (PetscInt f = 0; f < rod->model->fields; f++)
+    shifts[f] = shift + (rod->model->across[f] ? rod->factor_rate : 0);
+  PetscCall(rod->model->jacobian(rod, t, U, U_t, shifts, P));
   rod->fresh = PETSC_FALSE;
   if (J != P) {
     PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));

@@ -40,7 +40,8 @@ typedef struct {
   PetscErrorCode (*set)(Rod, PetscReal t, const Node *nodes, Vec U);
   PetscErrorCode (*get)(Rod, PetscReal t, Vec U, Vec U_t, Node *nodes);
   PetscErrorCode (*residual)(Rod, PetscReal t, Vec U, Vec U_t, Vec F);
-  PetscErrorCode (*jacobian)(Rod, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J);
+  /* dF/dU + dF/dU_t diag(shift), a shift for each field */
+  PetscErrorCode (*jacobian)(Rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[], Mat J);
   /* what Newton's method remembers from step to step, for a restart: see memory of the rod */
   PetscErrorCode (*remember)(Rod, Vec memory);
   PetscErrorCode (*recall)(Rod, Vec memory);
@@ -59,6 +60,7 @@ struct _Rod {
   Vec latest_rate;     /* U_t of the latest residual: of the accepted state, once a step is taken */
   PetscReal latest_time;         /* t of it */
   PetscBool coupled;             /* nodes far from each other along the rod see each other */
+  PetscReal factor_rate;         /* what the fields across have in U_t beside shift U (vbdf.h) */
   PetscBool fresh;               /* the next Jacobian is the first of its Newton solve */
   PetscInt memory;               /* reals a node that its Newton's method remembers; 0: none */
   PetscInt residuals, jacobians; /* counted work */

@@ -544,7 +544,7 @@ static void SpotSlope(const Ends *e, PetscReal z, PetscReal by[2][SPOT_UNKNOWNS]
 
 /* The derivatives of its velocity at fixed z. */
 static void MotionSlope(const struct _Strands *self, const StrandState *state, const Spot *spot,
-                        PetscReal shift, PetscReal by[2][SPOT_UNKNOWNS]) {
+                        const PetscReal shift[3], PetscReal by[2][SPOT_UNKNOWNS]) {
   PetscReal value[4], slope[4], bend[4], x_by[2][SPOT_UNKNOWNS], z_by[2][SPOT_UNKNOWNS];
   Motion m;
   Ends e;
@@ -556,7 +556,7 @@ static void MotionSlope(const struct _Strands *self, const StrandState *state, c
   for (int d = 0; d < 2; d++)
     for (int f = 0; f < SPOT_UNKNOWNS; f++) {
       PetscReal turned = m.t[0] * z_by[1][f] - m.t[1] * z_by[0][f]; /* t turned to the left . x_z */
-      by[d][f] = shift * x_by[d][f] + m.c * (d ? m.t[0] : -m.t[1]) * turned / m.size;
+      by[d][f] = shift[f % 3] * x_by[d][f] + m.c * (d ? m.t[0] : -m.t[1]) * turned / m.size;
     }
   for (int d = 0; d < 2; d++)
     for (int k = 0; k < 2; k++) {
@@ -604,7 +604,7 @@ static void PlaceSlope(const struct _Strands *self, const StrandState *state, co
 
 /* slip = t.V, V the relative velocity, t = n turned to the left: d slip = t.dV + V.dt */
 static void SlipSlope(const struct _Strands *self, const StrandState *state, const Pair *pair,
-                      PetscReal shift, PairSlope *by) {
+                      const PetscReal shift[3], PairSlope *by) {
   PetscReal v[2][2][SPOT_UNKNOWNS], V[2];
   const PetscReal t[2] = {-pair->n[1], pair->n[0]};
   Motion at, foot;
@@ -670,11 +670,11 @@ static void Advance(Strands self, Pair *pair, PetscBool fresh) {
   StrandsLinearise - the derivatives of the forces that StrandsLoad() found in the same state. Not
   collective: the same on every rank.
 
-  shift   of the rates: du_t/du
+  shift   of the rates of x1, x2, theta: du_t/du
   fresh   a Newton solve begins
   n       how many contacts there are; slopes: of each, borrowed
 */
-PetscErrorCode StrandsLinearise(Strands self, const StrandState *state, PetscReal shift,
+PetscErrorCode StrandsLinearise(Strands self, const StrandState *state, const PetscReal shift[3],
                                 PetscBool fresh, PetscInt *n, const StrandSlope **slopes) {
   PetscFunctionBegin;
   if (self->slopes_room < self->n) {

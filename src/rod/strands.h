@@ -50,7 +50,7 @@ PetscErrorCode StrandsDestroy(Strands *strands);
 PetscErrorCode StrandsSearch(Strands strands, const StrandState *state);
 PetscErrorCode StrandsLoad(Strands strands, const StrandState *state);
 const PetscReal (*StrandsForces(Strands strands))[2];
-PetscErrorCode StrandsLinearise(Strands strands, const StrandState *state, PetscReal shift,
+PetscErrorCode StrandsLinearise(Strands strands, const StrandState *state, const PetscReal shift[3],
                                 PetscBool fresh, PetscInt *n, const StrandSlope **slopes);
 PetscErrorCode StrandsHold(Strands strands, PetscReal *change);
 void StrandsSum(Strands strands, StrandSum *sum);

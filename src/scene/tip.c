@@ -85,8 +85,8 @@ static void AddWalls(const Tip *tip, const TipState *at, const LoadDual *dual, P
 }
 
 /* Takes its derivatives off J, the condition being n - f = 0. */
-static void AddWallsSlope(const Tip *tip, const TipState *at, PetscReal shift, PetscBool fresh,
-                          LoadDual *dual, PetscReal J[TIP_ROWS][TIP_FIELDS]) {
+static void AddWallsSlope(const Tip *tip, const TipState *at, const PetscReal shift[2],
+                          PetscBool fresh, LoadDual *dual, PetscReal J[TIP_ROWS][TIP_FIELDS]) {
   const PetscReal l = tip->walls->tip;
   Touch touch[MOST_TOUCHES];
   PetscInt n = ContactTouches(tip->walls, at->at.x, touch);
@@ -95,7 +95,7 @@ static void AddWallsSlope(const Tip *tip, const TipState *at, PetscReal shift, P
   for (PetscInt k = 0; k < n; k++) {
     ContactPushSlope(tip->walls, &touch[k], at->at.v, fresh, WallDual(tip, dual, &touch[k]), &push);
     for (int d = 0; d < 2; d++)
-      for (int c = 0; c < 2; c++) J[1 + d][c] -= l * (push.x[d][c] + shift * push.v[d][c]);
+      for (int c = 0; c < 2; c++) J[1 + d][c] -= l * (push.x[d][c] + shift[c] * push.v[d][c]);
   }
 }
 
@@ -126,12 +126,12 @@ void TipResidual(const Tip *tip, const TipState *at, const LoadDual *dual, Petsc
 }
 
 /*
-  TipJacobian - their derivatives by (x1, x2, theta, m, n1, n2), of which x has the rate shift x +
-  ...
+  TipJacobian - their derivatives by (x1, x2, theta, m, n1, n2), of which x_c has the rate
+  shift[c] x_c + ...
 
   fresh, dual  as for LoadLinearise()
 */
-void TipJacobian(const Tip *tip, const TipState *at, PetscReal shift, PetscBool fresh,
+void TipJacobian(const Tip *tip, const TipState *at, const PetscReal shift[2], PetscBool fresh,
                  LoadDual *dual, PetscReal J[TIP_ROWS][TIP_FIELDS]) {
   enum { X1, X2, TH, M, N1, N2 };
   const PetscReal P = tip->force, perp[2] = {-at->at.q[1], at->at.q[0]};
@@ -148,7 +148,7 @@ void TipJacobian(const Tip *tip, const TipState *at, PetscReal shift, PetscBool 
   if (tip->law != TIP_RESISTANCE) return;
   LoadLinearise(&tip->resistance, &at->at, fresh, dual, &slope);
   for (int d = 0; d < 2; d++)
-    for (int c = 0; c < 2; c++) J[1 + d][X1 + c] += P * (shift * slope.v[d][c] + slope.x[d][c]);
+    for (int c = 0; c < 2; c++) J[1 + d][X1 + c] += P * (shift[c] * slope.v[d][c] + slope.x[d][c]);
 }
 
 /* TipCompression - how much the tip's force presses on a straight rod, which is at `at`. */

@@ -37,7 +37,7 @@ PetscErrorCode TipDestroy(Tip *tip);
 PetscErrorCode TipInFastTime(const Tip *tip, PetscReal t, Tip *fast);
 void TipForce(const Tip *tip, const TipState *at, const LoadDual *dual, PetscReal f[2]);
 void TipResidual(const Tip *tip, const TipState *at, const LoadDual *dual, PetscReal r[TIP_ROWS]);
-void TipJacobian(const Tip *tip, const TipState *at, PetscReal shift, PetscBool fresh,
+void TipJacobian(const Tip *tip, const TipState *at, const PetscReal shift[2], PetscBool fresh,
                  LoadDual *dual, PetscReal J[TIP_ROWS][TIP_FIELDS]);
 PetscReal TipCompression(const Tip *tip, const Place *at);
 

@@ -3,7 +3,7 @@
 #include "base/chain.h"
 
 /* Newton's iteration stops when its update is this part of rtol: of the step's own tolerance, a
-   seventh (leg.c). */
+   fifteenth (leg.c). */
 static const PetscReal share_of_tolerance = 0.02;
 /* ... but no update below this part of a field can be asked for. */
 static const PetscReal round_off = 1e-13;

@@ -1,6 +1,9 @@
 /* TS type "vbdf": backward differentiation formulas of variable order 1 to 6 and variable step for
    F(t, U, U_t) = 0, differential-algebraic of index 2. PETSc's own "bdf" keeps one order, restarts
-   by a first-order half step and cannot be handed a history. */
+   by a first-order half step and cannot be handed a history.
+
+   Fields that are one shape times a factor that falls and rises by many orders of magnitude are
+   stepped with that factor taken out (VBDFSetFactored()). */
 #ifndef TENDRIL_VBDF_H
 #define TENDRIL_VBDF_H
 
@@ -8,6 +11,7 @@
 
 #define TSVBDF "vbdf"
 enum { VBDF_POINTS = 9 }; /* the new one and up to 8 past ones */
+enum { VBDF_FIELDS = 8 }; /* most unknowns of a node */
 enum { VBDF_MEMORY = 3 }; /* what it remembers besides */
 
 typedef PetscErrorCode (*VBDFGuess)(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1, void *ctx);
@@ -21,8 +25,11 @@ typedef PetscErrorCode (*VBDFCheck)(TS ts, PetscReal t0, PetscReal t1, Vec U0, V
 
 PetscErrorCode VBDFRegister(void);
 PetscErrorCode VBDFSetGuess(TS ts, VBDFGuess guess, void *ctx);
+PetscErrorCode VBDFSetHighestOrder(TS ts, PetscInt order);
 PetscErrorCode VBDFSetSnap(TS ts, VBDFSnap snap);
 PetscErrorCode VBDFSetCheck(TS ts, VBDFCheck check);
+PetscErrorCode VBDFSetFactored(TS ts, PetscInt fields, const PetscBool factored[]);
+PetscErrorCode VBDFGetFactorRate(TS ts, PetscReal *rate);
 PetscErrorCode VBDFGetHistory(TS ts, PetscInt *n, PetscReal times[], Vec points[], PetscInt *order);
 PetscErrorCode VBDFSetHistory(TS ts, PetscInt n, const PetscReal times[], const Vec points[],
                               PetscInt order);

@@ -9,16 +9,16 @@ const OptionGroup accuracy_options = OPTION_GROUP("Accuracy", rows);
 /*
   What scripts/chart.sh and scripts/accuracy.py have taught. The largest relative error of tip, |x2|
   and energy is, with vbdf,
-    in time   per_fold F (rtol / 1e-6)^(5/6), where F counts how often x2 falls or grows e-fold:
-              each fold adds its local errors with one sign, and the energy doubles them (the mixed
-              model, which has no angle to follow, twice that);
+    in time   per_fold F (rtol / 1e-6)^(6/7), where F counts how often x2 falls or grows e-fold:
+              each fold adds its local errors, and the energy doubles them (the mixed model, which
+              has no angle to follow, twice that);
     in space  arc_error h^order of the largest cell, h its arc length at the end of the run, and
               label_error F / N^order, because an error in a rate of decay adds up over its folds.
     in contact  contact_error / N^3, for the mesh decides how stiff contact is (scene/contact.c).
   A third of the asked error is for time and a sixth for space: the error is then below what is
   asked, and not far below.
 */
-static const PetscReal per_fold = 9e-6;
+static const PetscReal per_fold = 3e-6;
 static const PetscReal arc_error[] = {0.2, 0.06}, label_error[] = {20, 400}; /* order 2, 4 */
 static const PetscReal contact_error = 1600, share_of_contact = 0.5;
 static const PetscReal share_of_time = 0.35, share_of_space = 0.15;
@@ -88,7 +88,7 @@ PetscErrorCode AccuracyApply(void) {
 
   time = share_of_time * asked.tolerance / (per_fold * (mixed ? 2 : 1) * Folds(&asked));
   PetscCall(OptionDefault("-ts_rtol", "%.3g",
-                          PetscMax(1e-13, PetscMin(0.01, 1e-6 * PetscPowReal(time, 1.2)))));
+                          PetscMax(1e-13, PetscMin(0.01, 1e-6 * PetscPowReal(time, 7. / 6)))));
 
   space = share_of_space * asked.tolerance;
   h = PetscPowReal(space / arc_error[asked.order == 4], 1. / asked.order);
@@ -124,7 +124,7 @@ PetscErrorCode AccuracyEstimate(Rod rod, PetscReal t, PetscReal rtol, PetscReal 
   PetscCall(PetscFree(g));
   folds += fewest_folds;
   *error = margin * per_fold * (rod->model == &rod_mixed ? 2 : 1) * folds *
-               PetscPowReal(rtol / 1e-6, 5. / 6) +
+               PetscPowReal(rtol / 1e-6, 6. / 7) +
            arc_error[fourth] * PetscPowReal(h, rod->order) +
            label_error[fourth] * folds / PetscPowReal(mesh->cells, rod->order);
   PetscFunctionReturn(0);

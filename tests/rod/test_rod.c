@@ -68,6 +68,7 @@ static void JacobianByRate(const Model *model, int law, PetscReal shift, const c
            "-shape_amplitude 2 -friction_mu 0.7 -friction_beta 0.1 -friction_newton primal%s",
            more);
   Create(model, law, 12, all, &scene, &rod);
+  rod->factor_rate = -0.7 * shift;
   RandomState(rod, t, &U, &U_t);
   w = RandomVector(rod, 3, model->model == &rod_mixed ? 0.1 : 1);
   CHECK(RodCreateMatrix(rod, &J));

@@ -24,7 +24,7 @@ FOLD = m.from_reference("fold", m.DECAY, "v_decay_mu1", (15, 20))
 SHORT = m.from_reference("short", m.THICK, "v_short")
 NARROW = m.Scene("narrow", "-growth_type gaussian -growth_width 0.005 " + m.THICK, (5,),
                  finer="-rod_cells 1000 -ts_rtol 1e-7")
-THIN = m.Scene("thin", m.DECAY + " -friction_beta 1e-9", (8, 14, 16),
+THIN = m.Scene("thin", m.DECAY + " -friction_beta 1e-12", (8, 14, 16),
                finer="-rod_cells 800 -ts_rtol 1e-7")
 
 HAIRPIN = m.Scene("hairpin", "-growth_initial_length 2 -shape_amplitude 3.1", (2, 5),

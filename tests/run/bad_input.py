@@ -89,6 +89,7 @@ CASES = [
     ("-ts_dt 0.01s", "-ts_dt"),
     ("-ts_init_time 1", "-ts_init_time"),
     ("-ts_bdf_order two", "-ts_bdf_order"),
+    ("-ts_bdf_factor 4", "-ts_bdf_factor"),
     ("-ts_max_steps lots", "-ts_max_steps"),
     ("-output_interval often", "-output_interval"),
     ("-snes_max_it many", "-snes_max_it"),

@@ -137,7 +137,7 @@ def expect_reference(name, more, defect):
            f"{name} {more}: energy defect {late:.1e}, {r.energy_defect.max():.1e} at first")
     worst = {k: max(e) for k, e in worst.items()}
     largest = max(worst.values())
-    expect(largest <= r.estimate <= (30 if "mixed" in more else 10) * largest,
+    expect(largest <= r.estimate <= (80 if "mixed" in more else 10) * largest,
            f"{name} {more}: estimated error {r.estimate:.1e}, measured {largest:.1e}")
     print(f"{name:13} {more:40} {r.steps:5} steps, {r.newton_iterations.sum():5.0f} Newton, largest "
           f"errors: |x2| {worst['norm_x2']:.1e}, energy {worst['energy']:.1e}, "
@@ -167,6 +167,25 @@ def references_frame():
 def references_auto():
     for name in REFERENCES:
         expect_reference(name, "-rod_model auto", 1e-5)
+
+
+@check
+def factored():
+    """With the factor of the fields across taken out, the decay takes half the steps for a smaller
+    error, in every model and law."""
+    plain = "-ts_bdf_factor 0 -ts_bdf_order 5"
+    for options in (DECAY, DECAY + "-friction_mu 0", DECAY + "-rod_model auto",
+                    DECAY + "-rod_model mixed", DECAY + "-growth_type gaussian",
+                    DECAY + "-growth_type feed", DECAY + "-friction_beta 0"):
+        options = options.replace("-ts_max_time 40", "-ts_max_time 12 -rod_cells 150")
+        fine = Run(f"{options} {plain} -ts_rtol 1e-9")
+        for rtol in ("1e-5", "1e-6"):
+            runs = [Run(f"{options} -ts_rtol {rtol} {more}") for more in ("", plain)]
+            e = [abs(r.at("norm_x2", 11.9) / fine.at("norm_x2", 11.9) - 1) for r in runs]
+            n = [r.steps for r in runs]
+            print(f"{options} -ts_rtol {rtol}: steps {n[0]} and {n[1]}, "
+                  f"errors {e[0]:.1e} and {e[1]:.1e}")
+            expect(n[0] < 0.62 * n[1] and e[0] < 0.5 * e[1], f"{options} -ts_rtol {rtol}: {n}, {e}")
 
 
 @check
@@ -342,8 +361,8 @@ def exact_friction_in_the_small():
 
 @check
 def newton():
-    """Both linearisations reach one solution; the primal-dual one takes no more iterations, and goes
-    on where the primal one fails."""
+    """Both linearisations reach one solution; the primal-dual one takes no more iterations, and few
+    where the primal one takes many or fails."""
     for options in (DRY + "-ts_max_time 8", DRY + "-ts_max_time 4 -friction_beta 1e-5"):
         a = Run(options + " -friction_newton primal_dual")
         b = Run(options + " -friction_newton primal")
@@ -351,15 +370,15 @@ def newton():
               f"iterations, tips differ by {distance(a.tip, b.tip):.1e}")
         expect(distance(a.tip, b.tip) < 1e-5, f"tips differ by {distance(a.tip, b.tip):.1e}")
         expect(a.newton_iterations.sum() <= b.newton_iterations.sum(), "primal takes fewer")
-    options = DRY + "-ts_max_time 10 -rod_cells 200 -friction_beta 1e-6 -friction_newton "
+    options = DRY + "-ts_max_time 10 -rod_cells 200 -friction_beta 1e-9 -friction_newton "
     a = Run(options + "primal_dual")
     try:
         b = Run(options + "primal")
         expect(b.newton_iterations.sum() > a.newton_iterations.sum(), "primal does as well")
-        print(f"primal ends at beta = 1e-6, in {b.newton_iterations.sum():.0f} iterations")
+        print(f"primal ends at beta = 1e-9, in {b.newton_iterations.sum():.0f} iterations")
     except Failure as failure:
         expect("gave up at t =" in str(failure), failure)
-        print("primal gives up at beta = 1e-6")
+        print("primal gives up at beta = 1e-9")
 
 
 @check
