@@ -329,7 +329,7 @@ def ranks():
     on_ranks(SMALL_TUBE + "-contact_friction 0.3", 1e-6)
     on_ranks("-growth_type feed -growth_initial_length 0.5 -rod_curvature 0.1 -shape_type straight "
              "-contact_diameter 0.1 -ts_max_time 2.5 -rod_cells 60 "
-             + walls("circle 2 0.4 0.7 outside friction 0.4", "plane 3 0 -1 0"), 1e-6)
+             + walls("circle 2 0.4 0.7 outside friction 0.4", "plane 3 0 -1 0"), 1e-4)  # a step more on one
 
 
 @check

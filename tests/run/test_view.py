@@ -73,7 +73,7 @@ const ink = () => rod.root.querySelector("canvas").toDataURL().length;
     }
     element("slider").value = 0;
     press(element("play"));
-    for (let k = 0; k < 50 && !seen.played; k++) { // a busy machine takes its time
+    for (let k = 0; k < 20 && !seen.played; k++) { // a busy machine takes its time
       await new Promise((done) => setTimeout(done, 200));
       seen.played = Number(element("slider").value);
     }
