@@ -165,7 +165,7 @@ def restart():
 @check
 def restart_after_a_signal():
     d = scene.SCRATCH
-    options = f"{DRY} -ts_max_time 12 -output_interval 0.25 -rod_cells 3000 "
+    options = f"{DRY} -ts_max_time 12 -output_interval 0.25 -rod_cells 8000 "
     tendril(f"{options} -output {d}/whole.h5")
     whole = read(f"{d}/whole.h5")
     for number in (signal.SIGTERM, signal.SIGKILL):

@@ -36,6 +36,8 @@ LARGEST = 5e6  # bytes of the page of a run with 200 shapes
 ACTIONS = """
 const seen = {};
 window.onerror = (message) => { seen.error = message; };
+// a browser that draws for nobody may leave out frames
+window.requestAnimationFrame = (draw) => setTimeout(() => draw(performance.now()), 16);
 const frame = () => new Promise((done) => setTimeout(done, 60));
 const set = async (id, change) => { change(element(id)); await frame(); };
 const press = (box) => box.click();
