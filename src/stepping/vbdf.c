@@ -23,6 +23,7 @@ typedef struct {
   Vec affine, rate, work;
   PetscInt fields; /* of a node, if any are factored */
   PetscBool factored[VBDF_FIELDS];
+  PetscBool plain, plain_next;  /* nothing is factored in the present step, in the next */
   PetscInt degree, taken;       /* of log A at most; points that it goes through */
   PetscReal size[VBDF_POINTS];  /* log of the size of the factored fields in point[i] */
   PetscReal ratio[VBDF_POINTS]; /* A(time[0]) / A(time[i]) */
@@ -57,6 +58,8 @@ static const PetscReal slip_persists = 0.25, slip_step = 1e-8;
    part of the final time. */
 static const PetscReal smallest = 1e-13, early = 1e-3;
 static const PetscReal shrink_most = 0.2, grow_most = 2;
+/* The factor is taken or left when that gives so much of the error. */
+static const PetscReal better = 0.5;
 /* A field smaller than this is round-off. */
 static const PetscReal vanished = 1e-280;
 
@@ -108,7 +111,7 @@ static void FactorRatios(const VBDF *self, PetscInt first, PetscInt m, PetscReal
 
 /* Takes the factor for a step of order q to time[0]. */
 static void TakeFactor(VBDF *self, PetscInt q) {
-  PetscInt most = PetscMin(self->n, PetscMin(self->degree, q) + 1);
+  PetscInt most = self->plain ? 0 : PetscMin(self->n, PetscMin(self->degree, q) + 1);
 
   self->taken = 0;
   if (self->fields)
@@ -292,6 +295,22 @@ static PetscReal StepFactor(PetscReal e, PetscInt q) {
   return PetscPowReal(safety / PetscMax(e, 1e-14), 1.0 / (q + 1));
 }
 
+/* Would the step of order q, whose error is e, have had a smaller one without the factor, or with
+   it? Then so the next. A rod that follows its natural curvature, x2 like a power of its length, is
+   better off without. */
+static PetscErrorCode WithOrWithout(TS ts, VBDF *self, PetscInt q, PetscReal e) {
+  PetscReal other;
+
+  PetscFunctionBegin;
+  if (!self->fields || !self->degree || self->n <= q || q < 2) PetscFunctionReturn(0);
+  self->plain = (PetscBool)!self->plain;
+  PetscCall(LocalError(ts, self, q, &other));
+  self->plain = (PetscBool)!self->plain;
+  TakeFactor(self, self->order);
+  if (other < better * e) self->plain_next = (PetscBool)!self->plain;
+  PetscFunctionReturn(0);
+}
+
 /*
   Choose - accepts or rejects the step just solved; sets the next order and the factor for the step.
   The order changes to the one that allows the longest step, upwards only after order + 1 steps of
@@ -328,6 +347,7 @@ static PetscErrorCode Choose(TS ts, VBDF *self, PetscBool *accept, PetscReal *fa
       *factor = StepFactor(higher, k + 1);
     }
   }
+  PetscCall(WithOrWithout(ts, self, k, e));
   if (best != k) self->since = 0;
   self->order = best;
   *factor = PetscMax(shrink_most, PetscMin(*factor, *accept ? grow_most : 0.9));
@@ -446,6 +466,7 @@ static PetscErrorCode TSStep_VBDF(TS ts) {
     self->order = PetscMax(1, PetscMin(self->order, self->n));
     PetscCall(LimitStep(ts, self));
     self->time[0] = ts->ptime + ts->time_step;
+    self->plain = self->plain_next;
     TakeFactor(self, self->order);
     PetscCall(Predict(ts, self));
     PetscCall(SolveStage(ts, self));
@@ -767,6 +788,7 @@ PetscErrorCode VBDFGetMemory(TS ts, PetscReal memory[VBDF_MEMORY]) {
   memory[0] = self ? (PetscReal)self->since : 0;
   memory[1] = self ? self->layer : 0;
   memory[2] = self ? self->usual : 0;
+  memory[3] = self ? (PetscReal)self->plain_next : 0;
   PetscFunctionReturn(0);
 }
 
@@ -781,6 +803,7 @@ PetscErrorCode VBDFSetMemory(TS ts, const PetscReal memory[VBDF_MEMORY]) {
   self->since = (PetscInt)memory[0];
   self->layer = memory[1];
   self->usual = memory[2];
+  self->plain_next = (PetscBool)(memory[3] != 0);
   PetscFunctionReturn(0);
 }
 

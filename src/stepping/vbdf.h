@@ -12,7 +12,7 @@
 #define TSVBDF "vbdf"
 enum { VBDF_POINTS = 9 }; /* the new one and up to 8 past ones */
 enum { VBDF_FIELDS = 8 }; /* most unknowns of a node */
-enum { VBDF_MEMORY = 3 }; /* what it remembers besides */
+enum { VBDF_MEMORY = 4 }; /* what it remembers besides */
 
 typedef PetscErrorCode (*VBDFGuess)(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1, void *ctx);
 

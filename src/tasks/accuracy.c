@@ -15,13 +15,13 @@ const OptionGroup accuracy_options = OPTION_GROUP("Accuracy", rows);
     in space  arc_error h^order of the largest cell, h its arc length at the end of the run, and
               label_error F / N^order, because an error in a rate of decay adds up over its folds.
     in contact  contact_error / N^3, for the mesh decides how stiff contact is (scene/contact.c).
-  A third of the asked error is for time and a sixth for space: the error is then below what is
+  A quarter of the asked error is for time and a sixth for space: the error is then below what is
   asked, and not far below.
 */
 static const PetscReal per_fold = 3e-6;
 static const PetscReal arc_error[] = {0.2, 0.06}, label_error[] = {20, 400}; /* order 2, 4 */
 static const PetscReal contact_error = 1600, share_of_contact = 0.5;
-static const PetscReal share_of_time = 0.35, share_of_space = 0.15;
+static const PetscReal share_of_time = 0.25, share_of_space = 0.15;
 static const PetscReal fewest_folds = 2, margin = 1.5; /* of the estimate after a run */
 
 typedef struct {

@@ -137,7 +137,7 @@ def expect_reference(name, more, defect):
            f"{name} {more}: energy defect {late:.1e}, {r.energy_defect.max():.1e} at first")
     worst = {k: max(e) for k, e in worst.items()}
     largest = max(worst.values())
-    expect(largest <= r.estimate <= (80 if "mixed" in more else 10) * largest,
+    expect(largest <= r.estimate <= (80 if "mixed" in more else 20) * largest,
            f"{name} {more}: estimated error {r.estimate:.1e}, measured {largest:.1e}")
     print(f"{name:13} {more:40} {r.steps:5} steps, {r.newton_iterations.sum():5.0f} Newton, largest "
           f"errors: |x2| {worst['norm_x2']:.1e}, energy {worst['energy']:.1e}, "
@@ -186,6 +186,13 @@ def factored():
             print(f"{options} -ts_rtol {rtol}: steps {n[0]} and {n[1]}, "
                   f"errors {e[0]:.1e} and {e[1]:.1e}")
             expect(n[0] < 0.62 * n[1] and e[0] < 0.5 * e[1], f"{options} -ts_rtol {rtol}: {n}, {e}")
+    # a rod that follows its natural curvature, x2 like its length squared: no harm where it does
+    # not pay, by what the estimates say
+    for options in ("-rod_curvature_random 0.003 -growth_initial_length 0.08 -shape_amplitude 1e-11 "
+                    "-ts_max_time 0.8", "-rod_curvature 0.3 -shape_type straight -ts_max_time 32"):
+        n = [Run(f"{options} -rod_cells 150 {more}").steps for more in ("", plain)]
+        print(f"{options}: steps {n[0]} and {n[1]}")
+        expect(n[0] < 1.1 * n[1], f"{options}: {n}")
 
 
 @check
