@@ -112,6 +112,7 @@ const char *OptionBoth(PetscReal value, Dimension dimension, char text[64]);
 /* options_use.c: what was given, as a whole */
 PetscErrorCode OptionsCheckPetsc(void);
 PetscErrorCode OptionsCheckTypes(void);
+PetscErrorCode OptionsBegin(const char *start, PetscBool *any);
 PetscErrorCode OptionsRefuseUnread(void);
 PetscErrorCode OptionsRefuseLeft(void);
 PetscErrorCode OptionsRefuseOverwrite(const char *option, const char *output);

@@ -105,6 +105,18 @@ PetscErrorCode OptionsRefuseStrange(const char *name) {
   PetscFunctionReturn(0);
 }
 
+/* OptionsBegin - was any option given whose name begins like this? (It does not count as read.) */
+PetscErrorCode OptionsBegin(const char *start, PetscBool *any) {
+  char *all, words[80];
+
+  PetscFunctionBegin;
+  (void)snprintf(words, sizeof(words), " %s", start);
+  PetscCall(PetscOptionsGetAll(NULL, &all));
+  *any = (PetscBool)(StartsWith(all, start) || strstr(all, words));
+  PetscCall(PetscFree(all));
+  PetscFunctionReturn(0);
+}
+
 /* OptionOnCommandLine - does the command line itself have this option, or only an options file? */
 PetscBool OptionOnCommandLine(const char *name) {
   PetscBool same = PETSC_FALSE;

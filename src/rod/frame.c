@@ -51,10 +51,12 @@ static void PointEvaluate(const Load *load, const Law *law, const LoadDual *dual
 /* The point at a node; u, u_t its six unknowns and their rates. */
 static inline void PointAtNode(const Load *load, const Law *law, const LoadDual *dual,
                                const PetscReal *u, const PetscReal *u_t, Point *p) {
-  p->theta = u[TH];
+  const PetscReal theta = u[TH]; /* (one call for sine and cosine) */
+
+  p->theta = theta;
   p->m = u[M];
-  p->at.q[0] = PetscCosReal(u[TH]);
-  p->at.q[1] = PetscSinReal(u[TH]);
+  p->at.q[0] = PetscCosReal(theta);
+  p->at.q[1] = PetscSinReal(theta);
   for (int d = 0; d < 2; d++) {
     p->n[d] = u[N1 + d];
     p->at.v[d] = u_t[X1 + d] + law->c * p->at.q[d];
@@ -77,10 +79,11 @@ static void PointAtMid(const Load *load, const Law law[3], const LoadDual *dual,
   PetscReal wa[2], wb[2];
   VelocitySlope(&law[0], a, ua_t[TH], wa);
   VelocitySlope(&law[2], b, ub_t[TH], wb);
-  p->theta = (a->theta + b->theta) / 2 + k * (a->f[TH] - b->f[TH]);
+  const PetscReal theta = (a->theta + b->theta) / 2 + k * (a->f[TH] - b->f[TH]);
+  p->theta = theta;
   p->m = (a->m + b->m) / 2 + k * (a->f[M] - b->f[M]);
-  p->at.q[0] = PetscCosReal(p->theta);
-  p->at.q[1] = PetscSinReal(p->theta);
+  p->at.q[0] = PetscCosReal(theta);
+  p->at.q[1] = PetscSinReal(theta);
   for (int d = 0; d < 2; d++) {
     p->n[d] = (a->n[d] + b->n[d]) / 2 + k * (a->f[N1 + d] - b->f[N1 + d]);
     p->at.v[d] = (ua_t[X1 + d] + ub_t[X1 + d]) / 2 + k * (wa[d] - wb[d]) + law[1].c * p->at.q[d];
@@ -308,11 +311,35 @@ static void PutRows(Rows rows, int from, PetscInt column, PetscReal part[FIELDS]
     for (int k = 0; k < FIELDS; k++) rows[f][column + k] = part[f][k];
 }
 
+/* A cell's equations by its nodes, left and right; the slopes at its points are brought up to the
+   present state first, that of its left end if it is the first of a walk. */
+static void CellBlocks(Cell *cell, PetscInt i, PetscBool first, const PetscReal shift[],
+                       PetscReal left[FIELDS][FIELDS], PetscReal right[FIELDS][FIELDS]) {
+  const Frame *frame = (const Frame *)cell->rod->data;
+
+  if (first) Linearise(cell, cell->dual[0], cell->a);
+  Linearise(cell, cell->dual[2], cell->b);
+  Linearise(cell, cell->dual[1], &cell->mid);
+  memset(left, 0, FIELDS * FIELDS * sizeof(PetscReal));
+  memset(right, 0, FIELDS * FIELDS * sizeof(PetscReal));
+  CellJacobian(frame, cell->load, cell->h, -1, shift, cell->law, cell->law + 1, cell->u_t[i][TH],
+               cell->a, &cell->mid, left);
+  CellJacobian(frame, cell->load, cell->h, 1, shift, cell->law + 2, cell->law + 1,
+               cell->u_t[i + 1][TH], cell->b, &cell->mid, right);
+}
+
+/* The tip's equations by its own unknowns. */
+static void TipBlock(const Cell *cell, const PetscReal shift[], PetscReal by[TIP_ROWS][FIELDS]) {
+  Rod rod = cell->rod;
+  TipState tip = TipOf(cell);
+
+  TipJacobian(&rod->scene->tip, &tip, shift, rod->fresh, TipDual(rod), by);
+}
+
 static PetscErrorCode FrameJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[],
                                     Mat J) {
-  Frame *frame = (Frame *)rod->data;
-  PetscInt first = rod->first, end = rod->end;
-  PetscReal left[FIELDS][FIELDS], right[FIELDS][FIELDS]; /* a cell's rows by node a and by node b */
+  PetscInt first = rod->first, end = rod->end, begin = PetscMax(first - 1, 0);
+  PetscReal left[FIELDS][FIELDS], right[FIELDS][FIELDS];
   Cell cell;
   Rows row;
 
@@ -322,25 +349,16 @@ static PetscErrorCode FrameJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const 
   PetscCall(PetscMemzero(row, sizeof(row)));
   if (first == 0)
     for (int f = X1; f <= TH; f++) row[f][FIELDS + f] = 1;
-  for (PetscInt i = PetscMax(first - 1, 0); i < end; i++) {
+  for (PetscInt i = begin; i < end; i++) {
     PetscInt cols[3] = {i - 1, i, i < rod->last ? i + 1 : -1}; /* -1: none, ignored */
     if (i < rod->last) {
       CellsNext(&cell, i);
-      if (i == PetscMax(first - 1, 0)) Linearise(&cell, cell.dual[0], cell.a);
-      Linearise(&cell, cell.dual[2], cell.b);
-      Linearise(&cell, cell.dual[1], &cell.mid);
-      PetscCall(PetscMemzero(left, sizeof(left)));
-      PetscCall(PetscMemzero(right, sizeof(right)));
-      CellJacobian(frame, cell.load, cell.h, -1, shift, cell.law, cell.law + 1, cell.u_t[i][TH],
-                   cell.a, &cell.mid, left);
-      CellJacobian(frame, cell.load, cell.h, 1, shift, cell.law + 2, cell.law + 1,
-                   cell.u_t[i + 1][TH], cell.b, &cell.mid, right);
+      CellBlocks(&cell, i, (PetscBool)(i == begin), shift, left, right);
       PutRows(row, M, FIELDS, left);
       PutRows(row, M, 2 * FIELDS, right);
     } else {
-      TipState tip = TipOf(&cell);
       PetscReal by[TIP_ROWS][FIELDS];
-      TipJacobian(&rod->scene->tip, &tip, shift, rod->fresh, TipDual(rod), by);
+      TipBlock(&cell, shift, by);
       for (int f = 0; f < TIP_ROWS; f++)
         PetscCall(PetscArraycpy(&row[M + f][FIELDS], by[f], FIELDS));
     }
@@ -355,6 +373,32 @@ static PetscErrorCode FrameJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const 
   if (cell.push) PetscCall(FrameStrandsJacobian(rod, t, U, U_t, shift, J));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(0);
+}
+
+/* The same matrix, not assembled: each cell is eliminated as soon as it is known. */
+static PetscErrorCode FrameEliminate(Rod rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[],
+                                     Elimination elimination) {
+  PetscInt begin = PetscMax(rod->first - 1, 0);
+  PetscReal left[FIELDS][FIELDS], right[FIELDS][FIELDS], by[TIP_ROWS][FIELDS];
+  Cell cell;
+
+  PetscFunctionBegin;
+  PetscCall(CellsOpen(rod, t, U, U_t, &cell));
+  EliminationBegin(elimination);
+  for (PetscInt i = begin; i < PetscMin(rod->end, rod->last); i++) {
+    CellsNext(&cell, i);
+    CellBlocks(&cell, i, (PetscBool)(i == begin), shift, left, right);
+    if (i >= rod->first)
+      EliminationCell(elimination, (const PetscReal(*)[FIELDS])left,
+                      (const PetscReal(*)[FIELDS])right);
+  }
+  if (rod->end == rod->last + 1) {
+    TipBlock(&cell, shift, by);
+    EliminationTip(elimination, (const PetscReal(*)[FIELDS])by);
+  }
+  PetscCall(CellsClose(&cell));
+  PetscCall(EliminationEnd(elimination));
   PetscFunctionReturn(0);
 }
 
@@ -525,4 +569,5 @@ const RodModel rod_frame = {
     .hold = FrameHold,
     .remember = FrameRemember,
     .recall = FrameRecall,
-    .jacobian = FrameJacobian};
+    .jacobian = FrameJacobian,
+    .eliminate = FrameEliminate};

@@ -253,7 +253,8 @@ PetscErrorCode RodResidual(TS ts, PetscReal t, Vec U, Vec U_t, Vec F, void *ctx)
 }
 
 /* RodJacobian - dF/dU + shift dF/dU_t of the rod's model, in the form of a TSIJacobian; for the
-   fields across the shift is greater by factor_rate. */
+   fields across the shift is greater by factor_rate. With an elimination it goes there, and not
+   into the matrix. */
 PetscErrorCode RodJacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J, Mat P,
                            void *ctx) {
   PetscReal shifts[MAX_FIELDS];
@@ -263,9 +264,12 @@ PetscErrorCode RodJacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shift, 
   rod->jacobians++;
   for (PetscInt f = 0; f < rod->model->fields; f++)
     shifts[f] = shift + (rod->model->across[f] ? rod->factor_rate : 0);
-  PetscCall(rod->model->jacobian(rod, t, U, U_t, shifts, P));
+  if (rod->elimination)
+    PetscCall(rod->model->eliminate(rod, t, U, U_t, shifts, rod->elimination));
+  else
+    PetscCall(rod->model->jacobian(rod, t, U, U_t, shifts, P));
   rod->fresh = PETSC_FALSE;
-  if (J != P) {
+  if (J != P || rod->elimination) {
     PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
     PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
   }

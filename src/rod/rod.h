@@ -4,6 +4,7 @@
 #ifndef TENDRIL_ROD_H
 #define TENDRIL_ROD_H
 
+#include "base/elimination.h"
 #include "scene/scene.h"
 #include "straight/straight.h"
 #include <petscdmda.h>
@@ -42,6 +43,9 @@ typedef struct {
   PetscErrorCode (*residual)(Rod, PetscReal t, Vec U, Vec U_t, Vec F);
   /* dF/dU + dF/dU_t diag(shift), a shift for each field */
   PetscErrorCode (*jacobian)(Rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[], Mat J);
+  /* the same, eliminated at once; NULL: it cannot, nor can a coupled rod */
+  PetscErrorCode (*eliminate)(Rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[],
+                              Elimination);
   /* what Newton's method remembers from step to step, for a restart: see memory of the rod */
   PetscErrorCode (*remember)(Rod, Vec memory);
   PetscErrorCode (*recall)(Rod, Vec memory);
@@ -64,6 +68,7 @@ struct _Rod {
   PetscBool fresh;               /* the next Jacobian is the first of its Newton solve */
   PetscInt memory;               /* reals a node that its Newton's method remembers; 0: none */
   PetscInt residuals, jacobians; /* counted work */
+  Elimination elimination;       /* instead of a matrix; NULL: none; borrowed */
   void *data;
 };
 

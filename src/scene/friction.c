@@ -28,14 +28,15 @@ PetscErrorCode FrictionSetFromOptions(Friction *friction) {
   for v is but noise around rest (tiny beta), and the old dual is the better one.
 */
 void FrictionDualReset(const Friction *law, const PetscReal v[2], FrictionDual *dual) {
-  PetscReal u[2], r = FrictionRadius(law, v, dual, u);
-
-  PetscBool near = (PetscBool)(hypot(u[0] / r - dual->w[0], u[1] / r - dual->w[1]) < 0.2);
+  const PetscReal near = 0.2;
+  PetscReal u[2], inverse = 1 / FrictionRadius(law, v, dual, u), w[2], d[2];
 
   for (int i = 0; i < 2; i++) {
+    w[i] = u[i] * inverse;
+    d[i] = w[i] - dual->w[i];
     dual->v[i] = v[i];
-    if (near) dual->w[i] = u[i] / r;
   }
+  for (int i = 0; i < 2 && d[0] * d[0] + d[1] * d[1] < near * near; i++) dual->w[i] = w[i];
 }
 
 /*
@@ -63,12 +64,12 @@ void FrictionDualAdvance(const Friction *law, const PetscReal v[2], FrictionDual
 */
 void FrictionLinearise(const Friction *law, const PetscReal v[2], const FrictionDual *dual,
                        PetscReal slope[2][2]) {
-  PetscReal u[2], r = FrictionRadius(law, v, dual, u), d = law->mu / r;
+  PetscReal u[2], inverse = 1 / FrictionRadius(law, v, dual, u), d = law->mu * inverse;
 
   for (int i = 0; i < 2; i++)
     for (int j = 0; j < 2; j++) {
-      PetscReal w = law->newton == NEWTON_PRIMAL ? u[i] / r : dual->w[i];
-      slope[i][j] = (i == j) * (1 - law->mu + law->more + d) - d * w * u[j] / r;
+      PetscReal w = law->newton == NEWTON_PRIMAL ? u[i] * inverse : dual->w[i];
+      slope[i][j] = (i == j) * (1 - law->mu + law->more + d) - d * w * (u[j] * inverse);
     }
 }
 

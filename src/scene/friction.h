@@ -48,8 +48,8 @@ static inline PetscReal FrictionRadius(const Friction *law, const PetscReal v[2]
 /* The force phi(|v|) v of friction, per length. */
 static inline void FrictionForce(const Friction *law, const PetscReal v[2],
                                  const FrictionDual *dual, PetscReal f[2]) {
-  PetscReal u[2], r = FrictionRadius(law, v, dual, u);
-  for (int d = 0; d < 2; d++) f[d] = (1 - law->mu + law->more) * v[d] + law->mu * u[d] / r;
+  PetscReal u[2], drag = law->mu / FrictionRadius(law, v, dual, u);
+  for (int d = 0; d < 2; d++) f[d] = (1 - law->mu + law->more) * v[d] + drag * u[d];
 }
 
 /* phi(|v|) given |v|^2; a point at rest under exact Coulomb friction loses no power: 1 - mu */

@@ -120,14 +120,12 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   PetscCall(DMCreateGlobalVector(leg->rod->da, &leg->U));
   PetscCall(VecDuplicate(leg->U, &leg->tolerance));
   PetscCall(VecDuplicate(leg->U, &leg->none));
-  PetscCall(RodCreateMatrix(leg->rod, &leg->J));
   PetscCall(TSCreate(scene->comm, &leg->ts));
   PetscCall(TSSetOptionsPrefix(leg->ts, prefix));
   PetscCall(TSSetDM(leg->ts, leg->rod->da));
   PetscCall(TSSetApplicationContext(leg->ts, leg));
   PetscCall(TSSetEquationType(leg->ts, TS_EQ_DAE_IMPLICIT_INDEX2));
   PetscCall(TSSetIFunction(leg->ts, NULL, RodResidual, leg->rod));
-  PetscCall(TSSetIJacobian(leg->ts, leg->J, leg->J, RodJacobian, leg->rod));
   PetscCall(TSSetType(leg->ts, TSVBDF));
   PetscCall(VBDFSetHighestOrder(leg->ts, HIGHEST_ORDER));
   PetscCall(TSSetTolerances(leg->ts, PETSC_DEFAULT, NULL, rtol, NULL));
@@ -143,6 +141,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   PetscCall(NewtonSetUp(leg->ts, leg->rod, &leg->newton));
   PetscCall(ExtrapolateTheta());
   PetscCall(TakeOptions(leg->ts));
+  PetscCall(NewtonSetMatrix(leg->ts, &leg->newton));
   PetscCall(LookAgain(leg));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)leg->ts, &fixed, TSBEULER, TSTHETA, TSCN, ""));
   PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_dt", &given));
@@ -189,7 +188,7 @@ PetscErrorCode LegInterpolate(Leg *leg, PetscReal t, PetscReal end, PetscReal h,
 PetscErrorCode LegDestroy(Leg *leg) {
   PetscFunctionBegin;
   PetscCall(TSDestroy(&leg->ts));
-  PetscCall(MatDestroy(&leg->J));
+  PetscCall(NewtonDestroy(&leg->newton));
   PetscCall(VecDestroy(&leg->U));
   PetscCall(VecDestroy(&leg->tolerance));
   PetscCall(VecDestroy(&leg->none));

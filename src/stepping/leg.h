@@ -8,7 +8,6 @@ typedef struct {
   Rod rod;
   TS ts; /* its application context is the leg */
   Newton newton;
-  Mat J;
   Vec U;               /* the state */
   Vec tolerance, none; /* none: 0, the part of the tolerance relative to each entry */
   PetscReal rtol;

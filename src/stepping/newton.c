@@ -123,10 +123,9 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
 }
 
 /*
-  NewtonSetUp - sets the SNES of a TS: full Newton steps, the test above, and a direct solver:
-  PETSc's block LU in natural order on one rank (the matrix is block-banded, its diagonal blocks
-  regular), on several the same on each, joined (base/chain.c). PETSc's options override. newton
-  must live as long as the TS.
+  NewtonSetUp - sets the SNES of a TS, before its options are read: full Newton steps, the test
+  above, and a direct solver. PETSc's options override. newton must live as long as the TS; the
+  caller ends it with NewtonDestroy().
 */
 PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   PetscReal rtol;
@@ -149,5 +148,68 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   PetscCall(KSPSetType(ksp, KSPPREONLY));
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(ChainSetType(pc, rod->coupled ? MATORDERING1WD : MATORDERINGNATURAL));
+  PetscFunctionReturn(0);
+}
+
+/* Is a matrix asked for? By any option of PETSc's that is about one. */
+static PetscErrorCode MatrixWanted(TS ts, PetscBool *wanted) {
+  static const char *const about[] = {"ksp_", "pc_", "mat_", "snes_test_", "snes_fd", "snes_mf"};
+  const char *prefix;
+  char start[80];
+
+  PetscFunctionBegin;
+  PetscCall(OptionsBegin("-chain_", wanted));
+  PetscCall(TSGetOptionsPrefix(ts, &prefix));
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(about) && !*wanted; k++) {
+    (void)snprintf(start, sizeof(start), "-%s%s", prefix ? prefix : "", about[k]);
+    PetscCall(OptionsBegin(start, wanted));
+  }
+  PetscFunctionReturn(0);
+}
+
+/* A matrix that is not there: its equations are eliminated as they are computed. */
+static PetscErrorCode SetElimination(TS ts, Newton *newton) {
+  Rod rod = newton->rod;
+  PetscInt nodes = rod->end - rod->first, n = nodes * rod->model->fields;
+  SNES snes;
+  KSP ksp;
+  PC pc;
+
+  PetscFunctionBegin;
+  PetscCall(EliminationCreate(rod->scene->comm, nodes, &newton->elimination));
+  PetscCall(
+      MatCreateShell(rod->scene->comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, NULL, &newton->J));
+  PetscCall(TSGetSNES(ts, &snes));
+  PetscCall(SNESGetKSP(snes, &ksp));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(EliminationSetType(pc, newton->elimination));
+  rod->elimination = newton->elimination;
+  PetscFunctionReturn(0);
+}
+
+/*
+  NewtonSetMatrix - gives the TS its Jacobian, once its options are read: where the model can, it is
+  eliminated while it is computed (base/elimination.c). Else, or if an option is about a matrix or
+  its solver, it is assembled, for PETSc's block LU in natural order on one rank (it is
+  block-banded, its diagonal blocks regular), on several the same on each, joined (base/chain.c).
+*/
+PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton) {
+  Rod rod = newton->rod;
+  PetscBool assembled = PETSC_TRUE;
+
+  PetscFunctionBegin;
+  if (rod->model->eliminate && !rod->coupled) PetscCall(MatrixWanted(ts, &assembled));
+  if (assembled)
+    PetscCall(RodCreateMatrix(rod, &newton->J));
+  else
+    PetscCall(SetElimination(ts, newton));
+  PetscCall(TSSetIJacobian(ts, newton->J, newton->J, RodJacobian, rod));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode NewtonDestroy(Newton *newton) {
+  PetscFunctionBegin;
+  PetscCall(MatDestroy(&newton->J));
+  PetscCall(EliminationDestroy(&newton->elimination));
   PetscFunctionReturn(0);
 }

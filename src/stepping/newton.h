@@ -6,6 +6,8 @@
 
 typedef struct {
   Rod rod;
+  Elimination elimination; /* instead of a matrix; NULL: none */
+  Mat J;
   PetscReal tolerance;   /* of the update, relative to each field's size */
   PetscReal update;      /* the latest iteration's largest */
   PetscReal residual[2]; /* the latest, along and across */
@@ -13,5 +15,7 @@ typedef struct {
 } Newton;
 
 PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton);
+PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton);
+PetscErrorCode NewtonDestroy(Newton *newton);
 
 #endif

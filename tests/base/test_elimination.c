@@ -1,0 +1,143 @@
+/* Cells eliminated one by one give what the assembled matrix does. */
+#include "harness.h"
+#include "base/chain.h"
+#include "rod/rod.h"
+#include <petscksp.h>
+
+enum { FIELDS = 6 };
+
+typedef struct {
+  Scene scene;
+  Rod rod;
+  Vec U, U_t, b, x, y;
+  Mat J;
+  KSP ksp[2]; /* by the matrix, by elimination */
+  Elimination elimination;
+} Case;
+
+static void Open(Case *c, const char *options) {
+  PetscInt n;
+  Node *nodes;
+  Mat none;
+  PC pc;
+
+  SetOptions("-shape_amplitude 2 -rod_cells 40 -ts_max_time 2 %s", options);
+  CHECK(SceneCreate(&c->scene));
+  CHECK(RodCreate(c->scene, &rod_frame, &c->rod));
+  CHECK(RodHoldTip(c->rod));
+  n = c->rod->end - c->rod->first;
+  CHECK(PetscMalloc1(n, &nodes));
+  CHECK(RodInitialNodes(c->rod, 0.7, nodes));
+  CHECK(DMCreateGlobalVector(c->rod->da, &c->U));
+  CHECK(rod_frame.set(c->rod, 0.7, nodes, c->U));
+  CHECK(PetscFree(nodes));
+  CHECK(VecDuplicate(c->U, &c->U_t));
+  CHECK(VecCopy(c->U, c->U_t)); /* growing in proportion */
+  CHECK(VecDuplicate(c->U, &c->b));
+  CHECK(VecDuplicate(c->U, &c->x));
+  CHECK(VecDuplicate(c->U, &c->y));
+  CHECK(RodCreateMatrix(c->rod, &c->J));
+  CHECK(EliminationCreate(PETSC_COMM_WORLD, n, &c->elimination));
+  for (int k = 0; k < 2; k++) {
+    CHECK(KSPCreate(PETSC_COMM_WORLD, &c->ksp[k]));
+    CHECK(KSPSetType(c->ksp[k], KSPPREONLY));
+    CHECK(KSPGetPC(c->ksp[k], &pc));
+    if (k)
+      CHECK(EliminationSetType(pc, c->elimination));
+    else
+      CHECK(ChainSetType(pc, MATORDERINGNATURAL));
+  }
+  CHECK(MatCreateShell(PETSC_COMM_WORLD, n * FIELDS, n * FIELDS, PETSC_DETERMINE, PETSC_DETERMINE,
+                       NULL, &none));
+  CHECK(KSPSetOperators(c->ksp[1], none, none));
+  CHECK(MatDestroy(&none));
+}
+
+static void Close(Case *c) {
+  for (int k = 0; k < 2; k++) CHECK(KSPDestroy(&c->ksp[k]));
+  CHECK(EliminationDestroy(&c->elimination));
+  CHECK(MatDestroy(&c->J));
+  CHECK(VecDestroy(&c->U));
+  CHECK(VecDestroy(&c->U_t));
+  CHECK(VecDestroy(&c->b));
+  CHECK(VecDestroy(&c->x));
+  CHECK(VecDestroy(&c->y));
+  CHECK(RodDestroy(&c->rod));
+  CHECK(SceneDestroy(&c->scene));
+}
+
+/* The largest of J x - b; |b| is 1. */
+static PetscErrorCode Residual(Case *c, Vec x, PetscReal *residual) {
+  Vec r;
+
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(x, &r));
+  PetscCall(MatMult(c->J, x, r));
+  PetscCall(VecAXPY(r, -1, c->b));
+  PetscCall(VecNorm(r, NORM_INFINITY, residual));
+  PetscCall(VecDestroy(&r));
+  PetscFunctionReturn(0);
+}
+
+static void Compare(const char *options) {
+  const PetscReal shifts[] = {3, 500, 1e6};
+  Case c;
+
+  Open(&c, options);
+  for (int k = 0; k < 3; k++) {
+    PetscInt low, high;
+    PetscReal size[FIELDS], error[FIELDS], residual[2];
+    PetscScalar *a;
+    c.rod->elimination = NULL;
+    for (int i = 0; i < 2; i++) /* the duals have settled in the second */
+      CHECK(RodJacobian(NULL, 0.7, c.U, c.U_t, shifts[k], c.J, c.J, c.rod));
+    CHECK(KSPSetOperators(c.ksp[0], c.J, c.J));
+    c.rod->elimination = c.elimination;
+    CHECK(RodJacobian(NULL, 0.7, c.U, c.U_t, shifts[k], c.J, c.J, c.rod));
+    CHECK(VecGetOwnershipRange(c.b, &low, &high));
+    CHECK(VecGetArray(c.b, &a));
+    for (PetscInt i = low; i < high; i++) a[i - low] = Scatter(7 + k, i);
+    CHECK(VecRestoreArray(c.b, &a));
+    CHECK(KSPSolve(c.ksp[0], c.b, c.x));
+    CHECK(KSPSolve(c.ksp[1], c.b, c.y));
+    /* both solve as well as each other */
+    CHECK(Residual(&c, c.x, &residual[0]));
+    CHECK(Residual(&c, c.y, &residual[1]));
+    EXPECT(residual[1] <= 1e-14 + 10 * residual[0], "%s, shift %g: residual %g, of LU %g", options,
+           shifts[k], residual[1], residual[0]);
+    CHECK(RodFieldSizes(c.rod, c.x, size));
+    CHECK(VecAXPY(c.x, -1, c.y));
+    CHECK(RodFieldSizes(c.rod, c.x, error));
+    for (int f = 0; f < FIELDS; f++)
+      EXPECT(error[f] <= 2e-11 * size[f] + residual[0], "%s, shift %g, field %d: %g of %g", options,
+             shifts[k], f, error[f], size[f]);
+  }
+  Close(&c);
+}
+
+static void TestModel(void **state) {
+  Compare("");
+  Compare("-rod_order 2");
+  Compare("-growth_type gaussian -growth_width 0.05");
+  Compare("-growth_type feed");
+}
+
+static void TestWorld(void **state) {
+  Compare("-friction_across 2 -friction_layers 0:1,0.5:3");
+  Compare("-tip_type pinned");
+  Compare("-tip_type clamped");
+  Compare("-tip_force 0.5 -tip_law follower");
+  Compare("-tip_force 0.5 -tip_law resistance");
+}
+
+static void TestHard(void **state) {
+  Compare("-friction_beta 1e-12");
+  Compare("-friction_beta 0");
+  Compare("-friction_mu 0");
+  Compare("-rod_cells 400 -friction_beta 1e-6 -growth_initial_length 0.01");
+  Compare("-rod_cells 400 -growth_initial_length 30");
+}
+
+static const struct CMUnitTest tests[] = {cmocka_unit_test(TestModel), cmocka_unit_test(TestWorld),
+                                          cmocka_unit_test(TestHard)};
+MAIN(tests)
