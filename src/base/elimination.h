@@ -4,19 +4,17 @@
 #ifndef TENDRIL_ELIMINATION_H
 #define TENDRIL_ELIMINATION_H
 
+#include "base/line.h"
 #include <petscpc.h>
-
-enum { LINE_FIELDS = 6, LINE_HALF = 3 };
 
 typedef struct _Elimination *Elimination;
 
 PetscErrorCode EliminationCreate(MPI_Comm comm, PetscInt nodes, Elimination *self);
 PetscErrorCode EliminationDestroy(Elimination *self);
-void EliminationBegin(Elimination self);
-void EliminationCell(Elimination self, const PetscReal a[LINE_FIELDS][LINE_FIELDS],
-                     const PetscReal b[LINE_FIELDS][LINE_FIELDS]);
-void EliminationTip(Elimination self, const PetscReal tip[LINE_HALF][LINE_FIELDS]);
-PetscErrorCode EliminationEnd(Elimination self);
+PetscBool EliminationFromTip(Elimination self);
+void EliminationBegin(Elimination self, const LineRows tip);
+void EliminationCell(Elimination self, LineBlock a, LineBlock b);
+PetscErrorCode EliminationEnd(Elimination self, const LineRows tip);
 PetscErrorCode EliminationSetType(PC pc, Elimination self);
 
 #endif

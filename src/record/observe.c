@@ -53,6 +53,38 @@ PetscErrorCode ObserverDestroy(Observer *observer) {
   PetscFunctionReturn(0);
 }
 
+/* The owned nodes, as a vector over the rod; the caller gives it back (DMRestoreGlobalVector). */
+static PetscErrorCode NodesOf(Rod rod, PetscReal t, Vec U, Vec U_t, Vec *v) {
+  PetscScalar *local;
+
+  PetscFunctionBegin;
+  PetscCall(DMGetGlobalVector(rod->nodes, v));
+  PetscCall(VecGetArray(*v, &local));
+  if (U)
+    PetscCall(rod->model->get(rod, t, U, U_t, (Node *)local));
+  else
+    PetscCall(RodInitialNodes(rod, t, (Node *)local));
+  PetscCall(VecRestoreArray(*v, &local));
+  PetscFunctionReturn(0);
+}
+
+/* All of them, on rank 0: NULL on the others. */
+static PetscErrorCode Gather(Observer observer, Vec v, const Node **nodes) {
+  const PetscScalar *all;
+
+  PetscFunctionBegin;
+  if (!observer->to_zero) PetscCall(VecScatterCreateToZero(v, &observer->to_zero, &observer->all));
+  PetscCall(VecScatterBegin(observer->to_zero, v, observer->all, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecScatterEnd(observer->to_zero, v, observer->all, INSERT_VALUES, SCATTER_FORWARD));
+  *nodes = NULL;
+  if (!observer->gathered) PetscFunctionReturn(0);
+  PetscCall(VecGetArrayRead(observer->all, &all));
+  PetscCall(PetscMemcpy(observer->gathered, all, (observer->scene->mesh.cells + 1) * sizeof(Node)));
+  PetscCall(VecRestoreArrayRead(observer->all, &all));
+  *nodes = observer->gathered;
+  PetscFunctionReturn(0);
+}
+
 /*
   ObserverGather - all nodes of a rod on rank 0, in the clamp's frame. Collective.
 
@@ -62,30 +94,21 @@ PetscErrorCode ObserverDestroy(Observer *observer) {
 */
 PetscErrorCode ObserverGather(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t,
                               const Node **nodes) {
-  PetscScalar *local;
-  const PetscScalar *all;
   Vec v;
 
   PetscFunctionBegin;
-  PetscCall(DMGetGlobalVector(rod->nodes, &v));
-  PetscCall(VecGetArray(v, &local));
-  if (U)
-    PetscCall(rod->model->get(rod, t, U, U_t, (Node *)local));
-  else
-    PetscCall(RodInitialNodes(rod, t, (Node *)local));
-  PetscCall(VecRestoreArray(v, &local));
-  if (!observer->to_zero) PetscCall(VecScatterCreateToZero(v, &observer->to_zero, &observer->all));
-  PetscCall(VecScatterBegin(observer->to_zero, v, observer->all, INSERT_VALUES, SCATTER_FORWARD));
-  PetscCall(VecScatterEnd(observer->to_zero, v, observer->all, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(NodesOf(rod, t, U, U_t, &v));
+  PetscCall(Gather(observer, v, nodes));
   PetscCall(DMRestoreGlobalVector(rod->nodes, &v));
-  *nodes = NULL;
-  if (!observer->gathered) PetscFunctionReturn(0);
-  PetscCall(VecGetArrayRead(observer->all, &all));
-  PetscCall(PetscMemcpy(observer->gathered, all, (observer->scene->mesh.cells + 1) * sizeof(Node)));
-  PetscCall(VecRestoreArrayRead(observer->all, &all));
-  *nodes = observer->gathered;
   PetscFunctionReturn(0);
 }
+
+/* What a rank measures: the nodes from first to end, and the cells between them; end < first: none.
+ */
+typedef struct {
+  PetscInt first, end;
+  const Node *node; /* that of first */
+} Piece;
 
 /* A point of the rod with all that integrals need. */
 typedef struct {
@@ -205,23 +228,46 @@ static void AddContact(Observer self, Observation *seen) {
   seen->growth_power += contact->strain;
 }
 
-/* Integrals over the rod by Simpson's rule on each cell, and what is read at its ends. */
-static PetscErrorCode MeasureIntegrals(Observer self, PetscReal t, const Node *nodes,
+/* What is read at the clamp, without integrals. */
+static void MeasureClamp(Scene scene, const Sample *p, Observation *seen) {
+  seen->feed_force = -Tension(p);
+  seen->growth_power += p->c * seen->feed_force;
+  seen->base_force_1 = -LabX1(scene, p->node.force);
+  seen->base_force_2 = -LabX2(scene, p->node.force);
+}
+
+/* What is read at the tip; contact is the force of contact on it. */
+static void MeasureTip(Scene scene, const Sample *p, const PetscReal contact[2],
+                       Observation *seen) {
+  const Node *tip = &p->node;
+
+  seen->tip_speed = hypot(p->at.v[0], p->at.v[1]);
+  seen->tip_power =
+      (tip->force[0] - contact[0]) * p->at.v[0] + (tip->force[1] - contact[1]) * p->at.v[1];
+  seen->tip_x1 = LabX1(scene, tip->x);
+  seen->tip_x2 = LabX2(scene, tip->x);
+  seen->end_distance = hypot(tip->x[0], tip->x[1]);
+  seen->tip_force_1 = LabX1(scene, tip->force);
+  seen->tip_force_2 = LabX2(scene, tip->force);
+}
+
+/* Integrals over a piece by Simpson's rule on each cell, and what is read at its ends. */
+static PetscErrorCode MeasureIntegrals(Observer self, PetscReal t, const Piece *piece,
                                        Observation *seen) {
   Scene scene = self->scene;
-  const PetscReal *s = scene->mesh.s, *tip = self->contact.tip;
+  const PetscReal *s = scene->mesh.s;
   Sample a, b, mid;
 
   PetscFunctionBegin;
-  b.node = nodes[0];
-  b.push = self->push ? self->push[0] : NULL;
-  PetscCall(SampleFill(scene, s[0], t, &b));
-  seen->feed_force = -Tension(&b);
-  seen->growth_power = b.c * seen->feed_force;
-  for (PetscInt i = 0; i < scene->mesh.cells; i++) {
+  if (piece->end < piece->first) PetscFunctionReturn(0);
+  b.node = piece->node[0];
+  b.push = self->push ? self->push[2 * piece->first] : NULL;
+  PetscCall(SampleFill(scene, s[piece->first], t, &b));
+  if (!piece->first) MeasureClamp(scene, &b, seen);
+  for (PetscInt i = piece->first; i < piece->end; i++) {
     PetscReal h = s[i + 1] - s[i];
     a = b;
-    b.node = nodes[i + 1];
+    b.node = piece->node[i + 1 - piece->first];
     b.push = self->push ? self->push[2 * i + 2] : NULL;
     PetscCall(SampleFill(scene, s[i + 1], t, &b));
     PetscCall(SampleMid(scene, s[i], s[i + 1], t, &a, &b, &mid));
@@ -230,46 +276,61 @@ static PetscErrorCode MeasureIntegrals(Observer self, PetscReal t, const Node *n
     Integrate(scene, &b, h / 6, seen);
     if (s[i] < 0.5 && s[i + 1] >= 0.5) MeasureMiddle(s[i], h, &a, &mid, &b, seen);
   }
-  seen->norm_x2 = PetscSqrtReal(seen->norm_x2);
-  seen->norm_x2_length = PetscSqrtReal(seen->norm_x2_length);
-  seen->tip_speed = hypot(b.at.v[0], b.at.v[1]);
-  seen->tip_power = (b.node.force[0] - tip[0]) * b.at.v[0] + (b.node.force[1] - tip[1]) * b.at.v[1];
-  AddContact(self, seen);
+  if (piece->end == scene->mesh.cells) MeasureTip(scene, &b, self->contact.tip, seen);
   PetscFunctionReturn(0);
 }
 
-/* What is read off the nodes one by one. */
-static PetscErrorCode MeasureShape(Scene scene, PetscReal t, const Node *nodes, Observation *seen) {
-  PetscInt n = scene->mesh.cells + 1, crossings = 0;
-  PetscReal low = 0, high = 0, most = 0, sign = 0;
-  const Node *tip = &nodes[n - 1];
+/* The extremes of a rod, as numbers of which the largest is wanted. */
+typedef struct {
+  PetscReal high, low, angle, moment; /* of x2, -x2, |theta|, |m| */
+} Extremes;
+
+static PetscErrorCode MeasureExtremes(Observer self, const Piece *piece, Extremes *most) {
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(most, sizeof(*most)));
+  for (PetscInt i = 0; i <= piece->end - piece->first; i++) {
+    const Node *node = &piece->node[i];
+    most->high = PetscMax(most->high, node->x[1]);
+    most->low = PetscMax(most->low, -node->x[1]);
+    most->angle = PetscMax(most->angle, PetscAbsReal(node->theta));
+    most->moment = PetscMax(most->moment, PetscAbsReal(node->moment));
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, most, sizeof(*most) / sizeof(PetscReal), MPIU_REAL,
+                             MPI_MAX, self->scene->comm));
+  PetscFunctionReturn(0);
+}
+
+/* Sign changes of the curvature, where it is not next to none beside the largest moment: at the tip
+   it is 0 but for round-off. */
+static PetscErrorCode MeasureInflections(Observer self, PetscReal t, const Piece *piece,
+                                         PetscReal moment, PetscReal *inflections) {
+  enum { FIRST, LAST, CHANGES, SIGNS };
+  Scene scene = self->scene;
+  PetscReal mine[SIGNS] = {0}, *all, sign = 0;
+  PetscMPIInt ranks;
 
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < n; i++) {
-    low = PetscMin(low, nodes[i].x[1]);
-    high = PetscMax(high, nodes[i].x[1]);
-    seen->max_angle = PetscMax(seen->max_angle, PetscAbsReal(nodes[i].theta));
-    most = PetscMax(most, PetscAbsReal(nodes[i].moment));
-  }
-  for (PetscInt i = 0; i < n; i++) {
+  for (PetscInt i = piece->first; i <= piece->end; i++) {
     PetscReal k, B;
     PetscCall(SceneCurvature(scene, scene->mesh.s[i], t, &k, NULL));
     PetscCall(SceneStiffness(scene, scene->mesh.s[i], t, &B, NULL));
-    k += nodes[i].moment / B;
-    if (PetscAbsReal(k) <= 1e-6 * most) continue; /* the tip's moment is 0 but for round-off */
-    if (k * sign < 0) seen->inflections++;
-    sign = k;
+    k += piece->node[i - piece->first].moment / B;
+    if (PetscAbsReal(k) <= 1e-6 * moment) continue;
+    k = k > 0 ? 1 : -1;
+    if (mine[FIRST] == 0) mine[FIRST] = k;
+    if (k * mine[LAST] < 0) mine[CHANGES]++;
+    mine[LAST] = k;
   }
-  seen->tip_x1 = LabX1(scene, tip->x);
-  seen->tip_x2 = LabX2(scene, tip->x);
-  seen->end_distance = hypot(tip->x[0], tip->x[1]);
-  seen->width = high - low;
-  seen->base_force_1 = -LabX1(scene, nodes[0].force);
-  seen->base_force_2 = -LabX2(scene, nodes[0].force);
-  seen->tip_force_1 = LabX1(scene, tip->force);
-  seen->tip_force_2 = LabX2(scene, tip->force);
-  if (seen->max_angle > PETSC_PI / 2) PetscCall(RodCrossings(n, nodes, &crossings));
-  seen->self_crossings = crossings;
+  PetscCallMPI(MPI_Comm_size(scene->comm, &ranks));
+  PetscCall(PetscMalloc1(SIGNS * ranks, &all));
+  PetscCallMPI(MPI_Allgather(mine, SIGNS, MPIU_REAL, all, SIGNS, MPIU_REAL, scene->comm));
+  *inflections = 0;
+  for (PetscMPIInt r = 0; r < ranks; r++) { /* one more where two ranks meet in other signs */
+    const PetscReal *its = all + SIGNS * r;
+    *inflections += its[CHANGES] + (sign * its[FIRST] < 0);
+    if (its[LAST] != 0) sign = its[LAST];
+  }
+  PetscCall(PetscFree(all));
   PetscFunctionReturn(0);
 }
 
@@ -415,6 +476,71 @@ PetscErrorCode ObserverTouch(Observer observer, PetscReal t, const Node *nodes, 
   PetscFunctionReturn(0);
 }
 
+/* What all ranks have seen of their pieces, together: a number is a sum, or 0 on all but one. */
+static PetscErrorCode Measure(Observer self, PetscReal t, const Piece *piece, Observation *seen) {
+  Extremes most;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(seen, sizeof(*seen)));
+  PetscCall(MeasureIntegrals(self, t, piece, seen));
+  if (self->gathered) AddContact(self, seen);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, seen, OBSERVED, MPIU_REAL, MPI_SUM, self->scene->comm));
+  PetscCall(MeasureExtremes(self, piece, &most));
+  PetscCall(MeasureInflections(self, t, piece, most.moment, &seen->inflections));
+  seen->norm_x2 = PetscSqrtReal(seen->norm_x2);
+  seen->norm_x2_length = PetscSqrtReal(seen->norm_x2_length);
+  seen->width = most.high + most.low;
+  seen->max_angle = most.angle;
+  seen->t = t;
+  PetscCall(GrowthLength(self->scene->growth, t, &seen->length, NULL));
+  PetscFunctionReturn(0);
+}
+
+/* Rank 0 measures the whole rod: contact is between nodes that are far apart. */
+static PetscErrorCode MeasureWhole(Observer self, PetscReal t, Vec v, PetscBool moves,
+                                   Observation *seen) {
+  Piece piece = {.first = 0, .end = -1};
+
+  PetscFunctionBegin;
+  PetscCall(Gather(self, v, &piece.node));
+  if (piece.node) {
+    piece.end = self->scene->mesh.cells;
+    PetscCall(LookAtContact(self, t, piece.node, moves));
+  }
+  PetscCall(Measure(self, t, &piece, seen));
+  PetscFunctionReturn(0);
+}
+
+/* Each rank measures the cells that begin at its nodes. */
+static PetscErrorCode MeasurePieces(Observer self, Rod rod, PetscReal t, Vec v, Observation *seen) {
+  Piece piece = {.first = rod->first, .end = PetscMin(rod->end, rod->last)};
+  const Node *with;
+  Vec local;
+
+  PetscFunctionBegin;
+  PetscCall(DMGetLocalVector(rod->nodes, &local));
+  PetscCall(DMGlobalToLocal(rod->nodes, v, INSERT_VALUES, local));
+  PetscCall(DMDAVecGetArrayRead(rod->nodes, local, (void *)&with));
+  piece.node = &with[piece.first];
+  PetscCall(Measure(self, t, &piece, seen));
+  PetscCall(DMDAVecRestoreArrayRead(rod->nodes, local, (void *)&with));
+  PetscCall(DMRestoreLocalVector(rod->nodes, &local));
+  PetscFunctionReturn(0);
+}
+
+/* Where the rod crosses itself: rank 0 looks. */
+static PetscErrorCode MeasureCrossings(Observer self, Vec v, Observation *seen) {
+  const Node *nodes;
+  PetscInt crossings = 0;
+
+  PetscFunctionBegin;
+  if (seen->max_angle <= PETSC_PI / 2) PetscFunctionReturn(0);
+  PetscCall(Gather(self, v, &nodes));
+  if (nodes) PetscCall(RodCrossings(self->scene->mesh.cells + 1, nodes, &crossings));
+  seen->self_crossings = crossings;
+  PetscFunctionReturn(0);
+}
+
 /*
   ObserverMeasure - all that is measured on a rod at one time; step, newton_iterations and model are
   left to the caller. Collective; the result is on every rank. Times must come in increasing order,
@@ -422,19 +548,17 @@ PetscErrorCode ObserverTouch(Observer observer, PetscReal t, const Node *nodes, 
 */
 PetscErrorCode ObserverMeasure(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t,
                                Observation *seen) {
-  const Node *nodes;
+  Vec v;
 
   PetscFunctionBegin;
-  PetscCall(PetscMemzero(seen, sizeof(*seen)));
-  PetscCall(ObserverGather(observer, rod, t, U, U_t, &nodes));
-  if (nodes) {
-    seen->t = t;
-    PetscCall(GrowthLength(observer->scene->growth, t, &seen->length, NULL));
-    PetscCall(LookAtContact(observer, t, nodes, (PetscBool)(U_t != NULL)));
-    PetscCall(MeasureIntegrals(observer, t, nodes, seen));
-    PetscCall(MeasureShape(observer->scene, t, nodes, seen));
-    MeasureBalance(observer, seen);
-  }
+  PetscCall(NodesOf(rod, t, U, U_t, &v));
+  if (observer->scene->contact.any)
+    PetscCall(MeasureWhole(observer, t, v, (PetscBool)(U_t != NULL), seen));
+  else
+    PetscCall(MeasurePieces(observer, rod, t, v, seen));
+  PetscCall(MeasureCrossings(observer, v, seen));
+  PetscCall(DMRestoreGlobalVector(rod->nodes, &v));
+  if (observer->gathered) MeasureBalance(observer, seen);
   PetscCallMPI(MPI_Bcast(seen, OBSERVED, MPIU_REAL, 0, observer->scene->comm));
   PetscFunctionReturn(0);
 }

@@ -129,11 +129,19 @@ static inline void AddPush(const Cell *cell, PetscInt i, int half, Point *p) {
   p->f[N2] += cell->push[2 * i + half][1];
 }
 
-/* Begins a walk along the cells that touch owned nodes, at the first of these. Collective. */
-static PetscErrorCode CellsOpen(Rod rod, PetscReal t, Vec U, Vec U_t, Cell *cell) {
-  Frame *frame = (Frame *)rod->data;
-  PetscInt first = PetscMax(rod->first - 1, 0), k = 2 * (first - rod->first + 1);
+/* The point at node i. */
+static void CellsNode(Cell *cell, PetscInt i, Point *p) {
+  Frame *frame = (Frame *)cell->rod->data;
+  PetscInt k = 2 * (i - cell->rod->first + 1);
 
+  PointAtNode(cell->load, frame->law + k, DualsAt(frame, k), cell->u[i], cell->u_t[i], p);
+  AddPush(cell, i, 0, p);
+}
+
+/* Begins a walk along the cells that touch owned nodes, at the first of these or, on the last rank,
+   at the tip. Collective. */
+static PetscErrorCode CellsOpen(Rod rod, PetscReal t, Vec U, Vec U_t, PetscBool from_tip,
+                                Cell *cell) {
   PetscFunctionBegin;
   PetscCall(LawsAt(rod, t));
   PetscCall(PetscMemzero(cell, sizeof(*cell)));
@@ -146,10 +154,11 @@ static PetscErrorCode CellsOpen(Rod rod, PetscReal t, Vec U, Vec U_t, Cell *cell
   cell->a = &cell->ends[0];
   cell->b = &cell->ends[1];
   cell->a->at.t = cell->mid.at.t = cell->b->at.t = t;
-  PointAtNode(cell->load, frame->law + k, DualsAt(frame, k), cell->u[first], cell->u_t[first],
-              cell->b);
-  if (frame->strands) PetscCall(FrameStrandsLoad(rod, t, U, U_t, &cell->push));
-  AddPush(cell, first, 0, cell->b);
+  if (((Frame *)rod->data)->strands) PetscCall(FrameStrandsLoad(rod, t, U, U_t, &cell->push));
+  if (from_tip)
+    CellsNode(cell, rod->last, cell->a);
+  else
+    CellsNode(cell, PetscMax(rod->first - 1, 0), cell->b);
   PetscFunctionReturn(0);
 }
 
@@ -160,22 +169,29 @@ static PetscErrorCode CellsClose(Cell *cell) {
   PetscFunctionReturn(0);
 }
 
-/* Goes on to the cell between nodes i and i + 1. */
-static void CellsNext(Cell *cell, PetscInt i) {
+/* Goes on to the cell between nodes i and i + 1, of which the node nearer to where the walk began
+   is known. */
+static void CellsGo(Cell *cell, PetscInt i, PetscBool from_tip) {
   Frame *frame = (Frame *)cell->rod->data;
   PetscInt k = 2 * (i - cell->rod->first + 1);
-  Point *begin = cell->b;
+  Point *a = cell->a;
 
   cell->law = frame->law + k;
   for (int e = 0; e < 3; e++) cell->dual[e] = DualsAt(frame, k + e);
   cell->h = cell->s[i + 1] - cell->s[i];
-  cell->b = cell->a;
-  cell->a = begin;
-  PointAtNode(cell->load, cell->law + 2, cell->dual[2], cell->u[i + 1], cell->u_t[i + 1], cell->b);
-  AddPush(cell, i + 1, 0, cell->b);
+  cell->a = cell->b;
+  cell->b = a;
+  if (from_tip)
+    CellsNode(cell, i, cell->a);
+  else
+    CellsNode(cell, i + 1, cell->b);
   PointAtMid(cell->load, cell->law, cell->dual[1], frame->bow * cell->h, cell->a, cell->b,
              cell->u_t[i], cell->u_t[i + 1], &cell->mid);
   AddPush(cell, i, 1, &cell->mid);
+}
+
+static void CellsNext(Cell *cell, PetscInt i) {
+  CellsGo(cell, i, PETSC_FALSE);
 }
 
 /* Residual of the six equations of a cell. */
@@ -187,10 +203,10 @@ static void CellResidual(const Frame *frame, const Cell *cell, const PetscReal *
                       frame->mid_weight * cell->mid.f[f]);
 }
 
-/* What the tip's conditions are about: the end of the last cell. */
-static TipState TipOf(const Cell *cell) {
-  const Point *b = cell->b;
-  TipState tip = {.at = b->at, .theta = b->theta, .moment = b->m, .force = {b->n[0], b->n[1]}};
+/* What the tip's conditions are about. */
+static TipState TipOf(const Point *end) {
+  TipState tip = {
+      .at = end->at, .theta = end->theta, .moment = end->m, .force = {end->n[0], end->n[1]}};
   return tip;
 }
 
@@ -206,7 +222,7 @@ static PetscErrorCode FrameResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F)
   Cell cell;
 
   PetscFunctionBegin;
-  PetscCall(CellsOpen(rod, t, U, U_t, &cell));
+  PetscCall(CellsOpen(rod, t, U, U_t, PETSC_FALSE, &cell));
   PetscCall(DMDAVecGetArray(rod->da, F, &F_));
   for (PetscInt i = PetscMax(first - 1, 0); i < PetscMin(end, rod->last); i++) {
     PetscReal r[FIELDS];
@@ -217,7 +233,7 @@ static PetscErrorCode FrameResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F)
   }
   if (first == 0) PetscCall(PetscArraycpy(&F_[0][X1], &cell.u[0][X1], 3));
   if (end == rod->last + 1) {
-    TipState tip = TipOf(&cell);
+    TipState tip = TipOf(cell.b);
     TipResidual(&rod->scene->tip, &tip, TipDual(rod), &F_[rod->last][M]);
     for (int d = 0; d < 2 && cell.push && rod->scene->tip.type == TIP_FREE; d++)
       F_[rod->last][N1 + d] -= cell.push[2 * rod->last + 1][d];
@@ -311,14 +327,15 @@ static void PutRows(Rows rows, int from, PetscInt column, PetscReal part[FIELDS]
     for (int k = 0; k < FIELDS; k++) rows[f][column + k] = part[f][k];
 }
 
-/* A cell's equations by its nodes, left and right; the slopes at its points are brought up to the
-   present state first, that of its left end if it is the first of a walk. */
-static void CellBlocks(Cell *cell, PetscInt i, PetscBool first, const PetscReal shift[],
-                       PetscReal left[FIELDS][FIELDS], PetscReal right[FIELDS][FIELDS]) {
+/* A cell's equations by its nodes, left and right; the slopes at its middle and at those of its
+   ends that are new on this walk are brought up to the present state first. */
+static void CellBlocks(Cell *cell, PetscInt i, PetscBool new_a, PetscBool new_b,
+                       const PetscReal shift[], PetscReal left[FIELDS][FIELDS],
+                       PetscReal right[FIELDS][FIELDS]) {
   const Frame *frame = (const Frame *)cell->rod->data;
 
-  if (first) Linearise(cell, cell->dual[0], cell->a);
-  Linearise(cell, cell->dual[2], cell->b);
+  if (new_a) Linearise(cell, cell->dual[0], cell->a);
+  if (new_b) Linearise(cell, cell->dual[2], cell->b);
   Linearise(cell, cell->dual[1], &cell->mid);
   memset(left, 0, FIELDS * FIELDS * sizeof(PetscReal));
   memset(right, 0, FIELDS * FIELDS * sizeof(PetscReal));
@@ -329,9 +346,10 @@ static void CellBlocks(Cell *cell, PetscInt i, PetscBool first, const PetscReal 
 }
 
 /* The tip's equations by its own unknowns. */
-static void TipBlock(const Cell *cell, const PetscReal shift[], PetscReal by[TIP_ROWS][FIELDS]) {
+static void TipBlock(const Cell *cell, const Point *end, const PetscReal shift[],
+                     PetscReal by[TIP_ROWS][FIELDS]) {
   Rod rod = cell->rod;
-  TipState tip = TipOf(cell);
+  TipState tip = TipOf(end);
 
   TipJacobian(&rod->scene->tip, &tip, shift, rod->fresh, TipDual(rod), by);
 }
@@ -344,7 +362,7 @@ static PetscErrorCode FrameJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const 
   Rows row;
 
   PetscFunctionBegin;
-  PetscCall(CellsOpen(rod, t, U, U_t, &cell));
+  PetscCall(CellsOpen(rod, t, U, U_t, PETSC_FALSE, &cell));
   if (cell.push) PetscCall(FrameStrandsPattern(rod, J));
   PetscCall(PetscMemzero(row, sizeof(row)));
   if (first == 0)
@@ -353,12 +371,12 @@ static PetscErrorCode FrameJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const 
     PetscInt cols[3] = {i - 1, i, i < rod->last ? i + 1 : -1}; /* -1: none, ignored */
     if (i < rod->last) {
       CellsNext(&cell, i);
-      CellBlocks(&cell, i, (PetscBool)(i == begin), shift, left, right);
+      CellBlocks(&cell, i, (PetscBool)(i == begin), PETSC_TRUE, shift, left, right);
       PutRows(row, M, FIELDS, left);
       PutRows(row, M, 2 * FIELDS, right);
     } else {
       PetscReal by[TIP_ROWS][FIELDS];
-      TipBlock(&cell, shift, by);
+      TipBlock(&cell, cell.b, shift, by);
       for (int f = 0; f < TIP_ROWS; f++)
         PetscCall(PetscArraycpy(&row[M + f][FIELDS], by[f], FIELDS));
     }
@@ -376,29 +394,31 @@ static PetscErrorCode FrameJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const 
   PetscFunctionReturn(0);
 }
 
-/* The same matrix, not assembled: each cell is eliminated as soon as it is known. */
+/* The same matrix, not assembled: each cell is eliminated as soon as it is known. The last of
+   several ranks goes from the tip towards the clamp. */
 static PetscErrorCode FrameEliminate(Rod rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[],
                                      Elimination elimination) {
-  PetscInt begin = PetscMax(rod->first - 1, 0);
+  PetscBool from_tip = EliminationFromTip(elimination);
+  PetscInt begin = PetscMax(rod->first - 1, 0), n = PetscMin(rod->end, rod->last) - begin;
   PetscReal left[FIELDS][FIELDS], right[FIELDS][FIELDS], by[TIP_ROWS][FIELDS];
   Cell cell;
 
   PetscFunctionBegin;
-  PetscCall(CellsOpen(rod, t, U, U_t, &cell));
-  EliminationBegin(elimination);
-  for (PetscInt i = begin; i < PetscMin(rod->end, rod->last); i++) {
-    CellsNext(&cell, i);
-    CellBlocks(&cell, i, (PetscBool)(i == begin), shift, left, right);
+  PetscCall(CellsOpen(rod, t, U, U_t, from_tip, &cell));
+  if (from_tip) TipBlock(&cell, cell.a, shift, by);
+  EliminationBegin(elimination, (const PetscReal(*)[FIELDS])by);
+  for (PetscInt k = 0; k < n; k++) {
+    PetscInt i = from_tip ? begin + n - 1 - k : begin + k;
+    CellsGo(&cell, i, from_tip);
+    CellBlocks(&cell, i, (PetscBool)(from_tip || !k), (PetscBool)(!from_tip || !k), shift, left,
+               right);
     if (i >= rod->first)
       EliminationCell(elimination, (const PetscReal(*)[FIELDS])left,
                       (const PetscReal(*)[FIELDS])right);
   }
-  if (rod->end == rod->last + 1) {
-    TipBlock(&cell, shift, by);
-    EliminationTip(elimination, (const PetscReal(*)[FIELDS])by);
-  }
+  if (rod->end > rod->last && !from_tip) TipBlock(&cell, cell.b, shift, by);
   PetscCall(CellsClose(&cell));
-  PetscCall(EliminationEnd(elimination));
+  PetscCall(EliminationEnd(elimination, (const PetscReal(*)[FIELDS])by));
   PetscFunctionReturn(0);
 }
 
@@ -416,7 +436,7 @@ static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal 
 
   PetscFunctionBegin;
   *change = 0;
-  PetscCall(CellsOpen(rod, t, U, U_t, &cell));
+  PetscCall(CellsOpen(rod, t, U, U_t, PETSC_FALSE, &cell));
   for (PetscInt i = first; i < PetscMin(rod->end, rod->last); i++) {
     CellsNext(&cell, i);
     /* the clamped end does not move unless it slides: a shift there would hold nothing, and

@@ -152,7 +152,7 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
 }
 
 /* Is a matrix asked for? By any option of PETSc's that is about one. */
-static PetscErrorCode MatrixWanted(TS ts, PetscBool *wanted) {
+static PetscErrorCode MatrixAsked(TS ts, PetscBool *wanted) {
   static const char *const about[] = {"ksp_", "pc_", "mat_", "snes_test_", "snes_fd", "snes_mf"};
   const char *prefix;
   char start[80];
@@ -164,6 +164,18 @@ static PetscErrorCode MatrixWanted(TS ts, PetscBool *wanted) {
     (void)snprintf(start, sizeof(start), "-%s%s", prefix ? prefix : "", about[k]);
     PetscCall(OptionsBegin(start, wanted));
   }
+  PetscFunctionReturn(0);
+}
+
+/* Can the model's equations be eliminated as they are computed? Not where nodes far from each other
+   see each other, nor on several ranks if the tip is held. */
+static PetscErrorCode CanEliminate(Rod rod, PetscBool *can) {
+  PetscMPIInt ranks;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(rod->scene->comm, &ranks));
+  *can = (PetscBool)(rod->model->eliminate && !rod->coupled &&
+                     (ranks == 1 || rod->scene->tip.type == TIP_FREE));
   PetscFunctionReturn(0);
 }
 
@@ -195,14 +207,15 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
 */
 PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton) {
   Rod rod = newton->rod;
-  PetscBool assembled = PETSC_TRUE;
+  PetscBool asked, can;
 
   PetscFunctionBegin;
-  if (rod->model->eliminate && !rod->coupled) PetscCall(MatrixWanted(ts, &assembled));
-  if (assembled)
-    PetscCall(RodCreateMatrix(rod, &newton->J));
-  else
+  PetscCall(MatrixAsked(ts, &asked));
+  PetscCall(CanEliminate(rod, &can));
+  if (can && !asked)
     PetscCall(SetElimination(ts, newton));
+  else
+    PetscCall(RodCreateMatrix(rod, &newton->J));
   PetscCall(TSSetIJacobian(ts, newton->J, newton->J, RodJacobian, rod));
   PetscFunctionReturn(0);
 }

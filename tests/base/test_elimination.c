@@ -109,7 +109,7 @@ static void Compare(const char *options) {
     CHECK(VecAXPY(c.x, -1, c.y));
     CHECK(RodFieldSizes(c.rod, c.x, error));
     for (int f = 0; f < FIELDS; f++)
-      EXPECT(error[f] <= 2e-11 * size[f] + residual[0], "%s, shift %g, field %d: %g of %g", options,
+      EXPECT(error[f] <= 1e-10 * size[f] + residual[0], "%s, shift %g, field %d: %g of %g", options,
              shifts[k], f, error[f], size[f]);
   }
   Close(&c);
@@ -123,11 +123,15 @@ static void TestModel(void **state) {
 }
 
 static void TestWorld(void **state) {
+  PetscMPIInt ranks;
+
   Compare("-friction_across 2 -friction_layers 0:1,0.5:3");
-  Compare("-tip_type pinned");
-  Compare("-tip_type clamped");
   Compare("-tip_force 0.5 -tip_law follower");
   Compare("-tip_force 0.5 -tip_law resistance");
+  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
+  if (ranks > 1) return; /* several want a free tip */
+  Compare("-tip_type pinned");
+  Compare("-tip_type clamped");
 }
 
 static void TestHard(void **state) {

@@ -1,0 +1,276 @@
+/*
+  The unknowns of node i are y_i, six. Cell i, between nodes i and i + 1, has six equations; the
+  first three are rows of node i + 1, the last three rows of node i:
+      L y_i + R y_{i+1} = b_{i+1},     B y_i + U y_{i+1} = b_i.
+  The first node's first three rows T_0 are given. The last node has no cell behind it, its last
+  three rows are equations of its own.
+
+  What is before node i says T_i y_i = d_i, three equations. With its own rows and their right-hand
+  sides, A_i = (T_i; B) and v_i = (d_i; b_i), that is
+      A_i y_i = v_i - (0; U y_{i+1}),
+  and makes for the next node, with X = L A_i^-1,
+      T_{i+1} = R - X (0; U),     d_{i+1} = b_{i+1} - X v_i.
+  This is block elimination of a block tridiagonal matrix in its natural order, without the rows
+  that are zero by the arrangement of the equations. A = (V, W; P, Q) is factored by halves: first
+  Q, which fine cells keep near -1, by its inverse; then S = V - W Q^-1 P with partial pivoting, for
+  it may be nearly singular.
+*/
+#include "base/line.h"
+#include <string.h>
+
+enum { FIELDS = LINE_FIELDS, HALF = LINE_HALF };
+
+typedef LineSquare Square;
+typedef LineRows Half;
+typedef LineLink Link;
+
+/* The columns of a half from one on, as a square. */
+static inline void Columns(const Half A, int from, Square B) {
+  for (int i = 0; i < HALF; i++)
+    for (int j = 0; j < HALF; j++) B[i][j] = A[i][from + j];
+}
+
+/* C = A B */
+static inline void Multiply(const Square A, const Square B, Square C) {
+  for (int i = 0; i < HALF; i++)
+    for (int j = 0; j < HALF; j++)
+      C[i][j] = A[i][0] * B[0][j] + A[i][1] * B[1][j] + A[i][2] * B[2][j];
+}
+
+/* C -= A B */
+static inline void MultiplySubtract(const Square A, const Square B, Square C) {
+  for (int i = 0; i < HALF; i++)
+    for (int j = 0; j < HALF; j++)
+      C[i][j] -= A[i][0] * B[0][j] + A[i][1] * B[1][j] + A[i][2] * B[2][j];
+}
+
+/* B = A^-1, by its cofactors; false if there is none. */
+static inline PetscBool Invert(const Square A, Square B) {
+  PetscReal c0 = A[1][1] * A[2][2] - A[1][2] * A[2][1], c1 = A[1][2] * A[2][0] - A[1][0] * A[2][2],
+            c2 = A[1][0] * A[2][1] - A[1][1] * A[2][0],
+            det = A[0][0] * c0 + A[0][1] * c1 + A[0][2] * c2, f = 1 / det;
+
+  B[0][0] = f * c0;
+  B[1][0] = f * c1;
+  B[2][0] = f * c2;
+  B[0][1] = f * (A[0][2] * A[2][1] - A[0][1] * A[2][2]);
+  B[1][1] = f * (A[0][0] * A[2][2] - A[0][2] * A[2][0]);
+  B[2][1] = f * (A[0][1] * A[2][0] - A[0][0] * A[2][1]);
+  B[0][2] = f * (A[0][1] * A[1][2] - A[0][2] * A[1][1]);
+  B[1][2] = f * (A[0][2] * A[1][0] - A[0][0] * A[1][2]);
+  B[2][2] = f * (A[0][0] * A[1][1] - A[0][1] * A[1][0]);
+  return (PetscBool)(PetscAbsReal(f) <= PETSC_MAX_REAL); /* (not so for NaN) */
+}
+
+/* S = LU in place, rows in the order of the pivots, whose reciprocals are kept; false if it is
+   singular. */
+static inline PetscBool Factor(Square S, int row[HALF]) {
+  for (int k = 0; k < HALF; k++) row[k] = k;
+  for (int k = 0; k < HALF; k++) {
+    int best = k;
+    for (int i = k + 1; i < HALF; i++)
+      if (PetscAbsReal(S[i][k]) > PetscAbsReal(S[best][k])) best = i;
+    if (best != k) {
+      int r = row[k];
+      row[k] = row[best];
+      row[best] = r;
+      for (int j = 0; j < HALF; j++) {
+        PetscReal a = S[k][j];
+        S[k][j] = S[best][j];
+        S[best][j] = a;
+      }
+    }
+    S[k][k] = 1 / S[k][k];
+    if (!(PetscAbsReal(S[k][k]) <= PETSC_MAX_REAL)) return PETSC_FALSE; /* (nor is NaN) */
+    for (int i = k + 1; i < HALF; i++) {
+      PetscReal f = S[i][k] *= S[k][k];
+      for (int j = k + 1; j < HALF; j++) S[i][j] -= f * S[k][j];
+    }
+  }
+  return PETSC_TRUE;
+}
+
+/* E = L S^-1 */
+static inline void DivideByFactors(const Half S, const int row[HALF], const Square L, Square E) {
+  for (int i = 0; i < HALF; i++) {
+    PetscReal x = L[i][0] * S[0][0], y = (L[i][1] - x * S[0][1]) * S[1][1],
+              z = (L[i][2] - x * S[0][2] - y * S[1][2]) * S[2][2];
+    y -= z * S[2][1];
+    x -= y * S[1][0] + z * S[2][0];
+    E[i][row[0]] = x;
+    E[i][row[1]] = y;
+    E[i][row[2]] = z;
+  }
+}
+
+/* w = S^-1 d */
+static inline void SolveByFactors(const Half S, const int row[HALF], const PetscReal d[],
+                                  PetscReal w[]) {
+  PetscReal x = d[row[0]], y = d[row[1]] - S[1][0] * x,
+            z = (d[row[2]] - S[2][0] * x - S[2][1] * y) * S[2][2];
+  y = (y - S[1][2] * z) * S[1][1];
+  w[0] = (x - S[0][1] * y - S[0][2] * z) * S[0][0];
+  w[1] = y;
+  w[2] = z;
+}
+
+/* LineDivide - X = M A^-1 of a node that is factored, M = (L, K): X = (E, F), F = K Q^-1 - E N, E =
+ * (L - K Q^-1 P) S^-1 */
+void LineDivide(const Link *link, const Half M, Half X) {
+  Square L, K, N, E, F;
+
+  Columns(M, 0, L);
+  Columns(M, HALF, K);
+  Columns(link->T, HALF, N);
+  Multiply(K, link->Q, F);
+  MultiplySubtract(F, link->P, L);
+  DivideByFactors(link->T, link->row, L, E);
+  MultiplySubtract(E, N, F);
+  for (int i = 0; i < HALF; i++)
+    for (int j = 0; j < HALF; j++) {
+      X[i][j] = E[i][j];
+      X[i][HALF + j] = F[i][j];
+    }
+}
+
+/* y = A^-1 v */
+static inline void SolveByNode(const Link *link, const PetscReal v[], PetscReal y[]) {
+  const PetscReal *b = v + HALF;
+  PetscReal d[HALF], w[HALF];
+
+  for (int i = 0; i < HALF; i++) {
+    const PetscReal *N = link->T[i] + HALF;
+    d[i] = v[i] - N[0] * b[0] - N[1] * b[1] - N[2] * b[2];
+  }
+  SolveByFactors(link->T, link->row, d, w);
+  for (int i = 0; i < HALF; i++) {
+    const PetscReal *P = link->P[i];
+    d[i] = b[i] - P[0] * w[0] - P[1] * w[1] - P[2] * w[2];
+  }
+  for (int i = 0; i < HALF; i++) {
+    const PetscReal *Q = link->Q[i];
+    y[i] = w[i];
+    y[HALF + i] = Q[0] * d[0] + Q[1] * d[1] + Q[2] * d[2];
+  }
+}
+
+/* r -= M v */
+static inline void Subtract(const Half M, const PetscReal v[], PetscReal r[]) {
+  for (int i = 0; i < HALF; i++)
+    for (int k = 0; k < FIELDS; k++) r[i] -= M[i][k] * v[k];
+}
+
+/* LineSubtractProduct - C -= M (0; U). */
+void LineSubtractProduct(const Half M, const Half U, Half C) {
+  for (int i = 0; i < HALF; i++)
+    for (int k = 0; k < FIELDS; k++)
+      C[i][k] -= M[i][HALF] * U[0][k] + M[i][HALF + 1] * U[1][k] + M[i][HALF + 2] * U[2][k];
+}
+
+/* Factors a node, whose own equations are B = (P, Q). */
+static inline void LineFactor(Line *line, const Half B) {
+  Link *link = &line->link[line->n];
+  PetscBool regular;
+  Square V, W, Q, N;
+
+  Columns(B, 0, link->P);
+  Columns(B, HALF, Q);
+  Columns(link->T, 0, V);
+  Columns(link->T, HALF, W);
+  regular = Invert(Q, link->Q);
+  Multiply(W, link->Q, N);
+  MultiplySubtract(N, link->P, V);
+  if (!Factor(V, link->row) || !regular) line->regular = PETSC_FALSE;
+  for (int i = 0; i < HALF; i++)
+    for (int j = 0; j < HALF; j++) {
+      link->T[i][j] = V[i][j];
+      link->T[i][HALF + j] = N[i][j];
+    }
+}
+
+/* LineCell - eliminates the node before a cell, whose equations by its nodes are a and b. */
+void LineCell(Line *line, LineBlock a, LineBlock b) {
+  Link *link = &line->link[line->n];
+
+  LineFactor(line, a + HALF);
+  LineDivide(link, a, link->X);
+  memcpy(link->U, b + HALF, sizeof(Half));
+  memcpy(link[1].T, b, sizeof(Half));
+  LineSubtractProduct(link->X, link->U, link[1].T);
+  line->n++;
+}
+
+/* LineBegin - a new matrix; T are the first three rows of the first node. */
+void LineBegin(Line *line, const Half T) {
+  line->n = 0;
+  line->regular = PETSC_TRUE;
+  memcpy(line->link[0].T, T, sizeof(Half));
+}
+
+/* LineEnd - the last node's own three equations, whatever they are. */
+void LineEnd(Line *line, const Half own) {
+  const Link *last = &line->link[line->n];
+  PetscBLASInt n = FIELDS, info;
+
+  for (int k = 0; k < FIELDS; k++)
+    for (int i = 0; i < HALF; i++) {
+      line->last[k * FIELDS + i] = last->T[i][k];
+      line->last[k * FIELDS + HALF + i] = own[i][k];
+    }
+  LAPACKgetrf_(&n, &n, line->last, &n, line->pivots, &info);
+  if (info || PetscIsInfOrNanReal(line->last[0])) line->regular = PETSC_FALSE;
+}
+
+/*
+  LineForward - the right-hand sides v of all nodes, into x, from b and from the d of the first,
+  which is in x already.
+
+  nodes   of b and x; a line may have one more cell behind the last of them:
+  behind  b of the first half of the node there
+  beyond  gets its d
+*/
+void LineForward(const Line *line, PetscInt nodes, const PetscReal (*b)[FIELDS],
+                 const PetscReal behind[], PetscReal (*x)[FIELDS], PetscReal beyond[]) {
+  for (PetscInt i = 0; i < line->n; i++) {
+    const PetscReal *next = i + 1 < nodes ? b[i + 1] : behind;
+    PetscReal *d = i + 1 < nodes ? x[i + 1] : beyond;
+    for (int f = 0; f < HALF; f++) {
+      x[i][HALF + f] = b[i][HALF + f];
+      d[f] = next[f];
+    }
+    Subtract(line->link[i].X, x[i], d);
+  }
+}
+
+/* LineTurn - the unknowns of the last node, into x, which has its d; own is the right-hand side of
+   its own equations. */
+void LineTurn(const Line *line, const PetscReal own[], PetscReal x[]) {
+  PetscBLASInt n = FIELDS, one = 1, info;
+
+  for (int f = 0; f < HALF; f++) x[HALF + f] = own[f];
+  LAPACKgetrs_("N", &n, &one, (PetscReal *)line->last, &n, (PetscBLASInt *)line->pivots, x, &n,
+               &info);
+}
+
+/* LineBackward - the unknowns of all nodes before the last, into x, which has their v; y are those
+   of the last. */
+void LineBackward(const Line *line, const PetscReal y[], PetscReal (*x)[FIELDS]) {
+  for (PetscInt i = line->n - 1; i >= 0; i--) {
+    Subtract(line->link[i].U, y, x[i] + HALF);
+    SolveByNode(&line->link[i], x[i], x[i]);
+    y = x[i];
+  }
+}
+
+/* LineCreate - for so many nodes at most; the caller ends it with LineDestroy(). */
+PetscErrorCode LineCreate(PetscInt nodes, Line *line) {
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(nodes, &line->link));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode LineDestroy(Line *line) {
+  PetscFunctionBegin;
+  PetscCall(PetscFree(line->link));
+  PetscFunctionReturn(0);
+}
