@@ -6,6 +6,7 @@
 #include "stepping/newton.h"
 #include "base/options.h"
 #include "stepping/vbdf.h"
+#include <petsc/private/petscimpl.h>
 #include <petscblaslapack.h>
 #include <petsctime.h>
 #include <slepcsys.h>
@@ -92,6 +93,7 @@ static PetscErrorCode Iterate(Rod rod, KSP ksp, Mat J, Vec U, Vec U_t, Vec F, Ve
   for (int k = 0; k < PARTS; k++) best[k] = PETSC_MAX_REAL;
   for (PetscInt r = 0; r <= repeat; r++) {
     rod->fresh = PETSC_TRUE;
+    PetscCall(PetscObjectStateIncrease((PetscObject)U)); /* another state, for all that is known */
     PetscCallMPI(MPI_Barrier(PETSC_COMM_WORLD));
     PetscCall(PetscTime(&mark[0]));
     PetscCall(RodResidual(NULL, 0, U, U_t, F, rod));

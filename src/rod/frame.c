@@ -9,19 +9,20 @@
    equations of the cell on its right: so each diagonal block can be factored without looking
    elsewhere. */
 #include "rod/frame.h"
+#include <petsc/private/petscimpl.h> /* PetscObjectStateGet() */
 
 static const OptionRow rows[] = {
     ROW_WORD("-rod_order", "4", "2,4", 0, "order in space of the frame model")};
 const OptionGroup frame_options = OPTION_GROUP("Frame model", rows);
 
-/* One point of the rod: its unknowns, f, its place and velocity, the slope of the load. */
-typedef struct {
+/* One point of the rod: its unknowns, f, its place and velocity. */
+typedef struct _Point {
   PetscReal theta, m, n[2], f[FIELDS];
   Place at;
-  LoadSlope slope;
 } Point;
 
-/* The present state of a rod, and the cell that is looked at. */
+/* The present state of a rod, and the cell that is looked at. The points outlive it: a Jacobian
+   follows on the residual of the same state. */
 typedef struct {
   Rod rod;
   PetscReal t;
@@ -32,7 +33,9 @@ typedef struct {
   LoadDual *dual[3];          /* likewise */
   const PetscReal (*push)[2]; /* what strands add to n' at all points of the rod; NULL: none */
   PetscReal h;
-  Point *a, mid, *b, ends[2]; /* the end of a cell is where the next begins: they change places */
+  PetscBool known; /* the points are: the state is that of the latest walk */
+  Point *a, *mid, *b;
+  LoadSlope slope[3]; /* of the load at them; the end of a cell is where the next begins */
 } Cell;
 
 /* f at a point */
@@ -117,6 +120,12 @@ static PetscErrorCode LawsAt(Rod rod, PetscReal t) {
   PetscFunctionReturn(0);
 }
 
+/* Forgets the points: what they depend on besides the state has changed, the shifts of the duals.
+ */
+static void Forget(Frame *frame) {
+  frame->seen.t = PETSC_MIN_REAL;
+}
+
 /* The duals of point k: nodes and mids alternate, from node first - 1 on. */
 static inline LoadDual *DualsAt(const Frame *frame, PetscInt k) {
   return frame->dual + k * frame->duals;
@@ -129,19 +138,42 @@ static inline void AddPush(const Cell *cell, PetscInt i, int half, Point *p) {
   p->f[N2] += cell->push[2 * i + half][1];
 }
 
+/* Is this state the one that the points are of? From now on they are. */
+static PetscErrorCode Recognise(Frame *frame, PetscReal t, Vec U, Vec U_t, PetscBool *known) {
+  FrameState now = {.t = t};
+
+  PetscFunctionBegin;
+  PetscCall(PetscObjectGetId((PetscObject)U, &now.id[0]));
+  PetscCall(PetscObjectGetId((PetscObject)U_t, &now.id[1]));
+  PetscCall(PetscObjectStateGet((PetscObject)U, &now.state[0]));
+  PetscCall(PetscObjectStateGet((PetscObject)U_t, &now.state[1]));
+  *known = (PetscBool)(now.t == frame->seen.t);
+  for (int k = 0; k < 2; k++)
+    if (now.id[k] != frame->seen.id[k] || now.state[k] != frame->seen.state[k])
+      *known = PETSC_FALSE;
+  frame->seen = now;
+  PetscFunctionReturn(0);
+}
+
 /* The point at node i. */
-static void CellsNode(Cell *cell, PetscInt i, Point *p) {
+static Point *CellsNode(Cell *cell, PetscInt i) {
   Frame *frame = (Frame *)cell->rod->data;
   PetscInt k = 2 * (i - cell->rod->first + 1);
+  Point *p = frame->point + k;
 
+  if (cell->known) return p;
+  p->at.t = cell->t;
   PointAtNode(cell->load, frame->law + k, DualsAt(frame, k), cell->u[i], cell->u_t[i], p);
   AddPush(cell, i, 0, p);
+  return p;
 }
 
 /* Begins a walk along the cells that touch owned nodes, at the first of these or, on the last rank,
    at the tip. Collective. */
 static PetscErrorCode CellsOpen(Rod rod, PetscReal t, Vec U, Vec U_t, PetscBool from_tip,
                                 Cell *cell) {
+  Frame *frame = (Frame *)rod->data;
+
   PetscFunctionBegin;
   PetscCall(LawsAt(rod, t));
   PetscCall(PetscMemzero(cell, sizeof(*cell)));
@@ -151,14 +183,12 @@ static PetscErrorCode CellsOpen(Rod rod, PetscReal t, Vec U, Vec U_t, PetscBool 
   cell->s = rod->scene->mesh.s;
   PetscCall(RodOpen(rod, U, &cell->local[0], &cell->u));
   PetscCall(RodOpen(rod, U_t, &cell->local[1], &cell->u_t));
-  cell->a = &cell->ends[0];
-  cell->b = &cell->ends[1];
-  cell->a->at.t = cell->mid.at.t = cell->b->at.t = t;
-  if (((Frame *)rod->data)->strands) PetscCall(FrameStrandsLoad(rod, t, U, U_t, &cell->push));
+  if (frame->strands) PetscCall(FrameStrandsLoad(rod, t, U, U_t, &cell->push));
+  PetscCall(Recognise(frame, t, U, U_t, &cell->known));
   if (from_tip)
-    CellsNode(cell, rod->last, cell->a);
+    cell->a = CellsNode(cell, rod->last);
   else
-    CellsNode(cell, PetscMax(rod->first - 1, 0), cell->b);
+    cell->b = CellsNode(cell, PetscMax(rod->first - 1, 0));
   PetscFunctionReturn(0);
 }
 
@@ -174,20 +204,23 @@ static PetscErrorCode CellsClose(Cell *cell) {
 static void CellsGo(Cell *cell, PetscInt i, PetscBool from_tip) {
   Frame *frame = (Frame *)cell->rod->data;
   PetscInt k = 2 * (i - cell->rod->first + 1);
-  Point *a = cell->a;
 
   cell->law = frame->law + k;
   for (int e = 0; e < 3; e++) cell->dual[e] = DualsAt(frame, k + e);
   cell->h = cell->s[i + 1] - cell->s[i];
-  cell->a = cell->b;
-  cell->b = a;
-  if (from_tip)
-    CellsNode(cell, i, cell->a);
-  else
-    CellsNode(cell, i + 1, cell->b);
+  if (from_tip) {
+    cell->b = cell->a;
+    cell->a = CellsNode(cell, i);
+  } else {
+    cell->a = cell->b;
+    cell->b = CellsNode(cell, i + 1);
+  }
+  cell->mid = frame->point + k + 1;
+  if (cell->known) return;
+  cell->mid->at.t = cell->t;
   PointAtMid(cell->load, cell->law, cell->dual[1], frame->bow * cell->h, cell->a, cell->b,
-             cell->u_t[i], cell->u_t[i + 1], &cell->mid);
-  AddPush(cell, i, 1, &cell->mid);
+             cell->u_t[i], cell->u_t[i + 1], cell->mid);
+  AddPush(cell, i, 1, cell->mid);
 }
 
 static void CellsNext(Cell *cell, PetscInt i) {
@@ -200,7 +233,7 @@ static void CellResidual(const Frame *frame, const Cell *cell, const PetscReal *
   for (int f = 0; f < FIELDS; f++)
     r[f] = ub[f] - ua[f] -
            cell->h * (frame->end_weight * (cell->a->f[f] + cell->b->f[f]) +
-                      frame->mid_weight * cell->mid.f[f]);
+                      frame->mid_weight * cell->mid->f[f]);
 }
 
 /* What the tip's conditions are about. */
@@ -252,7 +285,7 @@ static void AddVaried(const Load *load, PetscReal g, const LoadSlope *slope, int
 }
 
 /*
-  Adds to J[6][6] the derivative of the cell's equations by the unknowns of one of its nodes.
+  J[6][6], the derivative of the cell's equations by the unknowns of one of its nodes.
 
   sign  -1 for node a (left), +1 for node b
   shift of each field: U_t = shift U + ...
@@ -260,62 +293,71 @@ static void AddVaried(const Load *load, PetscReal g, const LoadSlope *slope, int
 */
 static void CellJacobian(const Frame *frame, const Load *load, PetscReal h, PetscReal sign,
                          const PetscReal shift[], const Law *law, const Law *mid_law,
-                         PetscReal theta_t, const Point *p, const Point *mid,
+                         PetscReal theta_t, const Point *p, const LoadSlope *slope,
+                         const Point *mid, const LoadSlope *mid_slope,
                          PetscReal J[FIELDS][FIELDS]) {
-  const PetscReal g = law->g, k = -sign * frame->bow * h, we = h * frame->end_weight,
-                  wm = h * frame->mid_weight;
-  const PetscReal perp[2] = {-p->at.q[1], p->at.q[0]}, mid_perp[2] = {-mid->at.q[1], mid->at.q[0]},
-                  gm = mid_law->g;
-  const PetscReal turn = g * (p->at.q[0] * p->n[0] + p->at.q[1] * p->n[1]); /* d(m')/d(theta) */
-  const PetscReal mid_turn = gm * (mid->at.q[0] * mid->n[0] + mid->at.q[1] * mid->n[1]);
-  PetscReal th[FIELDS] = {0, 0, 0.5, k * g * law->flex, 0, 0}; /* d(theta_mid) */
-  PetscReal m[FIELDS] = {
-      0, 0, k * turn, 0.5, k * g * p->at.q[1], -k * g * p->at.q[0]}; /* d(m_mid) */
-  PetscReal fn[2][3], n[2][FIELDS] = {{0}}, v[2][FIELDS] = {{0}};    /* d(n'), d(n_mid), d(v_mid) */
+  const PetscReal g = law->g, gm = mid_law->g, k = -sign * frame->bow * h,
+                  we = h * frame->end_weight, wm = h * frame->mid_weight * gm;
+  const PetscReal *q = p->at.q, *qm = mid->at.q, perp[2] = {-q[1], q[0]},
+                  perp_m[2] = {-qm[1], qm[0]};
+  const PetscReal turn = g * (q[0] * p->n[0] + q[1] * p->n[1]); /* d(m')/d(theta) */
+  const PetscReal turn_m = wm * (qm[0] * mid->n[0] + qm[1] * mid->n[1]);
+  const PetscReal by_m = k * g * law->flex, flex_m = wm * mid_law->flex; /* d(theta_mid)/dm */
+  PetscReal fn[2][3]; /* d(n') at the node by x1, x2, theta; k times that is d(n_mid) */
 
   for (int d = 0; d < 2; d++) {
-    PetscReal drag[2] = {g * p->slope.v[d][0], g * p->slope.v[d][1]};
+    const PetscReal drag[2] = {g * slope->v[d][0], g * slope->v[d][1]};
     fn[d][X1] = shift[X1] * drag[0];
     fn[d][X2] = shift[X2] * drag[1];
     fn[d][TH] = law->c * (drag[0] * perp[0] + drag[1] * perp[1]);
-    if (!load->plain) AddVaried(load, g, &p->slope, d, fn[d]);
-    for (int f = X1; f <= TH; f++) n[d][f] = k * fn[d][f];
-    n[d][N1 + d] = 0.5;
-    v[d][X1 + d] = 0.5 * shift[X1 + d];
-    v[d][TH] = k * (law->g_t * perp[d] - g * theta_t * p->at.q[d] + shift[TH] * g * perp[d]);
-    for (int f = TH; f <= M; f++) v[d][f] += mid_law->c * mid_perp[d] * th[f];
+    if (!load->plain) AddVaried(load, g, slope, d, fn[d]);
   }
-  for (int f = 0; f < FIELDS; f++) J[f][f] += sign;
   for (int d = 0; d < 2; d++) {
-    J[X1 + d][TH] -= we * g * perp[d];
-    for (int f = TH; f <= M; f++) J[X1 + d][f] -= wm * gm * mid_perp[d] * th[f];
+    J[X1 + d][X1 + d] = sign;
+    J[X1 + d][X2 - d] = 0;
+    J[X1 + d][TH] = -we * g * perp[d] - wm * perp_m[d] / 2;
+    J[X1 + d][M] = -wm * perp_m[d] * by_m;
+    J[X1 + d][N1] = J[X1 + d][N2] = 0;
   }
-  J[TH][M] -= we * g * law->flex;
-  for (int f = TH; f < FIELDS; f++) J[TH][f] -= wm * gm * mid_law->flex * m[f];
-  J[M][TH] -= we * turn;
-  J[M][N1] -= we * g * p->at.q[1];
-  J[M][N2] += we * g * p->at.q[0];
-  for (int f = 0; f < FIELDS; f++)
-    J[M][f] -= wm * (mid_turn * th[f] + gm * (mid->at.q[1] * n[0][f] - mid->at.q[0] * n[1][f]));
+  J[TH][X1] = J[TH][X2] = 0;
+  J[TH][TH] = sign - flex_m * k * turn; /* of m_mid */
+  J[TH][M] = -we * g * law->flex - flex_m / 2;
+  J[TH][N1] = -flex_m * k * g * q[1];
+  J[TH][N2] = flex_m * k * g * q[0];
+  for (int f = X1; f <= TH; f++) J[M][f] = -wm * k * (qm[1] * fn[0][f] - qm[0] * fn[1][f]);
+  J[M][TH] -= we * turn + turn_m / 2;
+  J[M][M] = sign - turn_m * by_m;
+  J[M][N1] = -we * g * q[1] - wm * qm[1] / 2;
+  J[M][N2] = we * g * q[0] + wm * qm[0] / 2;
   for (int d = 0; d < 2; d++) {
-    for (int f = X1; f <= TH; f++) J[N1 + d][f] -= we * fn[d][f];
-    for (int f = X1; f <= M; f++)
-      J[N1 + d][f] -= wm * gm * (mid->slope.v[d][0] * v[0][f] + mid->slope.v[d][1] * v[1][f]);
+    const PetscReal drag[2] = {wm * mid_slope->v[d][0], wm * mid_slope->v[d][1]};
+    const PetscReal along = mid_law->c * (drag[0] * perp_m[0] + drag[1] * perp_m[1]); /* by theta */
+    const PetscReal by_q = drag[0] * q[0] + drag[1] * q[1],
+                    by_perp = drag[0] * perp[0] + drag[1] * perp[1];
+    for (int f = X1; f <= X2; f++) J[N1 + d][f] = -we * fn[d][f] - shift[f] * drag[f] / 2;
+    J[N1 + d][TH] =
+        -we * fn[d][TH] - along / 2 -
+        k * (law->g_t * by_perp - g * theta_t * by_q + shift[TH] * g * by_perp); /* of v_mid */
+    J[N1 + d][M] = -along * by_m;
+    J[N1 + d][N1 + d] = sign;
+    J[N1 + d][N2 - d] = 0;
   }
   if (load->plain) return;
   for (int d = 0; d < 2; d++) {
-    for (int f = TH; f <= M && load->turns; f++)
-      J[N1 + d][f] -= wm * gm * mid->slope.theta[d] * th[f];
+    if (load->turns) {
+      J[N1 + d][TH] -= wm * mid_slope->theta[d] / 2;
+      J[N1 + d][M] -= wm * mid_slope->theta[d] * by_m;
+    }
     for (int c = 0; c < 2 && load->moves; c++) { /* by x_mid */
-      J[N1 + d][X1 + c] -= wm * gm * mid->slope.x[d][c] / 2;
-      J[N1 + d][TH] -= wm * gm * mid->slope.x[d][c] * k * g * perp[c];
+      J[N1 + d][X1 + c] -= wm * mid_slope->x[d][c] / 2;
+      J[N1 + d][TH] -= wm * mid_slope->x[d][c] * k * g * perp[c];
     }
   }
 }
 
 /* The slope of the load at a point. */
-static void Linearise(Cell *cell, LoadDual *dual, Point *p) {
-  LoadLinearise(cell->load, &p->at, cell->rod->fresh, dual, &p->slope);
+static void Linearise(Cell *cell, int k, const Point *p) {
+  LoadLinearise(cell->load, &p->at, cell->rod->fresh, cell->dual[k], &cell->slope[k]);
 }
 
 /* The rows of a node, by itself (columns FIELDS ...) and its neighbours. */
@@ -334,15 +376,15 @@ static void CellBlocks(Cell *cell, PetscInt i, PetscBool new_a, PetscBool new_b,
                        PetscReal right[FIELDS][FIELDS]) {
   const Frame *frame = (const Frame *)cell->rod->data;
 
-  if (new_a) Linearise(cell, cell->dual[0], cell->a);
-  if (new_b) Linearise(cell, cell->dual[2], cell->b);
-  Linearise(cell, cell->dual[1], &cell->mid);
-  memset(left, 0, FIELDS * FIELDS * sizeof(PetscReal));
-  memset(right, 0, FIELDS * FIELDS * sizeof(PetscReal));
+  if (!new_a) cell->slope[0] = cell->slope[2];
+  if (!new_b) cell->slope[2] = cell->slope[0];
+  if (new_a) Linearise(cell, 0, cell->a);
+  if (new_b) Linearise(cell, 2, cell->b);
+  Linearise(cell, 1, cell->mid);
   CellJacobian(frame, cell->load, cell->h, -1, shift, cell->law, cell->law + 1, cell->u_t[i][TH],
-               cell->a, &cell->mid, left);
+               cell->a, &cell->slope[0], cell->mid, &cell->slope[1], left);
   CellJacobian(frame, cell->load, cell->h, 1, shift, cell->law + 2, cell->law + 1,
-               cell->u_t[i + 1][TH], cell->b, &cell->mid, right);
+               cell->u_t[i + 1][TH], cell->b, &cell->slope[2], cell->mid, &cell->slope[1], right);
 }
 
 /* The tip's equations by its own unknowns. */
@@ -429,7 +471,7 @@ static void HoldPoint(const Load *load, const Place *at, LoadDual *dual, PetscRe
 
 /* Moves the shifts of exact Coulomb friction; change is the largest of a force. */
 static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal *change) {
-  const Frame *frame = (const Frame *)rod->data;
+  Frame *frame = (Frame *)rod->data;
   PetscBool ends = (PetscBool)(frame->end_weight > 0);
   PetscInt first = PetscMax(rod->first - 1, 0);
   Cell cell;
@@ -443,7 +485,7 @@ static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal 
        round-off adds up in it to a force on a rod whose x2 may be 1e-25 */
     if (i == first && ends && (i > 0 || cell.law->c != 0))
       HoldPoint(cell.load, &cell.a->at, cell.dual[0], change);
-    HoldPoint(cell.load, &cell.mid.at, cell.dual[1], change);
+    HoldPoint(cell.load, &cell.mid->at, cell.dual[1], change);
     if (ends) HoldPoint(cell.load, &cell.b->at, cell.dual[2], change);
   }
   if (rod->end == rod->last + 1 && TipResists(&rod->scene->tip))
@@ -452,6 +494,7 @@ static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal 
     *change = PetscMax(
         *change, ContactHold(&rod->scene->contact, cell.b->at.x, cell.b->at.v, TipDual(rod) + 1));
   PetscCall(CellsClose(&cell));
+  Forget(frame);
   if (frame->strands) PetscCall(FrameStrandsHold(rod, change));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, change, 1, MPIU_REAL, MPI_MAX, rod->scene->comm));
   PetscFunctionReturn(0);
@@ -506,6 +549,7 @@ static PetscErrorCode FrameRecall(Rod rod, Vec memory) {
     }
   PetscCall(VecRestoreArrayRead(local, &m));
   PetscCall(DMRestoreLocalVector(da, &local));
+  Forget(frame);
   if (frame->strands) PetscCall(FrameStrandsRecalled(rod));
   PetscFunctionReturn(0);
 }
@@ -552,9 +596,11 @@ static PetscErrorCode FrameCreate(Rod rod) {
   frame->mid_weight = choice ? 4. / 6 : 1;
   frame->bow = choice ? 1. / 8 : 0;
   frame->time = PETSC_MIN_REAL;
+  Forget(frame);
   frame->duals = rod->scene->load.duals;
   rod->memory = 2 * frame->duals * REMEMBERED;
-  PetscCall(PetscCalloc2(points, &frame->law, points * frame->duals, &frame->dual));
+  PetscCall(PetscCalloc3(points, &frame->law, points * frame->duals, &frame->dual, points,
+                         &frame->point));
   rod->data = frame;
   if (!rod->scene->contact.self) PetscFunctionReturn(0);
   UserCheck(rod->order == 4, rod->scene->comm, "-rod_order 2: -contact_self needs order 4");
@@ -569,7 +615,7 @@ static PetscErrorCode FrameDestroy(Rod rod) {
 
   PetscFunctionBegin;
   PetscCall(FrameStrandsDestroy(&frame->strands));
-  PetscCall(PetscFree2(frame->law, frame->dual));
+  PetscCall(PetscFree3(frame->law, frame->dual, frame->point));
   PetscCall(PetscFree(rod->data));
   PetscFunctionReturn(0);
 }
