@@ -10,7 +10,7 @@ from pathlib import Path
 
 ROOMS = ["base", "scene", "straight", "rod", "stepping", "record", "tasks"]  # from below
 # header: who may include it
-KEPT = {r"petsc/private/": {"stepping/vbdf.c", "rod/frame_strands.c"}, r"hdf5\.h": {"base/hdf.c"},
+KEPT = {r"petsc/private/": {"stepping/vbdf.c", "rod/frame.c", "rod/frame_strands.c"}, r"hdf5\.h": {"base/hdf.c"},
         r"slepc": {"straight/", "tasks/stability.c", "tasks/critical.c", "tasks/tendril.c"}}
 
 
