@@ -181,6 +181,16 @@ def newton(out):
                 "difference to the assembled"], rows)
 
 
+def joint(out):
+    """What joins many ranks."""
+    rows = []
+    for ranks in (2, 4, 16, 64, 256, 1024):
+        words = subprocess.run([BENCH, "-bench_joint", str(ranks), "-bench_repeat", "1000"], capture_output=True, text=True, check=True).stdout.split()
+        rows.append([words[0], words[1], f"{float(words[1]) / ranks:.3f}"])
+    out.append("## What joins P ranks: microseconds that each spends on it in an iteration, beside the message of 54 numbers a rank\n")
+    table(out, ["P", "microseconds", "a rank"], rows)
+
+
 def main():
     os.makedirs(WORK, exist_ok=True)
     os.makedirs("docs", exist_ok=True)
@@ -192,7 +202,7 @@ def main():
     with open("/proc/cpuinfo") as info:
         cpu = re.search(r"model name\s*: (.*)", info.read())
     out = ["# Measured", "", f"By scripts/bench.sh on {os.cpu_count()} cores, {cpu[1] if cpu else 'unknown CPU'}. Ratios travel further than seconds.", ""]
-    for part in (lambda: dry_rod(out, peer), lambda: short_rod(out, peer), lambda: friction_limit(out), lambda: drift(out), lambda: newton(out)):
+    for part in (lambda: dry_rod(out, peer), lambda: short_rod(out, peer), lambda: friction_limit(out), lambda: drift(out), lambda: newton(out), lambda: joint(out)):
         part()
         with open("docs/bench.md", "w") as page:
             page.write("\n".join(out))

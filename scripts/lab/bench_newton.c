@@ -119,8 +119,35 @@ static PetscErrorCode SolverFor(KSP *ksp, PC *pc) {
   PetscFunctionReturn(0);
 }
 
+/* What joins P ranks: microseconds that each spends on the line of the ranks, a cell a rank. */
+static PetscErrorCode Joint(PetscInt ranks, PetscInt repeat) {
+  PetscReal a[LINE_FIELDS][LINE_FIELDS], b[LINE_FIELDS][LINE_FIELDS];
+  PetscLogDouble begin, end, best = PETSC_MAX_REAL;
+  Line line;
+
+  PetscFunctionBegin;
+  for (int i = 0; i < LINE_FIELDS; i++)
+    for (int j = 0; j < LINE_FIELDS; j++) {
+      a[i][j] = i == j ? (i < LINE_HALF ? -1 : 1) : 0.1 / (1 + i + j);
+      b[i][j] = i == j && i < LINE_HALF ? 1 : 0.2 / (2 + i + j);
+    }
+  PetscCall(LineCreate(ranks, &line));
+  for (PetscInt r = 0; r < repeat; r++) {
+    PetscCall(PetscTime(&begin));
+    LineBegin(&line, (const PetscReal(*)[LINE_FIELDS])b);
+    for (PetscInt k = 1; k < ranks; k++)
+      LineCell(&line, (const PetscReal(*)[LINE_FIELDS])a, (const PetscReal(*)[LINE_FIELDS])b);
+    LineEnd(&line, (const PetscReal(*)[LINE_FIELDS])(a + LINE_HALF));
+    PetscCall(PetscTime(&end));
+    best = PetscMin(best, end - begin);
+  }
+  PetscCall(LineDestroy(&line));
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%d %.2f\n", (int)ranks, 1e6 * best));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode Run(void) {
-  PetscInt repeat = 5, n;
+  PetscInt repeat = 5, n, joint = 0;
   PetscLogDouble part[PARTS], assembled[PARTS], band = 0;
   PetscReal error[2] = {0, 0}, size, nodes;
   PetscMPIInt ranks;
@@ -134,6 +161,11 @@ static PetscErrorCode Run(void) {
 
   PetscFunctionBegin;
   PetscCall(PetscOptionsGetInt(NULL, NULL, "-bench_repeat", &repeat, NULL)); /* best of so many */
+  PetscCall(PetscOptionsGetInt(NULL, NULL, "-bench_joint", &joint, NULL));   /* of so many ranks */
+  if (joint) {
+    PetscCall(Joint(joint, repeat));
+    PetscFunctionReturn(0);
+  }
   PetscCall(SceneCreate(&scene));
   PetscCall(RodCreate(scene, &rod_frame, &rod));
   PetscCall(RodCreateMatrix(rod, &J));
