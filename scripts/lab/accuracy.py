@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Checks -accuracy: the measured error of tip, |x2| and energy on the scenes of options/ and on
-scenes drawn at random, against much finer runs.
+scenes drawn at random, against much finer runs. (Contact is held against exact answers:
+contact.py.)
 
     accuracy.py [--tolerances 1e-2,1e-4,1e-6] [--scenes 10] [--seed 1] [--store FILE]
 
@@ -51,7 +52,8 @@ def scenes_of_options():
     for path in sorted((ROOT / "options").glob("*.opts")):
         options = read_options(path)
         if options.get("task", "grow") == "grow" and not any(
-                re.match("shape_file|growth_table|restart|rod_curvature_file", k)
+                re.match("shape_file|growth_table|restart|rod_curvature_file|wall_file|"
+                         "contact_self", k)
                 for k in options):
             yield scene_of(path.stem, options)
 
