@@ -4,7 +4,8 @@
 #   scripts/sweep.sh DIRECTORY [-j JOBS AT A TIME] [FIXED OPTIONS ...] -- NAME VALUES [NAME VALUES ...]
 #   scripts/sweep.sh results/map -task critical -growth_type gaussian -- \
 #     friction_mu 0:1:20 growth_width log:0.05:5:20
-# VALUES is a comma list, or low:high:count (even), or log:low:high:count.
+# VALUES is a comma list, or low:high:count (even), or log:low:high:count. A slash of a value, 0.3N/m,
+# is _ in the name of its file.
 # A point that has a finished result file is passed over, so a sweep that was stopped goes on. Failed
 # points are listed at the end and in DIRECTORY/failed.*; their messages are in DIRECTORY/*.log.
 # As a Slurm job array, the same command: each task takes its share of the points.
@@ -68,16 +69,16 @@ together() {
     -sweep_directory "$directory" -output "$table.h5" >"$table.log" 2>&1 </dev/null ||
     fail "$(grep -m 1 "^tendril: " "$table.log" || tail -n 1 "$table.log")"
   for point in "$@"; do
-    [ -f "$directory/$point.h5" ] || echo "$point" >>"$directory/failed.$SWEEP_ID"
+    [ -f "$directory/${point//\//_}.h5" ] || echo "$point" >>"$directory/failed.$SWEEP_ID"
   done
   rm -f "$table".*
 }
 
 # one DIRECTORY POINT: a single run; its files get their place only when the run is whole
 one() {
-  local directory=$1 point=$2 fixed=() pairs=() options=()
+  local directory=$1 point=${2//\//_} fixed=() pairs=() options=()
   mapfile -t fixed <"$directory/options"
-  IFS=$'\t' read -r -a pairs <<<"${point//__/$'\t'}"
+  IFS=$'\t' read -r -a pairs <<<"${2//__/$'\t'}"
   for pair in "${pairs[@]}"; do options+=("-${pair%%=*}" "${pair#*=}"); done
   for _ in 1 2 3; do
     if "$TENDRIL" "${fixed[@]}" "${options[@]}" -output "$directory/running/$point.h5" \
@@ -161,7 +162,7 @@ task=$((task - ${SLURM_ARRAY_TASK_MIN:-0}))
 tasks=${SLURM_ARRAY_TASK_COUNT:-1}
 mine=()
 for i in "${!points[@]}"; do
-  if [ $((i % tasks)) = "$task" ] && [ ! -f "$directory/${points[i]}.h5" ]; then
+  if [ $((i % tasks)) = "$task" ] && [ ! -f "$directory/${points[i]//\//_}.h5" ]; then
     mine+=("${points[i]}")
   fi
 done
@@ -184,7 +185,7 @@ if [ -s "$failed" ]; then
   sort -o "$failed" "$failed"
   echo "sweep: $(wc -l <"$failed") points failed ($failed):" >&2
   while read -r point; do
-    echo "  $point: $(tail -n 1 "$directory/$point.log")" >&2
+    echo "  $point: $(tail -n 1 "$directory/${point//\//_}.log")" >&2
   done <"$failed"
   exit 1
 fi

@@ -36,6 +36,7 @@ from .results import Results
 from .starting import starting_points
 
 SEARCH = 10  # the search for a start is made with this many times the error of the final runs
+FOLLOWED, ROUGH = 6, 1e-2  # evaluations for which two searches are followed, before one; their tolerance
 BETTER = 0.05  # less of the cost is no reason to go on: 1.92 is that of an interval's end
 CONFIDENCE = 0.95
 
@@ -157,10 +158,11 @@ def search(problem: Problem, starts, accuracy, seed, tell):
     whole = [np.r_[u, problem.comparison.guess(r)] for u, r in good]
     problem.measure_noise(whole[0], share=0.03)
     ranked = sorted(whole, key=lambda u: problem.cost(problem.residuals(u)))
-    with ThreadPoolExecutor() as pool:
-        found = list(pool.map(lambda u: problem.solve(u, 3e-3, ahead=False), ranked[:2]))
-    tell("searches end at " + " and ".join(f"{s.cost:.4g}" for s in found))
-    return min(found, key=lambda s: s.cost), [s.cost for s in found]
+    with ThreadPoolExecutor() as pool, problem.shared(len(ranked[:2])):
+        found = list(pool.map(lambda u: problem.solve(u, ROUGH, ahead=False, most=FOLLOWED), ranked[:2]))
+    tell("costs of the searches: " + " and ".join(f"{s.cost:.4g}" for s in found) + ", the best goes on")
+    best = problem.solve(min(found, key=lambda s: s.cost).u, ROUGH)
+    return best, [s.cost for s in found]
 
 
 def certain(problem: Problem, best: Solution, tell, most=4):
@@ -210,7 +212,7 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", a
         best = problem.solve(best.u, tolerance)
     tell(f"{problem.count} runs, polished")
     best, covariance, freedom = certain(problem, best, tell)
-    (r,) = problem.run([best.u[:p]])
+    r = problem.first(best.u[:p], problem.settings)
     found = Fit(problem, best.u, covariance, r, freedom, best.cost, costs, time.perf_counter() - begin)
     found.indistinct = indistinct(found)
     return found

@@ -20,7 +20,8 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, NullLocator
 
 from .collection import load_sweep
-from .errors import ResultsError
+from .errors import ResultsError, TendrilError
+from .parameters import with_unit
 from .style import STYLE
 
 LABELS = {"friction_mu": r"dry share $\mu$", "growth_width": r"growth width $a$",
@@ -31,8 +32,16 @@ LABELS = {"friction_mu": r"dry share $\mu$", "growth_width": r"growth width $a$"
 
 
 def point(path):
-    """{'friction_mu': 0.5, ...} from friction_mu=0.5__growth_width=1.h5"""
-    return {k: float(v) for k, v in (pair.split("=") for pair in path.stem.split("__"))}
+    """{'friction_mu': (0.5, ""), ...}, numbers with units, from friction_mu=0.5__growth_width=1.h5"""
+    return {k: number(v.replace("_", "/")) for k, v in (pair.split("=") for pair in path.stem.split("__"))}
+
+
+def number(text):
+    """(number, unit) of 0.5, "0.5" or "0.5N/m"; a plain line for what is none."""
+    try:
+        return with_unit(text)
+    except TendrilError as error:
+        raise ValueError(str(error)) from None
 
 
 def value_of(file, quantity):
@@ -45,7 +54,7 @@ def value_of(file, quantity):
 
 
 def of_directory(directory, axes, quantity):
-    """{(x, y): value} of the files in a directory of scripts/sweep.sh"""
+    """{(x, y): value} of the files in a directory of scripts/sweep.sh, x and y as (number, unit)"""
     found = {}
     for path in sorted(Path(directory).glob("*=*.h5")):
         if path.name.endswith(".part.h5"):
@@ -60,7 +69,7 @@ def of_directory(directory, axes, quantity):
 
 
 def of_sweep(path, axes, quantity):
-    """{(x, y): value} of the file of a sweep"""
+    """{(x, y): value} of the file of a sweep, x and y as (number, unit)"""
     sweep = load_sweep(path)
     for axis in axes:
         if axis not in sweep.columns:
@@ -69,18 +78,23 @@ def of_sweep(path, axes, quantity):
     there = {"final": sweep.final, "critical": sweep.critical}.get(group, {})
     if name not in there:
         raise ValueError(f"{path}: holds no {quantity}")
-    points = zip(*(sweep.columns[axis].astype(float) for axis in axes))
+    points = zip(*([number(cell) for cell in sweep.columns[axis]] for axis in axes))
     return {p: float(v) for p, v, s in zip(points, there[name], sweep.status) if s == 1}
 
 
 def read(place, axes, quantity):
-    """(x values, y values, table [y, x] with NaN where there is no result)"""
+    """(x values, y values, table [y, x] with NaN where there is no result, the axes' units)"""
     found = (of_directory if Path(place).is_dir() else of_sweep)(place, axes, quantity)
     if not found:
         raise ValueError(f"{place}: holds no finished point")
+    units = [{p[k][1] for p in found} for k in (0, 1)]
+    for axis, there in zip(axes, units):
+        if len(there) > 1:
+            raise ValueError(f"{place}: {axis} is in several units")
+    found = {(x, y): value for ((x, _), (y, _)), value in found.items()}
     xs, ys = (np.array(sorted({p[k] for p in found})) for k in (0, 1))
     table = np.array([[found.get((x, y), np.nan) for x in xs] for y in ys])
-    return xs, ys, table
+    return xs, ys, table, [there.pop() for there in units]
 
 
 def even(values):
@@ -101,7 +115,7 @@ def edges(values):
     return found if even(values) else np.exp(found)
 
 
-def draw(ax, xs, ys, table, axes, quantity):
+def draw(ax, xs, ys, table, units, axes, quantity):
     # before the contours: their labels cut them where they are on the screen
     for values, scale, axis in ((xs, ax.set_xscale, ax.xaxis), (ys, ax.set_yscale, ax.yaxis)):
         if not even(values):
@@ -119,8 +133,8 @@ def draw(ax, xs, ys, table, axes, quantity):
         lines = ax.contour(xs, ys, table, levels=levels, colors="white", linewidths=0.5)
         for text in ax.clabel(lines, fontsize=6, fmt="%.4g"):
             text.set_path_effects([withStroke(linewidth=1.2, foreground="#555555")])  # on light cells
-    ax.set_xlabel(LABELS.get(axes[0], axes[0]))
-    ax.set_ylabel(LABELS.get(axes[1], axes[1]))
+    for axis, unit, label in zip(axes, units, (ax.set_xlabel, ax.set_ylabel)):
+        label(LABELS.get(axis, axis.replace("_", " ")) + (f" ({unit})" if unit else ""))
     label = LABELS.get(quantity, quantity.removeprefix("series/").replace("_", " "))
     ax.figure.colorbar(colours, ax=ax, label=label)
 
@@ -139,10 +153,10 @@ def main(arguments=None):
     if len(axes) != 2:
         parser.error("--axes: give two options, X,Y")
     try:
-        xs, ys, table = read(view.place, axes, view.quantity)
+        xs, ys, table, units = read(view.place, axes, view.quantity)
         with plt.rc_context(STYLE):
             figure, ax = plt.subplots(figsize=(3.4, 2.7), layout="constrained")
-            draw(ax, xs, ys, table, axes, view.quantity)
+            draw(ax, xs, ys, table, units, axes, view.quantity)
             output = view.output or view.place.rstrip("/").removesuffix(".h5")
             for ending in ("png", "pdf"):
                 figure.savefig(f"{output}.{ending}")

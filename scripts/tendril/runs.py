@@ -34,6 +34,10 @@ ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": 
                "OMP_NUM_THREADS": "1"}
 # A single process needs no daemon, and no network to be looked for: it starts in half the time.
 SINGLE = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self"}
+# Several run wherever they may (by one name up to version 4 of Open MPI, by another from 5 on).
+SEVERAL = {"OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none",
+           "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
+           "PRTE_MCA_hwloc_default_binding_policy": "none"}
 TRIES = 3  # now and then MPI itself does not start on a busy machine, which says nothing of the run
 SECONDS_LEFT = re.compile(r"([0-9.]+) s$")
 
@@ -121,7 +125,7 @@ def follow(process, progress):
 
 def start(command, progress):
     """(exit code, what it printed, what it complained of) of one run."""
-    environment = os.environ | ENVIRONMENT | ({} if command[0] == "mpiexec" else SINGLE)
+    environment = os.environ | ENVIRONMENT | (SINGLE if command[0] == executable() else SEVERAL)
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                           stdin=subprocess.DEVNULL, env=environment) as process:
         try:
@@ -158,6 +162,12 @@ def execute(command, output=None, progress=False) -> str:
     raise RunError(plain_line(complaint, code), command, stored)
 
 
+def launched(ranks: int) -> list[str]:
+    """The beginning of a command line on so many ranks."""
+    mpiexec = os.environ.get("MPIEXEC", "mpiexec")
+    return [*([mpiexec, "-n", str(ranks)] if ranks > 1 else []), executable()]
+
+
 def run(scene=None, *, output=None, progress: bool | None = None, ranks: int = 1,
         **options) -> Results:
     """Runs a scene and returns its results, which are dimensionless as in the file.
@@ -173,9 +183,8 @@ def run(scene=None, *, output=None, progress: bool | None = None, ranks: int = 1
     with tempfile.TemporaryDirectory(prefix="tendril-") as directory:
         name = Path(scene).stem if isinstance(scene, (str, Path)) else "run"
         output = Path(output or Path(directory) / f"{name}.h5")
-        launch = ["mpiexec", "-n", str(ranks)] if ranks > 1 else []
-        command = [*launch, executable(), *scene_words(scene, directory),
-                   *words_of(options, directory), "-output", str(output)]
+        command = [*launched(ranks), *scene_words(scene, directory), *words_of(options, directory),
+                   "-output", str(output)]
         execute(command, output, progress)
         return load(output)
 

@@ -146,6 +146,22 @@ class Package(unittest.TestCase):
         lengths = tendril.sweep(over={"tip_force": [0, 1]}, task="critical", friction_beta=1e-6)
         np.testing.assert_allclose(lengths.dataset().length, [1.98635, 1.326992], rtol=1e-5)
 
+    def test_sweep_over_units(self):
+        """A slash of a unit is none in the name of a file; arrays go along; tasks that a job of many
+        cannot do are done one by one."""
+        bend = {"distance": [0, 1, 2, 3], "curvature": [0.1] * 4}
+        s = tendril.sweep(TUBE, {"si_friction_dry": ["0.3N/m", "0.6N/m"]}, directory=self.place / "units",
+                          rod_curvature_file=bend, stop_length="3cm")
+        self.assertEqual([r.attributes["parameters/si_friction_dry"] for r in s.members], [0.3, 0.6])
+        self.assertEqual([r.name for r in s.members], ["si_friction_dry=0.3N_m", "si_friction_dry=0.6N_m"])
+        self.assertEqual([f.name for f in sorted((self.place / "units").iterdir())],
+                         [f"si_friction_dry=0.{n}N_m.{end}" for n in (3, 6) for end in ("h5", "xmf")])
+        with self.assertRaisesRegex(tendril.RunError, "did you mean -friction_mu"):
+            tendril.sweep("feed", {"rod_cells": [40, 50]}, frictoin_mu=1)
+        s = tendril.sweep(over={"tip_force": [0, 0.5]}, task="stability", friction_beta=1e-3,
+                          stability_points=2, stability_end=0.1, stability_vertices=20)
+        self.assertEqual([len(r.stability.t) for r in s.members], [2, 2])
+
     def test_map(self):
         """Of last values of a sweep; on a logarithmic axis cells meet at geometric means."""
         place = self.place / "map"
@@ -158,7 +174,7 @@ class Package(unittest.TestCase):
             self.assertEqual(map.main([str(place), *axes, "--quantity", "width"]), 0)
         self.assertRegex(said.getvalue(), r"^map: .*holds no wdth; there are .*width\n$")
         self.assertGreater((self.place / "map.png").stat().st_size, 3000)
-        xs, ys, table = map.read(place, ["growth_initial_length", "friction_mu"], "series/width")
+        xs, ys, table, _ = map.read(place, ["growth_initial_length", "friction_mu"], "series/width")
         np.testing.assert_array_equal(table, s.dataset().width.values)
         np.testing.assert_allclose(map.edges(xs), 2.0 ** np.array([-0.5, 0.5, 1.5, 2.5]))
         np.testing.assert_allclose(map.edges(ys), [-0.5, 0.5, 1.5])
