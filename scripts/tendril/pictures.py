@@ -129,7 +129,8 @@ def curves(kind, label, *lines):
 
 def panel_power(ax, r, view):
     lines = [("growth_power", "growth", BLUE, "-"), ("dissipation", "friction", ORANGE, "--")]
-    if any(run.series.get("tip_power", np.zeros(1)).any() for run in view.results):
+    if any(np.abs(run.series.get("tip_power", 0)).max() > 1e-4 * run.series.growth_power.max()
+           for run in view.results):
         lines.append(("tip_power", "tip", GREEN, ":"))
     curves("power", "power", *lines)(ax, r, view)
 

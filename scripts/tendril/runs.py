@@ -8,6 +8,7 @@ Options are those of docs/options.md, without the dash. A value is a number, tex
 True for a flag; pairs for what is written 0:1,3:2.5; and for a file of arrays a dict of them:
 
     tendril.run(rod_stiffness_file={"distance": [0, 1, 2, 3], "factor": [0.1, 0.5, 1, 1]})
+    tendril.run(rod_curvature_file={"distance": ([0, 1, 2, 3], "cm"), "curvature": (k, "1/cm")}, ...)
 """
 
 from __future__ import annotations
@@ -74,10 +75,13 @@ def text_of(value) -> str:
 
 
 def write_arrays(path, arrays):
-    """A dict of arrays as the HDF5 file that an option names."""
+    """A dict of arrays as the HDF5 file that an option names; one with a unit is (values, "cm")."""
     with h5py.File(path, "w") as file:
         for name, values in arrays.items():
+            values, *unit = values if isinstance(values, tuple) and isinstance(values[-1], str) else [values]
             file[name.lstrip("/")] = np.asarray(values, float)
+            if unit:
+                file[name.lstrip("/")].attrs["units"] = unit[0]
     return str(path)
 
 

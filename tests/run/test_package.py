@@ -149,10 +149,12 @@ class Package(unittest.TestCase):
     def test_sweep_over_units(self):
         """A slash of a unit is none in the name of a file; arrays go along; tasks that a job of many
         cannot do are done one by one."""
-        bend = {"distance": [0, 1, 2, 3], "curvature": [0.1] * 4}
+        bend = {"distance": ([0, 1, 2, 3], "cm"), "curvature": ([0.1] * 4, "1/cm")}
         s = tendril.sweep(TUBE, {"si_friction_dry": ["0.3N/m", "0.6N/m"]}, directory=self.place / "units",
                           rod_curvature_file=bend, stop_length="3cm")
         self.assertEqual([r.attributes["parameters/si_friction_dry"] for r in s.members], [0.3, 0.6])
+        curvature = s.members[0].dataset(si=True).natural_curvature[-1]
+        np.testing.assert_allclose(curvature, 10)  # 1/m
         self.assertEqual([r.name for r in s.members], ["si_friction_dry=0.3N_m", "si_friction_dry=0.6N_m"])
         self.assertEqual([f.name for f in sorted((self.place / "units").iterdir())],
                          [f"si_friction_dry=0.{n}N_m.{end}" for n in (3, 6) for end in ("h5", "xmf")])
