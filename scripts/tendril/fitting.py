@@ -181,7 +181,7 @@ def certain(problem: Problem, best: Solution, tell, most=4):
 
 
 def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", accuracy: float = 3e-4,
-        starts: int = 8, seed: int = 1, jobs: int | None = None, progress: bool = False,
+        starts: int | None = None, seed: int = 1, jobs: int | None = None, progress: bool = False,
         **options) -> Fit:
     """Finds the parameters of a scene that give what was measured.
 
@@ -191,7 +191,8 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", a
                 start where one is known
     unit        of coordinates that carry none: "cm", "px"
     accuracy    of the runs; the search for a start takes ten times that
-    starts      points that fill the bounds, beside the start itself; the two best are followed
+    starts      points that fill the bounds, beside the start itself; the two best are followed. None: 24
+                for one parameter, 12 for two, else 8
     seed        of these points
     options     that all runs have, as for run; {name} in their text is a parameter
 
@@ -202,8 +203,9 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", a
     if not looked_for:
         raise TendrilError('fit: give what to look for, {"si_friction_dry": ("0.1N/m", "2N/m")}')
     problem = Problem(scene, measured, looked_for, options, jobs)
-    best, costs = search(problem, starts, SEARCH * accuracy, seed, tell)
     p = len(looked_for)
+    starts = max(8, 24 // p) if starts is None else starts
+    best, costs = search(problem, starts, SEARCH * accuracy, seed, tell)
     problem.prepare(best.u[:p], accuracy)
     (r,) = problem.run([best.u[:p]])
     best.u = np.r_[best.u[:p], problem.comparison.guess(r, best.u[p:])]  # times, now that it looks so

@@ -281,9 +281,10 @@ def legend(ax, view, name):
     """Above the axes, where it covers no curve."""
     handles, labels = legend_entries(ax, view, name)
     if len(handles) > 1:
-        short = name in SHAPES
+        short = name in SHAPES  # many entries, in an overlay of lines with a style
         ax.legend(handles, labels, loc="lower left", bbox_to_anchor=(0.1, 0.99), ncol=len(handles),
-                  handlelength=1.1 if short else 1.6, columnspacing=0.8 if short else 1.2,
+                  handlelength=2.0 if view.overlay else 1.1 if short else 1.6,
+                  columnspacing=(0.5 if view.overlay else 0.8) if short else 1.2,
                   handletextpad=0.3 if short else 0.5)
 
 
