@@ -14,6 +14,7 @@ joined by +"""
 from __future__ import annotations
 
 import argparse
+import itertools
 import sys
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -23,8 +24,10 @@ from typing import TYPE_CHECKING, Sequence
 import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.backends.backend_agg import RendererAgg
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
+from matplotlib.text import Annotation
 from matplotlib.ticker import LogLocator, NullLocator
 
 from . import plot_stability
@@ -97,6 +100,27 @@ def mark_minimum(ax, r, view):
                 xytext=(-5 if late else 5, -5), textcoords="offset points", va="top",
                 ha="right" if late else "left",
                 path_effects=[withStroke(linewidth=2.5, foreground="white")])  # over other curves
+
+
+def settle(figure):
+    """Moves what is written at a point to where no curve goes through it, if there is such a place."""
+    renderer = RendererAgg(*figure.bbox.size, figure.dpi)
+    for ax in figure.axes:
+        curves = [line.get_path().transformed(ax.transData).cleaned(remove_nans=True)
+                  for line in ax.lines if len(line.get_xdata()) > 1]
+        for text in filter(lambda t: isinstance(t, Annotation), ax.texts):
+            first = text.get_ha(), *text.xyann
+            for down, side in itertools.product((-5, *range(5, 42, 3), -16, -27), (1, -1)):
+                text.set(ha=first[0] if side > 0 else {"left": "right", "right": "left"}[first[0]],
+                         va="top" if down < 0 else "bottom")
+                text.xyann = side * first[1], down
+                box = text.get_window_extent(renderer).padded(2)
+                if ax.bbox.x0 < box.x0 and box.x1 < ax.bbox.x1 and ax.bbox.y0 < box.y0 \
+                        and box.y1 < ax.bbox.y1 and not any(c.intersects_bbox(box, False) for c in curves):
+                    break
+            else:
+                text.set(ha=first[0], va="top")
+                text.xyann = first[1:]
 
 
 def panel_norm(ax, r, view):
@@ -368,6 +392,7 @@ def draw(names, view):
             ax.set_title(title, pad=18 if over else 6)
         headed = 0.2 * over
     place(figure, axes, aspects, shared, headed)
+    settle(figure)
     plt.close(figure)  # it is returned, and not pyplot's to show
     return figure
 
