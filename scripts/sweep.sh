@@ -4,8 +4,8 @@
 #   scripts/sweep.sh DIRECTORY [-j JOBS AT A TIME] [FIXED OPTIONS ...] -- NAME VALUES [NAME VALUES ...]
 #   scripts/sweep.sh results/map -task critical -growth_type gaussian -- \
 #     friction_mu 0:1:20 growth_width log:0.05:5:20
-# VALUES is a comma list, or low:high:count (even), or log:low:high:count. A slash of a value, 0.3N/m,
-# is _ in the name of its file.
+# VALUES is a comma list, or low:high:count (even), or log:low:high:count; with a unit 1cm:5cm:9. A slash
+# of a value, 0.3N/m, is _ in the name of its file.
 # A point that has a finished result file is passed over, so a sweep that was stopped goes on. Failed
 # points are listed at the end and in DIRECTORY/failed.*; their messages are in DIRECTORY/*.log.
 # As a Slurm job array, the same command: each task takes its share of the points.
@@ -23,15 +23,19 @@ usage() {
   exit 2
 }
 
-# values SPEC: one value a line
+# values SPEC: one value a line; bounds may carry a unit, 1cm:5cm:9
 values() {
+  local number='([-+]?[0-9.]+([eE][-+]?[0-9]+)?)([^:]*)' even='a + (b - a) * x'
   case $1 in
-  log:*:*:*) awk -v s="${1#log:}" 'BEGIN { split(s, a, ":"); for (i = 0; i < a[3]; i++)
-      printf "%.10g\n", a[1] * exp(log(a[2] / a[1]) * (a[3] > 1 ? i / (a[3] - 1) : 0)) }' ;;
-  *:*:*) awk -v s="$1" 'BEGIN { split(s, a, ":"); for (i = 0; i < a[3]; i++)
-      printf "%.10g\n", a[1] + (a[2] - a[1]) * (a[3] > 1 ? i / (a[3] - 1) : 0) }' ;;
-  *) tr ',' '\n' <<<"$1" ;;
+  log:*:*:*) even='a * exp(log(b / a) * x)' ;;
+  *:*:*) ;;
+  *) tr ',' '\n' <<<"$1" && return ;;
   esac
+  [[ ${1#log:} =~ ^$number:$number:([0-9]+)$ ]] || return 0
+  [ "${BASH_REMATCH[3]}" = "${BASH_REMATCH[6]}" ] || return 0
+  awk -v a="${BASH_REMATCH[1]}" -v b="${BASH_REMATCH[4]}" -v n="${BASH_REMATCH[7]}" \
+    -v unit="${BASH_REMATCH[6]}" "BEGIN { for (i = 0; i < n; i++) {
+      x = n > 1 ? i / (n - 1) : 0; printf \"%.10g%s\\n\", $even, unit } }"
 }
 
 # task_of OPTIONS ...: what each point does: as the last -task says, here or in an options file
@@ -124,7 +128,7 @@ points=("")
 while [ $# -gt 0 ]; do
   longer=()
   mapfile -t each < <(values "$2")
-  [ ${#each[@]} -gt 0 ] || usage "$1 $2: no values"
+  [ ${#each[@]} -gt 0 ] || usage "$1 $2: no values; give a comma list, LOW:HIGH:COUNT or log:LOW:HIGH:COUNT, both in one unit"
   for point in "${points[@]}"; do
     for value in "${each[@]}"; do longer+=("${point:+${point}__}${1#-}=$value"); done
   done

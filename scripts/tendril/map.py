@@ -16,13 +16,13 @@ import h5py
 import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.patheffects import withStroke
-from matplotlib.ticker import LogLocator, NullLocator
+from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from .collection import load_sweep
 from .errors import ResultsError, TendrilError
 from .parameters import with_unit
 from .style import STYLE
+from .units import DIMENSIONS, KINDS, in_laboratory, suited_to
 
 LABELS = {"friction_mu": r"dry share $\mu$", "growth_width": r"growth width $a$",
           "friction_beta": r"regularisation $\beta$", "growth_initial_length": r"$L_0$",
@@ -44,16 +44,23 @@ def number(text):
         raise ValueError(str(error)) from None
 
 
-def value_of(file, quantity):
-    """A number of a file, or the last of a series: "critical/t", "series/width" or "width"."""
+def value_of(file, quantity, si):
+    """(a number of a file, or the last of a series: "critical/t", "series/width" or "width"; its unit). si:
+    in SI units, with the file's own scales."""
     name = quantity if "/" in quantity else f"series/{quantity}"
     if name not in file:
         known = [*(f"critical/{k}" for k in file.get("critical", ())), *file.get("series", ())]
         raise ValueError(f"{file.filename}: holds no {quantity}; there are {', '.join(known)}")
-    return float(np.ravel(file[name][()])[-1])
+    value, unit = float(np.ravel(file[name][()])[-1]), file[name].attrs.get("units", b"1").decode()
+    if not si:
+        return value, unit
+    try:
+        return value * in_laboratory(unit, lambda kind: float(file.attrs[f"si_{kind}"]))[0], unit
+    except KeyError:
+        raise ValueError(f"{file.filename}: --si needs runs with -si_bending_stiffness and the like") from None
 
 
-def of_directory(directory, axes, quantity):
+def of_directory(directory, axes, quantity, si):
     """{(x, y): value} of the files in a directory of scripts/sweep.sh, x and y as (number, unit)"""
     found = {}
     for path in sorted(Path(directory).glob("*=*.h5")):
@@ -64,13 +71,15 @@ def of_directory(directory, axes, quantity):
             raise ValueError(f"{path}: does not vary {' and '.join(axes)}")
         with h5py.File(path, "r", locking=False) as file:
             if file.attrs.get("finished", 0):
-                found[tuple(values[a] for a in axes)] = value_of(file, quantity)
+                found[tuple(values[a] for a in axes)] = value_of(file, quantity, si)
     return found
 
 
-def of_sweep(path, axes, quantity):
+def of_sweep(path, axes, quantity, si):
     """{(x, y): value} of the file of a sweep, x and y as (number, unit)"""
     sweep = load_sweep(path)
+    if si:
+        raise ValueError(f"{path}: --si needs a directory of scripts/sweep.sh, whose files know their scales")
     for axis in axes:
         if axis not in sweep.columns:
             raise ValueError(f"{path}: does not vary {axis}")
@@ -79,22 +88,31 @@ def of_sweep(path, axes, quantity):
     if name not in there:
         raise ValueError(f"{path}: holds no {quantity}")
     points = zip(*([number(cell) for cell in sweep.columns[axis]] for axis in axes))
-    return {p: float(v) for p, v, s in zip(points, there[name], sweep.status) if s == 1}
+    unit = sweep.units.get(f"{group}/{name}", "1")
+    return {p: (float(v), unit) for p, v, s in zip(points, there[name], sweep.status) if s == 1}
 
 
-def read(place, axes, quantity):
-    """(x values, y values, table [y, x] with NaN where there is no result, the axes' units)"""
-    found = (of_directory if Path(place).is_dir() else of_sweep)(place, axes, quantity)
+def read(place, axes, quantity, si=False):
+    """(x values, y values, table [y, x] with NaN where there is no result, the units of all three)"""
+    found = (of_directory if Path(place).is_dir() else of_sweep)(place, axes, quantity, si)
     if not found:
         raise ValueError(f"{place}: holds no finished point")
     units = [{p[k][1] for p in found} for k in (0, 1)]
     for axis, there in zip(axes, units):
         if len(there) > 1:
             raise ValueError(f"{place}: {axis} is in several units")
-    found = {(x, y): value for ((x, _), (y, _)), value in found.items()}
+    unit = next(iter(found.values()))[1]
+    found = {(x, y): value for ((x, _), (y, _)), (value, _) in found.items()}
     xs, ys = (np.array(sorted({p[k] for p in found})) for k in (0, 1))
     table = np.array([[found.get((x, y), np.nan) for x in xs] for y in ys])
-    return xs, ys, table, [there.pop() for there in units]
+    if si and unit in KINDS:  # cm rather than m, where that suits
+        unit, one = suited_to(KINDS[unit], np.nanmax(np.abs(table)))
+        table = table / one
+    elif si and unit in DIMENSIONS:
+        unit = DIMENSIONS[unit][1]
+    else:
+        unit = ""
+    return xs, ys, table, [*(there.pop() for there in units), unit]
 
 
 def even(values):
@@ -129,13 +147,15 @@ def draw(ax, xs, ys, table, units, axes, quantity):
     colours = ax.pcolormesh(edges(xs), edges(ys), table, shading="flat", cmap="cividis",
                             rasterized=True, norm="log" if wide else "linear")
     if np.isfinite(table).all() and min(table.shape) > 2 and np.ptp(table) > 0:
-        levels = LogLocator(subs=(1, 2, 5)).tick_values(low, high) if wide else 8
-        lines = ax.contour(xs, ys, table, levels=levels, colors="white", linewidths=0.5)
-        for text in ax.clabel(lines, fontsize=6, fmt="%.4g"):
-            text.set_path_effects([withStroke(linewidth=1.2, foreground="#555555")])  # on light cells
+        levels = (LogLocator(subs=(1, 2, 5)) if wide else MaxNLocator(9)).tick_values(low, high)
+        dark = colours.norm(levels) < 0.6  # white on dark cells, black on light ones
+        lines = ax.contour(xs, ys, table, levels=levels, linewidths=0.5,
+                           colors=np.where(dark, "white", "#222222"))
+        ax.clabel(lines, fontsize=6, fmt="%.4g")
     for axis, unit, label in zip(axes, units, (ax.set_xlabel, ax.set_ylabel)):
         label(LABELS.get(axis, axis.replace("_", " ")) + (f" ({unit})" if unit else ""))
     label = LABELS.get(quantity, quantity.removeprefix("series/").replace("_", " "))
+    label += f" ({units[2]})" if units[2] else ""
     ax.figure.colorbar(colours, ax=ax, label=label)
 
 
@@ -145,6 +165,7 @@ def main(arguments=None):
     parser.add_argument("place", help="directory of scripts/sweep.sh, or file of a sweep")
     parser.add_argument("--axes", required=True, metavar="X,Y", help="options along the axes")
     parser.add_argument("--quantity", default="critical/t", help="default %(default)s")
+    parser.add_argument("--si", action="store_true", help="the quantity in SI units, of runs with -si_ options")
     parser.add_argument("--output", metavar="BASENAME",
                         help="writes BASENAME.png and .pdf; default: the place's name")
     view = parser.parse_args(arguments)
@@ -153,7 +174,7 @@ def main(arguments=None):
     if len(axes) != 2:
         parser.error("--axes: give two options, X,Y")
     try:
-        xs, ys, table, units = read(view.place, axes, view.quantity)
+        xs, ys, table, units = read(view.place, axes, view.quantity, view.si)
         with plt.rc_context(STYLE):
             figure, ax = plt.subplots(figsize=(3.4, 2.7), layout="constrained")
             draw(ax, xs, ys, table, units, axes, view.quantity)

@@ -150,14 +150,18 @@ class Package(unittest.TestCase):
         """A slash of a unit is none in the name of a file; arrays go along; tasks that a job of many
         cannot do are done one by one."""
         bend = {"distance": ([0, 1, 2, 3], "cm"), "curvature": ([0.1] * 4, "1/cm")}
-        s = tendril.sweep(TUBE, {"si_friction_dry": ["0.3N/m", "0.6N/m"]}, directory=self.place / "units",
-                          rod_curvature_file=bend, stop_length="3cm")
-        self.assertEqual([r.attributes["parameters/si_friction_dry"] for r in s.members], [0.3, 0.6])
-        curvature = s.members[0].dataset(si=True).natural_curvature[-1]
+        s = tendril.sweep(TUBE, {"si_friction_dry": ["0.3N/m", "0.6N/m"], "rod_cells": [50]},
+                          directory=self.place / "units", rod_curvature_file=bend, stop_length="3cm")
+        self.assertEqual([r.attributes["parameters/si_friction_dry"] for r in s.members.flat], [0.3, 0.6])
+        *axes, table, units = map.read(self.place / "units", ["si_friction_dry", "rod_cells"], "width", True)
+        self.assertEqual((units, list(axes[0])), (["N/m", "", "mm"], [0.3, 0.6]))
+        np.testing.assert_allclose(table[0], [1000 * r.dataset(si=True).width[-1] for r in s.members.flat])
+        curvature = s.members[0, 0].dataset(si=True).natural_curvature[-1]
         np.testing.assert_allclose(curvature, 10)  # 1/m
-        self.assertEqual([r.name for r in s.members], ["si_friction_dry=0.3N_m", "si_friction_dry=0.6N_m"])
+        names = [f"si_friction_dry=0.{n}N_m__rod_cells=50" for n in (3, 6)]
+        self.assertEqual([r.name for r in s.members.flat], names)
         self.assertEqual([f.name for f in sorted((self.place / "units").iterdir())],
-                         [f"si_friction_dry=0.{n}N_m.{end}" for n in (3, 6) for end in ("h5", "xmf")])
+                         [f"{name}.{end}" for name in names for end in ("h5", "xmf")])
         with self.assertRaisesRegex(tendril.RunError, "did you mean -friction_mu"):
             tendril.sweep("feed", {"rod_cells": [40, 50]}, frictoin_mu=1)
         s = tendril.sweep(over={"tip_force": [0, 0.5]}, task="stability", friction_beta=1e-3,
