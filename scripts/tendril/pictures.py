@@ -170,7 +170,8 @@ def panel_defect(ax, r, view):
 def draw_shapes(ax, r, view, line):
     """The rod at the times asked for; line: draws a shape with the look it is given."""
     times = view.times_of(r)
-    shades = plt.get_cmap("viridis")(np.linspace(0, 0.88, len(times)))
+    # a time has its colour in all columns, also if some runs end before the last
+    shades = plt.get_cmap("viridis")(np.linspace(0, 0.88, len(view.times or times)))
     for number, (t, shade) in enumerate(zip(times, shades)):
         shape = r.at(t)
         line(shape, color=view.colour(r, shade), linestyle=view.style(r, number, "-"),
@@ -379,7 +380,8 @@ def draw(names, view):
                 panels[name](ax, r, view)
         aspects.append(limit_row(view, row, row_cells))
         for k, (ax, (name, _)) in enumerate(zip(row, row_cells)):
-            if not shared or k == 0 or (name in SHAPES and view.times is None):
+            times = [view.times_of(r[0]) for _, r in row_cells] if name in SHAPES else [None]
+            if not shared or k == 0 or any(t != times[0] for t in times):
                 legend(ax, view, name)
             if not shared or k == 0:
                 ax.set_title(f"({next(letters)})", loc="left")

@@ -97,17 +97,25 @@ def words_of(options, directory) -> list[str]:
     return words
 
 
+def scene_file(name) -> Path:
+    """An options file, or the scene of that name: of the checkout that this package lies in, of the
+    working directory, or of where the program comes from, its checkout or what was installed with it."""
+    if Path(name).is_file():
+        return Path(name)
+    program = Path(executable()).resolve().parents[1]
+    for place in (CHECKOUT, Path.cwd(), program, program / "share/tendril"):
+        if (known := place / "options" / f"{name}.opts").is_file():
+            return known
+    raise TendrilError(f"{name}: no options file, and no scene of that name")
+
+
 def scene_words(scene, directory) -> list[str]:
     """A scene: an options file, the name of one in options/, options as a dict, or nothing."""
     if scene is None:
         return []
     if isinstance(scene, dict):
         return words_of(scene, directory)
-    known = CHECKOUT / "options" / f"{scene}.opts"
-    path = Path(scene) if Path(scene).is_file() or not known.is_file() else known
-    if not path.is_file():
-        raise TendrilError(f"{scene}: no options file, and no scene of that name")
-    return ["-options_file", str(path)]
+    return ["-options_file", str(scene_file(scene))]
 
 
 def follow(process, progress):

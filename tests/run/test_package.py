@@ -4,9 +4,11 @@
     test_package.py build/tendril        with .venv's python, or one that has what the package needs"""
 
 import contextlib
+import importlib.util
 import io
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -186,16 +188,29 @@ class Package(unittest.TestCase):
         np.testing.assert_allclose(map.edges(ys), [-0.5, 0.5, 1.5])
 
     def test_three_lines(self):
-        """The example of the README does what it says."""
+        """The example of the README does what it says, with the package as pip installs it: by itself, in
+        whatever directory."""
+        site, work = self.place / "site", self.place / "work"
+        work.mkdir()
+        shutil.copytree(ROOT / "scripts", self.place / "scripts",
+                        ignore=shutil.ignore_patterns("*.egg-info", "build", "__pycache__"))
+        if importlib.util.find_spec("setuptools"):
+            subprocess.run([sys.executable, "-c", "import setuptools; setuptools.setup()", "-q", "build",
+                            "--build-lib", site], cwd=self.place / "scripts", check=True, capture_output=True)
+        else:
+            shutil.copytree(self.place / "scripts/tendril", site / "tendril")
+        self.assertTrue((site / "tendril/web/uplot/uPlot.iife.min.js").is_file())
         readme = (ROOT / "README.md").read_text()
         code = re.search(r"(?m)^    import tendril\n(    .*\n)+", readme)[0]
         lines = [line[4:] for line in code.splitlines()]
         self.assertLessEqual(len(lines), 4)
-        done = subprocess.run([sys.executable, "-c", "\n".join(lines)], cwd=self.place, text=True,
-                              capture_output=True, env=os.environ | {"PYTHONPATH": str(ROOT / "scripts")})
+        lines.append("print(tendril.__file__)")
+        done = subprocess.run([sys.executable, "-c", "\n".join(lines)], cwd=work, text=True,
+                              capture_output=True, env=os.environ | {"PYTHONPATH": str(site)})
         self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(Path(done.stdout.strip()), site / "tendril/__init__.py")
         for file in re.findall(r'"(\w+\.(?:png|html|csv|gif))"', code):
-            self.assertGreater((self.place / file).stat().st_size, 1000, file)
+            self.assertGreater((work / file).stat().st_size, 1000, file)
 
     def test_version(self):
         text = (ROOT / "scripts/pyproject.toml").read_text()
