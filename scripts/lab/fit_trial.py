@@ -132,8 +132,8 @@ def main():
                         f"{max(seconds for _, _, seconds, *_ in found):.0f} s | "
                         f"{np.median([cores for *_, cores, _ in found]):.0f} s, "
                         f"{max(cores for *_, cores, _ in found):.0f} s |")
-    print("| scene | hidden | truth | interval | holds the truth | runs | longest fit | of all cores, median and most |\n"
-          + "|---" * 8 + "|")
+    print("| scene | hidden | truth | interval | holds the truth | runs | longest fit | of all cores, median "
+          "and most |\n" + "|---" * 8 + "|")
     print("\n".join(rows))
 
 

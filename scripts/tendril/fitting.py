@@ -36,7 +36,8 @@ from .results import Results
 from .starting import starting_points
 
 SEARCH = 10  # the search for a start is made with this many times the error of the final runs
-FOLLOWED, ROUGH = 6, 1e-2  # evaluations for which two searches are followed, before one; their tolerance
+FOLLOWED = 6  # evaluations for which two searches go on side by side, before one
+CLOSE, ROUGH = 3e-3, 1e-2  # tolerances of these two, and of the one, which is polished after
 BETTER = 0.05  # less of the cost is no reason to go on: 1.92 is that of an interval's end
 CONFIDENCE = 0.95
 
@@ -159,7 +160,7 @@ def search(problem: Problem, starts, accuracy, seed, tell):
     problem.measure_noise(whole[0], share=0.03)
     ranked = sorted(whole, key=lambda u: problem.cost(problem.residuals(u)))
     with ThreadPoolExecutor() as pool, problem.shared(len(ranked[:2])):
-        found = list(pool.map(lambda u: problem.solve(u, ROUGH, ahead=False, most=FOLLOWED), ranked[:2]))
+        found = list(pool.map(lambda u: problem.solve(u, CLOSE, ahead=False, most=FOLLOWED), ranked[:2]))
     tell("costs of the searches: " + " and ".join(f"{s.cost:.4g}" for s in found) + ", the best goes on")
     best = problem.solve(min(found, key=lambda s: s.cost).u, ROUGH)
     return best, [s.cost for s in found]

@@ -47,8 +47,8 @@ const cursor = (u) => u.posToVal(u.cursor.left, "x");
 // a mouse on a chart, at a part of its width
 const mouse = (u, what, part) => {
   const box = u.over.getBoundingClientRect();
-  u.over.dispatchEvent(new MouseEvent(what, { clientX: box.left + part * box.width, bubbles: true, button: 0, movementX: 1,
-    buttons: what === "mousemove" ? 1 : 0, clientY: box.top + box.height / 2, cancelable: true }));
+  u.over.dispatchEvent(new MouseEvent(what, { clientX: box.left + part * box.width, bubbles: true, button: 0,
+    movementX: 1, buttons: what === "mousemove" ? 1 : 0, clientY: box.top + box.height / 2, cancelable: true }));
 };
 const mice = async (u, ...steps) => {
   for (const [what, part] of steps) { mouse(u, what, part); await frame(); }
