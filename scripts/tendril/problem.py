@@ -212,23 +212,28 @@ class Problem:
         return np.column_stack([(self.residuals(a) - self.residuals(b)) / (a - b)[k]
                                 for k, (a, b) in enumerate(zip(ahead, behind))])
 
-    def with_neighbours(self, u):
-        """Residuals. The derivatives are mostly asked for next: their runs are made at the same time."""
-        p = len(self.parameters)
-        self.run([u[:p], *self.neighbours(u, STEP)[0][:, :p]])
-        return self.residuals(u)
-
     def bounds(self, u):
         p = len(self.parameters)
         return (np.r_[np.zeros(p), np.full(len(u) - p, -np.inf)],
                 np.r_[np.ones(p), np.full(len(u) - p, np.inf)])
 
     def solve(self, u, tolerance, ahead=True, most=15) -> Solution:
-        """The least cost from a start. ahead: runs for derivatives are made before they are asked for,
-        as there are cores for them."""
+        """The least cost from a start. ahead: runs for derivatives are made together with the one at the
+        point itself, as there are cores for them; but after a step that was none, when the next, which
+        is shorter, may be none either."""
+        p, least, better = len(self.parameters), np.inf, ahead
+
+        def residuals(u):
+            nonlocal least, better
+            if better:
+                self.run([u[:p], *self.neighbours(u, STEP)[0][:, :p]])
+            f = self.residuals(u)
+            cost = self.cost(f)
+            least, better = min(cost, least), ahead and cost < least
+            return f
+
         inside = np.clip(u, *[b + s for b, s in zip(self.bounds(u), (1e-6, -1e-6))])
-        found = optimize.least_squares(self.with_neighbours if ahead else self.residuals, inside,
-                                       self.jacobian, self.bounds(u), loss="huber",
+        found = optimize.least_squares(residuals, inside, self.jacobian, self.bounds(u), loss="huber",
                                        f_scale=HUBER, x_scale="jac", xtol=tolerance,
                                        ftol=tolerance, gtol=None, max_nfev=most)
         return Solution(found.x, found.cost)
