@@ -407,10 +407,15 @@ def check_times(view):
     if view.times is None:
         return
     latest = max(view.results, key=lambda r: r.shapes.t[-1])
+    second = None if view.units.scales["time"][1] else latest.attributes.get("si_time")
+
+    def told(t):
+        return view.units.plain(t)[4:] + (f" ({t * second:.4g} s)" if second else "")
+
     for t in view.times:
         if t < 0 or t > latest.shapes.t[-1] * (1 + 1e-9):
-            raise ResultsError(f"{latest.path}: ends at {view.units.plain(latest.shapes.t[-1])}; no "
-                               f"shape at {view.units.plain(t)[4:]}")
+            raise ResultsError(f"{latest.path}: ends at t = {told(latest.shapes.t[-1])}; no shape at "
+                               f"{told(t)}")
     for r in view.results:
         if not view.times_of(r):
             raise ResultsError(f"{r.path}: ends at {view.units.plain(r.shapes.t[-1])}, before the "
