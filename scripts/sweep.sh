@@ -4,7 +4,8 @@
 #   scripts/sweep.sh DIRECTORY [-j JOBS AT A TIME] [FIXED OPTIONS ...] -- NAME VALUES [NAME VALUES ...]
 #   scripts/sweep.sh results/map -task critical -growth_type gaussian -- \
 #     friction_mu 0:1:20 growth_width log:0.05:5:20
-# VALUES is a comma list, or low:high:count (even), or log:low:high:count.
+# VALUES is a comma list, or low:high:count (even), or log:low:high:count; with a unit 1cm:5cm:9. A slash
+# of a value, 0.3N/m, is _ in the name of its file.
 # A point that has a finished result file is passed over, so a sweep that was stopped goes on. Failed
 # points are listed at the end and in DIRECTORY/failed.*; their messages are in DIRECTORY/*.log.
 # As a Slurm job array, the same command: each task takes its share of the points.
@@ -22,15 +23,19 @@ usage() {
   exit 2
 }
 
-# values SPEC: one value a line
+# values SPEC: one value a line; bounds may carry a unit, 1cm:5cm:9
 values() {
+  local number='([-+]?[0-9.]+([eE][-+]?[0-9]+)?)([^:]*)' even='a + (b - a) * x'
   case $1 in
-  log:*:*:*) awk -v s="${1#log:}" 'BEGIN { split(s, a, ":"); for (i = 0; i < a[3]; i++)
-      printf "%.10g\n", a[1] * exp(log(a[2] / a[1]) * (a[3] > 1 ? i / (a[3] - 1) : 0)) }' ;;
-  *:*:*) awk -v s="$1" 'BEGIN { split(s, a, ":"); for (i = 0; i < a[3]; i++)
-      printf "%.10g\n", a[1] + (a[2] - a[1]) * (a[3] > 1 ? i / (a[3] - 1) : 0) }' ;;
-  *) tr ',' '\n' <<<"$1" ;;
+  log:*:*:*) even='a * exp(log(b / a) * x)' ;;
+  *:*:*) ;;
+  *) tr ',' '\n' <<<"$1" && return ;;
   esac
+  [[ ${1#log:} =~ ^$number:$number:([0-9]+)$ ]] || return 0
+  [ "${BASH_REMATCH[3]}" = "${BASH_REMATCH[6]}" ] || return 0
+  awk -v a="${BASH_REMATCH[1]}" -v b="${BASH_REMATCH[4]}" -v n="${BASH_REMATCH[7]}" \
+    -v unit="${BASH_REMATCH[6]}" "BEGIN { for (i = 0; i < n; i++) {
+      x = n > 1 ? i / (n - 1) : 0; printf \"%.10g%s\\n\", $even, unit } }"
 }
 
 # task_of OPTIONS ...: what each point does: as the last -task says, here or in an options file
@@ -68,16 +73,16 @@ together() {
     -sweep_directory "$directory" -output "$table.h5" >"$table.log" 2>&1 </dev/null ||
     fail "$(grep -m 1 "^tendril: " "$table.log" || tail -n 1 "$table.log")"
   for point in "$@"; do
-    [ -f "$directory/$point.h5" ] || echo "$point" >>"$directory/failed.$SWEEP_ID"
+    [ -f "$directory/${point//\//_}.h5" ] || echo "$point" >>"$directory/failed.$SWEEP_ID"
   done
   rm -f "$table".*
 }
 
 # one DIRECTORY POINT: a single run; its files get their place only when the run is whole
 one() {
-  local directory=$1 point=$2 fixed=() pairs=() options=()
+  local directory=$1 point=${2//\//_} fixed=() pairs=() options=()
   mapfile -t fixed <"$directory/options"
-  IFS=$'\t' read -r -a pairs <<<"${point//__/$'\t'}"
+  IFS=$'\t' read -r -a pairs <<<"${2//__/$'\t'}"
   for pair in "${pairs[@]}"; do options+=("-${pair%%=*}" "${pair#*=}"); done
   for _ in 1 2 3; do
     if "$TENDRIL" "${fixed[@]}" "${options[@]}" -output "$directory/running/$point.h5" \
@@ -123,7 +128,7 @@ points=("")
 while [ $# -gt 0 ]; do
   longer=()
   mapfile -t each < <(values "$2")
-  [ ${#each[@]} -gt 0 ] || usage "$1 $2: no values"
+  [ ${#each[@]} -gt 0 ] || usage "$1 $2: no values; give a comma list, LOW:HIGH:COUNT or log:LOW:HIGH:COUNT, both in one unit"
   for point in "${points[@]}"; do
     for value in "${each[@]}"; do longer+=("${point:+${point}__}${1#-}=$value"); done
   done
@@ -161,7 +166,7 @@ task=$((task - ${SLURM_ARRAY_TASK_MIN:-0}))
 tasks=${SLURM_ARRAY_TASK_COUNT:-1}
 mine=()
 for i in "${!points[@]}"; do
-  if [ $((i % tasks)) = "$task" ] && [ ! -f "$directory/${points[i]}.h5" ]; then
+  if [ $((i % tasks)) = "$task" ] && [ ! -f "$directory/${points[i]//\//_}.h5" ]; then
     mine+=("${points[i]}")
   fi
 done
@@ -184,7 +189,7 @@ if [ -s "$failed" ]; then
   sort -o "$failed" "$failed"
   echo "sweep: $(wc -l <"$failed") points failed ($failed):" >&2
   while read -r point; do
-    echo "  $point: $(tail -n 1 "$directory/$point.log")" >&2
+    echo "  $point: $(tail -n 1 "$directory/${point//\//_}.log")" >&2
   done <"$failed"
   exit 1
 fi

@@ -34,7 +34,7 @@ def crossing(r):
     file = r.path.with_name(f"crossing-{r.path.name}")
     if not file.exists():
         if (r.series.self_crossings > 0).any():
-            raise SystemExit(f"figures: {file} is missing, run scripts/figures.sh")
+            raise SystemExit(f"figures: {file} is missing, run scripts/lab/figures.sh")
         return np.nan
     stopped = load(file)
     with h5py.File(file) as f:

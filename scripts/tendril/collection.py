@@ -16,6 +16,7 @@ import numpy as np
 
 from .results import Results, ResultsError, Table
 
+GROUPS = ("columns", "final", "critical", "series", "shapes")
 OF_A_MEMBER = ("first", "count", "first_node", "nodes")  # where its own are among those of all
 
 
@@ -32,6 +33,8 @@ class Sweep:
     attributes: dict
     series: Table
     shapes: Table
+    notes: dict  # "series/t" -> what it is
+    units: dict  # "series/t" -> its unit, "l/V"
 
     def __len__(self):
         return len(self.status)
@@ -55,7 +58,7 @@ class Sweep:
         critical = Table((n, v[k]) for n, v in self.critical.items())
         options = {n: str(v[k]) for n, v in self.columns.items()}
         return Results(self.path, self.status[k] == 1, options, {}, series, shapes,
-                       critical=critical)
+                       critical=critical, notes=self.notes, units=self.units)
 
     def members(self):
         """The finished runs, one by one."""
@@ -72,11 +75,14 @@ def _read(path):
     with h5py.File(path, "r", locking=False) as file:
         if "status" not in file or "columns" not in file:
             raise ResultsError(f"{path}: no result of -task sweep")
-        group = {g: Table((n, _texts(d[()])) for n, d in file.get(g, {}).items())
-                 for g in ("columns", "final", "critical", "series", "shapes")}
+        group = {g: Table((n, _texts(d[()])) for n, d in file.get(g, {}).items()) for g in GROUPS}
+        about = {what: {f"{g}/{n}": d.attrs[what].decode() for g in GROUPS[1:]
+                        for n, d in file.get(g, {}).items() if what in d.attrs}
+                 for what in ("description", "units")}
         return Sweep(path, bool(file.attrs["finished"]), group["columns"], file["status"][()],
                      _texts(file["line"][()]), file["seconds"][()], group["final"],
-                     group["critical"], dict(file.attrs), group["series"], group["shapes"])
+                     group["critical"], dict(file.attrs), group["series"], group["shapes"],
+                     about["description"], about["units"])
 
 
 def is_sweep(path):

@@ -20,7 +20,7 @@ from matplotlib.colors import AsinhNorm
 from .errors import ResultsError, TendrilError
 from .results import Results, load
 from .style import STYLE
-from .surroundings import arc_length, axial_force, contact_force, friction
+from .surroundings import axial_force, contact_force, friction
 from .units import Units, moment
 from .walls import ThickLine, ThickSegments, diameter_of, draw_contact, draw_walls
 
@@ -35,7 +35,7 @@ class Film:
         self.pressed = None
         unit = units.of("length", 1.0)
         strongest = units.of("force", max(np.abs(axial_force(s)).max() for s in shapes) or 1)
-        drag = max(np.percentile(np.hypot(*friction(r, s).T), 95) for s in shapes) or 1
+        drag = max(np.percentile(np.hypot(*friction(r, s, ARROWS)[1].T), 95) for s in shapes) or 1
         low = units.of("length", np.min([s.x.min(axis=0) for s in shapes], axis=0))
         high = units.of("length", np.max([s.x.max(axis=0) for s in shapes], axis=0))
         room = 0.06 * (high - low).max()
@@ -85,11 +85,9 @@ class Film:
             self.pressed.remove()
         self.pressed = draw_contact(self.ax, self.r, shape, self.units.of("length", 1.0),
                                     self.most)
-        p, drag = arc_length(shape), friction(self.r, shape)
-        at = np.linspace(0, p[-1], ARROWS)
-        x, f = ([np.interp(at, p, column) for column in array.T] for array in (nodes, drag))
-        self.arrows.set_offsets(np.column_stack(x))
-        self.arrows.set_UVC(*f)
+        x, drag = friction(self.r, shape, ARROWS)
+        self.arrows.set_offsets(self.units.of("length", x))
+        self.arrows.set_UVC(*drag.T)
         length, unit = self.units.of("length", shape.length), self.units.scales["length"][1]
         self.title.set_text(f"{self.units.plain(shape.t, '6.2f')}   "
                             f"length {length:6.2f} {unit}".rstrip())

@@ -13,12 +13,15 @@ mean: docs/fitting.md."""
 
 import argparse
 import sys
+from pathlib import Path
 
 import matplotlib
 
 from .errors import TendrilError
 from .fitting import fit
 from .measured import Measured, gather, read
+
+LEFT = (".opts", ".txt", ".csv", ".png", ".pdf")
 
 
 def measured(words, unit):
@@ -57,6 +60,14 @@ def options(words):
     return found
 
 
+def keep(basename, scene, data):
+    """What is read must not be written over by what is left."""
+    for path in (scene, *(word.rpartition("@")[2] for word in data)):
+        for ending in LEFT:
+            if Path(path).exists() and Path(path).resolve() == Path(f"{basename}{ending}").resolve():
+                raise TendrilError(f"--output {basename}: would write over {path}; give another name")
+
+
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="scripts/fit.sh", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -67,13 +78,15 @@ def main(arguments=None):
     parser.add_argument("--unit", default="", help="of coordinates that carry none: cm, px, ...")
     parser.add_argument("--output", metavar="BASENAME", default="fit", help="default %(default)s")
     parser.add_argument("--accuracy", type=float, default=3e-4, help="of the runs; default %(default)s")
-    parser.add_argument("--starts", type=int, default=8, help="that fill the bounds; default %(default)s")
+    parser.add_argument("--starts", type=int, help="that fill the bounds; default 24 for one parameter, 12 "
+                        "for two, else 8")
     parser.add_argument("--seed", type=int, default=1, help="of the starts; default %(default)s")
     words = list(sys.argv[1:] if arguments is None else arguments)
     own, more = (words[:words.index("--")], words[words.index("--") + 1:]) if "--" in words else (words, [])
     choice = parser.parse_args(own)
     matplotlib.use("Agg")
     try:
+        keep(choice.output, choice.scene, choice.data)
         found = fit(choice.scene, measured(choice.data, choice.unit), parameters(choice.parameter),
                     unit=choice.unit, accuracy=choice.accuracy, starts=choice.starts, seed=choice.seed,
                     progress=True, **options(more))

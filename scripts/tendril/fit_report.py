@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -77,7 +78,7 @@ def indistinct(fit: Fit) -> list[str]:
         names = [fit.parameters[k].name for k in moved]
         lost.update(moved)
         if len(moved) == 1:
-            words.append(f"{names[0]} cannot be told from these data: any value within its bounds fits.")
+            words.append(f"{names[0]} cannot be told from these data: nothing of it is seen in the best scene.")
             continue
         part = 0.1 / np.abs(axis).max()
         together = ", ".join(f"{fit.parameters[k].name} {share_of(fit, k, part * axis[k])}" for k in moved)
@@ -155,8 +156,11 @@ def draw_photograph(ax, fit: Fit, p):
 
 def draw_curve(ax, fit: Fit, c):
     (along, at_unit), (factor, unit) = shown(c.at), shown(c.values)
-    ax.plot(along * c.at.numbers, factor * c.values.numbers, ".", ms=4, color=ORANGE)
-    ax.plot(along * c.at.numbers, factor * fit.problem.comparison.model(fit.run, c), color=BLUE)
+    r = fit.run.column("series", c.abscissa, c.at.si)[0]  # from where the run begins
+    all_of_it = replace(c, at=replace(c.at, numbers=np.linspace(r[0], c.at.numbers[-1], 400)))
+    ax.plot(along * c.at.numbers, factor * c.values.numbers, ".", ms=4, color=ORANGE, label="measured")
+    ax.plot(along * all_of_it.at.numbers, factor * fit.problem.comparison.model(fit.run, all_of_it),
+            color=BLUE, label="best scene")
     ax.set_xlabel(labelled(c.abscissa, at_unit))
     ax.set_title(labelled(c.name.replace("_", " "), unit), fontsize=8)
 
@@ -165,7 +169,7 @@ def draw_residuals(ax, fit: Fit):
     """How residuals, over their noise, are distributed, beside the normal distribution."""
     f = fit.problem.residuals(fit.u)
     f = np.clip(f[f != 0], -5, 5)  # 0: an end that is where it should be
-    ax.hist(f, bins=41, range=(-5, 5), density=True, color=GREY)
+    ax.hist(f, bins=int(np.clip(len(f) / 8, 11, 41)) // 2 * 2 + 1, range=(-5, 5), density=True, color=GREY)
     x = np.linspace(-5, 5, 201)
     ax.plot(x, stats.norm.pdf(x), color=BLUE, lw=0.8)
     ax.set_xlabel("residual over its noise")
@@ -189,9 +193,7 @@ def draw(fit: Fit, most=7):
         draw_residuals(axes.flat[len(panels)], fit)
         for ax in axes.flat[len(panels) + 1:]:
             ax.set_axis_off()
-        handles = axes.flat[0].get_legend_handles_labels() if keep.size else ([], [])
-        if handles[0]:
-            figure.legend(*handles, loc="outside upper left", ncol=2)
+        figure.legend(*axes.flat[0].get_legend_handles_labels(), loc="outside upper left", ncol=2)
     plt.close(figure)
     return figure
 

@@ -36,6 +36,8 @@ from .results import Results
 from .starting import starting_points
 
 SEARCH = 10  # the search for a start is made with this many times the error of the final runs
+FOLLOWED = 6  # evaluations for which two searches go on side by side, before one
+CLOSE, ROUGH = 3e-3, 1e-2  # tolerances of these two, and of the one, which is polished after
 BETTER = 0.05  # less of the cost is no reason to go on: 1.92 is that of an interval's end
 CONFIDENCE = 0.95
 
@@ -157,10 +159,11 @@ def search(problem: Problem, starts, accuracy, seed, tell):
     whole = [np.r_[u, problem.comparison.guess(r)] for u, r in good]
     problem.measure_noise(whole[0], share=0.03)
     ranked = sorted(whole, key=lambda u: problem.cost(problem.residuals(u)))
-    with ThreadPoolExecutor() as pool:
-        found = list(pool.map(lambda u: problem.solve(u, 3e-3, ahead=False), ranked[:2]))
-    tell("searches end at " + " and ".join(f"{s.cost:.4g}" for s in found))
-    return min(found, key=lambda s: s.cost), [s.cost for s in found]
+    with ThreadPoolExecutor() as pool, problem.shared(len(ranked[:2])):
+        found = list(pool.map(lambda u: problem.solve(u, CLOSE, ahead=False, most=FOLLOWED), ranked[:2]))
+    tell("costs of the searches: " + " and ".join(f"{s.cost:.4g}" for s in found) + ", the best goes on")
+    best = problem.solve(min(found, key=lambda s: s.cost).u, ROUGH)
+    return best, [s.cost for s in found]
 
 
 def certain(problem: Problem, best: Solution, tell, most=4):
@@ -179,7 +182,7 @@ def certain(problem: Problem, best: Solution, tell, most=4):
 
 
 def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", accuracy: float = 3e-4,
-        starts: int = 8, seed: int = 1, jobs: int | None = None, progress: bool = False,
+        starts: int | None = None, seed: int = 1, jobs: int | None = None, progress: bool = False,
         **options) -> Fit:
     """Finds the parameters of a scene that give what was measured.
 
@@ -189,7 +192,8 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", a
                 start where one is known
     unit        of coordinates that carry none: "cm", "px"
     accuracy    of the runs; the search for a start takes ten times that
-    starts      points that fill the bounds, beside the start itself; the two best are followed
+    starts      points that fill the bounds, beside the start itself; the two best are followed. None: 24
+                for one parameter, 12 for two, else 8
     seed        of these points
     options     that all runs have, as for run; {name} in their text is a parameter
 
@@ -200,8 +204,9 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", a
     if not looked_for:
         raise TendrilError('fit: give what to look for, {"si_friction_dry": ("0.1N/m", "2N/m")}')
     problem = Problem(scene, measured, looked_for, options, jobs)
-    best, costs = search(problem, starts, SEARCH * accuracy, seed, tell)
     p = len(looked_for)
+    starts = max(8, 24 // p) if starts is None else starts
+    best, costs = search(problem, starts, SEARCH * accuracy, seed, tell)
     problem.prepare(best.u[:p], accuracy)
     (r,) = problem.run([best.u[:p]])
     best.u = np.r_[best.u[:p], problem.comparison.guess(r, best.u[p:])]  # times, now that it looks so
@@ -210,7 +215,7 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", a
         best = problem.solve(best.u, tolerance)
     tell(f"{problem.count} runs, polished")
     best, covariance, freedom = certain(problem, best, tell)
-    (r,) = problem.run([best.u[:p]])
+    r = problem.first(best.u[:p], problem.settings)
     found = Fit(problem, best.u, covariance, r, freedom, best.cost, costs, time.perf_counter() - begin)
     found.indistinct = indistinct(found)
     return found

@@ -16,12 +16,13 @@ import h5py
 import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.patheffects import withStroke
-from matplotlib.ticker import LogLocator, NullLocator
+from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from .collection import load_sweep
-from .errors import ResultsError
+from .errors import ResultsError, TendrilError
+from .parameters import with_unit
 from .style import STYLE
+from .units import DIMENSIONS, KINDS, in_laboratory, suited_to
 
 LABELS = {"friction_mu": r"dry share $\mu$", "growth_width": r"growth width $a$",
           "friction_beta": r"regularisation $\beta$", "growth_initial_length": r"$L_0$",
@@ -31,21 +32,36 @@ LABELS = {"friction_mu": r"dry share $\mu$", "growth_width": r"growth width $a$"
 
 
 def point(path):
-    """{'friction_mu': 0.5, ...} from friction_mu=0.5__growth_width=1.h5"""
-    return {k: float(v) for k, v in (pair.split("=") for pair in path.stem.split("__"))}
+    """{'friction_mu': (0.5, ""), ...}, numbers with units, from friction_mu=0.5__growth_width=1.h5"""
+    return {k: number(v.replace("_", "/")) for k, v in (pair.split("=") for pair in path.stem.split("__"))}
 
 
-def value_of(file, quantity):
-    """A number of a file, or the last of a series: "critical/t", "series/width" or "width"."""
+def number(text):
+    """(number, unit) of 0.5, "0.5" or "0.5N/m"; a plain line for what is none."""
+    try:
+        return with_unit(text)
+    except TendrilError as error:
+        raise ValueError(str(error)) from None
+
+
+def value_of(file, quantity, si):
+    """(a number of a file, or the last of a series: "critical/t", "series/width" or "width"; its unit). si:
+    in SI units, with the file's own scales."""
     name = quantity if "/" in quantity else f"series/{quantity}"
     if name not in file:
         known = [*(f"critical/{k}" for k in file.get("critical", ())), *file.get("series", ())]
         raise ValueError(f"{file.filename}: holds no {quantity}; there are {', '.join(known)}")
-    return float(np.ravel(file[name][()])[-1])
+    value, unit = float(np.ravel(file[name][()])[-1]), file[name].attrs.get("units", b"1").decode()
+    if not si:
+        return value, unit
+    try:
+        return value * in_laboratory(unit, lambda kind: float(file.attrs[f"si_{kind}"]))[0], unit
+    except KeyError:
+        raise ValueError(f"{file.filename}: --si needs runs with -si_bending_stiffness and the like") from None
 
 
-def of_directory(directory, axes, quantity):
-    """{(x, y): value} of the files in a directory of scripts/sweep.sh"""
+def of_directory(directory, axes, quantity, si):
+    """{(x, y): value} of the files in a directory of scripts/sweep.sh, x and y as (number, unit)"""
     found = {}
     for path in sorted(Path(directory).glob("*=*.h5")):
         if path.name.endswith(".part.h5"):
@@ -55,13 +71,15 @@ def of_directory(directory, axes, quantity):
             raise ValueError(f"{path}: does not vary {' and '.join(axes)}")
         with h5py.File(path, "r", locking=False) as file:
             if file.attrs.get("finished", 0):
-                found[tuple(values[a] for a in axes)] = value_of(file, quantity)
+                found[tuple(values[a] for a in axes)] = value_of(file, quantity, si)
     return found
 
 
-def of_sweep(path, axes, quantity):
-    """{(x, y): value} of the file of a sweep"""
+def of_sweep(path, axes, quantity, si):
+    """{(x, y): value} of the file of a sweep, x and y as (number, unit)"""
     sweep = load_sweep(path)
+    if si:
+        raise ValueError(f"{path}: --si needs a directory of scripts/sweep.sh, whose files know their scales")
     for axis in axes:
         if axis not in sweep.columns:
             raise ValueError(f"{path}: does not vary {axis}")
@@ -69,18 +87,32 @@ def of_sweep(path, axes, quantity):
     there = {"final": sweep.final, "critical": sweep.critical}.get(group, {})
     if name not in there:
         raise ValueError(f"{path}: holds no {quantity}")
-    points = zip(*(sweep.columns[axis].astype(float) for axis in axes))
-    return {p: float(v) for p, v, s in zip(points, there[name], sweep.status) if s == 1}
+    points = zip(*([number(cell) for cell in sweep.columns[axis]] for axis in axes))
+    unit = sweep.units.get(f"{group}/{name}", "1")
+    return {p: (float(v), unit) for p, v, s in zip(points, there[name], sweep.status) if s == 1}
 
 
-def read(place, axes, quantity):
-    """(x values, y values, table [y, x] with NaN where there is no result)"""
-    found = (of_directory if Path(place).is_dir() else of_sweep)(place, axes, quantity)
+def read(place, axes, quantity, si=False):
+    """(x values, y values, table [y, x] with NaN where there is no result, the units of all three)"""
+    found = (of_directory if Path(place).is_dir() else of_sweep)(place, axes, quantity, si)
     if not found:
         raise ValueError(f"{place}: holds no finished point")
+    units = [{p[k][1] for p in found} for k in (0, 1)]
+    for axis, there in zip(axes, units):
+        if len(there) > 1:
+            raise ValueError(f"{place}: {axis} is in several units")
+    unit = next(iter(found.values()))[1]
+    found = {(x, y): value for ((x, _), (y, _)), (value, _) in found.items()}
     xs, ys = (np.array(sorted({p[k] for p in found})) for k in (0, 1))
     table = np.array([[found.get((x, y), np.nan) for x in xs] for y in ys])
-    return xs, ys, table
+    if si and unit in KINDS:  # cm rather than m, where that suits
+        unit, one = suited_to(KINDS[unit], np.nanmax(np.abs(table)))
+        table = table / one
+    elif si and unit in DIMENSIONS:
+        unit = DIMENSIONS[unit][1]
+    else:
+        unit = ""
+    return xs, ys, table, [*(there.pop() for there in units), unit]
 
 
 def even(values):
@@ -101,7 +133,7 @@ def edges(values):
     return found if even(values) else np.exp(found)
 
 
-def draw(ax, xs, ys, table, axes, quantity):
+def draw(ax, xs, ys, table, units, axes, quantity):
     # before the contours: their labels cut them where they are on the screen
     for values, scale, axis in ((xs, ax.set_xscale, ax.xaxis), (ys, ax.set_yscale, ax.yaxis)):
         if not even(values):
@@ -115,13 +147,15 @@ def draw(ax, xs, ys, table, axes, quantity):
     colours = ax.pcolormesh(edges(xs), edges(ys), table, shading="flat", cmap="cividis",
                             rasterized=True, norm="log" if wide else "linear")
     if np.isfinite(table).all() and min(table.shape) > 2 and np.ptp(table) > 0:
-        levels = LogLocator(subs=(1, 2, 5)).tick_values(low, high) if wide else 8
-        lines = ax.contour(xs, ys, table, levels=levels, colors="white", linewidths=0.5)
-        for text in ax.clabel(lines, fontsize=6, fmt="%.4g"):
-            text.set_path_effects([withStroke(linewidth=1.2, foreground="#555555")])  # on light cells
-    ax.set_xlabel(LABELS.get(axes[0], axes[0]))
-    ax.set_ylabel(LABELS.get(axes[1], axes[1]))
+        levels = (LogLocator(subs=(1, 2, 5)) if wide else MaxNLocator(9)).tick_values(low, high)
+        dark = colours.norm(levels) < 0.6  # white on dark cells, black on light ones
+        lines = ax.contour(xs, ys, table, levels=levels, linewidths=0.5,
+                           colors=np.where(dark, "white", "#222222"))
+        ax.clabel(lines, fontsize=6, fmt="%.4g")
+    for axis, unit, label in zip(axes, units, (ax.set_xlabel, ax.set_ylabel)):
+        label(LABELS.get(axis, axis.replace("_", " ")) + (f" ({unit})" if unit else ""))
     label = LABELS.get(quantity, quantity.removeprefix("series/").replace("_", " "))
+    label += f" ({units[2]})" if units[2] else ""
     ax.figure.colorbar(colours, ax=ax, label=label)
 
 
@@ -131,6 +165,7 @@ def main(arguments=None):
     parser.add_argument("place", help="directory of scripts/sweep.sh, or file of a sweep")
     parser.add_argument("--axes", required=True, metavar="X,Y", help="options along the axes")
     parser.add_argument("--quantity", default="critical/t", help="default %(default)s")
+    parser.add_argument("--si", action="store_true", help="the quantity in SI units, of runs with -si_ options")
     parser.add_argument("--output", metavar="BASENAME",
                         help="writes BASENAME.png and .pdf; default: the place's name")
     view = parser.parse_args(arguments)
@@ -139,10 +174,10 @@ def main(arguments=None):
     if len(axes) != 2:
         parser.error("--axes: give two options, X,Y")
     try:
-        xs, ys, table = read(view.place, axes, view.quantity)
+        xs, ys, table, units = read(view.place, axes, view.quantity, view.si)
         with plt.rc_context(STYLE):
             figure, ax = plt.subplots(figsize=(3.4, 2.7), layout="constrained")
-            draw(ax, xs, ys, table, axes, view.quantity)
+            draw(ax, xs, ys, table, units, axes, view.quantity)
             output = view.output or view.place.rstrip("/").removesuffix(".h5")
             for ending in ("png", "pdf"):
                 figure.savefig(f"{output}.{ending}")

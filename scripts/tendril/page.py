@@ -24,6 +24,7 @@ from .results import Results, load
 from .style import COLOURS
 from .surroundings import arc_length, axial_force, contact_force, friction, walls
 from .units import in_laboratory, laboratory_units
+from .walls import diameter_of
 
 WEB = Path(__file__).resolve().parent / "web"
 MOST_SHAPES, MOST_NODES, ARROWS = 300, 501, 28  # what a page holds of a run
@@ -56,27 +57,29 @@ def thinned(count, most):
     return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
 
 
-def at_arrows(shape, values):
-    """[ARROWS, 2], nodal values at equal distances along the rod."""
-    p = arc_length(shape)
-    return np.column_stack([np.interp(np.linspace(0, p[-1], ARROWS), p, v) for v in values.T])
+def pressed(r, shape):
+    """([ARROWS, 2] places, [ARROWS, 2] force of contact per length): the strongest in each piece of the
+    rod; it acts on the rod's surface."""
+    force, p = contact_force(r, shape), arc_length(shape)
+    size = np.hypot(*force.T)
+    piece = np.minimum((p / p[-1] * ARROWS).astype(int), ARROWS - 1)
+    at = [max(np.flatnonzero(piece == k), key=size.__getitem__, default=0) for k in range(ARROWS)]
+    away = force[at] / np.maximum(size[at], 1e-300)[:, None]
+    return shape.x[at] - diameter_of(r) / 2 * away, force[at]
 
 
 def shapes_of(r):
     """What moves: arrays by name, [stored time, ...], thinned to what a page holds."""
     nodes = thinned(len(r.shapes.s), MOST_NODES)
-    table = {"t": [], "x": [], "axial": [], "places": [], "friction": []}
-    if "contact" in r.shapes:
-        table["contact"] = []
+    names = ["t", "x", "axial", "places", "friction"]
+    names += ["touched", "contact"] if "contact" in r.shapes else []
+    table = {name: [] for name in names}
     for t in r.shapes.t[thinned(len(r.shapes.t), MOST_SHAPES)]:
         shape = r.at(t)
-        force = {"friction": friction(r, shape), "contact": contact_force(r, shape)}
-        table["t"].append(shape.t)
-        table["x"].append(shape.x[nodes])
-        table["axial"].append(axial_force(shape)[nodes])
-        table["places"].append(at_arrows(shape, shape.x))
-        for name in force.keys() & table.keys():
-            table[name].append(at_arrows(shape, force[name]))
+        values = [shape.t, shape.x[nodes], axial_force(shape)[nodes], *friction(r, shape, ARROWS)]
+        values += pressed(r, shape) if "contact" in table else []
+        for name, value in zip(names, values):
+            table[name].append(value)
     return {name: np.asarray(rows) for name, rows in table.items()}
 
 
@@ -100,7 +103,9 @@ def run_of(r, title, colour, shapes, units):
         "shapes": {name: packed(values) for name, values in shapes.items()},
         "widths": {name: int(np.prod(values.shape[1:])) for name, values in shapes.items()
                    if name != "t"},
-        "walls": [np.ravel(line).tolist() for line in walls(r)],
+        "walls": [{part: [np.ravel(line).tolist() for line in lines]
+                   for part, lines in zip(("body", "lines"), wall)} for wall in walls(r)],
+        "diameter": diameter_of(r),
     }
 
 
@@ -120,6 +125,7 @@ def content_of(results, titles):
     units = laboratory_units(results)
     shapes = [shapes_of(r) for r in results]
     drag = [np.percentile(np.hypot(*np.moveaxis(s["friction"], -1, 0)), 95) for s in shapes]
+    press = [np.hypot(*np.moveaxis(s["contact"], -1, 0)).max() for s in shapes if "contact" in s]
     summary = [(text, results[0].units.get(f"series/{name}", "1")) for text, name in SUMMARY]
     summary += [(text, "1") for text in ("steps", "Newton iterations", "finished", "ended by",
                                           "version")]
@@ -129,7 +135,8 @@ def content_of(results, titles):
         "charts": charts_of(results), "summary": summary, "colours": COLOURS,
         "names": {name: name.replace("_", " ") for r in results for name in r.series},
         "units": {unit: name for unit, (name, _) in units.items()},
-        "drag": float(max(drag)) or 1.0,
+        "notes": {name: r.notes.get(f"series/{name}", "") for r in results for name in r.series},
+        "drag": float(max(drag)) or 1.0, "press": float(max(press, default=0)) or 1.0,
         "strongest": float(max(np.abs(s["axial"]).max() for s in shapes)) or 1.0,
     }
 

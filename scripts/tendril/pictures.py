@@ -14,6 +14,7 @@ joined by +"""
 from __future__ import annotations
 
 import argparse
+import itertools
 import sys
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -23,8 +24,10 @@ from typing import TYPE_CHECKING, Sequence
 import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.backends.backend_agg import RendererAgg
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
+from matplotlib.text import Annotation
 from matplotlib.ticker import LogLocator, NullLocator
 
 from . import plot_stability
@@ -99,6 +102,27 @@ def mark_minimum(ax, r, view):
                 path_effects=[withStroke(linewidth=2.5, foreground="white")])  # over other curves
 
 
+def settle(figure):
+    """Moves what is written at a point to where no curve goes through it, if there is such a place."""
+    renderer = RendererAgg(*figure.bbox.size, figure.dpi)
+    for ax in figure.axes:
+        curves = [line.get_path().transformed(ax.transData).cleaned(remove_nans=True)
+                  for line in ax.lines if len(line.get_xdata()) > 1]
+        for text in filter(lambda t: isinstance(t, Annotation), ax.texts):
+            first = text.get_ha(), *text.xyann
+            for down, side in itertools.product((-5, *range(5, 42, 3), -16, -27), (1, -1)):
+                text.set(ha=first[0] if side > 0 else {"left": "right", "right": "left"}[first[0]],
+                         va="top" if down < 0 else "bottom")
+                text.xyann = side * first[1], down
+                box = text.get_window_extent(renderer).padded(2)
+                if ax.bbox.x0 < box.x0 and box.x1 < ax.bbox.x1 and ax.bbox.y0 < box.y0 \
+                        and box.y1 < ax.bbox.y1 and not any(c.intersects_bbox(box, False) for c in curves):
+                    break
+            else:
+                text.set(ha=first[0], va="top")
+                text.xyann = first[1:]
+
+
 def panel_norm(ax, r, view):
     decades(ax)
     ax.set_ylabel(view.units.label(r"$\|x_2\| = (\int_0^1 x_2^2\, ds)^{1/2}$", "length"))
@@ -129,7 +153,8 @@ def curves(kind, label, *lines):
 
 def panel_power(ax, r, view):
     lines = [("growth_power", "growth", BLUE, "-"), ("dissipation", "friction", ORANGE, "--")]
-    if any(run.series.get("tip_power", np.zeros(1)).any() for run in view.results):
+    if any(np.abs(run.series.get("tip_power", 0)).max() > 1e-4 * run.series.growth_power.max()
+           for run in view.results):
         lines.append(("tip_power", "tip", GREEN, ":"))
     curves("power", "power", *lines)(ax, r, view)
 
@@ -145,7 +170,8 @@ def panel_defect(ax, r, view):
 def draw_shapes(ax, r, view, line):
     """The rod at the times asked for; line: draws a shape with the look it is given."""
     times = view.times_of(r)
-    shades = plt.get_cmap("viridis")(np.linspace(0, 0.88, len(times)))
+    # a time has its colour in all columns, also if some runs end before the last
+    shades = plt.get_cmap("viridis")(np.linspace(0, 0.88, len(view.times or times)))
     for number, (t, shade) in enumerate(zip(times, shades)):
         shape = r.at(t)
         line(shape, color=view.colour(r, shade), linestyle=view.style(r, number, "-"),
@@ -280,9 +306,10 @@ def legend(ax, view, name):
     """Above the axes, where it covers no curve."""
     handles, labels = legend_entries(ax, view, name)
     if len(handles) > 1:
-        short = name in SHAPES
+        short = name in SHAPES  # many entries, in an overlay of lines with a style
         ax.legend(handles, labels, loc="lower left", bbox_to_anchor=(0.1, 0.99), ncol=len(handles),
-                  handlelength=1.1 if short else 1.6, columnspacing=0.8 if short else 1.2,
+                  handlelength=2.0 if view.overlay else 1.1 if short else 1.6,
+                  columnspacing=(0.5 if view.overlay else 0.8) if short else 1.2,
                   handletextpad=0.3 if short else 0.5)
 
 
@@ -353,7 +380,8 @@ def draw(names, view):
                 panels[name](ax, r, view)
         aspects.append(limit_row(view, row, row_cells))
         for k, (ax, (name, _)) in enumerate(zip(row, row_cells)):
-            if not shared or k == 0 or (name in SHAPES and view.times is None):
+            times = [view.times_of(r[0]) for _, r in row_cells] if name in SHAPES else [None]
+            if not shared or k == 0 or any(t != times[0] for t in times):
                 legend(ax, view, name)
             if not shared or k == 0:
                 ax.set_title(f"({next(letters)})", loc="left")
@@ -366,6 +394,7 @@ def draw(names, view):
             ax.set_title(title, pad=18 if over else 6)
         headed = 0.2 * over
     place(figure, axes, aspects, shared, headed)
+    settle(figure)
     plt.close(figure)  # it is returned, and not pyplot's to show
     return figure
 
@@ -378,10 +407,15 @@ def check_times(view):
     if view.times is None:
         return
     latest = max(view.results, key=lambda r: r.shapes.t[-1])
+    second = None if view.units.scales["time"][1] else latest.attributes.get("si_time")
+
+    def told(t):
+        return view.units.plain(t)[4:] + (f" ({t * second:.4g} s)" if second else "")
+
     for t in view.times:
         if t < 0 or t > latest.shapes.t[-1] * (1 + 1e-9):
-            raise ResultsError(f"{latest.path}: ends at {view.units.plain(latest.shapes.t[-1])}; no "
-                               f"shape at {view.units.plain(t)[4:]}")
+            raise ResultsError(f"{latest.path}: ends at t = {told(latest.shapes.t[-1])}; no shape at "
+                               f"{told(t)}")
     for r in view.results:
         if not view.times_of(r):
             raise ResultsError(f"{r.path}: ends at {view.units.plain(r.shapes.t[-1])}, before the "

@@ -3,6 +3,7 @@ and the least cost from a start."""
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Sequence
 
@@ -14,7 +15,8 @@ from .errors import RunError, TendrilError
 from .measured import Measured
 from .parameters import MODE, PER, Parameter, with_unit
 from .results import Results
-from .sweeps import cores, run_all
+from .runs import run
+from .sweeps import cores, stored
 from .units import scales_of_rod
 
 HUBER = 1.345  # 95 % efficiency for normal noise
@@ -36,7 +38,7 @@ class Problem:
 
     def __init__(self, scene, measured: Measured, parameters: Sequence[Parameter], options, jobs=None):
         self.scene, self.measured, self.parameters = scene, measured, list(parameters)
-        self.options, self.jobs = dict(options), jobs or 2 * cores()
+        self.options, self.jobs = dict(options), jobs or cores()
         self.comparison = Comparison(measured)
         self.settings: dict = {}  # end, stored shapes, cells and tolerance of all runs
         self.glimpse = self.begin = None  # a run at the first point, for what it says of the scene
@@ -66,13 +68,17 @@ class Problem:
             options["rod_curvature_file"] = self.curvature(modes, u)
         return options | values
 
-    def unit_length(self, u):
-        """1 of tendril's unit of length in m at a point, 1 without laboratory units."""
-        rod = dict(self.glimpse.attributes)
+    def rod(self, u):
+        """What the file of a run at a point would say of its rod in the laboratory."""
+        about = dict(self.glimpse.attributes)
         for p, x, x0 in zip(self.parameters, u, self.begin):
             if p.name.startswith("si_"):
-                rod[f"parameters/{p.name}"] *= p.value(x) / p.value(x0)
-        return scales_of_rod(rod).get("length", 1.0)
+                about[f"parameters/{p.name}"] *= p.value(x) / p.value(x0)
+        return about | {f"si_{kind}": scale for kind, scale in scales_of_rod(about).items()}
+
+    def unit_length(self, u):
+        """1 of tendril's unit of length in m at a point, 1 without laboratory units."""
+        return self.rod(u).get("si_length", 1.0)
 
     def curvature(self, modes, u):
         """The arrays of -rod_curvature_file for some modes, {number: (amplitude, unit)}."""
@@ -84,14 +90,27 @@ class Problem:
         return {"distance" if slides else "s": s * (reach if slides else 1), "curvature": bend}
 
     def run(self, points) -> list[Results | RunError]:
-        """Runs at these points, side by side; those that were made before are not made again."""
+        """Runs at these points, side by side; those that were made before are not made again. Of their
+        attributes they have those of the rod in the laboratory."""
         keys = [tuple(np.round(np.asarray(u, float), 12)) for u in points]
         new = [key for key in dict.fromkeys(keys) if key not in self.known]
-        for key, r in zip(new, run_all([self.words(key) | self.settings for key in new], self.scene,
-                                       self.jobs, progress=False)):
+        for key, r in zip(new, stored([self.words(key) | self.settings for key in new], self.scene,
+                                      self.jobs)):
+            if isinstance(r, Results):
+                r.attributes = self.rod(key)
             self.known[key] = r
         self.count += len(new)
         return [self.known[key] for key in keys]
+
+    @contextmanager
+    def shared(self, searches):
+        """While several searches go on side by side each has its share of the cores."""
+        whole = self.jobs
+        self.jobs = max(1, whole // searches)
+        try:
+            yield
+        finally:
+            self.jobs = whole
 
     def ends(self):
         """Options by which a run ends with the last of what was measured; and the span it covers."""
@@ -137,12 +156,9 @@ class Problem:
                                        f"measured, at {last:.6g}; take out what ends it (-stop_...)")
 
     def first(self, u, settings):
-        """A run that must not fail."""
-        (r,) = run_all([self.words(u) | settings], self.scene, self.jobs, progress=False)
+        """A run that must not fail, with all that its file tells."""
         self.count += 1
-        if isinstance(r, RunError):
-            raise r
-        return r
+        return run(self.scene, progress=False, **self.words(u) | settings)
 
     def residuals(self, u, r=None):
         """Residuals over their noise, at a point of all that is looked for."""
@@ -196,23 +212,28 @@ class Problem:
         return np.column_stack([(self.residuals(a) - self.residuals(b)) / (a - b)[k]
                                 for k, (a, b) in enumerate(zip(ahead, behind))])
 
-    def with_neighbours(self, u):
-        """Residuals. The derivatives are mostly asked for next: their runs are made at the same time."""
-        p = len(self.parameters)
-        self.run([u[:p], *self.neighbours(u, STEP)[0][:, :p]])
-        return self.residuals(u)
-
     def bounds(self, u):
         p = len(self.parameters)
         return (np.r_[np.zeros(p), np.full(len(u) - p, -np.inf)],
                 np.r_[np.ones(p), np.full(len(u) - p, np.inf)])
 
     def solve(self, u, tolerance, ahead=True, most=15) -> Solution:
-        """The least cost from a start. ahead: runs for derivatives are made before they are asked for,
-        as there are cores for them."""
+        """The least cost from a start. ahead: runs for derivatives are made together with the one at the
+        point itself, as there are cores for them; but after a step that was none, when the next, which
+        is shorter, may be none either."""
+        p, least, better = len(self.parameters), np.inf, ahead
+
+        def residuals(u):
+            nonlocal least, better
+            if better:
+                self.run([u[:p], *self.neighbours(u, STEP)[0][:, :p]])
+            f = self.residuals(u)
+            cost = self.cost(f)
+            least, better = min(cost, least), ahead and cost < least
+            return f
+
         inside = np.clip(u, *[b + s for b, s in zip(self.bounds(u), (1e-6, -1e-6))])
-        found = optimize.least_squares(self.with_neighbours if ahead else self.residuals, inside,
-                                       self.jacobian, self.bounds(u), loss="huber",
+        found = optimize.least_squares(residuals, inside, self.jacobian, self.bounds(u), loss="huber",
                                        f_scale=HUBER, x_scale="jac", xtol=tolerance,
                                        ftol=tolerance, gtol=None, max_nfev=most)
         return Solution(found.x, found.cost)

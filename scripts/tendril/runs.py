@@ -8,6 +8,7 @@ Options are those of docs/options.md, without the dash. A value is a number, tex
 True for a flag; pairs for what is written 0:1,3:2.5; and for a file of arrays a dict of them:
 
     tendril.run(rod_stiffness_file={"distance": [0, 1, 2, 3], "factor": [0.1, 0.5, 1, 1]})
+    tendril.run(rod_curvature_file={"distance": ([0, 1, 2, 3], "cm"), "curvature": (k, "1/cm")}, ...)
 """
 
 from __future__ import annotations
@@ -34,6 +35,10 @@ ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": 
                "OMP_NUM_THREADS": "1"}
 # A single process needs no daemon, and no network to be looked for: it starts in half the time.
 SINGLE = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self"}
+# Several run wherever they may (by one name up to version 4 of Open MPI, by another from 5 on).
+SEVERAL = {"OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none",
+           "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
+           "PRTE_MCA_hwloc_default_binding_policy": "none"}
 TRIES = 3  # now and then MPI itself does not start on a busy machine, which says nothing of the run
 SECONDS_LEFT = re.compile(r"([0-9.]+) s$")
 
@@ -70,10 +75,13 @@ def text_of(value) -> str:
 
 
 def write_arrays(path, arrays):
-    """A dict of arrays as the HDF5 file that an option names."""
+    """A dict of arrays as the HDF5 file that an option names; one with a unit is (values, "cm")."""
     with h5py.File(path, "w") as file:
         for name, values in arrays.items():
+            values, *unit = values if isinstance(values, tuple) and isinstance(values[-1], str) else [values]
             file[name.lstrip("/")] = np.asarray(values, float)
+            if unit:
+                file[name.lstrip("/")].attrs["units"] = unit[0]
     return str(path)
 
 
@@ -89,17 +97,25 @@ def words_of(options, directory) -> list[str]:
     return words
 
 
+def scene_file(name) -> Path:
+    """An options file, or the scene of that name: of the checkout that this package lies in, of the
+    working directory, or of where the program comes from, its checkout or what was installed with it."""
+    if Path(name).is_file():
+        return Path(name)
+    program = Path(executable()).resolve().parents[1]
+    for place in (CHECKOUT, Path.cwd(), program, program / "share/tendril"):
+        if (known := place / "options" / f"{name}.opts").is_file():
+            return known
+    raise TendrilError(f"{name}: no options file, and no scene of that name")
+
+
 def scene_words(scene, directory) -> list[str]:
     """A scene: an options file, the name of one in options/, options as a dict, or nothing."""
     if scene is None:
         return []
     if isinstance(scene, dict):
         return words_of(scene, directory)
-    known = CHECKOUT / "options" / f"{scene}.opts"
-    path = Path(scene) if Path(scene).is_file() or not known.is_file() else known
-    if not path.is_file():
-        raise TendrilError(f"{scene}: no options file, and no scene of that name")
-    return ["-options_file", str(path)]
+    return ["-options_file", str(scene_file(scene))]
 
 
 def follow(process, progress):
@@ -121,7 +137,7 @@ def follow(process, progress):
 
 def start(command, progress):
     """(exit code, what it printed, what it complained of) of one run."""
-    environment = os.environ | ENVIRONMENT | ({} if command[0] == "mpiexec" else SINGLE)
+    environment = os.environ | ENVIRONMENT | (SINGLE if command[0] == executable() else SEVERAL)
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                           stdin=subprocess.DEVNULL, env=environment) as process:
         try:
@@ -158,6 +174,12 @@ def execute(command, output=None, progress=False) -> str:
     raise RunError(plain_line(complaint, code), command, stored)
 
 
+def launched(ranks: int) -> list[str]:
+    """The beginning of a command line on so many ranks."""
+    mpiexec = os.environ.get("MPIEXEC", "mpiexec")
+    return [*([mpiexec, "-n", str(ranks)] if ranks > 1 else []), executable()]
+
+
 def run(scene=None, *, output=None, progress: bool | None = None, ranks: int = 1,
         **options) -> Results:
     """Runs a scene and returns its results, which are dimensionless as in the file.
@@ -173,9 +195,8 @@ def run(scene=None, *, output=None, progress: bool | None = None, ranks: int = 1
     with tempfile.TemporaryDirectory(prefix="tendril-") as directory:
         name = Path(scene).stem if isinstance(scene, (str, Path)) else "run"
         output = Path(output or Path(directory) / f"{name}.h5")
-        launch = ["mpiexec", "-n", str(ranks)] if ranks > 1 else []
-        command = [*launch, executable(), *scene_words(scene, directory),
-                   *words_of(options, directory), "-output", str(output)]
+        command = [*launched(ranks), *scene_words(scene, directory), *words_of(options, directory),
+                   "-output", str(output)]
         execute(command, output, progress)
         return load(output)
 

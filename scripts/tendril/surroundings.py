@@ -22,16 +22,34 @@ def contact_force(r: Results, shape: Shape) -> np.ndarray:
     return r.shapes["contact"][shape.index] if "contact" in r.shapes else np.zeros_like(shape.x)
 
 
-def friction(r: Results, shape: Shape) -> np.ndarray:
-    """[n, 2], friction on the rod per unit length: what holds the internal force in balance, -dn/dp,
-    less what contact does."""
-    return -np.gradient(shape.force, arc_length(shape), axis=0) - contact_force(r, shape)
+def friction(r: Results, shape: Shape, pieces: int) -> tuple[np.ndarray, np.ndarray]:
+    """([pieces, 2] middles of equal pieces of the rod, [pieces, 2] friction on each per unit length): what
+    holds the internal force in balance, -dn/dp. 0 on a piece that is touched: there it would be the
+    small difference of two large forces."""
+    p = arc_length(shape)
+    ends = np.linspace(0, p[-1], pieces + 1)
+    held = -np.diff(along(p, shape.force, ends), axis=0) / np.diff(ends)[:, None]
+    touched = np.flatnonzero(np.any(contact_force(r, shape), axis=1))
+    near = np.clip(np.searchsorted(ends, p[touched][:, None] + [[-1e-9, 1e-9]]) - 1, 0, pieces - 1)
+    held[np.unique(near)] = 0
+    return along(p, shape.x, (ends[1:] + ends[:-1]) / 2), held
 
 
-def walls(r: Results) -> list[np.ndarray]:
-    """Lines [m, 2] of the walls around a run; of a plane as much as its shapes reach along it."""
+def along(p, values, at) -> np.ndarray:
+    """[m, 2], nodal values [n, 2] at some arc lengths."""
+    return np.column_stack([np.interp(at, p, column) for column in values.T])
+
+
+def walls(r: Results) -> list[tuple[list[np.ndarray], list[np.ndarray]]]:
+    """Of each wall around a run (rings [m, 2], what lies in one but not in two of them is its body; its
+    lines [m, 2]); of what has no end as much as the shapes reach along it, and more."""
     from .walls import solid, walls_of
 
     x = np.concatenate([s.reshape(-1, 2) for s in r.shapes["x"]])
-    (x0, y0), (x1, y1) = x.min(axis=0) - 1, x.max(axis=0) + 1
-    return [line for wall in walls_of(r) for line in solid(wall, (x0, x1, y0, y1))[1]]
+    (x0, y0), (x1, y1) = x.min(axis=0), x.max(axis=0)
+    room = max(x1 - x0, y1 - y0)
+    found = []
+    for wall in walls_of(r):
+        body, lines = solid(wall, (x0 - room, x1 + room, y0 - room, y1 + room))
+        found.append((body.to_polygons(closed_only=False) if body else [], lines))
+    return found

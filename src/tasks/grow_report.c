@@ -6,11 +6,28 @@
 /* The lines of progress are in the units of the laboratory, if it is known: those that suit the end
    of the run. */
 static const char *TimeUnit(const Grow *self, PetscReal *factor) {
-  return OptionShownIn(self->scene->end_time, UNIT_TIME, factor);
+  return OptionShownIn(self->end, UNIT_TIME, factor);
 }
 
 static const char *LengthUnit(const Grow *self, PetscReal *factor) {
-  return OptionShownIn(self->scene->reach, UNIT_LENGTH, factor);
+  return OptionShownIn(self->reach, UNIT_LENGTH, factor);
+}
+
+/* When the run ends, as far as that is known beforehand. Collective. */
+static PetscErrorCode FindEnd(Grow *self) {
+  PetscReal low = self->start, middle, length, stop = self->watch.bound[EVENT_LENGTH];
+
+  PetscFunctionBegin;
+  self->end = self->scene->end_time;
+  self->reach = self->scene->reach;
+  if (!self->watch.watched[EVENT_LENGTH] || stop > self->reach) PetscFunctionReturn(0);
+  self->reach = stop;
+  for (int i = 0; i < 40; i++) {
+    middle = (low + self->end) / 2;
+    PetscCall(GrowthLength(self->scene->growth, middle, &length, NULL));
+    *(length < stop ? &low : &self->end) = middle;
+  }
+  PetscFunctionReturn(0);
 }
 
 /* A column's name with its unit. */
@@ -22,10 +39,13 @@ static const char *Column(const char *name, const char *unit, char text[16]) {
 /* GrowHeading - above the lines of progress. Collective. */
 PetscErrorCode GrowHeading(Grow *self) {
   PetscReal factor;
-  const char *length = LengthUnit(self, &factor), *time = TimeUnit(self, &factor);
+  const char *length, *time;
   char text[4][16];
 
   PetscFunctionBegin;
+  PetscCall(FindEnd(self));
+  length = LengthUnit(self, &factor);
+  time = TimeUnit(self, &factor);
   PetscCall(PetscTime(&self->begin));
   self->reported = self->begin;
   if (!self->quiet)
@@ -39,7 +59,7 @@ PetscErrorCode GrowHeading(Grow *self) {
 /* GrowProgress - a line every tenth of the run, and every second. Collective. */
 PetscErrorCode GrowProgress(Grow *self, PetscBool last) {
   const Observation *seen = &self->seen;
-  PetscReal end = self->scene->end_time, time, length;
+  PetscReal end = self->end, time, length;
   PetscLogDouble now;
   char left[32] = "";
 

@@ -27,8 +27,9 @@ typedef struct {
   int stopped;                /* the signal that all ranks have agreed to stop on */
   PetscLogDouble begin, reported;
   Watch watch;
-  Event event;     /* that ended the run */
-  PetscReal start; /* t at which this run began: 0, or a restart's */
+  Event event;          /* that ended the run */
+  PetscReal start;      /* t at which this run began: 0, or a restart's */
+  PetscReal end, reach; /* t and length at its end, if nothing but -stop_length ends it before */
 } Grow;
 
 extern const RodModel *const grow_models[MODELS];

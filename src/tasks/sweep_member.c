@@ -3,6 +3,7 @@
 #include <petsctime.h>
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -144,7 +145,8 @@ static PetscErrorCode HandIn(Sweep *self, MemberHead *head, const Harvest *harve
 
 enum { LONGEST_NAME = 240, PATH = PETSC_MAX_PATH_LEN + LONGEST_NAME + 32 };
 
-/* -sweep_directory: the name of a member's file, in it or, until it is whole, below it. */
+/* -sweep_directory: the name of a member's file, in it or, until it is whole, below it. A slash in
+   the row, of a unit or a path, is none in a name. */
 static void FileName(const Sweep *self, PetscInt member, PetscBool whole, const char *ending,
                      char path[PATH]) {
   char name[LONGEST_NAME + 2];
@@ -152,6 +154,7 @@ static void FileName(const Sweep *self, PetscInt member, PetscBool whole, const 
   path[0] = 0;
   if (!self->directory[0]) return;
   TableRowName(self->table, member, name, sizeof(name));
+  for (char *c = strchr(name, '/'); c; c = strchr(c, '/')) *c = '_';
   (void)snprintf(path, PATH, "%s/%s%s%s", self->directory, whole ? "" : "running/", name, ending);
 }
 
@@ -177,6 +180,40 @@ static void PlaceFiles(const Sweep *self, const MemberHead *head, PetscBool drop
   (void)fclose(log);
 }
 
+/* Of two names, as those of files. */
+static int Compare(const void *one, const void *other) {
+  const char *a = *(const char *const *)one, *b = *(const char *const *)other;
+
+  for (; *a && (*a == '/' ? '_' : *a) == (*b == '/' ? '_' : *b); a++, b++) continue;
+  return (*a == '/' ? '_' : *a) - (*b == '/' ? '_' : *b);
+}
+
+/* Each row has a name that can be that of a file, and of no other row's. */
+static PetscErrorCode CheckNames(const Sweep *self) {
+  PetscInt n = TableRows(self->table), nameless = 0;
+  char name[LONGEST_NAME + 2], same[2 * LONGEST_NAME + 8] = "", **names;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(n, &names));
+  for (PetscInt r = 0; r < n; r++) {
+    TableRowName(self->table, r, name, sizeof(name));
+    if (!nameless && (!name[0] || strlen(name) > LONGEST_NAME)) nameless = r + 1;
+    PetscCall(PetscStrallocpy(name, &names[r]));
+  }
+  qsort(names, (size_t)n, sizeof(*names), Compare);
+  for (PetscInt r = 1; r < n; r++)
+    if (!Compare(&names[r - 1], &names[r]) && strcmp(names[r - 1], names[r]))
+      (void)snprintf(same, sizeof(same), "%s and %s", names[r - 1], names[r]);
+  for (PetscInt r = 0; r < n; r++) PetscCall(PetscFree(names[r]));
+  PetscCall(PetscFree(names));
+  UserCheck(!nameless, OptionsComm(),
+            "-sweep_directory: the file of row %d cannot be named by what the table has there: it "
+            "is empty or long",
+            (int)nameless);
+  UserCheck(!same[0], OptionsComm(), "-sweep_directory: %s would have one file", same);
+  PetscFunctionReturn(0);
+}
+
 /* SweepMakeDirectory - makes -sweep_directory, if one is asked for and not there. Collective. */
 PetscErrorCode SweepMakeDirectory(Sweep *self) {
   char path[PATH];
@@ -190,13 +227,7 @@ PetscErrorCode SweepMakeDirectory(Sweep *self) {
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &fault, 1, MPI_INT, MPI_MAX, OptionsComm()));
   UserCheck(!fault, OptionsComm(), "-sweep_directory %s: cannot be made: %s", self->directory,
             strerror(fault));
-  for (PetscInt r = 0; r < TableRows(self->table); r++) {
-    TableRowName(self->table, r, path, LONGEST_NAME + 2);
-    UserCheck(path[0] && !strchr(path, '/') && strlen(path) <= LONGEST_NAME, OptionsComm(),
-              "-sweep_directory: the file of row %d cannot be named by what the table has there: "
-              "it is empty or long, or has a slash",
-              (int)r + 1);
-  }
+  PetscCall(CheckNames(self));
   PetscFunctionReturn(0);
 }
 

@@ -246,7 +246,10 @@ def refused_tables():  # the unit test has more of them
         ("sweep_file\na.csv\n", "", "-sweep_file is of the sweep"),
         ("quiet\ntrue\n", "", "-quiet is of the sweep"),
         ("options_file\na.opts\n", "", "-options_file is of the sweep"),
-        ("shape_file\n../a.h5\n", "-sweep_directory runs", "row 1 cannot be named"),
+        ("friction_layers\n\"" + ",".join(f"{k}:1" for k in range(80)) + "\"\n",
+         "-sweep_directory runs", "row 1 cannot be named"),
+        ("shape_file\na/b_c\na_b/c\n", "-sweep_directory runs",
+         " would have one file"),
         (GOOD, "-sweep_file nowhere.csv", "-sweep_file nowhere.csv: No such file or directory"),
         (GOOD, "-output table.csv", "-output table.csv: would overwrite the file that -sweep_file"),
     ])

@@ -239,6 +239,12 @@ class Fitting(unittest.TestCase):
     def test_refused_in_one_line(self):
         data = self.place / "one.csv"
         data.write_text("t (s),wdth (cm)\n1,2\n2,3\n")
+        for name in ("one", "two"):
+            said, words = io.StringIO(), [str(self.place / "two.opts"), f"20s@{data}", "-p", "tip_force=1:2"]
+            (self.place / "two.opts").touch()
+            with contextlib.redirect_stderr(said):
+                self.assertEqual(fit_command.main([*words, "--output", str(self.place / name)]), 1)
+            self.assertRegex(said.getvalue(), f"^fit: --output .*{name}: would write over .*{name}.*\n$")
         for words, word in (([TUBE, data, {"si_friction_dry": ("0.2N/m", "2N/m")}], "wdth is no series"),
                             ([TUBE, data, {"si_frction_dry": (1, 2)}], "unknown option"),
                             ([TUBE, self.place / "none.csv", {"tip_force": (1, 2)}], "No such file"),

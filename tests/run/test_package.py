@@ -4,9 +4,11 @@
     test_package.py build/tendril        with .venv's python, or one that has what the package needs"""
 
 import contextlib
+import importlib.util
 import io
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -146,6 +148,28 @@ class Package(unittest.TestCase):
         lengths = tendril.sweep(over={"tip_force": [0, 1]}, task="critical", friction_beta=1e-6)
         np.testing.assert_allclose(lengths.dataset().length, [1.98635, 1.326992], rtol=1e-5)
 
+    def test_sweep_over_units(self):
+        """A slash of a unit is none in the name of a file; arrays go along; tasks that a job of many
+        cannot do are done one by one."""
+        bend = {"distance": ([0, 1, 2, 3], "cm"), "curvature": ([0.1] * 4, "1/cm")}
+        s = tendril.sweep(TUBE, {"si_friction_dry": ["0.3N/m", "0.6N/m"], "rod_cells": [50]},
+                          directory=self.place / "units", rod_curvature_file=bend, stop_length="3cm")
+        self.assertEqual([r.attributes["parameters/si_friction_dry"] for r in s.members.flat], [0.3, 0.6])
+        *axes, table, units = map.read(self.place / "units", ["si_friction_dry", "rod_cells"], "width", True)
+        self.assertEqual((units, list(axes[0])), (["N/m", "", "mm"], [0.3, 0.6]))
+        np.testing.assert_allclose(table[0], [1000 * r.dataset(si=True).width[-1] for r in s.members.flat])
+        curvature = s.members[0, 0].dataset(si=True).natural_curvature[-1]
+        np.testing.assert_allclose(curvature, 10)  # 1/m
+        names = [f"si_friction_dry=0.{n}N_m__rod_cells=50" for n in (3, 6)]
+        self.assertEqual([r.name for r in s.members.flat], names)
+        self.assertEqual([f.name for f in sorted((self.place / "units").iterdir())],
+                         [f"{name}.{end}" for name in names for end in ("h5", "xmf")])
+        with self.assertRaisesRegex(tendril.RunError, "did you mean -friction_mu"):
+            tendril.sweep("feed", {"rod_cells": [40, 50]}, frictoin_mu=1)
+        s = tendril.sweep(over={"tip_force": [0, 0.5]}, task="stability", friction_beta=1e-3,
+                          stability_points=2, stability_end=0.1, stability_vertices=20)
+        self.assertEqual([len(r.stability.t) for r in s.members], [2, 2])
+
     def test_map(self):
         """Of last values of a sweep; on a logarithmic axis cells meet at geometric means."""
         place = self.place / "map"
@@ -158,22 +182,35 @@ class Package(unittest.TestCase):
             self.assertEqual(map.main([str(place), *axes, "--quantity", "width"]), 0)
         self.assertRegex(said.getvalue(), r"^map: .*holds no wdth; there are .*width\n$")
         self.assertGreater((self.place / "map.png").stat().st_size, 3000)
-        xs, ys, table = map.read(place, ["growth_initial_length", "friction_mu"], "series/width")
+        xs, ys, table, _ = map.read(place, ["growth_initial_length", "friction_mu"], "series/width")
         np.testing.assert_array_equal(table, s.dataset().width.values)
         np.testing.assert_allclose(map.edges(xs), 2.0 ** np.array([-0.5, 0.5, 1.5, 2.5]))
         np.testing.assert_allclose(map.edges(ys), [-0.5, 0.5, 1.5])
 
     def test_three_lines(self):
-        """The example of the README does what it says."""
+        """The example of the README does what it says, with the package as pip installs it: by itself, in
+        whatever directory."""
+        site, work = self.place / "site", self.place / "work"
+        work.mkdir()
+        shutil.copytree(ROOT / "scripts", self.place / "scripts",
+                        ignore=shutil.ignore_patterns("*.egg-info", "build", "__pycache__"))
+        if importlib.util.find_spec("setuptools"):
+            subprocess.run([sys.executable, "-c", "import setuptools; setuptools.setup()", "-q", "build",
+                            "--build-lib", site], cwd=self.place / "scripts", check=True, capture_output=True)
+        else:
+            shutil.copytree(self.place / "scripts/tendril", site / "tendril")
+        self.assertTrue((site / "tendril/web/uplot/uPlot.iife.min.js").is_file())
         readme = (ROOT / "README.md").read_text()
         code = re.search(r"(?m)^    import tendril\n(    .*\n)+", readme)[0]
         lines = [line[4:] for line in code.splitlines()]
         self.assertLessEqual(len(lines), 4)
-        done = subprocess.run([sys.executable, "-c", "\n".join(lines)], cwd=self.place, text=True,
-                              capture_output=True, env=os.environ | {"PYTHONPATH": str(ROOT / "scripts")})
+        lines.append("print(tendril.__file__)")
+        done = subprocess.run([sys.executable, "-c", "\n".join(lines)], cwd=work, text=True,
+                              capture_output=True, env=os.environ | {"PYTHONPATH": str(site)})
         self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(Path(done.stdout.strip()), site / "tendril/__init__.py")
         for file in re.findall(r'"(\w+\.(?:png|html|csv|gif))"', code):
-            self.assertGreater((self.place / file).stat().st_size, 1000, file)
+            self.assertGreater((work / file).stat().st_size, 1000, file)
 
     def test_version(self):
         text = (ROOT / "scripts/pyproject.toml").read_text()

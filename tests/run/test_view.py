@@ -44,7 +44,15 @@ const press = (box) => box.click();
 const slide = (value) => (slider) => { slider.value = value; slider.dispatchEvent(new Event("input")); };
 const titles = () => Array.from(document.querySelectorAll(".chart h2"), (h) => h.textContent);
 const cursor = (u) => u.posToVal(u.cursor.left, "x");
-const ink = () => rod.root.querySelector("canvas").toDataURL().length;
+// a mouse on a chart, at a part of its width
+const mouse = (u, what, part) => {
+  const box = u.over.getBoundingClientRect();
+  u.over.dispatchEvent(new MouseEvent(what, { clientX: box.left + part * box.width, bubbles: true, button: 0,
+    movementX: 1, buttons: what === "mousemove" ? 1 : 0, clientY: box.top + box.height / 2, cancelable: true }));
+};
+const mice = async (u, ...steps) => {
+  for (const [what, part] of steps) { mouse(u, what, part); await frame(); }
+};
 (async () => {
   try {
     await frame();
@@ -58,6 +66,14 @@ const ink = () => rod.root.querySelector("canvas").toDataURL().length;
     seen.cursors = charts.map(cursor);
     seen.values = Array.from(document.querySelectorAll(".chart:first-child .u-value"), (v) => v.textContent);
     seen.moved = before !== rod.root.querySelector("canvas").toDataURL();
+    await mice(charts[0], ["mousemove", 0.2], ["mousedown", 0.2], ["mousemove", 0.6], ["mouseup", 0.6],
+               ["click", 0.6]);
+    seen.enlarged = charts.map((u) => [u.scales.x.min, u.scales.x.max]);
+    await mice(charts[1], ["mousedown", 0.5], ["mouseup", 0.5], ["click", 0.5], ["mouseleave", 0.5]);
+    seen.clicked = [state.t, ...charts.map(cursor)];
+    await mice(charts[2], ["dblclick", 0.5]);
+    seen.whole = charts.map((u) => u.scales.x.max);
+    await set("slider", slide(500));
     if (!element("lab-label").hidden) {
       await set("lab", press);
       seen.lab = { charts: titles(), now: element("now").textContent, cursors: charts.map(cursor),
@@ -163,6 +179,10 @@ class View(unittest.TestCase):
         step = r.series.t[np.argmin(np.abs(r.series.t - middle))]
         np.testing.assert_allclose([float(v) for v in seen["values"][:2]], [step, r.value("length", step)],
                                    rtol=0.02)
+        end = r.series.t[-1]
+        np.testing.assert_allclose(seen["enlarged"], [[0.2 * end, 0.6 * end]] * len(seen["charts"]), rtol=0.02)
+        np.testing.assert_allclose(seen["clicked"], 0.4 * end, rtol=0.02)  # the middle of what is enlarged
+        np.testing.assert_allclose(seen["whole"], end)
         lab = seen["lab"]
         self.assertEqual(lab["now"], "t = 20 s")
         np.testing.assert_allclose(lab["cursors"], 20, rtol=0.01)

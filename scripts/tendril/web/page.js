@@ -3,9 +3,10 @@
 // numbers, all dimensionless; charts, which series are drawn together; units of the laboratory.
 const data = JSON.parse(document.getElementById("data").textContent);
 const element = (id) => document.getElementById(id);
-const state = { t: 0, lab: false, playing: false };  // t in the units that are shown
+// t in the units that are shown; dragged: the chart in which the mouse is held down
+const state = { t: 0, lab: false, playing: false, dragged: null };
 const PLAY_SECONDS = 12, DASHES = [[], [6, 3], [2, 2], [8, 3, 2, 3]];
-const ARROW_SHARE = 1 / 12;  // of the picture's width: the strongest friction
+const ARROW_SHARE = 1 / 12;  // of the picture's width: the strongest friction, or contact
 
 function floats(text) {
   const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
@@ -105,20 +106,41 @@ function shade(force) {
   return `rgb(${mix})`;
 }
 
+function trace(u, points, f) {
+  for (let i = 0; i < points.length; i += 2) {
+    const x = u.valToPos(points[i] * f, "x", true), y = u.valToPos(points[i + 1] * f, "y", true);
+    if (i) u.ctx.lineTo(x, y); else u.ctx.moveTo(x, y);
+  }
+}
+
 function polyline(u, points, f) {
   u.ctx.beginPath();
-  for (let i = 0; i < points.length; i += 2)
-    u.ctx.lineTo(u.valToPos(points[i] * f, "x", true), u.valToPos(points[i + 1] * f, "y", true));
+  trace(u, points, f);
   u.ctx.stroke();
 }
 
-function drawForces(u, places, forces, colour, f) {
-  const scale = ARROW_SHARE * u.bbox.width / data.drag, ctx = u.ctx;
+function drawWalls(u, run, f) {
+  u.ctx.fillStyle = "#e8e4da";
+  u.ctx.strokeStyle = "#8a8371";
+  u.ctx.lineWidth = devicePixelRatio;
+  for (const wall of run.walls) {
+    u.ctx.beginPath();
+    for (const ring of wall.body) trace(u, ring, f);
+    u.ctx.fill("evenodd");
+    for (const line of wall.lines) polyline(u, line, f);
+  }
+}
+
+// Arrows of forces, of which `strongest` is the longest; they begin at their places, or end there.
+function drawForces(u, places, forces, strongest, colour, f, end) {
+  const scale = ARROW_SHARE * u.bbox.width / strongest, ctx = u.ctx;
   ctx.strokeStyle = colour;
   ctx.lineWidth = devicePixelRatio;
   for (let i = 0; i < places.length; i += 2) {
-    const x = u.valToPos(places[i] * f, "x", true), y = u.valToPos(places[i + 1] * f, "y", true);
     const dx = forces[i] * scale, dy = -forces[i + 1] * scale;
+    if (Math.hypot(dx, dy) < 2 * devicePixelRatio) continue;
+    const x = u.valToPos(places[i] * f, "x", true) - (end ? dx : 0);
+    const y = u.valToPos(places[i + 1] * f, "y", true) - (end ? dy : 0);
     const head = Math.min(0.35, 7 * devicePixelRatio / Math.hypot(dx, dy));  // of the arrow
     ctx.beginPath();
     ctx.moveTo(x, y);
@@ -132,22 +154,18 @@ function drawForces(u, places, forces, colour, f) {
 
 function drawRun(u, run) {
   const shape = shapeAt(run, state.t / factor(run, "l/V")), f = factor(run, "l"), ctx = u.ctx;
-  for (const line of run.walls) {
-    ctx.strokeStyle = "#999";
-    ctx.lineWidth = 2 * devicePixelRatio;
-    polyline(u, line, f);
-  }
-  if (element("friction").checked) drawForces(u, shape.places, shape.friction, "#777", f);
-  if (shape.contact && element("contact").checked) drawForces(u, shape.places, shape.contact, "#009E73", f);
-  ctx.lineWidth = (several ? 2.5 : 5) * devicePixelRatio;
+  const thick = Math.abs(u.valToPos(run.diameter * f, "x", true) - u.valToPos(0, "x", true));
+  if (element("friction").checked) drawForces(u, shape.places, shape.friction, data.drag, "#777", f, false);
+  ctx.lineWidth = Math.max((several ? 2.5 : 5) * devicePixelRatio, thick);
   ctx.strokeStyle = several ? run.colour : "#333";
   polyline(u, shape.x, f);
-  if (several) return;
-  ctx.lineWidth = 3.4 * devicePixelRatio;
-  for (let i = 0; i + 1 < shape.axial.length; i++) {
+  ctx.lineWidth = Math.max(3.4 * devicePixelRatio, thick - 1.6 * devicePixelRatio);
+  for (let i = 0; !several && i + 1 < shape.axial.length; i++) {
     ctx.strokeStyle = shade((shape.axial[i] + shape.axial[i + 1]) / 2);
     polyline(u, shape.x.subarray(2 * i, 2 * i + 4), f);
   }
+  if (shape.contact && element("contact").checked)
+    drawForces(u, shape.touched, shape.contact, data.press, "#D55E00", f, true);
 }
 
 function drawRods(u) {
@@ -156,7 +174,9 @@ function drawRods(u) {
   u.ctx.rect(u.bbox.left, u.bbox.top, u.bbox.width, u.bbox.height);
   u.ctx.clip();
   u.ctx.lineCap = u.ctx.lineJoin = "round";
-  for (const run of data.runs) if (run.shown) drawRun(u, run);
+  const shown = data.runs.filter((run) => run.shown);
+  for (const run of shown) drawWalls(u, run, factor(run, "l"));
+  for (const run of shown) drawRun(u, run);
   const x = u.valToPos(0, "x", true), y = u.valToPos(0, "y", true), size = 8 * devicePixelRatio;
   u.ctx.fillStyle = "#000";
   u.ctx.fillRect(x - size / 2, y - size / 2, size, size);  // the clamp
@@ -177,11 +197,11 @@ function makeRod() {
     scales: { x: { time: false, range: range(0) }, y: { range: range(1) } },
     axes: [{ label: withUnit("x₁", "l"), labelSize: 20, size: 34 },
            { label: withUnit("x₂", "l"), labelSize: 20, size: 50 }],
-    series: [{}, {}], hooks: { draw: [drawRods] },
+    series: [{}, { show: false }], hooks: { draw: [drawRods] },
     padding: [8, 16, 0, 0],  // fixed, so that the box is what the limits were made for
   }, [[0, 1], [0, 0]], element("rod"));
   element("least").textContent = number(-data.strongest * factor(data.runs[0], "N l"));
-  element("most").textContent = withUnit(number(data.strongest * factor(data.runs[0], "N l")), "N l");
+  element("most").textContent = `${number(data.strongest * factor(data.runs[0], "N l"))} ${named("N l")}`;
 }
 
 // ---- the curves ----
@@ -212,7 +232,7 @@ function columns(chart, runs, times) {
     lines.push({
       label: several ? (chart.series.length > 1 ? `${run.name}, ${data.names[name]}` : run.name) : data.names[name],
       stroke: several ? run.colour : data.colours[i % data.colours.length],
-      dash: several ? DASHES[i % DASHES.length] : [], width: 1.5, points: { show: false },
+      dash: several ? DASHES[i % DASHES.length] : [], width: 1.5, points: { show: false }, name,
       value: (u, v) => number(v),
     });
     values.push(resample(run, name, chart.unit, times, chart.log));
@@ -245,15 +265,38 @@ function makeChart(chart, runs, times) {
   element("charts").append(box);
   const u = new uPlot({
     width: box.clientWidth, height: 210,
-    cursor: { sync: { key: "time" }, drag: { x: true, y: false }, y: false },
+    pxAlign: 0,  // lines go where their points are, not to whole pixels
+    cursor: {
+      // who drags out of one chart into another is still in the first
+      sync: { key: "time", filters: { pub: (type, u) => !state.dragged || state.dragged === u } },
+      drag: { x: true, y: false, click: () => {} },  // else the first click after it is lost
+      y: false,
+    },
     scales: { x: { time: false }, y: chart.log ? { distr: 3 } : {} },
     axes: [{ size: 32 }, valueAxis(chart.log)],
     series: [{ label: withUnit("t", "l/V"), value: (u, v) => number(v) }, ...lines],
     hooks: { draw: [mark] },
   }, [times, ...values], box);
-  u.over.addEventListener("click", () => { if (u.select.width < 3) goTo(u.posToVal(u.cursor.left, "x")); });
-  u.over.addEventListener("mouseleave", () => requestAnimationFrame(markTime));
+  u.root.querySelectorAll(".u-legend .u-series").forEach((row, i) => {
+    if (i) row.title = data.notes[lines[i - 1].name];
+  });
+  follow(u);
   return u;
+}
+
+// What the mouse, or a finger, does on a chart: a click goes to its time, a drag is uPlot's.
+function follow(u) {
+  let from = 0;
+  u.over.addEventListener("mousedown", (event) => {
+    from = event.clientX;
+    state.dragged = u;
+    if (state.playing) play();
+  });
+  u.over.addEventListener("click", (event) => {
+    if (Math.abs(event.clientX - from) < 4)
+      goTo(u.posToVal(event.clientX - u.over.getBoundingClientRect().left, "x"));
+  });
+  u.over.addEventListener("mouseleave", (event) => { if (!event.buttons) requestAnimationFrame(markTime); });
 }
 
 function makeCharts() {
@@ -375,6 +418,10 @@ function connect() {
       play();
     }
   });
+  document.addEventListener("mouseup", () => requestAnimationFrame(() => {
+    state.dragged = null;
+    markTime();
+  }));
   let width = innerWidth;  // a phone that hides its address bar changes the height alone
   addEventListener("resize", () => { if (innerWidth !== width) { width = innerWidth; redraw(); } });
 }
