@@ -276,20 +276,75 @@ def capstan():
 
 # --- E: folded in a channel ----------------------------------------------------------------------
 
+FOLDS, SLOPE = 5, 0.01  # of the rod; half of the channel's width over a fold's length
+STEEPEST = 1.2574       # of fold_load
+
+
+def fold(u):
+    """A fold of length 1, from wall to wall, 1 apart, along both at its ends; u = sqrt(P/B): the force
+    across, the moment at the ends, the excess length."""
+    down = u * np.sin(u) - 2 + 2 * np.cos(u)
+    c, d = (np.cos(u) - 1) / down, np.sin(u) / down
+    x = np.linspace(0, 1, 1001)
+    square = (u * (c * np.sin(u * x) + d * (1 - np.cos(u * x)))) ** 2
+    total = square[0] + square[-1] + 4 * square[1:-1:2].sum() + 2 * square[2:-1:2].sum()
+    return -d * u ** 3, u * u * (c * np.cos(u) + d * np.sin(u)), total / 6000
+
+
+def fold_load(u):
+    """Force of the walls on equal folds, per length, over h P^2/(pi^2 B)."""
+    return np.pi ** 2 * 4 * abs(fold(u)[0]) / u ** 4
+
+
+def folds(span, h, mu, excess):
+    """P and length of each fold in a channel of half width h whose walls rub with mu: at each contact
+    P falls by mu times what it presses with; moments are equal to both sides."""
+    def off(z):
+        P, d = z[:FOLDS], z[FOLDS:]
+        V, m, e = np.array([fold(u) for u in np.sqrt(P) * d]).T
+        V, m, e = 2 * h / d ** 3 * abs(V), 2 * h / d ** 2 * m, (2 * h) ** 2 / d * e
+        return np.r_[P[1:] - P[:-1] + mu * (V[1:] + V[:-1]), m[1:] - m[:-1], d.sum() - span,
+                     e.sum() - excess]
+    d = span / FOLDS
+    z = np.r_[np.full(FOLDS, (1.5 * np.pi / d) ** 2), np.full(FOLDS, d)]
+    for _ in range(8):
+        f = off(z)
+        slope = np.array([(off(z + dz) - f) / dz.max() for dz in np.diag(1e-6 * z)]).T
+        step = np.linalg.solve(slope, f)
+        z = z - step
+    expect(abs(step / z).max() < 1e-6, "the test itself: folds")
+    return z[:FOLDS], z[FOLDS:]
+
 
 @check
 def channel():
-    """E: the force of the walls on a rod folded between them, per length, at its stages of rest."""
-    a, h, L = 0.3, 3e-3, 0.297
-    r = Run(f"-growth_type feed -growth_initial_length {L} -shape_type straight -rod_curvature 1e-3 "
-            "-friction_mu 0 -ts_max_time 3.36e-3 "
-            + walls(f"plane 0 {h} 0 -1", f"plane 0 {-h} 0 1", f"plane {a} 0 -1 0"))
-    push, bound = r.contact_force + r.wall_force_1, a * h * r.base_force_1 ** 2 / np.pi ** 2
-    print(f"{r.steps} steps, P = {r.base_force_1[-1] * a * a / np.pi ** 2:.1f} pi^2, wall force "
-          f"{push[-1]:.0f}, its bound {bound[-1]:.0f}")
-    # the ends of the channel hold besides: two more folds' worth at most
-    folds = a * np.sqrt(r.base_force_1[-1]) / np.pi
-    expect(0 < push[-1] < bound[-1] * (1 + 2 / folds), f"wall force {push[-1]}, bound {bound[-1]}")
+    """E: five folds between two walls: P and what the walls take, up to h P^2/(pi^2 B) times 1.257; with
+    friction P falls along the channel, 1/P_out - 1/P_in = mu h x/(pi^2 B) times that."""
+    expect(max(fold_load(u) for u in np.linspace(3.2, 6.2, 301)) < STEEPEST, "the test itself: bound")
+    h = SLOPE * SPAN / FOLDS
+    s, steep = np.linspace(0, 1, 8001), np.pi * SLOPE
+    path = file("shape", s=s, theta=steep * np.sin(FOLDS * np.pi * s))
+    start, end = SPAN * steep ** 2 / 4, FOLDS ** 2 * fold(1.5 * np.pi)[2] * (2 * h) ** 2 / SPAN
+    for mu in (0, 2):
+        r = Run(f"-growth_type feed -growth_initial_length {SPAN} -tip_type clamped -shape_type file "
+                f"-shape_file {path} -friction_mu 0 -friction_beta 1e-12 -ts_max_time {end - start} "
+                + walls(f"plane 0 {2.000001 * h} 0 -1 friction {mu}",
+                        f"plane 0 {-0.000001 * h} 0 1 friction {mu}"))
+        x, force = r.shapes["x"][-1], r.shapes["force"][-1]
+        P, d = folds(x[-1, 0], h, mu, end)
+        middle = np.cumsum(d) - d / 2
+        have = -np.interp(middle, x[:, 0], force[:, 0])
+        push = abs(np.diff(np.interp(middle, x[:, 0], force[:, 1])))
+        V = np.array([abs(fold(u)[0]) for u in np.sqrt(P) * d]) * 2 * h / d ** 3
+        off = abs(have / P - 1).max(), abs(push / (V[1:] + V[:-1]) - 1).max()
+        load = push.sum() / (middle[-1] - middle[0]) * np.pi ** 2 / (h * (have ** 2).mean())
+        lost = (1 / have[-1] - 1 / have[0]) * np.pi ** 2 / (h * (middle[-1] - middle[0]))
+        print(f"friction {mu}: {r.steps} steps, P d^2/pi^2 B {have * (SPAN / FOLDS / np.pi) ** 2}, off by "
+              f"{off[0]:.1e}, force of the walls by {off[1]:.1e}, {load:.4f} of h P^2/pi^2 per length"
+              + (f"; 1/P grows by {lost / mu:.4f} mu h/pi^2" if mu else ""))
+        expect(off[0] < 5e-3 and off[1] < 1e-2, f"friction {mu}: off by {off}")
+        expect(load < STEEPEST, f"friction {mu}: {load} of the bound")
+        expect(not mu or 1.2 * mu < lost < STEEPEST * mu, f"friction {mu}: 1/P by {lost}")
 
 
 # --- F: the rod touches itself -------------------------------------------------------------------
