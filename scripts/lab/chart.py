@@ -22,7 +22,7 @@ from tendril.style import STYLE
 
 TITLES = {"decay": "decay to $10^{-13}$, $t = 12$", "short": "thick start, $t = 5$",
           "folded": "folded rod, $t = 40$", "gaussian": "growth zone $a = 0.05$", "feed": "feed",
-          "contact": "pushed on a plane"}
+          "contact": "pushed on a plane:\nforce, height"}
 TOP = 5  # of the error axis
 TOLERANCES = ("1e-2", "1e-3", "1e-4", "1e-5", "1e-6", "1e-7", "1e-8")
 # name: (solver, colour, marker, line); colours after Okabe and Ito
@@ -52,7 +52,8 @@ def settings(name, scene, quick):
     if scene == "contact" and name not in CONTACT:
         return []
     if scene == "contact" and name == "PyElastica":
-        fine = ["-elements 10 -dt 3e-4 -radius 0.05 -time 20", "-elements 20 -dt 2e-4 -radius 0.04 -time 20",
+        fine = ["-elements 10 -dt 3e-4 -radius 0.05 -time 20",
+                "-elements 20 -dt 2e-4 -radius 0.04 -time 20",
                 "-elements 40 -dt 1.2e-4 -radius 0.03 -time 20",
                 "-elements 80 -dt 6e-5 -radius 0.03 -time 20"]
         return fine[:1] if quick else fine
@@ -308,13 +309,14 @@ def main():
     arguments = parser.parse_args()
     place, store = workplace("chart", arguments.quick)
     found = runs(store, arguments)
+    own = {scene: methods for scene, methods in found.items() if scene != "contact"}  # of tip, |x2|, E
     table(found, place / "chart.csv")
     draw(found, Path(place) / "chart")
     few = {s: {m: r for m, r in found[s].items() if m in SHORT_METHODS}
            for s in SHORT_SCENES if s in found}
     if few:
         draw(few, Path(place) / "chart-short", over=("seconds",), room=0.31)
-    draw_estimates(found, Path(place) / "chart")
+    draw_estimates(own, Path(place) / "chart")
     summary(found, place / "chart-factors.md")
     print(f"chart: {place}/chart.csv, .png, -short.png, -estimate.png and -factors.md")
 
