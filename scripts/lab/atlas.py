@@ -23,7 +23,7 @@ from tendril.style import STYLE
 
 LIMIT, LIMIT_PEER = 15, 60  # seconds; the slowest cell of the default takes 3
 FINER = "-rod_cells 1000 -ts_rtol 1e-8"
-FINER_CONTACT = "-rod_cells 1000 -ts_rtol 1e-7|-rod_cells 800 -ts_rtol 1e-6"
+FINER_CONTACT = "-rod_cells 800 -ts_rtol 1e-7|-rod_cells 800 -ts_rtol 3e-7"
 METHODS = {  # name: (solver, options)
     "default": ("tendril", ""),
     "auto": ("tendril", "-rod_model auto"),
@@ -86,7 +86,7 @@ CONTACTS = {  # label: (options, times); the stiffness is given, so that finer r
     "corners, exact": (f"{MEETS}stone.txt -contact_diameter 0.05 -contact_stiffness 3e5 "
                        "-friction_beta 0", (2, 4)),
     "circle, exact": (f"{MEETS}pillar.txt -contact_diameter 0.05 -contact_stiffness 3e5 "
-                      "-friction_beta 0", (2, 4)),
+                      "-friction_beta 0", (1.5, 2)),
     "thin": (f"{MEETS}stone.txt -contact_diameter 1e-3 -contact_stiffness 2.5e7", (2, 4)),
     "corridor": ("-growth_type apical -growth_initial_length 1 -growth_zone 0.5 -shape_type straight "
                  "-rod_curvature 0.05 -wall_file options/data/corridor.txt -contact_diameter 0.1 "
@@ -150,7 +150,8 @@ def cells(quick):
     for name, options in WORLD_LAWS.items():
         result.append(scene(WORLD, name, f"{THICK} {options}", (2, 6)))
     for name, (options, times) in CONTACTS.items():
-        result.append((CONTACT, Scene(name, options, times, finer=FINER_CONTACT)))
+        finer = FINER_CONTACT.split("|")["exact" in name]
+        result.append((CONTACT, Scene(name, options, times, finer=finer)))
     return result[::4] if quick else result
 
 
