@@ -23,6 +23,7 @@ from tendril.style import STYLE
 
 LIMIT, LIMIT_PEER = 15, 60  # seconds; the slowest cell of the default takes 3
 FINER = "-rod_cells 1000 -ts_rtol 1e-8"
+FINER_CONTACT = "-rod_cells 800 -ts_rtol 1e-7|-rod_cells 800 -ts_rtol 3e-7"
 METHODS = {  # name: (solver, options)
     "default": ("tendril", ""),
     "auto": ("tendril", "-rod_model auto"),
@@ -66,6 +67,37 @@ WORLD_LAWS = {
     "all of it": "-growth_type apical -growth_zone 0.6 -friction_across 2 -tip_force 0.3 "
                  "-tip_law resistance -friction_layers 0:1,3:2.5 -rod_curvature 0.05 "
                  "-rod_stiffness_file options/data/catheter.h5 -friction_beta 1e-6"}
+
+
+CONTACT = "contact"
+FED = "-growth_type feed -growth_initial_length 0.5 -shape_type straight "
+MEETS = FED + "-rod_curvature 0.1 -wall_file scripts/lab/walls/"
+TUBE = (FED + "-rod_curvature_random 0.1 -rod_curvature_length 4 -rod_curvature_seed 1 -contact_self "
+        "-contact_diameter 0.1787 -contact_stiffness 2.5e4")
+IN_CAVITY = (FED + "-rod_curvature_random 0.1 -rod_curvature_length 1 -contact_self -contact_diameter 0.1 "
+             "-wall_file options/data/cavity.txt -contact_stiffness 2e4")
+CONTACTS = {  # label: (options, times); the stiffness is given, so that finer runs have the same
+    "plane": (f"{MEETS}across.txt -contact_stiffness 3e4", (2, 4)),
+    "plane, straighter": (f"{MEETS}across.txt -contact_stiffness 3e4 -rod_curvature 0.01", (2, 4)),
+    "corners": (f"{MEETS}stone.txt -contact_diameter 0.05 -contact_stiffness 3e5", (2, 4)),
+    "corners, stiff": (f"{MEETS}stone.txt -contact_diameter 0.05 -contact_stiffness 1e7", (2, 4)),
+    r"corners, $\beta=10^{-10}$": (f"{MEETS}stone.txt -contact_diameter 0.05 -contact_stiffness 3e5 "
+                                   "-friction_beta 1e-10", (2, 4)),
+    "corners, exact": (f"{MEETS}stone.txt -contact_diameter 0.05 -contact_stiffness 3e5 "
+                       "-friction_beta 0", (2, 4)),
+    "circle, exact": (f"{MEETS}pillar.txt -contact_diameter 0.05 -contact_stiffness 3e5 "
+                      "-friction_beta 0", (1.5, 2)),
+    "thin": (f"{MEETS}stone.txt -contact_diameter 1e-3 -contact_stiffness 2.5e7", (2, 4)),
+    "corridor": ("-growth_type apical -growth_initial_length 1 -growth_zone 0.5 -shape_type straight "
+                 "-rod_curvature 0.05 -wall_file options/data/corridor.txt -contact_diameter 0.1 "
+                 "-contact_stiffness 3e4", (4, 8)),
+    "cable": (FED + "-rod_curvature_random 0.1 -rod_curvature_length 1 -contact_diameter 0.1 "
+              "-wall_file options/data/conduit.txt -contact_stiffness 1e5", (3, 6)),
+    "many strands": (IN_CAVITY, (10, 18)),
+    "tube": (TUBE, (17, 19)),
+    "tube, $N=150$": (f"{TUBE} -rod_cells 150", (17, 19)),
+    "tube, friction": (f"{TUBE} -contact_friction 0.3", (17, 19)),
+}
 
 
 def scene(group, label, options, times, quantities=QUANTITIES):
@@ -117,6 +149,9 @@ def cells(quick):
         result.append(scene("decay, $N$", n, f"{DECAY} -rod_cells {n}", (8, 12)))
     for name, options in WORLD_LAWS.items():
         result.append(scene(WORLD, name, f"{THICK} {options}", (2, 6)))
+    for name, (options, times) in CONTACTS.items():
+        finer = FINER_CONTACT.split("|")["exact" in name]
+        result.append((CONTACT, Scene(name, options, times, finer=finer)))
     return result[::4] if quick else result
 
 
@@ -133,9 +168,9 @@ SET = ("default", "frame 2", "mixed", "primal Newton", "PETSc's bdf 5",
 
 
 def never(method, group):
-    """The peers know nothing of a world around the rod. Explicit, with inertia, PyElastica cannot
+    """The peers know nothing of a world around the rod, nor, in these scenes, of contact. Explicit, with inertia, PyElastica cannot
     follow the decay; a small step of the paper's elements takes minutes there."""
-    if group == WORLD:
+    if group in (WORLD, CONTACT):
         return METHODS[method][0] != "tendril"
     return "decay" in group and method in ("PyElastica", "paper's elements, step 0.002")
 

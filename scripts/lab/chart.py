@@ -2,7 +2,7 @@
 """Speed against accuracy: runs methods over their settings, keeps every run in a table, and draws
 error over time and over counted work, a column per scene.
 
-    chart.py [--quick] [--only SCENE,...] [--draw] [--jobs N]
+    chart.py [--quick] [--only SCENE,...] [--draw] [--jobs N] [--kept docs/chart.csv]
 
 --draw: from what is stored, without new runs. Runs go side by side, one to a core."""
 
@@ -21,7 +21,8 @@ from measure import CORES, RIGHT_, SCENES, WRONG, Case, workplace
 from tendril.style import STYLE
 
 TITLES = {"decay": "decay to $10^{-13}$, $t = 12$", "short": "thick start, $t = 5$",
-          "folded": "folded rod, $t = 40$", "gaussian": "growth zone $a = 0.05$", "feed": "feed"}
+          "folded": "folded rod, $t = 40$", "gaussian": "growth zone $a = 0.05$", "feed": "feed",
+          "contact": "pushed on a plane:\nforce, height"}
 TOP = 5  # of the error axis
 TOLERANCES = ("1e-2", "1e-3", "1e-4", "1e-5", "1e-6", "1e-7", "1e-8")
 # name: (solver, colour, marker, line); colours after Okabe and Ito
@@ -42,10 +43,24 @@ MESHES = {"1e-2": 60, "1e-3": 100, "1e-4": 150, "1e-5": 250, "1e-6": 400, "1e-7"
           "1e-8": 1000}  # an even spatial error beside that of time, for order 4
 
 
+CONTACT = ("frame 4, vbdf", "frame 2, vbdf", "frame 4, bdf 2", "frame 4, bdf 5",
+           "frame 4, backward Euler", "PyElastica")  # who knows contact
+
+
 def settings(name, scene, quick):
     """The options of a method, coarse to fine."""
+    if scene == "contact" and name not in CONTACT:
+        return []
+    if scene == "contact" and name == "PyElastica":
+        fine = ["-elements 10 -dt 3e-4 -radius 0.05 -time 20",
+                "-elements 20 -dt 2e-4 -radius 0.04 -time 20",
+                "-elements 40 -dt 1.2e-4 -radius 0.03 -time 20",
+                "-elements 80 -dt 6e-5 -radius 0.03 -time 20"]
+        return fine[:1] if quick else fine
     tolerances = TOLERANCES[1:6:2] if quick else TOLERANCES
     steps = ("0.1", "0.02") if quick else ("0.1", "0.05", "0.02", "0.01", "0.005", "0.002")
+    if scene == "contact":  # it lasts 0.0032
+        steps = [f"{float(step) / 1000:g}" for step in steps]
     if name in ("frame 4, vbdf", "auto, vbdf"):
         model = "frame" if name[0] == "f" else "auto"
         even = [f"-rod_model {model} -rod_cells {MESHES[r]} -ts_rtol {r}" for r in tolerances]
@@ -95,6 +110,8 @@ def cases(arguments):
     for scene in arguments.only.split(","):
         for name, (solver, *_) in METHODS.items():
             slow = solver != "tendril"
+            if slow and scene == "contact":
+                solver = "pyelastica_contact"
             for options in settings(name, scene, arguments.quick):
                 result.append((scene, name, Case(
                     solver, SCENES[scene], options, limit=limit(slow, arguments.quick),
@@ -102,9 +119,24 @@ def cases(arguments):
     return result
 
 
+def take_up(store, wanted, path):
+    """Puts the rows of an earlier table into the store, so that only what is new is run."""
+    with open(path, newline="") as file:
+        rows = {(r["scene"], r["method"], r["options"]): r for r in csv.DictReader(file)}
+    for scene, method, case in wanted:
+        row = rows.get((scene, method, case.options))
+        if not row or case.key in store.runs or row["scene_options"] != case.scene.options:
+            continue
+        run = {k: row[k] for k in ("verdict", "reason", "options", "scene_options")}
+        run |= {k: float(row[k]) for k in COLUMNS[5:-1] if row.get(k)}
+        store.keep({"key": case.key, **run})
+
+
 def runs(store, arguments):
     """{scene: {method: [run]}}"""
     wanted, found = cases(arguments), {}
+    if arguments.kept:
+        take_up(store, wanted, arguments.kept)
     if not arguments.draw:
         store.get_all([(scene, case) for scene, _, case in wanted], arguments.jobs)
     for scene, name, case in wanted:
@@ -232,7 +264,7 @@ def draw_estimates(found, base):
 
 
 COLUMNS = ("scene", "method", "options", "verdict", "reason", "error", "tip", "norm_x2", "energy",
-           "estimate", "seconds", "process_seconds", "steps", "rejected", "newton", "work", "scene_options")
+           "base_force_1", "tip_x2", "estimate", "seconds", "process_seconds", "steps", "rejected", "newton", "work", "scene_options")
 
 
 def table(found, path):
@@ -272,17 +304,19 @@ def main():
     parser.add_argument("--quick", action="store_true", help="a coarse matrix, under 3 minutes")
     parser.add_argument("--draw", action="store_true", help="only draw what is stored")
     parser.add_argument("--jobs", type=int, default=CORES, metavar="N", help="runs side by side")
+    parser.add_argument("--kept", metavar="CSV", help="take up an earlier table; run what is new")
     parser.add_argument("--only", default=",".join(SCENES), metavar="SCENE,...")
     arguments = parser.parse_args()
     place, store = workplace("chart", arguments.quick)
     found = runs(store, arguments)
+    own = {scene: methods for scene, methods in found.items() if scene != "contact"}  # of tip, |x2|, E
     table(found, place / "chart.csv")
     draw(found, Path(place) / "chart")
     few = {s: {m: r for m, r in found[s].items() if m in SHORT_METHODS}
            for s in SHORT_SCENES if s in found}
     if few:
         draw(few, Path(place) / "chart-short", over=("seconds",), room=0.31)
-    draw_estimates(found, Path(place) / "chart")
+    draw_estimates(own, Path(place) / "chart")
     summary(found, place / "chart-factors.md")
     print(f"chart: {place}/chart.csv, .png, -short.png, -estimate.png and -factors.md")
 

@@ -60,6 +60,13 @@ for amplitude in 0.001 0.01 0.1 0.2 0.3; do
       -rod_curvature_length 0.2
   done
 done
+grow packing-coil -growth_type feed -growth_initial_length 0.02 -shape_type straight -rod_curvature 0.1 \
+  -contact_self -contact_diameter 0.00333 -contact_stiffness 2e8 -wall_file options/data/coil.txt \
+  -rod_cells 700 -ts_rtol 1e-5 -ts_max_time 2.2 -output_interval 0.1
+draw packing-coil "$d/packing-coil.h5" --panels touch,feed_force --times 2.2
+grow packing-folds -options_file options/packing.opts -ts_max_time 84.3 -rod_cells 700 \
+  -contact_stiffness 1e4 -ts_rtol 1e-4 -output_interval 1
+draw packing-folds "$d/packing-folds.h5" --panels touch,feed_force --times 84.3
 "$python" scripts/lab/figures.py "$d" "$pictures"
 ENSEMBLE=$d/ensemble scripts/ensemble.sh 200 # tubes: seeds of natural curvature
 cp "$d/ensemble.png" "$pictures/ensemble.png"

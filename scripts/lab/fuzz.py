@@ -12,9 +12,9 @@ length). Files that scenes need are kept beside the results, under /tmp/fuzz-SEE
 
 import os
 import random
+import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import h5py
@@ -168,12 +168,15 @@ def contact_scene(draw, wide, files):
 def run(exe, options, limit, file, extra=()):
     """(tip, norm, length, seconds) or None, what it said, the command."""
     command = [exe, *(word for k, v in options.items() for word in (f"-{k}", str(v))), *extra]
-    began = time.time()
-    try:
-        done = subprocess.run([*command, "-output", file], capture_output=True, text=True,
-                              timeout=limit)
+    began = os.times()
+    try:  # the limit is of processor time: a busy machine is no hanging run
+        done = subprocess.run(["prlimit", f"--cpu={limit}", *command, "-output", file],
+                              capture_output=True, text=True, timeout=20 * limit)
     except subprocess.TimeoutExpired:
         return None, "hung", " ".join(command[1:])
+    if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL):
+        return None, "hung", " ".join(command[1:])
+    seconds = sum(os.times()[2:4]) - sum(began[2:4])
     if done.returncode:
         return None, (done.stderr or done.stdout).strip()[-200:], " ".join(command[1:])
     with h5py.File(file) as f:
@@ -184,7 +187,7 @@ def run(exe, options, limit, file, extra=()):
     if crossed:
         return None, "crosses itself", " ".join(command[1:])
     tip = np.array([s["tip_x1"], s["tip_x2"]])
-    return (tip, s["norm_x2"], s["length"], time.time() - began, stiffness), "ok", " ".join(command[1:])
+    return (tip, s["norm_x2"], s["length"], seconds, stiffness), "ok", " ".join(command[1:])
 
 
 def main():

@@ -2,7 +2,7 @@
 """Runs options/tube-contact.opts with many seeds of its natural curvature: do all end, does none cross
 itself? Results that are there are passed over. What stands behind -- goes to every run.
 
-    scripts/lab/tube_seeds.py [--seeds 200] [--jobs 1] [-- OPTIONS ...]"""
+    scripts/lab/tube_seeds.py [--seeds 200] [--jobs 1] [--build build/tendril] [-- OPTIONS ...]"""
 
 import argparse
 import os
@@ -26,7 +26,7 @@ def run(seed, choice):
     file = Path(choice.directory) / f"{seed}.h5"
     if not (file.is_file() and load(file).finished):
         done = subprocess.run(
-            [str(ROOT / "build/tendril"), "-quiet", "-options_file", "options/tube-contact.opts",
+            [str(Path(choice.build).resolve()), "-quiet", "-options_file", "options/tube-contact.opts",
              "-rod_curvature_seed", str(seed), *choice.options, "-output", str(file)],
             cwd=ROOT, env=ENVIRONMENT, stdin=subprocess.DEVNULL, capture_output=True, text=True,
             check=False)
@@ -44,6 +44,7 @@ def main():
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=int, default=200)
     parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--build", default=str(ROOT / "build/tendril"), metavar="TENDRIL")
     parser.add_argument("--directory", default=str(ROOT / "results/tube-seeds"))
     parser.add_argument("options", nargs="*")
     choice = parser.parse_args()

@@ -577,6 +577,29 @@ PetscErrorCode OutputSeries(Output self, const Observation *seen) {
   PetscFunctionReturn(0);
 }
 
+/* The force of contact per length about node i, from that at nodes and between them: what nodes
+   have, times half of the lengths of their cells, adds up to what there is. (Where contact is
+   stiff, that at the node itself may be far from that beside it.) */
+static PetscErrorCode ContactAbout(Scene scene, PetscReal t, PetscInt i, PetscReal g,
+                                   const PetscReal (*contact)[2], PetscReal about[2]) {
+  const PetscReal *s = scene->mesh.s;
+  PetscReal length = 0, h, z, g_mid;
+
+  PetscFunctionBegin;
+  about[0] = about[1] = 0;
+  for (PetscInt side = -1; side <= 1; side += 2) {
+    if (i + side < 0 || i + side > scene->mesh.cells) continue;
+    h = PetscAbsReal(s[i + side] - s[i]);
+    z = (s[i + side] + s[i]) / 2;
+    PetscCall(GrowthStretch(scene->growth, 1, &z, t, &g_mid, NULL, NULL));
+    length += h / 2 * g;
+    for (int d = 0; d < 2; d++)
+      about[d] += h / 6 * (g * contact[2 * i][d] + 2 * g_mid * contact[2 * i + side][d]);
+  }
+  for (int d = 0; d < 2; d++) about[d] /= length;
+  PetscFunctionReturn(0);
+}
+
 /* OutputShape - adds the shape at one time. nodes are rank 0's; contact is the force of contact per
    length at nodes and between them, NULL if the scene has none. */
 PetscErrorCode OutputShape(Output self, PetscReal t, const Node *nodes,
@@ -605,7 +628,11 @@ PetscErrorCode OutputShape(Output self, PetscReal t, const Node *nodes,
     Turn(self->scene, nodes[i].force, b[4] + 2 * i);
     b[5][i] = k0;
     b[6][i] = g;
-    if (contact) Turn(self->scene, contact[2 * i], b[CONTACT] + 2 * i);
+    if (contact) {
+      PetscReal about[2];
+      PetscCall(ContactAbout(self->scene, t, i, g, contact, about));
+      Turn(self->scene, about, b[CONTACT] + 2 * i);
+    }
   }
   self->shapes_n++;
   PetscCall(Room(self->times_n, &self->times_room, 1, &self->times));

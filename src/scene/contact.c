@@ -34,10 +34,13 @@ PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
   PetscCall(OptionReal("-contact_friction", &contact->friction, &rubs));
   PetscCall(OptionReal("-contact_stiffness", &contact->stiffness, &contact->given));
   contact->any = (PetscBool)(walls || contact->self);
+  thick = (PetscBool)(thick && contact->diameter > 0);
   if (contact->any) PetscCall(OptionGiven("-accuracy", &contact->fine));
-  UserCheck(contact->any || !(rubs || contact->given), OptionsComm(),
+  UserCheck(contact->any || !(rubs || contact->given || thick), OptionsComm(),
             "%s: there is nothing to touch; give -wall_file, or -contact_self",
-            rubs ? "-contact_friction" : "-contact_stiffness");
+            rubs             ? "-contact_friction"
+            : contact->given ? "-contact_stiffness"
+                             : "-contact_diameter");
   UserCheck(!contact->self || contact->diameter > 0, OptionsComm(),
             "-contact_self: give the rod its -contact_diameter");
   contact->rub = *friction;

@@ -50,14 +50,15 @@ static PetscReal AxisDistance(const Wall *wall, const WallPiece *p, const PetscR
   return PetscAbsReal(wall->number[0] - distance);
 }
 
-/* The pieces of a conduit that count at x are those of the nearest place of its axis. */
-static PetscReal NearestAxis(const Wall *wall, const PetscReal x[2]) {
-  PetscReal nearest = everywhere, distance, normal[2], bend;
+/* Does another piece of a conduit count at x, `far` from its axis? Those of the nearest place of
+   the axis do: nearest is that of the pieces before, *n touches of them are kept. */
+static PetscBool Nearer(PetscReal far, PetscReal *nearest, PetscInt before, PetscInt *n) {
+  const PetscReal same = 1e-9 * far;
 
-  for (PetscInt k = 0; k < wall->pieces; k++)
-    if (PieceDistance(&wall->piece[k], x, &distance, normal, &bend))
-      nearest = PetscMin(nearest, AxisDistance(wall, &wall->piece[k], x, distance));
-  return nearest;
+  if (far > *nearest + same) return PETSC_FALSE;
+  if (far < *nearest - same) *n = before;
+  *nearest = PetscMin(*nearest, far);
+  return PETSC_TRUE;
 }
 
 /*
@@ -72,17 +73,20 @@ PetscInt WallsTouch(const Walls *walls, const PetscReal x[2], PetscReal radius, 
 
   for (PetscInt w = 0; w < walls->n; w++) {
     const Wall *wall = &walls->wall[w];
-    PetscReal axis = wall->kind == WALL_PATH ? NearestAxis(wall, x) * (1 + 1e-9) : everywhere;
-    PetscInt before = n;
+    const PetscInt before = n;
+    PetscReal nearest = everywhere;
     for (PetscInt k = 0; k < wall->pieces && n < MOST_TOUCHES; k++) {
       const WallPiece *p = &wall->piece[k];
-      Touch *t = &touch[n];
-      if (!PieceDistance(p, x, &t->gap, t->normal, &t->bend) || t->gap - radius >= within) continue;
-      if (wall->kind == WALL_PATH && AxisDistance(wall, p, x, t->gap) > axis) continue;
-      t->gap -= radius;
-      t->wall = w;
-      t->again = (PetscBool)(n > before);
-      n++;
+      Touch at;
+      if (!PieceDistance(p, x, &at.gap, at.normal, &at.bend)) continue;
+      if (wall->kind == WALL_PATH &&
+          !Nearer(AxisDistance(wall, p, x, at.gap), &nearest, before, &n))
+        continue;
+      if (at.gap - radius >= within) continue;
+      at.gap -= radius;
+      at.wall = w;
+      at.again = (PetscBool)(n > before);
+      touch[n++] = at;
     }
   }
   return n;

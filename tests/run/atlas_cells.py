@@ -32,6 +32,11 @@ HAIRPIN = m.Scene("hairpin", "-growth_initial_length 2 -shape_amplitude 3.1", (2
 STICK = m.Scene("stick", m.THICK + " -growth_type feed -friction_beta 0", (4, 6),
                 finer="-rod_cells 800 -ts_rtol 1e-7")
 
+CORNERS = m.Scene("corners", "-growth_type feed -growth_initial_length 0.5 -shape_type straight "
+                  f"-rod_curvature 0.1 -wall_file {m.ROOT}/scripts/lab/walls/stone.txt "
+                  "-contact_diameter 0.05 -contact_stiffness 3e5 -friction_beta 1e-10", (1.5, 2),
+                  finer="-rod_cells 600 -ts_rtol 1e-7")
+
 CHECKS = {  # name: (scene, [(options, verdicts)]); the first is the default
     "decay": (DECAY8, [("", (m.RIGHT_,)),
                        ("-ts_type beuler -ts_theta_initial_guess_extrapolate -ts_dt 0.01",
@@ -49,6 +54,8 @@ CHECKS = {  # name: (scene, [(options, verdicts)]); the first is the default
                        ("-ts_type bdf -ts_bdf_order 5", (m.WRONG, m.GAVE_UP)),
                        ("-friction_newton primal", (m.GAVE_UP, m.HUNG)),
                        ("-rod_model mixed", (m.RIGHT_,))]),
+    "corners": (CORNERS, [("", (m.RIGHT_,)), ("-rod_model mixed", (m.REFUSED,)),
+                          ("-friction_newton primal", (m.GAVE_UP, m.HUNG))]),
     "stick": (STICK, [("", (m.RIGHT_,)),
                       ("-friction_newton primal", (m.GAVE_UP, m.HUNG))]),
 }

@@ -2,10 +2,10 @@
 """The growing rod in PyElastica: a Cosserat rod with inertia, stepped explicitly, grown by editing
 its rest lengths, held back by friction as an external force.
 
-    results/peers/venv/bin/python scripts/peers/pyelastica_rod.py -growth_initial_length 2 \
+    results/peers/venv/bin/python scripts/lab/peers/pyelastica_rod.py -growth_initial_length 2 \
         -shape_amplitude 0.1 -ts_max_time 5 -times 1,5 -elements 40
 
-(scripts/peers/setup.sh makes that venv.) Takes tendril's options for the scene (uniform and
+(scripts/lab/peers/setup.sh makes that venv.) Takes tendril's options for the scene (uniform and
 gaussian growth, sag, beta > 0) and
   -elements N   of the rod              -mass M    per length of the initial rod; its inertia is the
   -dt DT        the step                           model's error: friction is 1 per length
