@@ -4,7 +4,8 @@ error over time and over counted work, a column per scene.
 
     chart.py [--quick] [--only SCENE,...] [--draw] [--jobs N] [--kept docs/chart.csv]
 
---draw: from what is stored, without new runs. Runs go side by side, one to a core."""
+--kept: the rows of an earlier table stand; only what is new is run. TENDRIL_BEFORE=PROGRAM in the
+environment: an earlier version, charted beside this one. --draw: from what is stored, without new runs. Runs go side by side, one to a core."""
 
 import argparse
 import csv
@@ -17,7 +18,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from measure import CORES, RIGHT_, SCENES, WRONG, Case, workplace
+from measure import BEFORE, CORES, RIGHT_, SCENES, WRONG, Case, workplace
 from tendril.style import STYLE
 
 TITLES = {"decay": "decay to $10^{-13}$, $t = 12$", "short": "thick start, $t = 5$",
@@ -28,6 +29,7 @@ TOLERANCES = ("1e-2", "1e-3", "1e-4", "1e-5", "1e-6", "1e-7", "1e-8")
 # name: (solver, colour, marker, line); colours after Okabe and Ito
 METHODS = {
     "frame 4, vbdf": ("tendril", "#0072B2", "o", "-"),
+    "frame 4, vbdf, 0.1": ("tendril_before", "#0072B2", "$\\circ$", ":"),
     "frame 2, vbdf": ("tendril", "#56B4E9", "s", "-"),
     "mixed, vbdf": ("tendril", "#009E73", "D", "-"),
     "auto, vbdf": ("tendril", "#CC79A7", "v", "-"),
@@ -61,7 +63,7 @@ def settings(name, scene, quick):
     steps = ("0.1", "0.02") if quick else ("0.1", "0.05", "0.02", "0.01", "0.005", "0.002")
     if scene == "contact":  # it lasts 0.0032
         steps = [f"{float(step) / 1000:g}" for step in steps]
-    if name in ("frame 4, vbdf", "auto, vbdf"):
+    if name in ("frame 4, vbdf", "frame 4, vbdf, 0.1", "auto, vbdf"):
         model = "frame" if name[0] == "f" else "auto"
         even = [f"-rod_model {model} -rod_cells {MESHES[r]} -ts_rtol {r}" for r in tolerances]
         fine = [] if quick else [f"-rod_model {model} -rod_cells {n} -ts_rtol {r}"
@@ -109,7 +111,7 @@ def cases(arguments):
     result = []
     for scene in arguments.only.split(","):
         for name, (solver, *_) in METHODS.items():
-            slow = solver != "tendril"
+            slow = not solver.startswith("tendril")
             if slow and scene == "contact":
                 solver = "pyelastica_contact"
             for options in settings(name, scene, arguments.quick):
@@ -127,7 +129,7 @@ def take_up(store, wanted, path):
         row = rows.get((scene, method, case.options))
         if not row or case.key in store.runs or row["scene_options"] != case.scene.options:
             continue
-        run = {k: row[k] for k in ("verdict", "reason", "options", "scene_options")}
+        run = {k: row[k] for k in ("scene", "verdict", "reason", "options", "scene_options")}
         run |= {k: float(row[k]) for k in COLUMNS[5:-1] if row.get(k)}
         store.keep({"key": case.key, **run})
 
@@ -138,7 +140,8 @@ def runs(store, arguments):
     if arguments.kept:
         take_up(store, wanted, arguments.kept)
     if not arguments.draw:
-        store.get_all([(scene, case) for scene, _, case in wanted], arguments.jobs)
+        store.get_all([(scene, case) for scene, _, case in wanted
+                       if BEFORE or case.solver != "tendril_before"], arguments.jobs)
     for scene, name, case in wanted:
         if case.key in store.runs:
             run = dict(store.runs[case.key], method=name)

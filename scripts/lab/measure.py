@@ -4,7 +4,7 @@ atlas.py and the tests.
     run = measure(Case("tendril", SCENES["short"], "-ts_rtol 1e-4"))
     run["verdict"], run["error"], run["seconds"], run["work"]
 
-A case is a solver (tendril, paper_fem, pyelastica), a scene and further options. Its error is the
+A case is a solver (tendril, tendril_before, paper_fem, pyelastica), a scene and further options. Its error is the
 largest relative error of tip, |x2| and energy at the scene's times, against the independent
 reference in tests/reference/ or, where there is none, against a much finer run of tendril. Every
 result is a line of JSON in a store, so that a script that was stopped goes on where it was.
@@ -31,6 +31,7 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 REFERENCES = ROOT / "tests" / "reference"
 PEERS = ROOT / "scripts" / "lab" / "peers"
 TENDRIL = os.environ.get("TENDRIL", str(ROOT / "build" / "tendril"))
+BEFORE = os.environ.get("TENDRIL_BEFORE")  # an earlier version, to be charted beside it
 # mpiexec is not needed for one rank; the isolated singleton starts no daemon
 ENVIRONMENT = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
                    OMPI_MCA_ess_singleton_isolated="1", OMP_NUM_THREADS="1",
@@ -248,7 +249,8 @@ def run_tendril(case):
     """(state of the run, values at the times it reached)"""
     with tempfile.TemporaryDirectory() as scratch:
         file = Path(scratch) / "run.h5"
-        command = [TENDRIL, *case.scene.words(), *shlex.split(case.options), "-output", str(file)]
+        program = BEFORE if case.solver == "tendril_before" else TENDRIL
+        command = [program, *case.scene.words(), *shlex.split(case.options), "-output", str(file)]
         code, out, err, seconds = execute(command, case.limit)
         state = {"exit": code, "message": (err.strip().splitlines() or [""])[-1],
                  "process_seconds": seconds, "traceback": "PETSC ERROR" in err}
@@ -330,7 +332,7 @@ def reason_of(state, verdict):
 
 def measure(case, store):
     """One result: the options, the cost, the errors, the verdict and its reason."""
-    run = run_tendril if case.solver == "tendril" else run_peer
+    run = run_tendril if case.solver.startswith("tendril") else run_peer
     state, values = run(case)
     for _ in range(case.repeat - 1):
         if state["exit"] == 0 and state["seconds"] < 2:
