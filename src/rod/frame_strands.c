@@ -1,6 +1,7 @@
 /* The frame model of a rod that touches itself: what rod/strands.h finds goes into the equations
    and into their derivatives. Every rank knows the whole rod and finds the same. */
 #include "rod/frame.h"
+#include <string.h>
 #include <petsc/private/matimpl.h> /* a matrix that is given another pattern does not say so itself */
 
 struct FrameStrands {
@@ -10,6 +11,7 @@ struct FrameStrands {
   const PetscScalar *open[2];
   /* what the matrix has room for: the feet of points on cell a are foot[from[a]] ... */
   PetscInt *from, *foot;
+  PetscInt n, (*near)[2]; /* the pairs that its pattern was made of */
 };
 
 PetscErrorCode FrameStrandsCreate(Rod rod, struct FrameStrands **strands) {
@@ -39,6 +41,7 @@ PetscErrorCode FrameStrandsDestroy(struct FrameStrands **strands) {
   PetscCall(StrandsDestroy(&self->strands));
   PetscCall(PetscFree(self->from));
   PetscCall(PetscFree(self->foot));
+  PetscCall(PetscFree(self->near));
   PetscCall(VecScatterDestroy(&self->to_all));
   for (int k = 0; k < 2; k++) PetscCall(VecDestroy(&self->all[k]));
   PetscCall(PetscFree(*strands));
@@ -141,11 +144,15 @@ typedef struct {
   PetscInt *n, *room, **column;
 } Columns;
 
+/* (Most are there already: a row has some twenty.) */
 static PetscErrorCode AddColumn(Columns *columns, PetscInt row, PetscInt column) {
+  PetscInt n = columns->n[row];
+
   PetscFunctionBegin;
-  if (columns->n[row] == columns->room[row]) { /* most of them are there several times */
-    if (columns->n[row]) PetscCall(PetscSortRemoveDupsInt(&columns->n[row], columns->column[row]));
-    columns->room[row] = 2 * columns->n[row] + 8;
+  for (PetscInt k = n - 1; k >= 0; k--)
+    if (columns->column[row][k] == column) PetscFunctionReturn(0);
+  if (n == columns->room[row]) {
+    columns->room[row] = 2 * n + 8;
     PetscCall(PetscRealloc((size_t)columns->room[row] * sizeof(PetscInt), &columns->column[row]));
   }
   columns->column[row][columns->n[row]++] = column;
@@ -182,7 +189,7 @@ static PetscErrorCode Allocate(Rod rod, Columns *columns, Mat J) {
   PetscFunctionBegin;
   PetscCall(PetscCalloc2(rows, &own, rows, &other));
   for (PetscInt i = 0; i < rows; i++) {
-    PetscCall(PetscSortRemoveDupsInt(&columns->n[i], columns->column[i]));
+    PetscCall(PetscSortInt(columns->n[i], columns->column[i]));
     for (PetscInt k = 0; k < columns->n[i]; k++)
       if (columns->column[i][k] >= rod->first && columns->column[i][k] < rod->end)
         own[i]++;
@@ -242,18 +249,37 @@ static PetscErrorCode NewPattern(Rod rod, Mat J, PetscInt n, PetscInt (*near)[2]
   PetscFunctionReturn(0);
 }
 
-/* FrameStrandsPattern - sees to it that J has room for all pairs, and is 0. Collective. */
+/* Is the pattern that of these pairs, or has it room for them at least? */
+static PetscBool Fits(const struct FrameStrands *self, PetscBool exactly, PetscInt n,
+                      PetscInt (*near)[2]) {
+  PetscBool fits = PETSC_TRUE;
+
+  if (exactly)
+    return (PetscBool)(n == self->n &&
+                       (!n || !memcmp(near, self->near, (size_t)n * sizeof(*near))));
+  for (PetscInt k = 0; k < n && fits; k++) fits = HasRoom(self, near[k]);
+  return fits;
+}
+
+/* FrameStrandsPattern - sees to it that J has room for all pairs, and is 0. A Newton solve begins
+   with the pattern of what is near then, and no more: so a run that is restarted has the same, and
+   the same round-off. Collective. */
 PetscErrorCode FrameStrandsPattern(Rod rod, Mat J) {
   struct FrameStrands *self = ((Frame *)rod->data)->strands;
-  PetscBool there = PETSC_TRUE, assembled;
+  PetscBool assembled;
   PetscInt n, (*near)[2];
 
   PetscFunctionBegin;
   PetscCall(StrandsNear(self->strands, &n, &near));
   PetscCall(MatAssembled(J, &assembled));
-  for (PetscInt k = 0; k < n && there && assembled; k++) there = HasRoom(self, near[k]);
-  if (!there || !assembled) PetscCall(NewPattern(rod, J, n, near));
-  PetscCall(PetscFree(near));
+  if (assembled && Fits(self, rod->fresh, n, near))
+    PetscCall(PetscFree(near));
+  else {
+    PetscCall(NewPattern(rod, J, n, near));
+    PetscCall(PetscFree(self->near));
+    self->near = near;
+    self->n = n;
+  }
   PetscCall(MatZeroEntries(J));
   PetscFunctionReturn(0);
 }

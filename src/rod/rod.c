@@ -15,6 +15,7 @@ PetscErrorCode RodCreate(Scene scene, const RodModel *model, Rod *rod) {
   self->scene = scene;
   self->last = scene->mesh.cells;
   PetscCallMPI(MPI_Comm_size(scene->comm, &ranks));
+  self->alone = (PetscBool)(ranks == 1);
   UserCheck((self->last + 1) / ranks >= PetscMax(3, model->stencil), scene->comm,
             "-rod_cells %d: too few for %d ranks, give at least %d cells or run on fewer ranks",
             (int)self->last, (int)ranks, (int)(ranks * PetscMax(3, model->stencil)));
@@ -68,8 +69,12 @@ PetscErrorCode RodCreateMemory(Rod rod, DM *da, Vec *memory) {
    array points to a pointer to arrays of the model's fields. End with RodClose(). Collective. */
 PetscErrorCode RodOpen(Rod rod, Vec v, Vec *local, void *array) {
   PetscFunctionBegin;
-  PetscCall(DMGetLocalVector(rod->da, local));
-  PetscCall(DMGlobalToLocal(rod->da, v, INSERT_VALUES, *local));
+  if (rod->alone) /* it has no neighbours */
+    *local = v;
+  else {
+    PetscCall(DMGetLocalVector(rod->da, local));
+    PetscCall(DMGlobalToLocal(rod->da, v, INSERT_VALUES, *local));
+  }
   PetscCall(DMDAVecGetArrayRead(rod->da, *local, array));
   PetscFunctionReturn(0);
 }
@@ -77,7 +82,10 @@ PetscErrorCode RodOpen(Rod rod, Vec v, Vec *local, void *array) {
 PetscErrorCode RodClose(Rod rod, Vec *local, void *array) {
   PetscFunctionBegin;
   PetscCall(DMDAVecRestoreArrayRead(rod->da, *local, array));
-  PetscCall(DMRestoreLocalVector(rod->da, local));
+  if (rod->alone)
+    *local = NULL;
+  else
+    PetscCall(DMRestoreLocalVector(rod->da, local));
   PetscFunctionReturn(0);
 }
 

@@ -63,6 +63,7 @@ struct _Rod {
   PetscInt order;      /* of the error in space */
   Vec latest_rate;     /* U_t of the latest residual: of the accepted state, once a step is taken */
   PetscReal latest_time;         /* t of it */
+  PetscBool alone;               /* on one rank */
   PetscBool coupled;             /* nodes far from each other along the rod see each other */
   PetscReal factor_rate;         /* what the fields across have in U_t beside shift U (vbdf.h) */
   PetscBool fresh;               /* the next Jacobian is the first of its Newton solve */

@@ -442,8 +442,7 @@ def ranks():
 
 @check
 def restart():
-    """A run that was broken in the midst of contact goes on to the last bit; with strands but for
-    round-off: the pattern of their matrix, and so its factors, know what was near before."""
+    """A run that was broken in the midst of contact goes on to the last bit."""
     d = scene.SCRATCH
     pillar = walls("circle 2 0.4 0.7 outside friction 0.4", "plane 3 0 -1 0")
     for options in (SMALL_TUBE + "-contact_friction 0.3 ",
@@ -458,10 +457,7 @@ def restart():
         broken = read(f"{d}/broken.h5")
         different = [k for k in whole if not np.array_equal(whole[k], broken[k])]
         print(f"{len(whole['series/t'])} steps, {len(pressed)} in contact, different: {len(different)}")
-        if "-contact_self" not in options:
-            expect(not different, f"{options}: {different} differ")
-        for k in ("series/t", "series/tip_x1", "series/contact_force", "shapes/x"):
-            expect(np.allclose(whole[k], broken[k], rtol=1e-9, atol=1e-9), f"{options}: {k} differs")
+        expect(not different, f"{options}: {different} differ")
 
 
 @check
