@@ -29,7 +29,7 @@ TOLERANCES = ("1e-2", "1e-3", "1e-4", "1e-5", "1e-6", "1e-7", "1e-8")
 # name: (solver, colour, marker, line); colours after Okabe and Ito
 METHODS = {
     "frame 4, vbdf": ("tendril", "#0072B2", "o", "-"),
-    "frame 4, vbdf, 0.1": ("tendril_before", "#0072B2", "$\\circ$", ":"),
+    "frame 4, vbdf, 0.1": ("tendril_before", "#0072B2", ".", ":"),
     "frame 2, vbdf": ("tendril", "#56B4E9", "s", "-"),
     "mixed, vbdf": ("tendril", "#009E73", "D", "-"),
     "auto, vbdf": ("tendril", "#CC79A7", "v", "-"),
