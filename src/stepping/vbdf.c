@@ -60,6 +60,9 @@ static const PetscReal smallest = 1e-13, early = 1e-3;
 static const PetscReal shrink_most = 0.2, grow_most = 2;
 /* The factor is taken or left when that gives so much of the error. */
 static const PetscReal better = 0.5;
+/* It may change by so many e-folds in a step: the tolerance is relative to what the fields are at
+   its beginning, and must still mean something at its end. (Rods of usual length stay below 2.) */
+static const PetscReal most_folds = 4;
 /* A field smaller than this is round-off. */
 static const PetscReal vanished = 1e-280;
 
@@ -391,6 +394,21 @@ static PetscErrorCode LimitStep(TS ts, VBDF *self) {
   PetscFunctionReturn(0);
 }
 
+/* Begins a try: the step's factor, and the step itself if that would change too much in it. */
+static void BeginTry(TS ts, VBDF *self) {
+  PetscReal folds;
+
+  self->time[0] = ts->ptime + ts->time_step;
+  self->plain = self->plain_next;
+  TakeFactor(self, self->order);
+  if (!self->taken || self->fixed) return;
+  folds = PetscAbsReal(FactorLog(self, self->time[0]) - self->size[1]);
+  if (folds <= most_folds) return;
+  ts->time_step *= most_folds / folds;
+  self->time[0] = ts->ptime + ts->time_step;
+  TakeFactor(self, self->order);
+}
+
 /* After a rejection: a shorter step; after several, a fresh start from the last point alone,
    because the history may lie on the other side of a kink. */
 static PetscErrorCode Retry(TS ts, VBDF *self, PetscInt attempt, PetscReal factor) {
@@ -465,9 +483,7 @@ static PetscErrorCode TSStep_VBDF(TS ts) {
     SNESConvergedReason solved;
     self->order = PetscMax(1, PetscMin(self->order, self->n));
     PetscCall(LimitStep(ts, self));
-    self->time[0] = ts->ptime + ts->time_step;
-    self->plain = self->plain_next;
-    TakeFactor(self, self->order);
+    BeginTry(ts, self);
     PetscCall(Predict(ts, self));
     PetscCall(SolveStage(ts, self));
     PetscCall(SNESGetConvergedReason(ts->snes, &solved));

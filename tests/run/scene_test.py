@@ -186,6 +186,10 @@ def factored():
             print(f"{options} -ts_rtol {rtol}: steps {n[0]} and {n[1]}, "
                   f"errors {e[0]:.1e} and {e[1]:.1e}")
             expect(n[0] < 0.62 * n[1] and e[0] < 0.5 * e[1], f"{options} -ts_rtol {rtol}: {n}, {e}")
+    # a decay so fast that a step could lose what the tolerance is measured by
+    r = Run("-growth_initial_length 0.25 -shape_amplitude 0.1 -ts_max_time 5")
+    print(f"L0 = 0.25: {r.steps} steps, |x2| {r.norm_x2[-1]:.4g}")
+    expect(abs(r.norm_x2[-1] / 2.83415e-90 - 1) < 0.01 and r.steps < 600, f"L0 = 0.25: {r.steps}")
     # a rod that follows its natural curvature, x2 like its length squared: no harm where it does
     # not pay, by what the estimates say
     for options in ("-rod_curvature_random 0.003 -growth_initial_length 0.08 -shape_amplitude 1e-11 "
