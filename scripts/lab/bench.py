@@ -1,30 +1,35 @@
-"""Runs what scripts/bench.sh measures and writes it as one page of tables (docs/bench.md).
+"""Runs what scripts/lab/bench.sh measures and writes it as one page of tables (docs/bench.md).
 
 Every time stands beside its error, measured in the same run. Times are the best of a few runs, for
-machines are noisy; quote their ratios."""
+machines are noisy; quote their ratios. TENDRIL_BEFORE=PROGRAM and BENCH_BEFORE=ITS_BENCH_NEWTON in the
+environment put an earlier version beside this one."""
 import json
 import math
 import os
 import re
+import resource
 import subprocess
 import sys
+import time
 
 import numpy as np
 
 from tendril import results as tendril_results
 
 TENDRIL, BENCH = "build/tendril", "build/bench_newton"
+BEFORE = os.environ.get("TENDRIL_BEFORE")  # an earlier version, to stand beside this one
+BENCH_BEFORE = os.environ.get("BENCH_BEFORE")  # and its bench_newton
 WORK = "results/bench"
 REFERENCE = "tests/reference"
 SHORT = "-growth_initial_length 2 -shape_amplitude 0.1"
 DRY = "-options_file options/uniform-dry.opts"
 
 
-def run(options, output, repeat=3):
+def run(options, output, repeat=3, program=TENDRIL):
     """Best wall time of the run (its own clock), Newton iterations, steps and the results."""
     best = math.inf
     for _ in range(repeat):
-        done = subprocess.run([TENDRIL, *options.split(), "-output", output], capture_output=True, text=True)
+        done = subprocess.run([program, *options.split(), "-output", output], capture_output=True, text=True)
         if done.returncode:
             return None
         found = re.search(r"(\d+) steps, \d+ rejected, (\d+) Newton iterations, ([\d.]+) s", done.stdout)
@@ -62,7 +67,7 @@ def tip_error(results, entries, times):
 def finite_elements(peer, options, times):
     """Seconds of the peer's own loop, and what it found at the times."""
     done = subprocess.run([*peer, *options.split(), "-times", ",".join(map(str, times))], capture_output=True, text=True, check=True)
-    lines = [json.loads(line) for line in done.stdout.splitlines()]
+    lines = [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]  # (or it says what it compiles)
     return lines[-1]["seconds"], {line["t"]: line for line in lines[:-1]}
 
 
@@ -77,14 +82,16 @@ def dry_rod(out, peer):
     """The whole dry rod to t = 40, and the finite elements of the paper beside it."""
     entries = reference("v_decay_mu1")
     rows, times = [], {}
-    for title, options in [
-        ("frame, defaults", ""),
-        ("auto, defaults", "-rod_model auto"),
-        ("frame, -ts_rtol 2e-8", "-ts_rtol 2e-8"),
-        ("auto, -ts_rtol 2e-8", "-rod_model auto -ts_rtol 2e-8"),
-        ("mixed, N = 2000", "-rod_model mixed -rod_cells 2000"),
+    before = [("version 0.1, defaults", "", BEFORE), ("version 0.1, -ts_rtol 2e-8", "-ts_rtol 2e-8", BEFORE)] if BEFORE else []
+    for title, options, program in [
+        ("frame, defaults", "", TENDRIL),
+        ("auto, defaults", "-rod_model auto", TENDRIL),
+        ("frame, -ts_rtol 2e-8", "-ts_rtol 2e-8", TENDRIL),
+        ("auto, -ts_rtol 2e-8", "-rod_model auto -ts_rtol 2e-8", TENDRIL),
+        *before,
+        ("mixed, N = 2000", "-rod_model mixed -rod_cells 2000", TENDRIL),
     ]:
-        seconds, iterations, steps, results = run(f"{DRY} {options}", f"{WORK}/dry.h5")
+        seconds, iterations, steps, results = run(f"{DRY} {options}", f"{WORK}/dry.h5", program=program)
         times[title] = seconds
         rows.append([title, f"{seconds:.2f}", str(steps), str(iterations), f"{norm_error(results, entries, [1.5, 8, 12]):.1e}",
                      f"{tip_error(results, entries, [15, 20, 30, 40]):.1e}", f"{results.series.energy_defect[-1]:.0e}"])
@@ -163,21 +170,30 @@ def drift(out):
     table(out, ["beta", "tip x1, t = 20", "40", "50", "60", "fed: speed, t = 8", "12", "16"], rows)
 
 
-def newton(out):
-    """One Newton iteration against LAPACK's band solver."""
+def iteration(program, arguments, ranks):
+    """What bench_newton prints: cells, ranks, times, difference."""
+    launch = ["mpiexec", "-n", str(ranks)] if ranks > 1 else []
+    return [float(word) for word in subprocess.run([*launch, program, *arguments], capture_output=True, text=True, check=True).stdout.split()]
+
+
+def newton(out, repeat=5):
+    """One Newton iteration against LAPACK's band solver: the best of a few runs, in turn."""
     rows = []
     for cells, ranks in ((500, 1), (5000, 1), (50000, 1), (500000, 1), (500000, 2)):
-        command = [BENCH, "-rod_cells", str(cells), "-bench_repeat", "5" if cells > 1e5 else "30"]
-        if ranks > 1:
-            command = ["mpiexec", "-n", str(ranks), *command]
-        words = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
-        total, band = float(words[5]), float(words[7])
-        rows.append([words[0], words[1], *(f"{float(w):.3f}" for w in words[2:7]), f"{band:.3f}" if band else "-",
-                     f"{total / band:.2f}" if band else "-", words[8]])
+        arguments = ["-rod_cells", str(cells), "-bench_repeat", "5" if cells > 1e5 else "30"]
+        runs, before = [], []
+        for _ in range(repeat):
+            runs.append(iteration(BENCH, arguments, ranks))
+            if BENCH_BEFORE:
+                before.append(iteration(BENCH_BEFORE, arguments, ranks)[6])
+        best = min(runs, key=lambda words: words[5])
+        assembled, band = min(words[6] for words in runs), min(words[7] for words in runs)
+        rows.append([str(cells), str(ranks), *(f"{time:.3f}" for time in best[2:6]), f"{assembled:.3f}", f"{min(before):.3f}" if before else "-",
+                     f"{band:.3f}" if band else "-", f"{best[5] / band:.2f}" if band else "-", f"{best[8]:.1e}"])
     out.append("## One Newton iteration of the frame model, microseconds per node\n")
     out.append("The Jacobian is computed and eliminated in one pass; beside it the same iteration with an assembled matrix and PETSc's block LU, "
-               "and LAPACK's band solver alone.\n")
-    table(out, ["N", "ranks", "residual", "Jacobian and elimination", "solve", "all", "assembled, all", "dgbsv", "all / dgbsv",
+               f"that of version 0.1, and LAPACK's band solver alone; each the best of {repeat}.\n")
+    table(out, ["N", "ranks", "residual", "Jacobian and elimination", "solve", "all", "assembled, all", "version 0.1, all", "dgbsv", "all / dgbsv",
                 "difference to the assembled"], rows)
 
 
@@ -191,6 +207,42 @@ def joint(out):
     table(out, ["P", "microseconds", "a rank"], rows)
 
 
+def core_seconds(command):
+    """Seconds of all cores that a command and its children take, and those of the clock."""
+    def spent():
+        use = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return use.ru_utime + use.ru_stime
+    before, begin = spent(), time.perf_counter()
+    subprocess.run(command, capture_output=True, check=True)
+    return spent() - before, time.perf_counter() - begin
+
+
+def ensemble(out, members=100):
+    """Members of scripts/ensemble.sh as one job, and as a process each."""
+    scene = "-options_file options/pushed-tube.opts -stop_length 20 -rod_cells 200 -ts_rtol 1e-5 -output_interval 19.5 -quiet".split()
+    table_file, file = f"{WORK}/members.csv", f"{WORK}/members.h5"
+    with open(table_file, "w") as lines:
+        lines.write("\n".join(["rod_curvature_seed", *map(str, range(1, members + 1))]) + "\n")
+
+    def sweep(ranks):
+        if os.path.exists(file):
+            os.remove(file)
+        launch = ["mpiexec", "-n", str(ranks)] if ranks > 1 else []
+        return [*launch, TENDRIL, *scene, "-task", "sweep", "-sweep_file", table_file, "-output", file]
+
+    def single(program, seed):
+        return core_seconds([program, *scene, "-rod_curvature_seed", str(seed), "-output", f"{WORK}/member.h5"])
+
+    found = [("sweep, one rank", core_seconds(sweep(1))), ("sweep, two ranks", core_seconds(sweep(2)))]
+    for title, program in [("a process each", TENDRIL)] + ([("a process each, version 0.1", BEFORE)] if BEFORE else []):
+        runs = [single(program, seed) for seed in range(1, members + 1)]
+        found.append((title, [sum(column) for column in zip(*runs)]))
+    out.append("## Many runs in one job\n")
+    out.append(f"{members} tubes of scripts/ensemble.sh, each with random bends of its own, grown to length 20: seconds a member.\n")
+    table(out, ["", "seconds of all cores", "of the clock", "of all cores, over the last row's"],
+          [[title, f"{cores / members:.3f}", f"{clock / members:.3f}", f"{cores / found[-1][1][0]:.2f}"] for title, (cores, clock) in found])
+
+
 def main():
     os.makedirs(WORK, exist_ok=True)
     os.makedirs("docs", exist_ok=True)
@@ -201,8 +253,9 @@ def main():
         print("bench: without the finite elements of the paper (Debian's package fenics is not there)")
     with open("/proc/cpuinfo") as info:
         cpu = re.search(r"model name\s*: (.*)", info.read())
-    out = ["# Measured", "", f"By scripts/bench.sh on {os.cpu_count()} cores, {cpu[1] if cpu else 'unknown CPU'}. Ratios travel further than seconds.", ""]
-    for part in (lambda: dry_rod(out, peer), lambda: short_rod(out, peer), lambda: friction_limit(out), lambda: drift(out), lambda: newton(out), lambda: joint(out)):
+    out = ["# Measured", "", f"By scripts/lab/bench.sh on {os.cpu_count()} cores, {cpu[1] if cpu else 'unknown CPU'}. Ratios travel further than seconds.", ""]
+    for part in (lambda: dry_rod(out, peer), lambda: short_rod(out, peer), lambda: friction_limit(out), lambda: drift(out), lambda: newton(out), lambda: joint(out),
+                 lambda: ensemble(out)):
         part()
         with open("docs/bench.md", "w") as page:
             page.write("\n".join(out))
