@@ -7,7 +7,7 @@ static const OptionRow rows[] = {ROW_REAL(
 const OptionGroup accuracy_options = OPTION_GROUP("Accuracy", rows);
 
 /*
-  What scripts/chart.sh and scripts/accuracy.py have taught. The largest relative error of tip, |x2|
+  What chart.sh and accuracy.py of scripts/lab have taught. The largest relative error of tip, |x2|
   and energy is, with vbdf,
     in time   per_fold F (rtol / 1e-6)^(6/7), where F counts how often x2 falls or grows e-fold:
               each fold adds its local errors, and the energy doubles them (the mixed model, which

@@ -34,6 +34,20 @@ static inline void Shifted(Rod rod, Vec U_t, PetscReal shift, Vec w, PetscReal e
   CHECK(VecRestoreArrayRead(w, &d));
 }
 
+/* The initial shape at t shaken, with rates of order 1. */
+static inline void ShakenState(Rod rod, PetscReal t, PetscReal shake, Vec *U, Vec *U_t) {
+  Node *nodes;
+  Vec noise = RandomVector(rod, 1, shake);
+  CHECK(PetscMalloc1(rod->end - rod->first, &nodes));
+  CHECK(RodInitialNodes(rod, t, nodes));
+  CHECK(VecDuplicate(noise, U));
+  CHECK(rod->model->set(rod, t, nodes, *U));
+  CHECK(VecAXPY(*U, 1, noise));
+  CHECK(PetscFree(nodes));
+  CHECK(VecDestroy(&noise));
+  *U_t = RandomVector(rod, 2, 1);
+}
+
 /* F(U + e w, U_t + e shift w) - F(U, U_t) - e J w, its largest entry for each field. */
 static inline void Remainder(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J, Vec w,
                              PetscReal e, PetscReal size[MAX_FIELDS]) {
@@ -54,6 +68,25 @@ static inline void Remainder(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal shi
   CHECK(VecDestroy(&V_t));
   CHECK(VecDestroy(&F));
   CHECK(VecDestroy(&G));
+}
+
+/* J is the derivative along w, at steps e and e / 2, to within spread of 4; equations that are
+   linear leave round-off. */
+static inline void ExpectRate(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J, Vec w,
+                              PetscReal e, PetscReal spread, const char *title) {
+  PetscReal coarse[MAX_FIELDS], fine[MAX_FIELDS], entry;
+  CHECK(MatNorm(J, NORM_INFINITY, &entry));
+  Remainder(rod, t, U, U_t, shift, J, w, e, coarse);
+  Remainder(rod, t, U, U_t, shift, J, w, e / 2, fine);
+  for (PetscInt f = 0; f < rod->model->fields; f++) {
+    PetscReal ratio = coarse[f] / fine[f];
+    if (fine[f] < 1e-15 * entry)
+      EXPECT(coarse[f] < 4e-15 * entry, "%s, equation of %s: %g", title, rod->model->field[f],
+             coarse[f]);
+    else
+      EXPECT(PetscAbsReal(ratio - 4) < spread, "%s, shift %g, equation of %s: %g to %g, ratio %g",
+             title, shift, rod->model->field[f], coarse[f], fine[f], ratio);
+  }
 }
 
 #endif

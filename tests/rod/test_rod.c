@@ -43,27 +43,16 @@ static void Destroy(Scene *scene, Rod *rod) {
 
 /* The initial shape shaken: far from any symmetry, edges far from 0. */
 static void RandomState(Rod rod, PetscReal t, Vec *U, Vec *U_t) {
-  PetscReal shake = rod->model == &rod_mixed ? 0.15 / rod->last : 0.3;
-  Node *nodes;
-  Vec noise = RandomVector(rod, 1, shake);
-  CHECK(PetscMalloc1(rod->end - rod->first, &nodes));
-  CHECK(RodInitialNodes(rod, t, nodes));
-  CHECK(VecDuplicate(noise, U));
-  CHECK(rod->model->set(rod, t, nodes, *U));
-  CHECK(VecAXPY(*U, 1, noise));
-  CHECK(PetscFree(nodes));
-  CHECK(VecDestroy(&noise));
-  *U_t = RandomVector(rod, 2, 1);
+  ShakenState(rod, t, rod->model == &rod_mixed ? 0.15 / rod->last : 0.3, U, U_t);
 }
 
 static void JacobianByRate(const Model *model, int law, PetscReal shift, const char *more) {
   const PetscReal t = 0.7, e = 2e-4;
-  PetscReal coarse[MAX_FIELDS], fine[MAX_FIELDS], entry;
   Scene scene;
   Rod rod;
   Vec U, U_t, w;
   Mat J;
-  char all[768];
+  char all[768], title[896];
   snprintf(all, sizeof(all),
            "-shape_amplitude 2 -friction_mu 0.7 -friction_beta 0.1 -friction_newton primal%s",
            more);
@@ -73,19 +62,8 @@ static void JacobianByRate(const Model *model, int law, PetscReal shift, const c
   w = RandomVector(rod, 3, model->model == &rod_mixed ? 0.1 : 1);
   CHECK(RodCreateMatrix(rod, &J));
   CHECK(RodJacobian(NULL, t, U, U_t, shift, J, J, rod));
-  CHECK(MatNorm(J, NORM_INFINITY, &entry));
-  Remainder(rod, t, U, U_t, shift, J, w, e, coarse);
-  Remainder(rod, t, U, U_t, shift, J, w, e / 2, fine);
-  for (PetscInt f = 0; f < rod->model->fields; f++) {
-    PetscReal ratio = coarse[f] / fine[f];
-    if (fine[f] < 1e-15 * entry) { /* linear equations: round-off */
-      EXPECT(coarse[f] < 2e-15 * entry, "%s, %s, equation of %s: %g", model->name, laws[law],
-             rod->model->field[f], coarse[f]);
-      continue;
-    }
-    EXPECT(ratio > 3.9 && ratio < 4.1, "%s, %s%s, shift %g, equation of %s: %g to %g, ratio %g",
-           model->name, laws[law], more, shift, rod->model->field[f], coarse[f], fine[f], ratio);
-  }
+  snprintf(title, sizeof(title), "%s, %s%s", model->name, laws[law], more);
+  ExpectRate(rod, t, U, U_t, shift, J, w, e, 0.1, title);
   CHECK(MatDestroy(&J));
   CHECK(VecDestroy(&U));
   CHECK(VecDestroy(&U_t));

@@ -4,20 +4,17 @@ fail, and each of these is shown to fail, so that the map stays true.
 
     atlas_cells.py build/tendril [CHECK...]      (no CHECK: all of them)"""
 
-import os
 import sys
 import tempfile
 from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parent.parent / "scripts" / "lab"))
+from interpreter import ROOT, from_venv
+
+sys.path.insert(0, str(ROOT / "scripts/lab"))
 try:
     import measure as m
-except ImportError:
-    venv = HERE.parent.parent / ".venv/bin/python"
-    if venv.exists() and Path(sys.prefix) != venv.parent.parent:
-        os.execv(venv, [str(venv), *sys.argv])
-    sys.exit("atlas_cells: needs h5py and numpy; scripts/setup.sh makes .venv with them")
+except ImportError as error:
+    from_venv(error)
 
 DECAY8 = m.from_reference("decay", m.DECAY, "v_decay_mu1", (1.5, 8))
 FOLD = m.from_reference("fold", m.DECAY, "v_decay_mu1", (15, 20))

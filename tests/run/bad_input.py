@@ -17,13 +17,12 @@ import tempfile
 import time
 from pathlib import Path
 
+from interpreter import from_venv
+
 try:
     import h5py
-except ImportError:
-    venv = Path(__file__).resolve().parent.parent.parent / ".venv/bin/python"
-    if venv.exists() and Path(sys.prefix) != venv.parent.parent:
-        os.execv(venv, [str(venv), *sys.argv])
-    sys.exit("bad_input: needs h5py; scripts/setup.sh makes .venv with it")
+except ImportError as error:
+    from_venv(error)
 
 SECONDS = 60  # a refusal takes far less; more is a hang
 SHORT = "-output out.h5 -rod_cells 20 -ts_max_time 1e-3".split()

@@ -9,7 +9,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
-from scene_test import Run, distance, expect
+from scene_test import Run, expect
 from laboratory_test import read, tendril
 from world_test import file
 

@@ -80,7 +80,7 @@ def small_disk(kilobytes):
                 subprocess.run(["umount", "-l", place], check=False)
 
 
-FEED = f"-options_file {scene.HERE.parent.parent}/options/feed.opts "
+FEED = f"-options_file {scene.ROOT}/options/feed.opts "
 
 
 @check

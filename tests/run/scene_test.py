@@ -13,15 +13,13 @@ import sys
 import tempfile
 from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
+from interpreter import ROOT, from_venv
+
 try:
     import h5py
     import numpy as np
-except ImportError:
-    venv = HERE.parent.parent / ".venv/bin/python"
-    if venv.exists() and Path(sys.prefix) != venv.parent.parent:
-        os.execv(venv, [str(venv), *sys.argv])
-    sys.exit("scene_test: needs h5py and numpy; scripts/setup.sh makes .venv with them")
+except ImportError as error:
+    from_venv(error)
 
 CHECKS = {}
 ENVIRONMENT = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
@@ -66,7 +64,7 @@ class Run:
         if ranks > 1:
             command = [MPIEXEC, "-n", str(ranks), *command]
         done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                              env=ENVIRONMENT, cwd=HERE.parent.parent)  # scenes name their data
+                              env=ENVIRONMENT, cwd=ROOT)  # scenes name their data
         expect(done.returncode == 0 and not done.stderr,
                f"tendril {options}, {ranks} ranks: exit {done.returncode}, {done.stderr.strip()}")
         found = re.search(r"error estimate ([0-9.e+-]+)", done.stdout)
@@ -117,7 +115,7 @@ def against_reference(name, more):
     options, interval = REFERENCES[name]
     r = Run(f"{options} {more} -output_interval {interval}")
     worst = {k: [0, 0] for k in ("norm_x2", "energy", "tip")}
-    for line in (HERE.parent / "reference" / f"{name}.json").read_text().splitlines():
+    for line in (ROOT / "tests/reference" / f"{name}.json").read_text().splitlines():
         ref = json.loads(line)
         errors = {k: abs(r.at(k, ref["t"]) / ref[k] - 1) for k in ("norm_x2", "energy")}
         errors["tip"] = distance(r.tip_at(ref["t"]), np.array(ref["tip"]))
@@ -441,7 +439,7 @@ def snap():
 def options_files():
     """Each scene in options/ runs for a few steps as it stands, or as a small problem of its task."""
     small = {"stability": "-stability_points 3 -stability_vertices 60", "critical": "-rod_cells 60"}
-    for file in sorted((HERE.parent.parent / "options").glob("*.opts")):
+    for file in sorted((ROOT / "options").glob("*.opts")):
         task = task_of(file)
         r = Run(f"-options_file {file} {small.get(task, '-ts_max_time 0.01')}", group=task)
         if task == "grow":
@@ -452,7 +450,7 @@ def options_files():
 @check
 def energy_balance():
     """Each scene of options/ that grows, to its end."""
-    for file in sorted((HERE.parent.parent / "options").glob("*.opts")):
+    for file in sorted((ROOT / "options").glob("*.opts")):
         if task_of(file) != "grow":
             continue
         r = Run(f"-options_file {file}")

@@ -13,7 +13,8 @@ import unittest
 from pathlib import Path
 from types import SimpleNamespace
 
-ROOT = Path(__file__).resolve().parents[2]
+from interpreter import ROOT, from_venv
+
 sys.path.insert(0, str(ROOT / "scripts"))
 try:
     import numpy as np
@@ -23,10 +24,7 @@ try:
     from tendril import comparing, fit_command, fitting, measured, problem
     from tendril.parameters import Parameter
 except ImportError as error:
-    venv = ROOT / ".venv/bin/python"
-    if venv.exists() and Path(sys.prefix) != venv.parent.parent:
-        os.execv(venv, [str(venv), *sys.argv])
-    sys.exit(f"test_fit: {error}; scripts/setup.sh makes .venv")
+    from_venv(error)
 
 TUBE = dict(growth_type="feed", growth_initial_length="1cm", si_bending_stiffness="2.209Nmm^2",
             si_speed="5mm/s", friction_beta=1e-6, shape_type="straight")

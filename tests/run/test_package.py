@@ -15,7 +15,8 @@ import tempfile
 import unittest
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+from interpreter import ROOT, from_venv
+
 sys.path.insert(0, str(ROOT / "scripts"))
 try:
     import h5py
@@ -28,10 +29,7 @@ try:
     from tendril import map, runs
     from tendril.units import in_laboratory
 except ImportError as error:
-    venv = ROOT / ".venv/bin/python"
-    if venv.exists() and Path(sys.prefix) != venv.parent.parent:
-        os.execv(venv, [str(venv), *sys.argv])
-    sys.exit(f"test_package: {error}; scripts/setup.sh makes .venv")
+    from_venv(error)
 
 matplotlib.use("Agg")
 SHORT = dict(rod_cells=40, ts_max_time=1, output_interval=0.25)

@@ -5,14 +5,15 @@
 
 import contextlib
 import io
-import os
 import subprocess
 import sys
 import tempfile
 import unittest
 from pathlib import Path
 
-SCRIPTS = Path(__file__).resolve().parent.parent.parent / "scripts"
+from interpreter import ROOT, from_venv
+
+SCRIPTS = ROOT / "scripts"
 sys.path.insert(0, str(SCRIPTS))
 try:
     import numpy as np
@@ -20,10 +21,7 @@ try:
     from tendril import ResultsError, films, load, pictures
     from tendril.units import Units
 except ImportError as error:
-    venv = SCRIPTS.parent / ".venv/bin/python"
-    if venv.exists() and Path(sys.prefix) != venv.parent.parent:
-        os.execv(venv, [str(venv), *sys.argv])
-    sys.exit(f"test_scripts: {error}; scripts/setup.sh makes .venv")
+    from_venv(error)
 
 TENDRIL = ""
 

@@ -15,17 +15,15 @@ import tempfile
 import unittest
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+from interpreter import ROOT, from_venv
+
 sys.path.insert(0, str(ROOT / "scripts"))
 try:
     import numpy as np
 
     import tendril
 except ImportError as error:
-    venv = ROOT / ".venv/bin/python"
-    if venv.exists() and Path(sys.prefix) != venv.parent.parent:
-        os.execv(venv, [str(venv), *sys.argv])
-    sys.exit(f"test_view: {error}; scripts/setup.sh makes .venv")
+    from_venv(error)
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 QUIET = """--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-sync
