@@ -251,8 +251,9 @@ def units_everywhere():
     for key in b:
         if key.startswith(("series/", "shapes/")):
             expect(a[key].shape == b[key].shape, f"{key}: {a[key].shape}, {b[key].shape}")
-    for key in ("shapes/x", "shapes/t", "series/tip_x2", "series/base_force_1"):
-        expect(np.allclose(a[key], b[key], rtol=1e-7, atol=1e-9), f"{key} differs")
+    # (steps end where round-off has them; stored times do not move with it)
+    for key, off in (("shapes/x", 1e-9), ("shapes/t", 1e-9), ("series/tip_x2", 1e-6), ("series/base_force_1", 1e-6)):
+        expect(np.allclose(a[key], b[key], rtol=off, atol=off), f"{key} differs")
     expect(a["kind"] == "length" and abs(a["series/length"][-1] * LENGTH - 0.0605) < 1e-9, "length")
     with h5py.File(f"{d}/units.h5") as f:
         said = f.attrs["options"].decode().splitlines()
