@@ -464,39 +464,40 @@ static PetscErrorCode FrameEliminate(Rod rod, PetscReal t, Vec U, Vec U_t, const
   PetscFunctionReturn(0);
 }
 
-/* Moves the shift at a point; change is the largest of a force so far. */
-static void HoldPoint(const Load *load, const Place *at, LoadDual *dual, PetscReal *change) {
-  *change = PetscMax(*change, LoadHold(load, at, dual));
+/* Moves the shift at a point; creep is the largest speed so far. */
+static void HoldPoint(const Load *load, const Place *at, LoadDual *dual, PetscReal *creep) {
+  *creep = PetscMax(*creep, LoadHold(load, at, dual));
 }
 
-/* Moves the shifts of exact Coulomb friction; change is the largest of a force. */
-static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal *change) {
+/* Moves the shifts of exact Coulomb friction; creep is the largest speed of a
+   point that is held. */
+static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal *creep) {
   Frame *frame = (Frame *)rod->data;
   PetscBool ends = (PetscBool)(frame->end_weight > 0);
   PetscInt first = PetscMax(rod->first - 1, 0);
   Cell cell;
 
   PetscFunctionBegin;
-  *change = 0;
+  *creep = 0;
   PetscCall(CellsOpen(rod, t, U, U_t, PETSC_FALSE, &cell));
   for (PetscInt i = first; i < PetscMin(rod->end, rod->last); i++) {
     CellsNext(&cell, i);
     /* the clamped end does not move unless it slides: a shift there would hold nothing, and
        round-off adds up in it to a force on a rod whose x2 may be 1e-25 */
     if (i == first && ends && (i > 0 || cell.law->c != 0))
-      HoldPoint(cell.load, &cell.a->at, cell.dual[0], change);
-    HoldPoint(cell.load, &cell.mid->at, cell.dual[1], change);
-    if (ends) HoldPoint(cell.load, &cell.b->at, cell.dual[2], change);
+      HoldPoint(cell.load, &cell.a->at, cell.dual[0], creep);
+    HoldPoint(cell.load, &cell.mid->at, cell.dual[1], creep);
+    if (ends) HoldPoint(cell.load, &cell.b->at, cell.dual[2], creep);
   }
   if (rod->end == rod->last + 1 && TipResists(&rod->scene->tip))
-    HoldPoint(&rod->scene->tip.resistance, &cell.b->at, TipDual(rod), change);
+    HoldPoint(&rod->scene->tip.resistance, &cell.b->at, TipDual(rod), creep);
   if (rod->end == rod->last + 1 && frame->duals > 1)
-    *change = PetscMax(
-        *change, ContactHold(&rod->scene->contact, cell.b->at.x, cell.b->at.v, TipDual(rod) + 1));
+    *creep = PetscMax(
+        *creep, ContactHold(&rod->scene->contact, cell.b->at.x, cell.b->at.v, TipDual(rod) + 1));
   PetscCall(CellsClose(&cell));
   Forget(frame);
-  if (frame->strands) PetscCall(FrameStrandsHold(rod, change));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, change, 1, MPIU_REAL, MPI_MAX, rod->scene->comm));
+  if (frame->strands) PetscCall(FrameStrandsHold(rod, creep));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, creep, 1, MPIU_REAL, MPI_MAX, rod->scene->comm));
   PetscFunctionReturn(0);
 }
 

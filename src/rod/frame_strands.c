@@ -90,9 +90,9 @@ PetscErrorCode FrameStrandsLoad(Rod rod, PetscReal t, Vec U, Vec U_t,
 }
 
 /* FrameStrandsHold - see StrandsHold(); in the state of the latest load. */
-PetscErrorCode FrameStrandsHold(Rod rod, PetscReal *change) {
+PetscErrorCode FrameStrandsHold(Rod rod, PetscReal *creep) {
   PetscFunctionBegin;
-  PetscCall(StrandsHold(((Frame *)rod->data)->strands->strands, change));
+  PetscCall(StrandsHold(((Frame *)rod->data)->strands->strands, creep));
   PetscFunctionReturn(0);
 }
 

@@ -711,16 +711,16 @@ PetscErrorCode StrandsNear(Strands self, PetscInt *n, PetscInt (**cells)[2]) {
   PetscFunctionReturn(0);
 }
 
-/* StrandsHold - moves what holds strands that stick to each other (exact Coulomb friction); change
-   is the largest of a force, in units of friction along the rod. */
-PetscErrorCode StrandsHold(Strands self, PetscReal *change) {
+/* StrandsHold - moves what holds strands that stick to each other (exact Coulomb friction); creep
+   is the largest speed of a place that is held, which counts the less the less it is pressed. */
+PetscErrorCode StrandsHold(Strands self, PetscReal *creep) {
   PetscFunctionBegin;
   for (PetscInt k = 0; self->dual && k < self->n; k++) {
     const Pair *pair = &self->pair[k];
     const PetscReal v[2] = {pair->slip, 0};
     if (!pair->active || pair->p == 0) continue;
-    *change = PetscMax(*change, PetscMin(1, self->contact->friction * pair->p) *
-                                    FrictionDualHold(&self->contact->rub, v, DualOf(self, pair)));
+    *creep = PetscMax(*creep, PetscMin(1, self->contact->friction * pair->p) *
+                                  FrictionDualHold(v, DualOf(self, pair)));
   }
   PetscFunctionReturn(0);
 }

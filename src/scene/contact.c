@@ -152,20 +152,20 @@ void ContactPushSlope(const Contact *contact, const Touch *touch, const PetscRea
 }
 
 /* ContactHold - moves what holds a point that sticks to a wall (exact Coulomb friction); returns
-   how much its force would change if it moved on so. duals: one for each wall. */
+   the speed at which it creeps, which counts the less the less it is pressed. duals: one for each
+   wall. */
 PetscReal ContactHold(const Contact *contact, const PetscReal x[2], const PetscReal v[2],
                       FrictionDual duals[]) {
   Touch touch[MOST_TOUCHES];
   PetscInt n = ContactTouches(contact, x, touch);
-  PetscReal change = 0, slope;
+  PetscReal creep = 0, slope;
 
   for (PetscInt k = 0; k < n; k++) {
     const Touch *t = &touch[k];
     PetscReal mu = contact->walls.wall[t->wall].friction, u[2] = {Slip(t, v), 0},
               p = ContactPressure(contact, t->gap, &slope);
     if (t->again || mu == 0 || p == 0) continue;
-    change =
-        PetscMax(change, PetscMin(1, mu * p) * FrictionDualHold(&contact->rub, u, &duals[t->wall]));
+    creep = PetscMax(creep, PetscMin(1, mu * p) * FrictionDualHold(u, &duals[t->wall]));
   }
-  return change;
+  return creep;
 }

@@ -73,23 +73,17 @@ void FrictionLinearise(const Friction *law, const PetscReal v[2], const Friction
     }
 }
 
-/* FrictionDualHold - moves the shift by v, for exact Coulomb friction. Returns how much the dry
-   force would change if the point moved on like this. A point that slides needs no shift; the
-   longest kept leaves the force within 0.5 % of its limit. */
-PetscReal FrictionDualHold(const Friction *law, const PetscReal v[2], FrictionDual *dual) {
+/* FrictionDualHold - moves the shift by v, for exact Coulomb friction. Returns the speed at which
+   the point creeps though it is held; 0 if it slides, for then it needs no shift. The longest kept
+   leaves the force within 0.5 % of its limit. */
+PetscReal FrictionDualHold(const PetscReal v[2], FrictionDual *dual) {
   const PetscReal longest = 10 * PetscSqrtReal(friction_tiny);
-  PetscReal u[2], next[2], r = FrictionRadius(law, v, dual, u),
-                           size = PetscSqrtReal(u[0] * u[0] + u[1] * u[1]), s, change = 0;
+  const PetscReal u[2] = {v[0] + dual->shift[0], v[1] + dual->shift[1]},
+                  size = PetscSqrtReal(u[0] * u[0] + u[1] * u[1]),
+                  speed = PetscSqrtReal(v[0] * v[0] + v[1] * v[1]);
+  PetscBool slides = (PetscBool)(speed > longest);
 
-  if (PetscSqrtReal(v[0] * v[0] + v[1] * v[1]) > longest) {
-    dual->shift[0] = dual->shift[1] = 0;
-    return 0;
-  }
-  for (int i = 0; i < 2; i++) {
-    dual->shift[i] = size > longest ? u[i] * longest / size : u[i];
-    next[i] = dual->shift[i] + v[i];
-  }
-  s = PetscSqrtReal(next[0] * next[0] + next[1] * next[1] + friction_tiny);
-  for (int i = 0; i < 2; i++) change = PetscMax(change, PetscAbsReal(next[i] / s - u[i] / r));
-  return change;
+  for (int i = 0; i < 2; i++)
+    dual->shift[i] = slides ? 0 : size > longest ? u[i] * longest / size : u[i];
+  return slides ? 0 : speed;
 }

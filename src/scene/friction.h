@@ -29,11 +29,11 @@ void FrictionDualAdvance(const Friction *law, const PetscReal v[2], FrictionDual
 void FrictionLinearise(const Friction *law, const PetscReal v[2], const FrictionDual *dual,
                        PetscReal slope[2][2]);
 
-PetscReal FrictionDualHold(const Friction *law, const PetscReal v[2], FrictionDual *dual);
+PetscReal FrictionDualHold(const PetscReal v[2], FrictionDual *dual);
 
 /* The dry force is mu w, w = u/r, u = v + shift, r = sqrt(u^2 + beta). Regularised friction has no
    shift. Exact Coulomb friction takes a tiny beta and moves the shift, shift <- shift + v, until
-   the force settles: then either v = 0, and w is whatever it takes, or |v| is far above sqrt(beta)
+   v settles: then either v = 0, and w is whatever it takes, or |v| is far above sqrt(beta)
    and w = v/|v| (a method of multipliers). */
 static const PetscReal friction_tiny = 1e-12;
 

@@ -83,11 +83,11 @@ static inline PetscBool LoadSticks(const Load *load) {
   return (PetscBool)(load->friction.beta == 0);
 }
 
-/* Moves what holds a sticking place; returns how much its force would change if it moved on so. */
+/* Moves what holds a sticking place; returns the speed at which it creeps. */
 static inline PetscReal LoadHold(const Load *load, const Place *at, LoadDual *dual) {
-  PetscReal change = FrictionDualHold(&load->friction, at->v, dual);
-  if (load->duals == 1) return change;
-  return PetscMax(change, ContactHold(load->walls, at->x, at->v, dual + 1));
+  PetscReal creep = FrictionDualHold(at->v, dual);
+  if (load->duals == 1) return creep;
+  return PetscMax(creep, ContactHold(load->walls, at->x, at->v, dual + 1));
 }
 
 /* F of friction where nothing is held, as an observer sees it: a place at rest bears no dry force.

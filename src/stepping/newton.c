@@ -54,20 +54,23 @@ static PetscErrorCode RelativeUpdates(Rod rod, Vec U, Vec dU, PetscReal weight,
 }
 
 /* Exact Coulomb friction: once the iteration has converged, the shifts that hold sticking points
-   are moved, until the forces settle to this, but not more often than that: the shifts outlive the
-   step, and go on settling in the next. */
-static const PetscReal settled = 0.05;
+   are moved, and it goes on if these creep farther in the step than this part of the tolerance, of
+   the rod's size; but not more often than that, for the shifts outlive the step, and go on settling
+   in the next. */
+static const PetscReal creep_allowed = 5;
 enum { MOST_HOLDS = 2 };
 
 static PetscErrorCode Hold(Newton *self, SNES snes, PetscInt it, Vec U, Vec F,
                            SNESConvergedReason *reason) {
-  PetscReal change;
+  PetscReal creep, step, size[MAX_FIELDS];
 
   PetscFunctionBegin;
-  PetscCall(self->rod->model->hold(self->rod, self->rod->latest_time, U, self->rod->latest_rate,
-                                   &change));
-  PetscCall(PetscInfo(snes, "held forces change by %g\n", (double)change));
-  if (change > settled && self->holds < MOST_HOLDS) {
+  PetscCall(
+      self->rod->model->hold(self->rod, self->rod->latest_time, U, self->rod->latest_rate, &creep));
+  PetscCall(TSGetTimeStep(self->ts, &step));
+  PetscCall(RodFieldSizes(self->rod, U, size));
+  PetscCall(PetscInfo(snes, "held points creep at %g\n", (double)creep));
+  if (creep * step > creep_allowed * self->tolerance * size[0] && self->holds < MOST_HOLDS) {
     self->holds++;
     *reason = SNES_CONVERGED_ITERATING;
     self->held = it;
@@ -135,6 +138,7 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   PC pc;
 
   PetscFunctionBegin;
+  newton->ts = ts;
   newton->rod = rod;
   PetscCall(TSGetTolerances(ts, NULL, NULL, &rtol, NULL));
   newton->tolerance = share_of_tolerance * rtol;

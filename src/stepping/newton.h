@@ -5,6 +5,7 @@
 #include "rod/rod.h"
 
 typedef struct {
+  TS ts; /* borrowed */
   Rod rod;
   Elimination elimination; /* instead of a matrix; NULL: none */
   Mat J;

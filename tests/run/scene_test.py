@@ -369,6 +369,18 @@ def exact_friction_in_the_small():
 
 
 @check
+def exact_friction_at_rest():
+    """A fed rod whose front half rests, held by exact Coulomb friction: it stands still, and to hold
+    it does not take many iterations."""
+    r = Run(f"-options_file {ROOT}/options/feed.opts -friction_beta 0 -ts_max_time 16")
+    per_step, creep = r.newton_iterations.sum() / r.steps, r.tip_speed[r.t > 7].max()
+    print(f"{per_step:.2f} iterations per step, tip {r.tip}, its speed at most {creep:.1e}")
+    expect(per_step < 8, f"{per_step:.2f} iterations per step")
+    expect(creep < 1e-6, f"the tip creeps at {creep:.1e}")
+    expect(distance(r.tip, (5.9121178, 0.8109298)) < 1e-6, f"tip {r.tip}")
+
+
+@check
 def newton():
     """Both linearisations reach one solution; the primal-dual one takes no more iterations, and few
     where the primal one takes many or fails."""
