@@ -26,6 +26,7 @@ PetscErrorCode BandDestroy(Band *band) {
   PetscFunctionReturn(0);
 }
 
+/* BandZero - all entries 0, for a new matrix of the same shape. */
 PetscErrorCode BandZero(Band *band) {
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(band->a, band->n * (2 * band->lower + band->upper + 1)));

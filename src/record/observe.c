@@ -30,6 +30,8 @@ struct _Observer {
   const PetscReal (*push)[2]; /* force of contact per length */
 };
 
+/* ObserverCreate - what measures the states of a run of this scene, which must outlive it; nothing
+   is summed up yet. The caller ends it with ObserverDestroy(). Collective. */
 PetscErrorCode ObserverCreate(Scene scene, Observer *observer) {
   PetscMPIInt rank;
 

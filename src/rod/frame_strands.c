@@ -14,6 +14,8 @@ struct FrameStrands {
   PetscInt n, (*near)[2]; /* the pairs that its pattern was made of */
 };
 
+/* FrameStrandsCreate - what a rod of the frame model needs to touch itself: its strands, all nodes
+   on each rank, room in the matrix. The caller ends it with FrameStrandsDestroy(). Collective. */
 PetscErrorCode FrameStrandsCreate(Rod rod, struct FrameStrands **strands) {
   struct FrameStrands *self;
   PetscMPIInt ranks;

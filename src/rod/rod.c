@@ -79,6 +79,7 @@ PetscErrorCode RodOpen(Rod rod, Vec v, Vec *local, void *array) {
   PetscFunctionReturn(0);
 }
 
+/* RodClose - ends what RodOpen() began; local and array are gone. */
 PetscErrorCode RodClose(Rod rod, Vec *local, void *array) {
   PetscFunctionBegin;
   PetscCall(DMDAVecRestoreArrayRead(rod->da, *local, array));

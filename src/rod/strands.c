@@ -518,6 +518,7 @@ const PetscReal (*StrandsForces(Strands self))[2] {
   return (const PetscReal(*)[2])self->force;
 }
 
+/* StrandsSum - the sums over all places in contact that StrandsLoad() has found. */
 void StrandsSum(Strands self, StrandSum *sum) {
   *sum = self->sum;
 }
