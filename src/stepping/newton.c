@@ -155,9 +155,11 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   PetscFunctionReturn(0);
 }
 
-/* Is a matrix asked for? By any option of PETSc's that is about one. */
+/* Is a matrix asked for? By any option of PETSc's that is about one, or about another way than full
+   Newton steps, most of which multiply by it. */
 static PetscErrorCode MatrixAsked(TS ts, PetscBool *wanted) {
-  static const char *const about[] = {"ksp_", "pc_", "mat_", "snes_test_", "snes_fd", "snes_mf"};
+  static const char *const about[] = {"ksp_",    "pc_",     "mat_",      "snes_test_",
+                                      "snes_fd", "snes_mf", "snes_type", "snes_linesearch_"};
   const char *prefix;
   char start[80];
 

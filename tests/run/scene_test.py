@@ -403,6 +403,23 @@ def newton():
 
 
 @check
+def ways_of_newton():
+    """PETSc's other ways to solve a step end in the same place, also those that need the matrix, which
+    by default is not there."""
+    options = f"-options_file {ROOT}/options/feed.opts -ts_max_time 3 -rod_cells 60 -ts_rtol 1e-7 "
+    tip = Run(options).tip
+    for way in ("-snes_linesearch_type bt", "-snes_linesearch_type l2", "-snes_type newtontr",
+                "-snes_lag_jacobian 2", "-pc_type lu", "-pc_type ilu -ksp_type gmres", "-snes_mf_operator",
+                "-snes_fd_color", "-snes_ksp_ew"):
+        for ranks in (1, 2):
+            if ranks > 1 and way.startswith("-pc_type"):
+                continue  # (these are of one rank)
+            off = distance(Run(options + way, ranks).tip, tip)
+            print(f"{way}, ranks {ranks}: tip off by {off:.1e}")
+            expect(off < 1e-6, f"{way}, ranks {ranks}: tip off by {off:.1e}")
+
+
+@check
 def nearly_exact_friction():
     """beta from 1e-2 to 1e-12 with all else at its default."""
     before = {}
