@@ -170,10 +170,15 @@ def drift(out):
     table(out, ["beta", "tip x1, t = 20", "40", "50", "60", "fed: speed, t = 8", "12", "16"], rows)
 
 
-def iteration(program, arguments, ranks):
-    """What bench_newton prints: cells, ranks, times, difference."""
-    launch = ["mpiexec", "-n", str(ranks)] if ranks > 1 else []
-    return [float(word) for word in subprocess.run([*launch, program, *arguments], capture_output=True, text=True, check=True).stdout.split()]
+def launched(ranks):
+    """What stands before a program that runs on so many ranks."""
+    return ["mpiexec", "-n", str(ranks)] if ranks > 1 else []
+
+
+def numbers_of(program, arguments, ranks=1):
+    """What bench_newton prints: cells, ranks, times, difference; of a joint ranks and time."""
+    command = [*launched(ranks), program, *arguments]
+    return [float(word) for word in subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()]
 
 
 def newton(out, repeat=5):
@@ -183,9 +188,9 @@ def newton(out, repeat=5):
         arguments = ["-rod_cells", str(cells), "-bench_repeat", "5" if cells > 1e5 else "30"]
         runs, before = [], []
         for _ in range(repeat):
-            runs.append(iteration(BENCH, arguments, ranks))
+            runs.append(numbers_of(BENCH, arguments, ranks))
             if BENCH_BEFORE:
-                before.append(iteration(BENCH_BEFORE, arguments, ranks)[6])
+                before.append(numbers_of(BENCH_BEFORE, arguments, ranks)[6])
         best = min(runs, key=lambda words: words[5])
         assembled, band = min(words[6] for words in runs), min(words[7] for words in runs)
         rows.append([str(cells), str(ranks), *(f"{time:.3f}" for time in best[2:6]), f"{assembled:.3f}", f"{min(before):.3f}" if before else "-",
@@ -201,8 +206,8 @@ def joint(out):
     """What joins many ranks."""
     rows = []
     for ranks in (2, 4, 16, 64, 256, 1024):
-        words = subprocess.run([BENCH, "-bench_joint", str(ranks), "-bench_repeat", "1000"], capture_output=True, text=True, check=True).stdout.split()
-        rows.append([words[0], words[1], f"{float(words[1]) / ranks:.3f}"])
+        _, microseconds = numbers_of(BENCH, ["-bench_joint", str(ranks), "-bench_repeat", "1000"])
+        rows.append([str(ranks), f"{microseconds:.2f}", f"{microseconds / ranks:.3f}"])
     out.append("## What joins P ranks: microseconds that each spends on it in an iteration, beside the message of 54 numbers a rank\n")
     table(out, ["P", "microseconds", "a rank"], rows)
 
@@ -227,8 +232,7 @@ def ensemble(out, members=100):
     def sweep(ranks):
         if os.path.exists(file):
             os.remove(file)
-        launch = ["mpiexec", "-n", str(ranks)] if ranks > 1 else []
-        return [*launch, TENDRIL, *scene, "-task", "sweep", "-sweep_file", table_file, "-output", file]
+        return [*launched(ranks), TENDRIL, *scene, "-task", "sweep", "-sweep_file", table_file, "-output", file]
 
     def single(program, seed):
         return core_seconds([program, *scene, "-rod_curvature_seed", str(seed), "-output", f"{WORK}/member.h5"])

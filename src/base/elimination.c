@@ -225,10 +225,7 @@ static void SolveJoint(const Elimination self, const Moved moved[], PetscReal (*
       b[k][f] = moved[k].d[f];
       b[k][HALF + f] = k < n ? moved[k + 1].h[f] : moved[n + 1].d[f];
     }
-  for (int f = 0; f < HALF; f++) x[0][f] = b[0][f];
-  LineForward(&self->joint, n + 1, (const PetscReal(*)[FIELDS])b, NULL, x, NULL);
-  LineTurn(&self->joint, b[n] + HALF, x[n]);
-  LineBackward(&self->joint, x[n], x);
+  LineSolve(&self->joint, (const PetscReal(*)[FIELDS])b, x);
 }
 
 /* From what each rank has found, the unknowns of the nodes where it meets the one before (begin)
@@ -261,16 +258,7 @@ static PetscErrorCode FetchBehind(const Elimination self, const PetscReal first[
   PetscFunctionReturn(0);
 }
 
-/* Solve, on one rank; on the first of several; on one between; on the last. */
-static void SolveAlone(Elimination self, const PetscReal (*b)[FIELDS], PetscReal (*x)[FIELDS]) {
-  PetscInt n = self->own.n;
-
-  for (int f = 0; f < HALF; f++) x[0][f] = b[0][f];
-  LineForward(&self->own, self->nodes, b, NULL, x, NULL);
-  LineTurn(&self->own, b[n] + HALF, x[n]);
-  LineBackward(&self->own, x[n], x);
-}
-
+/* Solve, on the first of several ranks; on one between; on the last. */
 static PetscErrorCode SolveFromClamp(Elimination self, const PetscReal (*b)[FIELDS],
                                      const PetscReal behind[HALF], PetscReal (*x)[FIELDS]) {
   PetscReal begin[FIELDS], end[FIELDS];
@@ -325,7 +313,7 @@ static PetscErrorCode Solve(Elimination self, const PetscReal (*b)[FIELDS],
 
   PetscFunctionBegin;
   if (self->ranks == 1) {
-    SolveAlone(self, b, x);
+    LineSolve(&self->own, b, x);
     PetscFunctionReturn(0);
   }
   PetscCall(FetchBehind(self, b[0], behind));

@@ -242,9 +242,9 @@ void LineForward(const Line *line, PetscInt nodes, const PetscReal (*b)[FIELDS],
   }
 }
 
-/* LineTurn - the unknowns of the last node, into x, which has its d; own is the right-hand side of
-   its own equations. */
-void LineTurn(const Line *line, const PetscReal own[], PetscReal x[]) {
+/* The unknowns of the last node, into x, which has its d; own is the right-hand side of its own
+   equations. */
+static void LineTurn(const Line *line, const PetscReal own[], PetscReal x[]) {
   PetscBLASInt n = FIELDS, one = 1, info;
 
   for (int f = 0; f < HALF; f++) x[HALF + f] = own[f];
@@ -260,6 +260,16 @@ void LineBackward(const Line *line, const PetscReal y[], PetscReal (*x)[FIELDS])
     SolveByNode(&line->link[i], x[i], x[i]);
     y = x[i];
   }
+}
+
+/* LineSolve - the unknowns x of a line that is whole, by b, both of all its nodes. */
+void LineSolve(const Line *line, const PetscReal (*b)[FIELDS], PetscReal (*x)[FIELDS]) {
+  PetscInt n = line->n;
+
+  for (int f = 0; f < HALF; f++) x[0][f] = b[0][f];
+  LineForward(line, n + 1, b, NULL, x, NULL);
+  LineTurn(line, b[n] + HALF, x[n]);
+  LineBackward(line, x[n], x);
 }
 
 /* LineCreate - for so many nodes at most; the caller ends it with LineDestroy(). */

@@ -35,8 +35,8 @@ void LineCell(Line *line, LineBlock a, LineBlock b);
 void LineEnd(Line *line, const LineRows own);
 void LineForward(const Line *line, PetscInt nodes, const PetscReal (*b)[LINE_FIELDS],
                  const PetscReal behind[], PetscReal (*x)[LINE_FIELDS], PetscReal beyond[]);
-void LineTurn(const Line *line, const PetscReal own[], PetscReal x[]);
 void LineBackward(const Line *line, const PetscReal y[], PetscReal (*x)[LINE_FIELDS]);
+void LineSolve(const Line *line, const PetscReal (*b)[LINE_FIELDS], PetscReal (*x)[LINE_FIELDS]);
 void LineDivide(const LineLink *link, const LineRows M, LineRows X);
 void LineSubtractProduct(const LineRows M, const LineRows U, LineRows C);
 

@@ -469,8 +469,7 @@ static void HoldPoint(const Load *load, const Place *at, LoadDual *dual, PetscRe
   *creep = PetscMax(*creep, LoadHold(load, at, dual));
 }
 
-/* Moves the shifts of exact Coulomb friction; creep is the largest speed of a
-   point that is held. */
+/* Moves the shifts of exact Coulomb friction; creep is the largest speed of what is held. */
 static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal *creep) {
   Frame *frame = (Frame *)rod->data;
   PetscBool ends = (PetscBool)(frame->end_weight > 0);
