@@ -378,6 +378,10 @@ def exact_friction_at_rest():
     expect(per_step < 8, f"{per_step:.2f} iterations per step")
     expect(creep < 1e-6, f"the tip creeps at {creep:.1e}")
     expect(distance(r.tip, (5.9121178, 0.8109298)) < 1e-6, f"tip {r.tip}")
+    r = Run(f"-options_file {ROOT}/options/feed.opts -friction_beta 0 -ts_max_time 12 -ts_rtol 1e-7")
+    creep = r.tip_speed[r.t > 7].max()
+    print(f"-ts_rtol 1e-7: the speed of the tip at most {creep:.1e}")
+    expect(creep < 3e-8, f"-ts_rtol 1e-7: the tip creeps at {creep:.1e}")  # held again within a step
 
 
 @check
