@@ -8,12 +8,12 @@ import shlex
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 from xml.etree import ElementTree
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
+from held import PAGE, Held
 from scene_test import DRY, Run, distance, expect
 
 import h5py
@@ -164,21 +164,29 @@ def restart():
 
 @check
 def restart_after_a_signal():
+    """Stopped between two stores, or killed behind one: it goes on to the end of the unbroken run."""
     d = scene.SCRATCH
-    options = f"{DRY} -ts_max_time 12 -output_interval 0.25 -rod_cells 8000 "
+    options = f"{DRY} -ts_max_time 12 -output_interval 0.05 -rod_cells 1000 "
     tendril(f"{options} -output {d}/whole.h5")
     whole = read(f"{d}/whole.h5")
     for number in (signal.SIGTERM, signal.SIGKILL):
         file = Path(f"{d}/{number.name}.h5")
-        run = subprocess.Popen([scene.TENDRIL, *shlex.split(options), "-output", file],
-                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-                               env=scene.ENVIRONMENT)
-        while run.poll() is None and not (file.exists() and file.stat().st_size > 1e6):
-            time.sleep(0.01)
-        expect(run.poll() is None, "ended before it could be stopped")
-        time.sleep(0.05)
-        run.send_signal(number)
-        expect(run.wait() != 0, "exit 0 after a signal")
+
+        def stored():
+            return len(read(file)["shapes/t"]) if file.exists() else 0
+
+        with Held([scene.TENDRIL, *shlex.split(options), "-output", file],
+                  env=scene.ENVIRONMENT) as run:
+            run.let(18 * PAGE)  # its first steps are small, and store nothing
+            expect(run.until(lambda: stored() > 1), "ended before it was stored")
+            before = stored()
+            run.send_signal(number)
+            code, said = run.end()
+        expect(code != 0, "exit 0 after a signal")
+        if number == signal.SIGTERM:
+            expect(said.startswith("tendril: interrupted by signal 15 at t = ") and
+                   said.count("\n") == 1, said)
+        expect(before <= stored() < len(whole["shapes/t"]), f"{stored()} shapes are stored")
         tendril(f"-restart {file}")
         same_run(read(file), whole, number.name, 1e-6)
 
