@@ -14,9 +14,9 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
+from held import PAGE, Held
 from interpreter import from_venv
 
 try:
@@ -461,36 +461,33 @@ def check_refusal(command, expected, directory, alone=True):
 
 
 def start_and_stop(tendril, directory, number):
-    """A long run stopped by a signal once its result file has grown for a while."""
+    """A run stopped by a signal when its result file has grown; (file, exit code, stderr, fault)."""
     result = directory / f"stopped_{number}.h5"
-    command = [tendril, "-output", str(result), "-output_interval", "0.01", "-rod_cells", "2000"]
-    with subprocess.Popen(command, cwd=directory, stdin=subprocess.DEVNULL, text=True,
-                          stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:
-        end = time.monotonic() + SECONDS
-        sizes = set()
-        while len(sizes) < 4 and process.poll() is None and time.monotonic() < end:
-            sizes.add(result.stat().st_size if result.exists() else 0)
-            time.sleep(0.02)
-        if process.poll() is not None:
-            return result, process, process.stderr.read(), "ended before it could be stopped"
-        process.send_signal(number)
-        try:
-            stderr = process.communicate(timeout=SECONDS)[1]
-        except subprocess.TimeoutExpired:
-            process.kill()
-            return result, process, "", "did not end on the signal"
-    return result, process, stderr, None
+
+    def stored():
+        if not result.exists():
+            return 0
+        with h5py.File(result) as file:
+            return len(file["shapes/t"])
+
+    with Held([tendril, "-output", result, "-output_interval", "0.01", "-rod_cells", "100"],
+              cwd=directory, stdin=subprocess.DEVNULL) as run:
+        run.let(20 * PAGE)
+        if not run.until(lambda: stored() > 1):
+            return result, None, "", "ended before it could be stopped"
+        run.send_signal(number)
+        return result, *run.end(), None
 
 
 def check_stop(tendril, directory, number):
-    result, process, stderr, wrong = start_and_stop(tendril, directory, number)
+    result, code, stderr, wrong = start_and_stop(tendril, directory, number)
     if wrong:
         return [wrong], stderr
     wrong = []
     if number != signal.SIGKILL:
         wrong += complaints(stderr, "t = ", True)
-        if process.returncode <= 0 or process.returncode == 127:
-            wrong.append(f"no clean end: exit code {process.returncode}")
+        if code <= 0 or code == 127:
+            wrong.append(f"no clean end: exit code {code}")
     try:
         with h5py.File(result, "r") as file:
             shapes, steps = file["shapes/t"][()], file["series/t"][()]

@@ -21,13 +21,13 @@ class Held:
 
     def __init__(self, command, launch=(), **more):
         self.place = tempfile.TemporaryDirectory(prefix="tendril-")
-        fifo = Path(self.place.name) / "printed"
-        os.mkfifo(fifo)
-        self.pipe = os.open(fifo, os.O_RDONLY | os.O_NONBLOCK)
+        place = shlex.quote(self.place.name)
+        os.mkfifo(Path(self.place.name) / "printed")
+        self.pipe = os.open(Path(self.place.name) / "printed", os.O_RDONLY | os.O_NONBLOCK)
         fcntl.fcntl(self.pipe, fcntl.F_SETPIPE_SZ, PAGE)
         # the ranks' own output, which mpiexec would take in without end
         self.process = subprocess.Popen(
-            [*launch, "sh", "-c", f"exec \"$@\" >{shlex.quote(str(fifo))}", "sh",
+            [*launch, "sh", "-c", f"echo $$ >>{place}/ranks; exec \"$@\" >{place}/printed", "sh",
              *map(str, command), *MONITORS], stderr=subprocess.PIPE, text=True, **more)
 
     def __enter__(self):
@@ -59,12 +59,13 @@ class Held:
             size -= len(got)
         return size <= 0
 
-    def until(self, seen):
-        """Lets it go on a few steps at a time until seen(). That may need time to pass (a file is
-        stored once a second at most), so it is held in between, ever longer. False if it ended before."""
+    def until(self, seen, pages=1):
+        """Lets it go on by so many pages at a time until seen(). That may need time to pass (a file
+        is stored once a second at most), so it is held in between, ever longer. False if it ended
+        before."""
         held = 1.1
         while not seen():
-            if not self.let():
+            if not self.let(pages * PAGE):
                 return False
             time.sleep(0.1)
             if not seen():
@@ -73,9 +74,11 @@ class Held:
         return True
 
     def send_signal(self, number):
-        """Sends it while it is held: it has not ended, whatever the machine."""
+        """Sends it to all ranks while they are held: they have not ended, whatever the machine. (Not
+        to mpiexec, which leaves them a second to end and then kills them.)"""
         assert self.process.poll() is None, "ended before it could be stopped"
-        self.process.send_signal(number)
+        for rank in (Path(self.place.name) / "ranks").read_text().split():
+            os.kill(int(rank), number)
 
     def end(self):
         """Lets it go on to its end; (exit code, what it said on stderr)."""
