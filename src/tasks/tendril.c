@@ -105,11 +105,12 @@ int TendrilInitialize(int *argc, char ***argv, PetscBool *done) {
   if (began_mpi) NeedNoOthers();
   if (began_mpi) MPI_Init(argc, argv);
   OptionsSetTable(PETSC_STATIC_ARRAY_LENGTH(table), table);
-  failed = OptionsCheckWords(*argc, *argv);
+  failed = OptionsTakeWords(argc, argv);
   *done = (PetscBool)(failed || Answered(*argc, *argv));
   if (!*done && SlepcInitialize(argc, argv, NULL, about)) *done = PETSC_TRUE, failed = 1;
   if (*done) {
     if (began_mpi) MPI_Finalize();
+    OptionsFreeWords();
     return failed;
   }
   signal(SIGPIPE, SIG_IGN); /* once more: PETSc has handlers of its own */
@@ -131,5 +132,6 @@ int TendrilFinalize(void) {
   failed |= ErrorsEnd() != 0;
   failed |= SlepcFinalize() != 0;
   if (began_mpi) MPI_Finalize();
+  OptionsFreeWords();
   return failed;
 }
