@@ -1,4 +1,5 @@
 #include "record/output.h"
+#include "base/lock.h"
 #include "record/xdmf.h"
 #include <petsctime.h>
 #include <sys/stat.h>
@@ -136,7 +137,8 @@ PetscErrorCode OutputRefuse(const char *option, const char *path) {
   PetscFunctionReturn(0);
 }
 
-/* As OutputRefuse(); nor does a single run take the place of a whole sweep. */
+/* As OutputRefuse(); nor does a single run take the place of a whole sweep, or write what another
+   process is writing. */
 static PetscErrorCode RefuseTaken(const char *option, const char *path) {
   PetscBool sweep;
 
@@ -145,6 +147,8 @@ static PetscErrorCode RefuseTaken(const char *option, const char *path) {
   PetscCall(HdfHas(path, "/status", &sweep));
   UserCheck(!sweep, OptionsComm(), "%s %s: holds a sweep; name another file, or take it away",
             option, path);
+  /* files of a sweep's members are in the sweep's keeping */
+  if (!OptionsPushed()) PetscCall(LockTake(OptionsComm(), option, path));
   PetscFunctionReturn(0);
 }
 
@@ -181,7 +185,16 @@ PetscErrorCode OutputEndFile(const char *option, const char *path, MPI_Comm comm
 
   PetscFunctionBegin;
   PetscCall(HdfClose(file, fault));
+  PetscCall(LockGive(path));
   PetscCall(Verdict(option, path, comm, fault));
+  PetscFunctionReturn(0);
+}
+
+/* OutputDropFile - ends it without a result. */
+PetscErrorCode OutputDropFile(const char *path, HdfFile *file) {
+  PetscFunctionBegin;
+  PetscCall(HdfDrop(file));
+  PetscCall(LockGive(path));
   PetscFunctionReturn(0);
 }
 
@@ -651,6 +664,7 @@ PetscErrorCode OutputEvent(Output self, const Event *event) {
 PetscErrorCode OutputDestroy(Output *output) {
   PetscFunctionBegin;
   if (!*output) PetscFunctionReturn(0);
+  if ((*output)->mine) PetscCall(LockGive((*output)->path));
   for (int i = 0; i < SHAPES; i++) PetscCall(PetscFree((*output)->shape[i]));
   PetscCall(PetscFree((*output)->series));
   PetscCall(PetscFree((*output)->times));

@@ -43,6 +43,7 @@ PetscErrorCode OutputRefuse(const char *option, const char *path);
 PetscErrorCode OutputVersions(HdfFile file);
 PetscErrorCode OutputNewFile(const char *option, const char *path, MPI_Comm comm, HdfFile *file);
 PetscErrorCode OutputEndFile(const char *option, const char *path, MPI_Comm comm, HdfFile *file);
+PetscErrorCode OutputDropFile(const char *path, HdfFile *file);
 PetscErrorCode OutputAttributes(HdfFile file, MPI_Comm comm, PetscBool finished);
 
 #endif
