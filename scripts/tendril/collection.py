@@ -286,6 +286,8 @@ def load_sweep(path, over=None) -> Sweep:
     except (OSError, RuntimeError, KeyError) as error:
         raise ResultsError(f"{path}: not a whole HDF5 file ({error})") from None
     columns = file.tables["columns"]
+    if over:  # the file has them by name, the grid as they were given
+        columns = Lazy(over, columns.read)
     return Sweep(over or grid_of(columns, len(file.status)), None, path,
                  bool(file.attributes.get("finished", 0)), columns, file.status, file.line, file.seconds,
                  file.tables["final"], file.tables["critical"], file.attributes, file.tables["series"],

@@ -90,7 +90,7 @@ def of_sweep(sweep, axes, quantity, si):
             raise ValueError(f"this sweep does not vary {axis}, but {', '.join(points[0] if points else ())}")
     ends, name = sweep.ends(si), quantity.rpartition("/")[2]
     if name not in ends:
-        raise ValueError(f"{quantity}: no run of this sweep holds it; there are {', '.join(ends)}")
+        raise ValueError(f"this sweep holds no {quantity}; there are {', '.join(ends)}")
     values, unit = ends[name]
     unit = sweep.units.get(f"final/{name}", sweep.units.get(f"critical/{name}", unit))  # si: read() names it
     return {tuple(number(p[axis]) for axis in axes): (float(v), unit)
