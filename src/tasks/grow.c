@@ -13,7 +13,9 @@ static const OptionRow rows[] = {
     ROW_REAL("-ts_rtol", "1e-6", 1e-13, 0.5, UNIT_NONE, 0,
              "tolerance of a step, per field, against the field's present size"),
     ROW_REAL("-output_interval", "", 1e-9, 1e9, UNIT_TIME, 0,
-             "time between stored shapes; if not given, the first and last are stored"),
+             "time between stored shapes; if not given, -output_shapes decides"),
+    ROW_INT("-output_shapes", "40", 1, 1e6, 0,
+            "stored shapes after the first, evenly over the run; members of a sweep: 1, the last"),
     ROW_BOOL("-quiet", "false", PASSING | PROGRAM, "print nothing but errors")};
 const OptionGroup grow_options = OPTION_GROUP("Run", rows);
 
@@ -239,10 +241,8 @@ static PetscErrorCode HandOver(Grow *self, Leg *to) {
 
 static PetscErrorCode ReadOptions(Grow *self) {
   PetscFunctionBegin;
-  self->output_interval = self->scene->end_time;
   PetscCall(OptionWord("-rod_model", &self->model, NULL));
   PetscCall(OptionReal("-ts_rtol", &self->rtol, NULL));
-  PetscCall(OptionReal("-output_interval", &self->output_interval, NULL));
   PetscCall(WatchSetFromOptions(&self->watch, self->scene));
   PetscCall(OptionBool("-quiet", &self->quiet, NULL));
   if (self->member) self->quiet = PETSC_TRUE;
@@ -278,6 +278,22 @@ static PetscErrorCode CheckStart(Grow *self) {
             "-contact_self: the rod touches itself at the start, at s = %g and %g; give another "
             "shape or a smaller -contact_diameter",
             (double)touch.at[0], (double)touch.at[1]);
+  PetscFunctionReturn(0);
+}
+
+/* When shapes are stored: by a time between them, or by their number; of a run that keeps no file,
+   and of a member of a sweep that asks for none, the last alone. Collective. */
+static PetscErrorCode SetInterval(Grow *self, PetscBool output) {
+  PetscInt shapes = output && !self->member ? 40 : 1;
+  PetscBool interval, number;
+
+  PetscFunctionBegin;
+  PetscCall(GrowFindEnd(self));
+  PetscCall(OptionInt("-output_shapes", &shapes, &number));
+  self->output_interval = self->end / (PetscReal)shapes;
+  PetscCall(OptionReal("-output_interval", &self->output_interval, &interval));
+  UserCheck(!(interval && number), self->scene->comm,
+            "-output_shapes: -output_interval says already when shapes are stored; leave one out");
   PetscFunctionReturn(0);
 }
 
@@ -345,6 +361,7 @@ static PetscErrorCode Create(Grow *self, const char *output, const char *restart
 
   PetscFunctionBegin;
   PetscCall(ReadOptions(self));
+  PetscCall(SetInterval(self, (PetscBool)(output[0] || restart[0])));
   if (restart[0]) PetscCall(RestartRead(restart, self->scene, &state, &begun));
   for (PetscInt m = 0; m < MODELS; m++)
     if (m == self->model || (self->model == AUTO && m != MIXED && self->can[m]))

@@ -13,9 +13,9 @@ static const char *LengthUnit(const Grow *self, PetscReal *factor) {
   return OptionShownIn(self->reach, UNIT_LENGTH, factor);
 }
 
-/* When the run ends, as far as that is known beforehand. Collective. */
-static PetscErrorCode FindEnd(Grow *self) {
-  PetscReal low = self->start, middle, length, stop = self->watch.bound[EVENT_LENGTH];
+/* GrowFindEnd - when the run ends, as far as that is known beforehand. Collective. */
+PetscErrorCode GrowFindEnd(Grow *self) {
+  PetscReal low = 0, middle, length, stop = self->watch.bound[EVENT_LENGTH];
 
   PetscFunctionBegin;
   self->end = self->scene->end_time;
@@ -43,7 +43,6 @@ PetscErrorCode GrowHeading(Grow *self) {
   char text[4][16];
 
   PetscFunctionBegin;
-  PetscCall(FindEnd(self));
   length = LengthUnit(self, &factor);
   time = TimeUnit(self, &factor);
   PetscCall(PetscTime(&self->begin));

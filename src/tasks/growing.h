@@ -39,6 +39,7 @@ PetscErrorCode GrowLookForEvent(Grow *self, PetscReal t, Vec U, Event *event);
 PetscErrorCode GrowLocateEvent(Grow *self, PetscReal *t, Vec U, Vec U_t);
 
 /* grow_report.c */
+PetscErrorCode GrowFindEnd(Grow *self);
 PetscErrorCode GrowHeading(Grow *self);
 PetscErrorCode GrowProgress(Grow *self, PetscBool last);
 PetscErrorCode GrowSummary(Grow *self);

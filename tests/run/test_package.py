@@ -26,7 +26,8 @@ try:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     import tendril
-    from tendril import map, runs
+    from tendril import maps as map
+    from tendril import runs
     from tendril.units import in_laboratory
 except ImportError as error:
     from_venv(error)
@@ -78,7 +79,7 @@ class Package(unittest.TestCase):
         with self.assertRaises(tendril.RunError) as refused:
             tendril.run("feed", frictoin_mu=1)
         self.assertEqual(str(refused.exception),
-                         "-frictoin_mu: unknown option, did you mean -friction_mu?")
+                         "frictoin_mu: unknown option, did you mean friction_mu?")
         self.assertIsNone(refused.exception.results)
         with self.assertRaises(tendril.RunError) as broken:
             tendril.run("feed", ts_max_steps=9, **SHORT)
@@ -141,8 +142,22 @@ class Package(unittest.TestCase):
         self.assertEqual(float(table.width.sel(friction_mu=0, growth_initial_length=2)),
                          self.runs[0].series.width[-1])
         self.assertTrue(np.isnan(table.width.sel(friction_mu=2)).all())
-        kept = self.place / "sweep" / "friction_mu=1__growth_initial_length=2.h5"
-        self.assertEqual(tendril.load(kept).series.width[-1], self.runs[1].series.width[-1])
+        kept = tendril.load(self.place / "sweep/sweep.h5")
+        self.assertEqual((kept.over, kept.members.shape), (s.over, s.members.shape))
+        self.assertEqual(kept.members[1, 0].series.width[-1], self.runs[1].series.width[-1])
+        np.testing.assert_array_equal(kept.members[1, 0].at(1).x, self.runs[1].at(1).x)
+        self.assertFalse("x" in dict.keys(kept.shapes) and "energy" in dict.keys(kept.series))  # not read yet
+        self.assertEqual(kept.dataset().width.dims, ("friction_mu", "growth_initial_length"))
+        again = tendril.sweep("feed", {"friction_mu": [0, 1, 2], "growth_initial_length": [2, 1]},
+                              directory=self.place / "sweep", **SHORT)
+        finished = s.status == 1
+        np.testing.assert_array_equal(again.seconds[finished], s.seconds[finished])  # not run again
+        with self.assertRaisesRegex(tendril.RunError, "directory .*other options; name another directory"):
+            tendril.sweep("feed", {"friction_mu": [0, 1, 2], "growth_initial_length": [2, 1]},
+                          directory=self.place / "sweep", **SHORT | {"rod_cells": 41})
+        for wrong in ({}, {"friction_mu": []}, {"friction_mu": 0.5}, {"growth_type": "feed"}):
+            with self.assertRaisesRegex(tendril.TendrilError, "^sweep: .*give"):
+                tendril.sweep("feed", wrong)
         lengths = tendril.sweep(over={"tip_force": [0, 1]}, task="critical", friction_beta=1e-6)
         np.testing.assert_allclose(lengths.dataset().length, [1.98635, 1.326992], rtol=1e-5)
 
@@ -153,6 +168,8 @@ class Package(unittest.TestCase):
         s = tendril.sweep(TUBE, {"si_friction_dry": ["0.3N/m", "0.6N/m"], "rod_cells": [50]},
                           directory=self.place / "units", rod_curvature_file=bend, stop_length="3cm")
         self.assertEqual([r.attributes["parameters/si_friction_dry"] for r in s.members.flat], [0.3, 0.6])
+        self.assertEqual([r.scale("length") for r in s.members.flat],
+                         [(2.209e-6 / friction) ** (1 / 3) for friction in (0.3, 0.6)])
         *axes, table, units = map.read(self.place / "units", ["si_friction_dry", "rod_cells"], "width", True)
         self.assertEqual((units, list(axes[0])), (["N/m", "", "mm"], [0.3, 0.6]))
         np.testing.assert_allclose(table[0], [1000 * r.dataset(si=True).width[-1] for r in s.members.flat])
@@ -160,9 +177,9 @@ class Package(unittest.TestCase):
         np.testing.assert_allclose(curvature, 10)  # 1/m
         names = [f"si_friction_dry=0.{n}N_m__rod_cells=50" for n in (3, 6)]
         self.assertEqual([r.name for r in s.members.flat], names)
-        self.assertEqual([f.name for f in sorted((self.place / "units").iterdir())],
-                         [f"{name}.{end}" for name in names for end in ("h5", "xmf")])
-        with self.assertRaisesRegex(tendril.RunError, "did you mean -friction_mu"):
+        numbers = s.dataset(si=True).si_friction_dry
+        self.assertEqual((list(numbers), numbers.attrs["units"]), ([0.3, 0.6], "N/m"))
+        with self.assertRaisesRegex(tendril.RunError, "did you mean friction_mu"):
             tendril.sweep("feed", {"rod_cells": [40, 50]}, frictoin_mu=1)
         s = tendril.sweep(over={"tip_force": [0, 0.5]}, task="stability", friction_beta=1e-3,
                           stability_points=2, stability_end=0.1, stability_vertices=20)
