@@ -151,7 +151,9 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   PetscCall(SNESGetKSP(snes, &ksp));
   PetscCall(KSPSetType(ksp, KSPPREONLY));
   PetscCall(KSPGetPC(ksp, &pc));
-  PetscCall(ChainSetType(pc, rod->coupled ? MATORDERING1WD : MATORDERINGNATURAL));
+  PetscCall(ChainSetType(pc, !rod->coupled                      ? MATORDERINGNATURAL
+                             : rod->scene->tip.type == TIP_FREE ? MATORDERING1WD
+                                                                : ORDERING_HELD));
   PetscFunctionReturn(0);
 }
 
