@@ -31,6 +31,7 @@ class Wall:
     inside: bool  # circle and polygon: where the rod is
     numbers: np.ndarray
     friction: float
+    bend: float = 0.0  # path: radius of its corners; 0: as the program chooses
 
 
 def parse(text):
@@ -40,12 +41,12 @@ def parse(text):
         words = line.partition("#")[0].replace(",", " ").split()
         if not words:
             continue
-        friction = 0.0
-        if len(words) > 2 and words[-2] == "friction":
-            friction = float(words[-1])
+        own = {"friction": 0.0, "radius": 0.0}
+        while len(words) > 2 and words[-2] in own:
+            own[words[-2]] = float(words[-1])
             words = words[:-2]
         numbers = [float(w) for w in words[1:] if w not in ("inside", "outside")]
-        walls.append(Wall(words[0], "inside" in words, np.array(numbers), friction))
+        walls.append(Wall(words[0], "inside" in words, np.array(numbers), own["friction"], own["radius"]))
     return walls
 
 
@@ -68,7 +69,7 @@ def arc(centre, radius, begin, end, points=33):
     return np.asarray(centre) + radius * np.column_stack([np.cos(a), np.sin(a)])
 
 
-def axis_of(radius, points):
+def axis_of(radius, points, corner=0.0):
     """The axis of a conduit with its corners rounded as the solver rounds them, each vertex with
     the normal to the left."""
     points = points.reshape(-1, 2)
@@ -85,7 +86,7 @@ def axis_of(radius, points):
             n.append(normals[0])
             continue
         half = np.tan(abs(turn) / 2)
-        taken = min(radius * max(1, 2 * half), min(lengths[k - 1], lengths[k]) / 2)
+        taken = corner * half or min(radius * max(1, 2 * half), min(lengths[k - 1], lengths[k]) / 2)
         side, bend = np.sign(turn), taken / half
         centre = points[k] - taken * t + side * bend * np.array(normals[0])
         begin = np.arctan2(*(-side * np.array(normals[0]))[::-1])
@@ -106,9 +107,10 @@ def mouth(radius, end, outwards, side):
     return arc(end + 2 * radius * across, radius, begin, begin + turn)
 
 
-def conduit(radius, points):
+def conduit(wall):
     """The two walls of a conduit as lines, mouths included."""
-    x, n = axis_of(radius, points)
+    radius = wall.numbers[0]
+    x, n = axis_of(radius, wall.numbers[1:], wall.bend)
     out = [x[0] - x[1], x[-1] - x[-2]]
     out = [o / np.hypot(*o) for o in out]
     lines = []
@@ -147,7 +149,7 @@ def ring_of(wall):
 def reach_of(walls):
     """Where walls with an extent are, [n, 2]: for who chooses the limits of a picture."""
     parts = [ring_of(w) for w in walls if w.kind in ("circle", "polygon")]
-    parts += [p for w in walls if w.kind == "path" for p in conduit(w.numbers[0], w.numbers[1:])]
+    parts += [p for w in walls if w.kind == "path" for p in conduit(w)]
     return np.concatenate(parts) if parts else np.zeros((0, 2))
 
 
@@ -166,7 +168,7 @@ def solid(wall, view):
         body, line = half_plane(wall.numbers[:2], wall.numbers[2:], view)
         return Path(np.concatenate([body, body[:1]])), [line]
     if wall.kind == "path":
-        left, right = conduit(wall.numbers[0], wall.numbers[1:])
+        left, right = conduit(wall)
         return None, [left, right]
     ring = ring_of(wall)
     if not wall.inside:

@@ -465,12 +465,14 @@ static PetscErrorCode FrameEliminate(Rod rod, PetscReal t, Vec U, Vec U_t, const
 }
 
 /* Moves the shift at a point; creep is the largest speed so far. */
-static void HoldPoint(const Load *load, const Place *at, LoadDual *dual, PetscReal *creep) {
-  *creep = PetscMax(*creep, LoadHold(load, at, dual));
+static void HoldPoint(const Load *load, const Place *at, PetscReal seen, LoadDual *dual,
+                      PetscReal *creep) {
+  *creep = PetscMax(*creep, LoadHold(load, at, seen, dual));
 }
 
 /* Moves the shifts of exact Coulomb friction; creep is the largest speed of what is held. */
-static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal *creep) {
+static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal seen,
+                                PetscReal *creep) {
   Frame *frame = (Frame *)rod->data;
   PetscBool ends = (PetscBool)(frame->end_weight > 0);
   PetscInt first = PetscMax(rod->first - 1, 0);
@@ -484,18 +486,18 @@ static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal 
     /* the clamped end does not move unless it slides: a shift there would hold nothing, and
        round-off adds up in it to a force on a rod whose x2 may be 1e-25 */
     if (i == first && ends && (i > 0 || cell.law->c != 0))
-      HoldPoint(cell.load, &cell.a->at, cell.dual[0], creep);
-    HoldPoint(cell.load, &cell.mid->at, cell.dual[1], creep);
-    if (ends) HoldPoint(cell.load, &cell.b->at, cell.dual[2], creep);
+      HoldPoint(cell.load, &cell.a->at, seen, cell.dual[0], creep);
+    HoldPoint(cell.load, &cell.mid->at, seen, cell.dual[1], creep);
+    if (ends) HoldPoint(cell.load, &cell.b->at, seen, cell.dual[2], creep);
   }
   if (rod->end == rod->last + 1 && TipResists(&rod->scene->tip))
-    HoldPoint(&rod->scene->tip.resistance, &cell.b->at, TipDual(rod), creep);
+    HoldPoint(&rod->scene->tip.resistance, &cell.b->at, seen, TipDual(rod), creep);
   if (rod->end == rod->last + 1 && frame->duals > 1)
-    *creep = PetscMax(
-        *creep, ContactHold(&rod->scene->contact, cell.b->at.x, cell.b->at.v, TipDual(rod) + 1));
+    *creep = PetscMax(*creep, ContactHold(&rod->scene->contact, cell.b->at.x, cell.b->at.v, seen,
+                                          TipDual(rod) + 1));
   PetscCall(CellsClose(&cell));
   Forget(frame);
-  if (frame->strands) PetscCall(FrameStrandsHold(rod, creep));
+  if (frame->strands) PetscCall(FrameStrandsHold(rod, seen, creep));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, creep, 1, MPIU_REAL, MPI_MAX, rod->scene->comm));
   PetscFunctionReturn(0);
 }

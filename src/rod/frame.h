@@ -37,7 +37,7 @@ PetscErrorCode FrameStrandsLoad(Rod rod, PetscReal t, Vec U, Vec U_t, const Pets
 PetscErrorCode FrameStrandsPattern(Rod rod, Mat J);
 PetscErrorCode FrameStrandsJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[],
                                     Mat J);
-PetscErrorCode FrameStrandsHold(Rod rod, PetscReal *creep);
+PetscErrorCode FrameStrandsHold(Rod rod, PetscReal seen, PetscReal *creep);
 PetscReal *FrameStrandsRemembered(Rod rod, PetscInt i, PetscInt k);
 PetscInt FrameStrandsMemory(Rod rod);
 PetscErrorCode FrameStrandsRecalled(Rod rod);

@@ -50,7 +50,7 @@ typedef struct {
   PetscErrorCode (*remember)(Rod, Vec memory);
   PetscErrorCode (*recall)(Rod, Vec memory);
   /* exact Coulomb friction: see LoadHold(); NULL: regularised friction only */
-  PetscErrorCode (*hold)(Rod, PetscReal t, Vec U, Vec U_t, PetscReal *creep);
+  PetscErrorCode (*hold)(Rod, PetscReal t, Vec U, Vec U_t, PetscReal seen, PetscReal *creep);
 } RodModel;
 
 struct _Rod {

@@ -714,14 +714,14 @@ PetscErrorCode StrandsNear(Strands self, PetscInt *n, PetscInt (**cells)[2]) {
 
 /* StrandsHold - moves what holds strands that stick to each other (exact Coulomb friction); creep
    is the largest speed of a place that is held, which counts the less the less it is pressed. */
-PetscErrorCode StrandsHold(Strands self, PetscReal *creep) {
+PetscErrorCode StrandsHold(Strands self, PetscReal seen, PetscReal *creep) {
   PetscFunctionBegin;
   for (PetscInt k = 0; self->dual && k < self->n; k++) {
     const Pair *pair = &self->pair[k];
     const PetscReal v[2] = {pair->slip, 0};
     if (!pair->active || pair->p == 0) continue;
     *creep = PetscMax(*creep, PetscMin(1, self->contact->friction * pair->p) *
-                                  FrictionDualHold(v, DualOf(self, pair)));
+                                  FrictionDualHold(v, seen, DualOf(self, pair)));
   }
   PetscFunctionReturn(0);
 }

@@ -52,7 +52,7 @@ PetscErrorCode StrandsLoad(Strands strands, const StrandState *state);
 const PetscReal (*StrandsForces(Strands strands))[2];
 PetscErrorCode StrandsLinearise(Strands strands, const StrandState *state, const PetscReal shift[3],
                                 PetscBool fresh, PetscInt *n, const StrandSlope **slopes);
-PetscErrorCode StrandsHold(Strands strands, PetscReal *creep);
+PetscErrorCode StrandsHold(Strands strands, PetscReal seen, PetscReal *creep);
 void StrandsSum(Strands strands, StrandSum *sum);
 PetscInt StrandsZones(Strands strands);
 PetscInt StrandsDuals(Strands strands, FrictionDual **duals);

@@ -155,7 +155,7 @@ void ContactPushSlope(const Contact *contact, const Touch *touch, const PetscRea
    the speed at which it creeps, which counts the less the less it is pressed. duals: one for each
    wall. */
 PetscReal ContactHold(const Contact *contact, const PetscReal x[2], const PetscReal v[2],
-                      FrictionDual duals[]) {
+                      PetscReal seen, FrictionDual duals[]) {
   Touch touch[MOST_TOUCHES];
   PetscInt n = ContactTouches(contact, x, touch);
   PetscReal creep = 0, slope;
@@ -165,7 +165,7 @@ PetscReal ContactHold(const Contact *contact, const PetscReal x[2], const PetscR
     PetscReal mu = contact->walls.wall[t->wall].friction, u[2] = {Slip(t, v), 0},
               p = ContactPressure(contact, t->gap, &slope);
     if (t->again || mu == 0 || p == 0) continue;
-    creep = PetscMax(creep, PetscMin(1, mu * p) * FrictionDualHold(u, &duals[t->wall]));
+    creep = PetscMax(creep, PetscMin(1, mu * p) * FrictionDualHold(u, seen, &duals[t->wall]));
   }
   return creep;
 }

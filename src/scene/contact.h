@@ -49,7 +49,7 @@ void ContactPush(const Contact *contact, const Touch *touch, const PetscReal v[2
 void ContactPushSlope(const Contact *contact, const Touch *touch, const PetscReal v[2],
                       PetscBool fresh, FrictionDual *dual, Push *push);
 PetscReal ContactHold(const Contact *contact, const PetscReal x[2], const PetscReal v[2],
-                      FrictionDual duals[]);
+                      PetscReal seen, FrictionDual duals[]);
 
 /* p(gamma), and its derivative */
 static inline PetscReal ContactPressure(const Contact *contact, PetscReal gap, PetscReal *slope) {

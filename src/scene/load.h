@@ -84,10 +84,11 @@ static inline PetscBool LoadSticks(const Load *load) {
 }
 
 /* Moves what holds a sticking place; returns the speed at which it creeps. */
-static inline PetscReal LoadHold(const Load *load, const Place *at, LoadDual *dual) {
-  PetscReal creep = FrictionDualHold(at->v, dual);
+static inline PetscReal LoadHold(const Load *load, const Place *at, PetscReal seen,
+                                 LoadDual *dual) {
+  PetscReal creep = FrictionDualHold(at->v, seen, dual);
   if (load->duals == 1) return creep;
-  return PetscMax(creep, ContactHold(load->walls, at->x, at->v, dual + 1));
+  return PetscMax(creep, ContactHold(load->walls, at->x, at->v, seen, dual + 1));
 }
 
 /* F of friction where nothing is held, as an observer sees it: a place at rest bears no dry force.

@@ -7,7 +7,8 @@ const char *const wall_kind[WALL_KINDS] = {"plane", "circle", "polygon", "path"}
 static const char *const wall_form[WALL_KINDS] = {
     "plane X1 X2 N1 N2, a point and the direction to the side of the rod",
     "circle X1 X2 R outside|inside", "polygon outside|inside X1 Y1 X2 Y2 X3 Y3 ...",
-    "path R X1 Y1 X2 Y2 ..., a conduit of radius R along these points"};
+    "path R X1 Y1 X2 Y2 ..., a conduit of radius R along these points, and radius B behind them if "
+    "its bends are to have that"};
 
 static const PetscReal everywhere = 1e300;
 
@@ -279,12 +280,14 @@ static void AddMouth(Wall *wall, const PetscReal end[2], const PetscReal outward
   }
 }
 
-/* How much of both its edges the rounding of a corner by this angle takes: an arc of twice the
-   conduit's radius if there is room; of a gentle corner more, so that points along a curve give
-   that curve. */
-static PetscReal Rounding(PetscReal r, PetscReal angle, PetscReal before, PetscReal after) {
-  PetscReal wanted = r * PetscMax(1, 2 * PetscTanReal(angle / 2));
-  return PetscMin(wanted, PetscMin(before, after) / 2);
+/* How much of both its edges the rounding of a corner by this angle takes: what the radius asked
+   for needs; else an arc of twice the conduit's radius if there is room; of a gentle corner more,
+   so that points along a curve give that curve. */
+static PetscReal Rounding(const Wall *wall, PetscReal angle, PetscReal before, PetscReal after) {
+  const PetscReal half = PetscTanReal(angle / 2);
+
+  if (wall->bend > 0) return wall->bend * half;
+  return PetscMin(wall->number[0] * PetscMax(1, 2 * half), PetscMin(before, after) / 2);
 }
 
 /* The arc of the axis about a corner b, and with it the two walls there. */
@@ -297,7 +300,7 @@ static PetscErrorCode AddCorner(Maker *self, const PetscReal b[2], const PetscRe
   PetscFunctionBegin;
   UserCheck(axis > r, OptionsComm(),
             "-wall_file %s, line %d: the path turns more sharply than a conduit of this radius "
-            "can: put its points farther apart, or make it narrower",
+            "can: put its points farther apart, make it narrower, or its bends wider",
             self->file, self->line);
   for (int d = 0; d < 2; d++) c[d] = b[d] - taken * t[d] - axis * one[d];
   (void)AddArc(self->wall, c, axis + r, -1, one, other);
@@ -330,11 +333,15 @@ static PetscErrorCode MakePath(Maker *self) {
       next = Direction(b, c, u);
       angle = PetscAbsReal(PetscAtan2Real(Cross(t, u), Dot(t, u)));
       if (angle > 1e-9 && next > 0) {
-        leaves = Rounding(r, angle, length, next);
+        leaves = Rounding(wall, angle, length, next);
         PetscCall(AddCorner(self, b, t, u, angle, leaves));
       }
     } else
       AddMouth(wall, b, t);
+    UserCheck(taken + leaves <= length * (1 + 1e-9), OptionsComm(),
+              "-wall_file %s, line %d: bends of this radius do not fit between points %d and %d of "
+              "the path: put them farther apart, or give a smaller radius",
+              self->file, self->line, (int)k + 1, (int)k + 2);
     for (int d = 0; d < 2; d++) start[d] = a[d] + taken * t[d];
     for (int side = -1; side <= 1; side += 2)
       (void)AddLine(wall, start, t, length - taken - leaves, side, r);
@@ -369,6 +376,22 @@ static PetscErrorCode TakeFriction(Maker *self, PetscInt *n, char *word[]) {
   PetscCall(OptionQuantity(what, word[*n - 1], UNIT_NONE, &self->wall->friction));
   UserCheck(self->wall->friction >= 0 && self->wall->friction <= 100, OptionsComm(),
             "-wall_file %s, line %d: friction must be from 0 to 100", self->file, self->line);
+  *n -= 2;
+  PetscFunctionReturn(0);
+}
+
+/* Takes `radius B` off the end of a path's words. */
+static PetscErrorCode TakeBend(Maker *self, PetscInt *n, char *word[]) {
+  char what[PETSC_MAX_PATH_LEN];
+
+  PetscFunctionBegin;
+  if (self->wall->kind != WALL_PATH || *n < 3 || strcmp(word[*n - 2], "radius"))
+    PetscFunctionReturn(0);
+  (void)snprintf(what, sizeof(what), "-wall_file %s, line %d: radius ", self->file, self->line);
+  PetscCall(OptionQuantity(what, word[*n - 1], UNIT_LENGTH, &self->wall->bend));
+  UserCheck(self->wall->bend > 0, OptionsComm(),
+            "-wall_file %s, line %d: the radius of a path's bends must be above 0", self->file,
+            self->line);
   *n -= 2;
   PetscFunctionReturn(0);
 }
@@ -418,6 +441,8 @@ static PetscErrorCode ReadWall(Maker *self, PetscInt n, char *word[]) {
             self->file, self->line, word[0]);
   wall->kind = (WallKind)kind;
   PetscCall(TakeFriction(self, &n, word));
+  PetscCall(TakeBend(self, &n, word));
+  if (wall->bend > 0) PetscCall(TakeFriction(self, &n, word)); /* in either order */
   place = kind == WALL_CIRCLE ? n - 1 : 1;
   sided = (PetscBool)(kind == WALL_CIRCLE || kind == WALL_POLYGON);
   if (sided && !TakeSide(self, place, &n, word)) PetscCall(Malformed(self, wall->kind));
@@ -532,7 +557,7 @@ PetscErrorCode WallsDestroy(Walls *walls) {
 /* WallsText - the walls as a file has them, dimensionless. The caller frees the text (PetscFree).
  */
 PetscErrorCode WallsText(const Walls *walls, char **text) {
-  enum { NUMBER = 26, WORDS = 64 };
+  enum { NUMBER = 26, WORDS = 96 };
   size_t room = 1, at = 0;
 
   PetscFunctionBegin;
@@ -545,6 +570,8 @@ PetscErrorCode WallsText(const Walls *walls, char **text) {
                            wall->kind == WALL_POLYGON ? side : "");
     for (PetscInt k = 0; k < wall->numbers; k++)
       at += (size_t)snprintf(*text + at, room - at, " %.17g", (double)wall->number[k]);
+    if (wall->bend > 0)
+      at += (size_t)snprintf(*text + at, room - at, " radius %.17g", (double)wall->bend);
     at += (size_t)snprintf(*text + at, room - at, "%s friction %.17g\n",
                            wall->kind == WALL_CIRCLE ? side : "", (double)wall->friction);
   }

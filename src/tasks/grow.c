@@ -147,7 +147,8 @@ static PetscErrorCode Agree(Grow *self, PetscBool *store) {
 static PetscErrorCode StopHere(Grow *self, TS ts) {
   PetscFunctionBegin;
   self->beyond = (PetscBool)(self->model == LINEAR && self->seen.max_angle > 1);
-  if (self->event.kind || self->stopped || self->beyond ||
+  self->jammed = (PetscBool)(!self->event.kind && GrowIsJammed(self));
+  if (self->event.kind || self->stopped || self->beyond || self->jammed ||
       (&self->leg[BetterModel(self)] != self->now && self->seen.t < self->scene->end_time))
     PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
   PetscFunctionReturn(0);
@@ -390,7 +391,9 @@ static PetscErrorCode Follow(Grow *self, TSConvergedReason *reason) {
   for (;;) {
     PetscCall(TSSolve(self->now->ts, self->now->U));
     PetscCall(TSGetConvergedReason(self->now->ts, reason));
-    if (*reason != TS_CONVERGED_USER || self->stopped || self->beyond || self->event.kind) break;
+    if (*reason != TS_CONVERGED_USER || self->stopped || self->beyond || self->jammed ||
+        self->event.kind)
+      break;
     PetscCall(HandOver(self, &self->leg[BetterModel(self)]));
   }
   PetscCall(GrowProgress(self, PETSC_TRUE));
@@ -408,10 +411,10 @@ static PetscErrorCode End(Grow *self, PetscBool finished) {
 }
 
 /* The line for an end that was not asked for. */
-static PetscErrorCode Verdict(const Grow *self, TSConvergedReason reason) {
+static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
   const PetscReal straight = 0.01;
   MPI_Comm comm = self->scene->comm;
-  char text[3][64];
+  char text[3][64], jam[512] = "";
   PetscReal dt;
 
   PetscFunctionBegin;
@@ -430,11 +433,17 @@ static PetscErrorCode Verdict(const Grow *self, TSConvergedReason reason) {
   UserCheck(reason != TS_CONVERGED_ITS, comm,
             "-ts_max_steps: reached at t = %s before -ts_max_time %s", text[0], text[2]);
   UserCheck(
-      reason == TS_CONVERGED_TIME || self->seen.contacts == 0 || self->seen.max_angle > straight,
+      self->jammed || reason == TS_CONVERGED_TIME || self->seen.contacts == 0 ||
+          self->seen.max_angle > straight,
       comm,
       "gave up at t = %s: the rod is pressed straight against a wall, and nothing says to which "
       "side it gives way; the results up to there are stored; give it a small -rod_curvature",
       text[0]);
+  PetscCall(GrowTellJam(self, (PetscBool)(reason < 0), jam, sizeof(jam)));
+  UserCheck(!jam[0], comm,
+            "%s, and it can hardly grow on; the results up to there are stored; end the run before "
+            "with -stop_force, or, if this push is meant, give a higher -contact_stiffness",
+            jam);
   UserCheck(reason == TS_CONVERGED_TIME || !self->now->passes, comm,
             "gave up at t = %s with a step of %s: the rod would pass through itself or a wall; the "
             "results up to there are stored; give more -rod_cells or a higher -contact_stiffness",

@@ -144,13 +144,18 @@ static PetscErrorCode TellEvent(Grow *self) {
   OptionBoth(event->t, UNIT_TIME, text[0]);
   OptionNumber(event->s[0], text[1]);
   OptionNumber(event->s[1], text[2]);
-  OptionBoth(self->watch.bound[event->kind], event->kind == EVENT_LENGTH ? UNIT_LENGTH : UNIT_NONE,
+  OptionBoth(self->watch.bound[event->kind],
+             event->kind == EVENT_LENGTH  ? UNIT_LENGTH
+             : event->kind == EVENT_FORCE ? UNIT_FORCE
+                                          : UNIT_NONE,
              text[3]);
   PetscCall(PetscPrintf(comm, "stopped at t = %s: ", text[0]));
   if (event->kind == EVENT_LENGTH)
     PetscCall(PetscPrintf(comm, "length %s\n", text[3]));
   else if (event->kind == EVENT_CONTACT && event->s[1] < 0)
     PetscCall(PetscPrintf(comm, "touches a wall at s = %s\n", text[1]));
+  else if (event->kind == EVENT_FORCE)
+    PetscCall(PetscPrintf(comm, "pushed with %s at s = %s\n", text[3], text[1]));
   else if (event->kind == EVENT_ANGLE)
     PetscCall(PetscPrintf(comm, "an angle of %s at s = %s\n", text[3], text[1]));
   else

@@ -27,6 +27,9 @@ typedef struct {
   int stopped;                /* the signal that all ranks have agreed to stop on */
   PetscLogDouble begin, reported;
   Watch watch;
+  PetscBool jammed;        /* the run ends for that */
+  PetscReal window_length; /* of the rod when it last grew, and steps since: see grow_jam.c */
+  PetscInt window_steps;
   Event event;          /* that ended the run */
   PetscReal start;      /* t at which this run began: 0, or a restart's */
   PetscReal end, reach; /* t and length at its end, if nothing but -stop_length ends it before */
@@ -37,6 +40,10 @@ extern const RodModel *const grow_models[MODELS];
 /* grow_events.c */
 PetscErrorCode GrowLookForEvent(Grow *self, PetscReal t, Vec U, Event *event);
 PetscErrorCode GrowLocateEvent(Grow *self, PetscReal *t, Vec U, Vec U_t);
+
+/* grow_jam.c */
+PetscBool GrowIsJammed(Grow *self);
+PetscErrorCode GrowTellJam(Grow *self, PetscBool gave_up, char line[], size_t room);
 
 /* grow_report.c */
 PetscErrorCode GrowFindEnd(Grow *self);
