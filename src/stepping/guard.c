@@ -88,7 +88,7 @@ PetscErrorCode GuardPasses(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1, Pe
   *passes = PETSC_FALSE;
   if (contact->walls.n && TooDeep(contact) < 1e299)
     PetscCall(PassesWall(leg->rod, t0, t1, U0, U1, passes));
-  if (contact->self && !*passes) PetscCall(CrossesItself(leg->rod, t1, U1, passes));
+  if (contact->self) PetscCall(CrossesItself(leg->rod, t1, U1, passes));
   any = *passes;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, leg->rod->scene->comm));
   *passes = (PetscBool)any;
