@@ -29,16 +29,6 @@ static inline PetscReal Sum(const PetscReal poly[4], PetscReal a, PetscReal a_z,
   return poly[0] * a + poly[1] * a_z + poly[2] * b + poly[3] * b_z;
 }
 
-/* FootCellPlace - x at 0 <= z <= 1 of a cell. */
-void FootCellPlace(const FootCell *cell, PetscReal z, PetscReal x[2]) {
-  PetscReal value[4], slope[4], bend[4];
-
-  Hermite(z, value, slope, bend);
-  for (int d = 0; d < 2; d++)
-    x[d] = Sum(value, cell->x[0][d], cell->h * cell->g[0] * cell->q[0][d], cell->x[1][d],
-               cell->h * cell->g[1] * cell->q[1][d]);
-}
-
 /* FootCellRect - what holds a cell's curve: the four points of its Bezier polygon. */
 Rect FootCellRect(const FootCell *cell) {
   Rect rect = RectEmpty();
@@ -95,9 +85,10 @@ static void Descend(const FootCell *cell, const PetscReal c[2], Foot *foot) {
   PlaceOn(cell, foot);
 }
 
-/* Is the curve of a cell nearest to c within the cell, or at its end if that is the rod's? (A cell
-   asks by the directions of its nodes: so of two cells one has it.) */
-static PetscBool HasFoot(const FootCell *cell, const PetscReal c[2], Foot *foot) {
+/* FootAbout - is the curve of a cell nearest to c within the cell, or at its end if that is the
+   rod's? (A cell asks by the directions of its nodes: so of two cells one has it.) Where: z, x and
+   its derivatives, ends. */
+PetscBool FootAbout(const FootCell *cell, const PetscReal c[2], Foot *foot) {
   PetscReal lean[2];
 
   for (int e = 0; e < 2; e++) {
@@ -137,7 +128,7 @@ static PetscReal Meet(PetscInt item, PetscReal reach, void *ctx) {
   PetscReal share_t, share = ContactPostShare(look->contact, post, &share_t);
   PetscInt k = look->n;
 
-  if (share == 0 || !HasFoot(look->cell, post->at, &foot)) return reach;
+  if (share == 0 || !FootAbout(look->cell, post->at, &foot)) return reach;
   for (int d = 0; d < 2; d++) foot.n[d] = foot.x[d] - post->at[d];
   foot.distance = hypot(foot.n[0], foot.n[1]);
   foot.gap = foot.distance - post->r - look->contact->diameter / 2;

@@ -41,7 +41,7 @@ typedef PetscReal FootLoad[FOOT_PARTS][2];
 typedef PetscReal FootSlope[FOOT_PARTS][2][FOOT_UNKNOWNS];
 
 Rect FootCellRect(const FootCell *cell);
-void FootCellPlace(const FootCell *cell, PetscReal z, PetscReal x[2]);
+PetscBool FootAbout(const FootCell *cell, const PetscReal c[2], Foot *foot);
 PetscInt FeetFind(const Contact *contact, const FootCell *cell, PetscReal within,
                   Foot foot[MOST_FEET]);
 void FootPush(const Contact *contact, const FootCell *cell, const FrictionDual *dual, Foot *foot);

@@ -108,7 +108,10 @@ PetscErrorCode WallsIndex(Walls *walls) {
     Wall *wall = &walls->wall[w];
     PetscBool ends =
         (PetscBool)(wall->kind == WALL_POLYGON || (wall->kind == WALL_CIRCLE && !wall->inside));
-    if (wall->kind == WALL_PATH) PetscCall(IndexAxis(wall));
+    if (wall->kind == WALL_PATH) {
+      PetscCall(IndexAxis(wall));
+      walls->conduits++;
+    }
     for (PetscInt k = 0; k < wall->pieces && wall->kind != WALL_PATH; k++) {
       if (ends) rect[walls->parts] = PieceRect(&wall->piece[k]);
       *(ends ? &walls->part[walls->parts++] : &walls->open[walls->opens++]) = (WallPart){w, k};
@@ -127,7 +130,7 @@ PetscErrorCode WallsDropIndex(Walls *walls) {
   PetscCall(RectsDestroy(&walls->near_parts));
   PetscCall(PetscFree(walls->part));
   PetscCall(PetscFree(walls->open));
-  walls->parts = walls->opens = 0;
+  walls->parts = walls->opens = walls->conduits = 0;
   PetscFunctionReturn(0);
 }
 
@@ -227,7 +230,7 @@ static void LookAround(Look *look) {
   const Rect place = {{look->x[0], look->x[1]}, {look->x[0], look->x[1]}};
 
   for (PetscInt k = 0; k < walls->opens; k++) LookAt(look, &walls->open[k]);
-  for (PetscInt w = 0; w < walls->n; w++)
+  for (PetscInt w = 0; w < walls->n && walls->conduits; w++)
     if (walls->wall[w].axis) LookAtConduit(look, w, &place);
   if (walls->parts) RectsNear(walls->near_parts, &place, Reach(look), MeetPart, look);
 }
@@ -285,4 +288,13 @@ PetscInt WallsBehind(const Walls *walls, const PetscReal x[2]) {
         InPolygon(&walls->wall[w], x) != walls->wall[w].inside)
       return w;
   return -1;
+}
+
+/* WallsHold - is a place in the conduit which that wall is? */
+PetscBool WallsHold(const Walls *walls, PetscInt conduit, const PetscReal x[2]) {
+  const Rect place = {{x[0], x[1]}, {x[0], x[1]}};
+  Look look = {.walls = walls, .x = x, .nearest = everywhere, .wall = conduit, .far = everywhere};
+
+  RectsNear(walls->wall[conduit].axis, &place, everywhere, MeetAxis, &look);
+  return (PetscBool)(look.far <= walls->wall[conduit].number[0]);
 }

@@ -55,7 +55,7 @@ typedef struct {
   /* so that a place need not look at all of them */
   Rects near_posts, near_parts; /* posts; pieces that end somewhere, but for conduits */
   WallPart *part, *open;        /* those pieces; the others, planes and circles from within */
-  PetscInt parts, opens;
+  PetscInt parts, opens, conduits;
 } Walls;
 
 /* A surface near a point: its distance less the rod's radius; the normal, towards the rod; the
@@ -80,5 +80,6 @@ PetscInt WallsTouch(const Walls *walls, const PetscReal x[2], PetscReal radius, 
                     Touch touch[MOST_TOUCHES]);
 PetscReal WallsGap(const Walls *walls, const PetscReal x[2], PetscReal radius);
 PetscInt WallsBehind(const Walls *walls, const PetscReal x[2]);
+PetscBool WallsHold(const Walls *walls, PetscInt conduit, const PetscReal x[2]);
 
 #endif
