@@ -325,6 +325,10 @@ def _read(path):
     about = {"units": units, "description": notes}
     with h5py.File(path, "r", locking=False) as file:
         attributes = {k: _text(v) for k, v in file.attrs.items()}
+        # walls, earlier_options: texts too long for an attribute are datasets
+        attributes |= {name: _text(file[name][()]) for name in file
+                       if isinstance(file[name], h5py.Dataset) and file[name].shape == ()
+                       and file[name].dtype.kind in "SO"}
         groups = {name: _group(file[name], name, about) for name in file if name not in PRIVATE
                   and isinstance(file[name], h5py.Group)}
     return attributes, groups, units, notes

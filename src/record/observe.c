@@ -142,9 +142,11 @@ static PetscErrorCode SampleFill(Scene scene, PetscReal s, PetscReal t, Sample *
   PetscFunctionReturn(0);
 }
 
-/* The middle of a cell by Hermite's formula y_mid = (y_a + y_b)/2 + h/8 (y'_a - y'_b). */
+/* The middle of a cell by Hermite's formula y_mid = (y_a + y_b)/2 + h/8 (y'_a - y'_b); feet: what
+   they add to n' at a, between and at b, NULL: none. */
 static PetscErrorCode SampleMid(Scene scene, PetscReal sa, PetscReal sb, PetscReal t,
-                                const Sample *a, const Sample *b, Sample *mid) {
+                                const Sample *a, const Sample *b, const PetscReal (*feet)[2],
+                                Sample *mid) {
   const Sample *end[2] = {a, b};
   PetscReal h = sb - sa;
 
@@ -164,6 +166,7 @@ static PetscErrorCode SampleMid(Scene scene, PetscReal sa, PetscReal sb, PetscRe
       mid->node.force[d] += n->force[d] / 2 + k * p->g * (p->F[d] - (p->push ? p->push[d] : 0));
     }
   }
+  for (int d = 0; d < 2 && feet; d++) mid->node.force[d] += h / 8 * (feet[0][d] - feet[2][d]);
   PetscCall(SampleFill(scene, (sa + sb) / 2, t, mid));
   PetscFunctionReturn(0);
 }
@@ -253,11 +256,22 @@ static void MeasureTip(Scene scene, const Sample *p, const PetscReal contact[2],
   seen->tip_force_2 = LabX2(scene, tip->force);
 }
 
+/* What feet on posts add to n' in cell i, NULL: nothing; cells are asked for one after the other, k
+   is how many with feet are behind. */
+static const PetscReal (*FeetOf(Observer self, PetscInt i, PetscInt *k))[2] {
+  const TouchFeet *feet;
+  PetscInt n = self->touching ? TouchingFeet(self->touching, &feet) : 0;
+
+  if (*k >= n || feet[*k].cell != i) return NULL;
+  return (const PetscReal(*)[2])feet[(*k)++].load;
+}
+
 /* Integrals over a piece by Simpson's rule on each cell, and what is read at its ends. */
 static PetscErrorCode MeasureIntegrals(Observer self, PetscReal t, const Piece *piece,
                                        Observation *seen) {
   Scene scene = self->scene;
   const PetscReal *s = scene->mesh.s;
+  PetscInt feet = 0;
   Sample a, b, mid;
 
   PetscFunctionBegin;
@@ -272,7 +286,7 @@ static PetscErrorCode MeasureIntegrals(Observer self, PetscReal t, const Piece *
     b.node = piece->node[i + 1 - piece->first];
     b.push = self->push ? self->push[2 * i + 2] : NULL;
     PetscCall(SampleFill(scene, s[i + 1], t, &b));
-    PetscCall(SampleMid(scene, s[i], s[i + 1], t, &a, &b, &mid));
+    PetscCall(SampleMid(scene, s[i], s[i + 1], t, &a, &b, FeetOf(self, i, &feet), &mid));
     Integrate(scene, &a, h / 6, seen);
     Integrate(scene, &mid, 4 * h / 6, seen);
     Integrate(scene, &b, h / 6, seen);
@@ -466,6 +480,7 @@ PetscErrorCode ObserverContact(Observer observer, PetscReal t, const Node *nodes
                                const PetscReal (**force)[2]) {
   PetscFunctionBegin;
   PetscCall(LookAtContact(observer, t, nodes, PETSC_FALSE));
+  if (observer->touching) PetscCall(TouchingShow(observer->touching, t));
   *force = observer->push;
   PetscFunctionReturn(0);
 }

@@ -211,16 +211,17 @@ static PetscErrorCode ScaleAttributes(Output self, HdfFile file) {
   PetscFunctionReturn(0);
 }
 
-/* The stiffness of contact in force, and the walls around the rod, for who draws it. */
-static PetscErrorCode ContactAttributes(Output self, HdfFile file) {
+/* The stiffness of contact at time t, and the walls around the rod, for who draws it. */
+static PetscErrorCode ContactAttributes(Output self, HdfFile file, PetscReal t) {
   char *text;
 
   PetscFunctionBegin;
+  PetscCall(SceneContactAt(self->scene, t));
   if (self->scene->contact.any)
     PetscCall(HdfReal(file, "/", "contact_stiffness", self->scene->contact.stiffness));
   if (!self->scene->contact.walls.n) PetscFunctionReturn(0);
   PetscCall(WallsText(&self->scene->contact.walls, &text));
-  PetscCall(HdfText(file, "/", "walls", text));
+  PetscCall(HdfWriteText(file, "walls", text, "the walls around the rod, one a line"));
   PetscCall(PetscFree(text));
   PetscFunctionReturn(0);
 }
@@ -427,8 +428,9 @@ PetscErrorCode OutputStore(Output self, Rod rod, RestartState *state, Vec points
     PetscCall(WriteEvent(self, file));
     PetscCall(OutputAttributes(file, self->scene->comm, finished));
     PetscCall(ScaleAttributes(self, file));
-    PetscCall(ContactAttributes(self, file));
-    if (self->earlier) PetscCall(HdfText(file, "/", "earlier_options", self->earlier));
+    PetscCall(ContactAttributes(self, file, state ? state->t : 0));
+    if (self->earlier)
+      PetscCall(HdfWriteText(file, "earlier_options", self->earlier, "options of the runs before"));
   }
   PetscCall(WriteRestart(self, file, rod, state, points));
   PetscCall(HdfClose(&file, fault));

@@ -9,6 +9,7 @@
    equations of the cell on its right: so each diagonal block can be factored without looking
    elsewhere. */
 #include "rod/frame.h"
+#include <string.h>
 #include <petsc/private/petscimpl.h> /* PetscObjectStateGet() */
 
 static const OptionRow rows[] = {
@@ -138,6 +139,69 @@ static inline void AddPush(const Cell *cell, PetscInt i, int half, Point *p) {
   p->f[N2] += cell->push[2 * i + half][1];
 }
 
+/* The cell that is looked at, for its feet. */
+static void FeetsCell(const Cell *cell, PetscInt i, FootCell *of) {
+  const Frame *frame = (const Frame *)cell->rod->data;
+  const Point *end[2] = {cell->a, cell->b};
+
+  *of = (FootCell){.h = cell->h, .moves = PETSC_TRUE};
+  of->first = (PetscBool)(i == 0);
+  of->last = (PetscBool)(i == cell->rod->last - 1);
+  for (int k = 0; k < FOOT_PARTS; k++) {
+    of->c[k] = cell->law[k].c;
+    of->weight[k] = k == 1 ? frame->mid_weight : frame->end_weight;
+  }
+  for (int e = 0; e < 2; e++) {
+    of->g[e] = cell->law[2 * e].g;
+    of->g_t[e] = cell->law[2 * e].g_t;
+    of->theta_t[e] = cell->u_t[i + e][TH];
+    for (int d = 0; d < 2; d++) {
+      of->x[e][d] = cell->u[i + e][d];
+      of->x_t[e][d] = cell->u_t[i + e][d];
+      of->q[e][d] = end[e]->at.q[d];
+    }
+  }
+}
+
+/* The dual of the k-th foot of the cell, which stands behind those of the walls at its middle: the
+   first foot's is remembered. */
+static FrictionDual *FootDual(const Cell *cell, PetscInt k) {
+  const Frame *frame = (const Frame *)cell->rod->data;
+  if (k || !cell->rod->scene->contact.walls.rub) return NULL;
+  return cell->dual[1] + frame->duals - 1;
+}
+
+/* The feet of the cell, and what they push with. */
+static PetscInt CellsFeet(const Cell *cell, PetscInt i, FootCell *of, Foot foot[MOST_FEET]) {
+  const Contact *contact = &cell->rod->scene->contact;
+  PetscInt n;
+
+  if (!contact->thin) return 0;
+  FeetsCell(cell, i, of);
+  n = FeetFind(contact, of, contact->smooth, foot);
+  for (PetscInt k = 0; k < n; k++) FootPush(contact, of, FootDual(cell, k), &foot[k]);
+  return n;
+}
+
+/* What feet add to n' at the points of this cell alone; and so to its middle, which is known. */
+static void AddFeet(Cell *cell, PetscInt i) {
+  Frame *frame = (Frame *)cell->rod->data;
+  PetscReal(*load)[2] = frame->feet[i - cell->rod->first + 1];
+  Foot foot[MOST_FEET];
+  FootCell of;
+  PetscInt n = CellsFeet(cell, i, &of, foot);
+  Point *mid = cell->mid;
+
+  (void)memset(load, 0, sizeof(FootLoad));
+  if (!n) return;
+  for (PetscInt k = 0; k < n; k++) FootHandOut(&of, &foot[k], load);
+  for (int d = 0; d < 2; d++) {
+    mid->n[d] += frame->bow * cell->h * (load[0][d] - load[2][d]);
+    mid->f[N1 + d] += load[1][d];
+  }
+  mid->f[M] = -cell->law[1].g * (mid->at.q[0] * mid->n[1] - mid->at.q[1] * mid->n[0]);
+}
+
 /* Is this state the one that the points are of? From now on they are. */
 static PetscErrorCode Recognise(Frame *frame, PetscReal t, Vec U, Vec U_t, PetscBool *known) {
   FrameState now = {.t = t};
@@ -176,6 +240,7 @@ static PetscErrorCode CellsOpen(Rod rod, PetscReal t, Vec U, Vec U_t, PetscBool 
 
   PetscFunctionBegin;
   PetscCall(LawsAt(rod, t));
+  PetscCall(SceneContactAt(rod->scene, t));
   PetscCall(PetscMemzero(cell, sizeof(*cell)));
   cell->rod = rod;
   cell->t = t;
@@ -221,19 +286,22 @@ static void CellsGo(Cell *cell, PetscInt i, PetscBool from_tip) {
   PointAtMid(cell->load, cell->law, cell->dual[1], frame->bow * cell->h, cell->a, cell->b,
              cell->u_t[i], cell->u_t[i + 1], cell->mid);
   AddPush(cell, i, 1, cell->mid);
+  if (frame->feet) AddFeet(cell, i);
 }
 
 static void CellsNext(Cell *cell, PetscInt i) {
   CellsGo(cell, i, PETSC_FALSE);
 }
 
-/* Residual of the six equations of a cell. */
+/* Residual of the six equations of a cell; feet: what they add to n' at its points, NULL: none. */
 static void CellResidual(const Frame *frame, const Cell *cell, const PetscReal *ua,
-                         const PetscReal *ub, PetscReal r[FIELDS]) {
+                         const PetscReal *ub, const PetscReal (*feet)[2], PetscReal r[FIELDS]) {
   for (int f = 0; f < FIELDS; f++)
     r[f] = ub[f] - ua[f] -
            cell->h * (frame->end_weight * (cell->a->f[f] + cell->b->f[f]) +
                       frame->mid_weight * cell->mid->f[f]);
+  for (int d = 0; d < 2 && feet; d++)
+    r[N1 + d] -= cell->h * frame->end_weight * (feet[0][d] + feet[2][d]);
 }
 
 /* What the tip's conditions are about. */
@@ -260,7 +328,8 @@ static PetscErrorCode FrameResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F)
   for (PetscInt i = PetscMax(first - 1, 0); i < PetscMin(end, rod->last); i++) {
     PetscReal r[FIELDS];
     CellsNext(&cell, i);
-    CellResidual(frame, &cell, cell.u[i], cell.u[i + 1], r);
+    CellResidual(frame, &cell, cell.u[i], cell.u[i + 1],
+                 frame->feet ? (const PetscReal(*)[2])frame->feet[i - first + 1] : NULL, r);
     if (i >= first) PetscCall(PetscArraycpy(&F_[i][M], &r[M], 3));
     if (i + 1 < end) PetscCall(PetscArraycpy(&F_[i + 1][X1], &r[X1], 3));
   }
@@ -369,6 +438,31 @@ static void PutRows(Rows rows, int from, PetscInt column, PetscReal part[FIELDS]
     for (int k = 0; k < FIELDS; k++) rows[f][column + k] = part[f][k];
 }
 
+/* Adds to a cell's equations by its nodes what comes of its feet. */
+static void AddFeetSlope(Cell *cell, PetscInt i, const PetscReal shift[],
+                         PetscReal left[FIELDS][FIELDS], PetscReal right[FIELDS][FIELDS]) {
+  const Frame *frame = (const Frame *)cell->rod->data;
+  const PetscReal h = cell->h, *q = cell->mid->at.q,
+                  wm = h * frame->mid_weight * cell->law[1].g * frame->bow * h;
+  FootSlope by = {{{0}}};
+  Foot foot[MOST_FEET];
+  FootCell of;
+  PetscInt n = CellsFeet(cell, i, &of, foot);
+
+  if (!n) return;
+  for (PetscInt k = 0; k < n; k++)
+    FootLinearise(&cell->rod->scene->contact, &of, shift, cell->rod->fresh, FootDual(cell, k),
+                  &foot[k], by);
+  for (int u = 0; u < FOOT_UNKNOWNS; u++) {
+    PetscReal(*J)[FIELDS] = u < 3 ? left : right;
+    const PetscReal bow[2] = {by[0][0][u] - by[2][0][u], by[0][1][u] - by[2][1][u]}; /* n_mid */
+    J[M][u % 3] -= wm * (q[1] * bow[0] - q[0] * bow[1]);
+    for (int d = 0; d < 2; d++)
+      J[N1 + d][u % 3] -=
+          h * (frame->end_weight * (by[0][d][u] + by[2][d][u]) + frame->mid_weight * by[1][d][u]);
+  }
+}
+
 /* A cell's equations by its nodes, left and right; the slopes at its middle and at those of its
    ends that are new on this walk are brought up to the present state first. */
 static void CellBlocks(Cell *cell, PetscInt i, PetscBool new_a, PetscBool new_b,
@@ -385,6 +479,7 @@ static void CellBlocks(Cell *cell, PetscInt i, PetscBool new_a, PetscBool new_b,
                cell->a, &cell->slope[0], cell->mid, &cell->slope[1], left);
   CellJacobian(frame, cell->load, cell->h, 1, shift, cell->law + 2, cell->law + 1,
                cell->u_t[i + 1][TH], cell->b, &cell->slope[2], cell->mid, &cell->slope[1], right);
+  if (frame->feet) AddFeetSlope(cell, i, shift, left, right);
 }
 
 /* The tip's equations by its own unknowns. */
@@ -470,6 +565,22 @@ static void HoldPoint(const Load *load, const Place *at, PetscReal seen, LoadDua
   *creep = PetscMax(*creep, LoadHold(load, at, seen, dual));
 }
 
+/* ... at the feet of a cell. */
+static void HoldFeet(Cell *cell, PetscInt i, PetscReal seen, PetscReal *creep) {
+  const Contact *contact = &cell->rod->scene->contact;
+  Foot foot[MOST_FEET];
+  FootCell of;
+
+  if (!contact->walls.rub || !CellsFeet(cell, i, &of, foot)) return;
+  {
+    const PetscReal mu = contact->walls.wall[contact->walls.post[foot[0].post].wall].friction,
+                    slip[2] = {foot[0].slip, 0};
+    if (mu > 0 && foot[0].p > 0)
+      *creep = PetscMax(*creep, PetscMin(1, mu * foot[0].p) *
+                                    FrictionDualHold(slip, seen, FootDual(cell, 0)));
+  }
+}
+
 /* Moves the shifts of exact Coulomb friction; creep is the largest speed of what is held. */
 static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal seen,
                                 PetscReal *creep) {
@@ -489,6 +600,7 @@ static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal 
       HoldPoint(cell.load, &cell.a->at, seen, cell.dual[0], creep);
     HoldPoint(cell.load, &cell.mid->at, seen, cell.dual[1], creep);
     if (ends) HoldPoint(cell.load, &cell.b->at, seen, cell.dual[2], creep);
+    if (frame->feet) HoldFeet(&cell, i, seen, creep);
   }
   if (rod->end == rod->last + 1 && TipResists(&rod->scene->tip))
     HoldPoint(&rod->scene->tip.resistance, &cell.b->at, seen, TipDual(rod), creep);
@@ -604,6 +716,7 @@ static PetscErrorCode FrameCreate(Rod rod) {
   PetscCall(PetscCalloc3(points, &frame->law, points * frame->duals, &frame->dual, points,
                          &frame->point));
   rod->data = frame;
+  if (rod->scene->contact.walls.posts) PetscCall(PetscCalloc1(points / 2, &frame->feet));
   if (!rod->scene->contact.self) PetscFunctionReturn(0);
   UserCheck(rod->order == 4, rod->scene->comm, "-rod_order 2: -contact_self needs order 4");
   rod->coupled = PETSC_TRUE;
@@ -618,6 +731,7 @@ static PetscErrorCode FrameDestroy(Rod rod) {
   PetscFunctionBegin;
   PetscCall(FrameStrandsDestroy(&frame->strands));
   PetscCall(PetscFree3(frame->law, frame->dual, frame->point));
+  PetscCall(PetscFree(frame->feet));
   PetscCall(PetscFree(rod->data));
   PetscFunctionReturn(0);
 }

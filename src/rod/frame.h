@@ -2,6 +2,7 @@
 #ifndef TENDRIL_FRAME_H
 #define TENDRIL_FRAME_H
 
+#include "rod/feet.h"
 #include "rod/rod.h"
 #include "rod/strands.h"
 
@@ -27,6 +28,7 @@ typedef struct {
   FrameState seen;
   LoadDual *dual; /* likewise, duals of them at each */
   PetscInt duals;
+  FootLoad *feet;               /* of each cell, from that before node first on; NULL: no posts */
   struct FrameStrands *strands; /* NULL: the rod does not touch itself */
 } Frame;
 

@@ -176,6 +176,7 @@ static PetscErrorCode LawsAt(Strands self, PetscReal t) {
   const PetscReal *s = self->scene->mesh.s;
 
   PetscFunctionBegin;
+  PetscCall(SceneContactAt(self->scene, t));
   if (self->time == t) PetscFunctionReturn(0);
   for (PetscInt k = 0; k < self->points; k++) {
     PetscReal z = k % 2 ? (s[k / 2] + s[k / 2 + 1]) / 2 : s[k / 2];
@@ -458,7 +459,11 @@ static void AddToSum(Strands self, const Pair *pair) {
   Shares(self, pair->point, share);
   all = share[0] + share[1];
   sum->energy += all * U;
-  sum->strain += self->strain[pair->point] * self->weight[pair->point] / 2 * U;
+  sum->strain += self->strain[pair->point] * self->weight[pair->point] / 2 * U +
+                 share[0] * ContactEnergyRate(self->contact, pair->gap) +
+                 (share[1] > 0 ? self->contact->tip_t * U +
+                                     share[1] * ContactEnergyRate(self->contact, pair->gap)
+                               : 0);
   sum->normal += all * pair->p;
   sum->loss += all * self->contact->friction * pair->p * pair->w * pair->slip;
   sum->depth = PetscMax(sum->depth, -pair->gap);

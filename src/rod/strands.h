@@ -40,7 +40,8 @@ typedef struct {
   PetscReal normal;       /* sum of normal forces */
   PetscReal sum[2];       /* of all forces: 0 */
   PetscReal depth;        /* deepest penetration */
-  PetscReal strain;       /* power of material that is laid down where it is pressed */
+  PetscReal strain;       /* power of material that is laid down where it is pressed, and of a law
+                             that changes in time */
   PetscReal nearest;      /* the smallest gap, if any is small */
   PetscReal at[2], x[2];  /* the labels where it is, and the place between them */
 } StrandSum;

@@ -59,7 +59,7 @@ void LoadSetWalls(Load *load, const Contact *contact) {
   load->walls = contact;
   load->plain = PETSC_FALSE;
   load->moves = PETSC_TRUE;
-  if (contact->walls.rub) load->duals = 1 + contact->walls.n;
+  if (contact->walls.rub) load->duals = 1 + contact->walls.n + (contact->walls.posts > 0);
 }
 
 PetscErrorCode LoadDestroy(Load *load) {

@@ -23,7 +23,8 @@ typedef struct {
   PetscBool plain;        /* N = 1 and a = 1, no walls */
   PetscBool varied;       /* N or a is not 1 */
   PetscBool turns, moves; /* F depends on the direction of the rod (a), on the place (N, walls) */
-  PetscInt duals;         /* of each place: that of the friction along the rod, one for each wall */
+  PetscInt duals;         /* of each place: that of the friction along the rod, one for each wall,
+                             and one for a foot on a post (rod/feet.h) */
   PetscBool stopped;      /* N is that of one time, stopped_at */
   PetscReal stopped_at;
 } Load;

@@ -20,79 +20,6 @@ static PetscReal Cross(const PetscReal a[2], const PetscReal b[2]) {
   return a[0] * b[1] - a[1] * b[0];
 }
 
-/* ---- where a point touches ---- */
-
-/* The distance of x from a piece, 0 on it, and its normal; is x in the piece's range? */
-static PetscBool PieceDistance(const WallPiece *p, const PetscReal x[2], PetscReal *distance,
-                               PetscReal normal[2], PetscReal *bend) {
-  PetscReal o[2] = {x[0] - p->at[0], x[1] - p->at[1]}, size, z;
-
-  if (!p->round) {
-    z = Dot(o, p->t);
-    *distance = Dot(o, p->n);
-    for (int d = 0; d < 2; d++) normal[d] = p->n[d];
-    *bend = 0;
-    return (PetscBool)(z >= p->from && z < p->to && *distance >= -p->deep);
-  }
-  if (p->reach > 0 && Dot(o, p->middle) < 0) return PETSC_FALSE;
-  size = PetscSqrtReal(Dot(o, o));
-  if (size == 0) return PETSC_FALSE;
-  *distance = p->sign * (size - p->r);
-  for (int d = 0; d < 2; d++) normal[d] = p->sign * o[d] / size;
-  *bend = p->sign / size;
-  return (PetscBool)(Dot(o, p->middle) >= p->reach * size && *distance >= -p->deep);
-}
-
-/* How far x is from the axis of a conduit, seen from one of its pieces. */
-static PetscReal AxisDistance(const Wall *wall, const WallPiece *p, const PetscReal x[2],
-                              PetscReal distance) {
-  if (p->at_mouth)
-    return PetscSqrtReal(PetscSqr(x[0] - p->mouth[0]) + PetscSqr(x[1] - p->mouth[1]));
-  return PetscAbsReal(wall->number[0] - distance);
-}
-
-/* Does another piece of a conduit count at x, `far` from its axis? Those of the nearest place of
-   the axis do: nearest is that of the pieces before, *n touches of them are kept. */
-static PetscBool Nearer(PetscReal far, PetscReal *nearest, PetscInt before, PetscInt *n) {
-  const PetscReal same = 1e-9 * far;
-
-  if (far > *nearest + same) return PETSC_FALSE;
-  if (far < *nearest - same) *n = before;
-  *nearest = PetscMin(*nearest, far);
-  return PETSC_TRUE;
-}
-
-/*
-  WallsTouch - the surfaces near a point of the rod, in the clamp's frame.
-
-  radius  of the rod        within  only those with a gap below this
-  Returns how many there are.
-*/
-PetscInt WallsTouch(const Walls *walls, const PetscReal x[2], PetscReal radius, PetscReal within,
-                    Touch touch[MOST_TOUCHES]) {
-  PetscInt n = 0;
-
-  for (PetscInt w = 0; w < walls->n; w++) {
-    const Wall *wall = &walls->wall[w];
-    const PetscInt before = n;
-    PetscReal nearest = everywhere;
-    for (PetscInt k = 0; k < wall->pieces && n < MOST_TOUCHES; k++) {
-      const WallPiece *p = &wall->piece[k];
-      Touch at;
-      if (!PieceDistance(p, x, &at.gap, at.normal, &at.bend)) continue;
-      if (wall->kind == WALL_PATH &&
-          !Nearer(AxisDistance(wall, p, x, at.gap), &nearest, before, &n))
-        continue;
-      if (at.gap - radius >= within) continue;
-      at.gap -= radius;
-      at.wall = w;
-      at.again = (PetscBool)(n > before);
-      touch[n++] = at;
-    }
-  }
-  return n;
-}
-
 /* ---- making the pieces ---- */
 
 /* What a wall is made from. */
@@ -511,6 +438,30 @@ static PetscErrorCode ReadLines(Maker *self, char *text, PetscReal friction, Wal
   PetscFunctionReturn(0);
 }
 
+/* What stands out and is round, or sharp: circles, corners of polygons, the inner walls of bends.
+ */
+static PetscErrorCode FindPosts(Walls *walls, PetscReal radius) {
+  PetscInt n = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt w = 0; w < walls->n; w++) n += walls->wall[w].pieces;
+  PetscCall(PetscMalloc1(n, &walls->post));
+  for (PetscInt w = 0; w < walls->n; w++)
+    for (PetscInt k = 0; k < walls->wall[w].pieces; k++) {
+      const WallPiece *p = &walls->wall[w].piece[k];
+      WallPost *post = &walls->post[walls->posts];
+      if (!p->round || p->sign < 0) continue;
+      walls->smallest =
+          walls->smallest > 0 ? PetscMin(walls->smallest, p->r + radius) : p->r + radius;
+      if (p->at_mouth) continue; /* it is a part of a circle only, and as wide as the conduit */
+      for (int d = 0; d < 2; d++) post->at[d] = p->at[d];
+      post->r = p->r;
+      post->wall = w;
+      walls->posts++;
+    }
+  PetscFunctionReturn(0);
+}
+
 /*
   WallsRead - the walls of a file: one a line, # begins a comment, lengths may carry units.
   Collective on OptionsComm(); the caller ends it with WallsDestroy(), also after an error.
@@ -531,15 +482,10 @@ PetscErrorCode WallsRead(const char *file, PetscReal radius, PetscReal friction,
   error = ReadLines(&self, text, friction, walls);
   PetscCall(PetscFree(text));
   PetscCall(error);
-  for (PetscInt w = 0; w < walls->n; w++) {
-    const Wall *wall = &walls->wall[w];
-    if (wall->friction > 0) walls->rub = PETSC_TRUE;
-    for (PetscInt k = 0; k < wall->pieces; k++)
-      if (wall->piece[k].round && wall->piece[k].sign > 0) {
-        PetscReal r = wall->piece[k].r + radius;
-        walls->smallest = walls->smallest > 0 ? PetscMin(walls->smallest, r) : r;
-      }
-  }
+  for (PetscInt w = 0; w < walls->n; w++)
+    if (walls->wall[w].friction > 0) walls->rub = PETSC_TRUE;
+  PetscCall(FindPosts(walls, radius));
+  PetscCall(WallsIndex(walls));
   PetscFunctionReturn(0);
 }
 
@@ -549,8 +495,10 @@ PetscErrorCode WallsDestroy(Walls *walls) {
     PetscCall(PetscFree(walls->wall[w].number));
     PetscCall(PetscFree(walls->wall[w].piece));
   }
+  PetscCall(WallsDropIndex(walls));
   PetscCall(PetscFree(walls->wall));
-  walls->n = 0;
+  PetscCall(PetscFree(walls->post));
+  walls->n = walls->posts = 0;
   PetscFunctionReturn(0);
 }
 

@@ -1,6 +1,7 @@
 /* -task grow: the loop, and the hand-over between models. */
 #include "tasks/grow.h"
 #include "base/signals.h"
+#include "rod/passing.h"
 #include "stepping/snap.h"
 #include "tasks/growing.h"
 #include <signal.h>
@@ -298,6 +299,39 @@ static PetscErrorCode SetInterval(Grow *self, PetscBool output) {
   PetscFunctionReturn(0);
 }
 
+/* Refuses a rod that starts behind a polygon's surface, or across a wall that is between two nodes.
+ */
+static PetscErrorCode CheckWalls(Grow *self) {
+  const Walls *walls = &self->scene->contact.walls;
+  const PetscReal clamp[2] = {0, 0};
+  const PetscInt behind = WallsBehind(walls, clamp);
+  Rod rod = self->now->rod;
+  PetscBool passes;
+  Node *nodes;
+
+  PetscFunctionBegin;
+  UserCheck(behind < 0, self->scene->comm,
+            "-wall_file: the rod starts in a wall: the clamp is %s wall %d, a polygon %s; take the "
+            "other of outside and inside, or move it",
+            walls->wall[behind].inside ? "out of" : "in", (int)behind + 1,
+            walls->wall[behind].inside ? "inside" : "outside");
+  PetscCall(PetscMalloc1(rod->end - rod->first, &nodes));
+  PetscCall(RodInitialNodes(rod, 0, nodes));
+  PetscCall(rod->model->set(rod, 0, nodes, self->now->U));
+  PetscCall(PetscFree(nodes));
+  PetscCall(RodPassesWalls(rod, 0, 0, self->now->U, self->now->U, &passes));
+  UserCheck(!passes, self->scene->comm,
+            "-wall_file: the rod starts in a wall, between two of its nodes: move the wall");
+  for (PetscInt w = 0; w < walls->n && !self->quiet; w++)
+    if (walls->wall[w].kind == WALL_PATH && !WallsHold(walls, w, clamp))
+      PetscCall(
+          PetscPrintf(self->scene->comm,
+                      "-wall_file: wall %d, a path, does not hold the clamp: the rod is out of "
+                      "it, unless it comes in through a mouth\n",
+                      (int)w + 1));
+  PetscFunctionReturn(0);
+}
+
 /* The state of a fresh run: the scene's initial shape. */
 static PetscErrorCode Begin(Grow *self, const char *output) {
   Node *nodes;
@@ -306,6 +340,7 @@ static PetscErrorCode Begin(Grow *self, const char *output) {
   PetscFunctionBegin;
   self->now = &self->leg[self->model == AUTO ? FRAME : self->model];
   PetscCall(CheckStart(self));
+  if (self->scene->contact.walls.n) PetscCall(CheckWalls(self));
   PetscCall(GrowLookForEvent(self, 0, NULL, &event));
   UserCheck(!event.kind, self->scene->comm, "-stop_%s: it is so at the start already",
             event_name[event.kind]);

@@ -90,6 +90,7 @@ static PetscErrorCode TellContact(const Grow *self) {
 
   PetscFunctionBegin;
   if (!contact->any) PetscFunctionReturn(0);
+  PetscCall(SceneContactAt(self->scene, self->seen.t));
   OptionBoth(self->depth, UNIT_LENGTH, text[0]);
   if (contact->diameter > 0)
     (void)snprintf(part, sizeof(part), " (%.2g %% of the diameter)",

@@ -82,7 +82,7 @@ static void TestWallJacobians(void **state) {
 /* The pressure is minus the slope of the energy, and goes over smoothly. */
 static void TestPressure(void **state) {
   Contact contact = {.any = PETSC_TRUE, .given = PETSC_TRUE, .stiffness = 70};
-  ContactSetStiffness(&contact, 0.1, 1);
+  ContactSetStiffness(&contact, (PetscReal[2]){0.1, 0}, (PetscReal[2]){1, 0});
   for (int i = -40; i <= 40; i++) {
     const PetscReal gap = contact.smooth * i / 20.1, e = 1e-5 * contact.smooth;
     PetscReal slope, skip,

@@ -161,13 +161,13 @@ def coils():
     R, D = 0.01, 0.01 / 30
     r = Run(f"-growth_type feed -growth_initial_length 0.002 -shape_type straight -rod_curvature 1 "
             f"-contact_self -contact_diameter {D} -contact_stiffness 1e13 -friction_mu 0 -ts_max_time 0.1 "
-            f"-rod_cells 200 -ts_rtol 1e-4 {walls(f'circle 0 {R - 4.5 * D} {R} inside')}")
+            f"-rod_cells 200 -ts_rtol 2e-5 {walls(f'circle 0 {R - 4.5 * D} {R} inside')}")
     expect(not r.self_crossings.any(), "it crosses itself")
     for turn, since, until in ((1, 0.04, 0.055), (2, 0.09, 0.1)):
         now = (r.t > since) & (r.t < until)
         off = abs(2 * r.feed_force[now] / (1 / (R - (turn - 0.5) * D) - 1) ** 2 - 1).max()
         print(f"{r.steps} steps, turn {turn}: {now.sum()} steps, feeding force off by {off:.1e}")
-        expect(now.any() and off < 2e-4, f"turn {turn}: feeding force off by {off:.1e}")
+        expect(now.any() and off < 3e-4, f"turn {turn}: feeding force off by {off:.1e}")
 
 
 # --- C: between parallel walls, clamped at both ends ---------------------------------------------

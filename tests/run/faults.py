@@ -154,7 +154,7 @@ def restart_in_place():
             off = distance(a["tip"], b["tip"])
             expect(off < 1e-5, f"{first}, then {then} ranks: tip off by {off:.1e}")
     with h5py.File(file) as f:
-        earlier, now = f.attrs["earlier_options"], f.attrs["options"]
+        earlier, now = f["earlier_options"][()].decode(), f.attrs["options"]
         expect("-ts_max_time 2.2" in str(earlier) and "-ts_max_time 5" in str(now), str(earlier))
 
 
