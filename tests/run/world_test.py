@@ -146,6 +146,10 @@ QUARTER, PINNED = np.pi ** 2 / 4, 4.493409457909064  # PINNED: tan k = k
 EXACT = [  # options, critical length, frequency, tolerance
     ("", 1.98635270743, 0, 2e-10),
     ("-tip_force 1", 1.3269921241, 0, 1e-10),
+    # a tip that is pulled: u_zz + (z + P) u = 0, u_z(0) = 0, by shooting
+    ("-tip_force -1", 3.2274203743, 0, 1e-10),
+    ("-tip_force -5", 7.3381072989, 0, 1e-9),
+    ("-tip_force -20", 22.3381074105, 0, 1e-8),
     ("-friction_across 2", 1.514906050297, 0, 1e-10),
     ("-growth_type feed -friction_across 0.5", 4.23771992, 0.609585 / 0.5, 2e-9),
     ("-growth_type feed", 4.23771992, 0.609585, 2e-9),
@@ -175,6 +179,17 @@ def critical_exact():
         expect((found > 0) == (frequency != 0), f"{options}: frequency {found}")
         if frequency:
             expect(abs(found / frequency - 1) < 3e-6, f"{options}: {found}, not {frequency}")
+
+
+@check
+def critical_pulled():
+    """A tip that is pulled has its eigenvalues over time, too: their sign changes at the critical length."""
+    text = tendril("-task stability -tip_force -5 -rod_cells 60")
+    rows = [[float(v) for v in line.split()] for line in text.splitlines()
+            if re.fullmatch(r"( +[-+.0-9e]+){6}", line)]
+    expect(len(rows) > 10, f"few rows: {text}")
+    rates = [row[2] for row in rows if row[1] < 7.3]
+    expect(max(rates) < 0 and np.all(np.diff(rates) > 0), f"rates {rates}")
 
 
 @check
