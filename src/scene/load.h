@@ -24,6 +24,7 @@ typedef struct {
   PetscBool varied;       /* N or a is not 1 */
   PetscBool turns, moves; /* F depends on the direction of the rod (a), on the place (N, walls) */
   PetscInt duals;         /* of each place: that of the friction along the rod, one for each wall */
+  PetscBool limit;        /* exact friction was asked for, and is taken as a limit */
   PetscBool stopped;      /* N is that of one time, stopped_at */
   PetscReal stopped_at;
 } Load;
@@ -44,6 +45,7 @@ extern const OptionGroup load_options;
 
 PetscErrorCode LoadSetFromOptions(Load *load, PetscReal clamp_angle);
 void LoadNextToExact(Load *load);
+void LoadAtTolerance(Load *load, PetscReal rtol);
 void LoadSetWalls(Load *load, const Contact *contact);
 PetscErrorCode LoadDestroy(Load *load);
 PetscErrorCode LoadInFastTime(const Load *load, PetscReal t, Load *fast, PetscBool *dry);

@@ -242,6 +242,7 @@ static PetscErrorCode ReadOptions(Grow *self) {
   self->output_interval = self->scene->end_time;
   PetscCall(OptionWord("-rod_model", &self->model, NULL));
   PetscCall(OptionReal("-ts_rtol", &self->rtol, NULL));
+  SceneAtTolerance(self->scene, self->rtol);
   PetscCall(OptionReal("-output_interval", &self->output_interval, NULL));
   PetscCall(WatchSetFromOptions(&self->watch, self->scene));
   PetscCall(OptionBool("-quiet", &self->quiet, NULL));

@@ -359,6 +359,26 @@ def tip_field():
         expect(off < 1e-9, f"{model}: the clamp's force is off by {off:.1e}")
 
 
+@check
+def exact_at_rest():
+    """Exact friction behind a growth zone: its forces are those of the limit beta -> 0, within the
+    bounds of friction, and not what the noise of the steps makes of them."""
+    bent = ("-growth_type apical -growth_initial_length 1.1 -growth_zone 0.1 -rod_curvature 0.13 "
+            "-shape_type straight -ts_max_time 8 ")
+    wavy = ("-growth_type apical -growth_initial_length 1 -growth_zone 1 -rod_curvature_random 0.3 "
+            "-rod_curvature_length 3 -shape_type straight -ts_max_time 12 ")
+    # options, force at the end and most, energy, each with its bound; of runs with beta 1e-10 and
+    # 1e-12 and tolerances 1e-8 and 1e-9
+    for options, end, most, energy, spread in ((bent, 0.0572, 0.1, 2.5e-9, 4), (wavy, 0.348, 1, 2.978e-3, 1.01)):
+        r = Run(options + "-friction_beta 0")
+        force = np.hypot(r.base_force_1, r.base_force_2)
+        print(f"{options}: force {force[-1]:.4g} at the end, {force.max():.4g} at most, energy "
+              f"{r.energy[-1]:.4g}, {r.steps} steps")
+        expect(abs(force[-1] / end - 1) < 0.02, f"force {force[-1]} at the end, not {end}")
+        expect(force.max() < 1.4 * most, f"force up to {force.max()}, where {most} is possible")
+        expect(1 / spread < r.energy[-1] / energy < spread, f"energy {r.energy[-1]}, not {energy}")
+
+
 # --- references ----------------------------------------------------------------------------------
 
 
