@@ -25,6 +25,7 @@ typedef struct {
   PetscBool turns, moves; /* F depends on the direction of the rod (a), on the place (N, walls) */
   PetscInt duals;         /* of each place: that of the friction along the rod, one for each wall,
                              and one for a foot on a post (rod/feet.h) */
+  PetscBool limit;        /* exact friction was asked for, and is taken as a limit */
   PetscBool stopped;      /* N is that of one time, stopped_at */
   PetscReal stopped_at;
 } Load;
@@ -45,6 +46,7 @@ extern const OptionGroup load_options;
 
 PetscErrorCode LoadSetFromOptions(Load *load, PetscReal clamp_angle);
 void LoadNextToExact(Load *load);
+void LoadAtTolerance(Load *load, PetscReal rtol);
 void LoadSetWalls(Load *load, const Contact *contact);
 PetscErrorCode LoadDestroy(Load *load);
 PetscErrorCode LoadInFastTime(const Load *load, PetscReal t, Load *fast, PetscBool *dry);

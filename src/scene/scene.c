@@ -83,6 +83,13 @@ void SceneLinkWalls(Scene scene) {
   scene->tip.walls = scene->contact.walls.n ? &scene->contact : NULL;
 }
 
+/* SceneAtTolerance - tells a scene at which tolerance it is to be stepped: what exact friction of
+   material at rest is taken for depends on it (LoadAtTolerance()). */
+void SceneAtTolerance(Scene scene, PetscReal rtol) {
+  LoadAtTolerance(&scene->load, rtol);
+  if (scene->load.limit) scene->contact.rub.beta = scene->load.friction.beta;
+}
+
 /*
   SceneCreate - reads and checks all options that say what is simulated, and places the nodes.
   Collective on OptionsComm(), the ranks that are to share the scene; the caller destroys it with

@@ -245,6 +245,7 @@ static PetscErrorCode ReadOptions(Grow *self) {
   PetscFunctionBegin;
   PetscCall(OptionWord("-rod_model", &self->model, NULL));
   PetscCall(OptionReal("-ts_rtol", &self->rtol, NULL));
+  SceneAtTolerance(self->scene, self->rtol);
   PetscCall(WatchSetFromOptions(&self->watch, self->scene));
   PetscCall(OptionBool("-quiet", &self->quiet, NULL));
   if (self->member) self->quiet = PETSC_TRUE;
