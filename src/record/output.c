@@ -43,7 +43,8 @@ struct _Output {
   PetscInt times_n, times_room;
   PetscReal *times; /* of all shapes, stored and waiting */
   Event event;
-  char *earlier; /* the options of earlier legs */
+  char interrupted[64]; /* by what; empty: it is not */
+  char *earlier;        /* the options of earlier legs */
   PetscLogDouble stored_at, cost;
   double stored, waits; /* bytes */
 };
@@ -427,6 +428,7 @@ PetscErrorCode OutputStore(Output self, Rod rod, RestartState *state, Vec points
     PetscCall(WriteRows(self, file));
     PetscCall(WriteEvent(self, file));
     PetscCall(OutputAttributes(file, self->scene->comm, finished));
+    PetscCall(HdfText(file, "/", "interrupted", self->interrupted));
     PetscCall(ScaleAttributes(self, file));
     PetscCall(ContactAttributes(self, file, state ? state->t : 0));
     if (self->earlier)
@@ -660,6 +662,19 @@ PetscErrorCode OutputEvent(Output self, const Event *event) {
   PetscFunctionBegin;
   self->event = *event;
   PetscFunctionReturn(0);
+}
+
+/* OutputInterrupted - keeps what has interrupted the run for the next store: where mpiexec itself
+   is stopped, its ranks' last words may be lost. Empty: nothing has. */
+PetscErrorCode OutputInterrupted(Output self, const char *by) {
+  PetscFunctionBegin;
+  PetscCall(PetscStrncpy(self->interrupted, by, sizeof(self->interrupted)));
+  PetscFunctionReturn(0);
+}
+
+/* OutputStores - is there a file? */
+PetscBool OutputStores(Output self) {
+  return (PetscBool)(self->path[0] != 0);
 }
 
 /* OutputDestroy - frees it; what was not stored is lost. */

@@ -398,6 +398,10 @@ static PetscErrorCode Create(Grow *self, const char *output, const char *restart
 
   PetscFunctionBegin;
   PetscCall(ReadOptions(self));
+  UserCheck(
+      output[0] || restart[0] || self->member || !OptionOnCommandLine("-output_interval"),
+      self->scene->comm,
+      "-output_interval: no shapes are stored without -output FILE; give it, or take this out");
   PetscCall(SetInterval(self, (PetscBool)(output[0] || restart[0])));
   if (restart[0]) PetscCall(RestartRead(restart, self->scene, &state, &begun));
   for (PetscInt m = 0; m < MODELS; m++)
@@ -439,9 +443,15 @@ static PetscErrorCode Follow(Grow *self, TSConvergedReason *reason) {
 
 /* Stores the last state, whatever the end. */
 static PetscErrorCode End(Grow *self, PetscBool finished) {
+  char text[2][64] = {""};
+
   PetscFunctionBegin;
   if (self->seen.t != self->stored_shape) PetscCall(StoreShape(self, self->seen.t, self->now->U));
   PetscCall(OutputEvent(self->output, &self->event));
+  if (self->stopped)
+    (void)snprintf(text[0], sizeof(text[0]), "by signal %d at t = %.30s", self->stopped,
+                   OptionBoth(self->seen.t, UNIT_TIME, text[1]));
+  PetscCall(OutputInterrupted(self->output, text[0]));
   PetscCall(Store(self, finished));
   PetscFunctionReturn(0);
 }
@@ -450,6 +460,8 @@ static PetscErrorCode End(Grow *self, PetscBool finished) {
 static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
   const PetscReal straight = 0.01;
   MPI_Comm comm = self->scene->comm;
+  const char *const kept = OutputStores(self->output) ? "the results up to there are stored"
+                                                      : "nothing is stored without -output FILE";
   char text[3][64], jam[512] = "";
   PetscReal dt;
 
@@ -459,9 +471,8 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
   OptionBoth(dt, UNIT_TIME, text[1]);
   OptionBoth(self->scene->end_time, UNIT_TIME, text[2]);
   if (self->event.kind) PetscFunctionReturn(0);
-  UserCheck(!self->stopped, comm,
-            "interrupted by signal %d at t = %s; the results up to there are stored", self->stopped,
-            text[0]);
+  UserCheck(!self->stopped, comm, "interrupted by signal %d at t = %s; %s", self->stopped, text[0],
+            kept);
   UserCheck(!self->beyond, comm,
             "-rod_model linear: stopped at t = %s, where an angle reached 1: a straight rod's "
             "model says nothing there; take -rod_model auto",
@@ -473,21 +484,21 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
           self->seen.max_angle > straight,
       comm,
       "gave up at t = %s: the rod is pressed straight against a wall, and nothing says to which "
-      "side it gives way; the results up to there are stored; give it a small -rod_curvature",
-      text[0]);
+      "side it gives way; %s; give it a small -rod_curvature",
+      text[0], kept);
   PetscCall(GrowTellJam(self, (PetscBool)(reason < 0), jam, sizeof(jam)));
   UserCheck(!jam[0], comm,
-            "%s, and it can hardly grow on; the results up to there are stored; end the run before "
-            "with -stop_force, or, if this push is meant, give a higher -contact_stiffness",
-            jam);
+            "%s, and it can hardly grow on; %s; end the run before with -stop_force, or, if this "
+            "push is meant, give a higher -contact_stiffness",
+            jam, kept);
   UserCheck(reason == TS_CONVERGED_TIME || !self->now->passes, comm,
-            "gave up at t = %s with a step of %s: the rod would pass through itself or a wall; the "
-            "results up to there are stored; give more -rod_cells or a higher -contact_stiffness",
-            text[0], text[1]);
+            "gave up at t = %s with a step of %s: the rod would pass through itself or a wall; %s; "
+            "give more -rod_cells or a higher -contact_stiffness",
+            text[0], text[1], kept);
   UserCheck(reason == TS_CONVERGED_TIME, comm,
-            "gave up at t = %s with a step of %s (%s): the results up to there are stored; try a "
+            "gave up at t = %s with a step of %s (%s): %s; try a "
             "lower -ts_rtol, more -rod_cells or a larger -friction_beta",
-            text[0], text[1], TSConvergedReasons[reason]);
+            text[0], text[1], TSConvergedReasons[reason], kept);
   PetscFunctionReturn(0);
 }
 

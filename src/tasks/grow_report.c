@@ -134,6 +134,40 @@ static PetscErrorCode Errors(Grow *self, PetscInt jumps) {
   PetscFunctionReturn(0);
 }
 
+/* What was to end the run and did not. */
+static PetscErrorCode TellNotReached(const Grow *self) {
+  MPI_Comm comm = self->scene->comm;
+  const Watch *watch = &self->watch;
+  char text[2][64];
+
+  PetscFunctionBegin;
+  for (int k = EVENT_NONE + 1; k < EVENT_KINDS; k++) {
+    if (!watch->watched[k] || self->event.kind) continue;
+    OptionBoth(self->seen.t, UNIT_TIME, text[0]);
+    OptionBoth(watch->bound[k], k == EVENT_ANGLE ? UNIT_NONE : UNIT_LENGTH, text[1]);
+    PetscCall(PetscPrintf(comm, "not reached by t = %s: -stop_%s%s%s\n", text[0], event_name[k],
+                          k == EVENT_CONTACT ? "" : " ", k == EVENT_CONTACT ? "" : text[1]));
+  }
+  PetscFunctionReturn(0);
+}
+
+/* x2 is the laboratory's: of a clamp that points elsewhere it is not the deflection. */
+static PetscErrorCode TellClamp(const Grow *self) {
+  const Observation *seen = &self->seen;
+  PetscReal alpha = self->scene->clamp_angle;
+  char text[64];
+
+  PetscFunctionBegin;
+  if (alpha == 0) PetscFunctionReturn(0);
+  OptionBoth(PetscCosReal(alpha) * seen->tip_x2 - PetscSinReal(alpha) * seen->tip_x1, UNIT_LENGTH,
+             text);
+  PetscCall(PetscPrintf(self->scene->comm,
+                        "x1 and x2 are the laboratory's; from the line of the clamp, at %.4g rad, "
+                        "the tip is %s off\n",
+                        (double)alpha, text));
+  PetscFunctionReturn(0);
+}
+
 /* Where on the rod an event was, or what it reached. */
 static PetscErrorCode TellEvent(Grow *self) {
   MPI_Comm comm = self->scene->comm;
@@ -208,10 +242,14 @@ PetscErrorCode GrowSummary(Grow *self) {
                         OptionNumber(seen->tip_x1, text[2]), OptionNumber(seen->tip_x2, text[3]),
                         (double)seen->norm_x2));
   PetscCall(TellLaboratory(self));
+  PetscCall(TellClamp(self));
   PetscCall(PetscPrintf(self->scene->comm, "%d steps, %d rejected, %d Newton iterations, %.3f s; ",
                         (int)steps, (int)rejections, (int)iterations, now - self->begin));
   PetscCall(Errors(self, jumps));
   PetscCall(TellContact(self));
   PetscCall(TellEvent(self));
+  PetscCall(TellNotReached(self));
+  if (!OutputStores(self->output))
+    PetscCall(PetscPrintf(self->scene->comm, "nothing is stored; -output FILE keeps the result\n"));
   PetscFunctionReturn(0);
 }

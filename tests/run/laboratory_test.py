@@ -191,6 +191,38 @@ def restart_after_a_signal():
         same_run(read(file), whole, number.name, 1e-6)
 
 
+@check
+def said_at_the_end():
+    """What was asked for and did not happen, what is stored and what is not, where x2 is measured."""
+    d, short = scene.SCRATCH, f"{DRY} -rod_cells 40 -ts_max_time 0.1 "
+    text = tendril(f"{short} -stop_length 300 -stop_angle 2")
+    for words in ("not reached by t = 0.1: -stop_length 300\n", "not reached by t = 0.1: -stop_angle 2\n",
+                  "nothing is stored; -output FILE keeps the result\n"):
+        expect(words in text, text)
+    text = tendril(f"{short} -stop_length 2.05 -output {d}/a.h5")
+    expect("not reached" not in text and "nothing is stored" not in text and "clamp" not in text, text)
+    expect("-output_interval: no shapes are stored without -output" in tendril(f"{short} -output_interval 0.01", 1),
+           "-output_interval")
+    text = tendril(f"{short} -clamp_angle -90deg -output {d}/down.h5")
+    off = float(re.search(r"line of the clamp, at -1.571 rad, the tip is (\S+) off", text).group(1))
+    expect(abs(off / read(f"{d}/a.h5")["series/tip_x2"][-1] - 1) < 0.1, text)
+    for output, words in (("", "nothing is stored without -output FILE"),
+                          (f"-output {d}/b.h5", "the results up to there are stored")):
+        with Held([scene.TENDRIL, *shlex.split(f"{short} {output}")], env=scene.ENVIRONMENT) as run:
+            run.let(5 * PAGE)
+            run.send_signal(signal.SIGINT)
+            said = run.end()[1]
+        expect(f"; {words}\n" in said, said)
+    with h5py.File(f"{d}/b.h5") as f:
+        expect(f.attrs["interrupted"].decode().startswith("by signal 2 at t = "), f.attrs["interrupted"])
+    tendril(f"-restart {d}/b.h5")
+    with h5py.File(f"{d}/b.h5") as f:
+        expect(f.attrs["interrupted"] in (b"", ""), f"{f.attrs['interrupted']}")
+    # units as they are written: with blanks between their parts
+    for said in ("'2.209 N mm^2' -si_friction_dry '0.5 N / m'", "2.209Nmm^2 -si_friction_dry 0.5N/m"):
+        expect("0.01640874 m" in tendril(f"-task units -si_speed 1 -si_bending_stiffness {said}"), said)
+
+
 TUBE = "-si_bending_stiffness 4.4907e-4 -si_friction_dry 20.03 "
 
 
