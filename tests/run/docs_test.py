@@ -63,6 +63,18 @@ class Numbers(unittest.TestCase):
                 self.assertTrue(any(same(line, other) for other in printed), f"{page} says\n  {line}\nand "
                                 "tendril\n  " + "\n  ".join(printed))
 
+    def test_gallery(self):
+        """The energy defects that the gallery tells are those of its scenes (the quick ones), to a factor of
+        three."""
+        environment = os.environ | {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+        page = (ROOT / "options/README.md").read_text()
+        for scene in ("uniform-half", "uniform-viscous", "feed", "gaussian", "snake", "against-wall"):
+            said = float(re.search(rf"(?m)^\| \[{scene}\].*\| ([0-9.e-]+) \|$", page)[1])
+            done = subprocess.run([TENDRIL, "-options_file", f"options/{scene}.opts"], check=True, cwd=ROOT,
+                                  capture_output=True, text=True, env=environment)
+            found = float(re.search(r"energy defect (\S+),", done.stdout)[1])
+            self.assertTrue(found / 3 < said < 3 * found, f"{scene}: {said} is said, {found} is")
+
     def test_what_is_the_same(self):
         line = "454 steps, 9 rejected, 490 Newton iterations, 0.320 s; energy defect 4.9e-07, error estimate 2.5e-04"
         for other, good in ((line.replace("0.320", "9.1"), True), (line.replace("4.9e-07", "9e-07"), True),
