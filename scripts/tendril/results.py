@@ -185,7 +185,7 @@ class Results:
         """What 1 of it (length, time, speed, force, energy, power, curvature) is in SI units."""
         known = scales_of_rod(self.attributes).get(kind)
         if self.attributes.get(f"si_{kind}", known) is None:
-            needed = "-si_speed" if kind in ("time", "speed", "power") else "-si_bending_stiffness"
+            needed = "si_speed" if kind in ("time", "speed", "power") else "si_bending_stiffness"
             raise ResultsError(f"{self.path}: does not know its {kind} in SI units; run it with "
                                f"{needed} and the like")
         return float(self.attributes.get(f"si_{kind}", known))

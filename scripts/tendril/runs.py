@@ -25,6 +25,7 @@ import shlex
 import shutil
 import signal
 import subprocess
+import sysconfig
 import tempfile
 import time
 from dataclasses import dataclass, replace
@@ -55,14 +56,15 @@ SECONDS_LEFT = re.compile(r"([0-9.]+) s$")
 
 def executable() -> str:
     """The program: what the variable TENDRIL names; else build/tendril of the checkout that this
-    package lies in, or of the working directory; else tendril on the PATH."""
+    package lies in; else that which was installed with it; else build/tendril of the working directory;
+    else tendril on the PATH."""
     if os.environ.get("TENDRIL"):
         found = shutil.which(os.environ["TENDRIL"])
         if not found:
             raise TendrilError(f"TENDRIL={os.environ['TENDRIL']}: no executable")
         return found
-    for place in (CHECKOUT, Path.cwd()):
-        if found := shutil.which(place / "build" / "tendril"):
+    for place in (CHECKOUT / "build", Path(sysconfig.get_path("scripts")), Path.cwd() / "build"):
+        if found := shutil.which(place / "tendril"):
             return found
     if found := shutil.which("tendril"):
         return found
@@ -133,12 +135,12 @@ def words_of(options, directory) -> list[str]:
 
 
 def scene_file(name) -> Path:
-    """An options file, or the scene of that name: of the checkout that this package lies in, of the
-    working directory, or of where the program comes from, its checkout or what was installed with it."""
+    """An options file, or the scene of that name: of this package, of the working directory, or of where
+    the program comes from, its checkout or what was installed with it."""
     if Path(name).is_file():
         return Path(name)
     program = Path(executable()).resolve().parents[1]
-    for place in (CHECKOUT, Path.cwd(), program, program / "share/tendril"):
+    for place in (Path(__file__).parent, Path.cwd(), program, program / "share/tendril"):
         if (known := place / "options" / f"{name}.opts").is_file():
             return known
     raise TendrilError(f"{name}: no options file, and no scene of that name")

@@ -60,7 +60,7 @@ def stored(members: Sequence[dict], scene=None, jobs: int | None = None) -> list
             execute([*launched(1), *scene_words(scene, place), "-task", "sweep", "-sweep_file", str(table),
                      "-sweep_store", "series,shapes", "-output", str(output), "-quiet"])
             sweep = whole(load_sweep(output))
-        found[k::jobs] = sweep.members
+        found[k::jobs] = list(sweep.members.flat)
 
     with ThreadPoolExecutor(max(jobs, 1)) as pool:
         list(pool.map(share, range(jobs)))

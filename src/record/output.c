@@ -127,12 +127,15 @@ PetscErrorCode OutputAttributes(HdfFile file, MPI_Comm comm, PetscBool finished)
 PetscErrorCode OutputRefuse(const char *option, const char *path) {
   struct stat status;
   PetscBool ours;
+  int free;
 
   PetscFunctionBegin;
   PetscCall(OptionsRefuseOverwrite(option, path));
   PetscCall(HdfHas(path, "version", &ours));
-  UserCheck(ours || stat(path, &status) || (S_ISREG(status.st_mode) && !status.st_size),
-            OptionsComm(),
+  /* rank 0 looks for all: when a later one does, the file may be that of this very run */
+  free = stat(path, &status) || (S_ISREG(status.st_mode) && !status.st_size);
+  PetscCallMPI(MPI_Bcast(&free, 1, MPI_INT, 0, OptionsComm()));
+  UserCheck(ours || free, OptionsComm(),
             "%s %s: is there, and is no result of tendril; name another file, or take it away",
             option, path);
   PetscFunctionReturn(0);

@@ -287,12 +287,13 @@ static PetscErrorCode CheckStart(Grow *self) {
 /* When shapes are stored: by a time between them, or by their number; of a run that keeps no file,
    and of a member of a sweep that asks for none, the last alone. Collective. */
 static PetscErrorCode SetInterval(Grow *self, PetscBool output) {
-  PetscInt shapes = output && !self->member ? 40 : 1;
   PetscBool interval, number;
+  PetscInt shapes;
 
   PetscFunctionBegin;
   PetscCall(GrowFindEnd(self));
   PetscCall(OptionInt("-output_shapes", &shapes, &number));
+  if (!number && (self->member || !output)) shapes = 1;
   self->output_interval = self->end / (PetscReal)shapes;
   PetscCall(OptionReal("-output_interval", &self->output_interval, &interval));
   UserCheck(!(interval && number), self->scene->comm,

@@ -86,7 +86,7 @@ class Package(unittest.TestCase):
         self.assertEqual(len(broken.exception.results.series.t), 10)
         with self.assertRaisesRegex(tendril.TendrilError, "no options file"):
             tendril.run("no-such-scene")
-        with self.assertRaisesRegex(tendril.ResultsError, "-si_speed"):
+        with self.assertRaisesRegex(tendril.ResultsError, "with si_bending_stiffness"):
             self.runs[0].dataset(si=True)
         place, os.environ["TENDRIL"] = os.environ["TENDRIL"], str(self.place / "none")
         try:
@@ -121,10 +121,84 @@ class Package(unittest.TestCase):
         named = {u: in_laboratory(u, r.scale)[1] for u in r.units.values()}
         self.assertEqual({u for u, si in named.items() if u == si}, {"1", "rad"})
         self.assertEqual(r.dataset().width.attrs["units"], "l")
+        slow = tendril.run({k: v for k, v in TUBE.items() if k not in ("si_speed", "output_interval")})
+        table = slow.dataset(si=True)  # what has no scale is left out, the time stays as it is
+        self.assertEqual((table.width.attrs["units"], table.t.attrs["units"]), ("m", "l/V"))
+        self.assertNotIn("tip_speed", table)
+
+    def test_between(self):
+        """A shape between stored ones is where a run that stored it there has it; of too few, and outside,
+        there is none."""
+        rod = dict(growth_type="feed", growth_initial_length=2, shape_amplitude=0.1, rod_cells=100, ts_max_time=8)
+        r, fine = tendril.run(rod), tendril.run(rod, output_interval=0.27)
+        self.assertEqual(len(r.shapes.t), 81)
+        for k in range(1, len(fine.shapes.t)):
+            shape = r.at(fine.shapes.t[k])
+            self.assertLess(np.abs(shape.x - fine.shapes.x[k]).max(), 0.003 * shape.length)
+        self.assertEqual([r.at(t).stored for t in (0, 4, 4.01)], [True, True, False])
+        for t in (-0.1, 8.1):
+            with self.assertRaisesRegex(tendril.ResultsError, "runs from t = 0 to 8"):
+                r.at(t)
+        few = tendril.run(rod, output_shapes=1)
+        self.assertEqual(len(few.shapes.t), 2)
+        with self.assertRaisesRegex(tendril.ResultsError, "too few shapes"):
+            few.at(4)
+        self.assertEqual(few.at(5, nearest=True).t, 8)
+        with self.assertRaisesRegex(tendril.RunError, "leave one out"):
+            tendril.run("feed", output_shapes=3)
+
+    def test_shapes_of_the_program(self):
+        """A run that keeps a file stores 41 shapes up to its end, also where a length ends it; a member of
+        a sweep two."""
+        file = self.place / "plain.h5"
+        for words, end in ((("-ts_max_time", "2"), 2.0), (("-stop_length", "1.3"), 0.8)):
+            subprocess.run([runs.executable(), "-rod_cells", "30", "-quiet", "-output", file, *words], check=True)
+            np.testing.assert_allclose(tendril.load(file).shapes.t, np.linspace(0, end, 41), atol=1e-9)
+        s = tendril.sweep({}, {"ts_max_time": [0.5]}, rod_cells=30)
+        self.assertEqual(list(s.members[0].shapes.t), [0, 0.5])
+
+    def test_walls(self):
+        """Walls as values are those of a file."""
+        lines = [tendril.plane((3, 0), (-1, 0)), tendril.circle(("2.6", 0.25), 0.7, friction=0.3),
+                 tendril.polygon([(1, -2), (2, -2), (2, -1)]), tendril.conduit(0.5, [(-0.5, 0), (3.5, 0)])]
+        self.assertEqual(lines, ["plane 3 0 -1 0", "circle 2.6 0.25 0.7 outside friction 0.3",
+                                 "polygon outside 1 -2 2 -2 2 -1", "path 0.5 -0.5 0 3.5 0"])
+        r = tendril.run("feed", contact_diameter=0.1, wall_file=[lines[0]], rod_cells=40, ts_max_time=0.1,
+                        output_interval=0.1)
+        self.assertEqual(r.attributes["walls"].split()[:5], ["plane", "3", "0", "-1", "0"])
+        with self.assertRaisesRegex(tendril.TendrilError, "circle: centre"):
+            tendril.circle(3, 1)
+
+    def test_what_is_given_to_draw(self):
+        """One line for what cannot be drawn; names of files, critical lengths, a sweep, somebody's axes."""
+        import matplotlib.pyplot as plt
+
+        for draw in (tendril.plot, tendril.view):
+            for wrong in ([], 5, self.place / "none.h5"):
+                with self.assertRaisesRegex(tendril.TendrilError, "(no run|not int|no such file)"):
+                    draw(wrong)
+        figure = tendril.plot(tendril.critical("feed"))
+        self.assertEqual(len(figure.axes), 1)
+        ax = plt.figure().subplots()
+        self.assertIs(tendril.plot(self.runs, "width", ax=ax), ax.figure)
+        np.testing.assert_array_equal(ax.lines[1].get_ydata(), self.runs[1].series.width)
+        plt.close(ax.figure)
+        self.assertIn("srcdoc", self.tube._repr_html_())
+        self.assertIn("width", dir(self.tube.series))
+        many = tendril.plot([self.tube] * 9, "width", overlay=True)
+        self.assertEqual(len(many.axes[0].lines), 9)
+
+    def test_colours(self):
+        """No two of runs drawn together are the same, however many."""
+        from tendril.pictures import colours
+
+        for count in (2, 7, 8, 20):
+            self.assertEqual(len(set(colours(count))), count)
 
     def test_csv(self):
         self.tube.to_csv(self.place / "tube.csv", si=True)
         head, *rows = (self.place / "tube.csv").read_text().splitlines()
+        self.assertEqual(head.split(",")[:2], ["t (s)", "length (m)"])
         self.assertIn("width (m)", head)
         self.assertEqual(len(rows), len(self.tube.series.t))
         frame = self.runs[0].frame()
@@ -230,7 +304,7 @@ class Package(unittest.TestCase):
     def test_version(self):
         text = (ROOT / "scripts/pyproject.toml").read_text()
         version = re.search(r'(?m)^version = "(.*?)"', text)[1]
-        self.assertEqual(self.tube.attributes["version"], version)
+        self.assertEqual({self.tube.attributes["version"], tendril.__version__}, {version})
 
     def test_help(self):
         """Every shell script tells how it is used."""
