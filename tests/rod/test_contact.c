@@ -121,9 +121,9 @@ static void TestWallJacobians(void **state) {
 /* Posts and corners narrower than a cell, with friction; one beside a node, one at the tip. */
 static void TestFootJacobians(void **state) {
   const char *const walls[] = {
-      "circle 0.5 0.3 0.01 outside friction 0.5\n",
-      "polygon outside 0.5 0.34 0.6 0.8 0.4 0.8 friction 0.7\n",
-      "circle 0.2 0.06 0.02 outside\ncircle 0.93 0.92 0.02 outside friction 1\n"};
+      "circle 0.2844 0.4475 0.01 outside friction 0.5\n",
+      "polygon outside 0.2655 0.61 0.6 0.3 0.6 0.9 friction 0.7\n",
+      "circle 0.1699 0.2195 0.02 outside\ncircle 0.1346 1.1267 0.02 outside friction 1\n"};
   for (size_t k = 0; k < sizeof(walls) / sizeof(walls[0]); k++)
     for (int order = 2; order <= 4; order += 2) {
       char file[64], options[256];
