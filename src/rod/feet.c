@@ -217,8 +217,8 @@ void FootPush(const Contact *contact, const FootCell *cell, const FrictionDual *
 
 /* The part that each point of the cell has in a foot, and its derivative by z: of the parabola
    through all three; in order 2, where the ends have no weight, the middle has all. */
-static void Parts(const FootCell *cell, PetscReal z, PetscReal part[FOOT_PARTS],
-                  PetscReal part_z[FOOT_PARTS]) {
+static void Parts(const FootCell *cell, PetscReal z, PetscReal part[FOOT_ROWS],
+                  PetscReal part_z[FOOT_ROWS]) {
   const PetscBool ends = (PetscBool)(cell->weight[0] > 0);
 
   part[0] = ends ? (1 - z) * (1 - 2 * z) : 0;
@@ -232,16 +232,18 @@ static void Parts(const FootCell *cell, PetscReal z, PetscReal part[FOOT_PARTS],
     part[k] *= all;
     part_z[k] *= all;
   }
+  part[FOOT_KINK] = ends ? 1. / 12 - z * (1 - z) / 2 : 0;
+  part_z[FOOT_KINK] = ends ? z - 0.5 : 0;
 }
 
 /* FootHandOut - adds to the load of a cell's points, n' = load, what the force of a foot is to
  * them.
  */
 void FootHandOut(const FootCell *cell, const Foot *foot, FootLoad load) {
-  PetscReal part[FOOT_PARTS], part_z[FOOT_PARTS];
+  PetscReal part[FOOT_ROWS], part_z[FOOT_ROWS];
 
   Parts(cell, foot->z, part, part_z);
-  for (int k = 0; k < FOOT_PARTS; k++)
+  for (int k = 0; k < FOOT_ROWS; k++)
     for (int d = 0; d < 2; d++) load[k][d] += part[k] * foot->force[d];
 }
 
@@ -336,7 +338,7 @@ void FootLinearise(const Contact *contact, const FootCell *cell, const PetscReal
                    PetscBool fresh, FrictionDual *dual, Foot *foot, FootSlope slope) {
   const PetscReal mu = FrictionOf(contact, foot), *n = foot->n, t[2] = {-n[1], n[0]},
                   u[2] = {foot->slip, 0};
-  PetscReal part[FOOT_PARTS], part_z[FOOT_PARTS];
+  PetscReal part[FOOT_ROWS], part_z[FOOT_ROWS];
   FrictionDual own = {.v = {0}};
   Change change;
 
@@ -357,7 +359,7 @@ void FootLinearise(const Contact *contact, const FootCell *cell, const PetscReal
                       df = foot->p_gap * change.gap[f] * (n[d] - mu * foot->w * t[d]) +
                            foot->p * (change.n[d][f] - mu * foot->w * dt) -
                            mu * foot->p * foot->w_slip * t[d] * change.slip[f];
-      for (int k = 0; k < FOOT_PARTS; k++)
+      for (int k = 0; k < FOOT_ROWS; k++)
         slope[k][d][f] += part[k] * foot->strength * df + part_z[k] * change.z[f] * foot->force[d];
     }
 }

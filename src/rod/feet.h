@@ -13,7 +13,7 @@
 
 #include "scene/scene.h"
 
-enum { FOOT_PARTS = 3, FOOT_UNKNOWNS = 6, MOST_FEET = 16 }; /* of a cell */
+enum { FOOT_PARTS = 3, FOOT_KINK = 3, FOOT_ROWS, FOOT_UNKNOWNS = 6, MOST_FEET = 16 };
 
 /* A cell: its curve, the cubic through x and x' = g q at its ends, and how that moves. */
 typedef struct {
@@ -36,9 +36,16 @@ typedef struct {
   PetscReal force[2];             /* on the rod */
 } Foot;
 
-/* n' = -load of the parts, changed by feet; and by x1, x2, theta of both nodes. */
-typedef PetscReal FootLoad[FOOT_PARTS][2];
-typedef PetscReal FootSlope[FOOT_PARTS][2][FOOT_UNKNOWNS];
+/* What feet add to n' at the points of the cell; and, in row FOOT_KINK, a vector w by which the
+   angle turns more from a to b than the cell's formula gives it: that smears a point load over the
+   cell. With b = 1/12 - z (1 - z)/2, of mean 0, and w the sum of b f,
+
+     theta_b - theta_a = ... + (h g)^2/B (q1 w2 - q2 w1)
+
+   so the angle does not jump when a foot goes on to the next cell. And by x1, x2, theta of both
+   nodes. */
+typedef PetscReal FootLoad[FOOT_ROWS][2];
+typedef PetscReal FootSlope[FOOT_ROWS][2][FOOT_UNKNOWNS];
 
 Rect FootCellRect(const FootCell *cell);
 PetscBool FootAbout(const FootCell *cell, const PetscReal c[2], Foot *foot);

@@ -293,6 +293,11 @@ static void CellsNext(Cell *cell, PetscInt i) {
   CellsGo(cell, i, PETSC_FALSE);
 }
 
+/* (h g)^2/B in the middle of a cell, see FootLoad. */
+static PetscReal KinkOf(const Cell *cell) {
+  return PetscSqr(cell->h * cell->law[1].g) * cell->law[1].flex;
+}
+
 /* Residual of the six equations of a cell; feet: what they add to n' at its points, NULL: none. */
 static void CellResidual(const Frame *frame, const Cell *cell, const PetscReal *ua,
                          const PetscReal *ub, const PetscReal (*feet)[2], PetscReal r[FIELDS]) {
@@ -300,8 +305,10 @@ static void CellResidual(const Frame *frame, const Cell *cell, const PetscReal *
     r[f] = ub[f] - ua[f] -
            cell->h * (frame->end_weight * (cell->a->f[f] + cell->b->f[f]) +
                       frame->mid_weight * cell->mid->f[f]);
-  for (int d = 0; d < 2 && feet; d++)
-    r[N1 + d] -= cell->h * frame->end_weight * (feet[0][d] + feet[2][d]);
+  if (!feet) return;
+  for (int d = 0; d < 2; d++) r[N1 + d] -= cell->h * frame->end_weight * (feet[0][d] + feet[2][d]);
+  r[TH] -= KinkOf(cell) *
+           (cell->mid->at.q[0] * feet[FOOT_KINK][1] - cell->mid->at.q[1] * feet[FOOT_KINK][0]);
 }
 
 /* What the tip's conditions are about. */
@@ -444,18 +451,28 @@ static void AddFeetSlope(Cell *cell, PetscInt i, const PetscReal shift[],
   const Frame *frame = (const Frame *)cell->rod->data;
   const PetscReal h = cell->h, *q = cell->mid->at.q,
                   wm = h * frame->mid_weight * cell->law[1].g * frame->bow * h;
+  const PetscReal kink = KinkOf(cell);
+  PetscReal turn; /* of the kink by the angle in the middle */
   FootSlope by = {{{0}}};
+  FootLoad load = {{0}};
   Foot foot[MOST_FEET];
   FootCell of;
   PetscInt n = CellsFeet(cell, i, &of, foot);
 
   if (!n) return;
+  for (PetscInt k = 0; k < n; k++) FootHandOut(&of, &foot[k], load);
+  turn = -kink * (q[0] * load[FOOT_KINK][0] + q[1] * load[FOOT_KINK][1]);
+  left[TH][TH] -= turn / 2;
+  right[TH][TH] -= turn / 2;
+  left[TH][M] -= turn * frame->bow * h * cell->law[0].g * cell->law[0].flex;
+  right[TH][M] += turn * frame->bow * h * cell->law[2].g * cell->law[2].flex;
   for (PetscInt k = 0; k < n; k++)
     FootLinearise(&cell->rod->scene->contact, &of, shift, cell->rod->fresh, FootDual(cell, k),
                   &foot[k], by);
   for (int u = 0; u < FOOT_UNKNOWNS; u++) {
     PetscReal(*J)[FIELDS] = u < 3 ? left : right;
     const PetscReal bow[2] = {by[0][0][u] - by[2][0][u], by[0][1][u] - by[2][1][u]}; /* n_mid */
+    J[TH][u % 3] -= kink * (q[0] * by[FOOT_KINK][1][u] - q[1] * by[FOOT_KINK][0][u]);
     J[M][u % 3] -= wm * (q[1] * bow[0] - q[0] * bow[1]);
     for (int d = 0; d < 2; d++)
       J[N1 + d][u % 3] -=
