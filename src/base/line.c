@@ -212,6 +212,7 @@ void LineEnd(Line *line, const Half own) {
   const Link *last = &line->link[line->n];
   PetscBLASInt n = FIELDS, info;
 
+  memcpy(line->own, own, sizeof(Half));
   for (int k = 0; k < FIELDS; k++)
     for (int i = 0; i < HALF; i++) {
       line->last[k * FIELDS + i] = last->T[i][k];
@@ -270,6 +271,141 @@ void LineSolve(const Line *line, const PetscReal (*b)[FIELDS], PetscReal (*x)[FI
   LineForward(line, n + 1, b, NULL, x, NULL);
   LineTurn(line, b[n] + HALF, x[n]);
   LineBackward(line, x[n], x);
+}
+
+/*
+  The index: how many negative directions the quadratic form has of which the equations say that it
+  is stationary, less those that the forces count for, which are half of the unknowns. It is the sum
+  of what each node adds when it is eliminated. Let x be the first half of a node's unknowns and f
+  the second, each f_j the force that belongs to x_pair[j]. What is before the node says
+  x = d + C f, its compliance; its own equations are f + K x = ..., its stiffness; and
+      S = V^-1 (V - W Q^-1 P) = 1 + C K = C (C^-1 + K).
+  It adds  negative(C^-1 + K) - negative(C^-1),  so det S < 0 where that is odd: where, along the
+  line, a compliance has passed through infinity. (As the sign changes in a Sturm sequence, or the
+  conjugate points of Jacobi.) Where cells are fine it is one direction that turns, if any: v of
+  S v = s v, s < 0, for which v K v < 0 if it turns negative, and v K v > 0 if it turns back.
+*/
+
+/* S of a node that is factored. */
+static void Recover(const Link *link, Square S) {
+  for (int k = 0; k < HALF; k++)
+    for (int j = 0; j < HALF; j++) {
+      S[link->row[k]][j] = j < k ? 0 : j == k ? 1 / link->T[k][k] : link->T[k][j];
+      for (int m = 0; m < k; m++)
+        S[link->row[k]][j] +=
+            link->T[k][m] * (m > j ? 0 : m == j ? 1 / link->T[m][m] : link->T[m][j]);
+    }
+}
+
+/* Does det S have the other sign? */
+static inline PetscBool Turns(const Link *link) {
+  const PetscReal pivots = link->T[0][0] * link->T[1][1] * link->T[2][2];
+  PetscBool even = (PetscBool)((link->row[1] - link->row[0] + HALF) % HALF == 1);
+
+  return (PetscBool)((pivots < 0) == (int)even);
+}
+
+/* What a node adds: 1 for each direction that turns negative, -1 for each that turns back. */
+static PetscInt Turned(const Link *link, const int pair[HALF]) {
+  PetscReal S_[HALF * HALF], real[HALF], imaginary[HALF], vectors[HALF * HALF], none[1], work[8 * HALF];
+  PetscBLASInt n = HALF, one = 1, size = 8 * HALF, info;
+  PetscInt added = 0;
+  Square S, K;
+
+  Recover(link, S);
+  for (int i = 0; i < HALF; i++)
+    for (int j = 0; j < HALF; j++) S_[j * HALF + i] = S[i][j];
+  LAPACKgeev_("N", "V", &n, S_, &n, real, imaginary, none, &one, vectors, &n, work, &size, &info);
+  Multiply(link->Q, link->P, K);
+  for (int k = 0; k < HALF && !info; k++) {
+    const PetscReal *v = vectors + k * HALF;
+    PetscReal energy = 0;
+    if (imaginary[k] != 0 || real[k] > 0) continue;
+    for (int i = 0; i < HALF; i++)
+      energy += v[pair[i]] * (K[i][0] * v[0] + K[i][1] * v[1] + K[i][2] * v[2]);
+    added += energy < 0 ? 1 : -1;
+  }
+  return added;
+}
+
+/* LineIndex - the index of the nodes before the last. */
+PetscInt LineIndex(const Line *line, const int pair[HALF]) {
+  PetscInt index = 0;
+
+  for (PetscInt i = 0; i < line->n; i++)
+    if (Turns(&line->link[i])) index += Turned(&line->link[i], pair);
+  return index;
+}
+
+/* The negative eigenvalues of the symmetric part of the first n rows and columns. */
+static PetscInt Negative(const Square A, PetscBLASInt n) {
+  PetscReal symmetric[HALF * HALF], value[HALF], work[3 * HALF];
+  PetscBLASInt info, size = 3 * HALF;
+  PetscInt negative = 0;
+
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j < n; j++) symmetric[i * n + j] = (A[i][j] + A[j][i]) / 2;
+  LAPACKsyev_("N", "U", &n, symmetric, &n, value, work, &size, &info);
+  for (int i = 0; i < n && !info; i++) negative += value[i] < 0;
+  return negative;
+}
+
+/* What a node adds, any number of directions. V, W: what is before it; P, Q: its own equations */
+static PetscInt Added(const Square V, const Square W, const Square P, const Square Q,
+                      const int pair[HALF]) {
+  Square A, C, stiffness, K;
+  PetscInt held = 0;
+  int place[HALF];
+
+  if (!Invert(V, A)) return 0;
+  Multiply(A, W, K);
+  for (int i = 0; i < HALF; i++)
+    for (int j = 0; j < HALF; j++) C[i][pair[j]] = -K[i][j];
+  for (int i = 0; i < HALF; i++) /* an equation of x alone holds it */
+    for (int j = 0; j < HALF; j++)
+      if (Q[i][0] == 0 && Q[i][1] == 0 && Q[i][2] == 0 && P[i][j] != 0) place[held++] = j;
+  if (held) {
+    for (int i = 0; i < held; i++)
+      for (int j = 0; j < held; j++) A[i][j] = C[place[i]][place[j]];
+    return -Negative(A, (PetscBLASInt)held);
+  }
+  if (!Invert(Q, A) || !Invert(C, stiffness)) return 0;
+  Multiply(A, P, K);
+  memcpy(C, stiffness, sizeof(C));
+  for (int i = 0; i < HALF; i++)
+    for (int j = 0; j < HALF; j++) C[pair[i]][j] += K[i][j];
+  return Negative(C, HALF) - Negative(stiffness, HALF);
+}
+
+/* LineIndexOfEnd - what the last node adds. */
+PetscInt LineIndexOfEnd(const Line *line, const int pair[HALF]) {
+  Square V, W, P, Q;
+
+  Columns(line->link[line->n].T, 0, V);
+  Columns(line->link[line->n].T, HALF, W);
+  Columns(line->own, 0, P);
+  Columns(line->own, HALF, Q);
+  return Added(V, W, P, Q, pair);
+}
+
+/* LineIndexOfFew - the index of the nodes before the last, where each may turn several directions:
+   of cells that are not fine. */
+PetscInt LineIndexOfFew(const Line *line, const int pair[HALF]) {
+  PetscInt index = 0;
+
+  for (PetscInt i = 0; i < line->n; i++) {
+    const Link *link = &line->link[i];
+    Square S, N, Q, V, W;
+    Recover(link, S); /* S = V - N P, N = W Q^-1 */
+    Columns(link->T, HALF, N);
+    if (!Invert(link->Q, Q)) continue;
+    Multiply(N, link->P, V);
+    Multiply(N, Q, W);
+    for (int j = 0; j < HALF; j++)
+      for (int k = 0; k < HALF; k++) V[j][k] += S[j][k];
+    index += Added(V, W, link->P, Q, pair);
+  }
+  return index;
 }
 
 /* LineCreate - for so many nodes at most; the caller ends it with LineDestroy(). */

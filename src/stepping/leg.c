@@ -2,6 +2,8 @@
 #include "base/lagrange.h"
 #include "stepping/guard.h"
 #include "stepping/vbdf.h"
+#include <stdlib.h>
+#include <stdio.h>
 
 /* Local errors add up, in the decay and growth of x2 even with one sign: a step gets at most this
    part of the tolerance, and aims at a fifth of it. */
@@ -44,6 +46,35 @@ static PetscErrorCode BeforeStage(TS ts, PetscReal t) {
   PetscCall(TSGetApplicationContext(ts, &leg));
   leg->rod->fresh = PETSC_TRUE;
   PetscCall(VBDFGetFactorRate(ts, &leg->rod->factor_rate));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode CrossesMode(TS ts, Vec U, PetscBool blind, PetscBool *crosses) {
+  PetscInt index;
+  Leg *leg;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetApplicationContext(ts, &leg));
+  *crosses = PETSC_FALSE;
+  if (!leg->newton.elimination) PetscFunctionReturn(0);
+  if (!blind && (leg->rod->scene->contact.walls.rub || leg->rod->scene->contact.friction > 0)) PetscFunctionReturn(0);
+  PetscCall(EliminationIndex(leg->newton.elimination, &index));
+  if (index) {
+    PetscReal t, dt;
+    TSGetTime(ts, &t);
+    TSGetTimeStep(ts, &dt);
+    if (getenv("PROBE") && t > atof(getenv("PROBE"))) {
+      for (PetscReal sh = 1 / dt / 10; sh < 1e9; sh *= 2) {
+        PetscInt k;
+        RodJacobian(ts, t + dt, U, leg->rod->latest_rate, sh, leg->newton.J, leg->newton.J, leg->rod);
+        EliminationIndex(leg->newton.elimination, &k);
+        printf("shift %g index %d\n", sh, (int)k);
+      }
+      exit(0);
+    }
+    if (getenv("SHOWX")) printf("INDEX %d t %g dt %g\n", (int)index, t, dt);
+  }
+  *crosses = (PetscBool)(!getenv("NOX") && (index > 0 || index % 2 != 0));
   PetscFunctionReturn(0);
 }
 
@@ -151,6 +182,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
     PetscCall(TSSetMaxSNESFailures(leg->ts, 10)); /* a fixed step does not help itself */
   PetscCall(VBDFSetFactored(leg->ts, model->fields, model->across));
   PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));
+  PetscCall(VBDFSetCross(leg->ts, CrossesMode));
   if (scene->contact.any) PetscCall(VBDFSetCheck(leg->ts, GuardPasses));
   PetscCall(TSSetSolution(leg->ts, leg->U));
   PetscFunctionReturn(0);
