@@ -209,13 +209,17 @@ PetscErrorCode EliminationIndex(Elimination self, PetscInt *index) {
   static const int force[HALF] = {2, 0, 1}, turned[HALF] = {1, 2, 0};
 
   PetscFunctionBegin;
-  *index = LineIndex(&self->own, self->from_tip ? turned : force);
-  if (self->ranks == 1)
+  if (self->from_tip)
+    *index = LineIndex(&self->own, -1, turned) + LineIndexOfArrival(&self->own, -1, turned);
+  else
+    *index = LineIndex(&self->own, 1, force);
+  if (self->ranks == 1) {
     *index += LineIndexOfEnd(&self->own, force);
-  else {
-    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, index, 1, MPIU_INT, MPI_SUM, self->comm));
-    *index += LineIndexOfFew(&self->joint, force) + LineIndexOfEnd(&self->joint, force);
+    PetscFunctionReturn(0);
   }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, index, 1, MPIU_INT, MPI_SUM, self->comm));
+  for (PetscInt i = 0; i < self->joint.n; i++) *index += LineIndexOfNode(&self->joint, i, force);
+  *index += LineIndexOfEnd(&self->joint, force);
   PetscFunctionReturn(0);
 }
 
