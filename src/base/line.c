@@ -312,8 +312,9 @@ static void Recover(const Link *link, Square S) {
     for (int j = 0; j < HALF; j++) {
       S[link->row[k]][j] = j < k ? 0 : j == k ? 1 / link->T[k][k] : link->T[k][j];
       for (int m = 0; m < k; m++)
-        S[link->row[k]][j] +=
-            link->T[k][m] * (m > j ? 0 : m == j ? 1 / link->T[m][m] : link->T[m][j]);
+        S[link->row[k]][j] += link->T[k][m] * (m > j    ? 0
+                                               : m == j ? 1 / link->T[m][m]
+                                                        : link->T[m][j]);
     }
 }
 

@@ -232,8 +232,7 @@ static PetscErrorCode Predict(TS ts, VBDF *self, Vec X) {
   if (self->n > 1)
     PetscCall(Extrapolate(self, PetscMin(self->order + 1, self->n), X));
   else if (self->guess)
-    PetscCall(
-        self->guess(ts, self->time[1], self->time[0], self->point[1], X, self->guess_ctx));
+    PetscCall(self->guess(ts, self->time[1], self->time[0], self->point[1], X, self->guess_ctx));
   else
     PetscCall(VecCopy(self->point[1], X));
   PetscFunctionReturn(0);
@@ -768,8 +767,8 @@ PetscErrorCode VBDFSetCheck(TS ts, VBDFCheck check) {
   PetscFunctionReturn(0);
 }
 
-/* VBDFSetCross - sets how to see that a step crosses a mode that grows: it is cut until it does not.
-   No effect on other types. */
+/* VBDFSetCross - sets how to see that a step crosses a mode that grows: it is cut until it does
+   not. No effect on other types. */
 PetscErrorCode VBDFSetCross(TS ts, VBDFCross cross) {
   VBDF *self = NULL;
 
