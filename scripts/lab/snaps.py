@@ -31,12 +31,12 @@ def starts():
             for amplitude in (.1, 1):
                 for mu in (0, 1):
                     yield dict(growth_initial_length=length, tip_force=float(f"{load / length ** 2:.6g}"),
-                               shape_amplitude=amplitude, friction_mu=mu, ts_max_time=.2 * length)
+                               shape_amplitude=amplitude, friction_mu=mu, ts_max_time=float(f"{.2 * length:.3g}"))
 
 
-def bent(draw, length, amplitude):
+def bent(draw, length, amplitude, bends=True):
     o = dict(growth_type=draw.choice(["uniform", "feed", "gaussian"]), growth_initial_length=length,
-             shape_type=draw.choice(["sag", "sag", "random"]), shape_amplitude=amplitude,
+             shape_type=draw.choice(["sag", "sag", "random"]) if bends else "sag", shape_amplitude=amplitude,
              friction_mu=draw.choice([0, .5, 1, 1]))
     if o["shape_type"] == "random":
         o["shape_seed"] = draw.randint(1, 1000)
@@ -72,7 +72,7 @@ def held(draw):
 
 
 def hairpin(draw):
-    return dict(bent(draw, draw.between(1, 3), draw.between(1.2, 3.1)), shape_type="sag",
+    return dict(bent(draw, draw.between(1, 3), draw.between(1.2, 3.1), False),
                 ts_max_time=draw.between(.2, 2))
 
 
