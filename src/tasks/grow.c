@@ -496,6 +496,12 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
             "gave up at t = %s with a step of %s: the rod would pass through itself or a wall; %s; "
             "give more -rod_cells or a higher -contact_stiffness",
             text[0], text[1], kept);
+  UserCheck(
+      reason == TS_CONVERGED_TIME || !self->now->crosses, comm,
+      "gave up at t = %s: the rod gives way faster than a step of %s can follow, to which side "
+      "that step does not tell; %s; take a shorter -ts_dt (without -ts_adapt_type none), or a "
+      "-friction_mu below 0.9999",
+      text[0], text[1], kept);
   UserCheck(reason == TS_CONVERGED_TIME, comm,
             "gave up at t = %s with a step of %s (%s): %s; try a "
             "lower -ts_rtol, more -rod_cells or a larger -friction_beta",
