@@ -170,7 +170,7 @@ static PetscErrorCode Errors(Grow *self, PetscInt jumps) {
     PetscCall(Estimated(self, &error, part));
     PetscCall(PetscPrintf(comm, ", error estimate %.1e", (double)error));
     if (self->model == FRAME && self->estimate)
-      PetscCall(PetscPrintf(comm, " (space %.0e, time %.0e)", (double)part[ESTIMATE_SPACE],
+      PetscCall(PetscPrintf(comm, " (space %.1e, time %.1e)", (double)part[ESTIMATE_SPACE],
                             (double)part[ESTIMATE_TIME]));
   }
   if (jumps) PetscCall(PetscPrintf(comm, "; %d snap%s", (int)jumps, jumps > 1 ? "s" : ""));
