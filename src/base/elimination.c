@@ -350,6 +350,15 @@ static PetscErrorCode Solve(Elimination self, const PetscReal (*b)[FIELDS],
   PetscFunctionReturn(0);
 }
 
+/* EliminationSolve - x of A x = b, the owned nodes of each; not a number where A is singular.
+   Collective. */
+PetscErrorCode EliminationSolve(Elimination self, const PetscReal (*b)[FIELDS],
+                                PetscReal (*x)[FIELDS]) {
+  PetscFunctionBegin;
+  PetscCall(Solve(self, b, x));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode SetUp(PC pc) {
   Elimination self;
   PetscBool regular;

@@ -16,12 +16,6 @@ static const OptionRow rows[] = {
     ROW_WORD("-rod_order", "4", "2,4", 0, "order in space of the frame model")};
 const OptionGroup frame_options = OPTION_GROUP("Frame model", rows);
 
-/* One point of the rod: its unknowns, f, its place and velocity. */
-typedef struct _Point {
-  PetscReal theta, m, n[2], f[FIELDS];
-  Place at;
-} Point;
-
 /* The present state of a rod, and the cell that is looked at. The points outlive it: a Jacobian
    follows on the residual of the same state. */
 typedef struct {
@@ -39,19 +33,6 @@ typedef struct {
   LoadSlope slope[3]; /* of the load at them; the end of a cell is where the next begins */
 } Cell;
 
-/* f at a point */
-static void PointEvaluate(const Load *load, const Law *law, const LoadDual *dual, Point *p) {
-  const PetscReal *q = p->at.q;
-
-  p->f[X1] = law->g * q[0];
-  p->f[X2] = law->g * q[1];
-  p->f[TH] = law->g * (p->m * law->flex + law->k0);
-  p->f[M] = -law->g * (q[0] * p->n[1] - q[1] * p->n[0]);
-  LoadForce(load, &p->at, dual, &p->f[N1]);
-  p->f[N1] *= law->g;
-  p->f[N2] *= law->g;
-}
-
 /* The point at a node; u, u_t its six unknowns and their rates. */
 static inline void PointAtNode(const Load *load, const Law *law, const LoadDual *dual,
                                const PetscReal *u, const PetscReal *u_t, Point *p) {
@@ -67,13 +48,6 @@ static inline void PointAtNode(const Load *load, const Law *law, const LoadDual 
     p->at.x[d] = u[X1 + d];
   }
   PointEvaluate(load, law, dual, p);
-}
-
-/* The slope x'_t = g_t q + g theta_t q_perp of the velocity at a node. */
-static inline void VelocitySlope(const Law *law, const Point *p, PetscReal theta_t,
-                                 PetscReal w[2]) {
-  w[0] = law->g_t * p->at.q[0] - law->g * theta_t * p->at.q[1];
-  w[1] = law->g_t * p->at.q[1] + law->g * theta_t * p->at.q[0];
 }
 
 /* The point in the middle of a cell between a and b; k = bow h. */
@@ -125,11 +99,6 @@ static PetscErrorCode LawsAt(Rod rod, PetscReal t) {
  */
 static void Forget(Frame *frame) {
   frame->seen.t = PETSC_MIN_REAL;
-}
-
-/* The duals of point k: nodes and mids alternate, from node first - 1 on. */
-static inline LoadDual *DualsAt(const Frame *frame, PetscInt k) {
-  return frame->dual + k * frame->duals;
 }
 
 /* Adds to n' what strands that touch do at node i, or behind it. */
@@ -227,7 +196,7 @@ static Point *CellsNode(Cell *cell, PetscInt i) {
 
   if (cell->known) return p;
   p->at.t = cell->t;
-  PointAtNode(cell->load, frame->law + k, DualsAt(frame, k), cell->u[i], cell->u_t[i], p);
+  PointAtNode(cell->load, frame->law + k, FrameDuals(frame, k), cell->u[i], cell->u_t[i], p);
   AddPush(cell, i, 0, p);
   return p;
 }
@@ -271,7 +240,7 @@ static void CellsGo(Cell *cell, PetscInt i, PetscBool from_tip) {
   PetscInt k = 2 * (i - cell->rod->first + 1);
 
   cell->law = frame->law + k;
-  for (int e = 0; e < 3; e++) cell->dual[e] = DualsAt(frame, k + e);
+  for (int e = 0; e < 3; e++) cell->dual[e] = FrameDuals(frame, k + e);
   cell->h = cell->s[i + 1] - cell->s[i];
   if (from_tip) {
     cell->b = cell->a;
@@ -320,7 +289,7 @@ static TipState TipOf(const Point *end) {
 
 /* The tip's own dual stands where that of a cell behind the tip would. */
 static LoadDual *TipDual(Rod rod) {
-  return DualsAt((Frame *)rod->data, 2 * (rod->last - rod->first + 1) + 1);
+  return FrameDuals((Frame *)rod->data, 2 * (rod->last - rod->first + 1) + 1);
 }
 
 static PetscErrorCode FrameResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F) {
@@ -640,7 +609,7 @@ static PetscReal *Remembered(Frame *frame, Rod rod, PetscInt i, PetscInt k) {
 
   if (k >= 2 * frame->duals * REMEMBERED)
     return FrameStrandsRemembered(rod, i, k - 2 * frame->duals * REMEMBERED);
-  dual = DualsAt(frame, 2 * (i - rod->first + 1)) + k / REMEMBERED;
+  dual = FrameDuals(frame, 2 * (i - rod->first + 1)) + k / REMEMBERED;
   return (k % REMEMBERED < 2 ? dual->w : dual->shift) + k % 2;
 }
 
@@ -768,5 +737,6 @@ const RodModel rod_frame = {
     .hold = FrameHold,
     .remember = FrameRemember,
     .recall = FrameRecall,
+    .defect = FrameDefect,
     .jacobian = FrameJacobian,
     .eliminate = FrameEliminate};

@@ -5,12 +5,13 @@
 
 /* point[0] is the new solution, at time[0]; point[1], point[2], ... those of the steps before. */
 typedef struct {
-  PetscInt order;   /* k, of the present step */
-  PetscInt most;    /* highest order allowed */
-  PetscInt n;       /* past points */
-  PetscInt since;   /* steps since the order changed */
-  PetscBool given;  /* the history was handed over: do not restart */
-  PetscBool jumped; /* the present step was accepted as a jump */
+  PetscInt order;       /* k, of the present step */
+  PetscInt taken_order; /* of the step taken last */
+  PetscInt most;        /* highest order allowed */
+  PetscInt n;           /* past points */
+  PetscInt since;       /* steps since the order changed */
+  PetscBool given;      /* the history was handed over: do not restart */
+  PetscBool jumped;     /* the present step was accepted as a jump */
   PetscInt jumps;
   PetscReal layer;    /* a step this short is accepted whatever its error */
   PetscReal rejected; /* error of the try before, if one of this step was rejected at a third of the
@@ -533,6 +534,7 @@ static PetscErrorCode TSStep_VBDF(TS ts) {
     BeginTry(ts, self);
     PetscCall(Predict(ts, self, self->point[0]));
     PetscCall(SolveStage(ts, self));
+    self->taken_order = self->order;
     PetscCall(SNESGetConvergedReason(ts->snes, &solved));
     PetscCall(VecNorm(self->point[0], NORM_INFINITY, &size));
     if (PetscIsInfOrNanReal(size)) solved = DIVERGED_NAN;
@@ -909,5 +911,36 @@ PetscErrorCode VBDFGetOrder(TS ts, PetscInt *order) {
   PetscFunctionBegin;
   PetscCall(Self(ts, &self));
   *order = self ? self->order : 0;
+  PetscFunctionReturn(0);
+}
+
+/*
+  VBDFGetLocalError - what the step taken last adds to the error, as a combination of its points:
+  the weights of those that VBDFGetHistory() tells, after an accepted step.
+
+  n       how many; 0: it is not known (the first step, a jump, another type)
+  along   of the fields that are not factored, across of those that are
+*/
+PetscErrorCode VBDFGetLocalError(TS ts, PetscInt *n, PetscReal along[VBDF_POINTS],
+                                 PetscReal across[VBDF_POINTS]) {
+  PetscReal factor;
+  VBDF *self = NULL;
+  PetscInt k;
+
+  PetscFunctionBegin;
+  *n = 0;
+  PetscCall(Self(ts, &self));
+  if (!self || self->given) PetscFunctionReturn(0);
+  k = self->taken_order;
+  if (self->jumped || self->n < k + 1) PetscFunctionReturn(0);
+  TakeFactor(self, k);
+  factor = (self->time[0] - self->time[1]) / (self->time[0] - self->time[k + 1]);
+  LagrangeValues(k + 1, self->time + 1, self->time[0], along + 1);
+  along[0] = across[0] = factor;
+  for (PetscInt j = 1; j <= k + 1; j++) {
+    along[j] *= -factor;
+    across[j] = along[j] * self->ratio[j];
+  }
+  *n = k + 2;
   PetscFunctionReturn(0);
 }

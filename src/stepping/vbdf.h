@@ -42,6 +42,8 @@ PetscErrorCode VBDFGetMemory(TS ts, PetscReal memory[VBDF_MEMORY]);
 PetscErrorCode VBDFSetMemory(TS ts, const PetscReal memory[VBDF_MEMORY]);
 PetscErrorCode VBDFInterpolate(TS ts, PetscReal t, Vec U, Vec U_t, PetscBool *done);
 PetscErrorCode VBDFGetJumps(TS ts, PetscInt *jumps);
+PetscErrorCode VBDFGetLocalError(TS ts, PetscInt *n, PetscReal along[VBDF_POINTS],
+                                 PetscReal across[VBDF_POINTS]);
 PetscErrorCode VBDFGetOrder(TS ts, PetscInt *order);
 
 #endif

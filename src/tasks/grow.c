@@ -77,6 +77,7 @@ static PetscErrorCode Store(Grow *self, PetscBool finished) {
   }
   PetscCall(RestartKeep(self->now, self->seen.t, self->now->U, &state, points));
   PetscCall(ObserverGetBalance(self->observer, state.balance));
+  if (self->estimate) PetscCall(EstimateGet(self->estimate, state.errors));
   PetscCall(OutputStore(self->output, self->now->rod, &state, points, finished));
   PetscFunctionReturn(0);
 }
@@ -104,15 +105,22 @@ static PetscErrorCode Neglect(Grow *self, Vec U_t) {
   PetscFunctionReturn(0);
 }
 
+/* Jumps before this part of the run cross the layer of a start, and are no snaps (vbdf.c). */
+static const PetscReal initial_layer = 1e-6;
+
 static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   PetscReal before = self->seen.t, norm = self->seen.norm_x2;
   PetscInt iterations = 0, all = 0, jumps = 0;
+  PetscBool jumped;
 
   PetscFunctionBegin;
   if (U) {
     PetscCall(TSGetSNESIterations(self->now->ts, &all));
     PetscCall(VBDFGetJumps(self->now->ts, &jumps));
-    if (jumps > self->now->jumps) ObserverJump(self->observer);
+    jumped = (PetscBool)(jumps > self->now->jumps);
+    if (jumped) ObserverJump(self->observer);
+    if (jumped && t > initial_layer * self->scene->end_time) self->snaps++;
+    if (self->now == &self->leg[FRAME]) PetscCall(EstimateStep(self->estimate, jumped));
     self->now->jumps = jumps;
   }
   iterations = all - self->iterations;
@@ -373,6 +381,7 @@ static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *
   self->now = &self->leg[(int)state->model];
   PetscCall(RestartTake(restart, state, self->now));
   PetscCall(ObserverSetBalance(self->observer, state->balance));
+  PetscCall(EstimateSet(self->estimate, state->t, state->errors));
   self->folds = state->folds;
   self->seen.norm_x2 = state->norm;
   self->neglected = state->neglected;
@@ -409,6 +418,7 @@ static PetscErrorCode Create(Grow *self, const char *output, const char *restart
     if (m == self->model || (self->model == AUTO && m != MIXED && self->can[m]))
       PetscCall(AddLeg(self, m));
   PetscCall(RodHoldTip(self->leg[self->model == AUTO ? FRAME : self->model].rod));
+  if (self->leg[FRAME].rod) PetscCall(EstimateCreate(&self->leg[FRAME], &self->estimate));
   PetscCall(OptionsRefuseUnread());
   PetscCall(ObserverCreate(self->scene, &self->observer));
   if (begun)
@@ -422,6 +432,7 @@ static PetscErrorCode Destroy(Grow *self) {
   PetscFunctionBegin;
   PetscCall(OutputDestroy(&self->output));
   PetscCall(ObserverDestroy(&self->observer));
+  PetscCall(EstimateDestroy(&self->estimate));
   for (int m = 0; m < MODELS; m++) PetscCall(LegDestroy(&self->leg[m]));
   PetscFunctionReturn(0);
 }

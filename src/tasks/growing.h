@@ -2,6 +2,7 @@
 #ifndef TENDRIL_GROWING_H
 #define TENDRIL_GROWING_H
 
+#include "stepping/estimate.h"
 #include "tasks/member.h"
 
 enum { LINEAR, FRAME, MIXED, AUTO, MODELS = AUTO }; /* as -rod_model and the series `model` say */
@@ -14,6 +15,7 @@ typedef struct {
   Leg leg[MODELS];       /* by model; those not in use are empty; auto has two, taking turns */
   Leg *now;
   Observer observer;
+  Estimate estimate; /* of the frame model's errors; NULL: it is not in use */
   Output output;
   Observation seen; /* of the latest step */
   PetscReal rtol, output_interval, next_output;
@@ -23,6 +25,7 @@ typedef struct {
   PetscReal folds;            /* of |x2|, up and down, so far */
   PetscReal neglected;        /* largest part that the linear model left out */
   PetscReal depth;            /* largest penetration so far */
+  PetscInt snaps;             /* of this run */
   PetscBool quiet, beyond;    /* beyond: the linear model has left its range */
   int stopped;                /* the signal that all ranks have agreed to stop on */
   PetscLogDouble begin, reported;
