@@ -226,6 +226,8 @@ static void LookAtConduit(Look *look, PetscInt wall, const Rect *place) {
   if (look->walls->wall[wall].pieces <= FEW) {
     const PetscInt n = look->walls->wall[wall].pieces;
     for (PetscInt k = 0; k < n; k++) (void)MeetAxis(k, everywhere, look);
+    if (look->touch && look->far < look->walls->wall[wall].number[0] - look->radius - look->within)
+      return; /* too near to the axis to touch */
     for (PetscInt k = 0; k < n; k++) (void)MeetConduit(k, same * look->far, look);
     return;
   }
