@@ -71,7 +71,7 @@ static PetscReal Apart(const Rect *a, const Rect *b) {
   PetscReal o[2];
   for (int d = 0; d < 2; d++)
     o[d] = PetscMax(0, PetscMax(a->low[d] - b->high[d], b->low[d] - a->high[d]));
-  return o[0] == 0 ? o[1] : o[1] == 0 ? o[0] : hypot(o[0], o[1]);
+  return o[0] == 0 ? o[1] : o[1] == 0 ? o[0] : PetscSqrtReal(o[0] * o[0] + o[1] * o[1]);
 }
 
 /* The search in a branch that is `apart` from the place, the nearer half first. */

@@ -60,8 +60,6 @@ static const PetscReal part_of_diameter = 1e-3;
 /* The pressure sets in over so many times the depth to which such a force presses: so the step
    feels no kink where a point begins to touch. */
 static const PetscReal part_smooth = 2;
-/* In a short rod, over this part of it: what touches there for longer presses with less. */
-static const PetscReal part_short = 0.25;
 /* However soft contact is, nothing is felt farther than this part of the diameter from it. */
 static const PetscReal most_smooth = 0.25;
 
@@ -109,8 +107,8 @@ void ContactSetStiffness(Contact *contact, const PetscReal cell[2], const PetscR
   }
   if (!contact->given) contact->stiffness = 1 / (l * l * l * l);
   contact->tip = l;
-  contact->smooth = part_smooth * PetscMax(1, part_short * short_rod) * l * l * l / depth;
-  contact->smooth_t = ((part_short * short_rod > 1 ? Q_t : 0) + 3 * l_t) * contact->smooth;
+  contact->smooth = part_smooth * Q * l * l * l / depth;
+  contact->smooth_t = (Q_t + 3 * l_t) * contact->smooth;
   if (D > 0 && contact->smooth > most_smooth * D) {
     contact->smooth = most_smooth * D;
     contact->smooth_t = 0;

