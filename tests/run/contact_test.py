@@ -572,7 +572,7 @@ def jammed():
     before, in newtons, too."""
     d = scene.SCRATCH
     caged = ("-growth_initial_length 0.1 -contact_diameter 0.1 -ts_max_time 20 -shape_type straight "
-             "-rod_curvature 0.1 -rod_cells 60 "
+             "-rod_curvature 0.1 -rod_cells 60 -ts_rtol 1e-5 "
              + walls("polygon inside -0.2 -0.2 0.2 -0.2 0.2 0.2 -0.2 0.2"))
     line = tendril(f"{caged} -output {d}/jam.h5", 1)
     print(line.strip())
