@@ -4,6 +4,7 @@ always. Where lengths are far below 1, friction is nothing beside bending.
 
     contact_test.py build/tendril [--mpiexec mpiexec] CHECK...      (no CHECK: all of them)"""
 
+import re
 import shlex
 import subprocess
 import sys
@@ -552,6 +553,73 @@ def held_tip():
             print(f"{tip}, {n} ranks: {r.steps} and {one.steps} steps, energy differs by {off:.1e}")
             expect(off < 1e-6, f"{tip}, {n} ranks: energy differs by {off}")
         expect(tip == "pinned" or r.contact_force[-1] > 0, f"{tip}: no contact")
+
+
+@check
+def sticks_to_a_wall():
+    """Exact Coulomb friction, a tip that sticks to a wall until the rod snaps: what holds it settles in
+    time, not with each step; as many steps as friction next to exact takes, and the same end."""
+    fed = ("-growth_type feed -contact_stiffness 1e6 -contact_friction 0.5 -ts_max_time 2.5 -ts_rtol 1e-6 "
+           "-rod_curvature 0.01 " + walls("plane 2 0 -1 0"))
+    for start in ("", "-shape_type straight "):
+        near, exact = (Run(f"{fed} {start} -friction_beta {beta}") for beta in (1e-12, 0))
+        off = np.hypot(*(exact.tip - near.tip))
+        print(f"{exact.steps} steps, {exact.newton_iterations.sum():.0f} Newton; next to exact {near.steps}, "
+              f"{near.newton_iterations.sum():.0f}; tips differ by {off:.1e}")
+        expect(off < 1e-5, f"tips {exact.tip}, {near.tip}")
+        expect(exact.steps < 2 * near.steps, f"{exact.steps} steps, next to exact {near.steps}")
+
+
+@check
+def jammed():
+    """A cage in which there is no room: the run says so, where, and with which push; -stop_force ends it
+    before, in newtons, too."""
+    d = scene.SCRATCH
+    caged = ("-growth_initial_length 0.1 -contact_diameter 0.1 -ts_max_time 20 -shape_type straight "
+             "-rod_curvature 0.1 -rod_cells 60 -ts_rtol 1e-5 "
+             + walls("polygon inside -0.2 -0.2 0.2 -0.2 0.2 0.2 -0.2 0.2"))
+    line = tendril(f"{caged} -output {d}/jam.h5", 1)
+    print(line.strip())
+    r = read(f"{d}/jam.h5")
+    push, depth = (float(re.search(f"{word} ([0-9.e+-]+)", line)[1]) for word in ("push of", "rod by"))
+    expect("jammed at t = " in line and "into a wall at s = " in line, line)
+    expect(depth > 0.02 and abs(depth - r["series/penetration"][-1]) < 1e-6, f"depth {depth}")
+    x, theta, force = (r[f"shapes/{k}"][-1] for k in ("x", "theta", "force"))
+    along = -(force * np.c_[np.cos(theta), np.sin(theta)]).sum(axis=1)
+    expect(abs(push / along.max() - 1) < 1e-6, f"push {push}, {along.max()} along the rod")
+    tendril(f"{caged} -stop_force 20 -output {d}/push.h5")
+    theta, force = (read(f"{d}/push.h5")[f"shapes/{k}"][-1] for k in ("theta", "force"))
+    along = -(force * np.c_[np.cos(theta), np.sin(theta)]).sum(axis=1)
+    expect(abs(along.max() / 20 - 1) < 1e-6, f"stopped with a push of {along.max()}")
+    laboratory = "-growth_type feed -si_bending_stiffness 4.5e-4 -si_friction_dry 20 -ts_max_time 20 "
+    tendril(f"{laboratory} -stop_force 2N -output {d}/newton.h5")
+    r = read(f"{d}/newton.h5")
+    unit = 20 * (4.5e-4 / 20) ** (1 / 3)
+    print(f"stopped by {r['kind']} at length {r['series/length'][-1]}")
+    expect(r["kind"] == "force" and abs(r["series/base_force_1"][-1] * unit / 2 - 1) < 1e-3, "2 N")
+
+
+@check
+def bend_radius():
+    """The corner of a path with a radius of its own: as a rod that is led through it feels it, and in the
+    text that the result keeps."""
+    d = scene.SCRATCH
+    led = ("-growth_type feed -contact_diameter 0.1 -ts_max_time 4 -shape_type straight -rod_curvature 0.1 "
+           "-rod_cells 150 ")
+    for radius, behind in ((1.5, "radius 1.5 friction 0.3"), (1.0, "friction 0.3 radius 1")):
+        wall = walls(f"path 0.15 -0.5 0 2 0 2 4 {behind}")
+        tendril(f"{led} {wall} -output {d}/bend.h5")
+        r = read(f"{d}/bend.h5")
+        x = r["shapes/x"][-1]
+        centre = np.array([2 - radius, radius])
+        bend = x[(x[:, 0] > centre[0]) & (x[:, 1] < radius)] - centre
+        far = np.hypot(*bend.T) - radius
+        print(f"radius {radius}: in the bend from {far.min():.4f} to {far.max():.4f} of the axis")
+        expect(len(bend) > 10 and abs(far).max() < 0.1005 and far.max() > 0.0995, f"{radius}: {far}")
+    for wrong, word in (("radius 3", "do not fit"), ("radius 0.1", "more sharply"), ("radius -1", "above 0"),
+                        ("radius", "path R")):
+        line = tendril(f"{led} {walls(f'path 0.15 -0.5 0 2 0 2 2 {wrong}')}", 1)
+        expect(word in line, f"{wrong}: {line}")
 
 
 @check
