@@ -13,6 +13,7 @@ enum { SAID = 256 };
 typedef struct Lock {
   char *path, *file; /* what it is about, its own */
   int handle;
+  pid_t owner; /* a child has not what its parent has */
   struct Lock *next;
 } Lock;
 
@@ -56,8 +57,9 @@ static PetscErrorCode Take(const char *path, char who[SAID]) {
   PetscFunctionBegin;
   who[0] = 0;
   for (self = held; self; self = self->next)
-    if (!strcmp(self->path, path)) PetscFunctionReturn(0);
+    if (!strcmp(self->path, path) && self->owner == getpid()) PetscFunctionReturn(0);
   PetscCall(PetscNew(&self));
+  self->owner = getpid();
   PetscCall(PetscStrallocpy(path, &self->path));
   PetscCall(PetscMalloc1(strlen(path) + 8, &self->file));
   (void)snprintf(self->file, strlen(path) + 8, "%s.lock", path);

@@ -4,6 +4,7 @@
     sweep_test.py build/tendril [--mpiexec mpiexec] CHECK...      (no CHECK: all of them)"""
 
 import argparse
+import fcntl
 import re
 import shlex
 import signal
@@ -391,12 +392,12 @@ def memory():
     expect(most[1] < most[0] + 3000, f"{most} kB")  # 2 kB a member would be 3600
 
 
-def script(command, code=0):
+def script(command, code=0, cwd=ROOT):
     """What a script prints."""
     environment = dict(scene.ENVIRONMENT, TENDRIL=scene.TENDRIL, MPIEXEC=scene.MPIEXEC,
                        PYTHON=sys.executable, PYTHONPATH=str(ROOT / "scripts"))
     done = subprocess.run(shlex.split(command), capture_output=True, text=True, env=environment,
-                          cwd=ROOT, timeout=LIMIT)
+                          cwd=cwd, timeout=LIMIT)
     expect(done.returncode == code, f"{command}: {done.returncode}, {done.stderr}")
     return done.stdout + done.stderr
 
@@ -417,6 +418,24 @@ def sweep_script():
     script(f"scripts/sweep.sh {d}/d -task stability -stability_points 3 -stability_vertices 20 -- "
            "friction_mu 0,1")
     expect(len(list(Path(f"{d}/d").glob("*.h5"))) == 2, "stability")
+
+
+@check
+def script_from_elsewhere():
+    """Files count from where one is; one sweep at a time is at work in a directory."""
+    d = Path(scene.SCRATCH)
+    (d / "a.opts").write_text(SHORT.replace(" -", "\n-") + "\n")
+    command = f"{ROOT}/scripts/sweep.sh here -j 1 -options_file a.opts -- friction_mu 0,1"
+    script(command, cwd=d)
+    expect(len(list((d / "here").glob("*.h5"))) == 2, f"{list(d.rglob('*.h5'))}")
+    expect(not (ROOT / "here").exists(), "wrote into the project")
+    with open(d / "here/running/lock.all", "a") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        said = script(command, 1, cwd=d)
+        expect("another sweep is at work there" in said, said)
+    script(command, cwd=d)
+    said = script(f"{ROOT}/scripts/run.sh no-such-scene", 1, cwd=d)
+    expect("no options file no-such-scene here" in said, said)
 
 
 @check
