@@ -24,7 +24,7 @@ static const PetscReal contact_error = 1600, share_of_contact = 0.5;
 static const PetscReal share_of_time = 0.15, share_of_space = 0.1;
 /* What is measured is an error to first order, on a coarse mesh: an upper estimate is so many times
    that. */
-static const PetscReal of_measured = 4, where_it_sticks = 20;
+static const PetscReal of_measured = 6, where_it_sticks = 20;
 static const PetscReal fewest_folds = 2, margin = 1.5; /* of the estimate after a run */
 
 typedef struct {

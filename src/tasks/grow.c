@@ -119,7 +119,10 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
     PetscCall(VBDFGetJumps(self->now->ts, &jumps));
     jumped = (PetscBool)(jumps > self->now->jumps);
     if (jumped) ObserverJump(self->observer);
-    if (jumped && t > initial_layer * self->scene->end_time) self->snaps++;
+    if (jumped && t > initial_layer * self->scene->end_time) {
+      self->snaps++;
+      if (before <= t / 2) self->crossed = PETSC_TRUE;
+    }
     if (self->now == &self->leg[FRAME]) PetscCall(EstimateStep(self->estimate, jumped));
     self->now->jumps = jumps;
   }

@@ -26,6 +26,7 @@ typedef struct {
   PetscReal neglected;        /* largest part that the linear model left out */
   PetscReal depth;            /* largest penetration so far */
   PetscInt snaps;             /* of this run */
+  PetscBool crossed;          /* its start was crossed in a step */
   PetscBool quiet, beyond;    /* beyond: the linear model has left its range */
   int stopped;                /* the signal that all ranks have agreed to stop on */
   PetscLogDouble begin, reported;
