@@ -189,9 +189,11 @@ static PetscReal Tension(const Sample *p) {
   Adds a sample to the integrals, which are kept in the fields they end up in. The power of growth
   is W = - int (n.q + m^2/2B + m k0) (g_t + c_s) ds - int m k0_t g ds + 1/2 int (m/B)^2 B_t g ds
         - c (n.q + m^2/2B + m k0) at s = 0.
+  lift: what x2 is multiplied by before it is squared.
 */
-static void Integrate(Scene scene, const Sample *p, PetscReal weight, Observation *sum) {
-  PetscReal x2 = LabX2(scene, p->node.x), m2 = PetscSqr(p->node.moment) / p->B;
+static void Integrate(Scene scene, const Sample *p, PetscReal weight, PetscReal lift,
+                      Observation *sum) {
+  PetscReal x2 = lift * LabX2(scene, p->node.x), m2 = PetscSqr(p->node.moment) / p->B;
   sum->norm_x2 += weight * x2 * x2;
   sum->norm_x2_length += weight * x2 * x2 * p->g;
   sum->energy += weight * m2 * p->g / 2;
@@ -255,7 +257,7 @@ static void MeasureTip(Scene scene, const Sample *p, const PetscReal contact[2],
 
 /* Integrals over a piece by Simpson's rule on each cell, and what is read at its ends. */
 static PetscErrorCode MeasureIntegrals(Observer self, PetscReal t, const Piece *piece,
-                                       Observation *seen) {
+                                       PetscReal lift, Observation *seen) {
   Scene scene = self->scene;
   const PetscReal *s = scene->mesh.s;
   Sample a, b, mid;
@@ -273,9 +275,9 @@ static PetscErrorCode MeasureIntegrals(Observer self, PetscReal t, const Piece *
     b.push = self->push ? self->push[2 * i + 2] : NULL;
     PetscCall(SampleFill(scene, s[i + 1], t, &b));
     PetscCall(SampleMid(scene, s[i], s[i + 1], t, &a, &b, &mid));
-    Integrate(scene, &a, h / 6, seen);
-    Integrate(scene, &mid, 4 * h / 6, seen);
-    Integrate(scene, &b, h / 6, seen);
+    Integrate(scene, &a, h / 6, lift, seen);
+    Integrate(scene, &mid, 4 * h / 6, lift, seen);
+    Integrate(scene, &b, h / 6, lift, seen);
     if (s[i] < 0.5 && s[i + 1] >= 0.5) MeasureMiddle(s[i], h, &a, &mid, &b, seen);
   }
   if (piece->end == scene->mesh.cells) MeasureTip(scene, &b, self->contact.tip, seen);
@@ -478,19 +480,29 @@ PetscErrorCode ObserverTouch(Observer observer, PetscReal t, const Node *nodes, 
   PetscFunctionReturn(0);
 }
 
+/* What keeps the square of an x2 this small above the smallest number: a power of two. A rod whose
+   clamp is turned has no such x2. */
+static PetscReal Lift(Scene scene, PetscReal most) {
+  const PetscReal small = 1e-100;
+
+  return most < small && scene->load.clamp[1] == 0 ? 0x1p800 : 1;
+}
+
 /* What all ranks have seen of their pieces, together: a number is a sum, or 0 on all but one. */
 static PetscErrorCode Measure(Observer self, PetscReal t, const Piece *piece, Observation *seen) {
+  PetscReal lift;
   Extremes most;
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(seen, sizeof(*seen)));
-  PetscCall(MeasureIntegrals(self, t, piece, seen));
+  PetscCall(MeasureExtremes(self, piece, &most));
+  lift = Lift(self->scene, PetscMax(most.high, most.low));
+  PetscCall(MeasureIntegrals(self, t, piece, lift, seen));
   if (self->gathered) AddContact(self, seen);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, seen, OBSERVED, MPIU_REAL, MPI_SUM, self->scene->comm));
-  PetscCall(MeasureExtremes(self, piece, &most));
   PetscCall(MeasureInflections(self, t, piece, most.moment, &seen->inflections));
-  seen->norm_x2 = PetscSqrtReal(seen->norm_x2);
-  seen->norm_x2_length = PetscSqrtReal(seen->norm_x2_length);
+  seen->norm_x2 = PetscSqrtReal(seen->norm_x2) / lift;
+  seen->norm_x2_length = PetscSqrtReal(seen->norm_x2_length) / lift;
   seen->width = most.high + most.low;
   seen->max_angle = most.angle;
   seen->t = t;

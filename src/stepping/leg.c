@@ -47,6 +47,38 @@ static PetscErrorCode BeforeStage(TS ts, PetscReal t) {
   PetscFunctionReturn(0);
 }
 
+/*
+  CrossesMode - a VBDFCross: does a mode of the rod grow faster than the shift of the step? The
+  elimination has counted them. On a straight rod, x2 = 0, none is there to be crossed.
+
+  With friction on walls or strands, or other friction across than along, no energy is behind the
+  equations, and the modes of a state that is frozen are not those of the rod that moves on: what
+  slides along a wall has left a place before a mode of it has grown. There only steps are looked at
+  of which no error is known.
+*/
+static PetscErrorCode CrossesMode(TS ts, Vec U, PetscBool blind, PetscBool *crosses) {
+  PetscReal size[MAX_FIELDS];
+  const Contact *contact;
+  PetscInt index;
+  Leg *leg;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetApplicationContext(ts, &leg));
+  contact = &leg->rod->scene->contact;
+  *crosses = leg->crosses = PETSC_FALSE;
+  if (!leg->newton.elimination) PetscFunctionReturn(0);
+  if (!blind && (contact->walls.rub || contact->friction > 0 || leg->rod->scene->load.turns))
+    PetscFunctionReturn(0);
+  PetscCall(EliminationIndex(leg->newton.elimination, &index));
+  if (index <= 0 && index % 2 == 0) PetscFunctionReturn(0);
+  PetscCall(RodFieldSizes(leg->rod, U, size));
+  for (PetscInt f = 0; f < leg->rod->model->fields; f++)
+    if (leg->rod->model->across[f] && size[f] > rod_vanished) *crosses = PETSC_TRUE;
+  leg->crosses = *crosses;
+  if (*crosses) PetscCall(PetscInfo(ts, "crosses modes that grow: index %d\n", (int)index));
+  PetscFunctionReturn(0);
+}
+
 /* The first step has one point to start from: let the rod grow without friction. */
 static PetscErrorCode FirstGuess(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1, void *ctx) {
   Rod rod = (Rod)ctx;
@@ -88,6 +120,45 @@ static PetscErrorCode LookAgain(Leg *leg) {
   if (vbdf || !leg->rod->model->linear) PetscFunctionReturn(0);
   PetscCall(TSGetSNES(leg->ts, &snes));
   PetscCall(SNESSetType(snes, SNESNEWTONLS));
+  PetscFunctionReturn(0);
+}
+
+/* vbdf has a control of its own: what PETSc's controls take besides is refused. */
+static PetscErrorCode RefuseAdapt(TS ts) {
+  static const char *const ignored[] = {"dt_min",
+                                        "safety",
+                                        "reject_safety",
+                                        "clip",
+                                        "scale_solve_failed",
+                                        "always_accept",
+                                        "max_ignore",
+                                        "time_step_increase_delay",
+                                        "glee_use_local",
+                                        "dsp_filter",
+                                        "dsp_pid",
+                                        "monitor"};
+  char name[64], type[32] = "basic";
+  PetscBool vbdf, given, known;
+  MPI_Comm comm = PetscObjectComm((PetscObject)ts);
+
+  PetscFunctionBegin;
+  PetscCall(PetscObjectTypeCompare((PetscObject)ts, TSVBDF, &vbdf));
+  if (!vbdf) PetscFunctionReturn(0);
+  PetscCall(PetscOptionsGetString(NULL, NULL, "-ts_adapt_type", type, sizeof(type), NULL));
+  PetscCall(PetscStrInList(type, "basic,none", ',', &known));
+  UserCheck(
+      known, comm,
+      "-ts_adapt_type %s: vbdf chooses its steps itself (basic) or has them fixed (none); take "
+      "one of them, or -ts_type bdf",
+      type);
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(ignored); k++) {
+    (void)snprintf(name, sizeof(name), "-ts_adapt_%s", ignored[k]);
+    PetscCall(PetscOptionsHasName(NULL, NULL, name, &given));
+    UserCheck(!given, comm,
+              "%s: vbdf chooses its steps without it; take it out (-ts_rtol, -ts_dt and "
+              "-ts_adapt_dt_max act on them), or take -ts_type bdf",
+              name);
+  }
   PetscFunctionReturn(0);
 }
 
@@ -141,6 +212,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   PetscCall(NewtonSetUp(leg->ts, leg->rod, &leg->newton));
   PetscCall(ExtrapolateTheta());
   PetscCall(TakeOptions(leg->ts));
+  PetscCall(RefuseAdapt(leg->ts));
   PetscCall(NewtonSetMatrix(leg->ts, &leg->newton));
   PetscCall(LookAgain(leg));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)leg->ts, &fixed, TSBEULER, TSTHETA, TSCN, ""));
@@ -151,6 +223,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
     PetscCall(TSSetMaxSNESFailures(leg->ts, 10)); /* a fixed step does not help itself */
   PetscCall(VBDFSetFactored(leg->ts, model->fields, model->across));
   PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));
+  PetscCall(VBDFSetCross(leg->ts, CrossesMode));
   if (scene->contact.any) PetscCall(VBDFSetCheck(leg->ts, GuardPasses));
   PetscCall(TSSetSolution(leg->ts, leg->U));
   PetscFunctionReturn(0);

@@ -31,6 +31,7 @@ typedef struct {
   void *guess_ctx;
   VBDFSnap snap;
   VBDFCheck check;
+  VBDFCross cross;
   PetscBool tried, snapped; /* to follow a snap in the present step; it begins behind one */
 } VBDF;
 
@@ -58,6 +59,8 @@ static const PetscReal slip_persists = 0.25, slip_step = 1e-8;
    part of the final time. */
 static const PetscReal smallest = 1e-13, early = 1e-3;
 static const PetscReal shrink_most = 0.2, grow_most = 2;
+/* A step that cannot be, or that crosses a mode that grows, is cut to this. */
+static const PetscReal cut = 0.3;
 /* The factor is taken or left when that gives so much of the error. */
 static const PetscReal better = 0.5;
 /* It may change by so many e-folds in a step: the tolerance is relative to what the fields are at
@@ -224,15 +227,14 @@ static PetscErrorCode Extrapolate(VBDF *self, PetscInt m, Vec X) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode Predict(TS ts, VBDF *self) {
+static PetscErrorCode Predict(TS ts, VBDF *self, Vec X) {
   PetscFunctionBegin;
   if (self->n > 1)
-    PetscCall(Extrapolate(self, PetscMin(self->order + 1, self->n), self->point[0]));
+    PetscCall(Extrapolate(self, PetscMin(self->order + 1, self->n), X));
   else if (self->guess)
-    PetscCall(self->guess(ts, self->time[1], self->time[0], self->point[1], self->point[0],
-                          self->guess_ctx));
+    PetscCall(self->guess(ts, self->time[1], self->time[0], self->point[1], X, self->guess_ctx));
   else
-    PetscCall(VecCopy(self->point[1], self->point[0]));
+    PetscCall(VecCopy(self->point[1], X));
   PetscFunctionReturn(0);
 }
 
@@ -438,6 +440,50 @@ static PetscErrorCode Check(TS ts, VBDF *self, SNESConvergedReason *solved) {
   PetscFunctionReturn(0);
 }
 
+/* Does a step like the one solved, if it went to X, cross a mode that grows? */
+static PetscErrorCode CrossesAt(TS ts, VBDF *self, Vec X, PetscBool *crosses) {
+  Mat J, P;
+
+  PetscFunctionBegin;
+  PetscCall(TSPreStage(ts, self->time[0]));
+  PetscCall(ComputeRate(self, X));
+  PetscCall(TSGetIJacobian(ts, &J, &P, NULL, NULL));
+  PetscCall(TSComputeIJacobian(ts, self->time[0], X, self->rate, self->shift, J, P, PETSC_FALSE));
+  PetscCall(self->cross(ts, X, PETSC_TRUE, crosses));
+  PetscFunctionReturn(0);
+}
+
+/*
+  Crosses - does a step of this order, which would be accepted, cross a mode that grows? A mode of
+  the rate r is multiplied by about 1/(1 - h r): beyond h r = 1 its sign turns, and it falls instead
+  of growing. No error sees that, for it does not depend on h any more. A step of which no error is
+  known may have gone far: it must not cross one where it begins, as predicted, nor half-way. If it
+  does, the order and the memory of rejected errors are as if it had not been tried.
+*/
+static PetscErrorCode Crosses(TS ts, VBDF *self, PetscInt order, PetscBool *crosses) {
+  PetscBool blind = (PetscBool)(self->n <= order || self->jumped);
+  PetscInt best = self->order;
+
+  PetscFunctionBegin;
+  *crosses = PETSC_FALSE;
+  if (!self->cross) PetscFunctionReturn(0);
+  PetscCall(self->cross(ts, self->point[0], blind, crosses));
+  if (blind && !*crosses) {
+    self->order = order;
+    PetscCall(Predict(ts, self, self->work));
+    PetscCall(CrossesAt(ts, self, self->work, crosses));
+    PetscCall(VecAXPBY(self->work, 0.5, 0.5, self->point[0]));
+    if (!*crosses) PetscCall(CrossesAt(ts, self, self->work, crosses));
+    if (!*crosses) PetscCall(CrossesAt(ts, self, self->point[0], crosses)); /* for the next step */
+    self->order = best;
+  }
+  if (!*crosses) PetscFunctionReturn(0);
+  self->order = order;
+  self->jumped = PETSC_FALSE;
+  self->rejected = PETSC_MAX_REAL;
+  PetscFunctionReturn(0);
+}
+
 /* A jump shows: follows it from the last point on, and begins the step again behind it. */
 static PetscErrorCode Snap(TS ts, VBDF *self, PetscBool *accept) {
   PetscBool done;
@@ -467,7 +513,8 @@ static PetscBool Shrinks(const TS ts, VBDF *self) {
 static PetscErrorCode TSStep_VBDF(TS ts) {
   VBDF *self = (VBDF *)ts->data;
   PetscReal factor = 1, size;
-  PetscBool accept;
+  PetscBool accept, crosses;
+  PetscInt order;
 
   PetscFunctionBegin;
   PetscCall(PetscObjectTypeCompare((PetscObject)ts->adapt, TSADAPTNONE, &self->fixed));
@@ -484,7 +531,7 @@ static PetscErrorCode TSStep_VBDF(TS ts) {
     self->order = PetscMax(1, PetscMin(self->order, self->n));
     PetscCall(LimitStep(ts, self));
     BeginTry(ts, self);
-    PetscCall(Predict(ts, self));
+    PetscCall(Predict(ts, self, self->point[0]));
     PetscCall(SolveStage(ts, self));
     PetscCall(SNESGetConvergedReason(ts->snes, &solved));
     PetscCall(VecNorm(self->point[0], NORM_INFINITY, &size));
@@ -498,11 +545,22 @@ static PetscErrorCode TSStep_VBDF(TS ts) {
       else if (attempt > failures_of_snap && self->snap && !self->tried)
         PetscCall(Snap(ts, self, &accept));
       else
-        PetscCall(Retry(ts, self, attempt, 0.3));
+        PetscCall(Retry(ts, self, attempt, cut));
       continue;
     }
     accept = PETSC_TRUE;
+    order = self->order;
     if (!self->fixed) PetscCall(Choose(ts, self, &accept, &factor));
+    if (accept) PetscCall(Crosses(ts, self, order, &crosses));
+    if (accept && crosses) {
+      if (self->fixed)
+        ts->reason = TS_DIVERGED_STEP_REJECTED;
+      else if (attempt > failures_of_snap && self->snap && !self->tried)
+        PetscCall(Snap(ts, self, &accept));
+      else
+        PetscCall(Retry(ts, self, attempt, cut));
+      continue;
+    }
     if (self->jumped && self->snap && !self->tried && ts->time_step >= self->layer) {
       PetscCall(Snap(ts, self, &accept));
       if (!accept) continue;
@@ -706,6 +764,17 @@ PetscErrorCode VBDFSetCheck(TS ts, VBDFCheck check) {
   PetscFunctionBegin;
   PetscCall(Self(ts, &self));
   if (self) self->check = check;
+  PetscFunctionReturn(0);
+}
+
+/* VBDFSetCross - sets how to see that a step crosses a mode that grows: it is cut until it does
+   not. No effect on other types. */
+PetscErrorCode VBDFSetCross(TS ts, VBDFCross cross) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  if (self) self->cross = cross;
   PetscFunctionReturn(0);
 }
 

@@ -422,6 +422,12 @@ static PetscErrorCode Verdict(const Grow *self, TSConvergedReason reason) {
             "gave up at t = %s with a step of %s: the rod would pass through itself or a wall; the "
             "results up to there are stored; give more -rod_cells or a higher -contact_stiffness",
             text[0], text[1]);
+  UserCheck(
+      reason == TS_CONVERGED_TIME || !self->now->crosses, comm,
+      "gave up at t = %s: the rod gives way faster than a step of %s can follow, to which side "
+      "that step does not tell; the results up to there are stored; take a shorter -ts_dt "
+      "(without -ts_adapt_type none), or a -friction_mu below 0.9999",
+      text[0], text[1]);
   UserCheck(reason == TS_CONVERGED_TIME, comm,
             "gave up at t = %s with a step of %s (%s): the results up to there are stored; try a "
             "lower -ts_rtol, more -rod_cells or a larger -friction_beta",

@@ -109,6 +109,11 @@ CASES = [
     ("-ts_type rosw", "-ts_type"),
     ("-ts_type arkimex", "-ts_type"),
     ("-ts_adapt_type nonsense", "-ts_adapt_type"),
+    ("-ts_adapt_type dsp", "-ts_adapt_type"),  # which vbdf would ignore
+    ("-ts_adapt_type glee", "-ts_adapt_type"),
+    ("-ts_adapt_dt_min 1e-3", "-ts_adapt_dt_min"),
+    ("-ts_adapt_safety 0.5", "-ts_adapt_safety"),
+    ("-ts_adapt_clip 0.5,2", "-ts_adapt_clip"),
     ("-snes_type nonsense", "-snes_type"),
     ("-ksp_type nonsense", "-ksp_type"),
     ("-pc_type nonsense", "-pc_type"),

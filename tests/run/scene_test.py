@@ -469,6 +469,37 @@ def snap():
 
 
 @check
+def sides():
+    """Rods beyond critical at the start give way to the side they are bent to, one half-way by the path
+    of a vanishing viscous share: a first step longer than the time in which they grow would mirror them.
+    The reference shares no snap and no such step: mu = 0.999 where friction is dry, and first steps of
+    1e-12."""
+    starts = [(length, load, amplitude, mu) for length, load, amplitude, mu in (
+        (.05, 8, 1, 0), (.05, 8, 1, 1), (.05, 15, .1, 1), (.05, 15, 1, 1), (.1, 8, 1, 0), (.1, 15, 1, 1),
+        (.2, 15, .1, 0), (.35, 15, 1, 0), (.5, 60, .1, 1), (.5, 60, 1, 0))]
+    for length, load, amplitude, mu in starts:
+        rod = (f"-growth_initial_length {length} -tip_force {load / length ** 2:.6g} "
+               f"-shape_amplitude {amplitude} -ts_max_time {.2 * length:.3g} ")
+        right = Run(rod + f"-friction_mu {min(mu, .999)} -ts_dt 1e-12").tip
+        for more in ("", "-ts_rtol 1e-4", "-ts_rtol 1e-8"):
+            tip = Run(rod + f"-friction_mu {mu} {more}").tip
+            expect(distance(tip, right) < 0.01, f"{rod} mu {mu} {more}: tip {tip}, not {right}")
+        print(f"L {length}, P L^2 {load}, amplitude {amplitude}, mu {mu}: tip {tip / length}")
+    two = Run(rod + f"-friction_mu {mu}", ranks=2).tip
+    expect(distance(two, right) < 0.01, f"{rod} on two ranks: tip {two}, not {right}")
+
+
+@check
+def tiny():
+    """|x2| below 1e-154, whose square is no number, and its e-folds in the estimate."""
+    r = {a: Run(f"-ts_max_time 3 -shape_amplitude {a}") for a in ("1e-130", "1e-160")}
+    a, b = r.values()
+    expect(abs(b.norm_x2[-1] * 1e30 / a.norm_x2[-1] - 1) < 1e-6, f"{a.norm_x2[-1]}, {b.norm_x2[-1]}")
+    expect(abs(b.estimate / a.estimate - 1) < 0.01, f"estimates {a.estimate}, {b.estimate}")
+    print(f"|x2| {b.norm_x2[-1]:.2e}, estimate {b.estimate:.1e}")
+
+
+@check
 def options_files():
     """Each scene in options/ runs for a few steps as it stands, or as a small problem of its task."""
     small = {"stability": "-stability_points 3 -stability_vertices 60", "critical": "-rod_cells 60"}
