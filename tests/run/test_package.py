@@ -288,7 +288,8 @@ class Package(unittest.TestCase):
                             "--build-lib", site], cwd=self.place / "scripts", check=True, capture_output=True)
         else:
             shutil.copytree(self.place / "scripts/tendril", site / "tendril")
-        self.assertTrue((site / "tendril/web/uplot/uPlot.iife.min.js").is_file())
+        for part in ("web/uplot/uPlot.iife.min.js", "py.typed", "options/feed.opts", "options/data/stones.txt"):
+            self.assertTrue((site / "tendril" / part).is_file(), part)
         readme = (ROOT / "README.md").read_text()
         code = re.search(r"(?m)^    import tendril\n(    .*\n)+", readme)[0]
         lines = [line[4:] for line in code.splitlines()]
@@ -303,6 +304,8 @@ class Package(unittest.TestCase):
 
     def test_version(self):
         text = (ROOT / "scripts/pyproject.toml").read_text()
+        program = re.search(r"project\(tendril VERSION ([0-9.]+)", (ROOT / "CMakeLists.txt").read_text())[1]
+        self.assertEqual(program, tendril.__version__)
         version = re.search(r'(?m)^version = "(.*?)"', text)[1]
         self.assertEqual({self.tube.attributes["version"], tendril.__version__}, {version})
 
