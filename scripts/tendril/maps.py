@@ -23,7 +23,7 @@ import numpy as np
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from .collection import Sweep, load_sweep
-from .errors import ResultsError, RunError, TendrilError
+from .errors import RunError, TendrilError
 from .style import STYLE, InStyle, save
 from .units import DIMENSIONS, KINDS, in_laboratory, suited_to
 from .units import quantity as number_with_unit

@@ -210,6 +210,18 @@ def execute(command, output=None, progress=False) -> str:
     raise RunError(plain_line(complaint, code), command, stored)
 
 
+def task_of(words) -> str:
+    """What a command line does."""
+    task = "grow"
+    for word, value in zip(words, words[1:]):
+        if word == "-options_file":
+            lines = [shlex.split(line, comments=True) for line in Path(value).read_text().splitlines()]
+            task = next((line[1] for line in lines[::-1] if line[:1] == ["-task"]), task)
+        elif word == "-task":
+            task = value
+    return task
+
+
 def says_when(words) -> bool:
     """Whether a command line, or an options file that it names, says when shapes are stored."""
     wanted = ("-output_interval", "-output_shapes")
@@ -241,7 +253,7 @@ def run(scene=None, *, output=None, progress: bool | None = None, ranks: int = 1
         name = Path(scene).stem if isinstance(scene, (str, Path)) else "run"
         output = Path(output or Path(directory) / f"{name}.h5")
         words = [*scene_words(scene, directory), *words_of(options, directory)]
-        if options.get("task", "grow") == "grow" and not options.get("restart") and not says_when(words):
+        if task_of(words) == "grow" and not options.get("restart") and not says_when(words):
             words += ["-output_shapes", str(SHAPES)]
         execute([*launched(ranks), *words, "-output", str(output)], output, progress)
         return load(output)

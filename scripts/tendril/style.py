@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from pathlib import Path
 
 from matplotlib import rc_context
@@ -11,7 +10,6 @@ from matplotlib.figure import Figure
 # Okabe and Ito's colours, told apart by colour-blind readers; times run along a sequential map.
 BLUE, ORANGE, GREEN, RED, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#777777"
 COLOURS = (BLUE, RED, GREEN, ORANGE, "#CC79A7", "#56B4E9", "#000000")  # of runs drawn together
-DASHES = ("-", (0, (6, 1.5)), (0, (2, 1)), (0, (6, 1.5, 1.5, 1.5)))  # of those beyond the last colour
 STYLE = {
     "font.size": 8, "font.family": ["STIXGeneral"], "font.serif": ["STIXGeneral"],
     "mathtext.fontset": "stix", "axes.linewidth": 0.6, "axes.labelsize": 9, "axes.titlesize": 9,
@@ -23,13 +21,6 @@ STYLE = {
     "pdf.fonttype": 42, "ps.fonttype": 42,  # journals refuse Type 3
 }
 ENDINGS = (".png", ".pdf", ".svg", ".eps", ".jpg", ".tif", ".tiff")
-
-
-def told_apart(number) -> tuple:
-    """(colour, line style) of run number of several: no two of 28 are the same."""
-    looks = list(itertools.product(DASHES, COLOURS))
-    dash, colour = looks[number % len(looks)]
-    return colour, dash
 
 
 class InStyle(Figure):

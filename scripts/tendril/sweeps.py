@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import itertools
 import os
-import shlex
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -17,7 +16,7 @@ from .collection import Sweep, load_sweep
 from .errors import RunError, TendrilError
 from .progress import bar
 from .results import Results
-from .runs import execute, launched, run, scene_words, words_of
+from .runs import execute, launched, run, scene_words, task_of, words_of
 
 ALONE = {"task", "restart", "output", "quiet", "options_file"}  # a member with these runs by itself
 
@@ -72,18 +71,6 @@ def whole(sweep: Sweep) -> Sweep:
     for table in (sweep.columns, sweep.final, sweep.critical, sweep.series, sweep.shapes):
         table.values()
     return sweep
-
-
-def task_of(words) -> str:
-    """What a command line does."""
-    task = "grow"
-    for word, value in zip(words, words[1:]):
-        if word == "-options_file":
-            lines = [shlex.split(line, comments=True) for line in Path(value).read_text().splitlines()]
-            task = next((line[1] for line in lines[::-1] if line[:1] == ["-task"]), task)
-        elif word == "-task":
-            task = value
-    return task
 
 
 def grid(over) -> dict[str, list]:

@@ -19,7 +19,7 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from matplotlib.transforms import Affine2D
 
-from .surroundings import contact_force, pressed
+from .surroundings import pressed
 
 ARROWS = 40  # of contact along the rod, at most
 SOLID, EDGE = "#d9d4c7", "#8a8371"

@@ -15,7 +15,7 @@ static const OptionRow rows[] = {
              "tolerance of a step, per field, against the field's present size"),
     ROW_REAL("-output_interval", "", 1e-9, 1e9, UNIT_TIME, 0,
              "time between stored shapes; if not given, -output_shapes decides"),
-    ROW_INT("-output_shapes", "40", 1, 1e6, 0,
+    ROW_INT("-output_shapes", "40", 1, 1e6, PASSING,
             "stored shapes after the first, evenly over the run; members of a sweep: 1, the last"),
     ROW_BOOL("-quiet", "false", PASSING | PROGRAM, "print nothing but errors")};
 const OptionGroup grow_options = OPTION_GROUP("Run", rows);
@@ -297,17 +297,20 @@ static PetscErrorCode CheckStart(Grow *self) {
 
 /* When shapes are stored: by a time between them, or by their number; of a run that keeps no file,
    and of a member of a sweep that asks for none, the last alone. Collective. */
-static PetscErrorCode SetInterval(Grow *self, PetscBool output) {
+static PetscErrorCode SetInterval(Grow *self, const char *output, const char *restart) {
   PetscBool interval, number;
+  PetscReal every;
   PetscInt shapes;
 
   PetscFunctionBegin;
   PetscCall(GrowFindEnd(self));
   PetscCall(OptionInt("-output_shapes", &shapes, &number));
-  if (!number && (self->member || !output)) shapes = 1;
+  if (!number && (self->member || !(output[0] || restart[0]))) shapes = 1;
   self->output_interval = self->end / (PetscReal)shapes;
-  PetscCall(OptionReal("-output_interval", &self->output_interval, &interval));
-  UserCheck(!(interval && number), self->scene->comm,
+  PetscCall(OptionReal("-output_interval", &every, &interval));
+  if (interval && !number) self->output_interval = every;
+  /* after a restart the interval may be that of the run before, the number is this one's */
+  UserCheck(!(interval && number) || restart[0], self->scene->comm,
             "-output_shapes: -output_interval says already when shapes are stored; leave one out");
   PetscFunctionReturn(0);
 }
@@ -415,7 +418,7 @@ static PetscErrorCode Create(Grow *self, const char *output, const char *restart
       output[0] || restart[0] || self->member || !OptionOnCommandLine("-output_interval"),
       self->scene->comm,
       "-output_interval: no shapes are stored without -output FILE; give it, or take this out");
-  PetscCall(SetInterval(self, (PetscBool)(output[0] || restart[0])));
+  PetscCall(SetInterval(self, output, restart));
   if (restart[0]) PetscCall(RestartRead(restart, self->scene, &state, &begun));
   for (PetscInt m = 0; m < MODELS; m++)
     if (m == self->model || (self->model == AUTO && m != MIXED && self->can[m]))

@@ -154,8 +154,17 @@ class Package(unittest.TestCase):
         for words, end in ((("-ts_max_time", "2"), 2.0), (("-stop_length", "1.3"), 0.8)):
             subprocess.run([runs.executable(), "-rod_cells", "30", "-quiet", "-output", file, *words], check=True)
             np.testing.assert_allclose(tendril.load(file).shapes.t, np.linspace(0, end, 41), atol=1e-9)
+        rod = dict(growth_type="feed", rod_cells=30)
+        tendril.run(rod, ts_max_time=1, output=file)  # 80 shapes, which a restart is not held to
+        for more in (dict(output_interval=0.5), dict(output_shapes=4)):
+            on = tendril.run(rod, ts_max_time=2, restart=file, output=self.place / "on.h5", **more)
+            np.testing.assert_allclose(on.shapes.t[-3:], [1, 1.5, 2])
         s = tendril.sweep({}, {"ts_max_time": [0.5]}, rod_cells=30)
         self.assertEqual(list(s.members[0].shapes.t), [0, 0.5])
+
+    def test_tasks_in_files(self):
+        """A scene whose file says another task than to grow is run as it is."""
+        self.assertAlmostEqual(float(tendril.run("critical").critical["length"]), 1.987133724512, delta=1e-9)
 
     def test_walls(self):
         """Walls as values are those of a file."""
@@ -288,7 +297,8 @@ class Package(unittest.TestCase):
                             "--build-lib", site], cwd=self.place / "scripts", check=True, capture_output=True)
         else:
             shutil.copytree(self.place / "scripts/tendril", site / "tendril")
-        self.assertTrue((site / "tendril/web/uplot/uPlot.iife.min.js").is_file())
+        for part in ("web/uplot/uPlot.iife.min.js", "py.typed", "options/feed.opts", "options/data/stones.txt"):
+            self.assertTrue((site / "tendril" / part).is_file(), part)
         readme = (ROOT / "README.md").read_text()
         code = re.search(r"(?m)^    import tendril\n(    .*\n)+", readme)[0]
         lines = [line[4:] for line in code.splitlines()]
@@ -303,6 +313,8 @@ class Package(unittest.TestCase):
 
     def test_version(self):
         text = (ROOT / "scripts/pyproject.toml").read_text()
+        program = re.search(r"project\(tendril VERSION ([0-9.]+)", (ROOT / "CMakeLists.txt").read_text())[1]
+        self.assertEqual(program, tendril.__version__)
         version = re.search(r'(?m)^version = "(.*?)"', text)[1]
         self.assertEqual({self.tube.attributes["version"], tendril.__version__}, {version})
 
