@@ -32,6 +32,7 @@ PetscErrorCode TouchingDestroy(Touching *touching) {
 /* A collocation point: what walls need to know of it. */
 typedef struct {
   PetscReal s, g, weight, strain, x[2], v[2];
+  PetscReal enters; /* at the clamp: the length that comes in there in a unit of time; else 0 */
 } Spot;
 
 /* The laws at a point, and its velocity from the rate of x. */
@@ -41,6 +42,7 @@ static PetscErrorCode SpotLaws(Scene scene, PetscReal t, const PetscReal x_t[2],
 
   PetscFunctionBegin;
   spot->strain = GrowthStrain(scene->growth, spot->s, t, g_t);
+  spot->enters = spot->s > 0 ? 0 : c;
   spot->v[0] = x_t[0] + c * PetscCosReal(theta);
   spot->v[1] = x_t[1] + c * PetscSinReal(theta);
   PetscFunctionReturn(0);
@@ -115,8 +117,8 @@ static PetscBool Walls1(Touching self, const Spot *spot, PetscBool tip, PetscRea
   PetscInt n = gap < contact->smooth ? ContactTouches(contact, spot->x, touch) : 0;
 
   for (PetscInt k = 0; k < n; k++) {
-    AddWall(contact, &touch[k], spot, spot->g * spot->weight, spot->strain * spot->weight, force,
-            sum);
+    AddWall(contact, &touch[k], spot, spot->g * spot->weight,
+            spot->strain * spot->weight + spot->enters, force, sum);
     if (tip) AddWall(contact, &touch[k], spot, contact->tip, contact->tip_t, on_tip, sum);
   }
   for (int d = 0; d < 2 && tip; d++) sum->tip[d] += contact->tip * on_tip[d];
