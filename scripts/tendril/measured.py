@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import csv
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Mapping, Sequence
 
@@ -87,6 +87,22 @@ class Measured:
         """All times, or lengths, at which something was measured."""
         return [m.at for m in (*self.photographs, *self.curves) if m.abscissa == name]
 
+    def told(self, noise) -> dict[str, float]:
+        """{group: number} of the noise that a user tells, {"lines": "0.5mm"}, in the units of what was
+        measured."""
+        units = {c.name: c.values.unit for c in self.curves}
+        units |= {"lines": p.points.unit for p in self.photographs}
+        found = {}
+        for name, text in (noise or {}).items():
+            if name not in units:
+                raise DataError(f"noise of {name}: was not measured; there are {', '.join(units)}")
+            _, value = moment_of_number(text, f"noise of {name}")
+            if value.unit != units[name] or not float(value.numbers) > 0:
+                raise DataError(f"noise of {name}: {text}: give a positive number in the unit of what was "
+                                "measured")
+            found[name] = float(value.numbers)
+        return found
+
     def count(self) -> int:
         return sum(len(p.points.numbers) for p in self.photographs) \
             + sum(len(c.values.numbers) for c in self.curves)
@@ -118,6 +134,15 @@ def moment(text, what):
     except (TypeError, ValueError):
         raise DataError(f'{what}: "{text}" is no time and no length; give 20s, 12cm, or t=2.5') from None
     return found[1] or ("length" if at.unit == "l" else "t"), at
+
+
+def moment_of_number(text, what):
+    """(number, Values) of "0.5mm" or 0.5."""
+    found = re.fullmatch(r"\s*([-+0-9.eE]+?)\s*([a-zA-Zµ]*)\s*", str(text))
+    try:
+        return float(found[1]), values_of(float(found[1]), found[2], what)
+    except (TypeError, ValueError):
+        raise DataError(f'{what}: "{text}" is no number with a unit') from None
 
 
 def number(cell, what):
@@ -231,11 +256,20 @@ def read(path, unit="", at="") -> Measured:
     return Measured([], curves_of(table, names, units, abscissa, path))
 
 
-def gather(data, unit="") -> Measured:
+def gather(data, unit="", y_down=None) -> Measured:
     """All that was measured as one.
 
     data  a file, a list of files, Measured, or a dict of photographs by their time or length:
-          {"20s": "photo.csv", "30s": points [m, 2]}"""
+          {"20s": "photo.csv", "30s": points [m, 2]}
+    y_down  whether x2 is counted downwards; None: of px it is"""
+    whole = gathered(data, unit)
+    for p in whole.photographs:
+        if y_down is not None and y_down != (p.points.unit == PIXEL):
+            p.points = replace(p.points, numbers=p.points.numbers * [1, -1])
+    return whole
+
+
+def gathered(data, unit) -> Measured:
     if isinstance(data, Measured):
         return checked(data)
     if isinstance(data, Mapping):
@@ -250,7 +284,7 @@ def gather(data, unit="") -> Measured:
     elif isinstance(data, (str, Path)):
         found = [read(data, unit)]
     elif isinstance(data, Sequence):
-        found = [gather(one, unit) for one in data]
+        found = [gathered(one, unit) for one in data]
     else:
         raise DataError("data: give a CSV file, several in a list, or {'20s': 'photo.csv', ...}")
     return checked(Measured([p for m in found for p in m.photographs],

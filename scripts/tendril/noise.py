@@ -1,0 +1,295 @@
+"""The errors of what was measured, and what they leave unknown.
+
+Points of a photograph do not err each by itself. The error of one goes over into its neighbours, for a
+tracker follows an edge or a shadow, and the whole photograph lies beside its place, for the camera was
+touched. With r the residuals of a photograph, p the arc length of each, n its normal,
+
+    cov(r_i, r_j) = sigma^2 delta_ij / w_i  +  (smooth^2 K(|p_i - p_j| / reach) + shift^2) n_i.n_j
+
+K is Matern's kernel 3/2; w < 1 takes the weight off a stray point. Of a series place is time, n = 1, and
+there is no shift. The four numbers are estimated from the residuals by restricted maximum likelihood (REML),
+which knows that the parameters have taken up a part of them; the parameters then by generalised least
+squares. What the residuals do not tell of the four numbers makes intervals wider: all of their values
+count, each by its likelihood times a flat prior of the standard deviations (importance sampling), and
+an interval is one of that mixture of normal distributions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy import linalg, optimize, stats
+
+STRAY = 2.5  # a point this many standard deviations off, given its neighbours, counts less
+FAR = 4.0  # the same, before correlation is known
+DRAWS = 128  # of the errors' numbers
+
+
+@dataclass
+class Block:
+    """Residuals whose errors belong together: a photograph, a series."""
+
+    group: str
+    rows: np.ndarray  # [m], among all residuals
+    place: np.ndarray  # [m], arc length or time
+    normal: np.ndarray | None  # [m, 2]; None: of a series
+
+
+@dataclass
+class Group:
+    """The errors of all blocks of one kind. Standard deviations are in the unit of the residuals."""
+
+    sigma: float
+    smooth: float = 0.0
+    reach: float = 1.0
+    shift: float = 0.0
+
+    @property
+    def total(self) -> float:
+        return float(np.sqrt(self.sigma**2 + self.smooth**2 + self.shift**2))
+
+
+def matern(distance):
+    z = np.sqrt(3) * distance
+    return (1 + z) * np.exp(-z)
+
+
+@dataclass
+class Errors:
+    """The error model of all residuals, with the weights of single ones."""
+
+    blocks: list[Block]
+    groups: dict[str, Group]
+    weights: np.ndarray  # [n]
+    alone: np.ndarray  # [n], the standard deviation of residuals that are in no block
+    jacobian: np.ndarray | None = None  # [n, p], with which they were estimated
+
+    def covariance(self, block: Block, group: Group | None = None):
+        """[m, m], of the residuals of a block."""
+        g = group or self.groups[block.group]
+        v = np.diag(g.sigma**2 / self.weights[block.rows])
+        alike = 1.0 if block.normal is None else block.normal @ block.normal.T
+        if g.smooth:
+            v += g.smooth**2 * matern(np.abs(block.place[:, None] - block.place) / g.reach) * alike
+        if g.shift and block.normal is not None:
+            v += g.shift**2 * alike
+        return v
+
+    def whitened(self, values):
+        """Residuals, or a Jacobian [n, p], so that their errors are independent and of size 1; the sum
+        of their squares is r.V^-1.r."""
+        out = (values.T / self.alone).T
+        for block in self.blocks:
+            factor = linalg.cholesky(self.covariance(block), lower=True, check_finite=False)
+            out[block.rows] = linalg.solve_triangular(factor, values[block.rows], lower=True,
+                                                      check_finite=False)
+        return out
+
+
+    def mine(self):
+        """The rows that are in a block, all together."""
+        return np.concatenate([b.rows for b in self.blocks])
+
+    def numbers(self) -> int:
+        """How many numbers the model has that are not nought."""
+        return sum(1 + 2 * (g.smooth > 1e-3 * g.total) + (g.shift > 1e-3 * g.total) for g in self.groups.values())
+
+    def log_likelihood(self, residuals) -> float:
+        total = 0.0
+        for block in self.blocks:
+            factor = linalg.cholesky(self.covariance(block), lower=True, check_finite=False)
+            white = linalg.solve_triangular(factor, residuals[block.rows], lower=True, check_finite=False)
+            total -= 0.5 * (white @ white) + np.sum(np.log(np.diag(factor))) + 0.5 * len(white) * np.log(2 * np.pi)
+        return float(total)
+
+
+class Estimate:
+    """REML of one group's errors, all others as they are."""
+
+    def __init__(self, errors: Errors, name, residuals, jacobian, prior):
+        self.errors, self.name = errors, name
+        self.blocks = [b for b in errors.blocks if b.group == name and len(b.rows)]
+        self.r = [residuals[b.rows] for b in self.blocks]
+        self.j = [jacobian[b.rows] for b in self.blocks]
+        self.gaps = [np.abs(b.place[:, None] - b.place) for b in self.blocks]
+        self.alike = [1.0 if b.normal is None else b.normal @ b.normal.T for b in self.blocks]
+        self.extra = [1 / errors.weights[b.rows] for b in self.blocks]
+        self.lines = any(b.normal is not None for b in self.blocks)
+        mine = np.zeros(len(residuals), bool)
+        mine[np.concatenate([b.rows for b in self.blocks])] = True
+        white = errors.whitened(np.column_stack([residuals, jacobian]))[~mine]
+        self.others, self.rest = prior + white[:, 1:].T @ white[:, 1:], white[:, 1:].T @ white[:, 0]
+        spans = [np.ptp(b.place) for b in self.blocks]
+        steps = [np.median(np.diff(np.sort(b.place))) for b in self.blocks if len(b.rows) > 2]
+        self.longest = max(0.5 * max(spans), 1e-12)
+        self.shortest = min(max(np.median(steps) if steps else 0, 1e-3 * self.longest), 0.5 * self.longest)
+
+    def group(self, theta) -> Group:
+        """theta: log sigma, smooth/sigma0, log reach, shift/sigma0."""
+        return Group(float(np.exp(theta[0])), abs(theta[1]) * self.unit, np.exp(theta[2]), abs(theta[3]) * self.unit * self.lines)
+
+    def terms(self, theta):
+        """(log of the restricted likelihood, information of the numbers, their gradient)"""
+        g = self.group(theta)
+        logs, information, gradient, squares = 0.0, self.others.copy(), self.rest.copy(), 0.0
+        for r, j, gap, alike, extra in zip(self.r, self.j, self.gaps, self.alike, self.extra):
+            v = (g.smooth**2 * matern(gap / g.reach) + g.shift**2) * alike
+            v[np.diag_indices(len(r))] += g.sigma**2 * extra
+            factor = linalg.cholesky(v, lower=True, check_finite=False)
+            white = linalg.solve_triangular(factor, np.column_stack([r, j]), lower=True, check_finite=False)
+            logs += 2 * np.sum(np.log(np.diag(factor)))
+            squares += white[:, 0] @ white[:, 0]
+            information += white[:, 1:].T @ white[:, 1:]
+            gradient += white[:, 1:].T @ white[:, 0]
+        sign, determinant = np.linalg.slogdet(information)
+        fitted = gradient @ np.linalg.solve(information, gradient)
+        return -0.5 * (logs + determinant + squares - fitted), information, gradient
+
+    def cost(self, theta):
+        if abs(theta[0] - self.middle) > 12 or not np.log(self.shortest) <= theta[2] <= np.log(self.longest):
+            return 1e10
+        try:
+            value = self.terms(theta)[0]
+        except np.linalg.LinAlgError:
+            return 1e10
+        return -value if np.isfinite(value) else 1e10
+
+    def find(self):
+        """theta where the likelihood is largest: from errors that are all independent, and from some
+        that are all correlated."""
+        r = np.concatenate(self.r)
+        self.unit = max(float(np.sqrt(np.mean(r**2 / np.concatenate(self.extra)))), 1e-300)
+        self.middle = np.log(self.unit)
+        reach = 0.5 * (np.log(self.shortest) + np.log(self.longest))
+        low = [self.middle - 10, 0, np.log(self.shortest), 0]
+        high = [self.middle + 2, 10, np.log(self.longest), 10]
+        best = None
+        for start in ([self.middle, 0.05, reach, 0.05], [self.middle - 1, 0.7, reach, 0.5 * self.lines]):
+            found = optimize.minimize(self.cost, start, method="L-BFGS-B", bounds=list(zip(low, high)),
+                                      options={"maxiter": 40})
+            best = found if best is None or found.fun < best.fun else best
+        return best.x
+
+    def spread(self, theta, draws, seed=0):
+        """(thetas [k, 4], their shares of the posterior): importance sampling around the best, with
+        Student's t of 5 degrees, the width that of the likelihood."""
+        size = np.array([0.1, 0.1, 0.3, 0.1])
+        here, curved = self.cost(theta), np.empty(4)
+        for k in range(4):  # the width of each, where the likelihood has fallen by 1/2, on its wider side
+            widths = []
+            for sign in (-1, 1):
+                step = np.zeros(4)
+                step[k] = sign * size[k]
+                rise = self.cost(theta + step) - here
+                widths.append(size[k] * np.sqrt(0.5 / max(rise, 1e-2)) if rise < 1e9 else 0)
+            curved[k] = max(widths) or size[k]
+        limit = np.array([1, 2, np.log(self.longest / self.shortest) / 2, 2])
+        scale = np.clip(curved, 0.02, limit) * 1.2
+        random = np.random.default_rng(seed)
+        normal = stats.norm.ppf(stats.qmc.Sobol(4, seed=random).random(draws))
+        chi = np.sqrt(random.chisquare(5, draws) / 5)
+        z = normal / chi[:, None]
+        thetas = theta + z * scale
+        # what falls below 0 of the two standard deviations is folded back by abs() in group()
+        costs = np.array([self.cost(t) for t in thetas])
+        proposal = -0.5 * 9 * np.log1p((z**2).sum(axis=1) / 5)
+        logs = -costs - proposal
+        share = np.exp(logs - logs.max())
+        return thetas, share / share.sum()
+
+
+def screened(residuals, sigma, blocks):
+    """[n], weights by which strays count less, before anything is known of correlation."""
+    weights = np.ones(len(residuals))
+    for block in blocks:
+        z = np.abs(residuals[block.rows]) / sigma[block.rows]
+        weights[block.rows] = np.minimum(1, (FAR / np.maximum(z, 1e-300)) ** 2)
+    return weights
+
+
+def judged(errors: Errors, residuals):
+    """The same, each residual judged by what the others of its block say of it."""
+    weights = np.ones(len(residuals))
+    for block in errors.blocks:
+        inverse = np.linalg.inv(errors.covariance(block))
+        gap = np.abs(inverse @ residuals[block.rows]) / np.diag(inverse)  # from what the others let expect
+        usual = 1 / np.diag(inverse) - errors.groups[block.group].sigma ** 2 * (1 / errors.weights[block.rows] - 1)
+        z = gap / np.sqrt(np.maximum(usual, errors.groups[block.group].sigma ** 2))
+        weights[block.rows] = np.minimum(1, (STRAY / np.maximum(z, 1e-300)) ** 2)
+    return weights
+
+
+def estimate(blocks, residuals, jacobian, sigma, prior, known=None) -> Errors:
+    """The model of the errors by REML, group by group, with the strays found in between.
+
+    residuals  [n], in their units, at the estimate of the parameters
+    jacobian   [n, p], of them
+    sigma      [n], what they would be if all erred by themselves; stays so for those in no block
+    prior      [p, p], information on the parameters from elsewhere
+    known      {group: standard deviation} of groups whose errors are told, and independent"""
+    groups = {b.group: Group(float(sigma[b.rows][0])) for b in blocks if len(b.rows)}
+    errors = Errors([b for b in blocks if len(b.rows)], groups, screened(residuals, sigma, blocks), sigma, jacobian)
+    for last in (False, True):
+        r = residuals
+        for name in groups:
+            if name in (known or {}):
+                errors.groups[name] = Group(known[name])
+                continue
+            one = Estimate(errors, name, r, jacobian, prior)
+            errors.groups[name] = one.group(one.find())
+        white = errors.whitened(np.column_stack([residuals, jacobian]))
+        step = np.linalg.lstsq(white[:, 1:], white[:, 0], rcond=None)[0]
+        weights = judged(errors, residuals - jacobian @ step)
+        if last or np.allclose(weights, errors.weights, atol=0.05):
+            return errors
+        errors = replace(errors, weights=weights)
+    return errors
+
+
+@dataclass
+class Certainty:
+    """What is known of the parameters: a mixture of normal distributions around their estimate."""
+
+    covariance: np.ndarray  # [p, p], of the mixture
+    reach: np.ndarray  # [p], half an interval of 95 %, in standard deviations of the mixture
+
+
+def certainty(errors: Errors, residuals, jacobian, prior, known=None, share=0.95) -> Certainty:
+    """Of the parameters, at the estimate: over what the residuals tell of their errors."""
+    names = [name for name in errors.groups if name not in (known or {})]
+    information = prior + (lambda w: w.T @ w)(errors.whitened(jacobian))
+    plain = np.linalg.pinv(information, hermitian=True)
+    means, covariances, shares = [np.zeros(len(prior))], [plain], [1.0]
+    for name in names[:1]:  # the group that tells most; the others' errors are taken as found
+        one = Estimate(errors, max(names, key=lambda n: weight_of(errors, jacobian, n)), residuals, jacobian, prior)
+        theta = one.find()
+        thetas, shares = one.spread(theta, DRAWS)
+        kept = shares > 1e-4 * shares.max()
+        terms = [one.terms(t)[1:] for t in thetas[kept]]
+        covariances = [np.linalg.pinv(i, hermitian=True) for i, _ in terms]
+        means = [-c @ g for c, (_, g) in zip(covariances, terms)]
+        shares = shares[kept] / shares[kept].sum()
+    means, covariances, shares = np.array(means), np.array(covariances), np.array(shares)
+    middle = shares @ means
+    spread = np.einsum("k,ka,kb->ab", shares, means - middle, means - middle)
+    covariance = np.einsum("k,kab->ab", shares, covariances) + spread
+    deviations = np.sqrt(np.maximum(np.einsum("kaa->ka", covariances), 0))
+    reach = [mixture_reach(means[:, a] - middle[a], deviations[:, a], shares, share) for a in range(len(prior))]
+    return Certainty(covariance, np.array(reach) / np.sqrt(np.maximum(np.diag(covariance), 1e-300)))
+
+
+def weight_of(errors: Errors, jacobian, name):
+    """How much a group tells of the parameters."""
+    rows = np.concatenate([b.rows for b in errors.blocks if b.group == name])
+    return float(np.sum(errors.whitened(jacobian)[rows] ** 2))
+
+
+def mixture_reach(means, deviations, shares, share):
+    """Half the width of the interval around 0 that holds a share of a mixture of normal distributions."""
+    def beyond(x):
+        inside = stats.norm.cdf((x - means) / deviations) - stats.norm.cdf((-x - means) / deviations)
+        return shares @ inside - share
+
+    deviations = np.maximum(deviations, 1e-300)
+    most = float(np.max(np.abs(means) + 8 * deviations))
+    return optimize.brentq(beyond, 0, most) if most > 0 else 0.0
