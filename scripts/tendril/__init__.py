@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from .errors import ResultsError, RunError, TendrilError
+    from .comparison import compare
+    from .filming import Filmed, measure
     from .films import animate
     from .fitting import Fit, fit
     from .page import view
@@ -21,7 +23,8 @@ if TYPE_CHECKING:
     from .sweeps import Sweep, sweep
 
 _HOME = {"ResultsError": "errors", "RunError": "errors", "TendrilError": "errors",
-         "animate": "films", "Fit": "fitting", "fit": "fitting", "view": "page", "plot": "pictures",
+         "animate": "films", "Fit": "fitting", "fit": "fitting", "compare": "comparison",
+         "Filmed": "filming", "measure": "filming", "view": "page", "plot": "pictures",
          "Results": "results", "Shape": "results", "load": "results", "Critical": "runs",
          "critical": "runs", "run": "runs", "Sweep": "sweeps", "sweep": "sweeps"}
 __all__ = sorted(_HOME)

@@ -1,11 +1,16 @@
 """The commands behind the shell scripts: python -m tendril COMMAND ..., each with -h."""
 
+import os
 import sys
 from importlib import import_module
 
-COMMANDS = {"plot": "pictures", "animate": "films", "view": "page", "fit": "fit_command",
+COMMANDS = {"plot": "pictures", "animate": "films", "view": "page", "fit": "fit_command", "measure": "filming",
             "map": "map", "ensemble": "ensemble", "growth_table": "growth_table",
             "stability": "plot_stability"}
+
+
+# matrices are small here and processes many: threads of BLAS would only wait for each other
+os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 
 def main(words):

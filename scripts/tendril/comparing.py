@@ -65,6 +65,10 @@ class Nearest(NamedTuple):
     foot: np.ndarray  # [m, 2]
     place: np.ndarray  # [m], arc length of the foot
     normal: np.ndarray  # [m, 2], of the line, to the left
+    other: np.ndarray  # [m], how much farther another strand of the line is; inf where there is none
+
+
+STRAND = 0.1  # of a line's length: what is farther from a place, along it, is another strand
 
 
 def nearest(points, line) -> Nearest:
@@ -73,13 +77,18 @@ def nearest(points, line) -> Nearest:
     part = np.clip(np.einsum("mnd,nd->mn", points[:, None] - start, along) / square, 0, 1)
     foot = start + part[..., None] * along
     gap = points[:, None] - foot
-    rows, piece = np.arange(len(points)), np.argmin(np.sum(gap**2, axis=2), axis=1)
-    gap, along, lengths = gap[rows, piece], along[piece], np.sqrt(square)
-    side = np.sign(along[:, 0] * gap[:, 1] - along[:, 1] * gap[:, 0])
+    squares = np.sum(gap**2, axis=2)
+    rows, piece = np.arange(len(points)), np.argmin(squares, axis=1)
+    lengths = np.sqrt(square)
     begin = np.concatenate([[0], np.cumsum(lengths)])
+    away = np.abs(begin[:-1] - begin[piece][:, None]) > STRAND * begin[-1]
+    other = np.sqrt(np.min(np.where(away, squares, np.inf), axis=1))
+    gap, along = gap[rows, piece], along[piece]
+    side = np.sign(along[:, 0] * gap[:, 1] - along[:, 1] * gap[:, 0])
     return Nearest(np.where(side == 0, 1, side) * np.hypot(*gap.T), foot[rows, piece],
                    begin[piece] + part[rows, piece] * lengths[piece],
-                   np.column_stack([-along[:, 1], along[:, 0]]) / lengths[piece][:, None])
+                   np.column_stack([-along[:, 1], along[:, 0]]) / lengths[piece][:, None],
+                   other - np.hypot(*gap.T))
 
 
 def distances(points, line):
@@ -224,12 +233,13 @@ class Comparison:
         found, place, normal = near.distance, near.place, near.normal
         uncovered = bare(p.points.numbers, line, self.gaps[id(p)])
         if not p.ordered:
-            return found, [loose_end(p.points.numbers, line)], uncovered, (place, normal)
+            return found, [loose_end(p.points.numbers, line)], uncovered, (place, normal, near.other)
         gap, end = p.points.numbers[-1] - line[-1], line[-1] - line[-2]
         end = end / np.hypot(*end)
         across = [-end[1], end[0]]
         return (np.concatenate([found[:-1], [across @ gap, end @ gap]]), [], uncovered,
-                (np.append(place, place[-1]), np.vstack([normal[:-1], across, end])))
+                (np.append(place, place[-1]), np.vstack([normal[:-1], across, end]),
+                 np.append(near.other[:-1], [np.inf, np.inf])))
 
     def model(self, r, c: Curve, view=VIEW):
         """[m], a series of a run where it was measured, in the unit of the measurement."""
@@ -254,13 +264,14 @@ class Comparison:
             return np.arange(first, first + len(numbers))
 
         for p in self.measured.photographs:
-            off, end, uncovered, (place, normal) = self.of_photograph(r, p, own, view)
-            self.blocks.append(Block(LINES, add(LINES, off), place, normal))
+            off, end, uncovered, (place, normal, other) = self.of_photograph(r, p, own, view)
+            self.blocks.append(Block(LINES, add(LINES, off), place, normal, other))
             add(ENDS, end)
             add(BARE, uncovered)
         for c in self.measured.curves:
             rows = add(c.name, c.values.numbers - self.model(r, c, view))
-            self.blocks.append(Block(c.name, rows, c.at.numbers, None))
+            self.blocks.append(Block(c.name, rows, c.at.numbers, None,
+                                     np.full(len(rows), np.inf)))
         return np.concatenate(values)
 
     def spreads(self) -> dict[str, float]:

@@ -135,8 +135,8 @@ def applies(fit: Fit, cause: Cause):
 
 
 def linear_sign(fit: Fit, cause: Cause):
-    """(the probability by chance that the residuals ask for a cause as clearly as they do, how far it would
-    move them, over the extent): its effect is put beside those of the parameters, with errors estimated
+    """(the probability by chance that the residuals ask for a cause as clearly as they do; how far it would
+    move them, over the extent; how clearly, as F): its effect is put beside those of the parameters, with errors estimated
     anew, for what it explains is none."""
     problem, p = fit.problem, len(fit.parameters)
     view, base = problem.view(fit.u), problem.raw(fit.u, fit.run)
@@ -149,7 +149,8 @@ def linear_sign(fit: Fit, cause: Cause):
     jacobian = np.column_stack([problem.errors.jacobian, effect])
     prior = np.zeros((jacobian.shape[1],) * 2)
     prior[:len(fit.u), :len(fit.u)] = problem.prior_information(len(fit.u))
-    errors = estimate(problem.comparison.blocks, base, jacobian, problem.errors.alone, prior, problem.told_noise)
+    errors = estimate(problem.comparison.blocks, base, jacobian, problem.errors.alone, prior, problem.told_noise,
+                      problem.errors)
     white = errors.whitened(np.column_stack([base, jacobian]))
     covariance = np.linalg.pinv(prior + white[:, 1:].T @ white[:, 1:], hermitian=True)
     change = -(covariance @ white[:, 1:].T @ white[:, 0])[len(fit.u):]
@@ -158,7 +159,7 @@ def linear_sign(fit: Fit, cause: Cause):
     photographs = max(len(problem.measured.photographs), 3)
     moved = float(np.sqrt(np.mean((effect[problem.errors.mine()] @ change) ** 2)))
     extent = problem.comparison.spreads().get(LINES, np.inf)
-    return float(stats.f.sf(statistic, len(change), 4 * photographs)), moved / extent
+    return float(stats.f.sf(statistic, len(change), 4 * photographs)), moved / extent, statistic
 
 
 def wide(fit: Fit, name) -> Parameter:
@@ -284,10 +285,10 @@ def likeliest(fit: Fit, bad, tell):
     """The cause that takes most of the residuals away, in words, or what was tried in vain."""
     possible = [(linear_sign(fit, cause), cause) for cause in CAUSES if applies(fit, cause)]
     signs = sorted((pair for pair in possible if bad or (pair[0][0] < SURE and pair[0][1] > SEEN)),
-                   key=lambda pair: pair[0][0])
+                   key=lambda pair: -pair[0][2])
     if not (bad or signs):
         return []
-    causes = [cause for _, cause in signs[:None if bad else 2]]
+    causes = [cause for _, cause in signs[:None if bad else 3]]
     if bad and fit.problem.measured.photographs and not fit.problem.comparison.camera:
         causes += promising(fit, [c for c in discrete() if applies(fit, c) or c.change])
     ends = []

@@ -166,7 +166,8 @@ def widened(problem: Problem, u, covariance, cost):
     for k, (trial, reached) in enumerate(zip(trials, costs)):
         expected = 0.5 * (trial - u) @ inverse @ (trial - u)
         if expected > 1e-3:
-            risen = max(reached - cost, 1e-4 * expected)
+            # a fall says that the search was not at its end, and nothing of how flat it is there
+            risen = max(reached - cost, 1e-4 * expected) if reached >= cost else 0.25 * expected
             longer[k // 2] = max(longer[k // 2], np.sqrt(expected / risen))
     whole = np.eye(len(u))
     whole[:p, :p] = axes @ np.diag(longer) @ axes.T
@@ -231,7 +232,7 @@ def search(problem: Problem, starts, accuracy, seed, tell):
     return problem.solve(ends[0].u, ROUGH), [s.cost for s in ends], agreed
 
 
-def certain(problem: Problem, best: Solution, tell, most=4):
+def certain(problem: Problem, best: Solution, tell, most=3):
     """(the least cost, what is known of it): as long as a run on a principal axis is better than the best,
     the search goes on from there."""
     for last in range(most):
@@ -268,7 +269,7 @@ def polished(problem: Problem, best: Solution, accuracy, tell):
     return best
 
 
-def made(scene, data, parameters, *, unit, y_down, priors, tied, noise, jobs, options) -> Problem:
+def made(scene, data, parameters, *, unit, fps, y_down, priors, tied, noise, jobs, options) -> Problem:
     """The problem of fit()'s arguments."""
     known = [Prior.of(name, prior) for name, prior in (priors or {}).items()]
     bounds = dict(parameters) | {k.name: k.bounds() for k in known if k.name not in parameters}
@@ -279,12 +280,12 @@ def made(scene, data, parameters, *, unit, y_down, priors, tied, noise, jobs, op
         p = next(p for p in looked_for if p.name == k.name)
         if p.unit != k.unit:
             raise TendrilError(f"prior of {k.name}: its bounds are in {p.unit or 'no unit'}; give it so, too")
-    measured = gather(data, unit, y_down)
+    measured = gather(data, unit, y_down, fps)
     return Problem(scene, measured, looked_for, options, jobs, priors=known, tied=tied,
                    noise=measured.told(noise))
 
 
-def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", y_down: bool | None = None,
+def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", fps: float | None = None, y_down: bool | None = None,
         priors: Mapping[str, tuple | str] | None = None, tied: Mapping[str, str] | None = None,
         noise: Mapping[str, str] | None = None, accuracy: float = 3e-4, starts: int | None = None,
         seed: int = 1, jobs: int | None = None, progress: bool = False, **options) -> Fit:
@@ -296,6 +297,7 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", y
                 start where one is known. Beside options: camera_x, camera_y, camera_turn, camera_scale (the
                 picture beside the rod), clock_rate, clock_offset
     unit        of coordinates that carry none: "cm", "px"
+    fps         frames per second, of data that count frames
     y_down      whether x2 is counted downwards; None: of px it is, else it is not
     priors      {"si_bending_stiffness": ("4.5e-4", "1e-5")}: mean and standard deviation of what is known
     tied        {"si_friction_viscous": "0.5*si_friction_dry N/m"}: options that follow from parameters
@@ -311,7 +313,7 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", y
     Ctrl-C ends the search; the best until then is returned. Raises TendrilError, in one line, for data or a
     scene that cannot be read or run."""
     begin = time.perf_counter()
-    problem = made(scene, data, parameters, unit=unit, y_down=y_down, priors=priors, tied=tied, noise=noise,
+    problem = made(scene, data, parameters, unit=unit, fps=fps, y_down=y_down, priors=priors, tied=tied, noise=noise,
                    jobs=jobs, options=options)
     p = len(problem.parameters)
     tell = problem.show(progress, expected=(starts or 8) + 40 + 14 * p)

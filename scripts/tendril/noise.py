@@ -22,6 +22,9 @@ from scipy import linalg, optimize, stats
 
 STRAY = 2.5  # a point this many standard deviations off, given its neighbours, counts less
 FAR = 4.0  # the same, before correlation is known
+BETWEEN = 6.0  # standard deviations: a point that is not so much farther from another strand tells nothing
+NOTHING = 1e-6  # the weight of such a point
+FLOOR = 0.05  # of all errors, what is at least independent: a model of a rod is no better to tell neighbours apart
 DRAWS = 128  # of the errors' numbers
 
 
@@ -33,6 +36,7 @@ class Block:
     rows: np.ndarray  # [m], among all residuals
     place: np.ndarray  # [m], arc length or time
     normal: np.ndarray | None  # [m, 2]; None: of a series
+    other: np.ndarray  # [m], how much farther another strand of the rod is: of which is it a point?
 
 
 @dataclass
@@ -109,11 +113,18 @@ class Estimate:
     def __init__(self, errors: Errors, name, residuals, jacobian, prior):
         self.errors, self.name = errors, name
         self.blocks = [b for b in errors.blocks if b.group == name and len(b.rows)]
-        self.r = [residuals[b.rows] for b in self.blocks]
-        self.j = [jacobian[b.rows] for b in self.blocks]
-        self.gaps = [np.abs(b.place[:, None] - b.place) for b in self.blocks]
-        self.alike = [1.0 if b.normal is None else b.normal @ b.normal.T for b in self.blocks]
-        self.extra = [1 / errors.weights[b.rows] for b in self.blocks]
+        # all blocks as large as the largest, with rows that say nothing: 0 = 0 with an error of 1
+        size = max(len(b.rows) for b in self.blocks)
+        count, p = len(self.blocks), jacobian.shape[1]
+        self.values = np.zeros((count, size, 1 + p))
+        self.gaps, self.alike = np.zeros((count, size, size)), np.zeros((count, size, size))
+        self.extra, self.empty = np.zeros((count, size)), np.ones((count, size))
+        for k, b in enumerate(self.blocks):
+            m = len(b.rows)
+            self.values[k, :m] = np.column_stack([residuals[b.rows], jacobian[b.rows]])
+            self.gaps[k, :m, :m] = np.abs(b.place[:, None] - b.place)
+            self.alike[k, :m, :m] = 1.0 if b.normal is None else b.normal @ b.normal.T
+            self.extra[k, :m], self.empty[k, :m] = 1 / errors.weights[b.rows], 0
         self.lines = any(b.normal is not None for b in self.blocks)
         mine = np.zeros(len(residuals), bool)
         mine[np.concatenate([b.rows for b in self.blocks])] = True
@@ -131,22 +142,18 @@ class Estimate:
     def terms(self, theta):
         """(log of the restricted likelihood, information of the numbers, their gradient)"""
         g = self.group(theta)
-        logs, information, gradient, squares = 0.0, self.others.copy(), self.rest.copy(), 0.0
-        for r, j, gap, alike, extra in zip(self.r, self.j, self.gaps, self.alike, self.extra):
-            v = (g.smooth**2 * matern(gap / g.reach) + g.shift**2) * alike
-            v[np.diag_indices(len(r))] += g.sigma**2 * extra
-            factor = linalg.cholesky(v, lower=True, check_finite=False)
-            white = linalg.solve_triangular(factor, np.column_stack([r, j]), lower=True, check_finite=False)
-            logs += 2 * np.sum(np.log(np.diag(factor)))
-            squares += white[:, 0] @ white[:, 0]
-            information += white[:, 1:].T @ white[:, 1:]
-            gradient += white[:, 1:].T @ white[:, 0]
-        sign, determinant = np.linalg.slogdet(information)
+        v = (g.smooth**2 * matern(self.gaps / g.reach) + g.shift**2) * self.alike
+        diagonal = np.arange(v.shape[1])
+        v[:, diagonal, diagonal] += g.sigma**2 * self.extra + self.empty
+        logs = 2 * np.sum(np.log(np.einsum("kmm->km", np.linalg.cholesky(v))))
+        products = np.einsum("kma,kmb->ab", self.values, np.linalg.solve(v, self.values))
+        information, gradient = self.others + products[1:, 1:], self.rest + products[1:, 0]
+        _, determinant = np.linalg.slogdet(information)
         fitted = gradient @ np.linalg.solve(information, gradient)
-        return -0.5 * (logs + determinant + squares - fitted), information, gradient
+        return -0.5 * (logs + determinant + products[0, 0] - fitted), information, gradient
 
     def cost(self, theta):
-        if abs(theta[0] - self.middle) > 12 or not np.log(self.shortest) <= theta[2] <= np.log(self.longest):
+        if not np.log(FLOOR) - 1e-9 <= theta[0] - self.middle < 12 or not np.log(self.shortest) <= theta[2] <= np.log(self.longest):
             return 1e10
         try:
             value = self.terms(theta)[0]
@@ -154,21 +161,22 @@ class Estimate:
             return 1e10
         return -value if np.isfinite(value) else 1e10
 
-    def find(self):
+    def find(self, near: Group | None = None):
         """theta where the likelihood is largest: from errors that are all independent, and from some
-        that are all correlated."""
-        r = np.concatenate(self.r)
-        self.unit = max(float(np.sqrt(np.mean(r**2 / np.concatenate(self.extra)))), 1e-300)
+        that are all correlated; or from what is near."""
+        r, weight = self.values[:, :, 0], np.where(self.empty, 0, 1 / np.maximum(self.extra, 1e-300))
+        self.unit = max(float(np.sqrt(np.sum(weight * r**2) / np.sum(self.empty == 0))), 1e-300)
         self.middle = np.log(self.unit)
         reach = 0.5 * (np.log(self.shortest) + np.log(self.longest))
-        low = [self.middle - 10, 0, np.log(self.shortest), 0]
-        high = [self.middle + 2, 10, np.log(self.longest), 10]
-        best = None
-        for start in ([self.middle, 0.05, reach, 0.05], [self.middle - 1, 0.7, reach, 0.5 * self.lines]):
-            found = optimize.minimize(self.cost, start, method="L-BFGS-B", bounds=list(zip(low, high)),
-                                      options={"maxiter": 40})
-            best = found if best is None or found.fun < best.fun else best
-        return best.x
+        low = np.array([self.middle + np.log(FLOOR), 0, np.log(self.shortest), 0])
+        high = np.array([self.middle + 2, 10, np.log(self.longest), 10])
+        starts = [[self.middle, 0.05, reach, 0.05], [self.middle - 1, 0.7, reach, 0.5 * self.lines]]
+        if near:
+            starts = [starts[0], [np.log(near.sigma), near.smooth / self.unit, np.log(near.reach), near.shift / self.unit]]
+        found = [optimize.minimize(self.cost, np.clip(start, low, high), method="L-BFGS-B",
+                                   bounds=list(zip(low, high)), options={"maxiter": 40, "ftol": 1e-7})
+                 for start in starts]
+        return min(found, key=lambda one: one.fun).x
 
     def spread(self, theta, draws, seed=0):
         """(thetas [k, 4], their shares of the posterior): importance sampling around the best, with
@@ -204,6 +212,7 @@ def screened(residuals, sigma, blocks):
     for block in blocks:
         z = np.abs(residuals[block.rows]) / sigma[block.rows]
         weights[block.rows] = np.minimum(1, (FAR / np.maximum(z, 1e-300)) ** 2)
+        weights[block.rows[block.other < BETWEEN * sigma[block.rows]]] = NOTHING
     return weights
 
 
@@ -216,19 +225,22 @@ def judged(errors: Errors, residuals):
         usual = 1 / np.diag(inverse) - errors.groups[block.group].sigma ** 2 * (1 / errors.weights[block.rows] - 1)
         z = gap / np.sqrt(np.maximum(usual, errors.groups[block.group].sigma ** 2))
         weights[block.rows] = np.minimum(1, (STRAY / np.maximum(z, 1e-300)) ** 2)
+        weights[block.rows[errors.weights[block.rows] == NOTHING]] = NOTHING
     return weights
 
 
-def estimate(blocks, residuals, jacobian, sigma, prior, known=None) -> Errors:
+def estimate(blocks, residuals, jacobian, sigma, prior, known=None, near: Errors | None = None) -> Errors:
     """The model of the errors by REML, group by group, with the strays found in between.
 
     residuals  [n], in their units, at the estimate of the parameters
     jacobian   [n, p], of them
     sigma      [n], what they would be if all erred by themselves; stays so for those in no block
     prior      [p, p], information on the parameters from elsewhere
-    known      {group: standard deviation} of groups whose errors are told, and independent"""
+    known      {group: standard deviation} of groups whose errors are told, and independent
+    near       a model that is not far: its weights are kept"""
     groups = {b.group: Group(float(sigma[b.rows][0])) for b in blocks if len(b.rows)}
-    errors = Errors([b for b in blocks if len(b.rows)], groups, screened(residuals, sigma, blocks), sigma, jacobian)
+    errors = Errors([b for b in blocks if len(b.rows)], groups, near.weights if near else
+                    screened(residuals, sigma, blocks), sigma, jacobian)
     for last in (False, True):
         r = residuals
         for name in groups:
@@ -236,7 +248,9 @@ def estimate(blocks, residuals, jacobian, sigma, prior, known=None) -> Errors:
                 errors.groups[name] = Group(known[name])
                 continue
             one = Estimate(errors, name, r, jacobian, prior)
-            errors.groups[name] = one.group(one.find())
+            errors.groups[name] = one.group(one.find(near and near.groups[name]))
+        if near:
+            return errors
         white = errors.whitened(np.column_stack([residuals, jacobian]))
         step = np.linalg.lstsq(white[:, 1:], white[:, 0], rcond=None)[0]
         weights = judged(errors, residuals - jacobian @ step)
