@@ -140,10 +140,7 @@ def attempt(seed, r, frames, every, place):
                         checkerboard=(*BOARD, f"{SQUARE}m"), board_picture=board, every=every)
     m.save(place / f"film{seed}")
     measured = time.perf_counter()
-    # where clamp and direction were clicked is good to a pixel or two
-    pixel = 1 / stage.view.size
-    f = tendril.fit(TUBE, place / f"film{seed}.csv", BOUNDS, priors={
-        "camera_x": f"0m:{2 * pixel!r}m", "camera_y": f"0m:{2 * pixel!r}m", "camera_turn": "0:0.01"})
+    f = tendril.fit(TUBE, place / f"film{seed}.csv", BOUNDS, priors=m.priors(clicked=1.5, scaled=1e-3))
     fitted = time.perf_counter()
     held = {n: f.intervals[n][0] <= v <= f.intervals[n][1] for n, (v, _) in TRUTH.items()}
     off = {n: f.values[n] / v - 1 for n, (v, _) in TRUTH.items()}

@@ -19,11 +19,12 @@ if TYPE_CHECKING:
     from .page import view
     from .pictures import plot
     from .results import Results, Shape, load
+    from .samples import profile, sample
     from .runs import Critical, critical, run
     from .sweeps import Sweep, sweep
 
 _HOME = {"ResultsError": "errors", "RunError": "errors", "TendrilError": "errors",
-         "animate": "films", "Fit": "fitting", "fit": "fitting", "compare": "comparison",
+         "animate": "films", "Fit": "fitting", "fit": "fitting", "compare": "comparison", "profile": "samples", "sample": "samples",
          "Filmed": "filming", "measure": "filming", "view": "page", "plot": "pictures",
          "Results": "results", "Shape": "results", "load": "results", "Critical": "runs",
          "critical": "runs", "run": "runs", "Sweep": "sweeps", "sweep": "sweeps"}

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 BAD = 0.02  # of the extent: residuals beyond are no errors of clicking
 BAD_SERIES = 0.05  # of the range of a series
 SURE = 1e-4  # the probability at which what is left over is no chance
-BETTER = 0.6  # a cause is one if residuals fall to this part
+BETTER, SLIGHT = 0.6, 0.8  # a cause is one if residuals fall to this part, of a fit that is not bad
 SEEN = 2e-3  # of the extent: a cause that moves the points less is left alone
 FACTORS = {1e-3: "1000", 1e-2: "100", 0.1: "10", 10.0: "10", 100.0: "100", 1e3: "1000"}
 
@@ -302,7 +302,7 @@ def likeliest(fit: Fit, bad, tell):
         if u is not None:
             ends.append((ratio, len(cause.looked_for), spoken(fit, problem, u, cause)))
     ends.sort(key=lambda end: end[0] * (1 + 0.05 * end[1]))
-    if ends and (ends[0][0] < BETTER or (signs and not bad)):
+    if ends and ends[0][0] < (BETTER if bad else SLIGHT):
         left = f"residuals fall to {100 * ends[0][0]:.0f} % with it"
         return [f"likeliest cause: {ends[0][2]} ({left})."]
     return ["likeliest cause: none of place, turn, scale, unit, mirror, clock explains it; the scene is not "

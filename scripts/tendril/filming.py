@@ -110,6 +110,14 @@ class Filmed:
 
         return gather(pandas.read_csv(io.StringIO(self.text()), comment="#"))
 
+    def priors(self, clicked=2.0, turned=0.01, scaled=2e-3) -> dict[str, str]:
+        """What tendril.fit is to know of the picture: clamp and direction were clicked to some pixels and
+        radians, the scale is good to a part of itself."""
+        pixel = float(np.hypot(*(self.scale.plane(np.array([np.add(self.scale.clamp, [1, 0])]))[0])))
+        unit = self.scale.unit
+        return {"camera_x": f"0{unit}:{clicked * pixel:.3g}{unit}", "camera_y": f"0{unit}:{clicked * pixel:.3g}{unit}",
+                "camera_turn": f"0:{turned:g}", "camera_scale": f"1:{scaled:g}"} if unit else {}
+
     def table(self):
         """A row a frame, as a pandas DataFrame: width and error in mm (px), length in cm."""
         import pandas
@@ -413,6 +421,9 @@ def main(arguments=None):
         return 1
     for note in m.notes:
         print(f"measure: {note}")
+    if known := m.priors():
+        print("measure: what fit is to know of clicks and scale: "
+              + " ".join(f"--prior {name}={prior}" for name, prior in known.items()))
     print(f"measure: {choice.output}.csv is for scripts/fit.sh, {choice.output}.html shows it and lets you correct it, "
           f"{choice.output}-frames.csv tells of each picture")
     return 0

@@ -7,7 +7,7 @@ other, with intervals, from photographs or series.
       -- -friction_layers "0:1,3cm:{hard}"
 
 SCENE is an options file. DATA are CSV files, a photograph without its own time as TIME@FILE (20s@a.csv,
-12cm@b.csv). Leaves BASENAME.opts, the best scene, .txt, the report, .csv, the residuals, and the
+12cm@b.csv). Leaves BASENAME.opts, the best scene, .txt, the report, .json, the same in numbers, .csv, the residuals, and the
 picture of what was measured beside it, .png and .pdf. What data may look like, and what the numbers
 mean: docs/fitting.md."""
 
@@ -21,7 +21,7 @@ from .errors import TendrilError
 from .fitting import fit
 from .measured import Measured, gather, read
 
-LEFT = (".opts", ".txt", ".csv", ".png", ".pdf")
+LEFT = (".opts", ".txt", ".csv", ".json", ".png", ".pdf")
 
 
 def measured(words, unit, fps=None):
@@ -114,8 +114,8 @@ def main(arguments=None):
         found = fit(choice.scene, data, parameters(choice.parameter), unit=choice.unit, y_down=choice.y_down,
                     priors=pairs(choice.prior, "prior", "NAME=MEAN:DEVIATION"),
                     tied=pairs(choice.tied, "tied", "NAME=FORMULA"),
-                    noise=pairs(choice.noise, "noise", "lines=0.5mm or SERIES=NOISE"), accuracy=choice.accuracy, starts=choice.starts, seed=choice.seed,
-                    progress=True, **options(more))
+                    noise=pairs(choice.noise, "noise", "lines=0.5mm or SERIES=NOISE"),
+                    accuracy=choice.accuracy, starts=choice.starts, seed=choice.seed, progress=True, **options(more))
         found.save(choice.output)
     except (TendrilError, OSError) as error:
         print(f"fit: {error}", file=sys.stderr)

@@ -236,7 +236,7 @@ def scene_text(fit: Fit, arrays=None) -> str:
 
 
 def save(fit: Fit, basename):
-    """Writes BASENAME.opts, .txt, .csv, .png, .pdf, and the files of arrays that the scene has."""
+    """Writes BASENAME.opts, .txt, .csv, .json, .png, .pdf, and the files of arrays that the scene has."""
     arrays = {}
     for name, value in fit.problem.words(fit.u[:len(fit.parameters)]).items():
         if isinstance(value, dict):
@@ -244,6 +244,7 @@ def save(fit: Fit, basename):
     Path(f"{basename}.opts").write_text(scene_text(fit, arrays))
     Path(f"{basename}.txt").write_text(describe(fit) + "\n")
     table(fit).to_csv(f"{basename}.csv", index=False)
+    fit.to_json(f"{basename}.json")
     figure = draw(fit)
     with plt.rc_context(STYLE):
         for ending in ("png", "pdf"):

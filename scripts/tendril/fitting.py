@@ -19,9 +19,11 @@ be like, and widened where a run along a principal axis of the covariance shows 
 rises more slowly than it should. What speaks against the fit is in .warnings (tendril.doubts)."""
 from __future__ import annotations
 
+import json
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Mapping
 
 import numpy as np
@@ -132,6 +134,37 @@ class Fit:
     def report(self) -> str:
         return describe(self)
 
+    def to_dict(self) -> dict:
+        """All that the report says, in plain numbers and lists, as JSON has them."""
+        return {"parameters": {p.name: {"value": self.values[p.name], "interval": list(self.intervals[p.name]),
+                                        "unit": p.unit, "bounds": [p.low, p.high]} for p in self.parameters},
+                "correlations": self.correlations.tolist(),
+                "errors": {name: {"point": float(g.sigma), "smooth": float(g.smooth), "reach": float(g.reach),
+                                  "photograph": float(g.shift)} for name, g in self.errors.items()},
+                "log_likelihood": self.log_likelihood, "aic": self.aic, "bic": self.bic, "chi2": self.chi2,
+                "points": self.count[0], "runs": self.problem.count, "seconds": self.seconds,
+                "indistinct": self.indistinct, "warnings": self.warnings, "notes": self.problem.measured.notes,
+                "interrupted": self.interrupted}
+
+    def to_json(self, path) -> None:
+        """Writes to_dict() as JSON."""
+        Path(path).write_text(json.dumps(self.to_dict(), indent=1) + "\n")
+
+    def dataset(self):
+        """Estimates, intervals and correlations over the parameters, residuals over the points, as an xarray
+        Dataset."""
+        import xarray
+
+        names, rows = [p.name for p in self.parameters], self.residuals()
+        found = {"estimate": ("parameter", [self.values[n] for n in names]),
+                 "interval": (("parameter", "end"), [list(self.intervals[n]) for n in names]),
+                 "unit": ("parameter", [p.unit for p in self.parameters]),
+                 "correlation": (("parameter", "other"), self.correlations),
+                 "residual": ("point", rows.residual.to_numpy(float)), "group": ("point", list(rows.group)),
+                 "at": ("point", rows["at"].to_numpy(float))}
+        return xarray.Dataset(found, {"parameter": names, "other": names, "end": ["low", "high"]},
+                              {"log_likelihood": self.log_likelihood, "runs": self.problem.count})
+
     def plot(self):
         """A figure of what was measured beside the best scene."""
         return draw(self)
@@ -211,7 +244,7 @@ def search(problem: Problem, starts, accuracy, seed, tell):
     problem.prepare(middle, accuracy)
     problem.noise = {}
     points = starting_points(problem, starts, seed)
-    asked = any(p.start is not None for p in problem.parameters)
+    asked = any(problem.parameters[k].start is not None for k in problem.of_runs)
     ends, agreed = [], False
     for doubling in range(DOUBLINGS + 1):
         tell(f"{len(points)} starts")
@@ -256,7 +289,8 @@ def polished(problem: Problem, best: Solution, accuracy, tell):
     """The end of the search with the runs' final accuracy and the errors as they are: of each point first,
     then with their correlation."""
     p = len(problem.parameters)
-    problem.keep_search()
+    if not problem.search_known:
+        problem.keep_search()
     problem.prepare(best.u[:p], accuracy)
     (r,) = problem.run([best.u])
     best.u = np.r_[best.u[:p], problem.comparison.guess(r, best.u[p:])]  # times, now that it looks so
@@ -303,7 +337,7 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", f
     tied        {"si_friction_viscous": "0.5*si_friction_dry N/m"}: options that follow from parameters
     noise       {"lines": "0.5mm", "base_force_1": "2mN"}: of what was measured, where it is known, and
                 independent from point to point; else it is estimated, with its correlation
-    accuracy    of the runs; the search for a start takes ten times that
+    accuracy    of the runs, or better where the data are; the search for a start takes ten times that
     starts      points that fill the bounds, beside the start itself; the two best are followed, and a start
                 that was given; twice as many as long as no two end in one place. None: 24 for one
                 parameter, 12 for two, else 8
@@ -322,6 +356,9 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", f
         best, costs, agreed = search(problem, max(8, 24 // p) if starts is None else starts,
                                      SEARCH * accuracy, seed, tell)
         best = polished(problem, best, accuracy, tell)
+        if (finer := problem.wanted_accuracy()) < accuracy:
+            tell(f"the data are finer than the runs: once more with -accuracy {finer:.1g}")
+            best = polished(problem, best, finer, tell)
         best, known = certain(problem, best, tell)
     except KeyboardInterrupt:
         if problem.best is None:

@@ -23,6 +23,7 @@ from .units import scales_of_rod
 HUBER = 1.345  # 95 % efficiency for normal noise
 STEP, FINE_STEP = 3e-3, 1e-2  # of differences, in parts of a parameter's bounds: forward, central
 SHAPES = 120  # stored in a run, between which shapes are interpolated
+FINEST = 1e-5  # the accuracy that runs are made with at best
 FAILED = 1e3  # a residual, in noise, of a run that failed
 
 
@@ -285,6 +286,11 @@ class Problem:
                                self.prior_information(len(u)), self.told_noise)
         self.noise = {name: g.total for name, g in self.errors.groups.items()}
         return raw
+
+    def wanted_accuracy(self):
+        """That of runs whose own error is no part of the residuals: a tenth of the noise, over the extent."""
+        spreads = self.comparison.spreads()
+        return max(FINEST, min(0.1 * noise / spreads[name] for name, noise in self.noise.items()))
 
     def cost(self, f):
         """Half the sum that least_squares makes least."""

@@ -220,10 +220,11 @@ def normals(path):
 def centred(response, path, width):
     """A path moved to the middle of the body's profile across, and how wide that is there."""
     _, normal = normals(path)
-    across = np.arange(-width, width + 0.25, 0.5)
+    across = np.arange(-width, width + 0.05, 0.1)
     places = path[:, None] + across[:, None] * normal[:, None]
     profile = ndimage.map_coordinates(response, places.transpose(2, 0, 1)[::-1], order=1, mode="nearest")
-    profile = np.maximum(profile - 0.4 * profile.max(axis=1, keepdims=True), 0)
+    # its width is that at half its depth, however blurred its edges are
+    profile = np.maximum(profile - 0.5 * profile.max(axis=1, keepdims=True), 0)
     # what is joined with the middle: a neighbour a width away is another part of the body
     middle = len(across) // 2
     on = profile > 0
@@ -233,7 +234,7 @@ def centred(response, path, width):
     weight = profile * joined
     total = weight.sum(axis=1)
     shift = np.where(total > 0, (weight * across).sum(axis=1) / np.maximum(total, 1e-12), 0)
-    return path + shift[:, None] * normal, joined.sum(axis=1) * 0.5
+    return path + shift[:, None] * normal, joined.sum(axis=1) * 0.1
 
 
 def to_the_tip(response, path, width):
@@ -292,7 +293,7 @@ def trace(picture, clamp, *, body="dark", width=None, ground="plain", points=60,
     part = min(1.0, FINE / width)
     shown, there = reduced(grey, clamp, part)
     response, path, unsure, seen = found_in(shown, there, body, ground, width * part, near * part, True)
-    line, doubt, error = refined(response, path, unsure, seen)
+    line, doubt, error, wide = refined(response, path, unsure, seen)
     whole = to_the_tip(response, line, seen)
     h, w = shown.shape
     cut = not (seen < whole[-1, 0] < w - seen and seen < whole[-1, 1] < h - seen)
@@ -300,7 +301,7 @@ def trace(picture, clamp, *, body="dark", width=None, ground="plain", points=60,
     doubt = np.interp(at, s, np.pad(doubt, (0, len(whole) - len(doubt)), "edge").astype(float)) > 0.25
     keep = np.linspace(0, len(fine) - 1, points).round().astype(int)
     # the middle of a pixel is where it was, whatever its size
-    return Traced((fine[keep] + 0.5) / part - 0.5, doubt[keep], error / part, seen / part, not (cut or doubt[-1]))
+    return Traced((fine[keep] + 0.5) / part - 0.5, doubt[keep], error / part, wide / part, not (cut or doubt[-1]))
 
 
 def reduced(grey, clamp, part):
@@ -322,11 +323,12 @@ def found_in(grey, clamp, body, ground, width, near, known):
 
 
 def refined(response, path, unsure, width):
-    """(a line through the middle of the body, whether a place of it is unsure, its scatter)"""
+    """(a line through the middle of the body, whether a place of it is unsure, its scatter, its width)"""
     line, at, s = resampled(path, max(1.0, 0.3 * width))
     doubt = np.interp(at, s, unsure.astype(float)) > 0.25
     line, _ = smoothed(line, doubt, width)
     for _ in range(2):
         line, across = centred(response, line, 1.2 * width)
         line, error = smoothed(line, doubt, width)
-    return line, doubt | (across > 1.6 * np.median(across)), error  # wider: it touches itself
+    # where it is wider it touches itself
+    return line, doubt | (across > 1.5 * np.median(across)), error, float(np.median(across))
