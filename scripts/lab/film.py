@@ -163,8 +163,8 @@ def main():
     parser.add_argument("--keep", help="directory in which films and pages stay")
     choice = parser.parse_args()
     os.environ.setdefault("OMP_NUM_THREADS", "1")
-    r = tendril.run(TUBE, **{n: f"{v}{u}" for n, (v, u) in TRUTH.items()}, rod_model="mixed", rod_cells=400,
-                    ts_rtol=1e-6, ts_max_time=f"{SECONDS}s", output_interval=f"{SECONDS / 80}s")
+    r = tendril.run(TUBE, **{n: f"{v}{u}" for n, (v, u) in TRUTH.items()}, rod_model="mixed", rod_cells=1200,
+                    ts_rtol=1e-7, ts_max_time=f"{SECONDS}s", output_interval=f"{SECONDS / 80}s")
     with tempfile.TemporaryDirectory(prefix="tendril-") as temporary:
         place = Path(choice.keep or temporary)
         place.mkdir(parents=True, exist_ok=True)

@@ -40,7 +40,7 @@ class Trial:
     points: int = 40  # of a photograph
     series: list = field(default_factory=list)
     options: dict = field(default_factory=dict)  # with {parameter} in their text
-    truth: dict = field(default_factory=lambda: {"rod_model": "mixed", "rod_cells": 400, "ts_rtol": 1e-6})
+    truth: dict = field(default_factory=lambda: {"rod_model": "mixed", "rod_cells": 1200, "ts_rtol": 1e-7})
 
     def run(self):
         """The run that is photographed."""

@@ -132,7 +132,7 @@ class Estimate:
         self.others, self.rest = prior + white[:, 1:].T @ white[:, 1:], white[:, 1:].T @ white[:, 0]
         spans = [np.ptp(b.place) for b in self.blocks]
         steps = [np.median(np.diff(np.sort(b.place))) for b in self.blocks if len(b.rows) > 2]
-        self.longest = max(0.5 * max(spans), 1e-12)
+        self.longest = max(0.25 * max(spans), 1e-12)  # what is alike over more is a shift
         self.shortest = min(max(np.median(steps) if steps else 0, 1e-3 * self.longest), 0.5 * self.longest)
 
     def group(self, theta) -> Group:
@@ -162,8 +162,8 @@ class Estimate:
         return -value if np.isfinite(value) else 1e10
 
     def find(self, near: Group | None = None):
-        """theta where the likelihood is largest: from errors that are all independent, and from some
-        that are all correlated; or from what is near."""
+        """theta where the likelihood is largest: from errors that are all independent, from some
+        that are all correlated, from shifts; or from what is near."""
         r, weight = self.values[:, :, 0], np.where(self.empty, 0, 1 / np.maximum(self.extra, 1e-300))
         self.unit = max(float(np.sqrt(np.sum(weight * r**2) / np.sum(self.empty == 0))), 1e-300)
         self.middle = np.log(self.unit)
@@ -171,6 +171,8 @@ class Estimate:
         low = np.array([self.middle + np.log(FLOOR), 0, np.log(self.shortest), 0])
         high = np.array([self.middle + 2, 10, np.log(self.longest), 10])
         starts = [[self.middle, 0.05, reach, 0.05], [self.middle - 1, 0.7, reach, 0.5 * self.lines]]
+        if self.lines:  # and from photographs that are only shifted
+            starts.append([self.middle - 0.3, 0.02, reach - 0.5, 0.6])
         if near:
             starts = [starts[0], [np.log(near.sigma), near.smooth / self.unit, np.log(near.reach), near.shift / self.unit]]
         found = [optimize.minimize(self.cost, np.clip(start, low, high), method="L-BFGS-B",

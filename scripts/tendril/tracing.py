@@ -195,7 +195,7 @@ class Skeleton:
             count = max(int(np.hypot(*(ahead[0] - path[-1]))), 1)
             between = path[-1] + (ahead[0] - path[-1]) * (np.arange(1, count)[:, None] / count)
             doubt = np.ones(len(between), bool)
-            near = min(int(1.5 * self.width), len(ahead), len(path))
+            near = min(int(2.5 * self.width), len(ahead), len(path))
             unsure[-near:] = True
             more = np.zeros(len(ahead), bool)
             more[:near] = True
