@@ -298,9 +298,9 @@ def certainty(errors: Errors, residuals, jacobian, prior, known=None, share=0.95
 
 
 def lasting(errors: Errors, residuals, bins=12):
-    """How much larger variances are because what a photograph errs by, the next one errs by, too: frames of a
-    film have one light, one lens, one threshold. With the correlation c of neighbours, (1 + c)/(1 - c), as
-    of an autoregressive series, at most as if all photographs were one."""
+    """How much larger variances are because what a photograph errs by, others err by, too: frames of a film have
+    one light, one lens, one threshold. 1 + 2 sum (1 - k/n) c_k of n photographs, with the correlation c_k over k
+    of them, as long as it is more than chance; n where all err alike."""
     rows = []
     for block in errors.blocks:
         if block.normal is not None:
@@ -312,15 +312,22 @@ def lasting(errors: Errors, residuals, bins=12):
     if len(rows) < 4:
         return 1.0
     table = np.array(rows)
-    pairs = table[:-1] * table[1:]
-    both = np.isfinite(pairs)
-    if np.sum(both) < 8:
+    squares = table**2
+    if not np.isfinite(squares).any():
         return 1.0
-    squares = 0.5 * (np.where(both, table[:-1], 0) ** 2 + np.where(both, table[1:], 0) ** 2)
-    limit = np.quantile(squares[both], 0.9)  # so that no single stray decides
-    c = np.sum(np.clip(pairs[both], -limit, limit)) / max(np.sum(np.minimum(squares[both], limit)), 1e-300)
-    c = c - 1.5 / np.sqrt(np.sum(both))  # what chance may bring
-    return float(min((1 + c) / (1 - c), len(table))) if 0 < c < 1 else 1.0 if c <= 0 else float(len(table))
+    limit = np.nanquantile(squares, 0.9)  # so that no single stray decides
+    factor = 1.0
+    for k in range(1, len(table)):
+        pairs = table[:-k] * table[k:]
+        both = np.isfinite(pairs)
+        if np.sum(both) < 8:
+            break
+        power = 0.5 * (np.minimum(squares[:-k], limit) + np.minimum(squares[k:], limit))[both]
+        c = np.sum(np.clip(pairs[both], -limit, limit)) / max(np.sum(power), 1e-300) - 1.5 / np.sqrt(np.sum(both))
+        if c <= 0:
+            break
+        factor += 2 * (1 - k / len(table)) * min(c, 1.0)
+    return float(factor)
 
 
 def weight_of(errors: Errors, jacobian, name):
