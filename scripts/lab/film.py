@@ -102,7 +102,10 @@ class Stage:
         thick = diameter * self.view.size
         along = np.gradient(line, axis=0)
         along /= np.hypot(*along.T)[:, None]
-        side = diameter / 2 * np.column_stack([-along[:, 1], along[:, 0]])
+        # a polygon that OpenCV fills reaches half a pixel beyond its edge
+        half = 0.5 / self.view.size
+        line = np.vstack([line[:-1], line[-1] - half * along[-1]])
+        side = (diameter / 2 - half) * np.column_stack([-along[:, 1], along[:, 0]])
         left, right = self.view(line + side), self.view(line - side)
         for k in range(len(line) - 1):  # piece by piece, for a rod may cross itself
             polygon(picture, np.array([left[k], left[k + 1], right[k + 1], right[k]]), self.body)

@@ -290,6 +290,10 @@ def certainty(errors: Errors, residuals, jacobian, prior, known=None, share=0.95
     spread = np.einsum("k,ka,kb->ab", shares, means - middle, means - middle)
     covariance = np.einsum("k,kab->ab", shares, covariances) + spread
     factor = lasting(errors, residuals)
+    # correlation is known from so many photographs only, in two directions each
+    count = sum(block.normal is not None for block in errors.blocks)
+    if count:
+        factor *= (stats.t.ppf((1 + share) / 2, max(2 * (count - 1), 2)) / stats.norm.ppf((1 + share) / 2)) ** 2
     covariance, covariances, means = factor * covariance, factor * covariances, np.sqrt(factor) * means
     middle = np.sqrt(factor) * middle
     deviations = np.sqrt(np.maximum(np.einsum("kaa->ka", covariances), 0))

@@ -248,9 +248,13 @@ def to_the_tip(response, path, width):
     ahead = path[-1] + steps[:, None] * heading
     level = ndimage.map_coordinates(response, ahead.T[::-1], order=1, mode="constant")
     inside = ndimage.map_coordinates(response, path[-back - 1:].T[::-1], order=1, mode="nearest")
-    beyond = np.flatnonzero(level < 0.5 * np.median(inside))
-    reach = steps[beyond[0]] if len(beyond) else 0.0
-    return np.vstack([path, path[-1] + reach * heading]) if reach > 0.3 else path
+    half = 0.5 * np.median(inside)
+    beyond = np.flatnonzero(level < half)
+    if not len(beyond) or beyond[0] == 0:
+        return path
+    k = beyond[0]
+    reach = steps[k] - 0.25 * (half - level[k]) / max(level[k - 1] - level[k], 1e-12)
+    return np.vstack([path, path[-1] + reach * heading]) if reach > 0.1 else path
 
 
 def smoothed(path, unsure, width):
@@ -326,6 +330,10 @@ def refined(response, path, unsure, width):
     """(a line through the middle of the body, whether a place of it is unsure, its scatter, its width)"""
     line, at, s = resampled(path, max(1.0, 0.3 * width))
     doubt = np.interp(at, s, unsure.astype(float)) > 0.25
+    # the skeleton of a flat end, or at a hand, runs into a corner: to_the_tip() goes straight there
+    cut = int(0.8 * width / max(at[1] - at[0], 1e-12))
+    if len(line) > 2 * cut + 4:
+        line, doubt = line[cut:-cut or None], doubt[cut:-cut or None]
     line, _ = smoothed(line, doubt, width)
     for _ in range(2):
         line, across = centred(response, line, 1.2 * width)
