@@ -24,6 +24,7 @@ HUBER = 1.345  # 95 % efficiency for normal noise
 STEP, FINE_STEP = 3e-3, 1e-2  # of differences, in parts of a parameter's bounds: forward, central
 SHAPES = 120  # stored in a run, between which shapes are interpolated
 FINEST = 1e-5  # the accuracy that runs are made with at best
+WEAK = 10.0  # by so many times a prior is made wider during the search
 FAILED = 1e3  # a residual, in noise, of a run that failed
 
 
@@ -259,7 +260,8 @@ class Problem:
                 name, max(told / freedom, least))
         beside = {ENDS: self.noise.get(LINES), BARE: BARE_NOISE * spreads.get(LINES, 0)}
         sizes = self.noise | beside
-        self.sigma = np.array([sizes[name] for name in groups] + [1.0] * len(self.priors))
+        # while the noise is a guess what was known beforehand must not outweigh the points
+        self.sigma = np.array([sizes[name] for name in groups] + [WEAK] * len(self.priors))
 
     def raw_jacobian(self, u, central=False):
         """[residual, number], of raw residuals, by forward or central differences."""
@@ -282,7 +284,8 @@ class Problem:
         of generalised least squares."""
         (r,) = self.run([u])
         raw = self.raw(u, r)
-        self.errors = estimate(self.comparison.blocks, raw, jacobian, self.sigma,
+        alone = np.r_[self.sigma[:len(raw) - len(self.priors)], np.ones(len(self.priors))]
+        self.errors = estimate(self.comparison.blocks, raw, jacobian, alone,
                                self.prior_information(len(u)), self.told_noise)
         self.noise = {name: g.total for name, g in self.errors.groups.items()}
         return raw
