@@ -40,6 +40,17 @@ file(GLOB scenes options/*.opts)
 install(FILES ${scenes} DESTINATION ${CMAKE_INSTALL_DATADIR}/tendril/options)
 install(DIRECTORY options/data DESTINATION ${CMAKE_INSTALL_DATADIR}/tendril/options)
 
+# The Python package. In a wheel, with the program and the scenes; in Debian's own place where Debian's
+# own prefix is asked for, as the .deb does, with the gallery.
+if(SKBUILD)
+  install(TARGETS tendril RUNTIME DESTINATION ${SKBUILD_SCRIPTS_DIR} COMPONENT wheel)
+  install(FILES ${scenes} DESTINATION ${SKBUILD_PLATLIB_DIR}/tendril/options COMPONENT wheel)
+  install(DIRECTORY options/data DESTINATION ${SKBUILD_PLATLIB_DIR}/tendril/options COMPONENT wheel)
+endif()
+set(CPACK_PACKAGE_CONTACT "the tendril authors <tendril@example.org>")
+configure_file(cmake/debian.cmake.in ${PROJECT_BINARY_DIR}/debian.cmake @ONLY)
+install(SCRIPT ${PROJECT_BINARY_DIR}/debian.cmake)
+
 if(NOT TARGET uninstall)
   add_custom_target(uninstall COMMAND ${CMAKE_COMMAND} -P ${PROJECT_SOURCE_DIR}/cmake/uninstall.cmake
                     WORKING_DIRECTORY ${PROJECT_BINARY_DIR})
@@ -48,13 +59,19 @@ endif()
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME tendril)
 set(CPACK_PACKAGE_VENDOR tendril)
-set(CPACK_PACKAGE_CONTACT "the tendril authors <tendril@example.org>")
-set(CPACK_PACKAGE_DESCRIPTION_SUMMARY ${PROJECT_DESCRIPTION})
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "slow growth of an elastic fibre that friction holds back")
+set(CPACK_DEBIAN_PACKAGE_DESCRIPTION
+    "tendril computes how a root, a vine robot, a cable or a catheter moves
+that lengthens slowly against friction: its shape, forces and energies,
+and the length at which its straight shape gives way. The program, a C
+library with headers, the Python package tendril, and a gallery of scenes.")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_DEPENDS openmpi-bin)
+set(CPACK_DEBIAN_PACKAGE_DEPENDS
+    "openmpi-bin, python3, python3-numpy, python3-scipy, python3-h5py, python3-matplotlib, python3-pandas, python3-xarray, python3-tqdm")
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "slepc-dev, libhdf5-openmpi-dev, paraview")
 include(CPack)

@@ -1,6 +1,7 @@
 # Shared by the scripts beside it (sourced): works from the root of the repository, sets what MPI
-# needs, and has `logged` and `build`.
-# shellcheck shell=bash
+# needs, and has `logged` and `build`. Files that a user names count from where the user is: scripts
+# that take any go back there, `cd "$started"`, and name the project's own by "$root".
+# shellcheck shell=bash disable=SC2034
 # -h behind any of them: what stands at its head
 case ${1:-} in
 -h | --help)
@@ -8,7 +9,9 @@ case ${1:-} in
   exit
   ;;
 esac
+started=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")/.." || exit
+root=$PWD
 # Open MPI refuses root without these; one thread per rank, for BLAS.
 export PYTHONPATH=$PWD/scripts${PYTHONPATH:+:$PYTHONPATH} # the package tendril
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMP_NUM_THREADS=1

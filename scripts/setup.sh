@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # Puts on this machine what tendril needs, where it is missing: Debian's packages (as root or with
 # sudo) and a virtual environment for the Python package, .venv. Does nothing when all is there.
-#   scripts/setup.sh
+#   scripts/setup.sh [tests]       tests: also what only these need
 set -euo pipefail
 # shellcheck source-path=SCRIPTDIR
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 packages=(gcc make cmake pkg-config libopenmpi-dev openmpi-bin libhdf5-openmpi-dev liblapack-dev
-          libcmocka-dev clang-format valgrind python3-venv)
+          python3-venv)
+if [ "${1:-}" = tests ]; then packages+=(libcmocka-dev clang-format valgrind); fi
 if [ -z "${PETSC_DIR:-}" ]; then packages+=(petsc-dev); fi
 if [ -z "${SLEPC_DIR:-}" ]; then packages+=(slepc-dev); fi
 log=build/setup.log

@@ -10,7 +10,8 @@
 # points are listed at the end and in DIRECTORY/failed.*; their messages are in DIRECTORY/*.log.
 # As a Slurm job array, the same command: each task takes its share of the points.
 #   sbatch --array=0-99 scripts/sweep.sh DIRECTORY ... -- ...
-# TENDRIL names the executable (build/tendril), MPIEXEC what starts it on several cores (mpiexec).
+# Files and directories count from where one is.
+# TENDRIL names the executable (build/tendril of the project), MPIEXEC what starts it on several cores (mpiexec).
 set -euo pipefail
 here=$(dirname "${BASH_SOURCE[0]}")
 # In a job array the script is a copy elsewhere; it is started from the repository.
@@ -100,7 +101,8 @@ one() {
   return 1
 }
 
-export TENDRIL=${TENDRIL:-build/tendril}
+cd "$started"
+export TENDRIL=${TENDRIL:-$root/build/tendril}
 # Open MPI then starts a single process without a daemon of its own; several where they may run, as
 # many as are asked for (by one name up to version 4, by another from 5 on).
 export OMPI_MCA_ess_singleton_isolated=1 OMPI_MCA_rmaps_base_oversubscribe=1 \
@@ -156,6 +158,12 @@ keep() {
   mv "$1.$$" "$1"
 }
 mkdir -p "$directory/running"
+# One sweep at a time (and task of a job array): a second would take away what the first is writing.
+export SWEEP_ID=${SLURM_ARRAY_TASK_ID:-all} # each task of a job array keeps its own account
+if command -v flock >/dev/null; then
+  exec 9>>"$directory/running/lock.$SWEEP_ID"
+  flock -n 9 || fail "$directory: another sweep is at work there; wait for its end, or give another directory"
+fi
 lines=
 if [ ${#fixed[@]} -gt 0 ]; then printf -v lines '%s\n' "${fixed[@]}"; fi
 keep "$directory/options" "$lines"
@@ -177,13 +185,12 @@ grow | critical) jobs=${jobs:-$(cores)} ;;
 *) jobs=${jobs:-$((2 * $(cores)))} ;; # short processes mostly wait for MPI to start and end
 esac
 echo "sweep: ${#points[@]} points, ${#mine[@]} to run here, $jobs at a time, in $directory"
-export SWEEP_ID=${SLURM_ARRAY_TASK_ID:-all} # each task of a job array keeps its own account
 failed=$directory/failed.$SWEEP_ID
 rm -f "$failed"
 if [ ${#mine[@]} -gt 0 ] && [[ $job =~ ^(grow|critical)$ ]]; then
   together "$directory" "$job" $((jobs < ${#mine[@]} ? jobs : ${#mine[@]})) "${mine[@]}"
 elif [ ${#mine[@]} -gt 0 ]; then
-  printf '%s\0' "${mine[@]}" | xargs -0 -P "$jobs" -I {} "$here/sweep.sh" --one "$directory" {}
+  printf '%s\0' "${mine[@]}" | xargs -0 -P "$jobs" -I {} "$root/scripts/sweep.sh" --one "$directory" {}
 fi
 if [ -s "$failed" ]; then
   sort -o "$failed" "$failed"

@@ -354,6 +354,30 @@ COLUMNS = ("method", "group", "cell", "verdict", "reason", "error", "tip", "norm
            "seconds", "steps", "rejected", "newton", "reached", "options", "scene_options",
            "message")
 
+# what README shows: some methods, and the groups of rods that part them
+SHORT_METHODS = ("default", "auto", "mixed", "PETSc's bdf 5", "backward Euler, start extrapolated",
+                 "primal Newton", "MUMPS", "paper's elements", "PyElastica")
+SHORT_GROUPS = ("decay", "growth", "amplitude", "corners")
+
+
+def draw_short(table, base):
+    """A part of the atlas, from its table, of a size that can be read on a page."""
+    with open(table, newline="") as file:
+        rows = list(csv.DictReader(file))
+    found = [(r["method"], r["group"], r["cell"], r | {"seconds": float(r["seconds"] or 0)}) for r in rows
+             if r["method"] in SHORT_METHODS and r["group"].startswith(SHORT_GROUPS)
+             and not r["group"].startswith("decay, $N")]
+    methods = [m for m in SHORT_METHODS if any(f[0] == m for f in found)]
+    with plt.rc_context(STYLE):
+        fig, ax = plt.subplots(figsize=(7.0, 3.3))
+        ax.set_xlim(-0.7, draw_block(ax, found, methods) - 0.3)
+        handles = [plt.Rectangle((0, 0), 1, 1, fc=COLOUR[v], ec="none", label=NAMES[v].split(" (")[0])
+                   for v in COLOUR if any(f[3]["verdict"] == v for f in found)]
+        fig.legend(handles=handles, ncol=5, loc="lower center", fontsize=8)
+        fig.tight_layout(rect=(0, 0.06, 1, 1))
+        fig.savefig(f"{base}-short.png", dpi=200)
+        plt.close(fig)
+
 
 def table(found, path):
     with open(path, "w", newline="") as file:
@@ -391,11 +415,15 @@ def main():
     parser.add_argument("--kept", metavar="CSV", help="take up an earlier table; run what is new")
     parser.add_argument("--methods", default="", metavar="NAME,...")
     parser.add_argument("--again", default="", metavar="METHOD,...", help="repeat these")
+    parser.add_argument("--short", metavar="CSV", help="draw README's part from this table, and no more")
     arguments = parser.parse_args()
+    if arguments.short:
+        return draw_short(arguments.short, arguments.short.removesuffix(".csv"))
     place, store = workplace("atlas", arguments.quick)
     found = measure_all(store, arguments)
     table(found, place / "atlas.csv")
     draw_map(found, place / "atlas")
+    draw_short(place / "atlas.csv", place / "atlas")
     draw_profile(found, place / "atlas")
     lost = summary(found)
     print(f"atlas: {len(found)} runs; {place}/atlas.csv, .png, -profile.png; "

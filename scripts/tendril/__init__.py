@@ -5,29 +5,44 @@
     tendril.plot(r).savefig("feed.png")
 
 What is here is imported when it is first asked for: reading a file does not wait for matplotlib.
+The logger "tendril" tells the command lines that are run (INFO) and what they print (DEBUG).
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+__version__ = "0.2.0"  # that of CMakeLists.txt
+
 if TYPE_CHECKING:
+    from .barriers import circle, conduit, plane, polygon
+    from .collection import Sweep
+    from .ensembles import ensemble
     from .errors import ResultsError, RunError, TendrilError
     from .comparison import compare
     from .filming import Filmed, measure
     from .films import animate
     from .fitting import Fit, fit
+    from .maps import map
     from .page import view
     from .pictures import plot
     from .results import Results, Shape, load
     from .samples import profile, sample
     from .runs import Critical, critical, run
-    from .sweeps import Sweep, sweep
+    from .sweeps import sweep
 
+<<<<<<< HEAD
 _HOME = {"ResultsError": "errors", "RunError": "errors", "TendrilError": "errors",
          "animate": "films", "Fit": "fitting", "fit": "fitting", "compare": "comparison", "profile": "samples", "sample": "samples",
          "Filmed": "filming", "measure": "filming", "view": "page", "plot": "pictures",
          "Results": "results", "Shape": "results", "load": "results", "Critical": "runs",
          "critical": "runs", "run": "runs", "Sweep": "sweeps", "sweep": "sweeps"}
+=======
+_HOME = {"circle": "barriers", "conduit": "barriers", "plane": "barriers", "polygon": "barriers",
+         "ResultsError": "errors", "RunError": "errors", "TendrilError": "errors",
+         "animate": "films", "ensemble": "ensembles", "Fit": "fitting", "fit": "fitting", "map": "maps",
+         "view": "page", "plot": "pictures", "Results": "results", "Shape": "results", "load": "results",
+         "Critical": "runs", "critical": "runs", "run": "runs", "Sweep": "collection", "sweep": "sweeps"}
+>>>>>>> main
 __all__ = sorted(_HOME)
 
 
@@ -38,4 +53,4 @@ def __getattr__(name):
 
 
 def __dir__():
-    return __all__
+    return [*__all__, "__version__"]

@@ -1,9 +1,11 @@
-"""The commands behind the shell scripts: python -m tendril COMMAND ..., each with -h."""
+"""The commands behind the shell scripts: python -m tendril COMMAND ..., or tendril-py COMMAND ..., each
+with -h."""
 
 import os
 import sys
 from importlib import import_module
 
+<<<<<<< HEAD
 COMMANDS = {"plot": "pictures", "animate": "films", "view": "page", "fit": "fit_command", "measure": "filming",
             "map": "map", "ensemble": "ensemble", "growth_table": "growth_table",
             "stability": "plot_stability"}
@@ -14,14 +16,29 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 
 def main(words):
+=======
+COMMANDS = {"plot": "pictures", "animate": "films", "view": "page", "fit": "fit_command",
+            "map": "maps", "ensemble": "ensembles", "growth_table": "growth_table",
+            "stability": "plot_stability"}
+
+
+def main(words=None):
+    words = sys.argv[1:] if words is None else words
+    known = ", ".join(COMMANDS)
+    if words and words[0] in ("-h", "--help"):
+        print(f"python -m tendril COMMAND ...: {known}; -h behind it tells how")
+        return 0
+    if words and words[0] == "--version":
+        from . import __version__
+
+        print(f"tendril {__version__}")
+        return 0
+>>>>>>> main
     if not words or words[0] not in COMMANDS:
-        known = ", ".join(COMMANDS)
-        print(f"python -m tendril COMMAND ...: {known}; -h behind it tells how"
-              if words and words[0] in ("-h", "--help") else f"tendril: give a command, {known}",
-              file=sys.stdout if words and words[0] in ("-h", "--help") else sys.stderr)
-        return 0 if words and words[0] in ("-h", "--help") else 2
+        print(f"tendril: give a command, {known}", file=sys.stderr)
+        return 2
     return import_module(f".{COMMANDS[words[0]]}", __package__).main(words[1:])
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main())

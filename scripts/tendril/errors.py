@@ -1,5 +1,9 @@
 """What can go wrong, in one plain line each."""
 
+import re
+
+OPTION = re.compile(r"(?<![\w=/.-])-([a-z][a-z0-9_]*[a-z0-9])\b")
+
 
 class TendrilError(Exception):
     """What is asked for cannot be done."""
@@ -10,11 +14,12 @@ class ResultsError(TendrilError):
 
 
 class RunError(TendrilError):
-    """A run that tendril refused or gave up: its own line, without its name in front.
+    """A run that tendril refused or gave up: its own line, without its name in front, and with options
+    named as Python has them, friction_mu for -friction_mu.
 
     command  as it was started, a list of words
     results  what was stored before, None if nothing was"""
 
     def __init__(self, line, command=(), results=None):
-        super().__init__(line)
+        super().__init__(OPTION.sub(r"\1", line))
         self.command, self.results = list(command), results

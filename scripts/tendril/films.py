@@ -18,11 +18,13 @@ from matplotlib.animation import FFMpegWriter, PillowWriter
 from matplotlib.colors import AsinhNorm
 
 from .errors import ResultsError, TendrilError
-from .results import Results, load
+from .results import Results, load, runs_of
 from .style import STYLE
-from .surroundings import axial_force, contact_force, friction
+from .progress import bar
+from .surroundings import axial_force, friction
+from .style import InStyle
 from .units import Units, moment
-from .walls import ThickLine, ThickSegments, diameter_of, draw_contact, draw_walls
+from .walls import (RIM, ThickLine, ThickSegments, diameter_of, draw_contact, draw_walls, strongest_contact)
 
 ARROWS = 28
 
@@ -44,23 +46,25 @@ class Film:
             middle, half = (low[1] + high[1]) / 2, 0.2 * (high[0] - low[0])
             low[1], high[1] = middle - half, middle + half
         aspect = (high[1] - low[1]) / (high[0] - low[0])
-        self.figure, ax = plt.subplots(figsize=(6, min(5.2 * aspect + 0.7, 8)),
-                                       layout="constrained")
+        self.figure = plt.figure(figsize=(6, min(5.2 * aspect + 0.7, 8)), layout="constrained",
+                                 FigureClass=InStyle)
         plt.close(self.figure)
+        ax = self.figure.subplots()
         ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]),
                xlabel=units.label("$x_1$", "length"), ylabel=units.label("$x_2$", "length"))
         ax.set_aspect("equal")
+        ax.update_datalim([low, high])
         draw_walls(ax, r, unit, room=False)
         self.ax = ax
-        self.most = max(np.hypot(*contact_force(r, s).T).max() for s in shapes)
+        self.most = strongest_contact(r, shapes)
         self.outline = ThickLine([], [], color="#333333", solid_capstyle="round")
         ax.add_line(self.outline)
         self.rod = ThickSegments([], cmap="coolwarm_r", capstyle="round", zorder=3,
                                  norm=AsinhNorm(strongest / 20, -strongest, strongest))
         ax.add_collection(self.rod)
         # as thick as the rod is, and not thinner than can be seen
-        for line, least in ((self.outline, 3.2), (self.rod, 2.2)):
-            line.width, line.least = unit * diameter_of(r), least
+        for line, least, rim in ((self.outline, 3.2, 0), (self.rod, 2.2, RIM)):
+            line.width, line.least, line.rim = unit * diameter_of(r), least, rim
         ax.plot(0, 0, "ks", ms=4, zorder=4)
         nothing = np.zeros(ARROWS)
         # the strongest friction is drawn as long as a twelfth of the picture's width
@@ -73,6 +77,13 @@ class Film:
                              ticks=[-v for v in steps] + [0] + steps,
                              label=units.label(r"axial force $n \cdot q$", "force")
                              + " (compression < 0)")
+        factor, name = units.unit("N")
+        ax.quiverkey(self.arrows, 0.9, 0.96, drag, f"friction {factor * drag:.2g} {name}".rstrip(), labelpos="W",
+                     labelcolor="#555555", fontproperties={"size": 7}, labelsep=0.05).set_zorder(6)
+        self.extent = (high - low).max()
+        if self.most:
+            ax.set_title(f"longest arrow: contact {factor * self.most:.2g} {name or 'per length'}", loc="right",
+                         color="#D55E00", fontsize=7)
         self.title = ax.set_title("", loc="left", fontfamily="monospace", fontsize=8)
 
     def show(self, k):
@@ -84,7 +95,7 @@ class Film:
         if self.pressed:
             self.pressed.remove()
         self.pressed = draw_contact(self.ax, self.r, shape, self.units.of("length", 1.0),
-                                    self.most)
+                                    self.most, self.extent)
         x, drag = friction(self.r, shape, ARROWS)
         self.arrows.set_offsets(self.units.of("length", x))
         self.arrows.set_UVC(*drag.T)
@@ -101,26 +112,28 @@ def writer_of(output, rate):
         return FFMpegWriter(fps=rate)
     if output.suffix == ".gif":
         return PillowWriter(fps=rate)
-    raise ResultsError(f"--output {output}: give a name that ends in .gif or .mp4")
+    raise ResultsError(f"output {output}: give a name that ends in .gif or .mp4")
 
 
 def animate(r: Results, output: str | Path, *, begin: float | str = 0, end: float | str = "inf",
-            si: bool = False, frames: int = 160, rate: int = 20) -> int:
+            si: bool = False, frames: int = 160, rate: int = 20, progress: bool | None = None) -> int:
     """Writes a film of a run, .gif or .mp4; the number of its frames.
 
     begin, end  of the film, dimensionless or with a unit, "20s"
     si          in units of the laboratory that suit the run
-    frames      at most so many
-    rate        frames a second"""
+    frames      at most so many, the first and the last shape among them
+    rate        frames a second
+    progress    a bar; None: in a terminal and in a notebook"""
     output = Path(output)
     writer = writer_of(output, rate)
-    first, last = moment("--from", begin, [r]), moment("--to", end, [r])
+    (r,) = runs_of(r, "animate")
+    first, last = moment("begin", begin, [r]), moment("end", end, [r])
     times = [t for t in r.shapes.get("t", ()) if first * (1 - 1e-9) <= t <= last * (1 + 1e-9)]
     if not times:
         raise ResultsError(f"{r.path}: holds no shape in that time")
-    every = -(-len(times) // max(frames, 1))
-    with plt.rc_context(STYLE):
-        film = Film(r, [r.at(t) for t in times[::every]], Units([r] if si else ()))
+    chosen = np.unique(np.linspace(0, len(times) - 1, min(len(times), max(frames, 2))).round().astype(int))
+    with plt.rc_context(STYLE), bar(progress, len(chosen)) as shown:
+        film = Film(r, [r.at(times[k]) for k in chosen], Units([r] if si else ()))
         film.show(0)
         film.figure.draw_without_rendering()
         film.figure.set_layout_engine("none")  # laid out once, not for every frame
@@ -128,6 +141,7 @@ def animate(r: Results, output: str | Path, *, begin: float | str = 0, end: floa
             for k in range(len(film.shapes)):
                 film.show(k)
                 writer.grab_frame()
+                shown.update()
     return len(film.shapes)
 
 

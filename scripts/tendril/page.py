@@ -18,11 +18,13 @@ from pathlib import Path
 from typing import Sequence
 
 import numpy as np
+from matplotlib.colors import to_hex
 
 from .errors import ResultsError, TendrilError
-from .results import Results, load
+from .pictures import colours, name_of, symbol_of
+from .results import FAR, Results, load, runs_of
 from .style import COLOURS
-from .surroundings import arc_length, axial_force, contact_force, friction, walls
+from .surroundings import axial_force, friction, pressed, walls
 from .units import in_laboratory, laboratory_units
 from .walls import diameter_of
 
@@ -57,30 +59,37 @@ def thinned(count, most):
     return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
 
 
-def pressed(r, shape):
-    """([ARROWS, 2] places, [ARROWS, 2] force of contact per length): the strongest in each piece of the
-    rod; it acts on the rod's surface."""
-    force, p = contact_force(r, shape), arc_length(shape)
-    size = np.hypot(*force.T)
-    piece = np.minimum((p / p[-1] * ARROWS).astype(int), ARROWS - 1)
-    at = [max(np.flatnonzero(piece == k), key=size.__getitem__, default=0) for k in range(ARROWS)]
-    away = force[at] / np.maximum(size[at], 1e-300)[:, None]
-    return shape.x[at] - diameter_of(r) / 2 * away, force[at]
+def moves_straight(r, kept):
+    """[kept - 1] of each pair of stored shapes that follow each other: 1 if the rod may be drawn between
+    them in a straight motion, which is then where the series have it; else 0, and the stored are shown."""
+    x, t = r.shapes.x[kept], r.shapes.t[kept]
+    middle = np.argmin(np.abs(r.shapes.s - 0.5))
+    tip = np.column_stack([r.series[name] for name in ("tip_x1", "tip_x2", "tip_x3") if name in r.series])
+    fair = np.ones(max(len(kept) - 1, 0))
+    for k in range(len(fair)):
+        within = np.flatnonzero((r.series.t > t[k]) & (r.series.t < t[k + 1]))
+        w = ((r.series.t[within] - t[k]) / (t[k + 1] - t[k]))[:, None]
+        ends = x[k, -1, :tip.shape[1]] * (1 - w) + x[k + 1, -1, :tip.shape[1]] * w
+        halves = x[k, middle] * (1 - w) + x[k + 1, middle] * w
+        off = [np.linalg.norm(ends - tip[within], axis=1),
+               np.abs(np.linalg.norm(halves, axis=1) - r.series.mid_distance[within])]
+        fair[k] = np.max(off, initial=0) <= FAR * r.value("length", t[k + 1])
+    return fair
 
 
 def shapes_of(r):
     """What moves: arrays by name, [stored time, ...], thinned to what a page holds."""
-    nodes = thinned(len(r.shapes.s), MOST_NODES)
+    nodes, kept = thinned(len(r.shapes.s), MOST_NODES), thinned(len(r.shapes.t), MOST_SHAPES)
     names = ["t", "x", "axial", "places", "friction"]
     names += ["touched", "contact"] if "contact" in r.shapes else []
     table = {name: [] for name in names}
-    for t in r.shapes.t[thinned(len(r.shapes.t), MOST_SHAPES)]:
-        shape = r.at(t)
+    for k in kept:
+        shape = r.stored(k)
         values = [shape.t, shape.x[nodes], axial_force(shape)[nodes], *friction(r, shape, ARROWS)]
-        values += pressed(r, shape) if "contact" in table else []
+        values += pressed(r, shape, ARROWS) if "contact" in table else []
         for name, value in zip(names, values):
             table[name].append(value)
-    return {name: np.asarray(rows) for name, rows in table.items()}
+    return {name: np.asarray(rows) for name, rows in table.items()} | {"fair": moves_straight(r, kept)}
 
 
 def summary_of(r):
@@ -102,7 +111,7 @@ def run_of(r, title, colour, shapes, units):
         "series": {name: packed(values) for name, values in r.series.items()},
         "shapes": {name: packed(values) for name, values in shapes.items()},
         "widths": {name: int(np.prod(values.shape[1:])) for name, values in shapes.items()
-                   if name != "t"},
+                   if name not in ("t", "fair")},
         "walls": [{part: [np.ravel(line).tolist() for line in lines]
                    for part, lines in zip(("body", "lines"), wall)} for wall in walls(r)],
         "diameter": diameter_of(r),
@@ -115,25 +124,33 @@ def charts_of(results):
     units = {name: r.units.get(f"series/{name}", "1") for r in results for name in r.series}
     charts = [(title, [n for n in names if n in present], log) for title, names, log in CHARTS]
     drawn = {name for _, names, _ in charts for name in names}
-    charts += [(name.replace("_", " "), [name], False) for name in present if name not in drawn]
+    charts += [(plain(name_of(name)), [name], False) for name in present if name not in drawn]
     return [{"title": title, "series": names, "log": log, "unit": units[names[0]]}
             for title, names, log in charts if names]
+
+
+def plain(text):
+    """A label without mathtext: |x(1/2)|, x₁, θ."""
+    text = text.translate(str.maketrans("", "", "$")).replace(r"\|", "‖").replace(r"\theta", "θ")
+    return re.sub("_([0-9])", lambda found: "₀₁₂₃₄₅₆₇₈₉"[int(found[1])], text)
 
 
 def content_of(results, titles):
     """What the page's script draws; arrays are dimensionless, the script has the units."""
     units = laboratory_units(results)
     shapes = [shapes_of(r) for r in results]
+    shades = [to_hex(shade) for shade in colours(len(results))]
     drag = [np.percentile(np.hypot(*np.moveaxis(s["friction"], -1, 0)), 95) for s in shapes]
     press = [np.hypot(*np.moveaxis(s["contact"], -1, 0)).max() for s in shapes if "contact" in s]
     summary = [(text, results[0].units.get(f"series/{name}", "1")) for text, name in SUMMARY]
     summary += [(text, "1") for text in ("steps", "Newton iterations", "finished", "ended by",
                                           "version")]
     return {
-        "runs": [run_of(r, title, COLOURS[i % len(COLOURS)], shape, units)
-                 for i, (r, title, shape) in enumerate(zip(results, titles, shapes))],
+        "runs": [run_of(r, title, shade, shape, units)
+                 for r, title, shape, shade in zip(results, titles, shapes, shades)],
         "charts": charts_of(results), "summary": summary, "colours": COLOURS,
-        "names": {name: name.replace("_", " ") for r in results for name in r.series},
+        "names": {name: plain(name_of(name)) for r in results for name in r.series},
+        "symbols": {name: plain(symbol_of(name)) for r in results for name in r.series},
         "units": {unit: name for unit, (name, _) in units.items()},
         "notes": {name: r.notes.get(f"series/{name}", "") for r in results for name in r.series},
         "drag": float(max(drag)) or 1.0, "press": float(max(press, default=0)) or 1.0,
@@ -153,21 +170,36 @@ def page_of(content, title):
     return re.sub("@([a-z]+)@", lambda found: parts[found[1]], (WEB / "page.html").read_text())
 
 
-def view(results: Results | Sequence[Results], output: str | Path,
-         titles: Sequence[str] | None = None) -> Path:
-    """Writes a page for a browser of one run, or of several in one picture; its path.
+class Page:
+    """A page as text, which a notebook shows inline, and save() keeps."""
+
+    def __init__(self, text):
+        self.text = text
+
+    def save(self, path) -> Path:
+        Path(path).write_text(self.text, encoding="utf-8")
+        return Path(path)
+
+    def _repr_html_(self):
+        return (f'<iframe srcdoc="{html.escape(self.text)}" style="width: 100%; height: 640px; border: 0" '
+                'title="tendril"></iframe>')
+
+
+def view(results: Results | Sequence[Results], output: str | Path | None = None,
+         titles: Sequence[str] | None = None) -> Path | Page:
+    """Writes a page for a browser of one run, or of several in one picture; its path. Without output the
+    page itself, which a notebook shows.
 
     titles  of the runs; None: the names of their files"""
-    runs = [results] if isinstance(results, Results) else list(results)
+    runs = runs_of(results, "view")
     titles = list(titles or [r.name for r in runs])
     if len(titles) != len(runs):
         raise ResultsError(f"view: {len(titles)} titles for {len(runs)} runs")
     for r in runs:
         if not len(r.series.get("t", ())) or not len(r.shapes.get("t", ())):
             raise ResultsError(f"{r.path}: holds no stored shape to show")
-    output = Path(output)
-    output.write_text(page_of(content_of(runs, titles), " · ".join(titles)), encoding="utf-8")
-    return output
+    page = Page(page_of(content_of(runs, titles), " · ".join(titles)))
+    return page if output is None else page.save(output)
 
 
 def main(arguments=None):

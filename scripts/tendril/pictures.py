@@ -8,13 +8,14 @@
 
 Symbols are those of the README; all is dimensionless, or with --si in the units of the laboratory.
 
-panels: {panels}, or the name of any series of the file (docs/results.md), or several in one,
-joined by +"""
+panels: {panels}, all of them as "all", or the name of any series of the file (docs/results.md), or
+several in one, joined by +"""
 
 from __future__ import annotations
 
 import argparse
 import itertools
+import re
 import sys
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -24,6 +25,7 @@ from typing import TYPE_CHECKING, Sequence
 import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.backends.backend_agg import RendererAgg
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
@@ -32,12 +34,13 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from . import plot_stability
 from .errors import ResultsError, TendrilError
-from .results import Results, load
-from .style import BLUE, COLOURS, GREEN, GREY, ORANGE, RED, STYLE
-from .units import KINDS, Units, moment
-from .walls import draw_contact, draw_rod, draw_walls
+from .results import Results, load, runs_of
+from .style import BLUE, COLOURS, GREEN, GREY, ORANGE, RED, STYLE, InStyle, save
+from .units import Units, moment
+from .walls import draw_contact, draw_rod, draw_walls, strongest_contact
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 STYLES = ("-", "--", ":", "-.", (0, (4, 1, 1, 1, 1, 1)))
@@ -56,7 +59,7 @@ class View:
 
     def colour(self, r, otherwise):
         """In an overlay a run has its colour in all panels."""
-        return COLOURS[self.results.index(r) % len(COLOURS)] if self.overlay else otherwise
+        return colours(len(self.results))[self.results.index(r)] if self.overlay else otherwise
 
     def style(self, r, number, otherwise):
         """In an overlay lines of one run are told apart by their style."""
@@ -68,7 +71,22 @@ class View:
             return [t for t in self.times if t <= end]
         if self.overlay:  # the same for all
             r = min(self.results, key=lambda r: r.shapes.t[-1])
-        return sorted({r.at(r.shapes.t[-1] * k / 4).t for k in (1, 2, 3, 4)})
+        return sorted({shape_of(r, r.shapes.t[-1] * k / 4).t for k in (1, 2, 3, 4)})
+
+
+def colours(count) -> list:
+    """As many colours as there are runs: those of the style, or if there are more evenly along a map."""
+    if count <= len(COLOURS):
+        return list(COLOURS[:count])
+    return [tuple(shade) for shade in colormaps["viridis"](np.linspace(0, 0.94, count))]
+
+
+def shape_of(r, t):
+    """The shape at a time; where too few are stored to tell it, the stored one that is nearest."""
+    try:
+        return r.at(t)
+    except ResultsError:
+        return r.at(t, nearest=True)
 
 
 def power_of_ten(value):
@@ -137,16 +155,18 @@ def panel_norm(ax, r, view):
         ax.text(0.5, 0.5, r"$x_2 = 0$ throughout", transform=ax.transAxes, ha="center")
 
 
-def curves(kind, label, *lines):
-    """A panel of lines over time: (series, label, colour, style); a series the file lacks is left
-    out."""
+def curves(unit, label, *lines):
+    """A panel of lines over time, in a unit of the file: (series, label, colour, style); a series the
+    file lacks is left out."""
     def panel(ax, r, view):
+        factor, name_of_unit = view.units.unit(unit)
         for number, (name, text, colour, style) in enumerate(lines):
             if name in r.series:
-                ax.plot(view.units.of("time", r.series.t), view.units.of(kind, r.series[name]),
+                ax.plot(view.units.of("time", r.series.t), factor * r.series[name],
                         linestyle=view.style(r, number, style), color=view.colour(r, colour),
                         label=text)
-        ax.set_ylabel(view.units.label(label, kind))
+        typeset = re.sub(r"\^\(?([0-9/]+)\)?", r"$^{\1}$", name_of_unit)
+        ax.set_ylabel(f"{label} ({typeset})" if typeset else label)
 
     return panel
 
@@ -156,7 +176,7 @@ def panel_power(ax, r, view):
     if any(np.abs(run.series.get("tip_power", 0)).max() > 1e-4 * run.series.growth_power.max()
            for run in view.results):
         lines.append(("tip_power", "tip", GREEN, ":"))
-    curves("power", "power", *lines)(ax, r, view)
+    curves("N l V", "power", *lines)(ax, r, view)
 
 
 def panel_defect(ax, r, view):
@@ -173,7 +193,7 @@ def draw_shapes(ax, r, view, line):
     # a time has its colour in all columns, also if some runs end before the last
     shades = plt.get_cmap("viridis")(np.linspace(0, 0.88, len(view.times or times)))
     for number, (t, shade) in enumerate(zip(times, shades)):
-        shape = r.at(t)
+        shape = shape_of(r, t)
         line(shape, color=view.colour(r, shade), linestyle=view.style(r, number, "-"),
              label=f"${view.units.of('time', shape.t):.4g}$")
     ax.plot(0, 0, "ks", ms=3, clip_on=False, zorder=3)
@@ -194,9 +214,11 @@ def panel_shapes(ax, r, view):
 def panel_touch(ax, r, view):
     """The last of the times asked for, and what presses on the rod."""
     unit, times = view.units.of("length", 1.0), view.times_of(r)
-    shape = r.at(times[-1] if times else r.shapes.t[-1])
+    shape = r.at(times[-1] if times else r.shapes.t[-1], nearest=True)
+    most, (factor, name) = strongest_contact(r, [shape]), view.units.unit("N")
+    arrow = f", longest arrow: {factor * most:.2g} {name or 'per length'}" if most and not view.overlay else ""
     draw_rod(ax, r, shape.x, unit, color=view.colour(r, BLUE),
-             label=f"${view.units.of('time', shape.t):.4g}$")
+             label=f"${view.units.of('time', shape.t):.4g}$" + arrow)
     draw_contact(ax, r, shape, unit)
     draw_walls(ax, r, unit)
     ax.plot(0, 0, "ks", ms=3, clip_on=False, zorder=3)
@@ -211,27 +233,57 @@ def panel_normalised(ax, r, view):
 
 
 PANELS = {
-    "norm": panel_norm,
     "shapes": panel_shapes,
-    "energy": curves("energy", "energy", ("energy", "bending", BLUE, "-")),
+    "norm": panel_norm,
+    "force": curves("N l", "force at the clamp", ("base_force_1", r"$-n_1(0)$", BLUE, "-"),
+                    ("base_force_2", r"$-n_2(0)$", ORANGE, "-")),
+    "energy": curves("N l^2", "bending energy", ("energy", "bending", BLUE, "-")),
     "power": panel_power,
-    "distance": curves("length", "distance from the clamp", ("length", "$L$", GREY, "--"),
+    "distance": curves("l", "distance from the clamp", ("length", "$L$", GREY, "--"),
                        ("end_distance", r"$|x(1)|$", BLUE, "-"),
                        ("mid_distance", r"$|x(1/2)|$", ORANGE, "-"),
                        ("width", "width", GREEN, "-.")),
     "normalised": panel_normalised,
-    "force": curves("force", "force at the clamp", ("base_force_1", r"$-n_1(0)$", BLUE, "-"),
-                    ("base_force_2", r"$-n_2(0)$", ORANGE, "-")),
-    "speed": curves("speed", "speed", ("tip_speed", r"$|v(1)|$", BLUE, "-"),
+    "speed": curves("V", "speed", ("tip_speed", r"$|v(1)|$", BLUE, "-"),
                     ("mid_speed", r"$|v(1/2)|$", ORANGE, "-")),
     "defect": panel_defect,
     "touch": panel_touch,
-    "contact": curves("force", "force", ("contact_force", "in contact", BLUE, "-"),
+    "contact": curves("N l", "force", ("contact_force", "in contact", BLUE, "-"),
                       ("feed_force", "feeding", ORANGE, "-")),
 }
-OF_CONTACT = ("touch", "contact")  # drawn if asked for, or if there is contact
+FIRST = ("shapes", "norm", "force", "energy")  # what is drawn if nothing is asked for
+OF_CONTACT = ("touch", "contact")  # of all of them drawn only if there is contact
 SHAPES = ("shapes", "normalised", "touch")  # drawn with equal aspect, with times for a legend
 __doc__ = __doc__.format(panels=", ".join(PANELS))
+
+
+# series by what they are to a reader, with their symbols
+NAMES = {
+    "length": r"length $L$", "tip_x1": r"tip, $x_1(1)$", "tip_x2": r"tip, $x_2(1)$",
+    "norm_x2": r"$\|x_2\|$ over labels", "norm_x2_length": r"$\|x_2\|$ over arc length",
+    "max_angle": r"largest $|\theta|$", "energy": "bending energy", "growth_power": "power of growth",
+    "dissipation": "power lost to friction", "energy_defect": "energy defect, relative",
+    "end_distance": r"distance of the tip, $|x(1)|$", "mid_distance": r"distance of the middle, $|x(1/2)|$",
+    "width": "width", "tip_speed": r"speed of the tip, $|v(1)|$",
+    "mid_speed": r"speed of the middle, $|v(1/2)|$", "base_force_1": r"force at the clamp, $-n_1(0)$",
+    "base_force_2": r"force at the clamp, $-n_2(0)$", "feed_force": "force of feeding",
+    "tip_force_1": r"force on the tip, $n_1(1)$", "tip_force_2": r"force on the tip, $n_2(1)$",
+    "tip_power": "power at the tip", "inflections": "inflections", "self_crossings": "crossings",
+    "contact_force": "force of contact", "wall_force_1": r"force of walls, $x_1$",
+    "wall_force_2": r"force of walls, $x_2$", "contact_energy": "energy of contact",
+    "penetration": "penetration", "contacts": "zones of contact", "step": "step",
+    "newton_iterations": "Newton iterations", "model": "model",
+}
+
+
+def name_of(series):
+    return NAMES.get(series, series.replace("_", " "))
+
+
+def symbol_of(series):
+    """Its symbol where it has one, for a legend of several."""
+    return name_of(series).rpartition(", $")[2].rstrip("$").join("$$") if ", $" in name_of(series) \
+        else name_of(series)
 
 
 def panel_of(name, results):
@@ -248,10 +300,27 @@ def panel_of(name, results):
     if len(units) > 1:
         raise ResultsError(f"panel {name}: has no one unit, {' and '.join(sorted(units))}; give them "
                            "as panels of their own")
-    kind = KINDS.get(units.pop())
-    label = series[0].replace("_", " ") if len(series) == 1 else kind or "value"
-    return curves(kind, label, *((one, one.replace("_", " "), COLOURS[i % len(COLOURS)], "-")
-                                 for i, one in enumerate(series)))
+    label = name_of(series[0]) if len(series) == 1 else shared_name(series)
+    return curves(units.pop(), label, *((one, symbol_of(one), COLOURS[i % len(COLOURS)], STYLES[i // len(COLOURS)])
+                                        for i, one in enumerate(series)))
+
+
+def shared_name(series):
+    """What several series are, for their common axis."""
+    kinds = {"l": "length", "N l": "force", "N l^2": "energy", "N l V": "power", "V": "speed"}
+    unit = next((unit for unit, names in BY_UNIT.items() if series[0] in names), "")
+    first = name_of(series[0]).split(",")[0]
+    same = all(name_of(one).split(",")[0] == first for one in series)
+    return first if same else kinds.get(unit, "value")
+
+
+BY_UNIT = {
+    "l": ("length", "tip_x1", "tip_x2", "norm_x2", "end_distance", "mid_distance", "width", "penetration"),
+    "N l": ("base_force_1", "base_force_2", "feed_force", "tip_force_1", "tip_force_2", "contact_force",
+            "wall_force_1", "wall_force_2"),
+    "N l^2": ("energy", "contact_energy"), "N l V": ("growth_power", "dissipation", "tip_power"),
+    "V": ("tip_speed", "mid_speed"),
+}
 
 
 def grid(view, names):
@@ -313,6 +382,16 @@ def legend(ax, view, name):
                   handletextpad=0.3 if short else 0.5)
 
 
+def mend_legends(figure):
+    """A legend wider than its panel goes into it, where it covers least."""
+    renderer = RendererAgg(*figure.bbox.size, figure.dpi)
+    for ax in figure.axes:
+        old = ax.get_legend()
+        if old and old.get_window_extent(renderer).x1 > ax.bbox.x1 + 1:
+            texts = [text.get_text() for text in old.get_texts()]
+            ax.legend(old.legend_handles, texts, loc="best", handlelength=1.4, fontsize=7, ncol=-(-len(texts) // 8))
+
+
 def limit_row(view, row, cells):
     """Sets the limits of a row of panels; of each its height over its width."""
     for ax in row:
@@ -341,7 +420,7 @@ def place(figure, axes, aspects, shared, headed):
     aspects  a row a list, height over width of its panels"""
     columns = axes.shape[1]
     panel, gap = WIDTHS.get(columns, 1.8), (0.12 if shared else LEFT + RIGHT)
-    width = LEFT + columns * panel + (columns - 1) * gap + RIGHT
+    width = width_of(columns, shared)
     height = sum(max(row) * panel + BELOW + ABOVE for row in aspects) + headed
     figure.set_size_inches(width, height)
     top = height - headed
@@ -353,12 +432,37 @@ def place(figure, axes, aspects, shared, headed):
         top -= max(row_aspects) * panel + BELOW
 
 
-def name_runs(figure, view):
-    """The runs of an overlay, at the head of the figure."""
+def name_runs(figure, view, width):
+    """The runs of an overlay, at the head of the figure, as many in a row as have room; the height they
+    take."""
+    renderer = RendererAgg(10, 10, figure.dpi)
     handles = [Line2D([], [], color=view.colour(r, "black")) for r in view.results]
-    figure.legend(handles, view.titles, loc="upper left", ncol=min(4, len(handles)),
+    texts = [figure.text(0, 0, title, fontsize=STYLE["legend.fontsize"]) for title in view.titles]
+    longest = max(text.get_window_extent(renderer).width for text in texts) / figure.dpi
+    for text in texts:
+        text.remove()
+    rows = -(-len(handles) // max(1, min(len(handles), int((width - 0.2) / (longest + 0.42)))))
+    figure.legend(handles, view.titles, loc="upper left", ncol=-(-len(handles) // rows),
                   bbox_to_anchor=(0.02, 1))
-    return 0.18 * -(-len(handles) // 4) + 0.06
+    return 0.16 * rows + 0.1
+
+
+def width_of(columns, shared):
+    """Of a figure, in inches."""
+    return LEFT + columns * WIDTHS.get(columns, 1.8) + (columns - 1) * (0.12 if shared else LEFT + RIGHT) + RIGHT
+
+
+def draw_into(ax, name, view):
+    """One panel in somebody's axes."""
+    panel = panel_of(name, view.results)
+    ax.set_xlabel(view.units.label("time $t$", "time"))
+    for r in view.results:
+        panel(ax, r, view)
+    if name in SHAPES:
+        ax.set_aspect("equal", adjustable="datalim")
+    handles, labels = ax.get_legend_handles_labels()
+    if len(handles) > 1:
+        ax.legend()
 
 
 def draw(names, view):
@@ -366,7 +470,7 @@ def draw(names, view):
     panels = {name: panel_of(name, view.results) for name in names}
     cells = grid(view, names)
     columns = len(cells[0])
-    figure = plt.figure()
+    figure = plt.figure(FigureClass=InStyle)
     axes = figure.subplots(len(cells), columns, squeeze=False)
     aspects, letters = [], iter(ascii_lowercase)
     shared = len(view.results) > 1 and not view.overlay
@@ -387,13 +491,14 @@ def draw(names, view):
                 ax.set_title(f"({next(letters)})", loc="left")
     headed = 0.0
     if view.overlay:
-        headed = name_runs(figure, view)
+        headed = name_runs(figure, view, width_of(columns, shared))
     elif shared:
         over = any(ax.get_legend() for ax in axes[0])  # a legend, which the titles stand above
         for ax, title in zip(axes[0], view.titles):
             ax.set_title(title, pad=18 if over else 6)
         headed = 0.2 * over
     place(figure, axes, aspects, shared, headed)
+    mend_legends(figure)
     settle(figure)
     plt.close(figure)  # it is returned, and not pyplot's to show
     return figure
@@ -422,34 +527,49 @@ def check_times(view):
                                "first of the times asked for")
 
 
-def usual_panels(runs):
-    """All panels, those of contact where there is any."""
-    touch = any("contact" in r.shapes for r in runs)
-    return [name for name in PANELS if touch or name not in OF_CONTACT]
+def panels_of(asked, runs):
+    """Names of panels: those asked for, or those that a first look wants, or all."""
+    if asked == "all" or list(asked or ()) == ["all"]:
+        touch = any("contact" in r.shapes for r in runs)
+        return [name for name in PANELS if touch or name not in OF_CONTACT]
+    return [name.strip() for name in asked.split(",")] if isinstance(asked, str) else list(asked or FIRST)
 
 
 def plot(results: Results | Sequence[Results], panels: Sequence[str] | str | None = None, *,
          times: Sequence[float | str] | None = None, si: bool = False, overlay: bool = False,
-         titles: Sequence[str] | None = None, beside: Sequence[Results] = ()) -> Figure:
-    """Draws one run or several, one column each; the figure, which savefig saves.
+         titles: Sequence[str] | None = None, beside: Sequence[Results] = (),
+         ax: Axes | None = None) -> Figure:
+    """Draws one run or several, one column each; the figure, which savefig saves. What critical() has
+    found, and the result of -task stability, are drawn as that.
 
-    panels   names of PANELS or of series, "width", or several in one panel, "width+end_distance";
-             None: all PANELS, those of contact where there is any
+    results  Results, names of files, a sweep, or several of them
+    panels   names of PANELS or of series, "width", or several in one panel, "width+end_distance"; "all";
+             None: shapes, deflection, force and energy
     times    of the shapes drawn, dimensionless or with a unit, "20s"; None: quarters of each run
     si       in units of the laboratory that suit the runs
     overlay  all runs in every panel, instead of a column each
     titles   of the runs; None: the names of their files
-    beside   runs drawn dashed beside these in the panel norm, one for each"""
-    runs = [results] if isinstance(results, Results) else list(results)
-    names = panels.split(",") if isinstance(panels, str) else list(panels or usual_panels(runs))
-    view = View(runs, Units(runs if si else ()), overlay=overlay and len(runs) > 1,
+    beside   runs drawn dashed beside these in the panel norm, one for each
+    ax       axes of matplotlib for one panel, in place of a figure of its own"""
+    runs = runs_of(results, "plot")
+    if not any(r.series for r in runs):
+        return plot_stability.figure_of(runs, ax=ax)
+    names = panels_of(panels, runs)
+    if titles and len(titles) != len(runs):
+        raise ResultsError(f"plot: {len(titles)} titles for {len(runs)} runs")
+    view = View(runs, Units(runs if si else ()), overlay=(overlay or ax is not None) and len(runs) > 1,
                 titles=list(titles or [r.name for r in runs]),
                 beside={r.path: other for r, other in zip(runs, beside)})
     if times is not None:
-        view.times = [moment("--times", t, runs) for t in times]
+        view.times = [moment("times", t, runs) for t in times]
     check_times(view)
     with plt.rc_context(STYLE):
-        return draw(names, view)
+        if ax is None:
+            return draw(names, view)
+        if len(names) != 1:
+            raise ResultsError(f"plot: ax holds one panel; give its name, {', '.join(FIRST)} or another")
+        draw_into(ax, names[0], view)
+        return ax.figure
 
 
 def read(path):
@@ -463,10 +583,11 @@ def read(path):
 def tell_missing(results, times, units):
     for r in results:
         for t in times:
-            stored, asked = units.plain(r.at(t).t), units.plain(t, "g")
+            drawn = shape_of(r, min(t, r.shapes.t[-1]))
+            stored, asked = units.plain(drawn.t), units.plain(t, "g")
             if t > r.shapes.t[-1] * (1 + 1e-9):
                 print(f"plot: {r.path}: ends at {stored}, before {asked[4:]}")
-            elif abs(r.at(t).t - t) > 1e-6 * max(t, 1):
+            elif abs(drawn.t - t) > 1e-6 * max(t, 1):
                 print(f"plot: {r.path}: no shape stored at {asked}, drawn at {stored[4:]}")
 
 
@@ -475,10 +596,10 @@ def options(arguments):
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("files", nargs="+", metavar="FILE", help="result files, HDF5")
     parser.add_argument("--output", metavar="BASENAME",
-                        help="writes BASENAME.png and .pdf; default: the first file's name")
+                        help="writes BASENAME.png and .pdf, or the one that it ends with (also .svg); default: "
+                        "the first file's name")
     parser.add_argument("--panels", metavar="A,B+C,...",
-                        help="comma list, in this order; default: all that are named above, "
-                        f"{' and '.join(OF_CONTACT)} where there is contact")
+                        help=f"comma list, in this order; default: {','.join(FIRST)}")
     parser.add_argument("--times", metavar="T1,T2,...",
                         help="of the shapes drawn; of a run with -si_ options also 20s or 2min; "
                         "default: quarters of each run")
@@ -504,11 +625,9 @@ def main(arguments=None):
         figure = plot(results, choice.panels, times=times, si=choice.si, overlay=choice.overlay,
                       titles=choice.titles.split(",") if choice.titles else None,
                       beside=[read(path) for path in choice.beside.split(",") if path])
-        tell_missing(results, [moment("--times", t, results) for t in times or ()],
+        tell_missing(results, [moment("times", t, results) for t in times or ()],
                      Units(results if choice.si else ()))
-        with plt.rc_context(STYLE):
-            for ending in ("png", "pdf"):
-                figure.savefig(f"{output}.{ending}")
+        save(figure, output, None)
     except (TendrilError, OSError) as error:
         print(f"plot: {error}", file=sys.stderr)
         return 1

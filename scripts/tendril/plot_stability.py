@@ -16,7 +16,7 @@ import numpy as np
 
 from .errors import ResultsError, TendrilError
 from .results import load
-from .style import BLUE, GREEN, GREY, ORANGE, RED, STYLE
+from .style import BLUE, GREEN, GREY, ORANGE, RED, STYLE, InStyle, save
 
 CURVES = (("lambda_max_A", BLUE, r"$\lambda_{max}(A)$", "-"),
           ("lambda_max_A_plus_AT", ORANGE, r"$\lambda_{max}(A + A^T)$", "-"),
@@ -132,6 +132,26 @@ def panels(results, runs):
     return columns
 
 
+def figure_of(results, runs=(), ax=None):
+    """A column a result, of -task stability or critical; runs: in time, drawn below the tables, one a
+    table or one for all. ax: axes for one panel of one result."""
+    columns = panels(results, runs)
+    with plt.rc_context(STYLE):
+        if ax is not None:
+            columns[0][0](ax)
+            return ax.figure
+        rows = max(len(c) for c in columns)
+        figure = plt.figure(figsize=(3.4 * len(columns), 2.2 * rows), layout="constrained", FigureClass=InStyle)
+        axes = figure.subplots(rows, len(columns), squeeze=False)
+        for k, column in enumerate(columns):
+            for place, panel in zip(axes[:, k], column):
+                panel(place)
+            for place in axes[len(column):, k]:
+                place.set_visible(False)
+        plt.close(figure)
+    return figure
+
+
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="python -m tendril stability", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -144,18 +164,7 @@ def main(arguments=None):
     view = parser.parse_args(arguments)
     output = view.output or str(Path(view.files[0]).with_suffix(""))
     try:
-        columns = panels([load(p) for p in view.files], [load(p) for p in view.run])
-        rows = max(len(c) for c in columns)
-        with plt.rc_context(STYLE):
-            figure, axes = plt.subplots(rows, len(columns), squeeze=False, layout="constrained",
-                                        figsize=(3.4 * len(columns), 2.2 * rows))
-            for k, column in enumerate(columns):
-                for ax, panel in zip(axes[:, k], column):
-                    panel(ax)
-                for ax in axes[len(column):, k]:
-                    ax.set_visible(False)
-            for ending in ("png", "pdf"):
-                figure.savefig(f"{output}.{ending}")
+        save(figure_of([load(p) for p in view.files], [load(p) for p in view.run]), output, None)
     except (TendrilError, KeyError, OSError) as error:
         print(f"plot_stability: {error}", file=sys.stderr)
         return 1

@@ -3,7 +3,7 @@
     from tendril import load
     r = load("results/uniform-dry.h5")
     r.series.t, r.series.norm_x2        one value per accepted step; names as in the file
-    shape = r.at(20)                    the stored shape nearest to t = 20
+    shape = r.at(20)                    the shape at t = 20, stored or between two stored ones
     shape.x[:, 0], shape.x[:, 1]        its nodes; also .s .theta .curvature .force .length .t
     r.minimum("norm_x2")                (t, value) of the smallest
     r.options["friction_mu"]            what was given, as text
@@ -31,7 +31,10 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
+    from .collection import Sweep
+
 SHAPES = ("x", "theta", "curvature", "force")
+FAR = 0.01  # of the length: a shape between stored ones this far from where the series have it is none
 PRIVATE = ("restart",)  # what is tendril's own business
 AXES = {2: ("shape_t", "s"), 3: ("shape_t", "s", "axis")}  # of the arrays of /shapes, by rank
 
@@ -45,12 +48,15 @@ class Table(dict):
         except KeyError:
             raise AttributeError(f"no {name} here; there are {', '.join(self)}") from None
 
+    def __dir__(self):
+        return [*super().__dir__(), *self]  # for completion
+
 
 @dataclass(repr=False)
 class Shape:
-    """The rod at one stored time."""
+    """The rod at one time."""
 
-    index: int  # among the stored shapes
+    index: int  # of the stored shape, or of the nearest
     t: float
     length: float
     s: np.ndarray  # [n], material labels, 0 to 1
@@ -58,12 +64,13 @@ class Shape:
     theta: np.ndarray  # [n]
     curvature: np.ndarray  # [n]
     force: np.ndarray  # [n, 2], the internal force
+    stored: bool = True  # it is as the run stored it, not between two that it stored
 
     def __repr__(self):
         return f"<the rod at t = {self.t:g}, length {self.length:g}, {len(self.s)} nodes>"
 
 
-@dataclass(repr=False)
+@dataclass(repr=False, eq=False)
 class Results:
     """A result file, all of it in memory: the file may be gone."""
 
@@ -79,6 +86,16 @@ class Results:
     notes: dict = field(default_factory=dict)  # "series/t" -> what it is
     units: dict = field(default_factory=dict)  # "series/t" -> its unit, "l/V"
 
+    def _repr_html_(self):
+        """In a notebook the page of view(); of a run without shapes its line alone."""
+        from html import escape
+
+        if not (len(self.series.get("t", ())) and len(self.shapes.get("t", ()))):
+            return f"<code>{escape(repr(self))}</code>"
+        from .page import view
+
+        return view(self)._repr_html_()
+
     def __repr__(self):
         held = [f"{len(self.series.t)} steps to t = {self.series.t[-1]:g}" if self.series else "",
                 f"{len(self.shapes.t)} shapes" if self.shapes else "",
@@ -90,14 +107,63 @@ class Results:
     def name(self):
         return self.path.stem
 
-    def at(self, t) -> Shape:
-        """The stored shape nearest to time t."""
-        if not len(self.shapes.get("t", ())):
+    @property
+    def diameter(self) -> float:
+        """The rod's, 0 if it has none."""
+        return float(self.attributes.get("parameters/contact_diameter", 0) or 0)
+
+    def at(self, t, nearest=False) -> Shape:
+        """The shape at time t. Where none is stored it is the cubic through the four stored around t;
+        where that is not where the series have the rod, too few are stored, and it is refused.
+
+        nearest  the stored shape nearest to t, however far that is"""
+        times = self.shapes.get("t", ())
+        if not len(times):
             raise ResultsError(f"{self.path}: holds no shape")
-        k = int(np.argmin(np.abs(self.shapes.t - t)))
-        time = float(self.shapes.t[k])
-        return Shape(k, time, self.value("length", time), self.shapes.s,
+        end = max(times[-1], self.series.t[-1] if len(self.series.get("t", ())) else 0)
+        room = 1e-9 * max(abs(end), 1e-30)
+        if not nearest and not times[0] - room <= t <= end + room:
+            raise ResultsError(f"{self.path}: runs from t = {times[0]:g} to {end:g}; there is no shape at "
+                               f"{t:g}")
+        k = int(np.argmin(np.abs(times - t)))
+        if nearest or abs(times[k] - t) <= room:
+            return self.stored(k)
+        shape = self.between(t)
+        if shape is None or self.astray(shape) > FAR:
+            raise ResultsError(
+                f"{self.path}: too few shapes are stored around t = {t:g} to tell the one there; at("
+                f"{t:g}, nearest=True) is that of t = {times[k]:g}, a run with a shorter output_interval "
+                "has more")
+        return shape
+
+    def stored(self, k) -> Shape:
+        """The stored shape number k."""
+        k, t = range(len(self.shapes.t))[k], float(self.shapes.t[k])
+        return Shape(k, t, self.value("length", t), self.shapes.s,
                      *(self.shapes[name][k] for name in SHAPES))
+
+    def between(self, t) -> Shape | None:
+        """The cubic in time through the four stored shapes around t (fewer if there are fewer); None if
+        there are not two."""
+        times = self.shapes.t
+        if len(times) < 2:
+            return None
+        first = int(np.clip(np.searchsorted(times, t) - 2, 0, max(len(times) - 4, 0)))
+        rows = slice(first, first + 4)
+        weights = lagrange(times[rows], t)
+        values = [np.tensordot(weights, self.shapes[name][rows], 1) for name in SHAPES]
+        return Shape(int(np.argmin(np.abs(times - t))), float(t), self.value("length", t), self.shapes.s,
+                     *values, stored=False)
+
+    def astray(self, shape) -> float:
+        """How far the tip and the middle of a shape are from where the series have them at its time, in
+        lengths of the rod."""
+        end = np.array([self.value(f"tip_x{d + 1}", shape.t) for d in range(shape.x.shape[1])
+                        if f"tip_x{d + 1}" in self.series])
+        middle = np.array([np.interp(0.5, shape.s, x) for x in shape.x.T])
+        off = max(float(np.linalg.norm(shape.x[-1, :len(end)] - end)),
+                  abs(float(np.linalg.norm(middle)) - self.value("mid_distance", shape.t)))
+        return off / shape.length
 
     def value(self, name, t) -> float:
         """A series at time t, between its steps by linear interpolation."""
@@ -119,7 +185,7 @@ class Results:
         """What 1 of it (length, time, speed, force, energy, power, curvature) is in SI units."""
         known = scales_of_rod(self.attributes).get(kind)
         if self.attributes.get(f"si_{kind}", known) is None:
-            needed = "-si_speed" if kind in ("time", "speed", "power") else "-si_bending_stiffness"
+            needed = "si_speed" if kind in ("time", "speed", "power") else "si_bending_stiffness"
             raise ResultsError(f"{self.path}: does not know its {kind} in SI units; run it with "
                                f"{needed} and the like")
         return float(self.attributes.get(f"si_{kind}", known))
@@ -129,42 +195,90 @@ class Results:
         values, unit = getattr(self, group)[name], self.units.get(f"{group}/{name}", "1")
         if not si:
             return values, unit
+        self.scale("length")  # of a run that has nothing to do with a laboratory nothing can be told
         factor, unit = in_laboratory(unit, self.scale)
         return factor * values, unit
+
+    def columns(self, group, si, order=None):
+        """{name: (values, unit)} of a group; with si without those whose scale is not known, but for the
+        time, which then stays a bare number."""
+        found = {}
+        for name in order or getattr(self, group):
+            try:
+                found[name] = self.column(group, name, si)
+            except ResultsError:
+                self.scale("length")
+                if name == "t":
+                    found[name] = self.column(group, name, False)
+        return found
 
     def dataset(self, si=False) -> xarray.Dataset:
         """Series over t [steps] and shapes over shape_t [k], s [n] and axis [x1, x2] as an xarray
         Dataset; units and descriptions are attributes of its variables, options those of the whole.
 
-        si  in SI units, of a run with -si_ options"""
+        si  in SI units, of a run in the laboratory; what has no scale there is left out"""
         import xarray
 
-        def variable(dims, group, name):
-            values, unit = self.column(group, name, si)
-            return dims, values, {"units": unit, "long_name": self.notes.get(f"{group}/{name}", name)}
+        def variables(group):
+            return {name: (values, {"units": unit, "long_name": self.notes.get(f"{group}/{name}", name)})
+                    for name, (values, unit) in self.columns(group, si).items()}
 
-        coords = {"t": variable("t", "series", "t")}
-        data = {name: variable("t", "series", name) for name in self.series if name != "t"}
-        if self.shapes:
-            coords |= {"shape_t": variable("shape_t", "shapes", "t"), "axis": ["x1", "x2"],
-                       "s": variable("s", "shapes", "s")}
-            data |= {name: variable(AXES[self.shapes[name].ndim], "shapes", name)
-                     for name in self.shapes if self.shapes[name].ndim in AXES}
+        series, shapes = variables("series"), variables("shapes")
+        coords, data = {}, {name: ("t", *of) for name, of in series.items() if name != "t"}
+        if series:
+            coords["t"] = ("t", *series["t"])
+        if shapes:
+            coords |= {"shape_t": ("shape_t", *shapes["t"]), "s": ("s", *shapes["s"]),
+                       "axis": [f"x{d + 1}" for d in range(self.shapes.x.shape[-1])]}
+            data |= {name: (AXES[of[0].ndim], *of) for name, of in shapes.items() if of[0].ndim in AXES}
         options = "\n".join(f"-{name} {value}".rstrip() for name, value in self.options.items())
         return xarray.Dataset(data, coords, {"options": options, "finished": int(self.finished),
                                              "version": self.attributes.get("version", "")})
 
     def frame(self, si=False) -> pandas.DataFrame:
-        """The series as a pandas DataFrame, a row a step; with si the names carry units: "t (s)"."""
+        """The series as a pandas DataFrame, a row a step, t and length first; with si the names carry
+        units: "t (s)"."""
         import pandas
 
-        columns = {name: self.column("series", name, si) for name in self.series}
-        return pandas.DataFrame({f"{name} ({unit})" if si and unit != "1" else name: values
-                                 for name, (values, unit) in columns.items()})
+        names = sorted(self.series, key=lambda name: ("t", "length", name).index(name))
+        return pandas.DataFrame({f"{name} ({unit})" if si and unit not in ("1", "l/V") else name: values
+                                 for name, (values, unit) in self.columns("series", si, names).items()})
 
     def to_csv(self, path, si=False) -> None:
         """Writes the series as a table, a row a step."""
         self.frame(si).to_csv(path, index=False)
+
+
+def runs_of(given, who) -> list[Results]:
+    """The runs that somebody gave to draw: Results, files of them, what critical() found, sweeps, or
+    several of these. who: whom it was given to, for the line that refuses."""
+    from .collection import Sweep
+
+    if isinstance(given, Results):
+        return [given]
+    if isinstance(given, (str, Path)):
+        return runs_of(load(given), who)
+    if isinstance(getattr(given, "results", None), Results):  # a Critical
+        return [given.results]
+    if isinstance(given, Sweep):
+        given = [r for r in given.members.flat if isinstance(r, Results)]
+    if not isinstance(given, (list, tuple, np.ndarray)):
+        raise ResultsError(f"{who}: give what run() or load() gave, or the name of a result file, not "
+                           f"{type(given).__name__}")
+    runs = [r for one in given for r in runs_of(one, who)]
+    if not runs:
+        raise ResultsError(f"{who}: there is no run to show")
+    return runs
+
+
+def lagrange(nodes, at):
+    """Weights [n] with which values at nodes [n] make the polynomial through them at a place."""
+    nodes = np.asarray(nodes, float)
+    gaps = nodes[:, None] - nodes
+    np.fill_diagonal(gaps, 1)
+    there = np.tile(at - nodes, (len(nodes), 1))
+    np.fill_diagonal(there, 1)
+    return np.prod(there / gaps, axis=1)
 
 
 def _text(value):
@@ -173,7 +287,7 @@ def _text(value):
     return value.decode() if isinstance(value, bytes) else value
 
 
-def _options(text):
+def options_of(text):
     """Lines '-a 1', '-b' as {'a': '1', 'b': ''}."""
     pairs = (line[1:].partition(" ") for line in str(text).splitlines() if line)
     return {name: value for name, _, value in pairs}
@@ -211,16 +325,25 @@ def _read(path):
     about = {"units": units, "description": notes}
     with h5py.File(path, "r", locking=False) as file:
         attributes = {k: _text(v) for k, v in file.attrs.items()}
+        # walls, earlier_options: texts too long for an attribute are datasets
+        attributes |= {name: _text(file[name][()]) for name in file
+                       if isinstance(file[name], h5py.Dataset) and file[name].shape == ()
+                       and file[name].dtype.kind in "SO"}
         groups = {name: _group(file[name], name, about) for name in file if name not in PRIVATE
                   and isinstance(file[name], h5py.Group)}
     return attributes, groups, units, notes
 
 
-def load(path) -> Results:
-    """Reads a result file; raises ResultsError, a plain line, if that cannot be done."""
+def load(path) -> Results | Sweep:
+    """Reads a result file, of a run or of a sweep; raises ResultsError, a plain line, if that cannot be
+    done."""
+    from .collection import is_sweep, load_sweep
+
     path = Path(path)
     if not path.is_file():
         raise ResultsError(f"{path}: no such file")
+    if is_sweep(path):
+        return load_sweep(path)
     for attempt in range(10):
         try:
             attributes, groups, units, notes = _read(path)
@@ -236,7 +359,7 @@ def load(path) -> Results:
         raise ResultsError(f"{path}: no result file of tendril, it has no group series")
     _cut(series, list(series))
     _cut(shapes, [name for name in shapes if name != "s"])
-    options = _options(attributes.pop("options", ""))
+    options = options_of(attributes.pop("options", ""))
     finished = bool(int(attributes.pop("finished", 0)))
     return Results(path, finished, options, attributes, series, shapes, stability, critical, groups,
                    notes, units)

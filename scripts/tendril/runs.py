@@ -9,15 +9,23 @@ True for a flag; pairs for what is written 0:1,3:2.5; and for a file of arrays a
 
     tendril.run(rod_stiffness_file={"distance": [0, 1, 2, 3], "factor": [0.1, 0.5, 1, 1]})
     tendril.run(rod_curvature_file={"distance": ([0, 1, 2, 3], "cm"), "curvature": (k, "1/cm")}, ...)
+
+Walls are text, a line each, or what plane(), circle(), polygon() and conduit() give:
+
+    tendril.run("feed", contact_diameter=0.1, wall_file=[tendril.circle((4, 0.5), 1, friction=0.3)])
 """
 
 from __future__ import annotations
 
+import hashlib
+import logging
 import os
 import re
+import shlex
 import shutil
 import signal
 import subprocess
+import sysconfig
 import tempfile
 import time
 from dataclasses import dataclass, replace
@@ -27,6 +35,7 @@ import h5py
 import numpy as np
 
 from .errors import RunError, TendrilError
+from .progress import bar
 from .results import Results, load
 
 CHECKOUT = Path(__file__).resolve().parents[2]
@@ -40,19 +49,22 @@ SEVERAL = {"OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_bindin
            "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
            "PRTE_MCA_hwloc_default_binding_policy": "none"}
 TRIES = 3  # now and then MPI itself does not start on a busy machine, which says nothing of the run
+SHAPES = 80  # stored of a run of which nothing says how many: enough for any time between them
+LOG = logging.getLogger("tendril")
 SECONDS_LEFT = re.compile(r"([0-9.]+) s$")
 
 
 def executable() -> str:
     """The program: what the variable TENDRIL names; else build/tendril of the checkout that this
-    package lies in, or of the working directory; else tendril on the PATH."""
+    package lies in; else that which was installed with it; else build/tendril of the working directory;
+    else tendril on the PATH."""
     if os.environ.get("TENDRIL"):
         found = shutil.which(os.environ["TENDRIL"])
         if not found:
             raise TendrilError(f"TENDRIL={os.environ['TENDRIL']}: no executable")
         return found
-    for place in (CHECKOUT, Path.cwd()):
-        if found := shutil.which(place / "build" / "tendril"):
+    for place in (CHECKOUT / "build", Path(sysconfig.get_path("scripts")), Path.cwd() / "build"):
+        if found := shutil.which(place / "tendril"):
             return found
     if found := shutil.which("tendril"):
         return found
@@ -85,25 +97,50 @@ def write_arrays(path, arrays):
     return str(path)
 
 
+def named_by(content: bytes, directory, name, ending):
+    """A file for an option, with a name that tells its content: another one is another option."""
+    return Path(directory) / f"{name}-{hashlib.sha256(content).hexdigest()[:8]}.{ending}"
+
+
+def file_of(name, value, directory) -> str:
+    """The file that stands for a value that is none of a command line: arrays, or walls."""
+    if isinstance(value, dict):
+        content = repr([(k, v[0].tolist(), *v[1:]) if isinstance(v, tuple) and isinstance(v[0], np.ndarray)
+                        else (k, np.asarray(v, object).tolist()) for k, v in value.items()]).encode()
+        return write_arrays(named_by(content, directory, name, "h5"), value)
+    text = "".join(f"{text_of_wall(wall)}\n" for wall in value)
+    path = named_by(text.encode(), directory, name, "txt")
+    path.write_text(text)
+    return str(path)
+
+
+def text_of_wall(wall) -> str:
+    """A line of -wall_file: text as it is, or its words, ("circle", 3, 0, 1, "friction", 0.3)."""
+    words = [wall] if isinstance(wall, str) else list(wall)
+    flat = np.concatenate([np.ravel(np.asarray(word, object)) for word in words])
+    return " ".join(text_of(word) for word in flat)
+
+
 def words_of(options, directory) -> list[str]:
-    """Options as words of a command line; arrays go into files in the directory. None is left out."""
+    """Options as words of a command line; arrays and walls go into files in the directory. None is left
+    out."""
     words = []
     for name, value in options.items():
         name = name.lstrip("-")
-        if isinstance(value, dict):
-            value = write_arrays(Path(directory) / f"{name}.h5", value)
+        if isinstance(value, dict) or name == "wall_file" and isinstance(value, (list, tuple)):
+            value = file_of(name, value, directory)
         if value is not None:
             words += [f"-{name}", text_of(value)]
     return words
 
 
 def scene_file(name) -> Path:
-    """An options file, or the scene of that name: of the checkout that this package lies in, of the
-    working directory, or of where the program comes from, its checkout or what was installed with it."""
+    """An options file, or the scene of that name: of this package, of the working directory, or of where
+    the program comes from, its checkout or what was installed with it."""
     if Path(name).is_file():
         return Path(name)
     program = Path(executable()).resolve().parents[1]
-    for place in (CHECKOUT, Path.cwd(), program, program / "share/tendril"):
+    for place in (Path(__file__).parent, Path.cwd(), program, program / "share/tendril"):
         if (known := place / "options" / f"{name}.opts").is_file():
             return known
     raise TendrilError(f"{name}: no options file, and no scene of that name")
@@ -120,18 +157,15 @@ def scene_words(scene, directory) -> list[str]:
 
 def follow(process, progress):
     """Reads what a run prints, and shows how far it is by the time that it says is left."""
-    from tqdm import tqdm
-
     said, begin = [], time.perf_counter()
     form = "{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining}"
-    with tqdm(total=1.0, desc="tendril", bar_format=form, leave=False,
-              disable=None if progress is None else not progress) as bar:
+    with bar(progress, 1.0, form) as shown:
         for line in process.stdout:
             said.append(line)
             if left := SECONDS_LEFT.search(line):
                 elapsed = time.perf_counter() - begin
                 done = elapsed / (elapsed + float(left[1]))
-                bar.update(max(0, done - bar.n))
+                shown.update(max(0, done - shown.n))
     return "".join(said)
 
 
@@ -160,7 +194,9 @@ def plain_line(complaint, code):
 def execute(command, output=None, progress=False) -> str:
     """Runs a command line of tendril; what it printed. Raises RunError with tendril's own line."""
     for _ in range(TRIES):
+        LOG.info("%s", shlex.join(map(str, command)))
         code, said, complaint = start(command, progress)
+        LOG.debug("%s", said)
         if code == 0:
             return said
         if "before MPI_INIT" not in complaint:
@@ -172,6 +208,26 @@ def execute(command, output=None, progress=False) -> str:
         except TendrilError:
             pass  # it was refused before it wrote there
     raise RunError(plain_line(complaint, code), command, stored)
+
+
+def task_of(words) -> str:
+    """What a command line does."""
+    task = "grow"
+    for word, value in zip(words, words[1:]):
+        if word == "-options_file":
+            lines = [shlex.split(line, comments=True) for line in Path(value).read_text().splitlines()]
+            task = next((line[1] for line in lines[::-1] if line[:1] == ["-task"]), task)
+        elif word == "-task":
+            task = value
+    return task
+
+
+def says_when(words) -> bool:
+    """Whether a command line, or an options file that it names, says when shapes are stored."""
+    wanted = ("-output_interval", "-output_shapes")
+    files = [Path(value) for word, value in zip(words, words[1:]) if word == "-options_file"]
+    lines = [line.split() for file in files for line in file.read_text().splitlines()]
+    return any(word in wanted for word in [*words, *(line[0] for line in lines if line)])
 
 
 def launched(ranks: int) -> list[str]:
@@ -186,18 +242,20 @@ def run(scene=None, *, output=None, progress: bool | None = None, ranks: int = 1
 
     scene     an options file, the name of one in options/, a dict of options, or None
     output    the result file, if it is to be kept
-    progress  a bar; None: where standard error is a terminal
+    progress  a bar; None: in a terminal and in a notebook
     ranks     processes of one run, by mpiexec
-    options   those of docs/options.md; they override the scene's
+    options   those of docs/options.md; they override the scene's. Where neither says when shapes are
+              stored, 80 are
 
     Raises RunError, with tendril's own line, for a run that is refused or gives up; what was stored
     until then is in its .results."""
     with tempfile.TemporaryDirectory(prefix="tendril-") as directory:
         name = Path(scene).stem if isinstance(scene, (str, Path)) else "run"
         output = Path(output or Path(directory) / f"{name}.h5")
-        command = [*launched(ranks), *scene_words(scene, directory), *words_of(options, directory),
-                   "-output", str(output)]
-        execute(command, output, progress)
+        words = [*scene_words(scene, directory), *words_of(options, directory)]
+        if task_of(words) == "grow" and not options.get("restart") and not says_when(words):
+            words += ["-output_shapes", str(SHAPES)]
+        execute([*launched(ranks), *words, "-output", str(output)], output, progress)
         return load(output)
 
 

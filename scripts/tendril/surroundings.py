@@ -35,6 +35,24 @@ def friction(r: Results, shape: Shape, pieces: int) -> tuple[np.ndarray, np.ndar
     return along(p, shape.x, (ends[1:] + ends[:-1]) / 2), held
 
 
+def pressed(r: Results, shape: Shape, pieces: int) -> tuple[np.ndarray, np.ndarray]:
+    """([pieces, 2] places on the rod's surface, [pieces, 2] force of contact on the rod per unit length) in
+    equal pieces of the rod, as the mean over each: what is pressed at a point and what is pressed along a
+    line are drawn alike. 0 where nothing touches."""
+    force, p = contact_force(r, shape), arc_length(shape)
+    width = np.gradient(p)
+    piece = np.minimum((p / p[-1] * pieces).astype(int), pieces - 1)
+    size = np.hypot(*force.T) * width
+    total = [np.bincount(piece, f * width, pieces) for f in force.T]
+    place = [np.bincount(piece, x * size, pieces) for x in shape.x.T]
+    share = np.bincount(piece, size, pieces)
+    mean = np.column_stack(total) / (p[-1] / pieces)
+    at = np.column_stack(place) / np.maximum(share, 1e-300)[:, None]
+    away = mean / np.maximum(np.hypot(*mean.T), 1e-300)[:, None]
+    there = share > 0
+    return np.where(there[:, None], at - r.diameter / 2 * away, shape.x[0]), np.where(there[:, None], mean, 0)
+
+
 def along(p, values, at) -> np.ndarray:
     """[m, 2], nodal values [n, 2] at some arc lengths."""
     return np.column_stack([np.interp(at, p, column) for column in values.T])

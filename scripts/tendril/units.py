@@ -43,6 +43,45 @@ def in_laboratory(unit, scale):
     return float(np.prod([scale(kind) ** power for kind, power in powers.items()])), name
 
 
+# what units of options are made of, in SI
+PARTS = {"N": 1, "mN": 1e-3, "uN": 1e-6, "Pa": 1, "mPa": 1e-3, "m": 1, "cm": 1e-2, "mm": 1e-3, "um": 1e-6,
+         "s": 1, "ms": 1e-3, "min": 60, "h": 3600, "d": 86400}
+QUANTITY = re.compile(r"\s*([-+]?(?:[0-9]*\.)?[0-9]+\.?(?:[eE][-+]?[0-9]+)?)\s*(.*?)\s*")
+PART = re.compile(rf"({'|'.join(sorted(PARTS, key=len, reverse=True))})(?:\^([0-9]))?")
+
+
+def quantity(text):
+    """(number, unit) of 0.5, "0.5" or "0.5 N/m"; None for what is none."""
+    found = QUANTITY.fullmatch(str(text))
+    return (float(found[1]), found[2].replace(" ", "")) if found else None
+
+
+def in_si(unit):
+    """What 1 of a unit is in SI, "Nmm^2" or "mm/h"; None for what is no unit."""
+    over, _, under = unit.partition("/")
+    factor = 1.0
+    for words, sign in ((over, 1), (under, -1)):
+        parts = PART.findall(words)
+        if "".join(name + (f"^{power}" if power else "") for name, power in parts) != words.removeprefix("1"):
+            return None
+        for name, power in parts:
+            factor *= PARTS[name] ** (sign * int(power or 1))
+    return factor
+
+
+def parameters_of(options):
+    """{"parameters/NAME": number, ...} as a result file has it, from options as text: plain numbers, and
+    what -si_ options say of the rod."""
+    found = {}
+    for name, text in options.items():
+        number = quantity(text)
+        if number and not number[1]:
+            found[f"parameters/{name}"] = number[0]
+        elif number and name.startswith("si_") and in_si(number[1]):
+            found[f"parameters/{name}"] = number[0] * in_si(number[1])
+    return found
+
+
 def scales_of_rod(attributes):
     """{"length": what 1 is in m, ...} from the rod's own -si_ values, for files that keep only
     these (of -task critical)."""
@@ -116,10 +155,12 @@ class Units:
     results given (--si) those of a run that was given a physical rod."""
 
     def __init__(self, results=()):
+        self.results = list(results)
         self.scales = dict.fromkeys(SHOWN, (1.0, ""))
         for r in results:
             if "si_length" not in r.attributes:
-                raise ResultsError(f"{r.path}: --si needs a run with -si_bending_stiffness ...")
+                raise ResultsError(f"{r.path}: si needs a run in the laboratory, with si_bending_stiffness "
+                                   "and the like")
         for kind in SHOWN if results else ():
             scale = scale_of(results, kind)
             if scale is not None:  # without -si_speed time has no scale and stays a bare number
@@ -129,6 +170,16 @@ class Units:
             # a power per unit of t: the time it is per stays a bare number
             self.scales["power"] = (self.scales["energy"][0],
                                     f"{self.scales['energy'][1]} per unit of $t$")
+
+    def unit(self, unit):
+        """(factor, name) of a unit of the file: the name is empty for bare numbers."""
+        if unit in KINDS:
+            return self.scales[KINDS[unit]]
+        if self.results:
+            with contextlib.suppress(ResultsError):
+                factor, name = in_laboratory(unit, self.results[0].scale)
+                return factor, "" if name == "1" else name
+        return 1.0, "rad" if unit == "rad" else ""
 
     def of(self, kind, values):
         return self.scales[kind][0] * np.asarray(values) if kind else np.asarray(values)

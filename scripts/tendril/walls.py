@@ -13,13 +13,15 @@ import numpy as np
 from matplotlib import rcParams
 from matplotlib.artist import Artist
 from matplotlib.collections import LineCollection
+from matplotlib.colors import to_rgb
 from matplotlib.lines import Line2D
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from matplotlib.transforms import Affine2D
 
-from .surroundings import contact_force
+from .surroundings import pressed
 
+ARROWS = 40  # of contact along the rod, at most
 SOLID, EDGE = "#d9d4c7", "#8a8371"
 
 
@@ -29,6 +31,7 @@ class Wall:
     inside: bool  # circle and polygon: where the rod is
     numbers: np.ndarray
     friction: float
+    bend: float = 0.0  # path: radius of its corners; 0: as the program chooses
 
 
 def parse(text):
@@ -38,12 +41,12 @@ def parse(text):
         words = line.partition("#")[0].replace(",", " ").split()
         if not words:
             continue
-        friction = 0.0
-        if len(words) > 2 and words[-2] == "friction":
-            friction = float(words[-1])
+        own = {"friction": 0.0, "radius": 0.0}
+        while len(words) > 2 and words[-2] in own:
+            own[words[-2]] = float(words[-1])
             words = words[:-2]
         numbers = [float(w) for w in words[1:] if w not in ("inside", "outside")]
-        walls.append(Wall(words[0], "inside" in words, np.array(numbers), friction))
+        walls.append(Wall(words[0], "inside" in words, np.array(numbers), own["friction"], own["radius"]))
     return walls
 
 
@@ -54,7 +57,7 @@ def walls_of(r):
 
 def diameter_of(r):
     """The rod's diameter, 0 if it has none."""
-    return float(r.attributes.get("parameters/contact_diameter", 0) or 0)
+    return r.diameter
 
 
 # ---- outlines ----
@@ -66,7 +69,7 @@ def arc(centre, radius, begin, end, points=33):
     return np.asarray(centre) + radius * np.column_stack([np.cos(a), np.sin(a)])
 
 
-def axis_of(radius, points):
+def axis_of(radius, points, corner=0.0):
     """The axis of a conduit with its corners rounded as the solver rounds them, each vertex with
     the normal to the left."""
     points = points.reshape(-1, 2)
@@ -83,7 +86,7 @@ def axis_of(radius, points):
             n.append(normals[0])
             continue
         half = np.tan(abs(turn) / 2)
-        taken = min(radius * max(1, 2 * half), min(lengths[k - 1], lengths[k]) / 2)
+        taken = corner * half or min(radius * max(1, 2 * half), min(lengths[k - 1], lengths[k]) / 2)
         side, bend = np.sign(turn), taken / half
         centre = points[k] - taken * t + side * bend * np.array(normals[0])
         begin = np.arctan2(*(-side * np.array(normals[0]))[::-1])
@@ -104,9 +107,10 @@ def mouth(radius, end, outwards, side):
     return arc(end + 2 * radius * across, radius, begin, begin + turn)
 
 
-def conduit(radius, points):
+def conduit(wall):
     """The two walls of a conduit as lines, mouths included."""
-    x, n = axis_of(radius, points)
+    radius = wall.numbers[0]
+    x, n = axis_of(radius, wall.numbers[1:], wall.bend)
     out = [x[0] - x[1], x[-1] - x[-2]]
     out = [o / np.hypot(*o) for o in out]
     lines = []
@@ -145,7 +149,7 @@ def ring_of(wall):
 def reach_of(walls):
     """Where walls with an extent are, [n, 2]: for who chooses the limits of a picture."""
     parts = [ring_of(w) for w in walls if w.kind in ("circle", "polygon")]
-    parts += [p for w in walls if w.kind == "path" for p in conduit(w.numbers[0], w.numbers[1:])]
+    parts += [p for w in walls if w.kind == "path" for p in conduit(w)]
     return np.concatenate(parts) if parts else np.zeros((0, 2))
 
 
@@ -164,7 +168,7 @@ def solid(wall, view):
         body, line = half_plane(wall.numbers[:2], wall.numbers[2:], view)
         return Path(np.concatenate([body, body[:1]])), [line]
     if wall.kind == "path":
-        left, right = conduit(wall.numbers[0], wall.numbers[1:])
+        left, right = conduit(wall)
         return None, [left, right]
     ring = ring_of(wall)
     if not wall.inside:
@@ -221,14 +225,17 @@ def draw_walls(ax, r, scale=1.0, room=True):
 
 
 class Thick:
-    """A line as wide as `width` in the data of its axes, which have equal aspect."""
+    """A line as wide as `width` in the data of its axes, which have equal aspect, less `rim` points on
+    both sides."""
 
-    width, least = 0.0, 0.5
+    width, least, rim = 0.0, 0.5, 0.0
+
+    def points(self):
+        box = self.axes.get_window_extent()
+        return self.width * box.width / abs(np.subtract(*self.axes.get_xlim())) * 72 / self.axes.figure.dpi
 
     def draw(self, renderer):
-        box = self.axes.get_window_extent()
-        pixels = self.width * box.width / abs(np.subtract(*self.axes.get_xlim()))
-        self.set_linewidth(max(self.least, pixels * 72 / self.axes.figure.dpi))
+        self.set_linewidth(max(self.least, self.points() - 2 * self.rim))
         super().draw(renderer)
 
 
@@ -240,10 +247,33 @@ class ThickSegments(Thick, LineCollection):
     pass
 
 
+class Tube(ThickLine):
+    """A rod as thick as it is, with a rim: strands that touch each other stay apart for the eye."""
+
+    def draw(self, renderer):
+        colour, thick = self.get_color(), self.points()
+        super().draw(renderer)
+        if thick > 6 * RIM:
+            self.set(color=pale(colour), linestyle="-")
+            self.rim = RIM
+            super().draw(renderer)
+            self.set_color(colour)
+            self.rim = 0.0
+
+
+RIM = 0.55  # in points
+
+
+def pale(colour):
+    """Halfway to white."""
+    return tuple((1 + c) / 2 for c in to_rgb(colour))
+
+
 def draw_rod(ax, r, x, scale=1.0, **look):
     """The rod through the nodes x, as thick as it is, and thinly if it has no diameter."""
     look.setdefault("solid_capstyle", "round")
-    line = ThickLine(*(scale * np.asarray(x).T), **look)
+    look.setdefault("solid_joinstyle", "round")
+    line = Tube(*(scale * np.asarray(x).T), **look)
     line.width = scale * diameter_of(r)
     line.least = look.get("lw", rcParams["lines.linewidth"] if line.width == 0 else Thick.least)
     ax.add_line(line)
@@ -251,18 +281,22 @@ def draw_rod(ax, r, x, scale=1.0, **look):
     return line
 
 
-def draw_contact(ax, r, shape, scale=1.0, most=None, **look):
-    """Arrows for the force of contact per length on the rod; one of the size `most`, the largest
-    if not given, is a tenth of the rod's extent long. Returns them; None if nothing touches."""
-    force = contact_force(r, shape)
+def strongest_contact(r, shapes):
+    """Of the arrows of these shapes."""
+    return max((np.hypot(*pressed(r, shape, ARROWS)[1].T).max() for shape in shapes), default=0.0)
+
+
+def draw_contact(ax, r, shape, scale=1.0, most=None, extent=None, **look):
+    """Arrows for the force of contact on the rod per length, each the mean over its piece of the rod; one of
+    the size `most`, the largest if not given, is an eighth of an extent long, the rod's if not given.
+    Returns them; None if nothing touches."""
+    place, force = pressed(r, shape, ARROWS)  # an arrow ends on the rod's surface, where the force acts
     size = np.hypot(*force.T)
     if size.max() == 0:
         return None
     most = most or size.max()
     drawn = size > 0.02 * most
-    long = 0.1 * scale * np.ptp(shape.x, axis=0).max() / most
-    # an arrow ends on the rod's surface, where the force acts
-    tip = shape.x[drawn] - diameter_of(r) / 2 * force[drawn] / size[drawn, None]
-    look = {"color": "#D55E00", "width": 0.0022, "zorder": 3, **look}
-    return ax.quiver(*(scale * tip.T), *force[drawn].T, angles="xy", scale_units="xy", scale=1 / long,
-                     pivot="tip", headwidth=3, headlength=4, headaxislength=3.5, **look)
+    long = 0.125 * (extent or scale * np.ptp(shape.x, axis=0).max()) / most
+    look = {"color": "#D55E00", "width": 0.0032, "zorder": 4, "edgecolor": "white", "linewidth": 0.3, **look}
+    return ax.quiver(*(scale * place[drawn].T), *force[drawn].T, angles="xy", scale_units="xy",
+                     scale=1 / long, pivot="tip", headwidth=3.6, headlength=4.2, headaxislength=3.8, **look)

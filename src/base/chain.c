@@ -196,6 +196,32 @@ static PetscErrorCode Destroy(PC pc) {
   PetscFunctionReturn(0);
 }
 
+/* ORDERING_HELD, in the form of a MatOrdering: of a matrix of blocks it is one of the blocks. */
+static PetscErrorCode HeldOrdering(Mat A, MatOrderingType type, IS *rows, IS *columns) {
+  const PetscInt *from;
+  PetscInt n, bs, size, last, *to, k = 0;
+  IS is[2];
+
+  PetscFunctionBegin;
+  PetscCall(MatGetOrdering(A, MATORDERING1WD, &is[0], &is[1]));
+  PetscCall(ISGetLocalSize(is[0], &n));
+  PetscCall(MatGetBlockSize(A, &bs));
+  PetscCall(MatGetLocalSize(A, &size, NULL));
+  last = n == size ? n - bs : n - 1; /* the first of the last node */
+  PetscCall(PetscMalloc1(n, &to));
+  PetscCall(ISGetIndices(is[0], &from));
+  for (PetscInt i = 0; i < n; i++)
+    if (from[i] < last) to[k++] = from[i];
+  while (k < n) to[k++] = last++;
+  PetscCall(ISRestoreIndices(is[0], &from));
+  for (int i = 0; i < 2; i++) PetscCall(ISDestroy(&is[i]));
+  PetscCall(ISCreateGeneral(PETSC_COMM_SELF, n, to, PETSC_OWN_POINTER, rows));
+  PetscCall(ISSetPermutation(*rows));
+  PetscCall(PetscObjectReference((PetscObject)*rows));
+  *columns = *rows;
+  PetscFunctionReturn(0);
+}
+
 /* ChainSetType - makes a PC this solver; call it once for each. On one rank it is PETSc's LU in
    this order (natural for a chain; another if far nodes see each other); on several, for MPIBAIJ
    and MPIAIJ matrices, the local factorisation has the options prefix -chain_. */
@@ -204,6 +230,7 @@ PetscErrorCode ChainSetType(PC pc, MatOrderingType ordering) {
   Chain *self;
 
   PetscFunctionBegin;
+  PetscCall(MatOrderingRegister(ORDERING_HELD, HeldOrdering)); /* (once more does no harm) */
   PetscCallMPI(MPI_Comm_size(PetscObjectComm((PetscObject)pc), &ranks));
   if (ranks == 1) {
     PetscCall(PCSetType(pc, PCLU));

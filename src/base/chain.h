@@ -6,6 +6,11 @@
 
 #include <petscpc.h>
 
+/* An order for nodes of which far ones see each other, and whose last node is held: PETSc's one-way
+   dissection, but the last node last. A held end has its conditions in rows where a free one has
+   its forces, so that its own block is singular until all before it is eliminated. */
+#define ORDERING_HELD "1wd_held"
+
 PetscErrorCode ChainSetType(PC pc, MatOrderingType ordering);
 
 #endif

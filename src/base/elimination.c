@@ -199,6 +199,30 @@ PetscErrorCode EliminationEnd(Elimination self, const LineRows tip) {
   PetscFunctionReturn(0);
 }
 
+/*
+  EliminationIndex - the index of the matrix eliminated last (line.c), whose fourth unknown of a
+  node is the force that belongs to the third, its fifth and sixth to the first and second. Of a
+  rod's Jacobian with a shift it is the number of real rates above the shift; exactly so where the
+  matrix derives from an energy, and always as an odd or even number. Collective.
+*/
+PetscErrorCode EliminationIndex(Elimination self, PetscInt *index) {
+  static const int force[HALF] = {2, 0, 1}, turned[HALF] = {1, 2, 0};
+
+  PetscFunctionBegin;
+  if (self->from_tip)
+    *index = LineIndex(&self->own, -1, turned) + LineIndexOfArrival(&self->own, -1, turned);
+  else
+    *index = LineIndex(&self->own, 1, force);
+  if (self->ranks == 1) {
+    *index += LineIndexOfEnd(&self->own, force);
+    PetscFunctionReturn(0);
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, index, 1, MPIU_INT, MPI_SUM, self->comm));
+  for (PetscInt i = 0; i < self->joint.n; i++) *index += LineIndexOfNode(&self->joint, i, force);
+  *index += LineIndexOfEnd(&self->joint, force);
+  PetscFunctionReturn(0);
+}
+
 /* The nodes of a rank, first to last, as they are from the tip, or back. */
 static void Turn(PetscInt nodes, const PetscReal (*from)[FIELDS], PetscReal (*to)[FIELDS]) {
   for (PetscInt i = 0; i < nodes; i++)
@@ -323,6 +347,15 @@ static PetscErrorCode Solve(Elimination self, const PetscReal (*b)[FIELDS],
     PetscCall(SolveBetween(self, b, behind, x));
   else
     PetscCall(SolveFromTip(self, b, x));
+  PetscFunctionReturn(0);
+}
+
+/* EliminationSolve - x of A x = b, the owned nodes of each; not a number where A is singular.
+   Collective. */
+PetscErrorCode EliminationSolve(Elimination self, const PetscReal (*b)[FIELDS],
+                                PetscReal (*x)[FIELDS]) {
+  PetscFunctionBegin;
+  PetscCall(Solve(self, b, x));
   PetscFunctionReturn(0);
 }
 

@@ -15,6 +15,9 @@ PetscBool EliminationFromTip(Elimination self);
 void EliminationBegin(Elimination self, const LineRows tip);
 void EliminationCell(Elimination self, LineBlock a, LineBlock b);
 PetscErrorCode EliminationEnd(Elimination self, const LineRows tip);
+PetscErrorCode EliminationIndex(Elimination self, PetscInt *index);
+PetscErrorCode EliminationSolve(Elimination self, const PetscReal (*b)[LINE_FIELDS],
+                                PetscReal (*x)[LINE_FIELDS]);
 PetscErrorCode EliminationSetType(PC pc, Elimination self);
 
 #endif

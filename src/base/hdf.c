@@ -199,9 +199,22 @@ static void AttributeOf(HdfFile file, const char *object, const char *name, hid_
   Try(file, H5Oclose(o));
 }
 
-/* HdfText - sets a text attribute of an object ("/": the file), replacing what was there. */
+/* Takes an attribute of the file off, if it is there. */
+static void DropAttribute(HdfFile file, const char *name) {
+  if (Sound(file) && H5Aexists(file->id, name) > 0) Try(file, H5Adelete(file->id, name));
+}
+
+/* HdfText - sets a text attribute of an object ("/": the file), replacing what was there. HDF5 has
+   room for 64 KB in one: a longer text of the file is a dataset (HdfWriteText). */
 PetscErrorCode HdfText(HdfFile file, const char *object, const char *name, const char *text) {
+  const size_t most = 60000;
+
   PetscFunctionBegin;
+  if (!strcmp(object, "/") && strlen(text) > most) {
+    PetscCall(HdfWriteText(file, name, text, "text"));
+    PetscFunctionReturn(0);
+  }
+  if (!strcmp(object, "/") && Sound(file) && !strchr(name, '/')) PetscCall(HdfDelete(file, name));
   AttributeOf(file, object, name, -1, text);
   PetscFunctionReturn(0);
 }
@@ -256,6 +269,28 @@ PetscErrorCode HdfWrite(HdfFile file, const char *name, int rank, const PetscInt
   if (d < 0) PetscFunctionReturn(0);
   Try(file, H5Dwrite(d, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, data));
   Try(file, H5Dclose(d));
+  PetscFunctionReturn(0);
+}
+
+/* HdfWriteText - writes one text of any length as a dataset of the file, in the place of what was
+   there, of an attribute of that name, too. */
+PetscErrorCode HdfWriteText(HdfFile file, const char *name, const char *text,
+                            const char *description) {
+  hid_t type, d;
+
+  PetscFunctionBegin;
+  if (!Sound(file)) PetscFunctionReturn(0);
+  DropAttribute(file, name);
+  PetscCall(HdfDelete(file, name));
+  type = Try(file, H5Tcopy(H5T_C_S1));
+  if (type < 0) PetscFunctionReturn(0);
+  Try(file, H5Tset_size(type, strlen(text) + 1));
+  d = MakeDataset(file, name, type, Try(file, H5Screate(H5S_SCALAR)), H5P_DEFAULT, "", description);
+  if (d >= 0) {
+    Try(file, H5Dwrite(d, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text));
+    Try(file, H5Dclose(d));
+  }
+  Try(file, H5Tclose(type));
   PetscFunctionReturn(0);
 }
 
@@ -571,31 +606,51 @@ PetscErrorCode HdfReadQuantity(const char *option, const char *path, const char 
   PetscFunctionReturn(0);
 }
 
-/* HdfReadText - reads a text attribute of a file; the caller frees it (PetscFree). A file that is
-   no result of tendril is a user's mistake. Collective on OptionsComm(). */
+/* Reads a text of a file that is open, an attribute or a dataset; text is allocated, NULL if there
+   is none. */
+static PetscErrorCode ReadText(hid_t f, const char *name, int *size, char **text) {
+  hid_t a = -1, d = -1, type = -1;
+  herr_t status = -1;
+
+  PetscFunctionBegin;
+  *text = NULL;
+  if (H5Aexists(f, name) > 0)
+    a = H5Aopen(f, name, H5P_DEFAULT);
+  else if (H5Lexists(f, name, H5P_DEFAULT) > 0)
+    d = H5Dopen2(f, name, H5P_DEFAULT);
+  if (a >= 0 || d >= 0) type = a >= 0 ? H5Aget_type(a) : H5Dget_type(d);
+  if (type >= 0 && H5Tget_class(type) == H5T_STRING && !H5Tis_variable_str(type)) {
+    *size = (int)H5Tget_size(type) + 1;
+    PetscCall(PetscCalloc1(*size, text));
+    status =
+        a >= 0 ? H5Aread(a, type, *text) : H5Dread(d, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, *text);
+  }
+  if (status < 0) PetscCall(PetscFree(*text));
+  if (type >= 0) H5Tclose(type);
+  if (a >= 0) H5Aclose(a);
+  if (d >= 0) H5Dclose(d);
+  PetscFunctionReturn(0);
+}
+
+/* HdfReadText - reads a text of a file, an attribute or, if it is long, a dataset; the caller frees
+   it (PetscFree). A file that is no result of tendril is a user's mistake. Collective on
+   OptionsComm(). */
 PetscErrorCode HdfReadText(const char *option, const char *path, const char *name, char **text) {
   char fault[HDF_FAULT] = "";
-  hid_t f = -1, a = -1, type;
-  herr_t status = -1;
   PetscMPIInt me;
   int size = 0;
 
   PetscFunctionBegin;
   *text = NULL;
   PetscCallMPI(MPI_Comm_rank(OptionsComm(), &me));
-  if (!me) f = OpenToRead(path, fault);
-  if (f >= 0 && H5Aexists(f, name) > 0) a = H5Aopen(f, name, H5P_DEFAULT);
-  if (a >= 0) {
-    type = H5Aget_type(a);
-    size = (int)H5Tget_size(type) + 1;
-    PetscCall(PetscCalloc1(size, text));
-    status = H5Tis_variable_str(type) ? -1 : H5Aread(a, type, *text);
-    H5Tclose(type);
-    H5Aclose(a);
+  if (!me) {
+    hid_t f = OpenToRead(path, fault);
+    if (f >= 0) {
+      PetscCall(ReadText(f, name, &size, text));
+      H5Fclose(f);
+      if (!*text) (void)snprintf(fault, HDF_FAULT, "is not a result file of tendril");
+    }
   }
-  if (f >= 0) H5Fclose(f);
-  if (f >= 0 && status < 0) (void)snprintf(fault, HDF_FAULT, "is not a result file of tendril");
-  if (fault[0]) PetscCall(PetscFree(*text));
   PetscCall(Verdict(option, path, fault));
   PetscCallMPI(MPI_Bcast(&size, 1, MPI_INT, 0, OptionsComm()));
   if (me) PetscCall(PetscCalloc1(size, text));
@@ -603,8 +658,8 @@ PetscErrorCode HdfReadText(const char *option, const char *path, const char *nam
   PetscFunctionReturn(0);
 }
 
-/* HdfHas - tells whether a file is HDF5 and holds the named object, or attribute of the file if the
-   name has no slash in front. Collective on OptionsComm(). */
+/* HdfHas - tells whether a file is HDF5 and holds the named object, or text of the file, attribute
+   or dataset, if the name has no slash in front. Collective on OptionsComm(). */
 PetscErrorCode HdfHas(const char *path, const char *name, PetscBool *has) {
   char fault[HDF_FAULT];
   PetscMPIInt me;
@@ -614,7 +669,7 @@ PetscErrorCode HdfHas(const char *path, const char *name, PetscBool *has) {
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(OptionsComm(), &me));
   if (!me && (f = OpenToRead(path, fault)) >= 0) {
-    found = (name[0] == '/' ? H5Lexists(f, name, H5P_DEFAULT) : H5Aexists(f, name)) > 0;
+    found = (name[0] != '/' && H5Aexists(f, name) > 0) || H5Lexists(f, name, H5P_DEFAULT) > 0;
     H5Fclose(f);
   }
   PetscCallMPI(MPI_Bcast(&found, 1, MPI_INT, 0, OptionsComm()));

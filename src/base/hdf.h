@@ -34,6 +34,8 @@ PetscErrorCode HdfPut(HdfFile file, const char *name, PetscInt n, const PetscInt
 PetscErrorCode HdfTruncate(HdfFile file, const char *name, PetscInt rows);
 PetscErrorCode HdfDelete(HdfFile file, const char *name);
 PetscErrorCode HdfText(HdfFile file, const char *object, const char *name, const char *text);
+PetscErrorCode HdfWriteText(HdfFile file, const char *name, const char *text,
+                            const char *description);
 PetscErrorCode HdfReal(HdfFile file, const char *object, const char *name, PetscReal value);
 PetscErrorCode HdfInt(HdfFile file, const char *object, const char *name, int value);
 

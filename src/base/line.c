@@ -212,6 +212,7 @@ void LineEnd(Line *line, const Half own) {
   const Link *last = &line->link[line->n];
   PetscBLASInt n = FIELDS, info;
 
+  memcpy(line->own, own, sizeof(Half));
   for (int k = 0; k < FIELDS; k++)
     for (int i = 0; i < HALF; i++) {
       line->last[k * FIELDS + i] = last->T[i][k];
@@ -270,6 +271,153 @@ void LineSolve(const Line *line, const PetscReal (*b)[FIELDS], PetscReal (*x)[FI
   LineForward(line, n + 1, b, NULL, x, NULL);
   LineTurn(line, b[n] + HALF, x[n]);
   LineBackward(line, x[n], x);
+}
+
+/*
+  The index: how many negative directions the quadratic form has of which the equations say that it
+  is stationary, less those that the forces count for, which are half of the unknowns. It is the sum
+  of what each node adds when it is eliminated. Let x be the first half of a node's unknowns and f
+  the second, each f_j the force that belongs to x_pair[j]. What is before the node says
+  x = d + C f, its compliance; the node's own equations are f + K x = ..., its stiffness. It adds
+      negative(C^-1 + K) - negative(C^-1):
+  for each eigenvector v of 1 + C K with a negative eigenvalue 1, if v K v < 0, else -1 (follow
+  C^-1 + a K from a = 0 to 1). So where something is added a compliance passes through infinity: as
+  the sign changes in a Sturm sequence, or the conjugate points of Jacobi. A cell's stiffness is at
+  both of its nodes, and the part at its second is in V of that node already: V - W Q^-1 P is
+  1 + C K with both.
+*/
+static PetscInt Directions(const Square S, PetscReal sign, const Square K, const int pair[HALF]) {
+  PetscReal A[HALF * HALF], real[HALF], imaginary[HALF], vectors[HALF * HALF], none[1],
+      work[8 * HALF];
+  PetscBLASInt n = HALF, one = 1, size = 8 * HALF, info;
+  PetscInt added = 0;
+
+  for (int i = 0; i < HALF; i++)
+    for (int j = 0; j < HALF; j++) A[j * HALF + i] = sign * S[i][j];
+  LAPACKgeev_("N", "V", &n, A, &n, real, imaginary, none, &one, vectors, &n, work, &size, &info);
+  for (int k = 0; k < HALF && !info; k++) {
+    const PetscReal *v = vectors + k * HALF;
+    PetscReal energy = 0;
+    if (imaginary[k] != 0 || real[k] > 0) continue;
+    for (int i = 0; i < HALF; i++)
+      energy += v[pair[i]] * (K[i][0] * v[0] + K[i][1] * v[1] + K[i][2] * v[2]);
+    added += energy < 0 ? 1 : -1;
+  }
+  return added;
+}
+
+/* S of a node that is factored. */
+static void Recover(const Link *link, Square S) {
+  for (int k = 0; k < HALF; k++)
+    for (int j = 0; j < HALF; j++) {
+      S[link->row[k]][j] = j < k ? 0 : j == k ? 1 / link->T[k][k] : link->T[k][j];
+      for (int m = 0; m < k; m++)
+        S[link->row[k]][j] += link->T[k][m] * (m > j    ? 0
+                                               : m == j ? 1 / link->T[m][m]
+                                                        : link->T[m][j]);
+    }
+}
+
+/* Is det(sign S) < 0? */
+static inline PetscBool Turns(const Link *link, PetscReal sign) {
+  const PetscReal pivots = sign * link->T[0][0] * link->T[1][1] * link->T[2][2];
+  PetscBool even = (PetscBool)((link->row[1] - link->row[0] + HALF) % HALF == 1);
+
+  return (PetscBool)((pivots < 0) == (int)even);
+}
+
+/* The stiffness at the second node of the cell behind a link. */
+static void Behind(const Link *link, Square K) {
+  Square U, inverse;
+
+  Columns(link->U, HALF, U);
+  (void)Invert(U, inverse);
+  Columns(link->U, 0, U);
+  Multiply(inverse, U, K);
+  for (int i = 0; i < HALF; i++)
+    for (int j = 0; j < HALF; j++) K[i][j] = -K[i][j];
+}
+
+/*
+  LineIndex - the index of all nodes but the last. Cells must be fine: each node turns one direction
+  at most.
+
+  sign  of V, which is about sign I, of all nodes but the first, where it is 1
+*/
+PetscInt LineIndex(const Line *line, PetscReal sign, const int pair[HALF]) {
+  PetscInt index = 0;
+  Square S, K;
+
+  for (PetscInt i = 0; i < line->n; i++) {
+    const Link *link = &line->link[i];
+    PetscReal own = i ? sign : 1;
+    if (!Turns(link, own)) continue;
+    Recover(link, S);
+    Multiply(link->Q, link->P, K);
+    index += Directions(S, own, K, pair);
+  }
+  return index;
+}
+
+/* LineIndexOfArrival - what the cell before the last node adds there. */
+PetscInt LineIndexOfArrival(const Line *line, PetscReal sign, const int pair[HALF]) {
+  Square V, K;
+
+  if (!line->n) return 0;
+  Columns(line->link[line->n].T, 0, V);
+  Behind(&line->link[line->n - 1], K);
+  return Directions(V, sign, K, pair);
+}
+
+/* LineIndexOfNode - what node i before the last adds, however many directions. */
+PetscInt LineIndexOfNode(const Line *line, PetscInt i, const int pair[HALF]) {
+  Square S, K, behind = {{0}};
+
+  Recover(&line->link[i], S);
+  Multiply(line->link[i].Q, line->link[i].P, K);
+  if (i) Behind(&line->link[i - 1], behind);
+  for (int j = 0; j < HALF; j++)
+    for (int k = 0; k < HALF; k++) K[j][k] += behind[j][k];
+  return Directions(S, 1, K, pair);
+}
+
+/* What a last node adds that is held: K is infinite in n directions of x, at place. */
+static PetscInt Held(const Square C, int n, const int place[HALF]) {
+  const Square stiff = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const int same[HALF] = {0, 1, 2};
+  Square part = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j < n; j++) part[i][j] = C[place[i]][place[j]];
+  return Directions(part, 1, stiff, same);
+}
+
+/* LineIndexOfEnd - what the last node adds, by its own equations and the cell before it. */
+PetscInt LineIndexOfEnd(const Line *line, const int pair[HALF]) {
+  Square V, W, P, Q, A, C, K, behind = {{0}};
+  int place[HALF], held = 0;
+
+  Columns(line->link[line->n].T, 0, V);
+  Columns(line->link[line->n].T, HALF, W);
+  Columns(line->own, 0, P);
+  Columns(line->own, HALF, Q);
+  for (int i = 0; i < HALF; i++) /* an equation of x alone holds it */
+    for (int j = 0; j < HALF; j++)
+      if (Q[i][0] == 0 && Q[i][1] == 0 && Q[i][2] == 0 && P[i][j] != 0) place[held++] = j;
+  if (held) {
+    if (!Invert(V, A)) return 0;
+    Multiply(A, W, K);
+    for (int i = 0; i < HALF; i++)
+      for (int j = 0; j < HALF; j++) C[i][pair[j]] = -K[i][j];
+    return LineIndexOfArrival(line, 1, pair) + Held(C, held, place);
+  }
+  if (!Invert(Q, A)) return 0;
+  if (line->n) Behind(&line->link[line->n - 1], behind);
+  Multiply(A, P, K);
+  MultiplySubtract(W, K, V); /* S */
+  for (int i = 0; i < HALF; i++)
+    for (int j = 0; j < HALF; j++) K[i][j] += behind[i][j];
+  return Directions(V, 1, K, pair);
 }
 
 /* LineCreate - for so many nodes at most; the caller ends it with LineDestroy(). */

@@ -22,6 +22,7 @@ typedef struct {
 typedef struct {
   PetscInt n;                                /* cells so far */
   LineLink *link;                            /* n + 1 */
+  LineRows own;                              /* the last node's own equations */
   PetscReal last[LINE_FIELDS * LINE_FIELDS]; /* factors of the last node, whose own equations are
                                                 any */
   PetscBLASInt pivots[LINE_FIELDS];
@@ -37,6 +38,10 @@ void LineForward(const Line *line, PetscInt nodes, const PetscReal (*b)[LINE_FIE
                  const PetscReal behind[], PetscReal (*x)[LINE_FIELDS], PetscReal beyond[]);
 void LineBackward(const Line *line, const PetscReal y[], PetscReal (*x)[LINE_FIELDS]);
 void LineSolve(const Line *line, const PetscReal (*b)[LINE_FIELDS], PetscReal (*x)[LINE_FIELDS]);
+PetscInt LineIndex(const Line *line, PetscReal sign, const int pair[LINE_HALF]);
+PetscInt LineIndexOfArrival(const Line *line, PetscReal sign, const int pair[LINE_HALF]);
+PetscInt LineIndexOfNode(const Line *line, PetscInt i, const int pair[LINE_HALF]);
+PetscInt LineIndexOfEnd(const Line *line, const int pair[LINE_HALF]);
 void LineDivide(const LineLink *link, const LineRows M, LineRows X);
 void LineSubtractProduct(const LineRows M, const LineRows U, LineRows C);
 

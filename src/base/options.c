@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <stdarg.h>
 #include <stdlib.h>
+#include <sys/stat.h>
 
 enum { MOST_BARE = 16, LONGEST_BARE = 60 };
 
@@ -134,17 +135,26 @@ static PetscErrorCode Given(const char *name, OptionKind kind, const OptionRow *
   PetscFunctionReturn(0);
 }
 
+/* The unit behind a number; blanks in it (N m^2) say nothing. */
+static void UnitOf(const char *text, char unit[32]) {
+  size_t n = 0;
+
+  for (; *text && n < 31; text++)
+    if (!isspace((unsigned char)*text)) unit[n++] = *text;
+  unit[n] = 0;
+}
+
 static PetscErrorCode ParseReal(const OptionRow *row, const char *text, PetscReal *value) {
   PetscReal factor;
   char *end, unit[32], what[128];
-  size_t n;
 
   PetscFunctionBegin;
   *value = strtod(text, &end);
   UserCheck(end != text, OptionsComm(), "%s %s: give a number", row->name, text);
-  while (isspace((unsigned char)*end)) end++;
-  (void)snprintf(unit, sizeof(unit), "%s", end);
-  for (n = strlen(unit); n > 0 && isspace((unsigned char)unit[n - 1]); n--) unit[n - 1] = 0;
+  UserCheck(*end != ',' || !isdigit((unsigned char)end[1]), OptionsComm(),
+            "%s %s: give a number, with a point: %.*s.%s", row->name, text, (int)(end - text), text,
+            end + 1);
+  UnitOf(end, unit);
   (void)snprintf(what, sizeof(what), "%s %.*s", row->name, (int)(end - text), text);
   PetscCall(OptionUnit(what, unit, row->dimension, &factor));
   *value *= factor;
@@ -280,12 +290,16 @@ PetscErrorCode OptionWord(const char *name, PetscInt *choice, PetscBool *set) {
 
 /* OptionText - reads a text, a file name as a rule; value keeps what it was if not given. */
 PetscErrorCode OptionText(const char *name, char value[PETSC_MAX_PATH_LEN], PetscBool *set) {
+  struct stat status;
   const OptionRow *row;
   PetscBool found;
 
   PetscFunctionBegin;
   PetscCall(Given(name, KIND_TEXT, &row, value, &found));
   UserCheck(!found || value[0], OptionsComm(), "%s: give a value", name);
+  UserCheck(!found || !(row->flags & INPUT_FILE) || stat(value, &status) ||
+                S_ISREG(status.st_mode) || S_ISDIR(status.st_mode),
+            OptionsComm(), "%s %s: is a pipe or a device; give a file", name, value);
   if (found) PetscCall(Keep(row, value));
   if (set) *set = found;
   PetscFunctionReturn(0);

@@ -118,11 +118,12 @@ PetscErrorCode OptionsRefuseLeft(void);
 PetscErrorCode OptionsRefuseOverwrite(const char *option, const char *output);
 PetscErrorCode OptionsRefuseStrange(const char *name);
 PetscBool OptionOfPetsc(const char *name);
-PetscBool OptionOnCommandLine(const char *name);
 PetscErrorCode OptionsList(char **text);
 PetscErrorCode OptionsInForce(char **text);
 
 /* options_words.c: the command line and options files, before PETSc takes them */
-int OptionsCheckWords(int argc, char **argv);
+int OptionsTakeWords(int *argc, char ***argv);
+void OptionsFreeWords(void);
+PetscBool OptionOnCommandLine(const char *name);
 
 #endif

@@ -1,6 +1,7 @@
 /* What was given, as a whole: what PETSc reads is checked, what nothing reads is refused, all of it
    is listed for the record. */
 #include "base/options.h"
+#include "base/words.h"
 #include <ctype.h>
 #include <petscts.h>
 #include <sys/stat.h>
@@ -117,17 +118,6 @@ PetscErrorCode OptionsBegin(const char *start, PetscBool *any) {
   PetscFunctionReturn(0);
 }
 
-/* OptionOnCommandLine - does the command line itself have this option, or only an options file? */
-PetscBool OptionOnCommandLine(const char *name) {
-  PetscBool same = PETSC_FALSE;
-  int argc = 0;
-  char **argv = NULL;
-
-  (void)PetscGetArgs(&argc, &argv);
-  for (int i = 1; i < argc && !same; i++) same = (PetscBool)!strcmp(argv[i], name);
-  return same;
-}
-
 /*
   OptionsRefuseUnread - refuses the run if an option was given that nothing has read (in an options
   file that is fine if the command line asks for a task of its own).
@@ -152,6 +142,10 @@ PetscErrorCode OptionsRefuseUnread(void) {
   PetscFunctionReturn(0);
 }
 
+static PetscBool SameFile(const struct stat *a, const struct stat *b) {
+  return (PetscBool)(a->st_dev == b->st_dev && a->st_ino == b->st_ino);
+}
+
 /* OptionsRefuseOverwrite - refuses an output file, which the named option gives, that is also an
    input. Collective. */
 PetscErrorCode OptionsRefuseOverwrite(const char *option, const char *output) {
@@ -163,11 +157,15 @@ PetscErrorCode OptionsRefuseOverwrite(const char *option, const char *output) {
 
   PetscFunctionBegin;
   if (!output[0] || stat(output, &to)) PetscFunctionReturn(0);
+  for (int k = 0; WordsFile(k); k++)
+    UserCheck(stat(WordsFile(k), &from) || !SameFile(&to, &from), OptionsComm(),
+              "%s %s: would overwrite the file that -options_file gives; name another", option,
+              output);
   while ((row = OptionNext(&place))) {
     if (!(row->flags & INPUT_FILE) || row->flags & IN_PLACE) continue;
     PetscCall(PetscOptionsGetString(NULL, NULL, row->name, file, sizeof(file), &found));
     if (!found || stat(file, &from)) continue;
-    UserCheck(to.st_dev != from.st_dev || to.st_ino != from.st_ino, OptionsComm(),
+    UserCheck(!SameFile(&to, &from), OptionsComm(),
               "%s %s: would overwrite the file that %s gives; name another", option, output,
               row->name);
   }

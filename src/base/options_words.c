@@ -1,87 +1,98 @@
-/* The command line and the options files as they stand, before PETSc takes them: it ignores
-   silently what belongs to no option, and reads files too early for a plain message. */
+/* The command line as it stands, before PETSc takes it: it ignores silently what belongs to no
+   option, and reads options files too early for a plain message. */
 #include "base/options.h"
+#include "base/words.h"
 #include <ctype.h>
+#include <stdlib.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
-static PetscBool IsOption(const char *word) {
-  return (PetscBool)(word[0] == '-' && isalpha((unsigned char)word[1]));
+static Words taken; /* what PETSc gets */
+static int given_n; /* what was given */
+static char *const *given;
+
+static PetscBool IsNumber(const char *word) {
+  char *end;
+  (void)strtod(word, &end);
+  return (PetscBool)(end != word && !*end);
 }
 
-/* What is wrong with word i, or NULL. A word after an option is its value. */
-static const char *WordFault(char **argv, int i, char *text, size_t length) {
-  if (!strncmp(argv[i], "--", 2))
-    (void)snprintf(text, length, "%s: options have one dash, %s", argv[i], argv[i] + 1);
-  else if (!IsOption(argv[i]) && !(i > 1 && IsOption(argv[i - 1])))
-    (void)snprintf(text, length, "%s: a word without an option; did you mean -%s?", argv[i],
-                   argv[i]);
-  else
-    return NULL;
-  return text;
-}
-
-/* Why a file of options cannot be one, or NULL; line is where. */
-static const char *FileFault(const char *file, int *line, char *text, size_t length) {
-  char row[4096];
+/* What to do about a word that belongs to no option: behind one and its value, or alone. */
+static void StrayWord(char **argv, int i, char fault[WORDS_FAULT]) {
+  const char *word = argv[i];
   struct stat status;
-  const char *fault = NULL;
-  FILE *f;
+  char name[80];
 
-  *line = 0;
-  if (stat(file, &status)) return "is not there";
-  if (S_ISDIR(status.st_mode)) return "is a directory";
-  f = fopen(file, "r");
-  if (!f) return "cannot be read";
-  while (!fault && fgets(row, sizeof(row), f)) {
-    const char *word = row + strspn(row, " \t\r\n");
-    ++*line;
-    for (const char *c = row; *c; c++)
-      if (!isprint((unsigned char)*c) && !isspace((unsigned char)*c) && !((unsigned char)*c & 0x80))
-        fault = "is not a text file";
-    if (!fault && *word && !strchr("#!%", *word) && *word != '-') {
-      (void)snprintf(text, length, "begin the line with - or #: %.60s", word);
-      text[strcspn(text, "\r\n")] = 0;
-      fault = text;
-    }
-  }
-  fclose(f);
-  return fault;
+  (void)snprintf(name, sizeof(name), "-%s", word);
+  if (!stat(word, &status) || strstr(word, ".opts"))
+    (void)snprintf(fault, WORDS_FAULT, "%s: a word without an option; give it as -options_file %s",
+                   word, word);
+  else if (i > 2 && WordIsOption(argv[i - 2]) && IsNumber(argv[i - 1]) && !OptionFind(name))
+    (void)snprintf(fault, WORDS_FAULT,
+                   "%s %s %s: a value has no blank; write a unit right behind the number, %s%s",
+                   argv[i - 2], argv[i - 1], word, argv[i - 1], word);
+  else if (OptionNearest(name))
+    (void)snprintf(fault, WORDS_FAULT, "%s: a word without an option; did you mean %s?", word,
+                   OptionNearest(name));
+  else
+    (void)snprintf(fault, WORDS_FAULT,
+                   "%s: a word without an option; give -NAME VALUE, -help lists the names", word);
 }
 
-static const char *OptionsFileFault(int argc, char **argv, int i, char *text, size_t length) {
-  char detail[128];
-  const char *fault;
-  int line;
-
-  if (i + 1 == argc || IsOption(argv[i + 1])) {
-    (void)snprintf(text, length, "-options_file: give the name of a file");
-    return text;
-  }
-  fault = FileFault(argv[i + 1], &line, detail, sizeof(detail));
-  if (!fault) return NULL;
-  if (line)
-    (void)snprintf(text, length, "-options_file %s: %s (line %d)", argv[i + 1], fault, line);
-  else
-    (void)snprintf(text, length, "-options_file %s: %s", argv[i + 1], fault);
-  return text;
+/* Is there anything wrong with word i? One after an option is its value. */
+static PetscBool WordFault(char **argv, int i, char fault[WORDS_FAULT]) {
+  if (!strncmp(argv[i], "--", 2))
+    (void)snprintf(fault, WORDS_FAULT, "%s: options have one dash, %s", argv[i], argv[i] + 1);
+  else if (!WordIsOption(argv[i]) && !(i > 1 && WordIsOption(argv[i - 1])))
+    StrayWord(argv, i, fault);
+  else if (strlen(argv[i]) >= PETSC_MAX_PATH_LEN)
+    (void)snprintf(fault, WORDS_FAULT, "%.60s...: has more than %d characters",
+                   WordIsOption(argv[i]) ? argv[i] : argv[i - 1], PETSC_MAX_PATH_LEN - 1);
+  return (PetscBool)(fault[0] != 0);
 }
 
 /*
-  OptionsCheckWords - refuses words on the command line that belong to no option (a forgotten dash),
-  names with two dashes, and options files that cannot be read as such. Before PetscInitialize(),
-  after MPI_Init(); returns 0 if all is well, else the line is out.
-*/
-int OptionsCheckWords(int argc, char **argv) {
-  char text[PETSC_MAX_PATH_LEN + 256];
-  const char *fault = NULL;
-  int rank;
+  OptionsTakeWords - checks the words of the command line and puts those of options files in their
+  place. Before PetscInitialize(), after MPI_Init(); the caller ends it with OptionsFreeWords().
 
-  for (int i = 1; i < argc && !fault; i++) {
-    fault = WordFault(argv, i, text, sizeof(text));
-    if (!fault && !strcmp(argv[i], "-options_file"))
-      fault = OptionsFileFault(argc, argv, i, text, sizeof(text));
+  argc, argv  as main() has them; on exit what PETSc is to have
+
+  Words that belong to no option (a forgotten dash), names with two dashes, and options files that
+  cannot be read as such are refused. Returns 0 if all is well, else the line is out.
+*/
+int OptionsTakeWords(int *argc, char ***argv) {
+  char fault[WORDS_FAULT] = "", **word = *argv;
+  int rank, ranks;
+
+  given_n = *argc;
+  given = *argv;
+  for (int i = 0; i < *argc; i++) {
+    if (i && WordFault(word, i, fault)) break;
+    if (!i || strcmp(word[i], "-options_file"))
+      WordsAdd(&taken, word[i]);
+    else if (i + 1 == *argc || WordIsOption(word[i + 1]))
+      (void)snprintf(fault, sizeof(fault), "-options_file: give the name of a file");
+    else
+      (void)WordsAddFile(&taken, word[++i], fault);
+    if (fault[0]) break;
   }
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-  if (fault && !rank) fprintf(stderr, "tendril: %s\n", fault);
-  return fault != NULL;
+  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+  if (fault[0] && !rank) fprintf(stderr, "tendril: %s\n", fault);
+  if (fault[0] && !rank && ranks > 1) (void)usleep(100000); /* mpiexec may drop the last words */
+  *argc = taken.n;
+  *argv = taken.word;
+  return fault[0] != 0;
+}
+
+/* OptionsFreeWords - frees what OptionsTakeWords() has made, which PETSc has until its end. */
+void OptionsFreeWords(void) {
+  WordsFree(&taken);
+}
+
+/* OptionOnCommandLine - does the command line itself have this option, or only an options file? */
+PetscBool OptionOnCommandLine(const char *name) {
+  for (int i = 1; i < given_n; i++)
+    if (!strcmp(given[i], name)) return PETSC_TRUE;
+  return PETSC_FALSE;
 }

@@ -1,4 +1,5 @@
 #include "record/collection.h"
+#include "base/lock.h"
 #include <petsctime.h>
 #include <sys/stat.h>
 
@@ -421,6 +422,7 @@ PetscErrorCode CollectionCreate(const char *path, Table table, const Columns *co
   PetscCall(PetscStrallocpy(options, &self->options));
   PetscCall(PetscCalloc1(TableRows(table), &self->status));
   PetscCall(OutputRefuse("-output", path));
+  PetscCall(LockTake(OptionsComm(), "-output", path));
   there = !stat(path, &status) && status.st_size;
   PetscCallMPI(MPI_Bcast(&there, 1, MPI_INT, 0, OptionsComm()));
   if (there) PetscCall(GoOn(self));
@@ -434,6 +436,7 @@ PetscErrorCode CollectionDestroy(Collection *collection) {
 
   PetscFunctionBegin;
   if (!self) PetscFunctionReturn(0);
+  PetscCall(LockGive(self->path));
   PetscCall(Emptied(self));
   PetscCall(PetscFree(self->row));
   PetscCall(PetscFree(self->values.a));

@@ -11,10 +11,14 @@ static const OptionRow rows[] = {
              "ends the run where the rod first touches a wall, or itself (-contact_self)"),
     ROW_REAL(
         "-stop_angle", "", 0, 1e4, UNIT_ANGLE, EVENT,
-        "ends the run when an angle against the clamp reaches this, radians; off unless given")};
+        "ends the run when an angle against the clamp reaches this, radians; off unless given"),
+    ROW_REAL("-stop_force", "", 0, 1e9, UNIT_FORCE, EVENT,
+             "ends the run when the rod is pushed by this force along itself, anywhere: -n.q; off "
+             "unless given")};
 const OptionGroup event_options = OPTION_GROUP("Events", rows);
 
-const char *const event_name[EVENT_KINDS] = {"none", "self_contact", "length", "angle", "contact"};
+const char *const event_name[EVENT_KINDS] = {"none",  "self_contact", "length",
+                                             "angle", "contact",      "force"};
 
 /* WatchSetFromOptions - reads and checks which events end the run. */
 PetscErrorCode WatchSetFromOptions(Watch *watch, Scene scene) {
@@ -32,6 +36,7 @@ PetscErrorCode WatchSetFromOptions(Watch *watch, Scene scene) {
             "-stop_length: the rod is %s long at the start, give more",
             OptionBoth(length, UNIT_LENGTH, text));
   PetscCall(OptionReal("-stop_angle", &watch->bound[EVENT_ANGLE], &watch->watched[EVENT_ANGLE]));
+  PetscCall(OptionReal("-stop_force", &watch->bound[EVENT_FORCE], &watch->watched[EVENT_FORCE]));
   PetscCall(OptionBool("-stop_contact", &watch->watched[EVENT_CONTACT], NULL));
   UserCheck(!watch->watched[EVENT_CONTACT] || scene->contact.any, OptionsComm(),
             "-stop_contact: there is nothing to touch; give -wall_file, or -contact_self");
@@ -145,6 +150,36 @@ static PetscErrorCode LookForContact(Observer observer, Scene scene, PetscReal t
 }
 
 /*
+  PushLargest - the largest force by which the rod is pushed along itself, -n.q, and the node where
+  it is. Not collective.
+
+  nodes  cells + 1 of them, all of the rod
+*/
+PetscReal PushLargest(PetscInt cells, const Node *nodes, PetscInt *where) {
+  PetscReal push = PETSC_MIN_REAL;
+
+  for (PetscInt i = 0; i <= cells; i++) {
+    const PetscReal *n = nodes[i].force, theta = nodes[i].theta,
+                    here = -n[0] * PetscCosReal(theta) - n[1] * PetscSinReal(theta);
+    if (here <= push) continue;
+    push = here;
+    *where = i;
+  }
+  return push;
+}
+
+/* Is the rod pushed as hard as that? */
+static void LookForPush(PetscInt cells, const PetscReal s[], const Node *nodes, PetscReal bound,
+                        Event *event) {
+  PetscInt where = 0;
+
+  if (PushLargest(cells, nodes, &where) < bound) return;
+  event->kind = EVENT_FORCE;
+  event->s[0] = event->s[1] = s[where];
+  for (int d = 0; d < 2; d++) event->x[d] = nodes[where].x[d];
+}
+
+/*
   WatchLook - has an event happened at time t? Not collective.
 
   nodes  cells + 1 nodes, all of the rod
@@ -165,6 +200,8 @@ PetscErrorCode WatchLook(const Watch *watch, Observer observer, Scene scene, Pet
       event->s[0] = event->s[1] = scene->mesh.s[i];
       PetscCall(PetscArraycpy(event->x, nodes[i].x, 2));
     }
+  if (watch->watched[EVENT_FORCE] && !event->kind)
+    LookForPush(last, scene->mesh.s, nodes, watch->bound[EVENT_FORCE], event);
   if (watch->watched[EVENT_CONTACT] && !event->kind)
     PetscCall(LookForContact(observer, scene, t, nodes, event));
   PetscCall(GrowthLength(scene->growth, t, &length, NULL));

@@ -1,5 +1,5 @@
-/* Events that end a run: a length, an angle, the first contact, or that of a rod that may cross
-   itself. Here is what they are and where on the
+/* Events that end a run: a length, an angle, a push, the first contact, or that of a rod that may
+   cross itself. Here is what they are and where on the
    rod; the time stepping locates them in time. */
 #ifndef TENDRIL_EVENT_H
 #define TENDRIL_EVENT_H
@@ -12,6 +12,7 @@ typedef enum {
   EVENT_LENGTH,
   EVENT_ANGLE,
   EVENT_CONTACT,
+  EVENT_FORCE,
   EVENT_KINDS
 } EventKind;
 extern const char *const event_name[EVENT_KINDS];
@@ -19,7 +20,7 @@ extern const char *const event_name[EVENT_KINDS];
 /* What to watch for. */
 typedef struct {
   PetscBool watched[EVENT_KINDS], any;
-  PetscReal bound[EVENT_KINDS]; /* diameter, length, angle */
+  PetscReal bound[EVENT_KINDS]; /* diameter, length, angle, force */
 } Watch;
 
 /* What happened: s the one or two labels concerned, x the place (in the clamp's frame). */
@@ -33,6 +34,7 @@ extern const OptionGroup event_options;
 PetscErrorCode WatchSetFromOptions(Watch *watch, Scene scene);
 PetscErrorCode WatchLook(const Watch *watch, Observer observer, Scene scene, PetscReal t,
                          const Node *nodes, Event *event);
+PetscReal PushLargest(PetscInt cells, const Node *nodes, PetscInt *where);
 PetscErrorCode EventContact(PetscInt cells, const PetscReal s[], const Node *nodes,
                             PetscReal diameter, Event *event);
 

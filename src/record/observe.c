@@ -142,9 +142,11 @@ static PetscErrorCode SampleFill(Scene scene, PetscReal s, PetscReal t, Sample *
   PetscFunctionReturn(0);
 }
 
-/* The middle of a cell by Hermite's formula y_mid = (y_a + y_b)/2 + h/8 (y'_a - y'_b). */
+/* The middle of a cell by Hermite's formula y_mid = (y_a + y_b)/2 + h/8 (y'_a - y'_b); feet: what
+   they add to n' at a, between and at b, NULL: none. */
 static PetscErrorCode SampleMid(Scene scene, PetscReal sa, PetscReal sb, PetscReal t,
-                                const Sample *a, const Sample *b, Sample *mid) {
+                                const Sample *a, const Sample *b, const PetscReal (*feet)[2],
+                                Sample *mid) {
   const Sample *end[2] = {a, b};
   PetscReal h = sb - sa;
 
@@ -164,6 +166,7 @@ static PetscErrorCode SampleMid(Scene scene, PetscReal sa, PetscReal sb, PetscRe
       mid->node.force[d] += n->force[d] / 2 + k * p->g * (p->F[d] - (p->push ? p->push[d] : 0));
     }
   }
+  for (int d = 0; d < 2 && feet; d++) mid->node.force[d] += h / 8 * (feet[0][d] - feet[2][d]);
   PetscCall(SampleFill(scene, (sa + sb) / 2, t, mid));
   PetscFunctionReturn(0);
 }
@@ -189,9 +192,11 @@ static PetscReal Tension(const Sample *p) {
   Adds a sample to the integrals, which are kept in the fields they end up in. The power of growth
   is W = - int (n.q + m^2/2B + m k0) (g_t + c_s) ds - int m k0_t g ds + 1/2 int (m/B)^2 B_t g ds
         - c (n.q + m^2/2B + m k0) at s = 0.
+  lift: what x2 is multiplied by before it is squared.
 */
-static void Integrate(Scene scene, const Sample *p, PetscReal weight, Observation *sum) {
-  PetscReal x2 = LabX2(scene, p->node.x), m2 = PetscSqr(p->node.moment) / p->B;
+static void Integrate(Scene scene, const Sample *p, PetscReal weight, PetscReal lift,
+                      Observation *sum) {
+  PetscReal x2 = lift * LabX2(scene, p->node.x), m2 = PetscSqr(p->node.moment) / p->B;
   sum->norm_x2 += weight * x2 * x2;
   sum->norm_x2_length += weight * x2 * x2 * p->g;
   sum->energy += weight * m2 * p->g / 2;
@@ -253,11 +258,22 @@ static void MeasureTip(Scene scene, const Sample *p, const PetscReal contact[2],
   seen->tip_force_2 = LabX2(scene, tip->force);
 }
 
+/* What feet on posts add to n' in cell i, NULL: nothing; cells are asked for one after the other, k
+   is how many with feet are behind. */
+static const PetscReal (*FeetOf(Observer self, PetscInt i, PetscInt *k))[2] {
+  const TouchFeet *feet;
+  PetscInt n = self->touching ? TouchingFeet(self->touching, &feet) : 0;
+
+  if (*k >= n || feet[*k].cell != i) return NULL;
+  return (const PetscReal(*)[2])feet[(*k)++].load;
+}
+
 /* Integrals over a piece by Simpson's rule on each cell, and what is read at its ends. */
 static PetscErrorCode MeasureIntegrals(Observer self, PetscReal t, const Piece *piece,
-                                       Observation *seen) {
+                                       PetscReal lift, Observation *seen) {
   Scene scene = self->scene;
   const PetscReal *s = scene->mesh.s;
+  PetscInt feet = 0;
   Sample a, b, mid;
 
   PetscFunctionBegin;
@@ -272,10 +288,10 @@ static PetscErrorCode MeasureIntegrals(Observer self, PetscReal t, const Piece *
     b.node = piece->node[i + 1 - piece->first];
     b.push = self->push ? self->push[2 * i + 2] : NULL;
     PetscCall(SampleFill(scene, s[i + 1], t, &b));
-    PetscCall(SampleMid(scene, s[i], s[i + 1], t, &a, &b, &mid));
-    Integrate(scene, &a, h / 6, seen);
-    Integrate(scene, &mid, 4 * h / 6, seen);
-    Integrate(scene, &b, h / 6, seen);
+    PetscCall(SampleMid(scene, s[i], s[i + 1], t, &a, &b, FeetOf(self, i, &feet), &mid));
+    Integrate(scene, &a, h / 6, lift, seen);
+    Integrate(scene, &mid, 4 * h / 6, lift, seen);
+    Integrate(scene, &b, h / 6, lift, seen);
     if (s[i] < 0.5 && s[i + 1] >= 0.5) MeasureMiddle(s[i], h, &a, &mid, &b, seen);
   }
   if (piece->end == scene->mesh.cells) MeasureTip(scene, &b, self->contact.tip, seen);
@@ -466,6 +482,7 @@ PetscErrorCode ObserverContact(Observer observer, PetscReal t, const Node *nodes
                                const PetscReal (**force)[2]) {
   PetscFunctionBegin;
   PetscCall(LookAtContact(observer, t, nodes, PETSC_FALSE));
+  if (observer->touching) PetscCall(TouchingShow(observer->touching, t));
   *force = observer->push;
   PetscFunctionReturn(0);
 }
@@ -478,19 +495,29 @@ PetscErrorCode ObserverTouch(Observer observer, PetscReal t, const Node *nodes, 
   PetscFunctionReturn(0);
 }
 
+/* What keeps the square of an x2 this small above the smallest number: a power of two. A rod whose
+   clamp is turned has no such x2. */
+static PetscReal Lift(Scene scene, PetscReal most) {
+  const PetscReal small = 1e-100;
+
+  return most < small && scene->load.clamp[1] == 0 ? 0x1p800 : 1;
+}
+
 /* What all ranks have seen of their pieces, together: a number is a sum, or 0 on all but one. */
 static PetscErrorCode Measure(Observer self, PetscReal t, const Piece *piece, Observation *seen) {
+  PetscReal lift;
   Extremes most;
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(seen, sizeof(*seen)));
-  PetscCall(MeasureIntegrals(self, t, piece, seen));
+  PetscCall(MeasureExtremes(self, piece, &most));
+  lift = Lift(self->scene, PetscMax(most.high, most.low));
+  PetscCall(MeasureIntegrals(self, t, piece, lift, seen));
   if (self->gathered) AddContact(self, seen);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, seen, OBSERVED, MPIU_REAL, MPI_SUM, self->scene->comm));
-  PetscCall(MeasureExtremes(self, piece, &most));
   PetscCall(MeasureInflections(self, t, piece, most.moment, &seen->inflections));
-  seen->norm_x2 = PetscSqrtReal(seen->norm_x2);
-  seen->norm_x2_length = PetscSqrtReal(seen->norm_x2_length);
+  seen->norm_x2 = PetscSqrtReal(seen->norm_x2) / lift;
+  seen->norm_x2_length = PetscSqrtReal(seen->norm_x2_length) / lift;
   seen->width = most.high + most.low;
   seen->max_angle = most.angle;
   seen->t = t;

@@ -1,4 +1,5 @@
 #include "record/output.h"
+#include "base/lock.h"
 #include "record/xdmf.h"
 #include <petsctime.h>
 #include <sys/stat.h>
@@ -42,7 +43,8 @@ struct _Output {
   PetscInt times_n, times_room;
   PetscReal *times; /* of all shapes, stored and waiting */
   Event event;
-  char *earlier; /* the options of earlier legs */
+  char interrupted[64]; /* by what; empty: it is not */
+  char *earlier;        /* the options of earlier legs */
   PetscLogDouble stored_at, cost;
   double stored, waits; /* bytes */
 };
@@ -125,18 +127,22 @@ PetscErrorCode OutputAttributes(HdfFile file, MPI_Comm comm, PetscBool finished)
 PetscErrorCode OutputRefuse(const char *option, const char *path) {
   struct stat status;
   PetscBool ours;
+  int free;
 
   PetscFunctionBegin;
   PetscCall(OptionsRefuseOverwrite(option, path));
   PetscCall(HdfHas(path, "version", &ours));
-  UserCheck(ours || stat(path, &status) || (S_ISREG(status.st_mode) && !status.st_size),
-            OptionsComm(),
+  /* rank 0 looks for all: when a later one does, the file may be that of this very run */
+  free = stat(path, &status) || (S_ISREG(status.st_mode) && !status.st_size);
+  PetscCallMPI(MPI_Bcast(&free, 1, MPI_INT, 0, OptionsComm()));
+  UserCheck(ours || free, OptionsComm(),
             "%s %s: is there, and is no result of tendril; name another file, or take it away",
             option, path);
   PetscFunctionReturn(0);
 }
 
-/* As OutputRefuse(); nor does a single run take the place of a whole sweep. */
+/* As OutputRefuse(); nor does a single run take the place of a whole sweep, or write what another
+   process is writing. */
 static PetscErrorCode RefuseTaken(const char *option, const char *path) {
   PetscBool sweep;
 
@@ -145,6 +151,8 @@ static PetscErrorCode RefuseTaken(const char *option, const char *path) {
   PetscCall(HdfHas(path, "/status", &sweep));
   UserCheck(!sweep, OptionsComm(), "%s %s: holds a sweep; name another file, or take it away",
             option, path);
+  /* files of a sweep's members are in the sweep's keeping */
+  if (!OptionsPushed()) PetscCall(LockTake(OptionsComm(), option, path));
   PetscFunctionReturn(0);
 }
 
@@ -181,7 +189,16 @@ PetscErrorCode OutputEndFile(const char *option, const char *path, MPI_Comm comm
 
   PetscFunctionBegin;
   PetscCall(HdfClose(file, fault));
+  PetscCall(LockGive(path));
   PetscCall(Verdict(option, path, comm, fault));
+  PetscFunctionReturn(0);
+}
+
+/* OutputDropFile - ends it without a result. */
+PetscErrorCode OutputDropFile(const char *path, HdfFile *file) {
+  PetscFunctionBegin;
+  PetscCall(HdfDrop(file));
+  PetscCall(LockGive(path));
   PetscFunctionReturn(0);
 }
 
@@ -198,16 +215,17 @@ static PetscErrorCode ScaleAttributes(Output self, HdfFile file) {
   PetscFunctionReturn(0);
 }
 
-/* The stiffness of contact in force, and the walls around the rod, for who draws it. */
-static PetscErrorCode ContactAttributes(Output self, HdfFile file) {
+/* The stiffness of contact at time t, and the walls around the rod, for who draws it. */
+static PetscErrorCode ContactAttributes(Output self, HdfFile file, PetscReal t) {
   char *text;
 
   PetscFunctionBegin;
+  PetscCall(SceneContactAt(self->scene, t));
   if (self->scene->contact.any)
     PetscCall(HdfReal(file, "/", "contact_stiffness", self->scene->contact.stiffness));
   if (!self->scene->contact.walls.n) PetscFunctionReturn(0);
   PetscCall(WallsText(&self->scene->contact.walls, &text));
-  PetscCall(HdfText(file, "/", "walls", text));
+  PetscCall(HdfWriteText(file, "walls", text, "the walls around the rod, one a line"));
   PetscCall(PetscFree(text));
   PetscFunctionReturn(0);
 }
@@ -413,9 +431,11 @@ PetscErrorCode OutputStore(Output self, Rod rod, RestartState *state, Vec points
     PetscCall(WriteRows(self, file));
     PetscCall(WriteEvent(self, file));
     PetscCall(OutputAttributes(file, self->scene->comm, finished));
+    PetscCall(HdfText(file, "/", "interrupted", self->interrupted));
     PetscCall(ScaleAttributes(self, file));
-    PetscCall(ContactAttributes(self, file));
-    if (self->earlier) PetscCall(HdfText(file, "/", "earlier_options", self->earlier));
+    PetscCall(ContactAttributes(self, file, state ? state->t : 0));
+    if (self->earlier)
+      PetscCall(HdfWriteText(file, "earlier_options", self->earlier, "options of the runs before"));
   }
   PetscCall(WriteRestart(self, file, rod, state, points));
   PetscCall(HdfClose(&file, fault));
@@ -647,10 +667,24 @@ PetscErrorCode OutputEvent(Output self, const Event *event) {
   PetscFunctionReturn(0);
 }
 
+/* OutputInterrupted - keeps what has interrupted the run for the next store: where mpiexec itself
+   is stopped, its ranks' last words may be lost. Empty: nothing has. */
+PetscErrorCode OutputInterrupted(Output self, const char *by) {
+  PetscFunctionBegin;
+  PetscCall(PetscStrncpy(self->interrupted, by, sizeof(self->interrupted)));
+  PetscFunctionReturn(0);
+}
+
+/* OutputStores - is there a file? */
+PetscBool OutputStores(Output self) {
+  return (PetscBool)(self->path[0] != 0);
+}
+
 /* OutputDestroy - frees it; what was not stored is lost. */
 PetscErrorCode OutputDestroy(Output *output) {
   PetscFunctionBegin;
   if (!*output) PetscFunctionReturn(0);
+  if ((*output)->mine) PetscCall(LockGive((*output)->path));
   for (int i = 0; i < SHAPES; i++) PetscCall(PetscFree((*output)->shape[i]));
   PetscCall(PetscFree((*output)->series));
   PetscCall(PetscFree((*output)->times));

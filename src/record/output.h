@@ -33,6 +33,8 @@ PetscErrorCode OutputSeries(Output output, const Observation *seen);
 PetscErrorCode OutputShape(Output output, PetscReal t, const Node *nodes,
                            const PetscReal (*contact)[2]);
 PetscErrorCode OutputEvent(Output output, const Event *event);
+PetscErrorCode OutputInterrupted(Output output, const char *by);
+PetscBool OutputStores(Output output);
 PetscBool OutputDue(Output output);
 PetscErrorCode OutputStore(Output output, Rod rod, RestartState *state, Vec points[],
                            PetscBool finished);
@@ -43,6 +45,7 @@ PetscErrorCode OutputRefuse(const char *option, const char *path);
 PetscErrorCode OutputVersions(HdfFile file);
 PetscErrorCode OutputNewFile(const char *option, const char *path, MPI_Comm comm, HdfFile *file);
 PetscErrorCode OutputEndFile(const char *option, const char *path, MPI_Comm comm, HdfFile *file);
+PetscErrorCode OutputDropFile(const char *path, HdfFile *file);
 PetscErrorCode OutputAttributes(HdfFile file, MPI_Comm comm, PetscBool finished);
 
 #endif

@@ -98,6 +98,7 @@ PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, P
   UserCheck(n == RESTART_STATE, scene->comm, "-restart %s: is of another version of tendril", file);
   PetscCall(CheckScales(file, scene));
   PetscCall(TakeMesh(file, scene));
+  scene->contact.time = PETSC_MIN_REAL; /* its law may follow from the cells */
   UserCheck(scene->end_time > state->t * (1 + 1e-12), scene->comm,
             "-restart %s: is at t = %s already; give a later -ts_max_time", file,
             OptionBoth(state->t, UNIT_TIME, text));

@@ -3,21 +3,22 @@
 #define TENDRIL_RESTART_H
 
 #include "record/observe.h"
-#include "stepping/leg.h"
+#include "stepping/estimate.h"
 #include "stepping/vbdf.h"
 
 /* All reals, stored as one array, /restart/state; beside it the stepper's points, /restart/points,
    latest first, [point][node times fields], and what Newton's method remembers, /restart/memory. */
 typedef struct {
-  PetscReal t, step;                /* where the run is, and the size of its next step */
-  PetscReal points, order;          /* of the stepper's history; its next order */
-  PetscReal model, fields, steps;   /* models are numbered as in grow.c */
-  PetscReal memory[VBDF_MEMORY];    /* of the stepper, beside its points */
-  PetscReal norm;                   /* |x2| */
-  PetscReal folds, neglected;       /* so far, for the estimate of the error */
-  PetscReal time[VBDF_POINTS];      /* of the points */
-  PetscReal balance[BALANCE_STATE]; /* of the energy balance */
-  PetscReal sum;                    /* of the absolute values of all of it: a torn file shows */
+  PetscReal t, step;              /* where the run is, and the size of its next step */
+  PetscReal points, order;        /* of the stepper's history; its next order */
+  PetscReal model, fields, steps; /* models are numbered as in grow.c */
+  PetscReal memory[VBDF_MEMORY];  /* of the stepper, beside its points */
+  PetscReal norm;                 /* |x2| */
+  PetscReal folds, neglected;     /* so far, for the estimate of the error */
+  PetscReal errors[ESTIMATE_PARTS][ESTIMATE_SEEN]; /* followed so far */
+  PetscReal time[VBDF_POINTS];                     /* of the points */
+  PetscReal balance[BALANCE_STATE];                /* of the energy balance */
+  PetscReal sum; /* of the absolute values of all of it: a torn file shows */
 } RestartState;
 enum { RESTART_STATE = sizeof(RestartState) / sizeof(PetscReal) };
 

@@ -4,6 +4,8 @@ struct _Touching {
   Scene scene;
   Strands strands;       /* NULL: the rod does not touch itself */
   PetscReal (*force)[2]; /* per length, at nodes and middles of cells */
+  PetscInt feet, room;   /* cells that have feet, in their order */
+  TouchFeet *foot;
 };
 
 /* TouchingCreate - for a scene with contact, which must outlive it. Not collective; the caller
@@ -22,6 +24,7 @@ PetscErrorCode TouchingDestroy(Touching *touching) {
   if (!*touching) PetscFunctionReturn(0);
   PetscCall(StrandsDestroy(&(*touching)->strands));
   PetscCall(PetscFree((*touching)->force));
+  PetscCall(PetscFree((*touching)->foot));
   PetscCall(PetscFree(*touching));
   PetscFunctionReturn(0);
 }
@@ -74,14 +77,16 @@ static PetscErrorCode SpotOf(Scene scene, PetscReal t, const Node *nodes, PetscB
   PetscFunctionReturn(0);
 }
 
-/* Adds one wall's push on a point, which stands for `length` of the rod. */
+/* Adds one wall's push on a point, which stands for `length` of the rod, and for length_t more
+   after a unit of time. */
 static void AddWall(const Contact *contact, const Touch *touch, const Spot *spot, PetscReal length,
-                    PetscReal force[2], TouchSum *sum) {
+                    PetscReal length_t, PetscReal force[2], TouchSum *sum) {
   PetscReal U = ContactEnergy(contact, touch->gap);
   Push push;
 
   ContactPush(contact, touch, spot->v, NULL, &push);
   sum->energy += length * U;
+  sum->strain += length_t * U + length * ContactEnergyRate(contact, touch->gap);
   sum->loss += length * push.power;
   sum->normal += length * push.normal;
   for (int d = 0; d < 2; d++) {
@@ -90,48 +95,128 @@ static void AddWall(const Contact *contact, const Touch *touch, const Spot *spot
   }
 }
 
+/* The smallest gap so far. */
+static void Nearest(TouchSum *sum, PetscReal gap, PetscReal s, const PetscReal x[2]) {
+  if (gap >= sum->nearest) return;
+  sum->nearest = gap;
+  sum->at[0] = s;
+  sum->at[1] = -1;
+  for (int d = 0; d < 2; d++) sum->x[d] = x[d];
+  sum->depth = PetscMax(sum->depth, -gap);
+}
+
 /* The walls on one point, and on the tip besides if it is the last; do they touch it? */
 static PetscBool Walls1(Touching self, const Spot *spot, PetscBool tip, PetscReal force[2],
                         TouchSum *sum) {
   const Contact *contact = &self->scene->contact;
-  const PetscReal anywhere = 1e300, length = spot->g * spot->weight;
-  PetscReal nearest = anywhere, on_tip[2] = {0, 0};
+  const PetscReal gap = WallsGap(&contact->walls, spot->x, contact->diameter / 2);
+  PetscReal on_tip[2] = {0, 0};
   Touch touch[MOST_TOUCHES];
-  PetscInt n = WallsTouch(&contact->walls, spot->x, contact->diameter / 2, anywhere, touch);
+  PetscInt n = gap < contact->smooth ? ContactTouches(contact, spot->x, touch) : 0;
 
   for (PetscInt k = 0; k < n; k++) {
-    nearest = PetscMin(nearest, touch[k].gap);
-    sum->strain += spot->strain * spot->weight * ContactEnergy(contact, touch[k].gap);
-    AddWall(contact, &touch[k], spot, length, force, sum);
-    if (tip) AddWall(contact, &touch[k], spot, contact->tip, on_tip, sum);
+    AddWall(contact, &touch[k], spot, spot->g * spot->weight, spot->strain * spot->weight, force,
+            sum);
+    if (tip) AddWall(contact, &touch[k], spot, contact->tip, contact->tip_t, on_tip, sum);
   }
   for (int d = 0; d < 2 && tip; d++) sum->tip[d] += contact->tip * on_tip[d];
-  if (nearest < sum->nearest) {
-    sum->nearest = nearest;
-    sum->at[0] = spot->s;
-    sum->at[1] = -1;
-    for (int d = 0; d < 2; d++) sum->x[d] = spot->x[d];
-  }
-  sum->depth = PetscMax(sum->depth, -nearest);
-  return (PetscBool)(nearest <= 0);
+  Nearest(sum, gap, spot->s, spot->x);
+  return (PetscBool)(gap <= 0);
 }
 
-/* All walls. */
+static PetscErrorCode RoomForFeet(Touching self) {
+  PetscFunctionBegin;
+  if (self->feet < self->room) PetscFunctionReturn(0);
+  self->room = 2 * self->room + 8;
+  PetscCall(PetscRealloc((size_t)self->room * sizeof(TouchFeet), &self->foot));
+  PetscFunctionReturn(0);
+}
+
+/* Cell i, for its feet. */
+static PetscErrorCode FeetsCell(Scene scene, PetscReal t, const Node *nodes, PetscBool moves,
+                                PetscInt i, FootCell *cell) {
+  const PetscReal *s = scene->mesh.s, *at = s + i;
+
+  PetscFunctionBegin;
+  *cell = (FootCell){.h = at[1] - at[0], .moves = moves, .weight = {1. / 6, 4. / 6, 1. / 6}};
+  cell->first = (PetscBool)(i == 0);
+  cell->last = (PetscBool)(i == scene->mesh.cells - 1);
+  PetscCall(GrowthStretch(scene->growth, 2, at, t, cell->g, cell->g_t, NULL));
+  for (int k = 0; k < FOOT_PARTS; k++)
+    cell->c[k] = GrowthSlide(scene->growth, (at[k / 2] + at[(k + 1) / 2]) / 2, t);
+  for (int e = 0; e < 2; e++) {
+    const Node *node = &nodes[i + e];
+    cell->q[e][0] = PetscCosReal(node->theta);
+    cell->q[e][1] = PetscSinReal(node->theta);
+    cell->theta_t[e] = node->theta_t;
+    for (int d = 0; d < 2; d++) {
+      cell->x[e][d] = node->x[d];
+      cell->x_t[e][d] = node->x_t[d];
+    }
+  }
+  PetscFunctionReturn(0);
+}
+
+/* One foot: what it amounts to. */
+static void AddFoot(Touching self, const FootCell *cell, PetscInt i, Foot *foot, TouchSum *sum) {
+  const Contact *contact = &self->scene->contact;
+  const PetscReal *s = self->scene->mesh.s, U = ContactEnergy(contact, foot->gap);
+
+  Nearest(sum, foot->gap, s[i] + foot->z * (s[i + 1] - s[i]), foot->x);
+  if (foot->gap >= contact->smooth) return;
+  FootPush(contact, cell, NULL, foot);
+  FootHandOut(cell, foot, self->foot[self->feet].load);
+  sum->energy += foot->strength * U;
+  sum->strain += foot->strength_t * U + foot->strength * ContactEnergyRate(contact, foot->gap);
+  sum->normal += foot->strength * foot->p;
+  sum->loss -= foot->slip * (foot->n[0] * foot->force[1] - foot->n[1] * foot->force[0]);
+  for (int d = 0; d < 2; d++) sum->wall[d] += foot->force[d];
+}
+
+/* All posts that are met at their feet; touches: of each cell, does one touch it? */
+static PetscErrorCode LookAtPosts(Touching self, PetscReal t, const Node *nodes, PetscBool moves,
+                                  PetscBool touches[], TouchSum *sum) {
+  const Contact *contact = &self->scene->contact;
+  Foot foot[MOST_FEET];
+  FootCell cell;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < self->scene->mesh.cells && contact->thin; i++) {
+    PetscInt n;
+    PetscCall(FeetsCell(self->scene, t, nodes, moves, i, &cell));
+    n = FeetFind(contact, &cell, PetscMax(contact->smooth, sum->nearest), foot);
+    if (!n) continue;
+    PetscCall(RoomForFeet(self));
+    self->foot[self->feet] = (TouchFeet){.cell = i};
+    for (PetscInt k = 0; k < n; k++) {
+      AddFoot(self, &cell, i, &foot[k], sum);
+      if (foot[k].gap <= 0) touches[i] = PETSC_TRUE;
+    }
+    self->feet++;
+  }
+  PetscFunctionReturn(0);
+}
+
+/* All walls: posts first, for a zone of contact may be between two points. */
 static PetscErrorCode LookAtWalls(Touching self, PetscReal t, const Node *nodes, PetscBool moves,
                                   TouchSum *sum) {
   const PetscInt cells = self->scene->mesh.cells;
-  PetscBool before = PETSC_FALSE;
+  PetscBool before = PETSC_FALSE, *at_feet;
   Spot spot;
 
   PetscFunctionBegin;
+  PetscCall(PetscCalloc1(cells + 1, &at_feet));
+  PetscCall(LookAtPosts(self, t, nodes, moves, at_feet, sum));
   for (PetscInt k = 0; k <= 2 * cells; k++) {
     PetscBool touches;
     PetscCall(SpotOf(self->scene, t, nodes, moves, k / 2, (int)(k % 2), &spot));
     touches = Walls1(self, &spot, (PetscBool)(k == 2 * cells && self->scene->tip.type == TIP_FREE),
                      self->force[k], sum);
+    touches = (PetscBool)(touches || (k % 2 && at_feet[k / 2]));
     sum->zones += touches && !before;
     before = touches;
   }
+  PetscCall(PetscFree(at_feet));
   PetscFunctionReturn(0);
 }
 
@@ -181,11 +266,38 @@ static PetscErrorCode LookAtStrands(Touching self, PetscReal t, const Node *node
 PetscErrorCode TouchingLook(Touching self, PetscReal t, const Node *nodes, PetscBool moves,
                             TouchSum *sum, const PetscReal (**force)[2]) {
   PetscFunctionBegin;
+  PetscCall(SceneContactAt(self->scene, t));
   PetscCall(PetscMemzero(sum, sizeof(*sum)));
+  self->feet = 0;
   PetscCall(PetscArrayzero(self->force, 2 * self->scene->mesh.cells + 1));
   sum->nearest = PETSC_MAX_REAL;
   if (self->scene->contact.walls.n) PetscCall(LookAtWalls(self, t, nodes, moves, sum));
   if (self->strands) PetscCall(LookAtStrands(self, t, nodes, moves, sum));
   *force = (const PetscReal(*)[2])self->force;
+  PetscFunctionReturn(0);
+}
+
+/* TouchingFeet - the cells with feet that the latest look has found, in their order; their load is
+   no part of the force at nodes and between them. Borrowed. */
+PetscInt TouchingFeet(Touching self, const TouchFeet **feet) {
+  *feet = self->foot;
+  return self->feet;
+}
+
+/* TouchingShow - adds the forces of feet to those at nodes and between them that the latest look
+   has given, as if the points of their cells had them: what all add up to is kept. */
+PetscErrorCode TouchingShow(Touching self, PetscReal t) {
+  const PetscReal *s = self->scene->mesh.s;
+
+  PetscFunctionBegin;
+  for (PetscInt f = 0; f < self->feet; f++)
+    for (int k = 0; k < FOOT_PARTS; k++) {
+      const PetscInt i = self->foot[f].cell, node = i + k / 2, last = self->scene->mesh.cells;
+      const PetscReal h = s[i + 1] - s[i], z = k == 1 ? (s[i] + s[i + 1]) / 2 : s[node];
+      PetscReal g, part = 1;
+      if (k != 1) part = h / (s[PetscMin(node + 1, last)] - s[PetscMax(node - 1, 0)]);
+      PetscCall(GrowthStretch(self->scene->growth, 1, &z, t, &g, NULL, NULL));
+      for (int d = 0; d < 2; d++) self->force[2 * i + k][d] -= part / g * self->foot[f].load[k][d];
+    }
   PetscFunctionReturn(0);
 }

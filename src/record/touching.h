@@ -3,11 +3,13 @@
 #ifndef TENDRIL_TOUCHING_H
 #define TENDRIL_TOUCHING_H
 
+#include "rod/feet.h"
 #include "rod/rod.h"
 #include "rod/strands.h"
 
 typedef struct {
-  PetscReal energy, loss, strain; /* int U, power lost to friction, power of growth where pressed */
+  PetscReal energy, loss, strain; /* int U, power lost to friction, power of growth where pressed
+                                     and of a law that changes in time */
   PetscReal normal, wall[2];      /* sum of normal forces; force of the walls on the rod */
   PetscReal depth;                /* deepest penetration, 0: none */
   PetscInt zones;
@@ -17,11 +19,19 @@ typedef struct {
   PetscReal x[2];    /* and the place, of the centre line */
 } TouchSum;
 
+/* What feet on posts add to n' at the points of one cell alone. */
+typedef struct {
+  PetscInt cell;
+  FootLoad load;
+} TouchFeet;
+
 typedef struct _Touching *Touching;
 
 PetscErrorCode TouchingCreate(Scene scene, Touching *touching);
 PetscErrorCode TouchingDestroy(Touching *touching);
 PetscErrorCode TouchingLook(Touching touching, PetscReal t, const Node *nodes, PetscBool moves,
                             TouchSum *sum, const PetscReal (**force)[2]);
+PetscInt TouchingFeet(Touching touching, const TouchFeet **feet);
+PetscErrorCode TouchingShow(Touching touching, PetscReal t);
 
 #endif

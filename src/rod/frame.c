@@ -9,17 +9,12 @@
    equations of the cell on its right: so each diagonal block can be factored without looking
    elsewhere. */
 #include "rod/frame.h"
+#include <string.h>
 #include <petsc/private/petscimpl.h> /* PetscObjectStateGet() */
 
 static const OptionRow rows[] = {
     ROW_WORD("-rod_order", "4", "2,4", 0, "order in space of the frame model")};
 const OptionGroup frame_options = OPTION_GROUP("Frame model", rows);
-
-/* One point of the rod: its unknowns, f, its place and velocity. */
-typedef struct _Point {
-  PetscReal theta, m, n[2], f[FIELDS];
-  Place at;
-} Point;
 
 /* The present state of a rod, and the cell that is looked at. The points outlive it: a Jacobian
    follows on the residual of the same state. */
@@ -38,19 +33,6 @@ typedef struct {
   LoadSlope slope[3]; /* of the load at them; the end of a cell is where the next begins */
 } Cell;
 
-/* f at a point */
-static void PointEvaluate(const Load *load, const Law *law, const LoadDual *dual, Point *p) {
-  const PetscReal *q = p->at.q;
-
-  p->f[X1] = law->g * q[0];
-  p->f[X2] = law->g * q[1];
-  p->f[TH] = law->g * (p->m * law->flex + law->k0);
-  p->f[M] = -law->g * (q[0] * p->n[1] - q[1] * p->n[0]);
-  LoadForce(load, &p->at, dual, &p->f[N1]);
-  p->f[N1] *= law->g;
-  p->f[N2] *= law->g;
-}
-
 /* The point at a node; u, u_t its six unknowns and their rates. */
 static inline void PointAtNode(const Load *load, const Law *law, const LoadDual *dual,
                                const PetscReal *u, const PetscReal *u_t, Point *p) {
@@ -66,13 +48,6 @@ static inline void PointAtNode(const Load *load, const Law *law, const LoadDual 
     p->at.x[d] = u[X1 + d];
   }
   PointEvaluate(load, law, dual, p);
-}
-
-/* The slope x'_t = g_t q + g theta_t q_perp of the velocity at a node. */
-static inline void VelocitySlope(const Law *law, const Point *p, PetscReal theta_t,
-                                 PetscReal w[2]) {
-  w[0] = law->g_t * p->at.q[0] - law->g * theta_t * p->at.q[1];
-  w[1] = law->g_t * p->at.q[1] + law->g * theta_t * p->at.q[0];
 }
 
 /* The point in the middle of a cell between a and b; k = bow h. */
@@ -126,16 +101,74 @@ static void Forget(Frame *frame) {
   frame->seen.t = PETSC_MIN_REAL;
 }
 
-/* The duals of point k: nodes and mids alternate, from node first - 1 on. */
-static inline LoadDual *DualsAt(const Frame *frame, PetscInt k) {
-  return frame->dual + k * frame->duals;
-}
-
 /* Adds to n' what strands that touch do at node i, or behind it. */
 static inline void AddPush(const Cell *cell, PetscInt i, int half, Point *p) {
   if (!cell->push) return;
   p->f[N1] += cell->push[2 * i + half][0];
   p->f[N2] += cell->push[2 * i + half][1];
+}
+
+/* The cell that is looked at, for its feet. */
+static void FeetsCell(const Cell *cell, PetscInt i, FootCell *of) {
+  const Frame *frame = (const Frame *)cell->rod->data;
+  const Point *end[2] = {cell->a, cell->b};
+
+  *of = (FootCell){.h = cell->h, .moves = PETSC_TRUE};
+  of->first = (PetscBool)(i == 0);
+  of->last = (PetscBool)(i == cell->rod->last - 1);
+  for (int k = 0; k < FOOT_PARTS; k++) {
+    of->c[k] = cell->law[k].c;
+    of->weight[k] = k == 1 ? frame->mid_weight : frame->end_weight;
+  }
+  for (int e = 0; e < 2; e++) {
+    of->g[e] = cell->law[2 * e].g;
+    of->g_t[e] = cell->law[2 * e].g_t;
+    of->theta_t[e] = cell->u_t[i + e][TH];
+    for (int d = 0; d < 2; d++) {
+      of->x[e][d] = cell->u[i + e][d];
+      of->x_t[e][d] = cell->u_t[i + e][d];
+      of->q[e][d] = end[e]->at.q[d];
+    }
+  }
+}
+
+/* The dual of the k-th foot of the cell, which stands behind those of the walls at its middle: the
+   first foot's is remembered. */
+static FrictionDual *FootDual(const Cell *cell, PetscInt k) {
+  const Frame *frame = (const Frame *)cell->rod->data;
+  if (k || !cell->rod->scene->contact.walls.rub) return NULL;
+  return cell->dual[1] + frame->duals - 1;
+}
+
+/* The feet of the cell, and what they push with. */
+static PetscInt CellsFeet(const Cell *cell, PetscInt i, FootCell *of, Foot foot[MOST_FEET]) {
+  const Contact *contact = &cell->rod->scene->contact;
+  PetscInt n;
+
+  if (!contact->thin) return 0;
+  FeetsCell(cell, i, of);
+  n = FeetFind(contact, of, contact->smooth, foot);
+  for (PetscInt k = 0; k < n; k++) FootPush(contact, of, FootDual(cell, k), &foot[k]);
+  return n;
+}
+
+/* What feet add to n' at the points of this cell alone; and so to its middle, which is known. */
+static void AddFeet(Cell *cell, PetscInt i) {
+  Frame *frame = (Frame *)cell->rod->data;
+  PetscReal(*load)[2] = frame->feet[i - cell->rod->first + 1];
+  Foot foot[MOST_FEET];
+  FootCell of;
+  PetscInt n = CellsFeet(cell, i, &of, foot);
+  Point *mid = cell->mid;
+
+  (void)memset(load, 0, sizeof(FootLoad));
+  if (!n) return;
+  for (PetscInt k = 0; k < n; k++) FootHandOut(&of, &foot[k], load);
+  for (int d = 0; d < 2; d++) {
+    mid->n[d] += frame->bow * cell->h * (load[0][d] - load[2][d]);
+    mid->f[N1 + d] += load[1][d];
+  }
+  mid->f[M] = -cell->law[1].g * (mid->at.q[0] * mid->n[1] - mid->at.q[1] * mid->n[0]);
 }
 
 /* Is this state the one that the points are of? From now on they are. */
@@ -163,7 +196,7 @@ static Point *CellsNode(Cell *cell, PetscInt i) {
 
   if (cell->known) return p;
   p->at.t = cell->t;
-  PointAtNode(cell->load, frame->law + k, DualsAt(frame, k), cell->u[i], cell->u_t[i], p);
+  PointAtNode(cell->load, frame->law + k, FrameDuals(frame, k), cell->u[i], cell->u_t[i], p);
   AddPush(cell, i, 0, p);
   return p;
 }
@@ -176,6 +209,7 @@ static PetscErrorCode CellsOpen(Rod rod, PetscReal t, Vec U, Vec U_t, PetscBool 
 
   PetscFunctionBegin;
   PetscCall(LawsAt(rod, t));
+  PetscCall(SceneContactAt(rod->scene, t));
   PetscCall(PetscMemzero(cell, sizeof(*cell)));
   cell->rod = rod;
   cell->t = t;
@@ -206,7 +240,7 @@ static void CellsGo(Cell *cell, PetscInt i, PetscBool from_tip) {
   PetscInt k = 2 * (i - cell->rod->first + 1);
 
   cell->law = frame->law + k;
-  for (int e = 0; e < 3; e++) cell->dual[e] = DualsAt(frame, k + e);
+  for (int e = 0; e < 3; e++) cell->dual[e] = FrameDuals(frame, k + e);
   cell->h = cell->s[i + 1] - cell->s[i];
   if (from_tip) {
     cell->b = cell->a;
@@ -221,19 +255,29 @@ static void CellsGo(Cell *cell, PetscInt i, PetscBool from_tip) {
   PointAtMid(cell->load, cell->law, cell->dual[1], frame->bow * cell->h, cell->a, cell->b,
              cell->u_t[i], cell->u_t[i + 1], cell->mid);
   AddPush(cell, i, 1, cell->mid);
+  if (frame->feet) AddFeet(cell, i);
 }
 
 static void CellsNext(Cell *cell, PetscInt i) {
   CellsGo(cell, i, PETSC_FALSE);
 }
 
-/* Residual of the six equations of a cell. */
+/* (h g)^2/B in the middle of a cell, see FootLoad. */
+static PetscReal KinkOf(const Cell *cell) {
+  return PetscSqr(cell->h * cell->law[1].g) * cell->law[1].flex;
+}
+
+/* Residual of the six equations of a cell; feet: what they add to n' at its points, NULL: none. */
 static void CellResidual(const Frame *frame, const Cell *cell, const PetscReal *ua,
-                         const PetscReal *ub, PetscReal r[FIELDS]) {
+                         const PetscReal *ub, const PetscReal (*feet)[2], PetscReal r[FIELDS]) {
   for (int f = 0; f < FIELDS; f++)
     r[f] = ub[f] - ua[f] -
            cell->h * (frame->end_weight * (cell->a->f[f] + cell->b->f[f]) +
                       frame->mid_weight * cell->mid->f[f]);
+  if (!feet) return;
+  for (int d = 0; d < 2; d++) r[N1 + d] -= cell->h * frame->end_weight * (feet[0][d] + feet[2][d]);
+  r[TH] -= KinkOf(cell) *
+           (cell->mid->at.q[0] * feet[FOOT_KINK][1] - cell->mid->at.q[1] * feet[FOOT_KINK][0]);
 }
 
 /* What the tip's conditions are about. */
@@ -245,7 +289,7 @@ static TipState TipOf(const Point *end) {
 
 /* The tip's own dual stands where that of a cell behind the tip would. */
 static LoadDual *TipDual(Rod rod) {
-  return DualsAt((Frame *)rod->data, 2 * (rod->last - rod->first + 1) + 1);
+  return FrameDuals((Frame *)rod->data, 2 * (rod->last - rod->first + 1) + 1);
 }
 
 static PetscErrorCode FrameResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F) {
@@ -260,7 +304,8 @@ static PetscErrorCode FrameResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F)
   for (PetscInt i = PetscMax(first - 1, 0); i < PetscMin(end, rod->last); i++) {
     PetscReal r[FIELDS];
     CellsNext(&cell, i);
-    CellResidual(frame, &cell, cell.u[i], cell.u[i + 1], r);
+    CellResidual(frame, &cell, cell.u[i], cell.u[i + 1],
+                 frame->feet ? (const PetscReal(*)[2])frame->feet[i - first + 1] : NULL, r);
     if (i >= first) PetscCall(PetscArraycpy(&F_[i][M], &r[M], 3));
     if (i + 1 < end) PetscCall(PetscArraycpy(&F_[i + 1][X1], &r[X1], 3));
   }
@@ -369,6 +414,41 @@ static void PutRows(Rows rows, int from, PetscInt column, PetscReal part[FIELDS]
     for (int k = 0; k < FIELDS; k++) rows[f][column + k] = part[f][k];
 }
 
+/* Adds to a cell's equations by its nodes what comes of its feet. */
+static void AddFeetSlope(Cell *cell, PetscInt i, const PetscReal shift[],
+                         PetscReal left[FIELDS][FIELDS], PetscReal right[FIELDS][FIELDS]) {
+  const Frame *frame = (const Frame *)cell->rod->data;
+  const PetscReal h = cell->h, *q = cell->mid->at.q,
+                  wm = h * frame->mid_weight * cell->law[1].g * frame->bow * h;
+  const PetscReal kink = KinkOf(cell);
+  PetscReal turn; /* of the kink by the angle in the middle */
+  FootSlope by = {{{0}}};
+  FootLoad load = {{0}};
+  Foot foot[MOST_FEET];
+  FootCell of;
+  PetscInt n = CellsFeet(cell, i, &of, foot);
+
+  if (!n) return;
+  for (PetscInt k = 0; k < n; k++) FootHandOut(&of, &foot[k], load);
+  turn = -kink * (q[0] * load[FOOT_KINK][0] + q[1] * load[FOOT_KINK][1]);
+  left[TH][TH] -= turn / 2;
+  right[TH][TH] -= turn / 2;
+  left[TH][M] -= turn * frame->bow * h * cell->law[0].g * cell->law[0].flex;
+  right[TH][M] += turn * frame->bow * h * cell->law[2].g * cell->law[2].flex;
+  for (PetscInt k = 0; k < n; k++)
+    FootLinearise(&cell->rod->scene->contact, &of, shift, cell->rod->fresh, FootDual(cell, k),
+                  &foot[k], by);
+  for (int u = 0; u < FOOT_UNKNOWNS; u++) {
+    PetscReal(*J)[FIELDS] = u < 3 ? left : right;
+    const PetscReal bow[2] = {by[0][0][u] - by[2][0][u], by[0][1][u] - by[2][1][u]}; /* n_mid */
+    J[TH][u % 3] -= kink * (q[0] * by[FOOT_KINK][1][u] - q[1] * by[FOOT_KINK][0][u]);
+    J[M][u % 3] -= wm * (q[1] * bow[0] - q[0] * bow[1]);
+    for (int d = 0; d < 2; d++)
+      J[N1 + d][u % 3] -=
+          h * (frame->end_weight * (by[0][d][u] + by[2][d][u]) + frame->mid_weight * by[1][d][u]);
+  }
+}
+
 /* A cell's equations by its nodes, left and right; the slopes at its middle and at those of its
    ends that are new on this walk are brought up to the present state first. */
 static void CellBlocks(Cell *cell, PetscInt i, PetscBool new_a, PetscBool new_b,
@@ -385,6 +465,7 @@ static void CellBlocks(Cell *cell, PetscInt i, PetscBool new_a, PetscBool new_b,
                cell->a, &cell->slope[0], cell->mid, &cell->slope[1], left);
   CellJacobian(frame, cell->load, cell->h, 1, shift, cell->law + 2, cell->law + 1,
                cell->u_t[i + 1][TH], cell->b, &cell->slope[2], cell->mid, &cell->slope[1], right);
+  if (frame->feet) AddFeetSlope(cell, i, shift, left, right);
 }
 
 /* The tip's equations by its own unknowns. */
@@ -465,12 +546,30 @@ static PetscErrorCode FrameEliminate(Rod rod, PetscReal t, Vec U, Vec U_t, const
 }
 
 /* Moves the shift at a point; creep is the largest speed so far. */
-static void HoldPoint(const Load *load, const Place *at, LoadDual *dual, PetscReal *creep) {
-  *creep = PetscMax(*creep, LoadHold(load, at, dual));
+static void HoldPoint(const Load *load, const Place *at, PetscReal seen, LoadDual *dual,
+                      PetscReal *creep) {
+  *creep = PetscMax(*creep, LoadHold(load, at, seen, dual));
+}
+
+/* ... at the feet of a cell. */
+static void HoldFeet(Cell *cell, PetscInt i, PetscReal seen, PetscReal *creep) {
+  const Contact *contact = &cell->rod->scene->contact;
+  Foot foot[MOST_FEET];
+  FootCell of;
+
+  if (!contact->walls.rub || !CellsFeet(cell, i, &of, foot)) return;
+  {
+    const PetscReal mu = contact->walls.wall[contact->walls.post[foot[0].post].wall].friction,
+                    slip[2] = {foot[0].slip, 0};
+    if (mu > 0 && foot[0].p > 0)
+      *creep = PetscMax(*creep, PetscMin(1, mu * foot[0].p) *
+                                    FrictionDualHold(slip, seen, FootDual(cell, 0)));
+  }
 }
 
 /* Moves the shifts of exact Coulomb friction; creep is the largest speed of what is held. */
-static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal *creep) {
+static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal seen,
+                                PetscReal *creep) {
   Frame *frame = (Frame *)rod->data;
   PetscBool ends = (PetscBool)(frame->end_weight > 0);
   PetscInt first = PetscMax(rod->first - 1, 0);
@@ -484,18 +583,19 @@ static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal 
     /* the clamped end does not move unless it slides: a shift there would hold nothing, and
        round-off adds up in it to a force on a rod whose x2 may be 1e-25 */
     if (i == first && ends && (i > 0 || cell.law->c != 0))
-      HoldPoint(cell.load, &cell.a->at, cell.dual[0], creep);
-    HoldPoint(cell.load, &cell.mid->at, cell.dual[1], creep);
-    if (ends) HoldPoint(cell.load, &cell.b->at, cell.dual[2], creep);
+      HoldPoint(cell.load, &cell.a->at, seen, cell.dual[0], creep);
+    HoldPoint(cell.load, &cell.mid->at, seen, cell.dual[1], creep);
+    if (ends) HoldPoint(cell.load, &cell.b->at, seen, cell.dual[2], creep);
+    if (frame->feet) HoldFeet(&cell, i, seen, creep);
   }
   if (rod->end == rod->last + 1 && TipResists(&rod->scene->tip))
-    HoldPoint(&rod->scene->tip.resistance, &cell.b->at, TipDual(rod), creep);
+    HoldPoint(&rod->scene->tip.resistance, &cell.b->at, seen, TipDual(rod), creep);
   if (rod->end == rod->last + 1 && frame->duals > 1)
-    *creep = PetscMax(
-        *creep, ContactHold(&rod->scene->contact, cell.b->at.x, cell.b->at.v, TipDual(rod) + 1));
+    *creep = PetscMax(*creep, ContactHold(&rod->scene->contact, cell.b->at.x, cell.b->at.v, seen,
+                                          TipDual(rod) + 1));
   PetscCall(CellsClose(&cell));
   Forget(frame);
-  if (frame->strands) PetscCall(FrameStrandsHold(rod, creep));
+  if (frame->strands) PetscCall(FrameStrandsHold(rod, seen, creep));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, creep, 1, MPIU_REAL, MPI_MAX, rod->scene->comm));
   PetscFunctionReturn(0);
 }
@@ -509,7 +609,7 @@ static PetscReal *Remembered(Frame *frame, Rod rod, PetscInt i, PetscInt k) {
 
   if (k >= 2 * frame->duals * REMEMBERED)
     return FrameStrandsRemembered(rod, i, k - 2 * frame->duals * REMEMBERED);
-  dual = DualsAt(frame, 2 * (i - rod->first + 1)) + k / REMEMBERED;
+  dual = FrameDuals(frame, 2 * (i - rod->first + 1)) + k / REMEMBERED;
   return (k % REMEMBERED < 2 ? dual->w : dual->shift) + k % 2;
 }
 
@@ -602,6 +702,7 @@ static PetscErrorCode FrameCreate(Rod rod) {
   PetscCall(PetscCalloc3(points, &frame->law, points * frame->duals, &frame->dual, points,
                          &frame->point));
   rod->data = frame;
+  if (rod->scene->contact.walls.posts) PetscCall(PetscCalloc1(points / 2, &frame->feet));
   if (!rod->scene->contact.self) PetscFunctionReturn(0);
   UserCheck(rod->order == 4, rod->scene->comm, "-rod_order 2: -contact_self needs order 4");
   rod->coupled = PETSC_TRUE;
@@ -616,6 +717,7 @@ static PetscErrorCode FrameDestroy(Rod rod) {
   PetscFunctionBegin;
   PetscCall(FrameStrandsDestroy(&frame->strands));
   PetscCall(PetscFree3(frame->law, frame->dual, frame->point));
+  PetscCall(PetscFree(frame->feet));
   PetscCall(PetscFree(rod->data));
   PetscFunctionReturn(0);
 }
@@ -635,5 +737,6 @@ const RodModel rod_frame = {
     .hold = FrameHold,
     .remember = FrameRemember,
     .recall = FrameRecall,
+    .defect = FrameDefect,
     .jacobian = FrameJacobian,
     .eliminate = FrameEliminate};

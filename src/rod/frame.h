@@ -2,6 +2,7 @@
 #ifndef TENDRIL_FRAME_H
 #define TENDRIL_FRAME_H
 
+#include "rod/feet.h"
 #include "rod/rod.h"
 #include "rod/strands.h"
 
@@ -11,6 +12,12 @@ enum { X1, X2, TH, M, N1, N2, FIELDS };
 typedef struct {
   PetscReal s, g, g_t, c, k0, flex;
 } Law;
+
+/* One point of the rod: its unknowns, f, its place and velocity. */
+typedef struct _Point {
+  PetscReal theta, m, n[2], f[FIELDS];
+  Place at;
+} Point;
 
 /* Tells one state of the unknowns and their rates from another. */
 typedef struct {
@@ -23,12 +30,41 @@ typedef struct {
   PetscReal end_weight, mid_weight, bow; /* times h: 1/6, 4/6, 1/8 (order 4); 0, 1, 0 (order 2) */
   PetscReal time;                        /* of the laws below */
   Law *law;                              /* nodes and mids from node first - 1 on, alternating */
-  struct _Point *point;                  /* likewise, in the state seen */
+  Point *point;                          /* likewise, in the state seen */
   FrameState seen;
   LoadDual *dual; /* likewise, duals of them at each */
   PetscInt duals;
+  FootLoad *feet;               /* of each cell, from that before node first on; NULL: no posts */
   struct FrameStrands *strands; /* NULL: the rod does not touch itself */
 } Frame;
+
+/* f at a point */
+static inline void PointEvaluate(const Load *load, const Law *law, const LoadDual *dual, Point *p) {
+  const PetscReal *q = p->at.q;
+
+  p->f[X1] = law->g * q[0];
+  p->f[X2] = law->g * q[1];
+  p->f[TH] = law->g * (p->m * law->flex + law->k0);
+  p->f[M] = -law->g * (q[0] * p->n[1] - q[1] * p->n[0]);
+  LoadForce(load, &p->at, dual, &p->f[N1]);
+  p->f[N1] *= law->g;
+  p->f[N2] *= law->g;
+}
+
+/* The slope x'_t = g_t q + g theta_t q_perp of the velocity at a node. */
+static inline void VelocitySlope(const Law *law, const Point *p, PetscReal theta_t,
+                                 PetscReal w[2]) {
+  w[0] = law->g_t * p->at.q[0] - law->g * theta_t * p->at.q[1];
+  w[1] = law->g_t * p->at.q[1] + law->g * theta_t * p->at.q[0];
+}
+
+/* The duals of point k: nodes and mids alternate, from node first - 1 on. */
+static inline LoadDual *FrameDuals(const Frame *frame, PetscInt k) {
+  return frame->dual + k * frame->duals;
+}
+
+/* frame_defect.c */
+PetscErrorCode FrameDefect(Rod rod, PetscReal (*defect)[MAX_FIELDS]);
 
 /* frame_strands.c */
 PetscErrorCode FrameStrandsCreate(Rod rod, struct FrameStrands **strands);
@@ -37,7 +73,7 @@ PetscErrorCode FrameStrandsLoad(Rod rod, PetscReal t, Vec U, Vec U_t, const Pets
 PetscErrorCode FrameStrandsPattern(Rod rod, Mat J);
 PetscErrorCode FrameStrandsJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[],
                                     Mat J);
-PetscErrorCode FrameStrandsHold(Rod rod, PetscReal *creep);
+PetscErrorCode FrameStrandsHold(Rod rod, PetscReal seen, PetscReal *creep);
 PetscReal *FrameStrandsRemembered(Rod rod, PetscInt i, PetscInt k);
 PetscInt FrameStrandsMemory(Rod rod);
 PetscErrorCode FrameStrandsRecalled(Rod rod);

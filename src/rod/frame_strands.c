@@ -92,9 +92,9 @@ PetscErrorCode FrameStrandsLoad(Rod rod, PetscReal t, Vec U, Vec U_t,
 }
 
 /* FrameStrandsHold - see StrandsHold(); in the state of the latest load. */
-PetscErrorCode FrameStrandsHold(Rod rod, PetscReal *creep) {
+PetscErrorCode FrameStrandsHold(Rod rod, PetscReal seen, PetscReal *creep) {
   PetscFunctionBegin;
-  PetscCall(StrandsHold(((Frame *)rod->data)->strands->strands, creep));
+  PetscCall(StrandsHold(((Frame *)rod->data)->strands->strands, seen, creep));
   PetscFunctionReturn(0);
 }
 

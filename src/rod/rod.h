@@ -46,11 +46,14 @@ typedef struct {
   /* the same, eliminated at once; NULL: it cannot, nor can a coupled rod */
   PetscErrorCode (*eliminate)(Rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[],
                               Elimination);
+  /* by how much the state of the latest residual fails the equations between the collocation
+     points, per owned node: of what is left of it; NULL: not known */
+  PetscErrorCode (*defect)(Rod, PetscReal (*defect)[MAX_FIELDS]);
   /* what Newton's method remembers from step to step, for a restart: see memory of the rod */
   PetscErrorCode (*remember)(Rod, Vec memory);
   PetscErrorCode (*recall)(Rod, Vec memory);
   /* exact Coulomb friction: see LoadHold(); NULL: regularised friction only */
-  PetscErrorCode (*hold)(Rod, PetscReal t, Vec U, Vec U_t, PetscReal *creep);
+  PetscErrorCode (*hold)(Rod, PetscReal t, Vec U, Vec U_t, PetscReal seen, PetscReal *creep);
 } RodModel;
 
 struct _Rod {

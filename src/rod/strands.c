@@ -176,6 +176,7 @@ static PetscErrorCode LawsAt(Strands self, PetscReal t) {
   const PetscReal *s = self->scene->mesh.s;
 
   PetscFunctionBegin;
+  PetscCall(SceneContactAt(self->scene, t));
   if (self->time == t) PetscFunctionReturn(0);
   for (PetscInt k = 0; k < self->points; k++) {
     PetscReal z = k % 2 ? (s[k / 2] + s[k / 2 + 1]) / 2 : s[k / 2];
@@ -458,7 +459,11 @@ static void AddToSum(Strands self, const Pair *pair) {
   Shares(self, pair->point, share);
   all = share[0] + share[1];
   sum->energy += all * U;
-  sum->strain += self->strain[pair->point] * self->weight[pair->point] / 2 * U;
+  sum->strain += self->strain[pair->point] * self->weight[pair->point] / 2 * U +
+                 share[0] * ContactEnergyRate(self->contact, pair->gap) +
+                 (share[1] > 0 ? self->contact->tip_t * U +
+                                     share[1] * ContactEnergyRate(self->contact, pair->gap)
+                               : 0);
   sum->normal += all * pair->p;
   sum->loss += all * self->contact->friction * pair->p * pair->w * pair->slip;
   sum->depth = PetscMax(sum->depth, -pair->gap);
@@ -714,14 +719,14 @@ PetscErrorCode StrandsNear(Strands self, PetscInt *n, PetscInt (**cells)[2]) {
 
 /* StrandsHold - moves what holds strands that stick to each other (exact Coulomb friction); creep
    is the largest speed of a place that is held, which counts the less the less it is pressed. */
-PetscErrorCode StrandsHold(Strands self, PetscReal *creep) {
+PetscErrorCode StrandsHold(Strands self, PetscReal seen, PetscReal *creep) {
   PetscFunctionBegin;
   for (PetscInt k = 0; self->dual && k < self->n; k++) {
     const Pair *pair = &self->pair[k];
     const PetscReal v[2] = {pair->slip, 0};
     if (!pair->active || pair->p == 0) continue;
     *creep = PetscMax(*creep, PetscMin(1, self->contact->friction * pair->p) *
-                                  FrictionDualHold(v, DualOf(self, pair)));
+                                  FrictionDualHold(v, seen, DualOf(self, pair)));
   }
   PetscFunctionReturn(0);
 }

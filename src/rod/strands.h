@@ -40,7 +40,8 @@ typedef struct {
   PetscReal normal;       /* sum of normal forces */
   PetscReal sum[2];       /* of all forces: 0 */
   PetscReal depth;        /* deepest penetration */
-  PetscReal strain;       /* power of material that is laid down where it is pressed */
+  PetscReal strain;       /* power of material that is laid down where it is pressed, and of a law
+                             that changes in time */
   PetscReal nearest;      /* the smallest gap, if any is small */
   PetscReal at[2], x[2];  /* the labels where it is, and the place between them */
 } StrandSum;
@@ -52,7 +53,7 @@ PetscErrorCode StrandsLoad(Strands strands, const StrandState *state);
 const PetscReal (*StrandsForces(Strands strands))[2];
 PetscErrorCode StrandsLinearise(Strands strands, const StrandState *state, const PetscReal shift[3],
                                 PetscBool fresh, PetscInt *n, const StrandSlope **slopes);
-PetscErrorCode StrandsHold(Strands strands, PetscReal *creep);
+PetscErrorCode StrandsHold(Strands strands, PetscReal seen, PetscReal *creep);
 void StrandsSum(Strands strands, StrandSum *sum);
 PetscInt StrandsZones(Strands strands);
 PetscInt StrandsDuals(Strands strands, FrictionDual **duals);

@@ -12,7 +12,7 @@ static const OptionRow rows[] = {
     ROW_REAL(
         "-contact_stiffness", "", 1e-6, 1e30, UNIT_NONE, 0,
         "k, force per length and depth, in N/l; if not given it follows from the diameter, and "
-        "without one, or with -accuracy, from the mesh")};
+        "without one, or with -accuracy, from the cells, at each time")};
 const OptionGroup contact_options = OPTION_GROUP("Contact", rows);
 
 /*
@@ -60,27 +60,79 @@ static const PetscReal part_of_diameter = 1e-3;
 /* The pressure sets in over so many times the depth to which such a force presses: so the step
    feels no kink where a point begins to touch. */
 static const PetscReal part_smooth = 2;
+/* However soft contact is, nothing is felt farther than this part of the diameter from it. */
+static const PetscReal most_smooth = 0.25;
+
+/* Posts less wide than this many cells are met at their feet in part, than so many in full: of the
+   others the collocation points are near enough to each other to feel them. */
+static const PetscReal cells_of_post[2] = {2, 1};
+
+/* ContactNeedsCell - does the law of contact depend on how long the cells are? */
+PetscBool ContactNeedsCell(const Contact *contact) {
+  return (PetscBool)(contact->any &&
+                     (contact->walls.posts || contact->diameter == 0 || contact->fine));
+}
+
+/* What contact is not to press in by more than a part of: the diameter; of a rod without one, that
+   of the least post. 0: nothing. */
+static PetscReal Thickness(const Contact *contact) {
+  return contact->diameter > 0 ? contact->diameter : 2 * contact->walls.smallest;
+}
 
 /*
   ContactSetStiffness - k, unless it is given, and what follows from it. A point load Q on a rod of
   stiffness 1 sinks in by Q/(2 sqrt(2) k^(3/4)) and spreads over l = k^(-1/4) (Winkler's
   foundation). Forces are about as friction has them, 1, or as bending has them in a rod so short
-  that friction is nothing to it, 1/L^2.
+  that friction is nothing to it, 10/L^2.
 
-  cell, length  the largest of a cell and of the rod in the run
+  cell, length  the largest of a cell and of the rod, at present, and their rates
 */
-void ContactSetStiffness(Contact *contact, PetscReal cell, PetscReal length) {
-  const PetscReal depth = 2 * PETSC_SQRT2, Q = PetscMax(1, 10 / (length * length));
-  PetscReal l = cells_of_layer * cell;
+void ContactSetStiffness(Contact *contact, const PetscReal cell[2], const PetscReal length[2]) {
+  const PetscReal depth = 2 * PETSC_SQRT2, short_rod = 10 / (length[0] * length[0]),
+                  Q = PetscMax(1, short_rod), D = Thickness(contact);
+  const PetscReal Q_t = short_rod > 1 ? -2 * length[1] / length[0] : 0; /* over Q; so all rates */
+  PetscReal l = cells_of_layer * cell[0], l_t = cell[0] > 0 ? cell[1] / cell[0] : 0;
 
   if (!contact->any) return;
-  if (contact->diameter > 0) {
-    PetscReal thick = PetscPowReal(depth * part_of_diameter * contact->diameter / Q, 1. / 3);
-    l = contact->fine ? PetscMin(l, thick) : thick;
+  if (D > 0) {
+    PetscReal thick = PetscPowReal(depth * part_of_diameter * D / Q, 1. / 3);
+    if ((contact->diameter > 0 && !contact->fine) || thick < l) {
+      l = thick;
+      l_t = -Q_t / 3;
+    }
+  }
+  if (contact->given) {
+    l = PetscPowReal(contact->stiffness, -0.25);
+    l_t = 0;
   }
   if (!contact->given) contact->stiffness = 1 / (l * l * l * l);
-  contact->tip = PetscPowReal(contact->stiffness, -0.25);
-  contact->smooth = part_smooth * Q * contact->tip * contact->tip * contact->tip / depth;
+  contact->tip = l;
+  contact->smooth = part_smooth * Q * l * l * l / depth;
+  contact->smooth_t = (Q_t + 3 * l_t) * contact->smooth;
+  if (D > 0 && contact->smooth > most_smooth * D) {
+    contact->smooth = most_smooth * D;
+    contact->smooth_t = 0;
+  }
+  contact->stiffness_t = -4 * l_t * contact->stiffness;
+  contact->tip_t = l_t * l;
+  contact->cell = cell[0];
+  contact->cell_t = cell[1];
+  contact->thin =
+      (PetscBool)(contact->walls.posts && contact->walls.smallest < cells_of_post[0] * cell[0]);
+}
+
+/* ContactPostShare - of the strength k l, how much a post is met with at its foot: 0 if it is wide,
+   1 if it is thin; and its rate, for the cells grow. */
+PetscReal ContactPostShare(const Contact *contact, const WallPost *post, PetscReal *share_t) {
+  const PetscReal rho = post->r + contact->diameter / 2, width = rho / contact->cell,
+                  z = (cells_of_post[0] - width) / (cells_of_post[0] - cells_of_post[1]);
+
+  *share_t = 0;
+  if (z <= 0) return 0;
+  if (z >= 1) return 1;
+  *share_t = 6 * z * (1 - z) * width * contact->cell_t / contact->cell /
+             (cells_of_post[0] - cells_of_post[1]);
+  return z * z * (3 - 2 * z);
 }
 
 PetscErrorCode ContactDestroy(Contact *contact) {
@@ -155,7 +207,7 @@ void ContactPushSlope(const Contact *contact, const Touch *touch, const PetscRea
    the speed at which it creeps, which counts the less the less it is pressed. duals: one for each
    wall. */
 PetscReal ContactHold(const Contact *contact, const PetscReal x[2], const PetscReal v[2],
-                      FrictionDual duals[]) {
+                      PetscReal seen, FrictionDual duals[]) {
   Touch touch[MOST_TOUCHES];
   PetscInt n = ContactTouches(contact, x, touch);
   PetscReal creep = 0, slope;
@@ -165,7 +217,7 @@ PetscReal ContactHold(const Contact *contact, const PetscReal x[2], const PetscR
     PetscReal mu = contact->walls.wall[t->wall].friction, u[2] = {Slip(t, v), 0},
               p = ContactPressure(contact, t->gap, &slope);
     if (t->again || mu == 0 || p == 0) continue;
-    creep = PetscMax(creep, PetscMin(1, mu * p) * FrictionDualHold(u, &duals[t->wall]));
+    creep = PetscMax(creep, PetscMin(1, mu * p) * FrictionDualHold(u, seen, &duals[t->wall]));
   }
   return creep;
 }

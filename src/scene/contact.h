@@ -8,7 +8,11 @@
    C1, with the potential U, U' = -p. Rigid contact is the limit of large k. Friction in contact:
    mu_c p against the relative velocity along the surface, u, as -mu_c p u/r, r = sqrt(u^2 + beta).
    The end of the rod is a point contact of its own, of strength k l, l = k^(-1/4): the length over
-   which a point load spreads on such a foundation. */
+   which a point load spreads on such a foundation. So is the place of the rod nearest to a post, or
+   corner, that is not wider than the cells (rod/feet.h).
+
+   k, unless it is given, follows from what the rod is at each time, and never from when the run is
+   to end. */
 #ifndef TENDRIL_CONTACT_H
 #define TENDRIL_CONTACT_H
 
@@ -21,9 +25,13 @@ typedef struct {
   PetscBool given;                  /* k is the user's */
   PetscBool fine;                   /* k follows the mesh, too: an accuracy is asked for */
   PetscReal diameter;               /* D */
+  PetscReal time;                   /* of what follows */
   PetscReal stiffness, smooth, tip; /* k, w, l */
-  PetscReal friction;               /* mu_c between strands, and of walls without their own */
-  Friction rub;                     /* how contact friction is regularised: dry, of strength 1 */
+  PetscReal stiffness_t, smooth_t, tip_t;
+  PetscReal cell, cell_t; /* the largest, where posts are or k asks for it */
+  PetscBool thin;         /* some posts are met at their feet */
+  PetscReal friction;     /* mu_c between strands, and of walls without their own */
+  Friction rub;           /* how contact friction is regularised: dry, of strength 1 */
   Walls walls;
 } Contact;
 
@@ -41,7 +49,9 @@ extern const OptionGroup contact_options;
 
 PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
                                      PetscReal clamp_angle);
-void ContactSetStiffness(Contact *contact, PetscReal cell, PetscReal length);
+PetscBool ContactNeedsCell(const Contact *contact);
+void ContactSetStiffness(Contact *contact, const PetscReal cell[2], const PetscReal length[2]);
+PetscReal ContactPostShare(const Contact *contact, const WallPost *post, PetscReal *share_t);
 PetscErrorCode ContactDestroy(Contact *contact);
 PetscInt ContactTouches(const Contact *contact, const PetscReal x[2], Touch touch[MOST_TOUCHES]);
 void ContactPush(const Contact *contact, const Touch *touch, const PetscReal v[2],
@@ -49,7 +59,7 @@ void ContactPush(const Contact *contact, const Touch *touch, const PetscReal v[2
 void ContactPushSlope(const Contact *contact, const Touch *touch, const PetscReal v[2],
                       PetscBool fresh, FrictionDual *dual, Push *push);
 PetscReal ContactHold(const Contact *contact, const PetscReal x[2], const PetscReal v[2],
-                      FrictionDual duals[]);
+                      PetscReal seen, FrictionDual duals[]);
 
 /* p(gamma), and its derivative */
 static inline PetscReal ContactPressure(const Contact *contact, PetscReal gap, PetscReal *slope) {
@@ -71,6 +81,18 @@ static inline PetscReal ContactEnergy(const Contact *contact, PetscReal gap) {
   if (gap >= w) return 0;
   if (gap <= -w) return k * (2 * w * w / 3 + (gap * gap - w * w) / 2);
   return k * (w - gap) * (w - gap) * (w - gap) / (12 * w);
+}
+
+/* dU/dt at a fixed gap, for k and w change in time */
+static inline PetscReal ContactEnergyRate(const Contact *contact, PetscReal gap) {
+  const PetscReal k = contact->stiffness, w = contact->smooth;
+  PetscReal by_w = 0;
+
+  if (gap <= -w)
+    by_w = k * w / 3;
+  else if (gap < w)
+    by_w = k * (w - gap) * (w - gap) * (2 * w + gap) / (12 * w * w);
+  return ContactEnergy(contact, gap) * contact->stiffness_t / k + by_w * contact->smooth_t;
 }
 
 /* The friction of a surface that slips by at u, over mu_c p: w, and dw/du. The dual of another

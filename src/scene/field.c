@@ -304,6 +304,23 @@ PetscErrorCode FieldDestroy(Field *field) {
   PetscFunctionReturn(0);
 }
 
+/* FieldIsLayered - does it come from layers, not from a table? */
+PetscBool FieldIsLayered(Field self) {
+  return (PetscBool)(self->layers > 0);
+}
+
+/* FieldFinest - the length over which it changes: that over which layers are joined, the least
+   distance of a table's entries in space; 0 if it does not change. */
+PetscReal FieldFinest(Field self) {
+  PetscReal least = PETSC_MAX_REAL;
+
+  if (self->layers) return self->layers > 1 ? self->width : 0;
+  for (int a = ACROSS; a <= ALONG; a++)
+    for (PetscInt i = 0; i + 1 < self->axis[a].n; i++)
+      least = PetscMin(least, self->axis[a].at[i + 1] - self->axis[a].at[i]);
+  return least < PETSC_MAX_REAL ? least : 0;
+}
+
 /* FieldAt - the factor at a place (in the laboratory) and a time, and its derivatives by x1, x2. */
 void FieldAt(Field self, const PetscReal x[2], PetscReal t, PetscReal *factor, PetscReal slope[2]) {
   if (self->layers)

@@ -10,6 +10,8 @@ typedef struct _Field *Field;
 PetscErrorCode FieldFromFile(const char *option, const char *file, Field *field);
 PetscErrorCode FieldFromLayers(const char *option, const char *text, PetscReal width, Field *field);
 PetscErrorCode FieldDestroy(Field *field);
+PetscBool FieldIsLayered(Field field);
+PetscReal FieldFinest(Field field);
 void FieldAt(Field field, const PetscReal x[2], PetscReal t, PetscReal *factor, PetscReal slope[2]);
 
 #endif

@@ -73,14 +73,15 @@ void FrictionLinearise(const Friction *law, const PetscReal v[2], const Friction
     }
 }
 
-/* FrictionDualHold - moves the shift by v, for exact Coulomb friction. Returns the speed at which
-   the point creeps though it is held; 0 if it slides, for then it needs no shift. The longest kept
-   leaves the force within 0.5 % of its limit. */
-PetscReal FrictionDualHold(const PetscReal v[2], FrictionDual *dual) {
+/* FrictionDualHold - moves the shift by v, for exact Coulomb friction; by less if v is below what
+   is seen. Returns the speed at which the point creeps though it is held; 0 if it slides, for then
+   it needs no shift. The longest kept leaves the force within 0.5 % of its limit. */
+PetscReal FrictionDualHold(const PetscReal v[2], PetscReal seen, FrictionDual *dual) {
   const PetscReal longest = 10 * PetscSqrtReal(friction_tiny);
-  const PetscReal u[2] = {v[0] + dual->shift[0], v[1] + dual->shift[1]},
-                  size = PetscSqrtReal(u[0] * u[0] + u[1] * u[1]),
-                  speed = PetscSqrtReal(v[0] * v[0] + v[1] * v[1]);
+  const PetscReal speed = PetscSqrtReal(v[0] * v[0] + v[1] * v[1]),
+                  part = speed < seen ? speed / seen : 1;
+  const PetscReal u[2] = {part * v[0] + dual->shift[0], part * v[1] + dual->shift[1]},
+                  size = PetscSqrtReal(u[0] * u[0] + u[1] * u[1]);
   PetscBool slides = (PetscBool)(speed > longest);
 
   for (int i = 0; i < 2; i++)

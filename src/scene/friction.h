@@ -29,7 +29,7 @@ void FrictionDualAdvance(const Friction *law, const PetscReal v[2], FrictionDual
 void FrictionLinearise(const Friction *law, const PetscReal v[2], const FrictionDual *dual,
                        PetscReal slope[2][2]);
 
-PetscReal FrictionDualHold(const PetscReal v[2], FrictionDual *dual);
+PetscReal FrictionDualHold(const PetscReal v[2], PetscReal seen, FrictionDual *dual);
 
 /* The dry force is mu w, w = u/r, u = v + shift, r = sqrt(u^2 + beta). Regularised friction has no
    shift. Exact Coulomb friction takes a tiny beta and moves the shift, shift <- shift + v, until

@@ -157,6 +157,7 @@ static PetscErrorCode CreateGaussian(Growth self) {
   self->data = law;
   self->destroy = GrowthDestroyData;
   PetscCall(OptionReal("-growth_width", &law->a, NULL));
+  self->narrow = law->a;
   law->b = 2 / (law->a * PetscSqrtReal(PETSC_PI) * erf(1 / law->a));
   self->stretch = StretchGaussian;
   self->arc = ArcGaussian;

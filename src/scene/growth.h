@@ -15,6 +15,7 @@ struct _Growth {
   PetscBool slides;         /* material slides past the labels: c is not 0 */
   PetscBool rests;          /* there is material at rest, behind a growth zone */
   PetscReal finest;         /* length of a zone at the tip that the mesh must resolve; 0: none */
+  PetscReal narrow;         /* width in s of a growth zone at the clamp; 0: there is none */
   PetscBool stopped;        /* GrowthStop(): stands still at one time of another law */
   PetscErrorCode (*stretch)(Growth, PetscReal s, PetscReal t, PetscReal *g, PetscReal *g_t,
                             PetscReal *g_s);

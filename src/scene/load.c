@@ -59,7 +59,7 @@ void LoadSetWalls(Load *load, const Contact *contact) {
   load->walls = contact;
   load->plain = PETSC_FALSE;
   load->moves = PETSC_TRUE;
-  if (contact->walls.rub) load->duals = 1 + contact->walls.n;
+  if (contact->walls.rub) load->duals = 1 + contact->walls.n + (contact->walls.posts > 0);
 }
 
 PetscErrorCode LoadDestroy(Load *load) {
@@ -172,11 +172,28 @@ PetscErrorCode LoadInFastTime(const Load *load, PetscReal t, Load *fast, PetscBo
   PetscFunctionReturn(0);
 }
 
+/* The smallest beta in place of 0, and the speed that steps of tolerance 1e-6 tell from rest. */
+static const PetscReal next_to_exact = 1e-16, told_from_rest = 3e-5, its_tolerance = 1e-6,
+                       most_told = 1e-3;
+
 /* LoadNextToExact - for a rod of which a part is at rest: there exact Coulomb friction does not say
-   what the axial force is. So it is taken as what it is the limit of, which says that it is 0. */
+   what the axial force is. So it is taken as what it is the limit of, which says that it is the
+   least that balance allows. */
 void LoadNextToExact(Load *load) {
-  const PetscReal next_to_exact = 1e-16;
-  if (load->friction.beta == 0) load->friction.beta = next_to_exact;
+  load->limit = LoadSticks(load);
+  if (load->limit) load->friction.beta = next_to_exact;
+}
+
+/*
+  LoadAtTolerance - the same for steps of a tolerance: with sqrt(beta) far below the noise of their
+  velocities, material at rest would be pushed to and fro by all that friction can, and forces add
+  up to noise. So sqrt(beta) is about what they tell from rest; noise falls more slowly than the
+  tolerance, for that of the mesh stays. No effect on a load that is not next to exact.
+*/
+void LoadAtTolerance(Load *load, PetscReal rtol) {
+  PetscReal speed = told_from_rest * PetscSqrtReal(rtol / its_tolerance);
+  if (load->limit)
+    load->friction.beta = PetscMax(next_to_exact, PetscSqr(PetscMin(most_told, speed)));
 }
 
 /* LoadIsEven - does the load leave a straight rod straight, up to this length and time? Not if a

@@ -23,7 +23,9 @@ typedef struct {
   PetscBool plain;        /* N = 1 and a = 1, no walls */
   PetscBool varied;       /* N or a is not 1 */
   PetscBool turns, moves; /* F depends on the direction of the rod (a), on the place (N, walls) */
-  PetscInt duals;         /* of each place: that of the friction along the rod, one for each wall */
+  PetscInt duals;         /* of each place: that of the friction along the rod, one for each wall,
+                             and one for a foot on a post (rod/feet.h) */
+  PetscBool limit;        /* exact friction was asked for, and is taken as a limit */
   PetscBool stopped;      /* N is that of one time, stopped_at */
   PetscReal stopped_at;
 } Load;
@@ -44,6 +46,7 @@ extern const OptionGroup load_options;
 
 PetscErrorCode LoadSetFromOptions(Load *load, PetscReal clamp_angle);
 void LoadNextToExact(Load *load);
+void LoadAtTolerance(Load *load, PetscReal rtol);
 void LoadSetWalls(Load *load, const Contact *contact);
 PetscErrorCode LoadDestroy(Load *load);
 PetscErrorCode LoadInFastTime(const Load *load, PetscReal t, Load *fast, PetscBool *dry);
@@ -84,10 +87,11 @@ static inline PetscBool LoadSticks(const Load *load) {
 }
 
 /* Moves what holds a sticking place; returns the speed at which it creeps. */
-static inline PetscReal LoadHold(const Load *load, const Place *at, LoadDual *dual) {
-  PetscReal creep = FrictionDualHold(at->v, dual);
+static inline PetscReal LoadHold(const Load *load, const Place *at, PetscReal seen,
+                                 LoadDual *dual) {
+  PetscReal creep = FrictionDualHold(at->v, seen, dual);
   if (load->duals == 1) return creep;
-  return PetscMax(creep, ContactHold(load->walls, at->x, at->v, dual + 1));
+  return PetscMax(creep, ContactHold(load->walls, at->x, at->v, seen, dual + 1));
 }
 
 /* F of friction where nothing is held, as an observer sees it: a place at rest bears no dry force.

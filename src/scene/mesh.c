@@ -7,6 +7,11 @@ static const PetscReal even_share = 0.5;
    fading over twice its length. */
 static const PetscReal zone_share = 1. / 3;
 
+/* From a growth zone at the clamp that is narrower than this, in s, to the rest of the rod cells
+   become larger by little from one to the next: this part of the nodes sees to that. Without them a
+   cell behind the zone is as long as many zones, and its growth is missed. */
+static const PetscReal narrow = 0.02, graded_share = 0.75;
+
 /* What the nodes are equidistant in, from 0 to its value at s = 1. */
 static PetscErrorCode Measure(Growth growth, PetscReal s, PetscReal end_time, PetscReal length,
                               PetscReal *m) {
@@ -20,6 +25,8 @@ static PetscErrorCode Measure(Growth growth, PetscReal s, PetscReal end_time, Pe
   } else if (!growth->even) {
     PetscCall(GrowthArc(growth, 1, &s, end_time, &p, NULL));
     *m = p / length + even_share * s;
+    if (growth->narrow > 0 && growth->narrow < narrow)
+      *m += graded_share * asinh(s / growth->narrow) / asinh(1 / growth->narrow);
   }
   PetscFunctionReturn(0);
 }

@@ -45,20 +45,35 @@ static PetscErrorCode CheckSize(PetscInt cells) {
   PetscFunctionReturn(0);
 }
 
-/* The stiffness of contact follows from the largest cell at the end of the run, or at its start. */
-static PetscErrorCode SetContactStiffness(Scene scene) {
-  PetscReal largest = 0, *p;
+/* The largest cell at time t, and its rate. */
+static PetscErrorCode LargestCell(Scene scene, PetscReal t, PetscReal cell[2]) {
   const PetscInt n = scene->mesh.cells + 1;
+  PetscReal *p, *p_t;
 
   PetscFunctionBegin;
-  if (!scene->contact.any) PetscFunctionReturn(0);
-  PetscCall(PetscMalloc1(n, &p));
-  for (int end = 0; end < 2; end++) {
-    PetscCall(GrowthArc(scene->growth, n, scene->mesh.s, end ? scene->end_time : 0, p, NULL));
-    for (PetscInt i = 0; i + 1 < n; i++) largest = PetscMax(largest, p[i + 1] - p[i]);
-  }
-  PetscCall(PetscFree(p));
-  ContactSetStiffness(&scene->contact, largest, scene->reach);
+  cell[0] = cell[1] = 0;
+  PetscCall(PetscMalloc2(n, &p, n, &p_t));
+  PetscCall(GrowthArc(scene->growth, n, scene->mesh.s, t, p, p_t));
+  for (PetscInt i = 0; i + 1 < n; i++)
+    if (p[i + 1] - p[i] > cell[0]) {
+      cell[0] = p[i + 1] - p[i];
+      cell[1] = p_t[i + 1] - p_t[i];
+    }
+  PetscCall(PetscFree2(p, p_t));
+  PetscFunctionReturn(0);
+}
+
+/* SceneContactAt - makes the law of contact that of time t. Whoever asks for forces of contact
+   calls it first; it costs nothing where there is none. */
+PetscErrorCode SceneContactAt(Scene scene, PetscReal t) {
+  PetscReal cell[2] = {0, 0}, length[2];
+
+  PetscFunctionBegin;
+  if (!scene->contact.any || scene->contact.time == t) PetscFunctionReturn(0);
+  if (ContactNeedsCell(&scene->contact)) PetscCall(LargestCell(scene, t, cell));
+  PetscCall(GrowthLength(scene->growth, t, &length[0], &length[1]));
+  ContactSetStiffness(&scene->contact, cell, length);
+  scene->contact.time = t;
   PetscFunctionReturn(0);
 }
 
@@ -66,6 +81,13 @@ static PetscErrorCode SetContactStiffness(Scene scene) {
 void SceneLinkWalls(Scene scene) {
   LoadSetWalls(&scene->load, &scene->contact);
   scene->tip.walls = scene->contact.walls.n ? &scene->contact : NULL;
+}
+
+/* SceneAtTolerance - tells a scene at which tolerance it is to be stepped: what exact friction of
+   material at rest is taken for depends on it (LoadAtTolerance()). */
+void SceneAtTolerance(Scene scene, PetscReal rtol) {
+  LoadAtTolerance(&scene->load, rtol);
+  if (scene->load.limit) scene->contact.rub.beta = scene->load.friction.beta;
 }
 
 /*
@@ -103,7 +125,8 @@ PetscErrorCode SceneCreate(Scene *scene) {
   PetscCall(CurvatureSetFromOptions(&self->curvature, self->growth, self->end_time));
   PetscCall(MeshCreate(cells, (PetscBool)grading, self->growth, self->end_time, &self->mesh));
   PetscCall(ContactSetFromOptions(&self->contact, &self->load.friction, self->clamp_angle));
-  PetscCall(SetContactStiffness(self));
+  self->contact.time = PETSC_MIN_REAL;
+  PetscCall(SceneContactAt(self, 0));
   SceneLinkWalls(self);
   PetscFunctionReturn(0);
 }

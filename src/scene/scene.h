@@ -34,6 +34,8 @@ extern const OptionGroup scene_options;
 PetscErrorCode SceneCreate(Scene *scene);
 PetscErrorCode SceneDestroy(Scene *scene);
 void SceneLinkWalls(Scene scene);
+PetscErrorCode SceneContactAt(Scene scene, PetscReal t);
+void SceneAtTolerance(Scene scene, PetscReal rtol);
 PetscErrorCode SceneHoldTip(Scene scene, const PetscReal x[2], PetscReal theta);
 PetscErrorCode SceneShapeAngle(Scene scene, PetscReal s, PetscReal *theta, PetscReal *theta_s);
 

@@ -7,7 +7,8 @@ const char *const wall_kind[WALL_KINDS] = {"plane", "circle", "polygon", "path"}
 static const char *const wall_form[WALL_KINDS] = {
     "plane X1 X2 N1 N2, a point and the direction to the side of the rod",
     "circle X1 X2 R outside|inside", "polygon outside|inside X1 Y1 X2 Y2 X3 Y3 ...",
-    "path R X1 Y1 X2 Y2 ..., a conduit of radius R along these points"};
+    "path R X1 Y1 X2 Y2 ..., a conduit of radius R along these points, and radius B behind them if "
+    "its bends are to have that"};
 
 static const PetscReal everywhere = 1e300;
 
@@ -17,79 +18,6 @@ static PetscReal Dot(const PetscReal a[2], const PetscReal b[2]) {
 
 static PetscReal Cross(const PetscReal a[2], const PetscReal b[2]) {
   return a[0] * b[1] - a[1] * b[0];
-}
-
-/* ---- where a point touches ---- */
-
-/* The distance of x from a piece, 0 on it, and its normal; is x in the piece's range? */
-static PetscBool PieceDistance(const WallPiece *p, const PetscReal x[2], PetscReal *distance,
-                               PetscReal normal[2], PetscReal *bend) {
-  PetscReal o[2] = {x[0] - p->at[0], x[1] - p->at[1]}, size, z;
-
-  if (!p->round) {
-    z = Dot(o, p->t);
-    *distance = Dot(o, p->n);
-    for (int d = 0; d < 2; d++) normal[d] = p->n[d];
-    *bend = 0;
-    return (PetscBool)(z >= p->from && z < p->to && *distance >= -p->deep);
-  }
-  if (p->reach > 0 && Dot(o, p->middle) < 0) return PETSC_FALSE;
-  size = PetscSqrtReal(Dot(o, o));
-  if (size == 0) return PETSC_FALSE;
-  *distance = p->sign * (size - p->r);
-  for (int d = 0; d < 2; d++) normal[d] = p->sign * o[d] / size;
-  *bend = p->sign / size;
-  return (PetscBool)(Dot(o, p->middle) >= p->reach * size && *distance >= -p->deep);
-}
-
-/* How far x is from the axis of a conduit, seen from one of its pieces. */
-static PetscReal AxisDistance(const Wall *wall, const WallPiece *p, const PetscReal x[2],
-                              PetscReal distance) {
-  if (p->at_mouth)
-    return PetscSqrtReal(PetscSqr(x[0] - p->mouth[0]) + PetscSqr(x[1] - p->mouth[1]));
-  return PetscAbsReal(wall->number[0] - distance);
-}
-
-/* Does another piece of a conduit count at x, `far` from its axis? Those of the nearest place of
-   the axis do: nearest is that of the pieces before, *n touches of them are kept. */
-static PetscBool Nearer(PetscReal far, PetscReal *nearest, PetscInt before, PetscInt *n) {
-  const PetscReal same = 1e-9 * far;
-
-  if (far > *nearest + same) return PETSC_FALSE;
-  if (far < *nearest - same) *n = before;
-  *nearest = PetscMin(*nearest, far);
-  return PETSC_TRUE;
-}
-
-/*
-  WallsTouch - the surfaces near a point of the rod, in the clamp's frame.
-
-  radius  of the rod        within  only those with a gap below this
-  Returns how many there are.
-*/
-PetscInt WallsTouch(const Walls *walls, const PetscReal x[2], PetscReal radius, PetscReal within,
-                    Touch touch[MOST_TOUCHES]) {
-  PetscInt n = 0;
-
-  for (PetscInt w = 0; w < walls->n; w++) {
-    const Wall *wall = &walls->wall[w];
-    const PetscInt before = n;
-    PetscReal nearest = everywhere;
-    for (PetscInt k = 0; k < wall->pieces && n < MOST_TOUCHES; k++) {
-      const WallPiece *p = &wall->piece[k];
-      Touch at;
-      if (!PieceDistance(p, x, &at.gap, at.normal, &at.bend)) continue;
-      if (wall->kind == WALL_PATH &&
-          !Nearer(AxisDistance(wall, p, x, at.gap), &nearest, before, &n))
-        continue;
-      if (at.gap - radius >= within) continue;
-      at.gap -= radius;
-      at.wall = w;
-      at.again = (PetscBool)(n > before);
-      touch[n++] = at;
-    }
-  }
-  return n;
 }
 
 /* ---- making the pieces ---- */
@@ -279,12 +207,14 @@ static void AddMouth(Wall *wall, const PetscReal end[2], const PetscReal outward
   }
 }
 
-/* How much of both its edges the rounding of a corner by this angle takes: an arc of twice the
-   conduit's radius if there is room; of a gentle corner more, so that points along a curve give
-   that curve. */
-static PetscReal Rounding(PetscReal r, PetscReal angle, PetscReal before, PetscReal after) {
-  PetscReal wanted = r * PetscMax(1, 2 * PetscTanReal(angle / 2));
-  return PetscMin(wanted, PetscMin(before, after) / 2);
+/* How much of both its edges the rounding of a corner by this angle takes: what the radius asked
+   for needs; else an arc of twice the conduit's radius if there is room; of a gentle corner more,
+   so that points along a curve give that curve. */
+static PetscReal Rounding(const Wall *wall, PetscReal angle, PetscReal before, PetscReal after) {
+  const PetscReal half = PetscTanReal(angle / 2);
+
+  if (wall->bend > 0) return wall->bend * half;
+  return PetscMin(wall->number[0] * PetscMax(1, 2 * half), PetscMin(before, after) / 2);
 }
 
 /* The arc of the axis about a corner b, and with it the two walls there. */
@@ -297,7 +227,7 @@ static PetscErrorCode AddCorner(Maker *self, const PetscReal b[2], const PetscRe
   PetscFunctionBegin;
   UserCheck(axis > r, OptionsComm(),
             "-wall_file %s, line %d: the path turns more sharply than a conduit of this radius "
-            "can: put its points farther apart, or make it narrower",
+            "can: put its points farther apart, make it narrower, or its bends wider",
             self->file, self->line);
   for (int d = 0; d < 2; d++) c[d] = b[d] - taken * t[d] - axis * one[d];
   (void)AddArc(self->wall, c, axis + r, -1, one, other);
@@ -330,11 +260,15 @@ static PetscErrorCode MakePath(Maker *self) {
       next = Direction(b, c, u);
       angle = PetscAbsReal(PetscAtan2Real(Cross(t, u), Dot(t, u)));
       if (angle > 1e-9 && next > 0) {
-        leaves = Rounding(r, angle, length, next);
+        leaves = Rounding(wall, angle, length, next);
         PetscCall(AddCorner(self, b, t, u, angle, leaves));
       }
     } else
       AddMouth(wall, b, t);
+    UserCheck(taken + leaves <= length * (1 + 1e-9), OptionsComm(),
+              "-wall_file %s, line %d: bends of this radius do not fit between points %d and %d of "
+              "the path: put them farther apart, or give a smaller radius",
+              self->file, self->line, (int)k + 1, (int)k + 2);
     for (int d = 0; d < 2; d++) start[d] = a[d] + taken * t[d];
     for (int side = -1; side <= 1; side += 2)
       (void)AddLine(wall, start, t, length - taken - leaves, side, r);
@@ -369,6 +303,22 @@ static PetscErrorCode TakeFriction(Maker *self, PetscInt *n, char *word[]) {
   PetscCall(OptionQuantity(what, word[*n - 1], UNIT_NONE, &self->wall->friction));
   UserCheck(self->wall->friction >= 0 && self->wall->friction <= 100, OptionsComm(),
             "-wall_file %s, line %d: friction must be from 0 to 100", self->file, self->line);
+  *n -= 2;
+  PetscFunctionReturn(0);
+}
+
+/* Takes `radius B` off the end of a path's words. */
+static PetscErrorCode TakeBend(Maker *self, PetscInt *n, char *word[]) {
+  char what[PETSC_MAX_PATH_LEN];
+
+  PetscFunctionBegin;
+  if (self->wall->kind != WALL_PATH || *n < 3 || strcmp(word[*n - 2], "radius"))
+    PetscFunctionReturn(0);
+  (void)snprintf(what, sizeof(what), "-wall_file %s, line %d: radius ", self->file, self->line);
+  PetscCall(OptionQuantity(what, word[*n - 1], UNIT_LENGTH, &self->wall->bend));
+  UserCheck(self->wall->bend > 0, OptionsComm(),
+            "-wall_file %s, line %d: the radius of a path's bends must be above 0", self->file,
+            self->line);
   *n -= 2;
   PetscFunctionReturn(0);
 }
@@ -418,6 +368,8 @@ static PetscErrorCode ReadWall(Maker *self, PetscInt n, char *word[]) {
             self->file, self->line, word[0]);
   wall->kind = (WallKind)kind;
   PetscCall(TakeFriction(self, &n, word));
+  PetscCall(TakeBend(self, &n, word));
+  if (wall->bend > 0) PetscCall(TakeFriction(self, &n, word)); /* in either order */
   place = kind == WALL_CIRCLE ? n - 1 : 1;
   sided = (PetscBool)(kind == WALL_CIRCLE || kind == WALL_POLYGON);
   if (sided && !TakeSide(self, place, &n, word)) PetscCall(Malformed(self, wall->kind));
@@ -486,6 +438,30 @@ static PetscErrorCode ReadLines(Maker *self, char *text, PetscReal friction, Wal
   PetscFunctionReturn(0);
 }
 
+/* What stands out and is round, or sharp: circles, corners of polygons, the inner walls of bends.
+ */
+static PetscErrorCode FindPosts(Walls *walls, PetscReal radius) {
+  PetscInt n = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt w = 0; w < walls->n; w++) n += walls->wall[w].pieces;
+  PetscCall(PetscMalloc1(n, &walls->post));
+  for (PetscInt w = 0; w < walls->n; w++)
+    for (PetscInt k = 0; k < walls->wall[w].pieces; k++) {
+      const WallPiece *p = &walls->wall[w].piece[k];
+      WallPost *post = &walls->post[walls->posts];
+      if (!p->round || p->sign < 0) continue;
+      walls->smallest =
+          walls->smallest > 0 ? PetscMin(walls->smallest, p->r + radius) : p->r + radius;
+      if (p->at_mouth) continue; /* it is a part of a circle only, and as wide as the conduit */
+      for (int d = 0; d < 2; d++) post->at[d] = p->at[d];
+      post->r = p->r;
+      post->wall = w;
+      walls->posts++;
+    }
+  PetscFunctionReturn(0);
+}
+
 /*
   WallsRead - the walls of a file: one a line, # begins a comment, lengths may carry units.
   Collective on OptionsComm(); the caller ends it with WallsDestroy(), also after an error.
@@ -506,15 +482,10 @@ PetscErrorCode WallsRead(const char *file, PetscReal radius, PetscReal friction,
   error = ReadLines(&self, text, friction, walls);
   PetscCall(PetscFree(text));
   PetscCall(error);
-  for (PetscInt w = 0; w < walls->n; w++) {
-    const Wall *wall = &walls->wall[w];
-    if (wall->friction > 0) walls->rub = PETSC_TRUE;
-    for (PetscInt k = 0; k < wall->pieces; k++)
-      if (wall->piece[k].round && wall->piece[k].sign > 0) {
-        PetscReal r = wall->piece[k].r + radius;
-        walls->smallest = walls->smallest > 0 ? PetscMin(walls->smallest, r) : r;
-      }
-  }
+  for (PetscInt w = 0; w < walls->n; w++)
+    if (walls->wall[w].friction > 0) walls->rub = PETSC_TRUE;
+  PetscCall(FindPosts(walls, radius));
+  PetscCall(WallsIndex(walls));
   PetscFunctionReturn(0);
 }
 
@@ -524,15 +495,17 @@ PetscErrorCode WallsDestroy(Walls *walls) {
     PetscCall(PetscFree(walls->wall[w].number));
     PetscCall(PetscFree(walls->wall[w].piece));
   }
+  PetscCall(WallsDropIndex(walls));
   PetscCall(PetscFree(walls->wall));
-  walls->n = 0;
+  PetscCall(PetscFree(walls->post));
+  walls->n = walls->posts = 0;
   PetscFunctionReturn(0);
 }
 
 /* WallsText - the walls as a file has them, dimensionless. The caller frees the text (PetscFree).
  */
 PetscErrorCode WallsText(const Walls *walls, char **text) {
-  enum { NUMBER = 26, WORDS = 64 };
+  enum { NUMBER = 26, WORDS = 96 };
   size_t room = 1, at = 0;
 
   PetscFunctionBegin;
@@ -545,6 +518,8 @@ PetscErrorCode WallsText(const Walls *walls, char **text) {
                            wall->kind == WALL_POLYGON ? side : "");
     for (PetscInt k = 0; k < wall->numbers; k++)
       at += (size_t)snprintf(*text + at, room - at, " %.17g", (double)wall->number[k]);
+    if (wall->bend > 0)
+      at += (size_t)snprintf(*text + at, room - at, " radius %.17g", (double)wall->bend);
     at += (size_t)snprintf(*text + at, room - at, "%s friction %.17g\n",
                            wall->kind == WALL_CIRCLE ? side : "", (double)wall->friction);
   }

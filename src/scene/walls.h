@@ -4,6 +4,7 @@
 #define TENDRIL_WALLS_H
 
 #include "base/options.h"
+#include "base/rects.h"
 
 typedef enum { WALL_PLANE, WALL_CIRCLE, WALL_POLYGON, WALL_PATH, WALL_KINDS } WallKind;
 extern const char *const wall_kind[WALL_KINDS];
@@ -25,34 +26,61 @@ typedef struct {
   WallKind kind;
   PetscBool inside; /* circle and polygon: the rod is inside */
   PetscReal friction;
+  PetscReal bend; /* of a path: radius of its axis in corners; 0: as wide as it needs */
   PetscInt numbers;
   PetscReal *number; /* as given, in the laboratory; a path's first is its radius */
   PetscInt pieces;
   WallPiece *piece; /* in the clamp's frame */
+  Rects axis;       /* conduit: where its axis is, piece by piece */
 } Wall;
+
+/* What stands out of a wall and is round, of radius r, or sharp, r = 0: all of the circle is behind
+   the surface. It may be narrower than a cell of the rod (rod/feet.h). */
+typedef struct {
+  PetscReal at[2], r;
+  PetscInt wall;
+} WallPost;
+
+/* One piece of all: of wall w, its k-th. */
+typedef struct {
+  PetscInt wall, piece;
+} WallPart;
 
 typedef struct {
   PetscInt n;
   Wall *wall;
   PetscBool rub;      /* any has friction */
   PetscReal smallest; /* of what the rod is outside of, the least radius; 0: there is none */
+  PetscInt posts;
+  WallPost *post;
+  /* so that a place need not look at all of them */
+  Rects near_posts, near_parts; /* posts; pieces that end somewhere, but for conduits */
+  WallPart *part, *open;        /* those pieces; the others, planes and circles from within */
+  PetscInt parts, opens, conduits;
 } Walls;
 
 /* A surface near a point: its distance less the rod's radius; the normal, towards the rod; the
    curvature of the lines of equal distance, dn = bend t (t.dx), t across n. */
 typedef struct {
   PetscReal gap, normal[2], bend;
-  PetscInt wall;
+  PetscInt wall, piece;
   PetscBool again; /* another piece of the wall before it */
 } Touch;
 
-enum { MOST_TOUCHES = 16 };
+enum { MOST_TOUCHES = 32 }; /* at one place */
 
 PetscErrorCode WallsRead(const char *file, PetscReal radius, PetscReal friction,
                          PetscReal clamp_angle, Walls *walls);
 PetscErrorCode WallsDestroy(Walls *walls);
 PetscErrorCode WallsText(const Walls *walls, char **text);
+
+/* touch.c */
+PetscErrorCode WallsIndex(Walls *walls);
+PetscErrorCode WallsDropIndex(Walls *walls);
 PetscInt WallsTouch(const Walls *walls, const PetscReal x[2], PetscReal radius, PetscReal within,
                     Touch touch[MOST_TOUCHES]);
+PetscReal WallsGap(const Walls *walls, const PetscReal x[2], PetscReal radius);
+PetscInt WallsBehind(const Walls *walls, const PetscReal x[2]);
+PetscBool WallsHold(const Walls *walls, PetscInt conduit, const PetscReal x[2]);
 
 #endif

@@ -11,28 +11,83 @@ static const PetscReal share_of_step = 0.3;
    stable for them. */
 enum { HIGHEST_ORDER = 6 };
 
-/* The tolerance of each entry: that part of rtol times the present size of its field; -1 leaves out
-   the fields that are not followed (forces and moments of an index-2 problem are not to control the
+/* The tolerance of each entry: that part of rtol times the size of its field; -1 leaves out the
+   fields that are not followed (forces and moments of an index-2 problem are not to control the
    step). */
-static PetscErrorCode BeforeStep(TS ts) {
-  Leg *leg;
-  PetscInt fields, n;
-  PetscReal size[MAX_FIELDS];
+static PetscErrorCode SetTolerance(Leg *leg) {
+  const PetscInt fields = leg->rod->model->fields;
   PetscScalar *a;
+  PetscInt n;
 
   PetscFunctionBegin;
-  PetscCall(TSGetApplicationContext(ts, &leg));
-  fields = leg->rod->model->fields;
-  PetscCall(RodFieldSizes(leg->rod, leg->U, size));
   PetscCall(VecGetLocalSize(leg->tolerance, &n));
   PetscCall(VecGetArray(leg->tolerance, &a));
   for (PetscInt i = 0; i < n; i += fields)
     for (PetscInt f = 0; f < fields; f++)
       a[i + f] = leg->rod->model->followed[f]
-                     ? share_of_step * leg->rtol * PetscMax(size[f], rod_vanished)
+                     ? share_of_step * leg->rtol * PetscMax(leg->size[f], rod_vanished)
                      : -1;
   PetscCall(VecRestoreArray(leg->tolerance, &a));
+  PetscFunctionReturn(0);
+}
+
+/* A step begins: sizes are those that the fields have now, or that a kick will give them. */
+static PetscErrorCode BeforeStep(TS ts) {
+  PetscReal t;
+  Leg *leg;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetApplicationContext(ts, &leg));
+  PetscCall(TSGetTime(ts, &t));
+  PetscCall(RodFieldSizes(leg->rod, leg->U, leg->size));
+  for (PetscInt f = 0; f < leg->rod->model->fields; f++) {
+    if (t >= leg->kick_ends) leg->kick[f] = 0;
+    leg->size[f] = PetscMax(leg->size[f], leg->kick[f]);
+  }
+  PetscCall(SetTolerance(leg));
   PetscCall(TSSetTolerances(ts, PETSC_DEFAULT, leg->tolerance, leg->rtol, leg->none));
+  PetscFunctionReturn(0);
+}
+
+/* What an oblique wall does to a rod that is straight, or all but, is no part of what it was
+   before: no step that ends behind such a kick is right to a part of that, however short. So where
+   a try of a step ends with a field this part of which is more than it was, it counts as if it had
+   been that, until the time is over that the try was to cross. (A mode that grows does so by e^4 in
+   a step at most.) */
+static const PetscReal kicked = 1e-4;
+
+static PetscErrorCode LookForKick(Leg *leg, PetscReal end, const PetscReal size[]) {
+  PetscBool kick = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  for (PetscInt f = 0; f < leg->rod->model->fields; f++) {
+    if (!leg->rod->model->followed[f] || kicked * size[f] <= leg->size[f]) continue;
+    leg->kick[f] = leg->size[f] = kicked * size[f];
+    leg->kick_ends = PetscMax(end, leg->kick_ends);
+    kick = PETSC_TRUE;
+  }
+  if (kick) PetscCall(SetTolerance(leg));
+  PetscFunctionReturn(0);
+}
+
+/* A VBDFCheck of a rod that can touch: it has passed through what it cannot, or reaches farther
+   than it is long, which Newton's method calls a solution where forces are without measure; and was
+   it kicked? */
+static PetscErrorCode AfterTry(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
+                               PetscBool *impossible) {
+  const PetscReal round_off = 1.01; /* and the mesh's error */
+  PetscReal size[MAX_FIELDS], length;
+  Leg *leg;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetApplicationContext(ts, &leg));
+  PetscCall(RodFieldSizes(leg->rod, U1, size));
+  PetscCall(GrowthLength(leg->rod->scene->growth, t1, &length, NULL));
+  *impossible = (PetscBool) !(PetscMax(size[0], size[1]) <= round_off * length);
+  leg->passes = PETSC_FALSE;
+  if (*impossible) PetscFunctionReturn(0);
+  PetscCall(GuardPasses(ts, t0, t1, U0, U1, impossible));
+  PetscCall(LookForKick(leg, t1, size));
   PetscFunctionReturn(0);
 }
 
@@ -44,6 +99,38 @@ static PetscErrorCode BeforeStage(TS ts, PetscReal t) {
   PetscCall(TSGetApplicationContext(ts, &leg));
   leg->rod->fresh = PETSC_TRUE;
   PetscCall(VBDFGetFactorRate(ts, &leg->rod->factor_rate));
+  PetscFunctionReturn(0);
+}
+
+/*
+  CrossesMode - a VBDFCross: does a mode of the rod grow faster than the shift of the step? The
+  elimination has counted them. On a straight rod, x2 = 0, none is there to be crossed.
+
+  With friction on walls or strands, or other friction across than along, no energy is behind the
+  equations, and the modes of a state that is frozen are not those of the rod that moves on: what
+  slides along a wall has left a place before a mode of it has grown. There only steps are looked at
+  of which no error is known.
+*/
+static PetscErrorCode CrossesMode(TS ts, Vec U, PetscBool blind, PetscBool *crosses) {
+  PetscReal size[MAX_FIELDS];
+  const Contact *contact;
+  PetscInt index;
+  Leg *leg;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetApplicationContext(ts, &leg));
+  contact = &leg->rod->scene->contact;
+  *crosses = leg->crosses = PETSC_FALSE;
+  if (!leg->newton.elimination) PetscFunctionReturn(0);
+  if (!blind && (contact->walls.rub || contact->friction > 0 || leg->rod->scene->load.turns))
+    PetscFunctionReturn(0);
+  PetscCall(EliminationIndex(leg->newton.elimination, &index));
+  if (index <= 0 && index % 2 == 0) PetscFunctionReturn(0);
+  PetscCall(RodFieldSizes(leg->rod, U, size));
+  for (PetscInt f = 0; f < leg->rod->model->fields; f++)
+    if (leg->rod->model->across[f] && size[f] > rod_vanished) *crosses = PETSC_TRUE;
+  leg->crosses = *crosses;
+  if (*crosses) PetscCall(PetscInfo(ts, "crosses modes that grow: index %d\n", (int)index));
   PetscFunctionReturn(0);
 }
 
@@ -88,6 +175,45 @@ static PetscErrorCode LookAgain(Leg *leg) {
   if (vbdf || !leg->rod->model->linear) PetscFunctionReturn(0);
   PetscCall(TSGetSNES(leg->ts, &snes));
   PetscCall(SNESSetType(snes, SNESNEWTONLS));
+  PetscFunctionReturn(0);
+}
+
+/* vbdf has a control of its own: what PETSc's controls take besides is refused. */
+static PetscErrorCode RefuseAdapt(TS ts) {
+  static const char *const ignored[] = {"dt_min",
+                                        "safety",
+                                        "reject_safety",
+                                        "clip",
+                                        "scale_solve_failed",
+                                        "always_accept",
+                                        "max_ignore",
+                                        "time_step_increase_delay",
+                                        "glee_use_local",
+                                        "dsp_filter",
+                                        "dsp_pid",
+                                        "monitor"};
+  char name[64], type[32] = "basic";
+  PetscBool vbdf, given, known;
+  MPI_Comm comm = PetscObjectComm((PetscObject)ts);
+
+  PetscFunctionBegin;
+  PetscCall(PetscObjectTypeCompare((PetscObject)ts, TSVBDF, &vbdf));
+  if (!vbdf) PetscFunctionReturn(0);
+  PetscCall(PetscOptionsGetString(NULL, NULL, "-ts_adapt_type", type, sizeof(type), NULL));
+  PetscCall(PetscStrInList(type, "basic,none", ',', &known));
+  UserCheck(
+      known, comm,
+      "-ts_adapt_type %s: vbdf chooses its steps itself (basic) or has them fixed (none); take "
+      "one of them, or -ts_type bdf",
+      type);
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(ignored); k++) {
+    (void)snprintf(name, sizeof(name), "-ts_adapt_%s", ignored[k]);
+    PetscCall(PetscOptionsHasName(NULL, NULL, name, &given));
+    UserCheck(!given, comm,
+              "%s: vbdf chooses its steps without it; take it out (-ts_rtol, -ts_dt and "
+              "-ts_adapt_dt_max act on them), or take -ts_type bdf",
+              name);
+  }
   PetscFunctionReturn(0);
 }
 
@@ -141,6 +267,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   PetscCall(NewtonSetUp(leg->ts, leg->rod, &leg->newton));
   PetscCall(ExtrapolateTheta());
   PetscCall(TakeOptions(leg->ts));
+  PetscCall(RefuseAdapt(leg->ts));
   PetscCall(NewtonSetMatrix(leg->ts, &leg->newton));
   PetscCall(LookAgain(leg));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)leg->ts, &fixed, TSBEULER, TSTHETA, TSCN, ""));
@@ -151,7 +278,8 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
     PetscCall(TSSetMaxSNESFailures(leg->ts, 10)); /* a fixed step does not help itself */
   PetscCall(VBDFSetFactored(leg->ts, model->fields, model->across));
   PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));
-  if (scene->contact.any) PetscCall(VBDFSetCheck(leg->ts, GuardPasses));
+  PetscCall(VBDFSetCross(leg->ts, CrossesMode));
+  if (scene->contact.any) PetscCall(VBDFSetCheck(leg->ts, AfterTry));
   PetscCall(TSSetSolution(leg->ts, leg->U));
   PetscFunctionReturn(0);
 }

@@ -11,9 +11,12 @@ typedef struct {
   Vec U;               /* the state */
   Vec tolerance, none; /* none: 0, the part of the tolerance relative to each entry */
   PetscReal rtol;
-  PetscInt jumps;   /* so far; kept by the owner */
-  PetscBool passes; /* the latest try of a step ended beyond a wall, or with the rod crossed */
-  PetscReal speed;  /* of a snap, at its latest step */
+  PetscReal size[MAX_FIELDS]; /* of the fields, to which the tolerance of this step refers */
+  PetscReal kick[MAX_FIELDS], kick_ends; /* least sizes, up to this time: see leg.c */
+  PetscInt jumps;                        /* so far; kept by the owner */
+  PetscBool passes;  /* the latest try of a step ended beyond a wall, or with the rod crossed */
+  PetscBool crosses; /* it was cut, or not taken, for a mode that grows faster than the step sees */
+  PetscReal speed;   /* of a snap, at its latest step */
   void *owner;
 } Leg;
 

@@ -60,15 +60,28 @@ static PetscErrorCode RelativeUpdates(Rod rod, Vec U, Vec dU, PetscReal weight,
 static const PetscReal creep_allowed = 5;
 enum { MOST_HOLDS = 2 };
 
+/* The speed at which a place that is held must creep to be seen in this step: to go as far as the
+   tolerance of the smallest field. Slower, it is not held to the full; else shifts that move with
+   each step, however short, would make of what presses on a wall a motion at any speed, and steps
+   would shrink for it without end. (Where nothing can press: 0.) */
+static PetscReal SpeedSeen(const Newton *self, PetscReal step, const PetscReal size[]) {
+  PetscReal least = PETSC_MAX_REAL;
+
+  if (!self->rod->scene->contact.any) return 0;
+  for (PetscInt f = 0; f < self->rod->model->fields; f++)
+    if (self->rod->model->followed[f] && size[f] > 0) least = PetscMin(least, size[f]);
+  return self->tolerance * least / step;
+}
+
 static PetscErrorCode Hold(Newton *self, SNES snes, PetscInt it, Vec U, Vec F,
                            SNESConvergedReason *reason) {
   PetscReal creep, step, size[MAX_FIELDS];
 
   PetscFunctionBegin;
-  PetscCall(
-      self->rod->model->hold(self->rod, self->rod->latest_time, U, self->rod->latest_rate, &creep));
   PetscCall(TSGetTimeStep(self->ts, &step));
   PetscCall(RodFieldSizes(self->rod, U, size));
+  PetscCall(self->rod->model->hold(self->rod, self->rod->latest_time, U, self->rod->latest_rate,
+                                   SpeedSeen(self, step, size), &creep));
   PetscCall(PetscInfo(snes, "held points creep at %g\n", (double)creep));
   if (creep * step > creep_allowed * self->tolerance * size[0] && self->holds < MOST_HOLDS) {
     self->holds++;
@@ -151,7 +164,9 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   PetscCall(SNESGetKSP(snes, &ksp));
   PetscCall(KSPSetType(ksp, KSPPREONLY));
   PetscCall(KSPGetPC(ksp, &pc));
-  PetscCall(ChainSetType(pc, rod->coupled ? MATORDERING1WD : MATORDERINGNATURAL));
+  PetscCall(ChainSetType(pc, !rod->coupled                      ? MATORDERINGNATURAL
+                             : rod->scene->tip.type == TIP_FREE ? MATORDERING1WD
+                                                                : ORDERING_HELD));
   PetscFunctionReturn(0);
 }
 

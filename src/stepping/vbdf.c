@@ -5,12 +5,13 @@
 
 /* point[0] is the new solution, at time[0]; point[1], point[2], ... those of the steps before. */
 typedef struct {
-  PetscInt order;   /* k, of the present step */
-  PetscInt most;    /* highest order allowed */
-  PetscInt n;       /* past points */
-  PetscInt since;   /* steps since the order changed */
-  PetscBool given;  /* the history was handed over: do not restart */
-  PetscBool jumped; /* the present step was accepted as a jump */
+  PetscInt order;       /* k, of the present step */
+  PetscInt taken_order; /* of the step taken last */
+  PetscInt most;        /* highest order allowed */
+  PetscInt n;           /* past points */
+  PetscInt since;       /* steps since the order changed */
+  PetscBool given;      /* the history was handed over: do not restart */
+  PetscBool jumped;     /* the present step was accepted as a jump */
   PetscInt jumps;
   PetscReal layer;    /* a step this short is accepted whatever its error */
   PetscReal rejected; /* error of the try before, if one of this step was rejected at a third of the
@@ -31,6 +32,7 @@ typedef struct {
   void *guess_ctx;
   VBDFSnap snap;
   VBDFCheck check;
+  VBDFCross cross;
   PetscBool tried, snapped; /* to follow a snap in the present step; it begins behind one */
 } VBDF;
 
@@ -58,6 +60,8 @@ static const PetscReal slip_persists = 0.25, slip_step = 1e-8;
    part of the final time. */
 static const PetscReal smallest = 1e-13, early = 1e-3;
 static const PetscReal shrink_most = 0.2, grow_most = 2;
+/* A step that cannot be, or that crosses a mode that grows, is cut to this. */
+static const PetscReal cut = 0.3;
 /* The factor is taken or left when that gives so much of the error. */
 static const PetscReal better = 0.5;
 /* It may change by so many e-folds in a step: the tolerance is relative to what the fields are at
@@ -224,15 +228,14 @@ static PetscErrorCode Extrapolate(VBDF *self, PetscInt m, Vec X) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode Predict(TS ts, VBDF *self) {
+static PetscErrorCode Predict(TS ts, VBDF *self, Vec X) {
   PetscFunctionBegin;
   if (self->n > 1)
-    PetscCall(Extrapolate(self, PetscMin(self->order + 1, self->n), self->point[0]));
+    PetscCall(Extrapolate(self, PetscMin(self->order + 1, self->n), X));
   else if (self->guess)
-    PetscCall(self->guess(ts, self->time[1], self->time[0], self->point[1], self->point[0],
-                          self->guess_ctx));
+    PetscCall(self->guess(ts, self->time[1], self->time[0], self->point[1], X, self->guess_ctx));
   else
-    PetscCall(VecCopy(self->point[1], self->point[0]));
+    PetscCall(VecCopy(self->point[1], X));
   PetscFunctionReturn(0);
 }
 
@@ -438,6 +441,50 @@ static PetscErrorCode Check(TS ts, VBDF *self, SNESConvergedReason *solved) {
   PetscFunctionReturn(0);
 }
 
+/* Does a step like the one solved, if it went to X, cross a mode that grows? */
+static PetscErrorCode CrossesAt(TS ts, VBDF *self, Vec X, PetscBool *crosses) {
+  Mat J, P;
+
+  PetscFunctionBegin;
+  PetscCall(TSPreStage(ts, self->time[0]));
+  PetscCall(ComputeRate(self, X));
+  PetscCall(TSGetIJacobian(ts, &J, &P, NULL, NULL));
+  PetscCall(TSComputeIJacobian(ts, self->time[0], X, self->rate, self->shift, J, P, PETSC_FALSE));
+  PetscCall(self->cross(ts, X, PETSC_TRUE, crosses));
+  PetscFunctionReturn(0);
+}
+
+/*
+  Crosses - does a step of this order, which would be accepted, cross a mode that grows? A mode of
+  the rate r is multiplied by about 1/(1 - h r): beyond h r = 1 its sign turns, and it falls instead
+  of growing. No error sees that, for it does not depend on h any more. A step of which no error is
+  known may have gone far: it must not cross one where it begins, as predicted, nor half-way. If it
+  does, the order and the memory of rejected errors are as if it had not been tried.
+*/
+static PetscErrorCode Crosses(TS ts, VBDF *self, PetscInt order, PetscBool *crosses) {
+  PetscBool blind = (PetscBool)(self->n <= order || self->jumped);
+  PetscInt best = self->order;
+
+  PetscFunctionBegin;
+  *crosses = PETSC_FALSE;
+  if (!self->cross) PetscFunctionReturn(0);
+  PetscCall(self->cross(ts, self->point[0], blind, crosses));
+  if (blind && !*crosses) {
+    self->order = order;
+    PetscCall(Predict(ts, self, self->work));
+    PetscCall(CrossesAt(ts, self, self->work, crosses));
+    PetscCall(VecAXPBY(self->work, 0.5, 0.5, self->point[0]));
+    if (!*crosses) PetscCall(CrossesAt(ts, self, self->work, crosses));
+    if (!*crosses) PetscCall(CrossesAt(ts, self, self->point[0], crosses)); /* for the next step */
+    self->order = best;
+  }
+  if (!*crosses) PetscFunctionReturn(0);
+  self->order = order;
+  self->jumped = PETSC_FALSE;
+  self->rejected = PETSC_MAX_REAL;
+  PetscFunctionReturn(0);
+}
+
 /* A jump shows: follows it from the last point on, and begins the step again behind it. */
 static PetscErrorCode Snap(TS ts, VBDF *self, PetscBool *accept) {
   PetscBool done;
@@ -467,7 +514,8 @@ static PetscBool Shrinks(const TS ts, VBDF *self) {
 static PetscErrorCode TSStep_VBDF(TS ts) {
   VBDF *self = (VBDF *)ts->data;
   PetscReal factor = 1, size;
-  PetscBool accept;
+  PetscBool accept, crosses;
+  PetscInt order;
 
   PetscFunctionBegin;
   PetscCall(PetscObjectTypeCompare((PetscObject)ts->adapt, TSADAPTNONE, &self->fixed));
@@ -484,8 +532,9 @@ static PetscErrorCode TSStep_VBDF(TS ts) {
     self->order = PetscMax(1, PetscMin(self->order, self->n));
     PetscCall(LimitStep(ts, self));
     BeginTry(ts, self);
-    PetscCall(Predict(ts, self));
+    PetscCall(Predict(ts, self, self->point[0]));
     PetscCall(SolveStage(ts, self));
+    self->taken_order = self->order;
     PetscCall(SNESGetConvergedReason(ts->snes, &solved));
     PetscCall(VecNorm(self->point[0], NORM_INFINITY, &size));
     if (PetscIsInfOrNanReal(size)) solved = DIVERGED_NAN;
@@ -498,11 +547,22 @@ static PetscErrorCode TSStep_VBDF(TS ts) {
       else if (attempt > failures_of_snap && self->snap && !self->tried)
         PetscCall(Snap(ts, self, &accept));
       else
-        PetscCall(Retry(ts, self, attempt, 0.3));
+        PetscCall(Retry(ts, self, attempt, cut));
       continue;
     }
     accept = PETSC_TRUE;
+    order = self->order;
     if (!self->fixed) PetscCall(Choose(ts, self, &accept, &factor));
+    if (accept) PetscCall(Crosses(ts, self, order, &crosses));
+    if (accept && crosses) {
+      if (self->fixed)
+        ts->reason = TS_DIVERGED_STEP_REJECTED;
+      else if (attempt > failures_of_snap && self->snap && !self->tried)
+        PetscCall(Snap(ts, self, &accept));
+      else
+        PetscCall(Retry(ts, self, attempt, cut));
+      continue;
+    }
     if (self->jumped && self->snap && !self->tried && ts->time_step >= self->layer) {
       PetscCall(Snap(ts, self, &accept));
       if (!accept) continue;
@@ -709,6 +769,17 @@ PetscErrorCode VBDFSetCheck(TS ts, VBDFCheck check) {
   PetscFunctionReturn(0);
 }
 
+/* VBDFSetCross - sets how to see that a step crosses a mode that grows: it is cut until it does
+   not. No effect on other types. */
+PetscErrorCode VBDFSetCross(TS ts, VBDFCross cross) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  if (self) self->cross = cross;
+  PetscFunctionReturn(0);
+}
+
 /*
   VBDFSetFactored - says which fields are about one shape times a factor that falls or rises by many
   orders of magnitude, and may vanish: their factor is taken out of the steps. Before
@@ -840,5 +911,36 @@ PetscErrorCode VBDFGetOrder(TS ts, PetscInt *order) {
   PetscFunctionBegin;
   PetscCall(Self(ts, &self));
   *order = self ? self->order : 0;
+  PetscFunctionReturn(0);
+}
+
+/*
+  VBDFGetLocalError - what the step taken last adds to the error, as a combination of its points:
+  the weights of those that VBDFGetHistory() tells, after an accepted step.
+
+  n       how many; 0: it is not known (the first step, a jump, another type)
+  along   of the fields that are not factored, across of those that are
+*/
+PetscErrorCode VBDFGetLocalError(TS ts, PetscInt *n, PetscReal along[VBDF_POINTS],
+                                 PetscReal across[VBDF_POINTS]) {
+  PetscReal factor;
+  VBDF *self = NULL;
+  PetscInt k;
+
+  PetscFunctionBegin;
+  *n = 0;
+  PetscCall(Self(ts, &self));
+  if (!self || self->given) PetscFunctionReturn(0);
+  k = self->taken_order;
+  if (self->jumped || self->n < k + 1) PetscFunctionReturn(0);
+  TakeFactor(self, k);
+  factor = (self->time[0] - self->time[1]) / (self->time[0] - self->time[k + 1]);
+  LagrangeValues(k + 1, self->time + 1, self->time[0], along + 1);
+  along[0] = across[0] = factor;
+  for (PetscInt j = 1; j <= k + 1; j++) {
+    along[j] *= -factor;
+    across[j] = along[j] * self->ratio[j];
+  }
+  *n = k + 2;
   PetscFunctionReturn(0);
 }

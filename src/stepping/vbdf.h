@@ -23,11 +23,16 @@ typedef PetscErrorCode (*VBDFSnap)(TS ts, PetscReal t, Vec U, PetscBool *done);
 typedef PetscErrorCode (*VBDFCheck)(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
                                     PetscBool *impossible);
 
+/* Does the step just solved, to U, cross a mode that grows, at a rate above the shift of the step?
+   Its sign would turn. blind: nothing is known of the error of this step. */
+typedef PetscErrorCode (*VBDFCross)(TS ts, Vec U, PetscBool blind, PetscBool *crosses);
+
 PetscErrorCode VBDFRegister(void);
 PetscErrorCode VBDFSetGuess(TS ts, VBDFGuess guess, void *ctx);
 PetscErrorCode VBDFSetHighestOrder(TS ts, PetscInt order);
 PetscErrorCode VBDFSetSnap(TS ts, VBDFSnap snap);
 PetscErrorCode VBDFSetCheck(TS ts, VBDFCheck check);
+PetscErrorCode VBDFSetCross(TS ts, VBDFCross cross);
 PetscErrorCode VBDFSetFactored(TS ts, PetscInt fields, const PetscBool factored[]);
 PetscErrorCode VBDFGetFactorRate(TS ts, PetscReal *rate);
 PetscErrorCode VBDFGetHistory(TS ts, PetscInt *n, PetscReal times[], Vec points[], PetscInt *order);
@@ -37,6 +42,8 @@ PetscErrorCode VBDFGetMemory(TS ts, PetscReal memory[VBDF_MEMORY]);
 PetscErrorCode VBDFSetMemory(TS ts, const PetscReal memory[VBDF_MEMORY]);
 PetscErrorCode VBDFInterpolate(TS ts, PetscReal t, Vec U, Vec U_t, PetscBool *done);
 PetscErrorCode VBDFGetJumps(TS ts, PetscInt *jumps);
+PetscErrorCode VBDFGetLocalError(TS ts, PetscInt *n, PetscReal along[VBDF_POINTS],
+                                 PetscReal across[VBDF_POINTS]);
 PetscErrorCode VBDFGetOrder(TS ts, PetscInt *order);
 
 #endif

@@ -284,24 +284,58 @@ static PetscErrorCode OrderForAccuracy(EPS eps) {
   PetscFunctionReturn(0);
 }
 
+/* What no ratio of SpectrumBuckling() exceeds: max(P)/min(B) (2 L/pi)^2, for int u^2 dp <= (2
+   L/pi)^2 int u_p^2 dp where u(0) = 0. pulled: P is negative somewhere. */
+static PetscErrorCode BucklingBound(Pencil p, PetscReal *bound, PetscBool *pulled) {
+  PetscReal most[3] = {PETSC_MIN_REAL, PETSC_MIN_REAL, PETSC_MIN_REAL}, L; /* of P, -P, -B */
+  PetscMPIInt n = 3;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < p->cells * GAUSS; k++) {
+    most[0] = PetscMax(most[0], p->point[k].P);
+    most[1] = PetscMax(most[1], -p->point[k].P);
+    most[2] = PetscMax(most[2], -p->point[k].B);
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, most, n, MPIU_REAL, MPI_MAX, p->comm));
+  PetscCall(GrowthLength(p->growth, p->time, &L, NULL));
+  *bound = most[0] / -most[2] * PetscSqr(2 * L / PETSC_PI);
+  *pulled = (PetscBool)(most[1] > 0);
+  PetscFunctionReturn(0);
+}
+
 /*
   SpectrumBuckling - the largest eigenvalue of int P g u u = ratio int u_p u_p / .., u = y_p: above
   1 the straight rod is unstable, at 1 critical (the Sturm-Liouville problem of theory.md section
   4). For uniform growth L^3 / ratio = L_cr^3. Collective; arguments as in SpectrumLargest(), w
-  only.
+  only. A rod that is pulled everywhere has none above 0: the ratio is then 0, without a mode.
+
+  A tip that is pulled makes most eigenvalues negative and the largest of them small against these:
+  it is found as the one nearest to a bound from above.
 */
 PetscErrorCode SpectrumBuckling(Spectrum *self, PetscReal t, Eigenvalue *ratio, PetscReal c[],
                                 PetscReal w[]) {
+  const PetscReal above = 1e-3;
+  PetscReal bound;
+  PetscBool pulled;
+
   PetscFunctionBegin;
   PetscCall(PencilSetTime(self->pencil, t, FRAME_LABEL));
   *ratio = (Eigenvalue){0};
   self->rate = 1;
   if (self->pencil->compression == 0) PetscFunctionReturn(0);
+  PetscCall(BucklingBound(self->pencil, &bound, &pulled));
+  if (bound <= 0) PetscFunctionReturn(0);
   PetscCall(PencilMatrix(self->pencil, FORM_AXIAL, &self->A));
   PetscCall(PencilMatrix(self->pencil, FORM_BEND, &self->B));
-  PetscCall(EPSSetOperators(self->eps, self->A, self->B));
-  PetscCall(EPSSetProblemType(self->eps, EPS_GHEP));
-  PetscCall(EPSSetWhichEigenpairs(self->eps, EPS_LARGEST_REAL));
+  if (pulled || self->inverted) {
+    self->shift = (1 + above) * bound;
+    self->inverted = PETSC_TRUE;
+    PetscCall(ShiftInvert(self, EPS_GHEP));
+  } else {
+    PetscCall(EPSSetOperators(self->eps, self->A, self->B));
+    PetscCall(EPSSetProblemType(self->eps, EPS_GHEP));
+    PetscCall(EPSSetWhichEigenpairs(self->eps, EPS_LARGEST_REAL));
+  }
   PetscCall(OrderForAccuracy(self->eps));
   PetscCall(Solve(self, 1, ratio, NULL, w));
   ratio->error *= ratio->error * PetscAbsReal(ratio->value);

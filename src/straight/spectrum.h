@@ -19,8 +19,9 @@ typedef struct {
   EPS eps;
   Mat A, B;
   PetscReal shift;
-  PetscReal rate;  /* a rate in the matrices' units, see Units */
-  PetscBool quiet; /* takes no options from the command line */
+  PetscReal rate;     /* a rate in the matrices' units, see Units */
+  PetscBool quiet;    /* takes no options from the command line */
+  PetscBool inverted; /* buckling: about a shift, from now on */
 } Spectrum;
 
 PetscErrorCode SpectrumReadOptions(void);

@@ -21,7 +21,10 @@ const OptionGroup accuracy_options = OPTION_GROUP("Accuracy", rows);
 static const PetscReal per_fold = 3e-6;
 static const PetscReal arc_error[] = {0.2, 0.06}, label_error[] = {20, 400}; /* order 2, 4 */
 static const PetscReal contact_error = 1600, share_of_contact = 0.5;
-static const PetscReal share_of_time = 0.25, share_of_space = 0.15;
+static const PetscReal share_of_time = 0.15, share_of_space = 0.1;
+/* What is measured is an error to first order, on a coarse mesh: an upper estimate is so many times
+   that. */
+static const PetscReal of_measured = 6, where_it_sticks = 20;
 static const PetscReal fewest_folds = 2, margin = 1.5; /* of the estimate after a run */
 
 typedef struct {
@@ -55,6 +58,22 @@ static PetscReal Folds(const Asked *asked) {
                                     PetscMax(0, -PetscLogReal(PetscMax(1e-30, asked->amplitude))));
 }
 
+/* The cells that see a length which an option gives, if that is in use: so many a length at 1e-4,
+   of order 4. */
+static PetscErrorCode CellsFor(const char *given, const char *length, PetscReal cells_of_it,
+                               const Asked *asked, PetscReal *cells) {
+  PetscReal value;
+  PetscBool set;
+
+  PetscFunctionBegin;
+  PetscCall(OptionGiven(given, &set));
+  if (!set) PetscFunctionReturn(0);
+  PetscCall(OptionReal(length, &value, NULL));
+  *cells = PetscMax(*cells, cells_of_it * PetscPowReal(1e-4 / asked->tolerance, 0.25) / value *
+                                (asked->length0 + asked->time));
+  PetscFunctionReturn(0);
+}
+
 /*
   AccuracyApply - reads -accuracy and sets from it -rod_cells and -ts_rtol where they are not given.
 
@@ -63,7 +82,7 @@ static PetscReal Folds(const Asked *asked) {
 */
 PetscErrorCode AccuracyApply(void) {
   PetscReal time, space, cells, h, constant = 0, random = 0;
-  PetscBool set, second, mixed, from_file, walls;
+  PetscBool set, second, mixed, from_file, walls, apical;
   Asked asked;
 
   PetscFunctionBegin;
@@ -95,11 +114,33 @@ PetscErrorCode AccuracyApply(void) {
   cells = (asked.graded ? 1.5 : 1) * (asked.length0 + asked.time) / h;
   cells = PetscMax(
       cells, PetscPowReal(label_error[asked.order == 4] * Folds(&asked) / space, 1. / asked.order));
+  PetscCall(CellsFor("-friction_layers", "-friction_layer_width", 6, &asked, &cells));
+  PetscCall(Is("-growth_type", "apical", &apical));
+  if (apical) /* whatever its length, the zone has a part of the cells (scene/mesh.c) */
+    cells = PetscMax(cells, 600 * PetscPowReal(1e-4 / asked.tolerance, 0.25));
   if (asked.contact)
     cells =
         PetscMax(cells, PetscPowReal(contact_error / (share_of_contact * asked.tolerance), 1. / 3));
   PetscCall(OptionDefault("-rod_cells", "%.0f", PetscCeilReal(PetscMax(32, PetscMin(1e6, cells)))));
   PetscFunctionReturn(0);
+}
+
+/*
+  AccuracyMeasured - from the errors that were followed over a run (stepping/estimate.c), an upper
+  estimate of its parts in space and in time: they are off by a factor of 2 or 3, as a rule.
+
+  rtol    of the steps: none of them is without an error
+  sticks  friction is exact: where material comes to rest or is torn off, and when, is not smooth
+*/
+void AccuracyMeasured(PetscReal rtol, PetscBool sticks,
+                      PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN],
+                      PetscReal part[ESTIMATE_PARTS]) {
+  for (int k = 0; k < ESTIMATE_PARTS; k++) {
+    part[k] = k == ESTIMATE_TIME ? rtol : 0;
+    for (int i = 0; i < ESTIMATE_SEEN; i++)
+      part[k] =
+          PetscMax(part[k], PetscMin(1, (sticks ? where_it_sticks : of_measured) * worst[k][i]));
+  }
 }
 
 /*

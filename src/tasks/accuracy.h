@@ -2,11 +2,14 @@
 #ifndef TENDRIL_ACCURACY_H
 #define TENDRIL_ACCURACY_H
 
-#include "rod/rod.h"
+#include "stepping/estimate.h"
 
 extern const OptionGroup accuracy_options;
 
 PetscErrorCode AccuracyApply(void);
+void AccuracyMeasured(PetscReal rtol, PetscBool sticks,
+                      PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN],
+                      PetscReal part[ESTIMATE_PARTS]);
 PetscErrorCode AccuracyEstimate(Rod rod, PetscReal t, PetscReal rtol, PetscReal folds,
                                 PetscReal *error);
 

@@ -335,7 +335,7 @@ static PetscErrorCode FindAndStore(Scene scene, const char *output, Member *memb
   if (!error) error = member ? Leave(&critical, &member->harvest) : Print(scene->comm, &critical);
   if (!error) error = Write(scene, file, &critical);
   PetscCall(CriticalDestroy(&critical));
-  if (error) PetscCall(HdfDrop(&file));
+  if (error) PetscCall(OutputDropFile(output, &file));
   PetscCall(error);
   if (output[0]) PetscCall(OutputEndFile("-output", output, scene->comm, &file));
   PetscFunctionReturn(0);

@@ -1,6 +1,7 @@
 /* -task grow: the loop, and the hand-over between models. */
 #include "tasks/grow.h"
 #include "base/signals.h"
+#include "rod/passing.h"
 #include "stepping/snap.h"
 #include "tasks/growing.h"
 #include <signal.h>
@@ -13,7 +14,9 @@ static const OptionRow rows[] = {
     ROW_REAL("-ts_rtol", "1e-6", 1e-13, 0.5, UNIT_NONE, 0,
              "tolerance of a step, per field, against the field's present size"),
     ROW_REAL("-output_interval", "", 1e-9, 1e9, UNIT_TIME, 0,
-             "time between stored shapes; if not given, the first and last are stored"),
+             "time between stored shapes; if not given, -output_shapes decides"),
+    ROW_INT("-output_shapes", "40", 1, 1e6, PASSING,
+            "stored shapes after the first, evenly over the run; members of a sweep: 1, the last"),
     ROW_BOOL("-quiet", "false", PASSING | PROGRAM, "print nothing but errors")};
 const OptionGroup grow_options = OPTION_GROUP("Run", rows);
 
@@ -74,6 +77,7 @@ static PetscErrorCode Store(Grow *self, PetscBool finished) {
   }
   PetscCall(RestartKeep(self->now, self->seen.t, self->now->U, &state, points));
   PetscCall(ObserverGetBalance(self->observer, state.balance));
+  if (self->estimate) PetscCall(EstimateGet(self->estimate, state.errors));
   PetscCall(OutputStore(self->output, self->now->rod, &state, points, finished));
   PetscFunctionReturn(0);
 }
@@ -101,15 +105,25 @@ static PetscErrorCode Neglect(Grow *self, Vec U_t) {
   PetscFunctionReturn(0);
 }
 
+/* Jumps before this part of the run cross the layer of a start, and are no snaps (vbdf.c). */
+static const PetscReal initial_layer = 1e-6;
+
 static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   PetscReal before = self->seen.t, norm = self->seen.norm_x2;
   PetscInt iterations = 0, all = 0, jumps = 0;
+  PetscBool jumped;
 
   PetscFunctionBegin;
   if (U) {
     PetscCall(TSGetSNESIterations(self->now->ts, &all));
     PetscCall(VBDFGetJumps(self->now->ts, &jumps));
-    if (jumps > self->now->jumps) ObserverJump(self->observer);
+    jumped = (PetscBool)(jumps > self->now->jumps);
+    if (jumped) ObserverJump(self->observer);
+    if (jumped && t > initial_layer * self->scene->end_time) {
+      self->snaps++;
+      if (before <= t / 2) self->crossed = PETSC_TRUE;
+    }
+    if (self->now == &self->leg[FRAME]) PetscCall(EstimateStep(self->estimate, jumped));
     self->now->jumps = jumps;
   }
   iterations = all - self->iterations;
@@ -145,7 +159,8 @@ static PetscErrorCode Agree(Grow *self, PetscBool *store) {
 static PetscErrorCode StopHere(Grow *self, TS ts) {
   PetscFunctionBegin;
   self->beyond = (PetscBool)(self->model == LINEAR && self->seen.max_angle > 1);
-  if (self->event.kind || self->stopped || self->beyond ||
+  self->jammed = (PetscBool)(!self->event.kind && GrowIsJammed(self));
+  if (self->event.kind || self->stopped || self->beyond || self->jammed ||
       (&self->leg[BetterModel(self)] != self->now && self->seen.t < self->scene->end_time))
     PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
   PetscFunctionReturn(0);
@@ -239,10 +254,9 @@ static PetscErrorCode HandOver(Grow *self, Leg *to) {
 
 static PetscErrorCode ReadOptions(Grow *self) {
   PetscFunctionBegin;
-  self->output_interval = self->scene->end_time;
   PetscCall(OptionWord("-rod_model", &self->model, NULL));
   PetscCall(OptionReal("-ts_rtol", &self->rtol, NULL));
-  PetscCall(OptionReal("-output_interval", &self->output_interval, NULL));
+  SceneAtTolerance(self->scene, self->rtol);
   PetscCall(WatchSetFromOptions(&self->watch, self->scene));
   PetscCall(OptionBool("-quiet", &self->quiet, NULL));
   if (self->member) self->quiet = PETSC_TRUE;
@@ -281,6 +295,59 @@ static PetscErrorCode CheckStart(Grow *self) {
   PetscFunctionReturn(0);
 }
 
+/* When shapes are stored: by a time between them, or by their number; of a run that keeps no file,
+   and of a member of a sweep that asks for none, the last alone. Collective. */
+static PetscErrorCode SetInterval(Grow *self, const char *output, const char *restart) {
+  PetscBool interval, number;
+  PetscReal every;
+  PetscInt shapes;
+
+  PetscFunctionBegin;
+  PetscCall(GrowFindEnd(self));
+  PetscCall(OptionInt("-output_shapes", &shapes, &number));
+  if (!number && (self->member || !(output[0] || restart[0]))) shapes = 1;
+  self->output_interval = self->end / (PetscReal)shapes;
+  PetscCall(OptionReal("-output_interval", &every, &interval));
+  if (interval && !number) self->output_interval = every;
+  /* after a restart the interval may be that of the run before, the number is this one's */
+  UserCheck(!(interval && number) || restart[0], self->scene->comm,
+            "-output_shapes: -output_interval says already when shapes are stored; leave one out");
+  PetscFunctionReturn(0);
+}
+
+/* Refuses a rod that starts behind a polygon's surface, or across a wall that is between two nodes.
+ */
+static PetscErrorCode CheckWalls(Grow *self) {
+  const Walls *walls = &self->scene->contact.walls;
+  const PetscReal clamp[2] = {0, 0};
+  const PetscInt behind = WallsBehind(walls, clamp);
+  Rod rod = self->now->rod;
+  PetscBool passes;
+  Node *nodes;
+
+  PetscFunctionBegin;
+  UserCheck(behind < 0, self->scene->comm,
+            "-wall_file: the rod starts in a wall: the clamp is %s wall %d, a polygon %s; take the "
+            "other of outside and inside, or move it",
+            walls->wall[behind].inside ? "out of" : "in", (int)behind + 1,
+            walls->wall[behind].inside ? "inside" : "outside");
+  PetscCall(PetscMalloc1(rod->end - rod->first, &nodes));
+  PetscCall(RodInitialNodes(rod, 0, nodes));
+  PetscCall(rod->model->set(rod, 0, nodes, self->now->U));
+  PetscCall(PetscFree(nodes));
+  PetscCall(RodPassesWalls(rod, 0, 0, self->now->U, self->now->U, &passes));
+  UserCheck(!passes, self->scene->comm,
+            "-wall_file: the rod starts in a wall, between two of its nodes: move the wall");
+  for (PetscInt w = 0; w < walls->n && !self->quiet; w++)
+    if (walls->wall[w].kind == WALL_PATH && !WallsHold(walls, w, clamp))
+      PetscCall(
+          PetscPrintf(self->scene->comm,
+                      "-wall_file: wall %d, a path, does not hold the clamp: the rod is out of "
+                      "it, unless it comes in through a mouth\n",
+                      (int)w + 1));
+  PetscFunctionReturn(0);
+}
+
 /* The state of a fresh run: the scene's initial shape. */
 static PetscErrorCode Begin(Grow *self, const char *output) {
   Node *nodes;
@@ -289,6 +356,7 @@ static PetscErrorCode Begin(Grow *self, const char *output) {
   PetscFunctionBegin;
   self->now = &self->leg[self->model == AUTO ? FRAME : self->model];
   PetscCall(CheckStart(self));
+  if (self->scene->contact.walls.n) PetscCall(CheckWalls(self));
   PetscCall(GrowLookForEvent(self, 0, NULL, &event));
   UserCheck(!event.kind, self->scene->comm, "-stop_%s: it is so at the start already",
             event_name[event.kind]);
@@ -319,6 +387,7 @@ static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *
   self->now = &self->leg[(int)state->model];
   PetscCall(RestartTake(restart, state, self->now));
   PetscCall(ObserverSetBalance(self->observer, state->balance));
+  PetscCall(EstimateSet(self->estimate, state->t, state->errors));
   self->folds = state->folds;
   self->seen.norm_x2 = state->norm;
   self->neglected = state->neglected;
@@ -345,11 +414,17 @@ static PetscErrorCode Create(Grow *self, const char *output, const char *restart
 
   PetscFunctionBegin;
   PetscCall(ReadOptions(self));
+  UserCheck(
+      output[0] || restart[0] || self->member || !OptionOnCommandLine("-output_interval"),
+      self->scene->comm,
+      "-output_interval: no shapes are stored without -output FILE; give it, or take this out");
+  PetscCall(SetInterval(self, output, restart));
   if (restart[0]) PetscCall(RestartRead(restart, self->scene, &state, &begun));
   for (PetscInt m = 0; m < MODELS; m++)
     if (m == self->model || (self->model == AUTO && m != MIXED && self->can[m]))
       PetscCall(AddLeg(self, m));
   PetscCall(RodHoldTip(self->leg[self->model == AUTO ? FRAME : self->model].rod));
+  if (self->leg[FRAME].rod) PetscCall(EstimateCreate(&self->leg[FRAME], &self->estimate));
   PetscCall(OptionsRefuseUnread());
   PetscCall(ObserverCreate(self->scene, &self->observer));
   if (begun)
@@ -363,6 +438,7 @@ static PetscErrorCode Destroy(Grow *self) {
   PetscFunctionBegin;
   PetscCall(OutputDestroy(&self->output));
   PetscCall(ObserverDestroy(&self->observer));
+  PetscCall(EstimateDestroy(&self->estimate));
   for (int m = 0; m < MODELS; m++) PetscCall(LegDestroy(&self->leg[m]));
   PetscFunctionReturn(0);
 }
@@ -373,7 +449,9 @@ static PetscErrorCode Follow(Grow *self, TSConvergedReason *reason) {
   for (;;) {
     PetscCall(TSSolve(self->now->ts, self->now->U));
     PetscCall(TSGetConvergedReason(self->now->ts, reason));
-    if (*reason != TS_CONVERGED_USER || self->stopped || self->beyond || self->event.kind) break;
+    if (*reason != TS_CONVERGED_USER || self->stopped || self->beyond || self->jammed ||
+        self->event.kind)
+      break;
     PetscCall(HandOver(self, &self->leg[BetterModel(self)]));
   }
   PetscCall(GrowProgress(self, PETSC_TRUE));
@@ -383,18 +461,26 @@ static PetscErrorCode Follow(Grow *self, TSConvergedReason *reason) {
 
 /* Stores the last state, whatever the end. */
 static PetscErrorCode End(Grow *self, PetscBool finished) {
+  char text[2][64] = {""};
+
   PetscFunctionBegin;
   if (self->seen.t != self->stored_shape) PetscCall(StoreShape(self, self->seen.t, self->now->U));
   PetscCall(OutputEvent(self->output, &self->event));
+  if (self->stopped)
+    (void)snprintf(text[0], sizeof(text[0]), "by signal %d at t = %.30s", self->stopped,
+                   OptionBoth(self->seen.t, UNIT_TIME, text[1]));
+  PetscCall(OutputInterrupted(self->output, text[0]));
   PetscCall(Store(self, finished));
   PetscFunctionReturn(0);
 }
 
 /* The line for an end that was not asked for. */
-static PetscErrorCode Verdict(const Grow *self, TSConvergedReason reason) {
+static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
   const PetscReal straight = 0.01;
   MPI_Comm comm = self->scene->comm;
-  char text[3][64];
+  const char *const kept = OutputStores(self->output) ? "the results up to there are stored"
+                                                      : "nothing is stored without -output FILE";
+  char text[3][64], jam[512] = "";
   PetscReal dt;
 
   PetscFunctionBegin;
@@ -403,9 +489,8 @@ static PetscErrorCode Verdict(const Grow *self, TSConvergedReason reason) {
   OptionBoth(dt, UNIT_TIME, text[1]);
   OptionBoth(self->scene->end_time, UNIT_TIME, text[2]);
   if (self->event.kind) PetscFunctionReturn(0);
-  UserCheck(!self->stopped, comm,
-            "interrupted by signal %d at t = %s; the results up to there are stored", self->stopped,
-            text[0]);
+  UserCheck(!self->stopped, comm, "interrupted by signal %d at t = %s; %s", self->stopped, text[0],
+            kept);
   UserCheck(!self->beyond, comm,
             "-rod_model linear: stopped at t = %s, where an angle reached 1: a straight rod's "
             "model says nothing there; take -rod_model auto",
@@ -413,19 +498,31 @@ static PetscErrorCode Verdict(const Grow *self, TSConvergedReason reason) {
   UserCheck(reason != TS_CONVERGED_ITS, comm,
             "-ts_max_steps: reached at t = %s before -ts_max_time %s", text[0], text[2]);
   UserCheck(
-      reason == TS_CONVERGED_TIME || self->seen.contacts == 0 || self->seen.max_angle > straight,
+      self->jammed || reason == TS_CONVERGED_TIME || self->seen.contacts == 0 ||
+          self->seen.max_angle > straight,
       comm,
       "gave up at t = %s: the rod is pressed straight against a wall, and nothing says to which "
-      "side it gives way; the results up to there are stored; give it a small -rod_curvature",
-      text[0]);
+      "side it gives way; %s; give it a small -rod_curvature",
+      text[0], kept);
+  PetscCall(GrowTellJam(self, (PetscBool)(reason < 0), jam, sizeof(jam)));
+  UserCheck(!jam[0], comm,
+            "%s, and it can hardly grow on; %s; end the run before with -stop_force, or, if this "
+            "push is meant, give a higher -contact_stiffness",
+            jam, kept);
   UserCheck(reason == TS_CONVERGED_TIME || !self->now->passes, comm,
-            "gave up at t = %s with a step of %s: the rod would pass through itself or a wall; the "
-            "results up to there are stored; give more -rod_cells or a higher -contact_stiffness",
-            text[0], text[1]);
+            "gave up at t = %s with a step of %s: the rod would pass through itself or a wall; %s; "
+            "give more -rod_cells or a higher -contact_stiffness",
+            text[0], text[1], kept);
+  UserCheck(
+      reason == TS_CONVERGED_TIME || !self->now->crosses, comm,
+      "gave up at t = %s: the rod gives way faster than a step of %s can follow, to which side "
+      "that step does not tell; %s; take a shorter -ts_dt (without -ts_adapt_type none), or a "
+      "-friction_mu below 0.9999",
+      text[0], text[1], kept);
   UserCheck(reason == TS_CONVERGED_TIME, comm,
-            "gave up at t = %s with a step of %s (%s): the results up to there are stored; try a "
+            "gave up at t = %s with a step of %s (%s): %s; try a "
             "lower -ts_rtol, more -rod_cells or a larger -friction_beta",
-            text[0], text[1], TSConvergedReasons[reason]);
+            text[0], text[1], TSConvergedReasons[reason], kept);
   PetscFunctionReturn(0);
 }
 

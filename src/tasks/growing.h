@@ -2,6 +2,7 @@
 #ifndef TENDRIL_GROWING_H
 #define TENDRIL_GROWING_H
 
+#include "stepping/estimate.h"
 #include "tasks/member.h"
 
 enum { LINEAR, FRAME, MIXED, AUTO, MODELS = AUTO }; /* as -rod_model and the series `model` say */
@@ -14,6 +15,7 @@ typedef struct {
   Leg leg[MODELS];       /* by model; those not in use are empty; auto has two, taking turns */
   Leg *now;
   Observer observer;
+  Estimate estimate; /* of the frame model's errors; NULL: it is not in use */
   Output output;
   Observation seen; /* of the latest step */
   PetscReal rtol, output_interval, next_output;
@@ -23,10 +25,15 @@ typedef struct {
   PetscReal folds;            /* of |x2|, up and down, so far */
   PetscReal neglected;        /* largest part that the linear model left out */
   PetscReal depth;            /* largest penetration so far */
+  PetscInt snaps;             /* of this run */
+  PetscBool crossed;          /* its start was crossed in a step */
   PetscBool quiet, beyond;    /* beyond: the linear model has left its range */
   int stopped;                /* the signal that all ranks have agreed to stop on */
   PetscLogDouble begin, reported;
   Watch watch;
+  PetscBool jammed;        /* the run ends for that */
+  PetscReal window_length; /* of the rod when it last grew, and steps since: see grow_jam.c */
+  PetscInt window_steps;
   Event event;          /* that ended the run */
   PetscReal start;      /* t at which this run began: 0, or a restart's */
   PetscReal end, reach; /* t and length at its end, if nothing but -stop_length ends it before */
@@ -38,7 +45,12 @@ extern const RodModel *const grow_models[MODELS];
 PetscErrorCode GrowLookForEvent(Grow *self, PetscReal t, Vec U, Event *event);
 PetscErrorCode GrowLocateEvent(Grow *self, PetscReal *t, Vec U, Vec U_t);
 
+/* grow_jam.c */
+PetscBool GrowIsJammed(Grow *self);
+PetscErrorCode GrowTellJam(Grow *self, PetscBool gave_up, char line[], size_t room);
+
 /* grow_report.c */
+PetscErrorCode GrowFindEnd(Grow *self);
 PetscErrorCode GrowHeading(Grow *self);
 PetscErrorCode GrowProgress(Grow *self, PetscBool last);
 PetscErrorCode GrowSummary(Grow *self);

@@ -1,4 +1,5 @@
 /* -task sweep: one member. */
+#include "base/lock.h"
 #include "tasks/sweeping.h"
 #include <petsctime.h>
 #include <errno.h>
@@ -227,6 +228,7 @@ PetscErrorCode SweepMakeDirectory(Sweep *self) {
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &fault, 1, MPI_INT, MPI_MAX, OptionsComm()));
   UserCheck(!fault, OptionsComm(), "-sweep_directory %s: cannot be made: %s", self->directory,
             strerror(fault));
+  PetscCall(LockTake(OptionsComm(), "-sweep_directory", path));
   PetscCall(CheckNames(self));
   PetscFunctionReturn(0);
 }

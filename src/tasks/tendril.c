@@ -1,5 +1,6 @@
 #include "tasks/tendril.h"
 #include "base/hdf.h"
+#include "base/lock.h"
 #include "record/event.h"
 #include "record/restart.h"
 #include "stepping/vbdf.h"
@@ -12,6 +13,7 @@
 #include <signal.h>
 #include <slepceps.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 static const char about[] =
     "tendril: the slow growth of an elastic fibre that friction holds back.\n"
@@ -79,7 +81,8 @@ static void NeedNoOthers(void) {
 
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(launched); i++)
     if (getenv(launched[i])) return;
-  (void)setenv("OMPI_MCA_pml", "ob1", PETSC_FALSE); /* unless told otherwise */
+  (void)setenv("OMPI_MCA_pml", "ob1", PETSC_FALSE);  /* unless told otherwise */
+  (void)setenv("OMPI_MCA_btl", "self", PETSC_FALSE); /* shared memory would be left behind */
   (void)setenv("OMPI_MCA_orte_create_session_dirs", "0", PETSC_FALSE);
 }
 
@@ -105,11 +108,12 @@ int TendrilInitialize(int *argc, char ***argv, PetscBool *done) {
   if (began_mpi) NeedNoOthers();
   if (began_mpi) MPI_Init(argc, argv);
   OptionsSetTable(PETSC_STATIC_ARRAY_LENGTH(table), table);
-  failed = OptionsCheckWords(*argc, *argv);
+  failed = OptionsTakeWords(argc, argv);
   *done = (PetscBool)(failed || Answered(*argc, *argv));
   if (!*done && SlepcInitialize(argc, argv, NULL, about)) *done = PETSC_TRUE, failed = 1;
   if (*done) {
     if (began_mpi) MPI_Finalize();
+    OptionsFreeWords();
     return failed;
   }
   signal(SIGPIPE, SIG_IGN); /* once more: PETSc has handlers of its own */
@@ -121,15 +125,19 @@ int TendrilInitialize(int *argc, char ***argv, PetscBool *done) {
 
 /* TendrilFinalize - ends what TendrilInitialize() began. Returns 0 if all is well. */
 int TendrilFinalize(void) {
-  int failed = OptionsPop() != 0;
+  int failed = OptionsPop() != 0, ranks;
   PetscBool given;
 
   /* what nothing reads has been refused; after an error PETSc would list all that was not reached
    */
   failed |= PetscOptionsHasName(NULL, NULL, "-options_left", &given) != 0;
   if (!given) failed |= PetscOptionsSetValue(NULL, "-options_left", "no") != 0;
+  LocksEnd();
   failed |= ErrorsEnd() != 0;
+  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+  if (errors.said && ranks > 1) (void)usleep(100000); /* mpiexec may drop the last words */
   failed |= SlepcFinalize() != 0;
   if (began_mpi) MPI_Finalize();
+  OptionsFreeWords();
   return failed;
 }

@@ -142,6 +142,41 @@ static void TestHard(void **state) {
   Compare("-rod_cells 400 -growth_initial_length 30");
 }
 
+/* The index of an almost straight viscous rod of length 1 under this force along it, at this shift.
+ */
+static PetscInt Index(PetscReal force, PetscReal shift) {
+  enum { N1 = 4 };
+  PetscInt index, n;
+  PetscScalar *u;
+  Case c;
+
+  Open(&c, "-growth_initial_length 0.3 -friction_mu 0 -rod_cells 150 -shape_amplitude 1e-4");
+  CHECK(VecGetLocalSize(c.U, &n));
+  CHECK(VecGetArray(c.U, &u));
+  for (PetscInt i = N1; i < n; i += FIELDS) u[i] = -force;
+  CHECK(VecRestoreArray(c.U, &u));
+  c.rod->elimination = c.elimination;
+  CHECK(RodJacobian(NULL, 0.7, c.U, c.U_t, shift, c.J, c.J, c.rod));
+  CHECK(EliminationIndex(c.elimination, &index));
+  Close(&c);
+  return index;
+}
+
+/* Buckled modes are counted: those of a free rod give way at P = ((k - 1/2) pi)^2. One of the rate
+   r counts while the shift is below r. */
+static void TestIndex(void **state) {
+  const PetscReal forces[] = {-5, 1, 2, 3, 15, 30, 100, 400, 1000, 3000};
+
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(forces); k++) {
+    PetscReal P = forces[k];
+    PetscInt modes = P > 0 ? (PetscInt)(PetscSqrtReal(P) / PETSC_PI + 0.5) : 0,
+             index = Index(P, 1e-3);
+    EXPECT(index == modes, "P = %g: %d modes, not %d", P, (int)index, (int)modes);
+    EXPECT(Index(P, 1.5 * P * P) == 0, "P = %g: modes above its largest rate", P);
+  }
+  EXPECT(Index(30, 200) == 1, "two modes grow, one of them faster than 200");
+}
+
 static const struct CMUnitTest tests[] = {cmocka_unit_test(TestModel), cmocka_unit_test(TestWorld),
-                                          cmocka_unit_test(TestHard)};
+                                          cmocka_unit_test(TestHard), cmocka_unit_test(TestIndex)};
 MAIN(tests)

@@ -1,6 +1,7 @@
 /* Contact: Jacobians by rate with walls and with strands of the rod that press on each other,
    forces that cancel, feet that are feet. */
 #include "rod/by_rate.h"
+#include "rod/feet.h"
 #include "rod/strands.h"
 
 static void WriteWalls(char path[64], const char *text) {
@@ -14,6 +15,44 @@ static void WriteWalls(char path[64], const char *text) {
     fclose(f);
   }
   MPI_Barrier(PETSC_COMM_WORLD);
+}
+
+/* The normal force of feet on all posts in the initial shape at the time of ByRate(). */
+static PetscReal FeetOf(const char *options) {
+  const PetscReal t = 0.7;
+  PetscReal sum = 0;
+  Scene scene;
+  Rod rod;
+  Node *nodes;
+  SetOptions("-ts_max_time 2 %s", options);
+  CHECK(SceneCreate(&scene));
+  CHECK(RodCreate(scene, &rod_frame, &rod));
+  CHECK(SceneContactAt(scene, t));
+  CHECK(PetscMalloc1(rod->end - rod->first, &nodes));
+  CHECK(RodInitialNodes(rod, t, nodes));
+  for (PetscInt i = rod->first; i + 1 < rod->end; i++) {
+    const Node *node = nodes + i - rod->first;
+    FootCell cell = {.h = scene->mesh.s[i + 1] - scene->mesh.s[i]};
+    Foot foot[MOST_FEET];
+    PetscInt n;
+    cell.first = (PetscBool)(i == 0);
+    cell.last = (PetscBool)(i + 1 == rod->last);
+    CHECK(GrowthStretch(scene->growth, 2, &scene->mesh.s[i], t, cell.g, cell.g_t, NULL));
+    for (int e = 0; e < 2; e++) {
+      cell.q[e][0] = PetscCosReal(node[e].theta);
+      cell.q[e][1] = PetscSinReal(node[e].theta);
+      for (int d = 0; d < 2; d++) cell.x[e][d] = node[e].x[d];
+    }
+    n = FeetFind(&scene->contact, &cell, scene->contact.smooth, foot);
+    for (PetscInt k = 0; k < n; k++) {
+      FootPush(&scene->contact, &cell, NULL, &foot[k]);
+      sum += foot[k].p;
+    }
+  }
+  CHECK(PetscFree(nodes));
+  CHECK(RodDestroy(&rod));
+  CHECK(SceneDestroy(&scene));
+  return AllMax(sum);
 }
 
 static void ByRate(const char *options, PetscReal shift, PetscReal shake) {
@@ -79,10 +118,31 @@ static void TestWallJacobians(void **state) {
   }
 }
 
+/* Posts and corners narrower than a cell, with friction; one beside a node, one at the tip. */
+static void TestFootJacobians(void **state) {
+  const char *const walls[] = {
+      "circle 0.2844 0.4475 0.01 outside friction 0.5\n",
+      "polygon outside 0.2655 0.61 0.6 0.3 0.6 0.9 friction 0.7\n",
+      "circle 0.1699 0.2195 0.02 outside\ncircle 0.1346 1.1267 0.02 outside friction 1\n"};
+  for (size_t k = 0; k < sizeof(walls) / sizeof(walls[0]); k++)
+    for (int order = 2; order <= 4; order += 2) {
+      char file[64], options[256];
+      WriteWalls(file, walls[k]);
+      snprintf(options, sizeof(options),
+               "-wall_file %s -contact_diameter 0.05 -contact_stiffness 4e3 -shape_amplitude 1.5 "
+               "-clamp_angle 0.3 -rod_cells 12 -rod_order %d",
+               file, order);
+      EXPECT(FeetOf(options) > 0, "%s: there is no foot", walls[k]);
+      ByRate(options, 3, 1e-3);
+      ByRate(options, 0, 1e-3);
+      RemoveFile(file);
+    }
+}
+
 /* The pressure is minus the slope of the energy, and goes over smoothly. */
 static void TestPressure(void **state) {
   Contact contact = {.any = PETSC_TRUE, .given = PETSC_TRUE, .stiffness = 70};
-  ContactSetStiffness(&contact, 0.1, 1);
+  ContactSetStiffness(&contact, (PetscReal[2]){0.1, 0}, (PetscReal[2]){1, 0});
   for (int i = -40; i <= 40; i++) {
     const PetscReal gap = contact.smooth * i / 20.1, e = 1e-5 * contact.smooth;
     PetscReal slope, skip,
@@ -259,8 +319,10 @@ static void TestStrandsAreConservative(void **state) {
   EXPECT(fine < 1e-3 && fine < coarse / 4, "off by %g, %g", coarse, fine);
 }
 
-static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(TestPressure), cmocka_unit_test(TestWallsAreSmooth),
-    cmocka_unit_test(TestStrandsAreConservative), cmocka_unit_test(TestWallJacobians),
-    cmocka_unit_test(TestStrandJacobians)};
+static const struct CMUnitTest tests[] = {cmocka_unit_test(TestPressure),
+                                          cmocka_unit_test(TestWallsAreSmooth),
+                                          cmocka_unit_test(TestStrandsAreConservative),
+                                          cmocka_unit_test(TestWallJacobians),
+                                          cmocka_unit_test(TestFootJacobians),
+                                          cmocka_unit_test(TestStrandJacobians)};
 MAIN(tests)

@@ -14,9 +14,9 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
+from held import PAGE, Held
 from interpreter import from_venv
 
 try:
@@ -30,6 +30,7 @@ SHORT = "-output out.h5 -rod_cells 20 -ts_max_time 1e-3".split()
 SOUND = [
     "-growth_type table -growth_table table",
     "-options_file sound_opts -friction_mu 0.5",
+    "-options_file scene/marked_opts",
     "-ts_type beuler -ts_adapt_type none -ts_dt 1e-4",
     "-clamp_angle -0.5 -shape_amplitude -1e-3",
     "-clamp_angle 90deg",
@@ -109,6 +110,11 @@ CASES = [
     ("-ts_type rosw", "-ts_type"),
     ("-ts_type arkimex", "-ts_type"),
     ("-ts_adapt_type nonsense", "-ts_adapt_type"),
+    ("-ts_adapt_type dsp", "-ts_adapt_type"),  # which vbdf would ignore
+    ("-ts_adapt_type glee", "-ts_adapt_type"),
+    ("-ts_adapt_dt_min 1e-3", "-ts_adapt_dt_min"),
+    ("-ts_adapt_safety 0.5", "-ts_adapt_safety"),
+    ("-ts_adapt_clip 0.5,2", "-ts_adapt_clip"),
     ("-snes_type nonsense", "-snes_type"),
     ("-ksp_type nonsense", "-ksp_type"),
     ("-pc_type nonsense", "-pc_type"),
@@ -133,7 +139,32 @@ CASES = [
     ("-options_file {unknown_opts}", "-friction_mu"),
     ("-options_file {range_opts}", "-friction_mu"),
     ("-options_file {dashless_opts}", "friction_mu"),
-    ("-options_file {result}", "-options_file"),
+    ("-options_file {result}", "line 1"),
+    ("-options_file {two_opts}", "two_opts, line 2: two options on a line"),
+    ("-options_file {blank_opts}", "blank_opts, line 3: a blank in the value of -ts_dt"),
+    ("-options_file {nul_opts}", "nul_opts, line 2: is not a text file"),
+    ("-options_file {wide_opts}", "wide_opts, line 1: is not a text file"),
+    ("-options_file {number_opts}", "number_opts, line 1"),
+    ("-options_file {dashes_opts}", "one dash, -friction_mu"),
+    ("-options_file {long_opts}", "long_opts, line 1: -shape_file"),
+    ("-options_file {self_opts}", "self_opts, line 2: names itself"),
+    ("-options_file {one_opts}", "one_opts, line 1: names itself, through another"),
+    ("-options_file {pipe}", "-options_file"),
+    ("-options_file /dev/zero", "-options_file"),
+    ("-options_file {unknown_opts} -options_file {pipe}", "-options_file"),
+    ("-output {sound_opts} -options_file {sound_opts}", "-options_file gives"),
+    ("{sound_opts}", "-options_file"),
+    ("-si_friction_dry 0.5 N/m", "0.5N/m"),
+    ("-ts_dt 1,5e-3", "with a point: 1.5e-3"),
+    # pipes and devices
+    ("-wall_file {pipe}", "-wall_file"),
+    ("-wall_file /dev/zero", "-wall_file"),
+    ("-friction_field {pipe}", "-friction_field"),
+    ("-shape_type file -shape_file {pipe}", "-shape_file"),
+    ("-growth_type table -growth_table {pipe}", "-growth_table"),
+    ("-rod_stiffness_file {pipe}", "-rod_stiffness_file"),
+    ("-restart {pipe}", "-restart"),
+    ("-task sweep -sweep_file {pipe}", "-sweep_file"),
     # growth tables
     ("-growth_type table", "-growth_table"),
     ("-growth_type table -growth_table {missing}", "-growth_table"),
@@ -345,7 +376,22 @@ def make_files(d, tendril):
     text("unknown_opts", "# a scene\n-growth_type uniform\n-friction_nu 1\n")
     text("range_opts", "-friction_mu 7 # too large\n")
     text("dashless_opts", "-growth_type uniform\nfriction_mu 0.5\n")
+    text("two_opts", "# a scene\n-growth_type uniform -friction_mu 0.5\n")
+    text("blank_opts", "# a scene\n\n-ts_dt 0.1 ms\n")
+    text("nul_opts", "-growth_type uniform\n-friction_mu 0.\0005\n")
+    (d / "wide_opts").write_text("-friction_mu 0.5\n", encoding="utf-16")
+    text("number_opts", "-5 3\n")
+    text("dashes_opts", "--friction_mu 3\n")
+    text("long_opts", f"-shape_file {'a' * 5000}\n")
+    text("self_opts", f"-friction_mu 0.5\n-options_file {d}/self_opts\n")
+    text("one_opts", "-options_file two_names_one\n")
+    text("two_names_one", "-options_file one_opts\n")
+    os.mkfifo(d / "pipe")
     (d / "directory").mkdir()
+    (d / "scene").mkdir()  # what a scene names is beside it; else where one is
+    text("scene/marked_opts", "\ufeff-wall_file wall\r\n-options_file more # some\n")
+    text("scene/more", "! as PETSc has it\n-friction_field field\n\t-contact_diameter  0.1\n")
+    text("scene/wall", "plane 5 0 -1 0\n")
 
     s, t = [0, 0.2, 0.4, 0.6, 0.8, 1], [0, 0.5, 1, 1.5, 2]
     g = [[0.5 + tk] * len(s) for tk in t]
@@ -461,36 +507,33 @@ def check_refusal(command, expected, directory, alone=True):
 
 
 def start_and_stop(tendril, directory, number):
-    """A long run stopped by a signal once its result file has grown for a while."""
+    """A run stopped by a signal when its result file has grown; (file, exit code, stderr, fault)."""
     result = directory / f"stopped_{number}.h5"
-    command = [tendril, "-output", str(result), "-output_interval", "0.01", "-rod_cells", "2000"]
-    with subprocess.Popen(command, cwd=directory, stdin=subprocess.DEVNULL, text=True,
-                          stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:
-        end = time.monotonic() + SECONDS
-        sizes = set()
-        while len(sizes) < 4 and process.poll() is None and time.monotonic() < end:
-            sizes.add(result.stat().st_size if result.exists() else 0)
-            time.sleep(0.02)
-        if process.poll() is not None:
-            return result, process, process.stderr.read(), "ended before it could be stopped"
-        process.send_signal(number)
-        try:
-            stderr = process.communicate(timeout=SECONDS)[1]
-        except subprocess.TimeoutExpired:
-            process.kill()
-            return result, process, "", "did not end on the signal"
-    return result, process, stderr, None
+
+    def stored():
+        if not result.exists():
+            return 0
+        with h5py.File(result) as file:
+            return len(file["shapes/t"])
+
+    with Held([tendril, "-output", result, "-output_interval", "0.01", "-rod_cells", "100"],
+              cwd=directory, stdin=subprocess.DEVNULL) as run:
+        run.let(20 * PAGE)
+        if not run.until(lambda: stored() > 1):
+            return result, None, "", "ended before it could be stopped"
+        run.send_signal(number)
+        return result, *run.end(), None
 
 
 def check_stop(tendril, directory, number):
-    result, process, stderr, wrong = start_and_stop(tendril, directory, number)
+    result, code, stderr, wrong = start_and_stop(tendril, directory, number)
     if wrong:
         return [wrong], stderr
     wrong = []
     if number != signal.SIGKILL:
         wrong += complaints(stderr, "t = ", True)
-        if process.returncode <= 0 or process.returncode == 127:
-            wrong.append(f"no clean end: exit code {process.returncode}")
+        if code <= 0 or code == 127:
+            wrong.append(f"no clean end: exit code {code}")
     try:
         with h5py.File(result, "r") as file:
             shapes, steps = file["shapes/t"][()], file["series/t"][()]

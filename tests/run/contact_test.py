@@ -4,6 +4,9 @@ always. Where lengths are far below 1, friction is nothing beside bending.
 
     contact_test.py build/tendril [--mpiexec mpiexec] CHECK...      (no CHECK: all of them)"""
 
+import re
+import shlex
+import subprocess
 import sys
 from pathlib import Path
 
@@ -13,6 +16,7 @@ from scene_test import Run, expect
 from laboratory_test import read, tendril
 from world_test import file
 
+import h5py
 import numpy as np
 
 CHECKS = {}
@@ -84,11 +88,12 @@ def plane():
     print(f"{r.steps} steps; force, height, force of the wall off by {off}")
     expect(off.max() < 3e-6, f"off by {off}")
     expect(abs(r.contact_force + r.wall_force_1).max() < 1e-9 * r.contact_force.max(), "wall_force")
-    e = [plane_errors(f"-contact_stiffness {k} -ts_rtol 1e-8")[0] for k in (1e12, 1e13, 1e14)]
+    e = [plane_errors(f"-contact_stiffness {k} -ts_rtol 1e-8")[0] for k in (1e13, 1e14, 1e15)]
     for name, column in zip(("force", "height"), np.transpose(e)):
         power = falls(column, 10)
         print(f"{name}: {column}, as k^-{power:.3f}")
-        expect(abs(power - 0.75) < 0.03, f"{name}: falls as k^-{power:.2f}")
+        # (the layer in which pressure sets in takes off a part of the error in force, the less the stiffer)
+        expect(abs(power - 0.75) < 0.06, f"{name}: falls as k^-{power:.2f}")
 
 
 @check
@@ -161,13 +166,13 @@ def coils():
     R, D = 0.01, 0.01 / 30
     r = Run(f"-growth_type feed -growth_initial_length 0.002 -shape_type straight -rod_curvature 1 "
             f"-contact_self -contact_diameter {D} -contact_stiffness 1e13 -friction_mu 0 -ts_max_time 0.1 "
-            f"-rod_cells 200 -ts_rtol 1e-4 {walls(f'circle 0 {R - 4.5 * D} {R} inside')}")
+            f"-rod_cells 200 -ts_rtol 2e-5 {walls(f'circle 0 {R - 4.5 * D} {R} inside')}")
     expect(not r.self_crossings.any(), "it crosses itself")
     for turn, since, until in ((1, 0.04, 0.055), (2, 0.09, 0.1)):
         now = (r.t > since) & (r.t < until)
         off = abs(2 * r.feed_force[now] / (1 / (R - (turn - 0.5) * D) - 1) ** 2 - 1).max()
         print(f"{r.steps} steps, turn {turn}: {now.sum()} steps, feeding force off by {off:.1e}")
-        expect(now.any() and off < 2e-4, f"turn {turn}: feeding force off by {off:.1e}")
+        expect(now.any() and off < 3e-4, f"turn {turn}: feeding force off by {off:.1e}")
 
 
 # --- C: between parallel walls, clamped at both ends ---------------------------------------------
@@ -510,6 +515,114 @@ def robust():
 
 
 @check
+def kicked():
+    """A rod that is straight, or as good as (x2 far below 1e-100), meets an oblique wall: it goes the way
+    of one that is bent by a hundred thousandth, which has something its error can be a part of."""
+    fed = "-growth_type feed -growth_initial_length 0.5 -ts_max_time 3 "
+    corner = "polygon outside 2 -0.5 2.5 1 3 -0.5"
+    bent = "-shape_type straight -rod_curvature 1e-5 "
+    for name, options, starts, wall in (
+            ("plane", "-ts_max_time 2 ", ("-shape_type straight ",), "plane 1 0 -1 -0.5"),
+            ("short", "-growth_initial_length 0.1 -ts_max_time 2 ", ("", "-shape_type straight "),
+             "plane 1 0 -1 -0.5"),
+            ("next to upright", fed, ("-shape_type straight ",), "plane 2 0 -1 0.01"),
+            ("both frictions", fed + "-friction_mu 0.5 ", ("-shape_type straight ",), "plane 2 0 -1 0.01"),
+            ("from inside", "-ts_max_time 3 ", ("-shape_type straight ",), "circle 1 0.01 1.5 inside"),
+            ("a polygon's side", fed + "-contact_diameter 0.05 -ts_max_time 1.8 ", ("-shape_type straight ",),
+             corner)):
+        wall = walls(wall)
+        reference = Run(options + bent + wall)
+        for start in starts:
+            r = Run(options + start + wall)
+            off = np.hypot(*(r.tip - reference.tip))
+            print(f"{name}: {r.steps} steps ({reference.steps} bent), tip {r.tip}, off by {off:.1e}")
+            expect(r.contact_force[-1] > 0 and off < 3e-5, f"{name}: tip {r.tip}, bent {reference.tip}")
+
+
+@check
+def held_tip():
+    """A held tip and strands that touch: its equations need another order in the matrix; as with a
+    solver that finds its own pivots, on 1, 2 and 3 ranks."""
+    held = ("-contact_self -contact_diameter 0.1 -contact_friction 0.3 -shape_amplitude 0.5 "
+            "-growth_initial_length 2 -ts_max_time 8 -rod_cells 100 ")
+    for tip in ("clamped", "pinned"):
+        one = Run(held + f"-tip_type {tip} -pc_factor_mat_ordering_type natural")
+        for n in (1, 2, 3):
+            r = Run(held + f"-tip_type {tip}", ranks=n)
+            off = abs(r.energy[-1] / one.energy[-1] - 1)
+            print(f"{tip}, {n} ranks: {r.steps} and {one.steps} steps, energy differs by {off:.1e}")
+            expect(off < 1e-6, f"{tip}, {n} ranks: energy differs by {off}")
+        expect(tip == "pinned" or r.contact_force[-1] > 0, f"{tip}: no contact")
+
+
+@check
+def sticks_to_a_wall():
+    """Exact Coulomb friction, a tip that sticks to a wall until the rod snaps: what holds it settles in
+    time, not with each step; as many steps as friction next to exact takes, and the same end."""
+    fed = ("-growth_type feed -contact_stiffness 1e6 -contact_friction 0.5 -ts_max_time 2.5 -ts_rtol 1e-6 "
+           "-rod_curvature 0.01 " + walls("plane 2 0 -1 0"))
+    for start in ("", "-shape_type straight "):
+        near, exact = (Run(f"{fed} {start} -friction_beta {beta}") for beta in (1e-12, 0))
+        off = np.hypot(*(exact.tip - near.tip))
+        print(f"{exact.steps} steps, {exact.newton_iterations.sum():.0f} Newton; next to exact {near.steps}, "
+              f"{near.newton_iterations.sum():.0f}; tips differ by {off:.1e}")
+        expect(off < 1e-5, f"tips {exact.tip}, {near.tip}")
+        expect(exact.steps < 2 * near.steps, f"{exact.steps} steps, next to exact {near.steps}")
+
+
+@check
+def jammed():
+    """A cage in which there is no room: the run says so, where, and with which push; -stop_force ends it
+    before, in newtons, too."""
+    d = scene.SCRATCH
+    caged = ("-growth_initial_length 0.1 -contact_diameter 0.1 -ts_max_time 20 -shape_type straight "
+             "-rod_curvature 0.1 -rod_cells 60 -ts_rtol 1e-5 "
+             + walls("polygon inside -0.2 -0.2 0.2 -0.2 0.2 0.2 -0.2 0.2"))
+    line = tendril(f"{caged} -output {d}/jam.h5", 1)
+    print(line.strip())
+    r = read(f"{d}/jam.h5")
+    push, depth = (float(re.search(f"{word} ([0-9.e+-]+)", line)[1]) for word in ("push of", "rod by"))
+    expect("jammed at t = " in line and "into a wall at s = " in line, line)
+    expect(depth > 0.02 and abs(depth - r["series/penetration"][-1]) < 1e-6, f"depth {depth}")
+    x, theta, force = (r[f"shapes/{k}"][-1] for k in ("x", "theta", "force"))
+    along = -(force * np.c_[np.cos(theta), np.sin(theta)]).sum(axis=1)
+    expect(abs(push / along.max() - 1) < 1e-6, f"push {push}, {along.max()} along the rod")
+    tendril(f"{caged} -stop_force 20 -output {d}/push.h5")
+    theta, force = (read(f"{d}/push.h5")[f"shapes/{k}"][-1] for k in ("theta", "force"))
+    along = -(force * np.c_[np.cos(theta), np.sin(theta)]).sum(axis=1)
+    expect(abs(along.max() / 20 - 1) < 1e-6, f"stopped with a push of {along.max()}")
+    laboratory = "-growth_type feed -si_bending_stiffness 4.5e-4 -si_friction_dry 20 -ts_max_time 20 "
+    tendril(f"{laboratory} -stop_force 2N -output {d}/newton.h5")
+    r = read(f"{d}/newton.h5")
+    unit = 20 * (4.5e-4 / 20) ** (1 / 3)
+    print(f"stopped by {r['kind']} at length {r['series/length'][-1]}")
+    expect(r["kind"] == "force" and abs(r["series/base_force_1"][-1] * unit / 2 - 1) < 1e-3, "2 N")
+
+
+@check
+def bend_radius():
+    """The corner of a path with a radius of its own: as a rod that is led through it feels it, and in the
+    text that the result keeps."""
+    d = scene.SCRATCH
+    led = ("-growth_type feed -contact_diameter 0.1 -ts_max_time 4 -shape_type straight -rod_curvature 0.1 "
+           "-rod_cells 150 ")
+    for radius, behind in ((1.5, "radius 1.5 friction 0.3"), (1.0, "friction 0.3 radius 1")):
+        wall = walls(f"path 0.15 -0.5 0 2 0 2 4 {behind}")
+        tendril(f"{led} {wall} -output {d}/bend.h5")
+        r = read(f"{d}/bend.h5")
+        x = r["shapes/x"][-1]
+        centre = np.array([2 - radius, radius])
+        bend = x[(x[:, 0] > centre[0]) & (x[:, 1] < radius)] - centre
+        far = np.hypot(*bend.T) - radius
+        print(f"radius {radius}: in the bend from {far.min():.4f} to {far.max():.4f} of the axis")
+        expect(len(bend) > 10 and abs(far).max() < 0.1005 and far.max() > 0.0995, f"{radius}: {far}")
+    for wrong, word in (("radius 3", "do not fit"), ("radius 0.1", "more sharply"), ("radius -1", "above 0"),
+                        ("radius", "path R")):
+        line = tendril(f"{led} {walls(f'path 0.15 -0.5 0 2 0 2 2 {wrong}')}", 1)
+        expect(word in line, f"{wrong}: {line}")
+
+
+@check
 def guard():
     """Contact that is far too soft: the rod would pass through. It ends in one plain line."""
     d = scene.SCRATCH
@@ -526,6 +639,165 @@ def guard():
         print(f"{name}: {line.strip()}")
         expect("pass through itself or a wall" in line, f"{name}: {line}")
         expect(crossed == 0, f"{name}: crosses itself before it ends")
+
+
+# --- what is narrower than a cell, hidden, far or many --------------------------------------------
+
+LEANS = "-growth_type feed -growth_initial_length 0.5 -shape_type straight "
+
+
+def cuts(x, theta, stretch, s, corners):
+    """How often the rod's curve, the cubic of each cell, cuts a polygon."""
+    h, z = np.diff(s)[:, None, None], np.linspace(0, 1, 41)[:-1, None]
+    slope = (stretch[:, None] * np.column_stack([np.cos(theta), np.sin(theta)]))[:, None]
+    a, b, t, u = x[:-1, None], x[1:, None], h * slope[:-1], h * slope[1:]
+    y = ((1 - z) ** 2 * (1 + 2 * z) * a + z * (1 - z) ** 2 * t + z ** 2 * (3 - 2 * z) * b
+         - z ** 2 * (1 - z) * u).reshape(-1, 2)
+    y = np.concatenate([y, x[-1:]])
+    found = 0
+    for c, d in zip(corners, np.roll(corners, -1, axis=0)):
+        e, n = d - c, np.array([-(d - c)[1], (d - c)[0]])
+        off, along = (y - c) @ n, (y - c) @ e / (e @ e)
+        found += np.sum(((off[1:] > 0) != (off[:-1] > 0)) & (along[1:] > 0) & (along[1:] < 1))
+    return found
+
+
+def side_of(x, c):
+    """On which side of the curve c is, where that is nearest."""
+    k = int(np.argmin(np.hypot(*(x - c).T)))
+    k = min(max(k, 1), len(x) - 2)
+    t = x[k + 1] - x[k - 1]
+    return np.sign(t[0] * (c - x[k])[1] - t[1] * (c - x[k])[0])
+
+
+@check
+def thin():
+    """Posts and corners a fifth of a cell wide and less hold the rod back, and the energy closes."""
+    for name, wall, c, options in (
+            ("post", "circle 3 1.1 0.001 outside", (3, 1.1), "-rod_curvature 0.3 -shape_type straight "
+             "-ts_max_time 8 -contact_diameter 0.005 "),
+            ("post and thread", "circle 2 0.6 1e-3 outside", (2, 0.6), LEANS + "-rod_curvature 0.6 -ts_max_time 4 "),
+            ("corner", "polygon outside 2 0.6 2.5 0.2 2.5 1 friction 0.2", (2, 0.6),
+             "-shape_type straight -rod_curvature 0.6 -ts_max_time 3.8 -contact_diameter 0.005 ")):
+        r = Run(options + "-output_interval 0.5 " + walls(wall))
+        sides = [side_of(x, np.array(c)) for x in r.shapes["x"] if x[-1, 0] > 0.95 * c[0]]
+        late = r.energy_defect[r.t > 0.01].max()
+        print(f"{name}: {r.steps} steps, force {r.contact_force.max():.3f}, penetration {r.penetration.max():.1e}, "
+              f"defect {late:.1e}, tip {r.tip}")
+        expect(r.contact_force[-1] > 0.05, f"{name}: no contact")
+        expect(sides and sides[-1] == sides[0], f"{name}: the rod is on the other side, {sides}")
+        expect(late < 1e-4, f"{name}: defect {late:.1e}")
+        if "polygon" in wall:
+            corners = np.array([(2, 0.6), (2.5, 0.2), (2.5, 1)])
+            sh = r.shapes
+            found = cuts(sh["x"][-1], sh["theta"][-1], sh["stretch"][-1], sh["s"], corners)
+            expect(found == 0, f"{name}: cuts the polygon {found} times")
+
+
+@check
+def thin_on_ranks():
+    """... and so on any number of ranks, to the last bit in a restart; with exact friction, too."""
+    d = scene.SCRATCH
+    post = LEANS + "-rod_curvature 0.6 -ts_max_time 3.3 -contact_diameter 0.01 -rod_cells 100 "
+    wall = walls("circle 2 0.6 1e-3 outside friction 0.3")
+    on_ranks(post + wall, 1e-4)  # other steps on one, about a snap
+    for more in ("", "-friction_beta 0 "):
+        tendril(f"{post} {wall} {more} -output {d}/whole.h5")
+        whole = read(f"{d}/whole.h5")
+        pressed = np.flatnonzero(whole["series/contact_force"] > 0)
+        expect(len(pressed) > 10, f"touches for {len(pressed)} steps")
+        tendril(f"{post} {wall} {more} -output {d}/broken.h5 -ts_max_steps {pressed[len(pressed) // 2]}", 1)
+        tendril(f"-restart {d}/broken.h5 -output {d}/broken.h5")
+        broken = read(f"{d}/broken.h5")
+        different = [k for k in whole if not np.array_equal(whole[k], broken[k])]
+        print(f"{more}: {len(whole['series/t'])} steps, {len(pressed)} in contact, different: {len(different)}")
+        expect(not different, f"{different} differ")
+
+
+@check
+def starts():
+    """A rod that starts in a solid is refused, a conduit that does not hold the clamp is named."""
+    for wall, said in (("polygon outside -5 -5 5 -5 5 5 -5 5", "the clamp is in wall 1, a polygon"),
+                       ("polygon inside 5 -1 8 -1 8 1 5 1", "the clamp is out of wall 1, a polygon"),
+                       ("polygon outside 0.503 -1 0.504 -1 0.504 1 0.503 1", "between two of its nodes"),
+                       ("circle 0.503 0 0.0005 outside", "the rod starts in a wall"),
+                       ("path 0.2 -1 1 3 1", "the rod starts in a wall")):
+        line = tendril(f"-growth_initial_length 1 -shape_type straight -rod_cells 100 -contact_diameter 1e-3 -ts_max_time 0.1 "
+                       f"{walls(wall)}", 1)
+        print(line.strip())
+        expect(said in line, f"{wall}: {line}")
+    said = tendril(f"-contact_diameter 1e-3 -ts_max_time 0.1 {walls('plane 9 0 -1 0', 'path 0.2 5 5 6 6')}")
+    expect("wall 2, a path, does not hold the clamp" in said, said)
+    said = tendril(f"-contact_diameter 1e-3 -ts_max_time 0.1 {walls('path 0.2 -1 0 6 0')}")
+    expect("does not hold" not in said, said)
+
+
+@check
+def guard_on_ranks():
+    """A rank that alone sees the rod behind a wall does not wait for the others."""
+    options = (LEANS + "-rod_curvature 0.01 -ts_max_time 4 -contact_stiffness 1e-3 -rod_cells 50 "
+               "-contact_diameter 0.1 -contact_self " + walls("plane 2 0 -1 0"))
+    for ranks in (2, 3):
+        done = subprocess.run([scene.MPIEXEC, "-n", str(ranks), scene.TENDRIL, *shlex.split(options)],
+                              capture_output=True, text=True, env=scene.ENVIRONMENT, timeout=100)
+        line = [k for k in done.stderr.splitlines() if k.startswith("tendril: ")]
+        print(f"{ranks} ranks: {line}")
+        expect(done.returncode != 0 and len(line) == 1 and "pass through itself or a wall" in line[0],
+               done.stderr)
+
+
+@check
+def many_walls():
+    """Walls far off hide nothing; thousands are stored, read and gone on with; too many at one place
+    are refused."""
+    d = scene.SCRATCH
+    fed = LEANS + "-rod_curvature 0.1 -ts_max_time 1.8 -rod_cells 60 -contact_diameter 0.1 "
+    plane = "plane 2 0 -1 0"
+    draw = np.random.default_rng(1)
+    one = Run(fed + walls(plane))
+    far = [f"circle {5 + k} 30 0.2 outside" for k in range(20)]
+    crowd = [f"circle {5 + 20 * a:.6f} {20 * b - 10:.6f} 0.2 outside" for a, b in draw.random((3000, 2))]
+    for others in (far, crowd):
+        r = Run(fed + walls(*others, plane))
+        expect(np.array_equal(r.penetration, one.penetration) and r.contact_force[-1] > 0,
+               f"{len(others)} others: penetration {r.penetration[-1]}, not {one.penetration[-1]}")
+    tendril(f"{fed} -stop_contact {walls(*far, plane)} -output {d}/far.h5")
+    expect(read(f"{d}/far.h5")["kind"] == "contact", "does not stop")
+    line = tendril(fed + walls(*far, "plane 0.4 0 -1 0"), 1)
+    expect("the rod starts in a wall" in line, line)
+    line = tendril(fed + walls(*[plane] * 40), 1)
+    print(line.strip())
+    expect("32 walls or more touch the rod at one place" in line, line)
+    tendril(f"{fed} {walls(*crowd, plane)} -ts_max_time 1.6 -output {d}/many.h5")
+    tendril(f"-restart {d}/many.h5 -ts_max_time 1.7")
+    with h5py.File(f"{d}/many.h5") as f:
+        text = f["walls"][()].decode()
+        expect(text.count("\n") == 3001 and len(text) > 65536, f"{len(text)} characters of walls")
+
+
+@check
+def later_end():
+    """A restart to a later end goes on with the same law of contact, which knows of no end."""
+    d = scene.SCRATCH
+    for name, options in (
+            ("thick", LEANS + "-rod_curvature 0.1 -contact_diameter 0.05 " + walls("circle 2 0.4 0.7 outside")),
+            ("thread", LEANS + "-rod_curvature 0.1 -rod_cells 100 " + walls("plane 1.2 0 -1 0")),
+            ("grows", "-growth_initial_length 0.5 -shape_type straight -rod_curvature 0.1 -rod_cells 100 "
+             + walls("plane 1.2 0 -1 0.1"))):
+        stiff, tips, defect = [], [], []
+        for parts in ((2,), (1.2, 2)):
+            for k, end in enumerate(parts):
+                first = f"-restart {d}/later.h5" if k else options
+                tendril(f"{first} -ts_max_time {end} -output {d}/later.h5")
+            with h5py.File(f"{d}/later.h5") as f:
+                stiff.append(f.attrs["contact_stiffness"])
+                tips.append([f["series/tip_x1"][-1], f["series/tip_x2"][-1], f["series/contact_force"][-1]])
+                defect.append(f["series/energy_defect"][()][f["series/t"][()] > 0.01].max())
+        off = np.abs(np.subtract(*tips)).max()
+        print(f"{name}: k = {stiff}, off by {off:.1e}, defect {max(defect):.1e}")
+        expect(stiff[0] == stiff[1], f"{name}: k = {stiff}")
+        expect(tips[0][2] > 0 and off < 2e-4, f"{name}: {tips}")
+        expect(max(defect) < 1e-4, f"{name}: defects {defect}")
 
 
 @check

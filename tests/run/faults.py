@@ -10,6 +10,7 @@ an error on one rank, a restart in place. Nothing is lost, nothing hangs, no fil
 import contextlib
 import os
 import random
+import re
 import shlex
 import signal
 import subprocess
@@ -20,6 +21,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
+from held import PAGE, Held
 from scene_test import DRY, Failure, distance, expect
 
 import h5py
@@ -152,7 +154,7 @@ def restart_in_place():
             off = distance(a["tip"], b["tip"])
             expect(off < 1e-5, f"{first}, then {then} ranks: tip off by {off:.1e}")
     with h5py.File(file) as f:
-        earlier, now = f.attrs["earlier_options"], f.attrs["options"]
+        earlier, now = f["earlier_options"][()].decode(), f.attrs["options"]
         expect("-ts_max_time 2.2" in str(earlier) and "-ts_max_time 5" in str(now), str(earlier))
 
 
@@ -169,6 +171,56 @@ def table_that_dips():
         code, said, _ = run(f"-growth_type table -growth_table {file} -ts_max_time 2", ranks)
         expect(code != 0 and len(said) == 1 and "-growth_table" in said[0], f"{ranks}: {said}")
     print(said[0])
+
+
+@check
+def one_writer():
+    """A second run, restart, task or sweep with the same file, or a sweep with the same directory, is
+    refused; it names the process, and the first goes on as if nothing had been. One that was killed
+    keeps nobody from it."""
+    d = Path(scene.SCRATCH)
+    options = f"{DRY} -rod_cells 60 -ts_max_time 1 -output_interval 0.1 "
+    expect(run(f"{options} -output {d}/whole.h5")[0] == 0, "fails")
+    others = (f"{options} -friction_mu 0.5 -output {d}/a.h5", f"-restart {d}/whole.h5 -ts_max_time 2 -output {d}/a.h5",
+              f"-task critical -rod_cells 60 -output {d}/a.h5", f"-restart {d}/a.h5")
+    for ranks in (1, 2):
+        with Held(command(f"{options} -output {d}/a.h5"), env=scene.ENVIRONMENT) as first:
+            first.let(5 * PAGE)
+            for other in others[:4 if ranks == 1 else 1]:
+                code, said, stderr = run(other, ranks)
+                expect(code and len(said) == 1 and f"a.h5: is being written by process {first.process.pid} on "
+                       in said[0], f"{other}, {ranks} ranks: exit {code}, {stderr}")
+            expect(first.end() == (0, ""), "the first does not end well")
+        a, whole = read(d / "a.h5"), read(d / "whole.h5")
+        expect(a["finished"] and np.array_equal(a["t"], whole["t"]) and np.array_equal(a["x"], whole["x"]),
+               "the first is not what it is alone")
+        expect(not list(d.glob("*.lock")) and not list(d.glob("*.part")), f"left: {list(d.iterdir())}")
+    (d / "table.csv").write_text("friction_mu\n1\n0.5\n0\n")
+    sweep = f"{options} -task sweep -sweep_file {d}/table.csv -sweep_directory {d}/runs -output "
+    with Held(command(f"{sweep} {d}/s.h5"), env=scene.ENVIRONMENT) as first:
+        first.let(5 * PAGE)
+        for file, word in (("s", "-output"), ("t", "-sweep_directory")):
+            code, said, stderr = run(f"{sweep} {d}/{file}.h5 -snes_view")
+            expect(code and len(said) == 1 and f"{word} " in said[0] and "is being written by" in said[0],
+                   f"{file}: exit {code}, {stderr}")
+        expect(first.end() == (0, ""), "the first sweep does not end well")
+    expect(len(list((d / "runs").glob("*.h5"))) == 3, "members are missing")
+    with Held(command(f"{options} -output {d}/b.h5"), env=scene.ENVIRONMENT) as first:
+        first.let(5 * PAGE)
+        first.send_signal(signal.SIGKILL)
+        first.end()
+    expect(run(f"{options} -output {d}/b.h5")[0] == 0, "what a killed one held stays held")
+
+
+@check
+def no_shared_memory_is_left():
+    """A run of one process has none; Open MPI 5 would leave a segment behind each time."""
+    with Held(command(f"{DRY} -rod_cells 60 -ts_max_time 1"), env=scene.ENVIRONMENT) as first:
+        first.let(5 * PAGE)
+        maps = Path(f"/proc/{first.process.pid}/maps")
+        shared = re.findall(r"/dev/shm/\S+|\S*(?:vader|sm)_segment\S*", maps.read_text()) if maps.exists() else []
+        first.end()
+    expect(not shared, f"has {shared}")
 
 
 @check

@@ -8,12 +8,12 @@ import shlex
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 from xml.etree import ElementTree
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
+from held import PAGE, Held
 from scene_test import DRY, Run, distance, expect
 
 import h5py
@@ -164,23 +164,63 @@ def restart():
 
 @check
 def restart_after_a_signal():
+    """Stopped between two stores, or killed behind one: it goes on to the end of the unbroken run."""
     d = scene.SCRATCH
-    options = f"{DRY} -ts_max_time 12 -output_interval 0.25 -rod_cells 8000 "
+    options = f"{DRY} -ts_max_time 12 -output_interval 0.05 -rod_cells 1000 "
     tendril(f"{options} -output {d}/whole.h5")
     whole = read(f"{d}/whole.h5")
     for number in (signal.SIGTERM, signal.SIGKILL):
         file = Path(f"{d}/{number.name}.h5")
-        run = subprocess.Popen([scene.TENDRIL, *shlex.split(options), "-output", file],
-                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-                               env=scene.ENVIRONMENT)
-        while run.poll() is None and not (file.exists() and file.stat().st_size > 1e6):
-            time.sleep(0.01)
-        expect(run.poll() is None, "ended before it could be stopped")
-        time.sleep(0.05)
-        run.send_signal(number)
-        expect(run.wait() != 0, "exit 0 after a signal")
+
+        def stored():
+            return len(read(file)["shapes/t"]) if file.exists() else 0
+
+        with Held([scene.TENDRIL, *shlex.split(options), "-output", file],
+                  env=scene.ENVIRONMENT) as run:
+            run.let(18 * PAGE)  # its first steps are small, and store nothing
+            expect(run.until(lambda: stored() > 1), "ended before it was stored")
+            before = stored()
+            run.send_signal(number)
+            code, said = run.end()
+        expect(code != 0, "exit 0 after a signal")
+        if number == signal.SIGTERM:
+            expect(said.startswith("tendril: interrupted by signal 15 at t = ") and
+                   said.count("\n") == 1, said)
+        expect(before <= stored() < len(whole["shapes/t"]), f"{stored()} shapes are stored")
         tendril(f"-restart {file}")
         same_run(read(file), whole, number.name, 1e-6)
+
+
+@check
+def said_at_the_end():
+    """What was asked for and did not happen, what is stored and what is not, where x2 is measured."""
+    d, short = scene.SCRATCH, f"{DRY} -rod_cells 40 -ts_max_time 0.1 "
+    text = tendril(f"{short} -stop_length 300 -stop_angle 2")
+    for words in ("not reached by t = 0.1: -stop_length 300\n", "not reached by t = 0.1: -stop_angle 2\n",
+                  "nothing is stored; -output FILE keeps the result\n"):
+        expect(words in text, text)
+    text = tendril(f"{short} -stop_length 2.05 -output {d}/a.h5")
+    expect("not reached" not in text and "nothing is stored" not in text and "clamp" not in text, text)
+    expect("-output_interval: no shapes are stored without -output" in tendril(f"{short} -output_interval 0.01", 1),
+           "-output_interval")
+    text = tendril(f"{short} -clamp_angle -90deg -output {d}/down.h5")
+    off = float(re.search(r"line of the clamp, at -1.571 rad, the tip is (\S+) off", text).group(1))
+    expect(abs(off / read(f"{d}/a.h5")["series/tip_x2"][-1] - 1) < 0.1, text)
+    for output, words in (("", "nothing is stored without -output FILE"),
+                          (f"-output {d}/b.h5", "the results up to there are stored")):
+        with Held([scene.TENDRIL, *shlex.split(f"{short} {output}")], env=scene.ENVIRONMENT) as run:
+            run.let(5 * PAGE)
+            run.send_signal(signal.SIGINT)
+            said = run.end()[1]
+        expect(f"; {words}\n" in said, said)
+    with h5py.File(f"{d}/b.h5") as f:
+        expect(f.attrs["interrupted"].decode().startswith("by signal 2 at t = "), f.attrs["interrupted"])
+    tendril(f"-restart {d}/b.h5")
+    with h5py.File(f"{d}/b.h5") as f:
+        expect(f.attrs["interrupted"] in (b"", ""), f"{f.attrs['interrupted']}")
+    # units as they are written: with blanks between their parts
+    for said in ("'2.209 N mm^2' -si_friction_dry '0.5 N / m'", "2.209Nmm^2 -si_friction_dry 0.5N/m"):
+        expect("0.01640874 m" in tendril(f"-task units -si_speed 1 -si_bending_stiffness {said}"), said)
 
 
 TUBE = "-si_bending_stiffness 4.4907e-4 -si_friction_dry 20.03 "

@@ -69,6 +69,7 @@ class Run:
                f"tendril {options}, {ranks} ranks: exit {done.returncode}, {done.stderr.strip()}")
         found = re.search(r"error estimate ([0-9.e+-]+)", done.stdout)
         self.estimate = float(found.group(1)) if found else None
+        self.said = done.stdout
         with h5py.File(file) as f:
             expect(f.attrs["finished"] == 1, f"{options}: not finished")
             expect(f.attrs["ranks"] == ranks, f"{options}: ran on {f.attrs['ranks']} ranks")
@@ -135,7 +136,8 @@ def expect_reference(name, more, defect):
            f"{name} {more}: energy defect {late:.1e}, {r.energy_defect.max():.1e} at first")
     worst = {k: max(e) for k, e in worst.items()}
     largest = max(worst.values())
-    expect(largest <= r.estimate <= (80 if "mixed" in more else 20) * largest,
+    # (it is of the whole run, the measured one of its second half and its end)
+    expect(largest <= r.estimate <= 80 * largest,
            f"{name} {more}: estimated error {r.estimate:.1e}, measured {largest:.1e}")
     print(f"{name:13} {more:40} {r.steps:5} steps, {r.newton_iterations.sum():5.0f} Newton, largest "
           f"errors: |x2| {worst['norm_x2']:.1e}, energy {worst['energy']:.1e}, "
@@ -153,6 +155,28 @@ def accuracy():
             expect(asked / 100 <= largest <= asked, f"{name}: asked {asked:g}, found {largest:.1e}")
     few = Run(DRY + "-ts_max_time 1 -accuracy 1e-2 -rod_cells 77 -output_interval 1")
     expect(len(few.shapes["s"]) == 78, "-accuracy overrides -rod_cells")
+
+
+@check
+def scales():
+    """Lengths that a scene gives: what cells are too long for is in the estimate, and said in a line."""
+    layer = "-ts_max_time 3 -shape_amplitude 0.8 -friction_layers 0:1,1.1:0.34 -friction_layer_width 0.0054 "
+    bell = "-growth_type apical -growth_initial_length 1 -rod_curvature_random 0.1 -ts_max_time 3 "
+    for options, more, says in ((layer, "-rod_cells 150", "-friction_layer_width 0.0054"),
+                                (bell + "-growth_zone 0.05 ", "-rod_cells 40", "-growth_zone 0.05"),
+                                (bell + "-growth_zone 0.17 ", "-accuracy 1e-4", None),
+                                (DRY + "-ts_max_time 3 ", "-rod_cells 60", None)):
+        r = Run(options + more)
+        fine = Run(options + "-rod_cells 2000 -ts_rtol 1e-7")
+        error = max(np.hypot(r.tip_x1[-1] - fine.tip_x1[-1], r.tip_x2[-1] - fine.tip_x2[-1]) / fine.tip_x1[-1],
+                    *(abs(r.series[k][-1] / fine.series[k][-1] - 1) for k in ("norm_x2", "energy")))
+        print(f"{options}{more}: off by {error:.1e}, estimated {r.estimate:.1e}")
+        expect(error < r.estimate, f"{options}{more}: off by {error:.1e}, estimated {r.estimate:.1e}")
+        expect("-accuracy" not in more or error < 1e-4, f"{options}{more}: off by {error:.1e}")
+        expect(says is None or says in r.said, f"{options}{more}: nothing is said of {says}")
+        expect(says or "may miss it" not in r.said, f"{options}{more}: warns: {r.said}")
+    r = Run("-growth_type gaussian -growth_width 1e-4 -ts_max_time 5")
+    expect(r.tip_x1[-1] < r.length[-1] + 1e-6, f"a rod {r.length[-1]} long has its tip at {r.tip_x1[-1]}")
 
 
 @check
@@ -466,6 +490,37 @@ def snap():
         expect(distance(stuck, limit) < 2e-3, f"{amplitude}: exact Coulomb, tip {stuck}")
         expect(distance(on_two.tip, dry.tip) < 1e-5, f"{amplitude}: two ranks, tip {on_two.tip}")
         expect(dry.energy_defect[-1] < 1e-3, f"{amplitude}: defect {dry.energy_defect[-1]:.1e}")
+
+
+@check
+def sides():
+    """Rods beyond critical at the start give way to the side they are bent to, one half-way by the path
+    of a vanishing viscous share: a first step longer than the time in which they grow would mirror them.
+    The reference shares no snap and no such step: mu = 0.999 where friction is dry, and first steps of
+    1e-12."""
+    starts = [(length, load, amplitude, mu) for length, load, amplitude, mu in (
+        (.05, 8, 1, 0), (.05, 8, 1, 1), (.05, 15, .1, 1), (.05, 15, 1, 1), (.1, 8, 1, 0), (.1, 15, 1, 1),
+        (.2, 15, .1, 0), (.35, 15, 1, 0), (.5, 60, .1, 1), (.5, 60, 1, 0))]
+    for length, load, amplitude, mu in starts:
+        rod = (f"-growth_initial_length {length} -tip_force {load / length ** 2:.6g} "
+               f"-shape_amplitude {amplitude} -ts_max_time {.2 * length:.3g} ")
+        right = Run(rod + f"-friction_mu {min(mu, .999)} -ts_dt 1e-12").tip
+        for more in ("", "-ts_rtol 1e-4", "-ts_rtol 1e-8"):
+            tip = Run(rod + f"-friction_mu {mu} {more}").tip
+            expect(distance(tip, right) < 0.01, f"{rod} mu {mu} {more}: tip {tip}, not {right}")
+        print(f"L {length}, P L^2 {load}, amplitude {amplitude}, mu {mu}: tip {tip / length}")
+    two = Run(rod + f"-friction_mu {mu}", ranks=2).tip
+    expect(distance(two, right) < 0.01, f"{rod} on two ranks: tip {two}, not {right}")
+
+
+@check
+def tiny():
+    """|x2| below 1e-154, whose square is no number, and its e-folds in the estimate."""
+    r = {a: Run(f"-ts_max_time 3 -shape_amplitude {a}") for a in ("1e-130", "1e-160")}
+    a, b = r.values()
+    expect(abs(b.norm_x2[-1] * 1e30 / a.norm_x2[-1] - 1) < 1e-6, f"{a.norm_x2[-1]}, {b.norm_x2[-1]}")
+    expect(abs(b.estimate / a.estimate - 1) < 0.01, f"estimates {a.estimate}, {b.estimate}")
+    print(f"|x2| {b.norm_x2[-1]:.2e}, estimate {b.estimate:.1e}")
 
 
 @check

@@ -4,19 +4,20 @@
     sweep_test.py build/tendril [--mpiexec mpiexec] CHECK...      (no CHECK: all of them)"""
 
 import argparse
+import fcntl
 import re
 import shlex
 import signal
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
 from scene_test import Failure, expect
 from faults import small_disk
+from held import MONITORS, Held
 
 import h5py
 import numpy as np
@@ -186,33 +187,31 @@ def stopped(ranks, number, ways):
     """Stopped when a part is stored, and gone on with: as if it had not been."""
     table = "friction_mu,shape_amplitude\n" + "".join(
         f"{1 - k / 100},{0.1 + k / 1000}\n" for k in range(40))
-    options = f"{ALL} -rod_cells 100 -ts_rtol 1e-6 -ts_max_time 2"
+    options = f"{ALL} -rod_cells 100 -ts_rtol 1e-6 -ts_max_time 2 {' '.join(MONITORS)}"
     whole, _ = sweep(table, options, 2, file="whole.h5")
-    command = [scene.MPIEXEC, "-n", str(ranks), "--bind-to", "none"] if ranks > 1 else []
-    command += shlex.split(f"{scene.TENDRIL} {SHORT} {options} -task sweep -sweep_file table.csv "
-                           "-output out.h5")
+    command = shlex.split(f"{scene.TENDRIL} {SHORT} {options} -task sweep -sweep_file table.csv "
+                          "-output out.h5")
+    launch = [scene.MPIEXEC, "-n", str(ranks), "--bind-to", "none"] if ranks > 1 else []
     place = Path(scene.SCRATCH) / "out.h5"
-    for way in range(ways):
-        run = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
-                               env=scene.ENVIRONMENT, cwd=scene.SCRATCH)
-        before = load_sweep(place).status.sum() if place.exists() else 0
-        for _ in range(LIMIT * 20):
-            time.sleep(0.05)
-            stored = place.exists() and load_sweep(place).status.sum()
-            if stored > before or run.poll() is not None:
-                break
-        run.send_signal(number)
-        said = run.communicate(timeout=LIMIT)[1]
-        s = load_sweep(place)
-        done = int((s.status == 1).sum())
-        expect(done >= before and set(s.status) <= {0, 1}, f"status {s.status}")
-        if done < 40 and number == signal.SIGTERM:
+
+    def stored():
+        return int((load_sweep(place).status == 1).sum()) if place.exists() else 0
+
+    for _ in range(ways):
+        before = stored()
+        with Held(command, launch, env=scene.ENVIRONMENT, cwd=scene.SCRATCH) as run:
+            expect(run.until(lambda: stored() > before, pages=100), "ended before it could be stopped")
+            run.send_signal(number)
+            code, said = run.end()
+        done = stored()
+        expect(code and before < done < 40, f"exit {code}, {done} of 40 are stored, {said}")
+        if number == signal.SIGTERM:
             lines = [t for t in said.splitlines() if t.startswith("tendril: ")]
-            expect(run.returncode and len(lines) == 1 and
+            expect(len(lines) == 1 and
                    f"interrupted by signal 15; {done} of 40 runs are stored" in lines[0], said)
     s, said = sweep(table, options, ranks)
     expect(s.finished and (s.status == 1).all(), f"status {s.status}")
-    expect(done in (0, 40) or f"{done} of 40 runs are in out.h5 already" in said, said)
+    expect(f"{done} of 40 runs are in out.h5 already" in said, said)
     for k in range(40):
         same(whole.member(k), s.member(k), f"member {k}")
 
@@ -393,12 +392,12 @@ def memory():
     expect(most[1] < most[0] + 3000, f"{most} kB")  # 2 kB a member would be 3600
 
 
-def script(command, code=0):
+def script(command, code=0, cwd=ROOT):
     """What a script prints."""
     environment = dict(scene.ENVIRONMENT, TENDRIL=scene.TENDRIL, MPIEXEC=scene.MPIEXEC,
                        PYTHON=sys.executable, PYTHONPATH=str(ROOT / "scripts"))
     done = subprocess.run(shlex.split(command), capture_output=True, text=True, env=environment,
-                          cwd=ROOT, timeout=LIMIT)
+                          cwd=cwd, timeout=LIMIT)
     expect(done.returncode == code, f"{command}: {done.returncode}, {done.stderr}")
     return done.stdout + done.stderr
 
@@ -411,7 +410,7 @@ def sweep_script():
     said = script(command, 1)
     expect("sweep: 4 points, 4 to run here, 2 at a time" in said and "1 points failed" in said, said)
     expect("friction_mu=1.5__friction_layers=0:1: tendril: -friction_mu 1.5: too large" in said, said)
-    same(single("-friction_mu 0.5 -friction_layers 0:1"),
+    same(single("-friction_mu 0.5 -friction_layers 0:1 -output_shapes 1"),  # as a member stores them
          load(Path(d) / "a/friction_mu=0.5__friction_layers=0:1.h5"), "sweep.sh")
     expect("sweep: 4 points, 1 to run here" in script(command, 1), command)
     said = script(f"scripts/sweep.sh {d}/c -friction_mew 1 -- friction_mu 0,1", 1)
@@ -419,6 +418,24 @@ def sweep_script():
     script(f"scripts/sweep.sh {d}/d -task stability -stability_points 3 -stability_vertices 20 -- "
            "friction_mu 0,1")
     expect(len(list(Path(f"{d}/d").glob("*.h5"))) == 2, "stability")
+
+
+@check
+def script_from_elsewhere():
+    """Files count from where one is; one sweep at a time is at work in a directory."""
+    d = Path(scene.SCRATCH)
+    (d / "a.opts").write_text(SHORT.replace(" -", "\n-") + "\n")
+    command = f"{ROOT}/scripts/sweep.sh here -j 1 -options_file a.opts -- friction_mu 0,1"
+    script(command, cwd=d)
+    expect(len(list((d / "here").glob("*.h5"))) == 2, f"{list(d.rglob('*.h5'))}")
+    expect(not (ROOT / "here").exists(), "wrote into the project")
+    with open(d / "here/running/lock.all", "a") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        said = script(command, 1, cwd=d)
+        expect("another sweep is at work there" in said, said)
+    script(command, cwd=d)
+    said = script(f"{ROOT}/scripts/run.sh no-such-scene", 1, cwd=d)
+    expect("no options file no-such-scene here" in said, said)
 
 
 @check

@@ -57,7 +57,7 @@ def main():
         for name, size in LEFT.items():
             assert Path(name).stat().st_size > size, name
         os.chdir(ROOT)
-    for words in ("6.95 cm, flutter", "did you mean -friction_mu", r"si_friction_dry +0\.(49|50)"):
+    for words in ("6.95 cm, flutter", "did you mean friction_mu", r"si_friction_dry +0\.(49|50)"):
         assert re.search(words, said), f"{words!r} is not said:\n{said}"
     print(f"{NOTEBOOK.name} runs, by {execute.__name__}")
 

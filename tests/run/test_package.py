@@ -26,7 +26,8 @@ try:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     import tendril
-    from tendril import map, runs
+    from tendril import maps as map
+    from tendril import runs
     from tendril.units import in_laboratory
 except ImportError as error:
     from_venv(error)
@@ -78,14 +79,14 @@ class Package(unittest.TestCase):
         with self.assertRaises(tendril.RunError) as refused:
             tendril.run("feed", frictoin_mu=1)
         self.assertEqual(str(refused.exception),
-                         "-frictoin_mu: unknown option, did you mean -friction_mu?")
+                         "frictoin_mu: unknown option, did you mean friction_mu?")
         self.assertIsNone(refused.exception.results)
         with self.assertRaises(tendril.RunError) as broken:
             tendril.run("feed", ts_max_steps=9, **SHORT)
         self.assertEqual(len(broken.exception.results.series.t), 10)
         with self.assertRaisesRegex(tendril.TendrilError, "no options file"):
             tendril.run("no-such-scene")
-        with self.assertRaisesRegex(tendril.ResultsError, "-si_speed"):
+        with self.assertRaisesRegex(tendril.ResultsError, "with si_bending_stiffness"):
             self.runs[0].dataset(si=True)
         place, os.environ["TENDRIL"] = os.environ["TENDRIL"], str(self.place / "none")
         try:
@@ -120,10 +121,93 @@ class Package(unittest.TestCase):
         named = {u: in_laboratory(u, r.scale)[1] for u in r.units.values()}
         self.assertEqual({u for u, si in named.items() if u == si}, {"1", "rad"})
         self.assertEqual(r.dataset().width.attrs["units"], "l")
+        slow = tendril.run({k: v for k, v in TUBE.items() if k not in ("si_speed", "output_interval")})
+        table = slow.dataset(si=True)  # what has no scale is left out, the time stays as it is
+        self.assertEqual((table.width.attrs["units"], table.t.attrs["units"]), ("m", "l/V"))
+        self.assertNotIn("tip_speed", table)
+
+    def test_between(self):
+        """A shape between stored ones is where a run that stored it there has it; of too few, and outside,
+        there is none."""
+        rod = dict(growth_type="feed", growth_initial_length=2, shape_amplitude=0.1, rod_cells=100, ts_max_time=8)
+        r, fine = tendril.run(rod), tendril.run(rod, output_interval=0.27)
+        self.assertEqual(len(r.shapes.t), 81)
+        for k in range(1, len(fine.shapes.t)):
+            shape = r.at(fine.shapes.t[k])
+            self.assertLess(np.abs(shape.x - fine.shapes.x[k]).max(), 0.003 * shape.length)
+        self.assertEqual([r.at(t).stored for t in (0, 4, 4.01)], [True, True, False])
+        for t in (-0.1, 8.1):
+            with self.assertRaisesRegex(tendril.ResultsError, "runs from t = 0 to 8"):
+                r.at(t)
+        few = tendril.run(rod, output_shapes=1)
+        self.assertEqual(len(few.shapes.t), 2)
+        with self.assertRaisesRegex(tendril.ResultsError, "too few shapes"):
+            few.at(4)
+        self.assertEqual(few.at(5, nearest=True).t, 8)
+        with self.assertRaisesRegex(tendril.RunError, "leave one out"):
+            tendril.run("feed", output_shapes=3)
+
+    def test_shapes_of_the_program(self):
+        """A run that keeps a file stores 41 shapes up to its end, also where a length ends it; a member of
+        a sweep two."""
+        file = self.place / "plain.h5"
+        for words, end in ((("-ts_max_time", "2"), 2.0), (("-stop_length", "1.3"), 0.8)):
+            subprocess.run([runs.executable(), "-rod_cells", "30", "-quiet", "-output", file, *words], check=True)
+            np.testing.assert_allclose(tendril.load(file).shapes.t, np.linspace(0, end, 41), atol=1e-9)
+        rod = dict(growth_type="feed", rod_cells=30)
+        tendril.run(rod, ts_max_time=1, output=file)  # 80 shapes, which a restart is not held to
+        for more in (dict(output_interval=0.5), dict(output_shapes=4)):
+            on = tendril.run(rod, ts_max_time=2, restart=file, output=self.place / "on.h5", **more)
+            np.testing.assert_allclose(on.shapes.t[-3:], [1, 1.5, 2])
+        s = tendril.sweep({}, {"ts_max_time": [0.5]}, rod_cells=30)
+        self.assertEqual(list(s.members[0].shapes.t), [0, 0.5])
+
+    def test_tasks_in_files(self):
+        """A scene whose file says another task than to grow is run as it is."""
+        self.assertAlmostEqual(float(tendril.run("critical").critical["length"]), 1.987133724512, delta=1e-9)
+
+    def test_walls(self):
+        """Walls as values are those of a file."""
+        lines = [tendril.plane((3, 0), (-1, 0)), tendril.circle(("2.6", 0.25), 0.7, friction=0.3),
+                 tendril.polygon([(1, -2), (2, -2), (2, -1)]), tendril.conduit(0.5, [(-0.5, 0), (3.5, 0)])]
+        self.assertEqual(lines, ["plane 3 0 -1 0", "circle 2.6 0.25 0.7 outside friction 0.3",
+                                 "polygon outside 1 -2 2 -2 2 -1", "path 0.5 -0.5 0 3.5 0"])
+        r = tendril.run("feed", contact_diameter=0.1, wall_file=[lines[0]], rod_cells=40, ts_max_time=0.1,
+                        output_interval=0.1)
+        self.assertEqual(r.attributes["walls"].split()[:5], ["plane", "3", "0", "-1", "0"])
+        with self.assertRaisesRegex(tendril.TendrilError, "circle: centre"):
+            tendril.circle(3, 1)
+
+    def test_what_is_given_to_draw(self):
+        """One line for what cannot be drawn; names of files, critical lengths, a sweep, somebody's axes."""
+        import matplotlib.pyplot as plt
+
+        for draw in (tendril.plot, tendril.view):
+            for wrong in ([], 5, self.place / "none.h5"):
+                with self.assertRaisesRegex(tendril.TendrilError, "(no run|not int|no such file)"):
+                    draw(wrong)
+        figure = tendril.plot(tendril.critical("feed"))
+        self.assertEqual(len(figure.axes), 1)
+        ax = plt.figure().subplots()
+        self.assertIs(tendril.plot(self.runs, "width", ax=ax), ax.figure)
+        np.testing.assert_array_equal(ax.lines[1].get_ydata(), self.runs[1].series.width)
+        plt.close(ax.figure)
+        self.assertIn("srcdoc", self.tube._repr_html_())
+        self.assertIn("width", dir(self.tube.series))
+        many = tendril.plot([self.tube] * 9, "width", overlay=True)
+        self.assertEqual(len(many.axes[0].lines), 9)
+
+    def test_colours(self):
+        """No two of runs drawn together are the same, however many."""
+        from tendril.pictures import colours
+
+        for count in (2, 7, 8, 20):
+            self.assertEqual(len(set(colours(count))), count)
 
     def test_csv(self):
         self.tube.to_csv(self.place / "tube.csv", si=True)
         head, *rows = (self.place / "tube.csv").read_text().splitlines()
+        self.assertEqual(head.split(",")[:2], ["t (s)", "length (m)"])
         self.assertIn("width (m)", head)
         self.assertEqual(len(rows), len(self.tube.series.t))
         frame = self.runs[0].frame()
@@ -141,8 +225,22 @@ class Package(unittest.TestCase):
         self.assertEqual(float(table.width.sel(friction_mu=0, growth_initial_length=2)),
                          self.runs[0].series.width[-1])
         self.assertTrue(np.isnan(table.width.sel(friction_mu=2)).all())
-        kept = self.place / "sweep" / "friction_mu=1__growth_initial_length=2.h5"
-        self.assertEqual(tendril.load(kept).series.width[-1], self.runs[1].series.width[-1])
+        kept = tendril.load(self.place / "sweep/sweep.h5")
+        self.assertEqual((kept.over, kept.members.shape), (s.over, s.members.shape))
+        self.assertEqual(kept.members[1, 0].series.width[-1], self.runs[1].series.width[-1])
+        np.testing.assert_array_equal(kept.members[1, 0].at(1).x, self.runs[1].at(1).x)
+        self.assertFalse("x" in dict.keys(kept.shapes) and "energy" in dict.keys(kept.series))  # not read yet
+        self.assertEqual(kept.dataset().width.dims, ("friction_mu", "growth_initial_length"))
+        again = tendril.sweep("feed", {"friction_mu": [0, 1, 2], "growth_initial_length": [2, 1]},
+                              directory=self.place / "sweep", **SHORT)
+        finished = s.status == 1
+        np.testing.assert_array_equal(again.seconds[finished], s.seconds[finished])  # not run again
+        with self.assertRaisesRegex(tendril.RunError, "directory .*other options; name another directory"):
+            tendril.sweep("feed", {"friction_mu": [0, 1, 2], "growth_initial_length": [2, 1]},
+                          directory=self.place / "sweep", **SHORT | {"rod_cells": 41})
+        for wrong in ({}, {"friction_mu": []}, {"friction_mu": 0.5}, {"growth_type": "feed"}):
+            with self.assertRaisesRegex(tendril.TendrilError, "^sweep: .*give"):
+                tendril.sweep("feed", wrong)
         lengths = tendril.sweep(over={"tip_force": [0, 1]}, task="critical", friction_beta=1e-6)
         np.testing.assert_allclose(lengths.dataset().length, [1.98635, 1.326992], rtol=1e-5)
 
@@ -153,6 +251,8 @@ class Package(unittest.TestCase):
         s = tendril.sweep(TUBE, {"si_friction_dry": ["0.3N/m", "0.6N/m"], "rod_cells": [50]},
                           directory=self.place / "units", rod_curvature_file=bend, stop_length="3cm")
         self.assertEqual([r.attributes["parameters/si_friction_dry"] for r in s.members.flat], [0.3, 0.6])
+        self.assertEqual([r.scale("length") for r in s.members.flat],
+                         [(2.209e-6 / friction) ** (1 / 3) for friction in (0.3, 0.6)])
         *axes, table, units = map.read(self.place / "units", ["si_friction_dry", "rod_cells"], "width", True)
         self.assertEqual((units, list(axes[0])), (["N/m", "", "mm"], [0.3, 0.6]))
         np.testing.assert_allclose(table[0], [1000 * r.dataset(si=True).width[-1] for r in s.members.flat])
@@ -160,9 +260,9 @@ class Package(unittest.TestCase):
         np.testing.assert_allclose(curvature, 10)  # 1/m
         names = [f"si_friction_dry=0.{n}N_m__rod_cells=50" for n in (3, 6)]
         self.assertEqual([r.name for r in s.members.flat], names)
-        self.assertEqual([f.name for f in sorted((self.place / "units").iterdir())],
-                         [f"{name}.{end}" for name in names for end in ("h5", "xmf")])
-        with self.assertRaisesRegex(tendril.RunError, "did you mean -friction_mu"):
+        numbers = s.dataset(si=True).si_friction_dry
+        self.assertEqual((list(numbers), numbers.attrs["units"]), ([0.3, 0.6], "N/m"))
+        with self.assertRaisesRegex(tendril.RunError, "did you mean friction_mu"):
             tendril.sweep("feed", {"rod_cells": [40, 50]}, frictoin_mu=1)
         s = tendril.sweep(over={"tip_force": [0, 0.5]}, task="stability", friction_beta=1e-3,
                           stability_points=2, stability_end=0.1, stability_vertices=20)
@@ -197,7 +297,8 @@ class Package(unittest.TestCase):
                             "--build-lib", site], cwd=self.place / "scripts", check=True, capture_output=True)
         else:
             shutil.copytree(self.place / "scripts/tendril", site / "tendril")
-        self.assertTrue((site / "tendril/web/uplot/uPlot.iife.min.js").is_file())
+        for part in ("web/uplot/uPlot.iife.min.js", "py.typed", "options/feed.opts", "options/data/stones.txt"):
+            self.assertTrue((site / "tendril" / part).is_file(), part)
         readme = (ROOT / "README.md").read_text()
         code = re.search(r"(?m)^    import tendril\n(    .*\n)+", readme)[0]
         lines = [line[4:] for line in code.splitlines()]
@@ -212,8 +313,10 @@ class Package(unittest.TestCase):
 
     def test_version(self):
         text = (ROOT / "scripts/pyproject.toml").read_text()
+        program = re.search(r"project\(tendril VERSION ([0-9.]+)", (ROOT / "CMakeLists.txt").read_text())[1]
+        self.assertEqual(program, tendril.__version__)
         version = re.search(r'(?m)^version = "(.*?)"', text)[1]
-        self.assertEqual(self.tube.attributes["version"], version)
+        self.assertEqual({self.tube.attributes["version"], tendril.__version__}, {version})
 
     def test_help(self):
         """Every shell script tells how it is used."""

@@ -58,7 +58,7 @@ class Scripts(unittest.TestCase):
         self.assertTrue(all(len(a) == len(r.series.t) for a in r.series.values()))
         np.testing.assert_allclose(r.shapes.t, [0, 0.5, 1, 1.5, 2], atol=1e-12)
         np.testing.assert_allclose(r.series.length, 0.5 + r.series.t, rtol=1e-12)
-        shape = r.at(0.9)
+        shape = r.at(0.9, nearest=True)
         self.assertEqual((shape.index, shape.x.shape, shape.force.shape), (2, (61, 2), (61, 2)))
         self.assertAlmostEqual(shape.length, 1.5)
         self.assertAlmostEqual(shape.theta[0], -0.5)
@@ -94,8 +94,22 @@ class Scripts(unittest.TestCase):
                 base.with_suffix(ending).unlink()
 
     def test_plot_tells_of_times_it_lacks(self):
-        _, out, _ = quietly(pictures.main, [self.file, "--times", "0.7,2", "--panels", "shapes"])
-        self.assertIn("no shape stored at t = 0.7", out)
+        """Where too few shapes are stored to tell that of another time, and only there."""
+        few = self.file.parent / "few.h5"
+        subprocess.run([TENDRIL, "-output", few, *"-rod_cells 60 -growth_initial_length 2 -shape_amplitude 0.5 "
+                        "-ts_max_time 20 -output_shapes 1".split()], check=True, stdout=subprocess.DEVNULL)
+        for file, time, word in ((self.file, "0.7", None), (few, "4", "no shape stored at t = 4, drawn at 0")):
+            _, out, _ = quietly(pictures.main, [file, "--times", time, "--panels", "shapes", "--output",
+                                                self.file.parent / "times"])
+            self.assertIn(word, out) if word else self.assertEqual(out, "")
+
+    def test_one_picture_of_its_name(self):
+        """A name with an ending is that file; a PDF holds no Type 3 font, which journals refuse."""
+        base = self.file.parent / "named"
+        for ending in (".png", ".svg", ".pdf"):
+            self.assertEqual(quietly(pictures.main, [self.file, "--output", f"{base}{ending}"])[0], 0)
+        self.assertEqual(sorted(f.name for f in base.parent.glob("named*")), ["named.pdf", "named.png", "named.svg"])
+        self.assertNotIn(b"/Type3", base.with_suffix(".pdf").read_bytes())
 
     def test_a_time_beyond_the_end_is_an_error(self):
         base = self.file.parent / "beyond"
@@ -128,10 +142,10 @@ class Scripts(unittest.TestCase):
                                                   "--output", film])
         self.assertEqual((result, out, err), (0, f"animate: {film}, 5 frames\n", ""))
         for main, more, word in ((pictures.main, ["--times", "4s"], "seconds"),
-                                 (pictures.main, ["--si"], "--si"),
+                                 (pictures.main, ["--si"], "si needs"),
                                  (pictures.main, ["--times", "4furlong"], "min"),
                                  (films.main, ["--from", "4s"], "seconds"),
-                                 (films.main, ["--si"], "--si")):
+                                 (films.main, ["--si"], "si needs")):
             result, _, err = quietly(main, [self.file, *more, "--output", d / "no.gif"])
             self.assertEqual((result, err.count("\n")), (1, 1), err)
             self.assertIn(word, err)

@@ -55,6 +55,7 @@ const mice = async (u, ...steps) => {
   try {
     await frame();
     seen.ready = document.body.dataset.ready;
+    seen.opened = state.t;
     seen.milliseconds = performance.now();
     seen.charts = titles();
     seen.wide = document.documentElement.scrollWidth - innerWidth;
@@ -147,6 +148,15 @@ class View(unittest.TestCase):
         self.assertNotRegex(page, r'(src|href)="')
         self.assertIn("Permission is hereby granted", page)
 
+    def test_a_motion_that_happened(self):
+        """Between two stored shapes the rod is drawn in a straight motion only where that is what it did; of
+        a run of which the first and the last are stored it is not."""
+        rod = dict(growth_type="feed", growth_initial_length=2, shape_amplitude=0.1, rod_cells=60, ts_max_time=8)
+        fair = [array(content(self.page(tendril.run(rod, output_shapes=n)))["runs"][0]["shapes"]["fair"])
+                for n in (1, 80)]
+        self.assertEqual((len(fair[0]), fair[0].sum()), (1, 0))
+        self.assertEqual((len(fair[1]), fair[1].sum()), (80, 80))
+
     def test_size(self):
         r = tendril.run("feed", output_interval=0.04)
         self.assertGreaterEqual(len(r.shapes.t), 200)
@@ -170,6 +180,7 @@ class View(unittest.TestCase):
         seen = self.seen(self.page(r), "1280,900")
         self.assertNotIn("error", seen)
         self.assertEqual((seen["ready"], seen["moved"], seen["wide"]), ("yes", True, 0))
+        self.assertAlmostEqual(seen["opened"], r.series.t[-1], 4)  # on what has come of it
         self.assertIn("energy", seen["charts"])
         middle = r.series.t[-1] / 2
         self.assertEqual(seen["now"].strip(), f"t = {middle:.4g}")

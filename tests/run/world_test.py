@@ -146,6 +146,10 @@ QUARTER, PINNED = np.pi ** 2 / 4, 4.493409457909064  # PINNED: tan k = k
 EXACT = [  # options, critical length, frequency, tolerance
     ("", 1.98635270743, 0, 2e-10),
     ("-tip_force 1", 1.3269921241, 0, 1e-10),
+    # a tip that is pulled: u_zz + (z + P) u = 0, u_z(0) = 0, by shooting
+    ("-tip_force -1", 3.2274203743, 0, 1e-10),
+    ("-tip_force -5", 7.3381072989, 0, 1e-9),
+    ("-tip_force -20", 22.3381074105, 0, 1e-8),
     ("-friction_across 2", 1.514906050297, 0, 1e-10),
     ("-growth_type feed -friction_across 0.5", 4.23771992, 0.609585 / 0.5, 2e-9),
     ("-growth_type feed", 4.23771992, 0.609585, 2e-9),
@@ -175,6 +179,17 @@ def critical_exact():
         expect((found > 0) == (frequency != 0), f"{options}: frequency {found}")
         if frequency:
             expect(abs(found / frequency - 1) < 3e-6, f"{options}: {found}, not {frequency}")
+
+
+@check
+def critical_pulled():
+    """A tip that is pulled has its eigenvalues over time, too: their sign changes at the critical length."""
+    text = tendril("-task stability -tip_force -5 -rod_cells 30")
+    rows = [[float(v) for v in line.split()] for line in text.splitlines()
+            if re.fullmatch(r"( +[-+.0-9e]+){6}", line)]
+    expect(len(rows) > 10, f"few rows: {text}")
+    rates = [row[2] for row in rows if row[1] < 7.3]
+    expect(max(rates) < 0 and np.all(np.diff(rates) > 0), f"rates {rates}")
 
 
 @check
@@ -344,6 +359,26 @@ def tip_field():
         expect(off < 1e-9, f"{model}: the clamp's force is off by {off:.1e}")
 
 
+@check
+def exact_at_rest():
+    """Exact friction behind a growth zone: its forces are those of the limit beta -> 0, within the
+    bounds of friction, and not what the noise of the steps makes of them."""
+    bent = ("-growth_type apical -growth_initial_length 1.1 -growth_zone 0.1 -rod_curvature 0.13 "
+            "-shape_type straight -ts_max_time 8 ")
+    wavy = ("-growth_type apical -growth_initial_length 1 -growth_zone 1 -rod_curvature_random 0.3 "
+            "-rod_curvature_length 3 -shape_type straight -ts_max_time 12 ")
+    # options, force at the end and most, energy, each with its bound; of runs with beta 1e-10 and
+    # 1e-12 and tolerances 1e-8 and 1e-9
+    for options, end, most, energy, spread in ((bent, 0.0572, 0.1, 2.5e-9, 4), (wavy, 0.348, 1, 2.978e-3, 1.01)):
+        r = Run(options + "-friction_beta 0")
+        force = np.hypot(r.base_force_1, r.base_force_2)
+        print(f"{options}: force {force[-1]:.4g} at the end, {force.max():.4g} at most, energy "
+              f"{r.energy[-1]:.4g}, {r.steps} steps")
+        expect(abs(force[-1] / end - 1) < 0.02, f"force {force[-1]} at the end, not {end}")
+        expect(force.max() < 1.4 * most, f"force up to {force.max()}, where {most} is possible")
+        expect(1 / spread < r.energy[-1] / energy < spread, f"energy {r.energy[-1]}, not {energy}")
+
+
 # --- references ----------------------------------------------------------------------------------
 
 
@@ -377,7 +412,7 @@ def expect_references(more, bound, defect, names=None):
               f"{', '.join(f'{k} {max(e):.1e}' for k, e in worst.items())}, "
               f"estimated {r.estimate:.1e}; defect {late:.1e}")
         expect(largest < bound, f"{name} {more}: off by {largest:.1e}")
-        expect("mixed" in more or largest < r.estimate < 30 * largest,
+        expect("mixed" in more or largest < r.estimate < 80 * largest,
                f"{name} {more}: estimated error {r.estimate:.1e}, measured {largest:.1e}")
         expect(late < defect, f"{name} {more}: energy defect {late:.1e}")
 

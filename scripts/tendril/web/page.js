@@ -50,9 +50,17 @@ function locate(values, t) {
   return [low, Math.max(0, (t - values[low]) / (values[high] - values[low]))];
 }
 
-// The rod between two stored shapes; of each array of `shapes` the row at that time.
+// Which stored shapes are shown at a time: [the one before, the share of the next]. Where a straight motion
+// between the two is not what the run did (run.shapes.fair), the nearest alone.
+function stored(run, t) {
+  const [k, w] = locate(run.shapes.t, t);
+  if (w === 0 || run.shapes.fair[k]) return [k, w];
+  return w < 0.5 ? [k, 0] : [k + 1, 0];
+}
+
+// The rod at a time; of each array of `shapes` the row.
 function shapeAt(run, t) {
-  const [k, w] = locate(run.shapes.t, t), shape = {};
+  const [k, w] = stored(run, t), shape = {};
   for (const [name, width] of Object.entries(run.widths)) {
     const all = run.shapes[name], a = k * width, b = (w ? k + 1 : k) * width;
     shape[name] = Float32Array.from({ length: width }, (_, i) => all[a + i] * (1 - w) + all[b + i] * w);
@@ -62,6 +70,7 @@ function shapeAt(run, t) {
 
 // ---- the rod ----
 
+const hasContact = data.runs.some((run) => "contact" in run.widths);
 let rod = null;  // uPlot draws its axes, the hook below the rod itself
 
 function limits(x) {
@@ -99,8 +108,12 @@ function equalScales(u) {
 }
 
 const ENDS = [[180, 4, 38], [221, 221, 221], [59, 76, 192]];  // compression, none, tension
+// Where a force stands between none and the strongest, 0 to 1: small ones are told apart, too. The colour
+// bar has its numbers at these places.
+const saturation = (force) => Math.asinh(20 * Math.abs(force) / data.strongest) / Math.asinh(20);
+
 function shade(force) {
-  const size = Math.asinh(20 * Math.abs(force) / data.strongest) / Math.asinh(20);
+  const size = saturation(force);
   const end = force < 0 ? ENDS[0] : ENDS[2];
   const mix = ENDS[1].map((c, i) => Math.round(c + (end[i] - c) * Math.min(1, size)));
   return `rgb(${mix})`;
@@ -134,8 +147,6 @@ function drawWalls(u, run, f) {
 // Arrows of forces, of which `strongest` is the longest; they begin at their places, or end there.
 function drawForces(u, places, forces, strongest, colour, f, end) {
   const scale = ARROW_SHARE * u.bbox.width / strongest, ctx = u.ctx;
-  ctx.strokeStyle = colour;
-  ctx.lineWidth = devicePixelRatio;
   for (let i = 0; i < places.length; i += 2) {
     const dx = forces[i] * scale, dy = -forces[i + 1] * scale;
     if (Math.hypot(dx, dy) < 2 * devicePixelRatio) continue;
@@ -148,24 +159,43 @@ function drawForces(u, places, forces, strongest, colour, f, end) {
     ctx.lineTo(x + dx - head * (dx - 0.5 * dy), y + dy - head * (dy + 0.5 * dx));
     ctx.moveTo(x + dx, y + dy);
     ctx.lineTo(x + dx - head * (dx + 0.5 * dy), y + dy - head * (dy - 0.5 * dx));
-    ctx.stroke();
+    for (const [stroke, width] of [["#fffc", 3.2], [colour, 1.3]]) {  // a rim, over whatever it is drawn
+      ctx.strokeStyle = stroke;
+      ctx.lineWidth = width * devicePixelRatio;
+      ctx.stroke();
+    }
   }
+}
+
+const ended = (run) => state.t / factor(run, "l/V") > run.end * (1 + 1e-6);
+
+function pale(colour) {
+  const part = (i) => Math.round((parseInt(colour.slice(i, i + 2), 16) + 255) / 2);
+  return `rgb(${[1, 3, 5].map(part)})`;
 }
 
 function drawRun(u, run) {
   const shape = shapeAt(run, state.t / factor(run, "l/V")), f = factor(run, "l"), ctx = u.ctx;
   const thick = Math.abs(u.valToPos(run.diameter * f, "x", true) - u.valToPos(0, "x", true));
+  ctx.globalAlpha = ended(run) ? 0.4 : 1;  // it stands where its run has ended
   if (element("friction").checked) drawForces(u, shape.places, shape.friction, data.drag, "#777", f, false);
   ctx.lineWidth = Math.max((several ? 2.5 : 5) * devicePixelRatio, thick);
   ctx.strokeStyle = several ? run.colour : "#333";
   polyline(u, shape.x, f);
   ctx.lineWidth = Math.max(3.4 * devicePixelRatio, thick - 1.6 * devicePixelRatio);
+  if (several && thick > 6 * devicePixelRatio) {  // strands that touch stay apart for the eye
+    ctx.lineWidth = thick - 2 * devicePixelRatio;
+    ctx.strokeStyle = pale(run.colour);
+    polyline(u, shape.x, f);
+    ctx.lineWidth = thick - 1.6 * devicePixelRatio;
+  }
   for (let i = 0; !several && i + 1 < shape.axial.length; i++) {
     ctx.strokeStyle = shade((shape.axial[i] + shape.axial[i + 1]) / 2);
     polyline(u, shape.x.subarray(2 * i, 2 * i + 4), f);
   }
   if (shape.contact && element("contact").checked)
-    drawForces(u, shape.touched, shape.contact, data.press, "#D55E00", f, true);
+    drawForces(u, shape.touched, shape.contact, data.press, "#C2410C", f, true);
+  ctx.globalAlpha = 1;
 }
 
 function drawRods(u) {
@@ -200,8 +230,31 @@ function makeRod() {
     series: [{}, { show: false }], hooks: { draw: [drawRods] },
     padding: [8, 16, 0, 0],  // fixed, so that the box is what the limits were made for
   }, [[0, 1], [0, 0]], element("rod"));
-  element("least").textContent = number(-data.strongest * factor(data.runs[0], "N l"));
-  element("most").textContent = `${number(data.strongest * factor(data.runs[0], "N l"))} ${named("N l")}`;
+  makeBar();
+}
+
+// The colours of the axial force with its numbers, and how strong the longest arrows are.
+function makeBar() {
+  const unit = factor(data.runs[0], "N l"), most = data.strongest * unit, ticks = element("ticks");
+  const place = (v) => 50 + 50 * Math.sign(v) * saturation(v / unit);
+  const inner = [];
+  for (let power = Math.floor(Math.log10(most)); power > Math.log10(most) - 2; power--)
+    if (Math.abs(place(10 ** power) - (inner.length ? place(inner.at(-1)) : 100)) > 14) inner.push(10 ** power);
+  const values = [most, ...inner.filter((v) => place(v) > 60 && place(v) < 88)];
+  ticks.replaceChildren(...[...values.map((v) => -v), 0, ...values].map((v) => {
+    const label = document.createElement("span");
+    label.style.left = `${place(v)}%`;
+    label.textContent = number(v);
+    return label;
+  }));
+  element("bar-label").textContent = withUnit("axial force, compression < 0", "N l");
+  const long = ARROW_SHARE * rod.bbox.width / devicePixelRatio;
+  for (const [id, strongest, there] of [["friction", data.drag, true], ["contact", data.press, hasContact]]) {
+    const key = element(`${id}-key`), f = factor(data.runs[0], "N");
+    key.hidden = !there || !element(id).checked;
+    key.querySelector("i").style.width = `${long}px`;
+    key.querySelector("b").textContent = `${id} ${number(strongest * f)} ${named("N") || "per length"}`;
+  }
 }
 
 // ---- the curves ----
@@ -228,11 +281,13 @@ function resample(run, name, unit, times, log) {
 function columns(chart, runs, times) {
   const lines = [], values = [];
   runs.forEach((run) => chart.series.forEach((name, i) => {
-    if (!(name in run.series) || run.series[name].every((v) => v === 0)) return;
+    if (!(name in run.series) || run.series[name].every((v) => v === 0) && !data.runs.some((other) =>
+      other.series[name] && other.series[name].some((v) => v !== 0))) return;
     lines.push({
-      label: several ? (chart.series.length > 1 ? `${run.name}, ${data.names[name]}` : run.name) : data.names[name],
+      label: several ? (chart.series.length > 1 ? `${run.name}, ${data.symbols[name]}` : run.name)
+        : chart.series.length > 1 ? data.symbols[name] : data.names[name],
       stroke: several ? run.colour : data.colours[i % data.colours.length],
-      dash: several ? DASHES[i % DASHES.length] : [], width: 1.5, points: { show: false }, name,
+      dash: several ? DASHES[i % DASHES.length] : [], width: 1.5, points: { show: false }, name, run,
       value: (u, v) => number(v),
     });
     values.push(resample(run, name, chart.unit, times, chart.log));
@@ -255,7 +310,41 @@ function valueAxis(log) {
   return log ? { ...axis, space: 1, filter: decades, grid: { filter: decades }, ticks: { filter: decades } } : axis;
 }
 
+// The value of a series that is the same throughout all runs; else undefined.
+function constant(name) {
+  const all = data.runs.map((run) => run.series[name]).filter(Boolean), v = all[0][0];
+  return all.every((values) => values.every((one) => one === v)) ? v : undefined;
+}
+
+// In the legend a piece of each line, so that its dashes can be told.
+function showDashes(u, lines) {
+  u.root.querySelectorAll(".u-legend .u-series").forEach((row, i) => {
+    if (!i) return;
+    const { stroke, dash, name } = lines[i - 1], marker = row.querySelector(".u-marker");
+    marker.style.border = "none";
+    marker.innerHTML = `<svg width="26" height="8"><line x1="0" y1="4" x2="26" y2="4" stroke="${stroke}"
+      stroke-width="2" stroke-dasharray="${dash.join(" ")}"/></svg>`;
+    row.title = `${data.names[name]}: ${data.notes[name]}`;
+  });
+}
+
+// A dot where a run ends before the others.
+function markEnds(u, lines) {
+  lines.forEach(({ run, stroke }, i) => {
+    if (run.end * factor(run, "l/V") > lastTime() * (1 - 1e-6)) return;
+    const [times, values] = [u.data[0], u.data[i + 1]];
+    let k = values.length - 1;
+    while (k > 0 && values[k] === null) k--;
+    if (values[k] === null || !Number.isFinite(u.valToPos(values[k], "y", true))) return;
+    u.ctx.beginPath();
+    u.ctx.arc(u.valToPos(times[k], "x", true), u.valToPos(values[k], "y", true), 3.5 * devicePixelRatio, 0, 7);
+    u.ctx.fillStyle = stroke;
+    u.ctx.fill();
+  });
+}
+
 function makeChart(chart, runs, times) {
+  if (chart.series.every((name) => constant(name) !== undefined)) return null;
   const [lines, values] = columns(chart, runs, times);
   if (!values.length) return null;
   const box = document.createElement("div");
@@ -275,11 +364,9 @@ function makeChart(chart, runs, times) {
     scales: { x: { time: false }, y: chart.log ? { distr: 3 } : {} },
     axes: [{ size: 32 }, valueAxis(chart.log)],
     series: [{ label: withUnit("t", "l/V"), value: (u, v) => number(v) }, ...lines],
-    hooks: { draw: [mark] },
+    hooks: { draw: [mark, (u) => markEnds(u, lines)] },
   }, [times, ...values], box);
-  u.root.querySelectorAll(".u-legend .u-series").forEach((row, i) => {
-    if (i) row.title = data.notes[lines[i - 1].name];
-  });
+  showDashes(u, lines);
   follow(u);
   return u;
 }
@@ -321,9 +408,20 @@ function goTo(t) {
   state.t = Math.min(Math.max(t, 0), lastTime());
   element("slider").value = 1000 * state.t / lastTime();
   element("now").textContent = `t = ${number(state.t)} ${named("l/V")}`;
+  tellShapes();
   rod.redraw(false, element("follow").checked);
   if (element("follow").checked) rod.setData(rod.data);  // takes its limits anew
   markTime();
+}
+
+// Which run has ended, and of which time the shape is where none is known in between.
+function tellShapes() {
+  for (const run of data.runs) if (run.note) run.note.textContent = ended(run) ? " (ended)" : "";
+  const held = data.runs.filter((run) => run.shown && !ended(run)).map((run) => {
+    const f = factor(run, "l/V"), [k, w] = stored(run, state.t / f), at = run.shapes.t[k] * f;
+    return w === 0 && Math.abs(at - state.t) > 1e-3 * lastTime() ? at : null;
+  }).filter((t) => t !== null);
+  element("held").textContent = held.length ? `few shapes are stored: that of t = ${number(held[0])} is shown` : "";
 }
 
 function play() {
@@ -367,7 +465,8 @@ function makeRuns() {
     };
     swatch.className = "swatch";
     swatch.style.background = run.colour;
-    label.append(box, swatch, run.name);
+    run.note = document.createElement("small");
+    label.append(box, swatch, run.name, run.note);
     element("runs").append(label);
   }
 }
@@ -387,11 +486,12 @@ function makeAbout() {
       return typeof value === "number" ? number(value * factor(run, unit)) : value ?? "–";
     })], "td");
   const open = Array.from(about.querySelectorAll("details"), (d) => d.open);
-  const zero = Object.keys(data.names).filter((name) => data.runs.every((run) =>
-    (run.series[name] || []).every((v) => v === 0)));
+  const same = Object.keys(data.names).filter((name) => name !== "t" && constant(name) !== undefined);
   const note = document.createElement("p");
   note.className = "hint";
-  note.textContent = zero.length ? `0 throughout: ${zero.map((name) => data.names[name]).join(", ")}` : "";
+  const unitOf = (name) => (data.charts.find((chart) => chart.series.includes(name)) || { unit: "1" }).unit;
+  note.textContent = same.length ? `The same throughout: ${same.map((name) => `${data.names[name]} ${
+    number(constant(name) * factor(data.runs[0], unitOf(name)))} ${named(unitOf(name))}`.trim()).join(", ")}` : "";
   about.replaceChildren(table, note, ...data.runs.map((run, i) => {
     const details = document.createElement("details"), pre = document.createElement("pre");
     details.append(document.createElement("summary"), pre);
@@ -407,10 +507,14 @@ function connect() {
   element("slider").oninput = () => goTo(element("slider").value / 1000 * lastTime());
   element("lab").onchange = changeUnits;
   element("lab-label").hidden = Object.keys(data.units).length === 0;
-  element("contact-label").hidden = !data.runs.some((run) => "contact" in run.widths);
-  for (const id of ["friction", "contact"]) element(id).onchange = () => goTo(state.t);
+  element("contact-label").hidden = !hasContact;
+  for (const id of ["friction", "contact"])
+    element(id).onchange = () => {
+      makeBar();
+      goTo(state.t);
+    };
   element("follow").onchange = redraw;
-  element("bar").hidden = several;
+  element("colours").hidden = several;
   element("friction").checked = !several;  // the arrows of many rods hide one another
   document.addEventListener("keydown", (event) => {
     if (event.code === "Space" && !["INPUT", "BUTTON", "SUMMARY"].includes(event.target.tagName)) {
@@ -429,5 +533,6 @@ function connect() {
 data.runs.forEach(unpack);
 connect();
 makeRuns();
+state.t = lastTime();  // it opens on the last shape: what has come of it
 redraw();
 document.body.dataset.ready = "yes";

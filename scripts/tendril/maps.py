@@ -5,24 +5,31 @@
     scripts/map.sh results/widths --axes friction_mu,growth_initial_length --quantity width
 
 The quantity is a number of the files, or a series, of which the last value is taken. Reads the files of
-scripts/sweep.sh in a directory, or the one file of tendril -task sweep, where final/width and the like
-are quantities too; points that are missing or unfinished stay white."""
+scripts/sweep.sh in a directory, or the one file of tendril -task sweep (or the directory that
+tendril.sweep keeps it in); points that are missing or unfinished stay white.
+
+    tendril.map(sweep, ("friction_mu", "growth_width"), "width").savefig("map.pdf")      in Python"""
+
+from __future__ import annotations
 
 import argparse
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import h5py
 import matplotlib
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
-from .collection import load_sweep
-from .errors import ResultsError, TendrilError
-from .parameters import with_unit
-from .style import STYLE
+from .collection import Sweep, load_sweep
+from .errors import RunError, TendrilError
+from .style import STYLE, InStyle, save
 from .units import DIMENSIONS, KINDS, in_laboratory, suited_to
+from .units import quantity as number_with_unit
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 LABELS = {"friction_mu": r"dry share $\mu$", "growth_width": r"growth width $a$",
           "friction_beta": r"regularisation $\beta$", "growth_initial_length": r"$L_0$",
@@ -38,10 +45,10 @@ def point(path):
 
 def number(text):
     """(number, unit) of 0.5, "0.5" or "0.5N/m"; a plain line for what is none."""
-    try:
-        return with_unit(text)
-    except TendrilError as error:
-        raise ValueError(str(error)) from None
+    found = number_with_unit(text)
+    if not found:
+        raise ValueError(f"{text}: is no number, and has no place on an axis")
+    return found
 
 
 def value_of(file, quantity, si):
@@ -75,32 +82,39 @@ def of_directory(directory, axes, quantity, si):
     return found
 
 
-def of_sweep(path, axes, quantity, si):
-    """{(x, y): value} of the file of a sweep, x and y as (number, unit)"""
-    sweep = load_sweep(path)
-    if si:
-        raise ValueError(f"{path}: --si needs a directory of scripts/sweep.sh, whose files know their scales")
+def of_sweep(sweep, axes, quantity, si):
+    """{(x, y): value} of a sweep, x and y as (number, unit)"""
+    points = [sweep.point(k) for k in range(len(sweep))]
     for axis in axes:
-        if axis not in sweep.columns:
-            raise ValueError(f"{path}: does not vary {axis}")
-    group, _, name = quantity.partition("/")
-    there = {"final": sweep.final, "critical": sweep.critical}.get(group, {})
-    if name not in there:
-        raise ValueError(f"{path}: holds no {quantity}")
-    points = zip(*([number(cell) for cell in sweep.columns[axis]] for axis in axes))
-    unit = sweep.units.get(f"{group}/{name}", "1")
-    return {p: (float(v), unit) for p, v, s in zip(points, there[name], sweep.status) if s == 1}
+        if not points or axis not in points[0]:
+            raise ValueError(f"this sweep does not vary {axis}, but {', '.join(points[0] if points else ())}")
+    ends, name = sweep.ends(si), quantity.rpartition("/")[2]
+    if name not in ends:
+        raise ValueError(f"this sweep holds no {quantity}; there are {', '.join(ends)}")
+    values, unit = ends[name]
+    unit = sweep.units.get(f"final/{name}", sweep.units.get(f"critical/{name}", unit))  # si: read() names it
+    return {tuple(number(p[axis]) for axis in axes): (float(v), unit)
+            for p, v, r in zip(points, values, sweep.members.flat) if not isinstance(r, RunError)}
+
+
+def found_at(place, axes, quantity, si):
+    if isinstance(place, Sweep):
+        return of_sweep(place, axes, quantity, si)
+    if Path(place).is_dir() and not (Path(place) / "sweep.h5").is_file():
+        return of_directory(place, axes, quantity, si)
+    return of_sweep(load_sweep(Path(place) / "sweep.h5" if Path(place).is_dir() else place), axes, quantity,
+                    si)
 
 
 def read(place, axes, quantity, si=False):
     """(x values, y values, table [y, x] with NaN where there is no result, the units of all three)"""
-    found = (of_directory if Path(place).is_dir() else of_sweep)(place, axes, quantity, si)
+    found = found_at(place, axes, quantity, si)
     if not found:
-        raise ValueError(f"{place}: holds no finished point")
+        raise ValueError("there is no finished point to draw")
     units = [{p[k][1] for p in found} for k in (0, 1)]
     for axis, there in zip(axes, units):
         if len(there) > 1:
-            raise ValueError(f"{place}: {axis} is in several units")
+            raise ValueError(f"{axis} is in several units")
     unit = next(iter(found.values()))[1]
     found = {(x, y): value for ((x, _), (y, _)), (value, _) in found.items()}
     xs, ys = (np.array(sorted({p[k] for p in found})) for k in (0, 1))
@@ -159,6 +173,32 @@ def draw(ax, xs, ys, table, units, axes, quantity):
     ax.figure.colorbar(colours, ax=ax, label=label)
 
 
+def map(sweep, axes, quantity="critical/t", *, si=False, ax=None) -> Figure:
+    """Draws a number of a sweep over two of its options; the figure.
+
+    sweep     a Sweep, its file, or a directory of scripts/sweep.sh
+    axes      two options, along and up
+    quantity  "width", "critical/length": of a series the last value
+    si        the quantity in units of the laboratory
+    ax        axes of matplotlib to draw into, in place of a figure of its own"""
+    import matplotlib.pyplot as plt
+
+    axes = [name.strip().lstrip("-") for name in (axes.split(",") if isinstance(axes, str) else axes)]
+    if len(axes) != 2:
+        raise TendrilError(f"map: give two options for axes, not {', '.join(axes) or 'none'}")
+    try:
+        xs, ys, table, units = read(sweep, axes, quantity, si)
+    except ValueError as error:
+        raise TendrilError(f"map: {error}") from None
+    with plt.rc_context(STYLE):
+        figure = ax.figure if ax else plt.figure(figsize=(3.4, 2.7), layout="constrained", FigureClass=InStyle)
+        draw(ax or figure.subplots(), xs, ys, table, units, axes, quantity)
+    if not ax:
+        plt.close(figure)
+    figure.missing = int(np.isnan(table).sum())
+    return figure
+
+
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="scripts/map.sh", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -170,23 +210,15 @@ def main(arguments=None):
                         help="writes BASENAME.png and .pdf; default: the place's name")
     view = parser.parse_args(arguments)
     matplotlib.use("Agg")
-    axes = view.axes.replace("-", "").split(",")
-    if len(axes) != 2:
-        parser.error("--axes: give two options, X,Y")
     try:
-        xs, ys, table, units = read(view.place, axes, view.quantity, view.si)
-        with plt.rc_context(STYLE):
-            figure, ax = plt.subplots(figsize=(3.4, 2.7), layout="constrained")
-            draw(ax, xs, ys, table, units, axes, view.quantity)
-            output = view.output or view.place.rstrip("/").removesuffix(".h5")
-            for ending in ("png", "pdf"):
-                figure.savefig(f"{output}.{ending}")
-    except (ResultsError, ValueError, KeyError, OSError) as error:
-        print(f"map: {error}", file=sys.stderr)
+        figure = map(view.place, view.axes, view.quantity, si=view.si)
+        save(figure, view.output, Path(view.place).with_suffix("") if view.place.endswith(".h5")
+             else view.place.rstrip("/"))
+    except (TendrilError, ValueError, KeyError, OSError) as error:
+        print(f"map: {str(error).removeprefix('map: ')}", file=sys.stderr)
         return 1
-    missing = int(np.isnan(table).sum())
-    if missing:
-        print(f"map: {missing} of {table.size} points have no result")
+    if figure.missing:
+        print(f"map: {figure.missing} points have no result")
     return 0
 
 

@@ -1,0 +1,22 @@
+/* Words of a command line, with those of options files in their place. */
+#ifndef TENDRIL_WORDS_H
+#define TENDRIL_WORDS_H
+
+#include <petscsys.h>
+
+enum { WORDS_FAULT = PETSC_MAX_PATH_LEN + 512 };
+
+typedef struct {
+  int n, room;
+  char **word; /* [n], and a NULL behind them as in main() */
+} Words;
+
+PetscBool WordIsOption(const char *word);
+void WordsAdd(Words *words, const char *word);
+void WordsFree(Words *words);
+PetscBool WordsAddFile(Words *words, const char *file, char fault[WORDS_FAULT]);
+
+/* the options files that were read, the k-th; NULL: there are no more */
+const char *WordsFile(int k);
+
+#endif

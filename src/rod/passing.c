@@ -1,0 +1,292 @@
+#include "rod/passing.h"
+#include "rod/feet.h"
+
+/* The four points of a Bezier curve. */
+typedef PetscReal Bezier[4][2];
+
+static void BezierOf(const FootCell *cell, Bezier b) {
+  for (int d = 0; d < 2; d++) {
+    b[0][d] = cell->x[0][d];
+    b[1][d] = b[0][d] + cell->h * cell->g[0] * cell->q[0][d] / 3;
+    b[3][d] = cell->x[1][d];
+    b[2][d] = b[3][d] - cell->h * cell->g[1] * cell->q[1][d] / 3;
+  }
+}
+
+/* Divides it in the middle (de Casteljau). */
+static void Divide(Bezier b, Bezier half[2]) {
+  for (int d = 0; d < 2; d++) {
+    const PetscReal p = (b[0][d] + b[1][d]) / 2, q = (b[1][d] + b[2][d]) / 2,
+                    r = (b[2][d] + b[3][d]) / 2, pq = (p + q) / 2, qr = (q + r) / 2;
+    half[0][0][d] = b[0][d];
+    half[0][1][d] = p;
+    half[0][2][d] = pq;
+    half[0][3][d] = half[1][0][d] = (pq + qr) / 2;
+    half[1][1][d] = qr;
+    half[1][2][d] = r;
+    half[1][3][d] = b[3][d];
+  }
+}
+
+static Rect RectOf(Bezier b) {
+  Rect rect = RectEmpty();
+  for (int k = 0; k < 4; k++) RectHold(&rect, b[k]);
+  return rect;
+}
+
+static PetscBool Holds(const Rect *rect, const PetscReal x[2]) {
+  return (PetscBool)(x[0] >= rect->low[0] && x[0] <= rect->high[0] && x[1] >= rect->low[1] &&
+                     x[1] <= rect->high[1]);
+}
+
+enum { DEEPEST = 48 }; /* as often is a curve divided, until round-off ends it */
+
+/* The angle by which the way from a to b turns about c. */
+static PetscReal Turn(const PetscReal a[2], const PetscReal b[2], const PetscReal c[2]) {
+  const PetscReal o[2] = {a[0] - c[0], a[1] - c[1]}, p[2] = {b[0] - c[0], b[1] - c[1]};
+  return PetscAtan2Real(o[0] * p[1] - o[1] * p[0], o[0] * p[0] + o[1] * p[1]);
+}
+
+/* ... the curve: as its chord, if c is not within its points. */
+static PetscReal CurveTurn(Bezier b, const PetscReal c[2], int depth) {
+  const Rect rect = RectOf(b);
+  Bezier half[2];
+
+  if (depth == DEEPEST || !Holds(&rect, c)) return Turn(b[0], b[3], c);
+  Divide(b, half);
+  return CurveTurn(half[0], c, depth + 1) + CurveTurn(half[1], c, depth + 1);
+}
+
+/* Does the curve cut a line from `at` on, `length` along t, with the normal n? */
+static PetscBool Cuts(Bezier b, const WallPiece *line, int depth) {
+  PetscReal low = PETSC_MAX_REAL, high = -PETSC_MAX_REAL, near = PETSC_MAX_REAL,
+            far = -PETSC_MAX_REAL;
+  Bezier half[2];
+
+  for (int k = 0; k < 4; k++) {
+    const PetscReal o[2] = {b[k][0] - line->at[0], b[k][1] - line->at[1]},
+                    off = o[0] * line->n[0] + o[1] * line->n[1],
+                    along = o[0] * line->t[0] + o[1] * line->t[1];
+    low = PetscMin(low, off);
+    high = PetscMax(high, off);
+    near = PetscMin(near, along);
+    far = PetscMax(far, along);
+  }
+  if (low > 0 || high < 0 || far < line->from || near > line->to) return PETSC_FALSE;
+  if (depth == DEEPEST) return PETSC_TRUE;
+  Divide(b, half);
+  return (PetscBool)(Cuts(half[0], line, depth + 1) || Cuts(half[1], line, depth + 1));
+}
+
+/* ---- where the rod is ---- */
+
+/* A look at a cell. */
+typedef struct {
+  const Contact *contact;
+  const FootCell *cell;
+  Bezier curve;
+  PetscBool passes;
+} Looking;
+
+/* Is the curve in the middle of a post, behind half of what it and the rod are thick? */
+static PetscReal MeetPost(PetscInt item, PetscReal reach, void *ctx) {
+  Looking *look = (Looking *)ctx;
+  const WallPost *post = &look->contact->walls.post[item];
+  const PetscReal half = look->contact->diameter / 2, rho = post->r + half,
+                  deep = half > 0 ? PetscMin(half, rho / 2) : rho / 2;
+  Foot foot;
+
+  if (FootAbout(look->cell, post->at, &foot) &&
+      hypot(foot.x[0] - post->at[0], foot.x[1] - post->at[1]) < rho - deep)
+    look->passes = PETSC_TRUE;
+  return look->passes ? -1 : reach;
+}
+
+/* Does it cut the edge of a polygon? */
+static PetscReal MeetPart(PetscInt item, PetscReal reach, void *ctx) {
+  Looking *look = (Looking *)ctx;
+  const WallPart *part = &look->contact->walls.part[item];
+  const WallPiece *piece = &look->contact->walls.wall[part->wall].piece[part->piece];
+
+  if (!piece->round && Cuts(look->curve, piece, 0)) look->passes = PETSC_TRUE;
+  return look->passes ? -1 : reach;
+}
+
+/* Is a place of a rod with a thickness behind any wall, or was it on its way there? (Only between
+   the arms of conduits may it come out again: what is behind the other walls has no other side, or
+   is seen by its edges and posts.) */
+static PetscBool Behind(const Contact *contact, const PetscReal x0[2], const PetscReal x1[2]) {
+  enum { MOST = 50 };
+  const PetscReal half = contact->diameter / 2, way = hypot(x1[0] - x0[0], x1[1] - x0[1]);
+  PetscInt n = 1;
+
+  if (half == 0) return PETSC_FALSE;
+  if (contact->walls.conduits) n = (PetscInt)PetscMin(MOST, PetscCeilReal(2 * way / half));
+  for (PetscInt k = 1; k <= PetscMax(n, 1); k++) {
+    const PetscReal z = (PetscReal)k / PetscMax(n, 1);
+    PetscReal x[2];
+    for (int d = 0; d < 2; d++) x[d] = x0[d] + z * (x1[d] - x0[d]);
+    if (WallsGap(&contact->walls, x, half) < -half) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+static PetscBool CellIsBehind(const Contact *contact, const FootCell *before,
+                              const FootCell *cell) {
+  Looking look = {.contact = contact, .cell = cell};
+  Rect rect;
+
+  BezierOf(cell, look.curve);
+  rect = RectOf(look.curve);
+  RectsNear(contact->walls.near_posts, &rect, contact->diameter / 2, MeetPost, &look);
+  if (!look.passes) RectsNear(contact->walls.near_parts, &rect, 0, MeetPart, &look);
+  return (PetscBool)(look.passes || Behind(contact, before->x[1], cell->x[1]));
+}
+
+/* ---- what it has swept ---- */
+
+static PetscReal Mark(PetscInt item, PetscReal reach, void *ctx) {
+  ((char *)ctx)[item] = 1;
+  return reach;
+}
+
+/* Marks the posts that a cell may have swept: what it sweeps is between its points before and now.
+ */
+static void MarkPosts(const Walls *walls, const FootCell *before, const FootCell *cell,
+                      char marked[]) {
+  Bezier b[2];
+  Rect rect = RectEmpty();
+
+  BezierOf(before, b[0]);
+  BezierOf(cell, b[1]);
+  for (int k = 0; k < 8; k++) RectHold(&rect, b[k / 4][k % 4]);
+  RectsNear(walls->near_posts, &rect, 0, Mark, marked);
+}
+
+/* The cells of a rank, before and now, with the node behind the last. */
+typedef struct {
+  PetscInt n;
+  FootCell *cell[2];
+} Cells;
+
+/*
+  Has the rod swept the middle c of a post? The rod before, the way of its tip, and the rod now
+  backwards are a closed line, for the clamp rests: it has, if that winds about c,
+
+    turn of the rod before + turn of the way of the tip - turn of the rod now = 2 pi, or -2 pi
+
+  so it does not matter which of its material is where.
+*/
+static PetscReal Winding(const Cells *cells, const PetscReal c[2]) {
+  PetscReal sum = 0;
+
+  for (PetscInt k = 0; k < cells->n; k++)
+    for (int now = 0; now < 2; now++) {
+      Bezier b;
+      BezierOf(&cells->cell[now][k], b);
+      sum += (now ? -1 : 1) * CurveTurn(b, c, 0);
+    }
+  if (cells->n && cells->cell[0][cells->n - 1].last)
+    sum += Turn(cells->cell[0][cells->n - 1].x[1], cells->cell[1][cells->n - 1].x[1], c);
+  return sum;
+}
+
+/* Collective. */
+static PetscErrorCode Sweeps(Rod rod, const Cells *cells, PetscBool *sweeps) {
+  const Walls *walls = &rod->scene->contact.walls;
+  PetscInt n = 0;
+  PetscReal *sum;
+  PetscMPIInt count;
+  char *marked;
+
+  PetscFunctionBegin;
+  *sweeps = PETSC_FALSE;
+  if (!walls->posts) PetscFunctionReturn(0);
+  PetscCall(PetscCalloc1(walls->posts, &marked));
+  for (PetscInt k = 0; k < cells->n; k++)
+    MarkPosts(walls, &cells->cell[0][k], &cells->cell[1][k], marked);
+  PetscCall(PetscMPIIntCast(walls->posts, &count));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, marked, count, MPI_CHAR, MPI_MAX, rod->scene->comm));
+  PetscCall(PetscMalloc1(walls->posts, &sum));
+  for (PetscInt k = 0; k < walls->posts; k++)
+    if (marked[k]) sum[n++] = Winding(cells, walls->post[k].at);
+  PetscCall(PetscMPIIntCast(n, &count));
+  if (n)
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, count, MPIU_REAL, MPI_SUM, rod->scene->comm));
+  for (PetscInt k = 0; k < n; k++)
+    if (PetscAbsReal(sum[k]) > PETSC_PI) *sweeps = PETSC_TRUE;
+  PetscCall(PetscFree(sum));
+  PetscCall(PetscFree(marked));
+  PetscFunctionReturn(0);
+}
+
+/* The cells that begin at owned nodes, in one state. Collective. */
+static PetscErrorCode CellsOf(Rod rod, PetscReal t, Vec U, PetscInt n, FootCell cell[]) {
+  const PetscReal *s = rod->scene->mesh.s;
+  PetscScalar *owned;
+  const Node *with;
+  Vec v, local;
+
+  PetscFunctionBegin;
+  PetscCall(DMGetGlobalVector(rod->nodes, &v));
+  PetscCall(DMGetLocalVector(rod->nodes, &local));
+  PetscCall(VecGetArray(v, &owned));
+  PetscCall(rod->model->get(rod, t, U, NULL, (Node *)owned));
+  PetscCall(VecRestoreArray(v, &owned));
+  PetscCall(DMGlobalToLocal(rod->nodes, v, INSERT_VALUES, local));
+  PetscCall(DMDAVecGetArrayRead(rod->nodes, local, (void *)&with));
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscInt i = rod->first + k;
+    cell[k] = (FootCell){.h = s[i + 1] - s[i]};
+    cell[k].first = (PetscBool)(i == 0);
+    cell[k].last = (PetscBool)(i == rod->last - 1);
+    PetscCall(GrowthStretch(rod->scene->growth, 2, &s[i], t, cell[k].g, cell[k].g_t, NULL));
+    for (int e = 0; e < 2; e++) {
+      cell[k].q[e][0] = PetscCosReal(with[i + e].theta);
+      cell[k].q[e][1] = PetscSinReal(with[i + e].theta);
+      for (int d = 0; d < 2; d++) cell[k].x[e][d] = with[i + e].x[d];
+    }
+  }
+  PetscCall(DMDAVecRestoreArrayRead(rod->nodes, local, (void *)&with));
+  PetscCall(DMRestoreLocalVector(rod->nodes, &local));
+  PetscCall(DMRestoreGlobalVector(rod->nodes, &v));
+  PetscFunctionReturn(0);
+}
+
+/*
+  RodPassesWalls - has a rod gone through a wall on its way from one state to another, or is it
+  behind one? Collective; the same on every rank. Where more walls touch than are looked at, a
+  user's mistake.
+
+  t0, U0  before      t1, U1  now
+*/
+PetscErrorCode RodPassesWalls(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
+                              PetscBool *passes) {
+  const Contact *contact = &rod->scene->contact;
+  const PetscInt n = PetscMin(rod->end, rod->last) - rod->first;
+  enum { PASSES, CROWDED, VERDICTS };
+  int verdict[VERDICTS] = {0};
+  Touch touch[MOST_TOUCHES];
+  PetscBool sweeps;
+  Cells cells = {.n = n};
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(n, &cells.cell[0], n, &cells.cell[1]));
+  PetscCall(CellsOf(rod, t0, U0, n, cells.cell[0]));
+  PetscCall(CellsOf(rod, t1, U1, n, cells.cell[1]));
+  for (PetscInt k = 0; k < n; k++) {
+    const FootCell *cell = &cells.cell[1][k];
+    if (CellIsBehind(contact, &cells.cell[0][k], cell)) verdict[PASSES] = 1;
+    if (ContactTouches(contact, cell->x[1], touch) == MOST_TOUCHES) verdict[CROWDED] = 1;
+  }
+  PetscCall(Sweeps(rod, &cells, &sweeps));
+  PetscCall(PetscFree2(cells.cell[0], cells.cell[1]));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, verdict, VERDICTS, MPI_INT, MPI_MAX, rod->scene->comm));
+  UserCheck(
+      !verdict[CROWDED], rod->scene->comm,
+      "-wall_file: at t = %g %d walls or more touch the rod at one place: take out those that "
+      "lie on each other",
+      (double)t1, (int)MOST_TOUCHES);
+  *passes = (PetscBool)(verdict[PASSES] || sweeps);
+  PetscFunctionReturn(0);
+}

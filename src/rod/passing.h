@@ -1,0 +1,11 @@
+/* Passing: has the rod gone through a wall from one state to the next? What is asked is where its
+   curve is, the cubic of each cell, and what that has swept: nodes may step over what is thin. */
+#ifndef TENDRIL_PASSING_H
+#define TENDRIL_PASSING_H
+
+#include "rod/rod.h"
+
+PetscErrorCode RodPassesWalls(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
+                              PetscBool *passes);
+
+#endif

@@ -1,0 +1,314 @@
+/* Where a point touches walls. */
+#include "scene/walls.h"
+
+static const PetscReal everywhere = 1e300;
+
+static PetscReal Dot(const PetscReal a[2], const PetscReal b[2]) {
+  return a[0] * b[0] + a[1] * b[1];
+}
+
+/* The distance of x from a piece, 0 on it, and its normal; is x in the piece's range? */
+static PetscBool PieceDistance(const WallPiece *p, const PetscReal x[2], PetscReal *distance,
+                               PetscReal normal[2], PetscReal *bend) {
+  PetscReal o[2] = {x[0] - p->at[0], x[1] - p->at[1]}, size, z;
+
+  if (!p->round) {
+    z = Dot(o, p->t);
+    *distance = Dot(o, p->n);
+    for (int d = 0; d < 2; d++) normal[d] = p->n[d];
+    *bend = 0;
+    return (PetscBool)(z >= p->from && z < p->to && *distance >= -p->deep);
+  }
+  if (p->reach > 0 && Dot(o, p->middle) < 0) return PETSC_FALSE;
+  size = PetscSqrtReal(Dot(o, o));
+  if (size == 0) return PETSC_FALSE;
+  *distance = p->sign * (size - p->r);
+  for (int d = 0; d < 2; d++) normal[d] = p->sign * o[d] / size;
+  *bend = p->sign / size;
+  return (PetscBool)(Dot(o, p->middle) >= p->reach * size && *distance >= -p->deep);
+}
+
+/* ---- which pieces are near ---- */
+
+/* Where a piece is that ends somewhere. */
+static Rect PieceRect(const WallPiece *p) {
+  Rect rect = RectEmpty();
+
+  for (int e = -1; e <= 1; e += 2) {
+    PetscReal x[2];
+    for (int d = 0; d < 2; d++)
+      x[d] = p->at[d] + (p->round ? e * p->r : (e > 0 ? p->to : 0) * p->t[d]);
+    RectHold(&rect, x);
+  }
+  return rect;
+}
+
+/* Where the axis of a conduit is beside one of its pieces: an arc is within the triangle of its
+   ends and of the corner that it rounds. */
+static Rect AxisRect(const Wall *wall, const WallPiece *p) {
+  const PetscReal R = wall->number[0], axis = p->r + p->sign * R,
+                  across = PetscSqrtReal(PetscMax(0, 1 - p->reach * p->reach));
+  Rect rect = RectEmpty();
+
+  if (p->at_mouth) {
+    RectHold(&rect, p->mouth);
+    return rect;
+  }
+  for (int e = -1; e <= 1; e++) {
+    PetscReal x[2], along = e ? p->reach : 1 / p->reach;
+    for (int d = 0; d < 2; d++)
+      if (p->round)
+        x[d] = p->at[d] +
+               axis * (along * p->middle[d] + e * across * (d ? p->middle[0] : -p->middle[1]));
+      else
+        x[d] = p->at[d] + R * p->n[d] + (e > 0 ? p->to : 0) * p->t[d];
+    RectHold(&rect, x);
+  }
+  return rect;
+}
+
+static PetscErrorCode IndexAxis(Wall *wall) {
+  Rect *rect;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(wall->pieces, &rect));
+  for (PetscInt k = 0; k < wall->pieces; k++) rect[k] = AxisRect(wall, &wall->piece[k]);
+  PetscCall(RectsCreate(wall->pieces, rect, &wall->axis));
+  PetscCall(PetscFree(rect));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode IndexPosts(Walls *walls) {
+  Rect *rect;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(walls->posts, &rect));
+  for (PetscInt k = 0; k < walls->posts; k++)
+    for (int d = 0; d < 2; d++) {
+      rect[k].low[d] = walls->post[k].at[d] - walls->post[k].r;
+      rect[k].high[d] = walls->post[k].at[d] + walls->post[k].r;
+    }
+  PetscCall(RectsCreate(walls->posts, rect, &walls->near_posts));
+  PetscCall(PetscFree(rect));
+  PetscFunctionReturn(0);
+}
+
+/* WallsIndex - puts the walls where a place finds those near it. Not collective; WallsDropIndex()
+   frees what is made here. */
+PetscErrorCode WallsIndex(Walls *walls) {
+  PetscInt n = 0;
+  Rect *rect;
+
+  PetscFunctionBegin;
+  for (PetscInt w = 0; w < walls->n; w++) n += walls->wall[w].pieces;
+  PetscCall(PetscMalloc1(n, &rect));
+  PetscCall(PetscMalloc1(n, &walls->part));
+  PetscCall(PetscMalloc1(n, &walls->open));
+  for (PetscInt w = 0; w < walls->n; w++) {
+    Wall *wall = &walls->wall[w];
+    PetscBool ends =
+        (PetscBool)(wall->kind == WALL_POLYGON || (wall->kind == WALL_CIRCLE && !wall->inside));
+    if (wall->kind == WALL_PATH) {
+      PetscCall(IndexAxis(wall));
+      walls->conduits++;
+    }
+    for (PetscInt k = 0; k < wall->pieces && wall->kind != WALL_PATH; k++) {
+      if (ends) rect[walls->parts] = PieceRect(&wall->piece[k]);
+      *(ends ? &walls->part[walls->parts++] : &walls->open[walls->opens++]) = (WallPart){w, k};
+    }
+  }
+  PetscCall(RectsCreate(walls->parts, rect, &walls->near_parts));
+  PetscCall(PetscFree(rect));
+  PetscCall(IndexPosts(walls));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode WallsDropIndex(Walls *walls) {
+  PetscFunctionBegin;
+  for (PetscInt w = 0; w < walls->n; w++) PetscCall(RectsDestroy(&walls->wall[w].axis));
+  PetscCall(RectsDestroy(&walls->near_posts));
+  PetscCall(RectsDestroy(&walls->near_parts));
+  PetscCall(PetscFree(walls->part));
+  PetscCall(PetscFree(walls->open));
+  walls->parts = walls->opens = walls->conduits = 0;
+  PetscFunctionReturn(0);
+}
+
+/* ---- what touches ---- */
+
+/* One look from a place. */
+typedef struct {
+  const Walls *walls;
+  const PetscReal *x;
+  PetscReal radius, within;
+  PetscReal nearest; /* gap so far, if that is what is looked for */
+  PetscInt n;        /* touches so far */
+  Touch *touch;      /* NULL: the nearest is looked for */
+  PetscInt wall;     /* the conduit that is looked at */
+  PetscReal far;     /* its axis, at most */
+} Look;
+
+/* Takes note of a piece, in order: by wall and piece. */
+static void Take(Look *look, PetscInt wall, PetscInt piece, Touch *at) {
+  PetscInt k = look->n;
+
+  at->gap -= look->radius;
+  look->nearest = PetscMin(look->nearest, at->gap);
+  if (!look->touch || at->gap >= look->within || look->n == MOST_TOUCHES) return;
+  at->wall = wall;
+  at->piece = piece;
+  at->again = PETSC_FALSE;
+  for (; k > 0 && (look->touch[k - 1].wall > wall ||
+                   (look->touch[k - 1].wall == wall && look->touch[k - 1].piece > piece));
+       k--)
+    look->touch[k] = look->touch[k - 1];
+  look->touch[k] = *at;
+  look->n++;
+}
+
+static void LookAt(Look *look, const WallPart *part) {
+  Touch at;
+
+  if (PieceDistance(&look->walls->wall[part->wall].piece[part->piece], look->x, &at.gap, at.normal,
+                    &at.bend))
+    Take(look, part->wall, part->piece, &at);
+}
+
+/* How far to look for pieces: a polygon's are met from behind, too, as deep as the rod is thick. */
+static PetscReal Reach(const Look *look) {
+  return look->radius + PetscMax(0, look->touch ? look->within : look->nearest);
+}
+
+static PetscReal MeetPart(PetscInt item, PetscReal reach, void *ctx) {
+  Look *look = (Look *)ctx;
+
+  LookAt(look, &look->walls->part[item]);
+  return PetscMin(reach, Reach(look));
+}
+
+/* How far x is from the axis of a conduit, seen from one of its pieces. */
+static PetscReal AxisDistance(const Wall *wall, const WallPiece *p, const PetscReal x[2],
+                              PetscReal distance) {
+  if (p->at_mouth) return hypot(x[0] - p->mouth[0], x[1] - p->mouth[1]);
+  return PetscAbsReal(wall->number[0] - distance);
+}
+
+static PetscReal MeetAxis(PetscInt item, PetscReal reach, void *ctx) {
+  Look *look = (Look *)ctx;
+  const Wall *wall = &look->walls->wall[look->wall];
+  Touch at;
+
+  if (PieceDistance(&wall->piece[item], look->x, &at.gap, at.normal, &at.bend))
+    look->far = PetscMin(look->far, AxisDistance(wall, &wall->piece[item], look->x, at.gap));
+  return PetscMin(reach, look->far);
+}
+
+static PetscReal MeetConduit(PetscInt item, PetscReal reach, void *ctx) {
+  Look *look = (Look *)ctx;
+  const Wall *wall = &look->walls->wall[look->wall];
+  Touch at;
+
+  if (PieceDistance(&wall->piece[item], look->x, &at.gap, at.normal, &at.bend) &&
+      AxisDistance(wall, &wall->piece[item], look->x, at.gap) <= reach)
+    Take(look, look->wall, item, &at);
+  return reach;
+}
+
+/* So few pieces are looked at one after the other: that is faster than a tree. */
+enum { FEW = 24 };
+
+/* Of a conduit those pieces count that are at the place of its axis nearest to x. */
+static void LookAtConduit(Look *look, PetscInt wall, const Rect *place) {
+  const PetscReal same = 1 + 1e-9;
+
+  look->wall = wall;
+  look->far = everywhere;
+  if (look->walls->wall[wall].pieces <= FEW) {
+    const PetscInt n = look->walls->wall[wall].pieces;
+    for (PetscInt k = 0; k < n; k++) (void)MeetAxis(k, everywhere, look);
+    if (look->touch && look->far < look->walls->wall[wall].number[0] - look->radius - look->within)
+      return; /* too near to the axis to touch */
+    for (PetscInt k = 0; k < n; k++) (void)MeetConduit(k, same * look->far, look);
+    return;
+  }
+  RectsNear(look->walls->wall[wall].axis, place, everywhere, MeetAxis, look);
+  if (look->far < everywhere)
+    RectsNear(look->walls->wall[wall].axis, place, same * look->far, MeetConduit, look);
+}
+
+static void LookAround(Look *look) {
+  const Walls *walls = look->walls;
+  const Rect place = {{look->x[0], look->x[1]}, {look->x[0], look->x[1]}};
+
+  for (PetscInt k = 0; k < walls->opens; k++) LookAt(look, &walls->open[k]);
+  for (PetscInt w = 0; w < walls->n && walls->conduits; w++)
+    if (walls->wall[w].axis) LookAtConduit(look, w, &place);
+  if (walls->parts <= FEW)
+    for (PetscInt k = 0; k < walls->parts; k++) LookAt(look, &walls->part[k]);
+  else
+    RectsNear(walls->near_parts, &place, Reach(look), MeetPart, look);
+}
+
+/*
+  WallsTouch - the surfaces near a point of the rod, in the clamp's frame.
+
+  radius  of the rod        within  only those with a gap below this
+  Returns how many there are; MOST_TOUCHES: there may be more.
+*/
+PetscInt WallsTouch(const Walls *walls, const PetscReal x[2], PetscReal radius, PetscReal within,
+                    Touch touch[MOST_TOUCHES]) {
+  Look look = {.walls = walls, .x = x, .radius = radius, .within = within, .touch = touch};
+
+  look.nearest = everywhere;
+  LookAround(&look);
+  for (PetscInt k = 1; k < look.n; k++)
+    touch[k].again = (PetscBool)(touch[k].wall == touch[k - 1].wall);
+  return look.n;
+}
+
+/* WallsGap - the smallest gap of a point of the rod to any wall; 1e300: there is none. */
+PetscReal WallsGap(const Walls *walls, const PetscReal x[2], PetscReal radius) {
+  Look look = {.walls = walls, .x = x, .radius = radius, .nearest = everywhere};
+
+  LookAround(&look);
+  return look.nearest;
+}
+
+/* ---- what is solid ---- */
+
+/* Is x in the polygon? A ray along x1 crosses its edges an odd number of times. */
+static PetscBool InPolygon(const Wall *wall, const PetscReal x[2]) {
+  PetscBool in = PETSC_FALSE;
+
+  for (PetscInt k = 0; k < wall->pieces; k++) {
+    const WallPiece *p = &wall->piece[k];
+    PetscReal a[2], b[2];
+    if (p->round) continue;
+    for (int d = 0; d < 2; d++) {
+      a[d] = p->at[d] - x[d];
+      b[d] = a[d] + p->to * p->t[d];
+    }
+    if ((a[1] > 0) != (b[1] > 0) && (a[0] * b[1] - a[1] * b[0] > 0) == (b[1] > a[1]))
+      in = (PetscBool)!in;
+  }
+  return in;
+}
+
+/* WallsBehind - the polygon behind whose surface a place is, however deep: its number; -1: none.
+   (Of the other walls the gap tells.) */
+PetscInt WallsBehind(const Walls *walls, const PetscReal x[2]) {
+  for (PetscInt w = 0; w < walls->n; w++)
+    if (walls->wall[w].kind == WALL_POLYGON &&
+        InPolygon(&walls->wall[w], x) != walls->wall[w].inside)
+      return w;
+  return -1;
+}
+
+/* WallsHold - is a place in the conduit which that wall is? */
+PetscBool WallsHold(const Walls *walls, PetscInt conduit, const PetscReal x[2]) {
+  const Rect place = {{x[0], x[1]}, {x[0], x[1]}};
+  Look look = {.walls = walls, .x = x, .nearest = everywhere, .wall = conduit, .far = everywhere};
+
+  RectsNear(walls->wall[conduit].axis, &place, everywhere, MeetAxis, &look);
+  return (PetscBool)(look.far <= walls->wall[conduit].number[0]);
+}

@@ -1,0 +1,400 @@
+#include "stepping/estimate.h"
+#include "rod/frame.h"
+#include "stepping/vbdf.h"
+
+/*
+  The state U of a run fails the exact equations F(t, u, u_t) = 0 by a defect d in space
+  (FrameDefect()), and each step adds its local error l to it. So its error e = U - u obeys, to
+  first order,
+
+    F_U e + F_U_t e_t = -d,     e jumps by l at each step
+
+  This is stepped by backward Euler, e = A z with the factor A by which x2 falls and rises taken out
+  of the fields across, as it is for the run itself (vbdf.c). Errors are smooth along the rod, and a
+  fifth of them is no matter: so it is done on a coarse mesh of every few nodes of the run's, and
+  once in a few steps while the rod is straight. The two parts, in space and in time, are carried
+  along each for itself. What is told is the largest error that they make in the tip's place (over
+  its distance), |x2| and the energy (each over itself).
+*/
+enum { FOLLOWED = 3 };                 /* fields that have rates: x1, x2, theta */
+enum { LEAST_CELLS = 8, CELLS = 48 };  /* of the run; of the coarse mesh, about */
+enum { SELDOM = 4 };                   /* steps from one time to the next, while straight */
+enum { DEFECTS = 2 };                  /* such times from one measurement of defects to the next */
+static const PetscReal longest = 0.8;  /* arc length of a coarse cell, where the mesh allows */
+static const PetscReal straight = 0.3; /* angle */
+static const PetscReal early = 0.01;   /* of the run: what the start does is over by then */
+static const PetscReal nudge = 1e-3;   /* of the speed at which friction turns */
+
+/* What is gathered of a coarse node: the state, its rate, local errors, the defect of the cell
+   behind it. */
+typedef struct {
+  PetscReal u[FIELDS], rate[FIELDS], local[FOLLOWED], defect[FIELDS];
+} Gathered;
+enum { GATHERED = sizeof(Gathered) / sizeof(PetscReal) };
+
+struct _Estimate {
+  Leg *leg;
+  PetscInt stride, nodes; /* of the coarse mesh */
+  PetscInt since;         /* steps */
+  PetscReal before, size; /* when e was stepped last, and |x2| then */
+  PetscReal latest;       /* largest x2 at the latest step */
+  PetscInt until;         /* times until the defect is measured again */
+  PetscReal measured;     /* largest x2 when it was */
+  Gathered *own, *all;    /* of this rank's nodes, 0 elsewhere; all on rank 0 */
+  PetscReal (*defect)[MAX_FIELDS];
+  PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN];
+  /* rank 0: the coarse rod; NULL else */
+  struct _Scene scene;
+  Rod rod;
+  Elimination elimination;
+  Vec U, rate, nudged, F, G;
+  PetscReal (*e[ESTIMATE_PARTS])[FIELDS], (*rhs)[FIELDS], (*b)[FIELDS];
+};
+
+/* Every stride-th node, the tip in any case; an even number, for defects are those of two cells. */
+static PetscErrorCode Coarsen(Estimate self, const Scene scene) {
+  PetscInt cells = scene->mesh.cells;
+  PetscReal h = scene->reach / cells;
+
+  PetscFunctionBegin;
+  self->stride = 2 * PetscMax(1, PetscMin(cells / CELLS, (PetscInt)(longest / h)) / 2);
+  self->nodes = (cells + self->stride - 1) / self->stride + 1;
+  PetscFunctionReturn(0);
+}
+
+static PetscInt FineNode(const Estimate self, PetscInt k) {
+  return PetscMin(k * self->stride, self->leg->rod->last);
+}
+
+/* The coarse rod touches walls, as it is, but not itself. */
+static PetscErrorCode CreateCoarse(Estimate self, const Scene scene) {
+  struct _Scene *coarse = &self->scene;
+
+  PetscFunctionBegin;
+  *coarse = *scene;
+  coarse->comm = PETSC_COMM_SELF;
+  coarse->contact.self = PETSC_FALSE;
+  coarse->mesh.cells = self->nodes - 1;
+  PetscCall(PetscMalloc1(self->nodes, &coarse->mesh.s));
+  for (PetscInt k = 0; k < self->nodes; k++) coarse->mesh.s[k] = scene->mesh.s[FineNode(self, k)];
+  SceneLinkWalls(coarse);
+  PetscCall(RodCreate(coarse, &rod_frame, &self->rod));
+  PetscCall(EliminationCreate(PETSC_COMM_SELF, self->nodes, &self->elimination));
+  PetscCall(DMCreateGlobalVector(self->rod->da, &self->U));
+  PetscCall(VecDuplicate(self->U, &self->rate));
+  PetscCall(VecDuplicate(self->U, &self->nudged));
+  PetscCall(VecDuplicate(self->U, &self->F));
+  PetscCall(VecDuplicate(self->U, &self->G));
+  PetscCall(PetscCalloc5(self->nodes, &self->e[0], self->nodes, &self->e[1], self->nodes,
+                         &self->rhs, self->nodes, &self->b, self->nodes, &self->all));
+  PetscFunctionReturn(0);
+}
+
+/*
+  EstimateCreate - follows the errors of a leg's run from its present state on, which has none; NULL
+  if its model does not know its defects, or has too few cells. The tip must be known where it is
+  held. Collective; the caller ends it with EstimateDestroy(), before the leg.
+*/
+PetscErrorCode EstimateCreate(Leg *leg, Estimate *estimate) {
+  PetscMPIInt rank;
+  Estimate self;
+
+  PetscFunctionBegin;
+  *estimate = NULL;
+  if (!leg->rod->model->defect || leg->rod->last < LEAST_CELLS) PetscFunctionReturn(0);
+  PetscCall(PetscNew(&self));
+  *estimate = self;
+  self->leg = leg;
+  PetscCall(Coarsen(self, leg->rod->scene));
+  PetscCall(PetscCalloc2(self->nodes, &self->own, leg->rod->end - leg->rod->first, &self->defect));
+  PetscCallMPI(MPI_Comm_rank(leg->rod->scene->comm, &rank));
+  if (!rank) PetscCall(CreateCoarse(self, leg->rod->scene));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode EstimateDestroy(Estimate *estimate) {
+  Estimate self = *estimate;
+
+  PetscFunctionBegin;
+  if (!self) PetscFunctionReturn(0);
+  PetscCall(PetscFree2(self->own, self->defect));
+  PetscCall(VecDestroy(&self->U));
+  PetscCall(VecDestroy(&self->rate));
+  PetscCall(VecDestroy(&self->nudged));
+  PetscCall(VecDestroy(&self->F));
+  PetscCall(VecDestroy(&self->G));
+  PetscCall(PetscFree5(self->e[0], self->e[1], self->rhs, self->b, self->all));
+  PetscCall(EliminationDestroy(&self->elimination));
+  PetscCall(RodDestroy(&self->rod));
+  PetscCall(PetscFree(self->scene.mesh.s));
+  PetscCall(PetscFree(*estimate));
+  PetscFunctionReturn(0);
+}
+
+/* By how much the fields across have changed, as far as x2 tells. */
+static PetscReal Ratio(PetscReal now, PetscReal before) {
+  return now > rod_vanished && before > rod_vanished ? now / before : 1;
+}
+
+/* The step's local error at the coarse nodes of this rank comes on top of those before, which have
+   changed meanwhile by a factor. */
+static PetscErrorCode AddLocal(Estimate self, PetscReal factor) {
+  PetscReal along[VBDF_POINTS], across[VBDF_POINTS], times[VBDF_POINTS];
+  const PetscScalar *u[VBDF_POINTS];
+  const Rod rod = self->leg->rod;
+  PetscInt n, points, order;
+  Vec point[VBDF_POINTS];
+
+  PetscFunctionBegin;
+  PetscCall(VBDFGetLocalError(self->leg->ts, &n, along, across));
+  PetscCall(VBDFGetHistory(self->leg->ts, &points, times, point, &order));
+  if (n > points) n = 0;
+  for (PetscInt j = 0; j < n; j++) PetscCall(VecGetArrayRead(point[j], &u[j]));
+  for (PetscInt k = 0; k < self->nodes; k++) {
+    PetscInt i = FineNode(self, k) - rod->first;
+    if (i < 0 || i >= rod->end - rod->first) continue;
+    for (int f = X2; f < FOLLOWED; f++) self->own[k].local[f] *= factor;
+    for (PetscInt j = 0; j < n; j++)
+      for (int f = 0; f < FOLLOWED; f++)
+        self->own[k].local[f] += (f == X1 ? along : across)[j] * u[j][i * FIELDS + f];
+  }
+  for (PetscInt j = 0; j < n; j++) PetscCall(VecRestoreArrayRead(point[j], &u[j]));
+  PetscFunctionReturn(0);
+}
+
+/* The defects of the coarse cells: those of the cells in them. They change slowly, but for the
+   factor of x2. */
+static PetscErrorCode MeasureDefect(Estimate self, PetscReal size) {
+  const Rod rod = self->leg->rod;
+
+  PetscFunctionBegin;
+  if (self->until-- > 0) {
+    PetscReal factor = Ratio(size, self->measured);
+    for (PetscInt k = 0; k < self->nodes; k++)
+      for (int f = 0; f < FIELDS; f++)
+        if (rod_frame.across[f]) self->own[k].defect[f] *= factor;
+    self->measured = size;
+    PetscFunctionReturn(0);
+  }
+  self->until = DEFECTS - 1;
+  self->measured = size;
+  PetscCall(rod->model->defect(rod, self->defect));
+  for (PetscInt k = 0; k < self->nodes; k++) PetscCall(PetscArrayzero(self->own[k].defect, FIELDS));
+  for (PetscInt i = PetscMax(1, rod->first); i < rod->end; i++)
+    for (int f = 0; f < FIELDS; f++)
+      self->own[(i - 1) / self->stride].defect[f] += self->defect[i - rod->first][f];
+  PetscFunctionReturn(0);
+}
+
+/* State, rate and defect of what is owned; all of it on rank 0. */
+static PetscErrorCode Gather(Estimate self, PetscReal size) {
+  const Rod rod = self->leg->rod;
+  const PetscScalar *u, *rate;
+
+  PetscFunctionBegin;
+  PetscCall(MeasureDefect(self, size));
+  PetscCall(VecGetArrayRead(self->leg->U, &u));
+  PetscCall(VecGetArrayRead(rod->latest_rate, &rate));
+  for (PetscInt k = 0; k < self->nodes; k++) {
+    PetscInt i = FineNode(self, k) - rod->first;
+    if (i < 0 || i >= rod->end - rod->first) continue;
+    PetscCall(PetscArraycpy(self->own[k].u, u + i * FIELDS, FIELDS));
+    PetscCall(PetscArraycpy(self->own[k].rate, rate + i * FIELDS, FIELDS));
+  }
+  PetscCall(VecRestoreArrayRead(self->leg->U, &u));
+  PetscCall(VecRestoreArrayRead(rod->latest_rate, &rate));
+  PetscCallMPI(MPI_Reduce(self->own, self->all, (PetscMPIInt)(GATHERED * self->nodes), MPIU_REAL,
+                          MPI_SUM, 0, rod->scene->comm));
+  PetscFunctionReturn(0);
+}
+
+/* |x2| on the coarse mesh, and the rate at which its logarithm changes (scaled: its square may lie
+   below the smallest number). */
+static PetscReal Size(const Estimate self, PetscReal *rate) {
+  PetscReal most = 0, sum = 0, by_rate = 0;
+
+  *rate = 0;
+  for (PetscInt k = 0; k < self->nodes; k++)
+    most = PetscMax(most, PetscAbsReal(self->all[k].u[X2]));
+  if (most <= rod_vanished) return 0;
+  for (PetscInt k = 0; k < self->nodes; k++) {
+    sum += PetscSqr(self->all[k].u[X2] / most);
+    by_rate += self->all[k].u[X2] / most * (self->all[k].rate[X2] / most);
+  }
+  *rate = by_rate / sum;
+  return most * PetscSqrtReal(sum);
+}
+
+static PetscErrorCode PutState(Estimate self) {
+  PetscReal(*u)[FIELDS], (*rate)[FIELDS];
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayWrite(self->U, (PetscScalar **)&u));
+  PetscCall(VecGetArrayWrite(self->rate, (PetscScalar **)&rate));
+  for (PetscInt k = 0; k < self->nodes; k++) {
+    PetscCall(PetscArraycpy(u[k], self->all[k].u, FIELDS));
+    PetscCall(PetscArraycpy(rate[k], self->all[k].rate, FIELDS));
+  }
+  PetscCall(VecRestoreArrayWrite(self->U, (PetscScalar **)&u));
+  PetscCall(VecRestoreArrayWrite(self->rate, (PetscScalar **)&rate));
+  PetscFunctionReturn(0);
+}
+
+/* rhs = -F_U_t b, by a difference so small that friction is straight over it. */
+static PetscErrorCode TimesRate(Estimate self, PetscReal t) {
+  const PetscReal beta = self->scene.load.friction.beta;
+  const PetscScalar *F, *G;
+  PetscReal(*rate)[FIELDS], most = 0, scale;
+
+  PetscFunctionBegin;
+  PetscCall(PetscArrayzero(self->rhs, self->nodes));
+  for (PetscInt k = 0; k < self->nodes; k++)
+    for (int f = 0; f < FOLLOWED; f++) most = PetscMax(most, PetscAbsReal(self->b[k][f]));
+  if (most <= rod_vanished) PetscFunctionReturn(0);
+  scale = nudge * PetscSqrtReal(beta > 0 ? beta : friction_tiny) / most;
+  PetscCall(VecCopy(self->rate, self->nudged));
+  PetscCall(VecGetArray(self->nudged, (PetscScalar **)&rate));
+  for (PetscInt k = 0; k < self->nodes; k++)
+    for (int f = 0; f < FOLLOWED; f++) rate[k][f] += scale * self->b[k][f];
+  PetscCall(VecRestoreArray(self->nudged, (PetscScalar **)&rate));
+  PetscCall(rod_frame.residual(self->rod, t, self->U, self->nudged, self->G));
+  PetscCall(VecGetArrayRead(self->F, &F));
+  PetscCall(VecGetArrayRead(self->G, &G));
+  for (PetscInt i = 0; i < self->nodes * FIELDS; i++)
+    (&self->rhs[0][0])[i] = -(G[i] - F[i]) / scale;
+  PetscCall(VecRestoreArrayRead(self->F, &F));
+  PetscCall(VecRestoreArrayRead(self->G, &G));
+  PetscFunctionReturn(0);
+}
+
+/* rhs -= d: of each cell's equations, in the rows that the frame model has them. */
+static void SubtractDefect(Estimate self) {
+  for (PetscInt k = 0; k + 1 < self->nodes; k++)
+    for (int f = 0; f < FIELDS; f++) self->rhs[f < M ? k + 1 : k][f] -= self->all[k].defect[f];
+}
+
+/* What an error makes of tip, |x2| and energy, relative. */
+static PetscErrorCode See(Estimate self, PetscReal t, PetscReal (*e)[FIELDS],
+                          PetscReal seen[ESTIMATE_SEEN]) {
+  const PetscReal *s = self->scene.mesh.s;
+  const PetscInt last = self->nodes - 1;
+  const Gathered *p = self->all;
+  PetscReal norm = 0, energy = 0, by_norm = 0, by_energy = 0, size = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k <= last; k++) size = PetscMax(size, PetscAbsReal(p[k].u[X2]));
+  size = PetscMax(size, rod_vanished);
+  for (PetscInt k = 0; k <= last; k++) {
+    PetscReal w = (s[PetscMin(k + 1, last)] - s[PetscMax(k - 1, 0)]) / 2, g, B,
+              y = p[k].u[X2] / size;
+    PetscCall(GrowthStretch(self->scene.growth, 1, &s[k], t, &g, NULL, NULL));
+    PetscCall(SceneStiffness(&self->scene, s[k], t, &B, NULL));
+    norm += w * y * y;
+    by_norm += w * y * (e[k][X2] / size);
+    energy += w * g / B * PetscSqr(p[k].u[M] / size);
+    by_energy += 2 * w * g / B * (p[k].u[M] / size) * (e[k][M] / size);
+  }
+  seen[ESTIMATE_TIP] =
+      hypot(e[last][X1], e[last][X2]) / PetscMax(hypot(p[last].u[X1], p[last].u[X2]), rod_vanished);
+  seen[ESTIMATE_NORM] = norm > 0 ? PetscAbsReal(by_norm / norm) : 0;
+  seen[ESTIMATE_ENERGY] = energy > 0 ? PetscAbsReal(by_energy / energy) : 0;
+  PetscFunctionReturn(0);
+}
+
+/* Beyond 1 an error is no small one any more, and the linear equations say nothing. */
+static PetscErrorCode Keep(Estimate self, PetscReal t, int part) {
+  PetscReal seen[ESTIMATE_SEEN] = {0}, most = 0, (*e)[FIELDS] = self->e[part];
+
+  PetscFunctionBegin;
+  PetscCall(See(self, t, e, seen));
+  for (int k = 0; k < ESTIMATE_SEEN; k++) {
+    if (PetscIsInfOrNanReal(seen[k])) seen[k] = most = PETSC_MAX_REAL;
+    most = PetscMax(most, seen[k]);
+    if (t > early * self->scene.end_time)
+      self->worst[part][k] = PetscMax(self->worst[part][k], PetscMin(1, seen[k]));
+  }
+  for (PetscInt i = 0; i < self->nodes * FIELDS && most > 1; i++) {
+    PetscReal *value = &e[0][0] + i;
+    *value = most < PETSC_MAX_REAL ? *value / most : 0;
+  }
+  PetscFunctionReturn(0);
+}
+
+/* A step of backward Euler from before to t. (A'/A is that at t: with its mean over the step, which
+   is another where the rate changes, errors would rise or fall against x2.) */
+static PetscErrorCode Advance(Estimate self, PetscReal t) {
+  PetscReal rate, size = Size(self, &rate), factor = 1, step = t - self->before, shift[FIELDS],
+                  most_folds = 30;
+
+  PetscFunctionBegin;
+  if (size > 0 && self->size > 0)
+    factor =
+        PetscExpReal(PetscMax(-most_folds, PetscMin(most_folds, PetscLogReal(size / self->size))));
+  self->size = size;
+  PetscCall(PutState(self));
+  PetscCall(rod_frame.residual(self->rod, t, self->U, self->rate, self->F));
+  for (int f = 0; f < FIELDS; f++) shift[f] = 1 / step + (rod_frame.across[f] ? rate : 0);
+  self->rod->fresh = PETSC_TRUE;
+  PetscCall(rod_frame.eliminate(self->rod, t, self->U, self->rate, shift, self->elimination));
+  for (int part = 0; part < ESTIMATE_PARTS; part++) {
+    for (PetscInt k = 0; k < self->nodes; k++)
+      for (int f = 0; f < FOLLOWED; f++)
+        self->b[k][f] = -(self->e[part][k][f] * (f == X1 ? 1 : factor) +
+                          (part == ESTIMATE_TIME ? self->all[k].local[f] : 0)) /
+                        step;
+    PetscCall(TimesRate(self, t));
+    if (part == ESTIMATE_SPACE) SubtractDefect(self);
+    PetscCall(
+        EliminationSolve(self->elimination, (const PetscReal(*)[FIELDS])self->rhs, self->e[part]));
+    PetscCall(Keep(self, t, part));
+  }
+  PetscFunctionReturn(0);
+}
+
+/*
+  EstimateStep - goes on to the state that an accepted step has led to. Collective.
+
+  jumped  the step was a jump: what it adds is not known
+*/
+PetscErrorCode EstimateStep(Estimate self, PetscBool jumped) {
+  PetscReal size[MAX_FIELDS], rate, t;
+
+  PetscFunctionBegin;
+  if (!self) PetscFunctionReturn(0);
+  PetscCall(TSGetTime(self->leg->ts, &t));
+  PetscCall(RodFieldSizes(self->leg->rod, self->leg->U, size));
+  if (!jumped) PetscCall(AddLocal(self, Ratio(size[X2], self->latest)));
+  self->latest = size[X2];
+  if (++self->since < SELDOM && size[TH] < straight && t < self->leg->rod->scene->end_time)
+    PetscFunctionReturn(0);
+  PetscCall(Gather(self, size[X2]));
+  if (self->rod && !jumped) PetscCall(Advance(self, t));
+  if (self->rod && jumped) self->size = Size(self, &rate);
+  for (PetscInt k = 0; k < self->nodes; k++)
+    PetscCall(PetscArrayzero(self->own[k].local, FOLLOWED));
+  self->before = t;
+  self->since = 0;
+  PetscFunctionReturn(0);
+}
+
+/* EstimateGet - the largest errors so far, of each part in each of what is seen. Collective. */
+PetscErrorCode EstimateGet(Estimate self, PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN]) {
+  const PetscMPIInt n = ESTIMATE_PARTS * ESTIMATE_SEEN;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Bcast(self->worst, n, MPIU_REAL, 0, self->leg->rod->scene->comm));
+  for (int part = 0; part < ESTIMATE_PARTS; part++)
+    PetscCall(PetscArraycpy(worst[part], self->worst[part], ESTIMATE_SEEN));
+  PetscFunctionReturn(0);
+}
+
+/* EstimateSet - takes over those of an earlier run that this one goes on with, at t. */
+PetscErrorCode EstimateSet(Estimate self, PetscReal t,
+                           const PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN]) {
+  PetscFunctionBegin;
+  if (!self) PetscFunctionReturn(0);
+  self->before = t;
+  for (int part = 0; part < ESTIMATE_PARTS; part++)
+    PetscCall(PetscArraycpy(self->worst[part], worst[part], ESTIMATE_SEEN));
+  PetscFunctionReturn(0);
+}

@@ -1,0 +1,20 @@
+/* How far a run has gone astray: its errors in time and in space, measured on the way and carried
+   along by the linearised equations. */
+#ifndef TENDRIL_ESTIMATE_H
+#define TENDRIL_ESTIMATE_H
+
+#include "stepping/leg.h"
+
+typedef struct _Estimate *Estimate;
+
+enum { ESTIMATE_SPACE, ESTIMATE_TIME, ESTIMATE_PARTS };
+enum { ESTIMATE_TIP, ESTIMATE_NORM, ESTIMATE_ENERGY, ESTIMATE_SEEN };
+
+PetscErrorCode EstimateCreate(Leg *leg, Estimate *estimate);
+PetscErrorCode EstimateDestroy(Estimate *estimate);
+PetscErrorCode EstimateStep(Estimate estimate, PetscBool jumped);
+PetscErrorCode EstimateGet(Estimate estimate, PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN]);
+PetscErrorCode EstimateSet(Estimate estimate, PetscReal t,
+                           const PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN]);
+
+#endif

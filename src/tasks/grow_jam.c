@@ -1,0 +1,73 @@
+/* -task grow: a rod that is jammed. It cannot grow on, and nothing tells so but that it is pressed
+   ever harder into what is around it, or that steps get nowhere. */
+#include "tasks/growing.h"
+
+/* Pressed in by this part of its diameter the rod is no longer where walls say, and with forces so
+   many times the usual ones (scene/contact.h) that is no matter of how soft contact is. */
+static const PetscReal too_deep = 0.2, many_times = 10;
+/* So many steps in contact in which the rod grows by no more than this part of its length. (A snap
+   takes some hundred from next to nothing on.) */
+enum { WINDOW = 1000 };
+static const PetscReal progress = 1e-6;
+
+/* Is it pressed with forces far above those of bending and of friction along the rod? */
+static PetscBool PressedHard(const Observation *seen) {
+  return (PetscBool)(seen->contacts > 0 &&
+                     seen->contact_force > many_times * PetscMax(1, 10 / PetscSqr(seen->length)));
+}
+
+/*
+  GrowIsJammed - is the rod jammed, as far as the latest step tells? The same on every rank.
+*/
+PetscBool GrowIsJammed(Grow *self) {
+  const Contact *contact = &self->scene->contact;
+  const Observation *seen = &self->seen;
+
+  if (!contact->any || seen->contacts == 0 || seen->length > self->window_length * (1 + progress)) {
+    self->window_length = seen->length;
+    self->window_steps = 0;
+  } else
+    self->window_steps++;
+  if (!contact->any || !PressedHard(seen)) return PETSC_FALSE;
+  return (PetscBool)(self->window_steps >= WINDOW ||
+                     (contact->diameter > 0 && seen->penetration > too_deep * contact->diameter));
+}
+
+/*
+  GrowTellJam - the line for a rod that is jammed, or that gave up under forces as large: where it
+  is pressed in most, and with which push. Collective.
+
+  gave_up  the stepper did
+  line     empty if it is not jammed
+*/
+PetscErrorCode GrowTellJam(Grow *self, PetscBool gave_up, char line[], size_t room) {
+  const Observation *seen = &self->seen;
+  TouchSum touch = {.nearest = PETSC_MAX_REAL};
+  PetscReal push = 0;
+  const Node *nodes;
+  char text[5][64], on[96];
+  PetscInt where = 0;
+
+  PetscFunctionBegin;
+  line[0] = 0;
+  if (!self->jammed && !(gave_up && PressedHard(seen))) PetscFunctionReturn(0);
+  PetscCall(ObserverGather(self->observer, self->now->rod, seen->t, self->now->U, NULL, &nodes));
+  if (nodes) {
+    PetscCall(ObserverTouch(self->observer, seen->t, nodes, &touch));
+    push = PushLargest(self->scene->mesh.cells, nodes, &where);
+  }
+  OptionBoth(seen->t, UNIT_TIME, text[0]);
+  OptionBoth(push, UNIT_FORCE, text[1]);
+  OptionBoth(PetscMax(0, -touch.nearest), UNIT_LENGTH, text[2]);
+  OptionNumber(touch.x[0], text[3]);
+  OptionNumber(touch.x[1], text[4]);
+  if (touch.at[1] < 0)
+    (void)snprintf(on, sizeof(on), "into a wall at s = %.4g", (double)touch.at[0]);
+  else
+    (void)snprintf(on, sizeof(on), "into itself at s = %.4g and %.4g", (double)touch.at[0],
+                   (double)touch.at[1]);
+  (void)snprintf(line, room,
+                 "jammed at t = %s: a push of %s presses the rod by %s %s, x = (%s, %s)", text[0],
+                 text[1], text[2], on, text[3], text[4]);
+  PetscFunctionReturn(0);
+}

@@ -1,0 +1,106 @@
+#!/usr/bin/env python3
+"""What the documents say: numbers are those the program prints, and links lead somewhere.
+
+    docs_test.py build/tendril"""
+
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+TENDRIL = str(Path(sys.argv.pop(1)).resolve())
+PAGES = [*ROOT.glob("*.md"), *ROOT.glob("docs/*.md"), *ROOT.glob("options/*.md")]
+NUMBER = re.compile(r"(?<![\w^])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?!\w)")
+# lines that are checked, by what all of them say
+KINDS = ("steps, ", "in the laboratory: ", ": length ", "critical time", "critical length", "contact of stiffness")
+MADE = {  # page: command lines whose lines it shows, and the directory they are given in
+    "README.md": [("-options_file options/uniform-dry.opts", "."),
+                  ("-task critical -friction_mu 1 -growth_initial_length 0.5", ".")],
+    "docs/my-tube.md": [("-task critical -options_file docs/first/tube.opts -rod_curvature 0", "."),
+                        ("-options_file docs/first/tube.opts", ".")],
+    "docs/my-cable.md": [("-options_file cable.opts", "docs/first")],
+}
+
+
+def same(one, other):
+    """Two lines with the same words and, to a hundredth, numbers. What rounding makes, the energy defect, to
+    a factor of three; times of the clock are not compared."""
+    words = [NUMBER.sub("#", re.sub(r"#?[\d.]+ s; ", "", line)).strip() for line in (one, other)]
+    if words[0] != words[1]:
+        return False
+    lines = [re.sub(r"[\d.]+ s; ", "", line) for line in (one, other)]
+    for found, said in zip(*(list(NUMBER.finditer(line)) for line in lines)):
+        a, b = float(found[0]), float(said[0])
+        rough = lines[0][:found.start()].endswith(("energy defect ", "error below ", "tip (", "penetration at most "))
+        if not (max(abs(a), abs(b)) <= (3 if rough else 1.01) * min(abs(a), abs(b)) and a * b >= 0):
+            return False
+    return True
+
+
+def shown(text):
+    return [line.strip() for line in text.splitlines() if any(kind in line for kind in KINDS)]
+
+
+class Numbers(unittest.TestCase):
+    def test_lines(self):
+        """Every line of a result that a page shows is one that the program prints today."""
+        environment = os.environ | {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+        for page, commands in MADE.items():
+            printed = []
+            with tempfile.TemporaryDirectory(prefix="tendril-") as place:
+                for options, directory in commands:
+                    done = subprocess.run([TENDRIL, *options.split(), "-output", f"{place}/run.h5"], check=True,
+                                          cwd=ROOT / directory, capture_output=True, text=True, env=environment)
+                    printed += shown(done.stdout)
+            said = [line[4:] for line in (ROOT / page).read_text().splitlines() if line.startswith("    ")]
+            said = shown("\n".join(said))
+            self.assertTrue(said, page)
+            for line in said:
+                self.assertTrue(any(same(line, other) for other in printed), f"{page} says\n  {line}\nand "
+                                "tendril\n  " + "\n  ".join(printed))
+
+    def test_gallery(self):
+        """The energy defects that the gallery tells are those of its scenes (the quick ones), to a factor of
+        three."""
+        environment = os.environ | {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+        page = (ROOT / "options/README.md").read_text()
+        for scene in ("uniform-half", "uniform-viscous", "feed", "gaussian", "snake", "against-wall"):
+            said = float(re.search(rf"(?m)^\| \[{scene}\].*\| ([0-9.e-]+) \|$", page)[1])
+            done = subprocess.run([TENDRIL, "-options_file", f"options/{scene}.opts"], check=True, cwd=ROOT,
+                                  capture_output=True, text=True, env=environment)
+            found = float(re.search(r"energy defect (\S+),", done.stdout)[1])
+            self.assertTrue(found / 3 < said < 3 * found, f"{scene}: {said} is said, {found} is")
+
+    def test_what_is_the_same(self):
+        line = "454 steps, 9 rejected, 490 Newton iterations, 0.320 s; energy defect 4.9e-07, error estimate 2.5e-04"
+        for other, good in ((line.replace("0.320", "9.1"), True), (line.replace("4.9e-07", "9e-07"), True),
+                            (line.replace("4.9e-07", "4.9e-06"), False), (line.replace("454", "460"), False),
+                            (line.replace("estimate 2.5", "estimate 2.6"), False)):
+            self.assertEqual(same(line, other), good, other)
+
+
+class Links(unittest.TestCase):
+    def anchors(self, page):
+        heads = re.findall(r"(?m)^#+ (.*)$", re.sub(r"(?s)```.*?```", "", page.read_text()))
+        return {re.sub(r"[^\w\- ]", "", head.lower()).strip().replace(" ", "-") for head in heads}
+
+    def test_links(self):
+        """Files that pages link to are there, and have the section."""
+        broken = []
+        for page in PAGES:
+            for link in re.findall(r"\]\(([^)\s]+)\)", page.read_text()):
+                if re.match(r"\w+:", link):
+                    continue
+                path, _, anchor = link.partition("#")
+                to = (page.parent / path) if path else page
+                if not to.exists() or anchor and to.suffix == ".md" and anchor not in self.anchors(to):
+                    broken.append(f"{page.relative_to(ROOT)}: {link}")
+        self.assertEqual(broken, [])
+
+
+if __name__ == "__main__":
+    unittest.main()

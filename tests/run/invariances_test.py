@@ -1,0 +1,18 @@
+#!/usr/bin/env python3
+"""A dozen of the random scenes of scripts/lab/invariances.py.
+
+    invariances_test.py build/tendril"""
+
+import sys
+from pathlib import Path
+
+from interpreter import ROOT, from_venv
+
+sys.path.insert(0, str(ROOT / "scripts/lab"))
+sys.argv[1:] = ["--tendril", str(Path(sys.argv[1]).resolve()), "--scenes", "12"]
+try:
+    import invariances
+except ImportError as error:
+    from_venv(error)
+
+sys.exit(invariances.main())

@@ -1,0 +1,242 @@
+#!/usr/bin/env python3
+"""Every option with every other: each pair of settings alone, and all of them in random company, a few
+steps each. A run ends well or is refused in one line that names an option; none ends in a traceback,
+gives up, crashes or hangs.
+
+    pairs.py build/tendril [--seed SEED] [--rows ROWS] [--show WORD]
+
+The settings are those of SETTINGS; the pairs are the members of one sweep. The same with each setting
+alone for the critical length, the stability, and a restart."""
+
+import argparse
+import csv
+import itertools
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
+
+import h5py
+import numpy as np
+
+sys.path.insert(0, str(scene.ROOT / "scripts"))
+from tendril.collection import load_sweep
+
+# A short rod with few cells; what would touch it is within reach.
+BASE = ("-growth_initial_length 2 -shape_amplitude 0.1 -rod_cells 24 -ts_max_time 0.02 -ts_rtol 1e-4 "
+        "-ts_max_steps 400")
+SETTINGS = {  # of each the first is what BASE has; {} is the directory of the files made below
+    "law": ["", "growth_type=gaussian", "growth_type=gaussian growth_width=0.05", "growth_type=feed",
+            "growth_type=apical", "growth_type=table growth_table={}/table.h5"],
+    "length": ["", "growth_initial_length=0.5", "growth_initial_length=4"],
+    "friction": ["", "friction_mu=0", "friction_mu=0.5"],
+    "rounding": ["", "friction_beta=0", "friction_beta=1e-9", "friction_beta=0.1"],
+    "across": ["", "friction_across=0.3", "friction_across=3"],
+    "soil": ["", "friction_layers=0:1,1.5:2", "friction_field={}/field.h5"],
+    "newton": ["", "friction_newton=primal"],
+    "tip": ["", "tip_force=0.3", "tip_force=-0.3", "tip_force=0.3 tip_law=follower",
+            "tip_force=0.3 tip_law=resistance", "tip_force=0.3 tip_law=resistance tip_field={}/field.h5",
+            "tip_type=pinned", "tip_type=clamped"],
+    "walls": ["", "wall_file={}/plane", "wall_file={}/oblique", "wall_file={}/post", "wall_file={}/duct",
+              "wall_file={}/all contact_diameter=0.05"],
+    "self": ["", "contact_self=true contact_diameter=0.05"],
+    "touch": ["", "contact_friction=0.3", "contact_stiffness=1e4"],
+    "clamp": ["", "clamp_angle=-0.5"],
+    "grading": ["", "rod_grading=uniform"],
+    "stiffness": ["", "rod_stiffness_file={}/stiffness.h5"],
+    "curvature": ["", "rod_curvature=0.1", "rod_curvature_random=0.1", "rod_curvature_file={}/bent.h5"],
+    "shape": ["", "shape_type=straight", "shape_type=mode", "shape_type=random", "shape_amplitude=1",
+              "shape_type=file shape_file={}/shape.h5"],
+    "model": ["", "rod_model=linear", "rod_model=mixed", "rod_model=auto"],
+    "order": ["", "rod_order=2"],
+    "stepper": ["", "ts_type=bdf", "ts_type=beuler ts_dt=1e-3", "ts_type=theta ts_dt=1e-3",
+                "ts_bdf_order=1 ts_rtol=1e-2", "ts_bdf_factor=0"],
+    "solver": ["", "ksp_type=gmres", "pc_type=lu", "snes_linesearch_type=bt"],
+    "stop": ["", "stop_length=2.01", "stop_angle=0.5", "stop_contact=true", "stop_self_contact=0.01"],
+    "laboratory": ["", "si_bending_stiffness=1e-4 si_friction_dry=20",
+                   "si_bending_stiffness=2Nmm^2 si_friction_dry=0.5N/m si_speed=5mm/s"],
+}
+# Not yet as they should be: what has both is left out. (A rod that is held at its tip and may touch
+# itself gives up at t = 0; a wall that kicks a rod straight to the last bit ends in a traceback.)
+OPEN = [("tip_type=", "contact_self"), ("wall_file", "shape_type=straight"), ("wall_file", "tip_type=")]
+# A run of a few steps that is asked for this may rightly find no step (its method is not for it), or
+# end where its model ends.
+MAY_GIVE_UP = ("friction_newton=primal", "ts_type=", "pc_type=lu", "ksp_type=gmres", "ts_bdf_order=1",
+               "snes_linesearch_type=bt")
+LIMIT = 150  # seconds for all; a quiet machine takes a tenth
+
+
+def write_files(d):
+    # in a file, where a task of its own may leave unread what concerns it not
+    (d / "base.opts").write_text(BASE.replace(" -", "\n-") + "\n")
+    s = np.linspace(0, 1, 11)
+
+    def write(name, **arrays):
+        with h5py.File(d / name, "w") as f:
+            for key, value in arrays.items():
+                f[key] = value
+
+    write("table.h5", s=s, t=np.linspace(0, 4, 9), g=2 + np.outer(np.linspace(0, 4, 9), 0.5 + s))
+    write("field.h5", x1=np.linspace(-5, 9, 15), x2=np.linspace(-5, 5, 11),
+          factor=np.ones((11, 15)) + 0.05 * np.arange(15))
+    write("stiffness.h5", distance=np.linspace(0, 9, 10), factor=1 + 0.1 * np.arange(10))
+    write("bent.h5", s=s, curvature=0.1 * np.cos(9 * s))
+    write("shape.h5", s=s, theta=0.05 * np.sin(np.pi * s))
+    for name, text in (("plane", "plane 2.005 0 -1 0"), ("oblique", "plane 2.01 0 -1 -0.5"),
+                       ("post", "circle 2.305 0.05 0.3 outside"), ("duct", "path 0.3 -1 0 1 0 9 0.5")):
+        (d / name).write_text(text + "\n")
+    (d / "all").write_text("polygon inside -9 -9 9 -9 9 9 -9 9\ncircle 0 0 8 inside friction 0.2\n"
+                           "polygon outside 2.05 -0.4 3 -0.4 3 0.6 2.05 0.6 friction 0\n")
+
+
+def pairs():
+    """The settings of each pair alone; each alone and none, too."""
+    names = list(SETTINGS)
+    yield {}
+    for name in names:
+        yield from ({name: value} for value in SETTINGS[name][1:])
+    for a, b in itertools.combinations(names, 2):
+        for x, y in itertools.product(SETTINGS[a][1:], SETTINGS[b][1:]):
+            yield {a: x, b: y}
+
+
+def covering(rows, seed):
+    """Settings of all kinds at once: each row is the one of some random ones that has most pairs which
+    no row before has."""
+    dice, names = np.random.default_rng(seed), list(SETTINGS)
+    sizes = np.array([len(SETTINGS[n]) for n in names])
+    places = np.concatenate([[0], np.cumsum(sizes)])[:-1]
+    seen = np.zeros((sizes.sum(), sizes.sum()), bool)
+    for _ in range(rows):
+        tries = dice.integers(0, sizes, size=(30, len(names)))
+        tries[dice.random(tries.shape) > 0.25] = 0  # else one of so many refuses the rest
+        news = [(~seen[np.ix_(places + t, places + t)]).sum() for t in tries]
+        best = tries[int(np.argmax(news))]
+        seen[np.ix_(places + best, places + best)] = True
+        yield {n: SETTINGS[n][k] for n, k in zip(names, best) if k}
+
+
+def options_of(row, d):
+    """Settings as options by name; of two that set the same the later wins."""
+    return dict(word.format(d).split("=", 1) for value in row.values() for word in value.split())
+
+
+def words_of(row, d):
+    return [w for name, value in options_of(row, d).items() for w in (f"-{name}", value)]
+
+
+def said_of(row):
+    return " ".join(row.values()).replace("{}/", "") or "nothing"
+
+
+def fault_of(row, line):
+    """What is wrong with the line that a run ended in; None: nothing."""
+    if any(all(word in said_of(row) for word in both) for both in OPEN):
+        return None
+    if line.startswith("-") and not line.startswith("-ts_max_steps"):
+        return None  # refused, or ended as asked
+    if line.startswith(("gave up", "-ts_max_steps")) and any(w in said_of(row) for w in MAY_GIVE_UP):
+        return None
+    return line
+
+
+def sweep(rows, d, task):
+    """What is wrong, of all rows in one job: (row, line)."""
+    names = sorted({name for row in rows for name in options_of(row, d)})
+    with open(d / "table.csv", "w", newline="") as f:
+        table = csv.writer(f)
+        table.writerow(names)
+        table.writerows([options_of(row, d).get(name, "") for name in names] for row in rows)
+    file = d / f"{task}.h5"
+    file.unlink(missing_ok=True)
+    try:
+        done = subprocess.run([scene.TENDRIL, "-options_file", str(d / "base.opts"), "-task", "sweep", "-sweep_task", task,
+                               "-sweep_file", str(d / "table.csv"), "-output", str(file), "-quiet"],
+                              capture_output=True, text=True, env=scene.ENVIRONMENT, timeout=LIMIT)
+        ended = f"exit {done.returncode}, {done.stderr[-300:]}"
+        good = done.returncode == 0
+    except subprocess.TimeoutExpired:
+        ended, good = "hangs", False
+    if not good:
+        return one_by_one(rows, d, task, ended)
+    s = load_sweep(file)
+    counts = (s.status == 1).sum(), (s.status == 2).sum()
+    print(f"{task}: {len(rows)} runs, {counts[0]} ran, {counts[1]} were refused or gave up", flush=True)
+    wrong = [(row, fault) for row, status, line in zip(rows, s.status, s.line)
+             if status != 1 and (fault := fault_of(row, line))]
+    for name, values in (s.final if task == "grow" else s.critical).items():
+        for k in np.flatnonzero((s.status == 1) & ~np.isfinite(values)):
+            wrong.append((rows[k], f"{name} is {values[k]}"))
+    return wrong
+
+
+def one_by_one(rows, d, task, ended):
+    """A crash or a hang takes the whole sweep with it: which is it?"""
+    wrong = [({}, f"the sweep as a whole: {ended}")]
+    for row in rows:
+        code, stderr = run(d, ["-task", task, *words_of(row, d)])
+        if code is None or code < 0 or code > 127:
+            wrong.append((row, "hangs" if code is None else f"exit {code}, {stderr[-200:]}"))
+    return wrong
+
+
+def run(d, words, limit=20):
+    """(exit code, stderr) of a run by itself; code None: it hangs."""
+    try:
+        done = subprocess.run([scene.TENDRIL, "-options_file", str(d / "base.opts"), *words], capture_output=True, text=True,
+                              env=scene.ENVIRONMENT, timeout=limit)
+    except subprocess.TimeoutExpired:
+        return None, ""
+    return done.returncode, done.stderr
+
+
+def alone(rows, d):
+    """Each setting with the stability, and with a restart of a run that was broken."""
+    file = d / "broken.h5"
+    for row in rows:
+        words = words_of(row, d)
+        tasks = [["-task", "stability", "-stability_points", "3", "-stability_vertices", "24",
+                  "-stability_transient", "false", *words]]
+        code, stderr = run(d, [*words, "-output", str(file), "-output_interval", "0.004", "-ts_max_steps", "9"])
+        if code == 1 and stderr.startswith("tendril: -ts_max_steps"):
+            tasks.append(["-restart", str(file), "-ts_max_steps", "400"])
+        for task in tasks:
+            code, stderr = run(d, task)
+            lines = stderr.splitlines()
+            good = code == 0 and not lines or (
+                code is not None and 0 < code < 128 and len(lines) == 1
+                and lines[0].startswith("tendril: ") and not fault_of(row, lines[0][9:]))
+            if not good:
+                yield row, f"{' '.join(task[:2])}: exit {code}, {stderr[:300]}"
+        file.unlink(missing_ok=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("tendril")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--rows", type=int, default=150, help="of settings of all kinds at once")
+    parser.add_argument("--show", default="", help="only faults with this word")
+    choice = parser.parse_args()
+    scene.TENDRIL = str(Path(choice.tendril).resolve())
+    with tempfile.TemporaryDirectory(prefix="tendril-") as name:
+        d = Path(name)
+        write_files(d)
+        rows = list(pairs())
+        single = [row for row in rows if len(row) < 2]
+        wrong = sweep(rows, d, "grow") + sweep(list(covering(choice.rows, choice.seed)), d, "grow")
+        wrong += sweep(single, d, "critical") + list(alone(single, d))
+    for row, line in wrong:
+        line = re.sub(r"\s+", " ", line)
+        if choice.show in f"{said_of(row)} {line}":
+            print(f"FAIL {said_of(row)}: {line}")
+    print(f"pairs: {len(wrong)} faults")
+    return len(wrong) > 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,119 @@
+/* The guard: what the rod's curve has swept between two states, on any number of ranks; and what
+   one rank alone sees. */
+#include "harness.h"
+#include "rod/passing.h"
+#include "stepping/guard.h"
+#include "stepping/leg.h"
+
+static void WriteWalls(char path[64], const char *text) {
+  PetscMPIInt rank;
+  OpenScratch(path);
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  if (!rank) {
+    FILE *f = fopen(path, "w");
+    assert_non_null(f);
+    fputs(text, f);
+    fclose(f);
+  }
+  MPI_Barrier(PETSC_COMM_WORLD);
+}
+
+/* A rod of length 1, straight up to `bend` of it, then at an angle. */
+static Vec State(Rod rod, PetscReal bend, PetscReal angle) {
+  const PetscReal *s = rod->scene->mesh.s;
+  Node *nodes;
+  Vec U;
+  CHECK(DMCreateGlobalVector(rod->da, &U));
+  CHECK(PetscCalloc1(rod->end - rod->first, &nodes));
+  for (PetscInt i = rod->first; i < rod->end; i++) {
+    Node *node = &nodes[i - rod->first];
+    const PetscReal along = PetscMax(0, s[i] - bend);
+    node->theta = s[i] > bend ? angle : 0;
+    node->x[0] = PetscMin(s[i], bend) + along * PetscCosReal(angle);
+    node->x[1] = along * PetscSinReal(angle);
+  }
+  CHECK(rod->model->set(rod, 0, nodes, U));
+  CHECK(PetscFree(nodes));
+  return U;
+}
+
+static const char thread[] = "-growth_type feed -growth_initial_length 1 -shape_type straight "
+                             "-rod_cells 20 -ts_max_time 2 ";
+
+/* Does the rod pass from one angle to another, bent at 0.2? */
+static PetscBool Passes(const char *wall, const char *more, PetscReal from, PetscReal to) {
+  PetscBool passes;
+  char file[64];
+  Scene scene;
+  Rod rod;
+  Vec U[2];
+  WriteWalls(file, wall);
+  SetOptions("%s %s -wall_file %s", thread, more, file);
+  CHECK(SceneCreate(&scene));
+  CHECK(RodCreate(scene, &rod_frame, &rod));
+  U[0] = State(rod, 0.2, from);
+  U[1] = State(rod, 0.2, to);
+  CHECK(RodPassesWalls(rod, 0, 0, U[0], U[1], &passes));
+  for (int k = 0; k < 2; k++) CHECK(VecDestroy(&U[k]));
+  CHECK(RodDestroy(&rod));
+  CHECK(SceneDestroy(&scene));
+  RemoveFile(file);
+  return passes;
+}
+
+/* Posts a hundredth of a cell wide, wherever they are on the rod: also between nodes, and between
+   ranks. */
+static void TestSweeps(void **state) {
+  for (int k = 0; k < 25; k++) {
+    const PetscReal at = 0.3 + 0.025 * k;
+    char wall[128];
+    snprintf(wall, sizeof(wall), "circle %.17g 0.05 5e-4 outside\n", (double)at);
+    EXPECT(Passes(wall, "", 0, 1.2), "over a post at %g", at);
+    EXPECT(Passes(wall, "", 1.2, 0), "back over a post at %g", at);
+    EXPECT(!Passes(wall, "", 0, -1), "away from a post at %g", at);
+    EXPECT(!Passes(wall, "", 1.2, 1.4) || at < 0.24, "beyond a post at %g", at);
+  }
+  EXPECT(!Passes("circle 1.3 0.05 5e-4 outside\n", "", -1, 1), "past a post before the tip");
+}
+
+/* Through a plate thinner than the rod's cells; across a corner of a polygon; in it. */
+static void TestCuts(void **state) {
+  const char *const plate = "polygon outside 0.4 0.2 0.9 0.2 0.9 0.2003 0.4 0.2003\n";
+  EXPECT(Passes(plate, "-contact_diameter 1e-4", 0, 0.9), "ends across a plate");
+  EXPECT(!Passes(plate, "-contact_diameter 1e-4", 0, 0.1), "stays before it");
+  EXPECT(Passes(plate, "-contact_diameter 1e-4", 0, 1.5), "past all of it");
+  EXPECT(Passes("polygon inside -1 -0.3 3 -0.3 3 0.3 -1 0.3\n", "-contact_diameter 0.01", 0, 1),
+         "out of a box");
+  EXPECT(!Passes("polygon inside -1 -0.3 3 -0.3 3 0.3 -1 0.3\n", "-contact_diameter 0.01", 0, 0.2),
+         "within a box");
+  EXPECT(Passes("plane 0 0.3 0 -1\n", "-contact_diameter 0.01", 0, 1), "behind a plane");
+  EXPECT(!Passes("plane 0 0.3 0 -1\n", "", 0, 1), "a thread is never behind a plane");
+}
+
+/* The tip alone is behind a wall, and the rod may touch itself, too: every rank ends the look, with
+   the same verdict. */
+static void TestOneRankKnows(void **state) {
+  PetscBool passes;
+  char file[64];
+  Scene scene;
+  Leg leg;
+  Vec U[2];
+  WriteWalls(file, "plane 0.97 0 -1 0\n");
+  SetOptions("%s -wall_file %s -contact_diameter 0.02 -contact_self", thread, file);
+  CHECK(SceneCreate(&scene));
+  CHECK(LegCreate(scene, &rod_frame, 1e-6, NULL, &leg));
+  U[0] = State(leg.rod, 0.2, 1);
+  U[1] = State(leg.rod, 0.2, 0);
+  CHECK(GuardPasses(leg.ts, 0, 0, U[0], U[1], &passes));
+  EXPECT(passes && leg.passes, "the tip is behind the wall");
+  CHECK(GuardPasses(leg.ts, 0, 0, U[0], U[0], &passes));
+  EXPECT(!passes && !leg.passes, "nothing is");
+  for (int k = 0; k < 2; k++) CHECK(VecDestroy(&U[k]));
+  CHECK(LegDestroy(&leg));
+  CHECK(SceneDestroy(&scene));
+  RemoveFile(file);
+}
+
+static const struct CMUnitTest tests[] = {cmocka_unit_test(TestSweeps), cmocka_unit_test(TestCuts),
+                                          cmocka_unit_test(TestOneRankKnows)};
+MAIN(tests)
