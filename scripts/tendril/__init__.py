@@ -30,19 +30,12 @@ if TYPE_CHECKING:
     from .runs import Critical, critical, run
     from .sweeps import sweep
 
-<<<<<<< HEAD
-_HOME = {"ResultsError": "errors", "RunError": "errors", "TendrilError": "errors",
-         "animate": "films", "Fit": "fitting", "fit": "fitting", "compare": "comparison", "profile": "samples", "sample": "samples",
-         "Filmed": "filming", "measure": "filming", "view": "page", "plot": "pictures",
-         "Results": "results", "Shape": "results", "load": "results", "Critical": "runs",
-         "critical": "runs", "run": "runs", "Sweep": "sweeps", "sweep": "sweeps"}
-=======
 _HOME = {"circle": "barriers", "conduit": "barriers", "plane": "barriers", "polygon": "barriers",
          "ResultsError": "errors", "RunError": "errors", "TendrilError": "errors",
          "animate": "films", "ensemble": "ensembles", "Fit": "fitting", "fit": "fitting", "map": "maps",
-         "view": "page", "plot": "pictures", "Results": "results", "Shape": "results", "load": "results",
+         "compare": "comparison", "Filmed": "filming", "measure": "filming", "profile": "samples",
+         "sample": "samples", "view": "page", "plot": "pictures", "Results": "results", "Shape": "results", "load": "results",
          "Critical": "runs", "critical": "runs", "run": "runs", "Sweep": "collection", "sweep": "sweeps"}
->>>>>>> main
 __all__ = sorted(_HOME)
 
 

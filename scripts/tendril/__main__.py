@@ -5,19 +5,11 @@ import os
 import sys
 from importlib import import_module
 
-<<<<<<< HEAD
-COMMANDS = {"plot": "pictures", "animate": "films", "view": "page", "fit": "fit_command", "measure": "filming",
-            "map": "map", "ensemble": "ensemble", "growth_table": "growth_table",
-            "stability": "plot_stability"}
-
-
 # matrices are small here and processes many: threads of BLAS would only wait for each other
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-
-def main(words):
-=======
 COMMANDS = {"plot": "pictures", "animate": "films", "view": "page", "fit": "fit_command",
+            "measure": "filming",
             "map": "maps", "ensemble": "ensembles", "growth_table": "growth_table",
             "stability": "plot_stability"}
 
@@ -33,7 +25,6 @@ def main(words=None):
 
         print(f"tendril {__version__}")
         return 0
->>>>>>> main
     if not words or words[0] not in COMMANDS:
         print(f"tendril: give a command, {known}", file=sys.stderr)
         return 2
