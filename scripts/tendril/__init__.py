@@ -18,19 +18,23 @@ if TYPE_CHECKING:
     from .collection import Sweep
     from .ensembles import ensemble
     from .errors import ResultsError, RunError, TendrilError
+    from .comparison import compare
+    from .filming import Filmed, measure
     from .films import animate
     from .fitting import Fit, fit
     from .maps import map
     from .page import view
     from .pictures import plot
     from .results import Results, Shape, load
+    from .samples import profile, sample
     from .runs import Critical, critical, run
     from .sweeps import sweep
 
 _HOME = {"circle": "barriers", "conduit": "barriers", "plane": "barriers", "polygon": "barriers",
          "ResultsError": "errors", "RunError": "errors", "TendrilError": "errors",
          "animate": "films", "ensemble": "ensembles", "Fit": "fitting", "fit": "fitting", "map": "maps",
-         "view": "page", "plot": "pictures", "Results": "results", "Shape": "results", "load": "results",
+         "compare": "comparison", "Filmed": "filming", "measure": "filming", "profile": "samples",
+         "sample": "samples", "view": "page", "plot": "pictures", "Results": "results", "Shape": "results", "load": "results",
          "Critical": "runs", "critical": "runs", "run": "runs", "Sweep": "collection", "sweep": "sweeps"}
 __all__ = sorted(_HOME)
 

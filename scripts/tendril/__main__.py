@@ -1,10 +1,15 @@
 """The commands behind the shell scripts: python -m tendril COMMAND ..., or tendril-py COMMAND ..., each
 with -h."""
 
+import os
 import sys
 from importlib import import_module
 
+# matrices are small here and processes many: threads of BLAS would only wait for each other
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
 COMMANDS = {"plot": "pictures", "animate": "films", "view": "page", "fit": "fit_command",
+            "measure": "filming",
             "map": "maps", "ensemble": "ensembles", "growth_table": "growth_table",
             "stability": "plot_stability"}
 

@@ -2,24 +2,40 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
+from scipy.sparse.csgraph import connected_components, minimum_spanning_tree
 from scipy.spatial import cKDTree
+from scipy.spatial.distance import cdist
 
 from .measured import PIXEL, Curve, DataError, Measured, Photograph
+from .noise import Block
 from .results import Results
 from .units import in_laboratory
 
 FINER = 4  # points between nodes, so that the line is as good as the nodes are
 LINES = "lines"  # the group of all points of centre lines; series are groups by their names
+ENDS = "ends"  # of how far a rod goes on beyond its points
+BARE = "bare"  # of places on the rod near which there are no points
+PLACES = 24  # of these, on each rod
+BARE_NOISE = 0.05  # of the extent: they lead a search, and are nothing where rod and points agree
+# how a picture and its clock stand to the rod: what the numbers are where nothing is said
+VIEW = {"camera_x": 0.0, "camera_y": 0.0, "camera_turn": 0.0, "camera_scale": 1.0, "clock_rate": 1.0,
+        "clock_offset": 0.0}
 
 
-def time_of(r: Results, abscissa, at):
-    """Dimensionless times of a run at times or lengths that were measured."""
+def time_of(r: Results, abscissa, at, view=VIEW):
+    """Dimensionless times of a run at times or lengths that were measured; the clock of the measurement
+    may go fast and begin late: its rate and offset, in its own unit, are in the view."""
     unit = {"t": "l/V", "length": "l"}[abscissa]
     if at.si and at.unit != unit:
         raise DataError(f"{abscissa} was measured in another unit than {unit} has")
-    values = at.numbers / in_laboratory(unit, r.scale)[0] if at.si else at.numbers
+    clocked = at.numbers
+    if abscissa == "t":
+        clocked = (clocked - view["clock_offset"]) / view["clock_rate"]
+    values = clocked / in_laboratory(unit, r.scale)[0] if at.si else clocked
     if abscissa == "t":
         return values
     return np.interp(values, r.series.length, r.series.t)
@@ -42,17 +58,42 @@ def finer(x):
     return CubicSpline(s, x)(np.linspace(0, len(x) - 1, FINER * (len(x) - 1) + 1))
 
 
+class Nearest(NamedTuple):
+    """Of points, what of a line is nearest to them."""
+
+    distance: np.ndarray  # [m], positive on the left of the line
+    foot: np.ndarray  # [m, 2]
+    place: np.ndarray  # [m], arc length of the foot
+    normal: np.ndarray  # [m, 2], of the line, to the left
+    other: np.ndarray  # [m], how much farther another strand of the line is; inf where there is none
+
+
+STRAND = 0.1  # of a line's length: what is farther from a place, along it, is another strand
+
+
+def nearest(points, line) -> Nearest:
+    start, along = line[:-1], np.diff(line, axis=0)
+    square = np.sum(along**2, axis=1)
+    part = np.clip(np.einsum("mnd,nd->mn", points[:, None] - start, along) / square, 0, 1)
+    foot = start + part[..., None] * along
+    gap = points[:, None] - foot
+    squares = np.sum(gap**2, axis=2)
+    rows, piece = np.arange(len(points)), np.argmin(squares, axis=1)
+    lengths = np.sqrt(square)
+    begin = np.concatenate([[0], np.cumsum(lengths)])
+    away = np.abs(begin[:-1] - begin[piece][:, None]) > STRAND * begin[-1]
+    other = np.sqrt(np.min(np.where(away, squares, np.inf), axis=1))
+    gap, along = gap[rows, piece], along[piece]
+    side = np.sign(along[:, 0] * gap[:, 1] - along[:, 1] * gap[:, 0])
+    return Nearest(np.where(side == 0, 1, side) * np.hypot(*gap.T), foot[rows, piece],
+                   begin[piece] + part[rows, piece] * lengths[piece],
+                   np.column_stack([-along[:, 1], along[:, 0]]) / lengths[piece][:, None],
+                   other - np.hypot(*gap.T))
+
+
 def distances(points, line):
     """([m] distances of points from a line, positive on its left; [m, 2] its nearest places)"""
-    start, along = line[:-1], np.diff(line, axis=0)
-    part = np.einsum("mnd,nd->mn", points[:, None] - start, along) / np.sum(along**2, axis=1)
-    foot = start + np.clip(part, 0, 1)[..., None] * along
-    gap = points[:, None] - foot
-    nearest = np.argmin(np.sum(gap**2, axis=2), axis=1)
-    rows = np.arange(len(points))
-    gap, along = gap[rows, nearest], along[nearest]
-    side = np.sign(along[:, 0] * gap[:, 1] - along[:, 1] * gap[:, 0])
-    return np.where(side == 0, 1, side) * np.hypot(*gap.T), foot[rows, nearest]
+    return nearest(points, line)[:2]
 
 
 class Camera:
@@ -95,6 +136,31 @@ def loose_end(points, line):
     return max(0.0, float(tree.query(line[-1])[0] - gap))
 
 
+def widest_gap(points):
+    """The longest way from some points to the rest of them, where both are three or more: between these
+    nothing was measured, and a rod may be there."""
+    links = minimum_spanning_tree(cdist(points, points)).tocoo()
+    longest = np.argsort(links.data)[::-1]
+    for k in longest[:20]:
+        kept = np.arange(len(links.data)) != k
+        rest = type(links)((links.data[kept], (links.row[kept], links.col[kept])), shape=links.shape)
+        _, side = connected_components(rest, directed=False)
+        if min(np.count_nonzero(side == 0), np.count_nonzero(side == 1)) >= 3:
+            return float(links.data[k])
+    return float(np.median(links.data))
+
+
+def bare(points, line, gap):
+    """[PLACES], how far places on a line are from the nearest point, or from the clamp, beyond what gaps
+    between the points explain: a rod with loops where nothing was seen is near all points, too."""
+    tree = cKDTree(points)
+    s = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
+    at = (np.arange(PLACES) + 0.5) / PLACES * s[-1]
+    places = np.column_stack([np.interp(at, s, column) for column in line.T])
+    allowed = max(gap, 0.75 * float(tree.query(line[0])[0]))
+    return np.maximum(0, np.minimum(tree.query(places)[0], np.hypot(*(places - line[0]).T)) - allowed)
+
+
 class Comparison:
     """Residuals of a run. Beside the run they depend on a few numbers of their own, `own`: those of the
     camera, and the times of photographs that have none (as parts of the run)."""
@@ -105,6 +171,9 @@ class Comparison:
         self.camera = Camera(float(np.ptp(np.vstack(pixels), axis=0).max())) if pixels else None
         self.timeless = [p for p in measured.photographs if p.abscissa is None]
         self.groups: list[str] = []  # of each residual
+        self.gaps = {id(p): 0.75 * widest_gap(p.points.numbers) + 2 * np.quantile(
+            cKDTree(p.points.numbers).query(p.points.numbers, 2)[0][:, 1], 0.95)
+            for p in measured.photographs}
 
     def told(self, r: Results, own) -> list[str]:
         """In words, the numbers that were found beside the parameters."""
@@ -143,45 +212,67 @@ class Comparison:
             return points / (self.camera.size * np.exp(own[0])) / float(r.attributes.get("si_length", 1))
         return points / r.scale("length") if p.points.si else points
 
-    def line(self, r, p: Photograph, own):
+    def line(self, r, p: Photograph, own, view=VIEW):
         """[n, 2], what a photograph should show of a run, in its own unit."""
         if p.abscissa:
-            t = time_of(r, p.abscissa, p.at)
+            t = time_of(r, p.abscissa, p.at, view)
         else:
             k = (Camera.COUNT if self.camera else 0) + self.timeless.index(p)
             t = np.clip(own[k], 0, 1) * r.shapes.t[-1]
         if self.camera:
             return finer(self.camera.see(self.seen_plain(r, t), own[:Camera.COUNT]))
-        return finer(shape_at(r, t) * (r.scale("length") if p.points.si else 1))
+        c, s = np.cos(view["camera_turn"]), np.sin(view["camera_turn"])
+        line = finer(shape_at(r, t) * (r.scale("length") if p.points.si else 1))
+        return view["camera_scale"] * line @ [[c, s], [-s, c]] + [view["camera_x"], view["camera_y"]]
 
-    def of_photograph(self, r, p: Photograph, own):
-        """Distances of its points; of one in order the last is the tip, also along the rod, of others
-        the rod must end where they do."""
-        line = self.line(r, p, own)
-        found, _ = distances(p.points.numbers, line)
+    def of_photograph(self, r, p: Photograph, own, view=VIEW):
+        """(distances of its points: of one in order the last is the tip, also along the rod; how far the
+        rod goes on beyond points that are not; where the rod is and no points are; the points' Block)"""
+        line = self.line(r, p, own, view)
+        near = nearest(p.points.numbers, line)
+        found, place, normal = near.distance, near.place, near.normal
+        uncovered = bare(p.points.numbers, line, self.gaps[id(p)])
         if not p.ordered:
-            return np.append(found, loose_end(p.points.numbers, line))
+            return found, [loose_end(p.points.numbers, line)], uncovered, (place, normal, near.other)
         gap, end = p.points.numbers[-1] - line[-1], line[-1] - line[-2]
         end = end / np.hypot(*end)
-        return np.concatenate([found[:-1], [end[0] * gap[1] - end[1] * gap[0], end @ gap]])
+        across = [-end[1], end[0]]
+        return (np.concatenate([found[:-1], [across @ gap, end @ gap]]), [], uncovered,
+                (np.append(place, place[-1]), np.vstack([normal[:-1], across, end]),
+                 np.append(near.other[:-1], [np.inf, np.inf])))
 
-    def model(self, r, c: Curve):
+    def model(self, r, c: Curve, view=VIEW):
         """[m], a series of a run where it was measured, in the unit of the measurement."""
         if c.name not in r.series:
             raise DataError(f"{c.source}: {c.name} is no series; there are {', '.join(r.series)}")
         unit = r.units[f"series/{c.name}"]
         if c.values.si and c.values.unit != unit:
             raise DataError(f"{c.source}: {c.name} was measured in a unit of something else")
-        t = np.clip(time_of(r, c.abscissa, c.at), 0, r.series.t[-1])
+        t = np.clip(time_of(r, c.abscissa, c.at, view), 0, r.series.t[-1])
         factor = in_laboratory(unit, r.scale)[0] if c.values.si else 1
         return factor * PchipInterpolator(r.series.t, r.series[c.name])(t)
 
-    def residuals(self, r: Results, own) -> np.ndarray:
-        """Measured less computed, group by group as in self.groups."""
-        parts = [(LINES, self.of_photograph(r, p, own)) for p in self.measured.photographs]
-        parts += [(c.name, c.values.numbers - self.model(r, c)) for c in self.measured.curves]
-        self.groups = [name for name, values in parts for _ in values]
-        return np.concatenate([values for _, values in parts])
+    def residuals(self, r: Results, own, view=VIEW) -> np.ndarray:
+        """Measured less computed, group by group as in self.groups; self.blocks are then those of the
+        residuals whose errors belong together."""
+        values, self.groups, self.blocks = [], [], []
+
+        def add(group, numbers):
+            first = len(self.groups)
+            values.append(numbers)
+            self.groups += [group] * len(numbers)
+            return np.arange(first, first + len(numbers))
+
+        for p in self.measured.photographs:
+            off, end, uncovered, (place, normal, other) = self.of_photograph(r, p, own, view)
+            self.blocks.append(Block(LINES, add(LINES, off), place, normal, other))
+            add(ENDS, end)
+            add(BARE, uncovered)
+        for c in self.measured.curves:
+            rows = add(c.name, c.values.numbers - self.model(r, c, view))
+            self.blocks.append(Block(c.name, rows, c.at.numbers, None,
+                                     np.full(len(rows), np.inf)))
+        return np.concatenate(values)
 
     def spreads(self) -> dict[str, float]:
         """How large what was measured is, by group: the measure of a first guess of its noise."""

@@ -7,7 +7,7 @@ other, with intervals, from photographs or series.
       -- -friction_layers "0:1,3cm:{hard}"
 
 SCENE is an options file. DATA are CSV files, a photograph without its own time as TIME@FILE (20s@a.csv,
-12cm@b.csv). Leaves BASENAME.opts, the best scene, .txt, the report, .csv, the residuals, and the
+12cm@b.csv). Leaves BASENAME.opts, the best scene, .txt, the report, .json, the same in numbers, .csv, the residuals, and the
 picture of what was measured beside it, .png and .pdf. What data may look like, and what the numbers
 mean: docs/fitting.md."""
 
@@ -21,17 +21,18 @@ from .errors import TendrilError
 from .fitting import fit
 from .measured import Measured, gather, read
 
-LEFT = (".opts", ".txt", ".csv", ".png", ".pdf")
+LEFT = (".opts", ".txt", ".csv", ".json", ".png", ".pdf")
 
 
-def measured(words, unit):
+def measured(words, unit, fps=None):
     """All DATA as one; a word is FILE or TIME@FILE."""
     whole = Measured()
     for word in words:
         at, _, path = word.rpartition("@")
-        one = read(path, unit, at)
+        one = read(path, unit, at, fps)
         whole.photographs += one.photographs
         whole.curves += one.curves
+        whole.notes += one.notes
     return gather(whole)
 
 
@@ -43,6 +44,17 @@ def parameters(words):
         if not equals:
             raise TendrilError(f"--parameter {word}: give NAME=LOW:HIGH or NAME=LOW:HIGH:START")
         found[name.lstrip("-")] = bounds
+    return found
+
+
+def pairs(words, what, form):
+    """{name: text} of words NAME=TEXT."""
+    found = {}
+    for word in words or ():
+        name, equals, text = word.partition("=")
+        if not equals:
+            raise TendrilError(f"--{what} {word}: give {form}")
+        found[name.lstrip("-")] = text
     return found
 
 
@@ -73,9 +85,18 @@ def main(arguments=None):
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scene", metavar="SCENE")
     parser.add_argument("data", nargs="+", metavar="DATA")
-    parser.add_argument("--parameter", "-p", action="append", required=True,
+    parser.add_argument("--parameter", "-p", action="append", default=[],
                         metavar="NAME=LOW:HIGH[:START]", help="what is looked for; give it once for each")
     parser.add_argument("--unit", default="", help="of coordinates that carry none: cm, px, ...")
+    parser.add_argument("--fps", type=float, help="frames per second, of data that count frames")
+    parser.add_argument("--y-down", action=argparse.BooleanOptionalAction,
+                        help="x2 is counted downwards; default: of px it is, else it is not")
+    parser.add_argument("--prior", action="append", metavar="NAME=MEAN:DEVIATION",
+                        help="what is known of a parameter, 0.5N/m:0.1N/m")
+    parser.add_argument("--tied", action="append", metavar="NAME=FORMULA",
+                        help='an option that follows from parameters, "si_friction_viscous=0.5*si_friction_dry N/m"')
+    parser.add_argument("--noise", action="append", metavar="GROUP=NOISE",
+                        help="of lines or a series, where it is known and independent: lines=0.5mm")
     parser.add_argument("--output", metavar="BASENAME", default="fit", help="default %(default)s")
     parser.add_argument("--accuracy", type=float, default=3e-4, help="of the runs; default %(default)s")
     parser.add_argument("--starts", type=int, help="that fill the bounds; default 24 for one parameter, 12 "
@@ -87,9 +108,14 @@ def main(arguments=None):
     matplotlib.use("Agg")
     try:
         keep(choice.output, choice.scene, choice.data)
-        found = fit(choice.scene, measured(choice.data, choice.unit), parameters(choice.parameter),
-                    unit=choice.unit, accuracy=choice.accuracy, starts=choice.starts, seed=choice.seed,
-                    progress=True, **options(more))
+        data = measured(choice.data, choice.unit, choice.fps)
+        for note in data.notes:
+            print(f"fit: {note}")
+        found = fit(choice.scene, data, parameters(choice.parameter), unit=choice.unit, y_down=choice.y_down,
+                    priors=pairs(choice.prior, "prior", "NAME=MEAN:DEVIATION"),
+                    tied=pairs(choice.tied, "tied", "NAME=FORMULA"),
+                    noise=pairs(choice.noise, "noise", "lines=0.5mm or SERIES=NOISE"),
+                    accuracy=choice.accuracy, starts=choice.starts, seed=choice.seed, progress=True, **options(more))
         found.save(choice.output)
     except (TendrilError, OSError) as error:
         print(f"fit: {error}", file=sys.stderr)

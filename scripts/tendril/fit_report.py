@@ -70,7 +70,7 @@ def indistinct(fit: Fit) -> list[str]:
     p = len(fit.parameters)
     variance, axes = np.linalg.eigh(fit.covariance[:p, :p])
     words, lost = [], set()
-    reach = stats.t.ppf(0.975, fit.freedom) * np.sqrt(np.maximum(variance, 0))
+    reach = 1.96 * np.sqrt(np.maximum(variance, 0))
     for d, axis in zip(reach[::-1], axes.T[::-1]):
         if d < LOST:
             continue
@@ -96,6 +96,20 @@ def indistinct(fit: Fit) -> list[str]:
     return words
 
 
+def parts_of(fit: Fit, name, values):
+    """In words, how errors are correlated, if they are."""
+    g = fit.errors[name]
+    factor, unit = shown(values, g.total)
+    said = []
+    if g.smooth > 0.1 * g.total:
+        within = shown(values, g.reach) if name == LINES else (1, "")
+        said.append(f"smooth {factor * g.smooth:.2g} {unit}" + (
+            f" over {within[0] * g.reach:.2g} {within[1]}" if name == LINES else " over time"))
+    if g.shift > 0.1 * g.total:
+        said.append(f"of each photograph {factor * g.shift:.2g} {unit}")
+    return f" (of each point {factor * g.sigma:.2g} {unit}, {', '.join(said)})" if said else ""
+
+
 def describe(fit: Fit) -> str:
     """The report: estimates, correlations, noise, what cannot be told."""
     width = max(len(p.name) for p in fit.parameters)
@@ -113,10 +127,12 @@ def describe(fit: Fit) -> str:
     for name, noise in fit.noise.items():
         what = "centre lines" if name == LINES else name
         factor, unit = shown(values[name], noise)
-        lines.append(f"noise of {what}: {factor * noise:.3g} {unit}".rstrip())
+        lines.append(f"noise of {what}: {factor * noise:.3g} {unit}".rstrip() + parts_of(fit, name, values[name]))
     lines.append(f"{fit.problem.measured.count()} points measured")
     lines += fit.problem.comparison.told(fit.run, fit.u[len(fit.parameters):])
-    lines += [*fit.indistinct, f"{fit.problem.count} runs, {fit.seconds:.0f} s"]
+    lines += [*fit.indistinct, *(f"! {words}" for words in fit.warnings)]
+    lines += ["! interrupted: the best until then"] if fit.interrupted else []
+    lines += [f"{fit.problem.count} runs, {fit.seconds:.0f} s"]
     return "\n".join(lines)
 
 
@@ -125,13 +141,15 @@ def table(fit: Fit):
     import pandas
 
     comparison, own = fit.problem.comparison, fit.u[len(fit.parameters):]
+    view = fit.problem.view(fit.u)
     rows = []
     for p in fit.problem.measured.photographs:
-        for value in comparison.of_photograph(fit.run, p, own):
+        off, end, _, _ = comparison.of_photograph(fit.run, p, own, view)
+        for value in (*off, *end):
             rows.append((LINES, p.source, p.abscissa, float(p.at.numbers), None, None, value,
                          unit_of(p.points)))
     for c in fit.problem.measured.curves:
-        for at, measured, computed in zip(c.at.numbers, c.values.numbers, comparison.model(fit.run, c)):
+        for at, measured, computed in zip(c.at.numbers, c.values.numbers, comparison.model(fit.run, c, view)):
             rows.append((c.name, c.source, c.abscissa, at, measured, computed, measured - computed,
                          unit_of(c.values)))
     return pandas.DataFrame(rows, columns=["group", "source", "over", "at", "measured", "computed",
@@ -139,7 +157,7 @@ def table(fit: Fit):
 
 
 def draw_photograph(ax, fit: Fit, p):
-    line = fit.problem.comparison.line(fit.run, p, fit.u[len(fit.parameters):])
+    line = fit.problem.comparison.line(fit.run, p, fit.u[len(fit.parameters):], fit.problem.view(fit.u))
     factor, unit = shown(p.points)
     ax.plot(*(factor * p.points.numbers.T), ".", ms=3, color=ORANGE, label="measured")
     ax.plot(*(factor * line.T), color=BLUE, label="best scene")
@@ -159,7 +177,7 @@ def draw_curve(ax, fit: Fit, c):
     r = fit.run.column("series", c.abscissa, c.at.si)[0]  # from where the run begins
     all_of_it = replace(c, at=replace(c.at, numbers=np.linspace(r[0], c.at.numbers[-1], 400)))
     ax.plot(along * c.at.numbers, factor * c.values.numbers, ".", ms=4, color=ORANGE, label="measured")
-    ax.plot(along * all_of_it.at.numbers, factor * fit.problem.comparison.model(fit.run, all_of_it),
+    ax.plot(along * all_of_it.at.numbers, factor * fit.problem.comparison.model(fit.run, all_of_it, fit.problem.view(fit.u)),
             color=BLUE, label="best scene")
     ax.set_xlabel(labelled(c.abscissa, at_unit))
     ax.set_title(labelled(c.name.replace("_", " "), unit), fontsize=8)
@@ -167,14 +185,13 @@ def draw_curve(ax, fit: Fit, c):
 
 def draw_residuals(ax, fit: Fit):
     """How residuals, over their noise, are distributed, beside the normal distribution."""
-    f = fit.problem.residuals(fit.u)
-    f = np.clip(f[f != 0], -5, 5)  # 0: an end that is where it should be
+    f = np.clip(fit.problem.residuals(fit.u)[fit.problem.errors.mine()], -5, 5)
     ax.hist(f, bins=int(np.clip(len(f) / 8, 11, 41)) // 2 * 2 + 1, range=(-5, 5), density=True, color=GREY)
     x = np.linspace(-5, 5, 201)
     ax.plot(x, stats.norm.pdf(x), color=BLUE, lw=0.8)
-    ax.set_xlabel("residual over its noise")
+    ax.set_xlabel("residual over its error")
     ax.set_yticks([])
-    ax.set_title("residuals, and normal noise", fontsize=8)
+    ax.set_title("residuals, correlation taken out", fontsize=8)
 
 
 def draw(fit: Fit, most=7):
@@ -219,7 +236,7 @@ def scene_text(fit: Fit, arrays=None) -> str:
 
 
 def save(fit: Fit, basename):
-    """Writes BASENAME.opts, .txt, .csv, .png, .pdf, and the files of arrays that the scene has."""
+    """Writes BASENAME.opts, .txt, .csv, .json, .png, .pdf, and the files of arrays that the scene has."""
     arrays = {}
     for name, value in fit.problem.words(fit.u[:len(fit.parameters)]).items():
         if isinstance(value, dict):
@@ -227,6 +244,7 @@ def save(fit: Fit, basename):
     Path(f"{basename}.opts").write_text(scene_text(fit, arrays))
     Path(f"{basename}.txt").write_text(describe(fit) + "\n")
     table(fit).to_csv(f"{basename}.csv", index=False)
+    fit.to_json(f"{basename}.json")
     figure = draw(fit)
     with plt.rc_context(STYLE):
         for ending in ("png", "pdf"):

@@ -11,32 +11,38 @@ curvature_mode_1, _2, ...: the natural curvature sum of mode_k cos((k-1) pi s), 
 rod that grows in place, over the distance from the tip, as a part of the final length, of one that
 slides (feed, apical); in 1/m and the like, or dimensionless.
 
-The sum of squares of the residuals, over their noise, is made least by scipy's least_squares, with
-Huber's loss against outliers. Runs for the derivatives are made side by side. The noise is estimated
-from the residuals, of each series and of the centre lines by itself. Intervals are those of the
-linearised problem (Huber's covariance, Student's t), widened where a run along a principal axis of
-the covariance shows that the sum of squares rises more slowly than it should.
-"""
+The search is made by scipy's least_squares, with Huber's loss against strays, from several starts, and
+from more of them until the two best end in one place. What is left over then tells how the points err:
+by themselves, smoothly along the rod, a photograph as a whole (tendril.noise); with that the end is found
+by generalised least squares. Intervals are those of the linearised problem, over all that the errors may
+be like, and widened where a run along a principal axis of the covariance shows that the sum of squares
+rises more slowly than it should. What speaks against the fit is in .warnings (tendril.doubts)."""
 from __future__ import annotations
 
+import json
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Mapping
 
 import numpy as np
 from scipy import stats
 
+from .doubts import warnings_of
 from .errors import RunError, TendrilError
 from .fit_report import describe, draw, indistinct, save, scene_text, table
 from .measured import gather
-from .parameters import Parameter
-from .problem import HUBER, Problem, Solution
+from .noise import Certainty, certainty
+from .parameters import Parameter, Prior
+from .problem import Problem, Solution
 from .results import Results
 from .starting import starting_points
 
 SEARCH = 10  # the search for a start is made with this many times the error of the final runs
 FOLLOWED = 6  # evaluations for which two searches go on side by side, before one
+DOUBLINGS = 3  # of the starts, at most, as long as no two searches end in one place
+TOGETHER = 0.03  # in parts of the bounds: two ends are one
 CLOSE, ROUGH = 3e-3, 1e-2  # tolerances of these two, and of the one, which is polished after
 BETTER = 0.05  # less of the cost is no reason to go on: 1.92 is that of an interval's end
 CONFIDENCE = 0.95
@@ -49,12 +55,14 @@ class Fit:
     problem: Problem
     u: np.ndarray
     covariance: np.ndarray  # of u
+    reach: np.ndarray  # of u, half an interval of 95 %, in standard deviations
     run: Results  # of the best scene
-    freedom: int
     cost: float
     others: list[float]  # costs of the searches from other starts
     seconds: float
     indistinct: list[str] = field(default_factory=list)  # what cannot be told apart, in words
+    warnings: list[str] = field(default_factory=list)  # what speaks against the fit, in words
+    interrupted: bool = False  # by Ctrl-C: the best until then
 
     def __repr__(self):
         return self.report()
@@ -70,7 +78,7 @@ class Fit:
     @property
     def intervals(self) -> dict[str, tuple[float, float]]:
         """Of 95 %, one parameter at a time, within the bounds."""
-        reach = stats.t.ppf((1 + CONFIDENCE) / 2, self.freedom) * np.sqrt(np.diag(self.covariance))
+        reach = self.reach * np.sqrt(np.diag(self.covariance))
         return {p.name: tuple(float(p.value(np.clip(x + sign * d, 0, 1))) for sign in (-1, 1))
                 for p, x, d in zip(self.parameters, self.u, reach)}
 
@@ -86,12 +94,76 @@ class Fit:
         """Standard deviation of what was measured, by group, in SI units, pixels, or dimensionless."""
         return dict(self.problem.noise)
 
+    @property
+    def errors(self):
+        """{group: noise.Group}: the part of the noise that is of each point, smooth, of a photograph."""
+        return dict(self.problem.errors.groups)
+
+    @property
+    def log_likelihood(self) -> float:
+        """Of the best scene, with the errors as they are estimated."""
+        (r,) = self.problem.run([self.u])
+        return self.problem.errors.log_likelihood(self.problem.raw(self.u, r))
+
+    @property
+    def count(self) -> tuple[int, int]:
+        """(residuals, numbers that were found: parameters, those of the camera, those of the errors)"""
+        errors = self.problem.errors
+        points = sum(len(b.rows) for b in errors.blocks)
+        return points, len(self.u) + errors.numbers()
+
+    @property
+    def chi2(self) -> float:
+        """Sum of squares of the residuals over their errors, which are then independent."""
+        (r,) = self.problem.run([self.u])
+        raw = self.problem.raw(self.u, r)
+        return float(np.sum(self.problem.errors.whitened(raw)[self.problem.errors.mine()] ** 2))
+
+    @property
+    def aic(self) -> float:
+        return 2 * self.count[1] - 2 * self.log_likelihood
+
+    @property
+    def bic(self) -> float:
+        return self.count[1] * np.log(self.count[0]) - 2 * self.log_likelihood
+
     def residuals(self):
         """What was measured beside what the best scene gives, as a pandas DataFrame."""
         return table(self)
 
     def report(self) -> str:
         return describe(self)
+
+    def to_dict(self) -> dict:
+        """All that the report says, in plain numbers and lists, as JSON has them."""
+        return {"parameters": {p.name: {"value": self.values[p.name], "interval": list(self.intervals[p.name]),
+                                        "unit": p.unit, "bounds": [p.low, p.high]} for p in self.parameters},
+                "correlations": self.correlations.tolist(),
+                "errors": {name: {"point": float(g.sigma), "smooth": float(g.smooth), "reach": float(g.reach),
+                                  "photograph": float(g.shift)} for name, g in self.errors.items()},
+                "log_likelihood": self.log_likelihood, "aic": self.aic, "bic": self.bic, "chi2": self.chi2,
+                "points": self.count[0], "runs": self.problem.count, "seconds": self.seconds,
+                "indistinct": self.indistinct, "warnings": self.warnings, "notes": self.problem.measured.notes,
+                "interrupted": self.interrupted}
+
+    def to_json(self, path) -> None:
+        """Writes to_dict() as JSON."""
+        Path(path).write_text(json.dumps(self.to_dict(), indent=1) + "\n")
+
+    def dataset(self):
+        """Estimates, intervals and correlations over the parameters, residuals over the points, as an xarray
+        Dataset."""
+        import xarray
+
+        names, rows = [p.name for p in self.parameters], self.residuals()
+        found = {"estimate": ("parameter", [self.values[n] for n in names]),
+                 "interval": (("parameter", "end"), [list(self.intervals[n]) for n in names]),
+                 "unit": ("parameter", [p.unit for p in self.parameters]),
+                 "correlation": (("parameter", "other"), self.correlations),
+                 "residual": ("point", rows.residual.to_numpy(float)), "group": ("point", list(rows.group)),
+                 "at": ("point", rows["at"].to_numpy(float))}
+        return xarray.Dataset(found, {"parameter": names, "other": names, "end": ["low", "high"]},
+                              {"log_likelihood": self.log_likelihood, "runs": self.problem.count})
 
     def plot(self):
         """A figure of what was measured beside the best scene."""
@@ -104,17 +176,6 @@ class Fit:
     def save(self, basename):
         """Writes BASENAME.opts, the best scene; .txt, the report; .csv, residuals; .png and .pdf."""
         save(self, basename)
-
-
-def huber_covariance(problem: Problem, f, jacobian):
-    """Of all that is looked for, and the freedom that is left. f: residuals over their noise."""
-    n, p = jacobian.shape
-    influence = np.clip(f, -HUBER, HUBER)
-    factor = np.mean(influence**2) / max(np.mean(np.abs(f) <= HUBER), 0.1) ** 2 * n / max(n - p, 1)
-    # a prior as wide as the bounds, so that what the data do not fix has an end, too
-    bounded = np.r_[np.ones(len(problem.parameters)), np.zeros(p - len(problem.parameters))]
-    information = jacobian.T @ jacobian / factor + np.diag(bounded) * 1e-6
-    return np.linalg.pinv(information, hermitian=True), max(n - p, 1)
 
 
 def widened(problem: Problem, u, covariance, cost):
@@ -131,14 +192,15 @@ def widened(problem: Problem, u, covariance, cost):
             step = sign * d * axis
             inside = np.clip(u[:p] + step, 0, 1)
             trials.append(np.r_[inside, u[p:] + rest @ (inside - u[:p])])
-    problem.run([t[:p] for t in trials])
+    problem.run(trials)
     inverse = np.linalg.pinv(covariance, hermitian=True)
     costs = [problem.cost(problem.residuals(trial)) for trial in trials]
     longer = np.ones(p)
     for k, (trial, reached) in enumerate(zip(trials, costs)):
         expected = 0.5 * (trial - u) @ inverse @ (trial - u)
         if expected > 1e-3:
-            risen = max(reached - cost, 1e-4 * expected)
+            # a fall says that the search was not at its end, and nothing of how flat it is there
+            risen = max(reached - cost, 1e-4 * expected) if reached >= cost else 0.25 * expected
             longer[k // 2] = max(longer[k // 2], np.sqrt(expected / risen))
     whole = np.eye(len(u))
     whole[:p, :p] = axes @ np.diag(longer) @ axes.T
@@ -146,76 +208,179 @@ def widened(problem: Problem, u, covariance, cost):
     return whole @ covariance @ whole.T, trials[least], costs[least]
 
 
-def search(problem: Problem, starts, accuracy, seed, tell):
-    """The best of the searches from several starts, and the costs of all."""
-    middle = np.array([0.5 if p.start is None else p.inside(p.start) for p in problem.parameters])
-    problem.prepare(middle, accuracy)
-    points = starting_points(problem, starts, seed)
-    tell(f"{len(points)} starts")
+def one_place(problem: Problem, a: Solution, b: Solution):
+    """Whether two searches have ended in one: about the same cost, and near to each other, or in a valley
+    without a rise between them."""
+    if abs(a.cost - b.cost) > 0.1 * min(a.cost, b.cost) + 0.5:
+        return False
+    p = len(problem.parameters)
+    if np.abs(a.u[:p] - b.u[:p]).max() < TOGETHER:
+        return True
+    return problem.cost(problem.residuals((a.u + b.u) / 2)) <= 1.05 * max(a.cost, b.cost)
+
+
+def followed(problem: Problem, starts):
+    """The ends of searches side by side."""
+    with ThreadPoolExecutor() as pool, problem.shared(max(len(starts), 1)):
+        return list(pool.map(lambda u: problem.solve(u, CLOSE, ahead=False, most=FOLLOWED), starts))
+
+
+def ranked(problem: Problem, points):
+    """The points whose runs do not fail, with the comparison's own numbers, the best first."""
     runs = problem.run(points)
-    good = [(u, r) for u, r in zip(points, runs) if not isinstance(r, RunError)]
+    good = [np.r_[u, problem.comparison.guess(r)] for u, r in zip(points, runs) if not isinstance(r, RunError)]
     if not good:
         raise runs[0]
-    whole = [np.r_[u, problem.comparison.guess(r)] for u, r in good]
-    problem.measure_noise(whole[0], share=0.03)
-    ranked = sorted(whole, key=lambda u: problem.cost(problem.residuals(u)))
-    with ThreadPoolExecutor() as pool, problem.shared(len(ranked[:2])):
-        found = list(pool.map(lambda u: problem.solve(u, CLOSE, ahead=False, most=FOLLOWED), ranked[:2]))
-    tell("costs of the searches: " + " and ".join(f"{s.cost:.4g}" for s in found) + ", the best goes on")
-    best = problem.solve(min(found, key=lambda s: s.cost).u, ROUGH)
-    return best, [s.cost for s in found]
+    if not problem.noise:
+        problem.measure_noise(good[0], share=0.03)
+    return sorted(good, key=lambda u: problem.cost(problem.residuals(u)))
 
 
-def certain(problem: Problem, best: Solution, tell, most=4):
-    """(the least cost, its covariance, the freedom): as long as a run on a principal axis is better than
-    the best, the search goes on from there."""
+def search(problem: Problem, starts, accuracy, seed, tell):
+    """(the best of the searches from several starts, the costs of all, whether two ended there). The two
+    starts that look best are followed, and one that was asked for; if the two best ends are not one place,
+    further, and then from twice as many starts."""
+    middle = np.array([0.5 if p.start is None else p.inside(p.start) for p in problem.parameters])
+    problem.prepare(middle, accuracy)
+    problem.noise = {}
+    points = starting_points(problem, starts, seed)
+    asked = any(problem.parameters[k].start is not None for k in problem.of_runs)
+    ends, agreed = [], False
+    for doubling in range(DOUBLINGS + 1):
+        tell(f"{len(points)} starts")
+        order = ranked(problem, points)
+        chosen = order[:2]
+        if asked and not doubling:
+            chosen += [u for u in order[2:] if np.array_equal(u[:len(middle)], points[0])]
+        new = followed(problem, chosen)
+        ends = sorted(ends + new, key=lambda s: s.cost)
+        agreed = len(ends) > 1 and one_place(problem, *ends[:2])
+        if not agreed:
+            ends = sorted(followed(problem, [s.u for s in ends[:2]]) + ends[2:], key=lambda s: s.cost)
+            agreed = len(ends) > 1 and one_place(problem, *ends[:2])
+        if agreed or starts == 0:
+            break
+        points = starting_points(problem, max(starts, 1) * 2 ** (doubling + 1), seed + doubling + 1)[1:]
+    tell("costs of the searches: " + ", ".join(f"{s.cost:.4g}" for s in ends) + "; the best goes on")
+    return problem.solve(ends[0].u, ROUGH), [s.cost for s in ends], agreed
+
+
+def certain(problem: Problem, best: Solution, tell, most=3):
+    """(the least cost, what is known of it): as long as a run on a principal axis is better than the best,
+    the search goes on from there."""
     for last in range(most):
-        problem.measure_noise(best.u)
-        f = problem.residuals(best.u)
-        best = Solution(best.u, problem.cost(f))
-        covariance, freedom = huber_covariance(problem, f, problem.central_jacobian(best.u))
-        covariance, other, cost = widened(problem, best.u, covariance, best.cost)
+        jacobian = problem.raw_jacobian(best.u, central=True)
+        raw = problem.measure_errors(best.u, jacobian)
+        best = Solution(best.u, problem.cost(problem.errors.whitened(raw)))
+        known = certainty(problem.errors, raw, jacobian, problem.prior_information(len(best.u)),
+                          problem.told_noise, CONFIDENCE)
+        plain = np.linalg.pinv(problem.prior_information(len(best.u)) + (lambda w: w.T @ w)(
+            problem.errors.whitened(jacobian)), hermitian=True)
+        wide, other, cost = widened(problem, best.u, plain, best.cost)
         if cost > best.cost - BETTER or last == most - 1:
-            return best, covariance, freedom
+            # what the errors leave open, and what is curved, both widen
+            larger = np.sqrt(np.maximum(np.diag(wide) / np.maximum(np.diag(plain), 1e-300), 1))
+            return best, Certainty(known.covariance * np.outer(larger, larger), known.reach)
         best = problem.solve(other, 1e-4)
         tell(f"a better one beside it, {problem.count} runs")
 
 
-def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", accuracy: float = 3e-4,
-        starts: int | None = None, seed: int = 1, jobs: int | None = None, progress: bool = False,
-        **options) -> Fit:
+def polished(problem: Problem, best: Solution, accuracy, tell):
+    """The end of the search with the runs' final accuracy and the errors as they are: of each point first,
+    then with their correlation."""
+    p = len(problem.parameters)
+    if not problem.search_known:
+        problem.keep_search()
+    problem.prepare(best.u[:p], accuracy)
+    (r,) = problem.run([best.u])
+    best.u = np.r_[best.u[:p], problem.comparison.guess(r, best.u[p:])]  # times, now that it looks so
+    problem.measure_noise(best.u)
+    best = problem.solve(best.u, 1e-3)
+    problem.measure_noise(best.u)
+    problem.measure_errors(best.u, problem.raw_jacobian(best.u))
+    best = problem.solve(best.u, 1e-4)
+    tell(f"{problem.count} runs, polished")
+    return best
+
+
+def made(scene, data, parameters, *, unit, fps, y_down, priors, tied, noise, jobs, options) -> Problem:
+    """The problem of fit()'s arguments."""
+    known = [Prior.of(name, prior) for name, prior in (priors or {}).items()]
+    bounds = dict(parameters) | {k.name: k.bounds() for k in known if k.name not in parameters}
+    looked_for = [Parameter.of(name, value) for name, value in bounds.items()]
+    if not looked_for:
+        raise TendrilError('fit: give what to look for, {"si_friction_dry": ("0.1N/m", "2N/m")}')
+    for k in known:
+        p = next(p for p in looked_for if p.name == k.name)
+        if p.unit != k.unit:
+            raise TendrilError(f"prior of {k.name}: its bounds are in {p.unit or 'no unit'}; give it so, too")
+    measured = gather(data, unit, y_down, fps)
+    return Problem(scene, measured, looked_for, options, jobs, priors=known, tied=tied,
+                   noise=measured.told(noise))
+
+
+def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", fps: float | None = None, y_down: bool | None = None,
+        priors: Mapping[str, tuple | str] | None = None, tied: Mapping[str, str] | None = None,
+        noise: Mapping[str, str] | None = None, accuracy: float = 3e-4, starts: int | None = None,
+        seed: int = 1, jobs: int | None = None, progress: bool = False, **options) -> Fit:
     """Finds the parameters of a scene that give what was measured.
 
     scene       as for run
     data        a CSV file, several in a list, or {"20s": photograph}; see tendril.measured
     parameters  {"si_friction_dry": ("0.1N/m", "2N/m"), "clamp_angle": (-0.2, 0.2, 0)}: bounds, and a
-                start where one is known
+                start where one is known. Beside options: camera_x, camera_y, camera_turn, camera_scale (the
+                picture beside the rod), clock_rate, clock_offset
     unit        of coordinates that carry none: "cm", "px"
-    accuracy    of the runs; the search for a start takes ten times that
-    starts      points that fill the bounds, beside the start itself; the two best are followed. None: 24
-                for one parameter, 12 for two, else 8
+    fps         frames per second, of data that count frames
+    y_down      whether x2 is counted downwards; None: of px it is, else it is not
+    priors      {"si_bending_stiffness": ("4.5e-4", "1e-5")}: mean and standard deviation of what is known
+    tied        {"si_friction_viscous": "0.5*si_friction_dry N/m"}: options that follow from parameters
+    noise       {"lines": "0.5mm", "base_force_1": "2mN"}: of what was measured, where it is known, and
+                independent from point to point; else it is estimated, with its correlation
+    accuracy    of the runs, or better where the data are; the search for a start takes ten times that
+    starts      points that fill the bounds, beside the start itself; the two best are followed, and a start
+                that was given; twice as many as long as no two end in one place. None: 24 for one
+                parameter, 12 for two, else 8
     seed        of these points
     options     that all runs have, as for run; {name} in their text is a parameter
 
-    Raises TendrilError, in one line, for data or a scene that cannot be read or run."""
-    begin, measured = time.perf_counter(), gather(data, unit)
-    tell = (lambda text: print(f"fit: {text}", flush=True)) if progress else (lambda text: None)
-    looked_for = [Parameter.of(name, bounds) for name, bounds in parameters.items()]
-    if not looked_for:
-        raise TendrilError('fit: give what to look for, {"si_friction_dry": ("0.1N/m", "2N/m")}')
-    problem = Problem(scene, measured, looked_for, options, jobs)
-    p = len(looked_for)
-    starts = max(8, 24 // p) if starts is None else starts
-    best, costs = search(problem, starts, SEARCH * accuracy, seed, tell)
-    problem.prepare(best.u[:p], accuracy)
-    (r,) = problem.run([best.u[:p]])
-    best.u = np.r_[best.u[:p], problem.comparison.guess(r, best.u[p:])]  # times, now that it looks so
-    for tolerance in (1e-3, 1e-4):  # the noise as the residuals tell it, then once more
-        problem.measure_noise(best.u)
-        best = problem.solve(best.u, tolerance)
-    tell(f"{problem.count} runs, polished")
-    best, covariance, freedom = certain(problem, best, tell)
+    Ctrl-C ends the search; the best until then is returned. Raises TendrilError, in one line, for data or a
+    scene that cannot be read or run."""
+    begin = time.perf_counter()
+    problem = made(scene, data, parameters, unit=unit, fps=fps, y_down=y_down, priors=priors, tied=tied, noise=noise,
+                   jobs=jobs, options=options)
+    p = len(problem.parameters)
+    tell = problem.show(progress, expected=(starts or 8) + 40 + 14 * p)
+    agreed, costs, interrupted = True, [], False
+    try:
+        best, costs, agreed = search(problem, max(8, 24 // p) if starts is None else starts,
+                                     SEARCH * accuracy, seed, tell)
+        best = polished(problem, best, accuracy, tell)
+        if (finer := problem.wanted_accuracy()) < accuracy:
+            tell(f"the data are finer than the runs: once more with -accuracy {finer:.1g}")
+            best = polished(problem, best, finer, tell)
+        best, known = certain(problem, best, tell)
+    except KeyboardInterrupt:
+        if problem.best is None:
+            raise
+        tell("interrupted; the best until now")
+        interrupted, (best, known) = True, rough(problem)
+    finally:
+        problem.hide()
     r = problem.first(best.u[:p], problem.settings)
-    found = Fit(problem, best.u, covariance, r, freedom, best.cost, costs, time.perf_counter() - begin)
+    found = Fit(problem, best.u, known.covariance, known.reach, r, best.cost, costs, 0.0,
+                interrupted=interrupted)
     found.indistinct = indistinct(found)
+    found.warnings = [] if interrupted else warnings_of(found, agreed or starts == 0, tell)
+    found.seconds = time.perf_counter() - begin
     return found
+
+
+def rough(problem: Problem):
+    """(the best point of a search that was interrupted, what is known of it)"""
+    best = Solution(problem.best, np.nan)
+    problem.measure_noise(best.u)
+    jacobian = problem.raw_jacobian(best.u)
+    raw = problem.measure_errors(best.u, jacobian)
+    return best, certainty(problem.errors, raw, jacobian, problem.prior_information(len(best.u)),
+                           problem.told_noise, CONFIDENCE)

@@ -12,20 +12,19 @@ Columns carry their unit, "x1 (cm)" or "x1 [cm]"; without one a number is dimens
                                       given beside the file; or several side by side under a line of
                                       times and a line "X, Y, X, Y" (WebPlotDigitizer)
 
-Points in px are those of a picture, x2 downwards: scale, place and turn of the camera are then found
+DeepLabCut, Tracker, ImageJ, spreadsheets and DataFrames: tendril.readers. Points in px are those of a picture, x2 downwards: scale, place and turn of the camera are then found
 together with the rest. A photograph without a time is compared with the shape that fits it best."""
 
 from __future__ import annotations
 
-import csv
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Mapping, Sequence
 
 import numpy as np
 
-from .errors import TendrilError
+from .readers import DataError, is_number, plain
 from .units import SHOWN, TIMES
 
 PIXEL = "px"
@@ -38,10 +37,6 @@ KNOWN |= {name: ("l/V", si) for name, si in TIMES.items()}
 KNOWN |= {"rad": ("rad", 1), "deg": ("rad", np.pi / 180), "": ("", 1), "1": ("", 1),
           PIXEL: (PIXEL, 1)}
 ABSCISSAE = ("t", "length")
-
-
-class DataError(TendrilError):
-    """What was measured cannot be read, in one plain line."""
 
 
 @dataclass
@@ -82,10 +77,27 @@ class Curve:
 class Measured:
     photographs: list[Photograph] = field(default_factory=list)
     curves: list[Curve] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)  # what was made of the files, and what was not used
 
     def abscissae(self, name) -> list[Values]:
         """All times, or lengths, at which something was measured."""
         return [m.at for m in (*self.photographs, *self.curves) if m.abscissa == name]
+
+    def told(self, noise) -> dict[str, float]:
+        """{group: number} of the noise that a user tells, {"lines": "0.5mm"}, in the units of what was
+        measured."""
+        units = {c.name: c.values.unit for c in self.curves}
+        units |= {"lines": p.points.unit for p in self.photographs}
+        found = {}
+        for name, text in (noise or {}).items():
+            if name not in units:
+                raise DataError(f"noise of {name}: was not measured; there are {', '.join(units)}")
+            _, value = moment_of_number(text, f"noise of {name}")
+            if value.unit != units[name] or not float(value.numbers) > 0:
+                raise DataError(f"noise of {name}: {text}: give a positive number in the unit of what was "
+                                "measured")
+            found[name] = float(value.numbers)
+        return found
 
     def count(self) -> int:
         return sum(len(p.points.numbers) for p in self.photographs) \
@@ -120,6 +132,15 @@ def moment(text, what):
     return found[1] or ("length" if at.unit == "l" else "t"), at
 
 
+def moment_of_number(text, what):
+    """(number, Values) of "0.5mm" or 0.5."""
+    found = re.fullmatch(r"\s*([-+0-9.eE]+?)\s*([a-zA-Zµ]*)\s*", str(text))
+    try:
+        return float(found[1]), values_of(float(found[1]), found[2], what)
+    except (TypeError, ValueError):
+        raise DataError(f'{what}: "{text}" is no number with a unit') from None
+
+
 def number(cell, what):
     if not cell.strip():
         return np.nan
@@ -127,27 +148,6 @@ def number(cell, what):
         return float(cell)
     except ValueError:
         raise DataError(f'{what}: "{cell.strip()}" is no number') from None
-
-
-def is_number(cell):
-    try:
-        float(cell)
-        return True
-    except ValueError:
-        return False
-
-
-def read_rows(path):
-    """The rows of a CSV file as lists of words, without empty ones and those that begin with #."""
-    try:
-        with open(path, newline="", encoding="utf-8-sig") as file:
-            lines = [line for line in file if line.strip(" ,;\t\r\n") and not line.startswith("#")]
-    except OSError as error:
-        raise DataError(f"{path}: {error.strerror}") from None
-    if not lines:
-        raise DataError(f"{path}: is empty")
-    separator = max(",;\t", key=lines[0].count)
-    return list(csv.reader(lines, delimiter=separator))
 
 
 def columns_of(rows, width, path):
@@ -185,7 +185,9 @@ def lines_of(table, names, units, abscissa, path):
             rows = np.flatnonzero(rows)[np.argsort(place["point"][rows], kind="stable")]
         at = (None, Values(np.nan)) if np.isnan(value) else (
             abscissa, values_of(value, units[abscissa], path))
-        found.append(photograph(points[rows], units["x1"], at, "point" in place,
+        sure = place["unsure"][rows] != 1 if "unsure" in place else np.ones(len(points[rows]), bool)
+        # the last is the tip, if it is sure
+        found.append(photograph(points[rows][sure], units["x1"], at, "point" in place and bool(sure[-1]),
                                 f"{path}, {abscissa} = {value:g}"))
     return found
 
@@ -205,56 +207,85 @@ def curves_of(table, names, units, abscissa, path):
     return found
 
 
-def read(path, unit="", at="") -> Measured:
-    """Reads one file.
+def left_out(table, names, path):
+    """In words, what of a file of points is not used."""
+    words = []
+    unused = [name for name in names if name and name not in (*ABSCISSAE, "x1", "x2", "point", "unsure")]
+    if unused:
+        words.append(f"{path}: not used: {', '.join(unused)}")
+    if "unsure" in names and (count := np.count_nonzero(table[:, names.index("unsure")] == 1)):
+        words.append(f"{path}: {count} points that are unsure are not used")
+    missing = np.count_nonzero(~np.isfinite(table[:, [names.index("x1"), names.index("x2")]]).all(axis=1))
+    return words + ([f"{path}: {missing} rows without a point are not used"] if missing else [])
+
+
+def read(path, unit="", at="", fps=None) -> Measured:
+    """Reads one file, or a pandas DataFrame.
 
     unit  of the numbers that carry none, "cm" or "px"; "": dimensionless
-    at    of a photograph that does not say so itself, "20s" or "12cm"; "": not known"""
-    rows = read_rows(path)
+    at    of a photograph that does not say so itself, "20s" or "12cm"; "": not known
+    fps   frames per second, of a file that counts frames"""
+    rows, notes = plain(path, fps)
+    path = "data" if hasattr(path, "itertuples") else path
     if all(is_number(cell) for cell in rows[0] if cell.strip()):
+        width = max(len(row) for row in rows)
+        if width > 2:
+            notes.append(f"{path}: not used: columns 3 to {width}, which have no heading")
         table = columns_of(rows, 2, path)
-        return Measured([photograph(table, unit, moment(at, path), False, str(path))])
+        return Measured([photograph(table, unit, moment(at, path), False, str(path))], notes=notes)
     if len(rows) > 1 and [c.strip().upper() for c in rows[1]][:2] == ["X", "Y"]:
-        return Measured(side_by_side(rows, unit, path))
+        return Measured(side_by_side(rows, unit, path), notes=notes)
     headings = [heading(cell) for cell in rows[0]]
     names = [name for name, _ in headings]
     units = {name: unit if given is None and name in ("x1", "x2") else given or ""
              for name, given in headings}
-    table = columns_of(rows[1:], len(names), path)
     abscissa = next((name for name in ABSCISSAE if name in names), None)
-    if {"x1", "x2"} <= set(names):
+    points = {"x1", "x2"} <= set(names)
+    used = {"x1", "x2", "point", "unsure", *ABSCISSAE}
+    table = columns_of([[cell if not points or name in used else "" for name, cell in zip(names, row)]
+                        for row in rows[1:]], len(names), path)
+    if points:
         found = lines_of(table, names, units, abscissa, path)
         if abscissa is None and at:
             for one in found:
                 one.abscissa, one.at = moment(at, path)
-        return Measured(found)
-    return Measured([], curves_of(table, names, units, abscissa, path))
+        return Measured(found, notes=notes + left_out(table, names, path))
+    return Measured([], curves_of(table, names, units, abscissa, path), notes)
 
 
-def gather(data, unit="") -> Measured:
+def gather(data, unit="", y_down=None, fps=None) -> Measured:
     """All that was measured as one.
 
     data  a file, a list of files, Measured, or a dict of photographs by their time or length:
-          {"20s": "photo.csv", "30s": points [m, 2]}"""
+          {"20s": "photo.csv", "30s": points [m, 2]}
+    y_down  whether x2 is counted downwards; None: of px it is"""
+    whole = gathered(data, unit, fps)
+    for p in whole.photographs:
+        if y_down is not None and y_down != (p.points.unit == PIXEL):
+            p.points = replace(p.points, numbers=p.points.numbers * [1, -1])
+    return whole
+
+
+def gathered(data, unit, fps=None) -> Measured:
     if isinstance(data, Measured):
         return checked(data)
     if isinstance(data, Mapping):
         found = []
         for at, points in data.items():
             if isinstance(points, (str, Path)):
-                found.append(read(points, unit, str(at)))
+                found.append(read(points, unit, str(at), fps))
             else:
                 found.append(Measured([photograph(np.asarray(points, float), unit,
                                                   moment(str(at), "data"), False,
                                                   f"photograph at {at}" if at else "photograph")]))
-    elif isinstance(data, (str, Path)):
-        found = [read(data, unit)]
+    elif isinstance(data, (str, Path)) or hasattr(data, "itertuples"):
+        found = [read(data, unit, fps=fps)]
     elif isinstance(data, Sequence):
-        found = [gather(one, unit) for one in data]
+        found = [gathered(one, unit, fps) for one in data]
     else:
-        raise DataError("data: give a CSV file, several in a list, or {'20s': 'photo.csv', ...}")
+        raise DataError("data: give a CSV file, a DataFrame, several in a list, or {'20s': 'photo.csv', ...}")
     return checked(Measured([p for m in found for p in m.photographs],
-                            [c for m in found for c in m.curves]))
+                            [c for m in found for c in m.curves], [n for m in found for n in m.notes]))
 
 
 def checked(whole: Measured) -> Measured:

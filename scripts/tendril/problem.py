@@ -10,10 +10,11 @@ from typing import Sequence
 import numpy as np
 from scipy import optimize, stats
 
-from .comparing import Comparison
+from .comparing import BARE, BARE_NOISE, ENDS, LINES, VIEW, Comparison
 from .errors import RunError, TendrilError
-from .measured import Measured
-from .parameters import MODE, PER, Parameter, with_unit
+from .measured import Measured, values_of
+from .noise import Errors, estimate
+from .parameters import MODE, PER, Parameter, Prior, tied_value, with_unit
 from .results import Results
 from .runs import run
 from .sweeps import cores, stored
@@ -22,6 +23,8 @@ from .units import scales_of_rod
 HUBER = 1.345  # 95 % efficiency for normal noise
 STEP, FINE_STEP = 3e-3, 1e-2  # of differences, in parts of a parameter's bounds: forward, central
 SHAPES = 120  # stored in a run, between which shapes are interpolated
+FINEST = 1e-5  # the accuracy that runs are made with at best
+WEAK = 10.0  # by so many times a prior is made wider during the search
 FAILED = 1e3  # a residual, in noise, of a run that failed
 
 
@@ -36,10 +39,18 @@ class Solution:
 class Problem:
     """A scene, what is looked for in it, and what was measured: runs and residuals at any point."""
 
-    def __init__(self, scene, measured: Measured, parameters: Sequence[Parameter], options, jobs=None):
+    def __init__(self, scene, measured: Measured, parameters: Sequence[Parameter], options, jobs=None, *,
+                 priors: Sequence[Prior] = (), tied=None, noise=None):
         self.scene, self.measured, self.parameters = scene, measured, list(parameters)
         self.options, self.jobs = dict(options), jobs or cores()
+        self.priors, self.tied, self.told_noise = list(priors), dict(tied or {}), dict(noise or {})
+        # parameters that are of the picture and its clock: no run depends on them
+        self.of_view = [k for k, p in enumerate(self.parameters) if p.name in VIEW]
+        self.of_runs = [k for k, p in enumerate(self.parameters) if p.name not in VIEW]
         self.comparison = Comparison(measured)
+        if self.comparison.camera and (mine := [self.parameters[k].name for k in self.of_view
+                                                if self.parameters[k].name.startswith("camera")]):
+            raise TendrilError(f"{mine[0]}: of points in px the camera is found anyway; leave it out")
         self.settings: dict = {}  # end, stored shapes, cells and tolerance of all runs
         self.glimpse = self.begin = None  # a run at the first point, for what it says of the scene
         self.reach = 1.0  # length at the end, in units of that run
@@ -47,12 +58,20 @@ class Problem:
         self.inserted = {p.name for p in self.parameters for text in self.options.values()
                          if isinstance(text, str) and "{" + p.name + "}" in text}
         self.noise: dict[str, float] = {}
+        self.errors: Errors | None = None  # the model of them, once the search is over
         self.count = 0  # of runs
+        # of the search, for causes that are tried afterwards
+        self.search_settings, self.search_known, self.search_points = {}, {}, {}
+        self.best: np.ndarray | None = None  # of the search that is under way
+        self.bar = None
         self.known: dict = {}  # runs by their point
+        self.points: dict = {}  # the points themselves
 
     def words(self, u):
         """The options of a run, apart from its settings; u: parameters, from 0 to 1."""
-        values = {p.name: p.text(p.value(x)) for p, x in zip(self.parameters, u)}
+        values = {self.parameters[k].name: self.parameters[k].text(self.parameters[k].value(u[k]))
+                  for k in self.of_runs}
+        values |= {name: tied_value(name, text, values) for name, text in self.tied.items()}
         modes = {int(MODE.match(name)[1]): with_unit(values.pop(name)) for name in list(values)
                  if MODE.match(name)}
         options = {}
@@ -68,12 +87,43 @@ class Problem:
             options["rod_curvature_file"] = self.curvature(modes, u)
         return options | values
 
+    def show(self, progress, expected):
+        """A bar of the runs, of which about so many are expected; a function that tells what goes on."""
+        from tqdm import tqdm
+
+        if not progress:
+            return lambda text: None
+        self.bar = tqdm(total=expected, desc="fit", unit="run", leave=False, disable=None)
+        return lambda text: tqdm.write(f"fit: {text}")
+
+    def hide(self):
+        if self.bar is not None:
+            self.bar.close()
+            self.bar = None
+
+    def words_tied(self, u):
+        """The values of what is tied to parameters."""
+        values = {p.name: p.text(p.value(x)) for p, x in zip(self.parameters, u)}
+        return {name: tied_value(name, text, values) for name, text in self.tied.items()}
+
+    def view(self, u):
+        """How picture and clock stand to the rod, at a point: as comparing.VIEW, in the data's units."""
+        found = dict(VIEW)
+        for k in self.of_view:
+            p = self.parameters[k]
+            found[p.name] = float(values_of(p.value(u[k]), p.unit, p.name).numbers)
+        return found
+
     def rod(self, u):
         """What the file of a run at a point would say of its rod in the laboratory."""
         about = dict(self.glimpse.attributes)
         for p, x, x0 in zip(self.parameters, u, self.begin):
             if p.name.startswith("si_"):
                 about[f"parameters/{p.name}"] *= p.value(x) / p.value(x0)
+        for name in self.tied:
+            if name.startswith("si_"):
+                here, begin = (with_unit(self.words_tied(v)[name])[0] for v in (u, self.begin))
+                about[f"parameters/{name}"] *= here / begin
         return about | {f"si_{kind}": scale for kind, scale in scales_of_rod(about).items()}
 
     def unit_length(self, u):
@@ -92,14 +142,18 @@ class Problem:
     def run(self, points) -> list[Results | RunError]:
         """Runs at these points, side by side; those that were made before are not made again. Of their
         attributes they have those of the rod in the laboratory."""
-        keys = [tuple(np.round(np.asarray(u, float), 12)) for u in points]
-        new = [key for key in dict.fromkeys(keys) if key not in self.known]
-        for key, r in zip(new, stored([self.words(key) | self.settings for key in new], self.scene,
-                                      self.jobs)):
+        keys = [tuple(np.round(np.asarray(u, float)[self.of_runs], 12)) for u in points]
+        new = {key: u for key, u in zip(keys[::-1], list(points)[::-1]) if key not in self.known}
+        for (key, u), r in zip(new.items(), stored([self.words(u) | self.settings for u in new.values()],
+                                                   self.scene, self.jobs) if new else ()):
             if isinstance(r, Results):
-                r.attributes = self.rod(key)
+                r.attributes = self.rod(u)
             self.known[key] = r
+            self.points[key] = np.asarray(u, float)[:len(self.parameters)]
         self.count += len(new)
+        if self.bar is not None:
+            self.bar.total = max(self.bar.total, self.count)
+            self.bar.update(self.count - self.bar.n)
         return [self.known[key] for key in keys]
 
     @contextmanager
@@ -120,8 +174,16 @@ class Problem:
             if found:
                 last = max(found, key=lambda v: np.max(v.numbers))
                 unit = {"t": "s", "length": "m"}[abscissa] if last.si else ""
-                end[option] = f"{float(np.max(last.numbers)) * (1 + 1e-9)!r}{unit}"
+                end[option] = f"{self.latest(abscissa, last) * (1 + 1e-9)!r}{unit}"
         return end
+
+    def latest(self, abscissa, at):
+        """The last of what was measured, as the rod's own clock may have it at most."""
+        last = float(np.max(at.numbers))
+        if abscissa == "length":
+            return last
+        corners = [self.view([x] * len(self.parameters)) for x in (0.0, 1.0)]
+        return (last - min(v["clock_offset"] for v in corners)) / min(v["clock_rate"] for v in corners)
 
     def prepare(self, u, accuracy):
         """Chooses how all runs are made, from one at u: their end, which shapes they store, and cells
@@ -145,12 +207,17 @@ class Problem:
         self.settings |= {k: v for k, v in end.items() if v is not None and k not in self.options}
         self.known = {}
 
+    def keep_search(self):
+        """Keeps the runs of the search, for what is asked of them after it."""
+        self.search_settings, self.search_known = dict(self.settings), dict(self.known)
+        self.search_points = {key: self.points[key] for key in self.known}
+
     def check_end(self, r: Results):
         """A run must go on for as long as something was measured."""
         for abscissa in ("t", "length"):
             for at in self.measured.abscissae(abscissa):
                 si = r.scale({"t": "time", "length": "length"}[abscissa]) if at.si else 1
-                last, end = np.max(at.numbers), r.series[abscissa][-1] * si
+                last, end = self.latest(abscissa, at), r.series[abscissa][-1] * si
                 if end < last * (1 - 1e-6):
                     raise TendrilError(f"the scene ends at {abscissa} = {end:.6g}, before the last of what was "
                                        f"measured, at {last:.6g}; take out what ends it (-stop_...)")
@@ -160,32 +227,78 @@ class Problem:
         self.count += 1
         return run(self.scene, progress=False, **self.words(u) | settings)
 
-    def residuals(self, u, r=None):
-        """Residuals over their noise, at a point of all that is looked for."""
+    def raw(self, u, r):
+        """What was measured less what a run gives, in the units of the measurement, at a point of all
+        that is looked for; then how far parameters are from what was known of them, in its deviations."""
         p = len(self.parameters)
+        own = [(prior.parameter(u[:p], self.parameters) - prior.mean) / prior.deviation for prior in self.priors]
+        return np.append(self.comparison.residuals(r, u[p:], self.view(u)), own)
+
+    def residuals(self, u, r=None):
+        """Residuals over their noise; once there is a model of the errors, free of correlation."""
         if r is None:
-            (r,) = self.run([u[:p]])
+            (r,) = self.run([u])
         if isinstance(r, RunError):
             return np.full(len(self.sigma), FAILED)
-        return self.comparison.residuals(r, u[p:]) / self.sigma
+        raw = self.raw(u, r)
+        return self.errors.whitened(raw) if self.errors else raw / self.sigma
 
     def measure_noise(self, u, share=None):
-        """Sets the noise of each group: a share of what was measured, or what the residuals at u
-        tell, by their median so that outliers do not count."""
-        (r,) = self.run([u[:len(self.parameters)]])
+        """Sets the noise of each group as if all residuals erred by themselves: a share of what was
+        measured, or what the residuals at u tell, by their median so that outliers do not count."""
+        (r,) = self.run([u])
         if isinstance(r, RunError):
             raise r
-        values = self.comparison.residuals(r, u[len(self.parameters):])
+        self.errors = None
+        values = self.raw(u, r)
         groups, spreads = np.array(self.comparison.groups), self.comparison.spreads()
         freedom = np.sqrt(max(1e-3, 1 - len(u) / len(values)))
-        for name in dict.fromkeys(groups):
-            told = np.median(np.abs(values[groups == name])) / stats.norm.ppf(0.75)
+        for name in spreads:
+            told = np.median(np.abs(values[:len(groups)][groups == name])) / stats.norm.ppf(0.75)
             least = 1e-6 * spreads[name]  # data without noise
-            self.noise[name] = share * spreads[name] if share else max(told / freedom, least)
-        self.sigma = np.array([self.noise[name] for name in groups])
+            self.noise[name] = share * spreads[name] if share else self.told_noise.get(
+                name, max(told / freedom, least))
+        beside = {ENDS: self.noise.get(LINES), BARE: BARE_NOISE * spreads.get(LINES, 0)}
+        sizes = self.noise | beside
+        # while the noise is a guess what was known beforehand must not outweigh the points
+        self.sigma = np.array([sizes[name] for name in groups] + [WEAK] * len(self.priors))
+
+    def raw_jacobian(self, u, central=False):
+        """[residual, number], of raw residuals, by forward or central differences."""
+        p = len(self.parameters)
+        points, _ = self.neighbours(u, FINE_STEP if central else STEP)
+        behind = 2 * u - points if central else np.tile(u, (len(u), 1))
+        behind[:, :p] = np.clip(behind[:, :p], 0, 1)
+        runs = self.run([*points, *behind])
+        if failed := next((r for r in runs if isinstance(r, RunError)), None):
+            raise failed
+        return np.column_stack([(self.raw(a, ra) - self.raw(b, rb)) / (a - b)[k] for k, (a, b, ra, rb) in
+                                enumerate(zip(points, behind, runs[:len(u)], runs[len(u):]))])
+
+    def prior_information(self, count):
+        """One as wide as the bounds, so that what the data do not fix has an end, too."""
+        return np.diag(np.r_[np.ones(len(self.parameters)), np.zeros(count - len(self.parameters))]) * 1e-6
+
+    def measure_errors(self, u, jacobian):
+        """Estimates the model of the errors from the residuals at u; from then on residuals are those
+        of generalised least squares."""
+        (r,) = self.run([u])
+        raw = self.raw(u, r)
+        alone = np.r_[self.sigma[:len(raw) - len(self.priors)], np.ones(len(self.priors))]
+        self.errors = estimate(self.comparison.blocks, raw, jacobian, alone,
+                               self.prior_information(len(u)), self.told_noise)
+        self.noise = {name: g.total for name, g in self.errors.groups.items()}
+        return raw
+
+    def wanted_accuracy(self):
+        """That of runs whose own error is no part of the residuals: a tenth of the noise, over the extent."""
+        spreads = self.comparison.spreads()
+        return max(FINEST, min(0.1 * noise / spreads[name] for name, noise in self.noise.items()))
 
     def cost(self, f):
         """Half the sum that least_squares makes least."""
+        if self.errors:
+            return 0.5 * float(f @ f)
         z = (f / HUBER) ** 2
         return 0.5 * HUBER**2 * float(np.sum(np.where(z <= 1, z, 2 * np.sqrt(z) - 1)))
 
@@ -198,19 +311,9 @@ class Problem:
     def jacobian(self, u):
         """[residual, number], by forward differences; the runs are made side by side."""
         points, steps = self.neighbours(u, STEP)
-        self.run([u[:len(self.parameters)], *points[:, :len(self.parameters)]])
+        self.run([u, *points])
         here = self.residuals(u)
         return np.column_stack([(self.residuals(a) - here) / h for a, h in zip(points, steps)])
-
-    def central_jacobian(self, u):
-        """The same by central differences, but at a bound."""
-        p = len(self.parameters)
-        ahead, steps = self.neighbours(u, FINE_STEP)
-        behind = 2 * u - ahead
-        behind[:, :p] = np.clip(behind[:, :p], 0, 1)
-        self.run([*ahead[:, :p], *behind[:, :p]])
-        return np.column_stack([(self.residuals(a) - self.residuals(b)) / (a - b)[k]
-                                for k, (a, b) in enumerate(zip(ahead, behind))])
 
     def bounds(self, u):
         p = len(self.parameters)
@@ -221,19 +324,21 @@ class Problem:
         """The least cost from a start. ahead: runs for derivatives are made together with the one at the
         point itself, as there are cores for them; but after a step that was none, when the next, which
         is shorter, may be none either."""
-        p, least, better = len(self.parameters), np.inf, ahead
+        least, better = np.inf, ahead
 
         def residuals(u):
             nonlocal least, better
             if better:
-                self.run([u[:p], *self.neighbours(u, STEP)[0][:, :p]])
+                self.run([u, *self.neighbours(u, STEP)[0]])
             f = self.residuals(u)
             cost = self.cost(f)
+            if cost < least:
+                self.best = np.array(u)
             least, better = min(cost, least), ahead and cost < least
             return f
 
         inside = np.clip(u, *[b + s for b, s in zip(self.bounds(u), (1e-6, -1e-6))])
-        found = optimize.least_squares(residuals, inside, self.jacobian, self.bounds(u), loss="huber",
-                                       f_scale=HUBER, x_scale="jac", xtol=tolerance,
+        found = optimize.least_squares(residuals, inside, self.jacobian, self.bounds(u),
+                                       loss="linear" if self.errors else "huber", f_scale=HUBER, x_scale="jac", xtol=tolerance,
                                        ftol=tolerance, gtol=None, max_nfev=most)
         return Solution(found.x, found.cost)

@@ -10,19 +10,19 @@ import os
 import sys
 import tempfile
 import unittest
+from importlib.util import find_spec
 from pathlib import Path
-from types import SimpleNamespace
+from unittest import mock
 
 from interpreter import ROOT, from_venv
 
 sys.path.insert(0, str(ROOT / "scripts"))
 try:
     import numpy as np
-    from scipy import optimize, stats
 
     import tendril
-    from tendril import comparing, fit_command, fitting, measured, problem
-    from tendril.parameters import Parameter
+    from tendril import comparing, fit_command, measured, noise, problem, tracing
+    from tendril.parameters import Parameter, Prior, tied_value
 except ImportError as error:
     from_venv(error)
 
@@ -94,6 +94,126 @@ class Reading(unittest.TestCase):
                 Parameter.of("x", bounds)
 
 
+    def test_other_programs(self):
+        """DeepLabCut, Tracker, ImageJ; what is not used is said."""
+        m = measured.read(self.file("scorer,n,n,n,n,n,n,n,n,n\nbodyparts,base,base,base,mid,mid,mid,tip,tip,tip\n"
+                                    "coords,x,y,likelihood,x,y,likelihood,x,y,likelihood\n"
+                                    "0,1,2,0.9,3,4,0.99,5,6,1\n50,1,2,1,3,5,1,6,6,0.9\n"), unit="px", fps=25)
+        self.assertEqual([float(p.at.numbers) for p in m.photographs], [0, 2])
+        np.testing.assert_array_equal(m.photographs[1].points.numbers, [[1, 2], [3, 5], [6, 6]])
+        self.assertTrue(m.photographs[0].ordered)
+        self.assertIn("DeepLabCut, 3 body parts", m.notes[0])
+        m = measured.read(self.file(",mass A,,,mass B,,,mass C,\nt,x (cm),y (cm),t,x (cm),y (cm),t,x (cm),y (cm)\n"
+                                    "0.5,1,2,0.5,3,4,0.5,5,6\n"))
+        np.testing.assert_allclose(m.photographs[0].points.numbers, [[0.01, 0.02], [0.03, 0.04], [0.05, 0.06]])
+        self.assertEqual((float(m.photographs[0].at.numbers), m.photographs[0].at.unit), (0.5, "l/V"))
+        m = measured.read(self.file(" ,Area,X,Y,Slice\n1,0,10,20,1\n2,0,11,21,1\n3,0,12,22,1\n"), unit="px", fps=2)
+        self.assertEqual(float(m.photographs[0].at.numbers), 0)
+        self.assertTrue(any("not used: Area" in note for note in m.notes), m.notes)
+        with self.assertRaisesRegex(measured.DataError, "--fps"):
+            measured.read(self.file("frame,x,y\n1,2,3\n1,3,3\n1,4,4\n"))
+
+    def test_as_files_come(self):
+        """Decimal commas, x and y as headings, Latin-1, UTF-16, blanks, DataFrames, workbooks."""
+        expected = [[0.015, 0.02], [0.025, 0.03], [0.035, 0.04]]
+        text = "t (s);x (cm);y (cm);Länge\n1,5;1,5;2;a\n1,5;2,5;3;b\n1,5;3,5;4;c\n"
+        for name, raw in (("l.csv", text.encode("latin-1")), ("u.csv", text.encode("utf-16")),
+                          ("8.csv", text.encode("utf-8-sig"))):
+            (Path(self.directory.name) / name).write_bytes(raw)
+            m = measured.read(Path(self.directory.name) / name)
+            np.testing.assert_allclose(m.photographs[0].points.numbers, expected)
+            self.assertEqual(float(m.photographs[0].at.numbers), 1.5)
+            self.assertTrue(any("not used: Länge" in note for note in m.notes), m.notes)
+        m = measured.read(self.file("1.5 2\n2.5 3\n3.5 4\n"), unit="cm", at="2s")
+        np.testing.assert_allclose(m.photographs[0].points.numbers, expected)
+        import pandas
+        frame = pandas.DataFrame({"t (s)": 1.5, "x1 (cm)": [1.5, 2.5, 3.5], "x2 (cm)": [2, 3, 4]})
+        np.testing.assert_allclose(measured.gather(frame).photographs[0].points.numbers, expected)
+        if find_spec("openpyxl"):
+            frame.to_excel(Path(self.directory.name) / "a.xlsx", index=False)
+            m = measured.read(Path(self.directory.name) / "a.xlsx")
+            np.testing.assert_allclose(m.photographs[0].points.numbers, expected)
+
+    def test_unsure_points(self):
+        """They are left out; where the last of a line is one, the tip was not seen."""
+        m = measured.read(self.file("t (s),x1,x2,point,unsure\n" + "".join(
+            f"{t},{k},0,{k},{int(k == odd)}\n" for t, odd in ((1, 2), (2, 4)) for k in range(5))), unit="cm")
+        self.assertEqual([len(p.points.numbers) for p in m.photographs], [4, 4])
+        self.assertEqual([p.ordered for p in m.photographs], [True, False])
+
+    def test_what_is_known(self):
+        """Priors and ties, and what is wrong with them."""
+        prior = Prior.of("a", "2N/m:0.1N/m")
+        self.assertEqual((prior.mean, prior.deviation, prior.unit), (2, 0.1, "N/m"))
+        self.assertEqual(Parameter.of("a", prior.bounds()).start, 2)
+        self.assertEqual(tied_value("b", "0.5*a**2 N/m", {"a": "4N/m"}), "8.0N/m")
+        for text in ("a+c", "__import__('os')", "a b c", "1/0"):
+            with self.assertRaises(tendril.TendrilError) as refused:
+                tied_value("b", text, {"a": "4N/m"})
+            self.assertNotIn("\n", str(refused.exception))
+        with self.assertRaises(tendril.TendrilError):
+            Prior.of("a", "2N/m:-1N/m")
+
+
+@unittest.skipUnless(find_spec("cv2") and find_spec("skimage"), "OpenCV and scikit-image are not there")
+class Tracing(unittest.TestCase):
+    def picture(self, line, width=14, seed=1):
+        """A dark body on a ground with light that falls off, noise, and a block that is thick as a hand."""
+        import cv2
+        random = np.random.default_rng(seed)
+        x, y = np.meshgrid(np.linspace(0, 1, 800), np.linspace(0, 1, 600))
+        picture = np.full((600, 800), 200.0)
+        cv2.polylines(picture, [np.round(16 * line).astype(np.int32)], False, 70.0, width, cv2.LINE_AA, 4)
+        picture[230:420, 0:60] = 120
+        picture = cv2.GaussianBlur(picture, (0, 0), 1.2) * (1 - 0.3 * x - 0.2 * y) + 3 * random.normal(size=x.shape)
+        return np.clip(picture, 0, 255).astype(np.uint8)
+
+    def test_a_line(self):
+        """To a part of a pixel, with its width and its end."""
+        s = np.linspace(0, 1, 300)
+        line = np.column_stack([80 + 600 * s, 300 + 120 * np.sin(5 * s)])
+        found = tracing.trace(self.picture(line), line[0])
+        off, _ = comparing.distances(found.points[2:-3], line)
+        self.assertLess(np.sqrt(np.mean(off**2)), 0.4)
+        self.assertAlmostEqual(found.width, 15, delta=1.5)
+        self.assertLess(np.hypot(*(found.points[-1] - line[-1])), 14)
+        self.assertTrue(found.whole)
+        self.assertEqual(found.unsure.sum(), 0)
+
+    def test_a_crossing(self):
+        """The path goes straight on; there it is unsure."""
+        a = np.linspace(-0.9 * np.pi, 1.1 * np.pi, 600)
+        line = np.column_stack([260 + 60 * a - 120 * np.sin(a), 300 + 120 * np.cos(a)])
+        found = tracing.trace(self.picture(line, width=10), line[0])
+        length = np.sum(np.hypot(*np.diff(line, axis=0).T))
+        self.assertAlmostEqual(found.length / length, 1, delta=0.03)
+        self.assertGreater(found.unsure.sum(), 0)
+        off, _ = comparing.distances(found.points[~found.unsure], line)
+        self.assertLess(np.quantile(np.abs(off), 0.9), 1.5)
+
+    def test_film(self):
+        """Photographs with a scale become points in centimetres that fit reads, and a page."""
+        s = np.linspace(0, 1, 200)
+        pictures = [self.picture(np.column_stack([80 + r * s, 300 + 0 * s]), seed=k) for k, r in enumerate((300, 450, 600))]
+        m = tendril.measure(pictures, clamp=(80, 300), scale=((0, 0), (100, 0), "1cm"))
+        self.assertEqual(len(m.good()), 3)
+        last = m.measured().photographs[-1].points.numbers
+        self.assertAlmostEqual(float(m.table().length[2]), 0.06, delta=0.001)
+        self.assertLess(np.abs(last[:, 1]).max(), 1e-4)
+        self.assertIn('"picture": "/9j/', m.page())
+
+    def test_refused(self):
+        for words, word in (((np.full((200, 300), 200, np.uint8),), "nothing|no line"), (("none.mp4",), "no such file"),
+                            (("12apples@a.png",), "no time and no length")):
+            with self.assertRaisesRegex(tendril.TendrilError, word):
+                tendril.measure([*words], clamp=(10, 10))
+
+    def test_missing_library(self):
+        with mock.patch.dict(sys.modules, {"cv2": None}):
+            with self.assertRaisesRegex(tendril.TendrilError, r"needs OpenCV: pip install 'tendril\[film\]'"):
+                tendril.measure("film.mp4", clamp=(1, 1))
+
+
 class Residuals(unittest.TestCase):
     def test_distances(self):
         """Of points beside an arc, from the arc: signed, and as good as the line between its nodes."""
@@ -111,6 +231,19 @@ class Residuals(unittest.TestCase):
             line = np.column_stack([np.linspace(0, end, 50), np.zeros(50)])
             self.assertAlmostEqual(comparing.loose_end(points, line), loose)
 
+    def test_places_without_points(self):
+        """A rod that runs on beyond its points and back to their end costs; one that is not seen in its
+        middle, for nothing was measured there, does not."""
+        points = np.column_stack([np.linspace(0, 1, 21), np.zeros(21)])
+        there = np.column_stack([np.linspace(0, 1, 100), np.zeros(100)])
+        loop = np.column_stack([1 + 0.5 * np.sin(np.linspace(0, 6.28, 100)), 0.5 - 0.5 * np.cos(np.linspace(0, 6.28, 100))])
+        gap = 0.75 * comparing.widest_gap(points)
+        self.assertEqual(comparing.bare(points, there, gap).max(), 0)
+        self.assertEqual(comparing.loose_end(points, np.vstack([there, loop])), 0)
+        self.assertGreater(np.sum(comparing.bare(points, np.vstack([there, loop]), gap) > 0.1), 8)
+        holed = points[(points[:, 0] < 0.3) | (points[:, 0] > 0.7)]
+        self.assertEqual(comparing.bare(holed, there, 0.75 * comparing.widest_gap(holed)).max(), 0)
+
     def test_camera(self):
         """What a camera sees is what it was told, and its guess of itself is right."""
         camera = comparing.Camera(500.0)
@@ -124,21 +257,74 @@ class Residuals(unittest.TestCase):
 
 
 class Intervals(unittest.TestCase):
+    """Of a linear model: photographs of points on arcs, two parameters."""
+
+    def points(self, random, kind, photographs=6, count=30):
+        """(errors [n], jacobian [n, 2], blocks): of independent points, of those that err smoothly along
+        the rod, of photographs that are shifted."""
+        error, jacobian, blocks = [], [], []
+        for k in range(photographs):
+            place = np.sort(random.uniform(0, 1 + 0.2 * k, count))
+            normal = np.column_stack([-np.sin(1.5 * place), np.cos(1.5 * place)])
+            e = 0.5 * random.normal(size=count)
+            if kind == "smooth":
+                kernel = noise.matern(np.abs(place[:, None] - place) / 0.1) + 1e-9 * np.eye(count)
+                e = 0.2 * e + np.sum((np.linalg.cholesky(kernel) @ random.normal(size=(count, 2))) * normal, axis=1)
+            if kind == "shifted":
+                e = e + normal @ random.normal(size=2)
+            if kind == "strays":
+                e = e + 20 * (random.random(count) < 0.05) * random.normal(size=count)
+            jacobian.append(10 * np.column_stack([place**2, np.sin(2 * place)]))
+            blocks.append(noise.Block("lines", np.arange(k * count, (k + 1) * count), place, normal,
+                                      np.full(count, np.inf)))
+            error.append(e)
+        return np.concatenate(error), np.vstack(jacobian), blocks
+
+    def held(self, kind, cases):
+        """(the part of intervals that hold the truth, the same if all points err by themselves)"""
+        held, plain = [], []
+        for seed in range(cases):
+            e, j, blocks = self.points(np.random.default_rng(seed), kind)
+            at = np.linalg.lstsq(j, e, rcond=None)[0]  # the truth is 0
+            sigma = np.full(len(e), 1.4826 * np.median(np.abs(e - j @ at)))
+            nothing = np.zeros((2, 2))
+            errors = noise.estimate(blocks, e - j @ at, j, sigma, nothing)
+            white = errors.whitened(np.column_stack([e, j]))
+            at = np.linalg.lstsq(white[:, 1:], white[:, 0], rcond=None)[0]
+            known = noise.certainty(errors, e - j @ at, j, nothing)
+            held.append(np.abs(at) < known.reach * np.sqrt(np.diag(known.covariance)))
+            scatter = np.sqrt(np.diag(np.linalg.inv(j.T @ j))) * np.std(e)
+            plain.append(np.abs(np.linalg.lstsq(j, e, rcond=None)[0]) < 1.96 * scatter)
+        return np.mean(held), np.mean(plain)
+
     def test_hold_the_truth(self):
-        """Of a linear model with noise they hold it in 95 % of all cases, also with outliers."""
-        random = np.random.default_rng(1)
-        problem = SimpleNamespace(parameters=[None, None])
-        for outliers in (0, 0.05):
-            held = []
-            for _ in range(400):
-                design = 1e3 * random.normal(size=(80, 2))
-                f = random.normal(size=80) + 20 * (random.random(80) < outliers) * random.normal(size=80)
-                solution = optimize.least_squares(lambda b: f - design @ b, [0, 0], loss="huber",
-                                                          f_scale=fitting.HUBER)
-                covariance, freedom = fitting.huber_covariance(problem, solution.fun, -design)
-                reach = stats.t.ppf(0.975, freedom) * np.sqrt(np.diag(covariance))
-                held.append(np.abs(solution.x) < reach)
-            self.assertTrue(0.93 < np.mean(held) < 0.97, np.mean(held))
+        """Of 95 %: however points err, 90 to 98 % (here within chance); as if all erred by themselves far
+        fewer where they do not."""
+        for kind, least in (("independent", 0.85), ("smooth", 0.82), ("shifted", 0.82), ("strays", 0.85)):
+            held, plain = self.held(kind, 24)
+            self.assertGreaterEqual(held, least, kind)
+            if kind in ("smooth", "shifted"):
+                self.assertLess(plain, 0.8, kind)
+
+    def test_errors_are_told(self):
+        """What they were made of is what is found."""
+        for kind, smooth, shift in (("independent", 0, 0), ("smooth", 1, 0), ("shifted", 0, 1)):
+            found = []
+            for seed in range(6):
+                e, j, blocks = self.points(np.random.default_rng(seed), kind)
+                found.append(noise.estimate(blocks, e, j, np.full(len(e), 0.5), np.zeros((2, 2))).groups["lines"])
+            self.assertAlmostEqual(np.median([g.smooth for g in found]), smooth, delta=0.25, msg=kind)
+            self.assertAlmostEqual(np.median([g.shift for g in found]), shift, delta=0.4, msg=kind)
+
+    def test_another_strand(self):
+        """A point between two strands of the rod tells nothing: of which is it?"""
+        line = np.array([[0, 0], [1, 0], [1, 0.1], [0, 0.1]], float)
+        line = np.column_stack([np.interp(np.linspace(0, 3, 200), np.arange(4), c) for c in line.T])
+        near = comparing.nearest(np.array([[0.5, 0.045], [0.5, -0.05]]), line)
+        np.testing.assert_allclose(near.other, [0.01, 0.1], atol=2e-3)
+        blocks = [noise.Block("lines", np.arange(2), near.place, near.normal, near.other)]
+        np.testing.assert_array_equal(noise.screened(near.distance, np.full(2, 0.01), blocks) == noise.NOTHING,
+                                      [True, False])
 
 
 class Fitting(unittest.TestCase):
@@ -217,6 +403,38 @@ class Fitting(unittest.TestCase):
         self.assertAlmostEqual(ratio / (2.209 / FRICTION), 1, delta=0.02)
         for name, (low, high) in found.intervals.items():
             self.assertGreater(high / low, 4, name)
+
+    def faulty(self, change, **more):
+        """The fit of clean points, changed; search from near the truth."""
+        random, r = np.random.default_rng(3), self.truth
+        length, found = r.scale("length"), {}
+        for t in (14, 18, 21, 24, 28):
+            line = comparing.finer(comparing.shape_at(r, t / r.scale("time"))) * length
+            points = line[random.choice(len(line), 30, replace=False)] + 2e-4 * random.normal(size=(30, 2))
+            found[f"{t}s"] = 100 * change(points)
+        return tendril.fit(TUBE, found, {"si_friction_dry": ("0.2N/m", "2N/m", "0.6N/m"),
+                                         "rod_curvature": ("-10/m", "10/m", "3/m")}, unit="cm", starts=0,
+                           accuracy=3e-3, **more)
+
+    def test_a_bad_fit_is_called_bad(self):
+        """And its likeliest cause is named, with its size; a good one is called nothing."""
+        self.assertEqual(self.faulty(lambda x: x).warnings, [])
+        c, s = np.cos(np.radians(3)), np.sin(np.radians(3))
+        turned = self.faulty(lambda x: x @ np.array([[c, s], [-s, c]]))
+        self.assertRegex("\n".join(turned.warnings), "likeliest cause: the picture is turned by (2.[6-9]|3|3.[1-4]) degrees")
+
+    def test_what_is_known_does_not_outweigh_the_points(self):
+        """A picture that is turned by three degrees, known to be so to three: found beside the rest."""
+        c, s = np.cos(np.radians(3)), np.sin(np.radians(3))
+        with mock.patch("tendril.fitting.warnings_of", return_value=[]):
+            known = self.faulty(lambda x: x @ np.array([[c, s], [-s, c]]), priors={"camera_turn": "0:0.05"})
+        self.assertAlmostEqual(np.degrees(known.values["camera_turn"]), 3, delta=0.3)
+        self.assertAlmostEqual(known.values["si_friction_dry"], FRICTION, delta=0.02 * FRICTION)
+
+    def test_a_wrong_unit(self):
+        words = "\n".join(self.faulty(lambda x: 10 * x).warnings)
+        self.assertIn("a bad fit", words)
+        self.assertIn("10 times too large: another unit", words)
 
     def test_refuses_what_the_scene_cannot(self):
         data = self.place / "late.csv"

@@ -1,0 +1,342 @@
+"""What speaks against a fit, and what may be its cause, each in a line.
+
+A fit always ends somewhere. Here it is asked whether the rod is where the points are (residuals, places
+without points), whether what is left over looks like errors (runs of one sign along the rod; the same
+side of the rod in every photograph), and whether something that is no parameter would take it away:
+the picture's place, turn and scale, its clock, by their linearised effect, which costs no run; and if the
+fit is bad also data mirrored, with columns exchanged, in another unit. A cause that is named was tried:
+the fit was made again with it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy import stats
+
+from .comparing import BARE, LINES, VIEW
+from .errors import RunError, TendrilError
+from .measured import Measured
+from .noise import estimate
+from .parameters import Parameter
+from .problem import Problem, Solution
+from .units import scales_of_rod
+
+if TYPE_CHECKING:
+    from .fitting import Fit
+
+BAD = 0.02  # of the extent: residuals beyond are no errors of clicking
+BAD_SERIES = 0.05  # of the range of a series
+SURE = 1e-4  # the probability at which what is left over is no chance
+BETTER, SLIGHT = 0.6, 0.8  # a cause is one if residuals fall to this part, of a fit that is not bad
+SEEN = 2e-3  # of the extent: a cause that moves the points less is left alone
+FACTORS = {1e-3: "1000", 1e-2: "100", 0.1: "10", 10.0: "10", 100.0: "100", 1e3: "1000"}
+
+
+@dataclass
+class Cause:
+    """Something that may be wrong with the data: how they would be without, and what else is looked for."""
+
+    words: str  # with {camera_turn} and the like
+    looked_for: tuple[str, ...] = ()
+    change: tuple[str, float] | None = None  # of the data, as changed() knows it
+
+
+CAUSES = [Cause("the points lie beside the rod by ({camera_x}, {camera_y}): the clamp is not at (0, 0). Give it, or "
+                "look for camera_x and camera_y", ("camera_x", "camera_y")),
+          Cause("the picture is turned by {camera_turn}. Turn the points, or look for camera_turn", ("camera_turn",)),
+          Cause("the points are {camera_scale} times as large as the rod: scale or unit. Correct it, or look for "
+                "camera_scale", ("camera_scale",)),
+          Cause("the clock of the data goes {clock_rate} times as fast as the rod's. Correct it, or look for "
+                "clock_rate", ("clock_rate",)),
+          Cause("the clock of the data is ahead by {clock_offset}. Correct it, or look for clock_offset",
+                ("clock_offset",))]
+
+
+def spread_of(values):
+    """The standard deviation as the median tells it."""
+    return float(np.median(np.abs(values)) / stats.norm.ppf(0.75)) if len(values) else 0.0
+
+
+def sizes(fit: Fit):
+    """{group: (size of its residuals, what was measured from end to end)}"""
+    comparison = fit.problem.comparison
+    raw = fit.problem.raw(fit.u, fit.run)[:len(comparison.groups)]
+    groups, spreads = np.array(comparison.groups), comparison.spreads()
+    # of points also the upper ones count: half of a rod may be right
+    return {name: (max(spread_of(raw[groups == name]), np.quantile(np.abs(raw[groups == name]), 0.8) / 1.28),
+                   spreads[name]) for name in spreads}
+
+
+def runs_along(fit: Fit):
+    """(how many standard deviations fewer runs of one sign there are along the rod than by chance, how
+    many there are, how many were to be expected): Wald and Wolfowitz, over all photographs."""
+    raw = fit.problem.raw(fit.u, fit.run)
+    seen = expected = variance = 0.0
+    for block in fit.problem.errors.blocks:
+        signs = raw[block.rows][np.argsort(block.place, kind="stable")] > 0
+        above, below, n = np.sum(signs), np.sum(~signs), len(signs)
+        if min(above, below) < 1:
+            continue
+        mean = 2 * above * below / n + 1
+        seen, expected = seen + 1 + np.count_nonzero(np.diff(signs)), expected + mean
+        variance += (mean - 1) * (mean - 2) / max(n - 1, 1)
+    return (expected - seen) / np.sqrt(max(variance, 1e-12)), int(seen), expected
+
+
+def same_side(fit: Fit, bins=8):
+    """(the probability of it by chance, the place as a part of the rod) where in all photographs the points
+    lie most clearly on one side of the rod; None of fewer than four photographs."""
+    raw = fit.problem.raw(fit.u, fit.run)
+    rows = []
+    for block in fit.problem.errors.blocks:
+        if block.normal is not None:
+            part = np.minimum((block.place / max(block.place.max(), 1e-300) * bins).astype(int), bins - 1)
+            rows.append([np.median(raw[block.rows][part == k]) if np.any(part == k) else np.nan for k in range(bins)])
+    table = np.array(rows)
+    if len(table) < 4:
+        return None
+    best = (1.0, 0.0)
+    for k in range(bins):
+        column = table[np.isfinite(table[:, k]), k]
+        if len(column) >= 4 and np.ptp(column) > 0:
+            chance = float(stats.ttest_1samp(column, 0).pvalue) * bins
+            best = min(best, (chance, (k + 0.5) / bins))
+    return best
+
+
+def bare_part(fit: Fit):
+    """The part of the rods near which there are no points."""
+    comparison = fit.problem.comparison
+    raw = fit.problem.raw(fit.u, fit.run)[:len(comparison.groups)]
+    far = raw[np.array(comparison.groups) == BARE]
+    return float(np.mean(far > 0.01 * comparison.spreads()[LINES])) if len(far) else 0.0
+
+
+def view_step(fit: Fit, name):
+    """A small change of one of VIEW's numbers, in the units of the data."""
+    extent = fit.problem.comparison.spreads().get(LINES, 1.0)
+    times = fit.problem.measured.abscissae("t")
+    span = max((float(np.max(at.numbers)) for at in times), default=0.0)
+    return {"camera_x": 1e-3 * extent, "camera_y": 1e-3 * extent, "camera_turn": 1e-3, "camera_scale": 1e-3,
+            "clock_rate": 2e-3, "clock_offset": 2e-3 * span}[name]
+
+
+def applies(fit: Fit, cause: Cause):
+    """Whether a cause is possible, and no parameter already."""
+    problem = fit.problem
+    names = {p.name for p in problem.parameters}
+    if names & set(cause.looked_for):
+        return False
+    if any(name.startswith("camera") for name in cause.looked_for):
+        return bool(problem.measured.photographs) and problem.comparison.camera is None
+    return bool(problem.measured.abscissae("t"))
+
+
+def linear_sign(fit: Fit, cause: Cause):
+    """(the probability by chance that the residuals ask for a cause as clearly as they do; how far it would
+    move them, over the extent; how clearly, as F): its effect is put beside those of the parameters, with errors estimated
+    anew, for what it explains is none."""
+    problem, p = fit.problem, len(fit.parameters)
+    view, base = problem.view(fit.u), problem.raw(fit.u, fit.run)
+    columns = []
+    for name in cause.looked_for:
+        step = view_step(fit, name)
+        moved = problem.comparison.residuals(fit.run, fit.u[p:], view | {name: view[name] + step})
+        columns.append((np.append(moved, base[len(moved):]) - base) / step)
+    effect = np.column_stack(columns)
+    jacobian = np.column_stack([problem.errors.jacobian, effect])
+    prior = np.zeros((jacobian.shape[1],) * 2)
+    prior[:len(fit.u), :len(fit.u)] = problem.prior_information(len(fit.u))
+    errors = estimate(problem.comparison.blocks, base, jacobian, problem.errors.alone, prior, problem.told_noise,
+                      problem.errors)
+    white = errors.whitened(np.column_stack([base, jacobian]))
+    covariance = np.linalg.pinv(prior + white[:, 1:].T @ white[:, 1:], hermitian=True)
+    change = -(covariance @ white[:, 1:].T @ white[:, 0])[len(fit.u):]
+    found = covariance[len(fit.u):, len(fit.u):]
+    statistic = float(change @ np.linalg.solve(found, change)) / len(change)
+    photographs = max(len(problem.measured.photographs), 3)
+    moved = float(np.sqrt(np.mean((effect[problem.errors.mine()] @ change) ** 2)))
+    extent = problem.comparison.spreads().get(LINES, np.inf)
+    return float(stats.f.sf(statistic, len(change), 4 * photographs)), moved / extent, statistic
+
+
+def wide(fit: Fit, name) -> Parameter:
+    """One of VIEW's numbers as a parameter, wide enough for what happens."""
+    extent = fit.problem.comparison.spreads().get(LINES, 1.0)
+    span = max((float(np.max(at.numbers)) for at in fit.problem.measured.abscissae("t")), default=1.0)
+    lines = fit.problem.measured.photographs
+    metre = "m" if lines and lines[0].points.si else ""
+    second = "s" if any(at.si for at in fit.problem.measured.abscissae("t")) else ""
+    low, high, unit = {"camera_x": (-0.3 * extent, 0.3 * extent, metre), "camera_turn": (-0.6, 0.6, ""),
+                       "camera_y": (-0.3 * extent, 0.3 * extent, metre), "camera_scale": (0.4, 2.5, ""),
+                       "clock_rate": (0.5, 2.0, ""), "clock_offset": (-0.4 * span, 0.4 * span, second)}[name]
+    return Parameter(name, low, high, VIEW[name], unit)
+
+
+def changed(measured: Measured, change) -> Measured:
+    """The data without a fault."""
+    kind, factor = change
+    matrix = {"mirror": [[1, 0], [0, -1]], "swap": [[0, 1], [1, 0]], "unit": [[factor, 0], [0, factor]],
+              "back": [[-1, 0], [0, 1]]}[kind]
+    photographs = [replace(p, points=replace(p.points, numbers=p.points.numbers @ np.array(matrix, float)))
+                   for p in measured.photographs]
+    return Measured(photographs, measured.curves)
+
+
+def tried(fit: Fit, cause: Cause):
+    """(the size of the residuals once a cause is allowed for, over what it was; the problem and its end)"""
+    old = fit.problem
+    measured = changed(old.measured, cause.change) if cause.change else old.measured
+    more = [wide(fit, name) for name in cause.looked_for]
+    new = Problem(old.scene, measured, [*old.parameters, *more], old.options, old.jobs, priors=old.priors,
+                  tied=old.tied)
+    new.glimpse, new.begin, new.reach = old.glimpse, old.begin, old.reach
+    new.settings, new.known = dict(old.search_settings), dict(old.search_known)
+    if any(name.startswith("clock") for name in cause.looked_for):
+        new.settings |= {k: v for k, v in new.ends().items() if k not in old.options}
+        new.known = {}
+    points = [fit.u[:len(old.parameters)]]
+    if cause.change:  # from all points that were ever run, as the data now look
+        points += list(old.search_points.values())
+    start = [p.inside(VIEW[p.name]) for p in more]
+    new.run([np.r_[u, start] for u in points])
+    whole = []
+    for u in points:
+        (r,) = new.run([np.r_[u, start]])
+        if not isinstance(r, RunError):
+            whole.append(np.r_[u, start, new.comparison.guess(r, fit.u[len(old.parameters):])])
+    if not whole:
+        return 1.0, new, None
+    new.measure_noise(whole[0], share=0.03)
+    best = Solution(min(whole, key=lambda u: new.cost(new.residuals(u))), np.inf)
+    for share in (0.03, 0.01):
+        new.measure_noise(best.u, share=share)
+        best = new.solve(best.u, 3e-3, ahead=False, most=8)
+    (r,) = new.run([best.u])
+    found = replace(fit, problem=new, u=best.u, run=r)
+    ratios = [a[0] / a[1] / max(b[0] / b[1], 1e-12) for a, b in zip(sizes(found).values(), sizes(fit).values())]
+    return float(np.mean(ratios)), new, best.u
+
+
+def spoken(fit: Fit, problem: Problem, u, cause: Cause):
+    """A cause in words, with its numbers."""
+    view = problem.view(u)
+    lines, times = problem.measured.photographs, problem.measured.abscissae("t")
+    length = (lambda x: f"{1e3 * x:.2g} mm") if lines and lines[0].points.si else (lambda x: f"{x:.2g}")
+    second = " s" if any(at.si for at in times) else ""
+    said = {"camera_x": length(view["camera_x"]), "camera_y": length(view["camera_y"]),
+            "camera_turn": f"{np.degrees(view['camera_turn']):.2g} degrees",
+            "camera_scale": f"{view['camera_scale']:.3g}", "clock_rate": f"{view['clock_rate']:.3g}",
+            "clock_offset": f"{view['clock_offset']:.3g}{second}"}
+    return cause.words.format_map(said)
+
+
+def discrete():
+    """Causes that are no small change."""
+    return [Cause("x2 has the wrong sign: the picture is mirrored, or y counts downwards (--y-down)",
+                  change=("mirror", 0)),
+            Cause("x1 and x2 are exchanged", change=("swap", 0)),
+            Cause("x1 has the wrong sign: it must grow away from the clamp", change=("back", 0)),
+            *(Cause(f"the coordinates are {text} times too {'large' if factor < 1 else 'small'}: another unit",
+                    change=("unit", factor)) for factor, text in FACTORS.items())]
+
+
+def promising(fit: Fit, causes, most=2):
+    """Of discrete causes those under which one of the runs of the search lies nearest to the data: no run
+    is made for it."""
+    found = []
+    for cause in causes:
+        problem = fit.problem
+        new = Problem(problem.scene, changed(problem.measured, cause.change), problem.parameters, problem.options,
+                      problem.jobs, tied=problem.tied)
+        new.glimpse, new.begin, new.reach = problem.glimpse, problem.begin, problem.reach
+        new.settings, new.known = problem.search_settings, problem.search_known
+        costs = []
+        for u in problem.search_points.values():
+            (r,) = new.run([u])
+            if not isinstance(r, RunError):
+                whole = np.r_[u, new.comparison.guess(r)]
+                if not new.noise:
+                    new.measure_noise(whole, share=0.03)
+                costs.append(new.cost(new.residuals(whole)))
+        if costs:
+            found.append((min(costs), cause))
+    found.sort(key=lambda pair: pair[0])
+    return [cause for _, cause in found[:most]]
+
+
+def plain_units(fit: Fit):
+    """Numbers that carry no unit beside a scene in the laboratory's."""
+    measured, words = fit.problem.measured, []
+    scales = scales_of_rod(fit.run.attributes)
+    for abscissa, kind, unit in (("t", "time", "s"), ("length", "length", "m")):
+        if scales.get(kind) and any(not at.si for at in measured.abscissae(abscissa)):
+            words.append(f"{abscissa} carries no unit, and is taken as dimensionless: 1 of it is {scales[kind]:.3g} "
+                         f"{unit} in this scene. If it is in seconds or metres write {abscissa} ({unit})")
+    if scales.get("length") and any(p.points.unit == "" for p in measured.photographs):
+        words.append(f"x1 and x2 carry no unit, and are taken as dimensionless: 1 of them is "
+                     f"{scales['length']:.3g} m in this scene. Write x1 (cm), or give --unit cm")
+    return words
+
+
+def likeliest(fit: Fit, bad, tell):
+    """The cause that takes most of the residuals away, in words, or what was tried in vain."""
+    possible = [(linear_sign(fit, cause), cause) for cause in CAUSES if applies(fit, cause)]
+    signs = sorted((pair for pair in possible if bad or (pair[0][0] < SURE and pair[0][1] > SEEN)),
+                   key=lambda pair: -pair[0][2])
+    if not (bad or signs):
+        return []
+    causes = [cause for _, cause in signs[:None if bad else 3]]
+    if bad and fit.problem.measured.photographs and not fit.problem.comparison.camera:
+        causes += promising(fit, [c for c in discrete() if applies(fit, c) or c.change])
+    ends = []
+    for cause in causes:
+        tell(f"trying a cause: {', '.join(cause.looked_for) or cause.change[0]}")
+        try:
+            ratio, problem, u = tried(fit, cause)
+        except (TendrilError, np.linalg.LinAlgError):
+            continue
+        fit.problem.count += problem.count
+        if u is not None:
+            ends.append((ratio, len(cause.looked_for), spoken(fit, problem, u, cause)))
+    ends.sort(key=lambda end: end[0] * (1 + 0.05 * end[1]))
+    if ends and ends[0][0] < (BETTER if bad else SLIGHT):
+        left = f"residuals fall to {100 * ends[0][0]:.0f} % with it"
+        return [f"likeliest cause: {ends[0][2]} ({left})."]
+    return ["likeliest cause: none of place, turn, scale, unit, mirror, clock explains it; the scene is not "
+            "the experiment, or these are not points of the rod."] if bad else []
+
+
+def warnings_of(fit: Fit, agreed, tell) -> list[str]:
+    """What speaks against a fit, in lines."""
+    words, bad = plain_units(fit), False
+    for name, (size, extent) in sizes(fit).items():
+        limit = BAD if name == LINES else BAD_SERIES
+        if size > limit * extent:
+            bad = True
+            what = "the points lie beside the rod of the best scene" if name == LINES else \
+                f"{name} is off the best scene's"
+            words.append(f"a bad fit: {what} by {100 * size / extent:.2g} % of the extent; the numbers above "
+                         "mean little.")
+    part = bare_part(fit)
+    if part > 0.05:
+        bad = True
+        words.append(f"a bad fit: {100 * part:.0f} % of the rods of the best scene are where there are no points.")
+    fewer, seen, expected = runs_along(fit)
+    if fewer > stats.norm.isf(SURE):
+        words.append(f"residuals come in runs of one sign along the rod ({seen}, by chance {expected:.0f}): "
+                     "neighbouring points err alike, which the intervals allow for, or the scene lacks something.")
+    side = same_side(fit)
+    if side and side[0] < 1e-2 and not bad:
+        words.append(f"in all photographs the points lie on one side of the rod at {100 * side[1]:.0f} % of its "
+                     "length: the scene lacks something there, or the picture is off.")
+    for name, told in fit.problem.told_noise.items():
+        size = sizes(fit)[name][0]
+        if size > 1.5 * told:
+            words.append(f"the residuals of {name} are {size / told:.2g} times the noise that was told.")
+    if not agreed:
+        words.append("no two searches ended in one place: the best may not be the best there is. More --starts, "
+                     "narrower bounds, or a START.")
+    return words + likeliest(fit, bad, tell)

@@ -1,0 +1,200 @@
+"""The rows of files as they come from programs, in any encoding, as rows that tendril.measured reads.
+
+CSV with comma, semicolon, tab or blanks between, decimal points or commas, in UTF-8, UTF-16 or Latin-1;
+.xlsx; pandas DataFrames. And, turned into rows "t, x1, x2[, point]":
+
+  DeepLabCut   lines scorer, bodyparts, coords; a row a frame; body parts are points from clamp to tip
+  Tracker      a line of tracks over t, x, y, t, x, y; tracks are points from clamp to tip
+  ImageJ       X, Y (or XM, YM) and Slice or Frame, among other columns
+
+Frames are times by frames per second. Whatever is not used is said, in notes."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from pathlib import Path
+
+from .errors import TendrilError
+
+DECIMAL_COMMA = re.compile(r"\s*[-+]?\d*,\d+([eE][-+]?\d+)?\s*$")
+ALIASES = {"x": "x1", "y": "x2", "xm": "x1", "ym": "x2", "x_1": "x1", "x_2": "x2", "time": "t", "slice": "slice",
+           "frame": "frame", "index": "point", "l": "length"}
+SURE = 0.6  # the likelihood from which on a point of DeepLabCut is used
+
+
+class DataError(TendrilError):
+    """What was measured cannot be read, in one plain line."""
+
+
+def text_of_file(path):
+    try:
+        raw = Path(path).read_bytes()
+    except OSError as error:
+        raise DataError(f"{path}: {error.strerror}") from None
+    if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return raw.decode("utf-16")
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return raw.decode("latin-1")
+
+
+def workbook(path):
+    """The first sheet of an .xlsx."""
+    try:
+        import openpyxl
+    except ImportError:
+        raise DataError(f"{path}: reading .xlsx needs openpyxl: pip install openpyxl, or save it as CSV") from None
+    try:
+        sheet = openpyxl.load_workbook(path, read_only=True, data_only=True).worksheets[0]
+    except FileNotFoundError:
+        raise DataError(f"{path}: No such file or directory") from None
+    except Exception as error:  # zipfile's, openpyxl's, ...
+        raise DataError(f"{path}: no .xlsx ({error})") from None
+    return [["" if cell is None else str(cell) for cell in row] for row in sheet.iter_rows(values_only=True)]
+
+
+def table(frame):
+    """The rows of a pandas DataFrame, its headings first; several levels of them are rows each."""
+    levels = [[str(c[k]) for c in frame.columns] for k in range(frame.columns.nlevels)] \
+        if frame.columns.nlevels > 1 else [[str(c) for c in frame.columns]]
+    body = [["" if value != value or value is None else repr(float(value)) if isinstance(value, float) else str(value)
+             for value in row] for row in frame.itertuples(index=False)]
+    if len(levels) > 1:  # frames are the index of DeepLabCut's
+        levels = [[name or "", *row] for name, row in zip(frame.columns.names, levels)]
+        body = [[str(index), *row] for index, row in zip(frame.index, body)]
+    return levels + body
+
+
+def rows_of(source):
+    """(rows of words, without empty ones and those that begin with #; notes)"""
+    notes = []
+    if hasattr(source, "itertuples"):
+        rows = table(source)
+    elif str(source).lower().endswith((".xlsx", ".xlsm")):
+        rows = workbook(source)
+    else:
+        lines = [line for line in text_of_file(source).splitlines() if line.strip(" ,;\t\r\n")
+                 and not line.startswith("#")]
+        if not lines:
+            raise DataError(f"{source}: is empty")
+        rows, commas = split(lines)
+        if commas:
+            notes.append(f"{source}: commas in numbers are decimal ones")
+    rows = [row for row in rows if any(cell.strip() for cell in row)]
+    if not rows:
+        raise DataError(f"{source}: is empty")
+    return rows, notes
+
+
+def split(lines):
+    """(rows, whether numbers have decimal commas)"""
+    sample = "\n".join(lines[:20])
+    separator = ";" if ";" in sample else "\t" if "\t" in sample else "," if "," in sample else None
+    if separator is None:
+        return [line.split() for line in lines], False
+    rows = list(csv.reader(io.StringIO("\n".join(lines)), delimiter=separator))
+    if separator == "," or not any(DECIMAL_COMMA.match(cell) for row in rows for cell in row):
+        return rows, False
+    return [[cell.replace(",", ".") if DECIMAL_COMMA.match(cell) else cell for cell in row] for row in rows], True
+
+
+def deeplabcut(rows, source):
+    """Rows of DeepLabCut: (plain rows, notes), or None if it is not such a file."""
+    heads = {row[0].strip().lower(): row for row in rows[:5]}
+    if "bodyparts" not in heads or "coords" not in heads:
+        return None
+    first = next(k for k, row in enumerate(rows) if row[0].strip().lower() == "coords") + 1
+    parts = list(zip(*(heads[name][1:] for name in ("individuals", "bodyparts") if name in heads)))
+    coords, order = heads["coords"][1:], list(dict.fromkeys(parts))
+    found, unsure = [["frame", "x1", "x2", "point"]], 0
+    for row in rows[first:]:
+        for number, part in enumerate(order):
+            value = {coords[k].strip().lower(): row[k + 1] for k in range(len(coords)) if parts[k] == part
+                     and k + 1 < len(row)}
+            if not (value.get("x", "").strip() and value.get("y", "").strip()):
+                continue
+            if float(value.get("likelihood") or 1) < SURE:
+                unsure += 1
+                continue
+            found.append([row[0], value["x"], value["y"], str(number)])
+    notes = [f"{source}: DeepLabCut, {len(order)} body parts as points from the clamp to the tip, "
+             f"{order[0][-1]} to {order[-1][-1]}"]
+    return found, notes + ([f"{source}: {unsure} points with a likelihood below {SURE} are not used"] if unsure else [])
+
+
+def tracker(rows, source):
+    """Rows of Tracker: a line of tracks, then t, x, y for each."""
+    if len(rows) < 3:
+        return None
+    heads = [re.sub(r"[\s(\[].*", "", cell.strip().lower()) for cell in rows[1]]
+    places = [k for k, head in enumerate(heads) if head == "x"]
+    if heads[:1] != ["t"] or not places or "y" not in heads or rows[0][0].strip().lower().startswith("x"):
+        return None
+    if any(is_number(cell) for cell in rows[0] if cell.strip()):
+        return None
+    unit = re.search(r"[(\[].*[)\]]", rows[1][places[0]])
+    found = [["t (s)", f"x1 {unit[0]}" if unit else "x1", f"x2 {unit[0]}" if unit else "x2", "point"]]
+    for row in rows[2:]:
+        for number, k in enumerate(places):
+            own = max((j for j in range(k) if heads[j] == "t"), default=0)
+            if k + 1 < len(row) and row[k].strip() and row[k + 1].strip():
+                found.append([row[own], row[k], row[k + 1], str(number)])
+    unused = [head for head in dict.fromkeys(heads) if head not in ("t", "x", "y", "")]
+    notes = [f"{source}: Tracker, {len(places)} tracks as points from the clamp to the tip, times in s"]
+    return found, notes + ([f"{source}: not used: {', '.join(unused)}"] if unused else [])
+
+
+def is_number(cell):
+    try:
+        float(cell)
+        return True
+    except ValueError:
+        return False
+
+
+def alias(cell):
+    """A heading by the name that tendril has for it."""
+    head = re.match(r"\s*([^(\[]*?)\s*([(\[].*)?$", cell)
+    name = ALIASES.get(head[1].strip().lower(), head[1].strip())
+    return f"{name} {head[2]}" if head[2] else name
+
+
+def plain(source, fps=None):
+    """(rows as tendril.measured reads them, notes)
+
+    fps  frames per second, for files that count frames"""
+    rows, notes = rows_of(source)
+    name = "data" if hasattr(source, "itertuples") else source
+    known = deeplabcut(rows, name) or tracker(rows, name)
+    if known:
+        rows, more = known
+        notes += more
+    elif not all(is_number(cell) for cell in rows[0] if cell.strip()):
+        second = [cell.strip().upper() for cell in rows[1][:2]] if len(rows) > 1 else []
+        if second != ["X", "Y"]:
+            rows = [[alias(cell) for cell in rows[0]], *rows[1:]]
+    return timed(rows, fps, name, notes), notes
+
+
+def timed(rows, fps, name, notes):
+    """Rows in which frames are times."""
+    heads = [cell.strip().lower() for cell in rows[0]]
+    column = next((heads.index(head) for head in ("frame", "slice") if head in heads), None)
+    if column is None or any(re.match(r"(t|length)\b", head) for head in heads):
+        return rows
+    if not fps:
+        raise DataError(f"{name}: counts {heads[column]}s; give the frames per second, --fps 25")
+    first = 1 if heads[column] == "slice" else 0
+    if first:
+        notes.append(f"{name}: slice 1 is at t = 0")
+    body = []
+    for row in rows[1:]:
+        cell = row[column] if column < len(row) else ""
+        if cell.strip() and not is_number(cell):
+            raise DataError(f'{name}: "{cell.strip()}" is no {heads[column]}')
+        body.append([*row[:column], repr((float(cell) - first) / float(fps)) if cell.strip() else "",
+                     *row[column + 1:]])
+    return [[*rows[0][:column], "t (s)", *rows[0][column + 1:]], *body]

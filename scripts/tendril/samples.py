@@ -1,0 +1,119 @@
+"""What a fit's intervals leave out: the shape of the posterior, by profiles and by samples.
+
+    p = tendril.profile(f, "si_friction_dry")     # cost over one parameter, the others at their best
+    s = tendril.sample(f, steps=200)              # emcee; the runs of a step are one job of -task sweep
+    s.corner().savefig("corner.png"); s.interval("si_friction_dry")
+
+The errors are as the fit estimated them; the prior is flat within the bounds, and what was given as priors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .errors import TendrilError
+from .fitting import CLOSE, Fit
+from .problem import FAILED
+
+
+@dataclass
+class Profile:
+    """The least cost over values of one parameter."""
+
+    name: str
+    values: np.ndarray
+    cost: np.ndarray  # above that of the fit; 1.92 at the ends of an interval of 95 %
+
+
+def profile(fit: Fit, name, count=9, reach=3.0) -> Profile:
+    """The least cost with a parameter held at some values, to both sides of its estimate as many standard
+    deviations as reach says: how an interval of the linearised problem ought to be."""
+    problem = fit.problem
+    names = [p.name for p in fit.parameters]
+    if name not in names:
+        raise TendrilError(f"profile: {name} is no parameter; there are {', '.join(names)}")
+    k = names.index(name)
+    deviation = np.sqrt(np.diag(fit.covariance))
+    at = np.unique(np.clip(fit.u[k] + np.linspace(-reach, reach, count) * deviation[k], 0, 1))
+    slope = fit.covariance[:, k] / max(fit.covariance[k, k], 1e-300)  # how the others follow
+    costs = []
+    for value in at:
+        u = fit.u + slope * (value - fit.u[k])
+        u[:len(names)] = np.clip(u[:len(names)], 0, 1)
+        u[k] = value
+        costs.append(held(problem, u, k))
+    return Profile(name, fit.parameters[k].value(at), np.array(costs) - fit.cost)
+
+
+def held(problem, u, k):
+    """The least cost from a point with one number held: two Gauss-Newton steps."""
+    best = problem.cost(problem.residuals(u))
+    for _ in range(2):
+        jacobian = np.delete(problem.jacobian(u), k, axis=1)
+        if not jacobian.shape[1]:
+            return best
+        step = -np.linalg.lstsq(jacobian, problem.residuals(u), rcond=None)[0]
+        new = u + np.insert(step, k, 0.0)
+        new[:len(problem.parameters)] = np.clip(new[:len(problem.parameters)], 0, 1)
+        cost = problem.cost(problem.residuals(new))
+        if cost > best - CLOSE:
+            return min(cost, best)
+        best, u = cost, new
+    return best
+
+
+@dataclass
+class Samples:
+    """Of the posterior: values [n, parameter] in the units of the bounds."""
+
+    names: list[str]
+    values: np.ndarray
+    acceptance: float
+    steps_between: float  # steps after which a walker has forgotten where it was
+
+    def interval(self, name, share=0.95):
+        column = self.values[:, self.names.index(name)]
+        return tuple(float(v) for v in np.quantile(column, [(1 - share) / 2, (1 + share) / 2]))
+
+    def corner(self, **options):
+        """A corner plot of all parameters."""
+        try:
+            import corner
+        except ImportError:
+            raise TendrilError("a corner plot needs corner: pip install 'tendril[sample]'") from None
+        return corner.corner(self.values, labels=self.names, show_titles=True, title_fmt=".4g", **options)
+
+
+def sample(fit: Fit, steps=200, walkers=None, burn=0.3, seed=1, progress=False) -> Samples:
+    """Samples of the posterior by emcee's affine invariant walkers; all runs of a step go side by side.
+
+    steps    of each walker
+    walkers  None: four for each number that is looked for, eight at least
+    burn     the part at the beginning that is left out"""
+    try:
+        import emcee
+    except ImportError:
+        raise TendrilError("samples need emcee: pip install 'tendril[sample]'") from None
+    problem, p, n = fit.problem, len(fit.parameters), len(fit.u)
+    walkers = walkers or max(8, 4 * n)
+    random = np.random.default_rng(seed)
+
+    def chance(points):
+        inside = np.all((points[:, :p] >= 0) & (points[:, :p] <= 1), axis=1)
+        problem.run(points[inside]) if inside.any() else None
+        found = np.full(len(points), -np.inf)
+        for k in np.flatnonzero(inside):
+            f = problem.residuals(points[k])
+            found[k] = -np.inf if np.all(f == FAILED) else -problem.cost(f)
+        return found
+
+    begin = fit.u + 0.5 * random.multivariate_normal(np.zeros(n), fit.covariance, walkers, check_valid="ignore")
+    begin[:, :p] = np.clip(begin[:, :p], 1e-6, 1 - 1e-6)
+    sampler = emcee.EnsembleSampler(walkers, n, chance, vectorize=True)
+    sampler.random_state = np.random.RandomState(seed).get_state()
+    sampler.run_mcmc(begin, steps, progress=progress)
+    chain = sampler.get_chain(discard=int(burn * steps), flat=True)
+    values = np.column_stack([q.value(chain[:, k]) for k, q in enumerate(fit.parameters)])
+    return Samples([q.name for q in fit.parameters], values, float(np.mean(sampler.acceptance_fraction)),
+                   float(np.max(sampler.get_autocorr_time(quiet=True, tol=0))))
