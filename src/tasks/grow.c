@@ -123,7 +123,8 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
       self->snaps++;
       if (before <= t / 2) self->crossed = PETSC_TRUE;
     }
-    if (self->now == &self->leg[FRAME]) PetscCall(EstimateStep(self->estimate, jumped));
+    if (self->now == &self->leg[FRAME] && !self->pressed)
+      PetscCall(EstimateStep(self->estimate, jumped));
     self->now->jumps = jumps;
   }
   iterations = all - self->iterations;
@@ -133,6 +134,7 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
     self->folds += PetscAbsReal(PetscLogReal(self->seen.norm_x2 / norm));
   PetscCall(Neglect(self, U_t));
   self->depth = PetscMax(self->depth, self->seen.penetration);
+  if (self->seen.contact_force > 0) self->pressed = PETSC_TRUE;
   self->seen.step = t - before;
   self->seen.newton_iterations = iterations;
   self->seen.model = self->now - self->leg;

@@ -134,8 +134,9 @@ static PetscErrorCode TellContact(const Grow *self) {
   PetscFunctionReturn(0);
 }
 
-/* How far off the run may be, and what of that its mesh and its steps have. Other steppers than
-   vbdf are not followed. */
+/* How far off the run may be, and what of that its mesh and its steps have: as measured, or by a
+   fit where errors are not followed, or only up to the first contact. Other steppers than vbdf are
+   not followed. */
 static PetscErrorCode Estimated(Grow *self, PetscReal *error, PetscReal part[ESTIMATE_PARTS]) {
   const Load *load = &self->scene->load;
   PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN];
@@ -148,7 +149,7 @@ static PetscErrorCode Estimated(Grow *self, PetscReal *error, PetscReal part[EST
     AccuracyMeasured(self->rtol, LoadSticks(load), worst, part);
     *error = part[ESTIMATE_SPACE] + part[ESTIMATE_TIME];
   }
-  if (self->model != FRAME || !self->estimate) {
+  if (self->model != FRAME || !self->estimate || self->pressed) {
     PetscReal fitted;
     PetscCall(AccuracyEstimate(self->now->rod, self->seen.t, self->rtol, self->folds, &fitted));
     *error += fitted;
@@ -171,7 +172,7 @@ static PetscErrorCode Errors(Grow *self, PetscInt jumps) {
   if (vbdf) {
     PetscCall(Estimated(self, &error, part));
     PetscCall(PetscPrintf(comm, ", error estimate %.1e", (double)error));
-    if (self->model == FRAME && self->estimate)
+    if (self->model == FRAME && self->estimate && !self->pressed)
       PetscCall(PetscPrintf(comm, " (space %.1e, time %.1e)", (double)part[ESTIMATE_SPACE],
                             (double)part[ESTIMATE_TIME]));
   }
