@@ -620,20 +620,20 @@ static PetscErrorCode FrameDestroy(Rod rod) {
   PetscFunctionReturn(0);
 }
 
-const RodModel rod_frame = {
-    .name = "frame",
-    .fields = FIELDS,
-    .stencil = 1,
-    .field = {"x1", "x2", "theta", "m", "n1", "n2"},
-    .followed = {PETSC_TRUE, PETSC_TRUE, PETSC_TRUE},
-    .across = {PETSC_FALSE, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_FALSE, PETSC_TRUE},
-    .create = FrameCreate,
-    .destroy = FrameDestroy,
-    .set = FrameSet,
-    .get = FrameGet,
-    .residual = FrameResidual,
-    .hold = FrameHold,
-    .remember = FrameRemember,
-    .recall = FrameRecall,
-    .jacobian = FrameJacobian,
-    .eliminate = FrameEliminate};
+const RodModel rod_frame = {.name = "frame",
+                            .fields = FIELDS,
+                            .stencil = 1,
+                            .field = {"x1", "x2", "theta", "m", "n1", "n2"},
+                            .followed = {PETSC_TRUE, PETSC_TRUE, PETSC_TRUE},
+                            .group = {ALONG, ACROSS_2, ACROSS_2, ACROSS_2, ALONG, ACROSS_2},
+                            .halves = {3, 3},
+                            .create = FrameCreate,
+                            .destroy = FrameDestroy,
+                            .set = FrameSet,
+                            .get = FrameGet,
+                            .residual = FrameResidual,
+                            .hold = FrameHold,
+                            .remember = FrameRemember,
+                            .recall = FrameRecall,
+                            .jacobian = FrameJacobian,
+                            .eliminate = FrameEliminate};

@@ -237,7 +237,7 @@ PetscErrorCode RodFieldSizes(Rod rod, Vec U, PetscReal size[MAX_FIELDS]) {
   const PetscScalar *u;
 
   PetscFunctionBegin;
-  for (PetscInt f = 0; f < MAX_FIELDS; f++) size[f] = 0;
+  for (PetscInt f = 0; f < fields; f++) size[f] = 0;
   PetscCall(VecGetArrayRead(U, &u));
   for (PetscInt i = 0; i < n; i += fields)
     for (PetscInt f = 0; f < fields; f++) {
@@ -245,7 +245,18 @@ PetscErrorCode RodFieldSizes(Rod rod, Vec U, PetscReal size[MAX_FIELDS]) {
       if (!(a <= size[f])) size[f] = a; /* lets NaN through */
     }
   PetscCall(VecRestoreArrayRead(U, &u));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, size, MAX_FIELDS, MPIU_REAL, MPI_MAX, rod->scene->comm));
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, size, (PetscMPIInt)fields, MPIU_REAL, MPI_MAX, rod->scene->comm));
+  PetscFunctionReturn(0);
+}
+
+/* RodFieldScales - what a change of each field is measured against: its size, but for fields that
+   are made of products of others, and may be no more than what these leave of round-off.
+   Collective. */
+PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal scale[MAX_FIELDS]) {
+  PetscFunctionBegin;
+  PetscCall(RodFieldSizes(rod, U, scale));
+  if (rod->model->scale) rod->model->scale(scale);
   PetscFunctionReturn(0);
 }
 
@@ -262,8 +273,8 @@ PetscErrorCode RodResidual(TS ts, PetscReal t, Vec U, Vec U_t, Vec F, void *ctx)
 }
 
 /* RodJacobian - dF/dU + shift dF/dU_t of the rod's model, in the form of a TSIJacobian; for the
-   fields across the shift is greater by factor_rate. With an elimination it goes there, and not
-   into the matrix. */
+   fields across the shift is greater by factor_rate, of each of their mirrors. With an elimination
+   it goes there, and not into the matrix. */
 PetscErrorCode RodJacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J, Mat P,
                            void *ctx) {
   PetscReal shifts[MAX_FIELDS];
@@ -271,8 +282,11 @@ PetscErrorCode RodJacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shift, 
 
   PetscFunctionBegin;
   rod->jacobians++;
-  for (PetscInt f = 0; f < rod->model->fields; f++)
-    shifts[f] = shift + (rod->model->across[f] ? rod->factor_rate : 0);
+  for (PetscInt f = 0; f < rod->model->fields; f++) {
+    shifts[f] = shift;
+    for (int mirror = 0; mirror < MIRRORS; mirror++)
+      if (rod->model->group[f] & 1 << mirror) shifts[f] += rod->factor_rate[mirror];
+  }
   if (rod->elimination)
     PetscCall(rod->model->eliminate(rod, t, U, U_t, shifts, rod->elimination));
   else

@@ -23,7 +23,7 @@ static PetscErrorCode BeforeStep(TS ts) {
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &leg));
   fields = leg->rod->model->fields;
-  PetscCall(RodFieldSizes(leg->rod, leg->U, size));
+  PetscCall(RodFieldScales(leg->rod, leg->U, size));
   PetscCall(VecGetLocalSize(leg->tolerance, &n));
   PetscCall(VecGetArray(leg->tolerance, &a));
   for (PetscInt i = 0; i < n; i += fields)
@@ -43,7 +43,7 @@ static PetscErrorCode BeforeStage(TS ts, PetscReal t) {
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &leg));
   leg->rod->fresh = PETSC_TRUE;
-  PetscCall(VBDFGetFactorRate(ts, &leg->rod->factor_rate));
+  PetscCall(VBDFGetFactorRate(ts, leg->rod->factor_rate));
   PetscFunctionReturn(0);
 }
 
@@ -149,7 +149,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_max_snes_failures", &given));
   if (fixed && !given)
     PetscCall(TSSetMaxSNESFailures(leg->ts, 10)); /* a fixed step does not help itself */
-  PetscCall(VBDFSetFactored(leg->ts, model->fields, model->across));
+  PetscCall(VBDFSetFactored(leg->ts, model->fields, model->group));
   PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));
   if (scene->contact.any) PetscCall(VBDFSetCheck(leg->ts, GuardPasses));
   PetscCall(TSSetSolution(leg->ts, leg->U));
