@@ -3,14 +3,22 @@
 #include "rod/crossing.h"
 
 #define X(name, units, text) #name,
-const char *const observed_name[OBSERVED] = {OBSERVABLES(X)};
+const char *const observed_name[OBSERVED] = {OBSERVABLES(X) OBSERVABLES_OF_WEIGHT(X)
+                                                 OBSERVABLES_IN_SPACE(X)};
 #undef X
 #define X(name, units, text) units,
-const char *const observed_units[OBSERVED] = {OBSERVABLES(X)};
+const char *const observed_units[OBSERVED] = {OBSERVABLES(X) OBSERVABLES_OF_WEIGHT(X)
+                                                  OBSERVABLES_IN_SPACE(X)};
 #undef X
 #define X(name, units, text) text,
-const char *const observed_text[OBSERVED] = {OBSERVABLES(X)};
+const char *const observed_text[OBSERVED] = {OBSERVABLES(X) OBSERVABLES_OF_WEIGHT(X)
+                                                 OBSERVABLES_IN_SPACE(X)};
 #undef X
+
+/* ObservedOf - how many of the series, from the first on, there are in a scene. */
+PetscInt ObservedOf(Scene scene) {
+  return scene->space.rod ? OBSERVED : OBSERVED_ALWAYS + scene->load.weighs;
+}
 
 struct _Observer {
   Scene scene;
@@ -162,6 +170,7 @@ static PetscErrorCode SampleMid(Scene scene, PetscReal sa, PetscReal sb, PetscRe
       mid->node.x[d] += n->x[d] / 2 + k * p->g * q[d];
       mid->node.x_t[d] += n->x_t[d] / 2 + k * (p->g_t * q[d] + p->g * n->theta_t * perp);
       mid->node.force[d] += n->force[d] / 2 + k * p->g * (p->F[d] - (p->push ? p->push[d] : 0));
+      if (scene->load.weighs) mid->node.force[d] -= k * p->g * scene->load.weight[d];
     }
   }
   PetscCall(SampleFill(scene, (sa + sb) / 2, t, mid));
@@ -198,6 +207,9 @@ static void Integrate(Scene scene, const Sample *p, PetscReal weight, Observatio
   sum->growth_power += weight * (-p->strain * Tension(p) - p->node.moment * p->k0_t * p->g +
                                  m2 / p->B * p->B_t * p->g / 2);
   sum->dissipation += weight * p->g * (p->F[0] * p->at.v[0] + p->F[1] * p->at.v[1]);
+  if (scene->load.weighs)
+    sum->weight_power +=
+        weight * p->g * (scene->load.weight[0] * p->at.v[0] + scene->load.weight[1] * p->at.v[1]);
 }
 
 /* What is read at s = 1/2 of the cell that holds it: on the parabola through a, mid and b. */
@@ -262,6 +274,10 @@ static PetscErrorCode MeasureIntegrals(Observer self, PetscReal t, const Piece *
 
   PetscFunctionBegin;
   if (piece->end < piece->first) PetscFunctionReturn(0);
+  if (scene->space.rod) {
+    PetscCall(ObserveSpace(scene, t, piece->first, piece->end, piece->node, seen));
+    PetscFunctionReturn(0);
+  }
   b.node = piece->node[0];
   b.push = self->push ? self->push[2 * piece->first] : NULL;
   PetscCall(SampleFill(scene, s[piece->first], t, &b));
@@ -312,6 +328,8 @@ static PetscErrorCode MeasureInflections(Observer self, PetscReal t, const Piece
   PetscMPIInt ranks;
 
   PetscFunctionBegin;
+  *inflections = 0;
+  if (scene->space.rod) PetscFunctionReturn(0); /* a bend has no sign there */
   for (PetscInt i = piece->first; i <= piece->end; i++) {
     PetscReal k, B;
     PetscCall(SceneCurvature(scene, scene->mesh.s[i], t, &k, NULL));
@@ -365,8 +383,8 @@ static PetscBool Comparable(PetscInt n, const PetscReal energy[]) {
   return (PetscBool)(least > 0 && most < 1e4 * least);
 }
 
-/* Follows the energy balance dE/dt = W + power at the tip - dissipation, with as many points as the
- * steps have order.
+/* Follows the energy balance dE/dt = W + power at the tip, of weight and clamp - dissipation, with
+ * as many points as the steps have order.
  */
 static void MeasureBalance(Observer self, Observation *seen) {
   PetscReal scale, energy = seen->energy + seen->contact_energy;
@@ -389,7 +407,8 @@ static void MeasureBalance(Observer self, Observation *seen) {
     self->n--;
   }
   self->time[self->n] = seen->t;
-  self->net[self->n] = seen->growth_power + seen->tip_power - seen->dissipation;
+  self->net[self->n] = seen->growth_power + seen->tip_power + seen->weight_power +
+                       seen->clamp_power - seen->dissipation;
   self->loss[self->n] = seen->dissipation;
   self->energy[self->n] = seen->energy;
   self->n++;
@@ -490,6 +509,7 @@ static PetscErrorCode Measure(Observer self, PetscReal t, const Piece *piece, Ob
   PetscCall(MeasureExtremes(self, piece, &most));
   PetscCall(MeasureInflections(self, t, piece, most.moment, &seen->inflections));
   seen->norm_x2 = PetscSqrtReal(seen->norm_x2);
+  seen->norm_x3 = PetscSqrtReal(seen->norm_x3);
   seen->norm_x2_length = PetscSqrtReal(seen->norm_x2_length);
   seen->width = most.high + most.low;
   seen->max_angle = most.angle;
@@ -536,7 +556,7 @@ static PetscErrorCode MeasureCrossings(Observer self, Vec v, Observation *seen) 
   PetscInt crossings = 0;
 
   PetscFunctionBegin;
-  if (seen->max_angle <= PETSC_PI / 2) PetscFunctionReturn(0);
+  if (seen->max_angle <= PETSC_PI / 2 || self->scene->space.rod) PetscFunctionReturn(0);
   PetscCall(Gather(self, v, &nodes));
   if (nodes) PetscCall(RodCrossings(self->scene->mesh.cells + 1, nodes, &crossings));
   seen->self_crossings = crossings;

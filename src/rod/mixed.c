@@ -538,6 +538,7 @@ static PetscErrorCode MixedDestroy(Rod rod) {
 }
 
 static const char *MixedRefuses(Scene scene) {
+  if (scene->space.why) return RodRefusesSpace(scene);
   if (LoadSticks(&scene->load))
     return "-friction_beta 0: the mixed model has no exact Coulomb friction; give a value above 0";
   if (scene->contact.any) return "-wall_file, -contact_self: the mixed model has no contact";

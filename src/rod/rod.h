@@ -28,6 +28,9 @@ enum {
 typedef struct {
   PetscReal x[2], theta, moment, force[2]; /* position, tangent angle, m = curvature - k0, n */
   PetscReal x_t[2], theta_t;               /* their rates at fixed s */
+  /* of the model of space, whose theta is the angle between d1 and the clamp's axis: position,
+     quaternion of the directors, moment and force, all in the clamp's frame, and rates */
+  PetscReal x3[3], p[4], m3[3], n3[3], x3_t[3], p_t[4];
 } Node;
 enum { NODE_VALUES = sizeof(Node) / sizeof(PetscReal) };
 
@@ -45,6 +48,9 @@ typedef struct {
   int group[MAX_FIELDS];          /* ALONG, or the mirrors in which it changes sign */
   PetscInt halves[2]; /* of a node's equations: rows of the cell before it, of the one behind it */
   PetscBool linear;   /* one Newton step solves it */
+  PetscBool space;    /* the rod is in space; else in a plane */
+  PetscErrorCode (*initial)(Rod, PetscReal t,
+                            Node *nodes); /* RodInitialNodes(); NULL: the plane's */
   const char *(*refuses)(Scene); /* why it cannot be of this scene; NULL: it can, as can a model
                                     without this function */
   PetscErrorCode (*create)(Rod);
@@ -88,7 +94,7 @@ struct _Rod {
   void *data;
 };
 
-extern const RodModel rod_frame, rod_mixed, rod_linear;
+extern const RodModel rod_frame, rod_mixed, rod_linear, rod_space;
 extern const OptionGroup frame_options;
 
 PetscErrorCode RodCreate(Scene scene, const RodModel *model, Rod *rod);
@@ -98,6 +104,7 @@ PetscErrorCode RodCreateMemory(Rod rod, DM *da, Vec *memory);
 PetscErrorCode RodInitialNodes(Rod rod, PetscReal t, Node *nodes);
 PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes);
 PetscErrorCode RodHoldTip(Rod rod);
+const char *RodRefusesSpace(Scene scene);
 PetscErrorCode RodOpen(Rod rod, Vec v, Vec *local, void *array);
 PetscErrorCode RodClose(Rod rod, Vec *local, void *array);
 PetscErrorCode RodSumAlong(Rod rod, PetscInt n, PetscReal value[]);

@@ -1,4 +1,4 @@
-/* A factor that varies over the plane and in time: what friction, or the force on the tip, is
+/* A factor that varies in space and in time: what friction, or the force on the tip, is
    multiplied by. Positions are those of the laboratory. */
 #ifndef TENDRIL_FIELD_H
 #define TENDRIL_FIELD_H
@@ -10,6 +10,7 @@ typedef struct _Field *Field;
 PetscErrorCode FieldFromFile(const char *option, const char *file, Field *field);
 PetscErrorCode FieldFromLayers(const char *option, const char *text, PetscReal width, Field *field);
 PetscErrorCode FieldDestroy(Field *field);
-void FieldAt(Field field, const PetscReal x[2], PetscReal t, PetscReal *factor, PetscReal slope[2]);
+PetscBool FieldInSpace(Field field);
+void FieldAt(Field field, const PetscReal x[3], PetscReal t, PetscReal *factor, PetscReal slope[3]);
 
 #endif

@@ -4,7 +4,14 @@
 
 #include "tasks/member.h"
 
-enum { LINEAR, FRAME, MIXED, AUTO, MODELS = AUTO }; /* as -rod_model and the series `model` say */
+enum {
+  LINEAR,
+  FRAME,
+  MIXED,
+  SPACE,
+  AUTO,
+  MODELS = AUTO
+}; /* as -rod_model and the series `model` say */
 
 typedef struct {
   Scene scene;
