@@ -122,7 +122,7 @@ typedef struct {
 
 /* A point of the rod with all that integrals need. */
 typedef struct {
-  Node node;
+  PlaneNode node;
   PetscReal g, g_t, c, strain; /* stretch, its rate, slide, rate of the material's stretch */
   PetscReal k0, k0_t, B, B_t; /* natural curvature and stiffness, and their rates in the material */
   PetscReal F[2];             /* the load of friction along the rod */
@@ -160,7 +160,7 @@ static PetscErrorCode SampleMid(Scene scene, PetscReal sa, PetscReal sb, PetscRe
   PetscCall(PetscMemzero(mid, sizeof(*mid)));
   for (int e = 0; e < 2; e++) {
     const Sample *p = end[e];
-    const Node *n = &p->node;
+    const PlaneNode *n = &p->node;
     const PetscReal *q = p->at.q;
     PetscReal k = e ? -h / 8 : h / 8;
     mid->node.theta += n->theta / 2 + k * p->g * (n->moment / p->B + p->k0);
@@ -189,7 +189,7 @@ static inline PetscReal LabX1(Scene scene, const PetscReal x[2]) {
 /* What a length of material costs: n.q + m^2/2B + m k0, the force against which the rod is fed, or
    grows, but for its sign. */
 static PetscReal Tension(const Sample *p) {
-  const Node *n = &p->node;
+  const PlaneNode *n = &p->node;
   return n->force[0] * p->at.q[0] + n->force[1] * p->at.q[1] + PetscSqr(n->moment) / p->B / 2 +
          n->moment * p->k0;
 }
@@ -253,7 +253,7 @@ static void MeasureClamp(Scene scene, const Sample *p, Observation *seen) {
 /* What is read at the tip; contact is the force of contact on it. */
 static void MeasureTip(Scene scene, const Sample *p, const PetscReal contact[2],
                        Observation *seen) {
-  const Node *tip = &p->node;
+  const PlaneNode *tip = &p->node;
 
   seen->tip_speed = hypot(p->at.v[0], p->at.v[1]);
   seen->tip_power =
@@ -278,14 +278,14 @@ static PetscErrorCode MeasureIntegrals(Observer self, PetscReal t, const Piece *
     PetscCall(ObserveSpace(scene, t, piece->first, piece->end, piece->node, seen));
     PetscFunctionReturn(0);
   }
-  b.node = piece->node[0];
+  PlanePart(&piece->node[0], &b.node);
   b.push = self->push ? self->push[2 * piece->first] : NULL;
   PetscCall(SampleFill(scene, s[piece->first], t, &b));
   if (!piece->first) MeasureClamp(scene, &b, seen);
   for (PetscInt i = piece->first; i < piece->end; i++) {
     PetscReal h = s[i + 1] - s[i];
     a = b;
-    b.node = piece->node[i + 1 - piece->first];
+    PlanePart(&piece->node[i + 1 - piece->first], &b.node);
     b.push = self->push ? self->push[2 * i + 2] : NULL;
     PetscCall(SampleFill(scene, s[i + 1], t, &b));
     PetscCall(SampleMid(scene, s[i], s[i + 1], t, &a, &b, &mid));
@@ -537,16 +537,18 @@ static PetscErrorCode MeasureWhole(Observer self, PetscReal t, Vec v, PetscBool 
 static PetscErrorCode MeasurePieces(Observer self, Rod rod, PetscReal t, Vec v, Observation *seen) {
   Piece piece = {.first = rod->first, .end = PetscMin(rod->end, rod->last)};
   const Node *with;
-  Vec local;
+  Vec local = v; /* alone it has all */
 
   PetscFunctionBegin;
-  PetscCall(DMGetLocalVector(rod->nodes, &local));
-  PetscCall(DMGlobalToLocal(rod->nodes, v, INSERT_VALUES, local));
+  if (!rod->alone) {
+    PetscCall(DMGetLocalVector(rod->nodes, &local));
+    PetscCall(DMGlobalToLocal(rod->nodes, v, INSERT_VALUES, local));
+  }
   PetscCall(DMDAVecGetArrayRead(rod->nodes, local, (void *)&with));
   piece.node = &with[piece.first];
   PetscCall(Measure(self, t, &piece, seen));
   PetscCall(DMDAVecRestoreArrayRead(rod->nodes, local, (void *)&with));
-  PetscCall(DMRestoreLocalVector(rod->nodes, &local));
+  if (!rod->alone) PetscCall(DMRestoreLocalVector(rod->nodes, &local));
   PetscFunctionReturn(0);
 }
 

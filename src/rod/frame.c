@@ -572,7 +572,7 @@ static PetscErrorCode FrameGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes
   PetscCall(DMDAVecGetArrayRead(rod->da, U, &u));
   for (PetscInt i = rod->first; i < rod->end; i++) {
     Node *node = &nodes[i - rod->first];
-    PetscCall(PetscMemzero(node, sizeof(*node)));
+    PetscCall(PetscMemzero(node, sizeof(PlaneNode)));
     PetscCall(PetscMemcpy(node, u[i], sizeof(u[i])));
   }
   PetscCall(DMDAVecRestoreArrayRead(rod->da, U, &u));

@@ -34,6 +34,17 @@ typedef struct {
 } Node;
 enum { NODE_VALUES = sizeof(Node) / sizeof(PetscReal) };
 
+/* Its first part, which is all there is in the plane: the rest is then of no account. */
+typedef struct {
+  PetscReal x[2], theta, moment, force[2], x_t[2], theta_t;
+} PlaneNode;
+enum { PLANE_NODE_VALUES = sizeof(PlaneNode) / sizeof(PetscReal) };
+
+static inline void PlanePart(const Node *node, PlaneNode *plane) {
+  for (int k = 0; k < PLANE_NODE_VALUES; k++)
+    ((PetscReal *)plane)[k] = ((const PetscReal *)node)[k];
+}
+
 /* A field smaller than this has died away: its relative error is of no account. */
 static const PetscReal rod_vanished = 1e-280;
 
