@@ -799,7 +799,7 @@ static PetscErrorCode SpaceDestroy(Rod rod) {
 }
 
 static const char *SpaceRefuses(Scene scene) {
-  if (scene->contact.walls.n) return "-wall_file: walls are in the plane yet";
+  if (scene->contact.walls.n) return "-wall_file: walls are in the plane";
   if (scene->contact.self) return "-contact_self: the rod meets itself in the plane only";
   return NULL;
 }

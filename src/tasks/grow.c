@@ -272,8 +272,10 @@ static PetscErrorCode ReadOptions(Grow *self) {
     const RodModel *model = grow_models[m];
     const char *why = model->refuses ? model->refuses(self->scene) : NULL;
     self->can[m] = (PetscBool)(why == NULL);
-    UserCheck(!why || self->model != m, self->scene->comm, "%s; take -rod_model %s", why,
-              self->scene->space.why ? "space" : "frame or auto");
+    UserCheck(!why || self->model != m, self->scene->comm, "%s; %s", why,
+              m == SPACE               ? "take it out, or what takes the rod out of the plane"
+              : self->scene->space.why ? "take -rod_model space"
+                                       : "take -rod_model frame or auto");
   }
   PetscFunctionReturn(0);
 }
