@@ -37,6 +37,7 @@ struct _Elimination {
   PetscMPIInt rank, ranks;
   PetscBool from_tip, between; /* the last of several ranks; neither first nor last */
   PetscInt nodes;              /* owned */
+  WideLine wide;               /* of nodes of thirteen unknowns; the rest is then not in use */
   Line own, joint;             /* node r of the joint is the last of rank r's cells */
   Span span;                   /* of own, up to where it is */
   Span *spans;                 /* of all ranks */
@@ -44,11 +45,20 @@ struct _Elimination {
   PetscReal (*turned)[FIELDS]; /* from the tip: right-hand sides and unknowns in that direction */
 };
 
+/* EliminationCan - can a line be eliminated whose nodes have so many equations of the cell before
+   them, and so many of the one behind, on so many ranks? */
+PetscBool EliminationCan(const PetscInt halves[2], PetscInt ranks) {
+  return (PetscBool)((halves[0] == HALF && halves[1] == HALF) ||
+                     (halves[0] == WIDE_TOP && halves[1] == WIDE_OWN && ranks == 1));
+}
+
 /*
-  EliminationCreate - for a line of nodes of which this rank owns so many, in order of the ranks.
+  EliminationCreate - for a line of nodes of which this rank owns so many, in order of the ranks;
+  halves as for EliminationCan(), which must say yes.
   Collective; the caller destroys it with EliminationDestroy().
 */
-PetscErrorCode EliminationCreate(MPI_Comm comm, PetscInt nodes, Elimination *elimination) {
+PetscErrorCode EliminationCreate(MPI_Comm comm, PetscInt nodes, const PetscInt halves[2],
+                                 Elimination *elimination) {
   Elimination self;
 
   PetscFunctionBegin;
@@ -58,6 +68,10 @@ PetscErrorCode EliminationCreate(MPI_Comm comm, PetscInt nodes, Elimination *eli
   self->nodes = nodes;
   PetscCallMPI(MPI_Comm_size(comm, &self->ranks));
   PetscCallMPI(MPI_Comm_rank(comm, &self->rank));
+  if (halves[0] == WIDE_TOP) {
+    PetscCall(WideCreate(nodes, &self->wide));
+    PetscFunctionReturn(0);
+  }
   self->from_tip = (PetscBool)(self->ranks > 1 && self->rank + 1 == self->ranks);
   self->between = (PetscBool)(self->rank > 0 && !self->from_tip);
   PetscCall(LineCreate(nodes + 1, &self->own));
@@ -71,6 +85,7 @@ PetscErrorCode EliminationCreate(MPI_Comm comm, PetscInt nodes, Elimination *eli
 PetscErrorCode EliminationDestroy(Elimination *self) {
   PetscFunctionBegin;
   if (!*self) PetscFunctionReturn(0);
+  PetscCall(WideDestroy(&(*self)->wide));
   PetscCall(LineDestroy(&(*self)->own));
   PetscCall(LineDestroy(&(*self)->joint));
   PetscCall(PetscFree((*self)->spans));
@@ -78,6 +93,11 @@ PetscErrorCode EliminationDestroy(Elimination *self) {
   PetscCall(PetscFree((*self)->turned));
   PetscCall(PetscFree(*self));
   PetscFunctionReturn(0);
+}
+
+/* EliminationWide - the line of nodes of thirteen unknowns; NULL: it is of six. Borrowed. */
+WideLine EliminationWide(Elimination self) {
+  return self->wide;
 }
 
 /* EliminationFromTip - does this rank want its cells from the tip towards the clamp? */
@@ -203,12 +223,15 @@ PetscErrorCode EliminationEnd(Elimination self, const LineRows tip) {
   EliminationIndex - the index of the matrix eliminated last (line.c), whose fourth unknown of a
   node is the force that belongs to the third, its fifth and sixth to the first and second. Of a
   rod's Jacobian with a shift it is the number of real rates above the shift; exactly so where the
-  matrix derives from an energy, and always as an odd or even number. Collective.
+  matrix derives from an energy, and always as an odd or even number. Collective. (0 of nodes of
+  thirteen unknowns: there it is not counted.)
 */
 PetscErrorCode EliminationIndex(Elimination self, PetscInt *index) {
   static const int force[HALF] = {2, 0, 1}, turned[HALF] = {1, 2, 0};
 
   PetscFunctionBegin;
+  *index = 0;
+  if (self->wide) PetscFunctionReturn(0);
   if (self->from_tip)
     *index = LineIndex(&self->own, -1, turned) + LineIndexOfArrival(&self->own, -1, turned);
   else
@@ -336,6 +359,10 @@ static PetscErrorCode Solve(Elimination self, const PetscReal (*b)[FIELDS],
   PetscReal behind[HALF] = {0};
 
   PetscFunctionBegin;
+  if (self->wide) {
+    WideSolve(self->wide, (const PetscReal(*)[WIDE_FIELDS])b, (PetscReal(*)[WIDE_FIELDS])x);
+    PetscFunctionReturn(0);
+  }
   if (self->ranks == 1) {
     LineSolve(&self->own, b, x);
     PetscFunctionReturn(0);
@@ -365,7 +392,10 @@ static PetscErrorCode SetUp(PC pc) {
 
   PetscFunctionBegin;
   PetscCall(PCShellGetContext(pc, &self));
-  regular = self->ranks == 1 ? self->own.regular : self->joint.regular;
+  if (self->wide)
+    regular = WideRegular(self->wide);
+  else
+    regular = self->ranks == 1 ? self->own.regular : self->joint.regular;
   PetscCall(PCSetFailedReason(pc, regular ? PC_NOERROR : PC_FACTOR_NUMERIC_ZEROPIVOT));
   PetscFunctionReturn(0);
 }

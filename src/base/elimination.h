@@ -1,17 +1,21 @@
-/* Gaussian elimination along a line of nodes of six unknowns, on any number of ranks, in one pass:
-   each cell between two nodes is eliminated as soon as its equations are known, and only the
-   factors are kept. No matrix is assembled. */
+/* Gaussian elimination along a line of nodes of six unknowns, on any number of ranks, or of
+   thirteen, on one (wide.h), in one pass: each cell between two nodes is eliminated as soon as its
+   equations are known, and only the factors are kept. No matrix is assembled. */
 #ifndef TENDRIL_ELIMINATION_H
 #define TENDRIL_ELIMINATION_H
 
 #include "base/line.h"
+#include "base/wide.h"
 #include <petscpc.h>
 
 typedef struct _Elimination *Elimination;
 
-PetscErrorCode EliminationCreate(MPI_Comm comm, PetscInt nodes, Elimination *self);
+PetscBool EliminationCan(const PetscInt halves[2], PetscInt ranks);
+PetscErrorCode EliminationCreate(MPI_Comm comm, PetscInt nodes, const PetscInt halves[2],
+                                 Elimination *self);
 PetscErrorCode EliminationDestroy(Elimination *self);
 PetscBool EliminationFromTip(Elimination self);
+WideLine EliminationWide(Elimination self);
 void EliminationBegin(Elimination self, const LineRows tip);
 void EliminationCell(Elimination self, LineBlock a, LineBlock b);
 PetscErrorCode EliminationEnd(Elimination self, const LineRows tip);

@@ -30,6 +30,10 @@ PetscErrorCode WatchSetFromOptions(Watch *watch, Scene scene) {
   PetscCall(GrowthLength(scene->growth, 0, &length, NULL));
   PetscCall(OptionReal("-stop_self_contact", &watch->bound[EVENT_SELF_CONTACT],
                        &watch->watched[EVENT_SELF_CONTACT]));
+  UserCheck(
+      !scene->space.rod || !watch->watched[EVENT_SELF_CONTACT], OptionsComm(),
+      "-stop_self_contact: is looked for in the plane only, and this rod is in space; take it "
+      "out");
   watch->bound[EVENT_LENGTH] = PETSC_MAX_REAL;
   PetscCall(OptionReal("-stop_length", &watch->bound[EVENT_LENGTH], &watch->watched[EVENT_LENGTH]));
   UserCheck(watch->bound[EVENT_LENGTH] > length, OptionsComm(),

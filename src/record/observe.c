@@ -3,14 +3,22 @@
 #include "rod/crossing.h"
 
 #define X(name, units, text) #name,
-const char *const observed_name[OBSERVED] = {OBSERVABLES(X)};
+const char *const observed_name[OBSERVED] = {OBSERVABLES(X) OBSERVABLES_OF_WEIGHT(X)
+                                                 OBSERVABLES_IN_SPACE(X)};
 #undef X
 #define X(name, units, text) units,
-const char *const observed_units[OBSERVED] = {OBSERVABLES(X)};
+const char *const observed_units[OBSERVED] = {OBSERVABLES(X) OBSERVABLES_OF_WEIGHT(X)
+                                                  OBSERVABLES_IN_SPACE(X)};
 #undef X
 #define X(name, units, text) text,
-const char *const observed_text[OBSERVED] = {OBSERVABLES(X)};
+const char *const observed_text[OBSERVED] = {OBSERVABLES(X) OBSERVABLES_OF_WEIGHT(X)
+                                                 OBSERVABLES_IN_SPACE(X)};
 #undef X
+
+/* ObservedOf - how many of the series, from the first on, there are in a scene. */
+PetscInt ObservedOf(Scene scene) {
+  return scene->space.rod ? OBSERVED : OBSERVED_ALWAYS + scene->load.weighs;
+}
 
 struct _Observer {
   Scene scene;
@@ -114,7 +122,7 @@ typedef struct {
 
 /* A point of the rod with all that integrals need. */
 typedef struct {
-  Node node;
+  PlaneNode node;
   PetscReal g, g_t, c, strain; /* stretch, its rate, slide, rate of the material's stretch */
   PetscReal k0, k0_t, B, B_t; /* natural curvature and stiffness, and their rates in the material */
   PetscReal F[2];             /* the load of friction along the rod */
@@ -154,7 +162,7 @@ static PetscErrorCode SampleMid(Scene scene, PetscReal sa, PetscReal sb, PetscRe
   PetscCall(PetscMemzero(mid, sizeof(*mid)));
   for (int e = 0; e < 2; e++) {
     const Sample *p = end[e];
-    const Node *n = &p->node;
+    const PlaneNode *n = &p->node;
     const PetscReal *q = p->at.q;
     PetscReal k = e ? -h / 8 : h / 8;
     mid->node.theta += n->theta / 2 + k * p->g * (n->moment / p->B + p->k0);
@@ -164,6 +172,7 @@ static PetscErrorCode SampleMid(Scene scene, PetscReal sa, PetscReal sb, PetscRe
       mid->node.x[d] += n->x[d] / 2 + k * p->g * q[d];
       mid->node.x_t[d] += n->x_t[d] / 2 + k * (p->g_t * q[d] + p->g * n->theta_t * perp);
       mid->node.force[d] += n->force[d] / 2 + k * p->g * (p->F[d] - (p->push ? p->push[d] : 0));
+      if (scene->load.weighs) mid->node.force[d] -= k * p->g * scene->load.weight[d];
     }
   }
   for (int d = 0; d < 2 && feet; d++) mid->node.force[d] += h / 8 * (feet[0][d] - feet[2][d]);
@@ -183,7 +192,7 @@ static inline PetscReal LabX1(Scene scene, const PetscReal x[2]) {
 /* What a length of material costs: n.q + m^2/2B + m k0, the force against which the rod is fed, or
    grows, but for its sign. */
 static PetscReal Tension(const Sample *p) {
-  const Node *n = &p->node;
+  const PlaneNode *n = &p->node;
   return n->force[0] * p->at.q[0] + n->force[1] * p->at.q[1] + PetscSqr(n->moment) / p->B / 2 +
          n->moment * p->k0;
 }
@@ -203,6 +212,9 @@ static void Integrate(Scene scene, const Sample *p, PetscReal weight, PetscReal 
   sum->growth_power += weight * (-p->strain * Tension(p) - p->node.moment * p->k0_t * p->g +
                                  m2 / p->B * p->B_t * p->g / 2);
   sum->dissipation += weight * p->g * (p->F[0] * p->at.v[0] + p->F[1] * p->at.v[1]);
+  if (scene->load.weighs)
+    sum->weight_power +=
+        weight * p->g * (scene->load.weight[0] * p->at.v[0] + scene->load.weight[1] * p->at.v[1]);
 }
 
 /* What is read at s = 1/2 of the cell that holds it: on the parabola through a, mid and b. */
@@ -246,7 +258,7 @@ static void MeasureClamp(Scene scene, const Sample *p, Observation *seen) {
 /* What is read at the tip; contact is the force of contact on it. */
 static void MeasureTip(Scene scene, const Sample *p, const PetscReal contact[2],
                        Observation *seen) {
-  const Node *tip = &p->node;
+  const PlaneNode *tip = &p->node;
 
   seen->tip_speed = hypot(p->at.v[0], p->at.v[1]);
   seen->tip_power =
@@ -278,14 +290,18 @@ static PetscErrorCode MeasureIntegrals(Observer self, PetscReal t, const Piece *
 
   PetscFunctionBegin;
   if (piece->end < piece->first) PetscFunctionReturn(0);
-  b.node = piece->node[0];
+  if (scene->space.rod) {
+    PetscCall(ObserveSpace(scene, t, piece->first, piece->end, piece->node, seen));
+    PetscFunctionReturn(0);
+  }
+  PlanePart(&piece->node[0], &b.node);
   b.push = self->push ? self->push[2 * piece->first] : NULL;
   PetscCall(SampleFill(scene, s[piece->first], t, &b));
   if (!piece->first) MeasureClamp(scene, &b, seen);
   for (PetscInt i = piece->first; i < piece->end; i++) {
     PetscReal h = s[i + 1] - s[i];
     a = b;
-    b.node = piece->node[i + 1 - piece->first];
+    PlanePart(&piece->node[i + 1 - piece->first], &b.node);
     b.push = self->push ? self->push[2 * i + 2] : NULL;
     PetscCall(SampleFill(scene, s[i + 1], t, &b));
     PetscCall(SampleMid(scene, s[i], s[i + 1], t, &a, &b, FeetOf(self, i, &feet), &mid));
@@ -328,6 +344,8 @@ static PetscErrorCode MeasureInflections(Observer self, PetscReal t, const Piece
   PetscMPIInt ranks;
 
   PetscFunctionBegin;
+  *inflections = 0;
+  if (scene->space.rod) PetscFunctionReturn(0); /* a bend has no sign there */
   for (PetscInt i = piece->first; i <= piece->end; i++) {
     PetscReal k, B;
     PetscCall(SceneCurvature(scene, scene->mesh.s[i], t, &k, NULL));
@@ -381,8 +399,8 @@ static PetscBool Comparable(PetscInt n, const PetscReal energy[]) {
   return (PetscBool)(least > 0 && most < 1e4 * least);
 }
 
-/* Follows the energy balance dE/dt = W + power at the tip - dissipation, with as many points as the
- * steps have order.
+/* Follows the energy balance dE/dt = W + power at the tip, of weight and clamp - dissipation, with
+ * as many points as the steps have order.
  */
 static void MeasureBalance(Observer self, Observation *seen) {
   PetscReal scale, energy = seen->energy + seen->contact_energy;
@@ -405,7 +423,8 @@ static void MeasureBalance(Observer self, Observation *seen) {
     self->n--;
   }
   self->time[self->n] = seen->t;
-  self->net[self->n] = seen->growth_power + seen->tip_power - seen->dissipation;
+  self->net[self->n] = seen->growth_power + seen->tip_power + seen->weight_power +
+                       seen->clamp_power - seen->dissipation;
   self->loss[self->n] = seen->dissipation;
   self->energy[self->n] = seen->energy;
   self->n++;
@@ -518,6 +537,7 @@ static PetscErrorCode Measure(Observer self, PetscReal t, const Piece *piece, Ob
   PetscCall(MeasureInflections(self, t, piece, most.moment, &seen->inflections));
   seen->norm_x2 = PetscSqrtReal(seen->norm_x2) / lift;
   seen->norm_x2_length = PetscSqrtReal(seen->norm_x2_length) / lift;
+  seen->norm_x3 = PetscSqrtReal(seen->norm_x3);
   seen->width = most.high + most.low;
   seen->max_angle = most.angle;
   seen->t = t;
@@ -544,16 +564,18 @@ static PetscErrorCode MeasureWhole(Observer self, PetscReal t, Vec v, PetscBool 
 static PetscErrorCode MeasurePieces(Observer self, Rod rod, PetscReal t, Vec v, Observation *seen) {
   Piece piece = {.first = rod->first, .end = PetscMin(rod->end, rod->last)};
   const Node *with;
-  Vec local;
+  Vec local = v; /* alone it has all */
 
   PetscFunctionBegin;
-  PetscCall(DMGetLocalVector(rod->nodes, &local));
-  PetscCall(DMGlobalToLocal(rod->nodes, v, INSERT_VALUES, local));
+  if (!rod->alone) {
+    PetscCall(DMGetLocalVector(rod->nodes, &local));
+    PetscCall(DMGlobalToLocal(rod->nodes, v, INSERT_VALUES, local));
+  }
   PetscCall(DMDAVecGetArrayRead(rod->nodes, local, (void *)&with));
   piece.node = &with[piece.first];
   PetscCall(Measure(self, t, &piece, seen));
   PetscCall(DMDAVecRestoreArrayRead(rod->nodes, local, (void *)&with));
-  PetscCall(DMRestoreLocalVector(rod->nodes, &local));
+  if (!rod->alone) PetscCall(DMRestoreLocalVector(rod->nodes, &local));
   PetscFunctionReturn(0);
 }
 
@@ -563,7 +585,7 @@ static PetscErrorCode MeasureCrossings(Observer self, Vec v, Observation *seen) 
   PetscInt crossings = 0;
 
   PetscFunctionBegin;
-  if (seen->max_angle <= PETSC_PI / 2) PetscFunctionReturn(0);
+  if (seen->max_angle <= PETSC_PI / 2 || self->scene->space.rod) PetscFunctionReturn(0);
   PetscCall(Gather(self, v, &nodes));
   if (nodes) PetscCall(RodCrossings(self->scene->mesh.cells + 1, nodes, &crossings));
   seen->self_crossings = crossings;

@@ -39,15 +39,36 @@
   X(self_crossings, "1", "points in which the rod crosses itself")                                 \
   X(step, "l/V", "size of the step that led here")                                                 \
   X(newton_iterations, "1", "Newton iterations of that step, rejected tries included")             \
-  X(model, "1", "model of that step: 0 linear, 1 frame, 2 mixed")
+  X(model, "1", "model of that step: 0 linear, 1 frame, 2 mixed, 3 space")
+
+/* Of a rod that weighs something, and of one in space. */
+#define OBSERVABLES_OF_WEIGHT(X) X(weight_power, "N l V", "power of the rod's weight")
+#define OBSERVABLES_IN_SPACE(X)                                                                    \
+  X(tip_x3, "l", "x3 at s = 1")                                                                    \
+  X(norm_x3, "l", "sqrt(int x3^2 ds)")                                                             \
+  X(twist, "rad", "twist of the rod, int u1 g ds, natural and elastic")                            \
+  X(writhe, "1", "turns by which the centre line writhes against the clamp's axis (Fuller)")       \
+  X(link, "1", "turns of the tip against the clamp: twist / 2 pi + writhe")                        \
+  X(energy_twist, "N l^2", "the part of twist in the energy, 1/2 int (m.d1)^2 / C g ds")           \
+  X(base_force_3, "N l", "force of the clamp on the rod along x3, -n3(0)")                         \
+  X(base_moment_1, "N l^2", "moment of the clamp on the rod about x1, -m1(0)")                     \
+  X(base_moment_2, "N l^2", "moment of the clamp on the rod about x2, -m2(0)")                     \
+  X(base_moment_3, "N l^2", "moment of the clamp on the rod about x3, -m3(0)")                     \
+  X(tip_force_3, "N l", "force on the tip along x3, n3(1)")                                        \
+  X(tip_spin, "V/l", "rate at which the material at the tip turns about its tangent")              \
+  X(clamp_power, "N l V", "power of the turning clamp")
 
 typedef struct {
 #define X(name, units, text) PetscReal name;
   OBSERVABLES(X)
+  OBSERVABLES_OF_WEIGHT(X)
+  OBSERVABLES_IN_SPACE(X)
 #undef X
 } Observation;
 
-enum { OBSERVED = sizeof(Observation) / sizeof(PetscReal) };
+#define X(name, units, text) +1
+enum { OBSERVED = sizeof(Observation) / sizeof(PetscReal), OBSERVED_ALWAYS = 0 OBSERVABLES(X) };
+#undef X
 extern const char *const observed_name[OBSERVED], *const observed_units[OBSERVED],
                                                       *const observed_text[OBSERVED];
 
@@ -55,6 +76,9 @@ typedef struct _Observer *Observer;
 enum { BALANCE_POINTS = 6, BALANCE_PARTS = 4, BALANCE_SUMS = 3 };
 enum { BALANCE_STATE = BALANCE_PARTS * BALANCE_POINTS + BALANCE_SUMS + 1 };
 
+PetscInt ObservedOf(Scene scene);
+PetscErrorCode ObserveSpace(Scene scene, PetscReal t, PetscInt first, PetscInt end,
+                            const Node node[], Observation *seen);
 PetscErrorCode ObserverCreate(Scene scene, Observer *observer);
 PetscErrorCode ObserverDestroy(Observer *observer);
 PetscErrorCode ObserverGather(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t,

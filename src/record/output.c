@@ -1,12 +1,13 @@
 #include "record/output.h"
 #include "base/lock.h"
 #include "record/xdmf.h"
+#include "rod/directors.h"
 #include <petsctime.h>
 #include <sys/stat.h>
 
 /* What is stored of a shape. */
-enum { SHAPES = SHAPE_SETS, CONTACT = CONTACT_SET };
-const struct ShapeSet shape_sets[SHAPES] = {
+enum { PLANE = SHAPE_SETS, CONTACT = CONTACT_SET };
+const struct ShapeSet shape_sets[SHAPE_SETS] = {
     {"/shapes/t", "l/V", "times of the stored shapes", 0},
     {"/shapes/x", "l", "position x1, x2 [k, n, 2]", 2},
     {"/shapes/theta", "rad", "tangent angle [k, n]", 1},
@@ -17,6 +18,22 @@ const struct ShapeSet shape_sets[SHAPES] = {
     {"/shapes/stretch", "l", "stretch g = |x'| [k, n]", 1},
     {"/shapes/contact", "N", "force of contact per length, on the rod; without friction [k, n, 2]",
      2}};
+/* ... of a rod in space. */
+enum { SHAPES = 12 };
+static const struct ShapeSet space_sets[SHAPES] = {
+    {"/shapes/t", "l/V", "times of the stored shapes", 0},
+    {"/shapes/x", "l", "position x1, x2, x3 [k, n, 3]", 3},
+    {"/shapes/theta", "rad", "angle of the tangent against the clamp's axis, 0 to pi [k, n]", 1},
+    {"/shapes/strain", "1/l", "twist u1 and bends u2, u3 about the directors [k, n, 3]", 3},
+    {"/shapes/force", "N l", "internal force n1, n2, n3 [k, n, 3]", 3},
+    {"/shapes/natural_strain", "1/l", "natural twist and bends about the directors [k, n, 3]", 3},
+    {"/shapes/stretch", "l", "stretch g = |x'| [k, n]", 1},
+    {"/shapes/moment", "N l^2", "internal moment m1, m2, m3 [k, n, 3]", 3},
+    {"/shapes/d1", "1", "director d1, the tangent [k, n, 3]", 3},
+    {"/shapes/d2", "1", "director d2 of the cross-section [k, n, 3]", 3},
+    {"/shapes/d3", "1", "director d3 of the cross-section [k, n, 3]", 3},
+    {"/shapes/curvature", "1/l", "curvature of the centre line, |u2, u3| [k, n]", 1}};
+
 static const char *const meaning_of_units =
     "l = (YI/N)^(1/3), N the friction per length at the speed V of the tip, YI the bending "
     "stiffness; "
@@ -51,12 +68,17 @@ struct _Output {
 
 /* How many sets there are. */
 static int Sets(Output self) {
-  return self->scene->contact.any ? SHAPES : CONTACT;
+  if (self->scene->space.rod) return SHAPES;
+  return self->scene->contact.any ? PLANE : CONTACT;
+}
+
+static const struct ShapeSet *SetOf(Output self, int set) {
+  return self->scene->space.rod ? &space_sets[set] : &shape_sets[set];
 }
 
 /* How many values a shape has in a set. */
 static PetscInt ShapeSize(Output self, int set) {
-  PetscInt per_node = shape_sets[set].components;
+  PetscInt per_node = SetOf(self, set)->components;
   return per_node ? per_node * (self->scene->mesh.cells + 1) : 1;
 }
 
@@ -238,16 +260,17 @@ static PetscErrorCode Layout(Output self, HdfFile file) {
   PetscFunctionBegin;
   PetscCall(HdfGroup(file, "/series"));
   PetscCall(HdfGroup(file, "/shapes"));
-  for (int i = 0; i < OBSERVED; i++) {
+  for (int i = 0; i < ObservedOf(self->scene); i++) {
     (void)snprintf(path, sizeof(path), "/series/%s", observed_name[i]);
     PetscCall(HdfAppendable(file, path, 0, NULL, observed_units[i], observed_text[i]));
   }
   PetscCall(HdfWrite(file, "/shapes/s", 1, &n, self->scene->mesh.s, "1",
                      "material label of the nodes [n]"));
   for (int i = 0; i < Sets(self); i++) {
-    PetscInt row[2] = {n, shape_sets[i].components};
-    PetscCall(HdfAppendable(file, shape_sets[i].name, (int)shape_sets[i].components, row,
-                            shape_sets[i].units, shape_sets[i].text));
+    const struct ShapeSet *set = SetOf(self, i);
+    PetscInt row[2] = {n, set->components};
+    PetscCall(HdfAppendable(file, set->name, (int)PetscMin(2, set->components), row, set->units,
+                            set->text));
   }
   PetscFunctionReturn(0);
 }
@@ -257,12 +280,12 @@ static PetscErrorCode Cut(Output self, HdfFile file) {
   char path[64];
 
   PetscFunctionBegin;
-  for (int i = 0; i < OBSERVED; i++) {
+  for (int i = 0; i < ObservedOf(self->scene); i++) {
     (void)snprintf(path, sizeof(path), "/series/%s", observed_name[i]);
     PetscCall(HdfTruncate(file, path, self->cut[0]));
   }
   for (int i = 0; i < Sets(self); i++)
-    PetscCall(HdfTruncate(file, shape_sets[i].name, self->cut[1]));
+    PetscCall(HdfTruncate(file, SetOf(self, i)->name, self->cut[1]));
   PetscCall(HdfDelete(file, "/event"));
   PetscFunctionReturn(0);
 }
@@ -274,7 +297,7 @@ static PetscErrorCode WriteRows(Output self, HdfFile file) {
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(self->series_n, &column));
-  for (int i = 0; i < OBSERVED; i++) {
+  for (int i = 0; i < ObservedOf(self->scene); i++) {
     for (PetscInt k = 0; k < self->series_n; k++)
       column[k] = ((const PetscReal *)&self->series[k])[i];
     (void)snprintf(path, sizeof(path), "/series/%s", observed_name[i]);
@@ -282,7 +305,7 @@ static PetscErrorCode WriteRows(Output self, HdfFile file) {
   }
   PetscCall(PetscFree(column));
   for (int i = 0; i < Sets(self); i++)
-    PetscCall(HdfAppend(file, shape_sets[i].name, self->shapes_n, self->shape[i]));
+    PetscCall(HdfAppend(file, SetOf(self, i)->name, self->shapes_n, self->shape[i]));
   PetscFunctionReturn(0);
 }
 
@@ -402,7 +425,7 @@ static PetscErrorCode Stored(Output self, PetscLogDouble begin) {
   self->stored += self->waits;
   self->waits = 0;
   PetscCall(XdmfWrite(self->path, self->scene->mesh.cells + 1, self->times_n, self->times,
-                      self->scene->contact.any));
+                      self->scene->contact.any, self->scene->space.rod));
   PetscCall(PetscTime(&now));
   self->stored_at = now;
   self->cost = now - begin;
@@ -498,12 +521,12 @@ PetscErrorCode OutputKeep(Output self, PetscBool series, PetscBool shapes) {
 
 /* OutputHarvest - hands over what was kept, with the last observation; on rank 0 of the run. */
 PetscErrorCode OutputHarvest(Output self, const Observation *last, Harvest *harvest) {
-  size_t n = OBSERVED + (size_t)self->series_n * OBSERVED;
+  size_t n = OBSERVED_ALWAYS + (size_t)self->series_n * OBSERVED_ALWAYS;
   PetscReal *to;
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(harvest, sizeof(*harvest)));
-  harvest->values = OBSERVED;
+  harvest->values = OBSERVED_ALWAYS;
   harvest->steps = self->series_n;
   harvest->shapes = self->shapes_n;
   if (self->shapes_n) harvest->nodes = self->scene->mesh.cells + 1;
@@ -511,10 +534,10 @@ PetscErrorCode OutputHarvest(Output self, const Observation *last, Harvest *harv
   harvest->n = n + (size_t)harvest->nodes;
   PetscCall(PetscMalloc1(harvest->n, &harvest->data));
   to = harvest->data;
-  PetscCall(PetscMemcpy(to, last, sizeof(*last)));
-  to += OBSERVED;
-  PetscCall(PetscArraycpy(to, (const PetscReal *)self->series, self->series_n * OBSERVED));
-  to += self->series_n * OBSERVED;
+  PetscCall(PetscArraycpy(to, (const PetscReal *)last, OBSERVED_ALWAYS));
+  to += OBSERVED_ALWAYS;
+  for (PetscInt k = 0; k < self->series_n; k++, to += OBSERVED_ALWAYS)
+    PetscCall(PetscArraycpy(to, (const PetscReal *)&self->series[k], OBSERVED_ALWAYS));
   PetscCall(PetscArraycpy(to, self->scene->mesh.s, harvest->nodes));
   to += harvest->nodes;
   for (int i = 0; i < CONTACT_SET; i++) {
@@ -620,6 +643,31 @@ static PetscErrorCode ContactAbout(Scene scene, PetscReal t, PetscInt i, PetscRe
   PetscFunctionReturn(0);
 }
 
+/* A node of a rod in space, as entry i of each set. */
+static PetscErrorCode ShapeNode3(Scene scene, PetscReal t, PetscInt i, const Node *node,
+                                 PetscReal *b[SHAPES]) {
+  const PetscReal s = scene->mesh.s[i];
+  PetscReal d[3][3], B, S[3], g, *u = b[3] + 3 * i, *u0 = b[5] + 3 * i;
+
+  PetscFunctionBegin;
+  Directors(node->p, QuaternionSize(node->p), d);
+  PetscCall(SceneStiffness(scene, s, t, &B, NULL));
+  SceneStiffnesses(scene, B, S);
+  PetscCall(CurvatureStrains(&scene->curvature, scene->growth, s, t, u0, NULL));
+  PetscCall(GrowthStretch(scene->growth, 1, &s, t, &g, NULL, NULL));
+  for (int k = 0; k < 3; k++) {
+    u[k] = u0[k] + (d[k][0] * node->m3[0] + d[k][1] * node->m3[1] + d[k][2] * node->m3[2]) / S[k];
+    SpaceToLab(&scene->space, d[k], b[8 + k] + 3 * i);
+  }
+  SpaceToLab(&scene->space, node->x3, b[1] + 3 * i);
+  b[2][i] = node->theta;
+  SpaceToLab(&scene->space, node->n3, b[4] + 3 * i);
+  b[6][i] = g;
+  SpaceToLab(&scene->space, node->m3, b[7] + 3 * i);
+  b[11][i] = PetscSqrtReal(u[1] * u[1] + u[2] * u[2]);
+  PetscFunctionReturn(0);
+}
+
 /* OutputShape - adds the shape at one time. nodes are rank 0's; contact is the force of contact per
    length at nodes and between them, NULL if the scene has none. */
 PetscErrorCode OutputShape(Output self, PetscReal t, const Node *nodes,
@@ -639,6 +687,10 @@ PetscErrorCode OutputShape(Output self, PetscReal t, const Node *nodes,
   *b[0] = t;
   for (PetscInt i = 0; i < n; i++) {
     const PetscReal s = self->scene->mesh.s[i];
+    if (self->scene->space.rod) {
+      PetscCall(ShapeNode3(self->scene, t, i, &nodes[i], b));
+      continue;
+    }
     PetscCall(SceneCurvature(self->scene, s, t, &k0, NULL));
     PetscCall(GrowthStretch(self->scene->growth, 1, &s, t, &g, NULL, NULL));
     PetscCall(SceneStiffness(self->scene, s, t, &B, NULL));

@@ -27,13 +27,24 @@ static void Scalar(FILE *f, const char *label, const char *h5, const char *name,
   fprintf(f, "</Attribute>\n");
 }
 
+/* What a rod in space has as vectors: a viewer makes a tube of it, with its directors. */
+static void Vectors(FILE *f, const char *h5, PetscInt shapes, PetscInt nodes, PetscInt k) {
+  static const char *const name[] = {"force", "moment", "strain", "d1", "d2", "d3"};
+
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(name); i++) {
+    fprintf(f, "    <Attribute Name=\"%s\" AttributeType=\"Vector\" Center=\"Node\">", name[i]);
+    Slab(f, h5, name[i], shapes, nodes, k, 3, 0, 3);
+    fprintf(f, "</Attribute>\n");
+  }
+}
+
 /*
   XdmfWrite - writes FILE.xmf beside a result file FILE.h5: the rod as a polyline that moves in
   time, with its angle, curvature and force, and that of contact if there is any. Not collective. A
   file that cannot be written is passed over, and there is then none: the results are in the other.
 */
 PetscErrorCode XdmfWrite(const char *file, PetscInt nodes, PetscInt shapes, const PetscReal t[],
-                         PetscBool contact) {
+                         PetscBool contact, PetscBool space) {
   char path[PETSC_MAX_PATH_LEN], part[PETSC_MAX_PATH_LEN + 8], *dot;
   const char *slash = strrchr(file, '/'), *h5 = slash ? slash + 1 : file;
   PetscBool whole;
@@ -53,14 +64,18 @@ PetscErrorCode XdmfWrite(const char *file, PetscInt nodes, PetscInt shapes, cons
     fprintf(f,
             "  <Grid Name=\"rod\">\n    <Time Value=\"%.15g\"/>\n"
             "    <Topology TopologyType=\"Polyline\" NumberOfElements=\"1\" "
-            "NodesPerElement=\"%d\"/>\n    <Geometry GeometryType=\"XY\">",
-            (double)t[k], (int)nodes);
-    Slab(f, h5, "x", shapes, nodes, k, 2, 0, 2);
+            "NodesPerElement=\"%d\"/>\n    <Geometry GeometryType=\"%s\">",
+            (double)t[k], (int)nodes, space ? "XYZ" : "XY");
+    Slab(f, h5, "x", shapes, nodes, k, space ? 3 : 2, 0, space ? 3 : 2);
     fprintf(f, "</Geometry>\n");
     Scalar(f, "theta", h5, "theta", shapes, nodes, k, 1, 0);
     Scalar(f, "curvature", h5, "curvature", shapes, nodes, k, 1, 0);
-    Scalar(f, "force_1", h5, "force", shapes, nodes, k, 2, 0);
-    Scalar(f, "force_2", h5, "force", shapes, nodes, k, 2, 1);
+    if (space)
+      Vectors(f, h5, shapes, nodes, k);
+    else {
+      Scalar(f, "force_1", h5, "force", shapes, nodes, k, 2, 0);
+      Scalar(f, "force_2", h5, "force", shapes, nodes, k, 2, 1);
+    }
     if (contact) {
       Scalar(f, "contact_1", h5, "contact", shapes, nodes, k, 2, 0);
       Scalar(f, "contact_2", h5, "contact", shapes, nodes, k, 2, 1);

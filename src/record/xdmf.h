@@ -5,6 +5,6 @@
 #include <petscsys.h>
 
 PetscErrorCode XdmfWrite(const char *file, PetscInt nodes, PetscInt shapes, const PetscReal t[],
-                         PetscBool contact);
+                         PetscBool contact, PetscBool space);
 
 #endif

@@ -672,7 +672,7 @@ static PetscErrorCode FrameGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes
   PetscCall(DMDAVecGetArrayRead(rod->da, U, &u));
   for (PetscInt i = rod->first; i < rod->end; i++) {
     Node *node = &nodes[i - rod->first];
-    PetscCall(PetscMemzero(node, sizeof(*node)));
+    PetscCall(PetscMemzero(node, sizeof(PlaneNode)));
     PetscCall(PetscMemcpy(node, u[i], sizeof(u[i])));
   }
   PetscCall(DMDAVecRestoreArrayRead(rod->da, U, &u));
@@ -722,21 +722,21 @@ static PetscErrorCode FrameDestroy(Rod rod) {
   PetscFunctionReturn(0);
 }
 
-const RodModel rod_frame = {
-    .name = "frame",
-    .fields = FIELDS,
-    .stencil = 1,
-    .field = {"x1", "x2", "theta", "m", "n1", "n2"},
-    .followed = {PETSC_TRUE, PETSC_TRUE, PETSC_TRUE},
-    .across = {PETSC_FALSE, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_FALSE, PETSC_TRUE},
-    .create = FrameCreate,
-    .destroy = FrameDestroy,
-    .set = FrameSet,
-    .get = FrameGet,
-    .residual = FrameResidual,
-    .hold = FrameHold,
-    .remember = FrameRemember,
-    .recall = FrameRecall,
-    .defect = FrameDefect,
-    .jacobian = FrameJacobian,
-    .eliminate = FrameEliminate};
+const RodModel rod_frame = {.name = "frame",
+                            .fields = FIELDS,
+                            .stencil = 1,
+                            .field = {"x1", "x2", "theta", "m", "n1", "n2"},
+                            .followed = {PETSC_TRUE, PETSC_TRUE, PETSC_TRUE},
+                            .group = {ALONG, ACROSS_2, ACROSS_2, ACROSS_2, ALONG, ACROSS_2},
+                            .halves = {3, 3},
+                            .refuses = RodRefusesSpace,
+                            .create = FrameCreate,
+                            .destroy = FrameDestroy,
+                            .set = FrameSet,
+                            .get = FrameGet,
+                            .residual = FrameResidual,
+                            .hold = FrameHold,
+                            .remember = FrameRemember,
+                            .recall = FrameRecall,
+                            .jacobian = FrameJacobian,
+                            .eliminate = FrameEliminate};

@@ -291,6 +291,11 @@ static PetscErrorCode LinearDestroy(Rod rod) {
 }
 
 static const char *LinearRefuses(Scene scene) {
+  if (scene->space.why) return RodRefusesSpace(scene);
+  if (scene->load.weighs) return "-rod_weight: the linear model is of a rod without weight";
+  if (scene->tip.push[0] != 0 || scene->tip.push[1] != 0)
+    return "-tip_force_vector: the linear model is of a rod that is pushed along itself, by "
+           "-tip_force";
   if (scene->curvature.any)
     return "-rod_curvature: the linear model is of a rod that is straight by nature";
   if (scene->contact.walls.n)
@@ -309,7 +314,7 @@ const RodModel rod_linear = {.name = "linear",
                              .stencil = 3,
                              .field = {"y"},
                              .followed = {PETSC_TRUE},
-                             .across = {PETSC_TRUE},
+                             .group = {ACROSS_2},
                              .linear = PETSC_TRUE,
                              .create = LinearCreate,
                              .destroy = LinearDestroy,

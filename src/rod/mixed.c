@@ -538,6 +538,7 @@ static PetscErrorCode MixedDestroy(Rod rod) {
 }
 
 static const char *MixedRefuses(Scene scene) {
+  if (scene->space.why) return RodRefusesSpace(scene);
   if (LoadSticks(&scene->load))
     return "-friction_beta 0: the mixed model has no exact Coulomb friction; give a value above 0";
   if (scene->contact.any) return "-wall_file, -contact_self: the mixed model has no contact";
@@ -551,7 +552,7 @@ const RodModel rod_mixed = {.name = "mixed",
                             .stencil = REACH,
                             .field = {"x1", "x2", "lambda"},
                             .followed = {PETSC_TRUE, PETSC_TRUE},
-                            .across = {PETSC_FALSE, PETSC_TRUE, PETSC_FALSE},
+                            .group = {ALONG, ACROSS_2, ALONG},
                             .create = MixedCreate,
                             .destroy = MixedDestroy,
                             .set = MixedSet,

@@ -143,6 +143,10 @@ PetscErrorCode RodInitialNodes(Rod rod, PetscReal t, Node *nodes) {
   PetscReal *P;
 
   PetscFunctionBegin;
+  if (rod->model->initial) {
+    PetscCall(rod->model->initial(rod, t, nodes));
+    PetscFunctionReturn(0);
+  }
   PetscCall(PetscArrayzero(nodes, rod->end - rod->first));
   PetscCall(PetscMalloc1(rod->last + 1, &P));
   PetscCall(StraightForce(scene, rod->last + 1, scene->mesh.s, t, P));
@@ -168,7 +172,7 @@ PetscErrorCode RodInitialNodes(Rod rod, PetscReal t, Node *nodes) {
 PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes) {
   const PetscReal *s = rod->scene->mesh.s;
   PetscInt n = rod->end - rod->first;
-  PetscReal *dx[2], *all, g[2], k0[2], B[2];
+  PetscReal *dx[3], *all, g[2], k0[2], B[2];
   DM da = rod->nodes;
   Vec owned, ghosted;
   Node *with;
@@ -181,9 +185,8 @@ PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes) {
   PetscCall(VecRestoreArray(owned, (PetscScalar **)&with));
   PetscCall(DMGlobalToLocal(da, owned, INSERT_VALUES, ghosted));
   PetscCall(DMDAVecGetArrayRead(da, ghosted, &with));
-  PetscCall(PetscCalloc1(2 * n, &all));
-  dx[0] = all;
-  dx[1] = all + n;
+  PetscCall(PetscCalloc1(3 * n, &all));
+  for (int d = 0; d < 3; d++) dx[d] = all + d * n;
   for (PetscInt i = PetscMax(rod->first, 1); i < rod->end; i++) {
     PetscReal p[2][2];
     PetscCall(GrowthArc(rod->scene->growth, 2, &s[i - 1], t0, p[0], NULL));
@@ -191,17 +194,24 @@ PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes) {
     for (int d = 0; d < 2; d++)
       dx[d][i - rod->first] =
           (with[i].x[d] - with[i - 1].x[d]) * ((p[1][1] - p[1][0]) / (p[0][1] - p[0][0]) - 1);
+    if (rod->model->space)
+      dx[2][i - rod->first] =
+          (with[i].x3[2] - with[i - 1].x3[2]) * ((p[1][1] - p[1][0]) / (p[0][1] - p[0][0]) - 1);
   }
   PetscCall(DMDAVecRestoreArrayRead(da, ghosted, &with));
   PetscCall(DMRestoreLocalVector(da, &ghosted));
   PetscCall(DMRestoreGlobalVector(da, &owned));
-  for (int d = 0; d < 2; d++) PetscCall(RodSumAlong(rod, n, dx[d]));
+  for (int d = 0; d < (rod->model->space ? 3 : 2); d++) PetscCall(RodSumAlong(rod, n, dx[d]));
   for (PetscInt k = 0; k < n; k++) {
     PetscCall(GrowthStretch(rod->scene->growth, 1, &s[rod->first + k], t0, &g[0], NULL, NULL));
     PetscCall(GrowthStretch(rod->scene->growth, 1, &s[rod->first + k], t1, &g[1], NULL, NULL));
     for (int e = 0; e < 2; e++) {
       PetscCall(SceneCurvature(rod->scene, s[rod->first + k], e ? t1 : t0, &k0[e], NULL));
       PetscCall(SceneStiffness(rod->scene, s[rod->first + k], e ? t1 : t0, &B[e], NULL));
+    }
+    if (rod->model->space) { /* moments are found by the first iteration */
+      for (int d = 0; d < 3; d++) nodes[k].x3[d] += dx[d][k];
+      continue;
     }
     nodes[k].moment = B[1] * ((nodes[k].moment / B[0] + k0[0]) * g[0] / g[1] - k0[1]);
     for (int d = 0; d < 2; d++) nodes[k].x[d] += dx[d][k];
@@ -210,11 +220,20 @@ PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes) {
   PetscFunctionReturn(0);
 }
 
+/* RodRefusesSpace - why a model of the plane cannot be of this scene; NULL: it can. */
+const char *RodRefusesSpace(Scene scene) {
+  static char text[128];
+
+  if (!scene->space.why) return NULL;
+  (void)snprintf(text, sizeof(text), "%s: takes the rod out of the plane", scene->space.why);
+  return text;
+}
+
 /* RodHoldTip - tells a scene whose tip is held where that is: where the initial shape has it.
    Collective. */
 PetscErrorCode RodHoldTip(Rod rod) {
   PetscInt n = rod->end - rod->first;
-  PetscReal tip[3] = {0, 0, 0};
+  PetscReal tip[10] = {0};
   Node *nodes;
 
   PetscFunctionBegin;
@@ -224,9 +243,14 @@ PetscErrorCode RodHoldTip(Rod rod) {
   if (rod->end == rod->last + 1) {
     PetscCall(PetscArraycpy(tip, nodes[n - 1].x, 2));
     tip[2] = nodes[n - 1].theta;
+    PetscCall(PetscArraycpy(tip + 3, nodes[n - 1].x3, 3));
+    PetscCall(PetscArraycpy(tip + 6, nodes[n - 1].p, 4));
   }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, tip, 3, MPIU_REAL, MPI_SUM, rod->scene->comm));
-  PetscCall(SceneHoldTip(rod->scene, tip, tip[2]));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, tip, 10, MPIU_REAL, MPI_SUM, rod->scene->comm));
+  if (rod->model->space)
+    PetscCall(SceneHoldTip3(rod->scene, tip + 3, tip + 6));
+  else
+    PetscCall(SceneHoldTip(rod->scene, tip, tip[2]));
   PetscCall(PetscFree(nodes));
   PetscFunctionReturn(0);
 }
@@ -237,7 +261,7 @@ PetscErrorCode RodFieldSizes(Rod rod, Vec U, PetscReal size[MAX_FIELDS]) {
   const PetscScalar *u;
 
   PetscFunctionBegin;
-  for (PetscInt f = 0; f < MAX_FIELDS; f++) size[f] = 0;
+  for (PetscInt f = 0; f < fields; f++) size[f] = 0;
   PetscCall(VecGetArrayRead(U, &u));
   for (PetscInt i = 0; i < n; i += fields)
     for (PetscInt f = 0; f < fields; f++) {
@@ -245,7 +269,31 @@ PetscErrorCode RodFieldSizes(Rod rod, Vec U, PetscReal size[MAX_FIELDS]) {
       if (!(a <= size[f])) size[f] = a; /* lets NaN through */
     }
   PetscCall(VecRestoreArrayRead(U, &u));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, size, MAX_FIELDS, MPIU_REAL, MPI_MAX, rod->scene->comm));
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, size, (PetscMPIInt)fields, MPIU_REAL, MPI_MAX, rod->scene->comm));
+  PetscFunctionReturn(0);
+}
+
+/*
+  RodFieldScales - what a change of each field is measured against: its size, but for fields that
+  are made of products of others, and may be no more than what these leave of round-off; and for
+  those that begin at 0 and are driven from there by a force across the rod, or by what breaks a
+  symmetry otherwise: these are measured against a small part of what they will be. Collective.
+*/
+PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal scale[MAX_FIELDS]) {
+  const PetscReal part = 1e-3, otherwise = 1e-4;
+
+  PetscFunctionBegin;
+  PetscCall(RodFieldSizes(rod, U, scale));
+  for (PetscInt f = 0; f < rod->model->fields; f++) {
+    PetscReal driven = rod->scene->space.driven[rod->model->group[f]];
+    if (!rod->model->followed[f]) continue;
+    if (driven > 0)
+      scale[f] = PetscMax(scale[f], part * PetscMin(1, driven));
+    else if (scale[f] == 0)
+      scale[f] = otherwise;
+  }
+  if (rod->model->scale) rod->model->scale(scale);
   PetscFunctionReturn(0);
 }
 
@@ -262,8 +310,8 @@ PetscErrorCode RodResidual(TS ts, PetscReal t, Vec U, Vec U_t, Vec F, void *ctx)
 }
 
 /* RodJacobian - dF/dU + shift dF/dU_t of the rod's model, in the form of a TSIJacobian; for the
-   fields across the shift is greater by factor_rate. With an elimination it goes there, and not
-   into the matrix. */
+   fields across the shift is greater by factor_rate, of each of their mirrors. With an elimination
+   it goes there, and not into the matrix. */
 PetscErrorCode RodJacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J, Mat P,
                            void *ctx) {
   PetscReal shifts[MAX_FIELDS];
@@ -271,8 +319,11 @@ PetscErrorCode RodJacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shift, 
 
   PetscFunctionBegin;
   rod->jacobians++;
-  for (PetscInt f = 0; f < rod->model->fields; f++)
-    shifts[f] = shift + (rod->model->across[f] ? rod->factor_rate : 0);
+  for (PetscInt f = 0; f < rod->model->fields; f++) {
+    shifts[f] = shift;
+    for (int mirror = 0; mirror < MIRRORS; mirror++)
+      if (rod->model->group[f] & 1 << mirror) shifts[f] += rod->factor_rate[mirror];
+  }
   if (rod->elimination)
     PetscCall(rod->model->eliminate(rod, t, U, U_t, shifts, rod->elimination));
   else

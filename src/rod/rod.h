@@ -10,14 +10,40 @@
 #include <petscdmda.h>
 #include <petscts.h>
 
-enum { MAX_FIELDS = 6 };
+enum { MAX_FIELDS = 13 };
+
+/* The mirrors of a rod that is nearly straight: x2 -> -x2 and, in space, x3 -> -x3. Fields fall
+   into groups by the mirrors in which they change sign, as do their equations: on the straight rod
+   groups do not see each other, and one may be 250 orders of magnitude smaller than another. */
+enum {
+  ALONG = 0,
+  ACROSS_2 = 1,
+  ACROSS_3 = 2,
+  TWIST = ACROSS_2 | ACROSS_3,
+  GROUPS = 4,
+  MIRRORS = 2
+};
 
 /* What is known at a node, for any model. */
 typedef struct {
   PetscReal x[2], theta, moment, force[2]; /* position, tangent angle, m = curvature - k0, n */
   PetscReal x_t[2], theta_t;               /* their rates at fixed s */
+  /* of the model of space, whose theta is the angle between d1 and the clamp's axis: position,
+     quaternion of the directors, moment and force, all in the clamp's frame, and rates */
+  PetscReal x3[3], p[4], m3[3], n3[3], x3_t[3], p_t[4];
 } Node;
 enum { NODE_VALUES = sizeof(Node) / sizeof(PetscReal) };
+
+/* Its first part, which is all there is in the plane: the rest is then of no account. */
+typedef struct {
+  PetscReal x[2], theta, moment, force[2], x_t[2], theta_t;
+} PlaneNode;
+enum { PLANE_NODE_VALUES = sizeof(PlaneNode) / sizeof(PetscReal) };
+
+static inline void PlanePart(const Node *node, PlaneNode *plane) {
+  for (int k = 0; k < PLANE_NODE_VALUES; k++)
+    ((PetscReal *)plane)[k] = ((const PetscReal *)node)[k];
+}
 
 /* A field smaller than this has died away: its relative error is of no account. */
 static const PetscReal rod_vanished = 1e-280;
@@ -30,9 +56,12 @@ typedef struct {
   PetscInt stencil; /* neighbours on each side */
   const char *field[MAX_FIELDS];
   PetscBool followed[MAX_FIELDS]; /* under error control and in Newton's test: x, theta */
-  PetscBool
-      across[MAX_FIELDS]; /* changes sign in the mirror, as does its equation: x2, theta, m, n2 */
-  PetscBool linear;       /* one Newton step solves it */
+  int group[MAX_FIELDS];          /* ALONG, or the mirrors in which it changes sign */
+  PetscInt halves[2]; /* of a node's equations: rows of the cell before it, of the one behind it */
+  PetscBool linear;   /* one Newton step solves it */
+  PetscBool space;    /* the rod is in space; else in a plane */
+  PetscErrorCode (*initial)(Rod, PetscReal t,
+                            Node *nodes); /* RodInitialNodes(); NULL: the plane's */
   const char *(*refuses)(Scene); /* why it cannot be of this scene; NULL: it can, as can a model
                                     without this function */
   PetscErrorCode (*create)(Rod);
@@ -52,6 +81,8 @@ typedef struct {
   /* what Newton's method remembers from step to step, for a restart: see memory of the rod */
   PetscErrorCode (*remember)(Rod, Vec memory);
   PetscErrorCode (*recall)(Rod, Vec memory);
+  /* what changes of the fields are measured against, from their sizes; NULL: these */
+  void (*scale)(PetscReal size[]);
   /* exact Coulomb friction: see LoadHold(); NULL: regularised friction only */
   PetscErrorCode (*hold)(Rod, PetscReal t, Vec U, Vec U_t, PetscReal seen, PetscReal *creep);
 } RodModel;
@@ -65,18 +96,19 @@ struct _Rod {
   PetscInt last;       /* the tip, N */
   PetscInt order;      /* of the error in space */
   Vec latest_rate;     /* U_t of the latest residual: of the accepted state, once a step is taken */
-  PetscReal latest_time;         /* t of it */
-  PetscBool alone;               /* on one rank */
-  PetscBool coupled;             /* nodes far from each other along the rod see each other */
-  PetscReal factor_rate;         /* what the fields across have in U_t beside shift U (vbdf.h) */
-  PetscBool fresh;               /* the next Jacobian is the first of its Newton solve */
-  PetscInt memory;               /* reals a node that its Newton's method remembers; 0: none */
-  PetscInt residuals, jacobians; /* counted work */
-  Elimination elimination;       /* instead of a matrix; NULL: none; borrowed */
+  PetscReal latest_time;          /* t of it */
+  PetscBool alone;                /* on one rank */
+  PetscBool coupled;              /* nodes far from each other along the rod see each other */
+  PetscReal factor_rate[MIRRORS]; /* what a field has in U_t beside shift U (vbdf.h), for each
+                                     mirror in which it changes sign */
+  PetscBool fresh;                /* the next Jacobian is the first of its Newton solve */
+  PetscInt memory;                /* reals a node that its Newton's method remembers; 0: none */
+  PetscInt residuals, jacobians;  /* counted work */
+  Elimination elimination;        /* instead of a matrix; NULL: none; borrowed */
   void *data;
 };
 
-extern const RodModel rod_frame, rod_mixed, rod_linear;
+extern const RodModel rod_frame, rod_mixed, rod_linear, rod_space;
 extern const OptionGroup frame_options;
 
 PetscErrorCode RodCreate(Scene scene, const RodModel *model, Rod *rod);
@@ -86,10 +118,12 @@ PetscErrorCode RodCreateMemory(Rod rod, DM *da, Vec *memory);
 PetscErrorCode RodInitialNodes(Rod rod, PetscReal t, Node *nodes);
 PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes);
 PetscErrorCode RodHoldTip(Rod rod);
+const char *RodRefusesSpace(Scene scene);
 PetscErrorCode RodOpen(Rod rod, Vec v, Vec *local, void *array);
 PetscErrorCode RodClose(Rod rod, Vec *local, void *array);
 PetscErrorCode RodSumAlong(Rod rod, PetscInt n, PetscReal value[]);
 PetscErrorCode RodFieldSizes(Rod rod, Vec U, PetscReal size[MAX_FIELDS]);
+PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal scale[MAX_FIELDS]);
 PetscErrorCode RodResidual(TS ts, PetscReal t, Vec U, Vec U_t, Vec F, void *rod);
 PetscErrorCode RodJacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J, Mat P,
                            void *rod);

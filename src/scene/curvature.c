@@ -6,10 +6,16 @@
 static const OptionRow rows[] = {
     ROW_REAL("-rod_curvature", "0", -1e3, 1e3, UNIT_CURVATURE, 0,
              "natural curvature of the whole rod, per length"),
-    ROW_TEXT(
-        "-rod_curvature_file", INPUT_FILE,
-        "HDF5 file with the natural curvature, /curvature, over the label /s of a rod that grows "
-        "in place, over the /distance from the tip of one that slides (feed, apical)"),
+    ROW_REAL("-rod_curvature_2", "0", -1e3, 1e3, UNIT_CURVATURE, 0,
+             "natural curvature about d2, out of the plane of the other, which is about d3"),
+    ROW_REAL("-rod_twist", "0", -1e3, 1e3, UNIT_CURVATURE, 0,
+             "natural twist about the tangent d1, in radians per length"),
+    ROW_REAL("-rod_curvature_random_2", "", 0, 1e3, UNIT_CURVATURE, 0,
+             "the same as -rod_curvature_random about d2: of a rod in space"),
+    ROW_TEXT("-rod_curvature_file", INPUT_FILE,
+             "HDF5 file with the natural curvature, /curvature (in space also /curvature_2, "
+             "/twist), over the label /s of a rod that grows "
+             "in place, over the /distance from the tip of one that slides (feed, apical)"),
     ROW_REAL("-rod_curvature_random", "", 0, 1e3, UNIT_CURVATURE, 0,
              "root mean square of a random natural curvature, per length"),
     ROW_REAL(
@@ -21,14 +27,14 @@ const OptionGroup curvature_options = OPTION_GROUP("Natural curvature", rows);
 enum { WAVES = 64, ANGLES = 4001, PER_LENGTH = 8, MARGIN = 30 };
 
 /* The spline through the knots that are there. */
-static PetscErrorCode MakeSpline(Curvature *self) {
+static PetscErrorCode MakeSpline(Strain *self) {
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(self->n, &self->k2));
   PetscCall(SplineSecondDerivatives(self->n, self->at, 1, self->n, 1, self->k, self->k2));
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode FromFile(Curvature *self, Growth growth, const char *file) {
+static PetscErrorCode FromFile(Strain *self, Growth growth, const char *file, const char *name) {
   const char *option = "-rod_curvature_file", *where = growth->slides ? "/distance" : "/s";
   const PetscInt most = 1000000;
   PetscBool has;
@@ -41,9 +47,8 @@ static PetscErrorCode FromFile(Curvature *self, Growth growth, const char *file)
             file, growth->type, where);
   PetscCall(HdfReadQuantity(option, file, where, growth->slides ? UNIT_LENGTH : UNIT_NONE, 1, &n,
                             &self->at));
-  PetscCall(HdfReadQuantity(option, file, "/curvature", UNIT_CURVATURE, 1, &m, &self->k));
-  UserCheck(n == m, OptionsComm(), "%s %s: %s and /curvature differ in length", option, file,
-            where);
+  PetscCall(HdfReadQuantity(option, file, name, UNIT_CURVATURE, 1, &m, &self->k));
+  UserCheck(n == m, OptionsComm(), "%s %s: %s and %s differ in length", option, file, where, name);
   UserCheck(n >= 4 && n <= most, OptionsComm(), "%s %s: needs 4 to %d entries, has %d", option,
             file, (int)most, (int)n);
   UserCheck(PetscAbsReal(self->at[0]) < 1e-12, OptionsComm(), "%s %s: %s must start at 0", option,
@@ -64,8 +69,8 @@ static PetscErrorCode FromFile(Curvature *self, Growth growth, const char *file)
   from low to high at eight knots per correlation length. The knots are multiples of their distance,
   and go on beyond the ends: so the curvature at a place does not depend on these.
 */
-static PetscErrorCode AtRandom(Curvature *self, PetscReal amplitude, PetscReal length,
-                               PetscInt seed, PetscReal low, PetscReal high) {
+static PetscErrorCode AtRandom(Strain *self, PetscReal amplitude, PetscReal length, PetscInt seed,
+                               PetscReal low, PetscReal high) {
   PetscReal wave[WAVES], phase[WAVES], u[2], h = length / PER_LENGTH;
   PetscInt first = (PetscInt)PetscFloorReal(low / h) - MARGIN,
            n = (PetscInt)PetscCeilReal(high / h) + MARGIN + 1 - first;
@@ -158,6 +163,25 @@ static PetscErrorCode ReadLength(Growth growth, PetscReal *length) {
   PetscFunctionReturn(0);
 }
 
+/* A strain at random; which: that about d2 has a seed of its own. */
+static PetscErrorCode RandomStrain(Strain *self, Growth growth, PetscReal end_time,
+                                   PetscReal amplitude, int which) {
+  const PetscInt apart = 1000003;
+  PetscReal length, low = 0, high = 1, L;
+  PetscInt seed;
+
+  PetscFunctionBegin;
+  PetscCall(ReadLength(growth, &length));
+  PetscCall(OptionInt("-rod_curvature_seed", &seed, NULL));
+  PetscCall(GrowthLength(growth, end_time, &L, NULL));
+  if (growth->slides) {
+    low = growth->initial_length - L;
+    high = L;
+  }
+  PetscCall(AtRandom(self, amplitude, length, seed + which * apart, low, high));
+  PetscFunctionReturn(0);
+}
+
 /*
   CurvatureSetFromOptions - reads and checks the options of the natural curvature. Collective; the
   caller ends it with CurvatureDestroy(), also after an error.
@@ -165,53 +189,50 @@ static PetscErrorCode ReadLength(Growth growth, PetscReal *length) {
   end_time  of the run: so far curvature is wanted
 */
 PetscErrorCode CurvatureSetFromOptions(Curvature *self, Growth growth, PetscReal end_time) {
+  static const char *const constant[STRAINS] = {"-rod_curvature", "-rod_curvature_2", "-rod_twist"},
+                           *const random[STRAINS] = {"-rod_curvature_random",
+                                                     "-rod_curvature_random_2", NULL},
+                           *const name[STRAINS] = {"/curvature", "/curvature_2", "/twist"};
   char file[PETSC_MAX_PATH_LEN] = "";
-  PetscReal amplitude = 0, length, low = 0, high = 1, L;
-  PetscInt seed;
-  PetscBool from_file, random;
+  PetscBool from_file, at_random[STRAINS] = {PETSC_FALSE}, has;
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(self, sizeof(*self)));
-  PetscCall(OptionReal("-rod_curvature", &self->constant, NULL));
   PetscCall(OptionText("-rod_curvature_file", file, &from_file));
-  PetscCall(OptionReal("-rod_curvature_random", &amplitude, &random));
-  UserCheck(!from_file || !random, OptionsComm(),
-            "-rod_curvature_file and -rod_curvature_random: give one of them");
-  if (random) {
-    PetscCall(ReadLength(growth, &length));
-    PetscCall(OptionInt("-rod_curvature_seed", &seed, NULL));
-    PetscCall(GrowthLength(growth, end_time, &L, NULL));
-    if (growth->slides) {
-      low = growth->initial_length - L;
-      high = L;
+  for (int k = 0; k < STRAINS; k++) {
+    Strain *strain = &self->strain[k];
+    PetscReal amplitude = 0;
+    PetscCall(OptionReal(constant[k], &strain->constant, NULL));
+    if (random[k]) PetscCall(OptionReal(random[k], &amplitude, &at_random[k]));
+    UserCheck(!from_file || !at_random[k], OptionsComm(),
+              "-rod_curvature_file and %s: give one of them", random[k]);
+    if (at_random[k]) PetscCall(RandomStrain(strain, growth, end_time, amplitude, k));
+    has = PETSC_TRUE;
+    if (from_file && k > BEND_3) PetscCall(HdfHas(file, name[k], &has));
+    if (from_file && has) PetscCall(FromFile(strain, growth, file, name[k]));
+    if (strain->constant != 0 || (from_file && has) || (at_random[k] && amplitude > 0)) {
+      self->any = PETSC_TRUE;
+      self->space = (PetscBool)(self->space || k > BEND_3);
     }
-    PetscCall(AtRandom(self, amplitude, length, seed, low, high));
   }
-  if (from_file) PetscCall(FromFile(self, growth, file));
-  self->any = (PetscBool)(self->constant != 0 || from_file || (random && amplitude > 0));
   if (self->any) PetscCall(TabulateAngle(self, growth));
   PetscFunctionReturn(0);
 }
 
 PetscErrorCode CurvatureDestroy(Curvature *self) {
   PetscFunctionBegin;
-  PetscCall(PetscFree(self->at));
-  PetscCall(PetscFree(self->k));
-  PetscCall(PetscFree(self->k2));
+  for (int k = 0; k < STRAINS; k++) {
+    PetscCall(PetscFree(self->strain[k].at));
+    PetscCall(PetscFree(self->strain[k].k));
+    PetscCall(PetscFree(self->strain[k].k2));
+  }
   PetscCall(PetscFree3(self->even, self->angle, self->slope));
   PetscFunctionReturn(0);
 }
 
-/*
-  CurvatureValue - k0 at the label s and time t, per arc length, and the rate k_t at which it
-  changes for the material there (may be NULL).
-
-  In place the table is over the labels. Where material slides, it is over the distance that the
-  material there had from the tip at the start (growth.h): a fed rod carries its curvature along.
-  Beyond the ends of a file's table its last values go on.
-*/
-PetscErrorCode CurvatureValue(const Curvature *self, Growth growth, PetscReal s, PetscReal t,
-                              PetscReal *k, PetscReal *k_t) {
+/* One natural strain at a label and a time, and its rate for the material there (may be NULL). */
+static PetscErrorCode Value(const Strain *self, Growth growth, PetscReal s, PetscReal t,
+                            PetscReal *k, PetscReal *k_t) {
   PetscReal weight[4], slope[4], at = s, at_t = 0;
   PetscInt i;
 
@@ -229,5 +250,32 @@ PetscErrorCode CurvatureValue(const Curvature *self, Growth growth, PetscReal s,
   if (!k_t || at_t == 0) PetscFunctionReturn(0);
   for (int j = 0; j < 2; j++)
     *k_t += at_t * (slope[j] * self->k[i + j] + slope[2 + j] * self->k2[i + j]);
+  PetscFunctionReturn(0);
+}
+
+/*
+  CurvatureValue - k0 at the label s and time t, per arc length, and the rate k_t at which it
+  changes for the material there (may be NULL).
+
+  In place the table is over the labels. Where material slides, it is over the distance that the
+  material there had from the tip at the start (growth.h): a fed rod carries its curvature along.
+  Beyond the ends of a file's table its last values go on.
+*/
+PetscErrorCode CurvatureValue(const Curvature *self, Growth growth, PetscReal s, PetscReal t,
+                              PetscReal *k, PetscReal *k_t) {
+  PetscFunctionBegin;
+  PetscCall(Value(&self->strain[BEND_3], growth, s, t, k, k_t));
+  PetscFunctionReturn(0);
+}
+
+/* CurvatureStrains - the natural strains in space: twist, bend about d2, bend about d3; otherwise
+   as CurvatureValue(). */
+PetscErrorCode CurvatureStrains(const Curvature *self, Growth growth, PetscReal s, PetscReal t,
+                                PetscReal u[3], PetscReal u_t[3]) {
+  static const int place[STRAINS] = {[BEND_3] = 2, [BEND_2] = 1, [TURN_1] = 0};
+
+  PetscFunctionBegin;
+  for (int k = 0; k < STRAINS; k++)
+    PetscCall(Value(&self->strain[k], growth, s, t, &u[place[k]], u_t ? &u_t[place[k]] : NULL));
   PetscFunctionReturn(0);
 }

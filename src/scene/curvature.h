@@ -1,15 +1,24 @@
 /* The natural curvature k0 of the rod: what it is bent to where nothing bends it. Real tubes have
-   one, and it lasts, unlike the initial shape. */
+   one, and it lasts, unlike the initial shape. In space there are two bends, about d3 (that of the
+   plane) and d2, and a twist. */
 #ifndef TENDRIL_CURVATURE_H
 #define TENDRIL_CURVATURE_H
 
 #include "scene/growth.h"
 
+enum { BEND_3, BEND_2, TURN_1, STRAINS };
+
+/* One of the three. */
 typedef struct {
-  PetscBool any;                   /* not 0 everywhere */
-  PetscReal constant;              /* the part of -rod_curvature */
-  PetscInt n;                      /* knots of the other part (file or random); 0: none */
-  PetscReal *at, *k, *k2;          /* their places, curvatures and second derivatives */
+  PetscReal constant;     /* the part of -rod_curvature, -rod_curvature_2, -rod_twist */
+  PetscInt n;             /* knots of the other part (file or random); 0: none */
+  PetscReal *at, *k, *k2; /* their places, curvatures and second derivatives */
+} Strain;
+
+typedef struct {
+  PetscBool any;   /* not 0 everywhere */
+  PetscBool space; /* one of those that there are in space only is not 0 */
+  Strain strain[STRAINS];
   PetscReal *even, *angle, *slope; /* int_0^s g k0 ds at t = 0 and its slope, at even labels */
 } Curvature;
 
@@ -21,5 +30,7 @@ PetscErrorCode CurvatureAngle(const Curvature *curvature, Growth growth, PetscRe
 PetscErrorCode CurvatureDestroy(Curvature *curvature);
 PetscErrorCode CurvatureValue(const Curvature *curvature, Growth growth, PetscReal s, PetscReal t,
                               PetscReal *k, PetscReal *k_t);
+PetscErrorCode CurvatureStrains(const Curvature *curvature, Growth growth, PetscReal s, PetscReal t,
+                                PetscReal u[3], PetscReal u_t[3]);
 
 #endif

@@ -3,10 +3,10 @@
 #include "base/bspline.h"
 #include "base/hdf.h"
 
-/* A table is interpolated by a cubic spline (C2) in each of t, x2 and x1, with slope 0 at both
+/* A table is interpolated by a cubic spline (C2) in each of t, x3, x2 and x1, with slope 0 at both
    ends, so that it goes on beyond its edges as a constant without a kink. Its coefficients are
    those of B-splines: n knots have n + 2, of which the first two and the last two are equal. */
-enum { TIME, ACROSS, ALONG, AXES };
+enum { TIME, HIGH, ACROSS, ALONG, AXES };
 
 typedef struct {
   PetscInt n;    /* knots; 1: nothing varies along this axis */
@@ -19,7 +19,7 @@ struct _Field {
   PetscReal *start, *factor, width;
   /* or a table */
   Axis axis[AXES];
-  PetscReal *c; /* coefficients [t][x2][x1] */
+  PetscReal *c; /* coefficients [t][x3][x2][x1] */
 };
 
 /* How many coefficients an axis has. */
@@ -85,9 +85,9 @@ static PetscReal SmoothStep(PetscReal u, PetscReal *slope) {
   return z * z * z * (10 - 15 * z + 6 * z * z);
 }
 
-static void LayersAt(Field self, PetscReal x1, PetscReal *factor, PetscReal slope[2]) {
+static void LayersAt(Field self, PetscReal x1, PetscReal *factor, PetscReal slope[3]) {
   *factor = self->factor[0];
-  slope[0] = slope[1] = 0;
+  slope[0] = slope[1] = slope[2] = 0;
   for (PetscInt k = 1; k < self->layers; k++) {
     PetscReal step, rise = self->factor[k] - self->factor[k - 1];
     *factor += rise * SmoothStep((x1 - self->start[k]) / self->width, &step);
@@ -170,9 +170,9 @@ static void WeightsAt(const Axis *axis, PetscReal at, Weights *w) {
   }
 }
 
-static void TableAt(Field self, const PetscReal x[2], PetscReal t, PetscReal *factor,
-                    PetscReal slope[2]) {
-  const PetscReal at[AXES] = {t, x[1], x[0]};
+static void TableAt(Field self, const PetscReal x[3], PetscReal t, PetscReal *factor,
+                    PetscReal slope[3]) {
+  const PetscReal at[AXES] = {t, x[2], x[1], x[0]};
   PetscInt m[AXES];
   Weights w[AXES];
 
@@ -180,21 +180,33 @@ static void TableAt(Field self, const PetscReal x[2], PetscReal t, PetscReal *fa
     m[a] = Size(&self->axis[a]);
     WeightsAt(&self->axis[a], at[a], &w[a]);
   }
-  *factor = slope[0] = slope[1] = 0;
-  for (PetscInt i = 0; i < w[TIME].n; i++)
+  *factor = slope[0] = slope[1] = slope[2] = 0;
+  for (PetscInt i = 0; i < w[TIME].n * w[HIGH].n; i++) {
+    const PetscInt in_time = i / w[HIGH].n, high = i % w[HIGH].n;
+    const PetscReal both = w[TIME].value[in_time] * w[HIGH].value[high];
     for (PetscInt j = 0; j < w[ACROSS].n; j++) {
-      const PetscReal *row = self->c +
-                             ((w[TIME].first + i) * m[ACROSS] + w[ACROSS].first + j) * m[ALONG] +
-                             w[ALONG].first;
+      const PetscReal *row =
+          self->c +
+          (((w[TIME].first + in_time) * m[HIGH] + w[HIGH].first + high) * m[ACROSS] +
+           w[ACROSS].first + j) *
+              m[ALONG] +
+          w[ALONG].first;
       PetscReal value = 0, along = 0;
       for (PetscInt k = 0; k < w[ALONG].n; k++) {
         value += w[ALONG].value[k] * row[k];
         along += w[ALONG].slope[k] * row[k];
       }
-      *factor += w[TIME].value[i] * w[ACROSS].value[j] * value;
-      slope[0] += w[TIME].value[i] * w[ACROSS].value[j] * along;
-      slope[1] += w[TIME].value[i] * w[ACROSS].slope[j] * value;
+      *factor += both * w[ACROSS].value[j] * value;
+      slope[0] += both * w[ACROSS].value[j] * along;
+      slope[1] += both * w[ACROSS].slope[j] * value;
+      slope[2] += w[TIME].value[in_time] * w[HIGH].slope[high] * w[ACROSS].value[j] * value;
     }
+  }
+}
+
+/* FieldInSpace - does it vary over x3? */
+PetscBool FieldInSpace(Field self) {
+  return (PetscBool)(self && self->axis[HIGH].n > 1);
 }
 
 static PetscErrorCode ReadAxis(const char *option, const char *file, const char *name,
@@ -219,16 +231,17 @@ static PetscErrorCode CheckSign(const char *option, const char *file, Field self
   for (int a = 0; a < AXES; a++)
     total *= count[a] = self->axis[a].n > 1 ? PLACES * (self->axis[a].n - 1) + 1 : 1;
   for (PetscInt k = 0; k < total; k++) {
-    PetscInt place[AXES] = {k / (count[ACROSS] * count[ALONG]), k / count[ALONG] % count[ACROSS],
-                            k % count[ALONG]};
-    PetscReal at[AXES], factor, slope[2];
+    PetscInt place[AXES] = {k / (count[HIGH] * count[ACROSS] * count[ALONG]),
+                            k / (count[ACROSS] * count[ALONG]) % count[HIGH],
+                            k / count[ALONG] % count[ACROSS], k % count[ALONG]};
+    PetscReal at[AXES], factor, slope[3];
     for (int a = 0; a < AXES; a++) {
       const Axis *axis = &self->axis[a];
       PetscInt i = PetscMin(place[a] / PLACES, axis->n - 2);
       PetscReal z = (PetscReal)(place[a] - i * PLACES) / PLACES;
       at[a] = axis->n > 1 ? (1 - z) * axis->at[i] + z * axis->at[i + 1] : 0;
     }
-    TableAt(self, (PetscReal[]){at[ALONG], at[ACROSS]}, at[TIME], &factor, slope);
+    TableAt(self, (PetscReal[]){at[ALONG], at[ACROSS], at[HIGH]}, at[TIME], &factor, slope);
     UserCheck(
         factor >= -1e-12, OptionsComm(),
         "%s %s: the factor is %s at x1 = %s, x2 = %s, t = %s; it must not fall below 0, between "
@@ -239,25 +252,32 @@ static PetscErrorCode CheckSign(const char *option, const char *file, Field self
   PetscFunctionReturn(0);
 }
 
-/* From the values [nt][n2][n1] to the coefficients, axis by axis. */
+/* From the values [nt][n3][n2][n1] to the coefficients, axis by axis. */
 static PetscErrorCode SetValues(Field self, const PetscReal *values) {
   const Axis *axis = self->axis;
-  PetscReal *along, *across;
+  PetscReal *along, *across, *high;
 
   PetscFunctionBegin;
-  PetscCall(Interpolate(&axis[ALONG], axis[TIME].n * axis[ACROSS].n, 1, values, &along));
-  PetscCall(Interpolate(&axis[ACROSS], axis[TIME].n, Size(&axis[ALONG]), along, &across));
   PetscCall(
-      Interpolate(&axis[TIME], 1, Size(&axis[ACROSS]) * Size(&axis[ALONG]), across, &self->c));
+      Interpolate(&axis[ALONG], axis[TIME].n * axis[HIGH].n * axis[ACROSS].n, 1, values, &along));
+  PetscCall(
+      Interpolate(&axis[ACROSS], axis[TIME].n * axis[HIGH].n, Size(&axis[ALONG]), along, &across));
+  PetscCall(Interpolate(&axis[HIGH], axis[TIME].n, Size(&axis[ACROSS]) * Size(&axis[ALONG]), across,
+                        &high));
+  PetscCall(Interpolate(&axis[TIME], 1,
+                        Size(&axis[HIGH]) * Size(&axis[ACROSS]) * Size(&axis[ALONG]), high,
+                        &self->c));
   PetscCall(PetscFree(along));
   PetscCall(PetscFree(across));
+  PetscCall(PetscFree(high));
   PetscFunctionReturn(0);
 }
 
 /*
-  FieldFromFile - a factor from a table in HDF5: /x1 [n1], /x2 [n2] and, if it changes in time,
-  /t [nt]; /factor [n2, n1] or [nt, n2, n1]. An axis along which nothing changes has one entry.
-  Collective on OptionsComm(); the caller destroys it, also after an error.
+  FieldFromFile - a factor from a table in HDF5: /x1 [n1], /x2 [n2], if it changes with x3, too,
+  /x3 [n3] and, if it changes in time, /t [nt]; /factor [n2, n1], [n3, n2, n1], with [nt, ...]
+  before them. An axis along which nothing changes has one entry. Collective on OptionsComm(); the
+  caller destroys it, also after an error.
 
   Places and times have no dimension, or that of their attribute `units`.
 */
@@ -265,7 +285,8 @@ PetscErrorCode FieldFromFile(const char *option, const char *file, Field *field)
   PetscReal *values = NULL;
   PetscInt dims[AXES];
   PetscErrorCode error;
-  PetscBool timed;
+  PetscBool timed, high;
+  PetscInt first;
   Field self;
 
   PetscFunctionBegin;
@@ -273,17 +294,20 @@ PetscErrorCode FieldFromFile(const char *option, const char *file, Field *field)
   *field = self;
   PetscCall(ReadAxis(option, file, "/x1", UNIT_LENGTH, &self->axis[ALONG]));
   PetscCall(ReadAxis(option, file, "/x2", UNIT_LENGTH, &self->axis[ACROSS]));
-  self->axis[TIME].n = 1;
+  self->axis[TIME].n = self->axis[HIGH].n = 1;
   PetscCall(HdfHas(file, "/t", &timed));
   if (timed) PetscCall(ReadAxis(option, file, "/t", UNIT_TIME, &self->axis[TIME]));
-  PetscCall(HdfRead(option, file, "/factor", timed ? 3 : 2, dims, &values));
-  if ((timed && dims[0] != self->axis[TIME].n) || dims[timed] != self->axis[ACROSS].n ||
-      dims[timed + 1] != self->axis[ALONG].n) {
+  PetscCall(HdfHas(file, "/x3", &high));
+  if (high) PetscCall(ReadAxis(option, file, "/x3", UNIT_LENGTH, &self->axis[HIGH]));
+  first = timed + high;
+  PetscCall(HdfRead(option, file, "/factor", (int)first + 2, dims, &values));
+  if ((timed && dims[0] != self->axis[TIME].n) || (high && dims[timed] != self->axis[HIGH].n) ||
+      dims[first] != self->axis[ACROSS].n || dims[first + 1] != self->axis[ALONG].n) {
     PetscCall(PetscFree(values));
     UserCheck(PETSC_FALSE, OptionsComm(),
-              "%s %s: /factor must be [%s%d, %d] as %s/x2 and /x1 are long", option, file,
-              timed ? "nt, " : "", (int)self->axis[ACROSS].n, (int)self->axis[ALONG].n,
-              timed ? "/t, " : "");
+              "%s %s: /factor must be [%s%s%d, %d] as %s%s/x2 and /x1 are long", option, file,
+              timed ? "nt, " : "", high ? "n3, " : "", (int)self->axis[ACROSS].n,
+              (int)self->axis[ALONG].n, timed ? "/t, " : "", high ? "/x3, " : "");
   }
   error = SetValues(self, values);
   PetscCall(PetscFree(values));
@@ -315,14 +339,15 @@ PetscReal FieldFinest(Field self) {
   PetscReal least = PETSC_MAX_REAL;
 
   if (self->layers) return self->layers > 1 ? self->width : 0;
-  for (int a = ACROSS; a <= ALONG; a++)
+  for (int a = HIGH; a <= ALONG; a++)
     for (PetscInt i = 0; i + 1 < self->axis[a].n; i++)
       least = PetscMin(least, self->axis[a].at[i + 1] - self->axis[a].at[i]);
   return least < PETSC_MAX_REAL ? least : 0;
 }
 
-/* FieldAt - the factor at a place (in the laboratory) and a time, and its derivatives by x1, x2. */
-void FieldAt(Field self, const PetscReal x[2], PetscReal t, PetscReal *factor, PetscReal slope[2]) {
+/* FieldAt - the factor at a place (in the laboratory) and a time, and its derivatives by x1, x2,
+   x3. */
+void FieldAt(Field self, const PetscReal x[3], PetscReal t, PetscReal *factor, PetscReal slope[3]) {
   if (self->layers)
     LayersAt(self, x[0], factor, slope);
   else

@@ -1,4 +1,4 @@
-/* A factor that varies over the plane and in time: what friction, or the force on the tip, is
+/* A factor that varies in space and in time: what friction, or the force on the tip, is
    multiplied by. Positions are those of the laboratory. */
 #ifndef TENDRIL_FIELD_H
 #define TENDRIL_FIELD_H
@@ -12,6 +12,7 @@ PetscErrorCode FieldFromLayers(const char *option, const char *text, PetscReal w
 PetscErrorCode FieldDestroy(Field *field);
 PetscBool FieldIsLayered(Field field);
 PetscReal FieldFinest(Field field);
-void FieldAt(Field field, const PetscReal x[2], PetscReal t, PetscReal *factor, PetscReal slope[2]);
+PetscBool FieldInSpace(Field field);
+void FieldAt(Field field, const PetscReal x[3], PetscReal t, PetscReal *factor, PetscReal slope[3]);
 
 #endif

@@ -22,21 +22,75 @@ PetscErrorCode FrictionSetFromOptions(Friction *friction) {
   PetscFunctionReturn(0);
 }
 
+/* What is said of two components below holds for n, which is known when this is compiled. */
+static inline PetscReal Dot(int n, const PetscReal a[], const PetscReal b[]) {
+  PetscReal sum = a[0] * b[0];
+  for (int i = 1; i < n; i++) sum += a[i] * b[i];
+  return sum;
+}
+
+static inline PetscReal Radius(const Friction *law, int n, const PetscReal v[],
+                               const PetscReal shift[], PetscReal u[]) {
+  for (int i = 0; i < n; i++) u[i] = v[i] + shift[i];
+  return PetscSqrtReal(Dot(n, u, u) + (law->beta > 0 ? law->beta : friction_tiny));
+}
+
+static inline void Reset(const Friction *law, int n, const PetscReal v[], PetscReal seen[],
+                         PetscReal dual[], const PetscReal shift[]) {
+  const PetscReal near = 0.2;
+  PetscReal u[4], inverse = 1 / Radius(law, n, v, shift, u), w[4], d[4];
+
+  for (int i = 0; i < n; i++) {
+    w[i] = u[i] * inverse;
+    d[i] = w[i] - dual[i];
+    seen[i] = v[i];
+  }
+  for (int i = 0; i < n && Dot(n, d, d) < near * near; i++) dual[i] = w[i];
+}
+
+static inline void Advance(const Friction *law, int n, const PetscReal v[], PetscReal seen[],
+                           PetscReal w[], const PetscReal shift[]) {
+  PetscReal u[4], r = Radius(law, n, seen, shift, u), dv[4], size, along;
+
+  for (int i = 0; i < n; i++) dv[i] = v[i] - seen[i];
+  along = Dot(n, u, dv) / r;
+  for (int i = 0; i < n; i++) w[i] = (u[i] + dv[i] - w[i] * along) / r;
+  size = PetscSqrtReal(Dot(n, w, w));
+  for (int i = 0; i < n; i++) {
+    if (size > 1) w[i] /= size;
+    seen[i] = v[i];
+  }
+}
+
+static inline void Slope(const Friction *law, int n, const PetscReal v[], const PetscReal dual[],
+                         const PetscReal shift[], PetscReal *slope) {
+  PetscReal u[4], inverse = 1 / Radius(law, n, v, shift, u), d = law->mu * inverse;
+
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j < n; j++) {
+      PetscReal w = law->newton == NEWTON_PRIMAL ? u[i] * inverse : dual[i];
+      slope[n * i + j] = (i == j) * (1 - law->mu + law->more + d) - d * w * (u[j] * inverse);
+    }
+}
+
+static inline PetscReal Hold(int n, const PetscReal v[], PetscReal seen, PetscReal shift[]) {
+  const PetscReal longest = 10 * PetscSqrtReal(friction_tiny);
+  PetscReal u[4], size, speed = PetscSqrtReal(Dot(n, v, v)), part = speed < seen ? speed / seen : 1;
+  PetscBool slides = (PetscBool)(speed > longest);
+
+  for (int i = 0; i < n; i++) u[i] = part * v[i] + shift[i];
+  size = PetscSqrtReal(Dot(n, u, u));
+  for (int i = 0; i < n; i++) shift[i] = slides ? 0 : size > longest ? u[i] * longest / size : u[i];
+  return slides ? 0 : speed;
+}
+
 /*
   FrictionDualReset - begins a Newton solve at v. The dual w = u/r makes the first linearisation
   Newton's own, which is best if it is near the dual of the step before. Where it is not, the guess
   for v is but noise around rest (tiny beta), and the old dual is the better one.
 */
 void FrictionDualReset(const Friction *law, const PetscReal v[2], FrictionDual *dual) {
-  const PetscReal near = 0.2;
-  PetscReal u[2], inverse = 1 / FrictionRadius(law, v, dual, u), w[2], d[2];
-
-  for (int i = 0; i < 2; i++) {
-    w[i] = u[i] * inverse;
-    d[i] = w[i] - dual->w[i];
-    dual->v[i] = v[i];
-  }
-  for (int i = 0; i < 2 && d[0] * d[0] + d[1] * d[1] < near * near; i++) dual->w[i] = w[i];
+  Reset(law, 2, v, dual->v, dual->w, dual->shift);
 }
 
 /*
@@ -45,16 +99,7 @@ void FrictionDualReset(const Friction *law, const PetscReal v[2], FrictionDual *
   1999): w <- P( u/r + (dv - w (u.dv)/r) / r ).
 */
 void FrictionDualAdvance(const Friction *law, const PetscReal v[2], FrictionDual *dual) {
-  PetscReal u[2], r = FrictionRadius(law, dual->v, dual, u), *w = dual->w;
-  PetscReal dv[2] = {v[0] - dual->v[0], v[1] - dual->v[1]}, size;
-  PetscReal along = (u[0] * dv[0] + u[1] * dv[1]) / r;
-
-  for (int i = 0; i < 2; i++) w[i] = (u[i] + dv[i] - w[i] * along) / r;
-  size = PetscSqrtReal(w[0] * w[0] + w[1] * w[1]);
-  for (int i = 0; i < 2; i++) {
-    if (size > 1) w[i] /= size;
-    dual->v[i] = v[i];
-  }
+  Advance(law, 2, v, dual->v, dual->w, dual->shift);
 }
 
 /*
@@ -64,27 +109,28 @@ void FrictionDualAdvance(const Friction *law, const PetscReal v[2], FrictionDual
 */
 void FrictionLinearise(const Friction *law, const PetscReal v[2], const FrictionDual *dual,
                        PetscReal slope[2][2]) {
-  PetscReal u[2], inverse = 1 / FrictionRadius(law, v, dual, u), d = law->mu * inverse;
-
-  for (int i = 0; i < 2; i++)
-    for (int j = 0; j < 2; j++) {
-      PetscReal w = law->newton == NEWTON_PRIMAL ? u[i] * inverse : dual->w[i];
-      slope[i][j] = (i == j) * (1 - law->mu + law->more + d) - d * w * (u[j] * inverse);
-    }
+  Slope(law, 2, v, dual->w, dual->shift, &slope[0][0]);
 }
 
 /* FrictionDualHold - moves the shift by v, for exact Coulomb friction; by less if v is below what
    is seen. Returns the speed at which the point creeps though it is held; 0 if it slides, for then
    it needs no shift. The longest kept leaves the force within 0.5 % of its limit. */
 PetscReal FrictionDualHold(const PetscReal v[2], PetscReal seen, FrictionDual *dual) {
-  const PetscReal longest = 10 * PetscSqrtReal(friction_tiny);
-  const PetscReal speed = PetscSqrtReal(v[0] * v[0] + v[1] * v[1]),
-                  part = speed < seen ? speed / seen : 1;
-  const PetscReal u[2] = {part * v[0] + dual->shift[0], part * v[1] + dual->shift[1]},
-                  size = PetscSqrtReal(u[0] * u[0] + u[1] * u[1]);
-  PetscBool slides = (PetscBool)(speed > longest);
+  return Hold(2, v, seen, dual->shift);
+}
 
-  for (int i = 0; i < 2; i++)
-    dual->shift[i] = slides ? 0 : size > longest ? u[i] * longest / size : u[i];
-  return slides ? 0 : speed;
+/* FrictionLinearise4 - of a point in space: begins a Newton solve at v (fresh), or follows it
+   there, and gives the derivative of the force by v. */
+void FrictionLinearise4(const Friction *law, const PetscReal v[4], PetscBool fresh,
+                        FrictionDual4 *dual, PetscReal slope[4][4]) {
+  if (fresh)
+    Reset(law, 4, v, dual->v, dual->w, dual->shift);
+  else
+    Advance(law, 4, v, dual->v, dual->w, dual->shift);
+  Slope(law, 4, v, dual->w, dual->shift, &slope[0][0]);
+}
+
+/* FrictionDualHold4 - as FrictionDualHold(), of a point in space. */
+PetscReal FrictionDualHold4(const PetscReal v[4], PetscReal seen, FrictionDual4 *dual) {
+  return Hold(4, v, seen, dual->shift);
 }

@@ -21,6 +21,11 @@ typedef struct {
   PetscReal v[2], w[2], shift[2];
 } FrictionDual;
 
+/* The same of a point in space: of its velocity and, times a radius, of its spin. */
+typedef struct {
+  PetscReal v[4], w[4], shift[4];
+} FrictionDual4;
+
 extern const OptionGroup friction_options;
 
 PetscErrorCode FrictionSetFromOptions(Friction *friction);
@@ -30,6 +35,9 @@ void FrictionLinearise(const Friction *law, const PetscReal v[2], const Friction
                        PetscReal slope[2][2]);
 
 PetscReal FrictionDualHold(const PetscReal v[2], PetscReal seen, FrictionDual *dual);
+void FrictionLinearise4(const Friction *law, const PetscReal v[4], PetscBool fresh,
+                        FrictionDual4 *dual, PetscReal slope[4][4]);
+PetscReal FrictionDualHold4(const PetscReal v[4], PetscReal seen, FrictionDual4 *dual);
 
 /* The dry force is mu w, w = u/r, u = v + shift, r = sqrt(u^2 + beta). Regularised friction has no
    shift. Exact Coulomb friction takes a tiny beta and moves the shift, shift <- shift + v, until
@@ -50,6 +58,23 @@ static inline void FrictionForce(const Friction *law, const PetscReal v[2],
                                  const FrictionDual *dual, PetscReal f[2]) {
   PetscReal u[2], drag = law->mu / FrictionRadius(law, v, dual, u);
   for (int d = 0; d < 2; d++) f[d] = (1 - law->mu + law->more) * v[d] + drag * u[d];
+}
+
+/* The same in space. */
+static inline PetscReal FrictionRadius4(const Friction *law, const PetscReal v[4],
+                                        const PetscReal shift[4], PetscReal u[4]) {
+  PetscReal sum = law->beta > 0 ? law->beta : friction_tiny;
+  for (int d = 0; d < 4; d++) {
+    u[d] = v[d] + shift[d];
+    sum += u[d] * u[d];
+  }
+  return PetscSqrtReal(sum);
+}
+
+static inline void FrictionForce4(const Friction *law, const PetscReal v[4],
+                                  const FrictionDual4 *dual, PetscReal f[4]) {
+  PetscReal u[4], drag = law->mu / FrictionRadius4(law, v, dual->shift, u);
+  for (int d = 0; d < 4; d++) f[d] = (1 - law->mu + law->more) * v[d] + drag * u[d];
 }
 
 /* phi(|v|) given |v|^2; a point at rest under exact Coulomb friction loses no power: 1 - mu */

@@ -3,10 +3,9 @@
 static const OptionRow rows[] = {
     ROW_REAL("-friction_across", "1", 1e-6, 1e6, UNIT_NONE, 0,
              "a, ratio of friction across the rod to that along it, dry and viscous alike"),
-    ROW_TEXT(
-        "-friction_field", INPUT_FILE,
-        "HDF5 file with /x1 [n1], /x2 [n2], /factor [n2, n1], or also /t [nt] and /factor [nt, "
-        "n2, n1]: what friction is multiplied by, constant beyond the edges"),
+    ROW_TEXT("-friction_field", INPUT_FILE,
+             "HDF5 file with /x1 [n1], /x2 [n2], /factor [n2, n1], or also /x3 [n3], /t [nt] and "
+             "/factor [nt, n3, n2, n1]: what friction is multiplied by, constant beyond the edges"),
     ROW_TEXT("-friction_layers", 0,
              "\"X:F,X:F,...\": friction in layers along x1, the start of each and its factor"),
     ROW_REAL("-friction_layer_width", "0.1", 1e-9, 1e6, UNIT_LENGTH, 0,
@@ -50,6 +49,8 @@ PetscErrorCode LoadSetFromOptions(Load *load, PetscReal clamp_angle) {
   load->plain = (PetscBool)!load->varied;
   load->walls = NULL;
   load->duals = 1;
+  load->weighs = PETSC_FALSE;
+  load->radius = 0;
   PetscFunctionReturn(0);
 }
 
@@ -62,6 +63,15 @@ void LoadSetWalls(Load *load, const Contact *contact) {
   if (contact->walls.rub) load->duals = 1 + contact->walls.n + (contact->walls.posts > 0);
 }
 
+/* LoadSetWeight - a force per length, in the clamp's frame. */
+void LoadSetWeight(Load *load, const PetscReal weight[3]) {
+  for (int d = 0; d < 3; d++) {
+    load->weight[d] = weight[d];
+    load->weighs = (PetscBool)(load->weighs || weight[d] != 0);
+  }
+  load->plain = (PetscBool)(load->plain && !load->weighs);
+}
+
 PetscErrorCode LoadDestroy(Load *load) {
   PetscFunctionBegin;
   PetscCall(FieldDestroy(&load->field));
@@ -71,7 +81,7 @@ PetscErrorCode LoadDestroy(Load *load) {
 /* LoadFactor - N at a place in the clamp's frame, and its derivatives there. */
 PetscReal LoadFactor(const Load *load, const PetscReal x[2], PetscReal t, PetscReal slope[2]) {
   const PetscReal c = load->clamp[0], s = load->clamp[1];
-  PetscReal lab[2] = {c * x[0] - s * x[1], s * x[0] + c * x[1]}, by[2], factor = 1;
+  PetscReal lab[3] = {c * x[0] - s * x[1], s * x[0] + c * x[1], 0}, by[3], factor = 1;
 
   slope[0] = slope[1] = 0;
   if (!load->field) return factor;

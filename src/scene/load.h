@@ -6,7 +6,7 @@
 
    N is a factor that varies in space and time, a the ratio of friction across the rod to that along
    it. Where N = 1 and a = 1, neither is computed. Walls that press on the rod (contact.h) take
-   their force off F. */
+   their force off F, as does weight. In space see load_space.h. */
 #ifndef TENDRIL_LOAD_H
 #define TENDRIL_LOAD_H
 
@@ -20,7 +20,11 @@ typedef struct {
   Field field;            /* N; NULL: 1 */
   PetscReal clamp[2];     /* direction of the clamp in the laboratory, where N is given */
   const Contact *walls;   /* NULL: none; borrowed */
-  PetscBool plain;        /* N = 1 and a = 1, no walls */
+  PetscReal weight[3];    /* force per length, in the clamp's frame */
+  PetscReal radius;       /* at which friction feels the spin of a rod in space; 0: it does not */
+  PetscReal lab[3][3];    /* from the clamp's frame to the laboratory, in space */
+  PetscBool weighs;       /* weight is not 0 */
+  PetscBool plain;        /* N = 1 and a = 1, no walls, no weight */
   PetscBool varied;       /* N or a is not 1 */
   PetscBool turns, moves; /* F depends on the direction of the rod (a), on the place (N, walls) */
   PetscInt duals;         /* of each place: that of the friction along the rod, one for each wall,
@@ -48,6 +52,7 @@ PetscErrorCode LoadSetFromOptions(Load *load, PetscReal clamp_angle);
 void LoadNextToExact(Load *load);
 void LoadAtTolerance(Load *load, PetscReal rtol);
 void LoadSetWalls(Load *load, const Contact *contact);
+void LoadSetWeight(Load *load, const PetscReal weight[3]);
 PetscErrorCode LoadDestroy(Load *load);
 PetscErrorCode LoadInFastTime(const Load *load, PetscReal t, Load *fast, PetscBool *dry);
 PetscBool LoadIsEven(const Load *load, PetscReal length, PetscReal end);
@@ -62,8 +67,10 @@ PetscReal LoadFactor(const Load *load, const PetscReal x[2], PetscReal t, PetscR
 static inline void LoadForce(const Load *load, const Place *at, const LoadDual *dual,
                              PetscReal f[2]) {
   FrictionForce(&load->friction, at->v, dual, f);
+  if (load->plain) return;
   if (load->varied) LoadForceVaried(load, at, f);
   if (load->walls) LoadForceWalls(load, at, dual, f);
+  for (int d = 0; d < 2 && load->weighs; d++) f[d] -= load->weight[d];
 }
 
 /* The slope of F for Newton's method, the dual brought up to the present velocity first; fresh: a
@@ -95,7 +102,7 @@ static inline PetscReal LoadHold(const Load *load, const Place *at, PetscReal se
 }
 
 /* F of friction where nothing is held, as an observer sees it: a place at rest bears no dry force.
-   Without walls. */
+   Without walls and weight. */
 static inline void LoadSeen(const Load *load, const Place *at, PetscReal f[2]) {
   PetscReal drag = FrictionPhi(&load->friction, at->v[0] * at->v[0] + at->v[1] * at->v[1]);
   for (int d = 0; d < 2; d++) f[d] = drag * at->v[d];

@@ -25,13 +25,16 @@ static PetscErrorCode LongestCell(Scene scene, PetscReal from, PetscReal t, Pets
   PetscFunctionReturn(0);
 }
 
-/* The distance of the knots of a natural curvature that is no constant, which bends over two. */
+/* The distance of the knots of natural curvatures that are no constants, which bend over two. */
 static PetscReal Bend(const Curvature *curvature) {
   PetscReal least = PETSC_MAX_REAL;
 
-  for (PetscInt i = 0; i + 1 < curvature->n; i++)
-    least = PetscMin(least, curvature->at[i + 1] - curvature->at[i]);
-  return curvature->n > 1 ? 2 * least : 0;
+  for (int k = 0; k < STRAINS; k++) {
+    const Strain *strain = &curvature->strain[k];
+    for (PetscInt i = 0; i + 1 < strain->n; i++)
+      least = PetscMin(least, strain->at[i + 1] - strain->at[i]);
+  }
+  return least < PETSC_MAX_REAL ? 2 * least : 0;
 }
 
 /*

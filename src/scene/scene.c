@@ -107,6 +107,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
   PetscCall(SiSetFromOptions(&self->si)); /* first: the others may carry units */
   PetscCall(GrowthCreate(&self->growth));
   PetscCall(OptionReal("-clamp_angle", &self->clamp_angle, NULL));
+  PetscCall(SpaceClampDirection(&self->clamp_angle, &self->space));
   PetscCall(LoadSetFromOptions(&self->load, self->clamp_angle));
   if (self->growth->rests) LoadNextToExact(&self->load);
   PetscCall(TipSetFromOptions(&self->tip, &self->load));
@@ -128,6 +129,26 @@ PetscErrorCode SceneCreate(Scene *scene) {
   self->contact.time = PETSC_MIN_REAL;
   PetscCall(SceneContactAt(self, 0));
   SceneLinkWalls(self);
+  PetscCall(
+      SpaceSetFromOptions(&self->space, &self->load, &self->tip, &self->curvature, &self->shape));
+  PetscFunctionReturn(0);
+}
+
+/* Can a tip be held so far away from the clamp? */
+static PetscErrorCode CheckHeld(Scene scene, PetscReal away) {
+  const PetscReal slack = 1e-6, *push = scene->tip.push,
+                  pushed = PetscAbsReal(push[0]) + PetscAbsReal(push[1]) + PetscAbsReal(push[2]);
+  PetscReal length;
+
+  PetscFunctionBegin;
+  PetscCall(GrowthLength(scene->growth, 0, &length, NULL));
+  UserCheck(scene->tip.force == 0 && pushed == 0, scene->comm,
+            "-tip_force or -tip_force_vector: has no effect on a tip that is held; leave it or "
+            "-tip_type out");
+  UserCheck(away < (1 - slack) * length, scene->comm,
+            "-tip_type: the rod is straight from the clamp to its held tip (to %g) and has nowhere "
+            "to grow: give it a larger -shape_amplitude or a natural curvature",
+            (double)slack);
   PetscFunctionReturn(0);
 }
 
@@ -135,19 +156,20 @@ PetscErrorCode SceneCreate(Scene *scene) {
    straight from the clamp to there cannot grow, and one that nearly is has too many ways to.
    Collective. */
 PetscErrorCode SceneHoldTip(Scene scene, const PetscReal x[2], PetscReal theta) {
-  const PetscReal slack = 1e-6;
-  PetscReal away = PetscSqrtReal(x[0] * x[0] + x[1] * x[1]), length;
-
   PetscFunctionBegin;
-  PetscCall(GrowthLength(scene->growth, 0, &length, NULL));
-  UserCheck(scene->tip.force == 0, scene->comm,
-            "-tip_force: has no effect on a tip that is held; leave it or -tip_type out");
-  UserCheck(away < (1 - slack) * length, scene->comm,
-            "-tip_type: the rod is straight from the clamp to its held tip (to %g) and has nowhere "
-            "to grow: give it a larger -shape_amplitude or a natural curvature",
-            (double)slack);
+  PetscCall(CheckHeld(scene, PetscSqrtReal(x[0] * x[0] + x[1] * x[1])));
   PetscCall(PetscArraycpy(scene->tip.x, x, 2));
   scene->tip.theta = theta;
+  PetscFunctionReturn(0);
+}
+
+/* SceneHoldTip3 - the same in space; p is the quaternion there. */
+PetscErrorCode SceneHoldTip3(Scene scene, const PetscReal x[3], const PetscReal p[4]) {
+  PetscFunctionBegin;
+  PetscCall(CheckHeld(scene, PetscSqrtReal(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])));
+  PetscCall(PetscArraycpy(scene->tip.x, x, 2));
+  scene->tip.x3 = x[2];
+  PetscCall(PetscArraycpy(scene->tip.p, p, 4));
   PetscFunctionReturn(0);
 }
 

@@ -9,6 +9,7 @@
 #include "scene/mesh.h"
 #include "scene/shape.h"
 #include "scene/si.h"
+#include "scene/space.h"
 #include "scene/stiffness.h"
 #include "scene/tip.h"
 
@@ -22,6 +23,7 @@ struct _Scene {
   Contact contact; /* load and tip know its walls */
   Shape shape;
   Curvature curvature; /* natural, k0 */
+  Space space;         /* what there is out of the plane */
   Mesh mesh;
   Si si;
   PetscReal clamp_angle; /* alpha; the problem is solved in the clamp's frame, results are turned */
@@ -37,6 +39,7 @@ void SceneLinkWalls(Scene scene);
 PetscErrorCode SceneContactAt(Scene scene, PetscReal t);
 void SceneAtTolerance(Scene scene, PetscReal rtol);
 PetscErrorCode SceneHoldTip(Scene scene, const PetscReal x[2], PetscReal theta);
+PetscErrorCode SceneHoldTip3(Scene scene, const PetscReal x[3], const PetscReal p[4]);
 PetscErrorCode SceneShapeAngle(Scene scene, PetscReal s, PetscReal *theta, PetscReal *theta_s);
 
 /* The natural curvature at the label s and time t, and the rate at which it changes for the
@@ -57,6 +60,14 @@ static inline PetscErrorCode SceneStiffness(Scene scene, PetscReal s, PetscReal 
   if (B_t) *B_t = 0;
   return scene->stiffness.varies ? StiffnessTable(&scene->stiffness, scene->growth, s, t, B, B_t)
                                  : (PetscErrorCode)0;
+}
+
+/* The stiffnesses in space over those of the scales, S = B diag(C/B, 1, B3/B2): twist, bend about
+   d2, bend about d3. */
+static inline void SceneStiffnesses(const struct _Scene *scene, PetscReal B, PetscReal S[3]) {
+  S[0] = B * scene->space.torsion;
+  S[1] = B;
+  S[2] = B * scene->space.ratio;
 }
 
 #endif

@@ -10,8 +10,12 @@ static const OptionRow rows[] = {
     ROW_REAL("-shape_amplitude", "0.01", -6.5, 6.5, UNIT_ANGLE, 0,
              "eps, largest initial angle, in radians"),
     ROW_INT("-shape_seed", "1", 0, 2e9, 0, "seed of the random shape"),
-    ROW_TEXT("-shape_file", INPUT_FILE,
-             "HDF5 file with /s and /theta, the angle against the clamp")};
+    ROW_TEXT(
+        "-shape_file", INPUT_FILE,
+        "HDF5 file with /s and /theta, the angle against the clamp; in space /s and some of /u1, "
+        "/u2, /u3, twist and bends per length beside the natural ones"),
+    ROW_REAL("-shape_turn", "0", -6.2832, 6.2832, UNIT_ANGLE, 0,
+             "turns the initial shape about the axis of the clamp, out of the plane, in radians")};
 const OptionGroup shape_options = OPTION_GROUP("Initial shape", rows);
 
 /*
@@ -34,7 +38,14 @@ PetscErrorCode ShapeSetTable(Shape *shape, PetscInt n, const PetscReal s[],
 /* ShapeDestroy - frees what a tabulated shape holds. */
 PetscErrorCode ShapeDestroy(Shape *shape) {
   PetscFunctionBegin;
-  PetscCall(PetscFree3(shape->s, shape->theta, shape->theta2));
+  if (shape->space) {
+    PetscCall(PetscFree(shape->s));
+    for (int d = 0; d < 3; d++) {
+      PetscCall(PetscFree(shape->u[d]));
+      PetscCall(PetscFree(shape->u2[d]));
+    }
+  } else
+    PetscCall(PetscFree3(shape->s, shape->theta, shape->theta2));
   PetscFunctionReturn(0);
 }
 
@@ -53,12 +64,40 @@ static PetscErrorCode Check(const char *file, PetscInt n, const PetscReal s[], P
   PetscFunctionReturn(0);
 }
 
+/* A shape by its strains. */
+static PetscErrorCode StrainsFromFile(Shape *shape, const char *file, const PetscBool has[3]) {
+  static const char *const name[3] = {"/u1", "/u2", "/u3"};
+  PetscInt m;
+
+  PetscFunctionBegin;
+  shape->space = PETSC_TRUE;
+  PetscCall(HdfRead("-shape_file", file, "/s", 1, &shape->n, &shape->s));
+  for (int d = 0; d < 3; d++) {
+    if (!has[d]) continue;
+    PetscCall(HdfReadQuantity("-shape_file", file, name[d], UNIT_CURVATURE, 1, &m, &shape->u[d]));
+    UserCheck(m == shape->n, OptionsComm(), "-shape_file %s: /s and %s differ in length", file,
+              name[d]);
+    PetscCall(Check(file, shape->n, shape->s, m, (const PetscReal[]){0}));
+    PetscCall(PetscMalloc1(m, &shape->u2[d]));
+    PetscCall(SplineSecondDerivatives(m, shape->s, 1, m, 1, shape->u[d], shape->u2[d]));
+  }
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode FromFile(Shape *shape, const char *file) {
   PetscReal *s = NULL, *theta = NULL;
   PetscErrorCode error;
+  PetscBool has[3];
   PetscInt n, m;
 
   PetscFunctionBegin;
+  PetscCall(HdfHas(file, "/u1", &has[0]));
+  PetscCall(HdfHas(file, "/u2", &has[1]));
+  PetscCall(HdfHas(file, "/u3", &has[2]));
+  if (has[0] || has[1] || has[2]) {
+    PetscCall(StrainsFromFile(shape, file, has));
+    PetscFunctionReturn(0);
+  }
   error = HdfRead("-shape_file", file, "/s", 1, &n, &s);
   if (!error) error = HdfRead("-shape_file", file, "/theta", 1, &m, &theta);
   if (!error) error = Check(file, n, s, m, theta);
@@ -113,6 +152,7 @@ PetscErrorCode ShapeSetFromOptions(Shape *shape) {
   PetscFunctionBegin;
   PetscCall(PetscMemzero(shape, sizeof(*shape)));
   PetscCall(OptionWord("-shape_type", &choice, NULL));
+  PetscCall(OptionReal("-shape_turn", &shape->turn, NULL));
   shape->type = (ShapeType)choice;
   if (choice != SHAPE_STRAIGHT && choice != SHAPE_FILE)
     PetscCall(OptionReal("-shape_amplitude", &shape->amplitude, NULL));
@@ -137,7 +177,7 @@ void ShapeAngle(const Shape *shape, PetscReal s, PetscReal *theta, PetscReal *th
   if (shape->type == SHAPE_SAG) {
     *theta = shape->amplitude * (1 - (1 - s) * (1 - s) * (1 - s));
     *theta_s = shape->amplitude * 3 * (1 - s) * (1 - s);
-  } else if (shape->n) {
+  } else if (shape->theta) {
     PetscReal value[4], slope[4];
     PetscInt i;
     SplineWeights(shape->n, shape->s, s, &i, value, slope, NULL);
@@ -146,4 +186,21 @@ void ShapeAngle(const Shape *shape, PetscReal s, PetscReal *theta, PetscReal *th
       *theta_s += slope[k] * shape->theta[i + k] + slope[2 + k] * shape->theta2[i + k];
     }
   }
+}
+
+/* ShapeStrains - twist and bends about d2 and d3 of the initial shape, per length, at a label where
+   the rod is stretched by g. */
+void ShapeStrains(const Shape *shape, PetscReal s, PetscReal g, PetscReal u[3]) {
+  PetscReal theta, theta_s, value[4];
+  PetscInt i;
+
+  ShapeAngle(shape, s, &theta, &theta_s);
+  u[0] = 0;
+  u[1] = shape->turn != 0 ? -PetscSinReal(shape->turn) * theta_s / g : 0;
+  u[2] = shape->turn != 0 ? PetscCosReal(shape->turn) * theta_s / g : theta_s / g;
+  if (!shape->space) return;
+  SplineWeights(shape->n, shape->s, s, &i, value, NULL, NULL);
+  for (int d = 0; d < 3; d++)
+    for (int k = 0; k < 2 && shape->u[d]; k++)
+      u[d] += value[k] * shape->u[d][i + k] + value[2 + k] * shape->u2[d][i + k];
 }

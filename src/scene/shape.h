@@ -12,6 +12,9 @@ typedef struct {
   PetscInt seed;
   PetscInt n;                    /* knots of a tabulated shape (random, file, mode) */
   PetscReal *s, *theta, *theta2; /* its knots, angles and their second derivatives */
+  PetscReal turn;                /* by which the shape is turned about the clamp's axis, in space */
+  PetscBool space;               /* it is given by strains, not by an angle */
+  PetscReal *u[3], *u2[3];       /* those, per length, and second derivatives; NULL: 0 */
 } Shape;
 
 extern const OptionGroup shape_options;
@@ -21,5 +24,6 @@ PetscErrorCode ShapeSetTable(Shape *shape, PetscInt n, const PetscReal s[],
                              const PetscReal theta[]);
 PetscErrorCode ShapeDestroy(Shape *shape);
 void ShapeAngle(const Shape *shape, PetscReal s, PetscReal *theta, PetscReal *theta_s);
+void ShapeStrains(const Shape *shape, PetscReal s, PetscReal g, PetscReal u[3]);
 
 #endif

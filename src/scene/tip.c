@@ -42,6 +42,7 @@ PetscErrorCode TipSetFromOptions(Tip *tip, const Load *load) {
   tip->resistance.across = 1;
   tip->resistance.turns = PETSC_FALSE;
   tip->resistance.field = NULL;
+  tip->resistance.weighs = PETSC_FALSE;
   if (field) PetscCall(FieldFromFile("-tip_field", file, &tip->resistance.field));
   tip->resistance.moves = field;
   tip->resistance.plain = (PetscBool)!field;
@@ -113,6 +114,7 @@ void TipForce(const Tip *tip, const TipState *at, const LoadDual *dual, PetscRea
     for (int d = 0; d < 2; d++) f[d] *= -P;
   }
   if (tip->walls) AddWalls(tip, at, dual, f);
+  for (int d = 0; d < 2; d++) f[d] += tip->push[d];
 }
 
 /* TipResidual - the three conditions at the tip, r = 0. */
@@ -149,6 +151,78 @@ void TipJacobian(const Tip *tip, const TipState *at, const PetscReal shift[2], P
   LoadLinearise(&tip->resistance, &at->at, fresh, dual, &slope);
   for (int d = 0; d < 2; d++)
     for (int c = 0; c < 2; c++) J[1 + d][X1 + c] += P * (shift[c] * slope.v[d][c] + slope.x[d][c]);
+}
+
+/* The vector part of p_held* p, which says by how much a tip has turned from where it is held. */
+static void TurnFrom(const PetscReal h[4], const PetscReal p[4], PetscReal v[3]) {
+  v[0] = h[0] * p[1] - h[1] * p[0] - h[2] * p[3] + h[3] * p[2];
+  v[1] = h[0] * p[2] - h[2] * p[0] - h[3] * p[1] + h[1] * p[3];
+  v[2] = h[0] * p[3] - h[3] * p[0] - h[1] * p[2] + h[2] * p[1];
+}
+
+/* The force on a free tip in space. */
+static void TipForce3(const Tip *tip, const TipState3 *at, const FrictionDual4 *dual,
+                      PetscReal f[3]) {
+  const PetscReal P = tip->force;
+  PetscReal drag[RUBS];
+
+  for (int d = 0; d < 3; d++) f[d] = tip->push[d];
+  if (P != 0 && tip->law == TIP_DEAD)
+    f[0] -= P;
+  else if (P != 0 && tip->law == TIP_FOLLOWER)
+    for (int d = 0; d < 3; d++) f[d] -= P * at->at.q[d];
+  else if (P != 0) {
+    LoadForce3(&tip->resistance, &at->at, dual, drag);
+    for (int d = 0; d < 3; d++) f[d] -= P * drag[d];
+  }
+}
+
+/* TipResidual3 - the six conditions at the tip in space, r = 0: m = torque d1, or the frame it is
+   held at; n = f, or the place. */
+void TipResidual3(const Tip *tip, const TipState3 *at, const FrictionDual4 *dual,
+                  PetscReal r[TIP_ROWS3]) {
+  const PetscReal held[3] = {tip->x[0], tip->x[1], tip->x3};
+  PetscReal f[3];
+
+  if (tip->type == TIP_CLAMPED)
+    TurnFrom(tip->p, at->p, r);
+  else
+    for (int d = 0; d < 3; d++) r[d] = at->m[d] - tip->torque * at->at.q[d];
+  if (tip->type == TIP_FREE) TipForce3(tip, at, dual, f);
+  for (int d = 0; d < 3; d++)
+    r[3 + d] = tip->type == TIP_FREE ? at->n[d] - f[d] : at->at.x[d] - held[d];
+}
+
+/* TipJacobian3 - their derivatives by (x, p, m, n), of which x has the rate shift x + ...; fresh,
+   dual as for LoadLinearise3(). */
+void TipJacobian3(const Tip *tip, const TipState3 *at, const PetscReal shift[3], PetscBool fresh,
+                  FrictionDual4 *dual, PetscReal J[TIP_ROWS3][TIP_FIELDS3]) {
+  enum { X, P = 3, M = 7, N = 10 };
+  const PetscReal force = tip->force;
+  LoadSlope3 slope = {.q = {{0}}};
+
+  for (int i = 0; i < TIP_ROWS3; i++)
+    for (int j = 0; j < TIP_FIELDS3; j++) J[i][j] = 0;
+  if (tip->type == TIP_CLAMPED)
+    for (int k = 0; k < 4; k++) {
+      PetscReal unit[4] = {k == 0, k == 1, k == 2, k == 3}, v[3];
+      TurnFrom(tip->p, unit, v);
+      for (int d = 0; d < 3; d++) J[d][P + k] = v[d];
+    }
+  else
+    for (int d = 0; d < 3; d++) {
+      J[d][M + d] = 1;
+      for (int k = 0; k < 4; k++) J[d][P + k] = -tip->torque * at->q_p[d][k];
+    }
+  for (int d = 0; d < 3; d++) J[3 + d][(tip->type == TIP_FREE ? N : X) + d] = 1;
+  if (tip->type != TIP_FREE || force == 0) return;
+  for (int d = 0; d < 3 && tip->law == TIP_FOLLOWER; d++)
+    for (int k = 0; k < 4; k++) J[3 + d][P + k] = force * at->q_p[d][k];
+  if (tip->law != TIP_RESISTANCE) return;
+  LoadLinearise3(&tip->resistance, &at->at, fresh, dual, &slope);
+  for (int d = 0; d < 3; d++)
+    for (int c = 0; c < 3; c++)
+      J[3 + d][X + c] += force * (shift[c] * slope.W[d][c] + slope.x[d][c]);
 }
 
 /* TipCompression - how much the tip's force presses on a straight rod, which is at `at`. */

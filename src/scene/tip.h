@@ -8,7 +8,7 @@
 #ifndef TENDRIL_TIP_H
 #define TENDRIL_TIP_H
 
-#include "scene/load.h"
+#include "scene/load_space.h"
 
 typedef enum { TIP_FREE, TIP_PINNED, TIP_CLAMPED } TipType;
 typedef enum { TIP_DEAD, TIP_FOLLOWER, TIP_RESISTANCE } TipLaw;
@@ -22,6 +22,9 @@ typedef struct {
   Load resistance;       /* its friction is that of the tip: dry, of strength 1; its field is N */
   PetscReal x[2], theta; /* where it is held, once the scene knows */
   const Contact *walls;  /* NULL: none; borrowed */
+  PetscReal push[3];     /* dead force beside, in the clamp's frame */
+  PetscReal torque;      /* in space: about d1 of the tip, turns with it */
+  PetscReal x3, p[4];    /* in space: what x and theta leave out of where it is held */
 } Tip;
 
 /* The state of the tip, in the clamp's frame. */
@@ -29,6 +32,13 @@ typedef struct {
   Place at;
   PetscReal theta, moment, force[2];
 } TipState;
+
+/* In space: x, p, m, n, the tangent and its derivative by p. */
+enum { TIP_ROWS3 = 6, TIP_FIELDS3 = 13 };
+typedef struct {
+  Place3 at;
+  PetscReal p[4], m[3], n[3], q_p[3][4];
+} TipState3;
 
 extern const OptionGroup tip_options;
 
@@ -39,6 +49,10 @@ void TipForce(const Tip *tip, const TipState *at, const LoadDual *dual, PetscRea
 void TipResidual(const Tip *tip, const TipState *at, const LoadDual *dual, PetscReal r[TIP_ROWS]);
 void TipJacobian(const Tip *tip, const TipState *at, const PetscReal shift[2], PetscBool fresh,
                  LoadDual *dual, PetscReal J[TIP_ROWS][TIP_FIELDS]);
+void TipResidual3(const Tip *tip, const TipState3 *at, const FrictionDual4 *dual,
+                  PetscReal r[TIP_ROWS3]);
+void TipJacobian3(const Tip *tip, const TipState3 *at, const PetscReal shift[3], PetscBool fresh,
+                  FrictionDual4 *dual, PetscReal J[TIP_ROWS3][TIP_FIELDS3]);
 PetscReal TipCompression(const Tip *tip, const Place *at);
 
 /* Is the tip's force one of resistance? */

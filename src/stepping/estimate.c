@@ -79,7 +79,7 @@ static PetscErrorCode CreateCoarse(Estimate self, const Scene scene) {
   for (PetscInt k = 0; k < self->nodes; k++) coarse->mesh.s[k] = scene->mesh.s[FineNode(self, k)];
   SceneLinkWalls(coarse);
   PetscCall(RodCreate(coarse, &rod_frame, &self->rod));
-  PetscCall(EliminationCreate(PETSC_COMM_SELF, self->nodes, &self->elimination));
+  PetscCall(EliminationCreate(PETSC_COMM_SELF, self->nodes, rod_frame.halves, &self->elimination));
   PetscCall(DMCreateGlobalVector(self->rod->da, &self->U));
   PetscCall(VecDuplicate(self->U, &self->rate));
   PetscCall(VecDuplicate(self->U, &self->nudged));
@@ -172,7 +172,7 @@ static PetscErrorCode MeasureDefect(Estimate self, PetscReal size) {
     PetscReal factor = Ratio(size, self->measured);
     for (PetscInt k = 0; k < self->nodes; k++)
       for (int f = 0; f < FIELDS; f++)
-        if (rod_frame.across[f]) self->own[k].defect[f] *= factor;
+        if (rod_frame.group[f] != ALONG) self->own[k].defect[f] *= factor;
     self->measured = size;
     PetscFunctionReturn(0);
   }
@@ -333,7 +333,7 @@ static PetscErrorCode Advance(Estimate self, PetscReal t) {
   self->size = size;
   PetscCall(PutState(self));
   PetscCall(rod_frame.residual(self->rod, t, self->U, self->rate, self->F));
-  for (int f = 0; f < FIELDS; f++) shift[f] = 1 / step + (rod_frame.across[f] ? rate : 0);
+  for (int f = 0; f < FIELDS; f++) shift[f] = 1 / step + (rod_frame.group[f] != ALONG ? rate : 0);
   self->rod->fresh = PETSC_TRUE;
   PetscCall(rod_frame.eliminate(self->rod, t, self->U, self->rate, shift, self->elimination));
   for (int part = 0; part < ESTIMATE_PARTS; part++) {

@@ -39,7 +39,7 @@ static PetscErrorCode BeforeStep(TS ts) {
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &leg));
   PetscCall(TSGetTime(ts, &t));
-  PetscCall(RodFieldSizes(leg->rod, leg->U, leg->size));
+  PetscCall(RodFieldScales(leg->rod, leg->U, leg->size));
   for (PetscInt f = 0; f < leg->rod->model->fields; f++) {
     if (t >= leg->kick_ends) leg->kick[f] = 0;
     leg->size[f] = PetscMax(leg->size[f], leg->kick[f]);
@@ -98,7 +98,7 @@ static PetscErrorCode BeforeStage(TS ts, PetscReal t) {
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &leg));
   leg->rod->fresh = PETSC_TRUE;
-  PetscCall(VBDFGetFactorRate(ts, &leg->rod->factor_rate));
+  PetscCall(VBDFGetFactorRate(ts, leg->rod->factor_rate));
   PetscFunctionReturn(0);
 }
 
@@ -128,7 +128,7 @@ static PetscErrorCode CrossesMode(TS ts, Vec U, PetscBool blind, PetscBool *cros
   if (index <= 0 && index % 2 == 0) PetscFunctionReturn(0);
   PetscCall(RodFieldSizes(leg->rod, U, size));
   for (PetscInt f = 0; f < leg->rod->model->fields; f++)
-    if (leg->rod->model->across[f] && size[f] > rod_vanished) *crosses = PETSC_TRUE;
+    if (leg->rod->model->group[f] != ALONG && size[f] > rod_vanished) *crosses = PETSC_TRUE;
   leg->crosses = *crosses;
   if (*crosses) PetscCall(PetscInfo(ts, "crosses modes that grow: index %d\n", (int)index));
   PetscFunctionReturn(0);
@@ -276,7 +276,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_max_snes_failures", &given));
   if (fixed && !given)
     PetscCall(TSSetMaxSNESFailures(leg->ts, 10)); /* a fixed step does not help itself */
-  PetscCall(VBDFSetFactored(leg->ts, model->fields, model->across));
+  PetscCall(VBDFSetFactored(leg->ts, model->fields, model->group));
   PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));
   PetscCall(VBDFSetCross(leg->ts, CrossesMode));
   if (scene->contact.any) PetscCall(VBDFSetCheck(leg->ts, AfterTry));

@@ -10,19 +10,16 @@ static const PetscReal round_off = 1e-13;
 /* A rate is an estimate: what it says is left must be this much smaller still. */
 static const PetscReal share_of_rate = 0.5;
 
-/* The equations fall in two halves that do not see each other on the straight rod: along it (x1,
-   n1) and across it (x2, theta, m, n2). The second may be 1e-16 times the first. */
-enum { ALONG, ACROSS };
-
-/* The largest residual of each half. */
-static PetscErrorCode Residuals(Rod rod, Vec F, PetscReal residual[2]) {
+/* The largest residual of each group of fields (rod.h): they do not see each other on the straight
+   rod, and one may be 1e-16 times another. */
+static PetscErrorCode Residuals(Rod rod, Vec F, PetscReal residual[GROUPS]) {
   PetscReal size[MAX_FIELDS];
 
   PetscFunctionBegin;
   PetscCall(RodFieldSizes(rod, F, size));
-  residual[ALONG] = residual[ACROSS] = 0;
+  for (int g = 0; g < GROUPS; g++) residual[g] = 0;
   for (PetscInt f = 0; f < rod->model->fields; f++)
-    residual[rod->model->across[f]] = PetscMax(residual[rod->model->across[f]], size[f]);
+    residual[rod->model->group[f]] = PetscMax(residual[rod->model->group[f]], size[f]);
   PetscFunctionReturn(0);
 }
 
@@ -32,21 +29,21 @@ static PetscErrorCode Residuals(Rod rod, Vec F, PetscReal residual[2]) {
 static const PetscReal loose = 1e-4;
 enum { PATIENCE = 8 };
 
-/* The largest update of each half's fields, relative to the field's size; those not followed count
-   by weight. A field that is 0 throughout (the straight rod's x2) has converged when its update is
-   0. */
+/* The largest update of each group's fields, relative to the field's scale; those not followed
+   count by weight. A field that is 0 throughout (the straight rod's x2) has converged when its
+   update is 0. */
 static PetscErrorCode RelativeUpdates(Rod rod, Vec U, Vec dU, PetscReal weight,
-                                      PetscReal update[2]) {
+                                      PetscReal update[GROUPS]) {
   PetscReal size[MAX_FIELDS], change[MAX_FIELDS];
 
   PetscFunctionBegin;
-  PetscCall(RodFieldSizes(rod, U, size));
+  PetscCall(RodFieldScales(rod, U, size));
   PetscCall(RodFieldSizes(rod, dU, change));
-  update[ALONG] = update[ACROSS] = 0;
+  for (int g = 0; g < GROUPS; g++) update[g] = 0;
   for (PetscInt f = 0; f < rod->model->fields; f++)
     if (change[f] != 0) {
       PetscReal r = change[f] / PetscMax(size[f], rod_vanished),
-                *most = &update[rod->model->across[f]];
+                *most = &update[rod->model->group[f]];
       if (!rod->model->followed[f]) r *= weight;
       if (!(r <= *most)) *most = r;
     }
@@ -97,14 +94,14 @@ static PetscErrorCode Hold(Newton *self, SNES snes, PetscInt it, Vec U, Vec F,
   the residual over all fields would not see x2 at 1e-16 beside x1.
 
   What is left after an iteration is about its update times the rate of convergence. The rate is
-  that of the updates or, already after the first iteration, that of the residuals of the half that
+  that of the updates or, already after the first iteration, that of the residuals of the group that
   has still something to do: so an iteration that has arrived need not be repeated to see it.
 */
 static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscReal gnorm,
                                 PetscReal fnorm, SNESConvergedReason *reason, void *ctx) {
   Newton *self = (Newton *)ctx;
-  PetscReal update[2] = {0, 0}, residual[2] = {0, 0}, floor = PetscMax(self->tolerance, round_off),
-            rate = 0, left;
+  PetscReal update[GROUPS] = {0}, residual[GROUPS], rate = 0, left = 0,
+            floor = PetscMax(self->tolerance, round_off);
   Vec U, dU, F;
 
   PetscFunctionBegin;
@@ -119,9 +116,10 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
     PetscCall(SNESGetSolutionUpdate(snes, &dU));
     PetscCall(RelativeUpdates(self->rod, U, dU,
                               it - self->held > PATIENCE ? 0 : PetscMin(1, floor / loose), update));
-    for (int half = ALONG; half <= ACROSS; half++)
-      if (update[half] > floor) rate = PetscMax(rate, residual[half] / self->residual[half]);
-    left = PetscMax(update[ALONG], update[ACROSS]);
+    for (int g = 0; g < GROUPS; g++) {
+      if (update[g] > floor) rate = PetscMax(rate, residual[g] / self->residual[g]);
+      if (!(update[g] <= left)) left = update[g]; /* lets NaN through */
+    }
     if (it > 1) rate = PetscMin(rate, left / self->update);
     self->update = left;
     if (PetscIsInfOrNanReal(left))
@@ -130,11 +128,11 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
       *reason = SNES_CONVERGED_SNORM_RELATIVE;
     PetscCall(PetscInfo(snes, "iteration %d: update %g, rate %g, residual %g %g\n", (int)it,
                         (double)left, (double)rate, (double)residual[ALONG],
-                        (double)residual[ACROSS]));
+                        (double)residual[ACROSS_2]));
   }
   if (*reason > 0 && LoadSticks(&self->rod->scene->load) && self->rod->model->hold)
     PetscCall(Hold(self, snes, it, U, F, reason));
-  for (int half = ALONG; half <= ACROSS; half++) self->residual[half] = residual[half];
+  PetscCall(PetscArraycpy(self->residual, residual, GROUPS));
   PetscFunctionReturn(0);
 }
 
@@ -196,6 +194,7 @@ static PetscErrorCode CanEliminate(Rod rod, PetscBool *can) {
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(rod->scene->comm, &ranks));
   *can = (PetscBool)(rod->model->eliminate && !rod->coupled &&
+                     EliminationCan(rod->model->halves, ranks) &&
                      (ranks == 1 || rod->scene->tip.type == TIP_FREE));
   PetscFunctionReturn(0);
 }
@@ -209,7 +208,7 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
   PC pc;
 
   PetscFunctionBegin;
-  PetscCall(EliminationCreate(rod->scene->comm, nodes, &newton->elimination));
+  PetscCall(EliminationCreate(rod->scene->comm, nodes, rod->model->halves, &newton->elimination));
   PetscCall(
       MatCreateShell(rod->scene->comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, NULL, &newton->J));
   PetscCall(TSGetSNES(ts, &snes));

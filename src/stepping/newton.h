@@ -9,10 +9,10 @@ typedef struct {
   Rod rod;
   Elimination elimination; /* instead of a matrix; NULL: none */
   Mat J;
-  PetscReal tolerance;   /* of the update, relative to each field's size */
-  PetscReal update;      /* the latest iteration's largest */
-  PetscReal residual[2]; /* the latest, along and across */
-  PetscInt holds, held;  /* how often sticking points were held anew, and at which iteration last */
+  PetscReal tolerance;        /* of the update, relative to each field's size */
+  PetscReal update;           /* the latest iteration's largest */
+  PetscReal residual[GROUPS]; /* the latest, of each group of fields */
+  PetscInt holds, held; /* how often sticking points were held anew, and at which iteration last */
 } Newton;
 
 PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton);

@@ -20,14 +20,16 @@ typedef struct {
   PetscBool fixed;    /* -ts_adapt_type none: steps as told, order as high as the history allows */
   PetscReal time[VBDF_POINTS];
   Vec point[VBDF_POINTS];
-  PetscReal shift, rho; /* U_t = shift U + affine, and rho U more for the fields factored */
+  PetscReal shift, rho[VBDF_FACTORS]; /* U_t = shift U + affine, and rho U more for the fields
+                                         factored, of each of their factors */
   Vec affine, rate, work;
-  PetscInt fields; /* of a node, if any are factored */
-  PetscBool factored[VBDF_FIELDS];
-  PetscBool plain, plain_next;  /* nothing is factored in the present step, in the next */
-  PetscInt degree, taken;       /* of log A at most; points that it goes through */
-  PetscReal size[VBDF_POINTS];  /* log of the size of the factored fields in point[i] */
-  PetscReal ratio[VBDF_POINTS]; /* A(time[0]) / A(time[i]) */
+  PetscInt fields;                      /* of a node, if any are factored */
+  int factored[VBDF_FIELDS];            /* bit k: by factor k; of several, by their product */
+  PetscBool plain, plain_next;          /* nothing is factored in the present step, in the next */
+  PetscInt degree, taken[VBDF_FACTORS]; /* of log A at most; points that it goes through */
+  PetscReal size[VBDF_POINTS]
+                [VBDF_FACTORS]; /* log of the size of the factored fields in point[i] */
+  PetscReal ratio[VBDF_FACTORS][VBDF_POINTS]; /* A(time[0]) / A(time[i]) */
   VBDFGuess guess;
   void *guess_ctx;
   VBDFSnap snap;
@@ -91,46 +93,58 @@ static PetscErrorCode Self(TS ts, VBDF **self) {
   size follows the formula of order k itself, with its stability. (A parabola at order 1 would make
   of h d(log size)/dt a difference with the roots 1, -1 and 1/2: that rings.)
 */
-static PetscReal FactorLog(const VBDF *self, PetscReal t) {
+static PetscReal FactorLog(const VBDF *self, int k, PetscReal t) {
   PetscReal L[VBDF_POINTS], sum = 0;
 
-  LagrangeValues(self->taken, self->time + 1, t, L);
-  for (PetscInt j = 0; j < self->taken; j++) sum += L[j] * self->size[1 + j];
+  LagrangeValues(self->taken[k], self->time + 1, t, L);
+  for (PetscInt j = 0; j < self->taken[k]; j++) sum += L[j] * self->size[1 + j][k];
   return sum;
 }
 
-static PetscReal FactorRate(const VBDF *self, PetscReal t) {
+static PetscReal FactorRate(const VBDF *self, int k, PetscReal t) {
   PetscReal D[VBDF_POINTS], sum = 0;
 
-  LagrangeSlopes(self->taken, self->time + 1, t, D);
-  for (PetscInt j = 0; j < self->taken; j++) sum += D[j] * self->size[1 + j];
+  LagrangeSlopes(self->taken[k], self->time + 1, t, D);
+  for (PetscInt j = 0; j < self->taken[k]; j++) sum += D[j] * self->size[1 + j][k];
   return sum;
 }
 
 /* A(t)/A(t_j) of m points from first on */
 static void FactorRatios(const VBDF *self, PetscInt first, PetscInt m, PetscReal t,
-                         PetscReal ratio[]) {
-  for (PetscInt j = 0; j < m; j++)
-    ratio[j] = self->taken < 2
-                   ? 1
-                   : PetscExpReal(FactorLog(self, t) - FactorLog(self, self->time[first + j]));
+                         PetscReal ratio[VBDF_FACTORS][VBDF_POINTS]) {
+  for (int k = 0; k < VBDF_FACTORS; k++)
+    for (PetscInt j = 0; j < m; j++)
+      ratio[k][j] =
+          self->taken[k] < 2
+              ? 1
+              : PetscExpReal(FactorLog(self, k, t) - FactorLog(self, k, self->time[first + j]));
+}
+
+/* Is any factor taken in the present step? */
+static PetscBool Factored(const VBDF *self) {
+  PetscBool any = PETSC_FALSE;
+  for (int k = 0; k < VBDF_FACTORS; k++) any = (PetscBool)(any || self->taken[k]);
+  return any;
 }
 
 /* Takes the factor for a step of order q to time[0]. */
 static void TakeFactor(VBDF *self, PetscInt q) {
   PetscInt most = self->plain ? 0 : PetscMin(self->n, PetscMin(self->degree, q) + 1);
 
-  self->taken = 0;
-  if (self->fields)
-    while (self->taken < most && self->size[1 + self->taken] > PETSC_MIN_REAL) self->taken++;
-  if (self->taken < 2) self->taken = 0;
-  self->rho = FactorRate(self, self->time[0]);
+  for (int k = 0; k < VBDF_FACTORS; k++) {
+    self->taken[k] = 0;
+    if (self->fields)
+      while (self->taken[k] < most && self->size[1 + self->taken[k]][k] > PETSC_MIN_REAL)
+        self->taken[k]++;
+    if (self->taken[k] < 2) self->taken[k] = 0;
+    self->rho[k] = FactorRate(self, k, self->time[0]);
+  }
   FactorRatios(self, 0, self->n + 1, self->time[0], self->ratio);
 }
 
-/* The log of the Euclidean norm of the first of the factored fields; PETSC_MIN_REAL if it has
-   vanished. (Scaled: its square may lie below the smallest number.) */
-static PetscErrorCode FactorSize(const VBDF *self, Vec U, PetscReal *size) {
+/* The log of the Euclidean norm of the first of the fields of one factor; PETSC_MIN_REAL if it has
+   vanished, or there is none. (Scaled: its square may lie below the smallest number.) */
+static PetscErrorCode SizeOfFactor(const VBDF *self, Vec U, int k, PetscReal *size) {
   MPI_Comm comm = PetscObjectComm((PetscObject)U);
   const PetscScalar *u;
   PetscReal most = 0, sum = 0;
@@ -138,8 +152,8 @@ static PetscErrorCode FactorSize(const VBDF *self, Vec U, PetscReal *size) {
 
   PetscFunctionBegin;
   *size = PETSC_MIN_REAL;
-  if (!self->fields) PetscFunctionReturn(0);
-  while (!self->factored[f]) f++;
+  while (f < self->fields && self->factored[f] != 1 << k) f++;
+  if (f == self->fields) PetscFunctionReturn(0);
   PetscCall(VecGetLocalSize(U, &n));
   PetscCall(VecGetArrayRead(U, &u));
   for (PetscInt i = f; i < n; i += self->fields) most = PetscMax(most, PetscAbsScalar(u[i]));
@@ -149,6 +163,13 @@ static PetscErrorCode FactorSize(const VBDF *self, Vec U, PetscReal *size) {
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPI_SUM, comm));
   PetscCall(VecRestoreArrayRead(U, &u));
   if (sum > 0) *size = PetscLogReal(most) + PetscLogReal(sum) / 2;
+  PetscFunctionReturn(0);
+}
+
+/* The same of all factors. */
+static PetscErrorCode FactorSize(const VBDF *self, Vec U, PetscReal size[VBDF_FACTORS]) {
+  PetscFunctionBegin;
+  for (int k = 0; k < VBDF_FACTORS; k++) PetscCall(SizeOfFactor(self, U, k, &size[k]));
   PetscFunctionReturn(0);
 }
 
@@ -164,28 +185,38 @@ static inline void SumPoints(PetscInt n, PetscInt fields, PetscInt m,
     }
 }
 
-/* X = sum of m points from first on, times along; those fields that are factored, times across. */
+/* X = sum of m points from first on, times along; those fields that are factored, times (along +
+   their rho times beside) times the ratios of their factors. beside NULL: 0. */
 static PetscErrorCode Combine(VBDF *self, PetscInt first, PetscInt m, const PetscReal along[],
-                              const PetscReal across[], Vec X) {
+                              const PetscReal beside[], const PetscReal rho[],
+                              PetscReal ratio[VBDF_FACTORS][VBDF_POINTS], Vec X) {
   PetscReal c[VBDF_POINTS][VBDF_FIELDS];
   const PetscScalar *y[VBDF_POINTS];
   PetscScalar *x;
   PetscInt n;
 
   PetscFunctionBegin;
-  if (!self->taken) {
+  if (!Factored(self)) {
     PetscCall(VecZeroEntries(X));
     PetscCall(VecMAXPY(X, m, along, self->point + first));
     PetscFunctionReturn(0);
   }
   for (PetscInt k = 0; k < m; k++) {
-    for (PetscInt f = 0; f < self->fields; f++) c[k][f] = self->factored[f] ? across[k] : along[k];
+    for (PetscInt f = 0; f < self->fields; f++) {
+      c[k][f] = along[k];
+      for (int a = 0; a < VBDF_FACTORS && beside; a++)
+        if (self->factored[f] & 1 << a) c[k][f] += rho[a] * beside[k];
+      for (int a = 0; a < VBDF_FACTORS; a++)
+        if (self->factored[f] & 1 << a) c[k][f] *= ratio[a][k];
+    }
     PetscCall(VecGetArrayRead(self->point[first + k], &y[k]));
   }
   PetscCall(VecGetLocalSize(X, &n));
   PetscCall(VecGetArrayWrite(X, &x));
   if (self->fields == 6)
     SumPoints(n, 6, m, c, y, x); /* (the compiler unrolls it) */
+  else if (self->fields == 13)
+    SumPoints(n, 13, m, c, y, x);
   else
     SumPoints(n, self->fields, m, c, y, x);
   PetscCall(VecRestoreArrayWrite(X, &x));
@@ -197,10 +228,11 @@ static PetscErrorCode Combine(VBDF *self, PetscInt first, PetscInt m, const Pets
 static PetscErrorCode ComputeRate(VBDF *self, Vec U) {
   const PetscScalar *u, *a;
   PetscScalar *r;
+  PetscReal shift[VBDF_FIELDS];
   PetscInt n;
 
   PetscFunctionBegin;
-  if (!self->taken) {
+  if (!Factored(self)) {
     PetscCall(VecWAXPY(self->rate, self->shift, U, self->affine));
     PetscFunctionReturn(0);
   }
@@ -208,23 +240,33 @@ static PetscErrorCode ComputeRate(VBDF *self, Vec U) {
   PetscCall(VecGetArrayRead(U, &u));
   PetscCall(VecGetArrayRead(self->affine, &a));
   PetscCall(VecGetArrayWrite(self->rate, &r));
+  for (PetscInt f = 0; f < self->fields; f++) {
+    shift[f] = self->shift;
+    for (int k = 0; k < VBDF_FACTORS; k++)
+      if (self->factored[f] & 1 << k) shift[f] += self->rho[k];
+  }
   for (PetscInt i = 0; i < n; i += self->fields)
-    for (PetscInt f = 0; f < self->fields; f++)
-      r[i + f] = (self->shift + (self->factored[f] ? self->rho : 0)) * u[i + f] + a[i + f];
+    for (PetscInt f = 0; f < self->fields; f++) r[i + f] = shift[f] * u[i + f] + a[i + f];
   PetscCall(VecRestoreArrayWrite(self->rate, &r));
   PetscCall(VecRestoreArrayRead(self->affine, &a));
   PetscCall(VecRestoreArrayRead(U, &u));
   PetscFunctionReturn(0);
 }
 
+/* The ratios of past points 1 .. m. */
+static void PastRatios(const VBDF *self, PetscInt m, PetscReal ratio[VBDF_FACTORS][VBDF_POINTS]) {
+  for (int a = 0; a < VBDF_FACTORS; a++)
+    for (PetscInt k = 0; k < m; k++) ratio[a][k] = self->ratio[a][1 + k];
+}
+
 /* X = the polynomial through past points 1 .. m, at time[0]. */
 static PetscErrorCode Extrapolate(VBDF *self, PetscInt m, Vec X) {
-  PetscReal L[VBDF_POINTS], across[VBDF_POINTS];
+  PetscReal L[VBDF_POINTS], ratio[VBDF_FACTORS][VBDF_POINTS];
 
   PetscFunctionBegin;
   LagrangeValues(m, self->time + 1, self->time[0], L);
-  for (PetscInt k = 0; k < m; k++) across[k] = L[k] * self->ratio[1 + k];
-  PetscCall(Combine(self, 1, m, L, across, X));
+  PastRatios(self, m, ratio);
+  PetscCall(Combine(self, 1, m, L, NULL, NULL, ratio, X));
   PetscFunctionReturn(0);
 }
 
@@ -240,14 +282,14 @@ static PetscErrorCode Predict(TS ts, VBDF *self, Vec X) {
 }
 
 static PetscErrorCode SolveStage(TS ts, VBDF *self) {
-  PetscReal D[VBDF_POINTS], across[VBDF_POINTS];
+  PetscReal D[VBDF_POINTS], ratio[VBDF_FACTORS][VBDF_POINTS];
   PetscInt its, linear;
 
   PetscFunctionBegin;
   LagrangeSlopes(self->order + 1, self->time, self->time[0], D);
   self->shift = D[0];
-  for (PetscInt k = 1; k <= self->order; k++) across[k] = D[k] * self->ratio[k];
-  PetscCall(Combine(self, 1, self->order, D + 1, across + 1, self->affine));
+  PastRatios(self, self->order, ratio);
+  PetscCall(Combine(self, 1, self->order, D + 1, NULL, NULL, ratio, self->affine));
   PetscCall(TSPreStage(ts, self->time[0]));
   PetscCall(SNESSolve(ts->snes, NULL, self->point[0]));
   PetscCall(SNESGetIterationNumber(ts->snes, &its));
@@ -372,12 +414,12 @@ static PetscErrorCode Push(TS ts, VBDF *self) {
   for (PetscInt i = VBDF_POINTS - 1; i > 1; i--) {
     self->point[i] = self->point[i - 1];
     self->time[i] = self->time[i - 1];
-    self->size[i] = self->size[i - 1];
+    PetscCall(PetscArraycpy(self->size[i], self->size[i - 1], VBDF_FACTORS));
   }
   self->point[1] = last;
   self->time[1] = ts->ptime;
   PetscCall(VecCopy(ts->vec_sol, last));
-  PetscCall(FactorSize(self, last, &self->size[1]));
+  PetscCall(FactorSize(self, last, self->size[1]));
   self->n = PetscMin(self->n + 1, VBDF_POINTS - 1);
   PetscFunctionReturn(0);
 }
@@ -399,13 +441,15 @@ static PetscErrorCode LimitStep(TS ts, VBDF *self) {
 
 /* Begins a try: the step's factor, and the step itself if that would change too much in it. */
 static void BeginTry(TS ts, VBDF *self) {
-  PetscReal folds;
+  PetscReal folds = 0;
 
   self->time[0] = ts->ptime + ts->time_step;
   self->plain = self->plain_next;
   TakeFactor(self, self->order);
-  if (!self->taken || self->fixed) return;
-  folds = PetscAbsReal(FactorLog(self, self->time[0]) - self->size[1]);
+  if (!Factored(self) || self->fixed) return;
+  for (int k = 0; k < VBDF_FACTORS; k++)
+    if (self->taken[k])
+      folds = PetscMax(folds, PetscAbsReal(FactorLog(self, k, self->time[0]) - self->size[1][k]));
   if (folds <= most_folds) return;
   ts->time_step *= most_folds / folds;
   self->time[0] = ts->ptime + ts->time_step;
@@ -494,7 +538,7 @@ static PetscErrorCode Snap(TS ts, VBDF *self, PetscBool *accept) {
   self->tried = PETSC_TRUE;
   self->snapped = done;
   if (!done) PetscFunctionReturn(0);
-  PetscCall(FactorSize(self, self->point[1], &self->size[1]));
+  PetscCall(FactorSize(self, self->point[1], self->size[1]));
   *accept = PETSC_FALSE;
   self->jumped = PETSC_FALSE;
   self->rejected = PETSC_MAX_REAL;
@@ -598,14 +642,13 @@ static PetscErrorCode TSStep_VBDF(TS ts) {
    of z, for the fields factored. */
 static PetscErrorCode TSInterpolate_VBDF(TS ts, PetscReal t, Vec X) {
   VBDF *self = (VBDF *)ts->data;
-  PetscReal L[VBDF_POINTS], across[VBDF_POINTS];
+  PetscReal L[VBDF_POINTS], ratio[VBDF_FACTORS][VBDF_POINTS];
   PetscInt m = PetscMin(self->order + 2, self->n + 1);
 
   PetscFunctionBegin;
   LagrangeValues(m, self->time, t, L);
-  FactorRatios(self, 0, m, t, across);
-  for (PetscInt k = 0; k < m; k++) across[k] *= L[k];
-  PetscCall(Combine(self, 0, m, L, across, X));
+  FactorRatios(self, 0, m, t, ratio);
+  PetscCall(Combine(self, 0, m, L, NULL, NULL, ratio, X));
   PetscFunctionReturn(0);
 }
 
@@ -613,7 +656,7 @@ static PetscErrorCode TSInterpolate_VBDF(TS ts, PetscReal t, Vec X) {
    done is false if the type is another one. Collective. */
 PetscErrorCode VBDFInterpolate(TS ts, PetscReal t, Vec U, Vec U_t, PetscBool *done) {
   VBDF *self = NULL;
-  PetscReal L[VBDF_POINTS], D[VBDF_POINTS], across[VBDF_POINTS], rho;
+  PetscReal L[VBDF_POINTS], D[VBDF_POINTS], rho[VBDF_FACTORS], ratio[VBDF_FACTORS][VBDF_POINTS];
   PetscInt m;
 
   PetscFunctionBegin;
@@ -623,10 +666,9 @@ PetscErrorCode VBDFInterpolate(TS ts, PetscReal t, Vec U, Vec U_t, PetscBool *do
   m = PetscMin(self->order + 2, self->n + 1);
   LagrangeValues(m, self->time, t, L);
   LagrangeSlopes(m, self->time, t, D);
-  FactorRatios(self, 0, m, t, across);
-  rho = FactorRate(self, t);
-  for (PetscInt k = 0; k < m; k++) across[k] *= D[k] + rho * L[k];
-  PetscCall(Combine(self, 0, m, D, across, U_t));
+  FactorRatios(self, 0, m, t, ratio);
+  for (int k = 0; k < VBDF_FACTORS; k++) rho[k] = FactorRate(self, k, t);
+  PetscCall(Combine(self, 0, m, D, L, rho, ratio, U_t));
   PetscCall(TSInterpolate_VBDF(ts, t, U));
   PetscFunctionReturn(0);
 }
@@ -786,11 +828,12 @@ PetscErrorCode VBDFSetCross(TS ts, VBDFCross cross) {
   VBDFSetHistory(). No effect on other types.
 
   fields    unknowns of a node, at most VBDF_FIELDS; vectors hold node after node
-  factored  of each; the factor is that of the first of them
+  factored  of each: 0, or bit k for factor k, which is that of the first field that has it alone; a
+            field that has several is factored by their product
 
   U_t then depends on U by shift + VBDFGetFactorRate() in these fields, for the Jacobian.
 */
-PetscErrorCode VBDFSetFactored(TS ts, PetscInt fields, const PetscBool factored[]) {
+PetscErrorCode VBDFSetFactored(TS ts, PetscInt fields, const int factored[]) {
   PetscBool any = PETSC_FALSE;
   VBDF *self = NULL;
 
@@ -805,14 +848,14 @@ PetscErrorCode VBDFSetFactored(TS ts, PetscInt fields, const PetscBool factored[
   PetscFunctionReturn(0);
 }
 
-/* VBDFGetFactorRate - rho of the present step: what the factored fields have in dU_t/dU beside the
-   shift; 0 if the type is another one. */
-PetscErrorCode VBDFGetFactorRate(TS ts, PetscReal *rate) {
+/* VBDFGetFactorRate - rho of the present step: what the fields of each factor have in dU_t/dU
+   beside the shift; 0 if the type is another one. */
+PetscErrorCode VBDFGetFactorRate(TS ts, PetscReal rate[VBDF_FACTORS]) {
   VBDF *self = NULL;
 
   PetscFunctionBegin;
   PetscCall(Self(ts, &self));
-  *rate = self ? self->rho : 0;
+  for (int k = 0; k < VBDF_FACTORS; k++) rate[k] = self ? self->rho[k] : 0;
   PetscFunctionReturn(0);
 }
 
@@ -856,7 +899,7 @@ PetscErrorCode VBDFSetHistory(TS ts, PetscInt n, const PetscReal times[], const 
   for (PetscInt i = 0; i < n; i++) {
     self->time[i + 1] = times[i];
     PetscCall(VecCopy(points[i], self->point[i + 1]));
-    PetscCall(FactorSize(self, points[i], &self->size[i + 1]));
+    PetscCall(FactorSize(self, points[i], self->size[i + 1]));
   }
   self->n = n;
   self->order = order;
@@ -919,7 +962,7 @@ PetscErrorCode VBDFGetOrder(TS ts, PetscInt *order) {
   the weights of those that VBDFGetHistory() tells, after an accepted step.
 
   n       how many; 0: it is not known (the first step, a jump, another type)
-  along   of the fields that are not factored, across of those that are
+  along   of the fields that are not factored, across of those that have the first factor
 */
 PetscErrorCode VBDFGetLocalError(TS ts, PetscInt *n, PetscReal along[VBDF_POINTS],
                                  PetscReal across[VBDF_POINTS]) {
@@ -939,7 +982,7 @@ PetscErrorCode VBDFGetLocalError(TS ts, PetscInt *n, PetscReal along[VBDF_POINTS
   along[0] = across[0] = factor;
   for (PetscInt j = 1; j <= k + 1; j++) {
     along[j] *= -factor;
-    across[j] = along[j] * self->ratio[j];
+    across[j] = along[j] * self->ratio[0][j];
   }
   *n = k + 2;
   PetscFunctionReturn(0);

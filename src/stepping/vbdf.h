@@ -10,8 +10,9 @@
 #include <petscts.h>
 
 #define TSVBDF "vbdf"
-enum { VBDF_POINTS = 9 }; /* the new one and up to 8 past ones */
-enum { VBDF_FIELDS = 8 }; /* most unknowns of a node */
+enum { VBDF_POINTS = 9 };  /* the new one and up to 8 past ones */
+enum { VBDF_FIELDS = 13 }; /* most unknowns of a node */
+enum { VBDF_FACTORS = 2 };
 enum { VBDF_MEMORY = 4 }; /* what it remembers besides */
 
 typedef PetscErrorCode (*VBDFGuess)(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1, void *ctx);
@@ -33,8 +34,8 @@ PetscErrorCode VBDFSetHighestOrder(TS ts, PetscInt order);
 PetscErrorCode VBDFSetSnap(TS ts, VBDFSnap snap);
 PetscErrorCode VBDFSetCheck(TS ts, VBDFCheck check);
 PetscErrorCode VBDFSetCross(TS ts, VBDFCross cross);
-PetscErrorCode VBDFSetFactored(TS ts, PetscInt fields, const PetscBool factored[]);
-PetscErrorCode VBDFGetFactorRate(TS ts, PetscReal *rate);
+PetscErrorCode VBDFSetFactored(TS ts, PetscInt fields, const int factored[]);
+PetscErrorCode VBDFGetFactorRate(TS ts, PetscReal rate[VBDF_FACTORS]);
 PetscErrorCode VBDFGetHistory(TS ts, PetscInt *n, PetscReal times[], Vec points[], PetscInt *order);
 PetscErrorCode VBDFSetHistory(TS ts, PetscInt n, const PetscReal times[], const Vec points[],
                               PetscInt order);

@@ -6,11 +6,13 @@
 #include "tasks/growing.h"
 #include <signal.h>
 
-const RodModel *const grow_models[MODELS] = {&rod_linear, &rod_frame, &rod_mixed};
+const RodModel *const grow_models[MODELS] = {&rod_linear, &rod_frame, &rod_mixed, &rod_space};
 
 static const OptionRow rows[] = {
-    ROW_WORD("-rod_model", "frame", "linear,frame,mixed,auto", 0,
-             "which unknowns; auto: linear while accurate enough, else frame"),
+    ROW_WORD(
+        "-rod_model", "frame", "linear,frame,mixed,space,auto", 0,
+        "which unknowns; auto: linear while accurate enough, else frame; space of itself where "
+        "something acts out of the plane"),
     ROW_REAL("-ts_rtol", "1e-6", 1e-13, 0.5, UNIT_NONE, 0,
              "tolerance of a step, per field, against the field's present size"),
     ROW_REAL("-output_interval", "", 1e-9, 1e9, UNIT_TIME, 0,
@@ -254,9 +256,29 @@ static PetscErrorCode HandOver(Grow *self, Leg *to) {
   PetscFunctionReturn(0);
 }
 
+/* The model asked for or, where something acts out of the plane, that of space. */
+static PetscErrorCode ChooseModel(Grow *self) {
+  Space *space = &self->scene->space;
+
+  PetscFunctionBegin;
+  if (space->why) PetscCall(OptionDefault("-rod_model", "space"));
+  PetscCall(OptionWord("-rod_model", &self->model, NULL));
+  if (space->why && self->model == AUTO) self->model = SPACE;
+  space->rod = (PetscBool)(self->model == SPACE);
+  UserCheck(
+      !space->only || space->rod, self->scene->comm,
+      "%s: means nothing in the plane, and nothing here takes the rod out of it; take it out, "
+      "or give -rod_model space",
+      space->only);
+  UserCheck(!space->rod || !self->member, self->scene->comm,
+            "%s: sweeps are of rods in the plane yet; run the rows one by one",
+            space->why ? space->why : "-rod_model space");
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode ReadOptions(Grow *self) {
   PetscFunctionBegin;
-  PetscCall(OptionWord("-rod_model", &self->model, NULL));
+  PetscCall(ChooseModel(self));
   PetscCall(OptionReal("-ts_rtol", &self->rtol, NULL));
   SceneAtTolerance(self->scene, self->rtol);
   PetscCall(WatchSetFromOptions(&self->watch, self->scene));
@@ -266,8 +288,10 @@ static PetscErrorCode ReadOptions(Grow *self) {
     const RodModel *model = grow_models[m];
     const char *why = model->refuses ? model->refuses(self->scene) : NULL;
     self->can[m] = (PetscBool)(why == NULL);
-    UserCheck(!why || self->model != m, self->scene->comm, "%s; take -rod_model frame or auto",
-              why);
+    UserCheck(!why || self->model != m, self->scene->comm, "%s; %s", why,
+              m == SPACE               ? "take it out, or what takes the rod out of the plane"
+              : self->scene->space.why ? "take -rod_model space"
+                                       : "take -rod_model frame or auto");
   }
   PetscFunctionReturn(0);
 }
@@ -423,7 +447,7 @@ static PetscErrorCode Create(Grow *self, const char *output, const char *restart
   PetscCall(SetInterval(self, output, restart));
   if (restart[0]) PetscCall(RestartRead(restart, self->scene, &state, &begun));
   for (PetscInt m = 0; m < MODELS; m++)
-    if (m == self->model || (self->model == AUTO && m != MIXED && self->can[m]))
+    if (m == self->model || (self->model == AUTO && m != MIXED && m != SPACE && self->can[m]))
       PetscCall(AddLeg(self, m));
   PetscCall(RodHoldTip(self->leg[self->model == AUTO ? FRAME : self->model].rod));
   if (self->leg[FRAME].rod) PetscCall(EstimateCreate(&self->leg[FRAME], &self->estimate));

@@ -5,7 +5,14 @@
 #include "stepping/estimate.h"
 #include "tasks/member.h"
 
-enum { LINEAR, FRAME, MIXED, AUTO, MODELS = AUTO }; /* as -rod_model and the series `model` say */
+enum {
+  LINEAR,
+  FRAME,
+  MIXED,
+  SPACE,
+  AUTO,
+  MODELS = AUTO
+}; /* as -rod_model and the series `model` say */
 
 typedef struct {
   Scene scene;

@@ -55,6 +55,21 @@ static PetscErrorCode ReadOptions(PetscInt task, const char *output, Asked *aske
   PetscFunctionReturn(0);
 }
 
+/* -task critical and stability are of a rod in the plane, pushed along itself. */
+static PetscErrorCode CheckStraight(Scene scene) {
+  const Space *space = &scene->space;
+
+  PetscFunctionBegin;
+  UserCheck(!space->why && !space->only, scene->comm,
+            "%s: -task critical and stability are about a rod in the plane; take it out",
+            space->why ? space->why : space->only);
+  UserCheck(!scene->load.weighs && scene->tip.push[0] == 0 && scene->tip.push[1] == 0, scene->comm,
+            "-%s: -task critical and stability know growth, friction and -tip_force only; take it "
+            "out",
+            scene->load.weighs ? "rod_weight" : "tip_force_vector");
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode RunTask(Scene scene, const Asked *asked, Member *member) {
   PetscFunctionBegin;
   UserCheck(asked->task == TASK_GROW || asked->task == TASK_UNITS || !scene->curvature.any,
@@ -66,6 +81,8 @@ static PetscErrorCode RunTask(Scene scene, const Asked *asked, Member *member) {
             "-%s: -task critical and stability are about a straight rod that touches nothing; take "
             "it out",
             scene->contact.self ? "contact_self" : "wall_file");
+  if (asked->task == TASK_STABILITY || asked->task == TASK_CRITICAL)
+    PetscCall(CheckStraight(scene));
   if (scene->shape.type == SHAPE_MODE && asked->task == TASK_GROW)
     PetscCall(TakeSlowestMode(scene));
   if (member && asked->task == TASK_GROW)

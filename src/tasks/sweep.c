@@ -45,7 +45,7 @@ static PetscErrorCode ReadStore(Sweep *self) {
 static void ChooseColumns(Sweep *self) {
   if (self->task == TASK_GROW)
     self->columns = (Columns){.group = "/final",
-                              .n = OBSERVED,
+                              .n = OBSERVED_ALWAYS,
                               .name = observed_name,
                               .units = observed_units,
                               .text = observed_text};

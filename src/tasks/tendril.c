@@ -28,10 +28,10 @@ static const OptionRow rows[] = {
 static const OptionGroup main_options = OPTION_GROUP("Task and files", rows);
 
 static const OptionGroup *const table[] = {
-    &main_options,      &restart_options,   &accuracy_options, &growth_options, &friction_options,
-    &load_options,      &tip_options,       &contact_options,  &scene_options,  &stiffness_options,
-    &curvature_options, &shape_options,     &grow_options,     &frame_options,  &event_options,
-    &si_options,        &stability_options, &sweep_options,    &petsc_options};
+    &main_options,      &restart_options,   &accuracy_options,  &growth_options,  &friction_options,
+    &load_options,      &tip_options,       &space_options,     &contact_options, &scene_options,
+    &stiffness_options, &curvature_options, &shape_options,     &grow_options,    &frame_options,
+    &event_options,     &si_options,        &stability_options, &sweep_options,   &petsc_options};
 
 /* TendrilRun - does what the options ask for (-task), from the scene to the result. Collective;
    after TendrilInitialize(). A failure has been told when it returns, and all is freed. */

@@ -37,7 +37,7 @@ static void Open(Case *c, const char *options) {
   CHECK(VecDuplicate(c->U, &c->x));
   CHECK(VecDuplicate(c->U, &c->y));
   CHECK(RodCreateMatrix(c->rod, &c->J));
-  CHECK(EliminationCreate(PETSC_COMM_WORLD, n, &c->elimination));
+  CHECK(EliminationCreate(PETSC_COMM_WORLD, n, rod_frame.halves, &c->elimination));
   for (int k = 0; k < 2; k++) {
     CHECK(KSPCreate(PETSC_COMM_WORLD, &c->ksp[k]));
     CHECK(KSPSetType(c->ksp[k], KSPPREONLY));
@@ -86,7 +86,7 @@ static void Compare(const char *options) {
   Open(&c, options);
   for (int k = 0; k < 3; k++) {
     PetscInt low, high;
-    PetscReal size[FIELDS], error[FIELDS], residual[2];
+    PetscReal size[MAX_FIELDS], error[MAX_FIELDS], residual[2];
     PetscScalar *a;
     c.rod->elimination = NULL;
     for (int i = 0; i < 2; i++) /* the duals have settled in the second */

@@ -19,7 +19,7 @@ static inline Vec RandomVector(Rod rod, int seed, PetscReal size) {
   return v;
 }
 
-/* V_t = U_t + e shift w, the shift of the fields across greater by the rod's factor_rate. */
+/* V_t = U_t + e shift w, the shift of a field greater by factor_rate, of each of its mirrors. */
 static inline void Shifted(Rod rod, Vec U_t, PetscReal shift, Vec w, PetscReal e, Vec V_t) {
   PetscInt fields = rod->model->fields, n;
   const PetscScalar *d;
@@ -29,7 +29,8 @@ static inline void Shifted(Rod rod, Vec U_t, PetscReal shift, Vec w, PetscReal e
   CHECK(VecGetArrayRead(w, &d));
   CHECK(VecGetArray(V_t, &v));
   for (PetscInt i = 0; i < n; i++)
-    if (rod->model->across[i % fields]) v[i] += e * rod->factor_rate * d[i];
+    for (int mirror = 0; mirror < MIRRORS; mirror++)
+      if (rod->model->group[i % fields] & 1 << mirror) v[i] += e * rod->factor_rate[mirror] * d[i];
   CHECK(VecRestoreArray(V_t, &v));
   CHECK(VecRestoreArrayRead(w, &d));
 }

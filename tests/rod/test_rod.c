@@ -57,7 +57,8 @@ static void JacobianByRate(const Model *model, int law, PetscReal shift, const c
            "-shape_amplitude 2 -friction_mu 0.7 -friction_beta 0.1 -friction_newton primal%s",
            more);
   Create(model, law, 12, all, &scene, &rod);
-  rod->factor_rate = -0.7 * shift;
+  rod->factor_rate[0] = -0.7 * shift;
+  rod->factor_rate[1] = 0.4 * shift;
   RandomState(rod, t, &U, &U_t);
   w = RandomVector(rod, 3, model->model == &rod_mixed ? 0.1 : 1);
   CHECK(RodCreateMatrix(rod, &J));
@@ -198,7 +199,7 @@ static void Mirror(Rod rod, Vec v) {
   CHECK(VecGetLocalSize(v, &n));
   CHECK(VecGetArray(v, &a));
   for (PetscInt i = 0; i < n; i++)
-    if (rod->model->across[i % fields]) a[i] = -a[i];
+    if (rod->model->group[i % fields]) a[i] = -a[i];
   CHECK(VecRestoreArray(v, &a));
 }
 

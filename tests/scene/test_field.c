@@ -32,8 +32,10 @@ static Field Tabulated(PetscInt n, PetscBool timed) {
 }
 
 static PetscReal At(Field field, PetscReal x1, PetscReal x2, PetscReal t, PetscReal slope[2]) {
-  PetscReal factor;
-  FieldAt(field, (PetscReal[]){x1, x2}, t, &factor, slope);
+  PetscReal factor, all[3];
+  FieldAt(field, (PetscReal[]){x1, x2, 0}, t, &factor, all);
+  slope[0] = all[0];
+  slope[1] = all[1];
   return factor;
 }
 

@@ -275,14 +275,14 @@ static PetscErrorCode TurningResidual(TS ts, PetscReal t, Vec U, Vec U_t, Vec F,
 static PetscErrorCode TurningJacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J,
                                       Mat P, void *ctx) {
   const Turning *c = (const Turning *)ctx;
-  PetscReal rate, on;
+  PetscReal rate[VBDF_FACTORS], on;
   PetscInt rows[OF_THREE], first;
 
   PetscFunctionBegin;
-  PetscCall(VBDFGetFactorRate(ts, &rate));
+  PetscCall(VBDFGetFactorRate(ts, rate));
   PetscCall(VecGetOwnershipRange(U, &first, NULL));
   for (int i = 0; i < OF_THREE; i++) rows[i] = first + i;
-  on = shift + rate - FactorSlope(c, t);
+  on = shift + rate[0] - FactorSlope(c, t);
   PetscScalar a[OF_THREE][OF_THREE] = {{shift, 0, 0}, {0, on, c->turn}, {0, -c->turn, on}};
   PetscCall(MatSetValues(P, OF_THREE, rows, OF_THREE, rows, &a[0][0], INSERT_VALUES));
   PetscCall(MatAssemblyBegin(P, MAT_FINAL_ASSEMBLY));
@@ -321,7 +321,7 @@ static void TurningErrors(const Turning *c, PetscReal t, Vec X, PetscBool rate,
    dense output and its rate within the last step. */
 static void RunTurning(const Turning *c, PetscInt order, PetscReal h, PetscReal uneven,
                        PetscReal error[2], PetscReal dense[2], PetscReal slope[2]) {
-  const PetscBool factored[OF_THREE] = {PETSC_FALSE, PETSC_TRUE, PETSC_TRUE};
+  const int factored[OF_THREE] = {0, 1, 1};
   PetscReal times[VBDF_POINTS], t = 0.4;
   PetscScalar *u;
   PetscBool done;

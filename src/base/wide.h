@@ -1,0 +1,23 @@
+/* Block elimination along a line of nodes of thirteen unknowns, on one rank: as line.h, with seven
+   equations of a cell that are rows of the node behind it and six of the node before it. */
+#ifndef TENDRIL_WIDE_H
+#define TENDRIL_WIDE_H
+
+#include <petscsys.h>
+#include <petscblaslapack.h>
+
+enum { WIDE_TOP = 7, WIDE_OWN = 6, WIDE_FIELDS = WIDE_TOP + WIDE_OWN };
+
+typedef const PetscReal WideBlock[WIDE_FIELDS][WIDE_FIELDS]; /* a cell by one of its nodes */
+
+typedef struct _WideLine *WideLine;
+
+PetscErrorCode WideCreate(PetscInt nodes, WideLine *line);
+PetscErrorCode WideDestroy(WideLine *line);
+void WideBegin(WideLine line);
+void WideCell(WideLine line, WideBlock a, WideBlock b);
+void WideEnd(WideLine line, const PetscReal own[WIDE_OWN][WIDE_FIELDS]);
+PetscBool WideRegular(WideLine line);
+void WideSolve(WideLine line, const PetscReal (*b)[WIDE_FIELDS], PetscReal (*x)[WIDE_FIELDS]);
+
+#endif

@@ -1,0 +1,205 @@
+/* What is measured on a rod in space: the integrals of observe.c, with two bends, twist and spin.
+ */
+#include "record/observe.h"
+#include "rod/directors.h"
+
+/* A point of the rod with all that integrals need. */
+typedef struct {
+  Node node;
+  PetscReal g, g_t, c, strain;        /* stretch, its rate, slide, rate of the material's stretch */
+  PetscReal S[3], S_t[3];             /* stiffnesses, and their rates in the material */
+  PetscReal u0[3], u0_t[3];           /* natural strains, likewise */
+  PetscReal d[3][3], moment[3], u[3]; /* directors; moment and strains about them */
+  PetscReal spin, F[RUBS];            /* about the tangent; load of friction */
+  Place3 at;
+} Sample3;
+
+static PetscReal Dot3(const PetscReal a[3], const PetscReal b[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static PetscErrorCode Fill(Scene scene, PetscReal s, PetscReal t, Sample3 *p) {
+  const Node *node = &p->node;
+  PetscReal B, B_t, size = QuaternionSize(node->p);
+
+  PetscFunctionBegin;
+  PetscCall(GrowthStretch(scene->growth, 1, &s, t, &p->g, &p->g_t, NULL));
+  p->c = GrowthSlide(scene->growth, s, t);
+  p->strain = GrowthStrain(scene->growth, s, t, p->g_t);
+  PetscCall(SceneStiffness(scene, s, t, &B, &B_t));
+  SceneStiffnesses(scene, B, p->S);
+  SceneStiffnesses(scene, B_t, p->S_t);
+  PetscCall(CurvatureStrains(&scene->curvature, scene->growth, s, t, p->u0, p->u0_t));
+  Directors(node->p, size, p->d);
+  for (int k = 0; k < 3; k++) {
+    p->moment[k] = Dot3(p->d[k], node->m3);
+    p->u[k] = p->moment[k] / p->S[k] + p->u0[k];
+  }
+  p->spin = QuaternionSpin(node->p, size, node->p_t) + p->c * p->u[0];
+  p->at.t = t;
+  for (int k = 0; k < 3; k++) {
+    p->at.x[k] = node->x3[k];
+    p->at.q[k] = p->d[0][k];
+    p->at.W[k] = node->x3_t[k] + p->c * p->d[0][k];
+  }
+  p->at.W[SPIN] = scene->load.radius * p->spin;
+  LoadSeen3(&scene->load, &p->at, p->F);
+  PetscFunctionReturn(0);
+}
+
+/* Adds what an end of a cell gives to its middle, y_mid = (y_a + y_b)/2 + k (y'_a - y'_b). */
+static void AddEnd(Scene scene, const Sample3 *p, PetscReal k, Node *mid) {
+  const Node *n = &p->node;
+  const PetscReal *q = p->d[0];
+  PetscReal turn[4], size = QuaternionSize(n->p), D[3][4];
+
+  QuaternionTurn(n->p, p->u, turn);
+  DirectorSlope(n->p, size, q, 0, D);
+  for (int i = 0; i < 4; i++) {
+    mid->p[i] += n->p[i] / 2 + k * p->g / 2 * turn[i];
+    mid->p_t[i] += n->p_t[i] / 2;
+  }
+  for (int i = 0; i < 3; i++) {
+    int j = (i + 1) % 3, l = (i + 2) % 3;
+    PetscReal d1_t =
+        D[i][0] * n->p_t[0] + D[i][1] * n->p_t[1] + D[i][2] * n->p_t[2] + D[i][3] * n->p_t[3];
+    mid->x3[i] += n->x3[i] / 2 + k * p->g * q[i];
+    mid->x3_t[i] += n->x3_t[i] / 2 + k * (p->g_t * q[i] + p->g * d1_t);
+    mid->m3[i] += n->m3[i] / 2 - k * p->g * (q[j] * n->n3[l] - q[l] * n->n3[j] - p->F[SPIN] * q[i]);
+    mid->n3[i] += n->n3[i] / 2 + k * p->g * (p->F[i] - scene->load.weight[i]);
+  }
+}
+
+/* What a length of material costs: n.d1 + (u - u0).S(u - u0)/2 + u0.S(u - u0). */
+static PetscReal Tension3(const Sample3 *p) {
+  PetscReal sum = Dot3(p->node.n3, p->d[0]);
+  for (int k = 0; k < 3; k++) sum += p->moment[k] * (p->moment[k] / p->S[k] / 2 + p->u0[k]);
+  return sum;
+}
+
+/* The rate of the writhe along the rod, in turns (Fuller's, against the clamp's axis e1):
+   (e1 x d1).d1' / (2 pi (1 + e1.d1)),  d1' = u3 d2 - u2 d3. */
+static PetscReal WritheRate(const Sample3 *p) {
+  const PetscReal *q = p->d[0];
+  PetscReal bend[3];
+
+  for (int i = 0; i < 3; i++) bend[i] = p->u[2] * p->d[1][i] - p->u[1] * p->d[2][i];
+  return (q[1] * bend[2] - q[2] * bend[1]) / (2 * PETSC_PI * PetscMax(1e-12, 1 + q[0]));
+}
+
+static void Integrate3(Scene scene, const Sample3 *p, PetscReal weight, Observation *sum) {
+  const Space *space = &scene->space;
+  const PetscReal dl = weight * p->g;
+  PetscReal lab[3], bending = 0, growth = 0;
+
+  SpaceToLab(space, p->node.x3, lab);
+  for (int k = 0; k < 3; k++) {
+    PetscReal elastic = PetscSqr(p->moment[k]) / p->S[k] / 2;
+    bending += elastic;
+    growth += elastic / p->S[k] * p->S_t[k] - p->moment[k] * p->u0_t[k];
+  }
+  sum->norm_x2 += weight * lab[1] * lab[1];
+  sum->norm_x2_length += dl * lab[1] * lab[1];
+  sum->norm_x3 += weight * lab[2] * lab[2];
+  sum->energy += dl * bending;
+  sum->energy_twist += dl * PetscSqr(p->moment[0]) / p->S[0] / 2;
+  sum->growth_power += dl * growth - weight * p->strain * Tension3(p);
+  sum->dissipation += dl * (Dot3(p->F, p->at.W) + p->F[SPIN] * p->spin);
+  sum->weight_power += dl * Dot3(scene->load.weight, p->at.W);
+  sum->twist += dl * p->u[0];
+  sum->writhe += dl * WritheRate(p);
+}
+
+/* The angle by which the directors are turned about the tangent against the smallest rotation that
+   takes the clamp's axis to it. */
+static PetscReal Turned(const Node *node) {
+  return 2 * atan2(node->p[1], node->p[0]);
+}
+
+/* How far that turns from one node to the next: less than half a turn, either way. */
+static PetscReal TurnedBetween(const Node *a, const Node *b) {
+  PetscReal turn = (Turned(b) - Turned(a)) / (2 * PETSC_PI);
+  return turn - PetscFloorReal(turn + 0.5);
+}
+
+static void MeasureClamp3(Scene scene, const Sample3 *p, Observation *seen) {
+  PetscReal lab[3];
+
+  seen->feed_force = -Tension3(p);
+  seen->growth_power += p->c * seen->feed_force;
+  SpaceToLab(&scene->space, p->node.n3, lab);
+  seen->base_force_1 = -lab[0];
+  seen->base_force_2 = -lab[1];
+  seen->base_force_3 = -lab[2];
+  SpaceToLab(&scene->space, p->node.m3, lab);
+  seen->base_moment_1 = -lab[0];
+  seen->base_moment_2 = -lab[1];
+  seen->base_moment_3 = -lab[2];
+  seen->clamp_power = -p->node.m3[0] * scene->space.spin;
+}
+
+static void MeasureTip3(Scene scene, const Sample3 *p, Observation *seen) {
+  const Node *tip = &p->node;
+  PetscReal lab[3];
+
+  seen->tip_speed = PetscSqrtReal(Dot3(p->at.W, p->at.W));
+  seen->tip_spin = p->spin;
+  seen->tip_power = Dot3(tip->n3, p->at.W) + p->moment[0] * p->spin;
+  SpaceToLab(&scene->space, tip->x3, lab);
+  seen->tip_x1 = lab[0];
+  seen->tip_x2 = lab[1];
+  seen->tip_x3 = lab[2];
+  seen->end_distance = PetscSqrtReal(Dot3(lab, lab));
+  SpaceToLab(&scene->space, tip->n3, lab);
+  seen->tip_force_1 = lab[0];
+  seen->tip_force_2 = lab[1];
+  seen->tip_force_3 = lab[2];
+}
+
+/* What is read at s = 1/2, on the parabola through the points of the cell that holds it. */
+static void MeasureMiddle3(PetscReal z, const Sample3 *a, const Sample3 *mid, const Sample3 *b,
+                           Observation *seen) {
+  const PetscReal w[3] = {(1 - z) * (1 - 2 * z), 4 * z * (1 - z), z * (2 * z - 1)};
+  PetscReal x[3], v[3];
+
+  for (int d = 0; d < 3; d++) {
+    x[d] = w[0] * a->node.x3[d] + w[1] * mid->node.x3[d] + w[2] * b->node.x3[d];
+    v[d] = w[0] * a->at.W[d] + w[1] * mid->at.W[d] + w[2] * b->at.W[d];
+  }
+  seen->mid_distance = PetscSqrtReal(Dot3(x, x));
+  seen->mid_speed = PetscSqrtReal(Dot3(v, v));
+}
+
+/*
+  ObserveSpace - integrals over a piece of a rod in space by Simpson's rule on each cell, and what
+  is read at its ends, added to seen. Not collective.
+
+  first, end  its nodes      node  that of first
+*/
+PetscErrorCode ObserveSpace(Scene scene, PetscReal t, PetscInt first, PetscInt end,
+                            const Node node[], Observation *seen) {
+  const PetscReal *s = scene->mesh.s;
+  Sample3 a, b, mid;
+
+  PetscFunctionBegin;
+  b.node = node[0];
+  PetscCall(Fill(scene, s[first], t, &b));
+  if (!first) MeasureClamp3(scene, &b, seen);
+  for (PetscInt i = first; i < end; i++) {
+    PetscReal h = s[i + 1] - s[i];
+    a = b;
+    b.node = node[i + 1 - first];
+    PetscCall(Fill(scene, s[i + 1], t, &b));
+    PetscCall(PetscMemzero(&mid, sizeof(mid)));
+    AddEnd(scene, &a, h / 8, &mid.node);
+    AddEnd(scene, &b, -h / 8, &mid.node);
+    PetscCall(Fill(scene, (s[i] + s[i + 1]) / 2, t, &mid));
+    Integrate3(scene, &a, h / 6, seen);
+    Integrate3(scene, &mid, 4 * h / 6, seen);
+    Integrate3(scene, &b, h / 6, seen);
+    seen->link += TurnedBetween(&a.node, &b.node);
+    if (s[i] < 0.5 && s[i + 1] >= 0.5) MeasureMiddle3((0.5 - s[i]) / h, &a, &mid, &b, seen);
+  }
+  if (end == scene->mesh.cells) MeasureTip3(scene, &b, seen);
+  PetscFunctionReturn(0);
+}

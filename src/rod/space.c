@@ -1,0 +1,831 @@
+/* The model of space (theory.md): a Kirchhoff rod, thirteen unknowns a node. d1, d2, d3 are the
+   directors of the quaternion p, d1 the tangent; x, m and n are in the clamp's frame,
+     x' = g d1,  p' = g/2 p (0, u),  u = S^-1 (m.d1, m.d2, m.d3) + u0,
+     m' = -g d1 x n + g l d1,  n' = g F,
+   F the load and l its couple about the tangent (scene/load_space.h), at the velocity v = x_t + c
+   d1 and the spin 2 (p* p_t)_1 + c u1, s = 0: x = 0, p that of the clamp;  s = 1: the tip's six
+   conditions (tip.h). The cells are those of the frame model (frame.c), y = (x, p, m, n): order 4:
+   y_b - y_a = h/6 (f_a + 4 f_mid + f_b),  y_mid = (y_a + y_b)/2 + h/8 (f_a - f_b), order 2:  y_b -
+   y_a = h f_mid,                    y_mid = (y_a + y_b)/2, x_t at mid likewise, the rate of p there
+   the mean of both ends'. The rows of node i are the x and p equations of the cell on its left, the
+   m and n equations of the cell on its right. */
+#include "rod/directors.h"
+#include "rod/rod.h"
+#include <string.h>
+
+enum { X, P = 3, M = 7, N = 10, FIELDS = 13, LEFT = M, RIGHT = FIELDS - LEFT };
+
+/* What the laws give at a point; flex = 1/S. */
+typedef struct {
+  PetscReal s, g, g_t, c, u0[3], flex[3];
+} Law;
+
+/* A point of the rod: its unknowns, what follows from them, and f. */
+typedef struct {
+  PetscReal p[4], m[3], n[3], size, d[3][3], u[3], f[FIELDS];
+  PetscReal p_t[4];
+  Place3 at;
+} Point;
+
+/* The derivatives of f at a point by its unknowns, the velocity and the spin held, and by these. */
+typedef struct {
+  PetscReal d1[3][4], u_p[3][4], u_m[3][3];
+  PetscReal f[FIELDS][FIELDS];
+  LoadSlope3 load;
+} Slope;
+
+typedef struct {
+  PetscReal end_weight, mid_weight, bow; /* times h: 1/6, 4/6, 1/8 (order 4); 0, 1, 0 (order 2) */
+  PetscReal time;                        /* of the laws below */
+  Law *law;                              /* nodes and mids from node first - 1 on, alternating */
+  FrictionDual4 *dual; /* likewise; the tip's own where a cell behind it would be */
+} Space_;
+
+/* A walk along the cells that touch owned nodes. */
+typedef struct {
+  Rod rod;
+  PetscReal t, h;
+  const Load *load;
+  const PetscReal (*u)[FIELDS], (*u_t)[FIELDS], *s;
+  Vec local[2];
+  Law *law; /* of nodes a, mid, b of the cell */
+  FrictionDual4 *dual;
+  Point a, mid, b;
+} Cell;
+
+/* f at a point whose unknowns, place and velocity are set */
+static void PointEvaluate(const Load *load, const Law *law, const FrictionDual4 *dual, Point *p) {
+  const PetscReal *q = p->d[0], g = law->g;
+  PetscReal load_[RUBS];
+
+  LoadForce3(load, &p->at, dual, load_);
+  QuaternionTurn(p->p, p->u, p->f + P);
+  for (int i = 0; i < 4; i++) p->f[P + i] *= g / 2;
+  p->f[M] = -g * (q[1] * p->n[2] - q[2] * p->n[1]);
+  p->f[M + 1] = -g * (q[2] * p->n[0] - q[0] * p->n[2]);
+  p->f[M + 2] = -g * (q[0] * p->n[1] - q[1] * p->n[0]);
+  for (int i = 0; i < 3; i++) {
+    p->f[X + i] = g * q[i];
+    if (load->radius > 0) p->f[M + i] += g * load_[SPIN] * q[i];
+    p->f[N + i] = g * load_[i];
+  }
+}
+
+/* Directors and strains from p and m, and the spin. */
+static void PointStrains(const Load *load, const Law *law, Point *p) {
+  p->size = QuaternionSize(p->p);
+  Directors(p->p, p->size, p->d);
+  for (int k = 0; k < 3; k++) {
+    p->u[k] = law->flex[k] * (p->d[k][0] * p->m[0] + p->d[k][1] * p->m[1] + p->d[k][2] * p->m[2]) +
+              law->u0[k];
+    p->at.q[k] = p->d[0][k];
+  }
+  p->at.W[SPIN] = 0;
+  if (load->radius > 0)
+    p->at.W[SPIN] = load->radius * (QuaternionSpin(p->p, p->size, p->p_t) + law->c * p->u[0]);
+}
+
+static void PointAtNode(const Cell *cell, const Law *law, const FrictionDual4 *dual,
+                        const PetscReal *u, const PetscReal *u_t, Point *p) {
+  memcpy(p->p, u + P, sizeof(p->p));
+  memcpy(p->m, u + M, sizeof(p->m));
+  memcpy(p->n, u + N, sizeof(p->n));
+  memcpy(p->p_t, u_t + P, sizeof(p->p_t));
+  PointStrains(cell->load, law, p);
+  p->at.t = cell->t;
+  for (int i = 0; i < 3; i++) {
+    p->at.x[i] = u[X + i];
+    p->at.W[i] = u_t[X + i] + law->c * p->d[0][i];
+  }
+  PointEvaluate(cell->load, law, dual, p);
+}
+
+/* The slope x'_t = g_t d1 + g d1_t of the velocity at a node, and d1_t. */
+static void VelocitySlope(const Law *law, const Point *p, PetscReal w[3], PetscReal d1_t[3]) {
+  PetscReal D[3][4];
+
+  DirectorSlope(p->p, p->size, p->d[0], 0, D);
+  for (int i = 0; i < 3; i++) {
+    d1_t[i] = D[i][0] * p->p_t[0] + D[i][1] * p->p_t[1] + D[i][2] * p->p_t[2] + D[i][3] * p->p_t[3];
+    w[i] = law->g_t * p->d[0][i] + law->g * d1_t[i];
+  }
+}
+
+/* The point in the middle of the cell; k = bow h. */
+static void PointAtMid(Cell *cell, PetscReal k, const PetscReal *ua_t, const PetscReal *ub_t) {
+  const Point *a = &cell->a, *b = &cell->b;
+  Point *p = &cell->mid;
+  PetscReal wa[3], wb[3], d1_t[3];
+
+  VelocitySlope(&cell->law[0], a, wa, d1_t);
+  VelocitySlope(&cell->law[2], b, wb, d1_t);
+  for (int i = 0; i < 4; i++) {
+    p->p[i] = (a->p[i] + b->p[i]) / 2 + k * (a->f[P + i] - b->f[P + i]);
+    p->p_t[i] = (ua_t[P + i] + ub_t[P + i]) / 2;
+  }
+  for (int i = 0; i < 3; i++) {
+    p->m[i] = (a->m[i] + b->m[i]) / 2 + k * (a->f[M + i] - b->f[M + i]);
+    p->n[i] = (a->n[i] + b->n[i]) / 2 + k * (a->f[N + i] - b->f[N + i]);
+    p->at.x[i] = (a->at.x[i] + b->at.x[i]) / 2 + k * (a->f[X + i] - b->f[X + i]);
+  }
+  PointStrains(cell->load, &cell->law[1], p);
+  p->at.t = cell->t;
+  for (int i = 0; i < 3; i++)
+    p->at.W[i] =
+        (ua_t[X + i] + ub_t[X + i]) / 2 + k * (wa[i] - wb[i]) + cell->law[1].c * p->d[0][i];
+  PointEvaluate(cell->load, &cell->law[1], cell->dual + 1, p);
+}
+
+/* The laws at all points of the owned nodes and the cells beside them, at time t. */
+static PetscErrorCode LawsAt(Rod rod, PetscReal t) {
+  Space_ *self = (Space_ *)rod->data;
+  Scene scene = rod->scene;
+  const PetscReal *s = scene->mesh.s;
+  PetscInt i0 = PetscMax(rod->first - 1, 0), i1 = PetscMin(rod->end, rod->last);
+
+  PetscFunctionBegin;
+  if (self->time == t) PetscFunctionReturn(0);
+  for (PetscInt i = i0; i <= i1; i++)
+    for (int half = 0; half < 2 && (!half || i < i1); half++) {
+      Law *law = &self->law[2 * (i - rod->first + 1) + half];
+      PetscReal B, S[3];
+      law->s = half ? (s[i] + s[i + 1]) / 2 : s[i];
+      PetscCall(GrowthStretch(scene->growth, 1, &law->s, t, &law->g, &law->g_t, NULL));
+      law->c = GrowthSlide(scene->growth, law->s, t);
+      PetscCall(SceneStiffness(scene, law->s, t, &B, NULL));
+      SceneStiffnesses(scene, B, S);
+      for (int k = 0; k < 3; k++) law->flex[k] = 1 / S[k];
+      PetscCall(CurvatureStrains(&scene->curvature, scene->growth, law->s, t, law->u0, NULL));
+    }
+  self->time = t;
+  PetscFunctionReturn(0);
+}
+
+static void NodePoint(Cell *cell, PetscInt i, Point *p) {
+  Space_ *self = (Space_ *)cell->rod->data;
+  PetscInt k = 2 * (i - cell->rod->first + 1);
+
+  PointAtNode(cell, self->law + k, self->dual + k, cell->u[i], cell->u_t[i], p);
+}
+
+/* Begins a walk at the first of the cells that touch owned nodes. Collective. */
+static PetscErrorCode CellsOpen(Rod rod, PetscReal t, Vec U, Vec U_t, Cell *cell) {
+  PetscFunctionBegin;
+  PetscCall(LawsAt(rod, t));
+  cell->rod = rod;
+  cell->t = t;
+  cell->load = &rod->scene->load;
+  cell->s = rod->scene->mesh.s;
+  PetscCall(RodOpen(rod, U, &cell->local[0], &cell->u));
+  PetscCall(RodOpen(rod, U_t, &cell->local[1], &cell->u_t));
+  NodePoint(cell, PetscMax(rod->first - 1, 0), &cell->b);
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode CellsClose(Cell *cell) {
+  PetscFunctionBegin;
+  PetscCall(RodClose(cell->rod, &cell->local[0], &cell->u));
+  PetscCall(RodClose(cell->rod, &cell->local[1], &cell->u_t));
+  PetscFunctionReturn(0);
+}
+
+/* Goes on to the cell between nodes i and i + 1. */
+static void CellsNext(Cell *cell, PetscInt i) {
+  Space_ *self = (Space_ *)cell->rod->data;
+  PetscInt k = 2 * (i - cell->rod->first + 1);
+
+  cell->law = self->law + k;
+  cell->dual = self->dual + k;
+  cell->h = cell->s[i + 1] - cell->s[i];
+  cell->a = cell->b;
+  NodePoint(cell, i + 1, &cell->b);
+  PointAtMid(cell, self->bow * cell->h, cell->u_t[i], cell->u_t[i + 1]);
+}
+
+/* What the tip's conditions are about. */
+static TipState3 TipOf(const Point *end) {
+  TipState3 tip = {.at = end->at};
+
+  tip.at.W[SPIN] = 0; /* what meets the tip feels it move, not spin */
+  memcpy(tip.p, end->p, sizeof(tip.p));
+  memcpy(tip.m, end->m, sizeof(tip.m));
+  memcpy(tip.n, end->n, sizeof(tip.n));
+  DirectorSlope(end->p, end->size, end->d[0], 0, tip.q_p);
+  return tip;
+}
+
+static FrictionDual4 *TipDual(Rod rod) {
+  return ((Space_ *)rod->data)->dual + 2 * (rod->last - rod->first + 1) + 1;
+}
+
+static PetscErrorCode SpaceResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F) {
+  const Space_ *self = (const Space_ *)rod->data;
+  const Scene scene = rod->scene;
+  PetscReal(*F_)[FIELDS], r[FIELDS], p[4];
+  Cell cell;
+
+  PetscFunctionBegin;
+  PetscCall(CellsOpen(rod, t, U, U_t, &cell));
+  PetscCall(DMDAVecGetArray(rod->da, F, &F_));
+  for (PetscInt i = PetscMax(rod->first - 1, 0); i < PetscMin(rod->end, rod->last); i++) {
+    CellsNext(&cell, i);
+    for (int f = 0; f < FIELDS; f++)
+      r[f] = cell.u[i + 1][f] - cell.u[i][f] -
+             cell.h * (self->end_weight * (cell.a.f[f] + cell.b.f[f]) +
+                       self->mid_weight * cell.mid.f[f]);
+    if (i >= rod->first) PetscCall(PetscArraycpy(&F_[i][LEFT], &r[LEFT], RIGHT));
+    if (i + 1 < rod->end) PetscCall(PetscArraycpy(F_[i + 1], r, LEFT));
+  }
+  if (rod->first == 0) {
+    SpaceClampTurn(&scene->space, &scene->load, t, p);
+    PetscCall(PetscArraycpy(F_[0], cell.u[0], LEFT));
+    for (int k = 0; k < 4; k++) F_[0][P + k] -= p[k];
+  }
+  if (rod->end == rod->last + 1) {
+    TipState3 tip = TipOf(&cell.b);
+    TipResidual3(&scene->tip, &tip, TipDual(rod), &F_[rod->last][LEFT]);
+  }
+  PetscCall(DMDAVecRestoreArray(rod->da, F, &F_));
+  PetscCall(CellsClose(&cell));
+  PetscFunctionReturn(0);
+}
+
+/* ---- derivatives ---- */
+
+/* C += s A B, of sizes known when compiled. */
+static inline void AddProduct(int rows, int inner, int columns, PetscReal s, const PetscReal *A,
+                              int lda, const PetscReal *B, int ldb, PetscReal *C, int ldc) {
+  for (int i = 0; i < rows; i++)
+    for (int k = 0; k < inner; k++) {
+      const PetscReal a = s * A[i * lda + k];
+      for (int j = 0; j < columns; j++) C[i * ldc + j] += a * B[k * ldb + j];
+    }
+}
+
+/* The derivatives at a point, its load's brought up to the present state first. By v and spin they
+   are not part of f: see AddVelocity(). */
+static void Linearise(const Cell *cell, const Law *law, const Point *p, FrictionDual4 *dual,
+                      Slope *slope) {
+  const Load *load = cell->load;
+  const PetscReal g = law->g, *q = p->d[0], *u = p->u, *n = p->n;
+  PetscReal(*f)[FIELDS] = slope->f, D[3][4];
+
+  LoadLinearise3(load, &p->at, cell->rod->fresh, dual, &slope->load);
+  memset(f, 0, sizeof(slope->f));
+  for (int k = 0; k < 3; k++) { /* u_k = flex_k d_k.m + u0_k */
+    DirectorSlope(p->p, p->size, p->d[k], k, D);
+    if (!k) memcpy(slope->d1, D, sizeof(D));
+    for (int j = 0; j < 4; j++)
+      slope->u_p[k][j] = law->flex[k] * (D[0][j] * p->m[0] + D[1][j] * p->m[1] + D[2][j] * p->m[2]);
+    for (int j = 0; j < 3; j++) slope->u_m[k][j] = law->flex[k] * p->d[k][j];
+  }
+  /* x' = g d1 */
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 4; j++) f[X + i][P + j] = g * slope->d1[i][j];
+  /* p' = g/2 p (0, u): linear in u with T, in p with the matrix of u */
+  const PetscReal T[4][3] = {{-p->p[1], -p->p[2], -p->p[3]},
+                             {p->p[0], -p->p[3], p->p[2]},
+                             {p->p[3], p->p[0], -p->p[1]},
+                             {-p->p[2], p->p[1], p->p[0]}},
+                  O[4][4] = {{0, -u[0], -u[1], -u[2]},
+                             {u[0], 0, u[2], -u[1]},
+                             {u[1], -u[2], 0, u[0]},
+                             {u[2], u[1], -u[0], 0}};
+  for (int i = 0; i < 4; i++)
+    for (int j = 0; j < 4; j++) f[P + i][P + j] = g / 2 * O[i][j];
+  AddProduct(4, 3, 4, g / 2, T[0], 3, slope->u_p[0], 4, &f[P][P], FIELDS);
+  AddProduct(4, 3, 3, g / 2, T[0], 3, slope->u_m[0], 3, &f[P][M], FIELDS);
+  /* m' = -g d1 x n */
+  const PetscReal by_q[3][3] = {{0, n[2], -n[1]}, {-n[2], 0, n[0]}, {n[1], -n[0], 0}},
+                  by_n[3][3] = {{0, -q[2], q[1]}, {q[2], 0, -q[0]}, {-q[1], q[0], 0}};
+  AddProduct(3, 3, 4, -g, by_q[0], 3, slope->d1[0], 4, &f[M][P], FIELDS);
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) f[M + i][N + j] = -g * by_n[i][j];
+  if (!load->varied) return;
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) f[N + i][X + j] = g * slope->load.x[i][j];
+  AddProduct(3, 3, 4, g, slope->load.q[0], 3, slope->d1[0], 4, &f[N][P], FIELDS);
+}
+
+/* Adds to the derivatives of f what comes of the couple of friction where it turns and varies. */
+static void AddCouple(const Load *load, const Law *law, const Point *p, const FrictionDual4 *dual,
+                      Slope *slope) {
+  PetscReal l[RUBS];
+
+  LoadForce3(load, &p->at, dual, l);
+  for (int i = 0; i < 3; i++) {
+    for (int j = 0; j < 4; j++) slope->f[M + i][P + j] += law->g * l[SPIN] * slope->d1[i][j];
+    for (int j = 0; j < 3 && load->varied; j++)
+      slope->f[M + i][X + j] += law->g * p->d[0][i] * slope->load.x[SPIN][j];
+  }
+}
+
+/* How W changes with the unknowns of a node: c d1 and c u1, and the rates by their shifts; half: of
+   the rates in the middle of a cell each end has half. dW[RUBS][FIELDS] is added to. */
+static void RateSlope(const Load *load, const Point *p, const PetscReal *p_t, PetscReal half,
+                      const PetscReal shift[], PetscReal dW[RUBS][FIELDS]) {
+  const PetscReal *q = p->p, f = 2 / p->size * load->radius;
+  const PetscReal by_rate[4] = {-q[1], q[0], q[3], -q[2]};
+
+  for (int i = 0; i < 3; i++) dW[i][X + i] += half * shift[X + i];
+  for (int j = 0; j < 4 && load->radius > 0; j++)
+    dW[SPIN][P + j] += half * shift[P + j] * f * by_rate[j];
+  (void)p_t;
+}
+
+/* By the place on the curve: of W = (v, r spin) where only c d1, c u1 and p in the spin change. */
+static void TurnSlope(const Load *load, const Law *law, const Point *p, const Slope *slope,
+                      PetscReal dW[RUBS][FIELDS]) {
+  const PetscReal *p_t = p->p_t, f = 2 / p->size * load->radius,
+                  spin = 2 * load->radius / p->size * QuaternionSpin(p->p, p->size, p_t),
+                  by_p[4] = {p_t[1], -p_t[0], -p_t[3], p_t[2]};
+
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 4; j++) dW[i][P + j] += law->c * slope->d1[i][j];
+  if (load->radius == 0) return;
+  for (int j = 0; j < 4; j++)
+    dW[SPIN][P + j] += f * by_p[j] - spin * p->p[j] + load->radius * law->c * slope->u_p[0][j];
+  for (int j = 0; j < 3; j++) dW[SPIN][M + j] += load->radius * law->c * slope->u_m[0][j];
+}
+
+/* f += s dF/dW dW, of the force and of its couple about d1. */
+static void AddVelocity(const Load *load, const Law *law, const Point *p, const Slope *slope,
+                        PetscReal s, PetscReal dW[RUBS][FIELDS], PetscReal f[FIELDS][FIELDS]) {
+  PetscReal couple[3][RUBS];
+
+  AddProduct(3, 3, M, s * law->g, slope->load.W[0], RUBS, dW[0], FIELDS, f[N], FIELDS);
+  if (load->radius == 0) return;
+  AddProduct(3, 1, N, s * law->g, slope->load.W[0] + SPIN, RUBS, dW[SPIN], FIELDS, f[N], FIELDS);
+  for (int i = 0; i < 3; i++)
+    for (int c = 0; c < RUBS; c++) couple[i][c] = p->d[0][i] * slope->load.W[SPIN][c];
+  AddProduct(3, RUBS, N, s * law->g, couple[0], RUBS, dW[0], FIELDS, f[M], FIELDS);
+}
+
+/* How x'_t = g_t d1 + g d1_t of a node changes with p, and with p_t by its shift: 3 x 4.
+     d(d1_t)/dp = (A(p_t) - (p.p_t) D - d1 p_t^T - d1_t p^T) 2/|p|^2,  A half the form of d1. */
+static void VelocitySlopeSlope(const Law *law, const Point *p, const Slope *slope,
+                               const PetscReal shift[], PetscReal by_p[3][4]) {
+  PetscReal w[3], d1_t[3], A[3][4], dot = 0;
+
+  VelocitySlope(law, p, w, d1_t);
+  DirectorForm(p->p_t, 0, A);
+  for (int j = 0; j < 4; j++) dot += p->p[j] * p->p_t[j];
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 4; j++)
+      by_p[i][j] =
+          law->g_t * slope->d1[i][j] + law->g * shift[P + j] * slope->d1[i][j] +
+          law->g * 2 / p->size *
+              (A[i][j] - dot * slope->d1[i][j] - p->d[0][i] * p->p_t[j] - d1_t[i] * p->p[j]);
+}
+
+/* The derivatives at a node, with what its own rates add. */
+static void NodeSlope(const Cell *cell, const Law *law, const Point *p, FrictionDual4 *dual,
+                      const PetscReal shift[], Slope *slope) {
+  PetscReal dW[RUBS][FIELDS] = {{0}};
+
+  Linearise(cell, law, p, dual, slope);
+  if (cell->load->radius > 0) AddCouple(cell->load, law, p, dual, slope);
+  RateSlope(cell->load, p, p->p_t, 1, shift, dW);
+  TurnSlope(cell->load, law, p, slope, dW);
+  AddVelocity(cell->load, law, p, slope, 1, dW, slope->f);
+}
+
+/* J, the derivative of the cell's equations by the unknowns of one of its nodes: sign -1 for node
+   a, 1 for node b. With G = dy_mid/dy = I/2 + k df/dy, J = sign I - we df/dy - wm (df_mid/dy_mid G
+   + df_mid/dW dW_mid/dy). */
+static void CellJacobian(const Cell *cell, PetscReal sign, const PetscReal shift[], const Law *law,
+                         const Point *p, const Slope *slope, const Slope *mid,
+                         PetscReal J[FIELDS][FIELDS]) {
+  const Space_ *self = (const Space_ *)cell->rod->data;
+  const Load *load = cell->load;
+  const PetscReal k = -sign * self->bow * cell->h, we = cell->h * self->end_weight,
+                  wm = cell->h * self->mid_weight;
+  PetscReal G[FIELDS][FIELDS], dW[RUBS][FIELDS] = {{0}}, turn[RUBS][FIELDS] = {{0}}, by_p[3][4];
+
+  for (int i = 0; i < FIELDS; i++)
+    for (int j = 0; j < FIELDS; j++) {
+      G[i][j] = k * slope->f[i][j];
+      J[i][j] = -we * slope->f[i][j];
+    }
+  for (int i = 0; i < FIELDS; i++) {
+    G[i][i] += 0.5;
+    J[i][i] += sign;
+  }
+  RateSlope(load, &cell->mid, cell->mid.p_t, 0.5, shift, dW);
+  if (k != 0) {
+    VelocitySlopeSlope(law, p, slope, shift, by_p);
+    for (int i = 0; i < 3; i++)
+      for (int j = 0; j < 4; j++) dW[i][P + j] += k * by_p[i][j];
+  }
+  if (cell->law[1].c != 0 || load->radius > 0) {
+    TurnSlope(load, &cell->law[1], &cell->mid, mid, turn);
+    AddProduct(RUBS, 7, FIELDS, 1, turn[0] + P, FIELDS, G[P], FIELDS, dW[0], FIELDS);
+  }
+  /* rows of x and p by p and m; of m by p and n; of n by x and p: what is 0 is left out */
+  AddProduct(3, 4, 7, -wm, &mid->f[X][P], FIELDS, &G[P][P], FIELDS, &J[X][P], FIELDS);
+  AddProduct(4, 4, 7, -wm, &mid->f[P][P], FIELDS, &G[P][P], FIELDS, &J[P][P], FIELDS);
+  AddProduct(4, 3, FIELDS, -wm, &mid->f[P][M], FIELDS, G[M], FIELDS, J[P], FIELDS);
+  AddProduct(3, 4, 7, -wm, &mid->f[M][P], FIELDS, &G[P][P], FIELDS, &J[M][P], FIELDS);
+  AddProduct(3, 3, FIELDS, -wm, &mid->f[M][N], FIELDS, G[N], FIELDS, J[M], FIELDS);
+  if (load->varied) {
+    AddProduct(3, 3, FIELDS, -wm, mid->f[M], FIELDS, G[X], FIELDS, J[M], FIELDS);
+    AddProduct(3, 7, FIELDS, -wm, mid->f[N], FIELDS, G[X], FIELDS, J[N], FIELDS);
+  }
+  if (cell->law[1].c != 0 || load->radius > 0) {
+    AddProduct(3, 3, FIELDS, -wm * cell->law[1].g, mid->load.W[0], RUBS, dW[0], FIELDS, J[N],
+               FIELDS);
+    if (load->radius > 0) {
+      PetscReal couple[3][RUBS];
+      for (int i = 0; i < 3; i++)
+        for (int c = 0; c < RUBS; c++) couple[i][c] = cell->mid.d[0][i] * mid->load.W[SPIN][c];
+      AddProduct(3, 1, FIELDS, -wm * cell->law[1].g, mid->load.W[0] + SPIN, RUBS, dW[SPIN], FIELDS,
+                 J[N], FIELDS);
+      AddProduct(3, RUBS, FIELDS, -wm * cell->law[1].g, couple[0], RUBS, dW[0], FIELDS, J[M],
+                 FIELDS);
+    }
+  } else
+    AddProduct(3, 3, 7, -wm * cell->law[1].g, mid->load.W[0], RUBS, dW[0], FIELDS, J[N], FIELDS);
+}
+
+/* The slopes at the three points of a cell: that of its first node is the last of the cell before.
+ */
+typedef struct {
+  Slope a, mid, b;
+} Slopes;
+
+static void CellBlocks(Cell *cell, PetscBool first, const PetscReal shift[], Slopes *slopes,
+                       PetscReal left[FIELDS][FIELDS], PetscReal right[FIELDS][FIELDS]) {
+  if (first)
+    NodeSlope(cell, cell->law, &cell->a, cell->dual, shift, &slopes->a);
+  else
+    slopes->a = slopes->b;
+  NodeSlope(cell, cell->law + 2, &cell->b, cell->dual + 2, shift, &slopes->b);
+  Linearise(cell, cell->law + 1, &cell->mid, cell->dual + 1, &slopes->mid);
+  if (cell->load->radius > 0)
+    AddCouple(cell->load, cell->law + 1, &cell->mid, cell->dual + 1, &slopes->mid);
+  CellJacobian(cell, -1, shift, cell->law, &cell->a, &slopes->a, &slopes->mid, left);
+  CellJacobian(cell, 1, shift, cell->law + 2, &cell->b, &slopes->b, &slopes->mid, right);
+}
+
+static void TipBlock(const Cell *cell, const PetscReal shift[], PetscReal by[RIGHT][FIELDS]) {
+  Rod rod = cell->rod;
+  TipState3 tip = TipOf(&cell->b);
+
+  TipJacobian3(&rod->scene->tip, &tip, shift, rod->fresh, TipDual(rod), by);
+}
+
+/* The rows of a node, by itself (columns FIELDS ...) and its neighbours. */
+typedef PetscReal Rows[FIELDS][3 * FIELDS];
+
+static void PutRows(Rows rows, int from, int to, PetscInt column, PetscReal part[FIELDS][FIELDS]) {
+  for (int f = from; f < to; f++)
+    for (int k = 0; k < FIELDS; k++) rows[f][column + k] = part[f][k];
+}
+
+static PetscErrorCode SpaceJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[],
+                                    Mat J) {
+  PetscInt begin = PetscMax(rod->first - 1, 0);
+  PetscReal left[FIELDS][FIELDS], right[FIELDS][FIELDS], by[RIGHT][FIELDS];
+  Slopes slopes;
+  Cell cell;
+  Rows row;
+
+  PetscFunctionBegin;
+  PetscCall(CellsOpen(rod, t, U, U_t, &cell));
+  PetscCall(PetscMemzero(row, sizeof(row)));
+  if (rod->first == 0)
+    for (int f = 0; f < LEFT; f++) row[f][FIELDS + f] = 1;
+  for (PetscInt i = begin; i < rod->end; i++) {
+    PetscInt cols[3] = {i - 1, i, i < rod->last ? i + 1 : -1}; /* -1: none, ignored */
+    if (i < rod->last) {
+      CellsNext(&cell, i);
+      CellBlocks(&cell, (PetscBool)(i == begin), shift, &slopes, left, right);
+      PutRows(row, LEFT, FIELDS, FIELDS, left);
+      PutRows(row, LEFT, FIELDS, 2 * FIELDS, right);
+    } else {
+      TipBlock(&cell, shift, by);
+      for (int f = 0; f < RIGHT; f++)
+        PetscCall(PetscArraycpy(&row[LEFT + f][FIELDS], by[f], FIELDS));
+    }
+    if (i >= rod->first)
+      PetscCall(MatSetValuesBlocked(J, 1, &i, 3, cols, &row[0][0], INSERT_VALUES));
+    PetscCall(PetscMemzero(row, sizeof(row)));
+    if (i < rod->last) {
+      PutRows(row, X, LEFT, 0, left);
+      PutRows(row, X, LEFT, FIELDS, right);
+    }
+  }
+  PetscCall(CellsClose(&cell));
+  PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(0);
+}
+
+/* The same matrix, not assembled: each cell is eliminated as soon as it is known. */
+static PetscErrorCode SpaceEliminate(Rod rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[],
+                                     Elimination elimination) {
+  WideLine line = EliminationWide(elimination);
+  PetscReal left[FIELDS][FIELDS], right[FIELDS][FIELDS], by[RIGHT][FIELDS];
+  Slopes slopes;
+  Cell cell;
+
+  PetscFunctionBegin;
+  PetscCall(CellsOpen(rod, t, U, U_t, &cell));
+  WideBegin(line);
+  for (PetscInt i = 0; i < rod->last; i++) {
+    CellsNext(&cell, i);
+    CellBlocks(&cell, (PetscBool)(i == 0), shift, &slopes, left, right);
+    WideCell(line, (const PetscReal(*)[FIELDS])left, (const PetscReal(*)[FIELDS])right);
+  }
+  TipBlock(&cell, shift, by);
+  WideEnd(line, (const PetscReal(*)[FIELDS])by);
+  PetscCall(CellsClose(&cell));
+  PetscFunctionReturn(0);
+}
+
+/* ---- exact Coulomb friction, and what is remembered ---- */
+
+/* Moves the shifts of exact Coulomb friction; creep is the largest speed of what is held. (The
+   clamped end is not held unless it slides: see frame.c.) */
+static PetscErrorCode SpaceHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal seen,
+                                PetscReal *creep) {
+  Space_ *self = (Space_ *)rod->data;
+  PetscBool ends = (PetscBool)(self->end_weight > 0);
+  PetscInt first = PetscMax(rod->first - 1, 0);
+  Cell cell;
+
+  PetscFunctionBegin;
+  *creep = 0;
+  PetscCall(CellsOpen(rod, t, U, U_t, &cell));
+  for (PetscInt i = first; i < PetscMin(rod->end, rod->last); i++) {
+    CellsNext(&cell, i);
+    if (i == first && ends && (i > 0 || cell.law->c != 0))
+      *creep = PetscMax(*creep, FrictionDualHold4(cell.a.at.W, seen, cell.dual));
+    *creep = PetscMax(*creep, FrictionDualHold4(cell.mid.at.W, seen, cell.dual + 1));
+    if (ends) *creep = PetscMax(*creep, FrictionDualHold4(cell.b.at.W, seen, cell.dual + 2));
+  }
+  if (rod->end == rod->last + 1 && TipResists(&rod->scene->tip)) {
+    TipState3 tip = TipOf(&cell.b);
+    *creep = PetscMax(*creep, FrictionDualHold4(tip.at.W, seen, TipDual(rod)));
+  }
+  PetscCall(CellsClose(&cell));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, creep, 1, MPIU_REAL, MPI_MAX, rod->scene->comm));
+  PetscFunctionReturn(0);
+}
+
+/* The dual and the shift of each node and of the middle of the cell on its right. */
+enum { OF_POINT = 2 * RUBS, REMEMBERED = 2 * OF_POINT };
+
+static PetscReal *Remembered(Rod rod, PetscInt i, PetscInt k) {
+  FrictionDual4 *dual = ((Space_ *)rod->data)->dual + 2 * (i - rod->first + 1) + k / OF_POINT;
+  return (k % OF_POINT < RUBS ? dual->w : dual->shift) + k % RUBS;
+}
+
+static PetscErrorCode SpaceRemember(Rod rod, Vec memory) {
+  PetscReal *m;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArray(memory, &m));
+  for (PetscInt i = rod->first; i < rod->end; i++)
+    for (PetscInt k = 0; k < REMEMBERED; k++)
+      m[(i - rod->first) * REMEMBERED + k] = *Remembered(rod, i, k);
+  PetscCall(VecRestoreArray(memory, &m));
+  PetscFunctionReturn(0);
+}
+
+/* (The cells beside the owned nodes are remembered here too.) */
+static PetscErrorCode SpaceRecall(Rod rod, Vec memory) {
+  const PetscReal *m;
+  Vec local;
+  PetscInt from = PetscMax(rod->first - 1, 0);
+  DM da;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetDM(memory, &da));
+  PetscCall(DMGetLocalVector(da, &local));
+  PetscCall(DMGlobalToLocal(da, memory, INSERT_VALUES, local));
+  PetscCall(VecGetArrayRead(local, &m));
+  for (PetscInt i = from; i <= PetscMin(rod->end, rod->last); i++)
+    for (PetscInt k = 0; k < REMEMBERED; k++)
+      *Remembered(rod, i, k) = m[(i - from) * REMEMBERED + k];
+  PetscCall(VecRestoreArrayRead(local, &m));
+  PetscCall(DMRestoreLocalVector(da, &local));
+  PetscFunctionReturn(0);
+}
+
+/* ---- nodes ---- */
+
+static PetscErrorCode SpaceSet(Rod rod, PetscReal t, const Node *nodes, Vec U) {
+  PetscReal(*u)[FIELDS];
+
+  PetscFunctionBegin;
+  PetscCall(DMDAVecGetArray(rod->da, U, &u));
+  for (PetscInt i = rod->first; i < rod->end; i++) {
+    const Node *node = &nodes[i - rod->first];
+    PetscCall(PetscArraycpy(u[i] + X, node->x3, 3));
+    PetscCall(PetscArraycpy(u[i] + P, node->p, 4));
+    PetscCall(PetscArraycpy(u[i] + M, node->m3, 3));
+    PetscCall(PetscArraycpy(u[i] + N, node->n3, 3));
+  }
+  PetscCall(DMDAVecRestoreArray(rod->da, U, &u));
+  PetscFunctionReturn(0);
+}
+
+/* What every model says of a node, from what this one has. */
+static void FillPlane(Node *node) {
+  PetscReal d[3][3], size = QuaternionSize(node->p);
+
+  Directors(node->p, size, d);
+  node->theta = atan2(PetscSqrtReal(PetscSqr(d[0][1]) + PetscSqr(d[0][2])), d[0][0]);
+  node->moment =
+      PetscSqrtReal(PetscSqr(node->m3[0]) + PetscSqr(node->m3[1]) + PetscSqr(node->m3[2]));
+  for (int k = 0; k < 2; k++) {
+    node->x[k] = node->x3[k];
+    node->force[k] = node->n3[k];
+    node->x_t[k] = node->x3_t[k];
+  }
+}
+
+static PetscErrorCode SpaceGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes) {
+  const PetscReal(*u)[FIELDS], (*u_t)[FIELDS] = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(DMDAVecGetArrayRead(rod->da, U, &u));
+  if (U_t) PetscCall(DMDAVecGetArrayRead(rod->da, U_t, &u_t));
+  for (PetscInt i = rod->first; i < rod->end; i++) {
+    Node *node = &nodes[i - rod->first];
+    PetscCall(PetscMemzero(node, sizeof(*node)));
+    PetscCall(PetscArraycpy(node->x3, u[i] + X, 3));
+    PetscCall(PetscArraycpy(node->p, u[i] + P, 4));
+    PetscCall(PetscArraycpy(node->m3, u[i] + M, 3));
+    PetscCall(PetscArraycpy(node->n3, u[i] + N, 3));
+    if (U_t) {
+      PetscCall(PetscArraycpy(node->x3_t, u_t[i] + X, 3));
+      PetscCall(PetscArraycpy(node->p_t, u_t[i] + P, 4));
+    }
+    FillPlane(node);
+  }
+  if (U_t) PetscCall(DMDAVecRestoreArrayRead(rod->da, U_t, &u_t));
+  PetscCall(DMDAVecRestoreArrayRead(rod->da, U, &u));
+  PetscFunctionReturn(0);
+}
+
+/* A state on the way along the initial shape: x, its rate by growth without friction, and p. */
+typedef struct {
+  PetscReal x[3], x_t[3], p[4];
+} Shape_;
+enum { SHAPE_REALS = sizeof(Shape_) / sizeof(PetscReal) };
+
+/* Twist and bends of the initial shape, with the natural ones, per length. */
+static PetscErrorCode InitialStrains(Scene scene, PetscReal s, PetscReal g, PetscReal u0[3],
+                                     PetscReal u[3]) {
+  PetscReal g0;
+
+  PetscFunctionBegin;
+  PetscCall(GrowthStretch(scene->growth, 1, &s, 0, &g0, NULL, NULL));
+  ShapeStrains(&scene->shape, s, g0, u);
+  PetscCall(CurvatureStrains(&scene->curvature, scene->growth, s, 0, u0, NULL));
+  for (int k = 0; k < 3; k++) u[k] = (u[k] + u0[k]) * g0 / g; /* at other times: the same angles */
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode ShapeSlope(Scene scene, PetscReal s, PetscReal t, const Shape_ *at,
+                                 Shape_ *slope) {
+  PetscReal g, g_t, u0[3], u[3], d[3][3];
+
+  PetscFunctionBegin;
+  PetscCall(GrowthStretch(scene->growth, 1, &s, t, &g, &g_t, NULL));
+  PetscCall(InitialStrains(scene, s, g, u0, u));
+  Directors(at->p, QuaternionSize(at->p), d);
+  QuaternionTurn(at->p, u, slope->p);
+  for (int k = 0; k < 4; k++) slope->p[k] *= g / 2;
+  for (int k = 0; k < 3; k++) {
+    slope->x[k] = g * d[0][k];
+    slope->x_t[k] = g_t * d[0][k];
+  }
+  PetscFunctionReturn(0);
+}
+
+/* A step of the classical method of Runge and Kutta. */
+static PetscErrorCode ShapeStep(Scene scene, PetscReal s, PetscReal h, PetscReal t, Shape_ *at) {
+  static const PetscReal part[4] = {0, 0.5, 0.5, 1}, weight[4] = {1. / 6, 1. / 3, 1. / 3, 1. / 6};
+  Shape_ slope[4], here;
+
+  PetscFunctionBegin;
+  for (int stage = 0; stage < 4; stage++) {
+    here = *at;
+    for (int k = 0; k < SHAPE_REALS && stage; k++)
+      ((PetscReal *)&here)[k] += part[stage] * h * ((PetscReal *)&slope[stage - 1])[k];
+    PetscCall(ShapeSlope(scene, s + part[stage] * h, t, &here, &slope[stage]));
+  }
+  for (int stage = 0; stage < 4; stage++)
+    for (int k = 0; k < SHAPE_REALS; k++)
+      ((PetscReal *)at)[k] += h * weight[stage] * ((PetscReal *)&slope[stage])[k];
+  PetscFunctionReturn(0);
+}
+
+/* The scene's initial shape at the owned nodes; see RodInitialNodes(). Every rank goes along the
+   whole rod before its own part. */
+static PetscErrorCode SpaceInitial(Rod rod, PetscReal t, Node *nodes) {
+  enum { STEPS = 4000 };
+  Scene scene = rod->scene;
+  const PetscReal *s = scene->mesh.s;
+  PetscInt fine = PetscMax(1, STEPS / rod->last);
+  Shape_ at = {.p = {1}};
+  PetscReal *force, B, S[3], g, u0[3], u[3], d[3][3];
+
+  PetscFunctionBegin;
+  SpaceClampTurn(&scene->space, &scene->load, t, at.p);
+  PetscCall(PetscMalloc1(rod->last + 1, &force));
+  PetscCall(StraightForce(scene, rod->last + 1, s, t, force));
+  for (PetscInt i = 0; i < rod->end; i++) {
+    Node *node = &nodes[i - rod->first];
+    for (PetscInt k = 0; i && k < fine; k++) {
+      PetscReal h = (s[i] - s[i - 1]) / fine;
+      PetscCall(ShapeStep(scene, s[i - 1] + k * h, h, t, &at));
+    }
+    if (i < rod->first) continue;
+    PetscCall(PetscMemzero(node, sizeof(*node)));
+    PetscCall(PetscArraycpy(node->x3, at.x, 3));
+    PetscCall(PetscArraycpy(node->x3_t, at.x_t, 3));
+    PetscCall(PetscArraycpy(node->p, at.p, 4));
+    PetscCall(GrowthStretch(scene->growth, 1, &s[i], t, &g, NULL, NULL));
+    PetscCall(InitialStrains(scene, s[i], g, u0, u));
+    PetscCall(SceneStiffness(scene, s[i], t, &B, NULL));
+    SceneStiffnesses(scene, B, S);
+    Directors(at.p, QuaternionSize(at.p), d);
+    for (int k = 0; k < 3; k++)
+      for (int j = 0; j < 3; j++) node->m3[j] += S[k] * (u[k] - u0[k]) * d[k][j];
+    node->n3[0] = -force[i];
+    FillPlane(node);
+  }
+  PetscCall(PetscFree(force));
+  PetscFunctionReturn(0);
+}
+
+/* p1 and m1 are made of products of what is across in both directions, and on a rod that is bent in
+   one plane, however tilted, no more than what these leave of round-off. */
+static void SpaceScale(PetscReal size[]) {
+  const PetscReal tilt = size[P + 2] * size[P + 3];
+
+  size[P + 1] = PetscMax(size[P + 1], tilt);
+  size[M] = PetscMax(size[M], size[M + 1] * size[P + 3] + size[M + 2] * size[P + 2]);
+}
+
+static PetscErrorCode SpaceCreate(Rod rod) {
+  PetscInt choice, points = 2 * (rod->end - rod->first + 2);
+  Space_ *self;
+
+  PetscFunctionBegin;
+  PetscCall(OptionWord("-rod_order", &choice, NULL));
+  PetscCall(PetscNew(&self));
+  rod->data = self;
+  rod->order = choice ? 4 : 2;
+  self->end_weight = choice ? 1. / 6 : 0;
+  self->mid_weight = choice ? 4. / 6 : 1;
+  self->bow = choice ? 1. / 8 : 0;
+  self->time = PETSC_MIN_REAL;
+  rod->memory = REMEMBERED;
+  PetscCall(PetscCalloc2(points, &self->law, points, &self->dual));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode SpaceDestroy(Rod rod) {
+  Space_ *self = (Space_ *)rod->data;
+
+  PetscFunctionBegin;
+  PetscCall(PetscFree2(self->law, self->dual));
+  PetscCall(PetscFree(rod->data));
+  PetscFunctionReturn(0);
+}
+
+static const char *SpaceRefuses(Scene scene) {
+  if (scene->contact.walls.n) return "-wall_file: walls are in the plane";
+  if (scene->contact.self) return "-contact_self: the rod meets itself in the plane only";
+  return NULL;
+}
+
+const RodModel rod_space = {
+    .name = "space",
+    .space = PETSC_TRUE,
+    .fields = FIELDS,
+    .stencil = 1,
+    .field = {"x1", "x2", "x3", "p0", "p1", "p2", "p3", "m1", "m2", "m3", "n1", "n2", "n3"},
+    .followed = {PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE,
+                 PETSC_TRUE},
+    .group = {ALONG, ACROSS_2, ACROSS_3, ALONG, TWIST, ACROSS_3, ACROSS_2, TWIST, ACROSS_3,
+              ACROSS_2, ALONG, ACROSS_2, ACROSS_3},
+    .halves = {LEFT, RIGHT},
+    .refuses = SpaceRefuses,
+    .create = SpaceCreate,
+    .destroy = SpaceDestroy,
+    .initial = SpaceInitial,
+    .scale = SpaceScale,
+    .set = SpaceSet,
+    .get = SpaceGet,
+    .residual = SpaceResidual,
+    .hold = SpaceHold,
+    .remember = SpaceRemember,
+    .recall = SpaceRecall,
+    .jacobian = SpaceJacobian,
+    .eliminate = SpaceEliminate};

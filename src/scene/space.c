@@ -1,0 +1,156 @@
+#include "scene/space.h"
+
+static const OptionRow rows[] = {
+    ROW_TEXT("-rod_weight", 0,
+             "a,b,c: weight per length, over that of friction, a vector in the laboratory (a,b in "
+             "the plane)"),
+    ROW_REAL("-rod_torsion", "0.75", 1e-6, 1e6, UNIT_NONE, 0,
+             "C/B, torsional over bending stiffness about d2: 1/(1 + nu) of a round rod"),
+    ROW_REAL("-rod_bend_ratio", "1", 1e-6, 1e6, UNIT_NONE, 0,
+             "B3/B2, bending stiffness about d3 over that about d2"),
+    ROW_REAL("-friction_radius", "0", 0, 1e3, UNIT_LENGTH, 0,
+             "radius at which friction feels that the rod spins about its tangent; 0: it does not"),
+    ROW_TEXT("-tip_force_vector", 0,
+             "a,b,c: dead force on the tip, a vector in the laboratory, beside -tip_force"),
+    ROW_REAL("-tip_torque", "0", -1e6, 1e6, UNIT_ENERGY, 0,
+             "moment about d1 of the tip, that turns with it"),
+    ROW_REAL(
+        "-clamp_spin", "0", -1e6, 1e6, UNIT_ANGLE, 0,
+        "rate at which the clamp turns about d1, radians (or degrees: 90deg) per unit of time"),
+    ROW_TEXT("-clamp_direction", 0,
+             "a,b,c: direction of d1 at the clamp in the laboratory, instead of -clamp_angle")};
+const OptionGroup space_options = OPTION_GROUP("Space", rows);
+
+/* A vector option, "a,b,c" or "a,b" (c is then 0). */
+static PetscErrorCode Vector(const char *name, Dimension dimension, PetscReal v[3],
+                             PetscBool *given) {
+  char text[PETSC_MAX_PATH_LEN] = "", *part, *rest;
+  int n = 0;
+
+  PetscFunctionBegin;
+  v[0] = v[1] = v[2] = 0;
+  PetscCall(OptionText(name, text, given));
+  if (!*given) PetscFunctionReturn(0);
+  for (part = strtok_r(text, ",", &rest); part; part = strtok_r(NULL, ",", &rest)) {
+    UserCheck(n < 3, OptionsComm(), "%s: more than three numbers; give a,b,c", name);
+    PetscCall(OptionQuantity(name, part, dimension, &v[n++]));
+  }
+  UserCheck(n >= 2, OptionsComm(), "%s: give three numbers, a,b,c, or two in the plane, a,b", name);
+  PetscFunctionReturn(0);
+}
+
+/* The smallest rotation that takes e1 to the direction d, of length 1; half a turn about e3 if it
+   is the opposite. */
+static void SmallestTurn(const PetscReal d[3], PetscReal R[3][3]) {
+  const PetscReal c = 1 + d[0];
+
+  for (int i = 0; i < 3; i++) R[i][0] = d[i];
+  if (c < 1e-12) {
+    for (int i = 0; i < 3; i++)
+      for (int j = 1; j < 3; j++) R[i][j] = i == j ? (j == 1 ? -1 : 1) : 0;
+    return;
+  }
+  R[0][1] = -d[1];
+  R[0][2] = -d[2];
+  R[1][1] = 1 - d[1] * d[1] / c;
+  R[1][2] = R[2][1] = -d[1] * d[2] / c;
+  R[2][2] = 1 - d[2] * d[2] / c;
+}
+
+/*
+  SpaceClampDirection - reads -clamp_direction. Collective.
+
+  angle  of the clamp in the plane, from -clamp_angle on entry; that of the direction on exit, if it
+         is in the plane
+*/
+PetscErrorCode SpaceClampDirection(PetscReal *angle, Space *self) {
+  PetscReal d[3], length;
+  PetscBool direction, turned;
+
+  PetscFunctionBegin;
+  PetscCall(Vector("-clamp_direction", UNIT_NONE, d, &direction));
+  PetscCall(OptionGiven("-clamp_angle", &turned));
+  UserCheck(!direction || !turned, OptionsComm(),
+            "-clamp_angle and -clamp_direction: give one of them");
+  length = PetscSqrtReal(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+  UserCheck(!direction || length > 0, OptionsComm(),
+            "-clamp_direction: has no length; give a direction, like 1,0,0");
+  if (direction && d[2] != 0) {
+    self->why = "-clamp_direction";
+    for (int k = 0; k < 3; k++) d[k] /= length;
+  } else {
+    if (direction) *angle = atan2(d[1], d[0]);
+    d[0] = PetscCosReal(*angle);
+    d[1] = PetscSinReal(*angle);
+    d[2] = 0;
+  }
+  SmallestTurn(d, self->lab);
+  if (d[2] == 0) { /* in the plane: the turn about e3 itself */
+    self->lab[1][1] = d[0];
+    self->lab[2][2] = 1;
+  }
+  PetscFunctionReturn(0);
+}
+
+/* A vector of the laboratory in the clamp's frame. */
+static void FromLab(const Space *self, const PetscReal lab[3], PetscReal v[3]) {
+  for (int d = 0; d < 3; d++)
+    v[d] = self->lab[0][d] * lab[0] + self->lab[1][d] * lab[1] + self->lab[2][d] * lab[2];
+}
+
+/* SpaceToLab - a vector of the clamp's frame in the laboratory. */
+void SpaceToLab(const Space *self, const PetscReal v[3], PetscReal lab[3]) {
+  for (int d = 0; d < 3; d++)
+    lab[d] = self->lab[d][0] * v[0] + self->lab[d][1] * v[1] + self->lab[d][2] * v[2];
+}
+
+/* SpaceClampTurn - the quaternion of the clamp at time t, in its own frame at the start. */
+void SpaceClampTurn(const Space *self, const Load *load, PetscReal t, PetscReal p[4]) {
+  const PetscReal turn = self->spin * (load->stopped ? load->stopped_at : t);
+
+  p[0] = PetscCosReal(turn / 2);
+  p[1] = PetscSinReal(turn / 2);
+  p[2] = p[3] = 0;
+}
+
+/*
+  SpaceSetFromOptions - reads and checks what there is in space only, and tells load and tip of it;
+  after SpaceClampDirection() and after these have their options. Collective.
+*/
+PetscErrorCode SpaceSetFromOptions(Space *self, Load *load, Tip *tip, const Curvature *curvature,
+                                   const Shape *shape) {
+  PetscReal weight[3], force[3], clamp[3];
+  PetscBool given, torsion, radius;
+
+  PetscFunctionBegin;
+  PetscCall(Vector("-rod_weight", UNIT_NONE, weight, &given));
+  PetscCall(Vector("-tip_force_vector", UNIT_FORCE, force, &given));
+  PetscCall(OptionReal("-rod_torsion", &self->torsion, &torsion));
+  PetscCall(OptionReal("-rod_bend_ratio", &self->ratio, NULL));
+  PetscCall(OptionReal("-friction_radius", &load->radius, &radius));
+  PetscCall(OptionReal("-tip_torque", &tip->torque, NULL));
+  PetscCall(OptionReal("-clamp_spin", &self->spin, NULL));
+  if (weight[2] != 0) self->why = "-rod_weight";
+  if (force[2] != 0) self->why = "-tip_force_vector";
+  if (self->ratio != 1) self->why = "-rod_bend_ratio";
+  if (tip->torque != 0) self->why = "-tip_torque";
+  if (self->spin != 0) self->why = "-clamp_spin";
+  if (LoadInSpace(load)) self->why = "-friction_field";
+  if (LoadInSpace(&tip->resistance)) self->why = "-tip_field";
+  if (curvature->space) self->why = "-rod_curvature_2 or -rod_twist";
+  if (shape->turn != 0) self->why = "-shape_turn";
+  if (shape->space) self->why = "-shape_file";
+  if (torsion) self->only = "-rod_torsion";
+  if (radius && load->radius > 0) self->only = "-friction_radius";
+  FromLab(self, weight, clamp);
+  LoadSetWeight(load, clamp);
+  FromLab(self, force, tip->push);
+  for (int d = 1; d < 3; d++) self->driven[d] = PetscAbsReal(clamp[d]) + PetscAbsReal(tip->push[d]);
+  self->driven[3] = PetscAbsReal(tip->torque) + PetscAbsReal(self->spin);
+  UserCheck(!(self->why || load->radius > 0) || !tip->walls, OptionsComm(),
+            "%s: takes the rod out of the plane, in which -wall_file is; take one of them out",
+            self->why ? self->why : "-friction_radius");
+  for (int d = 0; d < 3; d++) PetscCall(PetscArraycpy(load->lab[d], self->lab[d], 3));
+  for (int d = 0; d < 3; d++) PetscCall(PetscArraycpy(tip->resistance.lab[d], self->lab[d], 3));
+  PetscFunctionReturn(0);
+}

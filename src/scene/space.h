@@ -1,0 +1,31 @@
+/* What makes a scene one in space, and what there is only there: two stiffnesses and torsion, a
+   clamp that points anywhere and turns, loads out of the plane of x1 and x2. */
+#ifndef TENDRIL_SPACE_H
+#define TENDRIL_SPACE_H
+
+#include "scene/curvature.h"
+#include "scene/load_space.h"
+#include "scene/shape.h"
+#include "scene/tip.h"
+
+typedef struct {
+  const char *why;   /* the option by which something acts out of the plane; NULL: none does */
+  const char *only;  /* an option that was given and means nothing in the plane; NULL: none */
+  PetscBool rod;     /* the rod is modelled in space: for who records it */
+  PetscReal torsion; /* C/B */
+  PetscReal ratio;   /* B3/B2 */
+  PetscReal spin;    /* rate at which the clamp turns about d1 */
+  PetscReal
+      driven[4]; /* what drives each group of fields (rod.h) from 0, about: along, x2, x3, twist */
+  PetscReal lab[3][3]; /* from the clamp's frame to the laboratory */
+} Space;
+
+extern const OptionGroup space_options;
+
+PetscErrorCode SpaceClampDirection(PetscReal *angle, Space *space);
+PetscErrorCode SpaceSetFromOptions(Space *space, Load *load, Tip *tip, const Curvature *curvature,
+                                   const Shape *shape);
+void SpaceToLab(const Space *space, const PetscReal v[3], PetscReal lab[3]);
+void SpaceClampTurn(const Space *space, const Load *load, PetscReal t, PetscReal p[4]);
+
+#endif

@@ -1,0 +1,233 @@
+/* The model of space: Jacobians by rate for every law, its elimination against a matrix, mirrors,
+   and a bend whose exact answer is known. */
+#include "base/chain.h"
+#include "rod/by_rate.h"
+
+enum { FIELDS = 13 };
+
+static const char *const laws[] = {"-growth_type uniform", "-growth_type gaussian",
+                                   "-growth_type feed", "-growth_type apical -growth_zone 0.6"};
+enum { LAWS = 4 };
+
+static const char *const worlds[] = {
+    "",
+    "-rod_order 2",
+    "-friction_across 3 -friction_layers 0:1,0.5:2 -friction_layer_width 0.8",
+    "-friction_radius 0.4 -clamp_spin 0.3",
+    "-friction_radius 0.4 -friction_across 3 -friction_layers 0:1,0.5:2 -friction_layer_width 0.8",
+    "-rod_weight 0.3,-0.2,0.5 -rod_bend_ratio 1.7 -rod_torsion 0.6",
+    "-tip_force 0.7 -tip_law follower -tip_torque 0.8 -tip_force_vector 0.1,0.2,0.3",
+    "-tip_force 0.7 -tip_law resistance",
+    "-tip_type clamped",
+    "-tip_type pinned -tip_torque 0.3"};
+enum { WORLDS = sizeof(worlds) / sizeof(worlds[0]) };
+
+static void Create(const char *law, const char *world, PetscInt cells, Scene *scene, Rod *rod) {
+  SetOptions("%s %s -rod_cells %d -ts_max_time 2 -shape_amplitude 1 -shape_turn 0.7 -rod_curvature "
+             "0.7 -rod_curvature_2 0.5 -rod_twist 0.9 -rod_curvature_random 0.5 "
+             "-rod_curvature_random_2 0.4 -rod_curvature_length 0.3 -friction_mu 0.7 "
+             "-friction_beta 0.1 -friction_newton primal",
+             law, world, (int)cells);
+  CHECK(SceneCreate(scene));
+  (*scene)->space.rod = PETSC_TRUE;
+  CHECK(RodCreate(*scene, &rod_space, rod));
+  CHECK(RodHoldTip(*rod));
+}
+
+static void Destroy(Scene *scene, Rod *rod) {
+  CHECK(RodDestroy(rod));
+  CHECK(SceneDestroy(scene));
+}
+
+/* Jacobians, of each law and each world. */
+static void TestJacobians(void **state) {
+  for (int law = 0; law < LAWS; law++)
+    for (int world = 0; world < WORLDS; world++) {
+      char title[256];
+      Scene scene;
+      Rod rod;
+      Vec U, U_t, w;
+      Mat J;
+      const PetscReal shift = 1.7;
+      Create(laws[law], worlds[world], 12, &scene, &rod);
+      rod->factor_rate[0] = -0.7 * shift;
+      rod->factor_rate[1] = 0.4 * shift;
+      ShakenState(rod, 0.7, 0.2, &U, &U_t);
+      w = RandomVector(rod, 3, 1);
+      CHECK(RodCreateMatrix(rod, &J));
+      CHECK(RodJacobian(NULL, 0.7, U, U_t, shift, J, J, rod));
+      (void)snprintf(title, sizeof(title), "%s %s", laws[law], worlds[world]);
+      ExpectRate(rod, 0.7, U, U_t, shift, J, w, 2e-4, 0.1, title);
+      CHECK(MatDestroy(&J));
+      CHECK(VecDestroy(&U));
+      CHECK(VecDestroy(&U_t));
+      CHECK(VecDestroy(&w));
+      Destroy(&scene, &rod);
+    }
+}
+
+/* On one rank: what is eliminated solves the equations of the matrix. */
+static void TestElimination(void **state) {
+  PetscMPIInt ranks;
+  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
+  for (int world = 0; world < WORLDS && ranks == 1; world++) {
+    PetscReal shifts[FIELDS], b_size, error;
+    Elimination elimination;
+    Scene scene;
+    Rod rod;
+    Vec U, U_t, x, y, b;
+    Mat J;
+    PC pc;
+    Create(laws[2], worlds[world], 30, &scene, &rod);
+    ShakenState(rod, 0.7, 1e-3, &U, &U_t);
+    x = RandomVector(rod, 4, 1);
+    CHECK(VecDuplicate(x, &y));
+    CHECK(VecDuplicate(x, &b));
+    CHECK(RodCreateMatrix(rod, &J));
+    for (int f = 0; f < FIELDS; f++) shifts[f] = 50;
+    CHECK(rod->model->jacobian(rod, 0.7, U, U_t, shifts, J));
+    CHECK(EliminationCreate(PETSC_COMM_WORLD, 31, rod_space.halves, &elimination));
+    CHECK(rod->model->eliminate(rod, 0.7, U, U_t, shifts, elimination));
+    CHECK(PCCreate(PETSC_COMM_WORLD, &pc));
+    CHECK(EliminationSetType(pc, elimination));
+    CHECK(PCSetOperators(pc, J, J));
+    CHECK(MatMult(J, x, b));
+    CHECK(PCApply(pc, b, y));
+    CHECK(MatMult(J, y, U)); /* (its residual: the matrix may be ill-conditioned) */
+    CHECK(VecAXPY(U, -1, b));
+    CHECK(VecNorm(U, NORM_INFINITY, &error));
+    CHECK(VecNorm(b, NORM_INFINITY, &b_size));
+    EXPECT(error < 1e-11 * b_size, "%s: residual %g of %g", worlds[world], error, b_size);
+    CHECK(PCDestroy(&pc));
+    CHECK(EliminationDestroy(&elimination));
+    CHECK(MatDestroy(&J));
+    CHECK(VecDestroy(&U));
+    CHECK(VecDestroy(&U_t));
+    CHECK(VecDestroy(&x));
+    CHECK(VecDestroy(&y));
+    CHECK(VecDestroy(&b));
+    Destroy(&scene, &rod);
+  }
+}
+
+static void Mirror(Vec v, int mirror) {
+  PetscScalar *a;
+  PetscInt n;
+  CHECK(VecGetLocalSize(v, &n));
+  CHECK(VecGetArray(v, &a));
+  for (PetscInt i = 0; i < n; i++)
+    if (rod_space.group[i % FIELDS] & 1 << mirror) a[i] = -a[i];
+  CHECK(VecRestoreArray(v, &a));
+}
+
+/* F of the mirrored state is the mirrored F, to the last bit, in both mirrors: of a rod that is
+   straight by nature. */
+static void TestMirrors(void **state) {
+  for (int law = 0; law < LAWS; law++)
+    for (int mirror = 0; mirror < MIRRORS; mirror++) {
+      Scene scene;
+      Rod rod;
+      Vec U, U_t, F, G;
+      PetscReal error;
+      SetOptions("%s -rod_cells 12 -ts_max_time 2 -rod_model space -friction_across 2 "
+                 "-friction_radius 0.3 -rod_bend_ratio 1.4 -tip_force 0.2 -tip_law follower",
+                 laws[law]);
+      CHECK(SceneCreate(&scene));
+      CHECK(RodCreate(scene, &rod_space, &rod));
+      ShakenState(rod, 0.7, 0.3, &U, &U_t);
+      CHECK(VecDuplicate(U, &F));
+      CHECK(VecDuplicate(U, &G));
+      CHECK(RodResidual(NULL, 0.7, U, U_t, F, rod));
+      Mirror(U, mirror);
+      Mirror(U_t, mirror);
+      CHECK(RodResidual(NULL, 0.7, U, U_t, G, rod));
+      Mirror(G, mirror);
+      CHECK(VecAXPY(G, -1, F));
+      CHECK(VecNorm(G, NORM_INFINITY, &error));
+      EXPECT(error == 0, "%s, mirror %d: %g", laws[law], mirror, error);
+      CHECK(VecDestroy(&U));
+      CHECK(VecDestroy(&U_t));
+      CHECK(VecDestroy(&F));
+      CHECK(VecDestroy(&G));
+      Destroy(&scene, &rod);
+    }
+}
+
+/* The rod at rest under what pushes its tip, from the arc in one load step; returns iterations. */
+static PetscInt Statics(Rod rod, PetscReal tip[3]) {
+  PetscReal shifts[FIELDS] = {0}, update = 1;
+  PetscInt iterations = 0, n = rod->end - rod->first;
+  Elimination elimination;
+  Node *nodes;
+  Vec U, U_t, F, x;
+  Mat none; /* what a PC asks for */
+  PC pc;
+  CHECK(PetscMalloc1(n, &nodes));
+  CHECK(RodInitialNodes(rod, 0, nodes));
+  CHECK(DMCreateGlobalVector(rod->da, &U));
+  CHECK(VecDuplicate(U, &U_t));
+  CHECK(VecDuplicate(U, &F));
+  CHECK(VecDuplicate(U, &x));
+  CHECK(rod->model->set(rod, 0, nodes, U));
+  CHECK(EliminationCreate(PETSC_COMM_WORLD, n, rod_space.halves, &elimination));
+  CHECK(PCCreate(PETSC_COMM_WORLD, &pc));
+  CHECK(EliminationSetType(pc, elimination));
+  CHECK(RodCreateMatrix(rod, &none));
+  CHECK(PCSetOperators(pc, none, none));
+  for (; update > 1e-12 && iterations < 20; iterations++) {
+    CHECK(RodResidual(NULL, 0, U, U_t, F, rod));
+    CHECK(rod->model->eliminate(rod, 0, U, U_t, shifts, elimination));
+    CHECK(PCApply(pc, F, x));
+    CHECK(VecAXPY(U, -1, x));
+    CHECK(VecNorm(x, NORM_INFINITY, &update));
+  }
+  CHECK(rod->model->get(rod, 0, U, NULL, nodes));
+  for (int d = 0; d < 3; d++) tip[d] = nodes[n - 1].x3[d];
+  CHECK(PetscFree(nodes));
+  CHECK(MatDestroy(&none));
+  CHECK(PCDestroy(&pc));
+  CHECK(EliminationDestroy(&elimination));
+  CHECK(VecDestroy(&U));
+  CHECK(VecDestroy(&U_t));
+  CHECK(VecDestroy(&F));
+  CHECK(VecDestroy(&x));
+  return iterations;
+}
+
+/* The bend of 45 degrees (Bathe and Bolourchi, 1979), radius 1, of a rod that does not stretch or
+   shear: its tip by shooting. Order 4, and few iterations. */
+static void TestBend(void **state) {
+  const PetscReal exact[3] = {0.46893035, 0.15558199, 0.53600977};
+  PetscReal error[3] = {0};
+  PetscMPIInt ranks;
+  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
+  for (int k = 0; k < 3 && ranks == 1; k++) {
+    PetscReal tip[3];
+    PetscInt iterations;
+    Growth growing;
+    Scene scene;
+    Rod rod;
+    SetOptions("-rod_cells %d -growth_initial_length %.17g -shape_type straight -rod_curvature 1 "
+               "-rod_torsion 0.8436 -tip_force_vector 0,0,7.2",
+               4 << k, PETSC_PI / 4);
+    CHECK(SceneCreate(&scene));
+    growing = scene->growth;
+    CHECK(GrowthStop(growing, 0, &scene->growth)); /* at rest: nothing rubs */
+    CHECK(RodCreate(scene, &rod_space, &rod));
+    iterations = Statics(rod, tip);
+    for (int d = 0; d < 3; d++) error[k] = PetscMax(error[k], PetscAbsReal(tip[d] - exact[d]));
+    print_message("%d cells: off by %.2e, %d iterations\n", 4 << k, error[k], (int)iterations);
+    EXPECT(iterations <= 9, "%d iterations", (int)iterations);
+    CHECK(GrowthDestroy(&scene->growth));
+    scene->growth = growing;
+    Destroy(&scene, &rod);
+  }
+  if (ranks > 1) return;
+  EXPECT(error[2] < 1e-6, "16 cells: off by %g", error[2]);
+  EXPECT(PetscLog2Real(error[1] / error[2]) > 3.7, "order %g", PetscLog2Real(error[1] / error[2]));
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(TestJacobians), cmocka_unit_test(TestElimination),
+    cmocka_unit_test(TestMirrors), cmocka_unit_test(TestBend)};
+MAIN(tests)

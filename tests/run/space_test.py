@@ -1,0 +1,183 @@
+#!/usr/bin/env python3
+"""The rod in space: against references, the plane, its own symmetries, and what is refused.
+
+    space_test.py build/tendril [--mpiexec mpiexec] CHECK...      (no CHECK: all of them)"""
+
+import json
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
+from scene_test import Run, expect
+from laboratory_test import read, tendril
+
+import h5py
+import numpy as np
+
+CHECKS = {}
+GROWN = "-growth_initial_length 1 -shape_amplitude 0.3 -friction_mu 0.8 -rod_cells 60 "
+BENT = GROWN + "-rod_curvature 0.3 -rod_curvature_2 0.2 -rod_twist 0.4 "
+FIXED = "-ts_adapt_type none -ts_bdf_factor 0 -ts_dt 0.02 -ts_max_time 1 -ts_rtol 1e-10 "
+
+
+def check(function):
+    CHECKS[function.__name__.replace("_", "-")] = function
+    return function
+
+
+def bent():
+    """The initial shape of a reference, by its strains."""
+    path, s = f"{scene.SCRATCH}/bent.h5", np.linspace(0, 1, 401)
+    with h5py.File(path, "w") as f:
+        f["s"] = s
+        f["u3"] = 0.1 * 3 * (1 - s) ** 2 / 2
+        f["u2"] = f["u3"][:] * (1 - 1.5 * s)
+    return path
+
+
+@check
+def references():
+    """An independent program's rods: shape by strains, natural twist and two stiffnesses, weight and
+    feed, forces and torque on the tip."""
+    for name, options in {
+            "s_bent": f"-friction_mu 1 -growth_initial_length 2 -shape_type file -shape_file {bent()} -rod_torsion 1",
+            "s_helix": "-friction_mu 0.6 -growth_initial_length 1 -shape_type straight -rod_twist 0.3 "
+                       "-rod_curvature_2 0.1 -rod_curvature 0.4 -rod_bend_ratio 1.5",
+            "s_weight": "-friction_mu 0.5 -growth_type feed -growth_initial_length 1 -shape_amplitude 0.1 "
+                        "-rod_torsion 0.7 -friction_across 2 -rod_weight 0,-0.3,-0.2",
+            "s_tip": "-friction_mu 0.3 -growth_initial_length 1 -shape_amplitude 0.1 -rod_torsion 0.7 "
+                     "-tip_force_vector 0,0.03,0.05 -tip_torque 0.3"}.items():
+        lines = (scene.ROOT / "tests/reference" / f"{name}.json").read_text().splitlines()
+        for ref in map(json.loads, lines[-1:]):
+            r = Run(f"{options} -rod_cells 200 -ts_rtol 1e-8 -ts_max_time {ref['t']}")
+            tip = np.linalg.norm([*r.tip, r.tip_x3[-1]] - np.array(ref["tip"])) / ref["length"]
+            off = {k: abs(r.series[k][-1] / ref[k] - 1) for k in ("norm_x2", "norm_x3", "energy")}
+            frame = [r.shapes[k][-1, -1] for k in ("d1", "d2", "d3")]
+            turned = np.abs(frame[2] - ref["tip_director"]).max()
+            twist = abs(r.twist[-1] - ref["twist"])
+            print(f"{name}: tip {tip:.1e},", ", ".join(f"{k} {e:.1e}" for k, e in off.items()),
+                  f"director {turned:.1e}, twist {twist:.1e}, defect {r.energy_defect[-1]:.1e}")
+            expect(tip < 1e-7 and max(off.values()) < 1e-6 and turned < 1e-6 and twist < 1e-7
+                   and r.energy_defect[-1] < 1e-6, f"{name}: {tip}, {off}, {turned}, {twist}")
+            expect(abs(r.link[-1] - r.twist[-1] / 2 / np.pi - r.writhe[-1]) < 1e-8, f"{name}: link")
+
+
+@check
+def plane():
+    """A plane scene by the model of space is the plane's, but for the error of the mesh, of order 4;
+    x3 is 0 to the last bit; a rod almost straight keeps what it has across."""
+    apart = []
+    for cells in (20, 40):
+        options = (f"-growth_initial_length 2 -shape_amplitude 0.6 -rod_cells {cells} -friction_across 2 "
+                   "-rod_weight 0.1,-0.1 -tip_force 0.1 -tip_law follower " + FIXED)
+        flat, there = Run(options), Run(options + "-rod_model space")
+        expect((there.shapes["x"][..., 2] == 0).all(), "x3 is not 0")
+        apart.append(np.abs(there.shapes["x"][-1, :, :2] - flat.shapes["x"][-1]).max())
+    print("apart:", apart)
+    expect(apart[1] < 1e-6 and np.log2(apart[0] / apart[1]) > 3.5, f"apart by {apart}")
+    options = "-ts_max_time 6 -rod_cells 60 "
+    flat, there = Run(options), Run(options + "-shape_turn 50deg")
+    norm = np.hypot(there.norm_x2[-1], there.norm_x3[-1])
+    print(f"|x2| {flat.norm_x2[-1]:.4e}, turned {norm:.4e}; {flat.steps} and {there.steps} steps")
+    expect(abs(norm / flat.norm_x2[-1] - 1) < 1e-4 and there.steps < 1.3 * flat.steps, "almost straight")
+
+
+@check
+def symmetries():
+    """The rod turned about the clamp's axis, turned in the laboratory, and its mirror image."""
+    rod = Run(BENT + FIXED + "-rod_weight 0.1,-0.3,-0.2 -tip_force_vector 0,0.1,0.05")
+    x, c, s = rod.shapes["x"][-1], float(np.cos(1)), float(np.sin(1))
+
+    def vector(v, R):
+        return ",".join(repr(float(a)) for a in R @ v)
+    R = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
+    k3, k2 = s * 0.2 + c * 0.3, c * 0.2 - s * 0.3
+    turned = Run(GROWN + f"-rod_twist 0.4 -rod_curvature {k3!r} -rod_curvature_2 {k2!r} -shape_turn 1 "
+                 + FIXED + f"-rod_weight {vector([0.1, -0.3, -0.2], R)} "
+                 f"-tip_force_vector {vector([0, 0.1, 0.05], R)}").shapes["x"][-1]
+    error = np.abs(turned - x @ R.T).max()
+    print(f"turned: {error:.1e}")
+    expect(error < 1e-10, f"turned: {error}")
+    # the clamp along (0, 1, 1)/sqrt 2: its frame is turned about e1 x d
+    h = np.sqrt(0.5)
+    Q = np.array([[0, -h, -h], [h, 0.5, -0.5], [h, -0.5, 0.5]])
+    moved = Run(BENT + FIXED + f"-clamp_direction 0,1,1 -rod_weight {vector([0.1, -0.3, -0.2], Q)} "
+                f"-tip_force_vector {vector([0, 0.1, 0.05], Q)}").shapes["x"][-1]
+    error = np.abs(moved - x @ Q.T).max()
+    print(f"clamp turned: {error:.1e}")
+    expect(error < 1e-10, f"clamp turned: {error}")
+    mirror = Run(GROWN + "-rod_curvature 0.3 -rod_curvature_2 -0.2 -rod_twist -0.4 " + FIXED
+                 + "-rod_weight 0.1,-0.3,0.2 -tip_force_vector 0,0.1,-0.05")
+    expect((mirror.shapes["x"][-1] == x * [1, 1, -1]).all(), "the mirror image is another rod")
+    expect(mirror.link[-1] == -rod.link[-1], "the mirror image has another link")
+
+
+@check
+def spin():
+    """A straight rod that its clamp turns in viscous friction: the twist of the exact diffusion,
+    with M1(0) = - a^2 omega L as the clamp drags the whole rod round at last; energy is kept."""
+    a, omega, L = 0.5, 0.2, 1
+    r = Run("-growth_type feed -growth_initial_length 1 -shape_type straight -friction_mu 0 "
+            f"-friction_radius {a} -clamp_spin {omega} -ts_max_time 2 -ts_rtol 1e-8 -rod_cells 100")
+    L = r.length[-1]
+    # quasi-steady but for the slow feed: C phi'' = a^2 (phi_t + phi'), phi'(tip) = 0, by differences
+    from scipy.integrate import solve_ivp
+    n, C = 400, 0.75
+
+    def rate(t, phi):
+        h = (1 + t) / n  # labels share out the length evenly: material slides past them at 1 - s
+        full = np.concatenate([[omega * t], phi, [phi[-2]]])
+        second, first = np.diff(full, 2) / h ** 2, (full[2:] - full[:-2]) / (2 * h)
+        return C / a ** 2 * second - (1 - np.arange(1, n + 1) / n) * first
+    phi = solve_ivp(rate, (0, 2), np.zeros(n), method="BDF", rtol=1e-9, atol=1e-12).y[:, -1]
+    lag = phi[-1] - omega * 2
+    print(f"twist {r.twist[-1]:.8f}, exact {lag:.8f}; defect {r.energy_defect[-1]:.1e}")
+    expect(abs(r.twist[-1] / lag - 1) < 3e-5, "twist")
+    expect(r.energy_defect[-1] < 1e-6, "energy")
+
+
+@check
+def ranks_and_restart():
+    """Ranks agree; a run that was broken goes on as if it had not been, exact friction and all."""
+    d = scene.SCRATCH
+    options = BENT + ("-friction_beta 0 -friction_radius 0.1 -rod_weight 0,0,-0.2 -ts_max_time 1 "
+                      "-output_interval 0.5 ")
+    one = Run(options)
+    for ranks in (2, 3):
+        other = Run(options, ranks)
+        error = np.abs(other.shapes["x"][-1] - one.shapes["x"][-1]).max()
+        print(f"{ranks} ranks: {error:.1e}")
+        expect(error < 1e-8, f"{ranks} ranks: {error}")
+    tendril(f"{options} -output {d}/whole.h5")
+    tendril(f"{options} -output {d}/broken.h5 -ts_max_steps 60", 1)
+    tendril(f"-restart {d}/broken.h5 -output {d}/broken.h5")
+    whole, broken = read(f"{d}/whole.h5"), read(f"{d}/broken.h5")
+    different = [k for k in whole if not np.array_equal(whole[k], broken[k])]
+    expect(len(whole["series/t"]) > 65 and not different, f"{different} differ")
+
+
+@check
+def refused():
+    """What is wrong, or means nothing, ends in one line."""
+    for options, words in {
+            "-rod_torsion 0.5": "-rod_torsion: means nothing in the plane",
+            "-friction_radius 0.1": "-friction_radius: means nothing in the plane",
+            "-clamp_direction 0,0,0": "has no length",
+            "-clamp_direction 1,0,1 -clamp_angle 1": "give one of them",
+            "-rod_weight 1,2,3,4": "more than three numbers",
+            "-rod_weight 1": "give three numbers",
+            "-rod_weight 0,x,1": "give a number",
+            "-rod_weight 0,0,1 -rod_model frame": "takes the rod out of the plane",
+            "-tip_torque 1 -rod_model linear": "takes the rod out of the plane",
+            "-rod_twist 1 -contact_self -contact_diameter 0.1": "in the plane only",
+            "-rod_twist 1 -stop_self_contact 0.1": "in the plane only",
+            "-task critical -rod_bend_ratio 2": "a rod in the plane",
+            "-task critical -rod_weight 1,0": "-rod_weight"}.items():
+        out = tendril(options + " -ts_max_time 0.01", 1)
+        text = out if isinstance(out, str) else getattr(out, "stderr", str(out))
+        expect(words in text and text.strip().count("\n") == 0, f"{options}: {text}")
+
+
+if __name__ == "__main__":
+    sys.exit(scene.main(CHECKS))
