@@ -738,5 +738,6 @@ const RodModel rod_frame = {.name = "frame",
                             .hold = FrameHold,
                             .remember = FrameRemember,
                             .recall = FrameRecall,
+                            .defect = FrameDefect,
                             .jacobian = FrameJacobian,
                             .eliminate = FrameEliminate};

@@ -170,7 +170,7 @@ static void TestHarvest(void **state) {
   CHECK(OutputHarvest(output, &seen, &harvest));
   MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
   EXPECT(rank || (harvest.steps == 5 && harvest.shapes == 0 && harvest.data[0] == 4 &&
-                  harvest.data[OBSERVED * 3] == 2),
+                  harvest.data[OBSERVED_ALWAYS * 3] == 2),
          "%d steps", (int)harvest.steps);
   CHECK(PetscFree(harvest.data));
   CHECK(OutputDestroy(&output));
