@@ -273,6 +273,8 @@ PetscErrorCode RodJacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shift, 
   rod->jacobians++;
   for (PetscInt f = 0; f < rod->model->fields; f++)
     shifts[f] = shift + (rod->model->across[f] ? rod->factor_rate : 0);
+  rod->linearised = (RodState){.t = t, .U = U, .U_t = U_t};
+  PetscCall(PetscArraycpy(rod->linearised.shift, shifts, rod->model->fields));
   if (rod->elimination)
     PetscCall(rod->model->eliminate(rod, t, U, U_t, shifts, rod->elimination));
   else
@@ -282,5 +284,15 @@ PetscErrorCode RodJacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shift, 
     PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
     PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
   }
+  PetscFunctionReturn(0);
+}
+
+/* RodEliminate - eliminates the matrix of the latest Jacobian, where its state is now: its vectors
+   are those that Newton's method has gone on with. Collective. */
+PetscErrorCode RodEliminate(Rod rod, Elimination elimination) {
+  const RodState *at = &rod->linearised;
+
+  PetscFunctionBegin;
+  PetscCall(rod->model->eliminate(rod, at->t, at->U, at->U_t, at->shift, elimination));
   PetscFunctionReturn(0);
 }

@@ -442,7 +442,7 @@ static PetscErrorCode Check(TS ts, VBDF *self, SNESConvergedReason *solved) {
 }
 
 /* Does a step like the one solved, if it went to X, cross a mode that grows? */
-static PetscErrorCode CrossesAt(TS ts, VBDF *self, Vec X, PetscBool *crosses) {
+static PetscErrorCode CrossesAt(TS ts, VBDF *self, Vec X, VBDFSight sight, PetscBool *crosses) {
   Mat J, P;
 
   PetscFunctionBegin;
@@ -450,7 +450,7 @@ static PetscErrorCode CrossesAt(TS ts, VBDF *self, Vec X, PetscBool *crosses) {
   PetscCall(ComputeRate(self, X));
   PetscCall(TSGetIJacobian(ts, &J, &P, NULL, NULL));
   PetscCall(TSComputeIJacobian(ts, self->time[0], X, self->rate, self->shift, J, P, PETSC_FALSE));
-  PetscCall(self->cross(ts, X, PETSC_TRUE, crosses));
+  PetscCall(self->cross(ts, X, sight, crosses));
   PetscFunctionReturn(0);
 }
 
@@ -462,20 +462,22 @@ static PetscErrorCode CrossesAt(TS ts, VBDF *self, Vec X, PetscBool *crosses) {
   does, the order and the memory of rejected errors are as if it had not been tried.
 */
 static PetscErrorCode Crosses(TS ts, VBDF *self, PetscInt order, PetscBool *crosses) {
-  PetscBool blind = (PetscBool)(self->n <= order || self->jumped);
+  VBDFSight sight = self->n <= order ? VBDF_BLIND : VBDF_SEEN;
   PetscInt best = self->order;
 
   PetscFunctionBegin;
   *crosses = PETSC_FALSE;
   if (!self->cross) PetscFunctionReturn(0);
-  PetscCall(self->cross(ts, self->point[0], blind, crosses));
-  if (blind && !*crosses) {
+  if (self->jumped) sight = ts->time_step < self->layer ? VBDF_BLIND : VBDF_JUMP;
+  PetscCall(self->cross(ts, self->point[0], sight, crosses));
+  if (sight != VBDF_SEEN && !*crosses) {
     self->order = order;
     PetscCall(Predict(ts, self, self->work));
-    PetscCall(CrossesAt(ts, self, self->work, crosses));
+    PetscCall(CrossesAt(ts, self, self->work, sight, crosses));
     PetscCall(VecAXPBY(self->work, 0.5, 0.5, self->point[0]));
-    if (!*crosses) PetscCall(CrossesAt(ts, self, self->work, crosses));
-    if (!*crosses) PetscCall(CrossesAt(ts, self, self->point[0], crosses)); /* for the next step */
+    if (!*crosses) PetscCall(CrossesAt(ts, self, self->work, sight, crosses));
+    if (!*crosses)
+      PetscCall(CrossesAt(ts, self, self->point[0], sight, crosses)); /* for the next step */
     self->order = best;
   }
   if (!*crosses) PetscFunctionReturn(0);
