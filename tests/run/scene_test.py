@@ -514,6 +514,23 @@ def sides():
 
 
 @check
+def sides_of_others():
+    """The same where the modes that grow are not counted by the way the equations are solved: with a
+    matrix, with self-contact, in the mixed model, and with a held tip on two ranks."""
+    ways = ("-pc_type lu", "-contact_self true -contact_diameter 0.001", "-rod_model mixed")
+    rod = "-growth_initial_length 0.2 -ts_max_time 0.002 -tip_force 375 -shape_amplitude 0.1 "
+    for mu in (0, 1):
+        right = Run(rod + f"-friction_mu {min(mu, .999)} -ts_dt 1e-12").tip
+        for way in ways:
+            tip = Run(rod + f"-friction_mu {mu} {way}").tip
+            expect(distance(tip, right) < 0.01, f"{way}, mu {mu}: tip {tip}, not {right}")
+        print(f"mu {mu}: tip {tip}")
+    held = "-tip_type pinned -growth_initial_length 1.2 -shape_amplitude 0.5 -ts_max_time 0.1 -friction_mu 0"
+    one, two = (Run(held, ranks=n).norm_x2[-1] for n in (1, 2))
+    expect(abs(two - one) < 1e-4 * one, f"held on two ranks: |x2| {two}, not {one}")
+
+
+@check
 def tiny():
     """|x2| below 1e-154, whose square is no number, and its e-folds in the estimate."""
     r = {a: Run(f"-ts_max_time 3 -shape_amplitude {a}") for a in ("1e-130", "1e-160")}
