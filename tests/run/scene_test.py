@@ -490,6 +490,11 @@ def snap():
         expect(distance(stuck, limit) < 2e-3, f"{amplitude}: exact Coulomb, tip {stuck}")
         expect(distance(on_two.tip, dry.tip) < 1e-5, f"{amplitude}: two ranks, tip {on_two.tip}")
         expect(dry.energy_defect[-1] < 1e-3, f"{amplitude}: defect {dry.energy_defect[-1]:.1e}")
+    behind = ("-growth_type gaussian -growth_width 0.552 -growth_initial_length 0.357 -shape_amplitude 1.65 "
+              "-ts_max_time 0.001 ")
+    x2, right = (Run(behind + dt).norm_x2[-1] for dt in ("", "-ts_dt 1e-12"))
+    print(f"behind a snap at the start: |x2| {x2:.6e}, with a first step of 1e-12 {right:.6e}")
+    expect(abs(x2 - right) < 1e-4 * right, f"behind a snap at the start: |x2| {x2}, not {right}")
 
 
 @check
