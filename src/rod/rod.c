@@ -324,6 +324,8 @@ PetscErrorCode RodJacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shift, 
     for (int mirror = 0; mirror < MIRRORS; mirror++)
       if (rod->model->group[f] & 1 << mirror) shifts[f] += rod->factor_rate[mirror];
   }
+  rod->linearised = (RodState){.t = t, .U = U, .U_t = U_t};
+  PetscCall(PetscArraycpy(rod->linearised.shift, shifts, rod->model->fields));
   if (rod->elimination)
     PetscCall(rod->model->eliminate(rod, t, U, U_t, shifts, rod->elimination));
   else
@@ -333,5 +335,15 @@ PetscErrorCode RodJacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shift, 
     PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
     PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
   }
+  PetscFunctionReturn(0);
+}
+
+/* RodEliminate - eliminates the matrix of the latest Jacobian, where its state is now: its vectors
+   are those that Newton's method has gone on with. Collective. */
+PetscErrorCode RodEliminate(Rod rod, Elimination elimination) {
+  const RodState *at = &rod->linearised;
+
+  PetscFunctionBegin;
+  PetscCall(rod->model->eliminate(rod, at->t, at->U, at->U_t, at->shift, elimination));
   PetscFunctionReturn(0);
 }

@@ -72,7 +72,8 @@ typedef struct {
   PetscErrorCode (*residual)(Rod, PetscReal t, Vec U, Vec U_t, Vec F);
   /* dF/dU + dF/dU_t diag(shift), a shift for each field */
   PetscErrorCode (*jacobian)(Rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[], Mat J);
-  /* the same, eliminated at once; NULL: it cannot, nor can a coupled rod */
+  /* the same, eliminated at once, but for what far parts of a coupled rod do to each other; NULL:
+     it cannot */
   PetscErrorCode (*eliminate)(Rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[],
                               Elimination);
   /* by how much the state of the latest residual fails the equations between the collocation
@@ -86,6 +87,12 @@ typedef struct {
   /* exact Coulomb friction: see LoadHold(); NULL: regularised friction only */
   PetscErrorCode (*hold)(Rod, PetscReal t, Vec U, Vec U_t, PetscReal seen, PetscReal *creep);
 } RodModel;
+
+/* Where a Jacobian was taken; the vectors are borrowed from who asked for it. NULL: none was. */
+typedef struct {
+  PetscReal t, shift[MAX_FIELDS];
+  Vec U, U_t;
+} RodState;
 
 struct _Rod {
   const RodModel *model;
@@ -105,6 +112,7 @@ struct _Rod {
   PetscInt memory;                /* reals a node that its Newton's method remembers; 0: none */
   PetscInt residuals, jacobians;  /* counted work */
   Elimination elimination;        /* instead of a matrix; NULL: none; borrowed */
+  RodState linearised;            /* of the latest Jacobian */
   void *data;
 };
 
@@ -127,5 +135,6 @@ PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal scale[MAX_FIELDS]);
 PetscErrorCode RodResidual(TS ts, PetscReal t, Vec U, Vec U_t, Vec F, void *rod);
 PetscErrorCode RodJacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J, Mat P,
                            void *rod);
+PetscErrorCode RodEliminate(Rod rod, Elimination elimination);
 
 #endif

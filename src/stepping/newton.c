@@ -186,15 +186,14 @@ static PetscErrorCode MatrixAsked(TS ts, PetscBool *wanted) {
   PetscFunctionReturn(0);
 }
 
-/* Can the model's equations be eliminated as they are computed? Not where nodes far from each other
-   see each other, nor on several ranks if the tip is held. */
-static PetscErrorCode CanEliminate(Rod rod, PetscBool *can) {
+/* Can the equations of neighbours be eliminated as they are computed? Not on several ranks if the
+   tip is held. */
+static PetscErrorCode HasChain(Rod rod, PetscBool *has) {
   PetscMPIInt ranks;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(rod->scene->comm, &ranks));
-  *can = (PetscBool)(rod->model->eliminate && !rod->coupled &&
-                     EliminationCan(rod->model->halves, ranks) &&
+  *has = (PetscBool)(rod->model->eliminate && EliminationCan(rod->model->halves, ranks) &&
                      (ranks == 1 || rod->scene->tip.type == TIP_FREE));
   PetscFunctionReturn(0);
 }
@@ -227,16 +226,41 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
 */
 PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton) {
   Rod rod = newton->rod;
-  PetscBool asked, can;
+  PetscBool asked, has;
 
   PetscFunctionBegin;
   PetscCall(MatrixAsked(ts, &asked));
-  PetscCall(CanEliminate(rod, &can));
-  if (can && !asked)
+  PetscCall(HasChain(rod, &has));
+  if (has && !asked && !rod->coupled)
     PetscCall(SetElimination(ts, newton));
-  else
+  else {
     PetscCall(RodCreateMatrix(rod, &newton->J));
+    if (has)
+      PetscCall(EliminationCreate(rod->scene->comm, rod->end - rod->first, rod->model->halves,
+                                  &newton->counter));
+  }
   PetscCall(TSSetIJacobian(ts, newton->J, newton->J, RodJacobian, rod));
+  PetscFunctionReturn(0);
+}
+
+/*
+  NewtonIndex - how many modes grow faster than the shift of the latest Jacobian, see
+  EliminationIndex(); where that was assembled, of the rod without what far parts of it do to each
+  other. Collective.
+
+  known  can they be counted?
+*/
+PetscErrorCode NewtonIndex(Newton *newton, PetscInt *index, PetscBool *known) {
+  Elimination counted = newton->elimination ? newton->elimination : newton->counter;
+  Rod rod = newton->rod;
+
+  PetscFunctionBegin;
+  *known = (PetscBool)(counted && !EliminationWide(counted) &&
+                       (counted == newton->elimination || rod->linearised.U));
+  *index = 0;
+  if (!*known) PetscFunctionReturn(0);
+  if (counted == newton->counter) PetscCall(RodEliminate(rod, counted));
+  PetscCall(EliminationIndex(counted, index));
   PetscFunctionReturn(0);
 }
 
@@ -244,5 +268,6 @@ PetscErrorCode NewtonDestroy(Newton *newton) {
   PetscFunctionBegin;
   PetscCall(MatDestroy(&newton->J));
   PetscCall(EliminationDestroy(&newton->elimination));
+  PetscCall(EliminationDestroy(&newton->counter));
   PetscFunctionReturn(0);
 }

@@ -8,6 +8,7 @@ typedef struct {
   TS ts; /* borrowed */
   Rod rod;
   Elimination elimination; /* instead of a matrix; NULL: none */
+  Elimination counter;     /* beside a matrix, to count modes that grow; NULL: none */
   Mat J;
   PetscReal tolerance;        /* of the update, relative to each field's size */
   PetscReal update;           /* the latest iteration's largest */
@@ -17,6 +18,7 @@ typedef struct {
 
 PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton);
 PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton);
+PetscErrorCode NewtonIndex(Newton *newton, PetscInt *index, PetscBool *known);
 PetscErrorCode NewtonDestroy(Newton *newton);
 
 #endif

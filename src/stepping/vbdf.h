@@ -24,9 +24,13 @@ typedef PetscErrorCode (*VBDFSnap)(TS ts, PetscReal t, Vec U, PetscBool *done);
 typedef PetscErrorCode (*VBDFCheck)(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
                                     PetscBool *impossible);
 
+/* What is known of a step that would be accepted: its error; but little, for it is the first of a
+   history; nothing, for its error is above the tolerance and does not fall: a jump. */
+typedef enum { VBDF_SEEN, VBDF_BLIND, VBDF_JUMP } VBDFSight;
+
 /* Does the step just solved, to U, cross a mode that grows, at a rate above the shift of the step?
-   Its sign would turn. blind: nothing is known of the error of this step. */
-typedef PetscErrorCode (*VBDFCross)(TS ts, Vec U, PetscBool blind, PetscBool *crosses);
+   Its sign would turn. */
+typedef PetscErrorCode (*VBDFCross)(TS ts, Vec U, VBDFSight sight, PetscBool *crosses);
 
 PetscErrorCode VBDFRegister(void);
 PetscErrorCode VBDFSetGuess(TS ts, VBDFGuess guess, void *ctx);

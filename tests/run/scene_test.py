@@ -490,6 +490,11 @@ def snap():
         expect(distance(stuck, limit) < 2e-3, f"{amplitude}: exact Coulomb, tip {stuck}")
         expect(distance(on_two.tip, dry.tip) < 1e-5, f"{amplitude}: two ranks, tip {on_two.tip}")
         expect(dry.energy_defect[-1] < 1e-3, f"{amplitude}: defect {dry.energy_defect[-1]:.1e}")
+    behind = ("-growth_type gaussian -growth_width 0.552 -growth_initial_length 0.357 -shape_amplitude 1.65 "
+              "-ts_max_time 0.001 ")
+    x2, right = (Run(behind + dt).norm_x2[-1] for dt in ("", "-ts_dt 1e-12"))
+    print(f"behind a snap at the start: |x2| {x2:.6e}, with a first step of 1e-12 {right:.6e}")
+    expect(abs(x2 - right) < 1e-4 * right, f"behind a snap at the start: |x2| {x2}, not {right}")
 
 
 @check
@@ -511,6 +516,23 @@ def sides():
         print(f"L {length}, P L^2 {load}, amplitude {amplitude}, mu {mu}: tip {tip / length}")
     two = Run(rod + f"-friction_mu {mu}", ranks=2).tip
     expect(distance(two, right) < 0.01, f"{rod} on two ranks: tip {two}, not {right}")
+
+
+@check
+def sides_of_others():
+    """The same where the modes that grow are not counted by the way the equations are solved: with a
+    matrix, with self-contact, in the mixed model, and with a held tip on two ranks."""
+    ways = ("-pc_type lu", "-contact_self true -contact_diameter 0.001", "-rod_model mixed")
+    rod = "-growth_initial_length 0.2 -ts_max_time 0.002 -tip_force 375 -shape_amplitude 0.1 "
+    for mu in (0, 1):
+        right = Run(rod + f"-friction_mu {min(mu, .999)} -ts_dt 1e-12").tip
+        for way in ways:
+            tip = Run(rod + f"-friction_mu {mu} {way}").tip
+            expect(distance(tip, right) < 0.01, f"{way}, mu {mu}: tip {tip}, not {right}")
+        print(f"mu {mu}: tip {tip}")
+    held = "-tip_type pinned -growth_initial_length 1.2 -shape_amplitude 0.5 -ts_max_time 0.1 -friction_mu 0"
+    one, two = (Run(held, ranks=n).norm_x2[-1] for n in (1, 2))
+    expect(abs(two - one) < 1e-4 * one, f"held on two ranks: |x2| {two}, not {one}")
 
 
 @check
