@@ -643,6 +643,27 @@ def turns_on_a_wall():
 
 
 @check
+def exact_with_each_law():
+    """Exact Coulomb friction at corners with another law each, as friction next to exact has it. Behind
+    a growth zone it is that of a small beta, which moments that were laid down feel."""
+    short = "-growth_initial_length 0.5 -shape_type straight -rod_curvature 0.1 -rod_cells 60 -ts_rtol 1e-5 -ts_max_time 3 "
+    stone = "-wall_file scripts/lab/walls/stone.txt -contact_diameter 0.05 -contact_stiffness 3e5 "
+    fed = f"{short} {stone} -growth_type feed "
+    for law, least in ((f"{short} {stone}", 1e-4), (fed, 1e-4), (f"{fed} -friction_across 2", 3e-4),
+                       (f"{fed} -friction_across 0.5", 1e-4), (f"{fed} -friction_layers 0:1,1.5:2", 1e-4),
+                       (f"{fed} -tip_force 0.5", 1e-4), (f"{fed} -tip_force 0.5 -tip_law resistance", 1e-4),
+                       (f"{short} {stone} -growth_type apical -growth_initial_length 1 -growth_zone 0.6", 2e-3),
+                       (f"{short} {stone} -tip_type pinned -growth_initial_length 1.5", 1e-4),
+                       (f"{short} -tip_type clamped -contact_self -contact_diameter 0.1 "
+                        "-contact_stiffness 1e5", 1e-4)):
+        exact, near = (Run(f"{law} -friction_beta {beta}") for beta in (0, 1e-12))
+        off = np.abs(exact.shapes["x"][-1] - near.shapes["x"][-1]).max()
+        print(f"{exact.steps} steps, next to exact {near.steps}; shapes differ by {off:.1e}")
+        expect(off < least, f"{law}: shapes differ by {off}")
+        expect(exact.steps < 1.5 * near.steps, f"{law}: {exact.steps} steps, next to exact {near.steps}")
+
+
+@check
 def bend_radius():
     """The corner of a path with a radius of its own: as a rod that is led through it feels it, and in the
     text that the result keeps."""
