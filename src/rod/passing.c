@@ -112,21 +112,25 @@ static PetscReal MeetPart(PetscInt item, PetscReal reach, void *ctx) {
   return look->passes ? -1 : reach;
 }
 
-/* Is a place of a rod with a thickness behind any wall, or was it on its way there? (Only between
-   the arms of conduits may it come out again: what is behind the other walls has no other side, or
-   is seen by its edges and posts.) */
+/* A rod without a thickness is behind a wall at so many times the length over which contact spreads
+   a force that acts at a point: a step that ends there has not seen the wall. */
+static const PetscReal lengths_behind = 4;
+
+/* Is a place of the rod behind any wall, or was it on its way there? (Only between the arms of
+   conduits may it come out again: what is behind the other walls has no other side, or is seen by
+   its edges and posts.) */
 static PetscBool Behind(const Contact *contact, const PetscReal x0[2], const PetscReal x1[2]) {
   enum { MOST = 50 };
-  const PetscReal half = contact->diameter / 2, way = hypot(x1[0] - x0[0], x1[1] - x0[1]);
+  const PetscReal half = contact->diameter / 2, way = hypot(x1[0] - x0[0], x1[1] - x0[1]),
+                  deep = half > 0 ? half : lengths_behind * contact->tip;
   PetscInt n = 1;
 
-  if (half == 0) return PETSC_FALSE;
-  if (contact->walls.conduits) n = (PetscInt)PetscMin(MOST, PetscCeilReal(2 * way / half));
+  if (contact->walls.conduits) n = (PetscInt)PetscMin(MOST, PetscCeilReal(2 * way / deep));
   for (PetscInt k = 1; k <= PetscMax(n, 1); k++) {
     const PetscReal z = (PetscReal)k / PetscMax(n, 1);
     PetscReal x[2];
     for (int d = 0; d < 2; d++) x[d] = x0[d] + z * (x1[d] - x0[d]);
-    if (WallsGap(&contact->walls, x, half) < -half) return PETSC_TRUE;
+    if (WallsGap(&contact->walls, x, half) < -deep) return PETSC_TRUE;
   }
   return PETSC_FALSE;
 }

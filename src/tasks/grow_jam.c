@@ -3,8 +3,9 @@
 #include "tasks/growing.h"
 
 /* Pressed in by this part of its diameter the rod is no longer where walls say, and with forces so
-   many times the usual ones (scene/contact.h) that is no matter of how soft contact is. */
-static const PetscReal too_deep = 0.2, many_times = 10;
+   many times the usual ones (scene/contact.h) that is no matter of how soft contact is. A rod
+   without one: so many times the length over which contact spreads a force that acts at a point. */
+static const PetscReal too_deep = 0.2, too_deep_thin = 2, many_times = 10;
 /* So many steps in contact in which the rod grows by no more than this part of its length. (A snap
    takes some hundred from next to nothing on.) */
 enum { WINDOW = 1000 };
@@ -14,6 +15,13 @@ static const PetscReal progress = 1e-6;
 static PetscBool PressedHard(const Observation *seen) {
   return (PetscBool)(seen->contacts > 0 &&
                      seen->contact_force > many_times * PetscMax(1, 10 / PetscSqr(seen->length)));
+}
+
+/* Is it farther in a wall, or in itself, than a law of contact may let it? */
+static PetscBool PressedDeep(const Contact *contact, const Observation *seen) {
+  const PetscReal most =
+      contact->diameter > 0 ? too_deep * contact->diameter : too_deep_thin * contact->tip;
+  return (PetscBool)(seen->penetration > most);
 }
 
 /*
@@ -29,8 +37,7 @@ PetscBool GrowIsJammed(Grow *self) {
   } else
     self->window_steps++;
   if (!contact->any || !PressedHard(seen)) return PETSC_FALSE;
-  return (PetscBool)(self->window_steps >= WINDOW ||
-                     (contact->diameter > 0 && seen->penetration > too_deep * contact->diameter));
+  return (PetscBool)(self->window_steps >= WINDOW || PressedDeep(contact, seen));
 }
 
 /*

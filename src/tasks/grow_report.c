@@ -110,6 +110,18 @@ static const PetscReal per_depth = 5;
    that were laid down feel by its sixth root, and little else does. */
 static const PetscReal per_snap = 1e-5, of_start = 1e-2, of_limit = 5;
 
+/* Pressed in by more than this part of its diameter a rod is where no rigid wall lets it be. */
+static const PetscReal part_told = 0.01;
+
+/* The stiffness with which the same force would press the rod in by half of that: a point load
+   sinks in by k^(-3/4) (ContactSetStiffness()). */
+static PetscReal Stiffer(const Grow *self) {
+  const Contact *contact = &self->scene->contact;
+  const PetscReal allowed = part_told / 2 * contact->diameter;
+
+  return contact->stiffness * PetscPowReal(self->depth / allowed, 4. / 3);
+}
+
 /* What there is of contact. */
 static PetscErrorCode TellContact(const Grow *self) {
   const Contact *contact = &self->scene->contact;
@@ -127,10 +139,11 @@ static PetscErrorCode TellContact(const Grow *self) {
                         "%s%s\n",
                         (double)contact->stiffness, (int)self->seen.contacts,
                         self->seen.contacts == 1 ? "" : "s", text[0], part));
-  if (contact->diameter > 0 && self->depth > 0.05 * contact->diameter)
-    PetscCall(PetscPrintf(self->scene->comm, "The rod is pressed in by more than 5 %% of its "
-                                             "diameter: give more -rod_cells or a higher "
-                                             "-contact_stiffness.\n"));
+  if (contact->diameter > 0 && self->depth > part_told * contact->diameter)
+    PetscCall(PetscPrintf(self->scene->comm,
+                          "The rod is pressed in by more than %.0f %% of its diameter: give "
+                          "-contact_stiffness %.1e.\n",
+                          100 * (double)part_told, (double)Stiffer(self)));
   PetscFunctionReturn(0);
 }
 

@@ -435,7 +435,7 @@ def make_files(d, tendril):
     write_hdf5(d / "stiffness_late", distance=[x + 1 for x in far], factor=[1.0] * 4)
     write_hdf5(d / "stiffness_unsorted", distance=[0, 2, 1, 3], factor=[1.0] * 4)
     write_hdf5(d / "stiffness_lengths", distance=far, factor=[1.0] * 5)
-    text("wall_sound", "# a hall\nplane 5 0 -1 0 # ahead\n\ncircle 3 2 1 outside friction 0.2\n"
+    text("wall_sound", "\ufeff# a hall\nplane 5 0 -1 0 # ahead\n\ncircle 3 2 1 outside friction 0.2\n"
          "polygon outside 3,-3 4,-3 4,-2 friction 0\npath 1 -1 0 8 0 10 2\n")
     text("wall_metres", "plane 50cm 0 -1 0\ncircle 0.5m 300mm 0.1m outside friction 0.2\n")
     for name, line in (

@@ -600,6 +600,70 @@ def jammed():
 
 
 @check
+def jammed_thin():
+    """A straight rod without a thickness that grows head-on against a wall, in front or all round: it
+    does not go through, and the run does not end as if nothing were."""
+    d = scene.SCRATCH
+    for wall, at in (("plane 2 0 -1 0", 2), ("circle 1 0 1.5 inside", 2.5)):
+        line = tendril(f"-shape_type straight -ts_max_time 4 -output {d}/thin.h5 {walls(wall)}", 1)
+        print(line.strip())
+        tip = read(f"{d}/thin.h5")["series/tip_x1"]
+        expect("jammed at t = " in line and "into a wall at s = 1" in line, line)
+        expect(np.abs(tip[-1] / at - 1) < 0.03, f"{wall}: the tip is at {tip[-1]}")
+
+
+@check
+def pressed_in():
+    """A cavity that a rod presses itself into by more than a hundredth of its diameter: the run says so,
+    its estimate has it, and with the stiffness that it names it is not so."""
+    cavity = ("-growth_type feed -friction_mu 0.63 -friction_beta 1e-4 -shape_type straight -rod_curvature_random 0.0173 "
+              "-rod_curvature_seed 7 -contact_diameter 0.059 -contact_self -ts_max_time 3.3 -rod_cells 60 "
+              "-ts_rtol 1e-5 " + walls("circle 1.55926 0 1.95926 inside"))
+    soft = Run(cavity)
+    depth = soft.penetration.max()
+    asked = re.search(r"pressed in by more than 1 % of its diameter: give -contact_stiffness (\S+)\.\n", soft.said)
+    expect(asked and depth > 0.01 * 0.059, f"pressed in by {depth}: {soft.said}")
+    expect(soft.estimate > depth / soft.length[-1], f"estimate {soft.estimate}")
+    stiff = Run(f"{cavity} -contact_stiffness {asked[1]}")
+    print(f"pressed in by {depth:.2e}, with -contact_stiffness {asked[1]} by {stiff.penetration.max():.2e}")
+    expect(stiff.penetration.max() < 0.01 * 0.059 and "pressed in" not in stiff.said, stiff.said)
+
+
+@check
+def turns_on_a_wall():
+    """Exact Coulomb friction, a tip that is pressed against a wall and turns there, as friction next to
+    exact has it."""
+    turns = ("-growth_type uniform -shape_type straight -rod_curvature_random 0.041 -rod_curvature_seed 19 "
+             "-contact_diameter 0.153 -contact_self -contact_friction 0.66 -ts_max_time 5 -rod_cells 40 -ts_rtol 1e-5 "
+             + walls("plane 4.823 0 -1 0"))
+    exact, near = (Run(f"{turns} -friction_beta {beta}") for beta in (0, 1e-12))
+    off = np.hypot(*(exact.tip - near.tip))
+    print(f"{exact.steps} steps, next to exact {near.steps}; tips differ by {off:.1e}")
+    expect(exact.norm_x2[-1] > 0.4 and off < 1e-4, f"tips {exact.tip}, {near.tip}")
+
+
+@check
+def exact_with_each_law():
+    """Exact Coulomb friction at corners with another law each, as friction next to exact has it. Behind
+    a growth zone it is that of a small beta, which moments that were laid down feel."""
+    short = "-growth_initial_length 0.5 -shape_type straight -rod_curvature 0.1 -rod_cells 60 -ts_rtol 1e-5 -ts_max_time 3 "
+    stone = "-wall_file scripts/lab/walls/stone.txt -contact_diameter 0.05 -contact_stiffness 3e5 "
+    fed = f"{short} {stone} -growth_type feed "
+    for law, least in ((f"{short} {stone}", 1e-4), (fed, 1e-4), (f"{fed} -friction_across 2", 3e-4),
+                       (f"{fed} -friction_across 0.5", 1e-4), (f"{fed} -friction_layers 0:1,1.5:2", 1e-4),
+                       (f"{fed} -tip_force 0.5", 1e-4), (f"{fed} -tip_force 0.5 -tip_law resistance", 1e-4),
+                       (f"{short} {stone} -growth_type apical -growth_initial_length 1 -growth_zone 0.6", 2e-3),
+                       (f"{short} {stone} -tip_type pinned -growth_initial_length 1.5", 1e-4),
+                       (f"{short} -tip_type clamped -contact_self -contact_diameter 0.1 "
+                        "-contact_stiffness 1e5", 1e-4)):
+        exact, near = (Run(f"{law} -friction_beta {beta}") for beta in (0, 1e-12))
+        off = np.abs(exact.shapes["x"][-1] - near.shapes["x"][-1]).max()
+        print(f"{exact.steps} steps, next to exact {near.steps}; shapes differ by {off:.1e}")
+        expect(off < least, f"{law}: shapes differ by {off}")
+        expect(exact.steps < 1.5 * near.steps, f"{law}: {exact.steps} steps, next to exact {near.steps}")
+
+
+@check
 def bend_radius():
     """The corner of a path with a radius of its own: as a rod that is led through it feels it, and in the
     text that the result keeps."""

@@ -87,7 +87,10 @@ static void TestCuts(void **state) {
   EXPECT(!Passes("polygon inside -1 -0.3 3 -0.3 3 0.3 -1 0.3\n", "-contact_diameter 0.01", 0, 0.2),
          "within a box");
   EXPECT(Passes("plane 0 0.3 0 -1\n", "-contact_diameter 0.01", 0, 1), "behind a plane");
-  EXPECT(!Passes("plane 0 0.3 0 -1\n", "", 0, 1), "a thread is never behind a plane");
+  EXPECT(Passes("plane 0 0.3 0 -1\n", "", 0, 1), "a thread far behind a plane");
+  EXPECT(!Passes("plane 0 0.3 0 -1\n", "", 0, 0.6), "a thread pressed into a plane");
+  EXPECT(Passes("circle 0 0 0.6 inside\n", "", 0, 0.1), "a thread far out of a cavity");
+  EXPECT(!Passes("circle 0 0 0.8 inside\n", "", 0, 0.1), "a thread pressed into its wall");
 }
 
 /* The tip alone is behind a wall, and the rod may touch itself, too: every rank ends the look, with
