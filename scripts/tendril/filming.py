@@ -44,6 +44,11 @@ class Frame:
     line: Traced | None
     trouble: str = ""  # why there is no line
 
+    def centimetres(self):
+        """The length that is known."""
+        value, unit = with_unit(self.length)
+        return value * KNOWN[unit][1] * 100
+
 
 class Scale:
     """From pixels to the plane of the rod, in metres (or lengths without a unit), from the clamp, x1 along."""
@@ -96,7 +101,7 @@ class Filmed:
         rows = [f"# {note}" for note in self.notes]
         rows.append(f"{head},x1 ({unit}),x2 ({unit}),point,unsure")
         for f in self.good():
-            at = with_unit(f.length)[0] * KNOWN[with_unit(f.length)[1]][1] * 100 if f.length else f.at
+            at = f.centimetres() if f.length else np.nan if given else f.at
             at = "" if np.isnan(at) else f"{at:.6g}"
             points = self.scale.plane(f.line.points) * factor if self.scale.unit else f.line.points
             rows += [f"{at},{x:.5g},{y:.5g},{k},{int(u)}" for k, ((x, y), u) in enumerate(zip(points, f.line.unsure))]
@@ -146,10 +151,12 @@ class Filmed:
         scale set; it saves the CSV anew."""
         frames = []
         for f, (jpeg, size) in zip(self.frames, self.pictures):
-            points = f.line.points[:: max(1, len(f.line.points) // 30)] if f.line else np.empty((0, 2))
-            if f.line and not np.array_equal(points[-1], f.line.points[-1]):
-                points = np.vstack([points, f.line.points[-1]])
-            frames.append({"name": f.source, "t": None if np.isnan(f.at) else f.at, "length": f.length,
+            count = len(f.line.points) if f.line else 0
+            some = np.unique(np.r_[np.arange(0, count, max(1, count // 30)), [count - 1] * (count > 0)]).astype(int)
+            points = f.line.points[some] if f.line else np.empty((0, 2))
+            frames.append({"name": f.source, "t": None if np.isnan(f.at) else f.at,
+                           "length": f.centimetres() if f.length else None,
+                           "unsure": f.line.unsure[some].astype(int).tolist() if f.line else [],
                            "picture": base64.b64encode(jpeg).decode(), "size": size,
                            "points": np.round(points, 2).tolist(), "trouble": f.trouble,
                            "kept": bool(f.line and f.line.whole)})

@@ -120,6 +120,9 @@ def main(arguments=None):
     except (TendrilError, OSError) as error:
         print(f"fit: {error}", file=sys.stderr)
         return 1
+    except KeyboardInterrupt:
+        print("fit: interrupted before anything was found", file=sys.stderr)
+        return 130
     print(found.report())
     print(f"fit: {choice.output}.opts is the best scene; .txt, .csv, .png and .pdf beside it")
     return 0

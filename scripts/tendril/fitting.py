@@ -222,7 +222,11 @@ def one_place(problem: Problem, a: Solution, b: Solution):
 def followed(problem: Problem, starts):
     """The ends of searches side by side."""
     with ThreadPoolExecutor() as pool, problem.shared(max(len(starts), 1)):
-        return list(pool.map(lambda u: problem.solve(u, CLOSE, ahead=False, most=FOLLOWED), starts))
+        try:
+            return list(pool.map(lambda u: problem.solve(u, CLOSE, ahead=False, most=FOLLOWED), starts))
+        except KeyboardInterrupt:
+            problem.ended = True  # the searches in other threads are not told by themselves
+            raise
 
 
 def ranked(problem: Problem, points):
@@ -233,7 +237,10 @@ def ranked(problem: Problem, points):
         raise runs[0]
     if not problem.noise:
         problem.measure_noise(good[0], share=0.03)
-    return sorted(good, key=lambda u: problem.cost(problem.residuals(u)))
+    order = sorted(good, key=lambda u: problem.cost(problem.residuals(u)))
+    if problem.best is None:
+        problem.best = order[0]
+    return order
 
 
 def search(problem: Problem, starts, accuracy, seed, tell):
@@ -371,16 +378,27 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", f
     found = Fit(problem, best.u, known.covariance, known.reach, r, best.cost, costs, 0.0,
                 interrupted=interrupted)
     found.indistinct = indistinct(found)
-    found.warnings = [] if interrupted else warnings_of(found, agreed or starts == 0, tell)
+    found.warnings = [] if interrupted else doubted(found, agreed or starts == 0, tell)
     found.seconds = time.perf_counter() - begin
     return found
 
 
+def doubted(found: Fit, agreed, tell):
+    """What speaks against it; Ctrl-C ends this alone."""
+    try:
+        return warnings_of(found, agreed, tell)
+    except KeyboardInterrupt:
+        return ["what speaks against the fit was not looked for to its end: interrupted."]
+
+
 def rough(problem: Problem):
     """(the best point of a search that was interrupted, what is known of it)"""
+    # Ctrl-C in a terminal is for the runs, too: what they left is no run to the end
+    problem.ended, problem.known = False, {}
     best = Solution(problem.best, np.nan)
     problem.measure_noise(best.u)
     jacobian = problem.raw_jacobian(best.u)
     raw = problem.measure_errors(best.u, jacobian)
+    best.cost = problem.cost(problem.errors.whitened(raw))
     return best, certainty(problem.errors, raw, jacobian, problem.prior_information(len(best.u)),
                            problem.told_noise, CONFIDENCE)

@@ -171,8 +171,8 @@ def side_by_side(rows, unit, path):
             for k in range(0, len(rows[1]) - 1, 2)]
 
 
-def lines_of(table, names, units, abscissa, path):
-    """Photographs of a file of points, a row a point."""
+def lines_of(table, names, units, abscissa, path, notes):
+    """Photographs of a file of points, a row a point; those of which too little is sure are noted."""
     place = {name: table[:, k] for k, name in enumerate(names)}
     points = np.column_stack([place["x1"], place["x2"]])
     if units["x1"] != units["x2"]:
@@ -186,9 +186,15 @@ def lines_of(table, names, units, abscissa, path):
         at = (None, Values(np.nan)) if np.isnan(value) else (
             abscissa, values_of(value, units[abscissa], path))
         sure = place["unsure"][rows] != 1 if "unsure" in place else np.ones(len(points[rows]), bool)
+        if len(sure) >= 3 > np.count_nonzero(sure) and np.count_nonzero(~sure):
+            notes.append(f"{path}: not used: {abscissa} = {value:g}, of which {np.count_nonzero(sure)} of "
+                         f"{len(sure)} points are sure")
+            continue
         # the last is the tip, if it is sure
         found.append(photograph(points[rows][sure], units["x1"], at, "point" in place and bool(sure[-1]),
                                 f"{path}, {abscissa} = {value:g}"))
+    if not found:
+        raise DataError(f"{path}: no photograph has three points that are sure")
     return found
 
 
@@ -245,7 +251,7 @@ def read(path, unit="", at="", fps=None) -> Measured:
     table = columns_of([[cell if not points or name in used else "" for name, cell in zip(names, row)]
                         for row in rows[1:]], len(names), path)
     if points:
-        found = lines_of(table, names, units, abscissa, path)
+        found = lines_of(table, names, units, abscissa, path, notes)
         if abscissa is None and at:
             for one in found:
                 one.abscissa, one.at = moment(at, path)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from contextlib import contextmanager
 from dataclasses import dataclass
+from threading import Lock
 from typing import Sequence
 
 import numpy as np
@@ -62,7 +63,9 @@ class Problem:
         self.count = 0  # of runs
         # of the search, for causes that are tried afterwards
         self.search_settings, self.search_known, self.search_points = {}, {}, {}
-        self.best: np.ndarray | None = None  # of the search that is under way
+        # of the searches that are under way, for one that is interrupted
+        self.best: np.ndarray | None = None
+        self.least, self.ended, self.lock = np.inf, False, Lock()
         self.bar = None
         self.known: dict = {}  # runs by their point
         self.points: dict = {}  # the points themselves
@@ -142,6 +145,8 @@ class Problem:
     def run(self, points) -> list[Results | RunError]:
         """Runs at these points, side by side; those that were made before are not made again. Of their
         attributes they have those of the rod in the laboratory."""
+        if self.ended:  # somebody pressed Ctrl-C, and another thread was told
+            raise KeyboardInterrupt
         keys = [tuple(np.round(np.asarray(u, float)[self.of_runs], 12)) for u in points]
         new = {key: u for key, u in zip(keys[::-1], list(points)[::-1]) if key not in self.known}
         for (key, u), r in zip(new.items(), stored([self.words(u) | self.settings for u in new.values()],
@@ -187,7 +192,16 @@ class Problem:
 
     def prepare(self, u, accuracy):
         """Chooses how all runs are made, from one at u: their end, which shapes they store, and cells
-        and tolerance for an accuracy; so that runs differ by their parameters alone."""
+        and tolerance for an accuracy; so that runs differ by their parameters alone. One that is
+        interrupted leaves all as it was."""
+        before = self.known, self.settings, self.glimpse, self.begin, self.reach
+        try:
+            self.choose(u, accuracy)
+        except BaseException:
+            self.known, self.settings, self.glimpse, self.begin, self.reach = before
+            raise
+
+    def choose(self, u, accuracy):
         self.known, self.settings, self.glimpse = {}, {}, None
         self.glimpse, self.begin = self.first(u, {"ts_max_time": 1e-6}), u
         end = self.ends()
@@ -249,7 +263,7 @@ class Problem:
         (r,) = self.run([u])
         if isinstance(r, RunError):
             raise r
-        self.errors = None
+        self.errors, self.least = None, np.inf  # costs are counted anew
         values = self.raw(u, r)
         groups, spreads = np.array(self.comparison.groups), self.comparison.spreads()
         freedom = np.sqrt(max(1e-3, 1 - len(u) / len(values)))
@@ -285,6 +299,7 @@ class Problem:
         (r,) = self.run([u])
         raw = self.raw(u, r)
         alone = np.r_[self.sigma[:len(raw) - len(self.priors)], np.ones(len(self.priors))]
+        self.least = np.inf
         self.errors = estimate(self.comparison.blocks, raw, jacobian, alone,
                                self.prior_information(len(u)), self.told_noise)
         self.noise = {name: g.total for name, g in self.errors.groups.items()}
@@ -332,8 +347,9 @@ class Problem:
                 self.run([u, *self.neighbours(u, STEP)[0]])
             f = self.residuals(u)
             cost = self.cost(f)
-            if cost < least:
-                self.best = np.array(u)
+            with self.lock:
+                if cost < self.least:
+                    self.best, self.least = np.array(u), cost
             least, better = min(cost, least), ahead and cost < least
             return f
 

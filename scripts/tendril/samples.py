@@ -4,7 +4,9 @@
     s = tendril.sample(f, steps=200)              # emcee; the runs of a step are one job of -task sweep
     s.corner().savefig("corner.png"); s.interval("si_friction_dry")
 
-The errors are as the fit estimated them; the prior is flat within the bounds, and what was given as priors."""
+The errors are as the fit estimated them: what is not known of these, and what lasts over many photographs, widens
+the fit's own intervals and not these. The prior is flat within the bounds, of a parameter that is looked for by its
+logarithm in that; with it goes what was given as priors."""
 
 from __future__ import annotations
 
@@ -101,11 +103,14 @@ def sample(fit: Fit, steps=200, walkers=None, burn=0.3, seed=1, progress=False) 
 
     def chance(points):
         inside = np.all((points[:, :p] >= 0) & (points[:, :p] <= 1), axis=1)
-        problem.run(points[inside]) if inside.any() else None
+        kept = dict(problem.known)
+        if inside.any():
+            problem.run(points[inside])
         found = np.full(len(points), -np.inf)
         for k in np.flatnonzero(inside):
             f = problem.residuals(points[k])
             found[k] = -np.inf if np.all(f == FAILED) else -problem.cost(f)
+        problem.known = kept  # thousands of runs are no memory's load
         return found
 
     begin = fit.u + 0.5 * random.multivariate_normal(np.zeros(n), fit.covariance, walkers, check_valid="ignore")
