@@ -113,7 +113,8 @@ static PetscErrorCode BeforeStage(TS ts, PetscReal t) {
   equations, and the modes of a state that is frozen are not those of the rod that moves on: what
   slides along a wall has left a place before a mode of it has grown. There only steps are looked at
   of which no error is known; likewise where far parts of a rod press on each other, which the
-  count does not know.
+  count does not know, and where material comes to rest behind a growth zone: frozen, it gives way
+  at once along itself where dry friction is next to exact, but it is laid down faster than that.
 */
 static PetscErrorCode CrossesMode(TS ts, Vec U, VBDFSight sight, PetscBool *crosses) {
   PetscBool bent = PETSC_FALSE, known;
@@ -127,7 +128,7 @@ static PetscErrorCode CrossesMode(TS ts, Vec U, VBDFSight sight, PetscBool *cros
   contact = &leg->rod->scene->contact;
   *crosses = leg->crosses = PETSC_FALSE;
   if (sight == VBDF_SEEN && (contact->walls.rub || contact->friction > 0 || leg->rod->coupled ||
-                             leg->rod->scene->load.turns))
+                             leg->rod->scene->load.turns || leg->rod->scene->growth->rests))
     PetscFunctionReturn(0);
   PetscCall(NewtonIndex(&leg->newton, &index, &known));
   if (known ? index <= 0 && index % 2 == 0 : sight != VBDF_JUMP) PetscFunctionReturn(0);
