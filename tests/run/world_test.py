@@ -377,6 +377,10 @@ def exact_at_rest():
         expect(abs(force[-1] / end - 1) < 0.02, f"force {force[-1]} at the end, not {end}")
         expect(force.max() < 1.4 * most, f"force up to {force.max()}, where {most} is possible")
         expect(1 / spread < r.energy[-1] / energy < spread, f"energy {r.energy[-1]}, not {energy}")
+    # next to exact: a frozen state of it has modes that grow at once, which no step need follow
+    r = Run("-growth_type apical -growth_initial_length 1 -growth_zone 0.6 -rod_curvature 0.1 -shape_type straight "
+            "-rod_cells 60 -ts_rtol 1e-5 -ts_max_time 3 -friction_beta 1e-12 -ts_max_steps 1000")
+    expect(r.t[-1] == 3, f"beta 1e-12: at t = {r.t[-1]} only after {r.steps} steps")
 
 
 # --- references ----------------------------------------------------------------------------------
