@@ -18,7 +18,7 @@ from matplotlib.animation import FFMpegWriter, PillowWriter
 from matplotlib.colors import AsinhNorm
 
 from .errors import ResultsError, TendrilError
-from .results import Results, load, runs_of
+from .results import Results, load, refuse_space, runs_of
 from .style import STYLE
 from .progress import bar
 from .surroundings import axial_force, friction
@@ -127,6 +127,7 @@ def animate(r: Results, output: str | Path, *, begin: float | str = 0, end: floa
     output = Path(output)
     writer = writer_of(output, rate)
     (r,) = runs_of(r, "animate")
+    refuse_space([r])
     first, last = moment("begin", begin, [r]), moment("end", end, [r])
     times = [t for t in r.shapes.get("t", ()) if first * (1 - 1e-9) <= t <= last * (1 + 1e-9)]
     if not times:

@@ -22,7 +22,7 @@ from matplotlib.colors import to_hex
 
 from .errors import ResultsError, TendrilError
 from .pictures import colours, name_of, symbol_of
-from .results import FAR, Results, load, runs_of
+from .results import FAR, Results, load, refuse_space, runs_of
 from .style import COLOURS
 from .surroundings import axial_force, friction, pressed, walls
 from .units import in_laboratory, laboratory_units
@@ -195,6 +195,7 @@ def view(results: Results | Sequence[Results], output: str | Path | None = None,
     titles = list(titles or [r.name for r in runs])
     if len(titles) != len(runs):
         raise ResultsError(f"view: {len(titles)} titles for {len(runs)} runs")
+    refuse_space(runs)
     for r in runs:
         if not len(r.series.get("t", ())) or not len(r.shapes.get("t", ())):
             raise ResultsError(f"{r.path}: holds no stored shape to show")

@@ -199,16 +199,25 @@ def draw_shapes(ax, r, view, line):
     ax.plot(0, 0, "ks", ms=3, clip_on=False, zorder=3)
 
 
-def axes_of_place(ax, view):
+def axes_of_place(ax, view, across="$x_2$"):
     ax.set_xlabel(view.units.label("$x_1$", "length"))
-    ax.set_ylabel(view.units.label("$x_2$", "length"))
+    ax.set_ylabel(view.units.label(across, "length"))
 
 
 def panel_shapes(ax, r, view):
     unit = view.units.of("length", 1.0)
-    draw_shapes(ax, r, view, lambda shape, **look: draw_rod(ax, r, shape.x, unit, **look))
+    draw_shapes(ax, r, view, lambda shape, **look: draw_rod(ax, r, shape.x[:, :2], unit, **look))
     draw_walls(ax, r, unit)
     axes_of_place(ax, view)
+
+
+def panel_side(ax, r, view):
+    """A rod in space, seen along x2."""
+    unit = view.units.of("length", 1.0)
+    if not r.in_space:
+        raise ResultsError(f"plot: side: {r.name} is a rod in the plane")
+    draw_shapes(ax, r, view, lambda shape, **look: draw_rod(ax, r, shape.x[:, ::2], unit, **look))
+    axes_of_place(ax, view, "$x_3$")
 
 
 def panel_touch(ax, r, view):
@@ -227,13 +236,14 @@ def panel_touch(ax, r, view):
 
 def panel_normalised(ax, r, view):
     draw_shapes(ax, r, view,
-                lambda shape, **look: ax.plot(*(shape.x.T / shape.length), **look))
+                lambda shape, **look: ax.plot(*(shape.x[:, :2].T / shape.length), **look))
     ax.set_xlabel("$x_1 / L$")
     ax.set_ylabel("$x_2 / L$")
 
 
 PANELS = {
     "shapes": panel_shapes,
+    "side": panel_side,
     "norm": panel_norm,
     "force": curves("N l", "force at the clamp", ("base_force_1", r"$-n_1(0)$", BLUE, "-"),
                     ("base_force_2", r"$-n_2(0)$", ORANGE, "-")),
@@ -252,8 +262,9 @@ PANELS = {
                       ("feed_force", "feeding", ORANGE, "-")),
 }
 FIRST = ("shapes", "norm", "force", "energy")  # what is drawn if nothing is asked for
+OF_SPACE = ("shapes", "side", "norm", "energy")  # ... of rods in space
 OF_CONTACT = ("touch", "contact")  # of all of them drawn only if there is contact
-SHAPES = ("shapes", "normalised", "touch")  # drawn with equal aspect, with times for a legend
+SHAPES = ("shapes", "side", "normalised", "touch")  # drawn with equal aspect, with times for a legend
 __doc__ = __doc__.format(panels=", ".join(PANELS))
 
 
@@ -531,8 +542,10 @@ def panels_of(asked, runs):
     """Names of panels: those asked for, or those that a first look wants, or all."""
     if asked == "all" or list(asked or ()) == ["all"]:
         touch = any("contact" in r.shapes for r in runs)
-        return [name for name in PANELS if touch or name not in OF_CONTACT]
-    return [name.strip() for name in asked.split(",")] if isinstance(asked, str) else list(asked or FIRST)
+        return [name for name in PANELS
+                if (touch or name not in OF_CONTACT) and (name != "side" or all(r.in_space for r in runs))]
+    first = OF_SPACE if all(r.in_space for r in runs) else FIRST
+    return [name.strip() for name in asked.split(",")] if isinstance(asked, str) else list(asked or first)
 
 
 def plot(results: Results | Sequence[Results], panels: Sequence[str] | str | None = None, *,

@@ -212,8 +212,13 @@ class Results:
                     found[name] = self.column(group, name, False)
         return found
 
+    @property
+    def in_space(self) -> bool:
+        """Does the rod have a third dimension?"""
+        return "tip_x3" in self.series
+
     def dataset(self, si=False) -> xarray.Dataset:
-        """Series over t [steps] and shapes over shape_t [k], s [n] and axis [x1, x2] as an xarray
+        """Series over t [steps] and shapes over shape_t [k], s [n] and axis [x1, x2, in space x3] as an xarray
         Dataset; units and descriptions are attributes of its variables, options those of the whole.
 
         si  in SI units, of a run in the laboratory; what has no scale there is left out"""
@@ -247,6 +252,14 @@ class Results:
     def to_csv(self, path, si=False) -> None:
         """Writes the series as a table, a row a step."""
         self.frame(si).to_csv(path, index=False)
+
+
+def refuse_space(runs):
+    """Of what shows rods in the plane only."""
+    for r in runs:
+        if r.in_space:
+            raise ResultsError(f"{r.path}: a rod in space, which only plot and ParaView show yet: an .xmf stands "
+                               "beside each result")
 
 
 def runs_of(given, who) -> list[Results]:

@@ -271,16 +271,18 @@ static PetscErrorCode TellLaboratory(const Grow *self) {
   const Observation *seen = &self->seen;
   PetscReal f;
   const char *unit = OptionShownIn(seen->length, UNIT_LENGTH, &f);
-  char time[32];
+  char time[32], third[32] = "";
 
   PetscFunctionBegin;
   if (!unit) PetscFunctionReturn(0);
+  if (self->scene->space.rod)
+    (void)snprintf(third, sizeof(third), ", %.6g", (double)(f * seen->tip_x3));
   OptionInLaboratory(seen->t, UNIT_TIME, time);
   PetscCall(
       PetscPrintf(self->scene->comm,
-                  "in the laboratory: %s%s%slength %.6g %s, tip (%.6g, %.6g) %s, |x2| %.6g %s\n",
+                  "in the laboratory: %s%s%slength %.6g %s, tip (%.6g, %.6g%s) %s, |x2| %.6g %s\n",
                   time[0] ? "t = " : "", time, time[0] ? ", " : "", (double)(f * seen->length),
-                  unit, (double)(f * seen->tip_x1), (double)(f * seen->tip_x2), unit,
+                  unit, (double)(f * seen->tip_x1), (double)(f * seen->tip_x2), third, unit,
                   (double)(f * seen->norm_x2), unit));
   PetscFunctionReturn(0);
 }
@@ -288,6 +290,7 @@ static PetscErrorCode TellLaboratory(const Grow *self) {
 /* GrowSummary - the last words on a run. Collective. */
 PetscErrorCode GrowSummary(Grow *self) {
   const Observation *seen = &self->seen;
+  const PetscBool space = self->scene->space.rod;
   PetscInt steps, iterations = 0, rejections = 0, jumps = 0, n;
   char text[4][32];
   PetscLogDouble now;
@@ -305,10 +308,15 @@ PetscErrorCode GrowSummary(Grow *self) {
     }
   PetscCall(PetscTime(&now));
   if (self->quiet) PetscFunctionReturn(0);
-  PetscCall(PetscPrintf(self->scene->comm, "t = %s: length %s, tip (%s, %s), |x2| %.8e\n",
+  PetscCall(PetscPrintf(self->scene->comm, "t = %s: length %s, tip (%s, %s",
                         OptionNumber(seen->t, text[0]), OptionNumber(seen->length, text[1]),
-                        OptionNumber(seen->tip_x1, text[2]), OptionNumber(seen->tip_x2, text[3]),
-                        (double)seen->norm_x2));
+                        OptionNumber(seen->tip_x1, text[2]), OptionNumber(seen->tip_x2, text[3])));
+  if (space)
+    PetscCall(PetscPrintf(self->scene->comm, ", %s), |x2| %.8e, |x3| %.8e\n",
+                          OptionNumber(seen->tip_x3, text[0]), (double)seen->norm_x2,
+                          (double)seen->norm_x3));
+  else
+    PetscCall(PetscPrintf(self->scene->comm, "), |x2| %.8e\n", (double)seen->norm_x2));
   PetscCall(TellLaboratory(self));
   PetscCall(TellClamp(self));
   PetscCall(PetscPrintf(self->scene->comm, "%d steps, %d rejected, %d Newton iterations, %.3f s; ",

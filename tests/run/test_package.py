@@ -126,6 +126,17 @@ class Package(unittest.TestCase):
         self.assertEqual((table.width.attrs["units"], table.t.attrs["units"]), ("m", "l/V"))
         self.assertNotIn("tip_speed", table)
 
+    def test_space(self):
+        """A rod in space has three coordinates, and is drawn from two sides; what cannot show it says so."""
+        r = tendril.run(**SHORT, rod_weight="0,-0.1,-0.2")
+        self.assertEqual(r.at(1).x.shape, (41, 3))
+        self.assertAlmostEqual(r.at(1).x[-1, 2], r.series.tip_x3[-1], 12)
+        labels = [ax.get_ylabel() for ax in tendril.plot(r).axes]
+        self.assertEqual(labels[:2], ["$x_2$", "$x_3$"])
+        for show in (tendril.view, lambda r: tendril.animate(r, "film.gif")):
+            with self.assertRaisesRegex(tendril.TendrilError, "a rod in space"):
+                show(r)
+
     def test_between(self):
         """A shape between stored ones is where a run that stored it there has it; of too few, and outside,
         there is none."""
