@@ -26,9 +26,13 @@ MADE = {  # page: command lines whose lines it shows, and the directory they are
 }
 
 
-def same(one, other):
+SLIDES = ("docs/my-cable.md",)  # along edges: another PETSc's rounding takes other steps there
+
+
+def same(one, other, slides=False):
     """Two lines with the same words and, to a hundredth, numbers. What rounding makes, the energy defect, to
-    a factor of three; times of the clock are not compared."""
+    a factor of three; of a rod that slides along edges steps to a tenth, those rejected to a half. Times of the
+    clock are not compared."""
     words = [NUMBER.sub("#", re.sub(r"#?[\d.]+ s; ", "", line)).strip() for line in (one, other)]
     if words[0] != words[1]:
         return False
@@ -36,7 +40,10 @@ def same(one, other):
     for found, said in zip(*(list(NUMBER.finditer(line)) for line in lines)):
         a, b = float(found[0]), float(said[0])
         rough = lines[0][:found.start()].endswith(("energy defect ", "error below ", "tip (", "penetration at most "))
-        if not (max(abs(a), abs(b)) <= (3 if rough else 1.01) * min(abs(a), abs(b)) and a * b >= 0):
+        counted = lines[0][found.end():]
+        factor = (3 if rough else 1.1 if slides and counted.startswith((" steps", " Newton"))
+                  else 1.5 if slides and counted.startswith(" rejected") else 1.01)
+        if not (max(abs(a), abs(b)) <= factor * min(abs(a), abs(b)) and a * b >= 0):
             return False
     return True
 
@@ -60,7 +67,7 @@ class Numbers(unittest.TestCase):
             said = shown("\n".join(said))
             self.assertTrue(said, page)
             for line in said:
-                self.assertTrue(any(same(line, other) for other in printed), f"{page} says\n  {line}\nand "
+                self.assertTrue(any(same(line, other, page in SLIDES) for other in printed), f"{page} says\n  {line}\nand "
                                 "tendril\n  " + "\n  ".join(printed))
 
     def test_gallery(self):
