@@ -1,27 +1,11 @@
 #include "rod/feet.h"
+#include "base/hermite.h"
 
 static PetscReal Dot(const PetscReal a[2], const PetscReal b[2]) {
   return a[0] * b[0] + a[1] * b[1];
 }
 
 /* ---- the curve ---- */
-
-/* The cubic polynomials through value and slope at both ends of a cell, and their derivatives. */
-static void Hermite(PetscReal z, PetscReal value[4], PetscReal slope[4], PetscReal bend[4]) {
-  const PetscReal y = 1 - z;
-  value[0] = y * y * (1 + 2 * z);
-  value[1] = z * y * y;
-  value[2] = z * z * (1 + 2 * y);
-  value[3] = -z * z * y;
-  slope[0] = -6 * z * y;
-  slope[1] = y * (1 - 3 * z);
-  slope[2] = 6 * z * y;
-  slope[3] = z * (3 * z - 2);
-  bend[0] = 12 * z - 6;
-  bend[1] = 6 * z - 4;
-  bend[2] = 6 - 12 * z;
-  bend[3] = 6 * z - 2;
-}
 
 /* The sum of values at the ends and slopes there, by the polynomials. */
 static inline PetscReal Sum(const PetscReal poly[4], PetscReal a, PetscReal a_z, PetscReal b,

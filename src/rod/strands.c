@@ -1,4 +1,5 @@
 #include "rod/strands.h"
+#include "base/hermite.h"
 #include "base/boxes.h"
 
 enum { A1, A2, ATH, B1, B2, BTH, SPOT_UNKNOWNS }; /* x and theta at both ends of a cell */
@@ -56,23 +57,6 @@ static PetscReal Cross(const PetscReal a[2], const PetscReal b[2]) {
 }
 
 /* ---- the curve ---- */
-
-/* The cubic polynomials through value and slope at both ends of a cell, or their derivatives. */
-static void Hermite(PetscReal z, PetscReal value[4], PetscReal slope[4], PetscReal bend[4]) {
-  const PetscReal y = 1 - z;
-  value[0] = y * y * (1 + 2 * z);
-  value[1] = z * y * y;
-  value[2] = z * z * (1 + 2 * y);
-  value[3] = -z * z * y;
-  slope[0] = -6 * z * y;
-  slope[1] = y * (1 - 3 * z);
-  slope[2] = 6 * z * y;
-  slope[3] = z * (3 * z - 2);
-  bend[0] = 12 * z - 6;
-  bend[1] = 6 * z - 4;
-  bend[2] = 6 - 12 * z;
-  bend[3] = 6 * z - 2;
-}
 
 /* What a cell's curve is made of: x at its ends and x_z = h g q there, with q turned to the left.
  */

@@ -1,0 +1,25 @@
+/* The cubic curve through value and slope at both ends of a cell. */
+#ifndef TENDRIL_HERMITE_H
+#define TENDRIL_HERMITE_H
+
+#include <petscsys.h>
+
+/* Hermite - its polynomials at z in [0, 1], of a, a_z, b, b_z in this order, and their first and
+   second derivatives. */
+static inline void Hermite(PetscReal z, PetscReal value[4], PetscReal slope[4], PetscReal bend[4]) {
+  const PetscReal y = 1 - z;
+  value[0] = y * y * (1 + 2 * z);
+  value[1] = z * y * y;
+  value[2] = z * z * (1 + 2 * y);
+  value[3] = -z * z * y;
+  slope[0] = -6 * z * y;
+  slope[1] = y * (1 - 3 * z);
+  slope[2] = 6 * z * y;
+  slope[3] = z * (3 * z - 2);
+  bend[0] = 12 * z - 6;
+  bend[1] = 6 * z - 4;
+  bend[2] = 6 - 12 * z;
+  bend[3] = 6 * z - 2;
+}
+
+#endif
