@@ -1,6 +1,6 @@
 /* Feet: where the rod meets posts and corners that may be narrower than its cells. Collocation
    points would step over them. So the place of a cell's curve that is nearest to the middle c of a
-   post, of radius r, is a point contact, of strength a k l as that of the tip is (scene/contact.h),
+   post, of radius r, is a point contact, of strength a k l as that of the tip is (world/contact.h),
 
      E = a k l ... = a l U(gamma),   gamma = |x(foot) - c| - r - D/2,   foot: (x(foot) - c).x' = 0,
 

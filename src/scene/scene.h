@@ -2,16 +2,16 @@
 #ifndef TENDRIL_SCENE_H
 #define TENDRIL_SCENE_H
 
-#include "scene/contact.h"
-#include "scene/curvature.h"
-#include "scene/growth.h"
-#include "scene/load.h"
-#include "scene/mesh.h"
-#include "scene/shape.h"
+#include "world/contact.h"
+#include "material/curvature.h"
+#include "material/growth.h"
+#include "world/load.h"
+#include "material/mesh.h"
+#include "material/shape.h"
 #include "scene/si.h"
 #include "scene/space.h"
-#include "scene/stiffness.h"
-#include "scene/tip.h"
+#include "material/stiffness.h"
+#include "world/tip.h"
 
 typedef struct _Scene *Scene;
 struct _Scene {

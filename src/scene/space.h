@@ -3,10 +3,10 @@
 #ifndef TENDRIL_SPACE_H
 #define TENDRIL_SPACE_H
 
-#include "scene/curvature.h"
-#include "scene/load_space.h"
-#include "scene/shape.h"
-#include "scene/tip.h"
+#include "material/curvature.h"
+#include "world/load_space.h"
+#include "material/shape.h"
+#include "world/tip.h"
 
 typedef struct {
   const char *why;   /* the option by which something acts out of the plane; NULL: none does */

@@ -14,7 +14,7 @@ const OptionGroup accuracy_options = OPTION_GROUP("Accuracy", rows);
               has no angle to follow, twice that);
     in space  arc_error h^order of the largest cell, h its arc length at the end of the run, and
               label_error F / N^order, because an error in a rate of decay adds up over its folds.
-    in contact  contact_error / N^3, for the mesh decides how stiff contact is (scene/contact.c).
+    in contact  contact_error / N^3, for the mesh decides how stiff contact is (world/contact.c).
   A quarter of the asked error is for time and a sixth for space: the error is then below what is
   asked, and not far below.
 */
@@ -116,7 +116,7 @@ PetscErrorCode AccuracyApply(void) {
       cells, PetscPowReal(label_error[asked.order == 4] * Folds(&asked) / space, 1. / asked.order));
   PetscCall(CellsFor("-friction_layers", "-friction_layer_width", 6, &asked, &cells));
   PetscCall(Is("-growth_type", "apical", &apical));
-  if (apical) /* whatever its length, the zone has a part of the cells (scene/mesh.c) */
+  if (apical) /* whatever its length, the zone has a part of the cells (material/mesh.c) */
     cells = PetscMax(cells, 600 * PetscPowReal(1e-4 / asked.tolerance, 0.25));
   if (asked.contact)
     cells =

@@ -3,7 +3,7 @@
 #include "tasks/growing.h"
 
 /* Pressed in by this part of its diameter the rod is no longer where walls say, and with forces so
-   many times the usual ones (scene/contact.h) that is no matter of how soft contact is. A rod
+   many times the usual ones (world/contact.h) that is no matter of how soft contact is. A rod
    without one: so many times the length over which contact spreads a force that acts at a point. */
 static const PetscReal too_deep = 0.2, too_deep_thin = 2, many_times = 10;
 /* So many steps in contact in which the rod grows by no more than this part of its length. (A snap

@@ -2,7 +2,7 @@
 #ifndef TENDRIL_MESH_H
 #define TENDRIL_MESH_H
 
-#include "scene/growth.h"
+#include "material/growth.h"
 
 typedef struct {
   PetscInt cells;

@@ -16,8 +16,8 @@
 #ifndef TENDRIL_CONTACT_H
 #define TENDRIL_CONTACT_H
 
-#include "scene/friction.h"
-#include "scene/walls.h"
+#include "world/friction.h"
+#include "world/walls.h"
 
 typedef struct {
   PetscBool any;                    /* there are walls, or strands that touch */

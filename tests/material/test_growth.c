@@ -1,7 +1,7 @@
 /* Growth laws: what they return is consistent (g = p_s, g_t, g_s and p_t by difference quotients),
    the length grows as asked, and a table reproduces the law it was made of. */
 #include "harness.h"
-#include "scene/growth.h"
+#include "material/growth.h"
 
 /* Of s and t; below, its difference quotients of fourth order. */
 typedef PetscReal (*Function)(Growth, PetscReal s, PetscReal t);

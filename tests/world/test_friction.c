@@ -1,6 +1,6 @@
 /* Friction: the law, its primal slope by rate, and the dual of Chan, Golub and Mulet. */
 #include "harness.h"
-#include "scene/friction.h"
+#include "world/friction.h"
 
 static Friction Create(const char *options) {
   Friction law;

@@ -1,7 +1,7 @@
 /* The nodes: even where growth is, and where it is not, equidistant in int (g/L + 1/2) ds; behind a
    narrow zone cells become longer by little from one to the next. */
 #include "harness.h"
-#include "scene/mesh.h"
+#include "material/mesh.h"
 
 static void Create(const char *options, PetscInt cells, PetscBool graded, PetscReal end,
                    Growth *growth, Mesh *mesh) {

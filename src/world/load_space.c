@@ -1,4 +1,4 @@
-#include "scene/load_space.h"
+#include "world/load_space.h"
 
 /* N at a place, and its derivatives there. */
 static PetscReal Factor3(const Load *load, const Place3 *at, PetscReal slope[3]) {

@@ -10,9 +10,9 @@
 #ifndef TENDRIL_LOAD_H
 #define TENDRIL_LOAD_H
 
-#include "scene/contact.h"
-#include "scene/field.h"
-#include "scene/friction.h"
+#include "world/contact.h"
+#include "world/field.h"
+#include "world/friction.h"
 
 typedef struct {
   Friction friction;

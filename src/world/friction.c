@@ -1,4 +1,4 @@
-#include "scene/friction.h"
+#include "world/friction.h"
 
 static const OptionRow rows[] = {
     ROW_REAL("-friction_mu", "1", 0, 1, UNIT_NONE, 0,

@@ -4,7 +4,7 @@
 #ifndef TENDRIL_CURVATURE_H
 #define TENDRIL_CURVATURE_H
 
-#include "scene/growth.h"
+#include "material/growth.h"
 
 enum { BEND_3, BEND_2, TURN_1, STRAINS };
 

@@ -1,6 +1,6 @@
 #include "base/hdf.h"
 #include "base/spline.h"
-#include "scene/growth.h"
+#include "material/growth.h"
 
 /* table: a bicubic not-a-knot spline through /g [nt, ns] at /t and /s. With the second derivatives
    in s, in t and in both at the knots, its value is a product of the two sets of spline weights. */

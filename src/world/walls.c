@@ -1,4 +1,4 @@
-#include "scene/walls.h"
+#include "world/walls.h"
 #include <ctype.h>
 
 const char *const wall_kind[WALL_KINDS] = {"plane", "circle", "polygon", "path"};

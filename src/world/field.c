@@ -1,4 +1,4 @@
-#include "scene/field.h"
+#include "world/field.h"
 #include "base/band.h"
 #include "base/bspline.h"
 #include "base/hdf.h"

@@ -1,4 +1,4 @@
-#include "scene/shape.h"
+#include "material/shape.h"
 #include "base/hdf.h"
 #include "base/lagrange.h"
 #include "base/spline.h"

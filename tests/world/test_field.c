@@ -1,8 +1,8 @@
 /* Fields and layers: the interpolant has continuous slopes, which its derivatives are, also at the
    entries and the edges; its order; layers are what they are asked to be. And the stiffness. */
 #include "harness.h"
-#include "scene/field.h"
-#include "scene/stiffness.h"
+#include "world/field.h"
+#include "material/stiffness.h"
 
 static PetscReal Wavy(PetscReal x1, PetscReal x2, PetscReal t) {
   return 3 + PetscSinReal(x1 + 0.3 * t) * PetscCosReal(0.7 * x2) + 0.2 * t;

@@ -1,4 +1,4 @@
-#include "scene/contact.h"
+#include "world/contact.h"
 
 static const OptionRow rows[] = {
     ROW_TEXT("-wall_file", INPUT_FILE,

@@ -3,7 +3,7 @@
 #ifndef TENDRIL_STIFFNESS_H
 #define TENDRIL_STIFFNESS_H
 
-#include "scene/growth.h"
+#include "material/growth.h"
 
 typedef struct {
   PetscBool varies; /* B is not 1 everywhere */

@@ -1,6 +1,6 @@
 /* The initial shape and the scales of the laboratory. */
 #include "harness.h"
-#include "scene/shape.h"
+#include "material/shape.h"
 #include "scene/si.h"
 
 /* The largest angle, and how far the slope is from that of the angle. */

@@ -8,7 +8,7 @@
 #ifndef TENDRIL_TIP_H
 #define TENDRIL_TIP_H
 
-#include "scene/load_space.h"
+#include "world/load_space.h"
 
 typedef enum { TIP_FREE, TIP_PINNED, TIP_CLAMPED } TipType;
 typedef enum { TIP_DEAD, TIP_FOLLOWER, TIP_RESISTANCE } TipLaw;

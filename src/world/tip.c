@@ -1,4 +1,4 @@
-#include "scene/tip.h"
+#include "world/tip.h"
 
 static const OptionRow rows[] = {
     ROW_REAL("-tip_force", "0", -1e9, 1e9, UNIT_FORCE, 0, "P, the force on the tip"),

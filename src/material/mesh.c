@@ -1,4 +1,4 @@
-#include "scene/mesh.h"
+#include "material/mesh.h"
 
 /* The part of the nodes spread evenly over s whatever the growth, so that no part of the initial
    rod is left without. */

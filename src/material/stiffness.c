@@ -1,4 +1,4 @@
-#include "scene/stiffness.h"
+#include "material/stiffness.h"
 #include "base/hdf.h"
 #include "base/spline.h"
 

@@ -1,5 +1,5 @@
 /* Where a point touches walls. */
-#include "scene/walls.h"
+#include "world/walls.h"
 
 static const PetscReal everywhere = 1e300;
 

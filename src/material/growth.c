@@ -1,4 +1,4 @@
-#include "scene/growth.h"
+#include "material/growth.h"
 
 static const OptionRow rows[] = {
     ROW_WORD("-growth_type", "uniform", "uniform,gaussian,feed,apical,table", 0, "the law g(s,t)"),

@@ -9,7 +9,7 @@
 #ifndef TENDRIL_LOAD_SPACE_H
 #define TENDRIL_LOAD_SPACE_H
 
-#include "scene/load.h"
+#include "world/load.h"
 
 enum { SPIN = 3, RUBS = 4 }; /* the components of W */
 

@@ -1,4 +1,4 @@
-#include "scene/curvature.h"
+#include "material/curvature.h"
 #include "base/hdf.h"
 #include "base/spline.h"
 #include <ctype.h>

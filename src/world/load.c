@@ -1,4 +1,4 @@
-#include "scene/load.h"
+#include "world/load.h"
 
 static const OptionRow rows[] = {
     ROW_REAL("-friction_across", "1", 1e-6, 1e6, UNIT_NONE, 0,
