@@ -7,9 +7,10 @@ static PetscReal Dot(const PetscReal a[2], const PetscReal b[2]) {
   return a[0] * b[0] + a[1] * b[1];
 }
 
-/* The distance of x from a piece, 0 on it, and its normal; is x in the piece's range? */
-static PetscBool PieceDistance(const WallPiece *p, const PetscReal x[2], PetscReal *distance,
-                               PetscReal normal[2], PetscReal *bend) {
+/* WallPieceDistance - the distance of x from a piece, 0 on it, and its normal; is x in the piece's
+   range? */
+PetscBool WallPieceDistance(const WallPiece *p, const PetscReal x[2], PetscReal *distance,
+                            PetscReal normal[2], PetscReal *bend) {
   PetscReal o[2] = {x[0] - p->at[0], x[1] - p->at[1]}, size, z;
 
   if (!p->round) {
@@ -169,8 +170,8 @@ static void Take(Look *look, PetscInt wall, PetscInt piece, Touch *at) {
 static void LookAt(Look *look, const WallPart *part) {
   Touch at;
 
-  if (PieceDistance(&look->walls->wall[part->wall].piece[part->piece], look->x, &at.gap, at.normal,
-                    &at.bend))
+  if (WallPieceDistance(&look->walls->wall[part->wall].piece[part->piece], look->x, &at.gap,
+                        at.normal, &at.bend))
     Take(look, part->wall, part->piece, &at);
 }
 
@@ -198,7 +199,7 @@ static PetscReal MeetAxis(PetscInt item, PetscReal reach, void *ctx) {
   const Wall *wall = &look->walls->wall[look->wall];
   Touch at;
 
-  if (PieceDistance(&wall->piece[item], look->x, &at.gap, at.normal, &at.bend))
+  if (WallPieceDistance(&wall->piece[item], look->x, &at.gap, at.normal, &at.bend))
     look->far = PetscMin(look->far, AxisDistance(wall, &wall->piece[item], look->x, at.gap));
   return PetscMin(reach, look->far);
 }
@@ -208,7 +209,7 @@ static PetscReal MeetConduit(PetscInt item, PetscReal reach, void *ctx) {
   const Wall *wall = &look->walls->wall[look->wall];
   Touch at;
 
-  if (PieceDistance(&wall->piece[item], look->x, &at.gap, at.normal, &at.bend) &&
+  if (WallPieceDistance(&wall->piece[item], look->x, &at.gap, at.normal, &at.bend) &&
       AxisDistance(wall, &wall->piece[item], look->x, at.gap) <= reach)
     Take(look, look->wall, item, &at);
   return reach;

@@ -77,6 +77,8 @@ PetscErrorCode WallsText(const Walls *walls, char **text);
 /* touch.c */
 PetscErrorCode WallsIndex(Walls *walls);
 PetscErrorCode WallsDropIndex(Walls *walls);
+PetscBool WallPieceDistance(const WallPiece *piece, const PetscReal x[2], PetscReal *distance,
+                            PetscReal normal[2], PetscReal *bend);
 PetscInt WallsTouch(const Walls *walls, const PetscReal x[2], PetscReal radius, PetscReal within,
                     Touch touch[MOST_TOUCHES]);
 PetscReal WallsGap(const Walls *walls, const PetscReal x[2], PetscReal radius);

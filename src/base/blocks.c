@@ -1,0 +1,103 @@
+#include "base/blocks.h"
+
+struct _Blocks {
+  PetscInt n;
+  PetscInt *item; /* as they stand in the leaves, from left to right */
+  Block *block;   /* the children of block k are 2 k + 1 and 2 k + 2 */
+};
+
+/* A block of the tree, with the leaves it holds. */
+typedef struct {
+  PetscInt first, last, k;
+} Branch;
+
+static Branch Half(Branch b, int which) {
+  PetscInt mid = (b.first + b.last) / 2;
+  if (which) return (Branch){mid, b.last, 2 * b.k + 2};
+  return (Branch){b.first, mid, 2 * b.k + 1};
+}
+
+static int LongestSide(const Block *block) {
+  int longest = 0;
+  for (int d = 1; d < 3; d++)
+    if (block->high[d] - block->low[d] > block->high[longest] - block->low[longest]) longest = d;
+  return longest;
+}
+
+/* Divides the items of a branch along the longest side of its block, by their middles. */
+static PetscErrorCode Build(Blocks self, const Block block[], PetscReal key[], Branch b) {
+  Block *all = &self->block[b.k];
+  int d;
+
+  PetscFunctionBegin;
+  *all = BlockEmpty();
+  for (PetscInt i = b.first; i < b.last; i++) {
+    BlockHold(all, block[self->item[i]].low);
+    BlockHold(all, block[self->item[i]].high);
+  }
+  if (b.last - b.first == 1) PetscFunctionReturn(0);
+  d = LongestSide(all);
+  for (PetscInt i = b.first; i < b.last; i++)
+    key[i] = block[self->item[i]].low[d] + block[self->item[i]].high[d];
+  PetscCall(PetscSortRealWithArrayInt(b.last - b.first, key + b.first, self->item + b.first));
+  for (int w = 0; w < 2; w++) PetscCall(Build(self, block, key, Half(b, w)));
+  PetscFunctionReturn(0);
+}
+
+/* BlocksCreate - the tree over n blocks, which are not needed any more afterwards; n may be 0. Not
+   collective; the caller destroys it with BlocksDestroy(). */
+PetscErrorCode BlocksCreate(PetscInt n, const Block block[], Blocks *blocks) {
+  PetscInt size = 1;
+  PetscReal *key;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(blocks));
+  (*blocks)->n = n;
+  if (!n) PetscFunctionReturn(0);
+  while (size < n) size *= 2;
+  PetscCall(PetscMalloc1(2 * size, &(*blocks)->block));
+  PetscCall(PetscMalloc1(n, &(*blocks)->item));
+  for (PetscInt i = 0; i < n; i++) (*blocks)->item[i] = i;
+  PetscCall(PetscMalloc1(n, &key));
+  PetscCall(Build(*blocks, block, key, (Branch){0, n, 0}));
+  PetscCall(PetscFree(key));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode BlocksDestroy(Blocks *blocks) {
+  PetscFunctionBegin;
+  if (!*blocks) PetscFunctionReturn(0);
+  PetscCall(PetscFree((*blocks)->block));
+  PetscCall(PetscFree((*blocks)->item));
+  PetscCall(PetscFree(*blocks));
+  PetscFunctionReturn(0);
+}
+
+/* The search in a branch that is `apart` from the point, the nearer half first. */
+static PetscReal Search(const struct _Blocks *self, Branch b, PetscReal apart, const PetscReal x[3],
+                        PetscReal reach, BlocksMeet meet, void *ctx) {
+  Branch half[2];
+  PetscReal far[2];
+  int first;
+
+  if (apart > reach) return reach;
+  if (b.last - b.first == 1) return meet(self->item[b.first], reach, ctx);
+  for (int w = 0; w < 2; w++) {
+    half[w] = Half(b, w);
+    far[w] = BlockApart(&self->block[half[w].k], x);
+  }
+  first = far[1] < far[0];
+  reach = Search(self, half[first], far[first], x, reach, meet, ctx);
+  return Search(self, half[!first], far[!first], x, reach, meet, ctx);
+}
+
+/*
+  BlocksNear - tells of all blocks within reach of a point, in no particular order.
+
+  meet  may lessen the reach as it learns more: so the nearest is found
+*/
+void BlocksNear(Blocks blocks, const PetscReal x[3], PetscReal reach, BlocksMeet meet, void *ctx) {
+  const Branch all = {0, blocks->n, 0};
+
+  if (blocks->n) (void)Search(blocks, all, BlockApart(&blocks->block[0], x), x, reach, meet, ctx);
+}

@@ -1,0 +1,199 @@
+#include "world/surfaces.h"
+
+static const SurfaceKind *const kinds[] = {&surface_plane, &surface_sphere, &surface_cylinder,
+                                           &surface_cone, &surface_torus};
+enum { KINDS = PETSC_STATIC_ARRAY_LENGTH(kinds), OF_PLANE = 6 };
+
+static const SurfaceKind *KindOf(const char *name) {
+  for (size_t k = 0; k < KINDS; k++)
+    if (!strcmp(name, kinds[k]->name)) return kinds[k];
+  return NULL;
+}
+
+/* SurfacesKnow - do the words of a line say a surface in space? One word, plane, is known in the
+   plane, too: there with four numbers. */
+PetscBool SurfacesKnow(PetscInt n, char *const word[]) {
+  const SurfaceKind *kind = KindOf(word[0]);
+  return (PetscBool)(kind && (kind != &surface_plane || n > OF_PLANE));
+}
+
+/* SurfaceNumber - word k of a line as a number; lengths may carry units. Collective. */
+PetscErrorCode SurfaceNumber(const SurfaceLine *line, PetscInt k, Dimension dimension,
+                             PetscReal *value) {
+  char what[PETSC_MAX_PATH_LEN];
+
+  PetscFunctionBegin;
+  (void)snprintf(what, sizeof(what), "-wall_file %s, line %d: ", line->file, line->line);
+  PetscCall(OptionQuantity(what, line->word[k], dimension, value));
+  PetscFunctionReturn(0);
+}
+
+/* SurfaceMalformed - the error of a line that does not have the form of its kind. */
+PetscErrorCode SurfaceMalformed(const SurfaceLine *line, const SurfaceKind *kind) {
+  PetscFunctionBegin;
+  UserCheck(PETSC_FALSE, OptionsComm(),
+            "-wall_file %s, line %d: give %s, and friction MU behind it if it has its own",
+            line->file, line->line, kind->form);
+  PetscFunctionReturn(0);
+}
+
+/* Takes `friction MU` off the end of a line's words. */
+static PetscErrorCode TakeFriction(SurfaceLine *line, Surface *surface) {
+  PetscFunctionBegin;
+  if (line->n < 3 || strcmp(line->word[line->n - 2], "friction")) PetscFunctionReturn(0);
+  PetscCall(SurfaceNumber(line, line->n - 1, UNIT_NONE, &surface->friction));
+  UserCheck(surface->friction >= 0 && surface->friction <= 100, OptionsComm(),
+            "-wall_file %s, line %d: friction must be from 0 to 100", line->file, line->line);
+  line->n -= 2;
+  PetscFunctionReturn(0);
+}
+
+/* SurfacesAdd - one more surface, as a line says; friction if it has none of its own. Collective on
+   OptionsComm(). */
+PetscErrorCode SurfacesAdd(const SurfaceLine *line, PetscReal friction, Surfaces *surfaces) {
+  SurfaceLine rest = *line;
+  Surface *surface;
+
+  PetscFunctionBegin;
+  if (surfaces->n == surfaces->room) {
+    surfaces->room = 2 * surfaces->room + 4;
+    PetscCall(PetscRealloc(surfaces->room * sizeof(Surface), &surfaces->surface));
+  }
+  surface = &surfaces->surface[surfaces->n++];
+  PetscCall(PetscMemzero(surface, sizeof(*surface)));
+  surface->kind = KindOf(line->word[0]);
+  surface->friction = friction;
+  surface->box = SurfaceEverywhere();
+  surface->smallest = surface->core = PETSC_MAX_REAL;
+  PetscCall(TakeFriction(&rest, surface));
+  PetscCall(surface->kind->make(&rest, surface));
+  PetscFunctionReturn(0);
+}
+
+/* SurfacesIndex - puts them where a place finds those near it. Not collective. */
+PetscErrorCode SurfacesIndex(Surfaces *self) {
+  const PetscReal bound = 1e299;
+  PetscInt placed = 0;
+  Block *block;
+
+  PetscFunctionBegin;
+  self->smallest = PETSC_MAX_REAL;
+  PetscCall(PetscMalloc1(self->n, &block));
+  PetscCall(PetscMalloc2(self->n, &self->placed, self->n, &self->open));
+  for (PetscInt k = 0; k < self->n; k++) {
+    const Surface *surface = &self->surface[k];
+    PetscBool bounded = PETSC_TRUE;
+    for (int d = 0; d < 3; d++)
+      if (surface->box.low[d] < -bound || surface->box.high[d] > bound) bounded = PETSC_FALSE;
+    if (bounded) {
+      block[placed] = surface->box;
+      self->placed[placed++] = k;
+    } else
+      self->open[self->opens++] = k;
+    if (surface->friction > 0) self->rub = PETSC_TRUE;
+    self->smallest = PetscMin(self->smallest, surface->smallest);
+  }
+  PetscCall(BlocksCreate(placed, block, &self->near));
+  PetscCall(PetscFree(block));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode SurfacesDestroy(Surfaces *self) {
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < self->n; k++) {
+    if (self->surface[k].data) PetscCall(self->surface[k].kind->destroy(&self->surface[k].data));
+    PetscCall(PetscFree(self->surface[k].text));
+  }
+  PetscCall(BlocksDestroy(&self->near));
+  PetscCall(PetscFree2(self->placed, self->open));
+  PetscCall(PetscFree(self->surface));
+  self->n = self->room = self->opens = 0;
+  PetscFunctionReturn(0);
+}
+
+/* SurfacesText - the surfaces as a file has them, dimensionless. The caller frees the text
+   (PetscFree). */
+PetscErrorCode SurfacesText(const Surfaces *self, char **text) {
+  enum { FRICTION = 40 };
+  size_t room = 1, at = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < self->n; k++) room += strlen(self->surface[k].text) + FRICTION;
+  PetscCall(PetscCalloc1(room, text));
+  for (PetscInt k = 0; k < self->n; k++)
+    at += (size_t)snprintf(*text + at, room - at, "%s friction %.17g\n", self->surface[k].text,
+                           (double)self->surface[k].friction);
+  PetscFunctionReturn(0);
+}
+
+/* ---- looking ---- */
+
+/* One look from a place. */
+typedef struct {
+  const Surfaces *self;
+  const PetscReal *x;
+  PetscReal within; /* what is nearer is taken note of, or, if only the nearest is wanted, the
+                       distance so far */
+  PetscInt n, *which;
+  SurfacePoint *point; /* NULL: only the nearest is wanted */
+} Look;
+
+/* Takes note of a surface, in the order of their numbers: what is summed up does not depend on the
+   order in which they are found. */
+static void LookAt(Look *look, PetscInt k) {
+  SurfacePoint at;
+  PetscInt i = look->n;
+
+  if (!SurfaceAt(&look->self->surface[k], look->x, look->within, &at)) return;
+  if (at.distance >= look->within) return;
+  if (!look->point) {
+    look->within = at.distance;
+    *look->which = k;
+    return;
+  }
+  if (look->n == MOST_SURFACES) return;
+  for (; i > 0 && look->which[i - 1] > k; i--) {
+    look->which[i] = look->which[i - 1];
+    look->point[i] = look->point[i - 1];
+  }
+  look->which[i] = k;
+  look->point[i] = at;
+  look->n++;
+}
+
+static PetscReal Meet(PetscInt item, PetscReal reach, void *ctx) {
+  Look *look = (Look *)ctx;
+
+  LookAt(look, look->self->placed[item]);
+  return PetscMax(0, look->point ? reach : PetscMin(reach, look->within));
+}
+
+static void LookAround(Look *look) {
+  for (PetscInt k = 0; k < look->self->opens; k++) LookAt(look, look->self->open[k]);
+  BlocksNear(look->self->near, look->x, PetscMax(0, look->within), Meet, look);
+}
+
+/*
+  SurfacesNear - the surfaces that are nearer to x than `within`.
+
+  which, point  of each, its number and how it looks, by numbers
+  Returns how many there are; MOST_SURFACES: there may be more.
+*/
+PetscInt SurfacesNear(const Surfaces *self, const PetscReal x[3], PetscReal within,
+                      PetscInt which[MOST_SURFACES], SurfacePoint point[MOST_SURFACES]) {
+  Look look = {.self = self, .x = x, .within = within, .which = which, .point = point};
+
+  if (!self->n) return 0;
+  LookAround(&look);
+  return look.n;
+}
+
+/* SurfacesDistance - the least distance of x to any surface, if that is below `within`; else that.
+   nearest: its number, unchanged if there is none. */
+PetscReal SurfacesDistance(const Surfaces *self, const PetscReal x[3], PetscReal within,
+                           PetscInt *nearest) {
+  Look look = {.self = self, .x = x, .within = within, .which = nearest};
+
+  if (self->n) LookAround(&look);
+  return look.within;
+}

@@ -1,0 +1,94 @@
+/* Surfaces in space: what stands around a rod that is not confined to a plane (there: walls.h).
+   Each is a signed distance d(x), positive where the rod may be, with its gradient n, |n| = 1, and
+   its Hessian H, all smooth where the rod can touch. All here is in the laboratory's frame. */
+#ifndef TENDRIL_SURFACES_H
+#define TENDRIL_SURFACES_H
+
+#include "base/blocks.h"
+#include "base/options.h"
+
+/* A surface near a point. */
+typedef struct {
+  PetscReal distance;   /* d of the point: below 0 behind the surface */
+  PetscReal normal[3];  /* n = grad d, into the free side */
+  PetscReal bend[3][3]; /* H, dn = H dx: symmetric, H n = 0 */
+} SurfacePoint;
+
+typedef struct _Surface Surface;
+
+/* The line of a file that says what a surface is: word[0] is its kind; what every surface may have
+   (friction) has been taken off its end. */
+typedef struct {
+  const char *file;
+  int line;
+  PetscInt n;
+  char **word;
+  PetscReal radius; /* of the rod */
+} SurfaceLine;
+
+/* A kind of surface. */
+typedef struct {
+  const char *name;
+  const char *form; /* what it is given by, for who has it wrong */
+  /* reads a line: sets data, box, smallest, core and what is to be drawn; collective. What it has
+     set is destroyed also after an error. */
+  PetscErrorCode (*make)(const SurfaceLine *line, Surface *surface);
+  /* the surface as seen from x; false: farther away than `within`, and point is not set. Behind the
+     surface, however deep, it is true. Not collective; called at every point of the rod. */
+  PetscBool (*at)(const void *data, const PetscReal x[3], PetscReal within, SurfacePoint *point);
+  PetscErrorCode (*destroy)(void **data);
+} SurfaceKind;
+
+struct _Surface {
+  const SurfaceKind *kind;
+  void *data;
+  PetscReal friction;
+  Block box;          /* d is not less than the distance from it; SurfaceEverywhere(): no bound */
+  PetscReal smallest; /* where it stands out, the least radius of curvature, 0 of a sharp edge;
+                         PETSC_MAX_REAL: nowhere */
+  PetscReal core;     /* depth of the deepest place behind it, with free space on its other side;
+                         PETSC_MAX_REAL: it has no other side */
+  /* to be drawn, and to be given again: the words of its line but for friction, dimensionless */
+  char *text;
+};
+
+typedef struct {
+  PetscInt n, room;
+  Surface *surface;
+  PetscBool rub;                  /* any has friction */
+  PetscReal smallest;             /* of all */
+  Blocks near;                    /* those that are somewhere: item k is surface placed[k] */
+  PetscInt *placed, *open, opens; /* the others are looked at from everywhere */
+} Surfaces;
+
+enum { MOST_SURFACES = 16 }; /* at one place */
+
+extern const SurfaceKind surface_plane, surface_sphere, surface_cylinder, surface_cone,
+    surface_torus;
+
+PetscBool SurfacesKnow(PetscInt n, char *const word[]);
+PetscErrorCode SurfacesAdd(const SurfaceLine *line, PetscReal friction, Surfaces *surfaces);
+PetscErrorCode SurfacesIndex(Surfaces *surfaces);
+PetscErrorCode SurfacesDestroy(Surfaces *surfaces);
+PetscErrorCode SurfacesText(const Surfaces *surfaces, char **text);
+PetscInt SurfacesNear(const Surfaces *surfaces, const PetscReal x[3], PetscReal within,
+                      PetscInt which[MOST_SURFACES], SurfacePoint point[MOST_SURFACES]);
+PetscReal SurfacesDistance(const Surfaces *surfaces, const PetscReal x[3], PetscReal within,
+                           PetscInt *nearest);
+PetscErrorCode SurfaceNumber(const SurfaceLine *line, PetscInt k, Dimension dimension,
+                             PetscReal *value);
+PetscErrorCode SurfaceMalformed(const SurfaceLine *line, const SurfaceKind *kind);
+
+/* SurfaceAt - the surface as seen from x; false: it is farther away than `within`. */
+static inline PetscBool SurfaceAt(const Surface *surface, const PetscReal x[3], PetscReal within,
+                                  SurfacePoint *point) {
+  return surface->kind->at(surface->data, x, within, point);
+}
+
+/* The box of a surface that has no bounds. */
+static inline Block SurfaceEverywhere(void) {
+  const PetscReal far = 1e300;
+  return (Block){{-far, -far, -far}, {far, far, far}};
+}
+
+#endif
