@@ -232,30 +232,40 @@ static PetscErrorCode CheckName(const char *option, const char *path, Table self
 }
 
 /*
-  TableRead - reads a table of options and checks its names. Collective on OptionsComm(): rank 0
-  reads. The caller destroys it with TableDestroy().
+  TableReadPlain - reads a table whatever the names above its columns. Collective on OptionsComm():
+  rank 0 reads. The caller destroys it with TableDestroy(), also after an error.
 
   option  the option that gave the file, named in the message when the file is bad
-  path    CSV: names of options, with or without their dash, above the columns, a run a line; #
-  begins a comment. Or HDF5: a dataset an option, of one entry a run. An empty cell, or NaN, says
-          nothing about its option.
+  path    CSV: names above the columns, # begins a comment. Or HDF5: a dataset a column, of one
+  entry a row; its attribute `units` stands behind each number.
 
-  A file that is no such table is a user's mistake; what stands in its cells is not looked at.
+  A file that is no table is a user's mistake; what stands in its cells is not looked at.
 */
-PetscErrorCode TableRead(const char *option, const char *path, Table *table) {
+PetscErrorCode TableReadPlain(const char *option, const char *path, Table *table) {
   char fault[FAULT] = "";
   PetscMPIInt rank;
   Table self;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&self));
-  *table = self; /* whole or not, the caller destroys it */
+  *table = self;
   PetscCallMPI(MPI_Comm_rank(OptionsComm(), &rank));
   if (!rank) PetscCall(ReadTable(path, self, fault));
   PetscCallMPI(MPI_Bcast(fault, FAULT, MPI_CHAR, 0, OptionsComm()));
   UserCheck(!fault[0], OptionsComm(), "%s %s: %s", option, path, fault);
   PetscCall(Share(self));
-  for (PetscInt c = 0; c < self->columns; c++) PetscCall(CheckName(option, path, self, c));
+  PetscFunctionReturn(0);
+}
+
+/*
+  TableRead - reads a table of options, as TableReadPlain() does, and checks its names: options,
+  with or without their dash, above the columns, a run a row. An empty cell, or NaN, says nothing
+  about its option. Collective.
+*/
+PetscErrorCode TableRead(const char *option, const char *path, Table *table) {
+  PetscFunctionBegin;
+  PetscCall(TableReadPlain(option, path, table));
+  for (PetscInt c = 0; c < (*table)->columns; c++) PetscCall(CheckName(option, path, *table, c));
   PetscFunctionReturn(0);
 }
 

@@ -1,4 +1,4 @@
-/* A table of options: a column an option, a row a run. */
+/* A table from a file: of options, a column an option, a row a run; or of anything else. */
 #ifndef TENDRIL_TABLE_H
 #define TENDRIL_TABLE_H
 
@@ -7,6 +7,7 @@
 typedef struct _Table *Table;
 
 PetscErrorCode TableRead(const char *option, const char *path, Table *table);
+PetscErrorCode TableReadPlain(const char *option, const char *path, Table *table);
 PetscErrorCode TableDestroy(Table *table);
 PetscInt TableRows(Table table);
 PetscInt TableColumns(Table table);

@@ -1,7 +1,8 @@
 #include "world/surfaces.h"
 
 static const SurfaceKind *const kinds[] = {&surface_plane, &surface_sphere, &surface_cylinder,
-                                           &surface_cone, &surface_torus};
+                                           &surface_cone,  &surface_torus,  &surface_tube,
+                                           &surface_body};
 enum { KINDS = PETSC_STATIC_ARRAY_LENGTH(kinds), OF_PLANE = 6 };
 
 static const SurfaceKind *KindOf(const char *name) {

@@ -64,7 +64,7 @@ typedef struct {
 enum { MOST_SURFACES = 16 }; /* at one place */
 
 extern const SurfaceKind surface_plane, surface_sphere, surface_cylinder, surface_cone,
-    surface_torus;
+    surface_torus, surface_tube, surface_body;
 
 PetscBool SurfacesKnow(PetscInt n, char *const word[]);
 PetscErrorCode SurfacesAdd(const SurfaceLine *line, PetscReal friction, Surfaces *surfaces);
