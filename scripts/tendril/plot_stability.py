@@ -89,8 +89,12 @@ def draw_run(ax, r, end):
 def draw_critical(ax, r):
     """The critical mode of one result of -task critical."""
     c = r.critical
-    ax.plot(c.s, c.y, color=BLUE, label=r"$y$")
-    ax.plot(c.s, c.theta, color=ORANGE, ls="--", label=r"$\theta$")
+    if "x2" in c:  # in space
+        ax.plot(c.s, c.x2, color=BLUE, label=r"$x_2$")
+        ax.plot(c.s, c.x3, color=ORANGE, ls="--", label=r"$x_3$")
+    else:
+        ax.plot(c.s, c.y, color=BLUE, label=r"$y$")
+        ax.plot(c.s, c.theta, color=ORANGE, ls="--", label=r"$\theta$")
     kind = rf"flutter, $\omega = {float(c.frequency):.4g}$" if c.frequency > 0 else "buckling"
     ax.set_title(rf"$t_{{cr}} = {float(c.t):.6f}$, $L_{{cr}} = {float(c.length):.6f}$, {kind}",
                  fontsize=7)

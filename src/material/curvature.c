@@ -268,6 +268,17 @@ PetscErrorCode CurvatureValue(const Curvature *self, Growth growth, PetscReal s,
   PetscFunctionReturn(0);
 }
 
+/* CurvatureBends - is the rod bent by nature anywhere, and not only twisted? */
+PetscBool CurvatureBends(const Curvature *self) {
+  for (int e = 0; e < STRAINS; e++) {
+    const Strain *strain = &self->strain[e];
+    PetscReal most = PetscAbsReal(strain->constant);
+    for (PetscInt i = 0; i < strain->n; i++) most = PetscMax(most, PetscAbsReal(strain->k[i]));
+    if (e != TURN_1 && most > 0) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
 /* CurvatureStrains - the natural strains in space: twist, bend about d2, bend about d3; otherwise
    as CurvatureValue(). */
 PetscErrorCode CurvatureStrains(const Curvature *self, Growth growth, PetscReal s, PetscReal t,

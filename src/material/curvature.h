@@ -30,6 +30,7 @@ PetscErrorCode CurvatureAngle(const Curvature *curvature, Growth growth, PetscRe
 PetscErrorCode CurvatureDestroy(Curvature *curvature);
 PetscErrorCode CurvatureValue(const Curvature *curvature, Growth growth, PetscReal s, PetscReal t,
                               PetscReal *k, PetscReal *k_t);
+PetscBool CurvatureBends(const Curvature *curvature);
 PetscErrorCode CurvatureStrains(const Curvature *curvature, Growth growth, PetscReal s, PetscReal t,
                                 PetscReal u[3], PetscReal u_t[3]);
 

@@ -267,7 +267,7 @@ static PetscErrorCode LinearCreate(Rod rod) {
   PetscFunctionBegin;
   PetscCall(PetscNew(&self));
   rod->order = 4;
-  PetscCall(StraightCreate(rod->scene, &rod->scene->mesh, &self->straight));
+  PetscCall(StraightCreate(rod->scene, &rod->scene->mesh, WAY_X2, &self->straight));
   PetscCall(PetscMalloc2(n, &self->K, n, &self->D));
   PetscCall(PetscMalloc1((rod->last + 1) * 3 * BASIS, &self->basis));
   for (PetscInt i = 0; i <= rod->last; i++)

@@ -212,9 +212,12 @@ static PetscErrorCode AssemblePreconditioner(Norm *self) {
   Pencil p = self->pencil;
   PetscInt rows = (p->last - p->first) * WIDTH;
   PetscReal *bend, *mass;
+  PencilBands bands = {.K = {NULL}};
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc2(rows, &bend, rows, &mass));
+  bands.K[0] = bend;
+  bands.c = mass;
   for (PetscInt i = 0; i < p->cells * GAUSS; i++)
     p->point[i].ratio = self->drag[i] / p->point[i].drag;
   PetscCall(PencilBand(p, FORM_BEND_RATIO, bend));
@@ -223,7 +226,7 @@ static PetscErrorCode AssemblePreconditioner(Norm *self) {
     bend[i] *= -2;
     mass[i] *= -1;
   }
-  PetscCall(PencilMixed(p, bend, NULL, NULL, mass, NULL, &self->mixed, NULL));
+  PetscCall(PencilMixed(p, &bands, &self->mixed, NULL));
   if (!self->z[0]) PetscCall(MatCreateVecs(self->mixed, &self->z[0], &self->z[1]));
   PetscCall(KSPSetOperators(self->solve_mixed, self->mixed, self->mixed));
   PetscCall(KSPSetUp(self->solve_mixed));

@@ -32,8 +32,9 @@ static PetscErrorCode Allocate(Pencil self) {
   labels = (mesh->cells - self->cell) * GAUSS + 1;
   PetscCall(PetscMalloc2(self->cells * GAUSS, &self->point, self->cells * GAUSS * PER_POINT,
                          &self->basis));
-  PetscCall(PetscMalloc6(nloc, &self->delta, labels, &self->z, labels, &self->label, labels,
-                         &self->stretch, labels, &self->force, self->n, &self->node));
+  PetscCall(PetscMalloc7(nloc, &self->delta, labels, &self->z, labels, &self->label, labels,
+                         &self->stretch, labels, &self->force, self->n, &self->node,
+                         self->ways > 1 ? labels : 0, &self->turn));
   for (PetscInt c = 0; c < mesh->cells - self->cell; c++)
     for (int q = 0; q < GAUSS; q++) {
       PetscReal left = mesh->s[self->cell + c], h = mesh->s[self->cell + c + 1] - left;
@@ -124,10 +125,11 @@ static PetscErrorCode CheckStraight(Scene scene) {
 
   mesh     in z; outlives the pencil, as does the scene; mesh->cells + 1 unknowns of each kind
   map      the time that z belongs to, or map_follows
+  way      the deflection that it is about: one of StraightWays()
   pencil   the caller destroys it with PencilDestroy(); PencilSetTime() comes before any assembly
 */
 PetscErrorCode PencilCreate(MPI_Comm comm, Scene scene, const Mesh *mesh, PetscReal map,
-                            Pencil *pencil) {
+                            StraightWay way, Pencil *pencil) {
   Pencil self;
 
   PetscFunctionBegin;
@@ -136,6 +138,8 @@ PetscErrorCode PencilCreate(MPI_Comm comm, Scene scene, const Mesh *mesh, PetscR
   self->comm = comm;
   self->scene = scene;
   self->growth = scene->growth;
+  self->way = way;
+  self->ways = way == WAY_BOTH ? 2 : 1;
   self->skew = (PetscBool)(scene->growth->slides || scene->load.across != 1 ||
                            (scene->tip.force != 0 && scene->tip.law == TIP_FOLLOWER));
   self->held = scene->tip.type == TIP_FREE ? 0 : scene->tip.type == TIP_PINNED ? 1 : 2;
@@ -152,8 +156,8 @@ PetscErrorCode PencilDestroy(Pencil *pencil) {
   PetscFunctionBegin;
   if (!*pencil) PetscFunctionReturn(0);
   PetscCall(PetscFree2((*pencil)->point, (*pencil)->basis));
-  PetscCall(PetscFree6((*pencil)->delta, (*pencil)->z, (*pencil)->label, (*pencil)->stretch,
-                       (*pencil)->force, (*pencil)->node));
+  PetscCall(PetscFree7((*pencil)->delta, (*pencil)->z, (*pencil)->label, (*pencil)->stretch,
+                       (*pencil)->force, (*pencil)->node, (*pencil)->turn));
   PetscCall(PetscFree(*pencil));
   PetscFunctionReturn(0);
 }
@@ -198,6 +202,32 @@ static PetscErrorCode StretchAt(Pencil self, PetscReal map, PetscReal t, PetscIn
   PetscFunctionReturn(0);
 }
 
+/* Of stiffnesses B3, against a deflection along d2, and B2, along d3, that have turned. */
+static void TurnedStiffness(Pencil self, PetscInt i, PencilPoint *x) {
+  const PetscReal c = PetscCosReal(self->turn[i]), s = PetscSinReal(self->turn[i]), B2 = x->B,
+                  B3 = B2 * self->scene->space.ratio;
+
+  x->B = B3 * c * c + B2 * s * s;
+  x->B33 = B3 * s * s + B2 * c * c;
+  x->B23 = (B3 - B2) * s * c;
+  x->M = self->moment;
+}
+
+/* The largest P^2/B of PencilBound(). Twist: M Im(u_p u*) <= B/2 |u_p|^2 + M^2/2B |u|^2 leaves half
+   of B, and P + M^2/2B, with the weaker of two stiffnesses in place of B. */
+static PetscReal Pushed(Pencil self, const PencilPoint *x) {
+  PetscReal B = x->B, P = x->P, share = 1;
+
+  if (self->ways > 1) {
+    const PetscReal mean = (x->B + x->B33) / 2,
+                    half = PetscSqrtReal(PetscSqr((x->B - x->B33) / 2) + PetscSqr(x->B23));
+    B = mean - half;
+    P += x->M * x->M / (2 * B);
+    share = 2;
+  }
+  return P > 0 ? share * (P * P / B) : 0;
+}
+
 static PetscErrorCode PointSet(Pencil self, PetscReal t, PencilFrame frame, PetscInt i) {
   PencilPoint *x = self->point + i;
   const PetscReal *z = self->mesh->s + self->cell + i / GAUSS;
@@ -212,6 +242,10 @@ static PetscErrorCode PointSet(Pencil self, PetscReal t, PencilFrame frame, Pets
   x->drag_rate = (after - before) / (2 * rate_step);
   x->P = self->force[i];
   PetscCall(SceneStiffness(self->scene, s, t, &x->B, NULL));
+  if (self->ways > 1)
+    TurnedStiffness(self, i, x);
+  else
+    x->B *= StraightRatio(self->scene, self->way);
   PetscCall(SlideAt(self, s, t, frame, &x->slide));
   x->ratio = 1;
   PetscFunctionReturn(0);
@@ -253,13 +287,15 @@ PetscErrorCode PencilSetTime(Pencil self, PetscReal t, PencilFrame frame) {
   PetscFunctionBegin;
   if (self->map == map_follows) PetscCall(Map(self, t));
   PetscCall(StraightForce(self->scene, labels, self->label, t, self->force));
+  if (self->ways > 1)
+    PetscCall(StraightTwist(self->scene, labels, self->label, t, &self->moment, self->turn));
   PetscCall(TipSet(self, t, frame));
   for (PetscInt i = 0; i < self->cells * GAUSS; i++) {
     const PencilPoint *x = self->point + i;
     PetscReal phi0;
     PetscCall(PointSet(self, t, frame, i));
     phi0 = x->drag * x->ds / (x->g * x->dz);
-    most[0] = PetscMax(most[0], x->P > 0 ? x->P * x->P / x->B : 0);
+    most[0] = PetscMax(most[0], Pushed(self, x));
     most[1] = PetscMax(most[1], -phi0);
     most[2] = PetscMax(most[2], phi0);
     most[3] = PetscMax(most[3], x->drag_rate / x->drag);
@@ -297,6 +333,18 @@ static PetscReal Weight(const PencilPoint *x, PencilForm form) {
   switch (form) {
   case FORM_AXIAL:
     return x->dz * x->P / x->g;
+  case FORM_BEND:
+  case FORM_BEND_RATIO:
+    return x->dz / x->g * x->B * (form == FORM_BEND ? 1 : x->ratio);
+  case FORM_STIFF:
+    return -(x->dz / x->g * x->B);
+  case FORM_STIFF_3:
+    return -(x->dz / x->g * x->B33);
+  case FORM_BEND_23:
+    return x->dz / x->g * x->B23;
+  case FORM_TORQUE:
+  case FORM_TORQUE_T:
+    return x->dz * x->M / x->g;
   case FORM_DRAG:
     return x->ds * x->drag;
   case FORM_DRAG_RATE:
@@ -349,13 +397,14 @@ PetscErrorCode PencilBand(Pencil self, PencilForm form, PetscReal band[]) {
     PetscReal curve[3]; /* (w/g)' */
 
     for (int k = 0; k < 3; k++) curve[k] = w1[k] / x->g - w[k] * x->g_z / (x->g * x->g);
-    if (form == FORM_BEND || form == FORM_STIFF || form == FORM_BEND_RATIO) {
-      PetscReal bend = x->dz / x->g * x->B;
-      if (form == FORM_BEND_RATIO) bend *= x->ratio;
-      if (form == FORM_STIFF) bend = -bend;
-      AddPoint(self, cell - 1, 3, curve, cell - 1, 3, curve, bend, band);
-    }
-    if (form == FORM_AXIAL || form == FORM_STIFF)
+    if (form == FORM_BEND || form == FORM_STIFF || form == FORM_BEND_RATIO ||
+        form == FORM_STIFF_3 || form == FORM_BEND_23)
+      AddPoint(self, cell - 1, 3, curve, cell - 1, 3, curve, Weight(x, form), band);
+    if (form == FORM_TORQUE)
+      AddPoint(self, cell - 1, 3, w, cell - 1, 3, curve, Weight(x, form), band);
+    if (form == FORM_TORQUE_T)
+      AddPoint(self, cell - 1, 3, curve, cell - 1, 3, w, Weight(x, form), band);
+    if (form == FORM_AXIAL || form == FORM_STIFF || form == FORM_STIFF_3)
       AddPoint(self, cell - 1, 3, w, cell - 1, 3, w, Weight(x, FORM_AXIAL), band);
     if (form == FORM_DRAG || form == FORM_DRAG_RATE || form == FORM_MASS)
       AddPoint(self, cell - 2, 4, y, cell - 2, 4, y, Weight(x, form), band);
@@ -419,49 +468,57 @@ PetscErrorCode PencilDifference(Pencil self, Mat *E) {
   PetscFunctionReturn(0);
 }
 
-/* Is unknown `kind` (0 w, 1 c) of node i held at 0? Of a pinned tip y, of a clamped one also w. */
-static PetscBool Held(Pencil self, PetscInt i, PetscInt kind) {
+/* PencilIsHeld - is unknown `kind` (0 w, 1 c) of node i held at 0? Of a pinned tip y, of a clamped
+   one also w. */
+PetscBool PencilIsHeld(Pencil self, PetscInt i, PetscInt kind) {
   return (PetscBool)(i == self->n - 1 &&
                      (kind == 1 ? self->held > 0 : kind == 0 && self->held > 1));
 }
 
+/* The kinds are 0 w, 1 c, 2 n, and 3 to 5 those of x3. */
 static PetscErrorCode MixedBand(Pencil self, PetscInt row_kind, PetscInt col_kind,
                                 const PetscReal band[], Mat A) {
+  const PetscInt stride = 3 * self->ways;
+
   PetscFunctionBegin;
   if (!band) PetscFunctionReturn(0);
   for (PetscInt r = self->first; r < self->last; r++) {
-    PetscInt cols[WIDTH], row = 3 * r + row_kind;
+    PetscInt cols[WIDTH], row = stride * r + row_kind;
     for (int b = 0; b < WIDTH; b++) {
       PetscInt col = r - HALF + b;
-      cols[b] = col < 0 || col >= self->n || Held(self, col, col_kind) ? -1 : 3 * col + col_kind;
+      cols[b] = col < 0 || col >= self->n || PencilIsHeld(self, col, col_kind % 3)
+                    ? -1
+                    : stride * col + col_kind;
     }
-    if (Held(self, r, row_kind)) continue;
+    if (PencilIsHeld(self, r, row_kind % 3)) continue;
     PetscCall(
         MatSetValues(A, 1, &row, WIDTH, cols, band + (r - self->first) * WIDTH, INSERT_VALUES));
   }
   PetscFunctionReturn(0);
 }
 
-/* E, E^T and Delta, which join w, c and n */
-static PetscErrorCode MixedJoin(Pencil self, Mat A) {
+/* E, E^T and Delta, which join w, c and n of one direction */
+static PetscErrorCode MixedJoin(Pencil self, PetscInt way, Mat A) {
+  const PetscInt stride = 3 * self->ways;
+
   PetscFunctionBegin;
   for (PetscInt i = self->first; i < self->last; i++) {
-    PetscInt w = 3 * i, c = w + 1, n = w + 2;
+    PetscInt w = stride * i + 3 * way, c = w + 1, n = w + 2;
     PetscReal delta = self->delta[i - self->first];
-    if (Held(self, i, 0))
+    if (PencilIsHeld(self, i, 0))
       PetscCall(MatSetValue(A, w, w, 1, INSERT_VALUES));
     else {
       PetscCall(MatSetValue(A, w, n, -delta, INSERT_VALUES));
       PetscCall(MatSetValue(A, n, w, -delta, INSERT_VALUES));
     }
-    if (Held(self, i, 1))
+    if (PencilIsHeld(self, i, 1))
       PetscCall(MatSetValue(A, c, c, 1, INSERT_VALUES));
     else {
       PetscCall(MatSetValue(A, n, c, 1, INSERT_VALUES));
       PetscCall(MatSetValue(A, c, n, 1, INSERT_VALUES));
     }
-    if (i > 0) PetscCall(MatSetValue(A, n, c - 3, -1, INSERT_VALUES));
-    if (i < self->n - 1) PetscCall(MatSetValue(A, c, n + 3, -1, INSERT_VALUES));
+    if (i > 0) PetscCall(MatSetValue(A, n, c - stride, -1, INSERT_VALUES));
+    if (i < self->n - 1) PetscCall(MatSetValue(A, c, n + stride, -1, INSERT_VALUES));
   }
   PetscFunctionReturn(0);
 }
@@ -470,44 +527,50 @@ static PetscErrorCode MixedJoin(Pencil self, Mat A) {
    diagonal or not (for w and c alone the form is definite, up to a few modes, and n's row holds all
    of the node's and of those before), so that LU needs no other exchange than within a block. */
 static PetscErrorCode MixedCreate(Pencil self, Mat *A) {
-  PetscInt nloc = 3 * (self->last - self->first);
+  const PetscInt stride = 3 * self->ways;
+  PetscInt nloc = stride * (self->last - self->first);
 
   PetscFunctionBegin;
   if (*A) PetscFunctionReturn(0);
-  PetscCall(MatCreateBAIJ(self->comm, 3, nloc, nloc, 3 * self->n, 3 * self->n, WIDTH, NULL,
-                          2 * HALF, NULL, A));
+  PetscCall(MatCreateBAIJ(self->comm, stride, nloc, nloc, stride * self->n, stride * self->n, WIDTH,
+                          NULL, 2 * HALF, NULL, A));
   PetscCall(MatSetOption(*A, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
   PetscFunctionReturn(0);
 }
 
 /*
-  PencilMixed - the mixed pencil A z = lambda B z, z = (w, c, n) by node, 3 n rows. Collective.
+  PencilMixed - the mixed pencil A z = lambda B z, z = (w, c, n) by node, 3 n rows; joined
+  directions: (w, c, n) of x2 and of x3, 6 n rows. Collective.
 
-  K      w by w      X   c by w, or NULL      XT   w by c, or NULL
-  c      c by c, added to A, or NULL          D    c by c, the only part of B
   A, B   created if NULL on entry, else refilled (with the same bands present)
 */
-PetscErrorCode PencilMixed(Pencil self, const PetscReal K[], const PetscReal X[],
-                           const PetscReal XT[], const PetscReal c[], const PetscReal D[], Mat *A,
-                           Mat *B) {
+PetscErrorCode PencilMixed(Pencil self, const PencilBands *bands, Mat *A, Mat *B) {
+  const PetscReal *c = bands->c;
+  PetscReal *zero;
+
   PetscFunctionBegin;
+  PetscCall(PetscCalloc1((self->last - self->first) * WIDTH, &zero));
+  if (!c) c = zero; /* keep D's places in A: a shift then needs no new pattern */
   PetscCall(MixedCreate(self, A));
-  PetscCall(MixedBand(self, 0, 0, K, *A));
-  PetscCall(MixedBand(self, 1, 0, X, *A));
-  PetscCall(MixedBand(self, 0, 1, XT, *A));
-  if (!c) { /* keep D's places in A: a shift then needs no new pattern */
-    PetscReal *zero;
-    PetscCall(PetscCalloc1((self->last - self->first) * WIDTH, &zero));
-    PetscCall(MixedBand(self, 1, 1, zero, *A));
-    PetscCall(PetscFree(zero));
-  } else
-    PetscCall(MixedBand(self, 1, 1, c, *A));
-  PetscCall(MixedJoin(self, *A));
+  for (PetscInt way = 0; way < self->ways; way++) {
+    const PetscInt k = 3 * way;
+    PetscCall(MixedBand(self, k, k, bands->K[way], *A));
+    PetscCall(MixedBand(self, k + 1, k, bands->X, *A));
+    PetscCall(MixedBand(self, k, k + 1, bands->XT, *A));
+    PetscCall(MixedBand(self, k + 1, k + 1, c, *A));
+    PetscCall(MixedJoin(self, way, *A));
+  }
+  if (self->ways > 1) {
+    PetscCall(MixedBand(self, 0, 3, bands->K23, *A));
+    PetscCall(MixedBand(self, 3, 0, bands->K32, *A));
+  }
+  PetscCall(PetscFree(zero));
   PetscCall(MatAssemblyBegin(*A, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(*A, MAT_FINAL_ASSEMBLY));
   if (!B) PetscFunctionReturn(0);
   PetscCall(MixedCreate(self, B));
-  PetscCall(MixedBand(self, 1, 1, D, *B));
+  for (PetscInt way = 0; way < self->ways; way++)
+    PetscCall(MixedBand(self, 3 * way + 1, 3 * way + 1, bands->D, *B));
   PetscCall(MatAssemblyBegin(*B, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(*B, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(0);

@@ -109,6 +109,18 @@ static PetscErrorCode GatherKind(Vec z, PetscInt n, PetscInt stride, PetscInt of
   PetscFunctionReturn(0);
 }
 
+/* c and w of a mixed vector, or NULL; of joined directions those of x2, then those of x3. */
+static PetscErrorCode GatherShape(Pencil p, Vec z, PetscReal c[], PetscReal w[]) {
+  const PetscInt stride = 3 * p->ways;
+
+  PetscFunctionBegin;
+  for (PetscInt way = 0; way < p->ways; way++) {
+    if (w) PetscCall(GatherKind(z, p->n, stride, 3 * way, w + way * p->n));
+    if (c) PetscCall(GatherKind(z, p->n, stride, 3 * way + 1, c + way * p->n));
+  }
+  PetscFunctionReturn(0);
+}
+
 /* The friction norm |y|^2 = int g phi0 y^2 ds: over L(t) for growth in place, so that a norm that
    only swells with the rod counts as constant; as it is for laws that slide. Returns (ln L)_t or 0.
  */
@@ -121,18 +133,42 @@ static PetscErrorCode NormSwell(Pencil pencil, PetscReal *swell) {
   PetscFunctionReturn(0);
 }
 
+/* The bands that join two directions: K23 and K32, or both halves of their symmetric part. */
+static PetscErrorCode Join(Pencil p, PetscBool symmetric, PetscReal force, PetscReal K23[],
+                           PetscReal K32[]) {
+  const PetscInt rows = (p->last - p->first) * WIDTH;
+  PetscReal *T, *TT, *bend;
+
+  PetscFunctionBegin;
+  if (p->ways == 1) PetscFunctionReturn(0);
+  PetscCall(PetscMalloc3(rows, &T, rows, &TT, rows, &bend));
+  PetscCall(PencilBand(p, FORM_TORQUE, T));
+  PetscCall(PencilBand(p, FORM_TORQUE_T, TT));
+  PetscCall(PencilBand(p, FORM_BEND_23, bend));
+  for (PetscInt i = 0; i < rows; i++) {
+    PetscReal turn = symmetric ? (T[i] - TT[i]) / 2 : T[i];
+    K23[i] = force * (turn - bend[i]);
+    K32[i] = force * (-turn - bend[i]);
+  }
+  PetscCall(PetscFree3(T, TT, bend));
+  PetscFunctionReturn(0);
+}
+
 /* The mixed pencil of a rate, at the time the pencil is set to. For RATE_FRICTION
    d/dt |y|^2 / 2 |y|^2 = <y, (K + K^T)/2 y + (D_t - swell D)/2 y> / <y, D y>. */
 static PetscErrorCode AssembleRate(Spectrum *self, SpectrumRate rate, PetscReal *bound) {
   Pencil p = self->pencil;
   PetscInt rows = (p->last - p->first) * WIDTH;
-  PetscReal *K, *D, *extra, *X, *XT, swell = 0;
+  PetscReal *K, *K3, *K23, *K32, *D, *extra, *X, *XT, swell = 0;
   PetscBool friction = (PetscBool)(rate == RATE_FRICTION), skew = p->skew;
+  PencilBands bands = {.K = {NULL}};
   Units units;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc5(rows, &K, rows, &D, rows, &extra, rows, &X, rows, &XT));
+  PetscCall(PetscMalloc3(rows, &K3, rows, &K23, rows, &K32));
   PetscCall(PencilBand(p, FORM_STIFF, K));
+  if (p->ways > 1) PetscCall(PencilBand(p, FORM_STIFF_3, K3));
   PetscCall(PencilBand(p, FORM_DRAG, D));
   PetscCall(PencilBand(p, FORM_DRAG_RATE, extra));
   PetscCall(PencilBand(p, FORM_SLIDE, X));
@@ -147,14 +183,23 @@ static PetscErrorCode AssembleRate(Spectrum *self, SpectrumRate rate, PetscReal 
   if (friction) *bound += PetscMax(0, (p->rate_max - swell) / 2);
   PetscCall(UnitsAt(p, &units));
   self->rate = units.drag / units.force;
+  PetscCall(Join(p, friction, units.force, K23, K32));
   Scale(rows, K, units.force);
+  if (p->ways > 1) Scale(rows, K3, units.force);
   Scale(rows, X, units.force);
   Scale(rows, XT, units.force);
   Scale(rows, extra, units.force);
   Scale(rows, D, units.drag);
-  PetscCall(PencilMixed(p, K, skew ? X : NULL, skew && friction ? XT : NULL,
-                        friction ? extra : NULL, D, &self->A, &self->B));
+  bands = (PencilBands){.K = {K, K3},
+                        .K23 = K23,
+                        .K32 = K32,
+                        .X = skew ? X : NULL,
+                        .XT = skew && friction ? XT : NULL,
+                        .c = friction ? extra : NULL,
+                        .D = D};
+  PetscCall(PencilMixed(p, &bands, &self->A, &self->B));
   PetscCall(PetscFree5(K, D, extra, X, XT));
+  PetscCall(PetscFree3(K3, K23, K32));
   PetscFunctionReturn(0);
 }
 
@@ -177,8 +222,10 @@ static PetscErrorCode Solve(Spectrum *self, PetscInt stride, Eigenvalue *value, 
   PetscCall(EPSGetErrorEstimate(eps, 0, &value->error));
   value->value = re * self->rate;
   value->frequency = PetscAbsReal(im) * self->rate;
-  if (w) PetscCall(GatherKind(x, self->pencil->n, stride, 0, w));
-  if (c && stride == 3) PetscCall(GatherKind(x, self->pencil->n, stride, 1, c));
+  if (stride > 1)
+    PetscCall(GatherShape(self->pencil, x, c, w));
+  else if (w)
+    PetscCall(GatherKind(x, self->pencil->n, stride, 0, w));
   PetscCall(VecDestroy(&x));
   PetscFunctionReturn(0);
 }
@@ -204,14 +251,15 @@ static PetscErrorCode ShiftInvert(Spectrum *self, EPSProblemType type) {
   deflection in the friction norm. Collective.
 
   value   the error is that of the eigenvalue as far as the residual tells
-  c, w    coefficients of the eigenvector, n values on all ranks, or NULL
+  c, w    coefficients of the eigenvector, n values on all ranks, or NULL; joined directions: 2 n
 
   Shift-and-invert at PencilBound(), above which there is no eigenvalue: the nearest one is the
   largest. Where K is not symmetric, see SpectrumRightmost().
 */
 PetscErrorCode SpectrumLargest(Spectrum *self, SpectrumRate rate, PetscReal t, Eigenvalue *value,
                                PetscReal c[], PetscReal w[]) {
-  PetscBool nonsymmetric = (PetscBool)(self->pencil->skew && rate == RATE_A);
+  PetscBool nonsymmetric =
+      (PetscBool)((self->pencil->skew || self->pencil->ways > 1) && rate == RATE_A);
 
   PetscFunctionBegin;
   PetscCall(PencilSetTime(self->pencil, t, rate == RATE_A ? FRAME_ARC : FRAME_LABEL));
@@ -221,7 +269,8 @@ PetscErrorCode SpectrumLargest(Spectrum *self, SpectrumRate rate, PetscReal t, E
     Mesh mesh;
     PetscCall(MeshCreate(PetscMin(self->pencil->mesh->cells, 100), PETSC_FALSE,
                          self->pencil->growth, t, &mesh));
-    PetscCall(PencilCreate(PETSC_COMM_SELF, self->pencil->scene, &mesh, map_follows, &small));
+    PetscCall(PencilCreate(PETSC_COMM_SELF, self->pencil->scene, &mesh, map_follows,
+                           self->pencil->way, &small));
     PetscCall(SpectrumRightmost(small, t, value));
     PetscCall(PencilDestroy(&small));
     PetscCall(MeshDestroy(&mesh));
@@ -258,8 +307,7 @@ PetscErrorCode SpectrumLargest(Spectrum *self, SpectrumRate rate, PetscReal t, E
     value->error *= self->rate;
     PetscCall(MatCreateVecs(self->A, &x, NULL));
     PetscCall(EPSGetEigenvector(self->eps, best, x, NULL));
-    if (w) PetscCall(GatherKind(x, self->pencil->n, 3, 0, w));
-    if (c) PetscCall(GatherKind(x, self->pencil->n, 3, 1, c));
+    PetscCall(GatherShape(self->pencil, x, c, w));
     PetscCall(VecDestroy(&x));
   }
   PetscFunctionReturn(0);
@@ -349,55 +397,66 @@ PetscErrorCode SpectrumBuckling(Spectrum *self, PetscReal t, Eigenvalue *ratio, 
   PetscFunctionReturn(0);
 }
 
-/* Is the last unknown of this kind (0 w, 1 c) held at 0? */
-static PetscBool LastHeld(Pencil p, PetscInt kind) {
-  return (PetscBool)(kind == 1 ? p->held > 0 : kind == 0 && p->held > 1);
-}
-
+/* Kinds as in PencilMixed(): those of x3 follow those of x2. */
 static void FillMixed(Pencil p, const PetscReal *band, PetscReal factor, PetscInt row_kind,
                       PetscInt col_kind, Band *A) {
-  const PetscInt n = p->n;
+  const PetscInt n = p->n, stride = 3 * p->ways;
   for (PetscInt i = 0; i < n; i++)
     for (PetscInt b = 0; b < WIDTH; b++) {
       PetscInt j = i - HALF + b;
       PetscReal value = factor * band[i * WIDTH + b];
       if (j < 0 || j >= n || value == 0) continue;
-      if ((i == n - 1 && LastHeld(p, row_kind)) || (j == n - 1 && LastHeld(p, col_kind))) continue;
-      *BandAt(A, 3 * i + row_kind, 3 * j + col_kind) += value;
+      if (PencilIsHeld(p, i, row_kind % 3) || PencilIsHeld(p, j, col_kind % 3)) continue;
+      *BandAt(A, stride * i + row_kind, stride * j + col_kind) += value;
     }
+}
+
+/* E, E^T and Delta of one direction. */
+static void JoinMixed(Pencil p, PetscInt way, Band *A) {
+  const PetscInt stride = 3 * p->ways;
+
+  for (PetscInt i = 0; i < p->n; i++) {
+    PetscInt w = stride * i + 3 * way, c = w + 1, n = w + 2;
+    if (PencilIsHeld(p, i, 0))
+      *BandAt(A, w, w) = 1;
+    else
+      *BandAt(A, w, n) = *BandAt(A, n, w) = -p->delta[i];
+    if (PencilIsHeld(p, i, 1))
+      *BandAt(A, c, c) = 1;
+    else
+      *BandAt(A, n, c) = *BandAt(A, c, n) = 1;
+    if (i > 0) *BandAt(A, n, c - stride) = -1;
+    if (i < p->n - 1) *BandAt(A, c, n + stride) = -1;
+  }
 }
 
 /* K - shift D in the mixed unknowns, factored, on one rank. D: [n][WIDTH], filled here. */
 static PetscErrorCode FactorMixed(Pencil p, PetscReal shift, const Units *units, PetscReal D[],
                                   Band *A) {
-  PetscReal *band;
+  const PetscInt half = 3 * p->ways * HALF + (p->ways > 1 ? 3 : 1);
+  PetscReal *band, *back;
 
   PetscFunctionBegin;
   PetscCheck(p->first == 0 && p->last == p->n, PETSC_COMM_SELF, PETSC_ERR_PLIB,
              "the dense route wants a pencil of one rank");
-  PetscCall(PetscMalloc1(p->n * WIDTH, &band));
-  PetscCall(BandCreate(3 * p->n, 3 * HALF + 1, 3 * HALF + 1, A));
-  PetscCall(PencilBand(p, FORM_STIFF, band));
-  FillMixed(p, band, units->force, 0, 0, A);
-  PetscCall(PencilBand(p, FORM_SLIDE, band));
-  FillMixed(p, band, units->force, 1, 0, A);
+  PetscCall(PetscMalloc2(p->n * WIDTH, &band, p->n * WIDTH, &back));
+  PetscCall(BandCreate(3 * p->ways * p->n, half, half, A));
   PetscCall(PencilBand(p, FORM_DRAG, D));
-  FillMixed(p, D, -shift * units->force, 1, 1, A);
-  for (PetscInt i = 0; i < p->n; i++) {
-    PetscInt w = 3 * i, c = w + 1, n = w + 2;
-    if (i == p->n - 1 && LastHeld(p, 0))
-      *BandAt(A, w, w) = 1;
-    else
-      *BandAt(A, w, n) = *BandAt(A, n, w) = -p->delta[i];
-    if (i == p->n - 1 && LastHeld(p, 1))
-      *BandAt(A, c, c) = 1;
-    else
-      *BandAt(A, n, c) = *BandAt(A, c, n) = 1;
-    if (i > 0) *BandAt(A, n, c - 3) = -1;
-    if (i < p->n - 1) *BandAt(A, c, n + 3) = -1;
+  for (PetscInt way = 0; way < p->ways; way++) {
+    PetscCall(PencilBand(p, way ? FORM_STIFF_3 : FORM_STIFF, band));
+    FillMixed(p, band, units->force, 3 * way, 3 * way, A);
+    PetscCall(PencilBand(p, FORM_SLIDE, band));
+    FillMixed(p, band, units->force, 3 * way + 1, 3 * way, A);
+    FillMixed(p, D, -shift * units->force, 3 * way + 1, 3 * way + 1, A);
+    JoinMixed(p, way, A);
+  }
+  if (p->ways > 1) {
+    PetscCall(Join(p, PETSC_FALSE, units->force, band, back));
+    FillMixed(p, band, 1, 0, 3, A);
+    FillMixed(p, back, 1, 3, 0, A);
   }
   PetscCall(BandFactor(A));
-  PetscCall(PetscFree(band));
+  PetscCall(PetscFree2(band, back));
   PetscFunctionReturn(0);
 }
 
@@ -406,36 +465,40 @@ static PetscErrorCode FactorMixed(Pencil p, PetscReal shift, const Units *units,
   set to. In the inverse the low modes, the ones that matter, are accurate to rounding.
 
   symmetric   R (K - shift D)^-1 R^T with D = R^T R, else (K - shift D)^-1 D
-  T           n * n, by columns
+  T           n * n, by columns; joined directions: 2 n * 2 n, all of x2 before all of x3
 */
 PetscErrorCode SpectrumDense(Pencil p, PetscReal shift, PetscBool symmetric, PetscReal T[]) {
-  PetscInt n = p->n;
+  const PetscInt n = p->n, all = p->ways * n, stride = 3 * p->ways;
   PetscReal *D, *R, *column;
   Units units;
   Band A;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc3(n * WIDTH, &D, n * (HALF + 1), &R, 3 * n, &column));
+  PetscCall(PetscMalloc3(n * WIDTH, &D, n * (HALF + 1), &R, stride * n, &column));
   PetscCall(UnitsAt(p, &units));
   PetscCall(FactorMixed(p, shift, &units, D, &A));
   PetscCall(BandCholesky(n, HALF, D, R));
-  for (PetscInt j = 0; j < n; j++) {
-    PetscCall(PetscArrayzero(T + j * n, n));
-    T[j * n + j] = 1;
-    if (!symmetric) BandUpperMult(n, HALF, R, PETSC_FALSE, T + j * n);
-    BandUpperMult(n, HALF, R, PETSC_TRUE, T + j * n);
-    PetscCall(PetscArrayzero(column, 3 * n));
-    for (PetscInt i = 0; i < n; i++) column[3 * i + 1] = T[j * n + i];
-    if (LastHeld(p, 1)) column[3 * (n - 1) + 1] = 0; /* held: an eigenvalue 0 of the inverse */
+  for (PetscInt j = 0; j < all; j++) {
+    PetscReal *y = T + j * all, *mine = y + j / n * n; /* of its own direction */
+    PetscInt c = 3 * (j / n) + 1;
+    PetscCall(PetscArrayzero(y, all));
+    y[j] = 1;
+    if (!symmetric) BandUpperMult(n, HALF, R, PETSC_FALSE, mine);
+    BandUpperMult(n, HALF, R, PETSC_TRUE, mine);
+    PetscCall(PetscArrayzero(column, stride * n));
+    for (PetscInt i = 0; i < n; i++) column[stride * i + c] = mine[i];
+    if (PencilIsHeld(p, n - 1, 1))
+      column[stride * (n - 1) + c] = 0; /* held: an eigenvalue 0 of the inverse */
     PetscCall(BandSolve(&A, PETSC_FALSE, 1, column));
-    for (PetscInt i = 0; i < n; i++) T[j * n + i] = column[3 * i + 1];
-    if (symmetric) BandUpperMult(n, HALF, R, PETSC_FALSE, T + j * n);
+    for (PetscInt i = 0; i < all; i++) y[i] = column[stride * (i % n) + 3 * (i / n) + 1];
+    for (PetscInt way = 0; symmetric && way < p->ways; way++)
+      BandUpperMult(n, HALF, R, PETSC_FALSE, y + way * n);
   }
   if (symmetric)
-    for (PetscInt j = 0; j < n; j++)
+    for (PetscInt j = 0; j < all; j++)
       for (PetscInt i = 0; i < j; i++)
-        T[j * n + i] = T[i * n + j] = (T[j * n + i] + T[i * n + j]) / 2;
-  Scale(n * n, T, units.force);
+        T[j * all + i] = T[i * all + j] = (T[j * all + i] + T[i * all + j]) / 2;
+  Scale(all * all, T, units.force);
   PetscCall(BandDestroy(&A));
   PetscCall(PetscFree3(D, R, column));
   PetscFunctionReturn(0);
@@ -468,12 +531,14 @@ enum { MOST_SHIFTS = 3 };
  */
 static PetscErrorCode RightmostBy(Pencil p, PetscReal shift, PetscReal bound, PetscReal T[],
                                   PetscReal re[], PetscReal im[], Eigenvalue *value) {
+  const PetscInt all = p->ways * p->n;
+
   PetscFunctionBegin;
   PetscCall(SpectrumDense(p, shift, PETSC_FALSE, T));
-  PetscCall(DenseEigenvalues(p->n, T, re, im, NULL));
+  PetscCall(DenseEigenvalues(all, T, re, im, NULL));
   value->value = PETSC_MIN_REAL;
   value->error = 0;
-  for (PetscInt i = 0; i < p->n; i++) {
+  for (PetscInt i = 0; i < all; i++) {
     PetscReal size = re[i] * re[i] + im[i] * im[i], at = shift + re[i] / size;
     if (size == 0 || at <= value->value || at > bound * (1 + 1e-8)) continue;
     value->value = at;
@@ -487,7 +552,7 @@ static PetscErrorCode RightmostBy(Pencil p, PetscReal shift, PetscReal bound, Pe
   whole dense spectrum. One rank; for small n.
 */
 PetscErrorCode SpectrumRightmost(Pencil p, PetscReal t, Eigenvalue *value) {
-  PetscInt n = p->n;
+  PetscInt n = p->ways * p->n;
   PetscReal *T, *re, *im, bound, shift;
 
   PetscFunctionBegin;

@@ -6,8 +6,8 @@
  */
 PetscBool StraightScales(Scene scene) {
   return (PetscBool)(scene->growth->even && scene->growth->similar && !scene->load.moves &&
-                     !scene->stiffness.varies && scene->tip.force == 0 &&
-                     scene->tip.type == TIP_FREE);
+                     !scene->stiffness.varies && scene->tip.force == 0 && scene->tip.push[0] == 0 &&
+                     scene->tip.type == TIP_FREE && !StraightIsTwisted(scene));
 }
 
 /*
@@ -41,39 +41,43 @@ PetscErrorCode StraightTip(Scene scene, PetscReal t, PetscReal *press, PetscReal
                            PetscReal *drags) {
   StraightMotion tip;
   Place at = {.t = t, .q = {1, 0}};
+  PetscReal own;
 
   PetscFunctionBegin;
   *press = *turns = *drags = 0;
-  if (scene->tip.force == 0) PetscFunctionReturn(0);
+  if (scene->tip.force == 0 && scene->tip.push[0] == 0) PetscFunctionReturn(0);
   PetscCall(StraightAt(scene, 1, t, &tip));
   at.x[0] = tip.p;
   at.v[0] = tip.V;
   *press = TipCompression(&scene->tip, &at);
-  if (scene->tip.law == TIP_FOLLOWER) *turns = *press;
-  if (scene->tip.law == TIP_RESISTANCE && tip.V != 0) *drags = *press / tip.V;
+  own = *press + scene->tip.push[0]; /* without the dead force beside it */
+  if (scene->tip.law == TIP_FOLLOWER) *turns = own;
+  if (scene->tip.law == TIP_RESISTANCE && tip.V != 0) *drags = own / tip.V;
   PetscFunctionReturn(0);
 }
 
-/* The integrand g N phi V of the compression. */
+/* The integrand g (N phi V - w1) of the compression. */
 static PetscErrorCode AxialLoad(Scene scene, PetscReal s, PetscReal t, PetscReal *f) {
   StraightMotion at;
 
   PetscFunctionBegin;
   PetscCall(StraightAt(scene, s, t, &at));
   *f = at.V == 0 ? 0 : at.g * at.drag * at.V;
+  if (scene->load.weighs) *f -= at.g * scene->load.weight[0];
   PetscFunctionReturn(0);
 }
 
 /* P for uniform growth, V = s, and for feed, V = 1, exactly. */
 static PetscReal CompressionExact(Scene scene, PetscReal s, PetscReal t) {
-  PetscReal L = scene->growth->initial_length + t;
-  if (scene->growth->slides) return L * (1 - s) * LoadAxialDrag(&scene->load, 1);
-  return L * LoadAxialBetween(&scene->load, s, 1);
+  PetscReal L = scene->growth->initial_length + t,
+            weight = scene->load.weighs ? L * (1 - s) * scene->load.weight[0] : 0;
+  if (scene->growth->slides) return L * (1 - s) * LoadAxialDrag(&scene->load, 1) - weight;
+  return L * LoadAxialBetween(&scene->load, s, 1) - weight;
 }
 
 /*
   StraightForce - the axial compression P of the straight rod: that of the tip's force, and int_s^1
-  g N phi V ds.
+  g (N phi V - w1) ds, w1 the weight along the rod.
 
   n, s   labels, increasing, the last one 1
   P      n values; the internal force of the straight rod is n1 = -P
@@ -158,14 +162,17 @@ void StraightBasis(Straight straight, PetscInt cell, PetscReal xi, PetscReal B[3
 /*
   StraightCreate - prepares the linear problem of a scene on a mesh; both must outlive it.
   The caller destroys it with StraightDestroy().
+
+  way   WAY_X2 or WAY_X3, the direction of the deflection
 */
-PetscErrorCode StraightCreate(Scene scene, const Mesh *mesh, Straight *straight) {
+PetscErrorCode StraightCreate(Scene scene, const Mesh *mesh, StraightWay way, Straight *straight) {
   Straight self;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&self));
   self->scene = scene;
   self->mesh = mesh;
+  self->way = way;
   self->n = mesh->cells + 1;
   self->time = self->assembled = PETSC_MIN_REAL;
   PetscCall(PetscMalloc2(mesh->cells * GAUSS * 3 * BASIS, &self->basis, mesh->cells * GAUSS,
@@ -205,7 +212,7 @@ static PetscErrorCode WeightsAt(Straight self, PetscReal t, PetscInt c, int q, W
   PetscCall(SceneStiffness(self->scene, s, t, &B, NULL));
   P = StraightScales(self->scene) ? CompressionExact(self->scene, s, t)
                                   : self->compression[c * GAUSS + q];
-  w->bend = ds / at.g * B;
+  w->bend = ds / at.g * B * StraightRatio(self->scene, self->way);
   w->axial = ds * P / at.g;
   w->drag = ds * at.g * at.drag * a;
   /* the load across is N phi (a v2 + (1 - a) V theta), v2 = y_t + c theta */

@@ -6,6 +6,7 @@
 
 #include "base/lagrange.h"
 #include "scene/scene.h"
+#include "straight/twist.h"
 
 enum { BASIS = 4, BAND = 7 }; /* per cell; per row of K and D */
 
@@ -19,6 +20,7 @@ typedef struct _Straight *Straight;
 struct _Straight {
   Scene scene;
   const Mesh *mesh;
+  StraightWay way;        /* x2 or x3 */
   PetscInt n;             /* unknowns, cells + 1 */
   PetscReal *basis;       /* [cells][GAUSS][3][BASIS]: B, B', B'' at the Gauss points */
   PetscReal *compression; /* [cells][GAUSS], at time */
@@ -30,7 +32,7 @@ struct _Straight {
       *curve; /* [cells][GAUSS][BASIS]: bend = -curve^T curve, of the cells that touch the rows */
 };
 
-PetscErrorCode StraightCreate(Scene scene, const Mesh *mesh, Straight *straight);
+PetscErrorCode StraightCreate(Scene scene, const Mesh *mesh, StraightWay way, Straight *straight);
 PetscErrorCode StraightDestroy(Straight *straight);
 PetscBool StraightScales(Scene scene);
 PetscErrorCode StraightAt(Scene scene, PetscReal s, PetscReal t, StraightMotion *motion);

@@ -230,17 +230,18 @@ static PetscErrorCode ChooseSteps(Propagator *self, PetscReal tolerance) {
   PropagatorCreate - factors all steps of D y_t = K y from t1 to t2. On one process.
 
   mesh        equidistant in z (pencil.h); outlives the propagator
+  way         the direction of the deflection, WAY_X2 or WAY_X3
   tolerance   on the relative error of one step
   propagator  the caller destroys it with PropagatorDestroy()
 */
-PetscErrorCode PropagatorCreate(Scene scene, const Mesh *mesh, PetscReal t1, PetscReal t2,
-                                PetscReal tolerance, Propagator *self) {
+PetscErrorCode PropagatorCreate(Scene scene, const Mesh *mesh, StraightWay way, PetscReal t1,
+                                PetscReal t2, PetscReal tolerance, Propagator *self) {
   PetscFunctionBegin;
   PetscCall(PetscMemzero(self, sizeof(*self)));
   self->t1 = t1;
   self->t2 = t2;
   self->n = mesh->cells + 1;
-  PetscCall(PencilCreate(PETSC_COMM_SELF, scene, mesh, t2, &self->pencil));
+  PetscCall(PencilCreate(PETSC_COMM_SELF, scene, mesh, t2, way, &self->pencil));
   PetscCall(PetscMalloc1(STAGES * self->n, &self->work));
   PetscCall(ChooseSteps(self, tolerance));
   PetscFunctionReturn(0);

@@ -24,8 +24,8 @@ typedef struct {
   PetscReal *s, *y1, *theta1, *y2, *theta2; /* norm 1 at t1; n labels */
 } Optimal;
 
-PetscErrorCode PropagatorCreate(Scene scene, const Mesh *mesh, PetscReal t1, PetscReal t2,
-                                PetscReal tolerance, Propagator *propagator);
+PetscErrorCode PropagatorCreate(Scene scene, const Mesh *mesh, StraightWay way, PetscReal t1,
+                                PetscReal t2, PetscReal tolerance, Propagator *propagator);
 PetscErrorCode PropagatorDestroy(Propagator *propagator);
 PetscErrorCode PropagatorApply(Propagator *propagator, PetscBool transpose, PetscReal c[]);
 PetscErrorCode TransientOptimal(Propagator *propagator, TransientNorm norm, Optimal *optimal);

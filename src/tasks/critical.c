@@ -22,13 +22,21 @@ typedef struct {
   PetscReal *c, *w;    /* its mode, if asked for */
 } Factor;
 
+/* What becomes of the straight rod. */
+typedef enum {
+  CROSSES,  /* it turns unstable, at a time between two that are given */
+  UNSTABLE, /* from the start */
+  STABLE,   /* as long as was looked */
+  PULLED    /* as long, for it is under tension all along */
+} Fate;
+
 /* On a mesh of cells equidistant in arc length. */
-static PetscErrorCode FactorCreate(MPI_Comm comm, Scene scene, PetscInt cells, PetscBool dense,
-                                   PetscBool quiet, Factor *self) {
+static PetscErrorCode FactorCreate(MPI_Comm comm, Scene scene, PetscInt cells, StraightWay way,
+                                   PetscBool dense, PetscBool quiet, Factor *self) {
   PetscFunctionBegin;
   self->dense = dense;
   PetscCall(MeshCreate(cells, PETSC_FALSE, scene->growth, scene->end_time, &self->mesh));
-  PetscCall(PencilCreate(comm, scene, &self->mesh, map_follows, &self->pencil));
+  PetscCall(PencilCreate(comm, scene, &self->mesh, map_follows, way, &self->pencil));
   PetscCall(SpectrumCreate(self->pencil, quiet, &self->spectrum));
   PetscFunctionReturn(0);
 }
@@ -42,13 +50,20 @@ static PetscErrorCode FactorDestroy(Factor *self) {
   PetscFunctionReturn(0);
 }
 
-/* Where K is symmetric and the tip free, ln(ratio) of SpectrumBuckling(), nearly straight over ln
+/* Does a ratio of two forms tell when the rod turns unstable? Where K is symmetric and the tip
+   free. */
+static PetscBool ByRatio(const Factor *self) {
+  const Pencil p = self->pencil;
+  return (PetscBool)(!p->skew && !p->held && p->ways == 1);
+}
+
+/* By ratio, ln(ratio) of SpectrumBuckling(), nearly straight over ln
    L: L^3 times a constant for uniform growth. Else the largest real part of an eigenvalue. */
 static PetscErrorCode FactorAt(Factor *self, PetscReal t, PetscReal *f) {
   Eigenvalue value;
 
   PetscFunctionBegin;
-  if (!self->pencil->skew && !self->pencil->held) {
+  if (ByRatio(self)) {
     PetscCall(SpectrumBuckling(&self->spectrum, t, &value, self->c, self->w));
     *f = value.value > 0 ? PetscLogReal(value.value) : PETSC_MIN_REAL;
   } else {
@@ -92,36 +107,37 @@ static PetscErrorCode Root(Factor *self, PetscReal a, PetscReal fa, PetscReal b,
 
 /* The first bracket of a crossing, found in steps of 5 % of the length. The rod may also be
    unstable from the start. */
-static PetscErrorCode ScanWith(Factor *coarse, Scene scene, PetscReal *low, PetscReal *high) {
+static PetscErrorCode ScanWith(Factor *coarse, Scene scene, PetscReal *low, PetscReal *high,
+                               Fate *fate) {
   PetscReal T = scene->end_time, f, L, L_t;
-  char text[64];
+  PetscBool pulled;
 
   PetscFunctionBegin;
   *low = *high = 0;
   PetscCall(FactorAt(coarse, 0, &f));
-  UserCheck(
-      f < 0, scene->comm,
-      "-growth_initial_length: the straight rod is unstable already at t = 0, take it shorter");
+  pulled = (PetscBool)(f == PETSC_MIN_REAL);
+  *fate = UNSTABLE;
+  if (f >= 0) PetscFunctionReturn(0);
   while (f < 0 && *high < T) {
     PetscCall(GrowthLength(scene->growth, *high, &L, &L_t));
     *low = *high;
     *high += PetscMin(0.05 * L / PetscMax(PetscAbsReal(L_t), 1e-12), T / SCAN_STEPS);
     *high = PetscMin(*high, T);
     PetscCall(FactorAt(coarse, *high, &f));
+    pulled = (PetscBool)(pulled && f == PETSC_MIN_REAL);
   }
-  UserCheck(f >= 0, scene->comm,
-            "-ts_max_time %s: the straight rod is stable up to there, look further",
-            OptionBoth(T, UNIT_TIME, text));
+  *fate = f >= 0 ? CROSSES : pulled ? PULLED : STABLE;
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode Scan(Scene scene, PetscReal *low, PetscReal *high) {
+static PetscErrorCode Scan(Scene scene, StraightWay way, PetscReal *low, PetscReal *high,
+                           Fate *fate) {
   PetscErrorCode error;
   Factor coarse = {0};
 
   PetscFunctionBegin;
-  error = FactorCreate(PETSC_COMM_SELF, scene, SCAN_CELLS, PETSC_TRUE, PETSC_TRUE, &coarse);
-  if (!error) error = ScanWith(&coarse, scene, low, high);
+  error = FactorCreate(PETSC_COMM_SELF, scene, SCAN_CELLS, way, PETSC_TRUE, PETSC_TRUE, &coarse);
+  if (!error) error = ScanWith(&coarse, scene, low, high, fate);
   PetscCall(FactorDestroy(&coarse));
   PetscCall(error);
   PetscFunctionReturn(0);
@@ -146,37 +162,85 @@ static PetscErrorCode RootNear(Factor *self, PetscReal low, PetscReal high, Pets
   PetscFunctionReturn(0);
 }
 
-/* The critical time on one mesh. Uniform growth takes one solve: L^3 / ratio = L_cr^3. */
+/* Is the critical length the same however long the rod is at the start? */
+static PetscBool AtOnce(Scene scene, const Factor *factor) {
+  return (PetscBool)(StraightScales(scene) && ByRatio(factor));
+}
+
+/* The critical time on one mesh, of a rod that has one. Uniform growth takes one solve: L^3 / ratio
+   = L_cr^3; it tells of a rod that is never critical, too. */
 static PetscErrorCode OnMesh(Scene scene, Factor *factor, PetscReal low, PetscReal high,
-                             PetscReal *t) {
+                             PetscReal *t, Fate *fate) {
   Eigenvalue ratio;
   PetscReal L;
 
   PetscFunctionBegin;
-  if (StraightScales(scene) && !factor->pencil->skew) {
+  if (AtOnce(scene, factor)) {
     PetscCall(GrowthLength(scene->growth, 1, &L, NULL));
     PetscCall(SpectrumBuckling(&factor->spectrum, 1, &ratio, factor->c, factor->w));
+    *fate = ratio.value > 0 ? CROSSES : PULLED;
+    if (*fate == PULLED) PetscFunctionReturn(0);
     *t = L / PetscPowReal(ratio.value, 1. / 3) - scene->growth->initial_length;
   } else
     PetscCall(RootNear(factor, low, high, t));
   PetscFunctionReturn(0);
 }
 
-/* The mode at the nodes, scaled to largest |y| = 1 and to the side of y(1) > 0. */
-static PetscErrorCode StoreMode(Scene scene, const Factor *factor, Critical *self) {
+/* Scales the mode to largest |y| = 1 and to the side of y(1) > 0. */
+static void ScaleMode(PetscInt n, PetscReal y[], PetscReal theta[]) {
   PetscReal most = 0;
 
-  PetscFunctionBegin;
-  self->n = factor->pencil->n;
-  PetscCall(PetscMalloc3(self->n, &self->s, self->n, &self->y, self->n, &self->theta));
-  PetscCall(PetscArraycpy(self->s, factor->pencil->node, self->n));
-  PetscCall(PencilShape(factor->pencil, factor->c, factor->w, self->t, self->y, self->theta));
-  for (PetscInt i = 0; i < self->n; i++) most = PetscMax(most, PetscAbsReal(self->y[i]));
-  if (self->y[self->n - 1] < 0) most = -most;
-  for (PetscInt i = 0; i < self->n; i++) {
-    self->y[i] /= most;
-    self->theta[i] /= most;
+  for (PetscInt i = 0; i < n; i++) most = PetscMax(most, PetscAbsReal(y[i]));
+  if (y[n - 1] < 0) most = -most;
+  for (PetscInt i = 0; i < n; i++) {
+    y[i] /= most;
+    theta[i] /= most;
   }
+}
+
+/* The same where it is in both directions: a round rod's is turned so that it is in x2 where it is
+   largest; if stiffnesses differ it may only change its side. */
+static void TurnMode(const Critical *self, PetscBool round) {
+  PetscReal most = 0, c = 1, s = 0;
+
+  for (PetscInt i = 0; i < self->n; i++) {
+    PetscReal size = PetscSqrtReal(PetscSqr(self->y[i]) + PetscSqr(self->y3[i]));
+    if (size <= most) continue;
+    most = size;
+    c = round ? self->y[i] : self->y[i] < 0 ? -size : size;
+    s = round ? self->y3[i] : 0;
+  }
+  for (PetscInt i = 0; i < self->n; i++) {
+    PetscReal *pair[2][2] = {{&self->y[i], &self->y3[i]}, {&self->theta[i], &self->theta3[i]}};
+    for (int k = 0; k < 2; k++) {
+      PetscReal a = *pair[k][0], b = *pair[k][1];
+      *pair[k][0] = (c * a + s * b) / (most * most);
+      *pair[k][1] = (c * b - s * a) / (most * most);
+    }
+  }
+}
+
+/* The mode at the nodes. */
+static PetscErrorCode StoreMode(Scene scene, const Factor *factor, Critical *self) {
+  Pencil p = factor->pencil;
+
+  PetscFunctionBegin;
+  self->n = p->n;
+  PetscCall(PetscMalloc3(self->n, &self->s, self->n, &self->y, self->n, &self->theta));
+  PetscCall(PetscArraycpy(self->s, p->node, self->n));
+  PetscCall(PencilShape(p, factor->c, factor->w, self->t, self->y, self->theta));
+  if (p->ways == 1) ScaleMode(self->n, self->y, self->theta);
+  if (!self->space) PetscFunctionReturn(0);
+  PetscCall(PetscCalloc2(self->n, &self->y3, self->n, &self->theta3));
+  if (p->ways > 1) {
+    PetscCall(PencilShape(p, factor->c + p->n, factor->w + p->n, self->t, self->y3, self->theta3));
+    TurnMode(self, (PetscBool)(scene->space.ratio == 1));
+  } else if (p->way == WAY_X3)
+    for (PetscInt i = 0; i < self->n; i++) {
+      self->y3[i] = self->y[i];
+      self->theta3[i] = self->theta[i];
+      self->y[i] = self->theta[i] = 0;
+    }
   PetscFunctionReturn(0);
 }
 
@@ -189,29 +253,74 @@ static PetscErrorCode Agree(Scene scene, Critical *self) {
   PetscCallMPI(MPI_Bcast(&self->frequency, 1, MPIU_REAL, 0, scene->comm));
   PetscCallMPI(MPI_Bcast(self->y, self->n, MPIU_REAL, 0, scene->comm));
   PetscCallMPI(MPI_Bcast(self->theta, self->n, MPIU_REAL, 0, scene->comm));
+  PetscCallMPI(MPI_Bcast(&self->twisting, 1, MPIU_REAL, 0, scene->comm));
+  if (!self->space) PetscFunctionReturn(0);
+  PetscCallMPI(MPI_Bcast(self->y3, self->n, MPIU_REAL, 0, scene->comm));
+  PetscCallMPI(MPI_Bcast(self->theta3, self->n, MPIU_REAL, 0, scene->comm));
   PetscFunctionReturn(0);
 }
 
-/* The critical time on two meshes, of which the finer is kept. */
+/* The critical time on two meshes, of which the finer is kept; of deflections of one way. */
 static PetscErrorCode FindWith(Factor *fine, Factor *half, Scene scene, PetscBool quiet,
-                               Critical *self) {
+                               Critical *self, Fate *fate) {
   PetscReal low = 0, high = 0, half_t, near = 1e-8;
   PetscInt cells = scene->mesh.cells, n = cells + 1;
   MPI_Comm comm = cells < SHARED_CELLS ? PETSC_COMM_SELF : scene->comm;
 
   PetscFunctionBegin;
-  PetscCall(FactorCreate(comm, scene, cells, PETSC_FALSE, quiet, fine));
-  if (!StraightScales(scene) || fine->pencil->skew) PetscCall(Scan(scene, &low, &high));
-  PetscCall(FactorCreate(comm, scene, (cells + 1) / 2, PETSC_FALSE, quiet, half));
-  PetscCall(OnMesh(scene, half, low, high, &half_t));
+  *fate = CROSSES;
+  PetscCall(FactorCreate(comm, scene, cells, self->way, PETSC_FALSE, quiet, fine));
+  if (!AtOnce(scene, fine)) PetscCall(Scan(scene, self->way, &low, &high, fate));
+  PetscCallMPI(MPI_Bcast(fate, sizeof(*fate), MPI_BYTE, 0, scene->comm));
+  if (*fate != CROSSES) PetscFunctionReturn(0);
+  PetscCall(FactorCreate(comm, scene, (cells + 1) / 2, self->way, PETSC_FALSE, quiet, half));
+  PetscCall(OnMesh(scene, half, low, high, &half_t, fate));
+  if (*fate != CROSSES) PetscFunctionReturn(0);
+  n *= fine->pencil->ways;
   PetscCall(PetscMalloc2(n, &fine->c, n, &fine->w));
-  PetscCall(OnMesh(scene, fine, half_t - near, half_t + near, &self->t));
+  PetscCall(OnMesh(scene, fine, half_t - near, half_t + near, &self->t, fate));
+  if (*fate != CROSSES) PetscFunctionReturn(0);
   PetscCall(GrowthLength(scene->growth, self->t, &self->length, NULL));
   self->frequency = fine->frequency;
+  if (fine->pencil->ways > 1) self->twisting = fine->pencil->moment;
   self->error = PetscAbsReal(self->t - half_t) +
                 PetscMax(1, self->length) * (1e-14 + 1e-17 * PetscSqr((PetscReal)n));
   PetscCall(StoreMode(scene, fine, self));
   PetscCall(Agree(scene, self));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode FindWay(Scene scene, PetscBool quiet, StraightWay way, Critical *self,
+                              Fate *fate) {
+  Factor fine = {0}, half = {0};
+  PetscErrorCode error;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(self, sizeof(*self)));
+  self->way = way;
+  self->space = (PetscBool)(scene->space.why != NULL);
+  error = FindWith(&fine, &half, scene, quiet, self, fate);
+  PetscCall(FactorDestroy(&half));
+  PetscCall(FactorDestroy(&fine));
+  PetscCall(error);
+  PetscFunctionReturn(0);
+}
+
+/* A rod that has no critical time to be told is told why. */
+static PetscErrorCode CheckFate(Scene scene, Fate fate) {
+  char text[64];
+
+  PetscFunctionBegin;
+  UserCheck(
+      fate != UNSTABLE, scene->comm,
+      "-growth_initial_length: the straight rod is unstable already at t = 0, take it shorter");
+  UserCheck(fate != PULLED || !StraightScales(scene), scene->comm,
+            "-rod_weight: takes all thrust off the rod, however long it is: it never turns "
+            "unstable");
+  UserCheck(fate == CROSSES, scene->comm,
+            "-ts_max_time %s: the straight rod is stable up to there%s, look further",
+            OptionBoth(scene->end_time, UNIT_TIME, text),
+            fate == PULLED ? ", pulled all along" : "");
   PetscFunctionReturn(0);
 }
 
@@ -229,21 +338,38 @@ static PetscErrorCode FindWith(Factor *fine, Factor *half, Scene scene, PetscBoo
   second-order matrix of this size.
 */
 PetscErrorCode CriticalFind(Scene scene, PetscBool quiet, Critical *self) {
-  Factor fine = {0}, half = {0};
-  PetscErrorCode error;
+  Fate fate[MOST_WAYS] = {STABLE, STABLE};
+  StraightWay way[MOST_WAYS];
+  PetscInt ways = StraightWays(scene, way), first = 0;
+  Critical found[MOST_WAYS];
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(self, sizeof(*self)));
-  error = FindWith(&fine, &half, scene, quiet, self);
-  PetscCall(FactorDestroy(&half));
-  PetscCall(FactorDestroy(&fine));
-  PetscCall(error);
+  PetscCall(PetscMemzero(found, sizeof(found)));
+  for (PetscInt k = 0; k < ways; k++) {
+    PetscErrorCode error = FindWay(scene, quiet, way[k], &found[k], &fate[k]);
+    if (error) PetscCall(CriticalDestroy(&found[0]));
+    if (error && k) PetscCall(CriticalDestroy(&found[1]));
+    PetscCall(error);
+  }
+  if (ways > 1 && fate[0] == CROSSES && fate[1] == CROSSES)
+    first = found[1].t < found[0].t;
+  else if (ways > 1)
+    first = fate[1] == UNSTABLE || (fate[0] != UNSTABLE && fate[1] == CROSSES);
+  *self = found[first];
+  self->ways = ways;
+  self->follows = (PetscBool)(ways > 1 && fate[!first] == CROSSES);
+  self->other[0] = found[!first].t;
+  self->other[1] = found[!first].length;
+  if (ways > 1) PetscCall(CriticalDestroy(&found[!first]));
+  PetscCall(CheckFate(scene, fate[first]));
   PetscFunctionReturn(0);
 }
 
 PetscErrorCode CriticalDestroy(Critical *self) {
   PetscFunctionBegin;
   PetscCall(PetscFree3(self->s, self->y, self->theta));
+  PetscCall(PetscFree2(self->y3, self->theta3));
   PetscFunctionReturn(0);
 }
 
@@ -265,6 +391,33 @@ static PetscErrorCode Leave(const Critical *self, Harvest *harvest) {
   PetscFunctionReturn(0);
 }
 
+/* The mode of a rod in space, and when the other direction follows. */
+static PetscErrorCode WriteSpace(HdfFile file, const Critical *self) {
+  const PetscInt n = self->n;
+  const struct {
+    const char *name, *units, *text;
+    const PetscReal *data;
+  } sets[] = {{"x2", "1", "critical mode, deflection in x2, largest in space 1 [n]", self->y},
+              {"x3", "1", "its deflection in x3 [n]", self->y3},
+              {"theta2", "1/l", "its angle dx2/dp [n]", self->theta},
+              {"theta3", "1/l", "its angle dx3/dp [n]", self->theta3}};
+  char name[64];
+
+  PetscFunctionBegin;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(sets); i++) {
+    (void)snprintf(name, sizeof(name), "/critical/%s", sets[i].name);
+    PetscCall(HdfWrite(file, name, 1, &n, sets[i].data, sets[i].units, sets[i].text));
+  }
+  PetscCall(HdfWrite(file, "/critical/twisting_moment", 0, NULL, &self->twisting, "N l^2",
+                     "moment about the rod's axis"));
+  if (!self->follows) PetscFunctionReturn(0);
+  PetscCall(HdfWrite(file, "/critical/t_other", 0, NULL, &self->other[0], "l/V",
+                     "when the stiffer direction follows"));
+  PetscCall(
+      HdfWrite(file, "/critical/length_other", 0, NULL, &self->other[1], "l", "the length then"));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode Write(Scene scene, HdfFile file, const Critical *self) {
   const PetscInt n = self->n;
   PetscReal value[CRITICAL_VALUES];
@@ -279,9 +432,13 @@ static PetscErrorCode Write(Scene scene, HdfFile file, const Critical *self) {
     PetscCall(HdfWrite(file, name, 0, NULL, &value[k], critical_units[k], critical_text[k]));
   }
   PetscCall(HdfWrite(file, "/critical/s", 1, &n, self->s, "1", "material label [n]"));
-  PetscCall(HdfWrite(file, "/critical/y", 1, &n, self->y, "1",
-                     "critical mode, deflection, largest 1 [n]"));
-  PetscCall(HdfWrite(file, "/critical/theta", 1, &n, self->theta, "1/l", "its angle dy/dp [n]"));
+  if (self->space)
+    PetscCall(WriteSpace(file, self));
+  else {
+    PetscCall(HdfWrite(file, "/critical/y", 1, &n, self->y, "1",
+                       "critical mode, deflection, largest 1 [n]"));
+    PetscCall(HdfWrite(file, "/critical/theta", 1, &n, self->theta, "1/l", "its angle dy/dp [n]"));
+  }
   PetscCall(OutputAttributes(file, scene->comm, PETSC_TRUE));
   PetscFunctionReturn(0);
 }
@@ -304,6 +461,26 @@ PetscErrorCode CriticalPrintLaboratory(MPI_Comm comm, const Critical *self) {
   PetscFunctionReturn(0);
 }
 
+/* In which direction across, in space. */
+static PetscErrorCode PrintWay(MPI_Comm comm, const Critical *self) {
+  const char *const name[] = {"x2 (about d3)", "x3 (about d2)"};
+  char text[64] = "not as far as was looked";
+
+  PetscFunctionBegin;
+  if (!self->space) PetscFunctionReturn(0);
+  if (self->follows)
+    (void)snprintf(text, sizeof(text), "at t = %.12g, L = %.12g", (double)self->other[0],
+                   (double)self->other[1]);
+  if (self->way == WAY_BOTH)
+    PetscCall(PetscPrintf(comm, "in x2 and x3 at once, under a twisting moment of %.10g\n",
+                          (double)self->twisting));
+  else if (self->ways > 1)
+    PetscCall(PetscPrintf(comm, "in %s; in %s %s\n", name[self->way], name[!self->way], text));
+  else
+    PetscCall(PetscPrintf(comm, "alike in all directions across\n"));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode Print(MPI_Comm comm, const Critical *self) {
   double cube = (double)(self->length * self->length * self->length);
 
@@ -316,6 +493,7 @@ static PetscErrorCode Print(MPI_Comm comm, const Critical *self) {
                           (double)self->frequency, cube));
   else
     PetscCall(PetscPrintf(comm, "buckling (L^3 = %.10g)\n", cube));
+  PetscCall(PrintWay(comm, self));
   PetscCall(CriticalPrintLaboratory(comm, self));
   if (self->t < 0) PetscCall(PetscPrintf(comm, "the rod is longer than that from the start\n"));
   PetscFunctionReturn(0);

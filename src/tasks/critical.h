@@ -9,8 +9,15 @@ typedef struct {
   PetscReal t, length;
   PetscReal error;     /* bound on both */
   PetscReal frequency; /* per unit of t; 0: the mode buckles, else it flutters */
+  PetscBool space;     /* the rod is in space: the mode has x3 and its angle, too */
+  StraightWay way;     /* the deflection that it is one of */
+  PetscInt ways;       /* of which there are so many to look at */
+  PetscReal twisting;  /* M; 0: the rod is not twisted */
+  PetscBool follows;   /* the other of two ways turns unstable, too */
+  PetscReal other[2];  /* t and length then */
   PetscInt n;          /* its shape at n labels, largest |y| = 1; theta = dy/dp */
   PetscReal *s, *y, *theta;
+  PetscReal *y3, *theta3; /* across in x3; NULL in the plane */
 } Critical;
 
 enum { CRITICAL_VALUES = 4 };

@@ -55,32 +55,42 @@ static PetscErrorCode ReadOptions(PetscInt task, const char *output, Asked *aske
   PetscFunctionReturn(0);
 }
 
-/* -task critical and stability are of a rod in the plane, pushed along itself. */
+/* Has a vector a part across the rod, above what rounding leaves of one along it? */
+static PetscBool IsAcross(const PetscReal v[3]) {
+  const PetscReal rounding = 1e-12;
+  return (PetscBool)(PetscSqr(v[1]) + PetscSqr(v[2]) >
+                     PetscSqr(rounding) * (PetscSqr(v[0]) + PetscSqr(v[1]) + PetscSqr(v[2])));
+}
+
+/* -task critical and stability are of a rod that is straight whatever happens along it. */
 static PetscErrorCode CheckStraight(Scene scene) {
-  const Space *space = &scene->space;
+  const char *const about = "-task critical and stability are about a straight rod";
+  const PetscBool turned =
+      (PetscBool)(scene->space.spin != 0 || scene->tip.torque != 0 || scene->curvature.any);
 
   PetscFunctionBegin;
-  UserCheck(!space->why && !space->only, scene->comm,
-            "%s: -task critical and stability are about a rod in the plane; take it out",
-            space->why ? space->why : space->only);
-  UserCheck(!scene->load.weighs && scene->tip.push[0] == 0 && scene->tip.push[1] == 0, scene->comm,
-            "-%s: -task critical and stability know growth, friction and -tip_force only; take it "
-            "out",
-            scene->load.weighs ? "rod_weight" : "tip_force_vector");
+  UserCheck(!CurvatureBends(&scene->curvature), scene->comm,
+            "-rod_curvature: %s, straight by nature; take it out", about);
+  UserCheck(!scene->contact.any, scene->comm, "-%s: %s that touches nothing; take it out",
+            scene->contact.self ? "contact_self" : "wall_file", about);
+  UserCheck(!IsAcross(scene->load.weight), scene->comm,
+            "-rod_weight: a weight across the rod bends it, and %s; give it the clamp's direction",
+            about);
+  UserCheck(!IsAcross(scene->tip.push), scene->comm,
+            "-tip_force_vector: a force across the rod bends it, and %s; give it the clamp's "
+            "direction",
+            about);
+  UserCheck(scene->load.radius == 0 || !turned, scene->comm,
+            "-friction_radius: twist that friction holds depends on how it came about; -task "
+            "critical and stability know twist without it; take it out");
+  UserCheck(scene->tip.type != TIP_CLAMPED || scene->tip.torque == 0 || scene->space.spin == 0,
+            scene->comm,
+            "-clamp_spin: turns a clamped tip that -tip_torque lets turn; give one of them");
   PetscFunctionReturn(0);
 }
 
 static PetscErrorCode RunTask(Scene scene, const Asked *asked, Member *member) {
   PetscFunctionBegin;
-  UserCheck(asked->task == TASK_GROW || asked->task == TASK_UNITS || !scene->curvature.any,
-            scene->comm,
-            "-rod_curvature: -task critical and stability are about a rod that is straight by "
-            "nature; take it out");
-  UserCheck(asked->task == TASK_GROW || asked->task == TASK_UNITS || !scene->contact.any,
-            scene->comm,
-            "-%s: -task critical and stability are about a straight rod that touches nothing; take "
-            "it out",
-            scene->contact.self ? "contact_self" : "wall_file");
   if (asked->task == TASK_STABILITY || asked->task == TASK_CRITICAL)
     PetscCall(CheckStraight(scene));
   if (scene->shape.type == SHAPE_MODE && asked->task == TASK_GROW)

@@ -60,18 +60,27 @@ typedef struct {
   char shape[PETSC_MAX_PATH_LEN];
 } Settings;
 
+/* The solvers for deflections of one way. */
+typedef struct {
+  StraightWay way;
+  Pencil follow, fixed; /* z moving with t for A, fixed at t_cr for the norms */
+  Spectrum modes, friction;
+  Norm l2, left;
+} Solvers;
+
 typedef struct {
   Scene scene;
   MPI_Comm comm; /* of the solvers */
   HdfFile file, shape_file;
   Settings set;
   Mesh mesh;
-  Pencil follow, fixed; /* z moving with t for A, fixed at t_cr for the norms */
-  Spectrum modes, friction;
-  Norm l2, left;
+  PetscInt ways; /* to look at by themselves, see StraightWays() */
+  Solvers of[MOST_WAYS];
+  PetscBool twisted; /* x2 and x3 are joined */
   PetscBool has[CURVES];
   Critical critical;
   PetscReal *t, *value[CURVES], *frequency; /* [points] */
+  PetscReal *modes[MOST_WAYS];              /* the curve of A of each way [points] */
   PetscReal until[CURVES];                  /* the verdict; start: not even there */
   PetscBool beyond[CURVES];                 /* still stable at the end of what was looked at */
 } Stability;
@@ -124,34 +133,49 @@ static PetscErrorCode ReadSolverOptions(void) {
 }
 
 /* The left eigenvectors at t_cr, dense, on every rank. */
-static PetscErrorCode CreateLeft(Stability *self) {
+static PetscErrorCode CreateLeft(Stability *self, Solvers *of) {
   PetscInt n = self->set.vertices;
   PetscReal *W;
   Pencil own;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(n * n, &W));
-  PetscCall(PencilCreate(PETSC_COMM_SELF, self->scene, &self->mesh, self->critical.t, &own));
+  PetscCall(
+      PencilCreate(PETSC_COMM_SELF, self->scene, &self->mesh, self->critical.t, of->way, &own));
   PetscCall(SpectrumLeftVectors(own, self->critical.t, self->set.unit_rows, W));
-  PetscCall(NormCreate(self->fixed, W, self->critical.t, &self->left));
+  PetscCall(NormCreate(of->fixed, W, self->critical.t, &of->left));
   PetscCall(PencilDestroy(&own));
   PetscCall(PetscFree(W));
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode CreateSolvers(Stability *self) {
+/* Which curves there are. Norms that take left eigenvectors or plain L2 are of one direction. */
+static PetscErrorCode ChooseCurves(Stability *self) {
+  const PetscBool all = (PetscBool)!self->set.only_modes,
+                  norms = (PetscBool)(all && !self->twisted);
+
+  PetscFunctionBegin;
+  self->has[CURVE_A] = PETSC_TRUE;
+  self->has[CURVE_FRICTION] = all;
+  self->has[CURVE_L2] = norms;
+  self->has[CURVE_W] = (PetscBool)(norms && self->set.vertices <= MOST_DENSE);
+  if (all && self->twisted)
+    PetscCall(PetscPrintf(OptionsComm(),
+                          "the L2 and W norms and the transient growth left out: they are of one "
+                          "direction across, and twist joins both\n"));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode CreateSolvers(Stability *self, Solvers *of) {
   Scene scene = self->scene;
 
   PetscFunctionBegin;
-  PetscCall(SpectrumCreate(self->follow, PETSC_TRUE, &self->friction));
-  self->has[CURVE_A] = PETSC_TRUE;
-  self->has[CURVE_L2] = self->has[CURVE_FRICTION] = (PetscBool)!self->set.only_modes;
-  self->has[CURVE_W] = (PetscBool)(!self->set.only_modes && self->set.vertices <= MOST_DENSE);
-  if (self->set.only_modes) PetscFunctionReturn(0);
-  PetscCall(PencilCreate(self->comm, scene, &self->mesh, self->critical.t, &self->fixed));
-  PetscCall(NormCreate(self->fixed, NULL, self->critical.t, &self->l2));
+  PetscCall(SpectrumCreate(of->follow, PETSC_TRUE, &of->friction));
+  if (!self->has[CURVE_L2]) PetscFunctionReturn(0);
+  PetscCall(PencilCreate(self->comm, scene, &self->mesh, self->critical.t, of->way, &of->fixed));
+  PetscCall(NormCreate(of->fixed, NULL, self->critical.t, &of->l2));
   if (self->has[CURVE_W])
-    PetscCall(CreateLeft(self));
+    PetscCall(CreateLeft(self, of));
   else
     PetscCall(PetscPrintf(OptionsComm(),
                           "C(t) left out: above -stability_vertices %d the dense left eigenvectors "
@@ -160,28 +184,43 @@ static PetscErrorCode CreateSolvers(Stability *self) {
   PetscFunctionReturn(0);
 }
 
-/* One curve at one time. The growth in L2 of a law that slides counts the arc length that enters:
-   the norm is int y^2 dp = L int y^2 ds. */
-static PetscErrorCode CurveAt(Stability *self, Curve curve, PetscReal t, Eigenvalue *value) {
+/* One curve of one way at one time. The growth in L2 of a law that slides counts the arc length
+   that enters: the norm is int y^2 dp = L int y^2 ds. */
+static PetscErrorCode CurveOf(Stability *self, Solvers *of, Curve curve, PetscReal t,
+                              Eigenvalue *value) {
   PetscReal L, L_t;
 
   PetscFunctionBegin;
   switch (curve) {
   case CURVE_A:
-    PetscCall(SpectrumLargest(&self->modes, RATE_A, t, value, NULL, NULL));
+    PetscCall(SpectrumLargest(&of->modes, RATE_A, t, value, NULL, NULL));
     break;
   case CURVE_FRICTION:
-    PetscCall(SpectrumLargest(&self->friction, RATE_FRICTION, t, value, NULL, NULL));
+    PetscCall(SpectrumLargest(&of->friction, RATE_FRICTION, t, value, NULL, NULL));
     break;
   case CURVE_W:
-    PetscCall(NormGrowth(&self->left, t, FRAME_ARC, value));
+    PetscCall(NormGrowth(&of->left, t, FRAME_ARC, value));
     break;
   default:
-    PetscCall(NormGrowth(&self->l2, t, FRAME_LABEL, value));
+    PetscCall(NormGrowth(&of->l2, t, FRAME_LABEL, value));
     PetscCall(GrowthLength(self->scene->growth, t, &L, &L_t));
     if (self->scene->growth->slides) value->value += L_t / L;
   }
   PetscCallMPI(MPI_Bcast(value, sizeof(*value), MPI_BYTE, 0, self->scene->comm)); /* one verdict */
+  PetscFunctionReturn(0);
+}
+
+/* One curve at one time: the larger of what it is in each way. one: of each, or NULL. */
+static PetscErrorCode CurveAt(Stability *self, Curve curve, PetscReal t, Eigenvalue *value,
+                              PetscReal one[]) {
+  PetscFunctionBegin;
+  *value = (Eigenvalue){.value = PETSC_MIN_REAL};
+  for (PetscInt k = 0; k < self->ways; k++) {
+    Eigenvalue found;
+    PetscCall(CurveOf(self, &self->of[k], curve, t, &found));
+    if (one) one[k] = found.value;
+    if (found.value > value->value) *value = found;
+  }
   PetscFunctionReturn(0);
 }
 
@@ -200,10 +239,12 @@ static PetscErrorCode Tabulate(Stability *self) {
     PetscCall(PetscPrintf(OptionsComm(), "%12.8g %12.8g", (double)self->t[i], (double)L));
     for (int c = 0; c < CURVES; c++) {
       Eigenvalue value;
+      PetscReal one[MOST_WAYS] = {0, 0};
       if (!self->has[c]) continue;
-      PetscCall(CurveAt(self, (Curve)c, self->t[i], &value));
+      PetscCall(CurveAt(self, (Curve)c, self->t[i], &value, one));
       self->value[c][i] = value.value;
       if (c == CURVE_A) self->frequency[i] = value.frequency;
+      for (PetscInt k = 0; k < self->ways && c == CURVE_A; k++) self->modes[k][i] = one[k];
       PetscCall(PetscPrintf(OptionsComm(), " %14.7g", (double)value.value));
     }
     PetscCall(PetscPrintf(OptionsComm(), "\n"));
@@ -222,7 +263,7 @@ static PetscErrorCode Crossing(Stability *self, Curve curve, PetscReal a, PetscR
   for (int k = 0; k < ROOT_STEPS && b - a > 1e-11 * PetscMax(1, b) && fb != 0; k++) {
     PetscReal old = *t;
     *t = (a * fb - b * fa) / (fb - fa);
-    PetscCall(CurveAt(self, curve, *t, &value));
+    PetscCall(CurveAt(self, curve, *t, &value, NULL));
     if (PetscAbsReal(*t - old) < 1e-11 * PetscMax(1, b)) break;
     if (value.value < 0) {
       a = *t, fa = value.value;
@@ -259,7 +300,7 @@ static PetscErrorCode Verdict(Stability *self, Curve curve) {
     Eigenvalue value;
     if (k == 1) b = PetscMax(set->end, self->critical.t) + margin;
     if (b > self->scene->growth->end_time) break;
-    PetscCall(CurveAt(self, curve, b, &value));
+    PetscCall(CurveAt(self, curve, b, &value, NULL));
     if (value.value >= 0) {
       PetscCall(Crossing(self, curve, a, fa, b, value.value, &self->until[curve]));
       PetscFunctionReturn(0);
@@ -274,9 +315,10 @@ static PetscErrorCode Verdict(Stability *self, Curve curve) {
 
 /* Is A self-adjoint in the friction norm, and that norm the same at all times but for a factor? For
    uniform growth it is, with friction that is the same in all directions and places, and a tip that
-   is free or pushed along the clamp. */
+   is free or pushed along the clamp; weight along the rod changes nothing of that. */
 static PetscBool IsSelfAdjoint(Scene scene) {
-  return (PetscBool)(scene->growth->even && !scene->growth->slides && scene->load.plain &&
+  return (PetscBool)(scene->growth->even && !scene->growth->slides && !scene->load.varied &&
+                     !StraightIsTwisted(scene) &&
                      (scene->tip.force == 0 || scene->tip.law == TIP_DEAD));
 }
 
@@ -351,6 +393,12 @@ static PetscErrorCode WriteTable(HdfFile file, Stability *self) {
     PetscCall(
         WriteScalar(file, name, self->until[c], "l/V", "negative from the first time up to here"));
   }
+  for (PetscInt k = 0; k < self->ways && self->ways > 1; k++) {
+    PetscCall(PetscSNPrintf(name, sizeof(name), "/stability/lambda_max_A_x%d",
+                            self->of[k].way == WAY_X2 ? 2 : 3));
+    PetscCall(HdfWrite(file, name, 1, &self->set.points, self->modes[k], "V/l",
+                       "lambda_max_A of deflections in this direction [k]"));
+  }
   PetscCall(WriteScalar(file, "/stability/t_cr", self->critical.t, "l/V", "critical time"));
   PetscCall(WriteScalar(file, "/stability/t_cr_error", self->critical.error, "l/V",
                         "bound on its error"));
@@ -398,17 +446,35 @@ static PetscErrorCode WriteShapeFile(HdfFile file, const Optimal *best, PetscRea
   PetscFunctionReturn(0);
 }
 
-/* The transient growth over a window in both norms; every rank computes it for itself. */
+/* The larger of two amplifications is kept. */
+static PetscErrorCode TakeLarger(Propagator *propagator, TransientNorm norm, Optimal *best) {
+  Optimal other;
+
+  PetscFunctionBegin;
+  PetscCall(TransientOptimal(propagator, norm, &other));
+  if (other.amplification > best->amplification) {
+    Optimal less = *best;
+    *best = other;
+    other = less;
+  }
+  PetscCall(OptimalDestroy(&other));
+  PetscFunctionReturn(0);
+}
+
+/* The transient growth over a window in both norms, in the direction in which it is larger; every
+   rank computes it for itself. */
 static PetscErrorCode Transient(Stability *self, HdfFile file, HdfFile shape) {
   const char *const names[] = {"L2", "friction"};
   const Settings *set = &self->set;
+  Propagator propagator[MOST_WAYS];
   Scene scene = self->scene;
-  Propagator propagator;
   Mesh mesh;
 
   PetscFunctionBegin;
   PetscCall(MeshCreate(set->transient_cells, PETSC_FALSE, scene->growth, set->t2, &mesh));
-  PetscCall(PropagatorCreate(scene, &mesh, set->t1, set->t2, 1e-9, &propagator));
+  for (PetscInt w = 0; w < self->ways; w++)
+    PetscCall(
+        PropagatorCreate(scene, &mesh, self->of[w].way, set->t1, set->t2, 1e-9, &propagator[w]));
   if (file) {
     PetscCall(HdfGroup(file, "/transient"));
     PetscCall(WriteScalar(file, "/transient/t1", set->t1, "l/V", "start of the window"));
@@ -416,7 +482,8 @@ static PetscErrorCode Transient(Stability *self, HdfFile file, HdfFile shape) {
   }
   for (int k = 0; k < 2; k++) {
     Optimal best;
-    PetscCall(TransientOptimal(&propagator, (TransientNorm)k, &best));
+    PetscCall(TransientOptimal(&propagator[0], (TransientNorm)k, &best));
+    if (self->ways > 1) PetscCall(TakeLarger(&propagator[1], (TransientNorm)k, &best));
     PetscCall(PetscPrintf(OptionsComm(),
                           "largest amplification from t = %g to %g, %s norm: %.10g\n",
                           (double)set->t1, (double)set->t2, names[k], (double)best.amplification));
@@ -424,7 +491,7 @@ static PetscErrorCode Transient(Stability *self, HdfFile file, HdfFile shape) {
     if (k == TRANSIENT_L2) PetscCall(WriteShapeFile(shape, &best, scene->shape.amplitude));
     PetscCall(OptimalDestroy(&best));
   }
-  PetscCall(PropagatorDestroy(&propagator));
+  for (PetscInt w = 0; w < self->ways; w++) PetscCall(PropagatorDestroy(&propagator[w]));
   PetscCall(MeshDestroy(&mesh));
   PetscFunctionReturn(0);
 }
@@ -450,12 +517,16 @@ static PetscErrorCode Destroy(Stability *self) {
   PetscFunctionBegin;
   PetscCall(HdfDrop(&self->file));
   PetscCall(HdfDrop(&self->shape_file));
-  PetscCall(SpectrumDestroy(&self->modes));
-  PetscCall(SpectrumDestroy(&self->friction));
-  if (self->has[CURVE_L2]) PetscCall(NormDestroy(&self->l2));
-  if (self->has[CURVE_W]) PetscCall(NormDestroy(&self->left));
-  PetscCall(PencilDestroy(&self->follow));
-  PetscCall(PencilDestroy(&self->fixed));
+  for (PetscInt k = 0; k < MOST_WAYS; k++) {
+    Solvers *of = &self->of[k];
+    PetscCall(SpectrumDestroy(&of->modes));
+    PetscCall(SpectrumDestroy(&of->friction));
+    if (of->l2.pencil) PetscCall(NormDestroy(&of->l2));
+    if (of->left.pencil) PetscCall(NormDestroy(&of->left));
+    PetscCall(PencilDestroy(&of->follow));
+    PetscCall(PencilDestroy(&of->fixed));
+    PetscCall(PetscFree(self->modes[k]));
+  }
   PetscCall(CriticalDestroy(&self->critical));
   PetscCall(MeshDestroy(&self->mesh));
   PetscCall(PetscFree2(self->t, self->frequency));
@@ -466,6 +537,7 @@ static PetscErrorCode Destroy(Stability *self) {
 /* Reads everything, opens the files. */
 static PetscErrorCode Open(Stability *self, const char *output) {
   Scene scene = self->scene;
+  StraightWay way[MOST_WAYS];
 
   PetscFunctionBegin;
   UserCheck(scene->tip.type == TIP_FREE, scene->comm,
@@ -474,8 +546,14 @@ static PetscErrorCode Open(Stability *self, const char *output) {
   self->comm = self->set.vertices < SHARED_VERTICES ? PETSC_COMM_SELF : scene->comm;
   PetscCall(
       MeshCreate(self->set.vertices - 1, PETSC_FALSE, scene->growth, scene->end_time, &self->mesh));
-  PetscCall(PencilCreate(self->comm, scene, &self->mesh, map_follows, &self->follow));
-  PetscCall(SpectrumCreate(self->follow, PETSC_FALSE, &self->modes));
+  self->twisted = StraightIsTwisted(scene);
+  self->ways = StraightWays(scene, way);
+  for (PetscInt k = 0; k < self->ways; k++) {
+    Solvers *of = &self->of[k];
+    of->way = way[k];
+    PetscCall(PencilCreate(self->comm, scene, &self->mesh, map_follows, of->way, &of->follow));
+    PetscCall(SpectrumCreate(of->follow, (PetscBool)(k > 0), &of->modes));
+  }
   PetscCall(ReadSolverOptions());
   PetscCall(OptionsRefuseUnread());
   if (output[0]) PetscCall(OutputNewFile("-output", output, scene->comm, &self->file));
@@ -494,13 +572,17 @@ static PetscErrorCode Compute(Stability *self) {
   PetscCall(CriticalPrintLaboratory(OptionsComm(), &self->critical));
   PetscCall(PetscMalloc2(self->set.points, &self->t, self->set.points, &self->frequency));
   for (int c = 0; c < CURVES; c++) PetscCall(PetscCalloc1(self->set.points, &self->value[c]));
-  PetscCall(CreateSolvers(self));
+  for (PetscInt k = 0; k < self->ways; k++)
+    PetscCall(PetscCalloc1(self->set.points, &self->modes[k]));
+  PetscCall(ChooseCurves(self));
+  for (PetscInt k = 0; k < self->ways; k++) PetscCall(CreateSolvers(self, &self->of[k]));
   PetscCall(Tabulate(self));
   for (int c = 0; c < CURVES; c++)
     if (self->has[c]) PetscCall(Verdict(self, (Curve)c));
   PetscCall(PrintVerdict(self));
   PetscCall(WriteTable(self->file, self));
-  if (self->set.transient) PetscCall(Transient(self, self->file, self->shape_file));
+  if (self->set.transient && !self->twisted)
+    PetscCall(Transient(self, self->file, self->shape_file));
   PetscFunctionReturn(0);
 }
 
@@ -552,7 +634,7 @@ PetscErrorCode StabilitySlowestMode(Scene scene, PetscInt *n, PetscReal **s, Pet
 
   PetscFunctionBegin;
   PetscCall(MeshCreate(MODE_CELLS, PETSC_FALSE, scene->growth, scene->end_time, &mesh));
-  PetscCall(PencilCreate(PETSC_COMM_SELF, scene, &mesh, map_follows, &pencil));
+  PetscCall(PencilCreate(PETSC_COMM_SELF, scene, &mesh, map_follows, WAY_X2, &pencil));
   PetscCall(SpectrumCreate(pencil, PETSC_TRUE, &spectrum));
   *n = pencil->n;
   PetscCall(PetscMalloc2(*n, &c, *n, &w));

@@ -78,6 +78,18 @@ PetscErrorCode LoadDestroy(Load *load) {
   PetscFunctionReturn(0);
 }
 
+/* The same where the clamp points out of the plane of x1 and x2. */
+static PetscReal FactorTilted(const Load *load, const PetscReal x[2], PetscReal t,
+                              PetscReal slope[2]) {
+  PetscReal lab[3], by[3], factor;
+
+  for (int d = 0; d < 3; d++) lab[d] = load->lab[d][0] * x[0] + load->lab[d][1] * x[1];
+  FieldAt(load->field, lab, load->stopped ? load->stopped_at : t, &factor, by);
+  for (int d = 0; d < 2; d++)
+    slope[d] = load->lab[0][d] * by[0] + load->lab[1][d] * by[1] + load->lab[2][d] * by[2];
+  return factor;
+}
+
 /* LoadFactor - N at a place in the clamp's frame, and its derivatives there. */
 PetscReal LoadFactor(const Load *load, const PetscReal x[2], PetscReal t, PetscReal slope[2]) {
   const PetscReal c = load->clamp[0], s = load->clamp[1];
@@ -85,6 +97,7 @@ PetscReal LoadFactor(const Load *load, const PetscReal x[2], PetscReal t, PetscR
 
   slope[0] = slope[1] = 0;
   if (!load->field) return factor;
+  if (load->lab[2][0] != 0) return FactorTilted(load, x, t, slope);
   FieldAt(load->field, lab, load->stopped ? load->stopped_at : t, &factor, by);
   slope[0] = c * by[0] + s * by[1];
   slope[1] = -s * by[0] + c * by[1];
@@ -206,6 +219,15 @@ void LoadAtTolerance(Load *load, PetscReal rtol) {
     load->friction.beta = PetscMax(next_to_exact, PetscSqr(PetscMin(most_told, speed)));
 }
 
+/* dN/dx3 of the clamp's frame at a place on its axis. */
+static PetscReal SlopeAcross3(const Load *load, PetscReal x1, PetscReal t) {
+  PetscReal lab[3], by[3], factor;
+
+  for (int d = 0; d < 3; d++) lab[d] = load->lab[d][0] * x1;
+  FieldAt(load->field, lab, t, &factor, by);
+  return load->lab[0][2] * by[0] + load->lab[1][2] * by[1] + load->lab[2][2] * by[2];
+}
+
 /* LoadIsEven - does the load leave a straight rod straight, up to this length and time? Not if a
    field changes across the axis. */
 PetscBool LoadIsEven(const Load *load, PetscReal length, PetscReal end) {
@@ -216,6 +238,8 @@ PetscBool LoadIsEven(const Load *load, PetscReal length, PetscReal end) {
       PetscReal x[2] = {length * i / ALONG, 0}, slope[2];
       (void)LoadFactor(load, x, end * j / TIMES, slope);
       if (PetscAbsReal(slope[1]) > 1e-9) return PETSC_FALSE;
+      if (load->field && PetscAbsReal(SlopeAcross3(load, x[0], end * j / TIMES)) > 1e-9)
+        return PETSC_FALSE;
     }
   return PETSC_TRUE;
 }

@@ -11,7 +11,7 @@ enum { LAWS = 3, FINE = 4000 };
 static void Setup(Scene *scene, Straight *straight, const char *law, PetscReal mu, int cells) {
   SetOptions("%s -friction_mu %g -rod_cells %d -rod_grading uniform", law, mu, cells);
   CHECK(SceneCreate(scene));
-  CHECK(StraightCreate(*scene, &(*scene)->mesh, straight));
+  CHECK(StraightCreate(*scene, &(*scene)->mesh, WAY_X2, straight));
 }
 
 static void Teardown(Scene *scene, Straight *straight) {
@@ -208,7 +208,7 @@ static void TestPencil(void **state) {
     Straight straight;
     Pencil pencil;
     Setup(&scene, &straight, laws[l], 0.7, 40);
-    CHECK(PencilCreate(PETSC_COMM_WORLD, scene, &scene->mesh, 1.3, &pencil));
+    CHECK(PencilCreate(PETSC_COMM_WORLD, scene, &scene->mesh, 1.3, WAY_X2, &pencil));
     CHECK(PencilSetTime(pencil, 1.3, FRAME_LABEL));
     CHECK(PencilMatrix(pencil, FORM_STIFF, &Kw));
     CHECK(PencilMatrix(pencil, FORM_SLIDE, &X));

@@ -53,6 +53,98 @@ static void TestTable(void **state) {
   }
 }
 
+/* Weight along the rod: (7.837347438943 / (1 + w))^(1/3) where friction is dry; viscous, by an ODE
+   solver at 20 digits. Two stiffnesses: the weaker direction decides. A twisting moment: clamped at
+   both ends without thrust tan z = z, z = M L / 2B, and with thrust or pull the determinant of the
+   four solutions; its flutter in feed, where P is constant if weight balances friction, from that
+   determinant at 25 digits, lambda = i omega. */
+#define BALANCED "-friction_beta 0 -rod_weight 1,0 -ts_max_time 40 "
+#define FED "-growth_type feed -friction_mu 0 -rod_weight 1,0 -ts_max_time 20 "
+static const struct {
+  const char *options;
+  PetscReal length, frequency;
+} world[] = {
+    {"-friction_beta 0 -rod_weight -1,0", 1.5765691886775048, 0},
+    {"-friction_beta 0 -rod_weight 0.5,0", 2.5026475886072737, 0},
+    {"-friction_beta 0 -rod_weight -1,0 -growth_type gaussian -growth_width 0.5",
+     1.5765691886775048, 0},
+    {"-friction_mu 0 -rod_weight -1,0", 1.6439604994819, 0},
+    {"-friction_beta 0 -clamp_angle 90deg -rod_weight 0,-1", 1.5765691886775048, 0},
+    {"-friction_beta 0 -clamp_direction 0,0,1 -rod_weight 0,0,-1", 1.5765691886775048, 0},
+    {"-friction_beta 0 -tip_force_vector -1,0", 1.3269921240925185, 0},
+    {"-friction_beta 0 -rod_bend_ratio 3", 1.98635270743047, 0},
+    {"-friction_beta 0 -rod_bend_ratio 0.5", 1.5765691886775048, 0},
+    {BALANCED "-tip_type clamped -tip_torque 2", 8.98681891582 / 2, 0},
+    {BALANCED "-tip_type clamped -tip_torque -5", 8.98681891582 / 5, 0},
+    {BALANCED "-tip_type clamped -tip_torque 3.72550782215 -tip_force 2.5", 2, 0},
+    {BALANCED "-tip_type clamped -tip_torque 1.90021481174 -tip_force 7.5", 2, 0},
+    {BALANCED "-tip_type clamped -tip_torque 5.21442821965 -tip_force -2.5", 2, 0},
+    {BALANCED "-tip_type clamped -clamp_spin 1 -growth_initial_length 1", 1 + 8.98681891582 / 0.75,
+     0},
+    {FED "-tip_torque 2", 4.6390669891599, 1.6988328106},
+    {FED "-tip_torque 4 -tip_type pinned", 1.8678022060344, 10.559465236},
+    {FED "-tip_torque 4 -tip_type clamped", 2.2477505051122, 1.4215174497},
+    {FED "-tip_torque 4 -tip_type clamped -rod_cells 5000", 2.2477505051122, 1.4215174497}};
+
+static void TestWorld(void **state) {
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(world); k++) {
+    Critical c;
+    PetscReal length = Find(&c, "%s", world[k].options), wanted = world[k].length;
+    EXPECT(PetscAbsReal(length - wanted) < 1e-8 * wanted, "%s: %.12g not %.12g", world[k].options,
+           (double)length, (double)wanted);
+    EXPECT(PetscAbsReal(c.frequency - world[k].frequency) <= 1e-6 * world[k].frequency,
+           "%s: frequency %.12g not %.12g", world[k].options, (double)c.frequency,
+           (double)world[k].frequency);
+    EXPECT(PetscAbsReal(length - wanted) <= c.error, "%s: off by %g, bound %g", world[k].options,
+           (double)(length - wanted), (double)c.error);
+    CHECK(CriticalDestroy(&c));
+  }
+}
+
+/* Both directions of a rod of two stiffnesses, and the mode in that of the weaker. */
+static void TestDirections(void **state) {
+  Critical c;
+
+  Find(&c, "-friction_beta 0 -rod_bend_ratio 8 -rod_cells 200");
+  EXPECT(c.way == WAY_X3 && c.ways == 2 && c.follows, "way %d of %d", (int)c.way, (int)c.ways);
+  EXPECT(PetscAbsReal(c.other[1] - 2 * c.length) < 1e-8, "%.12g after %.12g", (double)c.other[1],
+         (double)c.length);
+  for (PetscInt i = 0; i < c.n; i++)
+    EXPECT(c.y[i] == 0 && c.theta[i] == 0, "x2 %g at %d", (double)c.y[i], (int)i);
+  EXPECT(c.y3[200] == 1 && c.theta3[0] < 1e-12, "x3 %g at the tip", (double)c.y3[200]);
+  CHECK(CriticalDestroy(&c));
+}
+
+/* Clamped at both ends and twisted, with v = s - 1/2 and z = M L: the mode is cos z v - cos z/2 + z
+   sin z/2 (v^2 - 1/4) + i (sin z v - z v cos z/2). */
+static void TestTwistedMode(void **state) {
+  const PetscReal z = 8.98681891582;
+  PetscReal worst = 0, most = 0, turn[2];
+  PetscInt cells = 200, top = 0;
+  Critical c;
+
+  Find(&c, BALANCED "-tip_type clamped -tip_torque 2 -rod_cells %d", (int)cells);
+  for (int pass = 0; pass < 2; pass++)
+    for (PetscInt i = 0; i <= cells; i++) {
+      PetscReal v = c.s[i] - 0.5,
+                re = PetscCosReal(z * v) - PetscCosReal(z / 2) +
+                     z * PetscSinReal(z / 2) * (v * v - 1. / 4),
+                im = PetscSinReal(z * v) - z * v * PetscCosReal(z / 2);
+      PetscReal size = PetscSqrtReal(re * re + im * im);
+      if (!pass && size > most) {
+        most = size;
+        top = i;
+        turn[0] = re / size;
+        turn[1] = im / size;
+      }
+      if (!pass) continue;
+      worst = PetscMax(worst, PetscAbsReal((turn[0] * re + turn[1] * im) / most - c.y[i]));
+      worst = PetscMax(worst, PetscAbsReal((turn[0] * im - turn[1] * re) / most - c.y3[i]));
+    }
+  EXPECT(worst < 1e-6, "off by %g, largest at %d", (double)worst, (int)top);
+  CHECK(CriticalDestroy(&c));
+}
+
 /* Feed flutters, with either friction; nothing happens near 1.986. */
 static void TestFeed(void **state) {
   const char *const frictions[] = {"-friction_mu 0", "-friction_mu 1 -friction_beta 0"};
@@ -140,8 +232,10 @@ static void TestModeAngle(void **state) {
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(TestTable),         cmocka_unit_test(TestFeed),
-    cmocka_unit_test(TestOrder),         cmocka_unit_test(TestMode),
-    cmocka_unit_test(TestTableOfGrowth), cmocka_unit_test(TestModeAngle)};
+    cmocka_unit_test(TestTable),       cmocka_unit_test(TestFeed),
+    cmocka_unit_test(TestWorld),       cmocka_unit_test(TestDirections),
+    cmocka_unit_test(TestTwistedMode), cmocka_unit_test(TestOrder),
+    cmocka_unit_test(TestMode),        cmocka_unit_test(TestTableOfGrowth),
+    cmocka_unit_test(TestModeAngle)};
 
 MAIN(tests)

@@ -21,7 +21,7 @@ static PetscReal Rate(Scene scene, SpectrumRate rate, PetscReal t, PetscInt cell
   Mesh mesh;
 
   EvenMesh(scene, cells, &mesh);
-  CHECK(PencilCreate(PETSC_COMM_WORLD, scene, &mesh, map_follows, &pencil));
+  CHECK(PencilCreate(PETSC_COMM_WORLD, scene, &mesh, map_follows, WAY_X2, &pencil));
   CHECK(SpectrumCreate(pencil, PETSC_TRUE, &spectrum));
   CHECK(SpectrumLargest(&spectrum, rate, t, &value, NULL, NULL));
   CHECK(SpectrumDestroy(&spectrum));
@@ -77,7 +77,7 @@ static void TestBound(void **state) {
     Setup(&scene, k % 2 ? "-growth_type gaussian -growth_width 0.3" : "-growth_type uniform",
           (k % 3) / 2., 40);
     EvenMesh(scene, 40, &mesh);
-    CHECK(PencilCreate(PETSC_COMM_SELF, scene, &mesh, map_follows, &pencil));
+    CHECK(PencilCreate(PETSC_COMM_SELF, scene, &mesh, map_follows, WAY_X2, &pencil));
     CHECK(SpectrumRightmost(pencil, 0.8 * k, &value));
     CHECK(PencilBound(pencil, &bound));
     EXPECT(value.value < bound, "t %g: %g above %g", 0.8 * k, (double)value.value, (double)bound);
@@ -113,8 +113,8 @@ static void TestLeftNorm(void **state) {
     Mesh mesh;
     Setup(&scene, "-growth_type uniform", k < 2, 10);
     EvenMesh(scene, CELLS, &mesh);
-    CHECK(PencilCreate(PETSC_COMM_WORLD, scene, &mesh, at, &pencil));
-    CHECK(PencilCreate(PETSC_COMM_SELF, scene, &mesh, at, &own));
+    CHECK(PencilCreate(PETSC_COMM_WORLD, scene, &mesh, at, WAY_X2, &pencil));
+    CHECK(PencilCreate(PETSC_COMM_SELF, scene, &mesh, at, WAY_X2, &own));
     CHECK(SpectrumLeftVectors(own, at, (PetscBool)(k % 2), W));
     CHECK(NormCreate(pencil, W, at, &left));
     for (int i = 0; i < 10; i++) {
@@ -160,8 +160,8 @@ static void TestLeftNormOfFeed(void **state) {
   CHECK(PetscMalloc1((CELLS + 1) * (CELLS + 1), &W));
   Setup(&scene, "-growth_type feed", 0, 10);
   EvenMesh(scene, CELLS, &mesh);
-  CHECK(PencilCreate(PETSC_COMM_WORLD, scene, &mesh, at, &pencil));
-  CHECK(PencilCreate(PETSC_COMM_SELF, scene, &mesh, at, &own));
+  CHECK(PencilCreate(PETSC_COMM_WORLD, scene, &mesh, at, WAY_X2, &pencil));
+  CHECK(PencilCreate(PETSC_COMM_SELF, scene, &mesh, at, WAY_X2, &own));
   for (int k = 0; k < 2; k++) {
     CHECK(SpectrumLeftVectors(own, at, (PetscBool)k, W));
     CHECK(NormCreate(pencil, W, at, &left));
@@ -209,7 +209,7 @@ static void TestPropagator(void **state) {
 
   Setup(&scene, "-growth_type uniform", 1, 10);
   EvenMesh(scene, CELLS, &mesh);
-  CHECK(PropagatorCreate(scene, &mesh, 0.5, 2.5, 1e-9, &propagator));
+  CHECK(PropagatorCreate(scene, &mesh, WAY_X2, 0.5, 2.5, 1e-9, &propagator));
   for (int i = 0; i < N; i++) {
     px[i] = x[i] = Scatter(1, (uint64_t)i);
     py[i] = y[i] = Scatter(2, (uint64_t)i);
@@ -221,7 +221,7 @@ static void TestPropagator(void **state) {
          (double)a, (double)b);
   CHECK(TransientOptimal(&propagator, TRANSIENT_FRICTION, &fine));
   CHECK(PropagatorDestroy(&propagator));
-  CHECK(PropagatorCreate(scene, &mesh, 0.5, 2.5, 1e-6, &propagator));
+  CHECK(PropagatorCreate(scene, &mesh, WAY_X2, 0.5, 2.5, 1e-6, &propagator));
   CHECK(TransientOptimal(&propagator, TRANSIENT_FRICTION, &rough));
   CHECK(PropagatorDestroy(&propagator));
   EXPECT(PetscAbsReal(rough.amplification - fine.amplification) < 1e-4 * fine.amplification,
@@ -253,7 +253,7 @@ static void TestPlainNorm(void **state) {
       Mesh mesh;
       Setup(&scene, laws[k], 0, 10);
       EvenMesh(scene, 100, &mesh);
-      CHECK(PencilCreate(PETSC_COMM_WORLD, scene, &mesh, 1, &pencil));
+      CHECK(PencilCreate(PETSC_COMM_WORLD, scene, &mesh, 1, WAY_X2, &pencil));
       CHECK(NormCreate(pencil, NULL, 1, &l2));
       CHECK(NormGrowth(&l2, t, FRAME_LABEL, &value));
       CHECK(GrowthLength(scene->growth, t, &L, &L_t));
@@ -283,7 +283,7 @@ static void TestMap(void **state) {
     Norm l2;
     Mesh mesh;
     EvenMesh(scene, 300, &mesh);
-    CHECK(PencilCreate(PETSC_COMM_WORLD, scene, &mesh, map[k], &pencil));
+    CHECK(PencilCreate(PETSC_COMM_WORLD, scene, &mesh, map[k], WAY_X2, &pencil));
     CHECK(NormCreate(pencil, NULL, map[k], &l2));
     CHECK(NormGrowth(&l2, 0.6, FRAME_LABEL, &value));
     found[k] = value.value;
@@ -307,7 +307,7 @@ static void TestScaling(void **state) {
 
   Setup(&scene, "-growth_type uniform", 0, 10);
   EvenMesh(scene, CELLS, &mesh);
-  CHECK(PencilCreate(PETSC_COMM_SELF, scene, &mesh, 2, &pencil));
+  CHECK(PencilCreate(PETSC_COMM_SELF, scene, &mesh, 2, WAY_X2, &pencil));
   for (int k = 0; k < 2; k++) {
     CHECK(SpectrumLeftVectors(pencil, 2, (PetscBool)k, W));
     for (int i = 0; i < N * N; i++) sum[k] += W[i] * W[i];
@@ -333,8 +333,8 @@ static void TestOptimal(void **state) {
 
   Setup(&scene, "-growth_type gaussian -growth_width 0.5", 1, 10);
   EvenMesh(scene, CELLS, &mesh);
-  CHECK(PropagatorCreate(scene, &mesh, t[0], t[1], 1e-9, &propagator));
-  CHECK(PropagatorCreate(scene, &mesh, t[0], t[1], 1e-6, &rough));
+  CHECK(PropagatorCreate(scene, &mesh, WAY_X2, t[0], t[1], 1e-9, &propagator));
+  CHECK(PropagatorCreate(scene, &mesh, WAY_X2, t[0], t[1], 1e-6, &rough));
   EXPECT(propagator.steps < 5 * rough.steps, "%d and %d steps", (int)propagator.steps,
          (int)rough.steps);
   CHECK(TransientOptimal(&propagator, TRANSIENT_L2, &best));

@@ -1,0 +1,111 @@
+#!/usr/bin/env python3
+"""The straight rod in space and under weight: its eigenvalues against rods that are stepped in time.
+
+    straight_test.py build/tendril [--mpiexec mpiexec] CHECK...      (no CHECK: all of them)"""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
+from laboratory_test import tendril
+from scene_test import Run, expect
+
+import h5py
+import numpy as np
+
+CHECKS = {}
+
+
+def check(function):
+    CHECKS[function.__name__.replace("_", "-")] = function
+    return function
+
+
+def resting():
+    """A growth table of a rod that keeps its length of 2 up to t = 35, and grows behind that."""
+    path, t = f"{scene.SCRATCH}/resting.h5", np.linspace(0, 60, 121)
+    with h5py.File(path, "w") as f:
+        f["s"], f["t"] = np.linspace(0, 1, 5), t
+        f["g"] = np.outer(2 + 3 * np.clip((t - 35) / 25, 0, 1) ** 4, np.ones(5))
+    return f"-growth_type table -growth_table {path} -friction_mu 0 "
+
+
+def rates_of(z, t):
+    """The growth rates, with frequencies, of the one mode or the pair that is left of z(t) at last, by
+    the linear map from one time to the next."""
+    even = np.linspace(12, 30, 300)
+    rate = np.polyfit(t[t > 12], np.log(np.abs(z[t > 12])), 1)[0]
+    if not z.imag.any():
+        return [complex(rate)]
+    from scipy.interpolate import CubicSpline
+    parts = [CubicSpline(t, part)(even) * np.exp(-rate * even) for part in (z.real, z.imag)]
+    delayed = np.array([part[k:k + 260] for k in range(0, 40, 4) for part in parts])
+    U, S, V = np.linalg.svd(delayed[:, :-1], full_matrices=False)
+    step = U[:, :2].T @ delayed[:, 1:] @ V[:2].T / S[:2]
+    found = np.log(np.linalg.eigvals(step).astype(complex)) / (even[1] - even[0]) + rate
+    return found[np.argsort(-found.real)]
+
+
+@check
+def eigenvalues():
+    """A rod in space that keeps its length bends back at the rate, and whirls at the frequency, that
+    the straight rod's largest eigenvalue has: two stiffnesses, twisting moments of either sign with
+    them, natural twist, a follower."""
+    rod, d = resting(), scene.SCRATCH
+    for options in ("-tip_torque 1.2 -tip_force 0.3", "-tip_torque 1.2 -rod_bend_ratio 1.5",
+                    "-rod_bend_ratio 1.7 -rod_twist 1.5 -tip_torque 0.6",
+                    "-rod_bend_ratio 1.7 -rod_twist 1.5 -tip_torque -0.6",
+                    "-rod_bend_ratio 0.6 -tip_force 0.3", "-tip_torque 1 -tip_force 0.4 -tip_law follower"):
+        tendril(f"{rod} {options} -task stability -ts_max_time 60 -stability_only_modes "
+                "-stability_transient 0 -stability_points 2 -stability_end 1 -stability_vertices 400 "
+                f"-output {d}/modes.h5")
+        with h5py.File(f"{d}/modes.h5") as f:
+            wanted = f["stability/lambda_max_A"][0] + 1j * f["stability/frequency_A"][0]
+        r = Run(f"{rod} {options} -rod_cells 60 -shape_amplitude 1e-5 -ts_rtol 1e-8 -ts_max_time 30")
+        found = rates_of(r.tip_x2 + 1j * r.tip_x3, r.t)[0]
+        off = abs(found.real + 1j * abs(found.imag) - wanted) / abs(wanted)
+        print(f"{options}: {found:.8f}, eigenvalue {wanted:.8f}, off by {off:.1e}")
+        expect(off < 3e-7, f"{options}: rate {found}, eigenvalue {wanted}")
+
+
+@check
+def leaves_the_axis():
+    """What is across in a growing rod is smallest where -task critical has it: under weight in the
+    plane and in space, in each direction of two stiffnesses, with a twisting moment."""
+    for options, model, names in (
+            ("-rod_weight -1,0", "frame", {"norm_x2": ""}),
+            ("-clamp_direction 0,0,1 -rod_weight 0,0,0.5 -shape_turn 1", "space", {"norm_x2": ""}),
+            ("-rod_bend_ratio 3 -shape_turn 45deg", "space", {"norm_x3": "", "norm_x2": "_other"}),
+            ("-tip_torque 1.5 -friction_mu 0", "space", {"both": ""})):
+        tendril(f"{options} -task critical -ts_max_time 20 -output {scene.SCRATCH}/critical.h5")
+        with h5py.File(f"{scene.SCRATCH}/critical.h5") as f:
+            critical = {name: float(f["critical/" + name][()]) for name in f["critical"] if f["critical/" + name].ndim == 0}
+        r = Run(f"{options} -rod_cells 60 -shape_amplitude 1e-3 -ts_max_time 3.5 -rod_model {model}")
+        for name, which in names.items():
+            across = np.hypot(r.norm_x2, r.norm_x3) if name == "both" else r.series[name]
+            least, wanted = r.length[np.argmin(across)], critical["length" + which]
+            print(f"{options}, {name}: smallest at L = {least:.4f}, critical {wanted:.4f}")
+            expect(abs(least / wanted - 1) < 0.03, f"{options}, {name}: {least}, not {wanted}")
+
+
+@check
+def refused():
+    """What bends the straight rod, or has a history, ends in one line; weight that takes all thrust
+    off the rod in one that says so."""
+    for options, words in {
+            "-rod_weight 0,1": "-rod_weight: a weight across the rod bends it",
+            "-rod_weight 0.1,0,1e-6": "-rod_weight: a weight across the rod bends it",
+            "-tip_force_vector 0,0,1": "-tip_force_vector: a force across the rod bends it",
+            "-rod_curvature_2 0.1": "straight by nature",
+            "-tip_torque 1 -friction_radius 0.1": "-friction_radius: twist that friction holds",
+            "-tip_type clamped -tip_torque 1 -clamp_spin 1": "-clamp_spin: turns a clamped tip",
+            "-rod_weight 1.5,0": "never turns unstable",
+            "-rod_weight 1.5,0 -growth_type gaussian -ts_max_time 3": "stable up to there, pulled all along"}.items():
+        out = tendril(options + " -task critical -friction_beta 0", 1)
+        text = out if isinstance(out, str) else str(out)
+        expect(words in text and text.strip().count("\n") == 0, f"{options}: {text}")
+
+
+if __name__ == "__main__":
+    sys.exit(scene.main(CHECKS))
