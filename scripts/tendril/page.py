@@ -4,12 +4,11 @@ common cursor, summary and options. The page is one file, and needs no server an
     scripts/view.sh results/uniform-dry.h5
     scripts/view.sh slow.h5 fast.h5 --output compare.html --titles slow,fast
 
-The curves are drawn by uPlot (web/uplot), the page itself is web/page.*."""
+The curves are drawn by uPlot (web/uplot), a rod in space by three.js (web/three); the page itself is in web/."""
 
 from __future__ import annotations
 
 import argparse
-import base64
 import html
 import json
 import re
@@ -20,11 +19,13 @@ from typing import Sequence
 import numpy as np
 from matplotlib.colors import to_hex
 
+from . import page_space
 from .errors import ResultsError, TendrilError
 from .pictures import colours, name_of, symbol_of
-from .results import FAR, Results, load, refuse_space, runs_of
+from .packed import moves_straight, packed, thinned
+from .results import Results, load, runs_of
 from .style import COLOURS
-from .surroundings import axial_force, friction, pressed, walls
+from .surroundings import axial_force, friction, pressed, size_of, walls
 from .units import in_laboratory, laboratory_units
 from .walls import diameter_of
 
@@ -33,48 +34,22 @@ MOST_SHAPES, MOST_NODES, ARROWS = 300, 501, 28  # what a page holds of a run
 # (title, series, logarithmic); series that are in none get a chart of their own
 CHARTS = (
     ("distance", ("length", "end_distance", "mid_distance", "width"), False),
-    ("deflection", ("norm_x2",), True),
-    ("energy", ("energy", "contact_energy"), False),
-    ("power", ("growth_power", "dissipation", "tip_power"), False),
-    ("force at the clamp", ("base_force_1", "base_force_2", "feed_force"), False),
-    ("force on the tip", ("tip_force_1", "tip_force_2"), False),
+    ("deflection", ("norm_x2", "norm_x3"), True),
+    ("energy", ("energy", "energy_twist", "contact_energy"), False),
+    ("power", ("growth_power", "dissipation", "tip_power", "clamp_power", "weight_power"), False),
+    ("force at the clamp", ("base_force_1", "base_force_2", "base_force_3", "feed_force"), False),
+    ("moment at the clamp", ("base_moment_1", "base_moment_2", "base_moment_3"), False),
+    ("force on the tip", ("tip_force_1", "tip_force_2", "tip_force_3"), False),
     ("speed", ("tip_speed", "mid_speed"), False),
-    ("tip", ("tip_x1", "tip_x2"), False),
+    ("tip", ("tip_x1", "tip_x2", "tip_x3"), False),
+    ("turns", ("link", "writhe"), False),
     ("crossings, inflections", ("self_crossings", "inflections"), False),
     ("energy defect", ("energy_defect",), True),
     ("step", ("step",), True),
 )
 SUMMARY = (("length", "length"), ("time", "t"), ("tip x1", "tip_x1"), ("tip x2", "tip_x2"),
-           ("width", "width"), ("energy", "energy"), ("push at the clamp", "base_force_1"),
+           ("tip x3", "tip_x3"), ("width", "width"), ("energy", "energy"), ("push at the clamp", "base_force_1"),
            ("energy defect", "energy_defect"))
-
-
-def packed(values):
-    """An array as base64 of 32-bit numbers, least significant byte first as browsers have it."""
-    return base64.b64encode(np.ascontiguousarray(values, "<f4").tobytes()).decode()
-
-
-def thinned(count, most):
-    """Indices of at most so many of count things, the first and the last among them."""
-    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
-
-
-def moves_straight(r, kept):
-    """[kept - 1] of each pair of stored shapes that follow each other: 1 if the rod may be drawn between
-    them in a straight motion, which is then where the series have it; else 0, and the stored are shown."""
-    x, t = r.shapes.x[kept], r.shapes.t[kept]
-    middle = np.argmin(np.abs(r.shapes.s - 0.5))
-    tip = np.column_stack([r.series[name] for name in ("tip_x1", "tip_x2", "tip_x3") if name in r.series])
-    fair = np.ones(max(len(kept) - 1, 0))
-    for k in range(len(fair)):
-        within = np.flatnonzero((r.series.t > t[k]) & (r.series.t < t[k + 1]))
-        w = ((r.series.t[within] - t[k]) / (t[k + 1] - t[k]))[:, None]
-        ends = x[k, -1, :tip.shape[1]] * (1 - w) + x[k + 1, -1, :tip.shape[1]] * w
-        halves = x[k, middle] * (1 - w) + x[k + 1, middle] * w
-        off = [np.linalg.norm(ends - tip[within], axis=1),
-               np.abs(np.linalg.norm(halves, axis=1) - r.series.mid_distance[within])]
-        fair[k] = np.max(off, initial=0) <= FAR * r.value("length", t[k + 1])
-    return fair
 
 
 def shapes_of(r):
@@ -109,19 +84,24 @@ def run_of(r, title, colour, shapes, units):
         "name": title, "colour": colour, "options": options, "summary": summary_of(r),
         "factors": {unit: in_laboratory(unit, r.scale)[0] / si for unit, (_, si) in units.items()},
         "series": {name: packed(values) for name, values in r.series.items()},
-        "shapes": {name: packed(values) for name, values in shapes.items()},
+        "shapes": {name: packed(values) for name, values in shapes.items() if name != "along"},
         "widths": {name: int(np.prod(values.shape[1:])) for name, values in shapes.items()
-                   if name not in ("t", "fair")},
+                   if name not in ("t", "fair", "along")},
         "walls": [{part: [np.ravel(line).tolist() for line in lines]
-                   for part, lines in zip(("body", "lines"), wall)} for wall in walls(r)],
+                   for part, lines in zip(("body", "lines"), wall)} for wall in ([] if r.in_space else walls(r))],
         "diameter": diameter_of(r),
     }
+
+
+def units_of(results):
+    """The unit of each series that there is."""
+    return {name: r.units.get(f"series/{name}", "1") for r in results for name in r.series}
 
 
 def charts_of(results):
     """Which series are drawn together, and what they are: every series but time is in one."""
     present = dict.fromkeys(name for r in results for name in r.series if name != "t")
-    units = {name: r.units.get(f"series/{name}", "1") for r in results for name in r.series}
+    units = units_of(results)
     charts = [(title, [n for n in names if n in present], log) for title, names, log in CHARTS]
     drawn = {name for _, names, _ in charts for name in names}
     charts += [(plain(name_of(name)), [name], False) for name in present if name not in drawn]
@@ -135,17 +115,17 @@ def plain(text):
     return re.sub("_([0-9])", lambda found: "₀₁₂₃₄₅₆₇₈₉"[int(found[1])], text)
 
 
-def content_of(results, titles):
+def content_of(results, titles, space):
     """What the page's script draws; arrays are dimensionless, the script has the units."""
     units = laboratory_units(results)
-    shapes = [shapes_of(r) for r in results]
+    shapes = [page_space.shapes_of(r, len(results)) if space else shapes_of(r) for r in results]
     shades = [to_hex(shade) for shade in colours(len(results))]
-    drag = [np.percentile(np.hypot(*np.moveaxis(s["friction"], -1, 0)), 95) for s in shapes]
-    press = [np.hypot(*np.moveaxis(s["contact"], -1, 0)).max() for s in shapes if "contact" in s]
-    summary = [(text, results[0].units.get(f"series/{name}", "1")) for text, name in SUMMARY]
+    drag = [np.percentile(size_of(s["friction"]), 95) for s in shapes]
+    press = [size_of(s["contact"]).max() for s in shapes if "contact" in s]
+    summary = [(text, units_of(results)[name]) for text, name in SUMMARY if name in units_of(results)]
     summary += [(text, "1") for text in ("steps", "Newton iterations", "finished", "ended by",
                                           "version")]
-    return {
+    content = {
         "runs": [run_of(r, title, shade, shape, units)
                  for r, title, shape, shade in zip(results, titles, shapes, shades)],
         "charts": charts_of(results), "summary": summary, "colours": COLOURS,
@@ -154,17 +134,25 @@ def content_of(results, titles):
         "units": {unit: name for unit, (name, _) in units.items()},
         "notes": {name: r.notes.get(f"series/{name}", "") for r in results for name in r.series},
         "drag": float(max(drag)) or 1.0, "press": float(max(press, default=0)) or 1.0,
-        "strongest": float(max(np.abs(s["axial"]).max() for s in shapes)) or 1.0,
     }
+    if space:
+        page_space.add(content, results, shapes)
+    else:
+        content["strongest"] = float(max(np.abs(s["axial"]).max() for s in shapes)) or 1.0
+    return content
 
 
-def page_of(content, title):
+def page_of(content, title, space):
     """The page as text. Within a script element "<" could end it."""
+    def text(*names):
+        return "".join((WEB / name).read_text() for name in names)
+
     parts = {
-        "title": html.escape(title), "style": (WEB / "uplot/uPlot.min.css").read_text()
-        + (WEB / "page.css").read_text(), "licence": (WEB / "uplot/LICENSE").read_text(),
-        "uplot": (WEB / "uplot/uPlot.iife.min.js").read_text(),
-        "script": (WEB / "page.js").read_text(),
+        "title": html.escape(title), "style": text("uplot/uPlot.min.css", "page.css", *["space.css"] * space),
+        "licence": text("uplot/LICENSE") + ("\nThe rod is drawn by three.js:\n" + text("three/LICENSE")) * space,
+        "uplot": text("uplot/uPlot.iife.min.js") + ("\n" + text("three/three.min.js")) * space,
+        "stage": text("space.html" if space else "plane.html"),
+        "script": text("data.js", "space.js" if space else "plane.js", "charts.js"),
         "data": json.dumps(content, allow_nan=False).replace("<", "\\u003c"),
     }
     return re.sub("@([a-z]+)@", lambda found: parts[found[1]], (WEB / "page.html").read_text())
@@ -195,11 +183,11 @@ def view(results: Results | Sequence[Results], output: str | Path | None = None,
     titles = list(titles or [r.name for r in runs])
     if len(titles) != len(runs):
         raise ResultsError(f"view: {len(titles)} titles for {len(runs)} runs")
-    refuse_space(runs)
     for r in runs:
         if not len(r.series.get("t", ())) or not len(r.shapes.get("t", ())):
             raise ResultsError(f"{r.path}: holds no stored shape to show")
-    page = Page(page_of(content_of(runs, titles), " · ".join(titles)))
+    space = any(r.in_space for r in runs)
+    page = Page(page_of(content_of(runs, titles, space), " · ".join(titles), space))
     return page if output is None else page.save(output)
 
 

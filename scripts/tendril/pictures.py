@@ -284,6 +284,12 @@ NAMES = {
     "wall_force_2": r"force of walls, $x_2$", "contact_energy": "energy of contact",
     "penetration": "penetration", "contacts": "zones of contact", "step": "step",
     "newton_iterations": "Newton iterations", "model": "model",
+    "tip_x3": r"tip, $x_3(1)$", "norm_x3": r"$\|x_3\|$ over labels", "twist": r"twist, $\int u_1$",
+    "link": "link in turns", "writhe": "writhe in turns", "energy_twist": "energy of twist",
+    "base_force_3": r"force at the clamp, $-n_3(0)$", "base_moment_1": r"moment at the clamp, $-m_1(0)$",
+    "base_moment_2": r"moment at the clamp, $-m_2(0)$", "base_moment_3": r"moment at the clamp, $-m_3(0)$",
+    "tip_force_3": r"force on the tip, $n_3(1)$", "tip_spin": "spin of the tip",
+    "clamp_power": "power of the turning clamp", "weight_power": "power of weight",
 }
 
 
@@ -326,7 +332,7 @@ def shared_name(series):
 
 
 BY_UNIT = {
-    "l": ("length", "tip_x1", "tip_x2", "norm_x2", "end_distance", "mid_distance", "width", "penetration"),
+    "l": ("length", "tip_x1", "tip_x2", "tip_x3", "norm_x2", "norm_x3", "end_distance", "mid_distance", "width", "penetration"),
     "N l": ("base_force_1", "base_force_2", "feed_force", "tip_force_1", "tip_force_2", "contact_force",
             "wall_force_1", "wall_force_2"),
     "N l^2": ("energy", "contact_energy"), "N l V": ("growth_power", "dissipation", "tip_power"),

@@ -34,9 +34,11 @@ if TYPE_CHECKING:
     from .collection import Sweep
 
 SHAPES = ("x", "theta", "curvature", "force")
+IN_SPACE = ("strain", "moment", "d1", "d2", "d3")  # what a shape in space has beside these
 FAR = 0.01  # of the length: a shape between stored ones this far from where the series have it is none
 PRIVATE = ("restart",)  # what is tendril's own business
 AXES = {2: ("shape_t", "s"), 3: ("shape_t", "s", "axis")}  # of the arrays of /shapes, by rank
+BODILY = ("strain", "natural_strain")  # their components are about the directors, not along the axes
 
 
 class Table(dict):
@@ -60,11 +62,16 @@ class Shape:
     t: float
     length: float
     s: np.ndarray  # [n], material labels, 0 to 1
-    x: np.ndarray  # [n, 2]
+    x: np.ndarray  # [n, 2], in space [n, 3]
     theta: np.ndarray  # [n]
     curvature: np.ndarray  # [n]
-    force: np.ndarray  # [n, 2], the internal force
+    force: np.ndarray  # [n, 2], in space [n, 3], the internal force
     stored: bool = True  # it is as the run stored it, not between two that it stored
+    strain: np.ndarray | None = None  # [n, 3], twist and bends about the directors; of a rod in space, as all below
+    moment: np.ndarray | None = None  # [n, 3], the internal moment
+    d1: np.ndarray | None = None  # [n, 3], the tangent
+    d2: np.ndarray | None = None  # [n, 3], d2 and d3 lie in the cross-section
+    d3: np.ndarray | None = None
 
     def __repr__(self):
         return f"<the rod at t = {self.t:g}, length {self.length:g}, {len(self.s)} nodes>"
@@ -140,7 +147,8 @@ class Results:
         """The stored shape number k."""
         k, t = range(len(self.shapes.t))[k], float(self.shapes.t[k])
         return Shape(k, t, self.value("length", t), self.shapes.s,
-                     *(self.shapes[name][k] for name in SHAPES))
+                     *(self.shapes[name][k] for name in SHAPES),
+                     **{name: self.shapes[name][k] for name in IN_SPACE if name in self.shapes})
 
     def between(self, t) -> Shape | None:
         """The cubic in time through the four stored shapes around t (fewer if there are fewer); None if
@@ -151,9 +159,12 @@ class Results:
         first = int(np.clip(np.searchsorted(times, t) - 2, 0, max(len(times) - 4, 0)))
         rows = slice(first, first + 4)
         weights = lagrange(times[rows], t)
-        values = [np.tensordot(weights, self.shapes[name][rows], 1) for name in SHAPES]
+        values = {name: np.tensordot(weights, self.shapes[name][rows], 1)
+                  for name in (*SHAPES, *IN_SPACE) if name in self.shapes}
+        if "d1" in values:
+            values |= zip(("d1", "d2", "d3"), orthonormal(values["d1"], values["d2"]))
         return Shape(int(np.argmin(np.abs(times - t))), float(t), self.value("length", t), self.shapes.s,
-                     *values, stored=False)
+                     **values, stored=False)
 
     def astray(self, shape) -> float:
         """How far the tip and the middle of a shape are from where the series have them at its time, in
@@ -219,7 +230,8 @@ class Results:
 
     def dataset(self, si=False) -> xarray.Dataset:
         """Series over t [steps] and shapes over shape_t [k], s [n] and axis [x1, x2, in space x3] as an xarray
-        Dataset; units and descriptions are attributes of its variables, options those of the whole.
+        Dataset; strains of a rod in space, which are about its directors, over component [u1, u2, u3].
+        Units and descriptions are attributes of its variables, options those of the whole.
 
         si  in SI units, of a run in the laboratory; what has no scale there is left out"""
         import xarray
@@ -236,6 +248,9 @@ class Results:
             coords |= {"shape_t": ("shape_t", *shapes["t"]), "s": ("s", *shapes["s"]),
                        "axis": [f"x{d + 1}" for d in range(self.shapes.x.shape[-1])]}
             data |= {name: (AXES[of[0].ndim], *of) for name, of in shapes.items() if of[0].ndim in AXES}
+            bodily = {name: (("shape_t", "s", "component"), *shapes[name]) for name in BODILY if name in shapes}
+            if bodily:
+                data, coords["component"] = data | bodily, ["u1", "u2", "u3"]
         options = "\n".join(f"-{name} {value}".rstrip() for name, value in self.options.items())
         return xarray.Dataset(data, coords, {"options": options, "finished": int(self.finished),
                                              "version": self.attributes.get("version", "")})
@@ -282,6 +297,14 @@ def runs_of(given, who) -> list[Results]:
     if not runs:
         raise ResultsError(f"{who}: there is no run to show")
     return runs
+
+
+def orthonormal(d1, d2):
+    """([n, 3] d1, d2, d3), unit and at right angles, of d1 and d2 that nearly are."""
+    d1 = d1 / np.linalg.norm(d1, axis=1, keepdims=True)
+    d2 = d2 - np.sum(d1 * d2, axis=1, keepdims=True) * d1
+    d2 = d2 / np.linalg.norm(d2, axis=1, keepdims=True)
+    return d1, d2, np.cross(d1, d2)
 
 
 def lagrange(nodes, at):

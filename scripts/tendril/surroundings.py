@@ -7,28 +7,41 @@ import numpy as np
 from .results import Results, Shape
 
 
+def size_of(vectors) -> np.ndarray:
+    """[...], of vectors [..., 2 or 3]."""
+    return np.hypot(*np.moveaxis(vectors, -1, 0)) if vectors.shape[-1] == 2 else np.linalg.norm(vectors, axis=-1)
+
+
 def arc_length(shape: Shape) -> np.ndarray:
     """[n], from the clamp, along the nodes."""
-    return np.concatenate([[0], np.cumsum(np.hypot(*np.diff(shape.x, axis=0).T))])
+    return np.concatenate([[0], np.cumsum(size_of(np.diff(shape.x, axis=0)))])
 
 
 def axial_force(shape: Shape) -> np.ndarray:
     """[n], n.q, negative in compression."""
+    if shape.d1 is not None:
+        return np.sum(shape.force * shape.d1, axis=1)
     return shape.force[:, 0] * np.cos(shape.theta) + shape.force[:, 1] * np.sin(shape.theta)
 
 
 def contact_force(r: Results, shape: Shape) -> np.ndarray:
-    """[n, 2], force of contact on the rod per unit length; 0 where the file knows none."""
+    """[n, 2 or 3], force of contact on the rod per unit length; 0 where the file knows none."""
     return r.shapes["contact"][shape.index] if "contact" in r.shapes else np.zeros_like(shape.x)
 
 
+def weight(r: Results, axes: int) -> np.ndarray:
+    """[axes], the rod's weight per unit length in the laboratory, 0 if it has none."""
+    given = [float(part) for part in str(r.attributes.get("parameters/rod_weight", "") or "0").split(",")]
+    return np.array([*given, 0, 0][:axes])
+
+
 def friction(r: Results, shape: Shape, pieces: int) -> tuple[np.ndarray, np.ndarray]:
-    """([pieces, 2] middles of equal pieces of the rod, [pieces, 2] friction on each per unit length): what
-    holds the internal force in balance, -dn/dp. 0 on a piece that is touched: there it would be the
-    small difference of two large forces."""
+    """([pieces, 2 or 3] middles of equal pieces of the rod, [pieces, 2 or 3] friction on each per unit
+    length): what with its weight w holds the internal force in balance, -dn/dp - w. 0 on a piece that is
+    touched: there it would be the small difference of two large forces."""
     p = arc_length(shape)
     ends = np.linspace(0, p[-1], pieces + 1)
-    held = -np.diff(along(p, shape.force, ends), axis=0) / np.diff(ends)[:, None]
+    held = -np.diff(along(p, shape.force, ends), axis=0) / np.diff(ends)[:, None] - weight(r, shape.x.shape[1])
     touched = np.flatnonzero(np.any(contact_force(r, shape), axis=1))
     near = np.clip(np.searchsorted(ends, p[touched][:, None] + [[-1e-9, 1e-9]]) - 1, 0, pieces - 1)
     held[np.unique(near)] = 0
@@ -36,25 +49,25 @@ def friction(r: Results, shape: Shape, pieces: int) -> tuple[np.ndarray, np.ndar
 
 
 def pressed(r: Results, shape: Shape, pieces: int) -> tuple[np.ndarray, np.ndarray]:
-    """([pieces, 2] places on the rod's surface, [pieces, 2] force of contact on the rod per unit length) in
+    """([pieces, 2 or 3] places on the rod's surface, [pieces, 2 or 3] force of contact on the rod per unit length) in
     equal pieces of the rod, as the mean over each: what is pressed at a point and what is pressed along a
     line are drawn alike. 0 where nothing touches."""
     force, p = contact_force(r, shape), arc_length(shape)
     width = np.gradient(p)
     piece = np.minimum((p / p[-1] * pieces).astype(int), pieces - 1)
-    size = np.hypot(*force.T) * width
+    size = size_of(force) * width
     total = [np.bincount(piece, f * width, pieces) for f in force.T]
     place = [np.bincount(piece, x * size, pieces) for x in shape.x.T]
     share = np.bincount(piece, size, pieces)
     mean = np.column_stack(total) / (p[-1] / pieces)
     at = np.column_stack(place) / np.maximum(share, 1e-300)[:, None]
-    away = mean / np.maximum(np.hypot(*mean.T), 1e-300)[:, None]
+    away = mean / np.maximum(size_of(mean), 1e-300)[:, None]
     there = share > 0
     return np.where(there[:, None], at - r.diameter / 2 * away, shape.x[0]), np.where(there[:, None], mean, 0)
 
 
 def along(p, values, at) -> np.ndarray:
-    """[m, 2], nodal values [n, 2] at some arc lengths."""
+    """[m, d], nodal values [n, d] at some arc lengths."""
     return np.column_stack([np.interp(at, p, column) for column in values.T])
 
 

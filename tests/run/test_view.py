@@ -22,12 +22,14 @@ try:
     import numpy as np
 
     import tendril
+    from tendril.surroundings import friction
 except ImportError as error:
     from_venv(error)
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-QUIET = """--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-sync
+QUIET = """--headless --no-sandbox --disable-quic --no-first-run --disable-sync
     --disable-background-networking --disable-component-update --hide-scrollbars""".split()
+DRAWN = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]  # WebGL without a graphics card
 LARGEST = 5e6  # bytes of the page of a run with 200 shapes
 
 # What is done in the page, as a user would; what it shows then is left in the element #seen.
@@ -103,6 +105,100 @@ const mice = async (u, ...steps) => {
 """
 
 
+# ... in the page of a rod in space; what the canvas shows is read from its pixels.
+SPACE = """
+window.requestAnimationFrame = (draw) => setTimeout(() => draw(performance.now()), 16);
+const seen = {};
+window.onerror = (message) => { seen.error = message; };
+const wait = (time = 60) => new Promise((done) => setTimeout(done, time));
+const canvas = stage.painter.canvas;
+canvas.setPointerCapture = canvas.releasePointerCapture = () => {};  // these pointers are not the browser's own
+function pixels() {
+  const copy = document.createElement("canvas");
+  Object.assign(copy, { width: canvas.width, height: canvas.height });
+  const ctx = copy.getContext("2d", { willReadFrequently: true });
+  ctx.fillStyle = "#fff";
+  ctx.fillRect(0, 0, copy.width, copy.height);
+  ctx.drawImage(canvas, 0, 0);
+  return ctx;
+}
+// Of nodes of the present shape: where the camera has them, and the colour there.
+function nodes() {
+  const shape = bodyAt(data.runs[0], state.t / factor(data.runs[0], "l/V")), f = factor(data.runs[0], "l");
+  const ctx = pixels(), n = data.runs[0].nodes;
+  return [0.3, 0.6, 0.9].map((s) => {
+    const i = Math.round(s * (n - 1)), p = at(shape.x, i).multiplyScalar(f).project(stage.camera);
+    const place = [Math.round((p.x + 1) / 2 * canvas.width), Math.round((1 - p.y) / 2 * canvas.height)];
+    return { place, size: [canvas.width, canvas.height], colour: Array.from(ctx.getImageData(...place, 1, 1).data.slice(0, 3)) };
+  });
+}
+const ink = () => {
+  const all = pixels().getImageData(0, 0, canvas.width, canvas.height).data;
+  let dark = 0;
+  for (let i = 0; i < all.length; i += 4) dark += all[i + 1] < 180;
+  return dark / (all.length / 4);
+};
+const pointer = (what, x, y) => {
+  const box = canvas.getBoundingClientRect();
+  canvas.dispatchEvent(new PointerEvent(what, { pointerId: 1, pointerType: "touch", clientX: box.left + x * box.width,
+    clientY: box.top + y * box.height, pageX: box.left + x * box.width, pageY: box.top + y * box.height,
+    bubbles: true, cancelable: true, button: 0, buttons: 1 }));
+};
+(async () => {
+  try {
+    await wait();
+    for (const id of ["friction", "stripe"]) if (element(id).checked) element(id).click();
+    await wait();
+    seen.ready = document.body.dataset.ready;
+    seen.lines = !element("lines-note").hidden;
+    seen.wide = document.documentElement.scrollWidth - innerWidth;
+    seen.charts = Array.from(document.querySelectorAll(".chart h2"), (h) => h.textContent);
+    seen.grid = element("grid").textContent;
+    seen.first = nodes();
+    seen.ink = [ink()];
+    const before = stage.direction.toArray();
+    for (const [what, x] of [["pointerdown", 0.5], ["pointermove", 0.6], ["pointermove", 0.7], ["pointerup", 0.7]]) pointer(what, x, 0.5);
+    await wait();
+    seen.turned = stage.direction.toArray().map((v, i) => v - before[i]);
+    seen.second = nodes();
+    const far = distance();
+    canvas.dispatchEvent(new WheelEvent("wheel", { deltaY: -400, bubbles: true, cancelable: true }));
+    await wait();
+    seen.nearer = distance() / far;
+    element("side-12").click();
+    await wait();
+    seen.above = stage.direction.toArray();
+    element("first-look").click();
+    seen.fields = Array.from(element("field").options, (o) => o.value);
+    element("field").value = "curvature";
+    element("field").dispatchEvent(new Event("change"));
+    await wait();
+    seen.third = nodes();
+    seen.ticks = Array.from(document.querySelectorAll("#ticks span"), (v) => Number(v.textContent));
+    element("earlier").click();
+    element("stripe").click();
+    await wait();
+    seen.ink.push(ink());
+    element("slider").value = 500;
+    element("slider").dispatchEvent(new Event("input"));
+    await wait();
+    seen.now = element("now").textContent;
+    seen.fourth = nodes();
+    element("slider").value = 0;
+    element("play").click();
+    for (let k = 0; k < 20 && !seen.played; k++) {
+      await wait(200);
+      seen.played = Number(element("slider").value);
+    }
+  } catch (error) { seen.error = String(error) + error.stack; }
+  const pre = document.createElement("pre");
+  pre.id = "seen";
+  pre.textContent = JSON.stringify(seen);
+  document.body.append(pre);
+})();
+"""
+
+
 def content(page):
     """What the page's script is given."""
     text = re.search(r'(?s)<script id="data" type="application/json">(.*?)</script>', page)[1]
@@ -162,12 +258,12 @@ class View(unittest.TestCase):
         self.assertGreaterEqual(len(r.shapes.t), 200)
         self.assertLess(len(self.page(r).encode()), LARGEST)
 
-    def seen(self, page, size):
+    def seen(self, page, size, actions=ACTIONS, graphics=("--disable-gpu",)):
         """What the page shows after all has been tried, at this size of the window."""
         file = self.place / "tried.html"
-        file.write_text(page.replace("</body>", f"<script>{ACTIONS}</script></body>"), encoding="utf-8")
+        file.write_text(page.replace("</body>", f"<script>{actions}</script></body>"), encoding="utf-8")
         with tempfile.TemporaryDirectory(prefix="tendril-") as profile:
-            done = subprocess.run([BROWSER, *QUIET, f"--user-data-dir={profile}", f"--window-size={size}",
+            done = subprocess.run([BROWSER, *QUIET, *graphics, f"--user-data-dir={profile}", f"--window-size={size}",
                                    "--virtual-time-budget=8000", "--dump-dom", file.as_uri()],
                                   capture_output=True, text=True, timeout=120)
         found = re.search(r'(?s)<pre id="seen">(.*?)</pre>', done.stdout)
@@ -213,6 +309,98 @@ class View(unittest.TestCase):
         np.testing.assert_allclose(seen["lab"]["cursors"], 20, rtol=0.01)
         charts = content(self.page(self.runs))["charts"]
         self.assertEqual(seen["lines"][0], len(charts[0]["series"]))
+
+    # ---- a rod in space ----
+
+    @classmethod
+    def wire(cls):
+        """Fed, bent by nature, and turned at its clamp: made once."""
+        if not hasattr(cls, "spun"):
+            cls.spun = tendril.run(growth_type="feed", growth_initial_length=1, rod_curvature=0.6, clamp_spin="60deg",
+                                   friction_radius=0.05, shape_type="straight", rod_cells=60, ts_max_time=8,
+                                   output_interval=0.2)
+        return cls.spun
+
+    def test_space_holds_all(self):
+        """Shapes as in the file, fields to a part in 32767 of the largest; the turns of the material about the
+        centre line are the twist of the series, which the program integrates by itself."""
+        r = self.wire()
+        page = self.page(r)
+        data = content(page)
+        run = data["runs"][0]
+        x = array(run["shapes"]["x"]).reshape(r.shapes.x.shape)
+        np.testing.assert_allclose(x, r.shapes.x, rtol=1e-6, atol=1e-6)
+        for name, true in (("curvature", r.shapes.curvature), ("twist", r.shapes.strain[..., 0]),
+                           ("axial", np.sum(r.shapes.force * r.shapes.d1, axis=-1)),
+                           ("twisting_moment", np.sum(r.shapes.moment * r.shapes.d1, axis=-1))):
+            packed = run["fields"][name]
+            values = np.frombuffer(base64.b64decode(packed["values"]), "<i2").reshape(true.shape) * packed["most"] / 32767
+            np.testing.assert_allclose(values, true, atol=packed["most"] / 32767)
+            self.assertEqual(data["fields"][name]["most"], packed["most"])
+        turns = array(run["shapes"]["turn"]).reshape(true.shape)[:, -1]
+        twist = [r.value("twist", t) for t in r.shapes.t]
+        np.testing.assert_allclose(turns, twist, atol=2e-3)
+        self.assertGreater(np.ptp(twist), 1)
+        self.assertEqual(run["diameter"], 0.1)
+        self.assertEqual(data["up"], 3)
+        drawn = [name for chart in data["charts"] for name in chart["series"]]
+        self.assertEqual(sorted(drawn), sorted(set(r.series) - {"t"}))
+        self.assertIn("three.js authors", page)
+        self.assertNotRegex(page, r'(src|href)="')
+
+    def test_space_size(self):
+        """Whatever is stored, the page is below 4 MB, of one run and of six."""
+        r = tendril.run(growth_type="feed", growth_initial_length=1, rod_curvature=0.6, clamp_spin="60deg",
+                        friction_radius=0.05, shape_type="straight", ts_max_time=3, output_interval=0.005)
+        self.assertGreater(len(r.shapes.t), 500)
+        for runs in ([r], [r] * 6):
+            self.assertLess(len(self.page(runs).encode()), 4e6)
+
+    def test_space_weight(self):
+        """Up is against the weight, which is no friction: a rod that hangs at rest has none."""
+        r = tendril.run(growth_initial_length=0.5, rod_weight="0,-0.3,0", shape_type="straight", rod_model="space",
+                        friction_mu=0, rod_cells=40, ts_max_time=0.2, output_shapes=2)
+        self.assertEqual(content(self.page(r))["up"], 2)
+        shape = r.at(0)
+        _, held = friction(r, shape, 10)
+        n = -np.diff(np.column_stack([np.interp(np.linspace(0, 1, 11), shape.s, f) for f in shape.force.T]), axis=0)
+        np.testing.assert_allclose(held, n / (shape.length / 10) - [0, -0.3, 0], atol=2e-3)
+
+    def check_pictures(self, seen, lines):
+        """The rod is where its camera has it, in the colours of its field; it turns with the finger and
+        comes nearer with the wheel."""
+        self.assertNotIn("error", seen)
+        self.assertEqual((seen["ready"], seen["wide"], seen["lines"]), ("yes", 0, lines))
+        r = self.wire()
+        for name in ("first", "second", "third", "fourth"):
+            for node in seen[name]:
+                self.assertTrue(all(0 <= p < s for p, s in zip(node["place"], node["size"])), (name, node))
+                self.assertLess(min(node["colour"]), 225, (name, node))  # the paper is white
+        self.assertNotEqual([n["place"] for n in seen["first"]], [n["place"] for n in seen["second"]])
+        self.assertGreater(np.abs(seen["turned"]).max(), 0.2)
+        self.assertLess(seen["nearer"], 0.95)
+        np.testing.assert_allclose(seen["above"], [0, 0, 1], atol=1e-3)
+        self.assertTrue({"axial", "curvature", "twist", "twisting_moment"} <= set(seen["fields"]))
+        self.assertAlmostEqual(max(seen["ticks"]), r.shapes.curvature.max(), 2)
+        for node in seen["third"]:  # curvature: from grey over orange to dark red
+            self.assertGreater(node["colour"][0], node["colour"][2] + 30)
+        self.assertGreater(seen["ink"][0], 0.005)
+        self.assertGreater(seen["ink"][1], 1.05 * seen["ink"][0])  # earlier shapes are there, too
+        self.assertEqual(seen["now"].strip(), "t = 4")
+        self.assertTrue({"turns", "moment at the clamp"} <= set(seen["charts"]))
+        self.assertGreater(seen["played"], 0)
+
+    @unittest.skipUnless(BROWSER, "no Chromium here")
+    def test_space_on_a_screen(self):
+        seen = self.seen(self.page(self.wire()), "1400,900", SPACE, DRAWN)
+        if seen.get("lines"):
+            self.skipTest("this Chromium has no WebGL")
+        self.check_pictures(seen, False)
+
+    @unittest.skipUnless(BROWSER, "no Chromium here")
+    def test_space_on_a_phone_without_webgl(self):
+        """Lines, by the same camera."""
+        self.check_pictures(self.seen(self.page(self.wire()), "500,850", SPACE, ["--disable-3d-apis"]), True)
 
 
 if __name__ == "__main__":

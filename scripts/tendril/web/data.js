@@ -1,0 +1,70 @@
+"use strict";
+// The page of scripts/view.sh. `data` is what page.py wrote: runs, with arrays as base64 of 32-bit
+// numbers, all dimensionless; charts, which series are drawn together; units of the laboratory.
+const data = JSON.parse(document.getElementById("data").textContent);
+const element = (id) => document.getElementById(id);
+// t in the units that are shown; dragged: the chart in which the mouse is held down
+const state = { t: 0, lab: false, playing: false, dragged: null };
+const PLAY_SECONDS = 12, DASHES = [[], [6, 3], [2, 2], [8, 3, 2, 3]];
+const ARROW_SHARE = 1 / 12;  // of the picture's width: the strongest friction, or contact
+
+function floats(text) {
+  const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+  return new Float32Array(bytes.buffer);
+}
+
+function unpack(run) {
+  run.shown = true;
+  for (const table of [run.series, run.shapes])
+    for (const name of Object.keys(table)) table[name] = floats(table[name]);
+  run.end = run.series.t[run.series.t.length - 1];
+}
+
+const several = data.runs.length > 1;
+// of a unit of the file, "l" or "N l": what its numbers are multiplied by, and the name to be shown
+const factor = (run, unit) => (state.lab && run.factors[unit]) || 1;
+const named = (unit) => (state.lab && data.units[unit]) || (unit === "rad" ? unit : "");
+const withUnit = (text, unit) => (named(unit) ? `${text} (${named(unit)})` : text);
+const lastTime = () => Math.max(...data.runs.map((run) => run.end * factor(run, "l/V")));
+
+function number(v) {
+  if (v === null || v === undefined || Number.isNaN(v)) return "–";
+  const size = Math.abs(v);
+  return size === 0 ? "0" : size >= 1e-3 && size < 1e5 ? String(+v.toPrecision(4)) : v.toExponential(2);
+}
+
+function tick(v) {
+  const size = Math.abs(v);
+  return v === null ? "" : size === 0 || (size >= 1e-3 && size < 1e5) ? String(+v.toPrecision(6))
+    : v.toExponential().replace("e+", "e");
+}
+
+// The last index whose value is not above t, and how far t is on the way to the next.
+function locate(values, t) {
+  let low = 0, high = values.length - 1;
+  if (t >= values[high]) return [high, 0];
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (values[middle] <= t) low = middle; else high = middle;
+  }
+  return [low, Math.max(0, (t - values[low]) / (values[high] - values[low]))];
+}
+
+// Which stored shapes are shown at a time: [the one before, the share of the next]. Where a straight motion
+// between the two is not what the run did (run.shapes.fair), the nearest alone.
+function stored(run, t) {
+  const [k, w] = locate(run.shapes.t, t);
+  if (w === 0 || run.shapes.fair[k]) return [k, w];
+  return w < 0.5 ? [k, 0] : [k + 1, 0];
+}
+
+// The rod at a time; of each array of `shapes` the row.
+function shapeAt(run, t) {
+  const [k, w] = stored(run, t), shape = {};
+  for (const [name, width] of Object.entries(run.widths)) {
+    const all = run.shapes[name], a = k * width, b = (w ? k + 1 : k) * width;
+    shape[name] = Float32Array.from({ length: width }, (_, i) => all[a + i] * (1 - w) + all[b + i] * w);
+  }
+  return shape;
+}
+
