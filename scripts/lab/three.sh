@@ -3,8 +3,11 @@
 # global THREE. Needs npm.
 #   scripts/lab/three.sh [VERSION OF three]
 set -euo pipefail
+# shellcheck source-path=SCRIPTDIR
+source "$(dirname "${BASH_SOURCE[0]}")/../common.sh"
+
 version=${1:-0.187.0}
-here=$(cd "$(dirname "${BASH_SOURCE[0]}")/../tendril/web/three" && pwd)
+here=$root/scripts/tendril/web/three
 place=$(mktemp -d)
 trap 'rm -rf "$place"' EXIT
 cd "$place"

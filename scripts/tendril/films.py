@@ -2,6 +2,7 @@
 for the friction that acts on it, and for what presses on it.
 
     scripts/animate.sh results/uniform-dry.h5 [--output film.gif] [--from T --to T] [--frames N] [--si]
+    scripts/animate.sh helix.h5 --turn 90 --field twist       # of a rod in space: the view turns, any field
 
 The ending of --output decides: .gif, or .mp4 where ffmpeg is installed."""
 
@@ -18,7 +19,9 @@ from matplotlib.animation import FFMpegWriter, PillowWriter
 from matplotlib.colors import AsinhNorm
 
 from .errors import ResultsError, TendrilError
-from .results import Results, load, refuse_space, runs_of
+from .film_space import FilmInSpace
+from .results import Results, load, runs_of
+from .spatial import FIELDS
 from .style import STYLE
 from .progress import bar
 from .surroundings import axial_force, friction
@@ -116,25 +119,31 @@ def writer_of(output, rate):
 
 
 def animate(r: Results, output: str | Path, *, begin: float | str = 0, end: float | str = "inf",
-            si: bool = False, frames: int = 160, rate: int = 20, progress: bool | None = None) -> int:
+            si: bool = False, frames: int = 160, rate: int = 20, field: str | None = None,
+            view: tuple[float, float] | str | None = None, turn: float = 0, progress: bool | None = None) -> int:
     """Writes a film of a run, .gif or .mp4; the number of its frames.
 
     begin, end  of the film, dimensionless or with a unit, "20s"
     si          in units of the laboratory that suit the run
     frames      at most so many, the first and the last shape among them
     rate        frames a second
+    field       of a rod in space what the colours show: axial, curvature, twist and others; None: axial
+    view, turn  of a rod in space: from where it is seen, as in plot(); by how many degrees the view turns on
+                the way
     progress    a bar; None: in a terminal and in a notebook"""
     output = Path(output)
     writer = writer_of(output, rate)
     (r,) = runs_of(r, "animate")
-    refuse_space([r])
+    if not r.in_space and (field or view or turn):
+        raise ResultsError(f"{r.path}: a rod in the plane: field, view and turn are of rods in space")
     first, last = moment("begin", begin, [r]), moment("end", end, [r])
     times = [t for t in r.shapes.get("t", ()) if first * (1 - 1e-9) <= t <= last * (1 + 1e-9)]
     if not times:
         raise ResultsError(f"{r.path}: holds no shape in that time")
     chosen = np.unique(np.linspace(0, len(times) - 1, min(len(times), max(frames, 2))).round().astype(int))
     with plt.rc_context(STYLE), bar(progress, len(chosen)) as shown:
-        film = Film(r, [r.at(times[k]) for k in chosen], Units([r] if si else ()))
+        shapes, units = [r.at(times[k]) for k in chosen], Units([r] if si else ())
+        film = FilmInSpace(r, shapes, units, field or "axial", view, turn) if r.in_space else Film(r, shapes, units)
         film.show(0)
         film.figure.draw_without_rendering()
         film.figure.set_layout_engine("none")  # laid out once, not for every frame
@@ -158,12 +167,18 @@ def main(arguments=None):
                         help="in centimetres, newtons, seconds and the like: for runs with -si_ options")
     parser.add_argument("--frames", type=int, default=160, help="at most; default %(default)s")
     parser.add_argument("--rate", type=int, default=20, help="frames a second; default %(default)s")
+    parser.add_argument("--field", help="of a rod in space, what the colours show: " + ", ".join(FIELDS))
+    parser.add_argument("--view", metavar="TURN,RISE", help="of a rod in space, degrees about the axis that points up, "
+                        "from the front, and above the horizon")
+    parser.add_argument("--turn", type=float, default=0, metavar="DEGREES",
+                        help="by which the view of a rod in space turns on the way; default: not at all")
     choice = parser.parse_args(arguments)
     matplotlib.use("Agg")
     output = Path(choice.output or Path(choice.file).with_suffix(".gif"))
     try:
         frames = animate(load(choice.file), output, begin=choice.begin, end=choice.end, si=choice.si,
-                         frames=choice.frames, rate=choice.rate)
+                         frames=choice.frames, rate=choice.rate, field=choice.field, view=choice.view,
+                         turn=choice.turn)
     except (TendrilError, OSError) as error:
         print(f"animate: {error}", file=sys.stderr)
         return 1

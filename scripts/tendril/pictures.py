@@ -27,6 +27,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.backends.backend_agg import RendererAgg
+from matplotlib.colors import to_rgb
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from matplotlib.text import Annotation
@@ -34,8 +35,11 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from . import plot_stability
 from .errors import ResultsError, TendrilError
+from .perspective import VIEW, Rods, Strand, box_of, furnish, sight
 from .results import Results, load, runs_of
+from .spatial import diameter_of, lift, up_of
 from .style import BLUE, COLOURS, GREEN, GREY, ORANGE, RED, STYLE, InStyle, save
+from .surroundings import arc_length
 from .units import Units, moment
 from .walls import draw_contact, draw_rod, draw_walls, strongest_contact
 
@@ -56,6 +60,7 @@ class View:
     overlay: bool = False
     titles: list[str] = field(default_factory=list)
     beside: dict = field(default_factory=dict)  # path -> run drawn dashed beside it
+    view: tuple = VIEW  # from where rods in space are seen
 
     def colour(self, r, otherwise):
         """In an overlay a run has its colour in all panels."""
@@ -147,7 +152,13 @@ def panel_norm(ax, r, view):
     for run, line, colour in ((r, "-", BLUE), (view.beside.get(r.path), "--", GREY)):
         if run is not None and (run.series.norm_x2 > 0).any():
             norm = view.units.of("length", np.ma.masked_less_equal(run.series.norm_x2, 0))
-            ax.plot(view.units.of("time", run.series.t), norm, line, color=view.colour(r, colour))
+            ax.plot(view.units.of("time", run.series.t), norm, line, color=view.colour(r, colour),
+                    label=r"$\|x_2\|$" if r.in_space else None)
+    if r.in_space and (r.series.norm_x3 > 0).any():
+        norm = view.units.of("length", np.ma.masked_less_equal(r.series.norm_x3, 0))
+        ax.plot(view.units.of("time", r.series.t), norm, view.style(r, 1, "--"), color=view.colour(r, ORANGE),
+                label=r"$\|x_3\|$")
+        ax.set_ylabel(view.units.label(r"$\|x_i\| = (\int_0^1 x_i^2\, ds)^{1/2}$", "length"))
     if (r.series.norm_x2 > 0).any():
         mark_minimum(ax, r, view)
         ax.margins(y=0.25)  # room for what is written below the minimum
@@ -214,10 +225,70 @@ def panel_shapes(ax, r, view):
 def panel_side(ax, r, view):
     """A rod in space, seen along x2."""
     unit = view.units.of("length", 1.0)
-    if not r.in_space:
-        raise ResultsError(f"plot: side: {r.name} is a rod in the plane")
+    in_space("side", r)
     draw_shapes(ax, r, view, lambda shape, **look: draw_rod(ax, r, shape.x[:, ::2], unit, **look))
     axes_of_place(ax, view, "$x_3$")
+
+
+def panel_front(ax, r, view):
+    """A rod in space, seen along x1."""
+    unit = view.units.of("length", 1.0)
+    in_space("front", r)
+    draw_shapes(ax, r, view, lambda shape, **look: draw_rod(ax, r, shape.x[:, 1:], unit, **look))
+    ax.set_xlabel(view.units.label("$x_2$", "length"))
+    ax.set_ylabel(view.units.label("$x_3$", "length"))
+
+
+def in_space(panel, r):
+    if not r.in_space:
+        raise ResultsError(f"plot: {panel}: {r.name} is a rod in the plane")
+
+
+def panel_space(ax, r, view):
+    """The rod in perspective, with axes of true lengths; in a run of the plane x3 is 0."""
+    if ax.name != "3d":
+        raise ResultsError('plot: the panel space needs axes with projection="3d"')
+    unit, times = view.units.of("length", 1.0), view.times_of(r)
+    shades = plt.get_cmap("viridis")(np.linspace(0, 0.88, len(view.times or times)))
+    strands = []
+    for number, (t, shade) in enumerate(zip(times, shades)):
+        shape = shape_of(r, t)
+        colour = view.colour(r, tuple(shade))
+        if view.overlay:  # a run has its colour, paler at earlier times
+            colour = tuple(1 - (0.4 + 0.6 * (number + 1) / len(times)) * (1 - c) for c in to_rgb(colour))
+        else:
+            ax.plot([], [], [], color=colour, label=f"${view.units.of('time', shape.t):.4g}$")  # for the legend
+        strands.append(Strand(unit * lift(r, shape).x, colour, unit * diameter_of(r)))
+    drawn = [c for c in ax.collections if isinstance(c, Rods)]  # of the runs before, in an overlay
+    rods = drawn[0] if drawn else ax.add_collection(Rods(zorder=3), autolim=False)
+    rods.set_strands(rods.strands + strands)
+    ax.plot([0], [0], [0], "ks", ms=3, zorder=4)
+    low, high = box_of(np.concatenate([np.zeros((1, 3)), *(s.x for s in rods.strands)]))
+    furnish(ax, low, high, up_of(r), view.view, lambda name: view.units.label(name, "length"))
+
+
+def along_rod(field, label, unit):
+    """A panel of a scalar along the rod, at the times asked for."""
+    def panel(ax, r, view):
+        times = view.times_of(r)
+        factor, name_of_unit = view.units.unit(unit)
+        shades = plt.get_cmap("viridis")(np.linspace(0, 0.88, len(view.times or times)))
+        for number, (t, shade) in enumerate(zip(times, shades)):
+            shape = shape_of(r, t)
+            ax.plot(view.units.of("length", arc_length(shape)), factor * field(r, shape),
+                    linestyle=view.style(r, number, "-"), color=view.colour(r, shade),
+                    label=f"${view.units.of('time', shape.t):.4g}$")
+        ax.set_xlabel(view.units.label("distance from the clamp, along the rod", "length"))
+        ax.set_ylabel(f"{label} ({name_of_unit})" if name_of_unit else label)
+
+    return panel
+
+
+def panel_energy(ax, r, view):
+    """Of a rod in space with the part of twist."""
+    whole = ("energy", "all" if r.in_space else "bending", BLUE, "-")
+    parts = [("energy_twist", "of twist", ORANGE, "--")] if r.in_space else []
+    curves("N l^2", "elastic energy" if r.in_space else "bending energy", whole, *parts)(ax, r, view)
 
 
 def panel_touch(ax, r, view):
@@ -244,10 +315,12 @@ def panel_normalised(ax, r, view):
 PANELS = {
     "shapes": panel_shapes,
     "side": panel_side,
+    "front": panel_front,
+    "space": panel_space,
     "norm": panel_norm,
     "force": curves("N l", "force at the clamp", ("base_force_1", r"$-n_1(0)$", BLUE, "-"),
                     ("base_force_2", r"$-n_2(0)$", ORANGE, "-")),
-    "energy": curves("N l^2", "bending energy", ("energy", "bending", BLUE, "-")),
+    "energy": panel_energy,
     "power": panel_power,
     "distance": curves("l", "distance from the clamp", ("length", "$L$", GREY, "--"),
                        ("end_distance", r"$|x(1)|$", BLUE, "-"),
@@ -258,13 +331,17 @@ PANELS = {
                     ("mid_speed", r"$|v(1/2)|$", ORANGE, "-")),
     "defect": panel_defect,
     "touch": panel_touch,
+    "curvature": along_rod(lambda r, shape: shape.curvature, r"curvature $\kappa$", "1/l"),
+    "twisting": along_rod(lambda r, shape: lift(r, shape).strain[:, 0], "twist $u_1$", "1/l"),
     "contact": curves("N l", "force", ("contact_force", "in contact", BLUE, "-"),
                       ("feed_force", "feeding", ORANGE, "-")),
 }
 FIRST = ("shapes", "norm", "force", "energy")  # what is drawn if nothing is asked for
-OF_SPACE = ("shapes", "side", "norm", "energy")  # ... of rods in space
+OF_SPACE = ("space", "norm", "curvature", "twisting")  # ... of rods in space
 OF_CONTACT = ("touch", "contact")  # of all of them drawn only if there is contact
-SHAPES = ("shapes", "side", "normalised", "touch")  # drawn with equal aspect, with times for a legend
+ONLY_IN_SPACE = ("side", "front", "space", "twisting")  # ... only of rods in space
+SHAPES = ("shapes", "side", "front", "normalised", "touch")  # drawn with equal aspect
+TIMED = (*SHAPES, "space", "curvature", "twisting")  # with times for a legend
 __doc__ = __doc__.format(panels=", ".join(PANELS))
 
 
@@ -382,7 +459,7 @@ def legend_entries(ax, view, name):
                  for label, handle in first.items()}
         if len(first) == 1:
             return [], []
-    if name in SHAPES and first:
+    if name in TIMED and first:
         unit = view.units.scales["time"][1]
         first = {f"$t$ in {unit}:" if unit else "$t =$": Line2D([], [], lw=0)} | first
     return list(first.values()), list(first)
@@ -392,7 +469,7 @@ def legend(ax, view, name):
     """Above the axes, where it covers no curve."""
     handles, labels = legend_entries(ax, view, name)
     if len(handles) > 1:
-        short = name in SHAPES  # many entries, in an overlay of lines with a style
+        short = name in TIMED  # many entries, in an overlay of lines with a style
         ax.legend(handles, labels, loc="lower left", bbox_to_anchor=(0.1, 0.99), ncol=len(handles),
                   handlelength=2.0 if view.overlay else 1.1 if short else 1.6,
                   columnspacing=(0.5 if view.overlay else 0.8) if short else 1.2,
@@ -411,8 +488,11 @@ def mend_legends(figure):
 
 def limit_row(view, row, cells):
     """Sets the limits of a row of panels; of each its height over its width."""
-    for ax in row:
-        ax.margins(x=0.02)
+    if cells[0][0] == "space" and len(view.results) > 1 and not view.overlay:
+        return [CUBE for ax in row]
+    for ax, (name, _) in zip(row, cells):
+        if name != "space":
+            ax.margins(x=0.02)
     if len(view.results) > 1 and not view.overlay:
         share_limits(row)
         for ax in row[1:]:
@@ -422,10 +502,11 @@ def limit_row(view, row, cells):
     aspect = float(np.clip(max(map(aspect_of, equal), default=0), 0.36, 1.3))
     for ax in equal:
         set_aspect(ax, aspect)
-    return [aspect if ax in equal else FLAT for ax in row]
+    flat = CUBE - 0.06 if any(name == "space" for name, _ in cells) else FLAT
+    return [CUBE if name == "space" else aspect if ax in equal else flat for ax, (name, _) in zip(row, cells)]
 
 
-FLAT = 0.66  # height over width of a panel of curves
+FLAT, CUBE = 0.66, 0.86  # height over width of a panel of curves, of one in perspective
 WIDTHS = {1: 3.4, 2: 2.7, 3: 2.1}  # of a panel, by the number of columns, in inches
 BELOW, ABOVE, LEFT, RIGHT = 0.44, 0.26, 0.66, 0.1  # room for labels around a panel, in inches
 
@@ -482,13 +563,24 @@ def draw_into(ax, name, view):
         ax.legend()
 
 
+def axes_of(figure, cells, columns):
+    """[rows, columns], those of the panel space with three dimensions."""
+    axes = np.empty((len(cells), columns), object)
+    for i, row in enumerate(cells):
+        for j in range(columns):
+            solid = j < len(row) and row[j][0] == "space"
+            axes[i, j] = figure.add_subplot(len(cells), columns, i * columns + j + 1,
+                                            projection="3d" if solid else None)
+    return axes
+
+
 def draw(names, view):
     """The figure of the named panels."""
     panels = {name: panel_of(name, view.results) for name in names}
     cells = grid(view, names)
     columns = len(cells[0])
     figure = plt.figure(FigureClass=InStyle)
-    axes = figure.subplots(len(cells), columns, squeeze=False)
+    axes = axes_of(figure, cells, columns)
     aspects, letters = [], iter(ascii_lowercase)
     shared = len(view.results) > 1 and not view.overlay
     for row, row_cells in zip(axes, cells):
@@ -501,7 +593,7 @@ def draw(names, view):
                 panels[name](ax, r, view)
         aspects.append(limit_row(view, row, row_cells))
         for k, (ax, (name, _)) in enumerate(zip(row, row_cells)):
-            times = [view.times_of(r[0]) for _, r in row_cells] if name in SHAPES else [None]
+            times = [view.times_of(r[0]) for _, r in row_cells] if name in TIMED else [None]
             if not shared or k == 0 or any(t != times[0] for t in times):
                 legend(ax, view, name)
             if not shared or k == 0:
@@ -549,7 +641,8 @@ def panels_of(asked, runs):
     if asked == "all" or list(asked or ()) == ["all"]:
         touch = any("contact" in r.shapes for r in runs)
         return [name for name in PANELS
-                if (touch or name not in OF_CONTACT) and (name != "side" or all(r.in_space for r in runs))]
+                if (touch or name not in OF_CONTACT)
+                and (name not in ONLY_IN_SPACE or all(r.in_space for r in runs))]
     first = OF_SPACE if all(r.in_space for r in runs) else FIRST
     return [name.strip() for name in asked.split(",")] if isinstance(asked, str) else list(asked or first)
 
@@ -557,18 +650,22 @@ def panels_of(asked, runs):
 def plot(results: Results | Sequence[Results], panels: Sequence[str] | str | None = None, *,
          times: Sequence[float | str] | None = None, si: bool = False, overlay: bool = False,
          titles: Sequence[str] | None = None, beside: Sequence[Results] = (),
+         view: tuple[float, float] | str | None = None,
          ax: Axes | None = None) -> Figure:
     """Draws one run or several, one column each; the figure, which savefig saves. What critical() has
     found, and the result of -task stability, are drawn as that.
 
     results  Results, names of files, a sweep, or several of them
     panels   names of PANELS or of series, "width", or several in one panel, "width+end_distance"; "all";
-             None: shapes, deflection, force and energy
+             None: shapes, deflection, force and energy; of rods in space the rod in perspective, deflection,
+             curvature and twist along it
     times    of the shapes drawn, dimensionless or with a unit, "20s"; None: quarters of each run
     si       in units of the laboratory that suit the runs
     overlay  all runs in every panel, instead of a column each
     titles   of the runs; None: the names of their files
     beside   runs drawn dashed beside these in the panel norm, one for each
+    view     from where the panel space is seen, two angles in degrees: about the axis that points up, from the
+             front, and above the horizon
     ax       axes of matplotlib for one panel, in place of a figure of its own"""
     runs = runs_of(results, "plot")
     if not any(r.series for r in runs):
@@ -576,18 +673,18 @@ def plot(results: Results | Sequence[Results], panels: Sequence[str] | str | Non
     names = panels_of(panels, runs)
     if titles and len(titles) != len(runs):
         raise ResultsError(f"plot: {len(titles)} titles for {len(runs)} runs")
-    view = View(runs, Units(runs if si else ()), overlay=(overlay or ax is not None) and len(runs) > 1,
-                titles=list(titles or [r.name for r in runs]),
-                beside={r.path: other for r, other in zip(runs, beside)})
+    drawn = View(runs, Units(runs if si else ()), overlay=(overlay or ax is not None) and len(runs) > 1,
+                 titles=list(titles or [r.name for r in runs]),
+                 beside={r.path: other for r, other in zip(runs, beside)}, view=sight(view))
     if times is not None:
-        view.times = [moment("times", t, runs) for t in times]
-    check_times(view)
+        drawn.times = [moment("times", t, runs) for t in times]
+    check_times(drawn)
     with plt.rc_context(STYLE):
         if ax is None:
-            return draw(names, view)
+            return draw(names, drawn)
         if len(names) != 1:
             raise ResultsError(f"plot: ax holds one panel; give its name, {', '.join(FIRST)} or another")
-        draw_into(ax, names[0], view)
+        draw_into(ax, names[0], drawn)
         return ax.figure
 
 
@@ -618,7 +715,7 @@ def options(arguments):
                         help="writes BASENAME.png and .pdf, or the one that it ends with (also .svg); default: "
                         "the first file's name")
     parser.add_argument("--panels", metavar="A,B+C,...",
-                        help=f"comma list, in this order; default: {','.join(FIRST)}")
+                        help=f"comma list, in this order; default: {','.join(FIRST)}, in space {','.join(OF_SPACE)}")
     parser.add_argument("--times", metavar="T1,T2,...",
                         help="of the shapes drawn; of a run with -si_ options also 20s or 2min; "
                         "default: quarters of each run")
@@ -629,6 +726,8 @@ def options(arguments):
     parser.add_argument("--beside", metavar="FILE,...", default="",
                         help="runs drawn dashed beside these in the panel norm, one for each")
     parser.add_argument("--titles", metavar="A,B,...", help="of the files; default: their names")
+    parser.add_argument("--view", metavar="TURN,RISE", help="of the panel space: degrees about the axis that points "
+                        f"up, from the front, and above the horizon; default: {VIEW[0]:g},{VIEW[1]:g}")
     return parser.parse_args(arguments)
 
 
@@ -643,7 +742,7 @@ def main(arguments=None):
         times = choice.times.split(",") if choice.times else None
         figure = plot(results, choice.panels, times=times, si=choice.si, overlay=choice.overlay,
                       titles=choice.titles.split(",") if choice.titles else None,
-                      beside=[read(path) for path in choice.beside.split(",") if path])
+                      beside=[read(path) for path in choice.beside.split(",") if path], view=choice.view)
         tell_missing(results, [moment("times", t, results) for t in times or ()],
                      Units(results if choice.si else ()))
         save(figure, output, None)

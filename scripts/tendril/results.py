@@ -255,6 +255,25 @@ class Results:
         return xarray.Dataset(data, coords, {"options": options, "finished": int(self.finished),
                                              "version": self.attributes.get("version", "")})
 
+    def to_vtk(self, path=None, t=None, si=False):
+        """The centre line at a time, the last if none is given, as PolyData for PyVista, with all that is known
+        along it; with a path written there, too, .vtp. Needs vtk: tendril[space]."""
+        from .exports import to_vtk
+
+        return to_vtk(self, path, t, si)
+
+    def to_mesh(self, path=None, t=None, **more):
+        """The rod at a time as the tube that it is, a trimesh.Trimesh; with a path written there, too, .glb, .gltf,
+        .obj, .ply or .stl. Needs trimesh: tendril[space].
+
+        field     what its colours show: axial, curvature, twist, ...
+        diameter  None: the rod's, or a visible one if it has none
+        sides     of the tube
+        si        in metres"""
+        from .exports import to_mesh
+
+        return to_mesh(self, path, t, **more)
+
     def frame(self, si=False) -> pandas.DataFrame:
         """The series as a pandas DataFrame, a row a step, t and length first; with si the names carry
         units: "t (s)"."""
@@ -267,14 +286,6 @@ class Results:
     def to_csv(self, path, si=False) -> None:
         """Writes the series as a table, a row a step."""
         self.frame(si).to_csv(path, index=False)
-
-
-def refuse_space(runs):
-    """Of what shows rods in the plane only."""
-    for r in runs:
-        if r.in_space:
-            raise ResultsError(f"{r.path}: a rod in space, which only plot and ParaView show yet: an .xmf stands "
-                               "beside each result")
 
 
 def runs_of(given, who) -> list[Results]:

@@ -402,10 +402,16 @@ def paraview():
         print("vtk is not installed: left out")
         return
     d = scene.SCRATCH
-    tendril(f"{DRY} -ts_max_time 3 -output_interval 0.5 -output {d}/rod.h5")
-    r = read(f"{d}/rod.h5")
-    reader = vtkXdmfReader()
-    reader.SetFileName(f"{d}/rod.xmf")
+    for name, rod in (("rod", DRY), ("space", "-growth_initial_length 1 -shape_type straight -rod_curvature 0.4 "
+                                     "-rod_curvature_2 0.1 -rod_twist 0.5")):
+        tendril(f"{rod} -ts_max_time 3 -output_interval 0.5 -output {d}/{name}.h5")
+        played(vtkXdmfReader(), vtk_to_numpy, f"{d}/{name}", read(f"{d}/{name}.h5"))
+
+
+def played(reader, vtk_to_numpy, name, r):
+    """Each shape as the reader has it, of a rod in space with its vectors."""
+    space = r["shapes/x"].shape[2] == 3
+    reader.SetFileName(f"{name}.xmf")
     reader.UpdateInformation()
     times = np.array(reader.GetOutputInformation(0).Get(reader.GetExecutive().TIME_STEPS()))
     expect(np.allclose(times, r["shapes/t"]), f"times {times}")
@@ -415,9 +421,10 @@ def paraview():
         while grid.IsA("vtkMultiBlockDataSet"):
             grid = grid.GetBlock(0)
         x = vtk_to_numpy(grid.GetPoints().GetData())
-        expect(np.allclose(x[:, :2], r["shapes/x"][k], atol=1e-6), f"x at t = {t}")
-        arrays = {"theta": r["shapes/theta"][k], "curvature": r["shapes/curvature"][k],
-                  "force_1": r["shapes/force"][k, :, 0], "force_2": r["shapes/force"][k, :, 1]}
+        expect(np.allclose(x[:, :3 if space else 2], r["shapes/x"][k], atol=1e-6), f"x at t = {t}")
+        arrays = {"theta": r["shapes/theta"][k], "curvature": r["shapes/curvature"][k]}
+        arrays |= ({v: r[f"shapes/{v}"][k] for v in ("force", "moment", "strain", "d1", "d2", "d3")} if space else
+                   {"force_1": r["shapes/force"][k, :, 0], "force_2": r["shapes/force"][k, :, 1]})
         for name, values in arrays.items():
             a = vtk_to_numpy(grid.GetPointData().GetArray(name))
             expect(np.allclose(a, values, atol=1e-6), f"{name} at t = {t}")

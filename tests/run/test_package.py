@@ -126,16 +126,160 @@ class Package(unittest.TestCase):
         self.assertEqual((table.width.attrs["units"], table.t.attrs["units"]), ("m", "l/V"))
         self.assertNotIn("tip_speed", table)
 
+    @classmethod
+    def spun(cls):
+        """A rod in space, fed and turned at its clamp; run once."""
+        if not hasattr(cls, "wire"):
+            cls.wire = tendril.run(growth_type="feed", growth_initial_length=1, rod_curvature=0.6, clamp_spin="60deg",
+                                   friction_radius=0.05, shape_type="straight", rod_cells=60, ts_max_time=6,
+                                   output_interval=0.25)
+        return cls.wire
+
     def test_space(self):
-        """A rod in space has three coordinates, and is drawn from two sides; what cannot show it says so."""
+        """A rod in space has three coordinates and directors, vectors have an axis, strains a component; a
+        shape between stored ones keeps its directors at right angles."""
         r = tendril.run(**SHORT, rod_weight="0,-0.1,-0.2")
         self.assertEqual(r.at(1).x.shape, (41, 3))
         self.assertAlmostEqual(r.at(1).x[-1, 2], r.series.tip_x3[-1], 12)
-        labels = [ax.get_ylabel() for ax in tendril.plot(r).axes]
-        self.assertEqual(labels[:2], ["$x_2$", "$x_3$"])
-        for show in (tendril.view, lambda r: tendril.animate(r, "film.gif")):
-            with self.assertRaisesRegex(tendril.TendrilError, "a rod in space"):
-                show(r)
+        r = self.spun()
+        shape = r.at(5.9)
+        self.assertFalse(shape.stored)
+        frame = np.stack([shape.d1, shape.d2, shape.d3], 1)
+        np.testing.assert_allclose(frame @ frame.transpose(0, 2, 1), np.broadcast_to(np.eye(3), frame.shape), atol=1e-12)
+        np.testing.assert_allclose(shape.d1[1:-1], np.gradient(shape.x, shape.s, axis=0)[1:-1] / shape.length, atol=0.01)
+        table = r.dataset()
+        self.assertEqual(table.x.dims, ("shape_t", "s", "axis"))
+        self.assertEqual(table.strain.dims, ("shape_t", "s", "component"))
+        np.testing.assert_array_equal(table.strain.sel(component="u1"), r.shapes.strain[..., 0])
+        np.testing.assert_array_equal(table.d2.sel(axis="x3"), r.shapes.d2[..., 2])
+        self.assertNotIn("component", tendril.run(**SHORT).dataset().dims)
+
+    def test_space_plots(self):
+        """In perspective with true lengths, from where one looks; three views, curvature and twist along the
+        rod; what is of space only is refused to a rod in the plane."""
+        r = self.spun()
+        figure = tendril.plot(r)
+        self.assertEqual([ax.name for ax in figure.axes], ["3d"] + 3 * ["rectilinear"])
+        twist = figure.axes[3].lines[-1]
+        np.testing.assert_allclose(twist.get_ydata(), r.shapes.strain[-1, :, 0])
+        self.assertAlmostEqual(twist.get_xdata()[-1], r.series.length[-1], 2)
+        for ax, axes in zip(tendril.plot(r, "shapes,side,front").axes, ((0, 1), (0, 2), (1, 2))):
+            np.testing.assert_allclose(np.transpose(ax.lines[3].get_data()), r.shapes.x[-1][:, axes])
+        for view, same in (((0, 0), "x1,x3"), ((90, 0), "x2,x3"), ((0, 89.9), "x1,x2")):
+            figure = tendril.plot(r, "space", view=view)
+            FigureCanvasAgg(figure).draw()
+            rods = next(c for c in figure.axes[0].collections if hasattr(c, "strands"))
+            middle = np.mean(np.reshape(figure.axes[0].get_w_lims(), (3, 2)), axis=1)
+            flat = [figure.axes[0].transData.transform(rods.seen((middle + step)[None])[0])[0]
+                    for step in (*(0.01 * np.eye(3)), np.zeros(3))]
+            long = np.linalg.norm(np.subtract(flat[:3], flat[3]), axis=1)
+            a, b = (int(name[1]) - 1 for name in same.split(","))
+            self.assertAlmostEqual(long[a] / long[b], 1, 2)
+            self.assertLess(long[3 - a - b], 0.05 * long[a])
+            self.assertAlmostEqual(rods.scale(middle[None])[0] * figure.dpi / 72 * 0.01 / long[a], 1, 2)
+        with self.assertRaisesRegex(tendril.ResultsError, "two angles"):
+            tendril.plot(r, "space", view="30")
+        for panel in ("side", "front"):
+            with self.assertRaisesRegex(tendril.ResultsError, "a rod in the plane"):
+                tendril.plot(self.tube, panel)
+        self.assertEqual(tendril.plot(self.tube, "space").axes[0].name, "3d")
+
+    def test_space_nearer_hides(self):
+        """Of two rods that cross the nearer is seen, whichever is drawn first."""
+        import matplotlib.pyplot as plt
+
+        from tendril.perspective import Rods, Strand, furnish
+
+        near = Strand(np.array([[x, -1, 0] for x in np.linspace(-1, 1, 11)]), "red", 0.4)
+        far = Strand(np.array([[0, 1, z] for z in np.linspace(-1, 1, 11)]), "blue", 0.4)
+        for strands in ([near, far], [far, near]):
+            figure = plt.figure(figsize=(2, 2), dpi=100)
+            ax = figure.add_subplot(projection="3d")
+            furnish(ax, -np.ones(3), np.ones(3), 3, (0, 0), str)
+            rods = ax.add_collection(Rods(strands, zorder=3), autolim=False)
+            canvas = FigureCanvasAgg(figure)
+            canvas.draw()
+            x, y = ax.transData.transform(rods.seen(np.array([[0, -1, 0]]))[0])[0].astype(int)
+            np.testing.assert_array_equal(np.asarray(canvas.buffer_rgba())[200 - y, x][:3], (255, 0, 0))
+            plt.close(figure)
+
+    def test_space_film(self):
+        """A frame a shape; the view turns if that is asked for, else the axes stay; fields that there are not are
+        refused."""
+        from PIL import Image
+
+        r, films = self.spun(), {}
+        for turn in (0, 90):
+            file = self.place / f"film-{turn}.gif"
+            self.assertEqual(tendril.animate(r, file, frames=3, turn=turn, field="twist"), 3)
+            with Image.open(file) as film:
+                self.assertEqual(film.n_frames, 3)
+                films[turn] = [np.asarray(film.convert("L")) for k in range(3) if film.seek(k) is None]
+        np.testing.assert_array_equal(films[0][0], films[90][0])
+        corner = np.s_[300:500, 50:300]  # axes with their numbers, below the rod
+        self.assertGreater(np.mean(films[0][2] != films[90][2]), 0.02)
+        self.assertLess(np.mean(films[0][0][corner] != films[0][1][corner]), 0.05)
+        with self.assertRaisesRegex(tendril.ResultsError, "field colour: give one of axial"):
+            tendril.animate(r, self.place / "none.gif", field="colour")
+        with self.assertRaisesRegex(tendril.ResultsError, "a rod in the plane"):
+            tendril.animate(self.tube, self.place / "none.gif", turn=90)
+
+    def test_vtk(self):
+        """What VTK reads back is what the file has, of rods in space and in the plane."""
+        try:
+            from vtkmodules.util.numpy_support import vtk_to_numpy
+            from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
+        except ImportError:
+            self.skipTest("vtk is not installed")
+        for r, t in ((self.spun(), 3), (self.spun(), None), (self.tube, None)):
+            file = self.place / "rod.vtp"
+            r.to_vtk(file, t)
+            reader = vtkXMLPolyDataReader()
+            reader.SetFileName(str(file))
+            reader.Update()
+            body, shape = reader.GetOutput(), r.stored(-1) if t is None else r.at(t)
+            x = vtk_to_numpy(body.GetPoints().GetData())
+            np.testing.assert_array_equal(x[:, :shape.x.shape[1]], shape.x)
+            self.assertEqual((body.GetNumberOfLines(), body.GetCell(0).GetNumberOfPoints()), (1, len(shape.s)))
+            data = {name: vtk_to_numpy(body.GetPointData().GetArray(name))
+                    for name in ("s", "force", "curvature", "d1", "axial")}
+            np.testing.assert_array_equal(data["force"][:, :shape.x.shape[1]], shape.force)
+            np.testing.assert_array_equal(data["curvature"], np.abs(shape.curvature))
+            np.testing.assert_allclose(np.sum(data["force"] * data["d1"], axis=1), data["axial"], atol=1e-12)
+            if r is self.wire:
+                moment = vtk_to_numpy(body.GetPointData().GetArray("moment"))
+                np.testing.assert_array_equal(moment, shape.moment)
+            self.assertEqual(body.GetFieldData().GetArray("TimeValue").GetValue(0), shape.t)
+        si = self.tube.to_vtk(si=True)
+        np.testing.assert_allclose(vtk_to_numpy(si.GetPoints().GetData())[:, 0],
+                                   self.tube.shapes.x[-1][:, 0] * self.tube.scale("length"))
+        with self.assertRaisesRegex(tendril.ResultsError, "ends in .vtp"):
+            self.tube.to_vtk(self.place / "rod.vtu")
+
+    def test_mesh(self):
+        """The tube that others read is closed, has the rod's length and diameter, and its colours."""
+        try:
+            import trimesh
+        except ImportError:
+            self.skipTest("trimesh is not installed")
+        r = self.spun()
+        true = np.pi / 4 * 0.1**2 * r.series.length[-1]
+        for ending in ("glb", "gltf", "obj", "ply", "stl"):
+            file = self.place / f"rod.{ending}"
+            r.to_mesh(file, field="twist", sides=48)
+            body = trimesh.load(file, force="mesh")
+            self.assertTrue(body.is_watertight, ending)
+            self.assertAlmostEqual(body.volume / true, 1, delta=0.01)
+            near = np.linalg.norm(body.vertices[:, None] - r.shapes.x[-1], axis=2).min(axis=1)
+            self.assertLess(near.max(), 0.0501 + r.series.length[-1] / 60 / 2)
+            if ending in ("glb", "ply"):
+                self.assertGreater(len(np.unique(body.visual.vertex_colors, axis=0)), 20, ending)
+        flat = self.tube.to_mesh(t="5s").bounds[:, 2]  # a rod in the plane has as much above it as below
+        self.assertAlmostEqual(flat[0] / flat[1], -1, 9)
+        for given, line in (({"path": "rod.xyz"}, "ends in .glb"), ({"field": "taste"}, "give one of axial"),
+                            ({"diameter": -1}, "give more than 0")):
+            with self.assertRaisesRegex(tendril.ResultsError, line):
+                r.to_mesh(**given)
 
     def test_between(self):
         """A shape between stored ones is where a run that stored it there has it; of too few, and outside,

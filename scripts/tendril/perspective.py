@@ -1,0 +1,164 @@
+"""Rods in space on paper: axes of three dimensions with true lengths, and rods in them as thick as they are,
+of which what is nearer hides what is behind it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.collections import LineCollection
+from matplotlib.colors import to_rgba
+from matplotlib.ticker import MaxNLocator
+from mpl_toolkits.mplot3d import proj3d
+
+from .errors import ResultsError
+
+VIEW = (20.0, 20.0)  # degrees: turned about the axis that points up, from the front; from how far above
+LEAST, HALO = 1.1, 0.7  # points: the least thickness; the white on both sides of what passes over something
+SLIM = 0.22  # of the longest side of the box of axes: the shortest
+
+
+@dataclass
+class Strand:
+    """A rod as it is drawn: x [n, 3], a colour, or an array of them [n - 1, 4], its diameter."""
+
+    x: np.ndarray
+    colour: object
+    diameter: float = 0.0
+    least: float = LEAST
+    halo: float = HALO
+
+
+class Rods(LineCollection):
+    """Rods in axes of three dimensions, piece by piece from the furthest to the nearest."""
+
+    def __init__(self, strands=(), **more):
+        super().__init__([], capstyle="butt", **more)
+        self.set_strands(strands)
+
+    def set_strands(self, strands):
+        """What is drawn from now on."""
+        self.strands = list(strands)
+        self.stale = True
+
+    def do_3d_projection(self):
+        """What axes of three dimensions ask of all that is drawn in them: sets the pieces as they are seen, and
+        gives the depth of the nearest."""
+        pieces, widths, colours, depths = [], [], [], []
+        for number, strand in enumerate(self.strands):
+            x = np.asarray(strand.x, float)
+            flat, depth = self.seen(x)
+            depth = depth - number * self.deep(x)  # of shapes that lie in one place the later is seen
+            size = np.maximum(strand.least, strand.diameter * self.scale(x))
+            ends = np.stack([flat[:-1], flat[1:]], axis=1)
+            thick = (size[1:] + size[:-1]) / 2
+            shades = np.broadcast_to(strand.colour if np.ndim(strand.colour) == 2 else to_rgba(strand.colour), (len(ends), 4))
+            pieces.append(np.stack([ends, ends], axis=1))  # of each piece its white, then itself
+            widths.append(np.stack([thick + 2 * strand.halo, thick], axis=1))
+            white = np.tile((1.0, 1.0, 1.0, 1.0 if strand.halo else 0.0), (len(ends), 1))
+            colours.append(np.stack([white, shades], axis=1))
+            depths.append((depth[1:] + depth[:-1]) / 2)
+        if not pieces:
+            self.set_segments([])
+            return np.nan
+        pieces, widths, colours, depths = map(np.concatenate, (pieces, widths, colours, depths))
+        order = np.argsort(-depths, kind="stable")
+        pieces = joined(pieces, widths, self.axes)
+        self.set_segments(pieces[order].reshape(-1, 2, 2))
+        self.set_linewidth(widths[order].ravel())
+        self.set_color(colours[order].reshape(-1, 4))
+        return float(depths.min())
+
+    def seen(self, x):
+        """([n, 2] places in the axes' plane, [n] depths, smaller is nearer) of points [n, 3]."""
+        a, b, depth = proj3d.proj_transform(*np.asarray(x, float).T, self.axes.get_proj())
+        return np.column_stack([a, b]), np.asarray(depth)
+
+    def deep(self, x):
+        """What a distance of a hundredth of the axes' box, towards who looks, is in depth."""
+        step = 0.01 * np.ptp([self.axes.get_xlim(), self.axes.get_ylim(), self.axes.get_zlim()], axis=1).max()
+        middle = np.mean(x, axis=0, keepdims=True)
+        return np.linalg.norm([self.seen(middle + step * d)[1] - self.seen(middle)[1] for d in np.eye(3)])
+
+    def scale(self, x):
+        """[n], points of print that a unit of length has at points [n, 3]. The squares of what three axes at right
+        angles are seen as add up to two of it."""
+        step = 1e-3 * np.ptp([self.axes.get_xlim(), self.axes.get_ylim(), self.axes.get_zlim()], axis=1).max()
+        here = self.axes.transData.transform(self.seen(x)[0])
+        total = sum(np.sum((self.axes.transData.transform(self.seen(x + step * d)[0]) - here) ** 2, axis=1)
+                    for d in np.eye(3))
+        return np.sqrt(total / 2) / step * 72 / self.axes.figure.dpi
+
+
+def joined(pieces, widths, axes):
+    """Pieces whose own lines are a little longer than they are, so that none of the paper is seen in a bend."""
+    unit = np.linalg.norm(axes.transData.transform((1, 0)) - axes.transData.transform((0, 0)))
+    room = 0.12 * widths[:, 1] * axes.figure.dpi / 72 / unit
+    own = pieces[:, 1]
+    along = own[:, 1] - own[:, 0]
+    long = np.maximum(np.linalg.norm(along, axis=1), 1e-12)
+    more = along * np.minimum(room / long, 0.5)[:, None]
+    return np.stack([pieces[:, 0], np.stack([own[:, 0] - more, own[:, 1] + more], axis=1)], axis=1)
+
+
+def box_of(points):
+    """(low [3], high [3]) of the axes round points [n, 3], with room; no side is much shorter than the longest."""
+    low, high = np.min(points, axis=0), np.max(points, axis=0)
+    longest = (high - low).max() or 1.0
+    side = np.maximum(1.04 * (high - low), SLIM * longest)
+    return (low + high - side) / 2, (low + high + side) / 2
+
+
+def directions(up):
+    """(right, up, towards who looks), [3] each: up is an axis, 1, 2 or 3, negative where it points down."""
+    above = np.sign(up) * np.eye(3)[abs(up) - 1]
+    right = np.eye(3)[1 if abs(up) == 1 else 0]
+    return right, above, np.cross(right, above)
+
+
+def sight(view):
+    """Two angles, of a pair or of text "20,30"."""
+    try:
+        turn, rise = map(float, view.split(",") if isinstance(view, str) else VIEW if view is None else view)
+    except (TypeError, ValueError):
+        raise ResultsError(f"view {view}: give two angles in degrees, about the axis that points up and above "
+                           "the horizon: 20,30") from None
+    if not abs(rise) < 90:
+        raise ResultsError(f"view {view}: the second angle is above the horizon, less than 90 degrees")
+    return turn, rise
+
+
+def look(axes, up, view):
+    """Turns axes so that an axis points up, and they are seen from view: degrees about it from the front, and
+    above the horizon."""
+    right, above, front = directions(up)
+    turn, rise = np.radians(view)
+    eye = np.cos(rise) * (np.sin(turn) * right + np.cos(turn) * front) + np.sin(rise) * above
+    vertical = abs(up) - 1
+    a, b, c = np.roll(eye, 2 - vertical)  # as the library has them: c along the vertical axis
+    axes.view_init(elev=np.degrees(np.arcsin(np.clip(c, -1, 1))), azim=np.degrees(np.arctan2(b, a)),
+                   roll=180 if up < 0 else 0, vertical_axis="xyz"[vertical])
+
+
+def furnish(axes, low, high, up, view, label):
+    """Axes from low to high, alike in all directions, for who looks from view.
+
+    label  gives the label of an axis, "$x_1$" """
+    axes.set_proj_type("persp", focal_length=1.6)
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
+    sides = np.subtract(high, low)
+    axes.set_box_aspect(sides / sides.max(), zoom=1.0)
+    look(axes, up, view)
+    axes.computed_zorder = False
+    axes.set_anchor("W")  # so that letters of panels stay in line
+    axes.patch.set_alpha(0)
+    for d, axis in enumerate((axes.xaxis, axes.yaxis, axes.zaxis)):
+        axis.set_major_locator(MaxNLocator(max(1, round(5 * sides[d] / sides.max())), steps=[1, 2, 5, 10]))
+        axis.set_pane_color((1, 1, 1, 0))
+        axis.line.set_linewidth(0.6)
+        axis.set_tick_params(pad=-2, labelsize=7, width=0.5)
+        axis.labelpad = -7
+        axis._axinfo["grid"].update(linewidth=0.35, color="#dcdcdc")
+    axes.set_xlabel(label("$x_1$"))
+    axes.set_ylabel(label("$x_2$"))
+    axes.set_zlabel(label("$x_3$"))
