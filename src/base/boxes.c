@@ -2,6 +2,7 @@
 
 struct _Boxes {
   PetscInt segments, stride;
+  int dimensions;
   const PetscReal *x, *angle; /* of point i at i * stride */
   Box *box;                   /* the children of box k are 2 k + 1 and 2 k + 2 */
 };
@@ -31,7 +32,7 @@ static Box Build(Boxes self, Branch branch) {
 
   if (branch.last - branch.first == 1) {
     for (int d = 0; d < 3; d++) {
-      const PetscReal *x = d < 2 ? self->x + d : self->angle;
+      const PetscReal *x = d < self->dimensions ? self->x + d : self->angle;
       PetscReal a = x ? x[branch.first * self->stride] : 0,
                 b = x ? x[branch.last * self->stride] : 0;
       box.low[d] = PetscMin(a, b);
@@ -47,6 +48,23 @@ static Box Build(Boxes self, Branch branch) {
   return self->box[branch.k] = box;
 }
 
+static PetscErrorCode Create(PetscInt segments, int dimensions, PetscInt stride, const PetscReal *x,
+                             const PetscReal *angle, Boxes *boxes) {
+  PetscInt size = 1;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(boxes));
+  (*boxes)->segments = segments;
+  (*boxes)->dimensions = dimensions;
+  (*boxes)->stride = stride;
+  (*boxes)->x = x;
+  (*boxes)->angle = angle;
+  while (size < segments) size *= 2;
+  PetscCall(PetscMalloc1(2 * size, &(*boxes)->box));
+  (void)Build(*boxes, (Branch){0, segments, 0});
+  PetscFunctionReturn(0);
+}
+
 /*
   BoxesCreate - the tree over a polygon of segments + 1 points. Not collective; the caller destroys
   it with BoxesDestroy().
@@ -56,18 +74,12 @@ static Box Build(Boxes self, Branch branch) {
 */
 PetscErrorCode BoxesCreate(PetscInt segments, PetscInt stride, const PetscReal *x,
                            const PetscReal *angle, Boxes *boxes) {
-  PetscInt size = 1;
+  return Create(segments, 2, stride, x, angle, boxes);
+}
 
-  PetscFunctionBegin;
-  PetscCall(PetscNew(boxes));
-  (*boxes)->segments = segments;
-  (*boxes)->stride = stride;
-  (*boxes)->x = x;
-  (*boxes)->angle = angle;
-  while (size < segments) size *= 2;
-  PetscCall(PetscMalloc1(2 * size, &(*boxes)->box));
-  (void)Build(*boxes, (Branch){0, segments, 0});
-  PetscFunctionReturn(0);
+/* BoxesCreate3 - as BoxesCreate(), of points of three coordinates. */
+PetscErrorCode BoxesCreate3(PetscInt segments, PetscInt stride, const PetscReal *x, Boxes *boxes) {
+  return Create(segments, 3, stride, x, NULL, boxes);
 }
 
 PetscErrorCode BoxesDestroy(Boxes *boxes) {
@@ -83,7 +95,7 @@ static void Pairs(const Search *search, Branch a, Branch b) {
   const Box *box_a = &search->tree->box[a.k], *box_b = &search->tree->box[b.k];
   PetscInt in_a = a.last - a.first, in_b = b.last - b.first;
 
-  for (int d = 0; d < 2; d++)
+  for (int d = 0; d < search->tree->dimensions; d++)
     if (box_a->low[d] > box_b->high[d] + search->reach ||
         box_b->low[d] > box_a->high[d] + search->reach)
       return;

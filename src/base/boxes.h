@@ -1,12 +1,12 @@
-/* A binary tree of bounding boxes over the segments of a polygon: finds pairs of segments that are
-   near each other without looking at all pairs. */
+/* A binary tree of bounding boxes over the segments of a polygon, in the plane or in space: finds
+   pairs of segments that are near each other without looking at all pairs. */
 #ifndef TENDRIL_BOXES_H
 #define TENDRIL_BOXES_H
 
 #include <petscsys.h>
 
 typedef struct {
-  PetscReal low[3], high[3]; /* x1, x2 and an angle */
+  PetscReal low[3], high[3]; /* x1, x2 and x3 or an angle */
 } Box;
 
 typedef struct _Boxes *Boxes;
@@ -19,6 +19,7 @@ typedef void (*BoxesMeet)(PetscInt i, PetscInt j, void *ctx);
 
 PetscErrorCode BoxesCreate(PetscInt segments, PetscInt stride, const PetscReal *x,
                            const PetscReal *angle, Boxes *boxes);
+PetscErrorCode BoxesCreate3(PetscInt segments, PetscInt stride, const PetscReal *x, Boxes *boxes);
 PetscErrorCode BoxesDestroy(Boxes *boxes);
 void BoxesPairs(Boxes boxes, PetscReal reach, BoxesSkip skip, BoxesMeet meet, void *ctx);
 

@@ -43,6 +43,19 @@ static inline void DirectorSlope(const PetscReal p[4], PetscReal size, const Pet
     for (int j = 0; j < 4; j++) D[i][j] = 2 / size * (D[i][j] - d[i] * p[j]);
 }
 
+/* The derivative by p of the rate d_t = D p_t at which d_k changes, p_t held:
+     (A(p_t) - (p.p_t) D - d p_t^T - d_t p^T) 2/|p|^2,   A that of DirectorForm(). */
+static inline void DirectorRateSlope(const PetscReal p[4], PetscReal size, const PetscReal d[3],
+                                     const PetscReal d_t[3], int k, PetscReal D[3][4],
+                                     const PetscReal p_t[4], PetscReal by[3][4]) {
+  const PetscReal dot = p[0] * p_t[0] + p[1] * p_t[1] + p[2] * p_t[2] + p[3] * p_t[3];
+
+  DirectorForm(p_t, k, by);
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 4; j++)
+      by[i][j] = 2 / size * (by[i][j] - dot * D[i][j] - d[i] * p_t[j] - d_t[i] * p[j]);
+}
+
 /* r = p (0, u) */
 static inline void QuaternionTurn(const PetscReal p[4], const PetscReal u[3], PetscReal r[4]) {
   r[0] = -p[1] * u[0] - p[2] * u[1] - p[3] * u[2];

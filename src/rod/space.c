@@ -11,6 +11,7 @@
    m and n equations of the cell on its right. */
 #include "rod/directors.h"
 #include "rod/rod.h"
+#include "rod/space_strands.h"
 #include <string.h>
 
 enum { X, P = 3, M = 7, N = 10, FIELDS = 13, LEFT = M, RIGHT = FIELDS - LEFT };
@@ -38,7 +39,9 @@ typedef struct {
   PetscReal end_weight, mid_weight, bow; /* times h: 1/6, 4/6, 1/8 (order 4); 0, 1, 0 (order 2) */
   PetscReal time;                        /* of the laws below */
   Law *law;                              /* nodes and mids from node first - 1 on, alternating */
-  FrictionDual4 *dual; /* likewise; the tip's own where a cell behind it would be */
+  FrictionDual4 *dual;  /* likewise; the tip's own where a cell behind it would be */
+  SpaceStrands strands; /* NULL: the rod does not touch itself */
+  SpaceCell *behind;    /* of each owned node, for what strands do; NULL without them */
 } Space_;
 
 /* A walk along the cells that touch owned nodes. */
@@ -50,6 +53,7 @@ typedef struct {
   Vec local[2];
   Law *law; /* of nodes a, mid, b of the cell */
   FrictionDual4 *dual;
+  const PetscReal (*push)[3]; /* what strands add to n' at all points of the rod; NULL: none */
   Point a, mid, b;
 } Cell;
 
@@ -161,20 +165,30 @@ static PetscErrorCode LawsAt(Rod rod, PetscReal t) {
   PetscFunctionReturn(0);
 }
 
+/* Adds to n' what strands that touch do at node i, or behind it. */
+static inline void AddPush(const Cell *cell, PetscInt i, int half, Point *p) {
+  for (int d = 0; d < 3 && cell->push; d++) p->f[N + d] += cell->push[2 * i + half][d];
+}
+
 static void NodePoint(Cell *cell, PetscInt i, Point *p) {
   Space_ *self = (Space_ *)cell->rod->data;
   PetscInt k = 2 * (i - cell->rod->first + 1);
 
   PointAtNode(cell, self->law + k, self->dual + k, cell->u[i], cell->u_t[i], p);
+  AddPush(cell, i, 0, p);
 }
 
 /* Begins a walk at the first of the cells that touch owned nodes. Collective. */
 static PetscErrorCode CellsOpen(Rod rod, PetscReal t, Vec U, Vec U_t, Cell *cell) {
+  Space_ *self = (Space_ *)rod->data;
+
   PetscFunctionBegin;
   PetscCall(LawsAt(rod, t));
   cell->rod = rod;
   cell->t = t;
   cell->load = &rod->scene->load;
+  cell->push = NULL;
+  if (self->strands) PetscCall(SpaceStrandsLoad(rod, self->strands, t, U, U_t, &cell->push));
   cell->s = rod->scene->mesh.s;
   PetscCall(RodOpen(rod, U, &cell->local[0], &cell->u));
   PetscCall(RodOpen(rod, U_t, &cell->local[1], &cell->u_t));
@@ -200,6 +214,7 @@ static void CellsNext(Cell *cell, PetscInt i) {
   cell->a = cell->b;
   NodePoint(cell, i + 1, &cell->b);
   PointAtMid(cell, self->bow * cell->h, cell->u_t[i], cell->u_t[i + 1]);
+  AddPush(cell, i, 1, &cell->mid);
 }
 
 /* What the tip's conditions are about. */
@@ -244,6 +259,8 @@ static PetscErrorCode SpaceResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F)
   if (rod->end == rod->last + 1) {
     TipState3 tip = TipOf(&cell.b);
     TipResidual3(&scene->tip, &tip, TipDual(rod), &F_[rod->last][LEFT]);
+    for (int d = 0; d < 3 && cell.push && scene->tip.type == TIP_FREE; d++)
+      F_[rod->last][N + d] -= cell.push[2 * rod->last + 1][d];
   }
   PetscCall(DMDAVecRestoreArray(rod->da, F, &F_));
   PetscCall(CellsClose(&cell));
@@ -474,6 +491,17 @@ static void TipBlock(const Cell *cell, const PetscReal shift[], PetscReal by[RIG
   TipJacobian3(&rod->scene->tip, &tip, shift, rod->fresh, TipDual(rod), by);
 }
 
+/* What strands need to know of the cell behind a node. */
+static void KeepBehind(const Cell *cell, SpaceCell *behind) {
+  const Space_ *self = (const Space_ *)cell->rod->data;
+
+  *behind = (SpaceCell){.end_weight = cell->h * self->end_weight,
+                        .mid_weight = cell->h * self->mid_weight,
+                        .bow = cell->h * self->bow,
+                        .g = cell->law[1].g};
+  memcpy(behind->q, cell->mid.d[0], sizeof(behind->q));
+}
+
 /* The rows of a node, by itself (columns FIELDS ...) and its neighbours. */
 typedef PetscReal Rows[FIELDS][3 * FIELDS];
 
@@ -484,6 +512,7 @@ static void PutRows(Rows rows, int from, int to, PetscInt column, PetscReal part
 
 static PetscErrorCode SpaceJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[],
                                     Mat J) {
+  Space_ *self = (Space_ *)rod->data;
   PetscInt begin = PetscMax(rod->first - 1, 0);
   PetscReal left[FIELDS][FIELDS], right[FIELDS][FIELDS], by[RIGHT][FIELDS];
   Slopes slopes;
@@ -492,6 +521,7 @@ static PetscErrorCode SpaceJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const 
 
   PetscFunctionBegin;
   PetscCall(CellsOpen(rod, t, U, U_t, &cell));
+  if (self->strands) PetscCall(SpaceStrandsPattern(rod, self->strands, J));
   PetscCall(PetscMemzero(row, sizeof(row)));
   if (rod->first == 0)
     for (int f = 0; f < LEFT; f++) row[f][FIELDS + f] = 1;
@@ -500,6 +530,7 @@ static PetscErrorCode SpaceJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const 
     if (i < rod->last) {
       CellsNext(&cell, i);
       CellBlocks(&cell, (PetscBool)(i == begin), shift, &slopes, left, right);
+      if (self->behind && i >= rod->first) KeepBehind(&cell, &self->behind[i - rod->first]);
       PutRows(row, LEFT, FIELDS, FIELDS, left);
       PutRows(row, LEFT, FIELDS, 2 * FIELDS, right);
     } else {
@@ -516,6 +547,8 @@ static PetscErrorCode SpaceJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const 
     }
   }
   PetscCall(CellsClose(&cell));
+  if (self->strands)
+    PetscCall(SpaceStrandsJacobian(rod, self->strands, t, U, U_t, shift, self->behind, J));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(0);
@@ -787,6 +820,11 @@ static PetscErrorCode SpaceCreate(Rod rod) {
   self->time = PETSC_MIN_REAL;
   rod->memory = REMEMBERED;
   PetscCall(PetscCalloc2(points, &self->law, points, &self->dual));
+  if (rod->scene->contact.self) {
+    rod->coupled = PETSC_TRUE;
+    PetscCall(SpaceStrandsCreate(rod, &self->strands));
+    PetscCall(PetscCalloc1(rod->end - rod->first, &self->behind));
+  }
   PetscFunctionReturn(0);
 }
 
@@ -795,13 +833,14 @@ static PetscErrorCode SpaceDestroy(Rod rod) {
 
   PetscFunctionBegin;
   PetscCall(PetscFree2(self->law, self->dual));
+  PetscCall(SpaceStrandsDestroy(&self->strands));
+  PetscCall(PetscFree(self->behind));
   PetscCall(PetscFree(rod->data));
   PetscFunctionReturn(0);
 }
 
 static const char *SpaceRefuses(Scene scene) {
   if (scene->contact.walls.n) return "-wall_file: walls are in the plane";
-  if (scene->contact.self) return "-contact_self: the rod meets itself in the plane only";
   return NULL;
 }
 

@@ -1,6 +1,7 @@
 #include "rod/strands.h"
 #include "base/hermite.h"
 #include "base/boxes.h"
+#include "rod/spread.h"
 
 enum { A1, A2, ATH, B1, B2, BTH, SPOT_UNKNOWNS }; /* x and theta at both ends of a cell */
 
@@ -349,40 +350,6 @@ static void Shares(const struct _Strands *self, PetscInt point, PetscReal share[
   share[1] = point == self->points - 1 ? self->contact->tip : 0;
 }
 
-/* Who takes the force on a foot: the four points around it, by the cubic convolution kernel (Keys,
-   IEEE Trans. Acoust. 29, 1981). It keeps the force, its moment and the next moment, and goes over
-   smoothly as the foot moves along; at the ends of the rod the missing point is that of the
-   parabola through its neighbours. */
-typedef struct {
-  PetscInt point[4];
-  PetscReal share[4], share_z[4]; /* and by z */
-} Spread;
-
-static void SpreadOf(const struct _Strands *self, const Spot *foot, Spread *spread) {
-  PetscInt j = PetscMin(2 * foot->cell + (PetscInt)(2 * foot->z), self->points - 2);
-  PetscReal u = 2 * foot->cell + 2 * foot->z - j, *a = spread->share, *b = spread->share_z;
-  const PetscReal value[4] = {(-u + 2 * u * u - u * u * u) / 2, (2 - 5 * u * u + 3 * u * u * u) / 2,
-                              (u + 4 * u * u - 3 * u * u * u) / 2, (-u * u + u * u * u) / 2},
-                  slope[4] = {-1 + 4 * u - 3 * u * u, -10 * u + 9 * u * u, 1 + 8 * u - 9 * u * u,
-                              -2 * u + 3 * u * u};
-  int missing = j == 0 ? 0 : j == self->points - 2 ? 3 : -1;
-
-  for (int k = 0; k < 4; k++) {
-    spread->point[k] = j - 1 + k;
-    a[k] = value[k];
-    b[k] = slope[k];
-  }
-  if (missing < 0) return;
-  for (int k = 1; k <= 3; k++) {
-    const PetscReal part = k == 1 ? 3 : k == 2 ? -3 : 1;
-    int to = missing ? 3 - k : k;
-    a[to] += part * value[missing];
-    b[to] += part * slope[missing];
-  }
-  a[missing] = b[missing] = 0;
-  spread->point[missing] = j;
-}
-
 static FrictionDual *DualOf(const struct _Strands *self, const Pair *pair) {
   return self->dual ? &self->dual[2 * pair->point + pair->side] : NULL;
 }
@@ -426,7 +393,7 @@ static void HandOut(Strands self, const Pair *pair, const PetscReal f[2]) {
   Spread spread;
 
   Shares(self, pair->point, share);
-  SpreadOf(self, &pair->foot, &spread);
+  SpreadAt(self->points, pair->foot.cell, pair->foot.z, &spread);
   for (int d = 0; d < 2; d++) {
     PetscReal all = (share[0] + share[1]) * f[d];
     self->force[pair->point][d] -= share[0] * f[d] / self->weight[pair->point];
@@ -621,7 +588,7 @@ static void TakersSlope(const struct _Strands *self, const Pair *pair, const Pai
   Spread spread;
 
   Shares(self, pair->point, share);
-  SpreadOf(self, &pair->foot, &spread);
+  SpreadAt(self->points, pair->foot.cell, pair->foot.z, &spread);
   PairForce(self, pair, f);
   slope->cell[0] = pair->at.cell;
   slope->cell[1] = pair->foot.cell;

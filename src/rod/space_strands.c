@@ -1,0 +1,139 @@
+#include "rod/space_strands.h"
+#include "rod/coupled.h"
+#include "rod/strands_space.h"
+
+enum { M = 7, N = 10, FIELDS = 13 };
+
+struct _SpaceStrands {
+  Strands3 strands;
+  Coupled coupled;
+};
+
+/* SpaceStrandsCreate - the caller ends it with SpaceStrandsDestroy(). Collective. */
+PetscErrorCode SpaceStrandsCreate(Rod rod, SpaceStrands *strands) {
+  PetscFunctionBegin;
+  PetscCall(PetscNew(strands));
+  PetscCall(Strands3Create(rod->scene, &(*strands)->strands));
+  PetscCall(CoupledCreate(rod, &(*strands)->coupled));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode SpaceStrandsDestroy(SpaceStrands *strands) {
+  PetscFunctionBegin;
+  if (!*strands) PetscFunctionReturn(0);
+  PetscCall(Strands3Destroy(&(*strands)->strands));
+  PetscCall(CoupledDestroy(&(*strands)->coupled));
+  PetscCall(PetscFree(*strands));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode OpenState(SpaceStrands self, PetscReal t, Vec U, Vec U_t,
+                                StrandState3 *state) {
+  const PetscReal *u[2];
+
+  PetscFunctionBegin;
+  PetscCall(CoupledOpen(self->coupled, U, U_t, u));
+  *state = (StrandState3){.t = t, .stride = FIELDS, .u = u[0], .u_t = u[1]};
+  PetscFunctionReturn(0);
+}
+
+/* SpaceStrandsLoad - the forces of contact in a state, as Strands3Forces() has them. Pairs are
+   looked for once a Newton solve. Collective. */
+PetscErrorCode SpaceStrandsLoad(Rod rod, SpaceStrands self, PetscReal t, Vec U, Vec U_t,
+                                const PetscReal (**force)[3]) {
+  StrandState3 state;
+
+  PetscFunctionBegin;
+  PetscCall(OpenState(self, t, U, U_t, &state));
+  if (rod->fresh) PetscCall(Strands3Search(self->strands, &state));
+  PetscCall(Strands3Load(self->strands, &state));
+  PetscCall(CoupledClose(self->coupled, U, U_t));
+  *force = Strands3Forces(self->strands);
+  PetscFunctionReturn(0);
+}
+
+/* SpaceStrandsPattern - sees to it that J has room for all pairs, and is 0. Collective. */
+PetscErrorCode SpaceStrandsPattern(Rod rod, SpaceStrands self, Mat J) {
+  PetscInt n, (*near)[2];
+
+  PetscFunctionBegin;
+  PetscCall(Strands3Near(self->strands, &n, &near));
+  PetscCall(CoupledPattern(rod, self->coupled, n, near, J));
+  PetscFunctionReturn(0);
+}
+
+/* The rows of one node by the nodes of two cells. */
+typedef PetscReal Block[FIELDS][4 * FIELDS];
+
+/* Where the u-th unknown of a contact is among the columns of four nodes. */
+static inline PetscInt Column(int u) {
+  return u / STRAND3_NODE * FIELDS + u % STRAND3_NODE;
+}
+
+/*
+  Adds to the rows of a node, those of the cell behind it, that n' of one of its points changes:
+  part 0 the node, 1 the middle, 2 the next node. With k = bow h, n_mid = ... + k (n'_a - n'_b):
+    r_n = ... - h w n',    r_m = ... + h w_mid g_mid d1_mid x n_mid
+*/
+static void AddToCell(const SpaceCell *cell, int part, PetscReal by[3][STRAND3_UNKNOWNS],
+                      Block block) {
+  const PetscReal w = part == 1 ? cell->mid_weight : cell->end_weight, *q = cell->q,
+                  wm = part == 1 ? 0 : cell->mid_weight * cell->g * (part ? -1 : 1) * cell->bow;
+
+  for (int u = 0; u < STRAND3_UNKNOWNS; u++) {
+    PetscInt column = Column(u);
+    block[M][column] += wm * (q[1] * by[2][u] - q[2] * by[1][u]);
+    block[M + 1][column] += wm * (q[2] * by[0][u] - q[0] * by[2][u]);
+    block[M + 2][column] += wm * (q[0] * by[1][u] - q[1] * by[0][u]);
+    for (int d = 0; d < 3; d++) block[N + d][column] -= w * by[d][u];
+  }
+}
+
+/* Adds one contact's part of one taker to J. */
+static PetscErrorCode AddTaker(Rod rod, const SpaceCell *cells, const StrandSlope3 *slope, int k,
+                               Mat J) {
+  const PetscInt taker = slope->taker[k], i = taker / 2,
+                 column[4] = {slope->cell[0], slope->cell[0] + 1, slope->cell[1],
+                              slope->cell[1] + 1};
+  const PetscBool tip = (PetscBool)(taker == 2 * rod->last + 1);
+  PetscReal(*by)[STRAND3_UNKNOWNS] = (PetscReal(*)[STRAND3_UNKNOWNS])slope->by[k];
+
+  PetscFunctionBegin;
+  for (int which = 0; which < 2; which++) { /* the cell behind the point, and that before a node */
+    PetscInt row = i - which;
+    Block block = {{0}};
+    if (row < rod->first || row >= rod->end || (which && (taker % 2 || tip))) continue;
+    if (tip && rod->scene->tip.type != TIP_FREE) continue;
+    if (row == rod->last && !tip) continue; /* behind the tip there is no cell */
+    if (tip)
+      for (int u = 0; u < STRAND3_UNKNOWNS; u++)
+        for (int d = 0; d < 3; d++) block[N + d][Column(u)] -= by[d][u];
+    else
+      AddToCell(cells + (row - rod->first), which ? 2 : (int)(taker % 2), by, block);
+    PetscCall(MatSetValuesBlocked(J, 1, &row, 4, column, &block[0][0], ADD_VALUES));
+  }
+  PetscFunctionReturn(0);
+}
+
+/*
+  SpaceStrandsJacobian - adds to J, whose other values are set, the derivatives of the forces of
+  contact, in the state of the latest load. Collective.
+
+  cells  those behind the owned nodes
+*/
+PetscErrorCode SpaceStrandsJacobian(Rod rod, SpaceStrands self, PetscReal t, Vec U, Vec U_t,
+                                    const PetscReal shift[], const SpaceCell *cells, Mat J) {
+  const StrandSlope3 *slopes;
+  StrandState3 state;
+  PetscInt n;
+
+  PetscFunctionBegin;
+  PetscCall(MatAssemblyBegin(J, MAT_FLUSH_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(J, MAT_FLUSH_ASSEMBLY));
+  PetscCall(OpenState(self, t, U, U_t, &state));
+  PetscCall(Strands3Linearise(self->strands, &state, shift, rod->fresh, &n, &slopes));
+  for (PetscInt c = 0; c < n; c++)
+    for (int k = 0; k < slopes[c].takers; k++) PetscCall(AddTaker(rod, cells, &slopes[c], k, J));
+  PetscCall(CoupledClose(self->coupled, U, U_t));
+  PetscFunctionReturn(0);
+}

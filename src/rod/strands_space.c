@@ -1,0 +1,823 @@
+#include "rod/strands_space.h"
+#include "base/boxes.h"
+#include "base/hermite.h"
+#include "rod/directors.h"
+#include "rod/spread.h"
+
+/* Samples are no farther apart than this part of the diameter, where the rod is longest: strands
+   that cross press on each other over a good half of it. */
+static const PetscReal fine = 0.125;
+enum { MOST_SAMPLES = 32 }; /* of a cell */
+
+/* A node in the state that is looked at, and how it turns with p: d1 and g_t d1 + g d1_t. */
+typedef struct {
+  const PetscReal *x, *x_t;
+  PetscReal d[3], d_t[3];
+  PetscReal by[3][4], rate_by[3][4];
+} Joint;
+
+/* A place on the curve of the rod: cell, and 0 <= z <= 1 in it. */
+typedef struct {
+  PetscInt cell;
+  PetscReal z;
+  PetscReal x[3], slope[3], bend[3]; /* x and its first and second derivative by z */
+} Spot;
+
+/* How fast a place moves, and by z. */
+typedef struct {
+  PetscReal v[3], v_z[3], t[3], size, c; /* tangent, |x_z|, slide */
+} Motion;
+
+/* A sample and what it is near to. */
+typedef struct {
+  PetscInt sample, next;
+  PetscBool ends;   /* the foot is an end of the rod */
+  PetscBool apart;  /* they are not the same strand */
+  PetscBool active; /* they press */
+  Spot at, foot;
+  PetscReal n[3], distance, gap;
+  PetscReal p, p_gap;                /* pressure and its derivative */
+  PetscReal slip[4], w[4], by[4][4]; /* relative velocity across n, friction over mu p */
+  FrictionDual4 dual;
+} Pair;
+
+struct _Strands3 {
+  Scene scene;
+  const Contact *contact;
+  PetscInt cells, points; /* points: 2 cells + 1 */
+  PetscInt each, samples; /* of a cell; of the rod, with the tip at the end */
+  PetscReal apart;        /* what is nearer along the rod is the same strand */
+  PetscReal time;         /* of what follows: laws at the points */
+  PetscReal *g, *g_t, *c, *strain, *arc, *weight;
+  PetscInt n, room;
+  Pair *pair;
+  PetscInt *first;       /* of a sample: its first pair, -1 none */
+  Joint *joint;          /* of each node */
+  PetscReal *seen;       /* x at the nodes when pairs were looked for */
+  PetscReal (*force)[3]; /* Strands3Forces() */
+  StrandSlope3 *slopes;
+  PetscInt slopes_room;
+  StrandSum3 sum;
+};
+
+static inline PetscReal Dot(const PetscReal a[3], const PetscReal b[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* What the laws give at a place of a cell, by the parabola through its three points. */
+static inline PetscReal Between(const PetscReal *at, PetscInt cell, PetscReal z) {
+  const PetscReal *v = at + 2 * cell;
+  return (1 - z) * (1 - 2 * z) * v[0] + 4 * z * (1 - z) * v[1] + z * (2 * z - 1) * v[2];
+}
+
+/* ---- the curve ---- */
+
+/* What a cell's curve is made of: x at its ends and x_z = h g d1 there. */
+typedef struct {
+  const Joint *joint; /* two of them */
+  PetscReal h, g[2], g_t[2];
+} Ends;
+
+static void EndsOf(const struct _Strands3 *self, PetscInt cell, Ends *e) {
+  const PetscReal *s = self->scene->mesh.s;
+
+  e->joint = self->joint + cell;
+  e->h = s[cell + 1] - s[cell];
+  for (int k = 0; k < 2; k++) {
+    e->g[k] = self->g[2 * (cell + k)];
+    e->g_t[k] = self->g_t[2 * (cell + k)];
+  }
+}
+
+/* x, x_z, x_zz at place z of a cell. */
+static void SpotOn(const Ends *e, Spot *spot) {
+  PetscReal value[4], slope[4], bend[4];
+
+  Hermite(spot->z, value, slope, bend);
+  for (int d = 0; d < 3; d++) {
+    const Joint *a = e->joint, *b = a + 1;
+    PetscReal y[4] = {a->x[d], e->h * e->g[0] * a->d[d], b->x[d], e->h * e->g[1] * b->d[d]};
+    spot->x[d] = spot->slope[d] = spot->bend[d] = 0;
+    for (int k = 0; k < 4; k++) {
+      spot->x[d] += value[k] * y[k];
+      spot->slope[d] += slope[k] * y[k];
+      spot->bend[d] += bend[k] * y[k];
+    }
+  }
+}
+
+static void SpotAt(const struct _Strands3 *self, PetscInt cell, PetscReal z, Spot *spot) {
+  Ends e;
+  EndsOf(self, cell, &e);
+  spot->cell = cell;
+  spot->z = z;
+  SpotOn(&e, spot);
+}
+
+static PetscBool IsTip(const struct _Strands3 *self, PetscInt sample) {
+  return (PetscBool)(sample == self->samples - 1);
+}
+
+static void SampleSpot(const struct _Strands3 *self, PetscInt sample, Spot *spot) {
+  if (IsTip(self, sample))
+    SpotAt(self, self->cells - 1, 1, spot);
+  else
+    SpotAt(self, sample / self->each, (sample % self->each + 0.5) / self->each, spot);
+}
+
+/* The arc length of a place. */
+static PetscReal ArcAt(const struct _Strands3 *self, const Spot *spot) {
+  return self->arc[spot->cell] + spot->z * (self->arc[spot->cell + 1] - self->arc[spot->cell]);
+}
+
+/*
+  FootFrom - the place of the curve nearest to x, by Newton's method on (x - y(z)).y_z = 0 from a
+  place near it, on to the next cell where that is. ends: it is an end of the rod.
+*/
+static void FootFrom(const struct _Strands3 *self, const PetscReal x[3], Spot *foot,
+                     PetscBool *ends) {
+  enum { MOST = 40 };
+  const PetscReal enough = 1e-14;
+  Ends e;
+
+  *ends = PETSC_FALSE;
+  EndsOf(self, foot->cell, &e);
+  for (int k = 0; k < MOST; k++) {
+    PetscReal o[3], f, f_z, z, square;
+    SpotOn(&e, foot);
+    for (int d = 0; d < 3; d++) o[d] = x[d] - foot->x[d];
+    f = Dot(o, foot->slope);
+    square = Dot(foot->slope, foot->slope);
+    f_z = square - Dot(o, foot->bend);
+    z = foot->z + PetscMax(-1, PetscMin(1, f / PetscMax(f_z, 0.2 * square)));
+    if ((z < 0 && foot->cell == 0) || (z > 1 && foot->cell == self->cells - 1)) {
+      z = z < 0 ? 0 : 1;
+      *ends = (PetscBool)(foot->z == z);
+      if (*ends) return;
+    } else if (z < 0 || z > 1) {
+      foot->cell += z < 0 ? -1 : 1;
+      z = z < 0 ? PetscMax(0, 1 + z) : PetscMin(1, z - 1);
+      EndsOf(self, foot->cell, &e);
+    } else if (PetscAbsReal(z - foot->z) < enough)
+      return;
+    foot->z = z;
+  }
+  SpotOn(&e, foot);
+}
+
+/* ---- laws, and the state ---- */
+
+/* What the laws give at time t: at the points, and the arc length at the nodes. */
+static PetscErrorCode LawsAt(Strands3 self, PetscReal t) {
+  Growth growth = self->scene->growth;
+  const PetscReal *s = self->scene->mesh.s;
+
+  PetscFunctionBegin;
+  PetscCall(SceneContactAt(self->scene, t));
+  if (self->time == t) PetscFunctionReturn(0);
+  for (PetscInt k = 0; k < self->points; k++) {
+    PetscReal at = k % 2 ? (s[k / 2] + s[k / 2 + 1]) / 2 : s[k / 2];
+    PetscCall(GrowthStretch(growth, 1, &at, t, &self->g[k], &self->g_t[k], NULL));
+    self->c[k] = GrowthSlide(growth, at, t);
+    self->strain[k] = GrowthStrain(growth, at, t, self->g_t[k]);
+  }
+  PetscCall(GrowthArc(growth, self->cells + 1, s, t, self->arc, NULL));
+  self->time = t;
+  PetscFunctionReturn(0);
+}
+
+/* The nodes in a state; with their derivatives if there are shifts of the rates. */
+static void JointsIn(Strands3 self, const StrandState3 *state, const PetscReal *shift) {
+  const PetscReal still[STRAND3_NODE] = {0};
+
+  for (PetscInt i = 0; i <= self->cells; i++) {
+    Joint *joint = &self->joint[i];
+    const PetscReal *p = state->u + i * state->stride + 3,
+                    *rate = state->u_t ? state->u_t + i * state->stride : still, *p_t = rate + 3;
+    PetscReal size = QuaternionSize(p), d[3][3], D[3][4];
+    Directors(p, size, d);
+    DirectorSlope(p, size, d[0], 0, D);
+    joint->x = p - 3;
+    joint->x_t = rate;
+    for (int c = 0; c < 3; c++) {
+      joint->d[c] = d[0][c];
+      joint->d_t[c] = D[c][0] * p_t[0] + D[c][1] * p_t[1] + D[c][2] * p_t[2] + D[c][3] * p_t[3];
+    }
+    if (!shift) continue;
+    DirectorRateSlope(p, size, d[0], joint->d_t, 0, D, p_t, joint->rate_by);
+    for (int c = 0; c < 3; c++)
+      for (int j = 0; j < 4; j++) {
+        joint->by[c][j] = D[c][j];
+        joint->rate_by[c][j] = self->g_t[2 * i] * D[c][j] +
+                               self->g[2 * i] * (shift[3 + j] * D[c][j] + joint->rate_by[c][j]);
+      }
+  }
+}
+
+/* ---- which samples are near to what ---- */
+
+/* A search under way. */
+typedef struct {
+  Strands3 self;
+  PetscReal reach;
+  PetscErrorCode error;
+} Looking;
+
+static PetscBool SameStrand(const Box *a, PetscInt first_a, PetscInt last_a, const Box *b,
+                            PetscInt first_b, PetscInt last_b, void *ctx) {
+  const Strands3 self = ((const Looking *)ctx)->self;
+  return (PetscBool)(self->arc[last_b] - self->arc[first_a] < self->apart);
+}
+
+/* Is the foot of x on this cell? 1 yes; 2 it is the end of the rod there; 0 no. */
+static int HasFoot(const struct _Strands3 *self, PetscInt cell, const PetscReal x[3]) {
+  const Joint *joint = self->joint + cell;
+  PetscReal f[2];
+
+  for (int k = 0; k < 2; k++) {
+    PetscReal o[3];
+    for (int d = 0; d < 3; d++) o[d] = x[d] - joint[k].x[d];
+    f[k] = Dot(o, joint[k].d);
+  }
+  if (f[0] >= 0 && f[1] < 0) return 1;
+  if ((cell == 0 && f[0] < 0) || (cell == self->cells - 1 && f[1] >= 0)) return 2;
+  return 0;
+}
+
+/* A new pair; two feet of a sample that are near each other along the rod are of one strand, of
+   which the nearer counts. */
+static PetscErrorCode Keep(Strands3 self, const Pair *pair) {
+  const PetscReal at = ArcAt(self, &pair->foot);
+  PetscInt next = self->first[pair->sample];
+
+  PetscFunctionBegin;
+  for (PetscInt k = next; k >= 0; k = self->pair[k].next) {
+    Pair *other = &self->pair[k];
+    if (PetscAbsReal(ArcAt(self, &other->foot) - at) >= self->apart) continue;
+    if (pair->distance < other->distance) {
+      PetscInt after = other->next;
+      *other = *pair;
+      other->next = after;
+    }
+    PetscFunctionReturn(0);
+  }
+  if (self->n == self->room) {
+    self->room = 2 * self->room + 64;
+    PetscCall(PetscRealloc((size_t)self->room * sizeof(Pair), &self->pair));
+  }
+  self->first[pair->sample] = self->n;
+  self->pair[self->n] = *pair;
+  self->pair[self->n++].next = next;
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode LookAt(Looking *look, PetscInt sample, PetscInt cell) {
+  Strands3 self = look->self;
+  Pair pair = {.sample = sample};
+  PetscReal square = 0;
+  int foot;
+
+  PetscFunctionBegin;
+  SampleSpot(self, sample, &pair.at);
+  foot = HasFoot(self, cell, pair.at.x);
+  if (!foot) PetscFunctionReturn(0);
+  pair.foot.cell = cell;
+  pair.foot.z = foot == 1 ? 0.5 : cell ? 1 : 0;
+  FootFrom(self, pair.at.x, &pair.foot, &pair.ends);
+  for (int d = 0; d < 3; d++) square += PetscSqr(pair.foot.x[d] - pair.at.x[d]);
+  pair.distance = PetscSqrtReal(square);
+  if (pair.distance < look->reach) PetscCall(Keep(self, &pair));
+  PetscFunctionReturn(0);
+}
+
+/* The samples of one cell against another. */
+static PetscErrorCode LookFrom(Looking *look, PetscInt from, PetscInt to) {
+  const Strands3 self = look->self;
+  PetscInt end = (from + 1) * self->each + (from == self->cells - 1);
+
+  PetscFunctionBegin;
+  for (PetscInt k = from * self->each; k < end; k++) PetscCall(LookAt(look, k, to));
+  PetscFunctionReturn(0);
+}
+
+static void Meet(PetscInt i, PetscInt j, void *ctx) {
+  Looking *look = (Looking *)ctx;
+  if (look->error || look->self->arc[j] - look->self->arc[i + 1] < look->self->apart) return;
+  look->error = LookFrom(look, i, j);
+  if (!look->error) look->error = LookFrom(look, j, i);
+}
+
+/* Pairs are kept up to this distance from touching, in diameters, and looked for anew when a node
+   has moved by half of it. */
+static const PetscReal margin = 0.5;
+
+static PetscErrorCode Search(Strands3 self) {
+  Looking look = {.self = self,
+                  .reach = (1 + margin) * self->contact->diameter + self->contact->smooth};
+  Boxes boxes;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < self->n; k++) self->first[self->pair[k].sample] = -1;
+  self->n = 0;
+  for (PetscInt i = 0; i <= self->cells; i++)
+    for (int d = 0; d < 3; d++) self->seen[3 * i + d] = self->joint[i].x[d];
+  PetscCall(BoxesCreate3(self->cells, 3, self->seen, &boxes));
+  BoxesPairs(boxes, look.reach, SameStrand, Meet, &look);
+  PetscCall(BoxesDestroy(&boxes));
+  PetscCall(look.error);
+  PetscFunctionReturn(0);
+}
+
+/*
+  Strands3Search - looks for all pairs that are near to touching. Not collective: the same on every
+  rank.
+*/
+PetscErrorCode Strands3Search(Strands3 self, const StrandState3 *state) {
+  PetscFunctionBegin;
+  PetscCall(LawsAt(self, state->t));
+  JointsIn(self, state, NULL);
+  PetscCall(Search(self));
+  PetscFunctionReturn(0);
+}
+
+/* Has a node moved so far that there may be other pairs? */
+static PetscBool Moved(const struct _Strands3 *self) {
+  const PetscReal far = PetscSqr(margin * self->contact->diameter / 2);
+
+  for (PetscInt i = 0; i <= self->cells; i++) {
+    const PetscReal *x = self->joint[i].x, *y = self->seen + 3 * i;
+    if (!(PetscSqr(x[0] - y[0]) + PetscSqr(x[1] - y[1]) + PetscSqr(x[2] - y[2]) < far))
+      return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+/* ---- forces ---- */
+
+/* The velocity of a place, x_t + c t, and its derivative by z. */
+static void MotionOf(const struct _Strands3 *self, const Spot *spot, Motion *m) {
+  const PetscReal *c = self->c + 2 * spot->cell, z = spot->z;
+  PetscReal value[4], slope[4], bend[4], c_z, along;
+  Ends e;
+
+  EndsOf(self, spot->cell, &e);
+  Hermite(z, value, slope, bend);
+  m->size = PetscSqrtReal(Dot(spot->slope, spot->slope));
+  m->c = Between(self->c, spot->cell, z);
+  c_z = (4 * z - 3) * c[0] + (4 - 8 * z) * c[1] + (4 * z - 1) * c[2];
+  for (int d = 0; d < 3; d++) m->t[d] = spot->slope[d] / m->size;
+  along = Dot(m->t, spot->bend);
+  for (int d = 0; d < 3; d++) {
+    m->v[d] = m->c * m->t[d];
+    m->v_z[d] = c_z * m->t[d] + m->c * (spot->bend[d] - along * m->t[d]) / m->size;
+    for (int k = 0; k < 2; k++) {
+      const Joint *joint = &e.joint[k];
+      PetscReal turn = e.h * (e.g_t[k] * joint->d[d] + e.g[k] * joint->d_t[d]);
+      m->v[d] += value[2 * k] * joint->x_t[d] + value[2 * k + 1] * turn;
+      m->v_z[d] += slope[2 * k] * joint->x_t[d] + slope[2 * k + 1] * turn;
+    }
+  }
+}
+
+/* The length of rod that a pair stands for; on the tip, that of its point contact. */
+static PetscReal ShareOf(const struct _Strands3 *self, const Pair *pair) {
+  const PetscReal *s = self->scene->mesh.s;
+  PetscInt cell = pair->at.cell;
+
+  if (IsTip(self, pair->sample)) return self->contact->tip;
+  return Between(self->g, cell, pair->at.z) * (s[cell + 1] - s[cell]) / (2 * self->each);
+}
+
+/* Where a pair is, and its gap. */
+static void PairPlace(const struct _Strands3 *self, Pair *pair) {
+  PetscReal o[3];
+
+  SampleSpot(self, pair->sample, &pair->at);
+  FootFrom(self, pair->at.x, &pair->foot, &pair->ends);
+  for (int d = 0; d < 3; d++) o[d] = pair->at.x[d] - pair->foot.x[d];
+  pair->distance = PetscSqrtReal(Dot(o, o));
+  for (int d = 0; d < 3; d++) pair->n[d] = o[d] / pair->distance;
+  pair->gap = pair->distance - self->contact->diameter;
+  pair->apart =
+      (PetscBool)(PetscAbsReal(ArcAt(self, &pair->at) - ArcAt(self, &pair->foot)) >= self->apart);
+  pair->active =
+      (PetscBool)(pair->gap < self->contact->smooth && pair->apart && pair->distance > 0);
+}
+
+/* V = v - v_foot, whole, and across n. */
+static void PairSlip(const struct _Strands3 *self, Pair *pair, PetscReal V[3]) {
+  PetscReal normal;
+  Motion at, foot;
+
+  MotionOf(self, &pair->at, &at);
+  MotionOf(self, &pair->foot, &foot);
+  for (int d = 0; d < 3; d++) V[d] = at.v[d] - foot.v[d];
+  normal = Dot(pair->n, V);
+  for (int d = 0; d < 3; d++) pair->slip[d] = V[d] - normal * pair->n[d];
+  pair->slip[3] = 0;
+}
+
+/* The force on the sample, per length of rod that it stands for:  f = p (n - mu w). */
+static void PairForce(const struct _Strands3 *self, const Pair *pair, PetscReal f[3]) {
+  for (int d = 0; d < 3; d++) f[d] = pair->p * (pair->n[d] - self->contact->friction * pair->w[d]);
+}
+
+/* Hands a force on a place to the points around it, as load per label, n' = load. */
+static void HandTo(Strands3 self, const Spot *spot, PetscReal share, const PetscReal f[3]) {
+  Spread spread;
+
+  SpreadAt(self->points, spot->cell, spot->z, &spread);
+  for (int k = 0; k < 4; k++)
+    for (int d = 0; d < 3; d++)
+      self->force[spread.point[k]][d] -=
+          share * f[d] * spread.share[k] / self->weight[spread.point[k]];
+}
+
+static void HandOut(Strands3 self, const Pair *pair, const PetscReal f[3]) {
+  const PetscReal share = ShareOf(self, pair);
+
+  if (IsTip(self, pair->sample))
+    for (int d = 0; d < 3; d++) self->force[self->points][d] += share * f[d];
+  else
+    HandTo(self, &pair->at, share, f);
+  HandTo(self, &pair->foot, -share, f);
+}
+
+static void AddToSum(Strands3 self, const Pair *pair) {
+  StrandSum3 *sum = &self->sum;
+  PetscReal share = ShareOf(self, pair), U = ContactEnergy(self->contact, pair->gap),
+            U_t = ContactEnergyRate(self->contact, pair->gap);
+
+  sum->energy += share * U;
+  sum->strain += share * U_t;
+  if (IsTip(self, pair->sample))
+    sum->strain += self->contact->tip_t * U;
+  else {
+    const PetscReal *s = self->scene->mesh.s;
+    PetscInt cell = pair->at.cell;
+    sum->strain +=
+        Between(self->strain, cell, pair->at.z) * (s[cell + 1] - s[cell]) / (2 * self->each) * U;
+  }
+  sum->normal += share * pair->p;
+  sum->loss += share * self->contact->friction * pair->p * Dot(pair->w, pair->slip);
+  sum->depth = PetscMax(sum->depth, -pair->gap);
+}
+
+static void Nearest(Strands3 self, const Pair *pair) {
+  const PetscReal *s = self->scene->mesh.s;
+  const Spot *spot[2] = {&pair->at, &pair->foot};
+
+  if (!pair->apart || pair->gap >= self->sum.nearest) return;
+  self->sum.nearest = pair->gap;
+  for (int k = 0; k < 2; k++)
+    self->sum.at[k] = s[spot[k]->cell] + spot[k]->z * (s[spot[k]->cell + 1] - s[spot[k]->cell]);
+  for (int d = 0; d < 3; d++) self->sum.x[d] = (pair->at.x[d] + pair->foot.x[d]) / 2;
+}
+
+/* How many zones of contact there are: samples, one after the other, that touch what lies farther
+   along the rod. */
+static PetscInt Zones(const struct _Strands3 *self) {
+  PetscInt zones = 0, before = -2;
+
+  for (PetscInt sample = 0; sample < self->samples; sample++)
+    for (PetscInt k = self->first[sample]; k >= 0; k = self->pair[k].next) {
+      const Pair *pair = &self->pair[k];
+      if (!pair->active || pair->gap > 0 || pair->foot.cell < pair->at.cell) continue;
+      zones += before < sample - 1;
+      before = sample;
+    }
+  return zones;
+}
+
+/*
+  Strands3Load - finds the feet of all pairs and their forces, after a new search if nodes have
+  moved far since the last. Not collective: the same on every rank.
+*/
+PetscErrorCode Strands3Load(Strands3 self, const StrandState3 *state) {
+  PetscReal f[3], V[3];
+
+  PetscFunctionBegin;
+  PetscCall(LawsAt(self, state->t));
+  JointsIn(self, state, NULL);
+  if (Moved(self)) PetscCall(Search(self));
+  PetscCall(PetscArrayzero(self->force, self->points + 1));
+  PetscCall(PetscMemzero(&self->sum, sizeof(self->sum)));
+  self->sum.nearest = PETSC_MAX_REAL;
+  for (PetscInt k = 0; k < self->n; k++) {
+    Pair *pair = &self->pair[k];
+    PairPlace(self, pair);
+    Nearest(self, pair);
+    if (!pair->active) continue;
+    pair->p = ContactPressure(self->contact, pair->gap, &pair->p_gap);
+    if (self->contact->friction > 0 && state->u_t) {
+      PairSlip(self, pair, V);
+      FrictionForce4(&self->contact->rub, pair->slip, &pair->dual, pair->w);
+    }
+    PairForce(self, pair, f);
+    HandOut(self, pair, f);
+    AddToSum(self, pair);
+  }
+  self->sum.zones = Zones(self);
+  for (int d = 0; d < 3; d++) {
+    self->sum.sum[d] = self->force[self->points][d];
+    for (PetscInt k = 0; k < self->points; k++)
+      self->sum.sum[d] -= self->force[k][d] * self->weight[k];
+  }
+  PetscFunctionReturn(0);
+}
+
+/* Strands3Forces - what Strands3Load() has found: what contact adds to n' at each point (2 cells +
+   1 of them), and behind them the force on the tip. Borrowed. */
+const PetscReal (*Strands3Forces(Strands3 self))[3] {
+  return (const PetscReal(*)[3])self->force;
+}
+
+/* Strands3Sum - the sums over all places in contact that Strands3Load() has found. */
+void Strands3Sum(Strands3 self, StrandSum3 *sum) {
+  *sum = self->sum;
+}
+
+/* ---- derivatives ---- */
+
+/* By the unknowns of one cell. */
+typedef PetscReal ByCell[3][STRAND3_CELL];
+
+/* The derivatives of a place at fixed z, and of x_z. */
+static void SpotSlope(const Ends *e, PetscReal z, ByCell by, ByCell slope_by) {
+  PetscReal value[4], slope[4], bend[4];
+
+  Hermite(z, value, slope, bend);
+  for (int d = 0; d < 3; d++)
+    for (int k = 0; k < 2; k++) {
+      const PetscReal *turn = e->joint[k].by[d], length = e->h * e->g[k];
+      PetscReal *to = by[d] + STRAND3_NODE * k, *slope_to = slope_by[d] + STRAND3_NODE * k;
+      for (int c = 0; c < 3; c++) {
+        to[c] = c == d ? value[2 * k] : 0;
+        slope_to[c] = c == d ? slope[2 * k] : 0;
+      }
+      for (int j = 0; j < 4; j++) {
+        to[3 + j] = value[2 * k + 1] * length * turn[j];
+        slope_to[3 + j] = slope[2 * k + 1] * length * turn[j];
+      }
+    }
+}
+
+/* The derivatives of its velocity at fixed z:  dv = ... + c dt,  dt = (I - t t^T) dx_z/|x_z|. */
+static void MotionSlope(const struct _Strands3 *self, const Spot *spot, const PetscReal shift[],
+                        ByCell by) {
+  PetscReal value[4], slope[4], bend[4];
+  ByCell x_by, z_by;
+  Motion m;
+  Ends e;
+
+  EndsOf(self, spot->cell, &e);
+  Hermite(spot->z, value, slope, bend);
+  SpotSlope(&e, spot->z, x_by, z_by);
+  MotionOf(self, spot, &m);
+  for (int f = 0; f < STRAND3_CELL; f++) {
+    const int k = f / STRAND3_NODE, j = f % STRAND3_NODE;
+    PetscReal along = m.t[0] * z_by[0][f] + m.t[1] * z_by[1][f] + m.t[2] * z_by[2][f];
+    for (int d = 0; d < 3; d++) {
+      by[d][f] = m.c * (z_by[d][f] - m.t[d] * along) / m.size;
+      if (j < 3)
+        by[d][f] += shift[j] * x_by[d][f];
+      else
+        by[d][f] += value[2 * k + 1] * e.h * e.joint[k].rate_by[d][j - 3];
+    }
+  }
+}
+
+/* How the pair's foot, normal, distance and slip change. */
+typedef struct {
+  PetscReal z[STRAND3_UNKNOWNS], n[3][STRAND3_UNKNOWNS], gap[STRAND3_UNKNOWNS],
+      slip[3][STRAND3_UNKNOWNS];
+} PairSlope;
+
+/*
+  With r = x - y the way from the foot to the sample, y_z and y_zz at the foot:
+    dz = (y_z.(dx - dy) + r.dy_z) / (y_z.y_z - r.y_zz),    dr = dx - dy - y_z dz,
+    dgap = n.dr,    dn = (dr - n dgap)/|r|.
+*/
+static void PlaceSlope(const struct _Strands3 *self, const Pair *pair, PairSlope *by) {
+  const PetscReal *slope = pair->foot.slope,
+                  r[3] = {pair->distance * pair->n[0], pair->distance * pair->n[1],
+                          pair->distance * pair->n[2]};
+  const PetscReal stiff = Dot(slope, slope) - Dot(r, pair->foot.bend);
+  ByCell x, y, y_z, skip;
+  Ends e;
+
+  EndsOf(self, pair->at.cell, &e);
+  SpotSlope(&e, pair->at.z, x, skip);
+  EndsOf(self, pair->foot.cell, &e);
+  SpotSlope(&e, pair->foot.z, y, y_z);
+  for (int f = 0; f < STRAND3_UNKNOWNS; f++) {
+    PetscBool of_foot = (PetscBool)(f >= STRAND3_CELL);
+    int g = f % STRAND3_CELL;
+    PetscReal dr[3];
+    for (int d = 0; d < 3; d++) dr[d] = of_foot ? -y[d][g] : x[d][g];
+    by->z[f] = 0;
+    if (!pair->ends) {
+      PetscReal turned = r[0] * y_z[0][g] + r[1] * y_z[1][g] + r[2] * y_z[2][g];
+      by->z[f] = (Dot(slope, dr) + (of_foot ? turned : 0)) / stiff;
+    }
+    for (int d = 0; d < 3; d++) dr[d] -= slope[d] * by->z[f];
+    by->gap[f] = Dot(pair->n, dr);
+    for (int d = 0; d < 3; d++) by->n[d][f] = (dr[d] - pair->n[d] * by->gap[f]) / pair->distance;
+  }
+}
+
+/* slip = V - n (n.V), V the relative velocity:  dslip = dV - n (n.dV + V.dn) - dn (n.V). */
+static void SlipSlope(const struct _Strands3 *self, Pair *pair, const PetscReal shift[],
+                      PairSlope *by) {
+  ByCell v[2];
+  PetscReal V[3], normal;
+  Motion foot;
+
+  PairSlip(self, pair, V);
+  normal = Dot(pair->n, V);
+  MotionOf(self, &pair->foot, &foot);
+  MotionSlope(self, &pair->at, shift, v[0]);
+  MotionSlope(self, &pair->foot, shift, v[1]);
+  for (int f = 0; f < STRAND3_UNKNOWNS; f++) {
+    int of_foot = f >= STRAND3_CELL, g = f % STRAND3_CELL;
+    PetscReal dV[3], dn[3] = {by->n[0][f], by->n[1][f], by->n[2][f]}, along;
+    for (int d = 0; d < 3; d++)
+      dV[d] = (of_foot ? -v[1][d][g] : v[0][d][g]) - foot.v_z[d] * by->z[f];
+    along = Dot(pair->n, dV) + Dot(V, dn);
+    for (int d = 0; d < 3; d++) by->slip[d][f] = dV[d] - pair->n[d] * along - dn[d] * normal;
+  }
+}
+
+/* df = dp (n - mu w) + p (dn - mu w' dslip) */
+static void ForceSlope(const struct _Strands3 *self, const Pair *pair, const PairSlope *by,
+                       PetscReal df[3][STRAND3_UNKNOWNS]) {
+  const PetscReal mu = self->contact->friction;
+
+  for (int d = 0; d < 3; d++)
+    for (int u = 0; u < STRAND3_UNKNOWNS; u++) {
+      PetscReal rub = pair->by[d][0] * by->slip[0][u] + pair->by[d][1] * by->slip[1][u] +
+                      pair->by[d][2] * by->slip[2][u];
+      df[d][u] = pair->p_gap * by->gap[u] * (pair->n[d] - mu * pair->w[d]) +
+                 pair->p * (by->n[d][u] - mu * rub);
+    }
+}
+
+/* The derivatives of what each taker takes. */
+static void TakersSlope(const struct _Strands3 *self, const Pair *pair, const PairSlope *by,
+                        StrandSlope3 *slope) {
+  const PetscReal share = ShareOf(self, pair);
+  PetscReal f[3], df[3][STRAND3_UNKNOWNS];
+  Spread at, foot;
+  int n = 4;
+
+  SpreadAt(self->points, pair->at.cell, pair->at.z, &at);
+  SpreadAt(self->points, pair->foot.cell, pair->foot.z, &foot);
+  PairForce(self, pair, f);
+  ForceSlope(self, pair, by, df);
+  slope->cell[0] = pair->at.cell;
+  slope->cell[1] = pair->foot.cell;
+  for (int k = 0; k < 4; k++) {
+    slope->taker[k] = foot.point[k];
+    for (int d = 0; d < 3; d++)
+      for (int u = 0; u < STRAND3_UNKNOWNS; u++)
+        slope->by[k][d][u] = share *
+                             (df[d][u] * foot.share[k] + f[d] * foot.share_z[k] * by->z[u]) /
+                             self->weight[foot.point[k]];
+  }
+  if (IsTip(self, pair->sample)) {
+    slope->taker[n] = self->points;
+    for (int d = 0; d < 3; d++)
+      for (int u = 0; u < STRAND3_UNKNOWNS; u++) slope->by[n][d][u] = share * df[d][u];
+    n++;
+  } else
+    for (int k = 0; k < 4; k++, n++) {
+      slope->taker[n] = at.point[k];
+      for (int d = 0; d < 3; d++)
+        for (int u = 0; u < STRAND3_UNKNOWNS; u++)
+          slope->by[n][d][u] = -share * at.share[k] * df[d][u] / self->weight[at.point[k]];
+    }
+  slope->takers = n;
+}
+
+/*
+  Strands3Linearise - the derivatives of the forces that Strands3Load() found in the same state. Not
+  collective: the same on every rank.
+
+  shift   of the rates of x and p: du_t/du
+  fresh   a Newton solve begins
+  n       how many contacts there are; slopes: of each, borrowed
+*/
+PetscErrorCode Strands3Linearise(Strands3 self, const StrandState3 *state,
+                                 const PetscReal shift[STRAND3_NODE], PetscBool fresh, PetscInt *n,
+                                 const StrandSlope3 **slopes) {
+  PetscFunctionBegin;
+  if (self->slopes_room < self->n) {
+    self->slopes_room = self->room;
+    PetscCall(PetscFree(self->slopes));
+    PetscCall(PetscMalloc1(self->slopes_room, &self->slopes));
+  }
+  *n = 0;
+  *slopes = self->slopes;
+  JointsIn(self, state, shift);
+  for (PetscInt k = 0; k < self->n; k++) {
+    Pair *pair = &self->pair[k];
+    PairSlope by = {.z = {0}};
+    if (!pair->active) continue;
+    PlaceSlope(self, pair, &by);
+    if (self->contact->friction > 0) {
+      SlipSlope(self, pair, shift, &by);
+      FrictionLinearise4(&self->contact->rub, pair->slip, fresh, &pair->dual, pair->by);
+    }
+    TakersSlope(self, pair, &by, &self->slopes[(*n)++]);
+  }
+  PetscFunctionReturn(0);
+}
+
+/* Strands3Near - the cells of all pairs that are near to touching: of the sample, of the foot, each
+   once. The caller frees them. */
+PetscErrorCode Strands3Near(Strands3 self, PetscInt *n, PetscInt (**cells)[2]) {
+  PetscInt m = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(self->n, cells));
+  for (PetscInt k = 0; k < self->n; k++) {
+    const PetscInt a = self->pair[k].at.cell, b = self->pair[k].foot.cell;
+    PetscInt seen = m - 1;
+    while (seen >= 0 && m - seen <= 2 * self->each &&
+           ((*cells)[seen][0] != a || (*cells)[seen][1] != b))
+      seen--;
+    if (seen >= 0 && (*cells)[seen][0] == a && (*cells)[seen][1] == b) continue;
+    (*cells)[m][0] = a;
+    (*cells)[m++][1] = b;
+  }
+  *n = m;
+  PetscFunctionReturn(0);
+}
+
+/* ---- life ---- */
+
+/* The parts of the rod's labels that the points stand for, by Simpson's rule. */
+static void Weights(Strands3 self) {
+  const PetscReal *s = self->scene->mesh.s;
+
+  for (PetscInt i = 0; i < self->cells; i++) {
+    PetscReal h = s[i + 1] - s[i];
+    self->weight[2 * i] += h / 6;
+    self->weight[2 * i + 1] += 4 * h / 6;
+    self->weight[2 * i + 2] += h / 6;
+  }
+}
+
+/* How many samples a cell has, so that they are close when the rod is longest. */
+static PetscErrorCode SamplesOf(Scene scene, PetscInt *each) {
+  const PetscInt cells = scene->mesh.cells;
+  PetscReal *arc, longest = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(cells + 1, &arc));
+  PetscCall(GrowthArc(scene->growth, cells + 1, scene->mesh.s, scene->end_time, arc, NULL));
+  for (PetscInt i = 0; i < cells; i++) longest = PetscMax(longest, arc[i + 1] - arc[i]);
+  PetscCall(PetscFree(arc));
+  *each = 1 + (PetscInt)PetscMin(MOST_SAMPLES - 1, longest / (fine * scene->contact.diameter));
+  PetscFunctionReturn(0);
+}
+
+/* Strands3Create - for a rod of a scene that has -contact_self, which must outlive it. Not
+   collective; the caller destroys it with Strands3Destroy(). */
+PetscErrorCode Strands3Create(Scene scene, Strands3 *strands) {
+  const PetscInt cells = scene->mesh.cells, n = 2 * cells + 1;
+  Strands3 self;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&self));
+  *strands = self;
+  self->scene = scene;
+  self->contact = &scene->contact;
+  self->cells = cells;
+  self->points = n;
+  PetscCall(SamplesOf(scene, &self->each));
+  self->samples = cells * self->each + 1;
+  self->apart = PETSC_PI / 2 * scene->contact.diameter;
+  self->time = PETSC_MIN_REAL;
+  PetscCall(PetscCalloc6(n, &self->g, n, &self->g_t, n, &self->c, n, &self->strain, cells + 1,
+                         &self->arc, n, &self->weight));
+  PetscCall(PetscCalloc4(self->samples, &self->first, 3 * (cells + 1), &self->seen, n + 1,
+                         &self->force, cells + 1, &self->joint));
+  for (PetscInt k = 0; k < self->samples; k++) self->first[k] = -1;
+  for (PetscInt k = 0; k < 3 * (cells + 1); k++) self->seen[k] = PETSC_MAX_REAL;
+  Weights(self);
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode Strands3Destroy(Strands3 *strands) {
+  Strands3 self = *strands;
+
+  PetscFunctionBegin;
+  if (!self) PetscFunctionReturn(0);
+  PetscCall(PetscFree6(self->g, self->g_t, self->c, self->strain, self->arc, self->weight));
+  PetscCall(PetscFree4(self->first, self->seen, self->force, self->joint));
+  PetscCall(PetscFree(self->pair));
+  PetscCall(PetscFree(self->slopes));
+  PetscCall(PetscFree(*strands));
+  PetscFunctionReturn(0);
+}

@@ -1,0 +1,147 @@
+/* Strands of a rod in space that press on each other: Jacobians by rate, forces and moments that
+   cancel, and their work, which is that of the energy. */
+#include "rod/by_rate.h"
+#include "rod/directors.h"
+#include "rod/strands_space.h"
+
+/* A helix whose coils lie on each other; and one that is wide, bent back so that a strand crosses
+   others. */
+static const char *const coils =
+    "-growth_type feed -growth_initial_length 1.9 -ts_max_time 2 "
+    "-rod_curvature 8 -rod_twist 0.9 -contact_self "
+    "-contact_diameter 0.09 -contact_stiffness 300 -shape_type straight";
+
+static void Create(const char *more, PetscInt cells, Scene *scene, Rod *rod) {
+  SetOptions("%s %s -rod_cells %d -friction_mu 0.7 -friction_beta 0.1 -friction_newton primal",
+             coils, more, (int)cells);
+  CHECK(SceneCreate(scene));
+  (*scene)->space.rod = PETSC_TRUE;
+  CHECK(RodCreate(*scene, &rod_space, rod));
+}
+
+static void Destroy(Scene *scene, Rod *rod) {
+  CHECK(RodDestroy(rod));
+  CHECK(SceneDestroy(scene));
+}
+
+static void TestJacobians(void **state) {
+  static const char *const mores[] = {"", "-contact_friction 0.6", "-rod_order 2",
+                                      "-contact_friction 0.6 -growth_type uniform"};
+  for (int k = 0; k < 4; k++) {
+    const PetscReal shift = 1.7;
+    Scene scene;
+    Rod rod;
+    Vec U, U_t, w;
+    Mat J;
+    Create(mores[k], 40, &scene, &rod);
+    ShakenState(rod, 0, 3e-3, &U, &U_t);
+    w = RandomVector(rod, 3, 1);
+    CHECK(RodCreateMatrix(rod, &J));
+    CHECK(RodResidual(NULL, 0, U, U_t, w, rod));
+    CHECK(VecDestroy(&w));
+    w = RandomVector(rod, 3, 1);
+    CHECK(RodJacobian(NULL, 0, U, U_t, shift, J, J, rod));
+    ExpectRate(rod, 0, U, U_t, shift, J, w, 1e-6, 0.2, mores[k]);
+    CHECK(MatDestroy(&J));
+    CHECK(VecDestroy(&U));
+    CHECK(VecDestroy(&U_t));
+    CHECK(VecDestroy(&w));
+    Destroy(&scene, &rod);
+  }
+}
+
+/* The nodes of the coils, drawn out by e along x1 and moved with e across, on every rank. */
+static void Coils(Rod rod, PetscReal t, PetscReal e, Node *nodes) {
+  CHECK(RodInitialNodes(rod, t, nodes));
+  for (PetscInt i = 0; i <= rod->last; i++) {
+    const PetscReal s = rod->scene->mesh.s[i];
+    nodes[i].x3[0] += e * s * s;
+    nodes[i].x3[1] += e * sin(3 * s);
+  }
+}
+
+/* Where a point of the rod is: a node, or the middle behind it, as the collocation has it. */
+static PetscReal PointAt(Rod rod, const Node *nodes, const PetscReal *g, PetscInt k, int d) {
+  const PetscReal *s = rod->scene->mesh.s;
+  const Node *a = nodes + k / 2, *b = a + 1;
+  PetscReal da[3][3], db[3][3];
+
+  if (k % 2 == 0) return a->x3[d];
+  Directors(a->p, QuaternionSize(a->p), da);
+  Directors(b->p, QuaternionSize(b->p), db);
+  return (a->x3[d] + b->x3[d]) / 2 +
+         (s[k / 2 + 1] - s[k / 2]) / 8 * (g[k / 2] * da[0][d] - g[k / 2 + 1] * db[0][d]);
+}
+
+/* The relative error of the work of the forces when the coils move, against the energy; forces and
+   moments cancel. */
+static PetscReal WorkError(PetscInt cells) {
+  const PetscReal t = 0, e = 1e-6;
+  PetscReal energy[3], work = 0, moment[3] = {0}, lever = 0, *g, *g_t;
+  const PetscReal(*force)[3] = NULL;
+  Node *nodes[3];
+  Strands3 strands;
+  StrandSum3 sum;
+  Scene scene;
+  Rod rod;
+
+  Create("-contact_friction 0", cells, &scene, &rod);
+  CHECK(Strands3Create(scene, &strands));
+  CHECK(PetscMalloc2(cells + 1, &g, cells + 1, &g_t));
+  CHECK(GrowthStretch(scene->growth, cells + 1, scene->mesh.s, t, g, g_t, NULL));
+  for (int k = 0; k < 3; k++) {
+    int which = k == 2 ? 1 : 2 * k; /* the forces of the one between are seen last */
+    StrandState3 state = {.t = t, .stride = NODE_VALUES};
+    CHECK(PetscCalloc1(cells + 1, &nodes[which]));
+    Coils(rod, t, (which - 1) * e, nodes[which]);
+    state.u = nodes[which][0].x3;
+    CHECK(Strands3Search(strands, &state));
+    CHECK(Strands3Load(strands, &state));
+    Strands3Sum(strands, &sum);
+    energy[which] = sum.energy;
+  }
+  force = Strands3Forces(strands);
+  EXPECT(sum.normal > 0.01, "nothing touches: %g", sum.normal);
+  for (PetscInt k = 0; k <= 2 * cells + 1; k++) {
+    const PetscReal *s = scene->mesh.s;
+    PetscInt at = PetscMin(k, 2 * cells), i = at / 2;
+    PetscReal x[3],
+        weight = k > 2 * cells ? -1
+                 : at % 2      ? 4 * (s[i + 1] - s[i]) / 6
+                          : ((i ? s[i] - s[i - 1] : 0) + (i < cells ? s[i + 1] - s[i] : 0)) / 6;
+    for (int d = 0; d < 3; d++) {
+      x[d] = PointAt(rod, nodes[1], g, at, d);
+      work -= weight * force[k][d] *
+              (PointAt(rod, nodes[2], g, at, d) - PointAt(rod, nodes[0], g, at, d));
+    }
+    for (int d = 0; d < 3; d++) {
+      int b = (d + 1) % 3, c = (d + 2) % 3;
+      moment[d] += weight * (x[b] * force[k][c] - x[c] * force[k][b]);
+      lever += PetscAbsReal(weight * x[b] * force[k][c]);
+    }
+  }
+  for (int d = 0; d < 3; d++) {
+    EXPECT(PetscAbsReal(sum.sum[d]) < 1e-12 * sum.normal, "sum %g of %g", sum.sum[d], sum.normal);
+    EXPECT(PetscAbsReal(moment[d]) < 3e-3 * lever, "moment %g of %g", moment[d], lever);
+  }
+  for (int k = 0; k < 3; k++) CHECK(PetscFree(nodes[k]));
+  CHECK(PetscFree2(g, g_t));
+  CHECK(Strands3Destroy(&strands));
+  Destroy(&scene, &rod);
+  return PetscAbsReal(work / (energy[0] - energy[2]) - 1);
+}
+
+static void TestConservative(void **state) {
+  PetscMPIInt ranks;
+  PetscReal coarse, fine;
+  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
+  if (ranks > 1) return;
+  coarse = WorkError(50);
+  fine = WorkError(100);
+  print_message("work of strands off by %g, %g\n", (double)coarse, (double)fine);
+  EXPECT(fine < 1e-3 && fine < coarse / 4, "off by %g, %g", coarse, fine);
+}
+
+static const struct CMUnitTest tests[] = {cmocka_unit_test(TestJacobians),
+                                          cmocka_unit_test(TestConservative)};
+MAIN(tests)
