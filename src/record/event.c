@@ -1,4 +1,5 @@
 #include "record/event.h"
+#include "rod/directors.h"
 #include "base/boxes.h"
 
 static const OptionRow rows[] = {
@@ -153,6 +154,17 @@ static PetscErrorCode LookForContact(Observer observer, Scene scene, PetscReal t
   PetscFunctionReturn(0);
 }
 
+/* The force by which the rod is pushed along itself at a node, -n.q. */
+static PetscReal PushAt(const Node *node) {
+  const PetscReal *n = node->force, *m = node->n3, theta = node->theta,
+                  size = QuaternionSize(node->p);
+  PetscReal d[3][3];
+
+  if (size == 0) return -n[0] * PetscCosReal(theta) - n[1] * PetscSinReal(theta); /* in a plane */
+  Directors(node->p, size, d);
+  return -m[0] * d[0][0] - m[1] * d[0][1] - m[2] * d[0][2];
+}
+
 /*
   PushLargest - the largest force by which the rod is pushed along itself, -n.q, and the node where
   it is. Not collective.
@@ -163,8 +175,7 @@ PetscReal PushLargest(PetscInt cells, const Node *nodes, PetscInt *where) {
   PetscReal push = PETSC_MIN_REAL;
 
   for (PetscInt i = 0; i <= cells; i++) {
-    const PetscReal *n = nodes[i].force, theta = nodes[i].theta,
-                    here = -n[0] * PetscCosReal(theta) - n[1] * PetscSinReal(theta);
+    const PetscReal here = PushAt(&nodes[i]);
     if (here <= push) continue;
     push = here;
     *where = i;

@@ -35,7 +35,7 @@ struct _Observer {
   /* rank 0, in a scene with contact: NULL else */
   Touching touching;
   TouchSum contact;
-  const PetscReal (*push)[2]; /* force of contact per length */
+  const PetscReal (*push)[3]; /* force of contact per length */
 };
 
 /* ObserverCreate - what measures the states of a run of this scene, which must outlive it; nothing
@@ -241,8 +241,16 @@ static void AddContact(Observer self, Observation *seen) {
   seen->contact_energy = contact->energy;
   seen->penetration = contact->depth;
   seen->contacts = contact->zones;
-  seen->wall_force_1 = LabX1(self->scene, contact->wall);
-  seen->wall_force_2 = LabX2(self->scene, contact->wall);
+  if (self->scene->space.rod) {
+    PetscReal lab[3];
+    SpaceToLab(&self->scene->space, contact->wall, lab);
+    seen->wall_force_1 = lab[0];
+    seen->wall_force_2 = lab[1];
+    seen->wall_force_3 = lab[2];
+  } else {
+    seen->wall_force_1 = LabX1(self->scene, contact->wall);
+    seen->wall_force_2 = LabX2(self->scene, contact->wall);
+  }
   seen->dissipation += contact->loss;
   seen->growth_power += contact->strain;
 }
@@ -291,7 +299,8 @@ static PetscErrorCode MeasureIntegrals(Observer self, PetscReal t, const Piece *
   PetscFunctionBegin;
   if (piece->end < piece->first) PetscFunctionReturn(0);
   if (scene->space.rod) {
-    PetscCall(ObserveSpace(scene, t, piece->first, piece->end, piece->node, seen));
+    PetscCall(ObserveSpace(scene, t, piece->first, piece->end, piece->node, self->push,
+                           self->contact.tip, seen));
     PetscFunctionReturn(0);
   }
   PlanePart(&piece->node[0], &b.node);
@@ -498,7 +507,7 @@ static PetscErrorCode LookAtContact(Observer self, PetscReal t, const Node *node
    nodes and between them (2 cells + 1, in the clamp's frame; friction is left out: rates are not
    known). Not collective; borrowed. */
 PetscErrorCode ObserverContact(Observer observer, PetscReal t, const Node *nodes,
-                               const PetscReal (**force)[2]) {
+                               const PetscReal (**force)[3]) {
   PetscFunctionBegin;
   PetscCall(LookAtContact(observer, t, nodes, PETSC_FALSE));
   if (observer->touching) PetscCall(TouchingShow(observer->touching, t));

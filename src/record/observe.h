@@ -55,6 +55,7 @@
   X(base_moment_2, "N l^2", "moment of the clamp on the rod about x2, -m2(0)")                     \
   X(base_moment_3, "N l^2", "moment of the clamp on the rod about x3, -m3(0)")                     \
   X(tip_force_3, "N l", "force on the tip along x3, n3(1)")                                        \
+  X(wall_force_3, "N l", "force of the walls on the rod along x3")                                 \
   X(tip_spin, "V/l", "rate at which the material at the tip turns about its tangent")              \
   X(clamp_power, "N l V", "power of the turning clamp")
 
@@ -78,13 +79,14 @@ enum { BALANCE_STATE = BALANCE_PARTS * BALANCE_POINTS + BALANCE_SUMS + 1 };
 
 PetscInt ObservedOf(Scene scene);
 PetscErrorCode ObserveSpace(Scene scene, PetscReal t, PetscInt first, PetscInt end,
-                            const Node node[], Observation *seen);
+                            const Node node[], const PetscReal (*push)[3], const PetscReal tip[3],
+                            Observation *seen);
 PetscErrorCode ObserverCreate(Scene scene, Observer *observer);
 PetscErrorCode ObserverDestroy(Observer *observer);
 PetscErrorCode ObserverGather(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t,
                               const Node **nodes);
 PetscErrorCode ObserverContact(Observer observer, PetscReal t, const Node *nodes,
-                               const PetscReal (**force)[2]);
+                               const PetscReal (**force)[3]);
 PetscErrorCode ObserverTouch(Observer observer, PetscReal t, const Node *nodes, TouchSum *sum);
 PetscErrorCode ObserverMeasure(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t,
                                Observation *seen);

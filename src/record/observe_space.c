@@ -11,6 +11,7 @@ typedef struct {
   PetscReal u0[3], u0_t[3];           /* natural strains, likewise */
   PetscReal d[3][3], moment[3], u[3]; /* directors; moment and strains about them */
   PetscReal spin, F[RUBS];            /* about the tangent; load of friction */
+  const PetscReal *push;              /* the force of contact per length, NULL: none */
   Place3 at;
 } Sample3;
 
@@ -66,7 +67,8 @@ static void AddEnd(Scene scene, const Sample3 *p, PetscReal k, Node *mid) {
     mid->x3[i] += n->x3[i] / 2 + k * p->g * q[i];
     mid->x3_t[i] += n->x3_t[i] / 2 + k * (p->g_t * q[i] + p->g * d1_t);
     mid->m3[i] += n->m3[i] / 2 - k * p->g * (q[j] * n->n3[l] - q[l] * n->n3[j] - p->F[SPIN] * q[i]);
-    mid->n3[i] += n->n3[i] / 2 + k * p->g * (p->F[i] - scene->load.weight[i]);
+    mid->n3[i] +=
+        n->n3[i] / 2 + k * p->g * (p->F[i] - scene->load.weight[i] - (p->push ? p->push[i] : 0));
   }
 }
 
@@ -138,13 +140,15 @@ static void MeasureClamp3(Scene scene, const Sample3 *p, Observation *seen) {
   seen->clamp_power = -p->node.m3[0] * scene->space.spin;
 }
 
-static void MeasureTip3(Scene scene, const Sample3 *p, Observation *seen) {
+/* contact is its force on the tip. */
+static void MeasureTip3(Scene scene, const Sample3 *p, const PetscReal contact[3],
+                        Observation *seen) {
   const Node *tip = &p->node;
   PetscReal lab[3];
 
   seen->tip_speed = PetscSqrtReal(Dot3(p->at.W, p->at.W));
   seen->tip_spin = p->spin;
-  seen->tip_power = Dot3(tip->n3, p->at.W) + p->moment[0] * p->spin;
+  seen->tip_power = Dot3(tip->n3, p->at.W) - Dot3(contact, p->at.W) + p->moment[0] * p->spin;
   SpaceToLab(&scene->space, tip->x3, lab);
   seen->tip_x1 = lab[0];
   seen->tip_x2 = lab[1];
@@ -175,20 +179,25 @@ static void MeasureMiddle3(PetscReal z, const Sample3 *a, const Sample3 *mid, co
   is read at its ends, added to seen. Not collective.
 
   first, end  its nodes      node  that of first
+  push        force of contact per length at nodes and between them, from the rod's first; or NULL
+  tip         force of contact on the tip
 */
 PetscErrorCode ObserveSpace(Scene scene, PetscReal t, PetscInt first, PetscInt end,
-                            const Node node[], Observation *seen) {
+                            const Node node[], const PetscReal (*push)[3], const PetscReal tip[3],
+                            Observation *seen) {
   const PetscReal *s = scene->mesh.s;
   Sample3 a, b, mid;
 
   PetscFunctionBegin;
   b.node = node[0];
+  b.push = push ? push[2 * first] : NULL;
   PetscCall(Fill(scene, s[first], t, &b));
   if (!first) MeasureClamp3(scene, &b, seen);
   for (PetscInt i = first; i < end; i++) {
     PetscReal h = s[i + 1] - s[i];
     a = b;
     b.node = node[i + 1 - first];
+    b.push = push ? push[2 * i + 2] : NULL;
     PetscCall(Fill(scene, s[i + 1], t, &b));
     PetscCall(PetscMemzero(&mid, sizeof(mid)));
     AddEnd(scene, &a, h / 8, &mid.node);
@@ -200,6 +209,6 @@ PetscErrorCode ObserveSpace(Scene scene, PetscReal t, PetscInt first, PetscInt e
     seen->link += TurnedBetween(&a.node, &b.node);
     if (s[i] < 0.5 && s[i + 1] >= 0.5) MeasureMiddle3((0.5 - s[i]) / h, &a, &mid, &b, seen);
   }
-  if (end == scene->mesh.cells) MeasureTip3(scene, &b, seen);
+  if (end == scene->mesh.cells) MeasureTip3(scene, &b, tip, seen);
   PetscFunctionReturn(0);
 }

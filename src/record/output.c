@@ -19,7 +19,7 @@ const struct ShapeSet shape_sets[SHAPE_SETS] = {
     {"/shapes/contact", "N", "force of contact per length, on the rod; without friction [k, n, 2]",
      2}};
 /* ... of a rod in space. */
-enum { SHAPES = 12 };
+enum { SHAPES = 13, CONTACT_3 = SHAPES - 1 };
 static const struct ShapeSet space_sets[SHAPES] = {
     {"/shapes/t", "l/V", "times of the stored shapes", 0},
     {"/shapes/x", "l", "position x1, x2, x3 [k, n, 3]", 3},
@@ -32,7 +32,9 @@ static const struct ShapeSet space_sets[SHAPES] = {
     {"/shapes/d1", "1", "director d1, the tangent [k, n, 3]", 3},
     {"/shapes/d2", "1", "director d2 of the cross-section [k, n, 3]", 3},
     {"/shapes/d3", "1", "director d3 of the cross-section [k, n, 3]", 3},
-    {"/shapes/curvature", "1/l", "curvature of the centre line, |u2, u3| [k, n]", 1}};
+    {"/shapes/curvature", "1/l", "curvature of the centre line, |u2, u3| [k, n]", 1},
+    {"/shapes/contact", "N", "force of contact per length, on the rod; without friction [k, n, 3]",
+     3}};
 
 static const char *const meaning_of_units =
     "l = (YI/N)^(1/3), N the friction per length at the speed V of the tip, YI the bending "
@@ -68,7 +70,7 @@ struct _Output {
 
 /* How many sets there are. */
 static int Sets(Output self) {
-  if (self->scene->space.rod) return SHAPES;
+  if (self->scene->space.rod) return self->scene->contact.any ? SHAPES : CONTACT_3;
   return self->scene->contact.any ? PLANE : CONTACT;
 }
 
@@ -624,28 +626,28 @@ PetscErrorCode OutputSeries(Output self, const Observation *seen) {
    have, times half of the lengths of their cells, adds up to what there is. (Where contact is
    stiff, that at the node itself may be far from that beside it.) */
 static PetscErrorCode ContactAbout(Scene scene, PetscReal t, PetscInt i, PetscReal g,
-                                   const PetscReal (*contact)[2], PetscReal about[2]) {
+                                   const PetscReal (*contact)[3], PetscReal about[3]) {
   const PetscReal *s = scene->mesh.s;
   PetscReal length = 0, h, z, g_mid;
 
   PetscFunctionBegin;
-  about[0] = about[1] = 0;
+  about[0] = about[1] = about[2] = 0;
   for (PetscInt side = -1; side <= 1; side += 2) {
     if (i + side < 0 || i + side > scene->mesh.cells) continue;
     h = PetscAbsReal(s[i + side] - s[i]);
     z = (s[i + side] + s[i]) / 2;
     PetscCall(GrowthStretch(scene->growth, 1, &z, t, &g_mid, NULL, NULL));
     length += h / 2 * g;
-    for (int d = 0; d < 2; d++)
+    for (int d = 0; d < 3; d++)
       about[d] += h / 6 * (g * contact[2 * i][d] + 2 * g_mid * contact[2 * i + side][d]);
   }
-  for (int d = 0; d < 2; d++) about[d] /= length;
+  for (int d = 0; d < 3; d++) about[d] /= length;
   PetscFunctionReturn(0);
 }
 
 /* A node of a rod in space, as entry i of each set. */
 static PetscErrorCode ShapeNode3(Scene scene, PetscReal t, PetscInt i, const Node *node,
-                                 PetscReal *b[SHAPES]) {
+                                 const PetscReal (*contact)[3], PetscReal *b[SHAPES]) {
   const PetscReal s = scene->mesh.s[i];
   PetscReal d[3][3], B, S[3], g, *u = b[3] + 3 * i, *u0 = b[5] + 3 * i;
 
@@ -665,13 +667,18 @@ static PetscErrorCode ShapeNode3(Scene scene, PetscReal t, PetscInt i, const Nod
   b[6][i] = g;
   SpaceToLab(&scene->space, node->m3, b[7] + 3 * i);
   b[11][i] = PetscSqrtReal(u[1] * u[1] + u[2] * u[2]);
+  if (contact) {
+    PetscReal about[3];
+    PetscCall(ContactAbout(scene, t, i, g, contact, about));
+    SpaceToLab(&scene->space, about, b[CONTACT_3] + 3 * i);
+  }
   PetscFunctionReturn(0);
 }
 
 /* OutputShape - adds the shape at one time. nodes are rank 0's; contact is the force of contact per
    length at nodes and between them, NULL if the scene has none. */
 PetscErrorCode OutputShape(Output self, PetscReal t, const Node *nodes,
-                           const PetscReal (*contact)[2]) {
+                           const PetscReal (*contact)[3]) {
   PetscInt n = self->scene->mesh.cells + 1, k = self->shapes_n, room = self->shapes_room;
   PetscReal *b[SHAPES], k0, g, B;
 
@@ -688,7 +695,7 @@ PetscErrorCode OutputShape(Output self, PetscReal t, const Node *nodes,
   for (PetscInt i = 0; i < n; i++) {
     const PetscReal s = self->scene->mesh.s[i];
     if (self->scene->space.rod) {
-      PetscCall(ShapeNode3(self->scene, t, i, &nodes[i], b));
+      PetscCall(ShapeNode3(self->scene, t, i, &nodes[i], contact, b));
       continue;
     }
     PetscCall(SceneCurvature(self->scene, s, t, &k0, NULL));
@@ -701,7 +708,7 @@ PetscErrorCode OutputShape(Output self, PetscReal t, const Node *nodes,
     b[5][i] = k0;
     b[6][i] = g;
     if (contact) {
-      PetscReal about[2];
+      PetscReal about[3];
       PetscCall(ContactAbout(self->scene, t, i, g, contact, about));
       Turn(self->scene, about, b[CONTACT] + 2 * i);
     }

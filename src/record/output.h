@@ -31,7 +31,7 @@ PetscErrorCode OutputKeep(Output output, PetscBool series, PetscBool shapes);
 PetscErrorCode OutputHarvest(Output output, const Observation *last, Harvest *harvest);
 PetscErrorCode OutputSeries(Output output, const Observation *seen);
 PetscErrorCode OutputShape(Output output, PetscReal t, const Node *nodes,
-                           const PetscReal (*contact)[2]);
+                           const PetscReal (*contact)[3]);
 PetscErrorCode OutputEvent(Output output, const Event *event);
 PetscErrorCode OutputInterrupted(Output output, const char *by);
 PetscBool OutputStores(Output output);

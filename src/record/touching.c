@@ -2,8 +2,9 @@
 
 struct _Touching {
   Scene scene;
-  Strands strands;       /* NULL: the rod does not touch itself */
-  PetscReal (*force)[2]; /* per length, at nodes and middles of cells */
+  Strands strands;       /* of a rod in the plane, NULL: it does not touch itself */
+  Strands3 strands3;     /* of a rod in space, likewise */
+  PetscReal (*force)[3]; /* per length, at nodes and middles of cells */
   PetscInt feet, room;   /* cells that have feet, in their order */
   TouchFeet *foot;
 };
@@ -15,7 +16,10 @@ PetscErrorCode TouchingCreate(Scene scene, Touching *touching) {
   PetscCall(PetscNew(touching));
   (*touching)->scene = scene;
   PetscCall(PetscMalloc1(2 * scene->mesh.cells + 1, &(*touching)->force));
-  if (scene->contact.self) PetscCall(StrandsCreate(scene, &(*touching)->strands));
+  if (scene->contact.self && scene->space.rod)
+    PetscCall(Strands3Create(scene, &(*touching)->strands3));
+  else if (scene->contact.self)
+    PetscCall(StrandsCreate(scene, &(*touching)->strands));
   PetscFunctionReturn(0);
 }
 
@@ -23,6 +27,7 @@ PetscErrorCode TouchingDestroy(Touching *touching) {
   PetscFunctionBegin;
   if (!*touching) PetscFunctionReturn(0);
   PetscCall(StrandsDestroy(&(*touching)->strands));
+  PetscCall(Strands3Destroy(&(*touching)->strands3));
   PetscCall(PetscFree((*touching)->force));
   PetscCall(PetscFree((*touching)->foot));
   PetscCall(PetscFree(*touching));
@@ -259,14 +264,50 @@ static PetscErrorCode LookAtStrands(Touching self, PetscReal t, const Node *node
   PetscFunctionReturn(0);
 }
 
+/* The same of a rod in space. */
+static PetscErrorCode LookAtStrands3(Touching self, PetscReal t, const Node *nodes, PetscBool moves,
+                                     TouchSum *sum) {
+  const PetscReal *s = self->scene->mesh.s;
+  const PetscInt points = 2 * self->scene->mesh.cells + 1;
+  const PetscReal(*force)[3];
+  StrandState3 state = {
+      .t = t, .stride = NODE_VALUES, .u = nodes[0].x3, .u_t = moves ? nodes[0].x3_t : NULL};
+  StrandSum3 strands;
+
+  PetscFunctionBegin;
+  PetscCall(Strands3Search(self->strands3, &state));
+  PetscCall(Strands3Load(self->strands3, &state));
+  Strands3Sum(self->strands3, &strands);
+  force = Strands3Forces(self->strands3);
+  for (PetscInt k = 0; k < points; k++) {
+    PetscReal g, z = k % 2 ? (s[k / 2] + s[k / 2 + 1]) / 2 : s[k / 2];
+    PetscCall(GrowthStretch(self->scene->growth, 1, &z, t, &g, NULL, NULL));
+    for (int d = 0; d < 3; d++) self->force[k][d] -= force[k][d] / g;
+  }
+  sum->energy += strands.energy;
+  sum->loss += strands.loss;
+  sum->strain += strands.strain;
+  sum->normal += strands.normal;
+  sum->depth = PetscMax(sum->depth, strands.depth);
+  sum->zones += strands.zones;
+  for (int d = 0; d < 3; d++) sum->tip[d] += force[points][d];
+  if (strands.nearest < sum->nearest) {
+    sum->nearest = strands.nearest;
+    for (int k = 0; k < 2; k++) sum->at[k] = strands.at[k];
+    for (int d = 0; d < 3; d++) sum->x[d] = strands.x[d];
+  }
+  PetscFunctionReturn(0);
+}
+
 /*
   TouchingLook - all that contact amounts to at one time. Not collective.
 
   nodes  cells + 1 nodes, all of the rod    moves  their rates are known
-  force  out, per length: at nodes and between them, 2 cells + 1, in the clamp's frame; borrowed
+  force  out, per length: at nodes and between them, 2 cells + 1, in the clamp's frame (in the plane
+         the third component is 0); borrowed
 */
 PetscErrorCode TouchingLook(Touching self, PetscReal t, const Node *nodes, PetscBool moves,
-                            TouchSum *sum, const PetscReal (**force)[2]) {
+                            TouchSum *sum, const PetscReal (**force)[3]) {
   PetscFunctionBegin;
   PetscCall(SceneContactAt(self->scene, t));
   PetscCall(PetscMemzero(sum, sizeof(*sum)));
@@ -275,7 +316,8 @@ PetscErrorCode TouchingLook(Touching self, PetscReal t, const Node *nodes, Petsc
   sum->nearest = PETSC_MAX_REAL;
   if (self->scene->contact.walls.n) PetscCall(LookAtWalls(self, t, nodes, moves, sum));
   if (self->strands) PetscCall(LookAtStrands(self, t, nodes, moves, sum));
-  *force = (const PetscReal(*)[2])self->force;
+  if (self->strands3) PetscCall(LookAtStrands3(self, t, nodes, moves, sum));
+  *force = (const PetscReal(*)[3])self->force;
   PetscFunctionReturn(0);
 }
 

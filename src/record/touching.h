@@ -6,17 +6,18 @@
 #include "rod/feet.h"
 #include "rod/rod.h"
 #include "rod/strands.h"
+#include "rod/strands_space.h"
 
 typedef struct {
   PetscReal energy, loss, strain; /* int U, power lost to friction, power of growth where pressed
                                      and of a law that changes in time */
-  PetscReal normal, wall[2];      /* sum of normal forces; force of the walls on the rod */
+  PetscReal normal, wall[3];      /* sum of normal forces; force of the walls on the rod */
   PetscReal depth;                /* deepest penetration, 0: none */
   PetscInt zones;
-  PetscReal tip[2];  /* force of contact on the tip */
+  PetscReal tip[3];  /* force of contact on the tip */
   PetscReal nearest; /* the smallest gap */
   PetscReal at[2];   /* labels of where it is; the second is that of the other strand, or -1 */
-  PetscReal x[2];    /* and the place, of the centre line */
+  PetscReal x[3];    /* and the place, of the centre line; in the plane the third are 0 */
 } TouchSum;
 
 /* What feet on posts add to n' at the points of one cell alone. */
@@ -30,7 +31,7 @@ typedef struct _Touching *Touching;
 PetscErrorCode TouchingCreate(Scene scene, Touching *touching);
 PetscErrorCode TouchingDestroy(Touching *touching);
 PetscErrorCode TouchingLook(Touching touching, PetscReal t, const Node *nodes, PetscBool moves,
-                            TouchSum *sum, const PetscReal (**force)[2]);
+                            TouchSum *sum, const PetscReal (**force)[3]);
 PetscInt TouchingFeet(Touching touching, const TouchFeet **feet);
 PetscErrorCode TouchingShow(Touching touching, PetscReal t);
 

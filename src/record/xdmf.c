@@ -28,10 +28,11 @@ static void Scalar(FILE *f, const char *label, const char *h5, const char *name,
 }
 
 /* What a rod in space has as vectors: a viewer makes a tube of it, with its directors. */
-static void Vectors(FILE *f, const char *h5, PetscInt shapes, PetscInt nodes, PetscInt k) {
-  static const char *const name[] = {"force", "moment", "strain", "d1", "d2", "d3"};
+static void Vectors(FILE *f, const char *h5, PetscInt shapes, PetscInt nodes, PetscInt k,
+                    PetscBool contact) {
+  static const char *const name[] = {"force", "moment", "strain", "d1", "d2", "d3", "contact"};
 
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(name); i++) {
+  for (int i = 0; i < (contact ? 7 : 6); i++) {
     fprintf(f, "    <Attribute Name=\"%s\" AttributeType=\"Vector\" Center=\"Node\">", name[i]);
     Slab(f, h5, name[i], shapes, nodes, k, 3, 0, 3);
     fprintf(f, "</Attribute>\n");
@@ -71,12 +72,12 @@ PetscErrorCode XdmfWrite(const char *file, PetscInt nodes, PetscInt shapes, cons
     Scalar(f, "theta", h5, "theta", shapes, nodes, k, 1, 0);
     Scalar(f, "curvature", h5, "curvature", shapes, nodes, k, 1, 0);
     if (space)
-      Vectors(f, h5, shapes, nodes, k);
+      Vectors(f, h5, shapes, nodes, k, contact);
     else {
       Scalar(f, "force_1", h5, "force", shapes, nodes, k, 2, 0);
       Scalar(f, "force_2", h5, "force", shapes, nodes, k, 2, 1);
     }
-    if (contact) {
+    if (contact && !space) {
       Scalar(f, "contact_1", h5, "contact", shapes, nodes, k, 2, 0);
       Scalar(f, "contact_2", h5, "contact", shapes, nodes, k, 2, 1);
     }

@@ -49,3 +49,134 @@ PetscErrorCode RodCrossings(PetscInt n, const Node *nodes, PetscInt *count) {
   *count = self.count;
   PetscFunctionReturn(0);
 }
+
+/* ---- in space ---- */
+
+/* A rod that moves from one state to another: node i evenly from x0[i] to x1[i]. */
+typedef struct {
+  const PetscReal (*x0)[3], (*x1)[3];
+  PetscBool passes;
+} Motion;
+
+static inline void Between(const Motion *self, PetscInt i, PetscReal tau, PetscReal x[3]) {
+  for (int d = 0; d < 3; d++) x[d] = (1 - tau) * self->x0[i][d] + tau * self->x1[i][d];
+}
+
+/* The sides r, q of segments i and j at a time, and the way o from one to the other. */
+static void SidesAt(const Motion *self, PetscInt i, PetscInt j, PetscReal tau, PetscReal r[3],
+                    PetscReal q[3], PetscReal o[3]) {
+  PetscReal a[3], b[3], c[3], d[3];
+
+  Between(self, i, tau, a);
+  Between(self, i + 1, tau, b);
+  Between(self, j, tau, c);
+  Between(self, j + 1, tau, d);
+  for (int k = 0; k < 3; k++) {
+    r[k] = b[k] - a[k];
+    q[k] = d[k] - c[k];
+    o[k] = c[k] - a[k];
+  }
+}
+
+static inline void Cross3(const PetscReal a[3], const PetscReal b[3], PetscReal c[3]) {
+  for (int k = 0; k < 3; k++)
+    c[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+}
+
+static inline PetscReal Dot3(const PetscReal a[3], const PetscReal b[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* The volume o.(r x q) between two segments: 0 when they lie in a plane. */
+static PetscReal VolumeAt(const Motion *self, PetscInt i, PetscInt j, PetscReal tau) {
+  PetscReal r[3], q[3], o[3], n[3];
+
+  SidesAt(self, i, j, tau, r, q, o);
+  Cross3(r, q, n);
+  return Dot3(o, n);
+}
+
+/* Do two segments that lie in a plane cross there? Half-open, as in the plane. */
+static PetscBool CrossAt(const Motion *self, PetscInt i, PetscInt j, PetscReal tau) {
+  PetscReal r[3], q[3], o[3], n[3], by_q[3], by_r[3], square, u, w;
+
+  SidesAt(self, i, j, tau, r, q, o);
+  Cross3(r, q, n);
+  square = Dot3(n, n);
+  if (square == 0) return PETSC_FALSE;
+  Cross3(o, q, by_q);
+  Cross3(o, r, by_r);
+  u = Dot3(by_q, n) / square;
+  w = Dot3(by_r, n) / square;
+  return (PetscBool)(u >= 0 && u < 1 && w >= 0 && w < 1);
+}
+
+/* The times between 0 and 1 at which a cubic with these values at 0, 1/3, 2/3 and 1 may have an
+   extremum, with both ends: between them it is monotone. */
+static int Pieces(const PetscReal f[4], PetscReal at[4]) {
+  const PetscReal b = (-11 * f[0] + 18 * f[1] - 9 * f[2] + 2 * f[3]) / 2,
+                  c = 9 * (2 * f[0] - 5 * f[1] + 4 * f[2] - f[3]) / 2,
+                  d = 9 * (-f[0] + 3 * f[1] - 3 * f[2] + f[3]) / 2, root = c * c - 3 * b * d;
+  PetscReal first, second;
+  int n = 1;
+
+  at[0] = 0;
+  if (root > 0) {
+    PetscReal m = -(c + (c < 0 ? -1 : 1) * PetscSqrtReal(root)); /* of 3 d tau^2 + 2 c tau + b */
+    first = m != 0 ? b / m : -1;
+    second = d != 0 ? m / (3 * d) : -1;
+    if (first > second) {
+      PetscReal swap = first;
+      first = second;
+      second = swap;
+    }
+    if (first > 0 && first < 1) at[n++] = first;
+    if (second > 0 && second < 1) at[n++] = second;
+  }
+  at[n] = 1;
+  return n;
+}
+
+/* Do segments i and j pass through each other? They do when they lie in a plane, and cross in it.
+ */
+static void MeetMoving(PetscInt i, PetscInt j, void *ctx) {
+  Motion *self = (Motion *)ctx;
+  PetscReal f[4], at[4];
+  int pieces;
+
+  if (self->passes || j <= i + 1) return; /* neighbours have a node in common */
+  for (int k = 0; k < 4; k++) f[k] = VolumeAt(self, i, j, k / 3.);
+  pieces = Pieces(f, at);
+  for (int k = 0; k < pieces && !self->passes; k++) {
+    PetscReal low = at[k], high = at[k + 1], sign = VolumeAt(self, i, j, low);
+    if (sign * VolumeAt(self, i, j, high) >= 0) continue;
+    for (int n = 0; n < 60; n++) {
+      PetscReal mid = (low + high) / 2;
+      if (sign * VolumeAt(self, i, j, mid) > 0)
+        low = mid;
+      else
+        high = mid;
+    }
+    self->passes = CrossAt(self, i, j, low);
+  }
+}
+
+/* RodPassesItself - does the polygon through n nodes in space pass through itself on its way from
+   x0 to x1, every node on a straight line? Not collective. */
+PetscErrorCode RodPassesItself(PetscInt n, const PetscReal (*x0)[3], const PetscReal (*x1)[3],
+                               PetscBool *passes) {
+  Motion self = {x0, x1, PETSC_FALSE};
+  PetscReal way = 0;
+  Boxes boxes;
+
+  PetscFunctionBegin;
+  *passes = PETSC_FALSE;
+  if (n < 4) PetscFunctionReturn(0);
+  for (PetscInt i = 0; i < n; i++)
+    for (int d = 0; d < 3; d++) way = PetscMax(way, PetscAbsReal(x1[i][d] - x0[i][d]));
+  PetscCall(BoxesCreate3(n - 1, 3, x1[0], &boxes));
+  BoxesPairs(boxes, 2 * way, NULL, MeetMoving, &self);
+  PetscCall(BoxesDestroy(&boxes));
+  *passes = self.passes;
+  PetscFunctionReturn(0);
+}

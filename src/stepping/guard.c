@@ -3,16 +3,16 @@
 #include "rod/passing.h"
 #include "stepping/leg.h"
 
-/* Does the rod cross itself? Rank 0 looks, and tells. */
-static PetscErrorCode CrossesItself(Rod rod, PetscReal t, Vec U, PetscBool *crosses) {
+/* All nodes of a state on rank 0, NULL on the others; the caller frees them. Collective. */
+static PetscErrorCode NodesOnZero(Rod rod, PetscReal t, Vec U, Node **nodes) {
   const PetscScalar *all;
-  PetscInt count = 0;
   PetscMPIInt rank;
   PetscScalar *local;
   VecScatter to_zero;
   Vec v, gathered;
 
   PetscFunctionBegin;
+  *nodes = NULL;
   PetscCallMPI(MPI_Comm_rank(rod->scene->comm, &rank));
   PetscCall(DMGetGlobalVector(rod->nodes, &v));
   PetscCall(VecGetArray(v, &local));
@@ -22,13 +22,53 @@ static PetscErrorCode CrossesItself(Rod rod, PetscReal t, Vec U, PetscBool *cros
   PetscCall(VecScatterBegin(to_zero, v, gathered, INSERT_VALUES, SCATTER_FORWARD));
   PetscCall(VecScatterEnd(to_zero, v, gathered, INSERT_VALUES, SCATTER_FORWARD));
   PetscCall(VecGetArrayRead(gathered, &all));
-  if (!rank) PetscCall(RodCrossings(rod->last + 1, (const Node *)all, &count));
+  if (!rank) {
+    PetscCall(PetscMalloc1(rod->last + 1, nodes));
+    PetscCall(PetscMemcpy(*nodes, all, (size_t)(rod->last + 1) * sizeof(Node)));
+  }
   PetscCall(VecRestoreArrayRead(gathered, &all));
   PetscCall(VecDestroy(&gathered));
   PetscCall(VecScatterDestroy(&to_zero));
   PetscCall(DMRestoreGlobalVector(rod->nodes, &v));
+  PetscFunctionReturn(0);
+}
+
+/* In the plane: does the rod cross itself? Rank 0 looks. */
+static PetscErrorCode CrossesItself(Rod rod, PetscReal t, Vec U, PetscBool *crosses) {
+  PetscInt count = 0;
+  Node *nodes;
+
+  PetscFunctionBegin;
+  PetscCall(NodesOnZero(rod, t, U, &nodes));
+  if (nodes) PetscCall(RodCrossings(rod->last + 1, nodes, &count));
+  PetscCall(PetscFree(nodes));
   *crosses = (PetscBool)(count > 0);
-  PetscCallMPI(MPI_Bcast(crosses, 1, MPIU_BOOL, 0, rod->scene->comm));
+  PetscFunctionReturn(0);
+}
+
+/* In space: has it passed through itself on the way from one state to another? Rank 0 looks. */
+static PetscErrorCode PassesItself(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
+                                   PetscBool *passes) {
+  const PetscReal t[2] = {t0, t1};
+  const Vec U[2] = {U0, U1};
+  PetscReal(*x[2])[3];
+  Node *nodes;
+
+  PetscFunctionBegin;
+  *passes = PETSC_FALSE;
+  for (int k = 0; k < 2; k++) {
+    x[k] = NULL;
+    PetscCall(NodesOnZero(rod, t[k], U[k], &nodes));
+    if (!nodes) continue;
+    PetscCall(PetscMalloc1(rod->last + 1, &x[k]));
+    for (PetscInt i = 0; i <= rod->last; i++)
+      for (int d = 0; d < 3; d++) x[k][i][d] = nodes[i].x3[d];
+    PetscCall(PetscFree(nodes));
+  }
+  if (x[0])
+    PetscCall(RodPassesItself(rod->last + 1, (const PetscReal(*)[3])x[0],
+                              (const PetscReal(*)[3])x[1], passes));
+  for (int k = 0; k < 2; k++) PetscCall(PetscFree(x[k]));
   PetscFunctionReturn(0);
 }
 
@@ -45,7 +85,13 @@ PetscErrorCode GuardPasses(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1, Pe
   contact = &leg->rod->scene->contact;
   *passes = PETSC_FALSE;
   if (contact->walls.n) PetscCall(RodPassesWalls(leg->rod, t0, t1, U0, U1, passes));
-  if (contact->self && !*passes) PetscCall(CrossesItself(leg->rod, t1, U1, passes));
+  if (contact->self && !*passes) {
+    if (leg->rod->model->space)
+      PetscCall(PassesItself(leg->rod, t0, t1, U0, U1, passes));
+    else
+      PetscCall(CrossesItself(leg->rod, t1, U1, passes));
+    PetscCallMPI(MPI_Bcast(passes, 1, MPIU_BOOL, 0, leg->rod->scene->comm));
+  }
   leg->passes = *passes;
   PetscFunctionReturn(0);
 }

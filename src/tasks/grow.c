@@ -34,7 +34,7 @@ static PetscErrorCode Self(TS ts, Grow **self) {
 
 /* Hands the shape of a state at time t to the output. U NULL: the initial shape. */
 static PetscErrorCode StoreShape(Grow *self, PetscReal t, Vec U) {
-  const PetscReal(*contact)[2] = NULL;
+  const PetscReal(*contact)[3] = NULL;
   const Node *nodes;
 
   PetscFunctionBegin;
