@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
 """Random scenes: each at the defaults, against a hundredth of the tolerance on a finer mesh.
 
-    fuzz.py EXE SEED COUNT [--wide] [--world] [--contact] [--hard]
+    fuzz.py EXE SEED COUNT [--wide] [--world] [--contact] [--hard] [--space]
 
 --wide: lengths, shapes and times far apart; --world: also friction across and in fields and layers,
 forces on the tip and held tips, growth at the tip, stiffness along the rod; --contact: walls of all kinds around
-a fed or growing rod that also meets itself (the reference then has the same stiffness of contact, and a
-tip off by 1 % of the length is called lost, for which way a rod folds may hang by a hair); --hard: loads beyond
+a fed or growing rod that also meets itself (a tip off by 1 % of the length is called lost, for which way a rod folds may hang by a hair); --hard: loads beyond
 the critical one from the start, which snap (the reference then follows no snap: it has a viscous share of 1e-3,
 begins with steps of 1e-12 and goes on with small ones; a tip off by 5 % of the length is lost, it is on
-another side), narrow zones of growth and layers of friction, thin posts. Prints the bad ones with
+another side), narrow zones of growth and layers of friction, thin posts; --space: a plain scene that weight,
+forces, torque, spin, natural bends and twist or its start take out of the plane. Prints the bad ones with
 their command and a summary; exit 1 if any is lost (gave up, hung, tip off by more than 1e-4 of the
 length). Files that scenes need are kept beside the results, under /tmp/fuzz-SEED."""
 
@@ -170,13 +170,17 @@ def contact_scene(draw, wide, files):
 
 def hard_scene(draw, wide, files):
     """Options by name: what a stepper, a mesh or a contact may well overlook."""
-    kind = draw.choice(["load", "load", "apical", "gaussian", "layer", "post"])
+    kind = draw.choice(["load", "load", "later", "apical", "gaussian", "layer", "post"])
     o = {"friction_mu": draw.choice([0, 1, 1, round(draw.random(), 3)]), "rod_model": "frame",
          "growth_initial_length": draw.between(.5, 2), "ts_max_time": draw.between(1, 4)}
     if kind == "load":
         length = o["growth_initial_length"] = draw.over_decades(.05, .5)
         o.update(tip_force=float(f"{draw.between(4, 15) / length ** 2:.3g}"), shape_amplitude=draw.choice([.1, 1]),
                  ts_max_time=float(f"{length * draw.between(.005, .3):.3g}"), friction_mu=draw.choice([0, 1]))
+    elif kind == "later":  # growth takes the rod beyond the load's critical length
+        length = o["growth_initial_length"] = draw.between(.3, 1)
+        o.update(tip_force=float(f"{draw.between(1, 2.4) / length ** 2:.3g}"), shape_amplitude=draw.over_decades(1e-3, .3),
+                 ts_max_time=float(f"{length * draw.between(.2, 1):.3g}"), growth_type=draw.choice(["uniform", "feed"]))
     elif kind == "apical":
         o.update(growth_type="apical", growth_zone=draw.over_decades(.03, .3), shape_type="straight",
                  rod_curvature_random=draw.over_decades(.01, .3))
@@ -191,6 +195,36 @@ def hard_scene(draw, wide, files):
         path.write_text(f"circle {draw.between(1, 3)} {draw.between(-.5, 1)} {draw.over_decades(.003, .1)} outside\n")
         o.update(growth_type="feed", wall_file=path, contact_diameter=draw.over_decades(.02, .1), shape_type="straight",
                  rod_curvature=draw.between(.05, .4), growth_initial_length=.5, ts_max_time=draw.between(3, 6))
+    return o
+
+
+def vector(draw, most):
+    return ",".join(str(draw.between(-most, most)) for _ in range(3))
+
+
+def space_scene(draw, wide, files):
+    """Options by name: a plain scene with about a third of all that takes a rod out of the plane."""
+    o = plain_scene(draw, False, ("uniform", "gaussian", "feed", "apical"))
+    if o["growth_type"] == "apical":
+        o["growth_zone"] = draw.over_decades(.2, 3)
+    o.pop("clamp_angle", None)
+    o.update(rod_model="space", growth_initial_length=draw.over_decades(.3, 4), ts_max_time=draw.between(1, 4),
+             shape_amplitude=draw.over_decades(1e-3, 1))
+    chances = {"rod_curvature_2": lambda: draw.over_decades(1e-4, .5), "rod_twist": lambda: draw.between(-1, 1),
+               "shape_turn": lambda: draw.between(-3, 3), "rod_weight": lambda: vector(draw, .4),
+               "rod_torsion": lambda: draw.between(.3, 2), "rod_bend_ratio": lambda: draw.over_decades(.2, 5),
+               "friction_radius": lambda: draw.over_decades(.01, .3), "friction_across": lambda: draw.over_decades(.3, 4),
+               "tip_force_vector": lambda: vector(draw, .3), "tip_torque": lambda: draw.between(-1, 1),
+               "clamp_spin": lambda: draw.between(-.5, .5), "clamp_direction": lambda: vector(draw, 1)}
+    for name in draw.sample(sorted(chances), draw.randint(2, 5)):
+        o[name] = chances[name]()
+    if "rod_curvature_random" in o and draw.happens(.5):
+        o["rod_curvature_random_2"] = draw.over_decades(1e-3, .3)
+    if draw.happens(.2):
+        o["tip_force"], o["tip_law"] = draw.over_decades(.01, 1), draw.choice(["dead", "follower", "resistance"])
+    elif draw.happens(.1) and "tip_force_vector" not in o and "tip_torque" not in o:
+        o.update(tip_type=draw.choice(["pinned", "clamped"]), shape_amplitude=draw.between(.1, .6))
+        o["growth_initial_length"] = max(o["growth_initial_length"], 1)
     return o
 
 
@@ -221,27 +255,28 @@ def run(exe, options, limit, file, extra=()):
         return None, (done.stderr or done.stdout).strip()[-200:], " ".join(command[1:])
     with h5py.File(file) as f:
         s = {k: float(f["series"][k][-1]) for k in ("tip_x1", "tip_x2", "norm_x2", "length")}
+        third = [float(f["series/tip_x3"][-1])] if "tip_x3" in f["series"] else []
         crossed = "contact_self" in options and f["series/self_crossings"][:].max() > 0
-        stiffness = f.attrs.get("contact_stiffness")
     os.remove(file)
     if crossed:
         return None, "crosses itself", " ".join(command[1:])
-    tip = np.array([s["tip_x1"], s["tip_x2"]])
-    return (tip, s["norm_x2"], s["length"], seconds, stiffness), "ok", " ".join(command[1:])
+    tip = np.array([s["tip_x1"], s["tip_x2"], *third])
+    return (tip, s["norm_x2"], s["length"], seconds), "ok", " ".join(command[1:])
 
 
 def main():
     words = [w for w in sys.argv[1:] if not w.startswith("--")]
-    if len(words) != 3 or set(sys.argv[1:]) - set(words) - {"--wide", "--world", "--contact", "--hard"}:
+    if len(words) != 3 or set(sys.argv[1:]) - set(words) - {"--wide", "--world", "--contact", "--hard", "--space"}:
         sys.exit(__doc__)
     exe, seed, count = words[0], int(words[1]), int(words[2])
-    wide, world, contact, hard = (f"--{word}" in sys.argv for word in ("wide", "world", "contact", "hard"))
+    wide, world, contact, hard, space = (f"--{word}" in sys.argv
+                                         for word in ("wide", "world", "contact", "hard", "space"))
     draw, directory = Draw(seed), Path(f"/tmp/fuzz-{seed}")
     directory.mkdir(exist_ok=True)
     lost, norms, tips, walls = 0, 0, [], []
     for i in range(count):
         files = directory / str(i)
-        o = (hard_scene(draw, wide, files) if hard else contact_scene(draw, wide, files) if contact
+        o = (space_scene(draw, wide, files) if space else hard_scene(draw, wide, files) if hard else contact_scene(draw, wide, files) if contact
              else world_scene(draw, wide, files) if world else plain_scene(draw, wide))
         found, said, command = run(exe, o, LIMIT, f"{files}.h5")
         if found is None:
@@ -249,15 +284,14 @@ def main():
             print("lost:", said, command, flush=True)
             continue
         walls.append(found[3])
-        o = {**o, "rod_model": "frame"}
-        if found[4] is not None:
-            o["contact_stiffness"] = float(found[4])
+        if not space:
+            o["rod_model"] = "frame"
         more, allowed = reference_of(o, contact)
         fine, said, _ = run(exe, o, REFERENCE_LIMIT, f"{files}.h5", more)
         if fine is None:
             print("no reference:", said, command, flush=True)
             continue
-        tip = float(np.hypot(*(found[0] - fine[0]))) / found[2]
+        tip = float(np.linalg.norm(found[0] - fine[0])) / found[2]
         norm = abs(found[1] / fine[1] - 1) if fine[1] else 0
         tips.append(tip)
         norms += norm > NORM

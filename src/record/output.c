@@ -62,6 +62,7 @@ struct _Output {
   PetscInt times_n, times_room;
   PetscReal *times; /* of all shapes, stored and waiting */
   Event event;
+  ErrorEstimate error;  /* of kind none until the run has ended */
   char interrupted[64]; /* by what; empty: it is not */
   char *earlier;        /* the options of earlier legs */
   PetscLogDouble stored_at, cost;
@@ -251,6 +252,30 @@ static PetscErrorCode ContactAttributes(Output self, HdfFile file, PetscReal t) 
   PetscCall(WallsText(&self->scene->contact.walls, &text));
   PetscCall(HdfWriteText(file, "walls", text, "the walls around the rod, one a line"));
   PetscCall(PetscFree(text));
+  PetscFunctionReturn(0);
+}
+
+/* How far off the run may be, once that is known. */
+static PetscErrorCode ErrorAttributes(Output self, HdfFile file) {
+  static const char *const kind[] = {"", "measured", "fitted"},
+                           *const part[ESTIMATE_PARTS] = {"space", "time", "friction"},
+                           *const seen[ESTIMATE_SEEN] = {"tip", "norm_x2", "energy"};
+  const ErrorEstimate *error = &self->error;
+  char name[32];
+
+  PetscFunctionBegin;
+  if (error->kind == ESTIMATE_NONE) PetscFunctionReturn(0);
+  PetscCall(HdfText(file, "/", "error_kind", kind[error->kind]));
+  PetscCall(HdfReal(file, "/", "error_estimate", error->all));
+  if (error->kind != ESTIMATE_MEASURED) PetscFunctionReturn(0);
+  for (int k = 0; k < ESTIMATE_PARTS; k++) {
+    (void)snprintf(name, sizeof(name), "error_%s", part[k]);
+    PetscCall(HdfReal(file, "/", name, error->part[k]));
+  }
+  for (int k = 0; k < ESTIMATE_SEEN; k++) {
+    (void)snprintf(name, sizeof(name), "error_%s", seen[k]);
+    PetscCall(HdfReal(file, "/", name, error->seen[k]));
+  }
   PetscFunctionReturn(0);
 }
 
@@ -459,6 +484,7 @@ PetscErrorCode OutputStore(Output self, Rod rod, RestartState *state, Vec points
     PetscCall(HdfText(file, "/", "interrupted", self->interrupted));
     PetscCall(ScaleAttributes(self, file));
     PetscCall(ContactAttributes(self, file, state ? state->t : 0));
+    PetscCall(ErrorAttributes(self, file));
     if (self->earlier)
       PetscCall(HdfWriteText(file, "earlier_options", self->earlier, "options of the runs before"));
   }
@@ -723,6 +749,13 @@ PetscErrorCode OutputShape(Output self, PetscReal t, const Node *nodes,
 PetscErrorCode OutputEvent(Output self, const Event *event) {
   PetscFunctionBegin;
   self->event = *event;
+  PetscFunctionReturn(0);
+}
+
+/* OutputErrors - keeps how far off the run may be for the next store. */
+PetscErrorCode OutputErrors(Output self, const ErrorEstimate *error) {
+  PetscFunctionBegin;
+  self->error = *error;
   PetscFunctionReturn(0);
 }
 

@@ -33,6 +33,7 @@ PetscErrorCode OutputSeries(Output output, const Observation *seen);
 PetscErrorCode OutputShape(Output output, PetscReal t, const Node *nodes,
                            const PetscReal (*contact)[3]);
 PetscErrorCode OutputEvent(Output output, const Event *event);
+PetscErrorCode OutputErrors(Output output, const ErrorEstimate *error);
 PetscErrorCode OutputInterrupted(Output output, const char *by);
 PetscBool OutputStores(Output output);
 PetscBool OutputDue(Output output);

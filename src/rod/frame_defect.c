@@ -11,7 +11,7 @@ enum { PLACES = 5 };
 
 /* Where f changes from point to point as much as it bends, differences of it tell nothing of its
    derivatives: the error is not the fifteenth of what a finer rule changes, but all of it. */
-static const PetscReal rough_error = 15;
+static const PetscReal rough_error = 3;
 
 /* Weights of the integral over [0, 1] of the polynomial through values at these places. */
 static void Weights(const PetscReal place[PLACES], PetscReal weight[PLACES]) {

@@ -1,4 +1,5 @@
 #include "stepping/estimate.h"
+#include "base/chain.h"
 #include "rod/frame.h"
 #include "stepping/vbdf.h"
 
@@ -12,18 +13,20 @@
   This is stepped by backward Euler, e = A z with the factor A by which x2 falls and rises taken out
   of the fields across, as it is for the run itself (vbdf.c). Errors are smooth along the rod, and a
   fifth of them is no matter: so it is done on a coarse mesh of every few nodes of the run's, and
-  once in a few steps while the rod is straight. The two parts, in space and in time, are carried
-  along each for itself. What is told is the largest error that they make in the tip's place (over
-  its distance), |x2| and the energy (each over itself).
+  once in a few steps while the rod is straight. From the first contact on cells are no longer than
+  the layer over which contact spreads, and it is done once in a few steps. The two parts, in space
+  and in time, are carried along each for itself. What is told is the largest error that they make
+  in the tip's place (over its distance), |x2| and the energy (each over itself).
 */
-enum { FOLLOWED = 3 };                 /* fields that have rates: x1, x2, theta */
-enum { LEAST_CELLS = 8, CELLS = 48 };  /* of the run; of the coarse mesh, about */
-enum { SELDOM = 4 };                   /* steps from one time to the next, while straight */
-enum { DEFECTS = 2 };                  /* such times from one measurement of defects to the next */
+enum { FOLLOWED = 3 };                /* fields that have rates: x1, x2, theta */
+enum { LEAST_CELLS = 8, CELLS = 48 }; /* of the run; of the coarse mesh, about */
+enum { SELDOM = 4 };  /* steps from one time to the next, while straight or in contact */
+enum { DEFECTS = 2 }; /* such times from one measurement of defects to the next */
 static const PetscReal longest = 0.8;  /* arc length of a coarse cell, where the mesh allows */
 static const PetscReal straight = 0.3; /* angle */
+static const PetscReal most_dip = 0.8; /* of the moment: one that it is worth to look at */
 static const PetscReal early = 0.01;   /* of the run: what the start does is over by then */
-static const PetscReal nudge = 1e-3;   /* of the speed at which friction turns */
+static const PetscReal nudge = 1e-3;   /* of the speed at which friction turns, and of beta */
 
 /* What is gathered of a coarse node: the state, its rate, local errors, the defect of the cell
    behind it. */
@@ -34,10 +37,12 @@ enum { GATHERED = sizeof(Gathered) / sizeof(PetscReal) };
 
 struct _Estimate {
   Leg *leg;
+  PetscBool touches;      /* the rod does, or did */
   PetscInt stride, nodes; /* of the coarse mesh */
   PetscInt since;         /* steps */
   PetscReal before, size; /* when e was stepped last, and |x2| then */
   PetscReal latest;       /* largest x2 at the latest step */
+  PetscReal moment[2];    /* the largest, when e was stepped last; the least of it since */
   PetscInt until;         /* times until the defect is measured again */
   PetscReal measured;     /* largest x2 when it was */
   Gathered *own, *all;    /* of this rank's nodes, 0 elsewhere; all on rank 0 */
@@ -46,18 +51,24 @@ struct _Estimate {
   /* rank 0: the coarse rod; NULL else */
   struct _Scene scene;
   Rod rod;
-  Elimination elimination;
+  Elimination elimination; /* NULL: far parts of the rod touch, and it is a matrix */
+  Mat J;
+  KSP ksp;
   Vec U, rate, nudged, F, G;
   PetscReal (*e[ESTIMATE_PARTS])[FIELDS], (*rhs)[FIELDS], (*b)[FIELDS];
 };
 
 /* Every stride-th node, the tip in any case; an even number, for defects are those of two cells. */
 static PetscErrorCode Coarsen(Estimate self, const Scene scene) {
-  PetscInt cells = scene->mesh.cells;
-  PetscReal h = scene->reach / cells;
+  PetscInt cells = scene->mesh.cells, most = cells / CELLS;
+  PetscReal h = scene->reach / cells, length = longest;
 
   PetscFunctionBegin;
-  self->stride = 2 * PetscMax(1, PetscMin(cells / CELLS, (PetscInt)(longest / h)) / 2);
+  if (self->touches) {
+    length = PetscMin(longest, scene->contact.tip);
+    most = cells;
+  }
+  self->stride = 2 * PetscMax(1, PetscMin(most, (PetscInt)(length / h)) / 2);
   self->nodes = (cells + self->stride - 1) / self->stride + 1;
   PetscFunctionReturn(0);
 }
@@ -66,27 +77,75 @@ static PetscInt FineNode(const Estimate self, PetscInt k) {
   return PetscMin(k * self->stride, self->leg->rod->last);
 }
 
-/* The coarse rod touches walls, as it is, but not itself. */
+/* Far parts of the rod see each other: that is no line of neighbours. */
+static PetscErrorCode CreateMatrix(Estimate self) {
+  PC pc;
+
+  PetscFunctionBegin;
+  PetscCall(RodCreateMatrix(self->rod, &self->J));
+  PetscCall(KSPCreate(PETSC_COMM_SELF, &self->ksp));
+  PetscCall(KSPSetType(self->ksp, KSPPREONLY));
+  PetscCall(KSPGetPC(self->ksp, &pc));
+  PetscCall(ChainSetType(pc, self->scene.tip.type == TIP_FREE ? MATORDERING1WD : ORDERING_HELD));
+  PetscFunctionReturn(0);
+}
+
+/* The coarse rod, on rank 0. Itself it touches only from the first contact on. */
 static PetscErrorCode CreateCoarse(Estimate self, const Scene scene) {
   struct _Scene *coarse = &self->scene;
 
   PetscFunctionBegin;
   *coarse = *scene;
   coarse->comm = PETSC_COMM_SELF;
-  coarse->contact.self = PETSC_FALSE;
+  coarse->contact.self = (PetscBool)(scene->contact.self && self->touches);
   coarse->mesh.cells = self->nodes - 1;
   PetscCall(PetscMalloc1(self->nodes, &coarse->mesh.s));
   for (PetscInt k = 0; k < self->nodes; k++) coarse->mesh.s[k] = scene->mesh.s[FineNode(self, k)];
   SceneLinkWalls(coarse);
   PetscCall(RodCreate(coarse, &rod_frame, &self->rod));
-  PetscCall(EliminationCreate(PETSC_COMM_SELF, self->nodes, rod_frame.halves, &self->elimination));
+  if (self->rod->coupled)
+    PetscCall(CreateMatrix(self));
+  else
+    PetscCall(
+        EliminationCreate(PETSC_COMM_SELF, self->nodes, rod_frame.halves, &self->elimination));
   PetscCall(DMCreateGlobalVector(self->rod->da, &self->U));
   PetscCall(VecDuplicate(self->U, &self->rate));
   PetscCall(VecDuplicate(self->U, &self->nudged));
   PetscCall(VecDuplicate(self->U, &self->F));
   PetscCall(VecDuplicate(self->U, &self->G));
-  PetscCall(PetscCalloc5(self->nodes, &self->e[0], self->nodes, &self->e[1], self->nodes,
-                         &self->rhs, self->nodes, &self->b, self->nodes, &self->all));
+  for (int part = 0; part < ESTIMATE_PARTS; part++)
+    PetscCall(PetscCalloc1(self->nodes, &self->e[part]));
+  PetscCall(PetscCalloc3(self->nodes, &self->rhs, self->nodes, &self->b, self->nodes, &self->all));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode DestroyCoarse(Estimate self) {
+  PetscFunctionBegin;
+  PetscCall(VecDestroy(&self->U));
+  PetscCall(VecDestroy(&self->rate));
+  PetscCall(VecDestroy(&self->nudged));
+  PetscCall(VecDestroy(&self->F));
+  PetscCall(VecDestroy(&self->G));
+  for (int part = 0; part < ESTIMATE_PARTS; part++) PetscCall(PetscFree(self->e[part]));
+  PetscCall(PetscFree3(self->rhs, self->b, self->all));
+  PetscCall(EliminationDestroy(&self->elimination));
+  PetscCall(KSPDestroy(&self->ksp));
+  PetscCall(MatDestroy(&self->J));
+  PetscCall(RodDestroy(&self->rod));
+  PetscCall(PetscFree(self->scene.mesh.s));
+  PetscFunctionReturn(0);
+}
+
+/* Chooses the mesh, with all that is on it. */
+static PetscErrorCode ChooseMesh(Estimate self) {
+  Rod rod = self->leg->rod;
+  PetscMPIInt rank;
+
+  PetscFunctionBegin;
+  PetscCall(Coarsen(self, rod->scene));
+  PetscCall(PetscCalloc1(self->nodes, &self->own));
+  PetscCallMPI(MPI_Comm_rank(rod->scene->comm, &rank));
+  if (!rank) PetscCall(CreateCoarse(self, rod->scene));
   PetscFunctionReturn(0);
 }
 
@@ -96,7 +155,6 @@ static PetscErrorCode CreateCoarse(Estimate self, const Scene scene) {
   held. Collective; the caller ends it with EstimateDestroy(), before the leg.
 */
 PetscErrorCode EstimateCreate(Leg *leg, Estimate *estimate) {
-  PetscMPIInt rank;
   Estimate self;
 
   PetscFunctionBegin;
@@ -105,10 +163,8 @@ PetscErrorCode EstimateCreate(Leg *leg, Estimate *estimate) {
   PetscCall(PetscNew(&self));
   *estimate = self;
   self->leg = leg;
-  PetscCall(Coarsen(self, leg->rod->scene));
-  PetscCall(PetscCalloc2(self->nodes, &self->own, leg->rod->end - leg->rod->first, &self->defect));
-  PetscCallMPI(MPI_Comm_rank(leg->rod->scene->comm, &rank));
-  if (!rank) PetscCall(CreateCoarse(self, leg->rod->scene));
+  PetscCall(PetscCalloc1(leg->rod->end - leg->rod->first, &self->defect));
+  PetscCall(ChooseMesh(self));
   PetscFunctionReturn(0);
 }
 
@@ -117,17 +173,47 @@ PetscErrorCode EstimateDestroy(Estimate *estimate) {
 
   PetscFunctionBegin;
   if (!self) PetscFunctionReturn(0);
-  PetscCall(PetscFree2(self->own, self->defect));
-  PetscCall(VecDestroy(&self->U));
-  PetscCall(VecDestroy(&self->rate));
-  PetscCall(VecDestroy(&self->nudged));
-  PetscCall(VecDestroy(&self->F));
-  PetscCall(VecDestroy(&self->G));
-  PetscCall(PetscFree5(self->e[0], self->e[1], self->rhs, self->b, self->all));
-  PetscCall(EliminationDestroy(&self->elimination));
-  PetscCall(RodDestroy(&self->rod));
-  PetscCall(PetscFree(self->scene.mesh.s));
+  PetscCall(DestroyCoarse(self));
+  PetscCall(PetscFree(self->own));
+  PetscCall(PetscFree(self->defect));
   PetscCall(PetscFree(*estimate));
+  PetscFunctionReturn(0);
+}
+
+/* Errors at the nodes of another mesh, linearly between those where they were. */
+static void Interpolate(PetscInt m, const PetscReal *from, PetscReal (*old)[FIELDS], PetscInt n,
+                        const PetscReal *to, PetscReal (*new)[FIELDS]) {
+  PetscInt j = 0;
+
+  for (PetscInt k = 0; k < n; k++) {
+    PetscReal z;
+    while (j + 2 < m && from[j + 1] < to[k]) j++;
+    z = (to[k] - from[j]) / (from[j + 1] - from[j]);
+    for (int f = 0; f < FIELDS; f++) new[k][f] = (1 - z) * old[j][f] + z *old[j + 1][f];
+  }
+}
+
+/* The rod touches something for the first time: its errors go on on another mesh. Collective. */
+static PetscErrorCode Refine(Estimate self) {
+  PetscReal *s = NULL, (*old)[FIELDS] = NULL;
+  PetscInt n = self->nodes;
+  PetscBool here = (PetscBool)(self->rod != NULL);
+
+  PetscFunctionBegin;
+  self->touches = PETSC_TRUE;
+  self->until = 0;
+  if (here) {
+    PetscCall(PetscMalloc2(n, &s, ESTIMATE_PARTS * n, &old));
+    PetscCall(PetscArraycpy(s, self->scene.mesh.s, n));
+    for (int part = 0; part < ESTIMATE_PARTS; part++)
+      PetscCall(PetscArraycpy(old + part * n, self->e[part], n));
+    PetscCall(DestroyCoarse(self));
+  }
+  PetscCall(PetscFree(self->own));
+  PetscCall(ChooseMesh(self));
+  for (int part = 0; part < ESTIMATE_PARTS && here; part++)
+    Interpolate(n, s, old + part * n, self->nodes, self->scene.mesh.s, self->e[part]);
+  PetscCall(PetscFree2(s, old));
   PetscFunctionReturn(0);
 }
 
@@ -240,6 +326,52 @@ static PetscErrorCode PutState(Estimate self) {
   PetscFunctionReturn(0);
 }
 
+/* The law of contact is that of the run, whose mesh it may follow. */
+static void TakeContact(Estimate self) {
+  const Contact *contact = &self->leg->rod->scene->contact;
+
+  self->scene.contact.given = PETSC_TRUE;
+  self->scene.contact.stiffness = contact->stiffness;
+  self->scene.contact.time = PETSC_MIN_REAL;
+}
+
+/* F_U + F_U_t shift at the state that is put. */
+static PetscErrorCode Linearise(Estimate self, PetscReal t, const PetscReal shift[FIELDS]) {
+  Rod rod = self->rod;
+
+  PetscFunctionBegin;
+  rod->fresh = PETSC_TRUE;
+  PetscCall(rod_frame.residual(rod, t, self->U, self->rate, self->F));
+  if (self->elimination)
+    PetscCall(rod_frame.eliminate(rod, t, self->U, self->rate, shift, self->elimination));
+  else {
+    PetscCall(rod_frame.jacobian(rod, t, self->U, self->rate, shift, self->J));
+    PetscCall(KSPSetOperators(self->ksp, self->J, self->J));
+  }
+  rod->fresh = PETSC_FALSE;
+  PetscFunctionReturn(0);
+}
+
+/* ... times e is rhs */
+static PetscErrorCode Solve(Estimate self, PetscReal (*e)[FIELDS]) {
+  const PetscScalar *x;
+  PetscReal(*b)[FIELDS];
+
+  PetscFunctionBegin;
+  if (self->elimination) {
+    PetscCall(EliminationSolve(self->elimination, (const PetscReal(*)[FIELDS])self->rhs, e));
+    PetscFunctionReturn(0);
+  }
+  PetscCall(VecGetArrayWrite(self->nudged, (PetscScalar **)&b));
+  PetscCall(PetscArraycpy(b, self->rhs, self->nodes));
+  PetscCall(VecRestoreArrayWrite(self->nudged, (PetscScalar **)&b));
+  PetscCall(KSPSolve(self->ksp, self->nudged, self->G));
+  PetscCall(VecGetArrayRead(self->G, &x));
+  PetscCall(PetscArraycpy((PetscScalar *)e, x, self->nodes * FIELDS));
+  PetscCall(VecRestoreArrayRead(self->G, &x));
+  PetscFunctionReturn(0);
+}
+
 /* rhs = -F_U_t b, by a difference so small that friction is straight over it. */
 static PetscErrorCode TimesRate(Estimate self, PetscReal t) {
   const PetscReal beta = self->scene.load.friction.beta;
@@ -273,13 +405,33 @@ static void SubtractDefect(Estimate self) {
     for (int f = 0; f < FIELDS; f++) self->rhs[f < M ? k + 1 : k][f] -= self->all[k].defect[f];
 }
 
-/* What an error makes of tip, |x2| and energy, relative. */
-static PetscErrorCode See(Estimate self, PetscReal t, PetscReal (*e)[FIELDS],
+/* rhs -= beta dF/dbeta: what friction with a beta does otherwise than exact friction, about. */
+static PetscErrorCode SubtractLimit(Estimate self, PetscReal t) {
+  PetscReal *beta = &self->scene.load.friction.beta, taken = *beta;
+  const PetscScalar *F, *G;
+
+  PetscFunctionBegin;
+  PetscCall(VecCopy(self->rate, self->nudged)); /* (the same rates, but no state that is known) */
+  *beta = (1 + nudge) * taken;
+  PetscCall(rod_frame.residual(self->rod, t, self->U, self->nudged, self->G));
+  *beta = taken;
+  PetscCall(VecGetArrayRead(self->F, &F));
+  PetscCall(VecGetArrayRead(self->G, &G));
+  for (PetscInt i = 0; i < self->nodes * FIELDS; i++)
+    (&self->rhs[0][0])[i] -= (G[i] - F[i]) / nudge;
+  PetscCall(VecRestoreArrayRead(self->F, &F));
+  PetscCall(VecRestoreArrayRead(self->G, &G));
+  PetscFunctionReturn(0);
+}
+
+/* What an error makes of tip, |x2| and energy, relative. Where the moment all but vanishes between
+   two looks, by Schwarz's inequality, dip its part that is left: dE/E <= 2 |dm|/|m|. */
+static PetscErrorCode See(Estimate self, PetscReal t, PetscReal dip, PetscReal (*e)[FIELDS],
                           PetscReal seen[ESTIMATE_SEEN]) {
   const PetscReal *s = self->scene.mesh.s;
   const PetscInt last = self->nodes - 1;
   const Gathered *p = self->all;
-  PetscReal norm = 0, energy = 0, by_norm = 0, by_energy = 0, size = 0;
+  PetscReal norm = 0, energy = 0, by_norm = 0, by_energy = 0, off = 0, size = 0;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k <= last; k++) size = PetscMax(size, PetscAbsReal(p[k].u[X2]));
@@ -293,20 +445,24 @@ static PetscErrorCode See(Estimate self, PetscReal t, PetscReal (*e)[FIELDS],
     by_norm += w * y * (e[k][X2] / size);
     energy += w * g / B * PetscSqr(p[k].u[M] / size);
     by_energy += 2 * w * g / B * (p[k].u[M] / size) * (e[k][M] / size);
+    off += w * g / B * PetscSqr(e[k][M] / size);
   }
   seen[ESTIMATE_TIP] =
       hypot(e[last][X1], e[last][X2]) / PetscMax(hypot(p[last].u[X1], p[last].u[X2]), rod_vanished);
   seen[ESTIMATE_NORM] = norm > 0 ? PetscAbsReal(by_norm / norm) : 0;
   seen[ESTIMATE_ENERGY] = energy > 0 ? PetscAbsReal(by_energy / energy) : 0;
+  if (energy > 0 && dip < most_dip)
+    seen[ESTIMATE_ENERGY] = PetscMax(seen[ESTIMATE_ENERGY],
+                                     2 * PetscSqrtReal(off / energy) / PetscMax(dip, rod_vanished));
   PetscFunctionReturn(0);
 }
 
 /* Beyond 1 an error is no small one any more, and the linear equations say nothing. */
-static PetscErrorCode Keep(Estimate self, PetscReal t, int part) {
+static PetscErrorCode Keep(Estimate self, PetscReal t, PetscReal dip, int part) {
   PetscReal seen[ESTIMATE_SEEN] = {0}, most = 0, (*e)[FIELDS] = self->e[part];
 
   PetscFunctionBegin;
-  PetscCall(See(self, t, e, seen));
+  PetscCall(See(self, t, dip, e, seen));
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
     if (PetscIsInfOrNanReal(seen[k])) seen[k] = most = PETSC_MAX_REAL;
     most = PetscMax(most, seen[k]);
@@ -322,7 +478,7 @@ static PetscErrorCode Keep(Estimate self, PetscReal t, int part) {
 
 /* A step of backward Euler from before to t. (A'/A is that at t: with its mean over the step, which
    is another where the rate changes, errors would rise or fall against x2.) */
-static PetscErrorCode Advance(Estimate self, PetscReal t) {
+static PetscErrorCode Advance(Estimate self, PetscReal t, PetscReal dip) {
   PetscReal rate, size = Size(self, &rate), factor = 1, step = t - self->before, shift[FIELDS],
                   most_folds = 30;
 
@@ -332,11 +488,11 @@ static PetscErrorCode Advance(Estimate self, PetscReal t) {
         PetscExpReal(PetscMax(-most_folds, PetscMin(most_folds, PetscLogReal(size / self->size))));
   self->size = size;
   PetscCall(PutState(self));
-  PetscCall(rod_frame.residual(self->rod, t, self->U, self->rate, self->F));
+  TakeContact(self);
   for (int f = 0; f < FIELDS; f++) shift[f] = 1 / step + (rod_frame.group[f] != ALONG ? rate : 0);
-  self->rod->fresh = PETSC_TRUE;
-  PetscCall(rod_frame.eliminate(self->rod, t, self->U, self->rate, shift, self->elimination));
+  PetscCall(Linearise(self, t, shift));
   for (int part = 0; part < ESTIMATE_PARTS; part++) {
+    if (part == ESTIMATE_LIMIT && !self->scene.load.limit) continue;
     for (PetscInt k = 0; k < self->nodes; k++)
       for (int f = 0; f < FOLLOWED; f++)
         self->b[k][f] = -(self->e[part][k][f] * (f == X1 ? 1 : factor) +
@@ -344,35 +500,45 @@ static PetscErrorCode Advance(Estimate self, PetscReal t) {
                         step;
     PetscCall(TimesRate(self, t));
     if (part == ESTIMATE_SPACE) SubtractDefect(self);
-    PetscCall(
-        EliminationSolve(self->elimination, (const PetscReal(*)[FIELDS])self->rhs, self->e[part]));
-    PetscCall(Keep(self, t, part));
+    if (part == ESTIMATE_LIMIT) PetscCall(SubtractLimit(self, t));
+    PetscCall(Solve(self, self->e[part]));
+    PetscCall(Keep(self, t, dip, part));
   }
   PetscFunctionReturn(0);
+}
+
+/* By how much the largest moment was less, since e was stepped last, than both then and now. */
+static PetscReal Dip(const Estimate self, PetscReal now) {
+  return self->moment[1] / PetscMax(PetscMin(self->moment[0], now), rod_vanished);
 }
 
 /*
   EstimateStep - goes on to the state that an accepted step has led to. Collective.
 
-  jumped  the step was a jump: what it adds is not known
+  jumped   the step was a jump: what it adds is not known
+  touches  the rod has touched something, now or before
 */
-PetscErrorCode EstimateStep(Estimate self, PetscBool jumped) {
+PetscErrorCode EstimateStep(Estimate self, PetscBool jumped, PetscBool touches) {
   PetscReal size[MAX_FIELDS], rate, t;
 
   PetscFunctionBegin;
   if (!self) PetscFunctionReturn(0);
   PetscCall(TSGetTime(self->leg->ts, &t));
+  if (touches && !self->touches) PetscCall(Refine(self));
   PetscCall(RodFieldSizes(self->leg->rod, self->leg->U, size));
   if (!jumped) PetscCall(AddLocal(self, Ratio(size[X2], self->latest)));
   self->latest = size[X2];
-  if (++self->since < SELDOM && size[TH] < straight && t < self->leg->rod->scene->end_time)
+  self->moment[1] = PetscMin(self->moment[1], size[M]);
+  if (++self->since < SELDOM && (touches || size[TH] < straight) &&
+      t < self->leg->rod->scene->end_time)
     PetscFunctionReturn(0);
   PetscCall(Gather(self, size[X2]));
-  if (self->rod && !jumped) PetscCall(Advance(self, t));
+  if (self->rod && !jumped) PetscCall(Advance(self, t, Dip(self, size[M])));
   if (self->rod && jumped) self->size = Size(self, &rate);
   for (PetscInt k = 0; k < self->nodes; k++)
     PetscCall(PetscArrayzero(self->own[k].local, FOLLOWED));
   self->before = t;
+  self->moment[0] = self->moment[1] = size[M];
   self->since = 0;
   PetscFunctionReturn(0);
 }

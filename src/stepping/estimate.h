@@ -1,5 +1,5 @@
-/* How far a run has gone astray: its errors in time and in space, measured on the way and carried
-   along by the linearised equations. */
+/* How far a run has gone astray: its errors in time and in space, and of friction that is taken for
+   exact, measured on the way and carried along by the linearised equations. */
 #ifndef TENDRIL_ESTIMATE_H
 #define TENDRIL_ESTIMATE_H
 
@@ -7,12 +7,18 @@
 
 typedef struct _Estimate *Estimate;
 
-enum { ESTIMATE_SPACE, ESTIMATE_TIME, ESTIMATE_PARTS };
+enum { ESTIMATE_SPACE, ESTIMATE_TIME, ESTIMATE_LIMIT, ESTIMATE_PARTS };
 enum { ESTIMATE_TIP, ESTIMATE_NORM, ESTIMATE_ENERGY, ESTIMATE_SEEN };
+
+/* How far off a run may be: in each of what is seen, by each of the parts, and in all. */
+typedef struct {
+  enum { ESTIMATE_NONE, ESTIMATE_MEASURED, ESTIMATE_FITTED } kind;
+  PetscReal all, part[ESTIMATE_PARTS], seen[ESTIMATE_SEEN];
+} ErrorEstimate;
 
 PetscErrorCode EstimateCreate(Leg *leg, Estimate *estimate);
 PetscErrorCode EstimateDestroy(Estimate *estimate);
-PetscErrorCode EstimateStep(Estimate estimate, PetscBool jumped);
+PetscErrorCode EstimateStep(Estimate estimate, PetscBool jumped, PetscBool touches);
 PetscErrorCode EstimateGet(Estimate estimate, PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN]);
 PetscErrorCode EstimateSet(Estimate estimate, PetscReal t,
                            const PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN]);

@@ -961,11 +961,23 @@ PetscErrorCode VBDFGetOrder(TS ts, PetscInt *order) {
   PetscFunctionReturn(0);
 }
 
+/* The error of the first step is known when the second is taken: h^2 U[t0,t1,t2], h its length. */
+static void AddFirst(const VBDF *self, PetscReal along[], PetscReal across[]) {
+  const PetscReal *t = self->time, first = PetscSqr(t[1] - t[2]);
+
+  for (int j = 0; j < 3; j++) {
+    PetscReal w = first / ((t[j] - t[(j + 1) % 3]) * (t[j] - t[(j + 2) % 3]));
+    along[j] += w;
+    across[j] += w;
+  }
+}
+
 /*
   VBDFGetLocalError - what the step taken last adds to the error, as a combination of its points:
   the weights of those that VBDFGetHistory() tells, after an accepted step.
 
-  n       how many; 0: it is not known (the first step, a jump, another type)
+  n       how many; 0: it is not known (a jump, another type; the first step's
+          comes with the second's)
   along   of the fields that are not factored, across of those that have the first factor
 */
 PetscErrorCode VBDFGetLocalError(TS ts, PetscInt *n, PetscReal along[VBDF_POINTS],
@@ -988,6 +1000,7 @@ PetscErrorCode VBDFGetLocalError(TS ts, PetscInt *n, PetscReal along[VBDF_POINTS
     along[j] *= -factor;
     across[j] = along[j] * self->ratio[0][j];
   }
+  if (self->n == 2) AddFirst(self, along, across);
   *n = k + 2;
   PetscFunctionReturn(0);
 }

@@ -25,6 +25,8 @@ static const PetscReal share_of_time = 0.15, share_of_space = 0.1;
 /* What is measured is an error to first order, on a coarse mesh: an upper estimate is so many times
    that. */
 static const PetscReal of_measured = 6, where_it_sticks = 20;
+/* What it would be without a beta, of what beta dU/dbeta is: it goes with a small power of beta. */
+static const PetscReal of_beta = 9;
 static const PetscReal fewest_folds = 2, margin = 1.5; /* of the estimate after a run */
 
 typedef struct {
@@ -127,20 +129,71 @@ PetscErrorCode AccuracyApply(void) {
 
 /*
   AccuracyMeasured - from the errors that were followed over a run (stepping/estimate.c), an upper
-  estimate of its parts in space and in time: they are off by a factor of 2 or 3, as a rule.
+  estimate of its parts, of what is seen and of all: they are off by a factor of 2 or 3, as a rule.
 
   rtol    of the steps: none of them is without an error
   sticks  friction is exact: where material comes to rest or is torn off, and when, is not smooth
+  beside  what comes on top of them
 */
 void AccuracyMeasured(PetscReal rtol, PetscBool sticks,
-                      PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN],
-                      PetscReal part[ESTIMATE_PARTS]) {
+                      PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN], PetscReal beside,
+                      ErrorEstimate *error) {
+  error->all = beside;
+  for (int i = 0; i < ESTIMATE_SEEN; i++) error->seen[i] = beside;
   for (int k = 0; k < ESTIMATE_PARTS; k++) {
-    part[k] = k == ESTIMATE_TIME ? rtol : 0;
-    for (int i = 0; i < ESTIMATE_SEEN; i++)
-      part[k] =
-          PetscMax(part[k], PetscMin(1, (sticks ? where_it_sticks : of_measured) * worst[k][i]));
+    PetscReal times = k == ESTIMATE_LIMIT ? of_beta : sticks ? where_it_sticks : of_measured;
+    error->part[k] = k == ESTIMATE_TIME ? rtol : 0;
+    for (int i = 0; i < ESTIMATE_SEEN; i++) {
+      PetscReal here = PetscMin(1, times * worst[k][i]);
+      error->seen[i] += PetscMax(here, k == ESTIMATE_TIME ? rtol : 0);
+      error->part[k] = PetscMax(error->part[k], here);
+    }
+    error->all += error->part[k];
   }
+}
+
+/* What gives a part the share that is left to it of an accuracy. */
+static PetscErrorCode Advise(const ErrorEstimate *error, PetscReal asked, PetscReal rtol, Rod rod,
+                             char advice[], size_t room) {
+  const PetscReal share = 0.4, cells = rod->scene->mesh.cells, least = 1e-13;
+  PetscReal space = error->part[ESTIMATE_SPACE] / (share * asked),
+            time = error->part[ESTIMATE_TIME] / (share * asked);
+  char by_cells[48] = "", by_steps[48] = "";
+
+  PetscFunctionBegin;
+  if (space > 1)
+    (void)snprintf(by_cells, sizeof(by_cells), " -rod_cells %.0f",
+                   (double)PetscCeilReal(cells * PetscPowReal(space, 1. / rod->order)));
+  if (time > 1)
+    (void)snprintf(by_steps, sizeof(by_steps), " -ts_rtol %.1e",
+                   (double)PetscMax(least, rtol * PetscPowReal(time, -7. / 6)));
+  if (by_cells[0] || by_steps[0])
+    (void)snprintf(advice, room, "; give%s%s", by_cells, by_steps);
+  else
+    (void)snprintf(advice, room,
+                   "; it is not that of its mesh and steps (contact's depth, a snap, "
+                   "a start too far from rest, friction next to exact)");
+  PetscFunctionReturn(0);
+}
+
+/*
+  AccuracyTell - says so if the accuracy that was asked for may not be met. Collective on comm.
+
+  rtol  of the steps of the rod
+*/
+PetscErrorCode AccuracyTell(const ErrorEstimate *error, PetscReal rtol, Rod rod, MPI_Comm comm) {
+  char advice[160] = "";
+  PetscReal asked;
+  PetscBool set;
+
+  PetscFunctionBegin;
+  PetscCall(OptionReal("-accuracy", &asked, &set));
+  if (!set || error->kind == ESTIMATE_NONE || error->all <= asked) PetscFunctionReturn(0);
+  if (error->kind == ESTIMATE_MEASURED)
+    PetscCall(Advise(error, asked, rtol, rod, advice, sizeof(advice)));
+  PetscCall(PetscPrintf(comm, "-accuracy %g may not be met, the estimate is above it%s.\n",
+                        (double)asked, advice));
+  PetscFunctionReturn(0);
 }
 
 /*

@@ -125,8 +125,8 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
       self->snaps++;
       if (before <= t / 2) self->crossed = PETSC_TRUE;
     }
-    if (self->now == &self->leg[FRAME] && !self->pressed)
-      PetscCall(EstimateStep(self->estimate, jumped));
+    if (self->now == &self->leg[FRAME])
+      PetscCall(EstimateStep(self->estimate, jumped, self->pressed));
     self->now->jumps = jumps;
   }
   iterations = all - self->iterations;
@@ -134,6 +134,7 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   PetscCall(ObserverMeasure(self->observer, self->now->rod, t, U, U_t, &self->seen));
   if (norm > rod_vanished && self->seen.norm_x2 > rod_vanished)
     self->folds += PetscAbsReal(PetscLogReal(self->seen.norm_x2 / norm));
+  if (norm > rod_vanished && self->seen.norm_x2 <= rod_vanished) self->vanished = PETSC_TRUE;
   PetscCall(Neglect(self, U_t));
   self->depth = PetscMax(self->depth, self->seen.penetration);
   if (self->seen.contact_force > 0) self->pressed = PETSC_TRUE;
@@ -481,6 +482,7 @@ static PetscErrorCode Follow(Grow *self, TSConvergedReason *reason) {
     PetscCall(HandOver(self, &self->leg[BetterModel(self)]));
   }
   PetscCall(GrowProgress(self, PETSC_TRUE));
+  PetscCall(GrowErrors(self));
   PetscCall(GrowSummary(self));
   PetscFunctionReturn(0);
 }
@@ -496,6 +498,7 @@ static PetscErrorCode End(Grow *self, PetscBool finished) {
     (void)snprintf(text[0], sizeof(text[0]), "by signal %d at t = %.30s", self->stopped,
                    OptionBoth(self->seen.t, UNIT_TIME, text[1]));
   PetscCall(OutputInterrupted(self->output, text[0]));
+  PetscCall(OutputErrors(self->output, &self->error));
   PetscCall(Store(self, finished));
   PetscFunctionReturn(0);
 }

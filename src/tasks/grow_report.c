@@ -103,13 +103,6 @@ PetscErrorCode GrowProgress(Grow *self, PetscBool last) {
   PetscFunctionReturn(0);
 }
 
-/* Rigid contact is the limit of no penetration; as far off as this times that, over the length. */
-static const PetscReal per_depth = 5;
-/* A snap ends a little inside the limit of friction. A start that one step has crossed was not
-   followed. Behind a growth zone friction that is exact is taken for one with a beta, which moments
-   that were laid down feel by its sixth root, and little else does. */
-static const PetscReal per_snap = 1e-5, of_start = 1e-2, of_limit = 5;
-
 /* Pressed in by more than this part of its diameter a rod is where no rigid wall lets it be. */
 static const PetscReal part_told = 0.01;
 
@@ -147,54 +140,33 @@ static PetscErrorCode TellContact(const Grow *self) {
   PetscFunctionReturn(0);
 }
 
-/* How far off the run may be, and what of that its mesh and its steps have: as measured, or by a
-   fit where errors are not followed, or only up to the first contact. Other steppers than vbdf are
-   not followed. */
-static PetscErrorCode Estimated(Grow *self, PetscReal *error, PetscReal part[ESTIMATE_PARTS]) {
-  const Load *load = &self->scene->load;
-  PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN];
-
-  PetscFunctionBegin;
-  *error = 0;
-  part[ESTIMATE_SPACE] = part[ESTIMATE_TIME] = 0;
-  if (self->estimate) {
-    PetscCall(EstimateGet(self->estimate, worst));
-    AccuracyMeasured(self->rtol, LoadSticks(load), worst, part);
-    *error = part[ESTIMATE_SPACE] + part[ESTIMATE_TIME];
-  }
-  if (self->model != FRAME || !self->estimate || self->pressed) {
-    PetscReal fitted;
-    PetscCall(AccuracyEstimate(self->now->rod, self->seen.t, self->rtol, self->folds, &fitted));
-    *error += fitted;
-  }
-  *error += self->neglected + per_depth * self->depth / self->seen.length + per_snap * self->snaps;
-  if (self->crossed) *error += of_start;
-  if (load->limit) *error += of_limit * PetscPowReal(load->friction.beta, 1. / 6);
-  PetscFunctionReturn(0);
-}
-
-static PetscErrorCode Errors(Grow *self, PetscInt jumps) {
+/* How large its errors may be. */
+static PetscErrorCode TellErrors(const Grow *self, PetscInt jumps) {
+  const ErrorEstimate *error = &self->error;
   MPI_Comm comm = self->scene->comm;
-  PetscReal error = 0, asked = PETSC_MAX_REAL, defect = self->seen.energy_defect;
-  PetscReal part[ESTIMATE_PARTS];
-  PetscBool vbdf;
+  const PetscReal defect = self->seen.energy_defect, told = 0.01;
+  char friction[32] = "";
 
   PetscFunctionBegin;
   PetscCall(PetscPrintf(comm, "energy defect %.1e", (double)defect));
-  PetscCall(PetscObjectTypeCompare((PetscObject)self->now->ts, TSVBDF, &vbdf));
-  if (vbdf) {
-    PetscCall(Estimated(self, &error, part));
-    PetscCall(PetscPrintf(comm, ", error estimate %.1e", (double)error));
-    if (self->model == FRAME && self->estimate && !self->pressed)
-      PetscCall(PetscPrintf(comm, " (space %.1e, time %.1e)", (double)part[ESTIMATE_SPACE],
-                            (double)part[ESTIMATE_TIME]));
-  }
+  if (error->kind != ESTIMATE_NONE)
+    PetscCall(PetscPrintf(comm, ", error estimate %.1e", (double)error->all));
+  if (self->scene->load.limit)
+    (void)snprintf(friction, sizeof(friction), ", friction %.1e",
+                   (double)error->part[ESTIMATE_LIMIT]);
+  if (error->kind == ESTIMATE_MEASURED)
+    PetscCall(PetscPrintf(comm, " (space %.1e, time %.1e%s)", (double)error->part[ESTIMATE_SPACE],
+                          (double)error->part[ESTIMATE_TIME], friction));
+  else if (error->kind == ESTIMATE_FITTED)
+    PetscCall(PetscPrintf(comm, " (a fit)"));
   if (jumps) PetscCall(PetscPrintf(comm, "; %d snap%s", (int)jumps, jumps > 1 ? "s" : ""));
   PetscCall(PetscPrintf(comm, "\n"));
-  PetscCall(OptionReal("-accuracy", &asked, NULL));
-  if (error > 2 * asked) /* it is an upper one */
-    PetscCall(PetscPrintf(comm, "-accuracy %g is not met with the -rod_cells or -ts_rtol given.\n",
-                          (double)asked));
+  if (error->kind == ESTIMATE_MEASURED && error->all > told)
+    PetscCall(PetscPrintf(comm,
+                          "The estimate is that large for: tip %.1e, |x2| %.1e, energy %.1e.\n",
+                          (double)error->seen[ESTIMATE_TIP], (double)error->seen[ESTIMATE_NORM],
+                          (double)error->seen[ESTIMATE_ENERGY]));
+  PetscCall(AccuracyTell(error, self->rtol, self->now->rod, comm));
   if (defect > 1e-3)
     PetscCall(PetscPrintf(
         comm,
@@ -321,7 +293,7 @@ PetscErrorCode GrowSummary(Grow *self) {
   PetscCall(TellClamp(self));
   PetscCall(PetscPrintf(self->scene->comm, "%d steps, %d rejected, %d Newton iterations, %.3f s; ",
                         (int)steps, (int)rejections, (int)iterations, now - self->begin));
-  PetscCall(Errors(self, jumps));
+  PetscCall(TellErrors(self, jumps));
   PetscCall(TellContact(self));
   PetscCall(TellEvent(self));
   PetscCall(TellNotReached(self));

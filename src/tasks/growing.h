@@ -31,13 +31,14 @@ typedef struct {
   PetscInt iterations, steps; /* before the latest step; steps of earlier legs */
   PetscReal folds;            /* of |x2|, up and down, so far */
   PetscReal neglected;        /* largest part that the linear model left out */
-  PetscBool pressed; /* there has been contact, whose layer is finer than the mesh on which errors
-                        are followed */
-  PetscReal depth;   /* largest penetration so far */
-  PetscInt snaps;    /* of this run */
-  PetscBool crossed; /* its start was crossed in a step */
-  PetscBool quiet, beyond; /* beyond: the linear model has left its range */
-  int stopped;             /* the signal that all ranks have agreed to stop on */
+  PetscBool pressed;          /* there has been contact */
+  ErrorEstimate error;        /* as GrowErrors() has found it */
+  PetscReal depth;            /* largest penetration so far */
+  PetscInt snaps;             /* of this run */
+  PetscBool crossed;          /* its start was crossed in a step */
+  PetscBool vanished;         /* |x2| has fallen below the numbers that there are */
+  PetscBool quiet, beyond;    /* beyond: the linear model has left its range */
+  int stopped;                /* the signal that all ranks have agreed to stop on */
   PetscLogDouble begin, reported;
   Watch watch;
   PetscBool jammed;        /* the run ends for that */
@@ -49,6 +50,9 @@ typedef struct {
 } Grow;
 
 extern const RodModel *const grow_models[MODELS];
+
+/* grow_errors.c */
+PetscErrorCode GrowErrors(Grow *self);
 
 /* grow_events.c */
 PetscErrorCode GrowLookForEvent(Grow *self, PetscReal t, Vec U, Event *event);

@@ -629,6 +629,38 @@ def pressed_in():
     expect(stiff.penetration.max() < 0.01 * 0.059 and "pressed in" not in stiff.said, stiff.said)
 
 
+def off_by(r, fine):
+    """The largest relative error of |x2| and energy at a run's steps, from its tenth part on, and of its tip."""
+    late = r.t > 0.1 * r.t[-1]
+    return max(np.hypot(*(r.tip - fine.tip)) / np.hypot(*fine.tip),
+               *(np.abs(r.series[k][late] / np.interp(r.t[late], fine.t, fine.series[k]) - 1).max()
+                 for k in ("norm_x2", "energy")))
+
+
+@check
+def estimate():
+    """Errors are measured in contact, too: on coarse meshes and on finer ones, on any number of ranks; and the file
+    says what they are."""
+    rubs = ("-growth_type feed -shape_type straight -rod_curvature 0.1 -contact_diameter 0.1 -contact_friction 0.3 "
+            "-ts_max_time 2.5 " + walls("plane 2 0 -1 0.2"))
+    fine = Run(f"{rubs} -rod_cells 600 -ts_rtol 1e-7")
+    for cells in (80, 200):
+        r = Run(f"{rubs} -rod_cells {cells}")
+        error = off_by(r, fine)
+        print(f"{cells} cells: off by {error:.1e}, estimated {r.estimate:.1e}")
+        expect(error / 3 < r.estimate < 30 * error, f"off by {error:.1e}, estimated {r.estimate:.1e}")
+    if scene.MPIEXEC:
+        two = Run(f"{rubs} -rod_cells 200", ranks=2)
+        expect(abs(two.estimate / r.estimate - 1) < 0.1, f"on two ranks {two.estimate:.1e}, on one {r.estimate:.1e}")
+    tendril(f"{rubs} -rod_cells 80 -output {scene.SCRATCH}/errors.h5", 0)
+    with h5py.File(f"{scene.SCRATCH}/errors.h5") as f:
+        a = {k: v for k, v in f.attrs.items() if k.startswith("error_")}
+    print(a)
+    expect(a["error_kind"] == b"measured", str(a))
+    expect(0 < a["error_tip"] < a["error_norm_x2"] < a["error_energy"] <= a["error_estimate"] < 0.1, str(a))
+    expect(0 < a["error_time"] < a["error_space"] < a["error_estimate"] and a["error_friction"] == 0, str(a))
+
+
 @check
 def turns_on_a_wall():
     """Exact Coulomb friction, a tip that is pressed against a wall and turns there, as friction next to

@@ -158,6 +158,24 @@ def accuracy():
 
 
 @check
+def doubts():
+    """An accuracy that may not be met is doubted, with what would do, and that does. Of friction that is exact where
+    material comes to rest the estimate measures what it is off from its limit."""
+    rod = "-growth_initial_length 2 -shape_amplitude 0.3 -ts_max_time 3 -accuracy 1e-6 "
+    r = Run(rod + "-rod_cells 40")
+    asked = re.search(r"-accuracy 1e-06 may not be met, the estimate is above it; give( .*)\.\n", r.said)
+    expect(asked and "-rod_cells" in asked[1], r.said)
+    expect("may not be met" not in Run(rod + asked[1]).said, f"{asked[1]} is not enough")
+    rests = ("-growth_type apical -growth_zone 0.362 -shape_type straight -rod_curvature_random 0.0265 "
+             "-rod_curvature_length 3 -rod_curvature_seed 9 -ts_max_time 4 ")
+    r, limit = Run(rests + "-friction_beta 0"), Run(rests + "-friction_beta 1e-14 -rod_cells 800 -ts_rtol 1e-7")
+    error = abs(r.energy[-1] / limit.energy[-1] - 1)
+    print(f"the limit: off by {error:.1e}, estimated {r.estimate:.1e}")
+    expect(error < r.estimate < 20 * error, f"energy off by {error:.1e}, estimated {r.estimate:.1e}")
+    expect(", friction " in r.said and "The estimate is that large for: tip " in r.said, r.said)
+
+
+@check
 def scales():
     """Lengths that a scene gives: what cells are too long for is in the estimate, and said in a line."""
     layer = "-ts_max_time 3 -shape_amplitude 0.8 -friction_layers 0:1,1.1:0.34 -friction_layer_width 0.0054 "
@@ -543,6 +561,9 @@ def tiny():
     expect(abs(b.norm_x2[-1] * 1e30 / a.norm_x2[-1] - 1) < 1e-6, f"{a.norm_x2[-1]}, {b.norm_x2[-1]}")
     expect(abs(b.estimate / a.estimate - 1) < 0.01, f"estimates {a.estimate}, {b.estimate}")
     print(f"|x2| {b.norm_x2[-1]:.2e}, estimate {b.estimate:.1e}")
+    for model in ("frame", "auto"):  # less than all numbers that there are
+        gone = Run(f"-friction_mu 0 -growth_initial_length 0.18 -shape_amplitude 1e-11 -ts_max_time 1 -rod_model {model}")
+        expect(gone.estimate >= 1, f"{model}: |x2| {gone.norm_x2[-1]:.2e}, estimate {gone.estimate:.1e}")
 
 
 @check

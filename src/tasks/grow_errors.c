@@ -1,0 +1,44 @@
+/* -task grow: how far off a run may be. */
+#include "tasks/accuracy.h"
+#include "tasks/growing.h"
+
+/* Rigid contact is the limit of no penetration; as far off as this times that, over the length. */
+static const PetscReal per_depth = 5;
+/* A snap ends a little inside the limit of friction. A start that one step has crossed was not
+   followed. Behind a growth zone friction that is exact is taken for one with a beta, which moments
+   that were laid down feel by its sixth root, and little else does. */
+static const PetscReal per_snap = 1e-4, of_start = 1e-2, of_limit = 5;
+
+/* What comes beside the errors of mesh and steps, in each of what is seen. */
+static PetscReal Beside(const Grow *self) {
+  PetscReal error =
+      self->neglected + per_depth * self->depth / self->seen.length + per_snap * self->snaps;
+
+  if (self->crossed) error += of_start;
+  return self->vanished ? error + 1 : error;
+}
+
+/*
+  GrowErrors - finds how far off the run may be so far: as measured, or by a fit where errors are
+  not followed. Of other steppers than vbdf nothing is known. Collective.
+*/
+PetscErrorCode GrowErrors(Grow *self) {
+  const Load *load = &self->scene->load;
+  ErrorEstimate *error = &self->error;
+  PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN] = {{0}}, fitted, beside = Beside(self);
+  PetscBool vbdf;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(error, sizeof(*error)));
+  PetscCall(PetscObjectTypeCompare((PetscObject)self->now->ts, TSVBDF, &vbdf));
+  if (!vbdf) PetscFunctionReturn(0);
+  error->kind = self->model == FRAME && self->estimate ? ESTIMATE_MEASURED : ESTIMATE_FITTED;
+  if (self->estimate) PetscCall(EstimateGet(self->estimate, worst));
+  if (error->kind == ESTIMATE_FITTED) {
+    PetscCall(AccuracyEstimate(self->now->rod, self->seen.t, self->rtol, self->folds, &fitted));
+    beside += fitted;
+    if (load->limit) beside += of_limit * PetscPowReal(load->friction.beta, 1. / 6);
+  }
+  AccuracyMeasured(self->estimate ? self->rtol : 0, LoadSticks(load), worst, beside, error);
+  PetscFunctionReturn(0);
+}
