@@ -128,12 +128,15 @@ def best_time(r: Results, points):
     return float(r.shapes.t[int(np.argmin(cost))] / r.shapes.t[-1])
 
 
-def loose_end(points, line):
+def spacing(points):
+    """How far points are from the next one, but for the loosest."""
+    return float(np.quantile(cKDTree(points).query(points, 2)[0][:, 1], 0.95))
+
+
+def loose_end(points, line, gap):
     """How far the end of a line is from the nearest point, beyond what the gaps between points explain:
     distances from the points alone would not tell that a rod is too long."""
-    tree = cKDTree(points)
-    gap = 2 * np.quantile(tree.query(points, 2)[0][:, 1], 0.95)
-    return max(0.0, float(tree.query(line[-1])[0] - gap))
+    return max(0.0, float(cKDTree(points).query(line[-1])[0] - 2 * gap))
 
 
 def widest_gap(points):
@@ -171,9 +174,11 @@ class Comparison:
         self.camera = Camera(float(np.ptp(np.vstack(pixels), axis=0).max())) if pixels else None
         self.timeless = [p for p in measured.photographs if p.abscissa is None]
         self.groups: list[str] = []  # of each residual
-        self.gaps = {id(p): 0.75 * widest_gap(p.points.numbers) + 2 * np.quantile(
-            cKDTree(p.points.numbers).query(p.points.numbers, 2)[0][:, 1], 0.95)
-            for p in measured.photographs}
+        self.spacings = {id(p): spacing(p.points.numbers) for p in measured.photographs}
+        self.gaps = {id(p): 0.75 * widest_gap(p.points.numbers) + 2 * self.spacings[id(p)]
+                     for p in measured.photographs}
+        # of loose ends, in their order: where the last point happens to be is known no better
+        self.loose = np.array([self.spacings[id(p)] for p in measured.photographs if not p.ordered])
 
     def told(self, r: Results, own) -> list[str]:
         """In words, the numbers that were found beside the parameters."""
@@ -233,7 +238,7 @@ class Comparison:
         found, place, normal = near.distance, near.place, near.normal
         uncovered = bare(p.points.numbers, line, self.gaps[id(p)])
         if not p.ordered:
-            return found, [loose_end(p.points.numbers, line)], uncovered, (place, normal, near.other)
+            return found, [loose_end(p.points.numbers, line, self.spacings[id(p)])], uncovered, (place, normal, near.other)
         gap, end = p.points.numbers[-1] - line[-1], line[-1] - line[-2]
         end = end / np.hypot(*end)
         across = [-end[1], end[0]]

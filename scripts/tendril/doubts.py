@@ -17,10 +17,11 @@ from scipy import stats
 
 from .comparing import BARE, LINES, VIEW
 from .errors import RunError, TendrilError
-from .measured import Measured
+from .measured import Measured, Values
 from .noise import estimate
 from .parameters import Parameter
 from .problem import Problem, Solution
+from .starting import starting_points
 from .units import scales_of_rod
 
 if TYPE_CHECKING:
@@ -30,6 +31,8 @@ BAD = 0.02  # of the extent: residuals beyond are no errors of clicking
 BAD_SERIES = 0.05  # of the range of a series
 SURE = 1e-4  # the probability at which what is left over is no chance
 BETTER, SLIGHT = 0.6, 0.8  # a cause is one if residuals fall to this part, of a fit that is not bad
+LONGER = 3.0  # runs so much longer than those that were made are not tried
+COARSE = 3e-3  # the accuracy of runs for another time
 SEEN = 2e-3  # of the extent: a cause that moves the points less is left alone
 FACTORS = {1e-3: "1000", 1e-2: "100", 0.1: "10", 10.0: "10", 100.0: "100", 1e3: "1000"}
 
@@ -41,6 +44,11 @@ class Cause:
     words: str  # with {camera_turn} and the like
     looked_for: tuple[str, ...] = ()
     change: tuple[str, float] | None = None  # of the data, as changed() knows it
+
+    @property
+    def of_time(self) -> bool:
+        """Whether runs must go on for another time with it."""
+        return any(name.startswith("clock") for name in self.looked_for) or bool(self.change) and self.change[0] == "time"
 
 
 CAUSES = [Cause("the points lie beside the rod by ({camera_x}, {camera_y}): the clamp is not at (0, 0). Give it, or "
@@ -175,9 +183,20 @@ def wide(fit: Fit, name) -> Parameter:
     return Parameter(name, low, high, VIEW[name], unit)
 
 
+def bare_time(one) -> bool:
+    """Whether a photograph or a series has its times without a unit."""
+    return one.abscissa == "t" and not one.at.si
+
+
 def changed(measured: Measured, change) -> Measured:
     """The data without a fault."""
     kind, factor = change
+    if kind == "time":
+        return Measured(*([replace(one, at=Values(one.at.numbers * factor, "l/V")) if bare_time(one) else one for one in some]
+                          for some in (measured.photographs, measured.curves)))
+    if kind == "metre":
+        return Measured([replace(p, points=Values(p.points.numbers * factor, "l")) for p in measured.photographs],
+                        measured.curves)
     matrix = {"mirror": [[1, 0], [0, -1]], "swap": [[0, 1], [1, 0]], "unit": [[factor, 0], [0, factor]],
               "back": [[-1, 0], [0, 1]]}[kind]
     photographs = [replace(p, points=replace(p.points, numbers=p.points.numbers @ np.array(matrix, float)))
@@ -194,11 +213,14 @@ def tried(fit: Fit, cause: Cause):
                   tied=old.tied)
     new.glimpse, new.begin, new.reach = old.glimpse, old.begin, old.reach
     new.settings, new.known = dict(old.search_settings), dict(old.search_known)
-    if any(name.startswith("clock") for name in cause.looked_for):
+    points = [fit.u[:len(old.parameters)]]
+    if cause.change and cause.of_time:  # nothing that was run is of use
+        new.prepare(points[0], COARSE)
+        points += starting_points(new, 8, 1)
+    elif cause.of_time:
         new.settings |= {k: v for k, v in new.ends().items() if k not in old.options}
         new.known = {}
-    points = [fit.u[:len(old.parameters)]]
-    if cause.change:  # from all points that were ever run, as the data now look
+    elif cause.change:  # from all points that were ever run, as the data now look
         points += list(old.search_points.values())
     start = [p.inside(VIEW[p.name]) for p in more]
     new.run([np.r_[u, start] for u in points])
@@ -231,6 +253,19 @@ def spoken(fit: Fit, problem: Problem, u, cause: Cause):
             "camera_scale": f"{view['camera_scale']:.3g}", "clock_rate": f"{view['clock_rate']:.3g}",
             "clock_offset": f"{view['clock_offset']:.3g}{second}"}
     return cause.words.format_map(said)
+
+
+def unitless(measured: Measured, attributes):
+    """Causes that are numbers without a unit beside a scene in the laboratory's."""
+    scales, causes = scales_of_rod(attributes), []
+    if scales.get("time") and any(map(bare_time, [*measured.photographs, *measured.curves])):
+        causes += [Cause(f"the times are in {name}, but carry no unit, and were taken as dimensionless: write t ({name})",
+                         change=("time", si)) for name, si in (("s", 1.0), ("min", 60.0))
+                   if si < LONGER * scales["time"]]
+    if scales.get("length") and any(p.points.unit == "" for p in measured.photographs):
+        causes += [Cause(f"the coordinates are in {name}, but carry no unit, and were taken as dimensionless: write "
+                         f"x1 ({name})", change=("metre", si)) for name, si in (("m", 1.0), ("cm", 1e-2), ("mm", 1e-3))]
+    return causes
 
 
 def discrete():
@@ -267,10 +302,9 @@ def promising(fit: Fit, causes, most=2):
     return [cause for _, cause in found[:most]]
 
 
-def plain_units(fit: Fit):
-    """Numbers that carry no unit beside a scene in the laboratory's."""
-    measured, words = fit.problem.measured, []
-    scales = scales_of_rod(fit.run.attributes)
+def plain_units(measured: Measured, attributes):
+    """Numbers that carry no unit beside a scene in the laboratory's, in words."""
+    words, scales = [], scales_of_rod(attributes)
     for abscissa, kind, unit in (("t", "time", "s"), ("length", "length", "m")):
         if scales.get(kind) and any(not at.si for at in measured.abscissae(abscissa)):
             words.append(f"{abscissa} carries no unit, and is taken as dimensionless: 1 of it is {scales[kind]:.3g} "
@@ -289,8 +323,10 @@ def likeliest(fit: Fit, bad, tell):
     if not (bad or signs):
         return []
     causes = [cause for _, cause in signs[:None if bad else 3]]
+    units = unitless(fit.problem.measured, fit.run.attributes) if bad else []
     if bad and fit.problem.measured.photographs and not fit.problem.comparison.camera:
-        causes += promising(fit, [c for c in discrete() if applies(fit, c) or c.change])
+        causes += promising(fit, [c for c in [*discrete(), *units] if not c.of_time])
+    causes = [c for c in units if c.of_time] + causes
     ends = []
     for cause in causes:
         tell(f"trying a cause: {', '.join(cause.looked_for) or cause.change[0]}")
@@ -311,7 +347,7 @@ def likeliest(fit: Fit, bad, tell):
 
 def warnings_of(fit: Fit, agreed, tell) -> list[str]:
     """What speaks against a fit, in lines."""
-    words, bad = plain_units(fit), False
+    words, bad = plain_units(fit.problem.measured, fit.run.attributes), False
     for name, (size, extent) in sizes(fit).items():
         limit = BAD if name == LINES else BAD_SERIES
         if size > limit * extent:

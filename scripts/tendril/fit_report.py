@@ -170,6 +170,8 @@ def draw_photograph(ax, fit: Fit, p):
         title = f"{'t' if p.abscissa == 't' else 'L'} = {times * float(p.at.numbers):.4g} {name}".rstrip()
     ax.set_title(title, fontsize=8)
     ax.set_xlabel(labelled("$x_1$", unit))
+    if ax.get_subplotspec().is_first_col():
+        ax.set_ylabel(labelled("$x_2$", unit))
 
 
 def draw_curve(ax, fit: Fit, c):
@@ -180,7 +182,7 @@ def draw_curve(ax, fit: Fit, c):
     ax.plot(along * all_of_it.at.numbers, factor * fit.problem.comparison.model(fit.run, all_of_it, fit.problem.view(fit.u)),
             color=BLUE, label="best scene")
     ax.set_xlabel(labelled(c.abscissa, at_unit))
-    ax.set_title(labelled(c.name.replace("_", " "), unit), fontsize=8)
+    ax.set_ylabel(labelled(c.name.replace("_", " "), unit))
 
 
 def draw_residuals(ax, fit: Fit):

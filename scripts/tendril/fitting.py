@@ -329,7 +329,7 @@ def made(scene, data, parameters, *, unit, fps, y_down, priors, tied, noise, job
 def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", fps: float | None = None, y_down: bool | None = None,
         priors: Mapping[str, tuple | str] | None = None, tied: Mapping[str, str] | None = None,
         noise: Mapping[str, str] | None = None, accuracy: float = 3e-4, starts: int | None = None,
-        seed: int = 1, jobs: int | None = None, progress: bool = False, **options) -> Fit:
+        seed: int = 1, jobs: int | None = None, progress: bool | None = None, **options) -> Fit:
     """Finds the parameters of a scene that give what was measured.
 
     scene       as for run
@@ -349,6 +349,7 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", f
                 that was given; twice as many as long as no two end in one place. None: 24 for one
                 parameter, 12 for two, else 8
     seed        of these points
+    progress    a bar of the runs, and a line for each stage; None: the bar alone, in a terminal and in a notebook
     options     that all runs have, as for run; {name} in their text is a parameter
 
     Ctrl-C ends the search; the best until then is returned. Raises TendrilError, in one line, for data or a
@@ -369,16 +370,26 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", f
         best, known = certain(problem, best, tell)
     except KeyboardInterrupt:
         if problem.best is None:
+            problem.hide()
             raise
         tell("interrupted; the best until now")
         interrupted, (best, known) = True, rough(problem)
+    except BaseException:
+        problem.hide()
+        raise
+    return finished(problem, best, known, costs, begin, interrupted, agreed or starts == 0, tell)
+
+
+def finished(problem: Problem, best: Solution, known: Certainty, costs, begin, interrupted, agreed, tell) -> Fit:
+    """What was found, and what speaks against it."""
+    try:
+        r = problem.first(best.u[:len(problem.parameters)], problem.settings)
+        found = Fit(problem, best.u, known.covariance, known.reach, r, best.cost, costs, 0.0,
+                    interrupted=interrupted)
+        found.indistinct = indistinct(found)
+        found.warnings = [] if interrupted else doubted(found, agreed, tell)
     finally:
         problem.hide()
-    r = problem.first(best.u[:p], problem.settings)
-    found = Fit(problem, best.u, known.covariance, known.reach, r, best.cost, costs, 0.0,
-                interrupted=interrupted)
-    found.indistinct = indistinct(found)
-    found.warnings = [] if interrupted else doubted(found, agreed or starts == 0, tell)
     found.seconds = time.perf_counter() - begin
     return found
 

@@ -6,16 +6,20 @@ touched. With r the residuals of a photograph, p the arc length of each, n its n
 
     cov(r_i, r_j) = sigma^2 delta_ij / w_i  +  (smooth^2 K(|p_i - p_j| / reach) + shift^2) n_i.n_j
 
-K is Matern's kernel 3/2; w < 1 takes the weight off a stray point. Of a series place is time, n = 1, and
+K is Matern's kernel 3/2 or Gauss's, and the reach the same in all photographs or one part of each rod's
+length (KINDS): which of the four it is the residuals tell. It matters: a kernel too rough, or a reach too
+short in the long photographs, which tell most, gives intervals of half the width they should have. w < 1
+takes the weight off a stray point. Of a series place is time, n = 1, and
 there is no shift. The four numbers are estimated from the residuals by restricted maximum likelihood (REML),
 which knows that the parameters have taken up a part of them; the parameters then by generalised least
-squares. What the residuals do not tell of the four numbers makes intervals wider: all of their values
+squares. What the residuals do not tell of kind and numbers makes intervals wider: all of their values
 count, each by its likelihood times a flat prior of the standard deviations (importance sampling), and
 an interval is one of that mixture of normal distributions."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Callable, NamedTuple
 
 import numpy as np
 from scipy import linalg, optimize, stats
@@ -25,7 +29,8 @@ FAR = 4.0  # the same, before correlation is known
 BETWEEN = 6.0  # standard deviations: a point that is not so much farther from another strand tells nothing
 NOTHING = 1e-6  # the weight of such a point
 FLOOR = 0.05  # of all errors, what is at least independent: a model of a rod is no better to tell neighbours apart
-DRAWS = 128  # of the errors' numbers
+DRAWS = 128  # of the errors' numbers, of each kind
+UNLIKELY = 4.0  # the logarithm of how much less likely a kind of errors is that is left alone
 
 
 @dataclass
@@ -38,6 +43,35 @@ class Block:
     normal: np.ndarray | None  # [m, 2]; None: of a series
     other: np.ndarray  # [m], how much farther another strand of the rod is: of which is it a point?
 
+    @property
+    def extent(self) -> float:
+        """From the first place to the last: of a photograph, how long the rod is."""
+        return float(np.ptp(self.place)) or 1.0
+
+
+def matern(distance):
+    """(Matern's kernel 3/2, its derivative by the logarithm of the reach), of distances over the reach."""
+    z = np.sqrt(3) * distance
+    falls = np.exp(-z)
+    return (1 + z) * falls, z**2 * falls
+
+
+def gauss(distance):
+    """The same of Gauss's."""
+    square = distance**2
+    falls = np.exp(-0.5 * square)
+    return falls, square * falls
+
+
+class Kind(NamedTuple):
+    """How errors that are smooth are alike."""
+
+    kernel: Callable
+    power: int  # of a block's extent, that the reach goes with
+
+
+KINDS = [Kind(matern, 0), Kind(gauss, 0), Kind(matern, 1), Kind(gauss, 1)]
+
 
 @dataclass
 class Group:
@@ -45,17 +79,18 @@ class Group:
 
     sigma: float
     smooth: float = 0.0
-    reach: float = 1.0
+    reach: float = 1.0  # of the longest block
     shift: float = 0.0
+    kind: Kind = KINDS[0]
+    longest: float = 1.0  # extent of a block
 
     @property
     def total(self) -> float:
         return float(np.sqrt(self.sigma**2 + self.smooth**2 + self.shift**2))
 
-
-def matern(distance):
-    z = np.sqrt(3) * distance
-    return (1 + z) * np.exp(-z)
+    def alike(self, gaps, extent):
+        """(K, its derivative by log reach), of places so far from each other, in a block of that extent."""
+        return self.kind.kernel(gaps / (self.reach * (extent / self.longest) ** self.kind.power))
 
 
 @dataclass
@@ -74,7 +109,7 @@ class Errors:
         v = np.diag(g.sigma**2 / self.weights[block.rows])
         alike = 1.0 if block.normal is None else block.normal @ block.normal.T
         if g.smooth:
-            v += g.smooth**2 * matern(np.abs(block.place[:, None] - block.place) / g.reach) * alike
+            v += g.smooth**2 * g.alike(np.abs(block.place[:, None] - block.place), block.extent)[0] * alike
         if g.shift and block.normal is not None:
             v += g.shift**2 * alike
         return v
@@ -126,6 +161,8 @@ class Estimate:
             self.alike[k, :m, :m] = 1.0 if b.normal is None else b.normal @ b.normal.T
             self.extra[k, :m], self.empty[k, :m] = 1 / errors.weights[b.rows], 0
         self.lines = any(b.normal is not None for b in self.blocks)
+        self.extents = np.array([b.extent for b in self.blocks])[:, None, None]
+        self.kind, self.kinds = KINDS[0], KINDS if np.ptp(self.extents) > 0.1 * self.extents.max() else KINDS[:2]
         mine = np.zeros(len(residuals), bool)
         mine[np.concatenate([b.rows for b in self.blocks])] = True
         white = errors.whitened(np.column_stack([residuals, jacobian]))[~mine]
@@ -137,33 +174,69 @@ class Estimate:
 
     def group(self, theta) -> Group:
         """theta: log sigma, smooth/sigma0, log reach, shift/sigma0."""
-        return Group(float(np.exp(theta[0])), abs(theta[1]) * self.unit, np.exp(theta[2]), abs(theta[3]) * self.unit * self.lines)
+        return Group(float(np.exp(theta[0])), abs(theta[1]) * self.unit, float(np.exp(theta[2])),
+                     abs(theta[3]) * self.unit * self.lines, self.kind, float(self.extents.max()))
 
     def terms(self, theta):
         """(log of the restricted likelihood, information of the numbers, their gradient)"""
-        g = self.group(theta)
-        v = (g.smooth**2 * matern(self.gaps / g.reach) + g.shift**2) * self.alike
+        return self.solved(self.group(theta))[:3]
+
+    def covariance(self, g: Group):
+        """[block, m, m], and K n.n with its derivative by log reach."""
+        kernel, longer = g.alike(self.gaps, self.extents)
+        kernel, longer = kernel * self.alike, longer * self.alike
+        v = g.smooth**2 * kernel + g.shift**2 * self.alike
         diagonal = np.arange(v.shape[1])
         v[:, diagonal, diagonal] += g.sigma**2 * self.extra + self.empty
+        return v, kernel, longer
+
+    def solved(self, g: Group, v=None):
+        """The terms, and V^-1 [r J]."""
+        v = self.covariance(g)[0] if v is None else v
         logs = 2 * np.sum(np.log(np.einsum("kmm->km", np.linalg.cholesky(v))))
-        products = np.einsum("kma,kmb->ab", self.values, np.linalg.solve(v, self.values))
+        solved = np.linalg.solve(v, self.values)
+        products = np.einsum("kma,kmb->ab", self.values, solved)
         information, gradient = self.others + products[1:, 1:], self.rest + products[1:, 0]
         _, determinant = np.linalg.slogdet(information)
         fitted = gradient @ np.linalg.solve(information, gradient)
-        return -0.5 * (logs + determinant + products[0, 0] - fitted), information, gradient
+        return -0.5 * (logs + determinant + products[0, 0] - fitted), information, gradient, solved
+
+    def allowed(self, theta):
+        return np.log(FLOOR) - 1e-9 <= theta[0] - self.middle < 12 and \
+            np.log(self.shortest) <= theta[2] <= np.log(self.longest)
 
     def cost(self, theta):
-        if not np.log(FLOOR) - 1e-9 <= theta[0] - self.middle < 12 or not np.log(self.shortest) <= theta[2] <= np.log(self.longest):
-            return 1e10
         try:
-            value = self.terms(theta)[0]
+            value = self.terms(theta)[0] if self.allowed(theta) else -np.inf
         except np.linalg.LinAlgError:
             return 1e10
         return -value if np.isfinite(value) else 1e10
 
+    def cost_and_slope(self, theta):
+        """The cost and its derivatives by theta. With e = V^-1 (r - J b), b the parameters' estimate,
+
+            d cost = 1/2 tr[(V^-1 - e e^T - V^-1 J I^-1 J^T V^-1) dV]"""
+        g = self.group(theta)
+        try:
+            v, kernel, longer = self.covariance(g)
+            value, information, gradient, solved = self.solved(g, v)
+        except np.linalg.LinAlgError:
+            return 1e10, np.zeros(4)
+        if not np.isfinite(value):
+            return 1e10, np.zeros(4)
+        e = solved[:, :, 0] - solved[:, :, 1:] @ np.linalg.solve(information, gradient)
+        taken = solved[:, :, 1:] @ np.linalg.inv(information)
+        rest = np.linalg.inv(v) - e[:, :, None] * e[:, None] - taken @ solved[:, :, 1:].transpose(0, 2, 1)
+        unit = self.unit**2
+        slope = [2 * g.sigma**2 * np.sum(np.einsum("kmm->km", rest) * self.extra),
+                 2 * theta[1] * unit * np.sum(rest * kernel), g.smooth**2 * np.sum(rest * longer),
+                 2 * theta[3] * unit * self.lines * np.sum(rest * self.alike)]
+        return -value, 0.5 * np.array(slope)
+
     def find(self, near: Group | None = None):
-        """theta where the likelihood is largest: from errors that are all independent, from some
-        that are all correlated, from shifts; or from what is near."""
+        """theta where the likelihood is largest, of the kind that has the largest: from errors that are all
+        independent, from some that are all correlated, from shifts; or from what is near. self.found has
+        (cost, theta, kind) of all kinds, the best first."""
         r, weight = self.values[:, :, 0], np.where(self.empty, 0, 1 / np.maximum(self.extra, 1e-300))
         self.unit = max(float(np.sqrt(np.sum(weight * r**2) / np.sum(self.empty == 0))), 1e-300)
         self.middle = np.log(self.unit)
@@ -175,14 +248,23 @@ class Estimate:
             starts.append([self.middle - 0.3, 0.02, reach - 0.5, 0.6])
         if near:
             starts = [starts[0], [np.log(near.sigma), near.smooth / self.unit, np.log(near.reach), near.shift / self.unit]]
-        found = [optimize.minimize(self.cost, np.clip(start, low, high), method="L-BFGS-B",
-                                   bounds=list(zip(low, high)), options={"maxiter": 40, "ftol": 1e-7})
-                 for start in starts]
-        return min(found, key=lambda one: one.fun).x
+        self.found = []
+        for self.kind in [near.kind] if near else self.kinds:
+            if self.found:  # the other kinds from where the first ended, but with a kernel that is seen
+                starts = [np.maximum(self.found[0][1], [-np.inf, 0.05, -np.inf, 0])]
+            ends = [optimize.minimize(self.cost_and_slope, np.clip(start, low, high), jac=True, method="L-BFGS-B",
+                                      bounds=list(zip(low, high)), options={"maxiter": 60, "ftol": 1e-8})
+                    for start in starts]
+            best = min(ends, key=lambda one: one.fun)
+            self.found.append((best.fun, best.x, self.kind))
+        self.found.sort(key=lambda one: one[0])
+        _, theta, self.kind = self.found[0]
+        return theta
 
     def spread(self, theta, draws, seed=0):
-        """(thetas [k, 4], their shares of the posterior): importance sampling around the best, with
-        Student's t of 5 degrees, the width that of the likelihood."""
+        """(thetas [k, 4], the logarithm of their shares of the posterior, but for a number that all kinds
+        have in common): importance sampling around the best of self.kind, with Student's t of 5 degrees,
+        the width that of the likelihood."""
         size = np.array([0.1, 0.1, 0.3, 0.1])
         here, curved = self.cost(theta), np.empty(4)
         for k in range(4):  # the width of each, where the likelihood has fallen by 1/2, on its wider side
@@ -202,10 +284,23 @@ class Estimate:
         thetas = theta + z * scale
         # what falls below 0 of the two standard deviations is folded back by abs() in group()
         costs = np.array([self.cost(t) for t in thetas])
-        proposal = -0.5 * 9 * np.log1p((z**2).sum(axis=1) / 5)
-        logs = -costs - proposal
-        share = np.exp(logs - logs.max())
-        return thetas, share / share.sum()
+        proposal = -0.5 * 9 * np.log1p((z**2).sum(axis=1) / 5) - np.sum(np.log(scale))
+        return thetas, -costs - proposal
+
+    def posterior(self, draws):
+        """(information, gradient and share of the posterior) of numbers that errors may have, of all kinds
+        that are not unlikely."""
+        self.find()
+        least, terms, logs = self.found[0][0], [], []
+        for cost, theta, self.kind in self.found:
+            if cost > least + UNLIKELY:
+                continue
+            thetas, one = self.spread(theta, draws)
+            kept = one > one.max() + np.log(1e-4)
+            terms += [self.terms(t)[1:] for t in thetas[kept]]
+            logs.append(one[kept])
+        share = np.exp(np.concatenate(logs) - np.max(np.concatenate(logs)))
+        return terms, share / share.sum()
 
 
 def screened(residuals, sigma, blocks):
@@ -278,13 +373,9 @@ def certainty(errors: Errors, residuals, jacobian, prior, known=None, share=0.95
     means, covariances, shares = [np.zeros(len(prior))], [plain], [1.0]
     for name in names[:1]:  # the group that tells most; the others' errors are taken as found
         one = Estimate(errors, max(names, key=lambda n: weight_of(errors, jacobian, n)), residuals, jacobian, prior)
-        theta = one.find()
-        thetas, shares = one.spread(theta, DRAWS)
-        kept = shares > 1e-4 * shares.max()
-        terms = [one.terms(t)[1:] for t in thetas[kept]]
+        terms, shares = one.posterior(DRAWS)
         covariances = [np.linalg.pinv(i, hermitian=True) for i, _ in terms]
         means = [-c @ g for c, (_, g) in zip(covariances, terms)]
-        shares = shares[kept] / shares[kept].sum()
     means, covariances, shares = np.array(means), np.array(covariances), np.array(shares)
     middle = shares @ means
     spread = np.einsum("k,ka,kb->ab", shares, means - middle, means - middle)

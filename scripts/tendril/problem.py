@@ -16,6 +16,7 @@ from .errors import RunError, TendrilError
 from .measured import Measured, values_of
 from .noise import Errors, estimate
 from .parameters import MODE, PER, Parameter, Prior, tied_value, with_unit
+from .progress import bar
 from .results import Results
 from .runs import run
 from .sweeps import cores, stored
@@ -91,13 +92,13 @@ class Problem:
         return options | values
 
     def show(self, progress, expected):
-        """A bar of the runs, of which about so many are expected; a function that tells what goes on."""
-        from tqdm import tqdm
-
-        if not progress:
-            return lambda text: None
-        self.bar = tqdm(total=expected, desc="fit", unit="run", leave=False, disable=None)
-        return lambda text: tqdm.write(f"fit: {text}")
+        """A bar of the runs, of which about so many are expected; a function that tells what goes on: in a
+        line of its own where progress is asked for, else behind the bar."""
+        self.bar = bar(None if progress else progress, expected, what="fit", unit="run")
+        shown = self.bar
+        if progress:
+            return lambda text: shown.write(f"fit: {text}")
+        return lambda text: shown.set_postfix_str(text)
 
     def hide(self):
         if self.bar is not None:
@@ -276,6 +277,8 @@ class Problem:
         sizes = self.noise | beside
         # while the noise is a guess what was known beforehand must not outweigh the points
         self.sigma = np.array([sizes[name] for name in groups] + [WEAK] * len(self.priors))
+        ends = np.flatnonzero(groups == ENDS)
+        self.sigma[ends] = np.maximum(self.sigma[ends], self.comparison.loose)
 
     def raw_jacobian(self, u, central=False):
         """[residual, number], of raw residuals, by forward or central differences."""

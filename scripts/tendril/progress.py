@@ -5,10 +5,13 @@ from __future__ import annotations
 import sys
 
 
-def bar(progress: bool | None, total, form: str | None = None, what="tendril"):
-    """A bar of tqdm. progress: whether there is one; None: where somebody looks on."""
+def wanted(progress: bool | None) -> bool:
+    """Whether there is a bar; None: where somebody looks on."""
+    return bool(sys.stderr.isatty() or "ipykernel" in sys.modules) if progress is None else progress
+
+
+def bar(progress: bool | None, total, form: str | None = None, what="tendril", unit="it"):
+    """A bar of tqdm, where it is wanted."""
     from tqdm import tqdm
 
-    seen = sys.stderr.isatty() or "ipykernel" in sys.modules
-    return tqdm(total=total, desc=what, bar_format=form, leave=False,
-                disable=not (seen if progress is None else progress))
+    return tqdm(total=total, desc=what, bar_format=form, unit=unit, leave=False, disable=not wanted(progress))

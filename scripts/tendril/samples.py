@@ -17,6 +17,7 @@ import numpy as np
 from .errors import TendrilError
 from .fitting import CLOSE, Fit
 from .problem import FAILED
+from .progress import wanted
 
 
 @dataclass
@@ -87,12 +88,13 @@ class Samples:
         return corner.corner(self.values, labels=self.names, show_titles=True, title_fmt=".4g", **options)
 
 
-def sample(fit: Fit, steps=200, walkers=None, burn=0.3, seed=1, progress=False) -> Samples:
+def sample(fit: Fit, steps=200, walkers=None, burn=0.3, seed=1, progress: bool | None = None) -> Samples:
     """Samples of the posterior by emcee's affine invariant walkers; all runs of a step go side by side.
 
     steps    of each walker
     walkers  None: four for each number that is looked for, eight at least
-    burn     the part at the beginning that is left out"""
+    burn     the part at the beginning that is left out
+    progress a bar; None: in a terminal and in a notebook"""
     try:
         import emcee
     except ImportError:
@@ -117,7 +119,7 @@ def sample(fit: Fit, steps=200, walkers=None, burn=0.3, seed=1, progress=False) 
     begin[:, :p] = np.clip(begin[:, :p], 1e-6, 1 - 1e-6)
     sampler = emcee.EnsembleSampler(walkers, n, chance, vectorize=True)
     sampler.random_state = np.random.RandomState(seed).get_state()
-    sampler.run_mcmc(begin, steps, progress=progress)
+    sampler.run_mcmc(begin, steps, progress=wanted(progress))
     chain = sampler.get_chain(discard=int(burn * steps), flat=True)
     values = np.column_stack([q.value(chain[:, k]) for k, q in enumerate(fit.parameters)])
     return Samples([q.name for q in fit.parameters], values, float(np.mean(sampler.acceptance_fraction)),
