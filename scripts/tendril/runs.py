@@ -171,14 +171,17 @@ def follow(process, progress):
 
 def start(command, progress):
     """(exit code, what it printed, what it complained of) of one run."""
-    environment = os.environ | ENVIRONMENT | (SINGLE if command[0] == executable() else SEVERAL)
+    alone = command[0] == executable()
+    environment = os.environ | ENVIRONMENT | (SINGLE if alone else SEVERAL)
+    # Ctrl-C in a terminal is for all in the foreground; mpiexec would make an end of its own of it
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                          stdin=subprocess.DEVNULL, env=environment) as process:
+                          stdin=subprocess.DEVNULL, env=environment, start_new_session=not alone) as process:
         try:
             said = follow(process, progress)
             complaint = process.stderr.read()
         except KeyboardInterrupt:
-            process.send_signal(signal.SIGINT)  # it stores what it has, and ends
+            # it stores what it has, and ends; mpiexec hands SIGUSR1 on, and does nothing more
+            process.send_signal(signal.SIGINT if alone else signal.SIGUSR1)
             process.wait()
             raise
     return process.returncode, said, complaint
