@@ -1,6 +1,7 @@
 /* The guard: what the rod's curve has swept between two states, on any number of ranks; and what
    one rank alone sees. */
 #include "harness.h"
+#include "rod/crossing.h"
 #include "rod/passing.h"
 #include "stepping/guard.h"
 #include "stepping/leg.h"
@@ -117,6 +118,43 @@ static void TestOneRankKnows(void **state) {
   RemoveFile(file);
 }
 
-static const struct CMUnitTest tests[] = {cmocka_unit_test(TestSweeps), cmocka_unit_test(TestCuts),
+/* A thread in space: out along x1, round, and back at height `back` and turned by `turn`, so that
+   its ends cross as seen from above; moved on by `along`. */
+static void Loop(PetscReal back, PetscReal turn, PetscReal along, PetscReal x[6][3]) {
+  const PetscReal c = PetscCosReal(turn), s = PetscSinReal(turn);
+  const PetscReal at[6][3] = {{-1, 0, 0}, {1, 0, 0},    {2, 0, 0},
+                              {2, 3, 0},  {s, c, back}, {-s, -c, back}};
+  for (int i = 0; i < 6; i++)
+    for (int d = 0; d < 3; d++) x[i][d] = at[i][d] + (d == 0 && i > 3 ? along : 0);
+}
+
+static PetscBool PassesItself(const PetscReal from[3], const PetscReal to[3]) {
+  PetscReal x0[6][3], x1[6][3];
+  PetscBool passes, back;
+  Loop(from[0], from[1], from[2], x0);
+  Loop(to[0], to[1], to[2], x1);
+  CHECK(RodPassesItself(6, (const PetscReal(*)[3])x0, (const PetscReal(*)[3])x1, &passes));
+  CHECK(RodPassesItself(6, (const PetscReal(*)[3])x1, (const PetscReal(*)[3])x0, &back));
+  EXPECT(passes == back, "there %d, and back %d", passes, back);
+  return passes;
+}
+
+/* A strand that goes through another is seen, whatever the step; one that goes over it, or turns
+   above it, or slides along, is not. */
+static void TestPassesItself(void **state) {
+  const struct {
+    PetscReal from[3], to[3];
+    PetscBool passes;
+  } way[] = {
+      {{0.1, 0, 0}, {-0.1, 0, 0}, PETSC_TRUE},        {{1e-9, 0, 0}, {-5, 0, 0}, PETSC_TRUE},
+      {{0.1, 0.4, 0}, {-0.1, -0.5, 0.3}, PETSC_TRUE}, {{0.1, 0, 0}, {0.01, 0, 0}, PETSC_FALSE},
+      {{0.1, -0.9, 0}, {0.1, 0.9, 0}, PETSC_FALSE},   {{0.1, 0, 0}, {0.1, 0, 5}, PETSC_FALSE},
+      {{0.1, 0, 3.5}, {-0.1, 0, 3.5}, PETSC_FALSE},   {{0.1, 0, 0.5}, {-0.1, 0, 5}, PETSC_FALSE}};
+  for (size_t k = 0; k < sizeof(way) / sizeof(way[0]); k++)
+    EXPECT(PassesItself(way[k].from, way[k].to) == way[k].passes, "way %d", (int)k);
+}
+
+static const struct CMUnitTest tests[] = {cmocka_unit_test(TestPassesItself),
+                                          cmocka_unit_test(TestSweeps), cmocka_unit_test(TestCuts),
                                           cmocka_unit_test(TestOneRankKnows)};
 MAIN(tests)
