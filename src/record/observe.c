@@ -35,7 +35,7 @@ struct _Observer {
   /* rank 0, in a scene with contact: NULL else */
   Touching touching;
   TouchSum contact;
-  const PetscReal (*push)[3]; /* force of contact per length */
+  const PetscReal (*push)[PUSH]; /* force of contact per length */
 };
 
 /* ObserverCreate - what measures the states of a run of this scene, which must outlive it; nothing
@@ -507,7 +507,7 @@ static PetscErrorCode LookAtContact(Observer self, PetscReal t, const Node *node
    nodes and between them (2 cells + 1, in the clamp's frame; friction is left out: rates are not
    known). Not collective; borrowed. */
 PetscErrorCode ObserverContact(Observer observer, PetscReal t, const Node *nodes,
-                               const PetscReal (**force)[3]) {
+                               const PetscReal (**force)[PUSH]) {
   PetscFunctionBegin;
   PetscCall(LookAtContact(observer, t, nodes, PETSC_FALSE));
   if (observer->touching) PetscCall(TouchingShow(observer->touching, t));

@@ -79,14 +79,14 @@ enum { BALANCE_STATE = BALANCE_PARTS * BALANCE_POINTS + BALANCE_SUMS + 1 };
 
 PetscInt ObservedOf(Scene scene);
 PetscErrorCode ObserveSpace(Scene scene, PetscReal t, PetscInt first, PetscInt end,
-                            const Node node[], const PetscReal (*push)[3], const PetscReal tip[3],
-                            Observation *seen);
+                            const Node node[], const PetscReal (*push)[PUSH],
+                            const PetscReal contact[PUSH], Observation *seen);
 PetscErrorCode ObserverCreate(Scene scene, Observer *observer);
 PetscErrorCode ObserverDestroy(Observer *observer);
 PetscErrorCode ObserverGather(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t,
                               const Node **nodes);
 PetscErrorCode ObserverContact(Observer observer, PetscReal t, const Node *nodes,
-                               const PetscReal (**force)[3]);
+                               const PetscReal (**force)[PUSH]);
 PetscErrorCode ObserverTouch(Observer observer, PetscReal t, const Node *nodes, TouchSum *sum);
 PetscErrorCode ObserverMeasure(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t,
                                Observation *seen);

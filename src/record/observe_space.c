@@ -1,75 +1,10 @@
 /* What is measured on a rod in space: the integrals of observe.c, with two bends, twist and spin.
  */
 #include "record/observe.h"
-#include "rod/directors.h"
-
-/* A point of the rod with all that integrals need. */
-typedef struct {
-  Node node;
-  PetscReal g, g_t, c, strain;        /* stretch, its rate, slide, rate of the material's stretch */
-  PetscReal S[3], S_t[3];             /* stiffnesses, and their rates in the material */
-  PetscReal u0[3], u0_t[3];           /* natural strains, likewise */
-  PetscReal d[3][3], moment[3], u[3]; /* directors; moment and strains about them */
-  PetscReal spin, F[RUBS];            /* about the tangent; load of friction */
-  const PetscReal *push;              /* the force of contact per length, NULL: none */
-  Place3 at;
-} Sample3;
+#include "record/sample_space.h"
 
 static PetscReal Dot3(const PetscReal a[3], const PetscReal b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static PetscErrorCode Fill(Scene scene, PetscReal s, PetscReal t, Sample3 *p) {
-  const Node *node = &p->node;
-  PetscReal B, B_t, size = QuaternionSize(node->p);
-
-  PetscFunctionBegin;
-  PetscCall(GrowthStretch(scene->growth, 1, &s, t, &p->g, &p->g_t, NULL));
-  p->c = GrowthSlide(scene->growth, s, t);
-  p->strain = GrowthStrain(scene->growth, s, t, p->g_t);
-  PetscCall(SceneStiffness(scene, s, t, &B, &B_t));
-  SceneStiffnesses(scene, B, p->S);
-  SceneStiffnesses(scene, B_t, p->S_t);
-  PetscCall(CurvatureStrains(&scene->curvature, scene->growth, s, t, p->u0, p->u0_t));
-  Directors(node->p, size, p->d);
-  for (int k = 0; k < 3; k++) {
-    p->moment[k] = Dot3(p->d[k], node->m3);
-    p->u[k] = p->moment[k] / p->S[k] + p->u0[k];
-  }
-  p->spin = QuaternionSpin(node->p, size, node->p_t) + p->c * p->u[0];
-  p->at.t = t;
-  for (int k = 0; k < 3; k++) {
-    p->at.x[k] = node->x3[k];
-    p->at.q[k] = p->d[0][k];
-    p->at.W[k] = node->x3_t[k] + p->c * p->d[0][k];
-  }
-  p->at.W[SPIN] = scene->load.radius * p->spin;
-  LoadSeen3(&scene->load, &p->at, p->F);
-  PetscFunctionReturn(0);
-}
-
-/* Adds what an end of a cell gives to its middle, y_mid = (y_a + y_b)/2 + k (y'_a - y'_b). */
-static void AddEnd(Scene scene, const Sample3 *p, PetscReal k, Node *mid) {
-  const Node *n = &p->node;
-  const PetscReal *q = p->d[0];
-  PetscReal turn[4], size = QuaternionSize(n->p), D[3][4];
-
-  QuaternionTurn(n->p, p->u, turn);
-  DirectorSlope(n->p, size, q, 0, D);
-  for (int i = 0; i < 4; i++) {
-    mid->p[i] += n->p[i] / 2 + k * p->g / 2 * turn[i];
-    mid->p_t[i] += n->p_t[i] / 2;
-  }
-  for (int i = 0; i < 3; i++) {
-    int j = (i + 1) % 3, l = (i + 2) % 3;
-    PetscReal d1_t =
-        D[i][0] * n->p_t[0] + D[i][1] * n->p_t[1] + D[i][2] * n->p_t[2] + D[i][3] * n->p_t[3];
-    mid->x3[i] += n->x3[i] / 2 + k * p->g * q[i];
-    mid->x3_t[i] += n->x3_t[i] / 2 + k * (p->g_t * q[i] + p->g * d1_t);
-    mid->m3[i] += n->m3[i] / 2 - k * p->g * (q[j] * n->n3[l] - q[l] * n->n3[j] - p->F[SPIN] * q[i]);
-    mid->n3[i] +=
-        n->n3[i] / 2 + k * p->g * (p->F[i] - scene->load.weight[i] - (p->push ? p->push[i] : 0));
-  }
 }
 
 /* What a length of material costs: n.d1 + (u - u0).S(u - u0)/2 + u0.S(u - u0). */
@@ -140,15 +75,16 @@ static void MeasureClamp3(Scene scene, const Sample3 *p, Observation *seen) {
   seen->clamp_power = -p->node.m3[0] * scene->space.spin;
 }
 
-/* contact is its force on the tip. */
-static void MeasureTip3(Scene scene, const Sample3 *p, const PetscReal contact[3],
+/* contact: its force on the tip, and its couple about the tangent. */
+static void MeasureTip3(Scene scene, const Sample3 *p, const PetscReal contact[PUSH],
                         Observation *seen) {
   const Node *tip = &p->node;
   PetscReal lab[3];
 
   seen->tip_speed = PetscSqrtReal(Dot3(p->at.W, p->at.W));
   seen->tip_spin = p->spin;
-  seen->tip_power = Dot3(tip->n3, p->at.W) - Dot3(contact, p->at.W) + p->moment[0] * p->spin;
+  seen->tip_power =
+      Dot3(tip->n3, p->at.W) - Dot3(contact, p->at.W) + (p->moment[0] - contact[SPIN]) * p->spin;
   SpaceToLab(&scene->space, tip->x3, lab);
   seen->tip_x1 = lab[0];
   seen->tip_x2 = lab[1];
@@ -179,36 +115,33 @@ static void MeasureMiddle3(PetscReal z, const Sample3 *a, const Sample3 *mid, co
   is read at its ends, added to seen. Not collective.
 
   first, end  its nodes      node  that of first
-  push        force of contact per length at nodes and between them, from the rod's first; or NULL
-  tip         force of contact on the tip
+  push        of contact per length, at all nodes of the rod and between them; NULL: none
+  contact     the same, of the tip
 */
 PetscErrorCode ObserveSpace(Scene scene, PetscReal t, PetscInt first, PetscInt end,
-                            const Node node[], const PetscReal (*push)[3], const PetscReal tip[3],
-                            Observation *seen) {
+                            const Node node[], const PetscReal (*push)[PUSH],
+                            const PetscReal contact[PUSH], Observation *seen) {
   const PetscReal *s = scene->mesh.s;
   Sample3 a, b, mid;
 
   PetscFunctionBegin;
   b.node = node[0];
   b.push = push ? push[2 * first] : NULL;
-  PetscCall(Fill(scene, s[first], t, &b));
+  PetscCall(SampleFill3(scene, s[first], t, &b));
   if (!first) MeasureClamp3(scene, &b, seen);
   for (PetscInt i = first; i < end; i++) {
     PetscReal h = s[i + 1] - s[i];
     a = b;
     b.node = node[i + 1 - first];
     b.push = push ? push[2 * i + 2] : NULL;
-    PetscCall(Fill(scene, s[i + 1], t, &b));
-    PetscCall(PetscMemzero(&mid, sizeof(mid)));
-    AddEnd(scene, &a, h / 8, &mid.node);
-    AddEnd(scene, &b, -h / 8, &mid.node);
-    PetscCall(Fill(scene, (s[i] + s[i + 1]) / 2, t, &mid));
+    PetscCall(SampleFill3(scene, s[i + 1], t, &b));
+    PetscCall(SampleMid3(scene, s[i], s[i + 1], t, &a, &b, &mid));
     Integrate3(scene, &a, h / 6, seen);
     Integrate3(scene, &mid, 4 * h / 6, seen);
     Integrate3(scene, &b, h / 6, seen);
     seen->link += TurnedBetween(&a.node, &b.node);
     if (s[i] < 0.5 && s[i + 1] >= 0.5) MeasureMiddle3((0.5 - s[i]) / h, &a, &mid, &b, seen);
   }
-  if (end == scene->mesh.cells) MeasureTip3(scene, &b, tip, seen);
+  if (end == scene->mesh.cells) MeasureTip3(scene, &b, contact, seen);
   PetscFunctionReturn(0);
 }

@@ -248,8 +248,8 @@ static PetscErrorCode ContactAttributes(Output self, HdfFile file, PetscReal t) 
   PetscCall(SceneContactAt(self->scene, t));
   if (self->scene->contact.any)
     PetscCall(HdfReal(file, "/", "contact_stiffness", self->scene->contact.stiffness));
-  if (!self->scene->contact.walls.n) PetscFunctionReturn(0);
-  PetscCall(WallsText(&self->scene->contact.walls, &text));
+  if (!self->scene->contact.walls.n && !self->scene->contact.surfaces.n) PetscFunctionReturn(0);
+  PetscCall(ContactWallsText(&self->scene->contact, &text));
   PetscCall(HdfWriteText(file, "walls", text, "the walls around the rod, one a line"));
   PetscCall(PetscFree(text));
   PetscFunctionReturn(0);
@@ -652,7 +652,7 @@ PetscErrorCode OutputSeries(Output self, const Observation *seen) {
    have, times half of the lengths of their cells, adds up to what there is. (Where contact is
    stiff, that at the node itself may be far from that beside it.) */
 static PetscErrorCode ContactAbout(Scene scene, PetscReal t, PetscInt i, PetscReal g,
-                                   const PetscReal (*contact)[3], PetscReal about[3]) {
+                                   const PetscReal (*contact)[PUSH], PetscReal about[3]) {
   const PetscReal *s = scene->mesh.s;
   PetscReal length = 0, h, z, g_mid;
 
@@ -673,7 +673,7 @@ static PetscErrorCode ContactAbout(Scene scene, PetscReal t, PetscInt i, PetscRe
 
 /* A node of a rod in space, as entry i of each set. */
 static PetscErrorCode ShapeNode3(Scene scene, PetscReal t, PetscInt i, const Node *node,
-                                 const PetscReal (*contact)[3], PetscReal *b[SHAPES]) {
+                                 const PetscReal (*contact)[PUSH], PetscReal *b[SHAPES]) {
   const PetscReal s = scene->mesh.s[i];
   PetscReal d[3][3], B, S[3], g, *u = b[3] + 3 * i, *u0 = b[5] + 3 * i;
 
@@ -704,7 +704,7 @@ static PetscErrorCode ShapeNode3(Scene scene, PetscReal t, PetscInt i, const Nod
 /* OutputShape - adds the shape at one time. nodes are rank 0's; contact is the force of contact per
    length at nodes and between them, NULL if the scene has none. */
 PetscErrorCode OutputShape(Output self, PetscReal t, const Node *nodes,
-                           const PetscReal (*contact)[3]) {
+                           const PetscReal (*contact)[PUSH]) {
   PetscInt n = self->scene->mesh.cells + 1, k = self->shapes_n, room = self->shapes_room;
   PetscReal *b[SHAPES], k0, g, B;
 

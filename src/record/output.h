@@ -31,7 +31,7 @@ PetscErrorCode OutputKeep(Output output, PetscBool series, PetscBool shapes);
 PetscErrorCode OutputHarvest(Output output, const Observation *last, Harvest *harvest);
 PetscErrorCode OutputSeries(Output output, const Observation *seen);
 PetscErrorCode OutputShape(Output output, PetscReal t, const Node *nodes,
-                           const PetscReal (*contact)[3]);
+                           const PetscReal (*contact)[PUSH]);
 PetscErrorCode OutputEvent(Output output, const Event *event);
 PetscErrorCode OutputErrors(Output output, const ErrorEstimate *error);
 PetscErrorCode OutputInterrupted(Output output, const char *by);

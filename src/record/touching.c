@@ -2,10 +2,10 @@
 
 struct _Touching {
   Scene scene;
-  Strands strands;       /* of a rod in the plane, NULL: it does not touch itself */
-  Strands3 strands3;     /* of a rod in space, likewise */
-  PetscReal (*force)[3]; /* per length, at nodes and middles of cells */
-  PetscInt feet, room;   /* cells that have feet, in their order */
+  Strands strands;          /* of a rod in the plane, NULL: it does not touch itself */
+  Strands3 strands3;        /* of a rod in space, likewise */
+  PetscReal (*force)[PUSH]; /* per length, at nodes and middles of cells */
+  PetscInt feet, room;      /* cells that have feet, in their order */
   TouchFeet *foot;
 };
 
@@ -303,21 +303,24 @@ static PetscErrorCode LookAtStrands3(Touching self, PetscReal t, const Node *nod
   TouchingLook - all that contact amounts to at one time. Not collective.
 
   nodes  cells + 1 nodes, all of the rod    moves  their rates are known
-  force  out, per length: at nodes and between them, 2 cells + 1, in the clamp's frame (in the plane
-         the third component is 0); borrowed
+  force  out, per length: at nodes and between them, 2 cells + 1, in the clamp's frame, in space
+  with the couple about the tangent behind it; borrowed
 */
 PetscErrorCode TouchingLook(Touching self, PetscReal t, const Node *nodes, PetscBool moves,
-                            TouchSum *sum, const PetscReal (**force)[3]) {
+                            TouchSum *sum, const PetscReal (**force)[PUSH]) {
   PetscFunctionBegin;
   PetscCall(SceneContactAt(self->scene, t));
   PetscCall(PetscMemzero(sum, sizeof(*sum)));
   self->feet = 0;
   PetscCall(PetscArrayzero(self->force, 2 * self->scene->mesh.cells + 1));
   sum->nearest = PETSC_MAX_REAL;
-  if (self->scene->contact.walls.n) PetscCall(LookAtWalls(self, t, nodes, moves, sum));
-  if (self->strands) PetscCall(LookAtStrands(self, t, nodes, moves, sum));
   if (self->strands3) PetscCall(LookAtStrands3(self, t, nodes, moves, sum));
-  *force = (const PetscReal(*)[3])self->force;
+  if (self->scene->space.rod)
+    PetscCall(TouchingWalls3(self->scene, t, nodes, moves, self->force, sum));
+  else if (self->scene->contact.walls.n)
+    PetscCall(LookAtWalls(self, t, nodes, moves, sum));
+  if (self->strands) PetscCall(LookAtStrands(self, t, nodes, moves, sum));
+  *force = (const PetscReal(*)[PUSH])self->force;
   PetscFunctionReturn(0);
 }
 

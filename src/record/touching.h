@@ -6,6 +6,7 @@
 #include "rod/feet.h"
 #include "rod/rod.h"
 #include "rod/strands.h"
+#include "record/sample_space.h"
 #include "rod/strands_space.h"
 
 typedef struct {
@@ -14,10 +15,10 @@ typedef struct {
   PetscReal normal, wall[3];      /* sum of normal forces; force of the walls on the rod */
   PetscReal depth;                /* deepest penetration, 0: none */
   PetscInt zones;
-  PetscReal tip[3];  /* force of contact on the tip */
-  PetscReal nearest; /* the smallest gap */
-  PetscReal at[2];   /* labels of where it is; the second is that of the other strand, or -1 */
-  PetscReal x[3];    /* and the place, of the centre line; in the plane the third are 0 */
+  PetscReal tip[PUSH]; /* force of contact on the tip */
+  PetscReal nearest;   /* the smallest gap */
+  PetscReal at[2];     /* labels of where it is; the second is that of the other strand, or -1 */
+  PetscReal x[3];      /* and the place, of the centre line; in the plane the third are 0 */
 } TouchSum;
 
 /* What feet on posts add to n' at the points of one cell alone. */
@@ -31,8 +32,10 @@ typedef struct _Touching *Touching;
 PetscErrorCode TouchingCreate(Scene scene, Touching *touching);
 PetscErrorCode TouchingDestroy(Touching *touching);
 PetscErrorCode TouchingLook(Touching touching, PetscReal t, const Node *nodes, PetscBool moves,
-                            TouchSum *sum, const PetscReal (**force)[3]);
+                            TouchSum *sum, const PetscReal (**force)[PUSH]);
 PetscInt TouchingFeet(Touching touching, const TouchFeet **feet);
+PetscErrorCode TouchingWalls3(Scene scene, PetscReal t, const Node *nodes, PetscBool moves,
+                              PetscReal (*force)[PUSH], TouchSum *sum);
 PetscErrorCode TouchingShow(Touching touching, PetscReal t);
 
 #endif

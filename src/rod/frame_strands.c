@@ -126,7 +126,7 @@ static void MidDirection(const Frame *frame, Rod rod, const StrandState *state, 
 }
 
 /* The rows of one node by the nodes of two cells. */
-typedef PetscReal Block[FIELDS][4 * FIELDS];
+typedef PetscReal Coupling[FIELDS][4 * FIELDS];
 
 /*
   Adds to the rows of node i, those of the cell behind it, that n' of one of its points changes:
@@ -134,7 +134,7 @@ typedef PetscReal Block[FIELDS][4 * FIELDS];
     r_n  = ... - h w n',   r_m = ... - h w_mid g_mid (q2 n1_mid - q1 n2_mid)
 */
 static void AddToCell(const Frame *frame, Rod rod, const StrandState *state, PetscInt i, int part,
-                      PetscReal by[2][STRAND_UNKNOWNS], Block block) {
+                      PetscReal by[2][STRAND_UNKNOWNS], Coupling block) {
   const PetscReal h = rod->scene->mesh.s[i + 1] - rod->scene->mesh.s[i],
                   w = h * (part == 1 ? frame->mid_weight : frame->end_weight),
                   k = (part == 0 ? 1 : -1) * frame->bow * h;
@@ -161,7 +161,7 @@ static PetscErrorCode AddTaker(Rod rod, const StrandState *state, const StrandSl
   PetscFunctionBegin;
   for (int which = 0; which < 2; which++) { /* the cell behind the point, and that before a node */
     PetscInt row = i - which;
-    Block block = {{0}};
+    Coupling block = {{0}};
     PetscBool tip = (PetscBool)(taker == 2 * rod->last + 1);
     if (row < rod->first || row >= rod->end || (which && (taker % 2 || tip))) continue;
     if (tip && rod->scene->tip.type != TIP_FREE) continue;

@@ -275,6 +275,10 @@ PetscErrorCode RodPassesWalls(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U
   Cells cells = {.n = n};
 
   PetscFunctionBegin;
+  if (rod->model->space) {
+    PetscCall(RodPassesWalls3(rod, t0, t1, U0, U1, passes));
+    PetscFunctionReturn(0);
+  }
   PetscCall(PetscMalloc2(n, &cells.cell[0], n, &cells.cell[1]));
   PetscCall(CellsOf(rod, t0, U0, n, cells.cell[0]));
   PetscCall(CellsOf(rod, t1, U1, n, cells.cell[1]));

@@ -7,5 +7,7 @@
 
 PetscErrorCode RodPassesWalls(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
                               PetscBool *passes);
+PetscErrorCode RodPassesWalls3(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
+                               PetscBool *passes);
 
 #endif

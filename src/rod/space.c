@@ -39,7 +39,8 @@ typedef struct {
   PetscReal end_weight, mid_weight, bow; /* times h: 1/6, 4/6, 1/8 (order 4); 0, 1, 0 (order 2) */
   PetscReal time;                        /* of the laws below */
   Law *law;                              /* nodes and mids from node first - 1 on, alternating */
-  FrictionDual4 *dual;  /* likewise; the tip's own where a cell behind it would be */
+  FrictionDual4 *dual; /* likewise, duals of each; the tip's own where a cell behind it would be */
+  PetscInt duals;
   SpaceStrands strands; /* NULL: the rod does not touch itself */
   SpaceCell *behind;    /* of each owned node, for what strands do; NULL without them */
 } Space_;
@@ -52,7 +53,7 @@ typedef struct {
   const PetscReal (*u)[FIELDS], (*u_t)[FIELDS], *s;
   Vec local[2];
   Law *law; /* of nodes a, mid, b of the cell */
-  FrictionDual4 *dual;
+  FrictionDual4 *dual[3];
   const PetscReal (*push)[3]; /* what strands add to n' at all points of the rod; NULL: none */
   Point a, mid, b;
 } Cell;
@@ -70,7 +71,7 @@ static void PointEvaluate(const Load *load, const Law *law, const FrictionDual4 
   p->f[M + 2] = -g * (q[0] * p->n[1] - q[1] * p->n[0]);
   for (int i = 0; i < 3; i++) {
     p->f[X + i] = g * q[i];
-    if (load->radius > 0) p->f[M + i] += g * load_[SPIN] * q[i];
+    if (load->arm > 0) p->f[M + i] += g * load_[SPIN] * q[i];
     p->f[N + i] = g * load_[i];
   }
 }
@@ -85,8 +86,8 @@ static void PointStrains(const Load *load, const Law *law, Point *p) {
     p->at.q[k] = p->d[0][k];
   }
   p->at.W[SPIN] = 0;
-  if (load->radius > 0)
-    p->at.W[SPIN] = load->radius * (QuaternionSpin(p->p, p->size, p->p_t) + law->c * p->u[0]);
+  if (load->arm > 0)
+    p->at.W[SPIN] = load->arm * (QuaternionSpin(p->p, p->size, p->p_t) + law->c * p->u[0]);
 }
 
 static void PointAtNode(const Cell *cell, const Law *law, const FrictionDual4 *dual,
@@ -137,7 +138,7 @@ static void PointAtMid(Cell *cell, PetscReal k, const PetscReal *ua_t, const Pet
   for (int i = 0; i < 3; i++)
     p->at.W[i] =
         (ua_t[X + i] + ub_t[X + i]) / 2 + k * (wa[i] - wb[i]) + cell->law[1].c * p->d[0][i];
-  PointEvaluate(cell->load, &cell->law[1], cell->dual + 1, p);
+  PointEvaluate(cell->load, &cell->law[1], cell->dual[1], p);
 }
 
 /* The laws at all points of the owned nodes and the cells beside them, at time t. */
@@ -170,11 +171,16 @@ static inline void AddPush(const Cell *cell, PetscInt i, int half, Point *p) {
   for (int d = 0; d < 3 && cell->push; d++) p->f[N + d] += cell->push[2 * i + half][d];
 }
 
+/* The duals of point k of the rank's: of friction along the rod, and of walls. */
+static FrictionDual4 *Duals(const Space_ *self, PetscInt k) {
+  return self->dual + k * self->duals;
+}
+
 static void NodePoint(Cell *cell, PetscInt i, Point *p) {
   Space_ *self = (Space_ *)cell->rod->data;
   PetscInt k = 2 * (i - cell->rod->first + 1);
 
-  PointAtNode(cell, self->law + k, self->dual + k, cell->u[i], cell->u_t[i], p);
+  PointAtNode(cell, self->law + k, Duals(self, k), cell->u[i], cell->u_t[i], p);
   AddPush(cell, i, 0, p);
 }
 
@@ -184,6 +190,7 @@ static PetscErrorCode CellsOpen(Rod rod, PetscReal t, Vec U, Vec U_t, Cell *cell
 
   PetscFunctionBegin;
   PetscCall(LawsAt(rod, t));
+  PetscCall(SceneContactAt(rod->scene, t));
   cell->rod = rod;
   cell->t = t;
   cell->load = &rod->scene->load;
@@ -209,7 +216,7 @@ static void CellsNext(Cell *cell, PetscInt i) {
   PetscInt k = 2 * (i - cell->rod->first + 1);
 
   cell->law = self->law + k;
-  cell->dual = self->dual + k;
+  for (int e = 0; e < 3; e++) cell->dual[e] = Duals(self, k + e);
   cell->h = cell->s[i + 1] - cell->s[i];
   cell->a = cell->b;
   NodePoint(cell, i + 1, &cell->b);
@@ -218,10 +225,13 @@ static void CellsNext(Cell *cell, PetscInt i) {
 }
 
 /* What the tip's conditions are about. */
-static TipState3 TipOf(const Point *end) {
+static TipState3 TipOf(const Load *load, const Point *end) {
   TipState3 tip = {.at = end->at};
 
-  tip.at.W[SPIN] = 0; /* what meets the tip feels it move, not spin */
+  if (load->arm > 0) {
+    tip.per_W = 1 / load->arm;
+    tip.spin = end->at.W[SPIN] / load->arm;
+  }
   memcpy(tip.p, end->p, sizeof(tip.p));
   memcpy(tip.m, end->m, sizeof(tip.m));
   memcpy(tip.n, end->n, sizeof(tip.n));
@@ -230,7 +240,7 @@ static TipState3 TipOf(const Point *end) {
 }
 
 static FrictionDual4 *TipDual(Rod rod) {
-  return ((Space_ *)rod->data)->dual + 2 * (rod->last - rod->first + 1) + 1;
+  return Duals((const Space_ *)rod->data, 2 * (rod->last - rod->first + 1) + 1);
 }
 
 static PetscErrorCode SpaceResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F) {
@@ -257,7 +267,7 @@ static PetscErrorCode SpaceResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F)
     for (int k = 0; k < 4; k++) F_[0][P + k] -= p[k];
   }
   if (rod->end == rod->last + 1) {
-    TipState3 tip = TipOf(&cell.b);
+    TipState3 tip = TipOf(cell.load, &cell.b);
     TipResidual3(&scene->tip, &tip, TipDual(rod), &F_[rod->last][LEFT]);
     for (int d = 0; d < 3 && cell.push && scene->tip.type == TIP_FREE; d++)
       F_[rod->last][N + d] -= cell.push[2 * rod->last + 1][d];
@@ -318,7 +328,7 @@ static void Linearise(const Cell *cell, const Law *law, const Point *p, Friction
   AddProduct(3, 3, 4, -g, by_q[0], 3, slope->d1[0], 4, &f[M][P], FIELDS);
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++) f[M + i][N + j] = -g * by_n[i][j];
-  if (!load->varied) return;
+  if (!LoadPlaced(load)) return;
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++) f[N + i][X + j] = g * slope->load.x[i][j];
   AddProduct(3, 3, 4, g, slope->load.q[0], 3, slope->d1[0], 4, &f[N][P], FIELDS);
@@ -331,38 +341,41 @@ static void AddCouple(const Load *load, const Law *law, const Point *p, const Fr
 
   LoadForce3(load, &p->at, dual, l);
   for (int i = 0; i < 3; i++) {
+    const PetscReal along = law->g * p->d[0][i], *by_q = slope->load.q[SPIN];
     for (int j = 0; j < 4; j++) slope->f[M + i][P + j] += law->g * l[SPIN] * slope->d1[i][j];
-    for (int j = 0; j < 3 && load->varied; j++)
-      slope->f[M + i][X + j] += law->g * p->d[0][i] * slope->load.x[SPIN][j];
+    if (!LoadPlaced(load)) continue;
+    for (int j = 0; j < 3; j++) slope->f[M + i][X + j] += along * slope->load.x[SPIN][j];
+    for (int j = 0; j < 4; j++)
+      slope->f[M + i][P + j] += along * (by_q[0] * slope->d1[0][j] + by_q[1] * slope->d1[1][j] +
+                                         by_q[2] * slope->d1[2][j]);
   }
 }
 
 /* How W changes with the unknowns of a node: c d1 and c u1, and the rates by their shifts; half: of
    the rates in the middle of a cell each end has half. dW[RUBS][FIELDS] is added to. */
-static void RateSlope(const Load *load, const Point *p, const PetscReal *p_t, PetscReal half,
-                      const PetscReal shift[], PetscReal dW[RUBS][FIELDS]) {
-  const PetscReal *q = p->p, f = 2 / p->size * load->radius;
+static void RateSlope(const Load *load, const Point *p, PetscReal half, const PetscReal shift[],
+                      PetscReal dW[RUBS][FIELDS]) {
+  const PetscReal *q = p->p, f = 2 / p->size * load->arm;
   const PetscReal by_rate[4] = {-q[1], q[0], q[3], -q[2]};
 
   for (int i = 0; i < 3; i++) dW[i][X + i] += half * shift[X + i];
-  for (int j = 0; j < 4 && load->radius > 0; j++)
+  for (int j = 0; j < 4 && load->arm > 0; j++)
     dW[SPIN][P + j] += half * shift[P + j] * f * by_rate[j];
-  (void)p_t;
 }
 
 /* By the place on the curve: of W = (v, r spin) where only c d1, c u1 and p in the spin change. */
 static void TurnSlope(const Load *load, const Law *law, const Point *p, const Slope *slope,
                       PetscReal dW[RUBS][FIELDS]) {
-  const PetscReal *p_t = p->p_t, f = 2 / p->size * load->radius,
-                  spin = 2 * load->radius / p->size * QuaternionSpin(p->p, p->size, p_t),
+  const PetscReal *p_t = p->p_t, f = 2 / p->size * load->arm,
+                  spin = 2 * load->arm / p->size * QuaternionSpin(p->p, p->size, p_t),
                   by_p[4] = {p_t[1], -p_t[0], -p_t[3], p_t[2]};
 
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 4; j++) dW[i][P + j] += law->c * slope->d1[i][j];
-  if (load->radius == 0) return;
+  if (load->arm == 0) return;
   for (int j = 0; j < 4; j++)
-    dW[SPIN][P + j] += f * by_p[j] - spin * p->p[j] + load->radius * law->c * slope->u_p[0][j];
-  for (int j = 0; j < 3; j++) dW[SPIN][M + j] += load->radius * law->c * slope->u_m[0][j];
+    dW[SPIN][P + j] += f * by_p[j] - spin * p->p[j] + load->arm * law->c * slope->u_p[0][j];
+  for (int j = 0; j < 3; j++) dW[SPIN][M + j] += load->arm * law->c * slope->u_m[0][j];
 }
 
 /* f += s dF/dW dW, of the force and of its couple about d1. */
@@ -371,7 +384,7 @@ static void AddVelocity(const Load *load, const Law *law, const Point *p, const 
   PetscReal couple[3][RUBS];
 
   AddProduct(3, 3, M, s * law->g, slope->load.W[0], RUBS, dW[0], FIELDS, f[N], FIELDS);
-  if (load->radius == 0) return;
+  if (load->arm == 0) return;
   AddProduct(3, 1, N, s * law->g, slope->load.W[0] + SPIN, RUBS, dW[SPIN], FIELDS, f[N], FIELDS);
   for (int i = 0; i < 3; i++)
     for (int c = 0; c < RUBS; c++) couple[i][c] = p->d[0][i] * slope->load.W[SPIN][c];
@@ -401,8 +414,8 @@ static void NodeSlope(const Cell *cell, const Law *law, const Point *p, Friction
   PetscReal dW[RUBS][FIELDS] = {{0}};
 
   Linearise(cell, law, p, dual, slope);
-  if (cell->load->radius > 0) AddCouple(cell->load, law, p, dual, slope);
-  RateSlope(cell->load, p, p->p_t, 1, shift, dW);
+  if (cell->load->arm > 0) AddCouple(cell->load, law, p, dual, slope);
+  RateSlope(cell->load, p, 1, shift, dW);
   TurnSlope(cell->load, law, p, slope, dW);
   AddVelocity(cell->load, law, p, slope, 1, dW, slope->f);
 }
@@ -428,13 +441,13 @@ static void CellJacobian(const Cell *cell, PetscReal sign, const PetscReal shift
     G[i][i] += 0.5;
     J[i][i] += sign;
   }
-  RateSlope(load, &cell->mid, cell->mid.p_t, 0.5, shift, dW);
+  RateSlope(load, &cell->mid, 0.5, shift, dW);
   if (k != 0) {
     VelocitySlopeSlope(law, p, slope, shift, by_p);
     for (int i = 0; i < 3; i++)
       for (int j = 0; j < 4; j++) dW[i][P + j] += k * by_p[i][j];
   }
-  if (cell->law[1].c != 0 || load->radius > 0) {
+  if (cell->law[1].c != 0 || load->arm > 0) {
     TurnSlope(load, &cell->law[1], &cell->mid, mid, turn);
     AddProduct(RUBS, 7, FIELDS, 1, turn[0] + P, FIELDS, G[P], FIELDS, dW[0], FIELDS);
   }
@@ -444,14 +457,14 @@ static void CellJacobian(const Cell *cell, PetscReal sign, const PetscReal shift
   AddProduct(4, 3, FIELDS, -wm, &mid->f[P][M], FIELDS, G[M], FIELDS, J[P], FIELDS);
   AddProduct(3, 4, 7, -wm, &mid->f[M][P], FIELDS, &G[P][P], FIELDS, &J[M][P], FIELDS);
   AddProduct(3, 3, FIELDS, -wm, &mid->f[M][N], FIELDS, G[N], FIELDS, J[M], FIELDS);
-  if (load->varied) {
+  if (LoadPlaced(load)) {
     AddProduct(3, 3, FIELDS, -wm, mid->f[M], FIELDS, G[X], FIELDS, J[M], FIELDS);
     AddProduct(3, 7, FIELDS, -wm, mid->f[N], FIELDS, G[X], FIELDS, J[N], FIELDS);
   }
-  if (cell->law[1].c != 0 || load->radius > 0) {
+  if (cell->law[1].c != 0 || load->arm > 0) {
     AddProduct(3, 3, FIELDS, -wm * cell->law[1].g, mid->load.W[0], RUBS, dW[0], FIELDS, J[N],
                FIELDS);
-    if (load->radius > 0) {
+    if (load->arm > 0) {
       PetscReal couple[3][RUBS];
       for (int i = 0; i < 3; i++)
         for (int c = 0; c < RUBS; c++) couple[i][c] = cell->mid.d[0][i] * mid->load.W[SPIN][c];
@@ -473,22 +486,27 @@ typedef struct {
 static void CellBlocks(Cell *cell, PetscBool first, const PetscReal shift[], Slopes *slopes,
                        PetscReal left[FIELDS][FIELDS], PetscReal right[FIELDS][FIELDS]) {
   if (first)
-    NodeSlope(cell, cell->law, &cell->a, cell->dual, shift, &slopes->a);
+    NodeSlope(cell, cell->law, &cell->a, cell->dual[0], shift, &slopes->a);
   else
     slopes->a = slopes->b;
-  NodeSlope(cell, cell->law + 2, &cell->b, cell->dual + 2, shift, &slopes->b);
-  Linearise(cell, cell->law + 1, &cell->mid, cell->dual + 1, &slopes->mid);
-  if (cell->load->radius > 0)
-    AddCouple(cell->load, cell->law + 1, &cell->mid, cell->dual + 1, &slopes->mid);
+  NodeSlope(cell, cell->law + 2, &cell->b, cell->dual[2], shift, &slopes->b);
+  Linearise(cell, cell->law + 1, &cell->mid, cell->dual[1], &slopes->mid);
+  if (cell->load->arm > 0)
+    AddCouple(cell->load, cell->law + 1, &cell->mid, cell->dual[1], &slopes->mid);
   CellJacobian(cell, -1, shift, cell->law, &cell->a, &slopes->a, &slopes->mid, left);
   CellJacobian(cell, 1, shift, cell->law + 2, &cell->b, &slopes->b, &slopes->mid, right);
 }
 
-static void TipBlock(const Cell *cell, const PetscReal shift[], PetscReal by[RIGHT][FIELDS]) {
+static void TipBlock(const Cell *cell, const Slope *slope, const PetscReal shift[],
+                     PetscReal by[RIGHT][FIELDS]) {
   Rod rod = cell->rod;
-  TipState3 tip = TipOf(&cell->b);
+  TipState3 tip = TipOf(cell->load, &cell->b);
+  PetscReal dW[RUBS][FIELDS] = {{0}};
 
-  TipJacobian3(&rod->scene->tip, &tip, shift, rod->fresh, TipDual(rod), by);
+  RateSlope(cell->load, &cell->b, 1, shift, dW);
+  TurnSlope(cell->load, cell->law + 2, &cell->b, slope, dW);
+  TipJacobian3(&rod->scene->tip, &tip, (const PetscReal(*)[FIELDS])dW, rod->fresh, TipDual(rod),
+               by);
 }
 
 /* What strands need to know of the cell behind a node. */
@@ -534,7 +552,7 @@ static PetscErrorCode SpaceJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const 
       PutRows(row, LEFT, FIELDS, FIELDS, left);
       PutRows(row, LEFT, FIELDS, 2 * FIELDS, right);
     } else {
-      TipBlock(&cell, shift, by);
+      TipBlock(&cell, &slopes.b, shift, by);
       for (int f = 0; f < RIGHT; f++)
         PetscCall(PetscArraycpy(&row[LEFT + f][FIELDS], by[f], FIELDS));
     }
@@ -570,7 +588,7 @@ static PetscErrorCode SpaceEliminate(Rod rod, PetscReal t, Vec U, Vec U_t, const
     CellBlocks(&cell, (PetscBool)(i == 0), shift, &slopes, left, right);
     WideCell(line, (const PetscReal(*)[FIELDS])left, (const PetscReal(*)[FIELDS])right);
   }
-  TipBlock(&cell, shift, by);
+  TipBlock(&cell, &slopes.b, shift, by);
   WideEnd(line, (const PetscReal(*)[FIELDS])by);
   PetscCall(CellsClose(&cell));
   PetscFunctionReturn(0);
@@ -593,25 +611,31 @@ static PetscErrorCode SpaceHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal 
   for (PetscInt i = first; i < PetscMin(rod->end, rod->last); i++) {
     CellsNext(&cell, i);
     if (i == first && ends && (i > 0 || cell.law->c != 0))
-      *creep = PetscMax(*creep, FrictionDualHold4(cell.a.at.W, seen, cell.dual));
-    *creep = PetscMax(*creep, FrictionDualHold4(cell.mid.at.W, seen, cell.dual + 1));
-    if (ends) *creep = PetscMax(*creep, FrictionDualHold4(cell.b.at.W, seen, cell.dual + 2));
+      *creep = PetscMax(*creep, LoadHold3(cell.load, &cell.a.at, seen, cell.dual[0]));
+    *creep = PetscMax(*creep, LoadHold3(cell.load, &cell.mid.at, seen, cell.dual[1]));
+    if (ends) *creep = PetscMax(*creep, LoadHold3(cell.load, &cell.b.at, seen, cell.dual[2]));
   }
-  if (rod->end == rod->last + 1 && TipResists(&rod->scene->tip)) {
-    TipState3 tip = TipOf(&cell.b);
-    *creep = PetscMax(*creep, FrictionDualHold4(tip.at.W, seen, TipDual(rod)));
+  if (rod->end == rod->last + 1) {
+    TipState3 tip = TipOf(cell.load, &cell.b);
+    *creep = PetscMax(*creep, TipHold3(&rod->scene->tip, &tip, seen, TipDual(rod)));
   }
   PetscCall(CellsClose(&cell));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, creep, 1, MPIU_REAL, MPI_MAX, rod->scene->comm));
   PetscFunctionReturn(0);
 }
 
-/* The dual and the shift of each node and of the middle of the cell on its right. */
-enum { OF_POINT = 2 * RUBS, REMEMBERED = 2 * OF_POINT };
+/* The duals and shifts of each node and of the middle of the cell on its right; the latter's of the
+   last node is the tip's own. */
+enum { OF_DUAL = 2 * RUBS };
+
+static PetscInt RememberedOf(const Load *load) {
+  return 2 * OF_DUAL * load->duals3;
+}
 
 static PetscReal *Remembered(Rod rod, PetscInt i, PetscInt k) {
-  FrictionDual4 *dual = ((Space_ *)rod->data)->dual + 2 * (i - rod->first + 1) + k / OF_POINT;
-  return (k % OF_POINT < RUBS ? dual->w : dual->shift) + k % RUBS;
+  const Space_ *self = (const Space_ *)rod->data;
+  FrictionDual4 *dual = Duals(self, 2 * (i - rod->first + 1)) + k / OF_DUAL;
+  return (k % OF_DUAL < RUBS ? dual->w : dual->shift) + k % RUBS;
 }
 
 static PetscErrorCode SpaceRemember(Rod rod, Vec memory) {
@@ -620,8 +644,8 @@ static PetscErrorCode SpaceRemember(Rod rod, Vec memory) {
   PetscFunctionBegin;
   PetscCall(VecGetArray(memory, &m));
   for (PetscInt i = rod->first; i < rod->end; i++)
-    for (PetscInt k = 0; k < REMEMBERED; k++)
-      m[(i - rod->first) * REMEMBERED + k] = *Remembered(rod, i, k);
+    for (PetscInt k = 0; k < rod->memory; k++)
+      m[(i - rod->first) * rod->memory + k] = *Remembered(rod, i, k);
   PetscCall(VecRestoreArray(memory, &m));
   PetscFunctionReturn(0);
 }
@@ -639,8 +663,8 @@ static PetscErrorCode SpaceRecall(Rod rod, Vec memory) {
   PetscCall(DMGlobalToLocal(da, memory, INSERT_VALUES, local));
   PetscCall(VecGetArrayRead(local, &m));
   for (PetscInt i = from; i <= PetscMin(rod->end, rod->last); i++)
-    for (PetscInt k = 0; k < REMEMBERED; k++)
-      *Remembered(rod, i, k) = m[(i - from) * REMEMBERED + k];
+    for (PetscInt k = 0; k < rod->memory; k++)
+      *Remembered(rod, i, k) = m[(i - from) * rod->memory + k];
   PetscCall(VecRestoreArrayRead(local, &m));
   PetscCall(DMRestoreLocalVector(da, &local));
   PetscFunctionReturn(0);
@@ -818,8 +842,9 @@ static PetscErrorCode SpaceCreate(Rod rod) {
   self->mid_weight = choice ? 4. / 6 : 1;
   self->bow = choice ? 1. / 8 : 0;
   self->time = PETSC_MIN_REAL;
-  rod->memory = REMEMBERED;
-  PetscCall(PetscCalloc2(points, &self->law, points, &self->dual));
+  rod->memory = RememberedOf(&rod->scene->load);
+  self->duals = rod->scene->load.duals3;
+  PetscCall(PetscCalloc2(points, &self->law, points * self->duals, &self->dual));
   if (rod->scene->contact.self) {
     rod->coupled = PETSC_TRUE;
     PetscCall(SpaceStrandsCreate(rod, &self->strands));
@@ -840,7 +865,6 @@ static PetscErrorCode SpaceDestroy(Rod rod) {
 }
 
 static const char *SpaceRefuses(Scene scene) {
-  if (scene->contact.walls.n) return "-wall_file: walls are in the plane";
   return NULL;
 }
 

@@ -44,6 +44,7 @@ static PetscReal Bend(const Curvature *curvature) {
   n  how many, at most MOST_SCALES
 */
 PetscErrorCode ScalesOf(Scene scene, PetscInt *n, Scale scale[MOST_SCALES]) {
+  const Surfaces *surfaces = &scene->contact.surfaces;
   Growth growth = scene->growth;
   PetscReal longest, here, end = scene->end_time, zone = PetscMin(growth->finest, scene->reach);
 
@@ -57,6 +58,9 @@ PetscErrorCode ScalesOf(Scene scene, PetscInt *n, Scale scale[MOST_SCALES]) {
     Add("-tip_field", FieldFinest(scene->tip.resistance.field), longest, 1, n, scale);
   Add("-wall_file: a post or corner of radius", scene->contact.walls.smallest, longest, of_post, n,
       scale);
+  if (surfaces->n && surfaces->smallest < PETSC_MAX_REAL)
+    Add("-wall_file: a surface that stands out, with the rod's radius, of radius",
+        surfaces->smallest + scene->contact.diameter / 2, longest, of_post, n, scale);
   PetscCall(LongestCell(scene, 0, end, (PetscBool)!growth->slides, &here));
   Add(growth->slides ? "-rod_curvature_length or -rod_curvature_file: bends of"
                      : "-rod_curvature_length or -rod_curvature_file: bends of (in s)",

@@ -80,7 +80,7 @@ PetscErrorCode SceneContactAt(Scene scene, PetscReal t) {
 /* SceneLinkWalls - tells the load and the tip of the walls; once more after a scene is copied. */
 void SceneLinkWalls(Scene scene) {
   LoadSetWalls(&scene->load, &scene->contact);
-  scene->tip.walls = scene->contact.walls.n ? &scene->contact : NULL;
+  scene->tip.walls = scene->load.walls;
 }
 
 /* SceneAtTolerance - tells a scene at which tolerance it is to be stepped: what exact friction of
@@ -131,6 +131,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
   SceneLinkWalls(self);
   PetscCall(
       SpaceSetFromOptions(&self->space, &self->load, &self->tip, &self->curvature, &self->shape));
+  ContactSetFrame(&self->contact, (const PetscReal(*)[3])self->space.lab, self->clamp_angle);
   PetscFunctionReturn(0);
 }
 

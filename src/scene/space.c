@@ -147,9 +147,8 @@ PetscErrorCode SpaceSetFromOptions(Space *self, Load *load, Tip *tip, const Curv
   FromLab(self, force, tip->push);
   for (int d = 1; d < 3; d++) self->driven[d] = PetscAbsReal(clamp[d]) + PetscAbsReal(tip->push[d]);
   self->driven[3] = PetscAbsReal(tip->torque) + PetscAbsReal(self->spin);
-  UserCheck(!(self->why || load->radius > 0) || !tip->walls, OptionsComm(),
-            "%s: takes the rod out of the plane, in which -wall_file is; take one of them out",
-            self->why ? self->why : "-friction_radius");
+  if (tip->walls && tip->walls->surfaces.n) self->why = "-wall_file";
+  LoadSetArm(load);
   for (int d = 0; d < 3; d++) PetscCall(PetscArraycpy(load->lab[d], self->lab[d], 3));
   for (int d = 0; d < 3; d++) PetscCall(PetscArraycpy(tip->resistance.lab[d], self->lab[d], 3));
   PetscFunctionReturn(0);

@@ -84,7 +84,8 @@ PetscErrorCode GuardPasses(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1, Pe
   PetscCall(TSGetApplicationContext(ts, &leg));
   contact = &leg->rod->scene->contact;
   *passes = PETSC_FALSE;
-  if (contact->walls.n) PetscCall(RodPassesWalls(leg->rod, t0, t1, U0, U1, passes));
+  if (contact->walls.n || contact->surfaces.n)
+    PetscCall(RodPassesWalls(leg->rod, t0, t1, U0, U1, passes));
   if (contact->self && !*passes) {
     if (leg->rod->model->space)
       PetscCall(PassesItself(leg->rod, t0, t1, U0, U1, passes));

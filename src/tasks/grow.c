@@ -34,7 +34,7 @@ static PetscErrorCode Self(TS ts, Grow **self) {
 
 /* Hands the shape of a state at time t to the output. U NULL: the initial shape. */
 static PetscErrorCode StoreShape(Grow *self, PetscReal t, Vec U) {
-  const PetscReal(*contact)[3] = NULL;
+  const PetscReal(*contact)[PUSH] = NULL;
   const Node *nodes;
 
   PetscFunctionBegin;
@@ -383,7 +383,7 @@ static PetscErrorCode Begin(Grow *self, const char *output) {
   PetscFunctionBegin;
   self->now = &self->leg[self->model == AUTO ? FRAME : self->model];
   PetscCall(CheckStart(self));
-  if (self->scene->contact.walls.n) PetscCall(CheckWalls(self));
+  if (self->scene->contact.walls.n || self->scene->contact.surfaces.n) PetscCall(CheckWalls(self));
   PetscCall(GrowLookForEvent(self, 0, NULL, &event));
   UserCheck(!event.kind, self->scene->comm, "-stop_%s: it is so at the start already",
             event_name[event.kind]);

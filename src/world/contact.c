@@ -1,8 +1,10 @@
 #include "world/contact.h"
 
 static const OptionRow rows[] = {
-    ROW_TEXT("-wall_file", INPUT_FILE,
-             "text file of walls, one a line: plane, circle, polygon or path (docs/guide.md)"),
+    ROW_TEXT(
+        "-wall_file", INPUT_FILE,
+        "text file of walls, one a line: plane, circle, polygon or path; in space plane, sphere, "
+        "cylinder, cone or torus (docs/guide.md)"),
     ROW_REAL("-contact_diameter", "0", 0, 1e3, UNIT_LENGTH, 0,
              "D, of the rod: walls meet its surface, and with -contact_self it meets itself"),
     ROW_BOOL("-contact_self", "false", 0, "parts of the rod cannot pass through each other"),
@@ -47,8 +49,8 @@ PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
   contact->rub.mu = 1;
   contact->rub.more = 0;
   if (walls)
-    PetscCall(
-        WallsRead(file, contact->diameter / 2, contact->friction, clamp_angle, &contact->walls));
+    PetscCall(WallsRead(file, contact->diameter / 2, contact->friction, clamp_angle,
+                        &contact->walls, &contact->surfaces));
   PetscFunctionReturn(0);
 }
 
@@ -76,7 +78,11 @@ PetscBool ContactNeedsCell(const Contact *contact) {
 /* What contact is not to press in by more than a part of: the diameter; of a rod without one, that
    of the least post. 0: nothing. */
 static PetscReal Thickness(const Contact *contact) {
-  return contact->diameter > 0 ? contact->diameter : 2 * contact->walls.smallest;
+  const PetscReal post = contact->walls.smallest, round = contact->surfaces.smallest;
+
+  if (contact->diameter > 0) return contact->diameter;
+  if (contact->surfaces.n == 0 || round == PETSC_MAX_REAL) return 2 * post;
+  return 2 * (post > 0 ? PetscMin(post, round) : round);
 }
 
 /*
@@ -138,6 +144,24 @@ PetscReal ContactPostShare(const Contact *contact, const WallPost *post, PetscRe
 PetscErrorCode ContactDestroy(Contact *contact) {
   PetscFunctionBegin;
   PetscCall(WallsDestroy(&contact->walls));
+  PetscCall(SurfacesDestroy(&contact->surfaces));
+  PetscFunctionReturn(0);
+}
+
+/* ContactWallsText - all walls as a file has them, dimensionless: those of the plane first. The
+   caller frees the text (PetscFree). */
+PetscErrorCode ContactWallsText(const Contact *contact, char **text) {
+  char *flat, *round;
+  size_t room;
+
+  PetscFunctionBegin;
+  PetscCall(WallsText(&contact->walls, &flat));
+  PetscCall(SurfacesText(&contact->surfaces, &round));
+  room = strlen(flat) + strlen(round) + 1;
+  PetscCall(PetscMalloc1(room, text));
+  (void)snprintf(*text, room, "%s%s", flat, round);
+  PetscCall(PetscFree(flat));
+  PetscCall(PetscFree(round));
   PetscFunctionReturn(0);
 }
 

@@ -17,6 +17,7 @@
 #define TENDRIL_CONTACT_H
 
 #include "world/friction.h"
+#include "world/surfaces.h"
 #include "world/walls.h"
 
 typedef struct {
@@ -33,6 +34,8 @@ typedef struct {
   PetscReal friction;     /* mu_c between strands, and of walls without their own */
   Friction rub;           /* how contact friction is regularised: dry, of strength 1 */
   Walls walls;
+  Surfaces surfaces;                  /* in space (contact_space.h) */
+  PetscReal lab[3][3], upright[3][3]; /* from the clamp's frame to that of surfaces, and of walls */
 } Contact;
 
 /* Where on a surface, and what it does there: the force on the rod per length (of its tip: times
@@ -53,6 +56,7 @@ PetscBool ContactNeedsCell(const Contact *contact);
 void ContactSetStiffness(Contact *contact, const PetscReal cell[2], const PetscReal length[2]);
 PetscReal ContactPostShare(const Contact *contact, const WallPost *post, PetscReal *share_t);
 PetscErrorCode ContactDestroy(Contact *contact);
+PetscErrorCode ContactWallsText(const Contact *contact, char **text);
 PetscInt ContactTouches(const Contact *contact, const PetscReal x[2], Touch touch[MOST_TOUCHES]);
 void ContactPush(const Contact *contact, const Touch *touch, const PetscReal v[2],
                  const FrictionDual *dual, Push *push);

@@ -1,4 +1,5 @@
 #include "world/load.h"
+#include "world/contact_space.h"
 
 static const OptionRow rows[] = {
     ROW_REAL("-friction_across", "1", 1e-6, 1e6, UNIT_NONE, 0,
@@ -48,7 +49,7 @@ PetscErrorCode LoadSetFromOptions(Load *load, PetscReal clamp_angle) {
   load->varied = (PetscBool)(load->turns || load->moves);
   load->plain = (PetscBool)!load->varied;
   load->walls = NULL;
-  load->duals = 1;
+  load->duals = load->duals3 = 1;
   load->weighs = PETSC_FALSE;
   load->radius = 0;
   PetscFunctionReturn(0);
@@ -56,11 +57,12 @@ PetscErrorCode LoadSetFromOptions(Load *load, PetscReal clamp_angle) {
 
 /* LoadSetWalls - lets the walls of a contact press, if it has any; it must outlive the load. */
 void LoadSetWalls(Load *load, const Contact *contact) {
-  if (!contact->walls.n) return;
+  if (!contact->walls.n && !contact->surfaces.n) return;
   load->walls = contact;
   load->plain = PETSC_FALSE;
   load->moves = PETSC_TRUE;
   if (contact->walls.rub) load->duals = 1 + contact->walls.n + (contact->walls.posts > 0);
+  if (contact->walls.rub || contact->surfaces.rub) load->duals3 = 1 + WALL_SLOTS;
 }
 
 /* LoadSetWeight - a force per length, in the clamp's frame. */

@@ -27,10 +27,12 @@ typedef struct {
   PetscBool plain;        /* N = 1 and a = 1, no walls, no weight */
   PetscBool varied;       /* N or a is not 1 */
   PetscBool turns, moves; /* F depends on the direction of the rod (a), on the place (N, walls) */
-  PetscInt duals;         /* of each place: that of the friction along the rod, one for each wall,
-                             and one for a foot on a post (rod/feet.h) */
-  PetscBool limit;        /* exact friction was asked for, and is taken as a limit */
-  PetscBool stopped;      /* N is that of one time, stopped_at */
+  PetscReal arm;     /* W of a rod in space has arm times its spin: radius, or that of contact */
+  PetscInt duals;    /* of each place: that of the friction along the rod, one for each wall,
+                        and one for a foot on a post (rod/feet.h) */
+  PetscInt duals3;   /* the same of a rod in space (contact_space.h) */
+  PetscBool limit;   /* exact friction was asked for, and is taken as a limit */
+  PetscBool stopped; /* N is that of one time, stopped_at */
   PetscReal stopped_at;
 } Load;
 

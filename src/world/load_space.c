@@ -25,19 +25,51 @@ static void Vary(const Load *load, const Place3 *at, PetscReal f[RUBS]) {
   f[SPIN] *= N;
 }
 
+/* LoadSetArm - of W, once friction and walls are known. */
+void LoadSetArm(Load *load) {
+  load->arm = load->radius;
+  if (load->arm == 0 && load->duals3 > 1) load->arm = load->walls->diameter / 2;
+}
+
+/* Does friction along the rod not feel the spin that W has? */
+static inline PetscBool Deaf(const Load *load) {
+  return (PetscBool)(load->arm != load->radius);
+}
+
+/* Takes off f what walls push with. */
+static void ForceWalls(const Load *load, const Place3 *at, const FrictionDual4 *dual,
+                       PetscReal f[RUBS]) {
+  const FrictionDual4 *slots = load->duals3 > 1 ? dual + 1 : NULL;
+  const Rubbed rubbed = LoadRubbed(load, at);
+  Touch3 touch[MOST_TOUCHES3];
+  PetscInt n = ContactTouches3(load->walls, at->x, touch);
+  Push3 push;
+
+  for (PetscInt k = 0; k < n; k++) {
+    ContactPush3(load->walls, &touch[k], &rubbed, slots, &push);
+    for (int d = 0; d < 3; d++) f[d] -= push.force[d];
+    f[SPIN] -= push.couple;
+  }
+}
+
 /* LoadForce3 - the force F that the rod overcomes, per length, and the couple about its tangent. */
 void LoadForce3(const Load *load, const Place3 *at, const FrictionDual4 *dual, PetscReal f[RUBS]) {
-  FrictionForce4(&load->friction, at->W, dual, f);
+  PetscReal W[RUBS] = {at->W[0], at->W[1], at->W[2], Deaf(load) ? 0 : at->W[SPIN]};
+
+  FrictionForce4(&load->friction, W, dual, f);
   if (load->varied) Vary(load, at, f);
   for (int d = 0; d < 3 && load->weighs; d++) f[d] -= load->weight[d];
   f[SPIN] *= load->radius;
+  if (load->walls) ForceWalls(load, at, dual, f);
 }
 
 /* LoadSeen3 - the same where nothing is held, as an observer sees it, and without weight. */
 void LoadSeen3(const Load *load, const Place3 *at, PetscReal f[RUBS]) {
-  PetscReal drag = FrictionPhi(&load->friction, Along(at->W, at->W) + PetscSqr(at->W[SPIN]));
+  const PetscReal spin = Deaf(load) ? 0 : at->W[SPIN];
+  PetscReal drag = FrictionPhi(&load->friction, Along(at->W, at->W) + spin * spin);
 
-  for (int d = 0; d < RUBS; d++) f[d] = drag * at->W[d];
+  for (int d = 0; d < 3; d++) f[d] = drag * at->W[d];
+  f[SPIN] = drag * spin;
   if (load->varied) Vary(load, at, f);
   f[SPIN] *= load->radius;
 }
@@ -61,17 +93,61 @@ static void SlopeVaried(const Load *load, const Place3 *at, const FrictionDual4 
       slope->q[d][c] = N * (1 - a) * ((d == c) * along + at->q[d] * f[c]);
       slope->x[d][c] = (a * f[d] + (1 - a) * along * at->q[d]) * by[c];
     }
-  for (int c = 0; c < 3; c++) slope->x[SPIN][c] = load->radius * f[SPIN] * by[c];
+  for (int c = 0; c < 3; c++) {
+    slope->x[SPIN][c] = load->radius * f[SPIN] * by[c];
+    slope->q[SPIN][c] = 0;
+  }
 }
 
-/* LoadLinearise3 - the slope of force and couple for Newton's method, the dual brought up to the
-   present velocity first; fresh: a Newton solve begins. Those by q and x are set only where the
-   load varies. */
+/* The same of walls. */
+static void SlopeWalls(const Load *load, const Place3 *at, PetscBool fresh, FrictionDual4 *dual,
+                       LoadSlope3 *slope) {
+  FrictionDual4 *slots = load->duals3 > 1 ? dual + 1 : NULL;
+  const Rubbed rubbed = LoadRubbed(load, at);
+  Touch3 touch[MOST_TOUCHES3];
+  PetscInt n = ContactTouches3(load->walls, at->x, touch);
+  Push3 push;
+
+  if (slots) ContactSlots(n, touch, slots);
+  for (PetscInt k = 0; k < n; k++) {
+    ContactPushSlope3(load->walls, &touch[k], &rubbed, fresh, ContactSlot(&touch[k], slots), &push);
+    for (int d = 0; d < RUBS; d++) {
+      for (int c = 0; c < 3; c++) {
+        slope->x[d][c] -= push.x[d][c];
+        slope->q[d][c] -= push.q[d][c];
+        slope->W[d][c] -= push.W[d][c];
+      }
+      if (load->arm > 0) slope->W[d][SPIN] -= push.W[d][SPIN] / load->arm;
+    }
+  }
+}
+
+/* LoadLinearise3 - the slope of force and couple for Newton's method, the duals brought up to the
+   present velocity first; fresh: a Newton solve begins. Those by q and x are set only where
+   LoadPlaced(). */
 void LoadLinearise3(const Load *load, const Place3 *at, PetscBool fresh, FrictionDual4 *dual,
                     LoadSlope3 *slope) {
-  FrictionLinearise4(&load->friction, at->W, fresh, dual, slope->W);
-  if (load->varied) SlopeVaried(load, at, dual, slope);
+  PetscReal W[RUBS] = {at->W[0], at->W[1], at->W[2], Deaf(load) ? 0 : at->W[SPIN]};
+
+  FrictionLinearise4(&load->friction, W, fresh, dual, slope->W);
+  if (load->varied)
+    SlopeVaried(load, at, dual, slope);
+  else if (load->walls)
+    for (int d = 0; d < RUBS; d++)
+      for (int c = 0; c < 3; c++) slope->q[d][c] = slope->x[d][c] = 0;
   for (int c = 0; c < RUBS; c++) slope->W[SPIN][c] *= load->radius;
+  for (int d = 0; d < RUBS && Deaf(load); d++) slope->W[d][SPIN] = 0;
+  if (load->walls) SlopeWalls(load, at, fresh, dual, slope);
+}
+
+/* LoadHold3 - moves what holds a sticking place; returns the speed at which it creeps. */
+PetscReal LoadHold3(const Load *load, const Place3 *at, PetscReal seen, FrictionDual4 dual[]) {
+  PetscReal W[RUBS] = {at->W[0], at->W[1], at->W[2], Deaf(load) ? 0 : at->W[SPIN]};
+  const Rubbed rubbed = LoadRubbed(load, at);
+  PetscReal creep = FrictionDualHold4(W, seen, dual);
+
+  if (load->duals3 == 1) return creep;
+  return PetscMax(creep, ContactHold3(load->walls, &rubbed, seen, dual + 1));
 }
 
 /* LoadInSpace - does it act out of the plane of x1 and x2, whatever the rod does? */

@@ -15,7 +15,10 @@ static const SurfaceKind *KindOf(const char *name) {
    plane, too: there with four numbers. */
 PetscBool SurfacesKnow(PetscInt n, char *const word[]) {
   const SurfaceKind *kind = KindOf(word[0]);
-  return (PetscBool)(kind && (kind != &surface_plane || n > OF_PLANE));
+  PetscInt numbers = 0;
+
+  while (numbers + 1 < n && strcmp(word[numbers + 1], "friction")) numbers++;
+  return (PetscBool)(kind && (kind != &surface_plane || numbers >= OF_PLANE));
 }
 
 /* SurfaceNumber - word k of a line as a number; lengths may carry units. Collective. */

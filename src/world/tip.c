@@ -160,10 +160,40 @@ static void TurnFrom(const PetscReal h[4], const PetscReal p[4], PetscReal v[3])
   v[2] = h[0] * p[3] - h[3] * p[0] - h[1] * p[2] + h[2] * p[1];
 }
 
-/* The force on a free tip in space. */
+/* Does a point remember friction with walls in space? */
+static PetscBool Rubs3(const Tip *tip) {
+  return (PetscBool)(tip->walls->walls.rub || tip->walls->surfaces.rub);
+}
+
+/* What walls push a tip in space with, and the couple about its tangent: that of a piece l of rod.
+ */
+static void PushWalls3(const Tip *tip, const TipState3 *at, const FrictionDual4 *dual,
+                       PetscReal f[RUBS]) {
+  const Rubbed rubbed = {at->at.x, at->at.q, at->at.W, at->spin};
+  Touch3 touch[MOST_TOUCHES3];
+  PetscInt n = ContactTouches3(tip->walls, at->at.x, touch);
+  Push3 push;
+
+  for (PetscInt k = 0; k < n; k++) {
+    ContactPush3(tip->walls, &touch[k], &rubbed, Rubs3(tip) ? dual + 1 : NULL, &push);
+    for (int d = 0; d < 3; d++) f[d] += tip->walls->tip * push.force[d];
+    f[SPIN] += tip->walls->tip * push.couple;
+  }
+}
+
+/* The place of the tip as a resistance sees it, which feels it move, but not spin. */
+static Place3 Unspun(const TipState3 *at) {
+  Place3 place = at->at;
+
+  place.W[SPIN] = 0;
+  return place;
+}
+
+/* The force on a free tip in space, and the couple about its tangent. */
 static void TipForce3(const Tip *tip, const TipState3 *at, const FrictionDual4 *dual,
-                      PetscReal f[3]) {
+                      PetscReal f[RUBS]) {
   const PetscReal P = tip->force;
+  const Place3 unspun = Unspun(at);
   PetscReal drag[RUBS];
 
   for (int d = 0; d < 3; d++) f[d] = tip->push[d];
@@ -172,9 +202,11 @@ static void TipForce3(const Tip *tip, const TipState3 *at, const FrictionDual4 *
   else if (P != 0 && tip->law == TIP_FOLLOWER)
     for (int d = 0; d < 3; d++) f[d] -= P * at->at.q[d];
   else if (P != 0) {
-    LoadForce3(&tip->resistance, &at->at, dual, drag);
+    LoadForce3(&tip->resistance, &unspun, dual, drag);
     for (int d = 0; d < 3; d++) f[d] -= P * drag[d];
   }
+  f[SPIN] = tip->torque;
+  if (tip->walls) PushWalls3(tip, at, dual, f);
 }
 
 /* TipResidual3 - the six conditions at the tip in space, r = 0: m = torque d1, or the frame it is
@@ -182,23 +214,60 @@ static void TipForce3(const Tip *tip, const TipState3 *at, const FrictionDual4 *
 void TipResidual3(const Tip *tip, const TipState3 *at, const FrictionDual4 *dual,
                   PetscReal r[TIP_ROWS3]) {
   const PetscReal held[3] = {tip->x[0], tip->x[1], tip->x3};
-  PetscReal f[3];
+  PetscReal f[RUBS] = {0, 0, 0, tip->torque};
 
+  if (tip->type == TIP_FREE) TipForce3(tip, at, dual, f);
   if (tip->type == TIP_CLAMPED)
     TurnFrom(tip->p, at->p, r);
   else
-    for (int d = 0; d < 3; d++) r[d] = at->m[d] - tip->torque * at->at.q[d];
-  if (tip->type == TIP_FREE) TipForce3(tip, at, dual, f);
+    for (int d = 0; d < 3; d++) r[d] = at->m[d] - f[SPIN] * at->at.q[d];
   for (int d = 0; d < 3; d++)
     r[3 + d] = tip->type == TIP_FREE ? at->n[d] - f[d] : at->at.x[d] - held[d];
 }
 
-/* TipJacobian3 - their derivatives by (x, p, m, n), of which x has the rate shift x + ...; fresh,
-   dual as for LoadLinearise3(). */
-void TipJacobian3(const Tip *tip, const TipState3 *at, const PetscReal shift[3], PetscBool fresh,
-                  FrictionDual4 *dual, PetscReal J[TIP_ROWS3][TIP_FIELDS3]) {
+/* Takes the derivatives of what walls push with off J, the conditions being m - couple q = 0 and
+   n - f = 0. */
+static void PushWallsSlope3(const Tip *tip, const TipState3 *at,
+                            const PetscReal dW[RUBS][TIP_FIELDS3], PetscBool fresh,
+                            FrictionDual4 *dual, PetscReal J[TIP_ROWS3][TIP_FIELDS3]) {
+  enum { P = 3 };
+  const Rubbed rubbed = {at->at.x, at->at.q, at->at.W, at->spin};
+  FrictionDual4 *slots = Rubs3(tip) ? dual + 1 : NULL;
+  Touch3 touch[MOST_TOUCHES3];
+  PetscInt n = ContactTouches3(tip->walls, at->at.x, touch);
+  PetscReal by[RUBS][TIP_FIELDS3], l = tip->walls->tip;
+  Push3 push;
+
+  if (slots) ContactSlots(n, touch, slots);
+  for (PetscInt k = 0; k < n; k++) {
+    ContactPush3(tip->walls, &touch[k], &rubbed, slots, &push);
+    const PetscReal couple = push.couple;
+    ContactPushSlope3(tip->walls, &touch[k], &rubbed, fresh, ContactSlot(&touch[k], slots), &push);
+    for (int d = 0; d < RUBS; d++) {
+      push.W[d][SPIN] *= at->per_W;
+      for (int j = 0; j < TIP_FIELDS3; j++) {
+        by[d][j] = j < 3 ? push.x[d][j] : 0;
+        for (int c = 0; c < RUBS; c++) by[d][j] += push.W[d][c] * dW[c][j];
+        for (int c = 0; c < 3 && j >= P && j < P + 4; c++)
+          by[d][j] += push.q[d][c] * at->q_p[c][j - P];
+      }
+    }
+    for (int d = 0; d < 3; d++)
+      for (int j = 0; j < TIP_FIELDS3; j++) {
+        J[d][j] -= l * at->at.q[d] * by[SPIN][j];
+        if (j >= P && j < P + 4) J[d][j] -= l * couple * at->q_p[d][j - P];
+        J[3 + d][j] -= l * by[d][j];
+      }
+  }
+}
+
+/* TipJacobian3 - their derivatives by (x, p, m, n), of which W has the derivatives dW; fresh, dual
+   as for LoadLinearise3(). */
+void TipJacobian3(const Tip *tip, const TipState3 *at, const PetscReal dW[RUBS][TIP_FIELDS3],
+                  PetscBool fresh, FrictionDual4 *dual, PetscReal J[TIP_ROWS3][TIP_FIELDS3]) {
   enum { X, P = 3, M = 7, N = 10 };
   const PetscReal force = tip->force;
+  const Place3 unspun = Unspun(at);
   LoadSlope3 slope = {.q = {{0}}};
 
   for (int i = 0; i < TIP_ROWS3; i++)
@@ -215,14 +284,30 @@ void TipJacobian3(const Tip *tip, const TipState3 *at, const PetscReal shift[3],
       for (int k = 0; k < 4; k++) J[d][P + k] = -tip->torque * at->q_p[d][k];
     }
   for (int d = 0; d < 3; d++) J[3 + d][(tip->type == TIP_FREE ? N : X) + d] = 1;
-  if (tip->type != TIP_FREE || force == 0) return;
+  if (tip->type != TIP_FREE) return;
+  if (tip->walls) PushWallsSlope3(tip, at, dW, fresh, dual, J);
+  if (force == 0) return;
   for (int d = 0; d < 3 && tip->law == TIP_FOLLOWER; d++)
     for (int k = 0; k < 4; k++) J[3 + d][P + k] = force * at->q_p[d][k];
   if (tip->law != TIP_RESISTANCE) return;
-  LoadLinearise3(&tip->resistance, &at->at, fresh, dual, &slope);
+  LoadLinearise3(&tip->resistance, &unspun, fresh, dual, &slope);
   for (int d = 0; d < 3; d++)
     for (int c = 0; c < 3; c++)
-      J[3 + d][X + c] += force * (shift[c] * slope.W[d][c] + slope.x[d][c]);
+      J[3 + d][X + c] += force * (dW[c][X + c] * slope.W[d][c] + slope.x[d][c]);
+}
+
+/* TipHold3 - moves what holds a tip in space that sticks, to what resists it or to walls; returns
+   the speed at which it creeps. */
+PetscReal TipHold3(const Tip *tip, const TipState3 *at, PetscReal seen, FrictionDual4 dual[]) {
+  const Rubbed rubbed = {at->at.x, at->at.q, at->at.W, at->spin};
+  const Place3 unspun = Unspun(at);
+  PetscReal creep = 0;
+
+  if (tip->type != TIP_FREE) return 0;
+  if (TipResists(tip)) creep = FrictionDualHold4(unspun.W, seen, dual);
+  if (tip->walls && Rubs3(tip))
+    creep = PetscMax(creep, ContactHold3(tip->walls, &rubbed, seen, dual + 1));
+  return creep;
 }
 
 /* TipCompression - how much the tip's force presses on a straight rod, which is at `at`. */

@@ -33,10 +33,11 @@ typedef struct {
   PetscReal theta, moment, force[2];
 } TipState;
 
-/* In space: x, p, m, n, the tangent and its derivative by p. */
+/* In space: x, p, m, n, the tangent and its derivative by p, and the spin. */
 enum { TIP_ROWS3 = 6, TIP_FIELDS3 = 13 };
 typedef struct {
   Place3 at;
+  PetscReal spin, per_W; /* of the material; and how it changes with the last of W */
   PetscReal p[4], m[3], n[3], q_p[3][4];
 } TipState3;
 
@@ -51,8 +52,9 @@ void TipJacobian(const Tip *tip, const TipState *at, const PetscReal shift[2], P
                  LoadDual *dual, PetscReal J[TIP_ROWS][TIP_FIELDS]);
 void TipResidual3(const Tip *tip, const TipState3 *at, const FrictionDual4 *dual,
                   PetscReal r[TIP_ROWS3]);
-void TipJacobian3(const Tip *tip, const TipState3 *at, const PetscReal shift[3], PetscBool fresh,
-                  FrictionDual4 *dual, PetscReal J[TIP_ROWS3][TIP_FIELDS3]);
+void TipJacobian3(const Tip *tip, const TipState3 *at, const PetscReal dW[RUBS][TIP_FIELDS3],
+                  PetscBool fresh, FrictionDual4 *dual, PetscReal J[TIP_ROWS3][TIP_FIELDS3]);
+PetscReal TipHold3(const Tip *tip, const TipState3 *at, PetscReal seen, FrictionDual4 dual[]);
 PetscReal TipCompression(const Tip *tip, const Place *at);
 
 /* Is the tip's force one of resistance? */

@@ -364,7 +364,8 @@ static PetscErrorCode ReadWall(Maker *self, PetscInt n, char *word[]) {
   PetscFunctionBegin;
   while (kind < WALL_KINDS && strcmp(word[0], wall_kind[kind])) kind++;
   UserCheck(kind < WALL_KINDS, OptionsComm(),
-            "-wall_file %s, line %d: %s is no wall; there are plane, circle, polygon and path",
+            "-wall_file %s, line %d: %s is no wall; there are plane, circle, polygon and path, and "
+            "in space sphere, cylinder, cone and torus",
             self->file, self->line, word[0]);
   wall->kind = (WallKind)kind;
   PetscCall(TakeFriction(self, &n, word));
@@ -407,8 +408,27 @@ static PetscErrorCode ReadText(const char *file, char **text) {
   PetscFunctionReturn(0);
 }
 
+/* The words of a line, of which there is at least one: a surface in space, or a wall of the plane.
+ */
+static PetscErrorCode ReadLine(Maker *self, PetscInt n, char *word[], PetscReal friction,
+                               Walls *walls, Surfaces *surfaces) {
+  const SurfaceLine line = {
+      .file = self->file, .line = self->line, .n = n, .word = word, .radius = self->radius};
+
+  PetscFunctionBegin;
+  if (SurfacesKnow(n, word)) {
+    PetscCall(SurfacesAdd(&line, friction, surfaces));
+    PetscFunctionReturn(0);
+  }
+  self->wall = &walls->wall[walls->n++];
+  self->wall->friction = friction;
+  PetscCall(ReadWall(self, n, word));
+  PetscFunctionReturn(0);
+}
+
 /* All lines of a text, which is taken apart. */
-static PetscErrorCode ReadLines(Maker *self, char *text, PetscReal friction, Walls *walls) {
+static PetscErrorCode ReadLines(Maker *self, char *text, PetscReal friction, Walls *walls,
+                                Surfaces *surfaces) {
   PetscInt lines = 1, longest = 0, at = 0, n;
   char **word, *line, *next;
 
@@ -429,14 +449,13 @@ static PetscErrorCode ReadLines(Maker *self, char *text, PetscReal friction, Wal
     line[strcspn(line, "#")] = 0;
     n = Words(line, longest + 1, word);
     if (!n) continue;
-    self->wall = &walls->wall[walls->n++];
-    self->wall->friction = friction;
-    error = ReadWall(self, n, word);
+    error = ReadLine(self, n, word, friction, walls, surfaces);
     if (error) PetscCall(PetscFree(word));
     PetscCall(error);
   }
   PetscCall(PetscFree(word));
-  UserCheck(walls->n > 0, OptionsComm(), "-wall_file %s: there is no wall in it", self->file);
+  UserCheck(walls->n + surfaces->n > 0, OptionsComm(), "-wall_file %s: there is no wall in it",
+            self->file);
   PetscFunctionReturn(0);
 }
 
@@ -466,13 +485,15 @@ static PetscErrorCode FindPosts(Walls *walls, PetscReal radius) {
 
 /*
   WallsRead - the walls of a file: one a line, # begins a comment, lengths may carry units.
-  Collective on OptionsComm(); the caller ends it with WallsDestroy(), also after an error.
+  Collective on OptionsComm(); the caller ends it with WallsDestroy() and SurfacesDestroy(), also
+  after an error.
 
   radius    of the rod
   friction  of walls that do not say their own
+  surfaces  those of its lines that are surfaces in space
 */
 PetscErrorCode WallsRead(const char *file, PetscReal radius, PetscReal friction,
-                         PetscReal clamp_angle, Walls *walls) {
+                         PetscReal clamp_angle, Walls *walls, Surfaces *surfaces) {
   Maker self = {.file = file,
                 .radius = radius,
                 .turn = {PetscCosReal(clamp_angle), PetscSinReal(clamp_angle)}};
@@ -481,13 +502,14 @@ PetscErrorCode WallsRead(const char *file, PetscReal radius, PetscReal friction,
 
   PetscFunctionBegin;
   PetscCall(ReadText(file, &text));
-  error = ReadLines(&self, text, friction, walls);
+  error = ReadLines(&self, text, friction, walls, surfaces);
   PetscCall(PetscFree(text));
   PetscCall(error);
   for (PetscInt w = 0; w < walls->n; w++)
     if (walls->wall[w].friction > 0) walls->rub = PETSC_TRUE;
   PetscCall(FindPosts(walls, radius));
   PetscCall(WallsIndex(walls));
+  PetscCall(SurfacesIndex(surfaces));
   PetscFunctionReturn(0);
 }
 

@@ -5,6 +5,7 @@
 
 #include "base/options.h"
 #include "base/rects.h"
+#include "world/surfaces.h"
 
 typedef enum { WALL_PLANE, WALL_CIRCLE, WALL_POLYGON, WALL_PATH, WALL_KINDS } WallKind;
 extern const char *const wall_kind[WALL_KINDS];
@@ -70,7 +71,7 @@ typedef struct {
 enum { MOST_TOUCHES = 32 }; /* at one place */
 
 PetscErrorCode WallsRead(const char *file, PetscReal radius, PetscReal friction,
-                         PetscReal clamp_angle, Walls *walls);
+                         PetscReal clamp_angle, Walls *walls, Surfaces *surfaces);
 PetscErrorCode WallsDestroy(Walls *walls);
 PetscErrorCode WallsText(const Walls *walls, char **text);
 

@@ -4,19 +4,6 @@
 #include "rod/feet.h"
 #include "rod/strands.h"
 
-static void WriteWalls(char path[64], const char *text) {
-  PetscMPIInt rank;
-  OpenScratch(path);
-  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  if (!rank) {
-    FILE *f = fopen(path, "w");
-    assert_non_null(f);
-    fputs(text, f);
-    fclose(f);
-  }
-  MPI_Barrier(PETSC_COMM_WORLD);
-}
-
 /* The normal force of feet on all posts in the initial shape at the time of ByRate(). */
 static PetscReal FeetOf(const char *options) {
   const PetscReal t = 0.7;
@@ -195,11 +182,12 @@ static void TestWallsAreSmooth(void **state) {
                                  "circle 0.5 0.5 0.3 outside\nplane 0.2 0 1 0.3\n"};
   for (size_t w = 0; w < sizeof(file_of) / sizeof(file_of[0]); w++) {
     Walls walls = {0};
+    Surfaces surfaces = {0};
     PetscInt met = 0;
     PetscReal jump = 0, gain = 0; /* over a step: the largest */
     char file[64];
     WriteWalls(file, file_of[w]);
-    CHECK(WallsRead(file, 0.1, 0, 0.3, &walls));
+    CHECK(WallsRead(file, 0.1, 0, 0.3, &walls, &surfaces));
     for (int path = 0; path < 200; path++) {
       const PetscReal a[2] = {1.5 * Scatter(path, 1), 1.5 * Scatter(path, 2)},
                       turn = PETSC_PI * Scatter(path, 3), step = 1e-4;
@@ -229,6 +217,7 @@ static void TestWallsAreSmooth(void **state) {
     EXPECT(gain < 6, "%s: energy is off its work by %g steps squared", file_of[w], gain);
     EXPECT(met > 1000, "%s: met %d times", file_of[w], (int)met);
     CHECK(WallsDestroy(&walls));
+    CHECK(SurfacesDestroy(&surfaces));
     RemoveFile(file);
   }
 }

@@ -66,6 +66,65 @@ static void TestJacobians(void **state) {
     }
 }
 
+/* The largest pressure of walls on a node. */
+static PetscReal Pressed(Rod rod, Vec U) {
+  const Contact *contact = &rod->scene->contact;
+  const PetscScalar *u;
+  PetscReal most = 0, slope;
+  CHECK(VecGetArrayRead(U, &u));
+  for (PetscInt i = rod->first; i < rod->end; i++) {
+    const PetscReal gap = ContactGap3(contact, u + FIELDS * (i - rod->first), 9);
+    most = PetscMax(most, ContactPressure(contact, gap, &slope));
+  }
+  CHECK(VecRestoreArrayRead(U, &u));
+  return AllMax(most);
+}
+
+/* Walls that press, with friction that feels the spin and turns about curved surfaces; walls of the
+   plane stand upright. */
+static const char *const walls[] = {
+    "plane 0 0.1 -0.15 0.1 0.2 1 friction 0.5\nsphere 0.6 0.6 0.4 0.35 outside friction 0.4\n",
+    "cylinder 0 0 0 1 0.3 0.1 0.25 inside friction 0.7\ncone 0.3 0 -0.5 0 0 1 0.2 0.3 1 outside\n",
+    "torus 0 0.6 0 0 0 1 0.7 0.2 inside friction 0.6\ncylinder 0.4 0 0 0 0 1 0.2 outside 3\n",
+    "circle 0.5 0.6 0.5 outside friction 1\nplane 0 -0.2 0.2 1 friction 0.5\n"};
+enum { WALLS = sizeof(walls) / sizeof(walls[0]) };
+
+static void TestWallJacobians(void **state) {
+  static const char *const spun[] = {"", "-friction_radius 0.4 -friction_across 2",
+                                     "-rod_order 2 -tip_torque 0.2"};
+  for (int law = 0; law < LAWS; law++)
+    for (int k = 0; k < WALLS; k++) {
+      char file[64], options[400];
+      const int how = (law + k) % 3;
+      const PetscReal shift = k % 2 ? 0 : 3;
+      PetscReal pressed;
+      Scene scene;
+      Rod rod;
+      Vec U, U_t, w;
+      Mat J;
+      WriteWalls(file, walls[k]);
+      (void)snprintf(options, sizeof(options),
+                     "-wall_file %s -contact_diameter 0.2 -contact_stiffness 40 -clamp_direction "
+                     "1,0.3,0.2 %s",
+                     file, spun[how]);
+      Create(laws[law], options, 12, &scene, &rod);
+      ShakenState(rod, 0.7, 1e-2, &U, &U_t);
+      w = RandomVector(rod, 3, 1);
+      CHECK(RodCreateMatrix(rod, &J));
+      rod->fresh = PETSC_TRUE;
+      CHECK(RodJacobian(NULL, 0.7, U, U_t, shift, J, J, rod));
+      ExpectRate(rod, 0.7, U, U_t, shift, J, w, 1e-5, 0.2, options);
+      pressed = Pressed(rod, U);
+      EXPECT(pressed > 0.1, "%s presses with %g", walls[k], pressed);
+      CHECK(MatDestroy(&J));
+      CHECK(VecDestroy(&U));
+      CHECK(VecDestroy(&U_t));
+      CHECK(VecDestroy(&w));
+      Destroy(&scene, &rod);
+      RemoveFile(file);
+    }
+}
+
 /* On one rank: what is eliminated solves the equations of the matrix. */
 static void TestElimination(void **state) {
   PetscMPIInt ranks;
@@ -228,6 +287,6 @@ static void TestBend(void **state) {
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(TestJacobians), cmocka_unit_test(TestElimination),
-    cmocka_unit_test(TestMirrors), cmocka_unit_test(TestBend)};
+    cmocka_unit_test(TestJacobians), cmocka_unit_test(TestWallJacobians),
+    cmocka_unit_test(TestElimination), cmocka_unit_test(TestMirrors), cmocka_unit_test(TestBend)};
 MAIN(tests)

@@ -1,0 +1,26 @@
+/* A rod in space at a point, at nodes and between them, with all that is measured there. */
+#ifndef TENDRIL_SAMPLE_SPACE_H
+#define TENDRIL_SAMPLE_SPACE_H
+
+#include "rod/rod.h"
+
+enum {
+  PUSH = 4
+}; /* a force of contact per length: x1, x2, and in space x3 and the couple about d1 */
+
+typedef struct {
+  Node node;
+  PetscReal g, g_t, c, strain;        /* stretch, its rate, slide, rate of the material's stretch */
+  PetscReal S[3], S_t[3];             /* stiffnesses, and their rates in the material */
+  PetscReal u0[3], u0_t[3];           /* natural strains, likewise */
+  PetscReal d[3][3], moment[3], u[3]; /* directors; moment and strains about them */
+  PetscReal spin, F[RUBS];            /* about the tangent; load of friction */
+  const PetscReal *push;              /* of contact, per length; NULL: none */
+  Place3 at;
+} Sample3;
+
+PetscErrorCode SampleFill3(Scene scene, PetscReal s, PetscReal t, Sample3 *sample);
+PetscErrorCode SampleMid3(Scene scene, PetscReal sa, PetscReal sb, PetscReal t, const Sample3 *a,
+                          const Sample3 *b, Sample3 *mid);
+
+#endif

@@ -1,0 +1,224 @@
+/* Passing, of a rod in space: the curve between nodes, and what it sweeps in a step, are divided
+   until each part is off the walls: a distance changes by no more than the way, so that a part
+   within r of a point that is farther than that from a wall is clear of it. */
+#include "rod/directors.h"
+#include "rod/passing.h"
+
+/* The four points of a Bezier curve. */
+typedef PetscReal Bezier[4][3];
+
+/* A cell in one state. */
+typedef struct {
+  PetscReal h, g[2], x[2][3], q[2][3];
+} Cell3;
+
+typedef enum { CLEAR, NEAR, BEHIND } Verdict;
+
+/* A look at a cell: what counts as behind, and how finely the curve is divided. */
+typedef struct {
+  const Contact *contact;
+  PetscReal deep, fine;
+} Look;
+
+/* A rod without a thickness is behind a wall at so many times the length over which contact spreads
+   a force that acts at a point. */
+static const PetscReal lengths_behind = 4;
+static const PetscReal parts = 4; /* of that depth: so fine is looked */
+enum { DEEPEST = 24 };
+
+static void BezierOf(const Cell3 *cell, Bezier b) {
+  for (int d = 0; d < 3; d++) {
+    b[0][d] = cell->x[0][d];
+    b[1][d] = b[0][d] + cell->h * cell->g[0] * cell->q[0][d] / 3;
+    b[3][d] = cell->x[1][d];
+    b[2][d] = b[3][d] - cell->h * cell->g[1] * cell->q[1][d] / 3;
+  }
+}
+
+/* Divides it in the middle (de Casteljau). */
+static void Divide(Bezier b, Bezier half[2]) {
+  for (int d = 0; d < 3; d++) {
+    const PetscReal p = (b[0][d] + b[1][d]) / 2, q = (b[1][d] + b[2][d]) / 2,
+                    r = (b[2][d] + b[3][d]) / 2, pq = (p + q) / 2, qr = (q + r) / 2;
+    half[0][0][d] = b[0][d];
+    half[0][1][d] = p;
+    half[0][2][d] = pq;
+    half[0][3][d] = half[1][0][d] = (pq + qr) / 2;
+    half[1][1][d] = qr;
+    half[1][2][d] = r;
+    half[1][3][d] = b[3][d];
+  }
+}
+
+static PetscReal Apart(const PetscReal a[3], const PetscReal b[3]) {
+  return PetscSqrtReal(PetscSqr(a[0] - b[0]) + PetscSqr(a[1] - b[1]) + PetscSqr(a[2] - b[2]));
+}
+
+/* Is a place behind a wall of the plane, how deep it may be? */
+static PetscBool BehindUpright(const Contact *contact, const PetscReal x[3]) {
+  PetscReal y[3];
+
+  if (!contact->walls.n) return PETSC_FALSE;
+  for (int d = 0; d < 3; d++)
+    y[d] = contact->upright[d][0] * x[0] + contact->upright[d][1] * x[1] +
+           contact->upright[d][2] * x[2];
+  return (PetscBool)(WallsBehind(&contact->walls, y) >= 0);
+}
+
+/* ---- where the rod is ---- */
+
+static Verdict PlaceVerdict(const Look *look, const PetscReal x[3], PetscReal r) {
+  const PetscReal gap = ContactGap3(look->contact, x, r);
+
+  if (gap < -look->deep || BehindUpright(look->contact, x)) return BEHIND;
+  return gap - r >= -look->deep ? CLEAR : NEAR;
+}
+
+static PetscBool CurveIsBehind(const Look *look, Bezier b, int depth) {
+  PetscReal r = 0;
+  Bezier half[2];
+  Verdict verdict;
+
+  Divide(b, half);
+  for (int k = 0; k < 4; k++) r = PetscMax(r, Apart(b[k], half[1][0]));
+  verdict = PlaceVerdict(look, half[1][0], r);
+  if (verdict == BEHIND) return PETSC_TRUE;
+  if (verdict == CLEAR || depth == DEEPEST || r < look->fine) return PETSC_FALSE;
+  return (PetscBool)(CurveIsBehind(look, half[0], depth + 1) ||
+                     CurveIsBehind(look, half[1], depth + 1));
+}
+
+/* ---- what it has swept ---- */
+
+/* Of what has another side: was a place as deep in it as half of what it and the rod are thick? (On
+   its way round, it is a little deep in it.) fine: how finely it is to be looked. */
+static Verdict SweptVerdict(const Look *look, const PetscReal x[3], PetscReal r, PetscReal *fine) {
+  const Contact *contact = look->contact;
+  const PetscReal half = contact->diameter / 2;
+  PetscInt which[MOST_SURFACES], n = 0;
+  SurfacePoint point[MOST_SURFACES];
+  Verdict verdict = CLEAR;
+  PetscReal y[3];
+
+  *fine = PETSC_MAX_REAL;
+  for (int d = 0; d < 3; d++)
+    y[d] = contact->lab[d][0] * x[0] + contact->lab[d][1] * x[1] + contact->lab[d][2] * x[2];
+  if (contact->surfaces.n) n = SurfacesNear(&contact->surfaces, y, r + half, which, point);
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscReal core = contact->surfaces.surface[which[k]].core,
+                    deep = PetscMax(look->deep, (core + half) / 2), gap = point[k].distance - half;
+    if (core == PETSC_MAX_REAL || gap - r >= -deep) continue;
+    if (gap < -deep) return BEHIND;
+    verdict = NEAR;
+    *fine = PetscMin(*fine, deep / parts);
+  }
+  if (contact->walls.n) { /* the other side of the plane's walls is seen by how narrow they are */
+    const PetscReal deep = PetscMax(look->deep, contact->walls.smallest / 2),
+                    gap = ContactGap3(contact, x, r);
+    if (gap < -deep) return BEHIND;
+    if (gap - r < -deep) {
+      verdict = NEAR;
+      *fine = PetscMin(*fine, deep / parts);
+    }
+  }
+  return verdict;
+}
+
+/* Has the curve swept anything on its way from b0 to b1, all points on straight lines? */
+static PetscBool SweepIsBehind(const Look *look, Bezier b0, Bezier b1, int depth) {
+  PetscReal r[2] = {0, 0}, mid[3], fine, reach = 0; /* r: along the curve, along the way */
+  Bezier half[2][2], now;
+  Verdict verdict;
+
+  Divide(b0, half[0]);
+  Divide(b1, half[1]);
+  for (int d = 0; d < 3; d++) mid[d] = (half[0][1][0][d] + half[1][1][0][d]) / 2;
+  for (int k = 0; k < 4; k++) {
+    reach = PetscMax(reach, PetscMax(Apart(b0[k], mid), Apart(b1[k], mid)));
+    r[0] = PetscMax(r[0], Apart(b0[k], half[0][1][0]));
+    r[1] = PetscMax(r[1], Apart(b0[k], b1[k]));
+  }
+  verdict = SweptVerdict(look, mid, reach, &fine);
+  if (verdict == BEHIND) return PETSC_TRUE;
+  if (verdict == CLEAR || depth == DEEPEST || reach < fine) return PETSC_FALSE;
+  if (r[0] > r[1])
+    return (PetscBool)(SweepIsBehind(look, half[0][0], half[1][0], depth + 1) ||
+                       SweepIsBehind(look, half[0][1], half[1][1], depth + 1));
+  for (int k = 0; k < 4; k++)
+    for (int d = 0; d < 3; d++) now[k][d] = (b0[k][d] + b1[k][d]) / 2;
+  return (PetscBool)(SweepIsBehind(look, b0, now, depth + 1) ||
+                     SweepIsBehind(look, now, b1, depth + 1));
+}
+
+static PetscBool Moves(Bezier b0, Bezier b1) {
+  for (int k = 0; k < 4; k++)
+    if (Apart(b0[k], b1[k]) > 0) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* The cells that begin at owned nodes, in one state. Collective. */
+static PetscErrorCode CellsOf(Rod rod, PetscReal t, Vec U, PetscInt n, Cell3 cell[]) {
+  const PetscReal *s = rod->scene->mesh.s;
+  PetscScalar *owned;
+  const Node *with;
+  Vec v, local;
+
+  PetscFunctionBegin;
+  PetscCall(DMGetGlobalVector(rod->nodes, &v));
+  PetscCall(DMGetLocalVector(rod->nodes, &local));
+  PetscCall(VecGetArray(v, &owned));
+  PetscCall(rod->model->get(rod, t, U, NULL, (Node *)owned));
+  PetscCall(VecRestoreArray(v, &owned));
+  PetscCall(DMGlobalToLocal(rod->nodes, v, INSERT_VALUES, local));
+  PetscCall(DMDAVecGetArrayRead(rod->nodes, local, (void *)&with));
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscInt i = rod->first + k;
+    cell[k].h = s[i + 1] - s[i];
+    PetscCall(GrowthStretch(rod->scene->growth, 2, &s[i], t, cell[k].g, NULL, NULL));
+    for (int e = 0; e < 2; e++) {
+      PetscReal d[3][3];
+      Directors(with[i + e].p, QuaternionSize(with[i + e].p), d);
+      PetscCall(PetscArraycpy(cell[k].q[e], d[0], 3));
+      PetscCall(PetscArraycpy(cell[k].x[e], with[i + e].x3, 3));
+    }
+  }
+  PetscCall(DMDAVecRestoreArrayRead(rod->nodes, local, (void *)&with));
+  PetscCall(DMRestoreLocalVector(rod->nodes, &local));
+  PetscCall(DMRestoreGlobalVector(rod->nodes, &v));
+  PetscFunctionReturn(0);
+}
+
+/* RodPassesWalls3 - as RodPassesWalls(), of a rod in space. */
+PetscErrorCode RodPassesWalls3(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
+                               PetscBool *passes) {
+  const Contact *contact = &rod->scene->contact;
+  const PetscInt n = PetscMin(rod->end, rod->last) - rod->first;
+  enum { PASSES, CROWDED, VERDICTS };
+  int verdict[VERDICTS] = {0};
+  Look look = {.contact = contact};
+  Touch3 touch[MOST_TOUCHES3];
+  Cell3 *cell[2];
+  Bezier b[2];
+
+  PetscFunctionBegin;
+  look.deep = contact->diameter > 0 ? contact->diameter / 2 : lengths_behind * contact->tip;
+  look.fine = look.deep / parts;
+  PetscCall(PetscMalloc2(n, &cell[0], n, &cell[1]));
+  PetscCall(CellsOf(rod, t0, U0, n, cell[0]));
+  PetscCall(CellsOf(rod, t1, U1, n, cell[1]));
+  for (PetscInt k = 0; k < n && !verdict[PASSES]; k++) {
+    for (int now = 0; now < 2; now++) BezierOf(&cell[now][k], b[now]);
+    if (CurveIsBehind(&look, b[1], 0) || (Moves(b[0], b[1]) && SweepIsBehind(&look, b[0], b[1], 0)))
+      verdict[PASSES] = 1;
+    if (ContactTouches3(contact, cell[1][k].x[1], touch) >= MOST_SURFACES) verdict[CROWDED] = 1;
+  }
+  PetscCall(PetscFree2(cell[0], cell[1]));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, verdict, VERDICTS, MPI_INT, MPI_MAX, rod->scene->comm));
+  UserCheck(
+      !verdict[CROWDED], rod->scene->comm,
+      "-wall_file: at t = %g %d walls or more touch the rod at one place: take out those that "
+      "lie on each other",
+      (double)t1, (int)MOST_SURFACES);
+  *passes = (PetscBool)verdict[PASSES];
+  PetscFunctionReturn(0);
+}

@@ -1,0 +1,292 @@
+#include "world/contact_space.h"
+
+static PetscReal Dot3(const PetscReal a[3], const PetscReal b[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void Cross3(const PetscReal a[3], const PetscReal b[3], PetscReal c[3]) {
+  c[0] = a[1] * b[2] - a[2] * b[1];
+  c[1] = a[2] * b[0] - a[0] * b[2];
+  c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* y = M x */
+static void Turn(const PetscReal M[3][3], const PetscReal x[3], PetscReal y[3]) {
+  for (int d = 0; d < 3; d++) y[d] = Dot3(M[d], x);
+}
+
+/* y = M^T x */
+static void TurnBack(const PetscReal M[3][3], const PetscReal x[3], PetscReal y[3]) {
+  for (int d = 0; d < 3; d++) y[d] = M[0][d] * x[0] + M[1][d] * x[1] + M[2][d] * x[2];
+}
+
+/*
+  ContactSetFrame - tells contact how a rod in space stands to what is around it.
+
+  lab          from the clamp's frame to the laboratory
+  clamp_angle  by which the plane's walls have been turned back
+*/
+void ContactSetFrame(Contact *self, const PetscReal lab[3][3], PetscReal clamp_angle) {
+  const PetscReal c = PetscCosReal(clamp_angle), s = PetscSinReal(clamp_angle);
+
+  for (int k = 0; k < 3; k++) {
+    for (int d = 0; d < 3; d++) self->lab[d][k] = lab[d][k];
+    self->upright[0][k] = c * lab[0][k] + s * lab[1][k];
+    self->upright[1][k] = -s * lab[0][k] + c * lab[1][k];
+    self->upright[2][k] = lab[2][k];
+  }
+}
+
+/* ---- what touches ---- */
+
+static PetscInt TouchSurfaces(const Contact *self, const PetscReal x[3], Touch3 touch[]) {
+  const PetscReal half = self->diameter / 2;
+  SurfacePoint point[MOST_SURFACES];
+  PetscInt which[MOST_SURFACES], n;
+  PetscReal y[3], part[3][3];
+
+  Turn(self->lab, x, y);
+  n = SurfacesNear(&self->surfaces, y, half + self->smooth, which, point);
+  for (PetscInt k = 0; k < n; k++) {
+    Touch3 *t = &touch[k];
+    t->gap = point[k].distance - half;
+    t->friction = self->surfaces.surface[which[k]].friction;
+    t->wall = which[k];
+    t->again = PETSC_FALSE;
+    TurnBack(self->lab, point[k].normal, t->normal);
+    for (int d = 0; d < 3; d++) TurnBack(self->lab, point[k].bend[d], part[d]);
+    for (int d = 0; d < 3; d++)
+      for (int c = 0; c < 3; c++)
+        t->bend[d][c] = self->lab[0][d] * part[0][c] + self->lab[1][d] * part[1][c] +
+                        self->lab[2][d] * part[2][c];
+  }
+  return n;
+}
+
+/* The plane's walls: dn = bend t (t.dx), t across n and x3. */
+static PetscInt TouchUpright(const Contact *self, const PetscReal x[3], Touch3 touch[]) {
+  Touch flat[MOST_TOUCHES];
+  PetscReal y[3];
+  PetscInt n;
+
+  Turn(self->upright, x, y);
+  n = WallsTouch(&self->walls, y, self->diameter / 2, self->smooth, flat);
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscReal normal[3] = {flat[k].normal[0], flat[k].normal[1], 0},
+                    across[3] = {-normal[1], normal[0], 0};
+    PetscReal t[3];
+    touch[k].gap = flat[k].gap;
+    touch[k].friction = self->walls.wall[flat[k].wall].friction;
+    touch[k].wall = self->surfaces.n + flat[k].wall;
+    touch[k].again = flat[k].again;
+    TurnBack(self->upright, normal, touch[k].normal);
+    TurnBack(self->upright, across, t);
+    for (int d = 0; d < 3; d++)
+      for (int c = 0; c < 3; c++) touch[k].bend[d][c] = flat[k].bend * t[d] * t[c];
+  }
+  return n;
+}
+
+/* ContactTouches3 - the walls that press on a point of the rod; returns how many. */
+PetscInt ContactTouches3(const Contact *self, const PetscReal x[3], Touch3 touch[MOST_TOUCHES3]) {
+  PetscInt n = 0;
+
+  if (self->surfaces.n) n = TouchSurfaces(self, x, touch);
+  if (self->walls.n) n += TouchUpright(self, x, touch + n);
+  return n;
+}
+
+/* ContactGap3 - the smallest gap of a point of the rod to any wall, if that is below `within`; else
+   that. */
+PetscReal ContactGap3(const Contact *self, const PetscReal x[3], PetscReal within) {
+  const PetscReal half = self->diameter / 2;
+  PetscReal y[3], gap = within;
+  PetscInt which;
+
+  if (self->surfaces.n) {
+    Turn(self->lab, x, y);
+    gap = SurfacesDistance(&self->surfaces, y, within + half, &which) - half;
+  }
+  if (self->walls.n) {
+    Turn(self->upright, x, y);
+    gap = PetscMin(gap, WallsGap(&self->walls, y, half));
+  }
+  return gap;
+}
+
+/* ---- the law ---- */
+
+/* ContactSlot - where the dual of a touch is kept; NULL: nowhere. */
+FrictionDual4 *ContactSlot(const Touch3 *touch, FrictionDual4 slots[]) {
+  if (!slots || touch->again) return NULL;
+  for (int k = 0; k < WALL_SLOTS; k++)
+    if (slots[k].shift[3] == (PetscReal)(touch->wall + 1)) return &slots[k];
+  return NULL;
+}
+
+/* ContactSlots - gives each of the touches of a point a slot, as far as there are any: that of
+   another wall, which does not touch any more, is taken. */
+void ContactSlots(PetscInt n, const Touch3 touch[], FrictionDual4 slots[]) {
+  for (PetscInt k = 0; k < n; k++) {
+    FrictionDual4 *take = NULL;
+    if (touch[k].again || touch[k].friction == 0 || ContactSlot(&touch[k], slots)) continue;
+    for (int i = 0; i < WALL_SLOTS && !take; i++) {
+      PetscBool used = PETSC_FALSE;
+      for (PetscInt j = 0; j < n; j++)
+        if (slots[i].shift[3] == (PetscReal)(touch[j].wall + 1)) used = PETSC_TRUE;
+      if (!used) take = &slots[i];
+    }
+    if (take) *take = (FrictionDual4){.shift = {0, 0, 0, (PetscReal)(touch[k].wall + 1)}};
+  }
+}
+
+/* v in the tangent plane of n */
+static void Tangential(const PetscReal n[3], const PetscReal v[3], PetscReal t[3]) {
+  const PetscReal along = Dot3(n, v);
+  for (int d = 0; d < 3; d++) t[d] = v[d] - along * n[d];
+}
+
+/* a, and the slip u, whose fourth is 0. */
+static void Slip(const Contact *contact, const Touch3 *touch, const Rubbed *at, PetscReal a[3],
+                 PetscReal u[4]) {
+  Cross3(at->q, touch->normal, a);
+  Tangential(touch->normal, at->v, u);
+  for (int d = 0; d < 3; d++) {
+    a[d] *= -contact->diameter / 2;
+    u[d] += at->spin * a[d];
+  }
+  u[3] = 0;
+}
+
+/* The dual as the tangent plane at present sees it. */
+static FrictionDual4 Seen(const Touch3 *touch, const FrictionDual4 *dual) {
+  FrictionDual4 seen = {.v = {0}};
+
+  if (!dual) return seen;
+  seen = *dual;
+  Tangential(touch->normal, dual->shift, seen.shift);
+  seen.shift[3] = 0;
+  return seen;
+}
+
+/* ContactPush3 - what a wall does to a point of the rod; of the derivatives see
+   ContactPushSlope3(). slots: NULL, of a point of which nothing is remembered. */
+void ContactPush3(const Contact *contact, const Touch3 *touch, const Rubbed *at,
+                  const FrictionDual4 slots[], Push3 *push) {
+  const PetscReal mu = touch->friction;
+  PetscReal slope, a[3], u[4], w[4];
+
+  push->normal = ContactPressure(contact, touch->gap, &slope);
+  push->couple = push->power = 0;
+  for (int d = 0; d < 3; d++) push->force[d] = push->normal * touch->normal[d];
+  if (mu == 0 || push->normal == 0) return;
+  const FrictionDual4 dual = Seen(touch, ContactSlot(touch, (FrictionDual4 *)slots));
+  Slip(contact, touch, at, a, u);
+  FrictionForce4(&contact->rub, u, &dual, w);
+  for (int d = 0; d < 3; d++) {
+    push->force[d] -= mu * push->normal * w[d];
+    push->couple -= mu * push->normal * w[d] * a[d];
+    push->power += mu * push->normal * w[d] * u[d];
+  }
+}
+
+/* How u changes with x and q, and a with them:
+     du/dx = -(n.v) H - n (H v)^T + omega da/dx,  da/dx = -D/2 [q] H,  da/dq = D/2 [n]. */
+static void SlipSlope(const Contact *contact, const Touch3 *touch, const Rubbed *at,
+                      const PetscReal shift[3], PetscReal a_x[3][3], PetscReal a_q[3][3],
+                      PetscReal u_x[3][3]) {
+  const PetscReal *n = touch->normal, half = contact->diameter / 2;
+  const PetscReal v[3] = {at->v[0] + shift[0], at->v[1] + shift[1], at->v[2] + shift[2]};
+  const PetscReal along = Dot3(n, v);
+
+  for (int c = 0; c < 3; c++) {
+    const PetscReal H[3] = {touch->bend[0][c], touch->bend[1][c], touch->bend[2][c]},
+                    e[3] = {c == 0, c == 1, c == 2}, by_v = Dot3(H, v);
+    PetscReal turned[3], other[3];
+    Cross3(at->q, H, turned);
+    Cross3(n, e, other);
+    for (int d = 0; d < 3; d++) {
+      a_x[d][c] = -half * turned[d];
+      a_q[d][c] = half * other[d];
+      u_x[d][c] = -along * H[d] - n[d] * by_v + at->spin * a_x[d][c];
+    }
+  }
+}
+
+/* Adds friction and its derivatives, with S = dw/du,
+     df = -mu (dp w + p S du),   d(a.f) = a.df - mu p w.da. */
+static void RubSlope(const Contact *contact, const Touch3 *touch, const Rubbed *at, PetscBool fresh,
+                     FrictionDual4 *kept, PetscReal p, PetscReal p_gap, Push3 *push) {
+  const PetscReal mu = touch->friction, *n = touch->normal;
+  FrictionDual4 dual = Seen(touch, kept);
+  PetscReal a[3], u[4], w[4], S[4][4], a_x[3][3], a_q[3][3], u_x[3][3];
+
+  Slip(contact, touch, at, a, u);
+  SlipSlope(contact, touch, at, dual.shift, a_x, a_q, u_x);
+  FrictionLinearise4(&contact->rub, u, fresh, &dual, S);
+  FrictionForce4(&contact->rub, u, &dual, w);
+  for (int d = 0; d < 4 && kept; d++) {
+    kept->v[d] = dual.v[d];
+    kept->w[d] = dual.w[d];
+  }
+  for (int d = 0; d < 3; d++) {
+    const PetscReal normal = Dot3(S[d], n);
+    for (int c = 0; c < 3; c++) {
+      const PetscReal by_x = S[d][0] * u_x[0][c] + S[d][1] * u_x[1][c] + S[d][2] * u_x[2][c],
+                      by_q = at->spin *
+                             (S[d][0] * a_q[0][c] + S[d][1] * a_q[1][c] + S[d][2] * a_q[2][c]);
+      push->x[d][c] -= mu * (p_gap * n[c] * w[d] + p * by_x);
+      push->q[d][c] -= mu * p * by_q;
+      push->W[d][c] -= mu * p * (S[d][c] - normal * n[c]);
+      push->x[3][c] -= mu * (p_gap * n[c] * w[d] * a[d] + p * (a[d] * by_x + w[d] * a_x[d][c]));
+      push->q[3][c] -= mu * p * (a[d] * by_q + w[d] * a_q[d][c]);
+      push->W[3][c] -= mu * p * a[d] * (S[d][c] - normal * n[c]);
+    }
+    push->W[d][3] -= mu * p * Dot3(S[d], a);
+    push->W[3][3] -= mu * p * a[d] * Dot3(S[d], a);
+  }
+}
+
+/*
+  ContactPushSlope3 - the derivatives of force and couple by x, q, v and spin, the dual brought up
+  to the present slip first (fresh: a Newton solve begins); dual NULL: there is none. Of the normal
+  part
+
+    d(p n) = p' n (n.dx) + p H dx
+*/
+void ContactPushSlope3(const Contact *contact, const Touch3 *touch, const Rubbed *at,
+                       PetscBool fresh, FrictionDual4 *dual, Push3 *push) {
+  const PetscReal *n = touch->normal;
+  PetscReal slope, p = ContactPressure(contact, touch->gap, &slope);
+
+  for (int d = 0; d < 4; d++) {
+    for (int c = 0; c < 3; c++) {
+      push->x[d][c] = d < 3 ? slope * n[d] * n[c] + p * touch->bend[d][c] : 0;
+      push->q[d][c] = 0;
+    }
+    for (int c = 0; c < 4; c++) push->W[d][c] = 0;
+  }
+  if (touch->friction > 0 && p > 0) RubSlope(contact, touch, at, fresh, dual, p, slope, push);
+}
+
+/* ContactHold3 - moves what holds a point that sticks to walls (exact Coulomb friction); returns
+   the speed at which it creeps, as ContactHold(). */
+PetscReal ContactHold3(const Contact *contact, const Rubbed *at, PetscReal seen,
+                       FrictionDual4 slots[]) {
+  Touch3 touch[MOST_TOUCHES3];
+  PetscInt n = ContactTouches3(contact, at->x, touch);
+  PetscReal creep = 0, slope, a[3], u[4];
+
+  if (!n) return 0;
+  ContactSlots(n, touch, slots);
+  for (PetscInt k = 0; k < n; k++) {
+    FrictionDual4 *kept = ContactSlot(&touch[k], slots), dual;
+    const PetscReal p = ContactPressure(contact, touch[k].gap, &slope), mu = touch[k].friction;
+    if (!kept || p == 0) continue;
+    dual = Seen(&touch[k], kept);
+    Slip(contact, &touch[k], at, a, u);
+    creep = PetscMax(creep, PetscMin(1, mu * p) * FrictionDualHold4(u, seen, &dual));
+    for (int d = 0; d < 3; d++) kept->shift[d] = dual.shift[d];
+  }
+  return creep;
+}

@@ -1,0 +1,58 @@
+/* Contact of a rod in space with walls: the law is that of contact.h, the walls are surfaces
+   (surfaces.h), and those of the plane (walls.h), which stand upright along x3 of the laboratory.
+
+   Friction acts where the rod's surface touches, at r = -D/2 n from its centre line, that slips by
+   at u = T (v + omega q x r) = T v + omega a,   T = I - n n^T,   a = -D/2 q x n, omega the spin of
+   the material about its tangent q. So friction bears the couple a.f about q, and a rod that is
+   pushed across a plane rolls. (That q itself turns is left out of the slip, as is the couple
+   across q: both are of the order of D times a bend, and there is none of them in the plane.)
+
+     f = p n - mu p w,   w = u/r, r = sqrt(u^2 + beta). */
+#ifndef TENDRIL_CONTACT_SPACE_H
+#define TENDRIL_CONTACT_SPACE_H
+
+#include "world/contact.h"
+
+/* What touches a point of the rod, in the clamp's frame. */
+typedef struct {
+  PetscReal gap, normal[3], bend[3][3]; /* n, dn = bend dx */
+  PetscReal friction;
+  PetscInt wall;   /* a surface, or behind these a wall of the plane */
+  PetscBool again; /* another piece of the wall before it */
+} Touch3;
+
+enum { MOST_TOUCHES3 = MOST_SURFACES + MOST_TOUCHES };
+
+/* A point of the rod: tangent, velocity of the material, spin about the tangent. */
+typedef struct {
+  const PetscReal *x, *q, *v;
+  PetscReal spin;
+} Rubbed;
+
+/* What a wall does to it: force and couple about the tangent, per length (to the tip: times l),
+   with their derivatives by x, q, v and, last of W, the spin. */
+typedef struct {
+  PetscReal force[3], couple;
+  PetscReal normal; /* p */
+  PetscReal power;  /* lost to friction */
+  PetscReal x[4][3], q[4][3], W[4][4];
+} Push3;
+
+/* What Newton's method remembers of friction with walls is kept by this many of them at a point; of
+   more there is friction, but it is held less well. The last of a dual's shift says of which wall
+   it is, its number + 1; 0: of none. */
+enum { WALL_SLOTS = 4 };
+
+void ContactSetFrame(Contact *contact, const PetscReal lab[3][3], PetscReal clamp_angle);
+PetscInt ContactTouches3(const Contact *contact, const PetscReal x[3], Touch3 touch[MOST_TOUCHES3]);
+PetscReal ContactGap3(const Contact *contact, const PetscReal x[3], PetscReal within);
+void ContactPush3(const Contact *contact, const Touch3 *touch, const Rubbed *at,
+                  const FrictionDual4 slots[], Push3 *push);
+void ContactPushSlope3(const Contact *contact, const Touch3 *touch, const Rubbed *at,
+                       PetscBool fresh, FrictionDual4 *dual, Push3 *push);
+void ContactSlots(PetscInt n, const Touch3 touch[], FrictionDual4 slots[]);
+FrictionDual4 *ContactSlot(const Touch3 *touch, FrictionDual4 slots[]);
+PetscReal ContactHold3(const Contact *contact, const Rubbed *at, PetscReal seen,
+                       FrictionDual4 slots[]);
+
+#endif
