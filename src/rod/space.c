@@ -864,10 +864,6 @@ static PetscErrorCode SpaceDestroy(Rod rod) {
   PetscFunctionReturn(0);
 }
 
-static const char *SpaceRefuses(Scene scene) {
-  return NULL;
-}
-
 const RodModel rod_space = {
     .name = "space",
     .space = PETSC_TRUE,
@@ -879,7 +875,6 @@ const RodModel rod_space = {
     .group = {ALONG, ACROSS_2, ACROSS_3, ALONG, TWIST, ACROSS_3, ACROSS_2, TWIST, ACROSS_3,
               ACROSS_2, ALONG, ACROSS_2, ACROSS_3},
     .halves = {LEFT, RIGHT},
-    .refuses = SpaceRefuses,
     .create = SpaceCreate,
     .destroy = SpaceDestroy,
     .initial = SpaceInitial,
