@@ -63,7 +63,7 @@ PetscErrorCode SpaceStrandsPattern(Rod rod, SpaceStrands self, Mat J) {
 }
 
 /* The rows of one node by the nodes of two cells. */
-typedef PetscReal Block[FIELDS][4 * FIELDS];
+typedef PetscReal Coupling[FIELDS][4 * FIELDS];
 
 /* Where the u-th unknown of a contact is among the columns of four nodes. */
 static inline PetscInt Column(int u) {
@@ -76,7 +76,7 @@ static inline PetscInt Column(int u) {
     r_n = ... - h w n',    r_m = ... + h w_mid g_mid d1_mid x n_mid
 */
 static void AddToCell(const SpaceCell *cell, int part, PetscReal by[3][STRAND3_UNKNOWNS],
-                      Block block) {
+                      Coupling block) {
   const PetscReal w = part == 1 ? cell->mid_weight : cell->end_weight, *q = cell->q,
                   wm = part == 1 ? 0 : cell->mid_weight * cell->g * (part ? -1 : 1) * cell->bow;
 
@@ -101,7 +101,7 @@ static PetscErrorCode AddTaker(Rod rod, const SpaceCell *cells, const StrandSlop
   PetscFunctionBegin;
   for (int which = 0; which < 2; which++) { /* the cell behind the point, and that before a node */
     PetscInt row = i - which;
-    Block block = {{0}};
+    Coupling block = {{0}};
     if (row < rod->first || row >= rod->end || (which && (taker % 2 || tip))) continue;
     if (tip && rod->scene->tip.type != TIP_FREE) continue;
     if (row == rod->last && !tip) continue; /* behind the tip there is no cell */
