@@ -503,6 +503,16 @@ static PetscErrorCode End(Grow *self, PetscBool finished) {
   PetscFunctionReturn(0);
 }
 
+/* Does a rod in space turn about itself far faster than anything drives it? Where friction does not
+   feel the spin nothing says how it gives way. */
+static PetscBool SpinsFreely(const Grow *self) {
+  const Scene scene = self->scene;
+  const PetscReal driven = PetscAbsReal(scene->space.spin) + 1 / self->seen.length, far = 1e4;
+
+  return (PetscBool)(scene->space.rod && scene->load.radius == 0 &&
+                     PetscAbsReal(self->seen.tip_spin) > far * driven);
+}
+
 /* The line for an end that was not asked for. */
 static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
   const PetscReal straight = 0.01;
@@ -542,6 +552,12 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
             "gave up at t = %s with a step of %s: the rod would pass through itself or a wall; %s; "
             "give more -rod_cells or a higher -contact_stiffness",
             text[0], text[1], kept);
+  UserCheck(
+      reason == TS_CONVERGED_TIME || !SpinsFreely(self), comm,
+      "gave up at t = %s: the rod turns over about its own axis at once, for nothing holds its "
+      "spin back, and where it then goes is not determined; %s; give the radius at which "
+      "friction feels the spin, -friction_radius",
+      text[0], kept);
   UserCheck(
       reason == TS_CONVERGED_TIME || !self->now->crosses, comm,
       "gave up at t = %s: the rod gives way faster than a step of %s can follow, to which side "

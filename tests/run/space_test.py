@@ -207,6 +207,12 @@ def refused():
         out = tendril(options + " -ts_max_time 0.01", 1)
         text = out if isinstance(out, str) else getattr(out, "stderr", str(out))
         expect(words in text and text.strip().count("\n") == 0, f"{options}: {text}")
+    # natural bends that turn over between a turning clamp and a tip that is free to spin
+    turns = ("-growth_type apical -growth_initial_length 1.4 -ts_max_time 3.41 -rod_curvature 0.886 -rod_twist 0.338 "
+             "-friction_mu 0 -shape_amplitude 0.239 -rod_cells 60 -tip_type pinned -clamp_spin -9.67 "
+             "-rod_weight 0.51,-0.50,-0.78 ")
+    expect("-friction_radius" in tendril(turns, 1), "that nothing holds the spin is not said")
+    tendril(turns + "-friction_radius 0.02")
 
 
 if __name__ == "__main__":
