@@ -1,7 +1,8 @@
 #include "material/growth.h"
 
 static const OptionRow rows[] = {
-    ROW_WORD("-growth_type", "uniform", "uniform,gaussian,feed,apical,table", 0, "the law g(s,t)"),
+    ROW_WORD("-growth_type", "uniform", "uniform,gaussian,feed,apical,table,none", 0,
+             "the law g(s,t); none: a rod that does not grow"),
     ROW_REAL("-growth_initial_length", "0.5", 1e-6, 1e6, UNIT_LENGTH, 0,
              "L0, length at t = 0, in (YI/N)^(1/3)"),
     ROW_REAL("-growth_width", "0.5", 1e-6, 1e6, UNIT_NONE, 0,
@@ -164,15 +165,34 @@ static PetscErrorCode CreateGaussian(Growth self) {
   PetscFunctionReturn(0);
 }
 
+/* none: g = L0 */
+static PetscErrorCode StretchNone(Growth self, PetscReal s, PetscReal t, PetscReal *g,
+                                  PetscReal *g_t, PetscReal *g_s) {
+  *g = self->initial_length;
+  *g_t = *g_s = 0;
+  return 0;
+}
+
+static PetscErrorCode ArcNone(Growth self, PetscReal s, PetscReal t, PetscReal *p, PetscReal *p_t) {
+  *p = s * self->initial_length;
+  *p_t = 0;
+  return 0;
+}
+
+static PetscErrorCode CreateNone(Growth self) {
+  PetscFunctionBegin;
+  self->even = PETSC_TRUE;
+  self->stretch = StretchNone;
+  self->arc = ArcNone;
+  PetscFunctionReturn(0);
+}
+
 /* To add a law: a creator above, a line here, in the order of -growth_type's words. */
 static const struct {
   const char *name;
   PetscErrorCode (*create)(Growth);
-} laws[] = {{"uniform", CreateUniform},
-            {"gaussian", CreateGaussian},
-            {"feed", CreateFeed},
-            {"apical", CreateApical},
-            {"table", GrowthCreateTable}};
+} laws[] = {{"uniform", CreateUniform}, {"gaussian", CreateGaussian}, {"feed", CreateFeed},
+            {"apical", CreateApical},   {"table", GrowthCreateTable}, {"none", CreateNone}};
 
 /*
   GrowthCreate - the growth law asked for by -growth_type and its options. Collective.

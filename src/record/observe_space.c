@@ -1,7 +1,9 @@
 /* What is measured on a rod in space: the integrals of observe.c, with two bends, twist and spin.
  */
 #include "record/observe.h"
+#include "base/quaternion.h"
 #include "record/sample_space.h"
+#include "rod/directors.h"
 
 static PetscReal Dot3(const PetscReal a[3], const PetscReal b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -75,16 +77,30 @@ static void MeasureClamp3(Scene scene, const Sample3 *p, Observation *seen) {
   seen->clamp_power = -p->node.m3[0] * scene->space.spin;
 }
 
+/* How fast the material there turns: 2 p_t p* of the directors, and c u of what slides past them.
+ */
+static void Omega(const Sample3 *p, PetscReal omega[3]) {
+  PetscReal turn[4];
+
+  QuaternionFrom(p->node.p, p->node.p_t, turn); /* about the directors */
+  for (int i = 0; i < 3; i++) {
+    omega[i] = 0;
+    for (int k = 0; k < 3; k++)
+      omega[i] += p->d[k][i] * (2 / QuaternionSize(p->node.p) * turn[1 + k] + p->c * p->u[k]);
+  }
+}
+
 /* contact: its force on the tip, and its couple about the tangent. */
 static void MeasureTip3(Scene scene, const Sample3 *p, const PetscReal contact[PUSH],
                         Observation *seen) {
   const Node *tip = &p->node;
-  PetscReal lab[3];
+  PetscReal lab[3], omega[3];
 
+  Omega(p, omega);
   seen->tip_speed = PetscSqrtReal(Dot3(p->at.W, p->at.W));
   seen->tip_spin = p->spin;
-  seen->tip_power =
-      Dot3(tip->n3, p->at.W) - Dot3(contact, p->at.W) + (p->moment[0] - contact[SPIN]) * p->spin;
+  seen->tip_power = Dot3(tip->n3, p->at.W) - Dot3(contact, p->at.W) + Dot3(tip->m3, omega) -
+                    contact[SPIN] * p->spin;
   SpaceToLab(&scene->space, tip->x3, lab);
   seen->tip_x1 = lab[0];
   seen->tip_x2 = lab[1];

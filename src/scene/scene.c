@@ -142,6 +142,11 @@ static PetscErrorCode CheckHeld(Scene scene, PetscReal away) {
   PetscReal length;
 
   PetscFunctionBegin;
+  if (scene->tip.type == TIP_SLIDES) {
+    UserCheck(scene->tip.law == TIP_DEAD, scene->comm,
+              "-tip_law: what presses on a tip that slides is dead; take -tip_law out");
+    PetscFunctionReturn(0);
+  }
   PetscCall(GrowthLength(scene->growth, 0, &length, NULL));
   UserCheck(scene->tip.force == 0 && pushed == 0, scene->comm,
             "-tip_force or -tip_force_vector: has no effect on a tip that is held; leave it or "
@@ -153,6 +158,37 @@ static PetscErrorCode CheckHeld(Scene scene, PetscReal away) {
   PetscFunctionReturn(0);
 }
 
+/* Can the rod reach all along the path of its tip? */
+static PetscErrorCode CheckPath(Scene scene) {
+  Path path = scene->tip.path;
+  PetscReal length;
+  PathPlace at;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < PathRows(path) && scene->tip.type != TIP_SLIDES; i++) {
+    PetscReal t = PathTime(path, i);
+    if (t < 0 || t > scene->end_time) continue;
+    PathAt(path, t, &at);
+    PetscCall(GrowthLength(scene->growth, t, &length, NULL));
+    UserCheck(at.x[0] * at.x[0] + at.x[1] * at.x[1] + at.x[2] * at.x[2] < length * length,
+              scene->comm, "-tip_path: at t = %g it is farther from the clamp than the rod is long",
+              (double)t);
+  }
+  PetscFunctionReturn(0);
+}
+
+/* The path of the tip, if it has one, begins where it is held. */
+static PetscErrorCode LeadTip(Scene scene, PetscBool space) {
+  PetscReal length;
+
+  PetscFunctionBegin;
+  if (!scene->tip.path) PetscFunctionReturn(0);
+  PetscCall(GrowthLength(scene->growth, 0, &length, NULL));
+  PetscCall(TipSetPath(&scene->tip, scene->comm, length, scene->space.lab, space));
+  PetscCall(CheckPath(scene));
+  PetscFunctionReturn(0);
+}
+
 /* SceneHoldTip - tells a scene whose tip is held where that is, in the clamp's frame. A rod that is
    straight from the clamp to there cannot grow, and one that nearly is has too many ways to.
    Collective. */
@@ -161,6 +197,9 @@ PetscErrorCode SceneHoldTip(Scene scene, const PetscReal x[2], PetscReal theta) 
   PetscCall(CheckHeld(scene, PetscSqrtReal(x[0] * x[0] + x[1] * x[1])));
   PetscCall(PetscArraycpy(scene->tip.x, x, 2));
   scene->tip.theta = theta;
+  scene->tip.p[0] = PetscCosReal(theta / 2);
+  scene->tip.p[3] = PetscSinReal(theta / 2);
+  PetscCall(LeadTip(scene, PETSC_FALSE));
   PetscFunctionReturn(0);
 }
 
@@ -171,6 +210,7 @@ PetscErrorCode SceneHoldTip3(Scene scene, const PetscReal x[3], const PetscReal 
   PetscCall(PetscArraycpy(scene->tip.x, x, 2));
   scene->tip.x3 = x[2];
   PetscCall(PetscArraycpy(scene->tip.p, p, 4));
+  PetscCall(LeadTip(scene, PETSC_TRUE));
   PetscFunctionReturn(0);
 }
 

@@ -113,6 +113,16 @@ void SpaceClampTurn(const Space *self, const Load *load, PetscReal t, PetscReal 
   p[2] = p[3] = 0;
 }
 
+/* What a path of the tip drives across and about the axis. */
+static void DrivenByPath(Space *self, Path path) {
+  PetscReal turned = PathRange(path, PATH_FRAME + 1) + PathRange(path, PATH_FRAME + 2) +
+                     PathRange(path, PATH_FRAME + 3);
+
+  self->driven[1] += PathRange(path, PATH_X2) + PathRange(path, PATH_ANGLE) + turned;
+  self->driven[2] += PathRange(path, PATH_X3) + turned;
+  self->driven[3] += PathRange(path, PATH_TURN) + turned;
+}
+
 /*
   SpaceSetFromOptions - reads and checks what there is in space only, and tells load and tip of it;
   after SpaceClampDirection() and after these have their options. Collective.
@@ -140,6 +150,7 @@ PetscErrorCode SpaceSetFromOptions(Space *self, Load *load, Tip *tip, const Curv
   if (curvature->space) self->why = "-rod_curvature_2 or -rod_twist";
   if (shape->turn != 0) self->why = "-shape_turn";
   if (shape->space) self->why = "-shape_file";
+  if (tip->path && PathInSpace(tip->path)) self->why = "-tip_path";
   if (torsion) self->only = "-rod_torsion";
   if (radius && load->radius > 0) self->only = "-friction_radius";
   FromLab(self, weight, clamp);
@@ -147,6 +158,7 @@ PetscErrorCode SpaceSetFromOptions(Space *self, Load *load, Tip *tip, const Curv
   FromLab(self, force, tip->push);
   for (int d = 1; d < 3; d++) self->driven[d] = PetscAbsReal(clamp[d]) + PetscAbsReal(tip->push[d]);
   self->driven[3] = PetscAbsReal(tip->torque) + PetscAbsReal(self->spin);
+  if (tip->path) DrivenByPath(self, tip->path);
   if (tip->walls && tip->walls->surfaces.n) self->why = "-wall_file";
   LoadSetArm(load);
   for (int d = 0; d < 3; d++) PetscCall(PetscArraycpy(load->lab[d], self->lab[d], 3));

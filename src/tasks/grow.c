@@ -120,7 +120,8 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
     PetscCall(TSGetSNESIterations(self->now->ts, &all));
     PetscCall(VBDFGetJumps(self->now->ts, &jumps));
     jumped = (PetscBool)(jumps > self->now->jumps);
-    if (jumped) ObserverJump(self->observer);
+    if (jumped || (self->scene->tip.path && PathTurnsCorner(self->scene->tip.path, before, t)))
+      ObserverJump(self->observer);
     if (jumped && t > initial_layer * self->scene->end_time) {
       self->snaps++;
       if (before <= t / 2) self->crossed = PETSC_TRUE;

@@ -1,4 +1,5 @@
 #include "world/tip.h"
+#include "base/quaternion.h"
 
 static const OptionRow rows[] = {
     ROW_REAL("-tip_force", "0", -1e9, 1e9, UNIT_FORCE, 0, "P, the force on the tip"),
@@ -8,10 +9,38 @@ static const OptionRow rows[] = {
         "as soil does"),
     ROW_TEXT("-tip_field", INPUT_FILE,
              "HDF5 file as for -friction_field: what a resistance is multiplied by"),
-    ROW_WORD("-tip_type", "free", "free,pinned,clamped", 0,
+    ROW_WORD("-tip_type", "free", "free,pinned,clamped,slides", 0,
              "what holds the tip where it is at the start: nothing; its place; its place and its "
-             "direction")};
+             "direction; the same, but free to slide along the clamp's axis"),
+    ROW_TEXT("-tip_path", INPUT_FILE,
+             "CSV or HDF5 file with t and some of x1, x2, x3, angle (or q0, q1, q2, q3), turn: "
+             "where a tip that -tip_type holds is led over time")};
 const OptionGroup tip_options = OPTION_GROUP("Tip", rows);
+
+/* Reads the path of a tip that is held. */
+static PetscErrorCode ReadPath(Tip *tip) {
+  const char *option = "-tip_path";
+  char file[PETSC_MAX_PATH_LEN] = "";
+  PetscBool given;
+
+  PetscFunctionBegin;
+  PetscCall(OptionText(option, file, &given));
+  if (!given) PetscFunctionReturn(0);
+  UserCheck(tip->type != TIP_FREE, OptionsComm(),
+            "%s: leads a tip that is held; give -tip_type pinned, clamped or slides", option);
+  PetscCall(PathRead(option, file, &tip->path));
+  UserCheck(tip->type != TIP_PINNED ||
+                !(PathSays(tip->path, PATH_ANGLE) || PathSays(tip->path, PATH_FRAME) ||
+                  PathSays(tip->path, PATH_TURN)),
+            OptionsComm(),
+            "%s %s: a pinned tip is free to turn; take angle, q0 to q3 and turn out, or -tip_type "
+            "clamped",
+            option, file);
+  UserCheck(tip->type != TIP_SLIDES || !PathSays(tip->path, PATH_X1), OptionsComm(),
+            "%s %s: a tip that slides is free along x1; take x1 out, or -tip_type clamped", option,
+            file);
+  PetscFunctionReturn(0);
+}
 
 /*
   TipSetFromOptions - reads and checks the options of the tip. Collective; the caller ends it with
@@ -47,12 +76,14 @@ PetscErrorCode TipSetFromOptions(Tip *tip, const Load *load) {
   tip->resistance.moves = field;
   tip->resistance.plain = (PetscBool)!field;
   tip->resistance.varied = field;
+  PetscCall(ReadPath(tip));
   PetscFunctionReturn(0);
 }
 
 PetscErrorCode TipDestroy(Tip *tip) {
   PetscFunctionBegin;
   PetscCall(FieldDestroy(&tip->resistance.field));
+  PetscCall(PathDestroy(&tip->path));
   PetscFunctionReturn(0);
 }
 
@@ -113,18 +144,28 @@ void TipForce(const Tip *tip, const TipState *at, const LoadDual *dual, PetscRea
     LoadForce(&tip->resistance, &at->at, dual, f);
     for (int d = 0; d < 2; d++) f[d] *= -P;
   }
-  if (tip->walls) AddWalls(tip, at, dual, f);
+  if (tip->walls && tip->type == TIP_FREE) AddWalls(tip, at, dual, f);
   for (int d = 0; d < 2; d++) f[d] += tip->push[d];
+}
+
+/* Where it is held at a time. (In a snap time stands still.) */
+static void Held(const Tip *tip, PetscReal t, PathPlace *held) {
+  *held = (PathPlace){.x = {tip->x[0], tip->x[1], tip->x3},
+                      .p = {tip->p[0], tip->p[1], tip->p[2], tip->p[3]},
+                      .angle = tip->theta};
+  if (tip->path) PathAt(tip->path, tip->resistance.stopped ? tip->resistance.stopped_at : t, held);
 }
 
 /* TipResidual - the three conditions at the tip, r = 0. */
 void TipResidual(const Tip *tip, const TipState *at, const LoadDual *dual, PetscReal r[TIP_ROWS]) {
+  PathPlace held;
   PetscReal f[2];
 
-  r[0] = tip->type == TIP_CLAMPED ? at->theta - tip->theta : at->moment;
-  if (tip->type == TIP_FREE) TipForce(tip, at, dual, f);
+  if (tip->type != TIP_FREE) Held(tip, at->at.t, &held);
+  if (!TipHolds(tip, 0)) TipForce(tip, at, dual, f);
+  r[0] = TipPoints(tip) ? at->theta - held.angle : at->moment;
   for (int d = 0; d < 2; d++)
-    r[1 + d] = tip->type == TIP_FREE ? at->force[d] - f[d] : at->at.x[d] - tip->x[d];
+    r[1 + d] = TipHolds(tip, d) ? at->at.x[d] - held.x[d] : at->force[d] - f[d];
 }
 
 /*
@@ -141,9 +182,9 @@ void TipJacobian(const Tip *tip, const TipState *at, const PetscReal shift[2], P
 
   for (int i = 0; i < TIP_ROWS; i++)
     for (int j = 0; j < TIP_FIELDS; j++) J[i][j] = 0;
-  J[0][tip->type == TIP_CLAMPED ? TH : M] = 1;
-  for (int d = 0; d < 2; d++) J[1 + d][tip->type == TIP_FREE ? N1 + d : X1 + d] = 1;
-  if (tip->type != TIP_FREE) return;
+  J[0][TipPoints(tip) ? TH : M] = 1;
+  for (int d = 0; d < 2; d++) J[1 + d][TipHolds(tip, d) ? X1 + d : N1 + d] = 1;
+  if (tip->type != TIP_FREE) return; /* (what presses on one that slides is dead) */
   if (tip->walls) AddWallsSlope(tip, at, shift, fresh, dual, J);
   if (P == 0) return;
   for (int d = 0; d < 2 && tip->law == TIP_FOLLOWER; d++) J[1 + d][TH] = P * perp[d];
@@ -154,10 +195,11 @@ void TipJacobian(const Tip *tip, const TipState *at, const PetscReal shift[2], P
 }
 
 /* The vector part of p_held* p, which says by how much a tip has turned from where it is held. */
-static void TurnFrom(const PetscReal h[4], const PetscReal p[4], PetscReal v[3]) {
-  v[0] = h[0] * p[1] - h[1] * p[0] - h[2] * p[3] + h[3] * p[2];
-  v[1] = h[0] * p[2] - h[2] * p[0] - h[3] * p[1] + h[1] * p[3];
-  v[2] = h[0] * p[3] - h[3] * p[0] - h[1] * p[2] + h[2] * p[1];
+static void TurnFrom(const PetscReal held[4], const PetscReal p[4], PetscReal v[3]) {
+  PetscReal turn[4];
+
+  QuaternionFrom(held, p, turn);
+  for (int d = 0; d < 3; d++) v[d] = turn[1 + d];
 }
 
 /* Does a point remember friction with walls in space? */
@@ -206,23 +248,24 @@ static void TipForce3(const Tip *tip, const TipState3 *at, const FrictionDual4 *
     for (int d = 0; d < 3; d++) f[d] -= P * drag[d];
   }
   f[SPIN] = tip->torque;
-  if (tip->walls) PushWalls3(tip, at, dual, f);
+  if (tip->walls && tip->type == TIP_FREE) PushWalls3(tip, at, dual, f);
 }
 
 /* TipResidual3 - the six conditions at the tip in space, r = 0: m = torque d1, or the frame it is
    held at; n = f, or the place. */
 void TipResidual3(const Tip *tip, const TipState3 *at, const FrictionDual4 *dual,
                   PetscReal r[TIP_ROWS3]) {
-  const PetscReal held[3] = {tip->x[0], tip->x[1], tip->x3};
   PetscReal f[RUBS] = {0, 0, 0, tip->torque};
+  PathPlace held;
 
-  if (tip->type == TIP_FREE) TipForce3(tip, at, dual, f);
-  if (tip->type == TIP_CLAMPED)
-    TurnFrom(tip->p, at->p, r);
+  if (tip->type != TIP_FREE) Held(tip, at->at.t, &held);
+  if (!TipHolds(tip, 0)) TipForce3(tip, at, dual, f);
+  if (TipPoints(tip))
+    TurnFrom(held.p, at->p, r);
   else
     for (int d = 0; d < 3; d++) r[d] = at->m[d] - f[SPIN] * at->at.q[d];
   for (int d = 0; d < 3; d++)
-    r[3 + d] = tip->type == TIP_FREE ? at->n[d] - f[d] : at->at.x[d] - held[d];
+    r[3 + d] = TipHolds(tip, d) ? at->at.x[d] - held.x[d] : at->n[d] - f[d];
 }
 
 /* Takes the derivatives of what walls push with off J, the conditions being m - couple q = 0 and
@@ -269,21 +312,23 @@ void TipJacobian3(const Tip *tip, const TipState3 *at, const PetscReal dW[RUBS][
   const PetscReal force = tip->force;
   const Place3 unspun = Unspun(at);
   LoadSlope3 slope = {.q = {{0}}};
+  PathPlace held;
 
   for (int i = 0; i < TIP_ROWS3; i++)
     for (int j = 0; j < TIP_FIELDS3; j++) J[i][j] = 0;
-  if (tip->type == TIP_CLAMPED)
+  if (TipPoints(tip)) {
+    Held(tip, at->at.t, &held);
     for (int k = 0; k < 4; k++) {
       PetscReal unit[4] = {k == 0, k == 1, k == 2, k == 3}, v[3];
-      TurnFrom(tip->p, unit, v);
+      TurnFrom(held.p, unit, v);
       for (int d = 0; d < 3; d++) J[d][P + k] = v[d];
     }
-  else
+  } else
     for (int d = 0; d < 3; d++) {
       J[d][M + d] = 1;
       for (int k = 0; k < 4; k++) J[d][P + k] = -tip->torque * at->q_p[d][k];
     }
-  for (int d = 0; d < 3; d++) J[3 + d][(tip->type == TIP_FREE ? N : X) + d] = 1;
+  for (int d = 0; d < 3; d++) J[3 + d][(TipHolds(tip, d) ? X : N) + d] = 1;
   if (tip->type != TIP_FREE) return;
   if (tip->walls) PushWallsSlope3(tip, at, dW, fresh, dual, J);
   if (force == 0) return;
@@ -318,4 +363,35 @@ PetscReal TipCompression(const Tip *tip, const Place *at) {
 
   TipForce(tip, &state, &none, f);
   return -f[0];
+}
+
+/*
+  TipSetPath - tells the path of a tip, if it has one, where clamp and tip are at the start; after
+  x, theta, x3 and p are set.
+
+  length  of the rod, against which its first row must be next to the tip
+  lab     from the frame of the clamp to the laboratory
+  space   is the rod in space? else its angle says more than its frame
+*/
+PetscErrorCode TipSetPath(Tip *tip, MPI_Comm comm, PetscReal length, const PetscReal lab[3][3],
+                          PetscBool space) {
+  const PetscReal near = 0.01, alike = 0.2;
+  PetscReal apart[3];
+  PathPlace start;
+
+  PetscFunctionBegin;
+  if (!tip->path) PetscFunctionReturn(0);
+  start = (PathPlace){.x = {tip->x[0], tip->x[1], tip->x3},
+                      .p = {tip->p[0], tip->p[1], tip->p[2], tip->p[3]},
+                      .angle = tip->theta};
+  PathBegin(tip->path, lab, &start, apart);
+  UserCheck(apart[0] <= near * length, comm,
+            "-tip_path: begins %g away from the tip, which is at (%g, %g, %g) of the clamp's frame "
+            "at the start; begin there, to a hundredth of the rod's length",
+            (double)apart[0], (double)start.x[0], (double)start.x[1], (double)start.x[2]);
+  UserCheck(apart[space ? 1 : 2] <= alike, comm,
+            "-tip_path: begins turned by %g against the tip at the start; begin there, to %g "
+            "radians",
+            (double)apart[space ? 1 : 2], (double)alike);
+  PetscFunctionReturn(0);
 }

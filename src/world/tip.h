@@ -2,6 +2,8 @@
      free      m = 0,  n = f
      pinned    m = 0,  x as at the start
      clamped   theta and x as at the start
+     slides    theta and x2 (in space x3, too) as at the start, n1 = f1
+   or, with a path (path.h), as that says over time.
    f is the force on the tip: none; dead, -P along the clamp; follower, -P q; resistance, -P N v/r,
    r = sqrt(v^2 + beta), N a field as for friction. A free tip that meets a wall is pushed by it,
    too: it stands for a piece of the rod (contact.h). */
@@ -9,8 +11,9 @@
 #define TENDRIL_TIP_H
 
 #include "world/load_space.h"
+#include "world/path.h"
 
-typedef enum { TIP_FREE, TIP_PINNED, TIP_CLAMPED } TipType;
+typedef enum { TIP_FREE, TIP_PINNED, TIP_CLAMPED, TIP_SLIDES } TipType;
 typedef enum { TIP_DEAD, TIP_FOLLOWER, TIP_RESISTANCE } TipLaw;
 
 enum { TIP_ROWS = 3, TIP_FIELDS = 6 };
@@ -25,6 +28,7 @@ typedef struct {
   PetscReal push[3];     /* dead force beside, in the clamp's frame */
   PetscReal torque;      /* in space: about d1 of the tip, turns with it */
   PetscReal x3, p[4];    /* in space: what x and theta leave out of where it is held */
+  Path path;             /* over time; NULL: it is held where it is at the start */
 } Tip;
 
 /* The state of the tip, in the clamp's frame. */
@@ -55,7 +59,20 @@ void TipResidual3(const Tip *tip, const TipState3 *at, const FrictionDual4 *dual
 void TipJacobian3(const Tip *tip, const TipState3 *at, const PetscReal dW[RUBS][TIP_FIELDS3],
                   PetscBool fresh, FrictionDual4 *dual, PetscReal J[TIP_ROWS3][TIP_FIELDS3]);
 PetscReal TipHold3(const Tip *tip, const TipState3 *at, PetscReal seen, FrictionDual4 dual[]);
+PetscErrorCode TipSetPath(Tip *tip, MPI_Comm comm, PetscReal length, const PetscReal lab[3][3],
+                          PetscBool space);
 PetscReal TipCompression(const Tip *tip, const Place *at);
+
+/* Is its direction held? */
+static inline PetscBool TipPoints(const Tip *tip) {
+  return (PetscBool)(tip->type == TIP_CLAMPED || tip->type == TIP_SLIDES);
+}
+
+/* Is it held along the axis d of the clamp's frame? */
+static inline PetscBool TipHolds(const Tip *tip, int d) {
+  return (PetscBool)(tip->type == TIP_PINNED || tip->type == TIP_CLAMPED ||
+                     (tip->type == TIP_SLIDES && d > 0));
+}
 
 /* Is the tip's force one of resistance? */
 static inline PetscBool TipResists(const Tip *tip) {

@@ -19,7 +19,8 @@ static const char *const worlds[] = {
     "-tip_force 0.7 -tip_law follower -tip_torque 0.8 -tip_force_vector 0.1,0.2,0.3",
     "-tip_force 0.7 -tip_law resistance",
     "-tip_type clamped",
-    "-tip_type pinned -tip_torque 0.3"};
+    "-tip_type pinned -tip_torque 0.3",
+    "-tip_type slides -tip_force 0.3 -tip_force_vector 0.1,0.2,0.3"};
 enum { WORLDS = sizeof(worlds) / sizeof(worlds[0]) };
 
 static void Create(const char *law, const char *world, PetscInt cells, Scene *scene, Rod *rod) {

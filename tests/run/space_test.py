@@ -157,6 +157,83 @@ def ranks_and_restart():
     expect(len(whole["series/t"]) > 65 and not different, f"{different} differ")
 
 
+def path(columns, rows):
+    """A file that leads a tip."""
+    file = f"{scene.SCRATCH}/path.csv"
+    Path(file).write_text(columns + "\n" + "\n".join(",".join(repr(float(a)) for a in row) for row in rows) + "\n")
+    return file
+
+
+def helix(u, L=1):
+    """Place and quaternion of the end of a rod of constant strains."""
+    from scipy.spatial.transform import Rotation
+    k = np.linalg.norm(u)
+    K = np.cross(u / k, np.eye(3)).T
+    x = L * np.eye(3) + (1 - np.cos(k * L)) / k * K + (L - np.sin(k * L) / k) * K @ K
+    q = Rotation.from_rotvec(u * L).as_quat()
+    return x[:, 0], np.roll(q, 1)
+
+
+@check
+def led():
+    """A tip that is led: a rod laid into an arc, in the plane and in space, and into a helix, whose
+    energy and force are exact; what its tip does is work."""
+    still = "-growth_type none -growth_initial_length 1 -shape_type straight -friction_mu 0 -tip_type clamped "
+    rows = []
+    for t in (-0.1, 0, *np.linspace(0.1, 1, 10), 1.1):
+        a = 2 * min(max(t, 0), 1) + 0.3
+        rows.append([t, np.sin(a) / a, (1 - np.cos(a)) / a, a])
+    bent = "-rod_curvature 0.3 -rod_cells 20 -ts_max_time 3 -ts_rtol 1e-7 -tip_path " + path("t,x1,x2,angle", rows)
+    for model in ("frame", "space"):
+        r = Run(still + bent + f" -rod_model {model}")
+        error, force = abs(r.energy[-1] / 2 - 1), np.hypot(r.base_force_1[-1], r.base_force_2[-1])
+        print(f"arc, {model}: energy {error:.1e}, force {force:.1e}, defect {r.energy_defect[-1]:.1e}")
+        expect(error < 1e-6 and force < 1e-5 and r.energy_defect[-1] < 1e-5, f"arc, {model}")
+    u, C = np.array([2, 0.5, 1.5]), 0.75
+    rows = [[t, *np.concatenate(helix(u * min(max(t, 0.03), 1)))] for t in (0, 0.015, *np.linspace(0.03, 1, 20), 1.1)]
+    wound = path("t,x1,x2,x3,q0,q1,q2,q3", rows)
+    errors = []
+    for cells in (10, 20):
+        r = Run(still + f"-rod_curvature 0.045 -rod_curvature_2 0.015 -rod_twist 0.06 -rod_cells {cells} -ts_max_time 4 -ts_rtol 1e-6 "
+                f"-tip_path {wound}")
+        k2, k3 = 0.5 - 0.015, 1.5 - 0.045
+        errors.append(abs(r.energy[-1] / ((C * 1.94 ** 2 + k2 ** 2 + k3 ** 2) / 2) - 1))
+        print(f"helix, {cells} cells: energy {errors[-1]:.1e}, defect {r.energy_defect[-1]:.1e}")
+    expect(errors[1] < 1e-6 and errors[0] > 10 * errors[1] and r.energy_defect[-1] < 1e-4, f"helix: {errors}")
+    # a tip that slides and turns: the straight rod leaves its axis at the torque 8.98681891
+    for torque, grows in ((8.9, False), (9.05, True)):
+        turn = torque / C
+        r = Run("-growth_type none -growth_initial_length 1 -shape_amplitude 1e-6 -friction_mu 0 -tip_type slides "
+                f"-rod_cells 40 -ts_max_time 3 -tip_path "
+                + path("t,x2,x3,angle,turn", [[0, 0, 0, 0, 0], [1, 0, 0, 0, turn], [2, 0, 0, 0, turn]]))
+        held, size = -r.base_moment_1[-1] / torque, np.hypot(r.norm_x2, r.norm_x3)
+        rate = np.log(size[-1] / size[np.searchsorted(r.t, 2)]) / (r.t[-1] - r.t[np.searchsorted(r.t, 2)])
+        print(f"turned to {torque}: torque {held:.9f} of it, then x2 grows at {rate:.2f}")
+        expect((rate > 0) == grows, f"turned to {torque}: grows at {rate}")
+        expect(grows or abs(held - 1) < 1e-9, f"turned to {torque}: bears {held}")
+
+
+@check
+def twisted_rod():
+    """The scene of the gallery on fewer cells: clamped at both ends, which come closer and turn 27
+    times. The exact rod by shooting (Coyne's helix, at finite length)."""
+    errors = []
+    for cells in (100, 200):
+        r = Run(f"-options_file options/twisted-rod.opts -rod_cells {cells} -ts_rtol 1e-3 -output_interval 10")
+        d, s = r.shapes["d1"][-1], r.shapes["s"]
+        theta = np.degrees(np.arctan2(np.hypot(d[:, 1], d[:, 2]), d[:, 0]))
+        i = slice(theta.argmax() - 3, theta.argmax() + 4)
+        top = np.polynomial.Polynomial.fit(s[i], theta[i], 6)
+        most = max(top(x.real) for x in top.deriv().roots() if abs(x - s[i.start + 3]) < 0.02)
+        force = np.linalg.norm([r.base_force_1[-1], r.base_force_2[-1], r.base_force_3[-1]])
+        errors.append([abs(most / 47.65156384 - 1), abs(abs(r.base_moment_1[-1]) / 98.54149615 - 1),
+                       abs(force / 2900.993244 - 1)])
+        print(f"{cells} cells: angle {errors[-1][0]:.1e}, moment {errors[-1][1]:.1e}, force {errors[-1][2]:.1e}")
+        expect(abs(r.link[-1] - 27) < 1e-6, "link")
+    expect(errors[1][0] < 2e-4 and errors[1][1] < 6e-5 and errors[1][2] < 3e-5, f"{errors}")
+    expect(np.log2(errors[0][1] / errors[1][1]) > 3.5, "order")
+
+
 @check
 def strands():
     """A rod between two clamps that is fed and twisted winds round itself: forces cancel, energy is
@@ -193,6 +270,10 @@ def strands():
 @check
 def refused():
     """What is wrong, or means nothing, ends in one line."""
+    lead, far, odd, back = (f"{scene.SCRATCH}/{k}.csv" for k in ("lead", "far", "odd", "back"))
+    for file, text in {lead: "t,turn\n0,0\n1,90deg", far: "t,x1\n0,0.3\n1,0.4", odd: "t,x4\n0,1\n1,2",
+                       back: "t,x1\n1,0.5\n0,0.5"}.items():
+        Path(file).write_text(text + "\n")
     for options, words in {
             "-rod_torsion 0.5": "-rod_torsion: means nothing in the plane",
             "-friction_radius 0.1": "-friction_radius: means nothing in the plane",
@@ -203,7 +284,14 @@ def refused():
             "-rod_weight 0,x,1": "give a number",
             "-rod_weight 0,0,1 -rod_model frame": "takes the rod out of the plane",
             "-tip_torque 1 -rod_model linear": "takes the rod out of the plane",
-            "-rod_twist 1 -stop_self_contact 0.1": "in the plane only"}.items():
+            "-rod_twist 1 -stop_self_contact 0.1": "in the plane only",
+            f"-tip_path {lead}": "leads a tip that is held",
+            f"-tip_type pinned -tip_path {lead}": "a pinned tip is free to turn",
+            f"-tip_type clamped -tip_path {far}": "begins 0.199984 away",
+            f"-tip_type clamped -tip_path {odd}": "column x4",
+            f"-tip_type clamped -tip_path {back}": "t must increase",
+            f"-tip_type slides -tip_path {far}": "free along x1",
+            "-tip_type slides -tip_force 1 -tip_law follower": "what presses on a tip that slides is dead"}.items():
         out = tendril(options + " -ts_max_time 0.01", 1)
         text = out if isinstance(out, str) else getattr(out, "stderr", str(out))
         expect(words in text and text.strip().count("\n") == 0, f"{options}: {text}")
