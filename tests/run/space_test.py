@@ -206,11 +206,10 @@ def led():
         r = Run("-growth_type none -growth_initial_length 1 -shape_amplitude 1e-6 -friction_mu 0 -tip_type slides "
                 f"-rod_cells 40 -ts_max_time 3 -tip_path "
                 + path("t,x2,x3,angle,turn", [[0, 0, 0, 0, 0], [1, 0, 0, 0, turn], [2, 0, 0, 0, turn]]))
-        held, size = -r.base_moment_1[-1] / torque, np.hypot(r.norm_x2, r.norm_x3)
-        rate = np.log(size[-1] / size[np.searchsorted(r.t, 2)]) / (r.t[-1] - r.t[np.searchsorted(r.t, 2)])
-        print(f"turned to {torque}: torque {held:.9f} of it, then x2 grows at {rate:.2f}")
-        expect((rate > 0) == grows, f"turned to {torque}: grows at {rate}")
-        expect(grows or abs(held - 1) < 1e-9, f"turned to {torque}: bears {held}")
+        held, size = -r.base_moment_1[-1] / torque, np.hypot(r.norm_x2, r.norm_x3).max()
+        print(f"turned to {torque}: torque {held:.9f} of it at the end, x2 and x3 up to {size:.1e}")
+        expect(size > 0.01 if grows else size < 1e-5, f"turned to {torque}: x2 and x3 up to {size}")
+        expect(grows or abs(held - 1) < 2e-6, f"turned to {torque}: bears {held}")
 
 
 @check
