@@ -223,15 +223,17 @@ PetscErrorCode EliminationEnd(Elimination self, const LineRows tip) {
   EliminationIndex - the index of the matrix eliminated last (line.c), whose fourth unknown of a
   node is the force that belongs to the third, its fifth and sixth to the first and second. Of a
   rod's Jacobian with a shift it is the number of real rates above the shift; exactly so where the
-  matrix derives from an energy, and always as an odd or even number. Collective. (0 of nodes of
-  thirteen unknowns: there it is not counted.)
+  matrix derives from an energy, and always as an odd or even number. Collective. (Of
+  nodes of thirteen unknowns see wide.h.)
 */
 PetscErrorCode EliminationIndex(Elimination self, PetscInt *index) {
   static const int force[HALF] = {2, 0, 1}, turned[HALF] = {1, 2, 0};
 
   PetscFunctionBegin;
-  *index = 0;
-  if (self->wide) PetscFunctionReturn(0);
+  if (self->wide) {
+    *index = WideIndex(self->wide);
+    PetscFunctionReturn(0);
+  }
   if (self->from_tip)
     *index = LineIndex(&self->own, -1, turned) + LineIndexOfArrival(&self->own, -1, turned);
   else

@@ -20,12 +20,15 @@ typedef struct {
   PetscReal Q[OWN][OWN], P[OWN][TOP]; /* the inverse of Q */
   PetscReal E[TOP][TOP], F[TOP][OWN]; /* X */
   PetscReal U[OWN][ALL];
+  PetscReal cell[2][ALL][ALL]; /* its equations by its nodes, and the arms: for the index */
+  WideArms arms;
   int row[TOP];
 } Link;
 
 struct _WideLine {
   PetscInt n; /* cells so far */
   Link *link;
+  PetscReal own[OWN][ALL];   /* the last node's own equations */
   PetscReal last[ALL * ALL]; /* factors of the last node, whose own equations are any */
   PetscBLASInt pivots[ALL];
   PetscBool regular;
@@ -163,6 +166,11 @@ static void FactorNode(WideLine line, Link *link, WideBlock a) {
   if (!Factor(link->S, link->row)) line->regular = PETSC_FALSE;
 }
 
+/* WideArm - the arms of the node that the next cell begins at, or of the last; for WideIndex(). */
+void WideArm(WideLine line, const WideArms *arms) {
+  line->link[line->n].arms = *arms;
+}
+
 /* WideCell - eliminates the node before a cell, whose equations by its nodes are a and b; first the
    seven that are rows of b, then the six that are rows of a. */
 void WideCell(WideLine line, WideBlock a, WideBlock b) {
@@ -177,6 +185,8 @@ void WideCell(WideLine line, WideBlock a, WideBlock b) {
   DivideByFactors(link->S, link->row, L, link->E);
   Times(TOP, TOP, OWN, -1, link->E[0], TOP, link->N[0], link->F[0], OWN);
   memcpy(link->U, b + TOP, sizeof(link->U));
+  memcpy(link->cell[0], a, sizeof(link->cell[0]));
+  memcpy(link->cell[1], b, sizeof(link->cell[1]));
   memcpy(link[1].T, b, sizeof(link->T));
   Times(TOP, OWN, ALL, -1, link->F[0], OWN, link->U[0], link[1].T[0], ALL);
 }
@@ -186,6 +196,7 @@ void WideEnd(WideLine line, const PetscReal own[OWN][ALL]) {
   const Link *last = &line->link[line->n];
   PetscBLASInt n = ALL, info;
 
+  memcpy(line->own, own, sizeof(line->own));
   for (int k = 0; k < ALL; k++) {
     for (int i = 0; i < TOP; i++) line->last[k * ALL + i] = last->T[i][k];
     for (int i = 0; i < OWN; i++) line->last[k * ALL + TOP + i] = own[i][k];
@@ -245,4 +256,202 @@ void WideSolve(WideLine line, const PetscReal (*b)[ALL], PetscReal (*x)[ALL]) {
       for (int k = 0; k < ALL; k++) x[i][TOP + f] -= link->U[f][k] * x[i + 1][k];
     SolveNode(link, x[i]);
   }
+}
+
+/*
+  The index, as that of line.c: how many negative directions the quadratic form has, less those that
+  forces count for, the sum of what each node adds when it is eliminated.
+
+  A moment that does not turn with what it acts on derives from no energy, but mu = m + [m/2] turn
+  does, and (w, mu) on both sides of a cell, w = (turn, x), n in mu, obey
+      w_b = A w_a + F mu_b,     mu_a = A^T mu_b - K w_a,
+  F and K symmetric. With w_a = C mu_a for what is before node a, C symmetric, too,
+      w_a = (C^-1 + K)^-1 A^T mu_b,     C' = A (C^-1 + K)^-1 A^T + F,
+  and the node adds
+      negative(C^-1 + K) - negative(C^-1) = negative(-C, 1; 1, K) - 6.
+
+  As long as S = V - W Q^-1 P, which is about 1 + C K, has positive pivots in its own order at all
+  nodes, no direction has turned anywhere: not one, nor two that do not see each other, as those of
+  a round rod that is straight. A pair that sees each other by a twisting moment may have: where
+  there is one, all nodes are looked at.
+*/
+typedef PetscReal Six[OWN][OWN];
+
+/* [m/2] of a node, of the turn in w. */
+static void Skew(const WideArms *arms, Six A) {
+  const PetscReal *m = arms->moment,
+                  skew[3][3] = {{0, -m[2], m[1]}, {m[2], 0, -m[0]}, {-m[1], m[0], 0}};
+
+  memset(A, 0, sizeof(Six));
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) A[i][j] = skew[i][j];
+}
+
+static void Symmetric(Six A) {
+  for (int i = 0; i < OWN; i++)
+    for (int j = 0; j < i; j++) A[i][j] = A[j][i] = (A[i][j] + A[j][i]) / 2;
+}
+
+/* Z A for A by seven, along the ways, which are at right angles to each other: of w. */
+static void AlongWays(const PetscReal A[OWN][TOP], const WideArms *arms, Six Z) {
+  for (int j = 0; j < OWN; j++) {
+    PetscReal size = 0;
+    for (int k = 0; k < TOP; k++) size += arms->way[j][k] * arms->way[j][k];
+    for (int i = 0; i < OWN; i++) {
+      Z[i][j] = 0;
+      for (int k = 0; k < TOP; k++) Z[i][j] += A[i][k] * arms->way[j][k] / size;
+    }
+  }
+}
+
+/* C of what is before a node: - way V^-1 W of m and n, and C (1 + [m/2] C)^-1 of mu; false if there
+   is none. */
+static PetscBool Compliance(const Link *link, Six C) {
+  PetscReal V[TOP * TOP], X[OWN * TOP], Z[OWN * OWN], Y[OWN * OWN];
+  PetscBLASInt top = TOP, own = OWN, pivots[TOP], info;
+  Six skew;
+
+  for (int i = 0; i < TOP; i++) {
+    for (int j = 0; j < TOP; j++) V[j * TOP + i] = link->T[i][j];
+    for (int j = 0; j < OWN; j++) X[j * TOP + i] = -link->T[i][TOP + j];
+  }
+  LAPACKgesv_(&top, &own, V, &top, pivots, X, &top, &info);
+  if (info) return PETSC_FALSE;
+  Skew(&link->arms, skew);
+  for (int i = 0; i < OWN; i++)
+    for (int j = 0; j < OWN; j++) {
+      C[i][j] = 0;
+      for (int k = 0; k < TOP; k++) C[i][j] += link->arms.way[i][k] * X[j * TOP + k];
+    }
+  for (int i = 0; i < OWN; i++) /* the transposed system, by columns */
+    for (int j = 0; j < OWN; j++) {
+      Z[i * OWN + j] = i == j;
+      Y[i * OWN + j] = C[i][j];
+      for (int k = 0; k < OWN; k++) Z[i * OWN + j] += skew[i][k] * C[k][j];
+    }
+  LAPACKgesv_(&own, &own, Z, &own, pivots, Y, &own, &info);
+  for (int i = 0; i < OWN && !info; i++)
+    for (int j = 0; j < OWN; j++) C[i][j] = Y[i * OWN + j];
+  Symmetric(C);
+  return (PetscBool)!info;
+}
+
+/* K of the cell behind a node: - mu_a by w_a at mu_b = 0; false if there is none. */
+static PetscBool Stiffness(const Link *link, Six K) {
+  const PetscReal(*a)[ALL] = (const PetscReal(*)[ALL])link->cell[0],
+        (*b)[ALL] = (const PetscReal(*)[ALL])link->cell[1];
+  PetscReal A[ALL * ALL], X[TOP * ALL], turned[OWN][TOP], force[OWN][TOP];
+  PetscBLASInt all = ALL, top = TOP, pivots[ALL], info;
+  Six skew;
+
+  Skew(&link[1].arms, skew); /* m_b = - [m/2] turn_b */
+  memset(turned, 0, sizeof(turned));
+  Times(OWN, OWN, TOP, -1, skew[0], OWN, link[1].arms.way[0], turned[0], TOP);
+  for (int i = 0; i < ALL; i++) {
+    for (int j = 0; j < TOP; j++) {
+      A[j * ALL + i] = b[i][j];
+      for (int k = 0; k < OWN; k++) A[j * ALL + i] += b[i][TOP + k] * turned[k][j];
+      X[j * ALL + i] = -a[i][j];
+    }
+    for (int j = 0; j < OWN; j++) A[(TOP + j) * ALL + i] = a[i][TOP + j];
+  }
+  LAPACKgesv_(&all, &top, A, &all, pivots, X, &all, &info);
+  if (info) return PETSC_FALSE;
+  for (int i = 0; i < OWN; i++)
+    for (int j = 0; j < TOP; j++) force[i][j] = -X[j * ALL + TOP + i];
+  AlongWays((const PetscReal(*)[TOP])force, &link->arms, K);
+  Skew(&link->arms, skew);
+  for (int i = 0; i < OWN; i++)
+    for (int j = 0; j < OWN; j++) K[i][j] -= skew[i][j];
+  Symmetric(K);
+  return PETSC_TRUE;
+}
+
+/* The negative eigenvalues of a symmetric matrix, which is lost. */
+static PetscInt Negative(PetscBLASInt n, PetscReal A[]) {
+  PetscReal values[3 * OWN], work[16 * OWN];
+  PetscBLASInt size = 16 * OWN, info;
+  PetscInt negative = 0;
+
+  LAPACKsyev_("N", "U", &n, A, &n, values, work, &size, &info);
+  for (int k = 0; k < n && !info; k++) negative += values[k] < 0;
+  return negative;
+}
+
+/* What a node adds; of the last one what holds it, R w = 0, is infinitely stiff. */
+static PetscInt Added(Six C, Six K, int held, Six R) {
+  const int n = 2 * OWN + held;
+  PetscReal A[9 * OWN * OWN] = {0};
+
+  for (int i = 0; i < OWN; i++) {
+    for (int j = 0; j < OWN; j++) {
+      A[i * n + j] = -C[i][j];
+      A[(OWN + i) * n + OWN + j] = K[i][j];
+    }
+    A[i * n + OWN + i] = A[(OWN + i) * n + i] = 1;
+    for (int k = 0; k < held; k++)
+      A[(2 * OWN + k) * n + OWN + i] = A[(OWN + i) * n + 2 * OWN + k] = R[k][i];
+  }
+  return Negative(n, A) - OWN - held;
+}
+
+/* What the last node adds by its own equations (P, Q): those of x alone hold it, else they say how
+   stiff is what it bears. */
+static PetscInt AddedAtEnd(WideLine line) {
+  const Link *last = &line->link[line->n];
+  PetscReal P[OWN][TOP], Q[OWN][OWN], inverse[OWN][OWN], force[OWN][TOP] = {{0}};
+  Six C, K = {{0}}, skew, R = {{0}};
+  int held = 0;
+
+  if (!Compliance(last, C)) return 0;
+  for (int i = 0; i < OWN; i++) {
+    PetscBool free = PETSC_FALSE;
+    memcpy(P[i], line->own[i], TOP * sizeof(PetscReal));
+    memcpy(Q[i], line->own[i] + TOP, OWN * sizeof(PetscReal));
+    for (int j = 0; j < OWN; j++)
+      if (Q[i][j] != 0) free = PETSC_TRUE;
+    if (free) continue;
+    for (int k = 0; k < OWN; k++)
+      for (int j = 0; j < TOP; j++) R[held][k] += P[i][j] * last->arms.way[k][j];
+    held++;
+  }
+  if (!held && Invert(Q, inverse)) {
+    Times(OWN, OWN, TOP, 1, inverse[0], OWN, P[0], force[0], TOP);
+    AlongWays((const PetscReal(*)[TOP])force, &last->arms, K);
+    Skew(&last->arms, skew);
+    for (int i = 0; i < OWN; i++)
+      for (int j = 0; j < OWN; j++) K[i][j] -= skew[i][j];
+  }
+  Symmetric(K);
+  return Added(C, K, held, R);
+}
+
+/* May a direction have turned anywhere? */
+static PetscBool Turns(WideLine line) {
+  const PetscReal much = 0.3;
+
+  for (PetscInt i = 0; i < line->n; i++) {
+    const Link *link = &line->link[i];
+    PetscReal most = 0;
+    for (int k = 0; k < TOP; k++)
+      if (link->row[k] != k || !(link->S[k][k] > 0)) return PETSC_TRUE;
+    if (link->arms.twist == 0) continue;
+    for (int k = 0; k < TOP; k++)
+      for (int j = 0; j < 3; j++) most = PetscMax(most, PetscAbsReal(link->T[k][TOP + j]));
+    if (PetscAbsReal(link->arms.twist) * most > much) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+/* WideIndex - the index of the matrix eliminated last (EliminationIndex()); WideArm() has told the
+   arms of all nodes. */
+PetscInt WideIndex(WideLine line) {
+  PetscInt index = AddedAtEnd(line);
+  Six C, K;
+
+  if (!Turns(line)) return index;
+  for (PetscInt i = 0; i < line->n; i++)
+    if (Compliance(&line->link[i], C) && Stiffness(&line->link[i], K))
+      index += Added(C, K, 0, NULL);
+  return index;
 }

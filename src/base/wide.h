@@ -10,14 +10,23 @@ enum { WIDE_TOP = 7, WIDE_OWN = 6, WIDE_FIELDS = WIDE_TOP + WIDE_OWN };
 
 typedef const PetscReal WideBlock[WIDE_FIELDS][WIDE_FIELDS]; /* a cell by one of its nodes */
 
+/* What the index takes to know of a node. The last six of its unknowns are a moment and a force:
+   how the first seven move along each of them; half the moment, a vector of the laboratory; and how
+   much of that is about the rod itself. */
+typedef struct {
+  PetscReal way[WIDE_OWN][WIDE_TOP], moment[3], twist;
+} WideArms;
+
 typedef struct _WideLine *WideLine;
 
 PetscErrorCode WideCreate(PetscInt nodes, WideLine *line);
 PetscErrorCode WideDestroy(WideLine *line);
 void WideBegin(WideLine line);
+void WideArm(WideLine line, const WideArms *arms);
 void WideCell(WideLine line, WideBlock a, WideBlock b);
 void WideEnd(WideLine line, const PetscReal own[WIDE_OWN][WIDE_FIELDS]);
 PetscBool WideRegular(WideLine line);
+PetscInt WideIndex(WideLine line);
 void WideSolve(WideLine line, const PetscReal (*b)[WIDE_FIELDS], PetscReal (*x)[WIDE_FIELDS]);
 
 #endif

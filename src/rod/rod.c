@@ -255,48 +255,6 @@ PetscErrorCode RodHoldTip(Rod rod) {
   PetscFunctionReturn(0);
 }
 
-/* RodFieldSizes - max |U| of each field over the rod. Collective. */
-PetscErrorCode RodFieldSizes(Rod rod, Vec U, PetscReal size[MAX_FIELDS]) {
-  PetscInt fields = rod->model->fields, n = (rod->end - rod->first) * fields;
-  const PetscScalar *u;
-
-  PetscFunctionBegin;
-  for (PetscInt f = 0; f < fields; f++) size[f] = 0;
-  PetscCall(VecGetArrayRead(U, &u));
-  for (PetscInt i = 0; i < n; i += fields)
-    for (PetscInt f = 0; f < fields; f++) {
-      PetscReal a = PetscAbsReal(u[i + f]);
-      if (!(a <= size[f])) size[f] = a; /* lets NaN through */
-    }
-  PetscCall(VecRestoreArrayRead(U, &u));
-  PetscCallMPI(
-      MPI_Allreduce(MPI_IN_PLACE, size, (PetscMPIInt)fields, MPIU_REAL, MPI_MAX, rod->scene->comm));
-  PetscFunctionReturn(0);
-}
-
-/*
-  RodFieldScales - what a change of each field is measured against: its size, but for fields that
-  are made of products of others, and may be no more than what these leave of round-off; and for
-  those that begin at 0 and are driven from there by a force across the rod, or by what breaks a
-  symmetry otherwise: these are measured against a small part of what they will be. Collective.
-*/
-PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal scale[MAX_FIELDS]) {
-  const PetscReal part = 1e-3, otherwise = 1e-4;
-
-  PetscFunctionBegin;
-  PetscCall(RodFieldSizes(rod, U, scale));
-  for (PetscInt f = 0; f < rod->model->fields; f++) {
-    PetscReal driven = rod->scene->space.driven[rod->model->group[f]];
-    if (!rod->model->followed[f]) continue;
-    if (driven > 0)
-      scale[f] = PetscMax(scale[f], part * PetscMin(1, driven));
-    else if (scale[f] == 0)
-      scale[f] = otherwise;
-  }
-  if (rod->model->scale) rod->model->scale(scale);
-  PetscFunctionReturn(0);
-}
-
 /* RodResidual - F(t, U, U_t) of the rod's model, in the form of a TSIFunction. */
 PetscErrorCode RodResidual(TS ts, PetscReal t, Vec U, Vec U_t, Vec F, void *ctx) {
   Rod rod = (Rod)ctx;

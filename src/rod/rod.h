@@ -24,6 +24,14 @@ enum {
   MIRRORS = 2
 };
 
+/* Two fields that are one vector across the rod: (along, sign beside), of the groups ACROSS_2 and
+   ACROSS_3. */
+typedef struct {
+  PetscInt along, beside;
+  PetscReal sign;
+} Pair;
+enum { MOST_PAIRS = 4 };
+
 /* What is known at a node, for any model. */
 typedef struct {
   PetscReal x[2], theta, moment, force[2]; /* position, tangent angle, m = curvature - k0, n */
@@ -57,6 +65,8 @@ typedef struct {
   const char *field[MAX_FIELDS];
   PetscBool followed[MAX_FIELDS]; /* under error control and in Newton's test: x, theta */
   int group[MAX_FIELDS];          /* ALONG, or the mirrors in which it changes sign */
+  PetscInt pairs;                 /* of fields across; 0 in the plane */
+  Pair pair[MOST_PAIRS];          /* the place first */
   PetscInt halves[2]; /* of a node's equations: rows of the cell before it, of the one behind it */
   PetscBool linear;   /* one Newton step solves it */
   PetscBool space;    /* the rod is in space; else in a plane */
@@ -131,7 +141,10 @@ PetscErrorCode RodOpen(Rod rod, Vec v, Vec *local, void *array);
 PetscErrorCode RodClose(Rod rod, Vec *local, void *array);
 PetscErrorCode RodSumAlong(Rod rod, PetscInt n, PetscReal value[]);
 PetscErrorCode RodFieldSizes(Rod rod, Vec U, PetscReal size[MAX_FIELDS]);
-PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal scale[MAX_FIELDS]);
+PetscErrorCode RodAxes(Rod rod, Vec U, const PetscReal size[MAX_FIELDS], PetscReal axes[2]);
+PetscErrorCode RodTurn(Rod rod, const PetscReal axes[2], Vec V);
+PetscErrorCode RodSizesAlong(Rod rod, Vec U, const PetscReal axes[2], PetscReal size[MAX_FIELDS]);
+PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal axes[2], PetscReal scale[MAX_FIELDS]);
 PetscErrorCode RodResidual(TS ts, PetscReal t, Vec U, Vec U_t, Vec F, void *rod);
 PetscErrorCode RodJacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J, Mat P,
                            void *rod);

@@ -572,11 +572,27 @@ static PetscErrorCode SpaceJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const 
   PetscFunctionReturn(0);
 }
 
+/* What the moment and the force at a node work along: the turn 2 vec(dp p*) / |p|^2, and x. */
+static void Arms(const Point *point, WideArms *arms) {
+  const PetscReal f = 2 / point->size, *p = point->p;
+  const PetscReal turn[3][4] = {
+      {-p[1], p[0], -p[3], p[2]}, {-p[2], p[3], p[0], -p[1]}, {-p[3], -p[2], p[1], p[0]}};
+
+  memset(arms, 0, sizeof(*arms));
+  for (int i = 0; i < 3; i++) {
+    for (int j = 0; j < 4; j++) arms->way[i][P + j] = f * turn[i][j];
+    arms->way[3 + i][X + i] = 1;
+    arms->moment[i] = point->m[i] / 2;
+    arms->twist += point->m[i] / 2 * point->d[0][i];
+  }
+}
+
 /* The same matrix, not assembled: each cell is eliminated as soon as it is known. */
 static PetscErrorCode SpaceEliminate(Rod rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[],
                                      Elimination elimination) {
   WideLine line = EliminationWide(elimination);
   PetscReal left[FIELDS][FIELDS], right[FIELDS][FIELDS], by[RIGHT][FIELDS];
+  WideArms arms;
   Slopes slopes;
   Cell cell;
 
@@ -586,8 +602,12 @@ static PetscErrorCode SpaceEliminate(Rod rod, PetscReal t, Vec U, Vec U_t, const
   for (PetscInt i = 0; i < rod->last; i++) {
     CellsNext(&cell, i);
     CellBlocks(&cell, (PetscBool)(i == 0), shift, &slopes, left, right);
+    Arms(&cell.a, &arms);
+    WideArm(line, &arms);
     WideCell(line, (const PetscReal(*)[FIELDS])left, (const PetscReal(*)[FIELDS])right);
   }
+  Arms(&cell.b, &arms);
+  WideArm(line, &arms);
   TipBlock(&cell, &slopes.b, shift, by);
   WideEnd(line, (const PetscReal(*)[FIELDS])by);
   PetscCall(CellsClose(&cell));
@@ -821,12 +841,15 @@ static PetscErrorCode SpaceInitial(Rod rod, PetscReal t, Node *nodes) {
 }
 
 /* p1 and m1 are made of products of what is across in both directions, and on a rod that is bent in
-   one plane, however tilted, no more than what these leave of round-off. */
+   one plane, however tilted, no more than what these leave of round-off. And a place across that is
+   small by chance is measured against what its slope makes along the rod. */
 static void SpaceScale(PetscReal size[]) {
-  const PetscReal tilt = size[P + 2] * size[P + 3];
+  const PetscReal tilt = size[P + 2] * size[P + 3], part = 0.1;
 
   size[P + 1] = PetscMax(size[P + 1], tilt);
   size[M] = PetscMax(size[M], size[M + 1] * size[P + 3] + size[M + 2] * size[P + 2]);
+  size[X + 1] = PetscMax(size[X + 1], part * size[P + 3] * size[X]);
+  size[X + 2] = PetscMax(size[X + 2], part * size[P + 2] * size[X]);
 }
 
 static PetscErrorCode SpaceCreate(Rod rod) {
@@ -874,6 +897,8 @@ const RodModel rod_space = {
                  PETSC_TRUE},
     .group = {ALONG, ACROSS_2, ACROSS_3, ALONG, TWIST, ACROSS_3, ACROSS_2, TWIST, ACROSS_3,
               ACROSS_2, ALONG, ACROSS_2, ACROSS_3},
+    .pairs = 4,
+    .pair = {{1, 2, 1}, {P + 3, P + 2, -1}, {M + 2, M + 1, -1}, {N + 1, N + 2, 1}},
     .halves = {LEFT, RIGHT},
     .create = SpaceCreate,
     .destroy = SpaceDestroy,

@@ -156,7 +156,10 @@ PetscErrorCode SpaceSetFromOptions(Space *self, Load *load, Tip *tip, const Curv
   FromLab(self, weight, clamp);
   LoadSetWeight(load, clamp);
   FromLab(self, force, tip->push);
-  for (int d = 1; d < 3; d++) self->driven[d] = PetscAbsReal(clamp[d]) + PetscAbsReal(tip->push[d]);
+  for (int d = 0; d < 2; d++) {
+    self->drive[0][d] = clamp[1 + d];
+    self->drive[1][d] = tip->push[1 + d];
+  }
   self->driven[3] = PetscAbsReal(tip->torque) + PetscAbsReal(self->spin);
   if (tip->path) DrivenByPath(self, tip->path);
   if (tip->walls && tip->walls->surfaces.n) self->why = "-wall_file";

@@ -8,6 +8,8 @@
 #include "material/shape.h"
 #include "world/tip.h"
 
+enum { DRIVES = 2 };
+
 typedef struct {
   const char *why;   /* the option by which something acts out of the plane; NULL: none does */
   const char *only;  /* an option that was given and means nothing in the plane; NULL: none */
@@ -17,7 +19,8 @@ typedef struct {
   PetscReal spin;    /* rate at which the clamp turns about d1 */
   PetscReal
       driven[4]; /* what drives each group of fields (rod.h) from 0, about: along, x2, x3, twist */
-  PetscReal lab[3][3]; /* from the clamp's frame to the laboratory */
+  PetscReal drive[DRIVES][2]; /* vectors across that do, besides: weight, push on the tip */
+  PetscReal lab[3][3];        /* from the clamp's frame to the laboratory */
 } Space;
 
 extern const OptionGroup space_options;

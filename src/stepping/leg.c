@@ -39,7 +39,7 @@ static PetscErrorCode BeforeStep(TS ts) {
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &leg));
   PetscCall(TSGetTime(ts, &t));
-  PetscCall(RodFieldScales(leg->rod, leg->U, leg->size));
+  PetscCall(RodFieldScales(leg->rod, leg->U, leg->turns ? leg->axes : NULL, leg->size));
   for (PetscInt f = 0; f < leg->rod->model->fields; f++) {
     if (t >= leg->kick_ends) leg->kick[f] = 0;
     leg->size[f] = PetscMax(leg->size[f], leg->kick[f]);
@@ -81,13 +81,34 @@ static PetscErrorCode AfterTry(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1
 
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &leg));
-  PetscCall(RodFieldSizes(leg->rod, U1, size));
+  PetscCall(RodSizesAlong(leg->rod, U1, leg->axes, size));
   PetscCall(GrowthLength(leg->rod->scene->growth, t1, &length, NULL));
   *impossible = (PetscBool) !(PetscMax(size[0], size[1]) <= round_off * length);
   leg->passes = PETSC_FALSE;
   if (*impossible) PetscFunctionReturn(0);
   PetscCall(GuardPasses(ts, t0, t1, U0, U1, impossible));
   PetscCall(LookForKick(leg, t1, size));
+  PetscFunctionReturn(0);
+}
+
+/* A VBDFMeasure: an error is measured along the axes that the step's sizes are of. */
+static PetscErrorCode TurnError(TS ts, Vec error) {
+  Leg *leg;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetApplicationContext(ts, &leg));
+  PetscCall(RodTurn(leg->rod, leg->axes, error));
+  PetscFunctionReturn(0);
+}
+
+/* Errors of fields across are measured along axes of their own, if the stepper can. */
+static PetscErrorCode MeasureAlongAxes(Leg *leg) {
+  PetscFunctionBegin;
+  leg->axes[0] = 1;
+  leg->axes[1] = 0;
+  PetscCall(PetscObjectTypeCompare((PetscObject)leg->ts, TSVBDF, &leg->turns));
+  if (!leg->rod->model->pairs) leg->turns = PETSC_FALSE;
+  if (leg->turns) PetscCall(VBDFSetMeasure(leg->ts, TurnError));
   PetscFunctionReturn(0);
 }
 
@@ -283,6 +304,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   if (fixed && !given)
     PetscCall(TSSetMaxSNESFailures(leg->ts, 10)); /* a fixed step does not help itself */
   PetscCall(VBDFSetFactored(leg->ts, model->fields, model->group));
+  PetscCall(MeasureAlongAxes(leg));
   PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));
   PetscCall(VBDFSetCross(leg->ts, CrossesMode));
   if (scene->contact.any) PetscCall(VBDFSetCheck(leg->ts, AfterTry));

@@ -12,6 +12,8 @@ typedef struct {
   Vec tolerance, none; /* none: 0, the part of the tolerance relative to each entry */
   PetscReal rtol;
   PetscReal size[MAX_FIELDS]; /* of the fields, to which the tolerance of this step refers */
+  PetscBool turns;            /* along axes that follow the rod (rod/sizes.c) */
+  PetscReal axes[2];          /* those of this step */
   PetscReal kick[MAX_FIELDS], kick_ends; /* least sizes, up to this time: see leg.c */
   PetscInt jumps;                        /* so far; kept by the owner */
   PetscBool passes;  /* the latest try of a step ended beyond a wall, or with the rod crossed */

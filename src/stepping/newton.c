@@ -10,13 +10,17 @@ static const PetscReal round_off = 1e-13;
 /* A rate is an estimate: what it says is left must be this much smaller still. */
 static const PetscReal share_of_rate = 0.5;
 
-/* The largest residual of each group of fields (rod.h): they do not see each other on the straight
-   rod, and one may be 1e-16 times another. */
-static PetscErrorCode Residuals(Rod rod, Vec F, PetscReal residual[GROUPS]) {
-  PetscReal size[MAX_FIELDS];
+/* The largest residual of each group of fields (rod.h), along the axes of the state: they do not
+   see each other on the straight rod, and one may be 1e-16 times another. */
+static PetscErrorCode Residuals(Rod rod, Vec U, Vec F, PetscReal residual[GROUPS]) {
+  PetscReal size[MAX_FIELDS], axes[2] = {1, 0};
 
   PetscFunctionBegin;
-  PetscCall(RodFieldSizes(rod, F, size));
+  if (rod->model->pairs) {
+    PetscCall(RodFieldSizes(rod, U, size));
+    PetscCall(RodAxes(rod, U, size, axes));
+  }
+  PetscCall(RodSizesAlong(rod, F, axes, size));
   for (int g = 0; g < GROUPS; g++) residual[g] = 0;
   for (PetscInt f = 0; f < rod->model->fields; f++)
     residual[rod->model->group[f]] = PetscMax(residual[rod->model->group[f]], size[f]);
@@ -34,11 +38,11 @@ enum { PATIENCE = 8 };
    update is 0. */
 static PetscErrorCode RelativeUpdates(Rod rod, Vec U, Vec dU, PetscReal weight,
                                       PetscReal update[GROUPS]) {
-  PetscReal size[MAX_FIELDS], change[MAX_FIELDS];
+  PetscReal size[MAX_FIELDS], change[MAX_FIELDS], axes[2];
 
   PetscFunctionBegin;
-  PetscCall(RodFieldScales(rod, U, size));
-  PetscCall(RodFieldSizes(rod, dU, change));
+  PetscCall(RodFieldScales(rod, U, axes, size));
+  PetscCall(RodSizesAlong(rod, dU, axes, change));
   for (int g = 0; g < GROUPS; g++) update[g] = 0;
   for (PetscInt f = 0; f < rod->model->fields; f++)
     if (change[f] != 0) {
@@ -108,11 +112,11 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
   *reason = PetscIsInfOrNanReal(fnorm) ? DIVERGED_NAN : SNES_CONVERGED_ITERATING;
   if (*reason) PetscFunctionReturn(0);
   PetscCall(SNESGetFunction(snes, &F, NULL, NULL));
-  PetscCall(Residuals(self->rod, F, residual));
+  PetscCall(SNESGetSolution(snes, &U));
+  PetscCall(Residuals(self->rod, U, F, residual));
   if (!it)
     self->held = self->holds = 0;
   else {
-    PetscCall(SNESGetSolution(snes, &U));
     PetscCall(SNESGetSolutionUpdate(snes, &dU));
     PetscCall(RelativeUpdates(self->rod, U, dU,
                               it - self->held > PATIENCE ? 0 : PetscMin(1, floor / loose), update));
@@ -255,8 +259,7 @@ PetscErrorCode NewtonIndex(Newton *newton, PetscInt *index, PetscBool *known) {
   Rod rod = newton->rod;
 
   PetscFunctionBegin;
-  *known = (PetscBool)(counted && !EliminationWide(counted) &&
-                       (counted == newton->elimination || rod->linearised.U));
+  *known = (PetscBool)(counted && (counted == newton->elimination || rod->linearised.U));
   *index = 0;
   if (!*known) PetscFunctionReturn(0);
   if (counted == newton->counter) PetscCall(RodEliminate(rod, counted));

@@ -4,6 +4,9 @@
 #include <petsc/private/tsimpl.h> /* a TS type cannot do without */
 
 /* point[0] is the new solution, at time[0]; point[1], point[2], ... those of the steps before. */
+/* Sizes: of the fields of each factor, and of those of all together. */
+enum { ALL = VBDF_FACTORS, VBDF_SIZES };
+
 typedef struct {
   PetscInt order;       /* k, of the present step */
   PetscInt taken_order; /* of the step taken last */
@@ -27,14 +30,16 @@ typedef struct {
   int factored[VBDF_FIELDS];            /* bit k: by factor k; of several, by their product */
   PetscBool plain, plain_next;          /* nothing is factored in the present step, in the next */
   PetscInt degree, taken[VBDF_FACTORS]; /* of log A at most; points that it goes through */
-  PetscReal size[VBDF_POINTS]
-                [VBDF_FACTORS]; /* log of the size of the factored fields in point[i] */
+  PetscReal size[VBDF_POINTS][VBDF_SIZES];    /* log of the size of the fields of each factor in
+                                                 point[i], and of those of all */
+  int column[VBDF_FACTORS];                   /* of size, that the factor is taken from */
   PetscReal ratio[VBDF_FACTORS][VBDF_POINTS]; /* A(time[0]) / A(time[i]) */
   VBDFGuess guess;
   void *guess_ctx;
   VBDFSnap snap;
   VBDFCheck check;
   VBDFCross cross;
+  VBDFMeasure measure;
   PetscBool tried, snapped; /* to follow a snap in the present step; it begins behind one */
 } VBDF;
 
@@ -54,6 +59,9 @@ static const PetscReal safety = 0.22;
    jump_step of the final time: an initial layer as fast as that is left unresolved, and crossed in
    steps that double, up to longest_jump of it. */
 static const PetscReal jump_persists = 0.7, jump_step = 1e-13, longest_jump = 1e-6;
+/* (In the layer, one whose error is up to so many times the tolerance is tried again shorter: it is
+   all but seen, and to jump on would make the next one blind, and so on without end.) */
+static const PetscReal nearly_seen = 30;
 /* A rod that barely sticks may slip by a little, and stick again in a step that is short enough: in
    a step below this part of the final time, such an error is a jump, too. (That of a kink would
    fall like the step, to a third at most.) */
@@ -71,6 +79,8 @@ static const PetscReal better = 0.5;
 static const PetscReal most_folds = 4;
 /* A field smaller than this is round-off. */
 static const PetscReal vanished = 1e-280;
+/* Fields across in two directions are of like size up to this ratio. */
+static const PetscReal alike = 1e3;
 
 static PetscErrorCode Self(TS ts, VBDF **self) {
   PetscBool same;
@@ -97,7 +107,7 @@ static PetscReal FactorLog(const VBDF *self, int k, PetscReal t) {
   PetscReal L[VBDF_POINTS], sum = 0;
 
   LagrangeValues(self->taken[k], self->time + 1, t, L);
-  for (PetscInt j = 0; j < self->taken[k]; j++) sum += L[j] * self->size[1 + j][k];
+  for (PetscInt j = 0; j < self->taken[k]; j++) sum += L[j] * self->size[1 + j][self->column[k]];
   return sum;
 }
 
@@ -105,7 +115,7 @@ static PetscReal FactorRate(const VBDF *self, int k, PetscReal t) {
   PetscReal D[VBDF_POINTS], sum = 0;
 
   LagrangeSlopes(self->taken[k], self->time + 1, t, D);
-  for (PetscInt j = 0; j < self->taken[k]; j++) sum += D[j] * self->size[1 + j][k];
+  for (PetscInt j = 0; j < self->taken[k]; j++) sum += D[j] * self->size[1 + j][self->column[k]];
   return sum;
 }
 
@@ -127,14 +137,25 @@ static PetscBool Factored(const VBDF *self) {
   return any;
 }
 
+/* Are the fields of all factors of like size? Then they have one, that of all of them, whatever the
+   axes are: a rod that is bent is as much so when it is turned. */
+static PetscBool Common(const VBDF *self) {
+  const PetscReal *size = self->size[1];
+
+  return (PetscBool)(size[0] > PETSC_MIN_REAL && size[1] > PETSC_MIN_REAL &&
+                     PetscAbsReal(size[0] - size[1]) < PetscLogReal(alike));
+}
+
 /* Takes the factor for a step of order q to time[0]. */
 static void TakeFactor(VBDF *self, PetscInt q) {
   PetscInt most = self->plain ? 0 : PetscMin(self->n, PetscMin(self->degree, q) + 1);
 
   for (int k = 0; k < VBDF_FACTORS; k++) {
     self->taken[k] = 0;
+    self->column[k] = Common(self) ? ALL : k;
     if (self->fields)
-      while (self->taken[k] < most && self->size[1 + self->taken[k]][k] > PETSC_MIN_REAL)
+      while (self->taken[k] < most &&
+             self->size[1 + self->taken[k]][self->column[k]] > PETSC_MIN_REAL)
         self->taken[k]++;
     if (self->taken[k] < 2) self->taken[k] = 0;
     self->rho[k] = FactorRate(self, k, self->time[0]);
@@ -166,10 +187,20 @@ static PetscErrorCode SizeOfFactor(const VBDF *self, Vec U, int k, PetscReal *si
   PetscFunctionReturn(0);
 }
 
-/* The same of all factors. */
-static PetscErrorCode FactorSize(const VBDF *self, Vec U, PetscReal size[VBDF_FACTORS]) {
+/* The same of all factors, and of all together. */
+static PetscErrorCode FactorSize(const VBDF *self, Vec U, PetscReal size[VBDF_SIZES]) {
+  PetscReal most = PETSC_MIN_REAL, sum = 0;
+
   PetscFunctionBegin;
-  for (int k = 0; k < VBDF_FACTORS; k++) PetscCall(SizeOfFactor(self, U, k, &size[k]));
+  for (int k = 0; k < VBDF_FACTORS; k++) {
+    PetscCall(SizeOfFactor(self, U, k, &size[k]));
+    most = PetscMax(most, size[k]);
+  }
+  size[ALL] = most;
+  if (most == PETSC_MIN_REAL) PetscFunctionReturn(0);
+  for (int k = 0; k < VBDF_FACTORS; k++)
+    if (size[k] > PETSC_MIN_REAL) sum += PetscExpReal(2 * (size[k] - most));
+  size[ALL] = most + PetscLogReal(sum) / 2;
   PetscFunctionReturn(0);
 }
 
@@ -299,6 +330,21 @@ static PetscErrorCode SolveStage(TS ts, VBDF *self) {
   PetscFunctionReturn(0);
 }
 
+/* The weighted norm of the difference of a state from work, which is lost. */
+static PetscErrorCode Norm(TS ts, VBDF *self, Vec U, PetscReal *norm) {
+  PetscReal absolute, relative;
+
+  PetscFunctionBegin;
+  if (self->measure) {
+    PetscCall(VecAXPY(self->work, -1, U));
+    PetscCall(self->measure(ts, self->work));
+    PetscCall(VecAXPY(self->work, 1, U));
+  }
+  PetscCall(
+      TSErrorWeightedNorm(ts, U, self->work, ts->adapt->wnormtype, norm, &absolute, &relative));
+  PetscFunctionReturn(0);
+}
+
 /*
   LocalError - the weighted error that a step of order q would have made, over the tolerance.
 
@@ -307,7 +353,7 @@ static PetscErrorCode SolveStage(TS ts, VBDF *self) {
   difference: err = (U - P) / (shift_q (t - t_{q+1})), shift_q = sum_{j=1}^{q} 1/(t - t_j).
 */
 static PetscErrorCode LocalError(TS ts, VBDF *self, PetscInt q, PetscReal *error) {
-  PetscReal shift = 0, factor, absolute, relative;
+  PetscReal shift = 0, factor;
 
   PetscFunctionBegin;
   for (PetscInt j = 1; j <= q; j++) shift += 1 / (self->time[0] - self->time[j]);
@@ -316,8 +362,7 @@ static PetscErrorCode LocalError(TS ts, VBDF *self, PetscInt q, PetscReal *error
   PetscCall(Extrapolate(self, q + 1, self->work));
   TakeFactor(self, self->order);
   PetscCall(VecAXPBY(self->work, 1 - factor, factor, self->point[0])); /* U - err */
-  PetscCall(TSErrorWeightedNorm(ts, self->point[0], self->work, ts->adapt->wnormtype, error,
-                                &absolute, &relative));
+  PetscCall(Norm(ts, self, self->point[0], error));
   PetscFunctionReturn(0);
 }
 
@@ -327,15 +372,14 @@ static PetscErrorCode LocalError(TS ts, VBDF *self, PetscInt q, PetscReal *error
    limit all along the rod, and modes of all rates are let go at once: those much faster than the
    step err by all that they change. */
 static PetscErrorCode FirstError(TS ts, VBDF *self, PetscReal *error) {
-  PetscReal change, absolute, relative;
+  PetscReal change;
 
   PetscFunctionBegin;
   *error = 0;
   if (!self->guess) PetscFunctionReturn(0);
   PetscCall(
       self->guess(ts, self->time[1], self->time[0], self->point[1], self->work, self->guess_ctx));
-  PetscCall(TSErrorWeightedNorm(ts, self->point[0], self->work, ts->adapt->wnormtype, &change,
-                                &absolute, &relative));
+  PetscCall(Norm(ts, self, self->point[0], &change));
   *error = self->snapped ? change : change * change * ts->rtol / 2;
   PetscFunctionReturn(0);
 }
@@ -378,7 +422,8 @@ static PetscErrorCode Choose(TS ts, VBDF *self, PetscBool *accept, PetscReal *fa
   *accept = (PetscBool)(e <= 1);
   persists = ts->time_step < slip_step * ts->max_time ? slip_persists : jump_persists;
   self->jumped = (PetscBool)(!*accept && k == 1 &&
-                             (e > persists * self->rejected || ts->time_step < self->layer));
+                             (e > persists * self->rejected ||
+                              (ts->time_step < self->layer && (self->n == 1 || e > nearly_seen))));
   self->rejected = *accept ? PETSC_MAX_REAL : e;
   if (self->jumped) *accept = PETSC_TRUE;
   *factor = StepFactor(e, k);
@@ -416,7 +461,7 @@ static PetscErrorCode Push(TS ts, VBDF *self) {
   for (PetscInt i = VBDF_POINTS - 1; i > 1; i--) {
     self->point[i] = self->point[i - 1];
     self->time[i] = self->time[i - 1];
-    PetscCall(PetscArraycpy(self->size[i], self->size[i - 1], VBDF_FACTORS));
+    PetscCall(PetscArraycpy(self->size[i], self->size[i - 1], VBDF_SIZES));
   }
   self->point[1] = last;
   self->time[1] = ts->ptime;
@@ -451,7 +496,8 @@ static void BeginTry(TS ts, VBDF *self) {
   if (!Factored(self) || self->fixed) return;
   for (int k = 0; k < VBDF_FACTORS; k++)
     if (self->taken[k])
-      folds = PetscMax(folds, PetscAbsReal(FactorLog(self, k, self->time[0]) - self->size[1][k]));
+      folds = PetscMax(
+          folds, PetscAbsReal(FactorLog(self, k, self->time[0]) - self->size[1][self->column[k]]));
   if (folds <= most_folds) return;
   ts->time_step *= most_folds / folds;
   self->time[0] = ts->ptime + ts->time_step;
@@ -823,6 +869,17 @@ PetscErrorCode VBDFSetCross(TS ts, VBDFCross cross) {
   PetscFunctionBegin;
   PetscCall(Self(ts, &self));
   if (self) self->cross = cross;
+  PetscFunctionReturn(0);
+}
+
+/* VBDFSetMeasure - sets how errors are turned before they are held against the tolerances. No
+   effect on other types. */
+PetscErrorCode VBDFSetMeasure(TS ts, VBDFMeasure measure) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  if (self) self->measure = measure;
   PetscFunctionReturn(0);
 }
 

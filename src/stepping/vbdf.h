@@ -32,12 +32,16 @@ typedef enum { VBDF_SEEN, VBDF_BLIND, VBDF_JUMP } VBDFSight;
    Its sign would turn. */
 typedef PetscErrorCode (*VBDFCross)(TS ts, Vec U, VBDFSight sight, PetscBool *crosses);
 
+/* Turns an error, in place, into the axes along which the tolerances are. */
+typedef PetscErrorCode (*VBDFMeasure)(TS ts, Vec error);
+
 PetscErrorCode VBDFRegister(void);
 PetscErrorCode VBDFSetGuess(TS ts, VBDFGuess guess, void *ctx);
 PetscErrorCode VBDFSetHighestOrder(TS ts, PetscInt order);
 PetscErrorCode VBDFSetSnap(TS ts, VBDFSnap snap);
 PetscErrorCode VBDFSetCheck(TS ts, VBDFCheck check);
 PetscErrorCode VBDFSetCross(TS ts, VBDFCross cross);
+PetscErrorCode VBDFSetMeasure(TS ts, VBDFMeasure measure);
 PetscErrorCode VBDFSetFactored(TS ts, PetscInt fields, const int factored[]);
 PetscErrorCode VBDFGetFactorRate(TS ts, PetscReal rate[VBDF_FACTORS]);
 PetscErrorCode VBDFGetHistory(TS ts, PetscInt *n, PetscReal times[], Vec points[], PetscInt *order);

@@ -287,7 +287,99 @@ static void TestBend(void **state) {
   EXPECT(PetscLog2Real(error[1] / error[2]) > 3.7, "order %g", PetscLog2Real(error[1] / error[2]));
 }
 
+/* The index of an almost straight viscous rod of length 1 under this force along it and this
+   twisting moment, at this shift. */
+static PetscInt Index(const char *options, PetscReal force, PetscReal moment, PetscReal shift) {
+  enum { P0 = 3, P1, P2, P3, M1, N1 = 10 };
+  const PetscReal torsion = 0.75;
+  PetscReal shifts[FIELDS];
+  Elimination elimination;
+  PetscInt index, n;
+  PetscScalar *u;
+  Node *nodes;
+  Scene scene;
+  Rod rod;
+  Vec U, U_t;
+  SetOptions("-growth_type none -growth_initial_length 1 -friction_mu 0 -rod_cells 150 "
+             "-shape_amplitude %s -shape_turn 0.3 %s",
+             strstr(options, "clamped") || strstr(options, "pinned") ? "0.01" : "1e-4", options);
+  CHECK(SceneCreate(&scene));
+  CHECK(RodCreate(scene, &rod_space, &rod));
+  CHECK(RodHoldTip(rod));
+  n = rod->end - rod->first;
+  CHECK(PetscMalloc1(n, &nodes));
+  CHECK(RodInitialNodes(rod, 0, nodes));
+  CHECK(DMCreateGlobalVector(rod->da, &U));
+  CHECK(VecDuplicate(U, &U_t));
+  CHECK(rod_space.set(rod, 0, nodes, U));
+  CHECK(VecGetArray(U, &u));
+  for (PetscInt i = 0; i < n; i++, u += FIELDS) {
+    PetscReal turn = moment / torsion * (PetscReal)i / (PetscReal)(n - 1);
+    if (moment != 0) { /* straight, and turned along itself */
+      u[P0] = PetscCosReal(turn / 2);
+      u[P1] = PetscSinReal(turn / 2);
+      u[P2] = u[P3] = 0;
+    }
+    u[M1] = moment;
+    u[N1] = -force;
+  }
+  u -= n * FIELDS;
+  CHECK(VecRestoreArray(U, &u));
+  for (int f = 0; f < FIELDS; f++) shifts[f] = shift;
+  CHECK(EliminationCreate(PETSC_COMM_WORLD, n, rod_space.halves, &elimination));
+  CHECK(rod_space.eliminate(rod, 0, U, U_t, shifts, elimination));
+  CHECK(EliminationIndex(elimination, &index));
+  CHECK(EliminationDestroy(&elimination));
+  CHECK(PetscFree(nodes));
+  CHECK(VecDestroy(&U));
+  CHECK(VecDestroy(&U_t));
+  Destroy(&scene, &rod);
+  return index;
+}
+
+/* Modes that grow are counted: of a round rod both directions of each, those of a free rod at P =
+   ((k - 1/2) pi)^2, of one clamped at both ends at 4 pi^2 and 80.76, pinned at one at 20.19; with
+   two stiffnesses each direction by itself; a twisted one that is clamped gives way at M
+   = 8.98681892, in both. */
+static void TestIndex(void **state) {
+  const PetscReal forces[] = {-5, 1, 2, 3, 15, 30, 100, 400, 1000};
+  static const struct {
+    const char *options;
+    PetscReal force, moment, shift;
+    PetscInt index;
+  } cases[] = {{"", 30, 0, 200, 2}, /* four grow, two of them faster than 200 */
+               {"-tip_type slides", 39, 0, 1e-3, 0},
+               {"-tip_type slides", 40, 0, 1e-3, 2},
+               {"-tip_type slides", 85, 0, 1e-3, 4},
+               /* one that cannot slide is bent a little, and cannot bend on in that plane */
+               {"-tip_type clamped", 39, 0, 1e-3, 0},
+               {"-tip_type clamped", 40, 0, 1e-3, 1},
+               {"-tip_type pinned", 20, 0, 1e-3, 0},
+               {"-tip_type pinned", 21, 0, 1e-3, 1},
+               {"-tip_type slides", 0, 8.95, 1e-3, 0},
+               {"-tip_type slides", 0, 9.05, 1e-3, 2}};
+  PetscMPIInt ranks;
+  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
+  if (ranks > 1) return;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(forces); k++) {
+    PetscReal P = forces[k];
+    PetscInt modes = P > 0 ? (PetscInt)(PetscSqrtReal(P) / PETSC_PI + 0.5) : 0,
+             weak = P > 0 ? (PetscInt)(PetscSqrtReal(P / 0.6) / PETSC_PI + 0.5) : 0,
+             index = Index("", P, 0, 1e-3), two = Index("-rod_bend_ratio 0.6", P, 0, 1e-3);
+    EXPECT(index == 2 * modes, "P = %g: %d modes, not %d", P, (int)index, 2 * (int)modes);
+    EXPECT(two == modes + weak, "P = %g, two stiffnesses: %d modes, not %d", P, (int)two,
+           (int)(modes + weak));
+    EXPECT(Index("", P, 0, 1.5 * P * P + 10) == 0, "P = %g: modes above its largest rate", P);
+  }
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(cases); k++) {
+    PetscInt index = Index(cases[k].options, cases[k].force, cases[k].moment, cases[k].shift);
+    EXPECT(index == cases[k].index, "%s, force %g, moment %g: %d modes, not %d", cases[k].options,
+           cases[k].force, cases[k].moment, (int)index, (int)cases[k].index);
+  }
+}
+
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(TestJacobians), cmocka_unit_test(TestWallJacobians),
-    cmocka_unit_test(TestElimination), cmocka_unit_test(TestMirrors), cmocka_unit_test(TestBend)};
+    cmocka_unit_test(TestJacobians),   cmocka_unit_test(TestWallJacobians),
+    cmocka_unit_test(TestElimination), cmocka_unit_test(TestMirrors),
+    cmocka_unit_test(TestBend),        cmocka_unit_test(TestIndex)};
 MAIN(tests)

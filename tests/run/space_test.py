@@ -4,6 +4,7 @@
     space_test.py build/tendril [--mpiexec mpiexec] CHECK...      (no CHECK: all of them)"""
 
 import json
+import re
 import sys
 from pathlib import Path
 
@@ -81,6 +82,10 @@ def plane():
     norm = np.hypot(there.norm_x2[-1], there.norm_x3[-1])
     print(f"|x2| {flat.norm_x2[-1]:.4e}, turned {norm:.4e}; {flat.steps} and {there.steps} steps")
     expect(abs(norm / flat.norm_x2[-1] - 1) < 1e-4 and there.steps < 1.3 * flat.steps, "almost straight")
+    there = Run(options + "-shape_turn 1e-100")
+    apart = np.abs(there.norm_x3[1:] / there.norm_x2[1:] / 1e-100 - 1).max()
+    print(f"turned by 1e-100: x3/x2 off by {apart:.1e}; {there.steps} steps")
+    expect(apart < 1e-6 and there.steps < 1.3 * flat.steps, "next to nothing out of the plane")
 
 
 @check
@@ -99,6 +104,17 @@ def symmetries():
     error = np.abs(turned - x @ R.T).max()
     print(f"turned: {error:.1e}")
     expect(error < 1e-10, f"turned: {error}")
+    # likewise with steps of its own, which measure errors along axes that turn with the rod
+    own = "-ts_max_time 1 -ts_rtol 1e-8 "
+    rod_ = Run(BENT + own + "-rod_weight 0.1,-0.3,-0.2 -tip_force_vector 0,0.1,0.05")
+    turned_ = Run(GROWN + f"-rod_twist 0.4 -rod_curvature {k3!r} -rod_curvature_2 {k2!r} -shape_turn 1 " + own
+                  + f"-rod_weight {vector([0.1, -0.3, -0.2], R)} -tip_force_vector {vector([0, 0.1, 0.05], R)}")
+    error = np.abs(turned_.shapes["x"][-1] - rod_.shapes["x"][-1] @ R.T).max()
+    print(f"turned, {rod_.steps} and {turned_.steps} steps of its own: {error:.1e}")
+    expect(error < 1e-10 and rod_.steps == turned_.steps, f"turned, adaptive: {error}")
+    # loads that act at once: the layer of the start is crossed, not jumped through for ever
+    jumps = re.search(r"(\d+) snaps?", rod_.said)
+    expect(not jumps or int(jumps.group(1)) < 10, f"the start: {rod_.said}")
     # the clamp along (0, 1, 1)/sqrt 2: its frame is turned about e1 x d
     h = np.sqrt(0.5)
     Q = np.array([[0, -h, -h], [h, 0.5, -0.5], [h, -0.5, 0.5]])
@@ -111,6 +127,28 @@ def symmetries():
                  + "-rod_weight 0.1,-0.3,0.2 -tip_force_vector 0,0.1,-0.05")
     expect((mirror.shapes["x"][-1] == x * [1, 1, -1]).all(), "the mirror image is another rod")
     expect(mirror.link[-1] == -rod.link[-1], "the mirror image has another link")
+
+
+@check
+def sides():
+    """Rods beyond critical at the start give way to the side they are bent to, in a plane that is turned
+    as in the plane, and where they are bent and twisted by nature: as with mu = 0.999 and a first step of
+    1e-12, which neither snap nor cross a mode."""
+    for length, force, amplitude, mu, turn, more in (
+            (0.1832, 2016.7, 0.0194, 1, 0.5, ""), (0.1, 800, 1, 0, 0.6, ""), (0.05, 6000, 0.1, 1, 4, ""),
+            (0.3, 160, 0.1, 1, 1, "-rod_curvature -0.2 -rod_curvature_2 0.3 -rod_twist -5 -rod_bend_ratio 1.5")):
+        rod = (f"-growth_initial_length {length} -tip_force {force} -shape_amplitude {amplitude} -rod_cells 80 "
+               f"-ts_max_time {0.2 * length:.4g} -output_shapes 1 ")
+        if more:
+            right = Run(rod + f"{more} -shape_turn {turn} -friction_mu {min(mu, .999)} -ts_dt 1e-12").shapes["x"][-1, -1]
+        else:
+            x = Run(rod + f"-rod_model frame -friction_mu {min(mu, .999)} -ts_dt 1e-12").shapes["x"][-1, -1]
+            right = np.array([x[0], np.cos(turn) * x[1], np.sin(turn) * x[1]])
+        for rtol in ("1e-6", "1e-4"):
+            tip = Run(rod + f"{more} -shape_turn {turn} -friction_mu {mu} -ts_rtol {rtol}").shapes["x"][-1, -1]
+            off = np.linalg.norm(tip - right) / length
+            expect(off < 0.02, f"{rod} {more} mu {mu}, rtol {rtol}: off by {off:.1e}")
+        print(f"L {length}, mu {mu}, turned by {turn} {more}: off by {off:.1e}")
 
 
 @check

@@ -1,0 +1,186 @@
+/* How large the fields of a rod are, and by what changes of them are measured. */
+#include "rod/rod.h"
+
+/* RodFieldSizes - max |U| of each field over the rod. Collective. */
+PetscErrorCode RodFieldSizes(Rod rod, Vec U, PetscReal size[MAX_FIELDS]) {
+  PetscInt fields = rod->model->fields, n = (rod->end - rod->first) * fields;
+  const PetscScalar *u;
+
+  PetscFunctionBegin;
+  for (PetscInt f = 0; f < fields; f++) size[f] = 0;
+  PetscCall(VecGetArrayRead(U, &u));
+  for (PetscInt i = 0; i < n; i += fields)
+    for (PetscInt f = 0; f < fields; f++) {
+      PetscReal a = PetscAbsReal(u[i + f]);
+      if (!(a <= size[f])) size[f] = a; /* lets NaN through */
+    }
+  PetscCall(VecRestoreArrayRead(U, &u));
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, size, (PetscMPIInt)fields, MPIU_REAL, MPI_MAX, rod->scene->comm));
+  PetscFunctionReturn(0);
+}
+
+/*
+  Axes across. Of a rod in space that is bent in a plane, what happens in it is measured against how
+  far it is bent, what happens out of it against what is out of it, however that plane is turned
+  about the axis of the clamp: along the principal axes of the sum over the nodes of the second
+  moments of (x2, x3), which for a rod all but in the plane of x1 and x2 are the coordinates, to the
+  last of 250 orders of magnitude between them. All pairs of fields across are taken along these.
+*/
+
+/* RodAxes - cosine and sine of the angle, at most 45 degrees, from the axes of the coordinates
+   across to those along which a state is measured; (1, 0) for a rod in the plane. Collective. */
+PetscErrorCode RodAxes(Rod rod, Vec U, const PetscReal size[MAX_FIELDS], PetscReal axes[2]) {
+  const RodModel *model = rod->model;
+  const Pair *x = model->pair;
+  PetscInt fields = model->fields, n = (rod->end - rod->first) * fields;
+  PetscReal sum[3] = {0}, ratio, angle, most, least;
+  const PetscScalar *u;
+
+  PetscFunctionBegin;
+  axes[0] = 1;
+  axes[1] = 0;
+  if (!model->pairs) PetscFunctionReturn(0);
+  most = PetscMax(size[x->along], size[x->beside]);
+  least = PetscMin(size[x->along], size[x->beside]);
+  if (!(least > 0) || least <= rod_vanished || PetscIsInfOrNanReal(most)) PetscFunctionReturn(0);
+  PetscCall(VecGetArrayRead(U, &u));
+  for (PetscInt i = 0; i < n; i += fields) {
+    PetscReal a = u[i + x->along] / size[x->along], b = u[i + x->beside] / size[x->beside];
+    sum[0] += a * a;
+    sum[1] += a * b;
+    sum[2] += b * b;
+  }
+  PetscCall(VecRestoreArrayRead(U, &u));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_REAL, MPI_SUM, rod->scene->comm));
+  ratio = least / most; /* its square may be below the smallest number, and is of no account then */
+  sum[1] *= ratio;
+  sum[size[x->along] < size[x->beside] ? 0 : 2] *= ratio * ratio;
+  if (sum[1] == 0) PetscFunctionReturn(0);
+  angle = sum[0] == sum[2] ? PETSC_PI / 4 : atan(2 * sum[1] / (sum[0] - sum[2])) / 2;
+  axes[0] = PetscCosReal(angle);
+  axes[1] = PetscSinReal(angle);
+  PetscFunctionReturn(0);
+}
+
+/* The values of a pair at a node along the axes. */
+static inline void Along(const Pair *pair, const PetscReal axes[2], const PetscScalar *u,
+                         PetscReal value[2]) {
+  const PetscReal a = u[pair->along], b = pair->sign * u[pair->beside];
+
+  value[0] = axes[0] * a + axes[1] * b;
+  value[1] = axes[0] * b - axes[1] * a;
+}
+
+/* RodTurn - turns a vector into the axes: the fields of each pair become its values along them. */
+PetscErrorCode RodTurn(Rod rod, const PetscReal axes[2], Vec V) {
+  const RodModel *model = rod->model;
+  PetscInt fields = model->fields, n = (rod->end - rod->first) * fields;
+  PetscScalar *v;
+  PetscReal value[2];
+
+  PetscFunctionBegin;
+  if (axes[1] == 0) PetscFunctionReturn(0);
+  PetscCall(VecGetArray(V, &v));
+  for (PetscInt i = 0; i < n; i += fields)
+    for (PetscInt k = 0; k < model->pairs; k++) {
+      Along(&model->pair[k], axes, v + i, value);
+      v[i + model->pair[k].along] = value[0];
+      v[i + model->pair[k].beside] = value[1];
+    }
+  PetscCall(VecRestoreArray(V, &v));
+  PetscFunctionReturn(0);
+}
+
+/* RodSizesAlong - as RodFieldSizes(), of the pairs across along axes. Collective. */
+PetscErrorCode RodSizesAlong(Rod rod, Vec U, const PetscReal axes[2], PetscReal size[MAX_FIELDS]) {
+  const RodModel *model = rod->model;
+  PetscInt fields = model->fields, n = (rod->end - rod->first) * fields;
+  PetscReal most[MAX_FIELDS] = {0}, value[2];
+  const PetscScalar *u;
+
+  PetscFunctionBegin;
+  PetscCall(RodFieldSizes(rod, U, size));
+  if (axes[1] == 0) PetscFunctionReturn(0);
+  PetscCall(VecGetArrayRead(U, &u));
+  for (PetscInt i = 0; i < n; i += fields)
+    for (PetscInt k = 0; k < model->pairs; k++) {
+      Along(&model->pair[k], axes, u + i, value);
+      for (int j = 0; j < 2; j++) {
+        PetscReal a = PetscAbsReal(value[j]);
+        if (!(a <= most[2 * k + j])) most[2 * k + j] = a;
+      }
+    }
+  PetscCall(VecRestoreArrayRead(U, &u));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, most, (PetscMPIInt)(2 * model->pairs), MPIU_REAL,
+                             MPI_MAX, rod->scene->comm));
+  for (PetscInt k = 0; k < model->pairs; k++) {
+    size[model->pair[k].along] = most[2 * k];
+    size[model->pair[k].beside] = most[2 * k + 1];
+  }
+  PetscFunctionReturn(0);
+}
+
+/* Of what is across the axes but for this part of it, there is only what was left by round-off of
+   fields that both have part in. */
+static const PetscReal told_apart = 1e-4;
+
+/* The sizes along the axes, none below what the coordinates, of these sizes, leave there. */
+static void LeaveRoundOff(const RodModel *model, const PetscReal axes[2], const PetscReal of[],
+                          PetscReal size[]) {
+  const PetscReal c = PetscAbsReal(axes[0]), s = PetscAbsReal(axes[1]);
+
+  for (PetscInt k = 0; k < model->pairs && s > 0; k++) {
+    const PetscInt a = model->pair[k].along, b = model->pair[k].beside;
+    size[a] = PetscMax(size[a], told_apart * (c * of[a] + s * of[b]));
+    size[b] = PetscMax(size[b], told_apart * (c * of[b] + s * of[a]));
+  }
+}
+
+/* How hard a group of fields is driven from 0, along the axes. */
+static PetscReal Driven(const Space *space, int group, const PetscReal axes[2]) {
+  PetscReal sum = space->driven[group];
+
+  for (int k = 0; k < DRIVES; k++) {
+    const PetscReal *drive = space->drive[k];
+    if (group == ACROSS_2) sum += PetscAbsReal(axes[0] * drive[0] + axes[1] * drive[1]);
+    if (group == ACROSS_3) sum += PetscAbsReal(axes[0] * drive[1] - axes[1] * drive[0]);
+  }
+  return sum;
+}
+
+/*
+  RodFieldScales - what a change of each field is measured against: its size, but for fields that
+  are made of products of others, and may be no more than what these leave of round-off; and for
+  those that begin at 0 and are driven from there by a force across the rod, or by what breaks a
+  symmetry otherwise: these are measured against a small part of what they will be. Collective.
+
+  axes  on exit, those along which the changes of the fields across are to be measured; NULL: the
+        coordinates
+*/
+PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal axes[2], PetscReal scale[MAX_FIELDS]) {
+  const PetscReal part = 1e-3, otherwise = 1e-4;
+  PetscReal none[2] = {1, 0}, size[MAX_FIELDS];
+
+  PetscFunctionBegin;
+  PetscCall(RodFieldSizes(rod, U, size));
+  if (axes)
+    PetscCall(RodAxes(rod, U, size, axes));
+  else
+    axes = none;
+  PetscCall(PetscArraycpy(scale, size, rod->model->fields));
+  if (axes[1] != 0) {
+    PetscCall(RodSizesAlong(rod, U, axes, scale));
+    LeaveRoundOff(rod->model, axes, size, scale);
+  }
+  for (PetscInt f = 0; f < rod->model->fields; f++) {
+    PetscReal driven = Driven(&rod->scene->space, rod->model->group[f], axes);
+    if (!rod->model->followed[f]) continue;
+    if (driven > 0)
+      scale[f] = PetscMax(scale[f], part * PetscMin(1, driven));
+    else if (scale[f] == 0)
+      scale[f] = otherwise;
+  }
+  if (rod->model->scale) rod->model->scale(scale);
+  PetscFunctionReturn(0);
+}
