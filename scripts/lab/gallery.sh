@@ -33,6 +33,8 @@ for file in options/*.opts; do
     ;;
   cable-conduit) what=(--panels touch,contact --times 9.6) ;;
   packing) what=(--panels touch,contact --times 27.8) ;;
+  root-helix | vine-heavy) what=(--panels space,shapes,curvature,twisting) ;;
+  wire-spun | rod-bent) what=(--panels space,norm,curvature,twisting) ;;
   against-wall) what=(--panels shapes,contact --times 0.4,0.6,1,4) ;;
   root-stones) what=(--panels shapes --times 1,3,6,10) ;;
   twisted-rod) what=(--panels shapes --times 0.05,0.3,0.6,10) ;;

@@ -9,7 +9,8 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import AsinhNorm, LinearSegmentedColormap
 
 from .errors import ResultsError
-from .perspective import Rods, Strand, box_of, furnish, look, sight
+from .perspective import Rods, Strand, box_of, draw_surfaces, furnish, look, sight
+from .solids import solids
 from .spatial import FIELDS, VISIBLE, diameter_of, fields_of, up_of
 from .style import InStyle
 from .surroundings import friction, pressed, size_of
@@ -41,6 +42,7 @@ class FilmInSpace:
         furnish(self.ax, self.low, self.high, self.up, self.view, lambda axis: units.label(axis, "length"))
         self.ax.set_anchor("C")
         self.ax.set_box_aspect((self.high - self.low) / self.extent, zoom=0.95)
+        draw_surfaces(self.ax, solids(r), self.low, self.high, units.of("length", 1.0))
         self.rods = self.ax.add_collection(Rods(zorder=3), autolim=False)
         self.ax.plot([0], [0], [0], "ks", ms=4, zorder=4)
         self.bar(label if not name else f"{label} ({name})", most, signed)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import base64
+
 import numpy as np
 
-from .packed import moves_straight, packed_small, thinned
+from .packed import moves_straight, packed, packed_small, thinned
+from .solids import solids
 from .spatial import FIELDS, VISIBLE, diameter_of, extent_of, fields_of, lift, turned, up_of
 from .surroundings import friction, pressed
 
@@ -37,7 +40,9 @@ def add(content, results, shapes):
     for run, r, shape in zip(content["runs"], results, shapes):
         run["fields"] = {name: packed_small(values) for name, values in shape["along"].items()}
         run["nodes"] = shape["x"].shape[1]
-        run["surfaces"] = []
+        run["surfaces"] = [{"positions": packed(one.vertices), "index": base64.b64encode(
+            np.ascontiguousarray(one.triangles, "<u4").tobytes()).decode(), "lines": [packed(line) for line in one.lines]}
+            for one in solids(r)]
     names = [name for name in FIELDS if any(name in shape["along"] for shape in shapes)]
     most = {name: max(float(np.abs(shape["along"][name]).max()) for shape in shapes if name in shape["along"])
             for name in names}

@@ -10,8 +10,11 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgba
 from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d import proj3d
+from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
 from .errors import ResultsError
+from .solids import within
+from .walls import EDGE, SOLID
 
 VIEW = (20.0, 20.0)  # degrees: turned about the axis that points up, from the front; from how far above
 LEAST, HALO = 1.1, 0.7  # points: the least thickness; the white on both sides of what passes over something
@@ -93,7 +96,7 @@ class Rods(LineCollection):
 def joined(pieces, widths, axes):
     """Pieces whose own lines are a little longer than they are, so that none of the paper is seen in a bend."""
     unit = np.linalg.norm(axes.transData.transform((1, 0)) - axes.transData.transform((0, 0)))
-    room = 0.12 * widths[:, 1] * axes.figure.dpi / 72 / unit
+    room = 0.2 * widths[:, 1] * axes.figure.dpi / 72 / unit
     own = pieces[:, 1]
     along = own[:, 1] - own[:, 0]
     long = np.maximum(np.linalg.norm(along, axis=1), 1e-12)
@@ -162,3 +165,15 @@ def furnish(axes, low, high, up, view, label):
     axes.set_xlabel(label("$x_1$"))
     axes.set_ylabel(label("$x_2$"))
     axes.set_zlabel(label("$x_3$"))
+
+
+def draw_surfaces(axes, surfaces, low, high, unit=1.0):
+    """Surfaces (solids.py) behind the rods, translucent, as far as they are in the box of axes or near it."""
+    room = 0.2 * (np.asarray(high) - low).max()
+    for surface in surfaces:
+        corners, lines = within(surface, (low - room) / unit, (high + room) / unit)
+        if len(corners):
+            axes.add_collection(Poly3DCollection(unit * corners, facecolor=(*to_rgba(SOLID)[:3], 0.28), edgecolor="none",
+                                                 zorder=1), autolim=False)
+        axes.add_collection(Line3DCollection([unit * line for line in lines], colors=EDGE, lw=0.4, alpha=0.7, zorder=2),
+                            autolim=False)

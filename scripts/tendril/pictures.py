@@ -35,8 +35,9 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from . import plot_stability
 from .errors import ResultsError, TendrilError
-from .perspective import VIEW, Rods, Strand, box_of, furnish, sight
+from .perspective import VIEW, Rods, Strand, box_of, draw_surfaces, furnish, sight
 from .results import Results, load, runs_of
+from .solids import solids
 from .spatial import diameter_of, lift, up_of
 from .style import BLUE, COLOURS, GREEN, GREY, ORANGE, RED, STYLE, InStyle, save
 from .surroundings import arc_length
@@ -218,7 +219,8 @@ def axes_of_place(ax, view, across="$x_2$"):
 def panel_shapes(ax, r, view):
     unit = view.units.of("length", 1.0)
     draw_shapes(ax, r, view, lambda shape, **look: draw_rod(ax, r, shape.x[:, :2], unit, **look))
-    draw_walls(ax, r, unit)
+    if not r.in_space:
+        draw_walls(ax, r, unit)
     axes_of_place(ax, view)
 
 
@@ -265,6 +267,7 @@ def panel_space(ax, r, view):
     ax.plot([0], [0], [0], "ks", ms=3, zorder=4)
     low, high = box_of(np.concatenate([np.zeros((1, 3)), *(s.x for s in rods.strands)]))
     furnish(ax, low, high, up_of(r), view.view, lambda name: view.units.label(name, "length"))
+    draw_surfaces(ax, solids(r), low, high, unit)
 
 
 def along_rod(field, label, unit):

@@ -4,6 +4,7 @@
     test_view.py build/tendril"""
 
 import base64
+import dataclasses
 import html
 import json
 import os
@@ -365,6 +366,36 @@ class View(unittest.TestCase):
         _, held = friction(r, shape, 10)
         n = -np.diff(np.column_stack([np.interp(np.linspace(0, 1, 11), shape.s, f) for f in shape.force.T]), axis=0)
         np.testing.assert_allclose(held, n / (shape.length / 10) - [0, -0.3, 0], atol=2e-3)
+
+    def test_surfaces(self):
+        """Walls of space are drawn where they are: each vertex lies on its surface."""
+        r = dataclasses.replace(self.wire(), attributes=dict(self.wire().attributes))
+        table = self.place / "duct.csv"
+        table.write_text("x1,x2,x3,radius\n0,0,0,0.3\n2,0,0,0.3\n5,0,0,0.3\n")
+        size = np.linalg.norm
+        truths = {
+            "plane 0 0 -1.5 0 0 2": lambda x: x[:, 2] + 1.5,
+            "sphere 1 1 1 0.4 outside": lambda x: size(x - 1, axis=1) - 0.4,
+            "cylinder 0 0 1 2 0 0 1.6 inside": lambda x: size(x[:, 1:] - [0, 1], axis=1) - 1.6,
+            "cylinder 2 0 -1 0 0 1 0.3 2 outside": lambda x: np.maximum(np.abs(size(x[:, :2] - [2, 0], axis=1) - 0.3),
+                                                                        np.abs(x[:, 2]) - 1),
+            "cone 3 0 0 1 0 0 0.6 0.2 2 inside": lambda x: size(x[:, 1:], axis=1) - 0.6 + 0.2 * (x[:, 0] - 3),
+            "torus 0 1 0 0 0 1 0.5 0.2 inside": lambda x: np.hypot(size(x[:, :2] - [0, 1], axis=1) - 0.5, x[:, 2]) - 0.2,
+            "circle 1 -1.5 0.3 outside": lambda x: size(x[:, :2] - [1, -1.5], axis=1) - 0.3,
+            f"tube {table} inside": lambda x: size(x[:, 1:], axis=1) - 0.3}
+        r.attributes["walls"] = "\n".join(f"{line} friction 0.3" for line in truths)
+        data = content(self.page(r))
+        surfaces = data["runs"][0]["surfaces"]
+        self.assertEqual(len(surfaces), len(truths))
+        for surface, (line, off) in zip(surfaces, truths.items()):
+            x = array(surface["positions"]).reshape(-1, 3)
+            self.assertLess(np.abs(off(x)).max(), 1e-5, line)
+            index = np.frombuffer(base64.b64decode(surface["index"]), "<u4")
+            self.assertLess(index.max(), len(x))
+            self.assertGreater(np.ptp(x[index], axis=0).max(), 0.3)
+        self.assertEqual(tendril.plot(r, "space").axes[0].name, "3d")
+        r.attributes["walls"] = "tube gone.csv inside friction 0\nblob 1 2 3 friction 0"  # what cannot be drawn is left out
+        self.assertEqual(content(self.page(r))["runs"][0]["surfaces"], [])
 
     def check_pictures(self, seen, lines):
         """The rod is where its camera has it, in the colours of its field; it turns with the finger and

@@ -18,6 +18,11 @@ function decodeFields(run) {  // 16 bits a number, in parts of the largest
   }
 }
 data.runs.forEach(decodeFields);
+for (const surface of data.runs.flatMap((run) => run.surfaces)) {
+  surface.positions = floats(surface.positions);
+  surface.index = new Uint32Array(Uint8Array.from(atob(surface.index), (c) => c.charCodeAt(0)).buffer);
+  surface.lines = surface.lines.map(floats);
+}
 
 // The rod at a time, with its scalars along it.
 function bodyAt(run, t) {
