@@ -104,6 +104,7 @@ static PetscErrorCode TubeText(PetscInt n, const PetscReal ball[][FOUR], PetscBo
 }
 
 static PetscErrorCode TubeMake(const SurfaceLine *line, Surface *surface) {
+  const PetscReal clamp[3] = {0, 0, 0};
   PetscReal(*ball)[FOUR] = NULL;
   char what[PETSC_MAX_PATH_LEN];
   PetscErrorCode error;
@@ -125,6 +126,10 @@ static PetscErrorCode TubeMake(const SurfaceLine *line, Surface *surface) {
   if (!error) error = TubeText(n, (const PetscReal(*)[FOUR])ball, inside, &surface->text);
   PetscCall(PetscFree(ball));
   PetscCall(error);
+  if (inside)
+    UserCheck(TubeHolds((Tube)surface->data, clamp, line->radius), OptionsComm(),
+              "%s: the clamp, at 0, is outside the tube: move the tube, or lead it to the clamp",
+              what);
   surface->box = TubeBox((Tube)surface->data);
   surface->smallest = TubeSmallest((Tube)surface->data);
   surface->core = TubeCore((Tube)surface->data);

@@ -297,6 +297,22 @@ PetscBool TubeAt(Tube self, const PetscReal x[3], PetscReal within, SurfacePoint
   return PETSC_TRUE;
 }
 
+/* TubeHolds - may the axis of a rod of this radius be at x: within the tube, or beyond its ends? */
+PetscBool TubeHolds(Tube self, const PetscReal x[3], PetscReal radius) {
+  Search search = {.self = self, .x = x, .piece = -1, .best = -PETSC_MAX_REAL};
+  const Piece *piece;
+  Sight sight;
+
+  search.enough = PETSC_MAX_REAL;
+  BlocksNear(self->near, x, PETSC_MAX_REAL, Meet, &search);
+  piece = &self->piece[search.piece];
+  See(self, piece->segment, search.u, x, &sight);
+  if ((search.piece == 0 && search.u == piece->a) ||
+      (search.piece == self->pieces - 1 && search.u == piece->b))
+    return PETSC_TRUE;
+  return (PetscBool)(sight.F >= radius);
+}
+
 /* ---- making it ---- */
 
 /* The spline through two or three points is a line, a parabola. */

@@ -13,6 +13,7 @@ PetscErrorCode TubeCreate(const char *what, PetscInt n, const PetscReal ball[][4
                           PetscReal radius, Tube *tube);
 PetscErrorCode TubeDestroy(Tube *tube);
 PetscBool TubeAt(Tube tube, const PetscReal x[3], PetscReal within, SurfacePoint *point);
+PetscBool TubeHolds(Tube tube, const PetscReal x[3], PetscReal radius);
 Block TubeBox(Tube tube);
 PetscReal TubeSmallest(Tube tube);
 PetscReal TubeCore(Tube tube);

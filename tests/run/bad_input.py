@@ -14,6 +14,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+from math import cos, sin
 from pathlib import Path
 
 from held import PAGE, Held
@@ -38,6 +39,7 @@ SOUND = [
     "-friction_layers 0:1,3:2 -friction_layer_width 0.2 -rod_stiffness_file stiffness",
     "-wall_file wall_sound -contact_diameter 0.1 -contact_friction 0.3 -contact_self",
     "-wall_file wall_metres -si_bending_stiffness 1e-4 -si_friction_dry 20 -si_speed 1e-3",
+    "-wall_file wall_shapes_sound -contact_diameter 0.3",
     "-snes_view -ksp_converged_reason -options_view -ts_view",
     "",
 ]
@@ -305,6 +307,26 @@ CASES = [
     ("-stop_contact", "-stop_contact"),
     ("-stop_contact", "-stop_contact"),
     ("-contact_diameter 0.1", "-contact_diameter: there is nothing to touch"),
+    # tubes and bodies
+    ("-wall_file {wall_tube_kink} -contact_diameter 0.1", "kink of 90 degrees at point 2"),
+    ("-wall_file {wall_tube_narrow} -contact_diameter 0.5", "narrower than the rod"),
+    ("-wall_file {wall_tube_pinched} -contact_diameter 0.1", "narrower than the rod"),
+    ("-wall_file {wall_tube_sharp} -contact_diameter 0.1", "bends with radius"),
+    ("-wall_file {wall_tube_itself} -contact_diameter 0.1", "runs into itself"),
+    ("-wall_file {wall_tube_off} -contact_diameter 0.1", "the clamp, at 0, is outside the tube"),
+    ("-wall_file {wall_tube_twice}", "the same"),
+    ("-wall_file {wall_tube_flat}", "above 0"),
+    ("-wall_file {wall_tube_bare}", "line 1"),
+    ("-wall_file {wall_tube_odd}", "line 1"),
+    ("-wall_file {wall_tube_missing}", "missing.csv"),
+    ("-wall_file {wall_tube_columns}", "radius is missing"),
+    ("-wall_file {wall_tube_word}", "radius of point 2"),
+    ("-wall_file {wall_body_bare}", "line 1"),
+    ("-wall_file {wall_body_missing}", "missing.h5"),
+    ("-wall_file {wall_body_coarse} -contact_diameter 0.1", "too coarse for a rod of diameter 0.1"),
+    ("-wall_file {wall_body_scaled} -contact_diameter 0.5", "is no distance"),
+    ("-wall_file {wall_body_none}", "no surface in it"),
+    ("-wall_file {wall_body_nan}", "ball_nan.h5"),
     ("-wall_file {wall_plane} -rod_model mixed", "mixed"),
     ("-wall_file {wall_plane} -rod_model linear", "-wall_file"),
     ("-contact_self -contact_diameter 0.1 -rod_model mixed", "mixed"),
@@ -364,6 +386,32 @@ def write_hdf5(path, **arrays):
     with h5py.File(path, "w") as file:
         for name, values in arrays.items():
             file[name] = values
+
+
+def make_shapes(d, text):
+    """Tubes and bodies, and the files that they name, which are beside theirs."""
+    for name, line in (
+            ("kink", "inside -1 0 0 0.2  3 0 0 0.2  3 5 0 0.2"), ("narrow", "inside -1 0 0 0.2  9 0 0 0.2"),
+            ("pinched", "inside -1 0 0 0.6  3 0 0 0.6  7 0 0 0.1  11 0 0 0.1  15 0 0 0.6  19 0 0 0.6"),
+            ("sharp", "inside -1 0 0 1.2  0 0 0 1.2  0.6 0.5 0 1.2  0.6 1.4 0 1.2"),
+            ("itself", "inside" + "".join(f" {3 * sin(a / 3):.6f} {3 - 3 * cos(a / 3):.6f} 0 0.5" for a in range(-1, 20))),
+            ("off", "inside -1 1 0 0.5  9 1 0 0.5"), ("twice", "inside -1 0 0 0.5 -1 0 0 0.5"),
+            ("flat", "inside -1 0 0 0.5 1 0 0 0"), ("bare", ""), ("odd", "inside -1 0 0 0.5 1 0 0"),
+            ("missing", "missing.csv inside"), ("columns", "columns.csv inside"), ("word", "word.csv inside")):
+        text(f"wall_tube_{name}", f"tube {line}\n")
+    text("columns.csv", "x,y,z\n-1,0,0\n9,0,0\n")
+    text("word.csv", "x,y,z,r\n-1,0,0,0.5\n9,0,0,wide\n")
+    places = [[[((k - 4) ** 2 + (j - 4) ** 2 + (i - 4) ** 2) ** 0.5 / 4 - 0.7 for i in range(9)] for j in range(9)]
+              for k in range(9)]
+    nan = [[[float("nan")] * 9] * 9] * 9
+    scaled = [[[2.54 * v for v in row] for row in sheet] for sheet in places]
+    none = [[[v + 1 for v in row] for row in sheet] for sheet in places]
+    for name, values in (("coarse", places), ("scaled", scaled), ("none", none), ("nan", nan)):
+        write_hdf5(d / f"ball_{name}.h5", distance=values, origin=[4.0, -1, -1], spacing=[0.25] * 3)
+        text(f"wall_body_{name}", f"body ball_{name}.h5 outside\n")
+    text("wall_shapes_sound", "tube inside -1 0 0 0.5  9 0 0 0.5\nbody ball_coarse.h5 outside friction 0.2\n")
+    text("wall_body_bare", "body\n")
+    text("wall_body_missing", "body missing.h5 inside\n")
 
 
 def make_files(d, tendril):
@@ -454,6 +502,7 @@ def make_files(d, tendril):
             ("line", "polygon outside 2 -1 3 -1 4 -1"), ("odd", "polygon outside 2 -1 4 -1 3"),
             ("plane", "plane 0.7 0 -1 0"), ("behind", "plane 0.1 0 -1 0")):
         text(f"wall_{name}", line + "\n")
+    make_shapes(d, text)
     whole = (d / "table").read_bytes()
     (d / "truncated").write_bytes(whole[: len(whole) // 2])
 

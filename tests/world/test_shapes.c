@@ -206,8 +206,13 @@ static void TestTubeFewPoints(void **state) {
   x[2] = 0; /* on the path */
   EXPECT(TubeAt(tube, x, any, &at) && at.distance == 0.5, "on the path %g", at.distance);
   EXPECT(PetscAbsReal(Dot(at.normal, at.normal) - 1) < 1e-14, "no normal on the path");
+  EXPECT(TubeHolds(tube, x, 0.49) && !TubeHolds(tube, x, 0.51), "what it holds");
   x[2] = 1.2; /* through its wall */
+  EXPECT(!TubeHolds(tube, x, 0), "holds what is beside it");
   EXPECT(!TubeAt(tube, x, any, &at), "the wall has no other side");
+  x[0] = -30;
+  x[1] = -40;
+  EXPECT(TubeHolds(tube, x, 0.1), "not before its end");
   CHECK(TubeDestroy(&tube));
   CHECK(TubeCreate("tube", 3, bow, PETSC_FALSE, 0, &tube));
   x[0] = x[2] = 0;
