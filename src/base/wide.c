@@ -378,19 +378,24 @@ static PetscInt Negative(PetscBLASInt n, PetscReal A[]) {
   return negative;
 }
 
-/* What a node adds; of the last one what holds it, R w = 0, is infinitely stiff. */
+/* What a node adds; of the last one what holds it, R w = 0, is infinitely stiff. w is scaled for C
+   and K to be of like size: a place that sticks is many orders of magnitude stiffer than others. */
 static PetscInt Added(Six C, Six K, int held, Six R) {
   const int n = 2 * OWN + held;
-  PetscReal A[9 * OWN * OWN] = {0};
+  PetscReal A[9 * OWN * OWN] = {0}, scale[OWN];
 
   for (int i = 0; i < OWN; i++) {
+    PetscReal c = PetscAbsReal(C[i][i]), k = PetscAbsReal(K[i][i]);
+    scale[i] = c > 0 && k > 0 ? PetscSqrtReal(PetscSqrtReal(c / k)) : 1;
+  }
+  for (int i = 0; i < OWN; i++) {
     for (int j = 0; j < OWN; j++) {
-      A[i * n + j] = -C[i][j];
-      A[(OWN + i) * n + OWN + j] = K[i][j];
+      A[i * n + j] = -C[i][j] / (scale[i] * scale[j]);
+      A[(OWN + i) * n + OWN + j] = K[i][j] * scale[i] * scale[j];
     }
     A[i * n + OWN + i] = A[(OWN + i) * n + i] = 1;
     for (int k = 0; k < held; k++)
-      A[(2 * OWN + k) * n + OWN + i] = A[(OWN + i) * n + 2 * OWN + k] = R[k][i];
+      A[(2 * OWN + k) * n + OWN + i] = A[(OWN + i) * n + 2 * OWN + k] = R[k][i] * scale[i];
   }
   return Negative(n, A) - OWN - held;
 }

@@ -252,14 +252,15 @@ PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton) {
   EliminationIndex(); where that was assembled, of the rod without what far parts of it do to each
   other. Collective.
 
-  known  can they be counted?
+  known  can they be counted? Not where a rod in space sticks, for round-off beside what is so stiff
 */
 PetscErrorCode NewtonIndex(Newton *newton, PetscInt *index, PetscBool *known) {
   Elimination counted = newton->elimination ? newton->elimination : newton->counter;
   Rod rod = newton->rod;
 
   PetscFunctionBegin;
-  *known = (PetscBool)(counted && (counted == newton->elimination || rod->linearised.U));
+  *known = (PetscBool)(counted && (counted == newton->elimination || rod->linearised.U) &&
+                       !(EliminationWide(counted) && LoadSticks(&rod->scene->load)));
   *index = 0;
   if (!*known) PetscFunctionReturn(0);
   if (counted == newton->counter) PetscCall(RodEliminate(rod, counted));
