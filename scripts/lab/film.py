@@ -3,7 +3,11 @@
 noise, a textured ground, the hand that pushes, a ruler, a tilted camera, compression), measures and fits them.
 
     PYTHONPATH=scripts .venv/bin/python scripts/lab/film.py [--seeds 20] [--first 1] [--frames 200] [--every 8]
-      [--keep DIRECTORY]
+      [--size 1920x1080] [--lens] [--ground textured] [--keep DIRECTORY]
+
+A film of another size shows the same in fewer pixels: blur, texture and the width of what is drawn go with it.
+--lens bends the picture as a wide one does, and has six pictures of the board in other positions. --ground
+textured is gravel, darker and lighter than the rod, for the ridge filter.
 
 Prints a line a film and how often the intervals hold the truth."""
 
@@ -21,7 +25,8 @@ import numpy as np
 import tendril
 from tendril.comparing import finer, shape_at
 
-SIZE = (1920, 1080)
+SIZE = [1920, 1080]
+BARREL = (-0.18, 0.04)  # of the lens: x (1 + a r^2 + b r^4), r = 1 half a width from the middle
 TUBE = dict(growth_type="feed", growth_initial_length="1cm", si_bending_stiffness="2.209Nmm^2",
             si_speed="5mm/s", friction_beta=1e-6, shape_type="straight")
 DIAMETER, SECONDS = 2.5e-3, 40  # m, s
@@ -34,7 +39,7 @@ class View:
     """A camera at some height over the plane, tilted: from metres in the plane to pixels, [3, 3]."""
 
     def __init__(self, random, middle, span, tilt=4.0):
-        a, b = np.radians(random.uniform(-tilt, tilt, 2))
+        a, b = np.radians(random.uniform(-tilt, tilt, 2)) if np.isscalar(tilt) else np.radians(tilt)
         turn = np.array([[1, 0, 0], [0, np.cos(a), -np.sin(a)], [0, np.sin(a), np.cos(a)]]) \
             @ np.array([[np.cos(b), 0, np.sin(b)], [0, 1, 0], [-np.sin(b), 0, np.cos(b)]])
         height = 3 * span
@@ -44,6 +49,24 @@ class View:
         rows[:, 2] += [0, 0, height]
         self.matrix = np.array([[focal, 0, SIZE[0] / 2], [0, focal, SIZE[1] / 2], [0, 0, 1]]) @ rows
         self.size = focal / height  # pixels per metre in the middle
+
+
+def bent(points):
+    """Where a wide lens shows points of a picture."""
+    middle, half = np.array(SIZE) / 2, SIZE[0] / 2
+    x = (np.asarray(points, float) - middle) / half
+    square = np.sum(x**2, axis=-1, keepdims=True)
+    return middle + half * x * (1 + BARREL[0] * square + BARREL[1] * square**2)
+
+
+def through_lens(picture):
+    """The picture that a wide lens makes of this one."""
+    x, y = np.meshgrid(*(np.arange(n, dtype=float) for n in SIZE))
+    wanted = np.stack([x, y], axis=-1)
+    at = wanted.copy()
+    for _ in range(20):  # what bent() takes to where it is wanted
+        at += wanted - bent(at)
+    return cv2.remap(picture, *at.astype(np.float32).transpose(2, 0, 1), cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
 
     def __call__(self, points):
         whole = np.column_stack([points, np.ones(len(points))]) @ self.matrix.T
@@ -57,14 +80,15 @@ def polygon(picture, points, colour):
 class Stage:
     """All of a film that does not move: ground, ruler, board, light; and how the rest is drawn."""
 
-    def __init__(self, seed, middle, span, body=60, ground=205):
+    def __init__(self, seed, middle, span, body=60, ground=205, gravel=False, lens=False):
         self.random = random = np.random.default_rng(seed)
-        self.view, self.body = View(random, middle, span), body
+        self.view, self.body, self.lens = View(random, middle, span), body, lens
+        self.middle, self.span, self.part = middle, span, SIZE[0] / 1920
         x, y = np.meshgrid(*(np.linspace(-1, 1, n) for n in SIZE))
         angle = random.uniform(0, 2 * np.pi)
         self.light = 1 - 0.22 * (x * np.cos(angle) + y * np.sin(angle)) - 0.12 * (x**2 + y**2)
-        texture = cv2.GaussianBlur(random.normal(size=SIZE[::-1]).astype(np.float32), (0, 0), 6)
-        self.still = (ground + 6 * texture / texture.std()).astype(np.float32)
+        texture = cv2.GaussianBlur(random.normal(size=SIZE[::-1]).astype(np.float32), (0, 0), 6 * self.part)
+        self.still = (ground + (25 if gravel else 6) * texture / texture.std()).astype(np.float32)
         low = middle[1] - 0.26 * span
         self.ruler(np.array([middle[0] - 0.35 * span, low - 0.03 * span]), 0.7 * span, 0.02 * span)
         self.board = self.checkers(np.array([middle[0] - 0.45 * span, middle[1] + 0.265 * span - SQUARE * (BOARD[1] + 1)]))
@@ -76,6 +100,18 @@ class Stage:
             reach = height * (0.6 if k % 10 == 0 else 0.3)
             ends = self.view(corner + np.array([[k * 1e-3, height], [k * 1e-3, height - reach]]))
             cv2.line(self.still, *[tuple(int(v) for v in np.round(16 * e)) for e in ends], 70, 1, cv2.LINE_AA, 4)
+
+    def boards(self, count=6):
+        """Pictures of the board in other positions, for the lens."""
+        views, here = [], self.view
+        for k in range(count):
+            tilt = self.random.uniform(-28, 28, 2)
+            self.view = View(self.random, self.middle, self.span, tilt)
+            size = SQUARE * (np.array(BOARD) + 1)
+            corner = self.middle + self.random.uniform(-0.3, 0.3, 2) * [self.span, 0.5 * self.span] - size / 2
+            views.append(self.finished(self.checkers(corner)))
+        self.view = here
+        return views
 
     def checkers(self, corner):
         """The picture of the board alone, as it is filmed before the rod."""
@@ -91,8 +127,9 @@ class Stage:
         return still
 
     def finished(self, picture):
-        """Light, blur, noise; RGB of 8 bits."""
-        lit = cv2.GaussianBlur(picture * self.light.astype(np.float32), (0, 0), 1.3)
+        """Lens, light, blur, noise; RGB of 8 bits."""
+        picture = through_lens(picture) if self.lens else picture
+        lit = cv2.GaussianBlur(picture * self.light.astype(np.float32), (0, 0), max(1.3 * self.part, 0.6))
         lit = lit + 4 * self.random.normal(size=lit.shape).astype(np.float32)
         return np.repeat(np.clip(lit, 0, 255).astype(np.uint8)[..., None], 3, axis=2)
 
@@ -125,21 +162,26 @@ def rendered(path, r, stage, diameter, frames, fps):
             film.append_data(stage.frame(line, diameter, t))
 
 
-def attempt(seed, r, frames, every, place):
+def attempt(seed, r, frames, every, place, lens=False, ground="plain"):
     """(which intervals hold the truth, relative errors of the estimates, seconds of rendering, measuring,
     fitting)"""
     fps = frames / SECONDS
     length = r.scale("length")
     reach = np.ptp(r.shapes.x.reshape(-1, 2), axis=0) * length
     middle = np.mean([r.shapes.x.reshape(-1, 2).min(axis=0), r.shapes.x.reshape(-1, 2).max(axis=0)], axis=0) * length
-    stage = Stage(seed, middle, 1.5 * max(reach[0], 1.6 * reach[1]))
+    stage = Stage(seed, middle, 1.5 * max(reach[0], 1.6 * reach[1]), gravel=ground == "textured", lens=lens)
     film, board = place / f"film{seed}.mp4", place / f"board{seed}.png"
     begin = time.perf_counter()
     rendered(film, r, stage, DIAMETER, frames, fps)
     imageio.imwrite(board, stage.finished(stage.board))
     drawn = time.perf_counter()
-    clamp, along = stage.view(np.array([[0, 0], [0.05, 0]]))
-    m = tendril.measure(film, clamp=clamp + stage.random.normal(size=2), along=along + stage.random.normal(size=2),
+    clamp, along = (bent if lens else np.array)(stage.view(np.array([[0, 0], [0.05, 0]])))
+    others = [place / f"lens{seed}-{k}.png" for k in range(6)] if lens else []
+    for path, picture in zip(others, stage.boards() if lens else []):
+        imageio.imwrite(path, picture)
+    click = max(stage.part, 0.5)
+    m = tendril.measure(film, clamp=clamp + click * stage.random.normal(size=2),
+                        along=along + click * stage.random.normal(size=2), lens=others, ground=ground,
                         checkerboard=(*BOARD, f"{SQUARE}m"), board_picture=board, every=every)
     m.save(place / f"film{seed}")
     measured = time.perf_counter()
@@ -163,15 +205,19 @@ def main():
     parser.add_argument("--first", type=int, default=1)
     parser.add_argument("--frames", type=int, default=200)
     parser.add_argument("--every", type=int, default=8)
+    parser.add_argument("--size", default="1920x1080", help="of the picture; default %(default)s")
+    parser.add_argument("--lens", action="store_true", help="a wide one, calibrated")
+    parser.add_argument("--ground", choices=("plain", "textured"), default="plain")
     parser.add_argument("--keep", help="directory in which films and pages stay")
     choice = parser.parse_args()
+    SIZE[:] = [int(n) for n in choice.size.split("x")]
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     r = tendril.run(TUBE, **{n: f"{v}{u}" for n, (v, u) in TRUTH.items()}, rod_model="mixed", rod_cells=1200,
                     ts_rtol=1e-7, ts_max_time=f"{SECONDS}s", output_interval=f"{SECONDS / 80}s")
     with tempfile.TemporaryDirectory(prefix="tendril-") as temporary:
         place = Path(choice.keep or temporary)
         place.mkdir(parents=True, exist_ok=True)
-        found = [attempt(seed, r, choice.frames, choice.every, place)
+        found = [attempt(seed, r, choice.frames, choice.every, place, choice.lens, choice.ground)
                  for seed in range(choice.first, choice.first + choice.seeds)]
     for name in TRUTH:
         held = sum(one[0][name] for one in found)

@@ -255,6 +255,12 @@ class Lens:
     def straight(self, picture):
         return needed("cv2", "OpenCV").undistort(picture, self.matrix, self.bent)
 
+    def straightened(self, points):
+        """Where points of a picture as it was taken are in the straight one."""
+        found = needed("cv2", "OpenCV").undistortPoints(np.array(points, float).reshape(-1, 1, 2), self.matrix, self.bent,
+                                                        P=self.matrix)
+        return found.reshape(-1, 2)
+
 
 def pictures_of(source, fps, every, frames):
     """(name, time or nan, length or "", picture) one after the other; source: a film, or photographs, each a
@@ -317,7 +323,7 @@ def measure(source, *, clamp, scale=None, checkerboard=None, board_picture=None,
     """Measures centre lines in a film or in photographs.
 
     source        a film, or photographs, each "FILE", "12cm@FILE", "20s@FILE", or an array
-    clamp         (x, y) in pixels, y downwards
+    clamp         (x, y) in pixels, y downwards; like all that is clicked, in the picture as it was taken
     scale         ((x, y), (x, y), "20cm"): two points in the plane of the rod and their distance; None: pixels
     checkerboard  (9, 6, "1cm"): inner corners and square of one in the plane of the rod, instead of scale
     board_picture the picture that shows it; None: the first
@@ -339,6 +345,10 @@ def measure(source, *, clamp, scale=None, checkerboard=None, board_picture=None,
         raise FilmError("every: give 1 or more")
     optics = Lens([photograph(p) for p in lens], checkerboard) if lens and checkerboard else None
     found, kept, notes, homography = [], [], [], np.eye(3)
+    if optics:  # what was clicked was clicked in pictures as they were taken
+        clamp, = optics.straightened([clamp])
+        along = optics.straightened([along])[0] if along is not None else None
+        scale = (*optics.straightened(scale[:2]), *scale[2:]) if scale else None
     metric = bool(scale or checkerboard)
     if scale:
         homography = similarity(scale)
