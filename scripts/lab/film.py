@@ -16,6 +16,7 @@ import os
 import sys
 import tempfile
 import time
+from functools import lru_cache
 from pathlib import Path
 
 import cv2
@@ -50,6 +51,10 @@ class View:
         self.matrix = np.array([[focal, 0, SIZE[0] / 2], [0, focal, SIZE[1] / 2], [0, 0, 1]]) @ rows
         self.size = focal / height  # pixels per metre in the middle
 
+    def __call__(self, points):
+        whole = np.column_stack([points, np.ones(len(points))]) @ self.matrix.T
+        return whole[:, :2] / whole[:, 2:]
+
 
 def bent(points):
     """Where a wide lens shows points of a picture."""
@@ -59,18 +64,19 @@ def bent(points):
     return middle + half * x * (1 + BARREL[0] * square + BARREL[1] * square**2)
 
 
-def through_lens(picture):
-    """The picture that a wide lens makes of this one."""
-    x, y = np.meshgrid(*(np.arange(n, dtype=float) for n in SIZE))
-    wanted = np.stack([x, y], axis=-1)
+@lru_cache
+def taken_from(width, height):
+    """Of each pixel behind the lens, where in the picture before it that is."""
+    wanted = np.stack(np.meshgrid(np.arange(width, dtype=float), np.arange(height, dtype=float)), axis=-1)
     at = wanted.copy()
     for _ in range(20):  # what bent() takes to where it is wanted
         at += wanted - bent(at)
-    return cv2.remap(picture, *at.astype(np.float32).transpose(2, 0, 1), cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+    return at.astype(np.float32).transpose(2, 0, 1)
 
-    def __call__(self, points):
-        whole = np.column_stack([points, np.ones(len(points))]) @ self.matrix.T
-        return whole[:, :2] / whole[:, 2:]
+
+def through_lens(picture):
+    """The picture that a wide lens makes of this one."""
+    return cv2.remap(picture, *taken_from(*SIZE), cv2.INTER_CUBIC, borderMode=cv2.BORDER_REFLECT_101)
 
 
 def polygon(picture, points, colour):

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import sys
 
+SOON = 0.5  # seconds: what ends before needs no bar
+
 
 def wanted(progress: bool | None) -> bool:
     """Whether there is a bar; None: where somebody looks on."""
@@ -14,4 +16,5 @@ def bar(progress: bool | None, total, form: str | None = None, what="tendril", u
     """A bar of tqdm, where it is wanted."""
     from tqdm import tqdm
 
-    return tqdm(total=total, desc=what, bar_format=form, unit=unit, leave=False, disable=not wanted(progress))
+    return tqdm(total=total, desc=what, bar_format=form, unit=unit, leave=False, delay=SOON,
+                disable=not wanted(progress))

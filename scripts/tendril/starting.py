@@ -35,7 +35,7 @@ def theory_start(problem: Problem, u):
         return None
     try:
         words = problem.words(u) | {"rod_curvature": 0}
-        c = critical(problem.scene, **{k: v for k, v in words.items() if k != "rod_curvature_file"})
+        c = critical(problem.scene, progress=False, **{k: v for k, v in words.items() if k != "rod_curvature_file"})
     except RunError:
         return None
     k = free[0]

@@ -1,14 +1,29 @@
 #include "base/errors.h"
+#include <sys/ioctl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static ErrorState *now; /* the innermost ErrorsBegin() */
 
+/* ErrorsLastWords - waits until mpiexec has taken from its pipe what was said, five seconds at
+   most, and then a little longer: what it has not passed on when a rank ends with an error it may
+   drop. Not collective; before MPI_Finalize() or MPI_Abort(). */
+void ErrorsLastWords(void) {
+  struct stat is;
+  int left = 0;
+
+  (void)fflush(stderr);
+  if (!fstat(STDERR_FILENO, &is) && S_ISFIFO(is.st_mode))
+    for (int k = 0; k < 500 && !ioctl(STDERR_FILENO, FIONREAD, &left) && left > 0; k++)
+      (void)usleep(10000);
+  (void)usleep(100000);
+}
+
 /* An error that one rank has met alone: the others wait for it in some exchange, for ever. All are
    ended, after the line is out. Ranks that meet the same error at once would each print it: the
    lowest comes first and ends the others before they do. */
-static void EndAll(MPI_Comm comm, PetscMPIInt rank, PetscErrorCode n) {
-  (void)fflush(stderr);
-  if (!rank) (void)usleep(100000); /* mpiexec may drop what was written in the last moment */
+static void EndAll(MPI_Comm comm, PetscErrorCode n) {
+  ErrorsLastWords();
   MPI_Abort(comm, (int)n);
 }
 
@@ -49,7 +64,7 @@ static PetscErrorCode Handle(MPI_Comm comm, int line, const char *func, const ch
   else
     n = PetscTraceBackErrorHandler(alone ? PETSC_COMM_SELF : comm, line, func, file, n, p, mess,
                                    ctx);
-  if (alone && p == PETSC_ERROR_INITIAL) EndAll(now->comm, rank, n);
+  if (alone && p == PETSC_ERROR_INITIAL) EndAll(now->comm, n);
   return n;
 }
 

@@ -24,5 +24,6 @@ typedef struct ErrorState {
 PetscErrorCode ErrorsBegin(MPI_Comm comm, PetscBool keep, ErrorState *state);
 PetscErrorCode ErrorsEnd(void);
 void ErrorsOptionsRead(void);
+void ErrorsLastWords(void);
 
 #endif

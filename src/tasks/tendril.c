@@ -13,7 +13,6 @@
 #include <signal.h>
 #include <slepceps.h>
 #include <stdlib.h>
-#include <unistd.h>
 
 static const char about[] =
     "tendril: the slow growth of an elastic fibre that friction holds back.\n"
@@ -135,7 +134,7 @@ int TendrilFinalize(void) {
   LocksEnd();
   failed |= ErrorsEnd() != 0;
   MPI_Comm_size(MPI_COMM_WORLD, &ranks);
-  if (errors.said && ranks > 1) (void)usleep(100000); /* mpiexec may drop the last words */
+  if (errors.said && ranks > 1) ErrorsLastWords();
   failed |= SlepcFinalize() != 0;
   if (began_mpi) MPI_Finalize();
   OptionsFreeWords();

@@ -19,7 +19,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
-from held import PAGE, Held
+from held import PAGE, Held, ended
 from scene_test import DRY, Failure, distance, expect
 
 import h5py
@@ -46,12 +46,11 @@ def run(options, ranks=1, before=""):
     """(exit code, tendril's lines on stderr, all of stderr); before: shell commands."""
     line = f"{before}exec {shlex.join(command(options, ranks))}"
     try:
-        done = subprocess.run(["bash", "-c", line], capture_output=True, text=True, timeout=LIMIT,
-                              env=scene.ENVIRONMENT)
+        code, _, err = ended(["bash", "-c", line], LIMIT, env=scene.ENVIRONMENT)
     except subprocess.TimeoutExpired:
         raise Failure(f"{options}, {ranks} ranks: hangs") from None
-    said = [s for s in done.stderr.splitlines() if s.startswith("tendril: ")]
-    return done.returncode, said, done.stderr
+    said = [s for s in err.splitlines() if s.startswith("tendril: ")]
+    return code, said, err
 
 
 def read(file):

@@ -16,6 +16,37 @@ PAGE = 4096
 LIMIT = 120  # seconds; more is a hang
 
 
+def ended(command, limit, **more):
+    """(exit code, stdout, stderr) of a command; TimeoutExpired if it does not end. An mpiexec that goes on
+    although all its ranks have ended (that of Open MPI 5 does now and then, when they end with an error) is
+    ended, and said: it is no fault of theirs."""
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **more) as process:
+        try:
+            out, err = process.communicate(timeout=limit)
+        except subprocess.TimeoutExpired:
+            if alive(process.pid):
+                process.kill()
+                raise
+            print(f"{command}: its ranks have ended, mpiexec has not", flush=True)
+            process.kill()
+            out, err = process.communicate()
+            return 1, out, err
+    return process.returncode, out, err
+
+
+def alive(parent):
+    """Whether a process has children that run; one that has none and is no mpiexec counts as its own."""
+    states = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            state, owner = stat.read_text().rpartition(")")[2].split()[:2]
+        except OSError:  # it has just ended
+            continue
+        if int(owner) == parent:
+            states.append(state)
+    return not states or any(state != "Z" for state in states)
+
+
 class Held:
     """with Held(command, **of Popen) as run: run.let(); run.send_signal(...); run.end()"""
 

@@ -18,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
 from scene_test import Failure, expect
 from faults import small_disk
-from held import MONITORS, Held
+from held import MONITORS, Held, ended
 
 import h5py
 import numpy as np
@@ -52,14 +52,13 @@ def tendril(options, ranks=1, before=""):
     command = [scene.MPIEXEC, "-n", str(ranks), "--bind-to", "none"] if ranks > 1 else []
     line = f"{before}exec {shlex.join([*command, scene.TENDRIL, *shlex.split(options)])}"
     try:
-        done = subprocess.run(["bash", "-c", line], capture_output=True, text=True, timeout=LIMIT,
-                              env=scene.ENVIRONMENT, cwd=scene.SCRATCH)
+        code, out, err = ended(["bash", "-c", line], LIMIT, env=scene.ENVIRONMENT, cwd=scene.SCRATCH)
     except subprocess.TimeoutExpired:
         raise Failure(f"{options}, {ranks} ranks: hangs") from None
-    said = [s.split(": ", 1)[1] for s in done.stderr.splitlines() if s.startswith("tendril: ")]
-    if done.returncode and not said:
-        said = ["nothing of its own, but: " + done.stderr[-500:]]
-    return done.returncode, done.stdout, said
+    said = [s.split(": ", 1)[1] for s in err.splitlines() if s.startswith("tendril: ")]
+    if code and not said:
+        said = ["nothing of its own, but: " + err[-500:]]
+    return code, out, said
 
 
 def sweep(table, options="", ranks=1, code=0, file="out.h5", base=SHORT):

@@ -240,6 +240,42 @@ class Tracing(unittest.TestCase):
         off, _ = comparing.distances(found.points[~found.unsure], line)
         self.assertLess(np.quantile(np.abs(off), 0.9), 1.5)
 
+    def staged(self, lens=False, ground="plain"):
+        """How far, in mm, points are from a tube of 2.5 mm that was filmed with ruler, hand, board and tilt: by
+        the board, with clicks in the picture as it was taken; and the same if the lens is left alone."""
+        sys.path.insert(0, str(ROOT / "scripts/lab"))
+        import film
+        import imageio.v2 as imageio
+
+        with mock.patch.object(film, "SIZE", [960, 540]), tempfile.TemporaryDirectory(prefix="tendril-") as place:
+            s = np.linspace(0, 1, 400)
+            line = np.column_stack([0.12 * s, 0.015 * np.sin(6 * s) * s])
+            stage = film.Stage(4, np.array([0.06, 0.0]), 0.22, gravel=ground == "textured", lens=lens)
+            boards = [Path(place) / f"{k}.png" for k in range(7)]
+            for path, picture in zip(boards, [stage.finished(stage.board), *(stage.boards() if lens else [])]):
+                imageio.imwrite(path, picture)
+            clamp, along = (film.bent if lens else np.array)(stage.view(np.array([[0, 0], [0.05, 0]])))
+            off = []
+            for lenses in ([boards[1:], []] if lens else [[]]):
+                m = tendril.measure(stage.frame(line, 2.5e-3, 0.0), clamp=clamp, along=along, lens=lenses, ground=ground,
+                                    checkerboard=(*film.BOARD, f"{film.SQUARE}m"), board_picture=boards[0], pages=False)
+                points = m.scale.plane(m.frames[0].line.points)
+                gap, _ = comparing.distances(points[(points[:, 0] > 0.015) & (points[:, 0] < 0.11)], line)
+                off.append(1e3 * float(np.sqrt(np.mean(gap**2))))
+        return off
+
+    @unittest.skipUnless(find_spec("cv2") and find_spec("imageio"), "OpenCV is not there")
+    def test_through_a_lens(self):
+        """That bends the picture by tens of pixels: straightened, clicks too."""
+        with_lens, without = self.staged(lens=True)
+        self.assertLess(with_lens, 0.1)
+        self.assertGreater(without, 3 * with_lens)
+
+    @unittest.skipUnless(find_spec("cv2") and find_spec("skimage"), "OpenCV is not there")
+    def test_on_gravel(self):
+        """A ground that is as dark as the rod in places: by the ridge filter."""
+        self.assertLess(self.staged(ground="textured")[0], 0.15)
+
     def test_film(self):
         """Photographs with a scale become points in centimetres that fit reads, and a page."""
         s = np.linspace(0, 1, 200)
@@ -566,6 +602,37 @@ class Fitting(unittest.TestCase):
             turned = self.faulty(lambda x: x @ np.array([[c, s], [-s, c]]))
         self.assertIn("a bad fit", turned.warnings[0])
         self.assertRegex("\n".join(turned.warnings), "likeliest cause: the picture is turned by (2.[6-9]|3|3.[1-4]) degrees")
+
+    def test_no_unit_at_all(self):
+        """Of numbers that carry none, beside a scene in the laboratory's, what they may be; and what is then read."""
+        about = self.found.run.attributes
+        bare = [replace(p, at=measured.Values(p.at.numbers, ""), points=measured.Values(100 * p.points.numbers, ""))
+                for p in self.found.problem.measured.photographs]
+        causes = doubts.unitless(measured.Measured(bare), about)
+        self.assertEqual([c.change for c in causes], [("time", 1.0), ("metre", 1.0), ("metre", 0.01), ("metre", 1e-3)])
+        self.assertEqual([c.of_time for c in causes], [True, False, False, False])
+        self.assertEqual(doubts.unitless(self.found.problem.measured, about), [])
+        for cause in (causes[0], causes[2]):
+            new = doubts.changed(measured.Measured(bare), cause.change).photographs
+            for p, old in zip(new, self.found.problem.measured.photographs):
+                one, other = (p.at, old.at) if cause.of_time else (p.points, old.points)
+                self.assertEqual(one.unit, other.unit)
+                np.testing.assert_allclose(one.numbers, other.numbers)
+
+    def test_a_time_without_its_unit(self):
+        """Is named, by trying it."""
+        old = self.found.problem
+        bare = measured.Measured([replace(p, at=measured.Values(p.at.numbers, "")) for p in old.measured.photographs])
+        new = problem.Problem(old.scene, bare, old.parameters, old.options)
+        for name in ("glimpse", "begin", "reach", "search_settings", "search_known", "search_points", "errors"):
+            setattr(new, name, getattr(old, name))
+        new.settings, new.known = old.settings, dict(old.known)
+        wrong = replace(self.found, problem=new)
+        new.raw(wrong.u, wrong.run)
+        self.assertGreater(doubts.sizes(wrong)["lines"][0], 0.02 * doubts.sizes(wrong)["lines"][1])
+        ratio, _, u = doubts.tried(wrong, doubts.unitless(bare, self.found.run.attributes)[0])
+        self.assertLess(ratio, 0.3)
+        self.assertAlmostEqual(float(old.parameters[0].value(u[0])), FRICTION, delta=0.05 * FRICTION)
 
     def test_a_wrong_unit(self):
         """Is the first of what is tried; then the residuals are gone."""
