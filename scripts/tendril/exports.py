@@ -57,8 +57,7 @@ def data_of(r: Results, shape, si):
     data |= {name: factor_of(r, unit, si) * getattr(solid, name) for name, unit in VECTORS.items()
              if getattr(solid, name) is not None}
     if "contact" in r.shapes:
-        force = contact_force(r, shape)
-        data["contact"] = factor_of(r, "N", si) * np.pad(force, ((0, 0), (0, 3 - force.shape[1])))
+        data["contact"] = factor_of(r, "N", si) * contact_force(r, solid)
     return data, factor_of(r, "l", si) * solid.x
 
 

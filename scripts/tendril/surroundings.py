@@ -26,7 +26,10 @@ def axial_force(shape: Shape) -> np.ndarray:
 
 def contact_force(r: Results, shape: Shape) -> np.ndarray:
     """[n, 2 or 3], force of contact on the rod per unit length; 0 where the file knows none."""
-    return r.shapes["contact"][shape.index] if "contact" in r.shapes else np.zeros_like(shape.x)
+    if "contact" not in r.shapes:
+        return np.zeros_like(shape.x)
+    force = r.shapes["contact"][shape.index]
+    return np.pad(force, ((0, 0), (0, shape.x.shape[1] - force.shape[1])))  # of a rod in the plane shown in space
 
 
 def weight(r: Results, axes: int) -> np.ndarray:

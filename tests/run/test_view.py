@@ -23,7 +23,7 @@ try:
     import numpy as np
 
     import tendril
-    from tendril.surroundings import friction
+    from tendril.surroundings import friction, pressed
 except ImportError as error:
     from_venv(error)
 
@@ -427,6 +427,28 @@ class View(unittest.TestCase):
         if seen.get("lines"):
             self.skipTest("this Chromium has no WebGL")
         self.check_pictures(seen, False)
+
+    @unittest.skipUnless(BROWSER, "no Chromium here")
+    def test_plane_beside_space(self):
+        """Of two runs one may lie in the plane: it has x3 = 0, and what presses on it is where it was."""
+        (self.place / "wall.txt").write_text("plane 1.5 0 -1 0\n")
+        flat = tendril.run(growth_type="feed", growth_initial_length=1, shape_amplitude=0.1, contact_diameter=0.1,
+                           wall_file=self.place / "wall.txt", rod_cells=40, ts_max_time=1, output_interval=0.1)
+        page = self.page([flat, self.wire()])
+        end = f"""const seen = {{}}; window.onerror = (message) => {{ seen.error = message; }};
+            try {{ const shape = bodyAt(data.runs[0], {float(flat.series.t[-1])}), nodes = data.runs[0].nodes;
+              seen.places = Array.from(shape.touched); seen.forces = Array.from(shape.contact);
+              seen.x3 = Array.from(shape.x).filter((v, i) => i % 3 === 2); seen.field = shape.fields.contact.length - nodes;
+            }} catch (error) {{ seen.error = String(error); }}
+            const pre = document.createElement("pre"); pre.id = "seen"; pre.textContent = JSON.stringify(seen);
+            document.body.append(pre);"""
+        seen = self.seen(page, "1280,900", end, ["--disable-3d-apis"])
+        self.assertNotIn("error", seen)
+        places, forces = pressed(flat, flat.stored(-1), len(seen["forces"]) // 3)
+        self.assertGreater(np.abs(forces).max(), 0.1)
+        np.testing.assert_allclose(np.reshape(seen["forces"], (-1, 3))[:, :2], forces, rtol=1e-5, atol=1e-5)
+        np.testing.assert_allclose(np.reshape(seen["places"], (-1, 3))[:, :2], places, rtol=1e-5, atol=1e-5)
+        self.assertEqual((np.abs(seen["x3"]).max(), seen["field"]), (0, 0))
 
     @unittest.skipUnless(BROWSER, "no Chromium here")
     def test_space_on_a_phone_without_webgl(self):

@@ -27,9 +27,10 @@ for (const surface of data.runs.flatMap((run) => run.surfaces)) {
 // The rod at a time, with its scalars along it.
 function bodyAt(run, t) {
   const shape = shapeAt(run, t), [k, w] = stored(run, t);
+  shape.fields = {};
   for (const [name, all] of Object.entries(run.along)) {
     const width = run.nodes, a = k * width, b = (w ? k + 1 : k) * width;
-    shape[name] = Float32Array.from({ length: width }, (_, i) => all[a + i] * (1 - w) + all[b + i] * w);
+    shape.fields[name] = Float32Array.from({ length: width }, (_, i) => all[a + i] * (1 - w) + all[b + i] * w);
   }
   return shape;
 }
@@ -53,7 +54,7 @@ const parsed = (colour) => [1, 3, 5].map((i) => parseInt(colour.slice(i, i + 2),
 
 // [3 n], a colour a node: of the run, or of the field that is chosen
 function coloursOf(run, shape) {
-  const field = data.fields[shownField()], along = field && shape[shownField()], n = run.nodes;
+  const field = data.fields[shownField()], along = field && shape.fields[shownField()], n = run.nodes;
   const all = new Float32Array(3 * n), own = along ? null : several ? parsed(run.colour) : [0.3, 0.45, 0.6];
   for (let i = 0; i < n; i++) all.set(own || shade(along[i], field), 3 * i);
   return all;
