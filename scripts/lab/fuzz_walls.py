@@ -1,0 +1,156 @@
+#!/usr/bin/env python3
+"""Random scenes in space with walls: none may be lost, and none may go through a wall.
+
+    scripts/lab/fuzz_walls.py build/tendril SEED COUNT [SECONDS]
+
+Each is run once, for SECONDS at most (30). A scene is lost if it gives up or does not end; one that is
+jammed, and says so, is not. The curve between nodes is looked at in all stored shapes: where its middle is
+behind a wall, the rod is through."""
+
+import os
+import random
+import subprocess
+import sys
+import tempfile
+import time
+
+import h5py
+import numpy as np
+
+ENVIRONMENT = dict(os.environ, OMP_NUM_THREADS="1", OMPI_ALLOW_RUN_AS_ROOT="1",
+                   OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMPI_MCA_ess_singleton_isolated="1")
+
+
+def unit(v):
+    return np.asarray(v, float) / np.linalg.norm(v)
+
+
+def cylindrical(x, at, axis):
+    o = x - at
+    z = o @ axis
+    return np.linalg.norm(o - np.outer(z, axis), axis=-1), z
+
+
+def distance(wall, x):
+    """The distance of points from a wall, below 0 behind it."""
+    kind, a, inside = wall
+    side = -1 if inside else 1
+    at = np.array(a[:3])
+    if kind == "plane":
+        return (x - at) @ unit(a[3:6])
+    if kind == "sphere":
+        return side * (np.linalg.norm(x - at, axis=-1) - a[3])
+    r, z = cylindrical(x, at, unit(a[3:6]))
+    if kind == "cylinder":
+        return side * (r - a[6])
+    if kind == "cone":  # inside; beyond its ends it is open
+        n = unit([-a[8], a[7] - a[6]])
+        d = n[0] * (r - a[6]) + n[1] * z
+        return np.where((z > 0) & (z < a[8]), d, np.inf)
+    return side * (np.hypot(r - a[6], z) - a[7])
+
+
+def scene(R):
+    def uniform(a, b):
+        return round(R.uniform(a, b), 4)
+
+    D, start = R.choice([0.02, 0.05, 0.1, uniform(0.02, 0.15)]), uniform(0.3, 0.8)
+    o = {"growth_type": R.choice(["feed", "feed", "uniform", "gaussian", "apical"]), "contact_diameter": D,
+         "growth_initial_length": start, "shape_type": "straight", "ts_max_time": uniform(1, 3),
+         "rod_cells": R.choice([60, 100]), "rod_curvature": uniform(-0.5, 0.5),
+         "rod_curvature_2": uniform(-0.5, 0.5), "friction_beta": R.choice([0, 1e-3, 1e-3])}
+    if o["growth_type"] in ("uniform", "gaussian"):
+        o["ts_max_time"] = uniform(0.8, 1.8)
+    if R.random() < 0.3:
+        o["rod_weight"] = f"{uniform(-0.3, 0.3)},{uniform(-0.5, 0.5)},{uniform(-1, 0.2)}"
+    if R.random() < 0.3:
+        o["clamp_spin"] = uniform(-3, 3)
+    if R.random() < 0.3:
+        o["rod_twist"] = uniform(-1, 1)
+    axis, walls = np.stack([np.linspace(0, start, 50), *np.zeros((2, 50))], 1), []
+    clear = D / 2 + 0.02
+    led = R.random()
+    if led < 0.25:
+        walls.append(("cylinder", [0, 0, 0, 1, 0, 0, D / 2 + uniform(0.03, 0.3)], True))
+    elif led < 0.45:
+        turn, ring, r = uniform(0, 6), uniform(0.8, 2), D / 2 + uniform(0.05, 0.3)
+        walls.append(("torus", [0, ring * np.cos(turn), ring * np.sin(turn), 0, -np.sin(turn), np.cos(turn), ring, r],
+                      True))
+    elif led < 0.55:
+        walls.append(("cone", [-0.5, 0, 0, 1, 0, 0, D / 2 + uniform(0.1, 0.4), D / 2 + uniform(0.05, 0.2), 4], True))
+    while len(walls) < 1 or R.random() < 0.6:
+        at = [uniform(0, 2.5), uniform(-0.8, 0.8), uniform(-0.8, 0.8)]
+        n = list(unit([R.gauss(0, 1) for _ in range(3)]))
+        kind = R.choice(["plane", "sphere", "cylinder", "torus"])
+        walls.append({"plane": ("plane", at + n, False),
+                      "sphere": ("sphere", at + [uniform(0.1, 0.6)], False),
+                      "cylinder": ("cylinder", at + n + [uniform(0.1, 0.4)], False),
+                      "torus": ("torus", at + n + [uniform(0.4, 0.8), uniform(0.1, 0.2)], False)}[kind])
+    walls = [w for w in walls if distance(w, axis).min() > clear]
+    rub = R.choice([0, 0.1, 0.3, 0.6])
+    lines = [f"{k} {' '.join(f'{v:.12g}' for v in a)} {'' if k == 'plane' else 'inside' if i else 'outside'} "
+             f"friction {rub}" for k, a, i in walls]
+    return o, walls, lines
+
+
+def curve(x, tangent, g, s, fine=8):
+    """Points of the cubic between nodes."""
+    z = np.linspace(0, 1, fine, endpoint=False)[:, None, None]
+    h = np.diff(s)[:, None]
+    a, b, u, v = x[:-1], x[1:], h * (g[:, None] * tangent)[:-1], h * (g[:, None] * tangent)[1:]
+    return ((1 + 2 * z) * (1 - z) ** 2 * a + z * (1 - z) ** 2 * u + z * z * (3 - 2 * z) * b
+            + z * z * (z - 1) * v).reshape(-1, 3)
+
+
+def run(exe, o, walls, lines, limit):
+    """What became of it, and the command."""
+    folder = tempfile.mkdtemp()
+    with open(f"{folder}/walls.txt", "w") as f:
+        f.write("\n".join(lines) + "\n")
+    file = f"{folder}/run.h5"
+    command = [exe, *sum([["-" + k, str(v)] for k, v in o.items()], []), "-wall_file", f"{folder}/walls.txt",
+               "-output_interval", "0.05", "-output", file]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=limit, env=ENVIRONMENT)
+    except subprocess.TimeoutExpired:
+        return "hung", 0, " ".join(command)
+    said = (done.stderr or done.stdout).strip()
+    if not os.path.exists(file):
+        return f"lost: {said[-200:]}", 0, " ".join(command)
+    with h5py.File(file) as f:
+        shapes = {k: f["shapes"][k][:] for k in ("x", "d1", "stretch")}
+        s, deep = np.linspace(0, 1, shapes["x"].shape[1]), f["series/penetration"][:].max()
+        s = f["s"][:] if "s" in f else s
+        pressed = f["series/contact_force"][:].max() > 0
+    for x, d1, g in zip(*shapes.values()):
+        for wall in walls:
+            if distance(wall, curve(x, d1, g, s)).min() < 0:
+                return f"through {wall[0]}", deep, " ".join(command)
+    if done.returncode:
+        return ("jammed" if "jammed at" in said else f"lost: {said[-200:]}"), deep, " ".join(command)
+    return "touched" if pressed else "free", deep / o["contact_diameter"], " ".join(command)
+
+
+def main():
+    exe, seed, count = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
+    limit = float(sys.argv[4]) if len(sys.argv) > 4 else 30
+    R, tally, deepest, times = random.Random(seed), {}, [], []
+    for _ in range(count):
+        o, walls, lines = scene(R)
+        if not walls:
+            lines, walls = ["plane 0 0 -2 0 0 1"], [("plane", [0, 0, -2, 0, 0, 1], False)]
+        begin = time.time()
+        what, deep, command = run(exe, o, walls, lines, limit)
+        times.append(time.time() - begin)
+        deepest.append(deep)
+        word = what.split(":")[0].split()[0]
+        tally[word] = tally.get(word, 0) + 1
+        if word in ("hung", "lost", "through"):
+            print(what, "|", command, flush=True)
+    print(f"{count} scenes: {tally}; penetration at most {100 * max(deepest):.2f} % of the diameter, "
+          f"median of the times {np.median(times):.2f} s, at most {max(times):.1f} s")
+    return any(tally.get(k) for k in ("hung", "lost", "through"))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

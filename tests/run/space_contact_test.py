@@ -1,0 +1,174 @@
+#!/usr/bin/env python3
+"""Walls around a rod in space: exact answers, the plane's, what must hold always, and what is refused.
+
+    space_contact_test.py build/tendril [--mpiexec mpiexec] CHECK...      (no CHECK: all of them)"""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
+from contact_test import walls
+from scene_test import Run, expect
+from laboratory_test import read, tendril
+
+import numpy as np
+
+CHECKS = {}
+FED = ("-growth_type feed -growth_initial_length 0.5 -shape_type straight -contact_diameter 0.1 -rod_cells 60 "
+       "-ts_max_time 2 ")
+PILLAR = "circle 2 0.4 0.7 outside friction 0.4", "plane 3 0 -1 0"
+ALONE = "-friction_mu 0 -friction_layers 0:1e-9 -friction_beta 1e-12 "  # next to no friction but that of walls
+
+
+def check(function):
+    CHECKS[function.__name__.replace("_", "-")] = function
+    return function
+
+
+def tip(r):
+    return np.array([*r.tip, r.tip_x3[-1]])
+
+
+@check
+def plane():
+    """A pillar and a plane: the plane's model, that of space, and the scene turned about the clamp's axis,
+    its pillar a cylinder."""
+    c, s = float(np.cos(0.7)), float(np.sin(0.7))
+    flat = Run(FED + "-rod_curvature 0.1 " + walls(*PILLAR))
+    there = Run(FED + "-rod_curvature 0.1 -rod_model space " + walls(*PILLAR))
+    expect((there.shapes["x"][..., 2] == 0).all(), "x3 is not 0")
+    apart = np.abs(tip(there)[:2] - flat.tip).max()
+    force = there.contact_force[-1] / flat.contact_force[-1] - 1
+    print(f"plane and space: tips apart by {apart:.1e}, forces of contact by {force:.1e}")
+    expect(flat.contact_force[-1] > 1 and apart < 1e-5 and abs(force) < 1e-4, f"{apart}, {force}")
+    other = Run(FED + f"-rod_curvature {0.1 * c!r} -rod_curvature_2 {-0.1 * s!r} " + walls(
+        f"cylinder 2 {0.4 * c!r} {0.4 * s!r} 0 {-s!r} {c!r} 0.7 outside friction 0.4", "plane 3 0 0 -1 0 0"))
+    turned = np.array([[1, 0, 0], [0, c, -s], [0, s, c]]) @ tip(there)
+    off = np.abs(tip(other) - turned).max()
+    push = np.array([r.series[f"wall_force_{k}"][-1] for r in (there, other) for k in (1, 2, 3)]).reshape(2, 3)
+    push = np.abs([push[1, 0] - push[0, 0], np.hypot(*push[1, 1:]) - np.hypot(*push[0, 1:])]).max()
+    print(f"turned: tips apart by {off:.1e}, forces of walls by {push:.1e}")
+    expect(off < 1e-5 and push < 1e-4, f"turned: {off}, {push}")
+
+
+@check
+def grip():
+    """A heavy rod that is fed and turned in a tube just wider than itself climbs by atan(mu a W/|(V, a W)|);
+    friction is mu times the normal force, against the slip of the rod's surface."""
+    D, R, w, mu, turn = 0.1, 0.051, 0.5, 0.3, 1.5
+    r = Run("-growth_type feed -growth_initial_length 1 -shape_type straight -rod_cells 60 -ts_max_time 1 "
+            f"-contact_diameter {D} {ALONE} -rod_weight 0,0,{-w} -clamp_spin {2 * turn / D} "
+            + walls(f"cylinder 0 0 {R - D / 2} 1 0 0 {R} inside friction {mu}"))
+    size, N = np.hypot(1, turn), r.contact_force[-1]
+    along = abs(r.wall_force_1[-1]) * size / (mu * N) - 1
+    torque = abs(r.series["base_moment_1"][-1]) * 2 / D * size / (mu * N * turn) - 1
+    x = r.shapes["x"][-1, 30]
+    climb = np.arctan2(abs(x[1]), R - D / 2 - x[2]) / np.arctan(mu * turn / size) - 1  # the clamp is not turned aside
+    print(f"{r.steps} steps; push off by {along:.1e}, torque by {torque:.1e}, angle by {climb:.1e}, "
+          f"defect {r.energy_defect[-1]:.1e}")
+    expect(abs(along) < 1e-3 and abs(torque) < 1e-3 and abs(climb) < 0.05, f"{along}, {torque}, {climb}")
+
+
+@check
+def rolls():
+    """A heavy rod that lies on a rough plane and is pushed aside: one that twists easily rolls; one that does not
+    is held."""
+    aside = {}
+    for name, mu, torsion in (("smooth", 0, 0.75), ("rolls", 5, 0.02), ("held", 5, 100)):
+        r = Run("-growth_type feed -growth_initial_length 1 -shape_type straight -rod_cells 40 -ts_max_time 0.2 "
+                f"-contact_diameter 0.1 -friction_mu 0 -rod_weight 0,0,-2 -rod_torsion {torsion} "
+                f"-tip_force_vector 0,0.3,0 " + walls(f"plane 0 0 -0.05 0 0 1 friction {mu}"))
+        aside[name] = r.tip[1]
+        print(f"{name}: {r.steps} steps, tip aside by {r.tip[1]:.4f}, defect {r.energy_defect[-1]:.1e}")
+    expect(aside["smooth"] > 4 * aside["held"] > 0, f"is not held: {aside}")
+    expect(aside["rolls"] > 1.5 * aside["held"], f"does not roll: {aside}")
+
+
+@check
+def balance():
+    """Energy, and how deep it is pressed: a turned rod in a ring, one that lies in a tube, one in a funnel;
+    with exact friction, too."""
+    for options, wall in (
+            ("-rod_curvature 0.5 -clamp_spin 2 ", "torus 0 1 0 0 0 1 1 0.2 inside friction 0.3"),
+            ("-rod_curvature 0.5 -clamp_spin 2 -friction_beta 0 -rod_weight 0,0,-0.5 ",
+             "cylinder 0 0 0 1 0 0 0.2 inside friction 0.4"),
+            ("-rod_curvature 0.3 -rod_twist 0.3 ", "cone 0 0 0 1 0 0 0.3 0.08 3 inside friction 0.2"),
+            ("-rod_curvature 0.1 -rod_curvature_2 0.05 ", "sphere 2 0.3 0.1 0.7 outside friction 0.2")):
+        r = Run(FED + options + walls(wall))
+        late, deep = r.energy_defect[r.t > 0.01].max(), r.penetration.max() / 0.1
+        print(f"{wall}: {r.steps} steps, defect {late:.1e}, penetration {100 * deep:.2f} % of the diameter")
+        expect(r.contact_force[-1] > 0 and late < 1e-5 and deep < 0.01, f"{wall}: {late}, {deep}")
+
+
+@check
+def ranks_and_restart():
+    """2 and 3 ranks agree; a run broken in the midst of contact goes on to the last bit."""
+    d = scene.SCRATCH
+    wall = walls("torus 0 1 0 0 0 1 1 0.2 inside friction 0.3", "cylinder 1.6 1.2 0 0 0 1 0.2 outside friction 0.2")
+    options = FED + "-rod_curvature 0.5 -clamp_spin 2 -friction_beta 0 " + wall
+    one = Run(options)
+    for n in (2, 3):
+        r = Run(options, ranks=n)
+        off = max(np.abs(tip(r) - tip(one)).max(), abs(r.contact_force[-1] / one.contact_force[-1] - 1))
+        print(f"{n} ranks: {r.steps} and {one.steps} steps, differ by {off:.1e}")
+        expect(off < 1e-4, f"{n} ranks: {off}")
+    tendril(f"{options} -output {d}/whole.h5")
+    whole = read(f"{d}/whole.h5")
+    pressed = np.flatnonzero(whole["series/contact_force"] > 0)
+    tendril(f"{options} -output {d}/broken.h5 -ts_max_steps {pressed[len(pressed) // 2]}", 1)
+    tendril(f"-restart {d}/broken.h5 -output {d}/broken.h5")
+    broken = read(f"{d}/broken.h5")
+    different = [k for k in whole if not np.array_equal(whole[k], broken[k])]
+    print(f"{len(whole['series/t'])} steps, {len(pressed)} in contact, different: {different}")
+    expect(len(pressed) > 20 and not different, f"{different} differ")
+
+
+@check
+def guard():
+    """A post far thinner than a cell is not stepped over: where cells do not feel it, the run says so; a jam is
+    named."""
+    d = scene.SCRATCH
+    post = walls("cylinder 1.2 0.3 0 0 0.02 1 0.03 outside")
+    led = ("-growth_type feed -growth_initial_length 0.5 -shape_type straight -rod_curvature 0.6 "
+           f"-contact_diameter 0.02 -ts_max_time 2 -output_interval 0.02 -output {d}/post.h5 ")
+    line = tendril(led + "-rod_cells 12 " + post, 1)
+    expect("the rod would pass through itself or a wall" in line, line)
+    with_room = tendril(led + "-rod_cells 60 " + post)
+    x = read(f"{d}/post.h5")["shapes/x"]
+    away = np.hypot(x[..., 0] - 1.2, x[..., 1] - 0.3).min()
+    print(line.strip(), "; finer:", with_room.splitlines()[-3], f"; {away:.4f} from the post's axis")
+    expect(away > 0.98 * 0.04, f"in the post: {away}")
+    hole = walls("sphere 0.05 0 0 0.12 inside")
+    line = tendril(FED + "-growth_initial_length 0.1 -rod_curvature 0.1 -rod_curvature_2 0.1 -ts_max_time 40 "
+                   f"-output {d}/jam.h5 {hole}", 1)
+    expect("jammed at t = " in line and "into a wall at s = " in line, line)
+
+
+@check
+def refused():
+    """One line each, which names the remedy."""
+    d = scene.SCRATCH
+    for wall, words in {
+            "sphere 1 0 0 inside": "line 1: give sphere X Y Z R inside|outside",
+            "sphere 9 0 0 -1 outside": "the radius of a sphere must be above 0",
+            "cylinder 0 0 0 0 0 0 1 inside": "the cylinder's axis has no direction",
+            "cylinder 0 0 0 1 0 0 0.04 inside": "the cylinder is narrower than the rod (-contact_diameter)",
+            "cylinder 0 1 0 1 0 0 0.5 inside": "the rod starts in a wall, 0.55 deep at s = 0",
+            "cylinder 5 0 0 1 0 0 0.5 outside -1": "a cylinder's length must be above 0",
+            "torus 5 0 0 1 0 0 0.5 0.6 outside": "the first radius of a torus",
+            "cone 5 0 0 1 0 0 0 0 1 outside": "a cone's radii must be at least 0",
+            "plane 0 0 -1 0 0 0": "the plane's normal has no direction",
+            "plane 0 0 -0.02 0 0 1": "the rod starts in a wall",
+            "sphere 0.25 0 0 0.01 outside": "the rod starts in a wall",
+            "sphere 5 0 0 1 outside friction -1": "friction must be from 0 to 100"}.items():
+        line = tendril(FED + walls(wall), 1)
+        expect(words in line and line.count("\n") <= 1, f"{wall}: {line}")
+    line = tendril("-wall_file " + walls("cylinder 5 0 0 1 0 0 0.5 outside 1").split()[1], 1)
+    expect("the edges of a cylinder need a rod that is not infinitely thin: give -contact_diameter" in line, line)
+    line = tendril(FED + "-rod_model frame " + walls("sphere 5 0 0 1 outside"), 1)
+    expect("-wall_file: takes the rod out of the plane" in line, line)
+
+
+if __name__ == "__main__":
+    sys.exit(scene.main(CHECKS))
