@@ -240,11 +240,14 @@ static PetscErrorCode ScaleAttributes(Output self, HdfFile file) {
   PetscFunctionReturn(0);
 }
 
-/* The stiffness of contact at time t, and the walls around the rod, for who draws it. */
-static PetscErrorCode ContactAttributes(Output self, HdfFile file, PetscReal t) {
+/* What laws have become by time t: the viscous share of friction, the stiffness of contact; and the
+   walls around the rod, for who draws it. */
+static PetscErrorCode LawAttributes(Output self, HdfFile file, PetscReal t) {
   char *text;
 
   PetscFunctionBegin;
+  if (self->scene->load.shared)
+    PetscCall(HdfReal(file, "/", "viscous_share", 1 - self->scene->load.friction.mu));
   PetscCall(SceneContactAt(self->scene, t));
   if (self->scene->contact.any)
     PetscCall(HdfReal(file, "/", "contact_stiffness", self->scene->contact.stiffness));
@@ -483,7 +486,7 @@ PetscErrorCode OutputStore(Output self, Rod rod, RestartState *state, Vec points
     PetscCall(OutputAttributes(file, self->scene->comm, finished));
     PetscCall(HdfText(file, "/", "interrupted", self->interrupted));
     PetscCall(ScaleAttributes(self, file));
-    PetscCall(ContactAttributes(self, file, state ? state->t : 0));
+    PetscCall(LawAttributes(self, file, state ? state->t : 0));
     PetscCall(ErrorAttributes(self, file));
     if (self->earlier)
       PetscCall(HdfWriteText(file, "earlier_options", self->earlier, "options of the runs before"));

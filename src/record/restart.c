@@ -98,6 +98,7 @@ PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, P
   UserCheck(n == RESTART_STATE, scene->comm, "-restart %s: is of another version of tendril", file);
   PetscCall(CheckScales(file, scene));
   PetscCall(TakeMesh(file, scene));
+  if (state->shared != 0) LoadShare(&scene->load, state->shared);
   scene->contact.time = PETSC_MIN_REAL; /* its law may follow from the cells */
   UserCheck(scene->end_time > state->t * (1 + 1e-12), scene->comm,
             "-restart %s: is at t = %s already; give a later -ts_max_time", file,
@@ -201,6 +202,7 @@ PetscErrorCode RestartTake(const char *file, const RestartState *state, Leg *leg
   points  borrowed, at most VBDF_POINTS, latest first
 */
 PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *state, Vec points[]) {
+  const Load *load = &leg->rod->scene->load;
   PetscInt n, order, steps;
 
   PetscFunctionBegin;
@@ -215,5 +217,6 @@ PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *stat
   state->order = order;
   state->steps = steps;
   state->fields = leg->rod->model->fields;
+  state->shared = load->shared ? 1 - load->friction.mu : 0;
   PetscFunctionReturn(0);
 }

@@ -15,6 +15,7 @@ typedef struct {
   PetscReal memory[VBDF_MEMORY];  /* of the stepper, beside its points */
   PetscReal norm;                 /* |x2| */
   PetscReal folds, neglected;     /* so far, for the estimate of the error */
+  PetscReal shared;               /* viscous share that friction was given, see LoadShareMore() */
   PetscReal errors[ESTIMATE_PARTS][ESTIMATE_SEEN]; /* followed so far */
   PetscReal time[VBDF_POINTS];                     /* of the points */
   PetscReal balance[BALANCE_STATE];                /* of the energy balance */

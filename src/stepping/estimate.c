@@ -487,6 +487,7 @@ static PetscErrorCode Advance(Estimate self, PetscReal t, PetscReal dip) {
     factor =
         PetscExpReal(PetscMax(-most_folds, PetscMin(most_folds, PetscLogReal(size / self->size))));
   self->size = size;
+  self->scene.load.friction.mu = self->leg->rod->scene->load.friction.mu; /* a snap may change it */
   PetscCall(PutState(self));
   TakeContact(self);
   for (int f = 0; f < FIELDS; f++) shift[f] = 1 / step + (rod_frame.group[f] != ALONG ? rate : 0);

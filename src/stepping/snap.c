@@ -60,6 +60,8 @@ PetscErrorCode SnapFollow(TS ts, PetscReal t, Vec U, PetscBool *done) {
 
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &slow));
+  if (!slow->rod->scene->load.shared && LoadShareMore(&slow->rod->scene->load))
+    PetscCall(PetscInfo(ts, "from here on a part of dry friction is viscous\n"));
   fast = *slow->rod->scene;
   *done = PETSC_FALSE;
   PetscCall(LoadInFastTime(&slow->rod->scene->load, t, &fast.load, &dry));

@@ -166,7 +166,9 @@ static PetscErrorCode StopHere(Grow *self, TS ts) {
   PetscFunctionBegin;
   self->beyond = (PetscBool)(self->model == LINEAR && self->seen.max_angle > 1);
   self->jammed = (PetscBool)(!self->event.kind && GrowIsJammed(self));
-  if (self->event.kind || self->stopped || self->beyond || self->jammed ||
+  self->slips =
+      (PetscBool)(!self->event.kind && GrowSlips(self) && !LoadShareMore(&self->scene->load));
+  if (self->event.kind || self->stopped || self->beyond || self->jammed || self->slips ||
       (&self->leg[BetterModel(self)] != self->now && self->seen.t < self->scene->end_time))
     PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
   PetscFunctionReturn(0);
@@ -195,6 +197,7 @@ static PetscErrorCode AfterStep(TS ts) {
   PetscCall(StoreDueShapes(self, t, U));
   if (self->event.kind) PetscCall(VecCopy(U, self->now->U)); /* the run ends there */
   for (int k = 0; k < 2; k++) PetscCall(VecDestroy(&here[k]));
+  PetscCall(GrowShared(self, t));
   PetscCall(GrowProgress(self, PETSC_FALSE));
   PetscCall(Agree(self, &store));
   PetscCall(StopHere(self, ts));
@@ -419,6 +422,7 @@ static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *
   self->folds = state->folds;
   self->seen.norm_x2 = state->norm;
   self->neglected = state->neglected;
+  self->shared = state->shared; /* it has been said */
   self->seen.t = self->start = self->stored_shape = state->t;
   PetscCall(GrowLookForEvent(self, state->t, self->now->U, &event));
   UserCheck(!event.kind, self->scene->comm,
@@ -471,14 +475,22 @@ static PetscErrorCode Destroy(Grow *self) {
   PetscFunctionReturn(0);
 }
 
-/* Steps to the end, from model to model. */
+/* Steps to the end, from model to model. Where a rod with weak friction across finds no step, it
+   tries again with a larger viscous share, in steps from this part of the run on. */
+static const PetscReal begins_again = 1e-9;
+
 static PetscErrorCode Follow(Grow *self, TSConvergedReason *reason) {
   PetscFunctionBegin;
   for (;;) {
     PetscCall(TSSolve(self->now->ts, self->now->U));
     PetscCall(TSGetConvergedReason(self->now->ts, reason));
+    if (*reason < 0 && self->scene->load.shared && LoadShareMore(&self->scene->load)) {
+      PetscCall(TSRestartStep(self->now->ts));
+      PetscCall(TSSetTimeStep(self->now->ts, begins_again * self->scene->end_time));
+      continue;
+    }
     if (*reason != TS_CONVERGED_USER || self->stopped || self->beyond || self->jammed ||
-        self->event.kind)
+        self->slips || self->event.kind)
       break;
     PetscCall(HandOver(self, &self->leg[BetterModel(self)]));
   }
@@ -544,6 +556,12 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
       "gave up at t = %s: the rod is pressed straight against a wall, and nothing says to which "
       "side it gives way; %s; give it a small -rod_curvature",
       text[0], kept);
+  UserCheck(
+      !self->slips && !(reason < 0 && self->scene->load.shared), comm,
+      "gave up at t = %s: with -friction_across %g dry friction does not say how fast so bent a "
+      "rod moves, and it slips and sticks in no time, again and again; %s; take a larger "
+      "-friction_across, or a lower -friction_mu: 0.99, or less",
+      text[0], (double)self->scene->load.across, kept);
   PetscCall(GrowTellJam(self, (PetscBool)(reason < 0), jam, sizeof(jam)));
   UserCheck(!jam[0], comm,
             "%s, and it can hardly grow on; %s; end the run before with -stop_force, or, if this "

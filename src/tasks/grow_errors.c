@@ -8,6 +8,8 @@ static const PetscReal per_depth = 5;
    followed. Behind a growth zone friction that is exact is taken for one with a beta, which moments
    that were laid down feel by its sixth root, and little else does. */
 static const PetscReal per_snap = 1e-4, of_start = 1e-2, of_limit = 5;
+/* What a viscous share adds, over it: norms change by up to ten times that (LoadShareMore()). */
+static const PetscReal per_share = 10;
 
 /* What comes beside the errors of mesh and steps, in each of what is seen. */
 static PetscReal Beside(const Grow *self) {
@@ -15,6 +17,7 @@ static PetscReal Beside(const Grow *self) {
       self->neglected + per_depth * self->depth / self->seen.length + per_snap * self->snaps;
 
   if (self->crossed) error += of_start;
+  if (self->scene->load.shared) error += per_share * (1 - self->scene->load.friction.mu);
   return self->vanished ? error + 1 : error;
 }
 

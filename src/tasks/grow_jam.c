@@ -40,6 +40,29 @@ PetscBool GrowIsJammed(Grow *self) {
   return (PetscBool)(self->window_steps >= WINDOW || PressedDeep(contact, seen));
 }
 
+/* So many steps in which a rod that has snapped gets on by no more than this part of the run.
+   (Those that come through take less than half as many.) With the largest viscous share so many
+   times as many: nothing is left to be tried. */
+enum { SLIPS = 400, AT_LAST = 5 };
+static const PetscReal gets_on = 1e-2;
+
+/*
+  GrowSlips - does a rod with weak friction across slip and slip again, each time in no time, so
+  that it gets nowhere? The same on every rank. If so, it begins to count anew.
+*/
+PetscBool GrowSlips(Grow *self) {
+  if (!self->scene->load.shared ||
+      self->seen.t > self->slips_at + gets_on * self->scene->end_time) {
+    self->slips_at = self->seen.t;
+    self->slips_steps = 0;
+  } else
+    self->slips_steps++;
+  if (self->slips_steps < (LoadSharesMost(&self->scene->load) ? AT_LAST * SLIPS : SLIPS))
+    return PETSC_FALSE;
+  self->slips_steps = 0;
+  return PETSC_TRUE;
+}
+
 /*
   GrowTellJam - the line for a rod that is jammed, or that gave up under forces as large: where it
   is pressed in most, and with which push. Collective.

@@ -78,6 +78,31 @@ PetscErrorCode GrowHeading(Grow *self) {
   PetscFunctionReturn(0);
 }
 
+/* GrowShared - says from when on dry friction has a viscous share, or a larger one, if it has
+   (LoadShareMore()). Collective. */
+PetscErrorCode GrowShared(Grow *self, PetscReal t) {
+  const Load *load = &self->scene->load;
+  const PetscReal share = 1 - load->friction.mu;
+  char text[64];
+
+  PetscFunctionBegin;
+  if (!load->shared || share == self->shared) PetscFunctionReturn(0);
+  OptionBoth(t, UNIT_TIME, text);
+  if (!self->quiet && self->shared > 0)
+    PetscCall(PetscPrintf(self->scene->comm,
+                          "t = %s: the rod slips and sticks, again and again: from here on a part "
+                          "of %.0e of dry friction is viscous\n",
+                          text, (double)share));
+  else if (!self->quiet)
+    PetscCall(PetscPrintf(self->scene->comm,
+                          "t = %s: the rod snaps, and dry friction that is weaker across "
+                          "(-friction_across %g) does not say how fast: from here on a part of "
+                          "%.0e of it is viscous\n",
+                          text, (double)load->across, (double)share));
+  self->shared = share;
+  PetscFunctionReturn(0);
+}
+
 /* GrowProgress - a line every tenth of the run, and every second. Collective. */
 PetscErrorCode GrowProgress(Grow *self, PetscBool last) {
   const Observation *seen = &self->seen;
@@ -160,6 +185,9 @@ static PetscErrorCode TellErrors(const Grow *self, PetscInt jumps) {
   else if (error->kind == ESTIMATE_FITTED)
     PetscCall(PetscPrintf(comm, " (a fit)"));
   if (jumps) PetscCall(PetscPrintf(comm, "; %d snap%s", (int)jumps, jumps > 1 ? "s" : ""));
+  if (self->scene->load.shared)
+    PetscCall(
+        PetscPrintf(comm, "; viscous share %.0e", (double)(1 - self->scene->load.friction.mu)));
   PetscCall(PetscPrintf(comm, "\n"));
   if (error->kind == ESTIMATE_MEASURED && error->all > told)
     PetscCall(PetscPrintf(comm,

@@ -41,6 +41,10 @@ typedef struct {
   int stopped;                /* the signal that all ranks have agreed to stop on */
   PetscLogDouble begin, reported;
   Watch watch;
+  PetscReal shared;   /* viscous share of friction that has been told, see LoadShareMore() */
+  PetscBool slips;    /* it does all the same, without end: the run ends for that */
+  PetscReal slips_at; /* t when it last got on, and steps since: see grow_jam.c */
+  PetscInt slips_steps;
   PetscBool jammed;        /* the run ends for that */
   PetscReal window_length; /* of the rod when it last grew, and steps since: see grow_jam.c */
   PetscInt window_steps;
@@ -60,11 +64,13 @@ PetscErrorCode GrowLocateEvent(Grow *self, PetscReal *t, Vec U, Vec U_t);
 
 /* grow_jam.c */
 PetscBool GrowIsJammed(Grow *self);
+PetscBool GrowSlips(Grow *self);
 PetscErrorCode GrowTellJam(Grow *self, PetscBool gave_up, char line[], size_t room);
 
 /* grow_report.c */
 PetscErrorCode GrowFindEnd(Grow *self);
 PetscErrorCode GrowHeading(Grow *self);
+PetscErrorCode GrowShared(Grow *self, PetscReal t);
 PetscErrorCode GrowProgress(Grow *self, PetscBool last);
 PetscErrorCode GrowSummary(Grow *self);
 

@@ -230,6 +230,38 @@ static PetscReal SlopeAcross3(const Load *load, PetscReal x1, PetscReal t) {
   return load->lab[0][2] * by[0] + load->lab[1][2] * by[1] + load->lab[2][2] * by[2];
 }
 
+/* The largest viscous share that is given: results are off by some percent with it. */
+static const PetscReal most_shared = 1e-2, raised_by = 10;
+
+/* LoadShare - gives dry friction this viscous share. */
+void LoadShare(Load *load, PetscReal share) {
+  load->friction.mu = 1 - share;
+  load->shared = PETSC_TRUE;
+}
+
+/* LoadSharesMost - has it as large a share as there is? */
+PetscBool LoadSharesMost(const Load *load) {
+  return (PetscBool)(load->shared && raised_by * (1 - load->friction.mu) > 2 * most_shared);
+}
+
+/*
+  LoadShareMore - for a rod that snaps, or that slips again and again. Where friction across is
+  weaker than along, dry friction is not the derivative of a dissipation, and of a bent rod it need
+  not say with which velocity it moves: theory.md, section 9. So from then on a part nearly_dry of
+  it is viscous, by which results are off about as much; or ten times the part that is. Stronger
+  friction across asks for none.
+
+  Returns whether it could.
+*/
+PetscBool LoadShareMore(Load *load) {
+  PetscReal share = load->shared ? raised_by * (1 - load->friction.mu) : nearly_dry;
+
+  if (load->across >= 1 || 1 - load->friction.mu >= share || share > 2 * most_shared)
+    return PETSC_FALSE;
+  LoadShare(load, share);
+  return PETSC_TRUE;
+}
+
 /* LoadIsEven - does the load leave a straight rod straight, up to this length and time? Not if a
    field changes across the axis. */
 PetscBool LoadIsEven(const Load *load, PetscReal length, PetscReal end) {

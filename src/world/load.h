@@ -33,6 +33,7 @@ typedef struct {
   PetscInt duals3;   /* the same of a rod in space (contact_space.h) */
   PetscBool limit;   /* exact friction was asked for, and is taken as a limit */
   PetscBool stopped; /* N is that of one time, stopped_at */
+  PetscBool shared;  /* a viscous share was given to dry friction, see LoadShareMore() */
   PetscReal stopped_at;
 } Load;
 
@@ -53,6 +54,9 @@ extern const OptionGroup load_options;
 PetscErrorCode LoadSetFromOptions(Load *load, PetscReal clamp_angle);
 void LoadNextToExact(Load *load);
 void LoadAtTolerance(Load *load, PetscReal rtol);
+void LoadShare(Load *load, PetscReal share);
+PetscBool LoadShareMore(Load *load);
+PetscBool LoadSharesMost(const Load *load);
 void LoadSetWalls(Load *load, const Contact *contact);
 void LoadSetWeight(Load *load, const PetscReal weight[3]);
 PetscErrorCode LoadDestroy(Load *load);
