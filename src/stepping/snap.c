@@ -45,11 +45,33 @@ static PetscErrorCode StopAtRest(TS ts) {
   PetscFunctionReturn(0);
 }
 
+/* A rod that is asked too early rests where it is, within what steps tell (part of each field). It
+   is left there, with its history: a state that is new, if by next to nothing, would cost some ten
+   steps of next to nothing, and it is asked again. */
+static const PetscReal stays = 1e-6;
+
+/* Is V another state than U? */
+static PetscErrorCode Moved(const Rod rod, Vec U, Vec V, PetscBool *moved) {
+  PetscReal size[MAX_FIELDS], change[MAX_FIELDS];
+  Vec D;
+
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(U, &D));
+  PetscCall(VecWAXPY(D, -1, U, V));
+  PetscCall(RodFieldSizes(rod, D, change));
+  PetscCall(RodFieldSizes(rod, V, size));
+  PetscCall(VecDestroy(&D));
+  *moved = PETSC_FALSE;
+  for (PetscInt f = 0; f < rod->model->fields; f++)
+    if (rod->model->followed[f] && change[f] > stays * size[f]) *moved = PETSC_TRUE;
+  PetscFunctionReturn(0);
+}
+
 /*
   SnapFollow - a VBDFSnap: takes a rod that dry friction cannot hold to where it rests. Collective.
 
   ts    of a leg          t, U  where the rod snaps; U is, on exit, where it rests
-  done  false, U as it was: friction is not dry, or the snap could not be followed
+  done  false, U as it was: friction is not dry, the snap could not be followed, or there is none
 */
 PetscErrorCode SnapFollow(TS ts, PetscReal t, Vec U, PetscBool *done) {
   struct _Scene fast;
@@ -78,6 +100,7 @@ PetscErrorCode SnapFollow(TS ts, PetscReal t, Vec U, PetscBool *done) {
   PetscCall(TSSolve(leg.ts, leg.U));
   PetscCall(TSGetConvergedReason(leg.ts, &reason));
   *done = (PetscBool)(reason > 0 && reason != TS_CONVERGED_ITS);
+  if (*done) PetscCall(Moved(slow->rod, U, leg.U, done));
   if (*done) PetscCall(VecCopy(leg.U, U));
   PetscCall(TSGetStepNumber(leg.ts, &steps));
   PetscCall(PetscInfo(ts, "snap at t = %g: %s after %d steps\n", (double)t,

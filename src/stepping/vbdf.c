@@ -47,8 +47,9 @@ typedef struct {
    many tries it is followed. */
 enum { failures_of_snap = 4 };
 /* Or it shows on the way: towards the turning point from which a rod snaps, steps shrink without
-   end. One that is this part of the usual one asks whether the rod snaps. */
-static const PetscReal shrunk = 1e-4, forgets = 0.95;
+   end. One that is this part of the usual one asks whether the rod snaps; and, for it may have been
+   too early, each one that is this part of the one that asked before. */
+static const PetscReal shrunk = 1e-4, again = 0.1, forgets = 0.95;
 /* Aim at this part of the tolerance: low, so that few steps are rejected. (0.5 at half the
    tolerance gives the same errors in as many steps, but has 36 rejected where this has 9.) */
 static const PetscReal safety = 0.22;
@@ -479,7 +480,7 @@ static PetscErrorCode LimitStep(TS ts, VBDF *self) {
   PetscCall(TSAdaptGetStepLimits(ts->adapt, &least, &most));
   ts->time_step = PetscMin(ts->time_step, most);
   if (ts->exact_final_time != TS_EXACTFINALTIME_MATCHSTEP) PetscFunctionReturn(0);
-  if (ts->time_step > left * (1 - 1e-9))
+  if (ts->time_step > left)
     ts->time_step = left;
   else if (!self->fixed && ts->time_step > left / 2)
     ts->time_step = left / 2;
@@ -597,11 +598,12 @@ static PetscErrorCode Snap(TS ts, VBDF *self, PetscBool *accept) {
   PetscFunctionReturn(0);
 }
 
-/* Have the steps shrunk as they do before a snap? Asked once for each time that they have. */
+/* Have the steps shrunk as they do before a snap, or more since that was asked? */
 static PetscBool Shrinks(const TS ts, VBDF *self) {
   PetscBool shrinks = (PetscBool)(ts->time_step < shrunk * self->usual);
 
-  self->usual = shrinks ? ts->time_step : PetscMax(ts->time_step, forgets * self->usual);
+  self->usual =
+      shrinks ? again / shrunk * ts->time_step : PetscMax(ts->time_step, forgets * self->usual);
   return shrinks;
 }
 

@@ -516,6 +516,24 @@ def snap():
 
 
 @check
+def brink():
+    """A rod fed under a force comes to the brink of a snap in ever smaller steps. Asked too early it rests, and
+    is left where it is, to be asked again: taken to where it rested it was lost, or not, as the tolerance had
+    it. In the last one it barely sticks behind the first snap, and slips in steps that are as short."""
+    fed = "-growth_type feed -shape_type sag "
+    for options, tolerances in (
+            ("-growth_initial_length 0.764 -shape_amplitude 0.0166 -friction_beta 1.09e-6 -ts_max_time 1.33 "
+             "-tip_force 3.154", ("8e-7", "1.1e-6", "1.4e-6")),
+            ("-growth_initial_length 0.468 -shape_amplitude 0.284 -friction_beta 1e-12 -ts_max_time 1.18 "
+             "-tip_force 3.656", ("1e-6",))):
+        right = Run(f"{fed} {options} -friction_mu 0.999").tip
+        for rtol in tolerances:
+            r = Run(f"{fed} {options} -ts_rtol {rtol}")
+            print(f"{options}, {rtol}: tip {r.tip}, {r.steps} steps, {r.newton_iterations.sum():.0f} Newton")
+            expect(distance(r.tip, right) < 1e-4, f"{options} {rtol}: tip {r.tip}, not {right}")
+
+
+@check
 def sides():
     """Rods beyond critical at the start give way to the side they are bent to, one half-way by the path
     of a vanishing viscous share: a first step longer than the time in which they grow would mirror them.
@@ -548,6 +566,12 @@ def sides_of_others():
             tip = Run(rod + f"-friction_mu {mu} {way}").tip
             expect(distance(tip, right) < 0.01, f"{way}, mu {mu}: tip {tip}, not {right}")
         print(f"mu {mu}: tip {tip}")
+    for more, asked in (("-ts_type beuler -ts_dt 1e-4", True), ("-ts_type beuler -ts_dt 1e-5", False)):
+        r = Run(f"{rod} -friction_mu 0 {more}")
+        same = distance(r.tip, Run(rod + "-friction_mu 0 -ts_dt 1e-12").tip) < 0.01
+        print(f"{more}: tip {r.tip}")
+        expect(("to which side the rod gave way is not known" in r.said) == asked and same != asked,
+               f"{more}: tip {r.tip}, {r.said}")
     held = "-tip_type pinned -growth_initial_length 1.2 -shape_amplitude 0.5 -ts_max_time 0.1 -friction_mu 0"
     one, two = (Run(held, ranks=n).norm_x2[-1] for n in (1, 2))
     expect(abs(two - one) < 1e-4 * one, f"held on two ranks: |x2| {two}, not {one}")
