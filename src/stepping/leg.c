@@ -123,6 +123,40 @@ static PetscErrorCode BeforeStage(TS ts, PetscReal t) {
   PetscFunctionReturn(0);
 }
 
+/* Is there anything across? */
+static PetscErrorCode IsBent(const Rod rod, Vec U, PetscBool *bent) {
+  PetscReal size[MAX_FIELDS];
+
+  PetscFunctionBegin;
+  *bent = PETSC_FALSE;
+  PetscCall(RodFieldSizes(rod, U, size));
+  for (PetscInt f = 0; f < rod->model->fields; f++)
+    if (rod->model->group[f] != ALONG && size[f] > rod_vanished) *bent = PETSC_TRUE;
+  PetscFunctionReturn(0);
+}
+
+/* Do modes of a rod at the latest Jacobian's state grow faster than its shift? known: can they be
+   counted? */
+static PetscErrorCode ModesCrossed(Leg *leg, Vec U, PetscBool *crosses, PetscBool *known) {
+  PetscInt index;
+
+  PetscFunctionBegin;
+  *crosses = PETSC_FALSE;
+  PetscCall(NewtonIndex(&leg->newton, &index, known));
+  if (!*known || (index <= 0 && index % 2 == 0)) PetscFunctionReturn(0);
+  PetscCall(IsBent(leg->rod, U, crosses));
+  if (*crosses) PetscCall(PetscInfo(leg->ts, "crosses modes that grow: index %d\n", (int)index));
+  PetscFunctionReturn(0);
+}
+
+/* Are the modes of the frozen rod those of the rod that moves on? See below. */
+static PetscBool HasModes(const Rod rod) {
+  const Contact *contact = &rod->scene->contact;
+
+  return (PetscBool) !(contact->walls.rub || contact->friction > 0 || rod->coupled ||
+                       rod->scene->load.turns || rod->scene->growth->rests);
+}
+
 /*
   CrossesMode - a VBDFCross: does a mode of the rod grow faster than the shift of the step? The
   elimination has counted them. On a straight rod, x2 = 0, none is there to be crossed. Where they
@@ -138,26 +172,31 @@ static PetscErrorCode BeforeStage(TS ts, PetscReal t) {
   at once along itself where dry friction is next to exact, but it is laid down faster than that.
 */
 static PetscErrorCode CrossesMode(TS ts, Vec U, VBDFSight sight, PetscBool *crosses) {
-  PetscBool bent = PETSC_FALSE, known;
-  PetscReal size[MAX_FIELDS];
-  const Contact *contact;
-  PetscInt index;
+  PetscBool known;
   Leg *leg;
 
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &leg));
-  contact = &leg->rod->scene->contact;
   *crosses = leg->crosses = PETSC_FALSE;
-  if (sight == VBDF_SEEN && (contact->walls.rub || contact->friction > 0 || leg->rod->coupled ||
-                             leg->rod->scene->load.turns || leg->rod->scene->growth->rests))
-    PetscFunctionReturn(0);
-  PetscCall(NewtonIndex(&leg->newton, &index, &known));
-  if (known ? index <= 0 && index % 2 == 0 : sight != VBDF_JUMP) PetscFunctionReturn(0);
-  PetscCall(RodFieldSizes(leg->rod, U, size));
-  for (PetscInt f = 0; f < leg->rod->model->fields; f++)
-    if (leg->rod->model->group[f] != ALONG && size[f] > rod_vanished) bent = PETSC_TRUE;
-  leg->crosses = *crosses = bent;
-  if (*crosses) PetscCall(PetscInfo(ts, "crosses modes that grow: index %d\n", (int)index));
+  if (sight == VBDF_SEEN && !HasModes(leg->rod)) PetscFunctionReturn(0);
+  PetscCall(ModesCrossed(leg, U, crosses, &known));
+  if (!known && sight == VBDF_JUMP) PetscCall(IsBent(leg->rod, U, crosses));
+  leg->crosses = *crosses;
+  PetscFunctionReturn(0);
+}
+
+/*
+  LegCrosses - has the step that has led to U crossed a mode that grows, so that to which side the
+  rod gives way is not known? For steppers that do not ask (vbdf does, and takes none that has);
+  false where that cannot be told. Collective.
+*/
+PetscErrorCode LegCrosses(Leg *leg, Vec U, PetscBool *crosses) {
+  PetscBool vbdf, known;
+
+  PetscFunctionBegin;
+  *crosses = PETSC_FALSE;
+  PetscCall(PetscObjectTypeCompare((PetscObject)leg->ts, TSVBDF, &vbdf));
+  if (!vbdf && HasModes(leg->rod)) PetscCall(ModesCrossed(leg, U, crosses, &known));
   PetscFunctionReturn(0);
 }
 

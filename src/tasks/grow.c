@@ -177,7 +177,7 @@ static PetscErrorCode StopHere(Grow *self, TS ts) {
 static PetscErrorCode AfterStep(TS ts) {
   Grow *self;
   TSConvergedReason reason;
-  PetscBool store;
+  PetscBool store, crosses;
   PetscReal t;
   Vec U, U_t, here[2] = {NULL, NULL};
 
@@ -197,6 +197,8 @@ static PetscErrorCode AfterStep(TS ts) {
   PetscCall(StoreDueShapes(self, t, U));
   if (self->event.kind) PetscCall(VecCopy(U, self->now->U)); /* the run ends there */
   for (int k = 0; k < 2; k++) PetscCall(VecDestroy(&here[k]));
+  PetscCall(LegCrosses(self->now, U, &crosses));
+  self->blind += crosses;
   PetscCall(GrowShared(self, t));
   PetscCall(GrowProgress(self, PETSC_FALSE));
   PetscCall(Agree(self, &store));

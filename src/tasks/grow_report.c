@@ -287,6 +287,21 @@ static PetscErrorCode TellLaboratory(const Grow *self) {
   PetscFunctionReturn(0);
 }
 
+/* Where a step was longer than a mode takes to grow, the rod may have gone to either side. */
+static PetscErrorCode TellSides(const Grow *self) {
+  TSType type;
+
+  PetscFunctionBegin;
+  if (!self->blind) PetscFunctionReturn(0);
+  PetscCall(TSGetType(self->now->ts, &type));
+  PetscCall(
+      PetscPrintf(self->scene->comm,
+                  "In %d step%s of -ts_type %s a bend grew faster than they can follow: to "
+                  "which side the rod gave way is not known; take vbdf, or a shorter -ts_dt.\n",
+                  (int)self->blind, self->blind == 1 ? "" : "s", type));
+  PetscFunctionReturn(0);
+}
+
 /* GrowSummary - the last words on a run. Collective. */
 PetscErrorCode GrowSummary(Grow *self) {
   const Observation *seen = &self->seen;
@@ -322,6 +337,7 @@ PetscErrorCode GrowSummary(Grow *self) {
   PetscCall(PetscPrintf(self->scene->comm, "%d steps, %d rejected, %d Newton iterations, %.3f s; ",
                         (int)steps, (int)rejections, (int)iterations, now - self->begin));
   PetscCall(TellErrors(self, jumps));
+  PetscCall(TellSides(self));
   PetscCall(TellContact(self));
   PetscCall(TellEvent(self));
   PetscCall(TellNotReached(self));

@@ -37,6 +37,7 @@ typedef struct {
   PetscInt snaps;             /* of this run */
   PetscBool crossed;          /* its start was crossed in a step */
   PetscBool vanished;         /* |x2| has fallen below the numbers that there are */
+  PetscInt blind;             /* steps that have crossed a mode that grows (LegCrosses()) */
   PetscBool quiet, beyond;    /* beyond: the linear model has left its range */
   int stopped;                /* the signal that all ranks have agreed to stop on */
   PetscLogDouble begin, reported;
