@@ -65,6 +65,21 @@ static void TestNewton(void **state) {
   for (int k = 0; k < 2; k++) End(&scene[k], &leg[k]);
 }
 
+/* Likewise in places and angles alone: at rest dry friction bears more than one force. */
+static PetscReal Moves(Rod rod, Vec a, Vec b) {
+  PetscReal size[MAX_FIELDS], off[MAX_FIELDS], most = 0;
+  Vec d;
+
+  CHECK(VecDuplicate(a, &d));
+  CHECK(VecWAXPY(d, -1, a, b));
+  CHECK(RodFieldSizes(rod, d, off));
+  CHECK(RodFieldSizes(rod, a, size));
+  CHECK(VecDestroy(&d));
+  for (PetscInt f = 0; f < rod->model->fields; f++)
+    if (rod->model->followed[f]) most = PetscMax(most, off[f] / size[f]);
+  return most;
+}
+
 /* A hairpin that dry friction cannot hold comes to rest elsewhere, and rests there; viscous
    friction holds any. */
 static void TestSnap(void **state) {
@@ -86,9 +101,11 @@ static void TestSnap(void **state) {
     far = Off(leg.U, U);
     CHECK(VecCopy(U, V));
     if (!viscous) CHECK(SnapFollow(leg.ts, 0, V, &done));
-    again = Off(U, V);
+    again = Moves(leg.rod, U, V);
     EXPECT(viscous ? far == 0 : far > 0.1, "went %g", far);
-    EXPECT(again < 0.02, "from where it rests it goes %g, after %g", again, far);
+    print_message("snap: went %g, then %g\n", (double)far, (double)again);
+    /* a few times the slack of friction, 1e-5 */
+    EXPECT(again < 1e-4, "from where it rests it goes %g, after %g", again, far);
     CHECK(VecDestroy(&U));
     CHECK(VecDestroy(&V));
     End(&scene, &leg);

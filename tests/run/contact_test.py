@@ -889,6 +889,12 @@ def later_end():
                 stiff.append(f.attrs["contact_stiffness"])
                 tips.append([f["series/tip_x1"][-1], f["series/tip_x2"][-1], f["series/contact_force"][-1]])
                 defect.append(f["series/energy_defect"][()][f["series/t"][()] > 0.01].max())
+        tendril(f"{options} -ts_max_time 6 -stop_length 2.5 -output {d}/later.h5")  # the same, asked to go on longer
+        with h5py.File(f"{d}/later.h5") as f:
+            asked = f.attrs["contact_stiffness"]
+            far = [f["series/tip_x1"][-1], f["series/tip_x2"][-1], f["series/contact_force"][-1]]
+        expect(abs(asked / stiff[0] - 1) < 1e-6, f"{name}: k = {asked} of a run to 6, {stiff[0]} of one to 2")
+        expect(np.allclose(tips[0], far, rtol=1e-3), f"{name}: {tips[0]}, {far} in a run to 6")
         off = np.abs(np.subtract(*tips)).max()
         print(f"{name}: k = {stiff}, off by {off:.1e}, defect {max(defect):.1e}")
         expect(stiff[0] == stiff[1], f"{name}: k = {stiff}")

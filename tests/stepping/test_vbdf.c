@@ -431,6 +431,54 @@ static void TestAdaptive(void **state) {
   }
 }
 
+/* The least that a step is of the one before it. */
+static PetscReal before_last, last_step, least_part;
+
+static PetscErrorCode NoteStep(TS ts) {
+  PetscReal t;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetTime(ts, &t));
+  if (last_step > 0) least_part = PetscMin(least_part, (t - before_last) / last_step);
+  last_step = t - before_last;
+  before_last = t;
+  PetscFunctionReturn(0);
+}
+
+/* Wherever the end is: the last steps share what is left, so that none is a sliver, whose rates
+   would be all round-off; and fixed steps that end there all but exactly are as many as they should
+   be. */
+static void TestEnd(void **state) {
+  for (int k = 0; k < 20; k++) {
+    Problem p;
+    SetOptions("-ts_adapt_type basic");
+    Create(PETSC_FALSE, &p);
+    CHECK(TSSetTolerances(p.ts, 1e-5, NULL, 1e-5, NULL));
+    WarmStart(&p, 0, 1e-2, 0, 2);
+    CHECK(TSSetMaxSNESFailures(p.ts, -1));
+    CHECK(TSSetMaxTime(p.ts, 2 + 0.037 * k));
+    CHECK(TSSetPostStep(p.ts, NoteStep));
+    before_last = last_step = 0;
+    least_part = 1;
+    CHECK(TSSolve(p.ts, p.U));
+    EXPECT(least_part > 0.3, "to %g: a step %g of the one before", 2 + 0.037 * k, least_part);
+    Destroy(&p);
+  }
+  for (int n = 10; n < 100; n += 7) {
+    PetscInt steps;
+    Problem p;
+    SetOptions("-ts_adapt_type none -ts_bdf_order 1");
+    Create(PETSC_FALSE, &p);
+    WarmStart(&p, 0, 1. / n, 0, 2);
+    CHECK(TSSetTimeStep(p.ts, 1. / n));
+    CHECK(TSSetMaxTime(p.ts, 1));
+    CHECK(TSSolve(p.ts, p.U));
+    CHECK(TSGetStepNumber(p.ts, &steps));
+    EXPECT(steps == n, "%d steps of 1/%d", (int)steps, n);
+    Destroy(&p);
+  }
+}
+
 /* What is handed out is what was handed in, moved on by the steps between. */
 static void TestHistory(void **state) {
   PetscReal times[VBDF_POINTS], norm;
@@ -638,6 +686,7 @@ static const struct CMUnitTest tests[] = {cmocka_unit_test(TestOrders),
                                           cmocka_unit_test(TestExactForExponentials),
                                           cmocka_unit_test(TestOrdersWithFactor),
                                           cmocka_unit_test(TestAdaptive),
+                                          cmocka_unit_test(TestEnd),
                                           cmocka_unit_test(TestHistory),
                                           cmocka_unit_test(TestOrdersOnRod),
                                           cmocka_unit_test(TestJump)};
