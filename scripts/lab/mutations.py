@@ -1,0 +1,268 @@
+#!/usr/bin/env python3
+"""Does a test notice? Each constant and each heuristic of the stepper is changed or switched off, one at a
+time, in a copy of the source; the tests that could see it run until one fails.
+
+    mutations.py SCRATCH [--only REGEX] [--tests REGEX] [--through "nice -n 9"] [--again]
+
+Prints what notices each; what has survived all tests is listed at the end (exit 1). SCRATCH keeps the copy,
+its build and found.csv, with which a run that was broken off goes on. --only: of these mutations; --tests:
+of these tests; --through: a command by which builds and tests are run; --again: also those that found.csv has."""
+
+import argparse
+import csv
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+
+# (name, file in src, what stands there, what stands in its place)
+V, N, L, S, E = ("stepping/" + f for f in ("vbdf.c", "newton.c", "leg.c", "snap.c", "estimate.c"))
+MUTATIONS = [
+    # -- steps: when a snap is looked for, and what is a jump
+    ("failures_of_snap, never", V, "failures_of_snap = 4 }", "failures_of_snap = 1000 }"),
+    ("failures_of_snap, at once", V, "failures_of_snap = 4 }", "failures_of_snap = 0 }"),
+    ("shrunk, never", V, "shrunk = 1e-4,", "shrunk = 0,"),
+    ("shrunk, soon", V, "shrunk = 1e-4,", "shrunk = 0.05,"),
+    ("forgets nothing", V, "forgets = 0.95", "forgets = 1"),
+    ("jump_persists, never", V, "jump_persists = 0.7,", "jump_persists = 1e9,"),
+    ("jump_persists, soon", V, "jump_persists = 0.7,", "jump_persists = 0.4,"),
+    ("jump_step, none", V, "jump_step = 1e-13,", "jump_step = 0,"),
+    ("longest_jump, no doubling", V, "longest_jump = 1e-6;", "longest_jump = 1e-13;"),
+    ("longest_jump, longer", V, "longest_jump = 1e-6;", "longest_jump = 1e-3;"),
+    ("slip_persists, none", V, "slip_persists = 0.25,", "slip_persists = jump_persists,"),
+    ("slip_step, long", V, "slip_step = 1e-8;", "slip_step = 1e-3;"),
+    ("layer, seen it stays", V, "    self->layer = 0;\n  PetscCall(VecCopy(self->point[0], ts->vec_sol));",
+     "    (void)0;\n  PetscCall(VecCopy(self->point[0], ts->vec_sol));"),
+    ("rejected, of any size", V, "if (factor > 1. / 3) self->rejected = PETSC_MAX_REAL;", ""),
+    ("a snap in the layer", V, "self->jumped && self->snap && !self->tried && ts->time_step >= self->layer",
+     "self->jumped && self->snap && !self->tried"),
+    ("a second snap in a step", V, "self->tried = PETSC_TRUE;\n  self->snapped", "self->snapped"),
+    ("behind a snap as at the start", V, "*error = self->snapped ? change :", "*error = 0 ? change :"),
+    ("first error, none", V, "  if (!self->guess) PetscFunctionReturn(0);\n  PetscCall(\n      self->guess",
+     "  if (1) PetscFunctionReturn(0);\n  PetscCall(\n      self->guess"),
+    # -- steps: length, order, factor
+    ("smallest, smaller", V, "smallest = 1e-13,", "smallest = 1e-22,"),
+    ("smallest, greater", V, "smallest = 1e-13,", "smallest = 1e-9,"),
+    ("early, none", V, "early = 1e-3;", "early = 1;"),
+    ("safety, high", V, "safety = 0.22;", "safety = 0.8;"),
+    ("safety, low", V, "safety = 0.22;", "safety = 0.05;"),
+    ("shrink_most, little", V, "shrink_most = 0.2,", "shrink_most = 0.7,"),
+    ("shrink_most, much", V, "shrink_most = 0.2,", "shrink_most = 0.001,"),
+    ("grow_most, more", V, "grow_most = 2;", "grow_most = 100;"),
+    ("grow_most, little", V, "grow_most = 2;", "grow_most = 1.2;"),
+    ("after a rejection, not shorter", V, "*accept ? grow_most : 0.9", "*accept ? grow_most : 1"),
+    ("cut, little", V, "cut = 0.3;", "cut = 0.9;"),
+    ("cut, much", V, "cut = 0.3;", "cut = 0.01;"),
+    ("better, never", V, "better = 0.5;", "better = 0;"),
+    ("better, at once", V, "better = 0.5;", "better = 1;"),
+    ("most_folds, any", V, "most_folds = 4;", "most_folds = 1e9;"),
+    ("most_folds, few", V, "most_folds = 4;", "most_folds = 0.2;"),
+    ("vanished, less", V, "vanished = 1e-280;", "vanished = 0;"),
+    ("vanished, more", V, "vanished = 1e-280;", "vanished = 1e-100;"),
+    ("degree above the order", V, "PetscMin(self->degree, q) + 1", "self->degree + 1"),
+    ("order, up at any time", V, "(self->since > k || self->n < self->most + 2)", "1"),
+    ("order, up late", V, "(self->since > k || self->n < self->most + 2)", "self->since > k"),
+    ("order, never down", V, "if (StepFactor(lower, k - 1) > *factor) {", "if (0) {"),
+    ("since, after a rejection", V, "ts->time_step *= factor;\n  self->since = 0;\n  if (attempt >= 3)",
+     "ts->time_step *= factor;\n  if (attempt >= 3)"),
+    ("history kept", V, "if (attempt >= 3) {", "if (0) {"),
+    ("history dropped at once", V, "if (attempt >= 3) {", "if (1) {"),
+    ("left / 2", V, "else if (!self->fixed && ts->time_step > left / 2)", "else if (0)"),
+    ("NaN let through", V, "if (PetscIsInfOrNanReal(size)) solved = DIVERGED_NAN;", ""),
+    ("check, none", V, "if (!self->check || *solved < 0) PetscFunctionReturn(0);", "PetscFunctionReturn(0);"),
+    # -- modes that grow
+    ("cross, never asked", V, "if (!self->cross) PetscFunctionReturn(0);", "PetscFunctionReturn(0);"),
+    ("cross, not where predicted nor half-way", V, "if (sight != VBDF_SEEN && !*crosses) {", "if (0) {"),
+    ("cross, not where predicted", V, "PetscCall(CrossesAt(ts, self, self->work, sight, crosses));\n    PetscCall(VecAXPBY",
+     "PetscCall(VecAXPBY"),
+    ("cross, not half-way", V, "if (!*crosses) PetscCall(CrossesAt(ts, self, self->work, sight, crosses));", ""),
+    ("cross, the next step's matrix", V,
+     "    if (!*crosses)\n      PetscCall(CrossesAt(ts, self, self->point[0], sight, crosses)); /* for the next step */\n", ""),
+    ("cross, a layer is a jump", V, "sight = ts->time_step < self->layer ? VBDF_BLIND : VBDF_JUMP;", "sight = VBDF_JUMP;"),
+    ("cross, order and memory stay", V,
+     "  self->order = order;\n  self->jumped = PETSC_FALSE;\n  self->rejected = PETSC_MAX_REAL;\n  PetscFunctionReturn(0);\n}\n\n/* A jump shows",
+     "  self->jumped = PETSC_FALSE;\n  PetscFunctionReturn(0);\n}\n\n/* A jump shows"),
+    ("stays, never", S, "stays = 1e-6;", "stays = 0;"),
+    ("again, never", V, "again = 0.1,", "again = shrunk,"),
+    ("cross, rubbing walls as others", L, "contact->walls.rub ||", ""),
+    ("cross, rubbing strands as others", L, "contact->friction > 0 ||", ""),
+    ("cross, coupled as others", L, "contact->friction > 0 || rod->coupled ||", "contact->friction > 0 ||"),
+    ("cross, across as along", L, "rod->scene->load.turns ||", ""),
+    ("cross, resting as moving", L, "|| rod->scene->growth->rests);", ");"),
+    ("cross, parity ignored", L, "index <= 0 && index % 2 == 0", "index <= 0"),
+    ("cross, unknown is free", L, "if (!known && sight == VBDF_JUMP)", "if (0)"),
+    ("cross, on the straight rod too", L, "*bent = PETSC_FALSE;", "*bent = PETSC_TRUE;"),
+    # -- leg
+    ("share_of_step, all", L, "share_of_step = 0.3;", "share_of_step = 3;"),
+    ("share_of_step, little", L, "share_of_step = 0.3;", "share_of_step = 0.01;"),
+    ("highest order 5", L, "HIGHEST_ORDER = 6", "HIGHEST_ORDER = 5"),
+    ("kicked, never", L, "kicked = 1e-4;", "kicked = 0;"),
+    ("kicked, soon", L, "kicked = 1e-4;", "kicked = 0.1;"),
+    ("kick, never over", L, "if (t >= leg->kick_ends) leg->kick[f] = 0;", ""),
+    ("longer than it is", L, "*impossible = (PetscBool) !(PetscMax(size[0], size[1]) <= round_off * length);", "*impossible = PETSC_FALSE;"),
+    ("guard, none", L, "PetscCall(GuardPasses(ts, t0, t1, U0, U1, impossible));", ""),
+    ("first guess at rest", L, "PetscCall(RodGrowNodes(rod, t0, t1, nodes));", ""),
+    ("theta not extrapolated", L, "if (theta && !given) PetscCall(PetscOptionsSetValue(NULL, option, \"true\"));", ""),
+    ("linear, no second look", L, "if (vbdf || !leg->rod->model->linear) PetscFunctionReturn(0);", "PetscFunctionReturn(0);"),
+    ("a first step 100 times as long", L, "TSSetTimeStep(leg->ts, 1e-4)", "TSSetTimeStep(leg->ts, 1e-2)"),
+    ("rejections, 10", L, "TSSetMaxStepRejections(leg->ts, 50)", "TSSetMaxStepRejections(leg->ts, 10)"),
+    ("failures of fixed steps, none", L, "TSSetMaxSNESFailures(leg->ts, 10)", "TSSetMaxSNESFailures(leg->ts, 0)"),
+    # -- Newton's method
+    ("share_of_tolerance, all", N, "share_of_tolerance = 0.02;", "share_of_tolerance = 2;"),
+    ("share_of_tolerance, little", N, "share_of_tolerance = 0.02;", "share_of_tolerance = 2e-5;"),
+    ("round_off, none", N, "round_off = 1e-13;", "round_off = 0;"),
+    ("share_of_rate, any", N, "share_of_rate = 0.5;", "share_of_rate = 100;"),
+    ("rate, not used", N, "|| (rate < 0.3 && left * rate <= share_of_rate * floor))", ")"),
+    ("rate, of any size", N, "(rate < 0.3 && left", "(rate < 1 && left"),
+    ("rate, of residuals alone", N, "if (it > 1) rate = PetscMin(rate, left / self->update);", ""),
+    ("loose, not at all", N, "loose = 1e-4;", "loose = 1e4;"),
+    ("loose, tight", N, "loose = 1e-4;", "loose = 1e-12;"),
+    ("patience, none", N, "PATIENCE = 8", "PATIENCE = 0"),
+    ("patience, any", N, "PATIENCE = 8", "PATIENCE = 1000"),
+    ("groups lumped", N, "residual[rod->model->group[f]] = PetscMax(residual[rod->model->group[f]], size[f]);",
+     "for (int g = 0; g < GROUPS; g++) residual[g] = PetscMax(residual[g], size[f]);"),
+    ("creep, any", N, "creep_allowed = 5;", "creep_allowed = 1e9;"),
+    ("creep, none", N, "creep_allowed = 5;", "creep_allowed = 0;"),
+    ("holds, one", N, "MOST_HOLDS = 2", "MOST_HOLDS = 1"),
+    ("holds, many", N, "MOST_HOLDS = 2", "MOST_HOLDS = 20"),
+    ("held to the full by walls", N, "if (!self->rod->scene->contact.any) return 0;", "return 0;"),
+    ("iterations, 12", N, "PETSC_DEFAULT, 40, 1000000", "PETSC_DEFAULT, 12, 1000000"),
+    ("never held", N, "&& self->rod->model->hold)\n", "&& 0)\n"),
+    # -- snaps
+    ("rest, loose", S, "rest = 1e-6,", "rest = 1e-3,"),
+    ("rest, tight", S, "rest = 1e-6,", "rest = 1e-9,"),
+    ("few_steps, none", S, "few_steps = 5;", "few_steps = 0;"),
+    ("at rest though it gains speed", S, "fastest <= leg->speed && ", ""),
+    ("soonest, at once", S, "soonest = 100;", "soonest = 0;"),
+    ("soonest, without walls too", S, "(t >= soonest || !leg->rod->scene->contact.any)", "t >= soonest"),
+    ("least_rtol, none", S, "    1e-6; /* no need", "    0; /* no need"),
+    ("least_rtol, rough", S, "    1e-6; /* no need", "    1e-3; /* no need"),
+    ("many_steps, nowhere, off", S, "if (steps >= many_steps && t < nowhere)", "if (0)"),
+    ("most_steps, few", S, "most_steps = 5000;", "most_steps = 500;"),
+    ("long_after, soon", S, "long_after = 1e4;", "long_after = 10;"),
+    ("a snap's walls not in fast time", S, "fast.contact.rub.beta = fast.load.friction.beta;", ""),
+    ("a snap's tip not in fast time", S, "PetscCall(TipInFastTime(&slow->rod->scene->tip, t, &fast.tip));", ""),
+    ("snap, never", S, "if (!dry) PetscFunctionReturn(0);", "PetscFunctionReturn(0);"),
+    # -- what snaps and sticking need of friction
+    ("slack, none", "world/load.c", "slack = 1e-5", "slack = 0"),
+    ("next to exact, never", "scene/scene.c", "if (self->growth->rests) LoadNextToExact(&self->load);", ""),
+    ("told from rest, nothing", "world/load.c", "if (load->limit)\n    load->friction.beta = PetscMax", "if (0)\n    load->friction.beta = PetscMax"),
+    # -- the estimate
+    ("estimate: least cells", E, "LEAST_CELLS = 8,", "LEAST_CELLS = 64,"),
+    ("estimate: cells", E, "CELLS = 48 ", "CELLS = 8 "),
+    ("estimate: seldom", E, "SELDOM = 4 ", "SELDOM = 40 "),
+    ("estimate: defects", E, "DEFECTS = 2 ", "DEFECTS = 40 "),
+    ("estimate: longest", E, "longest = 0.8;", "longest = 8;"),
+    ("estimate: straight", E, "straight = 0.3;", "straight = 30;"),
+    ("estimate: early", E, "early = 0.01;", "early = 0;"),
+    ("estimate: nudge", E, "nudge = 1e-3;", "nudge = 1;"),
+    ("estimate: most folds", E, "most_folds = 30;", "most_folds = 0.3;"),
+]
+
+# In this order: what is quick and likely to notice first. "" is all that there is with one of these labels.
+FIRST = ["vbdf-1", "guard-1", "scene-snap", "scene-(references-frame|no-seam|newton|tiny|small|straight|petsc|backward)", "scene-sides", "scene-factored",
+         "contact-(kicked|robust|plane|exact-with-each-law|starts)",
+         "scene-(exact|nearly|scales|straight|petsc|backward)", "world-(exact|references-frame|held)", "atlas_cells",
+         "vbdf|guard|restart|observe|contact-[123]", ""]
+LABELS = "unit|scene"
+TARGETS = "tendril test_vbdf test_guard test_restart test_observe test_contact test_space test_friction".split()
+LEFT_OUT = ("spline|rects|chain|elimination|table|options-|hdf|handout|field|mesh|shape|event|rod-|straight-[123]|"
+            "critical|stability|growth|world-(critical|straight|ranks|restart)|space-|laboratory-|sweep-|scene-options")
+
+
+def sh(command, through=(), **more):
+    return subprocess.run([*through, *command], capture_output=True, text=True, **more)
+
+
+def build_command(copy):
+    return ["cmake", "--build", str(copy / "build"), "--parallel", "2", "--target", *TARGETS]
+
+
+def prepare(scratch, through):
+    """A copy of what is tracked, and its build."""
+    copy = scratch / "copy"
+    for name in sh(["git", "ls-files"], cwd=ROOT, check=True).stdout.split("\n"):
+        if name and (ROOT / name).is_file():
+            source, to = (ROOT / name).read_bytes(), copy / name
+            if not to.exists() or to.read_bytes() != source:  # what has not changed is not built again
+                to.parent.mkdir(parents=True, exist_ok=True)
+                to.write_bytes(source)
+                shutil.copymode(ROOT / name, to)
+    if not (copy / "build/CMakeCache.txt").exists():
+        sh(["cmake", "-S", str(copy), "-B", str(copy / "build"), f"-DPython3_EXECUTABLE={ROOT}/.venv/bin/python"],
+           check=True)
+    done = sh(build_command(copy), through)
+    if done.returncode:
+        sys.exit(f"mutations: does not build unchanged: {(done.stdout + done.stderr)[-400:]}")
+    return copy
+
+
+def tests_of(copy, wanted):
+    """Names in the order in which they run."""
+    listed = sh(["ctest", "--test-dir", str(copy / "build"), "-N", "-L", LABELS], check=True).stdout
+    names = [n for n in re.findall(r"Test +#\d+: (\S+)", listed)
+             if re.search(wanted, n) and not re.match(f"({LEFT_OUT})", n)]
+    rank = {n: min(k for k, pattern in enumerate(FIRST) if re.match(pattern, n)) for n in names}
+    return sorted(names, key=lambda n: rank[n])
+
+
+def first_to_fail(copy, tests, through):
+    """Builds, and runs the tests some at a time until one fails: its name, or None."""
+    ctest = ["ctest", "--test-dir", str(copy / "build"), "--parallel", "2", "--stop-on-failure", "-R"]
+    few, lines = 10, [shlex.join(build_command(copy)) + " > build.log 2>&1 || exit 9"]
+    for k in range(0, len(tests), few):
+        chosen = "^(" + "|".join(map(re.escape, tests[k:k + few])) + ")$"
+        lines.append(shlex.join([*ctest, chosen]) + " || exit 8")
+    part = len(lines) // 3 + 1  # who shares the machine wants to have a turn
+    for k in range(0, len(lines), part):
+        done = sh(["sh", "-c", "\n".join(lines[k:k + part])], through, cwd=copy)
+        if done.returncode == 9:
+            return "does not build"
+        if done.returncode:
+            failed = re.findall(r"\d+ - (\S+) \(\w+", done.stdout)
+            return failed[0] if failed else done.stdout[-200:]
+    return None
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scratch", type=Path)
+    parser.add_argument("--only", default="")
+    parser.add_argument("--tests", default="")
+    parser.add_argument("--through", default="", type=shlex.split)
+    parser.add_argument("--again", action="store_true")
+    a = parser.parse_args()
+    for name, file, old, _ in MUTATIONS:
+        count = (ROOT / "src" / file).read_text().count(old)
+        if count != 1:
+            sys.exit(f"mutations: {name}: stands {count} times in {file}, not once: {old}")
+    copy = prepare(a.scratch, a.through)
+    found = a.scratch / "found.csv"
+    known = dict(csv.reader(found.open())) if found.exists() else {}
+    tests, survivors = tests_of(copy, a.tests), []
+    for name, file, old, new in MUTATIONS:
+        if not re.search(a.only, name):
+            continue
+        if a.again or name not in known:
+            path = copy / "src" / file
+            source = path.read_text()
+            try:
+                path.write_text(source.replace(old, new))
+                known[name] = first_to_fail(copy, tests, a.through) or ""
+            finally:
+                path.write_text(source)
+            with found.open("w", newline="") as out:
+                csv.writer(out).writerows(known.items())
+        print(f"{name:45}", known[name] or "SURVIVES", flush=True)
+        if not known[name]:
+            survivors.append(name)
+    print(f"{len(survivors)} noticed by no test: " + "; ".join(survivors))
+    return len(survivors) > 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
