@@ -40,7 +40,7 @@ from .results import Results, load, runs_of
 from .solids import solids
 from .spatial import diameter_of, lift, up_of
 from .style import BLUE, COLOURS, GREEN, GREY, ORANGE, RED, STYLE, InStyle, save
-from .surroundings import arc_length
+from .surroundings import arc_length, contact_force, size_of
 from .units import Units, moment
 from .walls import draw_contact, draw_rod, draw_walls, strongest_contact
 
@@ -296,6 +296,8 @@ def panel_energy(ax, r, view):
 
 def panel_touch(ax, r, view):
     """The last of the times asked for, and what presses on the rod."""
+    if r.in_space:
+        raise ResultsError(f"plot: touch: {r.name} is a rod in space; give pressure, or space")
     unit, times = view.units.of("length", 1.0), view.times_of(r)
     shape = r.at(times[-1] if times else r.shapes.t[-1], nearest=True)
     most, (factor, name) = strongest_contact(r, [shape]), view.units.unit("N")
@@ -336,15 +338,16 @@ PANELS = {
     "touch": panel_touch,
     "curvature": along_rod(lambda r, shape: shape.curvature, r"curvature $\kappa$", "1/l"),
     "twisting": along_rod(lambda r, shape: lift(r, shape).strain[:, 0], "twist $u_1$", "1/l"),
+    "pressure": along_rod(lambda r, shape: size_of(contact_force(r, shape)), "force of contact per length", "N"),
     "contact": curves("N l", "force", ("contact_force", "in contact", BLUE, "-"),
                       ("feed_force", "feeding", ORANGE, "-")),
 }
 FIRST = ("shapes", "norm", "force", "energy")  # what is drawn if nothing is asked for
 OF_SPACE = ("space", "norm", "curvature", "twisting")  # ... of rods in space
-OF_CONTACT = ("touch", "contact")  # of all of them drawn only if there is contact
+OF_CONTACT = ("touch", "pressure", "contact")  # of all of them drawn only if there is contact
 ONLY_IN_SPACE = ("side", "front", "space", "twisting")  # ... only of rods in space
 SHAPES = ("shapes", "side", "front", "normalised", "touch")  # drawn with equal aspect
-TIMED = (*SHAPES, "space", "curvature", "twisting")  # with times for a legend
+TIMED = (*SHAPES, "space", "curvature", "twisting", "pressure")  # with times for a legend
 __doc__ = __doc__.format(panels=", ".join(PANELS))
 
 
@@ -645,7 +648,8 @@ def panels_of(asked, runs):
         touch = any("contact" in r.shapes for r in runs)
         return [name for name in PANELS
                 if (touch or name not in OF_CONTACT)
-                and (name not in ONLY_IN_SPACE or all(r.in_space for r in runs))]
+                and (name not in ONLY_IN_SPACE or all(r.in_space for r in runs))
+                and (name != "touch" or not any(r.in_space for r in runs))]
     first = OF_SPACE if all(r.in_space for r in runs) else FIRST
     return [name.strip() for name in asked.split(",")] if isinstance(asked, str) else list(asked or first)
 

@@ -4,9 +4,7 @@ and a little more."""
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
-from pathlib import Path
 
 import h5py
 import numpy as np
@@ -58,8 +56,8 @@ class Reach:
 def drawn(line, r, reach):
     """The surfaces of a line; none of a kind that is not known here."""
     words = line.split()
-    if words[0] in ("tube", "body"):
-        return of_file(words, r)
+    if words[0] == "body":
+        return of_body(words[1], r)
     (wall,) = parse(line)
     kind, n = wall.kind, wall.numbers
     if kind == "plane" and len(n) == 6:
@@ -73,35 +71,41 @@ def drawn(line, r, reach):
     if kind == "torus":
         around = turn(-1, 1)
         return [revolved(n[:3], n[3:6], n[7] * np.sin(around), n[6] + n[7] * np.cos(around))]
+    if kind == "tube":
+        return [along(n.reshape(-1, 4))]
     if kind in ("plane", "circle", "polygon", "path"):
         return upright(wall, reach)
     return []
 
 
-def of_file(words, r):
-    """A tube along the points of a table, or the triangles that a body was made from; none if the file is not to
-    be had any more."""
+def of_body(path, r):
+    """The triangles that a body was made from, else, with scikit-image, those of its distance; none if the file is
+    not to be had any more."""
     try:
-        if words[0] == "body":
-            with h5py.File(words[1], "r") as file:
-                unit = file["distance"].attrs.get("units", "")
-                vertices, triangles = coarse(file["mesh/points"][()], file["mesh/triangles"][()])
-            return [Surface(vertices * length_of(unit, r), triangles, [])]
-        rows = [line.replace(";", ",").split(",") for line in Path(words[1]).read_text().split("\n")[1:] if line.strip()]
-        return [along(np.array([[quantity(value, r) for value in row[:4]] for row in rows]))]
-    except (OSError, KeyError, ValueError):
+        with h5py.File(path, "r", locking=False) as file:
+            unit = length_of(file["distance"].attrs.get("units", ""), r)
+            if "mesh" in file:
+                vertices, triangles = file["mesh/points"][()], file["mesh/triangles"][()]
+            else:
+                vertices, triangles = level(*(file[name][()] for name in ("distance", "origin", "spacing")))
+    except (OSError, KeyError, ValueError, ImportError):
         return []
+    vertices, triangles = coarse(np.asarray(vertices, float), np.asarray(triangles, int))
+    return [Surface(unit * vertices, triangles, [])]
+
+
+def level(distance, origin, spacing):
+    """Where a distance [n3, n2, n1] on a grid is 0."""
+    from skimage.measure import marching_cubes
+
+    places, triangles, *_ = marching_cubes(distance, 0.0)
+    return origin + places[:, ::-1] * spacing, triangles
 
 
 def length_of(unit, r):
     """What 1 of a unit is in those of the file; 1 without a unit."""
     unit = unit.decode() if isinstance(unit, bytes) else str(unit)
     return METRES[unit] / r.scale("length") if unit in METRES else 1.0
-
-
-def quantity(text, r):
-    number = re.match(r"\s*[-+0-9.eE]+", text)[0]
-    return float(number) * length_of(text[len(number):].strip(), r)
 
 
 def along(balls):

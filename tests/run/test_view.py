@@ -6,6 +6,7 @@
 import base64
 import dataclasses
 import html
+import importlib.util
 import json
 import os
 import re
@@ -20,9 +21,11 @@ from interpreter import ROOT, from_venv
 
 sys.path.insert(0, str(ROOT / "scripts"))
 try:
+    import h5py
     import numpy as np
 
     import tendril
+    from tendril.solids import revolved, turn
     from tendril.surroundings import friction, pressed
 except ImportError as error:
     from_venv(error)
@@ -367,11 +370,22 @@ class View(unittest.TestCase):
         n = -np.diff(np.column_stack([np.interp(np.linspace(0, 1, 11), shape.s, f) for f in shape.force.T]), axis=0)
         np.testing.assert_allclose(held, n / (shape.length / 10) - [0, -0.3, 0], atol=2e-3)
 
+    def body(self, path, mesh):
+        """A ball at (1, 0, 0), of radius 1/2, as a file of its distance; with the triangles that it was made from."""
+        axes = [np.linspace(-0.8, 0.8, 41) + middle for middle in (0, 0, 1)]
+        x3, x2, x1 = np.meshgrid(*axes, indexing="ij")
+        with h5py.File(path, "w") as file:
+            file["distance"] = np.sqrt((x1 - 1)**2 + x2**2 + x3**2) - 0.5
+            file["origin"], file["spacing"] = [0.2, -0.8, -0.8], 3 * [0.04]
+            if mesh:
+                ball = revolved((1, 0, 0), (0, 0, 1), 0.5 * np.sin(turn(-0.5, 0.5)), 0.5 * np.cos(turn(-0.5, 0.5)))
+                file["mesh/points"], file["mesh/triangles"] = ball.vertices, ball.triangles
+
     def test_surfaces(self):
         """Walls of space are drawn where they are: each vertex lies on its surface."""
         r = dataclasses.replace(self.wire(), attributes=dict(self.wire().attributes))
-        table = self.place / "duct.csv"
-        table.write_text("x1,x2,x3,radius\n0,0,0,0.3\n2,0,0,0.3\n5,0,0,0.3\n")
+        self.body(self.place / "ball.h5", True)
+        self.body(self.place / "cut.h5", False)
         size = np.linalg.norm
         truths = {
             "plane 0 0 -1.5 0 0 2": lambda x: x[:, 2] + 1.5,
@@ -382,7 +396,10 @@ class View(unittest.TestCase):
             "cone 3 0 0 1 0 0 0.6 0.2 2 inside": lambda x: size(x[:, 1:], axis=1) - 0.6 + 0.2 * (x[:, 0] - 3),
             "torus 0 1 0 0 0 1 0.5 0.2 inside": lambda x: np.hypot(size(x[:, :2] - [0, 1], axis=1) - 0.5, x[:, 2]) - 0.2,
             "circle 1 -1.5 0.3 outside": lambda x: size(x[:, :2] - [1, -1.5], axis=1) - 0.3,
-            f"tube {table} inside": lambda x: size(x[:, 1:], axis=1) - 0.3}
+            "tube inside 0 0 0 0.3 2 0 0 0.3 5 0 0 0.3": lambda x: size(x[:, 1:], axis=1) - 0.3,
+            f"body {self.place}/ball.h5 outside": lambda x: 0.02 * (size(x - [1, 0, 0], axis=1) - 0.5)}
+        if importlib.util.find_spec("skimage"):
+            truths[f"body {self.place}/cut.h5 outside"] = lambda x: 0.01 * (size(x - [1, 0, 0], axis=1) - 0.5)
         r.attributes["walls"] = "\n".join(f"{line} friction 0.3" for line in truths)
         data = content(self.page(r))
         surfaces = data["runs"][0]["surfaces"]
@@ -394,8 +411,30 @@ class View(unittest.TestCase):
             self.assertLess(index.max(), len(x))
             self.assertGreater(np.ptp(x[index], axis=0).max(), 0.3)
         self.assertEqual(tendril.plot(r, "space").axes[0].name, "3d")
-        r.attributes["walls"] = "tube gone.csv inside friction 0\nblob 1 2 3 friction 0"  # what cannot be drawn is left out
+        r.attributes["walls"] = "body gone.h5 inside friction 0\nblob 1 2 3 friction 0"  # what cannot be drawn is left out
         self.assertEqual(content(self.page(r))["runs"][0]["surfaces"], [])
+
+    def test_contact_in_space(self):
+        """What presses on a rod in a tube is a field on it, and arrows that point away from the wall, in the page and
+        along the rod on paper."""
+        (self.place / "duct.txt").write_text("cylinder 0 0 0  1 0 0  0.3 inside friction 0.2\n")
+        r = tendril.run(growth_type="feed", growth_initial_length=1, rod_curvature=0.3, rod_curvature_2=0.1, rod_cells=60,
+                        contact_diameter=0.1, wall_file=self.place / "duct.txt", friction_mu=0.5, shape_type="straight",
+                        ts_max_time=1, output_interval=0.25)
+        force = np.linalg.norm(r.shapes.contact, axis=-1)
+        self.assertGreater(force.max(), 0.1)
+        run = content(self.page(r))["runs"][0]
+        self.assertAlmostEqual(run["fields"]["contact"]["most"], force.max())
+        self.assertEqual(len(run["surfaces"]), 1)
+        places, pushes = (array(run["shapes"][name]).reshape(len(r.shapes.t), -1, 3)[-1] for name in ("touched", "contact"))
+        pressed_on = np.linalg.norm(pushes, axis=1) > 0.01
+        np.testing.assert_allclose(np.linalg.norm(places[pressed_on, 1:], axis=1), 0.3, atol=0.01)
+        self.assertTrue(np.all(np.sum(places[pressed_on, 1:] * pushes[pressed_on, 1:], axis=1) < 0))
+        line = tendril.plot(r, "pressure").axes[0].lines[-1]
+        np.testing.assert_allclose(line.get_ydata(), force[-1])
+        with self.assertRaisesRegex(tendril.ResultsError, "a rod in space"):
+            tendril.plot(r, "touch")
+        self.assertTrue(tendril.plot(r, "all").axes)
 
     def check_pictures(self, seen, lines):
         """The rod is where its camera has it, in the colours of its field; it turns with the finger and
