@@ -39,7 +39,7 @@ BOARD, SQUARE = (9, 6), 0.008  # inner corners; m
 class View:
     """A camera at some height over the plane, tilted: from metres in the plane to pixels, [3, 3]."""
 
-    def __init__(self, random, middle, span, tilt=4.0):
+    def __init__(self, random, middle, span, tilt=4.0, near=1.0):
         a, b = np.radians(random.uniform(-tilt, tilt, 2)) if np.isscalar(tilt) else np.radians(tilt)
         turn = np.array([[1, 0, 0], [0, np.cos(a), -np.sin(a)], [0, np.sin(a), np.cos(a)]]) \
             @ np.array([[np.cos(b), 0, np.sin(b)], [0, 1, 0], [-np.sin(b), 0, np.cos(b)]])
@@ -47,7 +47,7 @@ class View:
         focal = 0.9 * SIZE[0] * height / span
         place = np.array([[1, 0, -middle[0]], [0, -1, middle[1]], [0, 0, 0]])
         rows = turn @ place
-        rows[:, 2] += [0, 0, height]
+        rows[:, 2] += [0, 0, near * height]
         self.matrix = np.array([[focal, 0, SIZE[0] / 2], [0, focal, SIZE[1] / 2], [0, 0, 1]]) @ rows
         self.size = focal / height  # pixels per metre in the middle
 
@@ -108,13 +108,12 @@ class Stage:
             cv2.line(self.still, *[tuple(int(v) for v in np.round(16 * e)) for e in ends], 70, 1, cv2.LINE_AA, 4)
 
     def boards(self, count=6):
-        """Pictures of the board in other positions, for the lens."""
+        """Pictures of the board in other positions, near enough to fill the picture, for the lens."""
         views, here = [], self.view
         for k in range(count):
-            tilt = self.random.uniform(-28, 28, 2)
-            self.view = View(self.random, self.middle, self.span, tilt)
-            size = SQUARE * (np.array(BOARD) + 1)
-            corner = self.middle + self.random.uniform(-0.3, 0.3, 2) * [self.span, 0.5 * self.span] - size / 2
+            tilt, size = self.random.uniform(-28, 28, 2), SQUARE * (np.array(BOARD) + 1)
+            self.view = View(self.random, self.middle, self.span, tilt, 1.6 * max(size / [self.span, 0.55 * self.span]))
+            corner = self.middle + self.random.uniform(-0.1, 0.1, 2) * size - size / 2
             views.append(self.finished(self.checkers(corner)))
         self.view = here
         return views

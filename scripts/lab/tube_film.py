@@ -22,8 +22,7 @@ from tendril.comparing import finer, shape_at
 from tendril.filming import film_frames
 from tendril.style import STYLE
 
-TUBE = dict(growth_type="feed", growth_initial_length="2cm", si_bending_stiffness=4.4907e-4, si_speed="5mm/s",
-            friction_beta=1e-6, shape_type="straight")
+TUBE = Path(__file__).resolve().parents[2] / "docs/first/push.opts"
 FRICTION, CURVATURE, DIAMETER = 20.0, 1.5, 5.04e-3  # N/m, 1/m, m
 SECONDS, FPS, SEED = 56, 5, 2026
 
@@ -74,6 +73,7 @@ def main():
         m = tendril.measure(movie, clamp=clamp, along=along, checkerboard=(*film.BOARD, f"{film.SQUARE}m"),
                             board_picture=board, every=10)
         m.save(place / "push")
+        print(f"priors {m.priors(clicked=1.5, scaled=1e-3)}")
         print(f"clamp {clamp}, along {along}: {m}, {time.perf_counter() - begin:.0f} s")
         f = tendril.fit(TUBE, place / "push.csv", {"si_friction_dry": ("4N/m", "60N/m"), "rod_curvature": ("-8/m", "8/m")},
                         priors=m.priors(clicked=1.5, scaled=1e-3))

@@ -250,7 +250,13 @@ class Lens:
         if len(corners) < 3:
             raise FilmError("lens: give three pictures of the checkerboard at least, in different positions")
         size = pictures[0].shape[1::-1]
-        self.error, self.matrix, self.bent, _, _ = cv2.calibrateCamera([grid] * len(corners), corners, size, None, None)
+        # a handful of pictures tells no more than how long the lens is and two numbers of its bend: with its
+        # middle and what is not round left free, too, the edges of the picture come out anyhow
+        begin = np.array([[size[0], 0, (size[0] - 1) / 2], [0, size[0], (size[1] - 1) / 2], [0, 0, 1]], float)
+        few = (cv2.CALIB_USE_INTRINSIC_GUESS | cv2.CALIB_FIX_PRINCIPAL_POINT | cv2.CALIB_FIX_ASPECT_RATIO
+               | cv2.CALIB_ZERO_TANGENT_DIST | cv2.CALIB_FIX_K3)
+        self.error, self.matrix, self.bent, _, _ = cv2.calibrateCamera([grid] * len(corners), corners, size, begin, None,
+                                                                       flags=few)
 
     def straight(self, picture):
         return needed("cv2", "OpenCV").undistort(picture, self.matrix, self.bent)

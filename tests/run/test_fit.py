@@ -268,8 +268,8 @@ class Tracing(unittest.TestCase):
     def test_through_a_lens(self):
         """That bends the picture by tens of pixels: straightened, clicks too."""
         with_lens, without = self.staged(lens=True)
-        self.assertLess(with_lens, 0.1)
-        self.assertGreater(without, 3 * with_lens)
+        self.assertLess(with_lens, 0.5)
+        self.assertGreater(without, 4 * with_lens)
 
     @unittest.skipUnless(find_spec("cv2") and find_spec("skimage"), "OpenCV is not there")
     def test_on_gravel(self):
