@@ -211,6 +211,13 @@ def resampled(path, step):
     return np.column_stack([np.interp(at, s, column) for column in path.T]), at, s
 
 
+def curved(path, step):
+    """The same along a smooth line through the path: chords lie inside of a bend."""
+    s = np.concatenate([[0], np.cumsum(np.maximum(np.hypot(*np.diff(path, axis=0).T), 1e-9))])
+    at = np.linspace(0, s[-1], max(int(s[-1] / step) + 1, 4))
+    return interpolate.CubicSpline(s, path)(at), at, s
+
+
 def normals(path):
     along = np.gradient(path, axis=0)
     along /= np.maximum(np.hypot(*along.T), 1e-12)[:, None]
@@ -301,7 +308,7 @@ def trace(picture, clamp, *, body="dark", width=None, ground="plain", points=60,
     whole = to_the_tip(response, line, seen)
     h, w = shown.shape
     cut = not (seen < whole[-1, 0] < w - seen and seen < whole[-1, 1] < h - seen)
-    fine, at, s = resampled(whole, 0.5)
+    fine, at, s = curved(whole, 0.5)
     doubt = np.interp(at, s, np.pad(doubt, (0, len(whole) - len(doubt)), "edge").astype(float)) > 0.25
     keep = np.linspace(0, len(fine) - 1, points).round().astype(int)
     # the middle of a pixel is where it was, whatever its size
