@@ -98,9 +98,9 @@ PetscErrorCode CollectionAdd(Collection self, const MemberHead *head, const Pets
     row.number[NODES] = head->nodes;
     PetscCall(Append(&self->values, (size_t)self->columns.n, data));
     data += head->values;
-    PetscCall(Append(&self->series, (size_t)head->steps * OBSERVED_ALWAYS, data));
+    PetscCall(Append(&self->series, (size_t)head->steps * (size_t)self->columns.n, data));
     self->steps += head->steps;
-    PetscCall(AddShapes(self, head, data + head->steps * OBSERVED_ALWAYS));
+    PetscCall(AddShapes(self, head, data + head->steps * self->columns.n));
   } else
     for (PetscInt k = 0; k < self->columns.n; k++)
       PetscCall(Append(&self->values, 1, (const PetscReal[]){NAN}));
@@ -149,7 +149,7 @@ static PetscErrorCode LayoutLong(Collection self, HdfFile file) {
 
   PetscFunctionBegin;
   if (self->columns.series) PetscCall(HdfGroup(file, "/series"));
-  for (int i = 0; self->columns.series && i < OBSERVED_ALWAYS; i++) {
+  for (int i = 0; self->columns.series && i < self->columns.n; i++) {
     (void)snprintf(name, sizeof(name), "/series/%s", observed_name[i]);
     PetscCall(HdfAppendable(file, name, 0, NULL, observed_units[i], observed_text[i]));
   }
@@ -237,14 +237,15 @@ static PetscErrorCode WriteMembers(Collection self, HdfFile file) {
 
 /* Writes what waits of series and shapes. */
 static PetscErrorCode WriteLong(Collection self, HdfFile file) {
-  PetscInt n = (PetscInt)(self->series.n / OBSERVED_ALWAYS);
+  const PetscInt each = self->columns.n;
+  PetscInt n = (PetscInt)(self->series.n / (size_t)each);
   PetscReal *column;
   char name[128];
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(n, &column));
-  for (int i = 0; n && i < OBSERVED_ALWAYS; i++) {
-    for (PetscInt k = 0; k < n; k++) column[k] = self->series.a[k * OBSERVED_ALWAYS + i];
+  for (int i = 0; n && i < each; i++) {
+    for (PetscInt k = 0; k < n; k++) column[k] = self->series.a[k * each + i];
     (void)snprintf(name, sizeof(name), "/series/%s", observed_name[i]);
     PetscCall(HdfAppend(file, name, n, column));
   }
@@ -252,9 +253,9 @@ static PetscErrorCode WriteLong(Collection self, HdfFile file) {
   if (!self->labels.n) PetscFunctionReturn(0);
   PetscCall(HdfAppend(file, "/shapes/s", (PetscInt)self->labels.n, self->labels.a));
   for (int i = 0; i < CONTACT_SET; i++) {
-    PetscInt each = PetscMax(1, shape_sets[i].components);
+    PetscInt parts = PetscMax(1, shape_sets[i].components);
     PetscCall(
-        HdfAppend(file, shape_sets[i].name, (PetscInt)self->shape[i].n / each, self->shape[i].a));
+        HdfAppend(file, shape_sets[i].name, (PetscInt)self->shape[i].n / parts, self->shape[i].a));
   }
   PetscFunctionReturn(0);
 }

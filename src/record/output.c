@@ -550,25 +550,32 @@ PetscErrorCode OutputKeep(Output self, PetscBool series, PetscBool shapes) {
   PetscFunctionReturn(0);
 }
 
-/* OutputHarvest - hands over what was kept, with the last observation; on rank 0 of the run. */
-PetscErrorCode OutputHarvest(Output self, const Observation *last, Harvest *harvest) {
-  size_t n = OBSERVED_ALWAYS + (size_t)self->series_n * OBSERVED_ALWAYS;
+/* The first of an observation, as many as a harvest has; those that a scene has not are NAN. */
+static PetscReal *Observed(Output self, const Observation *seen, PetscInt values, PetscReal *to) {
+  const PetscInt has = PetscMin(values, PetscMax(OBSERVED_ALWAYS, ObservedOf(self->scene)));
+
+  for (PetscInt k = 0; k < values; k++) to[k] = k < has ? ((const PetscReal *)seen)[k] : NAN;
+  return to + values;
+}
+
+/* OutputHarvest - hands over what was kept, with the last observation; on rank 0 of the run.
+   values: how many of each observation, from the first on. */
+PetscErrorCode OutputHarvest(Output self, const Observation *last, PetscInt values,
+                             Harvest *harvest) {
+  size_t n = (size_t)values * (1 + (size_t)self->series_n);
   PetscReal *to;
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(harvest, sizeof(*harvest)));
-  harvest->values = OBSERVED_ALWAYS;
+  harvest->values = values;
   harvest->steps = self->series_n;
   harvest->shapes = self->shapes_n;
   if (self->shapes_n) harvest->nodes = self->scene->mesh.cells + 1;
   for (int i = 0; i < CONTACT_SET; i++) n += (size_t)(self->shapes_n * ShapeSize(self, i));
   harvest->n = n + (size_t)harvest->nodes;
   PetscCall(PetscMalloc1(harvest->n, &harvest->data));
-  to = harvest->data;
-  PetscCall(PetscArraycpy(to, (const PetscReal *)last, OBSERVED_ALWAYS));
-  to += OBSERVED_ALWAYS;
-  for (PetscInt k = 0; k < self->series_n; k++, to += OBSERVED_ALWAYS)
-    PetscCall(PetscArraycpy(to, (const PetscReal *)&self->series[k], OBSERVED_ALWAYS));
+  to = Observed(self, last, values, harvest->data);
+  for (PetscInt k = 0; k < self->series_n; k++) to = Observed(self, &self->series[k], values, to);
   PetscCall(PetscArraycpy(to, self->scene->mesh.s, harvest->nodes));
   to += harvest->nodes;
   for (int i = 0; i < CONTACT_SET; i++) {

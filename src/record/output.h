@@ -28,7 +28,8 @@ PetscErrorCode OutputCreate(const char *file, Scene scene, Output *output);
 PetscErrorCode OutputContinue(const char *file, const char *from, Scene scene, PetscReal t,
                               PetscReal interval, Output *output);
 PetscErrorCode OutputKeep(Output output, PetscBool series, PetscBool shapes);
-PetscErrorCode OutputHarvest(Output output, const Observation *last, Harvest *harvest);
+PetscErrorCode OutputHarvest(Output output, const Observation *last, PetscInt values,
+                             Harvest *harvest);
 PetscErrorCode OutputSeries(Output output, const Observation *seen);
 PetscErrorCode OutputShape(Output output, PetscReal t, const Node *nodes,
                            const PetscReal (*contact)[PUSH]);

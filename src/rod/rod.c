@@ -1,4 +1,5 @@
 #include "rod/rod.h"
+#include "rod/directors.h"
 
 /*
   RodCreate - a rod of one model in a scene, which must outlive it. Collective; the caller destroys
@@ -227,6 +228,21 @@ const char *RodRefusesSpace(Scene scene) {
   if (!scene->space.why) return NULL;
   (void)snprintf(text, sizeof(text), "%s: takes the rod out of the plane", scene->space.why);
   return text;
+}
+
+/* RodPlanePart - what every model says of a node, from what a model in space has. */
+void RodPlanePart(Node *node) {
+  PetscReal d[3][3], size = QuaternionSize(node->p);
+
+  Directors(node->p, size, d);
+  node->theta = atan2(PetscSqrtReal(PetscSqr(d[0][1]) + PetscSqr(d[0][2])), d[0][0]);
+  node->moment =
+      PetscSqrtReal(PetscSqr(node->m3[0]) + PetscSqr(node->m3[1]) + PetscSqr(node->m3[2]));
+  for (int k = 0; k < 2; k++) {
+    node->x[k] = node->x3[k];
+    node->force[k] = node->n3[k];
+    node->x_t[k] = node->x3_t[k];
+  }
 }
 
 /* RodHoldTip - tells a scene whose tip is held where that is: where the initial shape has it.

@@ -126,7 +126,7 @@ struct _Rod {
   void *data;
 };
 
-extern const RodModel rod_frame, rod_mixed, rod_linear, rod_space;
+extern const RodModel rod_frame, rod_mixed, rod_linear, rod_linear_space, rod_space;
 extern const OptionGroup frame_options;
 
 PetscErrorCode RodCreate(Scene scene, const RodModel *model, Rod *rod);
@@ -135,6 +135,7 @@ PetscErrorCode RodCreateMatrix(Rod rod, Mat *J);
 PetscErrorCode RodCreateMemory(Rod rod, DM *da, Vec *memory);
 PetscErrorCode RodInitialNodes(Rod rod, PetscReal t, Node *nodes);
 PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes);
+void RodPlanePart(Node *node);
 PetscErrorCode RodHoldTip(Rod rod);
 const char *RodRefusesSpace(Scene scene);
 PetscErrorCode RodOpen(Rod rod, Vec v, Vec *local, void *array);

@@ -708,21 +708,6 @@ static PetscErrorCode SpaceSet(Rod rod, PetscReal t, const Node *nodes, Vec U) {
   PetscFunctionReturn(0);
 }
 
-/* What every model says of a node, from what this one has. */
-static void FillPlane(Node *node) {
-  PetscReal d[3][3], size = QuaternionSize(node->p);
-
-  Directors(node->p, size, d);
-  node->theta = atan2(PetscSqrtReal(PetscSqr(d[0][1]) + PetscSqr(d[0][2])), d[0][0]);
-  node->moment =
-      PetscSqrtReal(PetscSqr(node->m3[0]) + PetscSqr(node->m3[1]) + PetscSqr(node->m3[2]));
-  for (int k = 0; k < 2; k++) {
-    node->x[k] = node->x3[k];
-    node->force[k] = node->n3[k];
-    node->x_t[k] = node->x3_t[k];
-  }
-}
-
 static PetscErrorCode SpaceGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes) {
   const PetscReal(*u)[FIELDS], (*u_t)[FIELDS] = NULL;
 
@@ -740,7 +725,7 @@ static PetscErrorCode SpaceGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes
       PetscCall(PetscArraycpy(node->x3_t, u_t[i] + X, 3));
       PetscCall(PetscArraycpy(node->p_t, u_t[i] + P, 4));
     }
-    FillPlane(node);
+    RodPlanePart(node);
   }
   if (U_t) PetscCall(DMDAVecRestoreArrayRead(rod->da, U_t, &u_t));
   PetscCall(DMDAVecRestoreArrayRead(rod->da, U, &u));
@@ -834,7 +819,7 @@ static PetscErrorCode SpaceInitial(Rod rod, PetscReal t, Node *nodes) {
     for (int k = 0; k < 3; k++)
       for (int j = 0; j < 3; j++) node->m3[j] += S[k] * (u[k] - u0[k]) * d[k][j];
     node->n3[0] = -force[i];
-    FillPlane(node);
+    RodPlanePart(node);
   }
   PetscCall(PetscFree(force));
   PetscFunctionReturn(0);

@@ -31,4 +31,10 @@ PetscErrorCode SpaceSetFromOptions(Space *space, Load *load, Tip *tip, const Cur
 void SpaceToLab(const Space *space, const PetscReal v[3], PetscReal lab[3]);
 void SpaceClampTurn(const Space *space, const Load *load, PetscReal t, PetscReal p[4]);
 
+/* Is a vector of the clamp's frame along the clamp, but for what rounding leaves across? */
+static inline PetscBool SpaceIsAlong(const PetscReal v[3]) {
+  const PetscReal rounding = 1e-12, across = PetscSqr(v[1]) + PetscSqr(v[2]);
+  return (PetscBool)(across <= PetscSqr(rounding) * (PetscSqr(v[0]) + across));
+}
+
 #endif

@@ -8,11 +8,21 @@
 
 const RodModel *const grow_models[MODELS] = {&rod_linear, &rod_frame, &rod_mixed, &rod_space};
 
+/* Of which the linear one is another for a rod in space. */
+static const RodModel *ModelOf(const Grow *self, PetscInt model) {
+  return model == LINEAR && self->scene->space.rod ? &rod_linear_space : grow_models[model];
+}
+
+/* The model of auto that leaves nothing out. */
+static PetscInt WholeModel(const Grow *self) {
+  return self->scene->space.rod ? SPACE : FRAME;
+}
+
 static const OptionRow rows[] = {
     ROW_WORD(
         "-rod_model", "frame", "linear,frame,mixed,space,auto", 0,
-        "which unknowns; auto: linear while accurate enough, else frame; space of itself where "
-        "something acts out of the plane"),
+        "which unknowns; auto: linear while accurate enough, else frame, or space where something "
+        "acts out of the plane; space of itself there"),
     ROW_REAL("-ts_rtol", "1e-6", 1e-13, 0.5, UNIT_NONE, 0,
              "tolerance of a step, per field, against the field's present size"),
     ROW_REAL("-output_interval", "", 1e-9, 1e9, UNIT_TIME, 0,
@@ -88,11 +98,12 @@ static PetscErrorCode Store(Grow *self, PetscBool finished) {
    the tolerance of a step, and take it up again only when well below, so that it does not flicker.
  */
 static PetscInt BetterModel(const Grow *self) {
-  PetscReal neglected = PetscSqr(self->seen.max_angle);
+  const PetscReal neglected = PetscSqr(self->seen.max_angle);
+  const PetscInt whole = WholeModel(self);
   if (self->model != AUTO) return self->model;
-  if (!self->can[LINEAR]) return FRAME;
-  if (self->now == &self->leg[LINEAR]) return neglected > 0.3 * self->rtol ? FRAME : LINEAR;
-  return neglected < 0.03 * self->rtol ? LINEAR : FRAME;
+  if (!self->can[LINEAR]) return whole;
+  if (self->now == &self->leg[LINEAR]) return neglected > 0.3 * self->rtol ? whole : LINEAR;
+  return neglected < 0.03 * self->rtol ? LINEAR : whole;
 }
 
 /* The linear model leaves out terms of the square of the angle and, in friction, of the square of
@@ -103,6 +114,8 @@ static PetscErrorCode Neglect(Grow *self, Vec U_t) {
   PetscFunctionBegin;
   if (self->model != LINEAR) PetscFunctionReturn(0);
   if (U_t) PetscCall(RodFieldSizes(self->now->rod, U_t, speed));
+  for (PetscInt f = 1; f < self->now->rod->model->fields; f++)
+    speed[0] = PetscMax(speed[0], speed[f]);
   self->neglected = PetscMax(self->neglected, PetscSqr(PetscMax(speed[0], self->seen.max_angle)));
   PetscFunctionReturn(0);
 }
@@ -211,7 +224,7 @@ static PetscErrorCode AddLeg(Grow *self, PetscInt model) {
   Leg *leg = &self->leg[model];
 
   PetscFunctionBegin;
-  PetscCall(LegCreate(self->scene, grow_models[model], self->rtol, NULL, leg));
+  PetscCall(LegCreate(self->scene, ModelOf(self, model), self->rtol, NULL, leg));
   leg->owner = self;
   PetscCall(TSSetMaxTime(leg->ts, self->scene->end_time));
   PetscCall(TSSetPostStep(leg->ts, AfterStep));
@@ -270,16 +283,17 @@ static PetscErrorCode ChooseModel(Grow *self) {
   PetscFunctionBegin;
   if (space->why) PetscCall(OptionDefault("-rod_model", "space"));
   PetscCall(OptionWord("-rod_model", &self->model, NULL));
-  if (space->why && self->model == AUTO) self->model = SPACE;
-  space->rod = (PetscBool)(self->model == SPACE);
+  space->rod = (PetscBool)(self->model == SPACE ||
+                           (space->why && (self->model == AUTO || self->model == LINEAR)));
   UserCheck(
       !space->only || space->rod, self->scene->comm,
       "%s: means nothing in the plane, and nothing here takes the rod out of it; take it out, "
       "or give -rod_model space",
       space->only);
-  UserCheck(!space->rod || !self->member, self->scene->comm,
-            "%s: sweeps are of rods in the plane yet; run the rows one by one",
-            space->why ? space->why : "-rod_model space");
+  UserCheck(!space->rod || !self->member || self->member->values == OBSERVED, self->scene->comm,
+            "%s: takes this rod out of the plane, as nothing that the sweep's options say does; "
+            "give the sweep -rod_model space",
+            space->why ? space->why : "-rod_model");
   PetscFunctionReturn(0);
 }
 
@@ -292,7 +306,7 @@ static PetscErrorCode ReadOptions(Grow *self) {
   PetscCall(OptionBool("-quiet", &self->quiet, NULL));
   if (self->member) self->quiet = PETSC_TRUE;
   for (PetscInt m = 0; m < MODELS; m++) {
-    const RodModel *model = grow_models[m];
+    const RodModel *model = ModelOf(self, m);
     const char *why = model->refuses ? model->refuses(self->scene) : NULL;
     self->can[m] = (PetscBool)(why == NULL);
     UserCheck(!why || self->model != m, self->scene->comm, "%s; %s", why,
@@ -387,7 +401,7 @@ static PetscErrorCode Begin(Grow *self, const char *output) {
   Event event;
 
   PetscFunctionBegin;
-  self->now = &self->leg[self->model == AUTO ? FRAME : self->model];
+  self->now = &self->leg[self->model == AUTO ? WholeModel(self) : self->model];
   PetscCall(CheckStart(self));
   if (self->scene->contact.walls.n || self->scene->contact.surfaces.n) PetscCall(CheckWalls(self));
   PetscCall(GrowLookForEvent(self, 0, NULL, &event));
@@ -455,9 +469,10 @@ static PetscErrorCode Create(Grow *self, const char *output, const char *restart
   PetscCall(SetInterval(self, output, restart));
   if (restart[0]) PetscCall(RestartRead(restart, self->scene, &state, &begun));
   for (PetscInt m = 0; m < MODELS; m++)
-    if (m == self->model || (self->model == AUTO && m != MIXED && m != SPACE && self->can[m]))
+    if (m == self->model ||
+        (self->model == AUTO && (m == LINEAR || m == WholeModel(self)) && self->can[m]))
       PetscCall(AddLeg(self, m));
-  PetscCall(RodHoldTip(self->leg[self->model == AUTO ? FRAME : self->model].rod));
+  PetscCall(RodHoldTip(self->leg[self->model == AUTO ? WholeModel(self) : self->model].rod));
   if (self->leg[FRAME].rod) PetscCall(EstimateCreate(&self->leg[FRAME], &self->estimate));
   PetscCall(OptionsRefuseUnread());
   PetscCall(ObserverCreate(self->scene, &self->observer));
@@ -605,7 +620,9 @@ static PetscErrorCode Run(Grow *self) {
   PetscCall(End(self, (PetscBool)(reason == TS_CONVERGED_TIME || self->event.kind)));
   if (self->member) self->member->stopped = (PetscBool)(self->stopped != 0);
   PetscCall(Verdict(self, reason));
-  if (self->member) PetscCall(OutputHarvest(self->output, &self->seen, &self->member->harvest));
+  if (self->member)
+    PetscCall(
+        OutputHarvest(self->output, &self->seen, self->member->values, &self->member->harvest));
   PetscFunctionReturn(0);
 }
 

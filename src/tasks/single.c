@@ -55,13 +55,6 @@ static PetscErrorCode ReadOptions(PetscInt task, const char *output, Asked *aske
   PetscFunctionReturn(0);
 }
 
-/* Has a vector a part across the rod, above what rounding leaves of one along it? */
-static PetscBool IsAcross(const PetscReal v[3]) {
-  const PetscReal rounding = 1e-12;
-  return (PetscBool)(PetscSqr(v[1]) + PetscSqr(v[2]) >
-                     PetscSqr(rounding) * (PetscSqr(v[0]) + PetscSqr(v[1]) + PetscSqr(v[2])));
-}
-
 /* -task critical and stability are of a rod that is straight whatever happens along it. */
 static PetscErrorCode CheckStraight(Scene scene) {
   const char *const about = "-task critical and stability are about a straight rod";
@@ -73,10 +66,10 @@ static PetscErrorCode CheckStraight(Scene scene) {
             "-rod_curvature: %s, straight by nature; take it out", about);
   UserCheck(!scene->contact.any, scene->comm, "-%s: %s that touches nothing; take it out",
             scene->contact.self ? "contact_self" : "wall_file", about);
-  UserCheck(!IsAcross(scene->load.weight), scene->comm,
+  UserCheck(SpaceIsAlong(scene->load.weight), scene->comm,
             "-rod_weight: a weight across the rod bends it, and %s; give it the clamp's direction",
             about);
-  UserCheck(!IsAcross(scene->tip.push), scene->comm,
+  UserCheck(SpaceIsAlong(scene->tip.push), scene->comm,
             "-tip_force_vector: a force across the rod bends it, and %s; give it the clamp's "
             "direction",
             about);

@@ -5,6 +5,8 @@
 #include "tasks/critical.h"
 #include "tasks/sweeping.h"
 #include <petsctime.h>
+#include <stdlib.h>
+#include <string.h>
 
 static const OptionRow rows[] = {
     ROW_TEXT("-sweep_file", INPUT_FILE | PASSING | PROGRAM,
@@ -38,6 +40,49 @@ static PetscErrorCode ReadStore(Sweep *self) {
   UserCheck(self->task == TASK_GROW || !(self->columns.series || self->columns.shapes),
             OptionsComm(), "-sweep_store %s: of -sweep_task critical there is only final",
             self->store);
+  PetscFunctionReturn(0);
+}
+
+/* Does this value of an option take a rod out of the plane? Of a vector its third part does. */
+static PetscBool TakesOut(const char *name, const char *value) {
+  static const char *const scalar[] = {"rod_bend_ratio",  "rod_twist",  "rod_curvature_2",
+                                       "tip_torque",      "shape_turn", "rod_curvature_random_2",
+                                       "clamp_direction", "clamp_spin"},
+                           *const vector[] = {"rod_weight", "tip_force_vector"};
+  const char *third = value ? strchr(value, ',') : NULL;
+
+  if (!value || !*value) return PETSC_FALSE;
+  if (!strcmp(name, "rod_model")) return (PetscBool)!strcmp(value, "space");
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(scalar); k++)
+    if (!strcmp(name, scalar[k])) return PETSC_TRUE;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(vector); k++)
+    if (!strcmp(name, vector[k])) {
+      third = third ? strchr(third + 1, ',') : NULL;
+      return (PetscBool)(third && atof(third + 1) != 0);
+    }
+  return PETSC_FALSE;
+}
+
+/* Is any member a rod in space, by what all have in common or by the table? Then all have the
+   numbers that there are in space; a member in the plane has none there. */
+static PetscBool InSpace(const Sweep *self) {
+  for (PetscInt k = 0; k < self->commons; k++)
+    if (TakesOut(self->common[k].name + 1, self->common[k].value)) return PETSC_TRUE;
+  for (PetscInt c = 0; c < TableColumns(self->table); c++)
+    for (PetscInt r = 0; r < TableRows(self->table); r++)
+      if (TakesOut(TableName(self->table, c), TableCell(self->table, r, c))) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+static PetscErrorCode ColumnsOfSpace(Sweep *self) {
+  PetscFunctionBegin;
+  if (self->task != TASK_GROW || !InSpace(self)) PetscFunctionReturn(0);
+  UserCheck(
+      !self->columns.shapes, OptionsComm(),
+      "-sweep_store %s: the table has rods in space, whose shapes are in a file of each; give "
+      "-sweep_directory, and leave shapes out",
+      self->store);
+  self->columns.n = OBSERVED;
   PetscFunctionReturn(0);
 }
 
@@ -96,6 +141,7 @@ static PetscErrorCode ReadOptions(Sweep *self) {
   PetscCall(OptionText("-output", self->output, &given));
   UserCheck(given, OptionsComm(), "-task sweep: give the file for its results, -output FILE");
   PetscCall(TableRead("-sweep_file", path, &self->table));
+  PetscCall(ColumnsOfSpace(self));
   PetscCall(OptionsCheckTypes());
   PetscFunctionReturn(0);
 }

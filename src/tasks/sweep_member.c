@@ -237,6 +237,7 @@ PetscErrorCode SweepMakeDirectory(Sweep *self) {
 PetscErrorCode SweepMember(Sweep *self, PetscInt row) {
   Member member = {.meanwhile = Meanwhile,
                    .ctx = self,
+                   .values = self->columns.n,
                    .series = self->columns.series,
                    .shapes = self->columns.shapes};
   MemberHead head = {.member = row, .status = MEMBER_FINISHED};

@@ -184,7 +184,7 @@ static void TestHarvest(void **state) {
     seen.t = k;
     CHECK(OutputSeries(output, &seen));
   }
-  CHECK(OutputHarvest(output, &seen, &harvest));
+  CHECK(OutputHarvest(output, &seen, OBSERVED_ALWAYS, &harvest));
   MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
   EXPECT(rank || (harvest.steps == 5 && harvest.shapes == 0 && harvest.data[0] == 4 &&
                   harvest.data[OBSERVED_ALWAYS * 3] == 2),

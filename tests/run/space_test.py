@@ -320,7 +320,7 @@ def refused():
             "-rod_weight 1": "give three numbers",
             "-rod_weight 0,x,1": "give a number",
             "-rod_weight 0,0,1 -rod_model frame": "takes the rod out of the plane",
-            "-tip_torque 1 -rod_model linear": "takes the rod out of the plane",
+            "-tip_torque 1 -rod_model linear": "twist joins both directions",
             "-rod_twist 1 -stop_self_contact 0.1": "in the plane only",
             f"-tip_path {lead}": "leads a tip that is held",
             f"-tip_type pinned -tip_path {lead}": "a pinned tip is free to turn",

@@ -3,6 +3,7 @@
 
     straight_test.py build/tendril [--mpiexec mpiexec] CHECK...      (no CHECK: all of them)"""
 
+import subprocess
 import sys
 from pathlib import Path
 
@@ -87,6 +88,69 @@ def leaves_the_axis():
             least, wanted = r.length[np.argmin(across)], critical["length" + which]
             print(f"{options}, {name}: smallest at L = {least:.4f}, critical {wanted:.4f}")
             expect(abs(least / wanted - 1) < 0.03, f"{options}, {name}: {least}, not {wanted}")
+
+
+@check
+def auto():
+    """Linear in both directions while the rod is nearly straight, then in space: the answer of the
+    model of space, on any number of ranks; from the start in space where twist joins the directions.
+    The linear model of two directions is the plane's in each."""
+    for options in ("-shape_turn 30deg", "-rod_bend_ratio 1.5 -shape_turn 50deg -growth_type feed -growth_initial_length 1 "
+                    "-shape_amplitude 1e-3", "-clamp_direction 0,0,1 -rod_weight 0,0,-0.3 -shape_turn 1"):
+        options += " -rod_cells 80 -ts_max_time 8 -ts_rtol 1e-7 "
+        whole, auto = Run(options + "-rod_model space"), Run(options + "-rod_model auto")
+        expect(auto.model.min() == 0 and auto.model.max() == 3, f"{options}: models {set(auto.model)}")
+        back = np.diff(auto.model) < 0
+        expect("from the linear to the space model" in auto.said and back.sum() <= 1, f"{options}: {auto.said}")
+        apart = np.abs(auto.shapes["x"][-1] - whole.shapes["x"][-1]).max() / auto.length[-1]
+        frames = max(np.abs(auto.shapes[d][-1] - whole.shapes[d][-1]).max() for d in ("d1", "d2", "d3"))
+        print(f"{options}: apart by {apart:.1e}, directors {frames:.1e}; {(auto.model == 0).mean():.0%} of steps linear")
+        expect(apart < 2e-5 and frames < 2e-4, f"{options}: apart by {apart}, {frames}")
+    three = Run(options + "-rod_model auto", ranks=3)
+    apart = np.abs(three.shapes["x"][-1] - auto.shapes["x"][-1]).max()
+    print(f"on 3 ranks: apart by {apart:.1e}")
+    expect(apart < 1e-6, f"3 ranks: {apart}")
+    twisted = Run("-tip_torque 0.5 -rod_model auto -rod_cells 40 -ts_max_time 0.1")
+    expect(twisted.model.min() == 3, f"twisted: {set(twisted.model)}")
+    fixed = ("-rod_cells 80 -ts_max_time 1.5 -rod_model linear -ts_adapt_type none -ts_bdf_factor 0 -ts_dt 0.01 "
+             "-growth_initial_length 1.5 -shape_amplitude 1e-4 ")
+    flat, across = Run(fixed), Run(fixed + "-rod_bend_ratio 2 -shape_turn 90deg")
+    same = np.abs(across.shapes["x"][-1, :, 2] / 1e-4 - flat.shapes["x"][-1, :, 1] / 1e-4).max()
+    print(f"x3 of two directions and x2 of one: apart by {same:.1e}; forces {across.base_force_3[-1]:.6e}, "
+          f"{flat.base_force_2[-1]:.6e}")
+    expect(same < 1e-9 and abs(across.base_force_3[-1] / flat.base_force_2[-1] - 1) < 1e-6, "two directions")
+
+
+@check
+def sweep():
+    """Members in space leave what a run of their own has, beside members in the plane, which have no
+    numbers of space; their critical lengths; and Python reads it."""
+    d, base = scene.SCRATCH, "-rod_cells 40 -ts_max_time 0.5 -shape_amplitude 0.2 "
+    Path(f"{d}/t.csv").write_text("rod_bend_ratio,tip_torque,rod_weight\n2,0,\n,0.3,\n,,\n,,\"0,0.1,-0.2\"\n")
+    tendril(f"{base} -task sweep -sweep_file {d}/t.csv -sweep_store series -output {d}/s.h5 -quiet")
+    from_python = f"import tendril; s = tendril.load('{d}/s.h5'); print(float(s[1].tip_x3[-1]), len(s))"
+    with h5py.File(f"{d}/s.h5") as f:
+        expect(list(f["status"]) == [1] * 4, f"{list(f['line'])}")
+        for k, row in enumerate(("-rod_bend_ratio 2", "-tip_torque 0.3", "", "-rod_weight 0,0.1,-0.2")):
+            alone, first, count = Run(base + row), f["series/first"][k], f["series/count"][k]
+            for name, kept in f["final"].items():
+                own = alone.series[name][-1] if name in alone.series else np.nan
+                expect(np.array_equal(kept[k], own, equal_nan=True), f"{row}: {name} {kept[k]}, alone {own}")
+                part = f["series/" + name][first:first + count]
+                expect(np.array_equal(part, alone.series[name]) if name in alone.series else np.isnan(part).all(),
+                       f"{row}: series {name}")
+    done = subprocess.run([sys.executable, "-c", from_python], capture_output=True, text=True,
+                          env=dict(scene.ENVIRONMENT, PYTHONPATH=str(scene.ROOT / "scripts")))
+    print(done.stdout, done.stderr[-300:])
+    expect(done.returncode == 0 and float(done.stdout.split()[0]) != 0 and done.stdout.split()[1] == "4", done.stderr)
+    tendril(f"{base} -task sweep -sweep_task critical -sweep_file {d}/t.csv -output {d}/c.h5 -quiet -friction_beta 0")
+    with h5py.File(f"{d}/c.h5") as f:
+        lengths, lines = f["critical/length"][:], [line.decode() for line in f["line"][:]]
+    print(lengths, lines)
+    expect(abs(lengths[0] - 1.98635270743) < 1e-6 and abs(lengths[2] - 1.98635270743) < 1e-6
+           and lengths[1] < 1.98635 and "a weight across the rod" in lines[3], f"{lengths}, {lines}")
+    out = tendril(f"{base} -task sweep -sweep_file {d}/t.csv -sweep_store shapes -output {d}/x.h5", 1)
+    expect("give -sweep_directory" in str(out), out)
 
 
 @check
