@@ -4,7 +4,7 @@
 /* Is the tip kept from turning about the rod's axis? One that is clamped is, if no moment turns it:
    with a moment it is in a sleeve that guides it and lets it turn. */
 static PetscBool TurnIsHeld(Scene scene) {
-  return (PetscBool)(scene->tip.type == TIP_CLAMPED && scene->tip.torque == 0);
+  return (PetscBool)(TipPoints(&scene->tip) && scene->tip.torque == 0);
 }
 
 static PetscBool TwistsByNature(Scene scene) {

@@ -76,7 +76,9 @@ static PetscErrorCode CheckStraight(Scene scene) {
   UserCheck(scene->load.radius == 0 || !turned, scene->comm,
             "-friction_radius: twist that friction holds depends on how it came about; -task "
             "critical and stability know twist without it; take it out");
-  UserCheck(scene->tip.type != TIP_CLAMPED || scene->tip.torque == 0 || scene->space.spin == 0,
+  UserCheck(!scene->tip.path, scene->comm,
+            "-tip_path: %s whose tip stays where it is held; take it out", about);
+  UserCheck(!TipPoints(&scene->tip) || scene->tip.torque == 0 || scene->space.spin == 0,
             scene->comm,
             "-clamp_spin: turns a clamped tip that -tip_torque lets turn; give one of them");
   PetscFunctionReturn(0);

@@ -78,7 +78,8 @@ def leaves_the_axis():
             ("-rod_weight -1,0", "frame", {"norm_x2": ""}),
             ("-clamp_direction 0,0,1 -rod_weight 0,0,0.5 -shape_turn 1", "space", {"norm_x2": ""}),
             ("-rod_bend_ratio 3 -shape_turn 45deg", "space", {"norm_x3": "", "norm_x2": "_other"}),
-            ("-tip_torque 1.5 -friction_mu 0", "space", {"both": ""})):
+            ("-tip_torque 1.5 -friction_mu 0", "space", {"both": ""}),
+            ("-tip_type slides -clamp_spin 6 -friction_mu 0 -growth_initial_length 1.5", "space", {"both": ""})):
         tendril(f"{options} -task critical -ts_max_time 20 -output {scene.SCRATCH}/critical.h5")
         with h5py.File(f"{scene.SCRATCH}/critical.h5") as f:
             critical = {name: float(f["critical/" + name][()]) for name in f["critical"] if f["critical/" + name].ndim == 0}
@@ -159,6 +160,8 @@ def sweep():
 def refused():
     """What bends the straight rod, or has a history, ends in one line; weight that takes all thrust
     off the rod in one that says so."""
+    path = f"{scene.SCRATCH}/path.csv"
+    Path(path).write_text("t,x1\n0,0.5\n1,0.6\n")
     for options, words in {
             "-rod_weight 0,1": "-rod_weight: a weight across the rod bends it",
             "-rod_weight 0.1,0,1e-6": "-rod_weight: a weight across the rod bends it",
@@ -166,6 +169,7 @@ def refused():
             "-rod_curvature_2 0.1": "straight by nature",
             "-tip_torque 1 -friction_radius 0.1": "-friction_radius: twist that friction holds",
             "-tip_type clamped -tip_torque 1 -clamp_spin 1": "-clamp_spin: turns a clamped tip",
+            f"-tip_type clamped -tip_path {path}": "-tip_path: -task critical",
             "-rod_weight 1.5,0": "never turns unstable",
             "-rod_weight 1.5,0 -growth_type gaussian -ts_max_time 3": "stable up to there, pulled all along"}.items():
         out = tendril(options + " -task critical -friction_beta 0", 1)
