@@ -113,9 +113,9 @@ class Ensemble:
 
     def draw_shapes(self, ax):
         for r in self.members:
-            ax.plot(*r.stored(-1).x.T, color=GREY, lw=0.4, alpha=0.35)
+            ax.plot(*r.stored(-1).x[:, :2].T, color=GREY, lw=0.4, alpha=0.35)
         middle = self.members[int(np.argmin(np.abs(self.width - np.median(self.width))))]
-        ax.plot(*middle.stored(-1).x.T, color=ORANGE, lw=1.3, label="of median width")
+        ax.plot(*middle.stored(-1).x[:, :2].T, color=ORANGE, lw=1.3, label="of median width")
         above(ax)
         ax.plot(0, 0, "ks", ms=3, zorder=4)
         ax.set(xlabel="$x_1$", ylabel="$x_2$")

@@ -12,7 +12,7 @@ from .spatial import FIELDS, VISIBLE, diameter_of, extent_of, fields_of, lift, t
 from .surroundings import friction, pressed
 
 ARROWS = 28
-ROOM = 2.2e6  # bytes that the shapes of all runs may take
+ROOM, SERIES = 2.2e6, 7e5  # bytes that the shapes and the series of all runs may take
 NODES = {1: 251, 2: 251}  # of a run, by how many there are
 
 
@@ -40,6 +40,9 @@ def add(content, results, shapes):
     for run, r, shape in zip(content["runs"], results, shapes):
         run["fields"] = {name: packed_small(values) for name, values in shape["along"].items()}
         run["nodes"] = shape["x"].shape[1]
+        steps = thinned(len(r.series.t), int(SERIES / len(results) / (16 / 3 * len(r.series))))
+        if len(steps) < len(r.series.t):
+            run["series"] = {name: packed(values[steps]) for name, values in r.series.items()}
         run["surfaces"] = [{"positions": packed(one.vertices), "index": base64.b64encode(
             np.ascontiguousarray(one.triangles, "<u4").tobytes()).decode(), "lines": [packed(line) for line in one.lines]}
             for one in solids(r)]

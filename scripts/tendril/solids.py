@@ -119,7 +119,7 @@ def along(balls):
     return sheet(x[:, None] + radius[:, None] * ring)
 
 
-def coarse(vertices, triangles, most=12000):
+def coarse(vertices, triangles, most=8000):
     """Of so many vertices at most: those in one box of a grid become one, in their middle."""
     side = np.ptp(vertices, axis=0).max() / 4 / np.sqrt(most)
     while len(vertices) > most:

@@ -25,6 +25,7 @@ try:
     import numpy as np
 
     import tendril
+    from tendril.results import Table
     from tendril.solids import revolved, turn
     from tendril.surroundings import friction, pressed
 except ImportError as error:
@@ -357,8 +358,13 @@ class View(unittest.TestCase):
         r = tendril.run(growth_type="feed", growth_initial_length=1, rod_curvature=0.6, clamp_spin="60deg",
                         friction_radius=0.05, shape_type="straight", ts_max_time=3, output_interval=0.005)
         self.assertGreater(len(r.shapes.t), 500)
-        for runs in ([r], [r] * 6):
-            self.assertLess(len(self.page(runs).encode()), 4e6)
+        long = dataclasses.replace(r, series=Table({name: np.interp(np.linspace(0, 1, 30000), np.linspace(0, 1, len(values)),
+                                                                    values) for name, values in r.series.items()}))
+        for runs in ([r], [r] * 6, [long], [long] * 6):
+            page = self.page(runs)
+            self.assertLess(len(page.encode()), 4e6)
+            for run in content(page)["runs"]:  # series end where they end
+                self.assertAlmostEqual(array(run["series"]["length"])[-1], r.series.length[-1], 5)
 
     def test_space_weight(self):
         """Up is against the weight, which is no friction: a rod that hangs at rest has none."""
