@@ -152,6 +152,29 @@ def sides():
 
 
 @check
+def exact():
+    """Rods of which the exact answer is known: bent by nature and heavy, by shooting, with order 4; turned
+    at its clamp in exact friction, which it screws up from there on, at a torque that is the root of the
+    angle."""
+    for weight, tip in {10: (0.297435787559, 0.442842658071, -0.640672111052),
+                        30: (0.165683578747, 0.234572851951, -0.816562187035)}.items():
+        off = []
+        for cells in (25, 50):
+            r = Run("-growth_type none -growth_initial_length 1 -shape_type straight -rod_curvature 2 -friction_mu 0 "
+                    f"-rod_torsion {2 / 3!r} -rod_weight 0,0,-{weight} -ts_max_time 100 -ts_rtol 1e-8 "
+                    f"-rod_cells {cells} -output_shapes 1")
+            off.append(np.abs(r.shapes["x"][-1, -1] - tip).max())
+        print(f"weight {weight}: off by {off}, order {np.log2(off[0] / off[1]):.2f}, defect {r.energy_defect[-1]:.1e}")
+        expect(off[1] < 1.5e-7 and np.log2(off[0] / off[1]) > 3.8 and r.energy_defect[-1] < 1e-5, f"{weight}: {off}")
+    a, C = 0.5, 0.75
+    r = Run("-growth_type none -growth_initial_length 3 -shape_type straight -friction_beta 0 "
+            f"-friction_radius {a} -clamp_spin 1 -ts_max_time 1 -rod_cells 50")
+    error = abs(r.base_moment_1[-1] / np.sqrt(2 * a * C) - 1)
+    print(f"turned in exact friction: torque off by {error:.1e}")
+    expect(error < 1e-4, f"screwed up: {error}")
+
+
+@check
 def spin():
     """A straight rod that its clamp turns in viscous friction: the twist of the exact diffusion,
     with M1(0) = - a^2 omega L as the clamp drags the whole rod round at last; energy is kept."""
