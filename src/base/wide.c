@@ -448,15 +448,29 @@ static PetscBool Turns(WideLine line) {
   return PETSC_FALSE;
 }
 
+/* Can C and K of a node be told from round-off beside each other? */
+static PetscBool Told(Six C, Six K) {
+  const PetscReal most = 1e9;
+  PetscReal c = 0, k = 0;
+
+  for (int i = 0; i < OWN; i++)
+    for (int j = 0; j < OWN; j++) {
+      c = PetscMax(c, PetscAbsReal(C[i][j]));
+      k = PetscMax(k, PetscAbsReal(K[i][j]));
+    }
+  return (PetscBool)(c * k < most);
+}
+
 /* WideIndex - the index of the matrix eliminated last (EliminationIndex()); WideArm() has told the
-   arms of all nodes. */
+   arms of all nodes. Below 0: it is not known, for round-off. */
 PetscInt WideIndex(WideLine line) {
   PetscInt index = AddedAtEnd(line);
   Six C, K;
 
   if (!Turns(line)) return index;
-  for (PetscInt i = 0; i < line->n; i++)
-    if (Compliance(&line->link[i], C) && Stiffness(&line->link[i], K))
-      index += Added(C, K, 0, NULL);
+  for (PetscInt i = 0; i < line->n; i++) {
+    if (!Compliance(&line->link[i], C) || !Stiffness(&line->link[i], K) || !Told(C, K)) return -1;
+    index += Added(C, K, 0, NULL);
+  }
   return index;
 }

@@ -265,6 +265,7 @@ PetscErrorCode NewtonIndex(Newton *newton, PetscInt *index, PetscBool *known) {
   if (!*known) PetscFunctionReturn(0);
   if (counted == newton->counter) PetscCall(RodEliminate(rod, counted));
   PetscCall(EliminationIndex(counted, index));
+  if (EliminationWide(counted) && *index < 0) *known = PETSC_FALSE;
   PetscFunctionReturn(0);
 }
 
