@@ -247,6 +247,7 @@ static void AddContact(Observer self, Observation *seen) {
     seen->wall_force_1 = lab[0];
     seen->wall_force_2 = lab[1];
     seen->wall_force_3 = lab[2];
+    seen->wall_power = contact->moved;
   } else {
     seen->wall_force_1 = LabX1(self->scene, contact->wall);
     seen->wall_force_2 = LabX2(self->scene, contact->wall);
@@ -434,7 +435,7 @@ static void MeasureBalance(Observer self, Observation *seen) {
   }
   self->time[self->n] = seen->t;
   self->net[self->n] = seen->growth_power + seen->tip_power + seen->weight_power +
-                       seen->clamp_power - seen->dissipation;
+                       seen->clamp_power + seen->wall_power - seen->dissipation;
   self->loss[self->n] = seen->dissipation;
   self->energy[self->n] = seen->energy;
   self->n++;

@@ -56,6 +56,7 @@
   X(base_moment_3, "N l^2", "moment of the clamp on the rod about x3, -m3(0)")                     \
   X(tip_force_3, "N l", "force on the tip along x3, n3(1)")                                        \
   X(wall_force_3, "N l", "force of the walls on the rod along x3")                                 \
+  X(wall_power, "N l V", "power of walls that move")                                               \
   X(tip_spin, "V/l", "rate at which the material at the tip turns about its tangent")              \
   X(clamp_power, "N l V", "power of the turning clamp")
 

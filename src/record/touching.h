@@ -12,6 +12,7 @@
 typedef struct {
   PetscReal energy, loss, strain; /* int U, power lost to friction, power of growth where pressed
                                      and of a law that changes in time */
+  PetscReal moved;                /* power of walls that move */
   PetscReal normal, wall[3];      /* sum of normal forces; force of the walls on the rod */
   PetscReal depth;                /* deepest penetration, 0: none */
   PetscInt zones;

@@ -21,6 +21,7 @@ static void AddWall3(const Contact *contact, const Touch3 *touch, const Rubbed *
   sum->loss += length * push.power;
   sum->normal += length * push.normal;
   for (int d = 0; d < 3; d++) {
+    if (touch->moves) sum->moved += length * push.force[d] * touch->v[d];
     force[d] += push.force[d];
     sum->wall[d] += length * push.force[d];
   }

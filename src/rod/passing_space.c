@@ -201,6 +201,7 @@ PetscErrorCode RodPassesWalls3(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec 
   Bezier b[2];
 
   PetscFunctionBegin;
+  PetscCall(SceneContactAt(rod->scene, t1));
   look.deep = contact->diameter > 0 ? contact->diameter / 2 : lengths_behind * contact->tip;
   look.fine = look.deep / parts;
   PetscCall(PetscMalloc2(n, &cell[0], n, &cell[1]));

@@ -73,6 +73,8 @@ PetscErrorCode SceneContactAt(Scene scene, PetscReal t) {
   if (ContactNeedsCell(&scene->contact)) PetscCall(LargestCell(scene, t, cell));
   PetscCall(GrowthLength(scene->growth, t, &length[0], &length[1]));
   ContactSetStiffness(&scene->contact, cell, length);
+  scene->contact.surfaces.still = scene->load.stopped;
+  scene->contact.surfaces.time = scene->load.stopped ? scene->load.stopped_at : t;
   scene->contact.time = t;
   PetscFunctionReturn(0);
 }

@@ -39,6 +39,25 @@ void ContactSetFrame(Contact *self, const PetscReal lab[3][3], PetscReal clamp_a
 
 /* ---- what touches ---- */
 
+/* The velocity of a wall that moves at v and turns at spin where it touches, x - d n, and
+     dv_w = spin x (dx - n (n.dx) - d H dx). */
+static void Moves(const Contact *self, PetscInt which, const PetscReal y[3],
+                  const SurfacePoint *point, Touch3 *t) {
+  PetscReal foot[3], v[3], spin[3], turning[3];
+
+  for (int d = 0; d < 3; d++) foot[d] = y[d] - point->distance * point->normal[d];
+  SurfacesVelocity(&self->surfaces, which, foot, v, spin);
+  TurnBack(self->lab, v, t->v);
+  TurnBack(self->lab, spin, turning);
+  for (int c = 0; c < 3; c++) {
+    PetscReal way[3], by[3];
+    for (int d = 0; d < 3; d++)
+      way[d] = (c == d) - t->normal[d] * t->normal[c] - point->distance * t->bend[d][c];
+    Cross3(turning, way, by);
+    for (int d = 0; d < 3; d++) t->v_x[d][c] = by[d];
+  }
+}
+
 static PetscInt TouchSurfaces(const Contact *self, const PetscReal x[3], Touch3 touch[]) {
   const PetscReal half = self->diameter / 2;
   SurfacePoint point[MOST_SURFACES];
@@ -53,12 +72,14 @@ static PetscInt TouchSurfaces(const Contact *self, const PetscReal x[3], Touch3 
     t->friction = self->surfaces.surface[which[k]].friction;
     t->wall = which[k];
     t->again = PETSC_FALSE;
+    t->moves = (PetscBool)(self->surfaces.surface[which[k]].motion.any && !self->surfaces.still);
     TurnBack(self->lab, point[k].normal, t->normal);
     for (int d = 0; d < 3; d++) TurnBack(self->lab, point[k].bend[d], part[d]);
     for (int d = 0; d < 3; d++)
       for (int c = 0; c < 3; c++)
         t->bend[d][c] = self->lab[0][d] * part[0][c] + self->lab[1][d] * part[1][c] +
                         self->lab[2][d] * part[2][c];
+    if (t->moves) Moves(self, which[k], y, &point[k], t);
   }
   return n;
 }
@@ -79,6 +100,7 @@ static PetscInt TouchUpright(const Contact *self, const PetscReal x[3], Touch3 t
     touch[k].friction = self->walls.wall[flat[k].wall].friction;
     touch[k].wall = self->surfaces.n + flat[k].wall;
     touch[k].again = flat[k].again;
+    touch[k].moves = PETSC_FALSE;
     TurnBack(self->upright, normal, touch[k].normal);
     TurnBack(self->upright, across, t);
     for (int d = 0; d < 3; d++)
@@ -146,11 +168,19 @@ static void Tangential(const PetscReal n[3], const PetscReal v[3], PetscReal t[3
   for (int d = 0; d < 3; d++) t[d] = v[d] - along * n[d];
 }
 
+/* The velocity against that of the wall. */
+static void Against(const Touch3 *touch, const Rubbed *at, PetscReal v[3]) {
+  for (int d = 0; d < 3; d++) v[d] = at->v[d] - (touch->moves ? touch->v[d] : 0);
+}
+
 /* a, and the slip u, whose fourth is 0. */
 static void Slip(const Contact *contact, const Touch3 *touch, const Rubbed *at, PetscReal a[3],
                  PetscReal u[4]) {
+  PetscReal v[3];
+
+  Against(touch, at, v);
   Cross3(at->q, touch->normal, a);
-  Tangential(touch->normal, at->v, u);
+  Tangential(touch->normal, v, u);
   for (int d = 0; d < 3; d++) {
     a[d] *= -contact->diameter / 2;
     u[d] += at->spin * a[d];
@@ -191,13 +221,17 @@ void ContactPush3(const Contact *contact, const Touch3 *touch, const Rubbed *at,
 }
 
 /* How u changes with x and q, and a with them:
-     du/dx = -(n.v) H - n (H v)^T + omega da/dx,  da/dx = -D/2 [q] H,  da/dq = D/2 [n]. */
+     du/dx = -(n.v) H - n (H v)^T - T dv_w/dx + omega da/dx,  da/dx = -D/2 [q] H,  da/dq = D/2 [n].
+ */
 static void SlipSlope(const Contact *contact, const Touch3 *touch, const Rubbed *at,
                       const PetscReal shift[3], PetscReal a_x[3][3], PetscReal a_q[3][3],
                       PetscReal u_x[3][3]) {
   const PetscReal *n = touch->normal, half = contact->diameter / 2;
-  const PetscReal v[3] = {at->v[0] + shift[0], at->v[1] + shift[1], at->v[2] + shift[2]};
-  const PetscReal along = Dot3(n, v);
+  PetscReal v[3], along;
+
+  Against(touch, at, v);
+  for (int d = 0; d < 3; d++) v[d] += shift[d];
+  along = Dot3(n, v);
 
   for (int c = 0; c < 3; c++) {
     const PetscReal H[3] = {touch->bend[0][c], touch->bend[1][c], touch->bend[2][c]},
@@ -209,6 +243,12 @@ static void SlipSlope(const Contact *contact, const Touch3 *touch, const Rubbed 
       a_x[d][c] = -half * turned[d];
       a_q[d][c] = half * other[d];
       u_x[d][c] = -along * H[d] - n[d] * by_v + at->spin * a_x[d][c];
+    }
+    if (touch->moves) {
+      const PetscReal moved[3] = {touch->v_x[0][c], touch->v_x[1][c], touch->v_x[2][c]};
+      PetscReal slips[3];
+      Tangential(n, moved, slips);
+      for (int d = 0; d < 3; d++) u_x[d][c] -= slips[d];
     }
   }
 }

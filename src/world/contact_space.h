@@ -2,10 +2,11 @@
    (surfaces.h), and those of the plane (walls.h), which stand upright along x3 of the laboratory.
 
    Friction acts where the rod's surface touches, at r = -D/2 n from its centre line, that slips by
-   at u = T (v + omega q x r) = T v + omega a,   T = I - n n^T,   a = -D/2 q x n, omega the spin of
-   the material about its tangent q. So friction bears the couple a.f about q, and a rod that is
-   pushed across a plane rolls. (That q itself turns is left out of the slip, as is the couple
-   across q: both are of the order of D times a bend, and there is none of them in the plane.)
+   at u = T (v - v_w + omega q x r) = T (v - v_w) + omega a,   T = I - n n^T,   a = -D/2 q x n,
+   omega the spin of the material about its tangent q. v_w is the velocity of the wall there. So
+   friction bears the couple a.f about q, and a rod that is pushed across a plane rolls. (That q
+   itself turns is left out of the slip, as is the couple across q: both are of the order of D times
+   a bend, and there is none of them in the plane.)
 
      f = p n - mu p w,   w = u/r, r = sqrt(u^2 + beta). */
 #ifndef TENDRIL_CONTACT_SPACE_H
@@ -17,8 +18,10 @@
 typedef struct {
   PetscReal gap, normal[3], bend[3][3]; /* n, dn = bend dx */
   PetscReal friction;
-  PetscInt wall;   /* a surface, or behind these a wall of the plane */
-  PetscBool again; /* another piece of the wall before it */
+  PetscBool moves;           /* the wall does, and then: */
+  PetscReal v[3], v_x[3][3]; /* its velocity where it touches, and how that changes with x */
+  PetscInt wall;             /* a surface, or behind these a wall of the plane */
+  PetscBool again;           /* another piece of the wall before it */
 } Touch3;
 
 enum { MOST_TOUCHES3 = MOST_SURFACES + MOST_TOUCHES };

@@ -17,7 +17,9 @@ PetscBool SurfacesKnow(PetscInt n, char *const word[]) {
   const SurfaceKind *kind = KindOf(word[0]);
   PetscInt numbers = 0;
 
-  while (numbers + 1 < n && strcmp(word[numbers + 1], "friction")) numbers++;
+  while (numbers + 1 < n && strcmp(word[numbers + 1], "friction") &&
+         strcmp(word[numbers + 1], "moves") && strcmp(word[numbers + 1], "turns"))
+    numbers++;
   return (PetscBool)(kind && (kind != &surface_plane || numbers >= OF_PLANE));
 }
 
@@ -52,6 +54,57 @@ static PetscErrorCode TakeFriction(SurfaceLine *line, Surface *surface) {
   PetscFunctionReturn(0);
 }
 
+/* Takes `what` and the numbers behind it off the end of a line's words; given: it was there. */
+static PetscErrorCode TakeNumbers(SurfaceLine *line, const char *what, PetscInt n,
+                                  const Dimension dimension[], PetscReal number[],
+                                  PetscBool *given) {
+  PetscFunctionBegin;
+  *given = (PetscBool)(line->n > n + 1 && !strcmp(line->word[line->n - n - 1], what));
+  if (!*given) PetscFunctionReturn(0);
+  for (PetscInt k = 0; k < n; k++)
+    PetscCall(SurfaceNumber(line, line->n - n + k, dimension[k], &number[k]));
+  line->n -= n + 1;
+  PetscFunctionReturn(0);
+}
+
+/* Takes `moves VX VY VZ` and `turns RATE X Y Z AX AY AZ` off it, in either order. */
+static PetscErrorCode TakeMotion(SurfaceLine *line, SurfaceMotion *motion) {
+  enum { MOVES = 3, TURNS = 7 };
+  static const Dimension moves[MOVES] = {UNIT_SPEED, UNIT_SPEED, UNIT_SPEED},
+                         turns[TURNS] = {UNIT_ANGLE, UNIT_LENGTH, UNIT_LENGTH, UNIT_LENGTH,
+                                         UNIT_NONE,  UNIT_NONE,   UNIT_NONE};
+  PetscReal number[TURNS], size;
+  PetscBool given;
+
+  PetscFunctionBegin;
+  for (int k = 0; k < 2; k++) {
+    PetscCall(TakeNumbers(line, "moves", MOVES, moves, number, &given));
+    if (given) {
+      motion->any = PETSC_TRUE;
+      PetscCall(PetscArraycpy(motion->velocity, number, 3));
+    }
+    PetscCall(TakeNumbers(line, "turns", TURNS, turns, number, &given));
+    if (!given) continue;
+    size = PetscSqrtReal(number[4] * number[4] + number[5] * number[5] + number[6] * number[6]);
+    UserCheck(size > 0, OptionsComm(),
+              "-wall_file %s, line %d: the axis about which it turns has no direction", line->file,
+              line->line);
+    motion->any = PETSC_TRUE;
+    motion->rate = number[0];
+    for (int d = 0; d < 3; d++) {
+      motion->at[d] = number[1 + d];
+      motion->axis[d] = number[4 + d] / size;
+    }
+  }
+  for (PetscInt k = 1; k < line->n; k++)
+    UserCheck(
+        strcmp(line->word[k], "moves") && strcmp(line->word[k], "turns"), OptionsComm(),
+        "-wall_file %s, line %d: give moves VX VY VZ, and turns RATE X Y Z AX AY AZ, its rate, "
+        "and the place and direction of the axis",
+        line->file, line->line);
+  PetscFunctionReturn(0);
+}
+
 /* SurfacesAdd - one more surface, as a line says; friction if it has none of its own. Collective on
    OptionsComm(). */
 PetscErrorCode SurfacesAdd(const SurfaceLine *line, PetscReal friction, Surfaces *surfaces) {
@@ -70,6 +123,7 @@ PetscErrorCode SurfacesAdd(const SurfaceLine *line, PetscReal friction, Surfaces
   surface->box = SurfaceEverywhere();
   surface->smallest = surface->core = PETSC_MAX_REAL;
   PetscCall(TakeFriction(&rest, surface));
+  PetscCall(TakeMotion(&rest, &surface->motion));
   PetscCall(surface->kind->make(&rest, surface));
   PetscFunctionReturn(0);
 }
@@ -86,7 +140,7 @@ PetscErrorCode SurfacesIndex(Surfaces *self) {
   PetscCall(PetscMalloc2(self->n, &self->placed, self->n, &self->open));
   for (PetscInt k = 0; k < self->n; k++) {
     const Surface *surface = &self->surface[k];
-    PetscBool bounded = PETSC_TRUE;
+    PetscBool bounded = (PetscBool)!surface->motion.any;
     for (int d = 0; d < 3; d++)
       if (surface->box.low[d] < -bound || surface->box.high[d] > bound) bounded = PETSC_FALSE;
     if (bounded) {
@@ -118,16 +172,84 @@ PetscErrorCode SurfacesDestroy(Surfaces *self) {
 /* SurfacesText - the surfaces as a file has them, dimensionless. The caller frees the text
    (PetscFree). */
 PetscErrorCode SurfacesText(const Surfaces *self, char **text) {
-  enum { FRICTION = 40 };
+  enum { MORE = 360 };
   size_t room = 1, at = 0;
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < self->n; k++) room += strlen(self->surface[k].text) + FRICTION;
+  for (PetscInt k = 0; k < self->n; k++) room += strlen(self->surface[k].text) + MORE;
   PetscCall(PetscCalloc1(room, text));
-  for (PetscInt k = 0; k < self->n; k++)
-    at += (size_t)snprintf(*text + at, room - at, "%s friction %.17g\n", self->surface[k].text,
+  for (PetscInt k = 0; k < self->n; k++) {
+    const SurfaceMotion *m = &self->surface[k].motion;
+    const PetscReal *v = m->velocity, *c = m->at, *a = m->axis;
+    at += (size_t)snprintf(*text + at, room - at, "%s", self->surface[k].text);
+    if (v[0] != 0 || v[1] != 0 || v[2] != 0)
+      at += (size_t)snprintf(*text + at, room - at, " moves %.17g %.17g %.17g", (double)v[0],
+                             (double)v[1], (double)v[2]);
+    if (m->rate != 0)
+      at += (size_t)snprintf(*text + at, room - at,
+                             " turns %.17g %.17g %.17g %.17g %.17g %.17g %.17g", (double)m->rate,
+                             (double)c[0], (double)c[1], (double)c[2], (double)a[0], (double)a[1],
+                             (double)a[2]);
+    at += (size_t)snprintf(*text + at, room - at, " friction %.17g\n",
                            (double)self->surface[k].friction);
+  }
   PetscFunctionReturn(0);
+}
+
+/* ---- moving ---- */
+
+static void Cross3(const PetscReal a[3], const PetscReal b[3], PetscReal c[3]) {
+  c[0] = a[1] * b[2] - a[2] * b[1];
+  c[1] = a[2] * b[0] - a[0] * b[2];
+  c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* v turned about the axis by an angle (Rodrigues). */
+static void Turned(const PetscReal a[3], PetscReal angle, const PetscReal v[3], PetscReal w[3]) {
+  const PetscReal c = PetscCosReal(angle), s = PetscSinReal(angle),
+                  along = (1 - c) * (a[0] * v[0] + a[1] * v[1] + a[2] * v[2]);
+  PetscReal across[3];
+
+  Cross3(a, v, across);
+  for (int d = 0; d < 3; d++) w[d] = c * v[d] + s * across[d] + along * a[d];
+}
+
+/* A surface that moves, where it is at the time. */
+static PetscBool MovedAt(const Surfaces *self, const Surface *surface, const PetscReal x[3],
+                         PetscReal within, SurfacePoint *point) {
+  const SurfaceMotion *m = &surface->motion;
+  const PetscReal angle = m->rate * self->time;
+  PetscReal o[3], y[3], H[3][3], part[3];
+  SurfacePoint given;
+
+  for (int d = 0; d < 3; d++) o[d] = x[d] - m->velocity[d] * self->time - m->at[d];
+  Turned(m->axis, -angle, o, y);
+  for (int d = 0; d < 3; d++) y[d] += m->at[d];
+  if (!SurfaceAt(surface, y, within, &given)) return PETSC_FALSE;
+  point->distance = given.distance;
+  Turned(m->axis, angle, given.normal, point->normal);
+  for (int d = 0; d < 3; d++) Turned(m->axis, angle, given.bend[d], H[d]); /* rows: H R^T */
+  for (int c = 0; c < 3; c++) {
+    const PetscReal column[3] = {H[0][c], H[1][c], H[2][c]};
+    Turned(m->axis, angle, column, part);
+    for (int d = 0; d < 3; d++) point->bend[d][c] = part[d];
+  }
+  return PETSC_TRUE;
+}
+
+/* SurfacesVelocity - the velocity of a surface's material at x, and its rate of turning; 0 where
+   time stands still. */
+void SurfacesVelocity(const Surfaces *self, PetscInt which, const PetscReal x[3],
+                      PetscReal velocity[3], PetscReal spin[3]) {
+  const SurfaceMotion *m = &self->surface[which].motion;
+  PetscReal o[3];
+
+  for (int d = 0; d < 3; d++) {
+    o[d] = x[d] - m->velocity[d] * self->time - m->at[d];
+    spin[d] = self->still ? 0 : m->rate * m->axis[d];
+  }
+  Cross3(spin, o, velocity);
+  for (int d = 0; d < 3 && !self->still; d++) velocity[d] += m->velocity[d];
 }
 
 /* ---- looking ---- */
@@ -145,10 +267,14 @@ typedef struct {
 /* Takes note of a surface, in the order of their numbers: what is summed up does not depend on the
    order in which they are found. */
 static void LookAt(Look *look, PetscInt k) {
+  const Surface *surface = &look->self->surface[k];
   SurfacePoint at;
   PetscInt i = look->n;
 
-  if (!SurfaceAt(&look->self->surface[k], look->x, look->within, &at)) return;
+  if (surface->motion.any) {
+    if (!MovedAt(look->self, surface, look->x, look->within, &at)) return;
+  } else if (!SurfaceAt(surface, look->x, look->within, &at))
+    return;
   if (at.distance >= look->within) return;
   if (!look->point) {
     look->within = at.distance;

@@ -14,10 +14,17 @@ typedef struct {
   PetscReal bend[3][3]; /* H, dn = H dx: symmetric, H n = 0 */
 } SurfacePoint;
 
+/* How a surface moves, from where it is given at t = 0: it turns at a rate about an axis through a
+   point, and is carried along, the axis with it. */
+typedef struct {
+  PetscBool any;
+  PetscReal velocity[3], rate, at[3], axis[3];
+} SurfaceMotion;
+
 typedef struct _Surface Surface;
 
 /* The line of a file that says what a surface is: word[0] is its kind; what every surface may have
-   (friction) has been taken off its end. */
+   (motion, friction) has been taken off its end. */
 typedef struct {
   const char *file;
   int line;
@@ -43,12 +50,14 @@ struct _Surface {
   const SurfaceKind *kind;
   void *data;
   PetscReal friction;
+  SurfaceMotion motion;
   Block box;          /* d is not less than the distance from it; SurfaceEverywhere(): no bound */
   PetscReal smallest; /* where it stands out, the least radius of curvature, 0 of a sharp edge;
                          PETSC_MAX_REAL: nowhere */
   PetscReal core;     /* depth of the deepest place behind it, with free space on its other side;
                          PETSC_MAX_REAL: it has no other side */
-  /* to be drawn, and to be given again: the words of its line but for friction, dimensionless */
+  /* to be drawn, and to be given again: the words of its line but for motion and friction,
+     dimensionless */
   char *text;
 };
 
@@ -56,6 +65,8 @@ typedef struct {
   PetscInt n, room;
   Surface *surface;
   PetscBool rub;                  /* any has friction */
+  PetscReal time;                 /* at which they are looked at: see SurfaceMotion */
+  PetscBool still;                /* time stands still, as in a snap */
   PetscReal smallest;             /* of all */
   Blocks near;                    /* those that are somewhere: item k is surface placed[k] */
   PetscInt *placed, *open, opens; /* the others are looked at from everywhere */
@@ -75,11 +86,14 @@ PetscInt SurfacesNear(const Surfaces *surfaces, const PetscReal x[3], PetscReal 
                       PetscInt which[MOST_SURFACES], SurfacePoint point[MOST_SURFACES]);
 PetscReal SurfacesDistance(const Surfaces *surfaces, const PetscReal x[3], PetscReal within,
                            PetscInt *nearest);
+void SurfacesVelocity(const Surfaces *surfaces, PetscInt which, const PetscReal x[3],
+                      PetscReal velocity[3], PetscReal spin[3]);
 PetscErrorCode SurfaceNumber(const SurfaceLine *line, PetscInt k, Dimension dimension,
                              PetscReal *value);
 PetscErrorCode SurfaceMalformed(const SurfaceLine *line, const SurfaceKind *kind);
 
-/* SurfaceAt - the surface as seen from x; false: it is farther away than `within`. */
+/* SurfaceAt - the surface, where it is given, as seen from x; false: it is farther away than
+ * `within`. */
 static inline PetscBool SurfaceAt(const Surface *surface, const PetscReal x[3], PetscReal within,
                                   SurfacePoint *point) {
   return surface->kind->at(surface->data, x, within, point);

@@ -87,6 +87,8 @@ static const char *const walls[] = {
     "plane 0 0.1 -0.15 0.1 0.2 1 friction 0.5\nsphere 0.6 0.6 0.4 0.35 outside friction 0.4\n",
     "cylinder 0 0 0 1 0.3 0.1 0.25 inside friction 0.7\ncone 0.3 0 -0.5 0 0 1 0.2 0.3 1 outside\n",
     "torus 0 0.6 0 0 0 1 0.7 0.2 inside friction 0.6\ncylinder 0.4 0 0 0 0 1 0.2 outside 3\n",
+    "cylinder 0 0 0 1 0.3 0.1 0.25 inside turns 0.6 0 0 0 1 0.3 0.1 friction 0.7\n"
+    "plane 0 0.1 -0.2 0.1 0.2 1 moves 0.4 0.3 0.05 friction 0.5\n",
     "circle 0.5 0.6 0.5 outside friction 1\nplane 0 -0.2 0.2 1 friction 0.5\n"};
 enum { WALLS = sizeof(walls) / sizeof(walls[0]) };
 

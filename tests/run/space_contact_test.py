@@ -125,6 +125,30 @@ def ranks_and_restart():
 
 
 @check
+def moving():
+    """Walls that move: friction is against the slip between them, so that a tube that runs along twice as fast as the
+    rod turns it round; their work is in the balance of energy, of a press and a drum, too."""
+    D, R, mu = 0.1, 0.051, 0.3
+    for v, sign in ((0, -1), (2, 1)):
+        r = Run("-growth_type feed -growth_initial_length 1 -shape_type straight -rod_cells 60 -ts_max_time 0.5 "
+                f"-contact_diameter {D} {ALONE} -rod_weight 0,0,-0.5 "
+                + walls(f"cylinder 0 0 {R - D / 2} 1 0 0 {R} inside moves {v} 0 0 friction {mu}"))
+        off = r.wall_force_1[-1] / (sign * mu * r.contact_force[-1]) - 1
+        print(f"tube at {v}: {r.steps} steps, friction off by {off:.1e}, defect {r.energy_defect[-1]:.1e}")
+        expect(abs(off) < 1e-3 and r.energy_defect[-1] < 1e-5, f"tube at {v}: {off}, {r.energy_defect[-1]}")
+    for name, wall in (
+            ("press", ("plane 0 0 0.3 0 0 -1", "plane 0 0 -0.3 0 0 1 moves 0 0 0.15 friction 0.3")),
+            ("drum", ("cylinder 1.5 -0.6 0 0 0 1 0.5 outside turns -2 1.5 -0.6 0 0 0 1 friction 0.4",))):
+        r = Run(FED.replace("-ts_max_time 2", "-ts_max_time 1.2")
+                + "-rod_curvature -0.3 -rod_curvature_2 0.4 -friction_mu 0.9 " + walls(*wall))
+        late, power = r.energy_defect[r.t > 0.01].max(), np.abs(r.series["wall_power"]).max()
+        print(f"{name}: {r.steps} steps, defect {late:.1e}, power of the wall at most {power:.2e}")
+        expect(r.contact_force[-1] > 0 and power > 1e-3 and late < 2e-5, f"{name}: {late}, {power}")
+    line = tendril(FED + walls("sphere 5 0 0 1 outside moves 1 0"), 1)
+    expect("give moves VX VY VZ, and turns RATE X Y Z AX AY AZ" in line, line)
+
+
+@check
 def guard():
     """A post far thinner than a cell is not stepped over: where cells do not feel it, the run says so; a jam is
     named."""
