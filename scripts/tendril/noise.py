@@ -381,15 +381,23 @@ def certainty(errors: Errors, residuals, jacobian, prior, known=None, share=0.95
     spread = np.einsum("k,ka,kb->ab", shares, means - middle, means - middle)
     covariance = np.einsum("k,kab->ab", shares, covariances) + spread
     factor = lasting(errors, residuals)
-    # correlation is known from so many photographs only, in two directions each
-    count = sum(block.normal is not None for block in errors.blocks)
-    if count:
-        factor *= (stats.t.ppf((1 + share) / 2, max(2 * (count - 1), 2)) / stats.norm.ppf((1 + share) / 2)) ** 2
+    factor *= (stats.t.ppf((1 + share) / 2, freedom(errors)) / stats.norm.ppf((1 + share) / 2)) ** 2
     covariance, covariances, means = factor * covariance, factor * covariances, np.sqrt(factor) * means
     middle = np.sqrt(factor) * middle
     deviations = np.sqrt(np.maximum(np.einsum("kaa->ka", covariances), 0))
     reach = [mixture_reach(means[:, a] - middle[a], deviations[:, a], shares, share) for a in range(len(prior))]
     return Certainty(covariance, np.array(reach) / np.sqrt(np.maximum(np.diag(covariance), 1e-300)))
+
+
+def freedom(errors: Errors) -> float:
+    """Of Student's t: what errs alike in a photograph, the part c of the variance, is known from n of them only, and
+    what errs by itself from all points: (n - 1)/c^2, as Satterthwaite has it."""
+    names = {block.group for block in errors.blocks if block.normal is not None}
+    count = sum(block.normal is not None for block in errors.blocks)
+    if count < 2:
+        return 2.0 if count else np.inf
+    alike = max(1 - (g.sigma / max(g.total, 1e-300)) ** 2 for g in (errors.groups[name] for name in names))
+    return max((count - 1) / max(alike, 1e-3) ** 2, 2.0)
 
 
 def lasting(errors: Errors, residuals, bins=12):
