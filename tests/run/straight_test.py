@@ -73,17 +73,18 @@ def eigenvalues():
 @check
 def leaves_the_axis():
     """What is across in a growing rod is smallest where -task critical has it: under weight in the
-    plane and in space, in each direction of two stiffnesses, with a twisting moment."""
+    plane and in space, in each direction of two stiffnesses, with a twisting moment, with a clamp that turns against a tip that may only slide."""
     for options, model, names in (
             ("-rod_weight -1,0", "frame", {"norm_x2": ""}),
             ("-clamp_direction 0,0,1 -rod_weight 0,0,0.5 -shape_turn 1", "space", {"norm_x2": ""}),
             ("-rod_bend_ratio 3 -shape_turn 45deg", "space", {"norm_x3": "", "norm_x2": "_other"}),
             ("-tip_torque 1.5 -friction_mu 0", "space", {"both": ""}),
-            ("-tip_type slides -clamp_spin 6 -friction_mu 0 -growth_initial_length 1.5", "space", {"both": ""})):
+            ("-tip_type slides -clamp_spin 60 -friction_mu 0 -growth_initial_length 0.3 -ts_max_time 0.205", "space",
+             {"both": ""})):
         tendril(f"{options} -task critical -ts_max_time 20 -output {scene.SCRATCH}/critical.h5")
         with h5py.File(f"{scene.SCRATCH}/critical.h5") as f:
             critical = {name: float(f["critical/" + name][()]) for name in f["critical"] if f["critical/" + name].ndim == 0}
-        r = Run(f"{options} -rod_cells 60 -shape_amplitude 1e-3 -ts_max_time 3.5 -rod_model {model}")
+        r = Run(f"-rod_cells 60 -shape_amplitude 1e-3 -ts_max_time 3.5 {options} -rod_model {model}")
         for name, which in names.items():
             across = np.hypot(r.norm_x2, r.norm_x3) if name == "both" else r.series[name]
             least, wanted = r.length[np.argmin(across)], critical["length" + which]
