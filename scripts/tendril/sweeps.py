@@ -139,8 +139,13 @@ def sweep(scene=None, over: Mapping[str, Sequence] | None = None, *, directory=N
         (place / "arrays").mkdir(parents=True, exist_ok=True)
         words = [*scene_words(scene, place / "arrays"), *words_of(options, place / "arrays")]
         if task_of(words) in ("grow", "critical") and not ALONE & over.keys() and "restart" not in options:
-            found = in_one_job(over, members, words, place, jobs, progress)
-            kept = found if directory else whole(found)
+            try:
+                found = in_one_job(over, members, words, place, jobs, progress)
+                kept = found if directory else whole(found)
+            except RunError as error:
+                if directory or "has rods in space" not in str(error):
+                    raise
+                kept = Sweep(over, one_by_one(members, scene, options, jobs, progress))  # of whose shapes one file is none
         else:
             kept = Sweep(over, one_by_one(members, scene, options, jobs, progress))
         if not any((place / "arrays").iterdir()):

@@ -153,6 +153,8 @@ class Package(unittest.TestCase):
         np.testing.assert_array_equal(table.strain.sel(component="u1"), r.shapes.strain[..., 0])
         np.testing.assert_array_equal(table.d2.sel(axis="x3"), r.shapes.d2[..., 2])
         self.assertNotIn("component", tendril.run(**SHORT).dataset().dims)
+        s = tendril.sweep(dict(SHORT, rod_weight="0,-0.1,-0.2"), {"friction_mu": [0.5, 1]})
+        self.assertEqual((s.failed, [r.in_space for r in s.members]), ([], [True, True]))
 
     def test_space_plots(self):
         """In perspective with true lengths, from where one looks; three views, curvature and twist along the
