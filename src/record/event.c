@@ -155,13 +155,12 @@ static PetscErrorCode LookForContact(Observer observer, Scene scene, PetscReal t
 }
 
 /* The force by which the rod is pushed along itself at a node, -n.q. */
-static PetscReal PushAt(const Node *node) {
-  const PetscReal *n = node->force, *m = node->n3, theta = node->theta,
-                  size = QuaternionSize(node->p);
+static PetscReal PushAt(PetscBool space, const Node *node) {
+  const PetscReal *n = node->force, *m = node->n3, theta = node->theta;
   PetscReal d[3][3];
 
-  if (size == 0) return -n[0] * PetscCosReal(theta) - n[1] * PetscSinReal(theta); /* in a plane */
-  Directors(node->p, size, d);
+  if (!space) return -n[0] * PetscCosReal(theta) - n[1] * PetscSinReal(theta);
+  Directors(node->p, QuaternionSize(node->p), d);
   return -m[0] * d[0][0] - m[1] * d[0][1] - m[2] * d[0][2];
 }
 
@@ -169,13 +168,13 @@ static PetscReal PushAt(const Node *node) {
   PushLargest - the largest force by which the rod is pushed along itself, -n.q, and the node where
   it is. Not collective.
 
-  nodes  cells + 1 of them, all of the rod
+  space  the rod is in space      nodes  cells + 1 of them, all of the rod
 */
-PetscReal PushLargest(PetscInt cells, const Node *nodes, PetscInt *where) {
+PetscReal PushLargest(PetscBool space, PetscInt cells, const Node *nodes, PetscInt *where) {
   PetscReal push = PETSC_MIN_REAL;
 
   for (PetscInt i = 0; i <= cells; i++) {
-    const PetscReal here = PushAt(&nodes[i]);
+    const PetscReal here = PushAt(space, &nodes[i]);
     if (here <= push) continue;
     push = here;
     *where = i;
@@ -184,11 +183,11 @@ PetscReal PushLargest(PetscInt cells, const Node *nodes, PetscInt *where) {
 }
 
 /* Is the rod pushed as hard as that? */
-static void LookForPush(PetscInt cells, const PetscReal s[], const Node *nodes, PetscReal bound,
-                        Event *event) {
+static void LookForPush(Scene scene, const Node *nodes, PetscReal bound, Event *event) {
+  const PetscReal *s = scene->mesh.s;
   PetscInt where = 0;
 
-  if (PushLargest(cells, nodes, &where) < bound) return;
+  if (PushLargest(scene->space.rod, scene->mesh.cells, nodes, &where) < bound) return;
   event->kind = EVENT_FORCE;
   event->s[0] = event->s[1] = s[where];
   for (int d = 0; d < 2; d++) event->x[d] = nodes[where].x[d];
@@ -216,7 +215,7 @@ PetscErrorCode WatchLook(const Watch *watch, Observer observer, Scene scene, Pet
       PetscCall(PetscArraycpy(event->x, nodes[i].x, 2));
     }
   if (watch->watched[EVENT_FORCE] && !event->kind)
-    LookForPush(last, scene->mesh.s, nodes, watch->bound[EVENT_FORCE], event);
+    LookForPush(scene, nodes, watch->bound[EVENT_FORCE], event);
   if (watch->watched[EVENT_CONTACT] && !event->kind)
     PetscCall(LookForContact(observer, scene, t, nodes, event));
   PetscCall(GrowthLength(scene->growth, t, &length, NULL));

@@ -34,7 +34,7 @@ extern const OptionGroup event_options;
 PetscErrorCode WatchSetFromOptions(Watch *watch, Scene scene);
 PetscErrorCode WatchLook(const Watch *watch, Observer observer, Scene scene, PetscReal t,
                          const Node *nodes, Event *event);
-PetscReal PushLargest(PetscInt cells, const Node *nodes, PetscInt *where);
+PetscReal PushLargest(PetscBool space, PetscInt cells, const Node *nodes, PetscInt *where);
 PetscErrorCode EventContact(PetscInt cells, const PetscReal s[], const Node *nodes,
                             PetscReal diameter, Event *event);
 

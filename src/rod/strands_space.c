@@ -5,8 +5,9 @@
 #include "rod/spread.h"
 
 /* Samples are no farther apart than this part of the diameter, where the rod is longest: strands
-   that cross press on each other over a good half of it. */
-static const PetscReal fine = 0.125;
+   that cross press on each other over half of it, and should feel no kink where one more sample
+   begins to. */
+static const PetscReal fine = 1. / 32;
 enum { MOST_SAMPLES = 32 }; /* of a cell */
 
 /* A node in the state that is looked at, and how it turns with p: d1 and g_t d1 + g d1_t. */

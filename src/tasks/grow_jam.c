@@ -6,8 +6,9 @@
    many times the usual ones (world/contact.h) that is no matter of how soft contact is. A rod
    without one: so many times the length over which contact spreads a force that acts at a point. */
 static const PetscReal too_deep = 0.2, too_deep_thin = 2, many_times = 10;
-/* So many steps in contact in which the rod grows by no more than this part of its length. (A snap
-   takes some hundred from next to nothing on.) */
+/* So many steps in contact in which the rod grows, at the speed 1, by no more than this part of its
+   length; one that does not grow has its tip led. (A snap takes some hundred from next to nothing
+   on.) */
 enum { WINDOW = 1000 };
 static const PetscReal progress = 1e-6;
 
@@ -31,8 +32,9 @@ PetscBool GrowIsJammed(Grow *self) {
   const Contact *contact = &self->scene->contact;
   const Observation *seen = &self->seen;
 
-  if (!contact->any || seen->contacts == 0 || seen->length > self->window_length * (1 + progress)) {
-    self->window_length = seen->length;
+  if (!contact->any || seen->contacts == 0 ||
+      seen->t > self->window_time + progress * seen->length) {
+    self->window_time = seen->t;
     self->window_steps = 0;
   } else
     self->window_steps++;
@@ -84,7 +86,7 @@ PetscErrorCode GrowTellJam(Grow *self, PetscBool gave_up, char line[], size_t ro
   PetscCall(ObserverGather(self->observer, self->now->rod, seen->t, self->now->U, NULL, &nodes));
   if (nodes) {
     PetscCall(ObserverTouch(self->observer, seen->t, nodes, &touch));
-    push = PushLargest(self->scene->mesh.cells, nodes, &where);
+    push = PushLargest(self->scene->space.rod, self->scene->mesh.cells, nodes, &where);
   }
   OptionBoth(seen->t, UNIT_TIME, text[0]);
   OptionBoth(push, UNIT_FORCE, text[1]);

@@ -46,8 +46,8 @@ typedef struct {
   PetscBool slips;    /* it does all the same, without end: the run ends for that */
   PetscReal slips_at; /* t when it last got on, and steps since: see grow_jam.c */
   PetscInt slips_steps;
-  PetscBool jammed;        /* the run ends for that */
-  PetscReal window_length; /* of the rod when it last grew, and steps since: see grow_jam.c */
+  PetscBool jammed;      /* the run ends for that */
+  PetscReal window_time; /* when the rod last grew, and steps since: see grow_jam.c */
   PetscInt window_steps;
   Event event;          /* that ended the run */
   PetscReal start;      /* t at which this run began: 0, or a restart's */
