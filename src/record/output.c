@@ -261,7 +261,7 @@ static PetscErrorCode LawAttributes(Output self, HdfFile file, PetscReal t) {
 /* How far off the run may be, once that is known. */
 static PetscErrorCode ErrorAttributes(Output self, HdfFile file) {
   static const char *const kind[] = {"", "measured", "fitted"},
-                           *const part[ESTIMATE_PARTS] = {"space", "time", "friction"},
+                           *const part[ESTIMATE_PARTS] = {"space", "time", "friction", "contact"},
                            *const seen[ESTIMATE_SEEN] = {"tip", "norm_x2", "energy"};
   const ErrorEstimate *error = &self->error;
   char name[32];

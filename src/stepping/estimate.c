@@ -26,7 +26,7 @@ static const PetscReal longest = 0.8;  /* arc length of a coarse cell, where the
 static const PetscReal straight = 0.3; /* angle */
 static const PetscReal most_dip = 0.8; /* of the moment: one that it is worth to look at */
 static const PetscReal early = 0.01;   /* of the run: what the start does is over by then */
-static const PetscReal nudge = 1e-3;   /* of the speed at which friction turns, and of beta */
+static const PetscReal nudge = 1e-3;   /* of the speed at which friction turns, of beta, of k */
 
 /* What is gathered of a coarse node: the state, its rate, local errors, the defect of the cell
    behind it. */
@@ -405,22 +405,40 @@ static void SubtractDefect(Estimate self) {
     for (int f = 0; f < FIELDS; f++) self->rhs[f < M ? k + 1 : k][f] -= self->all[k].defect[f];
 }
 
-/* rhs -= beta dF/dbeta: what friction with a beta does otherwise than exact friction, about. */
-static PetscErrorCode SubtractLimit(Estimate self, PetscReal t) {
-  PetscReal *beta = &self->scene.load.friction.beta, taken = *beta;
+/* rhs -= by what the residual changes while a number of the scene grows by a part of itself. */
+static PetscErrorCode SubtractChange(Estimate self, PetscReal t, PetscReal *number) {
+  const PetscReal taken = *number;
   const PetscScalar *F, *G;
 
   PetscFunctionBegin;
   PetscCall(VecCopy(self->rate, self->nudged)); /* (the same rates, but no state that is known) */
-  *beta = (1 + nudge) * taken;
+  *number = (1 + nudge) * taken;
+  self->scene.contact.time = PETSC_MIN_REAL;
   PetscCall(rod_frame.residual(self->rod, t, self->U, self->nudged, self->G));
-  *beta = taken;
+  *number = taken;
+  self->scene.contact.time = PETSC_MIN_REAL;
   PetscCall(VecGetArrayRead(self->F, &F));
   PetscCall(VecGetArrayRead(self->G, &G));
   for (PetscInt i = 0; i < self->nodes * FIELDS; i++)
     (&self->rhs[0][0])[i] -= (G[i] - F[i]) / nudge;
   PetscCall(VecRestoreArrayRead(self->F, &F));
   PetscCall(VecRestoreArrayRead(self->G, &G));
+  PetscFunctionReturn(0);
+}
+
+/* Is there anything of this kind that errs? */
+static PetscBool Errs(const Estimate self, int part) {
+  if (part == ESTIMATE_LIMIT) return self->scene.load.limit;
+  return (PetscBool)(part != ESTIMATE_SOFT || self->touches);
+}
+
+/* rhs -= what this part does: the defect; beta dF/dbeta, for friction that is exact is that of
+   beta -> 0; k dF/dk, for rigid contact is that of 1/k -> 0. */
+static PetscErrorCode SubtractSource(Estimate self, PetscReal t, int part) {
+  PetscFunctionBegin;
+  if (part == ESTIMATE_SPACE) SubtractDefect(self);
+  if (part == ESTIMATE_LIMIT) PetscCall(SubtractChange(self, t, &self->scene.load.friction.beta));
+  if (part == ESTIMATE_SOFT) PetscCall(SubtractChange(self, t, &self->scene.contact.stiffness));
   PetscFunctionReturn(0);
 }
 
@@ -493,15 +511,14 @@ static PetscErrorCode Advance(Estimate self, PetscReal t, PetscReal dip) {
   for (int f = 0; f < FIELDS; f++) shift[f] = 1 / step + (rod_frame.group[f] != ALONG ? rate : 0);
   PetscCall(Linearise(self, t, shift));
   for (int part = 0; part < ESTIMATE_PARTS; part++) {
-    if (part == ESTIMATE_LIMIT && !self->scene.load.limit) continue;
+    if (!Errs(self, part)) continue;
     for (PetscInt k = 0; k < self->nodes; k++)
       for (int f = 0; f < FOLLOWED; f++)
         self->b[k][f] = -(self->e[part][k][f] * (f == X1 ? 1 : factor) +
                           (part == ESTIMATE_TIME ? self->all[k].local[f] : 0)) /
                         step;
     PetscCall(TimesRate(self, t));
-    if (part == ESTIMATE_SPACE) SubtractDefect(self);
-    if (part == ESTIMATE_LIMIT) PetscCall(SubtractLimit(self, t));
+    PetscCall(SubtractSource(self, t, part));
     PetscCall(Solve(self, self->e[part]));
     PetscCall(Keep(self, t, dip, part));
   }

@@ -1,5 +1,6 @@
-/* How far a run has gone astray: its errors in time and in space, and of friction that is taken for
-   exact, measured on the way and carried along by the linearised equations. */
+/* How far a run has gone astray: its errors in time and in space, of friction that is taken for
+   exact and of contact that is not rigid, measured on the way and carried along by the linearised
+   equations. */
 #ifndef TENDRIL_ESTIMATE_H
 #define TENDRIL_ESTIMATE_H
 
@@ -7,7 +8,7 @@
 
 typedef struct _Estimate *Estimate;
 
-enum { ESTIMATE_SPACE, ESTIMATE_TIME, ESTIMATE_LIMIT, ESTIMATE_PARTS };
+enum { ESTIMATE_SPACE, ESTIMATE_TIME, ESTIMATE_LIMIT, ESTIMATE_SOFT, ESTIMATE_PARTS };
 enum { ESTIMATE_TIP, ESTIMATE_NORM, ESTIMATE_ENERGY, ESTIMATE_SEEN };
 
 /* How far off a run may be: in each of what is seen, by each of the parts, and in all. */

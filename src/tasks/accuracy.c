@@ -27,6 +27,8 @@ static const PetscReal share_of_time = 0.15, share_of_space = 0.1;
 static const PetscReal of_measured = 6, where_it_sticks = 20;
 /* What it would be without a beta, of what beta dU/dbeta is: it goes with a small power of beta. */
 static const PetscReal of_beta = 9;
+/* Likewise, contact that is rigid: depths go with k^(-3/4), and it is not quite linear. */
+static const PetscReal of_stiffness = 4;
 static const PetscReal fewest_folds = 2, margin = 1.5; /* of the estimate after a run */
 
 typedef struct {
@@ -141,7 +143,10 @@ void AccuracyMeasured(PetscReal rtol, PetscBool sticks,
   error->all = beside;
   for (int i = 0; i < ESTIMATE_SEEN; i++) error->seen[i] = beside;
   for (int k = 0; k < ESTIMATE_PARTS; k++) {
-    PetscReal times = k == ESTIMATE_LIMIT ? of_beta : sticks ? where_it_sticks : of_measured;
+    PetscReal times = k == ESTIMATE_LIMIT  ? of_beta
+                      : k == ESTIMATE_SOFT ? of_stiffness
+                      : sticks             ? where_it_sticks
+                                           : of_measured;
     error->part[k] = k == ESTIMATE_TIME ? rtol : 0;
     for (int i = 0; i < ESTIMATE_SEEN; i++) {
       PetscReal here = PetscMin(1, times * worst[k][i]);
@@ -171,7 +176,7 @@ static PetscErrorCode Advise(const ErrorEstimate *error, PetscReal asked, PetscR
     (void)snprintf(advice, room, "; give%s%s", by_cells, by_steps);
   else
     (void)snprintf(advice, room,
-                   "; it is not that of its mesh and steps (contact's depth, a snap, "
+                   "; it is not that of its mesh and steps (rigid contact, a snap, "
                    "a start too far from rest, friction next to exact)");
   PetscFunctionReturn(0);
 }

@@ -279,12 +279,16 @@ static PetscErrorCode HandOver(Grow *self, Leg *to) {
 /* The model asked for or, where something acts out of the plane, that of space. */
 static PetscErrorCode ChooseModel(Grow *self) {
   Space *space = &self->scene->space;
+  PetscBool asked;
 
   PetscFunctionBegin;
   if (space->why) PetscCall(OptionDefault("-rod_model", "space"));
   PetscCall(OptionWord("-rod_model", &self->model, NULL));
   space->rod = (PetscBool)(self->model == SPACE ||
                            (space->why && (self->model == AUTO || self->model == LINEAR)));
+  PetscCall(OptionGiven("-accuracy", &asked));
+  if (asked && self->model == AUTO && !space->rod)
+    self->model = FRAME; /* its errors are measured */
   UserCheck(
       !space->only || space->rod, self->scene->comm,
       "%s: means nothing in the plane, and nothing here takes the rod out of it; take it out, "

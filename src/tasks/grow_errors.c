@@ -13,8 +13,7 @@ static const PetscReal per_share = 10;
 
 /* What comes beside the errors of mesh and steps, in each of what is seen. */
 static PetscReal Beside(const Grow *self) {
-  PetscReal error =
-      self->neglected + per_depth * self->depth / self->seen.length + per_snap * self->snaps;
+  PetscReal error = self->neglected + per_snap * self->snaps;
 
   if (self->crossed) error += of_start;
   if (self->scene->load.shared) error += per_share * (1 - self->scene->load.friction.mu);
@@ -39,7 +38,7 @@ PetscErrorCode GrowErrors(Grow *self) {
   if (self->estimate) PetscCall(EstimateGet(self->estimate, worst));
   if (error->kind == ESTIMATE_FITTED) {
     PetscCall(AccuracyEstimate(self->now->rod, self->seen.t, self->rtol, self->folds, &fitted));
-    beside += fitted;
+    beside += fitted + per_depth * self->depth / self->seen.length;
     if (load->limit) beside += of_limit * PetscPowReal(load->friction.beta, 1. / 6);
   }
   AccuracyMeasured(self->estimate ? self->rtol : 0, LoadSticks(load), worst, beside, error);

@@ -170,7 +170,7 @@ static PetscErrorCode TellErrors(const Grow *self, PetscInt jumps) {
   const ErrorEstimate *error = &self->error;
   MPI_Comm comm = self->scene->comm;
   const PetscReal defect = self->seen.energy_defect, told = 0.01;
-  char friction[32] = "";
+  char friction[32] = "", soft[32] = "";
 
   PetscFunctionBegin;
   PetscCall(PetscPrintf(comm, "energy defect %.1e", (double)defect));
@@ -179,9 +179,11 @@ static PetscErrorCode TellErrors(const Grow *self, PetscInt jumps) {
   if (self->scene->load.limit)
     (void)snprintf(friction, sizeof(friction), ", friction %.1e",
                    (double)error->part[ESTIMATE_LIMIT]);
+  if (self->pressed)
+    (void)snprintf(soft, sizeof(soft), ", contact %.1e", (double)error->part[ESTIMATE_SOFT]);
   if (error->kind == ESTIMATE_MEASURED)
-    PetscCall(PetscPrintf(comm, " (space %.1e, time %.1e%s)", (double)error->part[ESTIMATE_SPACE],
-                          (double)error->part[ESTIMATE_TIME], friction));
+    PetscCall(PetscPrintf(comm, " (space %.1e, time %.1e%s%s)", (double)error->part[ESTIMATE_SPACE],
+                          (double)error->part[ESTIMATE_TIME], friction, soft));
   else if (error->kind == ESTIMATE_FITTED)
     PetscCall(PetscPrintf(comm, " (a fit)"));
   if (jumps) PetscCall(PetscPrintf(comm, "; %d snap%s", (int)jumps, jumps > 1 ? "s" : ""));
