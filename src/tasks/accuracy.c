@@ -28,7 +28,7 @@ static const PetscReal of_measured = 6, where_it_sticks = 20;
 /* What it would be without a beta, of what beta dU/dbeta is: it goes with a small power of beta. */
 static const PetscReal of_beta = 9;
 /* Likewise, contact that is rigid: depths go with k^(-3/4), and it is not quite linear. */
-static const PetscReal of_stiffness = 4;
+static const PetscReal of_stiffness = 2;
 static const PetscReal fewest_folds = 2, margin = 1.5; /* of the estimate after a run */
 
 typedef struct {
@@ -162,8 +162,9 @@ static PetscErrorCode Advise(const ErrorEstimate *error, PetscReal asked, PetscR
                              char advice[], size_t room) {
   const PetscReal share = 0.4, cells = rod->scene->mesh.cells, least = 1e-13;
   PetscReal space = error->part[ESTIMATE_SPACE] / (share * asked),
-            time = error->part[ESTIMATE_TIME] / (share * asked);
-  char by_cells[48] = "", by_steps[48] = "";
+            time = error->part[ESTIMATE_TIME] / (share * asked),
+            soft = error->part[ESTIMATE_SOFT] / (share * asked);
+  char by_cells[48] = "", by_steps[48] = "", stiffer[48] = "";
 
   PetscFunctionBegin;
   if (space > 1)
@@ -172,11 +173,14 @@ static PetscErrorCode Advise(const ErrorEstimate *error, PetscReal asked, PetscR
   if (time > 1)
     (void)snprintf(by_steps, sizeof(by_steps), " -ts_rtol %.1e",
                    (double)PetscMax(least, rtol * PetscPowReal(time, -7. / 6)));
-  if (by_cells[0] || by_steps[0])
-    (void)snprintf(advice, room, "; give%s%s", by_cells, by_steps);
+  if (soft > 1)
+    (void)snprintf(stiffer, sizeof(stiffer), " -contact_stiffness %.1e",
+                   (double)(rod->scene->contact.stiffness * PetscPowReal(soft, 4. / 3)));
+  if (by_cells[0] || by_steps[0] || stiffer[0])
+    (void)snprintf(advice, room, "; give%s%s%s", by_cells, by_steps, stiffer);
   else
     (void)snprintf(advice, room,
-                   "; it is not that of its mesh and steps (rigid contact, a snap, "
+                   "; it is not that of its mesh and steps (a snap, "
                    "a start too far from rest, friction next to exact)");
   PetscFunctionReturn(0);
 }
