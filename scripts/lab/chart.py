@@ -236,36 +236,6 @@ def draw(found, base, over=tuple(AXES), room=0.2):
         plt.close(fig)
 
 
-def draw_estimates(found, base):
-    """How honest the error estimate of the summary is: estimated over measured error."""
-    colours = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00")
-    limits = np.array((1e-9, 1))
-    with plt.rc_context(STYLE):
-        fig, ax = plt.subplots(figsize=(3.6, 3.3))
-        for colour, scene in zip(colours, (s for s in SCENES if s in found)):
-            good = [r for runs_ in found[scene].values() for r in runs_
-                    if finished(r) and "estimate" in r]
-            ax.plot([r["error"] for r in good], [r["estimate"] for r in good], "o", ms=3,
-                    mew=0.3, mec="black", color=colour, label=TITLES[scene])
-        for factor in (1, 10, 100):
-            ax.plot(limits, factor * limits, color="#999999", lw=0.6, zorder=1)
-            ax.annotate(f"{factor} × the error", (2e-9, 2.6e-9 * factor), fontsize=6, rotation=43,
-                        color="#555555", rotation_mode="anchor")
-        ax.set(xscale="log", yscale="log", xlim=limits, ylim=(1e-9, 3),
-               xlabel="largest measured error", ylabel="estimated error")
-        ax.legend(loc="lower right", fontsize=7)
-        fig.tight_layout()
-        for suffix in (".png", ".pdf"):
-            fig.savefig(f"{base}-estimate{suffix}", dpi=200)
-        plt.close(fig)
-    ratios = [r["estimate"] / r["error"] for methods in found.values() for runs_ in methods.values()
-              for r in runs_ if finished(r) and r["error"] < 0.3 and "estimate" in r]
-    if ratios:
-        low, quarter, half, three, high = np.percentile(ratios, (0, 25, 50, 75, 100))
-        print(f"estimate over error, {len(ratios)} runs: least {low:.2g}, quartiles {quarter:.2g} "
-              f"{half:.2g} {three:.2g}, most {high:.2g}; below 1: {sum(r < 1 for r in ratios)}")
-
-
 COLUMNS = ("scene", "method", "options", "verdict", "reason", "error", "tip", "norm_x2", "energy",
            "base_force_1", "tip_x2", "estimate", "seconds", "process_seconds", "steps", "rejected", "newton", "work", "scene_options")
 
@@ -319,9 +289,8 @@ def main():
            for s in SHORT_SCENES if s in found}
     if few:
         draw(few, Path(place) / "chart-short", over=("seconds",), room=0.31)
-    draw_estimates(own, Path(place) / "chart")
     summary(found, place / "chart-factors.md")
-    print(f"chart: {place}/chart.csv, .png, -short.png, -estimate.png and -factors.md")
+    print(f"chart: {place}/chart.csv, .png, -short.png and -factors.md")
 
 
 if __name__ == "__main__":

@@ -234,11 +234,12 @@ def main():
         with arguments.store.open("a", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
             if new:
-                writer.writerow(["kind", "accuracy", "estimate", *NAMES, "ratio", "options"])
+                writer.writerow(["seed", "kind", "accuracy", "estimate", *NAMES, "ratio", "doubted", "options"])
             for kind, found in all_found.items():
                 for m in found:
-                    writer.writerow([kind, arguments.accuracy or "", f"{m.estimate:.1e}", *(f"{e:.1e}" for e in m.errors),
-                                     f"{m.ratio:.2g}", m.command])
+                    writer.writerow([arguments.seed, kind, arguments.accuracy or "", f"{m.estimate:.1e}",
+                                     *(f"{e:.1e}" for e in m.errors), f"{m.ratio:.2g}",
+                                     ("yes" if m.refused else "no") if arguments.accuracy else "", m.command])
     return int(failed > 0)
 
 
