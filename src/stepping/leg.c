@@ -151,10 +151,12 @@ static PetscErrorCode ModesCrossed(Leg *leg, Vec U, PetscBool *crosses, PetscBoo
 
 /* Are the modes of the frozen rod those of the rod that moves on? See below. */
 static PetscBool HasModes(const Rod rod) {
-  const Contact *contact = &rod->scene->contact;
+  const Scene scene = rod->scene;
+  const Contact *contact = &scene->contact;
+  const PetscBool twisted = (PetscBool)(scene->load.radius > 0 || scene->space.spin != 0);
 
-  return (PetscBool) !(contact->walls.rub || contact->friction > 0 || rod->coupled ||
-                       rod->scene->load.turns || rod->scene->growth->rests);
+  return (PetscBool) !(contact->walls.rub || contact->friction > 0 || rod->coupled || twisted ||
+                       scene->load.turns || scene->growth->rests);
 }
 
 /*
@@ -164,12 +166,13 @@ static PetscBool HasModes(const Rod rod) {
   the step is cut until its error is seen. (A first step whose error is within the tolerance has
   changed the rod by less than a crossed mode would that is more than 1e-3 of it.)
 
-  With friction on walls or strands, or other friction across than along, no energy is behind the
-  equations, and the modes of a state that is frozen are not those of the rod that moves on: what
-  slides along a wall has left a place before a mode of it has grown. There only steps are looked at
-  of which no error is known; likewise where far parts of a rod press on each other, which the
-  count does not know, and where material comes to rest behind a growth zone: frozen, it gives way
-  at once along itself where dry friction is next to exact, but it is laid down faster than that.
+  With friction on walls or strands, or other friction across than along, or friction that feels a
+  spin, no energy is behind the equations, and the modes of a state that is frozen are not those of
+  the rod that moves on: what slides along a wall has left a place before a mode of it has grown.
+  There only steps are looked at of which no error is known; likewise where far parts of a rod press
+  on each other, which the count does not know, and where material comes to rest behind a growth
+  zone: frozen, it gives way at once along itself where dry friction is next to exact, but it is
+  laid down faster than that.
 */
 static PetscErrorCode CrossesMode(TS ts, Vec U, VBDFSight sight, PetscBool *crosses) {
   PetscBool known;

@@ -364,6 +364,9 @@ def refused():
              "-rod_weight 0.51,-0.50,-0.78 ")
     expect("-friction_radius" in tendril(turns, 1), "that nothing holds the spin is not said")
     tendril(turns + "-friction_radius 0.02")
+    # dry friction, and a clamp that turns: modes of the frozen rod are none that count
+    tendril("-growth_type uniform -growth_initial_length 1.092 -ts_max_time 2.73 -rod_curvature 3.299 -rod_twist -0.295 "
+            "-friction_mu 1 -friction_beta 1.6e-05 -shape_amplitude 0.290 -rod_cells 60 -tip_type pinned -clamp_spin 8.79")
 
 
 if __name__ == "__main__":
