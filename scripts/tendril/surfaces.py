@@ -156,7 +156,7 @@ def body(mesh, output, diameter, spacing, side, box, facets, tolerance, unit, so
         if count > MOST:
             raise SurfaceError(f"a grid of spacing {h:.3g} has {count:.2g} values, {MOST:.0e} are the most: give a "
                                "larger spacing or tolerance, or a box about what the rod can reach")
-        band = 3 * h + width / 2
+        band = 5 * h + width / 2  # what is farther is felt through the spline by less than 2e-3 of its error
         d = on_grid(distance, axes, band, measure)
         error = spline_error(axes, d, distance, measure, width / 2, rng)
         if spacing or error <= wanted or h <= 1.01 * width / FINEST:

@@ -365,7 +365,7 @@ static PetscErrorCode ReadWall(Maker *self, PetscInt n, char *word[]) {
   while (kind < WALL_KINDS && strcmp(word[0], wall_kind[kind])) kind++;
   UserCheck(kind < WALL_KINDS, OptionsComm(),
             "-wall_file %s, line %d: %s is no wall; there are plane, circle, polygon and path, and "
-            "in space sphere, cylinder, cone and torus",
+            "in space sphere, cylinder, cone, torus, tube and body",
             self->file, self->line, word[0]);
   wall->kind = (WallKind)kind;
   PetscCall(TakeFriction(self, &n, word));
