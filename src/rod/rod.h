@@ -89,6 +89,9 @@ typedef struct {
   /* by how much the state of the latest residual fails the equations between the collocation
      points, per owned node: of what is left of it; NULL: not known */
   PetscErrorCode (*defect)(Rod, PetscReal (*defect)[MAX_FIELDS]);
+  /* by more than half a turn: has a cross-section turned as far from one state to another, so that
+     which way round is not known? NULL: it cannot */
+  PetscErrorCode (*turned)(Rod, Vec U0, Vec U1, PetscBool *turned);
   /* what Newton's method remembers from step to step, for a restart: see memory of the rod */
   PetscErrorCode (*remember)(Rod, Vec memory);
   PetscErrorCode (*recall)(Rod, Vec memory);

@@ -692,6 +692,26 @@ static PetscErrorCode SpaceRecall(Rod rod, Vec memory) {
 
 /* ---- nodes ---- */
 
+/* Is an owned node turned by half a turn or more, p0.p1 <= 0? The same on every rank. */
+static PetscErrorCode SpaceTurned(Rod rod, Vec U0, Vec U1, PetscBool *turned) {
+  const PetscReal(*a)[FIELDS], (*b)[FIELDS];
+
+  PetscFunctionBegin;
+  *turned = PETSC_FALSE;
+  PetscCall(DMDAVecGetArrayRead(rod->da, U0, (void *)&a));
+  PetscCall(DMDAVecGetArrayRead(rod->da, U1, (void *)&b));
+  for (PetscInt i = rod->first; i < rod->end; i++) {
+    PetscReal dot = 0;
+    for (int k = 0; k < 4; k++) dot += a[i][P + k] * b[i][P + k];
+    if (!(dot > 0)) *turned = PETSC_TRUE;
+  }
+  PetscCall(DMDAVecRestoreArrayRead(rod->da, U0, (void *)&a));
+  PetscCall(DMDAVecRestoreArrayRead(rod->da, U1, (void *)&b));
+  if (!rod->alone)
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, turned, 1, MPIU_BOOL, MPI_LOR, rod->scene->comm));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode SpaceSet(Rod rod, PetscReal t, const Node *nodes, Vec U) {
   PetscReal(*u)[FIELDS];
 
@@ -892,6 +912,7 @@ const RodModel rod_space = {
     .set = SpaceSet,
     .get = SpaceGet,
     .residual = SpaceResidual,
+    .turned = SpaceTurned,
     .hold = SpaceHold,
     .remember = SpaceRemember,
     .recall = SpaceRecall,

@@ -70,6 +70,12 @@ static PetscErrorCode LookForKick(Leg *leg, PetscReal end, const PetscReal size[
   PetscFunctionReturn(0);
 }
 
+/* A tip whose directors are held may be reached by any number of turns of a rod in space: which way
+   round its cross-sections have turned must be known. */
+static PetscBool MindsTurns(const Rod rod) {
+  return (PetscBool)(rod->model->turned && TipPoints(&rod->scene->tip));
+}
+
 /* A VBDFCheck of a rod that can touch: it has passed through what it cannot, or reaches farther
    than it is long, which Newton's method calls a solution where forces are without measure; and was
    it kicked? */
@@ -85,9 +91,25 @@ static PetscErrorCode AfterTry(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1
   PetscCall(GrowthLength(leg->rod->scene->growth, t1, &length, NULL));
   *impossible = (PetscBool) !(PetscMax(size[0], size[1]) <= round_off * length);
   leg->passes = PETSC_FALSE;
+  if (!*impossible && MindsTurns(leg->rod))
+    PetscCall(leg->rod->model->turned(leg->rod, U0, U1, impossible));
   if (*impossible) PetscFunctionReturn(0);
   PetscCall(GuardPasses(ts, t0, t1, U0, U1, impossible));
   PetscCall(LookForKick(leg, t1, size));
+  PetscFunctionReturn(0);
+}
+
+/* A VBDFCheck of a rod in space: which way round a cross-section has turned must be known, for a
+   rod held at both ends may be wound by any number of turns. */
+static PetscErrorCode AfterTurn(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
+                                PetscBool *impossible) {
+  Leg *leg;
+
+  PetscFunctionBegin;
+  (void)t0;
+  (void)t1;
+  PetscCall(TSGetApplicationContext(ts, &leg));
+  PetscCall(leg->rod->model->turned(leg->rod, U0, U1, impossible));
   PetscFunctionReturn(0);
 }
 
@@ -123,7 +145,7 @@ static PetscErrorCode BeforeStage(TS ts, PetscReal t) {
   PetscFunctionReturn(0);
 }
 
-/* Is there anything across? */
+/* Is there anything across? (Twist alone leaves a rod straight.) */
 static PetscErrorCode IsBent(const Rod rod, Vec U, PetscBool *bent) {
   PetscReal size[MAX_FIELDS];
 
@@ -131,7 +153,8 @@ static PetscErrorCode IsBent(const Rod rod, Vec U, PetscBool *bent) {
   *bent = PETSC_FALSE;
   PetscCall(RodFieldSizes(rod, U, size));
   for (PetscInt f = 0; f < rod->model->fields; f++)
-    if (rod->model->group[f] != ALONG && size[f] > rod_vanished) *bent = PETSC_TRUE;
+    if (rod->model->group[f] != ALONG && rod->model->group[f] != TWIST && size[f] > rod_vanished)
+      *bent = PETSC_TRUE;
   PetscFunctionReturn(0);
 }
 
@@ -349,7 +372,10 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   PetscCall(MeasureAlongAxes(leg));
   PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));
   PetscCall(VBDFSetCross(leg->ts, CrossesMode));
-  if (scene->contact.any) PetscCall(VBDFSetCheck(leg->ts, AfterTry));
+  if (scene->contact.any)
+    PetscCall(VBDFSetCheck(leg->ts, AfterTry));
+  else if (MindsTurns(leg->rod))
+    PetscCall(VBDFSetCheck(leg->ts, AfterTurn));
   PetscCall(TSSetSolution(leg->ts, leg->U));
   PetscFunctionReturn(0);
 }

@@ -203,7 +203,8 @@ static const PetscReal next_to_exact = 1e-16, told_from_rest = 3e-5, its_toleran
 
 /* LoadNextToExact - for a rod of which a part is at rest: there exact Coulomb friction does not say
    what the axial force is. So it is taken as what it is the limit of, which says that it is the
-   least that balance allows. */
+   least that balance allows. Likewise a rod that friction holds from turning: where it is at rest
+   twist decides between two ways round, and round-off between them. */
 void LoadNextToExact(Load *load) {
   load->limit = LoadSticks(load);
   if (load->limit) load->friction.beta = next_to_exact;

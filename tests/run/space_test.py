@@ -175,6 +175,16 @@ def exact():
     error = abs(r.base_moment_1[-1] / np.sqrt(2 * a * C) - 1)
     print(f"turned in exact friction: torque off by {error:.1e}")
     expect(error < 1e-4, f"screwed up: {error}")
+    # turned at its tip, and back (Masing): not by turns more, which would hold it as well
+    path = f"{scene.SCRATCH}/back.csv"
+    Path(path).write_text("t, turn\n0, 0\n1, 0.5\n2, 0.1\n")
+    r = Run("-growth_type none -growth_initial_length 3 -shape_type straight -friction_beta 0 -ts_max_time 2 "
+            f"-friction_radius {a} -tip_type slides -tip_path {path} -rod_cells 100")
+    there, back = np.sqrt(2 * a * C * 0.5), np.sqrt(2 * a * C * 0.5) - 2 * np.sqrt(a * C * 0.4)
+    torque = -r.base_moment_1  # (the clamp's end rests)
+    tip = r.shapes["moment"][-1, -1, 0]
+    print(f"turned at its tip and back: torque {tip:.5f}, exact {back:.5f}")
+    expect(abs(tip / back - 1) < 0.03 and abs(torque[-1]) < 1e-2 * there, f"Masing: {tip}, at the clamp {torque[-1]}")
 
 
 @check
