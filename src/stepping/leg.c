@@ -178,8 +178,8 @@ static PetscBool HasModes(const Rod rod) {
   const Contact *contact = &scene->contact;
   const PetscBool twisted = (PetscBool)(scene->load.radius > 0 || scene->space.spin != 0);
 
-  return (PetscBool) !(contact->walls.rub || contact->friction > 0 || rod->coupled || twisted ||
-                       scene->load.turns || scene->growth->rests);
+  return (PetscBool) !(ContactWallsRub(contact) || contact->friction > 0 || rod->coupled ||
+                       twisted || scene->load.turns || scene->growth->rests);
 }
 
 /*

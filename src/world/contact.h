@@ -65,6 +65,11 @@ void ContactPushSlope(const Contact *contact, const Touch *touch, const PetscRea
 PetscReal ContactHold(const Contact *contact, const PetscReal x[2], const PetscReal v[2],
                       PetscReal seen, FrictionDual duals[]);
 
+/* Has any wall friction, in the plane or in space? */
+static inline PetscBool ContactWallsRub(const Contact *contact) {
+  return (PetscBool)(contact->walls.rub || contact->surfaces.rub);
+}
+
 /* p(gamma), and its derivative */
 static inline PetscReal ContactPressure(const Contact *contact, PetscReal gap, PetscReal *slope) {
   const PetscReal k = contact->stiffness, w = contact->smooth;

@@ -62,7 +62,7 @@ void LoadSetWalls(Load *load, const Contact *contact) {
   load->plain = PETSC_FALSE;
   load->moves = PETSC_TRUE;
   if (contact->walls.rub) load->duals = 1 + contact->walls.n + (contact->walls.posts > 0);
-  if (contact->walls.rub || contact->surfaces.rub) load->duals3 = 1 + WALL_SLOTS;
+  if (ContactWallsRub(contact)) load->duals3 = 1 + WALL_SLOTS;
 }
 
 /* LoadSetWeight - a force per length, in the clamp's frame. */

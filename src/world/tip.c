@@ -202,11 +202,6 @@ static void TurnFrom(const PetscReal held[4], const PetscReal p[4], PetscReal v[
   for (int d = 0; d < 3; d++) v[d] = turn[1 + d];
 }
 
-/* Does a point remember friction with walls in space? */
-static PetscBool Rubs3(const Tip *tip) {
-  return (PetscBool)(tip->walls->walls.rub || tip->walls->surfaces.rub);
-}
-
 /* What walls push a tip in space with, and the couple about its tangent: that of a piece l of rod.
  */
 static void PushWalls3(const Tip *tip, const TipState3 *at, const FrictionDual4 *dual,
@@ -217,7 +212,8 @@ static void PushWalls3(const Tip *tip, const TipState3 *at, const FrictionDual4 
   Push3 push;
 
   for (PetscInt k = 0; k < n; k++) {
-    ContactPush3(tip->walls, &touch[k], &rubbed, Rubs3(tip) ? dual + 1 : NULL, &push);
+    ContactPush3(tip->walls, &touch[k], &rubbed, ContactWallsRub(tip->walls) ? dual + 1 : NULL,
+                 &push);
     for (int d = 0; d < 3; d++) f[d] += tip->walls->tip * push.force[d];
     f[SPIN] += tip->walls->tip * push.couple;
   }
@@ -275,7 +271,7 @@ static void PushWallsSlope3(const Tip *tip, const TipState3 *at,
                             FrictionDual4 *dual, PetscReal J[TIP_ROWS3][TIP_FIELDS3]) {
   enum { P = 3 };
   const Rubbed rubbed = {at->at.x, at->at.q, at->at.W, at->spin};
-  FrictionDual4 *slots = Rubs3(tip) ? dual + 1 : NULL;
+  FrictionDual4 *slots = ContactWallsRub(tip->walls) ? dual + 1 : NULL;
   Touch3 touch[MOST_TOUCHES3];
   PetscInt n = ContactTouches3(tip->walls, at->at.x, touch);
   PetscReal by[RUBS][TIP_FIELDS3], l = tip->walls->tip;
@@ -350,7 +346,7 @@ PetscReal TipHold3(const Tip *tip, const TipState3 *at, PetscReal seen, Friction
 
   if (tip->type != TIP_FREE) return 0;
   if (TipResists(tip)) creep = FrictionDualHold4(unspun.W, seen, dual);
-  if (tip->walls && Rubs3(tip))
+  if (tip->walls && ContactWallsRub(tip->walls))
     creep = PetscMax(creep, ContactHold3(tip->walls, &rubbed, seen, dual + 1));
   return creep;
 }
