@@ -74,6 +74,20 @@ static inline void OpenScratch(char path[64]) {
   MPI_Bcast(path, 64, MPI_CHAR, 0, PETSC_COMM_WORLD);
 }
 
+/* A file of walls, whose name is left in path. */
+static inline void WriteWalls(char path[64], const char *text) {
+  PetscMPIInt rank;
+  OpenScratch(path);
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  if (!rank) {
+    FILE *f = fopen(path, "w");
+    assert_non_null(f);
+    fputs(text, f);
+    fclose(f);
+  }
+  MPI_Barrier(PETSC_COMM_WORLD);
+}
+
 /* n datasets, with their ranks, dimensions and values, into a file that OpenScratch() named. */
 static inline void WriteScratch(const char *path, int n, const char *const name[],
                                 const int rank_of[], const PetscInt *const dims[],

@@ -1,6 +1,7 @@
 """What can go wrong, in one plain line each."""
 
 import re
+from importlib import import_module
 
 OPTION = re.compile(r"(?<![\w=/.-])-([a-z][a-z0-9_]*[a-z0-9])\b")
 
@@ -23,3 +24,11 @@ class RunError(TendrilError):
     def __init__(self, line, command=(), results=None):
         super().__init__(OPTION.sub(r"\1", line))
         self.command, self.results = list(command), results
+
+
+def optional(module, error, line):
+    """A module that not all have installed: where it is missing, the error with its line."""
+    try:
+        return import_module(module)
+    except ImportError:
+        raise error(line) from None

@@ -17,7 +17,7 @@ import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import AsinhNorm
 
-from .errors import ResultsError, TendrilError
+from .errors import ResultsError, TendrilError, optional
 from .results import Results, load
 from .spatial import FIELDS, VISIBLE, diameter_of, extent_of, fields_of, lift, tube
 from .surroundings import contact_force
@@ -28,14 +28,8 @@ VECTORS = {"force": "N l", "moment": "N l^2", "d1": "1", "d2": "1", "d3": "1"}
 
 
 def needed(module, of):
-    """A module that not all have."""
-    from importlib import import_module
-
-    try:
-        return import_module(module)
-    except ImportError:
-        raise ResultsError(f"{of}: needs {module.partition('.')[0].replace('vtkmodules', 'vtk')}, which is not "
-                           "installed: pip install \"tendril[space]\"") from None
+    library = module.partition(".")[0].replace("vtkmodules", "vtk")
+    return optional(module, ResultsError, f"{of}: needs {library}, which is not installed: pip install \"tendril[space]\"")
 
 
 def shape_at(r: Results, t):

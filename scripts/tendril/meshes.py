@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .errors import TendrilError
+from .errors import TendrilError, optional
 
 SHARP = np.radians(30)
 ROUNDS = 2  # towards the nearest point of the smooth surface
@@ -30,13 +30,8 @@ def vtk_parts(*names):
              "vtkPolyData": "CommonDataModel", "vtkCellArray": "CommonDataModel",
              "vtkPoints": "CommonCore", "vtkObject": "CommonCore", "vtkIdTypeArray": "CommonCore", "vtkDoubleArray": "CommonCore",
              "reference": "CommonCore"}
-    from importlib import import_module
-
-    try:
-        return [getattr(import_module(f"vtkmodules.vtk{homes[name]}"), name) for name in names]
-    except ImportError:
-        raise SurfaceError("surfaces from meshes and VMTK's centre lines need VTK: pip install 'tendril[space]', or "
-                           "pip install vtk") from None
+    missing = "surfaces from meshes and VMTK's centre lines need VTK: pip install 'tendril[space]', or pip install vtk"
+    return [getattr(optional(f"vtkmodules.vtk{homes[name]}", SurfaceError, missing), name) for name in names]
 
 
 def polydata(path):

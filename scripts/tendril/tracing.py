@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import interpolate, ndimage
 
-from .errors import TendrilError
+from .errors import TendrilError, optional
 
 NOISE = 5.0  # the body stands out from the ground by so many standard deviations of the noise
 TURN = np.radians(70)  # a path goes on within
@@ -27,14 +27,8 @@ class FilmError(TendrilError):
 
 
 def needed(module, package):
-    """An optional library."""
-    from importlib import import_module
-
-    try:
-        return import_module(module)
-    except ImportError:
-        raise FilmError(f"measuring pictures needs {package}: pip install 'tendril[film]', or "
-                        "pip install opencv-python-headless scikit-image imageio") from None
+    return optional(module, FilmError, f"measuring pictures needs {package}: pip install 'tendril[film]', or "
+                    "pip install opencv-python-headless scikit-image imageio")
 
 
 @dataclass

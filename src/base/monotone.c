@@ -1,5 +1,6 @@
 #include "base/monotone.h"
 #include "base/hermite.h"
+#include "base/knots.h"
 
 /* The slope at an end, of the parabola through three entries, whose distances are h and whose
    differences over them are d; within what keeps the curve monotone. */
@@ -41,17 +42,11 @@ void MonotoneSlopes(PetscInt n, const PetscReal x[], const PetscReal f[], PetscR
 PetscReal MonotoneValue(PetscInt n, const PetscReal x[], const PetscReal f[],
                         const PetscReal slope[], PetscReal at) {
   PetscReal w[4], w1[4], w2[4], h;
-  PetscInt lo = 0, hi = n - 1;
+  PetscInt lo;
 
   if (at <= x[0]) return f[0];
   if (at >= x[n - 1]) return f[n - 1];
-  while (hi - lo > 1) {
-    PetscInt mid = (lo + hi) / 2;
-    if (x[mid] > at)
-      hi = mid;
-    else
-      lo = mid;
-  }
+  lo = KnotBefore(n, x, at);
   h = x[lo + 1] - x[lo];
   Hermite((at - x[lo]) / h, w, w1, w2);
   return w[0] * f[lo] + w[1] * h * slope[lo] + w[2] * f[lo + 1] + w[3] * h * slope[lo + 1];

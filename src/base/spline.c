@@ -1,5 +1,6 @@
 #include "base/spline.h"
 #include "base/band.h"
+#include "base/knots.h"
 
 /*
   SplineSecondDerivatives - second derivatives at the knots of the cubic splines through many rows.
@@ -53,16 +54,9 @@ PetscErrorCode SplineSecondDerivatives(PetscInt n, const PetscReal x[], PetscInt
 */
 void SplineWeights(PetscInt n, const PetscReal x[], PetscReal at, PetscInt *i, PetscReal value[4],
                    PetscReal slope[4], PetscReal integral[4]) {
-  PetscInt lo = 0, hi = n - 1;
+  const PetscInt lo = KnotBefore(n, x, at);
   PetscReal h, a, b;
 
-  while (hi - lo > 1) {
-    PetscInt mid = (lo + hi) / 2;
-    if (x[mid] > at)
-      hi = mid;
-    else
-      lo = mid;
-  }
   *i = lo;
   h = x[lo + 1] - x[lo];
   b = (at - x[lo]) / h;

@@ -52,14 +52,14 @@ PetscErrorCode RodCrossings(PetscInt n, const Node *nodes, PetscInt *count) {
 
 /* ---- in space ---- */
 
-/* A rod that moves from one state to another: node i evenly from x0[i] to x1[i]. */
+/* A rod that moves from one state to another, every node evenly. */
 typedef struct {
-  const PetscReal (*x0)[3], (*x1)[3];
+  const Node *from, *to;
   PetscBool passes;
 } Motion;
 
 static inline void Between(const Motion *self, PetscInt i, PetscReal tau, PetscReal x[3]) {
-  for (int d = 0; d < 3; d++) x[d] = (1 - tau) * self->x0[i][d] + tau * self->x1[i][d];
+  for (int d = 0; d < 3; d++) x[d] = (1 - tau) * self->from[i].x3[d] + tau * self->to[i].x3[d];
 }
 
 /* The sides r, q of segments i and j at a time, and the way o from one to the other. */
@@ -162,10 +162,9 @@ static void MeetMoving(PetscInt i, PetscInt j, void *ctx) {
 }
 
 /* RodPassesItself - does the polygon through n nodes in space pass through itself on its way from
-   x0 to x1, every node on a straight line? Not collective. */
-PetscErrorCode RodPassesItself(PetscInt n, const PetscReal (*x0)[3], const PetscReal (*x1)[3],
-                               PetscBool *passes) {
-  Motion self = {x0, x1, PETSC_FALSE};
+   one state to another, every node on a straight line? Not collective. */
+PetscErrorCode RodPassesItself(PetscInt n, const Node *from, const Node *to, PetscBool *passes) {
+  Motion self = {from, to, PETSC_FALSE};
   PetscReal way = 0;
   Boxes boxes;
 
@@ -173,8 +172,8 @@ PetscErrorCode RodPassesItself(PetscInt n, const PetscReal (*x0)[3], const Petsc
   *passes = PETSC_FALSE;
   if (n < 4) PetscFunctionReturn(0);
   for (PetscInt i = 0; i < n; i++)
-    for (int d = 0; d < 3; d++) way = PetscMax(way, PetscAbsReal(x1[i][d] - x0[i][d]));
-  PetscCall(BoxesCreate3(n - 1, 3, x1[0], &boxes));
+    for (int d = 0; d < 3; d++) way = PetscMax(way, PetscAbsReal(to[i].x3[d] - from[i].x3[d]));
+  PetscCall(BoxesCreate3(n - 1, NODE_VALUES, to[0].x3, &boxes));
   BoxesPairs(boxes, 2 * way, NULL, MeetMoving, &self);
   PetscCall(BoxesDestroy(&boxes));
   *passes = self.passes;

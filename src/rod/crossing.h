@@ -4,8 +4,7 @@
 
 #include "rod/rod.h"
 
-PetscErrorCode RodPassesItself(PetscInt n, const PetscReal (*x0)[3], const PetscReal (*x1)[3],
-                               PetscBool *passes);
+PetscErrorCode RodPassesItself(PetscInt n, const Node *from, const Node *to, PetscBool *passes);
 PetscErrorCode RodCrossings(PetscInt n, const Node *nodes, PetscInt *count);
 
 #endif

@@ -46,7 +46,7 @@ static inline void DirectorSlope(const PetscReal p[4], PetscReal size, const Pet
 /* The derivative by p of the rate d_t = D p_t at which d_k changes, p_t held:
      (A(p_t) - (p.p_t) D - d p_t^T - d_t p^T) 2/|p|^2,   A that of DirectorForm(). */
 static inline void DirectorRateSlope(const PetscReal p[4], PetscReal size, const PetscReal d[3],
-                                     const PetscReal d_t[3], int k, PetscReal D[3][4],
+                                     const PetscReal d_t[3], int k, const PetscReal D[3][4],
                                      const PetscReal p_t[4], PetscReal by[3][4]) {
   const PetscReal dot = p[0] * p_t[0] + p[1] * p_t[1] + p[2] * p_t[2] + p[3] * p_t[3];
 

@@ -1,31 +1,13 @@
 #include "rod/passing.h"
+#include "base/bezier.h"
 #include "rod/feet.h"
 
 /* The four points of a Bezier curve. */
-typedef PetscReal Bezier[4][2];
+enum { DIMS = 2 };
+typedef PetscReal Bezier[4][DIMS];
 
-static void BezierOf(const FootCell *cell, Bezier b) {
-  for (int d = 0; d < 2; d++) {
-    b[0][d] = cell->x[0][d];
-    b[1][d] = b[0][d] + cell->h * cell->g[0] * cell->q[0][d] / 3;
-    b[3][d] = cell->x[1][d];
-    b[2][d] = b[3][d] - cell->h * cell->g[1] * cell->q[1][d] / 3;
-  }
-}
-
-/* Divides it in the middle (de Casteljau). */
-static void Divide(Bezier b, Bezier half[2]) {
-  for (int d = 0; d < 2; d++) {
-    const PetscReal p = (b[0][d] + b[1][d]) / 2, q = (b[1][d] + b[2][d]) / 2,
-                    r = (b[2][d] + b[3][d]) / 2, pq = (p + q) / 2, qr = (q + r) / 2;
-    half[0][0][d] = b[0][d];
-    half[0][1][d] = p;
-    half[0][2][d] = pq;
-    half[0][3][d] = half[1][0][d] = (pq + qr) / 2;
-    half[1][1][d] = qr;
-    half[1][2][d] = r;
-    half[1][3][d] = b[3][d];
-  }
+static void CurveOf(const FootCell *cell, Bezier b) {
+  BezierOfCell(DIMS, cell->h, cell->g, cell->x[0], cell->q[0], b[0]);
 }
 
 static Rect RectOf(Bezier b) {
@@ -53,7 +35,7 @@ static PetscReal CurveTurn(Bezier b, const PetscReal c[2], int depth) {
   Bezier half[2];
 
   if (depth == DEEPEST || !Holds(&rect, c)) return Turn(b[0], b[3], c);
-  Divide(b, half);
+  BezierDivide(DIMS, b[0], half[0][0]);
   return CurveTurn(half[0], c, depth + 1) + CurveTurn(half[1], c, depth + 1);
 }
 
@@ -74,7 +56,7 @@ static PetscBool Cuts(Bezier b, const WallPiece *line, int depth) {
   }
   if (low > 0 || high < 0 || far < line->from || near > line->to) return PETSC_FALSE;
   if (depth == DEEPEST) return PETSC_TRUE;
-  Divide(b, half);
+  BezierDivide(DIMS, b[0], half[0][0]);
   return (PetscBool)(Cuts(half[0], line, depth + 1) || Cuts(half[1], line, depth + 1));
 }
 
@@ -140,7 +122,7 @@ static PetscBool CellIsBehind(const Contact *contact, const FootCell *before,
   Looking look = {.contact = contact, .cell = cell};
   Rect rect;
 
-  BezierOf(cell, look.curve);
+  CurveOf(cell, look.curve);
   rect = RectOf(look.curve);
   RectsNear(contact->walls.near_posts, &rect, contact->diameter / 2, MeetPost, &look);
   if (!look.passes) RectsNear(contact->walls.near_parts, &rect, 0, MeetPart, &look);
@@ -161,8 +143,8 @@ static void MarkPosts(const Walls *walls, const FootCell *before, const FootCell
   Bezier b[2];
   Rect rect = RectEmpty();
 
-  BezierOf(before, b[0]);
-  BezierOf(cell, b[1]);
+  CurveOf(before, b[0]);
+  CurveOf(cell, b[1]);
   for (int k = 0; k < 8; k++) RectHold(&rect, b[k / 4][k % 4]);
   RectsNear(walls->near_posts, &rect, 0, Mark, marked);
 }
@@ -187,7 +169,7 @@ static PetscReal Winding(const Cells *cells, const PetscReal c[2]) {
   for (PetscInt k = 0; k < cells->n; k++)
     for (int now = 0; now < 2; now++) {
       Bezier b;
-      BezierOf(&cells->cell[now][k], b);
+      CurveOf(&cells->cell[now][k], b);
       sum += (now ? -1 : 1) * CurveTurn(b, c, 0);
     }
   if (cells->n && cells->cell[0][cells->n - 1].last)
@@ -227,18 +209,11 @@ static PetscErrorCode Sweeps(Rod rod, const Cells *cells, PetscBool *sweeps) {
 /* The cells that begin at owned nodes, in one state. Collective. */
 static PetscErrorCode CellsOf(Rod rod, PetscReal t, Vec U, PetscInt n, FootCell cell[]) {
   const PetscReal *s = rod->scene->mesh.s;
-  PetscScalar *owned;
   const Node *with;
-  Vec v, local;
+  Vec local;
 
   PetscFunctionBegin;
-  PetscCall(DMGetGlobalVector(rod->nodes, &v));
-  PetscCall(DMGetLocalVector(rod->nodes, &local));
-  PetscCall(VecGetArray(v, &owned));
-  PetscCall(rod->model->get(rod, t, U, NULL, (Node *)owned));
-  PetscCall(VecRestoreArray(v, &owned));
-  PetscCall(DMGlobalToLocal(rod->nodes, v, INSERT_VALUES, local));
-  PetscCall(DMDAVecGetArrayRead(rod->nodes, local, (void *)&with));
+  PetscCall(RodGetLocalNodes(rod, t, U, &local, &with));
   for (PetscInt k = 0; k < n; k++) {
     const PetscInt i = rod->first + k;
     cell[k] = (FootCell){.h = s[i + 1] - s[i]};
@@ -251,9 +226,7 @@ static PetscErrorCode CellsOf(Rod rod, PetscReal t, Vec U, PetscInt n, FootCell 
       for (int d = 0; d < 2; d++) cell[k].x[e][d] = with[i + e].x[d];
     }
   }
-  PetscCall(DMDAVecRestoreArrayRead(rod->nodes, local, (void *)&with));
-  PetscCall(DMRestoreLocalVector(rod->nodes, &local));
-  PetscCall(DMRestoreGlobalVector(rod->nodes, &v));
+  PetscCall(RodRestoreLocalNodes(rod, &local, &with));
   PetscFunctionReturn(0);
 }
 

@@ -1,11 +1,13 @@
 /* Passing, of a rod in space: the curve between nodes, and what it sweeps in a step, are divided
    until each part is off the walls: a distance changes by no more than the way, so that a part
    within r of a point that is farther than that from a wall is clear of it. */
+#include "base/bezier.h"
 #include "rod/directors.h"
 #include "rod/passing.h"
 
 /* The four points of a Bezier curve. */
-typedef PetscReal Bezier[4][3];
+enum { DIMS = 3 };
+typedef PetscReal Bezier[4][DIMS];
 
 /* A cell in one state. */
 typedef struct {
@@ -26,28 +28,8 @@ static const PetscReal lengths_behind = 4;
 static const PetscReal parts = 4; /* of that depth: so fine is looked */
 enum { DEEPEST = 24 };
 
-static void BezierOf(const Cell3 *cell, Bezier b) {
-  for (int d = 0; d < 3; d++) {
-    b[0][d] = cell->x[0][d];
-    b[1][d] = b[0][d] + cell->h * cell->g[0] * cell->q[0][d] / 3;
-    b[3][d] = cell->x[1][d];
-    b[2][d] = b[3][d] - cell->h * cell->g[1] * cell->q[1][d] / 3;
-  }
-}
-
-/* Divides it in the middle (de Casteljau). */
-static void Divide(Bezier b, Bezier half[2]) {
-  for (int d = 0; d < 3; d++) {
-    const PetscReal p = (b[0][d] + b[1][d]) / 2, q = (b[1][d] + b[2][d]) / 2,
-                    r = (b[2][d] + b[3][d]) / 2, pq = (p + q) / 2, qr = (q + r) / 2;
-    half[0][0][d] = b[0][d];
-    half[0][1][d] = p;
-    half[0][2][d] = pq;
-    half[0][3][d] = half[1][0][d] = (pq + qr) / 2;
-    half[1][1][d] = qr;
-    half[1][2][d] = r;
-    half[1][3][d] = b[3][d];
-  }
+static void CurveOf(const Cell3 *cell, Bezier b) {
+  BezierOfCell(DIMS, cell->h, cell->g, cell->x[0], cell->q[0], b[0]);
 }
 
 static PetscReal Apart(const PetscReal a[3], const PetscReal b[3]) {
@@ -79,7 +61,7 @@ static PetscBool CurveIsBehind(const Look *look, Bezier b, int depth) {
   Bezier half[2];
   Verdict verdict;
 
-  Divide(b, half);
+  BezierDivide(DIMS, b[0], half[0][0]);
   for (int k = 0; k < 4; k++) r = PetscMax(r, Apart(b[k], half[1][0]));
   verdict = PlaceVerdict(look, half[1][0], r);
   if (verdict == BEHIND) return PETSC_TRUE;
@@ -130,8 +112,8 @@ static PetscBool SweepIsBehind(const Look *look, Bezier b0, Bezier b1, int depth
   Bezier half[2][2], now;
   Verdict verdict;
 
-  Divide(b0, half[0]);
-  Divide(b1, half[1]);
+  BezierDivide(DIMS, b0[0], half[0][0][0]);
+  BezierDivide(DIMS, b1[0], half[1][0][0]);
   for (int d = 0; d < 3; d++) mid[d] = (half[0][1][0][d] + half[1][1][0][d]) / 2;
   for (int k = 0; k < 4; k++) {
     reach = PetscMax(reach, PetscMax(Apart(b0[k], mid), Apart(b1[k], mid)));
@@ -159,18 +141,11 @@ static PetscBool Moves(Bezier b0, Bezier b1) {
 /* The cells that begin at owned nodes, in one state. Collective. */
 static PetscErrorCode CellsOf(Rod rod, PetscReal t, Vec U, PetscInt n, Cell3 cell[]) {
   const PetscReal *s = rod->scene->mesh.s;
-  PetscScalar *owned;
   const Node *with;
-  Vec v, local;
+  Vec local;
 
   PetscFunctionBegin;
-  PetscCall(DMGetGlobalVector(rod->nodes, &v));
-  PetscCall(DMGetLocalVector(rod->nodes, &local));
-  PetscCall(VecGetArray(v, &owned));
-  PetscCall(rod->model->get(rod, t, U, NULL, (Node *)owned));
-  PetscCall(VecRestoreArray(v, &owned));
-  PetscCall(DMGlobalToLocal(rod->nodes, v, INSERT_VALUES, local));
-  PetscCall(DMDAVecGetArrayRead(rod->nodes, local, (void *)&with));
+  PetscCall(RodGetLocalNodes(rod, t, U, &local, &with));
   for (PetscInt k = 0; k < n; k++) {
     const PetscInt i = rod->first + k;
     cell[k].h = s[i + 1] - s[i];
@@ -182,9 +157,7 @@ static PetscErrorCode CellsOf(Rod rod, PetscReal t, Vec U, PetscInt n, Cell3 cel
       PetscCall(PetscArraycpy(cell[k].x[e], with[i + e].x3, 3));
     }
   }
-  PetscCall(DMDAVecRestoreArrayRead(rod->nodes, local, (void *)&with));
-  PetscCall(DMRestoreLocalVector(rod->nodes, &local));
-  PetscCall(DMRestoreGlobalVector(rod->nodes, &v));
+  PetscCall(RodRestoreLocalNodes(rod, &local, &with));
   PetscFunctionReturn(0);
 }
 
@@ -208,7 +181,7 @@ PetscErrorCode RodPassesWalls3(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec 
   PetscCall(CellsOf(rod, t0, U0, n, cell[0]));
   PetscCall(CellsOf(rod, t1, U1, n, cell[1]));
   for (PetscInt k = 0; k < n && !verdict[PASSES]; k++) {
-    for (int now = 0; now < 2; now++) BezierOf(&cell[now][k], b[now]);
+    for (int now = 0; now < 2; now++) CurveOf(&cell[now][k], b[now]);
     if (CurveIsBehind(&look, b[1], 0) || (Moves(b[0], b[1]) && SweepIsBehind(&look, b[0], b[1], 0)))
       verdict[PASSES] = 1;
     if (ContactTouches3(contact, cell[1][k].x[1], touch) >= MOST_SURFACES) verdict[CROWDED] = 1;

@@ -137,6 +137,33 @@ static PetscErrorCode IntegratePosition(Rod rod, PetscReal t, Node *nodes) {
   PetscFunctionReturn(0);
 }
 
+/*
+  RodGetLocalNodes - the nodes of a state, as a vector with those of the neighbours, open to be
+  read: with[i] is node i. Collective; given back by RodRestoreLocalNodes().
+*/
+PetscErrorCode RodGetLocalNodes(Rod rod, PetscReal t, Vec U, Vec *local, const Node **with) {
+  PetscScalar *owned;
+  Vec v;
+
+  PetscFunctionBegin;
+  PetscCall(DMGetGlobalVector(rod->nodes, &v));
+  PetscCall(DMGetLocalVector(rod->nodes, local));
+  PetscCall(VecGetArray(v, &owned));
+  PetscCall(rod->model->get(rod, t, U, NULL, (Node *)owned));
+  PetscCall(VecRestoreArray(v, &owned));
+  PetscCall(DMGlobalToLocal(rod->nodes, v, INSERT_VALUES, *local));
+  PetscCall(DMRestoreGlobalVector(rod->nodes, &v));
+  PetscCall(DMDAVecGetArrayRead(rod->nodes, *local, (void *)with));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode RodRestoreLocalNodes(Rod rod, Vec *local, const Node **with) {
+  PetscFunctionBegin;
+  PetscCall(DMDAVecRestoreArrayRead(rod->nodes, *local, (void *)with));
+  PetscCall(DMRestoreLocalVector(rod->nodes, local));
+  PetscFunctionReturn(0);
+}
+
 /* RodInitialNodes - the scene's initial shape at the owned nodes, with the force of the straight
    rod and the velocity of growth without friction. Collective. */
 PetscErrorCode RodInitialNodes(Rod rod, PetscReal t, Node *nodes) {

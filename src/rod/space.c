@@ -391,21 +391,17 @@ static void AddVelocity(const Load *load, const Law *law, const Point *p, const 
   AddProduct(3, RUBS, N, s * law->g, couple[0], RUBS, dW[0], FIELDS, f[M], FIELDS);
 }
 
-/* How x'_t = g_t d1 + g d1_t of a node changes with p, and with p_t by its shift: 3 x 4.
-     d(d1_t)/dp = (A(p_t) - (p.p_t) D - d1 p_t^T - d1_t p^T) 2/|p|^2,  A half the form of d1. */
+/* How x'_t = g_t d1 + g d1_t of a node changes with p, and with p_t by its shift: 3 x 4. */
 static void VelocitySlopeSlope(const Law *law, const Point *p, const Slope *slope,
                                const PetscReal shift[], PetscReal by_p[3][4]) {
-  PetscReal w[3], d1_t[3], A[3][4], dot = 0;
+  PetscReal w[3], d1_t[3];
 
   VelocitySlope(law, p, w, d1_t);
-  DirectorForm(p->p_t, 0, A);
-  for (int j = 0; j < 4; j++) dot += p->p[j] * p->p_t[j];
+  DirectorRateSlope(p->p, p->size, p->d[0], d1_t, 0, slope->d1, p->p_t, by_p);
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 4; j++)
       by_p[i][j] =
-          law->g_t * slope->d1[i][j] + law->g * shift[P + j] * slope->d1[i][j] +
-          law->g * 2 / p->size *
-              (A[i][j] - dot * slope->d1[i][j] - p->d[0][i] * p->p_t[j] - d1_t[i] * p->p[j]);
+          law->g_t * slope->d1[i][j] + law->g * (shift[P + j] * slope->d1[i][j] + by_p[i][j]);
 }
 
 /* The derivatives at a node, with what its own rates add. */

@@ -49,26 +49,15 @@ static PetscErrorCode CrossesItself(Rod rod, PetscReal t, Vec U, PetscBool *cros
 /* In space: has it passed through itself on the way from one state to another? Rank 0 looks. */
 static PetscErrorCode PassesItself(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
                                    PetscBool *passes) {
-  const PetscReal t[2] = {t0, t1};
-  const Vec U[2] = {U0, U1};
-  PetscReal(*x[2])[3];
-  Node *nodes;
+  Node *from, *to;
 
   PetscFunctionBegin;
   *passes = PETSC_FALSE;
-  for (int k = 0; k < 2; k++) {
-    x[k] = NULL;
-    PetscCall(NodesOnZero(rod, t[k], U[k], &nodes));
-    if (!nodes) continue;
-    PetscCall(PetscMalloc1(rod->last + 1, &x[k]));
-    for (PetscInt i = 0; i <= rod->last; i++)
-      for (int d = 0; d < 3; d++) x[k][i][d] = nodes[i].x3[d];
-    PetscCall(PetscFree(nodes));
-  }
-  if (x[0])
-    PetscCall(RodPassesItself(rod->last + 1, (const PetscReal(*)[3])x[0],
-                              (const PetscReal(*)[3])x[1], passes));
-  for (int k = 0; k < 2; k++) PetscCall(PetscFree(x[k]));
+  PetscCall(NodesOnZero(rod, t0, U0, &from));
+  PetscCall(NodesOnZero(rod, t1, U1, &to));
+  if (from) PetscCall(RodPassesItself(rod->last + 1, from, to, passes));
+  PetscCall(PetscFree(from));
+  PetscCall(PetscFree(to));
   PetscFunctionReturn(0);
 }
 

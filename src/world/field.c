@@ -2,6 +2,7 @@
 #include "base/band.h"
 #include "base/bspline.h"
 #include "base/hdf.h"
+#include "base/knots.h"
 
 /* A table is interpolated by a cubic spline (C2) in each of t, x3, x2 and x1, with slope 0 at both
    ends, so that it goes on beyond its edges as a constant without a kink. Its coefficients are
@@ -142,7 +143,7 @@ typedef struct {
 } Weights;
 
 static void WeightsAt(const Axis *axis, PetscReal at, Weights *w) {
-  PetscInt low = 0, high = axis->n - 1;
+  PetscInt low;
   BSplines splines;
 
   w->first = 0;
@@ -150,17 +151,11 @@ static void WeightsAt(const Axis *axis, PetscReal at, Weights *w) {
   w->value[0] = 1;
   w->slope[0] = 0;
   if (axis->n == 1) return;
-  if (at <= axis->at[0] || at >= axis->at[high]) { /* constant beyond */
+  if (at <= axis->at[0] || at >= axis->at[axis->n - 1]) { /* constant beyond */
     if (at > axis->at[0]) w->first = axis->n + 1;
     return;
   }
-  while (high - low > 1) {
-    PetscInt mid = (low + high) / 2;
-    if (axis->at[mid] > at)
-      high = mid;
-    else
-      low = mid;
-  }
+  low = KnotBefore(axis->n, axis->at, at);
   BSplineEvaluate(axis->n - 1, axis->at, low, at, &splines);
   w->first = low;
   w->n = CUBIC + 1;

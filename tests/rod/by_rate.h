@@ -6,20 +6,6 @@
 #include "harness.h"
 #include "rod/rod.h"
 
-/* A file of walls, whose name is left in path. */
-static inline void WriteWalls(char path[64], const char *text) {
-  PetscMPIInt rank;
-  OpenScratch(path);
-  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  if (!rank) {
-    FILE *f = fopen(path, "w");
-    assert_non_null(f);
-    fputs(text, f);
-    fclose(f);
-  }
-  MPI_Barrier(PETSC_COMM_WORLD);
-}
-
 /* A new vector of entries size * [-1, 1], the same on any number of ranks. */
 static inline Vec RandomVector(Rod rod, int seed, PetscReal size) {
   PetscScalar *a;

@@ -6,19 +6,6 @@
 #include "stepping/guard.h"
 #include "stepping/leg.h"
 
-static void WriteWalls(char path[64], const char *text) {
-  PetscMPIInt rank;
-  OpenScratch(path);
-  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  if (!rank) {
-    FILE *f = fopen(path, "w");
-    assert_non_null(f);
-    fputs(text, f);
-    fclose(f);
-  }
-  MPI_Barrier(PETSC_COMM_WORLD);
-}
-
 /* A rod of length 1, straight up to `bend` of it, then at an angle. */
 static Vec State(Rod rod, PetscReal bend, PetscReal angle) {
   const PetscReal *s = rod->scene->mesh.s;
@@ -120,21 +107,21 @@ static void TestOneRankKnows(void **state) {
 
 /* A thread in space: out along x1, round, and back at height `back` and turned by `turn`, so that
    its ends cross as seen from above; moved on by `along`. */
-static void Loop(PetscReal back, PetscReal turn, PetscReal along, PetscReal x[6][3]) {
+static void Loop(PetscReal back, PetscReal turn, PetscReal along, Node node[6]) {
   const PetscReal c = PetscCosReal(turn), s = PetscSinReal(turn);
   const PetscReal at[6][3] = {{-1, 0, 0}, {1, 0, 0},    {2, 0, 0},
                               {2, 3, 0},  {s, c, back}, {-s, -c, back}};
   for (int i = 0; i < 6; i++)
-    for (int d = 0; d < 3; d++) x[i][d] = at[i][d] + (d == 0 && i > 3 ? along : 0);
+    for (int d = 0; d < 3; d++) node[i].x3[d] = at[i][d] + (d == 0 && i > 3 ? along : 0);
 }
 
 static PetscBool PassesItself(const PetscReal from[3], const PetscReal to[3]) {
-  PetscReal x0[6][3], x1[6][3];
+  Node there[2][6] = {{{{0}}}};
   PetscBool passes, back;
-  Loop(from[0], from[1], from[2], x0);
-  Loop(to[0], to[1], to[2], x1);
-  CHECK(RodPassesItself(6, (const PetscReal(*)[3])x0, (const PetscReal(*)[3])x1, &passes));
-  CHECK(RodPassesItself(6, (const PetscReal(*)[3])x1, (const PetscReal(*)[3])x0, &back));
+  Loop(from[0], from[1], from[2], there[0]);
+  Loop(to[0], to[1], to[2], there[1]);
+  CHECK(RodPassesItself(6, there[0], there[1], &passes));
+  CHECK(RodPassesItself(6, there[1], there[0], &back));
   EXPECT(passes == back, "there %d, and back %d", passes, back);
   return passes;
 }
