@@ -1,6 +1,7 @@
 #include "base/blocks.h"
 
 struct _Blocks {
+  int dims;
   PetscInt n;
   PetscInt *item; /* as they stand in the leaves, from left to right */
   Block *block;   /* the children of block k are 2 k + 1 and 2 k + 2 */
@@ -17,9 +18,9 @@ static Branch Half(Branch b, int which) {
   return (Branch){b.first, mid, 2 * b.k + 1};
 }
 
-static int LongestSide(const Block *block) {
+static int LongestSide(int dims, const Block *block) {
   int longest = 0;
-  for (int d = 1; d < 3; d++)
+  for (int d = 1; d < dims; d++)
     if (block->high[d] - block->low[d] > block->high[longest] - block->low[longest]) longest = d;
   return longest;
 }
@@ -30,13 +31,13 @@ static PetscErrorCode Build(Blocks self, const Block block[], PetscReal key[], B
   int d;
 
   PetscFunctionBegin;
-  *all = BlockEmpty();
+  *all = BlockEmpty(self->dims);
   for (PetscInt i = b.first; i < b.last; i++) {
-    BlockHold(all, block[self->item[i]].low);
-    BlockHold(all, block[self->item[i]].high);
+    BlockHold(self->dims, all, block[self->item[i]].low);
+    BlockHold(self->dims, all, block[self->item[i]].high);
   }
   if (b.last - b.first == 1) PetscFunctionReturn(0);
-  d = LongestSide(all);
+  d = LongestSide(self->dims, all);
   for (PetscInt i = b.first; i < b.last; i++)
     key[i] = block[self->item[i]].low[d] + block[self->item[i]].high[d];
   PetscCall(PetscSortRealWithArrayInt(b.last - b.first, key + b.first, self->item + b.first));
@@ -44,14 +45,15 @@ static PetscErrorCode Build(Blocks self, const Block block[], PetscReal key[], B
   PetscFunctionReturn(0);
 }
 
-/* BlocksCreate - the tree over n blocks, which are not needed any more afterwards; n may be 0. Not
-   collective; the caller destroys it with BlocksDestroy(). */
-PetscErrorCode BlocksCreate(PetscInt n, const Block block[], Blocks *blocks) {
+/* BlocksCreate - the tree over n blocks of 2 or 3 dimensions, which are not needed any more
+   afterwards; n may be 0. Not collective; the caller destroys it with BlocksDestroy(). */
+PetscErrorCode BlocksCreate(int dims, PetscInt n, const Block block[], Blocks *blocks) {
   PetscInt size = 1;
   PetscReal *key;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(blocks));
+  (*blocks)->dims = dims;
   (*blocks)->n = n;
   if (!n) PetscFunctionReturn(0);
   while (size < n) size *= 2;
@@ -73,8 +75,20 @@ PetscErrorCode BlocksDestroy(Blocks *blocks) {
   PetscFunctionReturn(0);
 }
 
-/* The search in a branch that is `apart` from the point, the nearer half first. */
-static PetscReal Search(const struct _Blocks *self, Branch b, PetscReal apart, const PetscReal x[3],
+/* How far two blocks are from each other; 0: they meet. */
+static PetscReal Apart(int dims, const Block *a, const Block *b) {
+  PetscReal sum = 0, most = 0;
+
+  for (int d = 0; d < dims; d++) {
+    const PetscReal o = PetscMax(0, PetscMax(a->low[d] - b->high[d], b->low[d] - a->high[d]));
+    sum += o * o;
+    most = PetscMax(most, o);
+  }
+  return sum == most * most ? most : PetscSqrtReal(sum); /* a square may overflow */
+}
+
+/* The search in a branch that is `apart` from the place, the nearer half first. */
+static PetscReal Search(const struct _Blocks *self, Branch b, PetscReal apart, const Block *place,
                         PetscReal reach, BlocksMeet meet, void *ctx) {
   Branch half[2];
   PetscReal far[2];
@@ -84,20 +98,23 @@ static PetscReal Search(const struct _Blocks *self, Branch b, PetscReal apart, c
   if (b.last - b.first == 1) return meet(self->item[b.first], reach, ctx);
   for (int w = 0; w < 2; w++) {
     half[w] = Half(b, w);
-    far[w] = BlockApart(&self->block[half[w].k], x);
+    far[w] = Apart(self->dims, &self->block[half[w].k], place);
   }
   first = far[1] < far[0];
-  reach = Search(self, half[first], far[first], x, reach, meet, ctx);
-  return Search(self, half[!first], far[!first], x, reach, meet, ctx);
+  reach = Search(self, half[first], far[first], place, reach, meet, ctx);
+  return Search(self, half[!first], far[!first], place, reach, meet, ctx);
 }
 
 /*
-  BlocksNear - tells of all blocks within reach of a point, in no particular order.
+  BlocksNear - tells of all blocks within reach of a place, in no particular order.
 
-  meet  may lessen the reach as it learns more: so the nearest is found
+  place  a block of the same dimensions, BlockAt() that of a point
+  meet   may lessen the reach as it learns more: so the nearest is found
 */
-void BlocksNear(Blocks blocks, const PetscReal x[3], PetscReal reach, BlocksMeet meet, void *ctx) {
+void BlocksNear(Blocks blocks, const Block *place, PetscReal reach, BlocksMeet meet, void *ctx) {
   const Branch all = {0, blocks->n, 0};
 
-  if (blocks->n) (void)Search(blocks, all, BlockApart(&blocks->block[0], x), x, reach, meet, ctx);
+  if (blocks->n)
+    (void)Search(blocks, all, Apart(blocks->dims, &blocks->block[0], place), place, reach, meet,
+                 ctx);
 }

@@ -13,18 +13,18 @@ static inline PetscReal Sum(const PetscReal poly[4], PetscReal a, PetscReal a_z,
   return poly[0] * a + poly[1] * a_z + poly[2] * b + poly[3] * b_z;
 }
 
-/* FootCellRect - what holds a cell's curve: the four points of its Bezier polygon. */
-Rect FootCellRect(const FootCell *cell) {
-  Rect rect = RectEmpty();
+/* FootCellBlock - what holds a cell's curve: the four points of its Bezier polygon. */
+Block FootCellBlock(const FootCell *cell) {
+  Block block = BlockEmpty(2);
 
   for (int e = 0; e < 2; e++) {
     PetscReal x[2];
     for (int d = 0; d < 2; d++)
       x[d] = cell->x[e][d] + (e ? -1 : 1) * cell->h * cell->g[e] * cell->q[e][d] / 3;
-    RectHold(&rect, x);
-    RectHold(&rect, cell->x[e]);
+    BlockHold(2, &block, x);
+    BlockHold(2, &block, cell->x[e]);
   }
-  return rect;
+  return block;
 }
 
 static void PlaceOn(const FootCell *cell, Foot *foot) {
@@ -131,12 +131,12 @@ static PetscReal Meet(PetscInt item, PetscReal reach, void *ctx) {
 PetscInt FeetFind(const Contact *contact, const FootCell *cell, PetscReal within,
                   Foot foot[MOST_FEET]) {
   Looking look = {.contact = contact, .cell = cell, .within = within, .foot = foot};
-  Rect rect;
+  Block block;
 
   if (!contact->thin) return 0;
-  rect = FootCellRect(cell);
-  RectsNear(contact->walls.near_posts, &rect, contact->diameter / 2 + PetscMax(0, within), Meet,
-            &look);
+  block = FootCellBlock(cell);
+  BlocksNear(contact->walls.near_posts, &block, contact->diameter / 2 + PetscMax(0, within), Meet,
+             &look);
   return look.n;
 }
 

@@ -47,7 +47,7 @@ typedef struct {
 typedef PetscReal FootLoad[FOOT_ROWS][2];
 typedef PetscReal FootSlope[FOOT_ROWS][2][FOOT_UNKNOWNS];
 
-Rect FootCellRect(const FootCell *cell);
+Block FootCellBlock(const FootCell *cell);
 PetscBool FootAbout(const FootCell *cell, const PetscReal c[2], Foot *foot);
 PetscInt FeetFind(const Contact *contact, const FootCell *cell, PetscReal within,
                   Foot foot[MOST_FEET]);

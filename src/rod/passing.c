@@ -10,15 +10,15 @@ static void CurveOf(const FootCell *cell, Bezier b) {
   BezierOfCell(DIMS, cell->h, cell->g, cell->x[0], cell->q[0], b[0]);
 }
 
-static Rect RectOf(Bezier b) {
-  Rect rect = RectEmpty();
-  for (int k = 0; k < 4; k++) RectHold(&rect, b[k]);
-  return rect;
+static Block BlockOf(Bezier b) {
+  Block block = BlockEmpty(2);
+  for (int k = 0; k < 4; k++) BlockHold(2, &block, b[k]);
+  return block;
 }
 
-static PetscBool Holds(const Rect *rect, const PetscReal x[2]) {
-  return (PetscBool)(x[0] >= rect->low[0] && x[0] <= rect->high[0] && x[1] >= rect->low[1] &&
-                     x[1] <= rect->high[1]);
+static PetscBool Holds(const Block *block, const PetscReal x[2]) {
+  return (PetscBool)(x[0] >= block->low[0] && x[0] <= block->high[0] && x[1] >= block->low[1] &&
+                     x[1] <= block->high[1]);
 }
 
 enum { DEEPEST = 48 }; /* as often is a curve divided, until round-off ends it */
@@ -31,10 +31,10 @@ static PetscReal Turn(const PetscReal a[2], const PetscReal b[2], const PetscRea
 
 /* ... the curve: as its chord, if c is not within its points. */
 static PetscReal CurveTurn(Bezier b, const PetscReal c[2], int depth) {
-  const Rect rect = RectOf(b);
+  const Block block = BlockOf(b);
   Bezier half[2];
 
-  if (depth == DEEPEST || !Holds(&rect, c)) return Turn(b[0], b[3], c);
+  if (depth == DEEPEST || !Holds(&block, c)) return Turn(b[0], b[3], c);
   BezierDivide(DIMS, b[0], half[0][0]);
   return CurveTurn(half[0], c, depth + 1) + CurveTurn(half[1], c, depth + 1);
 }
@@ -120,12 +120,12 @@ static PetscBool Behind(const Contact *contact, const PetscReal x0[2], const Pet
 static PetscBool CellIsBehind(const Contact *contact, const FootCell *before,
                               const FootCell *cell) {
   Looking look = {.contact = contact, .cell = cell};
-  Rect rect;
+  Block block;
 
   CurveOf(cell, look.curve);
-  rect = RectOf(look.curve);
-  RectsNear(contact->walls.near_posts, &rect, contact->diameter / 2, MeetPost, &look);
-  if (!look.passes) RectsNear(contact->walls.near_parts, &rect, 0, MeetPart, &look);
+  block = BlockOf(look.curve);
+  BlocksNear(contact->walls.near_posts, &block, contact->diameter / 2, MeetPost, &look);
+  if (!look.passes) BlocksNear(contact->walls.near_parts, &block, 0, MeetPart, &look);
   return (PetscBool)(look.passes || Behind(contact, before->x[1], cell->x[1]));
 }
 
@@ -141,12 +141,12 @@ static PetscReal Mark(PetscInt item, PetscReal reach, void *ctx) {
 static void MarkPosts(const Walls *walls, const FootCell *before, const FootCell *cell,
                       char marked[]) {
   Bezier b[2];
-  Rect rect = RectEmpty();
+  Block block = BlockEmpty(2);
 
   CurveOf(before, b[0]);
   CurveOf(cell, b[1]);
-  for (int k = 0; k < 8; k++) RectHold(&rect, b[k / 4][k % 4]);
-  RectsNear(walls->near_posts, &rect, 0, Mark, marked);
+  for (int k = 0; k < 8; k++) BlockHold(2, &block, b[k / 4][k % 4]);
+  BlocksNear(walls->near_posts, &block, 0, Mark, marked);
 }
 
 /* The cells of a rank, before and now, with the node behind the last. */

@@ -151,7 +151,7 @@ PetscErrorCode SurfacesIndex(Surfaces *self) {
     if (surface->friction > 0) self->rub = PETSC_TRUE;
     self->smallest = PetscMin(self->smallest, surface->smallest);
   }
-  PetscCall(BlocksCreate(placed, block, &self->near));
+  PetscCall(BlocksCreate(3, placed, block, &self->near));
   PetscCall(PetscFree(block));
   PetscFunctionReturn(0);
 }
@@ -299,8 +299,10 @@ static PetscReal Meet(PetscInt item, PetscReal reach, void *ctx) {
 }
 
 static void LookAround(Look *look) {
+  const Block place = BlockAt(3, look->x);
+
   for (PetscInt k = 0; k < look->self->opens; k++) LookAt(look, look->self->open[k]);
-  BlocksNear(look->self->near, look->x, PetscMax(0, look->within), Meet, look);
+  BlocksNear(look->self->near, &place, PetscMax(0, look->within), Meet, look);
 }
 
 /*

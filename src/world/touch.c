@@ -32,28 +32,28 @@ PetscBool WallPieceDistance(const WallPiece *p, const PetscReal x[2], PetscReal 
 /* ---- which pieces are near ---- */
 
 /* Where a piece is that ends somewhere. */
-static Rect PieceRect(const WallPiece *p) {
-  Rect rect = RectEmpty();
+static Block PieceBlock(const WallPiece *p) {
+  Block block = BlockEmpty(2);
 
   for (int e = -1; e <= 1; e += 2) {
     PetscReal x[2];
     for (int d = 0; d < 2; d++)
       x[d] = p->at[d] + (p->round ? e * p->r : (e > 0 ? p->to : 0) * p->t[d]);
-    RectHold(&rect, x);
+    BlockHold(2, &block, x);
   }
-  return rect;
+  return block;
 }
 
 /* Where the axis of a conduit is beside one of its pieces: an arc is within the triangle of its
    ends and of the corner that it rounds. */
-static Rect AxisRect(const Wall *wall, const WallPiece *p) {
+static Block AxisBlock(const Wall *wall, const WallPiece *p) {
   const PetscReal R = wall->number[0], axis = p->r + p->sign * R,
                   across = PetscSqrtReal(PetscMax(0, 1 - p->reach * p->reach));
-  Rect rect = RectEmpty();
+  Block block = BlockEmpty(2);
 
   if (p->at_mouth) {
-    RectHold(&rect, p->mouth);
-    return rect;
+    BlockHold(2, &block, p->mouth);
+    return block;
   }
   for (int e = -1; e <= 1; e++) {
     PetscReal x[2], along = e ? p->reach : 1 / p->reach;
@@ -63,34 +63,34 @@ static Rect AxisRect(const Wall *wall, const WallPiece *p) {
                axis * (along * p->middle[d] + e * across * (d ? p->middle[0] : -p->middle[1]));
       else
         x[d] = p->at[d] + R * p->n[d] + (e > 0 ? p->to : 0) * p->t[d];
-    RectHold(&rect, x);
+    BlockHold(2, &block, x);
   }
-  return rect;
+  return block;
 }
 
 static PetscErrorCode IndexAxis(Wall *wall) {
-  Rect *rect;
+  Block *block;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(wall->pieces, &rect));
-  for (PetscInt k = 0; k < wall->pieces; k++) rect[k] = AxisRect(wall, &wall->piece[k]);
-  PetscCall(RectsCreate(wall->pieces, rect, &wall->axis));
-  PetscCall(PetscFree(rect));
+  PetscCall(PetscMalloc1(wall->pieces, &block));
+  for (PetscInt k = 0; k < wall->pieces; k++) block[k] = AxisBlock(wall, &wall->piece[k]);
+  PetscCall(BlocksCreate(2, wall->pieces, block, &wall->axis));
+  PetscCall(PetscFree(block));
   PetscFunctionReturn(0);
 }
 
 static PetscErrorCode IndexPosts(Walls *walls) {
-  Rect *rect;
+  Block *block;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(walls->posts, &rect));
+  PetscCall(PetscMalloc1(walls->posts, &block));
   for (PetscInt k = 0; k < walls->posts; k++)
     for (int d = 0; d < 2; d++) {
-      rect[k].low[d] = walls->post[k].at[d] - walls->post[k].r;
-      rect[k].high[d] = walls->post[k].at[d] + walls->post[k].r;
+      block[k].low[d] = walls->post[k].at[d] - walls->post[k].r;
+      block[k].high[d] = walls->post[k].at[d] + walls->post[k].r;
     }
-  PetscCall(RectsCreate(walls->posts, rect, &walls->near_posts));
-  PetscCall(PetscFree(rect));
+  PetscCall(BlocksCreate(2, walls->posts, block, &walls->near_posts));
+  PetscCall(PetscFree(block));
   PetscFunctionReturn(0);
 }
 
@@ -98,11 +98,11 @@ static PetscErrorCode IndexPosts(Walls *walls) {
    frees what is made here. */
 PetscErrorCode WallsIndex(Walls *walls) {
   PetscInt n = 0;
-  Rect *rect;
+  Block *block;
 
   PetscFunctionBegin;
   for (PetscInt w = 0; w < walls->n; w++) n += walls->wall[w].pieces;
-  PetscCall(PetscMalloc1(n, &rect));
+  PetscCall(PetscMalloc1(n, &block));
   PetscCall(PetscMalloc1(n, &walls->part));
   PetscCall(PetscMalloc1(n, &walls->open));
   for (PetscInt w = 0; w < walls->n; w++) {
@@ -114,21 +114,21 @@ PetscErrorCode WallsIndex(Walls *walls) {
       walls->conduits++;
     }
     for (PetscInt k = 0; k < wall->pieces && wall->kind != WALL_PATH; k++) {
-      if (ends) rect[walls->parts] = PieceRect(&wall->piece[k]);
+      if (ends) block[walls->parts] = PieceBlock(&wall->piece[k]);
       *(ends ? &walls->part[walls->parts++] : &walls->open[walls->opens++]) = (WallPart){w, k};
     }
   }
-  PetscCall(RectsCreate(walls->parts, rect, &walls->near_parts));
-  PetscCall(PetscFree(rect));
+  PetscCall(BlocksCreate(2, walls->parts, block, &walls->near_parts));
+  PetscCall(PetscFree(block));
   PetscCall(IndexPosts(walls));
   PetscFunctionReturn(0);
 }
 
 PetscErrorCode WallsDropIndex(Walls *walls) {
   PetscFunctionBegin;
-  for (PetscInt w = 0; w < walls->n; w++) PetscCall(RectsDestroy(&walls->wall[w].axis));
-  PetscCall(RectsDestroy(&walls->near_posts));
-  PetscCall(RectsDestroy(&walls->near_parts));
+  for (PetscInt w = 0; w < walls->n; w++) PetscCall(BlocksDestroy(&walls->wall[w].axis));
+  PetscCall(BlocksDestroy(&walls->near_posts));
+  PetscCall(BlocksDestroy(&walls->near_parts));
   PetscCall(PetscFree(walls->part));
   PetscCall(PetscFree(walls->open));
   walls->parts = walls->opens = walls->conduits = 0;
@@ -219,7 +219,7 @@ static PetscReal MeetConduit(PetscInt item, PetscReal reach, void *ctx) {
 enum { FEW = 24 };
 
 /* Of a conduit those pieces count that are at the place of its axis nearest to x. */
-static void LookAtConduit(Look *look, PetscInt wall, const Rect *place) {
+static void LookAtConduit(Look *look, PetscInt wall, const Block *place) {
   const PetscReal same = 1 + 1e-9;
 
   look->wall = wall;
@@ -232,14 +232,14 @@ static void LookAtConduit(Look *look, PetscInt wall, const Rect *place) {
     for (PetscInt k = 0; k < n; k++) (void)MeetConduit(k, same * look->far, look);
     return;
   }
-  RectsNear(look->walls->wall[wall].axis, place, everywhere, MeetAxis, look);
+  BlocksNear(look->walls->wall[wall].axis, place, everywhere, MeetAxis, look);
   if (look->far < everywhere)
-    RectsNear(look->walls->wall[wall].axis, place, same * look->far, MeetConduit, look);
+    BlocksNear(look->walls->wall[wall].axis, place, same * look->far, MeetConduit, look);
 }
 
 static void LookAround(Look *look) {
   const Walls *walls = look->walls;
-  const Rect place = {{look->x[0], look->x[1]}, {look->x[0], look->x[1]}};
+  const Block place = BlockAt(2, look->x);
 
   for (PetscInt k = 0; k < walls->opens; k++) LookAt(look, &walls->open[k]);
   for (PetscInt w = 0; w < walls->n && walls->conduits; w++)
@@ -247,7 +247,7 @@ static void LookAround(Look *look) {
   if (walls->parts <= FEW)
     for (PetscInt k = 0; k < walls->parts; k++) LookAt(look, &walls->part[k]);
   else
-    RectsNear(walls->near_parts, &place, Reach(look), MeetPart, look);
+    BlocksNear(walls->near_parts, &place, Reach(look), MeetPart, look);
 }
 
 /*
@@ -307,9 +307,9 @@ PetscInt WallsBehind(const Walls *walls, const PetscReal x[2]) {
 
 /* WallsHold - is a place in the conduit which that wall is? */
 PetscBool WallsHold(const Walls *walls, PetscInt conduit, const PetscReal x[2]) {
-  const Rect place = {{x[0], x[1]}, {x[0], x[1]}};
+  const Block place = BlockAt(2, x);
   Look look = {.walls = walls, .x = x, .nearest = everywhere, .wall = conduit, .far = everywhere};
 
-  RectsNear(walls->wall[conduit].axis, &place, everywhere, MeetAxis, &look);
+  BlocksNear(walls->wall[conduit].axis, &place, everywhere, MeetAxis, &look);
   return (PetscBool)(look.far <= walls->wall[conduit].number[0]);
 }

@@ -275,13 +275,14 @@ static void DeriveOnPath(const struct _Tube *self, const Sight *sight, SurfacePo
 */
 PetscBool TubeAt(Tube self, const PetscReal x[3], PetscReal within, SurfacePoint *point) {
   Search search = {.self = self, .x = x, .piece = -1};
+  const Block place = BlockAt(3, x);
   const Piece *piece;
   PetscBool end;
   Sight sight;
 
   search.enough = self->inside ? within : PETSC_MAX_REAL;
   search.best = self->inside ? -self->widest : -within;
-  BlocksNear(self->near, x, self->widest - search.best, Meet, &search);
+  BlocksNear(self->near, &place, self->widest - search.best, Meet, &search);
   if (search.piece < 0 || search.best > search.enough) return PETSC_FALSE;
   piece = &self->piece[search.piece];
   See(self, piece->segment, search.u, x, &sight);
@@ -300,11 +301,12 @@ PetscBool TubeAt(Tube self, const PetscReal x[3], PetscReal within, SurfacePoint
 /* TubeHolds - may the axis of a rod of this radius be at x: within the tube, or beyond its ends? */
 PetscBool TubeHolds(Tube self, const PetscReal x[3], PetscReal radius) {
   Search search = {.self = self, .x = x, .piece = -1, .best = -PETSC_MAX_REAL};
+  const Block place = BlockAt(3, x);
   const Piece *piece;
   Sight sight;
 
   search.enough = PETSC_MAX_REAL;
-  BlocksNear(self->near, x, PETSC_MAX_REAL, Meet, &search);
+  BlocksNear(self->near, &place, PETSC_MAX_REAL, Meet, &search);
   piece = &self->piece[search.piece];
   See(self, piece->segment, search.u, x, &sight);
   if ((search.piece == 0 && search.u == piece->a) ||
@@ -351,16 +353,16 @@ static PetscInt Cuts(const struct _Tube *self, PetscInt segment, PetscReal a, Pe
 static Block SetPiece(const struct _Tube *self, PetscInt segment, PetscReal a, PetscReal b,
                       Piece *piece) {
   PetscReal y[FOUR];
-  Block box = BlockEmpty();
+  Block box = BlockEmpty(3);
 
   *piece = (Piece){.a = a, .b = b, .segment = segment};
   for (int w = 0; w < 2; w++) {
     Ball ball;
     BallAt(self, segment, w ? b : a, &ball);
-    BlockHold(&box, ball.y);
+    BlockHold(3, &box, ball.y);
     piece->r = PetscMax(piece->r, ball.y[RADIUS]);
     for (int d = 0; d < FOUR; d++) y[d] = ball.y[d] + (w ? -1 : 1) * (b - a) / 3 * ball.d1[d];
-    BlockHold(&box, y);
+    BlockHold(3, &box, y);
     piece->r = PetscMax(piece->r, y[RADIUS]);
   }
   return box;
@@ -388,7 +390,7 @@ static PetscErrorCode SetPieces(Tube self) {
     PetscCall(PetscMalloc1(self->pieces, &self->piece));
     PetscCall(PetscMalloc1(self->pieces, &box));
   }
-  self->box = BlockEmpty();
+  self->box = BlockEmpty(3);
   for (PetscInt k = 0; k < self->pieces; k++) {
     self->widest = PetscMax(self->widest, self->piece[k].r);
     for (int d = 0; d < 3; d++) {
@@ -396,7 +398,7 @@ static PetscErrorCode SetPieces(Tube self) {
       self->box.high[d] = PetscMax(self->box.high[d], box[k].high[d] + self->piece[k].r);
     }
   }
-  PetscCall(BlocksCreate(self->pieces, box, &self->near));
+  PetscCall(BlocksCreate(3, self->pieces, box, &self->near));
   PetscCall(PetscFree(box));
   PetscFunctionReturn(0);
 }
@@ -517,13 +519,15 @@ static PetscErrorCode CheckOverlap(Tube self, const char *what) {
   PetscFunctionBegin;
   for (PetscInt i = 0; i <= places; i++) {
     Encounter at = {.self = self, .u = end * i / places, .other = -1};
+    Block place;
     Ball ball;
     while (k < self->n - 2 && at.u > self->u[k + 1]) k++;
     OnSegment(self, k, at.u, &ball);
     for (int d = 0; d < 3; d++) at.x[d] = ball.y[d];
     at.r = ball.y[RADIUS];
     at.away = 1.1 * PETSC_PI * self->widest;
-    BlocksNear(self->near, at.x, at.r + self->widest, MeetOther, &at);
+    place = BlockAt(3, at.x);
+    BlocksNear(self->near, &place, at.r + self->widest, MeetOther, &at);
     UserCheck(at.other < 0, OptionsComm(),
               "%s: the tube runs into itself: between points %d and %d and between %d and %d", what,
               (int)k + 1, (int)k + 2, (int)at.other + 1, (int)at.other + 2);

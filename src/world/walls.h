@@ -4,7 +4,7 @@
 #define TENDRIL_WALLS_H
 
 #include "base/options.h"
-#include "base/rects.h"
+#include "base/blocks.h"
 #include "world/surfaces.h"
 
 typedef enum { WALL_PLANE, WALL_CIRCLE, WALL_POLYGON, WALL_PATH, WALL_KINDS } WallKind;
@@ -32,7 +32,7 @@ typedef struct {
   PetscReal *number; /* as given, in the laboratory; a path's first is its radius */
   PetscInt pieces;
   WallPiece *piece; /* in the clamp's frame */
-  Rects axis;       /* conduit: where its axis is, piece by piece */
+  Blocks axis;      /* conduit: where its axis is, piece by piece */
 } Wall;
 
 /* What stands out of a wall and is round, of radius r, or sharp, r = 0: all of the circle is behind
@@ -55,8 +55,8 @@ typedef struct {
   PetscInt posts;
   WallPost *post;
   /* so that a place need not look at all of them */
-  Rects near_posts, near_parts; /* posts; pieces that end somewhere, but for conduits */
-  WallPart *part, *open;        /* those pieces; the others, planes and circles from within */
+  Blocks near_posts, near_parts; /* posts; pieces that end somewhere, but for conduits */
+  WallPart *part, *open;         /* those pieces; the others, planes and circles from within */
   PetscInt parts, opens, conduits;
 } Walls;
 

@@ -1,0 +1,92 @@
+/* Blocks in a tree, in the plane and in space: those within reach of a place, and the nearest, as
+   when all are looked at. */
+#include "base/blocks.h"
+#include "harness.h"
+
+enum { MOST = 300 };
+
+typedef struct {
+  int dims;
+  const Block *block;
+  PetscReal x[3], nearest;
+  PetscInt n, met[MOST];
+} Seen;
+
+static PetscReal Away(int dims, const Block *block, const PetscReal x[3]) {
+  PetscReal o[3] = {0};
+  for (int d = 0; d < dims; d++)
+    o[d] = PetscMax(0, PetscMax(block->low[d] - x[d], x[d] - block->high[d]));
+  return hypot(hypot(o[0], o[1]), o[2]);
+}
+
+static PetscReal Count(PetscInt item, PetscReal reach, void *ctx) {
+  Seen *seen = (Seen *)ctx;
+  seen->met[item]++;
+  seen->n++;
+  return reach;
+}
+
+static PetscReal Lessen(PetscInt item, PetscReal reach, void *ctx) {
+  Seen *seen = (Seen *)ctx;
+  seen->n++;
+  seen->nearest = PetscMin(seen->nearest, Away(seen->dims, &seen->block[item], seen->x));
+  return PetscMin(reach, seen->nearest);
+}
+
+static void Look(int dims, PetscInt n) {
+  PetscInt looked = 0;
+  Block block[MOST];
+  Blocks blocks;
+
+  for (PetscInt i = 0; i < n; i++)
+    for (int d = 0; d < dims; d++) {
+      block[i].low[d] = 5 * Scatter(i, d);
+      block[i].high[d] = block[i].low[d] + 0.3 * PetscAbsReal(Scatter(i, 3 + d));
+    }
+  CHECK(BlocksCreate(dims, n, block, &blocks));
+  for (int k = 0; k < 200; k++) {
+    const PetscReal reach = 0.5 * PetscAbsReal(Scatter(k, 11));
+    Seen seen = {.dims = dims,
+                 .block = block,
+                 .x = {6 * Scatter(k, 9), 6 * Scatter(k, 10), 6 * Scatter(k, 12)}};
+    const Block place = BlockAt(dims, seen.x);
+    PetscReal nearest = PETSC_MAX_REAL;
+    BlocksNear(blocks, &place, reach, Count, &seen);
+    for (PetscInt i = 0; i < n; i++) {
+      PetscReal away = Away(dims, &block[i], seen.x);
+      nearest = PetscMin(nearest, away);
+      EXPECT(seen.met[i] == (away <= reach), "%d met %d times, %g away, reach %g", (int)i,
+             (int)seen.met[i], away, reach);
+    }
+    seen.n = 0;
+    seen.nearest = PETSC_MAX_REAL;
+    BlocksNear(blocks, &place, PETSC_MAX_REAL, Lessen, &seen);
+    EXPECT(seen.nearest == nearest, "nearest %g, not %g", seen.nearest, nearest);
+    looked += seen.n;
+  }
+  EXPECT(n < 100 || looked < 200 * n / (dims == 2 ? 10 : 5), "looked at %d of %d", (int)looked,
+         200 * (int)n);
+  CHECK(BlocksDestroy(&blocks));
+}
+
+static void TestNear(void **state) {
+  for (int dims = 2; dims <= 3; dims++) {
+    Look(dims, 1);
+    Look(dims, 2);
+    Look(dims, 7);
+    Look(dims, MOST);
+  }
+}
+
+static void TestNone(void **state) {
+  const Block place = {{0}, {0}};
+  Blocks blocks;
+  Seen seen = {.n = 0};
+  CHECK(BlocksCreate(2, 0, NULL, &blocks));
+  BlocksNear(blocks, &place, 1e9, Count, &seen);
+  EXPECT(seen.n == 0, "met %d", (int)seen.n);
+  CHECK(BlocksDestroy(&blocks));
+}
+
+static const struct CMUnitTest tests[] = {cmocka_unit_test(TestNear), cmocka_unit_test(TestNone)};
+MAIN(tests)
