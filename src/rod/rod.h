@@ -124,6 +124,7 @@ struct _Rod {
   PetscBool fresh;                /* the next Jacobian is the first of its Newton solve */
   PetscInt memory;                /* reals a node that its Newton's method remembers; 0: none */
   PetscInt residuals, jacobians;  /* counted work */
+  PetscReal oblique[2];           /* how much so walls are that press: RodFeelWalls() */
   Elimination elimination;        /* instead of a matrix; NULL: none; borrowed */
   RodState linearised;            /* of the latest Jacobian */
   void *data;
@@ -150,6 +151,7 @@ PetscErrorCode RodFieldSizes(Rod rod, Vec U, PetscReal size[MAX_FIELDS]);
 PetscErrorCode RodAxes(Rod rod, Vec U, const PetscReal size[MAX_FIELDS], PetscReal axes[2]);
 PetscErrorCode RodTurn(Rod rod, const PetscReal axes[2], Vec V);
 PetscErrorCode RodSizesAlong(Rod rod, Vec U, const PetscReal axes[2], PetscReal size[MAX_FIELDS]);
+PetscErrorCode RodFeelWalls(Rod rod, PetscReal t, Vec U);
 PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal axes[2], PetscReal scale[MAX_FIELDS]);
 PetscErrorCode RodResidual(TS ts, PetscReal t, Vec U, Vec U_t, Vec F, void *rod);
 PetscErrorCode RodJacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J, Mat P,

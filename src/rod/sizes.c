@@ -137,23 +137,81 @@ static void LeaveRoundOff(const RodModel *model, const PetscReal axes[2], const 
   }
 }
 
-/* How hard a group of fields is driven from 0, along the axes. */
-static PetscReal Driven(const Space *space, int group, const PetscReal axes[2]) {
-  PetscReal sum = space->driven[group];
+/* The larger of two vectors across, by their larger component. */
+static void Larger(PetscReal n2, PetscReal n3, PetscReal most[2]) {
+  if (!(PetscMax(PetscAbsReal(n2), PetscAbsReal(n3)) >
+        PetscMax(PetscAbsReal(most[0]), PetscAbsReal(most[1]))))
+    return;
+  most[0] = n2;
+  most[1] = n3;
+}
 
-  for (int k = 0; k < DRIVES; k++) {
-    const PetscReal *drive = space->drive[k];
-    if (group == ACROSS_2) sum += PetscAbsReal(axes[0] * drive[0] + axes[1] * drive[1]);
-    if (group == ACROSS_3) sum += PetscAbsReal(axes[0] * drive[1] - axes[1] * drive[0]);
+/* The walls that press on a node: the part of their normals that is across. */
+static void PressedAcross(const Rod rod, const Node *node, PetscReal most[2]) {
+  const Contact *contact = &rod->scene->contact;
+
+  if (rod->model->space) {
+    Touch3 touch[MOST_TOUCHES3];
+    PetscInt n = ContactTouches3(contact, node->x3, touch);
+    for (PetscInt k = 0; k < n; k++) Larger(touch[k].normal[1], touch[k].normal[2], most);
+  } else {
+    Touch touch[MOST_TOUCHES];
+    PetscInt n = ContactTouches(contact, node->x, touch);
+    for (PetscInt k = 0; k < n; k++) Larger(touch[k].normal[1], 0, most);
   }
+}
+
+/*
+  RodFeelWalls - how oblique the walls are that press on the rod, by the part of their normals that
+  is across: by a push of order 1 they drive a rod that is straight, or all but, so far from where
+  it was, and what it was says nothing of how far. It begins with next to nothing, as the push does.
+  On a wall that is met straight on, or by a tip that goes round a post, that part is of the order
+  of what is across already. Sets it for RodFieldScales(). Collective.
+*/
+PetscErrorCode RodFeelWalls(Rod rod, PetscReal t, Vec U) {
+  PetscReal most[2] = {0, 0}, of_all[2][2];
+  PetscInt n = rod->end - rod->first;
+  Node *nodes;
+
+  PetscFunctionBegin;
+  if (!rod->scene->contact.walls.n && !rod->scene->contact.surfaces.n) PetscFunctionReturn(0);
+  PetscCall(SceneContactAt(rod->scene, t));
+  PetscCall(PetscMalloc1(n, &nodes));
+  PetscCall(rod->model->get(rod, t, U, NULL, nodes));
+  for (PetscInt i = 0; i < n; i++) PressedAcross(rod, &nodes[i], most);
+  PetscCall(PetscFree(nodes));
+  for (int d = 0; d < 2; d++) {
+    of_all[0][d] = most[d];
+    of_all[1][d] = -most[d];
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, of_all, 4, MPIU_REAL, MPI_MAX, rod->scene->comm));
+  for (int d = 0; d < 2; d++)
+    rod->oblique[d] = of_all[0][d] >= of_all[1][d] ? of_all[0][d] : -of_all[1][d];
+  PetscFunctionReturn(0);
+}
+
+/* By how much a vector across adds to what drives a group of fields, along the axes. */
+static PetscReal Drives(const PetscReal drive[2], int group, const PetscReal axes[2]) {
+  if (group == ACROSS_2) return PetscAbsReal(axes[0] * drive[0] + axes[1] * drive[1]);
+  if (group == ACROSS_3) return PetscAbsReal(axes[0] * drive[1] - axes[1] * drive[0]);
+  return 0;
+}
+
+/* How hard a group of fields is driven from 0, along the axes. */
+static PetscReal Driven(const Rod rod, int group, const PetscReal axes[2]) {
+  const Space *space = &rod->scene->space;
+  PetscReal sum = space->driven[group] + Drives(rod->oblique, group, axes);
+
+  for (int k = 0; k < DRIVES; k++) sum += Drives(space->drive[k], group, axes);
   return sum;
 }
 
 /*
   RodFieldScales - what a change of each field is measured against: its size, but for fields that
   are made of products of others, and may be no more than what these leave of round-off; and for
-  those that begin at 0 and are driven from there by a force across the rod, or by what breaks a
-  symmetry otherwise: these are measured against a small part of what they will be. Collective.
+  those that begin at 0 and are driven from there by a force across the rod, or by a wall that is
+  oblique, or by what breaks a symmetry otherwise: these are measured against a small part of what
+  they will be. Collective.
 
   axes  on exit, those along which the changes of the fields across are to be measured; NULL: the
         coordinates
@@ -174,7 +232,7 @@ PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal axes[2], PetscReal scale
     LeaveRoundOff(rod->model, axes, size, scale);
   }
   for (PetscInt f = 0; f < rod->model->fields; f++) {
-    PetscReal driven = Driven(&rod->scene->space, rod->model->group[f], axes);
+    PetscReal driven = Driven(rod, rod->model->group[f], axes);
     if (!rod->model->followed[f]) continue;
     if (driven > 0)
       scale[f] = PetscMax(scale[f], part * PetscMin(1, driven));

@@ -39,6 +39,7 @@ static PetscErrorCode BeforeStep(TS ts) {
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &leg));
   PetscCall(TSGetTime(ts, &t));
+  PetscCall(RodFeelWalls(leg->rod, t, leg->U));
   PetscCall(RodFieldScales(leg->rod, leg->U, leg->turns ? leg->axes : NULL, leg->size));
   for (PetscInt f = 0; f < leg->rod->model->fields; f++) {
     if (t >= leg->kick_ends) leg->kick[f] = 0;

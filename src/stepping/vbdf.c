@@ -331,16 +331,48 @@ static PetscErrorCode SolveStage(TS ts, VBDF *self) {
   PetscFunctionReturn(0);
 }
 
+/* An error so many times its tolerance is that: its square may be no number. Nor may the error be:
+   that of a field that was 1e-290 and is driven now, or of a factor extrapolated from there. */
+static const PetscReal beyond = 1e100;
+
+/* Is a state so far from another one? Collective. */
+static PetscErrorCode IsBeyond(TS ts, Vec U, Vec X, PetscBool *is) {
+  const PetscScalar *u, *x, *tolerance;
+  int far = 0;
+  PetscInt n;
+
+  PetscFunctionBegin;
+  *is = PETSC_FALSE;
+  if (!ts->vatol) PetscFunctionReturn(0);
+  PetscCall(VecGetLocalSize(U, &n));
+  PetscCall(VecGetArrayRead(U, &u));
+  PetscCall(VecGetArrayRead(X, &x));
+  PetscCall(VecGetArrayRead(ts->vatol, &tolerance));
+  for (PetscInt i = 0; i < n; i++)
+    if (!(PetscAbsReal(x[i] - u[i]) <= beyond * PetscAbsReal(tolerance[i]))) far = 1;
+  PetscCall(VecRestoreArrayRead(ts->vatol, &tolerance));
+  PetscCall(VecRestoreArrayRead(X, &x));
+  PetscCall(VecRestoreArrayRead(U, &u));
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, &far, 1, MPI_INT, MPI_MAX, PetscObjectComm((PetscObject)ts)));
+  *is = (PetscBool)far;
+  PetscFunctionReturn(0);
+}
+
 /* The weighted norm of the difference of a state from work, which is lost. */
 static PetscErrorCode Norm(TS ts, VBDF *self, Vec U, PetscReal *norm) {
   PetscReal absolute, relative;
+  PetscBool far;
 
   PetscFunctionBegin;
+  *norm = beyond;
   if (self->measure) {
     PetscCall(VecAXPY(self->work, -1, U));
     PetscCall(self->measure(ts, self->work));
     PetscCall(VecAXPY(self->work, 1, U));
   }
+  PetscCall(IsBeyond(ts, U, self->work, &far));
+  if (far) PetscFunctionReturn(0);
   PetscCall(
       TSErrorWeightedNorm(ts, U, self->work, ts->adapt->wnormtype, norm, &absolute, &relative));
   PetscFunctionReturn(0);

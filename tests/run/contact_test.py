@@ -521,11 +521,13 @@ def kicked():
     fed = "-growth_type feed -growth_initial_length 0.5 -ts_max_time 3 "
     corner = "polygon outside 2 -0.5 2.5 1 3 -0.5"
     bent = "-shape_type straight -rod_curvature 1e-5 "
+    coarse = "-rod_cells 60 -contact_stiffness 1e6 -ts_max_time 1.51 "
     for name, options, starts, wall in (
             ("plane", "-ts_max_time 2 ", ("-shape_type straight ",), "plane 1 0 -1 -0.5"),
             ("short", "-growth_initial_length 0.1 -ts_max_time 2 ", ("", "-shape_type straight "),
              "plane 1 0 -1 -0.5"),
             ("next to upright", fed, ("-shape_type straight ",), "plane 2 0 -1 0.01"),
+            ("rubs", fed + coarse, ("", "-shape_type straight "), "plane 2 0 -1 0.01 friction 0.1"),
             ("both frictions", fed + "-friction_mu 0.5 ", ("-shape_type straight ",), "plane 2 0 -1 0.01"),
             ("from inside", "-ts_max_time 3 ", ("-shape_type straight ",), "circle 1 0.01 1.5 inside"),
             ("a polygon's side", fed + "-contact_diameter 0.05 -ts_max_time 1.8 ", ("-shape_type straight ",),
