@@ -77,6 +77,15 @@ static PetscBool MindsTurns(const Rod rod) {
   return (PetscBool)(rod->model->turned && TipPoints(&rod->scene->tip));
 }
 
+/* How far a rod reaches along any axis, from the sizes of its fields. */
+static PetscReal Reach(const RodModel *model, const PetscReal size[]) {
+  PetscReal reach = 0;
+
+  for (PetscInt f = 0; f < model->fields; f++)
+    if (strchr("xy", model->field[f][0]) && !(size[f] <= reach)) reach = size[f]; /* also NaN */
+  return reach;
+}
+
 /* A VBDFCheck of a rod that can touch: it has passed through what it cannot, or reaches farther
    than it is long, which Newton's method calls a solution where forces are without measure; and was
    it kicked? */
@@ -90,7 +99,7 @@ static PetscErrorCode AfterTry(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1
   PetscCall(TSGetApplicationContext(ts, &leg));
   PetscCall(RodSizesAlong(leg->rod, U1, leg->axes, size));
   PetscCall(GrowthLength(leg->rod->scene->growth, t1, &length, NULL));
-  *impossible = (PetscBool) !(PetscMax(size[0], size[1]) <= round_off * length);
+  *impossible = (PetscBool) !(Reach(leg->rod->model, size) <= round_off * length);
   leg->passes = PETSC_FALSE;
   if (!*impossible && MindsTurns(leg->rod))
     PetscCall(leg->rod->model->turned(leg->rod, U0, U1, impossible));
