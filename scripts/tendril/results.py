@@ -19,7 +19,7 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import h5py
 import numpy as np
@@ -39,6 +39,15 @@ FAR = 0.01  # of the length: a shape between stored ones this far from where the
 PRIVATE = ("restart",)  # what is tendril's own business
 AXES = {2: ("shape_t", "s"), 3: ("shape_t", "s", "axis")}  # of the arrays of /shapes, by rank
 BODILY = ("strain", "natural_strain")  # their components are about the directors, not along the axes
+
+
+class Sensitivity(NamedTuple):
+    """Derivatives of a run by the number of an option, at fixed t and s, per unit of the option."""
+
+    number: float  # at which they are
+    unit: str  # of it, as it was given; empty: none
+    series: Table  # as those of the run, but for counts and the like
+    shapes: Table
 
 
 class Table(dict):
@@ -175,6 +184,15 @@ class Results:
         off = max(float(np.linalg.norm(shape.x[-1, :len(end)] - end)),
                   abs(float(np.linalg.norm(middle)) - self.value("mid_distance", shape.t)))
         return off / shape.length
+
+    def sensitivity(self, name) -> Sensitivity:
+        """Derivatives by an option's number, of a run with -sensitivity NAME."""
+        name, stored = name.lstrip("-"), self.groups.get("sensitivity", {})
+        if f"{name}/shapes/x" not in stored:
+            raise ResultsError(f"{self.path}: holds no derivatives by {name}; run it with -sensitivity {name}")
+        tables = (Table({key.rsplit("/", 1)[1]: values for key, values in stored.items()
+                         if key.startswith(f"{name}/{group}/")}) for group in ("series", "shapes"))
+        return Sensitivity(float(stored[f"{name}/number"]), stored[f"{name}/unit"], *tables)
 
     def value(self, name, t) -> float:
         """A series at time t, between its steps by linear interpolation."""
@@ -345,7 +363,9 @@ def _group(group, name, about):
     table = Table()
 
     def take(key, data):
-        if isinstance(data, h5py.Dataset):
+        if isinstance(data, h5py.Group):
+            table.update({f"{key}/{attribute}": _text(value) for attribute, value in data.attrs.items()})
+        else:
             table[key] = data[()]
             for attribute, notes in about.items():
                 if attribute in data.attrs:

@@ -47,6 +47,13 @@ static const char *const meaning_of_units =
 static const PetscLogDouble soon = 1, late = 10, share = 20;
 static const double kept_back = 6.4e7, kept_share = 0.25;
 
+/* What a number of the scene changes: of what is stored, by it. */
+typedef struct {
+  char name[64], unit[32];
+  PetscReal number;
+  Harvest harvest; /* owned */
+} Derivative;
+
 /* Only rank 0 has a file; the others hold an empty shell and share the verdict on errors. */
 struct _Output {
   Scene scene;
@@ -64,7 +71,9 @@ struct _Output {
   Event event;
   ErrorEstimate error;  /* of kind none until the run has ended */
   char interrupted[64]; /* by what; empty: it is not */
-  char *earlier;        /* the options of earlier legs */
+  PetscInt derivatives_n;
+  Derivative *derivatives; /* none until the run has ended */
+  char *earlier;           /* the options of earlier legs */
   PetscLogDouble stored_at, cost;
   double stored, waits; /* bytes */
 };
@@ -317,6 +326,67 @@ static PetscErrorCode Cut(Output self, HdfFile file) {
   for (int i = 0; i < Sets(self); i++)
     PetscCall(HdfTruncate(file, SetOf(self, i)->name, self->cut[1]));
   PetscCall(HdfDelete(file, "/event"));
+  PetscCall(HdfDelete(file, "/sensitivity"));
+  PetscFunctionReturn(0);
+}
+
+/* Has a series a derivative? Counts have none, nor what is of the stepper. */
+static PetscBool IsSmooth(int observed) {
+  static const char *const others = "t,length,energy_defect,contacts,inflections,self_crossings,"
+                                    "step,newton_iterations,model";
+  const char *name = observed_name[observed], *at = others;
+  const size_t n = strlen(name);
+
+  for (; (at = strstr(at, name)); at += n)
+    if ((at == others || at[-1] == ',') && (!at[n] || at[n] == ',')) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
+/* The derivatives by one number, as series and shapes beside those of the run. */
+static PetscErrorCode WriteDerivative(Output self, HdfFile file, const Derivative *by) {
+  const Harvest *harvest = &by->harvest;
+  const PetscInt values = harvest->values, steps = harvest->steps;
+  const PetscReal *row = harvest->data + values, *from = row + values * steps + harvest->nodes;
+  PetscReal *column;
+  char path[160];
+
+  PetscFunctionBegin;
+  (void)snprintf(path, sizeof(path), "/sensitivity/%s", by->name);
+  PetscCall(HdfGroup(file, path));
+  PetscCall(HdfReal(file, path, "number", by->number));
+  PetscCall(HdfText(file, path, "unit", by->unit));
+  (void)snprintf(path, sizeof(path), "/sensitivity/%s/series", by->name);
+  PetscCall(HdfGroup(file, path));
+  (void)snprintf(path, sizeof(path), "/sensitivity/%s/shapes", by->name);
+  PetscCall(HdfGroup(file, path));
+  PetscCall(PetscMalloc1(steps, &column));
+  for (int i = 0; i < values; i++) {
+    if (!IsSmooth(i)) continue;
+    for (PetscInt k = 0; k < steps; k++) column[k] = row[k * values + i];
+    (void)snprintf(path, sizeof(path), "/sensitivity/%s/series/%s", by->name, observed_name[i]);
+    PetscCall(HdfWrite(file, path, 1, &steps, column, observed_units[i], observed_text[i]));
+  }
+  PetscCall(PetscFree(column));
+  for (int i = 0; i < CONTACT_SET; i++) {
+    const struct ShapeSet *set = SetOf(self, i);
+    const PetscInt dims[3] = {harvest->shapes, harvest->nodes, set->components};
+    (void)snprintf(path, sizeof(path), "/sensitivity/%s%s", by->name, set->name);
+    if (set->components)
+      PetscCall(
+          HdfWrite(file, path, set->components > 1 ? 3 : 2, dims, from, set->units, set->text));
+    from += harvest->shapes * ShapeSize(self, i);
+  }
+  PetscFunctionReturn(0);
+}
+
+/* The group of all of them, in the place of what stood there. */
+static PetscErrorCode WriteDerivatives(Output self, HdfFile file) {
+  PetscFunctionBegin;
+  if (!self->derivatives_n) PetscFunctionReturn(0);
+  PetscCall(HdfDelete(file, "/sensitivity"));
+  PetscCall(HdfGroup(file, "/sensitivity"));
+  for (PetscInt k = 0; k < self->derivatives_n; k++)
+    PetscCall(WriteDerivative(self, file, &self->derivatives[k]));
   PetscFunctionReturn(0);
 }
 
@@ -483,6 +553,7 @@ PetscErrorCode OutputStore(Output self, Rod rod, RestartState *state, Vec points
   if (file) {
     PetscCall(WriteRows(self, file));
     PetscCall(WriteEvent(self, file));
+    PetscCall(WriteDerivatives(self, file));
     PetscCall(OutputAttributes(file, self->scene->comm, finished));
     PetscCall(HdfText(file, "/", "interrupted", self->interrupted));
     PetscCall(ScaleAttributes(self, file));
@@ -769,6 +840,22 @@ PetscErrorCode OutputErrors(Output self, const ErrorEstimate *error) {
   PetscFunctionReturn(0);
 }
 
+/* OutputDerivative - keeps derivatives by the number of an option, in its unit, for the next store;
+   the harvest is theirs, as of a run, and the output's from now on. */
+PetscErrorCode OutputDerivative(Output self, const char *name, const char *unit, PetscReal number,
+                                Harvest *harvest) {
+  Derivative *by;
+
+  PetscFunctionBegin;
+  PetscCall(PetscRealloc((size_t)(self->derivatives_n + 1) * sizeof(*by), &self->derivatives));
+  by = &self->derivatives[self->derivatives_n++];
+  *by = (Derivative){.number = number, .harvest = *harvest};
+  PetscCall(PetscStrncpy(by->name, name, sizeof(by->name)));
+  PetscCall(PetscStrncpy(by->unit, unit, sizeof(by->unit)));
+  PetscCall(PetscMemzero(harvest, sizeof(*harvest)));
+  PetscFunctionReturn(0);
+}
+
 /* OutputInterrupted - keeps what has interrupted the run for the next store: where mpiexec itself
    is stopped, its ranks' last words may be lost. Empty: nothing has. */
 PetscErrorCode OutputInterrupted(Output self, const char *by) {
@@ -791,6 +878,9 @@ PetscErrorCode OutputDestroy(Output *output) {
   PetscCall(PetscFree((*output)->series));
   PetscCall(PetscFree((*output)->times));
   PetscCall(PetscFree((*output)->earlier));
+  for (PetscInt k = 0; k < (*output)->derivatives_n; k++)
+    PetscCall(PetscFree((*output)->derivatives[k].harvest.data));
+  PetscCall(PetscFree((*output)->derivatives));
   PetscCall(PetscFree(*output));
   PetscFunctionReturn(0);
 }

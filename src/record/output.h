@@ -35,6 +35,8 @@ PetscErrorCode OutputShape(Output output, PetscReal t, const Node *nodes,
                            const PetscReal (*contact)[PUSH]);
 PetscErrorCode OutputEvent(Output output, const Event *event);
 PetscErrorCode OutputErrors(Output output, const ErrorEstimate *error);
+PetscErrorCode OutputDerivative(Output output, const char *name, const char *unit, PetscReal number,
+                                Harvest *harvest);
 PetscErrorCode OutputInterrupted(Output output, const char *by);
 PetscBool OutputStores(Output output);
 PetscBool OutputDue(Output output);

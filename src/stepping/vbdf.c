@@ -217,8 +217,23 @@ static inline void SumPoints(PetscInt n, PetscInt fields, PetscInt m,
     }
 }
 
-/* X = sum of m points from first on, times along; those fields that are factored, times (along +
-   their rho times beside) times the ratios of their factors. beside NULL: 0. */
+/* What m points are multiplied by, c, a number for each field: along; those that are factored,
+   along
+   + their rho times beside, times the ratios of their factors. beside NULL: 0. */
+static void Weights(const VBDF *self, PetscInt fields, PetscInt m, const PetscReal along[],
+                    const PetscReal beside[], const PetscReal rho[],
+                    PetscReal ratio[VBDF_FACTORS][VBDF_POINTS], PetscReal c[][VBDF_FIELDS]) {
+  for (PetscInt k = 0; k < m; k++)
+    for (PetscInt f = 0; f < fields; f++) {
+      c[k][f] = along[k];
+      for (int a = 0; a < VBDF_FACTORS && beside; a++)
+        if (self->factored[f] & 1 << a) c[k][f] += rho[a] * beside[k];
+      for (int a = 0; a < VBDF_FACTORS; a++)
+        if (self->factored[f] & 1 << a) c[k][f] *= ratio[a][k];
+    }
+}
+
+/* X = sum of m points from first on, times their weights. */
 static PetscErrorCode Combine(VBDF *self, PetscInt first, PetscInt m, const PetscReal along[],
                               const PetscReal beside[], const PetscReal rho[],
                               PetscReal ratio[VBDF_FACTORS][VBDF_POINTS], Vec X) {
@@ -233,16 +248,8 @@ static PetscErrorCode Combine(VBDF *self, PetscInt first, PetscInt m, const Pets
     PetscCall(VecMAXPY(X, m, along, self->point + first));
     PetscFunctionReturn(0);
   }
-  for (PetscInt k = 0; k < m; k++) {
-    for (PetscInt f = 0; f < self->fields; f++) {
-      c[k][f] = along[k];
-      for (int a = 0; a < VBDF_FACTORS && beside; a++)
-        if (self->factored[f] & 1 << a) c[k][f] += rho[a] * beside[k];
-      for (int a = 0; a < VBDF_FACTORS; a++)
-        if (self->factored[f] & 1 << a) c[k][f] *= ratio[a][k];
-    }
-    PetscCall(VecGetArrayRead(self->point[first + k], &y[k]));
-  }
+  Weights(self, self->fields, m, along, beside, rho, ratio, c);
+  for (PetscInt k = 0; k < m; k++) PetscCall(VecGetArrayRead(self->point[first + k], &y[k]));
   PetscCall(VecGetLocalSize(X, &n));
   PetscCall(VecGetArrayWrite(X, &x));
   if (self->fields == 6)
@@ -722,12 +729,17 @@ static PetscErrorCode TSStep_VBDF(TS ts) {
   PetscFunctionReturn(0);
 }
 
+/* How many points the dense output goes through. */
+static PetscInt DensePoints(const VBDF *self) {
+  return PetscMin(self->order + 2, self->n + 1);
+}
+
 /* Dense output: the polynomial through the new and the past points, one degree above the formula;
    of z, for the fields factored. */
 static PetscErrorCode TSInterpolate_VBDF(TS ts, PetscReal t, Vec X) {
   VBDF *self = (VBDF *)ts->data;
   PetscReal L[VBDF_POINTS], ratio[VBDF_FACTORS][VBDF_POINTS];
-  PetscInt m = PetscMin(self->order + 2, self->n + 1);
+  PetscInt m = DensePoints(self);
 
   PetscFunctionBegin;
   LagrangeValues(m, self->time, t, L);
@@ -747,7 +759,7 @@ PetscErrorCode VBDFInterpolate(TS ts, PetscReal t, Vec U, Vec U_t, PetscBool *do
   PetscCall(Self(ts, &self));
   *done = (PetscBool)(self != NULL);
   if (!self) PetscFunctionReturn(0);
-  m = PetscMin(self->order + 2, self->n + 1);
+  m = DensePoints(self);
   LagrangeValues(m, self->time, t, L);
   LagrangeSlopes(m, self->time, t, D);
   FactorRatios(self, 0, m, t, ratio);
@@ -1093,5 +1105,54 @@ PetscErrorCode VBDFGetLocalError(TS ts, PetscInt *n, PetscReal along[VBDF_POINTS
   }
   if (self->n == 2) AddFirst(self, along, across);
   *n = k + 2;
+  PetscFunctionReturn(0);
+}
+
+/*
+  VBDFGetFormula - U_t of the state that the step taken last has led to, as a combination of its
+  points: the weights, for each field, of those that VBDFGetHistory() tells, after an accepted step.
+
+  n  how many; 0: there are none (a step behind a snap, another type)
+
+  The factor is taken for a number that was given: whatever it is, the formula is one of the same
+  order, also for what moves with the state (tangent.c).
+*/
+PetscErrorCode VBDFGetFormula(TS ts, PetscInt *n, PetscReal weight[][VBDF_FIELDS]) {
+  PetscReal D[VBDF_POINTS], first[VBDF_POINTS] = {1};
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  *n = 0;
+  PetscCall(Self(ts, &self));
+  if (!self || self->given || self->snapped) PetscFunctionReturn(0);
+  *n = self->taken_order + 1;
+  TakeFactor(self, self->taken_order);
+  LagrangeSlopes(*n, self->time, self->time[0], D);
+  Weights(self, VBDF_FIELDS, *n, D, first, self->rho, self->ratio, weight);
+  PetscFunctionReturn(0);
+}
+
+/*
+  VBDFGetDense - the state and its rate at a time within the latest step, by the dense output, as
+  combinations of the points that VBDFGetHistory() tells: their weights for each field.
+
+  n  how many; 0 if the type is another one
+*/
+PetscErrorCode VBDFGetDense(TS ts, PetscReal t, PetscInt *n, PetscReal value[][VBDF_FIELDS],
+                            PetscReal slope[][VBDF_FIELDS]) {
+  PetscReal L[VBDF_POINTS], D[VBDF_POINTS], rho[VBDF_FACTORS], ratio[VBDF_FACTORS][VBDF_POINTS];
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  *n = 0;
+  PetscCall(Self(ts, &self));
+  if (!self) PetscFunctionReturn(0);
+  *n = DensePoints(self);
+  LagrangeValues(*n, self->time, t, L);
+  LagrangeSlopes(*n, self->time, t, D);
+  FactorRatios(self, 0, *n, t, ratio);
+  for (int k = 0; k < VBDF_FACTORS; k++) rho[k] = FactorRate(self, k, t);
+  Weights(self, VBDF_FIELDS, *n, L, NULL, NULL, ratio, value);
+  Weights(self, VBDF_FIELDS, *n, D, L, rho, ratio, slope);
   PetscFunctionReturn(0);
 }

@@ -53,6 +53,9 @@ PetscErrorCode VBDFInterpolate(TS ts, PetscReal t, Vec U, Vec U_t, PetscBool *do
 PetscErrorCode VBDFGetJumps(TS ts, PetscInt *jumps);
 PetscErrorCode VBDFGetLocalError(TS ts, PetscInt *n, PetscReal along[VBDF_POINTS],
                                  PetscReal across[VBDF_POINTS]);
+PetscErrorCode VBDFGetFormula(TS ts, PetscInt *n, PetscReal weight[][VBDF_FIELDS]);
+PetscErrorCode VBDFGetDense(TS ts, PetscReal t, PetscInt *n, PetscReal value[][VBDF_FIELDS],
+                            PetscReal slope[][VBDF_FIELDS]);
 PetscErrorCode VBDFGetOrder(TS ts, PetscInt *order);
 
 #endif

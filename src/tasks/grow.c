@@ -29,6 +29,9 @@ static const OptionRow rows[] = {
              "time between stored shapes; if not given, -output_shapes decides"),
     ROW_INT("-output_shapes", "40", 1, 1e6, PASSING,
             "stored shapes after the first, evenly over the run; members of a sweep: 1, the last"),
+    ROW_TEXT("-sensitivity", PASSING,
+             "names of options, between commas: derivatives of series and shapes by their numbers "
+             "are stored, too"),
     ROW_BOOL("-quiet", "false", PASSING | PROGRAM, "print nothing but errors")};
 const OptionGroup grow_options = OPTION_GROUP("Run", rows);
 
@@ -51,6 +54,7 @@ static PetscErrorCode StoreShape(Grow *self, PetscReal t, Vec U) {
   PetscCall(ObserverGather(self->observer, self->now->rod, t, U, NULL, &nodes));
   if (nodes) PetscCall(ObserverContact(self->observer, t, nodes, &contact));
   if (nodes) PetscCall(OutputShape(self->output, t, nodes, contact));
+  PetscCall(GrowSensitivitiesShape(self, t, U));
   self->stored_shape = t;
   PetscFunctionReturn(0);
 }
@@ -156,6 +160,7 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   self->seen.newton_iterations = iterations;
   self->seen.model = self->now - self->leg;
   PetscCall(OutputSeries(self->output, &self->seen));
+  PetscCall(GrowSensitivitiesObserve(self, t, U, U_t));
   PetscFunctionReturn(0);
 }
 
@@ -201,6 +206,7 @@ static PetscErrorCode AfterStep(TS ts) {
   PetscCall(TSGetTime(ts, &t));
   U = self->now->U;
   U_t = self->now->rod->latest_rate;
+  PetscCall(GrowSensitivitiesStep(self, t));
   if (self->watch.any) {
     for (int k = 0; k < 2; k++) PetscCall(VecDuplicate(U, &here[k]));
     PetscCall(GrowLocateEvent(self, &t, here[0], here[1]));
@@ -478,6 +484,7 @@ static PetscErrorCode Create(Grow *self, const char *output, const char *restart
       PetscCall(AddLeg(self, m));
   PetscCall(RodHoldTip(self->leg[self->model == AUTO ? WholeModel(self) : self->model].rod));
   if (self->leg[FRAME].rod) PetscCall(EstimateCreate(&self->leg[FRAME], &self->estimate));
+  PetscCall(GrowSensitivitiesCreate(self, output, restart));
   PetscCall(OptionsRefuseUnread());
   PetscCall(ObserverCreate(self->scene, &self->observer));
   if (begun)
@@ -489,6 +496,7 @@ static PetscErrorCode Create(Grow *self, const char *output, const char *restart
 
 static PetscErrorCode Destroy(Grow *self) {
   PetscFunctionBegin;
+  PetscCall(GrowSensitivitiesDestroy(self));
   PetscCall(OutputDestroy(&self->output));
   PetscCall(ObserverDestroy(&self->observer));
   PetscCall(EstimateDestroy(&self->estimate));
@@ -533,6 +541,7 @@ static PetscErrorCode End(Grow *self, PetscBool finished) {
                    OptionBoth(self->seen.t, UNIT_TIME, text[1]));
   PetscCall(OutputInterrupted(self->output, text[0]));
   PetscCall(OutputErrors(self->output, &self->error));
+  PetscCall(GrowSensitivitiesKeep(self));
   PetscCall(Store(self, finished));
   PetscFunctionReturn(0);
 }

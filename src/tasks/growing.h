@@ -14,6 +14,8 @@ enum {
   MODELS = AUTO
 }; /* as -rod_model and the series `model` say */
 
+typedef struct _Sensitivities *Sensitivities;
+
 typedef struct {
   Scene scene;
   Member *member;        /* NULL: the run is no sweep's */
@@ -24,7 +26,8 @@ typedef struct {
   Observer observer;
   Estimate estimate; /* of the frame model's errors; NULL: it is not in use */
   Output output;
-  Observation seen; /* of the latest step */
+  Sensitivities sensitivities; /* NULL: none are asked for */
+  Observation seen;            /* of the latest step */
   PetscReal rtol, output_interval, next_output;
   PetscReal stored_shape;     /* time of the latest shape handed to the output */
   PetscReal report_at;        /* time of the next progress line */
@@ -74,5 +77,13 @@ PetscErrorCode GrowHeading(Grow *self);
 PetscErrorCode GrowShared(Grow *self, PetscReal t);
 PetscErrorCode GrowProgress(Grow *self, PetscBool last);
 PetscErrorCode GrowSummary(Grow *self);
+
+/* grow_sensitivity.c */
+PetscErrorCode GrowSensitivitiesCreate(Grow *self, const char *output, const char *restart);
+PetscErrorCode GrowSensitivitiesDestroy(Grow *self);
+PetscErrorCode GrowSensitivitiesStep(Grow *self, PetscReal t);
+PetscErrorCode GrowSensitivitiesObserve(Grow *self, PetscReal t, Vec U, Vec U_t);
+PetscErrorCode GrowSensitivitiesShape(Grow *self, PetscReal t, Vec U);
+PetscErrorCode GrowSensitivitiesKeep(Grow *self);
 
 #endif

@@ -258,6 +258,18 @@ CASES = [
     ("-stop_angle 0.5 -shape_amplitude 1", "-stop_angle"),
     ("-stop_self_contact -0.1", "-stop_self_contact"),
     ("-stop_contact 0.1", "-stop_contact"),
+    # sensitivities
+    ("-sensitivity", "-sensitivity"),
+    ("-sensitivity friction", "-sensitivity friction"),
+    ("-sensitivity ts_rtol", "-sensitivity ts_rtol"),
+    ("-sensitivity rod_cells", "-sensitivity rod_cells"),
+    ("-sensitivity friction_mu,friction_mu", "twice"),
+    ("-sensitivity friction_mu -rod_model auto", "-rod_model frame"),
+    ("-sensitivity friction_mu -friction_beta 0", "-friction_beta"),
+    ("-sensitivity friction_mu -wall_file {wall_sound}", "contact"),
+    ("-sensitivity friction_mu -ts_type bdf", "-ts_type"),
+    ("-sensitivity growth_zone", "-sensitivity growth_zone"),
+    ("-sensitivity friction_mu -shape_type mode", "-shape_type"),
     # contact
     ("-wall_file {missing}", "-wall_file"),
     ("-wall_file {directory}", "-wall_file"),

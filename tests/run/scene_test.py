@@ -78,6 +78,10 @@ class Run:
                 return
             self.shapes = {name: d[:] for name, d in f["shapes"].items()}
             self.series = {name: d[:] for name, d in f["series"].items()}
+            self.derivatives = {}
+            for name, by in f.get("sensitivity", {}).items():
+                by.visititems(lambda path, d: self.derivatives.update({(name, path): d[:]})
+                              if isinstance(d, h5py.Dataset) else None)
         file.unlink()
         self.__dict__.update(self.series)
         self.tip = np.array([self.tip_x1[-1], self.tip_x2[-1]])
@@ -612,6 +616,88 @@ def energy_balance():
         defect = r.energy_defect[r.t > 0.01].max()
         print(f"{file.name}: {r.steps} steps, energy defect {defect:.1e}")
         expect(defect < 1e-3, f"{file.name}: energy defect {defect:.1e}")
+
+
+SENSITIVE = {  # scene: what it is asked for, (number, unit) each
+    "-growth_type uniform -friction_beta 1e-2":
+        {"friction_mu": (0.7, ""), "friction_beta": (1e-2, ""), "friction_across": (1.4, ""), "rod_curvature": (0.2, ""),
+         "tip_force": (0.3, ""), "clamp_angle": (0.1, "")},
+    "-growth_type feed -shape_type straight -si_speed 5mm/s":
+        {"si_friction_dry": (0.62, "N/m"), "si_bending_stiffness": (2.209, "Nmm^2"), "rod_curvature": (3.7, "/m"),
+         "growth_initial_length": (6, "cm")},
+    "-growth_type apical -rod_grading uniform -growth_zone 0.7 -tip_law resistance -tip_force 0.5 -friction_layers 0:0.5,2:2":
+        {"growth_zone": (0.7, ""), "rod_curvature": (0.2, ""), "friction_beta": (0.01, "")},
+}
+# steps that do not depend on the numbers: then the derivatives are those of the numbers computed
+FIXED = " -ts_max_time 1.5 -ts_adapt_type none -ts_dt 0.05 -ts_bdf_factor 0 -ts_rtol 1e-12 -rod_cells 40 -output_shapes 3 "
+
+
+def words(numbers):
+    return " ".join(f"-{name} {number!r}{unit}" for name, (number, unit) in numbers.items())
+
+
+def differences(scene, numbers, name, part=1e-4):
+    """{path: derivative} of what is stored by one number, central differences of order 4."""
+    number, unit = numbers[name]
+    step = part * number
+    runs = {k: Run(f"{scene}{FIXED}{words(numbers | {name: (number + k * step, unit)})}") for k in (-2, -1, 1, 2)}
+
+    def by(table, key):
+        far, near = (getattr(runs[k], table)[key] - getattr(runs[-k], table)[key] for k in (2, 1))
+        return (8 * near - far) / (12 * step)
+
+    return {f"{table}/{key}": by(table, key) for table in ("series", "shapes") for key in getattr(runs[1], table)}
+
+
+@check
+def sensitivity():
+    """-sensitivity is what differences between runs are, to 1e-6; the run itself is what it was."""
+    for scene, numbers in SENSITIVE.items():
+        options = f"{scene}{FIXED}{words(numbers)}"
+        r, alone = Run(f"{options} -sensitivity {','.join(numbers)}"), Run(options)
+        expect(not alone.derivatives and distance(r.tip, alone.tip) < 1e-12, f"{options}: is another run")
+        for name, (number, _) in numbers.items():
+            told = differences(scene, numbers, name)
+            worst = {}
+            for path in ("shapes/x", "shapes/theta", "shapes/force", "series/tip_x2", "series/energy", "series/width",
+                         "series/base_force_1", "series/dissipation", "series/tip_force_1"):
+                found, table = r.derivatives[name, path], path.split("/")
+                size = max(np.abs(told[path][1:]).max(), 1e-4 * np.abs(getattr(r, table[0])[table[1]]).max() / number)
+                worst[path] = np.abs(found - told[path])[1:].max() / max(size, 1e-9)
+            print(f"{scene}: {name}, {max(worst.values()):.1e} in {max(worst, key=worst.get)}")
+            expect(max(worst.values()) < 1e-6, f"{scene}: by {name}: {worst}")
+
+
+@check
+def sensitivity_of_steps():
+    """With steps and factor as they are chosen: differences between runs of a tolerance of 1e-9."""
+    scene, numbers = "-growth_type uniform -shape_amplitude 0.1 -ts_rtol 1e-9", {"friction_mu": (0.8, ""), "friction_across": (1.5, "")}
+    more = " -ts_max_time 3 -rod_cells 40 -output_shapes 3 -growth_initial_length 1 "
+    r = Run(f"{scene}{more}{words(numbers)} -sensitivity friction_mu,friction_across")
+    for name, (number, unit) in numbers.items():
+        a, b = (Run(f"{scene}{more}{words(numbers | {name: (number + step, unit)})}").shapes["x"] for step in (-1e-3, 1e-3))
+        told = (b - a) / 2e-3
+        off = np.abs(r.derivatives[name, "shapes/x"] - told)[1:].max() / np.abs(told).max()
+        print(f"by {name}: {off:.1e} of {np.abs(told).max():.2g}, in {r.steps} steps")
+        expect(off < 1e-5, f"by {name}: {off:.1e}")
+
+
+@check
+def sensitivity_on_ranks():
+    """On two and three ranks as on one; behind a snap nothing is said."""
+    options = "-growth_type uniform -rod_curvature 0.2 -friction_mu 0.7 -ts_max_time 1 -rod_cells 40 -sensitivity friction_mu,rod_curvature"
+    one = Run(options)
+    for n in (2, 3):
+        r = Run(options, ranks=n)
+        for name in ("friction_mu", "rod_curvature"):
+            a, b = (run.derivatives[name, "shapes/x"] for run in (one, r))
+            off = np.abs(a - b).max() / np.abs(a).max()
+            print(f"{n} ranks, by {name}: {off:.1e}")
+            expect(off < 1e-6, f"{n} ranks, by {name}: {off:.1e}")
+    snaps = Run("-growth_type uniform -rod_curvature 0.2 -growth_initial_length 1.1 -tip_force 0.3 -ts_rtol 1e-10 -ts_max_time 0.1 "
+                "-rod_cells 40 -sensitivity tip_force")
+    expect("behind a snap" in snaps.said and np.isnan(snaps.derivatives["tip_force", "series/tip_x2"][-1]),
+           f"a snap, and derivatives behind it: {snaps.said}")
 
 
 def main(available):

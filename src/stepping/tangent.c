@@ -1,0 +1,228 @@
+/*
+  A run solves F(t, U, U_t; p) = 0. With S = dU/dp,
+
+    F_U S + F_U_t S_t + F_p = 0.
+
+  vbdf's formula makes of U_t a combination of the new state and past ones, sum of w_j U_j; the same
+  holds for S_t, with the same steps and orders, and its factor as it was: the formula is of one
+  order whatever the factor. So each accepted step is followed by one linear system for each number
+  (staggered), with the matrix of the step, F_U + F_U_t w_0, at the solution itself.
+
+  Let D be the shift of fields that are not factored, w_0 = D + rho, and b what past points give of
+  S_t. From S = -b/D + d it is
+
+    (F_U + F_U_t w_0) d = -F_p + (F_U + F_U_t rho) b/D,
+
+  and nothing is divided by w_0, which may vanish. F_p is a difference between two scenes that
+  differ by p alone: no law needs to know its derivative by each of its numbers.
+*/
+#include "stepping/tangent.h"
+#include "base/compat.h"
+#include "stepping/vbdf.h"
+
+typedef struct {
+  TangentOf of;
+  Vec point[VBDF_POINTS], rate; /* S at the points that VBDFGetHistory() tells; S_t at the first */
+} Tangent;
+
+struct _Tangents {
+  Leg *leg;
+  PetscInt n;
+  Tangent *tangent;
+  Mat beside;     /* F_U + F_U_t rho */
+  Vec past, work; /* b/D; right-hand side */
+  PetscReal t;    /* of the latest step */
+  PetscBool lost; /* behind a snap nothing is known */
+};
+
+/*
+  TangentsCreate - of a leg, which must step by vbdf, and outlive it. Collective; the caller ends it
+  with TangentsDestroy().
+*/
+PetscErrorCode TangentsCreate(Leg *leg, PetscInt n, const TangentOf of[], Tangents *tangents) {
+  Tangents self;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&self));
+  *tangents = self;
+  self->leg = leg;
+  self->n = n;
+  PetscCall(PetscCalloc1(n, &self->tangent));
+  for (PetscInt k = 0; k < n; k++) {
+    self->tangent[k].of = of[k];
+    for (int j = 0; j < VBDF_POINTS; j++)
+      PetscCall(VecDuplicate(leg->U, &self->tangent[k].point[j]));
+    PetscCall(VecDuplicate(leg->U, &self->tangent[k].rate));
+  }
+  PetscCall(VecDuplicate(leg->U, &self->past));
+  PetscCall(VecDuplicate(leg->U, &self->work));
+  PetscCall(RodCreateMatrix(leg->rod, &self->beside));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode TangentsDestroy(Tangents *tangents) {
+  Tangents self = *tangents;
+
+  PetscFunctionBegin;
+  if (!self) PetscFunctionReturn(0);
+  for (PetscInt k = 0; k < self->n; k++) {
+    for (int j = 0; j < VBDF_POINTS; j++) PetscCall(VecDestroy(&self->tangent[k].point[j]));
+    PetscCall(VecDestroy(&self->tangent[k].rate));
+  }
+  PetscCall(PetscFree(self->tangent));
+  PetscCall(VecDestroy(&self->past));
+  PetscCall(VecDestroy(&self->work));
+  PetscCall(MatDestroy(&self->beside));
+  PetscCall(PetscFree(*tangents));
+  PetscFunctionReturn(0);
+}
+
+/* TangentsLost - has the rod snapped? When it did depends on the numbers, too, and the derivatives
+   behind it are not known. */
+PetscBool TangentsLost(Tangents tangents) {
+  return tangents->lost;
+}
+
+static PetscErrorCode InitialState(Rod rod, Vec U) {
+  Node *nodes;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(rod->end - rod->first, &nodes));
+  PetscCall(RodInitialNodes(rod, 0, nodes));
+  PetscCall(rod->model->set(rod, 0, nodes, U));
+  PetscCall(PetscFree(nodes));
+  PetscFunctionReturn(0);
+}
+
+/* TangentsBegin - a run begins, with the scene's initial shape. Collective. */
+PetscErrorCode TangentsBegin(Tangents self) {
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < self->n; k++) {
+    Tangent *tangent = &self->tangent[k];
+    PetscCall(InitialState(tangent->of.low, self->work));
+    PetscCall(InitialState(tangent->of.high, tangent->point[0]));
+    PetscCall(VecAXPY(tangent->point[0], -1, self->work));
+    PetscCall(VecScale(tangent->point[0], 1 / tangent->of.apart));
+    PetscCall(VecZeroEntries(tangent->rate));
+  }
+  PetscFunctionReturn(0);
+}
+
+/* X = sum of n points from first on, times their weights; over the number `over`. */
+static PetscErrorCode Sum(const Tangents self, PetscInt n, Vec point[],
+                          PetscReal weight[][VBDF_FIELDS], PetscReal over, Vec X) {
+  const PetscInt fields = self->leg->rod->model->fields;
+  const PetscScalar *y;
+  PetscInt size;
+  PetscScalar *x;
+
+  PetscFunctionBegin;
+  PetscCall(VecZeroEntries(X));
+  PetscCall(VecGetLocalSize(X, &size));
+  PetscCall(VecGetArray(X, &x));
+  for (PetscInt k = 0; k < n; k++) {
+    PetscCall(VecGetArrayRead(point[k], &y));
+    for (PetscInt i = 0; i < size; i += fields)
+      for (PetscInt f = 0; f < fields; f++) x[i + f] += weight[k][f] / over * y[i + f];
+    PetscCall(VecRestoreArrayRead(point[k], &y));
+  }
+  PetscCall(VecRestoreArray(X, &x));
+  PetscFunctionReturn(0);
+}
+
+/* The two matrices at the accepted state: the step's, where its solver has it, and that beside it.
+   Friction has its own slope there, not the one that Newton's method is better off with. */
+static PetscErrorCode Linearise(Tangents self, PetscReal t, PetscReal shift) {
+  Leg *leg = self->leg;
+  Friction *law[2] = {&leg->rod->scene->load.friction, &leg->rod->scene->tip.resistance.friction};
+  FrictionNewton newton[2];
+  PetscReal rho[MAX_FIELDS] = {0};
+  Mat J, P;
+
+  PetscFunctionBegin;
+  for (int k = 0; k < 2; k++) {
+    newton[k] = law[k]->newton;
+    law[k]->newton = NEWTON_PRIMAL;
+  }
+  PetscCall(VBDFGetFactorRate(leg->ts, leg->rod->factor_rate));
+  for (PetscInt f = 0; f < leg->rod->model->fields; f++)
+    for (int m = 0; m < MIRRORS; m++)
+      if (leg->rod->model->group[f] & 1 << m) rho[f] += leg->rod->factor_rate[m];
+  leg->rod->fresh = PETSC_TRUE;
+  PetscCall(
+      leg->rod->model->jacobian(leg->rod, t, leg->U, leg->rod->latest_rate, rho, self->beside));
+  PetscCall(TSGetIJacobian(leg->ts, &J, &P, NULL, NULL));
+  leg->rod->fresh = PETSC_TRUE;
+  PetscCall(
+      TSComputeIJacobian(leg->ts, t, leg->U, leg->rod->latest_rate, shift, J, P, PETSC_FALSE));
+  for (int k = 0; k < 2; k++) law[k]->newton = newton[k];
+  PetscFunctionReturn(0);
+}
+
+/* -F_p */
+static PetscErrorCode Force(Tangents self, const TangentOf *of, PetscReal t, Vec work, Vec F) {
+  Vec U = self->leg->U, U_t = self->leg->rod->latest_rate;
+
+  PetscFunctionBegin;
+  PetscCall(of->low->model->residual(of->low, t, U, U_t, F));
+  PetscCall(of->high->model->residual(of->high, t, U, U_t, work));
+  PetscCall(VecAXPY(F, -1, work));
+  PetscCall(VecScale(F, 1 / of->apart));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Follow(Tangents self, Tangent *tangent, KSP ksp, PetscInt n,
+                             PetscReal weight[][VBDF_FIELDS]) {
+  Vec S = tangent->point[VBDF_POINTS - 1];
+
+  PetscFunctionBegin;
+  for (int j = VBDF_POINTS - 1; j > 0; j--) tangent->point[j] = tangent->point[j - 1];
+  tangent->point[0] = S;
+  PetscCall(Sum(self, n - 1, tangent->point + 1, weight + 1, weight[0][0], self->past));
+  PetscCall(Force(self, &tangent->of, self->t, S, self->work));
+  PetscCall(MatMultAdd(self->beside, self->past, self->work, self->work));
+  PetscCall(KSPSolve(ksp, self->work, S));
+  PetscCall(VecAXPY(S, -1, self->past));
+  PetscCall(Sum(self, n, tangent->point, weight, 1, tangent->rate));
+  PetscFunctionReturn(0);
+}
+
+/* TangentsStep - follows the step to the leg's present state, at t; after it was accepted, and
+   before anything else is done to its stepper. Collective. */
+PetscErrorCode TangentsStep(Tangents self, PetscReal t) {
+  PetscReal weight[VBDF_POINTS][VBDF_FIELDS];
+  PetscInt n;
+  SNES snes;
+  KSP ksp;
+
+  PetscFunctionBegin;
+  PetscCall(VBDFGetFormula(self->leg->ts, &n, weight));
+  if (!n) self->lost = PETSC_TRUE;
+  if (self->lost) PetscFunctionReturn(0);
+  self->t = t;
+  /* unknown 0 is the place along the rod: never factored */
+  PetscCall(Linearise(self, t, weight[0][0]));
+  PetscCall(TSGetSNES(self->leg->ts, &snes));
+  PetscCall(SNESGetKSP(snes, &ksp));
+  for (PetscInt k = 0; k < self->n; k++) PetscCall(Follow(self, &self->tangent[k], ksp, n, weight));
+  PetscFunctionReturn(0);
+}
+
+/* TangentsAt - the derivatives of the state and its rate by number k, at a time within the latest
+   step. Collective. */
+PetscErrorCode TangentsAt(Tangents self, PetscInt k, PetscReal t, Vec S, Vec S_t) {
+  PetscReal value[VBDF_POINTS][VBDF_FIELDS], slope[VBDF_POINTS][VBDF_FIELDS];
+  Tangent *tangent = &self->tangent[k];
+  PetscInt n;
+
+  PetscFunctionBegin;
+  if (t == self->t) {
+    PetscCall(VecCopy(tangent->point[0], S));
+    PetscCall(VecCopy(tangent->rate, S_t));
+    PetscFunctionReturn(0);
+  }
+  PetscCall(VBDFGetDense(self->leg->ts, t, &n, value, slope));
+  PetscCall(Sum(self, n, tangent->point, value, 1, S));
+  PetscCall(Sum(self, n, tangent->point, slope, 1, S_t));
+  PetscFunctionReturn(0);
+}
