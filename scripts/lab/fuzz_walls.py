@@ -3,9 +3,10 @@
 
     scripts/lab/fuzz_walls.py build/tendril SEED COUNT [SECONDS]
 
-Each is run once, for SECONDS at most (30). A scene is lost if it gives up or does not end; one that is
-jammed, and says so, is not. The curve between nodes is looked at in all stored shapes: where its middle is
-behind a wall, the rod is through."""
+Each is run once, for SECONDS at most (30). A scene is lost if it gives up, does not end, or is silent about a rod
+that is pressed in by more than 1 % of its diameter; one that is jammed, and says so, is not, nor is one that is
+refused because the rod starts in a wall. The curve between nodes is looked at in all stored shapes: where its
+middle is behind a wall, the rod is through."""
 
 import os
 import random
@@ -116,7 +117,8 @@ def run(exe, o, walls, lines, limit):
         return "hung", 0, " ".join(command)
     said = (done.stderr or done.stdout).strip()
     if not os.path.exists(file):
-        return f"lost: {said[-200:]}", 0, " ".join(command)
+        refused = "the rod starts in a wall" in said
+        return "refused" if refused else f"lost: {said[-200:]}", 0, " ".join(command)
     with h5py.File(file) as f:
         shapes = {k: f["shapes"][k][:] for k in ("x", "d1", "stretch")}
         s, deep = np.linspace(0, 1, shapes["x"].shape[1]), f["series/penetration"][:].max()
@@ -126,7 +128,10 @@ def run(exe, o, walls, lines, limit):
         for wall in walls:
             if distance(wall, curve(x, d1, g, s)).min() < 0:
                 return f"through {wall[0]}", deep, " ".join(command)
+    if deep > 0.01 * o["contact_diameter"] and "pressed in by more than 1 %" not in done.stdout:
+        return "lost: is silent about how deep it is pressed", 0, " ".join(command)
     if done.returncode:
+        deep /= o["contact_diameter"]
         return ("jammed" if "jammed at" in said else f"lost: {said[-200:]}"), deep, " ".join(command)
     return "touched" if pressed else "free", deep / o["contact_diameter"], " ".join(command)
 

@@ -173,7 +173,7 @@ static void MotionOf(const FootCell *cell, const Foot *foot, Motion *m) {
 }
 
 static PetscReal FrictionOf(const Contact *contact, const Foot *foot) {
-  return contact->walls.wall[contact->walls.post[foot->post].wall].friction;
+  return ContactWallFriction(contact, contact->walls.post[foot->post].wall);
 }
 
 /* f = a l (p n - mu p w t), t = n turned to the left */

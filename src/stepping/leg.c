@@ -182,6 +182,28 @@ static PetscErrorCode ModesCrossed(Leg *leg, Vec U, PetscBool *crosses, PetscBoo
   PetscFunctionReturn(0);
 }
 
+/*
+  CrossesSlippery - would the modes grow, too, if no wall had friction? A first step, and a jump, go
+  far in no time, and friction is against what that was: of a rod that has arrived nothing is told
+  by it. Without it energy is behind the equations again, and a rod that does not give way on
+  slippery walls does not on rough ones. Collective.
+
+  crosses  in: with friction they do
+*/
+static PetscErrorCode CrossesSlippery(Leg *leg, Vec U, PetscBool *crosses) {
+  Contact *contact = &leg->rod->scene->contact;
+  PetscBool known;
+
+  PetscFunctionBegin;
+  if (!*crosses || !ContactWallsRub(contact) || !leg->newton.elimination) PetscFunctionReturn(0);
+  contact->slippery = PETSC_TRUE;
+  PetscCall(RodEliminate(leg->rod, leg->newton.elimination));
+  PetscCall(ModesCrossed(leg, U, crosses, &known));
+  contact->slippery = PETSC_FALSE;
+  PetscCall(RodEliminate(leg->rod, leg->newton.elimination));
+  PetscFunctionReturn(0);
+}
+
 /* Are the modes of the frozen rod those of the rod that moves on? See below. */
 static PetscBool HasModes(const Rod rod) {
   const Scene scene = rod->scene;
@@ -216,6 +238,7 @@ static PetscErrorCode CrossesMode(TS ts, Vec U, VBDFSight sight, PetscBool *cros
   *crosses = leg->crosses = PETSC_FALSE;
   if (sight == VBDF_SEEN && !HasModes(leg->rod)) PetscFunctionReturn(0);
   PetscCall(ModesCrossed(leg, U, crosses, &known));
+  PetscCall(CrossesSlippery(leg, U, crosses));
   if (!known && sight == VBDF_JUMP) PetscCall(IsBent(leg->rod, U, crosses));
   leg->crosses = *crosses;
   PetscFunctionReturn(0);

@@ -184,7 +184,7 @@ static PetscReal Slip(const Touch *touch, const PetscReal v[2]) {
 void ContactPush(const Contact *contact, const Touch *touch, const PetscReal v[2],
                  const FrictionDual *dual, Push *push) {
   const FrictionDual none = {.v = {0}};
-  const PetscReal *n = touch->normal, mu = contact->walls.wall[touch->wall].friction;
+  const PetscReal *n = touch->normal, mu = ContactWallFriction(contact, touch->wall);
   PetscReal slope, w = 0, u = Slip(touch, v);
 
   push->normal = ContactPressure(contact, touch->gap, &slope);
@@ -204,7 +204,7 @@ void ContactPush(const Contact *contact, const Touch *touch, const PetscReal v[2
 void ContactPushSlope(const Contact *contact, const Touch *touch, const PetscReal v[2],
                       PetscBool fresh, FrictionDual *dual, Push *push) {
   const PetscReal *n = touch->normal, t[2] = {-n[1], n[0]},
-                  mu = contact->walls.wall[touch->wall].friction;
+                  mu = ContactWallFriction(contact, touch->wall);
   PetscReal u[2] = {Slip(touch, v), 0}, p, slope, w = 0, by_u = 0;
   FrictionDual own = {.v = {0}};
 

@@ -25,6 +25,7 @@ typedef struct {
   PetscBool self;                   /* strands touch */
   PetscBool given;                  /* k is the user's */
   PetscBool fine;                   /* k follows the mesh, too: an accuracy is asked for */
+  PetscBool slippery;               /* as if no wall had friction, to count modes (leg.c) */
   PetscReal diameter;               /* D */
   PetscReal time;                   /* of what follows */
   PetscReal stiffness, smooth, tip; /* k, w, l */
@@ -64,6 +65,15 @@ void ContactPushSlope(const Contact *contact, const Touch *touch, const PetscRea
                       PetscBool fresh, FrictionDual *dual, Push *push);
 PetscReal ContactHold(const Contact *contact, const PetscReal x[2], const PetscReal v[2],
                       PetscReal seen, FrictionDual duals[]);
+
+/* The friction of a wall of the plane, and of a surface. */
+static inline PetscReal ContactWallFriction(const Contact *contact, PetscInt wall) {
+  return contact->slippery ? 0 : contact->walls.wall[wall].friction;
+}
+
+static inline PetscReal ContactSurfaceFriction(const Contact *contact, PetscInt surface) {
+  return contact->slippery ? 0 : contact->surfaces.surface[surface].friction;
+}
 
 /* Has any wall friction, in the plane or in space? */
 static inline PetscBool ContactWallsRub(const Contact *contact) {

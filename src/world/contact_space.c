@@ -69,7 +69,7 @@ static PetscInt TouchSurfaces(const Contact *self, const PetscReal x[3], Touch3 
   for (PetscInt k = 0; k < n; k++) {
     Touch3 *t = &touch[k];
     t->gap = point[k].distance - half;
-    t->friction = self->surfaces.surface[which[k]].friction;
+    t->friction = ContactSurfaceFriction(self, which[k]);
     t->wall = which[k];
     t->again = PETSC_FALSE;
     t->moves = (PetscBool)(self->surfaces.surface[which[k]].motion.any && !self->surfaces.still);
@@ -97,7 +97,7 @@ static PetscInt TouchUpright(const Contact *self, const PetscReal x[3], Touch3 t
                     across[3] = {-normal[1], normal[0], 0};
     PetscReal t[3];
     touch[k].gap = flat[k].gap;
-    touch[k].friction = self->walls.wall[flat[k].wall].friction;
+    touch[k].friction = ContactWallFriction(self, flat[k].wall);
     touch[k].wall = self->surfaces.n + flat[k].wall;
     touch[k].again = flat[k].again;
     touch[k].moves = PETSC_FALSE;
