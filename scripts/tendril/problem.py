@@ -20,6 +20,7 @@ from .progress import bar
 from .results import Results
 from .runs import run
 from .sweeps import cores, stored
+from .tangents import STEP as ALONG, beside
 from .units import scales_of_rod
 
 HUBER = 1.345  # 95 % efficiency for normal noise
@@ -70,6 +71,9 @@ class Problem:
         self.bar = None
         self.known: dict = {}  # runs by their point
         self.points: dict = {}  # the points themselves
+        # options by whose numbers runs tell their derivatives; none: derivatives are differences between runs
+        self.followed: list[str] = []
+        self.derived: dict = {}  # runs that tell them, by their point; None: this one does not
 
     def words(self, u):
         """The options of a run, apart from its settings; u: parameters, from 0 to 1."""
@@ -143,12 +147,63 @@ class Problem:
                    for k, (a, per) in modes.items())
         return {"distance" if slides else "s": s * (reach if slides else 1), "curvature": bend}
 
+    def key(self, u):
+        """What tells one run from another."""
+        return tuple(np.round(np.asarray(u, float)[self.of_runs], 12))
+
+    def follow(self, u):
+        """Sets whether runs are asked for their derivatives: if all that is looked for are options of their own, and
+        the program does not refuse it; from the run at u, its first moment alone."""
+        names = [self.parameters[k].name for k in self.of_runs]
+        self.followed = []
+        if not names or self.tied or self.inserted or any(MODE.match(name) for name in names):
+            return
+        try:
+            self.first(u, {"ts_max_time": 1e-6, "sensitivity": ",".join(names)})
+        except RunError as error:
+            if "-sensitivity" not in str(error):
+                raise
+            return
+        self.followed = names
+
+    def run_derived(self, u) -> Results | None:
+        """The run at u with its derivatives; None: it fails, or does not tell them (behind a snap)."""
+        key = self.key(u)
+        if self.ended:
+            raise KeyboardInterrupt
+        if key not in self.derived:
+            self.derived[key] = None
+            try:
+                r = self.first(u, self.settings | {"sensitivity": ",".join(self.followed)})
+            except RunError as error:
+                self.known[key] = error
+                return None
+            r.attributes = self.rod(u)
+            self.known[key], self.points[key] = r, np.asarray(u, float)[:len(self.parameters)]
+            if all(np.isfinite(r.sensitivity(name).shapes.x).all() for name in self.followed):
+                self.derived[key] = r
+            if self.bar is not None:
+                self.bar.total = max(self.bar.total, self.count)
+                self.bar.update(self.count - self.bar.n)
+        return self.derived[key]
+
+    def derivative(self, u, r, k):
+        """Of raw residuals by number k at u, where r is the run with its derivatives."""
+        two = []
+        for sign in (1, -1):
+            there = np.array(u, float)
+            there[k] += sign * ALONG
+            change = {self.parameters[i].name: float(self.parameters[i].value(there[i]) - self.parameters[i].value(u[i]))
+                      for i in self.of_runs if i == k}
+            two.append(self.raw(there, beside(r, change, self.rod(there))))
+        return (two[0] - two[1]) / (2 * ALONG)
+
     def run(self, points) -> list[Results | RunError]:
         """Runs at these points, side by side; those that were made before are not made again. Of their
         attributes they have those of the rod in the laboratory."""
         if self.ended:  # somebody pressed Ctrl-C, and another thread was told
             raise KeyboardInterrupt
-        keys = [tuple(np.round(np.asarray(u, float)[self.of_runs], 12)) for u in points]
+        keys = [self.key(u) for u in points]
         new = {key: u for key, u in zip(keys[::-1], list(points)[::-1]) if key not in self.known}
         for (key, u), r in zip(new.items(), stored([self.words(u) | self.settings for u in new.values()],
                                                    self.scene, self.jobs) if new else ()):
@@ -196,6 +251,7 @@ class Problem:
         and tolerance for an accuracy; so that runs differ by their parameters alone. One that is
         interrupted leaves all as it was."""
         before = self.known, self.settings, self.glimpse, self.begin, self.reach
+        self.derived = {}
         try:
             self.choose(u, accuracy)
         except BaseException:
@@ -221,6 +277,7 @@ class Problem:
         end["output_interval"] = float(chosen.series.t[-1]) / SHAPES
         self.settings |= {k: v for k, v in end.items() if v is not None and k not in self.options}
         self.known = {}
+        self.follow(u)
 
     def keep_search(self):
         """Keeps the runs of the search, for what is asked of them after it."""
@@ -281,8 +338,10 @@ class Problem:
         self.sigma[ends] = np.maximum(self.sigma[ends], self.comparison.loose)
 
     def raw_jacobian(self, u, central=False):
-        """[residual, number], of raw residuals, by forward or central differences."""
+        """[residual, number], of raw residuals: from what the run tells, or by forward or central differences."""
         p = len(self.parameters)
+        if self.followed and (r := self.run_derived(u)):
+            return np.column_stack([self.derivative(u, r, k) for k in range(len(u))])
         points, _ = self.neighbours(u, FINE_STEP if central else STEP)
         behind = 2 * u - points if central else np.tile(u, (len(u), 1))
         behind[:, :p] = np.clip(behind[:, :p], 0, 1)
@@ -327,7 +386,11 @@ class Problem:
         return u + np.diag(steps), steps
 
     def jacobian(self, u):
-        """[residual, number], by forward differences; the runs are made side by side."""
+        """[residual, number]: from what the run at u tells, else by forward differences between runs that are made
+        side by side."""
+        if self.followed and self.run_derived(u):
+            raw = self.raw_jacobian(u)
+            return self.errors.whitened(raw) if self.errors else raw / self.sigma[:, None]
         points, steps = self.neighbours(u, STEP)
         self.run([u, *points])
         here = self.residuals(u)
@@ -346,7 +409,7 @@ class Problem:
 
         def residuals(u):
             nonlocal least, better
-            if better:
+            if better and not (self.followed and self.run_derived(u)):
                 self.run([u, *self.neighbours(u, STEP)[0]])
             f = self.residuals(u)
             cost = self.cost(f)

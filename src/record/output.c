@@ -332,7 +332,7 @@ static PetscErrorCode Cut(Output self, HdfFile file) {
 
 /* Has a series a derivative? Counts have none, nor what is of the stepper. */
 static PetscBool IsSmooth(int observed) {
-  static const char *const others = "t,length,energy_defect,contacts,inflections,self_crossings,"
+  static const char *const others = "t,energy_defect,contacts,inflections,self_crossings,"
                                     "step,newton_iterations,model";
   const char *name = observed_name[observed], *at = others;
   const size_t n = strlen(name);

@@ -775,6 +775,31 @@ class Fitting(unittest.TestCase):
             with self.assertRaisesRegex(tendril.TendrilError, word):
                 tendril.fit(TUBE, data, bounds, **more)
 
+    def test_derivatives_that_runs_tell(self):
+        """They are those of differences between runs, also where units change with the numbers and points are
+        behind the end of the run; what runs do not tell is still found by differences."""
+        bounds = {"si_friction_dry": ("0.3N/m", "1.5N/m"), "rod_curvature": ("-10/m", "10/m"), "clock_rate": (0.5, 2),
+                  "growth_initial_length": ("0.8cm", "1.3cm")}
+        parameters = [Parameter.of(name, value) for name, value in bounds.items()]
+        scene = {name: value for name, value in TUBE.items() if name != "growth_initial_length"}
+        p = problem.Problem(scene, measured.gather(self.data, "", None, None), parameters, {})
+        u = np.array([q.inside(v) for q, v in zip(parameters, (0.7, 3.0, 1.0, 1.0))])
+        p.prepare(u, 1e-5)
+        self.assertEqual(p.followed, ["si_friction_dry", "rod_curvature", "growth_initial_length"])
+        p.measure_noise(u)
+        before = p.count
+        told = p.raw_jacobian(u) / p.sigma[:, None]
+        self.assertEqual(p.count, before + 1)
+        p.followed = []
+        with mock.patch.object(problem, "FINE_STEP", 1e-3):
+            found = p.raw_jacobian(u, central=True) / p.sigma[:, None]
+        off = np.linalg.norm(told - found, axis=0) / np.linalg.norm(found, axis=0)
+        self.assertLess(off.max(), 0.03, off)
+        braces = problem.Problem(TUBE | {"si_friction_dry": "0.6N/m"}, p.measured, [Parameter.of("soft", (0.1, 1))],
+                                 {"friction_layers": "0:{soft},3:2"})
+        braces.prepare(np.array([0.5]), 1e-2)
+        self.assertEqual(braces.followed, [])
+
     def test_words_in_braces(self):
         """One may stand in several options; none of it is an option of its own."""
         looked = problem.Problem(TUBE, measured.Measured(), [Parameter.of("hard", (1, 3))],
