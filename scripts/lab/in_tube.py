@@ -1,14 +1,18 @@
 #!/usr/bin/env python3
 """Rods in round tubes against exact answers (tests/run/in_tube_test.py), as tables for docs/tubes.md.
 
-    scripts/lab/in_tube.py build/tendril [helix]"""
+    scripts/lab/in_tube.py build/tendril [helix] [sinus] [beyond]"""
 
 import argparse
 import sys
 import tempfile
 from pathlib import Path
 
+import matplotlib
 import numpy as np
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "run"))
@@ -37,8 +41,55 @@ def helix():
         row(cells, "extrapolated", *(f"{e:.1e}" for e in np.linalg.solve(powers, errors)[0]), "")
 
 
+def sinus():
+    """Where a sinus begins, and how fast it grows, over the length."""
+    row("waves", "exact", "cells", "P of the run", "P off by", "shape off by", "steps")
+    for waves, cells in ((4, 160), (8, 320), (16, 640)):
+        exact = tube.threshold(2 * np.pi * waves)
+        P, end = 1.01 * exact, 250 if waves > 8 else 150
+        run, force, shape = tube.sinus(waves, P, end, cells=cells)
+        row(waves, f"{exact:.7f}", cells, f"{P:.5f}", f"{force:.1e}", f"{shape:.1e}", run.steps)
+
+
+def beyond(figure=ROOT / "docs" / "figures" / "tube-beyond.png"):
+    """A rod of six waves in a smooth tube, pushed in steps up and down again, each from the shape before."""
+    waves, r, cells = 6, 0.05, 500
+    way = [2.0, 2.2, 2.6, 3.0, 3.4, 3.5, 3.6, 3.7, 3.8, 3.9, 4.0, 5.0, 4.0, 3.4, 3.0, 2.8, 2.7, 2.6, 2.5, 2.4, 2.2]
+    length, state = 2 * np.pi * waves, None
+    shape = lambda s: 1e-5 * np.sin(np.pi * s)**2 * np.sin(length * (s - 0.4))
+    led = Path(scene.SCRATCH) / "led.csv"  # what strains in the nodes do not tell is not to add up
+    led.write_text("t,x2,x3,angle\n0,0,0,0\n1e5,0,0,0\n")
+    row("P", "turned by at most, degrees", "least pressure, in w", "steps")
+    seen = []
+    for P in way:
+        run = tube.lying(P, state or shape, length, r=r, k=2e6, cells=cells,
+                         more=f"-tip_path {led} -ts_max_time 3000 -ts_rtol 1e-5 ")
+        x, push = run.shapes["x"][-1], run.shapes["contact"][-1]
+        middle = slice(cells // 5, 4 * cells // 5)
+        turn = np.degrees(np.unwrap(np.arctan2(x[:, 1], r - x[:, 2])))
+        least = np.hypot(*push[middle, 1:].T).min() / r
+        row(P, f"{np.abs(turn).max():.1f}", f"{least:.3f}", run.steps)
+        seen.append((P, turn, least, x))
+        state = run.shapes["s"], run.shapes["strain"][-1]
+    top = way.index(max(way))
+    picture, axes = plt.subplots(1, 2, figsize=(10, 3.8), constrained_layout=True)
+    for part, style, name in ((slice(0, top + 1), "o-", "pushed harder"), (slice(top, None), "s--", "let go")):
+        axes[0].plot([p for p, *_ in seen[part]], [np.abs(t).max() for _, t, *_ in seen[part]], style, ms=4, label=name)
+    for P in (2, 2.745, 3.546):
+        axes[0].axvline(P, color="0.7", lw=0.8, zorder=0)
+        axes[0].text(P, 250, f"{P} ", fontsize=8, color="0.4", ha="right", rotation=90)
+    axes[0].set(xlabel=r"push over $(Bw/r)^{1/2}$", ylabel="turned about the tube, at most (degrees)")
+    axes[0].legend(frameon=False, loc="upper left")
+    for i in (1, way.index(3.4), top, way.index(2.6, top)):
+        axes[1].plot(np.linspace(0, length, cells + 1), seen[i][1],
+                     label=f"{way[i]:g}, {'let go' if i > top else 'pushed harder'}")
+    axes[1].set(xlabel=r"arc length over $(Br/w)^{1/4}$", ylabel="turned about the tube (degrees)", ylim=(-100, 620))
+    axes[1].legend(frameon=False, ncols=2, loc="upper center", title="push")
+    picture.savefig(figure, dpi=140)
+
+
 def main():
-    tables = {"helix": helix}
+    tables = {"helix": helix, "sinus": sinus, "beyond": beyond}
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("tendril")
     parser.add_argument("table", nargs="*", choices=[[], *tables], default=list(tables))

@@ -64,8 +64,10 @@ def lying(P, shape, length, r=0.05, k=1e5, D=0.1, cells=250, friction=0, more=""
     with h5py.File(file, "w") as f:
         if callable(shape):
             s, h = np.linspace(0, 1, 2001), 1e-4
-            f["s"], f["u2"] = s, 0 * s
-            f["u3"] = (shape(s + h) - 2 * shape(s) + shape(s - h)) / (h * length)**2
+            x2 = np.array([shape(s + h), shape(s), shape(s - h)])
+            x3 = x2**2 / (r + np.sqrt(r**2 - x2**2))  # on the wall
+            f["s"], f["u3"], f["u2"] = s, *(sign * (x[0] - 2 * x[1] + x[2]) / (h * length)**2
+                                            for sign, x in ((1, x2), (-1, x3)))
         else:
             f["s"], (f["u1"], f["u2"], f["u3"]) = shape[0], shape[1].T
     smooth = 2 * k**-0.75 / np.sqrt(8)
@@ -128,6 +130,31 @@ def sinus_in_tube():
     print(f"from {threshold(8 * np.pi):.7f} on: {run.steps} steps, force off by {force:.1e}, shape by {shape:.1e}")
     expect(run.norm_x2[-1] > 1.5 * run.norm_x2[0], "does not grow")
     expect(abs(force) < 1e-5 and shape < 1e-2, f"{force}, {shape}")
+
+
+INJECTED = "-options_file options/injected-tube.opts "
+
+
+@check
+def injected_straight():
+    """A rod that is fed into a lying tube is pushed by mu w L while it is straight, and leaves the bottom above 2; one
+    that is spun, too, climbs, is pushed less, and takes the torque, its slip being that of what twists as it comes."""
+    mu, w, a, beta, viscous, rate, C = 0.5, 0.1, 0.05, 1e-6, 1e-4, 30, 0.75
+    r = Run(INJECTED + "-rod_cells 100 -rod_curvature_random 1e-5 -ts_max_time 56")
+    lies = (r.length > 5) & (r.base_force_1 < 1.9)
+    off = np.abs(r.base_force_1 / (r.length * (mu * w / np.sqrt(1 + beta) + viscous)) - 1)[lies].max()
+    aside = [np.interp(P, r.base_force_1, r.norm_x2) for P in (1, 1.5, 2, 2.5)]
+    print(f"{r.steps} steps, push off by {off:.1e}; aside with the push: {aside}")
+    expect(off < 1e-6, f"push off by {off}")
+    expect(aside[2] < 1e-4 and aside[3] > 5 * aside[2] and r.norm_x2[-1] > 1e-2, f"{aside}, {r.norm_x2[-1]}")
+    r = Run(INJECTED + f"-rod_cells 100 -clamp_spin {rate} -ts_max_time 16")
+    spin, slip, N = r.tip_spin[-1], np.hypot(1, a * r.tip_spin[-1]), r.contact_force[-1]
+    twisted = spin / (rate - r.base_moment_1[-1] / C) - 1
+    torque = r.base_moment_1[-1] / (mu * N * a**2 * spin / slip) - 1
+    push = (r.base_force_1[-1] - viscous * r.length[-1]) / (mu * N / slip) - 1
+    climb = -r.shapes["x"][-1, 50, 1] / (0.1 * np.sin(np.arctan(mu * a * spin / slip))) - 1
+    print(f"spun: {r.steps} steps, spin off by {twisted:.1e}, torque {torque:.1e}, push {push:.1e}, climbs {climb:.1e}")
+    expect(max(map(abs, (twisted, torque))) < 1e-4 and abs(push) < 5e-3 and abs(climb) < 1e-2, "spun")
 
 
 if __name__ == "__main__":

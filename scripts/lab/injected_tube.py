@@ -1,0 +1,176 @@
+#!/usr/bin/env python3
+"""The rod that is injected into a lying tube (options/injected-tube.opts), fed, and fed and spun, to where it locks up:
+tables for docs/injected-tube.md and its figure.
+
+    scripts/lab/injected_tube.py build/tendril DIRECTORY [run] [tables] [figure]
+
+Results are kept in DIRECTORY, so that tables and figure can be made anew without the runs."""
+
+import argparse
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import matplotlib
+import numpy as np
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+
+ROOT = Path(__file__).resolve().parents[2]
+R, W, MU, BETA, VISCOUS, SPIN, D, C = 0.1, 0.1, 0.5, 1e-6, 1e-4, 30.0, 0.1, 0.75
+CELLS = 300, 500, 1000
+TURNED = f"-clamp_spin {SPIN} -stop_length 110 -rod_cells 300"
+PUSHES = 2.5, 3, 5, 10, 20, 40
+
+
+def stiffer(directory, k=1e5):
+    """The tube for contact that much stiffer: as wide as it must be for the rod to lie on its bottom."""
+    smooth = 2 * k**-0.75 / np.sqrt(8)
+    gap = smooth * (1 - 2 * np.sqrt(W / (k * smooth)))
+    wall = directory / "stiffer.txt"
+    wall.write_text(f"cylinder 0 0 {R} 1 0 0 {R + D / 2 + gap:.12g} inside friction {MU}\n")
+    return f"-wall_file {wall} -contact_stiffness {k:g}"
+
+
+def runs(directory):
+    return {**{f"fed-{n}": f"-rod_cells {n}" for n in CELLS}, "stiffer": stiffer(directory),
+            "finer": "-ts_rtol 1e-6", "bent": "-rod_curvature_random 1e-3", "other": "-rod_curvature_seed 2",
+            "spun": TURNED}
+
+
+class Result:
+    def __init__(self, directory, name):
+        self.said = (directory / f"{name}.log").read_text()
+        with h5py.File(directory / f"{name}.h5") as f:
+            self.series = {k: v[:] for k, v in f["series"].items()}
+            self.shapes = {k: v[:] for k, v in f["shapes"].items()}
+        self.length, self.push = self.series["length"], self.series["base_force_1"]
+
+    def at(self, push):
+        """The length at which it is first pushed so hard."""
+        i = np.argmax(self.push > push)
+        return np.interp(push, self.push[i - 1:i + 1], self.length[i - 1:i + 1]) if i else np.nan
+
+    def cost(self):
+        return re.search(r"(\d+) steps.* ([0-9.]+) s; energy defect ([0-9.e+-]+)", self.said).groups()
+
+
+def row(*cells):
+    print("| " + " | ".join(str(c) for c in cells) + " |", flush=True)
+
+
+def straight(r):
+    """Push over its exact value, off by at most, while the push is below 2."""
+    exact = (MU * W / np.sqrt(1 + BETA) + VISCOUS) * r.length
+    i = (r.length > 5) & (r.push < 1.99)
+    return np.abs(r.push[i] / exact[i] - 1).max()
+
+
+def along(r, time):
+    """Through the helix at a time: place, force along the tube, turns per length, pressure."""
+    j = np.abs(r.shapes["t"] - time).argmin()
+    x, force = r.shapes["x"][j], -r.shapes["force"][j, :, 0]
+    turn = np.unwrap(np.arctan2(x[:, 1], R - x[:, 2]))
+    length = np.interp(r.shapes["t"][j], r.series["t"], r.length)
+    return x[:, 0], force, np.gradient(turn, r.shapes["s"] * length), np.linalg.norm(r.shapes["contact"][j], axis=1)
+
+
+def law(r, time):
+    """d(1/P)/dx over mu r/4B, in the helix but for its ends."""
+    x, force, turns, _ = along(r, time)
+    helix = (np.abs(turns) > 1) & (force > 3.5) & (x > 0.3)
+    return np.polyfit(x[helix], 1 / force[helix], 1)[0] / (MU * R / 4), x[helix].max()
+
+
+def tables(directory):
+    row("run", "straight: push off by", *(f"P = {P}" for P in PUSHES), "steps", "seconds", "energy defect")
+    for name in runs(directory):
+        if (directory / f"{name}.h5").exists() and name != "spun":
+            r = Result(directory, name)
+            row(name, f"{straight(r):.1e}", *(f"{r.at(P):.2f}" for P in PUSHES), *r.cost())
+    print()
+    r = Result(directory, "fed-500")
+    row("length", "push", "helix to x", "d(1/P)/dx over mu r/4B")
+    for t in (70, 74, 78, 81):
+        slope, end = law(r, t)
+        row(4 + t, f"{np.interp(t, r.series['t'], r.push):.2f}", f"{end:.1f}", f"{slope:.3f}")
+    print()
+    r = Result(directory, "spun")
+    row("length", "push over its N", "off by", "torque over its N", "off by", "spin of the tip", "off by")
+    for length in (10, 20, 30, 38):
+        i = np.argmax(r.length > length)
+        normal, spin = r.series["contact_force"][i], SPIN  # a first guess
+        for _ in range(20):  # the torque twists what comes: it spins by so much less
+            slip = np.hypot(1, D / 2 * spin)
+            climb = np.arctan(MU * D / 2 * spin / slip)
+            torque = MU * W * np.cos(climb) * (D / 2)**2 * spin / slip
+            spin = SPIN - torque * r.length[i] / C
+        push = (r.push[i] - VISCOUS * r.length[i]) / normal / (MU / slip)
+        moment = r.series["base_moment_1"][i] / normal / (MU * (D / 2)**2 * spin / slip)
+        row(f"{r.length[i]:.2f}", f"{MU / slip:.6f}", f"{push - 1:.1e}", f"{MU * (D / 2)**2 * spin / slip:.6f}",
+            f"{moment - 1:.1e}", f"{spin:.4f}", f"{r.series['tip_spin'][i] / spin - 1:.1e}")
+
+
+def picture(directory, file=ROOT / "docs" / "figures" / "injected-tube.png"):
+    fed, spun = Result(directory, "fed-500"), Result(directory, "spun")
+    figure = plt.figure(figsize=(10, 7.2), constrained_layout=True)
+    grid = figure.add_gridspec(3, 2, height_ratios=(1, 1, 0.9))
+    ax = figure.add_subplot(grid[:2, 0])
+    for r, name in ((fed, "fed"), (spun, "fed and spun")):
+        ax.semilogy(r.length[r.length > 4.1], r.push[r.length > 4.1], label=name)
+    x = np.linspace(4, 110)
+    ax.semilogy(x, MU * W * x, "k:", lw=1, label=r"$\mu w x$")
+    for P, words in ((2, "sinus: 2"), (2 * np.sqrt(2), r"$2\sqrt{2}$")):
+        ax.axhline(P, color="0.75", lw=0.8, zorder=0)
+        ax.text(109, P, words, fontsize=8, color="0.4", va="bottom", ha="right")
+    ax.set(xlabel="length injected", ylabel="push", xlim=(0, 112), ylim=(0.1, 60))
+    ax.legend(frameon=False, loc="upper left")
+    ax = figure.add_subplot(grid[0, 1])
+    for t in (70, 75, 80, 81.5):
+        x, force, turns, pressure = along(fed, t)
+        ax.plot(x, 1 / force, label=f"length {4 + t:g}")
+    x = np.linspace(0, 22)
+    ax.plot(x, 0.035 + MU * R / 4 * x, "k:", lw=1, label=r"slope $\mu r/4B$")
+    ax.set(xlim=(0, 25), ylim=(0, 0.35), xlabel="x", ylabel="1/P along the tube")
+    ax.legend(frameon=False, fontsize=8, ncols=2, loc="lower right")
+    ax = figure.add_subplot(grid[1, 1])
+    x, force, turns, pressure = along(fed, 80)
+    ax.plot(x, np.abs(turns), label=r"$d\theta/ds$")
+    ax.plot(x, np.sqrt(np.clip(force, 0, None) / 2), "k:", lw=1, label=r"$(P/2B)^{1/2}$")
+    ax.set(xlim=(0, 25), ylim=(0, 4), xlabel="x, length 84", ylabel="angle about the tube per length")
+    ax.legend(frameon=False, fontsize=8)
+    ax = figure.add_subplot(grid[2, :])
+    for k, t in enumerate((50, 64, 70, 81)):
+        x = fed.shapes["x"][np.abs(fed.shapes["t"] - t).argmin()]
+        ax.plot(x[:, 0], x[:, 1] - 0.26 * k, lw=1, color=f"C{k}")
+        ax.fill_between([0, 90], -0.26 * k - R, -0.26 * k + R, color="0.94", zorder=0)
+        ax.text(90.5, -0.26 * k, f"length {4 + t}", va="center", fontsize=8, color=f"C{k}")
+    ax.set(xlim=(0, 98), yticks=[], xlabel="x; the rod from above, widened")
+    ax.spines[["left", "right", "top"]].set_visible(False)
+    figure.savefig(file, dpi=140)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("tendril")
+    parser.add_argument("directory", type=Path)
+    parser.add_argument("what", nargs="*", choices=[[], "run", "tables", "figure"], default=["run", "tables", "figure"])
+    choice = parser.parse_args()
+    choice.directory.mkdir(parents=True, exist_ok=True)
+    if "run" in choice.what:
+        for name, more in runs(choice.directory).items():
+            done = subprocess.run([choice.tendril, "-options_file", ROOT / "options" / "injected-tube.opts", *more.split(),
+                                   "-output", choice.directory / f"{name}.h5"], check=True, capture_output=True, text=True)
+            (choice.directory / f"{name}.log").write_text(done.stdout)
+            print(name, *done.stdout.splitlines()[-1:], flush=True)
+    if "tables" in choice.what:
+        tables(choice.directory)
+    if "figure" in choice.what:
+        picture(choice.directory)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
