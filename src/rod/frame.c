@@ -665,6 +665,13 @@ static PetscErrorCode FrameSet(Rod rod, PetscReal t, const Node *nodes, Vec U) {
   PetscFunctionReturn(0);
 }
 
+static void FrameMoments(const PetscReal u[], const PetscReal change[], PetscReal m[3],
+                         PetscReal dm[3]) {
+  m[0] = u[M];
+  dm[0] = change[M];
+  m[1] = m[2] = dm[1] = dm[2] = 0;
+}
+
 static PetscErrorCode FrameGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes) {
   const PetscReal(*u)[FIELDS], (*u_t)[FIELDS];
 
@@ -739,5 +746,6 @@ const RodModel rod_frame = {.name = "frame",
                             .remember = FrameRemember,
                             .recall = FrameRecall,
                             .defect = FrameDefect,
+                            .moments = FrameMoments,
                             .jacobian = FrameJacobian,
                             .eliminate = FrameEliminate};

@@ -64,7 +64,7 @@ static inline LoadDual *FrameDuals(const Frame *frame, PetscInt k) {
 }
 
 /* frame_defect.c */
-PetscErrorCode FrameDefect(Rod rod, PetscReal (*defect)[MAX_FIELDS]);
+PetscErrorCode FrameDefect(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal (*defect)[MAX_FIELDS]);
 
 /* frame_strands.c */
 PetscErrorCode FrameStrandsCreate(Rod rod, struct FrameStrands **strands);

@@ -1,41 +1,7 @@
-/* How well the frame model's cells resolve the state that they have found.
-
-   A cell of order 4 takes for the integral of f Simpson's, with f at its middle at Hermite's cubic.
-   Two cells beside each other have five points of f: the quartic through them integrates f to a
-   higher order, and the cubic over both tells at the node between them how far such a cubic is off,
-   16 times what those of the halves are. A cell of order 2 is held against order 4. */
-#include "base/lagrange.h"
+/* How well the frame model's cells resolve the state that they have found (pair_defect.h). A cell
+   of order 2 is held against order 4. */
 #include "rod/frame.h"
-
-enum { PLACES = 5 };
-
-/* Where f changes from point to point as much as it bends, differences of it tell nothing of its
-   derivatives: the error is not the fifteenth of what a finer rule changes, but all of it. */
-static const PetscReal rough_error = 3;
-
-/* Weights of the integral over [0, 1] of the polynomial through values at these places. */
-static void Weights(const PetscReal place[PLACES], PetscReal weight[PLACES]) {
-  static const PetscReal even[PLACES] = {7. / 90, 32. / 90, 12. / 90, 32. / 90, 7. / 90};
-  PetscReal L[PLACES];
-
-  if (PetscAbsReal(place[2] - 0.5) < 1e-12) { /* Boole's */
-    memcpy(weight, even, sizeof(even));
-    return;
-  }
-  for (int j = 0; j < PLACES; j++) weight[j] = 0;
-  for (int q = 0; q < GAUSS; q++) {
-    LagrangeValues(PLACES, place, gauss_point[q], L);
-    for (int j = 0; j < PLACES; j++) weight[j] += gauss_weight[q] * L[j];
-  }
-}
-
-/* Hermite's cubic at a + z h, from values and slopes at both ends. */
-static inline PetscReal Hermite(PetscReal z, PetscReal h, PetscReal a, PetscReal slope_a,
-                                PetscReal b, PetscReal slope_b) {
-  const PetscReal y = 1 - z;
-  return (1 + 2 * z) * y * y * a + z * z * (3 - 2 * z) * b +
-         h * z * y * (y * slope_a - z * slope_b);
-}
+#include "rod/pair_defect.h"
 
 /* The point at a + z h on the cubics through a and b; at: the point that is known there, whose
    velocity a place that may stick keeps, for what is held does not depend on it. */
@@ -63,37 +29,22 @@ static void PointOnCubic(const Load *load, const Law *law_a, const Law *law, con
   PointEvaluate(load, law, dual, p);
 }
 
-/* How rough five values are: 0 where they are those of a polynomial of degree 3, up to 1. */
-static PetscReal Roughness(const Point *p, int f) {
-  PetscReal d[3], all = 0;
-
-  for (int k = 0; k < 3; k++) {
-    d[k] = p[k].f[f] - 2 * p[k + 1].f[f] + p[k + 2].f[f];
-    all += PetscAbsReal(d[k]);
-  }
-  return all > 0 ? PetscMin(1, PetscAbsReal(d[0] - 2 * d[1] + d[2]) / all) : 0;
-}
-
 /* Of the two cells of order 4 beside the node between them, whose first point is p[0]. */
 static void PairDefect(const Frame *frame, const Load *load, PetscInt k, const PetscReal s[3],
                        const PetscReal turn[3], PetscReal defect[MAX_FIELDS]) {
-  const PetscReal h1 = s[1] - s[0], h2 = s[2] - s[1], h = h1 + h2,
-                  place[PLACES] = {0, h1 / 2 / h, h1 / h, (h1 + h2 / 2) / h, 1};
+  const PetscReal h1 = s[1] - s[0], h2 = s[2] - s[1], h = h1 + h2;
   const Point *p = frame->point + k;
   const Law *law = frame->law + k;
   PetscReal weight[PLACES];
   Point cubic;
 
-  Weights(place, weight);
+  PairWeights(h1, h2, weight);
   PointOnCubic(load, law, law + 2, law + 4, FrameDuals(frame, k + 2), h1 / h, h, p, p + 4, turn[0],
                turn[2], p + 2, &cubic);
   for (int f = 0; f < FIELDS; f++) {
-    PetscReal best = 0, simpson = (h1 * (p[0].f[f] + 4 * p[1].f[f] + p[2].f[f]) +
-                                   h2 * (p[2].f[f] + 4 * p[3].f[f] + p[4].f[f])) /
-                                  6;
-    for (int j = 0; j < PLACES; j++) best += h * weight[j] * p[j].f[f];
-    defect[f] = (simpson - best) * (1 + (rough_error - 1) * Roughness(p, f));
-    if (f < N1 || !frame->strands) defect[f] += h * 4 / 6 * (cubic.f[f] - p[2].f[f]) / 16;
+    const PetscReal value[PLACES] = {p[0].f[f], p[1].f[f], p[2].f[f], p[3].f[f], p[4].f[f]};
+    defect[f] = PairRule(h1, h2, weight, value);
+    if (f < N1 || !frame->strands) defect[f] += PairCubic(h1, h2, value[2], cubic.f[f]);
   }
 }
 
@@ -112,21 +63,23 @@ static void CellDefect(const Frame *frame, const Load *load, PetscInt k, const P
 }
 
 /*
-  FrameDefect - by how much the state of the latest residual fails the equations between the
+  FrameDefect - by how much a state, that of the latest residual, fails the equations between the
   collocation points, as the equations of cells count it (an integral over the cell). Collective.
 
   defect  one for each owned node. Order 4: of the two cells beside it, at odd nodes; order 2: of
           the cell before it; else 0
 */
-PetscErrorCode FrameDefect(Rod rod, PetscReal (*defect)[MAX_FIELDS]) {
+PetscErrorCode FrameDefect(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal (*defect)[MAX_FIELDS]) {
   const Frame *frame = (const Frame *)rod->data;
   const PetscReal *s = rod->scene->mesh.s, (*rate)[FIELDS];
   PetscBool fourth = (PetscBool)(rod->order == 4);
   Vec local;
 
   PetscFunctionBegin;
+  (void)t;
+  (void)U; /* (its points are known) */
   PetscCall(PetscArrayzero(defect, rod->end - rod->first));
-  PetscCall(RodOpen(rod, rod->latest_rate, &local, &rate));
+  PetscCall(RodOpen(rod, U_t, &local, &rate));
   for (PetscInt i = PetscMax(1, rod->first); i < PetscMin(rod->end, rod->last + !fourth); i++) {
     PetscInt k = 2 * (i - rod->first);
     PetscReal turn[3] = {rate[i - 1][TH], rate[i][TH], 0};

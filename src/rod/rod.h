@@ -88,7 +88,10 @@ typedef struct {
                               Elimination);
   /* by how much the state of the latest residual fails the equations between the collocation
      points, per owned node: of what is left of it; NULL: not known */
-  PetscErrorCode (*defect)(Rod, PetscReal (*defect)[MAX_FIELDS]);
+  PetscErrorCode (*defect)(Rod, PetscReal t, Vec U, Vec U_t, PetscReal (*defect)[MAX_FIELDS]);
+  /* the moments about the directors (in the plane, the first) at a node u, and by how much a small
+     change of u changes them */
+  void (*moments)(const PetscReal u[], const PetscReal change[], PetscReal m[3], PetscReal dm[3]);
   /* by more than half a turn: has a cross-section turned as far from one state to another, so that
      which way round is not known? NULL: it cannot */
   PetscErrorCode (*turned)(Rod, Vec U0, Vec U1, PetscBool *turned);

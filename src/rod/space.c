@@ -9,24 +9,8 @@
    y_a = h f_mid,                    y_mid = (y_a + y_b)/2, x_t at mid likewise, the rate of p there
    the mean of both ends'. The rows of node i are the x and p equations of the cell on its left, the
    m and n equations of the cell on its right. */
-#include "rod/directors.h"
-#include "rod/rod.h"
-#include "rod/space_strands.h"
+#include "rod/space_cells.h"
 #include <string.h>
-
-enum { X, P = 3, M = 7, N = 10, FIELDS = 13, LEFT = M, RIGHT = FIELDS - LEFT };
-
-/* What the laws give at a point; flex = 1/S. */
-typedef struct {
-  PetscReal s, g, g_t, c, u0[3], flex[3];
-} Law;
-
-/* A point of the rod: its unknowns, what follows from them, and f. */
-typedef struct {
-  PetscReal p[4], m[3], n[3], size, d[3][3], u[3], f[FIELDS];
-  PetscReal p_t[4];
-  Place3 at;
-} Point;
 
 /* The derivatives of f at a point by its unknowns, the velocity and the spin held, and by these. */
 typedef struct {
@@ -34,195 +18,6 @@ typedef struct {
   PetscReal f[FIELDS][FIELDS];
   LoadSlope3 load;
 } Slope;
-
-typedef struct {
-  PetscReal end_weight, mid_weight, bow; /* times h: 1/6, 4/6, 1/8 (order 4); 0, 1, 0 (order 2) */
-  PetscReal time;                        /* of the laws below */
-  Law *law;                              /* nodes and mids from node first - 1 on, alternating */
-  FrictionDual4 *dual; /* likewise, duals of each; the tip's own where a cell behind it would be */
-  PetscInt duals;
-  SpaceStrands strands; /* NULL: the rod does not touch itself */
-  SpaceCell *behind;    /* of each owned node, for what strands do; NULL without them */
-} Space_;
-
-/* A walk along the cells that touch owned nodes. */
-typedef struct {
-  Rod rod;
-  PetscReal t, h;
-  const Load *load;
-  const PetscReal (*u)[FIELDS], (*u_t)[FIELDS], *s;
-  Vec local[2];
-  Law *law; /* of nodes a, mid, b of the cell */
-  FrictionDual4 *dual[3];
-  const PetscReal (*push)[3]; /* what strands add to n' at all points of the rod; NULL: none */
-  Point a, mid, b;
-} Cell;
-
-/* f at a point whose unknowns, place and velocity are set */
-static void PointEvaluate(const Load *load, const Law *law, const FrictionDual4 *dual, Point *p) {
-  const PetscReal *q = p->d[0], g = law->g;
-  PetscReal load_[RUBS];
-
-  LoadForce3(load, &p->at, dual, load_);
-  QuaternionTurn(p->p, p->u, p->f + P);
-  for (int i = 0; i < 4; i++) p->f[P + i] *= g / 2;
-  p->f[M] = -g * (q[1] * p->n[2] - q[2] * p->n[1]);
-  p->f[M + 1] = -g * (q[2] * p->n[0] - q[0] * p->n[2]);
-  p->f[M + 2] = -g * (q[0] * p->n[1] - q[1] * p->n[0]);
-  for (int i = 0; i < 3; i++) {
-    p->f[X + i] = g * q[i];
-    if (load->arm > 0) p->f[M + i] += g * load_[SPIN] * q[i];
-    p->f[N + i] = g * load_[i];
-  }
-}
-
-/* Directors and strains from p and m, and the spin. */
-static void PointStrains(const Load *load, const Law *law, Point *p) {
-  p->size = QuaternionSize(p->p);
-  Directors(p->p, p->size, p->d);
-  for (int k = 0; k < 3; k++) {
-    p->u[k] = law->flex[k] * (p->d[k][0] * p->m[0] + p->d[k][1] * p->m[1] + p->d[k][2] * p->m[2]) +
-              law->u0[k];
-    p->at.q[k] = p->d[0][k];
-  }
-  p->at.W[SPIN] = 0;
-  if (load->arm > 0)
-    p->at.W[SPIN] = load->arm * (QuaternionSpin(p->p, p->size, p->p_t) + law->c * p->u[0]);
-}
-
-static void PointAtNode(const Cell *cell, const Law *law, const FrictionDual4 *dual,
-                        const PetscReal *u, const PetscReal *u_t, Point *p) {
-  memcpy(p->p, u + P, sizeof(p->p));
-  memcpy(p->m, u + M, sizeof(p->m));
-  memcpy(p->n, u + N, sizeof(p->n));
-  memcpy(p->p_t, u_t + P, sizeof(p->p_t));
-  PointStrains(cell->load, law, p);
-  p->at.t = cell->t;
-  for (int i = 0; i < 3; i++) {
-    p->at.x[i] = u[X + i];
-    p->at.W[i] = u_t[X + i] + law->c * p->d[0][i];
-  }
-  PointEvaluate(cell->load, law, dual, p);
-}
-
-/* The slope x'_t = g_t d1 + g d1_t of the velocity at a node, and d1_t. */
-static void VelocitySlope(const Law *law, const Point *p, PetscReal w[3], PetscReal d1_t[3]) {
-  PetscReal D[3][4];
-
-  DirectorSlope(p->p, p->size, p->d[0], 0, D);
-  for (int i = 0; i < 3; i++) {
-    d1_t[i] = D[i][0] * p->p_t[0] + D[i][1] * p->p_t[1] + D[i][2] * p->p_t[2] + D[i][3] * p->p_t[3];
-    w[i] = law->g_t * p->d[0][i] + law->g * d1_t[i];
-  }
-}
-
-/* The point in the middle of the cell; k = bow h. */
-static void PointAtMid(Cell *cell, PetscReal k, const PetscReal *ua_t, const PetscReal *ub_t) {
-  const Point *a = &cell->a, *b = &cell->b;
-  Point *p = &cell->mid;
-  PetscReal wa[3], wb[3], d1_t[3];
-
-  VelocitySlope(&cell->law[0], a, wa, d1_t);
-  VelocitySlope(&cell->law[2], b, wb, d1_t);
-  for (int i = 0; i < 4; i++) {
-    p->p[i] = (a->p[i] + b->p[i]) / 2 + k * (a->f[P + i] - b->f[P + i]);
-    p->p_t[i] = (ua_t[P + i] + ub_t[P + i]) / 2;
-  }
-  for (int i = 0; i < 3; i++) {
-    p->m[i] = (a->m[i] + b->m[i]) / 2 + k * (a->f[M + i] - b->f[M + i]);
-    p->n[i] = (a->n[i] + b->n[i]) / 2 + k * (a->f[N + i] - b->f[N + i]);
-    p->at.x[i] = (a->at.x[i] + b->at.x[i]) / 2 + k * (a->f[X + i] - b->f[X + i]);
-  }
-  PointStrains(cell->load, &cell->law[1], p);
-  p->at.t = cell->t;
-  for (int i = 0; i < 3; i++)
-    p->at.W[i] =
-        (ua_t[X + i] + ub_t[X + i]) / 2 + k * (wa[i] - wb[i]) + cell->law[1].c * p->d[0][i];
-  PointEvaluate(cell->load, &cell->law[1], cell->dual[1], p);
-}
-
-/* The laws at all points of the owned nodes and the cells beside them, at time t. */
-static PetscErrorCode LawsAt(Rod rod, PetscReal t) {
-  Space_ *self = (Space_ *)rod->data;
-  Scene scene = rod->scene;
-  const PetscReal *s = scene->mesh.s;
-  PetscInt i0 = PetscMax(rod->first - 1, 0), i1 = PetscMin(rod->end, rod->last);
-
-  PetscFunctionBegin;
-  if (self->time == t) PetscFunctionReturn(0);
-  for (PetscInt i = i0; i <= i1; i++)
-    for (int half = 0; half < 2 && (!half || i < i1); half++) {
-      Law *law = &self->law[2 * (i - rod->first + 1) + half];
-      PetscReal B, S[3];
-      law->s = half ? (s[i] + s[i + 1]) / 2 : s[i];
-      PetscCall(GrowthStretch(scene->growth, 1, &law->s, t, &law->g, &law->g_t, NULL));
-      law->c = GrowthSlide(scene->growth, law->s, t);
-      PetscCall(SceneStiffness(scene, law->s, t, &B, NULL));
-      SceneStiffnesses(scene, B, S);
-      for (int k = 0; k < 3; k++) law->flex[k] = 1 / S[k];
-      PetscCall(CurvatureStrains(&scene->curvature, scene->growth, law->s, t, law->u0, NULL));
-    }
-  self->time = t;
-  PetscFunctionReturn(0);
-}
-
-/* Adds to n' what strands that touch do at node i, or behind it. */
-static inline void AddPush(const Cell *cell, PetscInt i, int half, Point *p) {
-  for (int d = 0; d < 3 && cell->push; d++) p->f[N + d] += cell->push[2 * i + half][d];
-}
-
-/* The duals of point k of the rank's: of friction along the rod, and of walls. */
-static FrictionDual4 *Duals(const Space_ *self, PetscInt k) {
-  return self->dual + k * self->duals;
-}
-
-static void NodePoint(Cell *cell, PetscInt i, Point *p) {
-  Space_ *self = (Space_ *)cell->rod->data;
-  PetscInt k = 2 * (i - cell->rod->first + 1);
-
-  PointAtNode(cell, self->law + k, Duals(self, k), cell->u[i], cell->u_t[i], p);
-  AddPush(cell, i, 0, p);
-}
-
-/* Begins a walk at the first of the cells that touch owned nodes. Collective. */
-static PetscErrorCode CellsOpen(Rod rod, PetscReal t, Vec U, Vec U_t, Cell *cell) {
-  Space_ *self = (Space_ *)rod->data;
-
-  PetscFunctionBegin;
-  PetscCall(LawsAt(rod, t));
-  PetscCall(SceneContactAt(rod->scene, t));
-  cell->rod = rod;
-  cell->t = t;
-  cell->load = &rod->scene->load;
-  cell->push = NULL;
-  if (self->strands) PetscCall(SpaceStrandsLoad(rod, self->strands, t, U, U_t, &cell->push));
-  cell->s = rod->scene->mesh.s;
-  PetscCall(RodOpen(rod, U, &cell->local[0], &cell->u));
-  PetscCall(RodOpen(rod, U_t, &cell->local[1], &cell->u_t));
-  NodePoint(cell, PetscMax(rod->first - 1, 0), &cell->b);
-  PetscFunctionReturn(0);
-}
-
-static PetscErrorCode CellsClose(Cell *cell) {
-  PetscFunctionBegin;
-  PetscCall(RodClose(cell->rod, &cell->local[0], &cell->u));
-  PetscCall(RodClose(cell->rod, &cell->local[1], &cell->u_t));
-  PetscFunctionReturn(0);
-}
-
-/* Goes on to the cell between nodes i and i + 1. */
-static void CellsNext(Cell *cell, PetscInt i) {
-  Space_ *self = (Space_ *)cell->rod->data;
-  PetscInt k = 2 * (i - cell->rod->first + 1);
-
-  cell->law = self->law + k;
-  for (int e = 0; e < 3; e++) cell->dual[e] = Duals(self, k + e);
-  cell->h = cell->s[i + 1] - cell->s[i];
-  cell->a = cell->b;
-  NodePoint(cell, i + 1, &cell->b);
-  PointAtMid(cell, self->bow * cell->h, cell->u_t[i], cell->u_t[i + 1]);
-  AddPush(cell, i, 1, &cell->mid);
-}
 
 /* What the tip's conditions are about. */
 static TipState3 TipOf(const Load *load, const Point *end) {
@@ -250,10 +45,10 @@ static PetscErrorCode SpaceResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F)
   Cell cell;
 
   PetscFunctionBegin;
-  PetscCall(CellsOpen(rod, t, U, U_t, &cell));
+  PetscCall(SpaceCellsOpen(rod, t, U, U_t, &cell));
   PetscCall(DMDAVecGetArray(rod->da, F, &F_));
   for (PetscInt i = PetscMax(rod->first - 1, 0); i < PetscMin(rod->end, rod->last); i++) {
-    CellsNext(&cell, i);
+    SpaceCellsNext(&cell, i);
     for (int f = 0; f < FIELDS; f++)
       r[f] = cell.u[i + 1][f] - cell.u[i][f] -
              cell.h * (self->end_weight * (cell.a.f[f] + cell.b.f[f]) +
@@ -273,7 +68,7 @@ static PetscErrorCode SpaceResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F)
       F_[rod->last][N + d] -= cell.push[2 * rod->last + 1][d];
   }
   PetscCall(DMDAVecRestoreArray(rod->da, F, &F_));
-  PetscCall(CellsClose(&cell));
+  PetscCall(SpaceCellsClose(&cell));
   PetscFunctionReturn(0);
 }
 
@@ -534,7 +329,7 @@ static PetscErrorCode SpaceJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const 
   Rows row;
 
   PetscFunctionBegin;
-  PetscCall(CellsOpen(rod, t, U, U_t, &cell));
+  PetscCall(SpaceCellsOpen(rod, t, U, U_t, &cell));
   if (self->strands) PetscCall(SpaceStrandsPattern(rod, self->strands, J));
   PetscCall(PetscMemzero(row, sizeof(row)));
   if (rod->first == 0)
@@ -542,7 +337,7 @@ static PetscErrorCode SpaceJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const 
   for (PetscInt i = begin; i < rod->end; i++) {
     PetscInt cols[3] = {i - 1, i, i < rod->last ? i + 1 : -1}; /* -1: none, ignored */
     if (i < rod->last) {
-      CellsNext(&cell, i);
+      SpaceCellsNext(&cell, i);
       CellBlocks(&cell, (PetscBool)(i == begin), shift, &slopes, left, right);
       if (self->behind && i >= rod->first) KeepBehind(&cell, &self->behind[i - rod->first]);
       PutRows(row, LEFT, FIELDS, FIELDS, left);
@@ -560,7 +355,7 @@ static PetscErrorCode SpaceJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const 
       PutRows(row, X, LEFT, FIELDS, right);
     }
   }
-  PetscCall(CellsClose(&cell));
+  PetscCall(SpaceCellsClose(&cell));
   if (self->strands)
     PetscCall(SpaceStrandsJacobian(rod, self->strands, t, U, U_t, shift, self->behind, J));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
@@ -593,10 +388,10 @@ static PetscErrorCode SpaceEliminate(Rod rod, PetscReal t, Vec U, Vec U_t, const
   Cell cell;
 
   PetscFunctionBegin;
-  PetscCall(CellsOpen(rod, t, U, U_t, &cell));
+  PetscCall(SpaceCellsOpen(rod, t, U, U_t, &cell));
   WideBegin(line);
   for (PetscInt i = 0; i < rod->last; i++) {
-    CellsNext(&cell, i);
+    SpaceCellsNext(&cell, i);
     CellBlocks(&cell, (PetscBool)(i == 0), shift, &slopes, left, right);
     Arms(&cell.a, &arms);
     WideArm(line, &arms);
@@ -606,7 +401,7 @@ static PetscErrorCode SpaceEliminate(Rod rod, PetscReal t, Vec U, Vec U_t, const
   WideArm(line, &arms);
   TipBlock(&cell, &slopes.b, shift, by);
   WideEnd(line, (const PetscReal(*)[FIELDS])by);
-  PetscCall(CellsClose(&cell));
+  PetscCall(SpaceCellsClose(&cell));
   PetscFunctionReturn(0);
 }
 
@@ -623,9 +418,9 @@ static PetscErrorCode SpaceHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal 
 
   PetscFunctionBegin;
   *creep = 0;
-  PetscCall(CellsOpen(rod, t, U, U_t, &cell));
+  PetscCall(SpaceCellsOpen(rod, t, U, U_t, &cell));
   for (PetscInt i = first; i < PetscMin(rod->end, rod->last); i++) {
-    CellsNext(&cell, i);
+    SpaceCellsNext(&cell, i);
     if (i == first && ends && (i > 0 || cell.law->c != 0))
       *creep = PetscMax(*creep, LoadHold3(cell.load, &cell.a.at, seen, cell.dual[0]));
     *creep = PetscMax(*creep, LoadHold3(cell.load, &cell.mid.at, seen, cell.dual[1]));
@@ -635,7 +430,7 @@ static PetscErrorCode SpaceHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal 
     TipState3 tip = TipOf(cell.load, &cell.b);
     *creep = PetscMax(*creep, TipHold3(&rod->scene->tip, &tip, seen, TipDual(rod)));
   }
-  PetscCall(CellsClose(&cell));
+  PetscCall(SpaceCellsClose(&cell));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, creep, 1, MPIU_REAL, MPI_MAX, rod->scene->comm));
   PetscFunctionReturn(0);
 }
@@ -687,6 +482,24 @@ static PetscErrorCode SpaceRecall(Rod rod, Vec memory) {
 }
 
 /* ---- nodes ---- */
+
+/* m_k = d_k.m, and d_k'(dp).m + d_k.dm. */
+static void SpaceMoments(const PetscReal u[], const PetscReal change[], PetscReal m[3],
+                         PetscReal dm[3]) {
+  const PetscReal *p = u + P, size = QuaternionSize(p);
+  PetscReal d[3][3], D[3][4];
+
+  Directors(p, size, d);
+  for (int k = 0; k < 3; k++) {
+    DirectorSlope(p, size, d[k], k, D);
+    m[k] = dm[k] = 0;
+    for (int i = 0; i < 3; i++) {
+      m[k] += d[k][i] * u[M + i];
+      dm[k] += d[k][i] * change[M + i];
+      for (int j = 0; j < 4; j++) dm[k] += D[i][j] * change[P + j] * u[M + i];
+    }
+  }
+}
 
 /* Is an owned node turned by half a turn or more, p0.p1 <= 0? The same on every rank. */
 static PetscErrorCode SpaceTurned(Rod rod, Vec U0, Vec U1, PetscBool *turned) {
@@ -908,6 +721,8 @@ const RodModel rod_space = {
     .set = SpaceSet,
     .get = SpaceGet,
     .residual = SpaceResidual,
+    .defect = SpaceDefect,
+    .moments = SpaceMoments,
     .turned = SpaceTurned,
     .hold = SpaceHold,
     .remember = SpaceRemember,

@@ -1,6 +1,5 @@
 #include "stepping/estimate.h"
 #include "base/chain.h"
-#include "rod/frame.h"
 #include "stepping/vbdf.h"
 
 /*
@@ -11,41 +10,45 @@
     F_U e + F_U_t e_t = -d,     e jumps by l at each step
 
   This is stepped by backward Euler, e = A z with the factor A by which x2 falls and rises taken out
-  of the fields across, as it is for the run itself (vbdf.c). Errors are smooth along the rod, and a
-  fifth of them is no matter: so it is done on a coarse mesh of every few nodes of the run's, and
-  once in a few steps while the rod is straight. From the first contact on cells are no longer than
-  the layer over which contact spreads, and it is done once in a few steps. The two parts, in space
-  and in time, are carried along each for itself. What is told is the largest error that they make
-  in the tip's place (over its distance), |x2| and the energy (each over itself).
+  of the fields across, as it is for the run itself (vbdf.c; in space a factor each for those of
+  both directions, or one for both while they are of like size). Errors are smooth along the rod,
+  and a fifth of them is no matter: so it is done on a coarse mesh of every few nodes of the run's,
+  and once in a few steps while the rod is straight. From the first contact on cells are no longer
+  than the layer over which contact spreads, and it is done once in a few steps. The two parts, in
+  space and in time, are carried along each for itself. What is told is the largest error that they
+  make in the tip's place (over its distance), |x2| and the energy (each over itself).
 */
-enum { FOLLOWED = 3 };                /* fields that have rates: x1, x2, theta */
 enum { LEAST_CELLS = 8, CELLS = 48 }; /* of the run; of the coarse mesh, about */
 enum { SELDOM = 4 };  /* steps from one time to the next, while straight or in contact */
 enum { DEFECTS = 2 }; /* such times from one measurement of defects to the next */
 static const PetscReal longest = 0.8;  /* arc length of a coarse cell, where the mesh allows */
 static const PetscReal straight = 0.3; /* angle */
 static const PetscReal most_dip = 0.8; /* of the moment: one that it is worth to look at */
+static const PetscReal alike = 1e3;    /* sizes across in both directions, up to this ratio */
 static const PetscReal early = 0.01;   /* of the run: what the start does is over by then */
 static const PetscReal nudge = 1e-3;   /* of the speed at which friction turns, of beta, of k */
 
-/* What is gathered of a coarse node: the state, its rate, local errors, the defect of the cell
-   behind it. */
+/* What is gathered of the coarse nodes, node after node: the state, its rate, the defect of the
+   cell behind; of the fields that have rates, which come first, local errors since the errors were
+   stepped last, and those before the latest step if that is looked at by itself. */
 typedef struct {
-  PetscReal u[FIELDS], rate[FIELDS], local[FOLLOWED], defect[FIELDS];
+  PetscReal *u, *rate, *defect, *local, *skipped;
 } Gathered;
-enum { GATHERED = sizeof(Gathered) / sizeof(PetscReal) };
 
 struct _Estimate {
   Leg *leg;
-  PetscBool touches;      /* the rod does, or did */
-  PetscInt stride, nodes; /* of the coarse mesh */
-  PetscInt since;         /* steps */
-  PetscReal before, size; /* when e was stepped last, and |x2| then */
-  PetscReal latest;       /* largest x2 at the latest step */
-  PetscReal moment[2];    /* the largest, when e was stepped last; the least of it since */
-  PetscInt until;         /* times until the defect is measured again */
-  PetscReal measured;     /* largest x2 when it was */
-  Gathered *own, *all;    /* of this rank's nodes, 0 elsewhere; all on rank 0 */
+  const RodModel *model;
+  PetscInt fields, followed, mirrors; /* of a node; those that have rates; of those across */
+  PetscBool touches;                  /* the rod does, or did */
+  PetscInt stride, nodes;             /* of the coarse mesh */
+  PetscInt since;                     /* steps */
+  PetscInt rejected, watch;           /* tries, so far; steps to be looked at one by one */
+  PetscReal before, size[MIRRORS];    /* when e was stepped last, and |x2|, |x3| then */
+  PetscReal time, latest[MIRRORS];    /* of the latest step, and the largest x2, x3 at it */
+  PetscReal moment[2];         /* the largest, when e was stepped last; the least of it since */
+  PetscInt until;              /* times until the defect is measured again */
+  PetscReal measured[MIRRORS]; /* the largest x2, x3 when it was */
+  Gathered own, all;           /* of this rank's nodes, 0 elsewhere; all on rank 0 */
   PetscReal (*defect)[MAX_FIELDS];
   PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN];
   /* rank 0: the coarse rod; NULL else */
@@ -55,8 +58,20 @@ struct _Estimate {
   Mat J;
   KSP ksp;
   Vec U, rate, nudged, F, G;
-  PetscReal (*e[ESTIMATE_PARTS])[FIELDS], (*rhs)[FIELDS], (*b)[FIELDS];
+  PetscReal *e[ESTIMATE_PARTS], *rhs, *b;
 };
+
+static PetscErrorCode CreateGathered(const Estimate self, Gathered *g) {
+  const PetscInt u = self->nodes * self->fields, rate = self->nodes * self->followed;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(3 * u + 2 * rate, &g->u));
+  g->rate = g->u + u;
+  g->defect = g->rate + u;
+  g->local = g->defect + u;
+  g->skipped = g->local + rate;
+  PetscFunctionReturn(0);
+}
 
 /* Every stride-th node, the tip in any case; an even number, for defects are those of two cells. */
 static PetscErrorCode Coarsen(Estimate self, const Scene scene) {
@@ -102,20 +117,22 @@ static PetscErrorCode CreateCoarse(Estimate self, const Scene scene) {
   PetscCall(PetscMalloc1(self->nodes, &coarse->mesh.s));
   for (PetscInt k = 0; k < self->nodes; k++) coarse->mesh.s[k] = scene->mesh.s[FineNode(self, k)];
   SceneLinkWalls(coarse);
-  PetscCall(RodCreate(coarse, &rod_frame, &self->rod));
+  PetscCall(RodCreate(coarse, self->model, &self->rod));
   if (self->rod->coupled)
     PetscCall(CreateMatrix(self));
   else
     PetscCall(
-        EliminationCreate(PETSC_COMM_SELF, self->nodes, rod_frame.halves, &self->elimination));
+        EliminationCreate(PETSC_COMM_SELF, self->nodes, self->model->halves, &self->elimination));
   PetscCall(DMCreateGlobalVector(self->rod->da, &self->U));
   PetscCall(VecDuplicate(self->U, &self->rate));
   PetscCall(VecDuplicate(self->U, &self->nudged));
   PetscCall(VecDuplicate(self->U, &self->F));
   PetscCall(VecDuplicate(self->U, &self->G));
   for (int part = 0; part < ESTIMATE_PARTS; part++)
-    PetscCall(PetscCalloc1(self->nodes, &self->e[part]));
-  PetscCall(PetscCalloc3(self->nodes, &self->rhs, self->nodes, &self->b, self->nodes, &self->all));
+    PetscCall(PetscCalloc1(self->nodes * self->fields, &self->e[part]));
+  PetscCall(
+      PetscCalloc2(self->nodes * self->fields, &self->rhs, self->nodes * self->fields, &self->b));
+  PetscCall(CreateGathered(self, &self->all));
   PetscFunctionReturn(0);
 }
 
@@ -127,7 +144,8 @@ static PetscErrorCode DestroyCoarse(Estimate self) {
   PetscCall(VecDestroy(&self->F));
   PetscCall(VecDestroy(&self->G));
   for (int part = 0; part < ESTIMATE_PARTS; part++) PetscCall(PetscFree(self->e[part]));
-  PetscCall(PetscFree3(self->rhs, self->b, self->all));
+  PetscCall(PetscFree2(self->rhs, self->b));
+  PetscCall(PetscFree(self->all.u));
   PetscCall(EliminationDestroy(&self->elimination));
   PetscCall(KSPDestroy(&self->ksp));
   PetscCall(MatDestroy(&self->J));
@@ -143,7 +161,7 @@ static PetscErrorCode ChooseMesh(Estimate self) {
 
   PetscFunctionBegin;
   PetscCall(Coarsen(self, rod->scene));
-  PetscCall(PetscCalloc1(self->nodes, &self->own));
+  PetscCall(CreateGathered(self, &self->own));
   PetscCallMPI(MPI_Comm_rank(rod->scene->comm, &rank));
   if (!rank) PetscCall(CreateCoarse(self, rod->scene));
   PetscFunctionReturn(0);
@@ -163,6 +181,10 @@ PetscErrorCode EstimateCreate(Leg *leg, Estimate *estimate) {
   PetscCall(PetscNew(&self));
   *estimate = self;
   self->leg = leg;
+  self->model = leg->rod->model;
+  self->fields = self->model->fields;
+  self->followed = self->model->halves[0];
+  self->mirrors = self->model->space ? 2 : 1;
   PetscCall(PetscCalloc1(leg->rod->end - leg->rod->first, &self->defect));
   PetscCall(ChooseMesh(self));
   PetscFunctionReturn(0);
@@ -174,153 +196,201 @@ PetscErrorCode EstimateDestroy(Estimate *estimate) {
   PetscFunctionBegin;
   if (!self) PetscFunctionReturn(0);
   PetscCall(DestroyCoarse(self));
-  PetscCall(PetscFree(self->own));
+  PetscCall(PetscFree(self->own.u));
   PetscCall(PetscFree(self->defect));
   PetscCall(PetscFree(*estimate));
   PetscFunctionReturn(0);
 }
 
 /* Errors at the nodes of another mesh, linearly between those where they were. */
-static void Interpolate(PetscInt m, const PetscReal *from, PetscReal (*old)[FIELDS], PetscInt n,
-                        const PetscReal *to, PetscReal (*new)[FIELDS]) {
+static void Interpolate(PetscInt fields, PetscInt m, const PetscReal *from, const PetscReal *old,
+                        PetscInt n, const PetscReal *to, PetscReal *new) {
   PetscInt j = 0;
 
   for (PetscInt k = 0; k < n; k++) {
     PetscReal z;
     while (j + 2 < m && from[j + 1] < to[k]) j++;
     z = (to[k] - from[j]) / (from[j + 1] - from[j]);
-    for (int f = 0; f < FIELDS; f++) new[k][f] = (1 - z) * old[j][f] + z *old[j + 1][f];
+    for (PetscInt f = 0; f < fields; f++)
+      new[k * fields + f] = (1 - z) * old[j * fields + f] + z *old[(j + 1) * fields + f];
   }
 }
 
 /* The rod touches something for the first time: its errors go on on another mesh. Collective. */
 static PetscErrorCode Refine(Estimate self) {
-  PetscReal *s = NULL, (*old)[FIELDS] = NULL;
-  PetscInt n = self->nodes;
+  PetscReal *s = NULL, *old = NULL;
+  PetscInt n = self->nodes, size = n * self->fields;
   PetscBool here = (PetscBool)(self->rod != NULL);
 
   PetscFunctionBegin;
   self->touches = PETSC_TRUE;
   self->until = 0;
   if (here) {
-    PetscCall(PetscMalloc2(n, &s, ESTIMATE_PARTS * n, &old));
+    PetscCall(PetscMalloc2(n, &s, ESTIMATE_PARTS * size, &old));
     PetscCall(PetscArraycpy(s, self->scene.mesh.s, n));
     for (int part = 0; part < ESTIMATE_PARTS; part++)
-      PetscCall(PetscArraycpy(old + part * n, self->e[part], n));
+      PetscCall(PetscArraycpy(old + part * size, self->e[part], size));
     PetscCall(DestroyCoarse(self));
   }
-  PetscCall(PetscFree(self->own));
+  PetscCall(PetscFree(self->own.u));
   PetscCall(ChooseMesh(self));
   for (int part = 0; part < ESTIMATE_PARTS && here; part++)
-    Interpolate(n, s, old + part * n, self->nodes, self->scene.mesh.s, self->e[part]);
+    Interpolate(self->fields, n, s, old + part * size, self->nodes, self->scene.mesh.s,
+                self->e[part]);
   PetscCall(PetscFree2(s, old));
   PetscFunctionReturn(0);
 }
 
-/* By how much the fields across have changed, as far as x2 tells. */
+/* By how much a size has changed. */
 static PetscReal Ratio(PetscReal now, PetscReal before) {
   return now > rod_vanished && before > rod_vanished ? now / before : 1;
 }
 
+static PetscBool Alike(const PetscReal size[MIRRORS]) {
+  return (PetscBool)(PetscMin(size[0], size[1]) > rod_vanished &&
+                     PetscMax(size[0], size[1]) < alike * PetscMin(size[0], size[1]));
+}
+
+/* By how much the fields of each group have changed, as far as x2 and x3 tell. */
+static void Ratios(const PetscReal now[MIRRORS], const PetscReal before[MIRRORS],
+                   PetscReal ratio[GROUPS]) {
+  const PetscBool both = (PetscBool)(Alike(now) && Alike(before));
+
+  ratio[ALONG] = 1;
+  for (int k = 0; k < MIRRORS; k++)
+    ratio[1 << k] =
+        both ? Ratio(hypot(now[0], now[1]), hypot(before[0], before[1])) : Ratio(now[k], before[k]);
+  ratio[TWIST] = ratio[ACROSS_2] * ratio[ACROSS_3];
+}
+
+/* The largest x2 and x3, of the sizes of fields. */
+static void Across(const Estimate self, const PetscReal size[MAX_FIELDS],
+                   PetscReal across[MIRRORS]) {
+  for (int k = 0; k < MIRRORS; k++) across[k] = k < self->mirrors ? size[1 + k] : 0;
+}
+
+static PetscReal LargestMoment(const Estimate self, const PetscReal size[MAX_FIELDS]) {
+  PetscReal most = 0;
+
+  for (PetscInt d = 0; d < (self->model->space ? 3 : 1); d++)
+    most = PetscMax(most, size[self->followed + d]);
+  return most;
+}
+
 /* The step's local error at the coarse nodes of this rank comes on top of those before, which have
-   changed meanwhile by a factor. */
-static PetscErrorCode AddLocal(Estimate self, PetscReal factor) {
-  PetscReal along[VBDF_POINTS], across[VBDF_POINTS], times[VBDF_POINTS];
+   changed meanwhile. */
+static PetscErrorCode AddLocal(Estimate self, const PetscReal ratio[GROUPS]) {
+  PetscReal weight[VBDF_POINTS][VBDF_FIELDS], times[VBDF_POINTS];
+  const PetscInt fields = self->fields, followed = self->followed;
   const PetscScalar *u[VBDF_POINTS];
   const Rod rod = self->leg->rod;
   PetscInt n, points, order;
   Vec point[VBDF_POINTS];
 
   PetscFunctionBegin;
-  PetscCall(VBDFGetLocalError(self->leg->ts, &n, along, across));
+  PetscCall(VBDFGetLocalError(self->leg->ts, fields, &n, weight));
   PetscCall(VBDFGetHistory(self->leg->ts, &points, times, point, &order));
   if (n > points) n = 0;
   for (PetscInt j = 0; j < n; j++) PetscCall(VecGetArrayRead(point[j], &u[j]));
   for (PetscInt k = 0; k < self->nodes; k++) {
     PetscInt i = FineNode(self, k) - rod->first;
+    PetscReal *local = self->own.local + k * followed, *skipped = self->own.skipped + k * followed;
     if (i < 0 || i >= rod->end - rod->first) continue;
-    for (int f = X2; f < FOLLOWED; f++) self->own[k].local[f] *= factor;
-    for (PetscInt j = 0; j < n; j++)
-      for (int f = 0; f < FOLLOWED; f++)
-        self->own[k].local[f] += (f == X1 ? along : across)[j] * u[j][i * FIELDS + f];
+    for (PetscInt f = 0; f < followed; f++) {
+      local[f] *= ratio[self->model->group[f]];
+      skipped[f] *= ratio[self->model->group[f]];
+      for (PetscInt j = 0; j < n; j++) local[f] += weight[j][f] * u[j][i * fields + f];
+    }
   }
   for (PetscInt j = 0; j < n; j++) PetscCall(VecRestoreArrayRead(point[j], &u[j]));
   PetscFunctionReturn(0);
 }
 
 /* The defects of the coarse cells: those of the cells in them. They change slowly, but for the
-   factor of x2. */
-static PetscErrorCode MeasureDefect(Estimate self, PetscReal size) {
+   factor of the fields across. */
+static PetscErrorCode MeasureDefect(Estimate self, const PetscReal across[MIRRORS]) {
+  const PetscInt fields = self->fields;
   const Rod rod = self->leg->rod;
+  PetscReal ratio[GROUPS], t;
 
   PetscFunctionBegin;
+  Ratios(across, self->measured, ratio);
+  PetscCall(PetscArraycpy(self->measured, across, MIRRORS));
   if (self->until-- > 0) {
-    PetscReal factor = Ratio(size, self->measured);
     for (PetscInt k = 0; k < self->nodes; k++)
-      for (int f = 0; f < FIELDS; f++)
-        if (rod_frame.group[f] != ALONG) self->own[k].defect[f] *= factor;
-    self->measured = size;
+      for (PetscInt f = 0; f < fields; f++)
+        self->own.defect[k * fields + f] *= ratio[self->model->group[f]];
     PetscFunctionReturn(0);
   }
   self->until = DEFECTS - 1;
-  self->measured = size;
-  PetscCall(rod->model->defect(rod, self->defect));
-  for (PetscInt k = 0; k < self->nodes; k++) PetscCall(PetscArrayzero(self->own[k].defect, FIELDS));
+  PetscCall(TSGetTime(self->leg->ts, &t));
+  PetscCall(rod->model->defect(rod, t, self->leg->U, rod->latest_rate, self->defect));
+  PetscCall(PetscArrayzero(self->own.defect, self->nodes * fields));
   for (PetscInt i = PetscMax(1, rod->first); i < rod->end; i++)
-    for (int f = 0; f < FIELDS; f++)
-      self->own[(i - 1) / self->stride].defect[f] += self->defect[i - rod->first][f];
+    for (PetscInt f = 0; f < fields; f++)
+      self->own.defect[(i - 1) / self->stride * fields + f] += self->defect[i - rod->first][f];
   PetscFunctionReturn(0);
 }
 
 /* State, rate and defect of what is owned; all of it on rank 0. */
-static PetscErrorCode Gather(Estimate self, PetscReal size) {
+static PetscErrorCode Gather(Estimate self, const PetscReal across[MIRRORS]) {
+  const PetscInt fields = self->fields, count = self->nodes * (3 * fields + 2 * self->followed);
   const Rod rod = self->leg->rod;
   const PetscScalar *u, *rate;
 
   PetscFunctionBegin;
-  PetscCall(MeasureDefect(self, size));
+  PetscCall(MeasureDefect(self, across));
   PetscCall(VecGetArrayRead(self->leg->U, &u));
   PetscCall(VecGetArrayRead(rod->latest_rate, &rate));
   for (PetscInt k = 0; k < self->nodes; k++) {
     PetscInt i = FineNode(self, k) - rod->first;
     if (i < 0 || i >= rod->end - rod->first) continue;
-    PetscCall(PetscArraycpy(self->own[k].u, u + i * FIELDS, FIELDS));
-    PetscCall(PetscArraycpy(self->own[k].rate, rate + i * FIELDS, FIELDS));
+    PetscCall(PetscArraycpy(self->own.u + k * fields, u + i * fields, fields));
+    PetscCall(PetscArraycpy(self->own.rate + k * fields, rate + i * fields, fields));
   }
   PetscCall(VecRestoreArrayRead(self->leg->U, &u));
   PetscCall(VecRestoreArrayRead(rod->latest_rate, &rate));
-  PetscCallMPI(MPI_Reduce(self->own, self->all, (PetscMPIInt)(GATHERED * self->nodes), MPIU_REAL,
-                          MPI_SUM, 0, rod->scene->comm));
+  PetscCallMPI(MPI_Reduce(self->own.u, self->all.u, (PetscMPIInt)count, MPIU_REAL, MPI_SUM, 0,
+                          rod->scene->comm));
   PetscFunctionReturn(0);
 }
 
-/* |x2| on the coarse mesh, and the rate at which its logarithm changes (scaled: its square may lie
-   below the smallest number). */
-static PetscReal Size(const Estimate self, PetscReal *rate) {
+/* The size of a field on the coarse mesh, and the rate at which its logarithm changes (scaled:
+   squares may lie below the smallest number). */
+static PetscReal SizeOf(const Estimate self, PetscInt f, PetscReal *rate) {
   PetscReal most = 0, sum = 0, by_rate = 0;
 
   *rate = 0;
-  for (PetscInt k = 0; k < self->nodes; k++)
-    most = PetscMax(most, PetscAbsReal(self->all[k].u[X2]));
+  for (PetscInt i = f; i < self->nodes * self->fields; i += self->fields)
+    most = PetscMax(most, PetscAbsReal(self->all.u[i]));
   if (most <= rod_vanished) return 0;
-  for (PetscInt k = 0; k < self->nodes; k++) {
-    sum += PetscSqr(self->all[k].u[X2] / most);
-    by_rate += self->all[k].u[X2] / most * (self->all[k].rate[X2] / most);
+  for (PetscInt i = f; i < self->nodes * self->fields; i += self->fields) {
+    sum += PetscSqr(self->all.u[i] / most);
+    by_rate += self->all.u[i] / most * (self->all.rate[i] / most);
   }
   *rate = by_rate / sum;
   return most * PetscSqrtReal(sum);
 }
 
+/* |x2| and |x3| on the coarse mesh, and the rates of their logarithms. */
+static void Sizes(const Estimate self, PetscReal size[MIRRORS], PetscReal rate[MIRRORS]) {
+  PetscReal both = 0;
+
+  for (int k = 0; k < MIRRORS; k++)
+    size[k] = k < self->mirrors ? SizeOf(self, 1 + k, &rate[k]) : (rate[k] = 0);
+  if (!Alike(size)) return;
+  for (int k = 0; k < MIRRORS; k++) both += PetscSqr(size[k] / hypot(size[0], size[1])) * rate[k];
+  for (int k = 0; k < MIRRORS; k++) rate[k] = both;
+}
+
 static PetscErrorCode PutState(Estimate self) {
-  PetscReal(*u)[FIELDS], (*rate)[FIELDS];
+  PetscReal *u, *rate;
 
   PetscFunctionBegin;
   PetscCall(VecGetArrayWrite(self->U, (PetscScalar **)&u));
   PetscCall(VecGetArrayWrite(self->rate, (PetscScalar **)&rate));
-  for (PetscInt k = 0; k < self->nodes; k++) {
-    PetscCall(PetscArraycpy(u[k], self->all[k].u, FIELDS));
-    PetscCall(PetscArraycpy(rate[k], self->all[k].rate, FIELDS));
-  }
+  PetscCall(PetscArraycpy(u, self->all.u, self->nodes * self->fields));
+  PetscCall(PetscArraycpy(rate, self->all.rate, self->nodes * self->fields));
   PetscCall(VecRestoreArrayWrite(self->U, (PetscScalar **)&u));
   PetscCall(VecRestoreArrayWrite(self->rate, (PetscScalar **)&rate));
   PetscFunctionReturn(0);
@@ -336,16 +406,16 @@ static void TakeContact(Estimate self) {
 }
 
 /* F_U + F_U_t shift at the state that is put. */
-static PetscErrorCode Linearise(Estimate self, PetscReal t, const PetscReal shift[FIELDS]) {
+static PetscErrorCode Linearise(Estimate self, PetscReal t, const PetscReal shift[]) {
   Rod rod = self->rod;
 
   PetscFunctionBegin;
   rod->fresh = PETSC_TRUE;
-  PetscCall(rod_frame.residual(rod, t, self->U, self->rate, self->F));
+  PetscCall(self->model->residual(rod, t, self->U, self->rate, self->F));
   if (self->elimination)
-    PetscCall(rod_frame.eliminate(rod, t, self->U, self->rate, shift, self->elimination));
+    PetscCall(self->model->eliminate(rod, t, self->U, self->rate, shift, self->elimination));
   else {
-    PetscCall(rod_frame.jacobian(rod, t, self->U, self->rate, shift, self->J));
+    PetscCall(self->model->jacobian(rod, t, self->U, self->rate, shift, self->J));
     PetscCall(KSPSetOperators(self->ksp, self->J, self->J));
   }
   rod->fresh = PETSC_FALSE;
@@ -353,21 +423,23 @@ static PetscErrorCode Linearise(Estimate self, PetscReal t, const PetscReal shif
 }
 
 /* ... times e is rhs */
-static PetscErrorCode Solve(Estimate self, PetscReal (*e)[FIELDS]) {
+static PetscErrorCode Solve(Estimate self, PetscReal *e) {
+  const PetscInt n = self->nodes * self->fields;
   const PetscScalar *x;
-  PetscReal(*b)[FIELDS];
+  PetscReal *b;
 
   PetscFunctionBegin;
   if (self->elimination) {
-    PetscCall(EliminationSolve(self->elimination, (const PetscReal(*)[FIELDS])self->rhs, e));
+    PetscCall(EliminationSolve(self->elimination, (const PetscReal(*)[LINE_FIELDS])self->rhs,
+                               (PetscReal(*)[LINE_FIELDS])e));
     PetscFunctionReturn(0);
   }
   PetscCall(VecGetArrayWrite(self->nudged, (PetscScalar **)&b));
-  PetscCall(PetscArraycpy(b, self->rhs, self->nodes));
+  PetscCall(PetscArraycpy(b, self->rhs, n));
   PetscCall(VecRestoreArrayWrite(self->nudged, (PetscScalar **)&b));
   PetscCall(KSPSolve(self->ksp, self->nudged, self->G));
   PetscCall(VecGetArrayRead(self->G, &x));
-  PetscCall(PetscArraycpy((PetscScalar *)e, x, self->nodes * FIELDS));
+  PetscCall(PetscArraycpy((PetscScalar *)e, x, n));
   PetscCall(VecRestoreArrayRead(self->G, &x));
   PetscFunctionReturn(0);
 }
@@ -375,34 +447,35 @@ static PetscErrorCode Solve(Estimate self, PetscReal (*e)[FIELDS]) {
 /* rhs = -F_U_t b, by a difference so small that friction is straight over it. */
 static PetscErrorCode TimesRate(Estimate self, PetscReal t) {
   const PetscReal beta = self->scene.load.friction.beta;
+  const PetscInt n = self->nodes * self->fields;
   const PetscScalar *F, *G;
-  PetscReal(*rate)[FIELDS], most = 0, scale;
+  PetscReal *rate, most = 0, scale;
 
   PetscFunctionBegin;
-  PetscCall(PetscArrayzero(self->rhs, self->nodes));
-  for (PetscInt k = 0; k < self->nodes; k++)
-    for (int f = 0; f < FOLLOWED; f++) most = PetscMax(most, PetscAbsReal(self->b[k][f]));
+  PetscCall(PetscArrayzero(self->rhs, n));
+  for (PetscInt i = 0; i < n; i++) most = PetscMax(most, PetscAbsReal(self->b[i]));
   if (most <= rod_vanished) PetscFunctionReturn(0);
   scale = nudge * PetscSqrtReal(beta > 0 ? beta : friction_tiny) / most;
   PetscCall(VecCopy(self->rate, self->nudged));
   PetscCall(VecGetArray(self->nudged, (PetscScalar **)&rate));
-  for (PetscInt k = 0; k < self->nodes; k++)
-    for (int f = 0; f < FOLLOWED; f++) rate[k][f] += scale * self->b[k][f];
+  for (PetscInt i = 0; i < n; i++) rate[i] += scale * self->b[i];
   PetscCall(VecRestoreArray(self->nudged, (PetscScalar **)&rate));
-  PetscCall(rod_frame.residual(self->rod, t, self->U, self->nudged, self->G));
+  PetscCall(self->model->residual(self->rod, t, self->U, self->nudged, self->G));
   PetscCall(VecGetArrayRead(self->F, &F));
   PetscCall(VecGetArrayRead(self->G, &G));
-  for (PetscInt i = 0; i < self->nodes * FIELDS; i++)
-    (&self->rhs[0][0])[i] = -(G[i] - F[i]) / scale;
+  for (PetscInt i = 0; i < n; i++) self->rhs[i] = -(G[i] - F[i]) / scale;
   PetscCall(VecRestoreArrayRead(self->F, &F));
   PetscCall(VecRestoreArrayRead(self->G, &G));
   PetscFunctionReturn(0);
 }
 
-/* rhs -= d: of each cell's equations, in the rows that the frame model has them. */
+/* rhs -= d: of each cell's equations, in the rows that the model has them. */
 static void SubtractDefect(Estimate self) {
+  const PetscInt fields = self->fields;
+
   for (PetscInt k = 0; k + 1 < self->nodes; k++)
-    for (int f = 0; f < FIELDS; f++) self->rhs[f < M ? k + 1 : k][f] -= self->all[k].defect[f];
+    for (PetscInt f = 0; f < fields; f++)
+      self->rhs[(f < self->followed ? k + 1 : k) * fields + f] -= self->all.defect[k * fields + f];
 }
 
 /* rhs -= by what the residual changes while a number of the scene grows by a part of itself. */
@@ -414,13 +487,12 @@ static PetscErrorCode SubtractChange(Estimate self, PetscReal t, PetscReal *numb
   PetscCall(VecCopy(self->rate, self->nudged)); /* (the same rates, but no state that is known) */
   *number = (1 + nudge) * taken;
   self->scene.contact.time = PETSC_MIN_REAL;
-  PetscCall(rod_frame.residual(self->rod, t, self->U, self->nudged, self->G));
+  PetscCall(self->model->residual(self->rod, t, self->U, self->nudged, self->G));
   *number = taken;
   self->scene.contact.time = PETSC_MIN_REAL;
   PetscCall(VecGetArrayRead(self->F, &F));
   PetscCall(VecGetArrayRead(self->G, &G));
-  for (PetscInt i = 0; i < self->nodes * FIELDS; i++)
-    (&self->rhs[0][0])[i] -= (G[i] - F[i]) / nudge;
+  for (PetscInt i = 0; i < self->nodes * self->fields; i++) self->rhs[i] -= (G[i] - F[i]) / nudge;
   PetscCall(VecRestoreArrayRead(self->F, &F));
   PetscCall(VecRestoreArrayRead(self->G, &G));
   PetscFunctionReturn(0);
@@ -442,42 +514,80 @@ static PetscErrorCode SubtractSource(Estimate self, PetscReal t, int part) {
   PetscFunctionReturn(0);
 }
 
-/* What an error makes of tip, |x2| and energy, relative. Where the moment all but vanishes between
-   two looks, by Schwarz's inequality, dip its part that is left: dE/E <= 2 |dm|/|m|. */
-static PetscErrorCode See(Estimate self, PetscReal t, PetscReal dip, PetscReal (*e)[FIELDS],
-                          PetscReal seen[ESTIMATE_SEEN]) {
+/* What an error makes of |x2|, and of |x3| in space, over the larger one. */
+static PetscReal SeeNorm(const Estimate self, const PetscReal *e) {
+  const PetscReal *s = self->scene.mesh.s, *u = self->all.u;
+  const PetscInt last = self->nodes - 1, fields = self->fields;
+  PetscReal norm[MIRRORS] = {0}, by[MIRRORS] = {0}, size = rod_vanished, most, off = 0;
+
+  for (PetscInt k = 0; k <= last; k++)
+    for (PetscInt d = 1; d <= self->mirrors; d++)
+      size = PetscMax(size, PetscAbsReal(u[k * fields + d]));
+  for (PetscInt k = 0; k <= last; k++)
+    for (PetscInt d = 0; d < self->mirrors; d++) {
+      const PetscReal w = (s[PetscMin(k + 1, last)] - s[PetscMax(k - 1, 0)]) / 2,
+                      y = u[k * fields + 1 + d] / size;
+      norm[d] += w * y * y;
+      by[d] += w * y * (e[k * fields + 1 + d] / size);
+    }
+  most = PetscMax(norm[0], norm[1]);
+  for (int d = 0; d < MIRRORS; d++)
+    if (norm[d] > 0) off = PetscMax(off, PetscAbsReal(by[d]) / PetscSqrtReal(norm[d] * most));
+  return off;
+}
+
+/* What an error makes of the energy, over it. Where the moment all but vanishes between two looks,
+   by Schwarz's inequality, dip its part that is left: dE/E <= 2 |dm|/|m|. */
+static PetscErrorCode SeeEnergy(const Estimate self, PetscReal t, PetscReal dip, const PetscReal *e,
+                                PetscReal *seen) {
   const PetscReal *s = self->scene.mesh.s;
-  const PetscInt last = self->nodes - 1;
-  const Gathered *p = self->all;
-  PetscReal norm = 0, energy = 0, by_norm = 0, by_energy = 0, off = 0, size = 0;
+  const PetscInt last = self->nodes - 1, fields = self->fields,
+                 moments = self->model->space ? 3 : 1;
+  PetscReal energy = 0, by = 0, off = 0, size = rod_vanished;
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k <= last; k++) size = PetscMax(size, PetscAbsReal(p[k].u[X2]));
-  size = PetscMax(size, rod_vanished);
+  for (PetscInt k = 0; k <= last; k++)
+    for (PetscInt d = 0; d < moments; d++)
+      size = PetscMax(size, PetscAbsReal(self->all.u[k * fields + self->followed + d]));
   for (PetscInt k = 0; k <= last; k++) {
-    PetscReal w = (s[PetscMin(k + 1, last)] - s[PetscMax(k - 1, 0)]) / 2, g, B,
-              y = p[k].u[X2] / size;
+    PetscReal w = (s[PetscMin(k + 1, last)] - s[PetscMax(k - 1, 0)]) / 2, g, B, S[3], m[3], dm[3];
     PetscCall(GrowthStretch(self->scene.growth, 1, &s[k], t, &g, NULL, NULL));
     PetscCall(SceneStiffness(&self->scene, s[k], t, &B, NULL));
-    norm += w * y * y;
-    by_norm += w * y * (e[k][X2] / size);
-    energy += w * g / B * PetscSqr(p[k].u[M] / size);
-    by_energy += 2 * w * g / B * (p[k].u[M] / size) * (e[k][M] / size);
-    off += w * g / B * PetscSqr(e[k][M] / size);
+    S[0] = B;
+    if (self->model->space) SceneStiffnesses(&self->scene, B, S);
+    self->model->moments(self->all.u + k * fields, e + k * fields, m, dm);
+    for (PetscInt d = 0; d < moments; d++) {
+      energy += w * g / S[d] * PetscSqr(m[d] / size);
+      by += 2 * w * g / S[d] * (m[d] / size) * (dm[d] / size);
+      off += w * g / S[d] * PetscSqr(dm[d] / size);
+    }
   }
-  seen[ESTIMATE_TIP] =
-      hypot(e[last][X1], e[last][X2]) / PetscMax(hypot(p[last].u[X1], p[last].u[X2]), rod_vanished);
-  seen[ESTIMATE_NORM] = norm > 0 ? PetscAbsReal(by_norm / norm) : 0;
-  seen[ESTIMATE_ENERGY] = energy > 0 ? PetscAbsReal(by_energy / energy) : 0;
+  *seen = energy > 0 ? PetscAbsReal(by / energy) : 0;
   if (energy > 0 && dip < most_dip)
-    seen[ESTIMATE_ENERGY] = PetscMax(seen[ESTIMATE_ENERGY],
-                                     2 * PetscSqrtReal(off / energy) / PetscMax(dip, rod_vanished));
+    *seen = PetscMax(*seen, 2 * PetscSqrtReal(off / energy) / PetscMax(dip, rod_vanished));
+  PetscFunctionReturn(0);
+}
+
+/* What an error makes of tip, |x2| and energy, relative. */
+static PetscErrorCode See(const Estimate self, PetscReal t, PetscReal dip, const PetscReal *e,
+                          PetscReal seen[ESTIMATE_SEEN]) {
+  const PetscInt tip = (self->nodes - 1) * self->fields;
+  PetscReal off = 0, distance = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt d = 0; d <= self->mirrors; d++) {
+    off = hypot(off, e[tip + d]);
+    distance = hypot(distance, self->all.u[tip + d]);
+  }
+  seen[ESTIMATE_TIP] = off / PetscMax(distance, rod_vanished);
+  seen[ESTIMATE_NORM] = SeeNorm(self, e);
+  PetscCall(SeeEnergy(self, t, dip, e, &seen[ESTIMATE_ENERGY]));
   PetscFunctionReturn(0);
 }
 
 /* Beyond 1 an error is no small one any more, and the linear equations say nothing. */
 static PetscErrorCode Keep(Estimate self, PetscReal t, PetscReal dip, int part) {
-  PetscReal seen[ESTIMATE_SEEN] = {0}, most = 0, (*e)[FIELDS] = self->e[part];
+  PetscReal seen[ESTIMATE_SEEN] = {0}, most = 0, *e = self->e[part];
 
   PetscFunctionBegin;
   PetscCall(See(self, t, dip, e, seen));
@@ -487,36 +597,51 @@ static PetscErrorCode Keep(Estimate self, PetscReal t, PetscReal dip, int part) 
     if (t > early * self->scene.end_time)
       self->worst[part][k] = PetscMax(self->worst[part][k], PetscMin(1, seen[k]));
   }
-  for (PetscInt i = 0; i < self->nodes * FIELDS && most > 1; i++) {
-    PetscReal *value = &e[0][0] + i;
-    *value = most < PETSC_MAX_REAL ? *value / most : 0;
-  }
+  for (PetscInt i = 0; i < self->nodes * self->fields && most > 1; i++)
+    e[i] = most < PETSC_MAX_REAL ? e[i] / most : 0;
   PetscFunctionReturn(0);
+}
+
+/* Not more than e^30 up or down in a step. */
+static PetscReal Limited(PetscReal ratio) {
+  const PetscReal most_folds = 30;
+  return PetscExpReal(PetscMax(-most_folds, PetscMin(most_folds, PetscLogReal(ratio))));
+}
+
+/* b = minus the errors that the step begins with, over its length. */
+static void TakeErrors(Estimate self, int part, const PetscReal ratio[GROUPS], PetscReal step) {
+  const PetscInt fields = self->fields, followed = self->followed;
+
+  for (PetscInt k = 0; k < self->nodes; k++)
+    for (PetscInt f = 0; f < followed; f++) {
+      PetscReal e = self->e[part][k * fields + f] * Limited(ratio[self->model->group[f]]);
+      if (part == ESTIMATE_TIME)
+        e += self->all.local[k * followed + f] + self->all.skipped[k * followed + f];
+      self->b[k * fields + f] = -e / step;
+    }
 }
 
 /* A step of backward Euler from before to t. (A'/A is that at t: with its mean over the step, which
    is another where the rate changes, errors would rise or fall against x2.) */
 static PetscErrorCode Advance(Estimate self, PetscReal t, PetscReal dip) {
-  PetscReal rate, size = Size(self, &rate), factor = 1, step = t - self->before, shift[FIELDS],
-                  most_folds = 30;
+  PetscReal size[MIRRORS], rate[MIRRORS], ratio[GROUPS], step = t - self->before, shift[MAX_FIELDS];
 
   PetscFunctionBegin;
-  if (size > 0 && self->size > 0)
-    factor =
-        PetscExpReal(PetscMax(-most_folds, PetscMin(most_folds, PetscLogReal(size / self->size))));
-  self->size = size;
+  Sizes(self, size, rate);
+  Ratios(size, self->size, ratio);
+  PetscCall(PetscArraycpy(self->size, size, MIRRORS));
   self->scene.load.friction.mu = self->leg->rod->scene->load.friction.mu; /* a snap may change it */
   PetscCall(PutState(self));
   TakeContact(self);
-  for (int f = 0; f < FIELDS; f++) shift[f] = 1 / step + (rod_frame.group[f] != ALONG ? rate : 0);
+  for (PetscInt f = 0; f < self->fields; f++) {
+    shift[f] = 1 / step;
+    for (int k = 0; k < MIRRORS; k++)
+      if (self->model->group[f] & 1 << k) shift[f] += rate[k];
+  }
   PetscCall(Linearise(self, t, shift));
   for (int part = 0; part < ESTIMATE_PARTS; part++) {
     if (!Errs(self, part)) continue;
-    for (PetscInt k = 0; k < self->nodes; k++)
-      for (int f = 0; f < FOLLOWED; f++)
-        self->b[k][f] = -(self->e[part][k][f] * (f == X1 ? 1 : factor) +
-                          (part == ESTIMATE_TIME ? self->all[k].local[f] : 0)) /
-                        step;
+    TakeErrors(self, part, ratio, step);
     PetscCall(TimesRate(self, t));
     PetscCall(SubtractSource(self, t, part));
     PetscCall(Solve(self, self->e[part]));
@@ -530,6 +655,44 @@ static PetscReal Dip(const Estimate self, PetscReal now) {
   return self->moment[1] / PetscMax(PetscMin(self->moment[0], now), rod_vanished);
 }
 
+/* How far the rod is from straight: the angle of its steepest place. */
+static PetscReal Angle(const Estimate self, const PetscReal size[MAX_FIELDS]) {
+  const PetscInt p2 = 5; /* x, and p0 and p1 before it */
+  return self->model->space ? 2 * hypot(size[p2], size[p2 + 1]) : size[self->followed - 1];
+}
+
+/*
+  LookForKink - the error of a step that was rejected was not what the steps before had let expect:
+  something in it is not smooth in time, as where a tip meets a layer. Moments feel rates at once:
+  such a step, and some behind it, are looked at one by one. Those before it, which were not yet,
+  come before it.
+*/
+static PetscErrorCode LookForKink(Estimate self) {
+  const PetscInt count = self->nodes * self->followed;
+  PetscInt rejected;
+  PetscBool kink;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetStepRejections(self->leg->ts, &rejected));
+  kink = (PetscBool)(rejected > self->rejected && !self->touches);
+  self->rejected = rejected;
+  self->watch = kink ? SELDOM : PetscMax(0, self->watch - 1);
+  if (!kink || !self->since) PetscFunctionReturn(0);
+  for (PetscInt i = 0; i < count; i++) {
+    self->own.skipped[i] += self->own.local[i];
+    self->own.local[i] = 0;
+  }
+  self->before = self->time;
+  PetscFunctionReturn(0);
+}
+
+/* Is it too early to step e again? */
+static PetscBool Waits(const Estimate self, PetscReal t, const PetscReal size[MAX_FIELDS]) {
+  return (PetscBool)(self->since < SELDOM && !self->watch &&
+                     (self->touches || Angle(self, size) < straight) &&
+                     t < self->leg->rod->scene->end_time);
+}
+
 /*
   EstimateStep - goes on to the state that an accepted step has led to. Collective.
 
@@ -537,26 +700,29 @@ static PetscReal Dip(const Estimate self, PetscReal now) {
   touches  the rod has touched something, now or before
 */
 PetscErrorCode EstimateStep(Estimate self, PetscBool jumped, PetscBool touches) {
-  PetscReal size[MAX_FIELDS], rate, t;
+  PetscReal size[MAX_FIELDS], across[MIRRORS], ratio[GROUPS], rate[MIRRORS], moment, t;
 
   PetscFunctionBegin;
   if (!self) PetscFunctionReturn(0);
   PetscCall(TSGetTime(self->leg->ts, &t));
   if (touches && !self->touches) PetscCall(Refine(self));
   PetscCall(RodFieldSizes(self->leg->rod, self->leg->U, size));
-  if (!jumped) PetscCall(AddLocal(self, Ratio(size[X2], self->latest)));
-  self->latest = size[X2];
-  self->moment[1] = PetscMin(self->moment[1], size[M]);
-  if (++self->since < SELDOM && (touches || size[TH] < straight) &&
-      t < self->leg->rod->scene->end_time)
-    PetscFunctionReturn(0);
-  PetscCall(Gather(self, size[X2]));
-  if (self->rod && !jumped) PetscCall(Advance(self, t, Dip(self, size[M])));
-  if (self->rod && jumped) self->size = Size(self, &rate);
-  for (PetscInt k = 0; k < self->nodes; k++)
-    PetscCall(PetscArrayzero(self->own[k].local, FOLLOWED));
+  Across(self, size, across);
+  moment = LargestMoment(self, size);
+  PetscCall(LookForKink(self));
+  Ratios(across, self->latest, ratio);
+  if (!jumped) PetscCall(AddLocal(self, ratio));
+  PetscCall(PetscArraycpy(self->latest, across, MIRRORS));
+  self->time = t;
+  self->moment[1] = PetscMin(self->moment[1], moment);
+  self->since++;
+  if (Waits(self, t, size)) PetscFunctionReturn(0);
+  PetscCall(Gather(self, across));
+  if (self->rod && !jumped) PetscCall(Advance(self, t, Dip(self, moment)));
+  if (self->rod && jumped) Sizes(self, self->size, rate);
+  PetscCall(PetscArrayzero(self->own.local, 2 * self->nodes * self->followed)); /* and skipped */
   self->before = t;
-  self->moment[0] = self->moment[1] = size[M];
+  self->moment[0] = self->moment[1] = moment;
   self->since = 0;
   PetscFunctionReturn(0);
 }
@@ -577,7 +743,7 @@ PetscErrorCode EstimateSet(Estimate self, PetscReal t,
                            const PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN]) {
   PetscFunctionBegin;
   if (!self) PetscFunctionReturn(0);
-  self->before = t;
+  self->before = self->time = t;
   for (int part = 0; part < ESTIMATE_PARTS; part++)
     PetscCall(PetscArraycpy(self->worst[part], worst[part], ESTIMATE_SEEN));
   PetscFunctionReturn(0);

@@ -1065,27 +1065,26 @@ PetscErrorCode VBDFGetOrder(TS ts, PetscInt *order) {
 }
 
 /* The error of the first step is known when the second is taken: h^2 U[t0,t1,t2], h its length. */
-static void AddFirst(const VBDF *self, PetscReal along[], PetscReal across[]) {
+static void AddFirst(const VBDF *self, PetscInt fields, PetscReal weight[][VBDF_FIELDS]) {
   const PetscReal *t = self->time, first = PetscSqr(t[1] - t[2]);
 
-  for (int j = 0; j < 3; j++) {
-    PetscReal w = first / ((t[j] - t[(j + 1) % 3]) * (t[j] - t[(j + 2) % 3]));
-    along[j] += w;
-    across[j] += w;
-  }
+  for (int j = 0; j < 3; j++)
+    for (PetscInt f = 0; f < fields; f++)
+      weight[j][f] += first / ((t[j] - t[(j + 1) % 3]) * (t[j] - t[(j + 2) % 3]));
 }
 
 /*
   VBDFGetLocalError - what the step taken last adds to the error, as a combination of its points:
   the weights of those that VBDFGetHistory() tells, after an accepted step.
 
+  fields  of a node
   n       how many; 0: it is not known (a jump, another type; the first step's
           comes with the second's)
-  along   of the fields that are not factored, across of those that have the first factor
+  weight  of each point, for each field of a node
 */
-PetscErrorCode VBDFGetLocalError(TS ts, PetscInt *n, PetscReal along[VBDF_POINTS],
-                                 PetscReal across[VBDF_POINTS]) {
-  PetscReal factor;
+PetscErrorCode VBDFGetLocalError(TS ts, PetscInt fields, PetscInt *n,
+                                 PetscReal weight[VBDF_POINTS][VBDF_FIELDS]) {
+  PetscReal factor, L[VBDF_POINTS] = {0};
   VBDF *self = NULL;
   PetscInt k;
 
@@ -1097,13 +1096,14 @@ PetscErrorCode VBDFGetLocalError(TS ts, PetscInt *n, PetscReal along[VBDF_POINTS
   if (self->jumped || self->n < k + 1) PetscFunctionReturn(0);
   TakeFactor(self, k);
   factor = (self->time[0] - self->time[1]) / (self->time[0] - self->time[k + 1]);
-  LagrangeValues(k + 1, self->time + 1, self->time[0], along + 1);
-  along[0] = across[0] = factor;
-  for (PetscInt j = 1; j <= k + 1; j++) {
-    along[j] *= -factor;
-    across[j] = along[j] * self->ratio[0][j];
-  }
-  if (self->n == 2) AddFirst(self, along, across);
+  LagrangeValues(k + 1, self->time + 1, self->time[0], L + 1);
+  for (PetscInt j = 0; j <= k + 1; j++)
+    for (PetscInt f = 0; f < fields; f++) {
+      weight[j][f] = j ? -factor * L[j] : factor;
+      for (int a = 0; a < VBDF_FACTORS && f < self->fields; a++)
+        if (self->factored[f] & 1 << a) weight[j][f] *= self->ratio[a][j];
+    }
+  if (self->n == 2) AddFirst(self, fields, weight);
   *n = k + 2;
   PetscFunctionReturn(0);
 }

@@ -51,8 +51,8 @@ PetscErrorCode VBDFGetMemory(TS ts, PetscReal memory[VBDF_MEMORY]);
 PetscErrorCode VBDFSetMemory(TS ts, const PetscReal memory[VBDF_MEMORY]);
 PetscErrorCode VBDFInterpolate(TS ts, PetscReal t, Vec U, Vec U_t, PetscBool *done);
 PetscErrorCode VBDFGetJumps(TS ts, PetscInt *jumps);
-PetscErrorCode VBDFGetLocalError(TS ts, PetscInt *n, PetscReal along[VBDF_POINTS],
-                                 PetscReal across[VBDF_POINTS]);
+PetscErrorCode VBDFGetLocalError(TS ts, PetscInt fields, PetscInt *n,
+                                 PetscReal weight[VBDF_POINTS][VBDF_FIELDS]);
 PetscErrorCode VBDFGetFormula(TS ts, PetscInt *n, PetscReal weight[][VBDF_FIELDS]);
 PetscErrorCode VBDFGetDense(TS ts, PetscReal t, PetscInt *n, PetscReal value[][VBDF_FIELDS],
                             PetscReal slope[][VBDF_FIELDS]);

@@ -143,7 +143,7 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
       self->snaps++;
       if (before <= t / 2) self->crossed = PETSC_TRUE;
     }
-    if (self->now == &self->leg[FRAME])
+    if (self->now == &self->leg[WholeModel(self)])
       PetscCall(EstimateStep(self->estimate, jumped, self->pressed));
     self->now->jumps = jumps;
   }
@@ -293,8 +293,8 @@ static PetscErrorCode ChooseModel(Grow *self) {
   space->rod = (PetscBool)(self->model == SPACE ||
                            (space->why && (self->model == AUTO || self->model == LINEAR)));
   PetscCall(OptionGiven("-accuracy", &asked));
-  if (asked && self->model == AUTO && !space->rod)
-    self->model = FRAME; /* its errors are measured */
+  if (asked && self->model == AUTO) /* their errors are measured */
+    self->model = space->rod ? SPACE : FRAME;
   UserCheck(
       !space->only || space->rod, self->scene->comm,
       "%s: means nothing in the plane, and nothing here takes the rod out of it; take it out, "
@@ -483,7 +483,8 @@ static PetscErrorCode Create(Grow *self, const char *output, const char *restart
         (self->model == AUTO && (m == LINEAR || m == WholeModel(self)) && self->can[m]))
       PetscCall(AddLeg(self, m));
   PetscCall(RodHoldTip(self->leg[self->model == AUTO ? WholeModel(self) : self->model].rod));
-  if (self->leg[FRAME].rod) PetscCall(EstimateCreate(&self->leg[FRAME], &self->estimate));
+  if (self->leg[WholeModel(self)].rod)
+    PetscCall(EstimateCreate(&self->leg[WholeModel(self)], &self->estimate));
   PetscCall(GrowSensitivitiesCreate(self, output, restart));
   PetscCall(OptionsRefuseUnread());
   PetscCall(ObserverCreate(self->scene, &self->observer));

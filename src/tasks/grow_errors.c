@@ -34,7 +34,8 @@ PetscErrorCode GrowErrors(Grow *self) {
   PetscCall(PetscMemzero(error, sizeof(*error)));
   PetscCall(PetscObjectTypeCompare((PetscObject)self->now->ts, TSVBDF, &vbdf));
   if (!vbdf) PetscFunctionReturn(0);
-  error->kind = self->model == FRAME && self->estimate ? ESTIMATE_MEASURED : ESTIMATE_FITTED;
+  error->kind = (self->model == FRAME || self->model == SPACE) && self->estimate ? ESTIMATE_MEASURED
+                                                                                 : ESTIMATE_FITTED;
   if (self->estimate) PetscCall(EstimateGet(self->estimate, worst));
   if (error->kind == ESTIMATE_FITTED) {
     PetscCall(AccuracyEstimate(self->now->rod, self->seen.t, self->rtol, self->folds, &fitted));

@@ -340,6 +340,35 @@ def strands():
     expect(not different, f"{different} differ")
 
 
+def off_at_end(run, fine):
+    """The larger one of the relative errors of tip and energy."""
+    tip, there = (np.array([*r.tip, r.tip_x3[-1]]) for r in (run, fine))
+    return max(np.linalg.norm(tip - there) / np.linalg.norm(there), abs(run.energy[-1] / fine.energy[-1] - 1))
+
+
+@check
+def estimate():
+    """The errors of a rod in space are measured: above what a finer mesh shows, of the mesh's order, the same on
+    ranks; a layer that falls between nodes is seen, and so is friction that feels a spin."""
+    part = lambda r, name: float(re.search(name + r" (\d\S*?)[,)]", r.said).group(1))
+    twisted = ("-rod_model space -growth_type feed -shape_type straight -rod_curvature 0.3 -rod_twist 1 "
+               "-growth_initial_length 0.8 ")
+    spins = ("-growth_initial_length 1.5 -shape_amplitude 0.3 -rod_curvature_2 1 -friction_radius 0.2 -clamp_spin 3 "
+             "-friction_beta 0.05 -ts_max_time 0.3 ")
+    layer = twisted + "-friction_layers 0:1,1:5 -friction_layer_width 0.02 -ts_max_time 1 "
+    for name, options in {"layer": layer, "spin": spins}.items():
+        run, fine = Run(options + "-rod_cells 60"), Run(options + "-rod_cells 180 -ts_rtol 1e-7")
+        off, told = off_at_end(run, fine), run.estimate
+        print(f"{name}: off by {off:.1e}, told {told:.1e}")
+        expect(off < told < 300 * off, f"{name}: off by {off}, told {told}")
+    ranks = [Run(twisted + "-ts_max_time 0.3 -rod_cells 24", n) for n in (1, 2, 3)]
+    finer = Run(twisted + "-ts_max_time 0.3 -rod_cells 48")
+    order = np.log2(part(ranks[0], "space") / part(finer, "space"))
+    print(f"order {order:.2f}; on ranks", *(r.estimate for r in ranks))
+    expect(3.5 < order < 5.5, f"order {order}")
+    expect(all(abs(r.estimate / ranks[0].estimate - 1) < 0.02 for r in ranks), "another estimate on ranks")
+
+
 @check
 def refused():
     """What is wrong, or means nothing, ends in one line."""

@@ -1,0 +1,121 @@
+#include "rod/space_cells.h"
+#include <string.h>
+
+static void PointAtNode(const Cell *cell, const Law *law, const FrictionDual4 *dual,
+                        const PetscReal *u, const PetscReal *u_t, Point *p) {
+  memcpy(p->p, u + P, sizeof(p->p));
+  memcpy(p->m, u + M, sizeof(p->m));
+  memcpy(p->n, u + N, sizeof(p->n));
+  memcpy(p->p_t, u_t + P, sizeof(p->p_t));
+  PointStrains(cell->load, law, p);
+  p->at.t = cell->t;
+  for (int i = 0; i < 3; i++) {
+    p->at.x[i] = u[X + i];
+    p->at.W[i] = u_t[X + i] + law->c * p->d[0][i];
+  }
+  PointEvaluate(cell->load, law, dual, p);
+}
+
+/* The point in the middle of the cell; k = bow h. */
+static void PointAtMid(Cell *cell, PetscReal k, const PetscReal *ua_t, const PetscReal *ub_t) {
+  const Point *a = &cell->a, *b = &cell->b;
+  Point *p = &cell->mid;
+  PetscReal wa[3], wb[3], d1_t[3];
+
+  VelocitySlope(&cell->law[0], a, wa, d1_t);
+  VelocitySlope(&cell->law[2], b, wb, d1_t);
+  for (int i = 0; i < 4; i++) {
+    p->p[i] = (a->p[i] + b->p[i]) / 2 + k * (a->f[P + i] - b->f[P + i]);
+    p->p_t[i] = (ua_t[P + i] + ub_t[P + i]) / 2;
+  }
+  for (int i = 0; i < 3; i++) {
+    p->m[i] = (a->m[i] + b->m[i]) / 2 + k * (a->f[M + i] - b->f[M + i]);
+    p->n[i] = (a->n[i] + b->n[i]) / 2 + k * (a->f[N + i] - b->f[N + i]);
+    p->at.x[i] = (a->at.x[i] + b->at.x[i]) / 2 + k * (a->f[X + i] - b->f[X + i]);
+  }
+  PointStrains(cell->load, &cell->law[1], p);
+  p->at.t = cell->t;
+  for (int i = 0; i < 3; i++)
+    p->at.W[i] =
+        (ua_t[X + i] + ub_t[X + i]) / 2 + k * (wa[i] - wb[i]) + cell->law[1].c * p->d[0][i];
+  PointEvaluate(cell->load, &cell->law[1], cell->dual[1], p);
+}
+
+/* The laws at all points of the owned nodes and the cells beside them, at time t. */
+static PetscErrorCode LawsAt(Rod rod, PetscReal t) {
+  Space_ *self = (Space_ *)rod->data;
+  Scene scene = rod->scene;
+  const PetscReal *s = scene->mesh.s;
+  PetscInt i0 = PetscMax(rod->first - 1, 0), i1 = PetscMin(rod->end, rod->last);
+
+  PetscFunctionBegin;
+  if (self->time == t) PetscFunctionReturn(0);
+  for (PetscInt i = i0; i <= i1; i++)
+    for (int half = 0; half < 2 && (!half || i < i1); half++) {
+      Law *law = &self->law[2 * (i - rod->first + 1) + half];
+      PetscReal B, S[3];
+      law->s = half ? (s[i] + s[i + 1]) / 2 : s[i];
+      PetscCall(GrowthStretch(scene->growth, 1, &law->s, t, &law->g, &law->g_t, NULL));
+      law->c = GrowthSlide(scene->growth, law->s, t);
+      PetscCall(SceneStiffness(scene, law->s, t, &B, NULL));
+      SceneStiffnesses(scene, B, S);
+      for (int k = 0; k < 3; k++) law->flex[k] = 1 / S[k];
+      PetscCall(CurvatureStrains(&scene->curvature, scene->growth, law->s, t, law->u0, NULL));
+    }
+  self->time = t;
+  PetscFunctionReturn(0);
+}
+
+/* Adds to n' what strands that touch do at node i, or behind it. */
+static inline void AddPush(const Cell *cell, PetscInt i, int half, Point *p) {
+  for (int d = 0; d < 3 && cell->push; d++) p->f[N + d] += cell->push[2 * i + half][d];
+}
+
+static void NodePoint(Cell *cell, PetscInt i, Point *p) {
+  Space_ *self = (Space_ *)cell->rod->data;
+  PetscInt k = 2 * (i - cell->rod->first + 1);
+
+  PointAtNode(cell, self->law + k, Duals(self, k), cell->u[i], cell->u_t[i], p);
+  AddPush(cell, i, 0, p);
+}
+
+/* SpaceCellsOpen - begins a walk at the first of the cells that touch owned nodes. Collective. */
+PetscErrorCode SpaceCellsOpen(Rod rod, PetscReal t, Vec U, Vec U_t, Cell *cell) {
+  Space_ *self = (Space_ *)rod->data;
+
+  PetscFunctionBegin;
+  PetscCall(LawsAt(rod, t));
+  PetscCall(SceneContactAt(rod->scene, t));
+  cell->rod = rod;
+  cell->t = t;
+  cell->load = &rod->scene->load;
+  cell->push = NULL;
+  if (self->strands) PetscCall(SpaceStrandsLoad(rod, self->strands, t, U, U_t, &cell->push));
+  cell->s = rod->scene->mesh.s;
+  PetscCall(RodOpen(rod, U, &cell->local[0], &cell->u));
+  PetscCall(RodOpen(rod, U_t, &cell->local[1], &cell->u_t));
+  NodePoint(cell, PetscMax(rod->first - 1, 0), &cell->b);
+  PetscFunctionReturn(0);
+}
+
+/* SpaceCellsClose - ends a walk. Collective. */
+PetscErrorCode SpaceCellsClose(Cell *cell) {
+  PetscFunctionBegin;
+  PetscCall(RodClose(cell->rod, &cell->local[0], &cell->u));
+  PetscCall(RodClose(cell->rod, &cell->local[1], &cell->u_t));
+  PetscFunctionReturn(0);
+}
+
+/* SpaceCellsNext - goes on to the cell between nodes i and i + 1. */
+void SpaceCellsNext(Cell *cell, PetscInt i) {
+  Space_ *self = (Space_ *)cell->rod->data;
+  PetscInt k = 2 * (i - cell->rod->first + 1);
+
+  cell->law = self->law + k;
+  for (int e = 0; e < 3; e++) cell->dual[e] = Duals(self, k + e);
+  cell->h = cell->s[i + 1] - cell->s[i];
+  cell->a = cell->b;
+  NodePoint(cell, i + 1, &cell->b);
+  PointAtMid(cell, self->bow * cell->h, cell->u_t[i], cell->u_t[i + 1]);
+  AddPush(cell, i, 1, &cell->mid);
+}

@@ -1,0 +1,100 @@
+/* The cells of the model of space, as its files share them: what is known at their ends and in
+   their middle in a state of the unknowns (space.c has the equations). */
+#ifndef TENDRIL_SPACE_CELLS_H
+#define TENDRIL_SPACE_CELLS_H
+
+#include "rod/directors.h"
+#include "rod/rod.h"
+#include "rod/space_strands.h"
+
+enum { X, P = 3, M = 7, N = 10, FIELDS = 13, LEFT = M, RIGHT = FIELDS - LEFT };
+
+/* What the laws give at a point; flex = 1/S. */
+typedef struct {
+  PetscReal s, g, g_t, c, u0[3], flex[3];
+} Law;
+
+/* A point of the rod: its unknowns, what follows from them, and f. */
+typedef struct {
+  PetscReal p[4], m[3], n[3], size, d[3][3], u[3], f[FIELDS];
+  PetscReal p_t[4];
+  Place3 at;
+} Point;
+typedef struct {
+  PetscReal end_weight, mid_weight, bow; /* times h: 1/6, 4/6, 1/8 (order 4); 0, 1, 0 (order 2) */
+  PetscReal time;                        /* of the laws below */
+  Law *law;                              /* nodes and mids from node first - 1 on, alternating */
+  FrictionDual4 *dual; /* likewise, duals of each; the tip's own where a cell behind it would be */
+  PetscInt duals;
+  SpaceStrands strands; /* NULL: the rod does not touch itself */
+  SpaceCell *behind;    /* of each owned node, for what strands do; NULL without them */
+} Space_;
+
+/* A walk along the cells that touch owned nodes. */
+typedef struct {
+  Rod rod;
+  PetscReal t, h;
+  const Load *load;
+  const PetscReal (*u)[FIELDS], (*u_t)[FIELDS], *s;
+  Vec local[2];
+  Law *law; /* of nodes a, mid, b of the cell */
+  FrictionDual4 *dual[3];
+  const PetscReal (*push)[3]; /* what strands add to n' at all points of the rod; NULL: none */
+  Point a, mid, b;
+} Cell;
+/* f at a point whose unknowns, place and velocity are set */
+static inline void PointEvaluate(const Load *load, const Law *law, const FrictionDual4 *dual,
+                                 Point *p) {
+  const PetscReal *q = p->d[0], g = law->g;
+  PetscReal load_[RUBS];
+
+  LoadForce3(load, &p->at, dual, load_);
+  QuaternionTurn(p->p, p->u, p->f + P);
+  for (int i = 0; i < 4; i++) p->f[P + i] *= g / 2;
+  p->f[M] = -g * (q[1] * p->n[2] - q[2] * p->n[1]);
+  p->f[M + 1] = -g * (q[2] * p->n[0] - q[0] * p->n[2]);
+  p->f[M + 2] = -g * (q[0] * p->n[1] - q[1] * p->n[0]);
+  for (int i = 0; i < 3; i++) {
+    p->f[X + i] = g * q[i];
+    if (load->arm > 0) p->f[M + i] += g * load_[SPIN] * q[i];
+    p->f[N + i] = g * load_[i];
+  }
+}
+
+/* Directors and strains from p and m, and the spin. */
+static inline void PointStrains(const Load *load, const Law *law, Point *p) {
+  p->size = QuaternionSize(p->p);
+  Directors(p->p, p->size, p->d);
+  for (int k = 0; k < 3; k++) {
+    p->u[k] = law->flex[k] * (p->d[k][0] * p->m[0] + p->d[k][1] * p->m[1] + p->d[k][2] * p->m[2]) +
+              law->u0[k];
+    p->at.q[k] = p->d[0][k];
+  }
+  p->at.W[SPIN] = 0;
+  if (load->arm > 0)
+    p->at.W[SPIN] = load->arm * (QuaternionSpin(p->p, p->size, p->p_t) + law->c * p->u[0]);
+}
+/* The slope x'_t = g_t d1 + g d1_t of the velocity at a node, and d1_t. */
+static inline void VelocitySlope(const Law *law, const Point *p, PetscReal w[3],
+                                 PetscReal d1_t[3]) {
+  PetscReal D[3][4];
+
+  DirectorSlope(p->p, p->size, p->d[0], 0, D);
+  for (int i = 0; i < 3; i++) {
+    d1_t[i] = D[i][0] * p->p_t[0] + D[i][1] * p->p_t[1] + D[i][2] * p->p_t[2] + D[i][3] * p->p_t[3];
+    w[i] = law->g_t * p->d[0][i] + law->g * d1_t[i];
+  }
+}
+/* The duals of point k of the rank's: of friction along the rod, and of walls. */
+static inline FrictionDual4 *Duals(const Space_ *self, PetscInt k) {
+  return self->dual + k * self->duals;
+}
+/* space_cells.c */
+PetscErrorCode SpaceCellsOpen(Rod rod, PetscReal t, Vec U, Vec U_t, Cell *cell);
+void SpaceCellsNext(Cell *cell, PetscInt i);
+PetscErrorCode SpaceCellsClose(Cell *cell);
+
+/* space_defect.c */
+PetscErrorCode SpaceDefect(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal (*defect)[MAX_FIELDS]);
+
+#endif

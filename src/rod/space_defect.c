@@ -1,0 +1,137 @@
+/* How well the cells of the model of space resolve the state that they have found (pair_defect.h).
+   A cell of order 2 is held against order 4. The rate of the quaternion in the middle of a cell is
+   the mean of both ends', which is of order 2: where friction feels a spin, it is held against the
+   parabola through three nodes. */
+#include "rod/pair_defect.h"
+#include "rod/space_cells.h"
+
+/* Two cells beside each other, or one: their points, laws and duals from the first on. */
+typedef struct {
+  const Load *load;
+  PetscReal h[2];
+  const Law *law;
+  const FrictionDual4 *dual; /* at the node between them; of one cell, in its middle */
+  PetscBool strands;         /* the rod touches itself: forces at points beyond these are unknown */
+  Point p[PLACES];
+} Cells;
+
+/* The point at a + z h on the cubics through a and b; at: the point that is known there, whose rate
+   of turning it has, and whose velocity a place that may stick keeps. */
+static void PointOnCubic(const Cells *cells, const Law *law, const Law *law_b, PetscReal z,
+                         PetscReal h, const Point *b, const Point *at, Point *p) {
+  const Point *a = cells->p;
+  const Load *load = cells->load;
+  PetscReal wa[3], wb[3], d1_t[3];
+
+  VelocitySlope(cells->law, a, wa, d1_t);
+  VelocitySlope(law_b, b, wb, d1_t);
+  for (int i = 0; i < 4; i++) {
+    p->p[i] = Hermite(z, h, a->p[i], a->f[P + i], b->p[i], b->f[P + i]);
+    p->p_t[i] = at->p_t[i];
+  }
+  for (int i = 0; i < 3; i++) {
+    p->m[i] = Hermite(z, h, a->m[i], a->f[M + i], b->m[i], b->f[M + i]);
+    p->n[i] = Hermite(z, h, a->n[i], a->f[N + i], b->n[i], b->f[N + i]);
+    p->at.x[i] = Hermite(z, h, a->at.x[i], a->f[X + i], b->at.x[i], b->f[X + i]);
+  }
+  PointStrains(load, law, p);
+  p->at.t = at->at.t;
+  for (int i = 0; i < 3; i++)
+    p->at.W[i] = Hermite(z, h, a->at.W[i] - cells->law->c * a->d[0][i], wa[i],
+                         b->at.W[i] - law_b->c * b->d[0][i], wb[i]) +
+                 law->c * p->d[0][i];
+  for (int i = 0; i < RUBS && LoadSticks(load); i++) p->at.W[i] = at->at.W[i];
+  PointEvaluate(load, law, cells->dual, p);
+}
+
+/* What the mean of the rates of turning does in the middle of cell k of two. */
+static void AddTurning(const Cells *cells, int k, PetscReal defect[MAX_FIELDS]) {
+  const Point *a = cells->p, *b = a + 2, *c = a + 4;
+  Point taken = cells->p[2 * k + 1], better = taken;
+  const PetscReal h = cells->h[0] + cells->h[1], place[3] = {0, cells->h[0], h},
+                  z = k ? (cells->h[0] + h) / 2 : cells->h[0] / 2;
+  const Law *law = cells->law + 2 * k + 1;
+  PetscReal L[3];
+
+  LagrangeValues(3, place, z, L);
+  for (int i = 0; i < 4; i++)
+    better.p_t[i] = L[0] * a->p_t[i] + L[1] * b->p_t[i] + L[2] * c->p_t[i];
+  PointStrains(cells->load, law, &better);
+  PointEvaluate(cells->load, law, cells->dual, &better);
+  PointEvaluate(cells->load, law, cells->dual, &taken); /* (without what strands do) */
+  for (int f = M; f < FIELDS; f++) defect[f] += cells->h[k] * 4 / 6 * (taken.f[f] - better.f[f]);
+}
+
+/* Of two cells of order 4. */
+static void PairDefect(const Cells *cells, PetscReal defect[MAX_FIELDS]) {
+  const PetscReal h1 = cells->h[0], h2 = cells->h[1];
+  const Point *p = cells->p;
+  PetscReal weight[PLACES];
+  Point cubic;
+
+  PairWeights(h1, h2, weight);
+  PointOnCubic(cells, cells->law + 2, cells->law + 4, h1 / (h1 + h2), h1 + h2, p + 4, p + 2,
+               &cubic);
+  for (int f = 0; f < FIELDS; f++) {
+    const PetscReal value[PLACES] = {p[0].f[f], p[1].f[f], p[2].f[f], p[3].f[f], p[4].f[f]};
+    defect[f] = PairRule(h1, h2, weight, value);
+    if (f < N || !cells->strands) defect[f] += PairCubic(h1, h2, value[2], cubic.f[f]);
+  }
+  for (int k = 0; k < 2 && cells->load->arm > 0 && !LoadSticks(cells->load); k++)
+    AddTurning(cells, k, defect);
+}
+
+/* Of a cell of order 2. */
+static void CellDefect(const Cells *cells, PetscReal defect[MAX_FIELDS]) {
+  const PetscReal h = cells->h[0];
+  const Point *p = cells->p;
+  Point cubic;
+
+  PointOnCubic(cells, cells->law + 1, cells->law + 2, 0.5, h, p + 2, p + 1, &cubic);
+  for (int f = 0; f < FIELDS; f++)
+    if (f < N || !cells->strands)
+      defect[f] = h * (p[1].f[f] - (p[0].f[f] + 4 * cubic.f[f] + p[2].f[f]) / 6);
+}
+
+/* A cell becomes number k of those. */
+static void Take(const Cell *cell, int k, const FrictionDual4 *dual, Cells *cells) {
+  if (!k) cells->law = cell->law;
+  cells->dual = dual;
+  cells->h[k] = cell->h;
+  cells->p[2 * k] = cell->a;
+  cells->p[2 * k + 1] = cell->mid;
+  cells->p[2 * k + 2] = cell->b;
+}
+
+/*
+  SpaceDefect - by how much a state fails the equations between the collocation points, as the
+  equations of cells count it (an integral over the cell). Collective.
+
+  defect  one for each owned node. Order 4: of the two cells beside it, at odd nodes; order 2: of
+          the cell before it; else 0
+*/
+PetscErrorCode SpaceDefect(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal (*defect)[MAX_FIELDS]) {
+  const PetscBool fourth = (PetscBool)(rod->order == 4);
+  Cells cells;
+  Cell cell;
+
+  PetscFunctionBegin;
+  PetscCall(PetscArrayzero(defect, rod->end - rod->first));
+  PetscCall(SpaceCellsOpen(rod, t, U, U_t, &cell));
+  cells.load = cell.load;
+  cells.strands = (PetscBool)(cell.push != NULL);
+  for (PetscInt i = PetscMax(rod->first - 1, 0); i < PetscMin(rod->end, rod->last); i++) {
+    SpaceCellsNext(&cell, i);
+    if (!fourth) {
+      Take(&cell, 0, cell.dual[1], &cells);
+      if (i + 1 >= rod->first && i + 1 < rod->end) CellDefect(&cells, defect[i + 1 - rod->first]);
+    } else if (i % 2 == 0)
+      Take(&cell, 0, cell.dual[2], &cells);
+    else if (i >= rod->first && i > 0) {
+      Take(&cell, 1, cell.dual[0], &cells);
+      PairDefect(&cells, defect[i - rod->first]);
+    }
+  }
+  PetscCall(SpaceCellsClose(&cell));
+  PetscFunctionReturn(0);
+}
