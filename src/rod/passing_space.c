@@ -16,11 +16,15 @@ typedef struct {
 
 typedef enum { CLEAR, NEAR, BEHIND } Verdict;
 
-/* A look at a cell: what counts as behind, and how finely the curve is divided. */
+/* A look at a cell: what counts as behind, and how finely the curve is divided; of what is swept,
+   by which surface that moves, or by all that rest. */
 typedef struct {
   const Contact *contact;
   PetscReal deep, fine;
+  PetscInt moving;
 } Look;
+
+enum { RESTING = -1 };
 
 /* A rod without a thickness is behind a wall at so many times the length over which contact spreads
    a force that acts at a point. */
@@ -72,6 +76,12 @@ static PetscBool CurveIsBehind(const Look *look, Bezier b, int depth) {
 
 /* ---- what it has swept ---- */
 
+/* Is a surface one of those that are looked at? */
+static PetscBool Sweeps(const Look *look, PetscInt which) {
+  if (look->moving != RESTING) return (PetscBool)(which == look->moving);
+  return (PetscBool)!look->contact->surfaces.surface[which].motion.any;
+}
+
 /* Of what has another side: was a place as deep in it as half of what it and the rod are thick? (On
    its way round, it is a little deep in it.) fine: how finely it is to be looked. */
 static Verdict SweptVerdict(const Look *look, const PetscReal x[3], PetscReal r, PetscReal *fine) {
@@ -89,12 +99,14 @@ static Verdict SweptVerdict(const Look *look, const PetscReal x[3], PetscReal r,
   for (PetscInt k = 0; k < n; k++) {
     const PetscReal core = contact->surfaces.surface[which[k]].core,
                     deep = PetscMax(look->deep, (core + half) / 2), gap = point[k].distance - half;
-    if (core == PETSC_MAX_REAL || gap - r >= -deep) continue;
+    if (core == PETSC_MAX_REAL || !Sweeps(look, which[k]) || gap - r >= -deep) continue;
     if (gap < -deep) return BEHIND;
     verdict = NEAR;
     *fine = PetscMin(*fine, deep / parts);
   }
-  if (contact->walls.n) { /* the other side of the plane's walls is seen by how narrow they are */
+  if (contact->walls.n &&
+      look->moving ==
+          RESTING) { /* the other side of the plane's walls is seen by how narrow they are */
     const PetscReal deep = PetscMax(look->deep, contact->walls.smallest / 2),
                     gap = ContactGap3(contact, x, r);
     if (gap < -deep) return BEHIND;
@@ -135,6 +147,40 @@ static PetscBool SweepIsBehind(const Look *look, Bezier b0, Bezier b1, int depth
 static PetscBool Moves(Bezier b0, Bezier b1) {
   for (int k = 0; k < 4; k++)
     if (Apart(b0[k], b1[k]) > 0) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* A curve of an earlier time as a surface that moves would have it now: it has been carried along
+   with the surface since. */
+static void Carry(const Contact *contact, PetscInt which, PetscReal from, Bezier b,
+                  Bezier carried) {
+  PetscReal y[3], z[3];
+
+  for (int k = 0; k < 4; k++) {
+    for (int d = 0; d < 3; d++)
+      y[d] = contact->lab[d][0] * b[k][0] + contact->lab[d][1] * b[k][1] +
+             contact->lab[d][2] * b[k][2];
+    SurfacesCarry(&contact->surfaces, which, from, y, z);
+    for (int d = 0; d < 3; d++)
+      carried[k][d] =
+          contact->lab[0][d] * z[0] + contact->lab[1][d] * z[1] + contact->lab[2][d] * z[2];
+  }
+}
+
+/* Has a cell swept anything since a time, or has anything that moves swept across it? */
+static PetscBool CellIsBehind(const Look *look, PetscReal since, Bezier b0, Bezier b1) {
+  const Surfaces *surfaces = &look->contact->surfaces;
+  Look one = *look;
+  Bezier b;
+
+  one.moving = RESTING;
+  if (Moves(b0, b1) && SweepIsBehind(&one, b0, b1, 0)) return PETSC_TRUE;
+  for (one.moving = 0; one.moving < surfaces->n; one.moving++) {
+    const Surface *surface = &surfaces->surface[one.moving];
+    if (!surface->motion.any || surface->core == PETSC_MAX_REAL) continue;
+    Carry(look->contact, one.moving, surfaces->still ? surfaces->time : since, b0, b);
+    if (Moves(b, b1) && SweepIsBehind(&one, b, b1, 0)) return PETSC_TRUE;
+  }
   return PETSC_FALSE;
 }
 
@@ -182,8 +228,7 @@ PetscErrorCode RodPassesWalls3(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec 
   PetscCall(CellsOf(rod, t1, U1, n, cell[1]));
   for (PetscInt k = 0; k < n && !verdict[PASSES]; k++) {
     for (int now = 0; now < 2; now++) CurveOf(&cell[now][k], b[now]);
-    if (CurveIsBehind(&look, b[1], 0) || (Moves(b[0], b[1]) && SweepIsBehind(&look, b[0], b[1], 0)))
-      verdict[PASSES] = 1;
+    if (CurveIsBehind(&look, b[1], 0) || CellIsBehind(&look, t0, b[0], b[1])) verdict[PASSES] = 1;
     if (ContactTouches3(contact, cell[1][k].x[1], touch) >= MOST_SURFACES) verdict[CROWDED] = 1;
   }
   PetscCall(PetscFree2(cell[0], cell[1]));

@@ -252,6 +252,17 @@ void SurfacesVelocity(const Surfaces *self, PetscInt which, const PetscReal x[3]
   for (int d = 0; d < 3 && !self->still; d++) velocity[d] += m->velocity[d];
 }
 
+/* SurfacesCarry - where that of a surface which was at x at another time, from, is now. */
+void SurfacesCarry(const Surfaces *self, PetscInt which, PetscReal from, const PetscReal x[3],
+                   PetscReal y[3]) {
+  const SurfaceMotion *m = &self->surface[which].motion;
+  PetscReal o[3];
+
+  for (int d = 0; d < 3; d++) o[d] = x[d] - m->velocity[d] * from - m->at[d];
+  Turned(m->axis, m->rate * (self->time - from), o, y);
+  for (int d = 0; d < 3; d++) y[d] += m->velocity[d] * self->time + m->at[d];
+}
+
 /* ---- looking ---- */
 
 /* One look from a place. */

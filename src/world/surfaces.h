@@ -88,6 +88,8 @@ PetscReal SurfacesDistance(const Surfaces *surfaces, const PetscReal x[3], Petsc
                            PetscInt *nearest);
 void SurfacesVelocity(const Surfaces *surfaces, PetscInt which, const PetscReal x[3],
                       PetscReal velocity[3], PetscReal spin[3]);
+void SurfacesCarry(const Surfaces *surfaces, PetscInt which, PetscReal from, const PetscReal x[3],
+                   PetscReal y[3]);
 PetscErrorCode SurfaceNumber(const SurfaceLine *line, PetscInt k, Dimension dimension,
                              PetscReal *value);
 PetscErrorCode SurfaceMalformed(const SurfaceLine *line, const SurfaceKind *kind);

@@ -163,6 +163,13 @@ def guard():
     away = np.hypot(x[..., 0] - 1.2, x[..., 1] - 0.3).min()
     print(line.strip(), "; finer:", with_room.splitlines()[-3], f"; {away:.4f} from the post's axis")
     expect(away > 0.98 * 0.04, f"in the post: {away}")
+    for moves in ("moves 0 100 0", "turns 5 -19.4 0 0 0 0 1"):  # across the rod within a step
+        at = "0.6 -20 0" if moves.startswith("moves") else f"{-19.4 + 20 * np.cos(1):.6f} {-20 * np.sin(1):.6f} 0"
+        line = tendril("-growth_type feed -growth_initial_length 1 -shape_type straight -rod_curvature 0.05 -rod_cells 50 "
+                       "-rod_curvature_2 0.02 -contact_diameter 0.02 -ts_max_time 0.4 -stop_contact true "
+                       f"-output {d}/ball.h5 " + walls(f"sphere {at} 0.05 outside {moves}"))
+        print(f"a ball that {moves}:", line.splitlines()[-1])
+        expect("stopped at t = 0.199" in line, line)
     hole = walls("sphere 0.05 0 0 0.12 inside")
     line = tendril(FED + "-growth_initial_length 0.1 -rod_curvature 0.1 -rod_curvature_2 0.1 -ts_max_time 40 "
                    f"-output {d}/jam.h5 {hole}", 1)
