@@ -22,8 +22,20 @@ BARE = "bare"  # of places on the rod near which there are no points
 PLACES = 24  # of these, on each rod
 BARE_NOISE = 0.05  # of the extent: they lead a search, and are nothing where rod and points agree
 # how a picture and its clock stand to the rod: what the numbers are where nothing is said
-VIEW = {"camera_x": 0.0, "camera_y": 0.0, "camera_turn": 0.0, "camera_scale": 1.0, "clock_rate": 1.0,
-        "clock_offset": 0.0}
+VIEW = {"camera_x": 0.0, "camera_y": 0.0, "camera_turn": 0.0, "camera_scale": 1.0, "camera_stretch": 0.0,
+        "camera_shear": 0.0, "camera_tilt_1": 0.0, "camera_tilt_2": 0.0, "clock_rate": 1.0, "clock_offset": 0.0}
+
+
+def viewed(line, view=VIEW):
+    """[n, 2], where a picture shows a line of the rod: larger by its scale, longer along x1 than along x2 by its stretch,
+    sheared, turned, smaller with the distance along the tilt, and off its place,
+
+        x' = s R (1 + E) x / (1 + g.x) + d,   E = 1/2 ((stretch, shear), (shear, -stretch))."""
+    c, s = np.cos(view["camera_turn"]), np.sin(view["camera_turn"])
+    stretch, shear = view["camera_stretch"] / 2, view["camera_shear"] / 2
+    strain = np.array([[1 + stretch, shear], [shear, 1 - stretch]])
+    tilt = 1 + line @ [view["camera_tilt_1"], view["camera_tilt_2"]]
+    return view["camera_scale"] * (line @ strain @ [[c, s], [-s, c]]) / tilt[:, None] + [view["camera_x"], view["camera_y"]]
 
 
 def time_of(r: Results, abscissa, at, view=VIEW):
@@ -226,9 +238,7 @@ class Comparison:
             t = np.clip(own[k], 0, 1) * r.shapes.t[-1]
         if self.camera:
             return finer(self.camera.see(self.seen_plain(r, t), own[:Camera.COUNT]))
-        c, s = np.cos(view["camera_turn"]), np.sin(view["camera_turn"])
-        line = finer(shape_at(r, t) * (r.scale("length") if p.points.si else 1))
-        return view["camera_scale"] * line @ [[c, s], [-s, c]] + [view["camera_x"], view["camera_y"]]
+        return viewed(finer(shape_at(r, t) * (r.scale("length") if p.points.si else 1)), view)
 
     def of_photograph(self, r, p: Photograph, own, view=VIEW):
         """(distances of its points: of one in order the last is the tip, also along the rod; how far the

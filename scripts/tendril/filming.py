@@ -31,6 +31,8 @@ from .tracing import FilmError, Traced, needed, trace
 WEB = Path(__file__).resolve().parent / "web"
 FILMS = (".mp4", ".avi", ".mov", ".mkv", ".webm", ".m4v", ".gif", ".wmv", ".mpg", ".mpeg")
 PAGE_WIDTH, PAGE_FRAMES = 960, 60  # of the pictures in a page, and how many it holds at most
+BOARD_ALIKE = 1.6  # corners of a board err alike, from light and blur: of twenty known cameras the numbers found were off by
+# 1.4 to 1.6 times what independent corners would have them
 JUMP = 0.08  # of its length: a line that is so much shorter than those around it lost its tip
 
 
@@ -69,6 +71,22 @@ class Scale:
     def plane(self, points):
         return (self.flat(points) - self.origin) @ self.turn
 
+    def doubts(self, corners, board, draws=200):
+        """{number of the camera: standard deviation}, by what the corners of the board leave unknown of it: the
+        plane is seen from the clamp through a homography that came out a little other, x -> (A x + b)/(1 + g.x)."""
+        random = np.random.default_rng(1)
+        plane = np.eye(3)  # from the clamp's frame to the flat one
+        plane[:2, :2], plane[:2, 2] = self.turn, self.origin
+        found = []
+        for _ in range(draws):
+            other = np.linalg.inv(plane) @ noise_of_board(corners, board, self.homography, random) \
+                @ np.linalg.inv(self.homography) @ plane
+            other = other / other[2, 2]
+            linear = other[:2, :2] - np.outer(other[:2, 2], other[2, :2])
+            found.append([linear[0, 0] - linear[1, 1], linear[0, 1] + linear[1, 0], *other[2, :2]])
+        names = ("camera_stretch", "camera_shear", "camera_tilt_1", "camera_tilt_2")
+        return dict(zip(names, np.std(found, axis=0)))
+
     def back(self, points):
         """Where points of the plane are in the picture."""
         flat = np.column_stack([points @ self.turn.T + self.origin, np.ones(len(points))])
@@ -85,6 +103,7 @@ class Filmed:
     fps: float
     notes: list[str] = field(default_factory=list)
     pictures: list = field(default_factory=list)  # small ones, for the page
+    doubts: dict = field(default_factory=dict)  # of the camera's numbers, what a board leaves unknown (Scale.doubts)
 
     def __repr__(self):
         good = [f for f in self.frames if f.line]
@@ -117,11 +136,13 @@ class Filmed:
 
     def priors(self, clicked=2.0, turned=0.01, scaled=2e-3) -> dict[str, str]:
         """What tendril.fit is to know of the picture: clamp and direction were clicked to some pixels and
-        radians, the scale is good to a part of itself."""
+        radians, the scale is good to a part of itself; the tilt of the camera, as well as the board tells it."""
         pixel = float(np.hypot(*(self.scale.plane(np.array([np.add(self.scale.clamp, [1, 0])]))[0])))
         unit = self.scale.unit
         return {"camera_x": f"0{unit}:{clicked * pixel:.3g}{unit}", "camera_y": f"0{unit}:{clicked * pixel:.3g}{unit}",
-                "camera_turn": f"0:{turned:g}", "camera_scale": f"1:{scaled:g}"} if unit else {}
+                "camera_turn": f"0:{turned:g}", "camera_scale": f"1:{scaled:g}"} | {
+                    name: (f"0/{unit}:{off:.3g}/{unit}" if "tilt" in name else f"0:{off:.3g}")
+                    for name, off in self.doubts.items()} if unit else {}
 
     def table(self):
         """A row a frame, as a pandas DataFrame: width and error in mm (px), length in cm."""
@@ -238,6 +259,21 @@ def of_board(corners, board):
     if np.linalg.det(jacobian) < 0:  # numbered from the other side
         found = np.diag([-1.0, 1, 1]) @ found
     return found
+
+
+def noise_of_board(corners, board, homography, random):
+    """[3, 3], the homography as it might have come out as well: the corners lie off the plane's by some part of a
+    pixel, as far as they are off the one that was found, which has taken up 8 numbers of them."""
+    square, _ = metres(board[2], "checkerboard")
+    whole = np.column_stack([corners, np.ones(len(corners))]) @ homography.T
+    flat = whole[:, :2] / whole[:, 2:]
+    grid = np.array([[c, r] for r in range(board[1]) for c in range(board[0])], float) * square
+    if np.abs(flat - grid).max() > square / 2:  # numbered from the other side
+        grid = grid * [-1, 1]
+    back = np.column_stack([grid, np.ones(len(grid))]) @ np.linalg.inv(homography).T
+    off = corners - back[:, :2] / back[:, 2:]
+    size = BOARD_ALIKE * np.sqrt(np.sum(off**2) / max(2 * len(corners) - 8, 1))
+    return of_board(corners + size * random.normal(size=corners.shape), board)
 
 
 class Lens:
@@ -363,8 +399,8 @@ def measure(source, *, clamp, scale=None, checkerboard=None, board_picture=None,
         picture = optics.straight(picture) if optics else picture
         if checkerboard and not found:
             shown = board if board is not None else picture
-            homography = of_board(corners_of(optics.straight(shown) if optics and board is not None else shown,
-                                             checkerboard), checkerboard)
+            corners = corners_of(optics.straight(shown) if optics and board is not None else shown, checkerboard)
+            homography = of_board(corners, checkerboard)
         try:
             line, trouble = trace(picture, clamp, body=body, width=width, ground=ground, points=points), ""
         except FilmError as error:
@@ -382,8 +418,8 @@ def measure(source, *, clamp, scale=None, checkerboard=None, board_picture=None,
         notes.append(f"the page shows {len(thin)} of {len(found)} pictures")
     ahead = along if along is not None else (clamp[0] + 100, clamp[1])
     unit = "m" if metric else ""
-    filmed = Filmed(found, Scale(clamp, ahead, homography, unit), fps or np.nan, notes, kept)
-    return filmed
+    seen = Scale(clamp, ahead, homography, unit)
+    return Filmed(found, seen, fps or np.nan, notes, kept, seen.doubts(corners, checkerboard) if checkerboard else {})
 
 
 def point(text):

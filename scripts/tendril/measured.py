@@ -34,6 +34,7 @@ KNOWN = {name: (unit, si) for kind, unit in
          for name, si, _ in SHOWN[kind]}
 KNOWN |= {name.replace("µ", "u"): value for name, value in KNOWN.items()}
 KNOWN |= {name: ("l/V", si) for name, si in TIMES.items()}
+KNOWN |= {over + unit: ("1/l", 1 / si) for over in ("/", "1/") for unit, (kind, si) in list(KNOWN.items()) if kind == "l"}
 KNOWN |= {"rad": ("rad", 1), "deg": ("rad", np.pi / 180), "": ("", 1), "1": ("", 1),
           PIXEL: (PIXEL, 1)}
 ABSCISSAE = ("t", "length")

@@ -287,6 +287,33 @@ class Tracing(unittest.TestCase):
         self.assertLess(np.abs(last[:, 1]).max(), 1e-4)
         self.assertIn('"picture": "/9j/', m.page())
 
+    def test_what_a_board_leaves_unknown(self):
+        """Of cameras whose boards' corners are off by parts of a pixel: how far the plane is then tilted and strained is
+        what is told, which allows for corners that err alike."""
+        random, board = np.random.default_rng(3), (9, 6, "0.8cm")
+        view = np.array([[5200.0, 150, 300], [-80, -5100, 650], [0.4, -0.3, 1]])  # metres in the plane to pixels
+
+        def seen(points):
+            whole = np.column_stack([points, np.ones(len(points))]) @ view.T
+            return whole[:, :2] / whole[:, 2:]
+
+        corners = seen(np.array([[0.02 + 8e-3 * c, -0.06 + 8e-3 * (5 - r)] for r in range(6) for c in range(9)]))
+        clamp, along = seen(np.array([[0, 0], [0.05, 0]]))
+        off = []
+        for _ in range(40):
+            noisy = corners + 0.1 * random.normal(size=corners.shape)
+            scale = filming.Scale(clamp, along, filming.of_board(noisy, board), "m")
+            plane = np.eye(3)
+            plane[:2, :2], plane[:2, 2] = scale.turn, scale.origin
+            other = np.linalg.inv(plane) @ scale.homography @ view
+            told = scale.doubts(noisy, board, draws=60)
+            off.append([other[2, 0] / other[2, 2] / told["camera_tilt_1"], other[2, 1] / other[2, 2] / told["camera_tilt_2"]])
+        size = np.sqrt(np.mean(np.square(off), axis=0)) * filming.BOARD_ALIKE
+        self.assertTrue(np.all((size > 0.7) & (size < 1.4)), size)
+        priors = filming.Filmed([], scale, 25.0, doubts=told).priors()
+        self.assertEqual(priors["camera_tilt_1"], f"0/m:{told['camera_tilt_1']:.3g}/m")
+        self.assertGreater(Prior.of("camera_tilt_1", priors["camera_tilt_1"]).deviation, 0)
+
     def test_lengths_and_none(self):
         """Photographs of which some have a length: the others have neither that nor a time."""
         def frame(**more):
@@ -384,6 +411,22 @@ class Residuals(unittest.TestCase):
         self.assertLess(seen[10, 1], 250)  # upwards
         np.testing.assert_allclose(np.hypot(*np.diff(seen, axis=0).T), 200 * np.hypot(*np.diff(x, axis=0).T))
         np.testing.assert_allclose(camera.guess(seen, x), numbers, atol=1e-12)
+
+
+class Viewed(unittest.TestCase):
+    def test_a_tilted_plane(self):
+        """The numbers are those of a homography near to one that leaves all as it is."""
+        random = np.random.default_rng(2)
+        line, view = random.uniform(-1, 1, (20, 2)), {"camera_x": 0.02, "camera_y": -0.01, "camera_turn": 0.03, "camera_scale": 1.02,
+                                                      "camera_stretch": 0.004, "camera_shear": -0.006, "camera_tilt_1": 0.02,
+                                                      "camera_tilt_2": -0.03}
+        c, s = np.cos(0.03), np.sin(0.03)
+        whole = np.eye(3)
+        whole[:2, :2] = 1.02 * np.array([[c, -s], [s, c]]) @ [[1.002, -0.003], [-0.003, 0.998]]
+        whole[2, :2] = 0.02, -0.03
+        shown = np.column_stack([line, np.ones(20)]) @ whole.T
+        np.testing.assert_allclose(comparing.viewed(line, comparing.VIEW | view), shown[:, :2] / shown[:, 2:] + [0.02, -0.01])
+        np.testing.assert_array_equal(comparing.viewed(line), line)
 
 
 class Intervals(unittest.TestCase):
