@@ -134,6 +134,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
   PetscCall(
       SpaceSetFromOptions(&self->space, &self->load, &self->tip, &self->curvature, &self->shape));
   if (self->load.radius > 0) LoadNextToExact(&self->load);
+  if (ContactWallsRub(&self->contact)) LoadNextToExactByWalls(&self->load);
   ContactSetFrame(&self->contact, (const PetscReal(*)[3])self->space.lab, self->clamp_angle);
   PetscFunctionReturn(0);
 }

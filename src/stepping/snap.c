@@ -67,6 +67,22 @@ static PetscErrorCode Moved(const Rod rod, Vec U, Vec V, PetscBool *moved) {
   PetscFunctionReturn(0);
 }
 
+/* What held places at rest before a snap holds them no more: the shifts of exact Coulomb friction
+   (Newton's method remembers them) begin anew. */
+static PetscErrorCode LetGo(Rod rod) {
+  Vec none;
+  DM da;
+
+  PetscFunctionBegin;
+  if (!rod->memory || !LoadSticks(&rod->scene->load)) PetscFunctionReturn(0);
+  PetscCall(RodCreateMemory(rod, &da, &none));
+  PetscCall(VecSet(none, 0));
+  PetscCall(rod->model->recall(rod, none));
+  PetscCall(VecDestroy(&none));
+  PetscCall(DMDestroy(&da));
+  PetscFunctionReturn(0);
+}
+
 /*
   SnapFollow - a VBDFSnap: takes a rod that dry friction cannot hold to where it rests. Collective.
 
@@ -101,7 +117,10 @@ PetscErrorCode SnapFollow(TS ts, PetscReal t, Vec U, PetscBool *done) {
   PetscCall(TSGetConvergedReason(leg.ts, &reason));
   *done = (PetscBool)(reason > 0 && reason != TS_CONVERGED_ITS);
   if (*done) PetscCall(Moved(slow->rod, U, leg.U, done));
-  if (*done) PetscCall(VecCopy(leg.U, U));
+  if (*done) {
+    PetscCall(VecCopy(leg.U, U));
+    PetscCall(LetGo(slow->rod));
+  }
   PetscCall(TSGetStepNumber(leg.ts, &steps));
   PetscCall(PetscInfo(ts, "snap at t = %g: %s after %d steps\n", (double)t,
                       TSConvergedReasons[reason], (int)steps));

@@ -197,17 +197,29 @@ PetscErrorCode LoadInFastTime(const Load *load, PetscReal t, Load *fast, PetscBo
   PetscFunctionReturn(0);
 }
 
-/* The smallest beta in place of 0, and the speed that steps of tolerance 1e-6 tell from rest. */
-static const PetscReal next_to_exact = 1e-16, told_from_rest = 3e-5, its_tolerance = 1e-6,
-                       most_told = 1e-3;
+/* The smallest beta in place of 0, and the speed that steps of tolerance 1e-6 tell from rest; where
+   a wall holds the rod by its tip, and little of it is at rest for long, they tell a tenth of it.
+ */
+static const PetscReal next_to_exact = 1e-16, told_from_rest = 3e-5, told_by_walls = 3e-6,
+                       its_tolerance = 1e-6, most_told = 1e-3;
 
 /* LoadNextToExact - for a rod of which a part is at rest: there exact Coulomb friction does not say
    what the axial force is. So it is taken as what it is the limit of, which says that it is the
    least that balance allows. Likewise a rod that friction holds from turning: where it is at rest
    twist decides between two ways round, and round-off between them. */
 void LoadNextToExact(Load *load) {
-  load->limit = LoadSticks(load);
+  load->limit = (PetscBool)(load->limit || LoadSticks(load));
+  load->told = told_from_rest;
   if (load->limit) load->friction.beta = next_to_exact;
+}
+
+/* LoadNextToExactByWalls - and for one that walls may hold at its tip: all of it may be at rest,
+   and where it starts again behind a snap steps are so short that the noise of its velocities is
+   more than they are. */
+void LoadNextToExactByWalls(Load *load) {
+  if (load->limit) return;
+  LoadNextToExact(load);
+  load->told = told_by_walls;
 }
 
 /*
@@ -217,7 +229,7 @@ void LoadNextToExact(Load *load) {
   tolerance, for that of the mesh stays. No effect on a load that is not next to exact.
 */
 void LoadAtTolerance(Load *load, PetscReal rtol) {
-  PetscReal speed = told_from_rest * PetscSqrtReal(rtol / its_tolerance);
+  PetscReal speed = load->told * PetscSqrtReal(rtol / its_tolerance);
   if (load->limit)
     load->friction.beta = PetscMax(next_to_exact, PetscSqr(PetscMin(most_told, speed)));
 }

@@ -32,6 +32,7 @@ typedef struct {
                         and one for a foot on a post (rod/feet.h) */
   PetscInt duals3;   /* the same of a rod in space (contact_space.h) */
   PetscBool limit;   /* exact friction was asked for, and is taken as a limit */
+  PetscReal told;    /* ... and then: the speed that steps of tolerance 1e-6 tell from rest */
   PetscBool stopped; /* N is that of one time, stopped_at */
   PetscBool shared;  /* a viscous share was given to dry friction, see LoadShareMore() */
   PetscReal stopped_at;
@@ -53,6 +54,7 @@ extern const OptionGroup load_options;
 
 PetscErrorCode LoadSetFromOptions(Load *load, PetscReal clamp_angle);
 void LoadNextToExact(Load *load);
+void LoadNextToExactByWalls(Load *load);
 void LoadAtTolerance(Load *load, PetscReal rtol);
 void LoadShare(Load *load, PetscReal share);
 PetscBool LoadShareMore(Load *load);
