@@ -22,7 +22,7 @@ import matplotlib.pyplot as plt
 ROOT = Path(__file__).resolve().parents[2]
 R, W, MU, BETA, VISCOUS, SPIN, D, C = 0.1, 0.1, 0.5, 1e-6, 1e-4, 30.0, 0.1, 0.75
 CELLS = 300, 500, 1000
-TURNED = f"-clamp_spin {SPIN} -stop_length 110 -rod_cells 300"
+TURNED = f"-clamp_spin {SPIN} -stop_length 110 -ts_max_time 110 -rod_cells 300"
 PUSHES = 2.5, 3, 5, 10, 20, 40
 
 

@@ -157,5 +157,25 @@ def injected_straight():
     expect(max(map(abs, (twisted, torque))) < 1e-4 and abs(push) < 5e-3 and abs(climb) < 1e-2, "spun")
 
 
+@check
+def turned_bend():
+    """A rod that is straight to the last digit is fed into a tube that bends: in the plane of x1 and x2, and turned about
+    x1, the same rod. What is across begins with the wall's push, from nothing."""
+    tips = []
+    for angle in (0, 0.7):
+        a = np.radians(np.arange(10, 91, 10))
+        path = np.array([(-1, 0), (0, 0), (1, 0), (2, 0), *zip(2 + 2 * np.sin(a), 2 - 2 * np.cos(a)), (4, 3), (4, 4)])
+        rows = [f"{x:.17g},{y * np.cos(angle):.17g},{y * np.sin(angle):.17g},0.15" for x, y in path]
+        file = Path(scene.SCRATCH) / f"bend-{angle}.csv"
+        file.write_text("x,y,z,r\n" + "\n".join(rows) + "\n")
+        r = Run("-growth_type feed -growth_initial_length 0.5 -shape_type straight -contact_diameter 0.1 -rod_cells 60 "
+                f"-ts_max_time 3 -friction_mu 0 -friction_layers 0:1e-3 "
+                + walls(f"tube {file} inside friction 0.2"))
+        print(f"turned by {angle}: {r.steps} steps, tip {r.tip}, {r.tip_x3[-1]}")
+        tips.append(np.array([*r.tip, r.tip_x3[-1]]))
+    off = np.abs(tips[1] - [tips[0][0], tips[0][1] * np.cos(0.7), tips[0][1] * np.sin(0.7)]).max()
+    expect(tips[0][1] > 0.3 and off < 1e-6, f"{off}")
+
+
 if __name__ == "__main__":
     sys.exit(scene.main(CHECKS))
