@@ -217,9 +217,8 @@ static inline void SumPoints(PetscInt n, PetscInt fields, PetscInt m,
     }
 }
 
-/* What m points are multiplied by, c, a number for each field: along; those that are factored,
-   along
-   + their rho times beside, times the ratios of their factors. beside NULL: 0. */
+/* What m points are multiplied by, c, a number for each field: along; for those that are factored
+   (along + their rho times beside) times the ratios of their factors. beside NULL: 0. */
 static void Weights(const VBDF *self, PetscInt fields, PetscInt m, const PetscReal along[],
                     const PetscReal beside[], const PetscReal rho[],
                     PetscReal ratio[VBDF_FACTORS][VBDF_POINTS], PetscReal c[][VBDF_FIELDS]) {
