@@ -120,7 +120,15 @@ static PetscErrorCode Forget(Chain *self) {
   PetscFunctionReturn(0);
 }
 
+/* Is anything in the dense system not a number? The same on every rank. */
+static PetscBool Lost(const Chain *self) {
+  for (PetscInt k = 0; k < self->edges * self->edges; k++)
+    if (PetscIsInfOrNanReal(self->dense[k])) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 static PetscErrorCode SetUp(PC pc) {
+  PCFailedReason reason;
   Chain *self;
   const PetscInt *map;
   PetscObjectId id;
@@ -137,8 +145,10 @@ static PetscErrorCode SetUp(PC pc) {
   if (!self->local) PetscCall(FirstSetUp(pc, self));
   PetscCall(PCSetOperators(self->local, self->A, self->A));
   PetscCall(PCSetUp(self->local));
+  PetscCall(PCGetFailedReason(self->local, &reason));
   m = self->edges;
   PetscCall(PetscArrayzero(self->dense, m * m));
+  if (reason && m) self->dense[0] = NAN;        /* so that all ranks know */
   for (PetscInt k = 0; k < self->ghosts; k++) { /* a column of A^-1 B */
     PetscCall(VecZeroEntries(self->g));
     PetscCall(VecSetValue(self->g, k, 1, INSERT_VALUES));
@@ -154,8 +164,8 @@ static PetscErrorCode SetUp(PC pc) {
   PetscCall(PetscBLASIntCast(m, &order));
   PetscCallBLAS("LAPACKgetrf",
                 LAPACKgetrf_(&order, &order, self->dense, &order, self->pivots, &info));
-  if (info || PetscIsInfOrNanReal(self->dense[0]))
-    PetscCall(PCSetFailedReason(pc, PC_FACTOR_NUMERIC_ZEROPIVOT));
+  /* what failed once need not fail again: it is said either way */
+  PetscCall(PCSetFailedReason(pc, info || Lost(self) ? PC_FACTOR_NUMERIC_ZEROPIVOT : PC_NOERROR));
   PetscFunctionReturn(0);
 }
 
