@@ -557,9 +557,21 @@ static PetscBool SpinsFreely(const Grow *self) {
                      PetscAbsReal(self->seen.tip_spin) > far * driven);
 }
 
+/* Is a rod that touches still straight, and does nothing say to which side it bends? (A load or a
+   natural bend across would.) */
+static PetscBool PressedStraight(const Grow *self) {
+  const PetscReal straight = 0.01;
+  const Scene scene = self->scene;
+  PetscBool loaded = PETSC_FALSE;
+
+  for (int k = 0; k < DRIVES; k++)
+    if (scene->space.drive[k][0] != 0 || scene->space.drive[k][1] != 0) loaded = PETSC_TRUE;
+  return (PetscBool)(self->seen.contacts > 0 && self->seen.max_angle <= straight && !loaded &&
+                     !CurvatureBends(&scene->curvature));
+}
+
 /* The line for an end that was not asked for. */
 static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
-  const PetscReal straight = 0.01;
   MPI_Comm comm = self->scene->comm;
   const char *const kept = OutputStores(self->output) ? "the results up to there are stored"
                                                       : "nothing is stored without -output FILE";
@@ -581,9 +593,7 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
   UserCheck(reason != TS_CONVERGED_ITS, comm,
             "-ts_max_steps: reached at t = %s before -ts_max_time %s", text[0], text[2]);
   UserCheck(
-      self->jammed || reason == TS_CONVERGED_TIME || self->seen.contacts == 0 ||
-          self->seen.max_angle > straight,
-      comm,
+      self->jammed || reason == TS_CONVERGED_TIME || !PressedStraight(self), comm,
       "gave up at t = %s: the rod is pressed straight against a wall, and nothing says to which "
       "side it gives way; %s; give it a small -rod_curvature",
       text[0], kept);
@@ -611,12 +621,12 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
   UserCheck(
       reason == TS_CONVERGED_TIME || !self->now->crosses, comm,
       "gave up at t = %s: the rod gives way faster than a step of %s can follow, to which side "
-      "that step does not tell; %s; take a shorter -ts_dt (without -ts_adapt_type none), or a "
-      "-friction_mu below 0.9999",
+      "that step does not tell; %s; take a shorter -ts_dt (without -ts_adapt_type none), "
+      "another -ts_rtol, or a -friction_mu below 0.9999",
       text[0], text[1], kept);
   UserCheck(reason == TS_CONVERGED_TIME, comm,
-            "gave up at t = %s with a step of %s (%s): %s; try a "
-            "lower -ts_rtol, more -rod_cells or a larger -friction_beta",
+            "gave up at t = %s with a step of %s (%s): %s; try "
+            "another -ts_rtol, more -rod_cells or a larger -friction_beta",
             text[0], text[1], TSConvergedReasons[reason], kept);
   PetscFunctionReturn(0);
 }
