@@ -1,12 +1,13 @@
 #include "record/sample_space.h"
 #include "rod/directors.h"
+#include "rod/spin.h"
 
 static PetscReal Dot3(const PetscReal a[3], const PetscReal b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* SampleFill3 - what follows at a point from its node and its place s. */
-PetscErrorCode SampleFill3(Scene scene, PetscReal s, PetscReal t, Sample3 *p) {
+/* What follows at a point from its node and its place s, but for friction. */
+static PetscErrorCode Fill(Scene scene, PetscReal s, PetscReal t, Sample3 *p) {
   const Node *node = &p->node;
   PetscReal B, B_t, size = QuaternionSize(node->p);
 
@@ -23,24 +24,39 @@ PetscErrorCode SampleFill3(Scene scene, PetscReal s, PetscReal t, Sample3 *p) {
     p->moment[k] = Dot3(p->d[k], node->m3);
     p->u[k] = p->moment[k] / p->S[k] + p->u0[k];
   }
-  p->spin = QuaternionSpin(node->p, size, node->p_t) + p->c * p->u[0];
+  p->turns = QuaternionSpin(node->p, size, node->p_t);
   p->at.t = t;
   for (int k = 0; k < 3; k++) {
     p->at.x[k] = node->x3[k];
     p->at.q[k] = p->d[0][k];
     p->at.W[k] = node->x3_t[k] + p->c * p->d[0][k];
   }
-  p->at.W[SPIN] = scene->load.arm * p->spin;
-  LoadSeen3(&scene->load, &p->at, p->F);
   PetscFunctionReturn(0);
 }
 
-/* Adds what an end of a cell gives to its middle, y_mid = (y_a + y_b)/2 + k (y'_a - y'_b). */
-static void AddEnd(Scene scene, const Sample3 *p, PetscReal k, Node *mid) {
+/* The friction at a point whose directors turn at p->turns. */
+static void Rub(Scene scene, Sample3 *p) {
+  p->spin = p->turns + p->c * p->u[0];
+  p->at.W[SPIN] = scene->load.arm * p->spin;
+  LoadSeen3(&scene->load, &p->at, p->F);
+}
+
+/* SampleFill3 - what follows at a point from its node and its place s. */
+PetscErrorCode SampleFill3(Scene scene, PetscReal s, PetscReal t, Sample3 *p) {
+  PetscFunctionBegin;
+  PetscCall(Fill(scene, s, t, p));
+  Rub(scene, p);
+  PetscFunctionReturn(0);
+}
+
+/* Adds what an end of a cell gives to its middle, y_mid = (y_a + y_b)/2 + k (y'_a - y'_b); turns:
+   the like of its spin. */
+static void AddEnd(Scene scene, const Sample3 *p, const TwistRate *rate, PetscReal k, Node *mid,
+                   PetscReal *turns) {
   const Node *n = &p->node;
   const PetscReal *q = p->d[0];
   const PetscReal none[PUSH] = {0}, *push = p->push ? p->push : none;
-  PetscReal turn[4], size = QuaternionSize(n->p), D[3][4];
+  PetscReal turn[4], size = QuaternionSize(n->p), D[3][4], d1_t[3];
 
   QuaternionTurn(n->p, p->u, turn);
   DirectorSlope(n->p, size, q, 0, D);
@@ -50,25 +66,34 @@ static void AddEnd(Scene scene, const Sample3 *p, PetscReal k, Node *mid) {
   }
   for (int i = 0; i < 3; i++) {
     int j = (i + 1) % 3, l = (i + 2) % 3;
-    PetscReal d1_t =
-        D[i][0] * n->p_t[0] + D[i][1] * n->p_t[1] + D[i][2] * n->p_t[2] + D[i][3] * n->p_t[3];
+    d1_t[i] = D[i][0] * n->p_t[0] + D[i][1] * n->p_t[1] + D[i][2] * n->p_t[2] + D[i][3] * n->p_t[3];
     mid->x3[i] += n->x3[i] / 2 + k * p->g * q[i];
-    mid->x3_t[i] += n->x3_t[i] / 2 + k * (p->g_t * q[i] + p->g * d1_t);
+    mid->x3_t[i] += n->x3_t[i] / 2 + k * (p->g_t * q[i] + p->g * d1_t[i]);
     mid->m3[i] += n->m3[i] / 2 -
                   k * p->g * (q[j] * n->n3[l] - q[l] * n->n3[j] - (p->F[SPIN] - push[SPIN]) * q[i]);
     mid->n3[i] += n->n3[i] / 2 + k * p->g * (p->F[i] - push[i] - scene->load.weight[i]);
   }
+  *turns += p->turns / 2 +
+            k * SpinSlope(p->g, p->g_t, rate, 1 / p->S[0], p->d, p->u, n->m3, n->m3_t, d1_t);
 }
 
 /* SampleMid3 - the point in the middle of the cell between two, with no push yet. */
 PetscErrorCode SampleMid3(Scene scene, PetscReal sa, PetscReal sb, PetscReal t, const Sample3 *a,
                           const Sample3 *b, Sample3 *mid) {
-  const PetscReal h = sb - sa;
+  const PetscBool feels = (PetscBool)(scene->load.radius > 0);
+  PetscReal h = sb - sa, turns = 0;
+  TwistRate rate[2] = {{0, 0}, {0, 0}};
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(mid, sizeof(*mid)));
-  AddEnd(scene, a, h / 8, &mid->node);
-  AddEnd(scene, b, -h / 8, &mid->node);
-  PetscCall(SampleFill3(scene, (sa + sb) / 2, t, mid));
+  if (feels) {
+    PetscCall(SceneTwistRate(scene, sa, t, &rate[0]));
+    PetscCall(SceneTwistRate(scene, sb, t, &rate[1]));
+  }
+  AddEnd(scene, a, &rate[0], h / 8, &mid->node, &turns);
+  AddEnd(scene, b, &rate[1], -h / 8, &mid->node, &turns);
+  PetscCall(Fill(scene, (sa + sb) / 2, t, mid));
+  if (feels) mid->turns = turns;
+  Rub(scene, mid);
   PetscFunctionReturn(0);
 }

@@ -14,7 +14,7 @@ typedef struct {
   PetscReal S[3], S_t[3];             /* stiffnesses, and their rates in the material */
   PetscReal u0[3], u0_t[3];           /* natural strains, likewise */
   PetscReal d[3][3], moment[3], u[3]; /* directors; moment and strains about them */
-  PetscReal spin, F[RUBS];            /* about the tangent; load of friction */
+  PetscReal turns, spin, F[RUBS];     /* spin of the directors, of the material; load of friction */
   const PetscReal *push;              /* of contact, per length; NULL: none */
   Place3 at;
 } Sample3;

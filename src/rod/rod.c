@@ -339,12 +339,14 @@ PetscErrorCode RodJacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shift, 
   PetscFunctionReturn(0);
 }
 
-/* RodEliminate - eliminates the matrix of the latest Jacobian, where its state is now: its vectors
-   are those that Newton's method has gone on with. Collective. */
+/* RodEliminate - eliminates the matrix of the latest Jacobian to count modes in it, where its state
+   is now: its vectors are those that Newton's method has gone on with. Collective. */
 PetscErrorCode RodEliminate(Rod rod, Elimination elimination) {
   const RodState *at = &rod->linearised;
 
   PetscFunctionBegin;
+  rod->counts = PETSC_TRUE;
   PetscCall(rod->model->eliminate(rod, at->t, at->U, at->U_t, at->shift, elimination));
+  rod->counts = PETSC_FALSE;
   PetscFunctionReturn(0);
 }

@@ -38,7 +38,7 @@ typedef struct {
   PetscReal x_t[2], theta_t;               /* their rates at fixed s */
   /* of the model of space, whose theta is the angle between d1 and the clamp's axis: position,
      quaternion of the directors, moment and force, all in the clamp's frame, and rates */
-  PetscReal x3[3], p[4], m3[3], n3[3], x3_t[3], p_t[4];
+  PetscReal x3[3], p[4], m3[3], n3[3], x3_t[3], p_t[4], m3_t[3];
 } Node;
 enum { NODE_VALUES = sizeof(Node) / sizeof(PetscReal) };
 
@@ -124,6 +124,7 @@ struct _Rod {
   PetscBool coupled;              /* nodes far from each other along the rod see each other */
   PetscReal factor_rate[MIRRORS]; /* what a field has in U_t beside shift U (vbdf.h), for each
                                      mirror in which it changes sign */
+  PetscBool counts;               /* an elimination is one to count modes in: symmetric if it can */
   PetscBool fresh;                /* the next Jacobian is the first of its Newton solve */
   PetscInt memory;                /* reals a node that its Newton's method remembers; 0: none */
   PetscInt residuals, jacobians;  /* counted work */

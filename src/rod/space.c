@@ -6,8 +6,9 @@
    d1 and the spin 2 (p* p_t)_1 + c u1, s = 0: x = 0, p that of the clamp;  s = 1: the tip's six
    conditions (tip.h). The cells are those of the frame model (frame.c), y = (x, p, m, n): order 4:
    y_b - y_a = h/6 (f_a + 4 f_mid + f_b),  y_mid = (y_a + y_b)/2 + h/8 (f_a - f_b), order 2:  y_b -
-   y_a = h f_mid,                    y_mid = (y_a + y_b)/2, x_t at mid likewise, the rate of p there
-   the mean of both ends'. The rows of node i are the x and p equations of the cell on its left, the
+   y_a = h f_mid,                    y_mid = (y_a + y_b)/2, x_t at mid likewise, and the spin
+   where friction along the rod feels it (rod/spin.h); else the rate of p there is the mean of both
+   ends'. The rows of node i are the x and p equations of the cell on its left, the
    m and n equations of the cell on its right. */
 #include "rod/space_cells.h"
 #include <string.h>
@@ -146,8 +147,8 @@ static void AddCouple(const Load *load, const Law *law, const Point *p, const Fr
   }
 }
 
-/* How W changes with the unknowns of a node: c d1 and c u1, and the rates by their shifts; half: of
-   the rates in the middle of a cell each end has half. dW[RUBS][FIELDS] is added to. */
+/* How the rates in W change with the unknowns of a node by their shifts; half: of the rates in the
+   middle of a cell each end has half. dW[RUBS][FIELDS] is added to. */
 static void RateSlope(const Load *load, const Point *p, PetscReal half, const PetscReal shift[],
                       PetscReal dW[RUBS][FIELDS]) {
   const PetscReal *q = p->p, f = 2 / p->size * load->arm;
@@ -158,19 +159,34 @@ static void RateSlope(const Load *load, const Point *p, PetscReal half, const Pe
     dW[SPIN][P + j] += half * shift[P + j] * f * by_rate[j];
 }
 
-/* By the place on the curve: of W = (v, r spin) where only c d1, c u1 and p in the spin change. */
-static void TurnSlope(const Load *load, const Law *law, const Point *p, const Slope *slope,
-                      PetscReal dW[RUBS][FIELDS]) {
+/* By p where its rate is held, in the spin. */
+static void SpinByP(const Load *load, const Point *p, PetscReal by[4]) {
   const PetscReal *p_t = p->p_t, f = 2 / p->size * load->arm,
-                  spin = 2 * load->arm / p->size * QuaternionSpin(p->p, p->size, p_t),
+                  spin = f * QuaternionSpin(p->p, p->size, p_t),
                   by_p[4] = {p_t[1], -p_t[0], -p_t[3], p_t[2]};
 
+  for (int j = 0; j < 4; j++) by[j] = f * by_p[j] - spin * p->p[j];
+}
+
+/* By the place on the curve: of W = (v, r spin) what slides past labels, c d1 and c u1. */
+static void SlideSlope(const Load *load, const Law *law, const Slope *slope,
+                       PetscReal dW[RUBS][FIELDS]) {
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 4; j++) dW[i][P + j] += law->c * slope->d1[i][j];
   if (load->arm == 0) return;
-  for (int j = 0; j < 4; j++)
-    dW[SPIN][P + j] += f * by_p[j] - spin * p->p[j] + load->arm * law->c * slope->u_p[0][j];
+  for (int j = 0; j < 4; j++) dW[SPIN][P + j] += load->arm * law->c * slope->u_p[0][j];
   for (int j = 0; j < 3; j++) dW[SPIN][M + j] += load->arm * law->c * slope->u_m[0][j];
+}
+
+/* By the place on the curve: c d1, c u1 and p in the spin. */
+static void TurnSlope(const Load *load, const Law *law, const Point *p, const Slope *slope,
+                      PetscReal dW[RUBS][FIELDS]) {
+  PetscReal by[4];
+
+  SlideSlope(load, law, slope, dW);
+  if (load->arm == 0) return;
+  SpinByP(load, p, by);
+  for (int j = 0; j < 4; j++) dW[SPIN][P + j] += by[j];
 }
 
 /* f += s dF/dW dW, of the force and of its couple about d1. */
@@ -189,14 +205,53 @@ static void AddVelocity(const Load *load, const Law *law, const Point *p, const 
 /* How x'_t = g_t d1 + g d1_t of a node changes with p, and with p_t by its shift: 3 x 4. */
 static void VelocitySlopeSlope(const Law *law, const Point *p, const Slope *slope,
                                const PetscReal shift[], PetscReal by_p[3][4]) {
-  PetscReal w[3], d1_t[3];
-
-  VelocitySlope(law, p, w, d1_t);
-  DirectorRateSlope(p->p, p->size, p->d[0], d1_t, 0, slope->d1, p->p_t, by_p);
+  DirectorRateSlope(p->p, p->size, p->d[0], p->d1_t, 0, slope->d1, p->p_t, by_p);
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 4; j++)
       by_p[i][j] =
           law->g_t * slope->d1[i][j] + law->g * (shift[P + j] * slope->d1[i][j] + by_p[i][j]);
+}
+
+/* How NodeSpinSlope() changes with p and m of a node, by_p as above:
+     d(spin') = g_t du1 + g (d(flex1 m_t.d1 + flex1 m.d1_t + flex1_t m.d1) - sum d(u_k d_k.d1_t)).
+ */
+static void SpinSlopeSlope(const Law *law, const Point *p, const Slope *slope,
+                           const PetscReal shift[], PetscReal by_p[3][4], PetscReal by[7]) {
+  const PetscReal g = law->g, flex = law->flex[0], flex_t = law->twist.flex_t, *d1_t = p->d1_t;
+
+  for (int j = 0; j < 4; j++) by[j] = law->g_t * slope->u_p[0][j];
+  for (int j = 0; j < 3; j++)
+    by[4 + j] = (law->g_t + g * shift[M + j]) * slope->u_m[0][j] +
+                g * (flex * d1_t[j] + flex_t * p->d[0][j]);
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 4; j++)
+      by[j] += g * (flex * p->m_t[i] + flex_t * p->m[i]) * slope->d1[i][j] +
+               flex * p->m[i] * (by_p[i][j] - law->g_t * slope->d1[i][j]);
+  for (int k = 1; k < 3; k++) {
+    const PetscReal *d = p->d[k], turns = d[0] * d1_t[0] + d[1] * d1_t[1] + d[2] * d1_t[2];
+    PetscReal D[3][4];
+    DirectorSlope(p->p, p->size, d, k, D);
+    for (int j = 0; j < 4; j++) by[j] -= g * slope->u_p[k][j] * turns;
+    for (int j = 0; j < 3; j++) by[4 + j] -= g * slope->u_m[k][j] * turns;
+    for (int i = 0; i < 3; i++)
+      for (int j = 0; j < 4; j++)
+        by[j] -=
+            p->u[k] * (g * D[i][j] * d1_t[i] + d[i] * (by_p[i][j] - law->g_t * slope->d1[i][j]));
+  }
+}
+
+/* Adds to how W changes in the middle of a cell what its spin has of a node: half of that there,
+   and k of its slope. */
+static void CubicSpin(const Load *load, const Law *law, const Point *p, const Slope *slope,
+                      PetscReal k, const PetscReal shift[], PetscReal by_p[3][4],
+                      PetscReal dW[RUBS][FIELDS]) {
+  PetscReal rates[RUBS][FIELDS] = {{0}}, held[4], along[7];
+
+  RateSlope(load, p, 1, shift, rates);
+  SpinByP(load, p, held);
+  SpinSlopeSlope(law, p, slope, shift, by_p, along);
+  for (int j = 0; j < 4; j++) dW[SPIN][P + j] = (rates[SPIN][P + j] + held[j]) / 2;
+  for (int j = 0; j < 7; j++) dW[SPIN][P + j] += load->arm * k * along[j];
 }
 
 /* The derivatives at a node, with what its own rates add. */
@@ -238,8 +293,12 @@ static void CellJacobian(const Cell *cell, PetscReal sign, const PetscReal shift
     for (int i = 0; i < 3; i++)
       for (int j = 0; j < 4; j++) dW[i][P + j] += k * by_p[i][j];
   }
+  if (SpinCubic(cell->rod)) CubicSpin(load, law, p, slope, k, shift, by_p, dW);
   if (cell->law[1].c != 0 || load->arm > 0) {
-    TurnSlope(load, &cell->law[1], &cell->mid, mid, turn);
+    if (SpinCubic(cell->rod))
+      SlideSlope(load, &cell->law[1], mid, turn);
+    else
+      TurnSlope(load, &cell->law[1], &cell->mid, mid, turn);
     AddProduct(RUBS, 7, FIELDS, 1, turn[0] + P, FIELDS, G[P], FIELDS, dW[0], FIELDS);
   }
   /* rows of x and p by p and m; of m by p and n; of n by x and p: what is 0 is left out */
@@ -553,6 +612,7 @@ static PetscErrorCode SpaceGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes
     if (U_t) {
       PetscCall(PetscArraycpy(node->x3_t, u_t[i] + X, 3));
       PetscCall(PetscArraycpy(node->p_t, u_t[i] + P, 4));
+      PetscCall(PetscArraycpy(node->m3_t, u_t[i] + M, 3));
     }
     RodPlanePart(node);
   }

@@ -7,7 +7,9 @@ static void PointAtNode(const Cell *cell, const Law *law, const FrictionDual4 *d
   memcpy(p->m, u + M, sizeof(p->m));
   memcpy(p->n, u + N, sizeof(p->n));
   memcpy(p->p_t, u_t + P, sizeof(p->p_t));
+  memcpy(p->m_t, u_t + M, sizeof(p->m_t));
   PointStrains(cell->load, law, p);
+  DirectorRate(p);
   p->at.t = cell->t;
   for (int i = 0; i < 3; i++) {
     p->at.x[i] = u[X + i];
@@ -18,12 +20,13 @@ static void PointAtNode(const Cell *cell, const Law *law, const FrictionDual4 *d
 
 /* The point in the middle of the cell; k = bow h. */
 static void PointAtMid(Cell *cell, PetscReal k, const PetscReal *ua_t, const PetscReal *ub_t) {
+  const Load *load = cell->load;
   const Point *a = &cell->a, *b = &cell->b;
   Point *p = &cell->mid;
-  PetscReal wa[3], wb[3], d1_t[3];
+  PetscReal wa[3], wb[3];
 
-  VelocitySlope(&cell->law[0], a, wa, d1_t);
-  VelocitySlope(&cell->law[2], b, wb, d1_t);
+  VelocitySlope(&cell->law[0], a, wa);
+  VelocitySlope(&cell->law[2], b, wb);
   for (int i = 0; i < 4; i++) {
     p->p[i] = (a->p[i] + b->p[i]) / 2 + k * (a->f[P + i] - b->f[P + i]);
     p->p_t[i] = (ua_t[P + i] + ub_t[P + i]) / 2;
@@ -33,12 +36,18 @@ static void PointAtMid(Cell *cell, PetscReal k, const PetscReal *ua_t, const Pet
     p->n[i] = (a->n[i] + b->n[i]) / 2 + k * (a->f[N + i] - b->f[N + i]);
     p->at.x[i] = (a->at.x[i] + b->at.x[i]) / 2 + k * (a->f[X + i] - b->f[X + i]);
   }
-  PointStrains(cell->load, &cell->law[1], p);
+  PointStrains(load, &cell->law[1], p);
+  if (SpinCubic(cell->rod))
+    p->at.W[SPIN] =
+        load->arm *
+        ((QuaternionSpin(a->p, a->size, a->p_t) + QuaternionSpin(b->p, b->size, b->p_t)) / 2 +
+         k * (NodeSpinSlope(&cell->law[0], a) - NodeSpinSlope(&cell->law[2], b)) +
+         cell->law[1].c * p->u[0]);
   p->at.t = cell->t;
   for (int i = 0; i < 3; i++)
     p->at.W[i] =
         (ua_t[X + i] + ub_t[X + i]) / 2 + k * (wa[i] - wb[i]) + cell->law[1].c * p->d[0][i];
-  PointEvaluate(cell->load, &cell->law[1], cell->dual[1], p);
+  PointEvaluate(load, &cell->law[1], cell->dual[1], p);
 }
 
 /* The laws at all points of the owned nodes and the cells beside them, at time t. */
@@ -61,6 +70,7 @@ static PetscErrorCode LawsAt(Rod rod, PetscReal t) {
       SceneStiffnesses(scene, B, S);
       for (int k = 0; k < 3; k++) law->flex[k] = 1 / S[k];
       PetscCall(CurvatureStrains(&scene->curvature, scene->growth, law->s, t, law->u0, NULL));
+      if (scene->load.radius > 0) PetscCall(SceneTwistRate(scene, law->s, t, &law->twist));
     }
   self->time = t;
   PetscFunctionReturn(0);

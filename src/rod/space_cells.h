@@ -6,20 +6,23 @@
 #include "rod/directors.h"
 #include "rod/rod.h"
 #include "rod/space_strands.h"
+#include "rod/spin.h"
 
 enum { X, P = 3, M = 7, N = 10, FIELDS = 13, LEFT = M, RIGHT = FIELDS - LEFT };
 
 /* What the laws give at a point; flex = 1/S. */
 typedef struct {
   PetscReal s, g, g_t, c, u0[3], flex[3];
+  TwistRate twist; /* where friction along the rod feels the spin */
 } Law;
 
 /* A point of the rod: its unknowns, what follows from them, and f. */
 typedef struct {
   PetscReal p[4], m[3], n[3], size, d[3][3], u[3], f[FIELDS];
-  PetscReal p_t[4];
+  PetscReal p_t[4], m_t[3], d1_t[3]; /* rates, that of d1 at nodes */
   Place3 at;
 } Point;
+
 typedef struct {
   PetscReal end_weight, mid_weight, bow; /* times h: 1/6, 4/6, 1/8 (order 4); 0, 1, 0 (order 2) */
   PetscReal time;                        /* of the laws below */
@@ -74,17 +77,35 @@ static inline void PointStrains(const Load *load, const Law *law, Point *p) {
   if (load->arm > 0)
     p->at.W[SPIN] = load->arm * (QuaternionSpin(p->p, p->size, p->p_t) + law->c * p->u[0]);
 }
-/* The slope x'_t = g_t d1 + g d1_t of the velocity at a node, and d1_t. */
-static inline void VelocitySlope(const Law *law, const Point *p, PetscReal w[3],
-                                 PetscReal d1_t[3]) {
+
+/* d1_t at a node. */
+static inline void DirectorRate(Point *p) {
   PetscReal D[3][4];
 
   DirectorSlope(p->p, p->size, p->d[0], 0, D);
-  for (int i = 0; i < 3; i++) {
-    d1_t[i] = D[i][0] * p->p_t[0] + D[i][1] * p->p_t[1] + D[i][2] * p->p_t[2] + D[i][3] * p->p_t[3];
-    w[i] = law->g_t * p->d[0][i] + law->g * d1_t[i];
-  }
+  for (int i = 0; i < 3; i++)
+    p->d1_t[i] =
+        D[i][0] * p->p_t[0] + D[i][1] * p->p_t[1] + D[i][2] * p->p_t[2] + D[i][3] * p->p_t[3];
 }
+
+/* The slope x'_t = g_t d1 + g d1_t of the velocity at a node. */
+static inline void VelocitySlope(const Law *law, const Point *p, PetscReal w[3]) {
+  for (int i = 0; i < 3; i++) w[i] = law->g_t * p->d[0][i] + law->g * p->d1_t[i];
+}
+
+/* Is the spin in the middle of a cell that of Hermite's cubic? It takes the rate of the moment, and
+   so is left where friction along the rod does not feel the spin (what walls do comes at once), and
+   where modes are counted: with that rate no energy is behind the equations of a cell. */
+static inline PetscBool SpinCubic(Rod rod) {
+  const Space_ *self = (const Space_ *)rod->data;
+  return (PetscBool)(rod->scene->load.radius > 0 && self->bow > 0 && !rod->counts);
+}
+
+/* How the spin of the directors changes along the rod at a node, see rod/spin.h. */
+static inline PetscReal NodeSpinSlope(const Law *law, const Point *p) {
+  return SpinSlope(law->g, law->g_t, &law->twist, law->flex[0], p->d, p->u, p->m, p->m_t, p->d1_t);
+}
+
 /* The duals of point k of the rank's: of friction along the rod, and of walls. */
 static inline FrictionDual4 *Duals(const Space_ *self, PetscInt k) {
   return self->dual + k * self->duals;

@@ -1,7 +1,7 @@
 /* How well the cells of the model of space resolve the state that they have found (pair_defect.h).
-   A cell of order 2 is held against order 4. The rate of the quaternion in the middle of a cell is
-   the mean of both ends', which is of order 2: where friction feels a spin, it is held against the
-   parabola through three nodes. */
+   A cell of order 2 is held against order 4. Where walls alone feel
+   the spin, the rate of the quaternion in the middle of a cell is the mean of both ends', which is
+   of order 2: it is held against the parabola through three nodes. */
 #include "rod/pair_defect.h"
 #include "rod/space_cells.h"
 
@@ -21,10 +21,10 @@ static void PointOnCubic(const Cells *cells, const Law *law, const Law *law_b, P
                          PetscReal h, const Point *b, const Point *at, Point *p) {
   const Point *a = cells->p;
   const Load *load = cells->load;
-  PetscReal wa[3], wb[3], d1_t[3];
+  PetscReal wa[3], wb[3];
 
-  VelocitySlope(cells->law, a, wa, d1_t);
-  VelocitySlope(law_b, b, wb, d1_t);
+  VelocitySlope(cells->law, a, wa);
+  VelocitySlope(law_b, b, wb);
   for (int i = 0; i < 4; i++) {
     p->p[i] = Hermite(z, h, a->p[i], a->f[P + i], b->p[i], b->f[P + i]);
     p->p_t[i] = at->p_t[i];
@@ -35,6 +35,12 @@ static void PointOnCubic(const Cells *cells, const Law *law, const Law *law_b, P
     p->at.x[i] = Hermite(z, h, a->at.x[i], a->f[X + i], b->at.x[i], b->f[X + i]);
   }
   PointStrains(load, law, p);
+  if (load->radius > 0)
+    p->at.W[SPIN] =
+        load->arm *
+        (Hermite(z, h, QuaternionSpin(a->p, a->size, a->p_t), NodeSpinSlope(cells->law, a),
+                 QuaternionSpin(b->p, b->size, b->p_t), NodeSpinSlope(law_b, b)) +
+         law->c * p->u[0]);
   p->at.t = at->at.t;
   for (int i = 0; i < 3; i++)
     p->at.W[i] = Hermite(z, h, a->at.W[i] - cells->law->c * a->d[0][i], wa[i],
@@ -66,6 +72,7 @@ static void AddTurning(const Cells *cells, int k, PetscReal defect[MAX_FIELDS]) 
 static void PairDefect(const Cells *cells, PetscReal defect[MAX_FIELDS]) {
   const PetscReal h1 = cells->h[0], h2 = cells->h[1];
   const Point *p = cells->p;
+  const PetscBool walls = (PetscBool)(cells->load->arm > 0 && cells->load->radius == 0);
   PetscReal weight[PLACES];
   Point cubic;
 
@@ -77,8 +84,7 @@ static void PairDefect(const Cells *cells, PetscReal defect[MAX_FIELDS]) {
     defect[f] = PairRule(h1, h2, weight, value);
     if (f < N || !cells->strands) defect[f] += PairCubic(h1, h2, value[2], cubic.f[f]);
   }
-  for (int k = 0; k < 2 && cells->load->arm > 0 && !LoadSticks(cells->load); k++)
-    AddTurning(cells, k, defect);
+  for (int k = 0; k < 2 && walls && !LoadSticks(cells->load); k++) AddTurning(cells, k, defect);
 }
 
 /* Of a cell of order 2. */

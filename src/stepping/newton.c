@@ -202,7 +202,8 @@ static PetscErrorCode HasChain(Rod rod, PetscBool *has) {
   PetscFunctionReturn(0);
 }
 
-/* A matrix that is not there: its equations are eliminated as they are computed. */
+/* A matrix that is not there: its equations are eliminated as they are computed. Where friction
+   feels the spin of a rod modes are counted in another one (rod/space.c). */
 static PetscErrorCode SetElimination(TS ts, Newton *newton) {
   Rod rod = newton->rod;
   PetscInt nodes = rod->end - rod->first, n = nodes * rod->model->fields;
@@ -219,6 +220,8 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(EliminationSetType(pc, newton->elimination));
   rod->elimination = newton->elimination;
+  if (rod->model->space && rod->scene->load.radius > 0)
+    PetscCall(EliminationCreate(rod->scene->comm, nodes, rod->model->halves, &newton->counter));
   PetscFunctionReturn(0);
 }
 
@@ -255,11 +258,11 @@ PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton) {
   known  can they be counted? Not where a rod in space sticks, for round-off beside what is so stiff
 */
 PetscErrorCode NewtonIndex(Newton *newton, PetscInt *index, PetscBool *known) {
-  Elimination counted = newton->elimination ? newton->elimination : newton->counter;
+  Elimination counted = newton->counter ? newton->counter : newton->elimination;
   Rod rod = newton->rod;
 
   PetscFunctionBegin;
-  *known = (PetscBool)(counted && (counted == newton->elimination || rod->linearised.U) &&
+  *known = (PetscBool)(counted && (!newton->counter || rod->linearised.U) &&
                        !(EliminationWide(counted) && LoadSticks(&rod->scene->load)));
   *index = 0;
   if (!*known) PetscFunctionReturn(0);
