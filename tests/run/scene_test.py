@@ -123,7 +123,7 @@ def against_reference(name, more):
     for line in (ROOT / "tests/reference" / f"{name}.json").read_text().splitlines():
         ref = json.loads(line)
         errors = {k: abs(r.at(k, ref["t"]) / ref[k] - 1) for k in ("norm_x2", "energy")}
-        errors["tip"] = distance(r.tip_at(ref["t"]), np.array(ref["tip"]))
+        errors["tip"] = distance(r.tip_at(ref["t"])[:2], np.array(ref["tip"]))  # (space has a third)
         for k, e in errors.items():
             late = ref["t"] > 12
             worst[k][late] = max(worst[k][late], e)

@@ -11,6 +11,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
 from scene_test import Run, expect
+import world_test as world
 from laboratory_test import read, tendril
 
 import h5py
@@ -89,6 +90,16 @@ def plane():
 
 
 @check
+def plane_references():
+    """The plane's references by this model, to the plane's tolerances; x3 is 0 to the last bit."""
+    names = [*scene.REFERENCES]
+    for name in names:
+        scene.expect_reference(name, "-rod_model space", 1e-5)
+    world.expect_references("-rod_model space", 6e-5, 6e-5)
+    expect(len(names) == 6 and len(scene.REFERENCES) == 12, f"{len(scene.REFERENCES)} references")
+
+
+@check
 def symmetries():
     """The rod turned about the clamp's axis, turned in the laboratory, and its mirror image."""
     rod = Run(BENT + FIXED + "-rod_weight 0.1,-0.3,-0.2 -tip_force_vector 0,0.1,0.05")
@@ -149,6 +160,13 @@ def sides():
             off = np.linalg.norm(tip - right) / length
             expect(off < 0.02, f"{rod} {more} mu {mu}, rtol {rtol}: off by {off:.1e}")
         print(f"L {length}, mu {mu}, turned by {turn} {more}: off by {off:.1e}")
+    # pinned, bent and twisted by nature and heavy: at every tolerance to the same shape
+    heavy = ("-growth_type gaussian -growth_initial_length 1.05 -friction_mu 0 -rod_curvature_2 0.483 -rod_twist 2.43 "
+             "-rod_weight 0.579,1.16,0.384 -friction_across 1.88 -tip_type pinned -ts_max_time 4 -rod_cells 100 ")
+    ends = [Run(heavy + f"-ts_rtol {rtol}").shapes["x"][-1] for rtol in ("1e-4", "1e-6", "1e-8")]
+    off = [np.abs(x - ends[-1]).max() for x in ends]
+    print(f"pinned and heavy: off by {off}")
+    expect(off[0] < 1e-3 and off[1] < 1e-5, f"pinned and heavy: {off}")
     # behind a snap, in steps so short that next to their friction modes cannot be told from round-off
     Run("-growth_type gaussian -growth_initial_length 2.87 -rod_curvature 0.697 -rod_curvature_2 1.46 -friction_across 0.749 "
         "-shape_amplitude 0.142 -shape_turn 0.604 -rod_cells 50 -ts_max_time 0.01 -ts_rtol 1e-8")
@@ -209,6 +227,36 @@ def spin():
     print(f"twist {r.twist[-1]:.8f}, exact {lag:.8f}; defect {r.energy_defect[-1]:.1e}")
     expect(abs(r.twist[-1] / lag - 1) < 3e-5, "twist")
     expect(r.energy_defect[-1] < 1e-6, "energy")
+
+
+TURNED = ("-growth_initial_length 1 -shape_amplitude 0.3 -friction_mu 0.8 -friction_beta 0.05 -rod_curvature 0.3 "
+          "-rod_curvature_2 0.2 -rod_twist 0.4 -friction_radius 0.3 -clamp_spin 0.5 -rod_weight 0.1,-0.3,-0.2 "
+          "-ts_max_time 1 -output_interval 1 ")
+
+
+@check
+def orders():
+    """Of a bent rod that friction along it holds from spinning: 4 in space (2 with -rod_order 2), the
+    couple of friction as all else; in time 1 to 6, held to one order, by tolerances."""
+    rod = TURNED + "-ts_rtol 1e-7 "
+    fine = Run(rod + "-rod_cells 160")
+
+    def errors(r, every):
+        return np.array([np.abs(r.shapes["x"][-1] - fine.shapes["x"][-1][::every]).max(),
+                         *(abs(r.series[k][-1] / fine.series[k][-1] - 1) for k in ("base_moment_1", "twist", "energy"))])
+    for more, cells, should in (("", (10, 20), 4), ("-rod_order 2", (40, 80), 2)):
+        coarse, half = (errors(Run(f"{rod} {more} -rod_cells {n}"), 160 // n) for n in cells)
+        print(f"{cells} cells {more}: place, torque, twist, energy {half}, orders {np.log2(coarse / half)}")
+        expect(abs(np.log2(coarse / half) - should - 0.2).max() < 0.6, f"{more}: orders {np.log2(coarse / half)}")
+    rod = TURNED + "-rod_cells 20 "
+    fine = Run(rod + "-ts_rtol 1e-10")
+    for order, tolerances in {1: (1e-3, 1e-4), 2: (1e-4, 1e-6), 3: (1e-5, 1e-7), 4: (1e-5, 1e-7), 5: (1e-6, 1e-8),
+                              6: (1e-7, 1e-9)}.items():
+        runs = [Run(f"{rod} -ts_bdf_order {order} -ts_rtol {rtol}") for rtol in tolerances]
+        off = [np.abs(r.shapes["x"][-1] - fine.shapes["x"][-1]).max() for r in runs]
+        seen = np.log(off[0] / off[1]) / np.log(runs[1].steps / runs[0].steps)
+        print(f"order {order} in time: {[r.steps for r in runs]} steps, off by {off}, order {seen:.2f}")
+        expect(abs(seen - order) < 0.6, f"order {order} in time: {seen}")
 
 
 @check
@@ -403,6 +451,14 @@ def refused():
              "-rod_weight 0.51,-0.50,-0.78 ")
     expect("-friction_radius" in tendril(turns, 1), "that nothing holds the spin is not said")
     tendril(turns + "-friction_radius 0.02")
+    # a rod that rolls on a wall, pushed aside, does not lack a side to which it gives way
+    wall = f"{scene.SCRATCH}/floor.txt"
+    Path(wall).write_text("plane 0 0 -0.05 0 0 1 friction 5\n")
+    rolls = ("-growth_type feed -growth_initial_length 1 -shape_type straight -rod_cells 40 -ts_max_time 0.2 "
+             "-contact_diameter 0.1 -friction_mu 0 -rod_weight 0,0,-2 -tip_force_vector 0,0.3,0 -rod_torsion 0.005 "
+             f"-wall_file {wall} ")
+    expect("-ts_rtol" in tendril(rolls, 1) and "-rod_curvature" not in tendril(rolls, 1), "a remedy that is none")
+    tendril(rolls + "-ts_rtol 1e-4")
     # dry friction, and a clamp that turns: modes of the frozen rod are none that count
     tendril("-growth_type uniform -growth_initial_length 1.092 -ts_max_time 2.73 -rod_curvature 3.299 -rod_twist -0.295 "
             "-friction_mu 1 -friction_beta 1.6e-05 -shape_amplitude 0.290 -rod_cells 60 -tip_type pinned -clamp_spin 8.79")
