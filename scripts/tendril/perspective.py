@@ -156,11 +156,12 @@ def furnish(axes, low, high, up, view, label):
     axes.set_anchor("W")  # so that letters of panels stay in line
     axes.patch.set_alpha(0)
     for d, axis in enumerate((axes.xaxis, axes.yaxis, axes.zaxis)):
-        axis.set_major_locator(MaxNLocator(max(1, round(5 * sides[d] / sides.max())), steps=[1, 2, 5, 10]))
+        most = max(1, round(5 * sides[d] / sides.max()))
+        axis.set_major_locator(MaxNLocator(most, steps=[1, 2, 5, 10], min_n_ticks=1))
         axis.set_pane_color((1, 1, 1, 0))
         axis.line.set_linewidth(0.6)
         axis.set_tick_params(pad=-2, labelsize=7, width=0.5)
-        axis.labelpad = -7
+        axis.labelpad = -2
         axis._axinfo["grid"].update(linewidth=0.35, color="#dcdcdc")
     axes.set_xlabel(label("$x_1$"))
     axes.set_ylabel(label("$x_2$"))
