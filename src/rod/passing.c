@@ -241,9 +241,10 @@ PetscErrorCode RodPassesWalls(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U
                               PetscBool *passes) {
   const Contact *contact = &rod->scene->contact;
   const PetscInt n = PetscMin(rod->end, rod->last) - rod->first;
-  enum { PASSES, CROWDED, VERDICTS };
+  enum { PASSES, CROWDED, FEET, VERDICTS };
   int verdict[VERDICTS] = {0};
   Touch touch[MOST_TOUCHES];
+  Foot foot[MOST_FEET];
   PetscBool sweeps;
   Cells cells = {.n = n};
 
@@ -259,6 +260,8 @@ PetscErrorCode RodPassesWalls(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U
     const FootCell *cell = &cells.cell[1][k];
     if (CellIsBehind(contact, &cells.cell[0][k], cell)) verdict[PASSES] = 1;
     if (ContactTouches(contact, cell->x[1], touch) == MOST_TOUCHES) verdict[CROWDED] = 1;
+    if (contact->thin && FeetFind(contact, cell, contact->smooth, foot) == MOST_FEET)
+      verdict[FEET] = 1;
   }
   PetscCall(Sweeps(rod, &cells, &sweeps));
   PetscCall(PetscFree2(cells.cell[0], cells.cell[1]));
@@ -268,6 +271,11 @@ PetscErrorCode RodPassesWalls(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U
       "-wall_file: at t = %g %d walls or more touch the rod at one place: take out those that "
       "lie on each other",
       (double)t1, (int)MOST_TOUCHES);
+  UserCheck(
+      !verdict[FEET], rod->scene->comm,
+      "-wall_file: at t = %g %d posts or corners or more touch one cell of the rod: take more "
+      "-rod_cells, or one wall in place of them",
+      (double)t1, (int)MOST_FEET);
   *passes = (PetscBool)(verdict[PASSES] || sweeps);
   PetscFunctionReturn(0);
 }

@@ -882,6 +882,11 @@ def many_walls():
     line = tendril(fed + walls(*[plane] * 40), 1)
     print(line.strip())
     expect("32 walls or more touch the rod at one place" in line, line)
+    posts = walls(*[f"circle {0.41 + 0.004 * k:.3f} -0.026 0.001 outside" for k in range(20)])
+    line = tendril("-growth_type feed -growth_initial_length 1 -rod_cells 5 -rod_grading uniform -shape_type straight "
+                   f"-contact_diameter 0.05 -ts_max_time 0.1 {posts}", 1)
+    print(line.strip())
+    expect("16 posts or corners or more touch one cell" in line, line)
     tendril(f"{fed} {walls(*crowd, plane)} -ts_max_time 1.6 -output {d}/many.h5")
     tendril(f"-restart {d}/many.h5 -ts_max_time 1.7")
     with h5py.File(f"{d}/many.h5") as f:
