@@ -147,11 +147,15 @@ what() {
     before=$word
   done
 }
+# stored: if anything is that could be taken for a result of other options
+stored() {
+  compgen -G "$directory/*.h5" >/dev/null || compgen -G "$directory/running/*.h5" >/dev/null
+}
 # keep FILE TEXT: notes it there, at one blow (other tasks may look); fails if something else stands
-# there
+# there, and results of it
 keep() {
   printf '%s' "$2" >"$1.$$"
-  if [ -f "$1" ] && ! cmp -s "$1.$$" "$1"; then
+  if [ -f "$1" ] && { [ "$SWEEP_ID" != all ] || stored; } && ! cmp -s "$1.$$" "$1"; then
     rm "$1.$$"
     fail "$directory holds a sweep with other options, or of an options file that was edited since; give another directory"
   fi

@@ -450,6 +450,9 @@ def sweep_script():
     expect("sweep: 4 points, 1 to run here" in script(command, 1), command)
     said = script(f"scripts/sweep.sh {d}/c -friction_mew 1 -- friction_mu 0,1", 1)
     expect("did you mean -friction_mu?" in said, said)
+    script(f"scripts/sweep.sh {d}/c {SHORT} -- friction_mu 0,1")  # nothing was stored: not another sweep's
+    said = script(f"scripts/sweep.sh {d}/c {SHORT} -rod_order 2 -- friction_mu 0,1", 1)
+    expect("holds a sweep with other options" in said, said)
     script(f"scripts/sweep.sh {d}/d -task stability -stability_points 3 -stability_vertices 20 -- "
            "friction_mu 0,1")
     expect(len(list(Path(f"{d}/d").glob("*.h5"))) == 2, "stability")
