@@ -10,7 +10,6 @@ file of two columns, distance and rate, joined by straight lines, its last rate 
 All is dimensionless, as in tendril. Labels are shared out evenly over the rod as it is at the end."""
 
 import argparse
-import os
 import subprocess
 import sys
 import tempfile
@@ -19,8 +18,9 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from .errors import ResultsError
+from .errors import TendrilError
 from .results import load
+from .runs import executable
 
 # Gauss points on [0, 1] and their weights
 POINTS, WEIGHTS = (np.polynomial.legendre.leggauss(4) + np.array([[1], [0]])) / 2
@@ -146,7 +146,7 @@ def make_table(rate, length, end, labels, times, side):
 
 def compare(file, end, s, t, p):
     """Grows the straight rod of this table; the largest error of a place over the length."""
-    tendril = os.environ.get("TENDRIL", "build/tendril")
+    tendril = executable()
     with tempfile.TemporaryDirectory() as scratch:
         output = f"{scratch}/run.h5"
         # friction does not move a straight rod; the times of four rows of the table
@@ -233,7 +233,7 @@ def make(choice):
 def main(words=None):
     try:
         make(arguments_of(words))
-    except (BadTable, ResultsError, OSError) as error:
+    except (BadTable, TendrilError, OSError) as error:
         print(f"growth_table: {error}", file=sys.stderr)
         return 1
     return 0
