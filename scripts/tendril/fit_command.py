@@ -107,6 +107,8 @@ def main(arguments=None):
     choice = parser.parse_args(own)
     matplotlib.use("Agg")
     try:
+        if not choice.parameter and not choice.prior:
+            raise TendrilError("give what to look for, --parameter si_friction_dry=0.1N/m:2N/m")
         keep(choice.output, choice.scene, choice.data)
         data = measured(choice.data, choice.unit, choice.fps)
         for note in data.notes:
@@ -118,7 +120,7 @@ def main(arguments=None):
                     accuracy=choice.accuracy, starts=choice.starts, seed=choice.seed, progress=True, **options(more))
         found.save(choice.output)
     except (TendrilError, OSError) as error:
-        print(f"fit: {error}", file=sys.stderr)
+        print(f"fit: {str(error).removeprefix('fit: ')}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         print("fit: interrupted before anything was found", file=sys.stderr)

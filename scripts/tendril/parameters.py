@@ -21,6 +21,8 @@ def with_unit(value):
     found = re.fullmatch(r"\s*([-+]?(?:[0-9]*\.)?[0-9]+\.?(?:[eE][-+]?[0-9]+)?)\s*(\S*)\s*", str(value))
     if not found:
         raise TendrilError(f"{value}: give a number, or one with a unit")
+    if re.match(",[0-9]", found[2]):
+        raise TendrilError(f"{value}: give a number with a point, {str(value).strip().replace(',', '.', 1)}")
     return float(found[1]), found[2]
 
 

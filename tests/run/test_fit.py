@@ -859,9 +859,13 @@ class Fitting(unittest.TestCase):
             with contextlib.redirect_stderr(said):
                 self.assertEqual(fit_command.main([*words, "--output", str(self.place / name)]), 1)
             self.assertRegex(said.getvalue(), f"^fit: --output .*{name}: would write over .*{name}.*\n$")
+        with contextlib.redirect_stderr(io.StringIO()) as said:
+            self.assertEqual(fit_command.main([str(TUBE), str(data)]), 1)
+        self.assertEqual(said.getvalue(), "fit: give what to look for, --parameter si_friction_dry=0.1N/m:2N/m\n")
         for words, word in (([TUBE, data, {"si_friction_dry": ("0.2N/m", "2N/m")}], "wdth is no series"),
                             ([TUBE, data, {"si_frction_dry": (1, 2)}], "unknown option"),
                             ([TUBE, self.place / "none.csv", {"tip_force": (1, 2)}], "No such file"),
+                            ([TUBE, data, {"tip_force": "0,1:2"}], "0,1: give a number with a point, 0.1"),
                             ([TUBE, data, {}], "what to look for")):
             with self.assertRaisesRegex(tendril.TendrilError, word):
                 tendril.fit(*words, si_friction_dry=None if "si_friction_dry" in words[2] else "0.5N/m")
