@@ -17,4 +17,3 @@ cd "$started"
 "$root/scripts/sweep.sh" "$directory" -options_file "$root/options/pushed-tube.opts" -stop_length 20 -rod_cells 200 \
   -ts_rtol 1e-5 -output_interval 19.5 -quiet "$@" -- rod_curvature_seed "1:$members:$members"
 "$python" -m tendril ensemble "$directory" --output "$directory"
-echo "ensemble: $directory.png and .pdf show it"

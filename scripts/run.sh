@@ -30,5 +30,5 @@ for file in "${scenes[@]}"; do
   echo "run: growing $name, $file"
   mpiexec -n 1 --bind-to none "$root/build/tendril" -options_file "$file" -output "results/$name.h5"
   "$root/.venv/bin/python" -m tendril plot "results/$name.h5" --output "results/$name"
-  echo "run: results/$name.h5 holds the result, results/$name.png and .pdf show it"
+  echo "run: results/$name.h5 holds the result"
 done

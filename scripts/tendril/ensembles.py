@@ -141,7 +141,7 @@ def main(arguments=None):
     try:
         found = ensemble(choice.place)
         print(f"ensemble: {found}")
-        save(found.plot(), choice.output, None)
+        print(f"ensemble: {save(found.plot(), choice.output, None)} show it")
     except (TendrilError, OSError) as error:
         print(f"ensemble: {error}", file=sys.stderr)
         return 1

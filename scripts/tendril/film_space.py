@@ -13,6 +13,7 @@ from .perspective import Rods, Strand, box_of, draw_surfaces, furnish, look, sig
 from .solids import solids
 from .spatial import FIELDS, VISIBLE, diameter_of, fields_of, up_of
 from .style import InStyle
+from .units import briefly
 from .surroundings import friction, pressed, size_of
 
 ARROWS = 28
@@ -49,9 +50,9 @@ class FilmInSpace:
         self.drag = max(np.percentile(size_of(friction(r, s, ARROWS)[1]), 95) for s in shapes) or 1
         self.press = max((size_of(pressed(r, s, ARROWS)[1]).max() for s in shapes), default=0) if "contact" in r.shapes else 0
         factor, name = units.unit("N")
-        told = [("#555555", f"longest arrows: friction {factor * self.drag:.2g} {name or 'per length'}")]
+        told = [("#555555", f"longest arrows: friction {briefly(factor * self.drag)} {name or 'per length'}")]
         if self.press:
-            told.append(("#D55E00", f"contact {factor * self.press:.2g} {name or 'per length'}"))
+            told.append(("#D55E00", f"contact {briefly(factor * self.press)} {name or 'per length'}"))
         for k, (colour, text) in enumerate(told):
             self.figure.text(0.02, 0.03 + 0.035 * k, text, color=colour, fontsize=7)
         self.title = self.figure.text(0.02, 0.95, "", fontfamily="monospace", fontsize=8)

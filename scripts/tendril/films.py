@@ -26,7 +26,7 @@ from .style import STYLE
 from .progress import bar
 from .surroundings import axial_force, friction
 from .style import InStyle
-from .units import Units, moment
+from .units import Units, briefly, moment
 from .walls import (RIM, ThickLine, ThickSegments, diameter_of, draw_contact, draw_walls, strongest_contact)
 
 ARROWS = 28
@@ -81,11 +81,11 @@ class Film:
                              label=units.label(r"axial force $n \cdot q$", "force")
                              + " (compression < 0)")
         factor, name = units.unit("N")
-        ax.quiverkey(self.arrows, 0.9, 0.96, drag, f"friction {factor * drag:.2g} {name}".rstrip(), labelpos="W",
+        ax.quiverkey(self.arrows, 0.9, 0.96, drag, f"friction {briefly(factor * drag)} {name}".rstrip(), labelpos="W",
                      labelcolor="#555555", fontproperties={"size": 7}, labelsep=0.05).set_zorder(6)
         self.extent = (high - low).max()
         if self.most:
-            ax.set_title(f"longest arrow: contact {factor * self.most:.2g} {name or 'per length'}", loc="right",
+            ax.set_title(f"longest arrow: contact {briefly(factor * self.most)} {name or 'per length'}", loc="right",
                          color="#D55E00", fontsize=7)
         self.title = ax.set_title("", loc="left", fontfamily="monospace", fontsize=8)
 

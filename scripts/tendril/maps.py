@@ -212,13 +212,14 @@ def main(arguments=None):
     matplotlib.use("Agg")
     try:
         figure = map(view.place, view.axes, view.quantity, si=view.si)
-        save(figure, view.output, Path(view.place).with_suffix("") if view.place.endswith(".h5")
-             else view.place.rstrip("/"))
+        drawn = save(figure, view.output, Path(view.place).with_suffix("") if view.place.endswith(".h5")
+                     else view.place.rstrip("/"))
     except (TendrilError, ValueError, KeyError, OSError) as error:
         print(f"map: {str(error).removeprefix('map: ')}", file=sys.stderr)
         return 1
     if figure.missing:
         print(f"map: {figure.missing} points have no result")
+    print(f"map: {drawn}")
     return 0
 
 

@@ -41,7 +41,7 @@ from .solids import solids
 from .spatial import diameter_of, lift, up_of
 from .style import BLUE, COLOURS, GREEN, GREY, ORANGE, RED, STYLE, InStyle, save
 from .surroundings import arc_length, contact_force, size_of
-from .units import Units, moment
+from .units import Units, briefly, moment
 from .walls import draw_contact, draw_rod, draw_walls, strongest_contact
 
 if TYPE_CHECKING:
@@ -301,7 +301,7 @@ def panel_touch(ax, r, view):
     unit, times = view.units.of("length", 1.0), view.times_of(r)
     shape = r.at(times[-1] if times else r.shapes.t[-1], nearest=True)
     most, (factor, name) = strongest_contact(r, [shape]), view.units.unit("N")
-    arrow = f", longest arrow: {factor * most:.2g} {name or 'per length'}" if most and not view.overlay else ""
+    arrow = f", longest arrow: {briefly(factor * most)} {name or 'per length'}" if most and not view.overlay else ""
     draw_rod(ax, r, shape.x, unit, color=view.colour(r, BLUE),
              label=f"${view.units.of('time', shape.t):.4g}$" + arrow)
     draw_contact(ax, r, shape, unit)
@@ -752,7 +752,7 @@ def main(arguments=None):
                       beside=[read(path) for path in choice.beside.split(",") if path], view=choice.view)
         tell_missing(results, [moment("times", t, results) for t in times or ()],
                      Units(results if choice.si else ()))
-        save(figure, output, None)
+        print(f"plot: {save(figure, output, None)}")
     except (TendrilError, OSError) as error:
         print(f"plot: {error}", file=sys.stderr)
         return 1

@@ -168,7 +168,8 @@ def main(arguments=None):
     view = parser.parse_args(arguments)
     output = view.output or str(Path(view.files[0]).with_suffix(""))
     try:
-        save(figure_of([load(p) for p in view.files], [load(p) for p in view.run]), output, None)
+        figure = figure_of([load(p) for p in view.files], [load(p) for p in view.run])
+        print(f"plot: {save(figure, output, None)}")
     except (TendrilError, KeyError, OSError) as error:
         print(f"plot_stability: {error}", file=sys.stderr)
         return 1

@@ -25,7 +25,7 @@ import h5py
 import numpy as np
 
 from .errors import ResultsError
-from .units import in_laboratory, scales_of_rod
+from .units import in_laboratory, moment, scales_of_rod
 
 if TYPE_CHECKING:
     import pandas
@@ -128,11 +128,14 @@ class Results:
         """The rod's, 0 if it has none."""
         return float(self.attributes.get("parameters/contact_diameter", 0) or 0)
 
-    def at(self, t, nearest=False) -> Shape:
+    def at(self, t: float | str, nearest=False) -> Shape:
         """The shape at time t. Where none is stored it is the cubic through the four stored around t;
         where that is not where the series have the rod, too few are stored, and it is refused.
 
+        t        as the file counts it; of a run in the laboratory also "20s" or "2min"
         nearest  the stored shape nearest to t, however far that is"""
+        if isinstance(t, str):
+            t = moment("at", t, [self])
         times = self.shapes.get("t", ())
         if not len(times):
             raise ResultsError(f"{self.path}: holds no shape")

@@ -37,8 +37,9 @@ class InStyle(Figure):
 
 def save(figure, output, usual):
     """Saves a figure as PNG and PDF under a name, or as the one thing that the name's ending says. output:
-    None or empty: the usual name."""
+    None or empty: the usual name. Returns what was written, in words."""
     output = str(output or usual)
     endings = [""] if Path(output).suffix.lower() in ENDINGS else [".png", ".pdf"]
     for ending in endings:
         figure.savefig(output + ending)
+    return output + " and ".join(endings)

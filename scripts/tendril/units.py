@@ -125,6 +125,11 @@ def moment(option, text, results):
     return value * TIMES[unit] / scale
 
 
+def briefly(value):
+    """A number with two digits, 120 rather than 1.2e+02."""
+    return f"{float(f'{value:.2g}'):g}"
+
+
 def suited_to(kind, most):
     """(name, what 1 of it is in SI units) of the unit that suits a largest value, in SI units."""
     return next((u for u in SHOWN[kind] if most >= u[2] * (1 - 1e-9)), SHOWN[kind][0])[:2]

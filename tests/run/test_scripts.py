@@ -5,11 +5,14 @@
 
 import contextlib
 import io
+import os
+import shutil
 import subprocess
 import sys
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 from interpreter import ROOT, from_venv
 
@@ -18,8 +21,8 @@ sys.path.insert(0, str(SCRIPTS))
 try:
     import numpy as np
 
-    from tendril import ResultsError, films, load, pictures
-    from tendril.units import Units
+    from tendril import ResultsError, films, growth_table, load, pictures
+    from tendril.units import Units, briefly
 except ImportError as error:
     from_venv(error)
 
@@ -88,7 +91,7 @@ class Scripts(unittest.TestCase):
         for files, more in (([self.file], []), ([self.file, self.straight], []),
                             ([self.straight], ["--panels", "norm", "--times", "1"])):
             result, out, err = quietly(pictures.main, [*files, "--output", base, *more])
-            self.assertEqual((result, out, err), (0, "", ""))
+            self.assertEqual((result, out, err), (0, f"plot: {base}.png and .pdf\n", ""))
             for ending in (".png", ".pdf"):
                 self.assertGreater(base.with_suffix(ending).stat().st_size, 3000)
                 base.with_suffix(ending).unlink()
@@ -101,7 +104,7 @@ class Scripts(unittest.TestCase):
         for file, time, word in ((self.file, "0.7", None), (few, "4", "no shape stored at t = 4, drawn at 0")):
             _, out, _ = quietly(pictures.main, [file, "--times", time, "--panels", "shapes", "--output",
                                                 self.file.parent / "times"])
-            self.assertIn(word, out) if word else self.assertEqual(out, "")
+            self.assertIn(word, out) if word else self.assertNotIn("no shape", out)
 
     def test_one_picture_of_its_name(self):
         """A name with an ending is that file; a PDF holds no Type 3 font, which journals refuse."""
@@ -134,7 +137,10 @@ class Scripts(unittest.TestCase):
         self.assertAlmostEqual(float(u.of("length", load(tube).series.length[-1])), 7, places=6)
         self.assertEqual(u.label("$x_1$", "length"), "$x_1$ (cm)")
         said = ["--times", "4s,0.1min", "--panels", "shapes,force", "--output", d / "si"]
-        self.assertEqual(quietly(pictures.main, [tube, "--si", *said]), (0, "", ""))
+        self.assertEqual(quietly(pictures.main, [tube, "--si", *said]), (0, f"plot: {d}/si.png and .pdf\n", ""))
+        self.assertAlmostEqual(load(tube).at("0.1min").length, load(tube).at(6 * 0.3047156551).length, 9)
+        with self.assertRaisesRegex(ResultsError, "at 4furlong: give a time"):
+            load(tube).at("4furlong")
         beyond = quietly(pictures.main, [tube, "--si", "--times", "20s", "--output", d / "no"])
         self.assertEqual(beyond[2], f"plot: {tube}: ends at t = 12 s; no shape at 20 s\n")
         self.assertEqual(quietly(pictures.main, [tube, *said])[0], 0)
@@ -149,6 +155,24 @@ class Scripts(unittest.TestCase):
             result, _, err = quietly(main, [self.file, *more, "--output", d / "no.gif"])
             self.assertEqual((result, err.count("\n")), (1, 1), err)
             self.assertIn(word, err)
+
+    def test_numbers_in_words(self):
+        self.assertEqual([briefly(x) for x in (123.4, 0.5, 0.01234, 1.26e7)], ["120", "0.5", "0.012", "1.3e+07"])
+
+    def test_growth_table_is_checked_anywhere(self):
+        """--check grows a rod with the program, wherever one stands."""
+        table, here = self.file.parent / "slowing.h5", os.getcwd()
+        words = [table, "--length", "1", "--end", "3", "--rate", "0.3*exp(-d)", "--check"]
+        path = f"{Path(shutil.which(TENDRIL)).resolve().parent}:{os.environ['PATH']}"
+        with mock.patch.dict(os.environ, PATH=path):
+            os.environ.pop("TENDRIL", None)
+            os.chdir(table.parent)
+            try:
+                result, out, err = quietly(growth_table.main, words)
+            finally:
+                os.chdir(here)
+        self.assertEqual((result, err), (0, ""))
+        self.assertIn("straight rod", out)
 
     def test_options_page(self):
         """docs/options.md is what scripts/options.py makes of this executable."""
