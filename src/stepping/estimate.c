@@ -24,6 +24,7 @@ enum { DEFECTS = 2 }; /* such times from one measurement of defects to the next 
 static const PetscReal longest = 0.8;  /* arc length of a coarse cell, where the mesh allows */
 static const PetscReal straight = 0.3; /* angle */
 static const PetscReal most_dip = 0.8; /* of the moment: one that it is worth to look at */
+static const PetscReal kink_error = 3; /* of the local error of a step that is not smooth in time */
 static const PetscReal alike = 1e3;    /* sizes across in both directions, up to this ratio */
 static const PetscReal early = 0.01;   /* of the run: what the start does is over by then */
 static const PetscReal nudge = 1e-3;   /* of the speed at which friction turns, of beta, of k */
@@ -278,8 +279,9 @@ static PetscReal LargestMoment(const Estimate self, const PetscReal size[MAX_FIE
 }
 
 /* The step's local error at the coarse nodes of this rank comes on top of those before, which have
-   changed meanwhile. */
-static PetscErrorCode AddLocal(Estimate self, const PetscReal ratio[GROUPS]) {
+   changed meanwhile. times_error: it may be so many times that. */
+static PetscErrorCode AddLocal(Estimate self, PetscReal times_error,
+                               const PetscReal ratio[GROUPS]) {
   PetscReal weight[VBDF_POINTS][VBDF_FIELDS], times[VBDF_POINTS];
   const PetscInt fields = self->fields, followed = self->followed;
   const PetscScalar *u[VBDF_POINTS];
@@ -299,7 +301,8 @@ static PetscErrorCode AddLocal(Estimate self, const PetscReal ratio[GROUPS]) {
     for (PetscInt f = 0; f < followed; f++) {
       local[f] *= ratio[self->model->group[f]];
       skipped[f] *= ratio[self->model->group[f]];
-      for (PetscInt j = 0; j < n; j++) local[f] += weight[j][f] * u[j][i * fields + f];
+      for (PetscInt j = 0; j < n; j++)
+        local[f] += times_error * weight[j][f] * u[j][i * fields + f];
     }
   }
   for (PetscInt j = 0; j < n; j++) PetscCall(VecRestoreArrayRead(point[j], &u[j]));
@@ -665,9 +668,10 @@ static PetscReal Angle(const Estimate self, const PetscReal size[MAX_FIELDS]) {
   LookForKink - the error of a step that was rejected was not what the steps before had let expect:
   something in it is not smooth in time, as where a tip meets a layer. Moments feel rates at once:
   such a step, and some behind it, are looked at one by one. Those before it, which were not yet,
-  come before it.
+  come before it. Differences of what is not smooth tell nothing of derivatives: its error is more
+  than that of smooth ones (as it is in space, see rod/pair_defect.h).
 */
-static PetscErrorCode LookForKink(Estimate self) {
+static PetscErrorCode LookForKink(Estimate self, PetscReal *times_error) {
   const PetscInt count = self->nodes * self->followed;
   PetscInt rejected;
   PetscBool kink;
@@ -676,6 +680,7 @@ static PetscErrorCode LookForKink(Estimate self) {
   PetscCall(TSGetStepRejections(self->leg->ts, &rejected));
   kink = (PetscBool)(rejected > self->rejected && !self->touches);
   self->rejected = rejected;
+  *times_error = kink ? kink_error : 1;
   self->watch = kink ? SELDOM : PetscMax(0, self->watch - 1);
   if (!kink || !self->since) PetscFunctionReturn(0);
   for (PetscInt i = 0; i < count; i++) {
@@ -700,7 +705,8 @@ static PetscBool Waits(const Estimate self, PetscReal t, const PetscReal size[MA
   touches  the rod has touched something, now or before
 */
 PetscErrorCode EstimateStep(Estimate self, PetscBool jumped, PetscBool touches) {
-  PetscReal size[MAX_FIELDS], across[MIRRORS], ratio[GROUPS], rate[MIRRORS], moment, t;
+  PetscReal size[MAX_FIELDS], across[MIRRORS], ratio[GROUPS], rate[MIRRORS], moment,
+      times_error = 1, t;
 
   PetscFunctionBegin;
   if (!self) PetscFunctionReturn(0);
@@ -709,9 +715,9 @@ PetscErrorCode EstimateStep(Estimate self, PetscBool jumped, PetscBool touches) 
   PetscCall(RodFieldSizes(self->leg->rod, self->leg->U, size));
   Across(self, size, across);
   moment = LargestMoment(self, size);
-  PetscCall(LookForKink(self));
+  PetscCall(LookForKink(self, &times_error));
   Ratios(across, self->latest, ratio);
-  if (!jumped) PetscCall(AddLocal(self, ratio));
+  if (!jumped) PetscCall(AddLocal(self, times_error, ratio));
   PetscCall(PetscArraycpy(self->latest, across, MIRRORS));
   self->time = t;
   self->moment[1] = PetscMin(self->moment[1], moment);

@@ -130,19 +130,18 @@ static const PetscReal initial_layer = 1e-6;
 static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   PetscReal before = self->seen.t, norm = self->seen.norm_x2;
   PetscInt iterations = 0, all = 0, jumps = 0;
-  PetscBool jumped;
+  PetscBool jumped = PETSC_FALSE, layered;
+  Observation last = self->seen;
 
   PetscFunctionBegin;
+  layered = (PetscBool)(t <= initial_layer * self->scene->end_time);
   if (U) {
     PetscCall(TSGetSNESIterations(self->now->ts, &all));
     PetscCall(VBDFGetJumps(self->now->ts, &jumps));
     jumped = (PetscBool)(jumps > self->now->jumps);
     if (jumped || (self->scene->tip.path && PathTurnsCorner(self->scene->tip.path, before, t)))
       ObserverJump(self->observer);
-    if (jumped && t > initial_layer * self->scene->end_time) {
-      self->snaps++;
-      if (before <= t / 2) self->crossed = PETSC_TRUE;
-    }
+    if (jumped && !layered) self->snaps++;
     if (self->now == &self->leg[WholeModel(self)])
       PetscCall(EstimateStep(self->estimate, jumped, self->pressed));
     self->now->jumps = jumps;
@@ -150,6 +149,10 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   iterations = all - self->iterations;
   self->iterations = all;
   PetscCall(ObserverMeasure(self->observer, self->now->rod, t, U, U_t, &self->seen));
+  if (jumped && !layered && before <= t / 2) {
+    self->crossings++;
+    self->crossed += GrowCrossed(&last, &self->seen);
+  }
   if (norm > rod_vanished && self->seen.norm_x2 > rod_vanished)
     self->folds += PetscAbsReal(PetscLogReal(self->seen.norm_x2 / norm));
   if (norm > rod_vanished && self->seen.norm_x2 <= rod_vanished) self->vanished = PETSC_TRUE;

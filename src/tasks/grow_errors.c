@@ -5,17 +5,33 @@
 /* Rigid contact is the limit of no penetration; as far off as this times that, over the length. */
 static const PetscReal per_depth = 5;
 /* A snap ends a little inside the limit of friction. A start that one step has crossed was not
-   followed. Behind a growth zone friction that is exact is taken for one with a beta, which moments
-   that were laid down feel by its sixth root, and little else does. */
-static const PetscReal per_snap = 1e-4, of_start = 1e-2, of_limit = 5;
+   followed: it may be off by twice what that step has changed, and by no more than of_start. Behind
+   a growth zone friction that is exact is taken for one with a beta, which moments that were laid
+   down feel by its sixth root, and little else does. */
+static const PetscReal per_snap = 1e-4, per_change = 2, of_start = 1e-2, of_limit = 5;
 /* What a viscous share adds, over it: norms change by up to ten times that (LoadShareMore()). */
 static const PetscReal per_share = 10;
 
+/* How far a jump from one observation to the next, whose own error is not known, may be off: by a
+   multiple of what it has changed of tip and |x2| (in space of the larger one of |x2| and |x3|). */
+PetscReal GrowCrossed(const Observation *from, const Observation *to) {
+  const PetscReal tip[3] = {to->tip_x1 - from->tip_x1, to->tip_x2 - from->tip_x2,
+                            to->tip_x3 - from->tip_x3},
+                  distance = hypot(hypot(to->tip_x1, to->tip_x2), to->tip_x3),
+                  norm = PetscMax(to->norm_x2, to->norm_x3);
+  PetscReal change = hypot(hypot(tip[0], tip[1]), tip[2]) / PetscMax(distance, rod_vanished);
+
+  if (norm > rod_vanished)
+    change = PetscMax(change, PetscMax(PetscAbsReal(to->norm_x2 - from->norm_x2),
+                                       PetscAbsReal(to->norm_x3 - from->norm_x3)) /
+                                  norm);
+  return PetscMin(of_start, per_change * change);
+}
+
 /* What comes beside the errors of mesh and steps, in each of what is seen. */
 static PetscReal Beside(const Grow *self) {
-  PetscReal error = self->neglected + per_snap * self->snaps;
+  PetscReal error = self->neglected + per_snap * (self->snaps - self->crossings) + self->crossed;
 
-  if (self->crossed) error += of_start;
   if (self->scene->load.shared) error += per_share * (1 - self->scene->load.friction.mu);
   return self->vanished ? error + 1 : error;
 }

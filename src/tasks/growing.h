@@ -38,7 +38,8 @@ typedef struct {
   ErrorEstimate error;        /* as GrowErrors() has found it */
   PetscReal depth;            /* largest penetration so far */
   PetscInt snaps;             /* of this run */
-  PetscBool crossed;          /* its start was crossed in a step */
+  PetscInt crossings;         /* of these, its start was crossed by */
+  PetscReal crossed;          /* what steps that cross its start have changed, see GrowCrossed() */
   PetscBool vanished;         /* |x2| has fallen below the numbers that there are */
   PetscInt blind;             /* steps that have crossed a mode that grows (LegCrosses()) */
   PetscBool quiet, beyond;    /* beyond: the linear model has left its range */
@@ -60,6 +61,7 @@ typedef struct {
 extern const RodModel *const grow_models[MODELS];
 
 /* grow_errors.c */
+PetscReal GrowCrossed(const Observation *from, const Observation *to);
 PetscErrorCode GrowErrors(Grow *self);
 
 /* grow_events.c */
