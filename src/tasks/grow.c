@@ -142,7 +142,7 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
     if (jumped || (self->scene->tip.path && PathTurnsCorner(self->scene->tip.path, before, t)))
       ObserverJump(self->observer);
     if (jumped && !layered) self->snaps++;
-    if (self->now == &self->leg[WholeModel(self)])
+    if (self->now == &self->leg[WholeModel(self)] && GrowFollowsErrors(self))
       PetscCall(EstimateStep(self->estimate, jumped, self->pressed));
     self->now->jumps = jumps;
   }
