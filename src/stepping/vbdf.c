@@ -40,7 +40,9 @@ typedef struct {
   VBDFCheck check;
   VBDFCross cross;
   VBDFMeasure measure;
-  PetscBool tried, snapped; /* to follow a snap in the present step; it begins behind one */
+  PetscObjectState tolerance_state; /* of the tolerances that were looked at */
+  PetscBool minute;                 /* one of them is */
+  PetscBool tried, snapped;         /* to follow a snap in the present step; it begins behind one */
 } VBDF;
 
 /* A snap may be too far for Newton's method: then it fails however short the step is, and after so
@@ -341,15 +343,45 @@ static PetscErrorCode SolveStage(TS ts, VBDF *self) {
    that of a field that was 1e-290 and is driven now, or of a factor extrapolated from there. */
 static const PetscReal beyond = 1e100;
 
+/* Where no tolerance is as small as this, no error is beyond: fields are not that large. */
+static const PetscReal minute = 1e-85;
+
+/* Is any tolerance minute? It is looked for when they have changed. Collective. */
+static PetscErrorCode MayBeBeyond(TS ts, VBDF *self, PetscBool *may) {
+  PetscObjectState state;
+  const PetscScalar *tolerance;
+  int small = 0;
+  PetscInt n;
+
+  PetscFunctionBegin;
+  *may = PETSC_FALSE;
+  if (!ts->vatol) PetscFunctionReturn(0);
+  PetscCall(PetscObjectStateGet((PetscObject)ts->vatol, &state));
+  if (state != self->tolerance_state) {
+    PetscCall(VecGetLocalSize(ts->vatol, &n));
+    PetscCall(VecGetArrayRead(ts->vatol, &tolerance));
+    for (PetscInt i = 0; i < n && !small; i++) small = PetscAbsReal(tolerance[i]) < minute;
+    PetscCall(VecRestoreArrayRead(ts->vatol, &tolerance));
+    PetscCallMPI(
+        MPI_Allreduce(MPI_IN_PLACE, &small, 1, MPI_INT, MPI_MAX, PetscObjectComm((PetscObject)ts)));
+    self->minute = (PetscBool)small;
+    self->tolerance_state = state;
+  }
+  *may = self->minute;
+  PetscFunctionReturn(0);
+}
+
 /* Is a state so far from another one? Collective. */
-static PetscErrorCode IsBeyond(TS ts, Vec U, Vec X, PetscBool *is) {
+static PetscErrorCode IsBeyond(TS ts, VBDF *self, Vec U, Vec X, PetscBool *is) {
   const PetscScalar *u, *x, *tolerance;
+  PetscBool may;
   int far = 0;
   PetscInt n;
 
   PetscFunctionBegin;
   *is = PETSC_FALSE;
-  if (!ts->vatol) PetscFunctionReturn(0);
+  PetscCall(MayBeBeyond(ts, self, &may));
+  if (!may) PetscFunctionReturn(0);
   PetscCall(VecGetLocalSize(U, &n));
   PetscCall(VecGetArrayRead(U, &u));
   PetscCall(VecGetArrayRead(X, &x));
@@ -377,7 +409,7 @@ static PetscErrorCode Norm(TS ts, VBDF *self, Vec U, PetscReal *norm) {
     PetscCall(self->measure(ts, self->work));
     PetscCall(VecAXPY(self->work, 1, U));
   }
-  PetscCall(IsBeyond(ts, U, self->work, &far));
+  PetscCall(IsBeyond(ts, self, U, self->work, &far));
   if (far) PetscFunctionReturn(0);
   PetscCall(
       TSErrorWeightedNorm(ts, U, self->work, ts->adapt->wnormtype, norm, &absolute, &relative));
