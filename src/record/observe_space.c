@@ -2,12 +2,9 @@
  */
 #include "record/observe.h"
 #include "base/quaternion.h"
+#include "base/vectors.h"
 #include "record/sample_space.h"
 #include "rod/directors.h"
-
-static PetscReal Dot3(const PetscReal a[3], const PetscReal b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 /* What a length of material costs: n.d1 + (u - u0).S(u - u0)/2 + u0.S(u - u0). */
 static PetscReal Tension3(const Sample3 *p) {

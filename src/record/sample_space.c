@@ -1,10 +1,7 @@
 #include "record/sample_space.h"
+#include "base/vectors.h"
 #include "rod/directors.h"
 #include "rod/spin.h"
-
-static PetscReal Dot3(const PetscReal a[3], const PetscReal b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 /* What follows at a point from its node and its place s, but for friction. */
 static PetscErrorCode Fill(Scene scene, PetscReal s, PetscReal t, Sample3 *p) {

@@ -1,5 +1,6 @@
 #include "rod/crossing.h"
 #include "base/boxes.h"
+#include "base/vectors.h"
 
 /* Does segment ab cross segment cd? Touching in an end point does not count twice: half-open. */
 static PetscBool SegmentsCross(const PetscReal a[2], const PetscReal b[2], const PetscReal c[2],
@@ -76,15 +77,6 @@ static void SidesAt(const Motion *self, PetscInt i, PetscInt j, PetscReal tau, P
     q[k] = d[k] - c[k];
     o[k] = c[k] - a[k];
   }
-}
-
-static inline void Cross3(const PetscReal a[3], const PetscReal b[3], PetscReal c[3]) {
-  for (int k = 0; k < 3; k++)
-    c[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-}
-
-static inline PetscReal Dot3(const PetscReal a[3], const PetscReal b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 /* The volume o.(r x q) between two segments: 0 when they lie in a plane. */

@@ -1,6 +1,7 @@
 #include "rod/strands_space.h"
 #include "base/boxes.h"
 #include "base/hermite.h"
+#include "base/vectors.h"
 #include "rod/directors.h"
 #include "rod/spread.h"
 
@@ -60,10 +61,6 @@ struct _Strands3 {
   PetscInt slopes_room;
   StrandSum3 sum;
 };
-
-static inline PetscReal Dot(const PetscReal a[3], const PetscReal b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 /* What the laws give at a place of a cell, by the parabola through its three points. */
 static inline PetscReal Between(const PetscReal *at, PetscInt cell, PetscReal z) {
@@ -147,9 +144,9 @@ static void FootFrom(const struct _Strands3 *self, const PetscReal x[3], Spot *f
     PetscReal o[3], f, f_z, z, square;
     SpotOn(&e, foot);
     for (int d = 0; d < 3; d++) o[d] = x[d] - foot->x[d];
-    f = Dot(o, foot->slope);
-    square = Dot(foot->slope, foot->slope);
-    f_z = square - Dot(o, foot->bend);
+    f = Dot3(o, foot->slope);
+    square = Dot3(foot->slope, foot->slope);
+    f_z = square - Dot3(o, foot->bend);
     z = foot->z + PetscMax(-1, PetscMin(1, f / PetscMax(f_z, 0.2 * square)));
     if ((z < 0 && foot->cell == 0) || (z > 1 && foot->cell == self->cells - 1)) {
       z = z < 0 ? 0 : 1;
@@ -238,7 +235,7 @@ static int HasFoot(const struct _Strands3 *self, PetscInt cell, const PetscReal 
   for (int k = 0; k < 2; k++) {
     PetscReal o[3];
     for (int d = 0; d < 3; d++) o[d] = x[d] - joint[k].x[d];
-    f[k] = Dot(o, joint[k].d);
+    f[k] = Dot3(o, joint[k].d);
   }
   if (f[0] >= 0 && f[1] < 0) return 1;
   if ((cell == 0 && f[0] < 0) || (cell == self->cells - 1 && f[1] >= 0)) return 2;
@@ -363,11 +360,11 @@ static void MotionOf(const struct _Strands3 *self, const Spot *spot, Motion *m) 
 
   EndsOf(self, spot->cell, &e);
   Hermite(z, value, slope, bend);
-  m->size = PetscSqrtReal(Dot(spot->slope, spot->slope));
+  m->size = PetscSqrtReal(Dot3(spot->slope, spot->slope));
   m->c = Between(self->c, spot->cell, z);
   c_z = (4 * z - 3) * c[0] + (4 - 8 * z) * c[1] + (4 * z - 1) * c[2];
   for (int d = 0; d < 3; d++) m->t[d] = spot->slope[d] / m->size;
-  along = Dot(m->t, spot->bend);
+  along = Dot3(m->t, spot->bend);
   for (int d = 0; d < 3; d++) {
     m->v[d] = m->c * m->t[d];
     m->v_z[d] = c_z * m->t[d] + m->c * (spot->bend[d] - along * m->t[d]) / m->size;
@@ -396,7 +393,7 @@ static void PairPlace(const struct _Strands3 *self, Pair *pair) {
   SampleSpot(self, pair->sample, &pair->at);
   FootFrom(self, pair->at.x, &pair->foot, &pair->ends);
   for (int d = 0; d < 3; d++) o[d] = pair->at.x[d] - pair->foot.x[d];
-  pair->distance = PetscSqrtReal(Dot(o, o));
+  pair->distance = PetscSqrtReal(Dot3(o, o));
   for (int d = 0; d < 3; d++) pair->n[d] = o[d] / pair->distance;
   pair->gap = pair->distance - self->contact->diameter;
   pair->apart =
@@ -413,7 +410,7 @@ static void PairSlip(const struct _Strands3 *self, Pair *pair, PetscReal V[3]) {
   MotionOf(self, &pair->at, &at);
   MotionOf(self, &pair->foot, &foot);
   for (int d = 0; d < 3; d++) V[d] = at.v[d] - foot.v[d];
-  normal = Dot(pair->n, V);
+  normal = Dot3(pair->n, V);
   for (int d = 0; d < 3; d++) pair->slip[d] = V[d] - normal * pair->n[d];
   pair->slip[3] = 0;
 }
@@ -460,7 +457,7 @@ static void AddToSum(Strands3 self, const Pair *pair) {
         Between(self->strain, cell, pair->at.z) * (s[cell + 1] - s[cell]) / (2 * self->each) * U;
   }
   sum->normal += share * pair->p;
-  sum->loss += share * self->contact->friction * pair->p * Dot(pair->w, pair->slip);
+  sum->loss += share * self->contact->friction * pair->p * Dot3(pair->w, pair->slip);
   sum->depth = PetscMax(sum->depth, -pair->gap);
 }
 
@@ -603,7 +600,7 @@ static void PlaceSlope(const struct _Strands3 *self, const Pair *pair, PairSlope
   const PetscReal *slope = pair->foot.slope,
                   r[3] = {pair->distance * pair->n[0], pair->distance * pair->n[1],
                           pair->distance * pair->n[2]};
-  const PetscReal stiff = Dot(slope, slope) - Dot(r, pair->foot.bend);
+  const PetscReal stiff = Dot3(slope, slope) - Dot3(r, pair->foot.bend);
   ByCell x, y, y_z, skip;
   Ends e;
 
@@ -619,10 +616,10 @@ static void PlaceSlope(const struct _Strands3 *self, const Pair *pair, PairSlope
     by->z[f] = 0;
     if (!pair->ends) {
       PetscReal turned = r[0] * y_z[0][g] + r[1] * y_z[1][g] + r[2] * y_z[2][g];
-      by->z[f] = (Dot(slope, dr) + (of_foot ? turned : 0)) / stiff;
+      by->z[f] = (Dot3(slope, dr) + (of_foot ? turned : 0)) / stiff;
     }
     for (int d = 0; d < 3; d++) dr[d] -= slope[d] * by->z[f];
-    by->gap[f] = Dot(pair->n, dr);
+    by->gap[f] = Dot3(pair->n, dr);
     for (int d = 0; d < 3; d++) by->n[d][f] = (dr[d] - pair->n[d] * by->gap[f]) / pair->distance;
   }
 }
@@ -635,7 +632,7 @@ static void SlipSlope(const struct _Strands3 *self, Pair *pair, const PetscReal 
   Motion foot;
 
   PairSlip(self, pair, V);
-  normal = Dot(pair->n, V);
+  normal = Dot3(pair->n, V);
   MotionOf(self, &pair->foot, &foot);
   MotionSlope(self, &pair->at, shift, v[0]);
   MotionSlope(self, &pair->foot, shift, v[1]);
@@ -644,7 +641,7 @@ static void SlipSlope(const struct _Strands3 *self, Pair *pair, const PetscReal 
     PetscReal dV[3], dn[3] = {by->n[0][f], by->n[1][f], by->n[2][f]}, along;
     for (int d = 0; d < 3; d++)
       dV[d] = (of_foot ? -v[1][d][g] : v[0][d][g]) - foot.v_z[d] * by->z[f];
-    along = Dot(pair->n, dV) + Dot(V, dn);
+    along = Dot3(pair->n, dV) + Dot3(V, dn);
     for (int d = 0; d < 3; d++) by->slip[d][f] = dV[d] - pair->n[d] * along - dn[d] * normal;
   }
 }

@@ -1,14 +1,5 @@
 #include "world/contact_space.h"
-
-static PetscReal Dot3(const PetscReal a[3], const PetscReal b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void Cross3(const PetscReal a[3], const PetscReal b[3], PetscReal c[3]) {
-  c[0] = a[1] * b[2] - a[2] * b[1];
-  c[1] = a[2] * b[0] - a[0] * b[2];
-  c[2] = a[0] * b[1] - a[1] * b[0];
-}
+#include "base/vectors.h"
 
 /* y = M x */
 static void Turn(const PetscReal M[3][3], const PetscReal x[3], PetscReal y[3]) {

@@ -3,6 +3,7 @@
    about the axis. With its signed distance phi(rho, z), of curvature b along the profile's tangent
    t, d = phi,   n = phi_rho e_rho + phi_z a,   H = b t t^T + phi_rho/rho e_theta e_theta^T. */
 #include "world/surfaces.h"
+#include "base/vectors.h"
 #include "world/walls.h"
 
 static const PetscReal everywhere = 1e300;
@@ -18,10 +19,6 @@ typedef struct {
 typedef struct {
   PetscReal at[3], normal[3];
 } Plane;
-
-static PetscReal Dot3(const PetscReal a[3], const PetscReal b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 /* A direction of length 1 across a, of length 1. */
 static void Across(const PetscReal a[3], PetscReal e[3]) {

@@ -1,4 +1,5 @@
 #include "world/surfaces.h"
+#include "base/vectors.h"
 
 static const SurfaceKind *const kinds[] = {&surface_plane, &surface_sphere, &surface_cylinder,
                                            &surface_cone,  &surface_torus,  &surface_tube,
@@ -197,12 +198,6 @@ PetscErrorCode SurfacesText(const Surfaces *self, char **text) {
 }
 
 /* ---- moving ---- */
-
-static void Cross3(const PetscReal a[3], const PetscReal b[3], PetscReal c[3]) {
-  c[0] = a[1] * b[2] - a[2] * b[1];
-  c[1] = a[2] * b[0] - a[0] * b[2];
-  c[2] = a[0] * b[1] - a[1] * b[0];
-}
 
 /* v turned about the axis by an angle (Rodrigues). */
 static void Turned(const PetscReal a[3], PetscReal angle, const PetscReal v[3], PetscReal w[3]) {

@@ -1,6 +1,7 @@
 #include "world/tube.h"
 #include "base/blocks.h"
 #include "base/spline.h"
+#include "base/vectors.h"
 
 /* Coordinates and, last, the radius. */
 enum { RADIUS = 3, FOUR = 4 };
@@ -38,10 +39,6 @@ struct _Tube {
   Block box;
   PetscReal widest, narrowest, smallest;
 };
-
-static PetscReal Dot3(const PetscReal a[3], const PetscReal b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 /* ---- the path ---- */
 
