@@ -1115,7 +1115,7 @@ static void AddFirst(const VBDF *self, PetscInt fields, PetscReal weight[][VBDF_
 */
 PetscErrorCode VBDFGetLocalError(TS ts, PetscInt fields, PetscInt *n,
                                  PetscReal weight[VBDF_POINTS][VBDF_FIELDS]) {
-  PetscReal factor, L[VBDF_POINTS] = {0};
+  PetscReal factor, along[VBDF_POINTS];
   VBDF *self = NULL;
   PetscInt k;
 
@@ -1127,13 +1127,10 @@ PetscErrorCode VBDFGetLocalError(TS ts, PetscInt fields, PetscInt *n,
   if (self->jumped || self->n < k + 1) PetscFunctionReturn(0);
   TakeFactor(self, k);
   factor = (self->time[0] - self->time[1]) / (self->time[0] - self->time[k + 1]);
-  LagrangeValues(k + 1, self->time + 1, self->time[0], L + 1);
-  for (PetscInt j = 0; j <= k + 1; j++)
-    for (PetscInt f = 0; f < fields; f++) {
-      weight[j][f] = j ? -factor * L[j] : factor;
-      for (int a = 0; a < VBDF_FACTORS && f < self->fields; a++)
-        if (self->factored[f] & 1 << a) weight[j][f] *= self->ratio[a][j];
-    }
+  LagrangeValues(k + 1, self->time + 1, self->time[0], along + 1);
+  along[0] = factor;
+  for (PetscInt j = 1; j <= k + 1; j++) along[j] *= -factor;
+  Weights(self, fields, k + 2, along, NULL, NULL, self->ratio, weight);
   if (self->n == 2) AddFirst(self, fields, weight);
   *n = k + 2;
   PetscFunctionReturn(0);
