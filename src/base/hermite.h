@@ -22,4 +22,12 @@ static inline void Hermite(PetscReal z, PetscReal value[4], PetscReal slope[4], 
   bend[3] = 6 * z - 2;
 }
 
+/* HermiteAt - the curve itself at z, from a and b and the slopes there, over a cell of length h. */
+static inline PetscReal HermiteAt(PetscReal z, PetscReal h, PetscReal a, PetscReal slope_a,
+                                  PetscReal b, PetscReal slope_b) {
+  const PetscReal y = 1 - z;
+  return (1 + 2 * z) * y * y * a + z * z * (3 - 2 * z) * b +
+         h * z * y * (y * slope_a - z * slope_b);
+}
+
 #endif

@@ -1,4 +1,5 @@
 #include "rod/feet.h"
+#include "base/bezier.h"
 #include "base/hermite.h"
 
 static PetscReal Dot(const PetscReal a[2], const PetscReal b[2]) {
@@ -16,14 +17,10 @@ static inline PetscReal Sum(const PetscReal poly[4], PetscReal a, PetscReal a_z,
 /* FootCellBlock - what holds a cell's curve: the four points of its Bezier polygon. */
 Block FootCellBlock(const FootCell *cell) {
   Block block = BlockEmpty(2);
+  PetscReal b[4][2];
 
-  for (int e = 0; e < 2; e++) {
-    PetscReal x[2];
-    for (int d = 0; d < 2; d++)
-      x[d] = cell->x[e][d] + (e ? -1 : 1) * cell->h * cell->g[e] * cell->q[e][d] / 3;
-    BlockHold(2, &block, x);
-    BlockHold(2, &block, cell->x[e]);
-  }
+  BezierOfCell(2, cell->h, cell->g, cell->x[0], cell->q[0], b[0]);
+  for (int k = 0; k < 4; k++) BlockHold(2, &block, b[k]);
   return block;
 }
 

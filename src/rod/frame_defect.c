@@ -13,16 +13,16 @@ static void PointOnCubic(const Load *load, const Law *law_a, const Law *law, con
 
   VelocitySlope(law_a, a, turn_a, wa);
   VelocitySlope(law_b, b, turn_b, wb);
-  p->theta = Hermite(z, h, a->theta, a->f[TH], b->theta, b->f[TH]);
-  p->m = Hermite(z, h, a->m, a->f[M], b->m, b->f[M]);
+  p->theta = HermiteAt(z, h, a->theta, a->f[TH], b->theta, b->f[TH]);
+  p->m = HermiteAt(z, h, a->m, a->f[M], b->m, b->f[M]);
   p->at.t = at->at.t;
   p->at.q[0] = PetscCosReal(p->theta);
   p->at.q[1] = PetscSinReal(p->theta);
   for (int d = 0; d < 2; d++) {
-    p->n[d] = Hermite(z, h, a->n[d], a->f[N1 + d], b->n[d], b->f[N1 + d]);
-    p->at.x[d] = Hermite(z, h, a->at.x[d], a->f[X1 + d], b->at.x[d], b->f[X1 + d]);
-    p->at.v[d] = Hermite(z, h, a->at.v[d] - law_a->c * a->at.q[d], wa[d],
-                         b->at.v[d] - law_b->c * b->at.q[d], wb[d]) +
+    p->n[d] = HermiteAt(z, h, a->n[d], a->f[N1 + d], b->n[d], b->f[N1 + d]);
+    p->at.x[d] = HermiteAt(z, h, a->at.x[d], a->f[X1 + d], b->at.x[d], b->f[X1 + d]);
+    p->at.v[d] = HermiteAt(z, h, a->at.v[d] - law_a->c * a->at.q[d], wa[d],
+                           b->at.v[d] - law_b->c * b->at.q[d], wb[d]) +
                  law->c * p->at.q[d];
     if (LoadSticks(load)) p->at.v[d] = at->at.v[d];
   }

@@ -7,6 +7,7 @@
 #ifndef TENDRIL_PAIR_DEFECT_H
 #define TENDRIL_PAIR_DEFECT_H
 
+#include "base/hermite.h"
 #include "base/lagrange.h"
 #include <string.h>
 
@@ -58,14 +59,6 @@ static inline PetscReal PairRule(PetscReal h1, PetscReal h2, const PetscReal wei
    over both. */
 static inline PetscReal PairCubic(PetscReal h1, PetscReal h2, PetscReal at_node, PetscReal cubic) {
   return (h1 + h2) * 4 / 6 * (cubic - at_node) / 16;
-}
-
-/* Hermite's cubic at a + z h, from values and slopes at both ends. */
-static inline PetscReal Hermite(PetscReal z, PetscReal h, PetscReal a, PetscReal slope_a,
-                                PetscReal b, PetscReal slope_b) {
-  const PetscReal y = 1 - z;
-  return (1 + 2 * z) * y * y * a + z * z * (3 - 2 * z) * b +
-         h * z * y * (y * slope_a - z * slope_b);
 }
 
 #endif

@@ -45,6 +45,7 @@ typedef struct {
   const PetscReal (*push)[3]; /* what strands add to n' at all points of the rod; NULL: none */
   Point a, mid, b;
 } Cell;
+
 /* f at a point whose unknowns, place and velocity are set */
 static inline void PointEvaluate(const Load *load, const Law *law, const FrictionDual4 *dual,
                                  Point *p) {
@@ -110,7 +111,7 @@ static inline PetscReal NodeSpinSlope(const Law *law, const Point *p) {
 static inline FrictionDual4 *Duals(const Space_ *self, PetscInt k) {
   return self->dual + k * self->duals;
 }
-/* space_cells.c */
+
 PetscErrorCode SpaceCellsOpen(Rod rod, PetscReal t, Vec U, Vec U_t, Cell *cell);
 void SpaceCellsNext(Cell *cell, PetscInt i);
 PetscErrorCode SpaceCellsClose(Cell *cell);

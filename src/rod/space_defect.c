@@ -1,7 +1,7 @@
 /* How well the cells of the model of space resolve the state that they have found (pair_defect.h).
-   A cell of order 2 is held against order 4. Where walls alone feel
-   the spin, the rate of the quaternion in the middle of a cell is the mean of both ends', which is
-   of order 2: it is held against the parabola through three nodes. */
+   A cell of order 2 is held against order 4. Where walls alone feel the spin, the rate of the
+   quaternion in the middle of a cell is the mean of both ends', which is of order 2: it is held
+   against the parabola through three nodes. */
 #include "rod/pair_defect.h"
 #include "rod/space_cells.h"
 
@@ -26,25 +26,25 @@ static void PointOnCubic(const Cells *cells, const Law *law, const Law *law_b, P
   VelocitySlope(cells->law, a, wa);
   VelocitySlope(law_b, b, wb);
   for (int i = 0; i < 4; i++) {
-    p->p[i] = Hermite(z, h, a->p[i], a->f[P + i], b->p[i], b->f[P + i]);
+    p->p[i] = HermiteAt(z, h, a->p[i], a->f[P + i], b->p[i], b->f[P + i]);
     p->p_t[i] = at->p_t[i];
   }
   for (int i = 0; i < 3; i++) {
-    p->m[i] = Hermite(z, h, a->m[i], a->f[M + i], b->m[i], b->f[M + i]);
-    p->n[i] = Hermite(z, h, a->n[i], a->f[N + i], b->n[i], b->f[N + i]);
-    p->at.x[i] = Hermite(z, h, a->at.x[i], a->f[X + i], b->at.x[i], b->f[X + i]);
+    p->m[i] = HermiteAt(z, h, a->m[i], a->f[M + i], b->m[i], b->f[M + i]);
+    p->n[i] = HermiteAt(z, h, a->n[i], a->f[N + i], b->n[i], b->f[N + i]);
+    p->at.x[i] = HermiteAt(z, h, a->at.x[i], a->f[X + i], b->at.x[i], b->f[X + i]);
   }
   PointStrains(load, law, p);
   if (load->radius > 0)
     p->at.W[SPIN] =
         load->arm *
-        (Hermite(z, h, QuaternionSpin(a->p, a->size, a->p_t), NodeSpinSlope(cells->law, a),
-                 QuaternionSpin(b->p, b->size, b->p_t), NodeSpinSlope(law_b, b)) +
+        (HermiteAt(z, h, QuaternionSpin(a->p, a->size, a->p_t), NodeSpinSlope(cells->law, a),
+                   QuaternionSpin(b->p, b->size, b->p_t), NodeSpinSlope(law_b, b)) +
          law->c * p->u[0]);
   p->at.t = at->at.t;
   for (int i = 0; i < 3; i++)
-    p->at.W[i] = Hermite(z, h, a->at.W[i] - cells->law->c * a->d[0][i], wa[i],
-                         b->at.W[i] - law_b->c * b->d[0][i], wb[i]) +
+    p->at.W[i] = HermiteAt(z, h, a->at.W[i] - cells->law->c * a->d[0][i], wa[i],
+                           b->at.W[i] - law_b->c * b->d[0][i], wb[i]) +
                  law->c * p->d[0][i];
   for (int i = 0; i < RUBS && LoadSticks(load); i++) p->at.W[i] = at->at.W[i];
   PointEvaluate(load, law, cells->dual, p);

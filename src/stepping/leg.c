@@ -109,8 +109,7 @@ static PetscErrorCode AfterTry(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1
   PetscFunctionReturn(0);
 }
 
-/* A VBDFCheck of a rod in space: which way round a cross-section has turned must be known, for a
-   rod held at both ends may be wound by any number of turns. */
+/* A VBDFCheck of a rod that minds turns, and cannot touch. */
 static PetscErrorCode AfterTurn(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
                                 PetscBool *impossible) {
   Leg *leg;
