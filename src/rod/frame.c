@@ -1,11 +1,10 @@
 /* The frame model: first order in s, the constraint built in (theory.md, section 1),
      x' = g q,  theta' = g (m/B + k0),  m' = -g (q1 n2 - q2 n1),  n' = g F(v),  v = x_t + c q,
-     s = 0: x = 0, theta = 0 (in the clamp's frame);  s = 1: the tip's three conditions (tip.h).
-   On a cell of width h between nodes a and b, with y = (x, theta, m, n) and y' = f(y),
-     order 4 (Lobatto):   y_b - y_a = h/6 (f_a + 4 f_mid + f_b),
-                          y_mid = (y_a + y_b)/2 + h/8 (f_a - f_b), and x_t at mid likewise,
-     order 2 (midpoint):  y_b - y_a = h f_mid,  y_mid = (y_a + y_b)/2.
-   The rows of node i are the x and theta equations of the cell on its left and the m and n
+     s = 0: x = 0, theta = 0 (in the clamp's frame), or m = 0, n = 0;  s = 1: the tip's three
+   conditions (tip.h). On a cell of width h between nodes a and b, with y = (x, theta, m, n) and y'
+   = f(y), order 4 (Lobatto):   y_b - y_a = h/6 (f_a + 4 f_mid + f_b), y_mid = (y_a + y_b)/2 + h/8
+   (f_a - f_b), and x_t at mid likewise, order 2 (midpoint):  y_b - y_a = h f_mid,  y_mid = (y_a +
+   y_b)/2. The rows of node i are the x and theta equations of the cell on its left and the m and n
    equations of the cell on its right: so each diagonal block can be factored without looking
    elsewhere. */
 #include "rod/frame.h"
@@ -292,6 +291,17 @@ static LoadDual *TipDual(Rod rod) {
   return FrameDuals((Frame *)rod->data, 2 * (rod->last - rod->first + 1) + 1);
 }
 
+/* Which unknown the f-th condition at the beginning is about, x and theta if it is held: */
+static int OfClamp(Rod rod, int f) {
+  static const int free[] = {N1, N2, M};
+  return rod->scene->clamp == CLAMP_FREE ? free[f] : f;
+}
+
+/* ... it is 0. */
+static void ClampResidual(Rod rod, const PetscReal u[FIELDS], PetscReal r[FIELDS]) {
+  for (int f = X1; f <= TH; f++) r[f] = u[OfClamp(rod, f)];
+}
+
 static PetscErrorCode FrameResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F) {
   Frame *frame = (Frame *)rod->data;
   PetscReal(*F_)[FIELDS];
@@ -309,7 +319,7 @@ static PetscErrorCode FrameResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F)
     if (i >= first) PetscCall(PetscArraycpy(&F_[i][M], &r[M], 3));
     if (i + 1 < end) PetscCall(PetscArraycpy(&F_[i + 1][X1], &r[X1], 3));
   }
-  if (first == 0) PetscCall(PetscArraycpy(&F_[0][X1], &cell.u[0][X1], 3));
+  if (first == 0) ClampResidual(rod, cell.u[0], F_[0]);
   if (end == rod->last + 1) {
     TipState tip = TipOf(cell.b);
     TipResidual(&rod->scene->tip, &tip, TipDual(rod), &F_[rod->last][M]);
@@ -489,7 +499,7 @@ static PetscErrorCode FrameJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const 
   if (cell.push) PetscCall(FrameStrandsPattern(rod, J));
   PetscCall(PetscMemzero(row, sizeof(row)));
   if (first == 0)
-    for (int f = X1; f <= TH; f++) row[f][FIELDS + f] = 1;
+    for (int f = X1; f <= TH; f++) row[f][FIELDS + OfClamp(rod, f)] = 1;
   for (PetscInt i = begin; i < end; i++) {
     PetscInt cols[3] = {i - 1, i, i < rod->last ? i + 1 : -1}; /* -1: none, ignored */
     if (i < rod->last) {
@@ -563,7 +573,7 @@ static void HoldFeet(Cell *cell, PetscInt i, PetscReal seen, PetscReal *creep) {
                     slip[2] = {foot[0].slip, 0};
     if (mu > 0 && foot[0].p > 0)
       *creep = PetscMax(*creep, PetscMin(1, mu * foot[0].p) *
-                                    FrictionDualHold(slip, seen, FootDual(cell, 0)));
+                                    FrictionDualHold(slip, seen, friction_hold, FootDual(cell, 0)));
   }
 }
 
@@ -582,7 +592,7 @@ static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal 
     CellsNext(&cell, i);
     /* the clamped end does not move unless it slides: a shift there would hold nothing, and
        round-off adds up in it to a force on a rod whose x2 may be 1e-25 */
-    if (i == first && ends && (i > 0 || cell.law->c != 0))
+    if (i == first && ends && (i > 0 || cell.law->c != 0 || rod->scene->clamp == CLAMP_FREE))
       HoldPoint(cell.load, &cell.a->at, seen, cell.dual[0], creep);
     HoldPoint(cell.load, &cell.mid->at, seen, cell.dual[1], creep);
     if (ends) HoldPoint(cell.load, &cell.b->at, seen, cell.dual[2], creep);

@@ -156,10 +156,12 @@ typedef struct {
 } Cells;
 
 /*
-  Has the rod swept the middle c of a post? The rod before, the way of its tip, and the rod now
-  backwards are a closed line, for the clamp rests: it has, if that winds about c,
+  Has the rod swept the middle c of a post? The rod before, the way of its tip, the rod now
+  backwards, and the way of its beginning, which rests in a clamp, are a closed line: it has, if
+  that winds about c,
 
-    turn of the rod before + turn of the way of the tip - turn of the rod now = 2 pi, or -2 pi
+    turns of the rod before + the way of the tip - the rod now - the way of its beginning = 2 pi, or
+    -2 pi
 
   so it does not matter which of its material is where.
 */
@@ -172,6 +174,8 @@ static PetscReal Winding(const Cells *cells, const PetscReal c[2]) {
       CurveOf(&cells->cell[now][k], b);
       sum += (now ? -1 : 1) * CurveTurn(b, c, 0);
     }
+  if (cells->n && cells->cell[0][0].first)
+    sum -= Turn(cells->cell[0][0].x[0], cells->cell[1][0].x[0], c);
   if (cells->n && cells->cell[0][cells->n - 1].last)
     sum += Turn(cells->cell[0][cells->n - 1].x[1], cells->cell[1][cells->n - 1].x[1], c);
   return sum;

@@ -3,13 +3,13 @@
      x' = g d1,  p' = g/2 p (0, u),  u = S^-1 (m.d1, m.d2, m.d3) + u0,
      m' = -g d1 x n + g l d1,  n' = g F,
    F the load and l its couple about the tangent (world/load_space.h), at the velocity v = x_t + c
-   d1 and the spin 2 (p* p_t)_1 + c u1, s = 0: x = 0, p that of the clamp;  s = 1: the tip's six
-   conditions (tip.h). The cells are those of the frame model (frame.c), y = (x, p, m, n): order 4:
-   y_b - y_a = h/6 (f_a + 4 f_mid + f_b),  y_mid = (y_a + y_b)/2 + h/8 (f_a - f_b), order 2:  y_b -
-   y_a = h f_mid,                    y_mid = (y_a + y_b)/2, x_t at mid likewise, and the spin
-   where friction along the rod feels it (rod/spin.h); else the rate of p there is the mean of both
-   ends'. The rows of node i are the x and p equations of the cell on its left, the
-   m and n equations of the cell on its right. */
+   d1 and the spin 2 (p* p_t)_1 + c u1, s = 0: x = 0, p that of the clamp, or m = 0, n = 0, |p| = 1;
+   s = 1: the tip's six conditions (tip.h). The cells are those of the frame model (frame.c), y =
+   (x, p, m, n): order 4: y_b - y_a = h/6 (f_a + 4 f_mid + f_b),  y_mid = (y_a + y_b)/2 + h/8 (f_a -
+   f_b), order 2:  y_b - y_a = h f_mid,                    y_mid = (y_a + y_b)/2, x_t at mid
+   likewise, and the spin where friction along the rod feels it (rod/spin.h); else the rate of p
+   there is the mean of both ends'. The rows of node i are the x and p equations of the cell on its
+   left, the m and n equations of the cell on its right. */
 #include "rod/space_cells.h"
 #include <string.h>
 
@@ -39,10 +39,34 @@ static FrictionDual4 *TipDual(Rod rod) {
   return Duals((const Space_ *)rod->data, 2 * (rod->last - rod->first + 1) + 1);
 }
 
+/* The seven conditions at the beginning, r = 0. */
+static void ClampResidual(Scene scene, PetscReal t, const PetscReal u[FIELDS],
+                          PetscReal r[FIELDS]) {
+  PetscReal p[4];
+
+  if (scene->clamp == CLAMP_FREE) {
+    for (int d = 0; d < 6; d++) r[d] = u[M + (d + 3) % 6];
+    r[LEFT - 1] = (QuaternionSize(u + P) - 1) / 2;
+    return;
+  }
+  SpaceClampTurn(&scene->space, &scene->load, t, p);
+  for (int f = 0; f < LEFT; f++) r[f] = u[f] - (f < P ? 0 : p[f - P]);
+}
+
+/* ... and their derivatives. */
+static void ClampBlock(Scene scene, const PetscReal u[FIELDS], PetscReal by[LEFT][FIELDS]) {
+  memset(by, 0, LEFT * sizeof(*by));
+  if (scene->clamp == CLAMP_FREE) {
+    for (int d = 0; d < 6; d++) by[d][M + (d + 3) % 6] = 1;
+    for (int k = 0; k < 4; k++) by[LEFT - 1][P + k] = u[P + k];
+  } else
+    for (int f = 0; f < LEFT; f++) by[f][f] = 1;
+}
+
 static PetscErrorCode SpaceResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F) {
   const Space_ *self = (const Space_ *)rod->data;
   const Scene scene = rod->scene;
-  PetscReal(*F_)[FIELDS], r[FIELDS], p[4];
+  PetscReal(*F_)[FIELDS], r[FIELDS];
   Cell cell;
 
   PetscFunctionBegin;
@@ -57,11 +81,7 @@ static PetscErrorCode SpaceResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F)
     if (i >= rod->first) PetscCall(PetscArraycpy(&F_[i][LEFT], &r[LEFT], RIGHT));
     if (i + 1 < rod->end) PetscCall(PetscArraycpy(F_[i + 1], r, LEFT));
   }
-  if (rod->first == 0) {
-    SpaceClampTurn(&scene->space, &scene->load, t, p);
-    PetscCall(PetscArraycpy(F_[0], cell.u[0], LEFT));
-    for (int k = 0; k < 4; k++) F_[0][P + k] -= p[k];
-  }
+  if (rod->first == 0) ClampResidual(scene, t, cell.u[0], F_[0]);
   if (rod->end == rod->last + 1) {
     TipState3 tip = TipOf(cell.load, &cell.b);
     TipResidual3(&scene->tip, &tip, TipDual(rod), &F_[rod->last][LEFT]);
@@ -391,8 +411,10 @@ static PetscErrorCode SpaceJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const 
   PetscCall(SpaceCellsOpen(rod, t, U, U_t, &cell));
   if (self->strands) PetscCall(SpaceStrandsPattern(rod, self->strands, J));
   PetscCall(PetscMemzero(row, sizeof(row)));
-  if (rod->first == 0)
-    for (int f = 0; f < LEFT; f++) row[f][FIELDS + f] = 1;
+  if (rod->first == 0) {
+    ClampBlock(rod->scene, cell.u[0], left);
+    for (int f = 0; f < LEFT; f++) PetscCall(PetscArraycpy(&row[f][FIELDS], left[f], FIELDS));
+  }
   for (PetscInt i = begin; i < rod->end; i++) {
     PetscInt cols[3] = {i - 1, i, i < rod->last ? i + 1 : -1}; /* -1: none, ignored */
     if (i < rod->last) {
@@ -480,7 +502,7 @@ static PetscErrorCode SpaceHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal 
   PetscCall(SpaceCellsOpen(rod, t, U, U_t, &cell));
   for (PetscInt i = first; i < PetscMin(rod->end, rod->last); i++) {
     SpaceCellsNext(&cell, i);
-    if (i == first && ends && (i > 0 || cell.law->c != 0))
+    if (i == first && ends && (i > 0 || cell.law->c != 0 || rod->scene->clamp == CLAMP_FREE))
       *creep = PetscMax(*creep, LoadHold3(cell.load, &cell.a.at, seen, cell.dual[0]));
     *creep = PetscMax(*creep, LoadHold3(cell.load, &cell.mid.at, seen, cell.dual[1]));
     if (ends) *creep = PetscMax(*creep, LoadHold3(cell.load, &cell.b.at, seen, cell.dual[2]));
@@ -726,6 +748,14 @@ static void SpaceScale(PetscReal size[]) {
   size[X + 2] = PetscMax(size[X + 2], part * size[P + 2] * size[X]);
 }
 
+/* In space a rod that nothing holds may spin about itself. */
+static const char *SpaceRefuses(Scene scene) {
+  return scene->clamp == CLAMP_FREE && scene->load.radius == 0
+             ? "-clamp_type free: nothing keeps a rod in space from spinning about itself; give it "
+               "a -friction_radius"
+             : NULL;
+}
+
 static PetscErrorCode SpaceCreate(Rod rod) {
   PetscInt choice, points = 2 * (rod->end - rod->first + 2);
   Space_ *self;
@@ -774,6 +804,7 @@ const RodModel rod_space = {
     .pairs = 4,
     .pair = {{1, 2, 1}, {P + 3, P + 2, -1}, {M + 2, M + 1, -1}, {N + 1, N + 2, 1}},
     .halves = {LEFT, RIGHT},
+    .refuses = SpaceRefuses,
     .create = SpaceCreate,
     .destroy = SpaceDestroy,
     .initial = SpaceInitial,

@@ -677,7 +677,7 @@ PetscErrorCode StrandsHold(Strands self, PetscReal seen, PetscReal *creep) {
     const PetscReal v[2] = {pair->slip, 0};
     if (!pair->active || pair->p == 0) continue;
     *creep = PetscMax(*creep, PetscMin(1, self->contact->friction * pair->p) *
-                                  FrictionDualHold(v, seen, DualOf(self, pair)));
+                                  FrictionDualHold(v, seen, friction_hold, DualOf(self, pair)));
   }
   PetscFunctionReturn(0);
 }

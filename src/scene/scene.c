@@ -4,6 +4,8 @@
 static const OptionRow rows[] = {
     ROW_REAL("-clamp_angle", "0", -6.2832, 6.2832, UNIT_ANGLE, 0,
              "alpha, direction of the clamp, in radians (or degrees: 90deg)"),
+    ROW_WORD("-clamp_type", "held", "held,free", 0,
+             "is the rod's beginning held there, or as free as a tip on which nothing pushes?"),
     ROW_INT("-rod_cells", "500", 4, 3e8, 0, "N, so N + 1 nodes"),
     ROW_WORD("-rod_grading", "growth", "uniform,growth", 0,
              "node placement: equidistant in s, or denser where the rod grows"),
@@ -92,6 +94,22 @@ void SceneAtTolerance(Scene scene, PetscReal rtol) {
   if (scene->load.limit) scene->contact.rub.beta = scene->load.friction.beta;
 }
 
+/* A rod whose beginning is free has nothing there that lets material in, or turns it. */
+static PetscErrorCode CheckClamp(Scene scene) {
+  PetscInt type;
+
+  PetscFunctionBegin;
+  PetscCall(OptionWord("-clamp_type", &type, NULL));
+  scene->clamp = (ClampType)type;
+  if (scene->clamp != CLAMP_FREE) PetscFunctionReturn(0);
+  UserCheck(!scene->growth->slides, OptionsComm(),
+            "-clamp_type free: rods that are fed in, or slide out of the clamp, have one; give "
+            "another -growth_type");
+  UserCheck(scene->space.spin == 0, OptionsComm(),
+            "-clamp_spin: turns a clamp, and with -clamp_type free there is none; leave one out");
+  PetscFunctionReturn(0);
+}
+
 /*
   SceneCreate - reads and checks all options that say what is simulated, and places the nodes.
   Collective on OptionsComm(), the ranks that are to share the scene; the caller destroys it with
@@ -133,8 +151,10 @@ PetscErrorCode SceneCreate(Scene *scene) {
   SceneLinkWalls(self);
   PetscCall(
       SpaceSetFromOptions(&self->space, &self->load, &self->tip, &self->curvature, &self->shape));
-  if (self->load.radius > 0) LoadNextToExact(&self->load);
-  if (ContactWallsRub(&self->contact)) LoadNextToExactByWalls(&self->load);
+  PetscCall(CheckClamp(self));
+  if (self->load.radius > 0 && self->clamp == CLAMP_HELD) LoadNextToExact(&self->load);
+  if (ContactWallsRub(&self->contact) && self->clamp == CLAMP_HELD)
+    LoadNextToExactByWalls(&self->load);
   ContactSetFrame(&self->contact, (const PetscReal(*)[3])self->space.lab, self->clamp_angle);
   PetscFunctionReturn(0);
 }
@@ -155,7 +175,7 @@ static PetscErrorCode CheckHeld(Scene scene, PetscReal away) {
   UserCheck(scene->tip.force == 0 && pushed == 0, scene->comm,
             "-tip_force or -tip_force_vector: has no effect on a tip that is held; leave it or "
             "-tip_type out");
-  UserCheck(away < (1 - slack) * length, scene->comm,
+  UserCheck(away < (1 - slack) * length || scene->clamp == CLAMP_FREE, scene->comm,
             "-tip_type: the rod is straight from the clamp to its held tip (to %g) and has nowhere "
             "to grow: give it a larger -shape_amplitude or a natural curvature",
             (double)slack);
@@ -169,7 +189,8 @@ static PetscErrorCode CheckPath(Scene scene) {
   PathPlace at;
 
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < PathRows(path) && scene->tip.type != TIP_SLIDES; i++) {
+  if (scene->tip.type == TIP_SLIDES || scene->clamp == CLAMP_FREE) PetscFunctionReturn(0);
+  for (PetscInt i = 0; i < PathRows(path); i++) {
     PetscReal t = PathTime(path, i);
     if (t < 0 || t > scene->end_time) continue;
     PathAt(path, t, &at);

@@ -13,6 +13,9 @@
 #include "material/stiffness.h"
 #include "world/tip.h"
 
+/* s = 0: held in the clamp, or free, m = 0, n = 0. */
+typedef enum { CLAMP_HELD, CLAMP_FREE } ClampType;
+
 typedef struct _Scene *Scene;
 struct _Scene {
   MPI_Comm comm; /* the ranks that share it */
@@ -26,6 +29,7 @@ struct _Scene {
   Space space;         /* what there is out of the plane */
   Mesh mesh;
   Si si;
+  ClampType clamp;
   PetscReal clamp_angle; /* alpha; the problem is solved in the clamp's frame, results are turned */
   PetscReal end_time;    /* T, -ts_max_time */
   PetscReal reach;       /* the longest that the rod becomes */

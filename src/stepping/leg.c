@@ -99,7 +99,8 @@ static PetscErrorCode AfterTry(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1
   PetscCall(TSGetApplicationContext(ts, &leg));
   PetscCall(RodSizesAlong(leg->rod, U1, leg->axes, size));
   PetscCall(GrowthLength(leg->rod->scene->growth, t1, &length, NULL));
-  *impossible = (PetscBool) !(Reach(leg->rod->model, size) <= round_off * length);
+  *impossible = (PetscBool) !(leg->rod->scene->clamp == CLAMP_FREE ||
+                              Reach(leg->rod->model, size) <= round_off * length);
   leg->passes = PETSC_FALSE;
   if (!*impossible && MindsTurns(leg->rod))
     PetscCall(leg->rod->model->turned(leg->rod, U0, U1, impossible));

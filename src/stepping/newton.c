@@ -190,14 +190,15 @@ static PetscErrorCode MatrixAsked(TS ts, PetscBool *wanted) {
   PetscFunctionReturn(0);
 }
 
-/* Can the equations of neighbours be eliminated as they are computed? Not on several ranks if the
-   tip is held. */
+/* Can the equations of neighbours be eliminated as they are computed? Not if the rod's beginning is
+   free, nor on several ranks if the tip is held. */
 static PetscErrorCode HasChain(Rod rod, PetscBool *has) {
   PetscMPIInt ranks;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(rod->scene->comm, &ranks));
   *has = (PetscBool)(rod->model->eliminate && EliminationCan(rod->model->halves, ranks) &&
+                     rod->scene->clamp == CLAMP_HELD &&
                      (ranks == 1 || rod->scene->tip.type == TIP_FREE));
   PetscFunctionReturn(0);
 }

@@ -64,6 +64,8 @@ static PetscErrorCode CheckStraight(Scene scene) {
   PetscFunctionBegin;
   UserCheck(!CurvatureBends(&scene->curvature), scene->comm,
             "-rod_curvature: %s, straight by nature; take it out", about);
+  UserCheck(scene->clamp == CLAMP_HELD, scene->comm,
+            "-clamp_type free: %s that a clamp holds; take it out", about);
   UserCheck(!scene->contact.any, scene->comm, "-%s: %s that touches nothing; take it out",
             scene->contact.self ? "contact_self" : "wall_file", about);
   UserCheck(SpaceIsAlong(scene->load.weight), scene->comm,

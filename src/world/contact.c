@@ -241,7 +241,8 @@ PetscReal ContactHold(const Contact *contact, const PetscReal x[2], const PetscR
     PetscReal mu = contact->walls.wall[t->wall].friction, u[2] = {Slip(t, v), 0},
               p = ContactPressure(contact, t->gap, &slope);
     if (t->again || mu == 0 || p == 0) continue;
-    creep = PetscMax(creep, PetscMin(1, mu * p) * FrictionDualHold(u, seen, &duals[t->wall]));
+    creep = PetscMax(creep, PetscMin(1, mu * p) *
+                                FrictionDualHold(u, seen, friction_hold_contact, &duals[t->wall]));
   }
   return creep;
 }

@@ -316,7 +316,8 @@ PetscReal ContactHold3(const Contact *contact, const Rubbed *at, PetscReal seen,
     if (!kept || p == 0) continue;
     dual = Seen(&touch[k], kept);
     Slip(contact, &touch[k], at, a, u);
-    creep = PetscMax(creep, PetscMin(1, mu * p) * FrictionDualHold4(u, seen, &dual));
+    creep = PetscMax(creep, PetscMin(1, mu * p) *
+                                FrictionDualHold4(u, seen, friction_hold_contact, &dual));
     for (int d = 0; d < 3; d++) kept->shift[d] = dual.shift[d];
   }
   return creep;

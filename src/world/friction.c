@@ -73,8 +73,9 @@ static inline void Slope(const Friction *law, int n, const PetscReal v[], const 
     }
 }
 
-static inline PetscReal Hold(int n, const PetscReal v[], PetscReal seen, PetscReal shift[]) {
-  const PetscReal longest = 10 * PetscSqrtReal(friction_tiny);
+static inline PetscReal Hold(int n, const PetscReal v[], PetscReal seen, PetscReal hold,
+                             PetscReal shift[]) {
+  const PetscReal longest = hold * PetscSqrtReal(friction_tiny);
   PetscReal u[4], size, speed = PetscSqrtReal(Dot(n, v, v)), part = speed < seen ? speed / seen : 1;
   PetscBool slides = (PetscBool)(speed > longest);
 
@@ -114,9 +115,13 @@ void FrictionLinearise(const Friction *law, const PetscReal v[2], const Friction
 
 /* FrictionDualHold - moves the shift by v, for exact Coulomb friction; by less if v is below what
    is seen. Returns the speed at which the point creeps though it is held; 0 if it slides, for then
-   it needs no shift. The longest kept leaves the force within 0.5 % of its limit. */
-PetscReal FrictionDualHold(const PetscReal v[2], PetscReal seen, FrictionDual *dual) {
-  return Hold(2, v, seen, dual->shift);
+   it needs no shift.
+
+   hold   how long a shift may be, over sqrt(friction_tiny): it leaves the force within 1/(2 hold^2)
+          of its limit */
+PetscReal FrictionDualHold(const PetscReal v[2], PetscReal seen, PetscReal hold,
+                           FrictionDual *dual) {
+  return Hold(2, v, seen, hold, dual->shift);
 }
 
 /* FrictionLinearise4 - of a point in space: begins a Newton solve at v (fresh), or follows it
@@ -131,6 +136,7 @@ void FrictionLinearise4(const Friction *law, const PetscReal v[4], PetscBool fre
 }
 
 /* FrictionDualHold4 - as FrictionDualHold(), of a point in space. */
-PetscReal FrictionDualHold4(const PetscReal v[4], PetscReal seen, FrictionDual4 *dual) {
-  return Hold(4, v, seen, dual->shift);
+PetscReal FrictionDualHold4(const PetscReal v[4], PetscReal seen, PetscReal hold,
+                            FrictionDual4 *dual) {
+  return Hold(4, v, seen, hold, dual->shift);
 }

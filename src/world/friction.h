@@ -34,16 +34,22 @@ void FrictionDualAdvance(const Friction *law, const PetscReal v[2], FrictionDual
 void FrictionLinearise(const Friction *law, const PetscReal v[2], const FrictionDual *dual,
                        PetscReal slope[2][2]);
 
-PetscReal FrictionDualHold(const PetscReal v[2], PetscReal seen, FrictionDual *dual);
+PetscReal FrictionDualHold(const PetscReal v[2], PetscReal seen, PetscReal hold,
+                           FrictionDual *dual);
 void FrictionLinearise4(const Friction *law, const PetscReal v[4], PetscBool fresh,
                         FrictionDual4 *dual, PetscReal slope[4][4]);
-PetscReal FrictionDualHold4(const PetscReal v[4], PetscReal seen, FrictionDual4 *dual);
+PetscReal FrictionDualHold4(const PetscReal v[4], PetscReal seen, PetscReal hold,
+                            FrictionDual4 *dual);
 
 /* The dry force is mu w, w = u/r, u = v + shift, r = sqrt(u^2 + beta). Regularised friction has no
    shift. Exact Coulomb friction takes a tiny beta and moves the shift, shift <- shift + v, until
    v settles: then either v = 0, and w is whatever it takes, or |v| is far above sqrt(beta)
    and w = v/|v| (a method of multipliers). */
 static const PetscReal friction_tiny = 1e-12;
+
+/* How long a shift may be, over the square root of that: along the rod, and in contact, where a
+   rope may lie next to sliding for long. */
+static const PetscReal friction_hold = 10, friction_hold_contact = 100;
 
 /* r, and u with it */
 static inline PetscReal FrictionRadius(const Friction *law, const PetscReal v[2],

@@ -104,7 +104,7 @@ static inline PetscBool LoadSticks(const Load *load) {
 /* Moves what holds a sticking place; returns the speed at which it creeps. */
 static inline PetscReal LoadHold(const Load *load, const Place *at, PetscReal seen,
                                  LoadDual *dual) {
-  PetscReal creep = FrictionDualHold(at->v, seen, dual);
+  PetscReal creep = FrictionDualHold(at->v, seen, friction_hold, dual);
   if (load->duals == 1) return creep;
   return PetscMax(creep, ContactHold(load->walls, at->x, at->v, seen, dual + 1));
 }

@@ -144,7 +144,7 @@ void LoadLinearise3(const Load *load, const Place3 *at, PetscBool fresh, Frictio
 PetscReal LoadHold3(const Load *load, const Place3 *at, PetscReal seen, FrictionDual4 dual[]) {
   PetscReal W[RUBS] = {at->W[0], at->W[1], at->W[2], Deaf(load) ? 0 : at->W[SPIN]};
   const Rubbed rubbed = LoadRubbed(load, at);
-  PetscReal creep = FrictionDualHold4(W, seen, dual);
+  PetscReal creep = FrictionDualHold4(W, seen, friction_hold, dual);
 
   if (load->duals3 == 1) return creep;
   return PetscMax(creep, ContactHold3(load->walls, &rubbed, seen, dual + 1));

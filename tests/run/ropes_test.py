@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Ropes against exact answers: round a pillar, along a helical duct, heavy on a rough plane.
+"""Ropes against exact answers: round a pillar, along a helical duct, heavy on a rough plane and over a pillar.
 
     ropes_test.py build/tendril CHECK...      (no CHECK: all of them)
 
@@ -15,7 +15,7 @@ from scene_test import Run, expect
 
 import h5py
 import numpy as np
-from scipy.integrate import solve_ivp
+from scipy.integrate import solve_bvp, solve_ivp
 from scipy.interpolate import CubicSpline
 from scipy.linalg import expm
 from scipy.optimize import brentq
@@ -171,6 +171,66 @@ def lifts_off():
     r, push, height = upheaval(1, 1e10, 800)
     print(f"{r.steps} steps; push off by {push:.1e}, height by {height:.1e}")
     expect(abs(push) < 1e-4 and abs(height) < 1e-4, f"{push}, {height}")
+
+
+class Hanging:
+    """What hangs of a heavy rope, length h, from a pillar of radius 1, stiffness and all: the angle, from the top,
+    at which it leaves it, and its direction over the arc length."""
+
+    def __init__(self, h, weight):
+        l = (weight * h)**-0.5
+        s = np.linspace(0, h, 300)
+        found = solve_bvp(lambda s, y: [y[1], weight * (h - s) * np.cos(y[0])], lambda a, b: [a[1] + 1, b[1]], s,
+                          [l * np.exp(-s / l) - np.pi / 2, -np.exp(-s / l)], tol=1e-10, max_nodes=100000)
+        expect(found.success, found.message)
+        self.leaves, self.direction = -found.sol(0)[0], lambda s: found.sol(s)[0]
+        self.pull, self.press = weight * h * np.sin([self.leaves, np.pi / 2 - self.leaves])
+
+
+def overhang(weight, h, mu=MU):
+    """How much may hang on one side of a pillar if h does on the other: what touches is bent alike all along, so its
+    shear is 0, friction is T' = mu (T + w cos phi) - w sin phi, and what hangs presses at a point where it leaves."""
+    short = Hanging(h, weight)
+
+    def more(long):
+        other = Hanging(long, weight)
+        way = solve_ivp(lambda p, T: mu * (T + weight * np.cos(p)) - weight * np.sin(p),
+                        (-short.leaves, other.leaves), [short.pull + mu * short.press], rtol=1e-11, atol=1e-11)
+        return way.y[0, -1] + mu * other.press - other.pull
+
+    return brentq(more, h, 8 * h, xtol=1e-10)
+
+
+def heavy_rope(part, time, more="", weight=100, cells=120, stiffness=1e6, drag=1):
+    """A heavy rope over a pillar, both its ends free; of the overhang that friction bears just so, this part hangs."""
+    D = 0.1
+    a, b = Hanging(1, weight), Hanging(part * overhang(weight, 1), weight)
+    ends = np.cumsum([1, a.leaves + b.leaves, part * overhang(weight, 1)])
+    s = np.linspace(0, ends[2], 8001)
+    psi = np.select([s < ends[0], s < ends[1]], [-a.direction(np.clip(1 - s, 0, 1)), a.leaves + 1 - s],
+                    b.direction(np.clip(s - ends[1], 0, None)))
+    line = CubicSpline(s, np.c_[np.cos(psi), np.sin(psi)]).antiderivative()
+    middle = line(1) + [np.sin(a.leaves), -np.cos(a.leaves)]
+    file = shape(s=s / ends[2], theta=psi - psi[0])
+    return Run(f"-growth_type none -growth_initial_length {ends[2]} -clamp_type free -clamp_angle {float(psi[0])!r} "
+               f"-rod_cells {cells} -contact_diameter {D} -contact_stiffness {stiffness} -rod_weight 0,{-weight} "
+               f"-friction_beta 0 -ts_max_time {time} " + ALONE.format(file, drag) + more
+               + walls(f"circle {numbers(middle)} {1 - D / 2} outside friction {MU}".replace(",", " ")))
+
+
+@check
+def heavy():
+    """With 0.999 of the overhang that friction bears a heavy rope stays where it is for good, with 1.001 it runs
+    off: exact stick, of a rod that nothing else holds."""
+    for more in ("", "-rod_model space -friction_radius 0.05 "):
+        r = heavy_rope(0.999, 20, more)
+        x, late = r.shapes["x"], len(r.shapes["x"]) // 2
+        settled, creeps = (abs(x[-1] - x[k]).max() for k in (0, late))
+        print(f"holds: {r.steps} steps, settled by {settled:.1e}, in the second half by {creeps:.1e}")
+        expect(settled < 2e-3 and creeps < 1e-7, f"{more}: {settled}, {creeps}")
+    r = heavy_rope(1.001, 0.1)
+    print(f"slides: {r.steps} steps, at {r.tip_speed[-1]:.2g}, by {-r.tip_x2[-1] + r.tip_x2[0]:.2g}")
+    expect(r.tip_speed[-1] > 0.1 and r.tip_x2[0] - r.tip_x2[-1] > 0.01, f"{r.tip_speed[-1]}")
 
 
 if __name__ == "__main__":
