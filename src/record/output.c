@@ -2,8 +2,10 @@
 #include "base/lock.h"
 #include "record/xdmf.h"
 #include "rod/directors.h"
+#include <errno.h>
 #include <petsctime.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 /* What is stored of a shape. */
 enum { PLANE = SHAPE_SETS, CONTACT = CONTACT_SET };
@@ -157,7 +159,38 @@ PetscErrorCode OutputAttributes(HdfFile file, MPI_Comm comm, PetscBool finished)
   PetscFunctionReturn(0);
 }
 
-/* OutputRefuse - refuses to write over what is no result of tendril, or an input. Collective. */
+/* What keeps files from being made in the directory of a path, as errno has it; 0: nothing. */
+static int Closed(const char *path, char directory[PETSC_MAX_PATH_LEN]) {
+  const char *slash = strrchr(path, '/');
+  struct stat status;
+
+  (void)snprintf(directory, PETSC_MAX_PATH_LEN, "%.*s", slash ? (int)(slash - path) : 1,
+                 slash ? path : ".");
+  if (stat(directory[0] ? directory : "/", &status)) return errno;
+  if (!S_ISDIR(status.st_mode)) return ENOTDIR;
+  return access(directory[0] ? directory : "/", W_OK | X_OK) ? errno : 0;
+}
+
+/* Before anything is computed: is there the directory that the file is to be in? Collective. */
+static PetscErrorCode RefuseNowhere(const char *option, const char *path) {
+  char directory[PETSC_MAX_PATH_LEN];
+  PetscMPIInt rank;
+  int fault;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(OptionsComm(), &rank));
+  fault = Closed(path, directory);
+  PetscCallMPI(MPI_Bcast(&fault, 1, MPI_INT, 0, OptionsComm()));
+  UserCheck(fault != ENOENT, OptionsComm(),
+            "%s %s: there is no directory %s; make it (mkdir -p %s), or name a file elsewhere",
+            option, path, directory, directory);
+  UserCheck(!fault, OptionsComm(), "%s %s: no file can be made there: %s; name a file elsewhere",
+            option, path, strerror(fault));
+  PetscFunctionReturn(0);
+}
+
+/* OutputRefuse - refuses to write over what is no result of tendril, or an input, and where no file
+   can be made. Collective. */
 PetscErrorCode OutputRefuse(const char *option, const char *path) {
   struct stat status;
   PetscBool ours;
@@ -172,6 +205,7 @@ PetscErrorCode OutputRefuse(const char *option, const char *path) {
   UserCheck(ours || free, OptionsComm(),
             "%s %s: is there, and is no result of tendril; name another file, or take it away",
             option, path);
+  PetscCall(RefuseNowhere(option, path));
   PetscFunctionReturn(0);
 }
 
@@ -195,7 +229,8 @@ static PetscErrorCode Verdict(const char *option, const char *path, MPI_Comm com
                               char fault[HDF_FAULT]) {
   PetscFunctionBegin;
   PetscCallMPI(MPI_Bcast(fault, HDF_FAULT, MPI_CHAR, 0, comm));
-  UserCheck(!fault[0], comm, "%s %s: cannot be written: %s", option, path, fault);
+  UserCheck(!fault[0], comm, "%s %s: cannot be written: %s; make room, or name a file elsewhere",
+            option, path, fault);
   PetscFunctionReturn(0);
 }
 
@@ -569,7 +604,8 @@ PetscErrorCode OutputStore(Output self, Rod rod, RestartState *state, Vec points
   UserCheck(!fault[0], self->scene->comm,
             self->there ? "-output %s: cannot be written at t = %s: %s; what was stored before is "
                           "whole: make room and go on with -restart"
-                        : "-output %s: cannot be written at t = %s: %s",
+                        : "-output %s: cannot be written at t = %s: %s; make room, or name a "
+                          "file elsewhere",
             self->path, OptionBoth(state ? state->t : 0, UNIT_TIME, text), fault);
   if (self->mine) PetscCall(Stored(self, begin));
   PetscFunctionReturn(0);

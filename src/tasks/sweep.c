@@ -249,7 +249,8 @@ static PetscErrorCode Run(Sweep *self) {
   PetscCallMPI(MPI_Comm_rank(OptionsComm(), &rank));
   if (!rank) PetscCall(Store(self)); /* what cannot be written is to show before the work */
   PetscCallMPI(MPI_Bcast(self->fault, HDF_FAULT, MPI_CHAR, 0, OptionsComm()));
-  UserCheck(!self->fault[0], OptionsComm(), "-output %s: cannot be written: %s", self->output,
+  UserCheck(!self->fault[0], OptionsComm(),
+            "-output %s: cannot be written: %s; make room, or name a file elsewhere", self->output,
             self->fault);
   ErrorsOptionsRead();
   SignalsCatch();

@@ -10,6 +10,11 @@ static const char *const wall_form[WALL_KINDS] = {
     "path R X1 Y1 X2 Y2 ..., a conduit of radius R along these points, and radius B behind them if "
     "its bends are to have that"};
 
+/* The surface in space that a wall of the plane is, upright along x3. */
+static const char *const wall_in_space[WALL_KINDS] = {
+    "plane X1 X2 0 N1 N2 0", "cylinder X1 X2 0 0 0 1 R outside|inside", "body FILE outside|inside",
+    "tube FILE inside"};
+
 static const PetscReal everywhere = 1e300;
 
 static PetscReal Dot(const PetscReal a[2], const PetscReal b[2]) {
@@ -307,6 +312,18 @@ static PetscErrorCode TakeFriction(Maker *self, PetscInt *n, char *word[]) {
   PetscFunctionReturn(0);
 }
 
+/* Walls of the plane stand still. */
+static PetscErrorCode RefuseMotion(const Maker *self, WallKind kind, PetscInt n, char *word[]) {
+  PetscFunctionBegin;
+  for (PetscInt k = 1; k < n; k++)
+    UserCheck(strcmp(word[k], "moves") && strcmp(word[k], "turns"), OptionsComm(),
+              "-wall_file %s, line %d: walls of the plane stand still, surfaces in space move; in "
+              "place of this %s give %s and then %s",
+              self->file, self->line, wall_kind[kind], wall_in_space[kind],
+              strcmp(word[k], "moves") ? "turns RATE X Y Z AX AY AZ" : "moves VX VY VZ");
+  PetscFunctionReturn(0);
+}
+
 /* Takes `radius B` off the end of a path's words. */
 static PetscErrorCode TakeBend(Maker *self, PetscInt *n, char *word[]) {
   char what[PETSC_MAX_PATH_LEN];
@@ -368,6 +385,7 @@ static PetscErrorCode ReadWall(Maker *self, PetscInt n, char *word[]) {
             "in space sphere, cylinder, cone, torus, tube and body",
             self->file, self->line, word[0]);
   wall->kind = (WallKind)kind;
+  PetscCall(RefuseMotion(self, wall->kind, n, word));
   PetscCall(TakeFriction(self, &n, word));
   PetscCall(TakeBend(self, &n, word));
   if (wall->bend > 0) PetscCall(TakeFriction(self, &n, word)); /* in either order */

@@ -297,6 +297,8 @@ CASES = [
     ("-wall_file {wall_radius}", "radius"),
     ("-wall_file {wall_friction}", "friction"),
     ("-wall_file {wall_friction_none}", "line 1"),
+    ("-wall_file {wall_circle_moves}", "cylinder X1 X2 0 0 0 1 R outside|inside and then moves VX VY VZ"),
+    ("-wall_file {wall_plane_turns}", "stand still"),
     ("-wall_file {wall_narrow} -contact_diameter 0.2", "narrower"),
     ("-wall_file {wall_ring} -contact_diameter 0.2", "narrower"),
     ("-wall_file {wall_negative}", "line 1"),
@@ -374,9 +376,11 @@ CASES = [
     ("-accuracy high", "-accuracy"),
     ("-accuracy 1e-3 -task critical", "-accuracy"),
     # results
-    ("-output {missing}/out.h5", "-output"),
+    ("-output {missing}/out.h5", "/missing), or name a file elsewhere"),
+    ("-output {text}/out.h5", "Not a directory; name a file elsewhere"),
+    ("-task critical -output {missing}/out.h5", "/missing), or name a file elsewhere"),
     ("-output {directory}", "-output"),
-    ("-output /proc/out.h5", "-output"),
+    ("-output /proc/out.h5", "or name a file elsewhere"),
     ("-output {text}", "-output"),
     ("-output {table_kept}", "-output"),
     ("-output", "-output"),
@@ -395,7 +399,7 @@ PARALLEL_CASES = [
     (2, "-friction_nu 1", "-friction_mu"),
     (2, "-options_file {missing}", "-options_file"),
     (2, "-growth_type table -growth_table {truncated}", "-growth_table"),
-    (2, "-output {missing}/out.h5", "-output"),
+    (2, "-output {missing}/out.h5", "/missing; make it (mkdir -p "),
     (2, "-rod_cells 20 uniform", "uniform"),
 ]
 
@@ -518,7 +522,8 @@ def make_files(d, tendril):
             ("crosses", "polygon outside 2 -1 4 1 4 -1 2 1.5"),
             ("polygon", "polygon outside 2 -1 4 -1 3 1"),
             ("line", "polygon outside 2 -1 3 -1 4 -1"), ("odd", "polygon outside 2 -1 4 -1 3"),
-            ("plane", "plane 0.7 0 -1 0"), ("behind", "plane 0.1 0 -1 0")):
+            ("plane", "plane 0.7 0 -1 0"), ("behind", "plane 0.1 0 -1 0"),
+            ("circle_moves", "circle 5 0 1 outside moves 0 1 0"), ("plane_turns", "plane 5 0 -1 0 turns 1 5 0 0 0 0 1")):
         text(f"wall_{name}", line + "\n")
     make_shapes(d, text)
     whole = (d / "table").read_bytes()

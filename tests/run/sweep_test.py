@@ -320,7 +320,7 @@ def refused_files():
         (GOOD, "-sweep_task critical", "-output out.h5: holds a sweep with other options"),
         (GOOD, "-output foreign.h5", "-output foreign.h5: is there, and is no result of tendril"),
         (GOOD, "-output run.h5", "-output run.h5: is there, and is no sweep's"),
-        (GOOD, "-output nowhere/a.h5", "-output nowhere/a.h5: cannot be written"),
+        (GOOD, "-output nowhere/a.h5", "-output nowhere/a.h5: there is no directory nowhere; make it (mkdir -p nowhere)"),
     ])
     for options in ("", "-rod_cells 9 -task critical"):
         got, _, lines = tendril(f"{options} -output out.h5")
