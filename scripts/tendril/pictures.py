@@ -36,7 +36,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 from . import plot_stability
 from .errors import ResultsError, TendrilError
 from .perspective import VIEW, Rods, Strand, box_of, draw_surfaces, furnish, sight
-from .results import Results, load, runs_of
+from .results import Results, load, runs_of, titles_of
 from .solids import solids
 from .spatial import diameter_of, lift, up_of
 from .style import BLUE, COLOURS, GREEN, GREY, ORANGE, RED, STYLE, InStyle, save
@@ -681,7 +681,7 @@ def plot(results: Results | Sequence[Results], panels: Sequence[str] | str | Non
     if titles and len(titles) != len(runs):
         raise ResultsError(f"plot: {len(titles)} titles for {len(runs)} runs")
     drawn = View(runs, Units(runs if si else ()), overlay=(overlay or ax is not None) and len(runs) > 1,
-                 titles=list(titles or [r.name for r in runs]),
+                 titles=titles_of(runs, titles),
                  beside={r.path: other for r, other in zip(runs, beside)}, view=sight(view))
     if times is not None:
         drawn.times = [moment("times", t, runs) for t in times]

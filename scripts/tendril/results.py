@@ -331,6 +331,33 @@ def runs_of(given, who) -> list[Results]:
     return runs
 
 
+IN_NO_TITLE = ("output", "output_interval", "output_shapes", "quiet", "options_file", "restart")
+TOLD_APART_BY = 2  # options at most, in a title
+
+
+def titles_of(runs, titles=None) -> list[str]:
+    """What runs are called in a picture: the names of their files. Those of one name also say the options in
+    which they differ; where these are many, or none, their directories or numbers. titles: given ones."""
+    if titles:
+        return list(titles)
+    names = [r.name for r in runs]
+    for name in {name for name in names if names.count(name) > 1}:
+        alike = [k for k, r in enumerate(runs) if r.name == name]
+        for k, title in zip(alike, told_apart(name, [runs[k] for k in alike])):
+            names[k] = title
+    return names
+
+
+def told_apart(name, runs):
+    options = [{key: value for key, value in r.options.items() if key not in IN_NO_TITLE} for r in runs]
+    differ = [key for key in dict.fromkeys(key for one in options for key in one)
+              if len({one.get(key) for one in options}) > 1]
+    ways = [[", ".join([name, *(f"{key} {one[key]}".rstrip() for key in differ if key in one)]) for one in options],
+            [f"{r.path.resolve().parent.name}/{name}" if r.path.exists() else name for r in runs],
+            [f"{name} ({k})" for k in range(1, len(runs) + 1)]]
+    return next(way for way in (ways if len(differ) <= TOLD_APART_BY else ways[1:]) if len(set(way)) == len(way))
+
+
 def orthonormal(d1, d2):
     """([n, 3] d1, d2, d3), unit and at right angles, of d1 and d2 that nearly are."""
     d1 = d1 / np.linalg.norm(d1, axis=1, keepdims=True)
