@@ -23,7 +23,7 @@ from . import page_space
 from .errors import ResultsError, TendrilError
 from .pictures import colours, name_of, symbol_of
 from .packed import moves_straight, packed, thinned
-from .results import Results, load, runs_of
+from .results import Results, load, runs_of, titles_of
 from .style import COLOURS
 from .surroundings import axial_force, friction, pressed, size_of, walls
 from .units import in_laboratory, laboratory_units
@@ -180,7 +180,7 @@ def view(results: Results | Sequence[Results], output: str | Path | None = None,
 
     titles  of the runs; None: the names of their files"""
     runs = runs_of(results, "view")
-    titles = list(titles or [r.name for r in runs])
+    titles = titles_of(runs, titles)
     if len(titles) != len(runs):
         raise ResultsError(f"view: {len(titles)} titles for {len(runs)} runs")
     for r in runs:
@@ -200,8 +200,9 @@ def main(arguments=None):
     parser.add_argument("--titles", metavar="A,B,...", help="of the files; default: their names")
     choice = parser.parse_args(arguments)
     try:
+        output = choice.output or str(Path(choice.files[0]).with_suffix(".html"))
         output = view([load(path) for path in choice.files],
-                      choice.output or Path(choice.files[0]).with_suffix(".html"),
+                      output if output.lower().endswith((".html", ".htm")) else f"{output}.html",
                       choice.titles.split(",") if choice.titles else None)
     except (TendrilError, OSError) as error:
         print(f"view: {error}", file=sys.stderr)

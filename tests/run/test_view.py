@@ -66,6 +66,8 @@ const mice = async (u, ...steps) => {
     seen.milliseconds = performance.now();
     seen.charts = titles();
     seen.wide = document.documentElement.scrollWidth - innerWidth;
+    const [about, sheet, rest] = ["about", "charts", "stage"].map((id) => element(id).getBoundingClientRect());
+    seen.about = [about.left, about.right, about.top, sheet.left, sheet.bottom, rest.bottom];
     const before = rod.root.querySelector("canvas").toDataURL();
     await set("slider", slide(500));
     seen.now = element("now").textContent;
@@ -304,6 +306,8 @@ class View(unittest.TestCase):
         self.assertTrue(x0 < shape[:, 0].min() and shape[:, 0].max() < x1)
         self.assertTrue(y0 < shape[:, 1].min() and shape[:, 1].max() < y1)
         self.assertGreater(seen["played"], 0)
+        _, right, top, beside, _, stage = seen["about"]  # no empty column below the rod
+        self.assertTrue(right <= beside and stage <= top < stage + 40, seen["about"])
 
     @unittest.skipUnless(BROWSER, "no Chromium here")
     def test_two_runs_on_a_phone(self):
@@ -311,6 +315,7 @@ class View(unittest.TestCase):
         seen = self.seen(self.page(self.runs), "500,850")
         self.assertNotIn("error", seen)
         self.assertEqual(seen["wide"], 0)
+        self.assertGreaterEqual(seen["about"][2], seen["about"][4])  # below the curves
         np.testing.assert_allclose(seen["lab"]["cursors"], 20, rtol=0.01)
         charts = content(self.page(self.runs))["charts"]
         self.assertEqual(seen["lines"][0], len(charts[0]["series"]))

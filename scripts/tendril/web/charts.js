@@ -233,14 +233,17 @@ function makeAbout() {
   const unitOf = (name) => (data.charts.find((chart) => chart.series.includes(name)) || { unit: "1" }).unit;
   note.textContent = same.length ? `The same throughout: ${same.map((name) => `${data.names[name]} ${
     number(constant(name) * factor(data.runs[0], unitOf(name)))} ${named(unitOf(name))}`.trim()).join(", ")}` : "";
-  about.replaceChildren(table, note, ...data.runs.map((run, i) => {
+  const wide = matchMedia("(min-width: 1250px)").matches, more = document.createElement("div");
+  more.className = "more";
+  more.append(note, ...data.runs.map((run, i) => {
     const details = document.createElement("details"), pre = document.createElement("pre");
     details.append(document.createElement("summary"), pre);
     details.firstChild.textContent = `options of ${run.name}`;
-    details.open = Boolean(open[i]);
+    details.open = open[i] ?? (wide && !several);  // beside the summary there is room for them
     pre.textContent = run.options;
     return details;
   }));
+  about.replaceChildren(table, more);
 }
 
 function connect() {
