@@ -49,21 +49,30 @@ install_packages() {
     "${root[@]}" apt-get install -y --no-install-recommends "${missing[@]}"
 }
 
+# What .venv was made for: an older one is brought up to date, and keeps what else is in it.
+wanted() {
+  cat scripts/requirements.txt scripts/pyproject.toml
+}
+
 make_venv() {
-  local stamp=.venv/requirements.txt candidate python=
-  if cmp -s scripts/requirements.txt "$stamp" && .venv/bin/python -c '' 2>/dev/null; then return; fi
-  for candidate in /usr/bin/python3 python3; do
-    if "$candidate" -c 'import ensurepip, venv' 2>/dev/null; then
-      python=$candidate
-      break
-    fi
-  done
-  [ "$python" ] || fail "no python3 with the modules venv and ensurepip; install python3-venv"
-  echo "setup: making .venv with the Python package and what it needs"
-  logged "$log" "making .venv" "$python" -m venv --clear .venv
+  local stamp=.venv/made_for candidate python=
+  if .venv/bin/python -c 'import pip' 2>/dev/null; then
+    if cmp -s <(wanted) "$stamp"; then return; fi
+    echo "setup: bringing .venv up to date"
+  else
+    for candidate in /usr/bin/python3 python3; do
+      if "$candidate" -c 'import ensurepip, venv' 2>/dev/null; then
+        python=$candidate
+        break
+      fi
+    done
+    [ "$python" ] || fail "no python3 with the modules venv and ensurepip; install python3-venv"
+    echo "setup: making .venv with the Python package and what it needs"
+    logged "$log" "making .venv" "$python" -m venv --clear .venv
+  fi
   logged "$log" "installing the Python package (scripts/pyproject.toml) into .venv" \
     .venv/bin/python -m pip install --disable-pip-version-check -q -e scripts
-  cp scripts/requirements.txt "$stamp"
+  wanted >"$stamp"
 }
 
 mkdir -p build

@@ -19,12 +19,19 @@ import time
 from functools import lru_cache
 from pathlib import Path
 
-import cv2
-import imageio.v2 as imageio
 import numpy as np
 
 import tendril
 from tendril.comparing import finer, shape_at
+
+try:
+    import cv2
+    import imageio.v2 as imageio
+    import imageio_ffmpeg  # noqa: F401, which imageio writes films with
+    import skimage  # noqa: F401, which finds lines
+except ImportError as missing:
+    sys.exit(f"{Path(sys.argv[0]).stem}: rendering and measuring films needs {missing.name}: .venv/bin/python -m pip "
+             "install -e './scripts[film]'")
 
 SIZE = [1920, 1080]
 BARREL = (-0.18, 0.04)  # of the lens: x (1 + a r^2 + b r^4), r = 1 half a width from the middle

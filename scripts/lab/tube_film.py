@@ -11,7 +11,6 @@ import tempfile
 import time
 from pathlib import Path
 
-import imageio.v2 as imageio
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -67,7 +66,7 @@ def main():
         place.mkdir(parents=True, exist_ok=True)
         movie, board = place / "push.mp4", place / "board.png"
         film.rendered(movie, truth, stage, DIAMETER, SECONDS * FPS, FPS)
-        imageio.imwrite(board, stage.finished(stage.board))
+        film.imageio.imwrite(board, stage.finished(stage.board))
         clamp, along = np.round(stage.view(np.array([[0, 0], [0.05, 0]])))
         begin = time.perf_counter()
         m = tendril.measure(movie, clamp=clamp, along=along, checkerboard=(*film.BOARD, f"{film.SQUARE}m"),

@@ -27,7 +27,7 @@ try:
 
     import tendril
     from tendril import maps as map
-    from tendril import runs
+    from tendril import results, runs
     from tendril.units import in_laboratory
 except ImportError as error:
     from_venv(error)
@@ -475,6 +475,53 @@ class Package(unittest.TestCase):
         version = re.search(r'(?m)^version = "(.*?)"', text)[1]
         self.assertEqual({self.tube.attributes["version"], tendril.__version__}, {version})
 
+    def test_installed_alike(self):
+        """What pip installs is said twice, for the package with the program and for the package alone; an extra
+        that one of them lacks would be passed over with a warning."""
+        with_program, alone = ((ROOT / where).read_text() for where in ("pyproject.toml", "scripts/pyproject.toml"))
+        extras = [re.search(r"(?m)^\[project.optional-dependencies\].*\n((?:\w+ = .*\n)+)", text)[1]
+                  for text in (with_program, alone)]
+        self.assertEqual(*extras)
+        needed = re.findall(r'"(.*?)"', re.search(r"(?s)\ndependencies = \[(.*?)\]", with_program)[1])
+        self.assertEqual(needed, (ROOT / "scripts/requirements.txt").read_text().split())
+        for script in (ROOT / "scripts").glob("**/*.py"):
+            for extra in re.findall(r"tendril\[(\w+)\]", script.read_text()):
+                self.assertIn(f"\n{extra} = [", "\n" + extras[0])
+
+    def test_a_script_lacks_its_libraries(self):
+        (self.place / "cv2.py").write_text("raise ModuleNotFoundError(name='cv2')")
+        done = subprocess.run([sys.executable, ROOT / "scripts/lab/tube_film.py"], text=True, capture_output=True,
+                              env=os.environ | {"PYTHONPATH": f"{self.place}:{ROOT / 'scripts'}"})
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), done.stderr)
+        self.assertRegex(done.stderr, r"^tube_film: .*needs cv2: .*pip install -e './scripts\[film\]'$")
+
+    def test_an_old_venv(self):
+        """setup.sh brings .venv up to date where what the package needs has changed, extras too, and leaves there
+        what else is in it; else it does nothing."""
+        project = self.place / "old"
+        (project / ".venv/bin").mkdir(parents=True)
+        (project / "scripts").mkdir()
+        for name in ("setup.sh", "common.sh", "requirements.txt", "pyproject.toml"):
+            shutil.copy(ROOT / "scripts" / name, project / "scripts")
+        python, known = project / ".venv/bin/python", self.place / "known/dpkg-query"
+        python.write_text(f'#!/bin/sh\n[ "$2" = pip ] && echo "$@" >>{project}/called; true\n')
+        known.parent.mkdir()  # all of Debian's packages are there
+        known.write_text('#!/bin/sh\nfor p; do echo "installed $p"; done\n')
+        for program in (python, known):
+            program.chmod(0o755)
+        shutil.copy(ROOT / "scripts/requirements.txt", project / ".venv")  # the stamp of earlier versions
+
+        def calls():
+            subprocess.run([project / "scripts/setup.sh"], check=True, capture_output=True, text=True,
+                           env=os.environ | {"PATH": f"{known.parent}:{os.environ['PATH']}"})
+            return (project / "called").read_text().count("install") if (project / "called").exists() else 0
+
+        self.assertEqual([calls(), calls()], [1, 1])
+        with open(project / "scripts/pyproject.toml", "a") as text:
+            text.write('new = ["something"]\n')
+        self.assertEqual([calls(), calls()], [2, 2])
+        self.assertTrue(python.exists())
+
     def test_help(self):
         """Every shell script tells how it is used."""
         scripts = [f for f in (ROOT / "scripts").glob("**/*.sh") if f.name not in ("common.sh", "python.sh")]
@@ -526,6 +573,20 @@ class Package(unittest.TestCase):
         for wrong, word in (("wdth", "unknown"), ("width+energy", "no one unit")):
             with self.assertRaisesRegex(tendril.ResultsError, word):
                 tendril.plot(self.runs, wrong)
+
+    def test_names_of_runs(self):
+        """Runs of one scene are told apart by the options in which they differ, else by where they are."""
+        named = [text.get_text() for text in tendril.plot(self.runs, "width", overlay=True).legends[0].get_texts()]
+        self.assertEqual(named, ["feed, friction_mu 0", "feed, friction_mu 1"])
+        page = tendril.view([*self.runs, self.tube]).text
+        self.assertIn("feed, friction_mu 0 · feed, friction_mu 1 · run", page)
+        self.assertEqual(results.titles_of([self.tube, self.tube]), ["run (1)", "run (2)"])
+        kept = []
+        for place in ("here", "there"):
+            (self.place / place).mkdir()
+            kept.append(tendril.run("feed", output=self.place / place / "mine.h5", **SHORT))
+        self.assertEqual(results.titles_of(kept), ["here/mine", "there/mine"])
+        self.assertEqual(results.titles_of(kept, "ab"), ["a", "b"])
 
 
 if __name__ == "__main__":
