@@ -156,12 +156,13 @@ def furnish(axes, low, high, up, view, label):
     axes.set_anchor("W")  # so that letters of panels stay in line
     axes.patch.set_alpha(0)
     for d, axis in enumerate((axes.xaxis, axes.yaxis, axes.zaxis)):
-        most = max(1, round(5 * sides[d] / sides.max()))
+        most = max(3, round(5 * sides[d] / sides.max()))
+        depth = np.delete(sides, d).max() / sides.max()  # the library moves labels off by parts of the other sides
         axis.set_major_locator(MaxNLocator(most, steps=[1, 2, 5, 10], min_n_ticks=1))
         axis.set_pane_color((1, 1, 1, 0))
         axis.line.set_linewidth(0.6)
         axis.set_tick_params(pad=-2, labelsize=7, width=0.5)
-        axis.labelpad = -2
+        axis.labelpad = max(-5, 11 / depth - 21)
         axis._axinfo["grid"].update(linewidth=0.35, color="#dcdcdc")
     axes.set_xlabel(label("$x_1$"))
     axes.set_ylabel(label("$x_2$"))
