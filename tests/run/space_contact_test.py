@@ -95,7 +95,7 @@ def balance():
              "cylinder 0 0 0 1 0 0 0.2 inside friction 0.4"),
             ("-rod_curvature 0.3 -rod_twist 0.3 ", "cone 0 0 0 1 0 0 0.3 0.08 3 inside friction 0.2"),
             ("-rod_curvature 0.1 -rod_curvature_2 0.05 ", "sphere 2 0.3 0.1 0.7 outside friction 0.2")):
-        r = Run(FED + options + walls(wall))
+        r = Run(FED + options + "-ts_rtol 1e-6 " + walls(wall))
         late, deep = r.energy_defect[r.t > 0.01].max(), r.penetration.max() / 0.1
         print(f"{wall}: {r.steps} steps, defect {late:.1e}, penetration {100 * deep:.2f} % of the diameter")
         expect(r.contact_force[-1] > 0 and late < 1e-5 and deep < 0.01, f"{wall}: {late}, {deep}")
@@ -140,7 +140,7 @@ def moving():
             ("press", ("plane 0 0 0.3 0 0 -1", "plane 0 0 -0.3 0 0 1 moves 0 0 0.15 friction 0.3")),
             ("drum", ("cylinder 1.5 -0.6 0 0 0 1 0.5 outside turns -2 1.5 -0.6 0 0 0 1 friction 0.4",))):
         r = Run(FED.replace("-ts_max_time 2", "-ts_max_time 1.2")
-                + "-rod_curvature -0.3 -rod_curvature_2 0.4 -friction_mu 0.9 " + walls(*wall))
+                + "-rod_curvature -0.3 -rod_curvature_2 0.4 -friction_mu 0.9 -ts_rtol 1e-6 " + walls(*wall))
         late, power = r.energy_defect[r.t > 0.01].max(), np.abs(r.series["wall_power"]).max()
         print(f"{name}: {r.steps} steps, defect {late:.1e}, power of the wall at most {power:.2e}")
         expect(r.contact_force[-1] > 0 and power > 1e-3 and late < 2e-5, f"{name}: {late}, {power}")
