@@ -1,4 +1,5 @@
 #include "record/touching.h"
+#include "rod/directors.h"
 
 struct _Touching {
   Scene scene;
@@ -264,12 +265,27 @@ static PetscErrorCode LookAtStrands(Touching self, PetscReal t, const Node *node
   PetscFunctionReturn(0);
 }
 
+/* The part of a vector along the tangent at a node, or, half way, along the sum of those beside. */
+static PetscReal AboutTangent(const Node *nodes, PetscInt point, const PetscReal v[3]) {
+  PetscReal sum = 0, size = 0, q[3] = {0}, d[3][3];
+
+  for (PetscInt i = point / 2; i <= (point + 1) / 2; i++) {
+    Directors(nodes[i].p, QuaternionSize(nodes[i].p), d);
+    for (int k = 0; k < 3; k++) q[k] += d[0][k];
+  }
+  for (int k = 0; k < 3; k++) {
+    sum += q[k] * v[k];
+    size += q[k] * q[k];
+  }
+  return sum / PetscSqrtReal(size);
+}
+
 /* The same of a rod in space. */
 static PetscErrorCode LookAtStrands3(Touching self, PetscReal t, const Node *nodes, PetscBool moves,
                                      TouchSum *sum) {
   const PetscReal *s = self->scene->mesh.s;
   const PetscInt points = 2 * self->scene->mesh.cells + 1;
-  const PetscReal(*force)[3];
+  const PetscReal(*force)[3], (*couple)[3];
   StrandState3 state = {
       .t = t, .stride = NODE_VALUES, .u = nodes[0].x3, .u_t = moves ? nodes[0].x3_t : NULL};
   StrandSum3 strands;
@@ -279,10 +295,12 @@ static PetscErrorCode LookAtStrands3(Touching self, PetscReal t, const Node *nod
   PetscCall(Strands3Load(self->strands3, &state));
   Strands3Sum(self->strands3, &strands);
   force = Strands3Forces(self->strands3);
+  couple = Strands3Couples(self->strands3);
   for (PetscInt k = 0; k < points; k++) {
     PetscReal g, z = k % 2 ? (s[k / 2] + s[k / 2 + 1]) / 2 : s[k / 2];
     PetscCall(GrowthStretch(self->scene->growth, 1, &z, t, &g, NULL, NULL));
     for (int d = 0; d < 3; d++) self->force[k][d] -= force[k][d] / g;
+    if (couple) self->force[k][3] -= AboutTangent(nodes, k, couple[k]) / g;
   }
   sum->energy += strands.energy;
   sum->loss += strands.loss;

@@ -85,8 +85,10 @@ static PetscErrorCode SpaceResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F)
   if (rod->end == rod->last + 1) {
     TipState3 tip = TipOf(cell.load, &cell.b);
     TipResidual3(&scene->tip, &tip, TipDual(rod), &F_[rod->last][LEFT]);
-    for (int d = 0; d < 3 && cell.push && scene->tip.type == TIP_FREE; d++)
+    for (int d = 0; d < 3 && cell.push && scene->tip.type == TIP_FREE; d++) {
       F_[rod->last][N + d] -= cell.push[2 * rod->last + 1][d];
+      if (cell.couple) F_[rod->last][M + d] -= cell.couple[2 * rod->last + 1][d];
+    }
   }
   PetscCall(DMDAVecRestoreArray(rod->da, F, &F_));
   PetscCall(SpaceCellsClose(&cell));
@@ -380,7 +382,7 @@ static void TipBlock(const Cell *cell, const Slope *slope, const PetscReal shift
 }
 
 /* What strands need to know of the cell behind a node. */
-static void KeepBehind(const Cell *cell, SpaceCell *behind) {
+static void KeepBehind(const Cell *cell, const Slope *mid, SpaceCell *behind) {
   const Space_ *self = (const Space_ *)cell->rod->data;
 
   *behind = (SpaceCell){.end_weight = cell->h * self->end_weight,
@@ -388,6 +390,7 @@ static void KeepBehind(const Cell *cell, SpaceCell *behind) {
                         .bow = cell->h * self->bow,
                         .g = cell->law[1].g};
   memcpy(behind->q, cell->mid.d[0], sizeof(behind->q));
+  for (int i = 0; i < 4; i++) memcpy(behind->p_m[i], &mid->f[P + i][M], sizeof(behind->p_m[i]));
 }
 
 /* The rows of a node, by itself (columns FIELDS ...) and its neighbours. */
@@ -420,7 +423,8 @@ static PetscErrorCode SpaceJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const 
     if (i < rod->last) {
       SpaceCellsNext(&cell, i);
       CellBlocks(&cell, (PetscBool)(i == begin), shift, &slopes, left, right);
-      if (self->behind && i >= rod->first) KeepBehind(&cell, &self->behind[i - rod->first]);
+      if (self->behind && i >= rod->first)
+        KeepBehind(&cell, &slopes.mid, &self->behind[i - rod->first]);
       PutRows(row, LEFT, FIELDS, FIELDS, left);
       PutRows(row, LEFT, FIELDS, 2 * FIELDS, right);
     } else {

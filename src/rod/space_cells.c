@@ -76,9 +76,10 @@ static PetscErrorCode LawsAt(Rod rod, PetscReal t) {
   PetscFunctionReturn(0);
 }
 
-/* Adds to n' what strands that touch do at node i, or behind it. */
+/* Adds to n' and m' what strands that touch do at node i, or behind it. */
 static inline void AddPush(const Cell *cell, PetscInt i, int half, Point *p) {
   for (int d = 0; d < 3 && cell->push; d++) p->f[N + d] += cell->push[2 * i + half][d];
+  for (int d = 0; d < 3 && cell->couple; d++) p->f[M + d] += cell->couple[2 * i + half][d];
 }
 
 static void NodePoint(Cell *cell, PetscInt i, Point *p) {
@@ -99,8 +100,9 @@ PetscErrorCode SpaceCellsOpen(Rod rod, PetscReal t, Vec U, Vec U_t, Cell *cell) 
   cell->rod = rod;
   cell->t = t;
   cell->load = &rod->scene->load;
-  cell->push = NULL;
-  if (self->strands) PetscCall(SpaceStrandsLoad(rod, self->strands, t, U, U_t, &cell->push));
+  cell->push = cell->couple = NULL;
+  if (self->strands)
+    PetscCall(SpaceStrandsLoad(rod, self->strands, t, U, U_t, &cell->push, &cell->couple));
   cell->s = rod->scene->mesh.s;
   PetscCall(RodOpen(rod, U, &cell->local[0], &cell->u));
   PetscCall(RodOpen(rod, U_t, &cell->local[1], &cell->u_t));

@@ -42,7 +42,8 @@ typedef struct {
   Vec local[2];
   Law *law; /* of nodes a, mid, b of the cell */
   FrictionDual4 *dual[3];
-  const PetscReal (*push)[3]; /* what strands add to n' at all points of the rod; NULL: none */
+  const PetscReal (*push)[3];   /* what strands add to n' at all points of the rod; NULL: none */
+  const PetscReal (*couple)[3]; /* and to m' */
   Point a, mid, b;
 } Cell;
 

@@ -2,7 +2,7 @@
 #include "rod/coupled.h"
 #include "rod/strands_space.h"
 
-enum { M = 7, N = 10, FIELDS = 13 };
+enum { P = 3, M = 7, N = 10, FIELDS = 13 };
 
 struct _SpaceStrands {
   Strands3 strands;
@@ -37,10 +37,10 @@ static PetscErrorCode OpenState(SpaceStrands self, PetscReal t, Vec U, Vec U_t,
   PetscFunctionReturn(0);
 }
 
-/* SpaceStrandsLoad - the forces of contact in a state, as Strands3Forces() has them. Pairs are
-   looked for once a Newton solve. Collective. */
+/* SpaceStrandsLoad - the forces of contact in a state, as Strands3Forces() has them, and the
+   couples (NULL: there are none). Pairs are looked for once a Newton solve. Collective. */
 PetscErrorCode SpaceStrandsLoad(Rod rod, SpaceStrands self, PetscReal t, Vec U, Vec U_t,
-                                const PetscReal (**force)[3]) {
+                                const PetscReal (**force)[3], const PetscReal (**couple)[3]) {
   StrandState3 state;
 
   PetscFunctionBegin;
@@ -49,6 +49,7 @@ PetscErrorCode SpaceStrandsLoad(Rod rod, SpaceStrands self, PetscReal t, Vec U, 
   PetscCall(Strands3Load(self->strands, &state));
   PetscCall(CoupledClose(self->coupled, U, U_t));
   *force = Strands3Forces(self->strands);
+  *couple = Strands3Couples(self->strands);
   PetscFunctionReturn(0);
 }
 
@@ -89,6 +90,23 @@ static void AddToCell(const SpaceCell *cell, int part, PetscReal by[3][STRAND3_U
   }
 }
 
+/*
+  The same of m'. The moment in the middle of the cell, m_mid = ... + k (m'_a - m'_b), turns the
+  cell's end, too, in the rows of the next node (of which `next` gets a part):
+    r_m = ... - h w m',    r_p = ... - h w_mid dp'/dm_mid m_mid
+*/
+static void AddCouple(const SpaceCell *cell, int part, PetscReal by[3][STRAND3_UNKNOWNS],
+                      Coupling block, Coupling next) {
+  const PetscReal w = part == 1 ? cell->mid_weight : cell->end_weight,
+                  wm = part == 1 ? 0 : cell->mid_weight * (part ? -1 : 1) * cell->bow;
+
+  for (int u = 0; u < STRAND3_UNKNOWNS; u++)
+    for (int d = 0; d < 3; d++) {
+      block[M + d][Column(u)] -= w * by[d][u];
+      for (int k = 0; k < 4; k++) next[P + k][Column(u)] -= wm * cell->p_m[k][d] * by[d][u];
+    }
+}
+
 /* Adds one contact's part of one taker to J. */
 static PetscErrorCode AddTaker(Rod rod, const SpaceCell *cells, const StrandSlope3 *slope, int k,
                                Mat J) {
@@ -101,15 +119,24 @@ static PetscErrorCode AddTaker(Rod rod, const SpaceCell *cells, const StrandSlop
   PetscFunctionBegin;
   for (int which = 0; which < 2; which++) { /* the cell behind the point, and that before a node */
     PetscInt row = i - which;
-    Coupling block = {{0}};
+    Coupling block = {{0}}, next = {{0}};
+    PetscReal(*couple)[STRAND3_UNKNOWNS] = (PetscReal(*)[STRAND3_UNKNOWNS])slope->couple_by[k];
     if (row < rod->first || row >= rod->end || (which && (taker % 2 || tip))) continue;
     if (tip && rod->scene->tip.type != TIP_FREE) continue;
     if (row == rod->last && !tip) continue; /* behind the tip there is no cell */
     if (tip)
       for (int u = 0; u < STRAND3_UNKNOWNS; u++)
-        for (int d = 0; d < 3; d++) block[N + d][Column(u)] -= by[d][u];
+        for (int d = 0; d < 3; d++) {
+          block[N + d][Column(u)] -= by[d][u];
+          if (slope->couples) block[M + d][Column(u)] -= couple[d][u];
+        }
     else
       AddToCell(cells + (row - rod->first), which ? 2 : (int)(taker % 2), by, block);
+    if (slope->couples && !tip) {
+      const PetscInt after = row + 1;
+      AddCouple(cells + (row - rod->first), which ? 2 : (int)(taker % 2), couple, block, next);
+      PetscCall(MatSetValuesBlocked(J, 1, &after, 4, column, &next[0][0], ADD_VALUES));
+    }
     PetscCall(MatSetValuesBlocked(J, 1, &row, 4, column, &block[0][0], ADD_VALUES));
   }
   PetscFunctionReturn(0);

@@ -8,16 +8,16 @@
 typedef struct _SpaceStrands *SpaceStrands;
 
 /* Of the cell behind an owned node, in the equations of the model (rod/space.c): its length, the
-   weights of its ends and its middle times that, bow times that, stretch and tangent at the middle.
- */
+   weights of its ends and its middle times that, bow times that, stretch and tangent at the middle,
+   and how p' there changes with m. */
 typedef struct {
-  PetscReal end_weight, mid_weight, bow, g, q[3];
+  PetscReal end_weight, mid_weight, bow, g, q[3], p_m[4][3];
 } SpaceCell;
 
 PetscErrorCode SpaceStrandsCreate(Rod rod, SpaceStrands *strands);
 PetscErrorCode SpaceStrandsDestroy(SpaceStrands *strands);
 PetscErrorCode SpaceStrandsLoad(Rod rod, SpaceStrands self, PetscReal t, Vec U, Vec U_t,
-                                const PetscReal (**force)[3]);
+                                const PetscReal (**force)[3], const PetscReal (**couple)[3]);
 PetscErrorCode SpaceStrandsPattern(Rod rod, SpaceStrands self, Mat J);
 PetscErrorCode SpaceStrandsJacobian(Rod rod, SpaceStrands self, PetscReal t, Vec U, Vec U_t,
                                     const PetscReal shift[], const SpaceCell *cells, Mat J);

@@ -11,11 +11,12 @@
 static const PetscReal fine = 1. / 32;
 enum { MOST_SAMPLES = 32 }; /* of a cell */
 
-/* A node in the state that is looked at, and how it turns with p: d1 and g_t d1 + g d1_t. */
+/* A node in the state that is looked at, and how it turns with p: d1 and g_t d1 + g d1_t, and the
+   spin of the material about d1. */
 typedef struct {
-  const PetscReal *x, *x_t;
-  PetscReal d[3], d_t[3];
-  PetscReal by[3][4], rate_by[3][4];
+  const PetscReal *x, *x_t, *p;
+  PetscReal d[3], d_t[3], size, spin;
+  PetscReal by[3][4], rate_by[3][4], spin_by[4];
 } Joint;
 
 /* A place on the curve of the rod: cell, and 0 <= z <= 1 in it. */
@@ -30,6 +31,12 @@ typedef struct {
   PetscReal v[3], v_z[3], t[3], size, c; /* tangent, |x_z|, slide */
 } Motion;
 
+/* How a strand turns where it is touched: its tangent, the lever a by which its surface moves with
+   its spin, and that spin and its derivative by z. */
+typedef struct {
+  PetscReal t[3], a[3], spin, spin_z;
+} Turning;
+
 /* A sample and what it is near to. */
 typedef struct {
   PetscInt sample, next;
@@ -39,7 +46,8 @@ typedef struct {
   Spot at, foot;
   PetscReal n[3], distance, gap;
   PetscReal p, p_gap;                /* pressure and its derivative */
-  PetscReal slip[4], w[4], by[4][4]; /* relative velocity across n, friction over mu p */
+  PetscReal slip[4], w[4], by[4][4]; /* of the surfaces past each other, friction over mu p */
+  Turning turning[2];                /* of the sample, of the foot; where there is friction */
   FrictionDual4 dual;
 } Pair;
 
@@ -53,10 +61,11 @@ struct _Strands3 {
   PetscReal *g, *g_t, *c, *strain, *arc, *weight;
   PetscInt n, room;
   Pair *pair;
-  PetscInt *first;       /* of a sample: its first pair, -1 none */
-  Joint *joint;          /* of each node */
-  PetscReal *seen;       /* x at the nodes when pairs were looked for */
-  PetscReal (*force)[3]; /* Strands3Forces() */
+  PetscInt *first;        /* of a sample: its first pair, -1 none */
+  Joint *joint;           /* of each node */
+  PetscReal *seen;        /* x at the nodes when pairs were looked for */
+  PetscReal (*force)[3];  /* Strands3Forces() */
+  PetscReal (*couple)[3]; /* Strands3Couples(); NULL: without friction there are none */
   StrandSlope3 *slopes;
   PetscInt slopes_room;
   StrandSum3 sum;
@@ -184,6 +193,15 @@ static PetscErrorCode LawsAt(Strands3 self, PetscReal t) {
   PetscFunctionReturn(0);
 }
 
+/* How the spin changes with p, and with p_t by its shift. */
+static void SpinSlopeAt(const PetscReal p[4], PetscReal size, PetscReal spin,
+                        const PetscReal p_t[4], const PetscReal shift[4], PetscReal by[4]) {
+  const PetscReal by_rate[4] = {-p[1], p[0], p[3], -p[2]},
+                  by_p[4] = {p_t[1], -p_t[0], -p_t[3], p_t[2]};
+
+  for (int j = 0; j < 4; j++) by[j] = 2 / size * (shift[j] * by_rate[j] + by_p[j] - spin * p[j]);
+}
+
 /* The nodes in a state; with their derivatives if there are shifts of the rates. */
 static void JointsIn(Strands3 self, const StrandState3 *state, const PetscReal *shift) {
   const PetscReal still[STRAND3_NODE] = {0};
@@ -197,12 +215,16 @@ static void JointsIn(Strands3 self, const StrandState3 *state, const PetscReal *
     DirectorSlope(p, size, d[0], 0, D);
     joint->x = p - 3;
     joint->x_t = rate;
+    joint->p = p;
+    joint->size = size;
+    joint->spin = QuaternionSpin(p, size, p_t);
     for (int c = 0; c < 3; c++) {
       joint->d[c] = d[0][c];
       joint->d_t[c] = D[c][0] * p_t[0] + D[c][1] * p_t[1] + D[c][2] * p_t[2] + D[c][3] * p_t[3];
     }
     if (!shift) continue;
     DirectorRateSlope(p, size, d[0], joint->d_t, 0, D, p_t, joint->rate_by);
+    SpinSlopeAt(p, size, joint->spin, p_t, shift + 3, joint->spin_by);
     for (int c = 0; c < 3; c++)
       for (int j = 0; j < 4; j++) {
         joint->by[c][j] = D[c][j];
@@ -402,8 +424,38 @@ static void PairPlace(const struct _Strands3 *self, Pair *pair) {
       (PetscBool)(pair->gap < self->contact->smooth && pair->apart && pair->distance > 0);
 }
 
-/* V = v - v_foot, whole, and across n. */
+/* Twist of a cell, per length: by how much the directors of its nodes turn about d1 between them.
+ */
+static PetscReal TwistOf(const struct _Strands3 *self, PetscInt cell) {
+  const Joint *a = self->joint + cell, *b = a + 1;
+  const PetscReal length = self->arc[cell + 1] - self->arc[cell];
+
+  return QuaternionSpin(a->p, PetscSqrtReal(a->size * b->size), b->p) / length;
+}
+
+/* The spin of the material is between nodes linear, but for what slides past them: c times the
+   twist. The lever is that of contact_space.h, a = -D/2 t x n on both strands. */
+static void TurningOf(const struct _Strands3 *self, const Spot *spot, const PetscReal n[3],
+                      Turning *turning) {
+  const Joint *a = self->joint + spot->cell, *b = a + 1;
+  const PetscReal *c = self->c + 2 * spot->cell, z = spot->z,
+                  size = PetscSqrtReal(Dot3(spot->slope, spot->slope)),
+                  slide = Between(self->c, spot->cell, z);
+
+  for (int d = 0; d < 3; d++) turning->t[d] = spot->slope[d] / size;
+  Cross3(turning->t, n, turning->a);
+  for (int d = 0; d < 3; d++) turning->a[d] *= -self->contact->diameter / 2;
+  turning->spin = (1 - z) * a->spin + z * b->spin;
+  turning->spin_z = b->spin - a->spin;
+  if (slide == 0) return;
+  turning->spin += slide * TwistOf(self, spot->cell);
+  turning->spin_z +=
+      ((4 * z - 3) * c[0] + (4 - 8 * z) * c[1] + (4 * z - 1) * c[2]) * TwistOf(self, spot->cell);
+}
+
+/* V = v - v_foot of the centre lines, whole; across n, and with the spins, that of the surfaces. */
 static void PairSlip(const struct _Strands3 *self, Pair *pair, PetscReal V[3]) {
+  const Spot *spot[2] = {&pair->at, &pair->foot};
   PetscReal normal;
   Motion at, foot;
 
@@ -413,6 +465,11 @@ static void PairSlip(const struct _Strands3 *self, Pair *pair, PetscReal V[3]) {
   normal = Dot3(pair->n, V);
   for (int d = 0; d < 3; d++) pair->slip[d] = V[d] - normal * pair->n[d];
   pair->slip[3] = 0;
+  for (int k = 0; k < 2; k++) {
+    Turning *turning = &pair->turning[k];
+    TurningOf(self, spot[k], pair->n, turning);
+    for (int d = 0; d < 3; d++) pair->slip[d] += turning->spin * turning->a[d];
+  }
 }
 
 /* The force on the sample, per length of rod that it stands for:  f = p (n - mu w). */
@@ -420,15 +477,31 @@ static void PairForce(const struct _Strands3 *self, const Pair *pair, PetscReal 
   for (int d = 0; d < 3; d++) f[d] = pair->p * (pair->n[d] - self->contact->friction * pair->w[d]);
 }
 
-/* Hands a force on a place to the points around it, as load per label, n' = load. */
-static void HandTo(Strands3 self, const Spot *spot, PetscReal share, const PetscReal f[3]) {
+/* Hands a force, or a couple, on a place to the points around it, as load per label, n' = load. */
+static void HandTo(const struct _Strands3 *self, const Spot *spot, PetscReal share,
+                   const PetscReal f[3], PetscReal (*load)[3]) {
   Spread spread;
 
   SpreadAt(self->points, spot->cell, spot->z, &spread);
   for (int k = 0; k < 4; k++)
     for (int d = 0; d < 3; d++)
-      self->force[spread.point[k]][d] -=
-          share * f[d] * spread.share[k] / self->weight[spread.point[k]];
+      load[spread.point[k]][d] -= share * f[d] * spread.share[k] / self->weight[spread.point[k]];
+}
+
+/* The couples a.f t of friction on both strands. */
+static void HandCouples(const struct _Strands3 *self, const Pair *pair, const PetscReal f[3]) {
+  const Spot *spot[2] = {&pair->at, &pair->foot};
+  const PetscReal share = ShareOf(self, pair);
+
+  for (int k = 0; k < 2; k++) {
+    const Turning *turning = &pair->turning[k];
+    PetscReal couple[3], about = Dot3(turning->a, f);
+    for (int d = 0; d < 3; d++) couple[d] = about * turning->t[d];
+    if (!k && IsTip(self, pair->sample))
+      for (int d = 0; d < 3; d++) self->couple[self->points][d] += share * couple[d];
+    else
+      HandTo(self, spot[k], share, couple, self->couple);
+  }
 }
 
 static void HandOut(Strands3 self, const Pair *pair, const PetscReal f[3]) {
@@ -437,8 +510,8 @@ static void HandOut(Strands3 self, const Pair *pair, const PetscReal f[3]) {
   if (IsTip(self, pair->sample))
     for (int d = 0; d < 3; d++) self->force[self->points][d] += share * f[d];
   else
-    HandTo(self, &pair->at, share, f);
-  HandTo(self, &pair->foot, -share, f);
+    HandTo(self, &pair->at, share, f, self->force);
+  HandTo(self, &pair->foot, -share, f, self->force);
 }
 
 static void AddToSum(Strands3 self, const Pair *pair) {
@@ -499,6 +572,7 @@ PetscErrorCode Strands3Load(Strands3 self, const StrandState3 *state) {
   JointsIn(self, state, NULL);
   if (Moved(self)) PetscCall(Search(self));
   PetscCall(PetscArrayzero(self->force, self->points + 1));
+  if (self->couple) PetscCall(PetscArrayzero(self->couple, self->points + 1));
   PetscCall(PetscMemzero(&self->sum, sizeof(self->sum)));
   self->sum.nearest = PETSC_MAX_REAL;
   for (PetscInt k = 0; k < self->n; k++) {
@@ -513,6 +587,7 @@ PetscErrorCode Strands3Load(Strands3 self, const StrandState3 *state) {
     }
     PairForce(self, pair, f);
     HandOut(self, pair, f);
+    if (self->couple && state->u_t) HandCouples(self, pair, f);
     AddToSum(self, pair);
   }
   self->sum.zones = Zones(self);
@@ -528,6 +603,12 @@ PetscErrorCode Strands3Load(Strands3 self, const StrandState3 *state) {
    1 of them), and behind them the force on the tip. Borrowed. */
 const PetscReal (*Strands3Forces(Strands3 self))[3] {
   return (const PetscReal(*)[3])self->force;
+}
+
+/* Strands3Couples - the couples that belong to them, of friction: what contact adds to m'; NULL:
+   there is no friction. Borrowed. */
+const PetscReal (*Strands3Couples(Strands3 self))[3] {
+  return (const PetscReal(*)[3])self->couple;
 }
 
 /* Strands3Sum - the sums over all places in contact that Strands3Load() has found. */
@@ -585,10 +666,13 @@ static void MotionSlope(const struct _Strands3 *self, const Spot *spot, const Pe
   }
 }
 
-/* How the pair's foot, normal, distance and slip change. */
+/* By the unknowns of both. */
+typedef PetscReal ByPair[3][STRAND3_UNKNOWNS];
+
+/* How the pair's foot, normal, distance and slip change; and tangents and levers. */
 typedef struct {
-  PetscReal z[STRAND3_UNKNOWNS], n[3][STRAND3_UNKNOWNS], gap[STRAND3_UNKNOWNS],
-      slip[3][STRAND3_UNKNOWNS];
+  PetscReal z[STRAND3_UNKNOWNS], gap[STRAND3_UNKNOWNS];
+  ByPair n, slip, t[2], a[2];
 } PairSlope;
 
 /*
@@ -624,7 +708,58 @@ static void PlaceSlope(const struct _Strands3 *self, const Pair *pair, PairSlope
   }
 }
 
-/* slip = V - n (n.V), V the relative velocity:  dslip = dV - n (n.dV + V.dn) - dn (n.V). */
+/* How the twist of a cell changes with an unknown of it. */
+static PetscReal TwistSlope(const struct _Strands3 *self, PetscInt cell, int f) {
+  const Joint *a = self->joint + cell, *b = a + 1, *at = f < STRAND3_NODE ? a : b;
+  const int j = f % STRAND3_NODE - 3;
+  const PetscReal *p = a->p, *q = b->p, size = PetscSqrtReal(a->size * b->size),
+                  length = self->arc[cell + 1] - self->arc[cell];
+  const PetscReal by[2][4] = {{q[1], -q[0], -q[3], q[2]}, {-p[1], p[0], p[3], -p[2]}};
+
+  if (j < 0) return 0;
+  return 2 / (size * length) * by[at == b][j] - TwistOf(self, cell) * at->p[j] / at->size;
+}
+
+/*
+  Tangent and lever of a strand, and what its spin adds to the slip:
+    dt = (I - t t^T)(dx_z + x_zz dz)/|x_z|,   da = -D/2 (dt x n + t x dn),   d(spin a).
+*/
+static void TurningSlope(const struct _Strands3 *self, const Pair *pair, int which, PairSlope *by) {
+  const Spot *spot = which ? &pair->foot : &pair->at;
+  const Turning *turning = &pair->turning[which];
+  const PetscReal *t = turning->t, half = self->contact->diameter / 2,
+                  size = PetscSqrtReal(Dot3(spot->slope, spot->slope)),
+                  slide = Between(self->c, spot->cell, spot->z);
+  const Joint *joint = self->joint + spot->cell;
+  ByCell skip, slope;
+  Ends e;
+
+  EndsOf(self, spot->cell, &e);
+  SpotSlope(&e, spot->z, skip, slope);
+  for (int f = 0; f < STRAND3_UNKNOWNS; f++) {
+    const int g = f % STRAND3_CELL, end = g / STRAND3_NODE, j = g % STRAND3_NODE - 3;
+    const PetscBool own = (PetscBool)((f >= STRAND3_CELL) == which);
+    const PetscReal dn[3] = {by->n[0][f], by->n[1][f], by->n[2][f]};
+    PetscReal dt[3], turned[3], leaned[3], spin = 0, along;
+    for (int d = 0; d < 3; d++)
+      dt[d] = (own ? slope[d][g] : 0) + (which ? spot->bend[d] * by->z[f] : 0);
+    along = Dot3(t, dt);
+    for (int d = 0; d < 3; d++) dt[d] = (dt[d] - t[d] * along) / size;
+    Cross3(dt, pair->n, turned);
+    Cross3(t, dn, leaned);
+    if (own && j >= 0) spin = (end ? spot->z : 1 - spot->z) * joint[end].spin_by[j];
+    if (own && slide != 0) spin += slide * TwistSlope(self, spot->cell, g);
+    if (which) spin += turning->spin_z * by->z[f];
+    for (int d = 0; d < 3; d++) {
+      by->t[which][d][f] = dt[d];
+      by->a[which][d][f] = -half * (turned[d] + leaned[d]);
+      by->slip[d][f] += spin * turning->a[d] + turning->spin * by->a[which][d][f];
+    }
+  }
+}
+
+/* slip = V - n (n.V) + ..., V the relative velocity:  dslip = dV - n (n.dV + V.dn) - dn (n.V) + ...
+   TurningSlope(). */
 static void SlipSlope(const struct _Strands3 *self, Pair *pair, const PetscReal shift[],
                       PairSlope *by) {
   ByCell v[2];
@@ -644,6 +779,7 @@ static void SlipSlope(const struct _Strands3 *self, Pair *pair, const PetscReal 
     along = Dot3(pair->n, dV) + Dot3(V, dn);
     for (int d = 0; d < 3; d++) by->slip[d][f] = dV[d] - pair->n[d] * along - dn[d] * normal;
   }
+  for (int which = 0; which < 2; which++) TurningSlope(self, pair, which, by);
 }
 
 /* df = dp (n - mu w) + p (dn - mu w' dslip) */
@@ -660,27 +796,65 @@ static void ForceSlope(const struct _Strands3 *self, const Pair *pair, const Pai
     }
 }
 
+/* d(a.f t) = (da.f + a.df) t + a.f dt */
+static void CoupleSlope(const Pair *pair, const PairSlope *by, const PetscReal f[3],
+                        PetscReal df[3][STRAND3_UNKNOWNS], int which, ByPair dl) {
+  const Turning *turning = &pair->turning[which];
+  const PetscReal about = Dot3(turning->a, f);
+
+  for (int u = 0; u < STRAND3_UNKNOWNS; u++) {
+    PetscReal more = 0;
+    for (int d = 0; d < 3; d++) more += by->a[which][d][u] * f[d] + turning->a[d] * df[d][u];
+    for (int d = 0; d < 3; d++) dl[d][u] = more * turning->t[d] + about * by->t[which][d][u];
+  }
+}
+
+/* Couples go where the forces of their strand go, the foot's first. */
+static void CouplesSlope(const struct _Strands3 *self, const Pair *pair, const PairSlope *by,
+                         const PetscReal f[3], PetscReal df[3][STRAND3_UNKNOWNS],
+                         const Spread spread[2], StrandSlope3 *slope) {
+  const PetscReal share = ShareOf(self, pair);
+  ByPair dl;
+
+  for (int which = 0, n = 4; which < 2; which++, n = 0) {
+    const PetscReal about = Dot3(pair->turning[which].a, f);
+    CoupleSlope(pair, by, f, df, which, dl);
+    for (int k = 0; k < 4; k++, n++) {
+      const PetscBool tip = (PetscBool)(!which && IsTip(self, pair->sample));
+      const PetscReal part = tip ? share : -share / self->weight[spread[which].point[k]];
+      for (int d = 0; d < 3; d++)
+        for (int u = 0; u < STRAND3_UNKNOWNS; u++) {
+          PetscReal moved =
+              which ? about * pair->turning[1].t[d] * spread[1].share_z[k] * by->z[u] : 0;
+          slope->couple_by[n][d][u] =
+              part * ((tip ? 1 : spread[which].share[k]) * dl[d][u] + moved);
+        }
+      if (tip) break;
+    }
+  }
+}
+
 /* The derivatives of what each taker takes. */
 static void TakersSlope(const struct _Strands3 *self, const Pair *pair, const PairSlope *by,
                         StrandSlope3 *slope) {
   const PetscReal share = ShareOf(self, pair);
   PetscReal f[3], df[3][STRAND3_UNKNOWNS];
-  Spread at, foot;
+  Spread spread[2], *at = &spread[0], *foot = &spread[1];
   int n = 4;
 
-  SpreadAt(self->points, pair->at.cell, pair->at.z, &at);
-  SpreadAt(self->points, pair->foot.cell, pair->foot.z, &foot);
+  SpreadAt(self->points, pair->at.cell, pair->at.z, at);
+  SpreadAt(self->points, pair->foot.cell, pair->foot.z, foot);
   PairForce(self, pair, f);
   ForceSlope(self, pair, by, df);
   slope->cell[0] = pair->at.cell;
   slope->cell[1] = pair->foot.cell;
   for (int k = 0; k < 4; k++) {
-    slope->taker[k] = foot.point[k];
+    slope->taker[k] = foot->point[k];
     for (int d = 0; d < 3; d++)
       for (int u = 0; u < STRAND3_UNKNOWNS; u++)
         slope->by[k][d][u] = share *
-                             (df[d][u] * foot.share[k] + f[d] * foot.share_z[k] * by->z[u]) /
-                             self->weight[foot.point[k]];
+                             (df[d][u] * foot->share[k] + f[d] * foot->share_z[k] * by->z[u]) /
+                             self->weight[foot->point[k]];
   }
   if (IsTip(self, pair->sample)) {
     slope->taker[n] = self->points;
@@ -689,12 +863,14 @@ static void TakersSlope(const struct _Strands3 *self, const Pair *pair, const Pa
     n++;
   } else
     for (int k = 0; k < 4; k++, n++) {
-      slope->taker[n] = at.point[k];
+      slope->taker[n] = at->point[k];
       for (int d = 0; d < 3; d++)
         for (int u = 0; u < STRAND3_UNKNOWNS; u++)
-          slope->by[n][d][u] = -share * at.share[k] * df[d][u] / self->weight[at.point[k]];
+          slope->by[n][d][u] = -share * at->share[k] * df[d][u] / self->weight[at->point[k]];
     }
   slope->takers = n;
+  slope->couples = (PetscBool)(self->couple != NULL);
+  if (self->couple) CouplesSlope(self, pair, by, f, df, spread, slope);
 }
 
 /*
@@ -801,6 +977,7 @@ PetscErrorCode Strands3Create(Scene scene, Strands3 *strands) {
                          &self->arc, n, &self->weight));
   PetscCall(PetscCalloc4(self->samples, &self->first, 3 * (cells + 1), &self->seen, n + 1,
                          &self->force, cells + 1, &self->joint));
+  if (scene->contact.friction > 0) PetscCall(PetscCalloc1(n + 1, &self->couple));
   for (PetscInt k = 0; k < self->samples; k++) self->first[k] = -1;
   for (PetscInt k = 0; k < 3 * (cells + 1); k++) self->seen[k] = PETSC_MAX_REAL;
   Weights(self);
@@ -814,6 +991,7 @@ PetscErrorCode Strands3Destroy(Strands3 *strands) {
   if (!self) PetscFunctionReturn(0);
   PetscCall(PetscFree6(self->g, self->g_t, self->c, self->strain, self->arc, self->weight));
   PetscCall(PetscFree4(self->first, self->seen, self->force, self->joint));
+  PetscCall(PetscFree(self->couple));
   PetscCall(PetscFree(self->pair));
   PetscCall(PetscFree(self->slopes));
   PetscCall(PetscFree(*strands));

@@ -6,9 +6,14 @@
 
    and the forces are those of this energy: p W n on the sample, the opposite on the foot, each
    handed to the four points around it (rod/spread.h). So they cancel, in force and moment. Friction
-   acts on both against their relative velocity across n,
+   acts where the surfaces touch, against the velocity at which they slip by each other,
 
-     f = p n - mu p w(V),   V = (I - n n^T)(v_i - v_foot),  w as the law of friction has it. */
+     f = p n - mu p w(V),   V = (I - n n^T)(v_i - v_foot) + omega_i a_i + omega_foot a_foot,
+     a = -D/2 t x n,   w as the law of friction has it,
+
+   omega a strand's spin about its tangent t, and bears on both the couple a.f t: two strands roll
+   on each other, and what friction takes is mu p w.V. (That tangents turn, and the couples across
+   them, are left out as on walls: contact_space.h.) */
 #ifndef TENDRIL_STRANDS_SPACE_H
 #define TENDRIL_STRANDS_SPACE_H
 
@@ -34,6 +39,8 @@ typedef struct {
   PetscInt takers;
   PetscInt taker[STRAND3_TAKERS]; /* points (rod/spread.h); the force on the tip is 2 cells + 1 */
   PetscReal by[STRAND3_TAKERS][3][STRAND3_UNKNOWNS];
+  PetscBool couples; /* there are: m' changes likewise */
+  PetscReal couple_by[STRAND3_TAKERS][3][STRAND3_UNKNOWNS];
 } StrandSlope3;
 
 /* What all contacts amount to. */
@@ -54,6 +61,7 @@ PetscErrorCode Strands3Destroy(Strands3 *strands);
 PetscErrorCode Strands3Search(Strands3 strands, const StrandState3 *state);
 PetscErrorCode Strands3Load(Strands3 strands, const StrandState3 *state);
 const PetscReal (*Strands3Forces(Strands3 strands))[3];
+const PetscReal (*Strands3Couples(Strands3 strands))[3];
 PetscErrorCode Strands3Linearise(Strands3 strands, const StrandState3 *state,
                                  const PetscReal shift[STRAND3_NODE], PetscBool fresh, PetscInt *n,
                                  const StrandSlope3 **slopes);

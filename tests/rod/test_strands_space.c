@@ -1,5 +1,5 @@
 /* Strands of a rod in space that press on each other: Jacobians by rate, forces and moments that
-   cancel, and their work, which is that of the energy. */
+   cancel, and their work, which is that of the energy; and friction of strands that spin. */
 #include "rod/by_rate.h"
 #include "rod/directors.h"
 #include "rod/strands_space.h"
@@ -142,6 +142,64 @@ static void TestConservative(void **state) {
   EXPECT(fine < 1e-3 && fine < coarse / 4, "off by %g, %g", coarse, fine);
 }
 
+/* A rod that spins about itself and rests else: coils that lie on each other rub by what both of
+   their surfaces move, D omega. The couples brake it with the power that friction takes, and the
+   forces of friction cancel. */
+static void TestSpins(void **state) {
+  const PetscReal omega = 0.8, speed = 0.09 * omega, rubbed = speed / hypot(speed, sqrt(0.1));
+  const PetscReal(*couple)[3];
+  PetscReal power = 0;
+  Strands3 strands;
+  StrandSum3 sum;
+  PetscMPIInt ranks;
+  Node *nodes;
+  Scene scene;
+  Rod rod;
+
+  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
+  if (ranks > 1) return;
+  Create("-contact_friction 0.6 -growth_type none", 100, &scene, &rod);
+  CHECK(Strands3Create(scene, &strands));
+  CHECK(PetscCalloc1(rod->last + 1, &nodes));
+  CHECK(RodInitialNodes(rod, 0, nodes));
+  for (PetscInt i = 0; i <= rod->last; i++) {
+    const PetscReal about[3] = {omega / 2, 0, 0};
+    QuaternionTurn(nodes[i].p, about, nodes[i].p_t);
+    for (int d = 0; d < 3; d++) nodes[i].x3_t[d] = 0;
+  }
+  StrandState3 at = {.t = 0, .stride = NODE_VALUES, .u = nodes[0].x3, .u_t = nodes[0].x3_t};
+  CHECK(Strands3Search(strands, &at));
+  CHECK(Strands3Load(strands, &at));
+  Strands3Sum(strands, &sum);
+  couple = Strands3Couples(strands);
+  for (PetscInt k = 0; k < 2 * rod->last + 1; k++) {
+    const PetscReal *s = scene->mesh.s;
+    const PetscInt i = k / 2;
+    PetscReal a[3][3], b[3][3],
+        weight = k % 2 ? 4 * (s[i + 1] - s[i]) / 6
+                       : ((i ? s[i] - s[i - 1] : 0) + (i < rod->last ? s[i + 1] - s[i] : 0)) / 6;
+    Directors(nodes[i].p, QuaternionSize(nodes[i].p), a);
+    Directors(nodes[i + k % 2].p, QuaternionSize(nodes[i + k % 2].p), b);
+    for (int d = 0; d < 3; d++) power -= weight * couple[k][d] * (a[0][d] + b[0][d]) / 2 * omega;
+  }
+  { /* and the tip's own */
+    PetscReal tip[3][3];
+    Directors(nodes[rod->last].p, QuaternionSize(nodes[rod->last].p), tip);
+    for (int d = 0; d < 3; d++) power += couple[2 * rod->last + 1][d] * tip[0][d] * omega;
+  }
+  print_message("friction takes %g, couples do %g\n", (double)sum.loss, (double)power);
+  EXPECT(sum.normal > 0.01, "nothing touches: %g", sum.normal);
+  EXPECT(PetscAbsReal(power / sum.loss + 1) < 1e-2, "%g of %g", power, sum.loss);
+  EXPECT(PetscAbsReal(sum.loss / (0.6 * sum.normal * speed * rubbed) - 1) < 5e-2, "%g of %g",
+         sum.loss, 0.6 * sum.normal * speed * rubbed);
+  for (int d = 0; d < 3; d++)
+    EXPECT(PetscAbsReal(sum.sum[d]) < 1e-12 * sum.normal, "sum %g of %g", sum.sum[d], sum.normal);
+  CHECK(PetscFree(nodes));
+  CHECK(Strands3Destroy(&strands));
+  Destroy(&scene, &rod);
+}
+
 static const struct CMUnitTest tests[] = {cmocka_unit_test(TestJacobians),
-                                          cmocka_unit_test(TestConservative)};
+                                          cmocka_unit_test(TestConservative),
+                                          cmocka_unit_test(TestSpins)};
 MAIN(tests)
