@@ -21,7 +21,7 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from .collection import Sweep, load_sweep
-from .errors import ResultsError, TendrilError
+from .errors import ResultsError, TendrilError, complaint
 from .results import Results, load
 from .style import BLUE, GREY, ORANGE, STYLE, InStyle, save
 
@@ -143,7 +143,7 @@ def main(arguments=None):
         print(f"ensemble: {found}")
         print(f"ensemble: {save(found.plot(), choice.output, None)} show it")
     except (TendrilError, OSError) as error:
-        print(f"ensemble: {error}", file=sys.stderr)
+        print(f"ensemble: {complaint(error)}", file=sys.stderr)
         return 1
     return 0
 

@@ -2,8 +2,11 @@
 
 import re
 from importlib import import_module
+from pathlib import Path
 
 OPTION = re.compile(r"(?<![\w=/.-])-([a-z][a-z0-9_]*[a-z0-9])\b")
+# the file that run() made of a value that is none of a command line: walls, arrays
+VALUE = re.compile(r"-(\w+) \S*/\1-[0-9a-f]{8}\.(?:txt|h5)\b")
 
 
 class TendrilError(Exception):
@@ -22,7 +25,7 @@ class RunError(TendrilError):
     results  what was stored before, None if nothing was"""
 
     def __init__(self, line, command=(), results=None):
-        super().__init__(OPTION.sub(r"\1", line))
+        super().__init__(OPTION.sub(r"\1", VALUE.sub(r"-\1", line)))
         self.command, self.results = list(command), results
 
 
@@ -32,3 +35,13 @@ def optional(module, error, line):
         return import_module(module)
     except ImportError:
         raise error(line) from None
+
+
+def complaint(error) -> str:
+    """What an error says on a command line: of a file that cannot be made, also what to do."""
+    if not isinstance(error, OSError) or not error.filename:
+        return str(error)
+    where = Path(error.filename).parent
+    if isinstance(error, FileNotFoundError) and not where.exists():
+        return f"{error.filename}: there is no directory {where}; make it, or name a file elsewhere"
+    return f"{error.filename}: {error.strerror}"

@@ -17,7 +17,7 @@ import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import AsinhNorm
 
-from .errors import ResultsError, TendrilError, optional
+from .errors import ResultsError, TendrilError, complaint, optional
 from .results import Results, load
 from .spatial import FIELDS, VISIBLE, diameter_of, extent_of, fields_of, lift, tube
 from .surroundings import contact_force
@@ -35,7 +35,7 @@ def needed(module, of):
 def shape_at(r: Results, t):
     """The shape at a time, dimensionless or with a unit; None: the last."""
     if not len(r.shapes.get("t", ())):
-        raise ResultsError(f"{r.path}: holds no shape")
+        raise ResultsError(f"{r.told}: holds no shape")
     return r.stored(-1) if t is None else r.at(moment("t", t, [r]))
 
 
@@ -116,7 +116,7 @@ def to_mesh(r: Results, path: str | Path | None = None, t: float | str | None = 
     solid = lift(r, shape)
     fields = fields_of(r, shape)
     if field not in fields:
-        raise ResultsError(f"{r.path}: field {field}: give one of {', '.join(fields)}")
+        raise ResultsError(f"{r.told}: field {field}: give one of {', '.join(fields)}")
     if diameter is not None and not diameter > 0:
         raise ResultsError("to_mesh: diameter: give more than 0")
     width = diameter or diameter_of(r) or VISIBLE * extent_of(r)
@@ -155,7 +155,7 @@ def main(arguments=None):
         else:
             to_vtk(r, output, choice.time, si=choice.si)
     except (TendrilError, OSError) as error:
-        print(f"export: {error}", file=sys.stderr)
+        print(f"export: {complaint(error)}", file=sys.stderr)
         return 1
     print(f"export: {output}")
     return 0

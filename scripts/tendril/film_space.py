@@ -28,7 +28,7 @@ class FilmInSpace:
         self.turn, self.up, self.view = turn, up_of(r), sight(view)
         along = [fields_of(r, shape).get(field) for shape in shapes]
         if along[0] is None:
-            raise ResultsError(f"{r.path}: field {field}: give one of {', '.join(fields_of(r, shapes[0]))}")
+            raise ResultsError(f"{r.told}: field {field}: give one of {', '.join(fields_of(r, shapes[0]))}")
         label, unit, signed = FIELDS[field]
         factor, name = units.unit(unit)
         self.along = [factor * values for values in along]

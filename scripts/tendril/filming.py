@@ -23,7 +23,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .errors import TendrilError
+from .errors import TendrilError, complaint
 from .measured import KNOWN, Measured, gather
 from .parameters import with_unit
 from .tracing import FilmError, Traced, needed, trace
@@ -476,7 +476,7 @@ def main(arguments=None):
                     points=choice.points, progress=True)
         m.save(choice.output)
     except (TendrilError, OSError, ValueError) as error:
-        print(f"measure: {error}", file=sys.stderr)
+        print(f"measure: {complaint(error)}", file=sys.stderr)
         return 1
     for note in m.notes:
         print(f"measure: {note}")

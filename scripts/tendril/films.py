@@ -9,6 +9,8 @@ The ending of --output decides: .gif, or .mp4 where ffmpeg is installed."""
 from __future__ import annotations
 
 import argparse
+import errno
+import os
 import sys
 from pathlib import Path
 
@@ -18,7 +20,7 @@ import numpy as np
 from matplotlib.animation import FFMpegWriter, PillowWriter
 from matplotlib.colors import AsinhNorm
 
-from .errors import ResultsError, TendrilError
+from .errors import ResultsError, TendrilError, complaint
 from .film_space import FilmInSpace
 from .results import Results, load, runs_of
 from .spatial import FIELDS
@@ -133,13 +135,18 @@ def animate(r: Results, output: str | Path, *, begin: float | str = 0, end: floa
     progress    a bar; None: in a terminal and in a notebook"""
     output = Path(output)
     writer = writer_of(output, rate)
-    (r,) = runs_of(r, "animate")
+    if not output.parent.is_dir():
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(output))
+    runs = runs_of(r, "animate")
+    if len(runs) != 1:
+        raise ResultsError(f"animate: a film is of one run, not of {len(runs)}; view() shows several in motion")
+    r = runs[0]
     if not r.in_space and (field or view or turn):
-        raise ResultsError(f"{r.path}: a rod in the plane: field, view and turn are of rods in space")
+        raise ResultsError(f"{r.told}: a rod in the plane: field, view and turn are of rods in space")
     first, last = moment("begin", begin, [r]), moment("end", end, [r])
     times = [t for t in r.shapes.get("t", ()) if first * (1 - 1e-9) <= t <= last * (1 + 1e-9)]
     if not times:
-        raise ResultsError(f"{r.path}: holds no shape in that time")
+        raise ResultsError(f"{r.told}: holds no shape in that time")
     chosen = np.unique(np.linspace(0, len(times) - 1, min(len(times), max(frames, 2))).round().astype(int))
     with plt.rc_context(STYLE), bar(progress, len(chosen)) as shown:
         shapes, units = [r.at(times[k]) for k in chosen], Units([r] if si else ())
@@ -180,7 +187,7 @@ def main(arguments=None):
                          frames=choice.frames, rate=choice.rate, field=choice.field, view=choice.view,
                          turn=choice.turn)
     except (TendrilError, OSError) as error:
-        print(f"animate: {error}", file=sys.stderr)
+        print(f"animate: {complaint(error)}", file=sys.stderr)
         return 1
     print(f"animate: {output}, {frames} frames")
     return 0

@@ -18,7 +18,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from .errors import TendrilError
+from .errors import TendrilError, complaint
 from .results import load
 from .runs import executable
 
@@ -234,7 +234,7 @@ def main(words=None):
     try:
         make(arguments_of(words))
     except (BadTable, TendrilError, OSError) as error:
-        print(f"growth_table: {error}", file=sys.stderr)
+        print(f"growth_table: {complaint(error)}", file=sys.stderr)
         return 1
     return 0
 

@@ -23,7 +23,7 @@ import numpy as np
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from .collection import Sweep, load_sweep
-from .errors import RunError, TendrilError
+from .errors import RunError, TendrilError, complaint
 from .style import STYLE, InStyle, save
 from .units import DIMENSIONS, KINDS, in_laboratory, suited_to
 from .units import quantity as number_with_unit
@@ -215,7 +215,7 @@ def main(arguments=None):
         drawn = save(figure, view.output, Path(view.place).with_suffix("") if view.place.endswith(".h5")
                      else view.place.rstrip("/"))
     except (TendrilError, ValueError, KeyError, OSError) as error:
-        print(f"map: {str(error).removeprefix('map: ')}", file=sys.stderr)
+        print(f"map: {complaint(error).removeprefix('map: ')}", file=sys.stderr)
         return 1
     if figure.missing:
         print(f"map: {figure.missing} points have no result")

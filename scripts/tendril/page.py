@@ -20,7 +20,7 @@ import numpy as np
 from matplotlib.colors import to_hex
 
 from . import page_space
-from .errors import ResultsError, TendrilError
+from .errors import ResultsError, TendrilError, complaint
 from .pictures import colours, name_of, symbol_of
 from .packed import moves_straight, packed, thinned
 from .results import Results, load, runs_of, titles_of
@@ -185,7 +185,7 @@ def view(results: Results | Sequence[Results], output: str | Path | None = None,
         raise ResultsError(f"view: {len(titles)} titles for {len(runs)} runs")
     for r in runs:
         if not len(r.series.get("t", ())) or not len(r.shapes.get("t", ())):
-            raise ResultsError(f"{r.path}: holds no stored shape to show")
+            raise ResultsError(f"{r.told}: holds no stored shape to show")
     space = any(r.in_space for r in runs)
     page = Page(page_of(content_of(runs, titles, space), " · ".join(titles), space))
     return page if output is None else page.save(output)
@@ -205,7 +205,7 @@ def main(arguments=None):
                       output if output.lower().endswith((".html", ".htm")) else f"{output}.html",
                       choice.titles.split(",") if choice.titles else None)
     except (TendrilError, OSError) as error:
-        print(f"view: {error}", file=sys.stderr)
+        print(f"view: {complaint(error)}", file=sys.stderr)
         return 1
     print(f"view: {output}, {output.stat().st_size / 1e6:.1f} MB; open it in a browser")
     return 0

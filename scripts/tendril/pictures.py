@@ -34,7 +34,7 @@ from matplotlib.text import Annotation
 from matplotlib.ticker import LogLocator, NullLocator
 
 from . import plot_stability
-from .errors import ResultsError, TendrilError
+from .errors import ResultsError, TendrilError, complaint
 from .perspective import VIEW, Rods, Strand, box_of, draw_surfaces, furnish, sight
 from .results import Results, load, runs_of, titles_of
 from .solids import solids
@@ -623,7 +623,7 @@ def check_times(view):
     """A time beyond the end of all runs, or a run that has none of them, would be an empty panel."""
     for r in view.results:
         if not len(r.series.get("t", ())) or not len(r.shapes.get("t", ())):
-            raise ResultsError(f"{r.path}: holds no stored shape to draw")
+            raise ResultsError(f"{r.told}: holds no stored shape to draw")
     if view.times is None:
         return
     latest = max(view.results, key=lambda r: r.shapes.t[-1])
@@ -634,11 +634,11 @@ def check_times(view):
 
     for t in view.times:
         if t < 0 or t > latest.shapes.t[-1] * (1 + 1e-9):
-            raise ResultsError(f"{latest.path}: ends at t = {told(latest.shapes.t[-1])}; no shape at "
+            raise ResultsError(f"{latest.told}: ends at t = {told(latest.shapes.t[-1])}; no shape at "
                                f"{told(t)}")
     for r in view.results:
         if not view.times_of(r):
-            raise ResultsError(f"{r.path}: ends at {view.units.plain(r.shapes.t[-1])}, before the "
+            raise ResultsError(f"{r.told}: ends at {view.units.plain(r.shapes.t[-1])}, before the "
                                "first of the times asked for")
 
 
@@ -709,9 +709,9 @@ def tell_missing(results, times, units):
             drawn = shape_of(r, min(t, r.shapes.t[-1]))
             stored, asked = units.plain(drawn.t), units.plain(t, "g")
             if t > r.shapes.t[-1] * (1 + 1e-9):
-                print(f"plot: {r.path}: ends at {stored}, before {asked[4:]}")
+                print(f"plot: {r.told}: ends at {stored}, before {asked[4:]}")
             elif abs(drawn.t - t) > 1e-6 * max(t, 1):
-                print(f"plot: {r.path}: no shape stored at {asked}, drawn at {stored[4:]}")
+                print(f"plot: {r.told}: no shape stored at {asked}, drawn at {stored[4:]}")
 
 
 def options(arguments):
@@ -754,6 +754,6 @@ def main(arguments=None):
                      Units(results if choice.si else ()))
         print(f"plot: {save(figure, output, None)}")
     except (TendrilError, OSError) as error:
-        print(f"plot: {error}", file=sys.stderr)
+        print(f"plot: {complaint(error)}", file=sys.stderr)
         return 1
     return 0

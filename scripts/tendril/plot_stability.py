@@ -14,7 +14,7 @@ import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 
-from .errors import ResultsError, TendrilError
+from .errors import ResultsError, TendrilError, complaint
 from .results import load
 from .style import BLUE, GREEN, GREY, ORANGE, RED, STYLE, InStyle, save
 
@@ -74,7 +74,7 @@ def draw_run(ax, r, end):
     t, norm = r.series.t, r.series.norm_x2
     keep = (t <= end) & (norm > 0)
     if not keep.any():
-        raise ResultsError(f"{r.path}: holds no deflection before t = {end:g}")
+        raise ResultsError(f"{r.told}: holds no deflection before t = {end:g}")
     t, norm = t[keep], norm[keep]
     at, least = minimum(t, norm)
     ax.semilogy(t, norm, color=BLUE)
@@ -131,7 +131,7 @@ def panels(results, runs):
         if r.critical:
             column.append(lambda ax, r=r: draw_critical(ax, r))
         if not column:
-            raise ResultsError(f"{r.path}: holds neither a stability table nor a critical mode")
+            raise ResultsError(f"{r.told}: holds neither a stability table nor a critical mode")
         columns.append(column)
     return columns
 
@@ -171,7 +171,7 @@ def main(arguments=None):
         figure = figure_of([load(p) for p in view.files], [load(p) for p in view.run])
         print(f"plot: {save(figure, output, None)}")
     except (TendrilError, KeyError, OSError) as error:
-        print(f"plot_stability: {error}", file=sys.stderr)
+        print(f"plot_stability: {complaint(error)}", file=sys.stderr)
         return 1
     return 0
 

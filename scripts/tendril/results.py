@@ -124,6 +124,11 @@ class Results:
         return self.path.stem
 
     @property
+    def told(self):
+        """What a message calls it: the file, or where that is gone its name."""
+        return self.path if self.path.exists() else self.name
+
+    @property
     def diameter(self) -> float:
         """The rod's, 0 if it has none."""
         return float(self.attributes.get("parameters/contact_diameter", 0) or 0)
@@ -138,11 +143,11 @@ class Results:
             t = moment("at", t, [self])
         times = self.shapes.get("t", ())
         if not len(times):
-            raise ResultsError(f"{self.path}: holds no shape")
+            raise ResultsError(f"{self.told}: holds no shape")
         end = max(times[-1], self.series.t[-1] if len(self.series.get("t", ())) else 0)
         room = 1e-9 * max(abs(end), 1e-30)
         if not nearest and not times[0] - room <= t <= end + room:
-            raise ResultsError(f"{self.path}: runs from t = {times[0]:g} to {end:g}; there is no shape at "
+            raise ResultsError(f"{self.told}: runs from t = {times[0]:g} to {end:g}; there is no shape at "
                                f"{t:g}")
         k = int(np.argmin(np.abs(times - t)))
         if nearest or abs(times[k] - t) <= room:
@@ -150,7 +155,7 @@ class Results:
         shape = self.between(t)
         if shape is None or self.astray(shape) > FAR:
             raise ResultsError(
-                f"{self.path}: too few shapes are stored around t = {t:g} to tell the one there; at("
+                f"{self.told}: too few shapes are stored around t = {t:g} to tell the one there; at("
                 f"{t:g}, nearest=True) is that of t = {times[k]:g}, a run with a shorter output_interval "
                 "has more")
         return shape
@@ -192,7 +197,7 @@ class Results:
         """Derivatives by an option's number, of a run with -sensitivity NAME."""
         name, stored = name.lstrip("-"), self.groups.get("sensitivity", {})
         if f"{name}/shapes/x" not in stored:
-            raise ResultsError(f"{self.path}: holds no derivatives by {name}; run it with -sensitivity {name}")
+            raise ResultsError(f"{self.told}: holds no derivatives by {name}; run it with -sensitivity {name}")
         tables = (Table({key.rsplit("/", 1)[1]: values for key, values in stored.items()
                          if key.startswith(f"{name}/{group}/")}) for group in ("series", "shapes"))
         return Sensitivity(float(stored[f"{name}/number"]), stored[f"{name}/unit"], *tables)
@@ -218,7 +223,7 @@ class Results:
         known = scales_of_rod(self.attributes).get(kind)
         if self.attributes.get(f"si_{kind}", known) is None:
             needed = "si_speed" if kind in ("time", "speed", "power") else "si_bending_stiffness"
-            raise ResultsError(f"{self.path}: does not know its {kind} in SI units; run it with "
+            raise ResultsError(f"{self.told}: does not know its {kind} in SI units; run it with "
                                f"{needed} and the like")
         return float(self.attributes.get(f"si_{kind}", known))
 

@@ -20,7 +20,7 @@ import h5py
 import numpy as np
 
 from .centrelines import fair, read_line
-from .errors import TendrilError
+from .errors import TendrilError, complaint
 from .meshes import Distance, SurfaceError, check, extended, polydata, read_mesh
 
 MOST = 60_000_000  # values of a grid
@@ -302,7 +302,7 @@ def main(words=None):
     try:
         made = surface(choice.pop("source"), choice.pop("output"), **choice)
     except (TendrilError, OSError) as error:
-        print(f"surface: {error}", file=sys.stderr)
+        print(f"surface: {complaint(error)}", file=sys.stderr)
         return 1
     print(f"surface: {told(made)}")
     print(made.line)

@@ -102,7 +102,7 @@ def scale_of(results, kind):
     """What 1 of it is in SI units, None if the files do not say so; they must not differ."""
     found = {r.attributes.get(f"si_{kind}") for r in results}
     if len(found) > 1:
-        raise ResultsError(f"{results[0].path}: the files differ in their scale of {kind}")
+        raise ResultsError(f"{results[0].told}: the files differ in their scale of {kind}")
     return found.pop()
 
 
@@ -120,7 +120,7 @@ def moment(option, text, results):
         raise ResultsError(f"{option} {text}: give a time, a number or one with {', '.join(TIMES)}")
     scale = scale_of(results, "time")
     if scale is None:
-        raise ResultsError(f"{option} {text}: {results[0].path} does not know its seconds; give a "
+        raise ResultsError(f"{option} {text}: {results[0].told} does not know its seconds; give a "
                         "number, or run it with -si_speed and the like")
     return value * TIMES[unit] / scale
 
@@ -164,7 +164,7 @@ class Units:
         self.scales = dict.fromkeys(SHOWN, (1.0, ""))
         for r in results:
             if "si_length" not in r.attributes:
-                raise ResultsError(f"{r.path}: si needs a run in the laboratory, with si_bending_stiffness "
+                raise ResultsError(f"{r.told}: si needs a run in the laboratory, with si_bending_stiffness "
                                    "and the like")
         for kind in SHOWN if results else ():
             scale = scale_of(results, kind)

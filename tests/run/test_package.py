@@ -65,6 +65,15 @@ class Package(unittest.TestCase):
                           friction_mu=0, **SHORT)
         self.assertEqual(two.series.tip_x2[-1], self.runs[0].series.tip_x2[-1])
 
+    def test_errors_name_no_file_of_their_own(self):
+        """Where run() makes files that are gone afterwards, no message names them."""
+        with self.assertRaisesRegex(tendril.ResultsError, "^feed: runs from t = 0 to 1; there is no shape at 9"):
+            self.runs[0].at(9)
+        for name, value, word in (("wall_file", [("circle", 0, 3, 1)], "^wall_file, line 1: give circle"),
+                                  ("rod_stiffness_file", {"distance": [0, 1]}, "^rod_stiffness_file: ")):
+            with self.assertRaisesRegex(tendril.RunError, word):
+                tendril.run("feed", **{name: value})
+
     def test_values(self):
         """Numbers to their last digit, units with a blank, pairs, flags, arrays as files."""
         words = runs.words_of({"a": 0.1, "-b": "5 mm/s", "c": [(0, 1), (3, 2.5)], "d": True, "e": None,

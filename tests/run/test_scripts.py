@@ -21,7 +21,7 @@ sys.path.insert(0, str(SCRIPTS))
 try:
     import numpy as np
 
-    from tendril import ResultsError, films, growth_table, load, pictures
+    from tendril import ResultsError, films, growth_table, load, page, pictures
     from tendril.units import Units, briefly
 except ImportError as error:
     from_venv(error)
@@ -85,6 +85,16 @@ class Scripts(unittest.TestCase):
             result, _, err = quietly(pictures.main, [path])
             self.assertEqual(result, 1)
             self.assertRegex(err, r"^plot: .*\n$")
+
+    def test_no_directory(self):
+        """Where the file that is asked for cannot be made, one line says so, and what to do."""
+        nowhere = self.file.parent / "nowhere"
+        for main, name in ((pictures.main, "a.png"), (films.main, "a.gif"), (page.main, "a.html")):
+            result, _, err = quietly(main, [self.file, "--output", nowhere / name])
+            self.assertEqual(result, 1)
+            self.assertRegex(err, rf"^\w+: {nowhere}/{name}: there is no directory {nowhere}; make it, or .*\n$")
+        with self.assertRaisesRegex(ResultsError, "a film is of one run, not of 2"):
+            films.animate([self.file, self.file], nowhere.parent / "a.gif")
 
     def test_plot(self):
         base = self.file.parent / "picture"
