@@ -357,10 +357,22 @@ def told_apart(name, runs):
     options = [{key: value for key, value in r.options.items() if key not in IN_NO_TITLE} for r in runs]
     differ = [key for key in dict.fromkeys(key for one in options for key in one)
               if len({one.get(key) for one in options}) > 1]
-    ways = [[", ".join([name, *(f"{key} {one[key]}".rstrip() for key in differ if key in one)]) for one in options],
+
+    def named(one, write):
+        return ", ".join([name, *(f"{key} {write(one[key])}".rstrip() for key in differ if key in one)])
+
+    ways = [[named(one, shortly) for one in options], [named(one, str) for one in options],
             [f"{r.path.resolve().parent.name}/{name}" if r.path.exists() else name for r in runs],
             [f"{name} ({k})" for k in range(1, len(runs) + 1)]]
-    return next(way for way in (ways if len(differ) <= TOLD_APART_BY else ways[1:]) if len(set(way)) == len(way))
+    return next(way for way in (ways if len(differ) <= TOLD_APART_BY else ways[2:]) if len(set(way)) == len(way))
+
+
+def shortly(text):
+    """A number of many digits with four."""
+    try:
+        return f"{float(text):.4g}"
+    except ValueError:
+        return text
 
 
 def orthonormal(d1, d2):

@@ -13,6 +13,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+from dataclasses import replace
 from pathlib import Path
 
 from interpreter import ROOT, from_venv
@@ -589,6 +590,8 @@ class Package(unittest.TestCase):
         self.assertEqual(named, ["feed, friction_mu 0", "feed, friction_mu 1"])
         page = tendril.view([*self.runs, self.tube]).text
         self.assertIn("feed, friction_mu 0 · feed, friction_mu 1 · run", page)
+        thirds = [replace(self.tube, options={"friction_mu": repr(mu)}) for mu in (1 / 3, 2 / 3)]
+        self.assertEqual(results.titles_of(thirds), ["run, friction_mu 0.3333", "run, friction_mu 0.6667"])
         self.assertEqual(results.titles_of([self.tube, self.tube]), ["run (1)", "run (2)"])
         kept = []
         for place in ("here", "there"):
