@@ -11,6 +11,14 @@ import tempfile
 import unittest
 from pathlib import Path
 
+from interpreter import from_venv
+
+try:
+    import h5py
+    import numpy as np
+except ImportError as error:
+    from_venv(error)
+
 ROOT = Path(__file__).resolve().parents[2]
 TENDRIL = str(Path(sys.argv.pop(1)).resolve())
 PAGES = [*ROOT.glob("*.md"), *ROOT.glob("docs/*.md"), *ROOT.glob("options/*.md")]
@@ -24,8 +32,18 @@ MADE = {  # page: command lines whose lines it shows, and the directory they are
                         ("-options_file docs/first/tube.opts", ".")],
     "docs/my-cable.md": [("-options_file cable.opts", "docs/first")],
 }
-
-
+# page: what it says in words, and what that is in the run of its last command: times in s, lengths in m,
+# distances in cm, forces in N
+ANSWERS = {
+    "docs/my-tube.md": [
+        (r"The tip stops ([\d.]+) cm from the sleeve, after some (\d+) s",
+         lambda r: [r["end_distance"][-1], 20 * np.interp(20, r["t"], r["end_distance"]) / r["end_distance"][-1]]),
+        (r"push is at most ([\d.]+) N, at (\d+) s, and at the end ([\d.]+) N",
+         lambda r: [r["feed_force"].max(), r["t"][r["feed_force"].argmax()], r["feed_force"][-1]])],
+    "docs/my-cable.md": [
+        (r"([\d.]+) N with half a metre in, ([\d.]+) N with 1 m, ([\d.]+) N with 1.5 m and (\d+) N with 2 m",
+         lambda r: [np.interp(x, r["length"], r["feed_force"]) for x in (0.5, 1, 1.5, 2)])],
+}
 SLIDES = ("docs/my-cable.md",)  # along edges: another PETSc's rounding takes other steps there
 
 
@@ -64,12 +82,30 @@ class Numbers(unittest.TestCase):
                     done = subprocess.run([TENDRIL, *options.split(), "-output", f"{place}/run.h5"], check=True,
                                           cwd=ROOT / directory, capture_output=True, text=True, env=environment)
                     printed += shown(done.stdout)
+                if page in ANSWERS:
+                    self.answered(page, f"{place}/run.h5")
             said = [line[4:] for line in (ROOT / page).read_text().splitlines() if line.startswith("    ")]
             said = shown("\n".join(said))
             self.assertTrue(said, page)
             for line in said:
                 self.assertTrue(any(same(line, other, page in SLIDES) for other in printed), f"{page} says\n  {line}\nand "
                                 "tendril\n  " + "\n  ".join(printed))
+
+    def answered(self, page, file):
+        """What a page says in words is in its run, to half of the last digit that it gives."""
+        with h5py.File(file) as run:
+            r = {name: run["series"][name][:] for name in ("t", "length", "end_distance", "feed_force")}
+            r["t"] *= run.attrs["si_time"]
+            r["length"] *= run.attrs["si_length"]
+            r["end_distance"] *= 100 * run.attrs["si_length"]
+            r["feed_force"] *= run.attrs["si_force"]
+        text = " ".join((ROOT / page).read_text().split())
+        for sentence, values in ANSWERS[page]:
+            found = re.search(sentence, text)
+            self.assertTrue(found, f"{page}: {sentence}")
+            for word, value in zip(found.groups(), values(r)):
+                digit = 10.0 ** -len(word.partition(".")[2])
+                self.assertLess(abs(float(word) - value), 0.6 * digit, f"{page} says {found[0]}, it is {value:.4g}")
 
     def test_gallery(self):
         """The energy defects that the gallery tells are those of its scenes (the quick ones), to a factor of
