@@ -606,12 +606,14 @@ static void TestOrdersOnRod(void **state) {
 
 /* y = sin t and, from t = 0.3 on, 1 more: one jump, and nothing special behind it; or a kink there,
    which is none; or there y is 1, and before it what is as good as nothing: an error whose square
-   is no number any more. */
-enum { JUMP, KINK, FROM_NOTHING };
+   is no number any more; or a fourth root is added that sets in at 0: the error of a first step, a
+   square, falls like the root of the step, and that is no jump. */
+enum { JUMP, KINK, FROM_NOTHING, ROOT };
 static const PetscReal nothing = 1e-290;
 
 static PetscReal Way(int kind, PetscReal t) {
   if (kind == FROM_NOTHING) return t > 0.3 ? 1 : nothing;
+  if (kind == ROOT) return PetscSinReal(t) + PetscSqrtReal(PetscSqrtReal(t));
   return PetscSinReal(t) + (kind == KINK ? 5 * PetscMax(0, t - 0.3) : t > 0.3);
 }
 
@@ -661,9 +663,12 @@ static PetscErrorCode RelativeToStart(TS ts) {
   PetscFunctionReturn(0);
 }
 
-static void Jump(int kind) {
+/* most: of rejected steps. (A jump is seen in the second error that does not fall, long before the
+   step has shrunk to where no error has to.) */
+static void Jump(int kind, PetscInt most) {
+  const PetscReal tolerance = kind == ROOT ? 1e-3 : 1e-6;
   TSConvergedReason reason;
-  PetscInt jumps, steps;
+  PetscInt jumps, steps, rejected;
   const PetscScalar *y;
   Mat J;
   Vec U;
@@ -678,8 +683,8 @@ static void Jump(int kind) {
   CHECK(TSSetType(ts, TSVBDF));
   CHECK(TSSetIFunction(ts, NULL, Broken, &kind));
   CHECK(TSSetIJacobian(ts, J, J, BrokenSlope, NULL));
-  CHECK(TSSetTolerances(ts, 1e-6, NULL, 1e-6, NULL));
-  CHECK(TSSetTimeStep(ts, 1e-6));
+  CHECK(TSSetTolerances(ts, tolerance, NULL, tolerance, NULL));
+  CHECK(TSSetTimeStep(ts, kind == ROOT ? 0.1 : 1e-6));
   CHECK(TSSetMaxTime(ts, 1));
   CHECK(TSSetExactFinalTime(ts, TS_EXACTFINALTIME_MATCHSTEP));
   CHECK(TSSetMaxSNESFailures(ts, -1));
@@ -693,9 +698,11 @@ static void Jump(int kind) {
   CHECK(VBDFGetJumps(ts, &jumps));
   CHECK(TSGetStepNumber(ts, &steps));
   CHECK(VecGetArrayRead(U, &y));
-  print_message("%d jumps, %d steps, y %.10g, %s\n", (int)jumps, (int)steps, (double)y[0],
-                TSConvergedReasons[reason]);
-  EXPECT(reason > 0 && jumps == (kind != KINK), "%d jumps", (int)jumps);
+  CHECK(TSGetStepRejections(ts, &rejected));
+  print_message("%d jumps, %d steps, %d rejected, y %.10g, %s\n", (int)jumps, (int)steps,
+                (int)rejected, (double)y[0], TSConvergedReasons[reason]);
+  EXPECT(reason > 0 && jumps == (kind == JUMP || kind == FROM_NOTHING), "%d jumps", (int)jumps);
+  EXPECT(rejected <= most, "%d rejected, at most %d", (int)rejected, (int)most);
   EXPECT(PetscAbsReal(y[0] - Way(kind, 1)) < 1e-9, "y %.12g", (double)y[0]);
   CHECK(VecRestoreArrayRead(U, &y));
   CHECK(TSDestroy(&ts));
@@ -704,9 +711,10 @@ static void Jump(int kind) {
 }
 
 static void TestJump(void **state) {
-  Jump(JUMP);
-  Jump(KINK);
-  Jump(FROM_NOTHING);
+  Jump(JUMP, 10);
+  Jump(KINK, 18);
+  Jump(FROM_NOTHING, 4);
+  Jump(ROOT, 24);
 }
 
 static const struct CMUnitTest tests[] = {cmocka_unit_test(TestOrders),
