@@ -137,7 +137,6 @@ MUTATIONS = [
     # -- snaps
     ("rest, loose", S, "rest = 1e-6,", "rest = 1e-3,"),
     ("rest, tight", S, "rest = 1e-6,", "rest = 1e-9,"),
-    ("few_steps, none", S, "few_steps = 5;", "few_steps = 0;"),
     ("at rest though it gains speed", S, "fastest <= leg->speed && ", ""),
     ("soonest, at once", S, "soonest = 100;", "soonest = 0;"),
     ("soonest, without walls too", S, "(t >= soonest || !leg->rod->scene->contact.any)", "t >= soonest"),
