@@ -134,6 +134,7 @@ def content_of(results, titles, space):
         "units": {unit: name for unit, (name, _) in units.items()},
         "notes": {name: r.notes.get(f"series/{name}", "") for r in results for name in r.series},
         "drag": float(max(drag)) or 1.0, "press": float(max(press, default=0)) or 1.0,
+        "touches": bool(max(press, default=0) > 0),
     }
     if space:
         page_space.add(content, results, shapes)

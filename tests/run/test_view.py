@@ -251,6 +251,13 @@ class View(unittest.TestCase):
         self.assertNotRegex(page, r'(src|href)="')
         self.assertIn("Permission is hereby granted", page)
 
+    def test_nothing_to_say_of_contact(self):
+        """Arrows of contact have a key, and a box to tick, only where something was touched."""
+        for place, touches in ((9, False), (2.5, True)):
+            r = tendril.run(growth_type="feed", growth_initial_length=2, shape_amplitude=0.1, rod_cells=40, ts_max_time=1,
+                            wall_file=[tendril.plane((place, 0), (-1, 0))], contact_diameter=0.1)
+            self.assertEqual((content(self.page(r))["touches"], bool(r.series.contact_force.any())), (touches, touches))
+
     def test_a_motion_that_happened(self):
         """Between two stored shapes the rod is drawn in a straight motion only where that is what it did; of
         a run of which the first and the last are stored it is not."""

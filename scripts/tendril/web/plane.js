@@ -1,6 +1,6 @@
 // ---- the rod ----
 
-const hasContact = data.runs.some((run) => "contact" in run.widths);
+const hasContact = data.touches && data.runs.some((run) => "contact" in run.widths);
 let rod = null;  // uPlot draws its axes, the hook below the rod itself
 
 function limits(x) {

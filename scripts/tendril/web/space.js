@@ -1,7 +1,7 @@
 // ---- the rod in space ----
 
 // Drawn by three.js as a tube; where there is no WebGL as lines on a canvas, seen by the same camera.
-const hasContact = data.runs.some((run) => "contact" in run.widths);
+const hasContact = data.touches && data.runs.some((run) => "contact" in run.widths);
 const SIDES = 14, GHOSTS = 5, LEAST = 3;  // of a tube; earlier shapes; the least thickness in pixels
 const ENDS = [[180, 4, 38], [221, 221, 221], [59, 76, 192]];  // of what has a sign: negative, 0, positive
 const RISING = [[214, 214, 210], [253, 187, 132], [227, 74, 51], [127, 0, 0]];  // of what has none
