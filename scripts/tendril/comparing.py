@@ -73,34 +73,41 @@ def finer(x):
 class Nearest(NamedTuple):
     """Of points, what of a line is nearest to them."""
 
-    distance: np.ndarray  # [m], positive on the left of the line
+    distance: np.ndarray  # [m], positive on the left of the line; but for slack beyond its ends
     foot: np.ndarray  # [m, 2]
     place: np.ndarray  # [m], arc length of the foot
     normal: np.ndarray  # [m, 2], of the line, to the left
     other: np.ndarray  # [m], how much farther another strand of the line is; inf where there is none
+    beyond: np.ndarray  # [m], how far behind the end of the line, along it; 0 beside the line
 
 
+SLACK = 2.0  # gaps between points: what is known of where the rod ends
 STRAND = 0.1  # of a line's length: what is farther from a place, along it, is another strand
 
 
-def nearest(points, line) -> Nearest:
-    start, along = line[:-1], np.diff(line, axis=0)
-    square = np.sum(along**2, axis=1)
-    part = np.clip(np.einsum("mnd,nd->mn", points[:, None] - start, along) / square, 0, 1)
-    foot = start + part[..., None] * along
-    gap = points[:, None] - foot
-    squares = np.sum(gap**2, axis=2)
-    rows, piece = np.arange(len(points)), np.argmin(squares, axis=1)
-    lengths = np.sqrt(square)
+def nearest(points, line, slack=0.0) -> Nearest:
+    """By the node that is nearest, and the pieces on both sides of it: nodes are much nearer to each other than lines
+    bend (FINER). slack: a point not farther beyond an end of the line has the distance from its extension. The sign
+    of one that lies ahead of the tip is by chance, and would change with the least turn of it: by twice its distance."""
+    along = np.diff(line, axis=0)
+    lengths = np.hypot(*along.T)
     begin = np.concatenate([[0], np.cumsum(lengths)])
-    away = np.abs(begin[:-1] - begin[piece][:, None]) > STRAND * begin[-1]
-    other = np.sqrt(np.min(np.where(away, squares, np.inf), axis=1))
-    gap, along = gap[rows, piece], along[piece]
-    side = np.sign(along[:, 0] * gap[:, 1] - along[:, 1] * gap[:, 0])
-    return Nearest(np.where(side == 0, 1, side) * np.hypot(*gap.T), foot[rows, piece],
-                   begin[piece] + part[rows, piece] * lengths[piece],
-                   np.column_stack([-along[:, 1], along[:, 0]]) / lengths[piece][:, None],
-                   other - np.hypot(*gap.T))
+    squares = cdist(points, line, "sqeuclidean")
+    node, rows = np.argmin(squares, axis=1), np.arange(len(points))
+    away = np.abs(begin - begin[node][:, None]) > STRAND * begin[-1]
+    other = np.sqrt(np.min(squares, axis=1, where=away, initial=np.inf))
+    pieces = np.clip(node[:, None] + [-1, 0], 0, len(along) - 1)  # [m, 2], before and behind it
+    part = np.einsum("mkd,mkd->mk", points[:, None] - line[pieces], along[pieces]) / lengths[pieces] ** 2
+    part = np.clip(part, 0, 1)
+    feet = line[pieces] + part[..., None] * along[pieces]
+    which = np.argmin(np.sum((points[:, None] - feet) ** 2, axis=2), axis=1)
+    piece, part, foot = pieces[rows, which], part[rows, which], feet[rows, which]
+    along = along[piece] / lengths[piece][:, None]
+    normal, gap = np.column_stack([-along[:, 1], along[:, 0]]), points - foot
+    across, ahead = np.sum(normal * gap, axis=1), np.sum(along * gap, axis=1)
+    far = np.maximum(np.abs(ahead) - slack, 0)
+    return Nearest(np.where(across < 0, -1, 1) * np.hypot(across, far), foot, begin[piece] + part * lengths[piece],
+                   normal, other - np.hypot(*gap.T), np.where(piece == len(lengths) - 1, np.maximum(ahead, 0), 0))
 
 
 def distances(points, line):
@@ -145,10 +152,13 @@ def spacing(points):
     return float(np.quantile(cKDTree(points).query(points, 2)[0][:, 1], 0.95))
 
 
-def loose_end(points, line, gap):
+def loose_end(points, line, gap, beyond=()):
     """How far the end of a line is from the nearest point, beyond what the gaps between points explain:
-    distances from the points alone would not tell that a rod is too long."""
-    return max(0.0, float(cKDTree(points).query(line[-1])[0] - 2 * gap))
+    distances from the points alone would not tell that a rod is too long. Negative where it is too short: how far
+    the second of the points that are farthest beyond it is, for one may be a stray; more than SLACK gaps are in
+    the distances."""
+    short = min(np.sort(beyond)[-2], SLACK * gap) if len(beyond) > 1 else 0.0
+    return max(0.0, float(cKDTree(points).query(line[-1])[0] - SLACK * gap)) - float(short)
 
 
 def widest_gap(points):
@@ -242,13 +252,14 @@ class Comparison:
 
     def of_photograph(self, r, p: Photograph, own, view=VIEW):
         """(distances of its points: of one in order the last is the tip, also along the rod; how far the
-        rod goes on beyond points that are not; where the rod is and no points are; the points' Block)"""
+        rod goes on beyond points that are not, or they beyond it; where the rod is and no points are; the points' Block)"""
         line = self.line(r, p, own, view)
-        near = nearest(p.points.numbers, line)
+        gap = self.spacings[id(p)]
+        near = nearest(p.points.numbers, line, SLACK * gap)
         found, place, normal = near.distance, near.place, near.normal
         uncovered = bare(p.points.numbers, line, self.gaps[id(p)])
         if not p.ordered:
-            return found, [loose_end(p.points.numbers, line, self.spacings[id(p)])], uncovered, (place, normal, near.other)
+            return (found, [loose_end(p.points.numbers, line, gap, near.beyond)], uncovered, (place, normal, near.other))
         gap, end = p.points.numbers[-1] - line[-1], line[-1] - line[-2]
         end = end / np.hypot(*end)
         across = [-end[1], end[0]]
