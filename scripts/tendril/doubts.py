@@ -31,6 +31,7 @@ BAD = 0.02  # of the extent: residuals beyond are no errors of clicking
 BAD_SERIES = 0.05  # of the range of a series
 SURE = 1e-4  # the probability at which what is left over is no chance
 BETTER, SLIGHT = 0.6, 0.8  # a cause is one if residuals fall to this part, of a fit that is not bad
+ALIKE = 1.25  # residuals are known no better than to such a factor: causes within it are not told apart
 LONGER = 3.0  # runs so much longer than those that were made are not tried
 COARSE = 3e-3  # the accuracy of runs for another time
 SEEN = 2e-3  # of the extent: a cause that moves the points less is left alone
@@ -94,7 +95,7 @@ def runs_along(fit: Fit):
 
 
 def same_side(fit: Fit, bins=8):
-    """(the probability of it by chance, the place as a part of the rod) where in all photographs the points
+    """(the probability of it by chance, the place as a part of the rod, how far) where in all photographs the points
     lie most clearly on one side of the rod; None of fewer than four photographs."""
     raw = fit.problem.raw(fit.u, fit.run)
     rows = []
@@ -105,12 +106,12 @@ def same_side(fit: Fit, bins=8):
     table = np.array(rows)
     if len(table) < 4:
         return None
-    best = (1.0, 0.0)
+    best = (1.0, 0.0, 0.0)
     for k in range(bins):
         column = table[np.isfinite(table[:, k]), k]
         if len(column) >= 4 and np.ptp(column) > 0:
             chance = float(stats.ttest_1samp(column, 0).pvalue) * bins
-            best = min(best, (chance, (k + 0.5) / bins))
+            best = min(best, (chance, (k + 0.5) / bins, abs(float(np.median(column)))))
     return best
 
 
@@ -235,7 +236,7 @@ def tried(fit: Fit, cause: Cause):
     best = Solution(min(whole, key=lambda u: new.cost(new.residuals(u))), np.inf)
     for share in (0.03, 0.01):
         new.measure_noise(best.u, share=share)
-        best = new.solve(best.u, 3e-3, ahead=False, most=8)
+        best = new.solve(best.u, 3e-3, most=8)
     (r,) = new.run([best.u])
     found = replace(fit, problem=new, u=best.u, run=r)
     ratios = [a[0] / a[1] / max(b[0] / b[1], 1e-12) for a, b in zip(sizes(found).values(), sizes(fit).values())]
@@ -315,6 +316,19 @@ def plain_units(measured: Measured, attributes):
     return words
 
 
+def causes_named(ends, least):
+    """Of causes that were tried, (the part to which residuals fell, how many numbers it took, in words), those that take
+    the most away, in one line, if that is enough; of several that do it about as well none is more likely."""
+    order = sorted((ratio * (1 + 0.05 * count), ratio, words) for ratio, count, words in ends)
+    alike = [end for end in order if order[0][1] < least and end[1] < least and end[0] <= ALIKE * order[0][0] + 1e-6]
+    if not alike:
+        return ""
+    said = [f"{words} (residuals fall to {100 * ratio:.2g} % with it)" for _, ratio, words in alike]
+    if len(said) == 1:
+        return f"likeliest cause: {said[0]}."
+    return f"likeliest causes, which these data do not tell apart: {'; or '.join(said)}."
+
+
 def likeliest(fit: Fit, bad, tell):
     """The cause that takes most of the residuals away, in words, or what was tried in vain."""
     possible = [(linear_sign(fit, cause), cause) for cause in CAUSES if applies(fit, cause)]
@@ -337,10 +351,8 @@ def likeliest(fit: Fit, bad, tell):
         fit.problem.count += problem.count
         if u is not None:
             ends.append((ratio, len(cause.looked_for), spoken(fit, problem, u, cause)))
-    ends.sort(key=lambda end: end[0] * (1 + 0.05 * end[1]))
-    if ends and ends[0][0] < (BETTER if bad else SLIGHT):
-        left = f"residuals fall to {100 * ends[0][0]:.0f} % with it"
-        return [f"likeliest cause: {ends[0][2]} ({left})."]
+    if named := causes_named(ends, BETTER if bad else SLIGHT):
+        return [named]
     return ["likeliest cause: none of place, turn, scale, unit, mirror, clock explains it; the scene is not "
             "the experiment, or these are not points of the rod."] if bad else []
 
@@ -367,7 +379,7 @@ def warnings_of(fit: Fit, agreed, tell) -> list[str]:
     side = same_side(fit)
     if side and side[0] < 1e-2 and not bad:
         words.append(f"in all photographs the points lie on one side of the rod at {100 * side[1]:.0f} % of its "
-                     "length: the scene lacks something there, or the picture is off.")
+                     f"length, by {100 * side[2] / fit.problem.comparison.spreads()[LINES]:.1g} % of the extent: the scene lacks something there, or the picture is off.")
     for name, told in fit.problem.told_noise.items():
         size = sizes(fit)[name][0]
         if size > 1.5 * told:

@@ -39,10 +39,11 @@ from .problem import Problem, Solution
 from .results import Results
 from .starting import starting_points
 
-SEARCH = 10  # the search for a start is made with this many times the error of the final runs
+SEARCH, COARSEST = 30, 0.1  # the search for a start is made with so many times the error of the final runs, and no more
 FOLLOWED = 6  # evaluations for which two searches go on side by side, before one
 DOUBLINGS = 3  # of the starts, at most, as long as no two searches end in one place
 TOGETHER = 0.03  # in parts of the bounds: two ends are one
+BETWEEN = (0.25, 0.5, 0.75)  # places on the way from one end to another
 CLOSE, ROUGH = 3e-3, 1e-2  # tolerances of these two, and of the one, which is polished after
 BETTER = 0.05  # less of the cost is no reason to go on: 1.92 is that of an interval's end
 CONFIDENCE = 0.95
@@ -209,21 +210,22 @@ def widened(problem: Problem, u, covariance, cost):
 
 
 def one_place(problem: Problem, a: Solution, b: Solution):
-    """Whether two searches have ended in one: about the same cost, and near to each other, or in a valley
-    without a rise between them."""
-    if abs(a.cost - b.cost) > 0.1 * min(a.cost, b.cost) + 0.5:
-        return False
-    p = len(problem.parameters)
-    if np.abs(a.u[:p] - b.u[:p]).max() < TOGETHER:
+    """Whether two searches have ended in one: near to each other at about the same cost, or with a way between them
+    that goes down all along from the worse end: that one had not come to its end."""
+    p, (low, high) = len(problem.parameters), sorted((a, b), key=lambda s: s.cost)
+    if high.cost - low.cost <= 0.1 * low.cost + 0.5 and np.abs(a.u[:p] - b.u[:p]).max() < TOGETHER:
         return True
-    return problem.cost(problem.residuals((a.u + b.u) / 2)) <= 1.05 * max(a.cost, b.cost)
+    points = [high.u + part * (low.u - high.u) for part in BETWEEN]
+    problem.run(points)
+    costs = [high.cost, *(problem.cost(problem.residuals(u)) for u in points), low.cost]
+    return all(after <= 1.05 * before for before, after in zip(costs, costs[1:]))
 
 
 def followed(problem: Problem, starts):
     """The ends of searches side by side."""
     with ThreadPoolExecutor() as pool, problem.shared(max(len(starts), 1)):
         try:
-            return list(pool.map(lambda u: problem.solve(u, CLOSE, ahead=False, most=FOLLOWED), starts))
+            return list(pool.map(lambda u: problem.solve(u, CLOSE, most=FOLLOWED), starts))
         except KeyboardInterrupt:
             problem.ended = True  # the searches in other threads are not told by themselves
             raise
@@ -274,22 +276,32 @@ def search(problem: Problem, starts, accuracy, seed, tell):
 
 def certain(problem: Problem, best: Solution, tell, most=3):
     """(the least cost, what is known of it): as long as a run on a principal axis is better than the best,
-    the search goes on from there."""
+    the search goes on from there; and back, if all in all, with the errors that are then estimated, that is less likely:
+    errors that reach far let a search slide along a valley."""
+    before, likely = None, -np.inf
     for last in range(most):
         jacobian = problem.raw_jacobian(best.u, central=True)
         raw = problem.measure_errors(best.u, jacobian)
+        if (now := problem.errors.log_likelihood(raw)) < likely:
+            tell("that is less likely all in all; back")
+            best, known, problem.errors, problem.noise = before
+            return best, known
+        likely = now
         best = Solution(best.u, problem.cost(problem.errors.whitened(raw)))
         known = certainty(problem.errors, raw, jacobian, problem.prior_information(len(best.u)),
                           problem.told_noise, CONFIDENCE)
         plain = np.linalg.pinv(problem.prior_information(len(best.u)) + (lambda w: w.T @ w)(
             problem.errors.whitened(jacobian)), hermitian=True)
         wide, other, cost = widened(problem, best.u, plain, best.cost)
+        # what the errors leave open, and what is curved, both widen
+        larger = np.sqrt(np.maximum(np.diag(wide) / np.maximum(np.diag(plain), 1e-300), 1))
+        known = Certainty(known.covariance * np.outer(larger, larger), known.reach)
         if cost > best.cost - BETTER or last == most - 1:
-            # what the errors leave open, and what is curved, both widen
-            larger = np.sqrt(np.maximum(np.diag(wide) / np.maximum(np.diag(plain), 1e-300), 1))
-            return best, Certainty(known.covariance * np.outer(larger, larger), known.reach)
+            break
+        before = best, known, problem.errors, problem.noise
         best = problem.solve(other, 1e-4)
         tell(f"a better one beside it, {problem.count} runs")
+    return best, known
 
 
 def polished(problem: Problem, best: Solution, accuracy, tell):
@@ -344,7 +356,7 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", f
     tied        {"si_friction_viscous": "0.5*si_friction_dry N/m"}: options that follow from parameters
     noise       {"lines": "0.5mm", "base_force_1": "2mN"}: of what was measured, where it is known, and
                 independent from point to point; else it is estimated, with its correlation
-    accuracy    of the runs, or better where the data are; the search for a start takes ten times that
+    accuracy    of the runs, or better where the data are; the search for a start takes 30 times that
     starts      points that fill the bounds, beside the start itself; the two best are followed, and a start
                 that was given; twice as many as long as no two end in one place. None: 24 for one
                 parameter, 12 for two, else 8
@@ -362,7 +374,7 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", f
     agreed, costs, interrupted = True, [], False
     try:
         best, costs, agreed = search(problem, max(8, 24 // p) if starts is None else starts,
-                                     SEARCH * accuracy, seed, tell)
+                                     min(SEARCH * accuracy, COARSEST), seed, tell)
         best = polished(problem, best, accuracy, tell)
         if (finer := problem.wanted_accuracy()) < accuracy:
             tell(f"the data are finer than the runs: once more with -accuracy {finer:.1g}")

@@ -9,7 +9,7 @@ from threading import Lock
 from typing import Sequence
 
 import numpy as np
-from scipy import optimize, stats
+from scipy import stats
 
 from .comparing import BARE, BARE_NOISE, ENDS, LINES, VIEW, Comparison
 from .errors import RunError, TendrilError
@@ -19,6 +19,7 @@ from .parameters import MODE, PER, Parameter, Prior, tied_value, with_unit
 from .progress import bar
 from .results import Results
 from .runs import run
+from .secants import least
 from .sweeps import cores, stored
 from .tangents import STEP as ALONG, beside
 from .units import scales_of_rod
@@ -152,19 +153,25 @@ class Problem:
         return tuple(np.round(np.asarray(u, float)[self.of_runs], 12))
 
     def follow(self, u):
-        """Sets whether runs are asked for their derivatives: if all that is looked for are options of their own, and
-        the program does not refuse it; from the run at u, its first moment alone."""
+        """Sets which numbers runs are asked to tell their derivatives by: those that are options of their own, if
+        nothing else hangs on them and the program does not refuse it; from the run at u, its first moment alone."""
         names = [self.parameters[k].name for k in self.of_runs]
         self.followed = []
-        if not names or self.tied or self.inserted or any(MODE.match(name) for name in names):
+        own = [name for name in names if name not in self.inserted]
+        if not own or self.tied or any(MODE.match(name) for name in names):
             return
         try:
-            self.first(u, {"ts_max_time": 1e-6, "sensitivity": ",".join(names)})
+            self.first(u, {"ts_max_time": 1e-6, "sensitivity": ",".join(own)})
         except RunError as error:
-            if "-sensitivity" not in str(error):
+            if "sensitivity" not in str(error):
                 raise
             return
-        self.followed = names
+        self.followed = own
+
+    @property
+    def all_followed(self) -> bool:
+        """Whether a run tells all derivatives that are asked for."""
+        return bool(self.followed) and len(self.followed) == len(self.of_runs)
 
     def run_derived(self, u) -> Results | None:
         """The run at u with its derivatives; None: it fails, or does not tell them (behind a snap)."""
@@ -338,18 +345,22 @@ class Problem:
         self.sigma[ends] = np.maximum(self.sigma[ends], self.comparison.loose)
 
     def raw_jacobian(self, u, central=False):
-        """[residual, number], of raw residuals: from what the run tells, or by forward or central differences."""
-        p = len(self.parameters)
-        if self.followed and (r := self.run_derived(u)):
-            return np.column_stack([self.derivative(u, r, k) for k in range(len(u))])
-        points, _ = self.neighbours(u, FINE_STEP if central else STEP)
-        behind = 2 * u - points if central else np.tile(u, (len(u), 1))
-        behind[:, :p] = np.clip(behind[:, :p], 0, 1)
-        runs = self.run([*points, *behind])
-        if failed := next((r for r in runs if isinstance(r, RunError)), None):
-            raise failed
-        return np.column_stack([(self.raw(a, ra) - self.raw(b, rb)) / (a - b)[k] for k, (a, b, ra, rb) in
-                                enumerate(zip(points, behind, runs[:len(u)], runs[len(u):]))])
+        """[residual, number], of raw residuals: by each number from what the run tells, or by forward or central
+        differences between runs."""
+        r = self.run_derived(u) if self.followed else None
+        told = [k for k in range(len(u)) if r and (k not in self.of_runs or self.parameters[k].name in self.followed)]
+        found = {k: self.derivative(u, r, k) for k in told}
+        if rest := [k for k in range(len(u)) if k not in found]:
+            points, _ = self.neighbours(u, FINE_STEP if central else STEP)
+            behind = 2 * u - points if central else np.tile(u, (len(u), 1))
+            inside = slice(0, len(self.parameters))
+            behind[:, inside] = np.clip(behind[:, inside], 0, 1)
+            runs = self.run([*points[rest], *behind[rest]])
+            if failed := next((r for r in runs if isinstance(r, RunError)), None):
+                raise failed
+            for k, ahead, back in zip(rest, runs, runs[len(rest):]):
+                found[k] = (self.raw(points[k], ahead) - self.raw(behind[k], back)) / (points[k] - behind[k])[k]
+        return np.column_stack([found[k] for k in range(len(u))])
 
     def prior_information(self, count):
         """One as wide as the bounds, so that what the data do not fix has an end, too."""
@@ -386,41 +397,35 @@ class Problem:
         return u + np.diag(steps), steps
 
     def jacobian(self, u):
-        """[residual, number]: from what the run at u tells, else by forward differences between runs that are made
-        side by side."""
-        if self.followed and self.run_derived(u):
-            raw = self.raw_jacobian(u)
-            return self.errors.whitened(raw) if self.errors else raw / self.sigma[:, None]
-        points, steps = self.neighbours(u, STEP)
-        self.run([u, *points])
-        here = self.residuals(u)
-        return np.column_stack([(self.residuals(a) - here) / h for a, h in zip(points, steps)])
+        """[residual, number], over the noise; differences are central once the errors are known, for in a valley
+        the end of a search is off by what derivatives are."""
+        try:
+            raw = self.raw_jacobian(u, central=self.errors is not None)
+        except RunError:  # what fails beside the point is as far as a residual can be
+            points, steps = self.neighbours(u, STEP)
+            here = self.residuals(u)
+            return np.column_stack([(self.residuals(a) - here) / h for a, h in zip(points, steps)])
+        return self.errors.whitened(raw) if self.errors else raw / self.sigma[:, None]
 
     def bounds(self, u):
         p = len(self.parameters)
         return (np.r_[np.zeros(p), np.full(len(u) - p, -np.inf)],
                 np.r_[np.ones(p), np.full(len(u) - p, np.inf)])
 
-    def solve(self, u, tolerance, ahead=True, most=15) -> Solution:
-        """The least cost from a start. ahead: runs for derivatives are made together with the one at the
-        point itself, as there are cores for them; but after a step that was none, when the next, which
-        is shorter, may be none either."""
-        least, better = np.inf, ahead
-
+    def solve(self, u, tolerance, most=15) -> Solution:
+        """The least cost from a start, in so many points at most. Where derivatives are differences between runs they
+        are made anew only if steps show that they have changed (Secant)."""
         def residuals(u):
-            nonlocal least, better
-            if better and not (self.followed and self.run_derived(u)):
-                self.run([u, *self.neighbours(u, STEP)[0]])
+            if self.all_followed:
+                self.run_derived(u)
             f = self.residuals(u)
             cost = self.cost(f)
             with self.lock:
                 if cost < self.least:
                     self.best, self.least = np.array(u), cost
-            least, better = min(cost, least), ahead and cost < least
             return f
 
         inside = np.clip(u, *[b + s for b, s in zip(self.bounds(u), (1e-6, -1e-6))])
-        found = optimize.least_squares(residuals, inside, self.jacobian, self.bounds(u),
-                                       loss="linear" if self.errors else "huber", f_scale=HUBER, x_scale="jac", xtol=tolerance,
-                                       ftol=tolerance, gtol=None, max_nfev=most)
-        return Solution(found.x, found.cost)
+        return Solution(*least(residuals, self.jacobian, self.cost, inside, wanted=not self.all_followed, most=most,
+                               bounds=self.bounds(u), loss="linear" if self.errors else "huber", f_scale=HUBER,
+                               xtol=tolerance, ftol=tolerance))
