@@ -28,7 +28,7 @@ try:
     import numpy as np
 
     import tendril
-    from tendril import comparing, doubts, filming, fit_command, fitting, measured, noise, problem, tracing
+    from tendril import comparing, doubts, filming, fit_command, fitting, measured, noise, problem, secants, tracing
     from tendril.parameters import Parameter, Prior, tied_value
 except ImportError as error:
     from_venv(error)
@@ -387,6 +387,62 @@ class Residuals(unittest.TestCase):
         for end, loose in ((1, 0), (1.15, 0), (3, 1.8)):
             line = np.column_stack([np.linspace(0, end, 50), np.zeros(50)])
             self.assertAlmostEqual(comparing.loose_end(points, line, comparing.spacing(points)), loose)
+
+    def test_ahead_of_the_tip(self):
+        """With the least turn of the rod the point ahead of its tip changes sides: what is left of it does not jump. That
+        the rod is too short still costs, and all the more so the shorter it is."""
+        points = np.column_stack([np.r_[np.linspace(0, 1, 11), 1.08, 1.04], np.zeros(13)])
+        gap, found = comparing.spacing(points), []
+        for turn in (-1e-6, 1e-6):
+            line = np.linspace(0, 1, 200)[:, None] * [np.cos(turn), np.sin(turn)]
+            found.append(comparing.nearest(points, line, comparing.SLACK * gap))
+            self.assertAlmostEqual(comparing.loose_end(points, line, gap, found[-1].beyond), -0.04)
+        np.testing.assert_allclose(found[0].distance, found[1].distance, atol=1e-5)
+        short = np.column_stack([np.linspace(0, 0.5, 200), np.zeros(200)])
+        near = comparing.nearest(points, short, comparing.SLACK * gap)
+        self.assertAlmostEqual(comparing.loose_end(points, short, gap, near.beyond), -comparing.SLACK * gap)
+        self.assertAlmostEqual(np.abs(near.distance).max(), 0.58 - comparing.SLACK * gap)
+
+    def test_derivatives_put_right(self):
+        """A search by them ends where one does whose derivatives are made at every step, with fewer of them; also where
+        they turn so much that steps lead nowhere."""
+        t = np.linspace(0, 1, 30)
+        bent = (lambda u: np.exp(-u[0] * t) + 1e-3 * u[1] * t - np.exp(-1.5 * t) - 7e-4 * t,
+                lambda u: np.column_stack([-t * np.exp(-u[0] * t), 1e-3 * t]))
+        banana = (lambda u: np.array([10 * (u[1] - u[0] ** 2), 1 - u[0]]), lambda u: np.array([[-20 * u[0], 10], [-1, 0]]))
+        for (function, slope), begin, truth in ((bent, [4.0, 0.0], [1.5, 0.7]), (banana, [-1.2, 1.0], [1, 1])):
+            counts = []
+            for wanted in (False, True):
+                made = mock.Mock(side_effect=slope)
+                end, _ = secants.least(function, made, lambda f: 0.5 * f @ f, np.array(begin), wanted=wanted, most=200,
+                                       xtol=1e-9, ftol=1e-9)
+                np.testing.assert_allclose(end, truth, atol=1e-4)
+                counts.append(made.call_count)
+            if function is bent[0]:
+                self.assertLess(counts[1], counts[0])
+
+    def test_one_place(self):
+        """Where it goes down all the way from one end to the other the search had not come to its end; over a rise
+        there are two places."""
+        def ends(cost, *places):
+            toy = mock.Mock(parameters=[None], residuals=lambda u: u[0], cost=cost)
+            return fitting.one_place(toy, *(problem.Solution(np.array([x]), cost(x)) for x in places))
+
+        self.assertTrue(ends(lambda x: 10 + 100 * x**2, 0.0, 0.9))
+        self.assertTrue(ends(lambda x: 10 + 100 * x**2, 0.9, 0.0))
+        wells = lambda x: 10 + 1000 * (x**2 - 0.25) ** 2 + x
+        self.assertFalse(ends(wells, -0.5, 0.5))
+        self.assertTrue(ends(wells, 0.5, 0.49))
+
+    def test_causes_that_are_alike(self):
+        """Are all named, with what each leaves; a clear one is named alone, and one that leaves much not at all."""
+        scale, clock, turn = (0.515, 1, "a scale"), (0.508, 1, "a clock"), (0.9, 1, "a turn")
+        self.assertEqual(doubts.causes_named([turn, scale, clock], 0.8), "likeliest causes, which these data do not tell "
+                         "apart: a clock (residuals fall to 51 % with it); or a scale (residuals fall to 52 % with it).")
+        self.assertEqual(doubts.causes_named([turn, scale, (0.005, 1, "a clock")], 0.8),
+                         "likeliest cause: a clock (residuals fall to 0.5 % with it).")
+        self.assertEqual(doubts.causes_named([turn], 0.8), "")
+        self.assertEqual(doubts.causes_named([], 0.8), "")
 
     def test_places_without_points(self):
         """A rod that runs on beyond its points and back to their end costs; one that is not seen in its
@@ -838,10 +894,22 @@ class Fitting(unittest.TestCase):
             found = p.raw_jacobian(u, central=True) / p.sigma[:, None]
         off = np.linalg.norm(told - found, axis=0) / np.linalg.norm(found, axis=0)
         self.assertLess(off.max(), 0.03, off)
-        braces = problem.Problem(TUBE | {"si_friction_dry": "0.6N/m"}, p.measured, [Parameter.of("soft", (0.1, 1))],
+        touching = problem.Problem(TUBE | {"contact_self": True, "contact_diameter": "2.5mm"}, p.measured, parameters[:2], {})
+        touching.follow(u[:2])
+        self.assertEqual(touching.followed, [])  # the program refuses; differences do
+        braces = problem.Problem(TUBE | {"si_friction_dry": "0.6N/m"}, p.measured, [Parameter.of("soft", (0.1, 1)), parameters[1]],
                                  {"friction_layers": "0:{soft},3:2"})
-        braces.prepare(np.array([0.5]), 1e-2)
-        self.assertEqual(braces.followed, [])
+        u = np.array([0.5, 0.7])
+        braces.prepare(u, 1e-3)
+        self.assertEqual((braces.followed, braces.all_followed), (["rod_curvature"], False))
+        braces.measure_noise(u)
+        before = braces.count
+        told = braces.raw_jacobian(u, central=True)
+        self.assertEqual(braces.count, before + 3)
+        braces.followed = []
+        found = braces.raw_jacobian(u, central=True)
+        np.testing.assert_allclose(told[:, 0], found[:, 0])
+        self.assertLess(np.linalg.norm(told[:, 1] - found[:, 1]), 0.03 * np.linalg.norm(found[:, 1]))
 
     def test_words_in_braces(self):
         """One may stand in several options; none of it is an option of its own."""
