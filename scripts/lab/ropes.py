@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The ropes of tests/run/ropes_test.py, finer and with more of them: the rows of the table in docs/ropes.md.
 
-    ropes.py build/tendril [pillar|helix|upheaval|plectoneme ...]"""
+    ropes.py build/tendril [pillar|helix|upheaval|heavy|plectoneme|knot ...]"""
 
 import sys
 import tempfile
@@ -15,7 +15,7 @@ import scene_test as scene
 import numpy as np
 from scipy.optimize import brentq
 
-from tendril.scene_data import twisted_loop
+from tendril.scene_data import overhand, twisted_loop
 
 
 def pillar():
@@ -79,10 +79,35 @@ def plectoneme():
                   f"{law:.5f} | {M / law - 1:.1e} | {r.steps} |", flush=True)
 
 
+def heavy():
+    for part, time, cells, k in ((0.999, 20, 120, 1e6), (0.9995, 20, 240, 1e7), (1.001, 0.1, 120, 1e6)):
+        r = ropes.heavy_rope(part, time, cells=cells, stiffness=k)
+        moved = np.abs(r.shapes["x"][-1] - r.shapes["x"][len(r.shapes["x"]) // 2]).max()
+        print(f"| heavy rope, {part} of {ropes.overhang(100, 1):.6f} | in the second half by {moved:.1e} | {r.steps} |",
+              flush=True)
+
+
+def knot():
+    found = []
+    for D, tail, longer, more in ((0.02, 4, 2.2, "-rod_cells 400 -friction_layers 0:1e-4"),
+                                  (0.01, 2.6, 4, "-rod_cells 420 -contact_stiffness 5e6 -friction_layers 0:1e-3")):
+        shape, way = (Path(scene.SCRATCH) / f"knot.{kind}" for kind in ("h5", "csv"))
+        length, apart = overhand(shape, diameter=D, tail=tail, longer=longer)
+        way.write_text(f"t,x1\n0,{apart}\n0.2,{apart}\n2,{apart + 1.2}\n")
+        r = ropes.Run(f"-growth_type none -growth_initial_length {length} -shape_type file -shape_file {shape} "
+                      f"-tip_type clamped -tip_path {way} -contact_diameter {D} -contact_self true -friction_mu 0 "
+                      f"-ts_rtol 1e-3 -ts_max_time 2 -output_interval 0.2 {more}")
+        for x, n, q in zip(*(r.shapes[name][1:] for name in ("x", "force", "d1"))):
+            R = (length - np.linalg.norm(x[-1])) / (2 * np.pi)
+            found.append((np.sqrt(D / 2 / R), (n[0] * q[0]).sum() * R * R))
+            print(f"| knot, sqrt(h/R) = {found[-1][0]:.4f} | T R^2/B = {found[-1][1]:.5f} | {r.steps} |", flush=True)
+    print(f"| loose limit | {np.polynomial.Polynomial.fit(*np.transpose(found), 2)(0):.4f} for 1/2 | |")
+
+
 def main():
     scene.TENDRIL = str(Path(sys.argv[1]).resolve())
     with tempfile.TemporaryDirectory() as scene.SCRATCH:
-        for name in sys.argv[2:] or ("pillar", "helix", "upheaval", "plectoneme"):
+        for name in sys.argv[2:] or ("pillar", "helix", "upheaval", "heavy", "plectoneme", "knot"):
             globals()[name]()
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 
 def write(path, **datasets):
@@ -51,11 +52,7 @@ def twisted_loop(data, length=4.5, torque=5.639, pull=49.68, slack=2.3, time=10)
     sine = np.sqrt(1 - cosine**2)
     q = np.stack([cosine, sine * np.cos(turned), sine * np.sin(turned)], axis=1)
     slope = np.gradient(q, s, axis=0, edge_order=2)
-    d2 = [np.array([0, 1, 0])]
-    for k in range(1, len(s)):  # carried along without turning about q
-        d = d2[-1] - (d2[-1] @ q[k]) * q[k]
-        d2.append(d / np.linalg.norm(d))
-    d2, twist = np.array(d2), torque / 0.75
+    d2, twist = carried(q), torque / 0.75
     bend = np.stack([(slope * d2).sum(1), (slope * np.cross(q, d2)).sum(1)])
     c, z = np.cos(twist * (s - s[0])), np.sin(twist * (s - s[0]))
     every = slice(None, None, 8)
@@ -65,6 +62,46 @@ def twisted_loop(data, length=4.5, torque=5.639, pull=49.68, slack=2.3, time=10)
     t = np.linspace(0, 1, 11)
     np.savetxt(data / "plectoneme.csv", np.c_[time * t, x - slack * t * t * (3 - 2 * t)], delimiter=",", fmt="%.8f",
                header="t,x1", comments="")
+
+
+def meeting(x, radius, diameter, longer):
+    """Of two strands that meet along x, a tail and the beginning of a loop: the first, which is the tail at x < 0.
+    They wind round each other by three half turns. The other is its mirror image, x -> -x and x3 -> -x3."""
+    along = longer * np.sqrt(2 * radius * diameter)
+    circle = lambda x: radius - np.sqrt(radius**2 - np.clip(x, 0, radius)**2)
+    up, other = circle(x), circle(-x)
+    apart = np.hypot((up - other) / 2, 0.65 * diameter * np.clip(1 - (x / (1.5 * along))**2, 0, 1)**2)
+    turned = np.pi + 3 * np.pi * rise((x / along + 1) / 2)
+    return np.stack([x, (up + other) / 2 + apart * np.cos(turned), apart * np.sin(turned)], axis=-1)
+
+
+def overhand(path, radius=0.5, diameter=0.02, tail=4, longer=2.2):
+    """An overhand knot in a rod that is straight by nature, loose: two tails along x1, and between them a loop.
+    Returns the rod's length, and how far its ends are apart."""
+    edge = min(1.6 * longer * np.sqrt(2 * radius * diameter), 0.95 * radius)
+    strand = meeting(np.linspace(-tail, edge, 2000), radius, diameter, longer)
+    round_ = np.linspace(np.arcsin(edge / radius), 2 * np.pi - np.arcsin(edge / radius), 1000)[1:-1]
+    loop = radius * np.stack([np.sin(round_), 1 - np.cos(round_), 0 * round_], axis=-1)
+    line = np.concatenate([strand, loop, (strand * [-1, 1, -1])[::-1]])
+    for _ in range(4):  # to points evenly spaced, between which it is smooth
+        s = np.append(0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1)))
+        line = CubicSpline(s, line)(np.linspace(0, s[-1], 1200))
+    s = np.append(0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1)))
+    curve, s = CubicSpline(s, line), np.linspace(0, s[-1], 2401)
+    q = curve(s, 1) / np.linalg.norm(curve(s, 1), axis=1)[:, None]
+    d2, slope = carried(q), np.gradient(q, s, axis=0, edge_order=2)
+    u2, u3, every = -(slope * np.cross(q, d2)).sum(1), (slope * d2).sum(1), slice(None, None, 2)
+    write(path, s=(s / s[-1])[every], u2=u2[every], u3=u3[every])
+    return s[-1], 2 * tail
+
+
+def carried(q):
+    """A vector across, carried along tangents q without turning about them."""
+    across = [np.array([0, 1, 0])]
+    for tangent in q[1:]:
+        d = across[-1] - (across[-1] @ tangent) * tangent
+        across.append(d / np.linalg.norm(d))
+    return np.array(across)
 
 
 def main():
@@ -79,6 +116,10 @@ def main():
     print(f"capstan.opts: -growth_initial_length {length:.12g}, -tip_force_vector",
           ",".join(f"{f:.9g}" for f in force))
     twisted_loop(ropes)
+    length, apart = overhand(ropes / "knot.h5", tail=2.5)
+    print("knot.opts: -growth_initial_length", length)
+    np.savetxt(ropes / "knot.csv", [[0, apart], [0.1, apart], [2, apart + 2.15]], delimiter=",", fmt="%g",
+               header="t,x1", comments="")
     # A vessel that narrows: friction along it rises from 0.2 to 1 between x1 = 2 and 10.
     x1 = np.linspace(0, 12, 25)
     write(data / "vessel.h5", x1=x1, x2=[0], factor=[0.2 + 0.8 * rise((x1 - 2) / 8)])

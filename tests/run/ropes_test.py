@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
 import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
 from contact_test import walls
 from scene_test import Run, expect
@@ -19,6 +20,8 @@ from scipy.integrate import solve_bvp, solve_ivp
 from scipy.interpolate import CubicSpline
 from scipy.linalg import expm
 from scipy.optimize import brentq
+
+from tendril.scene_data import overhand
 
 CHECKS = {}
 MU = 0.3
@@ -231,6 +234,26 @@ def heavy():
     r = heavy_rope(1.001, 0.1)
     print(f"slides: {r.steps} steps, at {r.tip_speed[-1]:.2g}, by {-r.tip_x2[-1] + r.tip_x2[0]:.2g}")
     expect(r.tip_speed[-1] > 0.1 and r.tip_x2[0] - r.tip_x2[-1] > 0.01, f"{r.tip_speed[-1]}")
+
+
+@check
+def knot():
+    """An overhand knot that is pulled by its ends, frictionless: it stays one, its ends are pulled alike, the work at its
+    tip is the rod's energy, and with R as the rod that is in it says, eps^2 = h/R, the pull is T R^2/B = 1/2 for loose
+    ones: 1/2 + 0.4465 eps + 1.554 eps^2 by knots of two diameters and twice as fine (docs/ropes.md)."""
+    D, d = 0.02, Path(scene.SCRATCH)
+    length, apart = overhand(d / "knot.h5", diameter=D, tail=2.2)
+    (d / "knot.csv").write_text(f"t,x1\n0,{apart}\n0.1,{apart}\n1,{apart + 0.8}\n")
+    r = Run(f"-growth_type none -growth_initial_length {length} -tip_type clamped -tip_path {d}/knot.csv -rod_cells 200 "
+            f"-contact_diameter {D} -contact_self -ts_rtol 1e-3 -ts_max_time 0.5 -output_interval 0.1 "
+            + ALONE.format(d / "knot.h5", 1e-3))
+    R = (length - np.linalg.norm(r.shapes["x"][1:, -1], axis=1)) / (2 * np.pi)
+    T = [[(n[k] * q[k]).sum() for k in (0, -1)] for n, q in zip(r.shapes["force"][1:], r.shapes["d1"][1:])]
+    first, eps = np.searchsorted(r.t, 0.1), np.sqrt(D / 2 / R)
+    work = np.trapezoid(-r.base_force_1[first:], r.tip_x1[first:]) / (r.energy[-1] - r.energy[first])
+    off = np.max(abs(np.array(T).mean(axis=1) * R**2 - 0.5 - 0.4465 * eps - 1.554 * eps**2))
+    print(f"{r.steps} steps, R {R[0]:.3f} to {R[-1]:.3f}, T R^2/B off by {off:.1e}, work over energy {work:.5f}")
+    expect(off < 1.5e-3 and np.ptp(T, axis=1).max() < 4e-3 and abs(work - 1) < 5e-3, f"{off}, {work}, {T}")
 
 
 if __name__ == "__main__":
