@@ -12,7 +12,7 @@ ROOMS = ["base", "material", "world", "scene", "straight", "rod", "stepping", "r
 STRANGERS = {("material", "world"), ("world", "material")}  # a rod's own, and what is around all rods
 # header: who may include it
 KEPT = {r"petsc/private/": {"stepping/vbdf.c", "rod/frame.c", "rod/coupled.c"}, r"hdf5\.h": {"base/hdf.c"},
-        r"slepc": {"straight/", "tasks/stability.c", "tasks/critical.c", "tasks/tendril.c"}}
+        r"slepc": {"straight/", "tasks/stability.c", "tasks/critical.c", "tasks/bent.c", "tasks/tendril.c"}}
 
 
 def faults(src):

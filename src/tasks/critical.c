@@ -1,4 +1,5 @@
 #include "tasks/critical.h"
+#include "tasks/bent.h"
 #include "record/output.h"
 #include "straight/spectrum.h"
 #include "straight/straight.h"
@@ -461,6 +462,9 @@ PetscErrorCode CriticalPrintLaboratory(MPI_Comm comm, const Critical *self) {
   PetscFunctionReturn(0);
 }
 
+/* A mode is one of x2 or x3 if so little of it is in the other. */
+static const PetscReal sure = 1e-6;
+
 /* In which direction across, in space. */
 static PetscErrorCode PrintWay(MPI_Comm comm, const Critical *self) {
   const char *const name[] = {"x2 (about d3)", "x3 (about d2)"};
@@ -468,6 +472,13 @@ static PetscErrorCode PrintWay(MPI_Comm comm, const Critical *self) {
 
   PetscFunctionBegin;
   if (!self->space) PetscFunctionReturn(0);
+  if (self->bent) {
+    PetscCall(PetscPrintf(comm, "of a bent rod, %s\n",
+                          self->sideways > 1 - sure ? "sideways: in x3"
+                          : self->sideways < sure   ? "in its plane: in x2"
+                                                    : "in x2 and x3 at once"));
+    PetscFunctionReturn(0);
+  }
   if (self->follows)
     (void)snprintf(text, sizeof(text), "at t = %.12g, L = %.12g", (double)self->other[0],
                    (double)self->other[1]);
@@ -504,12 +515,18 @@ static PetscErrorCode FindAndStore(Scene scene, const char *output, Member *memb
   Critical critical = {0};
   HdfFile file = NULL;
   PetscErrorCode error;
+  PetscBool bent;
 
   PetscFunctionBegin;
-  PetscCall(SpectrumReadOptions());
+  PetscCall(BentAsked(scene, &bent));
+  if (bent)
+    PetscCall(BentReadOptions(scene));
+  else
+    PetscCall(SpectrumReadOptions());
   PetscCall(OptionsRefuseUnread());
   if (output[0]) PetscCall(OutputNewFile("-output", output, scene->comm, &file));
-  error = CriticalFind(scene, PETSC_FALSE, &critical);
+  error =
+      bent ? BentFind(scene, PETSC_FALSE, &critical) : CriticalFind(scene, PETSC_FALSE, &critical);
   if (!error) error = member ? Leave(&critical, &member->harvest) : Print(scene->comm, &critical);
   if (!error) error = Write(scene, file, &critical);
   PetscCall(CriticalDestroy(&critical));

@@ -1,10 +1,10 @@
-/* -task critical: when the straight rod stops being stable. */
+/* -task critical: when the straight rod, or a bent one, stops being stable. */
 #ifndef TENDRIL_CRITICAL_H
 #define TENDRIL_CRITICAL_H
 
 #include "tasks/member.h"
 
-/* The first time at which a mode of the straight rod stops decaying. */
+/* The first time at which a mode of the rod stops decaying. */
 typedef struct {
   PetscReal t, length;
   PetscReal error;     /* bound on both */
@@ -12,6 +12,8 @@ typedef struct {
   PetscBool space;     /* the rod is in space: the mode has x3 and its angle, too */
   StraightWay way;     /* the deflection that it is one of */
   PetscInt ways;       /* of which there are so many to look at */
+  PetscBool bent;      /* the rod is no straight one: it was followed */
+  PetscReal sideways;  /* ... and of its mode this part is out of its plane */
   PetscReal twisting;  /* M; 0: the rod is not twisted */
   PetscBool follows;   /* the other of two ways turns unstable, too */
   PetscReal other[2];  /* t and length then */

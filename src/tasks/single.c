@@ -1,5 +1,6 @@
 #include "tasks/single.h"
 #include "tasks/accuracy.h"
+#include "tasks/bent.h"
 #include "tasks/critical.h"
 #include "tasks/grow.h"
 #include "tasks/stability.h"
@@ -57,24 +58,26 @@ static PetscErrorCode ReadOptions(PetscInt task, const char *output, Asked *aske
 
 /* -task critical and stability are of a rod that is straight whatever happens along it. */
 static PetscErrorCode CheckStraight(Scene scene) {
-  const char *const about = "-task critical and stability are about a straight rod";
+  const char *const about = "-task critical and stability are about a straight rod",
+                    *const other = ", or -task critical -rod_model space";
   const PetscBool turned =
       (PetscBool)(scene->space.spin != 0 || scene->tip.torque != 0 || scene->curvature.any);
 
   PetscFunctionBegin;
   UserCheck(!CurvatureBends(&scene->curvature), scene->comm,
-            "-rod_curvature: %s, straight by nature; take it out", about);
+            "-rod_curvature: %s, straight by nature; take it out%s", about, other);
   UserCheck(scene->clamp == CLAMP_HELD, scene->comm,
             "-clamp_type free: %s that a clamp holds; take it out", about);
   UserCheck(!scene->contact.any, scene->comm, "-%s: %s that touches nothing; take it out",
             scene->contact.self ? "contact_self" : "wall_file", about);
-  UserCheck(SpaceIsAlong(scene->load.weight), scene->comm,
-            "-rod_weight: a weight across the rod bends it, and %s; give it the clamp's direction",
-            about);
+  UserCheck(
+      SpaceIsAlong(scene->load.weight), scene->comm,
+      "-rod_weight: a weight across the rod bends it, and %s; give it the clamp's direction%s",
+      about, other);
   UserCheck(SpaceIsAlong(scene->tip.push), scene->comm,
             "-tip_force_vector: a force across the rod bends it, and %s; give it the clamp's "
-            "direction",
-            about);
+            "direction%s",
+            about, other);
   UserCheck(scene->load.radius == 0 || !turned, scene->comm,
             "-friction_radius: twist that friction holds depends on how it came about; -task "
             "critical and stability know twist without it; take it out");
@@ -87,8 +90,11 @@ static PetscErrorCode CheckStraight(Scene scene) {
 }
 
 static PetscErrorCode RunTask(Scene scene, const Asked *asked, Member *member) {
+  PetscBool bent = PETSC_FALSE;
+
   PetscFunctionBegin;
-  if (asked->task == TASK_STABILITY || asked->task == TASK_CRITICAL)
+  if (asked->task == TASK_CRITICAL) PetscCall(BentAsked(scene, &bent));
+  if (!bent && (asked->task == TASK_STABILITY || asked->task == TASK_CRITICAL))
     PetscCall(CheckStraight(scene));
   if (scene->shape.type == SHAPE_MODE && asked->task == TASK_GROW)
     PetscCall(TakeSlowestMode(scene));

@@ -1,0 +1,437 @@
+/* -task critical of a rod that is bent, or bears moments across: it is followed in the model of
+   space, and at each step small changes u of its state U(t) are looked at, frozen,
+     dF/dU u + sigma dF/dU_t u = 0
+   for F the equations of the model. It stops being stable where the first sigma comes to have a
+   real part of 0 (theory.md, section 15). */
+#include "tasks/bent.h"
+#include "rod/directors.h"
+#include "stepping/leg.h"
+#include "tasks/growing.h"
+#include <slepceps.h>
+
+/* Eigenvalues nearest to 0 that are looked at: modes that are about to grow come through it, or
+   past it. */
+enum { NEAREST = 6, SUBSPACE = 40, ROOT_STEPS = 60, CORRECTIONS = 2 };
+
+/* 1/sigma that is so much smaller than the largest is its round-off. */
+static const PetscReal noise = 1e-7;
+/* A root is found to this part of the time. */
+static const PetscReal root_found = 2e-13;
+
+typedef struct {
+  PetscReal rate, frequency; /* of the mode with the largest real part of those */
+  PetscInt which;            /* of them */
+} Growing;
+
+typedef struct {
+  Leg leg;
+  EPS eps;
+  Mat A, B, T;      /* dF/dU, -dF/dU_t, and A^-1 B */
+  KSP ksp;          /* A^-1 */
+  Vec U, U_t, work; /* within a step */
+  PetscReal before; /* the rate at the latest step; 0: none was taken */
+  PetscBool crosses;
+  PetscReal t; /* where it does */
+  Growing growing;
+} Bent;
+
+/*
+  BentAsked - is the rod of a scene, of which -task critical is asked, one to be followed? If it is
+  in space, by itself or as -rod_model says, and something bends it or leads its tip. Collective.
+*/
+PetscErrorCode BentAsked(Scene scene, PetscBool *bent) {
+  const PetscBool across =
+      (PetscBool)(CurvatureBends(&scene->curvature) || scene->tip.path ||
+                  !SpaceIsAlong(scene->load.weight) || !SpaceIsAlong(scene->tip.push));
+  PetscInt model = SPACE;
+
+  PetscFunctionBegin;
+  if (across && scene->space.why) PetscCall(OptionDefault("-rod_model", "space"));
+  if (across) PetscCall(OptionWord("-rod_model", &model, NULL));
+  *bent = (PetscBool)(across && model == SPACE);
+  PetscFunctionReturn(0);
+}
+
+/* What has no modes that could be taken for those of the moment. */
+static PetscErrorCode Check(Scene scene) {
+  const char *const about = "-task critical looks at the modes of a bent rod at an instant";
+
+  PetscFunctionBegin;
+  UserCheck(scene->clamp == CLAMP_HELD, scene->comm,
+            "-clamp_type free: %s, of one that a clamp holds; take it out", about);
+  UserCheck(!scene->contact.any, scene->comm,
+            "-%s: %s, and of one that touches nothing; take it out",
+            scene->contact.self ? "contact_self" : "wall_file", about);
+  UserCheck(scene->load.friction.mu == 0 || (!LoadSticks(&scene->load) && !scene->load.limit),
+            scene->comm,
+            "-friction_beta: %s, and what sticks has none; give a value above 0, or -friction_mu 0",
+            about);
+  PetscFunctionReturn(0);
+}
+
+/* y = T x, see SolverCreate(). */
+static PetscErrorCode Apply(Mat T, Vec x, Vec y) {
+  const RodModel *model = &rod_space;
+  PetscScalar *value;
+  PetscInt n;
+  Bent *self;
+
+  PetscFunctionBegin;
+  PetscCall(MatShellGetContext(T, &self));
+  PetscCall(MatMult(self->B, x, self->work));
+  PetscCall(KSPSolve(self->ksp, self->work, y));
+  PetscCall(VecGetLocalSize(y, &n));
+  PetscCall(VecGetArray(y, &value));
+  for (PetscInt i = 0; i < n; i++)
+    if (!model->followed[i % model->fields]) value[i] = 0;
+  PetscCall(VecRestoreArray(y, &value));
+  PetscFunctionReturn(0);
+}
+
+/* A is factored from the clamp on, as in every step. */
+static PetscErrorCode InverseCreate(MPI_Comm comm, KSP *ksp) {
+  PC pc;
+
+  PetscFunctionBegin;
+  PetscCall(KSPCreate(comm, ksp));
+  PetscCall(KSPSetType(*ksp, KSPPREONLY));
+  PetscCall(KSPGetPC(*ksp, &pc));
+  PetscCall(PCSetType(pc, PCLU));
+  PetscCall(PCFactorSetMatOrderingType(pc, MATORDERINGNATURAL));
+  PetscFunctionReturn(0);
+}
+
+/* The problem is T u = u/sigma, T = A^-1 B, of places and directors alone: no rates of forces are
+   in the equations, so these follow, and with them T has round-off for eigenvalues that are 0. */
+static PetscErrorCode SolverCreate(MPI_Comm comm, Bent *self) {
+  PetscInt n;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetLocalSize(self->U, &n));
+  PetscCall(InverseCreate(comm, &self->ksp));
+  PetscCall(MatCreateShell(comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, self, &self->T));
+  PetscCall(MatShellSetOperation(self->T, MATOP_MULT, (void (*)(void))Apply));
+  PetscCall(EPSCreate(comm, &self->eps));
+  PetscCall(EPSSetOperators(self->eps, self->T, NULL));
+  PetscCall(EPSSetProblemType(self->eps, EPS_NHEP));
+  PetscCall(EPSSetTolerances(self->eps, 1e-10, 200));
+  PetscCall(EPSSetDimensions(self->eps, NEAREST, SUBSPACE, PETSC_DEFAULT));
+  PetscCall(EPSSetWhichEigenpairs(self->eps, EPS_LARGEST_MAGNITUDE));
+  PetscFunctionReturn(0);
+}
+
+/* A and B of a state. Friction is linearised as what it is, not as Newton's method takes it. */
+static PetscErrorCode Assemble(Bent *self, PetscReal t, Vec U, Vec U_t) {
+  Rod rod = self->leg.rod;
+  Friction *friction = &rod->scene->load.friction;
+  const FrictionNewton newton = friction->newton;
+  PetscReal none[MAX_FIELDS] = {0}, one[MAX_FIELDS];
+
+  PetscFunctionBegin;
+  for (int f = 0; f < MAX_FIELDS; f++) one[f] = 1;
+  rod->fresh = PETSC_TRUE;
+  friction->newton = NEWTON_PRIMAL;
+  PetscCall(rod->model->jacobian(rod, t, U, U_t, none, self->A));
+  PetscCall(rod->model->jacobian(rod, t, U, U_t, one, self->B));
+  friction->newton = newton;
+  PetscCall(MatAYPX(self->B, -1, self->A, SAME_NONZERO_PATTERN));
+  PetscFunctionReturn(0);
+}
+
+/* The mode of a state that grows fastest, or decays slowest. */
+static PetscErrorCode Look(Bent *self, PetscReal t, Vec U, Vec U_t, Growing *growing) {
+  PetscReal most = 0;
+  PetscScalar re, im;
+  PetscInt found;
+
+  PetscFunctionBegin;
+  PetscCall(Assemble(self, t, U, U_t));
+  PetscCall(KSPSetOperators(self->ksp, self->A, self->A));
+  PetscCall(EPSSetOperators(self->eps, self->T, NULL)); /* it has changed */
+  PetscCall(EPSSolve(self->eps));
+  PetscCall(EPSGetConverged(self->eps, &found));
+  PetscCheck(found > 0, PetscObjectComm((PetscObject)self->eps), PETSC_ERR_CONV_FAILED,
+             "no mode of the bent rod was found at t = %g", (double)t);
+  *growing = (Growing){.rate = PETSC_MIN_REAL};
+  for (PetscInt i = 0; i < found; i++) {
+    PetscReal size;
+    PetscCall(EPSGetEigenvalue(self->eps, i, &re, &im));
+    size = re * re + im * im;
+    if (!i) most = size;
+    if (size < most * PetscSqr(noise)) continue;
+    re /= size;
+    im /= size;
+    if (re > growing->rate) *growing = (Growing){re, PetscAbsReal(im), i};
+  }
+  PetscFunctionReturn(0);
+}
+
+/* The state between two steps is their polynomial's, which meets the equations to the tolerance of
+   steps, moments and forces not even so. So it is brought to them, as a step as long as the latest
+   one would. */
+static PetscErrorCode Correct(Bent *self, PetscReal t, PetscReal step) {
+  Rod rod = self->leg.rod;
+  PetscReal shift[MAX_FIELDS];
+  Vec F;
+
+  PetscFunctionBegin;
+  for (int f = 0; f < MAX_FIELDS; f++) shift[f] = 1 / step;
+  PetscCall(VecDuplicate(self->U, &F));
+  for (int k = 0; k < CORRECTIONS; k++) {
+    PetscCall(rod->model->residual(rod, t, self->U, self->U_t, F));
+    PetscCall(rod->model->jacobian(rod, t, self->U, self->U_t, shift, self->A));
+    PetscCall(KSPSetOperators(self->ksp, self->A, self->A));
+    PetscCall(KSPSolve(self->ksp, F, self->work));
+    PetscCall(VecAXPY(self->U, -1, self->work));
+    PetscCall(VecAXPY(self->U_t, -1 / step, self->work));
+  }
+  PetscCall(VecDestroy(&F));
+  PetscFunctionReturn(0);
+}
+
+/* The same within the latest step, from t0 to t1. */
+static PetscErrorCode LookAt(Bent *self, PetscReal t, PetscReal t0, PetscReal t1,
+                             Growing *growing) {
+  PetscFunctionBegin;
+  PetscCall(LegInterpolate(&self->leg, t, t1, t1 - t0, self->U, self->U_t));
+  PetscCall(Correct(self, t, t1 - t0));
+  PetscCall(Look(self, t, self->U, self->U_t, growing));
+  PetscFunctionReturn(0);
+}
+
+/* Where the rate, fa < 0 at a, fb >= 0 at b, is 0 within the latest step, which ends at b: false
+   position with the stale end's value halved. */
+static PetscErrorCode Cross(Bent *self, PetscReal a, PetscReal fa, PetscReal b, PetscReal fb) {
+  const PetscReal t0 = a, t1 = b;
+  int stale = 0;
+
+  PetscFunctionBegin;
+  self->t = b;
+  for (int k = 0; k < ROOT_STEPS && b - a > root_found * b; k++) {
+    const PetscReal t = (a * fb - b * fa) / (fb - fa), old = self->t;
+    self->t = t > a && t < b ? t : (a + b) / 2;
+    PetscCall(LookAt(self, self->t, t0, t1, &self->growing));
+    if (self->growing.rate < 0) {
+      if (stale > 0) fb /= 2;
+      a = self->t;
+      fa = self->growing.rate;
+      stale = 1;
+    } else {
+      if (stale < 0) fa /= 2;
+      b = self->t;
+      fb = self->growing.rate;
+      stale = -1;
+    }
+    if (PetscAbsReal(self->t - old) <= root_found * self->t) break;
+  }
+  self->crosses = PETSC_TRUE;
+  PetscFunctionReturn(0);
+}
+
+/* A step was taken: are there modes that grow? */
+static PetscErrorCode AfterStep(TS ts) {
+  PetscReal t0, t1;
+  Growing growing;
+  Leg *leg;
+  Bent *self;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetApplicationContext(ts, &leg));
+  self = (Bent *)leg->owner;
+  PetscCall(TSGetTime(ts, &t1));
+  PetscCall(TSGetPrevTime(ts, &t0));
+  PetscCall(LookAt(self, t1, t0, t1, &growing));
+  UserCheck(growing.rate < 0 || self->before < 0, PetscObjectComm((PetscObject)ts),
+            "-growth_initial_length: the bent rod is unstable already at t = 0, take it shorter or "
+            "load it less");
+  if (growing.rate >= 0) {
+    PetscCall(Cross(self, t0, self->before, t1, growing.rate));
+    PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
+  }
+  self->before = growing.rate;
+  PetscFunctionReturn(0);
+}
+
+/* A scene at its start, on the mesh that it has. */
+static PetscErrorCode Create(Scene scene, PetscReal rtol, PetscBool quiet, Bent *self) {
+  Node *nodes;
+  Rod rod;
+
+  PetscFunctionBegin;
+  PetscCall(LegCreate(scene, &rod_space, rtol, NULL, &self->leg));
+  rod = self->leg.rod;
+  self->leg.owner = self;
+  PetscCall(TSSetPostStep(self->leg.ts, AfterStep));
+  PetscCall(RodHoldTip(rod));
+  PetscCall(RodCreateMatrix(rod, &self->A));
+  PetscCall(RodCreateMatrix(rod, &self->B));
+  PetscCall(VecDuplicate(self->leg.U, &self->U));
+  PetscCall(VecDuplicate(self->leg.U, &self->U_t));
+  PetscCall(VecDuplicate(self->leg.U, &self->work));
+  PetscCall(SolverCreate(scene->comm, self));
+  if (!quiet) PetscCall(EPSSetFromOptions(self->eps));
+  PetscCall(PetscMalloc1(rod->end - rod->first, &nodes));
+  PetscCall(RodInitialNodes(rod, 0, nodes));
+  PetscCall(rod->model->set(rod, 0, nodes, self->leg.U));
+  PetscCall(PetscFree(nodes));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Destroy(Bent *self) {
+  PetscFunctionBegin;
+  PetscCall(EPSDestroy(&self->eps));
+  PetscCall(MatDestroy(&self->A));
+  PetscCall(MatDestroy(&self->B));
+  PetscCall(MatDestroy(&self->T));
+  PetscCall(KSPDestroy(&self->ksp));
+  PetscCall(VecDestroy(&self->U));
+  PetscCall(VecDestroy(&self->U_t));
+  PetscCall(VecDestroy(&self->work));
+  PetscCall(LegDestroy(&self->leg));
+  PetscFunctionReturn(0);
+}
+
+/* The shape of the mode: how the places go across, and the tangents. */
+static PetscErrorCode StoreMode(const Bent *self, Critical *critical) {
+  const Scene scene = self->leg.rod->scene;
+  const PetscInt fields = rod_space.fields, n = critical->n = scene->mesh.cells + 1;
+  const PetscScalar *u, *state;
+  PetscReal most = 0, size[2] = {0, 0};
+  Vec mode;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc3(n, &critical->s, n, &critical->y, n, &critical->theta));
+  PetscCall(PetscMalloc2(n, &critical->y3, n, &critical->theta3));
+  PetscCall(VecDuplicate(self->U, &mode));
+  PetscCall(EPSGetEigenvector(self->eps, self->growing.which, mode, NULL));
+  PetscCall(VecGetArrayRead(mode, &u));
+  PetscCall(VecGetArrayRead(self->U, &state));
+  for (PetscInt i = 0; i < n; i++) {
+    const PetscReal *p = state + i * fields + 3, *dp = u + i * fields + 3;
+    PetscReal d[3][3], D[3][4], turn[3];
+    Directors(p, QuaternionSize(p), d);
+    DirectorSlope(p, QuaternionSize(p), d[0], 0, D);
+    for (int k = 0; k < 3; k++)
+      turn[k] = D[k][0] * dp[0] + D[k][1] * dp[1] + D[k][2] * dp[2] + D[k][3] * dp[3];
+    critical->s[i] = scene->mesh.s[i];
+    critical->y[i] = u[i * fields + 1];
+    critical->y3[i] = u[i * fields + 2];
+    critical->theta[i] = turn[1];
+    critical->theta3[i] = turn[2];
+    size[0] = PetscMax(size[0], PetscAbsReal(critical->y[i]));
+    size[1] = PetscMax(size[1], PetscAbsReal(critical->y3[i]));
+  }
+  PetscCall(VecRestoreArrayRead(mode, &u));
+  PetscCall(VecRestoreArrayRead(self->U, &state));
+  PetscCall(VecDestroy(&mode));
+  most = PetscMax(size[0], size[1]);
+  for (PetscInt i = 0; i < n && most > 0; i++) {
+    critical->y[i] /= most;
+    critical->y3[i] /= most;
+    critical->theta[i] /= most;
+    critical->theta3[i] /= most;
+  }
+  critical->sideways = size[1] / (size[0] + size[1]);
+  PetscFunctionReturn(0);
+}
+
+/* Follows the rod on the mesh that it has; critical NULL: its mode is not asked for. */
+static PetscErrorCode Follow(Scene scene, PetscReal rtol, PetscBool quiet, PetscReal *t,
+                             Critical *critical) {
+  TSConvergedReason reason;
+  Bent self = {0};
+  PetscErrorCode error;
+  char text[64];
+
+  PetscFunctionBegin;
+  error = Create(scene, rtol, quiet, &self);
+  if (!error) error = TSSolve(self.leg.ts, self.leg.U);
+  if (!error) error = TSGetConvergedReason(self.leg.ts, &reason);
+  if (!error && self.crosses) {
+    *t = self.t;
+    if (critical) error = StoreMode(&self, critical);
+    if (critical) critical->frequency = self.growing.frequency;
+  } else if (!error)
+    error = TSGetTime(self.leg.ts, t);
+  PetscCall(Destroy(&self));
+  PetscCall(error);
+  UserCheck(self.crosses || reason > 0, OptionsComm(),
+            "the bent rod could not be followed beyond t = %s (%s): try another -ts_rtol or more "
+            "-rod_cells",
+            OptionBoth(*t, UNIT_TIME, text), TSConvergedReasons[reason]);
+  UserCheck(self.crosses, OptionsComm(),
+            "-ts_max_time %s: the bent rod is stable up to there, look further",
+            OptionBoth(scene->end_time, UNIT_TIME, text));
+  PetscFunctionReturn(0);
+}
+
+/* The same with half the cells. */
+static PetscErrorCode FollowHalf(Scene scene, PetscReal rtol, PetscBool quiet, PetscReal *t) {
+  const Mesh mesh = scene->mesh;
+  PetscErrorCode error;
+
+  PetscFunctionBegin;
+  PetscCall(
+      MeshCreate((mesh.cells + 1) / 2, PETSC_FALSE, scene->growth, scene->end_time, &scene->mesh));
+  error = Follow(scene, rtol, quiet, t, NULL);
+  PetscCall(MeshDestroy(&scene->mesh));
+  scene->mesh = mesh;
+  PetscCall(error);
+  PetscFunctionReturn(0);
+}
+
+/* On this rank alone. */
+static PetscErrorCode Find(Scene scene, PetscReal rtol, PetscBool quiet, Critical *critical) {
+  PetscReal half;
+
+  PetscFunctionBegin;
+  PetscCall(Follow(scene, rtol, quiet, &critical->t, critical));
+  PetscCall(FollowHalf(scene, rtol, quiet, &half));
+  PetscCall(GrowthLength(scene->growth, critical->t, &critical->length, NULL));
+  critical->error = PetscAbsReal(critical->t - half) +
+                    PetscMax(critical->t, critical->length) * PetscMax(1e-14, rtol);
+  PetscFunctionReturn(0);
+}
+
+/*
+  BentReadOptions - reads the options of a rod that is followed, and forgets those of its solvers,
+  so that a mistyped one can be refused before any work. Collective.
+*/
+PetscErrorCode BentReadOptions(Scene scene) {
+  PetscErrorCode error;
+  PetscReal rtol;
+  Bent self = {0};
+
+  PetscFunctionBegin;
+  PetscCall(Check(scene));
+  PetscCall(OptionReal("-ts_rtol", &rtol, NULL));
+  scene->space.rod = PETSC_TRUE;
+  error = Create(scene, rtol, PETSC_FALSE, &self);
+  PetscCall(Destroy(&self));
+  PetscCall(error);
+  PetscFunctionReturn(0);
+}
+
+/*
+  BentFind - as CriticalFind(), of a rod that BentAsked() says is followed, after BentReadOptions().
+  Every rank does so by itself. Collective on the scene's ranks.
+
+  The error bound is the change from half the cells, and the tolerance of the steps.
+*/
+PetscErrorCode BentFind(Scene scene, PetscBool quiet, Critical *critical) {
+  const MPI_Comm comm = scene->comm;
+  PetscErrorCode error;
+  PetscReal rtol;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(critical, sizeof(*critical)));
+  PetscCall(OptionReal("-ts_rtol", &rtol, NULL));
+  critical->space = critical->bent = PETSC_TRUE;
+  critical->ways = 1;
+  scene->comm = PETSC_COMM_SELF;
+  error = Find(scene, rtol, quiet, critical);
+  scene->comm = comm;
+  if (error) PetscCall(CriticalDestroy(critical));
+  PetscCall(error);
+  PetscFunctionReturn(0);
+}
