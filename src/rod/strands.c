@@ -623,6 +623,16 @@ static void Advance(Strands self, Pair *pair, PetscBool fresh) {
   pair->w = ContactRub(self->contact, pair->slip, dual, &pair->w_slip);
 }
 
+/* What does not touch when a Newton solve begins, and may before it ends, begins from nothing: what
+   is left of earlier solves a run that is restarted does not have. (Shifts stay.) */
+static void Forget(Strands self) {
+  for (PetscInt k = 0; k < 2 * self->points; k++) {
+    FrictionDual *dual = &self->dual[k];
+    if (self->slot[k] >= 0 && self->pair[self->slot[k]].active) continue;
+    for (int d = 0; d < 2; d++) dual->v[d] = dual->w[d] = 0;
+  }
+}
+
 /*
   StrandsLinearise - the derivatives of the forces that StrandsLoad() found in the same state. Not
   collective: the same on every rank.
@@ -641,6 +651,7 @@ PetscErrorCode StrandsLinearise(Strands self, const StrandState *state, const Pe
   }
   *n = 0;
   *slopes = self->slopes;
+  if (fresh && self->dual) Forget(self);
   for (PetscInt k = 0; k < self->n; k++) {
     Pair *pair = &self->pair[k];
     PairSlope by = {.z = {0}};
