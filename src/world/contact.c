@@ -89,22 +89,24 @@ static PetscReal Thickness(const Contact *contact) {
   ContactSetStiffness - k, unless it is given, and what follows from it. A point load Q on a rod of
   stiffness 1 sinks in by Q/(2 sqrt(2) k^(3/4)) and spreads over l = k^(-1/4) (Winkler's
   foundation). Forces are about as friction has them, 1, or as bending has them in a rod so short
-  that friction is nothing to it, 10/L^2.
+  that friction is nothing to it, 10/L^2; one that is shorter than thick is to sink in by a part of
+  its length.
 
   cell, length  the largest of a cell and of the rod, at present, and their rates
 */
 void ContactSetStiffness(Contact *contact, const PetscReal cell[2], const PetscReal length[2]) {
   const PetscReal depth = 2 * PETSC_SQRT2, short_rod = 10 / (length[0] * length[0]),
                   Q = PetscMax(1, short_rod), D = Thickness(contact);
-  const PetscReal Q_t = short_rod > 1 ? -2 * length[1] / length[0] : 0; /* over Q; so all rates */
+  const PetscReal longer = length[1] / length[0], Q_t = short_rod > 1 ? -2 * longer : 0,
+                  D_t = length[0] < D ? longer : 0; /* over Q, over D; so all rates */
   PetscReal l = cells_of_layer * cell[0], l_t = cell[0] > 0 ? cell[1] / cell[0] : 0;
 
   if (!contact->any) return;
   if (D > 0) {
-    PetscReal thick = PetscPowReal(depth * part_of_diameter * D / Q, 1. / 3);
+    PetscReal thick = PetscPowReal(depth * part_of_diameter * PetscMin(D, length[0]) / Q, 1. / 3);
     if ((contact->diameter > 0 && !contact->fine) || thick < l) {
       l = thick;
-      l_t = -Q_t / 3;
+      l_t = (D_t - Q_t) / 3;
     }
   }
   if (contact->given) {

@@ -145,6 +145,25 @@ static void TestPressure(void **state) {
   }
 }
 
+/* A rod shorter than thick is not to be pushed off by more than a part of its length; k and w
+   change as their rates say. */
+static void TestShortRod(void **state) {
+  const PetscReal lengths[] = {0.01, 0.05, 0.5, 5}, step = 1e-6;
+  for (size_t i = 0; i < sizeof(lengths) / sizeof(lengths[0]); i++) {
+    const PetscReal L = lengths[i], D = 0.1;
+    Contact now = {.any = PETSC_TRUE, .diameter = D}, later = now;
+    ContactSetStiffness(&now, (PetscReal[2]){0, 0}, (PetscReal[2]){L, 1});
+    ContactSetStiffness(&later, (PetscReal[2]){0, 0}, (PetscReal[2]){L + step * L, 1});
+    EXPECT(now.smooth < 2.1e-3 * PetscMin(D, L), "length %g: layer %g", L, now.smooth);
+    EXPECT(PetscAbsReal((later.stiffness - now.stiffness) / (step * L) - now.stiffness_t) <
+               1e-4 * now.stiffness / L,
+           "length %g: rate of k %g", L, now.stiffness_t);
+    EXPECT(PetscAbsReal((later.smooth - now.smooth) / (step * L) - now.smooth_t) <
+               1e-4 * now.smooth / L,
+           "length %g: rate of w %g", L, now.smooth_t);
+  }
+}
+
 /* Energy and force of the walls at a place; within: how near they are seen. */
 static PetscReal WallField(const Walls *walls, const PetscReal x[2], PetscReal f[2]) {
   const PetscReal within = 0.05;
@@ -308,10 +327,9 @@ static void TestStrandsAreConservative(void **state) {
   EXPECT(fine < 1e-3 && fine < coarse / 4, "off by %g, %g", coarse, fine);
 }
 
-static const struct CMUnitTest tests[] = {cmocka_unit_test(TestPressure),
-                                          cmocka_unit_test(TestWallsAreSmooth),
-                                          cmocka_unit_test(TestStrandsAreConservative),
-                                          cmocka_unit_test(TestWallJacobians),
-                                          cmocka_unit_test(TestFootJacobians),
-                                          cmocka_unit_test(TestStrandJacobians)};
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(TestPressure),       cmocka_unit_test(TestShortRod),
+    cmocka_unit_test(TestWallsAreSmooth), cmocka_unit_test(TestStrandsAreConservative),
+    cmocka_unit_test(TestWallJacobians),  cmocka_unit_test(TestFootJacobians),
+    cmocka_unit_test(TestStrandJacobians)};
 MAIN(tests)
