@@ -31,6 +31,8 @@ static PetscErrorCode Vector(const char *name, Dimension dimension, PetscReal v[
   v[0] = v[1] = v[2] = 0;
   PetscCall(OptionText(name, text, given));
   if (!*given) PetscFunctionReturn(0);
+  UserCheck(text[0] != ',' && !strstr(text, ",,") && text[strlen(text) - 1] != ',', OptionsComm(),
+            "%s %s: a number is missing at a comma; give a,b,c", name, text);
   for (part = strtok_r(text, ",", &rest); part; part = strtok_r(NULL, ",", &rest)) {
     UserCheck(n < 3, OptionsComm(), "%s: more than three numbers; give a,b,c", name);
     PetscCall(OptionQuantity(name, part, dimension, &v[n++]));

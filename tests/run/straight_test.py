@@ -197,6 +197,7 @@ def refused():
     path = f"{scene.SCRATCH}/path.csv"
     Path(path).write_text("t,x1\n0,0.5\n1,0.6\n")
     for options, words in {
+            "-rod_weight 1,,2": "-rod_weight 1,,2: a number is missing at a comma",
             "-rod_weight 0,1": "-rod_weight: a weight across the rod bends it",
             "-rod_weight 0.1,0,1e-6 -friction_beta 0": "what sticks has none",
             "-rod_curvature 1 -rod_model space -friction_mu 0 -ts_max_time 0.01": "stable up to there",
