@@ -1,10 +1,12 @@
 /* The frame model: first order in s, the constraint built in (theory.md, section 1),
      x' = g q,  theta' = g (m/B + k0),  m' = -g (q1 n2 - q2 n1),  n' = g F(v),  v = x_t + c q,
-     s = 0: x = 0, theta = 0 (in the clamp's frame), or m = 0, n = 0;  s = 1: the tip's three
-   conditions (tip.h). On a cell of width h between nodes a and b, with y = (x, theta, m, n) and y'
-   = f(y), order 4 (Lobatto):   y_b - y_a = h/6 (f_a + 4 f_mid + f_b), y_mid = (y_a + y_b)/2 + h/8
-   (f_a - f_b), and x_t at mid likewise, order 2 (midpoint):  y_b - y_a = h f_mid,  y_mid = (y_a +
-   y_b)/2. The rows of node i are the x and theta equations of the cell on its left and the m and n
+     s = 0: x = 0, theta = 0 (in the clamp's frame), or m = 0, n = 0 where it is free;
+     s = 1: the tip's three conditions (tip.h).
+   On a cell of width h between nodes a and b, with y = (x, theta, m, n) and y' = f(y),
+     order 4 (Lobatto):   y_b - y_a = h/6 (f_a + 4 f_mid + f_b),
+                          y_mid = (y_a + y_b)/2 + h/8 (f_a - f_b), and x_t at mid likewise,
+     order 2 (midpoint):  y_b - y_a = h f_mid,  y_mid = (y_a + y_b)/2.
+   The rows of node i are the x and theta equations of the cell on its left and the m and n
    equations of the cell on its right: so each diagonal block can be factored without looking
    elsewhere. */
 #include "rod/frame.h"

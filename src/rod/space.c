@@ -2,14 +2,16 @@
    directors of the quaternion p, d1 the tangent; x, m and n are in the clamp's frame,
      x' = g d1,  p' = g/2 p (0, u),  u = S^-1 (m.d1, m.d2, m.d3) + u0,
      m' = -g d1 x n + g l d1,  n' = g F,
-   F the load and l its couple about the tangent (world/load_space.h), at the velocity v = x_t + c
-   d1 and the spin 2 (p* p_t)_1 + c u1, s = 0: x = 0, p that of the clamp, or m = 0, n = 0, |p| = 1;
-   s = 1: the tip's six conditions (tip.h). The cells are those of the frame model (frame.c), y =
-   (x, p, m, n): order 4: y_b - y_a = h/6 (f_a + 4 f_mid + f_b),  y_mid = (y_a + y_b)/2 + h/8 (f_a -
-   f_b), order 2:  y_b - y_a = h f_mid,                    y_mid = (y_a + y_b)/2, x_t at mid
-   likewise, and the spin where friction along the rod feels it (rod/spin.h); else the rate of p
-   there is the mean of both ends'. The rows of node i are the x and p equations of the cell on its
-   left, the m and n equations of the cell on its right. */
+   F the load and l its couple about the tangent (world/load_space.h), at the velocity
+   v = x_t + c d1 and the spin 2 (p* p_t)_1 + c u1,
+     s = 0: x = 0, p that of the clamp, or m = 0, n = 0, |p| = 1 where it is free;
+     s = 1: the tip's six conditions (tip.h).
+   The cells are those of the frame model (frame.c), y = (x, p, m, n),
+     order 4:  y_b - y_a = h/6 (f_a + 4 f_mid + f_b),  y_mid = (y_a + y_b)/2 + h/8 (f_a - f_b),
+     order 2:  y_b - y_a = h f_mid,                    y_mid = (y_a + y_b)/2,
+   x_t at mid likewise, and the spin where friction along the rod feels it (rod/spin.h); else the
+   rate of p there is the mean of both ends'. The rows of node i are the x and p equations of the
+   cell on its left, the m and n equations of the cell on its right. */
 #include "rod/space_cells.h"
 #include <string.h>
 
