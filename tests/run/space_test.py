@@ -462,8 +462,9 @@ def refused():
     rolls = ("-growth_type feed -growth_initial_length 1 -shape_type straight -rod_cells 40 -ts_max_time 0.2 "
              "-contact_diameter 0.1 -friction_mu 0 -rod_weight 0,0,-2 -tip_force_vector 0,0.3,0 -rod_torsion 0.005 "
              f"-wall_file {wall} ")
-    expect("-ts_rtol" in tendril(rolls, 1) and "-rod_curvature" not in tendril(rolls, 1), "a remedy that is none")
-    tendril(rolls + "-ts_rtol 1e-4")
+    tendril(rolls)
+    given_up = tendril(rolls + "-ts_rtol 1e-6", 1)
+    expect("-ts_rtol" in given_up and "-rod_curvature" not in given_up, "a remedy that is none")
     # dry friction, and a clamp that turns: modes of the frozen rod are none that count
     tendril("-growth_type uniform -growth_initial_length 1.092 -ts_max_time 2.73 -rod_curvature 3.299 -rod_twist -0.295 "
             "-friction_mu 1 -friction_beta 1.6e-05 -shape_amplitude 0.290 -rod_cells 60 -tip_type pinned -clamp_spin 8.79")
