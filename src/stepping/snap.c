@@ -10,10 +10,11 @@
   followed until it rests.
 */
 static const PetscReal rest = 1e-6, long_after = 1e4; /* velocity at rest; fast time to get there */
-/* A rod that falls from rest begins slowly: it is at rest if it does not gain speed. Pressed
-   against a wall it may be next to straight, and what disturbed it dies out before the bend grows
-   by which it falls: there so much fast time is waited, too. (Where nothing can press, a rod that
-   did not snap is let go at once.) */
+/* A rod that falls from rest begins slowly: it is at rest if it does not gain speed, in as many
+   steps. Pressed against a wall it may be next to straight, and what disturbed it dies out before
+   the bend grows by which it falls: there so much fast time is waited, too. (Where nothing can
+   press, a rod that did not snap is let go at once.) */
+static const PetscInt few_steps = 5;
 static const PetscReal soonest = 100;
 static const PetscReal least_rtol =
     1e-6; /* no need to be more accurate than the slack of LoadInFastTime() */
@@ -37,7 +38,8 @@ static PetscErrorCode StopAtRest(TS ts) {
     if (leg->rod->model->followed[f]) fastest = PetscMax(fastest, speed[f]);
   if (steps >= many_steps && t < nowhere)
     PetscCall(TSSetConvergedReason(ts, TS_DIVERGED_STEP_REJECTED));
-  if (fastest < rest && fastest <= leg->speed && (t >= soonest || !leg->rod->scene->contact.any))
+  if (fastest < rest && fastest <= leg->speed && steps >= few_steps &&
+      (t >= soonest || !leg->rod->scene->contact.any))
     PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
   leg->speed = fastest;
   PetscFunctionReturn(0);

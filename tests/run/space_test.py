@@ -465,6 +465,13 @@ def refused():
     tendril(rolls)
     given_up = tendril(rolls + "-ts_rtol 1e-6", 1)
     expect("-ts_rtol" in given_up and "-rod_curvature" not in given_up, "a remedy that is none")
+    # a fall that begins so slowly that its first steps look like rest
+    with h5py.File(f"{scene.SCRATCH}/field.h5", "w") as f:
+        f["x1"], f["x2"] = np.linspace(-5, 9, 15), np.linspace(-5, 5, 11)
+        f["factor"] = np.ones((11, 15)) + 0.05 * np.arange(15)
+    tendril("-growth_initial_length 2 -shape_amplitude 0.1 -shape_turn 0.5 -friction_radius 0.2 -rod_cells 16 "
+            "-ts_max_time 0.01 -ts_rtol 1e-4 -rod_curvature_random 0.1 -rod_curvature_2 0.2 -rod_torsion 0.1 "
+            f"-tip_torque 0.1 -friction_field {scene.SCRATCH}/field.h5")
     # dry friction, and a clamp that turns: modes of the frozen rod are none that count
     tendril("-growth_type uniform -growth_initial_length 1.092 -ts_max_time 2.73 -rod_curvature 3.299 -rod_twist -0.295 "
             "-friction_mu 1 -friction_beta 1.6e-05 -shape_amplitude 0.290 -rod_cells 60 -tip_type pinned -clamp_spin 8.79")
