@@ -18,6 +18,7 @@ import sys
 import tempfile
 import time
 from functools import lru_cache
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -25,14 +26,18 @@ import numpy as np
 import tendril
 from tendril.comparing import finer, shape_at
 
+
+def refuse_without(package):
+    sys.exit(f"{Path(sys.argv[0]).stem}: rendering and measuring films needs {package}: .venv/bin/python -m pip "
+             "install -e './scripts[film]'")
+
+
 try:
     import cv2
     import imageio.v2 as imageio
-    import imageio_ffmpeg  # noqa: F401, which imageio writes films with
     import skimage  # noqa: F401, which finds lines
 except ImportError as missing:
-    sys.exit(f"{Path(sys.argv[0]).stem}: rendering and measuring films needs {missing.name}: .venv/bin/python -m pip "
-             "install -e './scripts[film]'")
+    refuse_without(missing.name)
 
 SIZE = [1920, 1080]
 BARREL = (-0.18, 0.04)  # of the lens: x (1 + a r^2 + b r^4), r = 1 half a width from the middle
@@ -168,6 +173,8 @@ class Stage:
 
 def rendered(path, r, stage, diameter, frames, fps):
     """Writes a film of a run, compressed by H.264."""
+    if not find_spec("imageio_ffmpeg"):  # which imageio writes films with
+        refuse_without("imageio_ffmpeg")
     length = r.scale("length")
     with imageio.get_writer(path, fps=fps, codec="libx264", output_params=["-crf", "27", "-preset", "veryfast", "-threads", "1"],
                             macro_block_size=None, ffmpeg_log_level="error") as film:
