@@ -61,6 +61,28 @@ static PetscErrorCode CheckScales(const char *file, Scene scene) {
   PetscFunctionReturn(0);
 }
 
+/* A rod goes on as long as it was: the lengths that the file tells are those of this scene. */
+static PetscErrorCode CheckLength(const char *file, Scene scene) {
+  const PetscReal alike = 1e-9;
+  PetscReal *t, *length, now;
+  PetscInt n, rows;
+
+  PetscFunctionBegin;
+  PetscCall(HdfRead("-restart", file, "/series/t", 1, &n, &t));
+  PetscCall(HdfRead("-restart", file, "/series/length", 1, &rows, &length));
+  n = PetscMin(n, rows) - 1;
+  UserCheck(n >= 0, scene->comm, "-restart %s: holds no series", file);
+  PetscCall(GrowthLength(scene->growth, t[n], &now, NULL));
+  UserCheck(PetscAbsReal(now - length[n]) <= alike * length[n], scene->comm,
+            "-growth_: the rod in -restart %s is %.6g long at t = %.6g, and would be %.6g as it is "
+            "said to grow now; leave -growth_initial_length and the like out, they are taken from "
+            "there",
+            file, (double)length[n], (double)t[n], (double)now);
+  PetscCall(PetscFree(t));
+  PetscCall(PetscFree(length));
+  PetscFunctionReturn(0);
+}
+
 /* Gives the scene the file's mesh, which may depend on the end time the run had. */
 static PetscErrorCode TakeMesh(const char *file, Scene scene) {
   PetscReal *s;
@@ -97,6 +119,7 @@ PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, P
   PetscCall(PetscFree(data));
   UserCheck(n == RESTART_STATE, scene->comm, "-restart %s: is of another version of tendril", file);
   PetscCall(CheckScales(file, scene));
+  PetscCall(CheckLength(file, scene));
   PetscCall(TakeMesh(file, scene));
   if (state->shared != 0) LoadShare(&scene->load, state->shared);
   scene->contact.time = PETSC_MIN_REAL; /* its law may follow from the cells */

@@ -147,6 +147,8 @@ def restart():
             expect(np.array_equal(a[k], whole[k]) or k == "finished", f"{law}: {k} differs")
         expect(all(np.array_equal(a[k], b[k]) for k in a), "a new file and the same differ")
         expect("-restart" in tendril(f"-restart {d}/a.h5", 1), "goes on past its end")
+        longer = tendril(f"-restart {d}/a.h5 -ts_max_time 13 -growth_initial_length 3", 1)
+        expect("-growth_initial_length" in longer and longer.count("\n") <= 1, f"goes on as another rod: {longer}")
     tendril(f"{DRY} -ts_max_time 7.3 -output_interval 0.5 -output {d}/a.h5")
     tendril(f"-restart {d}/a.h5 -ts_max_time 12")
     tendril(f"{DRY} -ts_max_time 12 -output_interval 0.5 -output {d}/whole.h5")
