@@ -125,6 +125,7 @@ static void Store(const char *path, Leg *leg, Scene scene) {
   CHECK(TSGetTime(leg->ts, &t));
   for (int k = 0; k < 3; k++) { /* the series end with the state */
     seen.t = t * k / 2;
+    CHECK(GrowthLength(scene->growth, seen.t, &seen.length, NULL));
     CHECK(OutputSeries(output, &seen));
   }
   CHECK(RestartKeep(leg, t, leg->U, &now, points));
