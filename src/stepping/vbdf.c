@@ -68,7 +68,7 @@ static const PetscReal nearly_seen = 30;
 /* A rod that barely sticks may slip by a little, and stick again in a step that is short enough: in
    a step below this part of the final time, such an error is a jump, too. (That of a kink would
    fall like the step, to a third at most.) */
-static const PetscReal slip_persists = 0.7, slip_step = 1e-8;
+static const PetscReal slip_persists = 0.25, slip_step = 1e-8;
 /* ... and below this part of the present time there is nothing but round-off; early on, of this
    part of the final time. */
 static const PetscReal smallest = 1e-13, early = 1e-3;
