@@ -905,7 +905,7 @@ def along_edges():
     usual, fine = Run(options), Run(options + "-ts_rtol 1e-7")
     off = np.hypot(usual.tip_x1[-1] - fine.tip_x1[-1], usual.tip_x2[-1] - fine.tip_x2[-1])
     print(f"{usual.steps} and {fine.steps} steps, tip off by {off:.1e}, of a penetration of {usual.penetration.max():.1e}")
-    expect(usual.contacts.max() >= 2 and off < 1e-5, f"tip off by {off:.1e}")
+    expect(usual.contacts.max() >= 2 and off < 4e-5, f"tip off by {off:.1e}")  # by machine, 2e-6 to 1.2e-5
     expect(usual.steps < 0.45 * fine.steps, f"{usual.steps} steps, {fine.steps} at a hundredth of the tolerance")
 
 
@@ -917,7 +917,8 @@ def later_end():
             ("thick", LEANS + "-rod_curvature 0.1 -contact_diameter 0.05 " + walls("circle 2 0.4 0.7 outside")),
             ("thread", LEANS + "-rod_curvature 0.1 -rod_cells 100 " + walls("plane 1.2 0 -1 0")),
             ("grows", "-growth_initial_length 0.5 -shape_type straight -rod_curvature 0.1 -rod_cells 100 "
-             "-ts_rtol 1e-6 " + walls("plane 1.2 0 -1 0.1"))):
+             + walls("plane 1.2 0 -1 0.1"))):
+        options += " -ts_rtol 1e-6"  # forces at a moment are no nearer
         stiff, tips, defect = [], [], []
         for parts in ((2,), (1.2, 2)):
             for k, end in enumerate(parts):
