@@ -145,6 +145,15 @@ class Links(unittest.TestCase):
                     broken.append(f"{page.relative_to(ROOT)}: {link}")
         self.assertEqual(broken, [])
 
+    def test_files_of_scenes(self):
+        """What scenes name, walls, tables and shapes, comes with them."""
+        missing = []
+        for scene in [*ROOT.glob("docs/*/*.opts"), *ROOT.glob("options/*.opts")]:
+            for named in re.findall(r"^-\w+_(?:file|path|field|table) (\S+)", scene.read_text(), re.M):
+                if not (scene.parent / named).exists():
+                    missing.append(f"{scene.relative_to(ROOT)}: {named}")
+        self.assertEqual(missing, [])
+
 
 if __name__ == "__main__":
     unittest.main()
