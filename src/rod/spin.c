@@ -18,7 +18,7 @@ static PetscErrorCode Twisting(Scene scene, PetscReal s, PetscReal t, PetscReal 
    they are 0. */
 PetscErrorCode SceneTwistRate(Scene scene, PetscReal s, PetscReal t, TwistRate *rate) {
   const PetscReal h = 1e-5 * (1 + t), before = PetscMax(0, t - h), after = t + h;
-  PetscReal a[2], b[2];
+  PetscReal a[2] = {0}, b[2] = {0};
 
   PetscFunctionBegin;
   *rate = (TwistRate){0, 0};
