@@ -77,6 +77,12 @@ static inline PetscReal Between(const PetscReal *at, PetscInt cell, PetscReal z)
   return (1 - z) * (1 - 2 * z) * v[0] + 4 * z * (1 - z) * v[1] + z * (2 * z - 1) * v[2];
 }
 
+/* ... and its derivative by z. */
+static inline PetscReal BetweenSlope(const PetscReal *at, PetscInt cell, PetscReal z) {
+  const PetscReal *v = at + 2 * cell;
+  return (4 * z - 3) * v[0] + (4 - 8 * z) * v[1] + (4 * z - 1) * v[2];
+}
+
 /* ---- the curve ---- */
 
 /* What a cell's curve is made of: x at its ends and x_z = h g d1 there. */
@@ -376,7 +382,7 @@ static PetscBool Moved(const struct _Strands3 *self) {
 
 /* The velocity of a place, x_t + c t, and its derivative by z. */
 static void MotionOf(const struct _Strands3 *self, const Spot *spot, Motion *m) {
-  const PetscReal *c = self->c + 2 * spot->cell, z = spot->z;
+  const PetscReal z = spot->z;
   PetscReal value[4], slope[4], bend[4], c_z, along;
   Ends e;
 
@@ -384,7 +390,7 @@ static void MotionOf(const struct _Strands3 *self, const Spot *spot, Motion *m) 
   Hermite(z, value, slope, bend);
   m->size = PetscSqrtReal(Dot3(spot->slope, spot->slope));
   m->c = Between(self->c, spot->cell, z);
-  c_z = (4 * z - 3) * c[0] + (4 - 8 * z) * c[1] + (4 * z - 1) * c[2];
+  c_z = BetweenSlope(self->c, spot->cell, z);
   for (int d = 0; d < 3; d++) m->t[d] = spot->slope[d] / m->size;
   along = Dot3(m->t, spot->bend);
   for (int d = 0; d < 3; d++) {
@@ -435,39 +441,37 @@ static PetscReal TwistOf(const struct _Strands3 *self, PetscInt cell) {
 
 /* The spin of the material is between nodes linear, but for what slides past them: c times the
    twist. The lever is that of contact_space.h, a = -D/2 t x n on both strands. */
-static void TurningOf(const struct _Strands3 *self, const Spot *spot, const PetscReal n[3],
-                      Turning *turning) {
+static void TurningOf(const struct _Strands3 *self, const Spot *spot, const Motion *motion,
+                      const PetscReal n[3], Turning *turning) {
   const Joint *a = self->joint + spot->cell, *b = a + 1;
-  const PetscReal *c = self->c + 2 * spot->cell, z = spot->z,
-                  size = PetscSqrtReal(Dot3(spot->slope, spot->slope)),
-                  slide = Between(self->c, spot->cell, z);
+  const PetscReal z = spot->z;
+  PetscReal twist;
 
-  for (int d = 0; d < 3; d++) turning->t[d] = spot->slope[d] / size;
+  for (int d = 0; d < 3; d++) turning->t[d] = motion->t[d];
   Cross3(turning->t, n, turning->a);
   for (int d = 0; d < 3; d++) turning->a[d] *= -self->contact->diameter / 2;
   turning->spin = (1 - z) * a->spin + z * b->spin;
   turning->spin_z = b->spin - a->spin;
-  if (slide == 0) return;
-  turning->spin += slide * TwistOf(self, spot->cell);
-  turning->spin_z +=
-      ((4 * z - 3) * c[0] + (4 - 8 * z) * c[1] + (4 * z - 1) * c[2]) * TwistOf(self, spot->cell);
+  if (motion->c == 0) return;
+  twist = TwistOf(self, spot->cell);
+  turning->spin += motion->c * twist;
+  turning->spin_z += BetweenSlope(self->c, spot->cell, z) * twist;
 }
 
 /* V = v - v_foot of the centre lines, whole; across n, and with the spins, that of the surfaces. */
 static void PairSlip(const struct _Strands3 *self, Pair *pair, PetscReal V[3]) {
   const Spot *spot[2] = {&pair->at, &pair->foot};
   PetscReal normal;
-  Motion at, foot;
+  Motion motion[2];
 
-  MotionOf(self, &pair->at, &at);
-  MotionOf(self, &pair->foot, &foot);
-  for (int d = 0; d < 3; d++) V[d] = at.v[d] - foot.v[d];
+  for (int k = 0; k < 2; k++) MotionOf(self, spot[k], &motion[k]);
+  for (int d = 0; d < 3; d++) V[d] = motion[0].v[d] - motion[1].v[d];
   normal = Dot3(pair->n, V);
   for (int d = 0; d < 3; d++) pair->slip[d] = V[d] - normal * pair->n[d];
   pair->slip[3] = 0;
   for (int k = 0; k < 2; k++) {
     Turning *turning = &pair->turning[k];
-    TurningOf(self, spot[k], pair->n, turning);
+    TurningOf(self, spot[k], &motion[k], pair->n, turning);
     for (int d = 0; d < 3; d++) pair->slip[d] += turning->spin * turning->a[d];
   }
 }
@@ -488,30 +492,32 @@ static void HandTo(const struct _Strands3 *self, const Spot *spot, PetscReal sha
       load[spread.point[k]][d] -= share * f[d] * spread.share[k] / self->weight[spread.point[k]];
 }
 
-/* The couples a.f t of friction on both strands. */
-static void HandCouples(const struct _Strands3 *self, const Pair *pair, const PetscReal f[3]) {
-  const Spot *spot[2] = {&pair->at, &pair->foot};
-  const PetscReal share = ShareOf(self, pair);
-
-  for (int k = 0; k < 2; k++) {
-    const Turning *turning = &pair->turning[k];
-    PetscReal couple[3], about = Dot3(turning->a, f);
-    for (int d = 0; d < 3; d++) couple[d] = about * turning->t[d];
-    if (!k && IsTip(self, pair->sample))
-      for (int d = 0; d < 3; d++) self->couple[self->points][d] += share * couple[d];
-    else
-      HandTo(self, spot[k], share, couple, self->couple);
-  }
-}
-
-static void HandOut(Strands3 self, const Pair *pair, const PetscReal f[3]) {
+/* The same on a sample, which may be that of the tip. */
+static void HandToSample(const struct _Strands3 *self, const Pair *pair, const PetscReal f[3],
+                         PetscReal (*load)[3]) {
   const PetscReal share = ShareOf(self, pair);
 
   if (IsTip(self, pair->sample))
-    for (int d = 0; d < 3; d++) self->force[self->points][d] += share * f[d];
+    for (int d = 0; d < 3; d++) load[self->points][d] += share * f[d];
   else
-    HandTo(self, &pair->at, share, f, self->force);
-  HandTo(self, &pair->foot, -share, f, self->force);
+    HandTo(self, &pair->at, share, f, load);
+}
+
+static void HandOut(const struct _Strands3 *self, const Pair *pair, const PetscReal f[3]) {
+  HandToSample(self, pair, f, self->force);
+  HandTo(self, &pair->foot, -ShareOf(self, pair), f, self->force);
+}
+
+/* The couples a.f t of friction on both strands. */
+static void HandCouples(const struct _Strands3 *self, const Pair *pair, const PetscReal f[3]) {
+  PetscReal couple[2][3];
+
+  for (int k = 0; k < 2; k++) {
+    const Turning *turning = &pair->turning[k];
+    for (int d = 0; d < 3; d++) couple[k][d] = Dot3(turning->a, f) * turning->t[d];
+  }
+  HandToSample(self, pair, couple[0], self->couple);
+  HandTo(self, &pair->foot, ShareOf(self, pair), couple[1], self->couple);
 }
 
 static void AddToSum(Strands3 self, const Pair *pair) {
