@@ -1,4 +1,5 @@
 #include "record/touching.h"
+#include "base/vectors.h"
 #include "rod/directors.h"
 
 struct _Touching {
@@ -267,17 +268,13 @@ static PetscErrorCode LookAtStrands(Touching self, PetscReal t, const Node *node
 
 /* The part of a vector along the tangent at a node, or, half way, along the sum of those beside. */
 static PetscReal AboutTangent(const Node *nodes, PetscInt point, const PetscReal v[3]) {
-  PetscReal sum = 0, size = 0, q[3] = {0}, d[3][3];
+  PetscReal q[3] = {0}, d[3][3];
 
   for (PetscInt i = point / 2; i <= (point + 1) / 2; i++) {
     Directors(nodes[i].p, QuaternionSize(nodes[i].p), d);
     for (int k = 0; k < 3; k++) q[k] += d[0][k];
   }
-  for (int k = 0; k < 3; k++) {
-    sum += q[k] * v[k];
-    size += q[k] * q[k];
-  }
-  return sum / PetscSqrtReal(size);
+  return Dot3(q, v) / PetscSqrtReal(Dot3(q, q));
 }
 
 /* The same of a rod in space. */

@@ -1,4 +1,5 @@
 #include "world/load_space.h"
+#include "base/vectors.h"
 
 /* N at a place, and its derivatives there. */
 static PetscReal Factor3(const Load *load, const Place3 *at, PetscReal slope[3]) {
@@ -12,14 +13,10 @@ static PetscReal Factor3(const Load *load, const Place3 *at, PetscReal slope[3])
   return factor;
 }
 
-static inline PetscReal Along(const PetscReal q[3], const PetscReal f[3]) {
-  return q[0] * f[0] + q[1] * f[1] + q[2] * f[2];
-}
-
 /* f <- N M f, and the couple */
 static void Vary(const Load *load, const Place3 *at, PetscReal f[RUBS]) {
   PetscReal by[3], N = load->field ? Factor3(load, at, by) : 1, a = load->across,
-                   more = (1 - a) * Along(at->q, f);
+                   more = (1 - a) * Dot3(at->q, f);
 
   for (int d = 0; d < 3; d++) f[d] = N * (a * f[d] + more * at->q[d]);
   f[SPIN] *= N;
@@ -66,7 +63,7 @@ void LoadForce3(const Load *load, const Place3 *at, const FrictionDual4 *dual, P
 /* LoadSeen3 - the same where nothing is held, as an observer sees it, and without weight. */
 void LoadSeen3(const Load *load, const Place3 *at, PetscReal f[RUBS]) {
   const PetscReal spin = Deaf(load) ? 0 : at->W[SPIN];
-  PetscReal drag = FrictionPhi(&load->friction, Along(at->W, at->W) + spin * spin);
+  PetscReal drag = FrictionPhi(&load->friction, Dot3(at->W, at->W) + spin * spin);
 
   for (int d = 0; d < 3; d++) f[d] = drag * at->W[d];
   f[SPIN] = drag * spin;
@@ -87,7 +84,7 @@ static void SlopeVaried(const Load *load, const Place3 *at, const FrictionDual4 
     slope->W[SPIN][c] *= N;
   }
   FrictionForce4(&load->friction, at->W, dual, f);
-  along = Along(at->q, f);
+  along = Dot3(at->q, f);
   for (int d = 0; d < 3; d++)
     for (int c = 0; c < 3; c++) {
       slope->q[d][c] = N * (1 - a) * ((d == c) * along + at->q[d] * f[c]);
