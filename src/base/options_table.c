@@ -76,8 +76,38 @@ static int Distance(const char *a, const char *b) {
   return row[nb];
 }
 
-/* OptionNearest - the name in the table that a mistyped one is most like, itself if it is there;
-   NULL if none is near. */
+/* The one name of the table that has these n letters as words at its end, else at its beginning;
+   NULL if none or several have. */
+static const char *Holding(const char *words, size_t n) {
+  const char *ends = NULL, *begins = NULL;
+  int ending = 0, beginning = 0;
+  const OptionRow *row;
+  size_t place = 0;
+
+  while ((row = OptionNext(&place))) {
+    const char *name = row->name + 1;
+    size_t all = strlen(name);
+    if (all <= n) continue;
+    if (name[all - n - 1] == '_' && !strncmp(name + all - n, words, n)) ends = row->name, ending++;
+    if (name[n] == '_' && !strncmp(name, words, n)) begins = row->name, beginning++;
+  }
+  if (ending) return ending == 1 ? ends : NULL;
+  return beginning == 1 ? begins : NULL;
+}
+
+/* The name that a part of one stands for: "-mu" for -friction_mu, "-walls" for -wall_file. */
+static const char *OfPart(const char *name) {
+  size_t n = strlen(name);
+  const char *whole;
+
+  if (n < 3 || name[0] != '-') return NULL;
+  whole = Holding(name + 1, n - 1);
+  if (!whole && name[n - 1] == 's') whole = Holding(name + 1, n - 2);
+  return whole;
+}
+
+/* OptionNearest - the name in the table that a mistyped one is most like, itself if it is there,
+   or the only one that it is a part of; NULL if none is near. */
 const char *OptionNearest(const char *name) {
   int distance = 1 + (int)strlen(name) / 3; /* further off is no likeness */
   const char *best = NULL;
@@ -90,5 +120,5 @@ const char *OptionNearest(const char *name) {
     distance = d;
     best = row->name;
   }
-  return best;
+  return best ? best : OfPart(name);
 }

@@ -57,6 +57,9 @@ static void TestNearest(void **state) {
   EXPECT(!strcmp(OptionNearest("-friction_nu"), "-friction_mu"), "%s",
          OptionNearest("-friction_nu"));
   EXPECT(!strcmp(OptionNearest("-ts_maxtime"), "-ts_max_time"), "%s", OptionNearest("-ts_maxtime"));
+  EXPECT(!strcmp(OptionNearest("-mu"), "-friction_mu"), "%s", OptionNearest("-mu"));
+  EXPECT(!strcmp(OptionNearest("-walls"), "-wall_file"), "%s", OptionNearest("-walls"));
+  EXPECT(!OptionNearest("-length"), "%s", OptionNearest("-length")); /* of which several have one */
   EXPECT(!OptionNearest("-xyzzy"), "%s", OptionNearest("-xyzzy"));
 }
 
