@@ -27,11 +27,7 @@ static const PetscReal most_dip = 0.8; /* of the moment: one that it is worth to
 static const PetscReal kink_error = 3; /* of the local error of a step that is not smooth in time */
 static const PetscReal alike = 1e3;    /* sizes across in both directions, up to this ratio */
 static const PetscReal early = 0.01;   /* of the run: what the start does is over by then */
-/* beta below which friction turns within a step, where material comes to rest or is torn off; what
-   a step that such a kink has cut leaves, over the tolerance, as it is measured (of friction that
-   is exact that is taken more often, see AccuracyMeasured()). */
-static const PetscReal sharp = 1e-4, per_kink = 1, per_exact_kink = 0.5;
-static const PetscReal nudge = 1e-3; /* of the speed at which friction turns, of beta, of k */
+static const PetscReal nudge = 1e-3;   /* of the speed at which friction turns, of beta, of k */
 
 /* What is gathered of the coarse nodes, node after node: the state, its rate, the defect of the
    cell behind; of the fields that have rates, which come first, local errors since the errors were
@@ -110,6 +106,15 @@ static PetscErrorCode CreateMatrix(Estimate self) {
   PetscFunctionReturn(0);
 }
 
+/* Errors obey the slope of friction itself. That which Newton's method is better off with has a
+   memory of the solve before, and none is made here: friction would hold errors along the motion,
+   too, where it gives way to them. */
+static void TakeSlopes(Scene coarse) {
+  coarse->load.friction.newton = NEWTON_PRIMAL;
+  coarse->contact.rub.newton = NEWTON_PRIMAL;
+  coarse->tip.resistance.friction.newton = NEWTON_PRIMAL;
+}
+
 /* The coarse rod, on rank 0. Itself it touches only from the first contact on. */
 static PetscErrorCode CreateCoarse(Estimate self, const Scene scene) {
   struct _Scene *coarse = &self->scene;
@@ -117,6 +122,7 @@ static PetscErrorCode CreateCoarse(Estimate self, const Scene scene) {
   PetscFunctionBegin;
   *coarse = *scene;
   coarse->comm = PETSC_COMM_SELF;
+  TakeSlopes(coarse);
   coarse->contact.self = (PetscBool)(scene->contact.self && self->touches);
   coarse->mesh.cells = self->nodes - 1;
   PetscCall(PetscMalloc1(self->nodes, &coarse->mesh.s));
@@ -668,25 +674,6 @@ static PetscReal Angle(const Estimate self, const PetscReal size[MAX_FIELDS]) {
   return self->model->space ? 2 * hypot(size[p2], size[p2 + 1]) : size[self->followed - 1];
 }
 
-/* Dry friction that turns within a step keeps what a step across a kink is off: about its
-   tolerance, for so far it was cut. Differences tell nothing of that, for those of the steps behind
-   it cancel them, and so it is counted, kink by kink. */
-static PetscErrorCode CountKink(Estimate self, PetscReal t) {
-  const Friction *friction = &self->leg->rod->scene->load.friction;
-  PetscReal rtol, left;
-
-  PetscFunctionBegin;
-  if (friction->mu <= 0 || friction->beta >= sharp || t < early * self->leg->rod->scene->end_time)
-    PetscFunctionReturn(0);
-  PetscCall(TSGetTolerances(self->leg->ts, NULL, NULL, &rtol, NULL));
-  left = rtol * (friction->beta > 0 ? per_kink : per_exact_kink);
-  for (int k = 0; k < ESTIMATE_SEEN; k++) {
-    PetscReal *worst = &self->worst[ESTIMATE_TIME][k];
-    *worst = PetscMin(1, *worst + left);
-  }
-  PetscFunctionReturn(0);
-}
-
 /*
   LookForKink - the error of a step that was rejected was not what the steps before had let expect:
   something in it is not smooth in time, as where a tip meets a layer. Moments feel rates at once:
@@ -694,7 +681,7 @@ static PetscErrorCode CountKink(Estimate self, PetscReal t) {
   come before it. Differences of what is not smooth tell nothing of derivatives: its error is more
   than that of smooth ones (as it is in space, see rod/pair_defect.h).
 */
-static PetscErrorCode LookForKink(Estimate self, PetscReal t, PetscReal *times_error) {
+static PetscErrorCode LookForKink(Estimate self, PetscReal *times_error) {
   const PetscInt count = self->nodes * self->followed;
   PetscInt rejected;
   PetscBool kink;
@@ -704,7 +691,6 @@ static PetscErrorCode LookForKink(Estimate self, PetscReal t, PetscReal *times_e
   kink = (PetscBool)(rejected > self->rejected && !self->touches);
   self->rejected = rejected;
   *times_error = kink ? kink_error : 1;
-  if (kink) PetscCall(CountKink(self, t));
   self->watch = kink ? SELDOM : PetscMax(0, self->watch - 1);
   if (!kink || !self->since) PetscFunctionReturn(0);
   for (PetscInt i = 0; i < count; i++) {
@@ -739,7 +725,7 @@ PetscErrorCode EstimateStep(Estimate self, PetscBool jumped, PetscBool touches) 
   PetscCall(RodFieldSizes(self->leg->rod, self->leg->U, size));
   Across(self, size, across);
   moment = LargestMoment(self, size);
-  PetscCall(LookForKink(self, t, &times_error));
+  PetscCall(LookForKink(self, &times_error));
   Ratios(across, self->latest, ratio);
   if (!jumped) PetscCall(AddLocal(self, times_error, ratio));
   PetscCall(PetscArraycpy(self->latest, across, MIRRORS));

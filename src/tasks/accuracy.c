@@ -24,7 +24,7 @@ static const PetscReal contact_error = 1600, share_of_contact = 0.5;
 static const PetscReal share_of_time = 0.15, share_of_space = 0.1;
 /* What is measured is an error to first order, on a coarse mesh: an upper estimate is so many times
    that. */
-static const PetscReal of_measured = 6, where_it_sticks = 20;
+static const PetscReal of_measured = 6;
 /* What it would be without a beta, of what beta dU/dbeta is: it goes with a small power of beta. */
 static const PetscReal of_beta = 9;
 /* Likewise, contact that is rigid: depths go with k^(-3/4), and it is not quite linear. */
@@ -134,18 +134,15 @@ PetscErrorCode AccuracyApply(void) {
   estimate of its parts, of what is seen and of all: they are off by a factor of 2 or 3, as a rule.
 
   rtol    of the steps: none of them is without an error
-  sticks  friction is exact: where material comes to rest or is torn off, and when, is not smooth
   beside  what comes on top of them
 */
-void AccuracyMeasured(PetscReal rtol, PetscBool sticks,
-                      PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN], PetscReal beside,
-                      ErrorEstimate *error) {
+void AccuracyMeasured(PetscReal rtol, PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN],
+                      PetscReal beside, ErrorEstimate *error) {
   error->all = beside;
   for (int i = 0; i < ESTIMATE_SEEN; i++) error->seen[i] = beside;
   for (int k = 0; k < ESTIMATE_PARTS; k++) {
     PetscReal times = k == ESTIMATE_LIMIT  ? of_beta
                       : k == ESTIMATE_SOFT ? of_stiffness
-                      : sticks             ? where_it_sticks
                                            : of_measured;
     error->part[k] = k == ESTIMATE_TIME ? rtol : 0;
     for (int i = 0; i < ESTIMATE_SEEN; i++) {

@@ -7,9 +7,8 @@
 extern const OptionGroup accuracy_options;
 
 PetscErrorCode AccuracyApply(void);
-void AccuracyMeasured(PetscReal rtol, PetscBool sticks,
-                      PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN], PetscReal beside,
-                      ErrorEstimate *error);
+void AccuracyMeasured(PetscReal rtol, PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN],
+                      PetscReal beside, ErrorEstimate *error);
 PetscErrorCode AccuracyTell(const ErrorEstimate *error, PetscReal rtol, Rod rod, MPI_Comm comm);
 PetscErrorCode AccuracyEstimate(Rod rod, PetscReal t, PetscReal rtol, PetscReal folds,
                                 PetscReal *error);

@@ -67,6 +67,6 @@ PetscErrorCode GrowErrors(Grow *self) {
     beside += fitted + per_depth * self->depth / self->seen.length;
     if (load->limit) beside += of_limit * PetscPowReal(load->friction.beta, 1. / 6);
   }
-  AccuracyMeasured(self->estimate ? self->rtol : 0, LoadSticks(load), worst, beside, error);
+  AccuracyMeasured(self->estimate ? self->rtol : 0, worst, beside, error);
   PetscFunctionReturn(0);
 }

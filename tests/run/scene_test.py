@@ -178,6 +178,15 @@ def doubts():
     print(f"the limit: off by {error:.1e}, estimated {r.estimate:.1e}")
     expect(error < r.estimate < 20 * error, f"energy off by {error:.1e}, estimated {r.estimate:.1e}")
     expect(", friction " in r.said and "The estimate is that large for: tip " in r.said, r.said)
+    bent = ("-growth_type apical -growth_zone 0.56 -growth_initial_length 3 -shape_type straight -rod_curvature 0.04 "
+            "-tip_force 1.3 -tip_law follower -friction_across 1.5 -ts_max_time 2 -rod_cells 200 ")
+    r, limit = Run(bent + "-friction_beta 0"), Run(bent + "-friction_beta 1e-13 -ts_rtol 1e-7")
+    errors = (np.hypot(r.tip_x1[-1] - limit.tip_x1[-1], r.tip_x2[-1] - limit.tip_x2[-1]) / limit.tip_x1[-1],
+              *(abs(r.series[k][-1] / limit.series[k][-1] - 1) for k in ("norm_x2", "energy")))
+    told = re.search(r"that large for: tip (\S+), \|x2\| (\S+), energy (\S+)\.\n", r.said)
+    for error, part, name in zip(errors, told.groups(), ("tip", "|x2|", "energy")):
+        print(f"the limit: {name} off by {error:.1e}, told {part}")
+        expect(error < float(part) < 20 * error, f"the limit: {name} off by {error:.1e}, told {part}")
 
 
 @check
