@@ -668,8 +668,11 @@ static PetscErrorCode Snap(TS ts, VBDF *self, PetscBool *accept) {
   PetscFunctionReturn(0);
 }
 
-/* Have the steps shrunk as they do before a snap, or more since that was asked? */
+/* Have the steps shrunk as they do before a snap, or more since that was asked? (The first step is
+   but a guess, which a start out of balance cuts to the rates of its fastest modes: no step that
+   follows has shrunk against that.) */
 static PetscBool Shrinks(const TS ts, VBDF *self) {
+  if (self->n <= 1 && self->usual == 0) return PETSC_FALSE;
   PetscBool shrinks = (PetscBool)(ts->time_step < shrunk * self->usual);
 
   self->usual =

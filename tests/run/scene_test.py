@@ -545,7 +545,8 @@ def snap():
 def brink():
     """A rod fed under a force comes to the brink of a snap in ever smaller steps. Asked too early it rests, and
     is left where it is, to be asked again: taken to where it rested it was lost, or not, as the tolerance had
-    it. In the last one it barely sticks behind the first snap, and slips in steps that are as short."""
+    it. In the last one it barely sticks behind the first snap, and slips in steps that are as short. A start out of
+    balance, whose first steps are far below what was guessed, is no snap."""
     fed = "-growth_type feed -shape_type sag "
     for options, tolerances in (
             ("-growth_initial_length 0.764 -shape_amplitude 0.0166 -friction_beta 1.09e-6 -ts_max_time 1.33 "
@@ -557,6 +558,12 @@ def brink():
             r = Run(f"{fed} {options} -ts_rtol {rtol}")
             print(f"{options}, {rtol}: tip {r.tip}, {r.steps} steps, {r.newton_iterations.sum():.0f} Newton")
             expect(distance(r.tip, right) < 1e-4, f"{options} {rtol}: tip {r.tip}, not {right}")
+    start = ("-growth_type gaussian -growth_width 1.69 -growth_initial_length 0.618 -shape_amplitude 0.0232 "
+             "-friction_across 0.596 -rod_cells 100 -ts_max_time 1e-4 ")
+    loose, tight = Run(start + "-ts_rtol 1e-7"), Run(start + "-ts_rtol 1e-9")
+    error = abs(tight.energy[-1] / loose.energy[-1] - 1)
+    print(f"a start out of balance: energies differ by {error:.1e}")
+    expect(error < 1e-5 and "snaps" not in tight.said, f"a start is taken for a snap: off by {error:.1e}, {tight.said}")
 
 
 @check
