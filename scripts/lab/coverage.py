@@ -3,8 +3,8 @@
 each against three times its cells and a hundredth of its tolerance, where friction is exact behind a
 growth zone also against a beta far smaller than that which tolerance allows.
 
-    coverage.py EXE SEED COUNT [--kinds plain,wide,world,contact,hard,space] [--end 6] [--accuracy 1e-4]
-                [--store FILE.csv]
+    coverage.py EXE SEED COUNT [--kinds plain,wide,world,contact,hard,space] [--end 6] [--cells N]
+                [--accuracy 1e-4] [--store FILE.csv]
 
 The true error is the largest relative one of tip, |x2| and energy from a hundredth of the run on. Prints a
 line a scene and the share in which the estimate is above it, or below by at most 3. With --accuracy that
@@ -147,7 +147,7 @@ def reference(exe, options, directory, extra):
 def reference_options(run, attributes, options, accuracy):
     """Those of three times the cells and a hundredth of the tolerance. The stiffness of contact follows from the
     diameter; where an accuracy is asked for, that of rigid contact is, and it is as much larger as such cells allow."""
-    used = dict(options)
+    used = {k: v for k, v in options.items() if k != "rod_cells"}
     if accuracy and "contact_stiffness" in attributes:
         used["contact_stiffness"] = f"{3 ** 4 * float(attributes['contact_stiffness']):g}"
     found = re.search(r"-ts_rtol ([\d.e+-]+)", str(attributes.get("options", "")))
@@ -244,6 +244,7 @@ def main():
     parser.add_argument("--kinds", default=",".join(SCENES))
     parser.add_argument("--first", type=int, default=0, help="leaves out so many of each kind")
     parser.add_argument("--end", type=float, default=6, help="latest end of a run")
+    parser.add_argument("--cells", type=int, help="of the runs; the default if not given")
     parser.add_argument("--accuracy", type=float)
     parser.add_argument("--store", type=Path, help="a table, CSV, to which rows are added")
     arguments = parser.parse_args()
@@ -255,6 +256,8 @@ def main():
         for i in range(arguments.count):
             options = SCENES[kind](draw, directory / f"{kind}-{i}")
             options["ts_max_time"] = min(float(options["ts_max_time"]), arguments.end)
+            if arguments.cells:
+                options["rod_cells"] = arguments.cells
             if i < arguments.first:
                 continue
             words = words_of(options, directory, arguments.accuracy)
