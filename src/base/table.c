@@ -166,7 +166,8 @@ static PetscErrorCode ReadTable(const char *path, Table self, char fault[FAULT])
     PetscCall(PetscFree(text));
   }
   if (!fault[0] && !self->columns)
-    (void)snprintf(fault, FAULT, "is empty; its first line names options, each further is a run");
+    (void)snprintf(fault, FAULT,
+                   "is empty; its first line names the columns, each further is a row");
   else if (!fault[0] && self->rows <= 0)
     (void)snprintf(fault, FAULT, "has no row");
   else if (!fault[0] && self->size > PETSC_MPI_INT_MAX)
@@ -306,6 +307,23 @@ PetscBool TableNumber(const char *cell, PetscReal *value) {
   *value = strtod(cell, &end);
   if (!*cell) *value = NAN;
   return (PetscBool) !*end;
+}
+
+/*
+  TableQuantities - the numbers of a column, which may carry units. Collective on OptionsComm().
+
+  option, path  which named the table, for what is said of a cell that is no number
+  value         TableRows() values, the caller's
+*/
+PetscErrorCode TableQuantities(const char *option, const char *path, Table table, PetscInt column,
+                               Dimension dimension, PetscReal value[]) {
+  char name[PETSC_MAX_PATH_LEN + 128];
+
+  PetscFunctionBegin;
+  (void)snprintf(name, sizeof(name), "%s %s: %s", option, path, TableName(table, column));
+  for (PetscInt i = 0; i < table->rows; i++)
+    PetscCall(OptionQuantity(name, TableCell(table, i, column), dimension, &value[i]));
+  PetscFunctionReturn(0);
 }
 
 /* TableMark - 16 digits that two tables share only if they are the same. (The hash of Fowler, Noll

@@ -71,7 +71,7 @@ static void MeasureClamp3(Scene scene, const Sample3 *p, Observation *seen) {
   seen->base_moment_1 = -lab[0];
   seen->base_moment_2 = -lab[1];
   seen->base_moment_3 = -lab[2];
-  seen->clamp_power = -p->node.m3[0] * scene->space.spin;
+  seen->clamp_power = -p->node.m3[0] * SpaceClampRate(&scene->space, p->at.t);
 }
 
 /* How fast the material there turns: 2 p_t p* of the directors, and c u of what slides past them.

@@ -433,7 +433,7 @@ static const char *LinearRefusesSpace(Scene scene) {
     return scene->tip.torque != 0 ? "-tip_torque: twist joins both directions across, and the "
                                     "linear model takes each by itself"
            : scene->space.spin != 0
-               ? "-clamp_spin: the linear model's rod does not turn about itself"
+               ? "-clamp_spin or -clamp_path: the linear model's rod does not turn about itself"
                : "-rod_twist or -rod_curvature_2: the linear model is of a rod "
                  "that is straight by nature";
   return Refuses(scene);

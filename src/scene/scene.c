@@ -106,7 +106,8 @@ static PetscErrorCode CheckClamp(Scene scene) {
             "-clamp_type free: rods that are fed in, or slide out of the clamp, have one; give "
             "another -growth_type");
   UserCheck(scene->space.spin == 0, OptionsComm(),
-            "-clamp_spin: turns a clamp, and with -clamp_type free there is none; leave one out");
+            "%s: turns a clamp, and with -clamp_type free there is none; leave one out",
+            SpaceClampOption(&scene->space));
   PetscFunctionReturn(0);
 }
 
@@ -242,6 +243,7 @@ PetscErrorCode SceneHoldTip3(Scene scene, const PetscReal x[3], const PetscReal 
 PetscErrorCode SceneDestroy(Scene *scene) {
   PetscFunctionBegin;
   if (!*scene) PetscFunctionReturn(0);
+  PetscCall(SpaceRelease(&(*scene)->space));
   PetscCall(CurvatureDestroy(&(*scene)->curvature));
   PetscCall(LoadDestroy(&(*scene)->load));
   PetscCall(TipDestroy(&(*scene)->tip));

@@ -17,6 +17,9 @@ static const OptionRow rows[] = {
     ROW_REAL(
         "-clamp_spin", "0", -1e6, 1e6, UNIT_ANGLE, 0,
         "rate at which the clamp turns about d1, radians (or degrees: 90deg) per unit of time"),
+    ROW_TEXT("-clamp_path", INPUT_FILE,
+             "CSV or HDF5 file with t and spin, the rate at which the clamp turns about d1 over "
+             "time, or t and turn, by how much it has turned, instead of -clamp_spin"),
     ROW_TEXT("-clamp_direction", 0,
              "a,b,c: direction of d1 at the clamp in the laboratory, instead of -clamp_angle")};
 const OptionGroup space_options = OPTION_GROUP("Space", rows);
@@ -106,9 +109,24 @@ void SpaceToLab(const Space *self, const PetscReal v[3], PetscReal lab[3]) {
     lab[d] = self->lab[d][0] * v[0] + self->lab[d][1] * v[1] + self->lab[d][2] * v[2];
 }
 
+/* SpaceClampAngle - by how much the clamp has turned about d1 at time t. */
+PetscReal SpaceClampAngle(const Space *self, PetscReal t) {
+  return self->clamp_path ? ClampPathAngle(self->clamp_path, t) : self->spin * t;
+}
+
+/* SpaceClampRate - how fast it turns then. */
+PetscReal SpaceClampRate(const Space *self, PetscReal t) {
+  return self->clamp_path ? ClampPathRate(self->clamp_path, t) : self->spin;
+}
+
+/* SpaceClampOption - the option by which it turns. */
+const char *SpaceClampOption(const Space *self) {
+  return self->clamp_path ? "-clamp_path" : "-clamp_spin";
+}
+
 /* SpaceClampTurn - the quaternion of the clamp at time t, in its own frame at the start. */
 void SpaceClampTurn(const Space *self, const Load *load, PetscReal t, PetscReal p[4]) {
-  const PetscReal turn = self->spin * (load->stopped ? load->stopped_at : t);
+  const PetscReal turn = SpaceClampAngle(self, load->stopped ? load->stopped_at : t);
 
   p[0] = PetscCosReal(turn / 2);
   p[1] = PetscSinReal(turn / 2);
@@ -125,9 +143,25 @@ static void DrivenByPath(Space *self, Path path) {
   self->driven[3] += PathRange(path, PATH_TURN) + turned;
 }
 
+/* How the clamp turns: at a rate, or over time. */
+static PetscErrorCode ClampTurns(Space *self) {
+  char file[PETSC_MAX_PATH_LEN] = "";
+  PetscBool rate, path;
+
+  PetscFunctionBegin;
+  PetscCall(OptionReal("-clamp_spin", &self->spin, &rate));
+  PetscCall(OptionText("-clamp_path", file, &path));
+  if (!path) PetscFunctionReturn(0);
+  UserCheck(!rate, OptionsComm(), "-clamp_spin and -clamp_path: give one of them");
+  PetscCall(ClampPathRead("-clamp_path", file, &self->clamp_path));
+  self->spin = ClampPathFastest(self->clamp_path);
+  PetscFunctionReturn(0);
+}
+
 /*
   SpaceSetFromOptions - reads and checks what there is in space only, and tells load and tip of it;
-  after SpaceClampDirection() and after these have their options. Collective.
+  after SpaceClampDirection() and after these have their options. Collective; the caller ends it
+  with SpaceRelease(), also after an error.
 */
 PetscErrorCode SpaceSetFromOptions(Space *self, Load *load, Tip *tip, const Curvature *curvature,
                                    const Shape *shape) {
@@ -141,12 +175,12 @@ PetscErrorCode SpaceSetFromOptions(Space *self, Load *load, Tip *tip, const Curv
   PetscCall(OptionReal("-rod_bend_ratio", &self->ratio, NULL));
   PetscCall(OptionReal("-friction_radius", &load->radius, &radius));
   PetscCall(OptionReal("-tip_torque", &tip->torque, NULL));
-  PetscCall(OptionReal("-clamp_spin", &self->spin, NULL));
+  PetscCall(ClampTurns(self));
   if (weight[2] != 0) self->why = "-rod_weight";
   if (force[2] != 0) self->why = "-tip_force_vector";
   if (self->ratio != 1) self->why = "-rod_bend_ratio";
   if (tip->torque != 0) self->why = "-tip_torque";
-  if (self->spin != 0) self->why = "-clamp_spin";
+  if (self->spin != 0) self->why = SpaceClampOption(self);
   if (LoadInSpace(load)) self->why = "-friction_field";
   if (LoadInSpace(&tip->resistance)) self->why = "-tip_field";
   if (curvature->space) self->why = "-rod_curvature_2 or -rod_twist";
@@ -168,5 +202,11 @@ PetscErrorCode SpaceSetFromOptions(Space *self, Load *load, Tip *tip, const Curv
   LoadSetArm(load);
   for (int d = 0; d < 3; d++) PetscCall(PetscArraycpy(load->lab[d], self->lab[d], 3));
   for (int d = 0; d < 3; d++) PetscCall(PetscArraycpy(tip->resistance.lab[d], self->lab[d], 3));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode SpaceRelease(Space *self) {
+  PetscFunctionBegin;
+  PetscCall(ClampPathDestroy(&self->clamp_path));
   PetscFunctionReturn(0);
 }

@@ -60,7 +60,7 @@ static PetscErrorCode Moment(Scene scene, PetscReal t, PetscReal *moment) {
     PetscFunctionReturn(0);
   PetscCall(AddPiece(scene, 0, 1, 0, start));
   PetscCall(AddPiece(scene, 0, 1, t, now));
-  *moment = (start[1] - now[1] - scene->space.spin * t) / now[0];
+  *moment = (start[1] - now[1] - SpaceClampAngle(&scene->space, t)) / now[0];
   PetscFunctionReturn(0);
 }
 
@@ -81,7 +81,7 @@ PetscErrorCode StraightTwist(Scene scene, PetscInt n, const PetscReal s[], Petsc
   for (PetscInt i = 0; angle && i < n; i++) {
     PetscCall(AddPiece(scene, before, s[i], t, sum));
     before = s[i];
-    angle[i] = scene->space.spin * t + *moment * sum[0] + sum[1];
+    angle[i] = SpaceClampAngle(&scene->space, t) + *moment * sum[0] + sum[1];
   }
   PetscFunctionReturn(0);
 }

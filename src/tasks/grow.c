@@ -129,6 +129,12 @@ static PetscErrorCode Neglect(Grow *self, Vec U_t) {
 /* Jumps before this part of the run cross the layer of a start, and are no snaps (vbdf.c). */
 static const PetscReal initial_layer = 1e-6;
 
+/* Does what leads tip or clamp set out or stop at once between two times? */
+static PetscBool LedRoundCorner(Scene scene, PetscReal t0, PetscReal t1) {
+  return (PetscBool)((scene->tip.path && PathTurnsCorner(scene->tip.path, t0, t1)) ||
+                     (scene->space.clamp_path && ClampPathJerks(scene->space.clamp_path, t0, t1)));
+}
+
 static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   PetscReal before = self->seen.t, norm = self->seen.norm_x2;
   PetscInt iterations = 0, all = 0, jumps = 0;
@@ -141,8 +147,7 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
     PetscCall(TSGetSNESIterations(self->now->ts, &all));
     PetscCall(VBDFGetJumps(self->now->ts, &jumps));
     jumped = (PetscBool)(jumps > self->now->jumps);
-    if (jumped || (self->scene->tip.path && PathTurnsCorner(self->scene->tip.path, before, t)))
-      ObserverJump(self->observer);
+    if (jumped || LedRoundCorner(self->scene, before, t)) ObserverJump(self->observer);
     if (jumped && !layered) self->snaps++;
     if (self->now == &self->leg[WholeModel(self)] && GrowFollowsErrors(self))
       PetscCall(EstimateStep(self->estimate, jumped, self->pressed));

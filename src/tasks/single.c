@@ -84,8 +84,8 @@ static PetscErrorCode CheckStraight(Scene scene) {
   UserCheck(!scene->tip.path, scene->comm,
             "-tip_path: %s whose tip stays where it is held; take it out", about);
   UserCheck(!TipPoints(&scene->tip) || scene->tip.torque == 0 || scene->space.spin == 0,
-            scene->comm,
-            "-clamp_spin: turns a clamped tip that -tip_torque lets turn; give one of them");
+            scene->comm, "%s: turns a clamped tip that -tip_torque lets turn; give one of them",
+            SpaceClampOption(&scene->space));
   PetscFunctionReturn(0);
 }
 

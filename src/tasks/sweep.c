@@ -47,7 +47,7 @@ static PetscErrorCode ReadStore(Sweep *self) {
 static PetscBool TakesOut(const char *name, const char *value) {
   static const char *const scalar[] = {"rod_bend_ratio",  "rod_twist",  "rod_curvature_2",
                                        "tip_torque",      "shape_turn", "rod_curvature_random_2",
-                                       "clamp_direction", "clamp_spin"},
+                                       "clamp_direction", "clamp_spin", "clamp_path"},
                            *const vector[] = {"rod_weight", "tip_force_vector"};
   const char *third = value ? strchr(value, ',') : NULL;
 

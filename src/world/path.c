@@ -19,18 +19,6 @@ struct _Path {
   PathPlace start, off;          /* of the tip; of it against the path there, off.p by a turn */
 };
 
-/* The numbers of a column of a table. */
-static PetscErrorCode Numbers(const char *option, const char *file, Table table, PetscInt column,
-                              Dimension dimension, PetscReal value[]) {
-  char name[PETSC_MAX_PATH_LEN + 128];
-
-  PetscFunctionBegin;
-  (void)snprintf(name, sizeof(name), "%s %s: %s", option, file, TableName(table, column));
-  for (PetscInt i = 0; i < TableRows(table); i++)
-    PetscCall(OptionQuantity(name, TableCell(table, i, column), dimension, &value[i]));
-  PetscFunctionReturn(0);
-}
-
 /* Makes the quaternions of a path unit ones, of which neighbours are on one side. */
 static PetscErrorCode Frames(const char *option, const char *file, Path self) {
   PetscFunctionBegin;
@@ -68,7 +56,8 @@ static PetscErrorCode Columns(const char *option, const char *file, Table table,
               option, file, TableName(table, c));
     UserCheck(!*value, OptionsComm(), "%s %s: has %s twice", option, file, TableName(table, c));
     PetscCall(PetscMalloc1(self->n, value));
-    PetscCall(Numbers(option, file, table, c, k < 0 ? UNIT_TIME : columns[k].dimension, *value));
+    PetscCall(
+        TableQuantities(option, file, table, c, k < 0 ? UNIT_TIME : columns[k].dimension, *value));
   }
   PetscFunctionReturn(0);
 }
