@@ -398,16 +398,18 @@ static PetscReal LastInterval(PetscInt n, const PetscReal time[], const PetscRea
   return sum;
 }
 
-/* Can energies be divided by? Not if there is none, nor if they are so far apart that the round-off
-   of a balance of large powers would grow. */
-static PetscBool Comparable(PetscInt n, const PetscReal energy[]) {
+/* Can energies be divided by? Not if there is none, or none to speak of beside what friction took,
+   which is then round-off; nor if they are so far apart that the round-off of a balance of large
+   powers would grow. */
+static PetscBool Comparable(PetscInt n, const PetscReal energy[], PetscReal lost) {
+  const PetscReal rounding = 1e-14;
   PetscReal least = energy[0], most = energy[0];
 
   for (PetscInt i = 1; i < n; i++) {
     least = PetscMin(least, energy[i]);
     most = PetscMax(most, energy[i]);
   }
-  return (PetscBool)(least > 0 && most < 1e4 * least);
+  return (PetscBool)(least > rounding * lost && most < 1e4 * least);
 }
 
 /* Follows the energy balance dE/dt = W + power at the tip, of weight and clamp - dissipation, with
@@ -415,6 +417,7 @@ static PetscBool Comparable(PetscInt n, const PetscReal energy[]) {
  */
 static void MeasureBalance(Observer self, Observation *seen) {
   PetscReal scale, energy = seen->energy + seen->contact_energy;
+  PetscBool comparable;
 
   if (self->n && seen->t == self->time[self->n - 1]) return;
   if (self->jumped) { /* what bending lost, friction took: the powers on both sides do not tell */
@@ -444,9 +447,10 @@ static void MeasureBalance(Observer self, Observation *seen) {
     self->loss[0] = self->loss[1];
   }
   if (self->n > 1) {
-    self->net_work += LastInterval(self->n, self->time, self->net,
-                                   Comparable(self->n, self->energy) ? self->energy : NULL);
     self->lost_work += LastInterval(self->n, self->time, self->loss, NULL);
+    comparable = Comparable(self->n, self->energy, PetscAbsReal(self->lost_work));
+    self->net_work +=
+        LastInterval(self->n, self->time, self->net, comparable ? self->energy : NULL);
   }
   scale = PetscMax(PetscAbsReal(self->lost_work), PetscMax(energy, self->first_energy));
   seen->energy_defect =
