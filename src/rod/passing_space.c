@@ -104,6 +104,10 @@ static Verdict SweptVerdict(const Look *look, const PetscReal x[3], PetscReal r,
     verdict = NEAR;
     *fine = PetscMin(*fine, deep / parts);
   }
+  if (n == MOST_SURFACES) { /* there may be more: the parts have fewer about them */
+    verdict = NEAR;
+    *fine = PetscMin(*fine, look->fine);
+  }
   if (contact->walls.n &&
       look->moving ==
           RESTING) { /* the other side of the plane's walls is seen by how narrow they are */

@@ -347,6 +347,51 @@ static PetscErrorCode ReadOptions(Grow *self) {
   PetscFunctionReturn(0);
 }
 
+/* Refuses surfaces in space that are hollow and hardly wider than the rod: in their middle contact
+   would press from all sides at once. */
+static PetscErrorCode CheckRoom(Grow *self) {
+  const Contact *contact = &self->scene->contact;
+  char text[2][64];
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < contact->surfaces.n; k++) {
+    const Surface *surface = &contact->surfaces.surface[k];
+    const PetscReal stiffer = PetscPowReal(2 * contact->smooth / surface->room, 4. / 3);
+    if (surface->room > contact->smooth) continue;
+    UserCheck(PETSC_FALSE, self->scene->comm,
+              "-wall_file, line %d: the %s is wider than the rod by only %s on all sides, and "
+              "contact sets in %s from a wall: make it wider, or give -contact_stiffness %.1e",
+              surface->line, surface->kind->name, OptionBoth(surface->room, UNIT_LENGTH, text[0]),
+              OptionBoth(contact->smooth, UNIT_LENGTH, text[1]),
+              (double)(contact->stiffness * stiffer));
+  }
+  PetscFunctionReturn(0);
+}
+
+/* Refuses a clamp that is behind a surface in space. */
+static PetscErrorCode CheckClamp(Grow *self) {
+  const Surfaces *surfaces = &self->scene->contact.surfaces;
+  const PetscReal clamp[3] = {0, 0, 0};
+  const Surface *surface;
+  PetscInt nearest = -1;
+
+  PetscFunctionBegin;
+  if (self->scene->clamp == CLAMP_FREE) PetscFunctionReturn(0);
+  (void)SurfacesDistance(surfaces, clamp, 0, &nearest);
+  if (nearest < 0) PetscFunctionReturn(0);
+  surface = &surfaces->surface[nearest];
+  UserCheck(!surface->hollow, self->scene->comm,
+            "-wall_file, line %d: the rod starts in a wall: the clamp, at 0, is out of the %s that "
+            "the rod is to be inside of; move it, or give outside",
+            surface->line, surface->kind->name);
+  UserCheck(
+      PETSC_FALSE, self->scene->comm,
+      "-wall_file, line %d: the rod starts in a wall: the clamp, at 0, is behind the %s; move "
+      "it, or take its other side",
+      surface->line, surface->kind->name);
+  PetscFunctionReturn(0);
+}
+
 /* Refuses a rod that starts in a wall, or touching itself. */
 static PetscErrorCode CheckStart(Grow *self) {
   const Contact *contact = &self->scene->contact;
@@ -356,6 +401,8 @@ static PetscErrorCode CheckStart(Grow *self) {
 
   PetscFunctionBegin;
   if (!contact->any) PetscFunctionReturn(0);
+  PetscCall(CheckClamp(self));
+  PetscCall(CheckRoom(self));
   PetscCall(ObserverGather(self->observer, self->now->rod, 0, NULL, NULL, &nodes));
   if (nodes) PetscCall(ObserverTouch(self->observer, 0, nodes, &touch));
   PetscCallMPI(MPI_Bcast(&touch, sizeof(touch), MPI_BYTE, 0, self->scene->comm));

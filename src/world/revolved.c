@@ -222,7 +222,8 @@ static Block BoxOf(const Revolved *self, PetscReal z0, PetscReal z1, PetscReal R
   return box;
 }
 
-static PetscErrorCode CheckRadius(const SurfaceLine *line, PetscReal R, PetscBool inside) {
+static PetscErrorCode CheckRadius(const SurfaceLine *line, PetscReal R, PetscBool inside,
+                                  Surface *surface) {
   const char *what = line->word[0];
 
   PetscFunctionBegin;
@@ -231,6 +232,7 @@ static PetscErrorCode CheckRadius(const SurfaceLine *line, PetscReal R, PetscBoo
   UserCheck(!inside || R > line->radius, OptionsComm(),
             "-wall_file %s, line %d: the %s is narrower than the rod (-contact_diameter)",
             line->file, line->line, what);
+  if (inside) surface->room = R - line->radius;
   PetscFunctionReturn(0);
 }
 
@@ -242,7 +244,7 @@ static PetscErrorCode SphereMake(const SurfaceLine *line, Surface *surface) {
   PetscCall(ReadWords(line, &surface_sphere, "LLLLS", &words, surface));
   const PetscReal R = words.number[3];
   PetscCall(RevolvedNew(surface, words.number, &self));
-  PetscCall(CheckRadius(line, R, words.inside));
+  PetscCall(CheckRadius(line, R, words.inside, surface));
   AddArc(self, 0, 0, R, words.inside ? -1 : 1, NULL, NULL);
   if (words.inside) PetscFunctionReturn(0);
   surface->box = BoxOf(self, 0, 0, R);
@@ -300,7 +302,7 @@ static PetscErrorCode CylinderMake(const SurfaceLine *line, Surface *surface) {
   const PetscReal R = words.number[6], L = words.n > 7 ? words.number[7] : 0;
   PetscCall(RevolvedNew(surface, words.number, &self));
   PetscCall(Unit(line, "cylinder's axis", words.number + 3, self->axis));
-  PetscCall(CheckRadius(line, R, words.inside));
+  PetscCall(CheckRadius(line, R, words.inside, surface));
   if (!words.inside) surface->smallest = surface->core = R;
   if (words.n == 7) {
     AddLine(self, R, 0, along, -everywhere, everywhere, words.inside ? 1 : -1);
@@ -335,7 +337,7 @@ static PetscErrorCode ConeMake(const SurfaceLine *line, Surface *surface) {
             "above 0",
             line->file, line->line);
   if (words.inside) {
-    PetscCall(CheckRadius(line, PetscMin(R0, R1), PETSC_TRUE));
+    PetscCall(CheckRadius(line, PetscMin(R0, R1), PETSC_TRUE, surface));
     AddHole(self, R0, R1, L);
     surface->smallest = PetscMin(R0, R1);
     PetscFunctionReturn(0);
@@ -357,7 +359,7 @@ static PetscErrorCode TorusMake(const SurfaceLine *line, Surface *surface) {
   const PetscReal R = words.number[6], r = words.number[7];
   PetscCall(RevolvedNew(surface, words.number, &self));
   PetscCall(Unit(line, "torus's axis", words.number + 3, self->axis));
-  PetscCall(CheckRadius(line, r, words.inside));
+  PetscCall(CheckRadius(line, r, words.inside, surface));
   UserCheck(R > r, OptionsComm(),
             "-wall_file %s, line %d: the first radius of a torus, of its circle, must be above the "
             "second, of its tube",

@@ -124,8 +124,11 @@ static PetscErrorCode TubeMake(const SurfaceLine *line, Surface *surface) {
     error = TubeCreate(what, n, (const PetscReal(*)[FOUR])ball, inside, line->radius,
                        (Tube *)&surface->data);
   if (!error) error = TubeText(n, (const PetscReal(*)[FOUR])ball, inside, &surface->text);
-  PetscCall(PetscFree(ball));
+  if (error) PetscCall(PetscFree(ball));
   PetscCall(error);
+  for (PetscInt k = 0; k < n && inside; k++)
+    surface->room = PetscMin(surface->room, ball[k][FOUR - 1] - line->radius);
+  PetscCall(PetscFree(ball));
   if (inside)
     UserCheck(TubeHolds((Tube)surface->data, clamp, line->radius), OptionsComm(),
               "%s: the clamp, at 0, is outside the tube: move the tube, or lead it to the clamp",

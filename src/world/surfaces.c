@@ -120,9 +120,12 @@ PetscErrorCode SurfacesAdd(const SurfaceLine *line, PetscReal friction, Surfaces
   surface = &surfaces->surface[surfaces->n++];
   PetscCall(PetscMemzero(surface, sizeof(*surface)));
   surface->kind = KindOf(line->word[0]);
+  surface->line = line->line;
+  for (PetscInt k = 1; k < line->n; k++)
+    if (!strcmp(line->word[k], "inside")) surface->hollow = PETSC_TRUE;
   surface->friction = friction;
   surface->box = SurfaceEverywhere();
-  surface->smallest = surface->core = PETSC_MAX_REAL;
+  surface->smallest = surface->core = surface->room = PETSC_MAX_REAL;
   PetscCall(TakeFriction(&rest, surface));
   PetscCall(TakeMotion(&rest, &surface->motion));
   PetscCall(surface->kind->make(&rest, surface));

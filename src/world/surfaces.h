@@ -49,6 +49,9 @@ typedef struct {
 struct _Surface {
   const SurfaceKind *kind;
   void *data;
+  int line;         /* of the file, where it stands */
+  PetscBool hollow; /* the rod is to be in it */
+  PetscReal room; /* how far a rod on its axis is from it, at the narrowest; PETSC_MAX_REAL: far */
   PetscReal friction;
   SurfaceMotion motion;
   Block box;          /* d is not less than the distance from it; SurfaceEverywhere(): no bound */

@@ -163,12 +163,14 @@ def guard():
     away = np.hypot(x[..., 0] - 1.2, x[..., 1] - 0.3).min()
     print(line.strip(), "; finer:", with_room.splitlines()[-3], f"; {away:.4f} from the post's axis")
     expect(away > 0.98 * 0.04, f"in the post: {away}")
-    for moves in ("moves 0 100 0", "turns 5 -19.4 0 0 0 0 1"):  # across the rod within a step
+    swarm = [f"sphere 0.6 -20 {0.3 + 0.03 * k} 0.01 outside moves 0 100 0" for k in range(20)]  # which pass by
+    for moves, others in (("moves 0 100 0", []), ("moves 0 100 0", swarm), ("turns 5 -19.4 0 0 0 0 1", [])):
+        # across the rod within a step
         at = "0.6 -20 0" if moves.startswith("moves") else f"{-19.4 + 20 * np.cos(1):.6f} {-20 * np.sin(1):.6f} 0"
         line = tendril("-growth_type feed -growth_initial_length 1 -shape_type straight -rod_curvature 0.05 -rod_cells 50 "
                        "-rod_curvature_2 0.02 -contact_diameter 0.02 -ts_max_time 0.4 -stop_contact true "
-                       f"-output {d}/ball.h5 " + walls(f"sphere {at} 0.05 outside {moves}"))
-        print(f"a ball that {moves}:", line.splitlines()[-1])
+                       f"-output {d}/ball.h5 " + walls(*others, f"sphere {at} 0.05 outside {moves}"))
+        print(f"a ball that {moves}, and {len(others)} others:", line.splitlines()[-1])
         expect("stopped at t = 0.199" in line, line)
     hole = walls("sphere 0.05 0 0 0.12 inside")
     line = tendril(FED + "-growth_initial_length 0.1 -rod_curvature 0.1 -rod_curvature_2 0.1 -ts_max_time 40 "
@@ -185,7 +187,13 @@ def refused():
             "sphere 9 0 0 -1 outside": "the radius of a sphere must be above 0",
             "cylinder 0 0 0 0 0 0 1 inside": "the cylinder's axis has no direction",
             "cylinder 0 0 0 1 0 0 0.04 inside": "the cylinder is narrower than the rod (-contact_diameter)",
-            "cylinder 0 1 0 1 0 0 0.5 inside": "the rod starts in a wall, 0.55 deep at s = 0",
+            "cylinder 0 1 0 1 0 0 0.5 inside": "line 1: the rod starts in a wall: the clamp, at 0, is out of the cylinder",
+            "sphere 5 0 0 1 inside": "the clamp, at 0, is out of the sphere",
+            "torus 0 5 0 0 0 1 1 0.2 inside": "the clamp, at 0, is out of the torus",
+            "cone 0 5 0 1 0 0 1 0.5 4 inside": "the clamp, at 0, is out of the cone",
+            "cylinder 0 0 0 1 0 0 0.0501 inside": "line 1: the cylinder is wider than the rod by only 0.0001 on all sides",
+            "tube inside -1 0 0 0.0501 3 0 0 0.06": "line 1: the tube is wider than the rod by only 0.0001 on all sides",
+            "sphere -0.2 0 0 1 outside": "the clamp, at 0, is behind the sphere",
             "cylinder 5 0 0 1 0 0 0.5 outside -1": "a cylinder's length must be above 0",
             "torus 5 0 0 1 0 0 0.5 0.6 outside": "the first radius of a torus",
             "cone 5 0 0 1 0 0 0 0 1 outside": "a cone's radii must be at least 0",
