@@ -158,10 +158,16 @@ def body(mesh, output, diameter, spacing, side, box, facets, tolerance, unit, so
                                "larger spacing or tolerance, or a box about what the rod can reach")
         band = 5 * h + width / 2  # what is farther is felt through the spline by less than 2e-3 of its error
         d = on_grid(distance, axes, band, measure)
+        if not d.min() < 0 < d.max():
+            raise SurfaceError("box: the mesh's surface is nowhere in it; give a box about what the rod can reach"
+                               if box is not None else "the mesh has no inside that a grid can see: give a smaller spacing")
         error = spline_error(axes, d, distance, measure, width / 2, rng)
         if spacing or error <= wanted or h <= 1.01 * width / FINEST:
             break
         h = max(h * np.clip((wanted / error) ** 0.25 * 0.9, 0.5, 0.84), width / FINEST)
+    if not spacing and width / 4 < error < np.inf:
+        raise SurfaceError(f"even {h:.3g} apart the distance is off by {error:.2g}, more than a quarter of the diameter: the "
+                           "mesh runs through itself, or is thinner than the rod; mend it, or give spacing to take it as it is")
     flat = 0.0
     if not facets:
         which, at = distance.nearest(mesh.corners[rng.integers(mesh.own or len(mesh.triangles), size=SAMPLES)].mean(axis=1))

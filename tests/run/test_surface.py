@@ -224,6 +224,10 @@ class Meshes(Files):
         self.refused("side", call, good, "x.h5", diameter=1, side="left")
         self.refused("radius|mesh", call, good, "x.h5", diameter=1, radius=2)
         self.refused("no open end", call, good, "x.h5", diameter=1, open=True)
+        self.refused("nowhere in it", call, good, "x.h5", diameter=1, box=[5, 5, 5, 6, 6, 6])
+        both = Mesh(np.concatenate([ball.points, ball.points + [1.2, 0, 0]]),
+                    np.concatenate([ball.triangles, ball.triangles + len(ball.points)]))
+        self.refused("runs through itself", call, self.mesh(both), "x.h5", diameter=1)
         self.refused("no such file", call, self.at("none.stl"), "x.h5", diameter=1)
         self.refused("no mesh", call, self.file("bad.ply", "nothing"), "x.h5", diameter=1)
         self.refused("STL, OBJ", meshes.polydata, self.file("bad.step", "nothing"))
