@@ -164,12 +164,29 @@ def photograph(points, unit, at, ordered, source):
     return Photograph(values_of(points, unit, source), *at, ordered, source)
 
 
-def side_by_side(rows, unit, path):
+def side_by_side(rows, unit, path, at=""):
     """Photographs in pairs of columns, under a line of times or lengths (WebPlotDigitizer)."""
     table = columns_of(rows[2:], len(rows[1]), path)
-    return [photograph(table[:, k:k + 2], unit, moment((rows[0] + [""] * k)[k], path), False,
-                       f"{path}, columns {k + 1} and {k + 2}")
+    heads = (rows[0] + [""] * len(rows[1]))[:len(rows[1])]
+    if at and len(rows[1]) < 4:  # of one alone it may stand beside the file
+        heads[0] = at
+    try:
+        when = [moment(heads[k], path) for k in range(0, len(rows[1]) - 1, 2)]
+    except DataError:
+        named = next(head.strip() for head in heads[::2] if not timely(head))
+        raise DataError(f'{path}: the data set "{named}" says no time and no length: name it 20s or 12cm in the digitiser, '
+                        "or export it alone and give 20s@FILE") from None
+    return [photograph(table[:, k:k + 2], unit, when[k // 2], False, f"{path}, columns {k + 1} and {k + 2}")
             for k in range(0, len(rows[1]) - 1, 2)]
+
+
+def timely(text):
+    """Whether moment() can read it."""
+    try:
+        moment(text, "")
+        return True
+    except DataError:
+        return False
 
 
 def lines_of(table, names, units, abscissa, path, notes):
@@ -179,7 +196,7 @@ def lines_of(table, names, units, abscissa, path, notes):
     if units["x1"] != units["x2"]:
         raise DataError(f"{path}: x1 is in {units['x1']}, x2 in {units['x2']}; give them in one unit")
     when = place.get(abscissa, np.full(len(points), np.nan))
-    found = []
+    found, few = [], []
     for value in [*np.unique(when[np.isfinite(when)]), *([np.nan] if np.isnan(when).any() else [])]:
         rows = np.isnan(when) if np.isnan(value) else when == value
         if "point" in place:
@@ -187,15 +204,17 @@ def lines_of(table, names, units, abscissa, path, notes):
         at = (None, Values(np.nan)) if np.isnan(value) else (
             abscissa, values_of(value, units[abscissa], path))
         sure = place["unsure"][rows] != 1 if "unsure" in place else np.ones(len(points[rows]), bool)
-        if len(sure) >= 3 > np.count_nonzero(sure) and np.count_nonzero(~sure):
-            notes.append(f"{path}: not used: {abscissa} = {value:g}, of which {np.count_nonzero(sure)} of "
-                         f"{len(sure)} points are sure")
+        there = sure & np.isfinite(points[rows]).all(axis=1)
+        if np.count_nonzero(there) < 3:
+            few.append(f"{path}: not used: {abscissa} = {value:g}, of which {np.count_nonzero(there)} of "
+                       f"{len(sure)} points are sure")
             continue
         # the last is the tip, if it is sure
-        found.append(photograph(points[rows][sure], units["x1"], at, "point" in place and bool(sure[-1]),
+        found.append(photograph(points[rows][sure], units["x1"], at, "point" in place and bool(there[-1]),
                                 f"{path}, {abscissa} = {value:g}"))
     if not found:
-        raise DataError(f"{path}: no photograph has three points that are sure")
+        raise DataError(f"{path}: no photograph has three points that are sure, and it needs three at least")
+    notes += few
     return found
 
 
@@ -221,8 +240,11 @@ def left_out(table, names, path):
     if unused:
         words.append(f"{path}: not used: {', '.join(unused)}")
     if "unsure" in names and (count := np.count_nonzero(table[:, names.index("unsure")] == 1)):
-        words.append(f"{path}: {count} points that are unsure are not used")
-    missing = np.count_nonzero(~np.isfinite(table[:, [names.index("x1"), names.index("x2")]]).all(axis=1))
+        words.append(f"{path}: not used: points that are unsure or not there, {count}")
+    missing = ~np.isfinite(table[:, [names.index("x1"), names.index("x2")]]).all(axis=1)
+    if "unsure" in names:
+        missing &= table[:, names.index("unsure")] != 1
+    missing = np.count_nonzero(missing)
     return words + ([f"{path}: {missing} rows without a point are not used"] if missing else [])
 
 
@@ -241,7 +263,7 @@ def read(path, unit="", at="", fps=None) -> Measured:
         table = columns_of(rows, 2, path)
         return Measured([photograph(table, unit, moment(at, path), False, str(path))], notes=notes)
     if len(rows) > 1 and [c.strip().upper() for c in rows[1]][:2] == ["X", "Y"]:
-        return Measured(side_by_side(rows, unit, path), notes=notes)
+        return Measured(side_by_side(rows, unit, path, at), notes=notes)
     headings = [heading(cell) for cell in rows[0]]
     names = [name for name, _ in headings]
     units = {name: unit if given is None and name in ("x1", "x2") else given or ""

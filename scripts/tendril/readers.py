@@ -3,7 +3,8 @@
 CSV with comma, semicolon, tab or blanks between, decimal points or commas, in UTF-8, UTF-16 or Latin-1;
 .xlsx; pandas DataFrames. And, turned into rows "t, x1, x2[, point]":
 
-  DeepLabCut   lines scorer, bodyparts, coords; a row a frame; body parts are points from clamp to tip
+  DeepLabCut   lines scorer, [individuals,] bodyparts, coords; a row a frame, or a picture that was labelled;
+               body parts are points from clamp to tip
   Tracker      a line of tracks over t, x, y, t, x, y; tracks are points from clamp to tip
   ImageJ       X, Y (or XM, YM) and Slice or Frame, among other columns
 
@@ -35,6 +36,8 @@ def text_of_file(path):
         raise DataError(f"{path}: {error.strerror}") from None
     if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
         return raw.decode("utf-16")
+    if b"\0" in raw:
+        raise DataError(f"{path}: is no text; save it as .xlsx or as CSV")
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -70,19 +73,19 @@ def table(frame):
 
 def rows_of(source):
     """(rows of words, without empty ones and those that begin with #; notes)"""
-    notes = []
+    notes, commas = [], False
     if hasattr(source, "itertuples"):
         rows = table(source)
     elif str(source).lower().endswith((".xlsx", ".xlsm")):
-        rows = workbook(source)
+        rows, commas = pointed(workbook(source))
     else:
         lines = [line for line in text_of_file(source).splitlines() if line.strip(" ,;\t\r\n")
                  and not line.startswith("#")]
         if not lines:
             raise DataError(f"{source}: is empty")
         rows, commas = split(lines)
-        if commas:
-            notes.append(f"{source}: commas in numbers are decimal ones")
+    if commas:
+        notes.append(f"{source}: commas in numbers are decimal ones")
     rows = [row for row in rows if any(cell.strip() for cell in row)]
     if not rows:
         raise DataError(f"{source}: is empty")
@@ -96,9 +99,24 @@ def split(lines):
     if separator is None:
         return [line.split() for line in lines], False
     rows = list(csv.reader(io.StringIO("\n".join(lines)), delimiter=separator))
-    if separator == "," or not any(DECIMAL_COMMA.match(cell) for row in rows for cell in row):
+    return (rows, False) if separator == "," else pointed(rows)
+
+
+def pointed(rows):
+    """(rows with decimal points, whether there were commas)"""
+    if not any(DECIMAL_COMMA.match(cell) for row in rows for cell in row):
         return rows, False
     return [[cell.replace(",", ".") if DECIMAL_COMMA.match(cell) else cell for cell in row] for row in rows], True
+
+
+def untitled(rows, name, notes):
+    """Rows without titles above the headings: words that stand alone in their row. Above X, Y is a time."""
+    filled = [[cell for cell in row if cell.strip()] for row in rows]
+    first = next((k for k, cells in enumerate(filled) if len(cells) > 1 or is_number(cells[0])), 0)
+    if first and [cell.strip().upper() for cell in filled[first][:2]] != ["X", "Y"]:
+        notes.append(f"{name}: not used: {', '.join(cells[0].strip() for cells in filled[:first])}")
+        return rows[first:]
+    return rows
 
 
 def deeplabcut(rows, source):
@@ -107,22 +125,34 @@ def deeplabcut(rows, source):
     if "bodyparts" not in heads or "coords" not in heads:
         return None
     first = next(k for k, row in enumerate(rows) if row[0].strip().lower() == "coords") + 1
-    parts = list(zip(*(heads[name][1:] for name in ("individuals", "bodyparts") if name in heads)))
-    coords, order = heads["coords"][1:], list(dict.fromkeys(parts))
-    found, unsure = [["frame", "x1", "x2", "point"]], 0
+    columns = [k for k, cell in enumerate(heads["coords"]) if k and cell.strip()]  # others are of the index
+    several = list(dict.fromkeys(heads["individuals"][k] for k in columns)) if "individuals" in heads else []
+    if len(several) > 1:
+        raise DataError(f"{source}: has {len(several)} individuals, {', '.join(several)}; give the columns of one rod alone")
+    order = list(dict.fromkeys(heads["bodyparts"][k] for k in columns))
+    found, unsure = [["frame", "x1", "x2", "point", "unsure"]], 0
     for row in rows[first:]:
         for number, part in enumerate(order):
-            value = {coords[k].strip().lower(): row[k + 1] for k in range(len(coords)) if parts[k] == part
-                     and k + 1 < len(row)}
-            if not (value.get("x", "").strip() and value.get("y", "").strip()):
-                continue
-            if float(value.get("likelihood") or 1) < SURE:
-                unsure += 1
-                continue
-            found.append([row[0], value["x"], value["y"], str(number)])
+            value = {heads["coords"][k].strip().lower(): row[k] for k in columns if heads["bodyparts"][k] == part
+                     and k < len(row)}
+            x, y = (value.get(name, "").strip() for name in "xy")
+            unlikely = bool(x and y) and float(value.get("likelihood") or 1) < SURE
+            unsure += unlikely
+            # also of what is missing there is a row: the last that is there is the tip only if it is the last of all
+            found.append([frame_of(row, columns[0], source), x, y, str(number), str(int(unlikely or not (x and y)))])
     notes = [f"{source}: DeepLabCut, {len(order)} body parts as points from the clamp to the tip, "
-             f"{order[0][-1]} to {order[-1][-1]}"]
-    return found, notes + ([f"{source}: {unsure} points with a likelihood below {SURE} are not used"] if unsure else [])
+             f"{order[0]} to {order[-1]}"]
+    return found, notes + ([f"{source}: {unsure} points have a likelihood below {SURE}"] if unsure else [])
+
+
+def frame_of(row, columns, source):
+    """The number of a frame: the index of a row, or the number in the name of the picture that was labelled."""
+    if is_number(row[0]):
+        return row[0]
+    number = re.findall(r"\d+", re.split(r"[\\/]", row[columns - 1])[-1])
+    if not number:
+        raise DataError(f"{source}: {row[columns - 1]} has no number of a frame")
+    return number[-1]
 
 
 def tracker(rows, source):
@@ -136,12 +166,13 @@ def tracker(rows, source):
     if any(is_number(cell) for cell in rows[0] if cell.strip()):
         return None
     unit = re.search(r"[(\[].*[)\]]", rows[1][places[0]])
-    found = [["t (s)", f"x1 {unit[0]}" if unit else "x1", f"x2 {unit[0]}" if unit else "x2", "point"]]
+    found = [["t (s)", f"x1 {unit[0]}" if unit else "x1", f"x2 {unit[0]}" if unit else "x2", "point", "unsure"]]
     for row in rows[2:]:
         for number, k in enumerate(places):
             own = max((j for j in range(k) if heads[j] == "t"), default=0)
-            if k + 1 < len(row) and row[k].strip() and row[k + 1].strip():
-                found.append([row[own], row[k], row[k + 1], str(number)])
+            x, y = (row[j].strip() if j < len(row) else "" for j in (k, k + 1))
+            if own < len(row) and row[own].strip():
+                found.append([row[own], x, y, str(number), str(int(not (x and y)))])
     unused = [head for head in dict.fromkeys(heads) if head not in ("t", "x", "y", "")]
     notes = [f"{source}: Tracker, {len(places)} tracks as points from the clamp to the tip, times in s"]
     return found, notes + ([f"{source}: not used: {', '.join(unused)}"] if unused else [])
@@ -172,7 +203,9 @@ def plain(source, fps=None):
     if known:
         rows, more = known
         notes += more
-    elif not all(is_number(cell) for cell in rows[0] if cell.strip()):
+    else:
+        rows = untitled(rows, name, notes)
+    if not known and not all(is_number(cell) for cell in rows[0] if cell.strip()):
         second = [cell.strip().upper() for cell in rows[1][:2]] if len(rows) > 1 else []
         if second != ["X", "Y"]:
             rows = [[alias(cell) for cell in rows[0]], *rows[1:]]
@@ -182,14 +215,18 @@ def plain(source, fps=None):
 def timed(rows, fps, name, notes):
     """Rows in which frames are times."""
     heads = [cell.strip().lower() for cell in rows[0]]
-    column = next((heads.index(head) for head in ("frame", "slice") if head in heads), None)
-    if column is None or any(re.match(r"(t|length)\b", head) for head in heads):
+    counts = [heads.index(head) for head in ("frame", "slice") if head in heads]
+    if not counts or any(re.match(r"(t|length)\b", head) for head in heads):
         return rows
+    # ImageJ writes both, one of them 1 in all rows, and counts from 1
+    varied = [k for k in counts if len({row[k] for row in rows[1:] if k < len(row) and row[k].strip()}) > 1]
+    if len(varied) > 1:
+        raise DataError(f"{name}: has frames and slices; leave one of the two columns out")
+    column, first = (varied or counts)[0], 1 if "slice" in heads else 0
     if not fps:
         raise DataError(f"{name}: counts {heads[column]}s; give the frames per second, --fps 25")
-    first = 1 if heads[column] == "slice" else 0
     if first:
-        notes.append(f"{name}: slice 1 is at t = 0")
+        notes.append(f"{name}: {heads[column]} 1 is at t = 0")
     body = []
     for row in rows[1:]:
         cell = row[column] if column < len(row) else ""
