@@ -81,6 +81,13 @@ class Nearest(NamedTuple):
     beyond: np.ndarray  # [m], how far behind the end of the line, along it; 0 beside the line
 
 
+def least_of_all_near(values):
+    """[m, n], whether a value is not larger than those before and behind it in its row. What is farther along the same
+    strand of a rod is nearer to a point than some other strand, but no foot of it: distances go on falling on one side."""
+    falls = np.diff(values, axis=1) < 0
+    return np.pad(falls, ((0, 0), (1, 0)), constant_values=True) & np.pad(~falls, ((0, 0), (0, 1)), constant_values=True)
+
+
 SLACK = 2.0  # gaps between points: what is known of where the rod ends
 STRAND = 0.1  # of a line's length: what is farther from a place, along it, is another strand
 
@@ -95,7 +102,7 @@ def nearest(points, line, slack=0.0) -> Nearest:
     squares = cdist(points, line, "sqeuclidean")
     node, rows = np.argmin(squares, axis=1), np.arange(len(points))
     away = np.abs(begin - begin[node][:, None]) > STRAND * begin[-1]
-    other = np.sqrt(np.min(squares, axis=1, where=away, initial=np.inf))
+    other = np.sqrt(np.min(squares, axis=1, where=away & least_of_all_near(squares), initial=np.inf))
     pieces = np.clip(node[:, None] + [-1, 0], 0, len(along) - 1)  # [m, 2], before and behind it
     part = np.einsum("mkd,mkd->mk", points[:, None] - line[pieces], along[pieces]) / lengths[pieces] ** 2
     part = np.clip(part, 0, 1)

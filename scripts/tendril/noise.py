@@ -133,11 +133,18 @@ class Errors:
         """How many numbers the model has that are not nought."""
         return sum(1 + 2 * (g.smooth > 1e-3 * g.total) + (g.shift > 1e-3 * g.total) for g in self.groups.values())
 
-    def log_likelihood(self, residuals) -> float:
-        total = 0.0
+    @property
+    def telling(self):
+        """[n], which residuals tell something."""
+        return self.weights > NOTHING
+
+    def log_likelihood(self, residuals, rows=None) -> float:
+        """Of what tells something, or of these rows of it [n]."""
+        rows, total = self.telling if rows is None else rows, 0.0
         for block in self.blocks:
-            factor = linalg.cholesky(self.covariance(block), lower=True, check_finite=False)
-            white = linalg.solve_triangular(factor, residuals[block.rows], lower=True, check_finite=False)
+            told = rows[block.rows]
+            factor = linalg.cholesky(self.covariance(block)[np.ix_(told, told)], lower=True, check_finite=False)
+            white = linalg.solve_triangular(factor, residuals[block.rows[told]], lower=True, check_finite=False)
             total -= 0.5 * (white @ white) + np.sum(np.log(np.diag(factor))) + 0.5 * len(white) * np.log(2 * np.pi)
         return float(total)
 
@@ -148,18 +155,21 @@ class Estimate:
     def __init__(self, errors: Errors, name, residuals, jacobian, prior):
         self.errors, self.name = errors, name
         self.blocks = [b for b in errors.blocks if b.group == name and len(b.rows)]
+        # a row whose weight is nothing would ask for errors as small as may be, for its likelihood goes with 1/sigma
+        told = [errors.telling[b.rows] for b in self.blocks]
+        if not np.any(np.concatenate(told)):  # then they must do
+            told = [np.ones(len(b.rows), bool) for b in self.blocks]
         # all blocks as large as the largest, with rows that say nothing: 0 = 0 with an error of 1
-        size = max(len(b.rows) for b in self.blocks)
-        count, p = len(self.blocks), jacobian.shape[1]
+        size, count, p = max(len(b.rows) for b in self.blocks), len(self.blocks), jacobian.shape[1]
         self.values = np.zeros((count, size, 1 + p))
         self.gaps, self.alike = np.zeros((count, size, size)), np.zeros((count, size, size))
         self.extra, self.empty = np.zeros((count, size)), np.ones((count, size))
-        for k, b in enumerate(self.blocks):
-            m = len(b.rows)
-            self.values[k, :m] = np.column_stack([residuals[b.rows], jacobian[b.rows]])
-            self.gaps[k, :m, :m] = np.abs(b.place[:, None] - b.place)
-            self.alike[k, :m, :m] = 1.0 if b.normal is None else b.normal @ b.normal.T
-            self.extra[k, :m], self.empty[k, :m] = 1 / errors.weights[b.rows], 0
+        for k, (b, kept) in enumerate(zip(self.blocks, told)):
+            rows, place, m = b.rows[kept], b.place[kept], np.count_nonzero(kept)
+            self.values[k, :m] = np.column_stack([residuals[rows], jacobian[rows]])
+            self.gaps[k, :m, :m] = np.abs(place[:, None] - place)
+            self.alike[k, :m, :m] = 1.0 if b.normal is None else b.normal[kept] @ b.normal[kept].T
+            self.extra[k, :m], self.empty[k, :m] = 1 / errors.weights[rows], 0
         self.lines = any(b.normal is not None for b in self.blocks)
         self.extents = np.array([b.extent for b in self.blocks])[:, None, None]
         self.kind, self.kinds = KINDS[0], KINDS if np.ptp(self.extents) > 0.1 * self.extents.max() else KINDS[:2]
@@ -390,14 +400,15 @@ def certainty(errors: Errors, residuals, jacobian, prior, known=None, share=0.95
 
 
 def freedom(errors: Errors) -> float:
-    """Of Student's t: what errs alike in a photograph, the part c of the variance, is known from n of them only, and
-    what errs by itself from all points: (n - 1)/c^2, as Satterthwaite has it."""
+    """Of Student's t: what a photograph errs by as a whole, the part c of the variance, is known from the two components
+    of n shifts only, and what errs by itself from all points: 2 (n - 1)/c^2, as Satterthwaite has it. (What is
+    smooth along the rod is known from all its pieces, and how well is in the mixture.)"""
     names = {block.group for block in errors.blocks if block.normal is not None}
     count = sum(block.normal is not None for block in errors.blocks)
     if count < 2:
         return 2.0 if count else np.inf
-    alike = max(1 - (g.sigma / max(g.total, 1e-300)) ** 2 for g in (errors.groups[name] for name in names))
-    return max((count - 1) / max(alike, 1e-3) ** 2, 2.0)
+    whole = max((g.shift / max(g.total, 1e-300)) ** 2 for g in (errors.groups[name] for name in names))
+    return max(2 * (count - 1) / max(whole, 1e-3) ** 2, 2.0)
 
 
 def lasting(errors: Errors, residuals, bins=12):

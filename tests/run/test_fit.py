@@ -156,6 +156,45 @@ class Reading(unittest.TestCase):
         with self.assertRaisesRegex(measured.DataError, "--fps"):
             measured.read(self.file("frame,x,y\n1,2,3\n1,3,3\n1,4,4\n"))
 
+    def test_which_frame_and_which_rod(self):
+        """ImageJ writes Slice and Frame, of which one is 1 in all rows, and counts from 1; pictures that were labelled for
+        DeepLabCut have their number in their name; of two animals none is the rod; where the last body part, or track,
+        is not there, the last that is there is not the tip."""
+        for head, at in (("Ch,Slice,Frame", "{0},1"), ("Ch,Frame,Slice", "{0},1")):
+            body = "".join(f"{k},0,{k},{2 * k},1,{at.format(1 + k // 3)},0\n" for k in range(6))
+            m = measured.read(self.file(f" ,Area,X,Y,{head},Count\n{body}"), unit="px", fps=2)
+            self.assertEqual([float(p.at.numbers) for p in m.photographs], [0, 0.5], head)
+        with self.assertRaisesRegex(measured.DataError, "frames and slices"):
+            measured.read(self.file("X,Y,Slice,Frame\n1,2,1,1\n1,3,2,2\n"), unit="px", fps=2)
+        parts = "bodyparts{0},base,base,mid,mid,tip,tip\ncoords{0},x,y,x,y,x,y\n"
+        for index, name in (("", "labeled-data\\film2\\img050.png"), (",,", "labeled-data,film2,img050.png")):
+            text = f"scorer{index},n,n,n,n,n,n\n{parts.format(index)}{name},1,2,3,4,5,6\n"
+            (p,) = measured.read(self.file(text), unit="px", fps=25).photographs
+            self.assertEqual(float(p.at.numbers), 2)
+            np.testing.assert_array_equal(p.points.numbers, [[1, 2], [3, 4], [5, 6]])
+        for animals, refused in (("a,a,a,a,a,a", False), ("a,a,a,a,b,b", True)):
+            file = self.file(f"scorer,n,n,n,n,n,n\nindividuals,{animals}\n{parts.format('')}7,1,2,3,4,5,6\n")
+            if refused:
+                self.assertRaisesRegex(measured.DataError, "2 individuals, a, b", measured.read, file, "px", fps=25)
+            else:
+                self.assertEqual(len(measured.read(file, "px", fps=25).photographs[0].points.numbers), 3)
+        m = measured.read(self.file("#multi:\n\tA\t\tB\t\tC\t\tD\t\t\nt\tx\ty\tx\ty\tx\ty\tx\ty\t\n"
+                                    "0,1\t1\t2\t3\t4\t5\t6\t\t\t\n0,2\t1\t2\t3\t4\t5\t6\t7\t8\t\n"
+                                    "0,3\t1\t2\t\t\t\t\t\t\t\n"), unit="px")
+        self.assertEqual([p.ordered for p in m.photographs], [False, True])
+        self.assertTrue(any("not used: t = 0.3, of which 1 of 4" in note for note in m.notes), m.notes)
+
+    def test_titles_and_names(self):
+        """Words above the headings are told from them; a digitiser's name that is no time; what is no text."""
+        m = measured.read(self.file("Monday's tube\nt (s);x1 (cm);x2 (cm)\n1;1;2\n1;2;3\n1;3,5;4\n"))
+        np.testing.assert_allclose(m.photographs[0].points.numbers[2], [0.035, 0.04])
+        self.assertTrue(any("not used: Monday's tube" in note for note in m.notes), m.notes)
+        file = self.file("Default Dataset,\nX,Y\n1,2\n3,4\n5,6\n")
+        self.assertEqual(float(measured.read(file, unit="cm", at="20s").photographs[0].at.numbers), 20)
+        self.assertRaisesRegex(measured.DataError, '"Default Dataset" says no time.*20s@FILE', measured.read, file, "cm")
+        (Path(self.directory.name) / "old.xls").write_bytes(b"\xd0\xcf\x11\xe0" + bytes(60))
+        self.assertRaisesRegex(measured.DataError, "no text", measured.read, Path(self.directory.name) / "old.xls")
+
     def test_as_files_come(self):
         """Decimal commas, x and y as headings, Latin-1, UTF-16, blanks, DataFrames, workbooks."""
         expected = [[0.015, 0.02], [0.025, 0.03], [0.035, 0.04]]
@@ -512,9 +551,21 @@ class Intervals(unittest.TestCase):
             error.append(e)
         return np.concatenate(error), np.vstack(jacobian), blocks
 
+    def scatter(self, kind, jacobian, blocks):
+        """[2], the standard deviation of the best estimate there is, by one who knows how points() err."""
+        information = np.zeros((2, 2))
+        for b in blocks:
+            own, gaps, alike = 0.5, np.abs(b.place[:, None] - b.place), b.normal @ b.normal.T
+            v = {"smooth": lambda: noise.matern(gaps / 0.1)[0] * alike, "shifted": lambda: alike,
+                 "parts": lambda: noise.gauss(gaps / (0.1 * b.extent))[0] * alike}.get(kind, lambda: 0)()
+            own *= 0.2 if kind in ("smooth", "parts") else 1
+            information += jacobian[b.rows].T @ np.linalg.solve(v + own**2 * np.eye(len(b.rows)), jacobian[b.rows])
+        return np.sqrt(np.diag(np.linalg.inv(information)))
+
     def held(self, kind, cases):
-        """(the part of intervals that hold the truth, the same if all points err by themselves)"""
-        held, plain = [], []
+        """(the part of intervals that hold the truth, the same if all points err by themselves, how wide the intervals are
+        over what they would be if it were known how points err)"""
+        held, plain, wide = [], [], []
         for seed in range(cases):
             e, j, blocks = self.points(np.random.default_rng(seed), kind)
             at = np.linalg.lstsq(j, e, rcond=None)[0]  # the truth is 0
@@ -524,20 +575,32 @@ class Intervals(unittest.TestCase):
             white = errors.whitened(np.column_stack([e, j]))
             at = np.linalg.lstsq(white[:, 1:], white[:, 0], rcond=None)[0]
             known = noise.certainty(errors, e - j @ at, j, nothing)
-            held.append(np.abs(at) < known.reach * np.sqrt(np.diag(known.covariance)))
+            half = known.reach * np.sqrt(np.diag(known.covariance))
+            held.append(np.abs(at) < half)
+            wide.append(half / (1.96 * self.scatter(kind, j, blocks)))
             scatter = np.sqrt(np.diag(np.linalg.inv(j.T @ j))) * np.std(e)
             plain.append(np.abs(np.linalg.lstsq(j, e, rcond=None)[0]) < 1.96 * scatter)
-        return np.mean(held), np.mean(plain)
+        return np.mean(held), np.mean(plain), np.median(wide)
 
     def test_hold_the_truth(self):
         """Of 95 %: however points err, 90 to 98 % (here within chance); as if all erred by themselves far
-        fewer where they do not."""
+        fewer where they do not. And they are hardly wider than they must be."""
         for kind, least in (("independent", 0.85), ("smooth", 0.82), ("parts", 0.82), ("shifted", 0.82),
                             ("strays", 0.85)):
-            held, plain = self.held(kind, 12)
+            held, plain, wide = self.held(kind, 12)
             self.assertGreaterEqual(held, least, kind)
+            self.assertLess(wide, 1.4, kind)
             if kind in ("smooth", "parts", "shifted"):
                 self.assertLess(plain, 0.8, kind)
+
+    def test_freedom(self):
+        """Of Student's t: shifts are told by their photographs, what is smooth by its pieces, one photograph by nothing."""
+        _, j, blocks = self.points(np.random.default_rng(1), "shifted")
+        for count, group, expected in ((6, noise.Group(0.1, smooth=1.0), 100), (6, noise.Group(1e-3, shift=1.0), 10),
+                                       (6, noise.Group(1.0, shift=1.0), 40), (1, noise.Group(1.0), 2)):
+            errors = noise.Errors(blocks[:count], {"lines": group}, np.ones(len(j)), np.ones(len(j)))
+            found = noise.freedom(errors)
+            self.assertTrue(found > expected if group.smooth else abs(found - expected) < 1e-3, f"{found} {expected}")
 
     def test_errors_are_told(self):
         """What they were made of is what is found."""
@@ -578,6 +641,23 @@ class Intervals(unittest.TestCase):
         blocks = [noise.Block("lines", np.arange(2), near.place, near.normal, near.other)]
         np.testing.assert_array_equal(noise.screened(near.distance, np.full(2, 0.01), blocks) == noise.NOTHING,
                                       [True, False])
+
+    def test_no_other_strand(self):
+        """Of a short rod, whose points err by much of its length: what is farther along it is no other strand."""
+        line, angle = np.linspace(0, 1, 200), np.linspace(0, 3, 200)
+        for rod in (np.column_stack([line, 0 * line]), np.column_stack([np.sin(angle), 1 - np.cos(angle)]) / 3):
+            near = comparing.nearest(rod[20:180:20] + [0.02, 0.07], rod)
+            self.assertTrue(np.isinf(near.other).all(), near.other)
+
+    def test_points_that_tell_nothing(self):
+        """Are no reason to think that points err by less: with half of them between strands the errors are those of the
+        other half."""
+        e, j, blocks = self.points(np.random.default_rng(3), "independent")
+        for block in blocks[:3]:
+            block.other[:] = 0
+        group = noise.estimate(blocks, e, j, np.full(len(e), 0.5), np.zeros((2, 2))).groups["lines"]
+        self.assertAlmostEqual(group.total, 0.5, delta=0.08)
+        self.assertGreater(group.sigma, 0.4)
 
 
 class Fitting(unittest.TestCase):
@@ -641,6 +721,25 @@ class Fitting(unittest.TestCase):
         rows = out.with_suffix(".csv").read_text().splitlines()
         self.assertEqual(len(rows), 1 + 4 * 40 + 4)  # points, and where each rod ends
         self.assertGreater(out.with_suffix(".png").stat().st_size, 10000)
+
+    def test_band_of_shapes(self):
+        """Runs of parameters that the fit leaves open lie in its band, the hidden truth among them, half as far as the
+        band at half the way; it asks for no run more."""
+        problem, count = self.found.problem, self.found.problem.count
+        line, half = self.found.band(3)
+        self.assertEqual(problem.count, count)
+        true = comparing.finer(comparing.shape_at(self.truth, 28 / self.truth.scale("time"))) * self.truth.scale("length")
+        off = np.abs(comparing.nearest(true[::40], line).distance)
+        place = [np.argmin(np.hypot(*(line - x).T)) for x in true[::40]]
+        self.assertGreater(np.mean(off <= half[place] + 1e-5), 0.85)
+        self.assertLess(half.max(), 0.03 * np.ptp(line[:, 0]))
+        deviation = np.sqrt(self.found.covariance[0, 0])
+        beside = self.found.u + self.found.covariance[0] / deviation  # the others follow
+        (r,) = problem.run([beside])
+        moved = problem.comparison.line(r, problem.measured.photographs[3], beside[len(problem.parameters):])
+        share = np.abs(comparing.nearest(line[200::100], moved).distance) * self.found.reach[0] / half[200::100]
+        self.assertLess(share.max(), 1.1)
+        self.assertGreater(share.max(), 0.4)
 
     def test_tells_what_cannot_be_told(self):
         """Lengths and times alone tell stiffness over friction, and neither of the two."""
