@@ -11,6 +11,7 @@ import numpy as np
 from scipy import stats
 
 from .comparing import LINES
+from .errors import RunError
 from .measured import PIXEL, Values
 from .runs import scene_words, text_of, write_arrays
 from .style import BLUE, GREY, ORANGE, STYLE
@@ -156,9 +157,37 @@ def table(fit: Fit):
                                            "residual", "unit"])
 
 
-def draw_photograph(ax, fit: Fit, p):
-    line = fit.problem.comparison.line(fit.run, p, fit.u[len(fit.parameters):], fit.problem.view(fit.u))
+def normals(line):
+    """[n, 2], to the left of a line of nodes."""
+    along = np.gradient(line, axis=0)
+    return np.column_stack([-along[:, 1], along[:, 0]]) / np.maximum(np.hypot(*along.T), 1e-300)[:, None]
+
+
+def bands(fit: Fit, photographs):
+    """[(line [n, 2], how far the rod may lie to both sides of it [n])]: with x(s) its line at the estimate u, n its normal
+    and C the covariance of all that was found, half of what holds 95 % is
+
+        t sqrt(d C d),   d_k = n . dx/du_k,
+
+    from runs that the end of the fit has made."""
+    problem, p = fit.problem, len(fit.parameters)
+
+    def lines(u, r):
+        view = problem.view(u)
+        return np.concatenate([problem.comparison.line(r, photo, u[p:], view).ravel() for photo in photographs])
+
+    best = [problem.comparison.line(fit.run, photo, fit.u[p:], problem.view(fit.u)) for photo in photographs]
+    slopes = problem.raw_jacobian(fit.u, central=True, of=lines).reshape(-1, 2, len(fit.u))
+    across = np.einsum("ni,nik->nk", np.vstack([normals(line) for line in best]), slopes)
+    half = np.median(fit.reach) * np.sqrt(np.maximum(np.einsum("na,ab,nb->n", across, fit.covariance, across), 0))
+    return list(zip(best, np.split(half, np.cumsum([len(line) for line in best])[:-1])))
+
+
+def draw_photograph(ax, fit: Fit, p, line, half):
     factor, unit = shown(p.points)
+    if half is not None:
+        edges = [line + sign * half[:, None] * normals(line) for sign in (1, -1)]
+        ax.fill(*(factor * np.vstack([edges[0], edges[1][::-1]]).T), color=BLUE, alpha=0.25, lw=0, label="95 % of shapes")
     ax.plot(*(factor * p.points.numbers.T), ".", ms=3, color=ORANGE, label="measured")
     ax.plot(*(factor * line.T), color=BLUE, label="best scene")
     ax.set_aspect("equal", adjustable="datalim")
@@ -200,19 +229,24 @@ def draw(fit: Fit, most=7):
     """What was measured beside the best scene; of many photographs some."""
     photographs = fit.problem.measured.photographs
     keep = np.unique(np.linspace(0, len(photographs) - 1, min(most, len(photographs))).astype(int))
-    panels = [(draw_photograph, photographs[k]) for k in keep]
+    try:
+        shapes = bands(fit, [photographs[k] for k in keep]) if len(keep) else []
+    except RunError:  # beside the best scene none runs
+        own, view = fit.u[len(fit.parameters):], fit.problem.view(fit.u)
+        shapes = [(fit.problem.comparison.line(fit.run, photographs[k], own, view), None) for k in keep]
+    panels = [(draw_photograph, photographs[k], *shape) for k, shape in zip(keep, shapes)]
     panels += [(draw_curve, c) for c in fit.problem.measured.curves]
     rows = -(-(len(panels) + 1) // 4)
     columns = -(-(len(panels) + 1) // rows)
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(rows, columns, figsize=(2.1 * columns, 1.9 * rows + 0.3),
                                     squeeze=False, layout="constrained")
-        for ax, (panel, what) in zip(axes.flat, panels):
-            panel(ax, fit, what)
+        for ax, (panel, *what) in zip(axes.flat, panels):
+            panel(ax, fit, *what)
         draw_residuals(axes.flat[len(panels)], fit)
         for ax in axes.flat[len(panels) + 1:]:
             ax.set_axis_off()
-        figure.legend(*axes.flat[0].get_legend_handles_labels(), loc="outside upper left", ncol=2)
+        figure.legend(*axes.flat[0].get_legend_handles_labels(), loc="outside upper left", ncol=3)
     plt.close(figure)
     return figure
 

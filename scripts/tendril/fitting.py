@@ -31,7 +31,7 @@ from scipy import stats
 
 from .doubts import warnings_of
 from .errors import RunError, TendrilError
-from .fit_report import describe, draw, indistinct, save, scene_text, table
+from .fit_report import bands, describe, draw, indistinct, save, scene_text, table
 from .measured import gather
 from .noise import Certainty, certainty
 from .parameters import Parameter, Prior
@@ -166,6 +166,11 @@ class Fit:
         return xarray.Dataset(found, {"parameter": names, "other": names, "end": ["low", "high"]},
                               {"log_likelihood": self.log_likelihood, "runs": self.problem.count})
 
+    def band(self, photograph: int):
+        """(the rod of the best scene as a photograph should show it [n, 2], how far it may lie to both sides [n]: at each
+        place on it the rod is there in 95 of 100 such fits), in the unit of its points; photographs count from 0."""
+        return bands(self, [self.problem.measured.photographs[photograph]])[0]
+
     def plot(self):
         """A figure of what was measured beside the best scene."""
         return draw(self)
@@ -274,19 +279,24 @@ def search(problem: Problem, starts, accuracy, seed, tell):
     return problem.solve(ends[0].u, ROUGH), [s.cost for s in ends], agreed
 
 
+def less_likely(errors, raw, errors_before, raw_before):
+    """Of what tells something both times."""
+    both = errors.telling & errors_before.telling
+    return errors.log_likelihood(raw, both) < errors_before.log_likelihood(raw_before, both)
+
+
 def certain(problem: Problem, best: Solution, tell, most=3):
     """(the least cost, what is known of it): as long as a run on a principal axis is better than the best,
     the search goes on from there; and back, if all in all, with the errors that are then estimated, that is less likely:
     errors that reach far let a search slide along a valley."""
-    before, likely = None, -np.inf
+    before = None
     for last in range(most):
         jacobian = problem.raw_jacobian(best.u, central=True)
         raw = problem.measure_errors(best.u, jacobian)
-        if (now := problem.errors.log_likelihood(raw)) < likely:
+        if before and less_likely(problem.errors, raw, *before[2:4]):
             tell("that is less likely all in all; back")
-            best, known, problem.errors, problem.noise = before
+            best, known, problem.errors, _, problem.noise = before
             return best, known
-        likely = now
         best = Solution(best.u, problem.cost(problem.errors.whitened(raw)))
         known = certainty(problem.errors, raw, jacobian, problem.prior_information(len(best.u)),
                           problem.told_noise, CONFIDENCE)
@@ -298,15 +308,15 @@ def certain(problem: Problem, best: Solution, tell, most=3):
         known = Certainty(known.covariance * np.outer(larger, larger), known.reach)
         if cost > best.cost - BETTER or last == most - 1:
             break
-        before = best, known, problem.errors, problem.noise
+        before = best, known, problem.errors, raw, problem.noise
         best = problem.solve(other, 1e-4)
         tell(f"a better one beside it, {problem.count} runs")
     return best, known
 
 
-def polished(problem: Problem, best: Solution, accuracy, tell):
-    """The end of the search with the runs' final accuracy and the errors as they are: of each point first,
-    then with their correlation."""
+def polished(problem: Problem, best: Solution, accuracy, tell, finer=True):
+    """The end of the search with the runs' final accuracy, better than this one where the data are (finer), and the
+    errors as they are: of each point first, then with their correlation."""
     p = len(problem.parameters)
     if not problem.search_known:
         problem.keep_search()
@@ -316,6 +326,9 @@ def polished(problem: Problem, best: Solution, accuracy, tell):
     problem.measure_noise(best.u)
     best = problem.solve(best.u, 1e-3)
     problem.measure_noise(best.u)
+    if finer and (wanted := problem.wanted_accuracy()) < accuracy:
+        tell(f"the data are finer than the runs: once more with -accuracy {wanted:.1g}")
+        return polished(problem, best, wanted, tell, finer=False)
     problem.measure_errors(best.u, problem.raw_jacobian(best.u))
     best = problem.solve(best.u, 1e-4)
     tell(f"{problem.count} runs, polished")
@@ -376,9 +389,6 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", f
         best, costs, agreed = search(problem, max(8, 24 // p) if starts is None else starts,
                                      min(SEARCH * accuracy, COARSEST), seed, tell)
         best = polished(problem, best, accuracy, tell)
-        if (finer := problem.wanted_accuracy()) < accuracy:
-            tell(f"the data are finer than the runs: once more with -accuracy {finer:.1g}")
-            best = polished(problem, best, finer, tell)
         best, known = certain(problem, best, tell)
     except KeyboardInterrupt:
         if problem.best is None:

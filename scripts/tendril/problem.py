@@ -194,15 +194,15 @@ class Problem:
                 self.bar.update(self.count - self.bar.n)
         return self.derived[key]
 
-    def derivative(self, u, r, k):
-        """Of raw residuals by number k at u, where r is the run with its derivatives."""
+    def derivative(self, u, r, k, of):
+        """Of a function of point and run by number k at u, where r is the run with its derivatives."""
         two = []
         for sign in (1, -1):
             there = np.array(u, float)
             there[k] += sign * ALONG
             change = {self.parameters[i].name: float(self.parameters[i].value(there[i]) - self.parameters[i].value(u[i]))
                       for i in self.of_runs if i == k}
-            two.append(self.raw(there, beside(r, change, self.rod(there))))
+            two.append(of(there, beside(r, change, self.rod(there))))
         return (two[0] - two[1]) / (2 * ALONG)
 
     def run(self, points) -> list[Results | RunError]:
@@ -344,12 +344,13 @@ class Problem:
         ends = np.flatnonzero(groups == ENDS)
         self.sigma[ends] = np.maximum(self.sigma[ends], self.comparison.loose)
 
-    def raw_jacobian(self, u, central=False):
-        """[residual, number], of raw residuals: by each number from what the run tells, or by forward or central
-        differences between runs."""
+    def raw_jacobian(self, u, central=False, of=None):
+        """[residual, number], of raw residuals, or of another function of point and run: by each number from what the run
+        tells, or by forward or central differences between runs."""
+        of = of or self.raw
         r = self.run_derived(u) if self.followed else None
         told = [k for k in range(len(u)) if r and (k not in self.of_runs or self.parameters[k].name in self.followed)]
-        found = {k: self.derivative(u, r, k) for k in told}
+        found = {k: self.derivative(u, r, k, of) for k in told}
         if rest := [k for k in range(len(u)) if k not in found]:
             points, _ = self.neighbours(u, FINE_STEP if central else STEP)
             behind = 2 * u - points if central else np.tile(u, (len(u), 1))
@@ -359,7 +360,7 @@ class Problem:
             if failed := next((r for r in runs if isinstance(r, RunError)), None):
                 raise failed
             for k, ahead, back in zip(rest, runs, runs[len(rest):]):
-                found[k] = (self.raw(points[k], ahead) - self.raw(behind[k], back)) / (points[k] - behind[k])[k]
+                found[k] = (of(points[k], ahead) - of(behind[k], back)) / (points[k] - behind[k])[k]
         return np.column_stack([found[k] for k in range(len(u))])
 
     def prior_information(self, count):

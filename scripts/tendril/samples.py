@@ -10,7 +10,7 @@ logarithm in that; with it goes what was given as priors."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -74,18 +74,24 @@ class Samples:
     values: np.ndarray
     acceptance: float
     steps_between: float  # steps after which a walker has forgotten where it was
+    units: list[str] = field(default_factory=list)
+    estimate: list[float] | None = None  # of the fit
 
     def interval(self, name, share=0.95):
         column = self.values[:, self.names.index(name)]
         return tuple(float(v) for v in np.quantile(column, [(1 - share) / 2, (1 + share) / 2]))
 
     def corner(self, **options):
-        """A corner plot of all parameters."""
+        """A corner plot of all parameters, with lines at the fit's estimate; options as corner.corner has them."""
         try:
             import corner
         except ImportError:
             raise TendrilError("a corner plot needs corner: pip install 'tendril[sample]'") from None
-        return corner.corner(self.values, labels=self.names, show_titles=True, title_fmt=".4g", **options)
+        units = self.units or [""] * len(self.names)
+        labels = [f"{name} ({'1' * unit.startswith('/') + unit})" if unit else name for name, unit in zip(self.names, units)]
+        return corner.corner(self.values, **{"labels": labels, "titles": self.names, "truths": self.estimate,
+                                             "quantiles": (0.025, 0.975), "title_quantiles": (0.025, 0.5, 0.975),
+                                             "show_titles": True, "title_fmt": ".4g"} | options)
 
 
 def sample(fit: Fit, steps=200, walkers=None, burn=0.3, seed=1, progress: bool | None = None) -> Samples:
@@ -123,4 +129,5 @@ def sample(fit: Fit, steps=200, walkers=None, burn=0.3, seed=1, progress: bool |
     chain = sampler.get_chain(discard=int(burn * steps), flat=True)
     values = np.column_stack([q.value(chain[:, k]) for k, q in enumerate(fit.parameters)])
     return Samples([q.name for q in fit.parameters], values, float(np.mean(sampler.acceptance_fraction)),
-                   float(np.max(sampler.get_autocorr_time(quiet=True, tol=0))))
+                   float(np.max(sampler.get_autocorr_time(quiet=True, tol=0))), [q.unit for q in fit.parameters],
+                   [fit.values[q.name] for q in fit.parameters])
