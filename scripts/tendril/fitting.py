@@ -329,7 +329,7 @@ def polished(problem: Problem, best: Solution, accuracy, tell, finer=True):
     if finer and (wanted := problem.wanted_accuracy()) < accuracy:
         tell(f"the data are finer than the runs: once more with -accuracy {wanted:.1g}")
         return polished(problem, best, wanted, tell, finer=False)
-    problem.measure_errors(best.u, problem.raw_jacobian(best.u))
+    problem.measure_errors(best.u, problem.raw_jacobian(best.u, central=True))
     best = problem.solve(best.u, 1e-4)
     tell(f"{problem.count} runs, polished")
     return best

@@ -26,6 +26,7 @@ from .units import scales_of_rod
 
 HUBER = 1.345  # 95 % efficiency for normal noise
 STEP, FINE_STEP = 3e-3, 1e-2  # of differences, in parts of a parameter's bounds: forward, central
+NEAR = 0.3  # of these steps: differences around a point so near are as good as around this one
 SHAPES = 120  # stored in a run, between which shapes are interpolated
 FINEST = 1e-5  # the accuracy that runs are made with at best
 WEAK = 10.0  # by so many times a prior is made wider during the search
@@ -74,6 +75,7 @@ class Problem:
         self.points: dict = {}  # the points themselves
         # options by whose numbers runs tell their derivatives; none: derivatives are differences between runs
         self.followed: list[str] = []
+        self.middle: np.ndarray | None = None  # around which the last central differences were made
         self.derived: dict = {}  # runs that tell them, by their point; None: this one does not
 
     def words(self, u):
@@ -258,7 +260,7 @@ class Problem:
         and tolerance for an accuracy; so that runs differ by their parameters alone. One that is
         interrupted leaves all as it was."""
         before = self.known, self.settings, self.glimpse, self.begin, self.reach
-        self.derived = {}
+        self.derived, self.middle = {}, None
         try:
             self.choose(u, accuracy)
         except BaseException:
@@ -346,12 +348,13 @@ class Problem:
 
     def raw_jacobian(self, u, central=False, of=None):
         """[residual, number], of raw residuals, or of another function of point and run: by each number from what the run
-        tells, or by forward or central differences between runs."""
+        tells, or by forward or central differences between runs. Where central ones were made around a point that is near, these serve again."""
         of = of or self.raw
         r = self.run_derived(u) if self.followed else None
         told = [k for k in range(len(u)) if r and (k not in self.of_runs or self.parameters[k].name in self.followed)]
         found = {k: self.derivative(u, r, k, of) for k in told}
         if rest := [k for k in range(len(u)) if k not in found]:
+            central, u = self.around(u, central)
             points, _ = self.neighbours(u, FINE_STEP if central else STEP)
             behind = 2 * u - points if central else np.tile(u, (len(u), 1))
             inside = slice(0, len(self.parameters))
@@ -362,6 +365,18 @@ class Problem:
             for k, ahead, back in zip(rest, runs, runs[len(rest):]):
                 found[k] = (of(points[k], ahead) - of(behind[k], back)) / (points[k] - behind[k])[k]
         return np.column_stack([found[k] for k in range(len(u))])
+
+    def around(self, u, central):
+        """(whether differences are central ones, the point around which they are made): u, or with the runs of one that is
+        near."""
+        moved = np.array(u, float)
+        if self.middle is not None:
+            moved[self.of_runs] = self.middle[self.of_runs]
+            if np.abs(moved - u).max() <= NEAR * FINE_STEP:
+                return True, moved
+        if central:
+            self.middle = np.array(u, float)
+        return central, np.array(u, float)
 
     def prior_information(self, count):
         """One as wide as the bounds, so that what the data do not fix has an end, too."""
