@@ -75,8 +75,9 @@ PetscErrorCode BlocksDestroy(Blocks *blocks) {
   PetscFunctionReturn(0);
 }
 
-/* How far two blocks are from each other; 0: they meet. */
-static PetscReal Apart(int dims, const Block *a, const Block *b) {
+/* How far two blocks are from each other; 0: they meet. One that is farther than the reach is only
+   known to be so. */
+static inline PetscReal Apart(int dims, const Block *a, const Block *b, PetscReal reach) {
   PetscReal sum = 0, most = 0;
 
   for (int d = 0; d < dims; d++) {
@@ -84,25 +85,38 @@ static PetscReal Apart(int dims, const Block *a, const Block *b) {
     sum += o * o;
     most = PetscMax(most, o);
   }
-  return sum == most * most ? most : PetscSqrtReal(sum); /* a square may overflow */
+  if (most > reach || sum == most * most) return most; /* a square may overflow */
+  return PetscSqrtReal(sum);
 }
 
-/* The search in a branch that is `apart` from the place, the nearer half first. */
-static PetscReal Search(const struct _Blocks *self, Branch b, PetscReal apart, const Block *place,
-                        PetscReal reach, BlocksMeet meet, void *ctx) {
-  Branch half[2];
-  PetscReal far[2];
-  int first;
+enum { DEEP = 64 }; /* more than a tree of PetscInt has levels */
 
-  if (apart > reach) return reach;
-  if (b.last - b.first == 1) return meet(self->item[b.first], reach, ctx);
-  for (int w = 0; w < 2; w++) {
-    half[w] = Half(b, w);
-    far[w] = Apart(self->dims, &self->block[half[w].k], place);
+/* The search from the root on: of two halves the nearer first, the other waits. (The dimensions are
+   a constant where it is called: most of the time goes into Apart().) */
+static inline void Search(int dims, const struct _Blocks *self, const Block *place, PetscReal reach,
+                          BlocksMeet meet, void *ctx) {
+  Branch waits[DEEP], b = {0, self->n, 0};
+  PetscReal away[DEEP], apart = Apart(dims, &self->block[0], place, reach);
+  int n = 0;
+
+  for (;;) {
+    if (apart <= reach && b.last - b.first > 1) {
+      const Branch left = Half(b, 0), right = Half(b, 1);
+      const PetscReal by_left = Apart(dims, &self->block[left.k], place, reach);
+      const PetscReal by_right = Apart(dims, &self->block[right.k], place, reach);
+      const PetscBool swap = (PetscBool)(by_right < by_left);
+      b = swap ? right : left;
+      apart = swap ? by_right : by_left;
+      waits[n] = swap ? left : right;
+      away[n] = swap ? by_left : by_right;
+      if (away[n] <= reach) n++;
+      continue;
+    }
+    if (apart <= reach) reach = meet(self->item[b.first], reach, ctx);
+    if (!n) return;
+    b = waits[--n];
+    apart = away[n];
   }
-  first = far[1] < far[0];
-  reach = Search(self, half[first], far[first], place, reach, meet, ctx);
-  return Search(self, half[!first], far[!first], place, reach, meet, ctx);
 }
 
 /*
@@ -112,9 +126,9 @@ static PetscReal Search(const struct _Blocks *self, Branch b, PetscReal apart, c
   meet   may lessen the reach as it learns more: so the nearest is found
 */
 void BlocksNear(Blocks blocks, const Block *place, PetscReal reach, BlocksMeet meet, void *ctx) {
-  const Branch all = {0, blocks->n, 0};
-
-  if (blocks->n)
-    (void)Search(blocks, all, Apart(blocks->dims, &blocks->block[0], place), place, reach, meet,
-                 ctx);
+  if (!blocks->n) return;
+  if (blocks->dims == 2)
+    Search(2, blocks, place, reach, meet, ctx);
+  else
+    Search(3, blocks, place, reach, meet, ctx);
 }
