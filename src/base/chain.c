@@ -213,7 +213,7 @@ static PetscErrorCode HeldOrdering(Mat A, MatOrderingType type, IS *rows, IS *co
   IS is[2];
 
   PetscFunctionBegin;
-  PetscCall(MatGetOrdering(A, MATORDERING1WD, &is[0], &is[1]));
+  PetscCall(MatGetOrdering(A, MATORDERINGQMD, &is[0], &is[1]));
   PetscCall(ISGetLocalSize(is[0], &n));
   PetscCall(MatGetBlockSize(A, &bs));
   PetscCall(MatGetLocalSize(A, &size, NULL));

@@ -102,7 +102,7 @@ static PetscErrorCode CreateMatrix(Estimate self) {
   PetscCall(KSPCreate(PETSC_COMM_SELF, &self->ksp));
   PetscCall(KSPSetType(self->ksp, KSPPREONLY));
   PetscCall(KSPGetPC(self->ksp, &pc));
-  PetscCall(ChainSetType(pc, self->scene.tip.type == TIP_FREE ? MATORDERING1WD : ORDERING_HELD));
+  PetscCall(ChainSetType(pc, self->scene.tip.type == TIP_FREE ? MATORDERINGQMD : ORDERING_HELD));
   PetscFunctionReturn(0);
 }
 

@@ -167,7 +167,7 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   PetscCall(KSPSetType(ksp, KSPPREONLY));
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(ChainSetType(pc, !rod->coupled                      ? MATORDERINGNATURAL
-                             : rod->scene->tip.type == TIP_FREE ? MATORDERING1WD
+                             : rod->scene->tip.type == TIP_FREE ? MATORDERINGQMD
                                                                 : ORDERING_HELD));
   PetscFunctionReturn(0);
 }

@@ -90,6 +90,46 @@ static void TestLinear(void **state) {
   Solve(&rod_linear, "");
 }
 
+/* A rod that lies on itself, where each node sees those next to it and three of the other strand:
+   its factors are hardly larger than it is. */
+static void TestFolded(void **state) {
+  enum { N = 120, BLOCK = 3 };
+  PetscMPIInt ranks;
+  MatInfo whole, factors;
+  PetscReal values[BLOCK * BLOCK], ratio;
+  Mat A, F;
+  KSP ksp;
+  PC pc;
+
+  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
+  if (ranks > 1) return;
+  CHECK(MatCreateSeqBAIJ(PETSC_COMM_SELF, BLOCK, N * BLOCK, N * BLOCK, 6, NULL, &A));
+  for (PetscInt i = 0; i < N; i++)
+    for (PetscInt j = 0; j < N; j++) {
+      if (PetscAbsInt(i - j) > 1 && PetscAbsInt(i + j - N) > 1) continue;
+      for (int k = 0; k < BLOCK * BLOCK; k++)
+        values[k] =
+            Scatter(i + 1, (j + 1) * BLOCK * BLOCK + k) + (i == j && k % (BLOCK + 1) == 0 ? 50 : 0);
+      CHECK(MatSetValuesBlocked(A, 1, &i, 1, &j, values, INSERT_VALUES));
+    }
+  CHECK(MatAssemblyBegin(A, MAT_FINAL_ASSEMBLY));
+  CHECK(MatAssemblyEnd(A, MAT_FINAL_ASSEMBLY));
+  CHECK(KSPCreate(PETSC_COMM_SELF, &ksp));
+  CHECK(KSPSetType(ksp, KSPPREONLY));
+  CHECK(KSPGetPC(ksp, &pc));
+  CHECK(ChainSetType(pc, ORDERING_HELD));
+  CHECK(KSPSetOperators(ksp, A, A));
+  CHECK(KSPSetUp(ksp));
+  CHECK(PCFactorGetMatrix(pc, &F));
+  CHECK(MatGetInfo(A, MAT_LOCAL, &whole));
+  CHECK(MatGetInfo(F, MAT_LOCAL, &factors));
+  ratio = factors.nz_used / whole.nz_used;
+  EXPECT(ratio < 1.3, "the factors have %g times the entries", ratio);
+  CHECK(KSPDestroy(&ksp));
+  CHECK(MatDestroy(&A));
+}
+
 static const struct CMUnitTest tests[] = {cmocka_unit_test(TestFrame), cmocka_unit_test(TestMixed),
-                                          cmocka_unit_test(TestLinear)};
+                                          cmocka_unit_test(TestLinear),
+                                          cmocka_unit_test(TestFolded)};
 MAIN(tests)
