@@ -14,7 +14,7 @@ for file in options/*.opts; do
   echo "gallery: $name"
   mpiexec -n 1 --bind-to none build/tendril -options_file "$file" -output "results/$name.h5" >"results/$name.log"
   case $name in paper-* | pushed-tube) continue ;; esac # drawn by scripts/lab/figures.sh
-  case $name in injected-tube | duct-bends) continue ;; esac # by scripts/lab/injected_tube.py and duct.py
+  case $name in injected-* | duct-bends) continue ;; esac # by scripts/lab/injected_tube.py and duct.py
   files=("results/$name.h5") what=()
   if grep -q '^-output_interval' "$file"; then what=(--panels norm,shapes); fi
   case $name in
@@ -34,6 +34,17 @@ for file in options/*.opts; do
     ;;
   cable-conduit) what=(--panels touch,contact --times 9.6) ;;
   packing) what=(--panels touch,contact --times 27.8) ;;
+  root-gel) what=(--panels space,shapes --times 3,4,5,8 --view 20,20) ;;
+  vine-maze) # and bent by nature to the other side
+    build/tendril -quiet -options_file "$file" -rod_curvature -0.3 -output results/vine-blind.h5
+    files+=(results/vine-blind.h5)
+    what=(--panels space --times 2,3,4,6.2 --view 20,35 --titles "bent to its left,bent to its right")
+    ;;
+  tube-heap) # beside the tube whose clamp lies on the table
+    build/tendril -quiet -options_file "$file" -wall_file options/data/table.txt -output results/tube-flat.h5
+    files=(results/tube-flat.h5 "${files[@]}")
+    what=(--panels shapes,side --times 5,10,16 --titles "clamped on the table,clamped above it")
+    ;;
   root-helix | vine-heavy) what=(--panels space,shapes,curvature,twisting) ;;
   wire-spun | rod-bent) what=(--panels space,norm,curvature,twisting) ;;
   against-wall) what=(--panels shapes,contact --times 0.4,0.6,1,4) ;;
