@@ -154,7 +154,7 @@ def reference_options(run, attributes, options, accuracy):
     rtol = float(found.group(1)) if found else 1e-6
     if used.get("rod_model") in ("auto", "linear"):
         used["rod_model"] = "frame"
-    if used["growth_type"] == "apical" and float(used["friction_beta"]) == 0 and float(used["friction_mu"]) > 0:
+    if used.get("growth_type") == "apical" and float(used.get("friction_beta", 1)) == 0 and float(used["friction_mu"]) > 0:
         used["friction_beta"] = NEXT_TO_EXACT
     return used, ["-rod_cells", str(3 * run["cells"]), "-ts_rtol", f"{max(1e-12, rtol / 100):g}"]
 
