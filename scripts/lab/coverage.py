@@ -17,6 +17,7 @@ interrupted goes on with the same command."""
 import argparse
 import csv
 import hashlib
+import os
 import re
 import subprocess
 import sys
@@ -135,7 +136,7 @@ def reference(exe, options, directory, extra):
     """A series, as it was kept or as it is computed now; a text: it failed."""
     kept = directory / (hashlib.sha256((contents(options) + repr(extra)).encode()).hexdigest()[:20] + ".npz")
     if not kept.exists():
-        file = str(directory / "reference.h5")
+        file = str(directory / f"reference-{os.getpid()}.h5")
         done = execute(exe, options, file, REFERENCE_LIMIT, extra)
         said = "" if not done.returncode else f"{done.returncode} {done.stderr.strip()[-100:]}"
         np.savez(kept, said=said, **({} if said else series(file)[0]))
@@ -172,7 +173,7 @@ def on_another_side(exe, options, directory, run):
 
 def measure(exe, options, directory, accuracy):
     """What was found of a scene, or a text: what went wrong."""
-    file = str(directory / "run.h5")
+    file = str(directory / f"run-{os.getpid()}.h5")
     done = execute(exe, options, file, LIMIT, ["-accuracy", str(accuracy)] if accuracy else [])
     words = words_of(options, directory, accuracy)
     if done.returncode:
