@@ -202,6 +202,11 @@ def exact():
     torque = -r.base_moment_1  # (the clamp's end rests)
     tip = r.shapes["moment"][-1, -1, 0]
     print(f"turned at its tip and back: torque {tip:.5f}, exact {back:.5f}")
+    turned = (there - back) / (2 * a)  # as far from the tip
+    energy = ((back + a * turned) ** 3 - back ** 3 + (there - a * turned) ** 3) / (6 * a * C)
+    off = abs(r.energy[-1] / energy - 1)
+    print(f"... energy off by {off:.1e}, estimated {r.estimate:.1e}")
+    expect(off < r.estimate < 20 * off, f"Masing: energy off by {off:.1e}, estimated {r.estimate:.1e}")
     expect(abs(tip / back - 1) < 0.03 and abs(torque[-1]) < 1e-2 * there, f"Masing: {tip}, at the clamp {torque[-1]}")
 
 
