@@ -10,8 +10,9 @@ typedef struct {
   const Load *load;
   PetscReal h[2];
   const Law *law;
-  const FrictionDual4 *dual; /* at the node between them; of one cell, in its middle */
-  PetscBool strands;         /* the rod touches itself: forces at points beyond these are unknown */
+  const FrictionDual4 *dual;    /* at the node between them; of one cell, in its middle */
+  const PetscReal (*push)[3];   /* what strands add to n' at these points; NULL: none */
+  const PetscReal (*couple)[3]; /* and to m'; NULL: none */
   Point p[PLACES];
 } Cells;
 
@@ -68,6 +69,20 @@ static void AddTurning(const Cells *cells, int k, PetscReal defect[MAX_FIELDS]) 
   for (int f = M; f < FIELDS; f++) defect[f] += cells->h[k] * 4 / 6 * (taken.f[f] - better.f[f]);
 }
 
+/*
+  f at one of the points without what strands do there. They press where they cross, over a cell or
+  so, and of that no difference tells anything; but what they do is handed to the points so that
+  force and moments are kept, whatever the cells (rod/spread.h). Counted as what other loads are
+  off by, it left a part of each strand's pressure without its opposite.
+*/
+static PetscReal Bare(const Cells *cells, int j, int f) {
+  PetscReal value = cells->p[j].f[f];
+
+  if (f >= N && cells->push) value -= cells->push[j][f - N];
+  if (f >= M && f < N && cells->couple) value -= cells->couple[j][f - M];
+  return value;
+}
+
 /* Of two cells of order 4. */
 static void PairDefect(const Cells *cells, PetscReal defect[MAX_FIELDS]) {
   const PetscReal h1 = cells->h[0], h2 = cells->h[1];
@@ -80,9 +95,9 @@ static void PairDefect(const Cells *cells, PetscReal defect[MAX_FIELDS]) {
   PointOnCubic(cells, cells->law + 2, cells->law + 4, h1 / (h1 + h2), h1 + h2, p + 4, p + 2,
                &cubic);
   for (int f = 0; f < FIELDS; f++) {
-    const PetscReal value[PLACES] = {p[0].f[f], p[1].f[f], p[2].f[f], p[3].f[f], p[4].f[f]};
-    defect[f] = PairRule(h1, h2, weight, value);
-    if (f < N || !cells->strands) defect[f] += PairCubic(h1, h2, value[2], cubic.f[f]);
+    PetscReal value[PLACES];
+    for (int j = 0; j < PLACES; j++) value[j] = Bare(cells, j, f);
+    defect[f] = PairRule(h1, h2, weight, value) + PairCubic(h1, h2, value[2], cubic.f[f]);
   }
   for (int k = 0; k < 2 && walls && !LoadSticks(cells->load); k++) AddTurning(cells, k, defect);
 }
@@ -95,13 +110,17 @@ static void CellDefect(const Cells *cells, PetscReal defect[MAX_FIELDS]) {
 
   PointOnCubic(cells, cells->law + 1, cells->law + 2, 0.5, h, p + 2, p + 1, &cubic);
   for (int f = 0; f < FIELDS; f++)
-    if (f < N || !cells->strands)
-      defect[f] = h * (p[1].f[f] - (p[0].f[f] + 4 * cubic.f[f] + p[2].f[f]) / 6);
+    defect[f] =
+        h * (Bare(cells, 1, f) - (Bare(cells, 0, f) + 4 * cubic.f[f] + Bare(cells, 2, f)) / 6);
 }
 
-/* A cell becomes number k of those. */
-static void Take(const Cell *cell, int k, const FrictionDual4 *dual, Cells *cells) {
-  if (!k) cells->law = cell->law;
+/* Cell i becomes number k of those. */
+static void Take(const Cell *cell, PetscInt i, int k, const FrictionDual4 *dual, Cells *cells) {
+  if (!k) {
+    cells->law = cell->law;
+    cells->push = cell->push ? cell->push + 2 * i : NULL;
+    cells->couple = cell->couple ? cell->couple + 2 * i : NULL;
+  }
   cells->dual = dual;
   cells->h[k] = cell->h;
   cells->p[2 * k] = cell->a;
@@ -125,16 +144,15 @@ PetscErrorCode SpaceDefect(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal (*def
   PetscCall(PetscArrayzero(defect, rod->end - rod->first));
   PetscCall(SpaceCellsOpen(rod, t, U, U_t, &cell));
   cells.load = cell.load;
-  cells.strands = (PetscBool)(cell.push != NULL);
   for (PetscInt i = PetscMax(rod->first - 1, 0); i < PetscMin(rod->end, rod->last); i++) {
     SpaceCellsNext(&cell, i);
     if (!fourth) {
-      Take(&cell, 0, cell.dual[1], &cells);
+      Take(&cell, i, 0, cell.dual[1], &cells);
       if (i + 1 >= rod->first && i + 1 < rod->end) CellDefect(&cells, defect[i + 1 - rod->first]);
     } else if (i % 2 == 0)
-      Take(&cell, 0, cell.dual[2], &cells);
+      Take(&cell, i, 0, cell.dual[2], &cells);
     else if (i >= rod->first && i > 0) {
-      Take(&cell, 1, cell.dual[0], &cells);
+      Take(&cell, i, 1, cell.dual[0], &cells);
       PairDefect(&cells, defect[i - rod->first]);
     }
   }

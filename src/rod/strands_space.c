@@ -486,7 +486,7 @@ static void HandTo(const struct _Strands3 *self, const Spot *spot, PetscReal sha
                    const PetscReal f[3], PetscReal (*load)[3]) {
   Spread spread;
 
-  SpreadAt(self->points, spot->cell, spot->z, &spread);
+  SpreadEvenly(self->points, spot->cell, spot->z, &spread);
   for (int k = 0; k < 4; k++)
     for (int d = 0; d < 3; d++)
       load[spread.point[k]][d] -= share * f[d] * spread.share[k] / self->weight[spread.point[k]];
@@ -848,8 +848,8 @@ static void TakersSlope(const struct _Strands3 *self, const Pair *pair, const Pa
   Spread spread[2], *at = &spread[0], *foot = &spread[1];
   int n = 4;
 
-  SpreadAt(self->points, pair->at.cell, pair->at.z, at);
-  SpreadAt(self->points, pair->foot.cell, pair->foot.z, foot);
+  SpreadEvenly(self->points, pair->at.cell, pair->at.z, at);
+  SpreadEvenly(self->points, pair->foot.cell, pair->foot.z, foot);
   PairForce(self, pair, f);
   ForceSlope(self, pair, by, df);
   slope->cell[0] = pair->at.cell;

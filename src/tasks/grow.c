@@ -149,7 +149,7 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
     jumped = (PetscBool)(jumps > self->now->jumps);
     if (jumped || LedRoundCorner(self->scene, before, t)) ObserverJump(self->observer);
     if (jumped && !layered) self->snaps++;
-    if (self->now == &self->leg[WholeModel(self)] && GrowFollowsErrors(self))
+    if (self->now == &self->leg[WholeModel(self)])
       PetscCall(EstimateStep(self->estimate, jumped, self->pressed));
     self->now->jumps = jumps;
   }

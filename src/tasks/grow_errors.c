@@ -36,14 +36,6 @@ static PetscReal Beside(const Grow *self) {
   return self->vanished ? error + 1 : error;
 }
 
-/* GrowFollowsErrors - are the errors of the run's whole model followed? Not where strands of a rod
-   in space may press on each other: the linearised equations called everything possible there. */
-PetscBool GrowFollowsErrors(const Grow *self) {
-  const PetscBool wound = (PetscBool)(self->scene->contact.self && self->pressed);
-
-  return (PetscBool)(self->estimate && !(self->scene->space.rod && wound));
-}
-
 /*
   GrowErrors - finds how far off the run may be so far: as measured, or by a fit where errors are
   not followed. Of other steppers than vbdf nothing is known. Collective.
@@ -58,9 +50,8 @@ PetscErrorCode GrowErrors(Grow *self) {
   PetscCall(PetscMemzero(error, sizeof(*error)));
   PetscCall(PetscObjectTypeCompare((PetscObject)self->now->ts, TSVBDF, &vbdf));
   if (!vbdf) PetscFunctionReturn(0);
-  error->kind = (self->model == FRAME || self->model == SPACE) && GrowFollowsErrors(self)
-                    ? ESTIMATE_MEASURED
-                    : ESTIMATE_FITTED;
+  error->kind = (self->model == FRAME || self->model == SPACE) && self->estimate ? ESTIMATE_MEASURED
+                                                                                 : ESTIMATE_FITTED;
   if (self->estimate) PetscCall(EstimateGet(self->estimate, worst));
   if (error->kind == ESTIMATE_FITTED) {
     PetscCall(AccuracyEstimate(self->now->rod, self->seen.t, self->rtol, self->folds, &fitted));

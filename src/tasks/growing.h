@@ -62,7 +62,6 @@ extern const RodModel *const grow_models[MODELS];
 
 /* grow_errors.c */
 PetscReal GrowCrossed(const Observation *from, const Observation *to);
-PetscBool GrowFollowsErrors(const Grow *self);
 PetscErrorCode GrowErrors(Grow *self);
 
 /* grow_events.c */

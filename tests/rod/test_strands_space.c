@@ -2,6 +2,7 @@
    cancel, and their work, which is that of the energy; and friction of strands that spin. */
 #include "rod/by_rate.h"
 #include "rod/directors.h"
+#include "rod/spread.h"
 #include "rod/strands_space.h"
 
 /* A helix whose coils lie on each other; and one that is wide, bent back so that a strand crosses
@@ -131,6 +132,36 @@ static PetscReal WorkError(PetscInt cells) {
   return PetscAbsReal(work / (energy[0] - energy[2]) - 1);
 }
 
+/* An even load, from many places all along the rod, comes out even: by Simpson's weights a third of
+   half a cell at nodes, two thirds at middles; each place keeps its force and two moments. */
+static void TestSpread(void **state) {
+  enum { CELLS = 8, POINTS = 2 * CELLS + 1, EACH = 16 };
+  PetscReal load[POINTS] = {0};
+
+  for (PetscInt k = 0; k < CELLS * EACH; k++) {
+    const PetscReal place = (k % EACH + 0.5) / EACH, at = 2 * (k / EACH + place), e = 1e-6;
+    PetscReal moment[3] = {0};
+    Spread spread, beside;
+    SpreadEvenly(POINTS, k / EACH, place, &spread);
+    SpreadEvenly(POINTS, k / EACH, place + e, &beside);
+    for (int j = 0; j < 4; j++) {
+      const PetscReal o = spread.point[j] - at, share = spread.share[j];
+      load[spread.point[j]] += 2. / EACH * share;
+      moment[0] += share;
+      moment[1] += share * o;
+      moment[2] += share * o * o;
+      EXPECT(PetscAbsReal((beside.share[j] - share) / e - spread.share_z[j]) < 1e-4, "slope %g",
+             spread.share_z[j]);
+    }
+    EXPECT(PetscAbsReal(moment[0] - 1) < 1e-14 && PetscAbsReal(moment[1]) < 1e-13 &&
+               PetscAbsReal(moment[2]) < 1e-13,
+           "moments %g, %g, %g at %g", moment[0], moment[1], moment[2], at);
+  }
+  for (PetscInt k = 4; k < POINTS - 4; k++)
+    EXPECT(PetscAbsReal(load[k] - (k % 2 ? 4. : 2.) / 3) < 2e-3, "load %g of point %g", load[k],
+           (double)k);
+}
+
 static void TestConservative(void **state) {
   PetscMPIInt ranks;
   PetscReal coarse, fine;
@@ -199,7 +230,7 @@ static void TestSpins(void **state) {
   Destroy(&scene, &rod);
 }
 
-static const struct CMUnitTest tests[] = {cmocka_unit_test(TestJacobians),
-                                          cmocka_unit_test(TestConservative),
-                                          cmocka_unit_test(TestSpins)};
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(TestJacobians), cmocka_unit_test(TestSpread),
+    cmocka_unit_test(TestConservative), cmocka_unit_test(TestSpins)};
 MAIN(tests)

@@ -384,7 +384,10 @@ def strands():
         print(f"{name}: {int(max(r.contacts))} zones, force {r.contact_force[-1]:.3f}, pressed in "
               f"{max(r.penetration) / 0.05:.1%}, defect {r.energy_defect[-1]:.1e}")
     expect(max(one.contacts) > 0 and one.contact_force[-1] > 20, "it does not touch itself")
-    expect(fine.energy_defect[-1] < 4e-5 and fine.energy_defect[-1] < one.energy_defect[-1] / 3, "energy")
+    expect(fine.energy_defect[-1] < 2e-5 and fine.energy_defect[-1] < one.energy_defect[-1] / 3, "energy")
+    off = max(abs(one.energy[-1] / fine.energy[-1] - 1), abs(one.norm_x2[-1] - fine.norm_x2[-1]) / one.norm_x3[-1])
+    print(f"40 cells are off by {off:.1e}, told {one.estimate:.1e}, of 80 cells {fine.estimate:.1e}")
+    expect("(space " in one.said and off < one.estimate < 100 * off and fine.estimate < one.estimate, "the estimate")
     push = fine.shapes["contact"][-1]
     expect(np.linalg.norm(push, axis=1).max() > 10, "no force of contact is stored")
     mirror = Run(coil + other + "-rod_cells 40")
@@ -394,6 +397,7 @@ def strands():
         error = max(abs(r.energy[-1] / one.energy[-1] - 1), abs(r.contact_force[-1] / one.contact_force[-1] - 1))
         print(f"{ranks} ranks: {error:.1e}")
         expect(error < 1e-3, f"{ranks} ranks: {error}")
+        expect(abs(r.estimate / one.estimate - 1) < 0.1, f"{ranks} ranks tell {r.estimate}")
     options = coil + turning + "-rod_cells 40 -output_interval 0.4 "
     tendril(f"{options} -output {d}/whole.h5")
     tendril(f"{options} -output {d}/broken.h5 -ts_max_steps {len(one.t) - 40}", 1)
