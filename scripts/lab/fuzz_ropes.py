@@ -61,8 +61,8 @@ class Draw:
 
 def coil(draw):
     """Grows into turns that are wound on each other: its natural shape is a helix of less pitch than its diameter."""
-    D, bend = draw.between(0.06, 0.14), draw.between(2.5, 4)
-    twist = draw.between(-0.5, 0.5) * D * bend**2 / (2 * np.pi)
+    D, bend = draw.between(0.1, 0.16), draw.between(2.5, 4)
+    twist = draw.between(-0.3, 0.3) * D * bend**2 / (2 * np.pi)
     return {"growth_type": draw.choice("feed", "uniform"), "growth_initial_length": f"{1.6 * np.pi / bend:.4g}",
             "rod_curvature": bend, "rod_twist": f"{twist:.4g}", **draw.uneven(), "friction_mu": draw.choice(0.05, 0.3),
             "rod_cells": draw.choice(40, 50), "contact_diameter": D, "ts_max_time": draw.between(1.2, 1.8), **draw.rubbing()}
@@ -80,7 +80,7 @@ def fall(draw):
 
 def writhe(draw):
     """Spun by its clamp while its end is led towards it: it writhes, and winds up."""
-    length, turns, slack, time = draw.between(2.5, 4), draw.between(2, 5), draw.between(0.35, 0.6), 4
+    length, turns, slack, time = draw.between(2.5, 4), draw.between(3, 6), draw.between(0.4, 0.6), 4
     way = draw.file(".csv")
     way.write_text(f"t,x1\n0,{length}\n{time / 2},{length * (1 - slack)}\n{time},{length * (1 - slack)}\n")
     return {"growth_type": "none", "growth_initial_length": length, **draw.uneven(), "tip_type": "clamped",
@@ -92,9 +92,9 @@ def writhe(draw):
 def wound(draw):
     """Fed between two clamps, and spun by one of them."""
     return {"growth_type": "feed", "growth_initial_length": 1, "tip_type": "clamped", **draw.uneven(),
-            "friction_mu": draw.choice(0, 0, 0.2), "clamp_spin": draw.choice(-1, 1) * draw.between(8, 18),
-            "contact_diameter": draw.between(0.05, 0.12), "rod_cells": draw.choice(40, 50),
-            "ts_max_time": draw.between(0.7, 1.1), **draw.rubbing()}
+            "friction_mu": draw.choice(0, 0, 0.2), "clamp_spin": draw.choice(-1, 1) * draw.between(12, 18),
+            "contact_diameter": draw.between(0.08, 0.15), "rod_cells": draw.choice(40, 50),
+            "ts_max_time": draw.between(0.9, 1.3), **draw.rubbing()}
 
 
 def loop(draw):
@@ -151,6 +151,11 @@ def writhe_of(x):
     return (angle * np.sign((np.cross(d - c, b - a) * (c - a)).sum(1))).sum() / (2 * np.pi)
 
 
+def in_order(points, fine=2):
+    """Points of curve(), one after the other along the rod."""
+    return points.reshape(fine, -1, 3).swapaxes(0, 1).reshape(-1, 3)
+
+
 def wrong(file):
     """What is wrong with a run that ended, or ''; and figures of it."""
     with h5py.File(file) as f:
@@ -159,7 +164,8 @@ def wrong(file):
                                                  "penetration")}
     if not series["contacts"].max():
         return "", "does not touch"
-    turns = np.array([writhe_of(curve(x, d, g, s, 2)) for x, d, g in zip(shapes["x"], shapes["d1"], shapes["stretch"])])
+    turns = np.array([writhe_of(in_order(curve(x, d, g, s, 2))) for x, d, g in
+                      zip(shapes["x"], shapes["d1"], shapes["stretch"])])
     jump, late = np.abs(np.diff(turns)).max(), series["energy_defect"][-1]
     figures = f"writhe by {jump:.2f} at most, defect {late:.1e}"
     if jump > 1.5 or series["self_crossings"].max() > 0:

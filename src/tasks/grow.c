@@ -637,12 +637,31 @@ static PetscBool PressedStraight(const Grow *self) {
                      !CurvatureBends(&scene->curvature));
 }
 
+/* What to try where a rod gives way faster than steps can follow. Cells that are longer than what
+   contact presses on see it at one node or at none. */
+static void AdviseGivingWay(const Grow *self, char *advice, size_t room) {
+  const PetscReal spread = self->scene->contact.tip,
+                  cell = self->seen.length / self->scene->mesh.cells;
+  const char *const friction =
+      self->scene->load.friction.mu >= 0.9999 ? ", or a -friction_mu below 0.9999" : "";
+
+  if (self->scene->contact.any && cell > 2 * spread)
+    (void)snprintf(advice, room,
+                   "its cells of %.2g are too long for contact, which presses over %.2g: give "
+                   "-rod_cells %.0f",
+                   (double)cell, (double)spread, (double)PetscCeilReal(self->seen.length / spread));
+  else
+    (void)snprintf(advice, room,
+                   "take a shorter -ts_dt (without -ts_adapt_type none), another -ts_rtol%s",
+                   friction);
+}
+
 /* The line for an end that was not asked for. */
 static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
   MPI_Comm comm = self->scene->comm;
   const char *const kept = OutputStores(self->output) ? "the results up to there are stored"
                                                       : "nothing is stored without -output FILE";
-  char text[3][64], jam[512] = "";
+  char text[3][64], jam[512] = "", advice[160];
   PetscReal dt;
 
   PetscFunctionBegin;
@@ -685,12 +704,12 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
       "spin back, and where it then goes is not determined; %s; give the radius at which "
       "friction feels the spin, -friction_radius",
       text[0], kept);
+  AdviseGivingWay(self, advice, sizeof(advice));
   UserCheck(
       reason == TS_CONVERGED_TIME || !self->now->crosses, comm,
       "gave up at t = %s: the rod gives way faster than a step of %s can follow, to which side "
-      "that step does not tell; %s; take a shorter -ts_dt (without -ts_adapt_type none), "
-      "another -ts_rtol, or a -friction_mu below 0.9999",
-      text[0], text[1], kept);
+      "that step does not tell; %s; %s",
+      text[0], text[1], kept, advice);
   UserCheck(reason == TS_CONVERGED_TIME, comm,
             "gave up at t = %s with a step of %s (%s): %s; try "
             "another -ts_rtol, more -rod_cells or a larger -friction_beta",

@@ -140,6 +140,21 @@ static PetscReal Stiffer(const Grow *self) {
   return contact->stiffness * PetscPowReal(self->depth / allowed, 4. / 3);
 }
 
+/* Strands in space rub by a law that is rounded off: what sticks there creeps. */
+static PetscErrorCode TellRounded(const Grow *self) {
+  const Contact *contact = &self->scene->contact;
+
+  PetscFunctionBegin;
+  if (!self->scene->space.rod || !contact->self || contact->friction <= 0 ||
+      contact->rub.beta > 0 || !self->pressed)
+    PetscFunctionReturn(0);
+  PetscCall(PetscPrintf(self->scene->comm,
+                        "Friction between strands in space is not held exactly: with "
+                        "-friction_beta 0 it is rounded off at a speed of %g.\n",
+                        (double)PetscSqrtReal(friction_tiny)));
+  PetscFunctionReturn(0);
+}
+
 /* What there is of contact. */
 static PetscErrorCode TellContact(const Grow *self) {
   const Contact *contact = &self->scene->contact;
@@ -162,6 +177,7 @@ static PetscErrorCode TellContact(const Grow *self) {
                           "The rod is pressed in by more than %.0f %% of its diameter: give "
                           "-contact_stiffness %.1e.\n",
                           100 * (double)part_told, (double)Stiffer(self)));
+  PetscCall(TellRounded(self));
   PetscFunctionReturn(0);
 }
 

@@ -5,6 +5,7 @@
 
 scripts/lab/ropes.py runs the same scenes finer, for docs/ropes.md."""
 
+import subprocess
 import sys
 from pathlib import Path
 
@@ -253,6 +254,9 @@ def knot():
     work = np.trapezoid(-r.base_force_1[first:], r.tip_x1[first:]) / (r.energy[-1] - r.energy[first])
     off = np.max(abs(np.array(T).mean(axis=1) * R**2 - 0.5 - 0.4465 * eps - 1.554 * eps**2))
     print(f"{r.steps} steps, R {R[0]:.3f} to {R[-1]:.3f}, T R^2/B off by {off:.1e}, work over energy {work:.5f}")
+    coarse = subprocess.run([scene.TENDRIL, "-options_file", "knot.opts", "-rod_cells", "60", "-ts_max_time", "0.05"],
+                            cwd=scene.ROOT / "docs/ropes", capture_output=True, text=True, env=scene.ENVIRONMENT).stderr
+    expect(not coarse or "too long for contact" in coarse and "-friction_mu" not in coarse, f"too coarse: {coarse}")
     expect(off < 1.5e-3 and np.ptp(T, axis=1).max() < 4e-3 and abs(work - 1) < 5e-3, f"{off}, {work}, {T}")
 
 

@@ -390,6 +390,8 @@ def strands():
     expect("(space " in one.said and off < one.estimate < 100 * off and fine.estimate < one.estimate, "the estimate")
     push = fine.shapes["contact"][-1]
     expect(np.linalg.norm(push, axis=1).max() > 10, "no force of contact is stored")
+    thick = Run(coil + turning + "-rod_cells 24 -contact_diameter 0.15 -friction_beta 0")
+    expect("Friction between strands in space is not held exactly" in thick.said, "friction is rounded off unsaid")
     mirror = Run(coil + other + "-rod_cells 40")
     expect((mirror.shapes["x"][-1] == one.shapes["x"][-1] * [1, 1, -1]).all(), "the mirror image is another rod")
     for ranks in (2, 3):
