@@ -11,12 +11,14 @@ typedef struct {
   Elimination counter;     /* beside a matrix, to count modes that grow; NULL: none */
   Mat J;
   PetscReal tolerance;        /* of the update, relative to each field's size */
+  PetscReal loose;            /* that of forces and moments */
   PetscReal update;           /* the latest iteration's largest */
   PetscReal residual[GROUPS]; /* the latest, of each group of fields */
   PetscInt holds, held; /* how often sticking points were held anew, and at which iteration last */
 } Newton;
 
 PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton);
+void NewtonToRest(Newton *newton, PetscReal rtol);
 PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton);
 PetscErrorCode NewtonIndex(Newton *newton, PetscInt *index, PetscBool *known);
 PetscErrorCode NewtonDestroy(Newton *newton);

@@ -16,8 +16,10 @@ static const PetscReal rest = 1e-6, long_after = 1e4; /* velocity at rest; fast 
    press, a rod that did not snap is let go at once.) */
 static const PetscInt few_steps = 5;
 static const PetscReal soonest = 100;
-static const PetscReal least_rtol =
-    1e-6; /* no need to be more accurate than the slack of LoadInFastTime() */
+/* Steps need not be more accurate than the slack of LoadInFastTime(). Newton's method must be, in
+   steps of any tolerance: what it leaves over is a force on the rod at rest, and beyond the slack
+   makes it snap again at once. */
+static const PetscReal least_rtol = 1e-6;
 
 /* A snap takes some 150 steps, 1000 from one wave length to another. One that gets nowhere in so
    many is being chased by a Newton iteration that fails, and must not hold up the run for ever. */
@@ -110,6 +112,7 @@ PetscErrorCode SnapFollow(TS ts, PetscReal t, Vec U, PetscBool *done) {
   PetscCall(GrowthStop(slow->rod->scene->growth, t, &fast.growth));
   fast.end_time = long_after;
   PetscCall(LegCreate(&fast, slow->rod->model, PetscMax(slow->rtol, least_rtol), "snap_", &leg));
+  NewtonToRest(&leg.newton, least_rtol);
   PetscCall(TSSetPostStep(leg.ts, StopAtRest));
   PetscCall(TSSetMaxSteps(leg.ts, most_steps));
   PetscCall(VecCopy(U, leg.U));

@@ -444,6 +444,20 @@ def estimate():
 
 
 @check
+def rests():
+    """A rod that gives way at once rests where friction holds it, whatever the tolerance: it does not give way again,
+    and again, in steps that end in round-off."""
+    wound = ("-rod_model space -growth_initial_length 2 -shape_amplitude 0.1 -shape_turn 1 -friction_radius 0.1 -tip_torque 0.1 "
+             "-ts_max_time 0.02 ")
+    fine = Run(wound + "-rod_cells 16 -ts_rtol 1e-5")
+    for cells, rtol in ((12, 1e-4), (16, 1e-4), (16, 3e-4)):
+        r = Run(wound + f"-rod_cells {cells} -ts_rtol {rtol}")
+        off = max(abs(r.series[k][-1] - fine.series[k][-1]) for k in ("tip_x1", "tip_x2", "tip_x3"))
+        print(f"{cells} cells, {rtol}: {r.steps} steps, off by {off:.1e}")
+        expect(off < 1e-3, f"{cells} cells, {rtol}: off by {off}")
+
+
+@check
 def refused():
     """What is wrong, or means nothing, ends in one line."""
     lead, far, odd, back = (f"{scene.SCRATCH}/{k}.csv" for k in ("lead", "far", "odd", "back"))
