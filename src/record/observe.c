@@ -381,20 +381,56 @@ static PetscErrorCode MeasureInflections(Observer self, PetscReal t, const Piece
   PetscFunctionReturn(0);
 }
 
-/* The integral from the last but one to the last time of the polynomial through all of them. What
-   changes like energy is divided by it first, and its logarithm taken for a polynomial, too: while
-   a wobble decays, a step may be many times longer than the energy lasts. NULL: not. */
+/* Does a value stay between those of n points, by so much at most? */
+static PetscBool StaysBetween(PetscReal value, PetscInt n, const PetscReal f[], PetscReal beside) {
+  PetscReal least = f[0], most = f[0];
+
+  for (PetscInt i = 1; i < n; i++) {
+    least = PetscMin(least, f[i]);
+    most = PetscMax(most, f[i]);
+  }
+  return (PetscBool)(least - beside * (most - least) <= value &&
+                     value <= most + beside * (most - least));
+}
+
+/* The integral from the last but one to the last time of the polynomial through all of them, times
+   the exponential of another one through logs; NULL: 1. good: false if either leaves what it goes
+   through, and says nothing of what is between. */
+static PetscReal Through(PetscInt n, const PetscReal time[], const PetscReal f[],
+                         const PetscReal logs[], PetscBool *good) {
+  PetscReal a = time[n - 2], h = time[n - 1] - a, sum = 0, L[BALANCE_POINTS];
+
+  *good = PETSC_TRUE;
+  for (int q = 0; q < GAUSS; q++) {
+    PetscReal value = 0, log_now = 0;
+    LagrangeValues(n, time, a + h * gauss_point[q], L);
+    for (PetscInt i = 0; i < n; i++) {
+      value += L[i] * f[i];
+      if (logs) log_now += L[i] * logs[i];
+    }
+    if (!StaysBetween(value, n, f, 1) || (logs && !StaysBetween(log_now, n, logs, 0.25)))
+      *good = PETSC_FALSE;
+    sum += h * gauss_weight[q] * value * PetscExpReal(log_now);
+  }
+  return sum;
+}
+
+/* The integral over the last interval. What changes like energy is divided by it first, and its
+   logarithm taken for a polynomial, too: while a wobble decays, a step may be many times longer
+   than the energy lasts. NULL: not. Behind a kink, where steps begin anew and double, a polynomial
+   through points on both sides may go anywhere between the last two: then without energy, and
+   through fewer points, down to the chord. */
 static PetscReal LastInterval(PetscInt n, const PetscReal time[], const PetscReal f[],
                               const PetscReal energy[]) {
-  PetscReal a = time[n - 2], h = time[n - 1] - a, sum = 0, L[BALANCE_POINTS], log_now;
+  PetscReal logs[BALANCE_POINTS], part[BALANCE_POINTS], sum = 0;
+  PetscBool good = PETSC_FALSE;
 
-  for (int q = 0; q < GAUSS; q++) {
-    LagrangeValues(n, time, a + h * gauss_point[q], L);
-    log_now = 0;
-    for (PetscInt i = 0; i < n && energy; i++) log_now += L[i] * PetscLogReal(energy[i]);
-    for (PetscInt i = 0; i < n; i++)
-      sum += h * gauss_weight[q] * L[i] * f[i] * (energy ? PetscExpReal(log_now) / energy[i] : 1);
+  for (PetscInt i = 0; i < n && energy; i++) {
+    logs[i] = PetscLogReal(energy[i]);
+    part[i] = f[i] / energy[i];
   }
+  if (energy) sum = Through(n, time, part, logs, &good);
+  for (PetscInt m = n; m > 1 && !good; m--) sum = Through(m, time + n - m, f + n - m, NULL, &good);
   return sum;
 }
 
