@@ -187,12 +187,32 @@ def exact():
             off.append(np.abs(r.shapes["x"][-1, -1] - tip).max())
         print(f"weight {weight}: off by {off}, order {np.log2(off[0] / off[1]):.2f}, defect {r.energy_defect[-1]:.1e}")
         expect(off[1] < 1.5e-7 and np.log2(off[0] / off[1]) > 3.8 and r.energy_defect[-1] < 1e-5, f"{weight}: {off}")
+    # growth by a table that says what a law does
+    rod = "-rod_weight 0.1,-0.3,0.2 -rod_curvature_2 0.2 -rod_twist 0.4 -ts_max_time 0.2 -rod_cells 20 -ts_rtol 1e-7 "
+    with h5py.File(f"{scene.SCRATCH}/table.h5", "w") as table:
+        table["s"], table["t"] = np.linspace(0, 1, 5), np.linspace(0, 1, 5)
+        table["g"] = np.outer(1 + np.linspace(0, 1, 5), np.ones(5))
+    law, table = Run(rod + "-growth_initial_length 1"), Run(rod + f"-growth_type table -growth_table {scene.SCRATCH}/table.h5")
+    off = [abs(law.series[k][-1] / table.series[k][-1] - 1) for k in ("tip_x2", "tip_x3", "energy", "twist")]
+    print(f"growth by a table: off by {off}")
+    expect(max(off) < 1e-6, f"a table: {off}")
     a, C = 0.5, 0.75
     r = Run("-growth_type none -growth_initial_length 3 -shape_type straight -friction_beta 0 "
             f"-friction_radius {a} -clamp_spin 1 -ts_max_time 1 -rod_cells 50")
     error = abs(r.base_moment_1[-1] / np.sqrt(2 * a * C) - 1)
     print(f"turned in exact friction: torque off by {error:.1e}")
     expect(error < 1e-4, f"screwed up: {error}")
+    # fed and turned: friction has one size, shared out as the speeds are. Spin is the same along the rod, and lags
+    # behind the clamp's by what a couple that grows with the rod winds it up
+    radius, turns, length, spin = 0.3, 4, 2, 4
+    r = Run(f"-growth_type feed -growth_initial_length 1 -shape_type straight -friction_radius {radius} -clamp_spin {turns} "
+            "-rod_torsion 100 -ts_max_time 1 -rod_cells 20")
+    for _ in range(20):
+        speed = np.sqrt(1 + (radius * spin) ** 2 + 1e-3)
+        spin = turns - length * radius ** 2 * spin / speed / 100
+    off = [r.base_force_1[-1] * speed / length - 1, r.base_moment_1[-1] * speed / (length * radius ** 2 * spin) - 1]
+    print(f"fed and turned: push and torque off by {off}")
+    expect(np.abs(off).max() < 5e-7, f"fed and turned: {off}")
     # turned at its tip, and back (Masing): not by turns more, which would hold it as well
     path = f"{scene.SCRATCH}/back.csv"
     Path(path).write_text("t, turn\n0, 0\n1, 0.5\n2, 0.1\n")
@@ -207,6 +227,10 @@ def exact():
     off = abs(r.energy[-1] / energy - 1)
     print(f"... energy off by {off:.1e}, estimated {r.estimate:.1e}")
     expect(off < r.estimate < 20 * off, f"Masing: energy off by {off:.1e}, estimated {r.estimate:.1e}")
+    # with next to no energy at first, in steps that soon grow
+    r = Run("-growth_type none -growth_initial_length 3 -shape_type straight -friction_beta 0 -ts_max_time 2e-4 -ts_rtol 1e-7 "
+            f"-friction_radius {a} -tip_type slides -tip_path {path} -rod_cells 50 -output_interval 0.05")
+    expect(r.energy_defect.max() < 100, f"energy: {r.energy_defect}")
     expect(abs(tip / back - 1) < 0.03 and abs(torque[-1]) < 1e-2 * there, f"Masing: {tip}, at the clamp {torque[-1]}")
     # the balance of energy goes on behind kinks: there polynomials through powers and energies say nothing
     r = Run("-growth_type none -growth_initial_length 3 -shape_type straight -friction_beta 1e-10 -ts_max_time 2 "

@@ -187,6 +187,15 @@ def bent():
                   f"-ts_max_time 1e-3 -ts_rtol 1e-8 -rod_cells {n}") / exact - 1 for n in (50, 100)]
     print(f"perversion: off by {off}")
     expect(abs(off[1]) < 3e-8 and off[0] / off[1] > 12, f"perversion: {off}")
+    for L, far in ((0.97 * exact, 0), (1.03 * exact, 1)):  # seen to grow, from a weight that is next to none
+        with h5py.File(f"{d}/undone.h5", "w") as f:
+            f["s"], f["theta"] = np.linspace(0, 1, 5), -1e3 * L * np.linspace(0, 1, 5)
+        r = Run(f"-rod_model space -growth_type none -growth_initial_length {L} -friction_mu 0 -rod_curvature 1000 -tip_type slides "
+                f"-tip_force_vector 2.5e5,0,0 -rod_weight 0,1,1 -shape_type file -shape_file {d}/undone.h5 -ts_max_time 3e-10 "
+                "-rod_cells 50")
+        grows = r.norm_x3[-1] / r.norm_x3[len(r.t) // 2]
+        print(f"perversion at {L / exact:.2f} of that length: |x3| grows {grows:.2f}-fold in the second half of its steps")
+        expect(grows > 50 if far else grows < 1.5, f"perversion, {L}: {grows}")
     nearly = "-growth_initial_length 1.9 -ts_max_time 1 -rod_bend_ratio 1.5 -rod_cells 50 -shape_type straight "
     off = length(nearly + "-rod_weight 0,1e-7,0") - length(nearly)
     print(f"all but straight: {off:.1e} apart")
