@@ -9,7 +9,9 @@ a fed or growing rod that also meets itself (a tip off by 1 % of the length is c
 the critical one from the start, which snap (the reference then follows no snap: it has a viscous share of 1e-3,
 begins with steps of 1e-12 and goes on with small ones; a tip off by 5 % of the length is lost, it is on
 another side), narrow zones of growth and layers of friction, thin posts; --space: a plain scene that weight,
-forces, torque, spin, natural bends and twist or its start take out of the plane. Prints the bad ones with
+forces, torque, spin, natural bends and twist or its start take out of the plane; --space --world: on 120 cells, with a
+third of all else that space has: fields of three axes, growth by a table, stiffness, twist and bends from files, a tip that is led,
+walls of all kinds. Prints the bad ones with
 their command and a summary; exit 1 if any is lost (gave up, hung, tip off by more than 1e-4 of the
 length). Files that scenes need are kept beside the results, under /tmp/fuzz-SEED."""
 
@@ -228,12 +230,83 @@ def space_scene(draw, wide, files):
     return o
 
 
+def random_surfaces(draw, path, diameter):
+    """Walls in space that a straight rod of length 0.5 from the origin along x1 does not start in."""
+    r, kind = diameter / 2, draw.choice(["cavity", "tube", "ground", "pillar", "ball", "ring", "cone"])
+    friction = f" friction {draw.between(0, 1)}" if draw.happens(.6) else ""
+    a, b = draw.between(1, 2.5), draw.between(-.6, .6)
+    if kind == "cavity":
+        size = draw.between(1, 3)
+        line = f"sphere {size - r - .1:.4f} 0 0 {size} inside"
+    elif kind == "tube":
+        line = f"tube inside -1 0 0 {r + .15:.4f}  {a} 0 0 {r + .15:.4f}  {a + 1} {b} {b / 2:.4f} {r + .1:.4f}  {a + 4} {3 * b:.4f} {b} {r + .1:.4f}"
+    elif kind == "ground":
+        line = f"plane 0 0 {-r - .05:.4f}  0 {draw.between(-.3, .3)} 1"
+    elif kind == "pillar":
+        line = f"cylinder {a} {b} 0  {draw.between(-.5, .5)} {draw.between(-1, 1)} 1  {draw.between(.1, .6)} outside"
+    elif kind == "ball":
+        line = f"sphere {a + .5:.3f} {b} {draw.between(-.3, .3)} {draw.between(.2, .8)} outside"
+    elif kind == "ring":
+        line = f"torus {a} 0 0  1 0 {draw.between(-.3, .3)}  {r + .4:.4f} 0.1 outside"
+    else:
+        line = f"cone -1 0 0  1 0 0  {r + .4:.4f} {draw.between(.02, .2) + r:.4f} {a + 2} inside"
+    Path(path).write_text(line + friction + "\n")
+    return path
+
+
+def space_world_scene(draw, wide, files):
+    """Options by name: a scene in space in a world of about a third of all that there is."""
+    o, s = space_scene(draw, wide, files), np.linspace(0, 1, 21)
+    o["rod_cells"] = 120
+    end = o["ts_max_time"] = min(o["ts_max_time"], 2.5)
+    reach = o["growth_initial_length"] + 2 * end
+    if draw.happens(.3):
+        o.setdefault("friction_radius", draw.over_decades(.01, .3))
+        o.setdefault("clamp_spin", draw.between(-1, 1))
+        o.pop("tip_torque", None)
+    if draw.happens(.3):
+        x = [np.linspace(-reach, reach, n) for n in (31, 21, 21)]
+        wave = sum(draw.between(.05, .3) * np.sin(draw.between(-4, 4) * x[0][None, None, :] + draw.between(-4, 4) * x[1][None, :, None]
+                                                   + draw.between(-4, 4) * x[2][:, None, None]) for _ in range(3))
+        o["friction_field"] = write(f"{files}-cloud.h5", x1=x[0], x2=x[1], x3=x[2], factor=1 + wave)
+    if draw.happens(.25):
+        o["rod_stiffness_file"] = write(f"{files}-stiffness.h5", distance=np.linspace(0, reach, 101),
+                                        factor=1 + draw.over_decades(.3, 3) * (1 - np.exp(-np.linspace(0, reach, 101))))
+    if draw.happens(.25):
+        for name in ("rod_curvature", "rod_curvature_2", "rod_twist", "rod_curvature_random", "rod_curvature_random_2"):
+            o.pop(name, None)
+        o["rod_curvature_file"] = write(f"{files}-bent.h5", s=s, twist=draw.between(-1, 1) * np.cos(3 * s),
+                                        curvature=draw.between(-.5, .5) * np.sin(4 * s), curvature_2=draw.between(-.5, .5) * s)
+    if draw.happens(.2):
+        length, t = o.pop("growth_initial_length"), np.linspace(0, end, 9)
+        for name in ("growth_width", "growth_zone"):
+            o.pop(name, None)
+        o["growth_type"] = "table"
+        o["growth_table"] = write(f"{files}-table.h5", s=s, t=t, g=length + np.outer(t, .5 + draw.between(0, 1) * s))
+    if draw.happens(.35):
+        for name in ("shape_amplitude", "shape_turn", "shape_seed", "tip_type", "clamp_direction"):
+            o.pop(name, None)
+        o.update(shape_type="straight", contact_diameter=draw.between(.04, .12))
+        if o["growth_type"] != "table":
+            o["growth_initial_length"] = .5
+        o["wall_file"] = random_surfaces(draw, f"{files}.walls", o["contact_diameter"])
+    elif draw.happens(.2) and o["growth_type"] != "table":
+        for name in ("tip_force", "tip_law", "tip_force_vector", "tip_torque", "clamp_spin"):
+            o.pop(name, None)
+        o["tip_type"] = draw.choice(["clamped", "slides"])
+        Path(f"{files}-lead.csv").write_text(f"t,turn\n0,0\n{end / 2},{draw.between(-2, 2)}\n{end},{draw.between(-2, 2)}\n")
+        o["tip_path"] = f"{files}-lead.csv"
+    return o
+
+
 def reference_of(options, contact):
     """(what else its reference is given, off by how much of the length a tip is lost)"""
     if float(options.get("tip_force", 0)) > 3 and "tip_law" not in options:
         mu = min(float(options["friction_mu"]), .999)
         most = float(options["ts_max_time"]) / 500
         return ["-friction_mu", str(mu), "-ts_dt", "1e-12", "-ts_rtol", "1e-7", "-ts_adapt_dt_max", f"{most:g}"], .05
+    if "rod_cells" in options:
+        return ["-rod_cells", "300", "-ts_rtol", "1e-8"], TIP_IN_CONTACT if "wall_file" in options else TIP
     if contact or "wall_file" in options:
         return ["-rod_cells", "800", "-ts_rtol", "1e-8"], TIP_IN_CONTACT
     return ["-rod_cells", "1200", "-ts_rtol", "1e-8"], TIP
@@ -276,7 +349,7 @@ def main():
     lost, norms, tips, walls = 0, 0, [], []
     for i in range(count):
         files = directory / str(i)
-        o = (space_scene(draw, wide, files) if space else hard_scene(draw, wide, files) if hard else contact_scene(draw, wide, files) if contact
+        o = (space_world_scene(draw, wide, files) if space and world else space_scene(draw, wide, files) if space else hard_scene(draw, wide, files) if hard else contact_scene(draw, wide, files) if contact
              else world_scene(draw, wide, files) if world else plain_scene(draw, wide))
         found, said, command = run(exe, o, LIMIT, f"{files}.h5")
         if found is None:
