@@ -22,7 +22,9 @@ from measure import (CORES, CRASHED, DECAY, GAVE_UP, HUNG, QUANTITIES, REFUSED, 
 from tendril.style import STYLE
 
 LIMIT, LIMIT_PEER = 15, 60  # seconds; the slowest cell of the default takes 3
+LIMIT_SPACE = 8             # cells of 100; that of the default 2
 FINER = "-rod_cells 1000 -ts_rtol 1e-8"
+FINER_SPACE = "-rod_cells 300 -ts_rtol 1e-7"
 FINER_CONTACT = "-rod_cells 800 -ts_rtol 1e-7|-rod_cells 800 -ts_rtol 3e-7"
 METHODS = {  # name: (solver, options)
     "default": ("tendril", ""),
@@ -100,6 +102,46 @@ CONTACTS = {  # label: (options, times); the stiffness is given, so that finer r
 }
 
 
+SPACE = "in space, 100 cells"
+IN_SPACE = QUANTITIES + ("norm_x3",)
+SPACE_METHODS = ("default", "auto", "frame 2", "PETSc's bdf 5", "backward Euler, start extrapolated",  # of those that know these rods
+                 "primal Newton", "backtracking", "MUMPS", "GMRES, ILU")
+LEANS = "-rod_curvature 0.1 -rod_curvature_2 -0.05 -wall_file scripts/lab/walls/"
+SPACES = {  # label: (options, times)
+    "turned start": (f"{THICK} -shape_turn 1.2 -rod_curvature 0.05", (2, 6)),
+    r"$\epsilon=10^{-12}$": ("-growth_initial_length 1 -shape_amplitude 1e-12 -rod_curvature_2 1e-8", (1, 3)),
+    "heavy": ("-growth_initial_length 1 -shape_amplitude 0.1 -rod_weight 0.1,-0.3,0.2", (2, 4)),
+    "strip, twisted": (f"{THICK} -rod_bend_ratio 5 -shape_turn 1.2 -rod_twist 0.5", (2, 6)),
+    "weak twist": (f"{THICK} -rod_torsion 0.05 -shape_turn 0.5 -rod_curvature_2 0.3 -rod_twist 0.2", (2, 4)),
+    "across, torque": (f"{THICK} -friction_across 2 -tip_torque 0.3 -shape_turn 0.5", (2, 4)),
+    "layers": (f"{THICK} -friction_layers 0:1,3:2.5,5:0.4 -rod_weight 0,0,-0.1", (2, 6)),
+    "dead force": (f"{THICK} -tip_force_vector 0.2,-0.3,0.4 -friction_mu 0.5", (2, 4)),
+    "root": ("-growth_type apical -growth_initial_length 1 -growth_zone 1 -friction_beta 1e-4 -rod_curvature 0.9 "
+             "-rod_curvature_2 0.3 -rod_twist 1.2 -shape_type straight", (4, 8)),
+    "vine": ("-growth_type apical -growth_initial_length 1 -growth_zone 2 -friction_mu 0.2 -clamp_direction 1,0,0.3 "
+             "-rod_weight 0,0,-0.6 -rod_curvature 1 -rod_curvature_2 0.1 -shape_type straight", (4, 8)),
+    "wire, spun": (FED + "-clamp_spin 1 -friction_radius 0.2 -friction_mu 0.95 -rod_curvature 0.01", (3, 6)),
+    "wire, exact": (FED + "-clamp_spin 1 -friction_radius 0.2 -friction_beta 0 -rod_curvature 0.1", (2, 4)),
+    r"$\beta=10^{-9}$": (f"{THICK} -friction_beta 1e-9 -shape_turn 1 -rod_curvature_2 0.2", (2, 6)),
+    r"$\beta=10^{-12}$": (f"{THICK} -friction_beta 1e-12 -shape_turn 1 -rod_curvature_2 0.2", (2, 6)),
+    "exact": (f"{THICK} -friction_beta 0 -shape_turn 1 -rod_curvature_2 0.2", (2, 6)),
+    "apical, exact": (f"{THICK} -growth_type apical -growth_zone 0.6 -friction_beta 0 -rod_curvature_2 0.3", (2, 6)),
+    "hairpin": ("-growth_initial_length 2 -shape_amplitude 3.1 -shape_turn 1 -rod_curvature_2 0.05", (2, 4)),
+    "snap at once": ("-growth_initial_length 0.2 -tip_force 1000 -shape_amplitude 0.1 -shape_turn 0.5 -rod_bend_ratio 1.5",
+                     (0.1,)),
+    "pinned": (f"{THICK} -tip_type pinned -rod_curvature_2 0.2", (2, 4)),
+    "clamped": (f"{THICK} -tip_type clamped -rod_curvature_2 0.2", (2, 4)),
+    "27 turns, led": ("-growth_type none -growth_initial_length 1 -rod_torsion 0.5866171003717472 -friction_mu 0 "
+                      "-tip_type clamped -tip_path options/data/twisted-rod.csv", (5, 10)),
+    "stone": (FED + LEANS + "stone.txt -contact_diameter 0.05 -contact_stiffness 3e5", (2, 4)),
+    "pillar that leans": (FED + LEANS + "leaning.txt -contact_diameter 0.1 -contact_stiffness 1e5", (2, 4)),
+    "pillar, exact": (FED + LEANS + "leaning.txt -contact_diameter 0.1 -contact_stiffness 1e5 -friction_beta 0", (2, 4)),
+    "duct": (FED + "-wall_file options/data/duct-bends.txt -contact_diameter 0.1 -contact_stiffness 1e5 "
+             "-rod_weight 0,0,-0.5 -friction_mu 0 -friction_layers 0:1e-3 -rod_curvature_random 0.05 "
+             "-rod_curvature_random_2 0.05 -rod_curvature_length 1", (3, 6)),
+}
+
+
 def scene(group, label, options, times, quantities=QUANTITIES):
     return group, Scene(label, options, times, finer=FINER, quantities=quantities)
 
@@ -152,6 +194,9 @@ def cells(quick):
     for name, (options, times) in CONTACTS.items():
         finer = FINER_CONTACT.split("|")["exact" in name]
         result.append((CONTACT, Scene(name, options, times, finer=finer)))
+    for name, (options, times) in SPACES.items():
+        result.append((SPACE, Scene(name, f"{options} -rod_cells 100", times, finer=FINER_SPACE,
+                                    quantities=IN_SPACE)))
     return result[::4] if quick else result
 
 
@@ -170,6 +215,8 @@ SET = ("default", "frame 2", "mixed", "primal Newton", "PETSc's bdf 5",
 def never(method, group):
     """The peers know nothing of a world around the rod, nor, in these scenes, of contact. Explicit, with inertia, PyElastica cannot
     follow the decay; a small step of the paper's elements takes minutes there."""
+    if group == SPACE:
+        return method not in SPACE_METHODS
     if group in (WORLD, CONTACT):
         return METHODS[method][0] != "tendril"
     return "decay" in group and method in ("PyElastica", "paper's elements, step 0.002")
@@ -183,7 +230,7 @@ def cases(arguments):
     for group, where in cells(arguments.quick):
         for method in names:
             solver, options = METHODS[method]
-            limit = LIMIT if solver == "tendril" else LIMIT_PEER
+            limit = LIMIT_SPACE if group == SPACE else LIMIT if solver == "tendril" else LIMIT_PEER
             if not never(method, group):
                 result.append((method, group, where.name, Case(solver, where, options, limit)))
     if arguments.quick:

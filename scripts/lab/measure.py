@@ -22,6 +22,7 @@ import tempfile
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import zip_longest
 from pathlib import Path
 
 import h5py
@@ -257,7 +258,7 @@ def run_tendril(case):
         values = []
         try:
             series, values, nodes = read_output(file, case.scene)
-            fields = np.array([1, 6, 3])[series["model"].astype(int)]
+            fields = np.array([1, 6, 3, 13])[series["model"].astype(int)]
             state["steps"] = len(series["t"]) - 1
             state["newton"] = int(series["newton_iterations"].sum())
             state["work"] = float((series["newton_iterations"] * fields).sum() * nodes)
@@ -304,7 +305,8 @@ def errors(values, reference, quantities=QUANTITIES):
     for value, exact in zip(values, reference):
         for k in quantities:
             if k == "tip":
-                e = (np.hypot(*np.subtract(value["tip"], exact["tip"])) / np.hypot(*exact["tip"]))
+                off = [a - b for a, b in zip_longest(value["tip"], exact["tip"], fillvalue=0)]  # plane, space
+                e = np.linalg.norm(off) / np.linalg.norm(exact["tip"])
             else:
                 # (a straight rod on a plane may turn to either side: the size counts)
                 e = abs(abs(value[k]) / exact[k] - 1) if exact[k] else float(value[k] != 0)
