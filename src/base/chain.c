@@ -257,3 +257,16 @@ PetscErrorCode ChainSetType(PC pc, MatOrderingType ordering) {
   PetscCall(PCShellSetDestroy(pc, Destroy));
   PetscFunctionReturn(0);
 }
+
+/* ChainCreateSolver - a solver that is this one alone; its operators are the caller's, who ends it
+   with KSPDestroy(). Collective. */
+PetscErrorCode ChainCreateSolver(MPI_Comm comm, MatOrderingType ordering, KSP *ksp) {
+  PC pc;
+
+  PetscFunctionBegin;
+  PetscCall(KSPCreate(comm, ksp));
+  PetscCall(KSPSetType(*ksp, KSPPREONLY));
+  PetscCall(KSPGetPC(*ksp, &pc));
+  PetscCall(ChainSetType(pc, ordering));
+  PetscFunctionReturn(0);
+}

@@ -4,7 +4,7 @@
 #ifndef TENDRIL_CHAIN_H
 #define TENDRIL_CHAIN_H
 
-#include <petscpc.h>
+#include <petscksp.h>
 
 /* An order for nodes of which far ones see each other, and whose last node is held: PETSc's least
    degree first, but the last node last. (Of a rod that is folded upon itself a node and those that
@@ -14,5 +14,6 @@
 #define ORDERING_HELD "qmd_held"
 
 PetscErrorCode ChainSetType(PC pc, MatOrderingType ordering);
+PetscErrorCode ChainCreateSolver(MPI_Comm comm, MatOrderingType ordering, KSP *ksp);
 
 #endif

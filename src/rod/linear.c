@@ -284,7 +284,6 @@ static PetscErrorCode CreateFit(Rod rod) {
   const PetscInt fields = rod->model->fields;
   Linear *self = (Linear *)rod->data;
   Mat A;
-  PC pc;
 
   PetscFunctionBegin;
   PetscCall(RodCreateMatrix(rod, &A));
@@ -299,12 +298,9 @@ static PetscErrorCode CreateFit(Rod rod) {
   }
   PetscCall(MatAssemblyBegin(A, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(A, MAT_FINAL_ASSEMBLY));
-  PetscCall(KSPCreate(rod->scene->comm, &self->fit));
+  PetscCall(ChainCreateSolver(rod->scene->comm, MATORDERINGNATURAL, &self->fit));
   PetscCall(KSPSetOperators(self->fit, A, A));
   PetscCall(MatDestroy(&A));
-  PetscCall(KSPSetType(self->fit, KSPPREONLY));
-  PetscCall(KSPGetPC(self->fit, &pc));
-  PetscCall(ChainSetType(pc, MATORDERINGNATURAL));
   PetscFunctionReturn(0);
 }
 

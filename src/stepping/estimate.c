@@ -95,14 +95,12 @@ static PetscInt FineNode(const Estimate self, PetscInt k) {
 
 /* Far parts of the rod see each other: that is no line of neighbours. */
 static PetscErrorCode CreateMatrix(Estimate self) {
-  PC pc;
+  const MatOrderingType ordering =
+      self->scene.tip.type == TIP_FREE ? MATORDERINGQMD : ORDERING_HELD;
 
   PetscFunctionBegin;
   PetscCall(RodCreateMatrix(self->rod, &self->J));
-  PetscCall(KSPCreate(PETSC_COMM_SELF, &self->ksp));
-  PetscCall(KSPSetType(self->ksp, KSPPREONLY));
-  PetscCall(KSPGetPC(self->ksp, &pc));
-  PetscCall(ChainSetType(pc, self->scene.tip.type == TIP_FREE ? MATORDERINGQMD : ORDERING_HELD));
+  PetscCall(ChainCreateSolver(PETSC_COMM_SELF, ordering, &self->ksp));
   PetscFunctionReturn(0);
 }
 

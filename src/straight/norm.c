@@ -90,17 +90,6 @@ static PetscErrorCode Precondition(PC pc, Vec x, Vec y) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode DirectSolve(MPI_Comm comm, KSP *ksp) {
-  PC pc;
-
-  PetscFunctionBegin;
-  PetscCall(KSPCreate(comm, ksp));
-  PetscCall(KSPSetType(*ksp, KSPPREONLY));
-  PetscCall(KSPGetPC(*ksp, &pc));
-  PetscCall(ChainSetType(pc, MATORDERINGNATURAL));
-  PetscFunctionReturn(0);
-}
-
 /* The first tolerance on the residual, and how often it is made ten times smaller if the eigenvalue
    turns out worse than this, relative to its size or to 1. */
 static const PetscReal first_tolerance = 1e-7, wanted = 1e-9;
@@ -180,8 +169,8 @@ PetscErrorCode NormCreate(Pencil pencil, const PetscReal W[], PetscReal at, Norm
   for (int i = 0; i < 4; i++) PetscCall(MatCreateVecs(self->E, &self->c[i], NULL));
   for (int i = 0; i < 2; i++) PetscCall(MatCreateVecs(self->E, &self->w[i], NULL));
   PetscCall(MatCreateVecs(self->E, &self->guess, NULL));
-  PetscCall(DirectSolve(pencil->comm, &self->solve_drag));
-  PetscCall(DirectSolve(pencil->comm, &self->solve_mixed));
+  PetscCall(ChainCreateSolver(pencil->comm, MATORDERINGNATURAL, &self->solve_drag));
+  PetscCall(ChainCreateSolver(pencil->comm, MATORDERINGNATURAL, &self->solve_mixed));
   PetscCall(SetUpSolver(self));
   PetscFunctionReturn(0);
 }

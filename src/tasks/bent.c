@@ -4,6 +4,7 @@
    for F the equations of the model. It stops being stable where the first sigma comes to have a
    real part of 0 (theory.md, section 15). */
 #include "tasks/bent.h"
+#include "base/chain.h"
 #include "rod/directors.h"
 #include "stepping/leg.h"
 #include "tasks/growing.h"
@@ -88,19 +89,6 @@ static PetscErrorCode Apply(Mat T, Vec x, Vec y) {
   PetscFunctionReturn(0);
 }
 
-/* A is factored from the clamp on, as in every step. */
-static PetscErrorCode InverseCreate(MPI_Comm comm, KSP *ksp) {
-  PC pc;
-
-  PetscFunctionBegin;
-  PetscCall(KSPCreate(comm, ksp));
-  PetscCall(KSPSetType(*ksp, KSPPREONLY));
-  PetscCall(KSPGetPC(*ksp, &pc));
-  PetscCall(PCSetType(pc, PCLU));
-  PetscCall(PCFactorSetMatOrderingType(pc, MATORDERINGNATURAL));
-  PetscFunctionReturn(0);
-}
-
 /* The problem is T u = u/sigma, T = A^-1 B, of places and directors alone: no rates of forces are
    in the equations, so these follow, and with them T has round-off for eigenvalues that are 0. */
 static PetscErrorCode SolverCreate(MPI_Comm comm, Bent *self) {
@@ -108,7 +96,7 @@ static PetscErrorCode SolverCreate(MPI_Comm comm, Bent *self) {
 
   PetscFunctionBegin;
   PetscCall(VecGetLocalSize(self->U, &n));
-  PetscCall(InverseCreate(comm, &self->ksp));
+  PetscCall(ChainCreateSolver(comm, MATORDERINGNATURAL, &self->ksp)); /* as in every step */
   PetscCall(MatCreateShell(comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, self, &self->T));
   PetscCall(MatShellSetOperation(self->T, MATOP_MULT, (void (*)(void))Apply));
   PetscCall(EPSCreate(comm, &self->eps));
