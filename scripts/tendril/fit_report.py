@@ -187,9 +187,9 @@ def draw_photograph(ax, fit: Fit, p, line, half):
     factor, unit = shown(p.points)
     if half is not None:
         edges = [line + sign * half[:, None] * normals(line) for sign in (1, -1)]
-        ax.fill(*(factor * np.vstack([edges[0], edges[1][::-1]]).T), color=BLUE, alpha=0.25, lw=0, label="95 % of shapes")
+        ax.fill(*(factor * np.vstack([edges[0], edges[1][::-1]]).T), color=BLUE, alpha=0.35, lw=0, label="95 % of shapes")
     ax.plot(*(factor * p.points.numbers.T), ".", ms=3, color=ORANGE, label="measured")
-    ax.plot(*(factor * line.T), color=BLUE, label="best scene")
+    ax.plot(*(factor * line.T), color=BLUE, lw=0.8, label="best scene")
     ax.set_aspect("equal", adjustable="datalim")
     if p.points.unit == PIXEL:
         ax.invert_yaxis()

@@ -91,7 +91,8 @@ class Samples:
         labels = [f"{name} ({'1' * unit.startswith('/') + unit})" if unit else name for name, unit in zip(self.names, units)]
         return corner.corner(self.values, **{"labels": labels, "titles": self.names, "truths": self.estimate,
                                              "quantiles": (0.025, 0.975), "title_quantiles": (0.025, 0.5, 0.975),
-                                             "show_titles": True, "title_fmt": ".4g"} | options)
+                                             "show_titles": True, "title_fmt": ".4g",
+                                             "title_kwargs": {"fontsize": 8}, "label_kwargs": {"fontsize": 9}} | options)
 
 
 def sample(fit: Fit, steps=200, walkers=None, burn=0.3, seed=1, progress: bool | None = None) -> Samples:
