@@ -304,36 +304,70 @@ static void AlongWays(const PetscReal A[OWN][TOP], const WideArms *arms, Six Z) 
   }
 }
 
+static inline void SwapRows(int n, PetscReal a[], PetscReal b[]) {
+  for (int j = 0; j < n; j++) {
+    const PetscReal z = a[j];
+    a[j] = b[j];
+    b[j] = z;
+  }
+}
+
+/* B = A^-1 B, n by n and n by m, with partial pivoting; A is lost. False: A is singular. (Sizes are
+   constants: LAPACK's takes four times as long for so few.) */
+static inline PetscBool Solve(int n, int m, PetscReal A[], PetscReal B[]) {
+  for (int k = 0; k < n; k++) {
+    int top = k;
+    for (int i = k + 1; i < n; i++)
+      if (PetscAbsReal(A[i * n + k]) > PetscAbsReal(A[top * n + k])) top = i;
+    if (A[top * n + k] == 0) return PETSC_FALSE;
+    if (top != k) {
+      SwapRows(n, A + k * n, A + top * n);
+      SwapRows(m, B + k * m, B + top * m);
+    }
+    for (int i = k + 1; i < n; i++) {
+      const PetscReal share = A[i * n + k] / A[k * n + k];
+      if (share == 0) continue;
+      for (int j = k + 1; j < n; j++) A[i * n + j] -= share * A[k * n + j];
+      for (int j = 0; j < m; j++) B[i * m + j] -= share * B[k * m + j];
+    }
+  }
+  for (int k = n - 1; k >= 0; k--)
+    for (int j = 0; j < m; j++) {
+      for (int i = k + 1; i < n; i++) B[k * m + j] -= A[k * n + i] * B[i * m + j];
+      B[k * m + j] /= A[k * n + k];
+    }
+  return PETSC_TRUE;
+}
+
 /* C of what is before a node: - way V^-1 W of m and n, and C (1 + [m/2] C)^-1 of mu; false if there
    is none. */
 static PetscBool Compliance(const Link *link, Six C) {
-  PetscReal V[TOP * TOP], X[OWN * TOP], Z[OWN * OWN], Y[OWN * OWN];
-  PetscBLASInt top = TOP, own = OWN, pivots[TOP], info;
+  PetscReal V[TOP * TOP], X[TOP * OWN], Z[OWN * OWN], Y[OWN * OWN];
+  PetscBool regular;
   Six skew;
 
   for (int i = 0; i < TOP; i++) {
-    for (int j = 0; j < TOP; j++) V[j * TOP + i] = link->T[i][j];
-    for (int j = 0; j < OWN; j++) X[j * TOP + i] = -link->T[i][TOP + j];
+    for (int j = 0; j < TOP; j++) V[i * TOP + j] = link->T[i][j];
+    for (int j = 0; j < OWN; j++) X[i * OWN + j] = -link->T[i][TOP + j];
   }
-  LAPACKgesv_(&top, &own, V, &top, pivots, X, &top, &info);
-  if (info) return PETSC_FALSE;
+  if (!Solve(TOP, OWN, V, X)) return PETSC_FALSE;
   Skew(&link->arms, skew);
   for (int i = 0; i < OWN; i++)
     for (int j = 0; j < OWN; j++) {
       C[i][j] = 0;
-      for (int k = 0; k < TOP; k++) C[i][j] += link->arms.way[i][k] * X[j * TOP + k];
+      for (int k = 0; k < TOP; k++) C[i][j] += link->arms.way[i][k] * X[k * OWN + j];
     }
-  for (int i = 0; i < OWN; i++) /* the transposed system, by columns */
+  for (int i = 0; i < OWN; i++) /* the transposed system */
     for (int j = 0; j < OWN; j++) {
-      Z[i * OWN + j] = i == j;
-      Y[i * OWN + j] = C[i][j];
-      for (int k = 0; k < OWN; k++) Z[i * OWN + j] += skew[i][k] * C[k][j];
+      Z[j * OWN + i] = i == j;
+      Y[j * OWN + i] = C[i][j];
+      for (int k = 0; k < OWN; k++) Z[j * OWN + i] += skew[i][k] * C[k][j];
     }
-  LAPACKgesv_(&own, &own, Z, &own, pivots, Y, &own, &info);
-  for (int i = 0; i < OWN && !info; i++)
-    for (int j = 0; j < OWN; j++) C[i][j] = Y[i * OWN + j];
+  regular = Solve(OWN, OWN, Z, Y);
+  for (int i = 0; i < OWN && regular; i++)
+    for (int j = 0; j < OWN; j++) C[i][j] = Y[j * OWN + i];
   Symmetric(C);
-  return (PetscBool)!info;
+  return regular;
 }
 
 /* K of the cell behind a node: - mu_a by w_a at mu_b = 0; false if there is none. */
@@ -341,7 +375,6 @@ static PetscBool Stiffness(const Link *link, Six K) {
   const PetscReal(*a)[ALL] = (const PetscReal(*)[ALL])link->cell[0],
         (*b)[ALL] = (const PetscReal(*)[ALL])link->cell[1];
   PetscReal A[ALL * ALL], X[TOP * ALL], turned[OWN][TOP], force[OWN][TOP];
-  PetscBLASInt all = ALL, top = TOP, pivots[ALL], info;
   Six skew;
 
   Skew(&link[1].arms, skew); /* m_b = - [m/2] turn_b */
@@ -349,16 +382,15 @@ static PetscBool Stiffness(const Link *link, Six K) {
   Times(OWN, OWN, TOP, -1, skew[0], OWN, link[1].arms.way[0], turned[0], TOP);
   for (int i = 0; i < ALL; i++) {
     for (int j = 0; j < TOP; j++) {
-      A[j * ALL + i] = b[i][j];
-      for (int k = 0; k < OWN; k++) A[j * ALL + i] += b[i][TOP + k] * turned[k][j];
-      X[j * ALL + i] = -a[i][j];
+      A[i * ALL + j] = b[i][j];
+      for (int k = 0; k < OWN; k++) A[i * ALL + j] += b[i][TOP + k] * turned[k][j];
+      X[i * TOP + j] = -a[i][j];
     }
-    for (int j = 0; j < OWN; j++) A[(TOP + j) * ALL + i] = a[i][TOP + j];
+    for (int j = 0; j < OWN; j++) A[i * ALL + TOP + j] = a[i][TOP + j];
   }
-  LAPACKgesv_(&all, &top, A, &all, pivots, X, &all, &info);
-  if (info) return PETSC_FALSE;
+  if (!Solve(ALL, TOP, A, X)) return PETSC_FALSE;
   for (int i = 0; i < OWN; i++)
-    for (int j = 0; j < TOP; j++) force[i][j] = -X[j * ALL + TOP + i];
+    for (int j = 0; j < TOP; j++) force[i][j] = -X[(TOP + i) * TOP + j];
   AlongWays((const PetscReal(*)[TOP])force, &link->arms, K);
   Skew(&link->arms, skew);
   for (int i = 0; i < OWN; i++)
@@ -367,14 +399,23 @@ static PetscBool Stiffness(const Link *link, Six K) {
   return PETSC_TRUE;
 }
 
-/* The negative eigenvalues of a symmetric matrix, which is lost. */
+/* The negative eigenvalues of a symmetric matrix, which is lost: as many as of D in L D L^T, of
+   which each block of two has one (Bunch and Kaufman take such a block only if its determinant is
+   below 0). Eigenvalues themselves would cost five times as much. */
 static PetscInt Negative(PetscBLASInt n, PetscReal A[]) {
-  PetscReal values[3 * OWN], work[16 * OWN];
-  PetscBLASInt size = 16 * OWN, info;
+  PetscReal work[16 * OWN];
+  PetscBLASInt pivots[3 * OWN], size = 16 * OWN, info;
   PetscInt negative = 0;
 
-  LAPACKsyev_("N", "U", &n, A, &n, values, work, &size, &info);
-  for (int k = 0; k < n && !info; k++) negative += values[k] < 0;
+  LAPACKsytrf_("U", &n, A, &n, pivots, work, &size, &info);
+  for (int k = 0; k < n && info >= 0; k++) {
+    if (pivots[k] > 0) {
+      negative += A[k * n + k] < 0;
+    } else {
+      negative++;
+      k++;
+    }
+  }
   return negative;
 }
 
