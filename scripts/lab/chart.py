@@ -23,7 +23,7 @@ from tendril.style import STYLE
 
 TITLES = {"decay": "decay to $10^{-13}$, $t = 12$", "short": "thick start, $t = 5$",
           "folded": "folded rod, $t = 40$", "gaussian": "growth zone $a = 0.05$", "feed": "feed",
-          "contact": "pushed on a plane:\nforce, height"}
+          "contact": "pushed on a plane (force, height)"}
 TOP = 5  # of the error axis
 TOLERANCES = ("1e-2", "1e-3", "1e-4", "1e-5", "1e-6", "1e-7", "1e-8")
 # name: (solver, colour, marker, line); colours after Okabe and Ito
@@ -172,7 +172,7 @@ def draw_scene(ax, methods, x):
     if not good:
         return
     low = min(r["error"] for r in good)
-    pareto = front(good, x)
+    pareto, lost = front(good, x), {}
     # a failure stands at the top, at the cost it had
     for name, runs_ in methods.items():
         _, colour, marker, line = METHODS[name]
@@ -182,19 +182,20 @@ def draw_scene(ax, methods, x):
                 zorder=2)
         ax.plot([r[x] for r in done], [min(r["error"], TOP) for r in done], marker, color=colour,
                 ms=4.5, mew=0.3, mec="black", zorder=3, ls="none")
-        lost = [r for r in runs_ if not finished(r) and r.get(x)]
-        ax.plot([r[x] for r in lost], [3 * TOP] * len(lost), marker, mfc="none", mec=colour, ms=5,
-                mew=1, ls="none", zorder=3, clip_on=False)
-        codes = sorted({r["reason"] for r in lost})
-        for code in codes:
-            first = min((r for r in lost if r["reason"] == code), key=lambda r: r[x])
-            ax.annotate(code, (first[x], 3 * TOP), xytext=(0, 5), textcoords="offset points",
-                        fontsize=5, rotation=35, color=colour)
+        for run in runs_:
+            if not finished(run) and run.get(x):
+                ax.plot(run[x], 3 * TOP, marker, mfc="none", mec=colour, ms=5, mew=1, zorder=3, clip_on=False)
+                lost[run["reason"]] = min(run[x], lost.get(run["reason"], math.inf))
     ax.step([r[x] for r in pareto], [min(r["error"], TOP) for r in pareto], where="post",
             color="black", lw=2.5, alpha=0.2, zorder=1)
     ax.set_xscale("log")
     ax.set_yscale("log")
     ax.set_ylim(low / 3, 3.5 * TOP)
+    ax.yaxis.set_minor_locator(plt.NullLocator())
+    middle = math.prod(ax.get_xlim())**0.5
+    for code, first in lost.items():
+        ax.annotate(code, (first, 3 * TOP), xytext=(0, 5), textcoords="offset points", fontsize=6, color="0.3",
+                    ha="left" if first < middle else "right")
 
 
 AXES = {"seconds": "wall time / s", "work": "Newton iterations × unknowns"}
@@ -202,35 +203,38 @@ AXES = {"seconds": "wall time / s", "work": "Newton iterations × unknowns"}
 SHORT_SCENES, SHORT_METHODS = ("decay", "gaussian"), (
     "frame 4, vbdf", "auto, vbdf", "mixed, vbdf", "frame 4, bdf 5", "frame 4, backward Euler",
     "paper's elements", "PyElastica")
+ACROSS = 3  # columns of a page
 
 
-def draw(found, base, over=tuple(AXES), room=0.2):
-    """A column per scene, a row per measure of cost."""
+def draw(found, base, over=tuple(AXES)):
+    """A column per scene, a row per measure of cost; more scenes than a page has columns go on below."""
     scenes = [s for s in SCENES if s in found]
     names = [n for n in METHODS if any(n in found[s] for s in scenes)]
-    few = len(scenes) < 3
+    columns, blocks = min(ACROSS, len(scenes)), -(-len(scenes) // ACROSS)
+    rows, foot = blocks * len(over), 0.75 if len(over) > 1 else 0.85
+    width, height = 0.7 + 2.3 * columns, 2.35 * rows + 0.3 * blocks + foot
     with plt.rc_context(STYLE):
-        fig, axes = plt.subplots(len(over), len(scenes), sharey="col", squeeze=False,
-                                 figsize=(1 + (2.9 if few else 2.5) * len(scenes),
-                                          3.8 if len(over) == 1 else 6.2))
-        for column, scene in enumerate(scenes):
+        fig, axes = plt.subplots(rows, columns, squeeze=False, figsize=(width, height))
+        for ax in axes.flat[len(scenes) * len(over):] if blocks == 1 else ():
+            ax.axis("off")
+        for k, scene in enumerate(scenes):
             for row, x in enumerate(over):
-                draw_scene(axes[row, column], found[scene], x)
-                axes[row, column].set_xlabel(AXES[x])
-            axes[0, column].set_title(TITLES[scene], fontsize=8, pad=22)
-        for row in range(len(over)):
-            axes[row, 0].set_ylabel("largest relative error of\n"
-                                    r"$\mathbf{x}(1,t)$, $\|x_2\|$, $E$")
+                ax = axes[k // columns * len(over) + row, k % columns]
+                draw_scene(ax, found[scene], x)
+                ax.set_xlabel(AXES[x])
+                if not k % columns:
+                    ax.set_ylabel("largest relative error of\n" r"$\mathbf{x}(1,t)$, $\|x_2\|$, $E$")
+                if not row:
+                    ax.set_title(TITLES[scene], fontsize=9, pad=14)
         handles = [plt.Line2D([], [], color=METHODS[n][1], marker=METHODS[n][2], ls=METHODS[n][3],
                               ms=5, lw=1, mec="black", mew=0.3, label=n) for n in names]
         handles += [plt.Line2D([], [], color="black", lw=2.5, alpha=0.2, label="Pareto front"),
                     plt.Line2D([], [], color="black", marker="o", mfc="none", ls="none", ms=5,
                                label="did not finish (reason)"),
                     plt.Line2D([], [], ls="none", label=f"errors above {TOP} are drawn at {TOP}")]
-        fig.legend(handles=handles, ncol=3 if few else 5, loc="lower center", fontsize=7,
-                   frameon=False)
-        fig.subplots_adjust(left=0.9 / fig.get_figwidth(), right=0.99, bottom=room, top=0.88,
-                            hspace=0.5, wspace=0.28)
+        fig.legend(handles=handles, ncol=min(4, columns + 1), loc="lower center", fontsize=8, frameon=False)
+        fig.subplots_adjust(left=0.75 / width, right=0.985, bottom=(foot + 0.42) / height,
+                            top=1 - 0.45 / height, hspace=0.48, wspace=0.3)
         for suffix in (".png", ".pdf"):
             fig.savefig(f"{base}{suffix}", dpi=200)
         plt.close(fig)
@@ -288,7 +292,7 @@ def main():
     few = {s: {m: r for m, r in found[s].items() if m in SHORT_METHODS}
            for s in SHORT_SCENES if s in found}
     if few:
-        draw(few, Path(place) / "chart-short", over=("seconds",), room=0.31)
+        draw(few, Path(place) / "chart-short", over=("seconds",))
     summary(found, place / "chart-factors.md")
     print(f"chart: {place}/chart.csv, .png, -short.png and -factors.md")
 
