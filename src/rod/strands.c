@@ -387,8 +387,15 @@ static void PairForce(const struct _Strands *self, const Pair *pair, PetscReal f
   f[1] = pair->p * pair->n[1] - rub * pair->n[0];
 }
 
+/* What pushes the beginning of a rod that is fed in back along it, the clamp's direction x1: the
+   clamp bears that, for it is the clamp that is there, at rest, while the material moves on. */
+static PetscBool OnClamp(const struct _Strands *self, const Pair *pair) {
+  return (PetscBool)(pair->ends && pair->foot.cell == 0 && pair->foot.z == 0 && self->c[0] != 0);
+}
+
 /* Hands a force to who takes it: on points as load per label, n' = load. */
 static void HandOut(Strands self, const Pair *pair, const PetscReal f[2]) {
+  const PetscReal borne[2] = {OnClamp(self, pair) ? pair->p * pair->n[0] : 0, 0};
   PetscReal share[2];
   Spread spread;
 
@@ -398,6 +405,8 @@ static void HandOut(Strands self, const Pair *pair, const PetscReal f[2]) {
     PetscReal all = (share[0] + share[1]) * f[d];
     self->force[pair->point][d] -= share[0] * f[d] / self->weight[pair->point];
     self->force[self->points][d] += share[1] * f[d];
+    self->sum.clamp[d] -= (share[0] + share[1]) * borne[d];
+    all -= (share[0] + share[1]) * borne[d];
     for (int k = 0; k < 4; k++)
       self->force[spread.point[k]][d] += all * spread.share[k] / self->weight[spread.point[k]];
   }
@@ -415,6 +424,7 @@ static void AddToSum(Strands self, const Pair *pair) {
                  (share[1] > 0 ? self->contact->tip_t * U +
                                      share[1] * ContactEnergyRate(self->contact, pair->gap)
                                : 0);
+  if (!pair->point) sum->strain += self->c[0] / 2 * U; /* what is fed in comes with it */
   sum->normal += all * pair->p;
   sum->loss += all * self->contact->friction * pair->p * pair->w * pair->slip;
   sum->depth = PetscMax(sum->depth, -pair->gap);
@@ -461,7 +471,7 @@ PetscErrorCode StrandsLoad(Strands self, const StrandState *state) {
     AddToSum(self, pair);
   }
   for (int d = 0; d < 2; d++) {
-    self->sum.sum[d] = self->force[self->points][d];
+    self->sum.sum[d] = self->sum.clamp[d] + self->force[self->points][d];
     for (PetscInt k = 0; k < self->points; k++)
       self->sum.sum[d] -= self->force[k][d] * self->weight[k];
   }
@@ -584,6 +594,7 @@ static void SlipSlope(const struct _Strands *self, const StrandState *state, con
 static void TakersSlope(const struct _Strands *self, const Pair *pair, const PairSlope *by,
                         StrandSlope *slope) {
   const PetscReal mu = self->contact->friction, p = pair->p, w = pair->w;
+  const PetscBool clamp = OnClamp(self, pair);
   PetscReal share[2], f[2];
   Spread spread;
 
@@ -601,10 +612,12 @@ static void TakersSlope(const struct _Strands *self, const Pair *pair, const Pai
     for (int u = 0; u < STRAND_UNKNOWNS; u++) {
       PetscReal dt = d ? by->n[0][u] : -by->n[1][u],
                 df = pair->p_gap * by->gap[u] * (n - mu * w * t) + p * (by->n[d][u] - mu * w * dt) -
-                     mu * p * pair->w_slip * t * by->slip[u];
+                     mu * p * pair->w_slip * t * by->slip[u],
+                borne = clamp && d == 0 ? pair->p_gap * by->gap[u] * n + p * by->n[0][u] : 0;
       for (int k = 0; k < 4; k++)
-        slope->by[k][d][u] = all * (df * spread.share[k] + f[d] * spread.share_z[k] * by->z[u]) /
-                             self->weight[spread.point[k]];
+        slope->by[k][d][u] =
+            all * ((df - borne) * spread.share[k] + f[d] * spread.share_z[k] * by->z[u]) /
+            self->weight[spread.point[k]];
       slope->by[4][d][u] = -share[0] * df / self->weight[pair->point];
       slope->by[5][d][u] = share[1] * df;
     }

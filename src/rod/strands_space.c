@@ -503,9 +503,20 @@ static void HandToSample(const struct _Strands3 *self, const Pair *pair, const P
     HandTo(self, &pair->at, share, f, load);
 }
 
-static void HandOut(const struct _Strands3 *self, const Pair *pair, const PetscReal f[3]) {
+/* What pushes the beginning of a rod that is fed in back along it, the clamp's direction x1: the
+   clamp bears that, for it is the clamp that is there, at rest, while the material moves on. */
+static PetscBool OnClamp(const struct _Strands3 *self, const Pair *pair) {
+  return (PetscBool)(pair->ends && pair->foot.cell == 0 && pair->foot.z == 0 && self->c[0] != 0);
+}
+
+static void HandOut(Strands3 self, const Pair *pair, const PetscReal f[3]) {
+  const PetscReal share = ShareOf(self, pair),
+                  borne = OnClamp(self, pair) ? pair->p * pair->n[0] : 0,
+                  on_foot[3] = {f[0] - borne, f[1], f[2]};
+
+  self->sum.clamp[0] -= share * borne;
   HandToSample(self, pair, f, self->force);
-  HandTo(self, &pair->foot, -ShareOf(self, pair), f, self->force);
+  HandTo(self, &pair->foot, -share, on_foot, self->force);
 }
 
 /* The couples a.f t of friction on both strands. */
@@ -535,6 +546,7 @@ static void AddToSum(Strands3 self, const Pair *pair) {
     sum->strain +=
         Between(self->strain, cell, pair->at.z) * (s[cell + 1] - s[cell]) / (2 * self->each) * U;
   }
+  if (!pair->sample) sum->strain += self->c[0] / 2 * U; /* what is fed in comes with it */
   sum->normal += share * pair->p;
   sum->loss += share * self->contact->friction * pair->p * Dot3(pair->w, pair->slip);
   sum->depth = PetscMax(sum->depth, -pair->gap);
@@ -598,7 +610,7 @@ PetscErrorCode Strands3Load(Strands3 self, const StrandState3 *state) {
   }
   self->sum.zones = Zones(self);
   for (int d = 0; d < 3; d++) {
-    self->sum.sum[d] = self->force[self->points][d];
+    self->sum.sum[d] = self->sum.clamp[d] + self->force[self->points][d];
     for (PetscInt k = 0; k < self->points; k++)
       self->sum.sum[d] -= self->force[k][d] * self->weight[k];
   }
@@ -844,7 +856,7 @@ static void CouplesSlope(const struct _Strands3 *self, const Pair *pair, const P
 static void TakersSlope(const struct _Strands3 *self, const Pair *pair, const PairSlope *by,
                         StrandSlope3 *slope) {
   const PetscReal share = ShareOf(self, pair);
-  PetscReal f[3], df[3][STRAND3_UNKNOWNS];
+  PetscReal f[3], df[3][STRAND3_UNKNOWNS], borne[3][STRAND3_UNKNOWNS] = {{0}};
   Spread spread[2], *at = &spread[0], *foot = &spread[1];
   int n = 4;
 
@@ -852,15 +864,18 @@ static void TakersSlope(const struct _Strands3 *self, const Pair *pair, const Pa
   SpreadEvenly(self->points, pair->foot.cell, pair->foot.z, foot);
   PairForce(self, pair, f);
   ForceSlope(self, pair, by, df);
+  for (int u = 0; u < STRAND3_UNKNOWNS && OnClamp(self, pair); u++)
+    borne[0][u] = pair->p_gap * by->gap[u] * pair->n[0] + pair->p * by->n[0][u];
   slope->cell[0] = pair->at.cell;
   slope->cell[1] = pair->foot.cell;
   for (int k = 0; k < 4; k++) {
     slope->taker[k] = foot->point[k];
     for (int d = 0; d < 3; d++)
       for (int u = 0; u < STRAND3_UNKNOWNS; u++)
-        slope->by[k][d][u] = share *
-                             (df[d][u] * foot->share[k] + f[d] * foot->share_z[k] * by->z[u]) /
-                             self->weight[foot->point[k]];
+        slope->by[k][d][u] =
+            share *
+            ((df[d][u] - borne[d][u]) * foot->share[k] + f[d] * foot->share_z[k] * by->z[u]) /
+            self->weight[foot->point[k]];
   }
   if (IsTip(self, pair->sample)) {
     slope->taker[n] = self->points;

@@ -421,6 +421,12 @@ def strands():
     expect(np.linalg.norm(push, axis=1).max() > 10, "no force of contact is stored")
     thick = Run(coil + turning + "-rod_cells 24 -contact_diameter 0.15 -friction_beta 0")
     expect("Friction between strands in space is not held exactly" in thick.said, "friction is rounded off unsaid")
+    round_ = ("-growth_type feed -growth_initial_length 1.5 -rod_curvature 3.354 -shape_type straight -friction_mu 0.05 "
+              "-rod_cells 50 -contact_diameter 0.15 -contact_self ")
+    for more, most in (("-ts_max_time 0.6 -rod_twist 0.03 ", 1e-3), ("-ts_max_time 1 -rod_model frame ", 1e-2)):
+        r = Run(round_ + more)
+        print(f"a coil that comes round to its clamp: force {max(r.contact_force):.2f}, defect {r.energy_defect[-1]:.1e}")
+        expect(max(r.contact_force) > 0.1 and r.energy_defect[-1] < most, f"its clamp: {r.energy_defect[-1]}")
     mirror = Run(coil + other + "-rod_cells 40")
     expect((mirror.shapes["x"][-1] == one.shapes["x"][-1] * [1, 1, -1]).all(), "the mirror image is another rod")
     for ranks in (2, 3):
