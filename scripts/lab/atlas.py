@@ -106,7 +106,6 @@ SPACE = "in space, 100 cells"
 IN_SPACE = QUANTITIES + ("norm_x3",)
 SPACE_METHODS = ("default", "auto", "frame 2", "PETSc's bdf 5", "backward Euler, start extrapolated",  # of those that know these rods
                  "primal Newton", "backtracking", "MUMPS", "GMRES, ILU")
-LEANS = "-rod_curvature 0.1 -rod_curvature_2 -0.05 -wall_file scripts/lab/walls/"
 SPACES = {  # label: (options, times)
     "turned start": (f"{THICK} -shape_turn 1.2 -rod_curvature 0.05", (2, 6)),
     r"$\epsilon=10^{-12}$": ("-growth_initial_length 1 -shape_amplitude 1e-12 -rod_curvature_2 1e-8", (1, 3)),
@@ -129,16 +128,6 @@ SPACES = {  # label: (options, times)
     "hairpin": ("-growth_initial_length 2 -shape_amplitude 3.1 -shape_turn 1 -rod_curvature_2 0.05", (2, 4)),
     "snap at once": ("-growth_initial_length 0.2 -tip_force 1000 -shape_amplitude 0.1 -shape_turn 0.5 -rod_bend_ratio 1.5",
                      (0.1,)),
-    "pinned": (f"{THICK} -tip_type pinned -rod_curvature_2 0.2", (2, 4)),
-    "clamped": (f"{THICK} -tip_type clamped -rod_curvature_2 0.2", (2, 4)),
-    "27 turns, led": ("-growth_type none -growth_initial_length 1 -rod_torsion 0.5866171003717472 -friction_mu 0 "
-                      "-tip_type clamped -tip_path options/data/twisted-rod.csv", (5, 10)),
-    "stone": (FED + LEANS + "stone.txt -contact_diameter 0.05 -contact_stiffness 3e5", (2, 4)),
-    "pillar that leans": (FED + LEANS + "leaning.txt -contact_diameter 0.1 -contact_stiffness 1e5", (2, 4)),
-    "pillar, exact": (FED + LEANS + "leaning.txt -contact_diameter 0.1 -contact_stiffness 1e5 -friction_beta 0", (2, 4)),
-    "duct": (FED + "-wall_file options/data/duct-bends.txt -contact_diameter 0.1 -contact_stiffness 1e5 "
-             "-rod_weight 0,0,-0.5 -friction_mu 0 -friction_layers 0:1e-3 -rod_curvature_random 0.05 "
-             "-rod_curvature_random_2 0.05 -rod_curvature_length 1", (3, 6)),
 }
 
 
@@ -341,12 +330,16 @@ def draw_block(ax, found, methods):
 
 
 def draw_map(found, base):
-    """Above, the cells; below, the settings of some methods on one rod."""
-    blocks = [[f for f in found if (f[1] in SETTINGS) == below] for below in (False, True)]
+    """Above, the cells, then those in space; below, the settings of some methods on one rod."""
+    rows = {SPACE: 1, **dict.fromkeys(SETTINGS, 2)}
+    blocks = [[f for f in found if rows.get(f[1], 0) == row] for row in range(3)]
     blocks = [b for b in blocks if b]
     methods = [[m for m in METHODS if any(f[0] == m for f in b)] for b in blocks]
+
+    def rooms(b):  # above and below its rows, for its words
+        return 7 if b[0][1] == SPACE else 5
     with plt.rc_context(STYLE):
-        heights = [len(m) + 5 for m in methods]
+        heights = [len(m) + rooms(b) for m, b in zip(methods, blocks)]
         fig, axes = plt.subplots(len(blocks), squeeze=False, figsize=(10.6, 0.6 + 0.19 * sum(heights)),
                                  height_ratios=heights)
         widths = [draw_block(ax, b, m) for ax, b, m in zip(axes[:, 0], blocks, methods)]
@@ -363,7 +356,7 @@ def draw_map(found, base):
 
 def draw_profile(found, base):
     """Share of cells solved right within tau times the time of the fastest right method there."""
-    grid = [f for f in found if f[1] not in SETTINGS]
+    grid = [f for f in found if f[1] not in (*SETTINGS, SPACE)]
     fastest = {}
     for _, group, label, run in grid:
         if run["verdict"] == RIGHT_:

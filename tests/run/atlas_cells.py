@@ -34,6 +34,9 @@ CORNERS = m.Scene("corners", "-growth_type feed -growth_initial_length 0.5 -shap
                   "-contact_diameter 0.05 -contact_stiffness 3e5 -friction_beta 1e-10", (1.5, 2),
                   finer="-rod_cells 600 -ts_rtol 1e-7")
 
+SPACE = m.Scene("in space", "-growth_initial_length 0.2 -tip_force 1000 -shape_amplitude 0.1 -shape_turn 0.5 -rod_bend_ratio 1.5 "
+                "-rod_cells 40", (0.1,), finer="-rod_cells 80 -ts_rtol 1e-7", quantities=m.QUANTITIES + ("norm_x3",))
+
 HANG = 900  # seconds that no run takes, however slow or busy the machine
 # Where a method that makes no headway is stopped: the steps of the default's run, many times over. By the
 # clock a slow machine would stop others, too.
@@ -58,6 +61,8 @@ CHECKS = {  # name: (scene, [(options, verdicts)]); the first is the default
                        ("-rod_model mixed", (m.RIGHT_,))]),
     "corners": (CORNERS, [("", (m.RIGHT_,)), ("-rod_model mixed", (m.REFUSED,)),
                           ("-friction_newton primal" + STOP, (m.GAVE_UP,))]),
+    "space": (SPACE, [("", (m.RIGHT_,)), ("-friction_newton primal", (m.GAVE_UP,)), ("-ts_type beuler -ts_dt 0.01", (m.WRONG,)),
+                      ("-ts_type bdf -ts_bdf_order 5 -ts_max_steps 600", (m.GAVE_UP,)), ("-rod_model mixed", (m.REFUSED,))]),
     "stick": (STICK, [("", (m.RIGHT_,)),
                       ("-friction_newton primal", (m.RIGHT_,))]),
 }
