@@ -192,6 +192,16 @@ static PetscBool Outside(const PetscReal x[2]) {
   return PETSC_TRUE;
 }
 
+/* However soft contact is, the rod feels nothing farther than a quarter of its diameter from it,
+   and no rate of that. */
+static void TestSoftContactIsNear(void **state) {
+  Contact contact = {.any = PETSC_TRUE, .diameter = 0.1, .given = PETSC_TRUE, .stiffness = 1};
+
+  ContactSetStiffness(&contact, (PetscReal[2]){0.1, 0.1}, (PetscReal[2]){1, 1});
+  EXPECT(PetscAbsReal(contact.smooth - 0.025) < 1e-15 && contact.smooth_t == 0,
+         "layer %g, its rate %g", contact.smooth, contact.smooth_t);
+}
+
 /* Along paths at random, past corners and through mouths: no jumps, and the force is minus the
    slope of the energy. */
 static void TestWallsAreSmooth(void **state) {
@@ -327,9 +337,12 @@ static void TestStrandsAreConservative(void **state) {
   EXPECT(fine < 1e-3 && fine < coarse / 4, "off by %g, %g", coarse, fine);
 }
 
-static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(TestPressure),       cmocka_unit_test(TestShortRod),
-    cmocka_unit_test(TestWallsAreSmooth), cmocka_unit_test(TestStrandsAreConservative),
-    cmocka_unit_test(TestWallJacobians),  cmocka_unit_test(TestFootJacobians),
-    cmocka_unit_test(TestStrandJacobians)};
+static const struct CMUnitTest tests[] = {cmocka_unit_test(TestPressure),
+                                          cmocka_unit_test(TestShortRod),
+                                          cmocka_unit_test(TestSoftContactIsNear),
+                                          cmocka_unit_test(TestWallsAreSmooth),
+                                          cmocka_unit_test(TestStrandsAreConservative),
+                                          cmocka_unit_test(TestWallJacobians),
+                                          cmocka_unit_test(TestFootJacobians),
+                                          cmocka_unit_test(TestStrandJacobians)};
 MAIN(tests)

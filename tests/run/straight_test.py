@@ -222,6 +222,8 @@ def refused():
             "-rod_weight 0,1": "-rod_weight: a weight across the rod bends it",
             "-rod_weight 0.1,0,1e-6 -friction_beta 0": "what sticks has none",
             "-rod_curvature 1 -rod_model space -friction_mu 0 -ts_max_time 0.01": "stable up to there",
+            "-rod_curvature 1 -rod_model space -friction_mu 0 -ts_max_time 4 -ts_max_steps 2":
+                "-ts_max_steps: reached at t = 0.0",
             "-rod_curvature 1 -rod_model space -friction_mu 0 -growth_initial_length 9": "unstable already at t = 0",
             "-rod_curvature 1 -rod_model frame": "straight by nature; take it out, or -task critical -rod_model space",
             "-tip_torque 1 -friction_radius 0.1": "-friction_radius: twist that friction holds",
