@@ -101,7 +101,9 @@ static PetscErrorCode Hold(Newton *self, SNES snes, PetscInt it, Vec U, Vec F,
 
   What is left after an iteration is about its update times the rate of convergence. The rate is
   that of the updates or, already after the first iteration, that of the residuals of the group that
-  has still something to do: so an iteration that has arrived need not be repeated to see it.
+  has still something to do: so an iteration that has arrived need not be repeated to see it. Not
+  that of the updates where a rod can touch: the second one is next to nothing, whatever is left to
+  be found, where the guess lies so deep in a wall that all the first one did was to leave it.
 */
 static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscReal gnorm,
                                 PetscReal fnorm, SNESConvergedReason *reason, void *ctx) {
@@ -127,7 +129,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
       if (update[g] > floor) rate = PetscMax(rate, residual[g] / self->residual[g]);
       if (!(update[g] <= left)) left = update[g]; /* lets NaN through */
     }
-    if (it > 1) rate = PetscMin(rate, left / self->update);
+    if (it > 1 && !self->rod->scene->contact.any) rate = PetscMin(rate, left / self->update);
     self->update = left;
     if (PetscIsInfOrNanReal(left))
       *reason = DIVERGED_NAN;

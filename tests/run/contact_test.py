@@ -810,6 +810,17 @@ def thin():
 
 
 @check
+def deep_guess():
+    """A corner that is stiff beside the tolerance: a step's first guess may lie so deep in it that Newton's method must not
+    take the way out for the end of the way. The energy closes."""
+    r = Run("-growth_type feed -growth_initial_length 0.5 -shape_type straight -rod_curvature 0.6 -ts_max_time 3.8 "
+            "-contact_diameter 0.005 " + walls("polygon outside 2 0.6 2.5 0.2 2.5 1 friction 0.2"))
+    late = r.energy_defect[-1]
+    print(f"{r.steps} steps, defect {late:.1e} at the end, force {r.contact_force[-1]:.3f}")
+    expect(late < 1e-6 and r.contact_force[-1] > 1, f"defect {late:.1e}")
+
+
+@check
 def thin_on_ranks():
     """... and so on any number of ranks, to the last bit in a restart; with exact friction, too."""
     d = scene.SCRATCH
