@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The rod that is injected into a lying tube (options/injected-tube.opts), fed, and fed and spun, to where it locks up:
-tables for docs/injected-tube.md and its figure.
+"""The rod that is injected into a lying tube (options/injected-tube.opts), fed, fed and spun, and fed and then spun, to
+where it locks up: tables for docs/injected-tube.md and its figures.
 
     scripts/lab/injected_tube.py build/tendril DIRECTORY [run] [tables] [figure]
 
@@ -23,6 +23,7 @@ ROOT = Path(__file__).resolve().parents[2]
 R, W, MU, BETA, VISCOUS, SPIN, D, C = 0.1, 0.1, 0.5, 1e-6, 1e-4, 30.0, 0.1, 0.75
 CELLS = 300, 500, 1000
 TURNED = f"-clamp_spin {SPIN} -stop_length 110 -ts_max_time 110 -rod_cells 300"
+THEN = f"-clamp_path {ROOT / 'options' / 'data' / 'then-spun.csv'} -ts_max_time 96 -rod_cells 300"  # as injected-spun.opts
 PUSHES = 2.5, 3, 5, 10, 20, 40
 
 
@@ -38,7 +39,7 @@ def stiffer(directory, k=1e5):
 def runs(directory):
     return {**{f"fed-{n}": f"-rod_cells {n}" for n in CELLS}, "stiffer": stiffer(directory),
             "finer": "-ts_rtol 1e-6", "bent": "-rod_curvature_random 1e-3", "other": "-rod_curvature_seed 2",
-            "spun": TURNED}
+            "spun": TURNED, "then": THEN}
 
 
 class Result:
@@ -82,13 +83,15 @@ def law(r, time):
     """d(1/P)/dx over mu r/4B, in the helix but for its ends."""
     x, force, turns, _ = along(r, time)
     helix = (np.abs(turns) > 1) & (force > 3.5) & (x > 0.3)
+    if helix.sum() < 4:
+        return np.nan, 0
     return np.polyfit(x[helix], 1 / force[helix], 1)[0] / (MU * R / 4), x[helix].max()
 
 
 def tables(directory):
     row("run", "straight: push off by", *(f"P = {P}" for P in PUSHES), "steps", "seconds", "energy defect")
     for name in runs(directory):
-        if (directory / f"{name}.h5").exists() and name != "spun":
+        if (directory / f"{name}.h5").exists() and name not in ("spun", "then"):
             r = Result(directory, name)
             row(name, f"{straight(r):.1e}", *(f"{r.at(P):.2f}" for P in PUSHES), *r.cost())
     print()
@@ -112,6 +115,21 @@ def tables(directory):
         moment = r.series["base_moment_1"][i] / normal / (MU * (D / 2)**2 * spin / slip)
         row(f"{r.length[i]:.2f}", f"{MU / slip:.6f}", f"{push - 1:.1e}", f"{MU * (D / 2)**2 * spin / slip:.6f}",
             f"{moment - 1:.1e}", f"{spin:.4f}", f"{r.series['tip_spin'][i] / spin - 1:.1e}")
+
+
+def then(directory):
+    """Fed into the helix, then turned: push and torque, what they are over the pressures' sum N, beside the straight rod's."""
+    row("length", "push", "torque", "spin of the tip", "turned about the tube, degrees", "push over its N, off by",
+        "torque over its N, off by")
+    r = Result(directory, "then")
+    for t in (70, 74, 74.5, 75, 75.5, 76, 82, 88, 96):
+        push, torque, spin, normal = (np.interp(t, r.series["t"], r.series[name])
+                                      for name in ("base_force_1", "base_moment_1", "tip_spin", "contact_force"))
+        x, slip = r.shapes["x"][np.abs(r.shapes["t"] - t).argmin()], np.hypot(1, D / 2 * spin)
+        turn = np.degrees(np.unwrap(np.arctan2(x[:, 1], R - x[:, 2])))
+        off = ("", "") if t < 75.5 else (f"{(push - VISCOUS * (4 + t)) / normal / (MU / slip) - 1:.1e}",
+                                         f"{torque / normal / (MU * (D / 2)**2 * spin / slip) - 1:.1e}")
+        row(4 + t, f"{push:.3f}", f"{torque:.4f}", f"{spin:.2f}", f"{np.abs(turn).max():.0f}", *off)
 
 
 def picture(directory, file=ROOT / "docs" / "figures" / "injected-tube.png"):
@@ -153,6 +171,25 @@ def picture(directory, file=ROOT / "docs" / "figures" / "injected-tube.png"):
     figure.savefig(file, dpi=140)
 
 
+def picture_then(directory, file=ROOT / "docs" / "figures" / "injected-spun.png"):
+    """Fed, then spun: push and torque over the length, and the rod from above before and after."""
+    r = Result(directory, "then")
+    figure, axes = plt.subplots(1, 2, figsize=(10, 3.6), constrained_layout=True, width_ratios=(1, 1.3))
+    axes[0].plot(r.length, r.push, label="push")
+    axes[0].plot(r.length, 100 * r.series["base_moment_1"], label="100 times the torque")
+    axes[0].axvspan(78, 79, color="0.93", zorder=0)
+    axes[0].set(xlabel="length injected", xlim=(60, 100), ylim=(0, None))
+    axes[0].legend(frameon=False)
+    for k, t in enumerate((74, 76, 82, 96)):
+        x = r.shapes["x"][np.abs(r.shapes["t"] - t).argmin()]
+        axes[1].plot(x[:, 0], x[:, 1] - 0.26 * k, lw=1, color=f"C{k}")
+        axes[1].fill_between([0, 100], -0.26 * k - R, -0.26 * k + R, color="0.94", zorder=0)
+        axes[1].text(101, -0.26 * k, f"length {4 + t}", va="center", fontsize=8, color=f"C{k}")
+    axes[1].set(xlim=(0, 114), yticks=[], xlabel="x; the rod from above, widened")
+    axes[1].spines[["left", "right", "top"]].set_visible(False)
+    figure.savefig(file, dpi=140)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("tendril")
@@ -168,8 +205,10 @@ def main():
             print(name, *done.stdout.splitlines()[-1:], flush=True)
     if "tables" in choice.what:
         tables(choice.directory)
+        then(choice.directory)
     if "figure" in choice.what:
         picture(choice.directory)
+        picture_then(choice.directory)
 
 
 if __name__ == "__main__":

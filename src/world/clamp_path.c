@@ -20,12 +20,28 @@ static PetscReal TurnedSince(ClampPath self, PetscInt lo, PetscReal z) {
               w[3] * h * self->slope[lo + 1]);
 }
 
+/* What a table of angles says; where it rests, to the bit: a rod that is bent feels round-off in
+   the angle of its clamp as something that drives it out of its plane. */
+static PetscReal AngleSaid(ClampPath self, PetscReal t) {
+  const PetscInt last = self->n - 1;
+  PetscReal w[4], by[4], bend[4], h;
+  PetscInt lo;
+
+  if (t <= self->t[0]) return self->value[0];
+  if (t >= self->t[last]) return self->value[last];
+  lo = KnotBefore(self->n, self->t, t);
+  h = self->t[lo + 1] - self->t[lo];
+  Hermite((t - self->t[lo]) / h, w, by, bend);
+  return self->value[lo] + (w[2] * (self->value[lo + 1] - self->value[lo]) +
+                            h * (w[1] * self->slope[lo] + w[3] * self->slope[lo + 1]));
+}
+
 /* The angle at a time, counted from the table's own 0. */
 static PetscReal Angle(ClampPath self, PetscReal t) {
   const PetscInt last = self->n - 1;
   PetscInt lo;
 
-  if (!self->turned) return MonotoneValue(self->n, self->t, self->value, self->slope, t);
+  if (!self->turned) return AngleSaid(self, t);
   if (t <= self->t[0]) return (t - self->t[0]) * self->value[0];
   if (t >= self->t[last]) return self->turned[last] + (t - self->t[last]) * self->value[last];
   lo = KnotBefore(self->n, self->t, t);

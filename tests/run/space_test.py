@@ -271,6 +271,10 @@ def spin():
         print(f"twist {r.twist[-1]:.8f}, exact {exact:.8f}; defect {r.energy_defect[-1]:.1e}, {len(r.t)} steps")
         expect(abs(r.twist[-1] - exact) < 3e-5 * abs(exact), turns)
         expect(r.energy_defect[-1] < 1e-5, f"{turns}: energy")
+    r = Run("-growth_type feed -growth_initial_length 1 -shape_type straight -rod_curvature 0.2 -friction_mu 0.5 "
+            f"-friction_radius 0.3 {turns} -ts_max_time 0.5 -ts_rtol 1e-4 -rod_cells 20")  # bent, at rest at first
+    print(f"bent: x3 up to {r.norm_x3.max():.1e}, {r.norm_x3[r.t <= 0.3].max():.0e} before the clamp turns; {len(r.t)} steps")
+    expect(r.norm_x3[-1] > 1e-3 and r.norm_x3[r.t <= 0.3].max() == 0, "a bent rod whose clamp rests at first")
 
 
 TURNED = ("-growth_initial_length 1 -shape_amplitude 0.3 -friction_mu 0.8 -friction_beta 0.05 -rod_curvature 0.3 "
