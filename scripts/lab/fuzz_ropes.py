@@ -211,7 +211,7 @@ def contents(file):
     found = {}
     with h5py.File(file) as f:
         f.visititems(lambda name, item: found.update({name: item[:]}) if isinstance(item, h5py.Dataset)
-                     and item.shape and not name.startswith("checkpoint") else None)
+                     and item.shape and not name.startswith("restart") else None)
     return found
 
 
