@@ -25,6 +25,7 @@ LIMIT, LIMIT_PEER = 15, 60  # seconds; the slowest cell of the default takes 3
 LIMIT_SPACE = 8             # cells of 100; that of the default 2
 FINER = "-rod_cells 1000 -ts_rtol 1e-8"
 FINER_SPACE = "-rod_cells 300 -ts_rtol 1e-7"
+FINER_EXACT = "-rod_cells 800 -ts_rtol 3e-8"
 FINER_CONTACT = "-rod_cells 800 -ts_rtol 1e-7|-rod_cells 800 -ts_rtol 3e-7"
 METHODS = {  # name: (solver, options)
     "default": ("tendril", ""),
@@ -186,7 +187,30 @@ def cells(quick):
     for name, (options, times) in SPACES.items():
         result.append((SPACE, Scene(name, f"{options} -rod_cells 100", times, finer=FINER_SPACE,
                                     quantities=IN_SPACE)))
+    result += exact_cells()
     return result[::4] if quick else result
+
+
+EXACT = "exact friction"  # with each law that has no such column above
+EXACT_LAWS = {
+    **{name: WORLD_LAWS[name] for name in ("a = 0.5, fed", "dead tip", "follower", "resistance", "pinned", "clamped",
+                                           "stiffness, fed")},
+    "all of it": WORLD_LAWS["all of it"].replace(" -friction_beta 1e-6", ""),
+    "apical, $\\mu = 0.5$": "-growth_type apical -growth_zone 0.6 -friction_mu 0.5",
+    "width 5": "-growth_type gaussian -growth_width 5", "width 0.5": "-growth_type gaussian -growth_width 0.5",
+    "width 0.005": "-growth_type gaussian -growth_width 0.005",
+    "bent by nature": "-rod_curvature 0.1", "bent, fed": "-rod_curvature 0.1 -growth_type feed"}
+EXACT_METHODS = ("default",)
+
+
+def exact_cells():
+    """Exact friction with each law around the rod, and each thing that it touches."""
+    result = [(EXACT, Scene(name, f"{THICK} {options} -friction_beta 0", (2, 6), finer=FINER_EXACT))
+              for name, options in EXACT_LAWS.items()]
+    for name, (options, times) in CONTACTS.items():
+        if name != "corners" and "friction_beta" not in options:
+            result.append((EXACT, Scene(name, f"{options} -friction_beta 0", times, finer=FINER_CONTACT.split("|")[1])))
+    return result
 
 
 NUMBERS = ([("cells $N$", n, f"-rod_cells {n}") for n in
@@ -203,7 +227,10 @@ SET = ("default", "frame 2", "mixed", "primal Newton", "PETSc's bdf 5",
 
 def never(method, group):
     """The peers know nothing of a world around the rod, nor, in these scenes, of contact. Explicit, with inertia, PyElastica cannot
-    follow the decay; a small step of the paper's elements takes minutes there."""
+    follow the decay; a small step of the paper's elements takes minutes there. Exact friction with each law
+    is looked at for the default alone."""
+    if group == EXACT:
+        return method not in EXACT_METHODS
     if group == SPACE:
         return method not in SPACE_METHODS
     if group in (WORLD, CONTACT):
@@ -330,9 +357,9 @@ def draw_block(ax, found, methods):
 
 
 def draw_map(found, base):
-    """Above, the cells, then those in space; below, the settings of some methods on one rod."""
-    rows = {SPACE: 1, **dict.fromkeys(SETTINGS, 2)}
-    blocks = [[f for f in found if rows.get(f[1], 0) == row] for row in range(3)]
+    """Above, the cells, then those in space; below, the settings of some methods on one rod, and exact friction."""
+    rows = {SPACE: 1, **dict.fromkeys((*SETTINGS, EXACT), 2)}
+    blocks = [sorted((f for f in found if rows.get(f[1], 0) == row), key=lambda f: f[1] == EXACT) for row in range(3)]
     blocks = [b for b in blocks if b]
     methods = [[m for m in METHODS if any(f[0] == m for f in b)] for b in blocks]
 
@@ -356,7 +383,7 @@ def draw_map(found, base):
 
 def draw_profile(found, base):
     """Share of cells solved right within tau times the time of the fastest right method there."""
-    grid = [f for f in found if f[1] not in (*SETTINGS, SPACE)]
+    grid = [f for f in found if f[1] not in (*SETTINGS, SPACE, EXACT)]
     fastest = {}
     for _, group, label, run in grid:
         if run["verdict"] == RIGHT_:
