@@ -338,6 +338,8 @@ def polished(problem: Problem, best: Solution, accuracy, tell, finer=True):
 def made(scene, data, parameters, *, unit, fps, y_down, priors, tied, noise, jobs, options) -> Problem:
     """The problem of fit()'s arguments."""
     known = [Prior.of(name, prior) for name, prior in (priors or {}).items()]
+    if not isinstance(parameters, Mapping):
+        raise TendrilError('fit: give parameters by name, {"si_friction_dry": ("0.1N/m", "2N/m")}')
     bounds = dict(parameters) | {k.name: k.bounds() for k in known if k.name not in parameters}
     looked_for = [Parameter.of(name, value) for name, value in bounds.items()]
     if not looked_for:

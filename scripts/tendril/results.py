@@ -53,11 +53,18 @@ class Sensitivity(NamedTuple):
 class Table(dict):
     """Arrays by name: table["t"] and table.t are the same."""
 
+    def __missing__(self, name):
+        raise KeyError(f"no {name} here; there are {', '.join(self)}")
+
     def __getattr__(self, name):
         try:
             return self[name]
-        except KeyError:
-            raise AttributeError(f"no {name} here; there are {', '.join(self)}") from None
+        except KeyError as error:
+            raise AttributeError(error.args[0]) from None
+
+    def __repr__(self):
+        """Names and shapes: of a run the numbers are some thousand lines."""
+        return f"<{', '.join(f'{name} {list(np.shape(values))}' for name, values in self.items())}>"
 
     def __dir__(self):
         return [*super().__dir__(), *self]  # for completion

@@ -27,6 +27,10 @@ static void StrayWord(char **argv, int i, char fault[WORDS_FAULT]) {
   if (!stat(word, &status) || strstr(word, ".opts"))
     (void)snprintf(fault, WORDS_FAULT, "%s: a word without an option; give it as -options_file %s",
                    word, word);
+  else if (i > 2 && WordIsOption(argv[i - 2]) && IsNumber(argv[i - 1]) && IsNumber(word))
+    (void)snprintf(fault, WORDS_FAULT,
+                   "%s %s %s: a value has no blank; put commas between numbers, %s,%s", argv[i - 2],
+                   argv[i - 1], word, argv[i - 1], word);
   else if (i > 2 && WordIsOption(argv[i - 2]) && IsNumber(argv[i - 1]) && !OptionFind(name))
     (void)snprintf(fault, WORDS_FAULT,
                    "%s %s %s: a value has no blank; write a unit right behind the number, %s%s",

@@ -117,8 +117,9 @@ static PetscErrorCode ReadLines(const char *text, Table self, char fault[FAULT])
     if (self->rows < 0)
       self->columns = cells;
     else if (cells != self->columns && !reader.fault[0])
-      (void)snprintf(reader.fault, FAULT, "line %d has %d cells, its header has %d",
-                     (int)reader.line, (int)cells, (int)self->columns);
+      (void)snprintf(reader.fault, FAULT, "line %d has %d cells, its header has %d%s",
+                     (int)reader.line, (int)cells, (int)self->columns,
+                     self->columns == 1 ? "; cells are separated by commas" : "");
     SkipEnd(&reader);
   }
   self->size = (size_t)(reader.to - self->text);

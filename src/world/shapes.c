@@ -65,8 +65,8 @@ static PetscErrorCode BallsOfTable(const char *option, const char *path, Table t
     PetscInt column;
     PetscCall(Column(option, path, table, name[d][0], name[d][1], &column));
     for (PetscInt k = 0; k < *n; k++) {
-      (void)snprintf(what, sizeof(what), "%.300s %.300s: %s of point %d: ", option, path,
-                     name[d][0], (int)k + 1);
+      (void)snprintf(what, sizeof(what), "%.300s %.300s: %s of point %d:", option, path, name[d][0],
+                     (int)k + 1);
       PetscCall(OptionQuantity(what, TableCell(table, k, column), UNIT_LENGTH, &(*ball)[k][d]));
     }
   }

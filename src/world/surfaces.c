@@ -30,7 +30,7 @@ PetscErrorCode SurfaceNumber(const SurfaceLine *line, PetscInt k, Dimension dime
   char what[PETSC_MAX_PATH_LEN];
 
   PetscFunctionBegin;
-  (void)snprintf(what, sizeof(what), "-wall_file %s, line %d: ", line->file, line->line);
+  (void)snprintf(what, sizeof(what), "-wall_file %s, line %d:", line->file, line->line);
   PetscCall(OptionQuantity(what, line->word[k], dimension, value));
   PetscFunctionReturn(0);
 }
@@ -38,9 +38,11 @@ PetscErrorCode SurfaceNumber(const SurfaceLine *line, PetscInt k, Dimension dime
 /* SurfaceMalformed - the error of a line that does not have the form of its kind. */
 PetscErrorCode SurfaceMalformed(const SurfaceLine *line, const SurfaceKind *kind) {
   PetscFunctionBegin;
-  UserCheck(PETSC_FALSE, OptionsComm(),
-            "-wall_file %s, line %d: give %s, and friction MU behind it if it has its own",
-            line->file, line->line, kind->form);
+  UserCheck(
+      PETSC_FALSE, OptionsComm(),
+      "-wall_file %s, line %d: give %s; behind it moves or turns, if it moves, and friction MU "
+      "last, if it has its own",
+      line->file, line->line, kind->form);
   PetscFunctionReturn(0);
 }
 

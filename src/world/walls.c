@@ -304,7 +304,7 @@ static PetscErrorCode TakeFriction(Maker *self, PetscInt *n, char *word[]) {
 
   PetscFunctionBegin;
   if (*n < 3 || strcmp(word[*n - 2], "friction")) PetscFunctionReturn(0);
-  (void)snprintf(what, sizeof(what), "-wall_file %s, line %d: friction ", self->file, self->line);
+  (void)snprintf(what, sizeof(what), "-wall_file %s, line %d: friction", self->file, self->line);
   PetscCall(OptionQuantity(what, word[*n - 1], UNIT_NONE, &self->wall->friction));
   UserCheck(self->wall->friction >= 0 && self->wall->friction <= 100, OptionsComm(),
             "-wall_file %s, line %d: friction must be from 0 to 100", self->file, self->line);
@@ -331,7 +331,7 @@ static PetscErrorCode TakeBend(Maker *self, PetscInt *n, char *word[]) {
   PetscFunctionBegin;
   if (self->wall->kind != WALL_PATH || *n < 3 || strcmp(word[*n - 2], "radius"))
     PetscFunctionReturn(0);
-  (void)snprintf(what, sizeof(what), "-wall_file %s, line %d: radius ", self->file, self->line);
+  (void)snprintf(what, sizeof(what), "-wall_file %s, line %d: radius", self->file, self->line);
   PetscCall(OptionQuantity(what, word[*n - 1], UNIT_LENGTH, &self->wall->bend));
   UserCheck(self->wall->bend > 0, OptionsComm(),
             "-wall_file %s, line %d: the radius of a path's bends must be above 0", self->file,

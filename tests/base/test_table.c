@@ -118,7 +118,8 @@ static void TestRefused(void **state) {
   ExpectRefusal("\n \n# nothing\n", "is empty");
   ExpectRefusal("friction_mu\n", "has no row");
   ExpectRefusal("friction_mu,rod_cells\n1,2\n\n1\n", "line 4 has 1 cells, its header has 2");
-  ExpectRefusal("friction_mu\n1,2\n", "line 2 has 2 cells");
+  ExpectRefusal("friction_mu;rod_cells\n0,1;2\n",
+                "line 2 has 2 cells, its header has 1; cells are separated by commas");
   ExpectRefusal("friction_mu\n\"1\n2\n", "a quote is not closed (line 2)");
   ExpectRefusal("friction_mu\n\"1\"2\n", "behind a quote (line 2)");
   ExpectRefusal("friction_mu,\n1,2\n", "column 2 has no name");

@@ -327,6 +327,7 @@ CASES = [
     ("-stop_contact", "-stop_contact"),
     ("-stop_contact", "-stop_contact"),
     ("-contact_diameter 0.1", "-contact_diameter: there is nothing to touch"),
+    ("-rod_weight 0 0 -0.5", "put commas between numbers, 0,0"),
     # tubes and bodies
     ("-wall_file {wall_tube_kink} -contact_diameter 0.1", "kink of 90 degrees at point 2"),
     ("-wall_file {wall_tube_narrow} -contact_diameter 0.5", "narrower than the rod"),

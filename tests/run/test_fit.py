@@ -1047,6 +1047,7 @@ class Fitting(unittest.TestCase):
             self.assertEqual(fit_command.main([str(TUBE), str(data)]), 1)
         self.assertEqual(said.getvalue(), "fit: give what to look for, --parameter si_friction_dry=0.1N/m:2N/m\n")
         for words, word in (([TUBE, data, {"si_friction_dry": ("0.2N/m", "2N/m")}], "wdth is no series"),
+                            ([TUBE, data, "si_friction_dry=0.2N/m:2N/m"], "give parameters by name"),
                             ([TUBE, data, {"si_frction_dry": (1, 2)}], "unknown option"),
                             ([TUBE, self.place / "none.csv", {"tip_force": (1, 2)}], "No such file"),
                             ([TUBE, data, {"tip_force": "0,1:2"}], "0,1: give a number with a point, 0.1"),

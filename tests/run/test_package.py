@@ -59,6 +59,12 @@ class Package(unittest.TestCase):
         self.assertEqual((r.name, r.finished, r.options["growth_type"]), ("kept", True, "feed"))
         self.assertEqual(tendril.load(self.place / "kept.h5").series.tip_x2[-1], r.series.tip_x2[-1])
         self.assertFalse(self.runs[0].path.exists())
+        for wrong in (lambda: r.series["wdth"], lambda: r.series.wdth, lambda: r.minimum("wdth")):
+            with self.assertRaisesRegex((KeyError, AttributeError), "no wdth here; there are .*width"):
+                wrong()
+        steps, nodes = len(r.series.t), r.shapes.x.shape[1]
+        self.assertIn(f"tip_x1 [{steps}], ", repr(r.series))
+        self.assertIn(f"x [{len(r.shapes.t)}, {nodes}, 2]", repr(r.shapes))
         options = ROOT / "options/feed.opts"
         self.assertEqual(tendril.run(options, friction_mu=0, **SHORT).series.tip_x2[-1],
                          self.runs[0].series.tip_x2[-1])

@@ -85,6 +85,8 @@ class Scripts(unittest.TestCase):
             result, _, err = quietly(pictures.main, [path])
             self.assertEqual(result, 1)
             self.assertRegex(err, r"^plot: .*\n$")
+        said = quietly(pictures.main, [self.file, "--titles", "a,b"])
+        self.assertEqual((said[0], said[2]), (1, "plot: 2 titles for 1 runs\n"))
 
     def test_no_directory(self):
         """Where the file that is asked for cannot be made, one line says so, and what to do."""
