@@ -275,6 +275,9 @@ def search(problem: Problem, starts, accuracy, seed, tell):
         if agreed or starts == 0:
             break
         points = starting_points(problem, max(starts, 1) * 2 ** (doubling + 1), seed + doubling + 1)[1:]
+    if all(s.flat for s in ends):
+        raise TendrilError(f"fit: {', '.join(p.name for p in problem.parameters)}: changes nothing of what was measured; a rod "
+                           "that is straight by nature stays straight: look for rod_curvature, too, or give it")
     tell("costs of the searches: " + ", ".join(f"{s.cost:.4g}" for s in ends) + "; the best goes on")
     return problem.solve(ends[0].u, ROUGH), [s.cost for s in ends], agreed
 

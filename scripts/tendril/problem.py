@@ -19,7 +19,7 @@ from .parameters import MODE, PER, Parameter, Prior, tied_value, with_unit
 from .progress import bar
 from .results import Results
 from .runs import run
-from .secants import least
+from .secants import Flat, least
 from .sweeps import cores, stored
 from .tangents import STEP as ALONG, beside
 from .units import scales_of_rod
@@ -39,6 +39,7 @@ class Solution:
 
     u: np.ndarray  # parameters from 0 to 1, then the comparison's own numbers
     cost: float
+    flat: bool = False  # nothing that is looked for changes the cost there
 
 
 class Problem:
@@ -442,6 +443,10 @@ class Problem:
             return f
 
         inside = np.clip(u, *[b + s for b, s in zip(self.bounds(u), (1e-6, -1e-6))])
-        return Solution(*least(residuals, self.jacobian, self.cost, inside, wanted=not self.all_followed, most=most,
-                               bounds=self.bounds(u), loss="linear" if self.errors else "huber", f_scale=HUBER,
-                               xtol=tolerance, ftol=tolerance))
+        try:
+            return Solution(*least(residuals, self.jacobian, self.cost, inside, wanted=not self.all_followed, most=most,
+                                   bounds=self.bounds(u), loss="linear" if self.errors else "huber", f_scale=HUBER,
+                                   xtol=tolerance, ftol=tolerance))
+        except Flat as flat:
+            (end,) = flat.args
+            return Solution(end, self.cost(self.residuals(end)), True)

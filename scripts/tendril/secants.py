@@ -8,6 +8,10 @@ from scipy import optimize
 CURVED = 0.3  # of a change of the residuals: what derivatives may leave unsaid of it, before they are made anew
 
 
+class Flat(Exception):
+    """At the point, its argument, no number changes any residual, not even by rounding: least_squares would divide by that."""
+
+
 class Stale(Exception):
     """A step led nowhere, and the derivatives were not made where it began."""
 
@@ -44,6 +48,8 @@ class Secant:
         else:
             self.matrix = self.made(u)
         self.u, self.f = np.array(u), self.last
+        if not self.matrix.any():
+            raise Flat(self.u)
         return self.matrix
 
     def begin_anew(self):

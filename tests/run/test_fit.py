@@ -1055,6 +1055,14 @@ class Fitting(unittest.TestCase):
             with self.assertRaisesRegex(tendril.TendrilError, word):
                 tendril.fit(*words, si_friction_dry=None if "si_friction_dry" in words[2] else "0.5N/m")
 
+    def test_nothing_is_seen(self):
+        """A rod that is straight for good, whatever its friction: its derivatives are 0 exactly."""
+        data = self.place / "straight.csv"
+        data.write_text("length,x1,x2\n3,2.01,0.04\n3,1,0.01\n3,1.5,0.03\n3,2.9,0.1\n")
+        with self.assertRaisesRegex(tendril.TendrilError, "si_friction_dry: changes nothing of what was measured"):
+            tendril.fit(ROOT / "docs/first/root.opts", data, {"si_friction_dry": ("0.05N/m", "5N/m")}, starts=0,
+                        rod_cells=20, ts_rtol=1e-3)
+
 
 if __name__ == "__main__":
     os.environ["TENDRIL"] = str(Path(sys.argv.pop(1)).resolve())
