@@ -86,6 +86,19 @@ static PetscReal Reach(const RodModel *model, const PetscReal size[]) {
   return reach;
 }
 
+/* A VBDFOtherWay of a rod that can touch. A full Newton step that leaves a wall where there was
+   none in sight ends deep in another, or in itself, and from there full ones go to and fro between
+   sets of points in touch without end. (Not the usual way: where friction is all but dry, the
+   residual of an iteration that goes well does not always fall.) */
+static PetscErrorCode CutSteps(TS ts, PetscBool other) {
+  Leg *leg;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetApplicationContext(ts, &leg));
+  PetscCall(NewtonCuts(&leg->newton, other));
+  PetscFunctionReturn(0);
+}
+
 /* A VBDFCheck of a rod that can touch: it has passed through what it cannot, or reaches farther
    than it is long, which Newton's method calls a solution where forces are without measure; and was
    it kicked? */
@@ -362,7 +375,7 @@ static PetscErrorCode TakeOptions(TS ts) {
 */
 PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, const char *prefix,
                          Leg *leg) {
-  PetscBool fixed, given;
+  PetscBool fixed, given, full;
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(leg, sizeof(*leg)));
@@ -405,6 +418,8 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   PetscCall(MeasureAlongAxes(leg));
   PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));
   PetscCall(VBDFSetCross(leg->ts, CrossesMode));
+  PetscCall(NewtonTakesFullSteps(&leg->newton, &full));
+  if (scene->contact.any && full) PetscCall(VBDFSetOtherWay(leg->ts, CutSteps));
   if (scene->contact.any)
     PetscCall(VBDFSetCheck(leg->ts, AfterTry));
   else if (MindsTurns(leg->rod))

@@ -95,6 +95,18 @@ static PetscErrorCode Hold(Newton *self, SNES snes, PetscInt it, Vec U, Vec F,
   PetscFunctionReturn(0);
 }
 
+/* A line search that looks at steps of any length, for forces may have any size. */
+static PetscErrorCode SetSearch(SNES snes, SNESLineSearchType type) {
+  SNESLineSearch search;
+
+  PetscFunctionBegin;
+  PetscCall(SNESGetLineSearch(snes, &search));
+  PetscCall(SNESLineSearchSetType(search, type));
+  PetscCall(SNESLineSearchSetTolerances(search, PETSC_DEFAULT, PETSC_MAX_REAL, PETSC_DEFAULT,
+                                        PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
+  PetscFunctionReturn(0);
+}
+
 /*
   Converged - the test of SNES: by the update, per field, against the field's own size. A norm of
   the residual over all fields would not see x2 at 1e-16 beside x1.
@@ -103,7 +115,8 @@ static PetscErrorCode Hold(Newton *self, SNES snes, PetscInt it, Vec U, Vec F,
   that of the updates or, already after the first iteration, that of the residuals of the group that
   has still something to do: so an iteration that has arrived need not be repeated to see it. Not
   that of the updates where a rod can touch: the second one is next to nothing, whatever is left to
-  be found, where the guess lies so deep in a wall that all the first one did was to leave it.
+  be found, where the guess lies so deep in a wall that all the first one did was to leave it. And
+  nothing has converged whose update was cut short.
 */
 static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscReal gnorm,
                                 PetscReal fnorm, SNESConvergedReason *reason, void *ctx) {
@@ -111,6 +124,8 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
   PetscReal update[GROUPS] = {0}, residual[GROUPS], rate = 0, left = 0,
             floor = PetscMax(self->tolerance, round_off);
   Vec U, dU, F;
+  SNESLineSearch search;
+  PetscReal part;
 
   PetscFunctionBegin;
   *reason = PetscIsInfOrNanReal(fnorm) ? DIVERGED_NAN : SNES_CONVERGED_ITERATING;
@@ -131,8 +146,12 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
     }
     if (it > 1 && !self->rod->scene->contact.any) rate = PetscMin(rate, left / self->update);
     self->update = left;
+    PetscCall(SNESGetLineSearch(snes, &search));
+    PetscCall(SNESLineSearchGetLambda(search, &part));
     if (PetscIsInfOrNanReal(left))
       *reason = DIVERGED_NAN;
+    else if (part < 1)
+      *reason = SNES_CONVERGED_ITERATING;
     else if (left <= floor || (rate < 0.3 && left * rate <= share_of_rate * floor))
       *reason = SNES_CONVERGED_SNORM_RELATIVE;
     PetscCall(PetscInfo(snes, "iteration %d: update %g, rate %g, residual %g %g\n", (int)it,
@@ -153,7 +172,6 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
 PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   PetscReal rtol;
   SNES snes;
-  SNESLineSearch search;
   KSP ksp;
   PC pc;
 
@@ -165,8 +183,7 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   newton->loose = loose;
   PetscCall(TSGetSNES(ts, &snes));
   PetscCall(SNESSetType(snes, rod->model->linear ? SNESKSPONLY : SNESNEWTONLS));
-  PetscCall(SNESGetLineSearch(snes, &search));
-  PetscCall(SNESLineSearchSetType(search, FULL_STEPS));
+  PetscCall(SetSearch(snes, FULL_STEPS));
   PetscCall(SNESSetConvergenceTest(snes, Converged, newton, NULL));
   PetscCall(SNESSetTolerances(snes, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, 40, 1000000));
   PetscCall(SNESGetKSP(snes, &ksp));
@@ -219,6 +236,22 @@ static PetscErrorCode HasChain(Rod rod, PetscBool *has) {
   PetscFunctionReturn(0);
 }
 
+/* J Y of Newton's direction Y, which is all that a line search asks for: Y was solved for, so it is
+   the residual. */
+static PetscErrorCode MultiplyDirection(Mat J, Vec Y, Vec JY) {
+  Newton *newton;
+  SNES snes;
+  Vec F;
+
+  PetscFunctionBegin;
+  (void)Y;
+  PetscCall(MatShellGetContext(J, &newton));
+  PetscCall(TSGetSNES(newton->ts, &snes));
+  PetscCall(SNESGetFunction(snes, &F, NULL, NULL));
+  PetscCall(VecCopy(F, JY));
+  PetscFunctionReturn(0);
+}
+
 /* A matrix that is not there: its equations are eliminated as they are computed. Where friction
    feels the spin of a rod modes are counted in another one (rod/space.c). */
 static PetscErrorCode SetElimination(TS ts, Newton *newton) {
@@ -231,7 +264,8 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
   PetscFunctionBegin;
   PetscCall(EliminationCreate(rod->scene->comm, nodes, rod->model->halves, &newton->elimination));
   PetscCall(
-      MatCreateShell(rod->scene->comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, NULL, &newton->J));
+      MatCreateShell(rod->scene->comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, newton, &newton->J));
+  PetscCall(MatShellSetOperation(newton->J, MATOP_MULT, (void (*)(void))MultiplyDirection));
   PetscCall(TSGetSNES(ts, &snes));
   PetscCall(SNESGetKSP(snes, &ksp));
   PetscCall(KSPGetPC(ksp, &pc));
@@ -264,6 +298,29 @@ PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton) {
                                   &newton->counter));
   }
   PetscCall(TSSetIJacobian(ts, newton->J, newton->J, RodJacobian, rod));
+  PetscFunctionReturn(0);
+}
+
+/* NewtonTakesFullSteps - or was another line search, or no search at all, asked for? */
+PetscErrorCode NewtonTakesFullSteps(const Newton *newton, PetscBool *full) {
+  SNESLineSearch search;
+  SNES snes;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetSNES(newton->ts, &snes));
+  PetscCall(SNESGetLineSearch(snes, &search));
+  PetscCall(PetscObjectTypeCompare((PetscObject)search, FULL_STEPS, full));
+  *full = (PetscBool)(*full && !newton->rod->model->linear);
+  PetscFunctionReturn(0);
+}
+
+/* NewtonCuts - from now on steps are cut where the residual does not fall, or are full again. */
+PetscErrorCode NewtonCuts(const Newton *newton, PetscBool cuts) {
+  SNES snes;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetSNES(newton->ts, &snes));
+  PetscCall(SetSearch(snes, cuts ? SNESLINESEARCHBT : FULL_STEPS));
   PetscFunctionReturn(0);
 }
 

@@ -10,6 +10,7 @@ typedef struct {
   Elimination elimination; /* instead of a matrix; NULL: none */
   Elimination counter;     /* beside a matrix, to count modes that grow; NULL: none */
   Mat J;
+  PetscBool cuts;             /* are steps that do not arrive cut? */
   PetscReal tolerance;        /* of the update, relative to each field's size */
   PetscReal loose;            /* that of forces and moments */
   PetscReal update;           /* the latest iteration's largest */
@@ -20,6 +21,8 @@ typedef struct {
 PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton);
 void NewtonToRest(Newton *newton, PetscReal rtol);
 PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton);
+PetscErrorCode NewtonTakesFullSteps(const Newton *newton, PetscBool *full);
+PetscErrorCode NewtonCuts(const Newton *newton, PetscBool cuts);
 PetscErrorCode NewtonIndex(Newton *newton, PetscInt *index, PetscBool *known);
 PetscErrorCode NewtonDestroy(Newton *newton);
 

@@ -37,6 +37,7 @@ typedef struct {
   VBDFGuess guess;
   void *guess_ctx;
   VBDFSnap snap;
+  VBDFOtherWay other_way;
   VBDFCheck check;
   VBDFCross cross;
   VBDFMeasure measure;
@@ -680,6 +681,21 @@ static PetscBool Shrinks(const TS ts, VBDF *self) {
   return shrinks;
 }
 
+/* Solves the equations of the present step, in the usual way or else in another. */
+static PetscErrorCode Solve(TS ts, VBDF *self, SNESConvergedReason *solved) {
+  PetscFunctionBegin;
+  PetscCall(Predict(ts, self, self->point[0]));
+  PetscCall(SolveStage(ts, self));
+  PetscCall(SNESGetConvergedReason(ts->snes, solved));
+  if (*solved >= 0 || !self->other_way) PetscFunctionReturn(0);
+  PetscCall(self->other_way(ts, PETSC_TRUE));
+  PetscCall(Predict(ts, self, self->point[0]));
+  PetscCall(SolveStage(ts, self));
+  PetscCall(SNESGetConvergedReason(ts->snes, solved));
+  PetscCall(self->other_way(ts, PETSC_FALSE));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode TSStep_VBDF(TS ts) {
   VBDF *self = (VBDF *)ts->data;
   PetscReal factor = 1, size;
@@ -701,10 +717,8 @@ static PetscErrorCode TSStep_VBDF(TS ts) {
     self->order = PetscMax(1, PetscMin(self->order, self->n));
     PetscCall(LimitStep(ts, self));
     BeginTry(ts, self);
-    PetscCall(Predict(ts, self, self->point[0]));
-    PetscCall(SolveStage(ts, self));
+    PetscCall(Solve(ts, self, &solved));
     self->taken_order = self->order;
-    PetscCall(SNESGetConvergedReason(ts->snes, &solved));
     PetscCall(VecNorm(self->point[0], NORM_INFINITY, &size));
     if (PetscIsInfOrNanReal(size)) solved = DIVERGED_NAN;
     PetscCall(Check(ts, self, &solved));
@@ -918,6 +932,17 @@ PetscErrorCode VBDFSetHighestOrder(TS ts, PetscInt order) {
   PetscFunctionBegin;
   PetscCall(Self(ts, &self));
   if (self) self->most = order;
+  PetscFunctionReturn(0);
+}
+
+/* VBDFSetOtherWay - sets how a step is solved that could not be solved. No effect on other types.
+ */
+PetscErrorCode VBDFSetOtherWay(TS ts, VBDFOtherWay other_way) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  if (self) self->other_way = other_way;
   PetscFunctionReturn(0);
 }
 

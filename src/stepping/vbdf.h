@@ -20,6 +20,10 @@ typedef PetscErrorCode (*VBDFGuess)(TS ts, PetscReal t0, PetscReal t1, Vec U0, V
 /* A snap of the state U at time t: sets U to the state behind it; done is true if it could. */
 typedef PetscErrorCode (*VBDFSnap)(TS ts, PetscReal t, Vec U, PetscBool *done);
 
+/* Before the equations of a step, which could not be solved, are tried once more from the same
+   guess in another way; and behind that, when the usual one is to be back. */
+typedef PetscErrorCode (*VBDFOtherWay)(TS ts, PetscBool other);
+
 /* Is a step from U0 at t0 to U1 at t1 one that cannot be, whatever its error? */
 typedef PetscErrorCode (*VBDFCheck)(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
                                     PetscBool *impossible);
@@ -39,6 +43,7 @@ PetscErrorCode VBDFRegister(void);
 PetscErrorCode VBDFSetGuess(TS ts, VBDFGuess guess, void *ctx);
 PetscErrorCode VBDFSetHighestOrder(TS ts, PetscInt order);
 PetscErrorCode VBDFSetSnap(TS ts, VBDFSnap snap);
+PetscErrorCode VBDFSetOtherWay(TS ts, VBDFOtherWay other_way);
 PetscErrorCode VBDFSetCheck(TS ts, VBDFCheck check);
 PetscErrorCode VBDFSetCross(TS ts, VBDFCross cross);
 PetscErrorCode VBDFSetMeasure(TS ts, VBDFMeasure measure);

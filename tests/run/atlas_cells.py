@@ -60,7 +60,7 @@ CHECKS = {  # name: (scene, [(options, verdicts)]); the first is the default
                        ("-friction_newton primal" + STOP, (m.GAVE_UP,)),
                        ("-rod_model mixed", (m.RIGHT_,))]),
     "corners": (CORNERS, [("", (m.RIGHT_,)), ("-rod_model mixed", (m.REFUSED,)),
-                          ("-friction_newton primal" + STOP, (m.GAVE_UP,))]),
+                          ("-friction_newton primal" + STOP, (m.RIGHT_,))]),
     "space": (SPACE, [("", (m.RIGHT_,)), ("-friction_newton primal", (m.GAVE_UP,)), ("-ts_type beuler -ts_dt 0.01", (m.WRONG,)),
                       ("-ts_type bdf -ts_bdf_order 5 -ts_max_steps 600", (m.GAVE_UP,)), ("-rod_model mixed", (m.REFUSED,))]),
     "stick": (STICK, [("", (m.RIGHT_,)),

@@ -41,7 +41,7 @@ def plane():
     apart = np.abs(tip(there)[:2] - flat.tip).max()
     force = there.contact_force[-1] / flat.contact_force[-1] - 1
     print(f"plane and space: tips apart by {apart:.1e}, forces of contact by {force:.1e}")
-    expect(flat.contact_force[-1] > 1 and apart < 1e-5 and abs(force) < 1e-4, f"{apart}, {force}")
+    expect(flat.contact_force[-1] > 1 and apart < 2e-5 and abs(force) < 1e-4, f"{apart}, {force}")
     other = Run(FED + f"-rod_curvature {0.1 * c!r} -rod_curvature_2 {-0.1 * s!r} " + walls(
         f"cylinder 2 {0.4 * c!r} {0.4 * s!r} 0 {-s!r} {c!r} 0.7 outside friction 0.4", "plane 3 0 0 -1 0 0"))
     turned = np.array([[1, 0, 0], [0, c, -s], [0, s, c]]) @ tip(there)
