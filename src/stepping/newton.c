@@ -125,7 +125,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
             floor = PetscMax(self->tolerance, round_off);
   Vec U, dU, F;
   SNESLineSearch search;
-  PetscReal part;
+  PetscReal part, whole;
 
   PetscFunctionBegin;
   *reason = PetscIsInfOrNanReal(fnorm) ? DIVERGED_NAN : SNES_CONVERGED_ITERATING;
@@ -148,9 +148,10 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
     self->update = left;
     PetscCall(SNESGetLineSearch(snes, &search));
     PetscCall(SNESLineSearchGetLambda(search, &part));
+    PetscCall(SNESLineSearchGetDamping(search, &whole));
     if (PetscIsInfOrNanReal(left))
       *reason = DIVERGED_NAN;
-    else if (part < 1)
+    else if (part < whole)
       *reason = SNES_CONVERGED_ITERATING;
     else if (left <= floor || (rate < 0.3 && left * rate <= share_of_rate * floor))
       *reason = SNES_CONVERGED_SNORM_RELATIVE;
