@@ -5,10 +5,11 @@
 /* Rigid contact is the limit of no penetration; as far off as this times that, over the length. */
 static const PetscReal per_depth = 5;
 /* A snap ends a little inside the limit of friction. A start that one step has crossed was not
-   followed: it may be off by twice what that step has changed, and by no more than of_start. Behind
+   followed: it may be off by twice what that step has changed, and by no more than of_start; but
+   if that is far, the rod may have left it to another side, and nothing is known. Behind
    a growth zone friction that is exact is taken for one with a beta, which moments that were laid
    down feel by its sixth root, and little else does. */
-static const PetscReal per_snap = 1e-4, per_change = 2, of_start = 1e-2, of_limit = 5;
+static const PetscReal per_snap = 1e-4, per_change = 2, of_start = 1e-2, far = 0.5, of_limit = 5;
 /* What a viscous share adds, over it: norms change by up to ten times that (LoadShareMore()). */
 static const PetscReal per_share = 10;
 
@@ -25,7 +26,7 @@ PetscReal GrowCrossed(const Observation *from, const Observation *to) {
     change = PetscMax(change, PetscMax(PetscAbsReal(to->norm_x2 - from->norm_x2),
                                        PetscAbsReal(to->norm_x3 - from->norm_x3)) /
                                   norm);
-  return PetscMin(of_start, per_change * change);
+  return change > far ? 1 : PetscMin(of_start, per_change * change);
 }
 
 /* What comes beside the errors of mesh and steps, in each of what is seen. */

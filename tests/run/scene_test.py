@@ -187,6 +187,12 @@ def doubts():
     for error, part, name in zip(errors, told.groups(), ("tip", "|x2|", "energy")):
         print(f"the limit: {name} off by {error:.1e}, told {part}")
         expect(error < float(part) < 20 * error, f"the limit: {name} off by {error:.1e}, told {part}")
+    # a hairpin out of its plane: with few cells a step crosses its start, and leaves it to another side
+    start = "-growth_initial_length 2 -shape_amplitude 3.1 -shape_turn 1 -rod_curvature_2 0.05 -ts_max_time 0.3 "
+    r, fine = Run(start + "-rod_cells 60"), Run(start + "-rod_cells 80")
+    off = abs(r.norm_x2[-1] / fine.norm_x2[-1] - 1)
+    print(f"the hairpin: |x2| off by {off:.1e}, told {r.estimate:.1e}, {fine.estimate:.1e}")
+    expect(off < r.estimate and fine.estimate < 1e-3, f"off by {off:.1e}, told {r.estimate:.1e}, {fine.estimate:.1e}")
 
 
 @check
