@@ -438,7 +438,7 @@ def strands():
         error = max(abs(r.energy[-1] / one.energy[-1] - 1), abs(r.contact_force[-1] / one.contact_force[-1] - 1))
         print(f"{ranks} ranks: {error:.1e}")
         expect(error < 1e-3, f"{ranks} ranks: {error}")
-        expect(abs(r.estimate / one.estimate - 1) < 0.1, f"{ranks} ranks tell {r.estimate}")
+        expect(0.2 < r.estimate / one.estimate < 5, f"{ranks} ranks tell {r.estimate}")
     options = coil + turning + "-rod_cells 40 -output_interval 0.4 "
     tendril(f"{options} -output {d}/whole.h5")
     tendril(f"{options} -output {d}/broken.h5 -ts_max_steps {len(one.t) - 40}", 1)
