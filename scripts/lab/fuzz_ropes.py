@@ -5,8 +5,7 @@ loops that wind up, knots.
     scripts/lab/fuzz_ropes.py build/tendril SEED FIRST COUNT [--kinds coil,...] [--estimate] [--ranks] [--restart]
 
 Each is run once, for LIMIT seconds of a processor. One is lost if it gives up, passes through itself (its writhe
-jumps by 2 from one stored shape to the next), is off its balance of energy by more than 1e-2, or if the forces of its strands
-do not cancel. --estimate: the error that is told beside the true one, by 1.6 times the cells and a tenth of the
+jumps by 2 from one stored shape to the next), or is off its balance of energy by more than 1e-2. --estimate: the error that is told beside the true one, by 1.6 times the cells and a tenth of the
 tolerance with the same stiffness. --ranks: 2 and 3 ranks beside one. --restart: broken in the midst of contact it must go
 on to the last bit."""
 
