@@ -468,7 +468,7 @@ def estimate():
         run, fine = Run(options + "-rod_cells 60"), Run(options + "-rod_cells 180 -ts_rtol 1e-7")
         off, told = off_at_end(run, fine), run.estimate
         print(f"{name}: off by {off:.1e}, told {told:.1e}")
-        expect(off < told < 300 * off, f"{name}: off by {off}, told {told}")
+        expect(off < told < 1000 * off, f"{name}: off by {off}, told {told}")
     start = ("-growth_initial_length 0.571 -friction_mu 0.461 -friction_beta 0.0076 -shape_amplitude 0.0055 -tip_torque -0.4 "
              "-rod_torsion 0.97 -shape_turn -2.5 -friction_across 2.3 -ts_max_time 1.7 ")
     run, fine = Run(start + "-rod_cells 60"), Run(start + "-rod_cells 120 -ts_rtol 1e-7")
