@@ -15,6 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 D, R, BLEND = 0.15, 0.35, 0.3  # of the vine; the pipes' radius; the corners are rounded over this
 PIPES = (((-2, 0, 0), (3, 0, 0)), ((3, -2, 0), (3, 2, 0)), ((3, 2, 0), (3, 2, 3)))
+RANGES = ((-2.6, 4.1), (-2.6, 3.1), (-1.1, 3.6))  # with all of the pipes in them
 BOX = np.array([-0.6, -2.6, -0.6, 3.6, 2.6, 1.8])
 
 
@@ -32,42 +33,17 @@ def distance(x):
     return both
 
 
-def surface_at(spacing):
-    """The maze's surface as triangles, by VTK's flying edges, smoothed."""
-    import vtk
-    from vtk.util.numpy_support import numpy_to_vtk
-    axes = [np.arange(a, b, spacing) for a, b in ((-2.6, 4.1), (-2.6, 3.1), (-1.1, 3.6))]
-    d = distance(np.array(np.meshgrid(*axes, indexing="ij")))
-    image = vtk.vtkImageData()
-    image.SetDimensions(*d.shape)
-    image.SetOrigin(*(a[0] for a in axes))
-    image.SetSpacing(spacing, spacing, spacing)
-    image.GetPointData().SetScalars(numpy_to_vtk(d.transpose(2, 1, 0).ravel(), deep=True))
-    edges, smooth = vtk.vtkFlyingEdges3D(), vtk.vtkWindowedSincPolyDataFilter()
-    edges.SetInputData(image)
-    edges.SetValue(0, 0)
-    smooth.SetInputConnection(edges.GetOutputPort())
-    smooth.SetPassBand(0.05)
-    smooth.FeatureEdgeSmoothingOff()
-    smooth.Update()
-    return smooth.GetOutput()
-
-
 def pipes(directory, data=ROOT / "options" / "data" / "maze.h5"):
     """The maze's distance, by way of a mesh. What is far from a wall is cut off there to keep the file small; with it are
     triangles to be drawn, as far as the grid reaches."""
-    import vtk
+    from meshes import surface_at, write_stl
     from tendril import surface
     from vtk.util.numpy_support import vtk_to_numpy
-    writer = vtk.vtkSTLWriter()
-    writer.SetInputData(surface_at(0.05))
-    writer.SetFileName(str(directory / "maze.stl"))
-    writer.SetFileTypeToBinary()
-    writer.Write()
+    write_stl(surface_at(distance, RANGES, 0.05), directory / "maze.stl")
     made = surface(directory / "maze.stl", directory / "maze.h5", diameter=D, side="inside", flip=True, spacing=D / 2,
                    box=BOX)
     print(f"distance: error {made.error:.1e}, spacing {made.spacing}, {made.shape}")
-    drawn = surface_at(0.12)
+    drawn = surface_at(distance, RANGES, 0.12)
     points = vtk_to_numpy(drawn.GetPoints().GetData())
     triangles = vtk_to_numpy(drawn.GetPolys().GetConnectivityArray()).reshape(-1, 3)
     triangles = triangles[(points[triangles] > BOX[:3]).all(axis=(1, 2)) & (points[triangles] < BOX[3:]).all(axis=(1, 2))]

@@ -36,26 +36,9 @@ def distance(x):
 
 
 def mesh(path, spacing=0.08):
-    """The surface as triangles, by VTK's flying edges."""
-    import vtk
-    from vtk.util.numpy_support import numpy_to_vtk
-    axes = [np.arange(a, b, spacing) for a, b in ((-1.9, 7.9), (-0.8, 1.2), (-0.8, 3.4))]
-    d = distance(np.array(np.meshgrid(*axes, indexing="ij")))
-    image = vtk.vtkImageData()
-    image.SetDimensions(*d.shape)
-    image.SetOrigin(*(a[0] for a in axes))
-    image.SetSpacing(spacing, spacing, spacing)
-    image.GetPointData().SetScalars(numpy_to_vtk(d.transpose(2, 1, 0).ravel(), deep=True))
-    edges, smooth, writer = vtk.vtkFlyingEdges3D(), vtk.vtkWindowedSincPolyDataFilter(), vtk.vtkSTLWriter()
-    edges.SetInputData(image)
-    edges.SetValue(0, 0)
-    smooth.SetInputConnection(edges.GetOutputPort())
-    smooth.SetPassBand(0.05)
-    smooth.FeatureEdgeSmoothingOff()
-    writer.SetInputConnection(smooth.GetOutputPort())
-    writer.SetFileName(str(path))
-    writer.SetFileTypeToBinary()
-    writer.Write()
+    """The surface as triangles."""
+    from meshes import surface_at, write_stl
+    write_stl(surface_at(distance, ((-1.9, 7.9), (-0.8, 1.2), (-0.8, 3.4)), spacing), path)
 
 
 def catheter(path, shape, length=1.2):

@@ -8,13 +8,13 @@ units are those of the scene in tendril, mass 1 per length. The cable is a chain
 joints, clamped in the middle of its first, so that half of an element lies before the clamp. Prints a JSON line of what was
 found, and one of the cost: processor seconds of the loop. Exit 1: it failed."""
 
-import json
-import sys
 import time
 from math import pi
 
 import mujoco
 import numpy as np
+
+from scenes import run
 
 
 def numbers(values):
@@ -93,18 +93,5 @@ SCENES = {"bend": (bend, {"elements": 16, "dt": 2e-3, "time": 8, "damping": 3.4}
           "laid": (laid, {"elements": 16, "dt": 1e-3, "time": 3, "damping": 1.0})}
 
 
-def main():
-    scene, words = sys.argv[1], sys.argv[2:]
-    function, o = SCENES[scene]
-    o |= {name.lstrip("-"): float(value) for name, value in zip(words[::2], words[1::2])}
-    o["elements"] = int(o["elements"])
-    found, cost = function(o)
-    print(json.dumps(found))
-    if not all(np.isfinite(v).all() for v in map(np.array, found.values())):
-        cost["failed"] = "not a number: the step is too long"
-    print(json.dumps(cost))
-    sys.exit(int("failed" in cost))
-
-
 if __name__ == "__main__":
-    main()
+    run(SCENES)

@@ -9,13 +9,13 @@ those of PyElastica's own example. The scenes are at rest or slide evenly, so ma
 radius are chosen for PyElastica's sake: as slow as the step allows. Prints a JSON line of what was found, and one of
 the cost: processor seconds of the loop alone, without numba's compilation. Exit 1: it failed."""
 
-import json
-import sys
 import time
 from math import pi
 
 import elastica as ea
 import numpy as np
+
+from scenes import run
 
 
 class Simulation(ea.BaseSystemCollection, ea.Constraints, ea.Forcing, ea.Damping, ea.Contact):
@@ -189,21 +189,6 @@ def step(scene, o):
             "laid": min(1e-4, 4e-3 / o["elements"])}[scene]
 
 
-def main():
-    scene, words = sys.argv[1], sys.argv[2:]
-    function, o = SCENES[scene]
-    o |= {name.lstrip("-"): float(value) for name, value in zip(words[::2], words[1::2])}
-    o["elements"] = int(o["elements"])
-    if "dt" not in o:
-        o["dt"] = step(scene, o)
-    found, cost = function(o)
-    print(json.dumps(found))
-    if not all(np.isfinite(v).all() for v in map(np.array, found.values())):
-        cost["failed"] = "not a number: the step is too long"
-    print(json.dumps(cost))
-    sys.exit(int("failed" in cost))
-
-
 if __name__ == "__main__":
     np.seterr(all="ignore")
-    main()
+    run(SCENES, step)
