@@ -143,7 +143,7 @@ def main(arguments=None):
         print(f"ensemble: {found}")
         print(f"ensemble: {save(found.plot(), choice.output, None)} show it")
     except (TendrilError, OSError) as error:
-        print(f"ensemble: {complaint(error).removeprefix('ensemble: ')}", file=sys.stderr)
+        print(complaint(error, "ensemble"), file=sys.stderr)
         return 1
     return 0
 

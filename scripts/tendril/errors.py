@@ -37,8 +37,13 @@ def optional(module, error, line):
         raise error(line) from None
 
 
-def complaint(error) -> str:
-    """What an error says on a command line: of a file that cannot be made, also what to do."""
+def complaint(error, command) -> str:
+    """What a command says of an error, behind its own name, which stands there once."""
+    return f"{command}: {plain(error).removeprefix(f'{command}: ')}"
+
+
+def plain(error) -> str:
+    """An error's text: of a file that cannot be made, also what to do."""
     if not isinstance(error, OSError) or not error.filename:
         return str(error)
     where = Path(error.filename).parent

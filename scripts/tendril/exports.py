@@ -155,7 +155,7 @@ def main(arguments=None):
         else:
             to_vtk(r, output, choice.time, si=choice.si)
     except (TendrilError, OSError) as error:
-        print(f"export: {complaint(error)}", file=sys.stderr)
+        print(complaint(error, "export"), file=sys.stderr)
         return 1
     print(f"export: {output}")
     return 0

@@ -476,7 +476,7 @@ def main(arguments=None):
                     points=choice.points, progress=True)
         m.save(choice.output)
     except (TendrilError, OSError, ValueError) as error:
-        print(f"measure: {complaint(error)}", file=sys.stderr)
+        print(complaint(error, "measure"), file=sys.stderr)
         return 1
     for note in m.notes:
         print(f"measure: {note}")

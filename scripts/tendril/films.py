@@ -187,7 +187,7 @@ def main(arguments=None):
                          frames=choice.frames, rate=choice.rate, field=choice.field, view=choice.view,
                          turn=choice.turn)
     except (TendrilError, OSError) as error:
-        print(f"animate: {complaint(error).removeprefix('animate: ')}", file=sys.stderr)
+        print(complaint(error, "animate"), file=sys.stderr)
         return 1
     print(f"animate: {output}, {frames} frames")
     return 0

@@ -120,7 +120,7 @@ def main(arguments=None):
                     accuracy=choice.accuracy, starts=choice.starts, seed=choice.seed, progress=True, **options(more))
         found.save(choice.output)
     except (TendrilError, OSError) as error:
-        print(f"fit: {complaint(error).removeprefix('fit: ')}", file=sys.stderr)
+        print(complaint(error, "fit"), file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         print("fit: interrupted before anything was found", file=sys.stderr)

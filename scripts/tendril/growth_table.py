@@ -234,7 +234,7 @@ def main(words=None):
     try:
         make(arguments_of(words))
     except (BadTable, TendrilError, OSError) as error:
-        print(f"growth_table: {complaint(error)}", file=sys.stderr)
+        print(complaint(error, "growth_table"), file=sys.stderr)
         return 1
     return 0
 

@@ -215,7 +215,7 @@ def main(arguments=None):
         drawn = save(figure, view.output, Path(view.place).with_suffix("") if view.place.endswith(".h5")
                      else view.place.rstrip("/"))
     except (TendrilError, ValueError, KeyError, OSError) as error:
-        print(f"map: {complaint(error).removeprefix('map: ')}", file=sys.stderr)
+        print(complaint(error, "map"), file=sys.stderr)
         return 1
     if figure.missing:
         print(f"map: {figure.missing} points have no result")

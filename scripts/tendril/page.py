@@ -206,7 +206,7 @@ def main(arguments=None):
                       output if output.lower().endswith((".html", ".htm")) else f"{output}.html",
                       choice.titles.split(",") if choice.titles else None)
     except (TendrilError, OSError) as error:
-        print(f"view: {complaint(error).removeprefix('view: ')}", file=sys.stderr)
+        print(complaint(error, "view"), file=sys.stderr)
         return 1
     print(f"view: {output}, {output.stat().st_size / 1e6:.1f} MB; open it in a browser")
     return 0

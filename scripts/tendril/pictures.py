@@ -754,6 +754,6 @@ def main(arguments=None):
                      Units(results if choice.si else ()))
         print(f"plot: {save(figure, output, None)}")
     except (TendrilError, OSError) as error:
-        print(f"plot: {complaint(error).removeprefix('plot: ')}", file=sys.stderr)
+        print(complaint(error, "plot"), file=sys.stderr)
         return 1
     return 0

@@ -171,7 +171,7 @@ def main(arguments=None):
         figure = figure_of([load(p) for p in view.files], [load(p) for p in view.run])
         print(f"plot: {save(figure, output, None)}")
     except (TendrilError, KeyError, OSError) as error:
-        print(f"plot_stability: {complaint(error)}", file=sys.stderr)
+        print(complaint(error, "plot_stability"), file=sys.stderr)
         return 1
     return 0
 

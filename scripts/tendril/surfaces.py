@@ -308,7 +308,7 @@ def main(words=None):
     try:
         made = surface(choice.pop("source"), choice.pop("output"), **choice)
     except (TendrilError, OSError) as error:
-        print(f"surface: {complaint(error)}", file=sys.stderr)
+        print(complaint(error, "surface"), file=sys.stderr)
         return 1
     print(f"surface: {told(made)}")
     print(made.line)
