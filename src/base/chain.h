@@ -13,6 +13,11 @@
    free one has its forces, so that its own block is singular until all before it is eliminated. */
 #define ORDERING_HELD "qmd_held"
 
+/* The order for nodes of which far ones see each other. */
+static inline MatOrderingType ChainFolded(PetscBool held) {
+  return held ? ORDERING_HELD : MATORDERINGQMD;
+}
+
 PetscErrorCode ChainSetType(PC pc, MatOrderingType ordering);
 PetscErrorCode ChainCreateSolver(MPI_Comm comm, MatOrderingType ordering, KSP *ksp);
 

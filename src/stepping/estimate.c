@@ -95,12 +95,11 @@ static PetscInt FineNode(const Estimate self, PetscInt k) {
 
 /* Far parts of the rod see each other: that is no line of neighbours. */
 static PetscErrorCode CreateMatrix(Estimate self) {
-  const MatOrderingType ordering =
-      self->scene.tip.type == TIP_FREE ? MATORDERINGQMD : ORDERING_HELD;
+  const PetscBool held = (PetscBool)(self->scene.tip.type != TIP_FREE);
 
   PetscFunctionBegin;
   PetscCall(RodCreateMatrix(self->rod, &self->J));
-  PetscCall(ChainCreateSolver(PETSC_COMM_SELF, ordering, &self->ksp));
+  PetscCall(ChainCreateSolver(PETSC_COMM_SELF, ChainFolded(held), &self->ksp));
   PetscFunctionReturn(0);
 }
 

@@ -190,9 +190,9 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   PetscCall(SNESGetKSP(snes, &ksp));
   PetscCall(KSPSetType(ksp, KSPPREONLY));
   PetscCall(KSPGetPC(ksp, &pc));
-  PetscCall(ChainSetType(pc, !rod->coupled                      ? MATORDERINGNATURAL
-                             : rod->scene->tip.type == TIP_FREE ? MATORDERINGQMD
-                                                                : ORDERING_HELD));
+  PetscCall(ChainSetType(pc, rod->coupled
+                                 ? ChainFolded((PetscBool)(rod->scene->tip.type != TIP_FREE))
+                                 : MATORDERINGNATURAL));
   PetscFunctionReturn(0);
 }
 

@@ -10,7 +10,6 @@ typedef struct {
   Elimination elimination; /* instead of a matrix; NULL: none */
   Elimination counter;     /* beside a matrix, to count modes that grow; NULL: none */
   Mat J;
-  PetscBool cuts;             /* are steps that do not arrive cut? */
   PetscReal tolerance;        /* of the update, relative to each field's size */
   PetscReal loose;            /* that of forces and moments */
   PetscReal update;           /* the latest iteration's largest */
