@@ -1,0 +1,503 @@
+#include "stepping/controller.h"
+#include "base/compat.h"
+#include <petsc/private/tsimpl.h> /* it takes the place of a TS type's own */
+
+/* A snap may be too far for Newton's method: then it fails however short the step is, and after so
+   many tries it is followed. */
+enum { failures_of_snap = 4 };
+/* Or it shows on the way: towards the turning point from which a rod snaps, steps shrink without
+   end. One that is this part of the usual one asks whether the rod snaps; and, for it may have been
+   too early, each one that is this part of the one that asked before. */
+static const PetscReal shrunk = 1e-4, again = 0.1, forgets = 0.95;
+/* Aim at this part of the tolerance: low, so that few steps are rejected. (0.5 at half the
+   tolerance gives the same errors in as many steps, but has 36 rejected where this has 9.) */
+static const PetscReal safety = 0.22;
+/* Dry friction cannot hold a rod that is bent too sharply, and without inertia it snaps at once: a
+   jump. It shows in an error that a much shorter step (a third at most) does not lessen to this
+   part. VBDFSetSnap() tells how to follow it; else, or if it shows once more, backward Euler
+   carries the rod over. The history starts anew behind it. Likewise for a step below
+   jump_step of the final time: an initial layer as fast as that is left unresolved, and crossed in
+   steps that double, up to longest_jump of it. */
+static const PetscReal jump_persists = 0.7, jump_step = 1e-13, longest_jump = 1e-6;
+/* (In the layer, one whose error is up to so many times the tolerance is tried again shorter: it is
+   all but seen, and to jump on would make the next one blind, and so on without end.) */
+static const PetscReal nearly_seen = 30;
+/* A rod that barely sticks may slip by a little, and stick again in a step that is short enough: in
+   a step below this part of the final time, such an error is a jump, too. (That of a kink would
+   fall like the step, to a third at most.) */
+static const PetscReal slip_persists = 0.25, slip_step = 1e-8;
+/* ... and below this part of the present time there is nothing but round-off; early on, of this
+   part of the final time. */
+static const PetscReal smallest = 1e-13, early = 1e-3;
+static const PetscReal shrink_most = 0.2, grow_most = 2;
+/* A step that cannot be, or that crosses a mode that grows, is cut to this. */
+static const PetscReal cut = 0.3;
+/* The factor is taken or left when that gives so much of the error. */
+static const PetscReal better = 0.5;
+/* It may change by so many e-folds in a step: the tolerance is relative to what the fields are at
+   its beginning, and must still mean something at its end. (Rods of usual length stay below 2.) */
+static const PetscReal most_folds = 4;
+
+static PetscErrorCode Predict(TS ts, Controller *self, Formula *f, Vec X) {
+  PetscFunctionBegin;
+  if (f->n > 1)
+    PetscCall(FormulaExtrapolate(f, PetscMin(self->order + 1, f->n), X));
+  else if (self->guess)
+    PetscCall(self->guess(ts, f->time[1], f->time[0], f->point[1], X, self->guess_ctx));
+  else
+    PetscCall(VecCopy(f->point[1], X));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode SolveStage(TS ts, Controller *self, Formula *f) {
+  PetscInt its, linear;
+
+  PetscFunctionBegin;
+  PetscCall(FormulaBegin(f, self->order));
+  PetscCall(TSPreStage(ts, f->time[0]));
+  PetscCall(SNESSolve(ts->snes, NULL, f->point[0]));
+  PetscCall(SNESGetIterationNumber(ts->snes, &its));
+  PetscCall(SNESGetLinearSolveIterations(ts->snes, &linear));
+  ts->snes_its += its;
+  ts->ksp_its += linear;
+  PetscFunctionReturn(0);
+}
+
+/* An error so many times its tolerance is that: its square may be no number. Nor may the error be:
+   that of a field that was 1e-290 and is driven now, or of a factor extrapolated from there. */
+static const PetscReal beyond = 1e100;
+
+/* Where no tolerance is as small as this, no error is beyond: fields are not that large. */
+static const PetscReal minute = 1e-85;
+
+/* Is any tolerance minute? It is looked for when they have changed. Collective. */
+static PetscErrorCode MayBeBeyond(TS ts, Controller *self, PetscBool *may) {
+  PetscObjectState state;
+  const PetscScalar *tolerance;
+  int small = 0;
+  PetscInt n;
+
+  PetscFunctionBegin;
+  *may = PETSC_FALSE;
+  if (!ts->vatol) PetscFunctionReturn(0);
+  PetscCall(PetscObjectStateGet((PetscObject)ts->vatol, &state));
+  if (state != self->tolerance_state) {
+    PetscCall(VecGetLocalSize(ts->vatol, &n));
+    PetscCall(VecGetArrayRead(ts->vatol, &tolerance));
+    for (PetscInt i = 0; i < n && !small; i++) small = PetscAbsReal(tolerance[i]) < minute;
+    PetscCall(VecRestoreArrayRead(ts->vatol, &tolerance));
+    PetscCallMPI(
+        MPI_Allreduce(MPI_IN_PLACE, &small, 1, MPI_INT, MPI_MAX, PetscObjectComm((PetscObject)ts)));
+    self->minute = (PetscBool)small;
+    self->tolerance_state = state;
+  }
+  *may = self->minute;
+  PetscFunctionReturn(0);
+}
+
+/* Is a state so far from another one? Collective. */
+static PetscErrorCode IsBeyond(TS ts, Controller *self, Vec U, Vec X, PetscBool *is) {
+  const PetscScalar *u, *x, *tolerance;
+  PetscBool may;
+  int far = 0;
+  PetscInt n;
+
+  PetscFunctionBegin;
+  *is = PETSC_FALSE;
+  PetscCall(MayBeBeyond(ts, self, &may));
+  if (!may) PetscFunctionReturn(0);
+  PetscCall(VecGetLocalSize(U, &n));
+  PetscCall(VecGetArrayRead(U, &u));
+  PetscCall(VecGetArrayRead(X, &x));
+  PetscCall(VecGetArrayRead(ts->vatol, &tolerance));
+  for (PetscInt i = 0; i < n; i++)
+    if (!(PetscAbsReal(x[i] - u[i]) <= beyond * PetscAbsReal(tolerance[i]))) far = 1;
+  PetscCall(VecRestoreArrayRead(ts->vatol, &tolerance));
+  PetscCall(VecRestoreArrayRead(X, &x));
+  PetscCall(VecRestoreArrayRead(U, &u));
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, &far, 1, MPI_INT, MPI_MAX, PetscObjectComm((PetscObject)ts)));
+  *is = (PetscBool)far;
+  PetscFunctionReturn(0);
+}
+
+/* The weighted norm of the difference of a state from work, which is lost. */
+static PetscErrorCode Norm(TS ts, Controller *self, Vec U, PetscReal *norm) {
+  PetscReal absolute, relative;
+  PetscBool far;
+
+  PetscFunctionBegin;
+  *norm = beyond;
+  if (self->measure) {
+    PetscCall(VecAXPY(self->work, -1, U));
+    PetscCall(self->measure(ts, self->work));
+    PetscCall(VecAXPY(self->work, 1, U));
+  }
+  PetscCall(IsBeyond(ts, self, U, self->work, &far));
+  if (far) PetscFunctionReturn(0);
+  PetscCall(
+      TSErrorWeightedNorm(ts, U, self->work, ts->adapt->wnormtype, norm, &absolute, &relative));
+  PetscFunctionReturn(0);
+}
+
+/* The weighted error that a step of order q would have made, over the tolerance. */
+static PetscErrorCode LocalError(TS ts, Controller *self, Formula *f, PetscInt q,
+                                 PetscReal *error) {
+  PetscFunctionBegin;
+  PetscCall(FormulaWithoutError(f, q, self->work));
+  FormulaTakeFactor(f, self->order);
+  PetscCall(Norm(ts, self, f->point[0], error));
+  PetscFunctionReturn(0);
+}
+
+/* The first step has no second point to tell its error from. A decaying mode that changes by d in
+   it errs by d^2/2; U is compared with the guess, growth alone. (On the safe side: against rtol,
+   while change is measured against the tolerance, a part of it.) Behind a snap friction is at its
+   limit all along the rod, and modes of all rates are let go at once: those much faster than the
+   step err by all that they change. */
+static PetscErrorCode FirstError(TS ts, Controller *self, Formula *f, PetscReal *error) {
+  PetscReal change;
+
+  PetscFunctionBegin;
+  *error = 0;
+  if (!self->guess) PetscFunctionReturn(0);
+  PetscCall(self->guess(ts, f->time[1], f->time[0], f->point[1], self->work, self->guess_ctx));
+  PetscCall(Norm(ts, self, f->point[0], &change));
+  *error = self->snapped ? change : change * change * ts->rtol / 2;
+  PetscFunctionReturn(0);
+}
+
+/* The factor by which the step may change for an error e of order q, as a part of the tolerance. */
+static PetscReal StepFactor(PetscReal e, PetscInt q) {
+  return PetscPowReal(safety / PetscMax(e, 1e-14), 1.0 / (q + 1));
+}
+
+/* Would the step of order q, whose error is e, have had a smaller one without the factor, or with
+   it? Then so the next. A rod that follows its natural curvature, x2 like a power of its length, is
+   better off without. */
+static PetscErrorCode WithOrWithout(TS ts, Controller *self, Formula *f, PetscInt q, PetscReal e) {
+  PetscReal other;
+
+  PetscFunctionBegin;
+  if (!f->fields || !f->degree || f->n <= q || q < 2) PetscFunctionReturn(0);
+  f->plain = (PetscBool)!f->plain;
+  PetscCall(LocalError(ts, self, f, q, &other));
+  f->plain = (PetscBool)!f->plain;
+  FormulaTakeFactor(f, self->order);
+  if (other < better * e) self->plain_next = (PetscBool)!f->plain;
+  PetscFunctionReturn(0);
+}
+
+/*
+  Choose - accepts or rejects the step just solved; sets the next order and the factor for the step.
+  The order changes to the one that allows the longest step, upwards only after order + 1 steps of
+  one order (before, the estimates feel the change), except while the history is still building up.
+*/
+static PetscErrorCode Choose(TS ts, Controller *self, Formula *f, PetscBool *accept,
+                             PetscReal *factor) {
+  PetscInt k = self->order, best = k;
+  PetscReal e, persists, lower = 0, higher = 0;
+
+  PetscFunctionBegin;
+  if (f->n > k)
+    PetscCall(LocalError(ts, self, f, k, &e));
+  else
+    PetscCall(FirstError(ts, self, f, &e));
+  *accept = (PetscBool)(e <= 1);
+  persists = ts->time_step < slip_step * ts->max_time ? slip_persists : jump_persists;
+  self->jumped = (PetscBool)(!*accept && k == 1 &&
+                             (e > persists * self->rejected ||
+                              (ts->time_step < self->layer && (f->n == 1 || e > nearly_seen))));
+  self->rejected = *accept ? PETSC_MAX_REAL : e;
+  if (self->jumped) *accept = PETSC_TRUE;
+  *factor = StepFactor(e, k);
+  if (k > 1) {
+    PetscCall(LocalError(ts, self, f, k - 1, &lower));
+    if (StepFactor(lower, k - 1) > *factor) {
+      best = k - 1;
+      *factor = StepFactor(lower, k - 1);
+    }
+  }
+  if (*accept && k < self->most && f->n >= k + 2 && (self->since > k || f->n < self->most + 2)) {
+    PetscCall(LocalError(ts, self, f, k + 1, &higher));
+    if (StepFactor(higher, k + 1) > *factor) {
+      best = k + 1;
+      *factor = StepFactor(higher, k + 1);
+    }
+  }
+  PetscCall(WithOrWithout(ts, self, f, k, e));
+  if (best != k) self->since = 0;
+  self->order = best;
+  *factor = PetscMax(shrink_most, PetscMin(*factor, *accept ? grow_most : 0.9));
+  PetscCall(PetscInfo(
+      ts, "t %g dt %g order %d error %g (lower %g, higher %g) %s, next order %d, step times %g\n",
+      (double)f->time[0], (double)ts->time_step, (int)k, (double)e, (double)lower, (double)higher,
+      *accept ? "accepted" : "rejected", (int)best, (double)*factor));
+  PetscFunctionReturn(0);
+}
+
+/* Keeps the step within the limits and lets the last ones end at the final time. */
+static PetscErrorCode LimitStep(TS ts, Controller *self) {
+  PetscReal least, most, left = ts->max_time - ts->ptime;
+
+  PetscFunctionBegin;
+  PetscCall(TSAdaptGetStepLimits(ts->adapt, &least, &most));
+  ts->time_step = PetscMin(ts->time_step, most);
+  if (ts->exact_final_time != TS_EXACTFINALTIME_MATCHSTEP) PetscFunctionReturn(0);
+  if (ts->time_step > left)
+    ts->time_step = left;
+  else if (!self->fixed && ts->time_step > left / 2)
+    ts->time_step = left / 2;
+  PetscFunctionReturn(0);
+}
+
+/* Begins a try: the step's factor, and the step itself if that would change too much in it. */
+static void BeginTry(TS ts, Controller *self, Formula *f) {
+  PetscReal folds;
+
+  f->time[0] = ts->ptime + ts->time_step;
+  f->plain = self->plain_next;
+  FormulaTakeFactor(f, self->order);
+  folds = FormulaFolds(f);
+  if (self->fixed || folds <= most_folds) return;
+  ts->time_step *= most_folds / folds;
+  f->time[0] = ts->ptime + ts->time_step;
+  FormulaTakeFactor(f, self->order);
+}
+
+/* After a rejection: a shorter step; after several, a fresh start from the last point alone,
+   because the history may lie on the other side of a kink. */
+static PetscErrorCode Retry(TS ts, Controller *self, Formula *f, PetscInt attempt,
+                            PetscReal factor) {
+  PetscFunctionBegin;
+  ts->reject++;
+  ts->time_step *= factor;
+  self->since = 0;
+  if (attempt >= 3) {
+    self->order = 1;
+    f->n = 1;
+  }
+  if (ts->max_reject >= 0 && attempt > ts->max_reject) ts->reason = TS_DIVERGED_STEP_REJECTED;
+  if (ts->time_step < smallest * PetscMax(ts->ptime, early * ts->max_time))
+    ts->reason = TS_DIVERGED_STEP_REJECTED;
+  PetscFunctionReturn(0);
+}
+
+/* Whether a solved step may be; if not, it is as if it had not been solved. */
+static PetscErrorCode Check(TS ts, Controller *self, Formula *f, SNESConvergedReason *solved) {
+  PetscBool impossible = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  if (!self->check || *solved < 0) PetscFunctionReturn(0);
+  PetscCall(self->check(ts, f->time[1], f->time[0], f->point[1], f->point[0], &impossible));
+  if (impossible) *solved = SNES_DIVERGED_FUNCTION_DOMAIN;
+  PetscFunctionReturn(0);
+}
+
+/* Does a step like the one solved, if it went to X, cross a mode that grows? */
+static PetscErrorCode CrossesAt(TS ts, Controller *self, Formula *f, Vec X, VBDFSight sight,
+                                PetscBool *crosses) {
+  Mat J, P;
+
+  PetscFunctionBegin;
+  PetscCall(TSPreStage(ts, f->time[0]));
+  PetscCall(FormulaRate(f, X));
+  PetscCall(TSGetIJacobian(ts, &J, &P, NULL, NULL));
+  PetscCall(TSComputeIJacobian(ts, f->time[0], X, f->rate, f->shift, J, P, PETSC_FALSE));
+  PetscCall(self->cross(ts, X, sight, crosses));
+  PetscFunctionReturn(0);
+}
+
+/*
+  Crosses - does a step of this order, which would be accepted, cross a mode that grows? A mode of
+  the rate r is multiplied by about 1/(1 - h r): beyond h r = 1 its sign turns, and it falls instead
+  of growing. No error sees that, for it does not depend on h any more. A step of which no error is
+  known may have gone far: it must not cross one where it begins, as predicted, nor half-way. If it
+  does, the order and the memory of rejected errors are as if it had not been tried.
+*/
+static PetscErrorCode Crosses(TS ts, Controller *self, Formula *f, PetscInt order,
+                              PetscBool *crosses) {
+  VBDFSight sight = f->n <= order ? VBDF_BLIND : VBDF_SEEN;
+  PetscInt best = self->order;
+
+  PetscFunctionBegin;
+  *crosses = PETSC_FALSE;
+  if (!self->cross) PetscFunctionReturn(0);
+  if (self->jumped) sight = ts->time_step < self->layer ? VBDF_BLIND : VBDF_JUMP;
+  PetscCall(self->cross(ts, f->point[0], sight, crosses));
+  if (sight != VBDF_SEEN && !*crosses) {
+    self->order = order;
+    PetscCall(Predict(ts, self, f, self->work));
+    PetscCall(CrossesAt(ts, self, f, self->work, sight, crosses));
+    PetscCall(VecAXPBY(self->work, 0.5, 0.5, f->point[0]));
+    if (!*crosses) PetscCall(CrossesAt(ts, self, f, self->work, sight, crosses));
+    if (!*crosses)
+      PetscCall(CrossesAt(ts, self, f, f->point[0], sight, crosses)); /* for the next step */
+    self->order = best;
+  }
+  if (!*crosses) PetscFunctionReturn(0);
+  self->order = order;
+  self->jumped = PETSC_FALSE;
+  self->rejected = PETSC_MAX_REAL;
+  PetscFunctionReturn(0);
+}
+
+/* A jump shows: follows it from the last point on, and begins the step again behind it. */
+static PetscErrorCode Snap(TS ts, Controller *self, Formula *f) {
+  PetscFunctionBegin;
+  PetscCall(self->snap(ts, f->time[1], f->point[1], &self->snapped));
+  self->tried = PETSC_TRUE;
+  if (!self->snapped) PetscFunctionReturn(0);
+  PetscCall(FormulaMeasureSize(f, 1));
+  self->jumped = PETSC_FALSE;
+  self->rejected = PETSC_MAX_REAL;
+  self->order = 1;
+  f->n = 1;
+  PetscFunctionReturn(0);
+}
+
+/* Have the steps shrunk as they do before a snap, or more since that was asked? (The first step is
+   but a guess, which a start out of balance cuts to the rates of its fastest modes: no step that
+   follows has shrunk against that.) */
+static PetscBool Shrinks(const TS ts, Controller *self, const Formula *f) {
+  if (f->n <= 1 && self->usual == 0) return PETSC_FALSE;
+  PetscBool shrinks = (PetscBool)(ts->time_step < shrunk * self->usual);
+
+  self->usual =
+      shrinks ? again / shrunk * ts->time_step : PetscMax(ts->time_step, forgets * self->usual);
+  return shrinks;
+}
+
+/* Solves the equations of the present step, in the usual way or else in another. */
+static PetscErrorCode Solve(TS ts, Controller *self, Formula *f, SNESConvergedReason *solved) {
+  PetscFunctionBegin;
+  PetscCall(Predict(ts, self, f, f->point[0]));
+  PetscCall(SolveStage(ts, self, f));
+  PetscCall(SNESGetConvergedReason(ts->snes, solved));
+  if (*solved >= 0 || !self->other_way) PetscFunctionReturn(0);
+  PetscCall(self->other_way(ts, PETSC_TRUE));
+  PetscCall(Predict(ts, self, f, f->point[0]));
+  PetscCall(SolveStage(ts, self, f));
+  PetscCall(SNESGetConvergedReason(ts->snes, solved));
+  PetscCall(self->other_way(ts, PETSC_FALSE));
+  PetscFunctionReturn(0);
+}
+
+/* What a try has come to: its equations have no solution, or one that cannot be; it crosses a mode
+   that grows; its error is too large; or it is accepted. */
+typedef enum { TRY_UNSOLVED, TRY_CROSSES, TRY_ERRS, TRY_ACCEPTED } Outcome;
+
+/* One try of the step. factor: what its size is multiplied by for the next one. */
+static PetscErrorCode Try(TS ts, Controller *self, Formula *f, Outcome *outcome,
+                          PetscReal *factor) {
+  PetscBool accept = PETSC_TRUE, crosses = PETSC_FALSE;
+  SNESConvergedReason solved;
+  PetscReal size;
+
+  PetscFunctionBegin;
+  self->order = PetscMax(1, PetscMin(self->order, f->n));
+  PetscCall(LimitStep(ts, self));
+  BeginTry(ts, self, f);
+  PetscCall(Solve(ts, self, f, &solved));
+  self->taken_order = self->order;
+  PetscCall(VecNorm(f->point[0], NORM_INFINITY, &size));
+  if (PetscIsInfOrNanReal(size)) solved = DIVERGED_NAN;
+  PetscCall(Check(ts, self, f, &solved));
+  *outcome = TRY_UNSOLVED;
+  if (solved < 0) PetscFunctionReturn(0);
+  if (!self->fixed) PetscCall(Choose(ts, self, f, &accept, factor));
+  if (accept) PetscCall(Crosses(ts, self, f, self->taken_order, &crosses));
+  *outcome = !accept ? TRY_ERRS : crosses ? TRY_CROSSES : TRY_ACCEPTED;
+  PetscFunctionReturn(0);
+}
+
+/* The step cannot be as it was tried: one of fixed size ends the run; another is cut, or, if that
+   has not helped for long, a snap is followed. */
+static PetscErrorCode CutOrSnap(TS ts, Controller *self, Formula *f, PetscInt attempt,
+                                Outcome outcome) {
+  PetscBool unsolved = (PetscBool)(outcome == TRY_UNSOLVED);
+
+  PetscFunctionBegin;
+  if (unsolved) ts->num_snes_failures++;
+  if (self->fixed ||
+      (unsolved && ts->max_snes_failures >= 0 && ts->num_snes_failures > ts->max_snes_failures))
+    ts->reason = unsolved ? TS_DIVERGED_NONLINEAR_SOLVE : TS_DIVERGED_STEP_REJECTED;
+  else if (attempt > failures_of_snap && self->snap && !self->tried)
+    PetscCall(Snap(ts, self, f));
+  else
+    PetscCall(Retry(ts, self, f, attempt, cut));
+  PetscFunctionReturn(0);
+}
+
+/* Tries the step until it is accepted, or the TS has a reason to end. factor: for the next step. */
+static PetscErrorCode TryUntilAccepted(TS ts, Controller *self, Formula *f, PetscReal *factor) {
+  Outcome outcome = TRY_UNSOLVED;
+
+  PetscFunctionBegin;
+  for (PetscInt attempt = 1; outcome != TRY_ACCEPTED && !ts->reason; attempt++) {
+    PetscCall(Try(ts, self, f, &outcome, factor));
+    if (outcome == TRY_ERRS) {
+      if (*factor > 1. / 3) self->rejected = PETSC_MAX_REAL;
+      PetscCall(Retry(ts, self, f, attempt, *factor));
+    } else if (outcome != TRY_ACCEPTED) {
+      PetscCall(CutOrSnap(ts, self, f, attempt, outcome));
+    } else if (self->jumped && self->snap && !self->tried && ts->time_step >= self->layer) {
+      PetscCall(Snap(ts, self, f));
+      if (self->snapped) outcome = TRY_UNSOLVED; /* it begins behind the snap */
+    }
+  }
+  PetscFunctionReturn(0);
+}
+
+/* Begins a step: moves the state into the history, and follows a snap that shows on the way. */
+static PetscErrorCode BeginStep(TS ts, Controller *self, Formula *f) {
+  PetscFunctionBegin;
+  PetscCall(PetscObjectTypeCompare((PetscObject)ts->adapt, TSADAPTNONE, &self->fixed));
+  self->jumped = self->tried = self->snapped = PETSC_FALSE;
+  self->layer = PetscMax(self->layer, jump_step * ts->max_time);
+  self->rejected = PETSC_MAX_REAL;
+  if (ts->steprestart && !f->given) f->n = 0;
+  if (!f->given && !ts->steprollback) PetscCall(FormulaPush(f, ts->ptime, ts->vec_sol));
+  f->given = PETSC_FALSE;
+  if (self->fixed) self->order = PetscMin(self->order + 1, self->most);
+  if (!self->fixed && self->snap && Shrinks(ts, self, f)) PetscCall(Snap(ts, self, f));
+  PetscFunctionReturn(0);
+}
+
+/* Ends an accepted step: hands over the state, and sets the size of the next step, times factor.
+   Behind a jump the history starts anew. */
+static PetscErrorCode EndStep(TS ts, Controller *self, Formula *f, PetscReal factor) {
+  PetscFunctionBegin;
+  self->since++;
+  if (self->jumped || self->snapped) self->jumps++;
+  if (self->jumped) {
+    f->n = 0;
+    factor = 1;
+    if (ts->time_step < self->layer) {
+      factor = 2;
+      self->layer = PetscMin(2 * self->layer, longest_jump * ts->max_time);
+    }
+  } else if (f->n > 1) /* its error was seen: the layer is behind */
+    self->layer = 0;
+  PetscCall(VecCopy(f->point[0], ts->vec_sol));
+  /* of the accepted state: a linear solve has not looked at it any more */
+  PetscCall(FormulaRate(f, f->point[0]));
+  ts->ptime = f->time[0];
+  if (ts->exact_final_time == TS_EXACTFINALTIME_MATCHSTEP &&
+      PetscAbsReal(ts->max_time - ts->ptime) < 1e-12 * ts->max_time)
+    ts->ptime = ts->max_time;
+  ts->time_step *= factor;
+  PetscFunctionReturn(0);
+}
+
+/* ControllerStep - takes a step of a TS whose formula this is, or gives the TS the reason why it
+   cannot be taken. Collective. */
+PetscErrorCode ControllerStep(TS ts, Controller *self, Formula *f) {
+  PetscReal factor = 1;
+
+  PetscFunctionBegin;
+  PetscCall(BeginStep(ts, self, f));
+  PetscCall(TryUntilAccepted(ts, self, f, &factor));
+  if (!ts->reason) PetscCall(EndStep(ts, self, f, factor));
+  PetscFunctionReturn(0);
+}
