@@ -130,9 +130,11 @@ static PetscErrorCode TubeMake(const SurfaceLine *line, Surface *surface) {
     surface->room = PetscMin(surface->room, ball[k][FOUR - 1] - line->radius);
   PetscCall(PetscFree(ball));
   if (inside)
-    UserCheck(TubeHolds((Tube)surface->data, clamp, line->radius), OptionsComm(),
-              "%s: the clamp, at 0, is outside the tube: move the tube, or lead it to the clamp",
-              what);
+    UserCheck(
+        TubeHolds((Tube)surface->data, clamp, line->radius), OptionsComm(),
+        "%s: the clamp, at 0, is outside the tube, or beside its mouth: move the tube, or lead it "
+        "to the clamp",
+        what);
   surface->box = TubeBox((Tube)surface->data);
   surface->smallest = TubeSmallest((Tube)surface->data);
   surface->core = TubeCore((Tube)surface->data);

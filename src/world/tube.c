@@ -295,7 +295,19 @@ PetscBool TubeAt(Tube self, const PetscReal x[3], PetscReal within, SurfacePoint
   return PETSC_TRUE;
 }
 
-/* TubeHolds - may the axis of a rod of this radius be at x: within the tube, or beyond its ends? */
+/* Does the mouth whose last ball this is open to a place? Its lip ends at 45 degrees, so that what
+   is farther from the axis than   a + sqrt(2) r,   a the way beyond the ball's centre, is beside
+   it. */
+static PetscBool InFront(const Sight *last, PetscReal sign, PetscReal radius) {
+  const PetscReal *out = last->ball.d1,
+                  a = sign * last->far * Dot3(last->e, out) / PetscSqrtReal(Dot3(out, out)),
+                  from_axis = PetscSqrtReal(PetscMax(0, last->far * last->far - a * a));
+
+  return (PetscBool)(from_axis + radius <= a + PetscSqrtReal(2) * last->ball.y[RADIUS]);
+}
+
+/* TubeHolds - may the axis of a rod of this radius be at x: within the tube, or in front of one of
+   its mouths? */
 PetscBool TubeHolds(Tube self, const PetscReal x[3], PetscReal radius) {
   Search search = {.self = self, .x = x, .piece = -1, .best = -PETSC_MAX_REAL};
   const Block place = BlockAt(3, x);
@@ -306,9 +318,8 @@ PetscBool TubeHolds(Tube self, const PetscReal x[3], PetscReal radius) {
   BlocksNear(self->near, &place, PETSC_MAX_REAL, Meet, &search);
   piece = &self->piece[search.piece];
   See(self, piece->segment, search.u, x, &sight);
-  if ((search.piece == 0 && search.u == piece->a) ||
-      (search.piece == self->pieces - 1 && search.u == piece->b))
-    return PETSC_TRUE;
+  if (search.piece == 0 && search.u == piece->a) return InFront(&sight, -1, radius);
+  if (search.piece == self->pieces - 1 && search.u == piece->b) return InFront(&sight, 1, radius);
   return (PetscBool)(sight.F >= radius);
 }
 

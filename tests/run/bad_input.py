@@ -335,6 +335,7 @@ CASES = [
     ("-wall_file {wall_tube_sharp} -contact_diameter 0.1", "bends with radius"),
     ("-wall_file {wall_tube_itself} -contact_diameter 0.1", "runs into itself"),
     ("-wall_file {wall_tube_off} -contact_diameter 0.1", "the clamp, at 0, is outside the tube"),
+    ("-wall_file {wall_tube_beside} -contact_diameter 0.1", "or beside its mouth"),
     ("-wall_file {wall_tube_twice}", "the same"),
     ("-wall_file {wall_tube_flat}", "above 0"),
     ("-wall_file {wall_tube_bare}", "line 1"),
@@ -418,7 +419,8 @@ def make_shapes(d, text):
             ("pinched", "inside -1 0 0 0.6  3 0 0 0.6  7 0 0 0.1  11 0 0 0.1  15 0 0 0.6  19 0 0 0.6"),
             ("sharp", "inside -1 0 0 1.2  0 0 0 1.2  0.6 0.5 0 1.2  0.6 1.4 0 1.2"),
             ("itself", "inside" + "".join(f" {3 * sin(a / 3):.6f} {3 - 3 * cos(a / 3):.6f} 0 0.5" for a in range(-1, 20))),
-            ("off", "inside -1 1 0 0.5  9 1 0 0.5"), ("twice", "inside -1 0 0 0.5 -1 0 0 0.5"),
+            ("off", "inside -1 1 0 0.5  9 1 0 0.5"),
+            ("beside", "inside 0.2 2 0 0.5  9 2 0 0.5"), ("twice", "inside -1 0 0 0.5 -1 0 0 0.5"),
             ("flat", "inside -1 0 0 0.5 1 0 0 0"), ("bare", ""), ("odd", "inside -1 0 0 0.5 1 0 0"),
             ("missing", "missing.csv inside"), ("columns", "columns.csv inside"), ("word", "word.csv inside")):
         text(f"wall_tube_{name}", f"tube {line}\n")
