@@ -82,7 +82,8 @@ def writhe(draw):
     length, turns, slack, time = draw.between(2.5, 4), draw.between(3, 6), draw.between(0.4, 0.6), 4
     way = draw.file(".csv")
     way.write_text(f"t,x1\n0,{length}\n{time / 2},{length * (1 - slack)}\n{time},{length * (1 - slack)}\n")
-    return {"growth_type": "none", "growth_initial_length": length, **draw.uneven(), "tip_type": "clamped",
+    return {"growth_type": "none", "growth_initial_length": length, **draw.uneven(),
+            "shape_amplitude": draw.over(1e-3, 0.02), "tip_type": "clamped",  # its way is to begin where the tip is
             "tip_path": way, "clamp_spin": f"{draw.choice(-1, 1) * 2 * np.pi * turns / time:.4g}",
             "friction_mu": 0, "friction_layers": f"0:{draw.over(0.01, 0.3)}", "rod_cells": draw.choice(40, 60),
             "contact_diameter": draw.between(0.1, 0.2), "ts_max_time": draw.between(2, 2.8), **draw.rubbing()}
