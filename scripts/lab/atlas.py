@@ -324,7 +324,7 @@ NAMES = {RIGHT_: "right, with its seconds",
 
 
 def cost(seconds):
-    return f"{seconds:.2f}"[1 if seconds < 0.995 else 0:] if seconds < 1.95 else f"{seconds:.0f}"
+    return f"{seconds:.2f}"[1:] if seconds < 0.995 else f"{seconds:.1f}" if seconds < 9.95 else f"{seconds:.0f}"
 
 
 def draw_block(ax, found, methods):
