@@ -652,7 +652,8 @@ static void AdviseGivingWay(const Grow *self, char *advice, size_t room) {
                    (double)cell, (double)spread, (double)PetscCeilReal(self->seen.length / spread));
   else
     (void)snprintf(advice, room,
-                   "take a shorter -ts_dt (without -ts_adapt_type none), another -ts_rtol%s",
+                   "take a shorter -ts_dt (without -ts_adapt_type none), more -rod_cells, another "
+                   "-ts_rtol%s",
                    friction);
 }
 
