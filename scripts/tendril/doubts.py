@@ -22,7 +22,7 @@ from .noise import estimate
 from .parameters import Parameter
 from .problem import Problem, Solution
 from .starting import starting_points
-from .units import scales_of_rod
+from .units import briefly, scales_of_rod
 
 if TYPE_CHECKING:
     from .fitting import Fit
@@ -31,9 +31,13 @@ BAD = 0.02  # of the extent: residuals beyond are no errors of clicking
 BAD_SERIES = 0.05  # of the range of a series
 SURE = 1e-4  # the probability at which what is left over is no chance
 BETTER, SLIGHT = 0.6, 0.8  # a cause is one if residuals fall to this part, of a fit that is not bad
+WELL = 1 / 3  # to this part also with one that ends at the most that is tried,
+STILL = 2.5  # or leaves them beyond so many times what is called bad: next to points at random anything explains a little
 ALIKE = 1.25  # residuals are known no better than to such a factor: causes within it are not told apart
+EDGE = 0.01  # of its bounds: there a cause is as large as was tried
 LONGER = 3.0  # runs so much longer than those that were made are not tried
 COARSE = 3e-3  # the accuracy of runs for another time
+TRIAL = 20  # runs, about, to try a cause
 SEEN = 2e-3  # of the extent: a cause that moves the points less is left alone
 FACTORS = {1e-3: "1000", 1e-2: "100", 0.1: "10", 10.0: "10", 100.0: "100", 1e3: "1000"}
 
@@ -76,6 +80,11 @@ def sizes(fit: Fit):
     # of points also the upper ones count: half of a rod may be right
     return {name: (max(spread_of(raw[groups == name]), np.quantile(np.abs(raw[groups == name]), 0.8) / 1.28),
                    spreads[name]) for name in spreads}
+
+
+def limit_of(group) -> float:
+    """The part of what was measured beyond which residuals are called bad."""
+    return BAD if group == LINES else BAD_SERIES
 
 
 def runs_along(fit: Fit):
@@ -206,13 +215,14 @@ def changed(measured: Measured, change) -> Measured:
 
 
 def tried(fit: Fit, cause: Cause):
-    """(the size of the residuals once a cause is allowed for, over what it was; the problem and its end)"""
+    """(the size of the residuals once a cause is allowed for, over what it was; the problem and its end, None if the cause
+    explains nothing)"""
     old = fit.problem
     measured = changed(old.measured, cause.change) if cause.change else old.measured
     more = [wide(fit, name) for name in cause.looked_for]
     new = Problem(old.scene, measured, [*old.parameters, *more], old.options, old.jobs, priors=old.priors,
                   tied=old.tied)
-    new.glimpse, new.begin, new.reach = old.glimpse, old.begin, old.reach
+    new.bar, new.glimpse, new.begin, new.reach = old.bar, old.glimpse, old.begin, old.reach
     new.settings, new.known = dict(old.search_settings), dict(old.search_known)
     points = [fit.u[:len(old.parameters)]]
     if cause.change and cause.of_time:  # nothing that was run is of use
@@ -239,15 +249,19 @@ def tried(fit: Fit, cause: Cause):
         best = new.solve(best.u, 3e-3, most=8)
     (r,) = new.run([best.u])
     found = replace(fit, problem=new, u=best.u, run=r)
-    ratios = [a[0] / a[1] / max(b[0] / b[1], 1e-12) for a, b in zip(sizes(found).values(), sizes(fit).values())]
-    return float(np.mean(ratios)), new, best.u
+    after = sizes(found)
+    ratio = float(np.mean([a[0] / a[1] / max(b[0] / b[1], 1e-12) for a, b in zip(after.values(), sizes(fit).values())]))
+    own = best.u[len(old.parameters):len(new.parameters)]
+    in_vain = np.any((own < EDGE) | (own > 1 - EDGE)) or any(
+        size > STILL * limit_of(name) * extent for name, (size, extent) in after.items())
+    return ratio, new, None if in_vain and ratio > WELL else best.u
 
 
 def spoken(fit: Fit, problem: Problem, u, cause: Cause):
     """A cause in words, with its numbers."""
     view = problem.view(u)
     lines, times = problem.measured.photographs, problem.measured.abscissae("t")
-    length = (lambda x: f"{1e3 * x:.2g} mm") if lines and lines[0].points.si else (lambda x: f"{x:.2g}")
+    length = (lambda x: f"{briefly(1e3 * x)} mm") if lines and lines[0].points.si else (lambda x: f"{x:.2g}")
     second = " s" if any(at.si for at in times) else ""
     said = {"camera_x": length(view["camera_x"]), "camera_y": length(view["camera_y"]),
             "camera_turn": f"{np.degrees(view['camera_turn']):.2g} degrees",
@@ -323,7 +337,7 @@ def causes_named(ends, least):
     alike = [end for end in order if order[0][1] < least and end[1] < least and end[0] <= ALIKE * order[0][0] + 1e-6]
     if not alike:
         return ""
-    said = [f"{words} (residuals fall to {100 * ratio:.2g} % with it)" for _, ratio, words in alike]
+    said = [f"{words} (residuals fall to {briefly(100 * ratio)} % with it)" for _, ratio, words in alike]
     if len(said) == 1:
         return f"likeliest cause: {said[0]}."
     return f"likeliest causes, which these data do not tell apart: {'; or '.join(said)}."
@@ -341,6 +355,7 @@ def likeliest(fit: Fit, bad, tell):
     if bad and fit.problem.measured.photographs and not fit.problem.comparison.camera:
         causes += promising(fit, [c for c in [*discrete(), *units] if not c.of_time])
     causes = [c for c in units if c.of_time] + causes
+    fit.problem.expect(TRIAL * len(causes))
     ends = []
     for cause in causes:
         tell(f"trying a cause: {', '.join(cause.looked_for) or cause.change[0]}")
@@ -361,12 +376,11 @@ def warnings_of(fit: Fit, agreed, tell) -> list[str]:
     """What speaks against a fit, in lines."""
     words, bad = plain_units(fit.problem.measured, fit.run.attributes), False
     for name, (size, extent) in sizes(fit).items():
-        limit = BAD if name == LINES else BAD_SERIES
-        if size > limit * extent:
+        if size > limit_of(name) * extent:
             bad = True
             what = "the points lie beside the rod of the best scene" if name == LINES else \
                 f"{name} is off the best scene's"
-            words.append(f"a bad fit: {what} by {100 * size / extent:.2g} % of the extent; the numbers above "
+            words.append(f"a bad fit: {what} by {briefly(100 * size / extent)} % of the extent; the numbers above "
                          "mean little.")
     part = bare_part(fit)
     if part > 0.05:
@@ -383,7 +397,7 @@ def warnings_of(fit: Fit, agreed, tell) -> list[str]:
     for name, told in fit.problem.told_noise.items():
         size = sizes(fit)[name][0]
         if size > 1.5 * told:
-            words.append(f"the residuals of {name} are {size / told:.2g} times the noise that was told.")
+            words.append(f"the residuals of {name} are {briefly(size / told)} times the noise that was told.")
     if not agreed:
         words.append("no two searches ended in one place: the best may not be the best there is. More --starts, "
                      "narrower bounds, or a START.")

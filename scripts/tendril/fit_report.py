@@ -15,7 +15,7 @@ from .errors import RunError
 from .measured import PIXEL, Values
 from .runs import scene_words, text_of, write_arrays
 from .style import BLUE, GREY, ORANGE, STYLE
-from .units import DIMENSIONS, KINDS, suited_to
+from .units import DIMENSIONS, KINDS, briefly, suited_to
 
 if TYPE_CHECKING:
     from .fitting import Fit
@@ -104,11 +104,11 @@ def parts_of(fit: Fit, name, values):
     said = []
     if g.smooth > 0.1 * g.total:
         within = shown(values, g.reach) if name == LINES else (1, "")
-        said.append(f"smooth {factor * g.smooth:.2g} {unit}" + (
-            f" over {within[0] * g.reach:.2g} {within[1]}" if name == LINES else " over time"))
+        said.append(f"smooth {briefly(factor * g.smooth)} {unit}" + (
+            f" over {briefly(within[0] * g.reach)} {within[1]}" if name == LINES else " over time"))
     if g.shift > 0.1 * g.total:
-        said.append(f"of each photograph {factor * g.shift:.2g} {unit}")
-    return f" (of each point {factor * g.sigma:.2g} {unit}, {', '.join(said)})" if said else ""
+        said.append(f"of each photograph {briefly(factor * g.shift)} {unit}")
+    return f" (of each point {briefly(factor * g.sigma)} {unit}, {', '.join(said)})" if said else ""
 
 
 def describe(fit: Fit) -> str:

@@ -41,6 +41,7 @@ from .starting import starting_points
 
 SEARCH, COARSEST = 30, 0.1  # the search for a start is made with so many times the error of the final runs, and no more
 FOLLOWED = 6  # evaluations for which two searches go on side by side, before one
+BEGINNINGS = 8  # points that are tried where the first run gives up
 DOUBLINGS = 3  # of the starts, at most, as long as no two searches end in one place
 TOGETHER = 0.03  # in parts of the bounds: two ends are one
 BETWEEN = (0.25, 0.5, 0.75)  # places on the way from one end to another
@@ -236,6 +237,12 @@ def followed(problem: Problem, starts):
             raise
 
 
+def runs_of_stages(problem: Problem):
+    """About how many runs searches take beside their starts, the end of the search, and what is made to be sure of it."""
+    each = 1 + len(problem.of_runs) - len(problem.followed)  # of a point: those for derivatives that runs do not tell
+    return 10 * each + 4, 10 * each, 2 * len(problem.of_runs) * each + 1
+
+
 def ranked(problem: Problem, points):
     """The points whose runs do not fail, with the comparison's own numbers, the best first."""
     runs = problem.run(points)
@@ -250,18 +257,33 @@ def ranked(problem: Problem, points):
     return order
 
 
+def begun(problem: Problem, first, accuracy, seed):
+    """Prepares runs from one at a first point; where that gives up on its way, as a straight rod that jams at a wall, from
+    another within the bounds."""
+    failed = None
+    for u in (first, *stats.qmc.LatinHypercube(len(first), seed=seed).random(BEGINNINGS)):
+        try:
+            return problem.prepare(u, accuracy)
+        except RunError as error:
+            if error.results is None:  # refused: so are the others
+                raise
+            failed = failed or error
+    raise failed
+
+
 def search(problem: Problem, starts, accuracy, seed, tell):
     """(the best of the searches from several starts, the costs of all, whether two ended there). The two
     starts that look best are followed, and one that was asked for; if the two best ends are not one place,
     further, and then from twice as many starts."""
     middle = np.array([0.5 if p.start is None else p.inside(p.start) for p in problem.parameters])
-    problem.prepare(middle, accuracy)
+    begun(problem, middle, accuracy, seed)
     problem.noise = {}
     points = starting_points(problem, starts, seed)
     asked = any(problem.parameters[k].start is not None for k in problem.of_runs)
     ends, agreed = [], False
     for doubling in range(DOUBLINGS + 1):
         tell(f"{len(points)} starts")
+        problem.expect(len(points) + sum(runs_of_stages(problem)))
         order = ranked(problem, points)
         chosen = order[:2]
         if asked and not doubling:
@@ -278,6 +300,7 @@ def search(problem: Problem, starts, accuracy, seed, tell):
     if all(s.flat for s in ends):
         raise TendrilError(f"fit: {', '.join(p.name for p in problem.parameters)}: changes nothing of what was measured; a rod "
                            "that is straight by nature stays straight: look for rod_curvature, too, or give it")
+    problem.expect(sum(runs_of_stages(problem)[1:]))
     tell("costs of the searches: " + ", ".join(f"{s.cost:.4g}" for s in ends) + "; the best goes on")
     return problem.solve(ends[0].u, ROUGH), [s.cost for s in ends], agreed
 
@@ -312,6 +335,7 @@ def certain(problem: Problem, best: Solution, tell, most=3):
         if cost > best.cost - BETTER or last == most - 1:
             break
         before = best, known, problem.errors, raw, problem.noise
+        problem.expect(2 * runs_of_stages(problem)[2])
         best = problem.solve(other, 1e-4)
         tell(f"a better one beside it, {problem.count} runs")
     return best, known
@@ -331,9 +355,11 @@ def polished(problem: Problem, best: Solution, accuracy, tell, finer=True):
     problem.measure_noise(best.u)
     if finer and (wanted := problem.wanted_accuracy()) < accuracy:
         tell(f"the data are finer than the runs: once more with -accuracy {wanted:.1g}")
+        problem.expect(sum(runs_of_stages(problem)[1:]))
         return polished(problem, best, wanted, tell, finer=False)
     problem.measure_errors(best.u, problem.raw_jacobian(best.u, central=True))
     best = problem.solve(best.u, 1e-4)
+    problem.expect(runs_of_stages(problem)[2])
     tell(f"{problem.count} runs, polished")
     return best
 
@@ -388,7 +414,7 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", f
     problem = made(scene, data, parameters, unit=unit, fps=fps, y_down=y_down, priors=priors, tied=tied, noise=noise,
                    jobs=jobs, options=options)
     p = len(problem.parameters)
-    tell = problem.show(progress, expected=(starts or 8) + 40 + 14 * p)
+    tell = problem.show(progress, expected=(starts or 8) + sum(runs_of_stages(problem)))
     agreed, costs, interrupted = True, [], False
     try:
         best, costs, agreed = search(problem, max(8, 24 // p) if starts is None else starts,
@@ -410,7 +436,10 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", f
 def finished(problem: Problem, best: Solution, known: Certainty, costs, begin, interrupted, agreed, tell) -> Fit:
     """What was found, and what speaks against it."""
     try:
-        r = problem.first(best.u[:len(problem.parameters)], problem.settings)
+        try:
+            r = problem.first(best.u[:len(problem.parameters)], problem.settings)
+        except KeyboardInterrupt:  # of all that was found nothing is missing but this run
+            interrupted, r = True, problem.first(best.u[:len(problem.parameters)], problem.settings)
         found = Fit(problem, best.u, known.covariance, known.reach, r, best.cost, costs, 0.0,
                     interrupted=interrupted)
         found.indistinct = indistinct(found)

@@ -107,6 +107,7 @@ class Measured:
 
 def values_of(numbers, unit, what):
     """Values of numbers in a unit by its name, "cm"."""
+    unit = unit.replace("\u03bc", "\u00b5")  # a Greek mu is a micro, too
     if unit not in KNOWN:
         raise DataError(f"{what}: {unit} is no unit; give one of "
                         f"{', '.join(name for name in KNOWN if name)}")
@@ -221,11 +222,11 @@ def lines_of(table, names, units, abscissa, path, notes):
 def curves_of(table, names, units, abscissa, path):
     """Series of a file with a column each."""
     if abscissa is None:
-        raise DataError(f"{path}: has no column t or length; there are {', '.join(names)}")
+        raise DataError(f"{path}: has no column t or length, as t (s); there are {', '.join(filter(None, names))}")
     when, found = table[:, names.index(abscissa)], []
     for k, name in enumerate(names):
         rows = np.flatnonzero(np.isfinite(when) & np.isfinite(table[:, k]))
-        if name == abscissa or not len(rows):
+        if not name or name == abscissa or not len(rows):
             continue
         rows = rows[np.argsort(when[rows], kind="stable")]
         found.append(Curve(name, abscissa, values_of(when[rows], units[abscissa], path),
@@ -236,7 +237,8 @@ def curves_of(table, names, units, abscissa, path):
 def left_out(table, names, path):
     """In words, what of a file of points is not used."""
     words = []
-    unused = [name for name in names if name and name not in (*ABSCISSAE, "x1", "x2", "point", "unsure")]
+    used = ("x1", "x2", "point", "unsure", next((name for name in ABSCISSAE if name in names), None))
+    unused = [name for name in names if name and name not in used]
     if unused:
         words.append(f"{path}: not used: {', '.join(unused)}")
     if "unsure" in names and (count := np.count_nonzero(table[:, names.index("unsure")] == 1)):
@@ -266,6 +268,9 @@ def read(path, unit="", at="", fps=None) -> Measured:
         return Measured(side_by_side(rows, unit, path, at), notes=notes)
     headings = [heading(cell) for cell in rows[0]]
     names = [name for name, _ in headings]
+    if twice := next((name for name in names if name and names.count(name) > 1), None):
+        raise DataError(f"{path}: has {names.count(twice)} columns {twice}; give each photograph rows of its own, or X, Y, X, Y "
+                        "under a line of times")
     units = {name: unit if given is None and name in ("x1", "x2") else given or ""
              for name, given in headings}
     abscissa = next((name for name in ABSCISSAE if name in names), None)

@@ -16,7 +16,7 @@ from .errors import RunError, TendrilError
 from .measured import Measured, values_of
 from .noise import Errors, estimate
 from .parameters import MODE, PER, Parameter, Prior, tied_value, with_unit
-from .progress import bar
+from .progress import Stages, bar
 from .results import Results
 from .runs import run
 from .secants import Flat, least
@@ -71,7 +71,7 @@ class Problem:
         # of the searches that are under way, for one that is interrupted
         self.best: np.ndarray | None = None
         self.least, self.ended, self.lock = np.inf, False, Lock()
-        self.bar = None
+        self.bar: Stages | None = None
         self.known: dict = {}  # runs by their point
         self.points: dict = {}  # the points themselves
         # options by whose numbers runs tell their derivatives; none: derivatives are differences between runs
@@ -102,11 +102,22 @@ class Problem:
     def show(self, progress, expected):
         """A bar of the runs, of which about so many are expected; a function that tells what goes on: in a
         line of its own where progress is asked for, else behind the bar."""
-        self.bar = bar(None if progress else progress, expected, what="fit", unit="run")
-        shown = self.bar
+        shown = bar(None if progress else progress, expected, what="fit", unit="run")
+        self.bar = Stages(shown)
         if progress:
             return lambda text: shown.write(f"fit: {text}")
-        return lambda text: shown.set_postfix_str(text)
+        return self.bar.tell
+
+    def counted(self, runs):
+        """Counts runs that are made."""
+        self.count += runs
+        if self.bar is not None:
+            self.bar.count(runs)
+
+    def expect(self, more):
+        """Tells the bar how many more runs are to be expected."""
+        if self.bar is not None:
+            self.bar.expect(more)
 
     def hide(self):
         if self.bar is not None:
@@ -192,9 +203,6 @@ class Problem:
             self.known[key], self.points[key] = r, np.asarray(u, float)[:len(self.parameters)]
             if all(np.isfinite(r.sensitivity(name).shapes.x).all() for name in self.followed):
                 self.derived[key] = r
-            if self.bar is not None:
-                self.bar.total = max(self.bar.total, self.count)
-                self.bar.update(self.count - self.bar.n)
         return self.derived[key]
 
     def derivative(self, u, r, k, of):
@@ -221,10 +229,8 @@ class Problem:
                 r.attributes = self.rod(u)
             self.known[key] = r
             self.points[key] = np.asarray(u, float)[:len(self.parameters)]
-        self.count += len(new)
-        if self.bar is not None:
-            self.bar.total = max(self.bar.total, self.count)
-            self.bar.update(self.count - self.bar.n)
+        if new:
+            self.counted(len(new))
         return [self.known[key] for key in keys]
 
     @contextmanager
@@ -306,7 +312,7 @@ class Problem:
 
     def first(self, u, settings):
         """A run that must not fail, with all that its file tells."""
-        self.count += 1
+        self.counted(1)
         return run(self.scene, progress=False, **self.words(u) | settings)
 
     def raw(self, u, r):

@@ -18,3 +18,29 @@ def bar(progress: bool | None, total, form: str | None = None, what="tendril", u
 
     return tqdm(total=total, desc=what, bar_format=form, unit=unit, leave=False, delay=SOON,
                 disable=not wanted(progress))
+
+
+class Stages:
+    """A bar of work that is known only stage by stage: full at its end, and not before."""
+
+    def __init__(self, shown):
+        self.shown = shown
+
+    def expect(self, more):
+        """From here on it is about so much more."""
+        self.shown.total = self.shown.n + max(more, 1)
+        self.shown.refresh()
+
+    def count(self, done):
+        """So much is done; if it is more than was thought there is a little left."""
+        self.shown.total = max(self.shown.total, self.shown.n + done + 1)
+        self.shown.update(done)
+
+    def tell(self, text):
+        """What goes on, behind the bar."""
+        self.shown.set_postfix_str(text)
+
+    def close(self):
+        self.shown.total = max(self.shown.n, 1)
+        self.shown.refresh()
+        self.shown.close()

@@ -20,6 +20,7 @@ from pathlib import Path
 from .errors import TendrilError
 
 DECIMAL_COMMA = re.compile(r"\s*[-+]?\d*,\d+([eE][-+]?\d+)?\s*$")
+THOUSANDS = re.compile(r"\s*[-+]?\d{1,3},\d{3}\s*")
 ALIASES = {"x": "x1", "y": "x2", "xm": "x1", "ym": "x2", "x_1": "x1", "x_2": "x2", "time": "t", "slice": "slice",
            "frame": "frame", "index": "point", "l": "length"}
 SURE = 0.6  # the likelihood from which on a point of DeepLabCut is used
@@ -45,22 +46,26 @@ def text_of_file(path):
 
 
 def workbook(path):
-    """The first sheet of an .xlsx."""
+    """(the first sheet of an .xlsx, the names of others that hold something)"""
     try:
         import openpyxl
     except ImportError:
         raise DataError(f"{path}: reading .xlsx needs openpyxl: pip install openpyxl, or save it as CSV") from None
     try:
-        sheet = openpyxl.load_workbook(path, read_only=True, data_only=True).worksheets[0]
+        first, *more = openpyxl.load_workbook(path, read_only=True, data_only=True).worksheets
     except FileNotFoundError:
         raise DataError(f"{path}: No such file or directory") from None
     except Exception as error:  # zipfile's, openpyxl's, ...
         raise DataError(f"{path}: no .xlsx ({error})") from None
-    return [["" if cell is None else str(cell) for cell in row] for row in sheet.iter_rows(values_only=True)]
+    others = [sheet.title for sheet in more if any(cell is not None for row in sheet.iter_rows(values_only=True) for cell in row)]
+    return [["" if cell is None else str(cell) for cell in row] for row in first.iter_rows(values_only=True)], others
 
 
 def table(frame):
-    """The rows of a pandas DataFrame, its headings first; several levels of them are rows each."""
+    """The rows of a pandas DataFrame, its headings first; several levels of them are rows each. An index that has a name is
+    a column."""
+    if frame.columns.nlevels == 1 and any(frame.index.names) and not set(frame.index.names) & set(frame.columns):
+        frame = frame.reset_index()
     levels = [[str(c[k]) for c in frame.columns] for k in range(frame.columns.nlevels)] \
         if frame.columns.nlevels > 1 else [[str(c) for c in frame.columns]]
     body = [["" if value != value or value is None else repr(float(value)) if isinstance(value, float) else str(value)
@@ -77,10 +82,12 @@ def rows_of(source):
     if hasattr(source, "itertuples"):
         rows = table(source)
     elif str(source).lower().endswith((".xlsx", ".xlsm")):
-        rows, commas = pointed(workbook(source))
+        rows, others = workbook(source)
+        rows, commas = pointed(rows)
+        notes += [f"{source}: not used: sheet {name}" for name in others]
     else:
         lines = [line for line in text_of_file(source).splitlines() if line.strip(" ,;\t\r\n")
-                 and not line.startswith("#")]
+                 and not line.startswith(("#", "sep="))]
         if not lines:
             raise DataError(f"{source}: is empty")
         rows, commas = split(lines)
@@ -96,10 +103,15 @@ def split(lines):
     """(rows, whether numbers have decimal commas)"""
     sample = "\n".join(lines[:20])
     separator = ";" if ";" in sample else "\t" if "\t" in sample else "," if "," in sample else None
-    if separator is None:
-        return [line.split() for line in lines], False
+    if separator is None:  # a heading's unit is no word of its own
+        return [re.sub(r"\s+(?=[(\[])", "", line).split() for line in lines], False
     rows = list(csv.reader(io.StringIO("\n".join(lines)), delimiter=separator))
-    return (rows, False) if separator == "," else pointed(rows)
+    if separator == ",":  # in quotes a number may have one, too
+        quoted = [cell for row in rows for cell in row if DECIMAL_COMMA.match(cell)]
+        if quoted and all(THOUSANDS.fullmatch(cell) for cell in quoted):
+            raise DataError(f'"{quoted[0].strip()}": is the comma a decimal one, or of thousands? Write the numbers with points, '
+                            "or without")
+    return pointed(rows)
 
 
 def pointed(rows):
@@ -156,12 +168,12 @@ def frame_of(row, columns, source):
 
 
 def tracker(rows, source):
-    """Rows of Tracker: a line of tracks, then t, x, y for each."""
+    """Rows of Tracker: a line of tracks, then t, x, y for each. One alone is no rod: a title over points."""
     if len(rows) < 3:
         return None
     heads = [re.sub(r"[\s(\[].*", "", cell.strip().lower()) for cell in rows[1]]
     places = [k for k, head in enumerate(heads) if head == "x"]
-    if heads[:1] != ["t"] or not places or "y" not in heads or rows[0][0].strip().lower().startswith("x"):
+    if heads[:1] != ["t"] or len(places) < 2 or "y" not in heads or rows[0][0].strip().lower().startswith("x"):
         return None
     if any(is_number(cell) for cell in rows[0] if cell.strip()):
         return None
@@ -187,7 +199,9 @@ def is_number(cell):
 
 
 def alias(cell):
-    """A heading by the name that tendril has for it."""
+    """A heading by the name that tendril has for it; x/cm is x (cm)."""
+    if slash := re.fullmatch(r"\s*(t|time|length|l|x|y|x1|x2)\s*/\s*(\S+)\s*", cell, re.IGNORECASE):
+        cell = f"{slash[1]} ({slash[2]})"
     head = re.match(r"\s*([^(\[]*?)\s*([(\[].*)?$", cell)
     name = ALIASES.get(head[1].strip().lower(), head[1].strip())
     return f"{name} {head[2]}" if head[2] else name

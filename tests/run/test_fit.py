@@ -216,6 +216,33 @@ class Reading(unittest.TestCase):
             m = measured.read(Path(self.directory.name) / "a.xlsx")
             np.testing.assert_allclose(m.photographs[0].points.numbers, expected)
 
+    def test_nothing_is_dropped_in_silence(self):
+        """A second sheet, a length beside a time, columns of one name, an index; a title over t, x, y is no track; commas of
+        thousands are not decimal ones."""
+        rows = "1,5;1,5;2\n1,5;2,5;3\n1,5;3,5;4\n"
+        for head in ("my tube\nt;x;y\n", "sep=;\nt (s);x (cm);y (cm)\n", "t/s;x/cm;y/cm\n", "t (s);x1 (\u03bcm);x2 (\u03bcm)\n"):
+            (p,) = measured.read(self.file(head + rows), unit="cm").photographs
+            self.assertEqual((p.ordered, len(p.points.numbers), float(p.at.numbers)), (False, 3, 1.5), head)
+            self.assertAlmostEqual(p.points.numbers[0, 0], 1.5e-6 if "\u03bc" in head else 0.015)
+        quoted = self.file('t (s),x1 (cm),x2 (cm)\n"1,5","1,5",2\n"1,5","2,25",3\n"1,5","3,5",4\n')
+        np.testing.assert_allclose(measured.read(quoted).photographs[0].points.numbers[1], [0.0225, 0.03])
+        for text, word in (('t (s),x1 (mm),x2 (mm)\n1,"1,234",2\n1,"1,335",3\n', "of thousands"),
+                           ("t (s),x,y,x,y\n1,2,3,4,5\n", "2 columns x1")):
+            self.assertRaisesRegex(measured.DataError, word, measured.read, self.file(text))
+        m = measured.read(self.file("t (s) length (cm) x1 x2\n1 5 2 3\n1 5 3 3\n1 5 4 4\n"), unit="cm")
+        self.assertEqual((float(m.photographs[0].at.numbers), m.photographs[0].at.unit), (1, "l/V"))
+        self.assertTrue(any("not used: length" in note for note in m.notes), m.notes)
+        import pandas
+        frame = pandas.DataFrame({"t (s)": 1.5, "x1 (cm)": [1.5, 2.5, 3.5], "x2 (cm)": [2, 3, 4]})
+        (p,) = measured.gather(frame.set_index("t (s)")).photographs
+        self.assertEqual(float(p.at.numbers), 1.5)
+        if find_spec("openpyxl"):
+            path = Path(self.directory.name) / "b.xlsx"
+            with pandas.ExcelWriter(path) as book:
+                for sheet in ("first", "second"):
+                    frame.to_excel(book, sheet_name=sheet, index=False)
+            self.assertTrue(any("not used: sheet second" in note for note in measured.read(path).notes))
+
     def test_unsure_points(self):
         """They are left out; where the last of a line is one, the tip was not seen."""
         m = measured.read(self.file("t (s),x1,x2,point,unsure\n" + "".join(
@@ -661,6 +688,28 @@ class Intervals(unittest.TestCase):
         self.assertGreater(group.sigma, 0.4)
 
 
+class Bar:
+    """What tqdm's has, and how far it was each time."""
+
+    def __init__(self, total):
+        self.n, self.total, self.seen, self.closed = 0, total, [], False
+
+    def update(self, n):
+        self.n += n
+        self.refresh()
+
+    def refresh(self):
+        self.seen.append(self.n / self.total)
+
+    def close(self):
+        self.closed = True
+
+    def write(self, text):
+        print(text)
+
+    set_postfix_str = write
+
+
 class Fitting(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -678,11 +727,17 @@ class Fitting(unittest.TestCase):
             found.append(tendril.fit(*words, **more))
             return found[0]
 
-        with contextlib.redirect_stdout(said), mock.patch.object(fit_command, "fit", kept):
+        def shown(progress, total, **more):
+            cls.bar = Bar(total)
+            return cls.bar
+
+        with contextlib.redirect_stdout(said), mock.patch.object(fit_command, "fit", kept), \
+                mock.patch.object(problem, "bar", shown):
             cls.code = fit_command.main([str(scene), str(cls.data), "--parameter", "si_friction_dry=0.2N/m:2N/m",
                                          "-p", "rod_curvature=-10/m:10/m", "--starts", "0", "--accuracy", "1e-3",
                                          "--output", str(cls.out)])
         cls.said, cls.found = said.getvalue(), found[0]
+        cls.count = cls.found.problem.count
 
     @classmethod
     def tearDownClass(cls):
@@ -722,6 +777,13 @@ class Fitting(unittest.TestCase):
         rows = out.with_suffix(".csv").read_text().splitlines()
         self.assertEqual(len(rows), 1 + 4 * 40 + 4)  # points, and where each rod ends
         self.assertGreater(out.with_suffix(".png").stat().st_size, 10000)
+
+    def test_bar(self):
+        """Full when the fit is done, and nearly so just before; it counts every run."""
+        self.assertTrue(self.bar.closed)
+        self.assertEqual((self.bar.n, self.bar.seen[-1]), (self.count, 1))
+        self.assertLess(max(self.bar.seen[:-1]), 1)
+        self.assertGreater(self.bar.seen[-2], 0.8, self.bar.seen)
 
     def test_band_of_shapes(self):
         """Runs of parameters that the fit leaves open lie in its band, the hidden truth among them, half as far as the
@@ -866,6 +928,49 @@ class Fitting(unittest.TestCase):
         self.assertLess(ratio, 0.05)
         self.assertAlmostEqual(float(old.parameters[0].value(u[0])), FRICTION, delta=0.05 * FRICTION)
 
+    def wrong(self, change):
+        """The fit as if it had ended at the same scene, of its photographs changed: times and points [n, 2]."""
+        old, photographs = self.found.problem, []
+        for k, p in enumerate(self.found.problem.measured.photographs):
+            at, points = change(p.at.numbers, p.points.numbers, np.random.default_rng(k))
+            photographs.append(replace(p, at=replace(p.at, numbers=at), points=replace(p.points, numbers=points)))
+        new = problem.Problem(old.scene, measured.Measured(photographs), old.parameters, old.options)
+        for name in ("glimpse", "begin", "reach", "search_settings", "search_known", "search_points", "errors"):
+            setattr(new, name, getattr(old, name))
+        new.settings, new.known = dict(old.settings), dict(old.known)
+        new.raw(self.found.u, self.found.run)
+        return replace(self.found, problem=new)
+
+    def test_misuses(self):
+        """Of a clamp 2 mm off, a camera turned by 3 degrees, a wrong scale and a fast clock residuals ask first for what was
+        wrong; of exchanged columns the search's own runs; each is no chance."""
+        c, s = np.cos(np.radians(3)), np.sin(np.radians(3))
+        for name, change in (("camera_x", lambda t, x, random: (t, x + [2e-3, 0])),
+                             ("camera_turn", lambda t, x, random: (t, x @ np.array([[c, s], [-s, c]]))),
+                             ("camera_scale", lambda t, x, random: (t, 1.05 * x)),
+                             ("clock_rate", lambda t, x, random: (1.2 * t, x))):
+            wrong = self.wrong(change)
+            signs = {cause.looked_for[0]: doubts.linear_sign(wrong, cause) for cause in doubts.CAUSES}
+            # a rod that is seen too large is nearly one that is pushed out too fast
+            self.assertGreater(signs[name][2], 0.9 * max(sign[2] for sign in signs.values()), signs)
+            self.assertTrue(signs[name][0] < doubts.SURE and signs[name][1] > doubts.SEEN, signs)
+        swapped = self.wrong(lambda t, x, random: (t, x[:, ::-1]))
+        self.assertGreater(doubts.bare_part(swapped), 0.05)
+        self.assertEqual(doubts.promising(swapped, doubts.discrete())[0].change, ("swap", 0))
+
+    def test_points_at_random(self):
+        """Are explained by nothing: a cause that leaves most of the residuals, or ends at the most that was tried, is none."""
+        wild = self.wrong(lambda t, x, random: (t, random.uniform(x.min(axis=0), x.max(axis=0), x.shape)))
+        size, extent = doubts.sizes(wild)["lines"]
+        self.assertGreater(size, doubts.BAD * extent)
+        clock = next(cause for cause in doubts.CAUSES if cause.looked_for == ("clock_offset",))
+        for part in (0.5, 1.0):
+            with mock.patch.object(problem.Problem, "solve",
+                                   lambda one, u, *more, **also: problem.Solution(np.r_[u[:2], part, u[3:]], 1.0)):
+                ratio, _, u = doubts.tried(wild, clock)
+            self.assertGreater(ratio, doubts.WELL)
+            self.assertIsNone(u)
+
     def test_which_model(self):
         """The data speak for the friction they were made with, and not for another data set."""
         with mock.patch("tendril.fitting.warnings_of", return_value=[]):
@@ -964,7 +1069,7 @@ class Fitting(unittest.TestCase):
         self.assertLess(found.values["si_friction_dry"], high)
 
     def test_interrupted_at_once(self):
-        """Before there is anything: one line, no traceback. While doubts are looked for: the fit stays."""
+        """Before there is anything: one line, no traceback. While doubts are looked for, or in the last run: the fit stays."""
         said = io.StringIO()
         with mock.patch.object(fit_command, "fit", side_effect=KeyboardInterrupt), contextlib.redirect_stderr(said):
             code = fit_command.main([str(self.place / "tube.opts"), str(self.data), "-p", "si_friction_dry=0.2N/m:2N/m",
@@ -972,6 +1077,19 @@ class Fitting(unittest.TestCase):
         self.assertEqual((code, said.getvalue()), (130, "fit: interrupted before anything was found\n"))
         with mock.patch.object(fitting, "warnings_of", side_effect=KeyboardInterrupt):
             self.assertIn("interrupted", fitting.doubted(self.found, True, print)[0])
+        f, calls = self.found, []
+
+        def first(u, settings):
+            calls.append(settings)
+            if len(calls) == 1:
+                raise KeyboardInterrupt
+            return f.run
+
+        with mock.patch.object(f.problem, "first", first):
+            again = fitting.finished(f.problem, problem.Solution(f.u, f.cost), noise.Certainty(f.covariance, f.reach), [], 0.0,
+                                     False, True, print)
+        self.assertTrue(again.interrupted and len(calls) == 2)
+        self.assertEqual(again.values, f.values)
 
     def test_what_is_known_does_not_outweigh_the_points(self):
         """A picture that is turned by three degrees, known to be so to three: found beside the rest."""
@@ -980,6 +1098,23 @@ class Fitting(unittest.TestCase):
             known = self.faulty(lambda x: x @ np.array([[c, s], [-s, c]]), priors={"camera_turn": "0:0.05"})
         self.assertAlmostEqual(np.degrees(known.values["camera_turn"]), 3, delta=0.3)
         self.assertAlmostEqual(known.values["si_friction_dry"], FRICTION, delta=0.02 * FRICTION)
+
+    def test_a_first_run_that_gives_up(self):
+        """At the middle of the bounds the rod is straight and jams at a wall: the search begins at another point. What is
+        refused there is refused at once."""
+        looked = problem.Problem(TUBE, measured.Measured(), [Parameter.of("rod_curvature", (-1, 1))], {})
+        for stored, tried in ((object(), 3), (None, 1)):
+            points = []
+
+            def prepare(u, accuracy):
+                points.append(float(u[0]))
+                if len(points) < 3:
+                    raise tendril.RunError("jammed", results=stored)
+
+            with mock.patch.object(looked, "prepare", prepare), contextlib.suppress(tendril.RunError):
+                fitting.begun(looked, np.array([0.5]), 1e-3, 1)
+            self.assertEqual(len(points), tried)
+            self.assertEqual(len(set(points)), tried)
 
     def test_refuses_what_the_scene_cannot(self):
         data = self.place / "late.csv"
