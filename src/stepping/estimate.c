@@ -193,6 +193,7 @@ PetscErrorCode EstimateCreate(Leg *leg, Estimate *estimate) {
   self->fields = self->model->fields;
   self->followed = self->model->halves[0];
   self->mirrors = self->model->space ? 2 : 1;
+  self->moment[0] = self->moment[1] = PETSC_MAX_REAL; /* none was seen yet: it has not dipped */
   PetscCall(PetscCalloc1(leg->rod->end - leg->rod->first, &self->defect));
   PetscCall(ChooseMesh(self));
   PetscFunctionReturn(0);

@@ -150,8 +150,10 @@ def restart():
         longer = tendril(f"-restart {d}/a.h5 -ts_max_time 13 -growth_initial_length 3", 1)
         expect("-growth_initial_length" in longer and longer.count("\n") <= 1, f"goes on as another rod: {longer}")
     tendril(f"{DRY} -ts_max_time 7.3 -output_interval 0.5 -output {d}/a.h5")
-    tendril(f"-restart {d}/a.h5 -ts_max_time 12")
-    tendril(f"{DRY} -ts_max_time 12 -output_interval 0.5 -output {d}/whole.h5")
+    said = [tendril(f"-restart {d}/a.h5 -ts_max_time 12"),
+            tendril(f"{DRY} -ts_max_time 12 -output_interval 0.5 -output {d}/whole.h5")]
+    further, whole = (float(re.search(r"error estimate (\S+)", lines)[1]) for lines in said)
+    expect(whole / 3 < further < 3 * whole, f"past its end the estimate is {further}, of the whole run {whole}")
     same_run(read(f"{d}/a.h5"), read(f"{d}/whole.h5"), "past its end", 1e-5)
     tendril(f"{FED} -stop_angle 1 -output_interval 0.5 -output {d}/a.h5")
     tendril(f"-restart {d}/a.h5")
