@@ -51,6 +51,11 @@ PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
   if (walls)
     PetscCall(WallsRead(file, contact->diameter / 2, contact->friction, clamp_angle,
                         &contact->walls, &contact->surfaces));
+  UserCheck(
+      !rubs || contact->self || contact->walls.bare, OptionsComm(),
+      "-contact_friction would change nothing: every wall of %s says its own friction; change "
+      "it there, or take it out of its line",
+      file);
   PetscFunctionReturn(0);
 }
 

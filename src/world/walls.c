@@ -426,14 +426,36 @@ static PetscErrorCode ReadText(const char *file, char **text) {
   PetscFunctionReturn(0);
 }
 
+/* What is easily mistyped, of any kind of wall: a blank before a unit, a comma in a number. */
+static PetscErrorCode RefuseSlips(const Maker *self, PetscInt n, char *word[]) {
+  PetscFunctionBegin;
+  for (PetscInt k = 2; k < n; k++) {
+    const char *unit = word[k], *before = word[k - 1];
+    UserCheck(strcmp(unit, "m") && strcmp(unit, "cm") && strcmp(unit, "mm") && strcmp(unit, "um"),
+              OptionsComm(),
+              "-wall_file %s, line %d: %s %s: write a unit right behind its number, %s%s",
+              self->file, self->line, before, unit, before, unit);
+    UserCheck(
+        strcmp(word[k - 2], "friction") || !isdigit((unsigned char)*unit), OptionsComm(),
+        "-wall_file %s, line %d: friction %s,%s: give one number, with a point: friction %s.%s",
+        self->file, self->line, before, unit, before, unit);
+  }
+  PetscFunctionReturn(0);
+}
+
 /* The words of a line, of which there is at least one: a surface in space, or a wall of the plane.
  */
 static PetscErrorCode ReadLine(Maker *self, PetscInt n, char *word[], PetscReal friction,
                                Walls *walls, Surfaces *surfaces) {
   const SurfaceLine line = {
       .file = self->file, .line = self->line, .n = n, .word = word, .radius = self->radius};
+  PetscBool own = PETSC_FALSE;
 
   PetscFunctionBegin;
+  for (PetscInt k = 1; k < n; k++)
+    if (!strcmp(word[k], "friction")) own = PETSC_TRUE;
+  if (!own) walls->bare = PETSC_TRUE;
+  PetscCall(RefuseSlips(self, n, word));
   if (SurfacesKnow(n, word)) {
     PetscCall(SurfacesAdd(&line, friction, surfaces));
     PetscFunctionReturn(0);

@@ -51,6 +51,7 @@ typedef struct {
   PetscInt n;
   Wall *wall;
   PetscBool rub;      /* any has friction */
+  PetscBool bare;     /* any, or a surface in space, does not say its own friction */
   PetscReal smallest; /* of what the rod is outside of, the least radius; 0: there is none */
   PetscInt posts;
   WallPost *post;

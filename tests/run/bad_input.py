@@ -38,6 +38,7 @@ SOUND = [
     "-friction_field field -tip_force 1 -tip_law resistance -tip_field field_across",
     "-friction_layers 0:1,3:2 -friction_layer_width 0.2 -rod_stiffness_file stiffness",
     "-wall_file wall_sound -contact_diameter 0.1 -contact_friction 0.3 -contact_self",
+    "-wall_file wall_own -contact_diameter 0.1 -contact_friction 0.3 -contact_self",
     "-wall_file wall_metres -si_bending_stiffness 1e-4 -si_friction_dry 20 -si_speed 1e-3",
     "-wall_file wall_shapes_sound -contact_diameter 0.3",
     "-snes_view -ksp_converged_reason -options_view -ts_view",
@@ -322,6 +323,11 @@ CASES = [
     ("-contact_friction 0.3", "-contact_friction"),
     ("-contact_friction 0.3 -contact_diameter 0.1", "-contact_friction"),
     ("-contact_friction -0.3 -wall_file {wall_sound}", "-contact_friction"),
+    ("-contact_friction 0.3 -wall_file {wall_own}", "says its own friction"),
+    ("-contact_friction 0.3 -wall_file {wall_own_space} -contact_diameter 0.1", "every wall of"),
+    ("-wall_file {wall_comma}", "friction 0.5"),
+    ("-wall_file {wall_comma_space}", "friction 0.5"),
+    ("-wall_file {wall_blank}", "right behind its number, 50cm"),
     ("-contact_stiffness 1e5", "-contact_stiffness"),
     ("-contact_stiffness 0 -wall_file {wall_sound}", "-contact_stiffness"),
     ("-stop_contact", "-stop_contact"),
@@ -510,6 +516,11 @@ def make_files(d, tendril):
     write_hdf5(d / "stiffness_lengths", distance=far, factor=[1.0] * 5)
     text("wall_sound", "\ufeff# a hall\nplane 5 0 -1 0 # ahead\n\ncircle 3 2 1 outside friction 0.2\n"
          "polygon outside 3,-3 4,-3 4,-2 friction 0\npath 1 -1 0 8 0 10 2\n")
+    text("wall_own", "circle 3 2 1 outside friction 0.2\nplane 9 0 -1 0 friction 0\n")
+    text("wall_own_space", "cylinder 0 0 0 1 0 0 2 inside friction 0.5\n")
+    text("wall_comma", "plane 9 0 -1 0 friction 0,5\n")
+    text("wall_comma_space", "cylinder 0 0 0 1 0 0 2 inside friction 0,5\n")
+    text("wall_blank", "circle 3 2 50 cm outside\n")
     text("wall_metres", "plane 50cm 0 -1 0\ncircle 0.5m 300mm 0.1m outside friction 0.2\n")
     for name, line in (
             ("comments", "# nothing\n\n   \n"), ("unknown", "plane 5 0 -1 0\nsquare 1 2 3"),
