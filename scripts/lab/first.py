@@ -4,8 +4,6 @@ photographs of the root, docs/first/root.csv.
 
     PYTHONPATH=scripts .venv/bin/python scripts/lab/first.py"""
 
-import os
-
 import numpy as np
 
 import tendril
@@ -31,7 +29,6 @@ def photographs():
 
 
 def main():
-    os.chdir(PLACE)  # which walls count from
     photographs()
     tube = tendril.run(PLACE / "tube.opts")
     tendril.plot(tube, "shapes,force", si=True, times=["20s", "40s", "58s"]).savefig(PLACE / "tube.png", dpi=130)

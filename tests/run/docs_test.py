@@ -30,7 +30,7 @@ MADE = {  # page: command lines whose lines it shows, and the directory they are
                   ("-task critical -friction_mu 1 -growth_initial_length 0.5", ".")],
     "docs/my-tube.md": [("-task critical -options_file docs/first/tube.opts -rod_curvature 0", "."),
                         ("-options_file docs/first/tube.opts", ".")],
-    "docs/my-cable.md": [("-options_file cable.opts", "docs/first")],
+    "docs/my-cable.md": [("-options_file docs/first/cable.opts", ".")],
 }
 # page: what it says in words, and what that is in the run of its last command: times in s, lengths in m,
 # distances in cm, forces in N
@@ -106,6 +106,15 @@ class Numbers(unittest.TestCase):
             for word, value in zip(found.groups(), values(r)):
                 digit = 10.0 ** -len(word.partition(".")[2])
                 self.assertLess(abs(float(word) - value), 0.6 * digit, f"{page} says {found[0]}, it is {value:.4g}")
+
+    def test_places(self):
+        """The commands of the first pages are all given from one place, the directory of the project: from that of
+        a page's own pictures a plot would write over what the page shows."""
+        for page in ROOT.glob("docs/my-*.md"):
+            words = re.findall(r"(?m)^    ((?:[.\w-]+/)*(?:tendril|python|\w+\.sh)) ", page.read_text())
+            self.assertTrue(words, page)
+            for word in words:
+                self.assertTrue(word.split("/")[0] in ("build", "scripts", ".venv"), f"{page.name}: {word}")
 
     def test_gallery(self):
         """The energy defects that the gallery tells are those of its scenes (the quick ones), to a factor of
