@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Draws what coverage.py has found: estimated against true errors of random scenes.
 
-    coverage_chart.py [docs/coverage.csv] [docs/coverage.png]"""
+    PYTHONPATH=scripts .venv/bin/python scripts/lab/coverage_chart.py [docs/coverage.csv] [docs/coverage.png]"""
 
 import csv
 import sys
@@ -9,6 +9,8 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib import pyplot as plt
+
+from tendril.style import STYLE
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 COLOURS = {"plain": "#0072B2", "wide": "#56B4E9", "world": "#009E73", "contact": "#D55E00", "hard": "#CC79A7",
@@ -21,12 +23,12 @@ def main():
     with table.open(newline="") as file:
         rows = [row for row in csv.DictReader(file) if not row["accuracy"]]
     limits = np.array((LEAST, 3))
-    with plt.rc_context({"font.size": 8, "axes.linewidth": 0.6}):
+    with plt.rc_context(STYLE):
         fig, ax = plt.subplots(figsize=(4.2, 3.6))
         ax.fill_between(limits, LEAST, limits, color="#D55E00", alpha=0.08, lw=0)
         for factor, words in ((1, "the error"), (10, "10 times the error"), (100, "100 times")):
             ax.plot(limits, factor * limits, color="#999999", lw=0.6, zorder=1)
-            ax.annotate(words, (2 * LEAST, 2.6 * LEAST * factor), fontsize=6, color="#555555", rotation=43,
+            ax.annotate(words, (2 * LEAST, 2.6 * LEAST * factor), fontsize=7, color="#555555", rotation=43,
                         rotation_mode="anchor")
         for kind, colour in COLOURS.items():
             own = [row for row in rows if row["kind"] == kind]
@@ -34,9 +36,9 @@ def main():
                 error = [min(1, max(LEAST, *(float(row[k]) for k in ("tip", "norm", "energy")))) for row in own]
                 ax.plot(error, [min(1, float(row["estimate"])) for row in own], "o", ms=3, mew=0.3, mec="black",
                         color=colour, label=f"{kind}, {len(own)}")
-        ax.set(xscale="log", yscale="log", xlim=limits, ylim=limits, xlabel="true error, the largest of tip, |x2| and energy",
+        ax.set(xscale="log", yscale="log", xlim=limits, ylim=limits, xlabel=r"true error, the largest of tip, $\|x_2\|$ and energy",
                ylabel="error estimate")
-        ax.legend(loc="lower right", fontsize=6, frameon=False)
+        ax.legend(loc="lower right", fontsize=7)
         fig.tight_layout()
         fig.savefig(picture, dpi=200)
     ratio = np.array([float(row["ratio"]) for row in rows])

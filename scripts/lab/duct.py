@@ -2,7 +2,7 @@
 """A cable in a duct of three bends out of one plane (options/duct-bends.opts), over the friction of its wall: table and
 figure for options/README.md.
 
-    scripts/lab/duct.py build/tendril DIRECTORY [path] [run] [table]
+    PYTHONPATH=scripts .venv/bin/python scripts/lab/duct.py build/tendril DIRECTORY [path] [run] [table]
 
 path makes options/data/duct-bends.csv anew."""
 
@@ -17,6 +17,8 @@ import numpy as np
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
+
+from tendril.style import BLUE, STYLE
 
 ROOT = Path(__file__).resolve().parents[2]
 PATH = ROOT / "options" / "data" / "duct-bends.csv"
@@ -57,28 +59,40 @@ def run(tendril, d):
                         str(cells), "-quiet", "-output", d / f"{name}.h5"], check=True, cwd=ROOT)
 
 
-def table(d, figure=ROOT / "options" / "pictures" / "duct-bends.png"):
-    picture, axes = plt.subplot_mosaic([["side", "push"], ["above", "push"]], figsize=(10, 4), constrained_layout=True)
+def table(d):
     print("| friction |", " | ".join(str(n) for n in LENGTHS), "| locked up at length | energy defect |")
     for name in RUNS:
-        with h5py.File(d / f"{name}.h5") as f:
-            length, push = f["series/length"][:], f["series/base_force_1"][:]
-            x, defect = f["shapes/x"][-1], f["series/energy_defect"][-1]
+        length, push, _, defect = read(d, name)
         at = (f"{np.interp(n, length, push):.2f}" if n <= length[-1] else "" for n in LENGTHS)
         print(f"| {name} |", " | ".join(at), f"| {f'{length[-1]:.2f}' if push[-1] > 55 else ''} | {defect:.1e} |")
-        if "cells" not in name:
-            axes["push"].semilogy(length[length > 1], push[length > 1], label=f"friction {name}")
-        if name == "0.5":
-            for ax, k in (("side", 2), ("above", 1)):
-                path = np.loadtxt(PATH, delimiter=",", skiprows=1)
-                axes[ax].plot(path[:, 0], path[:, k], color="0.9", lw=9,
-                              solid_capstyle="butt", zorder=0)
-                axes[ax].plot(x[:, 0], x[:, k], lw=1.5)
-                axes[ax].set(aspect="equal", ylabel=f"$x_{k + 1}$", xlim=(-0.6, 12), ylim=(-0.6, 3.6))
-    axes["above"].set(xlabel="$x_1$, friction 0.5, length 16.8")
+
+
+def read(d, name):
+    """(length, push, last shape, energy defect) of a run."""
+    with h5py.File(d / f"{name}.h5") as f:
+        return (f["series/length"][:], f["series/base_force_1"][:], f["shapes/x"][-1], f["series/energy_defect"][-1])
+
+
+def picture(d, file=ROOT / "options" / "pictures" / "duct-bends.png"):
+    """From the side, from above, and the push over the length."""
+    figure, axes = plt.subplot_mosaic([["side", "push"], ["above", "push"]], figsize=(7.2, 3), layout="constrained")
+    path, (length, _, x, _) = np.loadtxt(PATH, delimiter=",", skiprows=1), read(d, "0.5")
+    for ax, k in (("side", 2), ("above", 1)):
+        axes[ax].plot(path[:, 0], path[:, k], color="0.9", lw=7, solid_capstyle="butt", zorder=0)
+        axes[ax].plot(x[:, 0], x[:, k], color=BLUE)
+        axes[ax].plot(0, 0, "ks", ms=3, zorder=3)
+        axes[ax].set(aspect="equal", ylabel=f"$x_{k + 1}$", xlim=(-0.6, 12), ylim=(-0.6, 3.6))
+    axes["side"].set_title(f"friction 0.5, length {length[-1]:.1f}")
+    axes["above"].set(xlabel="$x_1$")
+    one = [name for name in RUNS if "cells" not in name]
+    for name, shade in zip(one, plt.get_cmap("viridis")(np.linspace(0, 0.88, len(one)))):
+        length, push, *_ = read(d, name)
+        axes["push"].semilogy(length[length > 1], push[length > 1], color=shade, label=f"friction {name}")
     axes["push"].set(xlabel="length of cable in the duct", ylabel="push", xlim=(0, 21), ylim=(0.1, 70))
-    axes["push"].legend(frameon=False)
-    picture.savefig(figure, dpi=140)
+    axes["push"].legend(loc="lower right")
+    for name, letter in zip(("side", "above", "push"), "abc"):
+        axes[name].set_title(f"({letter})", loc="left")
+    figure.savefig(file, dpi=200)
 
 
 def main():
@@ -94,6 +108,8 @@ def main():
         run(str(Path(choice.tendril).resolve()), choice.directory)
     if "table" in choice.what:
         table(choice.directory)
+        with plt.rc_context(STYLE):
+            picture(choice.directory)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Rods in round tubes against exact answers (tests/run/in_tube_test.py), as tables for docs/tubes.md.
 
-    scripts/lab/in_tube.py build/tendril [helix] [sinus] [beyond]"""
+    PYTHONPATH=scripts .venv/bin/python scripts/lab/in_tube.py build/tendril [helix] [sinus] [beyond]"""
 
 import argparse
 import sys
@@ -13,6 +13,8 @@ import numpy as np
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
+
+from tendril.style import BLUE, GREY, ORANGE, STYLE
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "run"))
@@ -71,21 +73,31 @@ def beyond(figure=ROOT / "docs" / "figures" / "tube-beyond.png"):
         row(P, f"{np.abs(turn).max():.1f}", f"{least:.3f}", run.steps)
         seen.append((P, turn, least, x))
         state = run.shapes["s"], run.shapes["strain"][-1]
+    with plt.rc_context(STYLE):
+        draw_beyond(way, seen, np.linspace(0, length, cells + 1), figure)
+
+
+def draw_beyond(way, seen, s, file):
+    """How far the rod has turned about the tube, over the push, and along the rod at some of them."""
     top = way.index(max(way))
-    picture, axes = plt.subplots(1, 2, figsize=(10, 3.8), constrained_layout=True)
-    for part, style, name in ((slice(0, top + 1), "o-", "pushed harder"), (slice(top, None), "s--", "let go")):
-        axes[0].plot([p for p, *_ in seen[part]], [np.abs(t).max() for _, t, *_ in seen[part]], style, ms=4, label=name)
+    figure, axes = plt.subplots(1, 2, figsize=(7.2, 2.8), layout="constrained")
+    for part, look, name, colour in ((slice(0, top + 1), "o-", "pushed harder", BLUE), (slice(top, None), "s--", "let go", ORANGE)):
+        axes[0].plot([p for p, *_ in seen[part]], [np.abs(t).max() for _, t, *_ in seen[part]], look, ms=3, color=colour,
+                     label=name)
     for P in (2, 2.745, 3.546):
-        axes[0].axvline(P, color="0.7", lw=0.8, zorder=0)
-        axes[0].text(P, 250, f"{P} ", fontsize=8, color="0.4", ha="right", rotation=90)
+        axes[0].axvline(P, color=GREY, lw=0.5, zorder=0)
+        axes[0].text(P, 250, f"{P} ", fontsize=7, color=GREY, ha="right", rotation=90)
     axes[0].set(xlabel=r"push over $(Bw/r)^{1/2}$", ylabel="turned about the tube, at most (degrees)")
-    axes[0].legend(frameon=False, loc="upper left")
-    for i in (1, way.index(3.4), top, way.index(2.6, top)):
-        axes[1].plot(np.linspace(0, length, cells + 1), seen[i][1],
+    axes[0].legend(loc="center right")
+    chosen = 1, way.index(3.4), top, way.index(2.6, top)
+    for i, shade in zip(chosen, plt.get_cmap("viridis")(np.linspace(0, 0.88, len(chosen)))):
+        axes[1].plot(s, seen[i][1], "--" if i > top else "-", color=shade,
                      label=f"{way[i]:g}, {'let go' if i > top else 'pushed harder'}")
-    axes[1].set(xlabel=r"arc length over $(Br/w)^{1/4}$", ylabel="turned about the tube (degrees)", ylim=(-100, 620))
-    axes[1].legend(frameon=False, ncols=2, loc="upper center", title="push")
-    picture.savefig(figure, dpi=140)
+    axes[1].set(xlabel=r"arc length over $(Br/w)^{1/4}$", ylabel="turned about the tube (degrees)", ylim=(-100, 640))
+    axes[1].legend(ncols=2, loc="upper center", title="push")
+    for ax, letter in zip(axes, "ab"):
+        ax.set_title(f"({letter})", loc="left")
+    figure.savefig(file, dpi=200)
 
 
 def main():

@@ -2,7 +2,7 @@
 """The rod that is injected into a lying tube (options/injected-tube.opts), fed, fed and spun, and fed and then spun, to
 where it locks up: tables for docs/injected-tube.md and its figures.
 
-    scripts/lab/injected_tube.py build/tendril DIRECTORY [run] [tables] [figure]
+    PYTHONPATH=scripts .venv/bin/python scripts/lab/injected_tube.py build/tendril DIRECTORY [run] [tables] [figure]
 
 Results are kept in DIRECTORY, so that tables and figure can be made anew without the runs."""
 
@@ -18,6 +18,8 @@ import numpy as np
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
+
+from tendril.style import BLUE, GREY, ORANGE, STYLE
 
 ROOT = Path(__file__).resolve().parents[2]
 R, W, MU, BETA, VISCOUS, SPIN, D, C = 0.1, 0.1, 0.5, 1e-6, 1e-4, 30.0, 0.1, 0.75
@@ -132,62 +134,91 @@ def then(directory):
         row(4 + t, f"{push:.3f}", f"{torque:.4f}", f"{spin:.2f}", f"{np.abs(turn).max():.0f}", *off)
 
 
+def shades(count):
+    """Colours of moments one after the other, as plots of shapes have them."""
+    return plt.get_cmap("viridis")(np.linspace(0, 0.88, count))
+
+
+def lettered(*axes):
+    for ax, letter in zip(axes, "abcd"):
+        ax.set_title(f"({letter})", loc="left")
+
+
+def from_above(ax, r, times, end):
+    """The rod in its tube at several times, one below the other, drawn wider than it is."""
+    for k, (t, shade) in enumerate(zip(times, shades(len(times)))):
+        x, middle = r.shapes["x"][np.abs(r.shapes["t"] - t).argmin()], -0.26 * k
+        ax.plot(x[:, 0], x[:, 1] + middle, lw=0.8, color=shade)
+        ax.fill_between([0, end], middle - R, middle + R, color="0.94", lw=0, zorder=0)
+        ax.text(1.01 * end, middle, f"$L = {4 + t:g}$", va="center")
+    ax.set(xlim=(0, 1.12 * end), yticks=[], xlabel="$x_1$; seen from above, drawn wider than it is")
+    ax.tick_params(top=False)
+    ax.spines[["left", "right", "top"]].set_visible(False)
+
+
+def draw_push(ax, fed, spun):
+    for r, name, colour in ((fed, "fed", BLUE), (spun, "fed and spun", ORANGE)):
+        ax.semilogy(r.length[r.length > 4.1], r.push[r.length > 4.1], color=colour, label=name)
+    x = np.linspace(4, 110)
+    ax.semilogy(x, MU * W * x, "k:", label=r"$\mu w L$")
+    for P, words in ((2, "sinus: 2"), (2 * np.sqrt(2), r"$2\sqrt{2}$")):
+        ax.axhline(P, color=GREY, lw=0.5, zorder=0)
+        ax.text(1 if P == 2 else 109, P, words, fontsize=7, color=GREY, va="bottom", ha="left" if P == 2 else "right")
+    ax.set(xlabel="length injected $L$", ylabel="push $P$", xlim=(0, 112), ylim=(0.1, 60))
+    ax.legend(loc="upper left")
+
+
+def draw_inverse(ax, fed):
+    times = 70, 75, 80, 81.5
+    for t, shade in zip(times, shades(len(times))):
+        x, force, _, _ = along(fed, t)
+        ax.plot(x, 1 / force, color=shade, label=f"$L = {4 + t:g}$")
+    x = np.linspace(0, 22)
+    ax.plot(x, 0.035 + MU * R / 4 * x, "k:", label=r"slope $\mu r/4B$")
+    ax.set(xlim=(0, 25), ylim=(0, 0.35), xlabel="$x_1$", ylabel="1 / force along the tube")
+    ax.legend(ncols=2, loc="lower right", fontsize=7)
+
+
+def draw_turns(ax, fed):
+    x, force, turns, _ = along(fed, 80)
+    ax.plot(x, np.abs(turns), color=BLUE, label=r"$d\theta/ds$ at $L = 84$")
+    ax.plot(x, np.sqrt(np.clip(force, 0, None) / 2), "k:", label=r"$(P/2B)^{1/2}$")
+    ax.set(xlim=(0, 25), ylim=(0, 4), xlabel="$x_1$", ylabel="turn per length")
+    ax.legend(loc="upper right")
+
+
 def picture(directory, file=ROOT / "docs" / "figures" / "injected-tube.png"):
     fed, spun = Result(directory, "fed-500"), Result(directory, "spun")
-    figure = plt.figure(figsize=(10, 7.2), constrained_layout=True)
-    grid = figure.add_gridspec(3, 2, height_ratios=(1, 1, 0.9))
-    ax = figure.add_subplot(grid[:2, 0])
-    for r, name in ((fed, "fed"), (spun, "fed and spun")):
-        ax.semilogy(r.length[r.length > 4.1], r.push[r.length > 4.1], label=name)
-    x = np.linspace(4, 110)
-    ax.semilogy(x, MU * W * x, "k:", lw=1, label=r"$\mu w x$")
-    for P, words in ((2, "sinus: 2"), (2 * np.sqrt(2), r"$2\sqrt{2}$")):
-        ax.axhline(P, color="0.75", lw=0.8, zorder=0)
-        ax.text(109, P, words, fontsize=8, color="0.4", va="bottom", ha="right")
-    ax.set(xlabel="length injected", ylabel="push", xlim=(0, 112), ylim=(0.1, 60))
-    ax.legend(frameon=False, loc="upper left")
-    ax = figure.add_subplot(grid[0, 1])
-    for t in (70, 75, 80, 81.5):
-        x, force, turns, pressure = along(fed, t)
-        ax.plot(x, 1 / force, label=f"length {4 + t:g}")
-    x = np.linspace(0, 22)
-    ax.plot(x, 0.035 + MU * R / 4 * x, "k:", lw=1, label=r"slope $\mu r/4B$")
-    ax.set(xlim=(0, 25), ylim=(0, 0.35), xlabel="x", ylabel="1/P along the tube")
-    ax.legend(frameon=False, fontsize=8, ncols=2, loc="lower right")
-    ax = figure.add_subplot(grid[1, 1])
-    x, force, turns, pressure = along(fed, 80)
-    ax.plot(x, np.abs(turns), label=r"$d\theta/ds$")
-    ax.plot(x, np.sqrt(np.clip(force, 0, None) / 2), "k:", lw=1, label=r"$(P/2B)^{1/2}$")
-    ax.set(xlim=(0, 25), ylim=(0, 4), xlabel="x, length 84", ylabel="angle about the tube per length")
-    ax.legend(frameon=False, fontsize=8)
-    ax = figure.add_subplot(grid[2, :])
-    for k, t in enumerate((50, 64, 70, 81)):
-        x = fed.shapes["x"][np.abs(fed.shapes["t"] - t).argmin()]
-        ax.plot(x[:, 0], x[:, 1] - 0.26 * k, lw=1, color=f"C{k}")
-        ax.fill_between([0, 90], -0.26 * k - R, -0.26 * k + R, color="0.94", zorder=0)
-        ax.text(90.5, -0.26 * k, f"length {4 + t}", va="center", fontsize=8, color=f"C{k}")
-    ax.set(xlim=(0, 98), yticks=[], xlabel="x; the rod from above, widened")
-    ax.spines[["left", "right", "top"]].set_visible(False)
-    figure.savefig(file, dpi=140)
+    figure = plt.figure(figsize=(7.2, 5.4), layout="constrained")
+    grid = figure.add_gridspec(3, 2, height_ratios=(1, 1, 0.95))
+    axes = [figure.add_subplot(place) for place in (grid[:2, 0], grid[0, 1], grid[1, 1], grid[2, :])]
+    draw_push(axes[0], fed, spun)
+    draw_inverse(axes[1], fed)
+    draw_turns(axes[2], fed)
+    from_above(axes[3], fed, (50, 64, 70, 81), 90)
+    lettered(*axes)
+    figure.savefig(file, dpi=200)
 
 
 def picture_then(directory, file=ROOT / "docs" / "figures" / "injected-spun.png"):
     """Fed, then spun: push and torque over the length, and the rod from above before and after."""
     r = Result(directory, "then")
-    figure, axes = plt.subplots(1, 2, figsize=(10, 3.6), constrained_layout=True, width_ratios=(1, 1.3))
-    axes[0].plot(r.length, r.push, label="push")
-    axes[0].plot(r.length, 100 * r.series["base_moment_1"], label="100 times the torque")
-    axes[0].axvspan(78, 79, color="0.93", zorder=0)
-    axes[0].set(xlabel="length injected", xlim=(60, 100), ylim=(0, None))
-    axes[0].legend(frameon=False)
-    for k, t in enumerate((74, 76, 82, 96)):
-        x = r.shapes["x"][np.abs(r.shapes["t"] - t).argmin()]
-        axes[1].plot(x[:, 0], x[:, 1] - 0.26 * k, lw=1, color=f"C{k}")
-        axes[1].fill_between([0, 100], -0.26 * k - R, -0.26 * k + R, color="0.94", zorder=0)
-        axes[1].text(101, -0.26 * k, f"length {4 + t}", va="center", fontsize=8, color=f"C{k}")
-    axes[1].set(xlim=(0, 114), yticks=[], xlabel="x; the rod from above, widened")
-    axes[1].spines[["left", "right", "top"]].set_visible(False)
-    figure.savefig(file, dpi=140)
+    figure = plt.figure(figsize=(7.2, 3.2), layout="constrained")
+    grid = figure.add_gridspec(2, 2, width_ratios=(1, 1.25))
+    axes = [figure.add_subplot(grid[0, 0])]
+    axes += [figure.add_subplot(grid[1, 0], sharex=axes[0]), figure.add_subplot(grid[:, 1])]
+    for ax, values, name in zip(axes, (r.push, r.series["base_moment_1"]), ("push", "torque")):
+        ax.plot(r.length, values, color=BLUE)
+        ax.axvspan(78, 79, color="0.9", lw=0, zorder=0)
+        ax.set(ylabel=name, xlim=(60, 100))
+    axes[0].tick_params(labelbottom=False)
+    axes[0].set_ylim(0, None)
+    axes[0].text(79.3, 7.5, "the clamp starts to turn", fontsize=7, color=GREY)
+    axes[1].axhline(0, color=GREY, lw=0.5, zorder=0)
+    axes[1].set_xlabel("length injected $L$")
+    from_above(axes[2], r, (74, 76, 82, 96), 100)
+    lettered(*axes)
+    figure.savefig(file, dpi=200)
 
 
 def main():
@@ -207,8 +238,9 @@ def main():
         tables(choice.directory)
         then(choice.directory)
     if "figure" in choice.what:
-        picture(choice.directory)
-        picture_then(choice.directory)
+        with plt.rc_context(STYLE):
+            picture(choice.directory)
+            picture_then(choice.directory)
 
 
 if __name__ == "__main__":
