@@ -49,7 +49,7 @@ for file in options/*.opts; do
   wire-spun | rod-bent) what=(--panels space,norm,curvature,twisting) ;;
   against-wall) what=(--panels shapes,contact --times 0.4,0.6,1,4) ;;
   root-stones) what=(--panels shapes --times 1,3,6,10) ;;
-  twisted-rod) what=(--panels shapes --times 0.05,0.3,0.6,10) ;;
+  twisted-rod) what=(--panels space,curvature --times 0.05,0.3,0.6,10) ;;
   vine-corners) what=(--panels shapes --times 3,5,7,9) ;;
   esac
   case $name in

@@ -143,6 +143,16 @@ def look(axes, up, view):
                    roll=180 if up < 0 else 0, vertical_axis="xyz"[vertical])
 
 
+def ticks_of(low, high, most):
+    """Where an axis has numbers: that many pieces or fewer, so that they do not run together, yet two numbers
+    where that can be."""
+    for pieces in range(max(2, most), max(2, most) + 3):
+        locator = MaxNLocator(pieces, steps=[1, 2, 5, 10], min_n_ticks=1)
+        if np.sum((locator.tick_values(low, high) >= low) & (locator.tick_values(low, high) <= high)) > 1:
+            break
+    return locator
+
+
 def furnish(axes, low, high, up, view, label):
     """Axes from low to high, alike in all directions, for who looks from view.
 
@@ -156,12 +166,11 @@ def furnish(axes, low, high, up, view, label):
     axes.set_anchor("W")  # so that letters of panels stay in line
     axes.patch.set_alpha(0)
     for d, axis in enumerate((axes.xaxis, axes.yaxis, axes.zaxis)):
-        most = max(3, round(5 * sides[d] / sides.max()))
         depth = np.delete(sides, d).max() / sides.max()  # the library moves labels off by parts of the other sides
-        axis.set_major_locator(MaxNLocator(most, steps=[1, 2, 5, 10], min_n_ticks=1))
+        axis.set_major_locator(ticks_of(low[d], high[d], round(5 * sides[d] / sides.max())))
         axis.set_pane_color((1, 1, 1, 0))
         axis.line.set_linewidth(0.6)
-        axis.set_tick_params(pad=-2, labelsize=7, width=0.5)
+        axis.set_tick_params(pad=1 if d == abs(up) - 1 else -2, labelsize=7, width=0.5)  # beside it wide numbers need more
         axis.labelpad = max(-5, 11 / depth - 21)
         axis._axinfo["grid"].update(linewidth=0.35, color="#dcdcdc")
     axes.set_xlabel(label("$x_1$"))

@@ -147,6 +147,13 @@ def settle(figure):
                 text.xyann = first[1:]
 
 
+def out_of_plane(r):
+    """The norm of x3, 0 while it first rises from rounding to where it could be told beside that of x2."""
+    norm, beside = r.series.norm_x3.copy(), r.series.norm_x2[r.series.norm_x2 > 0]
+    norm[:np.argmax(norm > 0.1 * beside.min(initial=np.inf))] = 0
+    return norm
+
+
 def panel_norm(ax, r, view):
     decades(ax)
     ax.set_ylabel(view.units.label(r"$\|x_2\| = (\int_0^1 x_2^2\, ds)^{1/2}$", "length"))
@@ -156,7 +163,7 @@ def panel_norm(ax, r, view):
             ax.plot(view.units.of("time", run.series.t), norm, line, color=view.colour(r, colour),
                     label=r"$\|x_2\|$" if r.in_space else None)
     if r.in_space and (r.series.norm_x3 > 0).any():
-        norm = view.units.of("length", np.ma.masked_less_equal(r.series.norm_x3, 0))
+        norm = view.units.of("length", np.ma.masked_less_equal(out_of_plane(r), 0))
         ax.plot(view.units.of("time", r.series.t), norm, view.style(r, 1, "--"), color=view.colour(r, ORANGE),
                 label=r"$\|x_3\|$")
         ax.set_ylabel(view.units.label(r"$\|x_i\| = (\int_0^1 x_i^2\, ds)^{1/2}$", "length"))
