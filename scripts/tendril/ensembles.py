@@ -21,7 +21,7 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from .collection import Sweep, load_sweep
-from .errors import ResultsError, TendrilError, complaint
+from .errors import ResultsError, TendrilError, complaint, path_of
 from .results import Results, load
 from .style import BLUE, GREY, ORANGE, STYLE, InStyle, save
 
@@ -45,7 +45,7 @@ def read(place):
         members = finished(place)
     elif isinstance(place, (list, tuple)):
         members = [r for r in place if isinstance(r, Results)]
-    elif Path(place).is_dir() and not (Path(place) / "sweep.h5").is_file():
+    elif path_of(place, "ensemble, without a sweep or a list of runs").is_dir() and not (Path(place) / "sweep.h5").is_file():
         members = [load(f) for f in sorted(Path(place).glob("*.h5"))]
     else:
         members = finished(load_sweep(Path(place) / "sweep.h5" if Path(place).is_dir() else place))

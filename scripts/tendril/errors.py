@@ -1,7 +1,10 @@
 """What can go wrong, in one plain line each."""
 
+import os
 import re
+from contextlib import contextmanager, suppress
 from importlib import import_module
+from numbers import Integral
 from pathlib import Path
 
 OPTION = re.compile(r"(?<![\w=/.-])-([a-z][a-z0-9_]*[a-z0-9])\b")
@@ -25,8 +28,43 @@ class RunError(TendrilError):
     results  what was stored before, None if nothing was"""
 
     def __init__(self, line, command=(), results=None):
+        line = line.replace("unknown option; -help lists them", "unknown option; docs/options.md has all")
         super().__init__(OPTION.sub(r"\1", VALUE.sub(r"-\1", line)))
         self.command, self.results = list(command), results
+
+
+def path_of(value, what) -> Path:
+    """A file's name, text or a Path."""
+    if not isinstance(value, (str, os.PathLike)):
+        raise TendrilError(f"{what}: give the name of a file, not {type(value).__name__}")
+    return Path(value)
+
+
+def positive(value, what) -> int:
+    """A whole number from 1."""
+    if isinstance(value, bool) or not isinstance(value, Integral) or value < 1:
+        raise TendrilError(f"{what} {value}: give a whole number from 1")
+    return int(value)
+
+
+@contextmanager
+def replacing(path):
+    """A file beside the one of that name, to be written in its place: it takes its name when it is whole, and
+    until then, or where the disk is full, an older one stays what it was."""
+    given, path = path, Path(path).resolve()
+    if path.exists() and not path.is_file():  # a device, a pipe
+        yield path
+        return
+    part = path.with_name(f".{os.getpid()}.part.{path.name}")
+    try:
+        yield part
+        os.replace(part, path)
+    except BaseException as error:
+        with suppress(OSError):
+            part.unlink()
+        if isinstance(error, OSError) and error.errno:
+            error.filename = str(given)
+        raise
 
 
 def optional(module, error, line):

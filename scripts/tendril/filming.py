@@ -23,7 +23,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .errors import TendrilError, complaint
+from .errors import TendrilError, complaint, replacing
 from .measured import KNOWN, Measured, gather
 from .parameters import with_unit
 from .tracing import FilmError, Traced, needed, trace
@@ -163,9 +163,12 @@ class Filmed:
 
     def save(self, basename):
         """Writes BASENAME.csv, for fit; -frames.csv, a row a frame; .html, to see and correct."""
-        Path(f"{basename}.csv").write_text(self.text())
-        self.table().to_csv(f"{basename}-frames.csv", index=False)
-        Path(f"{basename}.html").write_text(self.page(Path(basename).name))
+        with replacing(f"{basename}.csv") as part:
+            part.write_text(self.text())
+        with replacing(f"{basename}-frames.csv") as part:
+            self.table().to_csv(part, index=False)
+        with replacing(f"{basename}.html") as part:
+            part.write_text(self.page(Path(basename).name))
 
     def page(self, name="film") -> str:
         """One page for a browser: each picture with its line; points are dragged, frames dropped, clamp and

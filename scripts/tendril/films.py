@@ -20,7 +20,7 @@ import numpy as np
 from matplotlib.animation import FFMpegWriter, PillowWriter
 from matplotlib.colors import AsinhNorm
 
-from .errors import ResultsError, TendrilError, complaint
+from .errors import ResultsError, TendrilError, complaint, replacing
 from .film_space import FilmInSpace
 from .results import Results, load, runs_of
 from .spatial import FIELDS
@@ -154,7 +154,7 @@ def animate(r: Results, output: str | Path, *, begin: float | str = 0, end: floa
         film.show(0)
         film.figure.draw_without_rendering()
         film.figure.set_layout_engine("none")  # laid out once, not for every frame
-        with writer.saving(film.figure, str(output), dpi=110):
+        with replacing(output) as part, writer.saving(film.figure, str(part), dpi=110):
             for k in range(len(film.shapes)):
                 film.show(k)
                 writer.grab_frame()

@@ -30,7 +30,7 @@ import numpy as np
 from scipy import stats
 
 from .doubts import warnings_of
-from .errors import RunError, TendrilError
+from .errors import RunError, TendrilError, replacing
 from .fit_report import bands, describe, draw, indistinct, save, scene_text, table
 from .measured import gather
 from .noise import Certainty, certainty
@@ -150,7 +150,8 @@ class Fit:
 
     def to_json(self, path) -> None:
         """Writes to_dict() as JSON."""
-        Path(path).write_text(json.dumps(self.to_dict(), indent=1) + "\n")
+        with replacing(path) as part:
+            part.write_text(json.dumps(self.to_dict(), indent=1) + "\n")
 
     def dataset(self):
         """Estimates, intervals and correlations over the parameters, residuals over the points, as an xarray

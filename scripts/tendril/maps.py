@@ -23,7 +23,7 @@ import numpy as np
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from .collection import Sweep, load_sweep
-from .errors import RunError, TendrilError, complaint
+from .errors import RunError, TendrilError, complaint, path_of
 from .style import STYLE, InStyle, save
 from .units import DIMENSIONS, KINDS, in_laboratory, suited_to
 from .units import quantity as number_with_unit
@@ -100,6 +100,7 @@ def of_sweep(sweep, axes, quantity, si):
 def found_at(place, axes, quantity, si):
     if isinstance(place, Sweep):
         return of_sweep(place, axes, quantity, si)
+    place = path_of(place, "map, without a sweep")
     if Path(place).is_dir() and not (Path(place) / "sweep.h5").is_file():
         return of_directory(place, axes, quantity, si)
     return of_sweep(load_sweep(Path(place) / "sweep.h5" if Path(place).is_dir() else place), axes, quantity,

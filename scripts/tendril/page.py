@@ -20,7 +20,7 @@ import numpy as np
 from matplotlib.colors import to_hex
 
 from . import page_space
-from .errors import ResultsError, TendrilError, complaint
+from .errors import ResultsError, TendrilError, complaint, replacing
 from .pictures import colours, name_of, symbol_of
 from .packed import moves_straight, packed, thinned
 from .results import Results, load, runs_of, titles_of
@@ -166,7 +166,8 @@ class Page:
         self.text = text
 
     def save(self, path) -> Path:
-        Path(path).write_text(self.text, encoding="utf-8")
+        with replacing(path) as part:
+            part.write_text(self.text, encoding="utf-8")
         return Path(path)
 
     def _repr_html_(self):

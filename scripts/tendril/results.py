@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import h5py
 import numpy as np
 
-from .errors import ResultsError
+from .errors import ResultsError, path_of, replacing
 from .units import in_laboratory, moment, scales_of_rod
 
 if TYPE_CHECKING:
@@ -148,6 +148,8 @@ class Results:
         nearest  the stored shape nearest to t, however far that is"""
         if isinstance(t, str):
             t = moment("at", t, [self])
+        elif np.ndim(t) or t is None:
+            raise ResultsError(f"at {t}: give one time, a number or text with a unit")
         times = self.shapes.get("t", ())
         if not len(times):
             raise ResultsError(f"{self.told}: holds no shape")
@@ -318,7 +320,8 @@ class Results:
 
     def to_csv(self, path, si=False) -> None:
         """Writes the series as a table, a row a step."""
-        self.frame(si).to_csv(path, index=False)
+        with replacing(path_of(path, "to_csv")) as part:
+            self.frame(si).to_csv(part, index=False)
 
 
 def runs_of(given, who) -> list[Results]:
@@ -460,7 +463,7 @@ def load(path) -> Results | Sweep:
     done."""
     from .collection import is_sweep, load_sweep
 
-    path = Path(path)
+    path = path_of(path, "load")
     if not path.is_file():
         raise ResultsError(f"{path}: no such file")
     if is_sweep(path):

@@ -29,12 +29,13 @@ import sysconfig
 import tempfile
 import time
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from pathlib import Path
 
 import h5py
 import numpy as np
 
-from .errors import RunError, TendrilError
+from .errors import RunError, TendrilError, path_of, positive
 from .progress import bar
 from .results import Results, load
 
@@ -51,6 +52,7 @@ SEVERAL = {"OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_bindin
 TRIES = 3  # now and then MPI itself does not start on a busy machine, which says nothing of the run
 SHAPES = 80  # stored of a run of which nothing says how many: enough for any time between them
 LOG = logging.getLogger("tendril")
+WALL = re.compile(r"[a-z]+( (inside|outside))?( [-+.0-9]\S*){3}")  # a line of a wall_file
 SECONDS_LEFT = re.compile(r"([0-9.]+) s$")
 
 
@@ -127,6 +129,8 @@ def words_of(options, directory) -> list[str]:
     words = []
     for name, value in options.items():
         name = name.lstrip("-")
+        if name == "wall_file" and isinstance(value, str) and WALL.match(value) and not Path(value).exists():
+            value = [value]  # one wall by itself
         if isinstance(value, dict) or name == "wall_file" and isinstance(value, (list, tuple)):
             value = file_of(name, value, directory)
         if value is not None:
@@ -137,13 +141,18 @@ def words_of(options, directory) -> list[str]:
 def scene_file(name) -> Path:
     """An options file, or the scene of that name: of this package, of the working directory, or of where
     the program comes from, its checkout or what was installed with it."""
+    if not isinstance(name, (str, os.PathLike)):
+        raise TendrilError(f"scene: give an options file, the name of a scene or a dict, not {type(name).__name__}")
     if Path(name).is_file():
         return Path(name)
     program = Path(executable()).resolve().parents[1]
-    for place in (Path(__file__).parent, Path.cwd(), program, program / "share/tendril"):
-        if (known := place / "options" / f"{name}.opts").is_file():
+    places = [place / "options" for place in (Path(__file__).parent, Path.cwd(), program, program / "share/tendril")]
+    for place in places:
+        if (known := place / f"{name}.opts").is_file():
             return known
-    raise TendrilError(f"{name}: no options file, and no scene of that name")
+    like = get_close_matches(str(name), sorted({file.stem for place in places for file in place.glob("*.opts")}))
+    raise TendrilError(f"{name}: no options file, and no scene of that name"
+                       + (f"; did you mean {' or '.join(like)}?" if like else ""))
 
 
 def scene_words(scene, directory) -> list[str]:
@@ -236,7 +245,7 @@ def says_when(words) -> bool:
 def launched(ranks: int) -> list[str]:
     """The beginning of a command line on so many ranks."""
     mpiexec = os.environ.get("MPIEXEC", "mpiexec")
-    return [*([mpiexec, "-n", str(ranks)] if ranks > 1 else []), executable()]
+    return [*([mpiexec, "-n", str(ranks)] if positive(ranks, "ranks") > 1 else []), executable()]
 
 
 def run(scene=None, *, output=None, progress: bool | None = None, ranks: int = 1,
@@ -254,7 +263,7 @@ def run(scene=None, *, output=None, progress: bool | None = None, ranks: int = 1
     until then is in its .results."""
     with tempfile.TemporaryDirectory(prefix="tendril-") as directory:
         name = Path(scene).stem if isinstance(scene, (str, Path)) else "run"
-        output = Path(output or Path(directory) / f"{name}.h5")
+        output = path_of(output or Path(directory) / f"{name}.h5", "output")
         words = [*scene_words(scene, directory), *words_of(options, directory)]
         if task_of(words) == "grow" and not options.get("restart") and not says_when(words):
             words += ["-output_shapes", str(SHAPES)]
@@ -292,6 +301,8 @@ class Critical:
 
 def critical(scene=None, **options) -> Critical:
     """The length at which the straight rod gives way; scene and options as for run."""
+    if options.pop("task", "critical") != "critical":
+        raise TendrilError("critical: leaves no choice of a task; run() does")
     r = run(scene, task="critical", **options)
     numbers = (float(r.critical[name]) for name in ("t", "length", "error", "frequency"))
     return Critical(*numbers, r.critical.s, r.critical.y, r)

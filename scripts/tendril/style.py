@@ -7,6 +7,8 @@ from pathlib import Path
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
+from .errors import replacing
+
 # Okabe and Ito's colours, told apart by colour-blind readers; times run along a sequential map.
 BLUE, ORANGE, GREEN, RED, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#777777"
 COLOURS = (BLUE, RED, GREEN, ORANGE, "#CC79A7", "#56B4E9", "#000000")  # of runs drawn together
@@ -41,5 +43,6 @@ def save(figure, output, usual):
     output = str(output or usual)
     endings = [""] if Path(output).suffix.lower() in ENDINGS else [".png", ".pdf"]
     for ending in endings:
-        figure.savefig(output + ending)
+        with replacing(output + ending) as part:
+            figure.savefig(part)
     return output + " and ".join(endings)

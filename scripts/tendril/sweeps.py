@@ -13,7 +13,7 @@ from typing import Mapping, Sequence
 import numpy as np
 
 from .collection import Sweep, load_sweep
-from .errors import RunError, TendrilError
+from .errors import RunError, TendrilError, positive
 from .progress import bar
 from .results import Results
 from .runs import execute, launched, run, scene_words, task_of, words_of
@@ -132,7 +132,9 @@ def sweep(scene=None, over: Mapping[str, Sequence] | None = None, *, directory=N
     options    those that all runs share, as for run; output_shapes or output_interval for more shapes
                of each than the first and last"""
     over = grid(over)
-    jobs = jobs or cores()
+    jobs = cores() if jobs is None else positive(jobs, "jobs")
+    if twice := [name for name in over if name in options]:
+        raise TendrilError(f"sweep: {twice[0]} is varied, and given as {options[twice[0]]} for all; leave one of both out")
     members = [dict(zip(over, point)) for point in itertools.product(*over.values())]
     with tempfile.TemporaryDirectory(prefix="tendril-") as temporary:
         place = Path(directory or temporary)

@@ -104,6 +104,19 @@ class Package(unittest.TestCase):
             tendril.run("no-such-scene")
         with self.assertRaisesRegex(tendril.ResultsError, "with si_bending_stiffness"):
             self.runs[0].dataset(si=True)
+        for call, line in (
+                (lambda: tendril.run("fed"), "^fed: .*did you mean feed"), (lambda: tendril.run(3), "^scene: give an"),
+                (lambda: tendril.run("feed", output=3), "^output: give the name"),
+                (lambda: tendril.run("feed", ranks=0), "^ranks 0: give a whole number from 1"),
+                (lambda: tendril.load(3), "^load: give"), (lambda: self.runs[0].at([0, 1]), "give one time"),
+                (lambda: self.runs[0].at(None), "^at None: give one time"),
+                (lambda: tendril.critical("feed", task="grow"), "^critical: leaves no choice"),
+                (lambda: tendril.sweep("feed", {"friction_mu": [0, 1]}, friction_mu=0.3), "^sweep: friction_mu is varied"),
+                (lambda: tendril.sweep("feed", {"friction_mu": [0, 1]}, jobs=0), "^jobs 0: give"),
+                (lambda: tendril.map(self.runs[0], "a,b"), "^map, without a sweep: give"),
+                (lambda: tendril.ensemble(self.runs[0]), "^ensemble, without a sweep .*: give")):
+            with self.subTest(line), self.assertRaisesRegex(tendril.TendrilError, line):
+                call()
         place, os.environ["TENDRIL"] = os.environ["TENDRIL"], str(self.place / "none")
         try:
             with self.assertRaisesRegex(tendril.TendrilError, "no executable"):
@@ -195,6 +208,9 @@ class Package(unittest.TestCase):
             self.assertAlmostEqual(long[a] / long[b], 1, 2)
             self.assertLess(long[3 - a - b], 0.05 * long[a])
             self.assertAlmostEqual(rods.scale(middle[None])[0] * figure.dpi / 72 * 0.01 / long[a], 1, 2)
+        low, high = tendril.plot(r, "norm").axes[0].get_ylim()  # x3 begins from rounding: that sets no axis
+        self.assertGreater(low, 1e-3 * r.series.norm_x2.min())
+        self.assertGreater(high, r.series.norm_x3.max())
         with self.assertRaisesRegex(tendril.ResultsError, "two angles"):
             tendril.plot(r, "space", view="30")
         for panel in ("side", "front"):
@@ -348,6 +364,9 @@ class Package(unittest.TestCase):
         r = tendril.run("feed", contact_diameter=0.1, wall_file=[lines[0]], rod_cells=40, ts_max_time=0.1,
                         output_interval=0.1)
         self.assertEqual(r.attributes["walls"].split()[:5], ["plane", "3", "0", "-1", "0"])
+        self.assertEqual(runs.words_of({"wall_file": lines[1]}, self.place),  # one by itself
+                         runs.words_of({"wall_file": lines[1:2]}, self.place))
+        self.assertEqual(runs.words_of({"wall_file": "my walls.txt"}, self.place), ["-wall_file", "my walls.txt"])
         with self.assertRaisesRegex(tendril.TendrilError, "circle: centre"):
             tendril.circle(3, 1)
 
@@ -376,6 +395,20 @@ class Package(unittest.TestCase):
 
         for count in (2, 7, 8, 20):
             self.assertEqual(len(set(colours(count))), count)
+
+    def test_a_disk_that_is_full(self):
+        """What cannot be written whole leaves an older file as it was, nothing beside it, and one line that names it."""
+        tendril.run("feed", output=self.place / "kept.h5", **SHORT)
+        place = self.place / "full"
+        place.mkdir()
+        for command, name in (("view", "page.html"), ("plot", "panels.png")):
+            (place / name).write_text("older")
+            done = subprocess.run(["bash", "-c", 'ulimit -f 20; exec "$@"', "-", sys.executable, "-m", "tendril", command,
+                                   str(self.place / "kept.h5"), "--output", str(place / name)], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 1)
+            self.assertRegex(done.stderr, rf"^{command}: {place / name}: File too large\n$")
+            self.assertEqual((place / name).read_text(), "older")
+        self.assertEqual({file.name for file in place.iterdir()}, {"page.html", "panels.png"})
 
     def test_csv(self):
         self.tube.to_csv(self.place / "tube.csv", si=True)
