@@ -1,6 +1,5 @@
 #include "rod/passing.h"
 #include "base/bezier.h"
-#include "rod/feet.h"
 
 /* The four points of a Bezier curve. */
 enum { DIMS = 2 };
@@ -210,8 +209,9 @@ static PetscErrorCode Sweeps(Rod rod, const Cells *cells, PetscBool *sweeps) {
   PetscFunctionReturn(0);
 }
 
-/* The cells that begin at owned nodes, in one state. Collective. */
-static PetscErrorCode CellsOf(Rod rod, PetscReal t, Vec U, PetscInt n, FootCell cell[]) {
+/* RodFootCells - the cells that begin at owned nodes, n of them, in one state; without their rates.
+   Collective. */
+PetscErrorCode RodFootCells(Rod rod, PetscReal t, Vec U, PetscInt n, FootCell cell[]) {
   const PetscReal *s = rod->scene->mesh.s;
   const Node *with;
   Vec local;
@@ -258,8 +258,8 @@ PetscErrorCode RodPassesWalls(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U
     PetscFunctionReturn(0);
   }
   PetscCall(PetscMalloc2(n, &cells.cell[0], n, &cells.cell[1]));
-  PetscCall(CellsOf(rod, t0, U0, n, cells.cell[0]));
-  PetscCall(CellsOf(rod, t1, U1, n, cells.cell[1]));
+  PetscCall(RodFootCells(rod, t0, U0, n, cells.cell[0]));
+  PetscCall(RodFootCells(rod, t1, U1, n, cells.cell[1]));
   for (PetscInt k = 0; k < n; k++) {
     const FootCell *cell = &cells.cell[1][k];
     if (CellIsBehind(contact, &cells.cell[0][k], cell)) verdict[PASSES] = 1;

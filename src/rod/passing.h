@@ -3,11 +3,13 @@
 #ifndef TENDRIL_PASSING_H
 #define TENDRIL_PASSING_H
 
+#include "rod/feet.h"
 #include "rod/rod.h"
 
 PetscErrorCode RodPassesWalls(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
                               PetscBool *passes);
 PetscErrorCode RodPassesWalls3(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
                                PetscBool *passes);
+PetscErrorCode RodFootCells(Rod rod, PetscReal t, Vec U, PetscInt n, FootCell cell[]);
 
 #endif

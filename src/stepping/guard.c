@@ -1,7 +1,9 @@
 #include "stepping/guard.h"
+#include "rod/brushing.h"
 #include "rod/crossing.h"
 #include "rod/passing.h"
 #include "stepping/leg.h"
+#include "stepping/vbdf.h"
 
 /* All nodes of a state on rank 0, NULL on the others; the caller frees them. Collective. */
 static PetscErrorCode NodesOnZero(Rod rod, PetscReal t, Vec U, Node **nodes) {
@@ -61,9 +63,43 @@ static PetscErrorCode PassesItself(Rod rod, PetscReal t0, PetscReal t1, Vec U0, 
   PetscFunctionReturn(0);
 }
 
+/* So many states between the ends of a step are looked at. */
+enum { BETWEEN = 3 };
+
+/* Has the rod brushed a wall on its way: was it in one that it touches neither before nor now,
+   deeper than a step may err? What lies between is what the step itself says (its dense output).
+ */
+static PetscErrorCode Brushes(TS ts, Leg *leg, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
+                              PetscBool *brushes) {
+  Rod rod = leg->rod;
+  PetscReal depth, length;
+  PetscBool done;
+  Brush brush;
+  Vec U, U_t;
+
+  PetscFunctionBegin;
+  PetscCall(BrushBegin(rod, t0, t1, U0, U1, &brush));
+  if (brush.any) {
+    PetscCall(GrowthLength(rod->scene->growth, t1, &length, NULL));
+    PetscCall(DMGetGlobalVector(rod->da, &U));
+    PetscCall(DMGetGlobalVector(rod->da, &U_t));
+    for (int k = 1; k <= BETWEEN && !*brushes; k++) {
+      const PetscReal t = t0 + k * (t1 - t0) / (BETWEEN + 1);
+      PetscCall(VBDFInterpolate(ts, t, U, U_t, &done));
+      PetscCall(BrushDepth(rod, t, U, &brush, &depth));
+      *brushes = (PetscBool)(depth > leg->rtol * length);
+    }
+    PetscCall(DMRestoreGlobalVector(rod->da, &U_t));
+    PetscCall(DMRestoreGlobalVector(rod->da, &U));
+    PetscCall(SceneContactAt(rod->scene, t1));
+  }
+  PetscCall(BrushEnd(&brush));
+  PetscFunctionReturn(0);
+}
+
 /*
   GuardPasses - a VBDFCheck: has the rod of a leg passed through itself or a wall between two
-  states? Collective; what is asked next depends on what all ranks know.
+  states, or brushed a wall? Collective; what is asked next depends on what all ranks know.
 */
 PetscErrorCode GuardPasses(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1, PetscBool *passes) {
   const Contact *contact;
@@ -73,8 +109,10 @@ PetscErrorCode GuardPasses(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1, Pe
   PetscCall(TSGetApplicationContext(ts, &leg));
   contact = &leg->rod->scene->contact;
   *passes = PETSC_FALSE;
-  if (contact->walls.n || contact->surfaces.n)
+  if (contact->walls.n || contact->surfaces.n) {
     PetscCall(RodPassesWalls(leg->rod, t0, t1, U0, U1, passes));
+    if (!*passes) PetscCall(Brushes(ts, leg, t0, t1, U0, U1, passes));
+  }
   if (contact->self && !*passes) {
     if (leg->rod->model->space)
       PetscCall(PassesItself(leg->rod, t0, t1, U0, U1, passes));

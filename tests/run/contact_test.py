@@ -825,6 +825,21 @@ def deep_guess():
 
 
 @check
+def brushed():
+    """A tip that goes past a post brushes it, between the ends of a step that would not see it: it is pushed aside as by short
+    steps, on two ranks as on one."""
+    options = ("-growth_type feed -growth_initial_length 0.5 -shape_type straight -rod_curvature 0.264 -friction_mu 0 "
+               "-ts_max_time 3.5 -contact_diameter 0.024 -rod_cells 60 " + walls("circle 2.89 0.857 0.0165 outside"))
+    short = Run(options + " -ts_adapt_dt_max 0.01")
+    for ranks in (1, 2):
+        r = Run(options, ranks)
+        off = np.linalg.norm(r.tip - short.tip) / np.linalg.norm(short.tip)
+        print(f"{ranks}: {r.steps} steps, force {r.contact_force.max():.3f}, tip {r.tip}, off {off:.1e} by {short.steps} steps")
+        expect(r.contact_force.max() > 0 and r.contact_force[-1] == 0, "does not brush the post")
+        expect(off < 5e-5 and off < 3 * r.estimate, f"off by {off:.1e}, told {r.estimate:.1e}")
+
+
+@check
 def thin_on_ranks():
     """... and so on any number of ranks, to the last bit in a restart; with exact friction, too."""
     d = scene.SCRATCH

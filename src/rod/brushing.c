@@ -1,0 +1,200 @@
+#include "rod/brushing.h"
+#include "rod/feet.h"
+#include "rod/passing.h"
+
+/* A wall that is touched somewhere: which one, and how deep. */
+typedef struct {
+  PetscInt wall;
+  PetscReal depth;
+} Dent;
+
+enum { MOST_DENTS = PetscMax((int)MOST_TOUCHES, (int)MOST_TOUCHES3) };
+
+static PetscInt CountWalls(const Contact *contact) {
+  return contact->walls.n + contact->surfaces.n;
+}
+
+/* Do walls move? */
+static PetscBool WallsMove(const Contact *contact) {
+  for (PetscInt k = 0; k < contact->surfaces.n; k++)
+    if (contact->surfaces.surface[k].motion.any) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* Where an owned node is: the first fields of a rod that can touch. */
+static void PlaceOf(Rod rod, const PetscScalar *u, PetscInt k, PetscReal x[3]) {
+  x[2] = 0;
+  for (int d = 0; d < (rod->model->space ? 3 : 2); d++)
+    x[d] = PetscRealPart(u[k * rod->model->fields + d]);
+}
+
+/* The gap of a place to the nearest wall, if it is below `within`; else that. */
+static PetscReal GapOf(Rod rod, const PetscReal x[3], PetscReal within) {
+  const Contact *contact = &rod->scene->contact;
+  Touch touch[MOST_TOUCHES];
+  PetscReal gap = within;
+  PetscInt n;
+
+  if (rod->model->space) return ContactGap3(contact, x, within);
+  n = WallsTouch(&contact->walls, x, contact->diameter / 2, within, touch);
+  for (PetscInt k = 0; k < n; k++) gap = PetscMin(gap, touch[k].gap);
+  return gap;
+}
+
+/* Which walls a node is in touch with; returns how many. */
+static PetscInt DentsOf(Rod rod, const PetscReal x[3], Dent dent[MOST_DENTS]) {
+  const Contact *contact = &rod->scene->contact;
+  Touch3 touch3[MOST_TOUCHES3];
+  Touch touch[MOST_TOUCHES];
+  PetscInt n;
+
+  if (rod->model->space) {
+    n = ContactTouches3(contact, x, touch3);
+    for (PetscInt k = 0; k < n; k++) dent[k] = (Dent){touch3[k].wall, -touch3[k].gap};
+  } else {
+    n = ContactTouches(contact, x, touch);
+    for (PetscInt k = 0; k < n; k++) dent[k] = (Dent){touch[k].wall, -touch[k].gap};
+  }
+  return n;
+}
+
+/* Marks the walls that are in touch in a state at feet, or tells how deep the others are: NULL
+   depth, or NULL node. */
+static PetscErrorCode LookAtFeet(Rod rod, PetscReal t, Vec U, const Brush *brush,
+                                 PetscReal *depth) {
+  const PetscInt n = PetscMin(rod->end, rod->last) - rod->first;
+  const Contact *contact = &rod->scene->contact;
+  Foot foot[MOST_FEET];
+  FootCell *cell;
+
+  PetscFunctionBegin;
+  if (!contact->thin || rod->model->space) PetscFunctionReturn(0);
+  PetscCall(PetscMalloc1(n, &cell));
+  PetscCall(RodFootCells(rod, t, U, n, cell));
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscInt feet = FeetFind(contact, &cell[k], depth ? 0 : contact->smooth, foot);
+    for (PetscInt j = 0; j < feet; j++) {
+      char *known = &brush->wall[contact->walls.post[foot[j].post].wall];
+      if (!depth)
+        *known = 1;
+      else if (!*known)
+        *depth = PetscMax(*depth, -foot[j].gap);
+    }
+  }
+  PetscCall(PetscFree(cell));
+  PetscFunctionReturn(0);
+}
+
+/* Marks the walls that are in touch in a state. Collective. */
+static PetscErrorCode MarkWalls(Rod rod, PetscReal t, Vec U, Brush *brush) {
+  const PetscScalar *u;
+  Dent dent[MOST_DENTS];
+  PetscReal x[3];
+
+  PetscFunctionBegin;
+  PetscCall(SceneContactAt(rod->scene, t));
+  PetscCall(VecGetArrayRead(U, &u));
+  for (PetscInt k = 0; k < rod->end - rod->first; k++) {
+    PetscInt n;
+    PlaceOf(rod, u, k, x);
+    n = DentsOf(rod, x, dent);
+    for (PetscInt j = 0; j < n; j++) brush->wall[dent[j].wall] = 1;
+  }
+  PetscCall(VecRestoreArrayRead(U, &u));
+  PetscCall(LookAtFeet(rod, t, U, brush, NULL));
+  PetscFunctionReturn(0);
+}
+
+/* Which nodes may have brushed a wall? A gap changes by no more than the way of the place: so it
+   may where that is longer than the gaps at both its ends together. Collective. */
+static PetscErrorCode AskNodes(Rod rod, PetscReal t1, Vec U0, Vec U1, Brush *brush) {
+  const PetscReal round = 1.2; /* a way is no straight line */
+  const PetscBool move = WallsMove(&rod->scene->contact);
+  const PetscScalar *u0, *u1;
+  PetscReal x0[3], x1[3];
+  int any = 0;
+
+  PetscFunctionBegin;
+  PetscCall(SceneContactAt(rod->scene, t1));
+  PetscCall(VecGetArrayRead(U0, &u0));
+  PetscCall(VecGetArrayRead(U1, &u1));
+  for (PetscInt k = 0; k < rod->end - rod->first; k++) {
+    PetscReal way, gap;
+    PlaceOf(rod, u0, k, x0);
+    PlaceOf(rod, u1, k, x1);
+    way = round * hypot(hypot(x1[0] - x0[0], x1[1] - x0[1]), x1[2] - x0[2]);
+    gap = move ? 0 : GapOf(rod, x1, way);
+    if (gap < way && !move) gap += PetscMax(0, GapOf(rod, x0, way));
+    brush->node[k] = (char)(move || gap < way);
+    any = any || brush->node[k];
+  }
+  PetscCall(VecRestoreArrayRead(U1, &u1));
+  PetscCall(VecRestoreArrayRead(U0, &u0));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, rod->scene->comm));
+  brush->any = (PetscBool)any;
+  PetscFunctionReturn(0);
+}
+
+/* Are there walls of which nothing is known to touch them? Collective. */
+static PetscErrorCode SomeAreFree(Rod rod, Brush *brush) {
+  const PetscInt n = CountWalls(&rod->scene->contact);
+  PetscMPIInt count;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMPIIntCast(n, &count));
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, brush->wall, count, MPI_CHAR, MPI_MAX, rod->scene->comm));
+  brush->any = PETSC_FALSE;
+  for (PetscInt k = 0; k < n; k++) brush->any = (PetscBool)(brush->any || !brush->wall[k]);
+  PetscFunctionReturn(0);
+}
+
+/*
+  BrushBegin - where may a rod have touched a wall on its way from one state to another, that it
+  touches in neither? Collective; the caller ends it with BrushEnd(). The law of contact is that of
+  t1 on exit.
+
+  t0, U0  before      t1, U1  now
+*/
+PetscErrorCode BrushBegin(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U1, Brush *brush) {
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc2(rod->end - rod->first, &brush->node, CountWalls(&rod->scene->contact),
+                         &brush->wall));
+  PetscCall(AskNodes(rod, t1, U0, U1, brush));
+  if (!brush->any) PetscFunctionReturn(0);
+  PetscCall(MarkWalls(rod, t0, U0, brush));
+  PetscCall(MarkWalls(rod, t1, U1, brush));
+  PetscCall(SomeAreFree(rod, brush));
+  PetscFunctionReturn(0);
+}
+
+/* BrushDepth - how deep a rod is, at most, in walls that it touches neither before nor now, in a
+   state between; 0: in none. Collective; the law of contact is that of t on exit. */
+PetscErrorCode BrushDepth(Rod rod, PetscReal t, Vec U, const Brush *brush, PetscReal *depth) {
+  const PetscScalar *u;
+  Dent dent[MOST_DENTS];
+  PetscReal x[3];
+
+  PetscFunctionBegin;
+  *depth = 0;
+  PetscCall(SceneContactAt(rod->scene, t));
+  PetscCall(VecGetArrayRead(U, &u));
+  for (PetscInt k = 0; k < rod->end - rod->first; k++) {
+    PetscInt n = 0;
+    PlaceOf(rod, u, k, x);
+    if (brush->node[k]) n = DentsOf(rod, x, dent);
+    for (PetscInt j = 0; j < n; j++)
+      if (!brush->wall[dent[j].wall]) *depth = PetscMax(*depth, dent[j].depth);
+  }
+  PetscCall(VecRestoreArrayRead(U, &u));
+  PetscCall(LookAtFeet(rod, t, U, brush, depth));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, depth, 1, MPIU_REAL, MPI_MAX, rod->scene->comm));
+  PetscFunctionReturn(0);
+}
+
+/* BrushEnd - gives back what BrushBegin() took. */
+PetscErrorCode BrushEnd(Brush *brush) {
+  PetscFunctionBegin;
+  PetscCall(PetscFree2(brush->node, brush->wall));
+  PetscFunctionReturn(0);
+}
