@@ -344,10 +344,21 @@ def helix(u, L=1):
     return x[:, 0], np.roll(q, 1)
 
 
+def under_moment(M, C):
+    """A straight round rod under a dead moment M at its tip is a helix that turns about M at |M| per length, whatever
+    C, and its sections turn by M1/C in place of M1: the pose of its end, and its strains at 0, 1/400, ..."""
+    from scipy.spatial.transform import Rotation
+
+    def turn(s):
+        return Rotation.from_rotvec(M * s) * Rotation.from_rotvec([(1 / C - 1) * M[0] * s, 0, 0])
+    strains = np.array([turn(s).inv().apply(M) for s in np.linspace(0, 1, 401)]) / [C, 1, 1]
+    return np.concatenate([helix(M)[0], np.roll(turn(1).as_quat(), 1)]), strains
+
+
 @check
 def led():
     """A tip that is led: a rod laid into an arc, in the plane and in space, and into a helix, whose
-    energy and force are exact; what its tip does is work."""
+    energy and force are exact; into that of a dead moment, with no force; what its tip does is work."""
     still = "-growth_type none -growth_initial_length 1 -shape_type straight -friction_mu 0 -tip_type clamped "
     rows = []
     for t in (-0.1, 0, *np.linspace(0.1, 1, 10), 1.1):
@@ -370,6 +381,21 @@ def led():
         errors.append(abs(r.energy[-1] / ((C * 1.94 ** 2 + k2 ** 2 + k3 ** 2) / 2) - 1))
         print(f"helix, {cells} cells: energy {errors[-1]:.1e}, defect {r.energy_defect[-1]:.1e}")
     expect(errors[1] < 1e-6 and errors[0] > 10 * errors[1] and r.energy_defect[-1] < 1e-4, f"helix: {errors}")
+    M, rows, errors = np.array([2, 1, 3]), [], []
+    for t in (0, 0.01, *np.linspace(0.02, 1, 25), 1.1):
+        at = under_moment(M * min(max(t, 0.02), 1), C)[0]
+        rows.append([t, *at[:3], *(at[3:] * (1 if not rows or at[3:] @ rows[-1][4:] > 0 else -1))])
+    wound, shape = path("t,x1,x2,x3,q0,q1,q2,q3", rows), f"{scene.SCRATCH}/under.h5"
+    with h5py.File(shape, "w") as f:
+        f["s"] = np.linspace(0, 1, 401)
+        f["u1"], f["u2"], f["u3"] = under_moment(0.02 * M, C)[1].T
+    for cells in (10, 20):
+        r = Run(still.replace("straight", f"file -shape_file {shape}")
+                + f"-rod_cells {cells} -ts_max_time 2.5 -ts_rtol 1e-6 -tip_path {wound}")
+        force = np.linalg.norm([r.series[f"base_force_{k}"][-1] for k in (1, 2, 3)])
+        errors.append(np.array([np.abs(r.shapes["moment"][-1] - M).max(), force]) / np.linalg.norm(M))
+        print(f"helix of a dead moment, {cells} cells: moment {errors[-1][0]:.1e}, force {errors[-1][1]:.1e}")
+    expect(max(errors[1]) < 5e-6 and np.log2(errors[0] / errors[1]).min() > 3.8, f"a dead moment: {errors}")
     # a tip that slides and turns: the straight rod leaves its axis at the torque 8.98681891
     for torque, grows in ((8.9, False), (9.05, True)):
         turn = torque / C
