@@ -34,38 +34,37 @@ struct _WideLine {
   PetscBool regular;
 };
 
-/* B = A^-1 by elimination with partial pivoting; A is lost. False if there is none. */
-static PetscBool Invert(PetscReal A[OWN][OWN], PetscReal B[OWN][OWN]) {
+/* A <- A^-1 by elimination with partial pivoting: behind column k its place is taken by that of the
+   inverse, and the columns of the inverse are as the rows were before they were exchanged. False if
+   there is none. */
+static PetscBool Invert(PetscReal A[OWN][OWN]) {
   PetscBool regular = PETSC_TRUE;
+  int from[OWN];
 
-  memset(B, 0, OWN * sizeof(*B));
-  for (int i = 0; i < OWN; i++) B[i][i] = 1;
   for (int k = 0; k < OWN; k++) {
-    int best = k;
+    PetscReal pivot[OWN];
+    from[k] = k;
     for (int i = k + 1; i < OWN; i++)
-      if (PetscAbsReal(A[i][k]) > PetscAbsReal(A[best][k])) best = i;
-    for (int j = 0; j < OWN && best != k; j++) {
-      PetscReal a = A[k][j], b = B[k][j];
-      A[k][j] = A[best][j];
-      A[best][j] = a;
-      B[k][j] = B[best][j];
-      B[best][j] = b;
-    }
-    PetscReal f = 1 / A[k][k];
+      if (PetscAbsReal(A[i][k]) > PetscAbsReal(A[from[k]][k])) from[k] = i;
+    PetscReal f = 1 / A[from[k]][k];
     if (!(PetscAbsReal(f) <= PETSC_MAX_REAL)) regular = PETSC_FALSE; /* (not so for NaN) */
-    for (int j = 0; j < OWN; j++) {
-      A[k][j] *= f;
-      B[k][j] *= f;
-    }
+    memcpy(pivot, A[from[k]], sizeof(pivot));
+    memcpy(A[from[k]], A[k], sizeof(pivot));
+    pivot[k] = 1;
+    for (int j = 0; j < OWN; j++) pivot[j] *= f;
     for (int i = 0; i < OWN; i++) {
-      PetscReal a = A[i][k];
-      if (i == k) continue;
-      for (int j = 0; j < OWN; j++) {
-        A[i][j] -= a * A[k][j];
-        B[i][j] -= a * B[k][j];
-      }
+      const PetscReal a = A[i][k];
+      A[i][k] = 0;
+      for (int j = 0; j < OWN; j++) A[i][j] -= a * pivot[j];
     }
+    memcpy(A[k], pivot, sizeof(pivot));
   }
+  for (int k = OWN - 1; k >= 0; k--)
+    for (int i = 0; i < OWN && from[k] != k; i++) {
+      const PetscReal a = A[i][k];
+      A[i][k] = A[i][from[k]];
+      A[i][from[k]] = a;
+    }
   return regular;
 }
 
@@ -117,8 +116,9 @@ static void DivideByFactors(PetscReal S[TOP][TOP], const int row[TOP], PetscReal
 }
 
 /* C = A Q, C -= A P, and so on, of the sizes that occur. */
-static inline void Times(int rows, int inner, int columns, PetscReal sign, const PetscReal *A,
-                         int lda, const PetscReal *B, PetscReal *C, int ldc) {
+static inline void Times(int rows, int inner, int columns, PetscReal sign,
+                         const PetscReal *restrict A, int lda, const PetscReal *restrict B,
+                         PetscReal *restrict C, int ldc) {
   for (int i = 0; i < rows; i++)
     for (int k = 0; k < inner; k++) {
       PetscReal a = sign * A[i * lda + k];
@@ -152,13 +152,11 @@ void WideBegin(WideLine line) {
 
 /* Factors a node, whose own equations are the last six of a. */
 static void FactorNode(WideLine line, Link *link, WideBlock a) {
-  PetscReal Q[OWN][OWN];
-
   for (int i = 0; i < OWN; i++) {
     memcpy(link->P[i], a[TOP + i], TOP * sizeof(PetscReal));
-    memcpy(Q[i], a[TOP + i] + TOP, OWN * sizeof(PetscReal));
+    memcpy(link->Q[i], a[TOP + i] + TOP, OWN * sizeof(PetscReal));
   }
-  if (!Invert(Q, link->Q)) line->regular = PETSC_FALSE;
+  if (!Invert(link->Q)) line->regular = PETSC_FALSE;
   memset(link->N, 0, sizeof(link->N));
   Times(TOP, OWN, OWN, 1, link->T[0] + TOP, ALL, link->Q[0], link->N[0], OWN);
   for (int i = 0; i < TOP; i++) memcpy(link->S[i], link->T[i], TOP * sizeof(PetscReal));
@@ -445,7 +443,7 @@ static PetscInt Added(Six C, Six K, int held, Six R) {
    stiff is what it bears. */
 static PetscInt AddedAtEnd(WideLine line) {
   const Link *last = &line->link[line->n];
-  PetscReal P[OWN][TOP], Q[OWN][OWN], inverse[OWN][OWN], force[OWN][TOP] = {{0}};
+  PetscReal P[OWN][TOP], Q[OWN][OWN], force[OWN][TOP] = {{0}};
   Six C, K = {{0}}, skew, R = {{0}};
   int held = 0;
 
@@ -461,8 +459,8 @@ static PetscInt AddedAtEnd(WideLine line) {
       for (int j = 0; j < TOP; j++) R[held][k] += P[i][j] * last->arms.way[k][j];
     held++;
   }
-  if (!held && Invert(Q, inverse)) {
-    Times(OWN, OWN, TOP, 1, inverse[0], OWN, P[0], force[0], TOP);
+  if (!held && Invert(Q)) {
+    Times(OWN, OWN, TOP, 1, Q[0], OWN, P[0], force[0], TOP);
     AlongWays((const PetscReal(*)[TOP])force, &last->arms, K);
     Skew(&last->arms, skew);
     for (int i = 0; i < OWN; i++)

@@ -100,8 +100,9 @@ static PetscErrorCode SpaceResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F)
 /* ---- derivatives ---- */
 
 /* C += s A B, of sizes known when compiled. */
-static inline void AddProduct(int rows, int inner, int columns, PetscReal s, const PetscReal *A,
-                              int lda, const PetscReal *B, int ldb, PetscReal *C, int ldc) {
+static inline void AddProduct(int rows, int inner, int columns, PetscReal s,
+                              const PetscReal *restrict A, int lda, const PetscReal *restrict B,
+                              int ldb, PetscReal *restrict C, int ldc) {
   for (int i = 0; i < rows; i++)
     for (int k = 0; k < inner; k++) {
       const PetscReal a = s * A[i * lda + k];
