@@ -17,11 +17,10 @@ enum { TOP = WIDE_TOP, OWN = WIDE_OWN, ALL = WIDE_FIELDS };
 typedef struct {
   PetscReal T[TOP][ALL];              /* (V, W), until the node is eliminated */
   PetscReal S[TOP][TOP], N[TOP][OWN]; /* the factors of S, of which row[k] is the pivot k */
-  PetscReal Q[OWN][OWN], P[OWN][TOP]; /* the inverse of Q */
+  PetscReal Q[OWN][OWN];              /* the inverse of Q */
   PetscReal E[TOP][TOP], F[TOP][OWN]; /* X */
-  PetscReal U[OWN][ALL];
-  PetscReal cell[2][ALL][ALL]; /* its equations by its nodes, and the arms: for the index */
-  WideArms arms;
+  PetscReal cell[2][ALL][ALL];        /* its equations (L; B) and (R; U) by its nodes */
+  WideArms arms;                      /* for the index */
   int row[TOP];
 } Link;
 
@@ -117,12 +116,12 @@ static void DivideByFactors(PetscReal S[TOP][TOP], const int row[TOP], PetscReal
 
 /* C = A Q, C -= A P, and so on, of the sizes that occur. */
 static inline void Times(int rows, int inner, int columns, PetscReal sign,
-                         const PetscReal *restrict A, int lda, const PetscReal *restrict B,
+                         const PetscReal *restrict A, int lda, const PetscReal *restrict B, int ldb,
                          PetscReal *restrict C, int ldc) {
   for (int i = 0; i < rows; i++)
     for (int k = 0; k < inner; k++) {
       PetscReal a = sign * A[i * lda + k];
-      for (int j = 0; j < columns; j++) C[i * ldc + j] += a * B[k * columns + j];
+      for (int j = 0; j < columns; j++) C[i * ldc + j] += a * B[k * ldb + j];
     }
 }
 
@@ -150,17 +149,16 @@ void WideBegin(WideLine line) {
   for (int i = 0; i < TOP; i++) line->link[0].T[i][i] = 1;
 }
 
-/* Factors a node, whose own equations are the last six of a. */
-static void FactorNode(WideLine line, Link *link, WideBlock a) {
-  for (int i = 0; i < OWN; i++) {
-    memcpy(link->P[i], a[TOP + i], TOP * sizeof(PetscReal));
-    memcpy(link->Q[i], a[TOP + i] + TOP, OWN * sizeof(PetscReal));
-  }
+/* Factors the node before a cell, whose equations by it are known. */
+static void FactorNode(WideLine line, Link *link) {
+  const PetscReal(*own)[ALL] = (const PetscReal(*)[ALL])link->cell[0] + TOP;
+
+  for (int i = 0; i < OWN; i++) memcpy(link->Q[i], own[i] + TOP, OWN * sizeof(PetscReal));
   if (!Invert(link->Q)) line->regular = PETSC_FALSE;
   memset(link->N, 0, sizeof(link->N));
-  Times(TOP, OWN, OWN, 1, link->T[0] + TOP, ALL, link->Q[0], link->N[0], OWN);
+  Times(TOP, OWN, OWN, 1, link->T[0] + TOP, ALL, link->Q[0], OWN, link->N[0], OWN);
   for (int i = 0; i < TOP; i++) memcpy(link->S[i], link->T[i], TOP * sizeof(PetscReal));
-  Times(TOP, OWN, TOP, -1, link->N[0], OWN, link->P[0], link->S[0], TOP);
+  Times(TOP, OWN, TOP, -1, link->N[0], OWN, own[0], ALL, link->S[0], TOP);
   if (!Factor(link->S, link->row)) line->regular = PETSC_FALSE;
 }
 
@@ -169,24 +167,30 @@ void WideArm(WideLine line, const WideArms *arms) {
   line->link[line->n].arms = *arms;
 }
 
-/* WideCell - eliminates the node before a cell, whose equations by its nodes are a and b; first the
+/* WideBlocks - where the equations of the next cell by its nodes a and b are to be put; first the
    seven that are rows of b, then the six that are rows of a. */
-void WideCell(WideLine line, WideBlock a, WideBlock b) {
+void WideBlocks(WideLine line, PetscReal (**a)[ALL], PetscReal (**b)[ALL]) {
+  *a = line->link[line->n].cell[0];
+  *b = line->link[line->n].cell[1];
+}
+
+/* WideCell - eliminates the node before the next cell, whose equations WideBlocks() has been given.
+ */
+void WideCell(WideLine line) {
   Link *link = &line->link[line->n++];
+  const PetscReal(*a)[ALL] = (const PetscReal(*)[ALL])link->cell[0],
+        (*b)[ALL] = (const PetscReal(*)[ALL])link->cell[1];
   PetscReal L[TOP][TOP];
 
-  FactorNode(line, link, a);
+  FactorNode(line, link);
   memset(link->F, 0, sizeof(link->F));
-  Times(TOP, OWN, OWN, 1, a[0] + TOP, ALL, link->Q[0], link->F[0], OWN);
+  Times(TOP, OWN, OWN, 1, a[0] + TOP, ALL, link->Q[0], OWN, link->F[0], OWN);
   for (int i = 0; i < TOP; i++) memcpy(L[i], a[i], TOP * sizeof(PetscReal));
-  Times(TOP, OWN, TOP, -1, link->F[0], OWN, link->P[0], L[0], TOP);
+  Times(TOP, OWN, TOP, -1, link->F[0], OWN, a[TOP], ALL, L[0], TOP);
   DivideByFactors(link->S, link->row, L, link->E);
-  Times(TOP, TOP, OWN, -1, link->E[0], TOP, link->N[0], link->F[0], OWN);
-  memcpy(link->U, b + TOP, sizeof(link->U));
-  memcpy(link->cell[0], a, sizeof(link->cell[0]));
-  memcpy(link->cell[1], b, sizeof(link->cell[1]));
+  Times(TOP, TOP, OWN, -1, link->E[0], TOP, link->N[0], OWN, link->F[0], OWN);
   memcpy(link[1].T, b, sizeof(link->T));
-  Times(TOP, OWN, ALL, -1, link->F[0], OWN, link->U[0], link[1].T[0], ALL);
+  Times(TOP, OWN, ALL, -1, link->F[0], OWN, b[TOP], ALL, link[1].T[0], ALL);
 }
 
 /* WideEnd - the last node's own six equations, whatever they are. */
@@ -226,7 +230,7 @@ static void SolveNode(const Link *link, PetscReal y[ALL]) {
   }
   for (int i = 0; i < OWN; i++) {
     b[i] = own[i];
-    for (int k = 0; k < TOP; k++) b[i] -= link->P[i][k] * y[k];
+    for (int k = 0; k < TOP; k++) b[i] -= link->cell[0][TOP + i][k] * y[k];
   }
   for (int i = 0; i < OWN; i++) {
     own[i] = 0;
@@ -251,7 +255,7 @@ void WideSolve(WideLine line, const PetscReal (*b)[ALL], PetscReal (*x)[ALL]) {
   for (PetscInt i = n - 1; i >= 0; i--) {
     const Link *link = &line->link[i];
     for (int f = 0; f < OWN; f++)
-      for (int k = 0; k < ALL; k++) x[i][TOP + f] -= link->U[f][k] * x[i + 1][k];
+      for (int k = 0; k < ALL; k++) x[i][TOP + f] -= link->cell[1][TOP + f][k] * x[i + 1][k];
     SolveNode(link, x[i]);
   }
 }
@@ -377,7 +381,7 @@ static PetscBool Stiffness(const Link *link, Six K) {
 
   Skew(&link[1].arms, skew); /* m_b = - [m/2] turn_b */
   memset(turned, 0, sizeof(turned));
-  Times(OWN, OWN, TOP, -1, skew[0], OWN, link[1].arms.way[0], turned[0], TOP);
+  Times(OWN, OWN, TOP, -1, skew[0], OWN, link[1].arms.way[0], TOP, turned[0], TOP);
   for (int i = 0; i < ALL; i++) {
     for (int j = 0; j < TOP; j++) {
       A[i * ALL + j] = b[i][j];
@@ -460,7 +464,7 @@ static PetscInt AddedAtEnd(WideLine line) {
     held++;
   }
   if (!held && Invert(Q)) {
-    Times(OWN, OWN, TOP, 1, Q[0], OWN, P[0], force[0], TOP);
+    Times(OWN, OWN, TOP, 1, Q[0], OWN, P[0], TOP, force[0], TOP);
     AlongWays((const PetscReal(*)[TOP])force, &last->arms, K);
     Skew(&last->arms, skew);
     for (int i = 0; i < OWN; i++)

@@ -8,8 +8,6 @@
 
 enum { WIDE_TOP = 7, WIDE_OWN = 6, WIDE_FIELDS = WIDE_TOP + WIDE_OWN };
 
-typedef const PetscReal WideBlock[WIDE_FIELDS][WIDE_FIELDS]; /* a cell by one of its nodes */
-
 /* What the index takes to know of a node. The last six of its unknowns are a moment and a force:
    how the first seven move along each of them; half the moment, a vector of the laboratory; and how
    much of that is about the rod itself. */
@@ -23,7 +21,8 @@ PetscErrorCode WideCreate(PetscInt nodes, WideLine *line);
 PetscErrorCode WideDestroy(WideLine *line);
 void WideBegin(WideLine line);
 void WideArm(WideLine line, const WideArms *arms);
-void WideCell(WideLine line, WideBlock a, WideBlock b);
+void WideBlocks(WideLine line, PetscReal (**a)[WIDE_FIELDS], PetscReal (**b)[WIDE_FIELDS]);
+void WideCell(WideLine line);
 void WideEnd(WideLine line, const PetscReal own[WIDE_OWN][WIDE_FIELDS]);
 PetscBool WideRegular(WideLine line);
 PetscInt WideIndex(WideLine line);

@@ -470,7 +470,7 @@ static void Arms(const Point *point, WideArms *arms) {
 static PetscErrorCode SpaceEliminate(Rod rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[],
                                      Elimination elimination) {
   WideLine line = EliminationWide(elimination);
-  PetscReal left[FIELDS][FIELDS], right[FIELDS][FIELDS], by[RIGHT][FIELDS];
+  PetscReal(*left)[FIELDS], (*right)[FIELDS], by[RIGHT][FIELDS];
   WideArms arms;
   Slopes slopes;
   Cell cell;
@@ -480,10 +480,11 @@ static PetscErrorCode SpaceEliminate(Rod rod, PetscReal t, Vec U, Vec U_t, const
   WideBegin(line);
   for (PetscInt i = 0; i < rod->last; i++) {
     SpaceCellsNext(&cell, i);
+    WideBlocks(line, &left, &right);
     CellBlocks(&cell, (PetscBool)(i == 0), shift, &slopes, left, right);
     Arms(&cell.a, &arms);
     WideArm(line, &arms);
-    WideCell(line, (const PetscReal(*)[FIELDS])left, (const PetscReal(*)[FIELDS])right);
+    WideCell(line);
   }
   Arms(&cell.b, &arms);
   WideArm(line, &arms);
