@@ -2,9 +2,10 @@
 """What must not change a rod, on random scenes: mirrored, turned, in other units, on more ranks, stopped
 and gone on with, grown from a later time, with its walls named in another order.
 
-    scripts/lab/invariances.py [--scenes COUNT] [--seed SEED] [--tendril build/tendril] [--mpiexec mpiexec]
+    scripts/lab/invariances.py [--scenes COUNT] [--seed SEED] [--space] [--tendril build/tendril] [--mpiexec mpiexec]
 
-Prints a line a scene and invariance that fails, with the command, and how large the rest are. Exit code 1
+--space: rods in space, turned about the clamp's axis, their clamp turned in the laboratory, their mirror images (a
+left-handed one for a right-handed one), on ranks, stopped and gone on with. Prints a line a scene and invariance that fails, with the command, and how large the rest are. Exit code 1
 if any fails."""
 
 import argparse
@@ -28,6 +29,7 @@ RTOL = 1e-6
 # how far the tip may go, of the rod's length: what is the same to the last bit, what is the same run
 # with other round-off, and what is another run of the same rod
 BITS, SAME, ANOTHER = 1e-12, 2e-5, 2e-4
+TURNED = 1e-8  # in steps of its own, a rod in space
 
 
 class Lost(Exception):
@@ -47,7 +49,7 @@ class Place:
             raise Lost(done.stderr.strip()[-300:])
         with h5py.File(self.directory / file) as f:
             s = f["series"]
-            return np.array([s["tip_x1"][-1], s["tip_x2"][-1]]), s["length"][-1]
+            return np.array([s[f"tip_x{k}"][-1] for k in (1, 2, 3) if f"tip_x{k}" in s]), s["length"][-1]
 
     def walls(self, lines, name="walls.txt"):
         (self.directory / name).write_text("".join(line + "\n" for line in lines))
@@ -102,7 +104,7 @@ def with_walls(place, walls):
 
 
 def off(a, b):
-    return np.hypot(*(a[0] - b[0])) / b[1]
+    return np.linalg.norm(a[0] - b[0]) / b[1]
 
 
 def invariances(place, scene, dice):
@@ -137,18 +139,84 @@ def invariances(place, scene, dice):
         yield "order of walls", off(place.run(f"{options}{bent}{place.walls(walls[::-1])}"), it), SAME
 
 
-def study(place, count, seed, verbose=True):
+def random_rod_in_space(dice):
+    """(options that no turn and no mirror changes, what turns: vectors and bends)"""
+    law, mu = dice.choice(["uniform", "gaussian", "feed", "apical"]), dice.choice(["0", "0.5", "0.9", "1"])
+    options = (f"-rod_model space -shape_type straight -growth_type {law} -growth_initial_length {dice.uniform(0.5, 2):.3f} "
+               f"-growth_zone 0.4 -ts_max_time {dice.uniform(0.5, 2):.3f} -friction_mu {mu} "
+               f"-friction_across {dice.choice([0.5, 1, 2])} -rod_torsion {dice.uniform(0.4, 1.5):.3f} -rod_cells 60 ")
+    if law != "apical":
+        options = options.replace("-growth_zone 0.4 ", "")
+    rod = {"bends": dice.uniform(-0.4, 0.4, 2), "twist": dice.uniform(-0.5, 0.5), "weight": np.zeros(3), "force": np.zeros(3),
+           "torque": 0., "spin": 0., "ratio": 1., "radius": 0., "clamp": np.array([1., 0, 0])}
+    for name, draw in {"weight": lambda: dice.uniform(-0.3, 0.3, 3), "force": lambda: dice.uniform(-0.1, 0.1, 3),
+                       "torque": lambda: dice.uniform(-0.3, 0.3), "ratio": lambda: dice.uniform(0.4, 3)}.items():
+        if dice.random() < 0.4:
+            rod[name] = draw()
+    if dice.random() < 0.4:
+        rod |= {"radius": 0.2, "spin": dice.uniform(-0.5, 0.5)}
+    if mu == "0.9" and dice.random() < 0.5:
+        options += "-friction_beta 0 "
+    return options, rod
+
+
+def said(options, rod):
+    def vector(v):
+        return ",".join(repr(float(a)) for a in v)
+    text = (f"{options}-rod_curvature_2 {float(rod['bends'][0])!r} -rod_curvature {float(rod['bends'][1])!r} "
+            f"-rod_twist {float(rod['twist'])!r} -rod_bend_ratio {float(rod['ratio'])!r} -clamp_direction {vector(rod['clamp'])} ")
+    for name, option in {"weight": "rod_weight", "force": "tip_force_vector"}.items():
+        if rod[name].any():
+            text += f"-{option} {vector(rod[name])} "
+    for name, option in {"torque": "tip_torque", "radius": "friction_radius", "spin": "clamp_spin"}.items():
+        if rod[name]:
+            text += f"-{option} {float(rod[name])!r} "
+    return text
+
+
+def invariances_in_space(place, scene, dice):
+    """As invariances(). Sections of two stiffnesses are not turned about the clamp's axis: they have axes."""
+    options, rod = scene
+    whole = said(options, rod) + f"-ts_rtol {RTOL} "
+    it = place.run(whole)
+
+    def turned(R, **more):
+        return rod | {k: R @ rod[k] for k in ("weight", "force")} | more
+    if rod["ratio"] == 1:
+        angle = dice.uniform(-3, 3)
+        c, s = np.cos(angle), np.sin(angle)
+        R = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
+        other = place.run(said(options, turned(R, bends=R[1:, 1:] @ rod["bends"])) + f"-ts_rtol {RTOL} ")
+        yield "turn about the clamp's axis", off((R.T @ other[0], 0), it), TURNED
+    d = dice.normal(size=3)
+    d /= np.linalg.norm(d)
+    axis, c = np.cross([1, 0, 0], d), d[0]  # the clamp's frame is turned about e1 x d
+    K = np.cross(axis, np.eye(3)).T
+    Q = np.eye(3) + K + K @ K / (1 + c)
+    other = place.run(said(options, turned(Q, clamp=d)) + f"-ts_rtol {RTOL} ")
+    yield "turn of the clamp", off((Q.T @ other[0], 0), it), TURNED
+    flat = np.diag([1, 1, -1])
+    other = place.run(said(options, turned(flat, bends=rod["bends"] * [-1, 1], twist=-rod["twist"], torque=-rod["torque"],
+                                           spin=-rod["spin"])) + f"-ts_rtol {RTOL} ")
+    yield "mirror, other hand", off((flat @ other[0], 0), it), BITS
+    yield "ranks", off(place.run(whole, ranks=int(dice.integers(2, 4))), it), SAME
+    place.run(f"{whole} -ts_max_steps {int(dice.integers(5, 40))}", code=1, file="b.h5")
+    yield "restart", off(place.run(f"-restart {place.directory / 'b.h5'}", file="b.h5"), it), 0
+
+
+def study(place, count, seed, verbose=True, space=False):
     """Faults as text."""
     faults, most = [], {}
+    draw, check = (random_rod_in_space, invariances_in_space) if space else (random_scene, invariances)
     for k in range(count):
         dice = np.random.default_rng([seed, k])
-        scene = random_scene(dice)
+        scene = draw(dice)
         try:
-            for name, far, allowed in invariances(place, scene, dice):
+            for name, far, allowed in check(place, scene, dice):
                 most[name] = max(most.get(name, 0), far)
                 if not far <= allowed:
-                    faults.append(f"{name}: off by {far:.1e}, not {allowed:g}: {scene[0]}"
-                                  f"-rod_curvature {scene[1]!r}, walls {scene[2]}")
+                    faults.append(f"{name}: off by {far:.1e}, not {allowed:g}: "
+                                  + (said(*scene) if space else f"{scene[0]}-rod_curvature {scene[1]!r}, walls {scene[2]}"))
         except (Lost, subprocess.TimeoutExpired) as error:
             faults.append(f"lost: {error}: {scene}")
     if verbose:
@@ -163,9 +231,10 @@ def main():
     parser.add_argument("--mpiexec", default="mpiexec")
     parser.add_argument("--scenes", type=int, default=40)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--space", action="store_true")
     choice = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="tendril-") as directory:
-        faults = study(Place(directory, choice.tendril, choice.mpiexec), choice.scenes, choice.seed)
+        faults = study(Place(directory, choice.tendril, choice.mpiexec), choice.scenes, choice.seed, space=choice.space)
     for fault in faults:
         print("FAIL", fault)
     return len(faults) > 0
