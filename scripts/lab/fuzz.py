@@ -284,6 +284,10 @@ def space_world_scene(draw, wide, files):
         for name in ("growth_width", "growth_zone"):
             o.pop(name, None)
         o["growth_type"] = "table"
+        if "rod_curvature_file" in o:  # which is then laid out over s
+            with h5py.File(o["rod_curvature_file"], "a") as f:
+                f.pop("distance", None)
+                f.require_dataset("s", s.shape, float)[:] = s
         o["growth_table"] = write(f"{files}-table.h5", s=s, t=t, g=length + np.outer(t, .5 + draw.between(0, 1) * s))
     if draw.happens(.35) and o["growth_type"] != "table":
         for name in ("shape_amplitude", "shape_turn", "shape_seed", "tip_type", "clamp_direction"):
