@@ -198,14 +198,16 @@ static PetscBool Fits(const struct _Coupled *self, PetscBool exactly, PetscInt n
   the pattern of what is near then, and no more: so a run that is restarted has the same, and the
   same round-off. Collective.
 
-  near  n pairs of cells that are near to touching; it is taken over
+  fresh  a Newton solve begins
+  near   n pairs of cells that are near to touching; it is taken over
 */
-PetscErrorCode CoupledPattern(Rod rod, Coupled self, PetscInt n, PetscInt (*near)[2], Mat J) {
+PetscErrorCode CoupledPattern(Rod rod, Coupled self, PetscBool fresh, PetscInt n,
+                              PetscInt (*near)[2], Mat J) {
   PetscBool assembled;
 
   PetscFunctionBegin;
   PetscCall(MatAssembled(J, &assembled));
-  if (assembled && Fits(self, rod->fresh, n, near))
+  if (assembled && Fits(self, fresh, n, near))
     PetscCall(PetscFree(near));
   else {
     PetscCall(NewPattern(rod, self, J, n, near));

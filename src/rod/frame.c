@@ -30,6 +30,7 @@ typedef struct {
   const PetscReal (*push)[2]; /* what strands add to n' at all points of the rod; NULL: none */
   PetscReal h;
   PetscBool known; /* the points are: the state is that of the latest walk */
+  PetscBool fresh; /* a Newton solve begins here */
   Point *a, *mid, *b;
   LoadSlope slope[3]; /* of the load at them; the end of a cell is where the next begins */
 } Cell;
@@ -173,14 +174,14 @@ static void AddFeet(Cell *cell, PetscInt i) {
 }
 
 /* Is this state the one that the points are of? From now on they are. */
-static PetscErrorCode Recognise(Frame *frame, PetscReal t, Vec U, Vec U_t, PetscBool *known) {
-  FrameState now = {.t = t};
+static PetscErrorCode Recognise(Frame *frame, const RodState *at, PetscBool *known) {
+  FrameState now = {.t = at->t};
 
   PetscFunctionBegin;
-  PetscCall(PetscObjectGetId((PetscObject)U, &now.id[0]));
-  PetscCall(PetscObjectGetId((PetscObject)U_t, &now.id[1]));
-  PetscCall(PetscObjectStateGet((PetscObject)U, &now.state[0]));
-  PetscCall(PetscObjectStateGet((PetscObject)U_t, &now.state[1]));
+  PetscCall(PetscObjectGetId((PetscObject)at->U, &now.id[0]));
+  PetscCall(PetscObjectGetId((PetscObject)at->U_t, &now.id[1]));
+  PetscCall(PetscObjectStateGet((PetscObject)at->U, &now.state[0]));
+  PetscCall(PetscObjectStateGet((PetscObject)at->U_t, &now.state[1]));
   *known = (PetscBool)(now.t == frame->seen.t);
   for (int k = 0; k < 2; k++)
     if (now.id[k] != frame->seen.id[k] || now.state[k] != frame->seen.state[k])
@@ -204,22 +205,22 @@ static Point *CellsNode(Cell *cell, PetscInt i) {
 
 /* Begins a walk along the cells that touch owned nodes, at the first of these or, on the last rank,
    at the tip. Collective. */
-static PetscErrorCode CellsOpen(Rod rod, PetscReal t, Vec U, Vec U_t, PetscBool from_tip,
-                                Cell *cell) {
+static PetscErrorCode CellsOpen(Rod rod, const RodState *at, PetscBool from_tip, Cell *cell) {
   Frame *frame = (Frame *)rod->data;
 
   PetscFunctionBegin;
-  PetscCall(LawsAt(rod, t));
-  PetscCall(SceneContactAt(rod->scene, t));
+  PetscCall(LawsAt(rod, at->t));
+  PetscCall(SceneContactAt(rod->scene, at->t));
   PetscCall(PetscMemzero(cell, sizeof(*cell)));
   cell->rod = rod;
-  cell->t = t;
+  cell->t = at->t;
+  cell->fresh = at->fresh;
   cell->load = &rod->scene->load;
   cell->s = rod->scene->mesh.s;
-  PetscCall(RodOpen(rod, U, &cell->local[0], &cell->u));
-  PetscCall(RodOpen(rod, U_t, &cell->local[1], &cell->u_t));
-  if (frame->strands) PetscCall(FrameStrandsLoad(rod, t, U, U_t, &cell->push));
-  PetscCall(Recognise(frame, t, U, U_t, &cell->known));
+  PetscCall(RodOpen(rod, at->U, &cell->local[0], &cell->u));
+  PetscCall(RodOpen(rod, at->U_t, &cell->local[1], &cell->u_t));
+  if (frame->strands) PetscCall(FrameStrandsLoad(rod, at, &cell->push));
+  PetscCall(Recognise(frame, at, &cell->known));
   if (from_tip)
     cell->a = CellsNode(cell, rod->last);
   else
@@ -304,14 +305,14 @@ static void ClampResidual(Rod rod, const PetscReal u[FIELDS], PetscReal r[FIELDS
   for (int f = X1; f <= TH; f++) r[f] = u[OfClamp(rod, f)];
 }
 
-static PetscErrorCode FrameResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F) {
+static PetscErrorCode FrameResidual(Rod rod, const RodState *at, Vec F) {
   Frame *frame = (Frame *)rod->data;
   PetscReal(*F_)[FIELDS];
   PetscInt first = rod->first, end = rod->end;
   Cell cell;
 
   PetscFunctionBegin;
-  PetscCall(CellsOpen(rod, t, U, U_t, PETSC_FALSE, &cell));
+  PetscCall(CellsOpen(rod, at, PETSC_FALSE, &cell));
   PetscCall(DMDAVecGetArray(rod->da, F, &F_));
   for (PetscInt i = PetscMax(first - 1, 0); i < PetscMin(end, rod->last); i++) {
     PetscReal r[FIELDS];
@@ -414,7 +415,7 @@ static void CellJacobian(const Frame *frame, const Load *load, PetscReal h, Pets
 
 /* The slope of the load at a point. */
 static void Linearise(Cell *cell, int k, const Point *p) {
-  LoadLinearise(cell->load, &p->at, cell->rod->fresh, cell->dual[k], &cell->slope[k]);
+  LoadLinearise(cell->load, &p->at, cell->fresh, cell->dual[k], &cell->slope[k]);
 }
 
 /* The rows of a node, by itself (columns FIELDS ...) and its neighbours. */
@@ -448,8 +449,8 @@ static void AddFeetSlope(Cell *cell, PetscInt i, const PetscReal shift[],
   left[TH][M] -= turn * frame->bow * h * cell->law[0].g * cell->law[0].flex;
   right[TH][M] += turn * frame->bow * h * cell->law[2].g * cell->law[2].flex;
   for (PetscInt k = 0; k < n; k++)
-    FootLinearise(&cell->rod->scene->contact, &of, shift, cell->rod->fresh, FootDual(cell, k),
-                  &foot[k], by);
+    FootLinearise(&cell->rod->scene->contact, &of, shift, cell->fresh, FootDual(cell, k), &foot[k],
+                  by);
   for (int u = 0; u < FOOT_UNKNOWNS; u++) {
     PetscReal(*J)[FIELDS] = u < 3 ? left : right;
     const PetscReal bow[2] = {by[0][0][u] - by[2][0][u], by[0][1][u] - by[2][1][u]}; /* n_mid */
@@ -486,19 +487,18 @@ static void TipBlock(const Cell *cell, const Point *end, const PetscReal shift[]
   Rod rod = cell->rod;
   TipState tip = TipOf(end);
 
-  TipJacobian(&rod->scene->tip, &tip, shift, rod->fresh, TipDual(rod), by);
+  TipJacobian(&rod->scene->tip, &tip, shift, cell->fresh, TipDual(rod), by);
 }
 
-static PetscErrorCode FrameJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[],
-                                    Mat J) {
+static PetscErrorCode FrameJacobian(Rod rod, const RodState *at, Mat J) {
   PetscInt first = rod->first, end = rod->end, begin = PetscMax(first - 1, 0);
   PetscReal left[FIELDS][FIELDS], right[FIELDS][FIELDS];
   Cell cell;
   Rows row;
 
   PetscFunctionBegin;
-  PetscCall(CellsOpen(rod, t, U, U_t, PETSC_FALSE, &cell));
-  if (cell.push) PetscCall(FrameStrandsPattern(rod, J));
+  PetscCall(CellsOpen(rod, at, PETSC_FALSE, &cell));
+  if (cell.push) PetscCall(FrameStrandsPattern(rod, at->fresh, J));
   PetscCall(PetscMemzero(row, sizeof(row)));
   if (first == 0)
     for (int f = X1; f <= TH; f++) row[f][FIELDS + OfClamp(rod, f)] = 1;
@@ -506,12 +506,12 @@ static PetscErrorCode FrameJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const 
     PetscInt cols[3] = {i - 1, i, i < rod->last ? i + 1 : -1}; /* -1: none, ignored */
     if (i < rod->last) {
       CellsNext(&cell, i);
-      CellBlocks(&cell, i, (PetscBool)(i == begin), PETSC_TRUE, shift, left, right);
+      CellBlocks(&cell, i, (PetscBool)(i == begin), PETSC_TRUE, at->shift, left, right);
       PutRows(row, M, FIELDS, left);
       PutRows(row, M, 2 * FIELDS, right);
     } else {
       PetscReal by[TIP_ROWS][FIELDS];
-      TipBlock(&cell, cell.b, shift, by);
+      TipBlock(&cell, cell.b, at->shift, by);
       for (int f = 0; f < TIP_ROWS; f++)
         PetscCall(PetscArraycpy(&row[M + f][FIELDS], by[f], FIELDS));
     }
@@ -523,7 +523,7 @@ static PetscErrorCode FrameJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const 
     }
   }
   PetscCall(CellsClose(&cell));
-  if (cell.push) PetscCall(FrameStrandsJacobian(rod, t, U, U_t, shift, J));
+  if (cell.push) PetscCall(FrameStrandsJacobian(rod, at, J));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(0);
@@ -531,27 +531,26 @@ static PetscErrorCode FrameJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const 
 
 /* The same matrix, not assembled: each cell is eliminated as soon as it is known. The last of
    several ranks goes from the tip towards the clamp. */
-static PetscErrorCode FrameEliminate(Rod rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[],
-                                     Elimination elimination) {
+static PetscErrorCode FrameEliminate(Rod rod, const RodState *at, Elimination elimination) {
   PetscBool from_tip = EliminationFromTip(elimination);
   PetscInt begin = PetscMax(rod->first - 1, 0), n = PetscMin(rod->end, rod->last) - begin;
   PetscReal left[FIELDS][FIELDS], right[FIELDS][FIELDS], by[TIP_ROWS][FIELDS];
   Cell cell;
 
   PetscFunctionBegin;
-  PetscCall(CellsOpen(rod, t, U, U_t, from_tip, &cell));
-  if (from_tip) TipBlock(&cell, cell.a, shift, by);
+  PetscCall(CellsOpen(rod, at, from_tip, &cell));
+  if (from_tip) TipBlock(&cell, cell.a, at->shift, by);
   EliminationBegin(elimination, (const PetscReal(*)[FIELDS])by);
   for (PetscInt k = 0; k < n; k++) {
     PetscInt i = from_tip ? begin + n - 1 - k : begin + k;
     CellsGo(&cell, i, from_tip);
-    CellBlocks(&cell, i, (PetscBool)(from_tip || !k), (PetscBool)(!from_tip || !k), shift, left,
+    CellBlocks(&cell, i, (PetscBool)(from_tip || !k), (PetscBool)(!from_tip || !k), at->shift, left,
                right);
     if (i >= rod->first)
       EliminationCell(elimination, (const PetscReal(*)[FIELDS])left,
                       (const PetscReal(*)[FIELDS])right);
   }
-  if (rod->end > rod->last && !from_tip) TipBlock(&cell, cell.b, shift, by);
+  if (rod->end > rod->last && !from_tip) TipBlock(&cell, cell.b, at->shift, by);
   PetscCall(CellsClose(&cell));
   PetscCall(EliminationEnd(elimination, (const PetscReal(*)[FIELDS])by));
   PetscFunctionReturn(0);
@@ -580,8 +579,7 @@ static void HoldFeet(Cell *cell, PetscInt i, PetscReal seen, PetscReal *creep) {
 }
 
 /* Moves the shifts of exact Coulomb friction; creep is the largest speed of what is held. */
-static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal seen,
-                                PetscReal *creep) {
+static PetscErrorCode FrameHold(Rod rod, const RodState *at, PetscReal seen, PetscReal *creep) {
   Frame *frame = (Frame *)rod->data;
   PetscBool ends = (PetscBool)(frame->end_weight > 0);
   PetscInt first = PetscMax(rod->first - 1, 0);
@@ -589,7 +587,7 @@ static PetscErrorCode FrameHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal 
 
   PetscFunctionBegin;
   *creep = 0;
-  PetscCall(CellsOpen(rod, t, U, U_t, PETSC_FALSE, &cell));
+  PetscCall(CellsOpen(rod, at, PETSC_FALSE, &cell));
   for (PetscInt i = first; i < PetscMin(rod->end, rod->last); i++) {
     CellsNext(&cell, i);
     /* the clamped end does not move unless it slides: a shift there would hold nothing, and

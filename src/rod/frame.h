@@ -64,15 +64,14 @@ static inline LoadDual *FrameDuals(const Frame *frame, PetscInt k) {
 }
 
 /* frame_defect.c */
-PetscErrorCode FrameDefect(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal (*defect)[MAX_FIELDS]);
+PetscErrorCode FrameDefect(Rod rod, const RodState *at, PetscReal (*defect)[MAX_FIELDS]);
 
 /* frame_strands.c */
 PetscErrorCode FrameStrandsCreate(Rod rod, struct FrameStrands **strands);
 PetscErrorCode FrameStrandsDestroy(struct FrameStrands **strands);
-PetscErrorCode FrameStrandsLoad(Rod rod, PetscReal t, Vec U, Vec U_t, const PetscReal (**force)[2]);
-PetscErrorCode FrameStrandsPattern(Rod rod, Mat J);
-PetscErrorCode FrameStrandsJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[],
-                                    Mat J);
+PetscErrorCode FrameStrandsLoad(Rod rod, const RodState *at, const PetscReal (**force)[2]);
+PetscErrorCode FrameStrandsPattern(Rod rod, PetscBool fresh, Mat J);
+PetscErrorCode FrameStrandsJacobian(Rod rod, const RodState *at, Mat J);
 PetscErrorCode FrameStrandsHold(Rod rod, PetscReal seen, PetscReal *creep);
 PetscReal *FrameStrandsRemembered(Rod rod, PetscInt i, PetscInt k);
 PetscInt FrameStrandsMemory(Rod rod);

@@ -69,17 +69,15 @@ static void CellDefect(const Frame *frame, const Load *load, PetscInt k, const P
   defect  one for each owned node. Order 4: of the two cells beside it, at odd nodes; order 2: of
           the cell before it; else 0
 */
-PetscErrorCode FrameDefect(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal (*defect)[MAX_FIELDS]) {
+PetscErrorCode FrameDefect(Rod rod, const RodState *at, PetscReal (*defect)[MAX_FIELDS]) {
   const Frame *frame = (const Frame *)rod->data;
   const PetscReal *s = rod->scene->mesh.s, (*rate)[FIELDS];
   PetscBool fourth = (PetscBool)(rod->order == 4);
   Vec local;
 
   PetscFunctionBegin;
-  (void)t;
-  (void)U; /* (its points are known) */
   PetscCall(PetscArrayzero(defect, rod->end - rod->first));
-  PetscCall(RodOpen(rod, U_t, &local, &rate));
+  PetscCall(RodOpen(rod, at->U_t, &local, &rate));
   for (PetscInt i = PetscMax(1, rod->first); i < PetscMin(rod->end, rod->last + !fourth); i++) {
     PetscInt k = 2 * (i - rod->first);
     PetscReal turn[3] = {rate[i - 1][TH], rate[i][TH], 0};

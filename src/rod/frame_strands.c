@@ -28,28 +28,26 @@ PetscErrorCode FrameStrandsDestroy(struct FrameStrands **strands) {
 }
 
 /* The state of the whole rod, on every rank. Ends with CoupledClose(). */
-static PetscErrorCode OpenState(struct FrameStrands *self, PetscReal t, Vec U, Vec U_t,
-                                StrandState *state) {
+static PetscErrorCode OpenState(struct FrameStrands *self, const RodState *at, StrandState *state) {
   const PetscReal *u[2];
 
   PetscFunctionBegin;
-  PetscCall(CoupledOpen(self->coupled, U, U_t, u));
-  *state = (StrandState){.t = t, .stride = FIELDS, .u = u[0], .u_t = u[1]};
+  PetscCall(CoupledOpen(self->coupled, at->U, at->U_t, u));
+  *state = (StrandState){.t = at->t, .stride = FIELDS, .u = u[0], .u_t = u[1]};
   PetscFunctionReturn(0);
 }
 
 /* FrameStrandsLoad - the forces of contact in a state, as StrandsForces() has them. Pairs are
    looked for once a Newton solve. Collective. */
-PetscErrorCode FrameStrandsLoad(Rod rod, PetscReal t, Vec U, Vec U_t,
-                                const PetscReal (**force)[2]) {
+PetscErrorCode FrameStrandsLoad(Rod rod, const RodState *at, const PetscReal (**force)[2]) {
   struct FrameStrands *self = ((Frame *)rod->data)->strands;
   StrandState state;
 
   PetscFunctionBegin;
-  PetscCall(OpenState(self, t, U, U_t, &state));
-  if (rod->fresh) PetscCall(StrandsSearch(self->strands, &state));
+  PetscCall(OpenState(self, at, &state));
+  if (at->fresh) PetscCall(StrandsSearch(self->strands, &state));
   PetscCall(StrandsLoad(self->strands, &state));
-  PetscCall(CoupledClose(self->coupled, U, U_t));
+  PetscCall(CoupledClose(self->coupled, at->U, at->U_t));
   *force = StrandsForces(self->strands);
   PetscFunctionReturn(0);
 }
@@ -102,13 +100,13 @@ PetscErrorCode FrameStrandsRecalled(Rod rod) {
 /* ---- the matrix ---- */
 
 /* FrameStrandsPattern - sees to it that J has room for all pairs, and is 0. Collective. */
-PetscErrorCode FrameStrandsPattern(Rod rod, Mat J) {
+PetscErrorCode FrameStrandsPattern(Rod rod, PetscBool fresh, Mat J) {
   struct FrameStrands *self = ((Frame *)rod->data)->strands;
   PetscInt n, (*near)[2];
 
   PetscFunctionBegin;
   PetscCall(StrandsNear(self->strands, &n, &near));
-  PetscCall(CoupledPattern(rod, self->coupled, n, near, J));
+  PetscCall(CoupledPattern(rod, self->coupled, fresh, n, near, J));
   PetscFunctionReturn(0);
 }
 
@@ -178,8 +176,7 @@ static PetscErrorCode AddTaker(Rod rod, const StrandState *state, const StrandSl
 
 /* FrameStrandsJacobian - adds to J, whose other values are set, the derivatives of the forces of
    contact, in the state of the latest load. Collective. */
-PetscErrorCode FrameStrandsJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[],
-                                    Mat J) {
+PetscErrorCode FrameStrandsJacobian(Rod rod, const RodState *at, Mat J) {
   struct FrameStrands *self = ((Frame *)rod->data)->strands;
   const StrandSlope *slopes;
   StrandState state;
@@ -188,10 +185,10 @@ PetscErrorCode FrameStrandsJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const 
   PetscFunctionBegin;
   PetscCall(MatAssemblyBegin(J, MAT_FLUSH_ASSEMBLY));
   PetscCall(MatAssemblyEnd(J, MAT_FLUSH_ASSEMBLY));
-  PetscCall(OpenState(self, t, U, U_t, &state));
-  PetscCall(StrandsLinearise(self->strands, &state, shift, rod->fresh, &n, &slopes));
+  PetscCall(OpenState(self, at, &state));
+  PetscCall(StrandsLinearise(self->strands, &state, at->shift, at->fresh, &n, &slopes));
   for (PetscInt c = 0; c < n; c++)
     for (int k = 0; k < slopes[c].takers; k++) PetscCall(AddTaker(rod, &state, &slopes[c], k, J));
-  PetscCall(CoupledClose(self->coupled, U, U_t));
+  PetscCall(CoupledClose(self->coupled, at->U, at->U_t));
   PetscFunctionReturn(0);
 }

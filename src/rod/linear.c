@@ -42,19 +42,19 @@ static const PetscScalar *OneField(Rod rod, const PetscScalar *v, PetscInt f, in
 }
 
 /* F = D y_t - K y */
-static PetscErrorCode LinearResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F) {
+static PetscErrorCode LinearResidual(Rod rod, const RodState *at, Vec F) {
   Linear *self = (Linear *)rod->data;
   const PetscScalar *y, *y_t;
   PetscScalar *f;
   Vec local[2];
 
   PetscFunctionBegin;
-  PetscCall(RodOpen(rod, U, &local[0], &y));
-  PetscCall(RodOpen(rod, U_t, &local[1], &y_t));
+  PetscCall(RodOpen(rod, at->U, &local[0], &y));
+  PetscCall(RodOpen(rod, at->U_t, &local[1], &y_t));
   PetscCall(DMDAVecGetArray(rod->da, F, &f));
   for (PetscInt k = 0; k < rod->model->fields; k++) {
     PetscReal *out = rod->model->fields > 1 ? self->room[WAYS] - (rod->first - 3) : f;
-    PetscCall(StraightApply(self->straight[k], t, rod->first, rod->end, OneField(rod, y, k, 0),
+    PetscCall(StraightApply(self->straight[k], at->t, rod->first, rod->end, OneField(rod, y, k, 0),
                             OneField(rod, y_t, k, 1), out));
     for (PetscInt i = rod->first; out != f && i < rod->end; i++)
       f[rod->model->fields * i + k] = out[i];
@@ -66,22 +66,21 @@ static PetscErrorCode LinearResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F
 }
 
 /* J = shift D - K */
-static PetscErrorCode LinearJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[],
-                                     Mat J) {
+static PetscErrorCode LinearJacobian(Rod rod, const RodState *at, Mat J) {
   const PetscInt fields = rod->model->fields;
   Linear *self = (Linear *)rod->data;
 
   PetscFunctionBegin;
-  PetscCall(BandsAt(rod, t));
+  PetscCall(BandsAt(rod, at->t));
   for (PetscInt k = 0; k < fields * (rod->end - rod->first); k++) {
-    PetscInt i = rod->first + k / fields, f = k % fields, at = fields * i + f, cols[BAND];
+    PetscInt i = rod->first + k / fields, f = k % fields, own = fields * i + f, cols[BAND];
     PetscScalar row[BAND];
     for (PetscInt b = 0; b < BAND; b++) {
       PetscInt j = i + b - 3, entry = (i - rod->first) * BAND + b;
       cols[b] = j >= 0 && j <= rod->last ? fields * j + f : -1;
-      row[b] = shift[f] * self->D[f][entry] - self->K[f][entry];
+      row[b] = at->shift[f] * self->D[f][entry] - self->K[f][entry];
     }
-    PetscCall(MatSetValues(J, 1, &at, BAND, cols, row, INSERT_VALUES));
+    PetscCall(MatSetValues(J, 1, &own, BAND, cols, row, INSERT_VALUES));
   }
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));

@@ -210,16 +210,16 @@ static void BalanceResidual(const Mixed *self, Rod rod, const PetscReal (*u)[FIE
   }
 }
 
-static PetscErrorCode MixedResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F) {
+static PetscErrorCode MixedResidual(Rod rod, const RodState *at, Vec F) {
   Mixed *self = (Mixed *)rod->data;
   const PetscReal(*u)[FIELDS], (*u_t)[FIELDS];
   PetscReal(*f)[FIELDS], e[2];
   Vec local[2];
 
   PetscFunctionBegin;
-  PetscCall(LengthsAt(rod, t));
-  PetscCall(RodOpen(rod, U, &local[0], &u));
-  PetscCall(RodOpen(rod, U_t, &local[1], &u_t));
+  PetscCall(LengthsAt(rod, at->t));
+  PetscCall(RodOpen(rod, at->U, &local[0], &u));
+  PetscCall(RodOpen(rod, at->U_t, &local[1], &u_t));
   PetscCall(DMDAVecGetArray(rod->da, F, &f));
   if (!rod->first) PetscCall(PetscArraycpy(f[0], u[0], FIELDS));
   for (PetscInt i = PetscMax(1, rod->first); i < rod->end; i++) {
@@ -284,15 +284,16 @@ static void AddTurning(Rod rod, const PetscReal (*u)[FIELDS], PetscInt i, const 
 }
 
 static void LoadJacobian(Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
-                         const PetscReal (*u_t)[FIELDS], PetscInt i, const PetscReal shift[],
+                         const PetscReal (*u_t)[FIELDS], PetscInt i, const RodState *state,
                          Row row) {
+  const PetscReal *shift = state->shift;
   const Load *load = &rod->scene->load;
   PetscReal slide, M = NodeLength(self, rod, i);
   LoadSlope slope;
   Place at;
 
   PlaceAt(self, rod, u, u_t, i, &at, &slide);
-  LoadLinearise(load, &at, rod->fresh, &self->dual[i - rod->first], &slope);
+  LoadLinearise(load, &at, state->fresh, &self->dual[i - rod->first], &slope);
   for (int d = 0; d < 2; d++)
     for (int c = 0; c < 2; c++) {
       row[d][REACH * FIELDS + c] += M * slope.v[d][c] * shift[c];
@@ -308,11 +309,11 @@ static void LoadJacobian(Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
 
 /* The slope of the force on the tip. */
 static void TipRows(Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
-                    const PetscReal (*u_t)[FIELDS], const PetscReal shift[], Row row) {
+                    const PetscReal (*u_t)[FIELDS], const RodState *state, Row row) {
   TipState tip = TipAt(self, rod, u, u_t);
   PetscReal J[TIP_ROWS][TIP_FIELDS], theta[2];
 
-  TipJacobian(&rod->scene->tip, &tip, shift, rod->fresh, TipDual(self, rod), J);
+  TipJacobian(&rod->scene->tip, &tip, state->shift, state->fresh, TipDual(self, rod), J);
   for (int d = 0; d < 2; d++) {
     for (int c = 0; c < 2; c++) row[d][REACH * FIELDS + c] += J[1 + d][c];
     theta[d] = J[1 + d][2];
@@ -321,13 +322,13 @@ static void TipRows(Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
 }
 
 static void BalanceJacobian(Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
-                            const PetscReal (*u_t)[FIELDS], PetscInt i, const PetscReal shift[],
+                            const PetscReal (*u_t)[FIELDS], PetscInt i, const RodState *state,
                             Row row) {
   const PetscReal *s = rod->scene->mesh.s;
   PetscReal e[2];
 
-  LoadJacobian(self, rod, u, u_t, i, shift, row);
-  if (i == rod->last && rod->scene->tip.force != 0) TipRows(self, rod, u, u_t, shift, row);
+  LoadJacobian(self, rod, u, u_t, i, state, row);
+  if (i == rod->last && rod->scene->tip.force != 0) TipRows(self, rod, u, u_t, state, row);
   for (PetscInt k = i - 1; k <= PetscMin(i + 1, rod->last - 1); k++)
     TurnJacobian(self, rod, u, i, k, row);
   for (PetscInt edge = i; edge <= PetscMin(i + 1, rod->last); edge++) {
@@ -340,8 +341,7 @@ static void BalanceJacobian(Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
   }
 }
 
-static PetscErrorCode MixedJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[],
-                                    Mat J) {
+static PetscErrorCode MixedJacobian(Rod rod, const RodState *at, Mat J) {
   Mixed *self = (Mixed *)rod->data;
   const PetscReal(*u)[FIELDS], (*u_t)[FIELDS];
   PetscReal e[2];
@@ -349,15 +349,15 @@ static PetscErrorCode MixedJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const 
   Row row;
 
   PetscFunctionBegin;
-  PetscCall(LengthsAt(rod, t));
-  PetscCall(RodOpen(rod, U, &local[0], &u));
-  PetscCall(RodOpen(rod, U_t, &local[1], &u_t));
+  PetscCall(LengthsAt(rod, at->t));
+  PetscCall(RodOpen(rod, at->U, &local[0], &u));
+  PetscCall(RodOpen(rod, at->U_t, &local[1], &u_t));
   for (PetscInt i = rod->first; i < rod->end; i++) {
     PetscInt cols[WIDTH];
     PetscCall(PetscMemzero(row, sizeof(row)));
     for (PetscInt k = 0; k < WIDTH; k++) cols[k] = i - REACH + k <= rod->last ? i - REACH + k : -1;
     if (i) {
-      BalanceJacobian(self, rod, u, u_t, i, shift, row);
+      BalanceJacobian(self, rod, u, u_t, i, at, row);
       Edge(u, i, e);
       for (int d = 0; d < 2; d++)
         AddByEdge(row, i, LAMBDA, i, d, 2 * e[d] / EdgeLength(self, rod, i));

@@ -8,7 +8,6 @@
 #include "scene/scene.h"
 #include "straight/straight.h"
 #include <petscdmda.h>
-#include <petscts.h>
 
 enum { MAX_FIELDS = 13 };
 
@@ -58,6 +57,16 @@ static const PetscReal rod_vanished = 1e-280;
 
 typedef struct _Rod *Rod;
 
+/* A state in which the equations are asked for, and what for. Its vectors are borrowed. */
+typedef struct {
+  PetscReal t;
+  Vec U, U_t;
+  PetscReal shift[MAX_FIELDS]; /* of each field: derivatives are dF/dU + dF/dU_t diag(shift) */
+  PetscBool fresh;  /* a Newton solve begins here: what it remembers starts anew, and pairs that may
+                       touch are looked for */
+  PetscBool counts; /* modes are to be counted in it: symmetric if it can */
+} RodState;
+
 typedef struct {
   const char *name;
   PetscInt fields;  /* unknowns per node */
@@ -79,16 +88,14 @@ typedef struct {
   /* U from nodes (local, owned), and nodes from U; U_t may be NULL (rates are then 0) */
   PetscErrorCode (*set)(Rod, PetscReal t, const Node *nodes, Vec U);
   PetscErrorCode (*get)(Rod, PetscReal t, Vec U, Vec U_t, Node *nodes);
-  PetscErrorCode (*residual)(Rod, PetscReal t, Vec U, Vec U_t, Vec F);
-  /* dF/dU + dF/dU_t diag(shift), a shift for each field */
-  PetscErrorCode (*jacobian)(Rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[], Mat J);
+  PetscErrorCode (*residual)(Rod, const RodState *, Vec F);
+  PetscErrorCode (*jacobian)(Rod, const RodState *, Mat J);
   /* the same, eliminated at once, but for what far parts of a coupled rod do to each other; NULL:
      it cannot */
-  PetscErrorCode (*eliminate)(Rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[],
-                              Elimination);
+  PetscErrorCode (*eliminate)(Rod, const RodState *, Elimination);
   /* by how much the state of the latest residual fails the equations between the collocation
      points, per owned node: of what is left of it; NULL: not known */
-  PetscErrorCode (*defect)(Rod, PetscReal t, Vec U, Vec U_t, PetscReal (*defect)[MAX_FIELDS]);
+  PetscErrorCode (*defect)(Rod, const RodState *, PetscReal (*defect)[MAX_FIELDS]);
   /* the moments about the directors (in the plane, the first) at a node u, and by how much a small
      change of u changes them */
   void (*moments)(const PetscReal u[], const PetscReal change[], PetscReal m[3], PetscReal dm[3]);
@@ -101,36 +108,21 @@ typedef struct {
   /* what changes of the fields are measured against, from their sizes; NULL: these */
   void (*scale)(PetscReal size[]);
   /* exact Coulomb friction: see LoadHold(); NULL: regularised friction only */
-  PetscErrorCode (*hold)(Rod, PetscReal t, Vec U, Vec U_t, PetscReal seen, PetscReal *creep);
+  PetscErrorCode (*hold)(Rod, const RodState *, PetscReal seen, PetscReal *creep);
 } RodModel;
-
-/* Where a Jacobian was taken; the vectors are borrowed from who asked for it. NULL: none was. */
-typedef struct {
-  PetscReal t, shift[MAX_FIELDS];
-  Vec U, U_t;
-} RodState;
 
 struct _Rod {
   const RodModel *model;
   Scene scene;
-  DM da;               /* the unknowns: 1D DMDA over the nodes */
-  DM nodes;            /* Node at each node, stencil 1 */
-  PetscInt first, end; /* owned nodes: first .. end - 1 */
-  PetscInt last;       /* the tip, N */
-  PetscInt order;      /* of the error in space */
-  Vec latest_rate;     /* U_t of the latest residual: of the accepted state, once a step is taken */
-  PetscReal latest_time;          /* t of it */
-  PetscBool alone;                /* on one rank */
-  PetscBool coupled;              /* nodes far from each other along the rod see each other */
-  PetscReal factor_rate[MIRRORS]; /* what a field has in U_t beside shift U (vbdf.h), for each
-                                     mirror in which it changes sign */
-  PetscBool counts;               /* an elimination is one to count modes in: symmetric if it can */
-  PetscBool fresh;                /* the next Jacobian is the first of its Newton solve */
-  PetscInt memory;                /* reals a node that its Newton's method remembers; 0: none */
-  PetscInt residuals, jacobians;  /* counted work */
-  PetscReal oblique[2];           /* how much so walls are that press: RodFeelWalls() */
-  Elimination elimination;        /* instead of a matrix; NULL: none; borrowed */
-  RodState linearised;            /* of the latest Jacobian */
+  DM da;                /* the unknowns: 1D DMDA over the nodes */
+  DM nodes;             /* Node at each node, stencil 1 */
+  PetscInt first, end;  /* owned nodes: first .. end - 1 */
+  PetscInt last;        /* the tip, N */
+  PetscInt order;       /* of the error in space */
+  PetscBool alone;      /* on one rank */
+  PetscBool coupled;    /* nodes far from each other along the rod see each other */
+  PetscInt memory;      /* reals a node that its Newton's method remembers; 0: none */
+  PetscReal oblique[2]; /* how much so walls are that press: RodFeelWalls() */
   void *data;
 };
 
@@ -157,9 +149,5 @@ PetscErrorCode RodTurn(Rod rod, const PetscReal axes[2], Vec V);
 PetscErrorCode RodSizesAlong(Rod rod, Vec U, const PetscReal axes[2], PetscReal size[MAX_FIELDS]);
 PetscErrorCode RodFeelWalls(Rod rod, PetscReal t, Vec U);
 PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal axes[2], PetscReal scale[MAX_FIELDS]);
-PetscErrorCode RodResidual(TS ts, PetscReal t, Vec U, Vec U_t, Vec F, void *rod);
-PetscErrorCode RodJacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J, Mat P,
-                           void *rod);
-PetscErrorCode RodEliminate(Rod rod, Elimination elimination);
 
 #endif

@@ -65,14 +65,14 @@ static void ClampBlock(Scene scene, const PetscReal u[FIELDS], PetscReal by[LEFT
     for (int f = 0; f < LEFT; f++) by[f][f] = 1;
 }
 
-static PetscErrorCode SpaceResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F) {
+static PetscErrorCode SpaceResidual(Rod rod, const RodState *at, Vec F) {
   const Space_ *self = (const Space_ *)rod->data;
   const Scene scene = rod->scene;
   PetscReal(*F_)[FIELDS], r[FIELDS];
   Cell cell;
 
   PetscFunctionBegin;
-  PetscCall(SpaceCellsOpen(rod, t, U, U_t, &cell));
+  PetscCall(SpaceCellsOpen(rod, at, &cell));
   PetscCall(DMDAVecGetArray(rod->da, F, &F_));
   for (PetscInt i = PetscMax(rod->first - 1, 0); i < PetscMin(rod->end, rod->last); i++) {
     SpaceCellsNext(&cell, i);
@@ -83,7 +83,7 @@ static PetscErrorCode SpaceResidual(Rod rod, PetscReal t, Vec U, Vec U_t, Vec F)
     if (i >= rod->first) PetscCall(PetscArraycpy(&F_[i][LEFT], &r[LEFT], RIGHT));
     if (i + 1 < rod->end) PetscCall(PetscArraycpy(F_[i + 1], r, LEFT));
   }
-  if (rod->first == 0) ClampResidual(scene, t, cell.u[0], F_[0]);
+  if (rod->first == 0) ClampResidual(scene, at->t, cell.u[0], F_[0]);
   if (rod->end == rod->last + 1) {
     TipState3 tip = TipOf(cell.load, &cell.b);
     TipResidual3(&scene->tip, &tip, TipDual(rod), &F_[rod->last][LEFT]);
@@ -118,7 +118,7 @@ static void Linearise(const Cell *cell, const Law *law, const Point *p, Friction
   const PetscReal g = law->g, *q = p->d[0], *u = p->u, *n = p->n;
   PetscReal(*f)[FIELDS] = slope->f, D[3][4];
 
-  LoadLinearise3(load, &p->at, cell->rod->fresh, dual, &slope->load);
+  LoadLinearise3(load, &p->at, cell->fresh, dual, &slope->load);
   memset(f, 0, sizeof(slope->f));
   for (int k = 0; k < 3; k++) { /* u_k = flex_k d_k.m + u0_k */
     DirectorSlope(p->p, p->size, p->d[k], k, D);
@@ -318,9 +318,9 @@ static void CellJacobian(const Cell *cell, PetscReal sign, const PetscReal shift
     for (int i = 0; i < 3; i++)
       for (int j = 0; j < 4; j++) dW[i][P + j] += k * by_p[i][j];
   }
-  if (SpinCubic(cell->rod)) CubicSpin(load, law, p, slope, k, shift, by_p, dW);
+  if (cell->cubic) CubicSpin(load, law, p, slope, k, shift, by_p, dW);
   if (cell->law[1].c != 0 || load->arm > 0) {
-    if (SpinCubic(cell->rod))
+    if (cell->cubic)
       SlideSlope(load, &cell->law[1], mid, turn);
     else
       TurnSlope(load, &cell->law[1], &cell->mid, mid, turn);
@@ -380,7 +380,7 @@ static void TipBlock(const Cell *cell, const Slope *slope, const PetscReal shift
 
   RateSlope(cell->load, &cell->b, 1, shift, dW);
   TurnSlope(cell->load, cell->law + 2, &cell->b, slope, dW);
-  TipJacobian3(&rod->scene->tip, &tip, (const PetscReal(*)[FIELDS])dW, rod->fresh, TipDual(rod),
+  TipJacobian3(&rod->scene->tip, &tip, (const PetscReal(*)[FIELDS])dW, cell->fresh, TipDual(rod),
                by);
 }
 
@@ -404,8 +404,7 @@ static void PutRows(Rows rows, int from, int to, PetscInt column, PetscReal part
     for (int k = 0; k < FIELDS; k++) rows[f][column + k] = part[f][k];
 }
 
-static PetscErrorCode SpaceJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[],
-                                    Mat J) {
+static PetscErrorCode SpaceJacobian(Rod rod, const RodState *at, Mat J) {
   Space_ *self = (Space_ *)rod->data;
   PetscInt begin = PetscMax(rod->first - 1, 0);
   PetscReal left[FIELDS][FIELDS], right[FIELDS][FIELDS], by[RIGHT][FIELDS];
@@ -414,8 +413,8 @@ static PetscErrorCode SpaceJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const 
   Rows row;
 
   PetscFunctionBegin;
-  PetscCall(SpaceCellsOpen(rod, t, U, U_t, &cell));
-  if (self->strands) PetscCall(SpaceStrandsPattern(rod, self->strands, J));
+  PetscCall(SpaceCellsOpen(rod, at, &cell));
+  if (self->strands) PetscCall(SpaceStrandsPattern(rod, self->strands, at->fresh, J));
   PetscCall(PetscMemzero(row, sizeof(row)));
   if (rod->first == 0) {
     ClampBlock(rod->scene, cell.u[0], left);
@@ -425,13 +424,13 @@ static PetscErrorCode SpaceJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const 
     PetscInt cols[3] = {i - 1, i, i < rod->last ? i + 1 : -1}; /* -1: none, ignored */
     if (i < rod->last) {
       SpaceCellsNext(&cell, i);
-      CellBlocks(&cell, (PetscBool)(i == begin), shift, &slopes, left, right);
+      CellBlocks(&cell, (PetscBool)(i == begin), at->shift, &slopes, left, right);
       if (self->behind && i >= rod->first)
         KeepBehind(&cell, &slopes.mid, &self->behind[i - rod->first]);
       PutRows(row, LEFT, FIELDS, FIELDS, left);
       PutRows(row, LEFT, FIELDS, 2 * FIELDS, right);
     } else {
-      TipBlock(&cell, &slopes.b, shift, by);
+      TipBlock(&cell, &slopes.b, at->shift, by);
       for (int f = 0; f < RIGHT; f++)
         PetscCall(PetscArraycpy(&row[LEFT + f][FIELDS], by[f], FIELDS));
     }
@@ -444,8 +443,7 @@ static PetscErrorCode SpaceJacobian(Rod rod, PetscReal t, Vec U, Vec U_t, const 
     }
   }
   PetscCall(SpaceCellsClose(&cell));
-  if (self->strands)
-    PetscCall(SpaceStrandsJacobian(rod, self->strands, t, U, U_t, shift, self->behind, J));
+  if (self->strands) PetscCall(SpaceStrandsJacobian(rod, self->strands, at, self->behind, J));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(0);
@@ -467,8 +465,7 @@ static void Arms(const Point *point, WideArms *arms) {
 }
 
 /* The same matrix, not assembled: each cell is eliminated as soon as it is known. */
-static PetscErrorCode SpaceEliminate(Rod rod, PetscReal t, Vec U, Vec U_t, const PetscReal shift[],
-                                     Elimination elimination) {
+static PetscErrorCode SpaceEliminate(Rod rod, const RodState *at, Elimination elimination) {
   WideLine line = EliminationWide(elimination);
   PetscReal(*left)[FIELDS], (*right)[FIELDS], by[RIGHT][FIELDS];
   WideArms arms;
@@ -476,19 +473,19 @@ static PetscErrorCode SpaceEliminate(Rod rod, PetscReal t, Vec U, Vec U_t, const
   Cell cell;
 
   PetscFunctionBegin;
-  PetscCall(SpaceCellsOpen(rod, t, U, U_t, &cell));
+  PetscCall(SpaceCellsOpen(rod, at, &cell));
   WideBegin(line);
   for (PetscInt i = 0; i < rod->last; i++) {
     SpaceCellsNext(&cell, i);
     WideBlocks(line, &left, &right);
-    CellBlocks(&cell, (PetscBool)(i == 0), shift, &slopes, left, right);
+    CellBlocks(&cell, (PetscBool)(i == 0), at->shift, &slopes, left, right);
     Arms(&cell.a, &arms);
     WideArm(line, &arms);
     WideCell(line);
   }
   Arms(&cell.b, &arms);
   WideArm(line, &arms);
-  TipBlock(&cell, &slopes.b, shift, by);
+  TipBlock(&cell, &slopes.b, at->shift, by);
   WideEnd(line, (const PetscReal(*)[FIELDS])by);
   PetscCall(SpaceCellsClose(&cell));
   PetscFunctionReturn(0);
@@ -498,8 +495,7 @@ static PetscErrorCode SpaceEliminate(Rod rod, PetscReal t, Vec U, Vec U_t, const
 
 /* Moves the shifts of exact Coulomb friction; creep is the largest speed of what is held. (The
    clamped end is not held unless it slides: see frame.c.) */
-static PetscErrorCode SpaceHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal seen,
-                                PetscReal *creep) {
+static PetscErrorCode SpaceHold(Rod rod, const RodState *at, PetscReal seen, PetscReal *creep) {
   Space_ *self = (Space_ *)rod->data;
   PetscBool ends = (PetscBool)(self->end_weight > 0);
   PetscInt first = PetscMax(rod->first - 1, 0);
@@ -507,7 +503,7 @@ static PetscErrorCode SpaceHold(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal 
 
   PetscFunctionBegin;
   *creep = 0;
-  PetscCall(SpaceCellsOpen(rod, t, U, U_t, &cell));
+  PetscCall(SpaceCellsOpen(rod, at, &cell));
   for (PetscInt i = first; i < PetscMin(rod->end, rod->last); i++) {
     SpaceCellsNext(&cell, i);
     if (i == first && ends && (i > 0 || cell.law->c != 0 || rod->scene->clamp == CLAMP_FREE))

@@ -37,7 +37,7 @@ static void PointAtMid(Cell *cell, PetscReal k, const PetscReal *ua_t, const Pet
     p->at.x[i] = (a->at.x[i] + b->at.x[i]) / 2 + k * (a->f[X + i] - b->f[X + i]);
   }
   PointStrains(load, &cell->law[1], p);
-  if (SpinCubic(cell->rod))
+  if (cell->cubic)
     p->at.W[SPIN] =
         load->arm *
         ((QuaternionSpin(a->p, a->size, a->p_t) + QuaternionSpin(b->p, b->size, b->p_t)) / 2 +
@@ -91,21 +91,23 @@ static void NodePoint(Cell *cell, PetscInt i, Point *p) {
 }
 
 /* SpaceCellsOpen - begins a walk at the first of the cells that touch owned nodes. Collective. */
-PetscErrorCode SpaceCellsOpen(Rod rod, PetscReal t, Vec U, Vec U_t, Cell *cell) {
+PetscErrorCode SpaceCellsOpen(Rod rod, const RodState *at, Cell *cell) {
   Space_ *self = (Space_ *)rod->data;
 
   PetscFunctionBegin;
-  PetscCall(LawsAt(rod, t));
-  PetscCall(SceneContactAt(rod->scene, t));
+  PetscCall(LawsAt(rod, at->t));
+  PetscCall(SceneContactAt(rod->scene, at->t));
   cell->rod = rod;
-  cell->t = t;
+  cell->t = at->t;
+  cell->fresh = at->fresh;
+  cell->cubic = SpinCubic(rod, at);
   cell->load = &rod->scene->load;
   cell->push = cell->couple = NULL;
   if (self->strands)
-    PetscCall(SpaceStrandsLoad(rod, self->strands, t, U, U_t, &cell->push, &cell->couple));
+    PetscCall(SpaceStrandsLoad(rod, self->strands, at, &cell->push, &cell->couple));
   cell->s = rod->scene->mesh.s;
-  PetscCall(RodOpen(rod, U, &cell->local[0], &cell->u));
-  PetscCall(RodOpen(rod, U_t, &cell->local[1], &cell->u_t));
+  PetscCall(RodOpen(rod, at->U, &cell->local[0], &cell->u));
+  PetscCall(RodOpen(rod, at->U_t, &cell->local[1], &cell->u_t));
   NodePoint(cell, PetscMax(rod->first - 1, 0), &cell->b);
   PetscFunctionReturn(0);
 }

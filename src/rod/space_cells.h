@@ -37,6 +37,8 @@ typedef struct {
 typedef struct {
   Rod rod;
   PetscReal t, h;
+  PetscBool fresh; /* a Newton solve begins here */
+  PetscBool cubic; /* the spin in the middle of a cell is that of Hermite's cubic */
   const Load *load;
   const PetscReal (*u)[FIELDS], (*u_t)[FIELDS], *s;
   Vec local[2];
@@ -98,9 +100,9 @@ static inline void VelocitySlope(const Law *law, const Point *p, PetscReal w[3])
 /* Is the spin in the middle of a cell that of Hermite's cubic? It takes the rate of the moment, and
    so is left where friction along the rod does not feel the spin (what walls do comes at once), and
    where modes are counted: with that rate no energy is behind the equations of a cell. */
-static inline PetscBool SpinCubic(Rod rod) {
+static inline PetscBool SpinCubic(Rod rod, const RodState *at) {
   const Space_ *self = (const Space_ *)rod->data;
-  return (PetscBool)(rod->scene->load.radius > 0 && self->bow > 0 && !rod->counts);
+  return (PetscBool)(rod->scene->load.radius > 0 && self->bow > 0 && !at->counts);
 }
 
 /* How the spin of the directors changes along the rod at a node, see rod/spin.h. */
@@ -113,11 +115,11 @@ static inline FrictionDual4 *Duals(const Space_ *self, PetscInt k) {
   return self->dual + k * self->duals;
 }
 
-PetscErrorCode SpaceCellsOpen(Rod rod, PetscReal t, Vec U, Vec U_t, Cell *cell);
+PetscErrorCode SpaceCellsOpen(Rod rod, const RodState *at, Cell *cell);
 void SpaceCellsNext(Cell *cell, PetscInt i);
 PetscErrorCode SpaceCellsClose(Cell *cell);
 
 /* space_defect.c */
-PetscErrorCode SpaceDefect(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal (*defect)[MAX_FIELDS]);
+PetscErrorCode SpaceDefect(Rod rod, const RodState *at, PetscReal (*defect)[MAX_FIELDS]);
 
 #endif

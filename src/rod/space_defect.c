@@ -135,14 +135,14 @@ static void Take(const Cell *cell, PetscInt i, int k, const FrictionDual4 *dual,
   defect  one for each owned node. Order 4: of the two cells beside it, at odd nodes; order 2: of
           the cell before it; else 0
 */
-PetscErrorCode SpaceDefect(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal (*defect)[MAX_FIELDS]) {
+PetscErrorCode SpaceDefect(Rod rod, const RodState *at, PetscReal (*defect)[MAX_FIELDS]) {
   const PetscBool fourth = (PetscBool)(rod->order == 4);
   Cells cells;
   Cell cell;
 
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(defect, rod->end - rod->first));
-  PetscCall(SpaceCellsOpen(rod, t, U, U_t, &cell));
+  PetscCall(SpaceCellsOpen(rod, at, &cell));
   cells.load = cell.load;
   for (PetscInt i = PetscMax(rod->first - 1, 0); i < PetscMin(rod->end, rod->last); i++) {
     SpaceCellsNext(&cell, i);

@@ -27,39 +27,38 @@ PetscErrorCode SpaceStrandsDestroy(SpaceStrands *strands) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode OpenState(SpaceStrands self, PetscReal t, Vec U, Vec U_t,
-                                StrandState3 *state) {
+static PetscErrorCode OpenState(SpaceStrands self, const RodState *at, StrandState3 *state) {
   const PetscReal *u[2];
 
   PetscFunctionBegin;
-  PetscCall(CoupledOpen(self->coupled, U, U_t, u));
-  *state = (StrandState3){.t = t, .stride = FIELDS, .u = u[0], .u_t = u[1]};
+  PetscCall(CoupledOpen(self->coupled, at->U, at->U_t, u));
+  *state = (StrandState3){.t = at->t, .stride = FIELDS, .u = u[0], .u_t = u[1]};
   PetscFunctionReturn(0);
 }
 
 /* SpaceStrandsLoad - the forces of contact in a state, as Strands3Forces() has them, and the
    couples (NULL: there are none). Pairs are looked for once a Newton solve. Collective. */
-PetscErrorCode SpaceStrandsLoad(Rod rod, SpaceStrands self, PetscReal t, Vec U, Vec U_t,
+PetscErrorCode SpaceStrandsLoad(Rod rod, SpaceStrands self, const RodState *at,
                                 const PetscReal (**force)[3], const PetscReal (**couple)[3]) {
   StrandState3 state;
 
   PetscFunctionBegin;
-  PetscCall(OpenState(self, t, U, U_t, &state));
-  if (rod->fresh) PetscCall(Strands3Search(self->strands, &state));
+  PetscCall(OpenState(self, at, &state));
+  if (at->fresh) PetscCall(Strands3Search(self->strands, &state));
   PetscCall(Strands3Load(self->strands, &state));
-  PetscCall(CoupledClose(self->coupled, U, U_t));
+  PetscCall(CoupledClose(self->coupled, at->U, at->U_t));
   *force = Strands3Forces(self->strands);
   *couple = Strands3Couples(self->strands);
   PetscFunctionReturn(0);
 }
 
 /* SpaceStrandsPattern - sees to it that J has room for all pairs, and is 0. Collective. */
-PetscErrorCode SpaceStrandsPattern(Rod rod, SpaceStrands self, Mat J) {
+PetscErrorCode SpaceStrandsPattern(Rod rod, SpaceStrands self, PetscBool fresh, Mat J) {
   PetscInt n, (*near)[2];
 
   PetscFunctionBegin;
   PetscCall(Strands3Near(self->strands, &n, &near));
-  PetscCall(CoupledPattern(rod, self->coupled, n, near, J));
+  PetscCall(CoupledPattern(rod, self->coupled, fresh, n, near, J));
   PetscFunctionReturn(0);
 }
 
@@ -148,8 +147,8 @@ static PetscErrorCode AddTaker(Rod rod, const SpaceCell *cells, const StrandSlop
 
   cells  those behind the owned nodes
 */
-PetscErrorCode SpaceStrandsJacobian(Rod rod, SpaceStrands self, PetscReal t, Vec U, Vec U_t,
-                                    const PetscReal shift[], const SpaceCell *cells, Mat J) {
+PetscErrorCode SpaceStrandsJacobian(Rod rod, SpaceStrands self, const RodState *at,
+                                    const SpaceCell *cells, Mat J) {
   const StrandSlope3 *slopes;
   StrandState3 state;
   PetscInt n;
@@ -157,10 +156,10 @@ PetscErrorCode SpaceStrandsJacobian(Rod rod, SpaceStrands self, PetscReal t, Vec
   PetscFunctionBegin;
   PetscCall(MatAssemblyBegin(J, MAT_FLUSH_ASSEMBLY));
   PetscCall(MatAssemblyEnd(J, MAT_FLUSH_ASSEMBLY));
-  PetscCall(OpenState(self, t, U, U_t, &state));
-  PetscCall(Strands3Linearise(self->strands, &state, shift, rod->fresh, &n, &slopes));
+  PetscCall(OpenState(self, at, &state));
+  PetscCall(Strands3Linearise(self->strands, &state, at->shift, at->fresh, &n, &slopes));
   for (PetscInt c = 0; c < n; c++)
     for (int k = 0; k < slopes[c].takers; k++) PetscCall(AddTaker(rod, cells, &slopes[c], k, J));
-  PetscCall(CoupledClose(self->coupled, U, U_t));
+  PetscCall(CoupledClose(self->coupled, at->U, at->U_t));
   PetscFunctionReturn(0);
 }

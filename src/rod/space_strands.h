@@ -16,10 +16,10 @@ typedef struct {
 
 PetscErrorCode SpaceStrandsCreate(Rod rod, SpaceStrands *strands);
 PetscErrorCode SpaceStrandsDestroy(SpaceStrands *strands);
-PetscErrorCode SpaceStrandsLoad(Rod rod, SpaceStrands self, PetscReal t, Vec U, Vec U_t,
+PetscErrorCode SpaceStrandsLoad(Rod rod, SpaceStrands self, const RodState *at,
                                 const PetscReal (**force)[3], const PetscReal (**couple)[3]);
-PetscErrorCode SpaceStrandsPattern(Rod rod, SpaceStrands self, Mat J);
-PetscErrorCode SpaceStrandsJacobian(Rod rod, SpaceStrands self, PetscReal t, Vec U, Vec U_t,
-                                    const PetscReal shift[], const SpaceCell *cells, Mat J);
+PetscErrorCode SpaceStrandsPattern(Rod rod, SpaceStrands self, PetscBool fresh, Mat J);
+PetscErrorCode SpaceStrandsJacobian(Rod rod, SpaceStrands self, const RodState *at,
+                                    const SpaceCell *cells, Mat J);
 
 #endif

@@ -323,6 +323,7 @@ static PetscErrorCode MeasureDefect(Estimate self, const PetscReal across[MIRROR
   const PetscInt fields = self->fields;
   const Rod rod = self->leg->rod;
   PetscReal ratio[GROUPS], t;
+  RodState at;
 
   PetscFunctionBegin;
   Ratios(across, self->measured, ratio);
@@ -335,7 +336,8 @@ static PetscErrorCode MeasureDefect(Estimate self, const PetscReal across[MIRROR
   }
   self->until = DEFECTS - 1;
   PetscCall(TSGetTime(self->leg->ts, &t));
-  PetscCall(rod->model->defect(rod, t, self->leg->U, rod->latest_rate, self->defect));
+  at = (RodState){.t = t, .U = self->leg->U, .U_t = self->leg->newton.latest.U_t};
+  PetscCall(rod->model->defect(rod, &at, self->defect));
   PetscCall(PetscArrayzero(self->own.defect, self->nodes * fields));
   for (PetscInt i = PetscMax(1, rod->first); i < rod->end; i++)
     for (PetscInt f = 0; f < fields; f++)
@@ -346,13 +348,14 @@ static PetscErrorCode MeasureDefect(Estimate self, const PetscReal across[MIRROR
 /* State, rate and defect of what is owned; all of it on rank 0. */
 static PetscErrorCode Gather(Estimate self, const PetscReal across[MIRRORS]) {
   const PetscInt fields = self->fields, count = self->nodes * (3 * fields + 2 * self->followed);
+  const Vec rates = self->leg->newton.latest.U_t;
   const Rod rod = self->leg->rod;
   const PetscScalar *u, *rate;
 
   PetscFunctionBegin;
   PetscCall(MeasureDefect(self, across));
   PetscCall(VecGetArrayRead(self->leg->U, &u));
-  PetscCall(VecGetArrayRead(rod->latest_rate, &rate));
+  PetscCall(VecGetArrayRead(rates, &rate));
   for (PetscInt k = 0; k < self->nodes; k++) {
     PetscInt i = FineNode(self, k) - rod->first;
     if (i < 0 || i >= rod->end - rod->first) continue;
@@ -360,7 +363,7 @@ static PetscErrorCode Gather(Estimate self, const PetscReal across[MIRRORS]) {
     PetscCall(PetscArraycpy(self->own.rate + k * fields, rate + i * fields, fields));
   }
   PetscCall(VecRestoreArrayRead(self->leg->U, &u));
-  PetscCall(VecRestoreArrayRead(rod->latest_rate, &rate));
+  PetscCall(VecRestoreArrayRead(rates, &rate));
   PetscCallMPI(MPI_Reduce(self->own.u, self->all.u, (PetscMPIInt)count, MPIU_REAL, MPI_SUM, 0,
                           rod->scene->comm));
   PetscFunctionReturn(0);
@@ -418,18 +421,17 @@ static void TakeContact(Estimate self) {
 
 /* F_U + F_U_t shift at the state that is put. */
 static PetscErrorCode Linearise(Estimate self, PetscReal t, const PetscReal shift[]) {
-  Rod rod = self->rod;
+  RodState at = {.t = t, .U = self->U, .U_t = self->rate, .fresh = PETSC_TRUE};
 
   PetscFunctionBegin;
-  rod->fresh = PETSC_TRUE;
-  PetscCall(self->model->residual(rod, t, self->U, self->rate, self->F));
+  PetscCall(PetscArraycpy(at.shift, shift, self->fields));
+  PetscCall(self->model->residual(self->rod, &at, self->F));
   if (self->elimination)
-    PetscCall(self->model->eliminate(rod, t, self->U, self->rate, shift, self->elimination));
+    PetscCall(self->model->eliminate(self->rod, &at, self->elimination));
   else {
-    PetscCall(self->model->jacobian(rod, t, self->U, self->rate, shift, self->J));
+    PetscCall(self->model->jacobian(self->rod, &at, self->J));
     PetscCall(KSPSetOperators(self->ksp, self->J, self->J));
   }
-  rod->fresh = PETSC_FALSE;
   PetscFunctionReturn(0);
 }
 
@@ -457,6 +459,7 @@ static PetscErrorCode Solve(Estimate self, PetscReal *e) {
 
 /* rhs = -F_U_t b, by a difference so small that friction is straight over it. */
 static PetscErrorCode TimesRate(Estimate self, PetscReal t) {
+  const RodState at = {.t = t, .U = self->U, .U_t = self->nudged};
   const PetscReal beta = self->scene.load.friction.beta;
   const PetscInt n = self->nodes * self->fields;
   const PetscScalar *F, *G;
@@ -471,7 +474,7 @@ static PetscErrorCode TimesRate(Estimate self, PetscReal t) {
   PetscCall(VecGetArray(self->nudged, (PetscScalar **)&rate));
   for (PetscInt i = 0; i < n; i++) rate[i] += scale * self->b[i];
   PetscCall(VecRestoreArray(self->nudged, (PetscScalar **)&rate));
-  PetscCall(self->model->residual(self->rod, t, self->U, self->nudged, self->G));
+  PetscCall(self->model->residual(self->rod, &at, self->G));
   PetscCall(VecGetArrayRead(self->F, &F));
   PetscCall(VecGetArrayRead(self->G, &G));
   for (PetscInt i = 0; i < n; i++) self->rhs[i] = -(G[i] - F[i]) / scale;
@@ -491,6 +494,7 @@ static void SubtractDefect(Estimate self) {
 
 /* rhs -= by what the residual changes while a number of the scene grows by a part of itself. */
 static PetscErrorCode SubtractChange(Estimate self, PetscReal t, PetscReal *number) {
+  const RodState at = {.t = t, .U = self->U, .U_t = self->nudged};
   const PetscReal taken = *number;
   const PetscScalar *F, *G;
 
@@ -498,7 +502,7 @@ static PetscErrorCode SubtractChange(Estimate self, PetscReal t, PetscReal *numb
   PetscCall(VecCopy(self->rate, self->nudged)); /* (the same rates, but no state that is known) */
   *number = (1 + nudge) * taken;
   self->scene.contact.time = PETSC_MIN_REAL;
-  PetscCall(self->model->residual(self->rod, t, self->U, self->nudged, self->G));
+  PetscCall(self->model->residual(self->rod, &at, self->G));
   *number = taken;
   self->scene.contact.time = PETSC_MIN_REAL;
   PetscCall(VecGetArrayRead(self->F, &F));

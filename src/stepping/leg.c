@@ -163,8 +163,8 @@ static PetscErrorCode BeforeStage(TS ts, PetscReal t) {
 
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &leg));
-  leg->rod->fresh = PETSC_TRUE;
-  PetscCall(VBDFGetFactorRate(ts, leg->rod->factor_rate));
+  leg->newton.fresh = PETSC_TRUE;
+  PetscCall(VBDFGetFactorRate(ts, leg->newton.factor_rate));
   PetscFunctionReturn(0);
 }
 
@@ -210,10 +210,10 @@ static PetscErrorCode CrossesSlippery(Leg *leg, Vec U, PetscBool *crosses) {
   PetscFunctionBegin;
   if (!*crosses || !ContactWallsRub(contact) || !leg->newton.elimination) PetscFunctionReturn(0);
   contact->slippery = PETSC_TRUE;
-  PetscCall(RodEliminate(leg->rod, leg->newton.elimination));
+  PetscCall(NewtonEliminate(&leg->newton, leg->newton.elimination));
   PetscCall(ModesCrossed(leg, U, crosses, &known));
   contact->slippery = PETSC_FALSE;
-  PetscCall(RodEliminate(leg->rod, leg->newton.elimination));
+  PetscCall(NewtonEliminate(&leg->newton, leg->newton.elimination));
   PetscFunctionReturn(0);
 }
 
@@ -389,7 +389,6 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   PetscCall(TSSetDM(leg->ts, leg->rod->da));
   PetscCall(TSSetApplicationContext(leg->ts, leg));
   PetscCall(TSSetEquationType(leg->ts, TS_EQ_DAE_IMPLICIT_INDEX2));
-  PetscCall(TSSetIFunction(leg->ts, NULL, RodResidual, leg->rod));
   PetscCall(TSSetType(leg->ts, TSVBDF));
   PetscCall(VBDFSetHighestOrder(leg->ts, HIGHEST_ORDER));
   PetscCall(TSSetTolerances(leg->ts, PETSC_DEFAULT, NULL, rtol, NULL));

@@ -83,8 +83,7 @@ static PetscErrorCode Hold(Newton *self, SNES snes, PetscInt it, Vec U, Vec F,
   PetscFunctionBegin;
   PetscCall(TSGetTimeStep(self->ts, &step));
   PetscCall(RodFieldSizes(self->rod, U, size));
-  PetscCall(self->rod->model->hold(self->rod, self->rod->latest_time, U, self->rod->latest_rate,
-                                   SpeedSeen(self, step, size), &creep));
+  PetscCall(self->rod->model->hold(self->rod, &self->latest, SpeedSeen(self, step, size), &creep));
   PetscCall(PetscInfo(snes, "held points creep at %g\n", (double)creep));
   if (creep * step > creep_allowed * self->tolerance * size[0] && self->holds < MOST_HOLDS) {
     self->holds++;
@@ -165,10 +164,50 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
   PetscFunctionReturn(0);
 }
 
+/* F(t, U, U_t), a TSIFunction. */
+static PetscErrorCode Residual(TS ts, PetscReal t, Vec U, Vec U_t, Vec F, void *ctx) {
+  Newton *self = (Newton *)ctx;
+  RodState at = {.t = t, .U = U, .U_t = U_t, .fresh = self->fresh};
+
+  PetscFunctionBegin;
+  (void)ts;
+  self->latest = (RodState){.t = t, .U = U, .U_t = U_t};
+  PetscCall(self->rod->model->residual(self->rod, &at, F));
+  PetscFunctionReturn(0);
+}
+
+/* dF/dU + shift dF/dU_t, a TSIJacobian; for the fields across the shift is greater by factor_rate,
+   of each of their mirrors. With an elimination it goes there, and not into the matrix. */
+static PetscErrorCode Jacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J, Mat P,
+                               void *ctx) {
+  Newton *self = (Newton *)ctx;
+  const RodModel *model = self->rod->model;
+  RodState at = {.t = t, .U = U, .U_t = U_t, .fresh = self->fresh};
+
+  PetscFunctionBegin;
+  (void)ts;
+  for (PetscInt f = 0; f < model->fields; f++) {
+    at.shift[f] = shift;
+    for (int mirror = 0; mirror < MIRRORS; mirror++)
+      if (model->group[f] & 1 << mirror) at.shift[f] += self->factor_rate[mirror];
+  }
+  if (self->elimination)
+    PetscCall(model->eliminate(self->rod, &at, self->elimination));
+  else
+    PetscCall(model->jacobian(self->rod, &at, P));
+  self->fresh = at.fresh = PETSC_FALSE;
+  self->linearised = at;
+  if (J != P || self->elimination) {
+    PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
+    PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
+  }
+  PetscFunctionReturn(0);
+}
+
 /*
-  NewtonSetUp - sets the SNES of a TS, before its options are read: full Newton steps, the test
-  above, and a direct solver. PETSc's options override. newton must live as long as the TS; the
-  caller ends it with NewtonDestroy().
+  NewtonSetUp - sets the equations of a TS and its SNES, before its options are read: full Newton
+  steps, the test above, and a direct solver. PETSc's options override. newton must live as long as
+  the TS; the caller ends it with NewtonDestroy().
 */
 PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   PetscReal rtol;
@@ -182,6 +221,7 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   PetscCall(TSGetTolerances(ts, NULL, NULL, &rtol, NULL));
   newton->tolerance = share_of_tolerance * rtol;
   newton->loose = loose;
+  PetscCall(TSSetIFunction(ts, NULL, Residual, newton));
   PetscCall(TSGetSNES(ts, &snes));
   PetscCall(SNESSetType(snes, rod->model->linear ? SNESKSPONLY : SNESNEWTONLS));
   PetscCall(SetSearch(snes, FULL_STEPS));
@@ -271,7 +311,6 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
   PetscCall(SNESGetKSP(snes, &ksp));
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(EliminationSetType(pc, newton->elimination));
-  rod->elimination = newton->elimination;
   if (rod->model->space && rod->scene->load.radius > 0)
     PetscCall(EliminationCreate(rod->scene->comm, nodes, rod->model->halves, &newton->counter));
   PetscFunctionReturn(0);
@@ -298,7 +337,7 @@ PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton) {
       PetscCall(EliminationCreate(rod->scene->comm, rod->end - rod->first, rod->model->halves,
                                   &newton->counter));
   }
-  PetscCall(TSSetIJacobian(ts, newton->J, newton->J, RodJacobian, rod));
+  PetscCall(TSSetIJacobian(ts, newton->J, newton->J, Jacobian, newton));
   PetscFunctionReturn(0);
 }
 
@@ -325,6 +364,17 @@ PetscErrorCode NewtonCuts(const Newton *newton, PetscBool cuts) {
   PetscFunctionReturn(0);
 }
 
+/* NewtonEliminate - eliminates the matrix of the latest Jacobian to count modes in it, where its
+   state is now: its vectors are those that the iteration has gone on with. Collective. */
+PetscErrorCode NewtonEliminate(Newton *newton, Elimination elimination) {
+  RodState at = newton->linearised;
+
+  PetscFunctionBegin;
+  at.counts = PETSC_TRUE;
+  PetscCall(newton->rod->model->eliminate(newton->rod, &at, elimination));
+  PetscFunctionReturn(0);
+}
+
 /*
   NewtonIndex - how many modes grow faster than the shift of the latest Jacobian, see
   EliminationIndex(); where that was assembled, of the rod without what far parts of it do to each
@@ -337,11 +387,11 @@ PetscErrorCode NewtonIndex(Newton *newton, PetscInt *index, PetscBool *known) {
   Rod rod = newton->rod;
 
   PetscFunctionBegin;
-  *known = (PetscBool)(counted && (!newton->counter || rod->linearised.U) &&
+  *known = (PetscBool)(counted && (!newton->counter || newton->linearised.U) &&
                        !(EliminationWide(counted) && LoadSticks(&rod->scene->load)));
   *index = 0;
   if (!*known) PetscFunctionReturn(0);
-  if (counted == newton->counter) PetscCall(RodEliminate(rod, counted));
+  if (counted == newton->counter) PetscCall(NewtonEliminate(newton, counted));
   PetscCall(EliminationIndex(counted, index));
   if (EliminationWide(counted) && *index < 0) *known = PETSC_FALSE;
   PetscFunctionReturn(0);

@@ -3,6 +3,7 @@
 #define TENDRIL_NEWTON_H
 
 #include "rod/rod.h"
+#include <petscts.h>
 
 typedef struct {
   TS ts; /* borrowed */
@@ -10,9 +11,15 @@ typedef struct {
   Elimination elimination; /* instead of a matrix; NULL: none */
   Elimination counter;     /* beside a matrix, to count modes that grow; NULL: none */
   Mat J;
-  PetscReal tolerance;        /* of the update, relative to each field's size */
-  PetscReal loose;            /* that of forces and moments */
-  PetscReal update;           /* the latest iteration's largest */
+  PetscBool fresh;                /* the next Jacobian is the first of its solve */
+  PetscReal factor_rate[MIRRORS]; /* what a field has in U_t beside shift U (vbdf.h), for each
+                                     mirror in which it changes sign */
+  RodState latest;     /* t, U and U_t of the latest residual: of the accepted state, once a step is
+                          taken */
+  RodState linearised; /* of the latest Jacobian; U NULL: there was none */
+  PetscReal tolerance; /* of the update, relative to each field's size */
+  PetscReal loose;     /* that of forces and moments */
+  PetscReal update;    /* the latest iteration's largest */
   PetscReal residual[GROUPS]; /* the latest, of each group of fields */
   PetscInt holds, held; /* how often sticking points were held anew, and at which iteration last */
 } Newton;
@@ -22,6 +29,7 @@ void NewtonToRest(Newton *newton, PetscReal rtol);
 PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton);
 PetscErrorCode NewtonTakesFullSteps(const Newton *newton, PetscBool *full);
 PetscErrorCode NewtonCuts(const Newton *newton, PetscBool cuts);
+PetscErrorCode NewtonEliminate(Newton *newton, Elimination elimination);
 PetscErrorCode NewtonIndex(Newton *newton, PetscInt *index, PetscBool *known);
 PetscErrorCode NewtonDestroy(Newton *newton);
 

@@ -35,7 +35,7 @@ static PetscErrorCode StopAtRest(TS ts) {
   PetscCall(TSGetApplicationContext(ts, &leg));
   PetscCall(TSGetTime(ts, &t));
   PetscCall(TSGetStepNumber(ts, &steps));
-  PetscCall(RodFieldSizes(leg->rod, leg->rod->latest_rate, speed));
+  PetscCall(RodFieldSizes(leg->rod, leg->newton.latest.U_t, speed));
   for (PetscInt f = 0; f < leg->rod->model->fields; f++)
     if (leg->rod->model->followed[f]) fastest = PetscMax(fastest, speed[f]);
   if (steps >= many_steps && t < nowhere)

@@ -136,7 +136,7 @@ static PetscErrorCode Linearise(Tangents self, PetscReal t, PetscReal shift) {
   Leg *leg = self->leg;
   Friction *law[2] = {&leg->rod->scene->load.friction, &leg->rod->scene->tip.resistance.friction};
   FrictionNewton newton[2];
-  PetscReal rho[MAX_FIELDS] = {0};
+  RodState beside;
   Mat J, P;
 
   PetscFunctionBegin;
@@ -144,28 +144,26 @@ static PetscErrorCode Linearise(Tangents self, PetscReal t, PetscReal shift) {
     newton[k] = law[k]->newton;
     law[k]->newton = NEWTON_PRIMAL;
   }
-  PetscCall(VBDFGetFactorRate(leg->ts, leg->rod->factor_rate));
+  PetscCall(VBDFGetFactorRate(leg->ts, leg->newton.factor_rate));
+  beside = (RodState){.t = t, .U = leg->U, .U_t = leg->newton.latest.U_t, .fresh = PETSC_TRUE};
   for (PetscInt f = 0; f < leg->rod->model->fields; f++)
     for (int m = 0; m < MIRRORS; m++)
-      if (leg->rod->model->group[f] & 1 << m) rho[f] += leg->rod->factor_rate[m];
-  leg->rod->fresh = PETSC_TRUE;
-  PetscCall(
-      leg->rod->model->jacobian(leg->rod, t, leg->U, leg->rod->latest_rate, rho, self->beside));
+      if (leg->rod->model->group[f] & 1 << m) beside.shift[f] += leg->newton.factor_rate[m];
+  PetscCall(leg->rod->model->jacobian(leg->rod, &beside, self->beside));
   PetscCall(TSGetIJacobian(leg->ts, &J, &P, NULL, NULL));
-  leg->rod->fresh = PETSC_TRUE;
-  PetscCall(
-      TSComputeIJacobian(leg->ts, t, leg->U, leg->rod->latest_rate, shift, J, P, PETSC_FALSE));
+  leg->newton.fresh = PETSC_TRUE;
+  PetscCall(TSComputeIJacobian(leg->ts, t, leg->U, beside.U_t, shift, J, P, PETSC_FALSE));
   for (int k = 0; k < 2; k++) law[k]->newton = newton[k];
   PetscFunctionReturn(0);
 }
 
 /* -F_p */
 static PetscErrorCode Force(Tangents self, const TangentOf *of, PetscReal t, Vec work, Vec F) {
-  Vec U = self->leg->U, U_t = self->leg->rod->latest_rate;
+  const RodState at = {.t = t, .U = self->leg->U, .U_t = self->leg->newton.latest.U_t};
 
   PetscFunctionBegin;
-  PetscCall(of->low->model->residual(of->low, t, U, U_t, F));
-  PetscCall(of->high->model->residual(of->high, t, U, U_t, work));
+  PetscCall(of->low->model->residual(of->low, &at, F));
+  PetscCall(of->high->model->residual(of->high, &at, work));
   PetscCall(VecAXPY(F, -1, work));
   PetscCall(VecScale(F, 1 / of->apart));
   PetscFunctionReturn(0);

@@ -113,14 +113,13 @@ static PetscErrorCode Assemble(Bent *self, PetscReal t, Vec U, Vec U_t) {
   Rod rod = self->leg.rod;
   Friction *friction = &rod->scene->load.friction;
   const FrictionNewton newton = friction->newton;
-  PetscReal none[MAX_FIELDS] = {0}, one[MAX_FIELDS];
+  RodState at = {.t = t, .U = U, .U_t = U_t, .fresh = PETSC_TRUE};
 
   PetscFunctionBegin;
-  for (int f = 0; f < MAX_FIELDS; f++) one[f] = 1;
-  rod->fresh = PETSC_TRUE;
   friction->newton = NEWTON_PRIMAL;
-  PetscCall(rod->model->jacobian(rod, t, U, U_t, none, self->A));
-  PetscCall(rod->model->jacobian(rod, t, U, U_t, one, self->B));
+  PetscCall(rod->model->jacobian(rod, &at, self->A));
+  for (int f = 0; f < MAX_FIELDS; f++) at.shift[f] = 1;
+  PetscCall(rod->model->jacobian(rod, &at, self->B));
   friction->newton = newton;
   PetscCall(MatAYPX(self->B, -1, self->A, SAME_NONZERO_PATTERN));
   PetscFunctionReturn(0);
@@ -159,15 +158,15 @@ static PetscErrorCode Look(Bent *self, PetscReal t, Vec U, Vec U_t, Growing *gro
    one would. */
 static PetscErrorCode Correct(Bent *self, PetscReal t, PetscReal step) {
   Rod rod = self->leg.rod;
-  PetscReal shift[MAX_FIELDS];
+  RodState at = {.t = t, .U = self->U, .U_t = self->U_t, .fresh = PETSC_TRUE};
   Vec F;
 
   PetscFunctionBegin;
-  for (int f = 0; f < MAX_FIELDS; f++) shift[f] = 1 / step;
+  for (int f = 0; f < MAX_FIELDS; f++) at.shift[f] = 1 / step;
   PetscCall(VecDuplicate(self->U, &F));
   for (int k = 0; k < CORRECTIONS; k++) {
-    PetscCall(rod->model->residual(rod, t, self->U, self->U_t, F));
-    PetscCall(rod->model->jacobian(rod, t, self->U, self->U_t, shift, self->A));
+    PetscCall(rod->model->residual(rod, &at, F));
+    PetscCall(rod->model->jacobian(rod, &at, self->A));
     PetscCall(KSPSetOperators(self->ksp, self->A, self->A));
     PetscCall(KSPSolve(self->ksp, F, self->work));
     PetscCall(VecAXPY(self->U, -1, self->work));

@@ -215,7 +215,7 @@ static PetscErrorCode AfterStep(TS ts) {
   PetscCall(Self(ts, &self));
   PetscCall(TSGetTime(ts, &t));
   U = self->now->U;
-  U_t = self->now->rod->latest_rate;
+  U_t = self->now->newton.latest.U_t;
   PetscCall(GrowSensitivitiesStep(self, t));
   if (self->watch.any) {
     for (int k = 0; k < 2; k++) PetscCall(VecDuplicate(U, &here[k]));

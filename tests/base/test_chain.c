@@ -1,7 +1,7 @@
 /* The solver for chains gives what the matrix asks for: A x = b for the Jacobians of the models. */
 #include "harness.h"
 #include "base/chain.h"
-#include "rod/rod.h"
+#include "rod/by_rate.h"
 #include <petscksp.h>
 
 /* A matrix between that cannot be solved with is said to be so. */
@@ -24,6 +24,7 @@ static void Solve(const RodModel *model, const char *options) {
   KSP ksp;
   PC pc;
   PetscReal norm, error;
+  RodState at;
   SetOptions("-shape_amplitude 2 -rod_cells 40 -ts_max_time 2 %s", options);
   CHECK(SceneCreate(&scene));
   CHECK(RodCreate(scene, model, &rod));
@@ -46,7 +47,8 @@ static void Solve(const RodModel *model, const char *options) {
     if (k) Fail(ksp, J, b, y);
     PetscInt low, high;
     PetscScalar *a;
-    CHECK(RodJacobian(NULL, 0.7, U, U_t, k ? 500 : 3, J, J, rod));
+    at = StateOf(0.7, U, U_t, k ? 500 : 3);
+    CHECK(model->jacobian(rod, &at, J));
     CHECK(VecGetOwnershipRange(x, &low, &high));
     CHECK(VecGetArray(x, &a));
     for (PetscInt i = low; i < high; i++) a[i - low] = Scatter(7 + k, i);

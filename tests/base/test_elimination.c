@@ -1,7 +1,7 @@
 /* Cells eliminated one by one give what the assembled matrix does. */
 #include "harness.h"
 #include "base/chain.h"
-#include "rod/rod.h"
+#include "rod/by_rate.h"
 #include <petscksp.h>
 
 enum { FIELDS = 6 };
@@ -88,12 +88,11 @@ static void Compare(const char *options) {
     PetscInt low, high;
     PetscReal size[MAX_FIELDS], error[MAX_FIELDS], residual[2];
     PetscScalar *a;
-    c.rod->elimination = NULL;
+    RodState at = StateOf(0.7, c.U, c.U_t, shifts[k]);
     for (int i = 0; i < 2; i++) /* the duals have settled in the second */
-      CHECK(RodJacobian(NULL, 0.7, c.U, c.U_t, shifts[k], c.J, c.J, c.rod));
+      CHECK(c.rod->model->jacobian(c.rod, &at, c.J));
     CHECK(KSPSetOperators(c.ksp[0], c.J, c.J));
-    c.rod->elimination = c.elimination;
-    CHECK(RodJacobian(NULL, 0.7, c.U, c.U_t, shifts[k], c.J, c.J, c.rod));
+    CHECK(c.rod->model->eliminate(c.rod, &at, c.elimination));
     CHECK(VecGetOwnershipRange(c.b, &low, &high));
     CHECK(VecGetArray(c.b, &a));
     for (PetscInt i = low; i < high; i++) a[i - low] = Scatter(7 + k, i);
@@ -148,6 +147,7 @@ static PetscInt Index(PetscReal force, PetscReal shift) {
   enum { N1 = 4 };
   PetscInt index, n;
   PetscScalar *u;
+  RodState at;
   Case c;
 
   Open(&c, "-growth_initial_length 0.3 -friction_mu 0 -rod_cells 150 -shape_amplitude 1e-4");
@@ -155,8 +155,8 @@ static PetscInt Index(PetscReal force, PetscReal shift) {
   CHECK(VecGetArray(c.U, &u));
   for (PetscInt i = N1; i < n; i += FIELDS) u[i] = -force;
   CHECK(VecRestoreArray(c.U, &u));
-  c.rod->elimination = c.elimination;
-  CHECK(RodJacobian(NULL, 0.7, c.U, c.U_t, shift, c.J, c.J, c.rod));
+  at = StateOf(0.7, c.U, c.U_t, shift);
+  CHECK(c.rod->model->eliminate(c.rod, &at, c.elimination));
   CHECK(EliminationIndex(c.elimination, &index));
   Close(&c);
   return index;

@@ -19,18 +19,30 @@ static inline Vec RandomVector(Rod rod, int seed, PetscReal size) {
   return v;
 }
 
-/* V_t = U_t + e shift w, the shift of a field greater by factor_rate, of each of its mirrors. */
-static inline void Shifted(Rod rod, Vec U_t, PetscReal shift, Vec w, PetscReal e, Vec V_t) {
+/* A state to take equations and derivatives in, with a shift for all fields. */
+static inline RodState StateOf(PetscReal t, Vec U, Vec U_t, PetscReal shift) {
+  RodState at = {.t = t, .U = U, .U_t = U_t};
+  for (int f = 0; f < MAX_FIELDS; f++) at.shift[f] = shift;
+  return at;
+}
+
+/* ... and more of it for the fields of each mirror. */
+static inline void AddFactorRates(Rod rod, const PetscReal rate[MIRRORS], RodState *at) {
+  for (PetscInt f = 0; f < rod->model->fields; f++)
+    for (int mirror = 0; mirror < MIRRORS; mirror++)
+      if (rod->model->group[f] & 1 << mirror) at->shift[f] += rate[mirror];
+}
+
+/* V_t = U_t + e shift w, of each field its own. */
+static inline void Shifted(Rod rod, const RodState *at, Vec w, PetscReal e, Vec V_t) {
   PetscInt fields = rod->model->fields, n;
   const PetscScalar *d;
   PetscScalar *v;
-  CHECK(VecWAXPY(V_t, e * shift, w, U_t));
+  CHECK(VecCopy(at->U_t, V_t));
   CHECK(VecGetLocalSize(w, &n));
   CHECK(VecGetArrayRead(w, &d));
   CHECK(VecGetArray(V_t, &v));
-  for (PetscInt i = 0; i < n; i++)
-    for (int mirror = 0; mirror < MIRRORS; mirror++)
-      if (rod->model->group[i % fields] & 1 << mirror) v[i] += e * rod->factor_rate[mirror] * d[i];
+  for (PetscInt i = 0; i < n; i++) v[i] += e * at->shift[i % fields] * d[i];
   CHECK(VecRestoreArray(V_t, &v));
   CHECK(VecRestoreArrayRead(w, &d));
 }
@@ -50,17 +62,20 @@ static inline void ShakenState(Rod rod, PetscReal t, PetscReal shake, Vec *U, Ve
 }
 
 /* F(U + e w, U_t + e shift w) - F(U, U_t) - e J w, its largest entry for each field. */
-static inline void Remainder(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J, Vec w,
-                             PetscReal e, PetscReal size[MAX_FIELDS]) {
+static inline void Remainder(Rod rod, const RodState *at, Mat J, Vec w, PetscReal e,
+                             PetscReal size[MAX_FIELDS]) {
+  RodState near = {.t = at->t}, here = {.t = at->t, .U = at->U, .U_t = at->U_t};
   Vec V, V_t, F, G;
-  CHECK(VecDuplicate(U, &V));
-  CHECK(VecDuplicate(U, &V_t));
-  CHECK(VecDuplicate(U, &F));
-  CHECK(VecDuplicate(U, &G));
-  CHECK(VecWAXPY(V, e, w, U));
-  Shifted(rod, U_t, shift, w, e, V_t);
-  CHECK(RodResidual(NULL, t, V, V_t, G, rod));
-  CHECK(RodResidual(NULL, t, U, U_t, F, rod));
+  CHECK(VecDuplicate(at->U, &V));
+  CHECK(VecDuplicate(at->U, &V_t));
+  CHECK(VecDuplicate(at->U, &F));
+  CHECK(VecDuplicate(at->U, &G));
+  CHECK(VecWAXPY(V, e, w, at->U));
+  Shifted(rod, at, w, e, V_t);
+  near.U = V;
+  near.U_t = V_t;
+  CHECK(rod->model->residual(rod, &near, G));
+  CHECK(rod->model->residual(rod, &here, F));
   CHECK(VecAXPY(G, -1, F));
   CHECK(MatMult(J, w, F));
   CHECK(VecAXPY(G, -e, F));
@@ -73,12 +88,12 @@ static inline void Remainder(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal shi
 
 /* J is the derivative along w, at steps e and e / 2, to within spread of 4; equations that are
    linear leave round-off. */
-static inline void ExpectRate(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J, Vec w,
-                              PetscReal e, PetscReal spread, const char *title) {
+static inline void ExpectRate(Rod rod, const RodState *at, Mat J, Vec w, PetscReal e,
+                              PetscReal spread, const char *title) {
   PetscReal coarse[MAX_FIELDS], fine[MAX_FIELDS], entry;
   CHECK(MatNorm(J, NORM_INFINITY, &entry));
-  Remainder(rod, t, U, U_t, shift, J, w, e, coarse);
-  Remainder(rod, t, U, U_t, shift, J, w, e / 2, fine);
+  Remainder(rod, at, J, w, e, coarse);
+  Remainder(rod, at, J, w, e / 2, fine);
   for (PetscInt f = 0; f < rod->model->fields; f++) {
     PetscReal ratio = coarse[f] / fine[f];
     if (fine[f] < 1e-15 * entry)
@@ -86,7 +101,7 @@ static inline void ExpectRate(Rod rod, PetscReal t, Vec U, Vec U_t, PetscReal sh
              coarse[f]);
     else
       EXPECT(PetscAbsReal(ratio - 4) < spread, "%s, shift %g, equation of %s: %g to %g, ratio %g",
-             title, shift, rod->model->field[f], coarse[f], fine[f], ratio);
+             title, at->shift[f], rod->model->field[f], coarse[f], fine[f], ratio);
   }
 }
 

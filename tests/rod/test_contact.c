@@ -46,6 +46,7 @@ static void ByRate(const char *options, PetscReal shift, PetscReal shake) {
   const PetscReal t = 0.7, e = 1e-5;
   Scene scene;
   Rod rod;
+  RodState at;
   Vec U, U_t, w;
   Mat J;
   SetOptions("-friction_mu 0.7 -friction_beta 0.1 -friction_newton primal -ts_max_time 2 %s",
@@ -55,12 +56,13 @@ static void ByRate(const char *options, PetscReal shift, PetscReal shake) {
   ShakenState(rod, t, shake, &U, &U_t);
   w = RandomVector(rod, 3, 1);
   CHECK(RodCreateMatrix(rod, &J));
-  rod->fresh = PETSC_TRUE;
-  CHECK(RodResidual(NULL, t, U, U_t, w, rod));
+  at = StateOf(t, U, U_t, shift);
+  at.fresh = PETSC_TRUE;
+  CHECK(rod->model->residual(rod, &at, w));
   CHECK(VecDestroy(&w));
   w = RandomVector(rod, 3, 1);
-  CHECK(RodJacobian(NULL, t, U, U_t, shift, J, J, rod));
-  ExpectRate(rod, t, U, U_t, shift, J, w, e, 0.2, options);
+  CHECK(rod->model->jacobian(rod, &at, J));
+  ExpectRate(rod, &at, J, w, e, 0.2, options);
   CHECK(MatDestroy(&J));
   CHECK(VecDestroy(&U));
   CHECK(VecDestroy(&U_t));

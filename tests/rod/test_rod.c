@@ -47,7 +47,8 @@ static void RandomState(Rod rod, PetscReal t, Vec *U, Vec *U_t) {
 }
 
 static void JacobianByRate(const Model *model, int law, PetscReal shift, const char *more) {
-  const PetscReal t = 0.7, e = 2e-4;
+  const PetscReal t = 0.7, e = 2e-4, factor_rate[MIRRORS] = {-0.7 * shift, 0.4 * shift};
+  RodState at;
   Scene scene;
   Rod rod;
   Vec U, U_t, w;
@@ -57,14 +58,14 @@ static void JacobianByRate(const Model *model, int law, PetscReal shift, const c
            "-shape_amplitude 2 -friction_mu 0.7 -friction_beta 0.1 -friction_newton primal%s",
            more);
   Create(model, law, 12, all, &scene, &rod);
-  rod->factor_rate[0] = -0.7 * shift;
-  rod->factor_rate[1] = 0.4 * shift;
   RandomState(rod, t, &U, &U_t);
+  at = StateOf(t, U, U_t, shift);
+  AddFactorRates(rod, factor_rate, &at);
   w = RandomVector(rod, 3, model->model == &rod_mixed ? 0.1 : 1);
   CHECK(RodCreateMatrix(rod, &J));
-  CHECK(RodJacobian(NULL, t, U, U_t, shift, J, J, rod));
+  CHECK(rod->model->jacobian(rod, &at, J));
   snprintf(title, sizeof(title), "%s, %s%s", model->name, laws[law], more);
-  ExpectRate(rod, t, U, U_t, shift, J, w, e, 0.1, title);
+  ExpectRate(rod, &at, J, w, e, 0.1, title);
   CHECK(MatDestroy(&J));
   CHECK(VecDestroy(&U));
   CHECK(VecDestroy(&U_t));
@@ -158,6 +159,7 @@ static void TestPrimalDual(void **state) {
   for (int m = 0; m <= MIXED; m++) {
     Scene scene[2];
     Rod rod[2];
+    RodState at[2];
     Vec U, U_t, V_t;
     Mat J[2];
     PetscReal norm, difference;
@@ -170,16 +172,16 @@ static void TestPrimalDual(void **state) {
     V_t = RandomVector(rod[0], 5, 1);
     for (int k = 0; k < 2; k++) {
       CHECK(RodCreateMatrix(rod[k], &J[k]));
-      rod[k]->fresh = PETSC_TRUE;
-      CHECK(RodJacobian(NULL, 0.7, U, U_t, 3, J[k], J[k], rod[k]));
-      EXPECT(!rod[k]->fresh && rod[k]->jacobians == 1, "fresh after the first Jacobian");
-      CHECK(RodJacobian(NULL, 0.7, U, U_t, 3, J[k], J[k], rod[k]));
+      at[0] = at[1] = StateOf(0.7, U, U_t, 3);
+      at[0].fresh = PETSC_TRUE;
+      for (int i = 0; i < 2; i++) CHECK(rod[k]->model->jacobian(rod[k], &at[i], J[k]));
     }
     CHECK(MatAXPY(J[1], -1, J[0], SAME_NONZERO_PATTERN));
     CHECK(MatNorm(J[0], NORM_FROBENIUS, &norm));
     CHECK(MatNorm(J[1], NORM_FROBENIUS, &difference));
     EXPECT(difference < 1e-13 * norm, "%s: differs by %g of %g", models[m].name, difference, norm);
-    for (int k = 0; k < 2; k++) CHECK(RodJacobian(NULL, 0.7, U, V_t, 3, J[k], J[k], rod[k]));
+    at[1].U_t = V_t;
+    for (int k = 0; k < 2; k++) CHECK(rod[k]->model->jacobian(rod[k], &at[1], J[k]));
     CHECK(MatAXPY(J[1], -1, J[0], SAME_NONZERO_PATTERN));
     CHECK(MatNorm(J[1], NORM_FROBENIUS, &difference));
     EXPECT(difference > 1e-6 * norm, "%s: the dual has not been kept", models[m].name);
@@ -209,16 +211,18 @@ static void TestMirror(void **state) {
     for (int law = 0; law < LAWS; law++) {
       Scene scene;
       Rod rod;
+      RodState at;
       Vec U, U_t, F, G;
       PetscReal norm, difference;
       Create(&models[m], law, 12, "-shape_amplitude 2 -clamp_angle 0.3", &scene, &rod);
       RandomState(rod, 0.7, &U, &U_t);
+      at = StateOf(0.7, U, U_t, 0);
       CHECK(VecDuplicate(U, &F));
       CHECK(VecDuplicate(U, &G));
-      CHECK(RodResidual(NULL, 0.7, U, U_t, F, rod));
+      CHECK(rod->model->residual(rod, &at, F));
       Mirror(rod, U);
       Mirror(rod, U_t);
-      CHECK(RodResidual(NULL, 0.7, U, U_t, G, rod));
+      CHECK(rod->model->residual(rod, &at, G));
       Mirror(rod, G);
       CHECK(VecAXPY(G, -1, F));
       CHECK(VecNorm(F, NORM_INFINITY, &norm));

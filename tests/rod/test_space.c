@@ -49,16 +49,17 @@ static void TestJacobians(void **state) {
       Rod rod;
       Vec U, U_t, w;
       Mat J;
-      const PetscReal shift = 1.7;
+      const PetscReal shift = 1.7, factor_rate[MIRRORS] = {-0.7 * shift, 0.4 * shift};
+      RodState at;
       Create(laws[law], worlds[world], 12, &scene, &rod);
-      rod->factor_rate[0] = -0.7 * shift;
-      rod->factor_rate[1] = 0.4 * shift;
       ShakenState(rod, 0.7, 0.2, &U, &U_t);
+      at = StateOf(0.7, U, U_t, shift);
+      AddFactorRates(rod, factor_rate, &at);
       w = RandomVector(rod, 3, 1);
       CHECK(RodCreateMatrix(rod, &J));
-      CHECK(RodJacobian(NULL, 0.7, U, U_t, shift, J, J, rod));
+      CHECK(rod->model->jacobian(rod, &at, J));
       (void)snprintf(title, sizeof(title), "%s %s", laws[law], worlds[world]);
-      ExpectRate(rod, 0.7, U, U_t, shift, J, w, 2e-4, 0.1, title);
+      ExpectRate(rod, &at, J, w, 2e-4, 0.1, title);
       CHECK(MatDestroy(&J));
       CHECK(VecDestroy(&U));
       CHECK(VecDestroy(&U_t));
@@ -101,6 +102,7 @@ static void TestWallJacobians(void **state) {
       const int how = (law + k) % 3;
       const PetscReal shift = k % 2 ? 0 : 3;
       PetscReal pressed;
+      RodState at;
       Scene scene;
       Rod rod;
       Vec U, U_t, w;
@@ -114,9 +116,10 @@ static void TestWallJacobians(void **state) {
       ShakenState(rod, 0.7, 1e-2, &U, &U_t);
       w = RandomVector(rod, 3, 1);
       CHECK(RodCreateMatrix(rod, &J));
-      rod->fresh = PETSC_TRUE;
-      CHECK(RodJacobian(NULL, 0.7, U, U_t, shift, J, J, rod));
-      ExpectRate(rod, 0.7, U, U_t, shift, J, w, 1e-5, 0.2, options);
+      at = StateOf(0.7, U, U_t, shift);
+      at.fresh = PETSC_TRUE;
+      CHECK(rod->model->jacobian(rod, &at, J));
+      ExpectRate(rod, &at, J, w, 1e-5, 0.2, options);
       pressed = Pressed(rod, U);
       EXPECT(pressed > 0.1, "%s presses with %g", walls[k], pressed);
       CHECK(MatDestroy(&J));
@@ -133,7 +136,8 @@ static void TestElimination(void **state) {
   PetscMPIInt ranks;
   MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
   for (int world = 0; world < WORLDS && ranks == 1; world++) {
-    PetscReal shifts[FIELDS], b_size, error;
+    PetscReal b_size, error;
+    RodState at;
     Elimination elimination;
     Scene scene;
     Rod rod;
@@ -146,10 +150,10 @@ static void TestElimination(void **state) {
     CHECK(VecDuplicate(x, &y));
     CHECK(VecDuplicate(x, &b));
     CHECK(RodCreateMatrix(rod, &J));
-    for (int f = 0; f < FIELDS; f++) shifts[f] = 50;
-    CHECK(rod->model->jacobian(rod, 0.7, U, U_t, shifts, J));
+    at = StateOf(0.7, U, U_t, 50);
+    CHECK(rod->model->jacobian(rod, &at, J));
     CHECK(EliminationCreate(PETSC_COMM_WORLD, 31, rod_space.halves, &elimination));
-    CHECK(rod->model->eliminate(rod, 0.7, U, U_t, shifts, elimination));
+    CHECK(rod->model->eliminate(rod, &at, elimination));
     CHECK(PCCreate(PETSC_COMM_WORLD, &pc));
     CHECK(EliminationSetType(pc, elimination));
     CHECK(PCSetOperators(pc, J, J));
@@ -191,18 +195,20 @@ static void TestMirrors(void **state) {
       Rod rod;
       Vec U, U_t, F, G;
       PetscReal error;
+      RodState at;
       SetOptions("%s -rod_cells 12 -ts_max_time 2 -rod_model space -friction_across 2 "
                  "-friction_radius 0.3 -rod_bend_ratio 1.4 -tip_force 0.2 -tip_law follower",
                  laws[law]);
       CHECK(SceneCreate(&scene));
       CHECK(RodCreate(scene, &rod_space, &rod));
       ShakenState(rod, 0.7, 0.3, &U, &U_t);
+      at = StateOf(0.7, U, U_t, 0);
       CHECK(VecDuplicate(U, &F));
       CHECK(VecDuplicate(U, &G));
-      CHECK(RodResidual(NULL, 0.7, U, U_t, F, rod));
+      CHECK(rod->model->residual(rod, &at, F));
       Mirror(U, mirror);
       Mirror(U_t, mirror);
-      CHECK(RodResidual(NULL, 0.7, U, U_t, G, rod));
+      CHECK(rod->model->residual(rod, &at, G));
       Mirror(G, mirror);
       CHECK(VecAXPY(G, -1, F));
       CHECK(VecNorm(G, NORM_INFINITY, &error));
@@ -217,7 +223,8 @@ static void TestMirrors(void **state) {
 
 /* The rod at rest under what pushes its tip, from the arc in one load step; returns iterations. */
 static PetscInt Statics(Rod rod, PetscReal tip[3]) {
-  PetscReal shifts[FIELDS] = {0}, update = 1;
+  PetscReal update = 1;
+  RodState at;
   PetscInt iterations = 0, n = rod->end - rod->first;
   Elimination elimination;
   Node *nodes;
@@ -231,14 +238,15 @@ static PetscInt Statics(Rod rod, PetscReal tip[3]) {
   CHECK(VecDuplicate(U, &F));
   CHECK(VecDuplicate(U, &x));
   CHECK(rod->model->set(rod, 0, nodes, U));
+  at = StateOf(0, U, U_t, 0);
   CHECK(EliminationCreate(PETSC_COMM_WORLD, n, rod_space.halves, &elimination));
   CHECK(PCCreate(PETSC_COMM_WORLD, &pc));
   CHECK(EliminationSetType(pc, elimination));
   CHECK(RodCreateMatrix(rod, &none));
   CHECK(PCSetOperators(pc, none, none));
   for (; update > 1e-12 && iterations < 20; iterations++) {
-    CHECK(RodResidual(NULL, 0, U, U_t, F, rod));
-    CHECK(rod->model->eliminate(rod, 0, U, U_t, shifts, elimination));
+    CHECK(rod->model->residual(rod, &at, F));
+    CHECK(rod->model->eliminate(rod, &at, elimination));
     CHECK(PCApply(pc, F, x));
     CHECK(VecAXPY(U, -1, x));
     CHECK(VecNorm(x, NORM_INFINITY, &update));
@@ -294,9 +302,9 @@ static void TestBend(void **state) {
 static PetscInt Index(const char *options, PetscReal force, PetscReal moment, PetscReal shift) {
   enum { P0 = 3, P1, P2, P3, M1, N1 = 10 };
   const PetscReal torsion = 0.75;
-  PetscReal shifts[FIELDS];
   Elimination elimination;
   PetscInt index, n;
+  RodState at;
   PetscScalar *u;
   Node *nodes;
   Scene scene;
@@ -327,9 +335,9 @@ static PetscInt Index(const char *options, PetscReal force, PetscReal moment, Pe
   }
   u -= n * FIELDS;
   CHECK(VecRestoreArray(U, &u));
-  for (int f = 0; f < FIELDS; f++) shifts[f] = shift;
+  at = StateOf(0, U, U_t, shift);
   CHECK(EliminationCreate(PETSC_COMM_WORLD, n, rod_space.halves, &elimination));
-  CHECK(rod_space.eliminate(rod, 0, U, U_t, shifts, elimination));
+  CHECK(rod_space.eliminate(rod, &at, elimination));
   CHECK(EliminationIndex(elimination, &index));
   CHECK(EliminationDestroy(&elimination));
   CHECK(PetscFree(nodes));
