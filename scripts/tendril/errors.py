@@ -6,6 +6,7 @@ from contextlib import contextmanager, suppress
 from importlib import import_module
 from numbers import Integral
 from pathlib import Path
+from tempfile import TemporaryFile
 
 OPTION = re.compile(r"(?<![\w=/.-])-([a-z][a-z0-9_]*[a-z0-9])\b")
 # the file that run() made of a value that is none of a command line: walls, arrays
@@ -64,6 +65,16 @@ def replacing(path):
             part.unlink()
         if isinstance(error, OSError) and error.errno:
             error.filename = str(given)
+        raise
+
+
+def writable(basename):
+    """Makes sure, before the work, that what will be kept under a name can be."""
+    try:
+        with TemporaryFile(dir=Path(basename).resolve().parent):
+            pass
+    except OSError as error:
+        error.filename = str(basename)
         raise
 
 

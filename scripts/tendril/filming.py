@@ -23,7 +23,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .errors import TendrilError, complaint, replacing
+from .errors import TendrilError, complaint, replacing, writable
 from .measured import KNOWN, Measured, gather
 from .parameters import with_unit
 from .tracing import FilmError, Traced, needed, trace
@@ -469,6 +469,7 @@ def main(arguments=None):
     try:
         if choice.scale and choice.checkerboard:
             raise FilmError("give --scale or --checkerboard, not both")
+        writable(choice.output)
         span = tuple(int(k) for k in choice.frames.split(":")) if choice.frames else None
         m = measure(choice.source if len(choice.source) > 1 else choice.source[0], clamp=point(choice.clamp),
                     scale=two_points(choice.scale) if choice.scale else None,

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import matplotlib
 
-from .errors import TendrilError, complaint
+from .errors import TendrilError, complaint, writable
 from .fitting import fit
 from .measured import Measured, gather, read
 
@@ -110,6 +110,7 @@ def main(arguments=None):
         if not choice.parameter and not choice.prior:
             raise TendrilError("give what to look for, --parameter si_friction_dry=0.1N/m:2N/m")
         keep(choice.output, choice.scene, choice.data)
+        writable(choice.output)
         data = measured(choice.data, choice.unit, choice.fps)
         for note in data.notes:
             print(f"fit: {note}")
@@ -118,6 +119,7 @@ def main(arguments=None):
                     tied=pairs(choice.tied, "tied", "NAME=FORMULA"),
                     noise=pairs(choice.noise, "noise", "lines=0.5mm or SERIES=NOISE"),
                     accuracy=choice.accuracy, starts=choice.starts, seed=choice.seed, progress=True, **options(more))
+        print(found.report())  # before it is kept: it is not lost, whatever befalls the files
         found.save(choice.output)
     except (TendrilError, OSError) as error:
         print(complaint(error, "fit"), file=sys.stderr)
@@ -125,6 +127,5 @@ def main(arguments=None):
     except KeyboardInterrupt:
         print("fit: interrupted before anything was found", file=sys.stderr)
         return 130
-    print(found.report())
     print(f"fit: {choice.output}.opts is the best scene; .txt, .csv, .png and .pdf beside it")
     return 0

@@ -143,18 +143,19 @@ def moment_of_number(text, what):
         raise DataError(f'{what}: "{text}" is no number with a unit') from None
 
 
-def number(cell, what):
+def number(cell, what, row=()):
     if not cell.strip():
         return np.nan
     try:
         return float(cell)
     except ValueError:
-        raise DataError(f'{what}: "{cell.strip()}" is no number') from None
+        told = f", in the row {', '.join(row)}" if row else ""
+        raise DataError(f'{what}: "{cell.strip()}" is no number{told}') from None
 
 
 def columns_of(rows, width, path):
     """[row, column] as numbers, NaN where nothing is given."""
-    return np.array([[number(cell, path) for cell in (row + [""] * width)[:width]] for row in rows])
+    return np.array([[number(cell, path, row) for cell in (row + [""] * width)[:width]] for row in rows])
 
 
 def photograph(points, unit, at, ordered, source):
@@ -202,6 +203,8 @@ def lines_of(table, names, units, abscissa, path, notes):
         rows = np.isnan(when) if np.isnan(value) else when == value
         if "point" in place:
             rows = np.flatnonzero(rows)[np.argsort(place["point"][rows], kind="stable")]
+        if abscissa == "length" and value <= 0:
+            raise DataError(f"{path}: a photograph at length {value:g}; lengths are above 0")
         at = (None, Values(np.nan)) if np.isnan(value) else (
             abscissa, values_of(value, units[abscissa], path))
         sure = place["unsure"][rows] != 1 if "unsure" in place else np.ones(len(points[rows]), bool)
@@ -266,6 +269,8 @@ def read(path, unit="", at="", fps=None) -> Measured:
         return Measured([photograph(table, unit, moment(at, path), False, str(path))], notes=notes)
     if len(rows) > 1 and [c.strip().upper() for c in rows[1]][:2] == ["X", "Y"]:
         return Measured(side_by_side(rows, unit, path, at), notes=notes)
+    if len(rows) < 2:
+        raise DataError(f"{path}: has a line of headings, and no row below it")
     headings = [heading(cell) for cell in rows[0]]
     names = [name for name, _ in headings]
     if twice := next((name for name in names if name and names.count(name) > 1), None):

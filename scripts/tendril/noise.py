@@ -318,7 +318,7 @@ def screened(residuals, sigma, blocks):
     weights = np.ones(len(residuals))
     for block in blocks:
         z = np.abs(residuals[block.rows]) / sigma[block.rows]
-        weights[block.rows] = np.minimum(1, (FAR / np.maximum(z, 1e-300)) ** 2)
+        weights[block.rows] = np.minimum(1, (FAR / np.maximum(z, 1e-100)) ** 2)
         weights[block.rows[block.other < BETWEEN * sigma[block.rows]]] = NOTHING
     return weights
 

@@ -30,6 +30,7 @@ NEAR = 0.3  # of these steps: differences around a point so near are as good as 
 SHAPES = 120  # stored in a run, between which shapes are interpolated
 FINEST = 1e-5  # the accuracy that runs are made with at best
 WEAK = 10.0  # by so many times a prior is made wider during the search
+EARLY = 0.05  # what was measured may be shorter than the rod at its start by this part, as points err
 FAILED = 1e3  # a residual, in noise, of a run that failed
 
 
@@ -301,7 +302,13 @@ class Problem:
         self.search_points = {key: self.points[key] for key in self.known}
 
     def check_end(self, r: Results):
-        """A run must go on for as long as something was measured."""
+        """A run must go on for as long as something was measured, and begin before it."""
+        if "growth_initial_length" not in [p.name for p in self.parameters]:
+            for at in self.measured.abscissae("length"):
+                first, begin = np.min(at.numbers), r.series.length[0] * (r.scale("length") if at.si else 1)
+                if first < (1 - EARLY) * begin:
+                    raise TendrilError(f"something was measured at length {first:.4g}, and the scene begins at {begin:.4g}"
+                                       f"{' m' if at.si else ''}; give a smaller -growth_initial_length, or take it out")
         for abscissa in ("t", "length"):
             for at in self.measured.abscissae(abscissa):
                 si = r.scale({"t": "time", "length": "length"}[abscissa]) if at.si else 1

@@ -107,6 +107,16 @@ class Numbers(unittest.TestCase):
                 digit = 10.0 ** -len(word.partition(".")[2])
                 self.assertLess(abs(float(word) - value), 0.6 * digit, f"{page} says {found[0]}, it is {value:.4g}")
 
+    def test_options(self):
+        """Every option that a page or the manual names is one, and options.md has it."""
+        known = set(re.findall(r"(?m)^\| (-\w+)", (ROOT / "docs/options.md").read_text()))
+        groups = "|".join(sorted({name[1:].partition("_")[0] for name in known if "_" in name} - {"ts", "snes", "ksp", "pc"}))  # PETSc has more
+        for page in [*PAGES, ROOT / "docs/tendril.1"]:
+            if page.name == "CHANGELOG.md":
+                continue  # which tells of options that are gone
+            named = re.findall(rf"(?<![\w-])-(?:{groups})_\w*[a-z0-9](?!\w)", page.read_text().replace("\\-", "-"))
+            self.assertEqual(set(named) - known, set(), page.name)
+
     def test_places(self):
         """The commands of the first pages are all given from one place, the directory of the project: from that of
         a page's own pictures a plot would write over what the page shows."""

@@ -124,7 +124,9 @@ class Reading(unittest.TestCase):
         self.assertEqual(force.values.unit, "N l")
 
     def test_refused_in_one_line(self):
-        for text, word in (("t (s),x1 (cm),x2 (cm)\n1,2,three\n", "three"), ("", "empty"),
+        for text, word in (("t (s),x1 (cm),x2 (cm)\n1,2,three\n", "three.*in the row 1, 2, three$"), ("", "empty"),
+                           ("t (s),x1 (cm),x2 (cm)\n", "no row below it"),
+                           ("length (cm),x1 (cm),x2 (cm)\n" + 3 * "-3,1,2\n", "length -3; lengths are above 0"),
                            ("t (s),x1 (cm),x2 (cm)\n1,2,3\n", "three points"),
                            ("t (s),x1 (ft),x2 (ft)\n1,2,3\n1,2,3\n1,2,3\n", "ft is no unit"),
                            ("t (s),x1 (cm),x2 (mm)\n1,2,3\n1,2,3\n1,2,3\n", "in one unit"),
@@ -1118,10 +1120,11 @@ class Fitting(unittest.TestCase):
 
     def test_refuses_what_the_scene_cannot(self):
         data = self.place / "late.csv"
-        data.write_text("t (s),width (cm)\n1,2\n20,3\n")
         bounds = {"si_friction_dry": ("0.2N/m", "2N/m")}
         for more, word in ((dict(stop_length="5cm"), "ends at t = 8, before .* at 20"),
+                           (dict(data="length (mm),width (cm)\n2,1\n15,3\n"), "at length 0.002, and .* begins at .* m; give a smaller"),
                            (dict(friction_layers="0:1,3:{hard}"), "in braces is no parameter")):
+            data.write_text(more.pop("data", "t (s),width (cm)\n1,2\n20,3\n"))
             with self.assertRaisesRegex(tendril.TendrilError, word):
                 tendril.fit(TUBE, data, bounds, **more)
 
@@ -1178,6 +1181,10 @@ class Fitting(unittest.TestCase):
             with contextlib.redirect_stderr(said):
                 self.assertEqual(fit_command.main([*words, "--output", str(self.place / name)]), 1)
             self.assertRegex(said.getvalue(), f"^fit: --output .*{name}: would write over .*{name}.*\n$")
+        with contextlib.redirect_stderr(io.StringIO()) as said, \
+                mock.patch.object(fit_command, "fit", side_effect=AssertionError):  # it is seen before the work
+            self.assertEqual(fit_command.main([str(TUBE), str(data), "-p", "tip_force=1:2", "--output", "/none/x"]), 1)
+        self.assertRegex(said.getvalue(), "^fit: /none/x: there is no directory /none; make it.*\n$")
         with contextlib.redirect_stderr(io.StringIO()) as said:
             self.assertEqual(fit_command.main([str(TUBE), str(data)]), 1)
         self.assertEqual(said.getvalue(), "fit: give what to look for, --parameter si_friction_dry=0.1N/m:2N/m\n")
