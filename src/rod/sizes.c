@@ -206,12 +206,26 @@ static PetscReal Driven(const Rod rod, int group, const PetscReal axes[2]) {
   return sum;
 }
 
+/* What twists a rod that is bent in one direction drives it in the other, by a part of that bend.
+ */
+static void TwistAcross(const Rod rod, PetscReal part, PetscReal scale[]) {
+  const PetscReal driven = part * PetscMin(1, rod->scene->space.driven[TWIST]);
+
+  for (PetscInt k = 0; k < rod->model->pairs && driven > 0; k++) {
+    const PetscInt a = rod->model->pair[k].along, b = rod->model->pair[k].beside;
+    const PetscReal across[2] = {scale[a], scale[b]};
+    if (!rod->model->followed[a]) continue;
+    scale[a] = PetscMax(scale[a], driven * across[1]);
+    scale[b] = PetscMax(scale[b], driven * across[0]);
+  }
+}
+
 /*
   RodFieldScales - what a change of each field is measured against: its size, but for fields that
   are made of products of others, and may be no more than what these leave of round-off; and for
   those that begin at 0 and are driven from there by a force across the rod, or by a wall that is
-  oblique, or by what breaks a symmetry otherwise: these are measured against a small part of what
-  they will be. Collective.
+  oblique, or by what twists a bent rod, or by what breaks a symmetry otherwise: these are measured
+  against a small part of what they will be. Collective.
 
   axes  on exit, those along which the changes of the fields across are to be measured; NULL: the
         coordinates
@@ -239,6 +253,7 @@ PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal axes[2], PetscReal scale
     else if (scale[f] == 0)
       scale[f] = otherwise;
   }
+  TwistAcross(rod, part, scale);
   if (rod->model->scale) rod->model->scale(scale);
   PetscFunctionReturn(0);
 }

@@ -521,6 +521,13 @@ def rests():
         off = max(abs(r.series[k][-1] - fine.series[k][-1]) for k in ("tip_x1", "tip_x2", "tip_x3"))
         print(f"{cells} cells, {rtol}: {r.steps} steps, off by {off:.1e}")
         expect(off < 1e-3, f"{cells} cells, {rtol}: off by {off}")
+    # bent in a plane between held ends, and twisted by its clamp: what is out of the plane begins at 0, driven by the twist
+    twisted = ("-growth_initial_length 2.27 -shape_amplitude 0.485 -tip_type clamped -friction_radius 0.262 -clamp_spin 0.0368 "
+               "-rod_cells 40 -ts_max_time 0.1 -ts_max_steps 1000 ")
+    there, finer = Run(twisted), Run(twisted + "-ts_rtol 1e-8")
+    off = abs(there.norm_x3[-1] / finer.norm_x3[-1] - 1)
+    print(f"bent and twisted: {there.steps} steps, |x3| {there.norm_x3[-1]:.2e}, off by {off:.1e}")
+    expect(off < 1e-5 and there.norm_x3[-1] > 1e-6, f"bent and twisted: off by {off}")
 
 
 @check
