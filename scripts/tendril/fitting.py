@@ -241,7 +241,7 @@ def followed(problem: Problem, starts):
 def runs_of_stages(problem: Problem):
     """About how many runs searches take beside their starts, the end of the search, and what is made to be sure of it."""
     each = 1 + len(problem.of_runs) - len(problem.followed)  # of a point: those for derivatives that runs do not tell
-    return 10 * each + 4, 10 * each, 2 * len(problem.of_runs) * each + 1
+    return 10 * each + 4, 10 * each, 2 * len(problem.parameters) + each
 
 
 def ranked(problem: Problem, points):
@@ -424,12 +424,12 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", f
         best, known = certain(problem, best, tell)
     except KeyboardInterrupt:
         if problem.best is None:
-            problem.hide()
+            problem.hide(done=False)
             raise
         tell("interrupted; the best until now")
         interrupted, (best, known) = True, rough(problem)
     except BaseException:
-        problem.hide()
+        problem.hide(done=False)
         raise
     return finished(problem, best, known, costs, begin, interrupted, agreed or starts == 0, tell)
 

@@ -120,9 +120,10 @@ class Problem:
         if self.bar is not None:
             self.bar.expect(more)
 
-    def hide(self):
+    def hide(self, done=True):
+        """Takes the bar away, full if all is done."""
         if self.bar is not None:
-            self.bar.close()
+            self.bar.close(done)
             self.bar = None
 
     def words_tied(self, u):

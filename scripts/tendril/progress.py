@@ -16,8 +16,15 @@ def bar(progress: bool | None, total, form: str | None = None, what="tendril", u
     """A bar of tqdm, where it is wanted."""
     from tqdm import tqdm
 
-    return tqdm(total=total, desc=what, bar_format=form, unit=unit, leave=False, delay=SOON,
-                disable=not wanted(progress))
+    class Bar(tqdm):
+        def refresh(self, nolock=False, lock_args=None):
+            """tqdm's own keeps its lock for good if Ctrl-C comes while it draws, and all other threads then wait for it."""
+            if not self.disable:
+                with self.get_lock():
+                    self.display()
+
+    return Bar(total=total, desc=what, bar_format=form, unit=unit, leave=False, delay=SOON,
+               disable=not wanted(progress))
 
 
 class Stages:
@@ -40,7 +47,8 @@ class Stages:
         """What goes on, behind the bar."""
         self.shown.set_postfix_str(text)
 
-    def close(self):
-        self.shown.total = max(self.shown.n, 1)
-        self.shown.refresh()
+    def close(self, done=True):
+        if done:
+            self.shown.total = max(self.shown.n, 1)
+            self.shown.refresh()
         self.shown.close()

@@ -17,7 +17,9 @@ import numpy as np
 from .errors import TendrilError
 from .fitting import CLOSE, Fit
 from .problem import FAILED
-from .progress import wanted
+from .progress import bar
+
+FEWEST = 10  # steps of an interrupted chain that are of use
 
 
 @dataclass
@@ -101,7 +103,9 @@ def sample(fit: Fit, steps=200, walkers=None, burn=0.3, seed=1, progress: bool |
     steps    of each walker
     walkers  None: four for each number that is looked for, eight at least
     burn     the part at the beginning that is left out
-    progress a bar; None: in a terminal and in a notebook"""
+    progress a bar; None: in a terminal and in a notebook
+
+    Ctrl-C ends it; the samples until then are returned."""
     try:
         import emcee
     except ImportError:
@@ -113,21 +117,29 @@ def sample(fit: Fit, steps=200, walkers=None, burn=0.3, seed=1, progress: bool |
     def chance(points):
         inside = np.all((points[:, :p] >= 0) & (points[:, :p] <= 1), axis=1)
         kept = dict(problem.known)
-        if inside.any():
-            problem.run(points[inside])
-        found = np.full(len(points), -np.inf)
-        for k in np.flatnonzero(inside):
-            f = problem.residuals(points[k])
-            found[k] = -np.inf if np.all(f == FAILED) else -problem.cost(f)
-        problem.known = kept  # thousands of runs are no memory's load
+        try:
+            if inside.any():
+                problem.run(points[inside])
+            found = np.full(len(points), -np.inf)
+            for k in np.flatnonzero(inside):
+                f = problem.residuals(points[k])
+                found[k] = -np.inf if np.all(f == FAILED) else -problem.cost(f)
+        finally:
+            problem.known = kept  # thousands of runs are no memory's load
         return found
 
     begin = fit.u + 0.5 * random.multivariate_normal(np.zeros(n), fit.covariance, walkers, check_valid="ignore")
     begin[:, :p] = np.clip(begin[:, :p], 1e-6, 1 - 1e-6)
     sampler = emcee.EnsembleSampler(walkers, n, chance, vectorize=True)
     sampler.random_state = np.random.RandomState(seed).get_state()
-    sampler.run_mcmc(begin, steps, progress=wanted(progress))
-    chain = sampler.get_chain(discard=int(burn * steps), flat=True)
+    with bar(progress, steps, what="sample", unit="step") as shown:
+        try:
+            for _ in sampler.sample(begin, iterations=steps):
+                shown.update()
+        except KeyboardInterrupt:
+            if sampler.iteration < FEWEST:
+                raise
+    chain = sampler.get_chain(discard=int(burn * sampler.iteration), flat=True)
     values = np.column_stack([q.value(chain[:, k]) for k, q in enumerate(fit.parameters)])
     return Samples([q.name for q in fit.parameters], values, float(np.mean(sampler.acceptance_fraction)),
                    float(np.max(sampler.get_autocorr_time(quiet=True, tol=0))), [q.unit for q in fit.parameters],

@@ -18,6 +18,7 @@ import unittest
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
+from threading import Thread
 from unittest import mock
 
 from interpreter import ROOT, from_venv
@@ -28,7 +29,7 @@ try:
     import numpy as np
 
     import tendril
-    from tendril import comparing, doubts, filming, fit_command, fitting, measured, noise, problem, secants, tracing
+    from tendril import comparing, doubts, filming, fit_command, fitting, measured, noise, problem, progress, secants, tracing
     from tendril.parameters import Parameter, Prior, tied_value
 except ImportError as error:
     from_venv(error)
@@ -712,6 +713,20 @@ class Bar:
     set_postfix_str = write
 
 
+class Bars(unittest.TestCase):
+    def test_bar_that_is_interrupted(self):
+        """Ctrl-C while it is drawn leaves it to other threads: a fit that was interrupted so waited for ever."""
+        with contextlib.redirect_stderr(io.StringIO()):
+            shown = progress.bar(True, 10)
+            with mock.patch.object(shown, "display", side_effect=KeyboardInterrupt):
+                self.assertRaises(KeyboardInterrupt, shown.refresh)
+            other = Thread(target=lambda: progress.bar(False, 1).close(), daemon=True)
+            other.start()
+            other.join(10)
+            self.assertFalse(other.is_alive())
+            shown.close()
+
+
 class Fitting(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -1019,6 +1034,17 @@ class Fitting(unittest.TestCase):
         for k, q in enumerate(f.parameters):
             ends = [float(q.value(middle[k] + z * 1.96 * np.sqrt(inverse[k, k]))) for z in (-1, 1)]
             np.testing.assert_allclose(s.interval(q.name), ends, atol=0.15 * (ends[1] - ends[0]))
+        calls = []
+
+        def pressed(points):
+            calls.append(len(points))
+            if len(calls) == 30:
+                raise KeyboardInterrupt
+            return [None] * len(points)
+
+        with mock.patch.object(p, "run", pressed), mock.patch.object(p, "residuals", lambda u: here + white @ (u - f.u)):
+            few = tendril.sample(f, steps=600, walkers=16, burn=0.5)
+        self.assertTrue(16 * 5 <= len(few.values) < 16 * 15, len(few.values))
         if find_spec("corner"):
             figure = s.corner()
             self.assertEqual(len(figure.axes), 4)
