@@ -514,7 +514,7 @@ static PetscErrorCode WriteMemory(HdfFile file, Rod rod, PetscReal *sum) {
 
 /* What the run needs to go on from here, in the place of what stood there. Collective. */
 static PetscErrorCode WriteRestart(Output self, HdfFile file, Rod rod, RestartState *state,
-                                   Vec points[]) {
+                                   Vec points[], Vec errors[]) {
   const PetscInt n = RESTART_STATE, scales = UNIT_ALL;
 
   PetscFunctionBegin;
@@ -526,6 +526,11 @@ static PetscErrorCode WriteRestart(Output self, HdfFile file, Rod rod, RestartSt
                          "the stepper's past points, latest first [point][node times fields]",
                          (PetscInt)state->points, points, &state->sum));
   PetscCall(WriteMemory(file, rod, &state->sum));
+  state->errors_sum = 0;
+  if (errors)
+    PetscCall(WriteVectors(file, "/restart/errors",
+                           "the errors that are followed [part][node times fields]", ESTIMATE_KEPT,
+                           errors, &state->errors_sum));
   PetscCall(HdfWrite(file, "/restart/state", 1, &n, (const PetscReal *)state, "mixed",
                      "time, step and history of the stepper, for -restart"));
   PetscCall(HdfWrite(file, "/restart/scales", 1, &scales, self->scene->si.scale, "SI",
@@ -571,11 +576,13 @@ static PetscErrorCode Stored(Output self, PetscLogDouble begin) {
   OutputStore - brings all that waits into the file, with what the run needs to go on from here.
   Collective.
 
-  rod            at work; state, points  of RestartKeep(), NULL: the run has not taken a step
+  rod            at work
+  state, points  of RestartKeep(), NULL: the run has not taken a step
+  errors         of EstimateKeep(); NULL: none are followed
 
   What cannot be written (a full disk) is a user's mistake: the file is then what it was before.
 */
-PetscErrorCode OutputStore(Output self, Rod rod, RestartState *state, Vec points[],
+PetscErrorCode OutputStore(Output self, Rod rod, RestartState *state, Vec points[], Vec errors[],
                            PetscBool finished) {
   char fault[HDF_FAULT] = "", text[64];
   PetscLogDouble begin;
@@ -597,7 +604,7 @@ PetscErrorCode OutputStore(Output self, Rod rod, RestartState *state, Vec points
     if (self->earlier)
       PetscCall(HdfWriteText(file, "earlier_options", self->earlier, "options of the runs before"));
   }
-  PetscCall(WriteRestart(self, file, rod, state, points));
+  PetscCall(WriteRestart(self, file, rod, state, points, errors));
   PetscCall(HdfClose(&file, fault));
   PetscCallMPI(MPI_Bcast(fault, HDF_FAULT, MPI_CHAR, 0, self->scene->comm));
   self->broken = (PetscBool)(fault[0] != 0);

@@ -40,7 +40,7 @@ PetscErrorCode OutputDerivative(Output output, const char *name, const char *uni
 PetscErrorCode OutputInterrupted(Output output, const char *by);
 PetscBool OutputStores(Output output);
 PetscBool OutputDue(Output output);
-PetscErrorCode OutputStore(Output output, Rod rod, RestartState *state, Vec points[],
+PetscErrorCode OutputStore(Output output, Rod rod, RestartState *state, Vec points[], Vec errors[],
                            PetscBool finished);
 PetscErrorCode OutputDestroy(Output *output);
 

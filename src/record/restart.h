@@ -6,8 +6,11 @@
 #include "stepping/estimate.h"
 #include "stepping/vbdf.h"
 
+enum { RESTART_BESIDE = 5 }; /* as grow_errors.c has them */
+
 /* All reals, stored as one array, /restart/state; beside it the stepper's points, /restart/points,
-   latest first, [point][node times fields], and what Newton's method remembers, /restart/memory. */
+   latest first, [point][node times fields], what Newton's method remembers, /restart/memory, and
+   the errors that are followed, /restart/errors, [part][node times fields]. */
 typedef struct {
   PetscReal t, step;              /* where the run is, and the size of its next step */
   PetscReal points, order;        /* of the stepper's history; its next order */
@@ -17,9 +20,12 @@ typedef struct {
   PetscReal folds, neglected;     /* so far, for the estimate of the error */
   PetscReal shared;               /* viscous share that friction was given, see LoadShareMore() */
   PetscReal errors[ESTIMATE_PARTS][ESTIMATE_SEEN]; /* followed so far */
-  PetscReal time[VBDF_POINTS];                     /* of the points */
-  PetscReal balance[BALANCE_STATE];                /* of the energy balance */
-  PetscReal sum; /* of the absolute values of all of it: a torn file shows */
+  PetscReal following[ESTIMATE_MEMORY];            /* how they are followed on */
+  PetscReal follows, errors_sum;                   /* are they? as sum, of /restart/errors */
+  PetscReal beside[RESTART_BESIDE]; /* errors that are not followed, and what they follow from */
+  PetscReal time[VBDF_POINTS];      /* of the points */
+  PetscReal balance[BALANCE_STATE]; /* of the energy balance */
+  PetscReal sum;                    /* of the absolute values of all of it: a torn file shows */
 } RestartState;
 enum { RESTART_STATE = sizeof(RestartState) / sizeof(PetscReal) };
 
@@ -28,6 +34,7 @@ extern const OptionGroup restart_options;
 PetscErrorCode RestartOptions(char file[PETSC_MAX_PATH_LEN], PetscBool *restart);
 PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, PetscBool *begun);
 PetscErrorCode RestartTake(const char *file, const RestartState *state, Leg *leg);
+PetscErrorCode RestartTakeErrors(const char *file, const RestartState *state, Estimate estimate);
 PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *state, Vec points[]);
 
 #endif

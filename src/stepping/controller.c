@@ -470,6 +470,7 @@ static PetscErrorCode EndStep(TS ts, Controller *self, Formula *f, PetscReal fac
   PetscFunctionBegin;
   self->since++;
   if (self->jumped || self->snapped) self->jumps++;
+  if (self->jumped) self->blind++;
   if (self->jumped) {
     f->n = 0;
     factor = 1;

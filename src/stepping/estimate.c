@@ -766,3 +766,117 @@ PetscErrorCode EstimateSet(Estimate self, PetscReal t,
     PetscCall(PetscArraycpy(self->worst[part], worst[part], ESTIMATE_SEEN));
   PetscFunctionReturn(0);
 }
+
+/* ---- for a restart ---- */
+
+/* A vector of the rod from the first fields of the coarse nodes on rank 0, linearly between them.
+   Collective. */
+static PetscErrorCode Spread(Estimate self, PetscInt width, const PetscReal *coarse, Vec V) {
+  const PetscInt fields = self->fields, count = self->nodes * width;
+  const Rod rod = self->leg->rod;
+  const PetscReal *s = rod->scene->mesh.s;
+  PetscScalar *v;
+  PetscReal *c;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(count, &c));
+  if (self->rod) PetscCall(PetscArraycpy(c, coarse, count));
+  PetscCallMPI(MPI_Bcast(c, (PetscMPIInt)count, MPIU_REAL, 0, rod->scene->comm));
+  PetscCall(VecSet(V, 0));
+  PetscCall(VecGetArray(V, &v));
+  for (PetscInt i = rod->first; i < rod->end; i++) {
+    const PetscInt k = PetscMin(i / self->stride, self->nodes - 2), a = FineNode(self, k),
+                   b = FineNode(self, k + 1);
+    const PetscReal z = (s[i] - s[a]) / (s[b] - s[a]);
+    for (PetscInt f = 0; f < width; f++)
+      v[(i - rod->first) * fields + f] = (1 - z) * c[k * width + f] + z * c[(k + 1) * width + f];
+  }
+  PetscCall(VecRestoreArray(V, &v));
+  PetscCall(PetscFree(c));
+  PetscFunctionReturn(0);
+}
+
+/* The first fields of the coarse nodes, on rank 0, from a vector of the rod. Collective. */
+static PetscErrorCode Pick(Estimate self, PetscInt width, Vec V, PetscReal *coarse) {
+  const PetscScalar *v;
+  VecScatter to_zero;
+  Vec all;
+
+  PetscFunctionBegin;
+  PetscCall(VecScatterCreateToZero(V, &to_zero, &all));
+  PetscCall(VecScatterBegin(to_zero, V, all, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecScatterEnd(to_zero, V, all, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecGetArrayRead(all, &v));
+  for (PetscInt k = 0; k < self->nodes && self->rod; k++)
+    for (PetscInt f = 0; f < width; f++)
+      coarse[k * width + f] = PetscRealPart(v[FineNode(self, k) * self->fields + f]);
+  PetscCall(VecRestoreArrayRead(all, &v));
+  PetscCall(VecScatterDestroy(&to_zero));
+  PetscCall(VecDestroy(&all));
+  PetscFunctionReturn(0);
+}
+
+/* What is remembered beside errors: numbers to read from and to write to. */
+static void Remembered(Estimate self, PetscReal *number[ESTIMATE_MEMORY - 2]) {
+  PetscInt n = 0;
+
+  number[n++] = &self->before;
+  number[n++] = &self->time;
+  number[n++] = &self->moment[0];
+  number[n++] = &self->moment[1];
+  for (int k = 0; k < MIRRORS; k++) {
+    number[n++] = &self->size[k];
+    number[n++] = &self->latest[k];
+  }
+}
+
+/* EstimateVectors - room for what EstimateKeep() keeps; the caller destroys them. Collective. */
+PetscErrorCode EstimateVectors(Estimate self, Vec errors[ESTIMATE_KEPT]) {
+  PetscFunctionBegin;
+  for (int k = 0; k < ESTIMATE_KEPT; k++) PetscCall(VecDuplicate(self->leg->U, &errors[k]));
+  PetscFunctionReturn(0);
+}
+
+/*
+  EstimateKeep - what it takes to go on with the errors that have been followed. Collective.
+
+  memory  numbers
+  errors  of EstimateVectors(): the errors of each part, and what steps have
+          added since these were stepped last
+*/
+PetscErrorCode EstimateKeep(Estimate self, PetscReal memory[ESTIMATE_MEMORY],
+                            Vec errors[ESTIMATE_KEPT]) {
+  const PetscInt followed = self->followed, count = self->nodes * followed;
+  PetscReal *number[ESTIMATE_MEMORY - 2], *own, *all;
+
+  PetscFunctionBegin;
+  memory[0] = self->touches ? 1 : 0;
+  memory[1] = (PetscReal)self->since;
+  Remembered(self, number);
+  for (PetscInt k = 2; k < ESTIMATE_MEMORY; k++) memory[k] = *number[k - 2];
+  for (int part = 0; part < ESTIMATE_PARTS; part++)
+    PetscCall(Spread(self, self->fields, self->e[part], errors[part]));
+  PetscCall(PetscMalloc2(count, &own, count, &all));
+  for (PetscInt i = 0; i < count; i++) own[i] = self->own.local[i] + self->own.skipped[i];
+  PetscCallMPI(
+      MPI_Reduce(own, all, (PetscMPIInt)count, MPIU_REAL, MPI_SUM, 0, self->leg->rod->scene->comm));
+  PetscCall(Spread(self, followed, all, errors[ESTIMATE_PARTS]));
+  PetscCall(PetscFree2(own, all));
+  PetscFunctionReturn(0);
+}
+
+/* EstimateTake - goes on with what EstimateKeep() has kept, behind EstimateSet(). Collective. */
+PetscErrorCode EstimateTake(Estimate self, const PetscReal memory[ESTIMATE_MEMORY],
+                            Vec errors[ESTIMATE_KEPT]) {
+  PetscReal *number[ESTIMATE_MEMORY - 2];
+
+  PetscFunctionBegin;
+  if (memory[0] != 0 && !self->touches) PetscCall(Refine(self));
+  self->since = (PetscInt)memory[1];
+  Remembered(self, number);
+  for (PetscInt k = 2; k < ESTIMATE_MEMORY; k++) *number[k - 2] = memory[k];
+  for (int part = 0; part < ESTIMATE_PARTS; part++)
+    PetscCall(Pick(self, self->fields, errors[part], self->e[part]));
+  PetscCall(Pick(self, self->followed, errors[ESTIMATE_PARTS], self->own.local));
+  PetscFunctionReturn(0);
+}

@@ -11,6 +11,9 @@ typedef struct _Estimate *Estimate;
 enum { ESTIMATE_SPACE, ESTIMATE_TIME, ESTIMATE_LIMIT, ESTIMATE_SOFT, ESTIMATE_PARTS };
 enum { ESTIMATE_TIP, ESTIMATE_NORM, ESTIMATE_ENERGY, ESTIMATE_SEEN };
 
+/* What is kept of it for a restart: numbers, and errors as states of the rod. */
+enum { ESTIMATE_MEMORY = 3 + 2 * MIRRORS + 3, ESTIMATE_KEPT = ESTIMATE_PARTS + 1 };
+
 /* How far off a run may be: in each of what is seen, by each of the parts, and in all. */
 typedef struct {
   enum { ESTIMATE_NONE, ESTIMATE_MEASURED, ESTIMATE_FITTED } kind;
@@ -23,5 +26,10 @@ PetscErrorCode EstimateStep(Estimate estimate, PetscBool jumped, PetscBool touch
 PetscErrorCode EstimateGet(Estimate estimate, PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN]);
 PetscErrorCode EstimateSet(Estimate estimate, PetscReal t,
                            const PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN]);
+PetscErrorCode EstimateVectors(Estimate estimate, Vec errors[ESTIMATE_KEPT]);
+PetscErrorCode EstimateKeep(Estimate estimate, PetscReal memory[ESTIMATE_MEMORY],
+                            Vec errors[ESTIMATE_KEPT]);
+PetscErrorCode EstimateTake(Estimate estimate, const PetscReal memory[ESTIMATE_MEMORY],
+                            Vec errors[ESTIMATE_KEPT]);
 
 #endif

@@ -15,7 +15,7 @@ typedef struct {
   PetscBool turns;            /* along axes that follow the rod (rod/sizes.c) */
   PetscReal axes[2];          /* those of this step */
   PetscReal kick[MAX_FIELDS], kick_ends; /* least sizes, up to this time: see leg.c */
-  PetscInt jumps;                        /* so far; kept by the owner */
+  PetscInt jumps, blind;                 /* so far, VBDFGetJumps(); kept by the owner */
   PetscBool passes;  /* the latest try of a step ended beyond a wall, or with the rod crossed */
   PetscBool crosses; /* it was cut, or not taken, for a mode that grows faster than the step sees */
   PetscReal speed;   /* of a snap, at its latest step */

@@ -348,13 +348,15 @@ PetscErrorCode VBDFSetMemory(TS ts, const PetscReal memory[VBDF_MEMORY]) {
   PetscFunctionReturn(0);
 }
 
-/* VBDFGetJumps - how many steps were jumps, so far; 0 if the type is another one. */
-PetscErrorCode VBDFGetJumps(TS ts, PetscInt *jumps) {
+/* VBDFGetJumps - how many steps were jumps, so far, and in how many of them no snap was followed; 0
+   if the type is another one. */
+PetscErrorCode VBDFGetJumps(TS ts, PetscInt *jumps, PetscInt *blind) {
   VBDF *self = NULL;
 
   PetscFunctionBegin;
   PetscCall(Self(ts, &self));
   *jumps = self ? self->controller.jumps : 0;
+  *blind = self ? self->controller.blind : 0;
   PetscFunctionReturn(0);
 }
 

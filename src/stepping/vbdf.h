@@ -55,7 +55,7 @@ PetscErrorCode VBDFSetHistory(TS ts, PetscInt n, const PetscReal times[], const 
 PetscErrorCode VBDFGetMemory(TS ts, PetscReal memory[VBDF_MEMORY]);
 PetscErrorCode VBDFSetMemory(TS ts, const PetscReal memory[VBDF_MEMORY]);
 PetscErrorCode VBDFInterpolate(TS ts, PetscReal t, Vec U, Vec U_t, PetscBool *done);
-PetscErrorCode VBDFGetJumps(TS ts, PetscInt *jumps);
+PetscErrorCode VBDFGetJumps(TS ts, PetscInt *jumps, PetscInt *blind);
 PetscErrorCode VBDFGetLocalError(TS ts, PetscInt fields, PetscInt *n,
                                  PetscReal weight[VBDF_POINTS][VBDF_FIELDS]);
 PetscErrorCode VBDFGetFormula(TS ts, PetscInt *n, PetscReal weight[][VBDF_FIELDS]);

@@ -86,17 +86,26 @@ static PetscErrorCode Store(Grow *self, PetscBool finished) {
                         .norm = self->seen.norm_x2,
                         .folds = self->folds,
                         .neglected = self->neglected};
-  Vec points[VBDF_POINTS];
+  Vec points[VBDF_POINTS], errors[ESTIMATE_KEPT];
 
   PetscFunctionBegin;
   if (self->seen.t == 0) {
-    PetscCall(OutputStore(self->output, self->now->rod, NULL, NULL, finished));
+    PetscCall(OutputStore(self->output, self->now->rod, NULL, NULL, NULL, finished));
     PetscFunctionReturn(0);
   }
+  if (!OutputStores(self->output)) PetscFunctionReturn(0);
   PetscCall(RestartKeep(self->now, self->seen.t, self->now->U, &state, points));
   PetscCall(ObserverGetBalance(self->observer, state.balance));
-  if (self->estimate) PetscCall(EstimateGet(self->estimate, state.errors));
-  PetscCall(OutputStore(self->output, self->now->rod, &state, points, finished));
+  GrowKeepErrors(self, state.beside);
+  state.follows = self->estimate ? 1 : 0;
+  if (self->estimate) {
+    PetscCall(EstimateGet(self->estimate, state.errors));
+    PetscCall(EstimateVectors(self->estimate, errors));
+    PetscCall(EstimateKeep(self->estimate, state.following, errors));
+  }
+  PetscCall(OutputStore(self->output, self->now->rod, &state, points,
+                        self->estimate ? errors : NULL, finished));
+  for (int k = 0; k < ESTIMATE_KEPT && self->estimate; k++) PetscCall(VecDestroy(&errors[k]));
   PetscFunctionReturn(0);
 }
 
@@ -137,29 +146,28 @@ static PetscBool LedRoundCorner(Scene scene, PetscReal t0, PetscReal t1) {
 
 static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   PetscReal before = self->seen.t, norm = self->seen.norm_x2;
-  PetscInt iterations = 0, all = 0, jumps = 0;
-  PetscBool jumped = PETSC_FALSE, layered;
+  PetscInt iterations = 0, all = 0, jumps = 0, blind = 0;
+  PetscBool jumped = PETSC_FALSE, blindly = PETSC_FALSE, layered;
   Observation last = self->seen;
 
   PetscFunctionBegin;
   layered = (PetscBool)(t <= initial_layer * self->scene->end_time);
   if (U) {
     PetscCall(TSGetSNESIterations(self->now->ts, &all));
-    PetscCall(VBDFGetJumps(self->now->ts, &jumps));
+    PetscCall(VBDFGetJumps(self->now->ts, &jumps, &blind));
     jumped = (PetscBool)(jumps > self->now->jumps);
     if (jumped || LedRoundCorner(self->scene, before, t)) ObserverJump(self->observer);
     if (jumped && !layered) self->snaps++;
     if (self->now == &self->leg[WholeModel(self)])
       PetscCall(EstimateStep(self->estimate, jumped, self->pressed));
     self->now->jumps = jumps;
+    blindly = (PetscBool)(blind > self->now->blind);
+    self->now->blind = blind;
   }
   iterations = all - self->iterations;
   self->iterations = all;
   PetscCall(ObserverMeasure(self->observer, self->now->rod, t, U, U_t, &self->seen));
-  if (jumped && !layered && before <= t / 2) {
-    self->crossings++;
-    self->crossed += GrowCrossed(&last, &self->seen);
-  }
+  if (blindly) GrowCross(self, &last, before, layered);
   if (norm > rod_vanished && self->seen.norm_x2 > rod_vanished)
     self->folds += PetscAbsReal(PetscLogReal(self->seen.norm_x2 / norm));
   if (norm > rod_vanished && self->seen.norm_x2 <= rod_vanished) self->vanished = PETSC_TRUE;
@@ -511,7 +519,8 @@ static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *
   self->now = &self->leg[(int)state->model];
   PetscCall(RestartTake(restart, state, self->now));
   PetscCall(ObserverSetBalance(self->observer, state->balance));
-  PetscCall(EstimateSet(self->estimate, state->t, state->errors));
+  PetscCall(RestartTakeErrors(restart, state, self->estimate));
+  GrowTakeErrors(self, state->beside);
   self->folds = state->folds;
   self->seen.norm_x2 = state->norm;
   self->neglected = state->neglected;

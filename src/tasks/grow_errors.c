@@ -13,9 +13,9 @@ static const PetscReal per_snap = 1e-4, per_change = 2, of_start = 1e-2, far = 0
 /* What a viscous share adds, over it: norms change by up to ten times that (LoadShareMore()). */
 static const PetscReal per_share = 10;
 
-/* How far a jump from one observation to the next, whose own error is not known, may be off: by a
-   multiple of what it has changed of tip and |x2| (in space of the larger one of |x2| and |x3|). */
-PetscReal GrowCrossed(const Observation *from, const Observation *to) {
+/* What two observations differ by in tip and |x2| (in space the larger one of |x2| and |x3|), over
+   the later ones. */
+static PetscReal Change(const Observation *from, const Observation *to) {
   const PetscReal tip[3] = {to->tip_x1 - from->tip_x1, to->tip_x2 - from->tip_x2,
                             to->tip_x3 - from->tip_x3},
                   distance = hypot(hypot(to->tip_x1, to->tip_x2), to->tip_x3),
@@ -26,7 +26,49 @@ PetscReal GrowCrossed(const Observation *from, const Observation *to) {
     change = PetscMax(change, PetscMax(PetscAbsReal(to->norm_x2 - from->norm_x2),
                                        PetscAbsReal(to->norm_x3 - from->norm_x3)) /
                                   norm);
+  return change;
+}
+
+/* How far a jump, whose own error is not known, may be off. */
+static PetscReal Crossed(const Observation *from, const Observation *to) {
+  const PetscReal change = Change(from, to);
   return change > far ? 1 : PetscMin(of_start, per_change * change);
+}
+
+/*
+  GrowCross - counts a blind jump to what is seen now: does it cross the start? The steps that cross
+  the layer of a start see nothing between their ends, however short they are: if they have led far,
+  all of them together, nothing is known either.
+
+  last     seen before it, at that time     layered  it is in the layer
+*/
+void GrowCross(Grow *self, const Observation *last, PetscReal before, PetscBool layered) {
+  if (layered) {
+    if (!self->layered) self->began = *last;
+    self->layered = PETSC_TRUE;
+    if (Change(&self->began, &self->seen) > far) self->crossed = 1;
+  } else if (before <= self->seen.t / 2) {
+    self->crossings++;
+    self->crossed += Crossed(last, &self->seen);
+  }
+}
+
+/* GrowKeepErrors - for a restart: what the errors beside those that are followed come from. */
+void GrowKeepErrors(const Grow *self, PetscReal kept[RESTART_BESIDE]) {
+  kept[0] = (PetscReal)self->snaps;
+  kept[1] = (PetscReal)self->crossings;
+  kept[2] = self->crossed;
+  kept[3] = self->vanished ? 1 : 0;
+  kept[4] = self->depth;
+}
+
+/* GrowTakeErrors - goes on with that. */
+void GrowTakeErrors(Grow *self, const PetscReal kept[RESTART_BESIDE]) {
+  self->snaps = (PetscInt)kept[0];
+  self->crossings = (PetscInt)kept[1];
+  self->crossed = kept[2];
+  self->vanished = (PetscBool)(kept[3] != 0);
+  self->depth = kept[4];
 }
 
 /* What comes beside the errors of mesh and steps, in each of what is seen. */

@@ -324,7 +324,7 @@ static PetscErrorCode TellSides(const Grow *self) {
 PetscErrorCode GrowSummary(Grow *self) {
   const Observation *seen = &self->seen;
   const PetscBool space = self->scene->space.rod;
-  PetscInt steps, iterations = 0, rejections = 0, jumps = 0, n;
+  PetscInt steps, iterations = 0, rejections = 0, jumps = 0, n, blind;
   char text[4][32];
   PetscLogDouble now;
 
@@ -336,7 +336,7 @@ PetscErrorCode GrowSummary(Grow *self) {
       iterations += n;
       PetscCall(TSGetStepRejections(self->leg[m].ts, &n));
       rejections += n;
-      PetscCall(VBDFGetJumps(self->leg[m].ts, &n));
+      PetscCall(VBDFGetJumps(self->leg[m].ts, &n, &blind));
       jumps += n;
     }
   PetscCall(PetscTime(&now));

@@ -37,13 +37,15 @@ typedef struct {
   PetscBool pressed;          /* there has been contact */
   ErrorEstimate error;        /* as GrowErrors() has found it */
   PetscReal depth;            /* largest penetration so far */
-  PetscInt snaps;             /* of this run */
+  PetscInt snaps;             /* of this run, and of what it goes on with */
   PetscInt crossings;         /* of these, its start was crossed by */
-  PetscReal crossed;          /* what steps that cross its start have changed, see GrowCrossed() */
-  PetscBool vanished;         /* |x2| has fallen below the numbers that there are */
-  PetscInt blind;             /* steps that have crossed a mode that grows (LegCrosses()) */
-  PetscBool quiet, beyond;    /* beyond: the linear model has left its range */
-  int stopped;                /* the signal that all ranks have agreed to stop on */
+  PetscReal crossed;          /* what steps that cross its start have changed, see GrowCross() */
+  PetscBool layered;          /* steps have crossed the layer of its start, from here: */
+  Observation began;
+  PetscBool vanished;      /* |x2| has fallen below the numbers that there are */
+  PetscInt blind;          /* steps that have crossed a mode that grows (LegCrosses()) */
+  PetscBool quiet, beyond; /* beyond: the linear model has left its range */
+  int stopped;             /* the signal that all ranks have agreed to stop on */
   PetscLogDouble begin, reported;
   Watch watch;
   PetscReal shared;   /* viscous share of friction that has been told, see LoadShareMore() */
@@ -61,7 +63,9 @@ typedef struct {
 extern const RodModel *const grow_models[MODELS];
 
 /* grow_errors.c */
-PetscReal GrowCrossed(const Observation *from, const Observation *to);
+void GrowCross(Grow *self, const Observation *last, PetscReal before, PetscBool layered);
+void GrowKeepErrors(const Grow *self, PetscReal kept[RESTART_BESIDE]);
+void GrowTakeErrors(Grow *self, const PetscReal kept[RESTART_BESIDE]);
 PetscErrorCode GrowErrors(Grow *self);
 
 /* grow_events.c */

@@ -129,7 +129,7 @@ static void Store(const char *path, Leg *leg, Scene scene) {
     CHECK(OutputSeries(output, &seen));
   }
   CHECK(RestartKeep(leg, t, leg->U, &now, points));
-  CHECK(OutputStore(output, leg->rod, &now, points, PETSC_FALSE));
+  CHECK(OutputStore(output, leg->rod, &now, points, NULL, PETSC_FALSE));
   CHECK(OutputDestroy(&output));
 }
 
@@ -159,7 +159,7 @@ static void TestRestart(void **state) {
   EXPECT(Off(leg[0].U, leg[1].U) == 0, "ten steps on off by %g", Off(leg[0].U, leg[1].U));
   /* what is behind the time that a run goes on from is taken off */
   CHECK(OutputContinue("", path, scene[1], was.t / 2, 1, &output));
-  CHECK(OutputStore(output, leg[1].rod, NULL, NULL, PETSC_FALSE));
+  CHECK(OutputStore(output, leg[1].rod, NULL, NULL, NULL, PETSC_FALSE));
   CHECK(OutputDestroy(&output));
   CHECK(HdfRead("-restart", path, "/series/t", 1, &n, &t));
   EXPECT(n == 2 && t[1] == was.t / 2, "%d times, the last %g", (int)n, t[n - 1]);

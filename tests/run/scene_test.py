@@ -193,6 +193,10 @@ def doubts():
     off = abs(r.norm_x2[-1] / fine.norm_x2[-1] - 1)
     print(f"the hairpin: |x2| off by {off:.1e}, told {r.estimate:.1e}, {fine.estimate:.1e}")
     expect(off < r.estimate and fine.estimate < 1e-3, f"off by {off:.1e}, told {r.estimate:.1e}, {fine.estimate:.1e}")
+    r = Run(start + "-rod_cells 60 -ts_dt 1e-14")  # steps that are shorter than its layer cross it as blindly, each by a little
+    off = abs(r.norm_x2[-1] / fine.norm_x2[-1] - 1)
+    print(f"the hairpin in short steps: |x2| off by {off:.1e}, told {r.estimate:.1e}")
+    expect(off < r.estimate, f"short steps: off by {off:.1e}, told {r.estimate:.1e}")
 
 
 @check

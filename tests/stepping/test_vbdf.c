@@ -668,7 +668,7 @@ static PetscErrorCode RelativeToStart(TS ts) {
 static void Jump(int kind, PetscInt most) {
   const PetscReal tolerance = kind == ROOT ? 1e-3 : 1e-6;
   TSConvergedReason reason;
-  PetscInt jumps, steps, rejected;
+  PetscInt jumps, blind, steps, rejected;
   const PetscScalar *y;
   Mat J;
   Vec U;
@@ -695,13 +695,14 @@ static void Jump(int kind, PetscInt most) {
   CHECK(TSSetFromOptions(ts));
   CHECK(TSSolve(ts, U));
   CHECK(TSGetConvergedReason(ts, &reason));
-  CHECK(VBDFGetJumps(ts, &jumps));
+  CHECK(VBDFGetJumps(ts, &jumps, &blind));
   CHECK(TSGetStepNumber(ts, &steps));
   CHECK(VecGetArrayRead(U, &y));
   CHECK(TSGetStepRejections(ts, &rejected));
   print_message("%d jumps, %d steps, %d rejected, y %.10g, %s\n", (int)jumps, (int)steps,
                 (int)rejected, (double)y[0], TSConvergedReasons[reason]);
-  EXPECT(reason > 0 && jumps == (kind == JUMP || kind == FROM_NOTHING), "%d jumps", (int)jumps);
+  EXPECT(reason > 0 && jumps == (kind == JUMP || kind == FROM_NOTHING) && blind == jumps,
+         "%d jumps, %d of them blind", (int)jumps, (int)blind);
   EXPECT(rejected <= most, "%d rejected, at most %d", (int)rejected, (int)most);
   EXPECT(PetscAbsReal(y[0] - Way(kind, 1)) < 1e-9, "y %.12g", (double)y[0]);
   CHECK(VecRestoreArrayRead(U, &y));
