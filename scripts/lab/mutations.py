@@ -88,7 +88,6 @@ MUTATIONS = [
      "  self->order = order;\n  self->jumped = PETSC_FALSE;\n  self->rejected = PETSC_MAX_REAL;\n  PetscFunctionReturn(0);\n}\n\n/* A jump shows",
      "  self->jumped = PETSC_FALSE;\n  PetscFunctionReturn(0);\n}\n\n/* A jump shows"),
     ("stays, never", S, "stays = 1e-6;", "stays = 0;"),
-    ("again, never", C, "again = 0.1,", "again = shrunk,"),
     ("cross, rubbing walls as others", L, "ContactWallsRub(contact) || ", ""),
     ("cross, rubbing strands as others", L, "contact->friction > 0 ||", ""),
     ("cross, coupled as others", L, "rod->coupled ||\n", "\n"),

@@ -7,8 +7,8 @@
 enum { failures_of_snap = 4 };
 /* Or it shows on the way: towards the turning point from which a rod snaps, steps shrink without
    end. One that is this part of the usual one asks whether the rod snaps; and, for it may have been
-   too early, each one that is this part of the one that asked before. */
-static const PetscReal shrunk = 1e-4, again = 0.1, forgets = 0.95;
+   too early, each one that is this part again of the one that asked before. */
+static const PetscReal shrunk = 1e-4, forgets = 0.95;
 /* Aim at this part of the tolerance: low, so that few steps are rejected. (0.5 at half the
    tolerance gives the same errors in as many steps, but has 36 rejected where this has 9.) */
 static const PetscReal safety = 0.22;
@@ -363,8 +363,7 @@ static PetscBool Shrinks(const TS ts, Controller *self, const Formula *f) {
   if (f->n <= 1 && self->usual == 0) return PETSC_FALSE;
   PetscBool shrinks = (PetscBool)(ts->time_step < shrunk * self->usual);
 
-  self->usual =
-      shrinks ? again / shrunk * ts->time_step : PetscMax(ts->time_step, forgets * self->usual);
+  self->usual = shrinks ? ts->time_step : PetscMax(ts->time_step, forgets * self->usual);
   return shrinks;
 }
 

@@ -201,7 +201,7 @@ PetscErrorCode LoadInFastTime(const Load *load, PetscReal t, Load *fast, PetscBo
    a wall holds the rod by its tip, and little of it is at rest for long, they tell a tenth of it.
  */
 static const PetscReal next_to_exact = 1e-16, told_from_rest = 3e-5, told_by_walls = 3e-6,
-                       its_tolerance = 1e-6, most_told = 1e-3;
+                       its_tolerance = 1e-6;
 
 /* LoadNextToExact - for a rod of which a part is at rest: there exact Coulomb friction does not say
    what the axial force is. So it is taken as what it is the limit of, which says that it is the
@@ -230,8 +230,7 @@ void LoadNextToExactByWalls(Load *load) {
 */
 void LoadAtTolerance(Load *load, PetscReal rtol) {
   PetscReal speed = load->told * PetscSqrtReal(rtol / its_tolerance);
-  if (load->limit)
-    load->friction.beta = PetscMax(next_to_exact, PetscSqr(PetscMin(most_told, speed)));
+  if (load->limit) load->friction.beta = PetscMax(next_to_exact, PetscSqr(speed));
 }
 
 /* dN/dx3 of the clamp's frame at a place on its axis. */
