@@ -14,12 +14,15 @@ const OptionGroup accuracy_options = OPTION_GROUP("Accuracy", rows);
               has no angle to follow, twice that);
     in space  arc_error h^order of the largest cell, h its arc length at the end of the run, and
               label_error F / N^order, because an error in a rate of decay adds up over its folds.
+    of the linear model also graded_error F J^4, J the most by which the logarithm of the stretch
+              differs from one end of a cell to the other: its splines are smooth in labels;
     in contact  contact_error / N^3, for the mesh decides how stiff contact is (world/contact.c).
   A quarter of the asked error is for time and a sixth for space: the error is then below what is
   asked, and not far below.
 */
 static const PetscReal per_fold = 3e-6;
 static const PetscReal arc_error[] = {0.2, 0.06}, label_error[] = {20, 400}; /* order 2, 4 */
+static const PetscReal graded_error = 0.5;
 static const PetscReal contact_error = 1600, share_of_contact = 0.5;
 static const PetscReal share_of_time = 0.15, share_of_space = 0.1;
 /* What is measured is an error to first order, on a coarse mesh: an upper estimate is so many times
@@ -208,24 +211,29 @@ PetscErrorCode AccuracyTell(const ErrorEstimate *error, PetscReal rtol, Rod rod,
 
   rod    at the end of the run, t      rtol   of its steps
   folds  how often |x2| fell or grew e-fold
-  error  out; of the linear model without what it neglects (grow.c)
+  bends  how often the energy grew e-fold against |x2|^2: what steps have added in short waves,
+  small beside |x2|, weighs so much more when these are what is left error  out; of the linear model
+  without what it neglects (grow.c)
 */
 PetscErrorCode AccuracyEstimate(Rod rod, PetscReal t, PetscReal rtol, PetscReal folds,
-                                PetscReal *error) {
+                                PetscReal bends, PetscReal *error) {
   const Mesh *mesh = &rod->scene->mesh;
   PetscBool fourth = (PetscBool)(rod->order == 4);
-  PetscReal h = 0, *g;
+  PetscReal h = 0, jump = 0, *g;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(mesh->cells + 1, &g));
   PetscCall(GrowthStretch(rod->scene->growth, mesh->cells + 1, mesh->s, t, g, NULL, NULL));
   for (PetscInt i = 0; i < mesh->cells; i++)
     h = PetscMax(h, (mesh->s[i + 1] - mesh->s[i]) * (g[i] + g[i + 1]) / 2);
+  for (PetscInt i = 0; i < mesh->cells && rod->model->linear; i++)
+    jump = PetscMax(jump, PetscAbsReal(PetscLogReal(g[i + 1] / g[i])));
   PetscCall(PetscFree(g));
   folds += fewest_folds;
-  *error = margin * per_fold * (rod->model == &rod_mixed ? 2 : 1) * folds *
+  *error = margin * per_fold * (rod->model == &rod_mixed ? 2 : 1) * folds * PetscExpReal(bends) *
                PetscPowReal(rtol / 1e-6, 6. / 7) +
            arc_error[fourth] * PetscPowReal(h, rod->order) +
-           label_error[fourth] * folds / PetscPowReal(mesh->cells, rod->order);
+           label_error[fourth] * folds / PetscPowReal(mesh->cells, rod->order) +
+           graded_error * folds * PetscSqr(PetscSqr(jump));
   PetscFunctionReturn(0);
 }

@@ -11,6 +11,6 @@ void AccuracyMeasured(PetscReal rtol, PetscReal worst[ESTIMATE_PARTS][ESTIMATE_S
                       PetscReal beside, ErrorEstimate *error);
 PetscErrorCode AccuracyTell(const ErrorEstimate *error, PetscReal rtol, Rod rod, MPI_Comm comm);
 PetscErrorCode AccuracyEstimate(Rod rod, PetscReal t, PetscReal rtol, PetscReal folds,
-                                PetscReal *error);
+                                PetscReal bends, PetscReal *error);
 
 #endif

@@ -123,6 +123,19 @@ static PetscInt BetterModel(const Grow *self) {
 
 /* The linear model leaves out terms of the square of the angle and, in friction, of the square of
    the speed across the rod: that along it is about 1. */
+/* How much the linear model's energy changes, which tells of the deflection where |x2| is that of a
+   clamp that leans; and how much shorter its waves become. */
+static void Shorten(Grow *self, PetscReal energy) {
+  const PetscReal size = PetscMax(self->seen.norm_x2, self->seen.norm_x3), least = 1e-300;
+  PetscReal bent;
+
+  if (self->now != &self->leg[LINEAR] || size < rod_vanished || self->seen.energy < least) return;
+  if (energy > least) self->energy_folds += PetscAbsReal(PetscLogReal(self->seen.energy / energy));
+  bent = PetscLogReal(self->seen.energy) - 2 * PetscLogReal(size);
+  if (self->straightest == 0 || bent < self->straightest) self->straightest = bent;
+  self->bends = PetscMax(self->bends, bent - self->straightest);
+}
+
 static PetscErrorCode Neglect(Grow *self, Vec U_t) {
   PetscReal speed[MAX_FIELDS] = {0};
 
@@ -172,6 +185,7 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
     self->folds += PetscAbsReal(PetscLogReal(self->seen.norm_x2 / norm));
   if (norm > rod_vanished && self->seen.norm_x2 <= rod_vanished) self->vanished = PETSC_TRUE;
   PetscCall(Neglect(self, U_t));
+  Shorten(self, last.energy);
   self->depth = PetscMax(self->depth, self->seen.penetration);
   if (self->seen.contact_force > 0) self->pressed = PETSC_TRUE;
   self->seen.step = t - before;

@@ -60,6 +60,9 @@ void GrowKeepErrors(const Grow *self, PetscReal kept[RESTART_BESIDE]) {
   kept[2] = self->crossed;
   kept[3] = self->vanished ? 1 : 0;
   kept[4] = self->depth;
+  kept[5] = self->straightest;
+  kept[6] = self->bends;
+  kept[7] = self->energy_folds;
 }
 
 /* GrowTakeErrors - goes on with that. */
@@ -69,6 +72,9 @@ void GrowTakeErrors(Grow *self, const PetscReal kept[RESTART_BESIDE]) {
   self->crossed = kept[2];
   self->vanished = (PetscBool)(kept[3] != 0);
   self->depth = kept[4];
+  self->straightest = kept[5];
+  self->bends = kept[6];
+  self->energy_folds = kept[7];
 }
 
 /* What comes beside the errors of mesh and steps, in each of what is seen. */
@@ -97,7 +103,9 @@ PetscErrorCode GrowErrors(Grow *self) {
                                                                                  : ESTIMATE_FITTED;
   if (self->estimate) PetscCall(EstimateGet(self->estimate, worst));
   if (error->kind == ESTIMATE_FITTED) {
-    PetscCall(AccuracyEstimate(self->now->rod, self->seen.t, self->rtol, self->folds, &fitted));
+    PetscCall(AccuracyEstimate(self->now->rod, self->seen.t, self->rtol,
+                               PetscMax(self->folds, self->energy_folds / 2), self->bends,
+                               &fitted));
     beside += fitted + per_depth * self->depth / self->seen.length;
     if (load->limit) beside += of_limit * PetscPowReal(load->friction.beta, 1. / 6);
   }

@@ -34,6 +34,9 @@ typedef struct {
   PetscInt iterations, steps; /* before the latest step; steps of earlier legs */
   PetscReal folds;            /* of |x2|, up and down, so far */
   PetscReal neglected;        /* largest part that the linear model left out */
+  PetscReal energy_folds;     /* of the energy of the linear model, up and down */
+  PetscReal straightest;      /* least log of energy over |x2|^2 that it has met; 0: none */
+  PetscReal bends;            /* by how much that has risen since, at most */
   PetscBool pressed;          /* there has been contact */
   ErrorEstimate error;        /* as GrowErrors() has found it */
   PetscReal depth;            /* largest penetration so far */
