@@ -81,7 +81,48 @@ PetscErrorCode SceneContactAt(Scene scene, PetscReal t) {
   PetscFunctionReturn(0);
 }
 
-/* SceneLinkWalls - tells the load and the tip of the walls; once more after a scene is copied. */
+/* SceneShare - a scene beside another one, which must outlive it: all that it has is the other's,
+   until the caller puts something else in its place; SceneLinkWalls() then tells load and tip of
+   its own walls. The caller frees what it has put there, and ends it with SceneShareEnd(). */
+PetscErrorCode SceneShare(Scene scene, Scene *shared) {
+  PetscFunctionBegin;
+  PetscCall(PetscNew(shared));
+  **shared = *scene;
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode SceneShareEnd(Scene *shared) {
+  PetscFunctionBegin;
+  PetscCall(PetscFree(*shared));
+  PetscFunctionReturn(0);
+}
+
+/*
+  SceneInFastTime - the scene of a snap at t (stepping/snap.c): growth and all that moves stand
+  still as they are then, friction is dry and, with strength 1, viscous (LoadInFastTime()). The
+  caller ends it with SceneLeaveFastTime(), before the scene.
+
+  dry  false if friction is not dry, so that nothing snaps
+*/
+PetscErrorCode SceneInFastTime(Scene scene, PetscReal t, Scene *fast, PetscBool *dry) {
+  PetscFunctionBegin;
+  PetscCall(SceneShare(scene, fast));
+  PetscCall(LoadInFastTime(&scene->load, t, &(*fast)->load, dry));
+  PetscCall(TipInFastTime(&scene->tip, t, &(*fast)->tip));
+  (*fast)->contact.rub.beta = (*fast)->load.friction.beta;
+  SceneLinkWalls(*fast);
+  PetscCall(GrowthStop(scene->growth, t, &(*fast)->growth));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode SceneLeaveFastTime(Scene *fast) {
+  PetscFunctionBegin;
+  PetscCall(GrowthDestroy(&(*fast)->growth));
+  PetscCall(SceneShareEnd(fast));
+  PetscFunctionReturn(0);
+}
+
+/* SceneLinkWalls - tells the load and the tip of the walls; once more where a scene is shared. */
 void SceneLinkWalls(Scene scene) {
   LoadSetWalls(&scene->load, &scene->contact);
   scene->tip.walls = scene->load.walls;

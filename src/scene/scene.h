@@ -39,7 +39,11 @@ extern const OptionGroup scene_options;
 
 PetscErrorCode SceneCreate(Scene *scene);
 PetscErrorCode SceneDestroy(Scene *scene);
+PetscErrorCode SceneShare(Scene scene, Scene *shared);
+PetscErrorCode SceneShareEnd(Scene *shared);
 void SceneLinkWalls(Scene scene);
+PetscErrorCode SceneInFastTime(Scene scene, PetscReal t, Scene *fast, PetscBool *dry);
+PetscErrorCode SceneLeaveFastTime(Scene *fast);
 PetscErrorCode SceneContactAt(Scene scene, PetscReal t);
 void SceneAtTolerance(Scene scene, PetscReal rtol);
 PetscErrorCode SceneHoldTip(Scene scene, const PetscReal x[2], PetscReal theta);

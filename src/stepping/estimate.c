@@ -53,7 +53,7 @@ struct _Estimate {
   PetscReal (*defect)[MAX_FIELDS];
   PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN];
   /* rank 0: the coarse rod; NULL else */
-  struct _Scene scene;
+  Scene scene;
   Rod rod;
   Elimination elimination; /* NULL: far parts of the rod touch, and it is a matrix */
   Mat J;
@@ -95,7 +95,7 @@ static PetscInt FineNode(const Estimate self, PetscInt k) {
 
 /* Far parts of the rod see each other: that is no line of neighbours. */
 static PetscErrorCode CreateMatrix(Estimate self) {
-  const PetscBool held = (PetscBool)(self->scene.tip.type != TIP_FREE);
+  const PetscBool held = (PetscBool)(self->scene->tip.type != TIP_FREE);
 
   PetscFunctionBegin;
   PetscCall(RodCreateMatrix(self->rod, &self->J));
@@ -114,10 +114,11 @@ static void TakeSlopes(Scene coarse) {
 
 /* The coarse rod, on rank 0. Itself it touches only from the first contact on. */
 static PetscErrorCode CreateCoarse(Estimate self, const Scene scene) {
-  struct _Scene *coarse = &self->scene;
+  Scene coarse;
 
   PetscFunctionBegin;
-  *coarse = *scene;
+  PetscCall(SceneShare(scene, &self->scene));
+  coarse = self->scene;
   coarse->comm = PETSC_COMM_SELF;
   TakeSlopes(coarse);
   coarse->contact.self = (PetscBool)(scene->contact.self && self->touches);
@@ -158,7 +159,9 @@ static PetscErrorCode DestroyCoarse(Estimate self) {
   PetscCall(KSPDestroy(&self->ksp));
   PetscCall(MatDestroy(&self->J));
   PetscCall(RodDestroy(&self->rod));
-  PetscCall(PetscFree(self->scene.mesh.s));
+  if (!self->scene) PetscFunctionReturn(0);
+  PetscCall(PetscFree(self->scene->mesh.s));
+  PetscCall(SceneShareEnd(&self->scene));
   PetscFunctionReturn(0);
 }
 
@@ -236,7 +239,7 @@ static PetscErrorCode Refine(Estimate self) {
   self->until = 0;
   if (here) {
     PetscCall(PetscMalloc2(n, &s, ESTIMATE_PARTS * size, &old));
-    PetscCall(PetscArraycpy(s, self->scene.mesh.s, n));
+    PetscCall(PetscArraycpy(s, self->scene->mesh.s, n));
     for (int part = 0; part < ESTIMATE_PARTS; part++)
       PetscCall(PetscArraycpy(old + part * size, self->e[part], size));
     PetscCall(DestroyCoarse(self));
@@ -244,7 +247,7 @@ static PetscErrorCode Refine(Estimate self) {
   PetscCall(PetscFree(self->own.u));
   PetscCall(ChooseMesh(self));
   for (int part = 0; part < ESTIMATE_PARTS && here; part++)
-    Interpolate(self->fields, n, s, old + part * size, self->nodes, self->scene.mesh.s,
+    Interpolate(self->fields, n, s, old + part * size, self->nodes, self->scene->mesh.s,
                 self->e[part]);
   PetscCall(PetscFree2(s, old));
   PetscFunctionReturn(0);
@@ -414,9 +417,9 @@ static PetscErrorCode PutState(Estimate self) {
 static void TakeContact(Estimate self) {
   const Contact *contact = &self->leg->rod->scene->contact;
 
-  self->scene.contact.given = PETSC_TRUE;
-  self->scene.contact.stiffness = contact->stiffness;
-  self->scene.contact.time = PETSC_MIN_REAL;
+  self->scene->contact.given = PETSC_TRUE;
+  self->scene->contact.stiffness = contact->stiffness;
+  self->scene->contact.time = PETSC_MIN_REAL;
 }
 
 /* F_U + F_U_t shift at the state that is put. */
@@ -460,7 +463,7 @@ static PetscErrorCode Solve(Estimate self, PetscReal *e) {
 /* rhs = -F_U_t b, by a difference so small that friction is straight over it. */
 static PetscErrorCode TimesRate(Estimate self, PetscReal t) {
   const RodState at = {.t = t, .U = self->U, .U_t = self->nudged};
-  const PetscReal beta = self->scene.load.friction.beta;
+  const PetscReal beta = self->scene->load.friction.beta;
   const PetscInt n = self->nodes * self->fields;
   const PetscScalar *F, *G;
   PetscReal *rate, most = 0, scale;
@@ -501,10 +504,10 @@ static PetscErrorCode SubtractChange(Estimate self, PetscReal t, PetscReal *numb
   PetscFunctionBegin;
   PetscCall(VecCopy(self->rate, self->nudged)); /* (the same rates, but no state that is known) */
   *number = (1 + nudge) * taken;
-  self->scene.contact.time = PETSC_MIN_REAL;
+  self->scene->contact.time = PETSC_MIN_REAL;
   PetscCall(self->model->residual(self->rod, &at, self->G));
   *number = taken;
-  self->scene.contact.time = PETSC_MIN_REAL;
+  self->scene->contact.time = PETSC_MIN_REAL;
   PetscCall(VecGetArrayRead(self->F, &F));
   PetscCall(VecGetArrayRead(self->G, &G));
   for (PetscInt i = 0; i < self->nodes * self->fields; i++) self->rhs[i] -= (G[i] - F[i]) / nudge;
@@ -515,7 +518,7 @@ static PetscErrorCode SubtractChange(Estimate self, PetscReal t, PetscReal *numb
 
 /* Is there anything of this kind that errs? */
 static PetscBool Errs(const Estimate self, int part) {
-  if (part == ESTIMATE_LIMIT) return self->scene.load.limit;
+  if (part == ESTIMATE_LIMIT) return self->scene->load.limit;
   return (PetscBool)(part != ESTIMATE_SOFT || self->touches);
 }
 
@@ -524,14 +527,14 @@ static PetscBool Errs(const Estimate self, int part) {
 static PetscErrorCode SubtractSource(Estimate self, PetscReal t, int part) {
   PetscFunctionBegin;
   if (part == ESTIMATE_SPACE) SubtractDefect(self);
-  if (part == ESTIMATE_LIMIT) PetscCall(SubtractChange(self, t, &self->scene.load.friction.beta));
-  if (part == ESTIMATE_SOFT) PetscCall(SubtractChange(self, t, &self->scene.contact.stiffness));
+  if (part == ESTIMATE_LIMIT) PetscCall(SubtractChange(self, t, &self->scene->load.friction.beta));
+  if (part == ESTIMATE_SOFT) PetscCall(SubtractChange(self, t, &self->scene->contact.stiffness));
   PetscFunctionReturn(0);
 }
 
 /* What an error makes of |x2|, and of |x3| in space, over the larger one. */
 static PetscReal SeeNorm(const Estimate self, const PetscReal *e) {
-  const PetscReal *s = self->scene.mesh.s, *u = self->all.u;
+  const PetscReal *s = self->scene->mesh.s, *u = self->all.u;
   const PetscInt last = self->nodes - 1, fields = self->fields;
   PetscReal norm[MIRRORS] = {0}, by[MIRRORS] = {0}, size = rod_vanished, most, off = 0;
 
@@ -555,7 +558,7 @@ static PetscReal SeeNorm(const Estimate self, const PetscReal *e) {
    by Schwarz's inequality, dip its part that is left: dE/E <= 2 |dm|/|m|. */
 static PetscErrorCode SeeEnergy(const Estimate self, PetscReal t, PetscReal dip, const PetscReal *e,
                                 PetscReal *seen) {
-  const PetscReal *s = self->scene.mesh.s;
+  const PetscReal *s = self->scene->mesh.s;
   const PetscInt last = self->nodes - 1, fields = self->fields,
                  moments = self->model->space ? 3 : 1;
   PetscReal energy = 0, by = 0, off = 0, size = rod_vanished;
@@ -566,10 +569,10 @@ static PetscErrorCode SeeEnergy(const Estimate self, PetscReal t, PetscReal dip,
       size = PetscMax(size, PetscAbsReal(self->all.u[k * fields + self->followed + d]));
   for (PetscInt k = 0; k <= last; k++) {
     PetscReal w = (s[PetscMin(k + 1, last)] - s[PetscMax(k - 1, 0)]) / 2, g, B, S[3], m[3], dm[3];
-    PetscCall(GrowthStretch(self->scene.growth, 1, &s[k], t, &g, NULL, NULL));
-    PetscCall(SceneStiffness(&self->scene, s[k], t, &B, NULL));
+    PetscCall(GrowthStretch(self->scene->growth, 1, &s[k], t, &g, NULL, NULL));
+    PetscCall(SceneStiffness(self->scene, s[k], t, &B, NULL));
     S[0] = B;
-    if (self->model->space) SceneStiffnesses(&self->scene, B, S);
+    if (self->model->space) SceneStiffnesses(self->scene, B, S);
     self->model->moments(self->all.u + k * fields, e + k * fields, m, dm);
     for (PetscInt d = 0; d < moments; d++) {
       energy += w * g / S[d] * PetscSqr(m[d] / size);
@@ -609,7 +612,7 @@ static PetscErrorCode Keep(Estimate self, PetscReal t, PetscReal dip, int part) 
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
     if (PetscIsInfOrNanReal(seen[k])) seen[k] = most = PETSC_MAX_REAL;
     most = PetscMax(most, seen[k]);
-    if (t > early * self->scene.end_time)
+    if (t > early * self->scene->end_time)
       self->worst[part][k] = PetscMax(self->worst[part][k], PetscMin(1, seen[k]));
   }
   for (PetscInt i = 0; i < self->nodes * self->fields && most > 1; i++)
@@ -645,7 +648,8 @@ static PetscErrorCode Advance(Estimate self, PetscReal t, PetscReal dip) {
   Sizes(self, size, rate);
   Ratios(size, self->size, ratio);
   PetscCall(PetscArraycpy(self->size, size, MIRRORS));
-  self->scene.load.friction.mu = self->leg->rod->scene->load.friction.mu; /* a snap may change it */
+  self->scene->load.friction.mu =
+      self->leg->rod->scene->load.friction.mu; /* a snap may change it */
   PetscCall(PutState(self));
   TakeContact(self);
   for (PetscInt f = 0; f < self->fields; f++) {

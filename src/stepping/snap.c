@@ -92,7 +92,7 @@ static PetscErrorCode LetGo(Rod rod) {
   done  false, U as it was: friction is not dry, the snap could not be followed, or there is none
 */
 PetscErrorCode SnapFollow(TS ts, PetscReal t, Vec U, PetscBool *done) {
-  struct _Scene fast;
+  Scene fast;
   TSConvergedReason reason;
   PetscBool dry;
   PetscInt steps;
@@ -102,16 +102,14 @@ PetscErrorCode SnapFollow(TS ts, PetscReal t, Vec U, PetscBool *done) {
   PetscCall(TSGetApplicationContext(ts, &slow));
   if (!slow->rod->scene->load.shared && LoadShareMore(&slow->rod->scene->load))
     PetscCall(PetscInfo(ts, "from here on a part of dry friction is viscous\n"));
-  fast = *slow->rod->scene;
   *done = PETSC_FALSE;
-  PetscCall(LoadInFastTime(&slow->rod->scene->load, t, &fast.load, &dry));
-  if (!dry) PetscFunctionReturn(0);
-  PetscCall(TipInFastTime(&slow->rod->scene->tip, t, &fast.tip));
-  fast.contact.rub.beta = fast.load.friction.beta;
-  SceneLinkWalls(&fast);
-  PetscCall(GrowthStop(slow->rod->scene->growth, t, &fast.growth));
-  fast.end_time = long_after;
-  PetscCall(LegCreate(&fast, slow->rod->model, PetscMax(slow->rtol, least_rtol), "snap_", &leg));
+  PetscCall(SceneInFastTime(slow->rod->scene, t, &fast, &dry));
+  if (!dry) {
+    PetscCall(SceneLeaveFastTime(&fast));
+    PetscFunctionReturn(0);
+  }
+  fast->end_time = long_after;
+  PetscCall(LegCreate(fast, slow->rod->model, PetscMax(slow->rtol, least_rtol), "snap_", &leg));
   NewtonToRest(&leg.newton, least_rtol);
   PetscCall(TSSetPostStep(leg.ts, StopAtRest));
   PetscCall(TSSetMaxSteps(leg.ts, most_steps));
@@ -128,6 +126,6 @@ PetscErrorCode SnapFollow(TS ts, PetscReal t, Vec U, PetscBool *done) {
   PetscCall(PetscInfo(ts, "snap at t = %g: %s after %d steps\n", (double)t,
                       TSConvergedReasons[reason], (int)steps));
   PetscCall(LegDestroy(&leg));
-  PetscCall(GrowthDestroy(&fast.growth));
+  PetscCall(SceneLeaveFastTime(&fast));
   PetscFunctionReturn(0);
 }
