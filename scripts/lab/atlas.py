@@ -131,6 +131,31 @@ SPACES = {  # label: (options, times)
                      (0.1,)),
 }
 
+BOUND = "in space, held at the tip or against walls, 100 cells"
+BOUND_METHODS = ("default",)
+TOUCHES = "-contact_diameter 0.1 -contact_stiffness 1e5 -wall_file scripts/lab/walls/"
+BOUNDS = {  # label: (options, times)
+    "pinned": (f"{THICK} -tip_type pinned -shape_turn 1 -rod_curvature_2 0.2", (1, 3)),
+    "clamped strip": (f"{THICK} -tip_type clamped -rod_bend_ratio 4 -shape_turn 1 -rod_twist 0.5", (1, 3)),
+    "slides, heavy": (f"{THICK} -tip_type slides -rod_weight 0.1,-0.2,-0.3 -friction_mu 0.5 -shape_turn 1", (1, 3)),
+    "pinned, exact": (f"{THICK} -tip_type pinned -friction_beta 0 -shape_turn 1 -rod_curvature_2 0.2", (1, 3)),
+    "clamped, spun": (f"{THICK} -tip_type clamped -clamp_spin 1 -friction_mu 0.5 -shape_turn 1", (1, 3)),
+    "slides, turned": (f"{THICK} -tip_type slides -tip_path scripts/lab/walls/turned.csv -friction_radius 0.1 -shape_turn 1 "
+                       "-rod_curvature_2 0.1", (1, 3)),
+    "27 turns": ("-growth_type none -growth_initial_length 1 -rod_torsion 0.5866171003717472 -friction_mu 0 -tip_type clamped "
+                 "-tip_path options/data/twisted-rod.csv -ts_rtol 1e-4", (1, 2)),
+    "ground": (f"{FED} -rod_weight 0,0,-0.5 -rod_curvature 0.2 {TOUCHES}ground.txt", (2, 4)),
+    "leaning post": (f"{FED} -rod_curvature 0.1 -rod_curvature_2 0.05 {TOUCHES}post.txt", (2, 3)),
+    "ball": (f"{FED} -rod_curvature 0.1 -rod_curvature_2 0.05 {TOUCHES}ball.txt", (2, 3)),
+    "ball, exact": (f"{FED} -friction_beta 0 -rod_curvature 0.1 -rod_curvature_2 0.05 {TOUCHES}ball.txt", (2, 3)),
+    "two bends": (f"{FED} -rod_curvature 0.1 -rod_curvature_2 0.05 {TOUCHES}bends.txt", (2, 4)),
+    "two bends, spun": (f"{FED} -rod_curvature 0.3 -clamp_spin 2 {TOUCHES}bends.txt", (2, 4)),
+    "ring, spun": (f"{FED} -rod_curvature 0.5 -clamp_spin 2 {TOUCHES}ring.txt", (2, 4)),
+    "lying, exact": (f"{FED} -rod_curvature 0.5 -clamp_spin 2 -friction_beta 0 -rod_weight 0,0,-0.5 {TOUCHES}lying.txt", (2, 4)),
+    "apical, ball": ("-growth_type apical -growth_zone 0.4 -growth_initial_length 0.5 -shape_type straight -rod_curvature 0.1 "
+                     f"-rod_curvature_2 0.05 {TOUCHES}ball.txt", (2, 3)),
+}
+
 
 def scene(group, label, options, times, quantities=QUANTITIES):
     return group, Scene(label, options, times, finer=FINER, quantities=quantities)
@@ -187,6 +212,8 @@ def cells(quick):
     for name, (options, times) in SPACES.items():
         result.append((SPACE, Scene(name, f"{options} -rod_cells 100", times, finer=FINER_SPACE,
                                     quantities=IN_SPACE)))
+    for name, (options, times) in BOUNDS.items():
+        result.append((BOUND, Scene(name, f"{options} -rod_cells 100", times, finer=FINER_SPACE, quantities=IN_SPACE)))
     result += exact_cells()
     return result[::4] if quick else result
 
@@ -228,11 +255,13 @@ SET = ("default", "frame 2", "mixed", "primal Newton", "PETSc's bdf 5",
 def never(method, group):
     """The peers know nothing of a world around the rod, nor, in these scenes, of contact. Explicit, with inertia, PyElastica cannot
     follow the decay; a small step of the paper's elements takes minutes there. Exact friction with each law
-    is looked at for the default alone."""
+    and rods in space that are held or touch are looked at for the default alone."""
     if group == EXACT:
         return method not in EXACT_METHODS
     if group == SPACE:
         return method not in SPACE_METHODS
+    if group == BOUND:
+        return method not in BOUND_METHODS
     if group in (WORLD, CONTACT):
         return METHODS[method][0] != "tendril"
     return "decay" in group and method in ("PyElastica", "paper's elements, step 0.002")
@@ -246,7 +275,7 @@ def cases(arguments):
     for group, where in cells(arguments.quick):
         for method in names:
             solver, options = METHODS[method]
-            limit = LIMIT_SPACE if group == SPACE else LIMIT if solver == "tendril" else LIMIT_PEER
+            limit = LIMIT_SPACE if group in (SPACE, BOUND) else LIMIT if solver == "tendril" else LIMIT_PEER
             if not never(method, group):
                 result.append((method, group, where.name, Case(solver, where, options, limit)))
     if arguments.quick:
@@ -358,7 +387,7 @@ def draw_block(ax, found, methods):
 
 def draw_map(found, base):
     """Above, the cells, then those in space; below, the settings of some methods on one rod, and exact friction."""
-    rows = {SPACE: 1, **dict.fromkeys((*SETTINGS, EXACT), 2)}
+    rows = {SPACE: 1, BOUND: 1, **dict.fromkeys((*SETTINGS, EXACT), 2)}
     blocks = [sorted((f for f in found if rows.get(f[1], 0) == row), key=lambda f: f[1] == EXACT) for row in range(3)]
     blocks = [b for b in blocks if b]
     methods = [[m for m in METHODS if any(f[0] == m for f in b)] for b in blocks]
@@ -383,7 +412,7 @@ def draw_map(found, base):
 
 def draw_profile(found, base):
     """Share of cells solved right within tau times the time of the fastest right method there."""
-    grid = [f for f in found if f[1] not in (*SETTINGS, SPACE, EXACT)]
+    grid = [f for f in found if f[1] not in (*SETTINGS, SPACE, BOUND, EXACT)]
     fastest = {}
     for _, group, label, run in grid:
         if run["verdict"] == RIGHT_:

@@ -36,6 +36,12 @@ CORNERS = m.Scene("corners", "-growth_type feed -growth_initial_length 0.5 -shap
 
 SPACE = m.Scene("in space", "-growth_initial_length 0.2 -tip_force 1000 -shape_amplitude 0.1 -shape_turn 0.5 -rod_bend_ratio 1.5 "
                 "-rod_cells 40", (0.1,), finer="-rod_cells 80 -ts_rtol 1e-7", quantities=m.QUANTITIES + ("norm_x3",))
+HELD = m.Scene("held", f"{m.THICK} -tip_type pinned -shape_turn 1 -rod_curvature_2 0.2 -rod_cells 30", (1,),
+               finer="-rod_cells 60 -ts_rtol 1e-7", quantities=m.QUANTITIES + ("norm_x3",))
+BALL = m.Scene("ball", "-growth_type feed -growth_initial_length 0.5 -shape_type straight -friction_beta 0 -rod_curvature 0.1 "
+               "-rod_curvature_2 0.05 -contact_diameter 0.1 -contact_stiffness 1e5 -rod_cells 40 "
+               f"-wall_file {m.ROOT}/scripts/lab/walls/ball.txt", (1.5,), finer="-rod_cells 80 -ts_rtol 1e-7",
+               quantities=m.QUANTITIES + ("norm_x3",))
 
 HANG = 900  # seconds that no run takes, however slow or busy the machine
 # Where a method that makes no headway is stopped: the steps of the default's run, many times over. By the
@@ -63,6 +69,9 @@ CHECKS = {  # name: (scene, [(options, verdicts)]); the first is the default
                           ("-friction_newton primal" + STOP, (m.RIGHT_,))]),
     "space": (SPACE, [("", (m.RIGHT_,)), ("-friction_newton primal", (m.GAVE_UP,)), ("-ts_type beuler -ts_dt 0.01", (m.WRONG,)),
                       ("-ts_type bdf -ts_bdf_order 5 -ts_max_steps 600", (m.GAVE_UP,)), ("-rod_model mixed", (m.REFUSED,))]),
+    "held": (HELD, [("", (m.RIGHT_,)), ("-friction_newton primal", (m.GAVE_UP,)),
+                    ("-ts_type bdf -ts_bdf_order 5 -ts_max_steps 600", (m.GAVE_UP,))]),
+    "ball": (BALL, [("", (m.RIGHT_,)), ("-rod_model mixed", (m.REFUSED,))]),
     "stick": (STICK, [("", (m.RIGHT_,)),
                       ("-friction_newton primal", (m.RIGHT_,))]),
 }
