@@ -28,7 +28,11 @@ def main(words=None):
     if not words or words[0] not in COMMANDS:
         print(f"tendril: give a command, {known}", file=sys.stderr)
         return 2
-    return import_module(f".{COMMANDS[words[0]]}", __package__).main(words[1:])
+    try:
+        return import_module(f".{COMMANDS[words[0]]}", __package__).main(words[1:])
+    except KeyboardInterrupt:
+        print(f"{words[0]}: interrupted", file=sys.stderr)
+        return 130
 
 
 if __name__ == "__main__":

@@ -112,20 +112,21 @@ def sample(fit: Fit, steps=200, walkers=None, burn=0.3, seed=1, progress: bool |
         raise TendrilError("samples need emcee: pip install 'tendril[sample]'") from None
     problem, p, n = fit.problem, len(fit.parameters), len(fit.u)
     walkers = walkers or max(8, 4 * n)
-    random = np.random.default_rng(seed)
+    random, pressed = np.random.default_rng(seed), []
 
     def chance(points):
         inside = np.all((points[:, :p] >= 0) & (points[:, :p] <= 1), axis=1)
-        kept = dict(problem.known)
+        kept, found = dict(problem.known), np.full(len(points), -np.inf)
         try:
             if inside.any():
                 problem.run(points[inside])
-            found = np.full(len(points), -np.inf)
             for k in np.flatnonzero(inside):
                 f = problem.residuals(points[k])
                 found[k] = -np.inf if np.all(f == FAILED) else -problem.cost(f)
-        finally:
-            problem.known = kept  # thousands of runs are no memory's load
+        except KeyboardInterrupt:  # of which emcee would print all it has at hand
+            pressed.append(True)
+            found[:] = -np.inf
+        problem.known = kept  # thousands of runs are no memory's load
         return found
 
     begin = fit.u + 0.5 * random.multivariate_normal(np.zeros(n), fit.covariance, walkers, check_valid="ignore")
@@ -136,6 +137,8 @@ def sample(fit: Fit, steps=200, walkers=None, burn=0.3, seed=1, progress: bool |
         try:
             for _ in sampler.sample(begin, iterations=steps):
                 shown.update()
+                if pressed:
+                    raise KeyboardInterrupt
         except KeyboardInterrupt:
             if sampler.iteration < FEWEST:
                 raise

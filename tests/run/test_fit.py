@@ -29,6 +29,7 @@ try:
     import numpy as np
 
     import tendril
+    import tendril.__main__ as commands
     from tendril import comparing, doubts, filming, fit_command, fitting, measured, noise, problem, progress, secants, tracing
     from tendril.parameters import Parameter, Prior, tied_value
 except ImportError as error:
@@ -714,6 +715,13 @@ class Bar:
 
 
 class Bars(unittest.TestCase):
+    def test_a_command_that_is_interrupted(self):
+        """Also while it still loads what it needs: one line, no traceback."""
+        with mock.patch("tendril.__main__.import_module", side_effect=KeyboardInterrupt), \
+                contextlib.redirect_stderr(io.StringIO()) as said:
+            self.assertEqual(commands.main(["measure", "push.mp4"]), 130)
+        self.assertEqual(said.getvalue(), "measure: interrupted\n")
+
     def test_bar_that_is_interrupted(self):
         """Ctrl-C while it is drawn leaves it to other threads: a fit that was interrupted so waited for ever."""
         with contextlib.redirect_stderr(io.StringIO()):
@@ -1042,8 +1050,11 @@ class Fitting(unittest.TestCase):
                 raise KeyboardInterrupt
             return [None] * len(points)
 
-        with mock.patch.object(p, "run", pressed), mock.patch.object(p, "residuals", lambda u: here + white @ (u - f.u)):
+        said = io.StringIO()
+        with mock.patch.object(p, "run", pressed), contextlib.redirect_stdout(said), contextlib.redirect_stderr(said), \
+                mock.patch.object(p, "residuals", lambda u: here + white @ (u - f.u)):
             few = tendril.sample(f, steps=600, walkers=16, burn=0.5)
+        self.assertEqual(said.getvalue(), "")
         self.assertTrue(16 * 5 <= len(few.values) < 16 * 15, len(few.values))
         if find_spec("corner"):
             figure = s.corner()
