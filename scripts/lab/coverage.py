@@ -69,12 +69,14 @@ def series(file):
 
 def at(s, name, t, points, logarithm):
     """A series at a time: the polynomial through so many steps about it, of the logarithm if that is wanted and it
-    keeps its sign."""
+    keeps its sign; else, of norms, of the square, which is smooth where they all but vanish."""
     first = int(np.clip(np.searchsorted(s["t"], t) - points // 2, 0, max(0, len(s["t"]) - points)))
     times, values = s["t"][first:first + points], s[name][first:first + points]
     weights = [np.prod([(t - b) / (a - b) for b in times if b != a]) for a in times]
     if logarithm and np.all(values > 0):
         return float(np.exp(np.dot(weights, np.log(values))))
+    if name.startswith("norm"):
+        return float(np.sqrt(max(0, np.dot(weights, values**2))))
     return float(np.dot(weights, values))
 
 
