@@ -74,7 +74,7 @@ static inline void OpenScratch(char path[64]) {
   MPI_Bcast(path, 64, MPI_CHAR, 0, PETSC_COMM_WORLD);
 }
 
-/* A file of walls, whose name is left in path. */
+/* A file of text, as of walls, whose name is left in path. */
 static inline void WriteWalls(char path[64], const char *text) {
   PetscMPIInt rank;
   OpenScratch(path);
