@@ -201,10 +201,13 @@ def doubts():
 
 @check
 def doubts_linear():
-    """The linear model's errors: of its splines in a narrow zone of growth, and of short waves that are what is left."""
+    """The linear model's errors: of its splines in a narrow zone of growth, of short waves that are what is left, and of what
+    falls by many orders while |x2| is that of a clamp that leans."""
     for name, options, cells in (
             ("a narrow zone", "-growth_type gaussian -growth_width 0.0183 -growth_initial_length 0.591 -shape_amplitude 9.1e-11 ", 300),
-            ("short waves", "-friction_beta 0 -growth_initial_length 6.56 -shape_amplitude 3.26e-10 ", 200)):
+            ("short waves", "-friction_beta 0 -growth_initial_length 6.56 -shape_amplitude 3.26e-10 ", 200),
+            ("a clamp that leans", "-growth_type gaussian -growth_width 2.83 -friction_beta 7.22e-7 -growth_initial_length 0.266 "
+             "-shape_amplitude 6.52e-11 -clamp_angle -1.56 ", 100)):
         r, fine = Run(options + "-ts_max_time 2 -rod_cells 100 -rod_model auto"), Run(options + f"-ts_max_time 2 -rod_cells {cells} -ts_rtol 1e-7")
         off = max(abs(r.series[k][-1] / fine.series[k][-1] - 1) for k in ("norm_x2", "energy"))
         print(f"{name}: off by {off:.1e}, told {r.estimate:.1e}")
