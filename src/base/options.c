@@ -146,7 +146,7 @@ static void UnitOf(const char *text, char unit[32]) {
 
 static PetscErrorCode ParseReal(const OptionRow *row, const char *text, PetscReal *value) {
   PetscReal factor;
-  char *end, unit[32], what[128];
+  char *end, *more, unit[32], what[128];
 
   PetscFunctionBegin;
   *value = strtod(text, &end);
@@ -154,6 +154,9 @@ static PetscErrorCode ParseReal(const OptionRow *row, const char *text, PetscRea
   UserCheck(*end != ',' || !isdigit((unsigned char)end[1]), OptionsComm(),
             "%s %s: give a number, with a point: %.*s.%s", row->name, text, (int)(end - text), text,
             end + 1);
+  (void)strtod(end, &more);
+  UserCheck(more == end || !isspace((unsigned char)*end), OptionsComm(),
+            "%s %s: put commas between numbers, and no blanks", row->name, text);
   UnitOf(end, unit);
   (void)snprintf(what, sizeof(what), "%s %.*s", row->name, (int)(end - text), text);
   PetscCall(OptionUnit(what, unit, row->dimension, &factor));

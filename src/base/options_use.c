@@ -80,9 +80,11 @@ static PetscBool ReadLate(const char *name) {
 
 /* One option that nothing has read. */
 static PetscErrorCode RefuseUnread(const char *name) {
-  const char *best = OptionNearest(name);
+  const char *best = OptionNearest(name), *equals = strchr(name, '=');
 
   PetscFunctionBegin;
+  UserCheck(!equals, OptionsComm(), "%s: put a blank before the value: %.*s %s", name,
+            (int)(equals - name), name, equals + 1);
   UserCheck(!best || strcmp(best, name), OptionsComm(),
             "%s: nothing in this run reads it; take it out, or choose the type it belongs to",
             name);

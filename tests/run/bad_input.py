@@ -77,6 +77,7 @@ CASES = [
     ("-friction_mu dry", "-friction_mu"),
     ("-friction_mu nan", "-friction_mu"),
     ("-friction_mu 0.5.1", "-friction_mu"),
+    ("-friction_mu=0.5", "put a blank before the value: -friction_mu 0.5"),
     ("-friction_mu 0,5", "-friction_mu"),
     ("-friction_mu", "-friction_mu"),
     ("-friction_beta 1e-3x", "-friction_beta"),

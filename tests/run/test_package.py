@@ -107,6 +107,7 @@ class Package(unittest.TestCase):
         for call, line in (
                 (lambda: tendril.run("fed"), "^fed: .*did you mean feed"), (lambda: tendril.run(3), "^scene: give an"),
                 (lambda: tendril.run("feed", output=3), "^output: give the name"),
+                (lambda: tendril.run("feed", rod_weight="0 0 -1"), "^rod_weight 0 0 -1: put commas between numbers"),
                 (lambda: tendril.run("feed", ranks=0), "^ranks 0: give a whole number from 1"),
                 (lambda: tendril.load(3), "^load: give"), (lambda: self.runs[0].at([0, 1]), "give one time"),
                 (lambda: self.runs[0].at(None), "^at None: give one time"),
