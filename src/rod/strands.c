@@ -1,4 +1,5 @@
 #include "rod/strands.h"
+#include "rod/curve.h"
 #include "base/hermite.h"
 #include "base/boxes.h"
 #include "rod/spread.h"
@@ -124,31 +125,19 @@ static PetscReal ArcAt(const struct _Strands *self, PetscInt cell, PetscReal z) 
 */
 static void FootFrom(const struct _Strands *self, const StrandState *state, const PetscReal x[2],
                      Spot *foot, PetscBool *ends) {
-  enum { MOST = 40 };
-  const PetscReal enough = 1e-14;
   Ends e;
 
   *ends = PETSC_FALSE;
   EndsOf(self, state, foot->cell, &e);
-  for (int k = 0; k < MOST; k++) {
-    PetscReal o[2], f, f_z, z, square;
+  for (int k = 0; k < CURVE_MOST; k++) {
+    PetscReal o[2], step;
+    CurveWay way;
     SpotOn(&e, foot);
     for (int d = 0; d < 2; d++) o[d] = x[d] - foot->x[d];
-    f = Dot(o, foot->slope);
-    square = Dot(foot->slope, foot->slope);
-    f_z = square - Dot(o, foot->bend);
-    z = foot->z + PetscMax(-1, PetscMin(1, f / PetscMax(f_z, 0.2 * square)));
-    if ((z < 0 && foot->cell == 0) || (z > 1 && foot->cell == self->cells - 1)) {
-      z = z < 0 ? 0 : 1;
-      *ends = (PetscBool)(foot->z == z);
-      if (*ends) return;
-    } else if (z < 0 || z > 1) {
-      foot->cell += z < 0 ? -1 : 1;
-      z = z < 0 ? PetscMax(0, 1 + z) : PetscMin(1, z - 1);
-      EndsOf(self, state, foot->cell, &e);
-    } else if (PetscAbsReal(z - foot->z) < enough)
-      return;
-    foot->z = z;
+    step = CurveStep(Dot(o, foot->slope), Dot(foot->slope, foot->slope), Dot(o, foot->bend));
+    way = CurveGo(self->cells, foot->z + step, &foot->cell, &foot->z, ends);
+    if (way == CURVE_ARRIVED) return;
+    if (way == CURVE_NEXT) EndsOf(self, state, foot->cell, &e);
   }
   SpotOn(&e, foot);
 }
@@ -730,18 +719,6 @@ PetscInt StrandsDuals(Strands self, FrictionDual **duals) {
 
 /* ---- life ---- */
 
-/* The parts of the rod's labels that the points stand for, by Simpson's rule. */
-static void Weights(Strands self) {
-  const PetscReal *s = self->scene->mesh.s;
-
-  for (PetscInt i = 0; i < self->cells; i++) {
-    PetscReal h = s[i + 1] - s[i];
-    self->weight[2 * i] += h / 6;
-    self->weight[2 * i + 1] = 4 * h / 6;
-    self->weight[2 * i + 2] += h / 6;
-  }
-}
-
 /* StrandsCreate - for a rod of a scene that has -contact_self, which must outlive it. Not
    collective; the caller destroys it with StrandsDestroy(). */
 PetscErrorCode StrandsCreate(Scene scene, Strands *strands) {
@@ -764,7 +741,7 @@ PetscErrorCode StrandsCreate(Scene scene, Strands *strands) {
   if (scene->contact.friction > 0) PetscCall(PetscCalloc1(2 * n, &self->dual));
   for (PetscInt k = 0; k < 2 * n; k++) self->slot[k] = -1;
   for (PetscInt k = 0; k < 2 * (cells + 1); k++) self->seen[k] = PETSC_MAX_REAL;
-  Weights(self);
+  CurveWeights(cells, scene->mesh.s, self->weight);
   PetscFunctionReturn(0);
 }
 

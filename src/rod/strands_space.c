@@ -1,4 +1,5 @@
 #include "rod/strands_space.h"
+#include "rod/curve.h"
 #include "base/boxes.h"
 #include "base/hermite.h"
 #include "base/vectors.h"
@@ -149,31 +150,19 @@ static PetscReal ArcAt(const struct _Strands3 *self, const Spot *spot) {
 */
 static void FootFrom(const struct _Strands3 *self, const PetscReal x[3], Spot *foot,
                      PetscBool *ends) {
-  enum { MOST = 40 };
-  const PetscReal enough = 1e-14;
   Ends e;
 
   *ends = PETSC_FALSE;
   EndsOf(self, foot->cell, &e);
-  for (int k = 0; k < MOST; k++) {
-    PetscReal o[3], f, f_z, z, square;
+  for (int k = 0; k < CURVE_MOST; k++) {
+    PetscReal o[3], step;
+    CurveWay way;
     SpotOn(&e, foot);
     for (int d = 0; d < 3; d++) o[d] = x[d] - foot->x[d];
-    f = Dot3(o, foot->slope);
-    square = Dot3(foot->slope, foot->slope);
-    f_z = square - Dot3(o, foot->bend);
-    z = foot->z + PetscMax(-1, PetscMin(1, f / PetscMax(f_z, 0.2 * square)));
-    if ((z < 0 && foot->cell == 0) || (z > 1 && foot->cell == self->cells - 1)) {
-      z = z < 0 ? 0 : 1;
-      *ends = (PetscBool)(foot->z == z);
-      if (*ends) return;
-    } else if (z < 0 || z > 1) {
-      foot->cell += z < 0 ? -1 : 1;
-      z = z < 0 ? PetscMax(0, 1 + z) : PetscMin(1, z - 1);
-      EndsOf(self, foot->cell, &e);
-    } else if (PetscAbsReal(z - foot->z) < enough)
-      return;
-    foot->z = z;
+    step = CurveStep(Dot3(o, foot->slope), Dot3(foot->slope, foot->slope), Dot3(o, foot->bend));
+    way = CurveGo(self->cells, foot->z + step, &foot->cell, &foot->z, ends);
+    if (way == CURVE_ARRIVED) return;
+    if (way == CURVE_NEXT) EndsOf(self, foot->cell, &e);
   }
   SpotOn(&e, foot);
 }
@@ -951,18 +940,6 @@ PetscErrorCode Strands3Near(Strands3 self, PetscInt *n, PetscInt (**cells)[2]) {
 
 /* ---- life ---- */
 
-/* The parts of the rod's labels that the points stand for, by Simpson's rule. */
-static void Weights(Strands3 self) {
-  const PetscReal *s = self->scene->mesh.s;
-
-  for (PetscInt i = 0; i < self->cells; i++) {
-    PetscReal h = s[i + 1] - s[i];
-    self->weight[2 * i] += h / 6;
-    self->weight[2 * i + 1] += 4 * h / 6;
-    self->weight[2 * i + 2] += h / 6;
-  }
-}
-
 /* How many samples a cell has, so that they are close when the rod is longest. */
 static PetscErrorCode SamplesOf(Scene scene, PetscInt *each) {
   const PetscInt cells = scene->mesh.cells;
@@ -1001,7 +978,7 @@ PetscErrorCode Strands3Create(Scene scene, Strands3 *strands) {
   if (scene->contact.friction > 0) PetscCall(PetscCalloc1(n + 1, &self->couple));
   for (PetscInt k = 0; k < self->samples; k++) self->first[k] = -1;
   for (PetscInt k = 0; k < 3 * (cells + 1); k++) self->seen[k] = PETSC_MAX_REAL;
-  Weights(self);
+  CurveWeights(cells, scene->mesh.s, self->weight);
   PetscFunctionReturn(0);
 }
 

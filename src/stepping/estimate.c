@@ -10,7 +10,7 @@
     F_U e + F_U_t e_t = -d,     e jumps by l at each step
 
   This is stepped by backward Euler, e = A z with the factor A by which x2 falls and rises taken out
-  of the fields across, as it is for the run itself (vbdf.c; in space a factor each for those of
+  of the fields across, as it is for the run itself (formula.c; in space a factor each for those of
   both directions, or one for both while they are of like size). Errors are smooth along the rod,
   and a fifth of them is no matter: so it is done on a coarse mesh of every few nodes of the run's,
   and once in a few steps while the rod is straight. From the first contact on cells are no longer

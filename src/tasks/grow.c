@@ -148,7 +148,7 @@ static PetscErrorCode Neglect(Grow *self, Vec U_t) {
   PetscFunctionReturn(0);
 }
 
-/* Jumps before this part of the run cross the layer of a start, and are no snaps (vbdf.c). */
+/* Jumps before this part of the run cross the layer of a start, and are no snaps (controller.c). */
 static const PetscReal initial_layer = 1e-6;
 
 /* Does what leads tip or clamp set out or stop at once between two times? */
