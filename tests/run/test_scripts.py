@@ -168,6 +168,12 @@ class Scripts(unittest.TestCase):
             self.assertEqual((result, err.count("\n")), (1, 1), err)
             self.assertIn(word, err)
 
+    def test_mutations_are_of_this_source(self):
+        """What scripts/lab/mutations.py changes stands in src as it says."""
+        with mock.patch.object(sys, "path", [str(SCRIPTS / "lab"), *sys.path]):
+            import mutations
+        self.assertEqual(list(mutations.misplaced()), [])
+
     def test_numbers_in_words(self):
         self.assertEqual([briefly(x) for x in (123.4, 0.5, 0.01234, 1.26e7)], ["120", "0.5", "0.012", "1.3e+07"])
 
