@@ -106,7 +106,9 @@ def ranks_and_restart():
     """2 and 3 ranks agree; a run broken in the midst of contact goes on to the last bit."""
     d = scene.SCRATCH
     wall = walls("torus 0 1 0 0 0 1 1 0.2 inside friction 0.3", "cylinder 1.6 1.2 0 0 0 1 0.2 outside friction 0.2")
-    options = FED + "-rod_curvature 0.5 -clamp_spin 2 -friction_beta 0 " + wall
+    turns = Path(d) / "turns.csv"
+    turns.write_text("t,spin\n0,2\n1,2.5\n2,2\n")
+    options = FED + f"-rod_curvature 0.5 -clamp_path {turns} -friction_beta 0 " + wall
     one = Run(options)
     for n in (2, 3):
         r = Run(options, ranks=n)
