@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Rods in round tubes against exact answers (tests/run/in_tube_test.py), as tables for docs/tubes.md.
 
-    PYTHONPATH=scripts .venv/bin/python scripts/lab/in_tube.py build/tendril [helix] [sinus] [beyond]"""
+    PYTHONPATH=scripts .venv/bin/python scripts/lab/in_tube.py build/tendril [helix] [sinus] [beyond]
+        [energies]"""
 
 import argparse
 import sys
@@ -14,12 +15,14 @@ import numpy as np
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
+from tendril.scene_data import carried, rise
 from tendril.style import BLUE, GREY, ORANGE, STYLE
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "run"))
 import in_tube_test as tube
 import scene_test as scene
+from scipy.interpolate import CubicSpline
 
 
 def row(*cells):
@@ -100,8 +103,57 @@ def draw_beyond(way, seen, s, file):
     figure.savefig(file, dpi=200)
 
 
+CLEARANCE = 0.02
+
+
+def wound(turned, length):
+    """Strains of a rod that lies on the tube's wall, turned about its axis by an angle over the arc length: (s, strain)."""
+    s = np.linspace(0, length, 4001)
+    angle = turned(s)
+    rate = CLEARANCE * np.gradient(angle, s, edge_order=2)
+    q = np.stack([np.sqrt(1 - rate**2), np.cos(angle) * rate, np.sin(angle) * rate], axis=1)
+    d2, slope = carried(q), np.gradient(q, s, axis=0, edge_order=2)
+    return s / length, np.stack([0 * s, -(slope * np.cross(q, d2)).sum(1), (slope * d2).sum(1)], axis=1)
+
+
+def period(run, length, P, half):
+    """Of a wave (half = 0) or a helix (half = pi: half a turn to either side), in the rod's middle: wave number, energy over
+    w r per length (that of the straight rod is 0), the least pressure over w."""
+    x, m, q = (run.shapes[name][-1] for name in ("x", "moment", "d1"))
+    s = length * run.shapes["s"]
+    angle = CubicSpline(s, np.unwrap(np.arctan2(x[:, 1], CLEARANCE - x[:, 2])))
+    energy = CubicSpline(s, ((m * m).sum(1) / 2 + CLEARANCE * x[:, 2] - P * (1 - q[:, 0])) / CLEARANCE**2).antiderivative()
+    if half:
+        middle = round(angle(length / 2) / np.pi)
+        ends = [min(angle.solve(np.pi * (middle + k)), key=lambda z: abs(z - length / 2)) for k in (-1, 1)]
+    else:
+        up = [z for z in angle.roots(extrapolate=False) if angle(z, 1) > 0]
+        ends = up[len(up) // 2 - 1:len(up) // 2 + 1]
+    a, b = sorted(ends)
+    push = np.linalg.norm(run.shapes["contact"][-1], axis=1) / CLEARANCE
+    return 2 * np.pi / (b - a), (energy(b) - energy(a)) / (b - a), push[(s > a) & (s < b)].min()
+
+
+def energies():
+    """Wave and helix, each at rest, pushed harder or less from the shape before: which one has less energy."""
+    row("", "cells", "length", "P", "wave number", "energy over w r", "least pressure, in w", "steps")
+    helix = lambda length: lambda s: 12 * np.pi * np.clip(CubicSpline(
+        z := np.linspace(0, length, 999), rise(z / 4) * rise((length - z) / 4)).antiderivative()(s) / (length - 4), 0, 1)
+    wave = lambda length: lambda s: 1.4 * np.sin(0.972 * (s - length / 2)) * rise(s / 4) * rise((length - s) / 4)
+    runs = (250, 400, 400, 400)
+    for name, shape, lengths, way, half in (("wave", wave, (33, 33, 34.5, 36), (2.85, 2.9, 2.95), 0),
+                                            ("helix", helix, (34, 34, 35, 36), (2.95, 2.9, 2.85, 2.8, 2.78), np.pi)):
+        for cells, length in zip(runs, lengths):
+            state = wound(shape(length), length)
+            for P in way:
+                run = tube.lying(P, state, length, r=CLEARANCE, k=2e6, cells=cells, more="-ts_max_time 400 -ts_rtol 1e-5 ")
+                k, energy, least = period(run, length, P, half)
+                row(name, cells, length, P, f"{k:.4f}", f"{energy:.6f}", f"{least:.4f}", run.steps)
+                state = run.shapes["s"], run.shapes["strain"][-1]
+
+
 def main():
-    tables = {"helix": helix, "sinus": sinus, "beyond": beyond}
+    tables = {"helix": helix, "sinus": sinus, "beyond": beyond, "energies": energies}
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("tendril")
     parser.add_argument("table", nargs="*", choices=[[], *tables], default=list(tables))
