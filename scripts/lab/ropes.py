@@ -13,6 +13,7 @@ import ropes_test as ropes
 import scene_test as scene
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline, make_interp_spline
 from scipy.optimize import brentq
 
 from tendril.scene_data import overhand, twisted_loop
@@ -46,37 +47,77 @@ def wound(angle):
     return fourth * (0.5 + 1 / np.cos(2 * angle)), M, abs(fourth - M * np.sin(2 * angle) / 2)
 
 
-def law_of_strands(T, k, D=0.1):
-    """Angle, moment and depth of strands under the pull T, pressed in by p/k: contact's energy, U a strand, is part of
-    what a length of plectoneme costs."""
-    smooth = min(2 * k**-0.75 / (2 * 2**0.5), D / 4)  # over which contact sets in (world/contact.c)
+# Of a loop, twisted until it winds up: the rod's length, the loop's torque and pull, how far its ends are apart and by
+# how much its clamp has turned in the end, cells, contact's stiffness.
+PLIES = ((18, 0.25, 0.988, 3.2, 47.2, 400, 4e4), (5.5, 2.0, 9.995, 1.3, 26, 160, 1e5),
+         (4.75, 5.639, 49.68, 1.3, 35.4, 190, 4e5))
 
-    def rest(depth):
-        R, U = (D - depth) / 2, k * (2 * smooth**2 / 3 + (depth**2 - smooth**2) / 2) / 2
-        angle = brentq(lambda a: wound(a)[0] - (T + U) * R * R, 0.02, 0.75)
-        return angle, wound(angle)[1] / R, wound(angle)[2] / R**3 - k * depth
 
-    depth = brentq(lambda d: rest(d)[2], smooth, 0.2 * D)
-    return *rest(depth)[:2], depth
+def wind(length, torque, pull, end, turned, cells, k, most=8, still=1):
+    """Ends are led together while the clamp turns, both ever slower, then it turns on a little, then rests."""
+    d = Path(scene.SCRATCH)
+    twisted_loop(d, length, torque, pull, 0)
+    apart = np.loadtxt(d / "plectoneme.csv", delimiter=",", skiprows=1)[0, 1]
+    t = np.linspace(0, 1, 21)
+    np.savetxt(d / "tip.csv", np.c_[most * t, apart - (apart - end) * t * t * (3 - 2 * t)], delimiter=",", header="t,x1",
+               comments="", fmt="%.8f")
+    np.savetxt(d / "clamp.csv", np.r_[np.c_[most * t, -0.9 * turned * t * (2 - t)],
+                                      np.c_[most * (1 + t[1:] / 2), -turned * (0.9 + 0.1 * t[1:] * (2 - t[1:]))]],
+               delimiter=",", header="t,turn", comments="", fmt="%.8f")
+    return ropes.Run(f"-growth_type none -growth_initial_length {length} -tip_type clamped -tip_path {d / 'tip.csv'} "
+                     f"-clamp_path {d / 'clamp.csv'} -contact_diameter {DIAMETER} -contact_self true -contact_stiffness {k} "
+                     f"-rod_cells {cells} -ts_rtol 1e-3 -ts_max_time {1.5 * most + still} -output_interval {most / 16} "
+                     + ropes.ALONE.format(d / "plectoneme.h5", 1e-4))
+
+
+DIAMETER = 0.1
+
+
+def ply(shapes, j, length, k):
+    """In the middle of the ply of shape j: the strands' angle and radius R, half of what they are apart, pressure, pull and
+    torque. What passes along a rod on which nothing acts along it is n.d1 + m.m/2 - m1^2/2, the pull of an endless tail;
+    in the ply that and U, contact's energy of a strand."""
+    x, q, n, m = (shapes[name][j] for name in ("x", "d1", "force", "moment"))
+    arc = length * shapes["s"]
+    line, M = make_interp_spline(arc, x, k=7), (m * q).sum(axis=1)
+    tangent, bend = line.derivative(), line.derivative(2)
+    pull = ((n * q).sum(axis=1) + ((m * m).sum(axis=1) - M**2) / 2)[[0, -1]].mean()
+
+    def foot(s, other):
+        for _ in range(60):
+            o, t = line(s) - line(other), tangent(other)
+            other += np.clip(o @ t / max(t @ t - o @ bend(other), 0.2), -0.02, 0.02)
+        return other
+
+    fine = np.linspace(0, length, 3001)
+    half = fine < length / 2
+    far = np.linalg.norm(line(fine[half])[:, None] - line(fine[~half]), axis=2)
+    touch = np.flatnonzero(far.min(axis=1) < DIAMETER)
+    touch = max(np.split(touch, np.flatnonzero(np.diff(touch) > 1) + 1), key=len)
+    first, last = fine[half][touch[[0, -1]]]
+    places = first + (last - first) * np.linspace(0.35, 0.6, 60)
+    found, drawn = [], CubicHermiteSpline(arc, x, q)  # as contact has the rod between nodes
+    for s in places:
+        other = foot(s, fine[~half][far[np.searchsorted(fine, s)].argmin()])
+        cosine = tangent(s) @ tangent(other) / np.linalg.norm(tangent(s)) / np.linalg.norm(tangent(other))
+        found.append((np.arccos(abs(cosine)) / 2, np.linalg.norm(line(s) - line(other)) / 2,
+                      DIAMETER - np.linalg.norm(drawn(s) - drawn(other))))
+    (angle, R, depth), spread = np.mean(found, axis=0), np.ptp(found, axis=0)
+    smooth = min(2 * k**-0.75 / (2 * 2**0.5), DIAMETER / 4)  # over which contact sets in (world/contact.h)
+    U = k * (2 * smooth**2 / 3 + (depth**2 - smooth**2) / 2) / 2
+    return angle, R, k * depth, pull, M.mean(), U, spread
 
 
 def plectoneme():
-    for length, torque, pull, slack, spin, cells, more in (
-            (7, 2.529, 9.995, 3.3, 1.9, 160, ""), (4.5, 5.639, 49.68, 2.6, 2.3, 170, ""),
-            (4.5, 5.639, 49.68, 2.3, 2.3, 170, "-contact_stiffness 2e5")):
-        twisted_loop(Path(scene.SCRATCH), length, torque, pull, slack)
-        shape, way = (Path(scene.SCRATCH) / f"plectoneme.{kind}" for kind in ("h5", "csv"))
-        r = ropes.Run(f"-growth_type none -growth_initial_length {length} -shape_type file -shape_file {shape} "
-                      f"-tip_type clamped -tip_path {way} -clamp_spin {-spin} -contact_diameter 0.1 -contact_self true "
-                      f"-friction_mu 0 -friction_layers 0:1e-4 -rod_cells {cells} -ts_rtol 1e-3 -ts_max_time 8 "
-                      f"-output_interval 0.5 {more}")
-        k = float(r.said.split("contact of stiffness ")[1].split(":")[0])
-        for j in range(-6, 0):
-            q, n, m = (r.shapes[name][j] for name in ("d1", "force", "moment"))
-            T, M = (n[0] * q[0]).sum(), (m * q).sum(axis=1).mean()
-            angle, law, depth = law_of_strands(T, k)
-            print(f"| plectoneme, angle {angle:.4f}, T {T:.4f}, pressed in by {depth / 0.1:.1%}: M {M:.5f} for "
-                  f"{law:.5f} | {M / law - 1:.1e} | {r.steps} |", flush=True)
+    for scene_ in PLIES:
+        r = wind(*scene_)
+        for j in (-3, -1):
+            angle, R, p, T, M, U, spread = ply(r.shapes, j, scene_[0], scene_[-1])
+            law = wound(angle)
+            print(f"| plectoneme, angle {angle:.5f} (all along the middle to {spread[0]:.0e}), pressed in by "
+                  f"{1 - 2 * R / DIAMETER:.1%}, U/T {U / T:.1e}: T R^2/B {(T + U) * R**2:.8f}, M R/B {M * R:.8f}, "
+                  f"p R^3/B {p * R**3:.8f} | {(T + U) * R**2 / law[0] - 1:.1e}, {M * R / law[1] - 1:.1e}, "
+                  f"{p * R**3 / law[2] - 1:.1e} | {r.steps} |", flush=True)
 
 
 def heavy():
@@ -87,21 +128,34 @@ def heavy():
               flush=True)
 
 
+KNOTS = ((0.02, 4, 2.2, 2, "-rod_cells 400 -friction_layers 0:1e-4"),
+         (0.01, 2.6, 4, 2, "-rod_cells 420 -contact_stiffness 5e6 -friction_layers 0:1e-3"),
+         (0.005, 2.6, 4, 0.2, "-rod_cells 600 -contact_stiffness 1.2e7 -friction_layers 0:1e-3"),
+         (0.0025, 2.6, 4, 0.2, "-rod_cells 840 -contact_stiffness 3e7 -friction_layers 0:1e-3"),
+         (0.00125, 2.6, 4, 0.1, "-rod_cells 1200 -contact_stiffness 8e7 -friction_layers 0:1e-3"))
+
+
 def knot():
+    """The pull of knots, and what their strands press in all, which is what friction between them takes: the first two
+    are pulled tight, the thin ones come to rest."""
     found = []
-    for D, tail, longer, more in ((0.02, 4, 2.2, "-rod_cells 400 -friction_layers 0:1e-4"),
-                                  (0.01, 2.6, 4, "-rod_cells 420 -contact_stiffness 5e6 -friction_layers 0:1e-3")):
+    for D, tail, longer, most, more in KNOTS:
         shape, way = (Path(scene.SCRATCH) / f"knot.{kind}" for kind in ("h5", "csv"))
         length, apart = overhand(shape, diameter=D, tail=tail, longer=longer)
         way.write_text(f"t,x1\n0,{apart}\n0.2,{apart}\n2,{apart + 1.2}\n")
         r = ropes.Run(f"-growth_type none -growth_initial_length {length} -shape_type file -shape_file {shape} "
                       f"-tip_type clamped -tip_path {way} -contact_diameter {D} -contact_self true -friction_mu 0 "
-                      f"-ts_rtol 1e-3 -ts_max_time 2 -output_interval 0.2 {more}")
-        for x, n, q in zip(*(r.shapes[name][1:] for name in ("x", "force", "d1"))):
+                      f"-ts_rtol 1e-3 -ts_max_time {most} -output_interval {min(0.2, most)} {more}")
+        for t, x, n, q in zip(*(r.shapes[name][1:] for name in ("t", "x", "force", "d1"))):
             R = (length - np.linalg.norm(x[-1])) / (2 * np.pi)
-            found.append((np.sqrt(D / 2 / R), (n[0] * q[0]).sum() * R * R))
-            print(f"| knot, sqrt(h/R) = {found[-1][0]:.4f} | T R^2/B = {found[-1][1]:.5f} | {r.steps} |", flush=True)
-    print(f"| loose limit | {np.polynomial.Polynomial.fit(*np.transpose(found), 2)(0):.4f} for 1/2 | |")
+            e = np.sqrt(D / 2 / R)
+            found.append((e, (n[0] * q[0]).sum() * R**2, np.interp(t, r.t, r.contact_force) * R**2 * e))
+            print(f"| knot, sqrt(h/R) = {e:.4f} | T R^2/B = {found[-1][1]:.5f}, of both ends to "
+                  f"{abs((n[0] * q[0]).sum() / (n[-1] * q[-1]).sum() - 1):.0e}; pressed by {found[-1][2]:.5f} B/(R^2 e) "
+                  f"| {r.steps} |", flush=True)
+    e, T, P = np.array([f for f in found if f[0] < 0.11]).T
+    print(f"| loose limits | {np.polynomial.Polynomial.fit(e, T, 2)(0):.4f} for 1/2, "
+          f"{np.polynomial.Polynomial.fit(e, P, 2)(0):.4f} for 0.492 | |")
 
 
 def main():
