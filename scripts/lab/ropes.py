@@ -128,34 +128,38 @@ def heavy():
               flush=True)
 
 
-KNOTS = ((0.02, 4, 2.2, 2, "-rod_cells 400 -friction_layers 0:1e-4"),
-         (0.01, 2.6, 4, 2, "-rod_cells 420 -contact_stiffness 5e6 -friction_layers 0:1e-3"),
-         (0.005, 2.6, 4, 0.2, "-rod_cells 600 -contact_stiffness 1.2e7 -friction_layers 0:1e-3"),
-         (0.0025, 2.6, 4, 0.2, "-rod_cells 840 -contact_stiffness 3e7 -friction_layers 0:1e-3"),
-         (0.00125, 2.6, 4, 0.1, "-rod_cells 1200 -contact_stiffness 8e7 -friction_layers 0:1e-3"))
+# Diameter, tails, how long strands meet; cells and contact's stiffness. The first ones are pulled tight, the others at rest.
+KNOTS = ((0.02, 4, 2.2, 400, None), (0.01, 2.6, 4, 420, 5e6), (0.01, 2.6, 4, 720, 1.6e7), (0.005, 2.6, 4, 600, 1.2e7),
+         (0.005, 2.6, 4, 900, 4e7), (0.0025, 2.6, 4, 840, 3e7), (0.0025, 2.6, 4, 1200, 1e8), (0.00125, 2.6, 4, 1200, 8e7),
+         (0.00125, 2.6, 4, 1600, 2.5e8))
 
 
 def knot():
-    """The pull of knots, and what their strands press in all, which is what friction between them takes: the first two
-    are pulled tight, the thin ones come to rest."""
-    found = []
-    for D, tail, longer, most, more in KNOTS:
+    """The pull of knots, and what their strands press in all, which is what friction between them takes: led on to
+    rigid strands, by how deep two of each diameter are pressed in, and to a rod without thickness."""
+    found = {}
+    for number, (D, tail, longer, cells, k) in enumerate(KNOTS):
+        tight, rest = number < 2, 0.2 if D > 0.002 else 0.1
         shape, way = (Path(scene.SCRATCH) / f"knot.{kind}" for kind in ("h5", "csv"))
         length, apart = overhand(shape, diameter=D, tail=tail, longer=longer)
-        way.write_text(f"t,x1\n0,{apart}\n0.2,{apart}\n2,{apart + 1.2}\n")
+        way.write_text(f"t,x1\n0,{apart}\n{rest},{apart}\n2,{apart + 1.2}\n")
         r = ropes.Run(f"-growth_type none -growth_initial_length {length} -shape_type file -shape_file {shape} "
                       f"-tip_type clamped -tip_path {way} -contact_diameter {D} -contact_self true -friction_mu 0 "
-                      f"-ts_rtol 1e-3 -ts_max_time {most} -output_interval {min(0.2, most)} {more}")
+                      f"-friction_layers 0:{1e-3 if k else 1e-4} -ts_rtol 1e-3 -ts_max_time {2 if tight else rest} "
+                      f"-output_interval {rest} -rod_cells {cells} " + (f"-contact_stiffness {k}" if k else ""))
         for t, x, n, q in zip(*(r.shapes[name][1:] for name in ("t", "x", "force", "d1"))):
             R = (length - np.linalg.norm(x[-1])) / (2 * np.pi)
-            e = np.sqrt(D / 2 / R)
-            found.append((e, (n[0] * q[0]).sum() * R**2, np.interp(t, r.t, r.contact_force) * R**2 * e))
-            print(f"| knot, sqrt(h/R) = {e:.4f} | T R^2/B = {found[-1][1]:.5f}, of both ends to "
-                  f"{abs((n[0] * q[0]).sum() / (n[-1] * q[-1]).sum() - 1):.0e}; pressed by {found[-1][2]:.5f} B/(R^2 e) "
-                  f"| {r.steps} |", flush=True)
-    e, T, P = np.array([f for f in found if f[0] < 0.11]).T
-    print(f"| loose limits | {np.polynomial.Polynomial.fit(e, T, 2)(0):.4f} for 1/2, "
-          f"{np.polynomial.Polynomial.fit(e, P, 2)(0):.4f} for 0.492 | |")
+            e, depth = np.sqrt(D / 2 / R), np.interp(t, r.t, r.penetration) / D
+            T, other, P = (n[0] * q[0]).sum() * R**2, (n[-1] * q[-1]).sum() * R**2, np.interp(t, r.t, r.contact_force) * R**2 * e
+            if k and t < 1.5 * rest:
+                found.setdefault(D, []).append((e, depth, T, P))
+            print(f"| knot, D {D:g}, {cells} cells, e = sqrt(h/R) = {e:.5f} | T R^2/B = {T:.5f}, {other:.5f}; pressed by {P:.5f} "
+                  f"B/(R^2 e), in by {depth:.2%} | {r.steps} |", flush=True)
+    e, T, P = np.transpose([(a[0], *(b[j] + (b[j] - a[j]) * b[1] / (a[1] - b[1]) for j in (2, 3)))
+                            for a, b in found.values()])
+    for degree, part in ((3, slice(None)), (2, slice(0, 3)), (2, slice(1, 4))):
+        print("| loose limits | {:.4f} for 1/2, {:.4f} for 0.492 | |".format(
+            *(np.polynomial.Polynomial.fit(e[part], v[part], degree)(0) for v in (T, P))), flush=True)
 
 
 def main():
