@@ -488,9 +488,11 @@ static void MeasureBalance(Observer self, Observation *seen) {
     self->net_work +=
         LastInterval(self->n, self->time, self->net, comparable ? self->energy : NULL);
   }
-  scale = PetscMax(PetscAbsReal(self->lost_work), PetscMax(energy, self->first_energy));
-  seen->energy_defect =
-      scale > 0 ? PetscAbsReal(energy - self->first_energy - self->net_work) / scale : 0;
+  scale = PetscMax(energy, self->first_energy);
+  if (scale == 0) /* straight: at rest, too, round-off of its places works against friction of 1 */
+    scale = PETSC_MACHINE_EPSILON * PetscSqr(seen->length);
+  scale = PetscMax(scale, PetscAbsReal(self->lost_work));
+  seen->energy_defect = PetscAbsReal(energy - self->first_energy - self->net_work) / scale;
 }
 
 /* The sums of the energy balance and the points they are built on, which rank 0 has. */

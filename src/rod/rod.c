@@ -1,4 +1,5 @@
 #include "rod/rod.h"
+#include "base/lagrange.h"
 #include "rod/directors.h"
 
 /*
@@ -164,8 +165,46 @@ PetscErrorCode RodRestoreLocalNodes(Rod rod, Vec *local, const Node **with) {
   PetscFunctionReturn(0);
 }
 
-/* RodInitialNodes - the scene's initial shape at the owned nodes, with the force of the straight
-   rod and the velocity of growth without friction. Collective. */
+/* How far apart the labels are between which the slope of a moment is taken. */
+static const PetscReal beside = 1e-4;
+
+/* The moment of the initial shape at s. */
+static PetscErrorCode InitialMoment(Scene scene, PetscReal s, PetscReal t, PetscReal *moment) {
+  PetscReal g, theta, slope, k0, B;
+
+  PetscFunctionBegin;
+  PetscCall(SceneCurvature(scene, s, t, &k0, NULL));
+  PetscCall(SceneStiffness(scene, s, t, &B, NULL));
+  PetscCall(GrowthStretch(scene->growth, 1, &s, t, &g, NULL, NULL));
+  PetscCall(SceneShapeAngle(scene, s, &theta, &slope));
+  *moment = B * (slope / g - k0);
+  PetscFunctionReturn(0);
+}
+
+/* Its force across, of which m' = -g q x n: n = (n.q) q - m'/g q_perp. */
+static PetscErrorCode InitialShear(Scene scene, PetscReal s, PetscReal t, Node *node) {
+  const PetscReal q[2] = {PetscCosReal(node->theta), PetscSinReal(node->theta)};
+  const PetscReal middle = PetscMax(beside, PetscMin(1 - beside, s));
+  const PetscReal at[3] = {middle - beside, middle, middle + beside};
+  PetscReal g, m, D[3], slope = 0, along, across;
+
+  PetscFunctionBegin;
+  LagrangeSlopes(3, at, s, D);
+  for (int k = 0; k < 3; k++) {
+    PetscCall(InitialMoment(scene, at[k], t, &m));
+    slope += D[k] * m;
+  }
+  PetscCall(GrowthStretch(scene->growth, 1, &s, t, &g, NULL, NULL));
+  along = node->force[0];
+  across = -slope / g;
+  node->force[0] = along * q[0] - across * q[1];
+  node->force[1] = along * q[1] + across * q[0];
+  PetscFunctionReturn(0);
+}
+
+/* RodInitialNodes - the scene's initial shape at the owned nodes, with the force along it of the
+   straight rod, that across it which its moments tell, and the velocity of growth without friction.
+   Collective. */
 PetscErrorCode RodInitialNodes(Rod rod, PetscReal t, Node *nodes) {
   Scene scene = rod->scene;
   PetscReal *P;
@@ -180,13 +219,11 @@ PetscErrorCode RodInitialNodes(Rod rod, PetscReal t, Node *nodes) {
   PetscCall(StraightForce(scene, rod->last + 1, scene->mesh.s, t, P));
   for (PetscInt i = rod->first; i < rod->end; i++) {
     Node *node = &nodes[i - rod->first];
-    PetscReal g, slope, k0, B;
-    PetscCall(SceneCurvature(scene, scene->mesh.s[i], t, &k0, NULL));
-    PetscCall(SceneStiffness(scene, scene->mesh.s[i], t, &B, NULL));
-    PetscCall(GrowthStretch(scene->growth, 1, &scene->mesh.s[i], t, &g, NULL, NULL));
+    PetscReal slope;
     PetscCall(SceneShapeAngle(scene, scene->mesh.s[i], &node->theta, &slope));
-    node->moment = B * (slope / g - k0);
+    PetscCall(InitialMoment(scene, scene->mesh.s[i], t, &node->moment));
     node->force[0] = -P[i];
+    PetscCall(InitialShear(scene, scene->mesh.s[i], t, node));
   }
   PetscCall(PetscFree(P));
   PetscCall(IntegratePosition(rod, t, nodes));
@@ -278,11 +315,15 @@ PetscErrorCode RodHoldTip(Rod rod) {
   PetscInt n = rod->end - rod->first;
   PetscReal tip[10] = {0};
   Node *nodes;
+  Vec U;
 
   PetscFunctionBegin;
   if (rod->scene->tip.type == TIP_FREE) PetscFunctionReturn(0);
   PetscCall(PetscMalloc1(n, &nodes));
-  PetscCall(RodInitialNodes(rod, 0, nodes));
+  PetscCall(DMGetGlobalVector(rod->da, &U));
+  PetscCall(RodBegin(rod, U));
+  PetscCall(rod->model->get(rod, 0, U, NULL, nodes));
+  PetscCall(DMRestoreGlobalVector(rod->da, &U));
   if (rod->end == rod->last + 1) {
     PetscCall(PetscArraycpy(tip, nodes[n - 1].x, 2));
     tip[2] = nodes[n - 1].theta;

@@ -12,7 +12,10 @@
    x_t at mid likewise, and the spin where friction along the rod feels it (rod/spin.h); else the
    rate of p there is the mean of both ends'. The rows of node i are the x and p equations of the
    cell on its left, the m and n equations of the cell on its right. */
+#include "base/lagrange.h"
+#include "base/vectors.h"
 #include "rod/space_cells.h"
+#include "rod/spin_rest.h"
 #include <string.h>
 
 /* The derivatives of f at a point by its unknowns, the velocity and the spin held, and by these. */
@@ -701,42 +704,118 @@ static PetscErrorCode ShapeStep(Scene scene, PetscReal s, PetscReal h, PetscReal
   PetscFunctionReturn(0);
 }
 
+/* What there is at a label of the initial shape. */
+static PetscErrorCode PlaceAt(Scene scene, PetscReal s, PetscReal t, SpinPlace *place) {
+  PetscReal B;
+
+  PetscFunctionBegin;
+  place->s = s;
+  PetscCall(GrowthStretch(scene->growth, 1, &s, t, &place->g, NULL, NULL));
+  PetscCall(InitialStrains(scene, s, place->g, place->u0, place->u));
+  PetscCall(SceneStiffness(scene, s, t, &B, NULL));
+  SceneStiffnesses(scene, B, place->S);
+  PetscFunctionReturn(0);
+}
+
+/* The initial shape at n labels: where friction does not feel the spin, turned until it rests. */
+static PetscErrorCode InitialPlaces(Scene scene, PetscReal t, PetscInt n, SpinPlace place[],
+                                    PetscReal turn[]) {
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < n; i++) PetscCall(PlaceAt(scene, place[i].s, t, &place[i]));
+  PetscCall(PetscArrayzero(turn, n));
+  if (scene->load.radius == 0 && scene->clamp == CLAMP_HELD)
+    PetscCall(SpinRest(n, place, scene->tip.torque, TipPoints(&scene->tip), turn));
+  PetscFunctionReturn(0);
+}
+
+/* What the slope at place i of n takes from the three places from first on. */
+static PetscInt PlaceSlope(PetscInt n, const SpinPlace place[], PetscInt i, PetscReal D[3]) {
+  const PetscInt first = PetscMax(0, PetscMin(n - 3, i - 1));
+  const PetscReal at[3] = {place[first].s, place[first + 1].s, place[first + 2].s};
+
+  LagrangeSlopes(3, at, place[i].s, D);
+  return first;
+}
+
+/* Moments about the directors of place i of n, and its twist and bends. */
+static void PlaceMoments(PetscInt n, const SpinPlace place[], const PetscReal turn[], PetscInt i,
+                         PetscReal m[3], PetscReal u[3]) {
+  PetscReal D[3], slope = 0;
+  const PetscInt first = PlaceSlope(n, place, i, D);
+
+  for (int k = 0; k < 3; k++) slope += D[k] * turn[first + k];
+  SpinTurn(&place[i], turn[i], slope, u);
+  for (int k = 0; k < 3; k++) m[k] = place[i].S[k] * (u[k] - place[i].u0[k]);
+}
+
+/* Moment and force of place i of n, whose directors are d: the force along d1 is that of the
+   straight rod, n = n.d1 d1 - m'/g x d1 across it, with (sum m_k d_k)' = sum m_k' d_k + g u x m. */
+static void InitialForces(PetscInt n, const SpinPlace place[], const PetscReal turn[], PetscInt i,
+                          const PetscReal d[3][3], PetscReal along, Node *node) {
+  PetscReal m[3], u[3], other[3], D[3], curl[3], slope[3], by[3];
+  const PetscInt first = PlaceSlope(n, place, i, D);
+
+  PlaceMoments(n, place, turn, i, m, u);
+  for (int j = 0; j < 3; j++) {
+    node->m3[j] = m[0] * d[0][j] + m[1] * d[1][j] + m[2] * d[2][j];
+    curl[j] = place[i].g * (u[0] * d[0][j] + u[1] * d[1][j] + u[2] * d[2][j]);
+  }
+  Cross3(curl, node->m3, slope);
+  for (int at = 0; at < 3; at++) {
+    PlaceMoments(n, place, turn, first + at, m, other);
+    for (int j = 0; j < 3; j++)
+      slope[j] += D[at] * (m[0] * d[0][j] + m[1] * d[1][j] + m[2] * d[2][j]);
+  }
+  Cross3(slope, d[0], by);
+  for (int j = 0; j < 3; j++) node->n3[j] = along * d[0][j] - by[j] / place[i].g;
+}
+
+/* The node at place i of n: the curve's own frame, turned. */
+static void InitialNode(PetscInt n, const SpinPlace place[], const PetscReal turn[], PetscInt i,
+                        const Shape_ *at, PetscReal along, Node *node) {
+  const PetscReal c = PetscCosReal(turn[i] / 2), s = PetscSinReal(turn[i] / 2), *p = at->p;
+  const PetscReal turned[4] = {c * p[0] - s * p[1], c * p[1] + s * p[0], c * p[2] + s * p[3],
+                               c * p[3] - s * p[2]};
+  PetscReal d[3][3];
+
+  memset(node, 0, sizeof(*node));
+  memcpy(node->x3, at->x, sizeof(node->x3));
+  memcpy(node->x3_t, at->x_t, sizeof(node->x3_t));
+  memcpy(node->p, turned, sizeof(node->p));
+  Directors(turned, QuaternionSize(turned), d);
+  InitialForces(n, place, turn, i, (const PetscReal(*)[3])d, along, node);
+  RodPlanePart(node);
+}
+
 /* The scene's initial shape at the owned nodes; see RodInitialNodes(). Every rank goes along the
-   whole rod before its own part. */
+   whole rod, in steps that are much shorter than its cells. */
 static PetscErrorCode SpaceInitial(Rod rod, PetscReal t, Node *nodes) {
   enum { STEPS = 4000 };
   Scene scene = rod->scene;
   const PetscReal *s = scene->mesh.s;
-  PetscInt fine = PetscMax(1, STEPS / rod->last);
+  const PetscInt fine = PetscMax(1, STEPS / rod->last), n = rod->last * fine + 1;
   Shape_ at = {.p = {1}};
-  PetscReal *force, B, S[3], g, u0[3], u[3], d[3][3];
+  PetscReal *force, *turn;
+  SpinPlace *place;
 
   PetscFunctionBegin;
   SpaceClampTurn(&scene->space, &scene->load, t, at.p);
-  PetscCall(PetscMalloc1(rod->last + 1, &force));
+  PetscCall(PetscMalloc3(rod->last + 1, &force, n, &place, n, &turn));
   PetscCall(StraightForce(scene, rod->last + 1, s, t, force));
+  for (PetscInt i = 0; i < n; i++) {
+    const PetscInt cell = PetscMin(i / fine, rod->last - 1);
+    place[i].s = s[cell] + (s[cell + 1] - s[cell]) * (i - cell * fine) / fine;
+  }
+  PetscCall(InitialPlaces(scene, t, n, place, turn));
   for (PetscInt i = 0; i < rod->end; i++) {
-    Node *node = &nodes[i - rod->first];
     for (PetscInt k = 0; i && k < fine; k++) {
       PetscReal h = (s[i] - s[i - 1]) / fine;
       PetscCall(ShapeStep(scene, s[i - 1] + k * h, h, t, &at));
     }
-    if (i < rod->first) continue;
-    PetscCall(PetscMemzero(node, sizeof(*node)));
-    PetscCall(PetscArraycpy(node->x3, at.x, 3));
-    PetscCall(PetscArraycpy(node->x3_t, at.x_t, 3));
-    PetscCall(PetscArraycpy(node->p, at.p, 4));
-    PetscCall(GrowthStretch(scene->growth, 1, &s[i], t, &g, NULL, NULL));
-    PetscCall(InitialStrains(scene, s[i], g, u0, u));
-    PetscCall(SceneStiffness(scene, s[i], t, &B, NULL));
-    SceneStiffnesses(scene, B, S);
-    Directors(at.p, QuaternionSize(at.p), d);
-    for (int k = 0; k < 3; k++)
-      for (int j = 0; j < 3; j++) node->m3[j] += S[k] * (u[k] - u0[k]) * d[k][j];
-    node->n3[0] = -force[i];
-    RodPlanePart(node);
+    if (i >= rod->first)
+      InitialNode(n, place, turn, i * fine, &at, -force[i], &nodes[i - rod->first]);
   }
-  PetscCall(PetscFree(force));
+  PetscCall(PetscFree3(force, place, turn));
   PetscFunctionReturn(0);
 }
 

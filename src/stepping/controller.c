@@ -38,6 +38,11 @@ static const PetscReal better = 0.5;
    its beginning, and must still mean something at its end. (Rods of usual length stay below 2.) */
 static const PetscReal most_folds = 4;
 
+/* What short steps are part of. */
+static PetscReal Scale(TS ts, const Controller *self) {
+  return self->scale > 0 ? self->scale : ts->max_time;
+}
+
 static PetscErrorCode Predict(TS ts, Controller *self, Formula *f, Vec X) {
   PetscFunctionBegin;
   if (f->n > 1)
@@ -204,7 +209,7 @@ static PetscErrorCode Choose(TS ts, Controller *self, Formula *f, PetscBool *acc
   else
     PetscCall(FirstError(ts, self, f, &e));
   *accept = (PetscBool)(e <= 1);
-  persists = ts->time_step < slip_step * ts->max_time ? slip_persists : jump_persists;
+  persists = ts->time_step < slip_step * Scale(ts, self) ? slip_persists : jump_persists;
   self->jumped = (PetscBool)(!*accept && k == 1 &&
                              (e > persists * self->rejected ||
                               (ts->time_step < self->layer && (f->n == 1 || e > nearly_seen))));
@@ -278,7 +283,7 @@ static PetscErrorCode Retry(TS ts, Controller *self, Formula *f, PetscInt attemp
     f->n = 1;
   }
   if (ts->max_reject >= 0 && attempt > ts->max_reject) ts->reason = TS_DIVERGED_STEP_REJECTED;
-  if (ts->time_step < smallest * PetscMax(ts->ptime, early * ts->max_time))
+  if (ts->time_step < smallest * PetscMax(ts->ptime, early * Scale(ts, self)))
     ts->reason = TS_DIVERGED_STEP_REJECTED;
   PetscFunctionReturn(0);
 }
@@ -453,7 +458,7 @@ static PetscErrorCode BeginStep(TS ts, Controller *self, Formula *f) {
   PetscFunctionBegin;
   PetscCall(PetscObjectTypeCompare((PetscObject)ts->adapt, TSADAPTNONE, &self->fixed));
   self->jumped = self->tried = self->snapped = PETSC_FALSE;
-  self->layer = PetscMax(self->layer, jump_step * ts->max_time);
+  self->layer = PetscMax(self->layer, jump_step * Scale(ts, self));
   self->rejected = PETSC_MAX_REAL;
   if (ts->steprestart && !f->given) f->n = 0;
   if (!f->given && !ts->steprollback) PetscCall(FormulaPush(f, ts->ptime, ts->vec_sol));
@@ -475,7 +480,7 @@ static PetscErrorCode EndStep(TS ts, Controller *self, Formula *f, PetscReal fac
     factor = 1;
     if (ts->time_step < self->layer) {
       factor = 2;
-      self->layer = PetscMin(2 * self->layer, longest_jump * ts->max_time);
+      self->layer = PetscMin(2 * self->layer, longest_jump * Scale(ts, self));
     }
   } else if (f->n > 1) /* its error was seen: the layer is behind */
     self->layer = 0;

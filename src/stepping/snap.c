@@ -10,6 +10,9 @@
   followed until it rests.
 */
 static const PetscReal rest = 1e-6, long_after = 1e4; /* velocity at rest; fast time to get there */
+/* Friction of strength 1 lets a rod fall in about that: what bends it sharply moves in 1e-10 of
+   it, and not to see that is to take the fall in one step. */
+static const PetscReal falls_in = 1;
 /* A rod that falls from rest begins slowly: it is at rest if it does not gain speed, in as many
    steps. Pressed against a wall it may be next to straight, and what disturbed it dies out before
    the bend grows by which it falls: there so much fast time is waited, too. (Where nothing can
@@ -111,6 +114,7 @@ PetscErrorCode SnapFollow(TS ts, PetscReal t, Vec U, PetscBool *done) {
   fast->end_time = long_after;
   PetscCall(LegCreate(fast, slow->rod->model, PetscMax(slow->rtol, least_rtol), "snap_", &leg));
   NewtonToRest(&leg.newton, least_rtol);
+  PetscCall(VBDFSetScale(leg.ts, falls_in));
   PetscCall(TSSetPostStep(leg.ts, StopAtRest));
   PetscCall(TSSetMaxSteps(leg.ts, most_steps));
   PetscCall(VecCopy(U, leg.U));

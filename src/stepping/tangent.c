@@ -83,24 +83,13 @@ PetscBool TangentsLost(Tangents tangents) {
   return tangents->lost;
 }
 
-static PetscErrorCode InitialState(Rod rod, Vec U) {
-  Node *nodes;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc1(rod->end - rod->first, &nodes));
-  PetscCall(RodInitialNodes(rod, 0, nodes));
-  PetscCall(rod->model->set(rod, 0, nodes, U));
-  PetscCall(PetscFree(nodes));
-  PetscFunctionReturn(0);
-}
-
 /* TangentsBegin - a run begins, with the scene's initial shape. Collective. */
 PetscErrorCode TangentsBegin(Tangents self) {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->n; k++) {
     Tangent *tangent = &self->tangent[k];
-    PetscCall(InitialState(tangent->of.low, self->work));
-    PetscCall(InitialState(tangent->of.high, tangent->point[0]));
+    PetscCall(RodBegin(tangent->of.low, self->work));
+    PetscCall(RodBegin(tangent->of.high, tangent->point[0]));
     PetscCall(VecAXPY(tangent->point[0], -1, self->work));
     PetscCall(VecScale(tangent->point[0], 1 / tangent->of.apart));
     PetscCall(VecZeroEntries(tangent->rate));

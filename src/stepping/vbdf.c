@@ -197,6 +197,18 @@ PetscErrorCode VBDFSetSnap(TS ts, VBDFSnap snap) {
   PetscFunctionReturn(0);
 }
 
+/* VBDFSetScale - sets the time that something takes in what is followed: a step that is a tiny part
+   of it is all but none. Without it that is the end of the run, which may be far behind. No effect
+   on other types. */
+PetscErrorCode VBDFSetScale(TS ts, PetscReal scale) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  if (self) self->controller.scale = scale;
+  PetscFunctionReturn(0);
+}
+
 /* VBDFSetCheck - sets what a step must not do. No effect on other types. */
 PetscErrorCode VBDFSetCheck(TS ts, VBDFCheck check) {
   VBDF *self = NULL;

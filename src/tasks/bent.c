@@ -241,7 +241,6 @@ static PetscErrorCode AfterStep(TS ts) {
 
 /* A scene at its start, on the mesh that it has. */
 static PetscErrorCode Create(Scene scene, PetscReal rtol, PetscBool quiet, Bent *self) {
-  Node *nodes;
   Rod rod;
 
   PetscFunctionBegin;
@@ -257,10 +256,7 @@ static PetscErrorCode Create(Scene scene, PetscReal rtol, PetscBool quiet, Bent 
   PetscCall(VecDuplicate(self->leg.U, &self->work));
   PetscCall(SolverCreate(scene->comm, self));
   if (!quiet) PetscCall(EPSSetFromOptions(self->eps));
-  PetscCall(PetscMalloc1(rod->end - rod->first, &nodes));
-  PetscCall(RodInitialNodes(rod, 0, nodes));
-  PetscCall(rod->model->set(rod, 0, nodes, self->leg.U));
-  PetscCall(PetscFree(nodes));
+  PetscCall(RodBegin(rod, self->leg.U));
   PetscFunctionReturn(0);
 }
 

@@ -469,7 +469,6 @@ static PetscErrorCode CheckWalls(Grow *self) {
   const PetscInt behind = WallsBehind(walls, clamp);
   Rod rod = self->now->rod;
   PetscBool passes;
-  Node *nodes;
 
   PetscFunctionBegin;
   UserCheck(behind < 0, self->scene->comm,
@@ -477,10 +476,7 @@ static PetscErrorCode CheckWalls(Grow *self) {
             "other of outside and inside, or move it",
             walls->wall[behind].inside ? "out of" : "in", (int)behind + 1,
             walls->wall[behind].inside ? "inside" : "outside");
-  PetscCall(PetscMalloc1(rod->end - rod->first, &nodes));
-  PetscCall(RodInitialNodes(rod, 0, nodes));
-  PetscCall(rod->model->set(rod, 0, nodes, self->now->U));
-  PetscCall(PetscFree(nodes));
+  PetscCall(RodBegin(rod, self->now->U));
   PetscCall(RodPassesWalls(rod, 0, 0, self->now->U, self->now->U, &passes));
   UserCheck(!passes, self->scene->comm,
             "-wall_file: the rod starts in a wall, between two of its nodes: move the wall");
@@ -496,7 +492,6 @@ static PetscErrorCode CheckWalls(Grow *self) {
 
 /* The state of a fresh run: the scene's initial shape. */
 static PetscErrorCode Begin(Grow *self, const char *output) {
-  Node *nodes;
   Event event;
 
   PetscFunctionBegin;
@@ -510,10 +505,7 @@ static PetscErrorCode Begin(Grow *self, const char *output) {
   if (self->member) PetscCall(OutputKeep(self->output, self->member->series, self->member->shapes));
   PetscCall(Observe(self, 0, NULL, NULL));
   self->now = &self->leg[BetterModel(self)];
-  PetscCall(PetscMalloc1(self->now->rod->end - self->now->rod->first, &nodes));
-  PetscCall(RodInitialNodes(self->now->rod, 0, nodes));
-  PetscCall(self->now->rod->model->set(self->now->rod, 0, nodes, self->now->U));
-  PetscCall(PetscFree(nodes));
+  PetscCall(RodBegin(self->now->rod, self->now->U));
   PetscCall(StoreShape(self, 0, NULL));
   if (!self->member) PetscCall(Store(self, PETSC_FALSE)); /* what cannot be written shows early */
   self->next_output = self->output_interval;

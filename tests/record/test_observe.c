@@ -172,8 +172,9 @@ static Vec Bent(Rod rod, Vec *U_t) {
   CHECK(PetscArrayzero(rates, n));
   for (PetscInt i = 0; i < n; i++) {
     Node *node = &nodes[i];
-    PetscReal s = rod->scene->mesh.s[rod->first + i], g, g_s, P = -node->force[0], Q;
+    PetscReal s = rod->scene->mesh.s[rod->first + i], g, g_s, P, Q;
     PetscReal q[2] = {PetscCosReal(node->theta), PetscSinReal(node->theta)};
+    P = -node->force[0] * q[0] - node->force[1] * q[1];
     CHECK(GrowthStretch(rod->scene->growth, 1, &s, at, &g, NULL, &g_s));
     Q = (6 * eps * (1 - s) / g + 3 * eps * (1 - s) * (1 - s) * g_s / (g * g)) / g;
     node->force[0] = -P * q[0] - Q * q[1];

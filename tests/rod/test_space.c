@@ -2,6 +2,7 @@
    and a bend whose exact answer is known. */
 #include "base/chain.h"
 #include "rod/by_rate.h"
+#include "rod/spin_rest.h"
 
 enum { FIELDS = 13 };
 
@@ -388,8 +389,71 @@ static void TestIndex(void **state) {
   }
 }
 
+/* A rod begins in line with its own mesh: places are what its cells make of angles and moments,
+   also of few. In the plane, too. */
+static void TestBegins(void **state) {
+  const RodModel *const models[] = {&rod_space, &rod_frame};
+  for (int k = 0; k < 2; k++) {
+    const RodModel *model = models[k];
+    PetscReal most = 0, off[MAX_FIELDS];
+    Scene scene;
+    RodState at = {0};
+    Vec F;
+    Rod rod;
+    SetOptions("-rod_cells 24 -ts_max_time 2 -growth_initial_length 2 -shape_amplitude 3.1 %s",
+               k ? "" : "-shape_turn 1 -rod_curvature_2 0.3 -rod_bend_ratio 2");
+    CHECK(SceneCreate(&scene));
+    scene->space.rod = model->space;
+    CHECK(RodCreate(scene, model, &rod));
+    CHECK(DMCreateGlobalVector(rod->da, &at.U));
+    CHECK(VecDuplicate(at.U, &at.U_t));
+    CHECK(VecDuplicate(at.U, &F));
+    CHECK(VecZeroEntries(at.U_t));
+    CHECK(RodBegin(rod, at.U));
+    CHECK(model->residual(rod, &at, F));
+    CHECK(RodFieldSizes(rod, F, off));
+    for (PetscInt f = 0; f < (model->space ? 3 : 2); f++) most = PetscMax(most, off[f]);
+    EXPECT(most < 1e-13, "%s: places are off by %g", model->name, (double)most);
+    CHECK(VecDestroy(&at.U));
+    CHECK(VecDestroy(&at.U_t));
+    CHECK(VecDestroy(&F));
+    Destroy(&scene, &rod);
+  }
+}
+
+/* The spin of a bent rod at rest is a pendulum's: with natural bend a about d2 and bends (p, q),
+     E = C phi'^2 / 2 - B a (p cos phi + q sin phi) + what does not change, per length,
+   so that C phi'^2 / 2 + B a (p cos phi + q sin phi) is the same all along; and a rod that is where
+   it would be does not turn. */
+static void TestSpinRest(void **state) {
+  enum { PLACES = 2001 };
+  const PetscReal C = 0.6, B = 1, a = 0.8, p = -0.5, q = 1.3, h = 2. / (PLACES - 1);
+  SpinPlace place[PLACES];
+  PetscReal turn[PLACES], least = PETSC_MAX_REAL, most = PETSC_MIN_REAL, speed;
+  for (PetscInt i = 0; i < PLACES; i++)
+    place[i] = (SpinPlace){.s = i * h, .g = 1, .S = {C, B, B}, .u0 = {0, a, 0}, .u = {0, p, q}};
+  CHECK(SpinRest(PLACES, place, 0, PETSC_FALSE, turn));
+  for (PetscInt i = 1; i + 1 < PLACES; i++) {
+    const PetscReal slope = (turn[i + 1] - turn[i - 1]) / (2 * h),
+                    sum = C * slope * slope / 2 +
+                          B * a * (p * PetscCosReal(turn[i]) + q * PetscSinReal(turn[i]));
+    least = PetscMin(least, sum);
+    most = PetscMax(most, sum);
+  }
+  speed = (turn[PLACES - 1] - turn[PLACES - 2]) / h;
+  EXPECT(most - least < 1e-6, "between %g and %g", (double)least, (double)most);
+  EXPECT(PetscAbsReal(speed) < 2e-3, "the end twists by %g", (double)speed);
+  EXPECT(turn[PLACES - 1] > 0.5 && turn[PLACES - 1] < 2, "turns by %g", (double)turn[PLACES - 1]);
+  for (PetscInt i = 0; i < PLACES; i++) place[i].u[1] = 1.1, place[i].u[2] = 0;
+  CHECK(SpinRest(PLACES, place, 0, PETSC_FALSE, turn));
+  EXPECT(turn[PLACES - 1] == 0, "turns by %g at rest", (double)turn[PLACES - 1]);
+  CHECK(SpinRest(PLACES, place, 0.05, PETSC_FALSE, turn));
+  EXPECT(turn[PLACES - 1] > 0.01, "a torque turns it by %g", (double)turn[PLACES - 1]);
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(TestJacobians),   cmocka_unit_test(TestWallJacobians),
     cmocka_unit_test(TestElimination), cmocka_unit_test(TestMirrors),
-    cmocka_unit_test(TestBend),        cmocka_unit_test(TestIndex)};
+    cmocka_unit_test(TestBend),        cmocka_unit_test(TestIndex),
+    cmocka_unit_test(TestBegins),      cmocka_unit_test(TestSpinRest)};
 MAIN(tests)

@@ -499,8 +499,9 @@ def estimate():
     start = ("-growth_initial_length 0.571 -friction_mu 0.461 -friction_beta 0.0076 -shape_amplitude 0.0055 -tip_torque -0.4 "
              "-rod_torsion 0.97 -shape_turn -2.5 -friction_across 2.3 -ts_max_time 1.7 ")
     run, fine = Run(start + "-rod_cells 60"), Run(start + "-rod_cells 120 -ts_rtol 1e-7")
-    print(f"a start that a step crosses: off by {off_at_end(run, fine):.1e}, told {run.estimate:.1e}")
-    expect("1 snap" in run.said and off_at_end(run, fine) < run.estimate < 5e-3, f"a start: told {run.estimate}")
+    # whose spin nothing holds: it begins turned to rest, and no step has to cross that
+    print(f"a start with a torque: off by {off_at_end(run, fine):.1e}, told {run.estimate:.1e}")
+    expect("snap" not in run.said and off_at_end(run, fine) < run.estimate < 1e-4, f"a start: told {run.estimate}")
     ranks = [Run(twisted + "-ts_max_time 0.3 -rod_cells 24", n) for n in (1, 2, 3)]
     finer = Run(twisted + "-ts_max_time 0.3 -rod_cells 48")
     order = np.log2(part(ranks[0], "space") / part(finer, "space"))

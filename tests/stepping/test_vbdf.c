@@ -718,6 +718,58 @@ static void TestJump(void **state) {
   Jump(ROOT, 24);
 }
 
+/* y' = 1e8 (1 - y): a layer of 1e-8. */
+static const PetscReal fast = 1e8;
+
+static PetscErrorCode Decaying(TS ts, PetscReal t, Vec U, Vec U_t, Vec F, void *ctx) {
+  PetscFunctionBegin;
+  PetscCall(VecCopy(U, F));
+  PetscCall(VecShift(F, -1));
+  PetscCall(VecAYPX(F, fast, U_t));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode DecayingSlope(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shift, Mat J,
+                                    Mat P, void *ctx) {
+  PetscFunctionBegin;
+  PetscCall(MatSetValue(J, 0, 0, shift + fast, INSERT_VALUES));
+  PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(0);
+}
+
+/* A layer that is 1e-13 of a run's end is crossed blind; of the time that it is about, it is seen.
+ */
+static void TestScale(void **state) {
+  for (int k = 0; k < 2; k++) {
+    PetscInt jumps, blind;
+    Mat J;
+    Vec U;
+    TS ts;
+    SetOptions("-pc_type lu -ksp_type preonly -snes_type ksponly");
+    CHECK(VecCreateSeq(PETSC_COMM_SELF, 1, &U));
+    CHECK(VecSet(U, 2));
+    CHECK(MatCreateSeqDense(PETSC_COMM_SELF, 1, 1, NULL, &J));
+    CHECK(TSCreate(PETSC_COMM_SELF, &ts));
+    CHECK(TSSetType(ts, TSVBDF));
+    CHECK(TSSetIFunction(ts, NULL, Decaying, NULL));
+    CHECK(TSSetIJacobian(ts, J, J, DecayingSlope, NULL));
+    CHECK(TSSetTolerances(ts, 1e-6, NULL, 1e-6, NULL));
+    CHECK(TSSetTimeStep(ts, 5e-10));
+    CHECK(TSSetMaxTime(ts, 1e4));
+    CHECK(TSSetMaxStepRejections(ts, 60));
+    CHECK(VBDFSetGuess(ts, Stay, NULL));
+    if (k) CHECK(VBDFSetScale(ts, 1));
+    CHECK(TSSetFromOptions(ts));
+    CHECK(TSSolve(ts, U));
+    CHECK(VBDFGetJumps(ts, &jumps, &blind));
+    EXPECT(k ? blind == 0 : blind > 0, "%d steps not seen", (int)blind);
+    CHECK(TSDestroy(&ts));
+    CHECK(MatDestroy(&J));
+    CHECK(VecDestroy(&U));
+  }
+}
+
 static const struct CMUnitTest tests[] = {cmocka_unit_test(TestOrders),
                                           cmocka_unit_test(TestExactForPolynomials),
                                           cmocka_unit_test(TestExactForExponentials),
@@ -726,5 +778,6 @@ static const struct CMUnitTest tests[] = {cmocka_unit_test(TestOrders),
                                           cmocka_unit_test(TestEnd),
                                           cmocka_unit_test(TestHistory),
                                           cmocka_unit_test(TestOrdersOnRod),
-                                          cmocka_unit_test(TestJump)};
+                                          cmocka_unit_test(TestJump),
+                                          cmocka_unit_test(TestScale)};
 MAIN(tests)
