@@ -195,6 +195,10 @@ def doubts():
         off = abs(r.norm_x2[-1] / fine.norm_x2[-1] - 1)
         print(f"the hairpin with {cells} cells: |x2| off by {off:.1e}, told {r.estimate:.1e}")
         expect(off < r.estimate < 1e-2, f"off by {off:.1e}, told {r.estimate:.1e}")
+    r = Run(start + "-rod_cells 60 -ts_dt 1e-14")  # and in steps that are shorter than its layer
+    off = abs(r.norm_x2[-1] / fine.norm_x2[-1] - 1)
+    print(f"the hairpin in short steps: |x2| off by {off:.1e}, told {r.estimate:.1e}")
+    expect(off < r.estimate < 1e-2, f"short steps: off by {off:.1e}, told {r.estimate:.1e}")
     expect(fine.estimate < 1e-3, f"told {fine.estimate:.1e}")
     # of a straight rod that nothing moves no energy is missing; one that grows stays about its middle
     straight = "-clamp_type free -shape_type straight -rod_cells 40 -ts_max_time 1 "
