@@ -32,7 +32,7 @@ static const PetscReal of_measured = 6;
 static const PetscReal of_beta = 9;
 /* Likewise, contact that is rigid: depths go with k^(-3/4), and it is not quite linear. */
 static const PetscReal of_stiffness = 2;
-static const PetscReal fewest_folds = 2, margin = 1.5; /* of the estimate after a run */
+static const PetscReal margin = 1.5, by_weight = 3; /* of the estimate after a run */
 
 typedef struct {
   PetscReal tolerance, length0, mu, amplitude, time;
@@ -59,9 +59,9 @@ static PetscReal Folds(const Asked *asked) {
   PetscReal L = asked->length0, end = L + asked->time, fall;
 
   if (asked->curvature > 0)
-    return PetscMax(fewest_folds, -2 * PetscLogReal(PetscMax(1e-30, asked->curvature)));
+    return PetscMax(FEWEST_FOLDS, -2 * PetscLogReal(PetscMax(1e-30, asked->curvature)));
   fall = 4.12 * (1 - 0.3 * asked->mu) * (1 / (L * L * L) - 1 / (end * end * end));
-  return PetscMax(fewest_folds, 2 * PetscMin(fall, 80) +
+  return PetscMax(FEWEST_FOLDS, 2 * PetscMin(fall, 80) +
                                     PetscMax(0, -PetscLogReal(PetscMax(1e-30, asked->amplitude))));
 }
 
@@ -211,12 +211,11 @@ PetscErrorCode AccuracyTell(const ErrorEstimate *error, PetscReal rtol, Rod rod,
 
   rod    at the end of the run, t      rtol   of its steps
   folds  how often |x2| fell or grew e-fold
-  bends  how often the energy grew e-fold against |x2|^2: what steps have added in short waves,
-  small beside |x2|, weighs so much more when these are what is left error  out; of the linear model
-  without what it neglects (grow.c)
+  weighed these, from the fewest on, as what was added in each weighs in the energy now
+  error  out; of the linear model without what it neglects (grow.c)
 */
 PetscErrorCode AccuracyEstimate(Rod rod, PetscReal t, PetscReal rtol, PetscReal folds,
-                                PetscReal bends, PetscReal *error) {
+                                PetscReal weighed, PetscReal *error) {
   const Mesh *mesh = &rod->scene->mesh;
   PetscBool fourth = (PetscBool)(rod->order == 4);
   PetscReal h = 0, jump = 0, *g;
@@ -229,8 +228,9 @@ PetscErrorCode AccuracyEstimate(Rod rod, PetscReal t, PetscReal rtol, PetscReal 
   for (PetscInt i = 0; i < mesh->cells && rod->model->linear; i++)
     jump = PetscMax(jump, PetscAbsReal(PetscLogReal(g[i + 1] / g[i])));
   PetscCall(PetscFree(g));
-  folds += fewest_folds;
-  *error = margin * per_fold * (rod->model == &rod_mixed ? 2 : 1) * folds * PetscExpReal(bends) *
+  folds += FEWEST_FOLDS;
+  *error = margin * per_fold * (rod->model == &rod_mixed ? 2 : 1) *
+               (folds + by_weight * PetscMax(0, weighed - folds)) *
                PetscPowReal(rtol / 1e-6, 6. / 7) +
            arc_error[fourth] * PetscPowReal(h, rod->order) +
            label_error[fourth] * folds / PetscPowReal(mesh->cells, rod->order) +

@@ -4,6 +4,8 @@
 
 #include "stepping/estimate.h"
 
+enum { FEWEST_FOLDS = 2 }; /* that a run is taken to have */
+
 extern const OptionGroup accuracy_options;
 
 PetscErrorCode AccuracyApply(void);
@@ -11,6 +13,6 @@ void AccuracyMeasured(PetscReal rtol, PetscReal worst[ESTIMATE_PARTS][ESTIMATE_S
                       PetscReal beside, ErrorEstimate *error);
 PetscErrorCode AccuracyTell(const ErrorEstimate *error, PetscReal rtol, Rod rod, MPI_Comm comm);
 PetscErrorCode AccuracyEstimate(Rod rod, PetscReal t, PetscReal rtol, PetscReal folds,
-                                PetscReal bends, PetscReal *error);
+                                PetscReal weighed, PetscReal *error);
 
 #endif

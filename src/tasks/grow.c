@@ -1,4 +1,5 @@
 /* -task grow: the loop, and the hand-over between models. */
+#include "tasks/accuracy.h"
 #include "tasks/grow.h"
 #include "base/signals.h"
 #include "rod/passing.h"
@@ -121,21 +122,27 @@ static PetscInt BetterModel(const Grow *self) {
   return neglected < 0.03 * self->rtol ? LINEAR : whole;
 }
 
-/* The linear model leaves out terms of the square of the angle and, in friction, of the square of
-   the speed across the rod: that along it is about 1. */
 /* How much the linear model's energy changes, which tells of the deflection where |x2| is that of a
-   clamp that leans; and how much shorter its waves become. */
-static void Shorten(Grow *self, PetscReal energy) {
-  const PetscReal size = PetscMax(self->seen.norm_x2, self->seen.norm_x3), least = 1e-300;
-  PetscReal bent;
+   clamp that leans. And its folds once more, as what steps have added in each weighs in the energy:
+   it may be in short waves, small beside |x2|, and when these are what is left, as the root of the
+   energy over |x2| tells, it weighs so much more. */
+static void Weigh(Grow *self, const Observation *last, PetscReal folds) {
+  const PetscReal least = 1e-300, size = PetscMax(self->seen.norm_x2, self->seen.norm_x3),
+                  before = PetscMax(last->norm_x2, last->norm_x3);
+  PetscReal grown;
 
-  if (self->now != &self->leg[LINEAR] || size < rod_vanished || self->seen.energy < least) return;
-  if (energy > least) self->energy_folds += PetscAbsReal(PetscLogReal(self->seen.energy / energy));
-  bent = PetscLogReal(self->seen.energy) - 2 * PetscLogReal(size);
-  if (self->straightest == 0 || bent < self->straightest) self->straightest = bent;
-  self->bends = PetscMax(self->bends, bent - self->straightest);
+  if (self->weighed == 0) self->weighed = FEWEST_FOLDS;
+  if (self->now == &self->leg[LINEAR] && PetscMin(size, before) > rod_vanished &&
+      PetscMin(self->seen.energy, last->energy) > least) {
+    grown = self->seen.energy / last->energy;
+    self->energy_folds += PetscAbsReal(PetscLogReal(grown));
+    self->weighed *= PetscSqrtReal(grown) * before / size;
+  }
+  self->weighed += folds;
 }
 
+/* The linear model leaves out terms of the square of the angle and, in friction, of the square of
+   the speed across the rod: that along it is about 1. */
 static PetscErrorCode Neglect(Grow *self, Vec U_t) {
   PetscReal speed[MAX_FIELDS] = {0};
 
@@ -158,7 +165,7 @@ static PetscBool LedRoundCorner(Scene scene, PetscReal t0, PetscReal t1) {
 }
 
 static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
-  PetscReal before = self->seen.t, norm = self->seen.norm_x2;
+  PetscReal before = self->seen.t, norm = self->seen.norm_x2, folds = self->folds;
   PetscInt iterations = 0, all = 0, jumps = 0, blind = 0;
   PetscBool jumped = PETSC_FALSE, blindly = PETSC_FALSE, layered;
   Observation last = self->seen;
@@ -185,7 +192,7 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
     self->folds += PetscAbsReal(PetscLogReal(self->seen.norm_x2 / norm));
   if (norm > rod_vanished && self->seen.norm_x2 <= rod_vanished) self->vanished = PETSC_TRUE;
   PetscCall(Neglect(self, U_t));
-  Shorten(self, last.energy);
+  Weigh(self, &last, self->folds - folds);
   self->depth = PetscMax(self->depth, self->seen.penetration);
   if (self->seen.contact_force > 0) self->pressed = PETSC_TRUE;
   self->seen.step = t - before;

@@ -60,9 +60,8 @@ void GrowKeepErrors(const Grow *self, PetscReal kept[RESTART_BESIDE]) {
   kept[2] = self->crossed;
   kept[3] = self->vanished ? 1 : 0;
   kept[4] = self->depth;
-  kept[5] = self->straightest;
-  kept[6] = self->bends;
-  kept[7] = self->energy_folds;
+  kept[5] = self->energy_folds;
+  kept[6] = self->weighed;
 }
 
 /* GrowTakeErrors - goes on with that. */
@@ -72,9 +71,8 @@ void GrowTakeErrors(Grow *self, const PetscReal kept[RESTART_BESIDE]) {
   self->crossed = kept[2];
   self->vanished = (PetscBool)(kept[3] != 0);
   self->depth = kept[4];
-  self->straightest = kept[5];
-  self->bends = kept[6];
-  self->energy_folds = kept[7];
+  self->energy_folds = kept[5];
+  self->weighed = kept[6];
 }
 
 /* What comes beside the errors of mesh and steps, in each of what is seen. */
@@ -104,7 +102,7 @@ PetscErrorCode GrowErrors(Grow *self) {
   if (self->estimate) PetscCall(EstimateGet(self->estimate, worst));
   if (error->kind == ESTIMATE_FITTED) {
     PetscCall(AccuracyEstimate(self->now->rod, self->seen.t, self->rtol,
-                               PetscMax(self->folds, self->energy_folds / 2), self->bends,
+                               PetscMax(self->folds, self->energy_folds / 2), self->weighed,
                                &fitted));
     beside += fitted + per_depth * self->depth / self->seen.length;
     if (load->limit) beside += of_limit * PetscPowReal(load->friction.beta, 1. / 6);

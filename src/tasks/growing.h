@@ -35,8 +35,7 @@ typedef struct {
   PetscReal folds;            /* of |x2|, up and down, so far */
   PetscReal neglected;        /* largest part that the linear model left out */
   PetscReal energy_folds;     /* of the energy of the linear model, up and down */
-  PetscReal straightest;      /* least log of energy over |x2|^2 that it has met; 0: none */
-  PetscReal bends;            /* by how much that has risen since, at most */
+  PetscReal weighed;          /* the folds, by what they weigh in its energy */
   PetscBool pressed;          /* there has been contact */
   ErrorEstimate error;        /* as GrowErrors() has found it */
   PetscReal depth;            /* largest penetration so far */
