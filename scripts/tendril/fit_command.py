@@ -94,7 +94,7 @@ def main(arguments=None):
     parser.add_argument("--prior", action="append", metavar="NAME=MEAN:DEVIATION",
                         help="what is known of a parameter, 0.5N/m:0.1N/m")
     parser.add_argument("--tied", action="append", metavar="NAME=FORMULA",
-                        help='an option that follows from parameters, "si_friction_viscous=0.5*si_friction_dry N/m"')
+                        help='an option that follows from parameters, "si_friction_viscous=2*si_friction_dry Ns/m^2"')
     parser.add_argument("--noise", action="append", metavar="GROUP=NOISE",
                         help="of lines or a series, where it is known and independent: lines=0.5mm")
     parser.add_argument("--output", metavar="BASENAME", default="fit", help="default %(default)s")

@@ -398,7 +398,7 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", f
     fps         frames per second, of data that count frames
     y_down      whether x2 is counted downwards; None: of px it is, else it is not
     priors      {"si_bending_stiffness": ("4.5e-4", "1e-5")}: mean and standard deviation of what is known
-    tied        {"si_friction_viscous": "0.5*si_friction_dry N/m"}: options that follow from parameters
+    tied        {"si_friction_viscous": "2*si_friction_dry Ns/m^2"}: options that follow from parameters
     noise       {"lines": "0.5mm", "base_force_1": "2mN"}: of what was measured, where it is known, and
                 independent from point to point; else it is estimated, with its correlation
     accuracy    of the runs, or better where the data are; the search for a start takes 30 times that

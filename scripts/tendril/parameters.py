@@ -111,7 +111,7 @@ OPERATORS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mu
 
 
 def tied_value(name, text, values):
-    """What is tied to parameters, as tendril has it: "0.5*si_friction_dry N/m", a formula of + - * / **
+    """What is tied to parameters, as tendril has it: "2*si_friction_dry Ns/m^2", a formula of + - * / **
     with their numbers, and a unit behind a blank. values: {parameter: "0.7N/m"}"""
     formula, _, unit = str(text).strip().partition(" ")
     if " " in unit.strip():
@@ -133,4 +133,4 @@ def tied_value(name, text, values):
         return f"{number(ast.parse(formula, mode='eval'))!r}{unit.strip()}"
     except (ValueError, SyntaxError, ZeroDivisionError, OverflowError):
         raise TendrilError(f"tied {name}: {text}: give a formula of the parameters, {', '.join(values)}, and "
-                           f"a unit: 0.5*{next(iter(values), 'a')} N/m") from None
+                           f"its own unit behind a blank: 0.5*{next(iter(values), 'a')} N/m") from None

@@ -273,6 +273,15 @@ class Reading(unittest.TestCase):
         with self.assertRaises(tendril.TendrilError):
             Prior.of("a", "2N/m:-1N/m")
 
+    def test_ties_of_the_manual(self):
+        """What docs and help give as an example of a tie is an option that the program takes."""
+        for file in ("docs/fitting.md", "scripts/tendril/fit_command.py", "scripts/tendril/fitting.py"):
+            found = re.search(r"(si_friction_viscous)[\"=: ]+([^\"`]+)", (ROOT / file).read_text())
+            option = tied_value(*found.groups(), {"si_friction_dry": "0.7N/m"})
+            done = subprocess.run([os.environ["TENDRIL"], *("-task units -si_bending_stiffness 2e-6 -si_friction_dry 0.7N/m "
+                                   f"-si_speed 5mm/s -si_friction_viscous {option}").split()], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, f"{file}: {found[0]}: {done.stderr}")
+
 
 @unittest.skipUnless(find_spec("cv2") and find_spec("skimage"), "OpenCV and scikit-image are not there")
 class Tracing(unittest.TestCase):
