@@ -161,7 +161,9 @@ keep() {
   fi
   mv "$1.$$" "$1"
 }
-mkdir -p "$directory/running"
+if ! mkdir -p "$directory/running" 2>/dev/null || [ ! -w "$directory" ] || [ ! -w "$directory/running" ]; then
+  fail "$directory: nothing can be written there; give a directory of a disk and a place where you may write"
+fi
 # One sweep at a time (and task of a job array): a second would take away what the first is writing.
 export SWEEP_ID=${SLURM_ARRAY_TASK_ID:-all} # each task of a job array keeps its own account
 if command -v flock >/dev/null; then

@@ -463,6 +463,12 @@ def script_from_elsewhere():
     """Files count from where one is; one sweep at a time is at work in a directory."""
     d = Path(scene.SCRATCH)
     (d / "a.opts").write_text(SHORT.replace(" -", "\n-") + "\n")
+    with small_disk(100) as disk:
+        if disk:
+            subprocess.run(["mount", "-o", "remount,ro", disk], check=True)
+            said = script(f"{ROOT}/scripts/sweep.sh {disk}/a {SHORT} -- friction_mu 0,1", 1)
+            expect(said == f"sweep: {disk}/a: nothing can be written there; give a directory of a disk and a place "
+                   "where you may write\n", said)
     command = f"{ROOT}/scripts/sweep.sh here -j 1 -options_file a.opts -- friction_mu 0,1"
     script(command, cwd=d)
     expect(len(list((d / "here").glob("*.h5"))) == 2, f"{list(d.rglob('*.h5'))}")
