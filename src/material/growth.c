@@ -300,6 +300,13 @@ PetscErrorCode GrowthArc(Growth growth, PetscInt n, const PetscReal s[], PetscRe
   PetscFunctionReturn(0);
 }
 
+/* GrowthOutlook - words for who is told that a rod is stable up to the end: where it may give way.
+ */
+const char *GrowthOutlook(Growth growth) {
+  if (strcmp(growth->type, "none")) return "look further";
+  return "and with -growth_type none it does not lengthen: begin longer, or load it more";
+}
+
 /* GrowthLength - L(t) and dL/dt (may be NULL). */
 PetscErrorCode GrowthLength(Growth growth, PetscReal t, PetscReal *length, PetscReal *length_t) {
   const PetscReal tip = 1;

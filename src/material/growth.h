@@ -39,6 +39,7 @@ PetscErrorCode GrowthStretch(Growth growth, PetscInt n, const PetscReal s[], Pet
 PetscErrorCode GrowthArc(Growth growth, PetscInt n, const PetscReal s[], PetscReal t, PetscReal p[],
                          PetscReal p_t[]);
 PetscErrorCode GrowthLength(Growth growth, PetscReal t, PetscReal *length, PetscReal *length_t);
+const char *GrowthOutlook(Growth growth);
 PetscErrorCode GrowthDestroyData(Growth growth);
 
 /* creators that have a file of their own */

@@ -345,9 +345,8 @@ static PetscErrorCode Follow(Scene scene, PetscReal rtol, PetscBool quiet, Petsc
   UserCheck(self.crosses || reason != TS_CONVERGED_ITS, OptionsComm(),
             "-ts_max_steps: reached at t = %s, and the bent rod is stable up to there; allow more",
             OptionBoth(*t, UNIT_TIME, text));
-  UserCheck(self.crosses, OptionsComm(),
-            "-ts_max_time %s: the bent rod is stable up to there, look further",
-            OptionBoth(scene->end_time, UNIT_TIME, text));
+  UserCheck(self.crosses, OptionsComm(), "-ts_max_time %s: the bent rod is stable up to there, %s",
+            OptionBoth(scene->end_time, UNIT_TIME, text), GrowthOutlook(scene->growth));
   PetscFunctionReturn(0);
 }
 

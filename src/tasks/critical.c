@@ -319,9 +319,9 @@ static PetscErrorCode CheckFate(Scene scene, Fate fate) {
             "-rod_weight: takes all thrust off the rod, however long it is: it never turns "
             "unstable");
   UserCheck(fate == CROSSES, scene->comm,
-            "-ts_max_time %s: the straight rod is stable up to there%s, look further",
+            "-ts_max_time %s: the straight rod is stable up to there%s, %s",
             OptionBoth(scene->end_time, UNIT_TIME, text),
-            fate == PULLED ? ", pulled all along" : "");
+            fate == PULLED ? ", pulled all along" : "", GrowthOutlook(scene->growth));
   PetscFunctionReturn(0);
 }
 

@@ -245,7 +245,10 @@ def refused():
             "-tip_type clamped -tip_torque 1 -clamp_spin 1": "-clamp_spin: turns a clamped tip",
             f"-tip_type clamped -tip_path {path}": "-tip_path: -task critical",
             "-rod_weight 1.5,0": "never turns unstable",
-            "-rod_weight 1.5,0 -growth_type gaussian -ts_max_time 3": "stable up to there, pulled all along"}.items():
+            "-rod_weight 1.5,0 -growth_type gaussian -ts_max_time 3": "stable up to there, pulled all along, look further",
+            "-growth_type none -rod_model space -rod_curvature 1 -friction_mu 0 -ts_max_time 0.01":
+                "stable up to there, and with -growth_type none it does not lengthen",
+            "-growth_type none": "stable up to there, pulled all along, and with -growth_type none it does not lengthen"}.items():
         out = tendril(options + " -task critical -friction_beta 0", 1)
         text = out if isinstance(out, str) else str(out)
         expect(words in text and text.strip().count("\n") == 0, f"{options}: {text}")
