@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgba
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import FixedLocator, MaxNLocator
 from mpl_toolkits.mplot3d import proj3d
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
@@ -131,26 +131,31 @@ def sight(view):
     return turn, rise
 
 
-def look(axes, up, view):
-    """Turns axes so that an axis points up, and they are seen from view: degrees about it from the front, and
-    above the horizon."""
+def towards(up, view):
+    """Unit vector [3] towards the eye of who looks from view: degrees about the axis that points up from the front,
+    and above the horizon."""
     right, above, front = directions(up)
     turn, rise = np.radians(view)
-    eye = np.cos(rise) * (np.sin(turn) * right + np.cos(turn) * front) + np.sin(rise) * above
+    return np.cos(rise) * (np.sin(turn) * right + np.cos(turn) * front) + np.sin(rise) * above
+
+
+def look(axes, up, view):
+    """Turns axes so that an axis points up, and they are seen from view."""
     vertical = abs(up) - 1
-    a, b, c = np.roll(eye, 2 - vertical)  # as the library has them: c along the vertical axis
+    a, b, c = np.roll(towards(up, view), 2 - vertical)  # as the library has them: c along the vertical axis
     axes.view_init(elev=np.degrees(np.arcsin(np.clip(c, -1, 1))), azim=np.degrees(np.arctan2(b, a)),
                    roll=180 if up < 0 else 0, vertical_axis="xyz"[vertical])
 
 
 def ticks_of(low, high, most):
-    """Where an axis has numbers: that many pieces or fewer, so that they do not run together, yet two numbers
-    where that can be."""
-    for pieces in range(max(2, most), max(2, most) + 3):
+    """Where an axis has numbers, into that many pieces or fewer, so that they do not run together; yet two numbers
+    where that can be: the outermost of them if there is no room for those between."""
+    for pieces in range(max(2, round(most)), max(2, round(most)) + 3):
         locator = MaxNLocator(pieces, steps=[1, 2, 5, 10], min_n_ticks=1)
-        if np.sum((locator.tick_values(low, high) >= low) & (locator.tick_values(low, high) <= high)) > 1:
+        inside = [value for value in locator.tick_values(low, high) if low <= value <= high]
+        if len(inside) > 1:
             break
-    return locator
+    return FixedLocator([inside[0], inside[-1]]) if len(inside) > 2 and most < 1.5 else locator
 
 
 def furnish(axes, low, high, up, view, label):
@@ -160,6 +165,7 @@ def furnish(axes, low, high, up, view, label):
     axes.set_proj_type("persp", focal_length=1.6)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
     sides = np.subtract(high, low)
+    seen = sides * np.sqrt(1 - towards(up, view) ** 2)  # an axis that points at the eye is seen short
     axes.set_box_aspect(sides / sides.max(), zoom=1.0)
     look(axes, up, view)
     axes.computed_zorder = False
@@ -167,7 +173,7 @@ def furnish(axes, low, high, up, view, label):
     axes.patch.set_alpha(0)
     for d, axis in enumerate((axes.xaxis, axes.yaxis, axes.zaxis)):
         depth = np.delete(sides, d).max() / sides.max()  # the library moves labels off by parts of the other sides
-        axis.set_major_locator(ticks_of(low[d], high[d], round(5 * sides[d] / sides.max())))
+        axis.set_major_locator(ticks_of(low[d], high[d], 5 * seen[d] / sides.max()))
         axis.set_pane_color((1, 1, 1, 0))
         axis.line.set_linewidth(0.6)
         axis.set_tick_params(pad=1 if d == abs(up) - 1 else -2, labelsize=7, width=0.5)  # beside it wide numbers need more

@@ -219,6 +219,27 @@ class Package(unittest.TestCase):
                 tendril.plot(self.tube, panel)
         self.assertEqual(tendril.plot(self.tube, "space").axes[0].name, "3d")
 
+    def test_space_numbers(self):
+        """The numbers of an axis that is seen short do not run together, and there are two at least."""
+        from matplotlib import pyplot as plt
+
+        from tendril.perspective import furnish
+
+        for high, view in (((5, 1.5, 1.5), (20, 20)), ((5, 1.5, 1.5), (70, 20)), ((1, 0.3, 0.3), (20, 20)),
+                           ((3, 3, 3), (20, 35)), ((3, 3, 3), (5, 5))):
+            figure = plt.figure(figsize=(3.3, 2.6), dpi=100)
+            ax = figure.add_subplot(projection="3d")
+            furnish(ax, (-0.05, -high[1] / 2, -high[2] / 2), (high[0], high[1] / 2, high[2] / 2), 3, view, str)
+            canvas = FigureCanvasAgg(figure)
+            canvas.draw()
+            for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
+                boxes = [tick.label1.get_window_extent(canvas.get_renderer()) for tick in axis.get_major_ticks()
+                         if tick.label1.get_text()]
+                self.assertGreater(len(boxes), 1)
+                for one, other in zip(boxes, boxes[1:]):
+                    self.assertFalse(one.padded(-1).overlaps(other.padded(-1)), (high, view, axis.axis_name))
+            plt.close(figure)
+
     def test_space_nearer_hides(self):
         """Of two rods that cross the nearer is seen, whichever is drawn first."""
         import matplotlib.pyplot as plt
