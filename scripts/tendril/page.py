@@ -24,6 +24,7 @@ from .errors import ResultsError, TendrilError, complaint, replacing
 from .pictures import colours, name_of, symbol_of
 from .packed import moves_straight, packed, thinned
 from .results import Results, load, runs_of, titles_of
+from .spatial import out_of_plane
 from .style import COLOURS
 from .surroundings import axial_force, friction, pressed, size_of, walls
 from .units import in_laboratory, laboratory_units
@@ -80,10 +81,11 @@ def summary_of(r):
 
 def run_of(r, title, colour, shapes, units):
     options = "\n".join(f"-{name} {value}".rstrip() for name, value in r.options.items())
+    drawn = {"norm_x3": out_of_plane(r)} if r.in_space else {}
     return {
         "name": title, "colour": colour, "options": options, "summary": summary_of(r),
         "factors": {unit: in_laboratory(unit, r.scale)[0] / si for unit, (_, si) in units.items()},
-        "series": {name: packed(values) for name, values in r.series.items()},
+        "series": {name: packed(values) for name, values in {**r.series, **drawn}.items()},
         "shapes": {name: packed(values) for name, values in shapes.items() if name != "along"},
         "widths": {name: int(np.prod(values.shape[1:])) for name, values in shapes.items()
                    if name not in ("t", "fair", "along")},

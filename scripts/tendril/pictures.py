@@ -38,7 +38,7 @@ from .errors import ResultsError, TendrilError, complaint
 from .perspective import VIEW, Rods, Strand, box_of, draw_surfaces, furnish, sight
 from .results import Results, load, runs_of, titles_of
 from .solids import solids
-from .spatial import diameter_of, lift, up_of
+from .spatial import diameter_of, lift, out_of_plane, up_of
 from .style import BLUE, COLOURS, GREEN, GREY, ORANGE, RED, STYLE, InStyle, save
 from .surroundings import arc_length, contact_force, size_of
 from .units import Units, briefly, moment
@@ -145,13 +145,6 @@ def settle(figure):
             else:
                 text.set(ha=first[0], va="top")
                 text.xyann = first[1:]
-
-
-def out_of_plane(r):
-    """The norm of x3, 0 while it first rises from rounding to where it could be told beside that of x2."""
-    norm, beside = r.series.norm_x3.copy(), r.series.norm_x2[r.series.norm_x2 > 0]
-    norm[:np.argmax(norm > 0.1 * beside.min(initial=np.inf))] = 0
-    return norm
 
 
 def panel_norm(ax, r, view):

@@ -133,3 +133,10 @@ def tube(x, radius, sides=16, first=None):
                            np.stack([np.full(sides, n * sides + 1), last + j, last + k], -1)])
     node = np.concatenate([np.repeat(np.arange(n), sides), [0, n - 1]])
     return vertices, np.concatenate([sheet, ends]), node
+
+
+def out_of_plane(r):
+    """The norm of x3, 0 while it first rises from rounding to where it could be told beside that of x2."""
+    norm, beside = r.series.norm_x3.copy(), r.series.norm_x2[r.series.norm_x2 > 0]
+    norm[:np.argmax(norm > 0.1 * beside.min(initial=np.inf))] = 0
+    return norm

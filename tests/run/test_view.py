@@ -360,6 +360,9 @@ class View(unittest.TestCase):
         self.assertGreater(np.ptp(twist), 1)
         self.assertEqual(run["diameter"], 0.1)
         self.assertEqual(data["up"], 3)
+        x3 = array(run["series"]["norm_x3"])  # begins from rounding: that sets no axis
+        self.assertGreater(x3[x3 > 0].min(), 0.05 * r.series.norm_x2[r.series.norm_x2 > 0].min())
+        self.assertAlmostEqual(x3[-1] / r.series.norm_x3[-1], 1, 6)
         drawn = [name for chart in data["charts"] for name in chart["series"]]
         self.assertEqual(sorted(drawn), sorted(set(r.series) - {"t"}))
         self.assertIn("three.js authors", page)
