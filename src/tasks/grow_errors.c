@@ -2,14 +2,12 @@
 #include "tasks/accuracy.h"
 #include "tasks/growing.h"
 
-/* Rigid contact is the limit of no penetration; as far off as this times that, over the length. */
-static const PetscReal per_depth = 5;
 /* A snap ends a little inside the limit of friction. A start that one step has crossed was not
    followed: it may be off by twice what that step has changed, and by no more than of_start; but
    if that is far, the rod may have left it to another side, and nothing is known. Behind
    a growth zone friction that is exact is taken for one with a beta, which moments that were laid
-   down feel by its sixth root, and little else does. */
-static const PetscReal per_snap = 1e-4, per_change = 2, of_start = 1e-2, far = 0.5, of_limit = 5;
+   down feel by its sixth root, and little else does: so much where errors are not followed. */
+static const PetscReal per_snap = 1e-4, per_change = 2, of_start = 1e-2, far = 0.5, of_limit = 10;
 /* What a viscous share adds, over it: norms change by up to ten times that (LoadShareMore()). */
 static const PetscReal per_share = 10;
 
@@ -104,8 +102,9 @@ PetscErrorCode GrowErrors(Grow *self) {
     PetscCall(AccuracyEstimate(self->now->rod, self->seen.t, self->rtol,
                                PetscMax(self->folds, self->energy_folds / 2), self->weighed,
                                &fitted));
-    beside += fitted + per_depth * self->depth / self->seen.length;
-    if (load->limit) beside += of_limit * PetscPowReal(load->friction.beta, 1. / 6);
+    beside += fitted;
+    if (load->limit && !self->estimate)
+      beside += of_limit * PetscPowReal(load->friction.beta, 1. / 6);
   }
   AccuracyMeasured(self->estimate ? self->rtol : 0, worst, beside, error);
   PetscFunctionReturn(0);

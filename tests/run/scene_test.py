@@ -177,6 +177,10 @@ def doubts():
     error = abs(r.energy[-1] / limit.energy[-1] - 1)
     print(f"the limit: off by {error:.1e}, estimated {r.estimate:.1e}")
     expect(error < r.estimate < 20 * error, f"energy off by {error:.1e}, estimated {r.estimate:.1e}")
+    mixed = Run(rests + "-friction_beta 0 -rod_model mixed")
+    error = abs(mixed.energy[-1] / limit.energy[-1] - 1)
+    print(f"the limit, by the mixed model: off by {error:.1e}, estimated {mixed.estimate:.1e}")
+    expect(error < mixed.estimate < 3 * error, f"mixed: energy off by {error:.1e}, estimated {mixed.estimate:.1e}")
     expect(", friction " in r.said and "The estimate is that large for: tip " in r.said, r.said)
     bent = ("-growth_type apical -growth_zone 0.56 -growth_initial_length 3 -shape_type straight -rod_curvature 0.04 "
             "-tip_force 1.3 -tip_law follower -friction_across 1.5 -ts_max_time 2 -rod_cells 200 ")
@@ -220,6 +224,11 @@ def doubts_linear():
         off = max(abs(r.series[k][-1] / fine.series[k][-1] - 1) for k in ("norm_x2", "energy"))
         print(f"{name}: off by {off:.1e}, told {r.estimate:.1e}")
         expect(off < r.estimate and "a fit" in r.said, f"{name}: off by {off:.1e}, told {r.estimate:.1e}")
+    bent = "-growth_initial_length 2 -shape_amplitude 0.3 -ts_max_time 2 -rod_model "  # what is left out of the linear model is most of it
+    r, whole = Run(bent + "linear"), Run(bent + "frame")
+    off = max(abs(r.series[k][-1] / whole.series[k][-1] - 1) for k in ("norm_x2", "energy"))
+    print(f"bent: off by {off:.1e}, told {r.estimate:.1e}")
+    expect(off < r.estimate < 100 * off, f"bent: off by {off:.1e}, told {r.estimate:.1e}")
 
 
 @check
@@ -566,6 +575,7 @@ def snap():
               f"by {distance(stuck, limit):.1e}; two ranks differ by "
               f"{distance(on_two.tip, dry.tip):.1e}")
         expect(distance(dry.tip, limit) < 2e-4, f"{amplitude}: tip {dry.tip}, not {limit}")
+        expect(distance(dry.tip, limit) < dry.estimate, f"{amplitude}: told {dry.estimate:.1e}")
         expect(distance(stuck, limit) < 2e-3, f"{amplitude}: exact Coulomb, tip {stuck}")
         expect(distance(on_two.tip, dry.tip) < 1e-5, f"{amplitude}: two ranks, tip {on_two.tip}")
         expect(dry.energy_defect[-1] < 1e-3, f"{amplitude}: defect {dry.energy_defect[-1]:.1e}")
