@@ -155,7 +155,8 @@ static PetscErrorCode Neglect(Grow *self, Vec U_t) {
   PetscFunctionReturn(0);
 }
 
-/* Jumps before this part of the run cross the layer of a start, and are no snaps (controller.c). */
+/* Jumps before this part of the run cross the layer of a start, and are no snaps unless they were
+   followed (controller.c). */
 static const PetscReal initial_layer = 1e-6;
 
 /* Does what leads tip or clamp set out or stop at once between two times? */
@@ -177,12 +178,12 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
     PetscCall(VBDFGetJumps(self->now->ts, &jumps, &blind));
     jumped = (PetscBool)(jumps > self->now->jumps);
     if (jumped || LedRoundCorner(self->scene, before, t)) ObserverJump(self->observer);
-    if (jumped && !layered) self->snaps++;
     if (self->now == &self->leg[WholeModel(self)])
       PetscCall(EstimateStep(self->estimate, jumped, self->pressed));
     self->now->jumps = jumps;
     blindly = (PetscBool)(blind > self->now->blind);
     self->now->blind = blind;
+    if (jumped && !(layered && blindly)) self->snaps++;
   }
   iterations = all - self->iterations;
   self->iterations = all;
