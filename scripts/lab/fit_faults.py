@@ -2,7 +2,7 @@
 """What tendril.fit says of points with one fault each: the table of docs/fitting.md, section 4. The points are those of
 the fed tube of fit_trial.py, clean or with errors of 1 % of the width.
 
-    PYTHONPATH=scripts .venv/bin/python scripts/lab/fit_faults.py [--noisy] [FAULT ...]"""
+    PYTHONPATH=scripts .venv/bin/python scripts/lab/fit_faults.py [--noisy] [--seed 1] [FAULT ...]"""
 
 import argparse
 import sys
@@ -21,6 +21,41 @@ def turned(t, x, random):
     return t, x @ np.array([[c, s], [-s, c]])
 
 
+def another_time(t, x, random):
+    """The fifth photograph shows what the third does."""
+    at, x = np.unique(t), x.copy()
+    x[t == at[4]] = x[t == at[2]]
+    return t, x
+
+
+def times_exchanged(t, x, random):
+    at, other = np.unique(t), t.copy()
+    other[t == at[4]], other[t == at[5]] = at[5], at[4]
+    return other, x
+
+
+def camera_moved(t, x, random):
+    return t, x + np.where(t >= np.unique(t)[4], 1, 0)[:, None] * [3e-3, 2e-3]
+
+
+def cut_off(part):
+    """The rod leaves the picture."""
+    return lambda t, x, random: [column[x[:, 0] < part * x[:, 0].max()] for column in (t, x)]
+
+
+def strays(share):
+    def change(t, x, random):
+        astray, x = random.random(len(t)) < share, x.copy()
+        x[astray] = random.uniform(x.min(axis=0), x.max(axis=0), (astray.sum(), 2))
+        return t, x
+    return change
+
+
+def alone(*which):
+    """Some of the photographs."""
+    return lambda t, x, random: [column[np.isin(t, np.unique(t)[list(which)])] for column in (t, x)]
+
+
 # times in s and points in m, [n] and [n, 2]
 FAULTS = {
     "none": lambda t, x, random: (t, x),
@@ -35,6 +70,18 @@ FAULTS = {
     "scale 5 % too large": lambda t, x, random: (t, 1.05 * x),
     "scale 5 % too small": lambda t, x, random: (t, 0.95 * x),
     "a time without its unit": lambda t, x, random: (t, x),
+    "a photograph of another time": another_time,
+    "two times exchanged": times_exchanged,
+    "the camera was moved": camera_moved,
+    "the outer 40 % is missing": cut_off(0.6),
+    "the outer 15 % is missing": cut_off(0.85),
+    "strays 10 %": strays(0.1),
+    "strays 25 %": strays(0.25),
+    "strays 40 %": strays(0.4),
+    "one photograph": alone(7),
+    "two photographs": alone(5, 7),
+    "three photographs": alone(3, 5, 7),
+    "an early photograph": alone(2),
 }
 
 
@@ -42,13 +89,14 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("faults", nargs="*", metavar="FAULT", help=", ".join(FAULTS))
     parser.add_argument("--noisy", action="store_true")
+    parser.add_argument("--seed", type=int, default=1, help="of the photographs")
     choice = parser.parse_args()
     if not choice.noisy:
         fit_trial.NOISE = 1e-4
     trial = fit_trial.TRIALS["fed tube"]
     r = trial.run()
     with tempfile.TemporaryDirectory(prefix="tendril-") as place:
-        whole = np.loadtxt(fit_trial.measure(trial, r, 1, Path(place))[0], delimiter=",", skiprows=1)
+        whole = np.loadtxt(fit_trial.measure(trial, r, choice.seed, Path(place))[0], delimiter=",", skiprows=1)
         for name in choice.faults or FAULTS:
             t, x = FAULTS[name](whole[:, 0], whole[:, 1:], np.random.default_rng(1))
             head = "t,x1 (m),x2 (m)" if "unit" in name else "t (s),x1 (m),x2 (m)"

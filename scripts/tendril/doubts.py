@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import stats
 
-from .comparing import BARE, LINES, VIEW
+from .comparing import BARE, ENDS, LINES, VIEW
 from .errors import RunError, TendrilError
 from .measured import Measured, Values
 from .noise import estimate
@@ -34,6 +34,9 @@ BETTER, SLIGHT = 0.6, 0.8  # a cause is one if residuals fall to this part, of a
 WELL = 1 / 3  # to this part also with one that ends at the most that is tried,
 STILL = 2.5  # or leaves them beyond so many times what is called bad: next to points at random anything explains a little
 ALIKE = 1.25  # residuals are known no better than to such a factor: causes within it are not told apart
+APART = 3.0  # times the noise of other photographs: what lies farther from the rod is beside it
+ODD, FEWER = 0.4, 0.1  # of a photograph's points, or fewer that lie twice as far: it is none of the others
+GOES_ON = 0.05  # of the extent: so far beyond its points a rod's tip was not seen
 EDGE = 0.01  # of its bounds: there a cause is as large as was tried
 LONGER = 3.0  # runs so much longer than those that were made are not tried
 COARSE = 3e-3  # the accuracy of runs for another time
@@ -132,6 +135,35 @@ def bare_part(fit: Fit):
     return float(np.mean(far > 0.01 * comparison.spreads()[LINES])) if len(far) else 0.0
 
 
+def off_the_rod(distances, others):
+    """(the part of a photograph's points that is farther from the rod than those of the others are, how far in the middle);
+    (0, 0) where that may be chance: strays are in all photographs alike, and some are in each."""
+    far = APART * max(spread_of(others), 1e-300)
+    beside, elsewhere = np.abs(distances) > far, np.abs(others) > far
+    count = int(np.sum(beside))
+    if not count or stats.binom.sf(count - 1, len(beside), (np.sum(elsewhere) + 1) / (len(elsewhere) + 2)) > SURE:
+        return 0.0, 0.0
+    part, size = count / len(beside), float(np.median(np.abs(distances[beside])))
+    return (part, size) if part > (FEWER if size > 2 * far else ODD) else (0.0, 0.0)
+
+
+def odd_ones(fit: Fit):
+    """Photographs that do not belong to the others, in words: of another time, or of another rod. The intervals allow for
+    them as for strays, and nothing else tells of them. None of fewer than three photographs."""
+    comparison, raw = fit.problem.comparison, fit.problem.raw(fit.u, fit.run)
+    photographs = comparison.measured.photographs
+    blocks = [raw[b.rows] for b in comparison.blocks if b.normal is not None]
+    words = []
+    for k, p in enumerate(photographs if len(photographs) > 2 else ()):
+        part, size = off_the_rod(blocks[k], np.concatenate(blocks[:k] + blocks[k + 1:]))
+        if size > SEEN * comparison.spreads()[LINES]:
+            unit = {"t": " s", "length": " m"}[p.abscissa] if p.abscissa and p.at.si else ""
+            name = f"the photograph at {p.abscissa} = {briefly(float(p.at.numbers))}{unit}" if p.abscissa else p.source
+            words.append(f"{name}: {100 * part:.0f} % of its points lie beside the rod, by {briefly(100 * size / comparison.spreads()[LINES])} % of the "
+                         "extent, where the others' are on it: of another time, or another rod? Leave it out, and see.")
+    return words
+
+
 def view_step(fit: Fit, name):
     """A small change of one of VIEW's numbers, in the units of the data."""
     extent = fit.problem.comparison.spreads().get(LINES, 1.0)
@@ -207,7 +239,7 @@ def changed(measured: Measured, change) -> Measured:
     if kind == "metre":
         return Measured([replace(p, points=Values(p.points.numbers * factor, "l")) for p in measured.photographs],
                         measured.curves)
-    matrix = {"mirror": [[1, 0], [0, -1]], "swap": [[0, 1], [1, 0]], "unit": [[factor, 0], [0, factor]],
+    matrix = {"none": [[1, 0], [0, 1]], "mirror": [[1, 0], [0, -1]], "swap": [[0, 1], [1, 0]], "unit": [[factor, 0], [0, factor]],
               "back": [[-1, 0], [0, 1]]}[kind]
     photographs = [replace(p, points=replace(p.points, numbers=p.points.numbers @ np.array(matrix, float)))
                    for p in measured.photographs]
@@ -330,6 +362,23 @@ def plain_units(measured: Measured, attributes):
     return words
 
 
+def searched_again(fit: Fit):
+    """(the part to which residuals fall, in words) of a search that goes on from all that was run, with nothing changed: a
+    cause that does no better is none. (1, None): they do not fall."""
+    ratio, problem, u = tried(fit, Cause("", change=("none", 0)))
+    fit.problem.count += problem.count
+    if u is None or ratio > BETTER:
+        return 1.0, None
+    raw, groups = problem.raw(u, problem.run([u])[0]), np.array(problem.comparison.groups)
+    ends = raw[:len(groups)][groups == ENDS]
+    if unseen := int(np.sum(ends > GOES_ON * problem.comparison.spreads()[LINES])):
+        return ratio, (f"likeliest cause: in {unseen} of {len(ends)} photographs the rod goes on beyond the points: its tip is out of the "
+                       f"picture, or hidden. Leave these out (residuals fall to {briefly(100 * ratio)} % where that costs little).")
+    there = ", ".join(p.text(float(f"{p.value(x):.4g}")) for p, x in zip(problem.parameters, u))
+    return ratio, (f"the search ended beside the solution: at {', '.join(p.name for p in problem.parameters)} = {there} residuals fall to "
+                   f"{briefly(100 * ratio)} %. Give that as START, or more --starts.")
+
+
 def causes_named(ends, least):
     """Of causes that were tried, (the part to which residuals fell, how many numbers it took, in words), those that take
     the most away, in one line, if that is enough; of several that do it about as well none is more likely."""
@@ -355,7 +404,12 @@ def likeliest(fit: Fit, bad, tell):
     if bad and fit.problem.measured.photographs and not fit.problem.comparison.camera:
         causes += promising(fit, [c for c in [*discrete(), *units] if not c.of_time])
     causes = [c for c in units if c.of_time] + causes
-    fit.problem.expect(TRIAL * len(causes))
+    fit.problem.expect(TRIAL * (len(causes) + bad))
+    if bad and fit.problem.measured.photographs:
+        tell("searching again")
+        nothing, again = searched_again(fit)
+    else:
+        nothing, again = 1.0, None
     ends = []
     for cause in causes:
         tell(f"trying a cause: {', '.join(cause.looked_for) or cause.change[0]}")
@@ -364,10 +418,12 @@ def likeliest(fit: Fit, bad, tell):
         except (TendrilError, np.linalg.LinAlgError):
             continue
         fit.problem.count += problem.count
-        if u is not None:
+        if u is not None and (again is None or ALIKE * ratio < nothing):
             ends.append((ratio, len(cause.looked_for), spoken(fit, problem, u, cause)))
     if named := causes_named(ends, BETTER if bad else SLIGHT):
         return [named]
+    if again:
+        return [again]
     return ["likeliest cause: none of place, turn, scale, unit, mirror, clock explains it; the scene is not "
             "the experiment, or these are not points of the rod."] if bad else []
 
@@ -394,6 +450,7 @@ def warnings_of(fit: Fit, agreed, tell) -> list[str]:
     if side and side[0] < 1e-2 and not bad:
         words.append(f"in all photographs the points lie on one side of the rod at {100 * side[1]:.0f} % of its "
                      f"length, by {100 * side[2] / fit.problem.comparison.spreads()[LINES]:.1g} % of the extent: the scene lacks something there, or the picture is off.")
+    words += odd_ones(fit)
     for name, told in fit.problem.told_noise.items():
         size = sizes(fit)[name][0]
         if size > 1.5 * told:

@@ -992,6 +992,41 @@ class Fitting(unittest.TestCase):
         self.assertGreater(doubts.bare_part(swapped), 0.05)
         self.assertEqual(doubts.promising(swapped, doubts.discrete())[0].change, ("swap", 0))
 
+    def test_an_odd_photograph(self):
+        """One that shows the rod at another time is named, and no other."""
+        photographs = self.found.problem.measured.photographs
+        late, other = photographs[-2].at.numbers, photographs[-1].points.numbers
+        self.assertEqual(doubts.odd_ones(self.found), [])
+        (words,) = doubts.odd_ones(self.wrong(lambda t, x, random: (t, other if t == late else x)))
+        self.assertRegex(words, f"^the photograph at t = {late:.3g} s: .* of another time, or another rod")
+
+    def test_strays_are_in_all_photographs(self):
+        """And make none of them odd."""
+        random = np.random.default_rng(1)
+        clean, strays = random.normal(size=(2, 200))
+        strays[::10] += 40
+        self.assertEqual(doubts.off_the_rod(strays[:40], np.r_[strays[40:], strays]), (0, 0))
+        part, size = doubts.off_the_rod(strays[:40], clean)
+        self.assertTrue(part == 0 or size > 20, (part, size))
+        self.assertGreater(doubts.off_the_rod(clean[:40] + 6, clean)[0], 0.9)
+
+    def test_a_search_that_went_astray(self):
+        """Is named, with where it should have ended; and so is the tip that is in no picture, which leads astray."""
+        old = self.found.problem
+        astray = np.array(self.found.u)
+        astray[:2] = [0.9, 0.95]
+        (r,) = old.run([astray])
+        for most, words in ((np.inf, "the search ended beside the solution: at si_friction_dry, rod_curvature = (.*)N/m, (.*)/m residuals"),
+                            (0.6, "in [1-9] of [0-9] photographs the rod goes on beyond the points")):
+            reach = most * max(p.points.numbers[:, 0].max() for p in old.measured.photographs)
+            wrong = replace(self.wrong(lambda t, x, random: (t, x[x[:, 0] < reach])), u=astray, run=r)
+            wrong.problem.raw(astray, r)
+            ratio, said = doubts.searched_again(wrong)
+            self.assertLess(ratio, doubts.WELL)
+            self.assertRegex(said, words)
+            for number, truth in zip(re.search(words, said).groups(), (FRICTION, CURVATURE)):
+                self.assertAlmostEqual(float(number) / truth, 1, delta=0.03)
+
     def test_points_at_random(self):
         """Are explained by nothing: a cause that leaves most of the residuals, or ends at the most that was tried, is none."""
         wild = self.wrong(lambda t, x, random: (t, random.uniform(x.min(axis=0), x.max(axis=0), x.shape)))
