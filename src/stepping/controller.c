@@ -3,12 +3,14 @@
 #include <petsc/private/tsimpl.h> /* it takes the place of a TS type's own */
 
 /* A snap may be too far for Newton's method: then it fails however short the step is, and after so
-   many tries it is followed. */
+   many tries it is followed; so it is before the step ends in round-off. */
 enum { failures_of_snap = 4 };
 /* Or it shows on the way: towards the turning point from which a rod snaps, steps shrink without
    end. One that is this part of the usual one asks whether the rod snaps; and, for it may have been
-   too early, each one that is this part again of the one that asked before. */
-static const PetscReal shrunk = 1e-4, forgets = 0.95;
+   too early, each one that is another part of the one that asked before: at the turning point
+   Newton's method finds no state, or one far away, and what is left of the way is halved each time.
+ */
+static const PetscReal shrunk = 1e-4, again = 1e-2, forgets = 0.95;
 /* Aim at this part of the tolerance: low, so that few steps are rejected. (0.5 at half the
    tolerance gives the same errors in as many steps, but has 36 rejected where this has 9.) */
 static const PetscReal safety = 0.22;
@@ -270,6 +272,11 @@ static void BeginTry(TS ts, Controller *self, Formula *f) {
   FormulaTakeFactor(f, self->order);
 }
 
+/* A step that is no step. */
+static PetscReal Smallest(TS ts, const Controller *self) {
+  return smallest * PetscMax(ts->ptime, early * Scale(ts, self));
+}
+
 /* After a rejection: a shorter step; after several, a fresh start from the last point alone,
    because the history may lie on the other side of a kink. */
 static PetscErrorCode Retry(TS ts, Controller *self, Formula *f, PetscInt attempt,
@@ -283,8 +290,7 @@ static PetscErrorCode Retry(TS ts, Controller *self, Formula *f, PetscInt attemp
     f->n = 1;
   }
   if (ts->max_reject >= 0 && attempt > ts->max_reject) ts->reason = TS_DIVERGED_STEP_REJECTED;
-  if (ts->time_step < smallest * PetscMax(ts->ptime, early * Scale(ts, self)))
-    ts->reason = TS_DIVERGED_STEP_REJECTED;
+  if (ts->time_step < Smallest(ts, self)) ts->reason = TS_DIVERGED_STEP_REJECTED;
   PetscFunctionReturn(0);
 }
 
@@ -368,7 +374,8 @@ static PetscBool Shrinks(const TS ts, Controller *self, const Formula *f) {
   if (f->n <= 1 && self->usual == 0) return PETSC_FALSE;
   PetscBool shrinks = (PetscBool)(ts->time_step < shrunk * self->usual);
 
-  self->usual = shrinks ? ts->time_step : PetscMax(ts->time_step, forgets * self->usual);
+  self->usual =
+      shrinks ? ts->time_step * again / shrunk : PetscMax(ts->time_step, forgets * self->usual);
   return shrinks;
 }
 
@@ -426,7 +433,8 @@ static PetscErrorCode CutOrSnap(TS ts, Controller *self, Formula *f, PetscInt at
   if (self->fixed ||
       (unsolved && ts->max_snes_failures >= 0 && ts->num_snes_failures > ts->max_snes_failures))
     ts->reason = unsolved ? TS_DIVERGED_NONLINEAR_SOLVE : TS_DIVERGED_STEP_REJECTED;
-  else if (attempt > failures_of_snap && self->snap && !self->tried)
+  else if (self->snap && !self->tried &&
+           (attempt > failures_of_snap || cut * ts->time_step < Smallest(ts, self)))
     PetscCall(Snap(ts, self, f));
   else
     PetscCall(Retry(ts, self, f, attempt, cut));
