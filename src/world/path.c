@@ -16,6 +16,7 @@ struct _Path {
   PetscReal *t, *value[PATH_COLUMNS], *slope[PATH_COLUMNS]; /* NULL: not said */
   PetscReal lab[3][3], clamp[4]; /* from the frame of the clamp to the laboratory */
   PetscReal begin;               /* of the run, or the first row */
+  PetscReal turned;              /* what PATH_TURN is then: turns are counted from there */
   PathPlace start, off;          /* of the tip; of it against the path there, off.p by a turn */
 };
 
@@ -164,9 +165,7 @@ static PetscReal Value(const Path self, int column, PetscReal t) {
 
 /* What the table says, in the frame of the clamp, and that of the start where it says nothing. */
 static void Said(const Path self, PetscReal t, PathPlace *place) {
-  const PetscReal turn = self->value[PATH_TURN]
-                             ? Value(self, PATH_TURN, t) - self->value[PATH_TURN][0]
-                             : 0,
+  const PetscReal turn = self->value[PATH_TURN] ? Value(self, PATH_TURN, t) - self->turned : 0,
                   about[4] = {PetscCosReal(turn / 2), PetscSinReal(turn / 2), 0, 0};
   const PetscReal(*lab)[3] = (const PetscReal(*)[3])self->lab;
   PetscReal x[3], q[4] = {1, 0, 0, 0}, p[4];
@@ -234,6 +233,7 @@ void PathBegin(Path self, const PetscReal lab[3][3], const PathPlace *start, Pet
   self->start = *start;
   QuaternionNormalise(self->start.p);
   self->begin = PetscMax(0, self->t[0]);
+  if (self->value[PATH_TURN]) self->turned = Value(self, PATH_TURN, self->begin);
   Said(self, self->begin, &said);
   QuaternionFrom(said.p, self->start.p, p);
   self->off.angle = start->angle - said.angle;

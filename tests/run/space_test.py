@@ -402,7 +402,7 @@ def led():
         turn = torque / C
         r = Run("-growth_type none -growth_initial_length 1 -shape_amplitude 1e-6 -friction_mu 0 -tip_type slides "
                 f"-rod_cells 40 -ts_max_time 3 -tip_path "
-                + path("t,x2,x3,angle,turn", [[0, 0, 0, 0, 0], [1, 0, 0, 0, turn], [2, 0, 0, 0, turn]]))
+                + path("t,x2,x3,angle,turn", [[-1, 0, 0, 0, 1], [0, 0, 0, 0, 2], [1, 0, 0, 0, 2 + turn], [2, 0, 0, 0, 2 + turn]]))
         held, size = -r.base_moment_1[-1] / torque, np.hypot(r.norm_x2, r.norm_x3).max()
         print(f"turned to {torque}: torque {held:.9f} of it at the end, x2 and x3 up to {size:.1e}")
         expect(size > 0.01 if grows else size < 1e-5, f"turned to {torque}: x2 and x3 up to {size}")
