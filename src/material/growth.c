@@ -181,7 +181,7 @@ static PetscErrorCode ArcNone(Growth self, PetscReal s, PetscReal t, PetscReal *
 
 static PetscErrorCode CreateNone(Growth self) {
   PetscFunctionBegin;
-  self->even = PETSC_TRUE;
+  self->even = self->still = PETSC_TRUE;
   self->stretch = StretchNone;
   self->arc = ArcNone;
   PetscFunctionReturn(0);

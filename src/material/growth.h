@@ -14,6 +14,7 @@ struct _Growth {
   PetscBool similar;        /* the straight rod's velocity depends on s alone, not on t */
   PetscBool slides;         /* material slides past the labels: c is not 0 */
   PetscBool rests;          /* there is material at rest, behind a growth zone */
+  PetscBool still;          /* it does not grow, and is not fed */
   PetscReal finest;         /* length of a zone at the tip that the mesh must resolve; 0: none */
   PetscReal narrow;         /* width in s of a growth zone at the clamp; 0: there is none */
   PetscBool stopped;        /* GrowthStop(): stands still at one time of another law */

@@ -230,6 +230,18 @@ PetscErrorCode RodInitialNodes(Rod rod, PetscReal t, Node *nodes) {
   PetscFunctionReturn(0);
 }
 
+/* Where friction feels the spin, ends that turn begin to. In a guess that keeps them at rest it is
+   stiffest, and turning them then makes of it a couple that twists all beside them beyond what
+   Newton's method finds back from, however short the step. */
+static void TurnEnds(Rod rod, PetscReal t, Node *nodes) {
+  const Scene scene = rod->scene;
+
+  if (scene->load.radius == 0) return;
+  if (rod->first == 0 && scene->clamp == CLAMP_HELD)
+    SpaceClampTurn(&scene->space, &scene->load, t, nodes->p);
+  if (rod->end == rod->last + 1) TipHeldFrame(&scene->tip, t, nodes[rod->last - rod->first].p);
+}
+
 /*
   RodGrowNodes - the first guess for a step that has no history: the rod stretched by growth at
   unchanged angles. A guess that keeps x would put friction where it is stiffest, at rest.
@@ -281,6 +293,7 @@ PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes) {
     nodes[k].moment = B[1] * ((nodes[k].moment / B[0] + k0[0]) * g[0] / g[1] - k0[1]);
     for (int d = 0; d < 2; d++) nodes[k].x[d] += dx[d][k];
   }
+  if (rod->model->space) TurnEnds(rod, t1, nodes);
   PetscCall(PetscFree(all));
   PetscFunctionReturn(0);
 }

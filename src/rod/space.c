@@ -10,8 +10,9 @@
      order 4:  y_b - y_a = h/6 (f_a + 4 f_mid + f_b),  y_mid = (y_a + y_b)/2 + h/8 (f_a - f_b),
      order 2:  y_b - y_a = h f_mid,                    y_mid = (y_a + y_b)/2,
    x_t at mid likewise, and the spin where friction along the rod feels it (rod/spin.h); else the
-   rate of p there is the mean of both ends'. The rows of node i are the x and p equations of the
-   cell on its left, the m and n equations of the cell on its right. */
+   rate of p there is the mean of both ends'. Where the couple of friction jumps within a cell it
+   has that of its ends (space_cells.c). The rows of node i are the x and p equations of the cell on
+   its left, the m and n equations of the cell on its right. */
 #include "base/lagrange.h"
 #include "base/vectors.h"
 #include "rod/space_cells.h"
@@ -294,12 +295,26 @@ static void NodeSlope(const Cell *cell, const Law *law, const Point *p, Friction
   AddVelocity(cell->load, law, p, slope, 1, dW, slope->f);
 }
 
+/* How the couple of friction at a node changes with its unknowns: 3 x FIELDS. */
+static void CoupleSlope(const Cell *cell, const Law *law, const Point *p, const FrictionDual4 *dual,
+                        const PetscReal shift[], const Slope *slope, PetscReal by[3][FIELDS]) {
+  PetscReal dW[RUBS][FIELDS] = {{0}};
+  Slope alone = *slope;
+
+  memset(alone.f, 0, sizeof(alone.f));
+  AddCouple(cell->load, law, p, dual, &alone);
+  RateSlope(cell->load, p, 1, shift, dW);
+  TurnSlope(cell->load, law, p, slope, dW);
+  AddVelocity(cell->load, law, p, slope, 1, dW, alone.f);
+  memcpy(by, alone.f[M], 3 * sizeof(*by));
+}
+
 /* J, the derivative of the cell's equations by the unknowns of one of its nodes: sign -1 for node
    a, 1 for node b. With G = dy_mid/dy = I/2 + k df/dy, J = sign I - we df/dy - wm (df_mid/dy_mid G
    + df_mid/dW dW_mid/dy). */
 static void CellJacobian(const Cell *cell, PetscReal sign, const PetscReal shift[], const Law *law,
-                         const Point *p, const Slope *slope, const Slope *mid,
-                         PetscReal J[FIELDS][FIELDS]) {
+                         const Point *p, const FrictionDual4 *dual, const Slope *slope,
+                         const Slope *mid, PetscReal J[FIELDS][FIELDS]) {
   const Space_ *self = (const Space_ *)cell->rod->data;
   const Load *load = cell->load;
   const PetscReal k = -sign * self->bow * cell->h, we = cell->h * self->end_weight,
@@ -311,6 +326,15 @@ static void CellJacobian(const Cell *cell, PetscReal sign, const PetscReal shift
       G[i][j] = k * slope->f[i][j];
       J[i][j] = -we * slope->f[i][j];
     }
+  if (cell->split) {
+    PetscReal by[3][FIELDS];
+    CoupleSlope(cell, law, p, dual, shift, slope, by);
+    for (int i = 0; i < 3; i++)
+      for (int j = 0; j < FIELDS; j++) {
+        G[M + i][j] -= sign * SplitBow(cell) * by[i][j];
+        J[M + i][j] -= wm / 2 * by[i][j];
+      }
+  }
   for (int i = 0; i < FIELDS; i++) {
     G[i][i] += 0.5;
     J[i][i] += sign;
@@ -348,8 +372,9 @@ static void CellJacobian(const Cell *cell, PetscReal sign, const PetscReal shift
         for (int c = 0; c < RUBS; c++) couple[i][c] = cell->mid.d[0][i] * mid->load.W[SPIN][c];
       AddProduct(3, 1, FIELDS, -wm * cell->law[1].g, mid->load.W[0] + SPIN, RUBS, dW[SPIN], FIELDS,
                  J[N], FIELDS);
-      AddProduct(3, RUBS, FIELDS, -wm * cell->law[1].g, couple[0], RUBS, dW[0], FIELDS, J[M],
-                 FIELDS);
+      if (!cell->split)
+        AddProduct(3, RUBS, FIELDS, -wm * cell->law[1].g, couple[0], RUBS, dW[0], FIELDS, J[M],
+                   FIELDS);
     }
   } else
     AddProduct(3, 3, 7, -wm * cell->law[1].g, mid->load.W[0], RUBS, dW[0], FIELDS, J[N], FIELDS);
@@ -369,10 +394,11 @@ static void CellBlocks(Cell *cell, PetscBool first, const PetscReal shift[], Slo
     slopes->a = slopes->b;
   NodeSlope(cell, cell->law + 2, &cell->b, cell->dual[2], shift, &slopes->b);
   Linearise(cell, cell->law + 1, &cell->mid, cell->dual[1], &slopes->mid);
-  if (cell->load->arm > 0)
+  if (cell->load->arm > 0 && !cell->split)
     AddCouple(cell->load, cell->law + 1, &cell->mid, cell->dual[1], &slopes->mid);
-  CellJacobian(cell, -1, shift, cell->law, &cell->a, &slopes->a, &slopes->mid, left);
-  CellJacobian(cell, 1, shift, cell->law + 2, &cell->b, &slopes->b, &slopes->mid, right);
+  CellJacobian(cell, -1, shift, cell->law, &cell->a, cell->dual[0], &slopes->a, &slopes->mid, left);
+  CellJacobian(cell, 1, shift, cell->law + 2, &cell->b, cell->dual[2], &slopes->b, &slopes->mid,
+               right);
 }
 
 static void TipBlock(const Cell *cell, const Slope *slope, const PetscReal shift[],
@@ -839,6 +865,17 @@ static const char *SpaceRefuses(Scene scene) {
              : NULL;
 }
 
+/* Does the couple of friction jump within cells where the rod stops turning? Not if beta is such
+   that it changes along many, nor if growth moves the rod all along. (That of a snap's fast time is
+   no scene's.) */
+static PetscBool Kinks(Scene scene) {
+  const PetscReal nearly_exact = 1e-6;
+  const Load *load = &scene->load;
+
+  return (PetscBool)(load->radius > 0 && scene->growth->still &&
+                     (load->limit || (load->friction.beta < nearly_exact && !load->stopped)));
+}
+
 static PetscErrorCode SpaceCreate(Rod rod) {
   PetscInt choice, points = 2 * (rod->end - rod->first + 2);
   Space_ *self;
@@ -855,6 +892,7 @@ static PetscErrorCode SpaceCreate(Rod rod) {
   rod->memory = RememberedOf(&rod->scene->load);
   self->duals = rod->scene->load.duals3;
   PetscCall(PetscCalloc2(points, &self->law, points * self->duals, &self->dual));
+  if (Kinks(rod->scene)) PetscCall(PetscCalloc1(rod->end - rod->first + 2, &self->split));
   if (rod->scene->contact.self) {
     rod->coupled = PETSC_TRUE;
     PetscCall(SpaceStrandsCreate(rod, &self->strands));
@@ -869,6 +907,7 @@ static PetscErrorCode SpaceDestroy(Rod rod) {
   PetscFunctionBegin;
   PetscCall(PetscFree2(self->law, self->dual));
   PetscCall(SpaceStrandsDestroy(&self->strands));
+  PetscCall(PetscFree(self->split));
   PetscCall(PetscFree(self->behind));
   PetscCall(PetscFree(rod->data));
   PetscFunctionReturn(0);

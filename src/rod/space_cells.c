@@ -1,4 +1,5 @@
 #include "rod/space_cells.h"
+#include "base/vectors.h"
 #include <string.h>
 
 static void PointAtNode(const Cell *cell, const Law *law, const FrictionDual4 *dual,
@@ -36,6 +37,8 @@ static void PointAtMid(Cell *cell, PetscReal k, const PetscReal *ua_t, const Pet
     p->n[i] = (a->n[i] + b->n[i]) / 2 + k * (a->f[N + i] - b->f[N + i]);
     p->at.x[i] = (a->at.x[i] + b->at.x[i]) / 2 + k * (a->f[X + i] - b->f[X + i]);
   }
+  for (int i = 0; i < 3 && cell->split; i++)
+    p->m[i] += SplitBow(cell) * (a->couple[i] - b->couple[i]);
   PointStrains(load, &cell->law[1], p);
   if (cell->cubic)
     p->at.W[SPIN] =
@@ -48,6 +51,8 @@ static void PointAtMid(Cell *cell, PetscReal k, const PetscReal *ua_t, const Pet
     p->at.W[i] =
         (ua_t[X + i] + ub_t[X + i]) / 2 + k * (wa[i] - wb[i]) + cell->law[1].c * p->d[0][i];
   PointEvaluate(load, &cell->law[1], cell->dual[1], p);
+  for (int i = 0; i < 3 && cell->split; i++)
+    p->f[M + i] += (a->couple[i] + b->couple[i]) / 2 - p->couple[i];
 }
 
 /* The laws at all points of the owned nodes and the cells beside them, at time t. */
@@ -100,7 +105,9 @@ PetscErrorCode SpaceCellsOpen(Rod rod, const RodState *at, Cell *cell) {
   cell->rod = rod;
   cell->t = at->t;
   cell->fresh = at->fresh;
-  cell->cubic = SpinCubic(rod, at);
+  cell->iterates = at->iterates;
+  cell->cubics = cell->cubic = SpinCubic(rod, at);
+  cell->split = PETSC_FALSE;
   cell->load = &rod->scene->load;
   cell->push = cell->couple = NULL;
   if (self->strands)
@@ -120,6 +127,39 @@ PetscErrorCode SpaceCellsClose(Cell *cell) {
   PetscFunctionReturn(0);
 }
 
+/*
+  Splits - is there a place in the cell at which the rod stops turning, or turns the other way,
+  while it moves little besides? There the couple of friction jumps, and what rests behind it may be
+  held by all that friction can. So it must not feel what slides: the couple in the middle of the
+  cell would be that of the end that slides, and what it should bear is borne by the one that rests,
+  which gives way. Such a cell has couples at its ends alone, each of its own spin, half of the
+  cell's each,
+
+    m_b - m_a = ... + h/2 (c_a + c_b),   m between them:  m_a + h/2 c_a,
+
+  which is of order 2 whatever the place. What slides all along is left to Simpson's rule, and where
+  beta spreads the jump over cells all is (self->split is NULL). A cell that was split once in a
+  Newton solve stays so in it.
+*/
+static PetscBool Splits(const Cell *cell, PetscInt i) {
+  const Space_ *self = (const Space_ *)cell->rod->data;
+  const Friction *law = &cell->load->friction;
+  const PetscReal *a = cell->a.at.W, *b = cell->b.at.W, *fast = b, resolved = 4, less = 1. / 16,
+                  beta = law->beta > 0 ? law->beta : friction_tiny;
+  PetscBool *split = &self->split[i + 1 - cell->rod->first];
+  PetscReal aa, bb;
+
+  if (!cell->fresh && !cell->iterates) return *split;
+  if (cell->fresh) *split = PETSC_FALSE;
+  aa = Dot3(a, a) + a[SPIN] * a[SPIN] + beta;
+  bb = Dot3(b, b) + b[SPIN] * b[SPIN] + beta;
+  if (aa > bb) fast = a;
+  if (PetscMax(aa, bb) > resolved * beta && Dot3(fast, fast) < less * fast[SPIN] * fast[SPIN] &&
+      (a[SPIN] * b[SPIN] < 0 || aa < less * bb || bb < less * aa))
+    *split = PETSC_TRUE;
+  return *split;
+}
+
 /* SpaceCellsNext - goes on to the cell between nodes i and i + 1. */
 void SpaceCellsNext(Cell *cell, PetscInt i) {
   Space_ *self = (Space_ *)cell->rod->data;
@@ -130,6 +170,10 @@ void SpaceCellsNext(Cell *cell, PetscInt i) {
   cell->h = cell->s[i + 1] - cell->s[i];
   cell->a = cell->b;
   NodePoint(cell, i + 1, &cell->b);
+  if (self->split) {
+    cell->split = Splits(cell, i);
+    cell->cubic = (PetscBool)(cell->cubics && !cell->split);
+  }
   PointAtMid(cell, self->bow * cell->h, cell->u_t[i], cell->u_t[i + 1]);
   AddPush(cell, i, 1, &cell->mid);
 }

@@ -19,6 +19,7 @@ typedef struct {
 /* A point of the rod: its unknowns, what follows from them, and f. */
 typedef struct {
   PetscReal p[4], m[3], n[3], size, d[3][3], u[3], f[FIELDS];
+  PetscReal couple[3];               /* of friction, in f */
   PetscReal p_t[4], m_t[3], d1_t[3]; /* rates, that of d1 at nodes */
   Place3 at;
 } Point;
@@ -29,6 +30,7 @@ typedef struct {
   Law *law;                              /* nodes and mids from node first - 1 on, alternating */
   FrictionDual4 *dual; /* likewise, duals of each; the tip's own where a cell behind it would be */
   PetscInt duals;
+  PetscBool *split; /* of cells, from that before node first on, in this Newton solve; NULL: none */
   SpaceStrands strands; /* NULL: the rod does not touch itself */
   SpaceCell *behind;    /* of each owned node, for what strands do; NULL without them */
 } Space_;
@@ -37,8 +39,11 @@ typedef struct {
 typedef struct {
   Rod rod;
   PetscReal t, h;
-  PetscBool fresh; /* a Newton solve begins here */
-  PetscBool cubic; /* the spin in the middle of a cell is that of Hermite's cubic */
+  PetscBool fresh;    /* a Newton solve begins here */
+  PetscBool iterates; /* ... or goes on */
+  PetscBool cubics;   /* the spin in the middle of a cell is that of Hermite's cubic, */
+  PetscBool cubic;    /* ... also of this one */
+  PetscBool split; /* the rod rests at one end of this cell, or turns the other way: see Splits() */
   const Load *load;
   const PetscReal (*u)[FIELDS], (*u_t)[FIELDS], *s;
   Vec local[2];
@@ -48,6 +53,14 @@ typedef struct {
   const PetscReal (*couple)[3]; /* and to m' */
   Point a, mid, b;
 } Cell;
+
+/* What a cell that is split adds to the moment in its middle, times the couple at its beginning,
+   and takes off times that at its end, so that the moment along it is that between couples at
+   nodes. */
+static inline PetscReal SplitBow(const Cell *cell) {
+  const Space_ *self = (const Space_ *)cell->rod->data;
+  return cell->h * (0.25 / self->mid_weight - self->bow);
+}
 
 /* f at a point whose unknowns, place and velocity are set */
 static inline void PointEvaluate(const Load *load, const Law *law, const FrictionDual4 *dual,
@@ -63,7 +76,7 @@ static inline void PointEvaluate(const Load *load, const Law *law, const Frictio
   p->f[M + 2] = -g * (q[0] * p->n[1] - q[1] * p->n[0]);
   for (int i = 0; i < 3; i++) {
     p->f[X + i] = g * q[i];
-    if (load->arm > 0) p->f[M + i] += g * load_[SPIN] * q[i];
+    if (load->arm > 0) p->f[M + i] += p->couple[i] = g * load_[SPIN] * q[i];
     p->f[N + i] = g * load_[i];
   }
 }

@@ -167,7 +167,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
 /* F(t, U, U_t), a TSIFunction. */
 static PetscErrorCode Residual(TS ts, PetscReal t, Vec U, Vec U_t, Vec F, void *ctx) {
   Newton *self = (Newton *)ctx;
-  RodState at = {.t = t, .U = U, .U_t = U_t, .fresh = self->fresh};
+  RodState at = {.t = t, .U = U, .U_t = U_t, .fresh = self->fresh, .iterates = PETSC_TRUE};
 
   PetscFunctionBegin;
   (void)ts;
@@ -182,7 +182,7 @@ static PetscErrorCode Jacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shi
                                void *ctx) {
   Newton *self = (Newton *)ctx;
   const RodModel *model = self->rod->model;
-  RodState at = {.t = t, .U = U, .U_t = U_t, .fresh = self->fresh};
+  RodState at = {.t = t, .U = U, .U_t = U_t, .fresh = self->fresh, .iterates = PETSC_TRUE};
 
   PetscFunctionBegin;
   (void)ts;
@@ -195,7 +195,7 @@ static PetscErrorCode Jacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shi
     PetscCall(model->eliminate(self->rod, &at, self->elimination));
   else
     PetscCall(model->jacobian(self->rod, &at, P));
-  self->fresh = at.fresh = PETSC_FALSE;
+  self->fresh = at.fresh = at.iterates = PETSC_FALSE;
   self->linearised = at;
   if (J != P || self->elimination) {
     PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));

@@ -156,6 +156,18 @@ static void Held(const Tip *tip, PetscReal t, PathPlace *held) {
   if (tip->path) PathAt(tip->path, tip->resistance.stopped ? tip->resistance.stopped_at : t, held);
 }
 
+/* TipHeldFrame - turns the quaternion of a tip in space to the frame in which it is held at a time,
+   if it is. */
+void TipHeldFrame(const Tip *tip, PetscReal t, PetscReal p[4]) {
+  PathPlace held;
+  PetscReal dot = 0;
+
+  if (!TipPoints(tip)) return;
+  Held(tip, t, &held);
+  for (int k = 0; k < 4; k++) dot += held.p[k] * p[k];
+  for (int k = 0; k < 4; k++) p[k] = dot < 0 ? -held.p[k] : held.p[k];
+}
+
 /* TipResidual - the three conditions at the tip, r = 0. */
 void TipResidual(const Tip *tip, const TipState *at, const LoadDual *dual, PetscReal r[TIP_ROWS]) {
   PathPlace held;

@@ -58,6 +58,7 @@ void TipResidual3(const Tip *tip, const TipState3 *at, const FrictionDual4 *dual
                   PetscReal r[TIP_ROWS3]);
 void TipJacobian3(const Tip *tip, const TipState3 *at, const PetscReal dW[RUBS][TIP_FIELDS3],
                   PetscBool fresh, FrictionDual4 *dual, PetscReal J[TIP_ROWS3][TIP_FIELDS3]);
+void TipHeldFrame(const Tip *tip, PetscReal t, PetscReal p[4]);
 PetscReal TipHold3(const Tip *tip, const TipState3 *at, PetscReal seen, FrictionDual4 dual[]);
 PetscErrorCode TipSetPath(Tip *tip, MPI_Comm comm, PetscReal length, const PetscReal lab[3][3],
                           PetscBool space);

@@ -216,25 +216,31 @@ def exact():
     # turned at its tip, and back (Masing): not by turns more, which would hold it as well
     path = f"{scene.SCRATCH}/back.csv"
     Path(path).write_text("t, turn\n0, 0\n1, 0.5\n2, 0.1\n")
-    r = Run("-growth_type none -growth_initial_length 3 -shape_type straight -friction_beta 0 -ts_max_time 2 "
-            f"-friction_radius {a} -tip_type slides -tip_path {path} -rod_cells 100")
+    led = f"-growth_type none -growth_initial_length 3 -shape_type straight -friction_radius {a} -tip_type slides -tip_path {path} "
+    r = Run(led + "-friction_beta 0 -ts_max_time 2 -rod_cells 50")
     there, back = np.sqrt(2 * a * C * 0.5), np.sqrt(2 * a * C * 0.5) - 2 * np.sqrt(a * C * 0.4)
     torque = -r.base_moment_1  # (the clamp's end rests)
     tip = r.shapes["moment"][-1, -1, 0]
     print(f"turned at its tip and back: torque {tip:.5f}, exact {back:.5f}")
+    expect(abs(tip / back - 1) < 8e-3 and abs(torque[-1]) < 1e-2 * there, f"Masing: {tip}, at the clamp {torque[-1]}")
     turned = (there - back) / (2 * a)  # as far from the tip
     energy = ((back + a * turned) ** 3 - back ** 3 + (there - a * turned) ** 3) / (6 * a * C)
     off = abs(r.energy[-1] / energy - 1)
     print(f"... energy off by {off:.1e}, estimated {r.estimate:.1e}")
     expect(off < r.estimate < 20 * off, f"Masing: energy off by {off:.1e}, estimated {r.estimate:.1e}")
+    # which does not depend on time: even Euler's few steps are exact where the turn goes one way, with next to no beta;
+    # with couples that a front passes at once the rod that rests behind it would creep, with order 1 in the cells
+    off = []
+    for cells in (50, 100, 400):
+        r = Run(led + f"-friction_beta 1e-18 -ts_max_time 2 -ts_bdf_order 1 -ts_adapt_type none -ts_dt 0.05 -snes_max_it 400 -rod_cells {cells}")
+        off.append(r.shapes["moment"][-1, -1, 0] - back)
+    print(f"... by Euler's steps off by {off}")
+    expect(np.all(np.abs(off) < [2e-4, 4e-5, 5e-6]), f"Masing by Euler's steps: {off}")
     # with next to no energy at first, in steps that soon grow
-    r = Run("-growth_type none -growth_initial_length 3 -shape_type straight -friction_beta 0 -ts_max_time 2e-4 -ts_rtol 1e-7 "
-            f"-friction_radius {a} -tip_type slides -tip_path {path} -rod_cells 50 -output_interval 0.05")
+    r = Run(led + "-friction_beta 0 -ts_max_time 2e-4 -ts_rtol 1e-7 -rod_cells 50 -output_interval 0.05")
     expect(r.energy_defect.max() < 100, f"energy: {r.energy_defect}")
-    expect(abs(tip / back - 1) < 0.03 and abs(torque[-1]) < 1e-2 * there, f"Masing: {tip}, at the clamp {torque[-1]}")
     # the balance of energy goes on behind kinks: there polynomials through powers and energies say nothing
-    r = Run("-growth_type none -growth_initial_length 3 -shape_type straight -friction_beta 1e-10 -ts_max_time 2 "
-            f"-friction_radius {a} -tip_type slides -tip_path {path} -rod_cells 10 -ts_rtol 1e-5")
+    r = Run(led + "-friction_beta 1e-10 -ts_max_time 2 -rod_cells 10 -ts_rtol 1e-5")
     print(f"the same with few cells: defect {r.energy_defect[-1]:.1e}, {r.energy_defect.max():.1e} at most")
     expect(r.energy_defect[-1] < 0.2 and r.energy_defect.max() < 100, f"defect {r.energy_defect}")
 
