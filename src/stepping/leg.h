@@ -19,6 +19,7 @@ typedef struct {
   PetscBool passes;  /* the latest try of a step ended beyond a wall, or with the rod crossed */
   PetscBool crosses; /* it was cut, or not taken, for a mode that grows faster than the step sees */
   PetscReal speed;   /* of a snap, at its latest step */
+  int interrupted;   /* the signal that came while a snap was followed; 0: none */
   void *owner;
 } Leg;
 

@@ -1,4 +1,5 @@
 #include "stepping/snap.h"
+#include "base/signals.h"
 #include "stepping/leg.h"
 #include "stepping/vbdf.h"
 
@@ -29,6 +30,18 @@ static const PetscReal least_rtol = 1e-6;
 static const PetscInt many_steps = 1000, most_steps = 5000;
 static const PetscReal nowhere = 1e-3; /* fast time */
 
+/* A snap may take longer than its run: who wants that to end is heard here, too. (A signal may have
+   reached one rank only.) */
+static PetscErrorCode Hear(Leg *leg) {
+  int number = SignalCaught();
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &number, 1, MPI_INT, MPI_MAX, leg->rod->scene->comm));
+  leg->interrupted = number;
+  if (number) PetscCall(TSSetConvergedReason(leg->ts, TS_DIVERGED_STEP_REJECTED));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode StopAtRest(TS ts) {
   Leg *leg;
   PetscReal speed[MAX_FIELDS], fastest = 0, t;
@@ -47,6 +60,7 @@ static PetscErrorCode StopAtRest(TS ts) {
       (t >= soonest || !leg->rod->scene->contact.any))
     PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
   leg->speed = fastest;
+  PetscCall(Hear(leg));
   PetscFunctionReturn(0);
 }
 
@@ -92,7 +106,8 @@ static PetscErrorCode LetGo(Rod rod) {
   SnapFollow - a VBDFSnap: takes a rod that dry friction cannot hold to where it rests. Collective.
 
   ts    of a leg          t, U  where the rod snaps; U is, on exit, where it rests
-  done  false, U as it was: friction is not dry, the snap could not be followed, or there is none
+  done  false, U as it was: friction is not dry, the snap could not be followed, there is none, or a
+        signal came meanwhile, which the leg keeps: then ts ends, too
 */
 PetscErrorCode SnapFollow(TS ts, PetscReal t, Vec U, PetscBool *done) {
   Scene fast;
@@ -126,6 +141,8 @@ PetscErrorCode SnapFollow(TS ts, PetscReal t, Vec U, PetscBool *done) {
     PetscCall(VecCopy(leg.U, U));
     PetscCall(LetGo(slow->rod));
   }
+  slow->interrupted = leg.interrupted;
+  if (leg.interrupted) PetscCall(TSSetConvergedReason(ts, TS_DIVERGED_STEP_REJECTED));
   PetscCall(TSGetStepNumber(leg.ts, &steps));
   PetscCall(PetscInfo(ts, "snap at t = %g: %s after %d steps\n", (double)t,
                       TSConvergedReasons[reason], (int)steps));

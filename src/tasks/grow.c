@@ -604,7 +604,9 @@ static PetscErrorCode Follow(Grow *self, TSConvergedReason *reason) {
   for (;;) {
     PetscCall(TSSolve(self->now->ts, self->now->U));
     PetscCall(TSGetConvergedReason(self->now->ts, reason));
-    if (*reason < 0 && self->scene->load.shared && LoadShareMore(&self->scene->load)) {
+    if (self->now->interrupted) self->stopped = self->now->interrupted;
+    if (*reason < 0 && !self->stopped && self->scene->load.shared &&
+        LoadShareMore(&self->scene->load)) {
       PetscCall(TSRestartStep(self->now->ts));
       PetscCall(TSSetTimeStep(self->now->ts, begins_again * self->scene->end_time));
       continue;

@@ -1,7 +1,9 @@
 /* Newton's method in a step, a snap, and the result file of a run that goes on. */
 #include "harness.h"
+#include "base/signals.h"
 #include "record/output.h"
 #include "stepping/snap.h"
+#include <signal.h>
 
 static const char *const dry =
     "-growth_initial_length 2 -shape_amplitude 0.1 -rod_cells 40 -ts_max_time 1";
@@ -112,6 +114,38 @@ static void TestSnap(void **state) {
   }
 }
 
+/* A signal that comes while a snap is followed ends it, and the run: nothing else would hear it. */
+static void TestSnapHears(void **state) {
+  char options[256];
+  TSConvergedReason reason;
+  PetscBool done;
+  PetscReal t;
+  Scene scene;
+  Leg leg;
+  Vec U;
+
+  snprintf(options, sizeof(options), "%s -shape_amplitude 3.1 -friction_mu 1", dry);
+  Begin(options, &scene, &leg);
+  CHECK(VecDuplicate(leg.U, &U));
+  CHECK(VecCopy(leg.U, U));
+  SignalsCatch();
+  raise(SIGTERM);
+  CHECK(SnapFollow(leg.ts, 0, U, &done));
+  CHECK(TSGetConvergedReason(leg.ts, &reason));
+  EXPECT(!done && leg.interrupted == SIGTERM, "done %d, signal %d", (int)done, leg.interrupted);
+  EXPECT(reason < 0 && Off(leg.U, U) == 0, "%s, moved by %g", TSConvergedReasons[reason],
+         (double)Off(leg.U, U));
+  CHECK(VBDFSetSnap(leg.ts, SnapFollow));
+  CHECK(TSSolve(leg.ts, leg.U)); /* its first step snaps */
+  CHECK(TSGetTime(leg.ts, &t));
+  CHECK(TSGetConvergedReason(leg.ts, &reason));
+  EXPECT(reason < 0 && leg.interrupted == SIGTERM, "%s at t = %g", TSConvergedReasons[reason],
+         (double)t);
+  SignalsCatch();
+  CHECK(VecDestroy(&U));
+  End(&scene, &leg);
+}
+
 /* Stores a leg, as a run does that is under way. */
 static void Store(const char *path, Leg *leg, Scene scene) {
   Observation seen = {0};
@@ -195,7 +229,7 @@ static void TestHarvest(void **state) {
   CHECK(SceneDestroy(&scene));
 }
 
-static const struct CMUnitTest tests[] = {cmocka_unit_test(TestNewton), cmocka_unit_test(TestSnap),
-                                          cmocka_unit_test(TestRestart),
-                                          cmocka_unit_test(TestHarvest)};
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(TestNewton), cmocka_unit_test(TestSnap), cmocka_unit_test(TestSnapHears),
+    cmocka_unit_test(TestRestart), cmocka_unit_test(TestHarvest)};
 MAIN(tests)
