@@ -18,6 +18,7 @@ from .errors import TendrilError, optional
 
 NOISE = 5.0  # the body stands out from the ground by so many standard deviations of the noise
 TURN = np.radians(70)  # a path goes on within
+LOOP = 0.7  # radians by which one turns rather to a branch that comes back to where one was: later it would be left out
 COARSE, FINE = 640, 10.0  # pixels: of a picture in which a body is looked for; of its width, to be measured
 BRIDGE = 8  # of its widths: a gap that a path goes over
 
@@ -143,6 +144,7 @@ class Skeleton:
     def onwards(self, path, used):
         """(branch, end, whether it is over a gap) at which a path goes on, or None."""
         heading, last = -self.direction(path[::-1]), path[-1]
+        been = {junction for k in used for junction in self.ends[k] if junction >= 0}
         best = None
         for k in range(len(self.branches)):
             for end in (0, 1):
@@ -159,6 +161,8 @@ class Skeleton:
                     angles.append(np.arccos(np.clip(heading @ gap / distance, -1, 1)))
                 if max(angles) < (TURN if joined else TURN / 2):
                     cost = max(angles) + 0.1 * distance / self.width - 0.02 * min(len(ahead) / self.width, 10)
+                    if joined and self.ends[k][1 - end] in been:
+                        cost -= LOOP
                     if best is None or cost < best[0]:
                         best = (cost, k, end, not joined)
         return best and best[1:]

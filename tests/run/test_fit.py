@@ -296,6 +296,14 @@ class Tracing(unittest.TestCase):
         picture = cv2.GaussianBlur(picture, (0, 0), 1.2) * (1 - 0.3 * x - 0.2 * y) + 3 * random.normal(size=x.shape)
         return np.clip(picture, 0, 255).astype(np.uint8)
 
+    def test_a_loop_that_is_crossed_slantwise(self):
+        """Is gone round: the arc from the clamp to the tip without it is as smooth."""
+        s = np.linspace(0, 1, 400)
+        line = np.column_stack([190 + 175 * np.sin(2.3 * np.pi * s) + 150 * s, 435 - 162 * np.cos(2.3 * np.pi * s)])
+        found = tracing.trace(self.picture(line, width=11), line[0])
+        self.assertAlmostEqual(found.length, np.hypot(*np.diff(line, axis=0).T).sum(), delta=25)
+        self.assertTrue(found.whole and found.unsure.any())
+
     def test_a_line(self):
         """To a part of a pixel, with its width and its end."""
         s = np.linspace(0, 1, 300)
