@@ -253,15 +253,15 @@ class Tube(ThickLine):
     def draw(self, renderer):
         colour, thick = self.get_color(), self.points()
         super().draw(renderer)
-        if thick > 6 * RIM:
+        if thick > THIN:
             self.set(color=pale(colour), linestyle="-")
-            self.rim = RIM
+            self.rim = min(RIM, thick / 6)
             super().draw(renderer)
             self.set_color(colour)
             self.rim = 0.0
 
 
-RIM = 0.55  # in points
+RIM, THIN = 0.55, 2.0  # in points: the rim, and of a rod that has none
 
 
 def pale(colour):

@@ -186,6 +186,26 @@ class Package(unittest.TestCase):
         s = tendril.sweep(dict(SHORT, rod_weight="0,-0.1,-0.2"), {"friction_mu": [0.5, 1]})
         self.assertEqual((s.failed, [r.in_space for r in s.members]), ([], [True, True]))
 
+    def test_strands_that_touch(self):
+        """Of two that lie on each other, some three points thick, each is paler than the line between them."""
+        from types import SimpleNamespace
+
+        import matplotlib.pyplot as plt
+
+        from tendril.walls import draw_rod
+
+        figure = plt.figure(figsize=(2, 2), dpi=400)
+        ax = figure.add_axes((0, 0, 1, 1), xlim=(-1, 1), ylim=(-1, 1), autoscale_on=False)
+        x, thick = np.linspace(-2, 2, 201), 3 / 72  # of two inches, two long
+        draw_rod(ax, SimpleNamespace(diameter=thick),
+                 np.concatenate([np.c_[x, 0 * x - thick / 2], np.c_[x[::-1], 0 * x + thick / 2]]), color="#000000")
+        canvas = FigureCanvasAgg(figure)
+        canvas.draw()
+        column = np.asarray(canvas.buffer_rgba())[:, 400, 0].astype(int)
+        self.assertLess(column[399:401].max(), 30)  # the rims between them
+        self.assertGreater(min(column[399 - 8], column[400 + 8]), 100)  # and each strand's middle
+        plt.close(figure)
+
     def test_space_plots(self):
         """In perspective with true lengths, from where one looks; three views, curvature and twist along the
         rod; what is of space only is refused to a rod in the plane."""
