@@ -29,7 +29,6 @@ import h5py
 import numpy as np
 
 
-
 def linear_scene(draw, files):
     """Options by name: a wide scene of a rod so straight that the linear model has it for most of the run, if not for all."""
     o = fuzz.plain_scene(draw, True)
@@ -51,6 +50,7 @@ NAMES = ("tip", "norm", "energy")
 LIMIT, REFERENCE_LIMIT = 40, 60    # seconds of a processor
 OTHER_SIDE = 0.05                 # of the length: so far off a rod is on another side
 NEXT_TO_EXACT = 1e-13             # of references: the program takes 9e-10 at its own tolerance
+DIGITS_END = 1e-300               # an energy below has few of them
 SNAP_OFF = 2e-4                   # of the run: so much earlier or later a rod may snap
 
 
@@ -101,7 +101,7 @@ def errors_at(run, fine, i, points, logarithm=True, t=None):
     norms = [k for k in ("norm_x2", "norm_x3") if other.get(k)]
     size = max([other[k] for k in norms], default=0)
     norm = max((abs(run[k][i] - other[k]) / size for k in norms), default=0)
-    return np.array([off, norm, abs(run["energy"][i] / other["energy"] - 1) if other["energy"] else 0])
+    return np.array([off, norm, abs(run["energy"][i] / other["energy"] - 1) if other["energy"] > DIGITS_END else 0])
 
 
 def near_in_time(run, fine, i):
