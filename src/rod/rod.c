@@ -230,13 +230,13 @@ PetscErrorCode RodInitialNodes(Rod rod, PetscReal t, Node *nodes) {
   PetscFunctionReturn(0);
 }
 
-/* Where friction feels the spin, ends that turn begin to. In a guess that keeps them at rest it is
-   stiffest, and turning them then makes of it a couple that twists all beside them beyond what
-   Newton's method finds back from, however short the step. */
+/* Where friction feels the spin of a rod that does not grow, ends that turn begin to. In a guess
+   that keeps them at rest it is stiffest, and turning them then makes of it a couple that twists
+   all beside them beyond what Newton's method finds back from, however short the step. */
 static void TurnEnds(Rod rod, PetscReal t, Node *nodes) {
   const Scene scene = rod->scene;
 
-  if (scene->load.radius == 0) return;
+  if (scene->load.radius == 0 || !scene->growth->still) return;
   if (rod->first == 0 && scene->clamp == CLAMP_HELD)
     SpaceClampTurn(&scene->space, &scene->load, t, nodes->p);
   if (rod->end == rod->last + 1) TipHeldFrame(&scene->tip, t, nodes[rod->last - rod->first].p);
