@@ -610,8 +610,9 @@ static PetscErrorCode FrameHold(Rod rod, const RodState *at, PetscReal seen, Pet
   PetscFunctionReturn(0);
 }
 
-/* The duals and the shifts of each node and of the middle of the cell on its right. */
-enum { REMEMBERED = 4 };
+/* The duals of each node and of the middle of the cell on its right, as a whole: a point that
+   begins to press while Newton's method iterates goes on from where it pressed last. */
+enum { REMEMBERED = sizeof(FrictionDual) / sizeof(PetscReal) };
 
 /* Value k of what is remembered at node i, in this order; NULL: nothing. */
 static PetscReal *Remembered(Frame *frame, Rod rod, PetscInt i, PetscInt k) {
@@ -620,7 +621,7 @@ static PetscReal *Remembered(Frame *frame, Rod rod, PetscInt i, PetscInt k) {
   if (k >= 2 * frame->duals * REMEMBERED)
     return FrameStrandsRemembered(rod, i, k - 2 * frame->duals * REMEMBERED);
   dual = FrameDuals(frame, 2 * (i - rod->first + 1)) + k / REMEMBERED;
-  return (k % REMEMBERED < 2 ? dual->w : dual->shift) + k % 2;
+  return (PetscReal *)dual + k % REMEMBERED;
 }
 
 static PetscErrorCode FrameRemember(Rod rod, Vec memory) {

@@ -59,9 +59,8 @@ PetscErrorCode FrameStrandsHold(Rod rod, PetscReal seen, PetscReal *creep) {
   PetscFunctionReturn(0);
 }
 
-/* What is remembered of a node and of the middle behind it: of either side, the dual and the shift.
- */
-enum { SIDES = 2, OF_SIDE = 4 };
+/* What is remembered of a node and of the middle behind it: of either side, the dual. */
+enum { SIDES = 2, OF_SIDE = sizeof(FrictionDual) / sizeof(PetscReal) };
 
 /* FrameStrandsMemory - how many reals a node remembers of the friction between strands. */
 PetscInt FrameStrandsMemory(Rod rod) {
@@ -76,7 +75,7 @@ PetscReal *FrameStrandsRemembered(Rod rod, PetscInt i, PetscInt k) {
   PetscInt n = StrandsDuals(((Frame *)rod->data)->strands->strands, &duals),
            at = 2 * SIDES * i + k / OF_SIDE;
   if (at >= n) return NULL;
-  return (k % OF_SIDE < 2 ? duals[at].w : duals[at].shift) + k % 2;
+  return (PetscReal *)&duals[at] + k % OF_SIDE;
 }
 
 /* FrameStrandsRecalled - each rank has recalled what its own nodes remember: tells the others.

@@ -549,9 +549,9 @@ static PetscErrorCode SpaceHold(Rod rod, const RodState *at, PetscReal seen, Pet
   PetscFunctionReturn(0);
 }
 
-/* The duals and shifts of each node and of the middle of the cell on its right; the latter's of the
-   last node is the tip's own. */
-enum { OF_DUAL = 2 * RUBS };
+/* The duals of each node and of the middle of the cell on its right, as a whole, as the frame's
+   (frame.c); the latter's of the last node is the tip's own. */
+enum { OF_DUAL = sizeof(FrictionDual4) / sizeof(PetscReal) };
 
 static PetscInt RememberedOf(const Load *load) {
   return 2 * OF_DUAL * load->duals3;
@@ -560,7 +560,7 @@ static PetscInt RememberedOf(const Load *load) {
 static PetscReal *Remembered(Rod rod, PetscInt i, PetscInt k) {
   const Space_ *self = (const Space_ *)rod->data;
   FrictionDual4 *dual = Duals(self, 2 * (i - rod->first + 1)) + k / OF_DUAL;
-  return (k % OF_DUAL < RUBS ? dual->w : dual->shift) + k % RUBS;
+  return (PetscReal *)dual + k % OF_DUAL;
 }
 
 static PetscErrorCode SpaceRemember(Rod rod, Vec memory) {
