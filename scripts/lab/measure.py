@@ -326,7 +326,7 @@ def reason_of(state, verdict):
     for code, pattern in (("angle", "where an angle reached"),
                           ("zero pivot", r"pivot|LU failed"),
                           ("newton", r"Newton|NONLINEAR|SNES"), ("rejections", r"REJECTED"),
-                          ("step", r"gave up|STEP"), ("jammed", r"jammed at"), ("refused", r".")):
+                          ("step", r"gave up|crawls at|STEP"), ("jammed", r"jammed at"), ("refused", r".")):
         if re.search(pattern, text):
             return code
     return "silent"
@@ -349,7 +349,7 @@ def measure(case, store):
         verdict = CRASHED
     elif state["exit"]:
         verdict = GAVE_UP if "failed" in state or re.search(
-            "gave up|failed|stopped at|jammed at|-ts_max_steps", state["message"]) \
+            "gave up|failed|stopped at|jammed at|crawls at|-ts_max_steps", state["message"]) \
             else REFUSED
     else:
         reference = store.reference(case.scene)

@@ -226,7 +226,10 @@ static PetscErrorCode StopHere(Grow *self, TS ts) {
   self->jammed = (PetscBool)(!self->event.kind && GrowIsJammed(self));
   self->slips =
       (PetscBool)(!self->event.kind && GrowSlips(self) && !LoadShareMore(&self->scene->load));
+  self->crawls = (PetscBool)(!self->event.kind && !self->jammed && !self->slips &&
+                             self->seen.t < self->scene->end_time && GrowCrawls(self));
   if (self->event.kind || self->stopped || self->beyond || self->jammed || self->slips ||
+      self->crawls ||
       (&self->leg[BetterModel(self)] != self->now && self->seen.t < self->scene->end_time))
     PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
   PetscFunctionReturn(0);
@@ -275,6 +278,20 @@ static PetscErrorCode AddLeg(Grow *self, PetscInt model) {
   PetscCall(TSSetMaxTime(leg->ts, self->scene->end_time));
   PetscCall(TSSetPostStep(leg->ts, AfterStep));
   if (model != LINEAR) PetscCall(VBDFSetSnap(leg->ts, SnapFollow));
+  PetscFunctionReturn(0);
+}
+
+/* Has whoever runs it said how many steps there may be, or how long they are to be? */
+static PetscErrorCode LookWhetherStepsAreTold(Grow *self) {
+  PetscBool most, longest, fixed;
+  TSAdapt adapt;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_max_steps", &most));
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_adapt_dt_max", &longest));
+  PetscCall(TSGetAdapt(self->leg[self->model == AUTO ? WholeModel(self) : self->model].ts, &adapt));
+  PetscCall(PetscObjectTypeCompare((PetscObject)adapt, TSADAPTNONE, &fixed));
+  self->steps_told = (PetscBool)(most || longest || fixed);
   PetscFunctionReturn(0);
 }
 
@@ -572,6 +589,7 @@ static PetscErrorCode Create(Grow *self, const char *output, const char *restart
     if (m == self->model ||
         (self->model == AUTO && (m == LINEAR || m == WholeModel(self)) && self->can[m]))
       PetscCall(AddLeg(self, m));
+  PetscCall(LookWhetherStepsAreTold(self));
   PetscCall(RodHoldTip(self->leg[self->model == AUTO ? WholeModel(self) : self->model].rod));
   if (self->leg[WholeModel(self)].rod)
     PetscCall(EstimateCreate(&self->leg[WholeModel(self)], &self->estimate));
@@ -612,7 +630,7 @@ static PetscErrorCode Follow(Grow *self, TSConvergedReason *reason) {
       continue;
     }
     if (*reason != TS_CONVERGED_USER || self->stopped || self->beyond || self->jammed ||
-        self->slips || self->event.kind)
+        self->slips || self->crawls || self->event.kind)
       break;
     PetscCall(HandOver(self, &self->leg[BetterModel(self)]));
   }
@@ -687,7 +705,7 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
   MPI_Comm comm = self->scene->comm;
   const char *const kept = OutputStores(self->output) ? "the results up to there are stored"
                                                       : "nothing is stored without -output FILE";
-  char text[3][64], jam[512] = "", advice[160];
+  char text[3][64], jam[512] = "", crawl[512] = "", advice[160];
   PetscReal dt;
 
   PetscFunctionBegin;
@@ -715,6 +733,8 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
       "rod moves, and it slips and sticks in no time, again and again; %s; take a larger "
       "-friction_across, or a lower -friction_mu: 0.99, or less",
       text[0], (double)self->scene->load.across, kept);
+  GrowTellCrawl(self, crawl, sizeof(crawl));
+  UserCheck(!self->crawls, comm, "%s; %s", crawl, kept);
   PetscCall(GrowTellJam(self, (PetscBool)(reason < 0), jam, sizeof(jam)));
   UserCheck(!jam[0], comm,
             "%s, and it can hardly grow on; %s; end the run before with -stop_force, or, if this "

@@ -57,6 +57,10 @@ typedef struct {
   PetscBool jammed;      /* the run ends for that */
   PetscReal window_time; /* when the rod last grew, and steps since: see grow_jam.c */
   PetscInt window_steps;
+  PetscBool steps_told;                      /* how many, or how long, is said: see GrowCrawls() */
+  PetscBool crawls;                          /* the run ends for that */
+  PetscReal crawl_time, crawl_half, crawled; /* t when it was looked, and half-way since; how far */
+  PetscInt crawl_steps;
   Event event;          /* that ended the run */
   PetscReal start;      /* t at which this run began: 0, or a restart's */
   PetscReal end, reach; /* t and length at its end, if nothing but -stop_length ends it before */
@@ -77,6 +81,8 @@ PetscErrorCode GrowLocateEvent(Grow *self, PetscReal *t, Vec U, Vec U_t);
 /* grow_jam.c */
 PetscBool GrowIsJammed(Grow *self);
 PetscBool GrowSlips(Grow *self);
+PetscBool GrowCrawls(Grow *self);
+void GrowTellCrawl(const Grow *self, char line[], size_t room);
 PetscErrorCode GrowTellJam(Grow *self, PetscBool gave_up, char line[], size_t room);
 
 /* grow_report.c */

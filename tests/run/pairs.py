@@ -226,7 +226,7 @@ def fault_of(row, line):
         return None  # nothing holds its spin, and so it says
     if line.startswith("-") and not line.startswith("-ts_max_steps"):
         return None  # refused, or ended as asked
-    if line.startswith(("gave up", "jammed", "-ts_max_steps")) and any(w in said_of(row) for w in MAY_GIVE_UP):
+    if line.startswith(("gave up", "jammed", "crawls", "-ts_max_steps")) and any(w in said_of(row) for w in MAY_GIVE_UP):
         return None
     return line
 

@@ -5,6 +5,7 @@
 
 import json
 import re
+import subprocess
 import sys
 from pathlib import Path
 
@@ -331,6 +332,33 @@ def ranks_and_restart():
     whole, broken = read(f"{d}/whole.h5"), read(f"{d}/broken.h5")
     different = [k for k in whole if not np.array_equal(whole[k], broken[k])]
     expect(len(whole["series/t"]) > 65 and not different, f"{different} differ")
+
+
+@check
+def crawls():
+    """A clamp that shakes so fast that a step sees next to nothing of the run: it does not go on like that for
+    ever, on any number of ranks, but says so, and keeps what it has; with -ts_max_steps it goes on as long as
+    that, also from where it ended."""
+    file = f"{scene.SCRATCH}/crawl.h5"
+    shakes = Path(scene.SCRATCH) / "shakes.csv"
+    shakes.write_text("t,spin\n" + "".join(f"{1e-8 * k:.12g},{0.01 * (k % 2)}\n" for k in range(3001)) + "1,0\n")
+    spun = ("-growth_type none -growth_initial_length 1 -ts_max_time 1 -rod_model space -rod_cells 10 "
+            f"-clamp_path {shakes} -friction_mu 0.5 -friction_beta 0.1 -ts_dt 1e-10 ")
+    ends = []
+    for ranks in (1, 2):
+        command = [scene.TENDRIL, *f"{spun} -output {file}".split()]
+        done = subprocess.run([scene.MPIEXEC, "-n", str(ranks), *command] if ranks > 1 else command,
+                              capture_output=True, text=True, env=scene.ENVIRONMENT, timeout=50)
+        line = next((s for s in done.stderr.splitlines() if s.startswith("tendril: ")), "")
+        print(line)
+        expect(done.returncode == 1 and "tendril: crawls at t = " in line and "-ts_max_steps" in line
+               and "the results up to there are stored" in line, f"{ranks} ranks: {done.stderr}")
+        t = read(file)["series/t"]
+        expect(len(t) == 1001 and 0 < t[-1] < 1e-5, f"{ranks} ranks: {len(t)} times, up to {t[-1]}")
+        ends.append(t[-1])
+    expect(abs(ends[1] / ends[0] - 1) < 1e-3, f"on two ranks it ends at {ends}")
+    line = tendril(f"-restart {file} -output {file} -ts_max_steps 1100", 1)
+    expect("-ts_max_steps: reached" in line and len(read(file)["series/t"]) == 1101, line)
 
 
 def path(columns, rows):

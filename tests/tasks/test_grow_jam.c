@@ -1,0 +1,79 @@
+/* When a run crawls, and what looks like it and does not. */
+#include "harness.h"
+#include "tasks/growing.h"
+
+/* Takes steps, each so many times as long as the one before, from a first one on; after how many
+   the run crawls, 0: not in as many as there are. */
+static int Crawls(Grow *self, PetscReal step, PetscReal times, int steps) {
+  for (int k = 1; k <= steps; k++, step *= times) {
+    self->seen.t += step;
+    if (GrowCrawls(self)) return k;
+  }
+  return 0;
+}
+
+static Grow OfLength(PetscReal length, PetscReal end) {
+  Grow self = {.seen = {.length = length}, .end = end};
+  return self;
+}
+
+static void TestAlike(void **state) {
+  Grow slow = OfLength(1, 2), fast = OfLength(1, 2), late = OfLength(1, 2),
+       shrinks = OfLength(1, 2);
+  int k;
+
+  EXPECT((k = Crawls(&slow, 9e-9, 1, 5000)) == 1000, "steps of 9e-9: %d", k);
+  EXPECT(PetscAbsReal(slow.crawled - 9e-6) < 1e-12, "brought on by %g", (double)slow.crawled);
+  EXPECT((k = Crawls(&fast, 1.1e-8, 1, 5000)) == 0, "steps of 1.1e-8: %d", k);
+  late.seen.t = 1.5;
+  EXPECT((k = Crawls(&late, 1e-10, 1, 5000)) == 1001, "from t = 1.5 on: %d", k);
+  EXPECT((k = Crawls(&shrinks, 1e-3, 0.9, 2000)) && k < 1200, "steps that shrink: %d", k);
+}
+
+/* What is next to nothing is so beside the run, or the rod, whichever is less. */
+static void TestScales(void **state) {
+  Grow brief = OfLength(1, 1e-3), little = OfLength(1e-3, 1), large = OfLength(100, 100);
+  int k;
+
+  EXPECT((k = Crawls(&brief, 5e-11, 1, 5000)) == 0, "a short run: %d", k);
+  EXPECT((k = Crawls(&little, 5e-11, 1, 5000)) == 0, "a short rod: %d", k);
+  EXPECT((k = Crawls(&large, 5e-7, 1, 5000)) == 1000, "a long one: %d", k);
+}
+
+/* The layer of a start at the finest tolerance, and behind a kink: 250 steps for a factor of ten.
+ */
+static void TestLayer(void **state) {
+  const PetscReal slowly = PetscPowReal(10, 1. / 250);
+  Grow start = OfLength(1, 1), kink = OfLength(1, 1);
+  int k;
+
+  EXPECT((k = Crawls(&start, 1e-15, slowly, 3500)) == 0, "a start: %d", k);
+  EXPECT(start.seen.t > 1e-2, "the start has come to %g", (double)start.seen.t);
+  EXPECT((k = Crawls(&kink, 1e-2, 1, 50)) == 0, "up to a kink: %d", k);
+  EXPECT((k = Crawls(&kink, 1e-14, slowly, 3000)) == 0, "behind it: %d", k);
+}
+
+/* It sticks and slips: thousands of short steps, and now and then a long one. */
+static void TestSlips(void **state) {
+  Grow self = OfLength(1, 1);
+  int k = 0;
+
+  for (int slip = 0; slip < 20 && !k; slip++) {
+    k = Crawls(&self, 1e-12, 1, 400);
+    if (!k) k = Crawls(&self, 1e-3, 1, 1);
+  }
+  EXPECT(!k, "slips: %d", k);
+}
+
+static void TestTold(void **state) {
+  Grow self = OfLength(1, 1);
+  int k;
+
+  self.steps_told = PETSC_TRUE;
+  EXPECT((k = Crawls(&self, 1e-12, 1, 5000)) == 0, "steps were told: %d", k);
+}
+
+static const struct CMUnitTest tests[] = {cmocka_unit_test(TestAlike), cmocka_unit_test(TestScales),
+                                          cmocka_unit_test(TestLayer), cmocka_unit_test(TestSlips),
+                                          cmocka_unit_test(TestTold)};
+MAIN(tests)
