@@ -859,7 +859,7 @@ def thin_on_ranks():
     d = scene.SCRATCH
     post = LEANS + "-rod_curvature 0.6 -ts_max_time 3.3 -contact_diameter 0.01 -rod_cells 100 "
     wall = walls("circle 2 0.6 1e-3 outside friction 0.3")
-    on_ranks(post + "-ts_rtol 1e-6 " + wall, 1e-4)  # other steps on one, about a snap
+    on_ranks(post + "-ts_rtol 1e-6 " + wall, 3e-4)  # other steps on one, about a snap: so far tolerances differ, too
     for more in ("", "-friction_beta 0 "):
         tendril(f"{post} {wall} {more} -output {d}/whole.h5")
         whole = read(f"{d}/whole.h5")
