@@ -484,6 +484,12 @@ def main(arguments=None):
         return 1
     for note in m.notes:
         print(f"measure: {note}")
+    if not m.good():
+        first = m.frames[0]
+        print(f"measure: in none of {len(m.frames)} pictures the rod is seen as far as its tip ({first.source}: "
+              f"{first.trouble or 'the tip is not seen'}), so {choice.output}.csv has no point; {choice.output}.html "
+              "shows them, and lets you draw the lines", file=sys.stderr)
+        return 1
     if known := m.priors():
         print("measure: what fit is to know of clicks and scale: "
               + " ".join(f"--prior {name}={prior}" for name, prior in known.items()))

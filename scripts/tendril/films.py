@@ -179,7 +179,7 @@ def main(arguments=None):
                         "from the front, and above the horizon")
     parser.add_argument("--turn", type=float, default=0, metavar="DEGREES",
                         help="by which the view of a rod in space turns on the way; default: not at all")
-    choice = parser.parse_args(arguments)
+    choice = parser.parse_intermixed_args(arguments)
     matplotlib.use("Agg")
     output = Path(choice.output or Path(choice.file).with_suffix(".gif"))
     try:

@@ -104,6 +104,11 @@ def main(arguments=None):
     parser.add_argument("--seed", type=int, default=1, help="of the starts; default %(default)s")
     words = list(sys.argv[1:] if arguments is None else arguments)
     own, more = (words[:words.index("--")], words[words.index("--") + 1:]) if "--" in words else (words, [])
+    lone = next((k for k, word in enumerate(own[:-2]) if word in ("-p", "--parameter") and "=" not in own[k + 1]), None)
+    if lone is not None:
+        print(f"fit: --parameter {own[lone + 1]} {own[lone + 2]}: give name and bounds in one, "
+              f"{own[lone + 1]}=LOW:HIGH", file=sys.stderr)
+        return 1
     choice = parser.parse_args(own)
     matplotlib.use("Agg")
     try:

@@ -150,6 +150,8 @@ def number(cell, what, row=()):
         return float(cell)
     except ValueError:
         told = f", in the row {', '.join(row)}" if row else ""
+        if cell.strip().startswith("-") and row and cell is row[0]:
+            told += "; is it an options file? The scene comes first, then the data"
         raise DataError(f'{what}: "{cell.strip()}" is no number{told}') from None
 
 

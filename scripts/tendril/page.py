@@ -172,6 +172,9 @@ class Page:
             part.write_text(self.text, encoding="utf-8")
         return Path(path)
 
+    def __repr__(self):
+        return f"<a page of {len(self.text) / 1e6:.1f} MB, which a notebook shows; save('run.html') keeps it for a browser>"
+
     def _repr_html_(self):
         return (f'<iframe srcdoc="{html.escape(self.text)}" style="width: 100%; height: 640px; border: 0" '
                 'title="tendril"></iframe>')
@@ -202,7 +205,7 @@ def main(arguments=None):
     parser.add_argument("--output", metavar="FILE.html",
                         help="default: the first file's name with .html")
     parser.add_argument("--titles", metavar="A,B,...", help="of the files; default: their names")
-    choice = parser.parse_args(arguments)
+    choice = parser.parse_intermixed_args(arguments)
     try:
         output = choice.output or str(Path(choice.files[0]).with_suffix(".html"))
         output = view([load(path) for path in choice.files],

@@ -42,7 +42,8 @@ class Parameter:
         numbers = [with_unit(b) for b in (bounds.split(":") if isinstance(bounds, str) else bounds)]
         values, units = [v for v, _ in numbers], {u for _, u in numbers}
         if len(values) not in (2, 3) or not values[0] < values[1]:
-            raise TendrilError(f"{name}: give two bounds, the lower first, and a start if one is known")
+            raise TendrilError(f"{name}: give two bounds, the lower first, and a start if one is known: LOW:HIGH or "
+                               "LOW:HIGH:START, as in 0.1N/m:2N/m")
         if len(units) > 1:
             raise TendrilError(f"{name}: give bounds and start in one unit")
         if MODE.match(name) and units - {"", *PER}:

@@ -34,7 +34,7 @@ from matplotlib.text import Annotation
 from matplotlib.ticker import LogLocator, NullLocator
 
 from . import plot_stability
-from .errors import ResultsError, TendrilError, complaint
+from .errors import ResultsError, TendrilError, complaint, did_you_mean
 from .perspective import VIEW, Rods, Strand, box_of, draw_surfaces, furnish, sight
 from .results import Results, load, runs_of, titles_of
 from .solids import solids
@@ -393,8 +393,9 @@ def panel_of(name, results):
     series = name.split("+")
     for one in series:
         if not any(one in r.series for r in results):
-            raise ResultsError(f"panel {one}: unknown, give some of {', '.join(PANELS)}, or of the "
-                               f"series {', '.join(results[0].series)}")
+            near = did_you_mean(one, [*PANELS, *results[0].series])
+            raise ResultsError(f"panel {one}: unknown" + (near or f", give some of {', '.join(PANELS)}, or of the series "
+                                                          f"{', '.join(results[0].series)}"))
     units = {r.units.get(f"series/{one}", "1") for r in results for one in series
              if one in r.series}
     if len(units) > 1:
@@ -619,7 +620,7 @@ def draw(names, view):
     return figure
 
 
-def check_times(view):
+def check_times(view, given=()):
     """A time beyond the end of all runs, or a run that has none of them, would be an empty panel."""
     for r in view.results:
         if not len(r.series.get("t", ())) or not len(r.shapes.get("t", ())):
@@ -632,10 +633,17 @@ def check_times(view):
     def told(t):
         return view.units.plain(t)[4:] + (f" ({t * second:.4g} s)" if second else "")
 
-    for t in view.times:
+    def meant(t, word):
+        """Who thinks in seconds may have left them out."""
+        seconds = latest.attributes.get("si_time")
+        if str(word)[-1:].isalpha() or not seconds or not 0 <= t <= latest.shapes.t[-1] * seconds:
+            return ""
+        return f" (a time without a unit is dimensionless; give {t:.6g}s if seconds are meant)"
+
+    for t, word in zip(view.times, given):
         if t < 0 or t > latest.shapes.t[-1] * (1 + 1e-9):
             raise ResultsError(f"{latest.told}: ends at t = {told(latest.shapes.t[-1])}; no shape at "
-                               f"{told(t)}")
+                               f"{told(t)}{meant(t, word)}")
     for r in view.results:
         if not view.times_of(r):
             raise ResultsError(f"{r.told}: ends at {view.units.plain(r.shapes.t[-1])}, before the "
@@ -684,8 +692,9 @@ def plot(results: Results | Sequence[Results], panels: Sequence[str] | str | Non
                  titles=titles_of(runs, titles),
                  beside={r.path: other for r, other in zip(runs, beside)}, view=sight(view))
     if times is not None:
+        times = [times] if isinstance(times, str) or np.ndim(times) == 0 else times
         drawn.times = [moment("times", t, runs) for t in times]
-    check_times(drawn)
+    check_times(drawn, times or ())
     with plt.rc_context(STYLE):
         if ax is None:
             return draw(names, drawn)
@@ -735,7 +744,7 @@ def options(arguments):
     parser.add_argument("--titles", metavar="A,B,...", help="of the files; default: their names")
     parser.add_argument("--view", metavar="TURN,RISE", help="of the panel space: degrees about the axis that points "
                         f"up, from the front, and above the horizon; default: {VIEW[0]:g},{VIEW[1]:g}")
-    return parser.parse_args(arguments)
+    return parser.parse_intermixed_args(arguments)
 
 
 def main(arguments=None):

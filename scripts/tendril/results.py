@@ -19,12 +19,12 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, NoReturn
 
 import h5py
 import numpy as np
 
-from .errors import ResultsError, path_of, replacing
+from .errors import ResultsError, did_you_mean, path_of, replacing
 from .units import in_laboratory, moment, scales_of_rod
 
 if TYPE_CHECKING:
@@ -49,12 +49,14 @@ class Sensitivity(NamedTuple):
     series: Table  # as those of the run, but for counts and the like
     shapes: Table
 
+SCALES = "length", "time", "speed", "force", "energy", "power", "curvature"
+
 
 class Table(dict):
     """Arrays by name: table["t"] and table.t are the same."""
 
     def __missing__(self, name):
-        raise KeyError(f"no {name} here; there are {', '.join(self)}")
+        raise KeyError(f"no {name} here" + (did_you_mean(name, self) or f"; there are {', '.join(self)}"))
 
     def __getattr__(self, name):
         try:
@@ -227,10 +229,24 @@ class Results:
             return float(t[i]), float(values[i])
         return float(t[i] - b / (2 * a)), float(np.exp(c - b * b / (4 * a)))
 
+    def maximum(self, name="base_force_1") -> tuple[float, float]:
+        """(t, value) of a series at the step where it is largest."""
+        i = int(np.nanargmax(self.series[name]))
+        return float(self.series.t[i]), float(self.series[name][i])
+
+    def __getattr__(self, name) -> NoReturn:
+        """A series is looked for here first, by many."""
+        for table in ("series", "shapes"):
+            if not name.startswith("_") and name in self.__dict__.get(table, ()):
+                raise AttributeError(f"no {name} here; it is {table}.{name}")
+        raise AttributeError(f"no {name} here; numbers over time are in series, shapes in shapes and at(t)")
+
     def scale(self, kind) -> float:
         """What 1 of it (length, time, speed, force, energy, power, curvature) is in SI units."""
         known = scales_of_rod(self.attributes).get(kind)
         if self.attributes.get(f"si_{kind}", known) is None:
+            if kind not in SCALES:
+                raise ResultsError(f"scale {kind}: unknown, give one of {', '.join(SCALES)}")
             needed = "si_speed" if kind in ("time", "speed", "power") else "si_bending_stiffness"
             raise ResultsError(f"{self.told}: does not know its {kind} in SI units; run it with "
                                f"{needed} and the like")
@@ -458,6 +474,15 @@ def _read(path):
     return attributes, groups, units, notes
 
 
+def no_result(path, error) -> str:
+    """Why a file that is not HDF5 is none: a scene is often given in the place of its result."""
+    with path.open("rb") as file:
+        words = file.read(4096).decode("utf-8", "replace").splitlines()
+    if path.suffix == ".opts" or any(word.startswith("-growth_") for word in words):
+        return "is an options file, not its result; run it, with -output FILE.h5, and give that"
+    return f"not a whole HDF5 file ({error})"
+
+
 def load(path) -> Results | Sweep:
     """Reads a result file, of a run or of a sweep; raises ResultsError, a plain line, if that cannot be
     done."""
@@ -465,7 +490,7 @@ def load(path) -> Results | Sweep:
 
     path = path_of(path, "load")
     if not path.is_file():
-        raise ResultsError(f"{path}: no such file")
+        raise ResultsError(f"{path}: is a directory, not a file" if path.is_dir() else f"{path}: no such file")
     if is_sweep(path):
         return load_sweep(path)
     for attempt in range(10):
@@ -475,7 +500,7 @@ def load(path) -> Results | Sweep:
         except (OSError, RuntimeError, KeyError) as error:
             # a file that is being written may change between two reads: once more, then
             if attempt == 9 or time.time() - path.stat().st_mtime > 3:
-                raise ResultsError(f"{path}: not a whole HDF5 file ({error})") from None
+                raise ResultsError(f"{path}: {no_result(path, error)}") from None
             time.sleep(0.1)
     series, shapes, stability, critical = (groups.pop(name, Table()) for name in
                                            ("series", "shapes", "stability", "critical"))

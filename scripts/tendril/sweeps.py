@@ -100,7 +100,8 @@ def in_one_job(over, members, words, place, jobs, progress) -> Sweep:
                  "-sweep_file", str(table), "-output", str(output), *store], progress=progress)
     except RunError as error:
         line = str(error).replace(f"output {output}: holds a sweep", f"directory {place}: holds a sweep")
-        raise RunError(line.replace("name another file", "name another directory"), error.command) from None
+        line = line.replace("name another file", "name another directory")
+        raise RunError(line.removeprefix(f"sweep_file {table}: "), error.command) from None
     return load_sweep(output, over)
 
 

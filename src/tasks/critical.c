@@ -28,7 +28,8 @@ typedef enum {
   CROSSES,  /* it turns unstable, at a time between two that are given */
   UNSTABLE, /* from the start */
   STABLE,   /* as long as was looked */
-  PULLED    /* as long, for it is under tension all along */
+  PULLED,   /* as long, for it is under tension all along */
+  IDLE      /* as long, for nothing presses or pulls it */
 } Fate;
 
 /* On a mesh of cells equidistant in arc length. */
@@ -106,17 +107,25 @@ static PetscErrorCode Root(Factor *self, PetscReal a, PetscReal fa, PetscReal b,
   PetscFunctionReturn(0);
 }
 
+/* Is there no axial force anywhere? Of a pencil on one rank. */
+static PetscBool Idle(Pencil p) {
+  for (PetscInt k = 0; k < p->cells * GAUSS; k++)
+    if (p->point[k].P != 0) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
 /* The first bracket of a crossing, found in steps of 5 % of the length. The rod may also be
    unstable from the start. */
 static PetscErrorCode ScanWith(Factor *coarse, Scene scene, PetscReal *low, PetscReal *high,
                                Fate *fate) {
   PetscReal T = scene->end_time, f, L, L_t;
-  PetscBool pulled;
+  PetscBool pulled, idle;
 
   PetscFunctionBegin;
   *low = *high = 0;
   PetscCall(FactorAt(coarse, 0, &f));
   pulled = (PetscBool)(f == PETSC_MIN_REAL);
+  idle = Idle(coarse->pencil);
   *fate = UNSTABLE;
   if (f >= 0) PetscFunctionReturn(0);
   while (f < 0 && *high < T) {
@@ -126,8 +135,9 @@ static PetscErrorCode ScanWith(Factor *coarse, Scene scene, PetscReal *low, Pets
     *high = PetscMin(*high, T);
     PetscCall(FactorAt(coarse, *high, &f));
     pulled = (PetscBool)(pulled && f == PETSC_MIN_REAL);
+    idle = (PetscBool)(idle && Idle(coarse->pencil));
   }
-  *fate = f >= 0 ? CROSSES : pulled ? PULLED : STABLE;
+  *fate = f >= 0 ? CROSSES : !pulled ? STABLE : idle ? IDLE : PULLED;
   PetscFunctionReturn(0);
 }
 
@@ -318,6 +328,9 @@ static PetscErrorCode CheckFate(Scene scene, Fate fate) {
   UserCheck(fate != PULLED || !StraightScales(scene), scene->comm,
             "-rod_weight: takes all thrust off the rod, however long it is: it never turns "
             "unstable");
+  UserCheck(fate != IDLE, scene->comm,
+            "-tip_force: nothing presses the straight rod, so it is stable, however long it is: "
+            "load it, or let it grow (-growth_type)");
   UserCheck(fate == CROSSES, scene->comm,
             "-ts_max_time %s: the straight rod is stable up to there%s, %s",
             OptionBoth(scene->end_time, UNIT_TIME, text),

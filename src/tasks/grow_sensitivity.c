@@ -120,6 +120,10 @@ static PetscErrorCode CreateScene(Grow *self, const Asked *asked, Shadow *shadow
   UserCheck(used, self->scene->comm,
             "-sensitivity %s: nothing of this rod and its surroundings depends on it",
             asked->name + 1);
+  UserCheck(!shadow->scene->space.why && !shadow->scene->space.only, self->scene->comm,
+            "-sensitivity %s: is of rods in space, and nothing in the plane's frame model, which "
+            "derivatives are of, depends on it; take it out",
+            asked->name + 1);
   SceneAtTolerance(shadow->scene, self->rtol);
   PetscCall(PetscArraycpy(shadow->scene->mesh.s, self->scene->mesh.s, self->scene->mesh.cells + 1));
   PetscCall(RodHoldTip(shadow->rod));

@@ -65,7 +65,7 @@ static PetscErrorCode CheckStraight(Scene scene) {
 
   PetscFunctionBegin;
   UserCheck(!CurvatureBends(&scene->curvature), scene->comm,
-            "-rod_curvature: %s, straight by nature; take it out%s", about, other);
+            "-rod_curvature: %s, straight by nature; give 0 or take it out%s", about, other);
   UserCheck(scene->clamp == CLAMP_HELD, scene->comm,
             "-clamp_type free: %s that a clamp holds; take it out", about);
   UserCheck(!scene->contact.any, scene->comm, "-%s: %s that touches nothing; take it out",

@@ -273,6 +273,8 @@ CASES = [
     ("-sensitivity rod_cells", "-sensitivity rod_cells"),
     ("-sensitivity friction_mu,friction_mu", "twice"),
     ("-sensitivity friction_mu -rod_model auto", "-rod_model frame"),
+    ("-sensitivity shape_turn", "is of rods in space"),
+    ("-sensitivity rod_torsion", "is of rods in space"),
     ("-sensitivity friction_mu -friction_beta 0", "-friction_beta"),
     ("-sensitivity friction_mu -wall_file {wall_sound}", "contact"),
     ("-sensitivity friction_mu -ts_type bdf", "-ts_type"),

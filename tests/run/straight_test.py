@@ -240,7 +240,7 @@ def refused():
             "-rod_curvature 1 -rod_model space -friction_mu 0 -ts_max_time 4 -ts_max_steps 2":
                 "-ts_max_steps: reached at t = 0.0",
             "-rod_curvature 1 -rod_model space -friction_mu 0 -growth_initial_length 9": "unstable already at t = 0",
-            "-rod_curvature 1 -rod_model frame": "straight by nature; take it out, or -task critical -rod_model space",
+            "-rod_curvature 1 -rod_model frame": "straight by nature; give 0 or take it out, or -task critical -rod_model space",
             "-tip_torque 1 -friction_radius 0.1": "-friction_radius: twist that friction holds",
             "-tip_type clamped -tip_torque 1 -clamp_spin 1": "-clamp_spin: turns a clamped tip",
             f"-tip_type clamped -tip_path {path}": "-tip_path: -task critical",
@@ -248,7 +248,8 @@ def refused():
             "-rod_weight 1.5,0 -growth_type gaussian -ts_max_time 3": "stable up to there, pulled all along, look further",
             "-growth_type none -rod_model space -rod_curvature 1 -friction_mu 0 -ts_max_time 0.01":
                 "stable up to there, and with -growth_type none it does not lengthen",
-            "-growth_type none": "stable up to there, pulled all along, and with -growth_type none it does not lengthen"}.items():
+            "-growth_type none -tip_force -1": "stable up to there, pulled all along, and with -growth_type none it does not lengthen",
+            "-growth_type none": "nothing presses the straight rod"}.items():
         out = tendril(options + " -task critical -friction_beta 0", 1)
         text = out if isinstance(out, str) else str(out)
         expect(words in text and text.strip().count("\n") == 0, f"{options}: {text}")

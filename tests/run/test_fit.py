@@ -557,6 +557,19 @@ class Residuals(unittest.TestCase):
 
 
 class Viewed(unittest.TestCase):
+    def test_no_line_is_no_success(self):
+        """Where no picture has its tip there is nothing to fit: that is said, beside the page that lets one mend it."""
+        line = tracing.Traced(points=np.array([[0, 0], [5, 0], [9.0, 0]]), unsure=np.zeros(3, bool), width=1.0, error=0.1,
+                              whole=False)
+        none = filming.Filmed([filming.Frame("a.png", 1.0, "", line)], filming.Scale((0, 0), (1, 0), np.eye(3), ""), 0)
+        with tempfile.TemporaryDirectory(prefix="tendril-") as place, \
+                mock.patch.object(filming, "measure", return_value=none), \
+                contextlib.redirect_stderr(io.StringIO()) as said, contextlib.redirect_stdout(io.StringIO()) as out:
+            self.assertEqual(filming.main(["a.png", "--clamp", "0,0", "--output", f"{place}/none"]), 1)
+            self.assertTrue((Path(place) / "none.html").is_file())
+        self.assertRegex(said.getvalue(), r"^measure: in none of 1 pictures .* \(a.png: the tip is not seen\), so .*\n$")
+        self.assertNotIn("is for scripts/fit.sh", out.getvalue())
+
     def test_a_tilted_plane(self):
         """The numbers are those of a homography near to one that leaves all as it is."""
         random = np.random.default_rng(2)
@@ -1277,6 +1290,9 @@ class Fitting(unittest.TestCase):
         with contextlib.redirect_stderr(io.StringIO()) as said:
             self.assertEqual(fit_command.main([str(TUBE), str(data)]), 1)
         self.assertEqual(said.getvalue(), "fit: give what to look for, --parameter si_friction_dry=0.1N/m:2N/m\n")
+        with contextlib.redirect_stderr(io.StringIO()) as said:
+            self.assertEqual(fit_command.main([str(TUBE), str(data), "-p", "tip_force", "1:2"]), 1)
+        self.assertEqual(said.getvalue(), "fit: --parameter tip_force 1:2: give name and bounds in one, tip_force=LOW:HIGH\n")
         for words, word in (([TUBE, data, {"si_friction_dry": ("0.2N/m", "2N/m")}], "wdth is no series"),
                             ([TUBE, data, "si_friction_dry=0.2N/m:2N/m"], "give parameters by name"),
                             ([TUBE, data, {"si_frction_dry": (1, 2)}], "unknown option"),

@@ -60,8 +60,12 @@ class Package(unittest.TestCase):
         self.assertEqual(tendril.load(self.place / "kept.h5").series.tip_x2[-1], r.series.tip_x2[-1])
         self.assertFalse(self.runs[0].path.exists())
         for wrong in (lambda: r.series["wdth"], lambda: r.series.wdth, lambda: r.minimum("wdth")):
-            with self.assertRaisesRegex((KeyError, AttributeError), "no wdth here; there are .*width"):
+            with self.assertRaisesRegex((KeyError, AttributeError), "no wdth here, did you mean .*width"):
                 wrong()
+        with self.assertRaisesRegex(AttributeError, "no width here; it is series.width"):
+            r.width
+        self.assertEqual(r.maximum("length"), (r.series.t[-1], r.series.length[-1]))
+        self.assertRegex(repr(tendril.view(r)), "a page of .* MB")
         steps, nodes = len(r.series.t), r.shapes.x.shape[1]
         self.assertIn(f"tip_x1 [{steps}], ", repr(r.series))
         self.assertIn(f"x [{len(r.shapes.t)}, {nodes}, 2]", repr(r.shapes))

@@ -134,6 +134,17 @@ class Scripts(unittest.TestCase):
             self.assertRegex(err, r"^plot: \S+: ends at t = 2; no shape at 9\n$")
         self.assertFalse(base.with_suffix(".png").exists())
 
+    def test_slips(self):
+        """A flag between two files, a name nearly right, a scene in the place of its result."""
+        d = self.file.parent
+        between = ["--overlay", self.file, "--panels", "width", self.straight, "--output", d / "slip"]
+        self.assertEqual(quietly(pictures.main, between), (0, f"plot: {d}/slip.png and .pdf\n", ""))
+        self.assertIn("panel shape: unknown, did you mean shapes?",
+                      quietly(pictures.main, [self.file, "--panels", "shape", "--output", d / "no"])[2])
+        (d / "scene.opts").write_text("-growth_type feed\n")
+        self.assertIn("is an options file, not its result; run it", quietly(pictures.main, [d / "scene.opts"])[2])
+        self.assertIn("is a directory", quietly(pictures.main, [d])[2])
+
     def test_laboratory(self):
         """--si and times with units, of a run in the laboratory; refused of another."""
         d = self.file.parent
@@ -155,6 +166,8 @@ class Scripts(unittest.TestCase):
             load(tube).at("4furlong")
         beyond = quietly(pictures.main, [tube, "--si", "--times", "20s", "--output", d / "no"])
         self.assertEqual(beyond[2], f"plot: {tube}: ends at t = 12 s; no shape at 20 s\n")
+        bare = quietly(pictures.main, [tube, "--si", "--times", "8", "--output", d / "no"])
+        self.assertIn("; give 8s if seconds are meant)", bare[2])
         self.assertEqual(quietly(pictures.main, [tube, *said])[0], 0)
         result, out, err = quietly(films.main, [tube, "--si", "--from", "2s", "--to", "0.1min",
                                                   "--output", film])
