@@ -1,0 +1,93 @@
+/* When a run is called jammed, or to slip without end: by what its latest steps have come to. */
+#include "harness.h"
+#include "tasks/growing.h"
+
+/* A rod of length 3 that touches, and is pressed by so many times the usual force of 1. */
+static Observation Pressed(PetscReal force) {
+  return (Observation){.length = 3, .contacts = 1, .contact_force = force};
+}
+
+/* The step, of this size, at which the run is called jammed; 0: not in so many. */
+static PetscInt JamsAt(Grow *self, PetscReal step, PetscInt most) {
+  for (PetscInt k = 1; k <= most; k++) {
+    self->seen.t += step;
+    if (GrowIsJammed(self)) return k;
+  }
+  return 0;
+}
+
+/* Wedged rods chatter on, and add up to 2e-5 in a thousand steps; others get on, if slowly. */
+static void TestJamGetsNowhere(void **state) {
+  struct _Scene scene = {.contact = {.any = PETSC_TRUE, .diameter = 0.1}};
+  Grow wedged = {.scene = &scene, .seen = Pressed(20)}, slow = wedged, calm = wedged, off = wedged;
+  PetscInt at = JamsAt(&wedged, 2e-8, 3000);
+
+  EXPECT(at > 900 && at < 1100, "chatters: jammed after %d steps", (int)at);
+  at = JamsAt(&slow, 1e-7, 3000);
+  EXPECT(!at, "gets on by 1e-4 in a thousand steps: jammed after %d", (int)at);
+  calm.seen.contact_force = 5;
+  at = JamsAt(&calm, 0, 3000);
+  EXPECT(!at, "pressed with usual forces: jammed after %d", (int)at);
+  off.seen.contacts = 0;
+  at = JamsAt(&off, 0, 3000);
+  EXPECT(!at, "touches nothing: jammed after %d", (int)at);
+}
+
+/* Deep in a wall under large forces it is jammed at once; deep in one that is soft it is not. */
+static void TestJamDeep(void **state) {
+  struct _Scene thick = {.contact = {.any = PETSC_TRUE, .diameter = 0.1, .tip = 1e-3}},
+                thin = {.contact = {.any = PETSC_TRUE, .tip = 0.1}};
+  const struct {
+    Scene scene;
+    PetscReal force, depth;
+    PetscBool jams;
+  } rods[] = {{&thick, 20, 0.03, PETSC_TRUE},
+              {&thick, 20, 0.01, PETSC_FALSE},
+              {&thick, 5, 0.03, PETSC_FALSE},
+              {&thin, 20, 0.3, PETSC_TRUE},
+              {&thin, 20, 0.1, PETSC_FALSE}};
+
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(rods); k++) {
+    Grow self = {.scene = rods[k].scene, .seen = Pressed(rods[k].force)};
+    self.seen.penetration = rods[k].depth;
+    EXPECT(GrowIsJammed(&self) == rods[k].jams, "%d: pressed by %g, %g deep", (int)k,
+           (double)rods[k].force, (double)rods[k].depth);
+  }
+}
+
+/* The step, of this size, at which a run is told to slip; 0: not in so many. */
+static PetscInt SlipsAt(Grow *self, PetscReal step, PetscInt most) {
+  for (PetscInt k = 1; k <= most; k++) {
+    self->seen.t += step;
+    if (GrowSlips(self)) return k;
+  }
+  return 0;
+}
+
+/* Weak friction across is given a viscous share, tenfold more as long as it slips, up to a
+   hundredth: with that it has five times as many steps to get on by a hundredth of the run. */
+static void TestSlips(void **state) {
+  struct _Scene scene = {.end_time = 10, .load = {.across = 0.5, .friction = {.mu = 1}}};
+  Grow self = {.scene = &scene};
+  PetscInt at = SlipsAt(&self, 0, 3000);
+
+  EXPECT(!at, "has not snapped: slips after %d steps", (int)at);
+  for (PetscReal share = 1e-4; share < 0.05; share *= 10) {
+    const PetscInt most = share < 5e-3 ? 500 : 2500;
+    EXPECT(LoadShareMore(&scene.load), "no share of %g", (double)share);
+    EXPECT(PetscAbsReal(1 - scene.load.friction.mu - share) < 1e-3 * share, "a share of %g, not %g",
+           1 - (double)scene.load.friction.mu, (double)share);
+    at = SlipsAt(&self, 1e-5, 5000);
+    EXPECT(at > most / 2 && at < most, "share %g: slips after %d steps", (double)share, (int)at);
+    at = SlipsAt(&self, 1e-3, 5000);
+    EXPECT(!at, "share %g, gets on: slips after %d steps", (double)share, (int)at);
+  }
+  EXPECT(!LoadShareMore(&scene.load), "a share of %g", 1 - (double)scene.load.friction.mu);
+  scene.load = (Load){.across = 2, .friction = {.mu = 1}};
+  EXPECT(!LoadShareMore(&scene.load), "a share though friction across is strong");
+}
+
+static const struct CMUnitTest tests[] = {cmocka_unit_test(TestJamGetsNowhere),
+                                          cmocka_unit_test(TestJamDeep),
+                                          cmocka_unit_test(TestSlips)};
+MAIN(tests)
