@@ -428,6 +428,12 @@ def likeliest(fit: Fit, bad, tell):
             "the experiment, or these are not points of the rod."] if bad else []
 
 
+def stays_straight(fit: Fit) -> bool:
+    """Whether nothing ever bends the rod of the best scene, which then tells nothing of what holds it."""
+    angles = fit.run.series.get("max_angle", ())
+    return len(angles) > 0 and not fit.run.in_space and float(np.abs(angles).max()) < 1e-9
+
+
 def warnings_of(fit: Fit, agreed, tell) -> list[str]:
     """What speaks against a fit, in lines."""
     words, bad = plain_units(fit.problem.measured, fit.run.attributes), False
@@ -458,4 +464,7 @@ def warnings_of(fit: Fit, agreed, tell) -> list[str]:
     if not agreed:
         words.append("no two searches ended in one place: the best may not be the best there is. More --starts, "
                      "narrower bounds, or a START.")
+    if bad and stays_straight(fit):
+        return [*words, "the rod of the best scene is straight, and stays so whatever its friction: give it the bend that it has by "
+                "nature, -rod_curvature, or look for it, --parameter rod_curvature=LOW:HIGH."]
     return words + likeliest(fit, bad, tell)

@@ -557,6 +557,12 @@ class Residuals(unittest.TestCase):
 
 
 class Viewed(unittest.TestCase):
+    def test_a_rod_that_stays_straight(self):
+        """Of a scene that bends nowhere the friction cannot be seen: that is said, and no fault of the picture looked for."""
+        for bend, straight in ((0, True), (0.1, False)):
+            r = tendril.run(growth_type="uniform", shape_type="straight", rod_curvature=bend, rod_cells=20, ts_max_time=0.5)
+            self.assertEqual(doubts.stays_straight(mock.Mock(run=r)), straight)
+
     def test_no_line_is_no_success(self):
         """Where no picture has its tip there is nothing to fit: that is said, beside the page that lets one mend it."""
         line = tracing.Traced(points=np.array([[0, 0], [5, 0], [9.0, 0]]), unsure=np.zeros(3, bool), width=1.0, error=0.1,
