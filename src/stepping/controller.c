@@ -19,9 +19,11 @@ static const PetscReal safety = 0.22;
    part. VBDFSetSnap() tells how to follow it; else, or if it shows once more, backward Euler
    carries the rod over. The history starts anew behind it. Likewise for a step below
    jump_step of the final time: an initial layer as fast as that is left unresolved, and crossed in
-   steps that double, up to longest_jump of it. (One whose error is seen there is tried again
-   shorter: to jump on would make the next one blind, and so on without end.) */
+   steps that double, up to longest_jump of it. */
 static const PetscReal jump_persists = 0.7, jump_step = 1e-13, longest_jump = 1e-6;
+/* (In the layer, one whose error is up to so many times the tolerance is tried again shorter: it is
+   all but seen, and to jump on would make the next one blind, and so on without end.) */
+static const PetscReal nearly_seen = 30;
 /* A rod that barely sticks may slip by a little, and stick again in a step that is short enough: in
    a step below this part of the final time, such an error is a jump, too. (That of a kink would
    fall like the step, to a third at most.) */
@@ -210,9 +212,9 @@ static PetscErrorCode Choose(TS ts, Controller *self, Formula *f, PetscBool *acc
     PetscCall(FirstError(ts, self, f, &e));
   *accept = (PetscBool)(e <= 1);
   persists = ts->time_step < slip_step * Scale(ts, self) ? slip_persists : jump_persists;
-  self->jumped =
-      (PetscBool)(!*accept && k == 1 &&
-                  (e > persists * self->rejected || (f->n == 1 && ts->time_step < self->layer)));
+  self->jumped = (PetscBool)(!*accept && k == 1 &&
+                             (e > persists * self->rejected ||
+                              (ts->time_step < self->layer && (f->n == 1 || e > nearly_seen))));
   self->rejected = *accept ? PETSC_MAX_REAL : e;
   if (self->jumped) *accept = PETSC_TRUE;
   *factor = StepFactor(e, k);

@@ -11,18 +11,21 @@
 
   This is stepped by backward Euler, e = A z with the factor A by which x2 falls and rises taken out
   of the fields across, as it is for the run itself (formula.c; in space a factor each for those of
-  both directions, or one for both where it is bent in both). Errors are smooth along the rod, and a
-  fifth of them is no matter: so it is done on a coarse mesh of every few nodes of the run's, and
-  once in a few steps. From the first contact on cells are no longer than the layer over which
-  contact spreads. The two parts, in space and in time, are carried along each for itself. What is
-  told is the largest error that they make in the tip's place (over its distance), |x2| and the
-  energy (each over itself).
+  both directions, or one for both while they are of like size). Errors are smooth along the rod,
+  and a fifth of them is no matter: so it is done on a coarse mesh of every few nodes of the run's,
+  and once in a few steps while the rod is straight. From the first contact on cells are no longer
+  than the layer over which contact spreads, and it is done once in a few steps. The two parts, in
+  space and in time, are carried along each for itself. What is told is the largest error that they
+  make in the tip's place (over its distance), |x2| and the energy (each over itself).
 */
-enum { LEAST_CELLS = 8, CELLS = 48 };  /* of the run; of the coarse mesh, about */
-enum { SELDOM = 4 };                   /* steps from one time to the next */
-enum { DEFECTS = 2 };                  /* such times from one measurement of defects to the next */
+enum { LEAST_CELLS = 8, CELLS = 48 }; /* of the run; of the coarse mesh, about */
+enum { SELDOM = 4 };  /* steps from one time to the next, while straight or in contact */
+enum { DEFECTS = 2 }; /* such times from one measurement of defects to the next */
 static const PetscReal longest = 0.8;  /* arc length of a coarse cell, where the mesh allows */
+static const PetscReal straight = 0.3; /* angle */
+static const PetscReal most_dip = 0.8; /* of the moment: one that it is worth to look at */
 static const PetscReal kink_error = 3; /* of the local error of a step that is not smooth in time */
+static const PetscReal alike = 1e3;    /* sizes across in both directions, up to this ratio */
 static const PetscReal early = 0.01;   /* of the run: what the start does is over by then */
 static const PetscReal nudge = 1e-3;   /* of the speed at which friction turns, of beta, of k */
 
@@ -43,9 +46,10 @@ struct _Estimate {
   PetscInt rejected, watch;           /* tries, so far; steps to be looked at one by one */
   PetscReal before, size[MIRRORS];    /* when e was stepped last, and |x2|, |x3| then */
   PetscReal time, latest[MIRRORS];    /* of the latest step, and the largest x2, x3 at it */
-  PetscInt until;                     /* times until the defect is measured again */
-  PetscReal measured[MIRRORS];        /* the largest x2, x3 when it was */
-  Gathered own, all;                  /* of this rank's nodes, 0 elsewhere; all on rank 0 */
+  PetscReal moment[2];         /* the largest, when e was stepped last; the least of it since */
+  PetscInt until;              /* times until the defect is measured again */
+  PetscReal measured[MIRRORS]; /* the largest x2, x3 when it was */
+  Gathered own, all;           /* of this rank's nodes, 0 elsewhere; all on rank 0 */
   PetscReal (*defect)[MAX_FIELDS];
   PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN];
   /* rank 0: the coarse rod; NULL else */
@@ -192,6 +196,7 @@ PetscErrorCode EstimateCreate(Leg *leg, Estimate *estimate) {
   self->fields = self->model->fields;
   self->followed = self->model->halves[0];
   self->mirrors = self->model->space ? 2 : 1;
+  self->moment[0] = self->moment[1] = PETSC_MAX_REAL; /* none was seen yet: it has not dipped */
   PetscCall(PetscCalloc1(leg->rod->end - leg->rod->first, &self->defect));
   PetscCall(ChooseMesh(self));
   PetscFunctionReturn(0);
@@ -253,15 +258,15 @@ static PetscReal Ratio(PetscReal now, PetscReal before) {
   return now > rod_vanished && before > rod_vanished ? now / before : 1;
 }
 
-/* Is the rod bent in both directions across? They turn into each other, and have one factor. */
-static PetscBool BentInBoth(const PetscReal size[MIRRORS]) {
-  return (PetscBool)(PetscMin(size[0], size[1]) > rod_vanished);
+static PetscBool Alike(const PetscReal size[MIRRORS]) {
+  return (PetscBool)(PetscMin(size[0], size[1]) > rod_vanished &&
+                     PetscMax(size[0], size[1]) < alike * PetscMin(size[0], size[1]));
 }
 
 /* By how much the fields of each group have changed, as far as x2 and x3 tell. */
 static void Ratios(const PetscReal now[MIRRORS], const PetscReal before[MIRRORS],
                    PetscReal ratio[GROUPS]) {
-  const PetscBool both = (PetscBool)(BentInBoth(now) && BentInBoth(before));
+  const PetscBool both = (PetscBool)(Alike(now) && Alike(before));
 
   ratio[ALONG] = 1;
   for (int k = 0; k < MIRRORS; k++)
@@ -274,6 +279,14 @@ static void Ratios(const PetscReal now[MIRRORS], const PetscReal before[MIRRORS]
 static void Across(const Estimate self, const PetscReal size[MAX_FIELDS],
                    PetscReal across[MIRRORS]) {
   for (int k = 0; k < MIRRORS; k++) across[k] = k < self->mirrors ? size[1 + k] : 0;
+}
+
+static PetscReal LargestMoment(const Estimate self, const PetscReal size[MAX_FIELDS]) {
+  PetscReal most = 0;
+
+  for (PetscInt d = 0; d < (self->model->space ? 3 : 1); d++)
+    most = PetscMax(most, size[self->followed + d]);
+  return most;
 }
 
 /* The step's local error at the coarse nodes of this rank comes on top of those before, which have
@@ -382,7 +395,7 @@ static void Sizes(const Estimate self, PetscReal size[MIRRORS], PetscReal rate[M
 
   for (int k = 0; k < MIRRORS; k++)
     size[k] = k < self->mirrors ? SizeOf(self, 1 + k, &rate[k]) : (rate[k] = 0);
-  if (!BentInBoth(size)) return;
+  if (!Alike(size)) return;
   for (int k = 0; k < MIRRORS; k++) both += PetscSqr(size[k] / hypot(size[0], size[1])) * rate[k];
   for (int k = 0; k < MIRRORS; k++) rate[k] = both;
 }
@@ -541,13 +554,14 @@ static PetscReal SeeNorm(const Estimate self, const PetscReal *e) {
   return off;
 }
 
-/* What an error makes of the energy, over it. */
-static PetscErrorCode SeeEnergy(const Estimate self, PetscReal t, const PetscReal *e,
+/* What an error makes of the energy, over it. Where the moment all but vanishes between two looks,
+   by Schwarz's inequality, dip its part that is left: dE/E <= 2 |dm|/|m|. */
+static PetscErrorCode SeeEnergy(const Estimate self, PetscReal t, PetscReal dip, const PetscReal *e,
                                 PetscReal *seen) {
   const PetscReal *s = self->scene->mesh.s;
   const PetscInt last = self->nodes - 1, fields = self->fields,
                  moments = self->model->space ? 3 : 1;
-  PetscReal energy = 0, by = 0, size = rod_vanished;
+  PetscReal energy = 0, by = 0, off = 0, size = rod_vanished;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k <= last; k++)
@@ -563,14 +577,17 @@ static PetscErrorCode SeeEnergy(const Estimate self, PetscReal t, const PetscRea
     for (PetscInt d = 0; d < moments; d++) {
       energy += w * g / S[d] * PetscSqr(m[d] / size);
       by += 2 * w * g / S[d] * (m[d] / size) * (dm[d] / size);
+      off += w * g / S[d] * PetscSqr(dm[d] / size);
     }
   }
   *seen = energy > 0 ? PetscAbsReal(by / energy) : 0;
+  if (energy > 0 && dip < most_dip)
+    *seen = PetscMax(*seen, 2 * PetscSqrtReal(off / energy) / PetscMax(dip, rod_vanished));
   PetscFunctionReturn(0);
 }
 
 /* What an error makes of tip, |x2| and energy, relative. */
-static PetscErrorCode See(const Estimate self, PetscReal t, const PetscReal *e,
+static PetscErrorCode See(const Estimate self, PetscReal t, PetscReal dip, const PetscReal *e,
                           PetscReal seen[ESTIMATE_SEEN]) {
   const PetscInt tip = (self->nodes - 1) * self->fields;
   PetscReal off = 0, distance = 0;
@@ -582,16 +599,16 @@ static PetscErrorCode See(const Estimate self, PetscReal t, const PetscReal *e,
   }
   seen[ESTIMATE_TIP] = off / PetscMax(distance, rod_vanished);
   seen[ESTIMATE_NORM] = SeeNorm(self, e);
-  PetscCall(SeeEnergy(self, t, e, &seen[ESTIMATE_ENERGY]));
+  PetscCall(SeeEnergy(self, t, dip, e, &seen[ESTIMATE_ENERGY]));
   PetscFunctionReturn(0);
 }
 
 /* Beyond 1 an error is no small one any more, and the linear equations say nothing. */
-static PetscErrorCode Keep(Estimate self, PetscReal t, int part) {
+static PetscErrorCode Keep(Estimate self, PetscReal t, PetscReal dip, int part) {
   PetscReal seen[ESTIMATE_SEEN] = {0}, most = 0, *e = self->e[part];
 
   PetscFunctionBegin;
-  PetscCall(See(self, t, e, seen));
+  PetscCall(See(self, t, dip, e, seen));
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
     if (PetscIsInfOrNanReal(seen[k])) seen[k] = most = PETSC_MAX_REAL;
     most = PetscMax(most, seen[k]);
@@ -624,7 +641,7 @@ static void TakeErrors(Estimate self, int part, const PetscReal ratio[GROUPS], P
 
 /* A step of backward Euler from before to t. (A'/A is that at t: with its mean over the step, which
    is another where the rate changes, errors would rise or fall against x2.) */
-static PetscErrorCode Advance(Estimate self, PetscReal t) {
+static PetscErrorCode Advance(Estimate self, PetscReal t, PetscReal dip) {
   PetscReal size[MIRRORS], rate[MIRRORS], ratio[GROUPS], step = t - self->before, shift[MAX_FIELDS];
 
   PetscFunctionBegin;
@@ -647,9 +664,20 @@ static PetscErrorCode Advance(Estimate self, PetscReal t) {
     PetscCall(TimesRate(self, t));
     PetscCall(SubtractSource(self, t, part));
     PetscCall(Solve(self, self->e[part]));
-    PetscCall(Keep(self, t, part));
+    PetscCall(Keep(self, t, dip, part));
   }
   PetscFunctionReturn(0);
+}
+
+/* By how much the largest moment was less, since e was stepped last, than both then and now. */
+static PetscReal Dip(const Estimate self, PetscReal now) {
+  return self->moment[1] / PetscMax(PetscMin(self->moment[0], now), rod_vanished);
+}
+
+/* How far the rod is from straight: the angle of its steepest place. */
+static PetscReal Angle(const Estimate self, const PetscReal size[MAX_FIELDS]) {
+  const PetscInt p2 = 5; /* x, and p0 and p1 before it */
+  return self->model->space ? 2 * hypot(size[p2], size[p2 + 1]) : size[self->followed - 1];
 }
 
 /*
@@ -680,8 +708,10 @@ static PetscErrorCode LookForKink(Estimate self, PetscReal *times_error) {
 }
 
 /* Is it too early to step e again? */
-static PetscBool Waits(const Estimate self, PetscReal t) {
-  return (PetscBool)(self->since < SELDOM && !self->watch && t < self->leg->rod->scene->end_time);
+static PetscBool Waits(const Estimate self, PetscReal t, const PetscReal size[MAX_FIELDS]) {
+  return (PetscBool)(self->since < SELDOM && !self->watch &&
+                     (self->touches || Angle(self, size) < straight) &&
+                     t < self->leg->rod->scene->end_time);
 }
 
 /*
@@ -691,7 +721,8 @@ static PetscBool Waits(const Estimate self, PetscReal t) {
   touches  the rod has touched something, now or before
 */
 PetscErrorCode EstimateStep(Estimate self, PetscBool jumped, PetscBool touches) {
-  PetscReal size[MAX_FIELDS], across[MIRRORS], ratio[GROUPS], rate[MIRRORS], times_error = 1, t;
+  PetscReal size[MAX_FIELDS], across[MIRRORS], ratio[GROUPS], rate[MIRRORS], moment,
+      times_error = 1, t;
 
   PetscFunctionBegin;
   if (!self) PetscFunctionReturn(0);
@@ -699,18 +730,21 @@ PetscErrorCode EstimateStep(Estimate self, PetscBool jumped, PetscBool touches) 
   if (touches && !self->touches) PetscCall(Refine(self));
   PetscCall(RodFieldSizes(self->leg->rod, self->leg->U, size));
   Across(self, size, across);
+  moment = LargestMoment(self, size);
   PetscCall(LookForKink(self, &times_error));
   Ratios(across, self->latest, ratio);
   if (!jumped) PetscCall(AddLocal(self, times_error, ratio));
   PetscCall(PetscArraycpy(self->latest, across, MIRRORS));
   self->time = t;
+  self->moment[1] = PetscMin(self->moment[1], moment);
   self->since++;
-  if (Waits(self, t)) PetscFunctionReturn(0);
+  if (Waits(self, t, size)) PetscFunctionReturn(0);
   PetscCall(Gather(self, across));
-  if (self->rod && !jumped) PetscCall(Advance(self, t));
+  if (self->rod && !jumped) PetscCall(Advance(self, t, Dip(self, moment)));
   if (self->rod && jumped) Sizes(self, self->size, rate);
   PetscCall(PetscArrayzero(self->own.local, 2 * self->nodes * self->followed)); /* and skipped */
   self->before = t;
+  self->moment[0] = self->moment[1] = moment;
   self->since = 0;
   PetscFunctionReturn(0);
 }
@@ -792,6 +826,8 @@ static void Remembered(Estimate self, PetscReal *number[ESTIMATE_MEMORY - 2]) {
 
   number[n++] = &self->before;
   number[n++] = &self->time;
+  number[n++] = &self->moment[0];
+  number[n++] = &self->moment[1];
   for (int k = 0; k < MIRRORS; k++) {
     number[n++] = &self->size[k];
     number[n++] = &self->latest[k];

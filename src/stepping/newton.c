@@ -29,8 +29,10 @@ static PetscErrorCode Residuals(Rod rod, Vec U, Vec F, PetscReal residual[GROUPS
 
 /* Forces and moments do not control the step, but where the rod sticks they are all that Newton's
    method has to find: they must settle to this part of their size, or the next step starts from
-   noise. Not for ever: with a tiny beta and a tiny step their round-off may lie above it. */
-static const PetscReal loose = 1e-4;
+   noise; where a snap ends, to that part of it, for what is left must be less than the slack by
+   which the rod rests below the limit of friction (LoadInFastTime()). Not for ever: with a tiny
+   beta and a tiny step their round-off may lie above it. */
+static const PetscReal loose = 1e-4, tight = 1e-3;
 enum { PATIENCE = 8 };
 
 /* The largest update of each group's fields, relative to the field's scale; those not followed
@@ -135,7 +137,8 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
   else {
     PetscCall(SNESGetSolutionUpdate(snes, &dU));
     PetscCall(RelativeUpdates(self->rod, U, dU,
-                              it - self->held > PATIENCE ? 0 : PetscMin(1, floor / loose), update));
+                              it - self->held > PATIENCE ? 0 : PetscMin(1, floor / self->loose),
+                              update));
     for (int g = 0; g < GROUPS; g++) {
       if (update[g] > floor) rate = PetscMax(rate, residual[g] / self->residual[g]);
       if (!(update[g] <= left)) left = update[g]; /* lets NaN through */
@@ -149,7 +152,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
       *reason = DIVERGED_NAN;
     else if (part < whole)
       *reason = SNES_CONVERGED_ITERATING;
-    else if (left <= floor || left * rate <= share_of_rate * floor)
+    else if (left <= floor || (rate < 0.3 && left * rate <= share_of_rate * floor))
       *reason = SNES_CONVERGED_SNORM_RELATIVE;
     PetscCall(PetscInfo(snes, "iteration %d: update %g, rate %g, residual %g %g\n", (int)it,
                         (double)left, (double)rate, (double)residual[ALONG],
@@ -217,6 +220,7 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   newton->rod = rod;
   PetscCall(TSGetTolerances(ts, NULL, NULL, &rtol, NULL));
   newton->tolerance = share_of_tolerance * rtol;
+  newton->loose = loose;
   PetscCall(TSSetIFunction(ts, NULL, Residual, newton));
   PetscCall(TSGetSNES(ts, &snes));
   PetscCall(SNESSetType(snes, rod->model->linear ? SNESKSPONLY : SNESNEWTONLS));
@@ -234,10 +238,12 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
 
 /*
   NewtonToRest - for a rod that is followed to where it rests: Newton's method converges, in all
-  steps, as far as it would for those of the tolerance rtol if that is smaller. After NewtonSetUp().
+  steps, as far as it would for those of the tolerance rtol if that is smaller, and forces farther
+  still. After NewtonSetUp().
 */
 void NewtonToRest(Newton *newton, PetscReal rtol) {
   newton->tolerance = PetscMin(newton->tolerance, share_of_tolerance * rtol);
+  newton->loose = tight * loose;
 }
 
 /* Is a matrix asked for? By any option of PETSc's that is about one, or about another way than full

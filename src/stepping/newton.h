@@ -18,6 +18,7 @@ typedef struct {
                           taken */
   RodState linearised; /* of the latest Jacobian; U NULL: there was none */
   PetscReal tolerance; /* of the update, relative to each field's size */
+  PetscReal loose;     /* that of forces and moments */
   PetscReal update;    /* the latest iteration's largest */
   PetscReal residual[GROUPS]; /* the latest, of each group of fields */
   PetscInt holds, held; /* how often sticking points were held anew, and at which iteration last */
