@@ -3,7 +3,7 @@
 #include <petsc/private/tsimpl.h> /* it takes the place of a TS type's own */
 
 /* A snap may be too far for Newton's method: then it fails however short the step is, and after so
-   many tries it is followed; so it is before the step ends in round-off. */
+   many tries that do it is followed; so it is before the step ends in round-off. */
 enum { failures_of_snap = 4 };
 /* Or it shows on the way: towards the turning point from which a rod snaps, steps shrink without
    end. One that is this part of the usual one asks whether the rod snaps; and, for it may have been
@@ -278,7 +278,8 @@ static PetscReal Smallest(TS ts, const Controller *self) {
 }
 
 /* After a rejection: a shorter step; after several, a fresh start from the last point alone,
-   because the history may lie on the other side of a kink. */
+   because the history may lie on the other side of a kink; or from it and the point before, by
+   which its error is seen. */
 static PetscErrorCode Retry(TS ts, Controller *self, Formula *f, PetscInt attempt,
                             PetscReal factor) {
   PetscFunctionBegin;
@@ -287,7 +288,8 @@ static PetscErrorCode Retry(TS ts, Controller *self, Formula *f, PetscInt attemp
   self->since = 0;
   if (attempt >= 3) {
     self->order = 1;
-    f->n = 1;
+    self->before = PetscMax(self->before, f->n);
+    f->n = self->look ? PetscMin(self->before, 2) : 1;
   }
   if (ts->max_reject >= 0 && attempt > ts->max_reject) ts->reason = TS_DIVERGED_STEP_REJECTED;
   if (ts->time_step < Smallest(ts, self)) ts->reason = TS_DIVERGED_STEP_REJECTED;
@@ -364,6 +366,7 @@ static PetscErrorCode Snap(TS ts, Controller *self, Formula *f) {
   self->rejected = PETSC_MAX_REAL;
   self->order = 1;
   f->n = 1;
+  self->before = 1; /* the others are before the jump */
   PetscFunctionReturn(0);
 }
 
@@ -423,18 +426,23 @@ static PetscErrorCode Try(TS ts, Controller *self, Formula *f, Outcome *outcome,
 }
 
 /* The step cannot be as it was tried: one of fixed size ends the run; another is cut, or, if that
-   has not helped for long, a snap is followed. */
+   has not helped for long, a snap is followed. (Rejections for its error are none of these tries.)
+   One tried from the last point alone is blind, and judged by modes of the frozen rod, which need
+   not be those of the one that moves: if it crosses one, the next try is one whose error is seen.
+ */
 static PetscErrorCode CutOrSnap(TS ts, Controller *self, Formula *f, PetscInt attempt,
                                 Outcome outcome) {
   PetscBool unsolved = (PetscBool)(outcome == TRY_UNSOLVED);
 
   PetscFunctionBegin;
   if (unsolved) ts->num_snes_failures++;
+  self->failures++;
+  if (outcome == TRY_CROSSES && f->n == 1) self->look = PETSC_TRUE;
   if (self->fixed ||
       (unsolved && ts->max_snes_failures >= 0 && ts->num_snes_failures > ts->max_snes_failures))
     ts->reason = unsolved ? TS_DIVERGED_NONLINEAR_SOLVE : TS_DIVERGED_STEP_REJECTED;
   else if (self->snap && !self->tried &&
-           (attempt > failures_of_snap || cut * ts->time_step < Smallest(ts, self)))
+           (self->failures > failures_of_snap || cut * ts->time_step < Smallest(ts, self)))
     PetscCall(Snap(ts, self, f));
   else
     PetscCall(Retry(ts, self, f, attempt, cut));
@@ -465,7 +473,8 @@ static PetscErrorCode TryUntilAccepted(TS ts, Controller *self, Formula *f, Pets
 static PetscErrorCode BeginStep(TS ts, Controller *self, Formula *f) {
   PetscFunctionBegin;
   PetscCall(PetscObjectTypeCompare((PetscObject)ts->adapt, TSADAPTNONE, &self->fixed));
-  self->jumped = self->tried = self->snapped = PETSC_FALSE;
+  self->jumped = self->tried = self->snapped = self->look = PETSC_FALSE;
+  self->before = self->failures = 0;
   self->layer = PetscMax(self->layer, jump_step * Scale(ts, self));
   self->rejected = PETSC_MAX_REAL;
   if (ts->steprestart && !f->given) f->n = 0;

@@ -19,8 +19,11 @@ typedef struct {
   PetscReal usual;      /* the longest of the latest steps, slowly forgotten */
   PetscBool fixed;  /* -ts_adapt_type none: steps as told, order as high as the history allows */
   PetscBool jumped; /* the present step was accepted as a jump */
-  PetscBool tried, snapped;         /* to follow a snap in the present step; it begins behind one */
-  PetscBool plain_next;             /* nothing is factored in the next step */
+  PetscBool tried, snapped; /* to follow a snap in the present step; it begins behind one */
+  PetscInt failures;        /* tries of the present step that had no solution, or crossed a mode */
+  PetscBool look;           /* its error is to be seen, if there is a point before */
+  PetscInt before;          /* points there were before it was tried from the last one alone */
+  PetscBool plain_next;     /* nothing is factored in the next step */
   PetscObjectState tolerance_state; /* of the tolerances that were looked at */
   PetscBool minute;                 /* one of them is */
   Vec work;

@@ -361,6 +361,22 @@ def crawls():
     expect("-ts_max_steps: reached" in line and len(read(file)["series/t"]) == 1101, line)
 
 
+@check
+def no_snap():
+    """Exact friction that feels the spin: the modes of a frozen rod are not those of the one that moves, and a step
+    tried from the last point alone, behind three rejections, is none to be judged by them (it was followed as a
+    snap, and behind snaps that were none the run gave up); nor is one failure behind four rejections a snap."""
+    spun = ("-growth_type apical -friction_mu 1 -friction_beta 0 -growth_initial_length 3.88 -shape_type sag "
+            "-shape_amplitude 0.0053 -rod_model space -ts_max_time 1.16 -growth_zone 1.37 -rod_bend_ratio 1.65 "
+            "-rod_twist -0.614 -tip_force 0.0839 -tip_law resistance -friction_radius 0.177 -rod_cells 60 "
+            "-clamp_spin 0.5 ")
+    runs = [Run(f"{spun} -ts_rtol {rtol}") for rtol in ("1.2e-6", "1e-6")]
+    for r in runs:
+        print(f"{r.steps} steps, tip x2 {r.tip_x2[-1]:.9f}, energy defect {r.energy_defect[-1]:.1e}")
+        expect(" snap" not in r.said, r.said[-300:])
+        expect(abs(r.tip_x2[-1] / runs[0].tip_x2[-1] - 1) < 2e-5, f"tip x2 {r.tip_x2[-1]}")
+
+
 def path(columns, rows):
     """A file that leads a tip."""
     file = f"{scene.SCRATCH}/path.csv"
