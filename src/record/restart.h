@@ -6,7 +6,7 @@
 #include "stepping/estimate.h"
 #include "stepping/vbdf.h"
 
-enum { RESTART_BESIDE = 7 }; /* as grow_errors.c has them */
+enum { RESTART_BESIDE = 8 }; /* as grow_errors.c has them */
 
 /* All reals, stored as one array, /restart/state; beside it the stepper's points, /restart/points,
    latest first, [point][node times fields], what Newton's method remembers, /restart/memory, and

@@ -165,6 +165,27 @@ static PetscBool LedRoundCorner(Scene scene, PetscReal t0, PetscReal t1) {
                      (scene->space.clamp_path && ClampPathJerks(scene->space.clamp_path, t0, t1)));
 }
 
+/*
+  IsThin - is the layer of a start that has given way still thinner than cells are long? A start out
+  of balance, by a moment at its free tip, say, gives way in a layer that has no width at first, and
+
+    (B t)^(1/4),   B = 1, where friction is 1 a length,
+
+  at t. Where that is less than so many cells, what lies between nodes is not the rod's: its powers
+  do not add up to what it loses, which friction takes, as in a snap.
+*/
+static PetscBool IsThin(const Grow *self, PetscReal t) {
+  const PetscReal cells_wide = 2, most = 1e-3; /* and no more than that part of the run */
+  const Mesh *mesh = &self->scene->mesh;
+  PetscReal longest = 0, width;
+
+  if (!self->gave_way || t > most * self->scene->end_time) return PETSC_FALSE;
+  for (PetscInt i = 0; i < mesh->cells; i++)
+    longest = PetscMax(longest, mesh->s[i + 1] - mesh->s[i]);
+  width = cells_wide * longest * self->scene->growth->initial_length;
+  return (PetscBool)(t < PetscSqr(PetscSqr(width)));
+}
+
 static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   PetscReal before = self->seen.t, norm = self->seen.norm_x2, folds = self->folds;
   PetscInt iterations = 0, all = 0, jumps = 0, blind = 0;
@@ -177,7 +198,9 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
     PetscCall(TSGetSNESIterations(self->now->ts, &all));
     PetscCall(VBDFGetJumps(self->now->ts, &jumps, &blind));
     jumped = (PetscBool)(jumps > self->now->jumps);
-    if (jumped || LedRoundCorner(self->scene, before, t)) ObserverJump(self->observer);
+    if (jumped && layered) self->gave_way = PETSC_TRUE;
+    if (jumped || IsThin(self, before) || LedRoundCorner(self->scene, before, t))
+      ObserverJump(self->observer);
     if (self->now == &self->leg[WholeModel(self)])
       PetscCall(EstimateStep(self->estimate, jumped, self->pressed));
     self->now->jumps = jumps;

@@ -60,6 +60,7 @@ void GrowKeepErrors(const Grow *self, PetscReal kept[RESTART_BESIDE]) {
   kept[4] = self->depth;
   kept[5] = self->energy_folds;
   kept[6] = self->weighed;
+  kept[7] = self->gave_way ? 1 : 0;
 }
 
 /* GrowTakeErrors - goes on with that. */
@@ -71,6 +72,7 @@ void GrowTakeErrors(Grow *self, const PetscReal kept[RESTART_BESIDE]) {
   self->depth = kept[4];
   self->energy_folds = kept[5];
   self->weighed = kept[6];
+  self->gave_way = (PetscBool)(kept[7] != 0);
 }
 
 /* What comes beside the errors of mesh and steps, in each of what is seen. */

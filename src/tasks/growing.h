@@ -42,6 +42,7 @@ typedef struct {
   PetscInt snaps;             /* of this run, and of what it goes on with */
   PetscInt crossings;         /* of these, its start was crossed by */
   PetscReal crossed;          /* what steps that cross its start have changed, see GrowCross() */
+  PetscBool gave_way;         /* its start did, at once: a jump in that layer */
   PetscBool layered;          /* steps have crossed the layer of its start, from here: */
   Observation began;
   PetscBool vanished;      /* |x2| has fallen below the numbers that there are */
