@@ -168,6 +168,8 @@ def contact_scene(draw, wide, files):
         o["contact_self"] = "true"
     if draw.happens(.3):
         o["contact_friction"] = draw.over_decades(.05, 1)
+    if "contact_self" not in o and " friction " in Path(walls).read_text():
+        o.pop("contact_friction", None)  # nothing would take it
     return o
 
 

@@ -699,10 +699,13 @@ PetscErrorCode OutputHarvest(Output self, const Observation *last, PetscInt valu
   PetscFunctionReturn(0);
 }
 
-/* Is t one of the times at which shapes are stored? */
+/* Is t one of the times at which shapes are stored? Those are added up as a run does; 0, near to
+   which a run may take many steps, is none of them. */
 static PetscBool OnGrid(PetscReal t, PetscReal interval) {
-  return (PetscBool)(PetscAbsReal(t - interval * PetscFloorReal(t / interval + 0.5)) <
-                     1e-9 * PetscMax(interval, t));
+  PetscReal due = interval;
+
+  while (due < t * (1 - 1e-12)) due += interval;
+  return (PetscBool)(due <= t * (1 + 1e-14));
 }
 
 /* How many of n increasing times are at or before t. */

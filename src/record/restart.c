@@ -214,6 +214,8 @@ PetscErrorCode RestartTake(const char *file, const RestartState *state, Leg *leg
   PetscCall(OptionGiven("-ts_dt", &given));
   if (!given) PetscCall(TSSetTimeStep(leg->ts, state->step));
   PetscCall(TSSetStepNumber(leg->ts, (PetscInt)state->steps));
+  PetscCall(PetscArraycpy(leg->kick, state->kick, MAX_FIELDS));
+  leg->kick_ends = state->kick_ends;
   PetscFunctionReturn(0);
 }
 
@@ -249,7 +251,7 @@ PetscErrorCode RestartTakeErrors(const char *file, const RestartState *state, Es
   RestartKeep - what a leg's stepper knows at time t, after an accepted step. Collective.
 
   latest  the state at t
-  state   its time, step, points, order, memory, fields and steps are set
+  state   what is of the leg is set
   points  borrowed, at most VBDF_POINTS, latest first
 */
 PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *state, Vec points[]) {
@@ -264,6 +266,8 @@ PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *stat
   PetscCall(TSGetTimeStep(leg->ts, &state->step));
   PetscCall(TSGetStepNumber(leg->ts, &steps));
   PetscCall(VBDFGetMemory(leg->ts, state->memory));
+  PetscCall(PetscArraycpy(state->kick, leg->kick, MAX_FIELDS));
+  state->kick_ends = leg->kick_ends;
   state->points = n;
   state->order = order;
   state->steps = steps;

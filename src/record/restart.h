@@ -6,19 +6,20 @@
 #include "stepping/estimate.h"
 #include "stepping/vbdf.h"
 
-enum { RESTART_BESIDE = 8 }; /* as grow_errors.c has them */
+enum { RESTART_BESIDE = 11 }; /* as grow_errors.c has them */
 
 /* All reals, stored as one array, /restart/state; beside it the stepper's points, /restart/points,
    latest first, [point][node times fields], what Newton's method remembers, /restart/memory, and
    the errors that are followed, /restart/errors, [part][node times fields]. */
 typedef struct {
-  PetscReal t, step;              /* where the run is, and the size of its next step */
-  PetscReal points, order;        /* of the stepper's history; its next order */
-  PetscReal model, fields, steps; /* models are numbered as in grow.c */
-  PetscReal memory[VBDF_MEMORY];  /* of the stepper, beside its points */
-  PetscReal norm;                 /* |x2| */
-  PetscReal folds, neglected;     /* so far, for the estimate of the error */
-  PetscReal shared;               /* viscous share that friction was given, see LoadShareMore() */
+  PetscReal t, step;                     /* where the run is, and the size of its next step */
+  PetscReal points, order;               /* of the stepper's history; its next order */
+  PetscReal model, fields, steps;        /* models are numbered as in grow.c */
+  PetscReal memory[VBDF_MEMORY];         /* of the stepper, beside its points */
+  PetscReal kick[MAX_FIELDS], kick_ends; /* of the leg: what a wall's kick is measured against */
+  Observation seen, began;    /* at t; where steps began to cross the layer of the start */
+  PetscReal folds, neglected; /* so far, for the estimate of the error */
+  PetscReal shared;           /* viscous share that friction was given, see LoadShareMore() */
   PetscReal errors[ESTIMATE_PARTS][ESTIMATE_SEEN]; /* followed so far */
   PetscReal following[ESTIMATE_MEMORY];            /* how they are followed on */
   PetscReal follows, errors_sum;                   /* are they? as sum, of /restart/errors */

@@ -243,7 +243,8 @@ static PetscErrorCode Choose(TS ts, Controller *self, Formula *f, PetscBool *acc
   PetscFunctionReturn(0);
 }
 
-/* Keeps the step within the limits and lets the last ones end at the final time. */
+/* Keeps the step within the limits and lets the last ones end at the final time. (One that is as
+   long as what is left is the last: PETSc cuts the step of a run that goes on to that.) */
 static PetscErrorCode LimitStep(TS ts, Controller *self) {
   PetscReal least, most, left = ts->max_time - ts->ptime;
 
@@ -251,7 +252,7 @@ static PetscErrorCode LimitStep(TS ts, Controller *self) {
   PetscCall(TSAdaptGetStepLimits(ts->adapt, &least, &most));
   ts->time_step = PetscMin(ts->time_step, most);
   if (ts->exact_final_time != TS_EXACTFINALTIME_MATCHSTEP) PetscFunctionReturn(0);
-  if (ts->time_step > left)
+  if (ts->time_step >= left)
     ts->time_step = left;
   else if (!self->fixed && ts->time_step > left / 2)
     ts->time_step = left / 2;

@@ -275,7 +275,9 @@ static PetscErrorCode AssembleParts(Straight self, PetscReal t) {
 }
 
 /* Sees to it that the parts of these rows are there, at time t but for their scale; ratio is L(t)
-   over the length they were assembled at (1 if the problem does not only scale). */
+   over the length they were assembled at (1 if the problem does not only scale). Those that only
+   scale are assembled as they are at t = 0, whenever they are first asked for: so a run that goes
+   on has the same round-off. */
 static PetscErrorCode PartsAt(Straight self, PetscReal t, PetscInt first, PetscInt last,
                               PetscReal *ratio) {
   PetscInt n = (last - first) * BAND;
@@ -293,7 +295,7 @@ static PetscErrorCode PartsAt(Straight self, PetscReal t, PetscInt first, PetscI
     }
     self->first = first;
     self->last = last;
-    PetscCall(AssembleParts(self, t));
+    PetscCall(AssembleParts(self, StraightScales(self->scene) ? 0 : t));
   }
   *ratio = length / self->length;
   PetscFunctionReturn(0);

@@ -84,7 +84,8 @@ static PetscErrorCode StoreDueShapes(Grow *self, PetscReal t, Vec U) {
 /* Brings all there is into the result file, with what the run needs to go on from here. */
 static PetscErrorCode Store(Grow *self, PetscBool finished) {
   RestartState state = {.model = self->now - self->leg,
-                        .norm = self->seen.norm_x2,
+                        .seen = self->seen,
+                        .began = self->began,
                         .folds = self->folds,
                         .neglected = self->neglected};
   Vec points[VBDF_POINTS], errors[ESTIMATE_KEPT];
@@ -576,7 +577,8 @@ static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *
   PetscCall(RestartTakeErrors(restart, state, self->estimate));
   GrowTakeErrors(self, state->beside);
   self->folds = state->folds;
-  self->seen.norm_x2 = state->norm;
+  self->seen = state->seen;
+  self->began = state->began;
   self->neglected = state->neglected;
   self->shared = state->shared; /* it has been said */
   self->seen.t = self->start = self->stored_shape = state->t;

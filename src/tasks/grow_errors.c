@@ -61,6 +61,9 @@ void GrowKeepErrors(const Grow *self, PetscReal kept[RESTART_BESIDE]) {
   kept[5] = self->energy_folds;
   kept[6] = self->weighed;
   kept[7] = self->gave_way ? 1 : 0;
+  kept[8] = self->pressed ? 1 : 0;
+  kept[9] = (PetscReal)self->blind;
+  kept[10] = self->layered ? 1 : 0;
 }
 
 /* GrowTakeErrors - goes on with that. */
@@ -73,6 +76,9 @@ void GrowTakeErrors(Grow *self, const PetscReal kept[RESTART_BESIDE]) {
   self->energy_folds = kept[5];
   self->weighed = kept[6];
   self->gave_way = (PetscBool)(kept[7] != 0);
+  self->pressed = (PetscBool)(kept[8] != 0);
+  self->blind = (PetscInt)kept[9];
+  self->layered = (PetscBool)(kept[10] != 0);
 }
 
 /* What comes beside the errors of mesh and steps, in each of what is seen. */

@@ -181,6 +181,29 @@ def restart():
 
 
 @check
+def restart_anywhere():
+    """A run goes on to the last bit wherever it was broken: in its first steps, which are no time at which shapes are due, one
+    step before its end, in the linear model, while a wall kicks a straight rod; and tells the same errors."""
+    d = scene.SCRATCH
+    Path(f"{d}/wall.txt").write_text("plane 0.8 0 -1 -0.5 friction 0.3\n")
+    fed = "-growth_type feed -friction_mu 0 -shape_type straight -rod_curvature 0.357 -rod_cells 40 -ts_max_time 3.25 -ts_rtol 1e-5"
+    for options, breaks in (("-rod_model linear -growth_initial_length 1 -shape_amplitude 1e-7 -rod_cells 30 -ts_max_time 1.5 -ts_dt 1e-12", (5, 60, -1)),
+                            (fed, (4,)),
+                            (f"-shape_type straight -rod_curvature 1e-9 -wall_file {d}/wall.txt -contact_diameter 0.05 -ts_max_time 0.4 "
+                             "-rod_cells 30", (48, 50))):
+        tendril(f"{options} -output {d}/whole.h5")
+        whole = read(f"{d}/whole.h5")
+        for k in breaks:
+            tendril(f"{options} -output {d}/a.h5 -ts_max_steps {k % (len(whole['series/t']) - 1)}", 1)
+            tendril(f"-restart {d}/a.h5")
+            a, told = read(f"{d}/a.h5"), [told_of(f"{d}/{name}.h5") for name in ("a", "whole")]
+            different = [name for name in whole if name != "finished" and not np.array_equal(a[name], whole[name])]
+            print(f"{len(whole['series/t'])} steps, broken at {k}: {len(different)} differ, told {told[0]:.2e} and {told[1]:.2e}")
+            expect(not different, f"{options}, broken at {k}: {different} differ")
+            expect(abs(told[0] / told[1] - 1) < 0.3, f"{options}, broken at {k}: told {told[0]}, of the whole run {told[1]}")
+
+
+@check
 def restart_after_a_signal():
     """Stopped between two stores, or killed behind one: it goes on to the end of the unbroken run."""
     d = scene.SCRATCH
