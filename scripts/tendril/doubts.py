@@ -3,22 +3,25 @@
 A fit always ends somewhere. Here it is asked whether the rod is where the points are (residuals, places
 without points), whether what is left over looks like errors (runs of one sign along the rod; the same
 side of the rod in every photograph), and whether something that is no parameter would take it away:
-the picture's place, turn and scale, its clock, by their linearised effect, which costs no run; and if the
-fit is bad also data mirrored, with columns exchanged, in another unit. A cause that is named was tried:
-the fit was made again with it."""
+the picture's place, turn and scale, its clock, by their linearised effect, which costs no run; what the scene leaves
+out, by a run each (tendril.laws); and if the fit is bad also data mirrored, with columns exchanged, in another unit. A
+cause that is named was tried: the fit was made again with it. Where one is named, or residuals have a pattern that none
+explains, the intervals are not to be trusted, and the fit says so."""
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from scipy import stats
 
 from .comparing import BARE, ENDS, LINES, VIEW
 from .errors import RunError, TendrilError
+from .laws import Law, effects_of, laws_of, with_law
 from .measured import Measured, Values
-from .noise import estimate
+from .noise import estimate, lasting
 from .parameters import Parameter
 from .problem import Problem, Solution
 from .starting import starting_points
@@ -41,6 +44,8 @@ EDGE = 0.01  # of its bounds: there a cause is as large as was tried
 LONGER = 3.0  # runs so much longer than those that were made are not tried
 COARSE = 3e-3  # the accuracy of runs for another time
 TRIAL = 20  # runs, about, to try a cause
+LAWS = 2  # of those that the residuals ask for, that are tried
+CLEARLY = 5.0  # of the log-likelihood: as much as 10 of AIC
 SEEN = 2e-3  # of the extent: a cause that moves the points less is left alone
 FACTORS = {1e-3: "1000", 1e-2: "100", 0.1: "10", 10.0: "10", 100.0: "100", 1e3: "1000"}
 
@@ -52,6 +57,11 @@ class Cause:
     words: str  # with {camera_turn} and the like
     looked_for: tuple[str, ...] = ()
     change: tuple[str, float] | None = None  # of the data, as changed() knows it
+    law: Law | None = None  # nothing is wrong with the data: the scene leaves it out
+
+    @property
+    def name(self) -> str:
+        return self.law.parameter.name if self.law else ", ".join(self.looked_for) or self.change[0]
 
     @property
     def of_time(self) -> bool:
@@ -184,10 +194,8 @@ def applies(fit: Fit, cause: Cause):
     return bool(problem.measured.abscissae("t"))
 
 
-def linear_sign(fit: Fit, cause: Cause):
-    """(the probability by chance that the residuals ask for a cause as clearly as they do; how far it would
-    move them, over the extent; how clearly, as F): its effect is put beside those of the parameters, with errors estimated
-    anew, for what it explains is none."""
+def effect_on_view(fit: Fit, cause: Cause):
+    """[residual, number], how residuals change with the numbers of a cause that is of picture or clock: no run is made."""
     problem, p = fit.problem, len(fit.parameters)
     view, base = problem.view(fit.u), problem.raw(fit.u, fit.run)
     columns = []
@@ -195,7 +203,23 @@ def linear_sign(fit: Fit, cause: Cause):
         step = view_step(fit, name)
         moved = problem.comparison.residuals(fit.run, fit.u[p:], view | {name: view[name] + step})
         columns.append((np.append(moved, base[len(moved):]) - base) / step)
-    effect = np.column_stack(columns)
+    return np.column_stack(columns)
+
+
+class Sign(NamedTuple):
+    """What the residuals say of a cause."""
+
+    chance: float  # the probability that they ask for it as clearly as they do by chance
+    moved: float  # how far it would move them, over the extent
+    statistic: float  # how clearly they ask, as F
+    shift: float  # the largest of how far parameters would go with it, in halves of their intervals
+    half: np.ndarray  # of the intervals of parameters with it
+
+
+def linear_sign(fit: Fit, effect, of_law=False) -> Sign:
+    """The effect of a cause [residual, number] is put beside those of the parameters, with errors estimated anew, for
+    what it explains is none."""
+    problem, base = fit.problem, fit.problem.raw(fit.u, fit.run)
     jacobian = np.column_stack([problem.errors.jacobian, effect])
     prior = np.zeros((jacobian.shape[1],) * 2)
     prior[:len(fit.u), :len(fit.u)] = problem.prior_information(len(fit.u))
@@ -203,13 +227,17 @@ def linear_sign(fit: Fit, cause: Cause):
                       problem.errors)
     white = errors.whitened(np.column_stack([base, jacobian]))
     covariance = np.linalg.pinv(prior + white[:, 1:].T @ white[:, 1:], hermitian=True)
-    change = -(covariance @ white[:, 1:].T @ white[:, 0])[len(fit.u):]
+    whole = -(covariance @ white[:, 1:].T @ white[:, 0])
+    change, p = whole[len(fit.u):], len(fit.parameters)
+    reach = fit.reach[:p] * np.sqrt(np.maximum(np.diag(fit.covariance)[:p], 1e-300))
     found = covariance[len(fit.u):, len(fit.u):]
-    statistic = float(change @ np.linalg.solve(found, change)) / len(change)
+    # what photographs err by alike is told as often as once
+    statistic = float(change @ np.linalg.solve(found, change)) / len(change) / (lasting(errors, base) if of_law else 1)
     photographs = max(len(problem.measured.photographs), 3)
     moved = float(np.sqrt(np.mean((effect[problem.errors.mine()] @ change) ** 2)))
     extent = problem.comparison.spreads().get(LINES, np.inf)
-    return float(stats.f.sf(statistic, len(change), 4 * photographs)), moved / extent, statistic
+    return Sign(float(stats.f.sf(statistic, len(change), 4 * photographs)), moved / extent, statistic,
+                float(np.max(np.abs(whole[:p]) / reach)), fit.reach[:p] * np.sqrt(np.maximum(np.diag(covariance)[:p], 0)))
 
 
 def wide(fit: Fit, name) -> Parameter:
@@ -250,12 +278,16 @@ def tried(fit: Fit, cause: Cause):
     """(the size of the residuals once a cause is allowed for, over what it was; the problem and its end, None if the cause
     explains nothing)"""
     old = fit.problem
-    measured = changed(old.measured, cause.change) if cause.change else old.measured
-    more = [wide(fit, name) for name in cause.looked_for]
-    new = Problem(old.scene, measured, [*old.parameters, *more], old.options, old.jobs, priors=old.priors,
-                  tied=old.tied)
-    new.bar, new.glimpse, new.begin, new.reach = old.bar, old.glimpse, old.begin, old.reach
-    new.settings, new.known = dict(old.search_settings), dict(old.search_known)
+    if cause.law:
+        more, start = [cause.law.parameter], [cause.law.begin]
+        new = with_law(fit, cause.law, old.settings)  # what it changes may be little: not by the search's coarse runs
+    else:
+        more = [wide(fit, name) for name in cause.looked_for]
+        start = [p.inside(VIEW[p.name]) for p in more]
+        new = Problem(old.scene, changed(old.measured, cause.change) if cause.change else old.measured,
+                      [*old.parameters, *more], old.options, old.jobs, priors=old.priors, tied=old.tied)
+        new.bar, new.glimpse, new.begin, new.reach = old.bar, old.glimpse, old.begin, old.reach
+        new.settings, new.known = dict(old.search_settings), dict(old.search_known)
     points = [fit.u[:len(old.parameters)]]
     if cause.change and cause.of_time:  # nothing that was run is of use
         new.prepare(points[0], COARSE)
@@ -265,7 +297,6 @@ def tried(fit: Fit, cause: Cause):
         new.known = {}
     elif cause.change:  # from all points that were ever run, as the data now look
         points += list(old.search_points.values())
-    start = [p.inside(VIEW[p.name]) for p in more]
     new.run([np.r_[u, start] for u in points])
     whole = []
     for u in points:
@@ -276,7 +307,7 @@ def tried(fit: Fit, cause: Cause):
         return 1.0, new, None
     new.measure_noise(whole[0], share=0.03)
     best = Solution(min(whole, key=lambda u: new.cost(new.residuals(u))), np.inf)
-    for share in (0.03, 0.01):
+    for share in (0.01, None) if cause.law else (0.03, 0.01):
         new.measure_noise(best.u, share=share)
         best = new.solve(best.u, 3e-3, most=8)
     (r,) = new.run([best.u])
@@ -284,13 +315,17 @@ def tried(fit: Fit, cause: Cause):
     after = sizes(found)
     ratio = float(np.mean([a[0] / a[1] / max(b[0] / b[1], 1e-12) for a, b in zip(after.values(), sizes(fit).values())]))
     own = best.u[len(old.parameters):len(new.parameters)]
-    in_vain = np.any((own < EDGE) | (own > 1 - EDGE)) or any(
+    in_vain = not cause.law and np.any((own < EDGE) | (own > 1 - EDGE)) or any(
         size > STILL * limit_of(name) * extent for name, (size, extent) in after.items())
     return ratio, new, None if in_vain and ratio > WELL else best.u
 
 
 def spoken(fit: Fit, problem: Problem, u, cause: Cause):
     """A cause in words, with its numbers."""
+    if cause.law:
+        found = [f"{p.name} = {float(f'{p.value(x):.3g}'):g} {p.unit}".rstrip() for p, x in zip(problem.parameters, u)]
+        return (f"the scene, in which {cause.law.words}: with {found[-1]} it has {', '.join(found[:-1])}. Look for "
+                f"{cause.law.parameter.name}, too")
     view = problem.view(u)
     lines, times = problem.measured.photographs, problem.measured.abscissae("t")
     length = (lambda x: f"{briefly(1e3 * x)} mm") if lines and lines[0].points.si else (lambda x: f"{x:.2g}")
@@ -379,27 +414,67 @@ def searched_again(fit: Fit):
                    f"{briefly(100 * ratio)} %. Give that as START, or more --starts.")
 
 
-def causes_named(ends, least):
-    """Of causes that were tried, (the part to which residuals fell, how many numbers it took, in words), those that take
-    the most away, in one line, if that is enough; of several that do it about as well none is more likely."""
-    order = sorted((ratio * (1 + 0.05 * count), ratio, words) for ratio, count, words in ends)
-    alike = [end for end in order if order[0][1] < least and end[1] < least and end[0] <= ALIKE * order[0][0] + 1e-6]
-    if not alike:
-        return ""
-    said = [f"{words} (residuals fall to {briefly(100 * ratio)} % with it)" for _, ratio, words in alike]
+class End(NamedTuple):
+    """A cause that was tried."""
+
+    ratio: float  # what is left of the residuals with it
+    count: int  # of its numbers
+    words: str
+    law: bool = False  # of the scene
+    place: tuple = ()  # (the fit's own parameters with it, from 0 to 1, halves of their intervals)
+    raw: np.ndarray | None = None  # residuals with it, if the data are the same
+    blocks: list = []  # theirs
+
+
+def most_likely(ends, least):
+    """Of causes that were tried those that take the most away, if that is enough: of several that do it about as well
+    none is more likely. A law that the residuals ask for needs to take little: numbers make up for it."""
+    cost = lambda end: end.ratio * (1 + 0.05 * end.count)
+    order = sorted((end for end in ends if (end.ratio < 1 if end.law else cost(end) < least)), key=lambda end: (cost(end), end.words))
+    return [end for end in order if cost(end) <= ALIKE * cost(order[0]) + 1e-6]
+
+
+def told_apart(fit: Fit, alike):
+    """Of causes that do about as well, where one is a law of the scene, those that the data do not tell apart by their
+    likelihood, with the errors that the best of them leaves."""
+    if not any(end.law for end in alike) or any(end.raw is None for end in alike):
+        return alike
+    errors, best = fit.problem.errors, alike[0]
+    told = estimate(best.blocks, best.raw, errors.jacobian, errors.alone, fit.problem.prior_information(errors.jacobian.shape[1]),
+                    fit.problem.told_noise)
+    likely = [told.log_likelihood(end.raw) for end in alike]
+    return [end for end, one in zip(alike, likely) if one > max(likely) - CLEARLY]
+
+
+def causes_named(alike):
+    """The causes that are the most likely, in one line."""
+    said = [f"{end.words} (residuals fall to {briefly(100 * end.ratio)} % with it)" for end in alike]
     if len(said) == 1:
-        return f"likeliest cause: {said[0]}."
-    return f"likeliest causes, which these data do not tell apart: {'; or '.join(said)}."
+        left = alike[0].ratio > WELL and not alike[0].law
+        return f"likeliest cause: {said[0]}." + (" What is left may as well be the scene's, a law that it leaves out." if left else "")
+    return f"likeliest causes, which these data do not tell apart: {'; or '.join(said)}." if said else ""
+
+
+def wanted_laws(fit: Fit, bad):
+    """(how clearly, the cause), for laws that the scene leaves out and the residuals ask for: by chance hardly, and with
+    them parameters would leave their intervals."""
+    laws, found = laws_of(fit), []
+    fit.problem.expect(len(laws))
+    for law, effect in zip(laws, effects_of(fit, laws)):
+        with contextlib.suppress(np.linalg.LinAlgError):
+            found += [(linear_sign(fit, effect, of_law=True), Cause("", law=law))] if effect is not None else []
+    return [pair for pair in found if bad or (pair[0].chance < SURE and pair[0].shift > 1)]
 
 
 def likeliest(fit: Fit, bad, tell):
     """The cause that takes most of the residuals away, in words, or what was tried in vain."""
-    possible = [(linear_sign(fit, cause), cause) for cause in CAUSES if applies(fit, cause)]
-    signs = sorted((pair for pair in possible if bad or (pair[0][0] < SURE and pair[0][1] > SEEN)),
-                   key=lambda pair: -pair[0][2])
-    if not (bad or signs):
+    possible = [(linear_sign(fit, effect_on_view(fit, cause)), cause) for cause in CAUSES if applies(fit, cause)]
+    signs = [pair for pair in possible if bad or (pair[0].chance < SURE and pair[0].moved > SEEN)]
+    laws = sorted(wanted_laws(fit, bad), key=lambda pair: -pair[0].statistic)[:LAWS]
+    if not (bad or signs or laws):
         return []
-    causes = [cause for _, cause in signs[:None if bad else 3]]
+    signs.sort(key=lambda pair: -pair[0].statistic)
+    causes = [cause for _, cause in signs[:None if bad else 3] + laws]
     units = unitless(fit.problem.measured, fit.run.attributes) if bad else []
     if bad and fit.problem.measured.photographs and not fit.problem.comparison.camera:
         causes += promising(fit, [c for c in [*discrete(), *units] if not c.of_time])
@@ -410,22 +485,30 @@ def likeliest(fit: Fit, bad, tell):
         nothing, again = searched_again(fit)
     else:
         nothing, again = 1.0, None
-    ends = []
+    ends, p = [], len(fit.parameters)
+    halves = {cause.name: sign.half for sign, cause in signs + laws}
     for cause in causes:
-        tell(f"trying a cause: {', '.join(cause.looked_for) or cause.change[0]}")
+        tell(f"trying a cause: {cause.name}")
         try:
             ratio, problem, u = tried(fit, cause)
         except (TendrilError, np.linalg.LinAlgError):
             continue
         fit.problem.count += problem.count
         if u is not None and (again is None or ALIKE * ratio < nothing):
-            ends.append((ratio, len(cause.looked_for), spoken(fit, problem, u, cause)))
-    if named := causes_named(ends, BETTER if bad else SLIGHT):
-        return [named]
+            raw = None if cause.change else problem.raw(u, problem.run([u])[0])
+            half = halves.get(cause.name, np.zeros(p))
+            ends.append(End(ratio, len(cause.looked_for) + bool(cause.law), spoken(fit, problem, u, cause), cause.law is not None,
+                            (u[:p], half), raw, problem.comparison.blocks))
+    if alike := told_apart(fit, most_likely(ends, BETTER if bad else SLIGHT)):
+        fit.elsewhere = [end.place for end in alike]
+        return [causes_named(alike)]
     if again:
         return [again]
+    fit.doubtful = True
     return ["likeliest cause: none of place, turn, scale, unit, mirror, clock explains it; the scene is not "
-            "the experiment, or these are not points of the rod."] if bad else []
+            "the experiment, or these are not points of the rod."] if bad else \
+        [f"residuals ask for {' and '.join(cause.name for cause in causes)}, which explain little of them: the scene is not the "
+         "experiment, or the data have a fault."]
 
 
 def stays_straight(fit: Fit) -> bool:
@@ -465,6 +548,9 @@ def warnings_of(fit: Fit, agreed, tell) -> list[str]:
         words.append("no two searches ended in one place: the best may not be the best there is. More --starts, "
                      "narrower bounds, or a START.")
     if bad and stays_straight(fit):
+        fit.doubtful = True
         return [*words, "the rod of the best scene is straight, and stays so whatever its friction: give it the bend that it has by "
                 "nature, -rod_curvature, or look for it, --parameter rod_curvature=LOW:HIGH."]
-    return words + likeliest(fit, bad, tell)
+    words += likeliest(fit, bad, tell)
+    fit.doubtful = fit.doubtful or bad or not agreed
+    return words

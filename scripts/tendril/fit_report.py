@@ -114,7 +114,7 @@ def parts_of(fit: Fit, name, values):
 def describe(fit: Fit) -> str:
     """The report: estimates, correlations, noise, what cannot be told."""
     width = max(len(p.name) for p in fit.parameters)
-    lines = [f"{'':{width}}   estimate       95 % interval"]
+    lines = [f"{'':{width}}   estimate       95 % interval{'' if fit.trusted else ', NOT TO BE TRUSTED (see below)'}"]
     for p in fit.parameters:
         low, high = fit.intervals[p.name]
         lines.append(f"{p.name:{width}}   {fit.values[p.name]:<12.5g}   {low:.5g} to {high:.5g}"
@@ -268,7 +268,7 @@ def scene_text(fit: Fit, arrays=None) -> str:
     kept = [line for line in scene_lines(fit) if not line.startswith("-")
             or line[1:].split()[0] not in given]
     found = [f"-{name} {value}" for name, value in given.items()]
-    return "\n".join([*kept, "# by tendril.fit", *found]) + "\n"
+    return "\n".join([*kept, f"# by tendril.fit{'' if fit.trusted else ', not to be trusted: see its report'}", *found]) + "\n"
 
 
 def save(fit: Fit, basename):

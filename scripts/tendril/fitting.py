@@ -65,6 +65,9 @@ class Fit:
     indistinct: list[str] = field(default_factory=list)  # what cannot be told apart, in words
     warnings: list[str] = field(default_factory=list)  # what speaks against the fit, in words
     interrupted: bool = False  # by Ctrl-C: the best until then
+    # with each cause that is named: (parameters, from 0 to 1, halves of their intervals)
+    elsewhere: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
+    doubtful: bool = False  # what is left over is no error of points, or the search may not be at its end
 
     def __repr__(self):
         return self.report()
@@ -79,10 +82,19 @@ class Fit:
 
     @property
     def intervals(self) -> dict[str, tuple[float, float]]:
-        """Of 95 %, one parameter at a time, within the bounds."""
-        reach = self.reach * np.sqrt(np.diag(self.covariance))
-        return {p.name: tuple(float(p.value(np.clip(x + sign * d, 0, 1))) for sign in (-1, 1))
-                for p, x, d in zip(self.parameters, self.u, reach)}
+        """Of 95 %, one parameter at a time, within the bounds; where a cause is named, as far as the parameter goes with it."""
+        p = len(self.parameters)
+        half = (self.reach * np.sqrt(np.diag(self.covariance)))[:p]
+        ends = np.array([self.u[:p] - half, self.u[:p] + half]
+                        + [u + sign * np.maximum(d, half) for u, d in self.elsewhere for sign in (-1, 1)])
+        return {q.name: (float(q.value(max(column.min(), 0))), float(q.value(min(column.max(), 1))))
+                for q, column in zip(self.parameters, ends.T)}
+
+    @property
+    def trusted(self) -> bool:
+        """Whether the intervals are what they say: not of a fit that is bad, that has a cause to be other than it is
+        (warnings), or that did not come to its end."""
+        return not (self.interrupted or self.doubtful or self.elsewhere)
 
     @property
     def correlations(self) -> np.ndarray:
@@ -144,7 +156,7 @@ class Fit:
                 "errors": {name: {"point": float(g.sigma), "smooth": float(g.smooth), "reach": float(g.reach),
                                   "photograph": float(g.shift)} for name, g in self.errors.items()},
                 "log_likelihood": self.log_likelihood, "aic": self.aic, "bic": self.bic, "chi2": self.chi2,
-                "points": self.count[0], "runs": self.problem.count, "seconds": self.seconds,
+                "trusted": self.trusted, "points": self.count[0], "runs": self.problem.count, "seconds": self.seconds,
                 "indistinct": self.indistinct, "warnings": self.warnings, "notes": self.problem.measured.notes,
                 "interrupted": self.interrupted}
 
@@ -166,7 +178,8 @@ class Fit:
                  "residual": ("point", rows.residual.to_numpy(float)), "group": ("point", list(rows.group)),
                  "at": ("point", rows["at"].to_numpy(float))}
         return xarray.Dataset(found, {"parameter": names, "other": names, "end": ["low", "high"]},
-                              {"log_likelihood": self.log_likelihood, "runs": self.problem.count})
+                              {"log_likelihood": self.log_likelihood, "runs": self.problem.count, "trusted": int(self.trusted),
+                               "warnings": "\n".join(self.warnings)})
 
     def band(self, photograph: int):
         """(the rod of the best scene as a photograph should show it [n, 2], how far it may lie to both sides [n]: at each

@@ -22,7 +22,7 @@ from .runs import run
 from .secants import Flat, least
 from .sweeps import cores, stored
 from .tangents import STEP as ALONG, beside
-from .units import scales_of_rod
+from .units import parameters_of, scales_of_rod
 
 HUBER = 1.345  # 95 % efficiency for normal noise
 STEP, FINE_STEP = 3e-3, 1e-2  # of differences, in parts of a parameter's bounds: forward, central
@@ -141,14 +141,8 @@ class Problem:
 
     def rod(self, u):
         """What the file of a run at a point would say of its rod in the laboratory."""
-        about = dict(self.glimpse.attributes)
-        for p, x, x0 in zip(self.parameters, u, self.begin):
-            if p.name.startswith("si_"):
-                about[f"parameters/{p.name}"] *= p.value(x) / p.value(x0)
-        for name in self.tied:
-            if name.startswith("si_"):
-                here, begin = (with_unit(self.words_tied(v)[name])[0] for v in (u, self.begin))
-                about[f"parameters/{name}"] *= here / begin
+        told = {p.name: p.text(p.value(x)) for p, x in zip(self.parameters, u)} | self.words_tied(u)
+        about = self.glimpse.attributes | parameters_of({k: v for k, v in told.items() if k.startswith("si_")})
         return about | {f"si_{kind}": scale for kind, scale in scales_of_rod(about).items()}
 
     def unit_length(self, u):

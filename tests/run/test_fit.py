@@ -30,7 +30,7 @@ try:
 
     import tendril
     import tendril.__main__ as commands
-    from tendril import comparing, doubts, filming, fit_command, fitting, measured, noise, problem, progress, secants, tracing
+    from tendril import comparing, doubts, filming, fit_command, fitting, laws, measured, noise, problem, progress, secants, tracing
     from tendril.parameters import Parameter, Prior, tied_value
 except ImportError as error:
     from_venv(error)
@@ -523,13 +523,20 @@ class Residuals(unittest.TestCase):
 
     def test_causes_that_are_alike(self):
         """Are all named, with what each leaves; a clear one is named alone, and one that leaves much not at all."""
-        scale, clock, turn = (0.515, 1, "a scale"), (0.508, 1, "a clock"), (0.9, 1, "a turn")
-        self.assertEqual(doubts.causes_named([turn, scale, clock], 0.8), "likeliest causes, which these data do not tell "
+        scale, clock, turn = (doubts.End(*end) for end in ((0.515, 1, "a scale"), (0.508, 1, "a clock"), (0.9, 1, "a turn")))
+
+        def named(ends):
+            return doubts.causes_named(doubts.most_likely(ends, 0.8))
+
+        self.assertEqual(named([turn, scale, clock]), "likeliest causes, which these data do not tell "
                          "apart: a clock (residuals fall to 51 % with it); or a scale (residuals fall to 52 % with it).")
-        self.assertEqual(doubts.causes_named([turn, scale, (0.005, 1, "a clock")], 0.8),
+        self.assertEqual(named([turn, scale, clock._replace(ratio=0.005)]),
                          "likeliest cause: a clock (residuals fall to 0.5 % with it).")
-        self.assertEqual(doubts.causes_named([turn], 0.8), "")
-        self.assertEqual(doubts.causes_named([], 0.8), "")
+        self.assertEqual(named([turn, scale]), "likeliest cause: a scale (residuals fall to 52 % with it). What is left may as "
+                         "well be the scene's, a law that it leaves out.")
+        self.assertEqual(named([turn]), "")
+        self.assertEqual(named([]), "")
+        self.assertIn("a turn", named([turn._replace(law=True)]))  # the residuals ask for it, and numbers make up for it
 
     def test_places_without_points(self):
         """A rod that runs on beyond its points and back to their end costs; one that is not seen in its
@@ -936,10 +943,79 @@ class Fitting(unittest.TestCase):
         c, s = np.cos(np.radians(3)), np.sin(np.radians(3))
         few = [cause for cause in doubts.CAUSES if cause.looked_for in (("camera_turn",), ("clock_rate",))]
         # the others cost, and are tried below
-        with mock.patch.object(doubts, "promising", return_value=[]), mock.patch.object(doubts, "CAUSES", few):
+        with mock.patch.object(doubts, "promising", return_value=[]), mock.patch.object(doubts, "CAUSES", few), \
+                mock.patch.object(doubts, "laws_of", return_value=[]), mock.patch.object(doubts, "searched_again", return_value=(1.0, None)):
             turned = self.faulty(lambda x: x @ np.array([[c, s], [-s, c]]))
         self.assertIn("a bad fit", turned.warnings[0])
         self.assertRegex("\n".join(turned.warnings), "likeliest cause: the picture is turned by (2.[6-9]|3|3.[1-4]) degrees")
+        self.assertIn("NOT TO BE TRUSTED", turned.report())
+        low, high = turned.intervals["si_friction_dry"]  # as far as it goes with the cause
+        self.assertTrue(low < FRICTION < high, f"{low} to {high}")
+
+    def test_a_law_that_is_left_out(self):
+        """Points of a tube whose friction is viscous, too, beside the scene that was found, in which it is dry alone: the law
+        is named with its size, the intervals reach to the truth and are told not to be trusted. Right data ask for none."""
+        self.assertEqual(doubts.wanted_laws(self.found, False), [])
+        self.assertTrue(self.found.trusted)
+        old, viscous = self.found.problem, 10.0
+        law = next(law for law in laws.laws_of(self.found) if law.name == "si_friction_viscous")
+        more = laws.with_law(self.found, law, old.settings)
+        truth = np.r_[self.found.u[0] - 0.05, self.found.u[1], law.parameter.inside(viscous)]
+        (r,) = more.run([truth])
+        random, photographs = np.random.default_rng(5), []
+        for p in old.measured.photographs:
+            line = more.comparison.line(r, p, [])
+            points = line[random.choice(len(line), 40, replace=False)]
+            points = points + self.found.noise["lines"] * random.normal(size=points.shape)
+            photographs.append(replace(p, points=replace(p.points, numbers=points)))
+        wrong = replace(self.found, problem=problem.Problem(old.scene, measured.Measured(photographs), old.parameters, old.options))
+        for name in ("glimpse", "begin", "reach", "settings", "search_settings", "search_points"):
+            setattr(wrong.problem, name, getattr(old, name))
+        wrong.problem.run([wrong.u])
+        wrong.problem.measure_noise(wrong.u)
+        wrong.u = wrong.problem.solve(wrong.u, 1e-2, most=4).u
+        (wrong.run,) = wrong.problem.run([wrong.u])
+        wrong.run = replace(wrong.run, options=self.found.run.options, attributes=self.found.run.attributes | wrong.run.attributes)
+        wrong.problem.measure_errors(wrong.u, wrong.problem.raw_jacobian(wrong.u))
+        friction = float(old.parameters[0].value(truth[0]))
+        self.assertFalse(self.found.intervals["si_friction_dry"][0] < friction)
+        with mock.patch.object(doubts, "CAUSES", []), mock.patch.object(doubts, "LAWS", 1):
+            (said,) = doubts.likeliest(wrong, False, lambda text: None)
+        found = re.search("friction is dry: with si_friction_viscous = (.*) Ns/m.2 it has si_friction_dry = (.*) N/m, rod", said)
+        self.assertTrue(found, said)
+        self.assertAlmostEqual(float(found[1]), viscous, delta=0.3 * viscous)
+        low, high = wrong.intervals["si_friction_dry"]
+        self.assertTrue(low < friction < high, f"{low} < {friction} < {high}")
+        self.assertFalse(wrong.trusted)
+
+    def test_laws_that_may_be_left_out(self):
+        """Are those that the scene holds, and that no parameter is; with a number beside which the rod can run."""
+        def fitted(names, **about):
+            run = mock.Mock(attributes={f"parameters/{k}": v for k, v in about.items()}, options={},
+                            series=mock.Mock(length=np.array([1.0, 4.0])))
+            return mock.Mock(run=run, problem=mock.Mock(parameters=[Parameter.of(n, (0.5, 2)) for n in names], tied={}, options={}))
+
+        scene = dict(growth_type="apical", friction_mu=1.0, friction_across=1.0, growth_zone=0.5, tip_force=0.0, rod_curvature=0.1)
+        for names, about, expected in (
+                (["friction_across"], scene, {"friction_mu": 1, "rod_curvature": 0.1, "growth_zone": 0.5, "tip_force": 0}),
+                (["rod_curvature", "friction_mu"], scene | {"growth_type": "feed"}, {"friction_across": 1, "curvature_mode_2": 0, "tip_force": 0}),
+                (["curvature_mode_1", "curvature_mode_2", "tip_force"], scene | {"growth_type": "feed", "friction_mu": 0.0},
+                 {"friction_mu": 0, "friction_across": 1, "curvature_mode_3": 0}),
+                (["si_friction_viscous", "rod_curvature"], dict(si_bending_stiffness=1e-6, si_friction_viscous=100.0, si_speed=5e-3),
+                 {"si_friction_dry": 0, "curvature_mode_2": 0, "tip_force": 0})):
+            held = laws.laws_of(fitted(names, **about))
+            self.assertEqual({law.name: law.held for law in held}, expected)
+            for law in held:
+                self.assertTrue(0 <= law.begin <= 1 and law.parameter.low <= law.held <= law.parameter.high, law)
+
+    def test_told_apart(self):
+        """A law that leaves no more than the errors is told from one that leaves a third more, as sizes alone would not."""
+        errors = self.found.problem.errors
+        raw = self.found.problem.raw(self.found.u, self.found.run)
+        ends = [doubts.End(0.5, 1, "a law", True, raw=raw, blocks=errors.blocks), doubts.End(0.55, 1, "another", True, raw=1.3 * raw)]
+        self.assertEqual([end.words for end in doubts.told_apart(self.found, ends)], ["a law"])
+        ends[1] = ends[1]._replace(raw=1.001 * raw)
+        self.assertEqual(len(doubts.told_apart(self.found, ends)), 2)
 
     def test_no_unit_at_all(self):
         """Of numbers that carry none, beside a scene in the laboratory's, what they may be; and what is then read."""
@@ -1011,7 +1087,7 @@ class Fitting(unittest.TestCase):
                              ("camera_scale", lambda t, x, random: (t, 1.05 * x)),
                              ("clock_rate", lambda t, x, random: (1.2 * t, x))):
             wrong = self.wrong(change)
-            signs = {cause.looked_for[0]: doubts.linear_sign(wrong, cause) for cause in doubts.CAUSES}
+            signs = {cause.looked_for[0]: doubts.linear_sign(wrong, doubts.effect_on_view(wrong, cause)) for cause in doubts.CAUSES}
             # a rod that is seen too large is nearly one that is pushed out too fast
             self.assertGreater(signs[name][2], 0.9 * max(sign[2] for sign in signs.values()), signs)
             self.assertTrue(signs[name][0] < doubts.SURE and signs[name][1] > doubts.SEEN, signs)
@@ -1152,6 +1228,11 @@ class Fitting(unittest.TestCase):
         np.testing.assert_allclose(d.correlation, f.correlations)
         self.assertEqual(d.sizes["point"], len(f.residuals()))
         said = json.loads(self.out.with_suffix(".json").read_text())
+        self.assertEqual((said["trusted"], d.attrs["trusted"]), (True, 1))
+        bad = replace(f, doubtful=True)
+        self.assertEqual((bad.to_dict()["trusted"], bad.dataset().attrs["trusted"]), (False, 0))
+        self.assertIn("NOT TO BE TRUSTED", bad.report())
+        self.assertIn("not to be trusted", bad.scene())
         self.assertEqual(said["parameters"]["si_friction_dry"]["interval"], list(f.intervals["si_friction_dry"]))
 
     def test_interrupted(self):

@@ -1,0 +1,143 @@
+"""What a scene leaves out: numbers that it holds, and that the data may ask for.
+
+A fit looks for a few numbers and takes the rest for known. Where that is wrong (friction that is viscous, too, or larger
+across the rod) the numbers make up for it, and their intervals, which allow for how points err, say nothing of it. So for
+each law that is likely the rod is run once more with a little of it, and the residuals are asked whether they want it."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .errors import RunError, TendrilError
+from .parameters import MODE, Parameter
+from .problem import Problem
+from .units import scales_of_rod
+
+if TYPE_CHECKING:
+    from .fitting import Fit
+
+A_LITTLE = 0.02  # of its bounds: so much of a law tells what it would do
+BENT = 4.0  # radians over the whole rod: so far natural curvature is tried to both sides
+MOST = 4.0  # times, or parts, of what it is: so far other numbers are tried
+
+
+@dataclass
+class Law:
+    """A number that the scene holds, with bounds between which it is tried."""
+
+    words: str  # what the scene says of it
+    parameter: Parameter
+    held: float  # in the parameter's unit
+
+    @property
+    def name(self) -> str:
+        return self.parameter.name
+
+    @property
+    def begin(self) -> float:
+        """A number of the parameter, a little from where it is held, to the side on which there is more room."""
+        at = float(self.parameter.inside(self.held))
+        return at + (A_LITTLE if at <= 0.5 else -A_LITTLE)
+
+
+class Held:
+    """What a scene holds: the numbers in force in a run, apart from those that a fit looks for."""
+
+    def __init__(self, fit: Fit):
+        problem = fit.problem
+        self.attributes, self.given = fit.run.attributes, fit.run.options
+        self.free = {p.name for p in problem.parameters} | set(problem.tied)
+        self.free |= {name.lstrip("-") for name, text in problem.options.items() if isinstance(text, str) and "{" in text}
+        self.scales = scales_of_rod(self.attributes)
+        self.length = float(fit.run.series.length[-1])
+
+    def number(self, name, default=0.0) -> float:
+        found = self.attributes.get(f"parameters/{name}", default)
+        return float(found) if isinstance(found, (int, float, np.number)) else 0.0
+
+    def text(self, name) -> str:
+        return str(self.attributes.get(f"parameters/{name}", ""))
+
+    def friction(self):
+        """The share of friction that the scene holds, mostly at nothing."""
+        speed, dry, viscous = (self.number(f"si_{name}") for name in ("speed", "friction_dry", "friction_viscous"))
+        if not self.scales and "friction_mu" not in self.free:
+            mu = self.number("friction_mu", 1.0)
+            said = {1.0: "all friction is dry", 0.0: "all friction is viscous"}.get(mu, f"the dry share of friction is {mu:g}")
+            yield Law(said, Parameter("friction_mu", 0.0, 1.0, None, ""), mu)
+        if self.scales and speed and not viscous:
+            yield Law("all friction is dry", Parameter("si_friction_viscous", 0.0, MOST * dry / speed, None, "Ns/m^2"), 0.0)
+        if self.scales and speed and not dry:
+            yield Law("all friction is viscous", Parameter("si_friction_dry", 0.0, MOST * viscous * speed, None, "N/m"), 0.0)
+
+    def curvature(self):
+        """Natural curvature, or one that varies along the rod by a cosine more, where no file tells it."""
+        if {"rod_curvature_file", "rod_curvature_random"} & set(self.given):
+            return
+        scale, unit = (self.scales["length"], "/m") if self.scales else (1.0, "")
+        modes = [int(found[1]) for found in map(MODE.match, self.free) if found]
+        most, held = BENT / (self.length * scale), self.number("rod_curvature") / scale
+        if modes or "rod_curvature" in self.free:
+            said = "natural curvature is the same all along the rod" if not modes else f"natural curvature has no mode {max(modes) + 1}"
+            yield Law(said, Parameter(f"curvature_mode_{max(modes, default=1) + 1}", -most, most, None, unit), 0.0)
+        else:
+            yield Law(f"natural curvature is {held:.3g}{unit}", Parameter("rod_curvature", held - most, held + most, None, unit), held)
+
+    def others(self):
+        """Friction across the rod, the load on its tip, where it grows."""
+        growth = self.text("growth_type")
+        for name, said, used in (("friction_across", "friction across the rod is {:g} of that along it", True),
+                                 ("growth_zone", "the growth zone is {:g} long", growth == "apical"),
+                                 ("growth_width", "the growth zone is {:g} wide", growth == "gaussian")):
+            held = self.number(name)
+            if used and held > 0 and name not in self.free:
+                yield Law(said.format(held), Parameter(name, held / MOST, held * MOST, None, ""), held)
+        if "tip_force" not in self.free and self.text("tip_type") in ("", "free"):
+            held = self.number("tip_force")
+            yield Law(f"the force on the tip is {held:g}", Parameter("tip_force", held - 1, held + 1, None, ""), held)
+
+
+def laws_of(fit: Fit) -> list[Law]:
+    """What may be wrong with the scene of a fit: the numbers that it holds."""
+    held = Held(fit)
+    return [*held.friction(), *held.curvature(), *held.others()]
+
+
+def with_law(fit: Fit, law: Law, settings) -> Problem:
+    """The problem of a fit with a law to look for, too, behind its parameters; no run of it is known."""
+    old = fit.problem
+    new = Problem(old.scene, old.measured, [*old.parameters, law.parameter], old.options, old.jobs, priors=old.priors,
+                  tied=old.tied)
+    new.bar, new.glimpse, new.begin, new.reach = old.bar, old.glimpse, np.append(old.begin, 0.0), old.reach
+    new.settings = dict(settings)
+    if new.reach == 1.0:  # of modes of curvature, which it had none of
+        new.reach = float(fit.run.series.length[-1]) * old.unit_length(fit.u) / old.unit_length(old.begin)
+    return new
+
+
+def effects_of(fit: Fit, laws):
+    """[residual, 1] of each, how residuals change with a law's number, over its bounds: from a run with a little of it.
+    None of one whose run is refused or gives up."""
+    p, base = len(fit.parameters), fit.problem.raw(fit.u, fit.run)
+
+    def moved(law):
+        new = with_law(fit, law, fit.problem.settings)
+        new.jobs = 1
+        u = np.r_[fit.u[:p], law.begin, fit.u[p:]]
+        try:
+            (r,) = new.run([u])
+        except TendrilError:
+            return None
+        if isinstance(r, RunError):
+            return None
+        step = law.begin - float(law.parameter.inside(law.held))
+        return ((new.raw(u, r) - base) / step)[:, None]
+
+    with ThreadPoolExecutor(fit.problem.jobs) as pool:
+        found = list(pool.map(moved, laws))
+    fit.problem.count += len(laws)
+    return found
