@@ -2,7 +2,7 @@
 """What tendril.fit says of points with one fault each: the table of docs/fitting.md, section 4. The points are those of
 the fed tube of fit_trial.py, clean or with errors of 1 % of the width.
 
-    PYTHONPATH=scripts .venv/bin/python scripts/lab/fit_faults.py [--noisy] [--seed 1] [FAULT ...]"""
+    PYTHONPATH=scripts .venv/bin/python scripts/lab/fit_faults.py [--noisy] [--seed 1] [--seeds 1] [FAULT ...]"""
 
 import argparse
 import sys
@@ -26,6 +26,24 @@ def another_time(t, x, random):
     at, x = np.unique(t), x.copy()
     x[t == at[4]] = x[t == at[2]]
     return t, x
+
+
+def late(t, x, random):
+    """The fifth photograph was taken one interval, 5 s, later than it says."""
+    at, x = np.unique(t), x.copy()
+    x[t == at[4]] = x[t == at[5]]
+    return t, x
+
+
+def hidden(part):
+    """Of each photograph the points beyond a part of the rod's length, as the clock has it: something lies on the tip."""
+    def change(t, x, random):
+        seen = np.ones(len(t), bool)
+        for one in np.unique(t):
+            mine = np.flatnonzero(t == one)
+            seen[mine] = fit_trial.PLACES[one] < part
+        return t[seen], x[seen]
+    return change
 
 
 def times_exchanged(t, x, random):
@@ -71,6 +89,9 @@ FAULTS = {
     "scale 5 % too small": lambda t, x, random: (t, 0.95 * x),
     "a time without its unit": lambda t, x, random: (t, x),
     "a photograph of another time": another_time,
+    "a photograph 5 s late": late,
+    "the last tenth is hidden": hidden(0.9),
+    "the last fifth is hidden": hidden(0.8),
     "two times exchanged": times_exchanged,
     "the camera was moved": camera_moved,
     "the outer 40 % is missing": cut_off(0.6),
@@ -90,25 +111,34 @@ def main():
     parser.add_argument("faults", nargs="*", metavar="FAULT", help=", ".join(FAULTS))
     parser.add_argument("--noisy", action="store_true")
     parser.add_argument("--seed", type=int, default=1, help="of the photographs")
+    parser.add_argument("--seeds", type=int, default=1, help="how many, from that one on")
     choice = parser.parse_args()
     if not choice.noisy:
         fit_trial.NOISE = 1e-4
     trial = fit_trial.TRIALS["fed tube"]
     r = trial.run()
-    with tempfile.TemporaryDirectory(prefix="tendril-") as place:
-        whole = np.loadtxt(fit_trial.measure(trial, r, choice.seed, Path(place))[0], delimiter=",", skiprows=1)
+    for seed in range(choice.seed, choice.seed + choice.seeds):
         for name in choice.faults or FAULTS:
-            t, x = FAULTS[name](whole[:, 0], whole[:, 1:], np.random.default_rng(1))
-            head = "t,x1 (m),x2 (m)" if "unit" in name else "t (s),x1 (m),x2 (m)"
-            data = fit_trial.write(Path(place) / "faulty.csv", head, np.column_stack([t, x]))
-            try:
-                found = tendril.fit(trial.scene, data, trial.bounds)
-                said = found.warnings or ["nothing"]
-                print(f"| {name} | {', '.join(f'{n} {v:.4g}' for n, v in found.values.items())} | {said[0]} |", flush=True)
-                for more in said[1:]:
-                    print(f"|  |  | {more} |")
-            except tendril.TendrilError as error:
-                print(f"| {name} | refused | {error} |", flush=True)
+            tell(trial, r, seed, name)
+
+
+def tell(trial, r, seed, name):
+    """Fits the photographs of a seed with a fault, and prints what is said."""
+    with tempfile.TemporaryDirectory(prefix="tendril-") as place:
+        whole = np.loadtxt(fit_trial.measure(trial, r, seed, Path(place))[0], delimiter=",", skiprows=1)
+        t, x = FAULTS[name](whole[:, 0], whole[:, 1:], np.random.default_rng(1))
+        head = "t,x1 (m),x2 (m)" if "unit" in name else "t (s),x1 (m),x2 (m)"
+        data = fit_trial.write(Path(place) / "faulty.csv", head, np.column_stack([t, x]))
+        try:
+            found = tendril.fit(trial.scene, data, trial.bounds)
+            said = found.warnings or ["nothing"]
+            numbers = ", ".join(f"{n} {v:.4g} ({low:.4g} to {high:.4g})" for (n, v), (low, high) in
+                                zip(found.values.items(), found.intervals.values()))
+            print(f"| {name} | {numbers}{'' if found.trusted else ', not to be trusted'} | {said[0]} |", flush=True)
+            for more in said[1:]:
+                print(f"|  |  | {more} |")
+        except tendril.TendrilError as error:
+            print(f"| {name} | refused | {error} |", flush=True)
 
 
 if __name__ == "__main__":

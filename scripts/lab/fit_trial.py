@@ -27,6 +27,8 @@ NOISE = 0.01  # of the width
 ERRORS = {"independent": (1, 0, 0, 0), "smooth": (0, 1, 0, 0), "shifted": (0.5, 0, 0.5, 0),
           "tracker": (0.2, 0.5, 0.5, 0), "strays": (1, 0, 0, 0.05)}
 
+PLACES = {}  # of the points that were last measured, on the rod from 0 to 1, by their time
+
 
 @dataclass
 class Trial:
@@ -102,7 +104,9 @@ def measure(trial, r, seed, place, errors="independent"):
         points = points + noise * whole * random.normal(size=2)
         astray = random.random(count) < strays
         points[astray] += 40 * noise * random.normal(size=(astray.sum(), 2))
-        rows += [(t * (r.scale("time") if si else 1), *p) for p in random.permutation(points)]
+        order, time_told = random.permutation(count), t * (r.scale("time") if si else 1)
+        rows += [(time_told, *p) for p in points[order]]
+        PLACES[float(time_told)] = (s[at] / s[-1])[order]
     files = [write(place / "photographs.csv", ("t (s),x1 (m),x2 (m)" if si else "t,x1,x2"), rows)]
     for name in trial.series:  # its noise is 1 % of its own largest value
         t = np.linspace(0, r.series.t[-1], 41)[1:]
