@@ -115,6 +115,13 @@ PetscErrorCode SceneInFastTime(Scene scene, PetscReal t, Scene *fast, PetscBool 
   PetscFunctionReturn(0);
 }
 
+/* SceneAtSpeed - tells a scene in fast time how fast the rod moves: see LoadAtSpeed(). */
+void SceneAtSpeed(Scene fast, PetscReal speed) {
+  LoadAtSpeed(&fast->load, speed);
+  LoadAtSpeed(&fast->tip.resistance, speed);
+  fast->contact.rub.beta = fast->load.friction.beta;
+}
+
 PetscErrorCode SceneLeaveFastTime(Scene *fast) {
   PetscFunctionBegin;
   PetscCall(GrowthDestroy(&(*fast)->growth));

@@ -43,6 +43,7 @@ PetscErrorCode SceneShare(Scene scene, Scene *shared);
 PetscErrorCode SceneShareEnd(Scene *shared);
 void SceneLinkWalls(Scene scene);
 PetscErrorCode SceneInFastTime(Scene scene, PetscReal t, Scene *fast, PetscBool *dry);
+void SceneAtSpeed(Scene fast, PetscReal speed);
 PetscErrorCode SceneLeaveFastTime(Scene *fast);
 PetscErrorCode SceneContactAt(Scene scene, PetscReal t);
 void SceneAtTolerance(Scene scene, PetscReal rtol);

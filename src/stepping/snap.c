@@ -42,6 +42,15 @@ static PetscErrorCode Hear(Leg *leg) {
   PetscFunctionReturn(0);
 }
 
+static PetscReal SpeedOfPlaces(const RodModel *model, const PetscReal speed[MAX_FIELDS]) {
+  PetscReal fastest = 0;
+
+  for (PetscInt f = 0; f < model->fields; f++)
+    if (strchr("xy", model->field[f][0])) fastest = PetscMax(fastest, speed[f]);
+  return fastest;
+}
+
+/* Behind each step in the fast time: is the rod at rest? */
 static PetscErrorCode StopAtRest(TS ts) {
   Leg *leg;
   PetscReal speed[MAX_FIELDS], fastest = 0, t;
@@ -60,6 +69,7 @@ static PetscErrorCode StopAtRest(TS ts) {
       (t >= soonest || !leg->rod->scene->contact.any))
     PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
   leg->speed = fastest;
+  SceneAtSpeed(leg->rod->scene, SpeedOfPlaces(leg->rod->model, speed));
   PetscCall(Hear(leg));
   PetscFunctionReturn(0);
 }

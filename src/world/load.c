@@ -179,6 +179,7 @@ static const PetscReal nearly_dry = 1e-4; /* 1 - mu up to here: growth waits mea
 /* It must rest a little below the limit of friction, or it would snap again at once. */
 static const PetscReal slack = 1e-5;
 static const PetscReal tiny_beta = 1e-18; /* of velocities in fast time, which begin near 1 */
+static const PetscReal as_good_as_at_rest = 1e-6; /* part of the speed of the fastest place */
 
 /* LoadInFastTime - the load in the fast time of a snap at t (stepping/snap.c): dry friction as it
    is, but for a little slack, and viscous friction of strength 1 beside it. dry: false if this load
@@ -195,6 +196,13 @@ PetscErrorCode LoadInFastTime(const Load *load, PetscReal t, Load *fast, PetscBo
   fast->stopped = PETSC_TRUE;
   fast->stopped_at = t;
   PetscFunctionReturn(0);
+}
+
+/* LoadAtSpeed - the load in fast time, of a rod of which no place moves faster than this: what is
+   slower by as_good_as_at_rest may creep, for to tell when each place comes to rest, or turns
+   round, takes steps without end. When the rod itself comes to rest, none may. */
+void LoadAtSpeed(Load *fast, PetscReal speed) {
+  fast->friction.beta = PetscMax(tiny_beta, PetscSqr(as_good_as_at_rest * speed));
 }
 
 /* The smallest beta in place of 0, and the speed that steps of tolerance 1e-6 tell from rest; where

@@ -63,6 +63,7 @@ void LoadSetWalls(Load *load, const Contact *contact);
 void LoadSetWeight(Load *load, const PetscReal weight[3]);
 PetscErrorCode LoadDestroy(Load *load);
 PetscErrorCode LoadInFastTime(const Load *load, PetscReal t, Load *fast, PetscBool *dry);
+void LoadAtSpeed(Load *fast, PetscReal speed);
 PetscBool LoadIsEven(const Load *load, PetscReal length, PetscReal end);
 void LoadForceVaried(const Load *load, const Place *at, PetscReal f[2]);
 void LoadSlopeVaried(const Load *load, const Place *at, const LoadDual *dual, LoadSlope *slope);
