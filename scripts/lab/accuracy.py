@@ -9,6 +9,7 @@ A line per run; the error must lie between a hundredth of what was asked and wha
 
 import argparse
 import csv
+import os
 import random
 import re
 import sys
@@ -23,12 +24,14 @@ INDEPENDENT = {"uniform-dry": ("v_decay_mu1", DECAY),
 
 
 def read_options(path):
-    """{'friction_mu': '1', ...} of an options file"""
+    """{'friction_mu': '1', ...} of an options file; the files that it names, from the project's root"""
     options = {}
     for line in path.read_text().splitlines():
         words = line.split("#")[0].split()
         if words:
-            options[words[0].lstrip("-")] = " ".join(words[1:])
+            beside = path.parent / " ".join(words[1:])
+            options[words[0].lstrip("-")] = (str(beside.relative_to(ROOT)) if beside.is_file() else
+                                             " ".join(words[1:]))
     return options
 
 
@@ -43,7 +46,8 @@ def scene_of(name, options):
     if name in INDEPENDENT:
         return from_reference(name, INDEPENDENT[name][1], INDEPENDENT[name][0], (1.5, 8, 12, 40))
     text = " ".join(f"-{k} {v}" for k, v in options.items()
-                    if k not in ("ts_max_time", "output_interval", "task", "stop_length"))
+                    if k not in ("ts_max_time", "output_interval", "task", "stop_length",
+                                 "rod_cells", "ts_rtol"))  # -accuracy chooses the last two
     return Scene(name, text, times_of(end),
                  finer="|".join(f"-rod_cells 1200 -ts_rtol {r}" for r in ("2e-11", "1e-10", "1e-9")))
 
@@ -76,17 +80,23 @@ def scenes_at_random(n, seed):
         yield scene_of(f"random-{i + 1}", options)
 
 
+def here(name):
+    """A file named from where one stands."""
+    return Path(name).resolve()
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--tolerances", default="1e-2,1e-4,1e-6")
     parser.add_argument("--scenes", type=int, default=10, help="drawn at random")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--store", type=Path, default=ROOT / "results/accuracy/runs.jsonl")
+    parser.add_argument("--store", type=here, default=ROOT / "results/accuracy/runs.jsonl")
     parser.add_argument("--jobs", type=int, default=CORES, help="runs side by side")
     parser.add_argument("--again", action="store_true", help="repeat runs that are in the store")
-    parser.add_argument("--output", type=Path, help="a table, CSV")
+    parser.add_argument("--output", type=here, help="a table, CSV")
     arguments = parser.parse_args()
+    os.chdir(ROOT)
     store, missed, table = Store(arguments.store), 0, []
     scenes = [*scenes_of_options(), *scenes_at_random(arguments.scenes, arguments.seed)]
     wanted = {(scene, asked): Case("tendril", scene, f"-accuracy {asked}", limit=300)
