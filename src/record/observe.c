@@ -645,6 +645,29 @@ static PetscErrorCode MeasureCrossings(Observer self, Vec v, Observation *seen) 
   PetscFunctionReturn(0);
 }
 
+static PetscErrorCode Look(Observer self, Rod rod, PetscReal t, Vec U, Vec U_t, Observation *seen) {
+  Vec v;
+
+  PetscFunctionBegin;
+  PetscCall(NodesOf(rod, t, U, U_t, &v));
+  if (self->scene->contact.any)
+    PetscCall(MeasureWhole(self, t, v, (PetscBool)(U_t != NULL), seen));
+  else
+    PetscCall(MeasurePieces(self, rod, t, v, seen));
+  PetscCall(MeasureCrossings(self, v, seen));
+  PetscCall(DMRestoreGlobalVector(rod->nodes, &v));
+  PetscFunctionReturn(0);
+}
+
+/* ObserverLook - what is measured on a rod at rest, on every rank, with no share in the balance of
+   energy, and at any time. Collective. */
+PetscErrorCode ObserverLook(Observer observer, Rod rod, PetscReal t, Vec U, Observation *seen) {
+  PetscFunctionBegin;
+  PetscCall(Look(observer, rod, t, U, NULL, seen));
+  PetscCallMPI(MPI_Bcast(seen, OBSERVED, MPIU_REAL, 0, observer->scene->comm));
+  PetscFunctionReturn(0);
+}
+
 /*
   ObserverMeasure - all that is measured on a rod at one time; step, newton_iterations and model are
   left to the caller. Collective; the result is on every rank. Times must come in increasing order,
@@ -652,16 +675,8 @@ static PetscErrorCode MeasureCrossings(Observer self, Vec v, Observation *seen) 
 */
 PetscErrorCode ObserverMeasure(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t,
                                Observation *seen) {
-  Vec v;
-
   PetscFunctionBegin;
-  PetscCall(NodesOf(rod, t, U, U_t, &v));
-  if (observer->scene->contact.any)
-    PetscCall(MeasureWhole(observer, t, v, (PetscBool)(U_t != NULL), seen));
-  else
-    PetscCall(MeasurePieces(observer, rod, t, v, seen));
-  PetscCall(MeasureCrossings(observer, v, seen));
-  PetscCall(DMRestoreGlobalVector(rod->nodes, &v));
+  PetscCall(Look(observer, rod, t, U, U_t, seen));
   if (observer->gathered) MeasureBalance(observer, seen);
   PetscCallMPI(MPI_Bcast(seen, OBSERVED, MPIU_REAL, 0, observer->scene->comm));
   PetscFunctionReturn(0);

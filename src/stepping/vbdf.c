@@ -372,6 +372,17 @@ PetscErrorCode VBDFGetJumps(TS ts, PetscInt *jumps, PetscInt *blind) {
   PetscFunctionReturn(0);
 }
 
+/* VBDFGetBehindSnap - the state behind the snap that the last step began with (on loan, until the
+   next one); NULL if none was followed in it, or the type is another one. */
+PetscErrorCode VBDFGetBehindSnap(TS ts, Vec *U) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  *U = self && self->controller.snapped ? self->formula.point[1] : NULL;
+  PetscFunctionReturn(0);
+}
+
 /* VBDFGetOrder - the order of the next step; 0 if the type is another one. */
 PetscErrorCode VBDFGetOrder(TS ts, PetscInt *order) {
   VBDF *self = NULL;

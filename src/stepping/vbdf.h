@@ -57,6 +57,7 @@ PetscErrorCode VBDFGetMemory(TS ts, PetscReal memory[VBDF_MEMORY]);
 PetscErrorCode VBDFSetMemory(TS ts, const PetscReal memory[VBDF_MEMORY]);
 PetscErrorCode VBDFInterpolate(TS ts, PetscReal t, Vec U, Vec U_t, PetscBool *done);
 PetscErrorCode VBDFGetJumps(TS ts, PetscInt *jumps, PetscInt *blind);
+PetscErrorCode VBDFGetBehindSnap(TS ts, Vec *U);
 PetscErrorCode VBDFGetLocalError(TS ts, PetscInt fields, PetscInt *n,
                                  PetscReal weight[VBDF_POINTS][VBDF_FIELDS]);
 PetscErrorCode VBDFGetFormula(TS ts, PetscInt *n, PetscReal weight[][VBDF_FIELDS]);

@@ -187,6 +187,20 @@ static PetscBool IsThin(const Grow *self, PetscReal t) {
   return (PetscBool)(t < PetscSqr(PetscSqr(width)));
 }
 
+/* Counts a blind jump to what is seen now, from what was seen last, before, or from behind the snap
+   that was followed in between. */
+static PetscErrorCode CountBlind(Grow *self, const Observation *last, PetscReal before,
+                                 PetscBool layered) {
+  Observation from = *last;
+  Vec behind;
+
+  PetscFunctionBegin;
+  PetscCall(VBDFGetBehindSnap(self->now->ts, &behind));
+  if (behind) PetscCall(ObserverLook(self->observer, self->now->rod, before, behind, &from));
+  GrowCross(self, &from, before, layered);
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   PetscReal before = self->seen.t, norm = self->seen.norm_x2, folds = self->folds;
   PetscInt iterations = 0, all = 0, jumps = 0, blind = 0;
@@ -212,7 +226,7 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   iterations = all - self->iterations;
   self->iterations = all;
   PetscCall(ObserverMeasure(self->observer, self->now->rod, t, U, U_t, &self->seen));
-  if (blindly) GrowCross(self, &last, before, layered);
+  if (blindly) PetscCall(CountBlind(self, &last, before, layered));
   if (norm > rod_vanished && self->seen.norm_x2 > rod_vanished)
     self->folds += PetscAbsReal(PetscLogReal(self->seen.norm_x2 / norm));
   if (norm > rod_vanished && self->seen.norm_x2 <= rod_vanished) self->vanished = PETSC_TRUE;
