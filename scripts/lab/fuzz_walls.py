@@ -1,16 +1,18 @@
 #!/usr/bin/env python3
 """Random scenes in space with walls: none may be lost, and none may go through a wall.
 
-    scripts/lab/fuzz_walls.py build/tendril SEED COUNT [SECONDS]
+    scripts/lab/fuzz_walls.py build/tendril SEED COUNT [SECONDS [FINER]]
 
-Each is run once, for SECONDS at most (30). A scene is lost if it gives up, does not end, or is silent about a rod
-that is pressed in by more than 1 % of its diameter; one that is jammed, and says so, is not, nor is one that is
+Each is run once, for SECONDS at most (30), with FINER times as many cells (1). A scene is lost if it gives up, does
+not end, is silent about a rod that is pressed in by more than 1 % of its diameter, or if its balance of energy is off by
+more than its error is told to be; one that is jammed, and says so, is not, nor is one that is
 refused because the rod starts in a wall. The curve between nodes is looked at in all stored shapes: where its
 middle is behind a wall, the rod is through. Every tenth that touches is broken where half of its steps in contact are
 behind it, and has to go on to the last bit; and runs on two ranks: how far its tip is from that of one is told."""
 
 import os
 import random
+import re
 import subprocess
 import sys
 import tempfile
@@ -105,7 +107,7 @@ def curve(x, tangent, g, s, fine=8):
 
 
 def run(exe, o, walls, lines, limit):
-    """What became of it, and the command."""
+    """What became of it, how deep it was pressed in, by what its energy is off, and the command."""
     folder = tempfile.mkdtemp()
     with open(f"{folder}/walls.txt", "w") as f:
         f.write("\n".join(lines) + "\n")
@@ -115,11 +117,11 @@ def run(exe, o, walls, lines, limit):
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=limit, env=ENVIRONMENT)
     except subprocess.TimeoutExpired:
-        return "hung", 0, " ".join(command)
+        return "hung", 0, 0, " ".join(command)
     said = (done.stderr or done.stdout).strip()
     if not os.path.exists(file):
         refused = "the rod starts in a wall" in said
-        return "refused" if refused else f"lost: {said[-200:]}", 0, " ".join(command)
+        return "refused" if refused else f"lost: {said[-200:]}", 0, 0, " ".join(command)
     with h5py.File(file) as f:
         shapes = {k: f["shapes"][k][:] for k in ("x", "d1", "stretch")}
         s, deep = np.linspace(0, 1, shapes["x"].shape[1]), f["series/penetration"][:].max()
@@ -128,13 +130,16 @@ def run(exe, o, walls, lines, limit):
     for x, d1, g in zip(*shapes.values()):
         for wall in walls:
             if distance(wall, curve(x, d1, g, s)).min() < 0:
-                return f"through {wall[0]}", deep, " ".join(command)
+                return f"through {wall[0]}", deep, 0, " ".join(command)
     if deep > 0.01 * o["contact_diameter"] and "pressed in by more than 1 %" not in done.stdout:
-        return "lost: is silent about how deep it is pressed", 0, " ".join(command)
+        return "lost: is silent about how deep it is pressed", 0, 0, " ".join(command)
     if done.returncode:
         deep /= o["contact_diameter"]
-        return ("jammed" if "jammed at" in said else f"lost: {said[-200:]}"), deep, " ".join(command)
-    return "touched" if pressed else "free", deep / o["contact_diameter"], " ".join(command)
+        return ("jammed" if "jammed at" in said else f"lost: {said[-200:]}"), deep, 0, " ".join(command)
+    off, told = (float(v) for v in re.search(r"energy defect (\S+), error estimate (\S+)", done.stdout).groups())
+    if off > told:
+        return f"lost: energy is off by {off}, told is {told}", deep, off, " ".join(command)
+    return "touched" if pressed else "free", deep / o["contact_diameter"], off, " ".join(command)
 
 
 def same(a, b):
@@ -165,19 +170,22 @@ def again(command, limit):
 
 def main():
     exe, seed, count = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
-    limit = float(sys.argv[4]) if len(sys.argv) > 4 else 30
-    R, tally, deepest, times, touched, differ = random.Random(seed), {}, [], [], [], []
+    limit, finer = float(sys.argv[4]) if len(sys.argv) > 4 else 30, int(sys.argv[5]) if len(sys.argv) > 5 else 1
+    R, tally, deepest, times, touched, differ, energies = random.Random(seed), {}, [], [], [], [], []
     for _ in range(count):
         o, walls, lines = scene(R)
+        o["rod_cells"] *= finer
         if not walls:
             lines, walls = ["plane 0 0 -2 0 0 1"], [("plane", [0, 0, -2, 0, 0, 1], False)]
         begin = time.time()
-        what, deep, command = run(exe, o, walls, lines, limit)
+        what, deep, off, command = run(exe, o, walls, lines, limit)
         times.append(time.time() - begin)
         deepest.append(deep)
         word = what.split(":")[0].split()[0]
         if word in ("touched", "jammed"):
             touched.append(deep)
+        if word == "touched":
+            energies.append(off)
         if word == "touched" and len(touched) % 10 == 1:
             goes_on, off = again(command, 3 * limit)
             differ.append(off)
@@ -187,7 +195,9 @@ def main():
         if word in ("hung", "lost", "through"):
             print(what, "|", command, flush=True)
     print(f"{count} scenes: {tally}; penetration at most {100 * max(deepest):.2f} % of the diameter, "
-          f"{sum(d > 0.01 for d in touched)} of {len(touched)} that touch above 1 %; {len(differ)} gone on with to the "
+          f"{sum(d > 0.01 for d in touched)} of {len(touched)} that touch above 1 %; "
+          f"energy off by more than 1e-5 in {sum(e > 1e-5 for e in energies)} of {len(energies)}, by "
+          f"{np.median(energies or 0):.1e} in the middle, {max(energies, default=0):.1e} at most; {len(differ)} gone on with to the "
           f"last bit, on two ranks off by at most {max(differ, default=0):.1e}; "
           f"median of the times {np.median(times):.2f} s, at most {max(times):.1f} s")
     return any(tally.get(k) for k in ("hung", "lost", "through"))
