@@ -23,6 +23,11 @@ typedef struct Reading {
     const char *name;
     char *said;
   } bare[MOST_BARE]; /* whose value has lost its unit in the database */
+  size_t n_plain;
+  struct {
+    const OptionRow *row;
+    PetscReal value;
+  } plain[MOST_BARE]; /* that had none, and could have had one */
   PetscBool pushed;
   struct Reading *outer;
 } Reading;
@@ -195,6 +200,40 @@ static PetscErrorCode CheckRange(const OptionRow *row, const char *given, PetscR
   PetscFunctionReturn(0);
 }
 
+/* Keeps a number that was given without a unit, though the laboratory's are known: in which it was
+   meant the user may have forgotten. */
+static void KeepPlain(const OptionRow *row, const char *given, PetscReal value) {
+  char *end;
+  size_t i = 0;
+
+  (void)strtod(given, &end);
+  while (isspace((unsigned char)*end)) end++;
+  if (!now || *end || OptionSaid(row->name) || value == 0 || row->dimension == UNIT_NONE ||
+      row->dimension >= UNIT_ANGLE || row->flags & (PETSCS | PART) ||
+      now->scale[row->dimension] <= 0)
+    return;
+  while (i < now->n_plain && now->plain[i].row != row) i++;
+  if (i == MOST_BARE) return;
+  if (i == now->n_plain) now->n_plain++;
+  now->plain[i].row = row;
+  now->plain[i].value = value;
+}
+
+/* OptionsTellPlain - says in one line which numbers were taken as dimensionless in a scene of the
+   laboratory, and what they are there. Collective. */
+PetscErrorCode OptionsTellPlain(void) {
+  char text[64];
+
+  PetscFunctionBegin;
+  for (size_t i = 0; now && i < now->n_plain; i++)
+    PetscCall(
+        PetscPrintf(now->comm, "%s%s %s%s",
+                    i ? ", " : "without a unit, and so dimensionless: ", now->plain[i].row->name,
+                    OptionBoth(now->plain[i].value, now->plain[i].row->dimension, text),
+                    i + 1 < now->n_plain ? "" : "\n"));
+  PetscFunctionReturn(0);
+}
+
 /*
   OptionReal - reads a real option and checks its range. Collective on OptionsComm().
 
@@ -214,6 +253,7 @@ PetscErrorCode OptionReal(const char *name, PetscReal *value, PetscBool *set) {
   if (found) {
     PetscCall(ParseReal(row, given, value));
     PetscCall(CheckRange(row, given, *value));
+    KeepPlain(row, given, *value);
   } else if (row->usual[0])
     *value = strtod(row->usual, NULL);
   if (found || row->usual[0]) {

@@ -37,7 +37,8 @@ enum {
   LATE = 32,       /* PETSc reads it only deep in a solve, or at its end */
   IN_PLACE = 64,   /* an input file that may be written over */
   SHARED = 128,    /* PETSc reads it as well as tendril */
-  PROGRAM = 256    /* of the program as a whole: no member of a sweep has it */
+  PROGRAM = 256,   /* of the program as a whole: no member of a sweep has it */
+  PART = 512       /* without a unit it may be a part of the rod */
 };
 
 typedef struct {
@@ -120,6 +121,7 @@ PetscErrorCode OptionsRefuseStrange(const char *name);
 PetscBool OptionOfPetsc(const char *name);
 PetscErrorCode OptionsList(char **text);
 PetscErrorCode OptionsInForce(char **text);
+PetscErrorCode OptionsTellPlain(void);
 
 /* options_words.c: the command line and options files, before PETSc takes them */
 int OptionsTakeWords(int *argc, char ***argv);

@@ -19,7 +19,7 @@ static const OptionRow rows[] = {
     ROW_REAL("-rod_curvature_random", "", 0, 1e3, UNIT_CURVATURE, 0,
              "root mean square of a random natural curvature, per length"),
     ROW_REAL(
-        "-rod_curvature_length", "0.1", 1e-4, 1e4, UNIT_LENGTH, 0,
+        "-rod_curvature_length", "0.1", 1e-4, 1e4, UNIT_LENGTH, PART,
         "its correlation length: a part of the rod, if it grows in place; a length, if it slides"),
     ROW_INT("-rod_curvature_seed", "1", 0, 2e9, 0, "its seed")};
 const OptionGroup curvature_options = OPTION_GROUP("Natural curvature", rows);

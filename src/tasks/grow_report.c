@@ -69,6 +69,7 @@ PetscErrorCode GrowHeading(Grow *self) {
   time = TimeUnit(self, &factor);
   PetscCall(PetscTime(&self->begin));
   self->reported = self->begin;
+  if (!self->quiet) PetscCall(OptionsTellPlain());
   if (!self->quiet) PetscCall(TellScales(self));
   if (!self->quiet)
     PetscCall(PetscPrintf(self->scene->comm, "%10s %10s %12s %10s %7s %8s %11s\n",

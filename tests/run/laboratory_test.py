@@ -421,6 +421,14 @@ def speaks_both():
     expect(np.allclose([float(x), float(y)], [float(v) * LENGTH * 100 for v in bare], rtol=1e-5), line)
     expect(re.search(r"stopped at t = \S+ \(58 s\): length \S+ \(30 cm\)", text), text)
     expect("ms) before -ts_max_time" in tendril(f"{run} -ts_max_steps 3", 1), "error")
+    # a number without a unit is told once, with what it is; nothing is told of a scene that has none
+    short = f"{run.replace('3/m', '0.05')} -stop_length 1.1cm -tip_force 2 -quiet"
+    said = "without a unit, and so dimensionless: "
+    expect(tendril(short) == "", "-quiet")
+    told = [line for line in tendril(short.removesuffix("-quiet")).splitlines() if said in line]
+    expect(len(told) == 1 and set(told[0].removeprefix(said).split(", ")) == {
+        f"-tip_force 2 ({2e3 * FORCE:.6g} mN)", f"-rod_curvature 0.05 ({0.05 / LENGTH:.6g} 1/m)"}, f"{told}")
+    expect(said not in text and said not in tendril("-ts_max_time 0.01 -tip_force 2"), "told of what has no unit")
     for task, length, more in ((f"{SI} -ts_max_time 1h", r"t = \S+ s, ", ""),
                                (SI.partition("-si_speed")[0], "", "")):
         text = tendril(f"-task critical {task}")
