@@ -110,7 +110,7 @@ def helix(length, straight=0.6, curved=22.5, exit_over=4):
 KAPPA, TAU = 0.75, np.sqrt(3) / 4  # of a helix of radius 1 at 60 degrees to its axis
 
 
-def duct(length, torque, pull, stiffness, cells, D=0.1, room=0.01, curved=22.5, exit_over=4):
+def duct(length, torque, pull, stiffness, cells, D=0.1, room=0.01, curved=22.5, exit_over=4, rtol=1e-5):
     """A rod is pushed through it, the rod's line, not the duct's, being that helix."""
     s, x, n, end = helix(length, curved=curved, exit_over=exit_over)
     x = x + room * n * (np.clip((s - 0.1) / 0.5, 0, 1)**2 * (3 - 2 * np.clip((s - 0.1) / 0.5, 0, 1)))[:, None]
@@ -119,7 +119,7 @@ def duct(length, torque, pull, stiffness, cells, D=0.1, room=0.01, curved=22.5, 
                fmt="%.12g")
     return Run("-growth_type feed -growth_initial_length 0.5 -shape_type straight -friction_mu 0 "
                f"-friction_layers 0:1e-9 -friction_beta 1e-12 -rod_cells {cells} -contact_diameter {D} "
-               f"-contact_stiffness {stiffness} -ts_rtol 1e-5 -ts_max_time {length - 0.5} -tip_torque {torque} "
+               f"-contact_stiffness {stiffness} -ts_rtol {rtol} -ts_max_time {length - 0.5} -tip_torque {torque} "
                f"-tip_force_vector {numbers(pull * end)} " + walls(f"tube {path} inside friction {MU}"))
 
 

@@ -3,8 +3,8 @@
 
     results/peers/venv/bin/python scripts/lab/peers/pyelastica_space.py SCENE -elements 20 [-dt DT] [-time T] ...
 
-(scripts/lab/peers/setup.sh makes that venv.) Scenes: bend (45 degrees, Bathe), twisted (27 turns), capstan, laid (a
-heavy rod on a plane). Units are those of the scene in tendril: stiffness B = 1, mass per length 1; the twisted rod has
+(scripts/lab/peers/setup.sh makes that venv.) Scenes: bend (45 degrees, Bathe), twisted (27 turns), capstan, helix (the
+same, askew), laid (a heavy rod on a plane). Units are those of the scene in tendril: stiffness B = 1, mass per length 1; the twisted rod has
 those of PyElastica's own example. The scenes are at rest or slide evenly, so mass, damping and the section's
 radius are chosen for PyElastica's sake: as slow as the step allows. Prints a JSON line of what was found, and one of
 the cost: processor seconds of the loop alone, without numba's compilation. Exit 1: it failed."""
@@ -23,12 +23,12 @@ class Simulation(ea.BaseSystemCollection, ea.Constraints, ea.Forcing, ea.Damping
 
 
 class Led(ea.ConstraintBase):
-    """The first node and element, led along x1 at a speed."""
+    """The first node and element, led at a velocity."""
 
-    def __init__(self, *fixed, speed=0.0, **more):
+    def __init__(self, *fixed, velocity=(0.0, 0.0, 0.0), **more):
         super().__init__(**more)
         self.place, self.frame = np.array(fixed[0]), np.array(fixed[1])
-        self.velocity = np.array([speed, 0, 0])
+        self.velocity = np.array(velocity)
 
     def constrain_values(self, system, time):
         system.position_collection[..., 0] = self.place + self.velocity * time
@@ -39,14 +39,25 @@ class Led(ea.ConstraintBase):
         system.omega_collection[..., 0] = 0
 
 
+def carried(tangents):
+    """Normals that turn about no tangent: of a rod in a plane across x3, x3."""
+    normal = np.zeros_like(tangents)
+    last = np.array([0, 0, 1.0])
+    for i, tangent in enumerate(tangents.T):
+        last = last - tangent * (tangent @ last)
+        last /= np.linalg.norm(last)
+        normal[:, i] = last
+    return normal
+
+
 def rod(nodes, radius, shear, bend=(1, 1, 1), straight=True):
     """A rod of mass 1 per length through the nodes, of these stiffnesses; straight: without natural bends."""
     edges = np.diff(nodes)
     lengths = np.linalg.norm(edges, axis=0)
     tangents, n = edges / lengths, len(lengths)
-    normal = np.tile([[0], [0], [1.0]], n)
+    normal = carried(tangents)
     made = ea.CosseratRod.straight_rod(
-        n, nodes[:, 0], tangents[:, 0], np.array([0, 0, 1.0]), lengths.sum(), radius, 1 / (pi * radius**2),
+        n, nodes[:, 0], tangents[:, 0], normal[:, 0], lengths.sum(), radius, 1 / (pi * radius**2),
         youngs_modulus=1.0, shear_modulus=1.0, position=nodes,
         directors=np.stack([normal, np.cross(tangents, normal, axis=0), tangents]))
     made.shear_matrix[:] = np.diag(shear)[:, :, None]
@@ -116,29 +127,35 @@ def twisted(o):
     return {"angle": float(angle.max()), "speed": float(np.abs(system.velocity_collection).max())}, cost
 
 
-def round_a_pillar(n, lead, turns):
-    """Nodes along a line, round a circle of radius 1, and off it."""
-    length = 2 * lead + 2 * pi * turns
-    s = np.linspace(0, length, n + 1)
-    phi = np.clip(s - lead, 0, 2 * pi * turns)
-    rest = np.clip(s - lead - 2 * pi * turns, 0, None)
-    x = np.minimum(s, lead) + np.sin(phi) + rest * np.cos(phi)
-    return np.stack([x, 1 - np.cos(phi) + rest * np.sin(phi), 0 * s])
+def round_a_pillar(n, lead, turns, rise=0.0):
+    """Nodes along a line, round a pillar about x3, on which they wind at 1 from its axis and rise so much a radian, and
+    off it; and the directions in which they come and leave."""
+    along = np.hypot(1, rise)
+    wound = 2 * pi * turns * along
+    s = np.linspace(0, 2 * lead + wound, n + 1)
+    phi = np.clip(s - lead, 0, wound) / along
+    before, rest = np.minimum(s - lead, 0) / along, np.clip(s - lead - wound, 0, None) / along
+    x = np.stack([before + np.sin(phi) + rest * np.cos(phi), 1 - np.cos(phi) + rest * np.sin(phi),
+                  rise * (before + phi + rest)])
+    end = 2 * pi * turns
+    return x, np.array([1, 0, rise]) / along, np.array([np.cos(end), np.sin(end), rise]) / along
 
 
-def capstan(o):
-    """A rope, a turn and a half round a pillar, is pulled by 60 and let out at a speed: the tensions at two angles."""
-    n, lead, turns, radius, pull, speed = o["elements"], 2.0, 1.5, 0.05, 60.0, o["speed"]
-    system = rod(round_a_pillar(n, lead, turns), radius, (1e4,) * 3)
-    pillar = ea.Cylinder(np.array([lead, 1.0, -1.0]), np.array([0, 0, 1.0]), np.array([1.0, 0, 0]), 2.0, 1 - radius, 1.0)
+def slide_round(o, turns, rise=0.0, pull=60.0, stretch=1e4):
+    """A rope, wound round a pillar, is pulled and let out at a speed: tensions over the angle."""
+    n, lead, radius, speed = o["elements"], 2.0, 0.05, o["speed"]
+    nodes, begins, ends = round_a_pillar(n, lead, turns, rise)
+    system = rod(nodes, radius, (stretch,) * 3)
+    high = 2 * pi * turns * rise
+    pillar = ea.Cylinder(np.array([0, 1.0, -1.0 - lead * rise]), np.array([0, 0, 1.0]), np.array([1.0, 0, 0]),
+                         2.0 + high + 2 * lead * rise, 1 - radius, 1.0)
     simulation = Simulation()
     simulation.append(system)
     simulation.append(pillar)
     simulation.constrain(pillar).using(ea.OneEndFixedBC, constrained_position_idx=(0,), constrained_director_idx=(0,))
-    simulation.constrain(system).using(Led, constrained_position_idx=(0,), constrained_director_idx=(0,), speed=speed)
-    end = 2 * pi * turns
-    simulation.add_forcing_to(system).using(ea.EndpointForces, np.zeros(3),
-                                            pull * np.array([np.cos(end), np.sin(end), 0]), ramp_up_time=0.01)
+    simulation.constrain(system).using(Led, constrained_position_idx=(0,), constrained_director_idx=(0,),
+                                       velocity=speed * begins)
+    simulation.add_forcing_to(system).using(ea.EndpointForces, np.zeros(3), pull * ends, ramp_up_time=0.01)
     simulation.detect_contact_between(system, pillar).using(
         ea.RodCylinderContact, k=o["stiffness"], nu=o["contact_damping"], velocity_damping_coefficient=o["viscous"],
         friction_coefficient=0.3)
@@ -149,13 +166,23 @@ def capstan(o):
         x = system.position_collection
         middle, edges = (x[:, 1:] + x[:, :-1]) / 2, np.diff(x)
         force = np.einsum("jik,jk->ik", system.director_collection, system.internal_stress)
-        seen.append((np.unwrap(np.arctan2(middle[0] - lead, 1 - middle[1])),
+        seen.append((np.unwrap(np.arctan2(middle[0], 1 - middle[1])),
                      np.einsum("ik,ik->k", force, edges) / np.linalg.norm(edges, axis=0)))
 
     cost = go(simulation, o, watch)
     phi, tension = np.mean(seen, axis=0)
     return {"phi": phi.tolist(), "tension": tension.tolist(), "drag": o["damping"] * speed,
             "speed": float(np.abs(system.velocity_collection).max())}, cost
+
+
+def capstan(o):
+    """A turn and a half, level."""
+    return slide_round(o, 1.5)
+
+
+def helix(o):
+    """Two turns and some, at 60 degrees to the axis; a pull of 300 leaves 5 where it begins."""
+    return slide_round(o, 2.5, 1 / np.sqrt(3), 300.0, 5e4)
 
 
 def laid(o):
@@ -180,6 +207,8 @@ SCENES = {"bend": (bend, {"elements": 20, "time": 8, "damping": 3}),
           "twisted": (twisted, {"elements": 100, "time": 2100, "damping": 0.01}),
           "capstan": (capstan, {"elements": 100, "time": 8, "dt": 2e-4, "damping": 0.5, "speed": 0.1, "stiffness": 1e5,
                                 "contact_damping": 100, "viscous": 1e4}),
+          "helix": (helix, {"elements": 100, "time": 8, "dt": 2e-4, "damping": 0.5, "speed": 0.1, "stiffness": 1e5,
+                            "contact_damping": 100, "viscous": 1e4}),
           "laid": (laid, {"elements": 40, "time": 2, "damping": 10, "stiffness": 1e5, "contact_damping": 10})}
 
 
