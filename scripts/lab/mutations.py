@@ -30,6 +30,7 @@ MUTATIONS = [
     ("shrunk, never", C, "shrunk = 1e-4,", "shrunk = 0,"),
     ("shrunk, soon", C, "shrunk = 1e-4,", "shrunk = 0.05,"),
     ("forgets nothing", C, "forgets = 0.95", "forgets = 1"),
+    ("forgets while it fails", C, "if (self->failures) self->usual /= forgets;", ""),
     ("jump_persists, never", C, "jump_persists = 0.7,", "jump_persists = 1e9,"),
     ("jump_persists, soon", C, "jump_persists = 0.7,", "jump_persists = 0.4,"),
     ("jump_step, none", C, "jump_step = 1e-13,", "jump_step = 0,"),

@@ -487,10 +487,13 @@ static PetscErrorCode BeginStep(TS ts, Controller *self, Formula *f) {
 }
 
 /* Ends an accepted step: hands over the state, and sets the size of the next step, times factor.
-   Behind a jump the history starts anew. */
+   Behind a jump the history starts anew. (What steps are usual is not forgotten by one in which
+   Newton's method failed, as it does near a turning point: they would creep there until they are
+   the usual ones.) */
 static PetscErrorCode EndStep(TS ts, Controller *self, Formula *f, PetscReal factor) {
   PetscFunctionBegin;
   self->since++;
+  if (self->failures) self->usual /= forgets;
   if (self->jumped || self->snapped) self->jumps++;
   if (self->jumped) self->blind++;
   if (self->jumped) {
