@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from scipy import stats
 from scipy.interpolate import CubicSpline, PchipInterpolator
 from scipy.sparse.csgraph import connected_components, minimum_spanning_tree
 from scipy.spatial import cKDTree
@@ -89,6 +90,7 @@ def least_of_all_near(values):
 
 
 SLACK = 2.0  # gaps between points: what is known of where the rod ends
+BY_CHANCE, SURELY = 0.07, 1e-3  # how often the last gap is wider than SLACK, of points anywhere; a chance that is none
 STRAND = 0.1  # of a line's length: what is farther from a place, along it, is another strand
 
 
@@ -206,6 +208,7 @@ class Comparison:
         self.spacings = {id(p): spacing(p.points.numbers) for p in measured.photographs}
         self.gaps = {id(p): 0.75 * widest_gap(p.points.numbers) + 2 * self.spacings[id(p)]
                      for p in measured.photographs}
+        self.hidden: set[int] = set()  # photographs, by their place, in which something lies on the tip
         # of loose ends, in their order: where the last point happens to be is known no better
         self.loose = np.array([self.spacings[id(p)] for p in measured.photographs if not p.ordered])
 
@@ -266,7 +269,10 @@ class Comparison:
         found, place, normal = near.distance, near.place, near.normal
         uncovered = bare(p.points.numbers, line, self.gaps[id(p)])
         if not p.ordered:
-            return (found, [loose_end(p.points.numbers, line, gap, near.beyond)], uncovered, (place, normal, near.other))
+            end = loose_end(p.points.numbers, line, gap, near.beyond)
+            if any(self.measured.photographs[k] is p for k in self.hidden):
+                end = min(end, 0.0)
+            return found, [end], uncovered, (place, normal, near.other)
         gap, end = p.points.numbers[-1] - line[-1], line[-1] - line[-2]
         end = end / np.hypot(*end)
         across = [-end[1], end[0]]
@@ -306,6 +312,17 @@ class Comparison:
             self.blocks.append(Block(c.name, rows, c.at.numbers, None,
                                      np.full(len(rows), np.inf)))
         return np.concatenate(values)
+
+    def find_hidden(self, r: Results, own, view=VIEW):
+        """Finds the photographs in which the rod goes on beyond the points, by more than gaps between them explain, if there
+        are more of these than by chance: there the tip is hidden, and how far the rod goes on says nothing of it. True if
+        there are any."""
+        photographs, self.hidden = self.measured.photographs, set()
+        loose = [k for k, p in enumerate(photographs) if not p.ordered]
+        beyond = {k for k in loose if self.of_photograph(r, photographs[k], own, view)[1][0] > 0}
+        if stats.binom.sf(len(beyond) - 1, len(loose), BY_CHANCE) < SURELY:
+            self.hidden = beyond
+        return bool(self.hidden)
 
     def spreads(self) -> dict[str, float]:
         """How large what was measured is, by group: the measure of a first guess of its noise."""

@@ -39,6 +39,7 @@ STILL = 2.5  # or leaves them beyond so many times what is called bad: next to p
 ALIKE = 1.25  # residuals are known no better than to such a factor: causes within it are not told apart
 APART = 3.0  # times the noise of other photographs: what lies farther from the rod is beside it
 ODD, FEWER = 0.4, 0.1  # of a photograph's points, or fewer that lie twice as far: it is none of the others
+MUCH = 0.2  # of the rods: where tips are hidden, so much may be where there are no points
 GOES_ON = 0.05  # of the extent: so far beyond its points a rod's tip was not seen
 EDGE = 0.01  # of its bounds: there a cause is as large as was tried
 LONGER = 3.0  # runs so much longer than those that were made are not tried
@@ -426,11 +427,12 @@ class End(NamedTuple):
     blocks: list = []  # theirs
 
 
-def most_likely(ends, least):
+def most_likely(ends, least, bad=False):
     """Of causes that were tried those that take the most away, if that is enough: of several that do it about as well
-    none is more likely. A law that the residuals ask for needs to take little: numbers make up for it."""
+    none is more likely. Of a fit that is not bad a law was asked for by the residuals, and needs to take little: numbers
+    make up for it."""
     cost = lambda end: end.ratio * (1 + 0.05 * end.count)
-    order = sorted((end for end in ends if (end.ratio < 1 if end.law else cost(end) < least)), key=lambda end: (cost(end), end.words))
+    order = sorted((end for end in ends if (end.ratio < 1 if end.law and not bad else cost(end) < least)), key=lambda end: (cost(end), end.words))
     return [end for end in order if cost(end) <= ALIKE * cost(order[0]) + 1e-6]
 
 
@@ -499,7 +501,7 @@ def likeliest(fit: Fit, bad, tell):
             half = halves.get(cause.name, np.zeros(p))
             ends.append(End(ratio, len(cause.looked_for) + bool(cause.law), spoken(fit, problem, u, cause), cause.law is not None,
                             (u[:p], half), raw, problem.comparison.blocks))
-    if alike := told_apart(fit, most_likely(ends, BETTER if bad else SLIGHT)):
+    if alike := told_apart(fit, most_likely(ends, BETTER if bad else SLIGHT, bad)):
         fit.elsewhere = [end.place for end in alike]
         return [causes_named(alike)]
     if again:
@@ -527,8 +529,8 @@ def warnings_of(fit: Fit, agreed, tell) -> list[str]:
                 f"{name} is off the best scene's"
             words.append(f"a bad fit: {what} by {briefly(100 * size / extent)} % of the extent; the numbers above "
                          "mean little.")
-    part = bare_part(fit)
-    if part > 0.05:
+    part, hidden = bare_part(fit), fit.problem.comparison.hidden
+    if part > (MUCH if hidden else 0.05):
         bad = True
         words.append(f"a bad fit: {100 * part:.0f} % of the rods of the best scene are where there are no points.")
     fewer, seen, expected = runs_along(fit)
@@ -540,6 +542,9 @@ def warnings_of(fit: Fit, agreed, tell) -> list[str]:
         words.append(f"in all photographs the points lie on one side of the rod at {100 * side[1]:.0f} % of its "
                      f"length, by {100 * side[2] / fit.problem.comparison.spreads()[LINES]:.1g} % of the extent: the scene lacks something there, or the picture is off.")
     words += odd_ones(fit)
+    if hidden:
+        words.append(f"in {len(hidden)} of {len(fit.problem.measured.photographs)} photographs the rod goes on beyond the points: something hides its "
+                     "tip, or the scene's rod is too long. Where it ends in these is left out.")
     for name, told in fit.problem.told_noise.items():
         size = sizes(fit)[name][0]
         if size > 1.5 * told:

@@ -366,6 +366,10 @@ def polished(problem: Problem, best: Solution, accuracy, tell, finer=True):
     best.u = np.r_[best.u[:p], problem.comparison.guess(r, best.u[p:])]  # times, now that it looks so
     problem.measure_noise(best.u)
     best = problem.solve(best.u, 1e-3)
+    if problem.leave_hidden(best.u):
+        tell("tips are hidden: they are left out")
+        problem.measure_noise(best.u)
+        best = problem.solve(best.u, 1e-3)
     problem.measure_noise(best.u)
     if finer and (wanted := problem.wanted_accuracy()) < accuracy:
         tell(f"the data are finer than the runs: once more with -accuracy {wanted:.1g}")

@@ -113,7 +113,7 @@ def with_law(fit: Fit, law: Law, settings) -> Problem:
     new = Problem(old.scene, old.measured, [*old.parameters, law.parameter], old.options, old.jobs, priors=old.priors,
                   tied=old.tied)
     new.bar, new.glimpse, new.begin, new.reach = old.bar, old.glimpse, np.append(old.begin, 0.0), old.reach
-    new.settings = dict(settings)
+    new.settings, new.comparison.hidden = dict(settings), old.comparison.hidden
     if new.reach == 1.0:  # of modes of curvature, which it had none of
         new.reach = float(fit.run.series.length[-1]) * old.unit_length(fit.u) / old.unit_length(old.begin)
     return new

@@ -355,6 +355,11 @@ class Problem:
         ends = np.flatnonzero(groups == ENDS)
         self.sigma[ends] = np.maximum(self.sigma[ends], self.comparison.loose)
 
+    def leave_hidden(self, u):
+        """Leaves the tips out that are hidden in the photographs, as it looks at u. True if there are any."""
+        (r,) = self.run([u])
+        return not isinstance(r, RunError) and self.comparison.find_hidden(r, u[len(self.parameters):], self.view(u))
+
     def raw_jacobian(self, u, central=False, of=None):
         """[residual, number], of raw residuals, or of another function of point and run: by each number from what the run
         tells, or by forward or central differences between runs. Where central ones were made around a point that is near, these serve again."""

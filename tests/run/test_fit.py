@@ -536,6 +536,7 @@ class Residuals(unittest.TestCase):
                          "well be the scene's, a law that it leaves out.")
         self.assertEqual(named([turn]), "")
         self.assertEqual(named([]), "")
+        self.assertEqual(doubts.most_likely([turn._replace(law=True)], 0.6, bad=True), [])
         self.assertIn("a turn", named([turn._replace(law=True)]))  # the residuals ask for it, and numbers make up for it
 
     def test_places_without_points(self):
@@ -937,6 +938,29 @@ class Fitting(unittest.TestCase):
                             accuracy=3e-3, rod_curvature=f"{CURVATURE}/m")
         low, high = f.intervals["si_friction_dry"]
         self.assertTrue(low < FRICTION < high and high - low < 0.04 * FRICTION, f"{low} to {high}")
+
+    def test_hidden_tips(self):
+        """Something lies on the last of the rod in all photographs: how far it goes on there says nothing, and is left out,
+        of trials of laws, too; points that end by chance leave nothing out."""
+        scale = {name: self.truth.scale(name) for name in ("time", "length")}
+
+        def seen(t, x, random):
+            line = comparing.finer(comparing.shape_at(self.truth, float(t) / scale["time"])) * scale["length"]
+            near = comparing.nearest(x, line)
+            return t, x[near.place < 0.8 * near.place.max()]
+
+        def ends(one):
+            raw = one.raw(self.found.u, self.found.run)
+            return raw[:len(one.comparison.groups)][np.array(one.comparison.groups) == comparing.ENDS]
+
+        self.assertFalse(self.found.problem.leave_hidden(self.found.u))
+        wrong = self.wrong(seen)
+        self.assertGreater(ends(wrong.problem).max(), 0)
+        self.assertTrue(wrong.problem.leave_hidden(self.found.u))
+        self.assertGreaterEqual(len(wrong.problem.comparison.hidden), 3)
+        self.assertLessEqual(ends(wrong.problem).max(), 0)
+        more = laws.with_law(wrong, laws.laws_of(wrong)[0], wrong.problem.settings)
+        self.assertEqual(more.comparison.hidden, wrong.problem.comparison.hidden)
 
     def test_a_bad_fit_is_called_bad(self):
         """And its likeliest cause is named, with its size; a good one is called nothing (above)."""
