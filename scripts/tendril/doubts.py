@@ -541,7 +541,7 @@ def warnings_of(fit: Fit, agreed, tell) -> list[str]:
     if side and side[0] < 1e-2 and not bad:
         words.append(f"in all photographs the points lie on one side of the rod at {100 * side[1]:.0f} % of its "
                      f"length, by {100 * side[2] / fit.problem.comparison.spreads()[LINES]:.1g} % of the extent: the scene lacks something there, or the picture is off.")
-    words += odd_ones(fit)
+    words += (odd := odd_ones(fit))
     if hidden:
         words.append(f"in {len(hidden)} of {len(fit.problem.measured.photographs)} photographs the rod goes on beyond the points: something hides its "
                      "tip, or the scene's rod is too long. Where it ends in these is left out.")
@@ -557,5 +557,5 @@ def warnings_of(fit: Fit, agreed, tell) -> list[str]:
         return [*words, "the rod of the best scene is straight, and stays so whatever its friction: give it the bend that it has by "
                 "nature, -rod_curvature, or look for it, --parameter rod_curvature=LOW:HIGH."]
     words += likeliest(fit, bad, tell)
-    fit.doubtful = fit.doubtful or bad or not agreed
+    fit.doubtful = fit.doubtful or bad or not agreed or bool(odd)
     return words
