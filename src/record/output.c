@@ -705,7 +705,7 @@ static PetscBool OnGrid(PetscReal t, PetscReal interval) {
   PetscReal due = interval;
 
   while (due < t * (1 - 1e-12)) due += interval;
-  return (PetscBool)(due <= t * (1 + 1e-14));
+  return (PetscBool)(due <= t * (1 + 1e-12));
 }
 
 /* How many of n increasing times are at or before t. */

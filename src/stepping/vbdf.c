@@ -279,8 +279,8 @@ PetscErrorCode VBDFGetFactorRate(TS ts, PetscReal rate[VBDF_FACTORS]) {
 }
 
 /*
-  VBDFGetHistory - the points that the next step starts from, latest first, after an accepted step
-  or after VBDFSetHistory().
+  VBDFGetHistory - the points that the next step starts from, latest first, after an accepted step,
+  after one that ended the run, or after VBDFSetHistory().
 
   n       how many, at most VBDF_POINTS; 0 on exit if the type is another one
   points  borrowed
@@ -297,7 +297,8 @@ PetscErrorCode VBDFGetHistory(TS ts, PetscInt *n, PetscReal times[], Vec points[
   PetscCall(Self(ts, &self));
   if (!self) PetscFunctionReturn(0);
   f = &self->formula;
-  first = f->given ? 1 : 0; /* a history that was handed over has no new point yet */
+  /* a history that was handed over has no new point yet, nor has one whose last step failed */
+  first = f->given || (f->n > 0 && ts->ptime == f->time[1]) ? 1 : 0;
   *n = PetscMin(f->n + 1 - first, VBDF_POINTS - 1);
   *order = self->controller.order;
   for (PetscInt i = 0; i < *n; i++) {

@@ -201,6 +201,16 @@ def restart_anywhere():
             print(f"{len(whole['series/t'])} steps, broken at {k}: {len(different)} differ, told {told[0]:.2e} and {told[1]:.2e}")
             expect(not different, f"{options}, broken at {k}: {different} differ")
             expect(abs(told[0] / told[1] - 1) < 0.3, f"{options}, broken at {k}: told {told[0]}, of the whole run {told[1]}")
+    # one that gave up goes on with what would have helped
+    said = tendril(f"-rod_cells 20 -ts_max_time 20 -ts_dt 1e-6 -ts_max_reject 0 -output {d}/a.h5", 1)
+    expect("gave up at t = 1e-06" in said, said)
+    said = tendril(f"-restart {d}/a.h5 -ts_max_reject 50 -ts_max_steps 6", 1)
+    expect("-ts_max_steps: reached" in said, said)
+    # times that are added up drift past the end, where the last shape is one of them all the same
+    tendril(f"-rod_cells 20 -ts_max_time 5 -output_interval 0.0025 -output {d}/a.h5")
+    tendril(f"-restart {d}/a.h5 -ts_max_time 5.02")
+    gaps = np.diff(read(f"{d}/a.h5")["shapes/t"])
+    expect(abs(gaps / 0.0025 - 1).max() < 1e-6, f"shapes {gaps.max():g} apart")
 
 
 @check
