@@ -51,7 +51,8 @@ struct _Estimate {
   PetscReal measured[MIRRORS]; /* the largest x2, x3 when it was */
   Gathered own, all;           /* of this rank's nodes, 0 elsewhere; all on rank 0 */
   PetscReal (*defect)[MAX_FIELDS];
-  PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN];
+  PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN]; /* beyond what is early */
+  PetscReal start[ESTIMATE_PARTS][ESTIMATE_SEEN]; /* before, for a run that ends there */
   /* rank 0: the coarse rod; NULL else */
   Scene scene;
   Rod rod;
@@ -603,16 +604,27 @@ static PetscErrorCode See(const Estimate self, PetscReal t, PetscReal dip, const
   PetscFunctionReturn(0);
 }
 
-/* Beyond 1 an error is no small one any more, and the linear equations say nothing. */
+static PetscBool IsEarly(const Estimate self, PetscReal t) {
+  return (PetscBool)(t <= early * self->leg->rod->scene->end_time);
+}
+
+/* Beyond 1 an error is no small one any more, and the linear equations say nothing. What was seen
+   early fades as time goes on,
+
+    start(t) = max(seen(t), start(before) before / t),
+
+   so that what the start does is over by the end of a run that stops soon. */
 static PetscErrorCode Keep(Estimate self, PetscReal t, PetscReal dip, int part) {
-  PetscReal seen[ESTIMATE_SEEN] = {0}, most = 0, *e = self->e[part];
+  PetscReal seen[ESTIMATE_SEEN] = {0}, most = 0, *e = self->e[part], *start = self->start[part];
 
   PetscFunctionBegin;
   PetscCall(See(self, t, dip, e, seen));
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
     if (PetscIsInfOrNanReal(seen[k])) seen[k] = most = PETSC_MAX_REAL;
     most = PetscMax(most, seen[k]);
-    if (t > early * self->scene->end_time)
+    if (IsEarly(self, t))
+      start[k] = PetscMax(PetscMin(1, seen[k]), start[k] * self->before / t);
+    else
       self->worst[part][k] = PetscMax(self->worst[part][k], PetscMin(1, seen[k]));
   }
   for (PetscInt i = 0; i < self->nodes * self->fields && most > 1; i++)
@@ -749,7 +761,22 @@ PetscErrorCode EstimateStep(Estimate self, PetscBool jumped, PetscBool touches) 
   PetscFunctionReturn(0);
 }
 
-/* EstimateGet - the largest errors so far, of each part in each of what is seen. Collective. */
+/* EstimateTold - the largest errors so far, of each part in each of what is seen; of a run that has
+   not got far, those of its start. Collective. */
+PetscErrorCode EstimateTold(Estimate self, PetscReal told[ESTIMATE_PARTS][ESTIMATE_SEEN]) {
+  const PetscMPIInt n = ESTIMATE_PARTS * ESTIMATE_SEEN;
+
+  PetscFunctionBegin;
+  PetscCall(EstimateGet(self, told));
+  if (!IsEarly(self, self->before)) PetscFunctionReturn(0);
+  PetscCallMPI(MPI_Bcast(self->start, n, MPIU_REAL, 0, self->leg->rod->scene->comm));
+  for (int part = 0; part < ESTIMATE_PARTS; part++)
+    for (int k = 0; k < ESTIMATE_SEEN; k++)
+      told[part][k] = PetscMax(told[part][k], self->start[part][k]);
+  PetscFunctionReturn(0);
+}
+
+/* EstimateGet - the largest errors so far beyond the start, for EstimateSet(). Collective. */
 PetscErrorCode EstimateGet(Estimate self, PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN]) {
   const PetscMPIInt n = ESTIMATE_PARTS * ESTIMATE_SEEN;
 

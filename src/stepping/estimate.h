@@ -23,6 +23,7 @@ typedef struct {
 PetscErrorCode EstimateCreate(Leg *leg, Estimate *estimate);
 PetscErrorCode EstimateDestroy(Estimate *estimate);
 PetscErrorCode EstimateStep(Estimate estimate, PetscBool jumped, PetscBool touches);
+PetscErrorCode EstimateTold(Estimate estimate, PetscReal told[ESTIMATE_PARTS][ESTIMATE_SEEN]);
 PetscErrorCode EstimateGet(Estimate estimate, PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN]);
 PetscErrorCode EstimateSet(Estimate estimate, PetscReal t,
                            const PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN]);

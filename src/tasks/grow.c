@@ -190,14 +190,12 @@ static PetscBool IsThin(const Grow *self, PetscReal t) {
 /* Counts a blind jump to what is seen now, from what was seen last, before, or from behind the snap
    that was followed in between. */
 static PetscErrorCode CountBlind(Grow *self, const Observation *last, PetscReal before,
-                                 PetscBool layered) {
+                                 PetscBool layered, Vec behind) {
   Observation from = *last;
-  Vec behind;
 
   PetscFunctionBegin;
-  PetscCall(VBDFGetBehindSnap(self->now->ts, &behind));
   if (behind) PetscCall(ObserverLook(self->observer, self->now->rod, before, behind, &from));
-  GrowCross(self, &from, before, layered);
+  GrowCross(self, &from, before, layered, (PetscBool)(behind != NULL));
   PetscFunctionReturn(0);
 }
 
@@ -206,6 +204,7 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   PetscInt iterations = 0, all = 0, jumps = 0, blind = 0;
   PetscBool jumped = PETSC_FALSE, blindly = PETSC_FALSE, layered;
   Observation last = self->seen;
+  Vec behind = NULL;
 
   PetscFunctionBegin;
   layered = (PetscBool)(t <= initial_layer * self->scene->end_time);
@@ -221,12 +220,13 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
     self->now->jumps = jumps;
     blindly = (PetscBool)(blind > self->now->blind);
     self->now->blind = blind;
-    if (jumped && !(layered && blindly)) self->snaps++;
+    PetscCall(VBDFGetBehindSnap(self->now->ts, &behind));
+    if (jumped && (behind || !(layered && blindly))) self->snaps++;
   }
   iterations = all - self->iterations;
   self->iterations = all;
   PetscCall(ObserverMeasure(self->observer, self->now->rod, t, U, U_t, &self->seen));
-  if (blindly) PetscCall(CountBlind(self, &last, before, layered));
+  if (blindly) PetscCall(CountBlind(self, &last, before, layered, behind));
   if (norm > rod_vanished && self->seen.norm_x2 > rod_vanished)
     self->folds += PetscAbsReal(PetscLogReal(self->seen.norm_x2 / norm));
   if (norm > rod_vanished && self->seen.norm_x2 <= rod_vanished) self->vanished = PETSC_TRUE;

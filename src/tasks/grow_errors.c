@@ -38,15 +38,17 @@ static PetscReal Crossed(const Observation *from, const Observation *to) {
   the layer of a start see nothing between their ends, however short they are: if they have led far,
   all of them together, nothing is known either.
 
-  last     seen before it, at that time     layered  it is in the layer
+  last      seen before it, at that time     layered  it is in the layer
+  followed  behind a snap that was followed, which counts as one
 */
-void GrowCross(Grow *self, const Observation *last, PetscReal before, PetscBool layered) {
+void GrowCross(Grow *self, const Observation *last, PetscReal before, PetscBool layered,
+               PetscBool followed) {
   if (layered) {
     if (!self->layered) self->began = *last;
     self->layered = PETSC_TRUE;
     if (Change(&self->began, &self->seen) > far) self->crossed = 1;
   } else if (before <= self->seen.t / 2) {
-    self->crossings++;
+    self->crossings += !followed;
     self->crossed += Crossed(last, &self->seen);
   }
 }
@@ -105,7 +107,7 @@ PetscErrorCode GrowErrors(Grow *self) {
   if (!vbdf) PetscFunctionReturn(0);
   error->kind = (self->model == FRAME || self->model == SPACE) && self->estimate ? ESTIMATE_MEASURED
                                                                                  : ESTIMATE_FITTED;
-  if (self->estimate) PetscCall(EstimateGet(self->estimate, worst));
+  if (self->estimate) PetscCall(EstimateTold(self->estimate, worst));
   if (error->kind == ESTIMATE_FITTED) {
     PetscCall(AccuracyEstimate(self->now->rod, self->seen.t, self->rtol,
                                PetscMax(self->folds, self->energy_folds / 2), self->weighed,

@@ -70,7 +70,8 @@ typedef struct {
 extern const RodModel *const grow_models[MODELS];
 
 /* grow_errors.c */
-void GrowCross(Grow *self, const Observation *last, PetscReal before, PetscBool layered);
+void GrowCross(Grow *self, const Observation *last, PetscReal before, PetscBool layered,
+               PetscBool followed);
 void GrowKeepErrors(const Grow *self, PetscReal kept[RESTART_BESIDE]);
 void GrowTakeErrors(Grow *self, const PetscReal kept[RESTART_BESIDE]);
 PetscErrorCode GrowErrors(Grow *self);
