@@ -233,7 +233,8 @@ def linear_sign(fit: Fit, effect, of_law=False) -> Sign:
     reach = fit.reach[:p] * np.sqrt(np.maximum(np.diag(fit.covariance)[:p], 1e-300))
     found = covariance[len(fit.u):, len(fit.u):]
     # what photographs err by alike is told as often as once
-    statistic = float(change @ np.linalg.solve(found, change)) / len(change) / (lasting(errors, base) if of_law else 1)
+    # (a number that changes nothing, as where a straight rod is pushed along itself, explains nothing)
+    statistic = float(change @ np.linalg.pinv(found, hermitian=True) @ change) / len(change) / (lasting(errors, base) if of_law else 1)
     photographs = max(len(problem.measured.photographs), 3)
     moved = float(np.sqrt(np.mean((effect[problem.errors.mine()] @ change) ** 2)))
     extent = problem.comparison.spreads().get(LINES, np.inf)
@@ -288,6 +289,7 @@ def tried(fit: Fit, cause: Cause):
         new = Problem(old.scene, changed(old.measured, cause.change) if cause.change else old.measured,
                       [*old.parameters, *more], old.options, old.jobs, priors=old.priors, tied=old.tied)
         new.bar, new.glimpse, new.begin, new.reach = old.bar, old.glimpse, old.begin, old.reach
+        new.comparison.hidden = old.comparison.hidden
         new.settings, new.known = dict(old.search_settings), dict(old.search_known)
     points = [fit.u[:len(old.parameters)]]
     if cause.change and cause.of_time:  # nothing that was run is of use

@@ -472,6 +472,7 @@ def doubted(found: Fit, agreed, tell):
     try:
         return warnings_of(found, agreed, tell)
     except KeyboardInterrupt:
+        found.doubtful = True
         return ["what speaks against the fit was not looked for to its end: interrupted."]
 
 

@@ -76,10 +76,10 @@ class Held:
 
     def curvature(self):
         """Natural curvature, or one that varies along the rod by a cosine more, where no file tells it."""
-        if {"rod_curvature_file", "rod_curvature_random"} & set(self.given):
+        modes = [int(found[1]) for found in map(MODE.match, self.free) if found]  # then the file is the fit's own
+        if not modes and {"rod_curvature_file", "rod_curvature_random"} & set(self.given):
             return
         scale, unit = (self.scales["length"], "/m") if self.scales else (1.0, "")
-        modes = [int(found[1]) for found in map(MODE.match, self.free) if found]
         most, held = BENT / (self.length * scale), self.number("rod_curvature") / scale
         if modes or "rod_curvature" in self.free:
             said = "natural curvature is the same all along the rod" if not modes else f"natural curvature has no mode {max(modes) + 1}"
@@ -97,8 +97,10 @@ class Held:
             if used and held > 0 and name not in self.free:
                 yield Law(said.format(held), Parameter(name, held / MOST, held * MOST, None, ""), held)
         if "tip_force" not in self.free and self.text("tip_type") in ("", "free"):
-            held = self.number("tip_force")
-            yield Law(f"the force on the tip is {held:g}", Parameter("tip_force", held - 1, held + 1, None, ""), held)
+            one, unit = (self.scales["force"], "N") if self.scales else (1.0, "")
+            held = self.number("tip_force") * one
+            yield Law(f"the force on the tip is {held:.3g} {unit}".rstrip(),
+                      Parameter("tip_force", held - one, held + one, None, unit), held)
 
 
 def laws_of(fit: Fit) -> list[Law]:

@@ -438,9 +438,11 @@ class Problem:
         return self.errors.whitened(raw) if self.errors else raw / self.sigma[:, None]
 
     def bounds(self, u):
+        """Parameters, and times of photographs that have none, are parts of what they can be; a camera's numbers are not."""
         p = len(self.parameters)
-        return (np.r_[np.zeros(p), np.full(len(u) - p, -np.inf)],
-                np.r_[np.ones(p), np.full(len(u) - p, np.inf)])
+        times = min(len(u) - p, len(self.comparison.timeless))
+        free = np.full(len(u) - p - times, np.inf)
+        return np.r_[np.zeros(p), -free, np.zeros(times)], np.r_[np.ones(p), free, np.ones(times)]
 
     def solve(self, u, tolerance, most=15) -> Solution:
         """The least cost from a start, in so many points at most. Where derivatives are differences between runs they

@@ -31,7 +31,7 @@ try:
     import tendril
     import tendril.__main__ as commands
     from tendril import comparing, doubts, filming, fit_command, fitting, laws, measured, noise, problem, progress, secants, tracing
-    from tendril.parameters import Parameter, Prior, tied_value
+    from tendril.parameters import MODE, Parameter, Prior, tied_value
 except ImportError as error:
     from_venv(error)
 
@@ -1015,7 +1015,8 @@ class Fitting(unittest.TestCase):
     def test_laws_that_may_be_left_out(self):
         """Are those that the scene holds, and that no parameter is; with a number beside which the rod can run."""
         def fitted(names, **about):
-            run = mock.Mock(attributes={f"parameters/{k}": v for k, v in about.items()}, options={},
+            own = {"rod_curvature_file": "the fit's.h5"} if any(MODE.match(n) for n in names) else {}
+            run = mock.Mock(attributes={f"parameters/{k}": v for k, v in about.items()}, options=own,
                             series=mock.Mock(length=np.array([1.0, 4.0])))
             return mock.Mock(run=run, problem=mock.Mock(parameters=[Parameter.of(n, (0.5, 2)) for n in names], tied={}, options={}))
 
@@ -1031,6 +1032,28 @@ class Fitting(unittest.TestCase):
             self.assertEqual({law.name: law.held for law in held}, expected)
             for law in held:
                 self.assertTrue(0 <= law.begin <= 1 and law.parameter.low <= law.held <= law.parameter.high, law)
+        self.assertEqual(held[-1].parameter.unit, "N")
+
+    def test_no_effect(self):
+        """A cause that moves nothing, as a straight rod pushed along itself, explains nothing."""
+        still = np.zeros((len(self.found.problem.raw(self.found.u, self.found.run)), 1))
+        self.assertEqual(doubts.linear_sign(self.found, still)[:2], (1, 0))
+
+    def test_interrupted_doubts(self):
+        """A fit whose doubts were not looked for to their end is not trusted."""
+        found = replace(self.found, doubtful=False, elsewhere=[])
+        self.assertTrue(found.trusted)
+        with mock.patch.object(fitting, "warnings_of", side_effect=KeyboardInterrupt):
+            self.assertIn("interrupted", fitting.doubted(found, True, None)[0])
+        self.assertFalse(found.trusted)
+
+    def test_bounds(self):
+        """Parameters and times of photographs that have none are within what there is; the camera is free."""
+        with mock.patch.object(self.found.problem.comparison, "timeless", [None]):
+            low, high = self.found.problem.bounds(np.zeros(len(self.found.parameters) + 5))
+        p = len(self.found.parameters)
+        self.assertEqual([*low], [0] * p + [-np.inf] * 4 + [0])
+        self.assertEqual([*high], [1] * p + [np.inf] * 4 + [1])
 
     def test_told_apart(self):
         """A law that leaves no more than the errors is told from one that leaves a third more, as sizes alone would not."""
