@@ -546,7 +546,8 @@ def estimate():
         run, fine = Run(options + "-rod_cells 60"), Run(options + "-rod_cells 180 -ts_rtol 1e-7")
         off, told = off_at_end(run, fine), run.estimate
         print(f"{name}: off by {off:.1e}, told {told:.1e}")
-        expect(off < told < 1000 * off, f"{name}: off by {off}, told {told}")
+        snapped = 1e-4 * ("1 snap" in run.said)  # which it is told of each that is followed
+        expect(off < told - snapped < 1000 * off, f"{name}: off by {off}, told {told}")
     # wound up between clamps it turns over in steps that no one step in four stands for: energy is off by 2.9e-5
     wound = ("-rod_model space -growth_type feed -growth_initial_length 1 -tip_type clamped -shape_amplitude 0.01 "
              "-friction_mu 0 -clamp_spin 16 -shape_turn 0.3 -rod_cells 40 -ts_max_time 0.9 ")
