@@ -286,11 +286,7 @@ def tried(fit: Fit, cause: Cause):
     else:
         more = [wide(fit, name) for name in cause.looked_for]
         start = [p.inside(VIEW[p.name]) for p in more]
-        new = Problem(old.scene, changed(old.measured, cause.change) if cause.change else old.measured,
-                      [*old.parameters, *more], old.options, old.jobs, priors=old.priors, tied=old.tied)
-        new.bar, new.glimpse, new.begin, new.reach = old.bar, old.glimpse, old.begin, old.reach
-        new.comparison.hidden = old.comparison.hidden
-        new.settings, new.known = dict(old.search_settings), dict(old.search_known)
+        new = old.like(old.search_settings, old.search_known, changed(old.measured, cause.change) if cause.change else None, more)
     points = [fit.u[:len(old.parameters)]]
     if cause.change and cause.of_time:  # nothing that was run is of use
         new.prepare(points[0], COARSE)
@@ -368,12 +364,8 @@ def promising(fit: Fit, causes, most=2):
     is made for it."""
     found = []
     for cause in causes:
-        problem = fit.problem
-        new = Problem(problem.scene, changed(problem.measured, cause.change), problem.parameters, problem.options,
-                      problem.jobs, tied=problem.tied)
-        new.glimpse, new.begin, new.reach = problem.glimpse, problem.begin, problem.reach
-        new.settings, new.known = problem.search_settings, problem.search_known
-        costs = []
+        problem, costs = fit.problem, []
+        new = problem.like(problem.search_settings, problem.search_known, changed(problem.measured, cause.change))
         for u in problem.search_points.values():
             (r,) = new.run([u])
             if not isinstance(r, RunError):

@@ -112,10 +112,7 @@ def laws_of(fit: Fit) -> list[Law]:
 def with_law(fit: Fit, law: Law, settings) -> Problem:
     """The problem of a fit with a law to look for, too, behind its parameters; no run of it is known."""
     old = fit.problem
-    new = Problem(old.scene, old.measured, [*old.parameters, law.parameter], old.options, old.jobs, priors=old.priors,
-                  tied=old.tied)
-    new.bar, new.glimpse, new.begin, new.reach = old.bar, old.glimpse, np.append(old.begin, 0.0), old.reach
-    new.settings, new.comparison.hidden = dict(settings), old.comparison.hidden
+    new = old.like(settings, more=[law.parameter])
     if new.reach == 1.0:  # of modes of curvature, which it had none of
         new.reach = float(fit.run.series.length[-1]) * old.unit_length(fit.u) / old.unit_length(old.begin)
     return new

@@ -80,6 +80,16 @@ class Problem:
         self.middle: np.ndarray | None = None  # around which the last central differences were made
         self.derived: dict = {}  # runs that tell them, by their point; None: this one does not
 
+    def like(self, settings, known=(), measured=None, more=()) -> Problem:
+        """This problem with other settings of its runs, of which it knows some; perhaps with other data, and with more to
+        look for, behind its parameters."""
+        new = Problem(self.scene, measured or self.measured, [*self.parameters, *more], self.options, self.jobs,
+                      priors=self.priors, tied=self.tied)
+        new.bar, new.glimpse, new.begin, new.reach = self.bar, self.glimpse, self.begin, self.reach
+        new.settings, new.known = dict(settings), dict(known)
+        new.comparison.hidden = self.comparison.hidden
+        return new
+
     def words(self, u):
         """The options of a run, apart from its settings; u: parameters, from 0 to 1."""
         values = {self.parameters[k].name: self.parameters[k].text(self.parameters[k].value(u[k]))

@@ -848,7 +848,7 @@ static PetscErrorCode Pick(Estimate self, PetscInt width, Vec V, PetscReal *coar
 }
 
 /* What is remembered beside errors: numbers to read from and to write to. */
-static void Remembered(Estimate self, PetscReal *number[ESTIMATE_MEMORY - 3]) {
+static void Remembered(Estimate self, PetscReal *number[ESTIMATE_NUMBERS]) {
   PetscInt n = 0;
 
   number[n++] = &self->before;
@@ -878,14 +878,14 @@ PetscErrorCode EstimateVectors(Estimate self, Vec errors[ESTIMATE_KEPT]) {
 PetscErrorCode EstimateKeep(Estimate self, PetscReal memory[ESTIMATE_MEMORY],
                             Vec errors[ESTIMATE_KEPT]) {
   const PetscInt followed = self->followed, count = self->nodes * followed;
-  PetscReal *number[ESTIMATE_MEMORY - 3], *own, *all;
+  PetscReal *number[ESTIMATE_NUMBERS], *own, *all;
 
   PetscFunctionBegin;
   memory[0] = self->touches ? 1 : 0;
   memory[1] = (PetscReal)self->since;
   memory[2] = (PetscReal)self->watch;
   Remembered(self, number);
-  for (PetscInt k = 3; k < ESTIMATE_MEMORY; k++) memory[k] = *number[k - 3];
+  for (int k = 0; k < ESTIMATE_NUMBERS; k++) memory[ESTIMATE_COUNTS + k] = *number[k];
   for (int part = 0; part < ESTIMATE_PARTS; part++)
     PetscCall(Spread(self, self->fields, self->e[part], errors[part]));
   PetscCall(PetscMalloc2(count, &own, count, &all));
@@ -900,14 +900,14 @@ PetscErrorCode EstimateKeep(Estimate self, PetscReal memory[ESTIMATE_MEMORY],
 /* EstimateTake - goes on with what EstimateKeep() has kept, behind EstimateSet(). Collective. */
 PetscErrorCode EstimateTake(Estimate self, const PetscReal memory[ESTIMATE_MEMORY],
                             Vec errors[ESTIMATE_KEPT]) {
-  PetscReal *number[ESTIMATE_MEMORY - 3];
+  PetscReal *number[ESTIMATE_NUMBERS];
 
   PetscFunctionBegin;
   if (memory[0] != 0 && !self->touches) PetscCall(Refine(self));
   self->since = (PetscInt)memory[1];
   self->watch = (PetscInt)memory[2];
   Remembered(self, number);
-  for (PetscInt k = 3; k < ESTIMATE_MEMORY; k++) *number[k - 3] = memory[k];
+  for (int k = 0; k < ESTIMATE_NUMBERS; k++) *number[k] = memory[ESTIMATE_COUNTS + k];
   for (int part = 0; part < ESTIMATE_PARTS; part++)
     PetscCall(Pick(self, self->fields, errors[part], self->e[part]));
   PetscCall(Pick(self, self->followed, errors[ESTIMATE_PARTS], self->own.local));

@@ -19,6 +19,11 @@ static PetscInt WholeModel(const Grow *self) {
   return self->scene->space.rod ? SPACE : FRAME;
 }
 
+/* Of the model that was asked for; of auto, of that one. */
+static Leg *OwnLeg(Grow *self) {
+  return &self->leg[self->model == AUTO ? WholeModel(self) : self->model];
+}
+
 static const OptionRow rows[] = {
     ROW_WORD(
         "-rod_model", "frame", "linear,frame,mixed,space,auto", 0,
@@ -327,7 +332,7 @@ static PetscErrorCode LookWhetherStepsAreTold(Grow *self) {
   PetscFunctionBegin;
   PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_max_steps", &most));
   PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_adapt_dt_max", &longest));
-  PetscCall(TSGetAdapt(self->leg[self->model == AUTO ? WholeModel(self) : self->model].ts, &adapt));
+  PetscCall(TSGetAdapt(OwnLeg(self)->ts, &adapt));
   PetscCall(PetscObjectTypeCompare((PetscObject)adapt, TSADAPTNONE, &fixed));
   self->steps_told = (PetscBool)(most || longest || fixed);
   PetscFunctionReturn(0);
@@ -558,7 +563,7 @@ static PetscErrorCode Begin(Grow *self, const char *output) {
   Event event;
 
   PetscFunctionBegin;
-  self->now = &self->leg[self->model == AUTO ? WholeModel(self) : self->model];
+  self->now = OwnLeg(self);
   PetscCall(CheckStart(self));
   if (self->scene->contact.walls.n || self->scene->contact.surfaces.n) PetscCall(CheckWalls(self));
   PetscCall(GrowLookForEvent(self, 0, NULL, &event));
@@ -629,7 +634,7 @@ static PetscErrorCode Create(Grow *self, const char *output, const char *restart
         (self->model == AUTO && (m == LINEAR || m == WholeModel(self)) && self->can[m]))
       PetscCall(AddLeg(self, m));
   PetscCall(LookWhetherStepsAreTold(self));
-  PetscCall(RodHoldTip(self->leg[self->model == AUTO ? WholeModel(self) : self->model].rod));
+  PetscCall(RodHoldTip(OwnLeg(self)->rod));
   if (self->leg[WholeModel(self)].rod)
     PetscCall(EstimateCreate(&self->leg[WholeModel(self)], &self->estimate));
   PetscCall(GrowSensitivitiesCreate(self, output, restart));
