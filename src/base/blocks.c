@@ -7,17 +7,6 @@ struct _Blocks {
   Block *block;   /* the children of block k are 2 k + 1 and 2 k + 2 */
 };
 
-/* A block of the tree, with the leaves it holds. */
-typedef struct {
-  PetscInt first, last, k;
-} Branch;
-
-static Branch Half(Branch b, int which) {
-  PetscInt mid = (b.first + b.last) / 2;
-  if (which) return (Branch){mid, b.last, 2 * b.k + 2};
-  return (Branch){b.first, mid, 2 * b.k + 1};
-}
-
 static int LongestSide(int dims, const Block *block) {
   int longest = 0;
   for (int d = 1; d < dims; d++)
@@ -41,7 +30,7 @@ static PetscErrorCode Build(Blocks self, const Block block[], PetscReal key[], B
   for (PetscInt i = b.first; i < b.last; i++)
     key[i] = block[self->item[i]].low[d] + block[self->item[i]].high[d];
   PetscCall(PetscSortRealWithArrayInt(b.last - b.first, key + b.first, self->item + b.first));
-  for (int w = 0; w < 2; w++) PetscCall(Build(self, block, key, Half(b, w)));
+  for (int w = 0; w < 2; w++) PetscCall(Build(self, block, key, BranchHalf(b, w)));
   PetscFunctionReturn(0);
 }
 
@@ -101,7 +90,7 @@ static inline void Search(int dims, const struct _Blocks *self, const Block *pla
 
   for (;;) {
     if (apart <= reach && b.last - b.first > 1) {
-      const Branch left = Half(b, 0), right = Half(b, 1);
+      const Branch left = BranchHalf(b, 0), right = BranchHalf(b, 1);
       const PetscReal by_left = Apart(dims, &self->block[left.k], place, reach);
       const PetscReal by_right = Apart(dims, &self->block[right.k], place, reach);
       const PetscBool swap = (PetscBool)(by_right < by_left);

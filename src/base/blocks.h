@@ -44,4 +44,15 @@ static inline void BlockHold(int dims, Block *block, const PetscReal x[]) {
   }
 }
 
+/* A block of a binary tree, with the leaves it holds. */
+typedef struct {
+  PetscInt first, last, k;
+} Branch;
+
+static inline Branch BranchHalf(Branch b, int which) {
+  PetscInt mid = (b.first + b.last) / 2;
+  if (which) return (Branch){mid, b.last, 2 * b.k + 2};
+  return (Branch){b.first, mid, 2 * b.k + 1};
+}
+
 #endif

@@ -4,7 +4,7 @@ struct _Boxes {
   PetscInt segments, stride;
   int dimensions;
   const PetscReal *x, *angle; /* of point i at i * stride */
-  Box *box;                   /* the children of box k are 2 k + 1 and 2 k + 2 */
+  Block *box;                 /* the children of box k are 2 k + 1 and 2 k + 2 */
 };
 
 /* One search. */
@@ -16,19 +16,8 @@ typedef struct {
   void *ctx;
 } Search;
 
-/* A box of the tree, with the segments it holds. */
-typedef struct {
-  PetscInt first, last, k;
-} Branch;
-
-static Branch Half(Branch b, int which) {
-  PetscInt mid = (b.first + b.last) / 2;
-  if (which) return (Branch){mid, b.last, 2 * b.k + 2};
-  return (Branch){b.first, mid, 2 * b.k + 1};
-}
-
-static Box Build(Boxes self, Branch branch) {
-  Box box, half[2];
+static Block Build(Boxes self, Branch branch) {
+  Block box, half[2];
 
   if (branch.last - branch.first == 1) {
     for (int d = 0; d < 3; d++) {
@@ -39,7 +28,7 @@ static Box Build(Boxes self, Branch branch) {
       box.high[d] = PetscMax(a, b);
     }
   } else {
-    for (int w = 0; w < 2; w++) half[w] = Build(self, Half(branch, w));
+    for (int w = 0; w < 2; w++) half[w] = Build(self, BranchHalf(branch, w));
     for (int d = 0; d < 3; d++) {
       box.low[d] = PetscMin(half[0].low[d], half[1].low[d]);
       box.high[d] = PetscMax(half[0].high[d], half[1].high[d]);
@@ -92,7 +81,7 @@ PetscErrorCode BoxesDestroy(Boxes *boxes) {
 
 /* Pairs of a segment of a and one of b; a is b, or lies before it. */
 static void Pairs(const Search *search, Branch a, Branch b) {
-  const Box *box_a = &search->tree->box[a.k], *box_b = &search->tree->box[b.k];
+  const Block *box_a = &search->tree->box[a.k], *box_b = &search->tree->box[b.k];
   PetscInt in_a = a.last - a.first, in_b = b.last - b.first;
 
   for (int d = 0; d < search->tree->dimensions; d++)
@@ -104,13 +93,13 @@ static void Pairs(const Search *search, Branch a, Branch b) {
   if (in_a == 1 && in_b == 1) {
     if (a.k != b.k) search->meet(a.first, b.first, search->ctx);
   } else if (a.k == b.k) {
-    Pairs(search, Half(a, 0), Half(a, 0));
-    Pairs(search, Half(a, 1), Half(a, 1));
-    Pairs(search, Half(a, 0), Half(a, 1));
+    Pairs(search, BranchHalf(a, 0), BranchHalf(a, 0));
+    Pairs(search, BranchHalf(a, 1), BranchHalf(a, 1));
+    Pairs(search, BranchHalf(a, 0), BranchHalf(a, 1));
   } else if (in_a >= in_b) {
-    for (int w = 0; w < 2; w++) Pairs(search, Half(a, w), b);
+    for (int w = 0; w < 2; w++) Pairs(search, BranchHalf(a, w), b);
   } else
-    for (int w = 0; w < 2; w++) Pairs(search, a, Half(b, w));
+    for (int w = 0; w < 2; w++) Pairs(search, a, BranchHalf(b, w));
 }
 
 /*

@@ -3,16 +3,13 @@
 #ifndef TENDRIL_BOXES_H
 #define TENDRIL_BOXES_H
 
-#include <petscsys.h>
-
-typedef struct {
-  PetscReal low[3], high[3]; /* x1, x2 and x3 or an angle */
-} Box;
+#include "base/blocks.h"
 
 typedef struct _Boxes *Boxes;
 
-/* Told of segments first .. last - 1 of each of two boxes: may they be left out? */
-typedef PetscBool (*BoxesSkip)(const Box *a, PetscInt first_a, PetscInt last_a, const Box *b,
+/* Told of segments first .. last - 1 of each of two boxes, from low to high in x1, x2 and x3 or an
+   angle: may they be left out? */
+typedef PetscBool (*BoxesSkip)(const Block *a, PetscInt first_a, PetscInt last_a, const Block *b,
                                PetscInt first_b, PetscInt last_b, void *ctx);
 /* Told of two segments i < j. */
 typedef void (*BoxesMeet)(PetscInt i, PetscInt j, void *ctx);

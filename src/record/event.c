@@ -87,7 +87,7 @@ static PetscReal SegmentDistance(const PetscReal a[2], const PetscReal b[2], con
 }
 
 /* Is one box too near the other along the rod to touch it? */
-static PetscBool TooNear(const Box *a, PetscInt first_a, PetscInt last_a, const Box *b,
+static PetscBool TooNear(const Block *a, PetscInt first_a, PetscInt last_a, const Block *b,
                          PetscInt first_b, PetscInt last_b, void *ctx) {
   const Approach *self = (const Approach *)ctx;
   return (PetscBool)(self->p[last_b] - self->p[first_a] < self->apart);

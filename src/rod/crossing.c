@@ -22,7 +22,7 @@ typedef struct {
 } Crossings;
 
 /* An arc whose angles span less than pi cannot meet itself, nor its neighbour in the same arc. */
-static PetscBool CannotCross(const Box *a, PetscInt first_a, PetscInt last_a, const Box *b,
+static PetscBool CannotCross(const Block *a, PetscInt first_a, PetscInt last_a, const Block *b,
                              PetscInt first_b, PetscInt last_b, void *ctx) {
   PetscReal span = PetscMax(a->high[2], b->high[2]) - PetscMin(a->low[2], b->low[2]);
   return (PetscBool)(span < PETSC_PI && (last_a == first_b || first_a == first_b));

@@ -182,7 +182,7 @@ typedef struct {
   PetscErrorCode error;
 } Looking;
 
-static PetscBool SameStrand(const Box *a, PetscInt first_a, PetscInt last_a, const Box *b,
+static PetscBool SameStrand(const Block *a, PetscInt first_a, PetscInt last_a, const Block *b,
                             PetscInt first_b, PetscInt last_b, void *ctx) {
   const Strands self = ((const Looking *)ctx)->self;
   return (PetscBool)(self->arc[last_b] - self->arc[first_a] < self->apart);
