@@ -43,7 +43,9 @@ class FilmInSpace:
         furnish(self.ax, self.low, self.high, self.up, self.view, lambda axis: units.label(axis, "length"))
         self.ax.set_anchor("C")
         self.ax.set_box_aspect((self.high - self.low) / self.extent, zoom=0.95)
-        draw_surfaces(self.ax, solids(r), self.low, self.high, units.of("length", 1.0))
+        surfaces = solids(r)
+        self.draw_walls([one for one in surfaces if not one.motion])
+        self.moving, self.drawn = [one for one in surfaces if one.motion], []
         self.rods = self.ax.add_collection(Rods(zorder=3), autolim=False)
         self.ax.plot([0], [0], [0], "ks", ms=4, zorder=4)
         self.bar(label if not name else f"{label} ({name})", most, signed)
@@ -71,13 +73,17 @@ class FilmInSpace:
         thick = length(diameter_of(self.r)) or VISIBLE * self.extent
         self.rods.set_strands([Strand(length(shape.x), self.colours.to_rgba(middle), thick, least=2)])
         look(self.ax, self.up, (self.view[0] + self.turn * k / max(1, len(self.shapes) - 1), self.view[1]))
-        for arrow in self.arrows:
-            arrow.remove()
+        for one in [*self.arrows, *self.drawn]:
+            one.remove()
+        self.drawn = self.draw_walls([one.at(shape.t) for one in self.moving])
         self.arrows = [self.draw_arrows(*friction(self.r, shape, ARROWS), self.drag, "#555555", False)]
         if self.press:
             self.arrows.append(self.draw_arrows(*pressed(self.r, shape, ARROWS), self.press, "#D55E00", True))
         unit = self.units.scales["length"][1]
         self.title.set_text(f"{self.units.plain(shape.t, '6.2f')}   length {length(shape.length):6.2f} {unit}".rstrip())
+
+    def draw_walls(self, surfaces):
+        return draw_surfaces(self.ax, surfaces, self.low, self.high, self.units.of("length", 1.0))
 
     def draw_arrows(self, places, forces, strongest, colour, end):
         """Of forces, of which the strongest is a twelfth of the axes long; they begin at their places, or end

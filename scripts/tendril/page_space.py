@@ -44,8 +44,8 @@ def add(content, results, shapes):
         if len(steps) < len(r.series.t):
             run["series"] = {name: packed(values[steps]) for name, values in r.series.items()}
         run["surfaces"] = [{"positions": packed(one.vertices), "index": base64.b64encode(
-            np.ascontiguousarray(one.triangles, "<u4").tobytes()).decode(), "lines": [packed(line) for line in one.lines]}
-            for one in solids(r)]
+            np.ascontiguousarray(one.triangles, "<u4").tobytes()).decode(), "lines": [packed(line) for line in one.lines],
+            "motion": {what: numbers.tolist() for what, numbers in one.motion.items()} or None} for one in solids(r)]
     names = [name for name in FIELDS if any(name in shape["along"] for shape in shapes)]
     most = {name: max(float(np.abs(shape["along"][name]).max()) for shape in shapes if name in shape["along"])
             for name in names}

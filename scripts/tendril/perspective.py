@@ -185,12 +185,13 @@ def furnish(axes, low, high, up, view, label):
 
 
 def draw_surfaces(axes, surfaces, low, high, unit=1.0):
-    """Surfaces (solids.py) behind the rods, translucent, as far as they are in the box of axes or near it."""
+    """Surfaces (solids.py) behind the rods, translucent, as far as they are in the box of axes or near it; what was
+    drawn."""
+    drawn = []
     room = 0.2 * (np.asarray(high) - low).max()
     for surface in surfaces:
         corners, lines = within(surface, (low - room) / unit, (high + room) / unit)
         if len(corners):
-            axes.add_collection(Poly3DCollection(unit * corners, facecolor=(*to_rgba(SOLID)[:3], 0.28), edgecolor="none",
-                                                 zorder=1), autolim=False)
-        axes.add_collection(Line3DCollection([unit * line for line in lines], colors=EDGE, lw=0.4, alpha=0.7, zorder=2),
-                            autolim=False)
+            drawn.append(Poly3DCollection(unit * corners, facecolor=(*to_rgba(SOLID)[:3], 0.28), edgecolor="none", zorder=1))
+        drawn.append(Line3DCollection([unit * line for line in lines], colors=EDGE, lw=0.4, alpha=0.7, zorder=2))
+    return [axes.add_collection(one, autolim=False) for one in drawn]

@@ -267,7 +267,7 @@ def panel_space(ax, r, view):
     ax.plot([0], [0], [0], "ks", ms=3, zorder=4)
     low, high = box_of(np.concatenate([np.zeros((1, 3)), *(s.x for s in rods.strands)]))
     furnish(ax, low, high, up_of(r), view.view, lambda name: view.units.label(name, "length"))
-    draw_surfaces(ax, solids(r), low, high, unit)
+    draw_surfaces(ax, [one.at(shape.t) for one in solids(r)], low, high, unit)  # what moves: at the last of the times
 
 
 def along_rod(field, label, unit):

@@ -4,15 +4,16 @@ and a little more."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import h5py
 import numpy as np
 from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation
 
 from .results import Results
 from .spatial import carried, slopes
-from .walls import conduit, parse, ring_of
+from .walls import conduit, ends_of, parse, ring_of
 
 ROUND = 48  # pieces of a full turn
 METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6}
@@ -20,11 +21,25 @@ METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6}
 
 @dataclass
 class Surface:
-    """Vertices [m, 3], triangles [k, 3], and lines [j, 3] that show what it is where it is hardly seen."""
+    """Vertices [m, 3], triangles [k, 3], and lines [j, 3] that show what it is where it is hardly seen; at t = 0,
+    if it moves."""
 
     vertices: np.ndarray
     triangles: np.ndarray
     lines: list[np.ndarray]
+    motion: dict = field(default_factory=dict)  # of what moves: {"moves": velocity, "turns": rate, place, axis}
+
+    def at(self, t):
+        """It where it is at a time."""
+        if not self.motion:
+            return self
+        turns = self.motion.get("turns", np.array([0, 0, 0, 0, 0, 0, 1.0]))
+        turn, place, along = Rotation.from_rotvec(turns[0] * t * turns[4:]), turns[1:4], t * self.motion.get("moves", np.zeros(3))
+
+        def carried_to(x):
+            return turn.apply(x - place) + place + along
+
+        return replace(self, vertices=carried_to(self.vertices), lines=[carried_to(line) for line in self.lines])
 
 
 def solids(r: Results) -> list[Surface]:
@@ -55,9 +70,16 @@ class Reach:
 
 def drawn(line, r, reach):
     """The surfaces of a line; none of a kind that is not known here."""
-    words = line.split()
-    if words[0] == "body":
-        return of_body(words[1], r)
+    words, _, motion = ends_of(line.split())
+    if words[0] == "plane" and "moves" in motion:  # along itself it stays what it is, and stays under the rod
+        normal = np.array([float(word) for word in words[4:7]])
+        motion["moves"] = (motion["moves"] @ normal) / (normal @ normal) * normal
+    still = of_body(words[1], r) if words[0] == "body" else of_numbers(line, reach)
+    return [replace(surface, motion=motion) for surface in still]
+
+
+def of_numbers(line, reach):
+    """The surfaces of a line whose form its numbers say, at t = 0."""
     (wall,) = parse(line)
     kind, n = wall.kind, wall.numbers
     if kind == "plane" and len(n) == 6:

@@ -7,7 +7,7 @@
 
 for axes of equal aspect. What is drawn fits itself to the limits that stand when it is drawn."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from matplotlib import rcParams
@@ -32,6 +32,24 @@ class Wall:
     numbers: np.ndarray
     friction: float
     bend: float = 0.0  # path: radius of its corners; 0: as the program chooses
+    motion: dict = field(default_factory=dict)  # in space, of what moves: MOTION's words with their numbers
+
+
+MOTION = {"turns": 7, "moves": 3}  # numbers behind each word; what stands last in a line comes first
+
+
+def ends_of(words):
+    """(the words of a line without friction, radius and motion at its end; {"friction": 0.3, ...}; {"moves":
+    [3], "turns": [7]}, as far as they are there)"""
+    own, motion = {"friction": 0.0, "radius": 0.0}, {}
+    while len(words) > 2 and words[-2] in own:
+        own[words[-2]] = float(words[-1])
+        words = words[:-2]
+    for what, count in MOTION.items():
+        if len(words) > count + 1 and words[-count - 1] == what:
+            motion[what] = np.array([float(word) for word in words[-count:]])
+            words = words[:-count - 1]
+    return words, own, motion
 
 
 def parse(text):
@@ -41,12 +59,9 @@ def parse(text):
         words = line.partition("#")[0].replace(",", " ").split()
         if not words:
             continue
-        own = {"friction": 0.0, "radius": 0.0}
-        while len(words) > 2 and words[-2] in own:
-            own[words[-2]] = float(words[-1])
-            words = words[:-2]
+        words, own, motion = ends_of(words)
         numbers = [float(w) for w in words[1:] if w not in ("inside", "outside")]
-        walls.append(Wall(words[0], "inside" in words, np.array(numbers), own["friction"], own["radius"]))
+        walls.append(Wall(words[0], "inside" in words, np.array(numbers), own["friction"], own["radius"], motion))
     return walls
 
 

@@ -304,6 +304,22 @@ class Package(unittest.TestCase):
         with self.assertRaisesRegex(tendril.ResultsError, "a rod in the plane"):
             tendril.animate(self.tube, self.place / "none.gif", turn=90)
 
+    def test_moving_walls(self):
+        """Walls that move are drawn where they are: a drum, whose axis is carried along, a belt, which moves along
+        itself, and a post that comes up with the rod, which follows it."""
+        from tendril.solids import solids
+
+        r = tendril.run(growth_type="none", growth_initial_length=2, shape_type="straight", rod_curvature=0.1, rod_cells=40,
+                        contact_diameter=0.1, ts_max_time=1, output_shapes=4, wall_file=[
+                            "cylinder 1.4 -0.4 -1 0 0 1 0.2 outside 2 moves 0 0.5 0 turns 90deg 1 0 0 0 0 1 friction 0.3",
+                            "plane 0 -2 0 0 1 0 moves 1 0.1 0"])
+        drum, belt = ([one.at(t).vertices.mean(axis=0) for t in (0, 1)] for one in solids(r))
+        np.testing.assert_allclose(drum, [[1.4, -0.4, 0], [1.4, 0.9, 0]], atol=1e-6)
+        np.testing.assert_allclose(belt[1] - belt[0], [0, 0.1, 0], atol=1e-12)
+        tendril.plot(r, "space,shapes", times=[0, 1])
+        self.assertEqual(tendril.animate(r, self.place / "drum.gif", frames=2), 2)
+        self.assertIn('"turns": [1.57', str(tendril.view(r)._repr_html_()).replace("&quot;", '"'))
+
     def test_vtk(self):
         """What VTK reads back is what the file has, of rods in space and in the plane."""
         try:

@@ -217,9 +217,9 @@ class Tubes {
     this.standing.add(new THREE.LineSegments(body, this.look("lines", 1, colour)));
   }
 
-  surface(positions, index, colour, opacity, lines) {
-    this.mesh(this.standing, { position: positions }, index, this.look("shaded", opacity, colour)).renderOrder = 2;
-    for (const line of lines) this.path(line, "#8a8371", this.standing, 0.7);
+  surface(positions, index, colour, opacity, lines, group) {
+    this.mesh(group, { position: positions }, index, this.look("shaded", opacity, colour)).renderOrder = 2;
+    for (const line of lines) this.path(line, "#8a8371", group, 0.7);
   }
 
   box(centre, size, turn) {
@@ -288,8 +288,8 @@ class Lines {
       this.piece(this.standing, at(points, i), at(points, i + 1), colour, 0, 1);
   }
 
-  surface(positions, index, colour, opacity, lines) {
-    for (const line of lines) this.path(line, "#8a8371", this.standing, 0.8);
+  surface(positions, index, colour, opacity, lines, group) {
+    for (const line of lines) this.path(line, "#8a8371", group, 0.8);
   }
 
   box(centre, size, turn) {
@@ -403,12 +403,27 @@ function drawStanding() {
   for (let i = a[0]; i <= a[1]; i++) lines.push(...point(i, b[0]), ...point(i, b[1]));
   for (let j = b[0]; j <= b[1]; j++) lines.push(...point(a[0], j), ...point(a[1], j));
   painter.pairs(lines, "#d4d4d4");
-  for (const run of shown)
-    for (const { positions, index, lines: edges } of run.surfaces)
-      painter.surface(scaled(positions, factor(run, "l")), index, "#cfc6ae", 0.28,
-        edges.map((line) => scaled(line, factor(run, "l"))));
+  for (const run of shown) run.surfaces.filter((one) => !one.motion).forEach((one) => drawSurface(run, one, painter.standing));
   stage.extent = extent;
   element("grid").textContent = `a square: ${number(side)} ${named("l")}`;
+}
+
+function drawSurface(run, { positions, index, lines }, group) {
+  const f = factor(run, "l");
+  stage.painter.surface(scaled(positions, f), index, "#cfc6ae", 0.28, lines.map((line) => scaled(line, f)), group);
+}
+
+// A surface that moves, where it is at a time.
+function carried(surface, t) {
+  const { moves = [0, 0, 0], turns: [rate, ...place] = [0, 0, 0, 0, 0, 0, 1] } = surface.motion;
+  const about = V(...place.slice(0, 3)), axle = V(...place.slice(3)), to = about.clone().addScaledVector(V(...moves), t);
+  const moved = (points) => {
+    const all = new Float32Array(points.length);
+    for (let i = 0; i < points.length / 3; i++)
+      all.set(at(points, i).sub(about).applyAxisAngle(axle, rate * t).add(to).toArray(), 3 * i);
+    return all;
+  };
+  return { ...surface, positions: moved(surface.positions), lines: surface.lines.map(moved) };
 }
 
 function drawForces3(places, forces, strongest, colour, f, end) {
@@ -441,6 +456,7 @@ function drawRun(run) {
   const t = Math.min(state.t / factor(run, "l/V"), run.end), f = factor(run, "l"), { painter } = stage;
   const shape = bodyAt(run, t), points = scaled(shape.x, f), frames = framesOf(points, at(shape.base, 0));
   const radius = Math.max(f * (run.diameter || data.visible) / 2, LEAST / 2 * pixel());
+  for (const one of run.surfaces.filter(({ motion }) => motion)) drawSurface(run, carried(one, t), painter.moving);
   painter.tube(points, frames, radius, coloursOf(run, shape), ended(run) ? 0.4 : 1);
   if (element("stripe").checked) painter.stripe(...stripeOf(points, frames, shape.turn, radius), radius);
   if (element("earlier").checked) drawEarlier(run, t, f, radius);
