@@ -6,9 +6,9 @@ growth zone also against a beta far smaller than that which tolerance allows.
     coverage.py EXE SEED COUNT [--kinds plain,wide,world,contact,hard,space,space-world,linear] [--end 6] [--cells N]
                 [--accuracy 1e-4] [--store FILE.csv]
 
-The true error is the largest relative one of tip, |x2| and energy from a hundredth of the run on. Prints a
-line a scene and the share in which the estimate is above it, or below by at most 3. With --accuracy that
-is asked for, and it is counted how often it was met, and how often the program said that it was not. Where rods
+The true error is the largest relative one of tip, |x2| and energy from a hundredth of the run on (and
+behind the time until which there is no |x2|, or no energy). Prints a line a scene and the share in which the
+estimate is above it, or below by at most 3. With --accuracy that is asked for, and it is counted how often it was met, and how often the program said that it was not. Where rods
 snap, another reference, which follows no snap, says whether they are on the right side (see fuzz.py). References are
 kept beside the results, under /tmp/coverage-SEED: another program at the same scenes needs no new ones, as long as its
 cells are the same. Rows are added to FILE one by one, and scenes that are in it are not measured again: what was
@@ -50,6 +50,7 @@ NAMES = ("tip", "norm", "energy")
 LIMIT, REFERENCE_LIMIT = 40, 60    # seconds of a processor
 OTHER_SIDE = 0.05                 # of the length: so far off a rod is on another side
 NEXT_TO_EXACT = 1e-13             # of references: the program takes 9e-10 at its own tolerance
+ROUNDING = 2.2e-16                # of the length squared: an energy that is none, of a rod bent by nature
 DIGITS_END = 1e-300               # an energy below has few of them
 SNAP_OFF = 2e-4                   # of the run: so much earlier or later a rod may snap
 
@@ -112,6 +113,14 @@ def near_in_time(run, fine, i):
     return min((errors_at(run, fine, i, 2, t=other) for other in others), key=max, default=np.full(3, np.inf))
 
 
+def begins(run, k):
+    """From which time on an error of tip, |x2| and energy is counted: from a hundredth of the run behind that at which
+    there was nothing of it."""
+    values = (run["length"], np.maximum(run["norm_x2"], run.get("norm_x3", 0)), run["energy"])[k]
+    nothing = run["t"][values <= (0, 1e-280, ROUNDING * run["length"][-1] ** 2)[k]]
+    return 0.01 * run["t"][-1] + (nothing[-1] if len(nothing) else 0)
+
+
 def true_errors(run, fine, snaps):
     """The largest relative errors of a run from a hundredth of it on: of several polynomials through the
     reference's steps that which is nearest, for where a rod is torn off or touches none goes through many. Where it
@@ -124,7 +133,7 @@ def true_errors(run, fine, snaps):
                          for logarithm in (True, False)], axis=0)
         if snaps and errors.max() > 1e-5:
             errors = min(errors, near_in_time(run, fine, i), key=max)
-        worst.append(errors)
+        worst.append(np.where([run["t"][i] > begins(run, k) for k in range(3)], errors, 0))
     return np.max(worst, axis=0)
 
 

@@ -268,15 +268,26 @@ PetscErrorCode CurvatureValue(const Curvature *self, Growth growth, PetscReal s,
   PetscFunctionReturn(0);
 }
 
+static PetscReal Largest(const Strain *strain) {
+  PetscReal most = PetscAbsReal(strain->constant);
+
+  for (PetscInt i = 0; i < strain->n; i++) most = PetscMax(most, PetscAbsReal(strain->k[i]));
+  return most;
+}
+
 /* CurvatureBends - is the rod bent by nature anywhere, and not only twisted? */
 PetscBool CurvatureBends(const Curvature *self) {
-  for (int e = 0; e < STRAINS; e++) {
-    const Strain *strain = &self->strain[e];
-    PetscReal most = PetscAbsReal(strain->constant);
-    for (PetscInt i = 0; i < strain->n; i++) most = PetscMax(most, PetscAbsReal(strain->k[i]));
-    if (e != TURN_1 && most > 0) return PETSC_TRUE;
-  }
+  for (int e = 0; e < STRAINS; e++)
+    if (e != TURN_1 && Largest(&self->strain[e]) > 0) return PETSC_TRUE;
   return PETSC_FALSE;
+}
+
+/* CurvatureRounding - the least energy of a rod of that length that is more than round-off: what is
+   bent or twisted by nature has that of a difference; a straight rod has none so small. */
+PetscReal CurvatureRounding(const Curvature *self, PetscReal length) {
+  const PetscBool natural = (PetscBool)(CurvatureBends(self) || Largest(&self->strain[TURN_1]) > 0);
+
+  return natural ? PETSC_MACHINE_EPSILON * length * length : 0;
 }
 
 /* CurvatureStrains - the natural strains in space: twist, bend about d2, bend about d3; otherwise

@@ -31,6 +31,7 @@ PetscErrorCode CurvatureDestroy(Curvature *curvature);
 PetscErrorCode CurvatureValue(const Curvature *curvature, Growth growth, PetscReal s, PetscReal t,
                               PetscReal *k, PetscReal *k_t);
 PetscBool CurvatureBends(const Curvature *curvature);
+PetscReal CurvatureRounding(const Curvature *curvature, PetscReal length);
 PetscErrorCode CurvatureStrains(const Curvature *curvature, Growth growth, PetscReal s, PetscReal t,
                                 PetscReal u[3], PetscReal u_t[3]);
 

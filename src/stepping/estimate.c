@@ -27,7 +27,8 @@ static const PetscReal most_dip = 0.8; /* of the moment: one that it is worth to
 static const PetscReal kink_error = 3; /* of the local error of a step that is not smooth in time */
 static const PetscReal alike = 1e3;    /* sizes across in both directions, up to this ratio */
 static const PetscReal early = 0.01;   /* of the run: what the start does is over by then */
-static const PetscReal nudge = 1e-3;   /* of the speed at which friction turns, of beta, of k */
+static const PetscReal none = -1; /* of an error over what it is an error of, where that is not */
+static const PetscReal nudge = 1e-3; /* of the speed at which friction turns, of beta, of k */
 
 /* What is gathered of the coarse nodes, node after node: the state, its rate, the defect of the
    cell behind; of the fields that have rates, which come first, local errors since the errors were
@@ -53,6 +54,7 @@ struct _Estimate {
   PetscReal (*defect)[MAX_FIELDS];
   PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN]; /* beyond what is early */
   PetscReal start[ESTIMATE_PARTS][ESTIMATE_SEEN]; /* before, for a run that ends there */
+  PetscReal began[ESTIMATE_SEEN];                 /* when there was nothing of it, at last */
   /* rank 0: the coarse rod; NULL else */
   Scene scene;
   Rod rod;
@@ -533,7 +535,8 @@ static PetscErrorCode SubtractSource(Estimate self, PetscReal t, int part) {
   PetscFunctionReturn(0);
 }
 
-/* What an error makes of |x2|, and of |x3| in space, over the larger one. */
+/* What an error makes of |x2|, and of |x3| in space, over the larger one; none: the rod is
+ * straight. */
 static PetscReal SeeNorm(const Estimate self, const PetscReal *e) {
   const PetscReal *s = self->scene->mesh.s, *u = self->all.u;
   const PetscInt last = self->nodes - 1, fields = self->fields;
@@ -542,6 +545,7 @@ static PetscReal SeeNorm(const Estimate self, const PetscReal *e) {
   for (PetscInt k = 0; k <= last; k++)
     for (PetscInt d = 1; d <= self->mirrors; d++)
       size = PetscMax(size, PetscAbsReal(u[k * fields + d]));
+  if (size == rod_vanished) return none;
   for (PetscInt k = 0; k <= last; k++)
     for (PetscInt d = 0; d < self->mirrors; d++) {
       const PetscReal w = (s[PetscMin(k + 1, last)] - s[PetscMax(k - 1, 0)]) / 2,
@@ -555,14 +559,15 @@ static PetscReal SeeNorm(const Estimate self, const PetscReal *e) {
   return off;
 }
 
-/* What an error makes of the energy, over it. Where the moment all but vanishes between two looks,
-   by Schwarz's inequality, dip its part that is left: dE/E <= 2 |dm|/|m|. */
+/* What an error makes of the energy, over it; none: there is none. Where the moment all but
+   vanishes between two looks, by Schwarz's inequality, dip its part that is left: dE/E <= 2
+   |dm|/|m|. */
 static PetscErrorCode SeeEnergy(const Estimate self, PetscReal t, PetscReal dip, const PetscReal *e,
                                 PetscReal *seen) {
   const PetscReal *s = self->scene->mesh.s;
   const PetscInt last = self->nodes - 1, fields = self->fields,
                  moments = self->model->space ? 3 : 1;
-  PetscReal energy = 0, by = 0, off = 0, size = rod_vanished;
+  PetscReal energy = 0, by = 0, off = 0, size = rod_vanished, length;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k <= last; k++)
@@ -581,8 +586,14 @@ static PetscErrorCode SeeEnergy(const Estimate self, PetscReal t, PetscReal dip,
       off += w * g / S[d] * PetscSqr(dm[d] / size);
     }
   }
-  *seen = energy > 0 ? PetscAbsReal(by / energy) : 0;
-  if (energy > 0 && dip < most_dip)
+  PetscCall(GrowthLength(self->scene->growth, t, &length, NULL));
+  if (size == rod_vanished ||
+      energy / 2 * size * size < CurvatureRounding(&self->scene->curvature, length)) {
+    *seen = none;
+    PetscFunctionReturn(0);
+  }
+  *seen = PetscAbsReal(by / energy);
+  if (dip < most_dip)
     *seen = PetscMax(*seen, 2 * PetscSqrtReal(off / energy) / PetscMax(dip, rod_vanished));
   PetscFunctionReturn(0);
 }
@@ -604,8 +615,8 @@ static PetscErrorCode See(const Estimate self, PetscReal t, PetscReal dip, const
   PetscFunctionReturn(0);
 }
 
-static PetscBool IsEarly(const Estimate self, PetscReal t) {
-  return (PetscBool)(t <= early * self->leg->rod->scene->end_time);
+static PetscBool IsEarly(const Estimate self, PetscReal t, int k) {
+  return (PetscBool)(t - self->began[k] <= early * self->leg->rod->scene->end_time);
 }
 
 /* Beyond 1 an error is no small one any more, and the linear equations say nothing. What was seen
@@ -613,17 +624,24 @@ static PetscBool IsEarly(const Estimate self, PetscReal t) {
 
     start(t) = max(seen(t), start(before) before / t),
 
-   so that what the start does is over by the end of a run that stops soon. */
+   so that what the start does is over by the end of a run that stops soon. What there is nothing of
+   for a while, as of the energy of a rod at rest that a wall will meet, starts when it begins: of
+   what is next to nothing then, a part says little. */
 static PetscErrorCode Keep(Estimate self, PetscReal t, PetscReal dip, int part) {
   PetscReal seen[ESTIMATE_SEEN] = {0}, most = 0, *e = self->e[part], *start = self->start[part];
+  const PetscReal *began = self->began;
 
   PetscFunctionBegin;
   PetscCall(See(self, t, dip, e, seen));
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
     if (PetscIsInfOrNanReal(seen[k])) seen[k] = most = PETSC_MAX_REAL;
-    most = PetscMax(most, seen[k]);
-    if (IsEarly(self, t))
-      start[k] = PetscMax(PetscMin(1, seen[k]), start[k] * self->before / t);
+    if (seen[k] == none) self->began[k] = t;
+    if (began[k] == 0 || !IsEarly(self, t, k)) most = PetscMax(most, seen[k]);
+    if (seen[k] == none)
+      start[k] = 0;
+    else if (IsEarly(self, t, k))
+      start[k] =
+          PetscMax(PetscMin(1, seen[k]), start[k] * (self->before - began[k]) / (t - began[k]));
     else
       self->worst[part][k] = PetscMax(self->worst[part][k], PetscMin(1, seen[k]));
   }
@@ -765,14 +783,16 @@ PetscErrorCode EstimateStep(Estimate self, PetscBool jumped, PetscBool touches) 
    not got far, those of its start. Collective. */
 PetscErrorCode EstimateTold(Estimate self, PetscReal told[ESTIMATE_PARTS][ESTIMATE_SEEN]) {
   const PetscMPIInt n = ESTIMATE_PARTS * ESTIMATE_SEEN;
+  const MPI_Comm comm = self->leg->rod->scene->comm;
 
   PetscFunctionBegin;
   PetscCall(EstimateGet(self, told));
-  if (!IsEarly(self, self->before)) PetscFunctionReturn(0);
-  PetscCallMPI(MPI_Bcast(self->start, n, MPIU_REAL, 0, self->leg->rod->scene->comm));
+  PetscCallMPI(MPI_Bcast(self->start, n, MPIU_REAL, 0, comm));
+  PetscCallMPI(MPI_Bcast(self->began, ESTIMATE_SEEN, MPIU_REAL, 0, comm));
   for (int part = 0; part < ESTIMATE_PARTS; part++)
     for (int k = 0; k < ESTIMATE_SEEN; k++)
-      told[part][k] = PetscMax(told[part][k], self->start[part][k]);
+      if (IsEarly(self, self->before, k))
+        told[part][k] = PetscMax(told[part][k], self->start[part][k]);
   PetscFunctionReturn(0);
 }
 
@@ -859,6 +879,7 @@ static void Remembered(Estimate self, PetscReal *number[ESTIMATE_NUMBERS]) {
     number[n++] = &self->size[k];
     number[n++] = &self->latest[k];
   }
+  for (int k = 0; k < ESTIMATE_SEEN; k++) number[n++] = &self->began[k];
 }
 
 /* EstimateVectors - room for what EstimateKeep() keeps; the caller destroys them. Collective. */
