@@ -51,6 +51,14 @@ def number(text):
     return found
 
 
+def alone(axes, found, place, options):
+    """A plain line where a place of the map has more than one run: which of them was meant is not known."""
+    if place in found:
+        more = " and ".join(name for name in options if name not in axes)
+        raise ValueError(f"several runs are at {', '.join(f'{a} {options[a]}' for a in axes)}"
+                         + (f", of {more}; map a sweep over two options" if more else ""))
+
+
 def value_of(file, quantity, si):
     """(a number of a file, or the last of a series: "critical/t", "series/width" or "width"; its unit). si:
     in SI units, with the file's own scales."""
@@ -76,6 +84,7 @@ def of_directory(directory, axes, quantity, si):
         values = point(path)
         if not all(axis in values for axis in axes):
             raise ValueError(f"{path}: does not vary {' and '.join(axes)}")
+        alone(axes, found, tuple(values[a] for a in axes), values)
         with h5py.File(path, "r", locking=False) as file:
             if file.attrs.get("finished", 0):
                 found[tuple(values[a] for a in axes)] = value_of(file, quantity, si)
@@ -88,6 +97,10 @@ def of_sweep(sweep, axes, quantity, si):
     for axis in axes:
         if not points or axis not in points[0]:
             raise ValueError(f"this sweep does not vary {axis}, but {', '.join(points[0] if points else ())}")
+    seen = set()
+    for p in points:
+        alone(axes, seen, place := tuple(p[axis] for axis in axes), p)
+        seen.add(place)
     ends, name = sweep.ends(si), quantity.rpartition("/")[2]
     if name not in ends:
         raise ValueError(f"this sweep holds no {quantity}; there are {', '.join(ends)}")

@@ -93,7 +93,10 @@ def write_arrays(path, arrays):
     with h5py.File(path, "w") as file:
         for name, values in arrays.items():
             values, *unit = values if isinstance(values, tuple) and isinstance(values[-1], str) else [values]
-            file[name.lstrip("/")] = np.asarray(values, float)
+            try:
+                file[name.lstrip("/")] = np.asarray(values, float)
+            except (TypeError, ValueError):
+                raise TendrilError(f"{name}: give numbers in rows of one length, or such with their unit, ([0, 1], \"cm\")") from None
             if unit:
                 file[name.lstrip("/")].attrs["units"] = unit[0]
     return str(path)
@@ -107,6 +110,8 @@ def named_by(content: bytes, directory, name, ending):
 def file_of(name, value, directory) -> str:
     """The file that stands for a value that is none of a command line: arrays, or walls."""
     if isinstance(value, dict):
+        if name == "wall_file":
+            raise TendrilError("wall_file: give the name of a file, or a list of walls, as of circle() or lines of text")
         content = repr([(k, v[0].tolist(), *v[1:]) if isinstance(v, tuple) and isinstance(v[0], np.ndarray)
                         else (k, np.asarray(v, object).tolist()) for k, v in value.items()]).encode()
         return write_arrays(named_by(content, directory, name, "h5"), value)
@@ -118,6 +123,8 @@ def file_of(name, value, directory) -> str:
 
 def text_of_wall(wall) -> str:
     """A line of -wall_file: text as it is, or its words, ("circle", 3, 0, 1, "friction", 0.3)."""
+    if np.ndim(wall) == 0 and not isinstance(wall, str):
+        raise TendrilError(f"wall_file: {wall!r} is no wall; give a list of them, as of circle() or lines of text")
     words = [wall] if isinstance(wall, str) else list(wall)
     flat = np.concatenate([np.ravel(np.asarray(word, object)) for word in words])
     return " ".join(text_of(word) for word in flat)
@@ -183,7 +190,7 @@ def start(command, progress):
     alone = command[0] == executable()
     environment = os.environ | ENVIRONMENT | (SINGLE if alone else SEVERAL)
     # Ctrl-C in a terminal is for all in the foreground; mpiexec would make an end of its own of it
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors="replace",
                           stdin=subprocess.DEVNULL, env=environment, start_new_session=not alone) as process:
         try:
             said = follow(process, progress)
@@ -222,13 +229,18 @@ def execute(command, output=None, progress=False) -> str:
     raise RunError(plain_line(complaint, code), command, stored)
 
 
+def lines_of(file) -> list[str]:
+    """The lines of an options file, in whatever coding its comments are: the program says what is wrong with it."""
+    return Path(file).read_text(errors="replace").splitlines()
+
+
 def task_of(words) -> str:
     """What a command line does."""
     task = "grow"
     for word, value in zip(words, words[1:]):
         if word == "-options_file":
-            lines = [shlex.split(line, comments=True) for line in Path(value).read_text().splitlines()]
-            task = next((line[1] for line in lines[::-1] if line[:1] == ["-task"]), task)
+            lines = [line.partition("#")[0].split() for line in lines_of(value)]
+            task = next((line[1].strip("'\"") for line in lines[::-1] if line[:1] == ["-task"] and line[1:]), task)
         elif word == "-task":
             task = value
     return task
@@ -238,7 +250,7 @@ def says_when(words) -> bool:
     """Whether a command line, or an options file that it names, says when shapes are stored."""
     wanted = ("-output_interval", "-output_shapes")
     files = [Path(value) for word, value in zip(words, words[1:]) if word == "-options_file"]
-    lines = [line.split() for file in files for line in file.read_text().splitlines()]
+    lines = [line.split() for file in files for line in lines_of(file)]
     return any(word in wanted for word in [*words, *(line[0] for line in lines if line)])
 
 

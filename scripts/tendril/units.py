@@ -100,7 +100,7 @@ def scales_of_rod(attributes):
 
 def scale_of(results, kind):
     """What 1 of it is in SI units, None if the files do not say so; they must not differ."""
-    found = {r.attributes.get(f"si_{kind}") for r in results}
+    found = {r.attributes.get(f"si_{kind}", scales_of_rod(r.attributes).get(kind)) for r in results}
     if len(found) > 1:
         raise ResultsError(f"{results[0].told}: the files differ in their scale of {kind}")
     return found.pop()
@@ -163,7 +163,7 @@ class Units:
         self.results = list(results)
         self.scales = dict.fromkeys(SHOWN, (1.0, ""))
         for r in results:
-            if "si_length" not in r.attributes:
+            if scale_of([r], "length") is None:
                 raise ResultsError(f"{r.told}: si needs a run in the laboratory, with si_bending_stiffness "
                                    "and the like")
         for kind in SHOWN if results else ():

@@ -304,6 +304,29 @@ class Package(unittest.TestCase):
         with self.assertRaisesRegex(tendril.ResultsError, "a rod in the plane"):
             tendril.animate(self.tube, self.place / "none.gif", turn=90)
 
+    def test_wrong_values(self):
+        """What is no wall, no numbers or no text of UTF-8 ends in a line; a map of a sweep over more than its two options
+        would show one of several runs at each place; a sweep's members know their seconds."""
+        steel = {"distance": [0, 1, 2, 3], "factor": [1, 1, 1, 1]}
+        for words, options in (("wall_file: 3 is no wall", dict(wall_file=("circle", 3, 0, 1, "outside"))),
+                               ("wall_file: give the name of a file, or a list", dict(wall_file={"a": 1})),
+                               ("factor: give numbers", dict(rod_stiffness_file=steel | {"factor": ["stiff"] * 4})),
+                               ("factor: give numbers", dict(friction_field={"factor": [[1, 2, 3], [1]]}))):
+            with self.assertRaisesRegex(tendril.TendrilError, words):
+                tendril.run("feed", **SHORT, **options)
+        scene = self.place / "latin.opts"
+        scene.write_bytes("# Größe, that's all\n-growth_type feed\n-rod_cells 40\n-ts_max_time 1\n".encode("latin-1"))
+        self.assertEqual(tendril.run(scene).series.length[-1], 1.5)
+        with self.assertRaises(tendril.TendrilError):
+            tendril.run(self.place / "kept.h5" if (self.place / "kept.h5").exists() else tendril.run(
+                "feed", output=self.place / "whole.h5", **SHORT).path)
+        over = {"friction_mu": [0, 1], "growth_initial_length": [1, 2], "shape_amplitude": [0.01, 0.2]}
+        with self.assertRaisesRegex(tendril.TendrilError, "several runs are at friction_mu 0, .* of shape_amplitude"):
+            tendril.map(tendril.sweep("feed", over, **SHORT), ("friction_mu", "growth_initial_length"), "width")
+        stiff = tendril.sweep(TUBE | {"stop_length": "2 cm"}, {"si_friction_dry": ["0.5N/m", "1N/m"]}).members[1]
+        self.assertAlmostEqual(stiff.at("1s").t, 1 / stiff.scale("time"))
+        tendril.plot(stiff, "width", si=True)
+
     def test_moving_walls(self):
         """Walls that move are drawn where they are: a drum, whose axis is carried along, a belt, which moves along
         itself, and a post that comes up with the rod, which follows it."""
