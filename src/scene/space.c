@@ -44,17 +44,20 @@ static PetscErrorCode Vector(const char *name, Dimension dimension, PetscReal v[
   PetscFunctionReturn(0);
 }
 
-/* The smallest rotation that takes e1 to the direction d, of length 1; half a turn about e3 if it
-   is the opposite. */
+/* The smallest rotation that takes e1 to the direction d, of length 1; half a turn about e3 before
+   it, to -e1, if d is all but that. */
 static void SmallestTurn(const PetscReal d[3], PetscReal R[3][3]) {
-  const PetscReal c = 1 + d[0];
+  const PetscReal across = d[1] * d[1] + d[2] * d[2],
+                  c = d[0] > 0 ? 1 + d[0] : across / (1 - d[0]); /* 1 + d[0] less its round-off */
 
-  for (int i = 0; i < 3; i++) R[i][0] = d[i];
   if (c < 1e-12) {
-    for (int i = 0; i < 3; i++)
-      for (int j = 1; j < 3; j++) R[i][j] = i == j ? (j == 1 ? -1 : 1) : 0;
+    const PetscReal half[3] = {-d[0], -d[1], d[2]};
+    SmallestTurn(half, R);
+    for (int i = 0; i < 2; i++)
+      for (int j = 0; j < 3; j++) R[i][j] = -R[i][j];
     return;
   }
+  for (int i = 0; i < 3; i++) R[i][0] = d[i];
   R[0][1] = -d[1];
   R[0][2] = -d[2];
   R[1][1] = 1 - d[1] * d[1] / c;

@@ -16,6 +16,8 @@ enum { NEAREST = 6, SUBSPACE = 40, ROOT_STEPS = 60, CORRECTIONS = 2 };
 
 /* 1/sigma that is so much smaller than the largest is its round-off. */
 static const PetscReal noise = 1e-7;
+/* Of a step that is a shorter part of the time rates are round-off, and modes with them. */
+static const PetscReal shortest = 1e-10;
 /* A root is found to this part of the time. */
 static const PetscReal root_found = 2e-13;
 
@@ -227,6 +229,11 @@ static PetscErrorCode AfterStep(TS ts) {
   self = (Bent *)leg->owner;
   PetscCall(TSGetTime(ts, &t1));
   PetscCall(TSGetPrevTime(ts, &t0));
+  UserCheck(t1 - t0 > shortest * t1, PetscObjectComm((PetscObject)ts),
+            "-task critical: steps of the bent rod are too short to tell its modes (%g at t = %g), "
+            "as where only round-off is out of its plane; tilt that plane or give the rod a little "
+            "weight across it",
+            (double)(t1 - t0), (double)t1);
   PetscCall(LookAt(self, t1, t0, t1, &growing));
   UserCheck(growing.rate < 0 || self->before < 0, PetscObjectComm((PetscObject)ts),
             "-growth_initial_length: the bent rod is unstable already at t = 0, take it shorter or "

@@ -135,6 +135,16 @@ def symmetries():
     error = np.abs(moved - x @ Q.T).max()
     print(f"clamp turned: {error:.1e}")
     expect(error < 1e-10, f"clamp turned: {error}")
+    # and all but backwards, where 1 + d1 would be round-off
+    d = np.array([-1, 1.2e-6, 1.6e-6])
+    d /= np.linalg.norm(d)
+    a = d[1:] / np.linalg.norm(d[1:])
+    Q = np.column_stack([d, [-d[1], *(np.eye(2) - (1 - d[0]) * np.outer(a, a))[0]], [-d[2], *(np.eye(2) - (1 - d[0]) * np.outer(a, a))[1]]])
+    moved = Run(BENT + FIXED + f"-clamp_direction -1,1.2e-6,1.6e-6 -rod_weight {vector([0.1, -0.3, -0.2], Q)} "
+                f"-tip_force_vector {vector([0, 0.1, 0.05], Q)}").shapes["x"][-1]
+    error = np.abs(moved - x @ Q.T).max()
+    print(f"clamp all but backwards: {error:.1e}")
+    expect(error < 1e-10, f"clamp all but backwards: {error}")
     mirror = Run(GROWN + "-rod_curvature 0.3 -rod_curvature_2 -0.2 -rod_twist -0.4 " + FIXED
                  + "-rod_weight 0.1,-0.3,0.2 -tip_force_vector 0,0.1,-0.05")
     expect((mirror.shapes["x"][-1] == x * [1, 1, -1]).all(), "the mirror image is another rod")

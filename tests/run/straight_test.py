@@ -9,12 +9,14 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
+sys.path.insert(1, str(Path(__file__).resolve().parents[2] / "scripts/lab"))
 import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
 from laboratory_test import tendril
 from scene_test import Run, expect
 
 import h5py
 import numpy as np
+import ring
 
 CHECKS = {}
 
@@ -211,6 +213,15 @@ def bent():
     limit = off[0] - (off[1] - off[0]) / (2 ** (2 / 3) - 1)
     print(f"a ring that is twisted: off by {off}, without weight by {limit:.1e}")
     expect(abs(limit) < 1e-3 and off[1] < off[0] < 0, f"a ring: {off}, {limit}")
+    # without weight, held by a part of its bend that is natural; and flat, where steps are round-off's
+    for cells, far in ((40, -7.26e-5), (80, -4.54e-6)):
+        sides = [ring.unstable(scene.TENDRIL, d, ring.exact(0.02) * (1 + by * far), 0.02, cells) for by in (1.03, 0.97)]
+        expect(sides == [False, True], f"a ring of {cells} cells does not give way where it did: {sides}")
+    try:
+        ring.unstable(scene.TENDRIL, d, 14., 0.2, 20, tilt=0, steps="-ts_max_time 1e-4")
+        expect(False, "a flat ring's modes are told from round-off")
+    except SystemExit as error:
+        expect("too short to tell its modes" in str(error), f"a flat ring: {error}")
     nearly = "-growth_initial_length 1.9 -ts_max_time 1 -rod_bend_ratio 1.5 -rod_cells 50 -shape_type straight "
     off = length(nearly + "-rod_weight 0,1e-7,0") - length(nearly)
     print(f"all but straight: {off:.1e} apart")
