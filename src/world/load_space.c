@@ -71,9 +71,9 @@ void LoadSeen3(const Load *load, const Place3 *at, PetscReal f[RUBS]) {
   f[SPIN] *= load->radius;
 }
 
-/* dN M f: by W, by q and by x. */
-static void SlopeVaried(const Load *load, const Place3 *at, const FrictionDual4 *dual,
-                        LoadSlope3 *slope) {
+/* dN M f: by W, as friction feels it, by q and by x. */
+static void SlopeVaried(const Load *load, const Place3 *at, const PetscReal W[RUBS],
+                        const FrictionDual4 *dual, LoadSlope3 *slope) {
   PetscReal by[3] = {0}, N = load->field ? Factor3(load, at, by) : 1, a = load->across, f[RUBS],
             along;
 
@@ -83,7 +83,7 @@ static void SlopeVaried(const Load *load, const Place3 *at, const FrictionDual4 
     for (int d = 0; d < 3; d++) slope->W[d][c] = N * (a * slope->W[d][c] + along * at->q[d]);
     slope->W[SPIN][c] *= N;
   }
-  FrictionForce4(&load->friction, at->W, dual, f);
+  FrictionForce4(&load->friction, W, dual, f);
   along = Dot3(at->q, f);
   for (int d = 0; d < 3; d++)
     for (int c = 0; c < 3; c++) {
@@ -128,7 +128,7 @@ void LoadLinearise3(const Load *load, const Place3 *at, PetscBool fresh, Frictio
 
   FrictionLinearise4(&load->friction, W, fresh, dual, slope->W);
   if (load->varied)
-    SlopeVaried(load, at, dual, slope);
+    SlopeVaried(load, at, W, dual, slope);
   else if (load->walls)
     for (int d = 0; d < RUBS; d++)
       for (int c = 0; c < 3; c++) slope->q[d][c] = slope->x[d][c] = 0;
