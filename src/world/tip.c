@@ -36,9 +36,6 @@ static PetscErrorCode ReadPath(Tip *tip) {
             "%s %s: a pinned tip is free to turn; take angle, q0 to q3 and turn out, or -tip_type "
             "clamped",
             option, file);
-  UserCheck(tip->type != TIP_SLIDES || !PathSays(tip->path, PATH_X1), OptionsComm(),
-            "%s %s: a tip that slides is free along x1; take x1 out, or -tip_type clamped", option,
-            file);
   PetscFunctionReturn(0);
 }
 
@@ -373,6 +370,19 @@ PetscReal TipCompression(const Tip *tip, const Place *at) {
   return -f[0];
 }
 
+/* A tip that slides is free along the clamp's axis, so a place there would lead nothing. */
+static PetscErrorCode CheckSliding(const Tip *tip, MPI_Comm comm, const PetscReal lab[3][3]) {
+  const PetscReal oblique = 1e-12;
+
+  PetscFunctionBegin;
+  for (int d = 0; d < 3 && tip->type == TIP_SLIDES; d++)
+    UserCheck(!PathSays(tip->path, PATH_X1 + d) || PetscAbsReal(lab[d][0]) < 1 - oblique, comm,
+              "-tip_path: a tip that slides is free along x%d, the clamp's axis; take x%d out, or "
+              "-tip_type clamped",
+              d + 1, d + 1);
+  PetscFunctionReturn(0);
+}
+
 /*
   TipSetPath - tells the path of a tip, if it has one, where clamp and tip are at the start; after
   x, theta, x3 and p are set.
@@ -389,6 +399,7 @@ PetscErrorCode TipSetPath(Tip *tip, MPI_Comm comm, PetscReal length, const Petsc
 
   PetscFunctionBegin;
   if (!tip->path) PetscFunctionReturn(0);
+  PetscCall(CheckSliding(tip, comm, lab));
   start = (PathPlace){.x = {tip->x[0], tip->x[1], tip->x3},
                       .p = {tip->p[0], tip->p[1], tip->p[2], tip->p[3]},
                       .angle = tip->theta};

@@ -457,6 +457,16 @@ def led():
         errors.append(np.array([np.abs(r.shapes["moment"][-1] - M).max(), force]) / np.linalg.norm(M))
         print(f"helix of a dead moment, {cells} cells: moment {errors[-1][0]:.1e}, force {errors[-1][1]:.1e}")
     expect(max(errors[1]) < 2e-5 and np.log2(errors[0] / errors[1]).min() > 3.8, f"a dead moment: {errors}")
+    # one that slides is led across, wherever the clamp points: along x2 that is x1, and x2 leads nothing
+    slides = "-growth_type none -growth_initial_length 1 -shape_amplitude 0.3 -friction_mu 0 -tip_type slides -rod_cells 20 -ts_max_time 2 "
+    begin = Run(slides.replace("-ts_max_time 2", "-ts_max_time 1e-3")).shapes["x"][0, -1]
+    for model in ("frame", "space"):
+        along = Run(slides + f"-rod_model {model} -tip_path " + path("t,x2", [[0, begin[1]], [1, begin[1] - 0.2]])).shapes["x"][-1, -1]
+        upright = Run(slides + f"-rod_model {model} -clamp_angle 90deg -tip_path "
+                      + path("t,x1", [[0, -begin[1]], [1, 0.2 - begin[1]]])).shapes["x"][-1, -1]
+        off = np.hypot(upright[0] + along[1], upright[1] - along[0])
+        print(f"a tip that slides, {model}, its clamp along x2: {off:.1e}")
+        expect(off < 1e-9 and abs(along[1] - begin[1] + 0.2) < 1e-9, f"a tip that slides: {upright}, {along}")
     # a tip that slides and turns: the straight rod leaves its axis at the torque 8.98681891
     for torque, grows in ((8.9, False), (9.05, True)):
         turn = torque / C
@@ -624,8 +634,8 @@ def rests():
 @check
 def refused():
     """What is wrong, or means nothing, ends in one line."""
-    lead, far, odd, back = (f"{scene.SCRATCH}/{k}.csv" for k in ("lead", "far", "odd", "back"))
-    for file, text in {lead: "t,turn\n0,0\n1,90deg", far: "t,x1\n0,0.3\n1,0.4", odd: "t,x4\n0,1\n1,2",
+    lead, far, odd, back, aside = (f"{scene.SCRATCH}/{k}.csv" for k in ("lead", "far", "odd", "back", "aside"))
+    for file, text in {aside: "t,x2\n0,0.5\n1,0.4", lead: "t,turn\n0,0\n1,90deg", far: "t,x1\n0,0.3\n1,0.4", odd: "t,x4\n0,1\n1,2",
                        back: "t,x1\n1,0.5\n0,0.5"}.items():
         Path(file).write_text(text + "\n")
     for options, words in {
@@ -645,6 +655,7 @@ def refused():
             f"-tip_type clamped -tip_path {odd}": "column x4",
             f"-tip_type clamped -tip_path {back}": "t must increase",
             f"-tip_type slides -tip_path {far}": "free along x1",
+            f"-tip_type slides -clamp_angle 90deg -tip_path {aside}": "free along x2, the clamp's axis",
             f"-clamp_path {odd}": "how a clamp turns is told by t and spin, or t and turn",
             f"-clamp_path {lead} -clamp_spin 1": "give one of them",
             "-tip_type slides -tip_force 1 -tip_law follower": "what presses on a tip that slides is dead"}.items():
