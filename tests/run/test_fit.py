@@ -1147,8 +1147,14 @@ class Fitting(unittest.TestCase):
         photographs = self.found.problem.measured.photographs
         late, other = photographs[-2].at.numbers, photographs[-1].points.numbers
         self.assertEqual(doubts.odd_ones(self.found), [])
-        (words,) = doubts.odd_ones(self.wrong(lambda t, x, random: (t, other if t == late else x)))
+        odd = self.wrong(lambda t, x, random: (t, other if t == late else x))
+        (words,) = doubts.odd_ones(odd)
         self.assertRegex(words, f"^the photograph at t = {late:.3g} s: .* of another time, or another rod")
+        odd.doubtful, odd.elsewhere = False, []
+        with mock.patch.object(doubts, "limit_of", return_value=np.inf), mock.patch.object(doubts, "bare_part", return_value=0), \
+                mock.patch.object(doubts, "likeliest", return_value=[]):  # nor is the fit trusted that nothing else speaks against
+            self.assertIn(words, doubts.warnings_of(odd, True, None))
+        self.assertFalse(odd.trusted)
 
     def test_strays_are_in_all_photographs(self):
         """And make none of them odd."""
