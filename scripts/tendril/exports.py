@@ -17,7 +17,7 @@ import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import AsinhNorm
 
-from .errors import ResultsError, TendrilError, complaint, optional
+from .errors import ResultsError, TendrilError, complaint, optional, path_of
 from .results import Results, load
 from .spatial import FIELDS, VISIBLE, diameter_of, extent_of, fields_of, lift, tube
 from .surroundings import contact_force
@@ -82,7 +82,7 @@ def to_vtk(r: Results, path: str | Path | None = None, t: float | str | None = N
             array.SetName(name)
             where.AddArray(array)
     if path is not None:
-        write_vtp(body, Path(path))
+        write_vtp(body, path_of(path, "to_vtk"))
     try:
         import pyvista
     except ImportError:

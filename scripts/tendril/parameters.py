@@ -39,7 +39,8 @@ class Parameter:
     @classmethod
     def of(cls, name, bounds):
         """bounds: (low, high) or (low, high, start), numbers or text with a unit."""
-        numbers = [with_unit(b) for b in (bounds.split(":") if isinstance(bounds, str) else bounds)]
+        given = bounds.split(":") if isinstance(bounds, str) else [bounds] if np.ndim(bounds) == 0 else bounds
+        numbers = [with_unit(b) for b in given]
         values, units = [v for v, _ in numbers], {u for _, u in numbers}
         if len(values) not in (2, 3) or not values[0] < values[1]:
             raise TendrilError(f"{name}: give two bounds, the lower first, and a start if one is known: LOW:HIGH or "

@@ -314,6 +314,8 @@ class Package(unittest.TestCase):
                                ("factor: give numbers", dict(friction_field={"factor": [[1, 2, 3], [1]]}))):
             with self.assertRaisesRegex(tendril.TendrilError, words):
                 tendril.run("feed", **SHORT, **options)
+        with self.assertRaisesRegex(tendril.TendrilError, "friction_mu: give two bounds"):
+            tendril.fit("feed", self.runs[0].frame(), {"friction_mu": 0.5})
         scene = self.place / "latin.opts"
         scene.write_bytes("# Größe, that's all\n-growth_type feed\n-rod_cells 40\n-ts_max_time 1\n".encode("latin-1"))
         self.assertEqual(tendril.run(scene).series.length[-1], 1.5)
