@@ -53,15 +53,25 @@ static PetscReal FactorRate(const Formula *self, int k, PetscReal t) {
   return sum;
 }
 
+/* Behind a step that was cut by far the latest points lie close together, and of those far before
+   them their polynomial says what is no number. (Steps change the factor by 4 folds at most,
+   controller.c: what is beyond this is an error, and shows as one.) */
+static PetscReal Within(PetscReal folds) {
+  const PetscReal most = 100;
+
+  return PetscMax(-most, PetscMin(folds, most));
+}
+
 /* A(t)/A(t_j) of m points from first on */
 static void FactorRatios(const Formula *self, PetscInt first, PetscInt m, PetscReal t,
                          PetscReal ratio[VBDF_FACTORS][VBDF_POINTS]) {
   for (int k = 0; k < VBDF_FACTORS; k++)
-    for (PetscInt j = 0; j < m; j++)
-      ratio[k][j] =
-          self->taken[k] < 2
-              ? 1
-              : PetscExpReal(FactorLog(self, k, t) - FactorLog(self, k, self->time[first + j]));
+    for (PetscInt j = 0; j < m; j++) {
+      ratio[k][j] = 1;
+      if (self->taken[k] >= 2)
+        ratio[k][j] =
+            PetscExpReal(Within(FactorLog(self, k, t) - FactorLog(self, k, self->time[first + j])));
+    }
 }
 
 /* Is any factor taken in the present step? */

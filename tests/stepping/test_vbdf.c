@@ -392,6 +392,40 @@ static void TestOrdersWithFactor(void **state) {
   }
 }
 
+/* A step that was cut by far leaves three points next to each other: what their polynomial says of
+   the factor at points far behind them is no number, and steps go on all the same. */
+static void TestFromCloseTogether(void **state) {
+  const Turning c = {0, 0, 1};
+  const int factored[OF_THREE] = {0, 1, 1};
+  const PetscReal times[] = {0.4, 0.4 - 1e-12, 0.4 - 2e-12, 0.35, 0.3}, end = 1;
+  enum { POINTS = sizeof(times) / sizeof(times[0]) };
+  PetscReal error[2];
+  PetscScalar *u;
+  Vec points[POINTS];
+  Problem p;
+  SetOptions("-ts_adapt_type basic");
+  CreateWith(OF_THREE, TurningResidual, TurningJacobian, (void *)&c, &p);
+  CHECK(VBDFSetFactored(p.ts, OF_THREE, factored));
+  for (PetscInt i = 0; i < POINTS; i++) {
+    CHECK(VecDuplicate(p.U, &points[i]));
+    CHECK(VecGetArray(points[i], &u));
+    TurningExact(&c, times[i], u);
+    CHECK(VecRestoreArray(points[i], &u));
+  }
+  CHECK(VecCopy(points[0], p.U));
+  CHECK(TSSetTolerances(p.ts, 0, NULL, 1e-6, NULL));
+  CHECK(TSSetTime(p.ts, times[0]));
+  CHECK(TSSetTimeStep(p.ts, 1e-11));
+  CHECK(TSSetMaxTime(p.ts, end));
+  CHECK(TSSetMaxSNESFailures(p.ts, -1));
+  CHECK(VBDFSetHistory(p.ts, POINTS, times, points, 2));
+  for (PetscInt i = 0; i < POINTS; i++) CHECK(VecDestroy(&points[i]));
+  CHECK(TSSolve(p.ts, p.U));
+  TurningErrors(&c, end, p.U, PETSC_FALSE, error);
+  EXPECT(error[0] < 1e-5 && error[1] < 1e-4, "errors %g, %g", error[0], error[1]);
+  Destroy(&p);
+}
+
 /* From two points; only y and w are under control, as in tendril. */
 static PetscReal RunAdaptive(PetscReal rtol, PetscInt *steps) {
   Problem p;
@@ -774,6 +808,7 @@ static const struct CMUnitTest tests[] = {cmocka_unit_test(TestOrders),
                                           cmocka_unit_test(TestExactForPolynomials),
                                           cmocka_unit_test(TestExactForExponentials),
                                           cmocka_unit_test(TestOrdersWithFactor),
+                                          cmocka_unit_test(TestFromCloseTogether),
                                           cmocka_unit_test(TestAdaptive),
                                           cmocka_unit_test(TestEnd),
                                           cmocka_unit_test(TestHistory),
