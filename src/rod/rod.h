@@ -55,6 +55,12 @@ static inline void PlanePart(const Node *node, PlaneNode *plane) {
 /* A field smaller than this has died away: its relative error is of no account. */
 static const PetscReal rod_vanished = 1e-280;
 
+/* The larger of two sizes; one that is no number is infinite, and stays so. (Then the largest of
+   many is the same in any order, and on all ranks, which else go different ways, and hang.) */
+static inline PetscReal LargerSize(PetscReal most, PetscReal size) {
+  return size <= most ? most : size <= PETSC_MAX_REAL ? size : INFINITY;
+}
+
 typedef struct _Rod *Rod;
 
 /* A state in which the equations are asked for, and what for. Its vectors are borrowed. */

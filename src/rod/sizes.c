@@ -1,7 +1,7 @@
 /* How large the fields of a rod are, and by what changes of them are measured. */
 #include "rod/rod.h"
 
-/* RodFieldSizes - max |U| of each field over the rod. Collective. */
+/* RodFieldSizes - max |U| of each field over the rod (LargerSize()). Collective. */
 PetscErrorCode RodFieldSizes(Rod rod, Vec U, PetscReal size[MAX_FIELDS]) {
   PetscInt fields = rod->model->fields, n = (rod->end - rod->first) * fields;
   const PetscScalar *u;
@@ -10,10 +10,7 @@ PetscErrorCode RodFieldSizes(Rod rod, Vec U, PetscReal size[MAX_FIELDS]) {
   for (PetscInt f = 0; f < fields; f++) size[f] = 0;
   PetscCall(VecGetArrayRead(U, &u));
   for (PetscInt i = 0; i < n; i += fields)
-    for (PetscInt f = 0; f < fields; f++) {
-      PetscReal a = PetscAbsReal(u[i + f]);
-      if (!(a <= size[f])) size[f] = a; /* lets NaN through */
-    }
+    for (PetscInt f = 0; f < fields; f++) size[f] = LargerSize(size[f], PetscAbsReal(u[i + f]));
   PetscCall(VecRestoreArrayRead(U, &u));
   PetscCallMPI(
       MPI_Allreduce(MPI_IN_PLACE, size, (PetscMPIInt)fields, MPIU_REAL, MPI_MAX, rod->scene->comm));
@@ -106,10 +103,8 @@ PetscErrorCode RodSizesAlong(Rod rod, Vec U, const PetscReal axes[2], PetscReal 
   for (PetscInt i = 0; i < n; i += fields)
     for (PetscInt k = 0; k < model->pairs; k++) {
       Along(&model->pair[k], axes, u + i, value);
-      for (int j = 0; j < 2; j++) {
-        PetscReal a = PetscAbsReal(value[j]);
-        if (!(a <= most[2 * k + j])) most[2 * k + j] = a;
-      }
+      for (int j = 0; j < 2; j++)
+        most[2 * k + j] = LargerSize(most[2 * k + j], PetscAbsReal(value[j]));
     }
   PetscCall(VecRestoreArrayRead(U, &u));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, most, (PetscMPIInt)(2 * model->pairs), MPIU_REAL,

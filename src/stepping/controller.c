@@ -402,7 +402,9 @@ static PetscErrorCode Solve(TS ts, Controller *self, Formula *f, SNESConvergedRe
    that grows; its error is too large; or it is accepted. */
 typedef enum { TRY_UNSOLVED, TRY_CROSSES, TRY_ERRS, TRY_ACCEPTED } Outcome;
 
-/* One try of the step. factor: what its size is multiplied by for the next one. */
+/* One try of the step. factor: what its size is multiplied by for the next one. (A state with what
+   is no number in it, or would make none of a norm of errors, is no solution. Its sum tells so on
+   all ranks: from a largest value what is no number may be lost on some.) */
 static PetscErrorCode Try(TS ts, Controller *self, Formula *f, Outcome *outcome,
                           PetscReal *factor) {
   PetscBool accept = PETSC_TRUE, crosses = PETSC_FALSE;
@@ -415,8 +417,8 @@ static PetscErrorCode Try(TS ts, Controller *self, Formula *f, Outcome *outcome,
   BeginTry(ts, self, f);
   PetscCall(Solve(ts, self, f, &solved));
   self->taken_order = self->order;
-  PetscCall(VecNorm(f->point[0], NORM_INFINITY, &size));
-  if (PetscIsInfOrNanReal(size)) solved = DIVERGED_NAN;
+  PetscCall(VecNorm(f->point[0], NORM_1, &size));
+  if (!(size < beyond)) solved = DIVERGED_NAN;
   PetscCall(Check(ts, self, f, &solved));
   *outcome = TRY_UNSOLVED;
   if (solved < 0) PetscFunctionReturn(0);

@@ -82,7 +82,7 @@ static PetscReal Reach(const RodModel *model, const PetscReal size[]) {
   PetscReal reach = 0;
 
   for (PetscInt f = 0; f < model->fields; f++)
-    if (strchr("xy", model->field[f][0]) && !(size[f] <= reach)) reach = size[f]; /* also NaN */
+    if (strchr("xy", model->field[f][0])) reach = PetscMax(reach, size[f]);
   return reach;
 }
 

@@ -51,7 +51,7 @@ static PetscErrorCode RelativeUpdates(Rod rod, Vec U, Vec dU, PetscReal weight,
       PetscReal r = change[f] / PetscMax(size[f], rod_vanished),
                 *most = &update[rod->model->group[f]];
       if (!rod->model->followed[f]) r *= weight;
-      if (!(r <= *most)) *most = r;
+      *most = LargerSize(*most, r);
     }
   PetscFunctionReturn(0);
 }
@@ -141,7 +141,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
                               update));
     for (int g = 0; g < GROUPS; g++) {
       if (update[g] > floor) rate = PetscMax(rate, residual[g] / self->residual[g]);
-      if (!(update[g] <= left)) left = update[g]; /* lets NaN through */
+      left = LargerSize(left, update[g]);
     }
     if (it > 1 && !self->rod->scene->contact.any) rate = PetscMin(rate, left / self->update);
     self->update = left;
