@@ -847,9 +847,19 @@ static PetscErrorCode SpaceInitial(Rod rod, PetscReal t, Node *nodes) {
 
 /* p1 and m1 are made of products of what is across in both directions, and on a rod that is bent in
    one plane, however tilted, no more than what these leave of round-off. And a place across that is
-   small by chance is measured against what its slope makes along the rod. */
+   small by chance is measured against what its slope makes along the rod. Where moments bend a rod
+   out of its plane in which it is, but for round-off, as of one that is twisted there, they drive
+   it by their part of those in it. */
 static void SpaceScale(PetscReal size[]) {
-  const PetscReal tilt = size[P + 2] * size[P + 3], part = 0.1;
+  const PetscReal tilt = size[P + 2] * size[P + 3], part = 0.1, driven = 1e-3, m2 = size[M + 1],
+                  m3 = size[M + 2], both = driven / PetscMax(m2, m3);
+
+  if (m2 > 0 && m3 > 0) {
+    size[X + 1] = PetscMax(size[X + 1], both * m3 * size[X + 2]);
+    size[X + 2] = PetscMax(size[X + 2], both * m2 * size[X + 1]);
+    size[P + 2] = PetscMax(size[P + 2], both * m2 * size[P + 3]);
+    size[P + 3] = PetscMax(size[P + 3], both * m3 * size[P + 2]);
+  }
 
   size[P + 1] = PetscMax(size[P + 1], tilt);
   size[M] = PetscMax(size[M], size[M + 1] * size[P + 3] + size[M + 2] * size[P + 2]);

@@ -34,8 +34,9 @@ typedef struct {
   Vec U, U_t, work; /* within a step */
   PetscReal before; /* the rate at the latest step; 0: none was taken */
   PetscBool crosses;
-  PetscReal t; /* where it does */
+  PetscReal t; /* where it does; 0: a mode grew from the first step on */
   Growing growing;
+  Critical *critical; /* where the mode is stored then; NULL: nowhere */
 } Bent;
 
 /*
@@ -188,6 +189,56 @@ static PetscErrorCode LookAt(Bent *self, PetscReal t, PetscReal t0, PetscReal t1
   PetscFunctionReturn(0);
 }
 
+/* The shape of the mode, if it is asked for: how the places go across, and the tangents. */
+static PetscErrorCode StoreMode(const Bent *self) {
+  Critical *critical = self->critical;
+  const Scene scene = self->leg.rod->scene;
+  const PetscInt fields = rod_space.fields, n = scene->mesh.cells + 1;
+  const PetscScalar *u, *state;
+  PetscReal most = 0, size[2] = {0, 0};
+  Vec mode;
+
+  PetscFunctionBegin;
+  if (!critical) PetscFunctionReturn(0);
+  critical->n = n;
+  critical->frequency = self->growing.frequency;
+  PetscCall(PetscFree3(critical->s, critical->y, critical->theta));
+  PetscCall(PetscFree2(critical->y3, critical->theta3));
+  PetscCall(PetscMalloc3(n, &critical->s, n, &critical->y, n, &critical->theta));
+  PetscCall(PetscMalloc2(n, &critical->y3, n, &critical->theta3));
+  PetscCall(VecDuplicate(self->U, &mode));
+  PetscCall(EPSGetEigenvector(self->eps, self->growing.which, mode, NULL));
+  PetscCall(VecGetArrayRead(mode, &u));
+  PetscCall(VecGetArrayRead(self->U, &state));
+  for (PetscInt i = 0; i < n; i++) {
+    const PetscReal *p = state + i * fields + 3, *dp = u + i * fields + 3;
+    PetscReal d[3][3], D[3][4], turn[3];
+    Directors(p, QuaternionSize(p), d);
+    DirectorSlope(p, QuaternionSize(p), d[0], 0, D);
+    for (int k = 0; k < 3; k++)
+      turn[k] = D[k][0] * dp[0] + D[k][1] * dp[1] + D[k][2] * dp[2] + D[k][3] * dp[3];
+    critical->s[i] = scene->mesh.s[i];
+    critical->y[i] = u[i * fields + 1];
+    critical->y3[i] = u[i * fields + 2];
+    critical->theta[i] = turn[1];
+    critical->theta3[i] = turn[2];
+    size[0] = PetscMax(size[0], PetscAbsReal(critical->y[i]));
+    size[1] = PetscMax(size[1], PetscAbsReal(critical->y3[i]));
+  }
+  PetscCall(VecRestoreArrayRead(mode, &u));
+  PetscCall(VecRestoreArrayRead(self->U, &state));
+  PetscCall(VecDestroy(&mode));
+  most = PetscMax(size[0], size[1]);
+  for (PetscInt i = 0; i < n && most > 0; i++) {
+    critical->y[i] /= most;
+    critical->y3[i] /= most;
+    critical->theta[i] /= most;
+    critical->theta3[i] /= most;
+  }
+  critical->sideways = size[1] / (size[0] + size[1]);
+  PetscFunctionReturn(0);
+}
+
 /* Where the rate, fa < 0 at a, fb >= 0 at b, is 0 within the latest step, which ends at b: false
    position with the stale end's value halved. */
 static PetscErrorCode Cross(Bent *self, PetscReal a, PetscReal fa, PetscReal b, PetscReal fb) {
@@ -213,11 +264,14 @@ static PetscErrorCode Cross(Bent *self, PetscReal a, PetscReal fa, PetscReal b, 
     }
     if (PetscAbsReal(self->t - old) <= root_found * self->t) break;
   }
-  self->crosses = PETSC_TRUE;
+  PetscCall(StoreMode(self));
   PetscFunctionReturn(0);
 }
 
-/* A step was taken: are there modes that grow? */
+/* A step was taken: are there modes that grow?
+
+   At the start forces have not settled, and modes of a moment may grow that are gone the next. One
+   that is told before it had time to grow or decay, of one over its rate, counts if it stays. */
 static PetscErrorCode AfterStep(TS ts) {
   PetscReal t0, t1;
   Growing growing;
@@ -235,13 +289,14 @@ static PetscErrorCode AfterStep(TS ts) {
             "weight across it",
             (double)(t1 - t0), (double)t1);
   PetscCall(LookAt(self, t1, t0, t1, &growing));
-  UserCheck(growing.rate < 0 || self->before < 0, PetscObjectComm((PetscObject)ts),
-            "-growth_initial_length: the bent rod is unstable already at t = 0, take it shorter or "
-            "load it less");
-  if (growing.rate >= 0) {
-    PetscCall(Cross(self, t0, self->before, t1, growing.rate));
-    PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
+  if (growing.rate < 0 && -growing.rate * t1 < 1) self->crosses = PETSC_FALSE;
+  if (growing.rate >= 0 && !self->crosses) {
+    self->crosses = PETSC_TRUE;
+    self->t = 0;
+    if (self->before < 0) PetscCall(Cross(self, t0, self->before, t1, growing.rate));
   }
+  if (self->crosses && PetscAbsReal(growing.rate) * t1 >= 1)
+    PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
   self->before = growing.rate;
   PetscFunctionReturn(0);
 }
@@ -281,55 +336,11 @@ static PetscErrorCode Destroy(Bent *self) {
   PetscFunctionReturn(0);
 }
 
-/* The shape of the mode: how the places go across, and the tangents. */
-static PetscErrorCode StoreMode(const Bent *self, Critical *critical) {
-  const Scene scene = self->leg.rod->scene;
-  const PetscInt fields = rod_space.fields, n = critical->n = scene->mesh.cells + 1;
-  const PetscScalar *u, *state;
-  PetscReal most = 0, size[2] = {0, 0};
-  Vec mode;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc3(n, &critical->s, n, &critical->y, n, &critical->theta));
-  PetscCall(PetscMalloc2(n, &critical->y3, n, &critical->theta3));
-  PetscCall(VecDuplicate(self->U, &mode));
-  PetscCall(EPSGetEigenvector(self->eps, self->growing.which, mode, NULL));
-  PetscCall(VecGetArrayRead(mode, &u));
-  PetscCall(VecGetArrayRead(self->U, &state));
-  for (PetscInt i = 0; i < n; i++) {
-    const PetscReal *p = state + i * fields + 3, *dp = u + i * fields + 3;
-    PetscReal d[3][3], D[3][4], turn[3];
-    Directors(p, QuaternionSize(p), d);
-    DirectorSlope(p, QuaternionSize(p), d[0], 0, D);
-    for (int k = 0; k < 3; k++)
-      turn[k] = D[k][0] * dp[0] + D[k][1] * dp[1] + D[k][2] * dp[2] + D[k][3] * dp[3];
-    critical->s[i] = scene->mesh.s[i];
-    critical->y[i] = u[i * fields + 1];
-    critical->y3[i] = u[i * fields + 2];
-    critical->theta[i] = turn[1];
-    critical->theta3[i] = turn[2];
-    size[0] = PetscMax(size[0], PetscAbsReal(critical->y[i]));
-    size[1] = PetscMax(size[1], PetscAbsReal(critical->y3[i]));
-  }
-  PetscCall(VecRestoreArrayRead(mode, &u));
-  PetscCall(VecRestoreArrayRead(self->U, &state));
-  PetscCall(VecDestroy(&mode));
-  most = PetscMax(size[0], size[1]);
-  for (PetscInt i = 0; i < n && most > 0; i++) {
-    critical->y[i] /= most;
-    critical->y3[i] /= most;
-    critical->theta[i] /= most;
-    critical->theta3[i] /= most;
-  }
-  critical->sideways = size[1] / (size[0] + size[1]);
-  PetscFunctionReturn(0);
-}
-
 /* Follows the rod on the mesh that it has; critical NULL: its mode is not asked for. */
 static PetscErrorCode Follow(Scene scene, PetscReal rtol, PetscBool quiet, PetscReal *t,
                              Critical *critical) {
   TSConvergedReason reason;
-  Bent self = {0};
+  Bent self = {.critical = critical};
   PetscErrorCode error;
   char text[64];
 
@@ -337,23 +348,22 @@ static PetscErrorCode Follow(Scene scene, PetscReal rtol, PetscBool quiet, Petsc
   error = Create(scene, rtol, quiet, &self);
   if (!error) error = TSSolve(self.leg.ts, self.leg.U);
   if (!error) error = TSGetConvergedReason(self.leg.ts, &reason);
-  if (!error && self.crosses) {
-    *t = self.t;
-    if (critical) error = StoreMode(&self, critical);
-    if (critical) critical->frequency = self.growing.frequency;
-  } else if (!error)
-    error = TSGetTime(self.leg.ts, t);
+  if (!error) error = TSGetTime(self.leg.ts, t);
   PetscCall(Destroy(&self));
   PetscCall(error);
-  UserCheck(self.crosses || reason > 0, OptionsComm(),
+  UserCheck(reason > 0, OptionsComm(),
             "the bent rod could not be followed beyond t = %s (%s): try another -ts_rtol or more "
             "-rod_cells",
             OptionBoth(*t, UNIT_TIME, text), TSConvergedReasons[reason]);
   UserCheck(self.crosses || reason != TS_CONVERGED_ITS, OptionsComm(),
             "-ts_max_steps: reached at t = %s, and the bent rod is stable up to there; allow more",
             OptionBoth(*t, UNIT_TIME, text));
+  UserCheck(!self.crosses || self.t > 0, OptionsComm(),
+            "-growth_initial_length: the bent rod is unstable already at t = 0, take it shorter or "
+            "load it less");
   UserCheck(self.crosses, OptionsComm(), "-ts_max_time %s: the bent rod is stable up to there, %s",
             OptionBoth(scene->end_time, UNIT_TIME, text), GrowthOutlook(scene->growth));
+  *t = self.t;
   PetscFunctionReturn(0);
 }
 
