@@ -76,7 +76,7 @@ MUTATIONS = [
     ("history kept", C, "if (attempt >= 3) {", "if (0) {"),
     ("history dropped at once", C, "if (attempt >= 3) {", "if (1) {"),
     ("left / 2", C, "else if (!self->fixed && ts->time_step > left / 2)", "else if (0)"),
-    ("NaN let through", C, "if (PetscIsInfOrNanReal(size)) solved = DIVERGED_NAN;", ""),
+    ("NaN let through", C, "if (!(size < beyond)) solved = DIVERGED_NAN;", ""),
     ("check, none", C, "if (!self->check || *solved < 0) PetscFunctionReturn(0);", "PetscFunctionReturn(0);"),
     # -- modes that grow
     ("cross, never asked", C, "if (!self->cross) PetscFunctionReturn(0);", "PetscFunctionReturn(0);"),
