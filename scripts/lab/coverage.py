@@ -50,7 +50,7 @@ NAMES = ("tip", "norm", "energy")
 LIMIT, REFERENCE_LIMIT = 40, 60    # seconds of a processor
 OTHER_SIDE = 0.05                 # of the length: so far off a rod is on another side
 NEXT_TO_EXACT = 1e-13             # of references: the program takes 9e-10 at its own tolerance
-ROUNDING = 2.2e-16                # of the length squared: an energy that is none, of a rod bent by nature
+ROUNDING = 2.2e-16                # of k0^2 L: an energy that is none, of a rod bent or twisted by nature
 DIGITS_END = 1e-300               # an energy below has few of them
 SNAP_OFF = 2e-4                   # of the run: so much earlier or later a rod may snap
 
@@ -117,7 +117,7 @@ def begins(run, k):
     """From which time on an error of tip, |x2| and energy is counted: from a hundredth of the run behind that at which
     there was nothing of it."""
     values = (run["length"], np.maximum(run["norm_x2"], run.get("norm_x3", 0)), run["energy"])[k]
-    nothing = run["t"][values <= (0, 1e-280, ROUNDING * run["length"][-1] ** 2)[k]]
+    nothing = run["t"][values <= (0, 1e-280, ROUNDING * run.get("natural", 0) ** 2 * run["length"])[k]]
     return 0.01 * run["t"][-1] + (nothing[-1] if len(nothing) else 0)
 
 
@@ -204,6 +204,7 @@ def measure(exe, options, directory, accuracy):
     said = done.stdout.replace("\n", " ") + " "
     estimate = re.search(r"error estimate (\S+?)[,; ]", said)
     run, attributes = series(file)
+    run["natural"] = max(abs(float(options.get(k, 0))) for k in ("rod_curvature", "rod_curvature_2", "rod_twist"))
     used, extra = reference_options(run, attributes, options, accuracy)
     fine = reference(exe, used, directory, extra)
     if isinstance(fine, str):

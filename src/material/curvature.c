@@ -283,11 +283,12 @@ PetscBool CurvatureBends(const Curvature *self) {
 }
 
 /* CurvatureRounding - the least energy of a rod of that length that is more than round-off: what is
-   bent or twisted by nature has that of a difference; a straight rod has none so small. */
+   bent or twisted by nature has that of a difference, a part of k0^2 L; a straight rod has none. */
 PetscReal CurvatureRounding(const Curvature *self, PetscReal length) {
-  const PetscBool natural = (PetscBool)(CurvatureBends(self) || Largest(&self->strain[TURN_1]) > 0);
+  PetscReal most = 0;
 
-  return natural ? PETSC_MACHINE_EPSILON * length * length : 0;
+  for (int e = 0; e < STRAINS; e++) most = PetscMax(most, Largest(&self->strain[e]));
+  return PETSC_MACHINE_EPSILON * PetscSqr(most) * length;
 }
 
 /* CurvatureStrains - the natural strains in space: twist, bend about d2, bend about d3; otherwise

@@ -879,7 +879,10 @@ static void Remembered(Estimate self, PetscReal *number[ESTIMATE_NUMBERS]) {
     number[n++] = &self->size[k];
     number[n++] = &self->latest[k];
   }
-  for (int k = 0; k < ESTIMATE_SEEN; k++) number[n++] = &self->began[k];
+  for (int k = 0; k < ESTIMATE_SEEN; k++) {
+    number[n++] = &self->began[k];
+    for (int part = 0; part < ESTIMATE_PARTS; part++) number[n++] = &self->start[part][k];
+  }
 }
 
 /* EstimateVectors - room for what EstimateKeep() keeps; the caller destroys them. Collective. */

@@ -18,6 +18,7 @@ from world_test import file
 
 import h5py
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 CHECKS = {}
 
@@ -551,7 +552,13 @@ def kicked():
             print(f"{name}: {r.steps} steps ({reference.steps} bent), tip {r.tip}, off by {off:.1e}")
             expect(r.contact_force[-1] > 0 and off < 3e-5, f"{name}: tip {r.tip}, bent {reference.tip}")
             if name == "plane":  # of what it had none of before the kick, a part of what it has just then tells little
-                expect(r.estimate < 1e-2, f"{name}: told {r.estimate:.1e}")
+                fine, touched = Run(options + start + wall + "-ts_rtol 1e-8 "), r.t[r.energy > 0][0]
+                later = r.t > touched + 0.02  # a hundredth of the run
+                energy = CubicSpline(fine.t[fine.energy > 0], np.log(fine.energy[fine.energy > 0]))
+                off = np.abs(energy(r.t[later]) - np.log(r.energy[later])).max()
+                told = float(re.search(r"time ([\d.e+-]+)", r.said.split("error estimate")[1]).group(1))
+                print(f"energy off by {off:.1e} of steps, told {told:.1e}")
+                expect(1e-5 < off < told and r.estimate < 1e-2, f"{name}: energy off by {off:.1e} of steps, told {told:.1e}")
 
 
 @check

@@ -221,6 +221,12 @@ def doubts():
     still, grows = Run(straight + "-growth_type none"), Run(straight)
     expect(still.energy_defect.max() < 1e-3, f"at rest: energy defect {still.energy_defect.max():.1e}")
     expect(abs(grows.tip_x1[-1] - 1) < 1e-7, f"free: the tip is at {grows.tip_x1[-1]!r}")
+    # the energy of a rod that is bent by next to nothing is that of its bend, not round-off's
+    fed = ("-growth_type feed -growth_initial_length 0.5 -rod_cells 40 -ts_max_time 1 -ts_rtol 1e-4 "
+           "-shape_type straight -rod_curvature ")
+    much, little = Run(fed + "1e-3"), Run(fed + "1e-8")
+    print(f"bent by 1e-3 and 1e-8: told {much.estimate:.1e}, {little.estimate:.1e}")
+    expect(abs(little.estimate / much.estimate - 1) < 0.1, f"told {much.estimate}, {little.estimate}")
     # nor of one that rests as it is bent by nature: what round-off does to an energy of nothing is no error
     for options in ("", "-rod_curvature_2 0.1 -rod_twist 1"):
         r = Run(f"-growth_type none -growth_initial_length 2 -shape_type straight -rod_curvature 0.1 -ts_max_time 1 {options}")
