@@ -51,9 +51,9 @@ def number(text):
     return found
 
 
-def alone(axes, found, place, options):
+def alone(axes, seen, place, options):
     """A plain line where a place of the map has more than one run: which of them was meant is not known."""
-    if place in found:
+    if place in seen:
         more = " and ".join(name for name in options if name not in axes)
         raise ValueError(f"several runs are at {', '.join(f'{a} {options[a]}' for a in axes)}"
                          + (f", of {more}; map a sweep over two options" if more else ""))
@@ -77,17 +77,18 @@ def value_of(file, quantity, si):
 
 def of_directory(directory, axes, quantity, si):
     """{(x, y): value} of the files in a directory of scripts/sweep.sh, x and y as (number, unit)"""
-    found = {}
+    found, seen = {}, set()
     for path in sorted(Path(directory).glob("*=*.h5")):
         if path.name.endswith(".part.h5"):
             continue
         values = point(path)
         if not all(axis in values for axis in axes):
             raise ValueError(f"{path}: does not vary {' and '.join(axes)}")
-        alone(axes, found, tuple(values[a] for a in axes), values)
+        alone(axes, seen, place := tuple(values[a] for a in axes), values)
+        seen.add(place)
         with h5py.File(path, "r", locking=False) as file:
             if file.attrs.get("finished", 0):
-                found[tuple(values[a] for a in axes)] = value_of(file, quantity, si)
+                found[place] = value_of(file, quantity, si)
     return found
 
 

@@ -30,6 +30,7 @@ import tempfile
 import time
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
+from numbers import Real
 from pathlib import Path
 
 import h5py
@@ -123,11 +124,14 @@ def file_of(name, value, directory) -> str:
 
 def text_of_wall(wall) -> str:
     """A line of -wall_file: text as it is, or its words, ("circle", 3, 0, 1, "friction", 0.3)."""
-    if np.ndim(wall) == 0 and not isinstance(wall, str):
+    words = [wall] if isinstance(wall, str) else wall if isinstance(wall, (list, tuple, np.ndarray)) else []
+    try:
+        flat = [one for word in words for one in np.ravel(np.asarray(word, object))]
+    except ValueError:  # arrays of several shapes in one
+        flat = []
+    if not flat or not all(isinstance(one, (str, Real, os.PathLike)) for one in flat):
         raise TendrilError(f"wall_file: {wall!r} is no wall; give a list of them, as of circle() or lines of text")
-    words = [wall] if isinstance(wall, str) else list(wall)
-    flat = np.concatenate([np.ravel(np.asarray(word, object)) for word in words])
-    return " ".join(text_of(word) for word in flat)
+    return " ".join(text_of(one) for one in flat)
 
 
 def words_of(options, directory) -> list[str]:

@@ -22,22 +22,27 @@ METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6}
 @dataclass
 class Surface:
     """Vertices [m, 3], triangles [k, 3], and lines [j, 3] that show what it is where it is hardly seen; at t = 0,
-    if it moves."""
+    if it moves. What has no end is a piece of it, which stays under the rod while it moves."""
 
     vertices: np.ndarray
     triangles: np.ndarray
     lines: list[np.ndarray]
-    motion: dict = field(default_factory=dict)  # of what moves: {"moves": velocity, "turns": rate, place, axis}
+    endless: np.ndarray = field(default_factory=lambda: np.empty((0, 3)))  # directions of length 1 in which it has no end
+    # of what moves: {"moves": velocity, "turns": rate, place, axis}; endless, and the "middle" it was drawn under
+    motion: dict = field(default_factory=dict)
 
     def at(self, t):
         """It where it is at a time."""
         if not self.motion:
             return self
-        turns = self.motion.get("turns", np.array([0, 0, 0, 0, 0, 0, 1.0]))
-        turn, place, along = Rotation.from_rotvec(turns[0] * t * turns[4:]), turns[1:4], t * self.motion.get("moves", np.zeros(3))
+        moves, turns, middle = (self.motion.get(what, still) for what, still in
+                                (("moves", np.zeros(3)), ("turns", np.array([0, 0, 0, 0, 0, 0, 1.0])), ("middle", np.zeros(3))))
+        turn, place = Rotation.from_rotvec(turns[0] * t * turns[4:]), turns[1:4]
+        under = turn.inv().apply(middle - place - t * moves) + place  # what was drawn there is under the rod now
+        laid = self.endless.T @ (self.endless @ (under - middle))
 
         def carried_to(x):
-            return turn.apply(x - place) + place + along
+            return turn.apply(x + laid - place) + place + t * moves
 
         return replace(self, vertices=carried_to(self.vertices), lines=[carried_to(line) for line in self.lines])
 
@@ -71,11 +76,8 @@ class Reach:
 def drawn(line, r, reach):
     """The surfaces of a line; none of a kind that is not known here."""
     words, _, motion = ends_of(line.split())
-    if words[0] == "plane" and "moves" in motion:  # along itself it stays what it is, and stays under the rod
-        normal = np.array([float(word) for word in words[4:7]])
-        motion["moves"] = (motion["moves"] @ normal) / (normal @ normal) * normal
     still = of_body(words[1], r) if words[0] == "body" else of_numbers(line, reach)
-    return [replace(surface, motion=motion) for surface in still]
+    return [replace(one, motion=motion and motion | {"endless": one.endless, "middle": reach.middle}) for one in still]
 
 
 def of_numbers(line, reach):
@@ -177,7 +179,7 @@ def plane(point, normal, reach):
     b = np.cross(normal, a)
     foot = reach.middle - ((reach.middle - point) @ normal) * normal
     corners = foot + reach.size * np.array([-a - b, a - b, a + b, -a + b])
-    return Surface(corners, np.array([[0, 1, 2], [0, 2, 3]]), [np.concatenate([corners, corners[:1]])])
+    return Surface(corners, np.array([[0, 1, 2], [0, 2, 3]]), [np.concatenate([corners, corners[:1]])], np.array([a, b]))
 
 
 def straight(point, axis, first, last, length, reach):
@@ -185,7 +187,8 @@ def straight(point, axis, first, last, length, reach):
     axis = axis / np.linalg.norm(axis)
     along = (0.0, length) if length is not None else \
         np.array([-1, 1]) * reach.size + (reach.middle - point) @ axis
-    return revolved(point, axis, np.linspace(*along, ROUND // 2), np.linspace(first, last, ROUND // 2))
+    whole = revolved(point, axis, np.linspace(*along, ROUND // 2), np.linspace(first, last, ROUND // 2))
+    return whole if length is not None else replace(whole, endless=axis[None])
 
 
 def revolved(middle, axis, along, radii):

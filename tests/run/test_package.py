@@ -6,6 +6,7 @@
 import contextlib
 import importlib.util
 import io
+import json
 import os
 import re
 import shutil
@@ -309,6 +310,10 @@ class Package(unittest.TestCase):
         would show one of several runs at each place; a sweep's members know their seconds."""
         steel = {"distance": [0, 1, 2, 3], "factor": [1, 1, 1, 1]}
         for words, options in (("wall_file: 3 is no wall", dict(wall_file=("circle", 3, 0, 1, "outside"))),
+                               (r"wall_file: \[\] is no wall", dict(wall_file=[[]])),
+                               (r"wall_file: None is no wall", dict(wall_file=[None])),
+                               (r"wall_file: \['circle', 3, \[0, \[1\]\].* is no wall",
+                                dict(wall_file=[["circle", 3, [0, [1]], 1, "outside"]])),
                                ("wall_file: give the name of a file, or a list", dict(wall_file={"a": 1})),
                                ("factor: give numbers", dict(rod_stiffness_file=steel | {"factor": ["stiff"] * 4})),
                                ("factor: give numbers", dict(friction_field={"factor": [[1, 2, 3], [1]]}))):
@@ -319,9 +324,11 @@ class Package(unittest.TestCase):
         scene = self.place / "latin.opts"
         scene.write_bytes("# Größe, that's all\n-growth_type feed\n-rod_cells 40\n-ts_max_time 1\n".encode("latin-1"))
         self.assertEqual(tendril.run(scene).series.length[-1], 1.5)
-        with self.assertRaises(tendril.TendrilError):
-            tendril.run(self.place / "kept.h5" if (self.place / "kept.h5").exists() else tendril.run(
-                "feed", output=self.place / "whole.h5", **SHORT).path)
+        whole = tendril.run("feed", output=self.place / "whole.h5", **SHORT).path
+        with self.assertRaisesRegex(tendril.TendrilError, "whole.h5"):
+            tendril.run(whole)
+        corners = [("polygon", [(2, -1), (3, -1), (3, 1)], "outside"), ("circle", (9, 9), 1, "outside")]
+        self.assertEqual([runs.text_of_wall(wall) for wall in corners], ["polygon 2 -1 3 -1 3 1 outside", "circle 9 9 1 outside"])
         over = {"friction_mu": [0, 1], "growth_initial_length": [1, 2], "shape_amplitude": [0.01, 0.2]}
         with self.assertRaisesRegex(tendril.TendrilError, "several runs are at friction_mu 0, .* of shape_amplitude"):
             tendril.map(tendril.sweep("feed", over, **SHORT), ("friction_mu", "growth_initial_length"), "width")
@@ -344,6 +351,44 @@ class Package(unittest.TestCase):
         tendril.plot(r, "space,shapes", times=[0, 1])
         self.assertEqual(tendril.animate(r, self.place / "drum.gif", frames=2), 2)
         self.assertIn('"turns": [1.57', str(tendril.view(r)._repr_html_()).replace("&quot;", '"'))
+
+    def test_endless_walls_that_move(self):
+        """A plane that moves and turns is drawn where it is, and what has no end stays under the rod: a plane, a rod
+        that moves along itself, and what turns about an axis far away. A page draws the same."""
+        from tendril.solids import Reach, drawn
+
+        reach, ahead = Reach(np.array([0, -1, -1.0]), np.array([4, 1, 1.0])), np.array([2, 0, 0.0])
+        quarter = f"turns {np.pi / 2!r}"
+        for line, on, at in (
+                (f"plane 0 0 0 0 0 1 moves 1 0 0 {quarter} 0 0 0 0 1 0", lambda x: x[:, 0] - 1, [1, 0, 0]),
+                (f"plane 0 0 -1 0 0 1 {quarter} 0 50 0 0 0 1", lambda x: x[:, 2] + 1, [2, 0, -1]),
+                (f"cylinder 0 0 0 1 0 0 0.5 outside moves 5 0 0 {quarter} 0 0 0 1 0 0", lambda x: np.hypot(x[:, 1], x[:, 2]) - 0.5, ahead),
+                (f"cylinder 0 0 0 1 0 0 0.5 outside moves -88 -90 0 {quarter} 0 90 0 0 0 1", lambda x: np.hypot(x[:, 0] - 2, x[:, 2]) - 0.5, ahead),
+                ("cylinder 0 0 0 1 0 0 0.5 outside 4 moves 5 0 0", lambda x: np.hypot(x[:, 1], x[:, 2]) - 0.5, [7, 0, 0])):
+            (surface,) = drawn(line, None, reach)
+            then = surface.at(1)
+            for points in (then.vertices, *then.lines):
+                np.testing.assert_allclose(on(points), 0, atol=1e-12, err_msg=line)
+            middle = (then.vertices.min(axis=0) + then.vertices.max(axis=0)) / 2
+            np.testing.assert_allclose(middle, at, atol=1e-12, err_msg=line)
+            np.testing.assert_allclose(surface.at(0).vertices, surface.vertices, atol=1e-13)
+            self.check_page_carries(surface, then)
+
+    def check_page_carries(self, surface, then):
+        """The page's `carried` takes a surface to where it is at t = 1; nothing without node."""
+        if not (node := shutil.which("node")):
+            return
+        web = ROOT / "scripts/tendril/web"
+        script = (web / "space.js").read_text()
+        parts = [re.search(rf"(?ms)^{start}.*?{end}", script)[0] for start, end in (
+            ("const V = ", ";$"), ("const at = ", ";$"), ("function carried", r"^\}$"))]
+        motion = {what: numbers.tolist() for what, numbers in surface.motion.items()}
+        given = json.dumps({"motion": motion, "positions": surface.vertices.ravel().tolist(), "lines": []})
+        (three,) = (web / "three").glob("*.js")
+        text = three.read_text() + "\n" + "\n".join(parts) + f"\nconsole.log(JSON.stringify(Array.from(carried({given}, 1).positions)));"
+        done = subprocess.run([node, "-"], input=text, text=True, capture_output=True)
+        self.assertEqual(done.returncode, 0, done.stderr[-500:])
+        np.testing.assert_allclose(np.reshape(json.loads(done.stdout), (-1, 3)), then.vertices, atol=2e-5)
 
     def test_vtk(self):
         """What VTK reads back is what the file has, of rods in space and in the plane."""
@@ -577,6 +622,16 @@ class Package(unittest.TestCase):
         np.testing.assert_array_equal(table, s.dataset().width.values)
         np.testing.assert_allclose(map.edges(xs), 2.0 ** np.array([-0.5, 0.5, 1.5, 2.5]))
         np.testing.assert_allclose(map.edges(ys), [-0.5, 0.5, 1.5])
+
+    def test_map_of_what_is_not_finished(self):
+        """That several runs are at one place is told also of such as are not finished, in whatever order they stand."""
+        for place, done in (("first", 1), ("second", 2)):
+            (self.place / place).mkdir()
+            for k in (1, 2):
+                with h5py.File(self.place / place / f"a=1__b=2__c={k}.h5", "w") as file:
+                    file.attrs["finished"], file["series/width"] = int(k == done), [0.5]
+            with self.assertRaisesRegex(ValueError, "several runs are at a .*, of c; map a sweep over two options"):
+                map.of_directory(self.place / place, ["a", "b"], "width", False)
 
     def test_three_lines(self):
         """The example of the README does what it says, with the package as pip installs it: by itself, in

@@ -413,14 +413,16 @@ function drawSurface(run, { positions, index, lines }, group) {
   stage.painter.surface(scaled(positions, f), index, "#cfc6ae", 0.28, lines.map((line) => scaled(line, f)), group);
 }
 
-// A surface that moves, where it is at a time.
+// A surface that moves, where it is at a time; what has no end is laid under the rod anew (solids.py).
 function carried(surface, t) {
-  const { moves = [0, 0, 0], turns: [rate, ...place] = [0, 0, 0, 0, 0, 0, 1] } = surface.motion;
+  const { moves = [0, 0, 0], turns: [rate, ...place] = [0, 0, 0, 0, 0, 0, 1], endless = [], middle = [0, 0, 0] } = surface.motion;
   const about = V(...place.slice(0, 3)), axle = V(...place.slice(3)), to = about.clone().addScaledVector(V(...moves), t);
+  const under = V(...middle).sub(to).applyAxisAngle(axle, -rate * t).add(about).sub(V(...middle)), laid = V(0, 0, 0);
+  for (const d of endless) laid.addScaledVector(V(...d), under.dot(V(...d)));
   const moved = (points) => {
     const all = new Float32Array(points.length);
     for (let i = 0; i < points.length / 3; i++)
-      all.set(at(points, i).sub(about).applyAxisAngle(axle, rate * t).add(to).toArray(), 3 * i);
+      all.set(at(points, i).add(laid).sub(about).applyAxisAngle(axle, rate * t).add(to).toArray(), 3 * i);
     return all;
   };
   return { ...surface, positions: moved(surface.positions), lines: surface.lines.map(moved) };
