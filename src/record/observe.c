@@ -488,9 +488,9 @@ static void MeasureBalance(Observer self, Observation *seen) {
     self->net_work +=
         LastInterval(self->n, self->time, self->net, comparable ? self->energy : NULL);
   }
-  scale = PetscMax(PetscMax(energy, self->first_energy),
-                   CurvatureRounding(&self->scene->curvature, seen->length));
-  if (scale == 0) /* straight: at rest, too, round-off of its places works against friction of 1 */
+  scale = PetscMax(energy, self->first_energy);
+  if (scale <= CurvatureRounding(&self->scene->curvature, seen->length))
+    /* none: at rest, too, round-off of its places works against friction of 1 */
     scale = PETSC_MACHINE_EPSILON * PetscSqr(seen->length);
   scale = PetscMax(scale, PetscAbsReal(self->lost_work));
   seen->energy_defect = PetscAbsReal(energy - self->first_energy - self->net_work) / scale;

@@ -851,14 +851,16 @@ static PetscErrorCode SpaceInitial(Rod rod, PetscReal t, Node *nodes) {
    out of its plane in which it is, but for round-off, as of one that is twisted there, they drive
    it by their part of those in it. */
 static void SpaceScale(PetscReal size[]) {
-  const PetscReal tilt = size[P + 2] * size[P + 3], part = 0.1, driven = 1e-3, m2 = size[M + 1],
-                  m3 = size[M + 2], both = driven / PetscMax(m2, m3);
+  const PetscReal tilt = size[P + 2] * size[P + 3], part = 0.1, driven = 1e-3,
+                  most = PetscMax(size[M + 1], size[M + 2]);
 
-  if (m2 > 0 && m3 > 0) {
-    size[X + 1] = PetscMax(size[X + 1], both * m3 * size[X + 2]);
-    size[X + 2] = PetscMax(size[X + 2], both * m2 * size[X + 1]);
-    size[P + 2] = PetscMax(size[P + 2], both * m2 * size[P + 3]);
-    size[P + 3] = PetscMax(size[P + 3], both * m3 * size[P + 2]);
+  if (most > 0) {
+    const PetscReal about_2 = driven * (size[M + 1] / most),
+                    about_3 = driven * (size[M + 2] / most);
+    size[X + 1] = PetscMax(size[X + 1], about_3 * size[X + 2]);
+    size[X + 2] = PetscMax(size[X + 2], about_2 * size[X + 1]);
+    size[P + 2] = PetscMax(size[P + 2], about_2 * size[P + 3]);
+    size[P + 3] = PetscMax(size[P + 3], about_3 * size[P + 2]);
   }
 
   size[P + 1] = PetscMax(size[P + 1], tilt);

@@ -29,10 +29,11 @@ typedef struct {
 typedef struct {
   Leg leg;
   EPS eps;
-  Mat A, B, T;      /* dF/dU, -dF/dU_t, and A^-1 B */
-  KSP ksp;          /* A^-1 */
-  Vec U, U_t, work; /* within a step */
-  PetscReal before; /* the rate at the latest step; 0: none was taken */
+  Mat A, B, T;       /* dF/dU, -dF/dU_t, and A^-1 B */
+  KSP ksp;           /* A^-1 */
+  Vec U, U_t, work;  /* within a step */
+  PetscReal before;  /* the rate at the latest step; 0: none was taken */
+  PetscBool settled; /* what the start brought is over */
   PetscBool crosses;
   PetscReal t; /* where it does; 0: a mode grew from the first step on */
   Growing growing;
@@ -270,8 +271,9 @@ static PetscErrorCode Cross(Bent *self, PetscReal a, PetscReal fa, PetscReal b, 
 
 /* A step was taken: are there modes that grow?
 
-   At the start forces have not settled, and modes of a moment may grow that are gone the next. One
-   that is told before it had time to grow or decay, of one over its rate, counts if it stays. */
+   At the start forces have not settled, and modes of a moment may grow that are gone the next.
+   Until the slowest mode had time to decay, of one over its rate, one that grows counts if it stays
+   till it had time to grow, or to the end of the run. */
 static PetscErrorCode AfterStep(TS ts) {
   PetscReal t0, t1;
   Growing growing;
@@ -283,19 +285,21 @@ static PetscErrorCode AfterStep(TS ts) {
   self = (Bent *)leg->owner;
   PetscCall(TSGetTime(ts, &t1));
   PetscCall(TSGetPrevTime(ts, &t0));
-  UserCheck(t1 - t0 > shortest * t1, PetscObjectComm((PetscObject)ts),
+  UserCheck(self->crosses || t1 - t0 > shortest * t1, PetscObjectComm((PetscObject)ts),
             "-task critical: steps of the bent rod are too short to tell its modes (%g at t = %g), "
             "as where only round-off is out of its plane; tilt that plane or give the rod a little "
             "weight across it",
             (double)(t1 - t0), (double)t1);
   PetscCall(LookAt(self, t1, t0, t1, &growing));
-  if (growing.rate < 0 && -growing.rate * t1 < 1) self->crosses = PETSC_FALSE;
-  if (growing.rate >= 0 && !self->crosses) {
+  if (growing.rate < 0) {
+    self->crosses = PETSC_FALSE;
+    if (-growing.rate * t1 >= 1) self->settled = PETSC_TRUE;
+  } else if (!self->crosses) {
     self->crosses = PETSC_TRUE;
     self->t = 0;
     if (self->before < 0) PetscCall(Cross(self, t0, self->before, t1, growing.rate));
   }
-  if (self->crosses && PetscAbsReal(growing.rate) * t1 >= 1)
+  if (self->crosses && (self->settled || growing.rate * t1 >= 1))
     PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
   self->before = growing.rate;
   PetscFunctionReturn(0);
@@ -351,7 +355,7 @@ static PetscErrorCode Follow(Scene scene, PetscReal rtol, PetscBool quiet, Petsc
   if (!error) error = TSGetTime(self.leg.ts, t);
   PetscCall(Destroy(&self));
   PetscCall(error);
-  UserCheck(reason > 0, OptionsComm(),
+  UserCheck(reason > 0 || (self.crosses && self.t > 0), OptionsComm(),
             "the bent rod could not be followed beyond t = %s (%s): try another -ts_rtol or more "
             "-rod_cells",
             OptionBoth(*t, UNIT_TIME, text), TSConvergedReasons[reason]);
