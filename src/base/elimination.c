@@ -219,6 +219,12 @@ PetscErrorCode EliminationEnd(Elimination self, const LineRows tip) {
   PetscFunctionReturn(0);
 }
 
+/* What is said of node i of the joint when it is arrived at: by its rank and those before. */
+static void Arrived(const Elimination self, PetscInt i, LineRows T) {
+  memcpy(T, self->spans[i].T, sizeof(LineRows));
+  if (i) LineSubtractProduct(self->joint.link[i - 1].X, self->joint.link[i - 1].U, T);
+}
+
 /*
   EliminationIndex - the index of the matrix eliminated last (line.c), whose fourth unknown of a
   node is the force that belongs to the third, its fifth and sixth to the first and second. Of a
@@ -228,22 +234,30 @@ PetscErrorCode EliminationEnd(Elimination self, const LineRows tip) {
 */
 PetscErrorCode EliminationIndex(Elimination self, PetscInt *index) {
   static const int force[HALF] = {2, 0, 1}, turned[HALF] = {1, 2, 0};
+  const int *pair = self->from_tip ? turned : force;
+  const PetscReal sign = self->from_tip ? -1 : 1;
+  LineRows T;
 
   PetscFunctionBegin;
   if (self->wide) {
     *index = WideIndex(self->wide);
     PetscFunctionReturn(0);
   }
-  if (self->from_tip)
-    *index = LineIndex(&self->own, -1, turned) + LineIndexOfArrival(&self->own, -1, turned);
+  if (self->from_tip || self->ranks == 1)
+    memcpy(T, self->own.link[self->own.n].T, sizeof(T));
   else
-    *index = LineIndex(&self->own, 1, force);
+    Arrived(self, self->rank, T);
+  *index = LineIndex(&self->own, sign, pair) +
+           LineIndexOfArrival(&self->own, (const PetscReal(*)[FIELDS])T, sign, pair);
   if (self->ranks == 1) {
     *index += LineIndexOfEnd(&self->own, force);
     PetscFunctionReturn(0);
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, index, 1, MPIU_INT, MPI_SUM, self->comm));
-  for (PetscInt i = 0; i < self->joint.n; i++) *index += LineIndexOfNode(&self->joint, i, force);
+  for (PetscInt i = 0; i < self->joint.n; i++) {
+    Arrived(self, i, T);
+    *index += LineIndexOfNode(&self->joint, i, (const PetscReal(*)[FIELDS])T, force);
+  }
   *index += LineIndexOfEnd(&self->joint, force);
   PetscFunctionReturn(0);
 }

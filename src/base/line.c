@@ -359,25 +359,51 @@ PetscInt LineIndex(const Line *line, PetscReal sign, const int pair[HALF]) {
   return index;
 }
 
-/* LineIndexOfArrival - what the cell before the last node adds there. */
-PetscInt LineIndexOfArrival(const Line *line, PetscReal sign, const int pair[HALF]) {
+/* Is det(sign V) < 0? */
+static PetscBool Reversed(const Square V, PetscReal sign) {
+  const PetscReal det = V[0][0] * (V[1][1] * V[2][2] - V[1][2] * V[2][1]) +
+                        V[0][1] * (V[1][2] * V[2][0] - V[1][0] * V[2][2]) +
+                        V[0][2] * (V[1][0] * V[2][1] - V[1][1] * V[2][0]);
+
+  return (PetscBool)(sign * det < 0);
+}
+
+/* LineIndexOfArrival - what the last cell adds at the last node, of which T is said when it is
+   arrived at: one direction at most. (Where friction holds a rod so fast that cells are not fine
+   beside it, directions turn round in pairs, which are none.) */
+PetscInt LineIndexOfArrival(const Line *line, const Half T, PetscReal sign, const int pair[HALF]) {
   Square V, K;
 
-  if (!line->n) return 0;
-  Columns(line->link[line->n].T, 0, V);
+  Columns(T, 0, V);
+  if (!line->n || !Reversed(V, sign)) return 0;
   Behind(&line->link[line->n - 1], K);
   return Directions(V, sign, K, pair);
 }
 
-/* LineIndexOfNode - what node i before the last adds, however many directions. */
-PetscInt LineIndexOfNode(const Line *line, PetscInt i, const int pair[HALF]) {
-  Square S, K, behind = {{0}};
+/* S <- V^-1 S, which is 1 + C K of what comes behind V, where V has been counted. */
+static void Relative(const Square V, Square S) {
+  PetscReal A[HALF * HALF], B[HALF * HALF];
+  PetscBLASInt n = HALF, pivots[HALF], info;
 
+  for (int i = 0; i < HALF; i++)
+    for (int j = 0; j < HALF; j++) {
+      A[j * HALF + i] = V[i][j];
+      B[j * HALF + i] = S[i][j];
+    }
+  LAPACKgesv_(&n, &n, A, &n, pivots, B, &n, &info);
+  for (int i = 0; i < HALF; i++)
+    for (int j = 0; j < HALF; j++) S[i][j] = B[j * HALF + i];
+}
+
+/* LineIndexOfNode - what node i before the last adds by its own equations, however many directions;
+   T is said of it when it is arrived at. */
+PetscInt LineIndexOfNode(const Line *line, PetscInt i, const Half T, const int pair[HALF]) {
+  Square V, S, K;
+
+  Columns(T, 0, V);
   Recover(&line->link[i], S);
   Multiply(line->link[i].Q, line->link[i].P, K);
-  if (i) Behind(&line->link[i - 1], behind);
-  for (int j = 0; j < HALF; j++)
-    for (int k = 0; k < HALF; k++) K[j][k] += behind[j][k];
+  Relative(V, S);
   return Directions(S, 1, K, pair);
 }
 
@@ -392,9 +418,9 @@ static PetscInt Held(const Square C, int n, const int place[HALF]) {
   return Directions(part, 1, stiff, same);
 }
 
-/* LineIndexOfEnd - what the last node adds, by its own equations and the cell before it. */
+/* LineIndexOfEnd - what the last node adds by its own equations. */
 PetscInt LineIndexOfEnd(const Line *line, const int pair[HALF]) {
-  Square V, W, P, Q, A, C, K, behind = {{0}};
+  Square V, W, P, Q, A, C, K, S;
   int place[HALF], held = 0;
 
   Columns(line->link[line->n].T, 0, V);
@@ -409,15 +435,14 @@ PetscInt LineIndexOfEnd(const Line *line, const int pair[HALF]) {
     Multiply(A, W, K);
     for (int i = 0; i < HALF; i++)
       for (int j = 0; j < HALF; j++) C[i][pair[j]] = -K[i][j];
-    return LineIndexOfArrival(line, 1, pair) + Held(C, held, place);
+    return Held(C, held, place);
   }
   if (!Invert(Q, A)) return 0;
-  if (line->n) Behind(&line->link[line->n - 1], behind);
   Multiply(A, P, K);
-  MultiplySubtract(W, K, V); /* S */
-  for (int i = 0; i < HALF; i++)
-    for (int j = 0; j < HALF; j++) K[i][j] += behind[i][j];
-  return Directions(V, 1, K, pair);
+  memcpy(S, V, sizeof(S));
+  MultiplySubtract(W, K, S);
+  Relative(V, S);
+  return Directions(S, 1, K, pair);
 }
 
 /* LineCreate - for so many nodes at most; the caller ends it with LineDestroy(). */

@@ -39,8 +39,9 @@ void LineForward(const Line *line, PetscInt nodes, const PetscReal (*b)[LINE_FIE
 void LineBackward(const Line *line, const PetscReal y[], PetscReal (*x)[LINE_FIELDS]);
 void LineSolve(const Line *line, const PetscReal (*b)[LINE_FIELDS], PetscReal (*x)[LINE_FIELDS]);
 PetscInt LineIndex(const Line *line, PetscReal sign, const int pair[LINE_HALF]);
-PetscInt LineIndexOfArrival(const Line *line, PetscReal sign, const int pair[LINE_HALF]);
-PetscInt LineIndexOfNode(const Line *line, PetscInt i, const int pair[LINE_HALF]);
+PetscInt LineIndexOfArrival(const Line *line, const LineRows T, PetscReal sign,
+                            const int pair[LINE_HALF]);
+PetscInt LineIndexOfNode(const Line *line, PetscInt i, const LineRows T, const int pair[LINE_HALF]);
 PetscInt LineIndexOfEnd(const Line *line, const int pair[LINE_HALF]);
 void LineDivide(const LineLink *link, const LineRows M, LineRows X);
 void LineSubtractProduct(const LineRows M, const LineRows U, LineRows C);

@@ -177,6 +177,50 @@ static void TestIndex(void **state) {
   EXPECT(Index(30, 200) == 1, "two modes grow, one of them faster than 200");
 }
 
+/* The index of a rod under a force that friction, all but exact, holds here fast and there loosely,
+   by three orders of magnitude more where it begins. */
+static PetscInt HeldIndex(PetscReal force, PetscReal shift) {
+  enum { N1 = 4, CELLS = 60 };
+  PetscInt index, low, n;
+  PetscScalar *u, *v;
+  RodState at;
+  Case c;
+
+  Open(&c, "-growth_initial_length 1 -growth_type feed -rod_cells 60 -friction_beta 1e-18 "
+           "-shape_amplitude 1e-3");
+  CHECK(VecGetOwnershipRange(c.U, &low, NULL));
+  CHECK(VecGetLocalSize(c.U, &n));
+  CHECK(VecGetArray(c.U, &u));
+  CHECK(VecGetArray(c.U_t, &v));
+  for (PetscInt i = 0; i < n; i += FIELDS) {
+    PetscReal speed = PetscPowReal(1000, (PetscReal)(low + i) / (CELLS * FIELDS));
+    u[i + N1] = -force;
+    for (PetscInt f = 0; f < 3; f++) v[i + f] = speed * Scatter(1, low + i + f);
+  }
+  CHECK(VecRestoreArray(c.U, &u));
+  CHECK(VecRestoreArray(c.U_t, &v));
+  at = StateOf(0.7, c.U, c.U_t, shift);
+  CHECK(c.rod->model->eliminate(c.rod, &at, c.elimination));
+  CHECK(EliminationIndex(c.elimination, &index));
+  Close(&c);
+  return index;
+}
+
+/* Friction is no energy's, and stiffer than cells are fine: all ranks count what one does. */
+static void TestHeld(void **state) {
+  const struct {
+    PetscReal force, shift;
+    PetscInt index;
+  } one[] = {{2, 1, 1}, {200, 1, 8}, {200, 1e4, 7}, {200, 1e10, 0}};
+
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(one); k++) {
+    PetscInt index = HeldIndex(one[k].force, one[k].shift);
+    EXPECT(index == one[k].index, "P = %g, shift %g: %d modes, not %d", one[k].force, one[k].shift,
+           (int)index, (int)one[k].index);
+  }
+}
+
 static const struct CMUnitTest tests[] = {cmocka_unit_test(TestModel), cmocka_unit_test(TestWorld),
-                                          cmocka_unit_test(TestHard), cmocka_unit_test(TestIndex)};
+                                          cmocka_unit_test(TestHard), cmocka_unit_test(TestIndex),
+                                          cmocka_unit_test(TestHeld)};
 MAIN(tests)

@@ -451,6 +451,10 @@ def ranks():
     on_ranks("-growth_type feed -growth_initial_length 0.5 -rod_curvature 0.1 -shape_type straight "
              "-contact_diameter 0.1 -ts_max_time 2.5 -rod_cells 60 "
              + walls("circle 2 0.4 0.7 outside friction 0.4", "plane 3 0 -1 0"), 1e-4)  # a step more on one
+    # head-on against a wall, which is as stiff as friction in the snap: no rank counts modes that are not there
+    on_ranks("-growth_type feed -growth_initial_length 0.6 -shape_type straight -rod_curvature_random 1e-3 "
+             "-rod_curvature_seed 7 -contact_diameter 0.05 -ts_max_time 2 -rod_cells 60 -contact_stiffness 9.22e6 "
+             + walls("plane 1.6 0 -1 0"), 1e-4)
 
 
 @check
