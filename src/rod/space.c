@@ -854,7 +854,7 @@ static void SpaceScale(PetscReal size[]) {
   const PetscReal tilt = size[P + 2] * size[P + 3], part = 0.1, driven = 1e-3,
                   most = PetscMax(size[M + 1], size[M + 2]);
 
-  if (most > 0) {
+  if (size[M + 1] > 0 && size[M + 2] > 0) {
     const PetscReal about_2 = driven * (size[M + 1] / most),
                     about_3 = driven * (size[M + 2] / most);
     size[X + 1] = PetscMax(size[X + 1], about_3 * size[X + 2]);
