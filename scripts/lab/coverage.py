@@ -8,9 +8,10 @@ growth zone also against a beta far smaller than that which tolerance allows.
 
 The true error is the largest relative one of tip, |x2| and energy from a hundredth of the run on (and
 behind the time until which there is no |x2|, or no energy). Prints a line a scene and the share in which the
-estimate is above it, or below by at most 3. With --accuracy that is asked for, and it is counted how often it was met, and how often the program said that it was not. Where rods
-snap, another reference, which follows no snap, says whether they are on the right side (see fuzz.py). References are
-kept beside the results, under /tmp/coverage-SEED: another program at the same scenes needs no new ones, as long as its
+estimate is above it, or below by at most 3. With --accuracy that is asked for, and it is counted how often it was met,
+and how often the program said that it was not. Where rods snap, another reference, which follows no snap, says whether
+they are on the right side (see fuzz.py). References are kept beside the results, under /tmp/coverage-SEED: another
+program at the same scenes needs no new ones, as long as its
 cells are the same. Rows are added to FILE one by one, and scenes that are in it are not measured again: what was
 interrupted goes on with the same command."""
 

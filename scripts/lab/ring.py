@@ -7,7 +7,8 @@
 The ring is what the rod begins as: length 1, bent by 2 pi, and its tip is held where it closes. Its natural twist is -Phi, so that
 it bears C Phi with sections that do not turn against the ring. It may roll about its own axis at no cost, which no mesh tells from
 giving way. So it has a part of its bend by nature; that holds it and shifts what is looked for, to second order in Phi as the roots
-of a determinant say (written beside), and three such parts are extrapolated to none. In a plane that is tilted, as any may be. Whether it is stable is asked at each of Phi, halving."""
+of a determinant say (written beside), and three such parts are extrapolated to none. Its plane is tilted, as any may be. Whether it
+is stable is asked at each of Phi, halving."""
 
 import shlex
 import subprocess

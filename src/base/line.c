@@ -382,17 +382,19 @@ PetscInt LineIndexOfArrival(const Line *line, const Half T, PetscReal sign, cons
 
 /* S <- V^-1 S, which is 1 + C K of what comes behind V, where V has been counted. */
 static void Relative(const Square V, Square S) {
-  PetscReal A[HALF * HALF], B[HALF * HALF];
-  PetscBLASInt n = HALF, pivots[HALF], info;
+  PetscReal column[HALF], solved[HALF];
+  Square A;
+  Half factors;
+  int row[HALF];
 
-  for (int i = 0; i < HALF; i++)
-    for (int j = 0; j < HALF; j++) {
-      A[j * HALF + i] = V[i][j];
-      B[j * HALF + i] = S[i][j];
-    }
-  LAPACKgesv_(&n, &n, A, &n, pivots, B, &n, &info);
-  for (int i = 0; i < HALF; i++)
-    for (int j = 0; j < HALF; j++) S[i][j] = B[j * HALF + i];
+  memcpy(A, V, sizeof(A));
+  if (!Factor(A, row)) return;
+  for (int i = 0; i < HALF; i++) memcpy(factors[i], A[i], sizeof(A[i]));
+  for (int j = 0; j < HALF; j++) {
+    for (int i = 0; i < HALF; i++) column[i] = S[i][j];
+    SolveByFactors((const PetscReal(*)[FIELDS])factors, row, column, solved);
+    for (int i = 0; i < HALF; i++) S[i][j] = solved[i];
+  }
 }
 
 /* LineIndexOfNode - what node i before the last adds by its own equations, however many directions;

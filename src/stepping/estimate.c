@@ -536,7 +536,7 @@ static PetscErrorCode SubtractSource(Estimate self, PetscReal t, int part) {
 }
 
 /* What an error makes of |x2|, and of |x3| in space, over the larger one; none: the rod is
- * straight. */
+   straight. */
 static PetscReal SeeNorm(const Estimate self, const PetscReal *e) {
   const PetscReal *s = self->scene->mesh.s, *u = self->all.u;
   const PetscInt last = self->nodes - 1, fields = self->fields;

@@ -141,13 +141,23 @@ static void TestHard(void **state) {
   Compare("-rod_cells 400 -growth_initial_length 30");
 }
 
+/* The index of a case whose state is set, at this shift; closes it. */
+static PetscInt IndexOf(Case *c, PetscReal shift) {
+  const RodState at = StateOf(0.7, c->U, c->U_t, shift);
+  PetscInt index;
+
+  CHECK(c->rod->model->eliminate(c->rod, &at, c->elimination));
+  CHECK(EliminationIndex(c->elimination, &index));
+  Close(c);
+  return index;
+}
+
 /* The index of an almost straight viscous rod of length 1 under this force along it, at this shift.
  */
 static PetscInt Index(PetscReal force, PetscReal shift) {
   enum { N1 = 4 };
-  PetscInt index, n;
+  PetscInt n;
   PetscScalar *u;
-  RodState at;
   Case c;
 
   Open(&c, "-growth_initial_length 0.3 -friction_mu 0 -rod_cells 150 -shape_amplitude 1e-4");
@@ -155,11 +165,7 @@ static PetscInt Index(PetscReal force, PetscReal shift) {
   CHECK(VecGetArray(c.U, &u));
   for (PetscInt i = N1; i < n; i += FIELDS) u[i] = -force;
   CHECK(VecRestoreArray(c.U, &u));
-  at = StateOf(0.7, c.U, c.U_t, shift);
-  CHECK(c.rod->model->eliminate(c.rod, &at, c.elimination));
-  CHECK(EliminationIndex(c.elimination, &index));
-  Close(&c);
-  return index;
+  return IndexOf(&c, shift);
 }
 
 /* Buckled modes are counted: those of a free rod give way at P = ((k - 1/2) pi)^2. One of the rate
@@ -181,9 +187,8 @@ static void TestIndex(void **state) {
    by three orders of magnitude more where it begins. */
 static PetscInt HeldIndex(PetscReal force, PetscReal shift) {
   enum { N1 = 4, CELLS = 60 };
-  PetscInt index, low, n;
+  PetscInt low, n;
   PetscScalar *u, *v;
-  RodState at;
   Case c;
 
   Open(&c, "-growth_initial_length 1 -growth_type feed -rod_cells 60 -friction_beta 1e-18 "
@@ -199,11 +204,7 @@ static PetscInt HeldIndex(PetscReal force, PetscReal shift) {
   }
   CHECK(VecRestoreArray(c.U, &u));
   CHECK(VecRestoreArray(c.U_t, &v));
-  at = StateOf(0.7, c.U, c.U_t, shift);
-  CHECK(c.rod->model->eliminate(c.rod, &at, c.elimination));
-  CHECK(EliminationIndex(c.elimination, &index));
-  Close(&c);
-  return index;
+  return IndexOf(&c, shift);
 }
 
 /* Friction is no energy's, and stiffer than cells are fine: all ranks count what one does. */
