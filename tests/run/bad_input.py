@@ -17,7 +17,7 @@ import tempfile
 from math import cos, sin
 from pathlib import Path
 
-from held import PAGE, Held
+from held import HANG, PAGE, Held
 from interpreter import from_venv
 
 try:
@@ -25,7 +25,6 @@ try:
 except ImportError as error:
     from_venv(error)
 
-SECONDS = 60  # a refusal takes far less; more is a hang
 SHORT = "-output out.h5 -rod_cells 20 -ts_max_time 1e-3".split()
 
 SOUND = [
@@ -557,7 +556,7 @@ def make_files(d, tendril):
 
 def run(command, directory):
     return subprocess.run(command, cwd=directory, stdin=subprocess.DEVNULL, capture_output=True,
-                          text=True, errors="replace", timeout=SECONDS)
+                          text=True, errors="replace", timeout=HANG)
 
 
 def complaints(stderr, expected, alone):
@@ -584,7 +583,7 @@ def check_refusal(command, expected, directory, alone=True):
     try:
         done = run(command, directory)
     except subprocess.TimeoutExpired:
-        return [f"still going after {SECONDS} s"], ""
+        return [f"still going after {HANG} s"], ""
     wrong = list(complaints(done.stderr, expected, alone))
     if expected not in AFTER_THE_START and old.read_bytes() != before:
         wrong.append("an older result was overwritten")

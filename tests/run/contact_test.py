@@ -12,6 +12,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
+from held import HANG
 from scene_test import Run, expect
 from laboratory_test import read, tendril
 from world_test import file
@@ -934,7 +935,7 @@ def guard_on_ranks():
                "-contact_diameter 0.1 -contact_self " + walls("plane 2 0 -1 0"))
     for ranks in (2, 3):
         done = subprocess.run([scene.MPIEXEC, "-n", str(ranks), scene.TENDRIL, *shlex.split(options)],
-                              capture_output=True, text=True, env=scene.ENVIRONMENT, timeout=100)
+                              capture_output=True, text=True, env=scene.ENVIRONMENT, timeout=HANG)
         line = [k for k in done.stderr.splitlines() if k.startswith("tendril: ")]
         print(f"{ranks} ranks: {line}")
         expect(done.returncode != 0 and len(line) == 1 and "pass through itself or a wall" in line[0],

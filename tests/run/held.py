@@ -13,25 +13,28 @@ from pathlib import Path
 
 MONITORS = ["-snes_view"]  # a page is some five steps
 PAGE = 4096
-LIMIT = 120  # seconds; more is a hang
+HANG = 900  # seconds; no busy machine takes that long for one run
+LOOK = 60  # seconds
 
 
-def ended(command, limit, **more):
-    """(exit code, stdout, stderr) of a command; TimeoutExpired if it does not end. An mpiexec that goes on
+def ended(command, **more):
+    """(exit code, stdout, stderr) of a command; TimeoutExpired if it hangs. An mpiexec that goes on
     although all its ranks have ended (that of Open MPI 5 does now and then, when they end with an error) is
     ended, and said: it is no fault of theirs."""
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **more) as process:
-        try:
-            out, err = process.communicate(timeout=limit)
-        except subprocess.TimeoutExpired:
-            if alive(process.pid):
+        gone = 0
+        for _ in range(HANG // LOOK):
+            try:
+                out, err = process.communicate(timeout=LOOK)
+                return process.returncode, out, err
+            except subprocess.TimeoutExpired:
+                gone = 0 if alive(process.pid) else gone + 1
+            if gone == 2:
+                print(f"{command}: its ranks have ended, mpiexec has not", flush=True)
                 process.kill()
-                raise
-            print(f"{command}: its ranks have ended, mpiexec has not", flush=True)
-            process.kill()
-            out, err = process.communicate()
-            return 1, out, err
-    return process.returncode, out, err
+                return 1, *process.communicate()
+        process.kill()
+    raise subprocess.TimeoutExpired(command, HANG)
 
 
 def alive(parent):
@@ -73,7 +76,7 @@ class Held:
 
     def let(self, size=PAGE):
         """Lets it print so many bytes more (those of a page are let go together); False if it has ended."""
-        end = time.monotonic() + LIMIT
+        end = time.monotonic() + HANG
         while size > 0 and time.monotonic() < end:
             if not select.select([self.pipe], [], [], 0.05)[0]:
                 if self.process.poll() is not None:
@@ -115,5 +118,5 @@ class Held:
         """Lets it go on to its end; (exit code, what it said on stderr)."""
         while self.let():
             pass
-        said = self.process.communicate(timeout=LIMIT)[1]
+        said = self.process.communicate(timeout=HANG)[1]
         return self.process.returncode, said

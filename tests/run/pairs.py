@@ -20,6 +20,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
+from held import HANG
 
 import h5py
 import numpy as np
@@ -94,7 +95,6 @@ BASE_IN_SPACE = ("-growth_initial_length 2 -shape_amplitude 0.1 -shape_turn 0.5 
 MAY_GIVE_UP = ("friction_newton=primal", "ts_type=", "pc_type=lu", "ksp_type=gmres", "ts_bdf_order=1",
                "snes_linesearch_type=bt")
 END = 0.003  # by then each may have come to its end
-LIMIT = 150  # seconds for all; a quiet machine takes a tenth
 
 
 def write_files(d, base):
@@ -243,7 +243,7 @@ def sweep(rows, d, task):
     try:
         done = subprocess.run([scene.TENDRIL, "-options_file", str(d / "base.opts"), "-task", "sweep", "-sweep_task", task,
                                "-sweep_file", str(d / "table.csv"), "-output", str(file), "-quiet"],
-                              capture_output=True, text=True, env=scene.ENVIRONMENT, timeout=LIMIT)
+                              capture_output=True, text=True, env=scene.ENVIRONMENT, timeout=HANG)
         ended = f"exit {done.returncode}, {done.stderr[-300:]}"
         good = done.returncode == 0
     except subprocess.TimeoutExpired:
@@ -272,12 +272,12 @@ def one_by_one(rows, d, task, ended):
     return wrong
 
 
-def run(d, words, limit=20):
+def run(d, words):
     """(exit code, stderr) of a run by itself; code None: it hangs. One that goes on has its options from the file."""
     base = [] if words[0] == "-restart" else ["-options_file", str(d / "base.opts")]
     try:
         done = subprocess.run([scene.TENDRIL, *base, *words], capture_output=True, text=True,
-                              env=scene.ENVIRONMENT, timeout=limit)
+                              env=scene.ENVIRONMENT, timeout=HANG)
     except subprocess.TimeoutExpired:
         return None, ""
     return done.returncode, done.stderr

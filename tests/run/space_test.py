@@ -11,6 +11,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
+from held import HANG
 from scene_test import Run, expect
 import world_test as world
 from laboratory_test import read, tendril
@@ -363,7 +364,7 @@ def crawls():
     for ranks in (1, 2):
         command = [scene.TENDRIL, *f"{spun} -output {file}".split()]
         done = subprocess.run([scene.MPIEXEC, "-n", str(ranks), *command] if ranks > 1 else command,
-                              capture_output=True, text=True, env=scene.ENVIRONMENT, timeout=50)
+                              capture_output=True, text=True, env=scene.ENVIRONMENT, timeout=HANG)
         line = next((s for s in done.stderr.splitlines() if s.startswith("tendril: ")), "")
         print(line)
         expect(done.returncode == 1 and "tendril: crawls at t = " in line and "-ts_max_steps" in line

@@ -18,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
 from scene_test import Failure, expect
 from faults import small_disk
-from held import MONITORS, Held, ended
+from held import HANG, MONITORS, Held, ended
 
 import h5py
 import numpy as np
@@ -29,7 +29,6 @@ from tendril import load
 from tendril.collection import load_sweep
 
 CHECKS = {}
-LIMIT = 100  # seconds; more is a hang
 SHORT = "-growth_initial_length 2 -shape_amplitude 0.1 -rod_cells 40 -ts_max_time 0.1 -ts_rtol 1e-4"
 TABLE = """friction_mu, -rod_model, ts_max_time, friction_layers
 1, frame, 0.2, ""
@@ -52,7 +51,7 @@ def tendril(options, ranks=1, before=""):
     command = [scene.MPIEXEC, "-n", str(ranks), "--bind-to", "none"] if ranks > 1 else []
     line = f"{before}exec {shlex.join([*command, scene.TENDRIL, *shlex.split(options)])}"
     try:
-        code, out, err = ended(["bash", "-c", line], LIMIT, env=scene.ENVIRONMENT, cwd=scene.SCRATCH)
+        code, out, err = ended(["bash", "-c", line], env=scene.ENVIRONMENT, cwd=scene.SCRATCH)
     except subprocess.TimeoutExpired:
         raise Failure(f"{options}, {ranks} ranks: hangs") from None
     said = [s.split(": ", 1)[1] for s in err.splitlines() if s.startswith("tendril: ")]
@@ -236,7 +235,7 @@ def interrupted_from_python():
             expect(process.poll() is None, "the sweep has ended")
             time.sleep(0.1)
         process.send_signal(signal.SIGINT)
-        said = process.communicate(timeout=LIMIT)[1]
+        said = process.communicate(timeout=HANG)[1]
     expect(process.returncode and "KeyboardInterrupt" in said, f"{process.returncode}, {said}")
     s = load_sweep(file)
     expect((s.status == 1).sum() == 4 and not s.finished, f"status {s.status}")
@@ -420,7 +419,7 @@ def memory():
                               f"-sweep_file table.csv -output {n}.h5")
         done = subprocess.run([sys.executable, "-c", code, scene.TENDRIL, *options], check=True,
                               capture_output=True, text=True, cwd=scene.SCRATCH,
-                              env=scene.ENVIRONMENT, timeout=LIMIT)
+                              env=scene.ENVIRONMENT, timeout=HANG)
         most.append(int(done.stdout))
     each = (most[1] - most[0]) / (many - few)
     print(f"{most} kB, {each:.2f} kB a member")
@@ -432,7 +431,7 @@ def script(command, code=0, cwd=ROOT):
     environment = dict(scene.ENVIRONMENT, TENDRIL=scene.TENDRIL, MPIEXEC=scene.MPIEXEC,
                        PYTHON=sys.executable, PYTHONPATH=str(ROOT / "scripts"))
     done = subprocess.run(shlex.split(command), capture_output=True, text=True, env=environment,
-                          cwd=cwd, timeout=LIMIT)
+                          cwd=cwd, timeout=HANG)
     expect(done.returncode == code, f"{command}: {done.returncode}, {done.stderr}")
     return done.stdout + done.stderr
 

@@ -21,6 +21,7 @@ from pathlib import Path
 from threading import Thread
 from unittest import mock
 
+from held import HANG
 from interpreter import ROOT, from_venv
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # matrices are small: threads of BLAS would only wait
@@ -424,7 +425,7 @@ class Tracing(unittest.TestCase):
             page.write_text(m.page().replace("</body>", f"<script>{ACTIONS}</script></body>"))
             done = subprocess.run([BROWSER, *QUIET, f"--user-data-dir={place}/user", "--window-size=1000,900",
                                    "--virtual-time-budget=20000", "--dump-dom", page.as_uri()], capture_output=True,
-                                  text=True, timeout=120)
+                                  text=True, timeout=HANG)
         said = re.search(r'(?s)<pre id="seen">(.*?)</pre>', done.stdout)
         self.assertTrue(said, done.stderr[-500:])
         seen = json.loads(html.unescape(said[1]))

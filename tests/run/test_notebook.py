@@ -23,7 +23,7 @@ def in_jupyter():
     import nbformat
 
     book = nbformat.read(NOTEBOOK, 4)
-    nbclient.NotebookClient(book, timeout=300, kernel_name="python3").execute()
+    nbclient.NotebookClient(book, timeout=1500, kernel_name="python3").execute()
     outputs = [output for cell in book.cells for output in cell.get("outputs", ())]
     pictures = sum("image/png" in output.get("data", {}) for output in outputs)
     assert pictures == 3, f"{pictures} pictures are shown"

@@ -17,6 +17,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
+from held import HANG
 from interpreter import ROOT, from_venv
 
 sys.path.insert(0, str(ROOT / "scripts"))
@@ -279,7 +280,7 @@ class View(unittest.TestCase):
         with tempfile.TemporaryDirectory(prefix="tendril-") as profile:
             done = subprocess.run([BROWSER, *QUIET, *graphics, f"--user-data-dir={profile}", f"--window-size={size}",
                                    "--virtual-time-budget=8000", "--dump-dom", file.as_uri()],
-                                  capture_output=True, text=True, timeout=120)
+                                  capture_output=True, text=True, timeout=HANG)
         found = re.search(r'(?s)<pre id="seen">(.*?)</pre>', done.stdout)
         self.assertTrue(found, done.stdout[-500:] + done.stderr[-2000:])
         return json.loads(html.unescape(found[1]))
