@@ -35,9 +35,9 @@ typedef struct {
   LoadSlope slope[3]; /* of the load at them; the end of a cell is where the next begins */
 } Cell;
 
-/* The point at a node; u, u_t its six unknowns and their rates. */
+/* The point at a node; u its six unknowns, x_t how its place moves. */
 static inline void PointAtNode(const Load *load, const Law *law, const LoadDual *dual,
-                               const PetscReal *u, const PetscReal *u_t, Point *p) {
+                               const PetscReal *u, const PetscReal x_t[2], Point *p) {
   const PetscReal theta = u[TH]; /* (one call for sine and cosine) */
 
   p->theta = theta;
@@ -46,7 +46,7 @@ static inline void PointAtNode(const Load *load, const Law *law, const LoadDual 
   p->at.q[1] = PetscSinReal(theta);
   for (int d = 0; d < 2; d++) {
     p->n[d] = u[N1 + d];
-    p->at.v[d] = u_t[X1 + d] + law->c * p->at.q[d];
+    p->at.v[d] = x_t[d] + law->c * p->at.q[d];
     p->at.x[d] = u[X1 + d];
   }
   PointEvaluate(load, law, dual, p);
@@ -197,8 +197,10 @@ static Point *CellsNode(Cell *cell, PetscInt i) {
   Point *p = frame->point + k;
 
   if (cell->known) return p;
+  PetscReal x_t[2] = {cell->u_t[i][X1], cell->u_t[i][X2]};
+  if (i == cell->rod->last) TipStill(&cell->rod->scene->tip, cell->t, 2, x_t);
   p->at.t = cell->t;
-  PointAtNode(cell->load, frame->law + k, FrameDuals(frame, k), cell->u[i], cell->u_t[i], p);
+  PointAtNode(cell->load, frame->law + k, FrameDuals(frame, k), cell->u[i], x_t, p);
   AddPush(cell, i, 0, p);
   return p;
 }

@@ -3,7 +3,8 @@
 #include <string.h>
 
 static void PointAtNode(const Cell *cell, const Law *law, const FrictionDual4 *dual,
-                        const PetscReal *u, const PetscReal *u_t, Point *p) {
+                        const PetscReal *u, const PetscReal *u_t, const PetscReal x_t[3],
+                        Point *p) {
   memcpy(p->p, u + P, sizeof(p->p));
   memcpy(p->m, u + M, sizeof(p->m));
   memcpy(p->n, u + N, sizeof(p->n));
@@ -14,7 +15,7 @@ static void PointAtNode(const Cell *cell, const Law *law, const FrictionDual4 *d
   p->at.t = cell->t;
   for (int i = 0; i < 3; i++) {
     p->at.x[i] = u[X + i];
-    p->at.W[i] = u_t[X + i] + law->c * p->d[0][i];
+    p->at.W[i] = x_t[i] + law->c * p->d[0][i];
   }
   PointEvaluate(cell->load, law, dual, p);
 }
@@ -90,8 +91,11 @@ static inline void AddPush(const Cell *cell, PetscInt i, int half, Point *p) {
 static void NodePoint(Cell *cell, PetscInt i, Point *p) {
   Space_ *self = (Space_ *)cell->rod->data;
   PetscInt k = 2 * (i - cell->rod->first + 1);
+  const PetscReal *u_t = cell->u_t[i];
+  PetscReal x_t[3] = {u_t[X], u_t[X + 1], u_t[X + 2]};
 
-  PointAtNode(cell, self->law + k, Duals(self, k), cell->u[i], cell->u_t[i], p);
+  if (i == cell->rod->last) TipStill(&cell->rod->scene->tip, cell->t, 3, x_t);
+  PointAtNode(cell, self->law + k, Duals(self, k), cell->u[i], u_t, x_t, p);
   AddPush(cell, i, 0, p);
 }
 

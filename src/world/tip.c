@@ -153,6 +153,21 @@ static void Held(const Tip *tip, PetscReal t, PathPlace *held) {
   if (tip->path) PathAt(tip->path, tip->resistance.stopped ? tip->resistance.stopped_at : t, held);
 }
 
+/* Is it held on a path that moves at a time? (Before its first row, behind its last, and in a snap,
+   it rests.) */
+static PetscBool Led(const Tip *tip, PetscReal t) {
+  return (PetscBool)(tip->path && !tip->resistance.stopped && t > PathTime(tip->path, 0) &&
+                     t < PathTime(tip->path, PathRows(tip->path) - 1));
+}
+
+/* TipStill - the velocity of a place that is held at rest is 0, and not what round-off makes of it
+   in a step that is short: where dry friction is next to exact it would be a direction, in which
+   the tip is pushed with all that friction can, another one in each step. */
+void TipStill(const Tip *tip, PetscReal t, int axes, PetscReal x_t[]) {
+  for (int d = 0; d < axes; d++)
+    if (TipHolds(tip, d) && !Led(tip, t)) x_t[d] = 0;
+}
+
 /* TipHeldFrame - turns the quaternion of a tip in space to the frame in which it is held at a time,
    if it is. */
 void TipHeldFrame(const Tip *tip, PetscReal t, PetscReal p[4]) {
