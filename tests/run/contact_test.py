@@ -19,7 +19,6 @@ from world_test import file
 
 import h5py
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 CHECKS = {}
 
@@ -535,6 +534,7 @@ def robust():
 def kicked():
     """A rod that is straight, or as good as (x2 far below 1e-100), meets an oblique wall: it goes the way
     of one that is bent by a hundred thousandth, which has something its error can be a part of."""
+    from scipy.interpolate import CubicSpline  # here: it takes longer to import than many a check takes
     fed = "-growth_type feed -growth_initial_length 0.5 -ts_max_time 3 "
     corner = "polygon outside 2 -0.5 2.5 1 3 -0.5"
     bent = "-shape_type straight -rod_curvature 1e-5 "
