@@ -414,7 +414,8 @@ def ranks():
     for options in (DRY + "-ts_max_time 1 -rod_cells 100",
                     DRY + "-ts_max_time 1 -rod_cells 100 -rod_model mixed",
                     "-growth_type gaussian -growth_width 0.05 -ts_max_time 3 -rod_cells 100",
-                    small + " -rod_model linear", small + " -rod_model auto"):
+                    small + " -rod_model linear", small + " -rod_model auto",
+                    "-ts_max_time 5 -rod_curvature 0.02 -rod_curvature_random 0.1 -shape_type straight -rod_cells 100"):
         one = Run(options)
         for n in (2, 3):
             r = Run(options, ranks=n)
