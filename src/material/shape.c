@@ -170,11 +170,15 @@ PetscErrorCode ShapeSetFromOptions(Shape *shape) {
 
 /*
   ShapeAngle - the initial angle against the clamp and its derivative by s, at one label.
-  sag: theta = eps (1 - (1-s)^3), the cantilever under a uniform side load.
+  sag: theta = eps (1 - (1-s)^3), the cantilever under a uniform side load; from a hinge, which
+  bears no moment, eps s^2 (3 - 2s), the beam between two hinges under it.
 */
 void ShapeAngle(const Shape *shape, PetscReal s, PetscReal *theta, PetscReal *theta_s) {
   *theta = *theta_s = 0;
-  if (shape->type == SHAPE_SAG) {
+  if (shape->type == SHAPE_SAG && shape->hinged) {
+    *theta = shape->amplitude * s * s * (3 - 2 * s);
+    *theta_s = shape->amplitude * 6 * s * (1 - s);
+  } else if (shape->type == SHAPE_SAG) {
     *theta = shape->amplitude * (1 - (1 - s) * (1 - s) * (1 - s));
     *theta_s = shape->amplitude * 3 * (1 - s) * (1 - s);
   } else if (shape->theta) {

@@ -9,6 +9,7 @@ typedef enum { SHAPE_STRAIGHT, SHAPE_SAG, SHAPE_MODE, SHAPE_RANDOM, SHAPE_FILE }
 typedef struct {
   ShapeType type;
   PetscReal amplitude; /* eps, largest initial angle against the clamp */
+  PetscBool hinged;    /* its beginning is in a hinge */
   PetscInt seed;
   PetscInt n;                    /* knots of a tabulated shape (random, file, mode) */
   PetscReal *s, *theta, *theta2; /* its knots, angles and their second derivatives */

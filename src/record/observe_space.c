@@ -58,6 +58,16 @@ static PetscReal TurnedBetween(const Node *a, const Node *b) {
   return turn - PetscFloorReal(turn + 0.5);
 }
 
+/* What turns a rod's beginning about itself does work: a clamp that is turned; and a hinge, whose
+   moment goes along with a tangent that circles. */
+static PetscReal ClampPower(Scene scene, const Sample3 *p) {
+  PetscReal turn[4];
+
+  if (scene->clamp != CLAMP_HINGED) return -p->node.m3[0] * SpaceClampRate(&scene->space, p->at.t);
+  QuaternionFrom(p->node.p, p->node.p_t, turn); /* about the directors */
+  return -p->moment[0] * 2 / QuaternionSize(p->node.p) * turn[1];
+}
+
 static void MeasureClamp3(Scene scene, const Sample3 *p, Observation *seen) {
   PetscReal lab[3];
 
@@ -71,7 +81,7 @@ static void MeasureClamp3(Scene scene, const Sample3 *p, Observation *seen) {
   seen->base_moment_1 = -lab[0];
   seen->base_moment_2 = -lab[1];
   seen->base_moment_3 = -lab[2];
-  seen->clamp_power = -p->node.m3[0] * SpaceClampRate(&scene->space, p->at.t);
+  seen->clamp_power = ClampPower(scene, p);
 }
 
 /* How fast the material there turns: 2 p_t p* of the directors, and c u of what slides past them.

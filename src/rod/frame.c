@@ -1,6 +1,7 @@
 /* The frame model: first order in s, the constraint built in (theory.md, section 1),
      x' = g q,  theta' = g (m/B + k0),  m' = -g (q1 n2 - q2 n1),  n' = g F(v),  v = x_t + c q,
-     s = 0: x = 0, theta = 0 (in the clamp's frame), or m = 0, n = 0 where it is free;
+     s = 0: x = 0, theta = 0 (in the clamp's frame), m = 0 in a hinge, or m = 0, n = 0 where it is
+            free;
      s = 1: the tip's three conditions (tip.h).
    On a cell of width h between nodes a and b, with y = (x, theta, m, n) and y' = f(y),
      order 4 (Lobatto):   y_b - y_a = h/6 (f_a + 4 f_mid + f_b),
@@ -296,10 +297,11 @@ static LoadDual *TipDual(Rod rod) {
   return FrameDuals((Frame *)rod->data, 2 * (rod->last - rod->first + 1) + 1);
 }
 
-/* Which unknown the f-th condition at the beginning is about, x and theta if it is held: */
+/* Which unknown the f-th condition at the beginning is about: */
 static int OfClamp(Rod rod, int f) {
-  static const int free[] = {N1, N2, M};
-  return rod->scene->clamp == CLAMP_FREE ? free[f] : f;
+  static const int of[][3] = {
+      [CLAMP_HELD] = {X1, X2, TH}, [CLAMP_HINGED] = {X1, X2, M}, [CLAMP_FREE] = {N1, N2, M}};
+  return of[rod->scene->clamp][f];
 }
 
 /* ... it is 0. */

@@ -401,8 +401,7 @@ static PetscErrorCode LinearDestroy(Rod rod) {
 }
 
 static const char *Refuses(Scene scene) {
-  if (scene->clamp == CLAMP_FREE)
-    return "-clamp_type free: the linear model's rod is held by a clamp";
+  if (scene->clamp != CLAMP_HELD) return "-clamp_type: the linear model's rod is held by a clamp";
   if (!SpaceIsAlong(scene->load.weight))
     return "-rod_weight: the linear model is of a rod that no weight bends";
   if (!SpaceIsAlong(scene->tip.push))

@@ -4,7 +4,8 @@
      m' = -g d1 x n + g l d1,  n' = g F,
    F the load and l its couple about the tangent (world/load_space.h), at the velocity
    v = x_t + c d1 and the spin 2 (p* p_t)_1 + c u1,
-     s = 0: x = 0, p that of the clamp, or m = 0, n = 0, |p| = 1 where it is free;
+     s = 0: x = 0, p that of the clamp, or in a hinge m.d2 = m.d3 = 0, |p| = 1 and no turn about d1
+            but the clamp's, or m = 0, n = 0, |p| = 1 where it is free;
      s = 1: the tip's six conditions (tip.h).
    The cells are those of the frame model (frame.c), y = (x, p, m, n),
      order 4:  y_b - y_a = h/6 (f_a + 4 f_mid + f_b),  y_mid = (y_a + y_b)/2 + h/8 (f_a - f_b),
@@ -45,6 +46,38 @@ static FrictionDual4 *TipDual(Rod rod) {
   return Duals((const Space_ *)rod->data, 2 * (rod->last - rod->first + 1) + 1);
 }
 
+/* The four of a hinge beside x = 0, and their derivatives; each changes sign with the field of its
+   row in the mirrors. How a section has turned about d1 is counted against the smallest rotation
+   that takes the clamp's axis there, as links are: 2 atan2(p1, p0), that of the clamp. The twisting
+   moment goes along with d1, as that at the tip does. */
+static void HingeResidual(const PetscReal u[FIELDS], const PetscReal clamp[4], PetscReal r[4]) {
+  const PetscReal *p = u + P, *m = u + M, size = QuaternionSize(p);
+  PetscReal d[3][3];
+
+  Directors(p, size, d);
+  r[0] = (size - 1) / 2;
+  r[1] = clamp[0] * p[1] - clamp[1] * p[0];
+  for (int k = 1; k < 3; k++) r[1 + k] = Dot3(m, d[k]);
+}
+
+static void HingeBlock(const PetscReal u[FIELDS], const PetscReal clamp[4],
+                       PetscReal by[4][FIELDS]) {
+  const PetscReal *p = u + P, *m = u + M, size = QuaternionSize(p);
+  PetscReal d[3][3], slope[3][4];
+
+  Directors(p, size, d);
+  for (int j = 0; j < 4; j++) by[0][P + j] = p[j];
+  by[1][P] = -clamp[1];
+  by[1][P + 1] = clamp[0];
+  for (int k = 1; k < 3; k++) {
+    DirectorSlope(p, size, d[k], k, slope);
+    for (int i = 0; i < 3; i++) {
+      by[1 + k][M + i] = d[k][i];
+      for (int j = 0; j < 4; j++) by[1 + k][P + j] += m[i] * slope[i][j];
+    }
+  }
+}
+
 /* The seven conditions at the beginning, r = 0. */
 static void ClampResidual(Scene scene, PetscReal t, const PetscReal u[FIELDS],
                           PetscReal r[FIELDS]) {
@@ -57,16 +90,24 @@ static void ClampResidual(Scene scene, PetscReal t, const PetscReal u[FIELDS],
   }
   SpaceClampTurn(&scene->space, &scene->load, t, p);
   for (int f = 0; f < LEFT; f++) r[f] = u[f] - (f < P ? 0 : p[f - P]);
+  if (scene->clamp == CLAMP_HINGED) HingeResidual(u, p, r + P);
 }
 
 /* ... and their derivatives. */
-static void ClampBlock(Scene scene, const PetscReal u[FIELDS], PetscReal by[LEFT][FIELDS]) {
+static void ClampBlock(Scene scene, PetscReal t, const PetscReal u[FIELDS],
+                       PetscReal by[LEFT][FIELDS]) {
+  PetscReal p[4];
+
   memset(by, 0, LEFT * sizeof(*by));
   if (scene->clamp == CLAMP_FREE) {
     for (int d = 0; d < 6; d++) by[d][M + (d + 3) % 6] = 1;
     for (int k = 0; k < 4; k++) by[LEFT - 1][P + k] = u[P + k];
-  } else
-    for (int f = 0; f < LEFT; f++) by[f][f] = 1;
+    return;
+  }
+  for (int f = 0; f < (scene->clamp == CLAMP_HINGED ? P : LEFT); f++) by[f][f] = 1;
+  if (scene->clamp != CLAMP_HINGED) return;
+  SpaceClampTurn(&scene->space, &scene->load, t, p);
+  HingeBlock(u, p, by + P);
 }
 
 static PetscErrorCode SpaceResidual(Rod rod, const RodState *at, Vec F) {
@@ -446,7 +487,7 @@ static PetscErrorCode SpaceJacobian(Rod rod, const RodState *at, Mat J) {
   if (self->strands) PetscCall(SpaceStrandsPattern(rod, self->strands, at->fresh, J));
   PetscCall(PetscMemzero(row, sizeof(row)));
   if (rod->first == 0) {
-    ClampBlock(rod->scene, cell.u[0], left);
+    ClampBlock(rod->scene, at->t, cell.u[0], left);
     for (int f = 0; f < LEFT; f++) PetscCall(PetscArraycpy(&row[f][FIELDS], left[f], FIELDS));
   }
   for (PetscInt i = begin; i < rod->end; i++) {
@@ -749,7 +790,7 @@ static PetscErrorCode InitialPlaces(Scene scene, PetscReal t, PetscInt n, SpinPl
   PetscFunctionBegin;
   for (PetscInt i = 0; i < n; i++) PetscCall(PlaceAt(scene, place[i].s, t, &place[i]));
   PetscCall(PetscArrayzero(turn, n));
-  if (scene->load.radius == 0 && scene->clamp == CLAMP_HELD)
+  if (scene->load.radius == 0 && scene->clamp != CLAMP_FREE)
     PetscCall(SpinRest(n, place, scene->tip.torque, TipPoints(&scene->tip), turn));
   PetscFunctionReturn(0);
 }

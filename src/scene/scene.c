@@ -4,8 +4,9 @@
 static const OptionRow rows[] = {
     ROW_REAL("-clamp_angle", "0", -6.2832, 6.2832, UNIT_ANGLE, 0,
              "alpha, direction of the clamp, in radians (or degrees: 90deg)"),
-    ROW_WORD("-clamp_type", "held", "held,free", 0,
-             "is the rod's beginning held there, or as free as a tip on which nothing pushes?"),
+    ROW_WORD("-clamp_type", "held", "held,hinged,free", 0,
+             "is the rod's beginning held there, in a hinge that lets it tilt but not spin, or as "
+             "free as a tip on which nothing pushes?"),
     ROW_INT("-rod_cells", "500", 4, 3e8, 0, "N, so N + 1 nodes"),
     ROW_WORD("-rod_grading", "growth", "uniform,growth", 0,
              "node placement: equidistant in s, or denser where the rod grows"),
@@ -142,17 +143,25 @@ void SceneAtTolerance(Scene scene, PetscReal rtol) {
   if (scene->load.limit) scene->contact.rub.beta = scene->load.friction.beta;
 }
 
-/* A rod whose beginning is free has nothing there that lets material in, or turns it. */
+/* A rod whose beginning is free has nothing there that lets material in, or turns it; and a hinge
+   is one about which material that has grown swings, none that lets it in. */
 static PetscErrorCode CheckClamp(Scene scene) {
   PetscInt type;
 
   PetscFunctionBegin;
   PetscCall(OptionWord("-clamp_type", &type, NULL));
   scene->clamp = (ClampType)type;
+  UserCheck(scene->clamp == CLAMP_HELD || !scene->growth->slides, OptionsComm(),
+            "-clamp_type %s: rods that are fed in, or slide out of the clamp, have one; give "
+            "another -growth_type",
+            scene->clamp == CLAMP_FREE ? "free" : "hinged");
+  scene->shape.hinged = (PetscBool)(scene->clamp == CLAMP_HINGED);
+  UserCheck(scene->clamp != CLAMP_HINGED || scene->load.radius == 0 || scene->load.friction.mu == 0,
+            OptionsComm(),
+            "-friction_radius: a rod that tilts in its hinge hardly spins there, and which way dry "
+            "friction points then is undecided; with -clamp_type hinged take it out, or give "
+            "-friction_mu 0");
   if (scene->clamp != CLAMP_FREE) PetscFunctionReturn(0);
-  UserCheck(!scene->growth->slides, OptionsComm(),
-            "-clamp_type free: rods that are fed in, or slide out of the clamp, have one; give "
-            "another -growth_type");
   UserCheck(scene->space.spin == 0, OptionsComm(),
             "%s: turns a clamp, and with -clamp_type free there is none; leave one out",
             SpaceClampOption(&scene->space));
@@ -201,8 +210,8 @@ PetscErrorCode SceneCreate(Scene *scene) {
   PetscCall(
       SpaceSetFromOptions(&self->space, &self->load, &self->tip, &self->curvature, &self->shape));
   PetscCall(CheckClamp(self));
-  if (self->load.radius > 0 && self->clamp == CLAMP_HELD) LoadNextToExact(&self->load);
-  if (ContactWallsRub(&self->contact) && self->clamp == CLAMP_HELD)
+  if (self->load.radius > 0 && self->clamp != CLAMP_FREE) LoadNextToExact(&self->load);
+  if (ContactWallsRub(&self->contact) && self->clamp != CLAMP_FREE)
     LoadNextToExactByWalls(&self->load);
   ContactSetFrame(&self->contact, (const PetscReal(*)[3])self->space.lab, self->clamp_angle);
   PetscFunctionReturn(0);

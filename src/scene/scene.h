@@ -13,8 +13,9 @@
 #include "material/stiffness.h"
 #include "world/tip.h"
 
-/* s = 0: held in the clamp, or free, m = 0, n = 0. */
-typedef enum { CLAMP_HELD, CLAMP_FREE } ClampType;
+/* s = 0: held in the clamp; in a hinge that holds its place, and keeps it from spinning, but lets
+   it tilt; or free, m = 0, n = 0. */
+typedef enum { CLAMP_HELD, CLAMP_HINGED, CLAMP_FREE } ClampType;
 
 typedef struct _Scene *Scene;
 struct _Scene {

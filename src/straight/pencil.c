@@ -26,14 +26,14 @@ static PetscErrorCode Allocate(Pencil self) {
   PetscCall(PetscSplitOwnership(self->comm, &nloc, &self->n));
   PetscCallMPI(MPI_Scan(&nloc, &self->last, 1, MPIU_INT, MPI_SUM, self->comm));
   self->first = self->last - nloc;
-  self->cell = PetscMin(mesh->cells - 1, PetscMax(0, self->first - 1));
-  end = PetscMin(mesh->cells, PetscMax(self->last + 2, self->cell + 1));
+  self->cell = PetscMin(mesh->cells - 1, PetscMax(0, self->first - self->ahead - 1));
+  end = PetscMin(mesh->cells, PetscMax(self->last - self->ahead + 2, self->cell + 1));
   self->cells = end - self->cell;
   labels = (mesh->cells - self->cell) * GAUSS + 1;
   PetscCall(PetscMalloc2(self->cells * GAUSS, &self->point, self->cells * GAUSS * PER_POINT,
                          &self->basis));
   PetscCall(PetscMalloc7(nloc, &self->delta, labels, &self->z, labels, &self->label, labels,
-                         &self->stretch, labels, &self->force, self->n, &self->node,
+                         &self->stretch, labels, &self->force, mesh->cells + 1, &self->node,
                          self->ways > 1 ? labels : 0, &self->turn));
   for (PetscInt c = 0; c < mesh->cells - self->cell; c++)
     for (int q = 0; q < GAUSS; q++) {
@@ -45,7 +45,7 @@ static PetscErrorCode Allocate(Pencil self) {
     }
   self->z[labels - 1] = 1;
   for (PetscInt i = 0; i < nloc; i++) {
-    PetscInt j = self->first + i;
+    PetscInt j = self->first + i - self->ahead;
     self->delta[i] =
         (BSplineKnot(mesh->cells, mesh->s, j + 2) - BSplineKnot(mesh->cells, mesh->s, j - 1)) / 3;
   }
@@ -92,8 +92,8 @@ static PetscErrorCode Map(Pencil self, PetscReal t) {
     self->stretch[i] = L / g;
   }
   s = 0;
-  for (PetscInt i = 0; i < self->n; i++) {
-    if (self->growth->even || i == 0 || i == self->n - 1)
+  for (PetscInt i = 0; i <= self->mesh->cells; i++) {
+    if (self->growth->even || i == 0 || i == self->mesh->cells)
       s = self->mesh->s[i];
     else
       PetscCall(Label(self->growth, self->mesh->s[i], t, L, &s));
@@ -144,7 +144,8 @@ PetscErrorCode PencilCreate(MPI_Comm comm, Scene scene, const Mesh *mesh, PetscR
                            (scene->tip.force != 0 && scene->tip.law == TIP_FOLLOWER));
   self->held = scene->tip.type == TIP_FREE ? 0 : scene->tip.type == TIP_PINNED ? 1 : 2;
   self->mesh = mesh;
-  self->n = mesh->cells + 1;
+  self->ahead = scene->clamp == CLAMP_HINGED;
+  self->n = mesh->cells + 1 + self->ahead;
   self->map = map;
   PetscCall(Allocate(self));
   if (map != map_follows) PetscCall(Map(self, map));
@@ -315,7 +316,8 @@ PetscErrorCode PencilSetTime(Pencil self, PetscReal t, PencilFrame frame) {
 
   On a half line with a free end int y'^2 - y''^2 <= int y^2: the largest eigenvalue of
   -(y'''' + y'') there is 1. A rod clamped at s = 0 goes on as 0 behind its clamp, hence
-  lambda <= max(P^2/B) / min(drag). The margin covers quadrature and keeps the shift regular.
+  lambda <= max(P^2/B) / min(drag). Where y = 0 at both ends, of a hinge too, int y'^2 = - int y y''
+  makes it a quarter of that. The margin covers quadrature and keeps the shift regular.
 */
 PetscErrorCode PencilBound(Pencil self, PetscReal *bound) {
   PetscFunctionBegin;
@@ -393,7 +395,7 @@ PetscErrorCode PencilBand(Pencil self, PencilForm form, PetscReal band[]) {
   for (PetscInt i = 0; i < self->cells * GAUSS; i++) {
     const PencilPoint *x = self->point + i;
     const PetscReal *w = self->basis + i * PER_POINT, *w1 = w + 3, *y = w + 6;
-    PetscInt cell = self->cell + i / GAUSS;
+    PetscInt cell = self->cell + i / GAUSS + self->ahead;
     PetscReal curve[3]; /* (w/g)' */
 
     for (int k = 0; k < 3; k++) curve[k] = w1[k] / x->g - w[k] * x->g_z / (x->g * x->g);
@@ -640,7 +642,7 @@ PetscErrorCode PencilUnsumTranspose(Pencil self, Mat E, Vec w, Vec c) {
   PencilShape - deflection and angle at the nodes. Not collective.
 
   c, w       all n coefficients of y and of w = y', on every rank that calls
-  y, theta   n values each at the nodes, or NULL: y, and dy/dp at time t, the one of
+  y, theta   cells + 1 values at the nodes, or NULL: y, and dy/dp at time t, the one of
              PencilSetTime() if the map follows
 */
 PetscErrorCode PencilShape(Pencil self, const PetscReal c[], const PetscReal w[], PetscReal t,
@@ -649,14 +651,14 @@ PetscErrorCode PencilShape(Pencil self, const PetscReal c[], const PetscReal w[]
   PetscReal map = self->map == map_follows ? t : self->map;
 
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < self->n; i++) {
-    PetscInt cell = PetscMin(i, mesh->cells - 1);
+  for (PetscInt i = 0; i <= mesh->cells; i++) {
+    PetscInt cell = PetscMin(i, mesh->cells - 1), at = cell + self->ahead;
     PetscReal value[PER_POINT], sum = 0, slope = 0, g, m, L;
     SplineValues(mesh, cell, mesh->s[i], value);
     for (PetscInt k = 0; k < 4; k++)
-      if (y && cell - 2 + k >= 0) sum += c[cell - 2 + k] * value[6 + k];
+      if (y && at - 2 + k >= 0) sum += c[at - 2 + k] * value[6 + k];
     for (PetscInt k = 0; k < 3; k++)
-      if (theta && cell - 1 + k >= 0) slope += w[cell - 1 + k] * value[k];
+      if (theta && at - 1 + k >= 0) slope += w[at - 1 + k] * value[k];
     PetscCall(GrowthStretch(self->growth, 1, &self->node[i], t, &g, NULL, NULL));
     PetscCall(GrowthStretch(self->growth, 1, &self->node[i], map, &m, NULL, NULL));
     PetscCall(GrowthLength(self->growth, map, &L, NULL));

@@ -6,7 +6,9 @@
        K w - Delta n = 0,   E^T n + X w = lambda D c,   E c - Delta w = 0.
    The splines live on a coordinate z in [0,1], a map of the label s that is fixed in time: the
    share of arc length p(s, t_map) / L(t_map). However narrow the growth zone, nothing is steep in z
-   near t_map. For uniform growth z = s, and this is algebraically the pencil of StraightBands.
+   near t_map. For uniform growth z = s, and this is algebraically the pencil of StraightBands. In a
+   hinge y'(0) is free: the splines of y and w that are not 0 there are unknowns too, the first
+   ones.
 
    Where twist joins the two directions across (twist.h) there are two of each kind of unknown, and
    K has, beside one block for each direction, those that join w2 and w3: K23 = - int B23 w2' w3' +
@@ -67,7 +69,8 @@ struct _Pencil {
   Growth growth;           /* the scene's */
   const Mesh *mesh;        /* nodes in z */
   PetscReal map;           /* t_map, or map_follows */
-  PetscInt n, first, last; /* unknowns of each kind, cells + 1; this rank's */
+  PetscInt n, first, last; /* unknowns of each kind, cells + 1 + ahead; this rank's */
+  PetscInt ahead;          /* 1: there is one more, the slope at a hinge, before the others */
   PetscInt cell, cells;    /* first cell that touches them, and how many */
   StraightWay way;
   PetscInt ways;  /* 2: joined directions; w, c and n of x2 and of x3 follow each other */
@@ -80,7 +83,7 @@ struct _Pencil {
   PetscReal *z, *label;       /* all Gauss points from cell on, and 1; their labels */
   PetscReal *stretch, *force; /* s_z and P there */
   PetscReal *turn;            /* the angle of the section, joined directions */
-  PetscReal *node;            /* labels of the n nodes */
+  PetscReal *node;            /* labels of the cells + 1 nodes */
   PetscReal time, moment;     /* M, joined directions */
   PetscReal compression, drag_min, drag_max, rate_max; /* extremes of P^2/B, drag, (ln D)_t */
 };

@@ -63,7 +63,7 @@ static PetscErrorCode Check(Scene scene) {
 
   PetscFunctionBegin;
   UserCheck(scene->clamp == CLAMP_HELD, scene->comm,
-            "-clamp_type free: %s, of one that a clamp holds; take it out", about);
+            "-clamp_type: %s, of one that a clamp holds; take it out", about);
   UserCheck(!scene->contact.any, scene->comm,
             "-%s: %s, and of one that touches nothing; take it out",
             scene->contact.self ? "contact_self" : "wall_file", about);

@@ -236,7 +236,7 @@ static PetscErrorCode StoreMode(Scene scene, const Factor *factor, Critical *sel
   Pencil p = factor->pencil;
 
   PetscFunctionBegin;
-  self->n = p->n;
+  self->n = p->mesh->cells + 1;
   PetscCall(PetscMalloc3(self->n, &self->s, self->n, &self->y, self->n, &self->theta));
   PetscCall(PetscArraycpy(self->s, p->node, self->n));
   PetscCall(PencilShape(p, factor->c, factor->w, self->t, self->y, self->theta));
@@ -275,7 +275,7 @@ static PetscErrorCode Agree(Scene scene, Critical *self) {
 static PetscErrorCode FindWith(Factor *fine, Factor *half, Scene scene, PetscBool quiet,
                                Critical *self, Fate *fate) {
   PetscReal low = 0, high = 0, half_t, near = 1e-8;
-  PetscInt cells = scene->mesh.cells, n = cells + 1;
+  PetscInt cells = scene->mesh.cells, n;
   MPI_Comm comm = cells < SHARED_CELLS ? PETSC_COMM_SELF : scene->comm;
 
   PetscFunctionBegin;
@@ -287,7 +287,7 @@ static PetscErrorCode FindWith(Factor *fine, Factor *half, Scene scene, PetscBoo
   PetscCall(FactorCreate(comm, scene, (cells + 1) / 2, self->way, PETSC_FALSE, quiet, half));
   PetscCall(OnMesh(scene, half, low, high, &half_t, fate));
   if (*fate != CROSSES) PetscFunctionReturn(0);
-  n *= fine->pencil->ways;
+  n = fine->pencil->ways * fine->pencil->n;
   PetscCall(PetscMalloc2(n, &fine->c, n, &fine->w));
   PetscCall(OnMesh(scene, fine, half_t - near, half_t + near, &self->t, fate));
   if (*fate != CROSSES) PetscFunctionReturn(0);

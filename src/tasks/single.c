@@ -17,6 +17,10 @@ static PetscErrorCode TakeSlowestMode(Scene scene) {
   PetscInt n;
 
   PetscFunctionBegin;
+  UserCheck(
+      scene->clamp != CLAMP_HINGED, scene->comm,
+      "-shape_type mode: begins tilted in a hinge, and shapes are measured against the clamp; "
+      "give another -shape_type");
   PetscCall(StabilitySlowestMode(scene, &n, &s, &theta));
   PetscCall(ShapeSetTable(&scene->shape, n, s, theta));
   PetscCall(PetscFree(s));
@@ -66,8 +70,12 @@ static PetscErrorCode CheckStraight(Scene scene) {
   PetscFunctionBegin;
   UserCheck(!CurvatureBends(&scene->curvature), scene->comm,
             "-rod_curvature: %s, straight by nature; give 0 or take it out%s", about, other);
-  UserCheck(scene->clamp == CLAMP_HELD, scene->comm,
+  UserCheck(scene->clamp != CLAMP_FREE, scene->comm,
             "-clamp_type free: %s that a clamp holds; take it out", about);
+  UserCheck(scene->clamp == CLAMP_HELD || scene->tip.type != TIP_FREE, scene->comm,
+            "-clamp_type hinged: %s, and one with a free tip swings about its hinge; give "
+            "-tip_type pinned, clamped or slides",
+            about);
   UserCheck(!scene->contact.any, scene->comm, "-%s: %s that touches nothing; take it out",
             scene->contact.self ? "contact_self" : "wall_file", about);
   UserCheck(

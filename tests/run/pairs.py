@@ -47,7 +47,7 @@ SETTINGS = {  # of each the first is what BASE has; {} is the directory of the f
               "wall_file={}/all contact_diameter=0.05"],
     "self": ["", "contact_self=true contact_diameter=0.05"],
     "touch": ["", "contact_friction=0.3", "contact_stiffness=1e4"],
-    "clamp": ["", "clamp_angle=-0.5"],
+    "clamp": ["", "clamp_angle=-0.5", "clamp_type=hinged"],
     "grading": ["", "rod_grading=uniform"],
     "stiffness": ["", "rod_stiffness_file={}/stiffness.h5"],
     "curvature": ["", "rod_curvature=0.1", "rod_curvature_random=0.1", "rod_curvature_file={}/bent.h5"],

@@ -358,6 +358,50 @@ def ranks_and_restart():
 
 
 @check
+def hinged():
+    """A rod between two hinges rests as an elastica does, in both models. Twisted by M it bears the thrust
+    pi^2 - M^2/4, and a pull beyond M = 2 pi (Greenhill), but for the square of its bow. A curved one that
+    is spun there keeps its energy, is the same on two ranks and goes on as if it had not been broken."""
+    from scipy.optimize import brentq
+    from scipy.special import ellipe, ellipk
+    d = scene.SCRATCH
+    rests = "-growth_type none -growth_initial_length 1 -clamp_type hinged -tip_type pinned -friction_mu 0 "
+
+    def thrust(r):
+        chord = r.shapes["x"][-1, -1]
+        force = [r.base_force_1[-1], r.base_force_2[-1], r.base_force_3[-1]][:len(chord)]
+        return chord @ force / np.linalg.norm(chord), np.linalg.norm(chord)
+
+    for model in ("frame", "space"):
+        errors = []
+        for cells in (10, 20):
+            r = Run(rests + f"-shape_amplitude 2 -rod_model {model} -rod_cells {cells} -ts_max_time 2")
+            P, D = thrust(r) if model == "space" else (np.hypot(r.base_force_1[-1], r.base_force_2[-1]), np.hypot(*r.tip))
+            k = brentq(lambda k: 2 * ellipe(k * k) / ellipk(k * k) - 1 - D, 1e-6, 0.95)
+            errors.append(abs(P / (4 * ellipk(k * k) ** 2) - 1))
+        print(f"elastica, {model}: off by {errors[0]:.1e}, {errors[1]:.1e}, defect {r.energy_defect[-1]:.1e}")
+        expect(errors[1] < 4e-6 and errors[0] / errors[1] > 13, f"elastica, {model}: {errors}")
+        expect(r.energy_defect[-1] < 2e-4, f"elastica, {model}: defect {r.energy_defect[-1]}")
+    for M in (2, 5, 8):
+        coarse, fine = (thrust(Run(f"{rests} -tip_torque {M} -shape_amplitude {eps} -rod_cells 40 -ts_max_time 3 -ts_rtol 1e-8"))[0]
+                        for eps in (0.04, 0.02))
+        off = (4 * fine - coarse) / 3 - (np.pi ** 2 - M ** 2 / 4)
+        print(f"twisted by {M}: thrust {fine:.6f}, extrapolated to no bow off by {off:.1e}")
+        expect(abs(off) < 1e-5, f"twisted by {M}: {off}")
+    spun = rests + ("-shape_amplitude 1 -shape_turn 0.3 -rod_curvature 2 -rod_bend_ratio 1.5 -clamp_spin 1 -ts_max_time 1 -rod_cells 20 ")
+    one, two = Run(spun), Run(spun, 2)
+    off = np.abs(one.shapes["x"][-1] - two.shapes["x"][-1]).max()
+    print(f"spun: defect {one.energy_defect[-1]:.1e}, 2 ranks {off:.1e}")
+    expect(one.energy_defect[-1] < 2e-5 and off < 1e-8, f"spun: {one.energy_defect[-1]}, {off}")
+    tendril(f"{spun} -output {d}/whole.h5")
+    tendril(f"{spun} -output {d}/broken.h5 -ts_max_steps 60", 1)
+    tendril(f"-restart {d}/broken.h5 -output {d}/broken.h5")
+    whole, broken = read(f"{d}/whole.h5"), read(f"{d}/broken.h5")
+    different = [k for k in whole if not np.array_equal(whole[k], broken[k])]
+    expect(len(whole["series/t"]) > 65 and not different, f"{different} differ")
+
+
+@check
 def crawls():
     """A clamp that shakes so fast that a step sees next to nothing of the run: it does not go on like that for
     ever, on any number of ranks, but says so, and keeps what it has; with -ts_max_steps it goes on as long as

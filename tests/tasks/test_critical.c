@@ -56,9 +56,13 @@ static void TestTable(void **state) {
 /* Weight along the rod: (7.837347438943 / (1 + w))^(1/3) where friction is dry; viscous, by an ODE
    solver at 20 digits. Two stiffnesses: the weaker direction decides. A twisting moment: clamped at
    both ends without thrust tan z = z, z = M L / 2B, and with thrust or pull the determinant of the
-   four solutions; its flutter in feed, where P is constant if weight balances friction, from that
-   determinant at 25 digits, lambda = i omega. */
+   four solutions; between two hinges, or a hinge and a clamp, without a moment pi^2 and 4.4934^2,
+   with one (M/2B)^2 + P/B = (pi/L)^2 (Greenhill); a heavy rod that stands on a hinge, held above
+   (Lubinski, by Hermite elements); its flutter in feed, where P is constant if weight balances
+   friction, from that determinant at 25 digits, lambda = i omega. */
 #define BALANCED "-friction_beta 0 -rod_weight 1,0 -ts_max_time 40 "
+#define HINGED "-clamp_type hinged -tip_type pinned "
+#define HEAVY HINGED "-friction_mu 0 -friction_layers 0:1e-12 -rod_weight -1,0 -ts_max_time 20 "
 #define FED "-growth_type feed -friction_mu 0 -rod_weight 1,0 -ts_max_time 20 "
 static const struct {
   const char *options;
@@ -81,6 +85,14 @@ static const struct {
     {BALANCED "-tip_type clamped -tip_torque 5.21442821965 -tip_force -2.5", 2, 0},
     {BALANCED "-tip_type clamped -clamp_spin 1 -growth_initial_length 1", 1 + 8.98681891582 / 0.75,
      0},
+    {BALANCED HINGED "-tip_force 1", PETSC_PI, 0},
+    {BALANCED "-clamp_type hinged -tip_type clamped -tip_force 1", 4.493409457909064, 0},
+    {BALANCED HINGED "-tip_force 1 -rod_bend_ratio 4", PETSC_PI, 0},
+    {BALANCED HINGED "-tip_torque 2", PETSC_PI, 0},
+    {BALANCED HINGED "-tip_torque 2.422726645969239 -tip_force 1", 2, 0},
+    {BALANCED HINGED "-tip_torque 4.457533443631058 -tip_force -2.5", 2, 0},
+    {HEAVY "-tip_force -2.881421311569217 -growth_initial_length 4", 5, 0},
+    {HEAVY "-tip_force -18.28895945976756 -growth_initial_length 16", 20, 0},
     {FED "-tip_torque 2", 4.6390669891599, 1.6988328106},
     {FED "-tip_torque 4 -tip_type pinned", 1.8678022060344, 10.559465236},
     {FED "-tip_torque 4 -tip_type clamped", 2.2477505051122, 1.4215174497},
