@@ -79,8 +79,9 @@ IN_SPACE = {
     "surfaces": ["", "wall_file={}/ground", "wall_file={}/ball", "wall_file={}/pillar", "wall_file={}/funnel",
                  "wall_file={}/ring", "wall_file={}/pipe", "wall_file={}/grid", "wall_file={}/drum contact_diameter=0.05"],
 }
-# ... of which some are enough there, and an arch between held ends need not snap over.
-IN_COMPANY = {**SETTINGS, "length": [""], "newton": [""], "order": [""], "solver": [""],
+# ... of which some are enough there (dry friction that feels the spin refuses a hinge), and an arch between held
+# ends need not snap over.
+IN_COMPANY = {**SETTINGS, "clamp": SETTINGS["clamp"][:2], "length": [""], "newton": [""], "order": [""], "solver": [""],
               "tip": ["", "tip_force=0.3 tip_law=follower", "tip_force=0.3 tip_law=resistance tip_field={}/field.h5",
                       "tip_type=pinned ts_max_time=0.003", "tip_type=clamped"],
               "walls": ["", "wall_file={}/plane", "wall_file={}/all contact_diameter=0.05"],
