@@ -92,35 +92,39 @@ static PetscReal Thickness(const Contact *contact) {
 
 /*
   ContactSetStiffness - k, unless it is given, and what follows from it. A point load Q on a rod of
-  stiffness 1 sinks in by Q/(2 sqrt(2) k^(3/4)) and spreads over l = k^(-1/4) (Winkler's
-  foundation). Forces are about as friction has them, 1, or as bending has them in a rod so short
-  that friction is nothing to it, 10/L^2; one that is shorter than thick is to sink in by a part of
-  its length.
+  stiffness B sinks in by Q/(2 sqrt(2) k^(3/4) B^(1/4)) and spreads over l = (B/k)^(1/4) (Winkler's
+  foundation). Forces are about as friction has them in a length that it bends, B^(1/3), or as
+  bending has them in a rod so short that friction is nothing to it, 10 B/L^2; one that is shorter
+  than thick is to sink in by a part of its length.
 
+  B             of the tip, which meets most of what there is
   cell, length  the largest of a cell and of the rod, at present, and their rates
 */
-void ContactSetStiffness(Contact *contact, const PetscReal cell[2], const PetscReal length[2]) {
-  const PetscReal depth = 2 * PETSC_SQRT2, short_rod = 10 / (length[0] * length[0]),
-                  Q = PetscMax(1, short_rod), D = Thickness(contact);
-  const PetscReal longer = length[1] / length[0], Q_t = short_rod > 1 ? -2 * longer : 0,
+void ContactSetStiffness(Contact *contact, PetscReal B, const PetscReal cell[2],
+                         const PetscReal length[2]) {
+  const PetscReal depth = 2 * PETSC_SQRT2, long_rod = PetscPowReal(B, 1. / 3),
+                  short_rod = 10 * B / (length[0] * length[0]), Q = PetscMax(long_rod, short_rod),
+                  D = Thickness(contact);
+  const PetscReal longer = length[1] / length[0], Q_t = short_rod > long_rod ? -2 * longer : 0,
                   D_t = length[0] < D ? longer : 0; /* over Q, over D; so all rates */
   PetscReal l = cells_of_layer * cell[0], l_t = cell[0] > 0 ? cell[1] / cell[0] : 0;
 
   if (!contact->any) return;
   if (D > 0) {
-    PetscReal thick = PetscPowReal(depth * part_of_diameter * PetscMin(D, length[0]) / Q, 1. / 3);
+    PetscReal thick =
+        PetscPowReal(depth * part_of_diameter * PetscMin(D, length[0]) * B / Q, 1. / 3);
     if ((contact->diameter > 0 && !contact->fine) || thick < l) {
       l = thick;
       l_t = (D_t - Q_t) / 3;
     }
   }
   if (contact->given) {
-    l = PetscPowReal(contact->stiffness, -0.25);
+    l = PetscPowReal(contact->stiffness / B, -0.25);
     l_t = 0;
   }
-  if (!contact->given) contact->stiffness = 1 / (l * l * l * l);
+  if (!contact->given) contact->stiffness = B / (l * l * l * l);
   contact->tip = l;
-  contact->smooth = part_smooth * Q * l * l * l / depth;
+  contact->smooth = part_smooth * Q * l * l * l / (depth * B);
   contact->smooth_t = (Q_t + 3 * l_t) * contact->smooth;
   if (D > 0 && contact->smooth > most_smooth * D) {
     contact->smooth = most_smooth * D;

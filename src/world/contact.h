@@ -7,9 +7,9 @@
 
    C1, with the potential U, U' = -p. Rigid contact is the limit of large k. Friction in contact:
    mu_c p against the relative velocity along the surface, u, as -mu_c p u/r, r = sqrt(u^2 + beta).
-   The end of the rod is a point contact of its own, of strength k l, l = k^(-1/4): the length over
-   which a point load spreads on such a foundation. So is the place of the rod nearest to a post, or
-   corner, that is not wider than the cells (rod/feet.h).
+   The end of the rod is a point contact of its own, of strength k l, l = (B/k)^(1/4): the length
+   over which a point load spreads on such a foundation, B the rod's stiffness there. So is the
+   place of the rod nearest to a post, or corner, that is not wider than the cells (rod/feet.h).
 
    k, unless it is given, follows from what the rod is at each time, and never from when the run is
    to end. */
@@ -54,7 +54,8 @@ extern const OptionGroup contact_options;
 PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
                                      PetscReal clamp_angle);
 PetscBool ContactNeedsCell(const Contact *contact);
-void ContactSetStiffness(Contact *contact, const PetscReal cell[2], const PetscReal length[2]);
+void ContactSetStiffness(Contact *contact, PetscReal B, const PetscReal cell[2],
+                         const PetscReal length[2]);
 PetscReal ContactPostShare(const Contact *contact, const WallPost *post, PetscReal *share_t);
 PetscErrorCode ContactDestroy(Contact *contact);
 PetscErrorCode ContactWallsText(const Contact *contact, char **text);
