@@ -30,15 +30,16 @@ typedef struct {
   LoadDual *dual[3];          /* likewise */
   const PetscReal (*push)[2]; /* what strands add to n' at all points of the rod; NULL: none */
   PetscReal h;
-  PetscBool known; /* the points are: the state is that of the latest walk */
-  PetscBool fresh; /* a Newton solve begins here */
+  PetscBool known;  /* the points are: the state is that of the latest walk */
+  PetscBool fresh;  /* a Newton solve begins here */
+  PetscBool counts; /* modes are counted in it */
   Point *a, *mid, *b;
   LoadSlope slope[3]; /* of the load at them; the end of a cell is where the next begins */
 } Cell;
 
-/* The point at a node; u its six unknowns, x_t how its place moves. */
+/* The point at a node; u, u_t its six unknowns and their rates. */
 static inline void PointAtNode(const Load *load, const Law *law, const LoadDual *dual,
-                               const PetscReal *u, const PetscReal x_t[2], Point *p) {
+                               const PetscReal *u, const PetscReal *u_t, Point *p) {
   const PetscReal theta = u[TH]; /* (one call for sine and cosine) */
 
   p->theta = theta;
@@ -47,7 +48,7 @@ static inline void PointAtNode(const Load *load, const Law *law, const LoadDual 
   p->at.q[1] = PetscSinReal(theta);
   for (int d = 0; d < 2; d++) {
     p->n[d] = u[N1 + d];
-    p->at.v[d] = x_t[d] + law->c * p->at.q[d];
+    p->at.v[d] = u_t[X1 + d] + law->c * p->at.q[d];
     p->at.x[d] = u[X1 + d];
   }
   PointEvaluate(load, law, dual, p);
@@ -191,17 +192,25 @@ static PetscErrorCode Recognise(Frame *frame, const RodState *at, PetscBool *kno
   PetscFunctionReturn(0);
 }
 
+/* The rates at node i: a place that is held at rest has none. */
+static const PetscReal *RatesAt(const Cell *cell, PetscInt i, PetscReal rest[FIELDS]) {
+  if (i < cell->rod->last) return cell->u_t[i];
+  memcpy(rest, cell->u_t[i], FIELDS * sizeof(*rest));
+  TipStill(&cell->rod->scene->tip, cell->t, 2, rest + X1);
+  return rest;
+}
+
 /* The point at node i. */
 static Point *CellsNode(Cell *cell, PetscInt i) {
   Frame *frame = (Frame *)cell->rod->data;
   PetscInt k = 2 * (i - cell->rod->first + 1);
   Point *p = frame->point + k;
+  PetscReal rest[FIELDS];
 
   if (cell->known) return p;
-  PetscReal x_t[2] = {cell->u_t[i][X1], cell->u_t[i][X2]};
-  if (i == cell->rod->last) TipStill(&cell->rod->scene->tip, cell->t, 2, x_t);
   p->at.t = cell->t;
-  PointAtNode(cell->load, frame->law + k, FrameDuals(frame, k), cell->u[i], x_t, p);
+  PointAtNode(cell->load, frame->law + k, FrameDuals(frame, k), cell->u[i], RatesAt(cell, i, rest),
+              p);
   AddPush(cell, i, 0, p);
   return p;
 }
@@ -218,6 +227,7 @@ static PetscErrorCode CellsOpen(Rod rod, const RodState *at, PetscBool from_tip,
   cell->rod = rod;
   cell->t = at->t;
   cell->fresh = at->fresh;
+  cell->counts = at->counts;
   cell->load = &rod->scene->load;
   cell->s = rod->scene->mesh.s;
   PetscCall(RodOpen(rod, at->U, &cell->local[0], &cell->u));
@@ -256,9 +266,10 @@ static void CellsGo(Cell *cell, PetscInt i, PetscBool from_tip) {
   }
   cell->mid = frame->point + k + 1;
   if (cell->known) return;
+  PetscReal rest[FIELDS];
   cell->mid->at.t = cell->t;
   PointAtMid(cell->load, cell->law, cell->dual[1], frame->bow * cell->h, cell->a, cell->b,
-             cell->u_t[i], cell->u_t[i + 1], cell->mid);
+             cell->u_t[i], RatesAt(cell, i + 1, rest), cell->mid);
   AddPush(cell, i, 1, cell->mid);
   if (frame->feet) AddFeet(cell, i);
 }
@@ -466,13 +477,22 @@ static void AddFeetSlope(Cell *cell, PetscInt i, const PetscReal shift[],
   }
 }
 
+/* The shifts of the rates at node i, see RatesAt(); where modes are counted friction holds the tip.
+ */
+static void ShiftsAt(const Cell *cell, PetscInt i, const PetscReal shift[], PetscReal own[FIELDS]) {
+  memcpy(own, shift, FIELDS * sizeof(*own));
+  if (i == cell->rod->last && !cell->counts) TipStill(&cell->rod->scene->tip, cell->t, 2, own + X1);
+}
+
 /* A cell's equations by its nodes, left and right; the slopes at its middle and at those of its
    ends that are new on this walk are brought up to the present state first. */
 static void CellBlocks(Cell *cell, PetscInt i, PetscBool new_a, PetscBool new_b,
                        const PetscReal shift[], PetscReal left[FIELDS][FIELDS],
                        PetscReal right[FIELDS][FIELDS]) {
   const Frame *frame = (const Frame *)cell->rod->data;
+  PetscReal own[FIELDS];
 
+  ShiftsAt(cell, i + 1, shift, own);
   if (!new_a) cell->slope[0] = cell->slope[2];
   if (!new_b) cell->slope[2] = cell->slope[0];
   if (new_a) Linearise(cell, 0, cell->a);
@@ -480,7 +500,7 @@ static void CellBlocks(Cell *cell, PetscInt i, PetscBool new_a, PetscBool new_b,
   Linearise(cell, 1, cell->mid);
   CellJacobian(frame, cell->load, cell->h, -1, shift, cell->law, cell->law + 1, cell->u_t[i][TH],
                cell->a, &cell->slope[0], cell->mid, &cell->slope[1], left);
-  CellJacobian(frame, cell->load, cell->h, 1, shift, cell->law + 2, cell->law + 1,
+  CellJacobian(frame, cell->load, cell->h, 1, own, cell->law + 2, cell->law + 1,
                cell->u_t[i + 1][TH], cell->b, &cell->slope[2], cell->mid, &cell->slope[1], right);
   if (frame->feet) AddFeetSlope(cell, i, shift, left, right);
 }
@@ -490,8 +510,10 @@ static void TipBlock(const Cell *cell, const Point *end, const PetscReal shift[]
                      PetscReal by[TIP_ROWS][FIELDS]) {
   Rod rod = cell->rod;
   TipState tip = TipOf(end);
+  PetscReal own[FIELDS];
 
-  TipJacobian(&rod->scene->tip, &tip, shift, cell->fresh, TipDual(rod), by);
+  ShiftsAt(cell, rod->last, shift, own);
+  TipJacobian(&rod->scene->tip, &tip, own, cell->fresh, TipDual(rod), by);
 }
 
 static PetscErrorCode FrameJacobian(Rod rod, const RodState *at, Mat J) {

@@ -427,18 +427,30 @@ typedef struct {
   Slope a, mid, b;
 } Slopes;
 
-static void CellBlocks(Cell *cell, PetscBool first, const PetscReal shift[], Slopes *slopes,
-                       PetscReal left[FIELDS][FIELDS], PetscReal right[FIELDS][FIELDS]) {
+/* The shifts of the rates at node i: a place that is held at rest has none; where modes are counted
+   friction holds it. */
+static void ShiftsAt(const Cell *cell, PetscInt i, const PetscReal shift[], PetscReal own[FIELDS]) {
+  memcpy(own, shift, FIELDS * sizeof(*own));
+  if (i == cell->rod->last && !cell->counts) TipStill(&cell->rod->scene->tip, cell->t, 3, own + X);
+}
+
+/* A cell's equations, that behind node i, by its nodes, left and right. */
+static void CellBlocks(Cell *cell, PetscInt i, PetscBool first, const PetscReal shift[],
+                       Slopes *slopes, PetscReal left[FIELDS][FIELDS],
+                       PetscReal right[FIELDS][FIELDS]) {
+  PetscReal own[FIELDS];
+
+  ShiftsAt(cell, i + 1, shift, own);
   if (first)
     NodeSlope(cell, cell->law, &cell->a, cell->dual[0], shift, &slopes->a);
   else
     slopes->a = slopes->b;
-  NodeSlope(cell, cell->law + 2, &cell->b, cell->dual[2], shift, &slopes->b);
+  NodeSlope(cell, cell->law + 2, &cell->b, cell->dual[2], own, &slopes->b);
   Linearise(cell, cell->law + 1, &cell->mid, cell->dual[1], &slopes->mid);
   if (cell->load->arm > 0 && !cell->split)
     AddCouple(cell->load, cell->law + 1, &cell->mid, cell->dual[1], &slopes->mid);
   CellJacobian(cell, -1, shift, cell->law, &cell->a, cell->dual[0], &slopes->a, &slopes->mid, left);
-  CellJacobian(cell, 1, shift, cell->law + 2, &cell->b, cell->dual[2], &slopes->b, &slopes->mid,
+  CellJacobian(cell, 1, own, cell->law + 2, &cell->b, cell->dual[2], &slopes->b, &slopes->mid,
                right);
 }
 
@@ -446,9 +458,10 @@ static void TipBlock(const Cell *cell, const Slope *slope, const PetscReal shift
                      PetscReal by[RIGHT][FIELDS]) {
   Rod rod = cell->rod;
   TipState3 tip = TipOf(cell->load, &cell->b);
-  PetscReal dW[RUBS][FIELDS] = {{0}};
+  PetscReal dW[RUBS][FIELDS] = {{0}}, own[FIELDS];
 
-  RateSlope(cell->load, &cell->b, 1, shift, dW);
+  ShiftsAt(cell, rod->last, shift, own);
+  RateSlope(cell->load, &cell->b, 1, own, dW);
   TurnSlope(cell->load, cell->law + 2, &cell->b, slope, dW);
   TipJacobian3(&rod->scene->tip, &tip, (const PetscReal(*)[FIELDS])dW, cell->fresh, TipDual(rod),
                by);
@@ -494,7 +507,7 @@ static PetscErrorCode SpaceJacobian(Rod rod, const RodState *at, Mat J) {
     PetscInt cols[3] = {i - 1, i, i < rod->last ? i + 1 : -1}; /* -1: none, ignored */
     if (i < rod->last) {
       SpaceCellsNext(&cell, i);
-      CellBlocks(&cell, (PetscBool)(i == begin), at->shift, &slopes, left, right);
+      CellBlocks(&cell, i, (PetscBool)(i == begin), at->shift, &slopes, left, right);
       if (self->behind && i >= rod->first)
         KeepBehind(&cell, &slopes.mid, &self->behind[i - rod->first]);
       PutRows(row, LEFT, FIELDS, FIELDS, left);
@@ -548,7 +561,7 @@ static PetscErrorCode SpaceEliminate(Rod rod, const RodState *at, Elimination el
   for (PetscInt i = 0; i < rod->last; i++) {
     SpaceCellsNext(&cell, i);
     WideBlocks(line, &left, &right);
-    CellBlocks(&cell, (PetscBool)(i == 0), at->shift, &slopes, left, right);
+    CellBlocks(&cell, i, (PetscBool)(i == 0), at->shift, &slopes, left, right);
     Arms(&cell.a, &arms);
     WideArm(line, &arms);
     WideCell(line);

@@ -3,8 +3,7 @@
 #include <string.h>
 
 static void PointAtNode(const Cell *cell, const Law *law, const FrictionDual4 *dual,
-                        const PetscReal *u, const PetscReal *u_t, const PetscReal x_t[3],
-                        Point *p) {
+                        const PetscReal *u, const PetscReal *u_t, Point *p) {
   memcpy(p->p, u + P, sizeof(p->p));
   memcpy(p->m, u + M, sizeof(p->m));
   memcpy(p->n, u + N, sizeof(p->n));
@@ -15,7 +14,7 @@ static void PointAtNode(const Cell *cell, const Law *law, const FrictionDual4 *d
   p->at.t = cell->t;
   for (int i = 0; i < 3; i++) {
     p->at.x[i] = u[X + i];
-    p->at.W[i] = x_t[i] + law->c * p->d[0][i];
+    p->at.W[i] = u_t[X + i] + law->c * p->d[0][i];
   }
   PointEvaluate(cell->load, law, dual, p);
 }
@@ -88,14 +87,20 @@ static inline void AddPush(const Cell *cell, PetscInt i, int half, Point *p) {
   for (int d = 0; d < 3 && cell->couple; d++) p->f[M + d] += cell->couple[2 * i + half][d];
 }
 
+/* The rates at node i: a place that is held at rest has none. */
+static const PetscReal *RatesAt(const Cell *cell, PetscInt i, PetscReal rest[FIELDS]) {
+  if (i < cell->rod->last) return cell->u_t[i];
+  memcpy(rest, cell->u_t[i], FIELDS * sizeof(*rest));
+  TipStill(&cell->rod->scene->tip, cell->t, 3, rest + X);
+  return rest;
+}
+
 static void NodePoint(Cell *cell, PetscInt i, Point *p) {
   Space_ *self = (Space_ *)cell->rod->data;
   PetscInt k = 2 * (i - cell->rod->first + 1);
-  const PetscReal *u_t = cell->u_t[i];
-  PetscReal x_t[3] = {u_t[X], u_t[X + 1], u_t[X + 2]};
+  PetscReal rest[FIELDS];
 
-  if (i == cell->rod->last) TipStill(&cell->rod->scene->tip, cell->t, 3, x_t);
-  PointAtNode(cell, self->law + k, Duals(self, k), cell->u[i], u_t, x_t, p);
+  PointAtNode(cell, self->law + k, Duals(self, k), cell->u[i], RatesAt(cell, i, rest), p);
   AddPush(cell, i, 0, p);
 }
 
@@ -110,6 +115,7 @@ PetscErrorCode SpaceCellsOpen(Rod rod, const RodState *at, Cell *cell) {
   cell->t = at->t;
   cell->fresh = at->fresh;
   cell->iterates = at->iterates;
+  cell->counts = at->counts;
   cell->cubics = cell->cubic = SpinCubic(rod, at);
   cell->split = PETSC_FALSE;
   cell->load = &rod->scene->load;
@@ -168,6 +174,7 @@ static PetscBool Splits(const Cell *cell, PetscInt i) {
 void SpaceCellsNext(Cell *cell, PetscInt i) {
   Space_ *self = (Space_ *)cell->rod->data;
   PetscInt k = 2 * (i - cell->rod->first + 1);
+  PetscReal rest[FIELDS];
 
   cell->law = self->law + k;
   for (int e = 0; e < 3; e++) cell->dual[e] = Duals(self, k + e);
@@ -178,6 +185,6 @@ void SpaceCellsNext(Cell *cell, PetscInt i) {
     cell->split = Splits(cell, i);
     cell->cubic = (PetscBool)(cell->cubics && !cell->split);
   }
-  PointAtMid(cell, self->bow * cell->h, cell->u_t[i], cell->u_t[i + 1]);
+  PointAtMid(cell, self->bow * cell->h, cell->u_t[i], RatesAt(cell, i + 1, rest));
   AddPush(cell, i, 1, &cell->mid);
 }

@@ -41,6 +41,7 @@ typedef struct {
   PetscReal t, h;
   PetscBool fresh;    /* a Newton solve begins here */
   PetscBool iterates; /* ... or goes on */
+  PetscBool counts;   /* modes are counted in it */
   PetscBool cubics;   /* the spin in the middle of a cell is that of Hermite's cubic, */
   PetscBool cubic;    /* ... also of this one */
   PetscBool split; /* the rod rests at one end of this cell, or turns the other way: see Splits() */

@@ -294,7 +294,8 @@ static PetscErrorCode MultiplyDirection(Mat J, Vec Y, Vec JY) {
 }
 
 /* A matrix that is not there: its equations are eliminated as they are computed. Where friction
-   feels the spin of a rod modes are counted in another one (rod/space.c). */
+   feels the spin of a rod modes are counted in another one (rod/space.c), and so they are where a
+   tip is held at rest, whose last cell else had no friction at one end alone. */
 static PetscErrorCode SetElimination(TS ts, Newton *newton) {
   Rod rod = newton->rod;
   PetscInt nodes = rod->end - rod->first, n = nodes * rod->model->fields;
@@ -311,7 +312,7 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
   PetscCall(SNESGetKSP(snes, &ksp));
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(EliminationSetType(pc, newton->elimination));
-  if (rod->model->space && rod->scene->load.radius > 0)
+  if ((rod->model->space && rod->scene->load.radius > 0) || TipHolds(&rod->scene->tip, 1))
     PetscCall(EliminationCreate(rod->scene->comm, nodes, rod->model->halves, &newton->counter));
   PetscFunctionReturn(0);
 }
