@@ -57,6 +57,7 @@ PetscErrorCode StiffnessSetFromOptions(Stiffness *self) {
     PetscCall(SplineSecondDerivatives(m, self->distance, 1, m, 1, self->factor, self->factor2));
   }
   PetscCall(Check(file, self, m));
+  for (PetscInt i = 0; i < m; i++) self->most = PetscMax(self->most, self->factor[i]);
   PetscFunctionReturn(0);
 }
 

@@ -69,13 +69,14 @@ static PetscErrorCode LargestCell(Scene scene, PetscReal t, PetscReal cell[2]) {
 /* SceneContactAt - makes the law of contact that of time t. Whoever asks for forces of contact
    calls it first; it costs nothing where there is none. */
 PetscErrorCode SceneContactAt(Scene scene, PetscReal t) {
-  PetscReal B, cell[2] = {0, 0}, length[2];
+  PetscReal B[2], cell[2] = {0, 0}, length[2];
 
   PetscFunctionBegin;
   if (!scene->contact.any || scene->contact.time == t) PetscFunctionReturn(0);
   if (ContactNeedsCell(&scene->contact)) PetscCall(LargestCell(scene, t, cell));
   PetscCall(GrowthLength(scene->growth, t, &length[0], &length[1]));
-  PetscCall(SceneStiffness(scene, 1, t, &B, NULL));
+  PetscCall(SceneStiffness(scene, 1, t, &B[1], NULL));
+  B[0] = scene->stiffness.varies ? scene->stiffness.most : 1;
   ContactSetStiffness(&scene->contact, B, cell, length);
   scene->contact.surfaces.still = scene->load.stopped;
   scene->contact.surfaces.time = scene->load.stopped ? scene->load.stopped_at : t;

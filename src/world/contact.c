@@ -97,14 +97,15 @@ static PetscReal Thickness(const Contact *contact) {
   bending has them in a rod so short that friction is nothing to it, 10 B/L^2; one that is shorter
   than thick is to sink in by a part of its length.
 
-  B             of the tip, which meets most of what there is
+  B             the largest, or where the rod is stiffest walls would be soft to it; that of the tip
   cell, length  the largest of a cell and of the rod, at present, and their rates
 */
-void ContactSetStiffness(Contact *contact, PetscReal B, const PetscReal cell[2],
+void ContactSetStiffness(Contact *contact, const PetscReal B[2], const PetscReal cell[2],
                          const PetscReal length[2]) {
-  const PetscReal depth = 2 * PETSC_SQRT2, long_rod = PetscPowReal(B, 1. / 3),
-                  short_rod = 10 * B / (length[0] * length[0]), Q = PetscMax(long_rod, short_rod),
-                  D = Thickness(contact);
+  const PetscReal depth = 2 * PETSC_SQRT2, long_rod = PetscPowReal(B[0], 1. / 3),
+                  of_tip = PetscPowReal(B[1] / B[0], 0.25),
+                  short_rod = 10 * B[0] / (length[0] * length[0]),
+                  Q = PetscMax(long_rod, short_rod), D = Thickness(contact);
   const PetscReal longer = length[1] / length[0], Q_t = short_rod > long_rod ? -2 * longer : 0,
                   D_t = length[0] < D ? longer : 0; /* over Q, over D; so all rates */
   PetscReal l = cells_of_layer * cell[0], l_t = cell[0] > 0 ? cell[1] / cell[0] : 0;
@@ -112,26 +113,27 @@ void ContactSetStiffness(Contact *contact, PetscReal B, const PetscReal cell[2],
   if (!contact->any) return;
   if (D > 0) {
     PetscReal thick =
-        PetscPowReal(depth * part_of_diameter * PetscMin(D, length[0]) * B / Q, 1. / 3);
+        PetscPowReal(depth * part_of_diameter * PetscMin(D, length[0]) * B[0] / Q, 1. / 3);
     if ((contact->diameter > 0 && !contact->fine) || thick < l) {
       l = thick;
       l_t = (D_t - Q_t) / 3;
     }
   }
   if (contact->given) {
-    l = PetscPowReal(contact->stiffness / B, -0.25);
+    l = PetscPowReal(contact->stiffness / B[0], -0.25);
     l_t = 0;
   }
-  if (!contact->given) contact->stiffness = B / (l * l * l * l);
-  contact->tip = l;
-  contact->smooth = part_smooth * Q * l * l * l / (depth * B);
+  if (!contact->given) contact->stiffness = B[0] / (l * l * l * l);
+  contact->force = Q;
+  contact->tip = l * of_tip;
+  contact->smooth = part_smooth * Q * l * l * l / (depth * B[0]);
   contact->smooth_t = (Q_t + 3 * l_t) * contact->smooth;
   if (D > 0 && contact->smooth > most_smooth * D) {
     contact->smooth = most_smooth * D;
     contact->smooth_t = 0;
   }
   contact->stiffness_t = -4 * l_t * contact->stiffness;
-  contact->tip_t = l_t * l;
+  contact->tip_t = l_t * contact->tip;
   contact->cell = cell[0];
   contact->cell_t = cell[1];
   contact->thin =

@@ -30,6 +30,7 @@ typedef struct {
   PetscReal time;                   /* of what follows */
   PetscReal stiffness, smooth, tip; /* k, w, l */
   PetscReal stiffness_t, smooth_t, tip_t;
+  PetscReal force;        /* Q, of usual size */
   PetscReal cell, cell_t; /* the largest, where posts are or k asks for it */
   PetscBool thin;         /* some posts are met at their feet */
   PetscReal friction;     /* mu_c between strands, and of walls without their own */
@@ -54,7 +55,7 @@ extern const OptionGroup contact_options;
 PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
                                      PetscReal clamp_angle);
 PetscBool ContactNeedsCell(const Contact *contact);
-void ContactSetStiffness(Contact *contact, PetscReal B, const PetscReal cell[2],
+void ContactSetStiffness(Contact *contact, const PetscReal B[2], const PetscReal cell[2],
                          const PetscReal length[2]);
 PetscReal ContactPostShare(const Contact *contact, const WallPost *post, PetscReal *share_t);
 PetscErrorCode ContactDestroy(Contact *contact);

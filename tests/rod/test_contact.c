@@ -131,7 +131,7 @@ static void TestFootJacobians(void **state) {
 /* The pressure is minus the slope of the energy, and goes over smoothly. */
 static void TestPressure(void **state) {
   Contact contact = {.any = PETSC_TRUE, .given = PETSC_TRUE, .stiffness = 70};
-  ContactSetStiffness(&contact, 1, (PetscReal[2]){0.1, 0}, (PetscReal[2]){1, 0});
+  ContactSetStiffness(&contact, (PetscReal[2]){1, 1}, (PetscReal[2]){0.1, 0}, (PetscReal[2]){1, 0});
   for (int i = -40; i <= 40; i++) {
     const PetscReal gap = contact.smooth * i / 20.1, e = 1e-5 * contact.smooth;
     PetscReal slope, skip,
@@ -154,8 +154,9 @@ static void TestShortRod(void **state) {
   for (size_t i = 0; i < sizeof(lengths) / sizeof(lengths[0]); i++) {
     const PetscReal L = lengths[i], D = 0.1;
     Contact now = {.any = PETSC_TRUE, .diameter = D}, later = now;
-    ContactSetStiffness(&now, 1, (PetscReal[2]){0, 0}, (PetscReal[2]){L, 1});
-    ContactSetStiffness(&later, 1, (PetscReal[2]){0, 0}, (PetscReal[2]){L + step * L, 1});
+    ContactSetStiffness(&now, (PetscReal[2]){1, 1}, (PetscReal[2]){0, 0}, (PetscReal[2]){L, 1});
+    ContactSetStiffness(&later, (PetscReal[2]){1, 1}, (PetscReal[2]){0, 0},
+                        (PetscReal[2]){L + step * L, 1});
     EXPECT(now.smooth < 2.1e-3 * PetscMin(D, L), "length %g: layer %g", L, now.smooth);
     EXPECT(PetscAbsReal((later.stiffness - now.stiffness) / (step * L) - now.stiffness_t) <
                1e-4 * now.stiffness / L,
@@ -199,7 +200,8 @@ static PetscBool Outside(const PetscReal x[2]) {
 static void TestSoftContactIsNear(void **state) {
   Contact contact = {.any = PETSC_TRUE, .diameter = 0.1, .given = PETSC_TRUE, .stiffness = 1};
 
-  ContactSetStiffness(&contact, 1, (PetscReal[2]){0.1, 0.1}, (PetscReal[2]){1, 1});
+  ContactSetStiffness(&contact, (PetscReal[2]){1, 1}, (PetscReal[2]){0.1, 0.1},
+                      (PetscReal[2]){1, 1});
   EXPECT(PetscAbsReal(contact.smooth - 0.025) < 1e-15 && contact.smooth_t == 0,
          "layer %g, its rate %g", contact.smooth, contact.smooth_t);
 }

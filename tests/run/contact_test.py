@@ -590,7 +590,31 @@ def scaled():
         tip, other = rod(1., options, wall), rod(0.5, options, wall)
         off = np.hypot(*(other - tip)) / np.hypot(*tip)
         print(f"{name}: half as large, off by {off:.1e}")
-        expect(off < 1e-7, f"{name}: {tip}, half as large {other}")
+        expect(off < 2e-6, f"{name}: {tip}, half as large {other}")
+    # a dead end: it jams alike (usual forces taken as 1, one a thousandth as stiff went on, and out of the walls)
+    ends = []
+    for size in (1., 0.1):
+        with h5py.File(file, "w") as f:
+            f["distance"], f["factor"] = size * np.linspace(0, 3, 7), size**3 * factor
+        x, y = size * np.array((-0.1, 1.5)), 0.08 * size
+        line = tendril(f"-rod_stiffness_file {file} -growth_type feed -growth_initial_length {size * 0.5} -ts_max_time {size * 2.5} "
+                       f"-shape_type straight -rod_curvature {0.1 / size} -rod_cells 100 -ts_rtol 1e-7 -friction_beta 1e-4 "
+                       f"-contact_diameter {0.1 * size} " + walls(f"polygon inside {x[0]} {-y} {x[1]} {-y} {x[1]} {y} {x[0]} {y}")
+                       + f" -output {scene.SCRATCH}/end.h5", 1)
+        print(f"a dead end, {size}: {line.strip()}")
+        expect("jammed at t = " in line, f"a dead end, {size}: {line}")
+        ends.append(read(f"{scene.SCRATCH}/end.h5")["series/t"][-1] / size)
+    expect(abs(ends[1] / ends[0] - 1) < 1e-6, f"jams at {ends}")
+    # a tip that is a thousandth as stiff as the rod leaves walls as hard as those are to it (as soft as fits the tip alone
+    # the rod was pressed in by 0.12, its tip off by 0.5)
+    with h5py.File(file, "w") as f:
+        f["distance"] = np.linspace(0, 1, 9)
+        f["factor"] = 10 ** (-3 * (1 - f["distance"][()]))
+    soft, hard = (Run(f"-rod_stiffness_file {file} -growth_type feed -growth_initial_length 0.5 -ts_max_time 2.5 -shape_type straight "
+                      f"-rod_curvature 0.1 -friction_beta 1e-4 " + more + walls(oblique(1))).tip
+                  for more in ("-rod_cells 60 ", "-rod_cells 240 -contact_stiffness 1e6 "))
+    print(f"a soft tip: off by {np.hypot(*(soft - hard)):.1e}")
+    expect(np.hypot(*(soft - hard)) < 5e-3, f"a soft tip: {soft}, {hard}")
 
 
 @check
