@@ -736,6 +736,8 @@ static PetscErrorCode FrameCreate(Rod rod) {
   PetscCall(OptionWord("-rod_order", &choice, NULL));
   PetscCall(PetscNew(&frame));
   rod->order = choice ? 4 : 2;
+  UserCheck(rod->order == 4 || rod->scene->clamp != CLAMP_HINGED, rod->scene->comm,
+            "-rod_order 2: the first cell of a rod that begins in a hinge needs order 4");
   frame->end_weight = choice ? 1. / 6 : 0;
   frame->mid_weight = choice ? 4. / 6 : 1;
   frame->bow = choice ? 1. / 8 : 0;

@@ -250,7 +250,7 @@ static PetscErrorCode ShiftInvert(Spectrum *self, EPSProblemType type) {
    may make two real ones that are the same a complex pair. */
 static PetscBool IsRealPair(Pencil p, PetscReal frequency) {
   const PetscReal round_off = 1e-9;
-  return (PetscBool)(p->ways > 1 && frequency < round_off * p->compression / p->drag_min);
+  return (PetscBool)(p->ways > 1 && frequency < round_off * p->compression / p->drag_max);
 }
 
 /*

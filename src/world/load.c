@@ -179,7 +179,7 @@ static const PetscReal nearly_dry = 1e-4; /* 1 - mu up to here: growth waits mea
 /* It must rest a little below the limit of friction, or it would snap again at once. */
 static const PetscReal slack = 1e-5;
 static const PetscReal tiny_beta = 1e-18; /* of velocities in fast time, which begin near 1 */
-static const PetscReal as_good_as_at_rest = 1e-6; /* part of the speed of the fastest place */
+static const PetscReal as_good_as_at_rest = 1e-5; /* part of the speed of the fastest place */
 
 /* LoadInFastTime - the load in the fast time of a snap at t (stepping/snap.c): dry friction as it
    is, but for a little slack, and viscous friction of strength 1 beside it. dry: false if this load

@@ -153,11 +153,20 @@ static void Held(const Tip *tip, PetscReal t, PathPlace *held) {
   if (tip->path) PathAt(tip->path, tip->resistance.stopped ? tip->resistance.stopped_at : t, held);
 }
 
-/* Is it held on a path that moves at a time? (Before its first row, behind its last, and in a snap,
-   it rests.) */
-static PetscBool Led(const Tip *tip, PetscReal t) {
-  return (PetscBool)(tip->path && !tip->resistance.stopped && t > PathTime(tip->path, 0) &&
-                     t < PathTime(tip->path, PathRows(tip->path) - 1));
+/* Does a path lead its coordinate d at a time? (Not before the first row, behind the last, between
+   two that agree, and in a snap: then it rests.) */
+static PetscBool Led(const Tip *tip, PetscReal t, int d) {
+  PetscInt row = 0, last = tip->path ? PathRows(tip->path) - 1 : 0;
+  PathPlace from, to;
+
+  if (!tip->path || tip->resistance.stopped || t <= PathTime(tip->path, 0) ||
+      t >= PathTime(tip->path, last))
+    return PETSC_FALSE;
+  while (PathTime(tip->path, row + 1) <= t) row++;
+  PathAt(tip->path, PathTime(tip->path, row), &from);
+  PathAt(tip->path, PathTime(tip->path, row + 1), &to);
+  return (PetscBool)(PetscAbsReal(to.x[d] - from.x[d]) >
+                     8 * PETSC_MACHINE_EPSILON * (1 + PetscAbsReal(to.x[d])));
 }
 
 /* TipStill - the velocity of a place that is held at rest is 0, and not what round-off makes of it
@@ -165,7 +174,7 @@ static PetscBool Led(const Tip *tip, PetscReal t) {
    the tip is pushed with all that friction can, another one in each step. */
 void TipStill(const Tip *tip, PetscReal t, int axes, PetscReal x_t[]) {
   for (int d = 0; d < axes; d++)
-    if (TipHolds(tip, d) && !Led(tip, t)) x_t[d] = 0;
+    if (TipHolds(tip, d) && !Led(tip, t, d)) x_t[d] = 0;
 }
 
 /* TipHeldFrame - turns the quaternion of a tip in space to the frame in which it is held at a time,

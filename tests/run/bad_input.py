@@ -89,6 +89,7 @@ CASES = [
     ("-clamp_type free -task critical", "-clamp_type free: -task critical"),
     ("-clamp_type hinged -friction_radius 0.1", "-friction_radius: a rod that tilts"),
     ("-clamp_type hinged -growth_type feed", "-clamp_type hinged: rods that are fed in"),
+    ("-clamp_type hinged -tip_type pinned -rod_order 2", "-rod_order 2: the first cell"),
     ("-clamp_type hinged -rod_model linear", "-clamp_type: the linear model's rod"),
     ("-clamp_type hinged -task critical", "-clamp_type hinged: -task critical"),
     ("-clamp_type hinged -tip_type pinned -task stability", "-tip_type: -task stability"),

@@ -563,6 +563,19 @@ def held_still():
                 off = abs(r.norm_x2[-1] / rounded - 1)
                 print(f"{options}, {model}, beta {beta}: {r.steps} steps, |x2| off by {off:.1e}")
                 expect(r.steps < most and off < 1e-5, f"{options}, {model}, beta {beta}: {r.steps} steps, {off:.1e}")
+    # nor does one whose path pauses, or says nothing of its place
+    way = file("still", t=[0., 5., 9.], angle=[0.088, 0.088, 1.])
+    for model in ("frame", "space"):
+        r = Run("-growth_initial_length 1.13 -tip_type clamped -shape_amplitude 0.088 -rod_cells 20 -ts_max_time 0.1 "
+                f"-rod_model {model} -ts_max_steps 1000 -friction_beta 0 -tip_path {way}")
+        print(f"a path that pauses, {model}: {r.steps} steps")
+        expect(r.steps < 400, f"a path that pauses, {model}: {r.steps} steps")
+    for cells in (12, 16):  # in its snap places that creep chattered: 28,000 iterations, and it gave up
+        r = Run(f"-growth_initial_length 2 -tip_type pinned -shape_amplitude 0.01 -ts_max_time 0.003 -rod_cells {cells} "
+                "-ts_max_steps 2000")
+        off = abs(r.norm_x2[-1] / 2.1827e-2 - 1)  # of 48 cells
+        print(f"{cells} cells, snapped from one bow to another: {r.steps} steps, |x2| off by {off:.1e}")
+        expect("2 snaps" in r.said and off < 0.015, f"{cells} cells: {r.said}, off by {off:.1e}")
 
 
 def same_on_ranks(options, numbers=(2, 3)):
