@@ -18,7 +18,7 @@ static PetscInt JamsAt(Grow *self, PetscReal step, PetscInt most) {
 
 /* Wedged rods chatter on, and add up to 2e-5 in a thousand steps; others get on, if slowly. */
 static void TestJamGetsNowhere(void **state) {
-  struct _Scene scene = {.contact = {.any = PETSC_TRUE, .diameter = 0.1}};
+  struct _Scene scene = {.contact = {.any = PETSC_TRUE, .diameter = 0.1, .force = 1}};
   Grow wedged = {.scene = &scene, .seen = Pressed(20)}, slow = wedged, calm = wedged, off = wedged;
   PetscInt at = JamsAt(&wedged, 2e-8, 3000);
 
@@ -35,8 +35,8 @@ static void TestJamGetsNowhere(void **state) {
 
 /* Deep in a wall under large forces it is jammed at once; deep in one that is soft it is not. */
 static void TestJamDeep(void **state) {
-  struct _Scene thick = {.contact = {.any = PETSC_TRUE, .diameter = 0.1, .tip = 1e-3}},
-                thin = {.contact = {.any = PETSC_TRUE, .tip = 0.1}};
+  struct _Scene thick = {.contact = {.any = PETSC_TRUE, .diameter = 0.1, .force = 1, .tip = 1e-3}},
+                thin = {.contact = {.any = PETSC_TRUE, .force = 1, .tip = 0.1}};
   const struct {
     Scene scene;
     PetscReal force, depth;
