@@ -49,7 +49,10 @@ PetscErrorCode StiffnessSetFromOptions(Stiffness *self) {
   PetscFunctionBegin;
   PetscCall(PetscMemzero(self, sizeof(*self)));
   PetscCall(OptionText(option, file, &self->varies));
-  if (!self->varies) PetscFunctionReturn(0);
+  if (!self->varies) {
+    self->most = 1;
+    PetscFunctionReturn(0);
+  }
   PetscCall(HdfReadQuantity(option, file, "/distance", UNIT_LENGTH, 1, &self->n, &self->distance));
   PetscCall(HdfRead(option, file, "/factor", 1, &m, &self->factor));
   if (self->n == m && m >= 4) {

@@ -9,7 +9,7 @@ typedef struct {
   PetscBool varies; /* B is not 1 everywhere */
   PetscInt n;
   PetscReal *distance, *factor, *factor2; /* knots of the spline, values, second derivatives */
-  PetscReal most;                         /* the largest of the values */
+  PetscReal most;                         /* the largest of the values; 1 without them */
 } Stiffness;
 
 extern const OptionGroup stiffness_options;

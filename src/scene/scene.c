@@ -76,7 +76,7 @@ PetscErrorCode SceneContactAt(Scene scene, PetscReal t) {
   if (ContactNeedsCell(&scene->contact)) PetscCall(LargestCell(scene, t, cell));
   PetscCall(GrowthLength(scene->growth, t, &length[0], &length[1]));
   PetscCall(SceneStiffness(scene, 1, t, &B[1], NULL));
-  B[0] = scene->stiffness.varies ? scene->stiffness.most : 1;
+  B[0] = scene->stiffness.most;
   ContactSetStiffness(&scene->contact, B, cell, length);
   scene->contact.surfaces.still = scene->load.stopped;
   scene->contact.surfaces.time = scene->load.stopped ? scene->load.stopped_at : t;
