@@ -192,12 +192,11 @@ static PetscErrorCode Recognise(Frame *frame, const RodState *at, PetscBool *kno
   PetscFunctionReturn(0);
 }
 
-/* The rates at node i: a place that is held at rest has none. */
-static const PetscReal *RatesAt(const Cell *cell, PetscInt i, PetscReal rest[FIELDS]) {
-  if (i < cell->rod->last) return cell->u_t[i];
-  memcpy(rest, cell->u_t[i], FIELDS * sizeof(*rest));
-  TipStill(&cell->rod->scene->tip, cell->t, 2, rest + X1);
-  return rest;
+/* The rates at node i, or their shifts: a place that is held at rest has none. */
+static const PetscReal *Still(const Cell *cell, PetscInt i, const PetscReal *rates,
+                              PetscReal still[FIELDS]) {
+  if (i < cell->rod->last) return rates;
+  return TipStill(&cell->rod->scene->tip, cell->t, 2, FIELDS, rates, still);
 }
 
 /* The point at node i. */
@@ -205,12 +204,12 @@ static Point *CellsNode(Cell *cell, PetscInt i) {
   Frame *frame = (Frame *)cell->rod->data;
   PetscInt k = 2 * (i - cell->rod->first + 1);
   Point *p = frame->point + k;
-  PetscReal rest[FIELDS];
+  PetscReal still[FIELDS];
 
   if (cell->known) return p;
   p->at.t = cell->t;
-  PointAtNode(cell->load, frame->law + k, FrameDuals(frame, k), cell->u[i], RatesAt(cell, i, rest),
-              p);
+  PointAtNode(cell->load, frame->law + k, FrameDuals(frame, k), cell->u[i],
+              Still(cell, i, cell->u_t[i], still), p);
   AddPush(cell, i, 0, p);
   return p;
 }
@@ -266,10 +265,10 @@ static void CellsGo(Cell *cell, PetscInt i, PetscBool from_tip) {
   }
   cell->mid = frame->point + k + 1;
   if (cell->known) return;
-  PetscReal rest[FIELDS];
+  PetscReal still[FIELDS];
   cell->mid->at.t = cell->t;
   PointAtMid(cell->load, cell->law, cell->dual[1], frame->bow * cell->h, cell->a, cell->b,
-             cell->u_t[i], RatesAt(cell, i + 1, rest), cell->mid);
+             cell->u_t[i], Still(cell, i + 1, cell->u_t[i + 1], still), cell->mid);
   AddPush(cell, i, 1, cell->mid);
   if (frame->feet) AddFeet(cell, i);
 }
@@ -477,11 +476,10 @@ static void AddFeetSlope(Cell *cell, PetscInt i, const PetscReal shift[],
   }
 }
 
-/* The shifts of the rates at node i, see RatesAt(); where modes are counted friction holds the tip.
- */
-static void ShiftsAt(const Cell *cell, PetscInt i, const PetscReal shift[], PetscReal own[FIELDS]) {
-  memcpy(own, shift, FIELDS * sizeof(*own));
-  if (i == cell->rod->last && !cell->counts) TipStill(&cell->rod->scene->tip, cell->t, 2, own + X1);
+/* The shifts at node i; where modes are counted friction holds a tip that is still. */
+static const PetscReal *ShiftsAt(const Cell *cell, PetscInt i, const PetscReal *shift,
+                                 PetscReal still[FIELDS]) {
+  return cell->counts ? shift : Still(cell, i, shift, still);
 }
 
 /* A cell's equations by its nodes, left and right; the slopes at its middle and at those of its
@@ -490,9 +488,8 @@ static void CellBlocks(Cell *cell, PetscInt i, PetscBool new_a, PetscBool new_b,
                        const PetscReal shift[], PetscReal left[FIELDS][FIELDS],
                        PetscReal right[FIELDS][FIELDS]) {
   const Frame *frame = (const Frame *)cell->rod->data;
-  PetscReal own[FIELDS];
+  PetscReal still[FIELDS];
 
-  ShiftsAt(cell, i + 1, shift, own);
   if (!new_a) cell->slope[0] = cell->slope[2];
   if (!new_b) cell->slope[2] = cell->slope[0];
   if (new_a) Linearise(cell, 0, cell->a);
@@ -500,8 +497,9 @@ static void CellBlocks(Cell *cell, PetscInt i, PetscBool new_a, PetscBool new_b,
   Linearise(cell, 1, cell->mid);
   CellJacobian(frame, cell->load, cell->h, -1, shift, cell->law, cell->law + 1, cell->u_t[i][TH],
                cell->a, &cell->slope[0], cell->mid, &cell->slope[1], left);
-  CellJacobian(frame, cell->load, cell->h, 1, own, cell->law + 2, cell->law + 1,
-               cell->u_t[i + 1][TH], cell->b, &cell->slope[2], cell->mid, &cell->slope[1], right);
+  CellJacobian(frame, cell->load, cell->h, 1, ShiftsAt(cell, i + 1, shift, still), cell->law + 2,
+               cell->law + 1, cell->u_t[i + 1][TH], cell->b, &cell->slope[2], cell->mid,
+               &cell->slope[1], right);
   if (frame->feet) AddFeetSlope(cell, i, shift, left, right);
 }
 
@@ -510,10 +508,10 @@ static void TipBlock(const Cell *cell, const Point *end, const PetscReal shift[]
                      PetscReal by[TIP_ROWS][FIELDS]) {
   Rod rod = cell->rod;
   TipState tip = TipOf(end);
-  PetscReal own[FIELDS];
+  PetscReal still[FIELDS];
 
-  ShiftsAt(cell, rod->last, shift, own);
-  TipJacobian(&rod->scene->tip, &tip, own, cell->fresh, TipDual(rod), by);
+  TipJacobian(&rod->scene->tip, &tip, ShiftsAt(cell, rod->last, shift, still), cell->fresh,
+              TipDual(rod), by);
 }
 
 static PetscErrorCode FrameJacobian(Rod rod, const RodState *at, Mat J) {

@@ -427,20 +427,19 @@ typedef struct {
   Slope a, mid, b;
 } Slopes;
 
-/* The shifts of the rates at node i: a place that is held at rest has none; where modes are counted
-   friction holds it. */
-static void ShiftsAt(const Cell *cell, PetscInt i, const PetscReal shift[], PetscReal own[FIELDS]) {
-  memcpy(own, shift, FIELDS * sizeof(*own));
-  if (i == cell->rod->last && !cell->counts) TipStill(&cell->rod->scene->tip, cell->t, 3, own + X);
+/* The shifts at node i; where modes are counted friction holds a tip that is still. */
+static const PetscReal *ShiftsAt(const Cell *cell, PetscInt i, const PetscReal *shift,
+                                 PetscReal still[FIELDS]) {
+  return cell->counts ? shift : SpaceStill(cell, i, shift, still);
 }
 
 /* A cell's equations, that behind node i, by its nodes, left and right. */
 static void CellBlocks(Cell *cell, PetscInt i, PetscBool first, const PetscReal shift[],
                        Slopes *slopes, PetscReal left[FIELDS][FIELDS],
                        PetscReal right[FIELDS][FIELDS]) {
-  PetscReal own[FIELDS];
+  PetscReal still[FIELDS];
+  const PetscReal *own = ShiftsAt(cell, i + 1, shift, still);
 
-  ShiftsAt(cell, i + 1, shift, own);
   if (first)
     NodeSlope(cell, cell->law, &cell->a, cell->dual[0], shift, &slopes->a);
   else
@@ -458,10 +457,9 @@ static void TipBlock(const Cell *cell, const Slope *slope, const PetscReal shift
                      PetscReal by[RIGHT][FIELDS]) {
   Rod rod = cell->rod;
   TipState3 tip = TipOf(cell->load, &cell->b);
-  PetscReal dW[RUBS][FIELDS] = {{0}}, own[FIELDS];
+  PetscReal dW[RUBS][FIELDS] = {{0}}, still[FIELDS];
 
-  ShiftsAt(cell, rod->last, shift, own);
-  RateSlope(cell->load, &cell->b, 1, own, dW);
+  RateSlope(cell->load, &cell->b, 1, ShiftsAt(cell, rod->last, shift, still), dW);
   TurnSlope(cell->load, cell->law + 2, &cell->b, slope, dW);
   TipJacobian3(&rod->scene->tip, &tip, (const PetscReal(*)[FIELDS])dW, cell->fresh, TipDual(rod),
                by);

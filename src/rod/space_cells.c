@@ -87,20 +87,13 @@ static inline void AddPush(const Cell *cell, PetscInt i, int half, Point *p) {
   for (int d = 0; d < 3 && cell->couple; d++) p->f[M + d] += cell->couple[2 * i + half][d];
 }
 
-/* The rates at node i: a place that is held at rest has none. */
-static const PetscReal *RatesAt(const Cell *cell, PetscInt i, PetscReal rest[FIELDS]) {
-  if (i < cell->rod->last) return cell->u_t[i];
-  memcpy(rest, cell->u_t[i], FIELDS * sizeof(*rest));
-  TipStill(&cell->rod->scene->tip, cell->t, 3, rest + X);
-  return rest;
-}
-
 static void NodePoint(Cell *cell, PetscInt i, Point *p) {
   Space_ *self = (Space_ *)cell->rod->data;
   PetscInt k = 2 * (i - cell->rod->first + 1);
-  PetscReal rest[FIELDS];
+  PetscReal still[FIELDS];
 
-  PointAtNode(cell, self->law + k, Duals(self, k), cell->u[i], RatesAt(cell, i, rest), p);
+  PointAtNode(cell, self->law + k, Duals(self, k), cell->u[i],
+              SpaceStill(cell, i, cell->u_t[i], still), p);
   AddPush(cell, i, 0, p);
 }
 
@@ -174,7 +167,7 @@ static PetscBool Splits(const Cell *cell, PetscInt i) {
 void SpaceCellsNext(Cell *cell, PetscInt i) {
   Space_ *self = (Space_ *)cell->rod->data;
   PetscInt k = 2 * (i - cell->rod->first + 1);
-  PetscReal rest[FIELDS];
+  PetscReal still[FIELDS];
 
   cell->law = self->law + k;
   for (int e = 0; e < 3; e++) cell->dual[e] = Duals(self, k + e);
@@ -185,6 +178,7 @@ void SpaceCellsNext(Cell *cell, PetscInt i) {
     cell->split = Splits(cell, i);
     cell->cubic = (PetscBool)(cell->cubics && !cell->split);
   }
-  PointAtMid(cell, self->bow * cell->h, cell->u_t[i], RatesAt(cell, i + 1, rest));
+  PointAtMid(cell, self->bow * cell->h, cell->u_t[i],
+             SpaceStill(cell, i + 1, cell->u_t[i + 1], still));
   AddPush(cell, i, 1, &cell->mid);
 }

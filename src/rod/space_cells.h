@@ -106,6 +106,13 @@ static inline void DirectorRate(Point *p) {
         D[i][0] * p->p_t[0] + D[i][1] * p->p_t[1] + D[i][2] * p->p_t[2] + D[i][3] * p->p_t[3];
 }
 
+/* The rates at node i, or their shifts: a place that is held at rest has none. */
+static inline const PetscReal *SpaceStill(const Cell *cell, PetscInt i, const PetscReal *rates,
+                                          PetscReal still[FIELDS]) {
+  if (i < cell->rod->last) return rates;
+  return TipStill(&cell->rod->scene->tip, cell->t, 3, FIELDS, rates, still);
+}
+
 /* The slope x'_t = g_t d1 + g d1_t of the velocity at a node. */
 static inline void VelocitySlope(const Law *law, const Point *p, PetscReal w[3]) {
   for (int i = 0; i < 3; i++) w[i] = law->g_t * p->d[0][i] + law->g * p->d1_t[i];

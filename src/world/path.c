@@ -1,4 +1,5 @@
 #include "world/path.h"
+#include "base/knots.h"
 #include "base/monotone.h"
 #include "base/quaternion.h"
 #include "base/table.h"
@@ -261,4 +262,17 @@ void PathAt(Path self, PetscReal t, PathPlace *place) {
   QuaternionNormalise(turn);
   for (int k = 0; k < 4; k++) p[k] = place->p[k];
   QuaternionTimes(p, turn, place->p);
+}
+
+/* PathLeads - does it move the tip along an axis of the clamp's frame at a time? Not before its
+   first row, behind its last, and between two that agree. */
+PetscBool PathLeads(Path self, PetscReal t, int axis) {
+  PetscInt row = KnotBefore(self->n, self->t, t);
+  PathPlace from, to;
+
+  if (t <= self->t[0] || t >= self->t[self->n - 1]) return PETSC_FALSE;
+  PathAt(self, self->t[row], &from);
+  PathAt(self, self->t[row + 1], &to);
+  return (PetscBool)(PetscAbsReal(to.x[axis] - from.x[axis]) >
+                     8 * PETSC_MACHINE_EPSILON * (1 + PetscAbsReal(to.x[axis])));
 }

@@ -153,28 +153,25 @@ static void Held(const Tip *tip, PetscReal t, PathPlace *held) {
   if (tip->path) PathAt(tip->path, tip->resistance.stopped ? tip->resistance.stopped_at : t, held);
 }
 
-/* Does a path lead its coordinate d at a time? (Not before the first row, behind the last, between
-   two that agree, and in a snap: then it rests.) */
-static PetscBool Led(const Tip *tip, PetscReal t, int d) {
-  PetscInt row = 0, last = tip->path ? PathRows(tip->path) - 1 : 0;
-  PathPlace from, to;
-
-  if (!tip->path || tip->resistance.stopped || t <= PathTime(tip->path, 0) ||
-      t >= PathTime(tip->path, last))
-    return PETSC_FALSE;
-  while (PathTime(tip->path, row + 1) <= t) row++;
-  PathAt(tip->path, PathTime(tip->path, row), &from);
-  PathAt(tip->path, PathTime(tip->path, row + 1), &to);
-  return (PetscBool)(PetscAbsReal(to.x[d] - from.x[d]) >
-                     8 * PETSC_MACHINE_EPSILON * (1 + PetscAbsReal(to.x[d])));
+/* Does a path lead it along an axis at a time? (In a snap it rests.) */
+static PetscBool Led(const Tip *tip, PetscReal t, int axis) {
+  return (PetscBool)(tip->path && !tip->resistance.stopped && PathLeads(tip->path, t, axis));
 }
 
-/* TipStill - the velocity of a place that is held at rest is 0, and not what round-off makes of it
-   in a step that is short: where dry friction is next to exact it would be a direction, in which
-   the tip is pushed with all that friction can, another one in each step. */
-void TipStill(const Tip *tip, PetscReal t, int axes, PetscReal x_t[]) {
+/*
+  TipStill - the rates of the unknowns at the tip, or their shifts, without those of a place that is
+  held at rest, which are kept in still: its velocity is 0, and not what round-off makes of it in a
+  step that is short. Where dry friction is next to exact that would be a direction, in which the
+  tip is pushed with all that friction can, another one in each step.
+
+  axes, fields  of its place, the first of the unknowns; of all
+*/
+const PetscReal *TipStill(const Tip *tip, PetscReal t, int axes, int fields,
+                          const PetscReal rates[], PetscReal still[]) {
+  memcpy(still, rates, (size_t)fields * sizeof(*still));
   for (int d = 0; d < axes; d++)
-    if (TipHolds(tip, d) && !Led(tip, t, d)) x_t[d] = 0;
+    if (TipHolds(tip, d) && !Led(tip, t, d)) still[d] = 0;
+  return still;
 }
 
 /* TipHeldFrame - turns the quaternion of a tip in space to the frame in which it is held at a time,

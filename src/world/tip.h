@@ -50,7 +50,8 @@ extern const OptionGroup tip_options;
 PetscErrorCode TipSetFromOptions(Tip *tip, const Load *load);
 PetscErrorCode TipDestroy(Tip *tip);
 PetscErrorCode TipInFastTime(const Tip *tip, PetscReal t, Tip *fast);
-void TipStill(const Tip *tip, PetscReal t, int axes, PetscReal x_t[]);
+const PetscReal *TipStill(const Tip *tip, PetscReal t, int axes, int fields,
+                          const PetscReal rates[], PetscReal still[]);
 void TipForce(const Tip *tip, const TipState *at, const LoadDual *dual, PetscReal f[2]);
 void TipResidual(const Tip *tip, const TipState *at, const LoadDual *dual, PetscReal r[TIP_ROWS]);
 void TipJacobian(const Tip *tip, const TipState *at, const PetscReal shift[2], PetscBool fresh,
