@@ -529,14 +529,16 @@ class Package(unittest.TestCase):
             self.assertEqual(len(set(colours(count))), count)
 
     def test_a_disk_that_is_full(self):
-        """What cannot be written whole leaves an older file as it was, nothing beside it, and one line that names it."""
+        """What cannot be written whole leaves an older file as it was, nothing beside it, and one line that names it.
+        (Python itself would leave its compiled modules cut short, and stumble over them from then on.)"""
         tendril.run("feed", output=self.place / "kept.h5", **SHORT)
         place = self.place / "full"
         place.mkdir()
         for command, name in (("view", "page.html"), ("plot", "panels.png")):
             (place / name).write_text("older")
             done = subprocess.run(["bash", "-c", 'ulimit -f 20; exec "$@"', "-", sys.executable, "-m", "tendril", command,
-                                   str(self.place / "kept.h5"), "--output", str(place / name)], capture_output=True, text=True)
+                                   str(self.place / "kept.h5"), "--output", str(place / name)], capture_output=True, text=True,
+                                  env=os.environ | {"PYTHONDONTWRITEBYTECODE": "1"})
             self.assertEqual(done.returncode, 1)
             self.assertRegex(done.stderr, rf"^{command}: {place / name}: File too large\n$")
             self.assertEqual((place / name).read_text(), "older")
