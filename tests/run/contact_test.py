@@ -14,7 +14,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
 from held import HANG
 from scene_test import Run, expect
-from laboratory_test import read, tendril
+from laboratory_test import broken, pressed, read, tendril
 from world_test import file
 
 import h5py
@@ -461,7 +461,6 @@ def ranks():
 def restart():
     """A run that was broken in the midst of contact goes on to the last bit; also where points begin to press while Newton's
     method iterates, which go on from where they pressed before it was broken (at the corner)."""
-    d = scene.SCRATCH
     pillar = walls("circle 2 0.4 0.7 outside friction 0.4", "plane 3 0 -1 0")
     corner = walls("polygon outside 2 0.6 2.5 0.2 2.5 1 friction 0.2")
     for options in (SMALL_TUBE + "-contact_friction 0.3 ",
@@ -469,15 +468,10 @@ def restart():
                     f"-contact_diameter 0.1 -ts_max_time 2.5 -rod_cells 60 {pillar}",
                     "-growth_type feed -growth_initial_length 0.5 -rod_curvature 0.3 -shape_type straight -contact_diameter "
                     f"0.02 -contact_stiffness 1e6 -ts_max_time 3.5 -rod_cells 60 {corner}"):
-        tendril(f"{options} -output {d}/whole.h5")
-        whole = read(f"{d}/whole.h5")
-        pressed = np.flatnonzero(whole["series/contact_force"] > 0)
-        expect(len(pressed) > 20, f"{options}: touches for {len(pressed)} steps")
-        tendril(f"{options} -output {d}/broken.h5 -ts_max_steps {pressed[len(pressed) // 4]}", 1)
-        tendril(f"-restart {d}/broken.h5 -output {d}/broken.h5")
-        broken = read(f"{d}/broken.h5")
-        different = [k for k in whole if not np.array_equal(whole[k], broken[k])]
-        print(f"{len(whole['series/t'])} steps, {len(pressed)} in contact, different: {len(different)}")
+        whole, different = broken(options, lambda run: pressed(run)[len(pressed(run)) // 4])
+        touches = len(pressed(whole))
+        print(f"{len(whole['series/t'])} steps, {touches} in contact, different: {len(different)}")
+        expect(touches > 20, f"{options}: touches for {touches} steps")
         expect(not different, f"{options}: {different} differ")
 
 
@@ -573,10 +567,16 @@ def scaled():
     factor = 2 - np.exp(-np.linspace(0, 3, 7))
     file = f"{scene.SCRATCH}/stiffness.h5"
 
-    def rod(size, options, wall):
+    def stiff(distance, factor):
         with h5py.File(file, "w") as f:
-            f["distance"], f["factor"] = size * np.linspace(0, 3, 7), size**3 * factor
-        return Run(f"-rod_stiffness_file {file} -growth_type feed -growth_initial_length {size * 0.5} -ts_max_time {size * 2.5} "
+            f["distance"], f["factor"] = distance, factor
+        return f"-rod_stiffness_file {file} "
+
+    def of_size(size):
+        return stiff(size * np.linspace(0, 3, 7), size**3 * factor)
+
+    def rod(size, options, wall):
+        return Run(of_size(size) + f"-growth_type feed -growth_initial_length {size * 0.5} -ts_max_time {size * 2.5} "
                    f"-shape_type straight -rod_curvature {0.1 / size} -rod_cells 60 -ts_rtol 1e-7 -friction_beta 1e-4 "
                    + options(size) + walls(wall(size))).tip / size
 
@@ -594,10 +594,8 @@ def scaled():
     # a dead end: it jams alike (usual forces taken as 1, one a thousandth as stiff went on, and out of the walls)
     ends = []
     for size in (1., 0.1):
-        with h5py.File(file, "w") as f:
-            f["distance"], f["factor"] = size * np.linspace(0, 3, 7), size**3 * factor
         x, y = size * np.array((-0.1, 1.5)), 0.08 * size
-        line = tendril(f"-rod_stiffness_file {file} -growth_type feed -growth_initial_length {size * 0.5} -ts_max_time {size * 2.5} "
+        line = tendril(of_size(size) + f"-growth_type feed -growth_initial_length {size * 0.5} -ts_max_time {size * 2.5} "
                        f"-shape_type straight -rod_curvature {0.1 / size} -rod_cells 100 -ts_rtol 1e-7 -friction_beta 1e-4 "
                        f"-contact_diameter {0.1 * size} " + walls(f"polygon inside {x[0]} {-y} {x[1]} {-y} {x[1]} {y} {x[0]} {y}")
                        + f" -output {scene.SCRATCH}/end.h5", 1)
@@ -607,10 +605,8 @@ def scaled():
     expect(abs(ends[1] / ends[0] - 1) < 0.1, f"jams at {ends}")  # at 0.9914, 1.022 or 1.069, as round-off has it
     # a tip that is a thousandth as stiff as the rod leaves walls as hard as those are to it (as soft as fits the tip alone
     # the rod was pressed in by 0.12, its tip off by 0.5)
-    with h5py.File(file, "w") as f:
-        f["distance"] = np.linspace(0, 1, 9)
-        f["factor"] = 10 ** (-3 * (1 - f["distance"][()]))
-    soft, hard = (Run(f"-rod_stiffness_file {file} -growth_type feed -growth_initial_length 0.5 -ts_max_time 2.5 -shape_type straight "
+    tapers = stiff(np.linspace(0, 1, 9), 10 ** (-3 * (1 - np.linspace(0, 1, 9))))
+    soft, hard = (Run(tapers + f"-growth_type feed -growth_initial_length 0.5 -ts_max_time 2.5 -shape_type straight "
                       f"-rod_curvature 0.1 -friction_beta 1e-4 " + more + walls(oblique(1))).tip
                   for more in ("-rod_cells 60 ", "-rod_cells 240 -contact_stiffness 1e6 "))
     print(f"a soft tip: off by {np.hypot(*(soft - hard)):.1e}")
@@ -944,20 +940,14 @@ def brushed():
 @check
 def thin_on_ranks():
     """... and so on any number of ranks, to the last bit in a restart; with exact friction, too."""
-    d = scene.SCRATCH
     post = LEANS + "-rod_curvature 0.6 -ts_max_time 3.3 -contact_diameter 0.01 -rod_cells 100 "
     wall = walls("circle 2 0.6 1e-3 outside friction 0.3")
     on_ranks(post + "-ts_rtol 1e-6 " + wall, 3e-4)  # other steps on one, about a snap: so far tolerances differ, too
     for more in ("", "-friction_beta 0 "):
-        tendril(f"{post} {wall} {more} -output {d}/whole.h5")
-        whole = read(f"{d}/whole.h5")
-        pressed = np.flatnonzero(whole["series/contact_force"] > 0)
-        expect(len(pressed) > 10, f"touches for {len(pressed)} steps")
-        tendril(f"{post} {wall} {more} -output {d}/broken.h5 -ts_max_steps {pressed[len(pressed) // 2]}", 1)
-        tendril(f"-restart {d}/broken.h5 -output {d}/broken.h5")
-        broken = read(f"{d}/broken.h5")
-        different = [k for k in whole if not np.array_equal(whole[k], broken[k])]
-        print(f"{more}: {len(whole['series/t'])} steps, {len(pressed)} in contact, different: {len(different)}")
+        whole, different = broken(f"{post} {wall} {more}", lambda run: pressed(run)[len(pressed(run)) // 2])
+        touches = len(pressed(whole))
+        print(f"{more}: {len(whole['series/t'])} steps, {touches} in contact, different: {len(different)}")
+        expect(touches > 10, f"touches for {touches} steps")
         expect(not different, f"{different} differ")
 
 

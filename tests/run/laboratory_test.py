@@ -71,6 +71,23 @@ def read(file):
     return r
 
 
+def broken(options, step):
+    """Runs it whole, then to a step (or to that of the whole run which step(whole) names), where it is broken and goes on:
+    the whole run and the names of what is not in both to the last bit."""
+    files = [f"{scene.SCRATCH}/{name}.h5" for name in ("whole", "broken")]
+    tendril(f"{options} -output {files[0]}")
+    whole = read(files[0])
+    tendril(f"{options} -output {files[1]} -ts_max_steps {step(whole) if callable(step) else step}", 1)
+    tendril(f"-restart {files[1]} -output {files[1]}")
+    on = read(files[1])
+    return whole, [k for k in whole if not np.array_equal(whole[k], on[k])]
+
+
+def pressed(run):
+    """The steps of a run that end in contact."""
+    return np.flatnonzero(run["series/contact_force"] > 0)
+
+
 FED = "-growth_type feed -growth_initial_length 2 -shape_amplitude 0.1 -ts_max_time 20 "
 
 

@@ -10,7 +10,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
 from contact_test import walls
 from scene_test import Run, expect
-from laboratory_test import read, tendril
+from laboratory_test import broken, pressed, read, tendril
 
 import numpy as np
 
@@ -115,15 +115,10 @@ def ranks_and_restart():
         off = max(np.abs(tip(r) - tip(one)).max(), abs(r.contact_force[-1] / one.contact_force[-1] - 1))
         print(f"{n} ranks: {r.steps} and {one.steps} steps, differ by {off:.1e}")
         expect(off < 1e-4, f"{n} ranks: {off}")
-    tendril(f"{options} -output {d}/whole.h5")
-    whole = read(f"{d}/whole.h5")
-    pressed = np.flatnonzero(whole["series/contact_force"] > 0)
-    tendril(f"{options} -output {d}/broken.h5 -ts_max_steps {pressed[len(pressed) // 2]}", 1)
-    tendril(f"-restart {d}/broken.h5 -output {d}/broken.h5")
-    broken = read(f"{d}/broken.h5")
-    different = [k for k in whole if not np.array_equal(whole[k], broken[k])]
-    print(f"{len(whole['series/t'])} steps, {len(pressed)} in contact, different: {different}")
-    expect(len(pressed) > 20 and not different, f"{different} differ")
+    whole, different = broken(options, lambda run: pressed(run)[len(pressed(run)) // 2])
+    touches = len(pressed(whole))
+    print(f"{len(whole['series/t'])} steps, {touches} in contact, different: {different}")
+    expect(touches > 20 and not different, f"{different} differ")
 
 
 @check
@@ -183,7 +178,6 @@ def guard():
 @check
 def refused():
     """One line each, which names the remedy."""
-    d = scene.SCRATCH
     for wall, words in {
             "sphere 1 0 0 inside": "line 1: give sphere X Y Z R inside|outside",
             "sphere 9 0 0 -1 outside": "the radius of a sphere must be above 0",

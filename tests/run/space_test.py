@@ -14,7 +14,7 @@ import scene_test as scene  # takes .venv's python if this one lacks numpy and h
 from held import HANG
 from scene_test import Run, expect
 import world_test as world
-from laboratory_test import read, tendril
+from laboratory_test import broken, read, tendril
 
 import h5py
 import numpy as np
@@ -337,7 +337,6 @@ def orders():
 def ranks_and_restart():
     """Ranks agree, in what they tell of their errors, too; a run that was broken goes on as if it had not been, exact
     friction and all."""
-    d = scene.SCRATCH
     options = BENT + ("-friction_beta 0 -friction_radius 0.1 -rod_weight 0,0,-0.2 -ts_max_time 1 "
                       "-output_interval 0.5 ")
     one = Run(options)
@@ -349,11 +348,7 @@ def ranks_and_restart():
     told = [Run(TWISTED + "-ts_max_time 0.3 -rod_cells 24", ranks).estimate for ranks in (1, 2, 3)]
     print("errors told", *told)
     expect(all(abs(other / told[0] - 1) < 0.02 for other in told), "another estimate on ranks")
-    tendril(f"{options} -output {d}/whole.h5")
-    tendril(f"{options} -output {d}/broken.h5 -ts_max_steps 60", 1)
-    tendril(f"-restart {d}/broken.h5 -output {d}/broken.h5")
-    whole, broken = read(f"{d}/whole.h5"), read(f"{d}/broken.h5")
-    different = [k for k in whole if not np.array_equal(whole[k], broken[k])]
+    whole, different = broken(options, 60)
     expect(len(whole["series/t"]) > 65 and not different, f"{different} differ")
 
 
@@ -364,7 +359,6 @@ def hinged():
     is spun there keeps its energy, is the same on two ranks and goes on as if it had not been broken."""
     from scipy.optimize import brentq
     from scipy.special import ellipe, ellipk
-    d = scene.SCRATCH
     rests = "-growth_type none -growth_initial_length 1 -clamp_type hinged -tip_type pinned -friction_mu 0 "
 
     def thrust(r):
@@ -393,11 +387,7 @@ def hinged():
     off = np.abs(one.shapes["x"][-1] - two.shapes["x"][-1]).max()
     print(f"spun: defect {one.energy_defect[-1]:.1e}, 2 ranks {off:.1e}")
     expect(one.energy_defect[-1] < 2e-5 and off < 1e-8, f"spun: {one.energy_defect[-1]}, {off}")
-    tendril(f"{spun} -output {d}/whole.h5")
-    tendril(f"{spun} -output {d}/broken.h5 -ts_max_steps 60", 1)
-    tendril(f"-restart {d}/broken.h5 -output {d}/broken.h5")
-    whole, broken = read(f"{d}/whole.h5"), read(f"{d}/broken.h5")
-    different = [k for k in whole if not np.array_equal(whole[k], broken[k])]
+    whole, different = broken(spun, 60)
     expect(len(whole["series/t"]) > 65 and not different, f"{different} differ")
 
 
@@ -567,7 +557,6 @@ def twisted_rod():
 def strands():
     """A rod between two clamps that is fed and twisted winds round itself: forces cancel, energy is
     kept the better the finer the mesh, the mirror image is as it is to the last bit; restart."""
-    d = scene.SCRATCH
     coil, turning, other = COIL, "-clamp_spin 16 -shape_turn 0.3 ", "-clamp_spin -16 -shape_turn -0.3 "
     one, fine = (Run(coil + turning + f"-rod_cells {n}") for n in (40, 80))
     for name, r in {"40 cells": one, "80 cells": fine}.items():
@@ -592,11 +581,7 @@ def strands():
     mirror = Run(coil + other + "-rod_cells 40")
     expect((mirror.shapes["x"][-1] == one.shapes["x"][-1] * [1, 1, -1]).all(), "the mirror image is another rod")
     options = coil + turning + "-rod_cells 40 -output_interval 0.4 "
-    tendril(f"{options} -output {d}/whole.h5")
-    tendril(f"{options} -output {d}/broken.h5 -ts_max_steps {len(one.t) - 40}", 1)
-    tendril(f"-restart {d}/broken.h5 -output {d}/broken.h5")
-    whole, broken = read(f"{d}/whole.h5"), read(f"{d}/broken.h5")
-    different = [k for k in whole if not np.array_equal(whole[k], broken[k])]
+    whole, different = broken(options, len(one.t) - 40)
     expect(not different, f"{different} differ")
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
 from scene_test import Run, distance, expect, order
-from laboratory_test import read, tendril
+from laboratory_test import broken, tendril
 
 import h5py
 import numpy as np
@@ -634,11 +634,7 @@ def weak_across():
         print(f"{options}: {r.steps} steps, off the limit by {off:.1e}, estimated {r.estimate:.1e}")
         expect(off < min(5e-4, r.estimate * np.hypot(*limit)), f"{options}: tip {r.tip}, not {limit}")
         expect(r.said.count("viscous") == 2 and "viscous" not in less.said, f"{options}: {r.said}")
-    tendril(f"{options} -output {d}/whole.h5")
-    tendril(f"{options} -output {d}/broken.h5 -ts_max_steps 60", 1)
-    tendril(f"-restart {d}/broken.h5 -output {d}/broken.h5")
-    whole, broken = read(f"{d}/whole.h5"), read(f"{d}/broken.h5")
-    different = [k for k in whole if not np.array_equal(whole[k], broken[k])]
+    _, different = broken(options, 60)
     with h5py.File(f"{d}/broken.h5") as f:
         share = f.attrs["viscous_share"]
     expect(not different and abs(share - 1e-4) < 1e-12, f"after a restart: share {share}, {different} differ")
@@ -650,14 +646,9 @@ def weak_across():
 @check
 def restart():
     """A run that was broken and goes on is the unbroken one, to the last bit."""
-    d = scene.SCRATCH
     for law in LAWS:
         options = everything(law) + "-ts_max_time 3 -output_interval 0.5 -rod_cells 60 "
-        tendril(f"{options} -output {d}/whole.h5")
-        tendril(f"{options} -output {d}/broken.h5 -ts_max_steps 60", 1)
-        tendril(f"-restart {d}/broken.h5 -output {d}/broken.h5")
-        whole, broken = read(f"{d}/whole.h5"), read(f"{d}/broken.h5")
-        different = [k for k in whole if not np.array_equal(whole[k], broken[k])]
+        whole, different = broken(options, 60)
         print(f"{law}: {len(whole['series/t'])} steps, different: {different}")
         expect(len(whole["series/t"]) > 70 and not different, f"{law}: {different} differ")
 
