@@ -30,8 +30,11 @@ typedef struct {
   Mat A, B, T;       /* dF/dU, -dF/dU_t, and A^-1 B */
   KSP ksp;           /* A^-1 */
   Vec U, U_t, work;  /* within a step */
+  Vec moves;         /* see SetMoves() */
   PetscReal before;  /* the rate at the latest step; 0: none was taken */
   PetscBool settled; /* what the start brought is over */
+  Crawl crawl;
+  PetscBool crawls;
   PetscBool crosses;
   PetscReal t; /* where it does; 0: a mode grew from the first step on */
   Growing growing;
@@ -74,25 +77,40 @@ static PetscErrorCode Check(Scene scene) {
 
 /* y = T x, see SolverCreate(). */
 static PetscErrorCode Apply(Mat T, Vec x, Vec y) {
-  const RodModel *model = &rod_space;
-  PetscScalar *value;
-  PetscInt n;
   Bent *self;
 
   PetscFunctionBegin;
   PetscCall(MatShellGetContext(T, &self));
-  PetscCall(MatMult(self->B, x, self->work));
+  PetscCall(VecPointwiseMult(y, self->moves, x));
+  PetscCall(MatMult(self->B, y, self->work));
   PetscCall(KSPSolve(self->ksp, self->work, y));
-  PetscCall(VecGetLocalSize(y, &n));
-  PetscCall(VecGetArray(y, &value));
-  for (PetscInt i = 0; i < n; i++)
-    if (!model->followed[i % model->fields]) value[i] = 0;
-  PetscCall(VecRestoreArray(y, &value));
+  PetscCall(VecPointwiseMult(y, self->moves, y));
+  PetscFunctionReturn(0);
+}
+
+/* 1 for each place and director that can move, 0 for what is held, and for forces and moments. */
+static PetscErrorCode SetMoves(Bent *self) {
+  const PetscInt fields = rod_space.fields;
+  const Tip *tip = &self->leg.rod->scene->tip;
+  PetscScalar *moves;
+  PetscInt n;
+
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(self->leg.U, &self->moves));
+  PetscCall(VecGetLocalSize(self->moves, &n));
+  PetscCall(VecGetArray(self->moves, &moves));
+  for (PetscInt i = 0; i < n; i++) moves[i] = i >= fields && rod_space.followed[i % fields];
+  for (int d = 0; d < 3; d++)
+    if (TipHolds(tip, d)) moves[n - fields + d] = 0;
+  PetscCall(VecRestoreArray(self->moves, &moves));
   PetscFunctionReturn(0);
 }
 
 /* The problem is T u = u/sigma, T = A^-1 B, of places and directors alone: no rates of forces are
-   in the equations, so these follow, and with them T has round-off for eigenvalues that are 0. */
+   in the equations, so these follow, and with them T has round-off for eigenvalues that are 0. Nor
+   of what is held, for that is at rest: where friction is next to exact B is 1/sqrt(beta) there,
+   and what it makes of a first guess that is not 0 there is so much larger than any mode that their
+   round-off was told as modes that grow. */
 static PetscErrorCode SolverCreate(MPI_Comm comm, Bent *self) {
   PetscInt n;
 
@@ -267,6 +285,22 @@ static PetscErrorCode Cross(Bent *self, PetscReal a, PetscReal fa, PetscReal b, 
   PetscFunctionReturn(0);
 }
 
+/* In so many steps as that takes in -task grow the modes of as many states are looked for, and what
+   chatters gets on by a hundredth of the run; a run that comes through takes some hundred. */
+static const PetscReal crawls_by = 0.05;
+
+/* Do steps get the rod anywhere? If not, it ends. */
+static PetscErrorCode LookForCrawl(Bent *self, TS ts, PetscReal t) {
+  const Scene scene = self->leg.rod->scene;
+  PetscReal length;
+
+  PetscFunctionBegin;
+  PetscCall(GrowthLength(scene->growth, t, &length, NULL));
+  self->crawls = CrawlStep(&self->crawl, t, crawls_by * PetscMin(length, scene->end_time));
+  if (self->crawls) PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
+  PetscFunctionReturn(0);
+}
+
 /* A step was taken: are there modes that grow?
 
    At the start forces have not settled, and modes of a moment may grow that are gone the next.
@@ -298,6 +332,8 @@ static PetscErrorCode AfterStep(TS ts) {
   }
   if (self->crosses && (self->settled || growing.rate * t1 >= 1))
     PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
+  else if (t1 < self->leg.rod->scene->end_time)
+    PetscCall(LookForCrawl(self, ts, t1));
   self->before = growing.rate;
   PetscFunctionReturn(0);
 }
@@ -317,8 +353,10 @@ static PetscErrorCode Create(Scene scene, PetscReal rtol, PetscBool quiet, Bent 
   PetscCall(VecDuplicate(self->leg.U, &self->U));
   PetscCall(VecDuplicate(self->leg.U, &self->U_t));
   PetscCall(VecDuplicate(self->leg.U, &self->work));
+  PetscCall(SetMoves(self));
   PetscCall(SolverCreate(scene->comm, self));
   if (!quiet) PetscCall(EPSSetFromOptions(self->eps));
+  PetscCall(CrawlAllowed(self->leg.ts, &self->crawl.allowed));
   PetscCall(RodBegin(rod, self->leg.U));
   PetscFunctionReturn(0);
 }
@@ -333,6 +371,7 @@ static PetscErrorCode Destroy(Bent *self) {
   PetscCall(VecDestroy(&self->U));
   PetscCall(VecDestroy(&self->U_t));
   PetscCall(VecDestroy(&self->work));
+  PetscCall(VecDestroy(&self->moves));
   PetscCall(LegDestroy(&self->leg));
   PetscFunctionReturn(0);
 }
@@ -343,7 +382,7 @@ static PetscErrorCode Follow(Scene scene, PetscReal rtol, PetscBool quiet, Petsc
   TSConvergedReason reason;
   Bent self = {.critical = critical};
   PetscErrorCode error;
-  char text[64];
+  char text[64], crawl[512];
 
   PetscFunctionBegin;
   error = Create(scene, rtol, quiet, &self);
@@ -352,6 +391,8 @@ static PetscErrorCode Follow(Scene scene, PetscReal rtol, PetscBool quiet, Petsc
   if (!error) error = TSGetTime(self.leg.ts, t);
   PetscCall(Destroy(&self));
   PetscCall(error);
+  CrawlTell(&self.crawl, scene->load.friction.beta, crawl, sizeof(crawl));
+  UserCheck(!self.crawls, OptionsComm(), "%s", crawl);
   UserCheck(reason > 0 || (self.crosses && self.t > 0), OptionsComm(),
             "the bent rod could not be followed beyond t = %s (%s): try another -ts_rtol or more "
             "-rod_cells",

@@ -270,7 +270,9 @@ static PetscErrorCode StopHere(Grow *self, TS ts) {
   self->slips =
       (PetscBool)(!self->event.kind && GrowSlips(self) && !LoadShareMore(&self->scene->load));
   self->crawls = (PetscBool)(!self->event.kind && !self->jammed && !self->slips &&
-                             self->seen.t < self->scene->end_time && GrowCrawls(self));
+                             self->seen.t < self->scene->end_time &&
+                             CrawlStep(&self->crawl, self->seen.t,
+                                       crawl_part * PetscMin(self->seen.length, self->end)));
   if (self->event.kind || self->stopped || self->beyond || self->jammed || self->slips ||
       self->crawls ||
       (&self->leg[BetterModel(self)] != self->now && self->seen.t < self->scene->end_time))
@@ -321,20 +323,6 @@ static PetscErrorCode AddLeg(Grow *self, PetscInt model) {
   PetscCall(TSSetMaxTime(leg->ts, self->scene->end_time));
   PetscCall(TSSetPostStep(leg->ts, AfterStep));
   if (model != LINEAR) PetscCall(VBDFSetSnap(leg->ts, SnapFollow));
-  PetscFunctionReturn(0);
-}
-
-/* Has whoever runs it said how many steps there may be, or how long they are to be? */
-static PetscErrorCode LookWhetherStepsAreTold(Grow *self) {
-  PetscBool most, longest, fixed;
-  TSAdapt adapt;
-
-  PetscFunctionBegin;
-  PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_max_steps", &most));
-  PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_adapt_dt_max", &longest));
-  PetscCall(TSGetAdapt(OwnLeg(self)->ts, &adapt));
-  PetscCall(PetscObjectTypeCompare((PetscObject)adapt, TSADAPTNONE, &fixed));
-  self->steps_told = (PetscBool)(most || longest || fixed);
   PetscFunctionReturn(0);
 }
 
@@ -633,7 +621,7 @@ static PetscErrorCode Create(Grow *self, const char *output, const char *restart
     if (m == self->model ||
         (self->model == AUTO && (m == LINEAR || m == WholeModel(self)) && self->can[m]))
       PetscCall(AddLeg(self, m));
-  PetscCall(LookWhetherStepsAreTold(self));
+  PetscCall(CrawlAllowed(OwnLeg(self)->ts, &self->crawl.allowed));
   PetscCall(RodHoldTip(OwnLeg(self)->rod));
   if (self->leg[WholeModel(self)].rod)
     PetscCall(EstimateCreate(&self->leg[WholeModel(self)], &self->estimate));
@@ -777,7 +765,7 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
       "rod moves, and it slips and sticks in no time, again and again; %s; take a larger "
       "-friction_across, or a lower -friction_mu: 0.99, or less",
       text[0], (double)self->scene->load.across, kept);
-  GrowTellCrawl(self, crawl, sizeof(crawl));
+  CrawlTell(&self->crawl, self->scene->load.friction.beta, crawl, sizeof(crawl));
   UserCheck(!self->crawls, comm, "%s; %s", crawl, kept);
   PetscCall(GrowTellJam(self, (PetscBool)(reason < 0), jam, sizeof(jam)));
   UserCheck(!jam[0], comm,

@@ -1,7 +1,7 @@
 /* -task grow: a run that gets nowhere. A rod that is jammed cannot grow on, and nothing tells so
    but that it is pressed ever harder into what is around it, or that steps get nowhere; one that
-   slips and sticks in no time, or that steps cannot follow for any other reason, keeps them for
-   ever. */
+   slips and sticks in no time keeps steps for ever (as does one that crawls for any other reason:
+   crawl.c). */
 #include "tasks/growing.h"
 
 /* Pressed in by this part of its diameter the rod is no longer where walls say, and with forces so
@@ -65,50 +65,6 @@ PetscBool GrowSlips(Grow *self) {
     return PETSC_FALSE;
   self->slips_steps = 0;
   return PETSC_TRUE;
-}
-
-/* So many steps for this part of the run, or of the length, whichever is less. (The most that a run
-   of the tests takes for so little, and comes through, are 170.) */
-enum { CRAWL = 1000, HALF = CRAWL / 2 };
-static const PetscReal crawls_by = 1e-5;
-/* In the layer of a start, or behind a kink, steps get longer from next to nothing on, the slower
-   the finer the tolerance: who gets on so much faster in the second half does not crawl. */
-static const PetscReal faster = 2;
-
-/*
-  GrowCrawls - has the run got nowhere in the latest steps, while nothing says that it will? Not
-  where whoever runs it has said how many steps it may take, or how long they may be. The same on
-  every rank.
-*/
-PetscBool GrowCrawls(Grow *self) {
-  const PetscReal t = self->seen.t, least = crawls_by * PetscMin(self->seen.length, self->end);
-  PetscBool crawls;
-
-  if (self->steps_told) return PETSC_FALSE;
-  self->crawl_steps++;
-  if (self->crawl_steps == HALF) self->crawl_half = t;
-  if (self->crawl_steps < CRAWL && t < self->crawl_time + least) return PETSC_FALSE;
-  self->crawled = t - self->crawl_time;
-  crawls = (PetscBool)(self->crawled < least &&
-                       t - self->crawl_half < faster * (self->crawl_half - self->crawl_time));
-  self->crawl_time = t;
-  self->crawl_steps = 0;
-  return crawls;
-}
-
-/* GrowTellCrawl - the line for a run that crawls: where, and what to try. */
-void GrowTellCrawl(const Grow *self, char line[], size_t room) {
-  const Load *load = &self->scene->load;
-  char text[2][64];
-
-  OptionBoth(self->seen.t, UNIT_TIME, text[0]);
-  OptionBoth(self->crawled, UNIT_TIME, text[1]);
-  (void)snprintf(line, room,
-                 "crawls at t = %s: the latest %d steps have brought it on by %s; try %sanother "
-                 "-ts_rtol or other -rod_cells, or give -ts_max_steps, and it goes on as long as "
-                 "that",
-                 text[0], CRAWL, text[1],
-                 load->friction.beta < 1e-3 ? "a larger -friction_beta, " : "");
 }
 
 /*

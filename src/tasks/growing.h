@@ -3,6 +3,7 @@
 #define TENDRIL_GROWING_H
 
 #include "stepping/estimate.h"
+#include "tasks/crawl.h"
 #include "tasks/member.h"
 
 enum {
@@ -58,10 +59,8 @@ typedef struct {
   PetscBool jammed;      /* the run ends for that */
   PetscReal window_time; /* when the rod last grew, and steps since: see grow_jam.c */
   PetscInt window_steps;
-  PetscBool steps_told;                      /* how many, or how long, is said: see GrowCrawls() */
-  PetscBool crawls;                          /* the run ends for that */
-  PetscReal crawl_time, crawl_half, crawled; /* t when it was looked, and half-way since; how far */
-  PetscInt crawl_steps;
+  Crawl crawl;
+  PetscBool crawls;     /* the run ends for that */
   Event event;          /* that ended the run */
   PetscReal start;      /* t at which this run began: 0, or a restart's */
   PetscReal end, reach; /* t and length at its end, if nothing but -stop_length ends it before */
@@ -83,8 +82,6 @@ PetscErrorCode GrowLocateEvent(Grow *self, PetscReal *t, Vec U, Vec U_t);
 /* grow_jam.c */
 PetscBool GrowIsJammed(Grow *self);
 PetscBool GrowSlips(Grow *self);
-PetscBool GrowCrawls(Grow *self);
-void GrowTellCrawl(const Grow *self, char line[], size_t room);
 PetscErrorCode GrowTellJam(Grow *self, PetscBool gave_up, char line[], size_t room);
 
 /* grow_report.c */

@@ -1,38 +1,42 @@
 /* When a run crawls, and what looks like it and does not. */
 #include "harness.h"
-#include "tasks/growing.h"
+#include "tasks/crawl.h"
+
+typedef struct {
+  PetscReal t, length, end;
+  Crawl crawl;
+} Run;
 
 /* Takes steps, each so many times as long as the one before, from a first one on; after how many
    the run crawls, 0: not in as many as there are. */
-static int Crawls(Grow *self, PetscReal step, PetscReal times, int steps) {
+static int Crawls(Run *self, PetscReal step, PetscReal times, int steps) {
   for (int k = 1; k <= steps; k++, step *= times) {
-    self->seen.t += step;
-    if (GrowCrawls(self)) return k;
+    self->t += step;
+    if (CrawlStep(&self->crawl, self->t, crawl_part * PetscMin(self->length, self->end))) return k;
   }
   return 0;
 }
 
-static Grow OfLength(PetscReal length, PetscReal end) {
-  Grow self = {.seen = {.length = length}, .end = end};
+static Run OfLength(PetscReal length, PetscReal end) {
+  Run self = {.length = length, .end = end};
   return self;
 }
 
 static void TestAlike(void **state) {
-  Grow slow = OfLength(1, 2), fast = OfLength(1, 2), late = OfLength(1, 2),
-       shrinks = OfLength(1, 2);
+  Run slow = OfLength(1, 2), fast = OfLength(1, 2), late = OfLength(1, 2), shrinks = OfLength(1, 2);
   int k;
 
   EXPECT((k = Crawls(&slow, 9e-9, 1, 5000)) == 1000, "steps of 9e-9: %d", k);
-  EXPECT(PetscAbsReal(slow.crawled - 9e-6) < 1e-12, "brought on by %g", (double)slow.crawled);
+  EXPECT(PetscAbsReal(slow.crawl.by - 9e-6) < 1e-12, "brought on by %g", (double)slow.crawl.by);
   EXPECT((k = Crawls(&fast, 1.1e-8, 1, 5000)) == 0, "steps of 1.1e-8: %d", k);
-  late.seen.t = 1.5;
+  late.t = 1.5;
   EXPECT((k = Crawls(&late, 1e-10, 1, 5000)) == 1001, "from t = 1.5 on: %d", k);
   EXPECT((k = Crawls(&shrinks, 1e-3, 0.9, 2000)) && k < 1200, "steps that shrink: %d", k);
 }
 
 /* What is next to nothing is so beside the run, or the rod, whichever is less. */
 static void TestScales(void **state) {
-  Grow brief = OfLength(1, 1e-3), little = OfLength(1e-3, 1), large = OfLength(100, 100);
+  Run brief = OfLength(1, 1e-3), little = OfLength(1e-3, 1), large = OfLength(100, 100);
   int k;
 
   EXPECT((k = Crawls(&brief, 5e-11, 1, 5000)) == 0, "a short run: %d", k);
@@ -44,18 +48,18 @@ static void TestScales(void **state) {
  */
 static void TestLayer(void **state) {
   const PetscReal slowly = PetscPowReal(10, 1. / 250);
-  Grow start = OfLength(1, 1), kink = OfLength(1, 1);
+  Run start = OfLength(1, 1), kink = OfLength(1, 1);
   int k;
 
   EXPECT((k = Crawls(&start, 1e-15, slowly, 3500)) == 0, "a start: %d", k);
-  EXPECT(start.seen.t > 1e-2, "the start has come to %g", (double)start.seen.t);
+  EXPECT(start.t > 1e-2, "the start has come to %g", (double)start.t);
   EXPECT((k = Crawls(&kink, 1e-2, 1, 50)) == 0, "up to a kink: %d", k);
   EXPECT((k = Crawls(&kink, 1e-14, slowly, 3000)) == 0, "behind it: %d", k);
 }
 
 /* It sticks and slips: thousands of short steps, and now and then a long one. */
 static void TestSlips(void **state) {
-  Grow self = OfLength(1, 1);
+  Run self = OfLength(1, 1);
   int k = 0;
 
   for (int slip = 0; slip < 20 && !k; slip++) {
@@ -66,10 +70,10 @@ static void TestSlips(void **state) {
 }
 
 static void TestTold(void **state) {
-  Grow self = OfLength(1, 1);
+  Run self = OfLength(1, 1);
   int k;
 
-  self.steps_told = PETSC_TRUE;
+  self.crawl.allowed = PETSC_TRUE;
   EXPECT((k = Crawls(&self, 1e-12, 1, 5000)) == 0, "steps were told: %d", k);
 }
 

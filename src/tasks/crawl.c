@@ -1,0 +1,57 @@
+#include "tasks/crawl.h"
+#include "base/options.h"
+
+/* So many steps for what is next to nothing. */
+enum { STEPS = 1000, HALF = STEPS / 2 };
+/* In the layer of a start, or behind a kink, steps get longer from next to nothing on, the slower
+   the finer the tolerance: who gets on so much faster in the second half does not crawl. */
+static const PetscReal faster = 2;
+
+/* CrawlAllowed - has whoever runs it said how many steps there may be, or how long they are to be?
+   Then none of them crawls. */
+PetscErrorCode CrawlAllowed(TS ts, PetscBool *allowed) {
+  PetscBool most, longest, fixed;
+  TSAdapt adapt;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_max_steps", &most));
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_adapt_dt_max", &longest));
+  PetscCall(TSGetAdapt(ts, &adapt));
+  PetscCall(PetscObjectTypeCompare((PetscObject)adapt, TSADAPTNONE, &fixed));
+  *allowed = (PetscBool)(most || longest || fixed);
+  PetscFunctionReturn(0);
+}
+
+/*
+  CrawlStep - a step was taken: has the run got nowhere in the latest of them, while nothing says
+  that it will? The same on every rank.
+
+  t      at its end
+  least  what is next to nothing
+*/
+PetscBool CrawlStep(Crawl *self, PetscReal t, PetscReal least) {
+  PetscBool crawls;
+
+  if (self->allowed) return PETSC_FALSE;
+  self->steps++;
+  if (self->steps == HALF) self->half = t;
+  if (self->steps < STEPS && t < self->time + least) return PETSC_FALSE;
+  self->by = t - self->time;
+  crawls = (PetscBool)(self->by < least && t - self->half < faster * (self->half - self->time));
+  self->time = t;
+  self->steps = 0;
+  return crawls;
+}
+
+/* CrawlTell - the line for a run that crawls: where, and what to try. beta: of its friction. */
+void CrawlTell(const Crawl *self, PetscReal beta, char line[], size_t room) {
+  char text[2][64];
+
+  OptionBoth(self->time, UNIT_TIME, text[0]);
+  OptionBoth(self->by, UNIT_TIME, text[1]);
+  (void)snprintf(line, room,
+                 "crawls at t = %s: the latest %d steps have brought it on by %s; try %sanother "
+                 "-ts_rtol or other -rod_cells, or give -ts_max_steps, and it goes on as long as "
+                 "that",
+                 text[0], STEPS, text[1], beta < 1e-3 ? "a larger -friction_beta, " : "");
+}

@@ -1,0 +1,22 @@
+/* A run that steps keep for ever, for whatever reason: none of them gets it anywhere. */
+#ifndef TENDRIL_CRAWL_H
+#define TENDRIL_CRAWL_H
+
+#include <petscts.h>
+
+/* Of -task grow: this part of the run, or of the length, whichever is less. (The most steps that a
+   run of the tests takes for so little, and comes through, are 170.) */
+static const PetscReal crawl_part = 1e-5;
+
+/* All 0 at the start of a run. */
+typedef struct {
+  PetscBool allowed;        /* how many steps, or how long, is said: see CrawlAllowed() */
+  PetscReal time, half, by; /* t when it was looked, and half-way since; how far it had come then */
+  PetscInt steps;           /* since */
+} Crawl;
+
+PetscErrorCode CrawlAllowed(TS ts, PetscBool *allowed);
+PetscBool CrawlStep(Crawl *crawl, PetscReal t, PetscReal least);
+void CrawlTell(const Crawl *crawl, PetscReal beta, char line[], size_t room);
+
+#endif
