@@ -204,6 +204,10 @@ static PetscErrorCode CountBlind(Grow *self, const Observation *last, PetscReal 
   PetscFunctionReturn(0);
 }
 
+static PetscReal BaseForce(const Observation *seen) {
+  return hypot(hypot(seen->base_force_1, seen->base_force_2), seen->base_force_3);
+}
+
 static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   PetscReal before = self->seen.t, norm = self->seen.norm_x2, folds = self->folds;
   PetscInt iterations = 0, all = 0, jumps = 0, blind = 0;
@@ -231,6 +235,7 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   iterations = all - self->iterations;
   self->iterations = all;
   PetscCall(ObserverMeasure(self->observer, self->now->rod, t, U, U_t, &self->seen));
+  self->force_before = BaseForce(&last);
   if (blindly) PetscCall(CountBlind(self, &last, before, layered, behind));
   if (norm > rod_vanished && self->seen.norm_x2 > rod_vanished)
     self->folds += PetscAbsReal(PetscLogReal(self->seen.norm_x2 / norm));
@@ -712,6 +717,26 @@ static PetscBool PressedStraight(const Grow *self) {
                      !CurvatureBends(&scene->curvature));
 }
 
+/* A rod that is held so that it cannot give way at large bends in waves of 2 pi sqrt(B/P) under the
+   force P: cells that are long beside these chatter. Tells how many would do; nothing if there are.
+ */
+static void AdviseWaves(const Grow *self, char *advice, size_t room) {
+  const PetscReal coarse = 6, fine = 12, B = self->scene->stiffness.most,
+                  P = PetscMax(self->force_before, BaseForce(&self->seen)),
+                  length = self->seen.length, cell = length / self->scene->mesh.cells;
+  PetscReal wave;
+
+  advice[0] = 0;
+  if (!(P > 0)) return;
+  wave = 2 * PETSC_PI * PetscSqrtReal(B / P);
+  if (wave < coarse * cell)
+    (void)snprintf(advice, room,
+                   "its cells of %.2g are too long for the waves in which it bends under the force "
+                   "%.3g, of %.2g: give -rod_cells %.0f",
+                   (double)cell, (double)P, (double)wave,
+                   (double)PetscCeilReal(fine * length / wave));
+}
+
 /* What to try where a rod gives way faster than steps can follow. Cells that are longer than what
    contact presses on see it at one node or at none. */
 static void AdviseGivingWay(const Grow *self, char *advice, size_t room) {
@@ -737,7 +762,7 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
   MPI_Comm comm = self->scene->comm;
   const char *const kept = OutputStores(self->output) ? "the results up to there are stored"
                                                       : "nothing is stored without -output FILE";
-  char text[3][64], jam[512] = "", crawl[512] = "", advice[160];
+  char text[3][64], jam[512] = "", crawl[512] = "", advice[192];
   PetscReal dt;
 
   PetscFunctionBegin;
@@ -766,7 +791,8 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
       "-friction_across, or a lower -friction_mu: 0.99, or less",
       text[0], (double)self->scene->load.across, kept);
   CrawlTell(&self->crawl, self->scene->load.friction.beta, crawl, sizeof(crawl));
-  UserCheck(!self->crawls, comm, "%s; %s", crawl, kept);
+  AdviseWaves(self, advice, sizeof(advice));
+  UserCheck(!self->crawls, comm, "%s; %s%s%s", crawl, kept, advice[0] ? "; " : "", advice);
   PetscCall(GrowTellJam(self, (PetscBool)(reason < 0), jam, sizeof(jam)));
   UserCheck(!jam[0], comm,
             "%s, and it can hardly grow on; %s; end the run before with -stop_force, or, if this "
@@ -782,7 +808,7 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
       "spin back, and where it then goes is not determined; %s; give the radius at which "
       "friction feels the spin, -friction_radius",
       text[0], kept);
-  AdviseGivingWay(self, advice, sizeof(advice));
+  if (!advice[0]) AdviseGivingWay(self, advice, sizeof(advice));
   UserCheck(
       reason == TS_CONVERGED_TIME || !self->now->crosses, comm,
       "gave up at t = %s: the rod gives way faster than a step of %s can follow, to which side "

@@ -60,10 +60,11 @@ typedef struct {
   PetscReal window_time; /* when the rod last grew, and steps since: see grow_jam.c */
   PetscInt window_steps;
   Crawl crawl;
-  PetscBool crawls;     /* the run ends for that */
-  Event event;          /* that ended the run */
-  PetscReal start;      /* t at which this run began: 0, or a restart's */
-  PetscReal end, reach; /* t and length at its end, if nothing but -stop_length ends it before */
+  PetscReal force_before; /* on the clamp, of the state before that which was seen last */
+  PetscBool crawls;       /* the run ends for that */
+  Event event;            /* that ended the run */
+  PetscReal start;        /* t at which this run began: 0, or a restart's */
+  PetscReal end, reach;   /* t and length at its end, if nothing but -stop_length ends it before */
 } Grow;
 
 extern const RodModel *const grow_models[MODELS];
