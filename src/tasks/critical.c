@@ -1,6 +1,7 @@
 #include "tasks/critical.h"
 #include "tasks/bent.h"
 #include "record/output.h"
+#include "scene/scales.h"
 #include "straight/spectrum.h"
 #include "straight/straight.h"
 
@@ -271,11 +272,43 @@ static PetscErrorCode Agree(Scene scene, Critical *self) {
   PetscFunctionReturn(0);
 }
 
+/* By how much another mesh tells another critical time, where the scene has a length that the cells
+   are too long for. A zone at the tip that is shorter than a cell drives the rod unseen. */
+static PetscErrorCode MissedChange(Scene scene, const Mesh *labels, MPI_Comm comm, PetscBool quiet,
+                                   const Critical *self, PetscReal *change) {
+  const PetscReal near = 1e-8;
+  Scale missed[MOST_SCALES];
+  Factor other = {0};
+  PetscErrorCode error;
+  PetscReal t = self->t;
+  PetscInt n;
+  Fate fate = CROSSES;
+  PetscBool unseen = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  *change = 0;
+  PetscCall(ScalesMissed(scene, labels, self->t, &n, missed));
+  if (!n) PetscFunctionReturn(0);
+  for (PetscInt k = 0; k < n; k++)
+    unseen = (PetscBool)(unseen || (missed[k].length == scene->growth->finest &&
+                                    missed[k].cell > missed[k].length));
+  if (unseen) *change = self->length;
+  if (unseen) PetscFunctionReturn(0);
+  error = FactorCreate(comm, scene, (3 * scene->mesh.cells + 2) / 4, self->way, PETSC_FALSE, quiet,
+                       &other);
+  if (!error) error = OnMesh(scene, &other, self->t - near, self->t + near, &t, &fate);
+  PetscCall(FactorDestroy(&other));
+  PetscCall(error);
+  *change = fate == CROSSES ? PetscAbsReal(t - self->t) : self->length;
+  PetscFunctionReturn(0);
+}
+
 /* The critical time on two meshes, of which the finer is kept; of deflections of one way. */
 static PetscErrorCode FindWith(Factor *fine, Factor *half, Scene scene, PetscBool quiet,
                                Critical *self, Fate *fate) {
-  PetscReal low = 0, high = 0, half_t, near = 1e-8;
+  PetscReal low = 0, high = 0, half_t, change, near = 1e-8;
   PetscInt cells = scene->mesh.cells, n;
+  Mesh labels;
   MPI_Comm comm = cells < SHARED_CELLS ? PETSC_COMM_SELF : scene->comm;
 
   PetscFunctionBegin;
@@ -294,7 +327,9 @@ static PetscErrorCode FindWith(Factor *fine, Factor *half, Scene scene, PetscBoo
   PetscCall(GrowthLength(scene->growth, self->t, &self->length, NULL));
   self->frequency = fine->frequency;
   if (fine->pencil->ways > 1) self->twisting = fine->pencil->moment;
-  self->error = PetscAbsReal(self->t - half_t) +
+  labels = (Mesh){cells, fine->pencil->node};
+  PetscCall(MissedChange(scene, &labels, comm, quiet, self, &change));
+  self->error = PetscAbsReal(self->t - half_t) + change +
                 PetscMax(1, self->length) * (1e-14 + 1e-17 * PetscSqr((PetscReal)n));
   PetscCall(StoreMode(scene, fine, self));
   PetscCall(Agree(scene, self));
@@ -349,7 +384,8 @@ static PetscErrorCode CheckFate(Scene scene, Fate fate) {
 
   The mesh has -rod_cells cells, equidistant in arc length. The error bound is the change from half
   the mesh (of order 4, so the error itself is about a fifteenth of it) and what rounding does to a
-  second-order matrix of this size.
+  second-order matrix of this size. A length of the scene that cells are too long for both may miss
+  alike: there it is what three quarters of the cells change, too.
 */
 PetscErrorCode CriticalFind(Scene scene, PetscBool quiet, Critical *self) {
   Fate fate[MOST_WAYS] = {STABLE, STABLE};
@@ -505,10 +541,13 @@ static PetscErrorCode PrintWay(MPI_Comm comm, const Critical *self) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode Print(MPI_Comm comm, const Critical *self) {
+static PetscErrorCode Print(Scene scene, const Critical *self) {
+  const Mesh labels = {self->n - 1, self->s};
+  MPI_Comm comm = scene->comm;
   double cube = (double)(self->length * self->length * self->length);
 
   PetscFunctionBegin;
+  PetscCall(ScalesTell(scene, &labels, self->t));
   PetscCall(PetscPrintf(
       comm, "critical time   t = %.12g\ncritical length L = %.12g\nerror below     %.1e\n",
       (double)self->t, (double)self->length, (double)self->error));
@@ -540,7 +579,7 @@ static PetscErrorCode FindAndStore(Scene scene, const char *output, Member *memb
   if (output[0]) PetscCall(OutputNewFile("-output", output, scene->comm, &file));
   error =
       bent ? BentFind(scene, PETSC_FALSE, &critical) : CriticalFind(scene, PETSC_FALSE, &critical);
-  if (!error) error = member ? Leave(&critical, &member->harvest) : Print(scene->comm, &critical);
+  if (!error) error = member ? Leave(&critical, &member->harvest) : Print(scene, &critical);
   if (!error) error = Write(scene, file, &critical);
   PetscCall(CriticalDestroy(&critical));
   if (error) PetscCall(OutputDropFile(output, &file));

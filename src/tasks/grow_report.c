@@ -37,27 +37,6 @@ static const char *Column(const char *name, const char *unit, char text[16]) {
   return text;
 }
 
-/* A line for each length of the scene that the cells are too long for. */
-static PetscErrorCode TellScales(const Grow *self) {
-  Scale scale[MOST_SCALES];
-  char text[2][64];
-  PetscInt n;
-
-  PetscFunctionBegin;
-  PetscCall(ScalesOf(self->scene, &n, scale));
-  for (PetscInt k = 0; k < n; k++) {
-    PetscReal times = scale[k].cell / (scale[k].resolved * scale[k].length);
-    if (times <= 1) continue;
-    PetscCall(PetscPrintf(self->scene->comm,
-                          "%s %s: cells are up to %s long there and may miss it; give %.0f "
-                          "-rod_cells\n",
-                          scale[k].option, OptionNumber(scale[k].length, text[0]),
-                          OptionNumber(scale[k].cell, text[1]),
-                          (double)PetscCeilReal(times * self->scene->mesh.cells)));
-  }
-  PetscFunctionReturn(0);
-}
-
 /* GrowHeading - above the lines of progress. Collective. */
 PetscErrorCode GrowHeading(Grow *self) {
   PetscReal factor;
@@ -70,7 +49,7 @@ PetscErrorCode GrowHeading(Grow *self) {
   PetscCall(PetscTime(&self->begin));
   self->reported = self->begin;
   if (!self->quiet) PetscCall(OptionsTellPlain());
-  if (!self->quiet) PetscCall(TellScales(self));
+  if (!self->quiet) PetscCall(ScalesTell(self->scene, &self->scene->mesh, self->scene->end_time));
   if (!self->quiet)
     PetscCall(PetscPrintf(self->scene->comm, "%10s %10s %12s %10s %7s %8s %11s\n",
                           Column("t", time, text[0]), Column("length", length, text[1]),

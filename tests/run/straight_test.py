@@ -269,6 +269,24 @@ def bent_at_rest():
 
 
 @check
+def thin():
+    """Layers and zones of growth that are thinner than a cell: two meshes may miss them alike (told 1e-9 to 1e-1, it was
+    up to 55 times that); they are named, and the error told holds within three times."""
+    for options, cells in (("-friction_layers 0:1,0.7:3 -friction_layer_width 0.002", (6, 20, 60)),
+                           ("-friction_layers 0:1,0.7:5,1.3:0.4 -friction_layer_width 0.01", (4, 6, 20)),
+                           ("-growth_type apical -growth_zone 0.1 -friction_mu 0 -ts_max_time 60", (4, 6, 8, 20))):
+        said = tendril(f"{options} -task critical -rod_cells 2000")
+        fine = float(said.split("critical time   t = ")[1].split()[0])
+        for n in cells:
+            said = tendril(f"{options} -task critical -rod_cells {n}")
+            off = abs(float(said.split("critical time   t = ")[1].split()[0]) - fine)
+            told = float(said.split("error below     ")[1].split()[0])
+            print(f"{options}, {n} cells: off by {off:.1e}, told {told:.1e}")
+            expect("may miss it; give" in said and off < 3 * told, f"{options}, {n} cells: off by {off}, {said}")
+    expect("may miss it" not in tendril("-task critical -friction_layers 0:1,1:3 -friction_layer_width 0.5"), "warns")
+
+
+@check
 def refused():
     """What bends the straight rod, or has a history, ends in one line; weight that takes all thrust
     off the rod in one that says so."""
