@@ -707,19 +707,6 @@ static void FrameMoments(const PetscReal u[], const PetscReal change[], PetscRea
   m[1] = m[2] = dm[1] = dm[2] = 0;
 }
 
-static void FrameTurnOff(const PetscReal u[], const PetscReal r[], PetscReal off[TURN]) {
-  (void)u;
-  off[0] = r[TH];
-}
-
-static void FrameTurn(const PetscReal off[TURN], PetscReal u[]) {
-  const PetscReal c = PetscCosReal(off[0]), s = PetscSinReal(off[0]), n[2] = {u[N1], u[N2]};
-
-  u[TH] -= off[0];
-  u[N1] = c * n[0] + s * n[1];
-  u[N2] = c * n[1] - s * n[0];
-}
-
 static PetscErrorCode FrameGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes) {
   const PetscReal(*u)[FIELDS], (*u_t)[FIELDS];
 
@@ -797,7 +784,5 @@ const RodModel rod_frame = {.name = "frame",
                             .recall = FrameRecall,
                             .defect = FrameDefect,
                             .moments = FrameMoments,
-                            .turn_off = FrameTurnOff,
-                            .turn = FrameTurn,
                             .jacobian = FrameJacobian,
                             .eliminate = FrameEliminate};

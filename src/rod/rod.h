@@ -10,7 +10,6 @@
 #include <petscdmda.h>
 
 enum { MAX_FIELDS = 13 };
-enum { TURN = 4 }; /* numbers that tell a turn: an angle in the plane, a quaternion in space */
 
 /* The mirrors of a rod that is nearly straight: x2 -> -x2 and, in space, x3 -> -x3. Fields fall
    into groups by the mirrors in which they change sign, as do their equations: on the straight rod
@@ -107,11 +106,6 @@ typedef struct {
   /* the moments about the directors (in the plane, the first) at a node u, and by how much a small
      change of u changes them */
   void (*moments)(const PetscReal u[], const PetscReal change[], PetscReal m[3], PetscReal dm[3]);
-  /* for RodBegin(): by what the turn of a node u fails the equations of the cell before it, whose
-     residual is r, and to turn a node back by that, with its moment and force; NULL: there are no
-     such equations */
-  void (*turn_off)(const PetscReal u[], const PetscReal r[], PetscReal off[TURN]);
-  void (*turn)(const PetscReal off[TURN], PetscReal u[]);
   /* by more than half a turn: has a cross-section turned as far from one state to another, so that
      which way round is not known? NULL: it cannot */
   PetscErrorCode (*turned)(Rod, Vec U0, Vec U1, PetscBool *turned);
@@ -149,7 +143,7 @@ PetscErrorCode RodCreateMemory(Rod rod, DM *da, Vec *memory);
 PetscErrorCode RodGetLocalNodes(Rod rod, PetscReal t, Vec U, Vec *local, const Node **with);
 PetscErrorCode RodRestoreLocalNodes(Rod rod, Vec *local, const Node **with);
 PetscErrorCode RodInitialNodes(Rod rod, PetscReal t, Node *nodes);
-PetscErrorCode RodRests(Rod rod, const RodState *at, PetscBool *rests);
+PetscErrorCode RodFit(Rod rod, PetscReal t, Vec U);
 PetscErrorCode RodBegin(Rod rod, Vec U);
 PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes);
 void RodPlanePart(Node *node);

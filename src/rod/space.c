@@ -15,7 +15,6 @@
    has that of its ends (space_cells.c). The rows of node i are the x and p equations of the cell on
    its left, the m and n equations of the cell on its right. */
 #include "base/lagrange.h"
-#include "base/quaternion.h"
 #include "base/vectors.h"
 #include "rod/space_cells.h"
 #include "rod/spin_rest.h"
@@ -668,27 +667,6 @@ static void SpaceMoments(const PetscReal u[], const PetscReal change[], PetscRea
   }
 }
 
-/* What turns p by too much, r/p: p - r is (1 - r/p) p. */
-static void SpaceTurnOff(const PetscReal u[], const PetscReal r[], PetscReal off[TURN]) {
-  const PetscReal back[4] = {u[P], -u[P + 1], -u[P + 2], -u[P + 3]}, f = 1 / QuaternionSize(u + P);
-
-  QuaternionTimes(r + P, back, off);
-  for (int k = 0; k < 4; k++) off[k] *= f;
-}
-
-static void SpaceTurn(const PetscReal off[TURN], PetscReal u[]) {
-  PetscReal by[4], from[3][3], to[3][3];
-
-  Directors(u + P, QuaternionSize(u + P), from);
-  QuaternionTimes(off, u + P, by);
-  for (int k = 0; k < 4; k++) u[P + k] -= by[k];
-  Directors(u + P, QuaternionSize(u + P), to);
-  for (PetscReal *v = u + M; v <= u + N; v += 3) {
-    const PetscReal part[3] = {Dot3(from[0], v), Dot3(from[1], v), Dot3(from[2], v)};
-    for (int i = 0; i < 3; i++) v[i] = part[0] * to[0][i] + part[1] * to[1][i] + part[2] * to[2][i];
-  }
-}
-
 /* Is an owned node turned by half a turn or more, p0.p1 <= 0? The same on every rank. */
 static PetscErrorCode SpaceTurned(Rod rod, Vec U0, Vec U1, PetscBool *turned) {
   const PetscReal(*a)[FIELDS], (*b)[FIELDS];
@@ -1022,8 +1000,6 @@ const RodModel rod_space = {
     .residual = SpaceResidual,
     .defect = SpaceDefect,
     .moments = SpaceMoments,
-    .turn_off = SpaceTurnOff,
-    .turn = SpaceTurn,
     .turned = SpaceTurned,
     .hold = SpaceHold,
     .remember = SpaceRemember,

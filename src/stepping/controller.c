@@ -383,24 +383,9 @@ static PetscBool Shrinks(const TS ts, Controller *self, const Formula *f) {
   return shrinks;
 }
 
-/* Does all stay at rest in the present step, as it was so far? Then it is solved, with rates of 0:
-   those that round-off makes of a history of one state, over a step that is short, would be motion,
-   and where dry friction is next to exact a direction, in which it pushes with all that it can. */
-static PetscErrorCode StaysAtRest(TS ts, Controller *self, Formula *f) {
-  PetscFunctionBegin;
-  self->rests = PETSC_FALSE;
-  if (!self->rest || self->moved) PetscFunctionReturn(0);
-  PetscCall(VecZeroEntries(f->rate));
-  PetscCall(self->rest(ts, f->time[0], f->point[1], f->point[0], f->rate, &self->rests));
-  PetscFunctionReturn(0);
-}
-
 /* Solves the equations of the present step, in the usual way or else in another. */
 static PetscErrorCode Solve(TS ts, Controller *self, Formula *f, SNESConvergedReason *solved) {
   PetscFunctionBegin;
-  *solved = SNES_CONVERGED_FNORM_ABS;
-  PetscCall(StaysAtRest(ts, self, f));
-  if (self->rests) PetscFunctionReturn(0);
   PetscCall(Predict(ts, self, f, f->point[0]));
   PetscCall(SolveStage(ts, self, f));
   PetscCall(SNESGetConvergedReason(ts->snes, solved));
@@ -438,7 +423,7 @@ static PetscErrorCode Try(TS ts, Controller *self, Formula *f, Outcome *outcome,
   *outcome = TRY_UNSOLVED;
   if (solved < 0) PetscFunctionReturn(0);
   if (!self->fixed) PetscCall(Choose(ts, self, f, &accept, factor));
-  if (accept && !self->rests) PetscCall(Crosses(ts, self, f, self->taken_order, &crosses));
+  if (accept) PetscCall(Crosses(ts, self, f, self->taken_order, &crosses));
   *outcome = !accept ? TRY_ERRS : crosses ? TRY_CROSSES : TRY_ACCEPTED;
   PetscFunctionReturn(0);
 }
@@ -524,8 +509,7 @@ static PetscErrorCode EndStep(TS ts, Controller *self, Formula *f, PetscReal fac
     self->layer = 0;
   PetscCall(VecCopy(f->point[0], ts->vec_sol));
   /* of the accepted state: a linear solve has not looked at it any more */
-  if (!self->rests) PetscCall(FormulaRate(f, f->point[0]));
-  self->moved = (PetscBool)!self->rests;
+  PetscCall(FormulaRate(f, f->point[0]));
   ts->ptime = f->time[0];
   if (ts->exact_final_time == TS_EXACTFINALTIME_MATCHSTEP &&
       PetscAbsReal(ts->max_time - ts->ptime) < 1e-12 * ts->max_time)

@@ -20,7 +20,6 @@ typedef struct {
   PetscBool fixed;  /* -ts_adapt_type none: steps as told, order as high as the history allows */
   PetscBool jumped; /* the present step was accepted as a jump */
   PetscBool tried, snapped; /* to follow a snap in the present step; it begins behind one */
-  PetscBool rests, moved;   /* nothing moves in the present step; something did in one before */
   PetscInt failures;        /* tries of the present step that had no solution, or crossed a mode */
   PetscBool look;           /* its error is to be seen, if there is a point before */
   PetscInt before;          /* points there were before it was tried from the last one alone */
@@ -32,7 +31,6 @@ typedef struct {
   void *guess_ctx;
   VBDFSnap snap;
   VBDFOtherWay other_way;
-  VBDFRest rest;
   VBDFCheck check;
   VBDFCross cross;
   VBDFMeasure measure;

@@ -286,18 +286,6 @@ static PetscErrorCode FirstGuess(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec 
   PetscFunctionReturn(0);
 }
 
-/* A VBDFRest. */
-static PetscErrorCode Rests(TS ts, PetscReal t, Vec U0, Vec U1, Vec rate, PetscBool *rests) {
-  Leg *leg;
-
-  PetscFunctionBegin;
-  PetscCall(TSGetApplicationContext(ts, &leg));
-  PetscCall(VecCopy(U0, U1));
-  leg->newton.latest = (RodState){.t = t, .U = U1, .U_t = rate, .fresh = PETSC_TRUE};
-  PetscCall(RodRests(leg->rod, &leg->newton.latest, rests));
-  PetscFunctionReturn(0);
-}
-
 /* PETSc's theta methods start Newton's iteration from the step before, a rod at rest, where
    friction is stiffest: let them extrapolate, which only an option can tell them. */
 static PetscErrorCode ExtrapolateTheta(void) {
@@ -428,7 +416,6 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   PetscCall(VBDFSetFactored(leg->ts, model->fields, model->group));
   PetscCall(MeasureAlongAxes(leg));
   PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));
-  PetscCall(VBDFSetRest(leg->ts, Rests));
   PetscCall(VBDFSetCross(leg->ts, CrossesMode));
   PetscCall(NewtonTakesFullSteps(&leg->newton, &full));
   if (scene->contact.any && full) PetscCall(VBDFSetOtherWay(leg->ts, CutSteps));

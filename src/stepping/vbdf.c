@@ -187,17 +187,6 @@ PetscErrorCode VBDFSetOtherWay(TS ts, VBDFOtherWay other_way) {
   PetscFunctionReturn(0);
 }
 
-/* VBDFSetRest - sets how to see that what is followed rests: until it moves for the first time a
-   step in which it does need not be solved. No effect on other types. */
-PetscErrorCode VBDFSetRest(TS ts, VBDFRest rest) {
-  VBDF *self = NULL;
-
-  PetscFunctionBegin;
-  PetscCall(Self(ts, &self));
-  if (self) self->controller.rest = rest;
-  PetscFunctionReturn(0);
-}
-
 /* VBDFSetSnap - sets how to follow a jump. No effect on other types. */
 PetscErrorCode VBDFSetSnap(TS ts, VBDFSnap snap) {
   VBDF *self = NULL;

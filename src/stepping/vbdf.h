@@ -24,9 +24,6 @@ typedef PetscErrorCode (*VBDFSnap)(TS ts, PetscReal t, Vec U, PetscBool *done);
    guess in another way; and behind that, when the usual one is to be back. */
 typedef PetscErrorCode (*VBDFOtherWay)(TS ts, PetscBool other);
 
-/* Does what was at rest in U0 rest at t, too? Then U1 is that state. rate: 0. */
-typedef PetscErrorCode (*VBDFRest)(TS ts, PetscReal t, Vec U0, Vec U1, Vec rate, PetscBool *rests);
-
 /* Is a step from U0 at t0 to U1 at t1 one that cannot be, whatever its error? */
 typedef PetscErrorCode (*VBDFCheck)(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
                                     PetscBool *impossible);
@@ -47,7 +44,6 @@ PetscErrorCode VBDFSetGuess(TS ts, VBDFGuess guess, void *ctx);
 PetscErrorCode VBDFSetHighestOrder(TS ts, PetscInt order);
 PetscErrorCode VBDFSetSnap(TS ts, VBDFSnap snap);
 PetscErrorCode VBDFSetOtherWay(TS ts, VBDFOtherWay other_way);
-PetscErrorCode VBDFSetRest(TS ts, VBDFRest rest);
 PetscErrorCode VBDFSetScale(TS ts, PetscReal scale);
 PetscErrorCode VBDFSetCheck(TS ts, VBDFCheck check);
 PetscErrorCode VBDFSetCross(TS ts, VBDFCross cross);
