@@ -18,6 +18,9 @@ enum { NEAREST = 6, SUBSPACE = 40, ROOT_STEPS = 60, CORRECTIONS = 2 };
 static const PetscReal noise = 1e-7;
 /* A root is found to this part of the time. */
 static const PetscReal root_found = 2e-13;
+/* Friction closer to exact than this is 1/sqrt(beta) where the rod rests, and modes are lost in it.
+ */
+static const PetscReal least_beta = 1e-16;
 
 typedef struct {
   PetscReal rate, frequency; /* of the mode with the largest real part of those */
@@ -72,6 +75,10 @@ static PetscErrorCode Check(Scene scene) {
             scene->comm,
             "-friction_beta: %s, and what sticks has none; give a value above 0, or -friction_mu 0",
             about);
+  UserCheck(scene->load.friction.mu == 0 || scene->load.friction.beta >= least_beta, scene->comm,
+            "-friction_beta %g: %s, and next to exact friction those of what rests are round-off; "
+            "give %g or more",
+            (double)scene->load.friction.beta, about, (double)least_beta);
   PetscFunctionReturn(0);
 }
 
@@ -88,7 +95,9 @@ static PetscErrorCode Apply(Mat T, Vec x, Vec y) {
   PetscFunctionReturn(0);
 }
 
-/* 1 for each place and director that can move, 0 for what is held, and for forces and moments. */
+/* 1 for each place and director that can move, 0 for what is held, and for forces and moments. The
+   rod is on this rank alone. (A tip that slides is held across the clamp's axes, which need not be
+   those of places: there T is 0 by itself.) */
 static PetscErrorCode SetMoves(Bent *self) {
   const PetscInt fields = rod_space.fields;
   const Tip *tip = &self->leg.rod->scene->tip;
@@ -100,8 +109,8 @@ static PetscErrorCode SetMoves(Bent *self) {
   PetscCall(VecGetLocalSize(self->moves, &n));
   PetscCall(VecGetArray(self->moves, &moves));
   for (PetscInt i = 0; i < n; i++) moves[i] = i >= fields && rod_space.followed[i % fields];
-  for (int d = 0; d < 3; d++)
-    if (TipHolds(tip, d)) moves[n - fields + d] = 0;
+  for (PetscInt k = 0; k < fields; k++)
+    if (k < 3 ? TipHolds(tip, 0) : TipPoints(tip)) moves[n - fields + k] = 0;
   PetscCall(VecRestoreArray(self->moves, &moves));
   PetscFunctionReturn(0);
 }

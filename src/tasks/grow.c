@@ -727,7 +727,7 @@ static void AdviseWaves(const Grow *self, char *advice, size_t room) {
   PetscReal wave;
 
   advice[0] = 0;
-  if (!(P > 0)) return;
+  if (!TipHolds(&self->scene->tip, 1) || !(P > 0)) return;
   wave = 2 * PETSC_PI * PetscSqrtReal(B / P);
   if (wave < coarse * cell)
     (void)snprintf(advice, room,
