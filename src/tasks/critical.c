@@ -272,32 +272,31 @@ static PetscErrorCode Agree(Scene scene, Critical *self) {
   PetscFunctionReturn(0);
 }
 
-/* By how much another mesh tells another critical time, where the scene has a length that the cells
-   are too long for. A zone at the tip that is shorter than a cell drives the rod unseen. */
-static PetscErrorCode MissedChange(Scene scene, const Mesh *labels, MPI_Comm comm, PetscBool quiet,
-                                   const Critical *self, PetscReal *change) {
+/* By how much a third mesh tells another critical time, where something varies along the rod: what
+   is thinner than a cell half and whole mesh may miss alike. A zone at the tip that is shorter than
+   a cell drives the rod unseen. */
+static PetscErrorCode ThirdChange(Scene scene, const Factor *fine, MPI_Comm comm, PetscBool quiet,
+                                  const Critical *self, PetscReal *change) {
   const PetscReal near = 1e-8;
-  Scale missed[MOST_SCALES];
-  Factor other = {0};
+  const PetscInt cells = scene->mesh.cells;
+  Growth growth = scene->growth;
+  Factor third = {0};
   PetscErrorCode error;
-  PetscReal t = self->t;
-  PetscInt n;
+  PetscReal t = self->t, p[2];
   Fate fate = CROSSES;
-  PetscBool unseen = PETSC_FALSE;
 
   PetscFunctionBegin;
   *change = 0;
-  PetscCall(ScalesMissed(scene, labels, self->t, &n, missed));
-  if (!n) PetscFunctionReturn(0);
-  for (PetscInt k = 0; k < n; k++)
-    unseen = (PetscBool)(unseen || (missed[k].length == scene->growth->finest &&
-                                    missed[k].cell > missed[k].length));
-  if (unseen) *change = self->length;
-  if (unseen) PetscFunctionReturn(0);
-  error = FactorCreate(comm, scene, (3 * scene->mesh.cells + 2) / 4, self->way, PETSC_FALSE, quiet,
-                       &other);
-  if (!error) error = OnMesh(scene, &other, self->t - near, self->t + near, &t, &fate);
-  PetscCall(FactorDestroy(&other));
+  if (growth->even && growth->finest == 0 && !scene->load.field && !scene->stiffness.varies)
+    PetscFunctionReturn(0);
+  PetscCall(GrowthArc(growth, 2, &fine->pencil->node[cells - 1], t, p, NULL));
+  if (growth->finest > 0 && p[1] - p[0] > growth->finest) {
+    *change = self->length;
+    PetscFunctionReturn(0);
+  }
+  error = FactorCreate(comm, scene, (3 * cells + 2) / 4, self->way, PETSC_FALSE, quiet, &third);
+  if (!error) error = OnMesh(scene, &third, self->t - near, self->t + near, &t, &fate);
+  PetscCall(FactorDestroy(&third));
   PetscCall(error);
   *change = fate == CROSSES ? PetscAbsReal(t - self->t) : self->length;
   PetscFunctionReturn(0);
@@ -308,7 +307,6 @@ static PetscErrorCode FindWith(Factor *fine, Factor *half, Scene scene, PetscBoo
                                Critical *self, Fate *fate) {
   PetscReal low = 0, high = 0, half_t, change, near = 1e-8;
   PetscInt cells = scene->mesh.cells, n;
-  Mesh labels;
   MPI_Comm comm = cells < SHARED_CELLS ? PETSC_COMM_SELF : scene->comm;
 
   PetscFunctionBegin;
@@ -327,8 +325,7 @@ static PetscErrorCode FindWith(Factor *fine, Factor *half, Scene scene, PetscBoo
   PetscCall(GrowthLength(scene->growth, self->t, &self->length, NULL));
   self->frequency = fine->frequency;
   if (fine->pencil->ways > 1) self->twisting = fine->pencil->moment;
-  labels = (Mesh){cells, fine->pencil->node};
-  PetscCall(MissedChange(scene, &labels, comm, quiet, self, &change));
+  PetscCall(ThirdChange(scene, fine, comm, quiet, self, &change));
   self->error = PetscAbsReal(self->t - half_t) + change +
                 PetscMax(1, self->length) * (1e-14 + 1e-17 * PetscSqr((PetscReal)n));
   PetscCall(StoreMode(scene, fine, self));
@@ -384,8 +381,8 @@ static PetscErrorCode CheckFate(Scene scene, Fate fate) {
 
   The mesh has -rod_cells cells, equidistant in arc length. The error bound is the change from half
   the mesh (of order 4, so the error itself is about a fifteenth of it) and what rounding does to a
-  second-order matrix of this size. A length of the scene that cells are too long for both may miss
-  alike: there it is what three quarters of the cells change, too.
+  second-order matrix of this size. Where something varies along the rod it is what three quarters
+  of the cells change, too: what is thinner than a cell the others may miss alike.
 */
 PetscErrorCode CriticalFind(Scene scene, PetscBool quiet, Critical *self) {
   Fate fate[MOST_WAYS] = {STABLE, STABLE};

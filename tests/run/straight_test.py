@@ -263,7 +263,7 @@ def bent_at_rest():
     for more in ("-rod_curvature 0.5", "-rod_weight 0,0.1,0.1 -rod_curvature 0.2 -rod_bend_ratio 1.5"):
         times = [float(tendril(f"-task critical -growth_type table -growth_table {path} -ts_max_time 2.9 -rod_cells 10 "
                                f"-rod_model space {more} -friction_beta {beta}").split("time   t = ")[1].split()[0])
-                 for beta in (1e-12, 1e-16, 1e-18, 1e-20)]
+                 for beta in (1e-12, 1e-14, 1e-16)]
         print(f"{more}: {times}")
         expect(times[0] > 1.3 and np.ptp(times) < 1e-7, f"{more}: {times}")
 
@@ -274,6 +274,7 @@ def thin():
     up to 55 times that); they are named, and the error told holds within three times."""
     for options, cells in (("-friction_layers 0:1,0.7:3 -friction_layer_width 0.002", (6, 20, 60)),
                            ("-friction_layers 0:1,0.7:5,1.3:0.4 -friction_layer_width 0.01", (4, 6, 20)),
+                           ("-growth_type gaussian -growth_width 0.003", (10, 20, 77)),
                            ("-growth_type apical -growth_zone 0.1 -friction_mu 0 -ts_max_time 60", (4, 6, 8, 20))):
         said = tendril(f"{options} -task critical -rod_cells 2000")
         fine = float(said.split("critical time   t = ")[1].split()[0])
@@ -282,7 +283,7 @@ def thin():
             off = abs(float(said.split("critical time   t = ")[1].split()[0]) - fine)
             told = float(said.split("error below     ")[1].split()[0])
             print(f"{options}, {n} cells: off by {off:.1e}, told {told:.1e}")
-            expect("may miss it; give" in said and off < 3 * told, f"{options}, {n} cells: off by {off}, {said}")
+            expect(("may miss it; give" in said or "gaussian" in options) and off < 3 * told, f"{options}, {n} cells: off by {off}, {said}")
     expect("may miss it" not in tendril("-task critical -friction_layers 0:1,1:3 -friction_layer_width 0.5"), "warns")
 
 
@@ -300,6 +301,7 @@ def refused():
             "-rod_curvature 1 -rod_model space -friction_mu 0 -ts_max_time 4 -ts_max_steps 2":
                 "-ts_max_steps: reached at t = 0.0",
             "-rod_curvature 1 -rod_model space -friction_mu 0 -growth_initial_length 9": "unstable already at t = 0",
+            "-rod_curvature 1 -rod_model space -friction_beta 1e-17": "those of what rests are round-off; give 1e-16 or more",
             "-rod_curvature 1 -rod_model frame": "straight by nature; give 0 or take it out, or -task critical -rod_model space",
             "-tip_torque 1 -friction_radius 0.1": "-friction_radius: twist that friction holds",
             "-tip_type clamped -tip_torque 1 -clamp_spin 1": "-clamp_spin: turns a clamped tip",
@@ -310,7 +312,7 @@ def refused():
                 "stable up to there, and with -growth_type none it does not lengthen",
             "-growth_type none -tip_force -1": "stable up to there, pulled all along, and with -growth_type none it does not lengthen",
             "-growth_type none": "nothing presses the straight rod"}.items():
-        out = tendril(options + " -task critical -friction_beta 0", 1)
+        out = tendril("-friction_beta 0 " + options + " -task critical", 1)
         text = out if isinstance(out, str) else str(out)
         expect(words in text and text.strip().count("\n") == 0, f"{options}: {text}")
 
