@@ -147,6 +147,14 @@ static void TestPressure(void **state) {
   }
 }
 
+/* A force on the tip spreads over the length that its own stiffness makes of k, not the rod's. */
+static void TestSoftTip(void **state) {
+  Contact contact = {.any = PETSC_TRUE, .given = PETSC_TRUE, .stiffness = 16};
+  ContactSetStiffness(&contact, (PetscReal[2]){81, 1}, (PetscReal[2]){0.1, 0},
+                      (PetscReal[2]){1, 0});
+  EXPECT(PetscAbsReal(contact.tip - 0.5) < 1e-14, "a soft tip's length: %g", contact.tip);
+}
+
 /* A rod shorter than thick is not to be pushed off by more than a part of its length; k and w
    change as their rates say. */
 static void TestShortRod(void **state) {
@@ -341,12 +349,10 @@ static void TestStrandsAreConservative(void **state) {
   EXPECT(fine < 1e-3 && fine < coarse / 4, "off by %g, %g", coarse, fine);
 }
 
-static const struct CMUnitTest tests[] = {cmocka_unit_test(TestPressure),
-                                          cmocka_unit_test(TestShortRod),
-                                          cmocka_unit_test(TestSoftContactIsNear),
-                                          cmocka_unit_test(TestWallsAreSmooth),
-                                          cmocka_unit_test(TestStrandsAreConservative),
-                                          cmocka_unit_test(TestWallJacobians),
-                                          cmocka_unit_test(TestFootJacobians),
-                                          cmocka_unit_test(TestStrandJacobians)};
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(TestPressure),       cmocka_unit_test(TestSoftTip),
+    cmocka_unit_test(TestShortRod),       cmocka_unit_test(TestSoftContactIsNear),
+    cmocka_unit_test(TestWallsAreSmooth), cmocka_unit_test(TestStrandsAreConservative),
+    cmocka_unit_test(TestWallJacobians),  cmocka_unit_test(TestFootJacobians),
+    cmocka_unit_test(TestStrandJacobians)};
 MAIN(tests)

@@ -17,8 +17,10 @@ static Vec State(Rod rod, PetscReal bend, PetscReal angle) {
     Node *node = &nodes[i - rod->first];
     const PetscReal along = PetscMax(0, s[i] - bend);
     node->theta = s[i] > bend ? angle : 0;
-    node->x[0] = PetscMin(s[i], bend) + along * PetscCosReal(angle);
-    node->x[1] = along * PetscSinReal(angle);
+    node->x[0] = node->x3[0] = PetscMin(s[i], bend) + along * PetscCosReal(angle);
+    node->x[1] = node->x3[1] = along * PetscSinReal(angle);
+    node->p[0] = PetscCosReal(node->theta / 2); /* in space */
+    node->p[3] = PetscSinReal(node->theta / 2);
   }
   CHECK(rod->model->set(rod, 0, nodes, U));
   CHECK(PetscFree(nodes));
@@ -28,8 +30,9 @@ static Vec State(Rod rod, PetscReal bend, PetscReal angle) {
 static const char thread[] = "-growth_type feed -growth_initial_length 1 -shape_type straight "
                              "-rod_cells 20 -ts_max_time 2 ";
 
-/* Does the rod pass from one angle to another, bent at 0.2? */
-static PetscBool Passes(const char *wall, const char *more, PetscReal from, PetscReal to) {
+/* Does the rod of a model pass from one angle to another, bent at 0.2? */
+static PetscBool PassesAs(const RodModel *model, const char *wall, const char *more, PetscReal from,
+                          PetscReal to) {
   PetscBool passes;
   char file[64];
   Scene scene;
@@ -38,7 +41,7 @@ static PetscBool Passes(const char *wall, const char *more, PetscReal from, Pets
   WriteWalls(file, wall);
   SetOptions("%s %s -wall_file %s", thread, more, file);
   CHECK(SceneCreate(&scene));
-  CHECK(RodCreate(scene, &rod_frame, &rod));
+  CHECK(RodCreate(scene, model, &rod));
   U[0] = State(rod, 0.2, from);
   U[1] = State(rod, 0.2, to);
   CHECK(RodPassesWalls(rod, 0, 0, U[0], U[1], &passes));
@@ -47,6 +50,10 @@ static PetscBool Passes(const char *wall, const char *more, PetscReal from, Pets
   CHECK(SceneDestroy(&scene));
   RemoveFile(file);
   return passes;
+}
+
+static PetscBool Passes(const char *wall, const char *more, PetscReal from, PetscReal to) {
+  return PassesAs(&rod_frame, wall, more, from, to);
 }
 
 /* Posts a hundredth of a cell wide, wherever they are on the rod: also between nodes, and between
@@ -66,6 +73,7 @@ static void TestSweeps(void **state) {
 
 /* Through a plate thinner than the rod's cells; across a corner of a polygon; in it. */
 static void TestCuts(void **state) {
+  const char *const in_space = "-rod_model space";
   const char *const plate = "polygon outside 0.4 0.2 0.9 0.2 0.9 0.2003 0.4 0.2003\n";
   EXPECT(Passes(plate, "-contact_diameter 1e-4", 0, 0.9), "ends across a plate");
   EXPECT(!Passes(plate, "-contact_diameter 1e-4", 0, 0.1), "stays before it");
@@ -79,6 +87,9 @@ static void TestCuts(void **state) {
   EXPECT(!Passes("plane 0 0.3 0 -1\n", "", 0, 0.6), "a thread pressed into a plane");
   EXPECT(Passes("circle 0 0 0.6 inside\n", "", 0, 0.1), "a thread far out of a cavity");
   EXPECT(!Passes("circle 0 0 0.8 inside\n", "", 0, 0.1), "a thread pressed into its wall");
+  EXPECT(PassesAs(&rod_space, "plane 0 0.3 0  0 -1 0\n", in_space, 0, 1),
+         "far behind one in space");
+  EXPECT(!PassesAs(&rod_space, "plane 0 0.3 0  0 -1 0\n", in_space, 0, 0.6), "pressed into it");
 }
 
 /* The tip alone is behind a wall, and the rod may touch itself, too: every rank ends the look, with
