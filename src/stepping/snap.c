@@ -14,11 +14,10 @@ static const PetscReal rest = 1e-6, long_after = 1e4; /* velocity at rest; fast 
 /* Friction of strength 1 lets a rod fall in about that: what bends it sharply moves in 1e-10 of
    it, and not to see that is to take the fall in one step. */
 static const PetscReal falls_in = 1;
-/* A rod that falls from rest begins slowly: it is at rest if it does not gain speed, in as many
-   steps. Pressed against a wall it may be next to straight, and what disturbed it dies out before
-   the bend grows by which it falls: there so much fast time is waited, too. (Where nothing can
-   press, a rod that did not snap is let go at once.) */
-static const PetscInt few_steps = 5;
+/* A rod that falls from rest begins slowly: it is at rest if it does not gain speed. Pressed
+   against a wall it may be next to straight, and what disturbed it dies out before the bend grows
+   by which it falls: there so much fast time is waited, too. (Where nothing can press, a rod that
+   did not snap is let go at once.) */
 static const PetscReal soonest = 100;
 /* Steps need not be more accurate than the slack of LoadInFastTime(). Newton's method must be, in
    steps of any tolerance: what it leaves over is a force on the rod at rest, and beyond the slack
@@ -65,8 +64,7 @@ static PetscErrorCode StopAtRest(TS ts) {
     if (leg->rod->model->followed[f]) fastest = PetscMax(fastest, speed[f]);
   if (steps >= many_steps && t < nowhere)
     PetscCall(TSSetConvergedReason(ts, TS_DIVERGED_STEP_REJECTED));
-  if (fastest < rest && fastest <= leg->speed && steps >= few_steps &&
-      (t >= soonest || !leg->rod->scene->contact.any))
+  if (fastest < rest && fastest <= leg->speed && (t >= soonest || !leg->rod->scene->contact.any))
     PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
   leg->speed = fastest;
   SceneAtSpeed(leg->rod->scene, SpeedOfPlaces(leg->rod->model, speed));
