@@ -152,7 +152,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
       *reason = DIVERGED_NAN;
     else if (part < whole)
       *reason = SNES_CONVERGED_ITERATING;
-    else if (left <= floor || (rate < 0.3 && left * rate <= share_of_rate * floor))
+    else if (left <= floor || left * rate <= share_of_rate * floor)
       *reason = SNES_CONVERGED_SNORM_RELATIVE;
     PetscCall(PetscInfo(snes, "iteration %d: update %g, rate %g, residual %g %g\n", (int)it,
                         (double)left, (double)rate, (double)residual[ALONG],
