@@ -23,7 +23,6 @@ enum { SELDOM = 4 };  /* steps from one time to the next, while straight or in c
 enum { DEFECTS = 2 }; /* such times from one measurement of defects to the next */
 static const PetscReal longest = 0.8;  /* arc length of a coarse cell, where the mesh allows */
 static const PetscReal straight = 0.3; /* angle */
-static const PetscReal most_dip = 0.8; /* of the moment: one that it is worth to look at */
 static const PetscReal kink_error = 3; /* of the local error of a step that is not smooth in time */
 static const PetscReal alike = 1e3;    /* sizes across in both directions, up to this ratio */
 static const PetscReal early = 0.01;   /* of the run: what the start does is over by then */
@@ -47,10 +46,9 @@ struct _Estimate {
   PetscInt rejected, watch;           /* tries, so far; steps to be looked at one by one */
   PetscReal before, size[MIRRORS];    /* when e was stepped last, and |x2|, |x3| then */
   PetscReal time, latest[MIRRORS];    /* of the latest step, and the largest x2, x3 at it */
-  PetscReal moment[2];         /* the largest, when e was stepped last; the least of it since */
-  PetscInt until;              /* times until the defect is measured again */
-  PetscReal measured[MIRRORS]; /* the largest x2, x3 when it was */
-  Gathered own, all;           /* of this rank's nodes, 0 elsewhere; all on rank 0 */
+  PetscInt until;                     /* times until the defect is measured again */
+  PetscReal measured[MIRRORS];        /* the largest x2, x3 when it was */
+  Gathered own, all;                  /* of this rank's nodes, 0 elsewhere; all on rank 0 */
   PetscReal (*defect)[MAX_FIELDS];
   PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN]; /* beyond what is early */
   PetscReal start[ESTIMATE_PARTS][ESTIMATE_SEEN]; /* before, for a run that ends there */
@@ -199,7 +197,6 @@ PetscErrorCode EstimateCreate(Leg *leg, Estimate *estimate) {
   self->fields = self->model->fields;
   self->followed = self->model->halves[0];
   self->mirrors = self->model->space ? 2 : 1;
-  self->moment[0] = self->moment[1] = PETSC_MAX_REAL; /* none was seen yet: it has not dipped */
   PetscCall(PetscCalloc1(leg->rod->end - leg->rod->first, &self->defect));
   PetscCall(ChooseMesh(self));
   PetscFunctionReturn(0);
@@ -282,14 +279,6 @@ static void Ratios(const PetscReal now[MIRRORS], const PetscReal before[MIRRORS]
 static void Across(const Estimate self, const PetscReal size[MAX_FIELDS],
                    PetscReal across[MIRRORS]) {
   for (int k = 0; k < MIRRORS; k++) across[k] = k < self->mirrors ? size[1 + k] : 0;
-}
-
-static PetscReal LargestMoment(const Estimate self, const PetscReal size[MAX_FIELDS]) {
-  PetscReal most = 0;
-
-  for (PetscInt d = 0; d < (self->model->space ? 3 : 1); d++)
-    most = PetscMax(most, size[self->followed + d]);
-  return most;
 }
 
 /* The step's local error at the coarse nodes of this rank comes on top of those before, which have
@@ -559,15 +548,13 @@ static PetscReal SeeNorm(const Estimate self, const PetscReal *e) {
   return off;
 }
 
-/* What an error makes of the energy, over it; none: there is none. Where the moment all but
-   vanishes between two looks, by Schwarz's inequality, dip its part that is left: dE/E <= 2
-   |dm|/|m|. */
-static PetscErrorCode SeeEnergy(const Estimate self, PetscReal t, PetscReal dip, const PetscReal *e,
+/* What an error makes of the energy, over it; none: there is none. */
+static PetscErrorCode SeeEnergy(const Estimate self, PetscReal t, const PetscReal *e,
                                 PetscReal *seen) {
   const PetscReal *s = self->scene->mesh.s;
   const PetscInt last = self->nodes - 1, fields = self->fields,
                  moments = self->model->space ? 3 : 1;
-  PetscReal energy = 0, by = 0, off = 0, size = rod_vanished, length;
+  PetscReal energy = 0, by = 0, size = rod_vanished, length;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k <= last; k++)
@@ -583,7 +570,6 @@ static PetscErrorCode SeeEnergy(const Estimate self, PetscReal t, PetscReal dip,
     for (PetscInt d = 0; d < moments; d++) {
       energy += w * g / S[d] * PetscSqr(m[d] / size);
       by += 2 * w * g / S[d] * (m[d] / size) * (dm[d] / size);
-      off += w * g / S[d] * PetscSqr(dm[d] / size);
     }
   }
   PetscCall(GrowthLength(self->scene->growth, t, &length, NULL));
@@ -593,13 +579,11 @@ static PetscErrorCode SeeEnergy(const Estimate self, PetscReal t, PetscReal dip,
     PetscFunctionReturn(0);
   }
   *seen = PetscAbsReal(by / energy);
-  if (dip < most_dip)
-    *seen = PetscMax(*seen, 2 * PetscSqrtReal(off / energy) / PetscMax(dip, rod_vanished));
   PetscFunctionReturn(0);
 }
 
 /* What an error makes of tip, |x2| and energy, relative. */
-static PetscErrorCode See(const Estimate self, PetscReal t, PetscReal dip, const PetscReal *e,
+static PetscErrorCode See(const Estimate self, PetscReal t, const PetscReal *e,
                           PetscReal seen[ESTIMATE_SEEN]) {
   const PetscInt tip = (self->nodes - 1) * self->fields;
   PetscReal off = 0, distance = 0;
@@ -611,7 +595,7 @@ static PetscErrorCode See(const Estimate self, PetscReal t, PetscReal dip, const
   }
   seen[ESTIMATE_TIP] = off / PetscMax(distance, rod_vanished);
   seen[ESTIMATE_NORM] = SeeNorm(self, e);
-  PetscCall(SeeEnergy(self, t, dip, e, &seen[ESTIMATE_ENERGY]));
+  PetscCall(SeeEnergy(self, t, e, &seen[ESTIMATE_ENERGY]));
   PetscFunctionReturn(0);
 }
 
@@ -627,12 +611,12 @@ static PetscBool IsEarly(const Estimate self, PetscReal t, int k) {
    so that what the start does is over by the end of a run that stops soon. What there is nothing of
    for a while, as of the energy of a rod at rest that a wall will meet, starts when it begins: of
    what is next to nothing then, a part says little. */
-static PetscErrorCode Keep(Estimate self, PetscReal t, PetscReal dip, int part) {
+static PetscErrorCode Keep(Estimate self, PetscReal t, int part) {
   PetscReal seen[ESTIMATE_SEEN] = {0}, most = 0, *e = self->e[part], *start = self->start[part];
   const PetscReal *began = self->began;
 
   PetscFunctionBegin;
-  PetscCall(See(self, t, dip, e, seen));
+  PetscCall(See(self, t, e, seen));
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
     if (PetscIsInfOrNanReal(seen[k])) seen[k] = most = PETSC_MAX_REAL;
     if (seen[k] == none) self->began[k] = t;
@@ -671,7 +655,7 @@ static void TakeErrors(Estimate self, int part, const PetscReal ratio[GROUPS], P
 
 /* A step of backward Euler from before to t. (A'/A is that at t: with its mean over the step, which
    is another where the rate changes, errors would rise or fall against x2.) */
-static PetscErrorCode Advance(Estimate self, PetscReal t, PetscReal dip) {
+static PetscErrorCode Advance(Estimate self, PetscReal t) {
   PetscReal size[MIRRORS], rate[MIRRORS], ratio[GROUPS], step = t - self->before, shift[MAX_FIELDS];
 
   PetscFunctionBegin;
@@ -694,14 +678,9 @@ static PetscErrorCode Advance(Estimate self, PetscReal t, PetscReal dip) {
     PetscCall(TimesRate(self, t));
     PetscCall(SubtractSource(self, t, part));
     PetscCall(Solve(self, self->e[part]));
-    PetscCall(Keep(self, t, dip, part));
+    PetscCall(Keep(self, t, part));
   }
   PetscFunctionReturn(0);
-}
-
-/* By how much the largest moment was less, since e was stepped last, than both then and now. */
-static PetscReal Dip(const Estimate self, PetscReal now) {
-  return self->moment[1] / PetscMax(PetscMin(self->moment[0], now), rod_vanished);
 }
 
 /* How far the rod is from straight: the angle of its steepest place. */
@@ -751,8 +730,7 @@ static PetscBool Waits(const Estimate self, PetscReal t, const PetscReal size[MA
   touches  the rod has touched something, now or before
 */
 PetscErrorCode EstimateStep(Estimate self, PetscBool jumped, PetscBool touches) {
-  PetscReal size[MAX_FIELDS], across[MIRRORS], ratio[GROUPS], rate[MIRRORS], moment,
-      times_error = 1, t;
+  PetscReal size[MAX_FIELDS], across[MIRRORS], ratio[GROUPS], rate[MIRRORS], times_error = 1, t;
 
   PetscFunctionBegin;
   if (!self) PetscFunctionReturn(0);
@@ -760,21 +738,18 @@ PetscErrorCode EstimateStep(Estimate self, PetscBool jumped, PetscBool touches) 
   if (touches && !self->touches) PetscCall(Refine(self));
   PetscCall(RodFieldSizes(self->leg->rod, self->leg->U, size));
   Across(self, size, across);
-  moment = LargestMoment(self, size);
   PetscCall(LookForKink(self, &times_error));
   Ratios(across, self->latest, ratio);
   if (!jumped) PetscCall(AddLocal(self, times_error, ratio));
   PetscCall(PetscArraycpy(self->latest, across, MIRRORS));
   self->time = t;
-  self->moment[1] = PetscMin(self->moment[1], moment);
   self->since++;
   if (Waits(self, t, size)) PetscFunctionReturn(0);
   PetscCall(Gather(self, across));
-  if (self->rod && !jumped) PetscCall(Advance(self, t, Dip(self, moment)));
+  if (self->rod && !jumped) PetscCall(Advance(self, t));
   if (self->rod && jumped) Sizes(self, self->size, rate);
   PetscCall(PetscArrayzero(self->own.local, 2 * self->nodes * self->followed)); /* and skipped */
   self->before = t;
-  self->moment[0] = self->moment[1] = moment;
   self->since = 0;
   PetscFunctionReturn(0);
 }
@@ -873,8 +848,6 @@ static void Remembered(Estimate self, PetscReal *number[ESTIMATE_NUMBERS]) {
 
   number[n++] = &self->before;
   number[n++] = &self->time;
-  number[n++] = &self->moment[0];
-  number[n++] = &self->moment[1];
   for (int k = 0; k < MIRRORS; k++) {
     number[n++] = &self->size[k];
     number[n++] = &self->latest[k];

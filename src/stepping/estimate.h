@@ -14,7 +14,7 @@ enum { ESTIMATE_TIP, ESTIMATE_NORM, ESTIMATE_ENERGY, ESTIMATE_SEEN };
 /* What is kept of it for a restart: what is counted, numbers, and errors as states of the rod. */
 enum {
   ESTIMATE_COUNTS = 3,
-  ESTIMATE_NUMBERS = 4 + 2 * MIRRORS + (1 + ESTIMATE_PARTS) * ESTIMATE_SEEN
+  ESTIMATE_NUMBERS = 2 + 2 * MIRRORS + (1 + ESTIMATE_PARTS) * ESTIMATE_SEEN
 };
 enum { ESTIMATE_MEMORY = ESTIMATE_COUNTS + ESTIMATE_NUMBERS, ESTIMATE_KEPT = ESTIMATE_PARTS + 1 };
 
