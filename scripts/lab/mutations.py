@@ -119,8 +119,7 @@ MUTATIONS = [
     ("share_of_tolerance, little", N, "share_of_tolerance = 0.02;", "share_of_tolerance = 2e-5;"),
     ("round_off, none", N, "round_off = 1e-13;", "round_off = 0;"),
     ("share_of_rate, any", N, "share_of_rate = 0.5;", "share_of_rate = 100;"),
-    ("rate, not used", N, "|| (rate < 0.3 && left * rate <= share_of_rate * floor))", ")"),
-    ("rate, of any size", N, "(rate < 0.3 && left", "(rate < 1 && left"),
+    ("rate, not used", N, "|| left * rate <= share_of_rate * floor)", ")"),
     ("rate, of residuals alone", N, "if (it > 1 && !self->rod->scene->contact.any) rate = PetscMin(rate, left / self->update);", ""),
     ("loose, not at all", N, "loose = 1e-4,", "loose = 1e4,"),
     ("loose, tight", N, "loose = 1e-4,", "loose = 1e-12,"),
@@ -155,6 +154,13 @@ MUTATIONS = [
     ("slack, none", "world/load.c", "slack = 1e-5", "slack = 0"),
     ("next to exact, never", "scene/scene.c", "if (self->growth->rests) LoadNextToExact(&self->load);", ""),
     ("told from rest, nothing", "world/load.c", "if (load->limit) load->friction.beta = PetscMax", "if (0) load->friction.beta = PetscMax"),
+    # -- contact: where it sets in, and what a rod without a thickness is behind
+    ("part_smooth, little", "world/contact.c", "part_smooth = 2;", "part_smooth = 0.2;"),
+    ("part_smooth, much", "world/contact.c", "part_smooth = 2;", "part_smooth = 20;"),
+    ("lengths_behind, few", "rod/passing.c", "lengths_behind = 4;", "lengths_behind = 0.5;"),
+    ("lengths_behind, any", "rod/passing.c", "lengths_behind = 4;", "lengths_behind = 1e9;"),
+    ("lengths_behind in space, few", "rod/passing_space.c", "lengths_behind = 4;", "lengths_behind = 0.5;"),
+    ("lengths_behind in space, any", "rod/passing_space.c", "lengths_behind = 4;", "lengths_behind = 1e9;"),
     # -- the estimate
     ("estimate: least cells", E, "LEAST_CELLS = 8,", "LEAST_CELLS = 64,"),
     ("estimate: cells", E, "CELLS = 48 ", "CELLS = 8 "),
