@@ -263,7 +263,7 @@ def bent_at_rest():
     for more in ("-rod_curvature 0.5", "-rod_weight 0,0.1,0.1 -rod_curvature 0.2 -rod_bend_ratio 1.5"):
         times = [float(tendril(f"-task critical -growth_type table -growth_table {path} -ts_max_time 2.9 -rod_cells 10 "
                                f"-rod_model space {more} -friction_beta {beta}").split("time   t = ")[1].split()[0])
-                 for beta in (1e-12, 1e-14, 1e-16)]
+                 for beta in (1e-12, 1e-16)]
         print(f"{more}: {times}")
         expect(times[0] > 1.3 and np.ptp(times) < 1e-7, f"{more}: {times}")
 
@@ -276,7 +276,7 @@ def thin():
                            ("-friction_layers 0:1,0.7:5,1.3:0.4 -friction_layer_width 0.01", (4, 6, 20)),
                            ("-growth_type gaussian -growth_width 0.003", (10, 20, 77)),
                            ("-growth_type apical -growth_zone 0.1 -friction_mu 0 -ts_max_time 60", (4, 6, 8, 20))):
-        said = tendril(f"{options} -task critical -rod_cells 2000")
+        said = tendril(f"{options} -task critical -rod_cells 1000")
         fine = float(said.split("critical time   t = ")[1].split()[0])
         for n in cells:
             said = tendril(f"{options} -task critical -rod_cells {n}")
