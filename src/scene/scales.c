@@ -4,11 +4,19 @@
    which is felt at points, and a bell of growth, which drives all there is. */
 static const PetscReal of_width = 0.5, of_bend = 1, of_post = 1, of_zone = 0.125;
 
-/* Is the cell too long to see it? */
-static void Look(const char *option, PetscReal length, PetscReal cell, PetscReal resolved,
-                 PetscInt *n, Scale scale[]) {
-  if (length > 0 && cell > resolved * length)
-    scale[(*n)++] = (Scale){option, length, cell, resolved};
+/* A line for a length that the cell is too long to see. */
+static PetscErrorCode Look(Scene scene, const Mesh *mesh, const char *option, PetscReal length,
+                           PetscReal cell, PetscReal resolved) {
+  const PetscReal times = cell / (resolved * length);
+  char text[2][64];
+
+  PetscFunctionBegin;
+  if (length <= 0 || times <= 1) PetscFunctionReturn(0);
+  PetscCall(PetscPrintf(
+      scene->comm, "%s %s: cells are up to %s long there and may miss it; give %.0f -rod_cells\n",
+      option, OptionNumber(length, text[0]), OptionNumber(cell, text[1]),
+      (double)PetscCeilReal(times * mesh->cells)));
+  PetscFunctionReturn(0);
 }
 
 /* The longest cell at a time, of the last and those that begin behind a label; in arc length, or in
@@ -41,57 +49,40 @@ static PetscReal Bend(const Curvature *curvature) {
 }
 
 /*
-  ScalesMissed - the lengths that the scene's options give and the cells are too long for at a time,
-  each with its cell. Cells are longest at the end of a run. Not collective.
+  ScalesTell - a line for each of the lengths that the scene's options give and the cells are too
+  long for at a time; they are longest at the end of a run. Collective on the scene's ranks.
 
   mesh  labels of the nodes
-  n     how many, at most MOST_SCALES
 */
-PetscErrorCode ScalesMissed(Scene scene, const Mesh *mesh, PetscReal t, PetscInt *n,
-                            Scale scale[MOST_SCALES]) {
+PetscErrorCode ScalesTell(Scene scene, const Mesh *mesh, PetscReal t) {
   const Surfaces *surfaces = &scene->contact.surfaces;
   Growth growth = scene->growth;
   PetscReal longest, here, L;
 
   PetscFunctionBegin;
-  *n = 0;
   PetscCall(GrowthLength(growth, t, &L, NULL));
   PetscCall(LongestCell(scene, mesh, 0, t, PETSC_FALSE, &longest));
   if (scene->load.field)
-    Look(FieldIsLayered(scene->load.field) ? "-friction_layer_width" : "-friction_field",
-         FieldFinest(scene->load.field), longest, of_width, n, scale);
+    PetscCall(Look(scene, mesh,
+                   FieldIsLayered(scene->load.field) ? "-friction_layer_width" : "-friction_field",
+                   FieldFinest(scene->load.field), longest, of_width));
   if (scene->tip.resistance.field)
-    Look("-tip_field", FieldFinest(scene->tip.resistance.field), longest, 1, n, scale);
-  Look("-wall_file: a post or corner of radius", scene->contact.walls.smallest, longest, of_post, n,
-       scale);
+    PetscCall(
+        Look(scene, mesh, "-tip_field", FieldFinest(scene->tip.resistance.field), longest, 1));
+  PetscCall(Look(scene, mesh, "-wall_file: a post or corner of radius",
+                 scene->contact.walls.smallest, longest, of_post));
   if (surfaces->n && surfaces->smallest < PETSC_MAX_REAL)
-    Look("-wall_file: a surface that stands out, with the rod's radius, of radius",
-         surfaces->smallest + scene->contact.diameter / 2, longest, of_post, n, scale);
+    PetscCall(Look(scene, mesh,
+                   "-wall_file: a surface that stands out, with the rod's radius, of radius",
+                   surfaces->smallest + scene->contact.diameter / 2, longest, of_post));
   PetscCall(LongestCell(scene, mesh, 0, t, (PetscBool)!growth->slides, &here));
-  Look(growth->slides ? "-rod_curvature_length or -rod_curvature_file: bends of"
-                      : "-rod_curvature_length or -rod_curvature_file: bends of (in s)",
-       Bend(&scene->curvature), here, of_bend, n, scale);
+  PetscCall(Look(scene, mesh,
+                 growth->slides ? "-rod_curvature_length or -rod_curvature_file: bends of"
+                                : "-rod_curvature_length or -rod_curvature_file: bends of (in s)",
+                 Bend(&scene->curvature), here, of_bend));
   PetscCall(LongestCell(scene, mesh, 1 - PetscMin(growth->finest, L) / L, t, PETSC_FALSE, &here));
-  Look("-growth_zone", growth->finest, here, of_zone, n, scale);
+  PetscCall(Look(scene, mesh, "-growth_zone", growth->finest, here, of_zone));
   here = mesh->s[1];
-  Look("-growth_width", growth->narrow, here, of_width, n, scale);
-  PetscFunctionReturn(0);
-}
-
-/* ScalesTell - a line for each of them. Collective on the scene's ranks. */
-PetscErrorCode ScalesTell(Scene scene, const Mesh *mesh, PetscReal t) {
-  Scale missed[MOST_SCALES];
-  char text[2][64];
-  PetscInt n;
-
-  PetscFunctionBegin;
-  PetscCall(ScalesMissed(scene, mesh, t, &n, missed));
-  for (PetscInt k = 0; k < n; k++) {
-    PetscReal times = missed[k].cell / (missed[k].resolved * missed[k].length);
-    PetscCall(PetscPrintf(
-        scene->comm, "%s %s: cells are up to %s long there and may miss it; give %.0f -rod_cells\n",
-        missed[k].option, OptionNumber(missed[k].length, text[0]),
-        OptionNumber(missed[k].cell, text[1]), (double)PetscCeilReal(times * mesh->cells)));
-  }
+  PetscCall(Look(scene, mesh, "-growth_width", growth->narrow, here, of_width));
   PetscFunctionReturn(0);
 }

@@ -155,6 +155,9 @@ static PetscErrorCode Scan(Scene scene, StraightWay way, PetscReal *low, PetscRe
   PetscFunctionReturn(0);
 }
 
+/* So far from the critical time of one mesh that of another is looked for first. */
+static const PetscReal near = 1e-8;
+
 /* A root near a bracket that belongs to another mesh: widen it till it holds. */
 static PetscErrorCode RootNear(Factor *self, PetscReal low, PetscReal high, PetscReal *root) {
   PetscReal f_low, f_high, d = high - low;
@@ -272,16 +275,28 @@ static PetscErrorCode Agree(Scene scene, Critical *self) {
   PetscFunctionReturn(0);
 }
 
+/* The critical time on a mesh of so many cells, which tells of the error alone. */
+static PetscErrorCode OnOther(Scene scene, MPI_Comm comm, PetscInt cells, StraightWay way,
+                              PetscBool quiet, PetscReal low, PetscReal high, PetscReal *t,
+                              Fate *fate) {
+  Factor other = {0};
+  PetscErrorCode error;
+
+  PetscFunctionBegin;
+  error = FactorCreate(comm, scene, cells, way, PETSC_FALSE, quiet, &other);
+  if (!error) error = OnMesh(scene, &other, low, high, t, fate);
+  PetscCall(FactorDestroy(&other));
+  PetscCall(error);
+  PetscFunctionReturn(0);
+}
+
 /* By how much a third mesh tells another critical time, where something varies along the rod: what
    is thinner than a cell half and whole mesh may miss alike. A zone at the tip that is shorter than
    a cell drives the rod unseen. */
 static PetscErrorCode ThirdChange(Scene scene, const Factor *fine, MPI_Comm comm, PetscBool quiet,
                                   const Critical *self, PetscReal *change) {
-  const PetscReal near = 1e-8;
   const PetscInt cells = scene->mesh.cells;
   Growth growth = scene->growth;
-  Factor third = {0};
-  PetscErrorCode error;
   PetscReal t = self->t, p[2];
   Fate fate = CROSSES;
 
@@ -289,23 +304,19 @@ static PetscErrorCode ThirdChange(Scene scene, const Factor *fine, MPI_Comm comm
   *change = 0;
   if (growth->even && growth->finest == 0 && !scene->load.field && !scene->stiffness.varies)
     PetscFunctionReturn(0);
+  *change = self->length;
   PetscCall(GrowthArc(growth, 2, &fine->pencil->node[cells - 1], t, p, NULL));
-  if (growth->finest > 0 && p[1] - p[0] > growth->finest) {
-    *change = self->length;
-    PetscFunctionReturn(0);
-  }
-  error = FactorCreate(comm, scene, (3 * cells + 2) / 4, self->way, PETSC_FALSE, quiet, &third);
-  if (!error) error = OnMesh(scene, &third, self->t - near, self->t + near, &t, &fate);
-  PetscCall(FactorDestroy(&third));
-  PetscCall(error);
-  *change = fate == CROSSES ? PetscAbsReal(t - self->t) : self->length;
+  if (growth->finest > 0 && p[1] - p[0] > growth->finest) PetscFunctionReturn(0);
+  PetscCall(
+      OnOther(scene, comm, (3 * cells + 2) / 4, self->way, quiet, t - near, t + near, &t, &fate));
+  if (fate == CROSSES) *change = PetscAbsReal(t - self->t);
   PetscFunctionReturn(0);
 }
 
 /* The critical time on two meshes, of which the finer is kept; of deflections of one way. */
-static PetscErrorCode FindWith(Factor *fine, Factor *half, Scene scene, PetscBool quiet,
-                               Critical *self, Fate *fate) {
-  PetscReal low = 0, high = 0, half_t, change, near = 1e-8;
+static PetscErrorCode FindWith(Factor *fine, Scene scene, PetscBool quiet, Critical *self,
+                               Fate *fate) {
+  PetscReal low = 0, high = 0, half_t, change;
   PetscInt cells = scene->mesh.cells, n;
   MPI_Comm comm = cells < SHARED_CELLS ? PETSC_COMM_SELF : scene->comm;
 
@@ -315,8 +326,7 @@ static PetscErrorCode FindWith(Factor *fine, Factor *half, Scene scene, PetscBoo
   if (!AtOnce(scene, fine)) PetscCall(Scan(scene, self->way, &low, &high, fate));
   PetscCallMPI(MPI_Bcast(fate, sizeof(*fate), MPI_BYTE, 0, scene->comm));
   if (*fate != CROSSES) PetscFunctionReturn(0);
-  PetscCall(FactorCreate(comm, scene, (cells + 1) / 2, self->way, PETSC_FALSE, quiet, half));
-  PetscCall(OnMesh(scene, half, low, high, &half_t, fate));
+  PetscCall(OnOther(scene, comm, (cells + 1) / 2, self->way, quiet, low, high, &half_t, fate));
   if (*fate != CROSSES) PetscFunctionReturn(0);
   n = fine->pencil->ways * fine->pencil->n;
   PetscCall(PetscMalloc2(n, &fine->c, n, &fine->w));
@@ -335,15 +345,14 @@ static PetscErrorCode FindWith(Factor *fine, Factor *half, Scene scene, PetscBoo
 
 static PetscErrorCode FindWay(Scene scene, PetscBool quiet, StraightWay way, Critical *self,
                               Fate *fate) {
-  Factor fine = {0}, half = {0};
+  Factor fine = {0};
   PetscErrorCode error;
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(self, sizeof(*self)));
   self->way = way;
   self->space = (PetscBool)(scene->space.why != NULL);
-  error = FindWith(&fine, &half, scene, quiet, self, fate);
-  PetscCall(FactorDestroy(&half));
+  error = FindWith(&fine, scene, quiet, self, fate);
   PetscCall(FactorDestroy(&fine));
   PetscCall(error);
   PetscFunctionReturn(0);
