@@ -266,6 +266,11 @@ def bent_at_rest():
                  for beta in (1e-12, 1e-16)]
         print(f"{more}: {times}")
         expect(times[0] > 1.3 and np.ptp(times) < 1e-7, f"{more}: {times}")
+    # nor does a clamped tip, whose directors rub, turn unstable at once
+    times = [float(tendril("-task critical -rod_model space -rod_curvature 2 -tip_type clamped -friction_radius 0.05 -rod_cells 10 "
+                           f"-shape_type straight -friction_beta {beta}").split("time   t = ")[1].split()[0])
+             for beta in (1e-8, 1e-16)]
+    expect(np.ptp(times) < 1e-7, f"a clamped tip: {times}")
 
 
 @check
