@@ -264,15 +264,22 @@ void PathAt(Path self, PetscReal t, PathPlace *place) {
   QuaternionTimes(p, turn, place->p);
 }
 
-/* PathLeads - does it move the tip along an axis of the clamp's frame at a time? Not before its
-   first row, behind its last, and between two that agree. */
-PetscBool PathLeads(Path self, PetscReal t, int axis) {
-  PetscInt row = KnotBefore(self->n, self->t, t);
-  PathPlace from, to;
+/* Are two places apart? */
+static PetscBool Apart(PetscReal a, PetscReal b) {
+  return (PetscBool)(PetscAbsReal(b - a) > 8 * PETSC_MACHINE_EPSILON * (1 + PetscAbsReal(a)));
+}
 
-  if (t <= self->t[0] || t >= self->t[self->n - 1]) return PETSC_FALSE;
-  PathAt(self, self->t[row], &from);
-  PathAt(self, self->t[row + 1], &to);
-  return (PetscBool)(PetscAbsReal(to.x[axis] - from.x[axis]) >
-                     8 * PETSC_MACHINE_EPSILON * (1 + PetscAbsReal(to.x[axis])));
+/* PathLeads - does it move the tip along an axis of the clamp's frame, in a step that ends at a
+   time? Not up to its first row, behind its last, and between two that agree. (Up to the last it
+   does: a tip that stops there at once has moved until then.) */
+PetscBool PathLeads(Path self, PetscReal t, int axis) {
+  const PetscReal *start = self->start.x, *off = self->off.x, last = self->t[self->n - 1];
+  PetscInt row = KnotBefore(self->n, self->t, t);
+
+  if (t <= self->t[0] || (t > last && Apart(last, t))) return PETSC_FALSE;
+  for (int d = 0; d < 3; d++) {
+    const PetscReal *x = self->value[PATH_X1 + d];
+    if (x && Apart(0, self->lab[d][axis]) && Apart(x[row], x[row + 1])) return PETSC_TRUE;
+  }
+  return Apart(start[axis], start[axis] + off[axis]);
 }

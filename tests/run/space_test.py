@@ -520,6 +520,19 @@ def led():
         off = np.hypot(upright[0] + along[1], upright[1] - along[0])
         print(f"a tip that slides, {model}, its clamp along x2: {off:.1e}")
         expect(off < 1e-9 and abs(along[1] - begin[1] + 0.2) < 1e-9, f"a tip that slides: {upright}, {along}")
+    # one that stops at once has moved until then: friction is that of its speed, which moments next to none feel; and between
+    # rows that agree along the clamp's axis, but on its two axes not in between, it moves along it, too
+    for bend, turned, to, end in ((0.3, 0, [[0.5, -0.1, 0.1], [1, 0, 0]], 1),
+                                  (1.5, np.pi / 4, [[0.4, 0.06, -0.06], [0.8, 0.12, -0.12], [1.2, 0.12, -0.2], [1.3, 0.12, -0.2]], 0.5)):
+        at = [np.sin(bend + turned) - np.sin(turned), np.cos(turned) - np.cos(bend + turned)] / np.array(bend)
+        way = path("t,x1,x2", [[0, *at]] + [[t, at[0] + x1, at[1] + x2] for t, x1, x2 in to])
+        for model in ("frame", "space"):
+            pinned = (f"-growth_type none -growth_initial_length 1 -shape_type straight -rod_curvature {bend} -friction_mu 0 -tip_type pinned "
+                      f"-clamp_angle {turned} -tip_path {way} -ts_max_time {end} -rod_model {model} ")
+            r, fine = Run(pinned + "-rod_cells 40"), Run(pinned + "-rod_cells 80 -ts_rtol 1e-8")
+            energy, force = (abs(r.series[k][-1] / fine.series[k][-1] - 1) for k in ("energy", "tip_force_1"))
+            print(f"a tip that is led, {model}, curvature {bend}: energy {energy:.1e}, force {force:.1e}, told {r.estimate:.1e}")
+            expect(energy < r.estimate < 2e-4 and force < 5e-5, f"led, {model}: energy {energy:.1e}, force {force:.1e}, told {r.estimate:.1e}")
     # a tip that slides and turns: the straight rod leaves its axis at the torque 8.98681891
     for torque, grows in ((8.9, False), (9.05, True)):
         turn = torque / C
