@@ -717,6 +717,16 @@ static PetscBool PressedStraight(const Grow *self) {
                      !CurvatureBends(&scene->curvature));
 }
 
+/* About how much a number is, as OptionBoth() has it. */
+static const char *About(PetscReal value, Dimension dimension, char text[64]) {
+  PetscReal factor;
+  const char *unit = OptionShownIn(value, dimension, &factor);
+
+  (void)snprintf(text, 64, unit ? "%.3g (%.3g %s)" : "%.3g", (double)value,
+                 (double)(value * factor), unit);
+  return text;
+}
+
 /* A rod that is held so that it cannot give way at large bends in waves of 2 pi sqrt(B/P) under the
    force P: cells that are long beside these chatter. Tells how many would do; nothing if there are.
  */
@@ -724,6 +734,7 @@ static void AdviseWaves(const Grow *self, char *advice, size_t room) {
   const PetscReal coarse = 6, fine = 12, B = self->scene->stiffness.most,
                   P = PetscMax(self->force_before, BaseForce(&self->seen)),
                   length = self->seen.length, cell = length / self->scene->mesh.cells;
+  char text[3][64];
   PetscReal wave;
 
   advice[0] = 0;
@@ -731,10 +742,10 @@ static void AdviseWaves(const Grow *self, char *advice, size_t room) {
   wave = 2 * PETSC_PI * PetscSqrtReal(B / P);
   if (wave < coarse * cell)
     (void)snprintf(advice, room,
-                   "its cells of %.2g are too long for the waves in which it bends under the force "
-                   "%.3g, of %.2g: give -rod_cells %.0f",
-                   (double)cell, (double)P, (double)wave,
-                   (double)PetscCeilReal(fine * length / wave));
+                   "its cells of %s are too long for the waves in which it bends under the force "
+                   "%s, of %s: give -rod_cells %.0f",
+                   About(cell, UNIT_LENGTH, text[0]), About(P, UNIT_FORCE, text[1]),
+                   About(wave, UNIT_LENGTH, text[2]), (double)PetscCeilReal(fine * length / wave));
 }
 
 /* What to try where a rod gives way faster than steps can follow. Cells that are longer than what
@@ -744,12 +755,14 @@ static void AdviseGivingWay(const Grow *self, char *advice, size_t room) {
                   cell = self->seen.length / self->scene->mesh.cells;
   const char *const friction =
       self->scene->load.friction.mu >= 0.9999 ? ", or a -friction_mu below 0.9999" : "";
+  char text[2][64];
 
   if (self->scene->contact.any && cell > 2 * spread)
     (void)snprintf(advice, room,
-                   "its cells of %.2g are too long for contact, which presses over %.2g: give "
+                   "its cells of %s are too long for contact, which presses over %s: give "
                    "-rod_cells %.0f",
-                   (double)cell, (double)spread, (double)PetscCeilReal(self->seen.length / spread));
+                   About(cell, UNIT_LENGTH, text[0]), About(spread, UNIT_LENGTH, text[1]),
+                   (double)PetscCeilReal(self->seen.length / spread));
   else
     (void)snprintf(advice, room,
                    "take a shorter -ts_dt (without -ts_adapt_type none), more -rod_cells, another "
@@ -762,7 +775,8 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
   MPI_Comm comm = self->scene->comm;
   const char *const kept = OutputStores(self->output) ? "the results up to there are stored"
                                                       : "nothing is stored without -output FILE";
-  char text[3][64], jam[512] = "", crawl[512] = "", advice[192];
+  char text[3][64], jam[512] = "", crawl[512] = "", advice[512];
+  PetscBool waves;
   PetscReal dt;
 
   PetscFunctionBegin;
@@ -792,7 +806,8 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
       text[0], (double)self->scene->load.across, kept);
   CrawlTell(&self->crawl, self->scene->load.friction.beta, crawl, sizeof(crawl));
   AdviseWaves(self, advice, sizeof(advice));
-  UserCheck(!self->crawls, comm, "%s; %s%s%s", crawl, kept, advice[0] ? "; " : "", advice);
+  waves = (PetscBool)(advice[0] != 0);
+  UserCheck(!self->crawls, comm, "%s; %s%s%s", crawl, kept, waves ? "; " : "", advice);
   PetscCall(GrowTellJam(self, (PetscBool)(reason < 0), jam, sizeof(jam)));
   UserCheck(!jam[0], comm,
             "%s, and it can hardly grow on; %s; end the run before with -stop_force, or, if this "
@@ -808,16 +823,15 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
       "spin back, and where it then goes is not determined; %s; give the radius at which "
       "friction feels the spin, -friction_radius",
       text[0], kept);
-  if (!advice[0]) AdviseGivingWay(self, advice, sizeof(advice));
+  if (!waves) AdviseGivingWay(self, advice, sizeof(advice));
   UserCheck(
       reason == TS_CONVERGED_TIME || !self->now->crosses, comm,
       "gave up at t = %s: the rod gives way faster than a step of %s can follow, to which side "
       "that step does not tell; %s; %s",
       text[0], text[1], kept, advice);
-  UserCheck(reason == TS_CONVERGED_TIME, comm,
-            "gave up at t = %s with a step of %s (%s): %s; try "
-            "another -ts_rtol, more -rod_cells or a larger -friction_beta",
-            text[0], text[1], TSConvergedReasons[reason], kept);
+  UserCheck(reason == TS_CONVERGED_TIME, comm, "gave up at t = %s with a step of %s (%s): %s; %s",
+            text[0], text[1], TSConvergedReasons[reason], kept,
+            waves ? advice : "try another -ts_rtol, more -rod_cells or a larger -friction_beta");
   PetscFunctionReturn(0);
 }
 
