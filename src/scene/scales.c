@@ -4,18 +4,25 @@
    which is felt at points, and a bell of growth, which drives all there is. */
 static const PetscReal of_width = 0.5, of_bend = 1, of_post = 1, of_zone = 0.125;
 
+/* Who tells, and the option that says how fine the mesh is that is looked at, with its number. */
+typedef struct {
+  MPI_Comm comm;
+  const char *option;
+  PetscInt given;
+} Telling;
+
 /* A line for a length that the cell is too long to see. */
-static PetscErrorCode Look(Scene scene, const Mesh *mesh, const char *option, PetscReal length,
-                           PetscReal cell, PetscReal resolved) {
+static PetscErrorCode Look(const Telling *to, const char *what, PetscReal length, PetscReal cell,
+                           PetscReal resolved) {
   const PetscReal times = cell / (resolved * length);
   char text[2][64];
 
   PetscFunctionBegin;
   if (length <= 0 || times <= 1) PetscFunctionReturn(0);
-  PetscCall(PetscPrintf(
-      scene->comm, "%s %s: cells are up to %s long there and may miss it; give %.0f -rod_cells\n",
-      option, OptionNumber(length, text[0]), OptionNumber(cell, text[1]),
-      (double)PetscCeilReal(times * mesh->cells)));
+  PetscCall(PetscPrintf(to->comm,
+                        "%s %s: cells are up to %s long there and may miss it; give %.0f %s\n",
+                        what, OptionNumber(length, text[0]), OptionNumber(cell, text[1]),
+                        (double)PetscCeilReal(times * to->given), to->option));
   PetscFunctionReturn(0);
 }
 
@@ -48,41 +55,57 @@ static PetscReal Bend(const Curvature *curvature) {
   return least < PETSC_MAX_REAL ? 2 * least : 0;
 }
 
+/* How far from 0 the rod comes up to a time. */
+static PetscErrorCode Reach(Scene scene, PetscReal t, PetscReal *reach) {
+  enum { TIMES = 100 };
+  PetscReal length;
+
+  PetscFunctionBegin;
+  *reach = scene->clamp == CLAMP_FREE ? PETSC_MAX_REAL : 0;
+  for (int k = 0; k <= TIMES; k++) {
+    PetscCall(GrowthLength(scene->growth, PetscMax(0, t) * k / TIMES, &length, NULL));
+    *reach = PetscMax(*reach, length);
+  }
+  PetscFunctionReturn(0);
+}
+
 /*
   ScalesTell - a line for each of the lengths that the scene's options give and the cells are too
   long for at a time; they are longest at the end of a run. Collective on the scene's ranks.
 
-  mesh  labels of the nodes
+  mesh           labels of the nodes
+  option, given  which says how many, and what it is
 */
-PetscErrorCode ScalesTell(Scene scene, const Mesh *mesh, PetscReal t) {
+PetscErrorCode ScalesTell(Scene scene, const Mesh *mesh, const char *option, PetscInt given,
+                          PetscReal t) {
+  const Telling to = {.comm = scene->comm, .option = option, .given = given};
   const Surfaces *surfaces = &scene->contact.surfaces;
   Growth growth = scene->growth;
-  PetscReal longest, here, L;
+  PetscReal longest, here, L, reach;
 
   PetscFunctionBegin;
   PetscCall(GrowthLength(growth, t, &L, NULL));
+  PetscCall(Reach(scene, t, &reach));
   PetscCall(LongestCell(scene, mesh, 0, t, PETSC_FALSE, &longest));
   if (scene->load.field)
-    PetscCall(Look(scene, mesh,
+    PetscCall(Look(&to,
                    FieldIsLayered(scene->load.field) ? "-friction_layer_width" : "-friction_field",
-                   FieldFinest(scene->load.field), longest, of_width));
+                   FieldFinest(scene->load.field, reach), longest, of_width));
   if (scene->tip.resistance.field)
-    PetscCall(
-        Look(scene, mesh, "-tip_field", FieldFinest(scene->tip.resistance.field), longest, 1));
-  PetscCall(Look(scene, mesh, "-wall_file: a post or corner of radius",
-                 scene->contact.walls.smallest, longest, of_post));
+    PetscCall(Look(&to, "-tip_field", FieldFinest(scene->tip.resistance.field, reach), longest, 1));
+  PetscCall(Look(&to, "-wall_file: a post or corner of radius", scene->contact.walls.smallest,
+                 longest, of_post));
   if (surfaces->n && surfaces->smallest < PETSC_MAX_REAL)
-    PetscCall(Look(scene, mesh,
-                   "-wall_file: a surface that stands out, with the rod's radius, of radius",
+    PetscCall(Look(&to, "-wall_file: a surface that stands out, with the rod's radius, of radius",
                    surfaces->smallest + scene->contact.diameter / 2, longest, of_post));
   PetscCall(LongestCell(scene, mesh, 0, t, (PetscBool)!growth->slides, &here));
-  PetscCall(Look(scene, mesh,
+  PetscCall(Look(&to,
                  growth->slides ? "-rod_curvature_length or -rod_curvature_file: bends of"
                                 : "-rod_curvature_length or -rod_curvature_file: bends of (in s)",
                  Bend(&scene->curvature), here, of_bend));
   PetscCall(LongestCell(scene, mesh, 1 - PetscMin(growth->finest, L) / L, t, PETSC_FALSE, &here));
-  PetscCall(Look(scene, mesh, "-growth_zone", growth->finest, here, of_zone));
+  PetscCall(Look(&to, "-growth_zone", growth->finest, here, of_zone));
   here = mesh->s[1];
-  PetscCall(Look(scene, mesh, "-growth_width", growth->narrow, here, of_width));
+  PetscCall(Look(&to, "-growth_width", growth->narrow, here, of_width));
   PetscFunctionReturn(0);
 }

@@ -4,6 +4,7 @@
 
 #include "scene/scene.h"
 
-PetscErrorCode ScalesTell(Scene scene, const Mesh *mesh, PetscReal t);
+PetscErrorCode ScalesTell(Scene scene, const Mesh *mesh, const char *option, PetscInt given,
+                          PetscReal t);
 
 #endif

@@ -158,8 +158,12 @@ static PetscErrorCode Scan(Scene scene, StraightWay way, PetscReal *low, PetscRe
 /* So far from the critical time of one mesh that of another is looked for first. */
 static const PetscReal near = 1e-8;
 
-/* A root near a bracket that belongs to another mesh: widen it till it holds. */
-static PetscErrorCode RootNear(Factor *self, PetscReal low, PetscReal high, PetscReal *root) {
+/* A root near a bracket that belongs to another mesh: widen it till it holds. found: not, if the
+   rod of this one is stable for longer than so, which is the root that is told then: how far it is
+   from those of other meshes is their doubt. */
+static PetscErrorCode RootNear(Factor *self, PetscReal low, PetscReal high, PetscReal longer,
+                               PetscReal *root, PetscBool *found) {
+  const PetscReal most = high + longer;
   PetscReal f_low, f_high, d = high - low;
 
   PetscFunctionBegin;
@@ -169,11 +173,13 @@ static PetscErrorCode RootNear(Factor *self, PetscReal low, PetscReal high, Pets
     PetscCall(FactorAt(self, low, &f_low));
   }
   PetscCall(FactorAt(self, high, &f_high));
-  for (; f_high < 0; d *= 4) {
-    high += d;
+  for (; f_high < 0 && high < most; d *= 4) {
+    high = PetscMin(most, high + d);
     PetscCall(FactorAt(self, high, &f_high));
   }
-  PetscCall(Root(self, low, f_low, high, f_high, root));
+  *found = (PetscBool)(f_high >= 0);
+  *root = high;
+  if (*found) PetscCall(Root(self, low, f_low, high, f_high, root));
   PetscFunctionReturn(0);
 }
 
@@ -187,6 +193,7 @@ static PetscBool AtOnce(Scene scene, const Factor *factor) {
 static PetscErrorCode OnMesh(Scene scene, Factor *factor, PetscReal low, PetscReal high,
                              PetscReal *t, Fate *fate) {
   Eigenvalue ratio;
+  PetscBool found;
   PetscReal L;
 
   PetscFunctionBegin;
@@ -196,8 +203,10 @@ static PetscErrorCode OnMesh(Scene scene, Factor *factor, PetscReal low, PetscRe
     *fate = ratio.value > 0 ? CROSSES : PULLED;
     if (*fate == PULLED) PetscFunctionReturn(0);
     *t = L / PetscPowReal(ratio.value, 1. / 3) - scene->growth->initial_length;
-  } else
-    PetscCall(RootNear(factor, low, high, t));
+  } else {
+    PetscCall(RootNear(factor, low, high, scene->end_time, t, &found));
+    *fate = found ? CROSSES : STABLE;
+  }
   PetscFunctionReturn(0);
 }
 
@@ -327,7 +336,7 @@ static PetscErrorCode FindWith(Factor *fine, Scene scene, PetscBool quiet, Criti
   PetscCallMPI(MPI_Bcast(fate, sizeof(*fate), MPI_BYTE, 0, scene->comm));
   if (*fate != CROSSES) PetscFunctionReturn(0);
   PetscCall(OnOther(scene, comm, (cells + 1) / 2, self->way, quiet, low, high, &half_t, fate));
-  if (*fate != CROSSES) PetscFunctionReturn(0);
+  if (*fate == PULLED) PetscFunctionReturn(0);
   n = fine->pencil->ways * fine->pencil->n;
   PetscCall(PetscMalloc2(n, &fine->c, n, &fine->w));
   PetscCall(OnMesh(scene, fine, half_t - near, half_t + near, &self->t, fate));
@@ -553,7 +562,7 @@ static PetscErrorCode Print(Scene scene, const Critical *self) {
   double cube = (double)(self->length * self->length * self->length);
 
   PetscFunctionBegin;
-  PetscCall(ScalesTell(scene, &labels, self->t));
+  PetscCall(ScalesTell(scene, &labels, "-rod_cells", labels.cells, self->t));
   PetscCall(PetscPrintf(
       comm, "critical time   t = %.12g\ncritical length L = %.12g\nerror below     %.1e\n",
       (double)self->t, (double)self->length, (double)self->error));

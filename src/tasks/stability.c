@@ -1,5 +1,6 @@
 #include "tasks/stability.h"
 #include "tasks/critical.h"
+#include "scene/scales.h"
 #include "straight/norm.h"
 #include "record/output.h"
 #include "straight/transient.h"
@@ -563,10 +564,22 @@ static PetscErrorCode Open(Stability *self, const char *output) {
   PetscFunctionReturn(0);
 }
 
+/* The lengths that are missed by the mesh of the critical time, or by that of the table. */
+static PetscErrorCode TellScales(const Stability *self) {
+  const Mesh labels = {self->critical.n - 1, self->critical.s};
+
+  PetscFunctionBegin;
+  PetscCall(ScalesTell(self->scene, &labels, "-rod_cells", labels.cells, self->critical.t));
+  PetscCall(ScalesTell(self->scene, &self->mesh, "-stability_vertices", self->set.vertices,
+                       self->set.end));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode Compute(Stability *self) {
   PetscFunctionBegin;
   PetscCall(CriticalFind(self->scene, PETSC_TRUE, &self->critical));
   PetscCall(CompleteSettings(&self->set, self->critical.t));
+  PetscCall(TellScales(self));
   PetscCall(PetscPrintf(OptionsComm(), "critical time t = %.12g, error below %.1e\n",
                         (double)self->critical.t, (double)self->critical.error));
   PetscCall(CriticalPrintLaboratory(OptionsComm(), &self->critical));

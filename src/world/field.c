@@ -328,15 +328,18 @@ PetscBool FieldIsLayered(Field self) {
   return (PetscBool)(self->layers > 0);
 }
 
-/* FieldFinest - the length over which it changes: that over which layers are joined, the least
-   distance of a table's entries in space; 0 if it does not change. */
-PetscReal FieldFinest(Field self) {
+/* FieldFinest - the length over which it changes no farther than so from 0: that over which layers
+   are joined, the least distance of a table's entries in space; 0 if it does not change. */
+PetscReal FieldFinest(Field self, PetscReal reach) {
   PetscReal least = PETSC_MAX_REAL;
 
-  if (self->layers) return self->layers > 1 ? self->width : 0;
+  for (PetscInt k = 1; k < self->layers; k++)
+    if (PetscAbsReal(self->start[k]) - self->width / 2 < reach) least = self->width;
   for (int a = HIGH; a <= ALONG; a++)
-    for (PetscInt i = 0; i + 1 < self->axis[a].n; i++)
-      least = PetscMin(least, self->axis[a].at[i + 1] - self->axis[a].at[i]);
+    for (PetscInt i = 0; i + 1 < self->axis[a].n; i++) {
+      const PetscReal *at = &self->axis[a].at[i];
+      if (at[0] < reach && at[1] > -reach) least = PetscMin(least, at[1] - at[0]);
+    }
   return least < PETSC_MAX_REAL ? least : 0;
 }
 

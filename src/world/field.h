@@ -11,7 +11,7 @@ PetscErrorCode FieldFromFile(const char *option, const char *file, Field *field)
 PetscErrorCode FieldFromLayers(const char *option, const char *text, PetscReal width, Field *field);
 PetscErrorCode FieldDestroy(Field *field);
 PetscBool FieldIsLayered(Field field);
-PetscReal FieldFinest(Field field);
+PetscReal FieldFinest(Field field, PetscReal reach);
 PetscBool FieldInSpace(Field field);
 void FieldAt(Field field, const PetscReal x[3], PetscReal t, PetscReal *factor, PetscReal slope[3]);
 

@@ -289,7 +289,14 @@ def thin():
             told = float(said.split("error below     ")[1].split()[0])
             print(f"{options}, {n} cells: off by {off:.1e}, told {told:.1e}")
             expect(("may miss it; give" in said or "gaussian" in options) and off < 3 * told, f"{options}, {n} cells: off by {off}, {said}")
-    expect("may miss it" not in tendril("-task critical -friction_layers 0:1,1:3 -friction_layer_width 0.5"), "warns")
+    for seen in ("0:1,1:3 -friction_layer_width 0.5", "0:1,4:3 -friction_layer_width 0.01"):  # or the rod does not come there
+        expect("may miss it" not in tendril(f"-task critical -friction_layers {seen}"), f"{seen}: warns")
+    table = "-task stability -friction_layers 0:1,0.7:3 -friction_layer_width 0.002 -stability_points 2 -stability_transient false "
+    told = re.findall(r"may miss it; give (\d+ \S+)", tendril(table + "-rod_cells 20 -stability_vertices 30"))
+    print(f"-task stability: {told}")
+    expect([t.split()[1] for t in told] == ["-rod_cells", "-stability_vertices"], f"-task stability: {told}")
+    enough = " ".join(f"{t.split()[1]} {t.split()[0]}" for t in told)
+    expect("may miss it" not in tendril(f"{table} -stability_only_modes {enough}"), f"{enough}: warns")
 
 
 @check
