@@ -31,7 +31,7 @@ struct _Observer {
   PetscReal time[BALANCE_POINTS], net[BALANCE_POINTS], loss[BALANCE_POINTS];
   PetscReal energy[BALANCE_POINTS];
   PetscReal first_energy, net_work, lost_work;
-  PetscBool jumped; /* the step to be measured next was a jump */
+  PetscBool closed, broken; /* over the step to be measured next: ObserverClose() */
   /* rank 0, in a scene with contact: NULL else */
   Touching touching;
   TouchSum contact;
@@ -420,10 +420,11 @@ static PetscReal Through(PetscInt n, const PetscReal time[], const PetscReal f[]
    than the energy lasts. NULL: not; nor where the powers themselves are nearer to a polynomial, of
    which a point less says more nearly the same: those of a rod that is led, say. Behind a kink,
    where steps begin anew and double, a polynomial through points on both sides may go anywhere
-   between the last two: then without energy, and through fewer points, down to the chord. */
+   between the last two: then without energy, and through fewer points, down to the chord. other:
+   what a point less than was taken says. */
 static PetscReal LastInterval(PetscInt n, const PetscReal time[], const PetscReal f[],
-                              const PetscReal energy[]) {
-  PetscReal logs[BALANCE_POINTS], part[BALANCE_POINTS], sum = 0, less, plain, plain_less;
+                              const PetscReal energy[], PetscReal *other) {
+  PetscReal logs[BALANCE_POINTS], part[BALANCE_POINTS], sum = 0, plain, plain_less;
   PetscBool good = PETSC_FALSE, any;
 
   for (PetscInt i = 0; i < n && energy; i++) {
@@ -431,13 +432,20 @@ static PetscReal LastInterval(PetscInt n, const PetscReal time[], const PetscRea
     part[i] = f[i] / energy[i];
   }
   if (energy) sum = Through(n, time, part, logs, &good);
+  if (good) *other = n > 2 ? Through(n - 1, time + 1, part + 1, logs + 1, &any) : sum;
   if (good && n > 2) {
-    less = Through(n - 1, time + 1, part + 1, logs + 1, &any);
     plain_less = Through(n - 1, time + 1, f + 1, NULL, &any);
     plain = Through(n, time, f, NULL, &any);
-    if (any && PetscAbsReal(plain - plain_less) < PetscAbsReal(sum - less)) return plain;
+    if (any && PetscAbsReal(plain - plain_less) < PetscAbsReal(sum - *other)) {
+      *other = plain_less;
+      return plain;
+    }
   }
-  for (PetscInt m = n; m > 1 && !good; m--) sum = Through(m, time + n - m, f + n - m, NULL, &good);
+  for (PetscInt m = n; m > 1 && !good; m--) {
+    sum = Through(m, time + n - m, f + n - m, NULL, &good);
+    *other = m > 2 ? Through(m - 1, time + n - m + 1, f + n - m + 1, NULL, &any)
+                   : (time[n - 1] - time[n - 2]) * f[n - 1];
+  }
   return sum;
 }
 
@@ -455,21 +463,33 @@ static PetscBool Comparable(PetscInt n, const PetscReal energy[], PetscReal lost
   return (PetscBool)(least > rounding * lost && most < apart * least);
 }
 
-/* Follows the energy balance dE/dt = W + power at the tip, of weight and clamp - dissipation, with
- * as many points as the steps have order.
- */
-static void MeasureBalance(Observer self, Observation *seen) {
-  PetscReal scale, energy = seen->energy + seen->contact_energy;
-  PetscBool comparable;
+/* What powers do in the interval that has come last. */
+typedef struct {
+  PetscReal net, loss;
+  PetscBool unsure; /* they are those of powers that change too fast for their latest times */
+} Work;
 
-  if (self->n && seen->t == self->time[self->n - 1]) return;
-  if (self->jumped) { /* what bending lost, friction took: the powers on both sides do not tell */
+/* The power of all that acts less what is lost, and the loss. */
+static PetscReal NetPower(const Observation *seen) {
+  return seen->growth_power + seen->tip_power + seen->weight_power + seen->clamp_power +
+         seen->wall_power - seen->dissipation;
+}
+
+/* A power that is not known; a number, for a restart file holds no others. */
+static const PetscReal unknown = PETSC_MAX_REAL;
+
+/* The next point of the energy balance; known: its powers are, but behind a break. */
+static void AddPoint(Observer self, const Observation *seen, PetscBool known) {
+  PetscReal energy = seen->energy + seen->contact_energy;
+
+  if (self->closed) { /* what bending lost, friction took: the powers on both sides do not tell */
     self->lost_work += PetscMax(0, self->first_energy + self->net_work - energy);
     self->net_work = energy - self->first_energy;
     self->n = 0;
   } else if (!self->n)
     self->first_energy = energy;
-  self->jumped = PETSC_FALSE;
+  known = (PetscBool)(known && !self->broken);
+  self->closed = self->broken = PETSC_FALSE;
   if (self->n == BALANCE_POINTS) {
     for (int i = 1; i < BALANCE_POINTS; i++) {
       self->time[i - 1] = self->time[i];
@@ -480,27 +500,49 @@ static void MeasureBalance(Observer self, Observation *seen) {
     self->n--;
   }
   self->time[self->n] = seen->t;
-  self->net[self->n] = seen->growth_power + seen->tip_power + seen->weight_power +
-                       seen->clamp_power + seen->wall_power - seen->dissipation;
+  self->net[self->n] = known ? NetPower(seen) : unknown;
   self->loss[self->n] = seen->dissipation;
   self->energy[self->n] = seen->energy;
   self->n++;
-  if (self->n == 2) { /* the powers at the start are not known: the first step's hold for it */
+  if (self->n == 2 && self->net[0] == unknown) { /* then the first step's hold for it */
     self->net[0] = self->net[1];
     self->loss[0] = self->loss[1];
   }
-  if (self->n > 1) {
-    self->lost_work += LastInterval(self->n, self->time, self->loss, NULL);
-    comparable = Comparable(self->n, self->energy, PetscAbsReal(self->lost_work));
-    self->net_work +=
-        LastInterval(self->n, self->time, self->net, comparable ? self->energy : NULL);
-  }
-  scale = PetscMax(energy, self->first_energy);
+}
+
+/* What the defect is a part of. */
+static PetscReal BalanceScale(const struct _Observer *self, const Observation *seen) {
+  PetscReal scale = PetscMax(seen->energy + seen->contact_energy, self->first_energy);
+
   if (scale <= CurvatureRounding(&self->scene->curvature, seen->length))
     /* none: at rest, too, round-off of its places works against friction of 1 */
     scale = PETSC_MACHINE_EPSILON * PetscSqr(seen->length);
-  scale = PetscMax(scale, PetscAbsReal(self->lost_work));
-  seen->energy_defect = PetscAbsReal(energy - self->first_energy - self->net_work) / scale;
+  return PetscMax(scale, PetscAbsReal(self->lost_work));
+}
+
+/* Work by the powers at the latest times. Of a rod that touches something these have kinks,
+   wherever a place begins to touch or to slide: where a point less says another work, by more than
+   this part of the scale, they do not tell what is between. (Not in the first steps, which see no
+   kinks.) */
+static void WorkFromTimes(const struct _Observer *self, const Observation *seen, Work *work) {
+  const PetscReal sure = 1e-7, *energy = self->energy;
+  PetscReal other;
+
+  work->loss = LastInterval(self->n, self->time, self->loss, NULL, &other);
+  if (!Comparable(self->n, energy, PetscAbsReal(self->lost_work + work->loss))) energy = NULL;
+  work->net = LastInterval(self->n, self->time, self->net, energy, &other);
+  work->unsure = (PetscBool)(self->touching && self->n == BALANCE_POINTS &&
+                             PetscAbsReal(work->net - other) > sure * BalanceScale(self, seen));
+}
+
+/* Follows the energy balance dE/dt = W + power at the tip, of weight and clamp - dissipation. */
+static void CloseInterval(Observer self, const Work *work, Observation *seen) {
+  PetscReal energy = seen->energy + seen->contact_energy;
+
+  self->lost_work += work->loss;
+  self->net_work += work->net;
+  seen->energy_defect =
+      PetscAbsReal(energy - self->first_energy - self->net_work) / BalanceScale(self, seen);
 }
 
 /* The sums of the energy balance and the points they are built on, which rank 0 has. */
@@ -541,10 +583,12 @@ PetscErrorCode ObserverSetBalance(Observer self, const PetscReal state[BALANCE_S
   PetscFunctionReturn(0);
 }
 
-/* ObserverJump - tells that the step measured next was a jump: its energy balance is taken for
-   closed, and summed on from there. */
-void ObserverJump(Observer observer) {
-  observer->jumped = PETSC_TRUE;
+/* ObserverClose - tells that the energy balance is to be taken for closed over the step measured
+   next, and summed on from there. broken: by a jump, so that how fast the rod moves at its end is
+   not known, either. */
+void ObserverClose(Observer observer, PetscBool broken) {
+  observer->closed = PETSC_TRUE;
+  observer->broken = broken;
 }
 
 static PetscErrorCode LookAtContact(Observer self, PetscReal t, const Node *nodes,
@@ -676,16 +720,65 @@ PetscErrorCode ObserverLook(Observer observer, Rod rod, PetscReal t, Vec U, Obse
   PetscFunctionReturn(0);
 }
 
+/* Work by powers within the step: those of its dense output, by Gauss's rule. On that way energy
+   and work differ by no more than what forces on it leave unbalanced. (A look costs a quarter of an
+   iteration; PETSc's steppers are not asked.) Collective. */
+static PetscErrorCode WorkWithin(Observer self, Rod rod, const PetscReal between[2], Vec U, TS ts,
+                                 Work *work) {
+  const PetscReal h = between[1] - between[0];
+  PetscReal net = 0, loss = 0;
+  PetscBool known = PETSC_TRUE;
+  Observation seen;
+  Vec V, V_t;
+
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(U, &V));
+  PetscCall(VecDuplicate(U, &V_t));
+  for (int q = 0; q < GAUSS && known; q++) {
+    PetscReal t = between[0] + h * gauss_point[q];
+    PetscCall(VBDFInterpolate(ts, t, V, V_t, &known));
+    if (known) PetscCall(Look(self, rod, t, V, V_t, &seen));
+    if (known) net += h * gauss_weight[q] * NetPower(&seen);
+    if (known) loss += h * gauss_weight[q] * seen.dissipation;
+  }
+  if (known) *work = (Work){.net = net, .loss = loss};
+  PetscCall(VecDestroy(&V));
+  PetscCall(VecDestroy(&V_t));
+  PetscCall(SceneContactAt(self->scene, between[1])); /* the law as it was left by the last look */
+  PetscFunctionReturn(0);
+}
+
+/* Follows the balance of energy to what is seen: rank 0 does, and says when it needs to look within
+   the step. Collective. */
+static PetscErrorCode MeasureBalance(Observer self, Rod rod, Vec U, TS ts, Observation *seen) {
+  PetscReal between[2] = {0, 0}; /* the interval to look within */
+  Work work = {0};
+  PetscBool new = (PetscBool)(self->gathered && !(self->n && seen->t == self->time[self->n - 1]));
+
+  PetscFunctionBegin;
+  if (new) {
+    AddPoint(self, seen, (PetscBool)(U != NULL));
+    if (self->n > 1) WorkFromTimes(self, seen, &work);
+    for (int k = 0; k < 2 && work.unsure; k++) between[k] = self->time[self->n - 2 + k];
+  }
+  if (ts) PetscCallMPI(MPI_Bcast(between, 2, MPIU_REAL, 0, self->scene->comm));
+  if (ts && between[1] > between[0]) PetscCall(WorkWithin(self, rod, between, U, ts, &work));
+  if (new) CloseInterval(self, &work, seen);
+  PetscFunctionReturn(0);
+}
+
 /*
   ObserverMeasure - all that is measured on a rod at one time; step, newton_iterations and model are
   left to the caller. Collective; the result is on every rank. Times must come in increasing order,
   for the energy balance is summed from one to the next.
+
+  ts  whose latest step has led there, for what happens within it; NULL: it is not known
 */
-PetscErrorCode ObserverMeasure(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t,
+PetscErrorCode ObserverMeasure(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t, TS ts,
                                Observation *seen) {
   PetscFunctionBegin;
   PetscCall(Look(observer, rod, t, U, U_t, seen));
-  if (observer->gathered) MeasureBalance(observer, seen);
+  PetscCall(MeasureBalance(observer, rod, U, ts, seen));
   PetscCallMPI(MPI_Bcast(seen, OBSERVED, MPIU_REAL, 0, observer->scene->comm));
   PetscFunctionReturn(0);
 }

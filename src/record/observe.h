@@ -3,6 +3,7 @@
 #define TENDRIL_OBSERVE_H
 
 #include "record/touching.h"
+#include "stepping/vbdf.h"
 
 /* X(name, units, description): the series of the result file, in this order. */
 #define OBSERVABLES(X)                                                                             \
@@ -90,10 +91,10 @@ PetscErrorCode ObserverContact(Observer observer, PetscReal t, const Node *nodes
                                const PetscReal (**force)[PUSH]);
 PetscErrorCode ObserverTouch(Observer observer, PetscReal t, const Node *nodes, TouchSum *sum);
 PetscErrorCode ObserverLook(Observer observer, Rod rod, PetscReal t, Vec U, Observation *seen);
-PetscErrorCode ObserverMeasure(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t,
+PetscErrorCode ObserverMeasure(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t, TS ts,
                                Observation *seen);
 PetscErrorCode ObserverGetBalance(Observer observer, PetscReal state[BALANCE_STATE]);
 PetscErrorCode ObserverSetBalance(Observer observer, const PetscReal state[BALANCE_STATE]);
-void ObserverJump(Observer observer);
+void ObserverClose(Observer observer, PetscBool broken);
 
 #endif

@@ -211,7 +211,7 @@ static PetscReal BaseForce(const Observation *seen) {
 static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   PetscReal before = self->seen.t, norm = self->seen.norm_x2, folds = self->folds;
   PetscInt iterations = 0, all = 0, jumps = 0, blind = 0;
-  PetscBool jumped = PETSC_FALSE, blindly = PETSC_FALSE, layered;
+  PetscBool jumped = PETSC_FALSE, blindly = PETSC_FALSE, layered, broken;
   Observation last = self->seen;
   Vec behind = NULL;
 
@@ -222,8 +222,8 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
     PetscCall(VBDFGetJumps(self->now->ts, &jumps, &blind));
     jumped = (PetscBool)(jumps > self->now->jumps);
     if (jumped && layered) self->gave_way = PETSC_TRUE;
-    if (jumped || IsThin(self, before) || LedRoundCorner(self->scene, before, t))
-      ObserverJump(self->observer);
+    broken = (PetscBool)(jumped || LedRoundCorner(self->scene, before, t));
+    if (broken || IsThin(self, before)) ObserverClose(self->observer, broken);
     if (self->now == &self->leg[WholeModel(self)])
       PetscCall(EstimateStep(self->estimate, jumped, self->pressed));
     self->now->jumps = jumps;
@@ -234,7 +234,8 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   }
   iterations = all - self->iterations;
   self->iterations = all;
-  PetscCall(ObserverMeasure(self->observer, self->now->rod, t, U, U_t, &self->seen));
+  PetscCall(ObserverMeasure(self->observer, self->now->rod, t, U, U_t, U ? self->now->ts : NULL,
+                            &self->seen));
   self->force_before = BaseForce(&last);
   if (blindly) PetscCall(CountBlind(self, &last, before, layered, behind));
   if (norm > rod_vanished && self->seen.norm_x2 > rod_vanished)

@@ -275,7 +275,7 @@ PetscErrorCode GrowSensitivitiesObserve(Grow *self, PetscReal t, Vec U, Vec U_t)
         for (int v = 0; v < OBSERVED; v++) ((PetscReal *)&seen)[v] = NAN;
       else
         PetscCall(ObserverMeasure(shadow->observer, shadow->rod, t, U ? all->U : NULL,
-                                  U_t ? all->U_t : NULL, &seen));
+                                  U_t ? all->U_t : NULL, NULL, &seen));
       PetscCall(OutputSeries(shadow->output, &seen));
     }
   PetscFunctionReturn(0);

@@ -139,7 +139,7 @@ static void TestStraight(void **state) {
              "-shape_type straight -friction_beta %g -friction_mu %g -clamp_angle 0.3", beta,
              mu[k]);
     Create(options, 100, &scene, &rod, &observer);
-    CHECK(ObserverMeasure(observer, rod, t, NULL, NULL, &seen));
+    CHECK(ObserverMeasure(observer, rod, t, NULL, NULL, NULL, &seen));
     EXPECT(PetscAbsReal(seen.base_force_1 - should * PetscCosReal(0.3)) < 1e-12 &&
                PetscAbsReal(seen.base_force_2 - should * PetscSinReal(0.3)) < 1e-12,
            "mu %g: base force (%g, %g), size %g", mu[k], seen.base_force_1, seen.base_force_2,
@@ -238,7 +238,7 @@ static void TestIntegrals(void **state) {
     Create(options, 240, &scene, &rod, &observer);
     BentExactly(scene->growth, &scene->load.friction, &exact);
     U = Bent(rod, &U_t);
-    CHECK(ObserverMeasure(observer, rod, at, U, U_t, &seen));
+    CHECK(ObserverMeasure(observer, rod, at, U, U_t, NULL, &seen));
 #define SAME(name, part)                                                                           \
   EXPECT(PetscAbsReal(seen.name / exact.name - 1) < part, "%s: " #name " is %.10g, not %.10g",     \
          laws[l], seen.name, exact.name)
@@ -272,7 +272,7 @@ static void TestTurnedClamp(void **state) {
     Create(k ? "-shape_amplitude 0.8 -clamp_angle 0.7" : "-shape_amplitude 0.8", 60, &scene, &rod,
            &observer);
     U = Bent(rod, &U_t);
-    CHECK(ObserverMeasure(observer, rod, at, U, U_t, &seen[k]));
+    CHECK(ObserverMeasure(observer, rod, at, U, U_t, NULL, &seen[k]));
     CHECK(VecDestroy(&U));
     CHECK(VecDestroy(&U_t));
     Destroy(&scene, &rod, &observer);
