@@ -75,3 +75,15 @@ void SplineWeights(PetscInt n, const PetscReal x[], PetscReal at, PetscInt *i, P
     integral[3] = h * h * h / 6 * (b * b * b * b / 4 - b * b / 2);
   }
 }
+
+/* SplineSteepest - the least length, in entries that begin before an end, over which values above 0
+   change by as much as they are; none is as long as PETSC_MAX_REAL. */
+PetscReal SplineSteepest(PetscInt n, const PetscReal x[], const PetscReal f[], PetscReal end) {
+  PetscReal least = PETSC_MAX_REAL;
+
+  for (PetscInt i = 0; i + 1 < n && x[i] < end; i++) {
+    const PetscReal change = PetscAbsReal(f[i + 1] - f[i]), size = PetscMax(f[i], f[i + 1]);
+    if (change > 0) least = PetscMin(least, (x[i + 1] - x[i]) * size / change);
+  }
+  return least;
+}

@@ -9,5 +9,6 @@ PetscErrorCode SplineSecondDerivatives(PetscInt n, const PetscReal x[], PetscInt
                                        PetscReal f2[]);
 void SplineWeights(PetscInt n, const PetscReal x[], PetscReal at, PetscInt *i, PetscReal value[4],
                    PetscReal slope[4], PetscReal integral[4]);
+PetscReal SplineSteepest(PetscInt n, const PetscReal x[], const PetscReal f[], PetscReal end);
 
 #endif

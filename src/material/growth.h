@@ -17,6 +17,7 @@ struct _Growth {
   PetscBool still;          /* it does not grow, and is not fed */
   PetscReal finest;         /* length of a zone at the tip that the mesh must resolve; 0: none */
   PetscReal narrow;         /* width in s of a growth zone at the clamp; 0: there is none */
+  PetscReal steep;          /* least s over which a table's g changes by itself; 0: no table */
   PetscBool stopped;        /* GrowthStop(): stands still at one time of another law */
   PetscErrorCode (*stretch)(Growth, PetscReal s, PetscReal t, PetscReal *g, PetscReal *g_t,
                             PetscReal *g_s);

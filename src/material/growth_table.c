@@ -154,6 +154,9 @@ PetscErrorCode GrowthCreateTable(Growth self) {
   }
   PetscCall(SplineSecondDerivatives(tab->nt, tab->t, tab->ns, 1, tab->ns, tab->p, tab->p_tt));
   PetscCall(TableCheckBetween(file, tab));
+  self->steep = PETSC_MAX_REAL;
+  for (PetscInt j = 0; j < tab->nt; j++)
+    self->steep = PetscMin(self->steep, SplineSteepest(tab->ns, tab->s, tab->g + j * tab->ns, 1));
   self->initial_length = tab->p[tab->ns - 1];
   self->end_time = tab->t[tab->nt - 1];
   self->stretch = StretchTable;

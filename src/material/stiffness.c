@@ -72,6 +72,12 @@ PetscErrorCode StiffnessDestroy(Stiffness *self) {
   PetscFunctionReturn(0);
 }
 
+/* StiffnessFinest - the least length along a rod so long over which B changes by as much as it is
+   (none is as long as PETSC_MAX_REAL); 0: it is 1 everywhere. */
+PetscReal StiffnessFinest(const Stiffness *self, PetscReal length) {
+  return self->varies ? SplineSteepest(self->n, self->distance, self->factor, length) : 0;
+}
+
 /*
   StiffnessTable - B at the label s and time t, from the table, and the rate B_t at which it changes
   for the material there (may be NULL): material that slides from the tip, or is left behind by it,

@@ -16,6 +16,7 @@ extern const OptionGroup stiffness_options;
 
 PetscErrorCode StiffnessSetFromOptions(Stiffness *stiffness);
 PetscErrorCode StiffnessDestroy(Stiffness *stiffness);
+PetscReal StiffnessFinest(const Stiffness *stiffness, PetscReal length);
 PetscErrorCode StiffnessTable(const Stiffness *stiffness, Growth growth, PetscReal s, PetscReal t,
                               PetscReal *B, PetscReal *B_t);
 

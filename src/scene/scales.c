@@ -105,6 +105,11 @@ PetscErrorCode ScalesTell(Scene scene, const Mesh *mesh, const char *option, Pet
                  Bend(&scene->curvature), here, of_bend));
   PetscCall(LongestCell(scene, mesh, 1 - PetscMin(growth->finest, L) / L, t, PETSC_FALSE, &here));
   PetscCall(Look(&to, "-growth_zone", growth->finest, here, of_zone));
+  PetscCall(Look(&to, "-rod_stiffness_file: the stiffness changes by as much as it is within",
+                 StiffnessFinest(&scene->stiffness, L), longest, of_width));
+  PetscCall(LongestCell(scene, mesh, 0, t, PETSC_TRUE, &here));
+  PetscCall(Look(&to, "-growth_table: the stretch changes by as much as it is within (in s)",
+                 growth->steep, here, of_width));
   here = mesh->s[1];
   PetscCall(Look(&to, "-growth_width", growth->narrow, here, of_width));
   PetscFunctionReturn(0);

@@ -54,6 +54,17 @@ static void TestStrides(void **state) {
   }
 }
 
+/* The steepest of the entries before an end: 2 -> 1 over 0.1 is 0.2, and what does not change is
+ * long. */
+static void TestSteepest(void **state) {
+  const PetscReal x[5] = {0, 1, 1.5, 1.6, 1.61}, f[5] = {2, 2, 2, 1, 5};
+  EXPECT(PetscAbsReal(SplineSteepest(5, x, f, 1.6) - 0.2) < 1e-14, "%g",
+         SplineSteepest(5, x, f, 1.6));
+  EXPECT(PetscAbsReal(SplineSteepest(5, x, f, 2) - 0.0125) < 1e-14, "%g",
+         SplineSteepest(5, x, f, 2));
+  EXPECT(SplineSteepest(5, x, f, 1.5) == PETSC_MAX_REAL, "%g", SplineSteepest(5, x, f, 1.5));
+}
+
 static void TestOrder(void **state) {
   PetscReal error[3] = {0}, slope_error[3] = {0};
   for (int k = 0; k < 3; k++) {
@@ -95,5 +106,5 @@ static void TestGauss(void **state) {
 
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(TestGauss), cmocka_unit_test(TestExactForCubics),
-    cmocka_unit_test(TestStrides), cmocka_unit_test(TestOrder)};
+    cmocka_unit_test(TestStrides), cmocka_unit_test(TestSteepest), cmocka_unit_test(TestOrder)};
 MAIN(tests)

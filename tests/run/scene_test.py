@@ -271,9 +271,19 @@ def scales():
     """Lengths that a scene gives: what cells are too long for is in the estimate, and said in a line."""
     layer = "-ts_max_time 3 -shape_amplitude 0.8 -friction_layers 0:1,1.1:0.34 -friction_layer_width 0.0054 "
     bell = "-growth_type apical -growth_initial_length 1 -rod_curvature_random 0.1 -ts_max_time 3 "
+    distance, s, t = np.unique(np.r_[np.linspace(0, 6, 60), np.linspace(0.37, 0.43, 61)]), np.linspace(0, 1, 41), np.linspace(0, 2, 9)
+    for name, table in (("notch", dict(distance=distance, factor=1 - 0.5 * np.exp(-((distance - 0.4) / 0.005)**2))),
+                        ("smooth", dict(distance=distance, factor=1 + 0.3 * np.sin(distance))),
+                        ("bulge", dict(s=s, t=t, g=1 + t[:, None] * np.exp(-((s - 0.5) / 0.03)**2)))):
+        with h5py.File(f"{SCRATCH}/{name}.h5", "w") as f:
+            for key, values in table.items():
+                f[key] = values
     for options, more, says in ((layer, "-rod_cells 150", "-friction_layer_width 0.0054"),
                                 (bell + "-growth_zone 0.05 ", "-rod_cells 40", "-growth_zone 0.05"),
                                 (bell + "-growth_zone 0.17 ", "-accuracy 1e-4", None),
+                                (f"{DRY}-ts_max_time 1 -rod_stiffness_file {SCRATCH}/notch.h5 ", "-rod_cells 15", "-rod_stiffness_file"),
+                                (f"{DRY}-ts_max_time 1 -rod_stiffness_file {SCRATCH}/smooth.h5 ", "-rod_cells 40", None),
+                                (f"-shape_amplitude 0.1 -ts_max_time 1 -growth_type table -growth_table {SCRATCH}/bulge.h5 ", "-rod_cells 10", "-growth_table"),
                                 (DRY + "-ts_max_time 3 ", "-rod_cells 60", None)):
         r = Run(options + more)
         fine = Run(options + "-rod_cells 2000 -ts_rtol 1e-7")
