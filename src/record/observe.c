@@ -32,6 +32,7 @@ struct _Observer {
   PetscReal energy[BALANCE_POINTS];
   PetscReal first_energy, net_work, lost_work;
   PetscBool closed, broken; /* over the step to be measured next: ObserverClose() */
+  PetscReal left;           /* the energy at its begin, if it is closed */
   /* rank 0, in a scene with contact: NULL else */
   Touching touching;
   TouchSum contact;
@@ -483,8 +484,8 @@ static void AddPoint(Observer self, const Observation *seen, PetscBool known) {
   PetscReal energy = seen->energy + seen->contact_energy;
 
   if (self->closed) { /* what bending lost, friction took: the powers on both sides do not tell */
-    self->lost_work += PetscMax(0, self->first_energy + self->net_work - energy);
-    self->net_work = energy - self->first_energy;
+    self->lost_work += PetscMax(0, self->left - energy);
+    self->net_work += energy - self->left;
     self->n = 0;
   } else if (!self->n)
     self->first_energy = energy;
@@ -583,11 +584,16 @@ PetscErrorCode ObserverSetBalance(Observer self, const PetscReal state[BALANCE_S
   PetscFunctionReturn(0);
 }
 
-/* ObserverClose - tells that the energy balance is to be taken for closed over the step measured
-   next, and summed on from there. broken: by a jump, so that how fast the rod moves at its end is
-   not known, either. */
-void ObserverClose(Observer observer, PetscBool broken) {
+/*
+  ObserverClose - tells that the energy balance is to be taken for closed over the step measured
+  next, and summed on from there. What it was off by before stays.
+
+  last    what was seen where that step begins
+  broken  by a jump, so that how fast the rod moves at its end is not known, either
+*/
+void ObserverClose(Observer observer, const Observation *last, PetscBool broken) {
   observer->closed = PETSC_TRUE;
+  observer->left = last->energy + last->contact_energy;
   observer->broken = broken;
 }
 

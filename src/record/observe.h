@@ -95,6 +95,6 @@ PetscErrorCode ObserverMeasure(Observer observer, Rod rod, PetscReal t, Vec U, V
                                Observation *seen);
 PetscErrorCode ObserverGetBalance(Observer observer, PetscReal state[BALANCE_STATE]);
 PetscErrorCode ObserverSetBalance(Observer observer, const PetscReal state[BALANCE_STATE]);
-void ObserverClose(Observer observer, PetscBool broken);
+void ObserverClose(Observer observer, const Observation *last, PetscBool broken);
 
 #endif

@@ -223,7 +223,7 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
     jumped = (PetscBool)(jumps > self->now->jumps);
     if (jumped && layered) self->gave_way = PETSC_TRUE;
     broken = (PetscBool)(jumped || LedRoundCorner(self->scene, before, t));
-    if (broken || IsThin(self, before)) ObserverClose(self->observer, broken);
+    if (broken || IsThin(self, before)) ObserverClose(self->observer, &last, broken);
     if (self->now == &self->leg[WholeModel(self)])
       PetscCall(EstimateStep(self->estimate, jumped, self->pressed));
     self->now->jumps = jumps;

@@ -292,8 +292,33 @@ static void TestTurnedClamp(void **state) {
   EXPECT(seen[1].norm_x2 > 1.1 * seen[0].norm_x2, "|x2| is measured in the laboratory");
 }
 
+/* A step over which the balance is taken for closed adds nothing to what it was off by before, nor
+   takes that off. */
+static void TestClosed(void **state) {
+  Observation seen = {0};
+  PetscReal defect[4];
+  Scene scene;
+  Rod rod;
+  Observer observer;
+  Vec U, U_t;
+
+  Create("-growth_type uniform -shape_amplitude 0.8", 60, &scene, &rod, &observer);
+  U = Bent(rod, &U_t);
+  for (int k = 0; k < 4; k++) { /* it grows, and moves, but stays as it is */
+    if (k == 2) ObserverClose(observer, &seen, PETSC_TRUE);
+    CHECK(ObserverMeasure(observer, rod, at + 0.1 * k, U, U_t, NULL, &seen));
+    defect[k] = seen.energy_defect;
+  }
+  EXPECT(defect[1] > 0.01 && defect[2] > 0.8 * defect[1] && defect[2] < 1.01 * defect[1],
+         "off by %g before, by %g behind a closed step", defect[1], defect[2]);
+  EXPECT(defect[3] > 1.2 * defect[2], "then by %g", defect[3]);
+  CHECK(VecDestroy(&U));
+  CHECK(VecDestroy(&U_t));
+  Destroy(&scene, &rod, &observer);
+}
+
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(TestCrossings), cmocka_unit_test(TestCrossingsAtRandom),
-    cmocka_unit_test(TestStraight), cmocka_unit_test(TestIntegrals),
-    cmocka_unit_test(TestTurnedClamp)};
+    cmocka_unit_test(TestCrossings),   cmocka_unit_test(TestCrossingsAtRandom),
+    cmocka_unit_test(TestStraight),    cmocka_unit_test(TestIntegrals),
+    cmocka_unit_test(TestTurnedClamp), cmocka_unit_test(TestClosed)};
 MAIN(tests)
