@@ -895,7 +895,7 @@ def snaps_on_a_wall():
     runs = [Run(f"{arch} -ts_rtol {rtol}") for rtol in ("1e-6", "2e-6", "1e-5")]
     for r in runs:
         print(f"{r.steps} steps, |x2| {r.norm_x2[-1]:.9f}, energy {r.energy[-1]:.9f}, defect {r.energy_defect[-1]:.1e}")
-        expect("1 snap" in r.said and r.energy_defect[-1] < 2e-5, r.said[-300:])
+        expect("1 snap" in r.said and r.energy_defect[-1] < 1e-4, r.said[-300:])
         off = max(abs(r.energy[-1] / runs[0].energy[-1] - 1), abs(r.norm_x2[-1] / runs[0].norm_x2[-1] - 1))
         expect(off < 1e-5, f"off by {off}")
     steps = [Run(f"{arch} -ts_rtol {rtol}").steps for rtol in ("1e-4", "2e-5")]  # (371, 534)
