@@ -466,7 +466,7 @@ static PetscBool Comparable(PetscInt n, const PetscReal energy[], PetscReal lost
 
 /* What powers do in the interval that has come last. */
 typedef struct {
-  PetscReal net, loss;
+  PetscReal net, loss, doubt; /* by how much a time less says another net work */
   PetscBool unsure; /* they are those of powers that change too fast for their latest times */
 } Work;
 
@@ -532,8 +532,9 @@ static void WorkFromTimes(const struct _Observer *self, const Observation *seen,
   work->loss = LastInterval(self->n, self->time, self->loss, NULL, &other);
   if (!Comparable(self->n, energy, PetscAbsReal(self->lost_work + work->loss))) energy = NULL;
   work->net = LastInterval(self->n, self->time, self->net, energy, &other);
+  work->doubt = PetscAbsReal(work->net - other);
   work->unsure = (PetscBool)(self->touching && self->n == BALANCE_POINTS &&
-                             PetscAbsReal(work->net - other) > sure * BalanceScale(self, seen));
+                             work->doubt > sure * BalanceScale(self, seen));
 }
 
 /* Follows the energy balance dE/dt = W + power at the tip, of weight and clamp - dissipation. */
@@ -727,11 +728,13 @@ PetscErrorCode ObserverLook(Observer observer, Rod rod, PetscReal t, Vec U, Obse
 }
 
 /* Work by powers within the step: those of its dense output, by Gauss's rule. On that way energy
-   and work differ by no more than what forces on it leave unbalanced. (A look costs a quarter of an
-   iteration; PETSc's steppers are not asked.) Collective. */
+   and work differ by no more than what forces on it leave unbalanced: which is much where a long
+   step slides on what is stiff. So a work that is off that of the times by so many times their
+   doubt is none. (A look costs a quarter of an iteration; PETSc's steppers are not asked.)
+   Collective. */
 static PetscErrorCode WorkWithin(Observer self, Rod rod, const PetscReal between[2], Vec U, TS ts,
                                  Work *work) {
-  const PetscReal h = between[1] - between[0];
+  const PetscReal h = between[1] - between[0], far = 100;
   PetscReal net = 0, loss = 0;
   PetscBool known = PETSC_TRUE;
   Observation seen;
@@ -747,7 +750,8 @@ static PetscErrorCode WorkWithin(Observer self, Rod rod, const PetscReal between
     if (known) net += h * gauss_weight[q] * NetPower(&seen);
     if (known) loss += h * gauss_weight[q] * seen.dissipation;
   }
-  if (known) *work = (Work){.net = net, .loss = loss};
+  if (known && PetscAbsReal(net - work->net) <= far * work->doubt)
+    *work = (Work){.net = net, .loss = loss};
   PetscCall(VecDestroy(&V));
   PetscCall(VecDestroy(&V_t));
   PetscCall(SceneContactAt(self->scene, between[1])); /* the law as it was left by the last look */

@@ -488,6 +488,11 @@ def energy_balance():
         print(f"{name}: {r.steps} steps, defect at most {late:.1e}, {r.energy_defect[-1]:.1e} at the end")
         expect(r.contact_force[-1] > 0 and r.dissipation.min() > -1e-12, f"{name}: no contact")
         expect(late < 1e-5, f"{name}: defect {late:.1e}")
+    # powers within long steps that slide on the wall are those of states far out of balance: 0.15 was told of them
+    r = Run("-growth_type feed -growth_initial_length 0.5 -rod_curvature 0.1 -shape_type straight -contact_diameter 0.05 -ts_max_time 2.5 "
+            f"-ts_rtol 1e-3 {walls('plane 1.1 0 -1 0.35 friction 0.3')}")
+    print(f"loosely: {r.steps} steps, defect {r.energy_defect[-1]:.1e}")
+    expect(r.contact_force[-1] > 0 and r.energy_defect[-1] < 2e-3, f"loosely: {r.energy_defect[-1]}")
 
 
 # --- where methods fail --------------------------------------------------------------------------
