@@ -79,10 +79,30 @@ static PetscErrorCode IndexAxis(Wall *wall) {
   PetscFunctionReturn(0);
 }
 
+static PetscReal FromAxis(const Walls *walls, PetscInt conduit, const PetscReal x[2]);
+
+/* A gentle bend is an arc of a wide circle. Where the conduit goes through that circle elsewhere,
+   not all of it is behind the surface, and it is no post. */
+static void DropOpenPosts(Walls *walls) {
+  const PetscReal round_off = 1e-6;
+  PetscInt n = 0;
+
+  for (PetscInt k = 0; k < walls->posts; k++) {
+    const WallPost post = walls->post[k];
+    const Wall *wall = &walls->wall[post.wall];
+    if (wall->kind == WALL_PATH &&
+        FromAxis(walls, post.wall, post.at) < post.r + (1 - round_off) * wall->number[0])
+      continue;
+    walls->post[n++] = post;
+  }
+  walls->posts = n;
+}
+
 static PetscErrorCode IndexPosts(Walls *walls) {
   Block *block;
 
   PetscFunctionBegin;
+  DropOpenPosts(walls);
   PetscCall(PetscMalloc1(walls->posts, &block));
   for (PetscInt k = 0; k < walls->posts; k++)
     for (int d = 0; d < 2; d++) {
@@ -305,11 +325,16 @@ PetscInt WallsBehind(const Walls *walls, const PetscReal x[2]) {
   return -1;
 }
 
-/* WallsHold - is a place in the conduit which that wall is? */
-PetscBool WallsHold(const Walls *walls, PetscInt conduit, const PetscReal x[2]) {
+/* How far a place is from the axis of a conduit. */
+static PetscReal FromAxis(const Walls *walls, PetscInt conduit, const PetscReal x[2]) {
   const Block place = BlockAt(2, x);
   Look look = {.walls = walls, .x = x, .nearest = everywhere, .wall = conduit, .far = everywhere};
 
   BlocksNear(walls->wall[conduit].axis, &place, everywhere, MeetAxis, &look);
-  return (PetscBool)(look.far <= walls->wall[conduit].number[0]);
+  return look.far;
+}
+
+/* WallsHold - is a place in the conduit which that wall is? */
+PetscBool WallsHold(const Walls *walls, PetscInt conduit, const PetscReal x[2]) {
+  return (PetscBool)(FromAxis(walls, conduit, x) <= walls->wall[conduit].number[0]);
 }

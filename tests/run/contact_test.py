@@ -819,6 +819,20 @@ def bend_radius():
 
 
 @check
+def points_along_a_bend():
+    """Points along a curve give the conduit that a radius does, also where the wide circles of their gentle
+    corners go through its straight beginning (the run was refused: "starts in a wall")."""
+    led = "-growth_type feed -contact_diameter 0.05 -ts_max_time 3 -shape_type straight -rod_curvature 0.1 -rod_cells 80 "
+    turn = np.linspace(0, np.pi / 2, 13)
+    points = np.c_[1 + 1.5 * np.sin(turn), 1.5 - 1.5 * np.cos(turn)].ravel()
+    one, many = (Run(led + walls(wall)) for wall in (
+        "path 0.15 -1 0 2.5 0 2.5 5 radius 1.5", f"path 0.15 -1 0 {' '.join(map(repr, points.tolist()))} 2.5 5"))
+    off = np.hypot(*(one.tip - many.tip))
+    print(f"{one.steps} and {many.steps} steps, tip off by {off:.1e}, push {one.feed_force[-1]:.4f}, {many.feed_force[-1]:.4f}")
+    expect(many.contact_force[-1] > 0.1 and off < 0.01, f"tip off by {off:.1e}")
+
+
+@check
 def guard():
     """Contact that is far too soft: the rod would pass through. It ends in one plain line."""
     d = scene.SCRATCH

@@ -74,6 +74,8 @@ static void TestSweeps(void **state) {
 /* Through a plate thinner than the rod's cells; across a corner of a polygon; in it. */
 static void TestCuts(void **state) {
   const char *const in_space = "-rod_model space";
+  const char *const bend = "path 0.15 -1 0 1 0 1.38823 0.0511113 1.75 0.200962 2.06066 0.43934 "
+                           "2.29904 0.75 2.44889 1.11177 2.5 1.5 2.5 5\n";
   const char *const plate = "polygon outside 0.4 0.2 0.9 0.2 0.9 0.2003 0.4 0.2003\n";
   EXPECT(Passes(plate, "-contact_diameter 1e-4", 0, 0.9), "ends across a plate");
   EXPECT(!Passes(plate, "-contact_diameter 1e-4", 0, 0.1), "stays before it");
@@ -87,6 +89,10 @@ static void TestCuts(void **state) {
   EXPECT(!Passes("plane 0 0.3 0 -1\n", "", 0, 0.6), "a thread pressed into a plane");
   EXPECT(Passes("circle 0 0 0.6 inside\n", "", 0, 0.1), "a thread far out of a cavity");
   EXPECT(!Passes("circle 0 0 0.8 inside\n", "", 0, 0.1), "a thread pressed into its wall");
+  EXPECT(!Passes(bend, "-contact_diameter 0.05", 0, 0),
+         "the circle of a bend's last, gentle corner goes through its straight beginning");
+  EXPECT(Passes("path 0.2 -1 0 0.6 0 0.6 2\n", "-contact_diameter 0.01", 0, 0.6),
+         "across the inner wall of a conduit's corner");
   EXPECT(PassesAs(&rod_space, "plane 0 0.3 0  0 -1 0\n", in_space, 0, 1),
          "far behind one in space");
   EXPECT(!PassesAs(&rod_space, "plane 0 0.3 0  0 -1 0\n", in_space, 0, 0.6), "pressed into it");
