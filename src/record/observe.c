@@ -416,38 +416,52 @@ static PetscReal Through(PetscInt n, const PetscReal time[], const PetscReal f[]
   return sum;
 }
 
-/* The integral over the last interval. What changes like energy is divided by it first, and its
-   logarithm taken for a polynomial, too: while a wobble decays, a step may be many times longer
-   than the energy lasts. NULL: not; nor where the powers themselves are nearer to a polynomial, of
-   which a point less says more nearly the same: those of a rod that is led, say. Behind a kink,
-   where steps begin anew and double, a polynomial through points on both sides may go anywhere
-   between the last two: then without energy, and through fewer points, down to the chord. other:
-   what a point less than was taken says. */
-static PetscReal LastInterval(PetscInt n, const PetscReal time[], const PetscReal f[],
-                              const PetscReal energy[], PetscReal *other) {
-  PetscReal logs[BALANCE_POINTS], part[BALANCE_POINTS], sum = 0, plain, plain_less;
-  PetscBool good = PETSC_FALSE, any;
+/* An integral over the last interval. */
+typedef struct {
+  PetscReal sum, doubt; /* and by how much a point less says another */
+  PetscBool good;       /* false: it says nothing */
+} Integral;
 
-  for (PetscInt i = 0; i < n && energy; i++) {
+static Integral IntegralThrough(PetscInt n, const PetscReal time[], const PetscReal f[],
+                                const PetscReal logs[]) {
+  Integral all;
+  PetscReal less = (time[n - 1] - time[n - 2]) * f[n - 1]; /* of one */
+  PetscBool any;
+
+  all.sum = Through(n, time, f, logs, &all.good);
+  if (n > 2) less = Through(n - 1, time + 1, f + 1, logs ? logs + 1 : NULL, &any);
+  all.doubt = PetscAbsReal(all.sum - less);
+  return all;
+}
+
+/* What changes like energy is divided by it first, and its logarithm taken for a polynomial, too:
+   while a wobble decays, a step may be many times longer than the energy lasts. */
+static Integral IntegralOverEnergy(PetscInt n, const PetscReal time[], const PetscReal f[],
+                                   const PetscReal energy[]) {
+  PetscReal logs[BALANCE_POINTS], part[BALANCE_POINTS];
+
+  for (PetscInt i = 0; i < n; i++) {
     logs[i] = PetscLogReal(energy[i]);
     part[i] = f[i] / energy[i];
   }
-  if (energy) sum = Through(n, time, part, logs, &good);
-  if (good) *other = n > 2 ? Through(n - 1, time + 1, part + 1, logs + 1, &any) : sum;
-  if (good && n > 2) {
-    plain_less = Through(n - 1, time + 1, f + 1, NULL, &any);
-    plain = Through(n, time, f, NULL, &any);
-    if (any && PetscAbsReal(plain - plain_less) < PetscAbsReal(sum - *other)) {
-      *other = plain_less;
-      return plain;
-    }
-  }
-  for (PetscInt m = n; m > 1 && !good; m--) {
-    sum = Through(m, time + n - m, f + n - m, NULL, &good);
-    *other = m > 2 ? Through(m - 1, time + n - m + 1, f + n - m + 1, NULL, &any)
-                   : (time[n - 1] - time[n - 2]) * f[n - 1];
-  }
-  return sum;
+  return IntegralThrough(n, time, part, logs);
+}
+
+/* The integral of f over the last interval: over the energy, NULL: not; nor where f itself is
+   nearer to a polynomial, of which a point less says more nearly the same: powers of a rod that is
+   led, say. Behind a kink, where steps begin anew and double, a polynomial through points on both
+   sides may go anywhere between the last two: then through fewer points, down to the chord. */
+static Integral LastInterval(PetscInt n, const PetscReal time[], const PetscReal f[],
+                             const PetscReal energy[]) {
+  Integral over = {.good = PETSC_FALSE}, plain;
+
+  if (energy) over = IntegralOverEnergy(n, time, f, energy);
+  if (over.good && n == 2) return over;
+  plain = IntegralThrough(n, time, f, NULL);
+  if (over.good) return plain.good && plain.doubt < over.doubt ? plain : over;
+  for (PetscInt m = n - 1; m > 1 && !plain.good; m--)
+    plain = IntegralThrough(m, time + n - m, f + n - m, NULL);
+  return plain;
 }
 
 /* Can energies be divided by? Not if there is none, or none to speak of beside what friction took,
@@ -527,14 +541,15 @@ static PetscReal BalanceScale(const struct _Observer *self, const Observation *s
    kinks.) */
 static void WorkFromTimes(const struct _Observer *self, const Observation *seen, Work *work) {
   const PetscReal sure = 1e-7, *energy = self->energy;
-  PetscReal other;
+  Integral net;
 
-  work->loss = LastInterval(self->n, self->time, self->loss, NULL, &other);
+  work->loss = LastInterval(self->n, self->time, self->loss, NULL).sum;
   if (!Comparable(self->n, energy, PetscAbsReal(self->lost_work + work->loss))) energy = NULL;
-  work->net = LastInterval(self->n, self->time, self->net, energy, &other);
-  work->doubt = PetscAbsReal(work->net - other);
+  net = LastInterval(self->n, self->time, self->net, energy);
+  work->net = net.sum;
+  work->doubt = net.doubt;
   work->unsure = (PetscBool)(self->touching && self->n == BALANCE_POINTS &&
-                             work->doubt > sure * BalanceScale(self, seen));
+                             net.doubt > sure * BalanceScale(self, seen));
 }
 
 /* Follows the energy balance dE/dt = W + power at the tip, of weight and clamp - dissipation. */
