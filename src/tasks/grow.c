@@ -771,6 +771,21 @@ static void AdviseGivingWay(const Grow *self, char *advice, size_t room) {
                    friction);
 }
 
+/* A conduit pushes what is out of it no way: a rod that comes beside one is stopped by nothing that
+   it could slide along. Tells of one that holds neither clamp nor tip; nothing if there is none. */
+static void AdviseConduit(const Grow *self, char *advice, size_t room) {
+  const Walls *walls = &self->scene->contact.walls;
+  const PetscReal clamp[2] = {0, 0}, tip[2] = {self->seen.tip_x1, self->seen.tip_x2};
+
+  for (PetscInt w = 0; w < walls->n && !advice[0]; w++)
+    if (walls->wall[w].kind == WALL_PATH && !WallsHold(walls, w, clamp) &&
+        !WallsHold(walls, w, tip))
+      (void)snprintf(advice, room,
+                     "it may have come beside wall %d of -wall_file, a path that does not hold it: "
+                     "lead that to the clamp, or the rod into its mouth",
+                     (int)w + 1);
+}
+
 /* The line for an end that was not asked for. */
 static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
   MPI_Comm comm = self->scene->comm;
@@ -830,9 +845,14 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
       "gave up at t = %s: the rod gives way faster than a step of %s can follow, to which side "
       "that step does not tell; %s; %s",
       text[0], text[1], kept, advice);
+  if (!waves) {
+    advice[0] = 0;
+    AdviseConduit(self, advice, sizeof(advice));
+  }
   UserCheck(reason == TS_CONVERGED_TIME, comm, "gave up at t = %s with a step of %s (%s): %s; %s",
             text[0], text[1], TSConvergedReasons[reason], kept,
-            waves ? advice : "try another -ts_rtol, more -rod_cells or a larger -friction_beta");
+            advice[0] ? advice
+                      : "try another -ts_rtol, more -rod_cells or a larger -friction_beta");
   PetscFunctionReturn(0);
 }
 

@@ -986,6 +986,8 @@ def starts():
         expect(said in line, f"{wall}: {line}")
     said = tendril(f"-contact_diameter 1e-3 -ts_max_time 0.1 {walls('plane 9 0 -1 0', 'path 0.2 5 5 6 6')}")
     expect("wall 2, a path, does not hold the clamp" in said, said)
+    said = tendril(f"-contact_diameter 0.02 -ts_max_time 2 -rod_cells 40 {walls('path 0.2 1 0.6 3 0.6')}", 1)
+    expect("it may have come beside wall 1 of -wall_file, a path that does not hold it" in said, said)
     said = tendril(f"-contact_diameter 1e-3 -ts_max_time 0.1 {walls('path 0.2 -1 0 6 0')}")
     expect("does not hold" not in said, said)
 
