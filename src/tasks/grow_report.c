@@ -119,7 +119,8 @@ static PetscReal Stiffer(const Grow *self) {
   const Contact *contact = &self->scene->contact;
   const PetscReal allowed = part_told / 2 * contact->diameter;
 
-  return contact->stiffness * PetscPowReal(self->depth / allowed, 4. / 3);
+  return contact->stiffness *
+         PetscPowReal(ContactSoftDepth(contact, self->depth) / allowed, 4. / 3);
 }
 
 /* Strands in space rub by a law that is rounded off: what sticks there creeps. */
@@ -155,10 +156,12 @@ static PetscErrorCode TellContact(const Grow *self) {
                         (double)contact->stiffness, (int)self->seen.contacts,
                         self->seen.contacts == 1 ? "" : "s", text[0], part));
   if (contact->diameter > 0 && self->depth > part_told * contact->diameter)
-    PetscCall(PetscPrintf(self->scene->comm,
-                          "The rod is pressed in by more than %.0f %% of its diameter: give "
-                          "-contact_stiffness %.1e.\n",
-                          100 * (double)part_told, (double)Stiffer(self)));
+    PetscCall(
+        PetscPrintf(self->scene->comm,
+                    "The rod is pressed in by more than %.0f %% of its diameter: give "
+                    "-contact_stiffness %.1e%s.\n",
+                    100 * (double)part_told, (double)Stiffer(self),
+                    contact->firm || contact->given || contact->fine ? "" : ", or -contact_firm"));
   PetscCall(TellRounded(self));
   PetscFunctionReturn(0);
 }

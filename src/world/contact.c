@@ -14,7 +14,10 @@ static const OptionRow rows[] = {
     ROW_REAL(
         "-contact_stiffness", "", 1e-6, 1e30, UNIT_NONE, 0,
         "k, force per length and depth, in N/l; if not given it follows from the diameter, and "
-        "without one, or with -accuracy, from the cells, at each time")};
+        "without one, or with -accuracy, from the cells, at each time"),
+    ROW_BOOL("-contact_firm", "false", 0,
+             "k that follows from the diameter grows, up to 64-fold, where the rod is pressed in "
+             "by more than 0.3 % of it (docs/contact.md)")};
 const OptionGroup contact_options = OPTION_GROUP("Contact", rows);
 
 /*
@@ -35,6 +38,7 @@ PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
   PetscCall(OptionReal("-contact_diameter", &contact->diameter, &thick));
   PetscCall(OptionReal("-contact_friction", &contact->friction, &rubs));
   PetscCall(OptionReal("-contact_stiffness", &contact->stiffness, &contact->given));
+  PetscCall(OptionBool("-contact_firm", &contact->firm, NULL));
   contact->any = (PetscBool)(walls || contact->self);
   thick = (PetscBool)(thick && contact->diameter > 0);
   if (contact->any) PetscCall(OptionGiven("-accuracy", &contact->fine));
@@ -45,6 +49,11 @@ PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
                              : "-contact_diameter");
   UserCheck(!contact->self || contact->diameter > 0, OptionsComm(),
             "-contact_self: give the rod its -contact_diameter");
+  UserCheck(!contact->firm || thick, OptionsComm(),
+            "-contact_firm: give the rod its -contact_diameter");
+  UserCheck(!contact->firm || !(contact->given || contact->fine), OptionsComm(),
+            "-contact_firm makes that stiffness grow which follows from the diameter; take %s out",
+            contact->given ? "-contact_stiffness" : "-accuracy");
   contact->rub = *friction;
   contact->rub.mu = 1;
   contact->rub.more = 0;

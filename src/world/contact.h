@@ -5,7 +5,12 @@
 
      p(gamma) = k s(gamma),   s = 0 beyond w,   (w - gamma)^2 / 4w up to w,   -gamma below -w,
 
-   C1, with the potential U, U' = -p. Rigid contact is the limit of large k. Friction in contact:
+   C1, with the potential U, U' = -p. Rigid contact is the limit of large k. With -contact_firm k
+   rises smoothly to contact_firm_times of it over the depths from contact_firm[0] w to
+   contact_firm[1] w (w is 2e-3 D where k follows from D), and is even again behind, so that no
+   overshoot of Newton's method meets forces without a bound. The law is always there: one that is
+   switched on in the course of a run is another problem from there on. All of it scales with k and
+   w, so that what is led to rigid contact by both is so here, too. Friction in contact:
    mu_c p against the relative velocity along the surface, u, as -mu_c p u/r, r = sqrt(u^2 + beta).
    The end of the rod is a point contact of its own, of strength k l, l = (B/k)^(1/4): the length
    over which a point load spreads on such a foundation, B the rod's stiffness there. So is the
@@ -25,6 +30,7 @@ typedef struct {
   PetscBool self;                   /* strands touch */
   PetscBool given;                  /* k is the user's */
   PetscBool fine;                   /* k follows the mesh, too: an accuracy is asked for */
+  PetscBool firm;                   /* k grows where the rod is pressed in */
   PetscBool slippery;               /* as if no wall had friction, to count modes (leg.c) */
   PetscReal diameter;               /* D */
   PetscReal time;                   /* of what follows */
@@ -82,36 +88,72 @@ static inline PetscBool ContactWallsRub(const Contact *contact) {
   return (PetscBool)(contact->walls.rub || contact->surfaces.rub);
 }
 
+/* Depths over w between which contact gets firmer, and how many times. */
+static const PetscReal contact_firm[2] = {1.5, 3}, contact_firm_times = 64;
+
+/* What the part that is firm adds to the depth, r; by_depth its derivative, energy its integral. */
+static inline PetscReal ContactFirm(const Contact *contact, PetscReal gap, PetscReal *by_depth,
+                                    PetscReal *energy) {
+  const PetscReal over = -gap - contact_firm[0] * contact->smooth,
+                  way = (contact_firm[1] - contact_firm[0]) * contact->smooth,
+                  more = contact_firm_times - 1;
+  PetscReal z, beyond;
+
+  *by_depth = *energy = 0;
+  if (!contact->firm || over <= 0) return 0;
+  z = PetscMin(over / way, 1);
+  beyond = PetscMax(over - way, 0);
+  *by_depth = more * z * z * (3 - 2 * z);
+  *energy = more * (way * way * z * z * z * z * (0.25 - 0.1 * z) + (way + beyond) * beyond / 2);
+  return more * (way * z * z * z * (1 - z / 2) + beyond);
+}
+
 /* p(gamma), and its derivative */
 static inline PetscReal ContactPressure(const Contact *contact, PetscReal gap, PetscReal *slope) {
   const PetscReal k = contact->stiffness, w = contact->smooth;
+  PetscReal firm, by_depth, energy;
 
   if (gap >= w) return *slope = 0;
   if (gap <= -w) {
-    *slope = -k;
-    return -k * gap;
+    firm = ContactFirm(contact, gap, &by_depth, &energy);
+    *slope = -k * (1 + by_depth);
+    return -k * (gap - firm);
   }
   *slope = -k * (w - gap) / (2 * w);
   return k * (w - gap) * (w - gap) / (4 * w);
 }
 
+/* How deep the force that presses in so far would press in, were contact as soft there as it is
+   where it is touched: a point load sinks in by k^(-3/4), with the p/depth that it meets for k. */
+static inline PetscReal ContactSoftDepth(const Contact *contact, PetscReal depth) {
+  PetscReal slope;
+
+  if (!contact->firm || depth <= contact_firm[0] * contact->smooth) return depth;
+  return depth *
+         PetscPowReal(ContactPressure(contact, -depth, &slope) / contact->stiffness / depth, 0.75);
+}
+
 /* U(gamma) = int_gamma^w p */
 static inline PetscReal ContactEnergy(const Contact *contact, PetscReal gap) {
   const PetscReal k = contact->stiffness, w = contact->smooth;
+  PetscReal by_depth, energy;
 
   if (gap >= w) return 0;
-  if (gap <= -w) return k * (2 * w * w / 3 + (gap * gap - w * w) / 2);
-  return k * (w - gap) * (w - gap) * (w - gap) / (12 * w);
+  if (gap > -w) return k * (w - gap) * (w - gap) * (w - gap) / (12 * w);
+  (void)ContactFirm(contact, gap, &by_depth, &energy);
+  return k * (2 * w * w / 3 + (gap * gap - w * w) / 2 + energy);
 }
 
-/* dU/dt at a fixed gap, for k and w change in time */
+/* dU/dt at a fixed gap, for k and w change in time. (Of U = k w^2 f(gamma/w) the derivative by w is
+   (2 U + p gamma)/w.) */
 static inline PetscReal ContactEnergyRate(const Contact *contact, PetscReal gap) {
   const PetscReal k = contact->stiffness, w = contact->smooth;
-  PetscReal by_w = 0;
+  PetscReal by_w = 0, firm, by_depth, energy;
 
-  if (gap <= -w)
-    by_w = k * w / 3;
-  else if (gap < w)
+  if (gap <= -w) {
+    firm = ContactFirm(contact, gap, &by_depth, &energy);
+    by_w = k * w / 3 + k * (2 * energy + firm * gap) / w;
+  } else if (gap < w)
     by_w = k * (w - gap) * (w - gap) * (2 * w + gap) / (12 * w * w);
   return ContactEnergy(contact, gap) * contact->stiffness_t / k + by_w * contact->smooth_t;
 }

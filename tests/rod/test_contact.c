@@ -147,6 +147,42 @@ static void TestPressure(void **state) {
   }
 }
 
+/* Contact that gets firmer where it is pressed in: beyond each of its pieces' ends, too, the
+   pressure is minus the slope of the energy, and its slope does not jump; what k and w do in time
+   is in the energy's rate. */
+static void TestFirmPressure(void **state) {
+  const PetscReal L = 0.05, step = 1e-6;
+  Contact now = {.any = PETSC_TRUE, .firm = PETSC_TRUE, .diameter = 0.1}, then[2] = {now, now};
+  PetscReal last = 0, skip;
+
+  ContactSetStiffness(&now, (PetscReal[2]){1, 1}, (PetscReal[2]){0, 0}, (PetscReal[2]){L, 1});
+  for (int i = 0; i < 2; i++)
+    ContactSetStiffness(&then[i], (PetscReal[2]){1, 1}, (PetscReal[2]){0, 0},
+                        (PetscReal[2]){L + (2 * i - 1) * step * L, 1});
+  for (int i = 40; i >= -300; i--) {
+    const PetscReal w = now.smooth, gap = w * i / 40.1, e = 1e-5 * w, k = now.stiffness;
+    PetscReal slope,
+        p = ContactPressure(&now, gap, &slope),
+        by_energy = (ContactEnergy(&now, gap - e) - ContactEnergy(&now, gap + e)) / (2 * e),
+        by_p = (ContactPressure(&now, gap + e, &skip) - ContactPressure(&now, gap - e, &skip)) /
+               (2 * e),
+        rate = (ContactEnergy(&then[1], gap) - ContactEnergy(&then[0], gap)) / (2 * step * L);
+    EXPECT(PetscAbsReal(by_energy - p) < 1e-8 * k * w * (1 + p / (k * w)), "gap %g w: %g, %g",
+           gap / w, p, by_energy);
+    EXPECT(PetscAbsReal(by_p - slope) < 1e-4 * (k - slope), "gap %g w: %g, %g", gap / w, slope,
+           by_p);
+    EXPECT(PetscAbsReal(slope - last) < 0.03 * contact_firm_times * k,
+           "gap %g w: the slope jumps from %g to %g", gap / w, last, slope);
+    EXPECT(PetscAbsReal(ContactEnergyRate(&now, gap) - rate) <= 1e-6 * PetscAbsReal(rate),
+           "gap %g w: rate %g, %g", gap / w, ContactEnergyRate(&now, gap), rate);
+    if (gap > -contact_firm[0] * w && gap < -w)
+      EXPECT(p == -k * gap, "gap %g w: %g is not %g", gap / w, p, -k * gap);
+    last = slope;
+  }
+  EXPECT(PetscAbsReal(last / now.stiffness + contact_firm_times) < 1e-9, "%g k in the end",
+         -last / now.stiffness);
+}
+
 /* A force on the tip spreads over the length that its own stiffness makes of k, not the rod's. */
 static void TestSoftTip(void **state) {
   Contact contact = {.any = PETSC_TRUE, .given = PETSC_TRUE, .stiffness = 16};
@@ -349,10 +385,14 @@ static void TestStrandsAreConservative(void **state) {
   EXPECT(fine < 1e-3 && fine < coarse / 4, "off by %g, %g", coarse, fine);
 }
 
-static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(TestPressure),       cmocka_unit_test(TestSoftTip),
-    cmocka_unit_test(TestShortRod),       cmocka_unit_test(TestSoftContactIsNear),
-    cmocka_unit_test(TestWallsAreSmooth), cmocka_unit_test(TestStrandsAreConservative),
-    cmocka_unit_test(TestWallJacobians),  cmocka_unit_test(TestFootJacobians),
-    cmocka_unit_test(TestStrandJacobians)};
+static const struct CMUnitTest tests[] = {cmocka_unit_test(TestPressure),
+                                          cmocka_unit_test(TestFirmPressure),
+                                          cmocka_unit_test(TestSoftTip),
+                                          cmocka_unit_test(TestShortRod),
+                                          cmocka_unit_test(TestSoftContactIsNear),
+                                          cmocka_unit_test(TestWallsAreSmooth),
+                                          cmocka_unit_test(TestStrandsAreConservative),
+                                          cmocka_unit_test(TestWallJacobians),
+                                          cmocka_unit_test(TestFootJacobians),
+                                          cmocka_unit_test(TestStrandJacobians)};
 MAIN(tests)

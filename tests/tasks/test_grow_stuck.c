@@ -33,19 +33,26 @@ static void TestJamGetsNowhere(void **state) {
   EXPECT(!at, "touches nothing: jammed after %d", (int)at);
 }
 
-/* Deep in a wall under large forces it is jammed at once; deep in one that is soft it is not. */
+/* Deep in a wall under large forces it is jammed at once; deep in one that is soft it is not. A
+   wall that gets firmer lets no force press the rod in so far. */
 static void TestJamDeep(void **state) {
   struct _Scene thick = {.contact = {.any = PETSC_TRUE, .diameter = 0.1, .force = 1, .tip = 1e-3}},
+                firm = {.contact = {.any = PETSC_TRUE,
+                                    .firm = PETSC_TRUE,
+                                    .diameter = 0.1,
+                                    .force = 1,
+                                    .tip = 1e-3,
+                                    .stiffness = 1e5,
+                                    .smooth = 2e-4}},
                 thin = {.contact = {.any = PETSC_TRUE, .force = 1, .tip = 0.1}};
   const struct {
     Scene scene;
     PetscReal force, depth;
     PetscBool jams;
-  } rods[] = {{&thick, 20, 0.03, PETSC_TRUE},
-              {&thick, 20, 0.01, PETSC_FALSE},
-              {&thick, 5, 0.03, PETSC_FALSE},
-              {&thin, 20, 0.3, PETSC_TRUE},
-              {&thin, 20, 0.1, PETSC_FALSE}};
+  } rods[] = {{&thick, 20, 0.03, PETSC_TRUE},  {&thick, 20, 0.01, PETSC_FALSE},
+              {&thick, 5, 0.03, PETSC_FALSE},  {&firm, 20, 0.003, PETSC_TRUE},
+              {&firm, 20, 0.001, PETSC_FALSE}, {&firm, 5, 0.003, PETSC_FALSE},
+              {&thin, 20, 0.3, PETSC_TRUE},    {&thin, 20, 0.1, PETSC_FALSE}};
 
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(rods); k++) {
     Grow self = {.scene = rods[k].scene, .seen = Pressed(rods[k].force)};
