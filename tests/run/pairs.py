@@ -46,7 +46,7 @@ SETTINGS = {  # of each the first is what BASE has; {} is the directory of the f
     "walls": ["", "wall_file={}/plane", "wall_file={}/oblique", "wall_file={}/post", "wall_file={}/duct",
               "wall_file={}/all contact_diameter=0.05"],
     "self": ["", "contact_self=true contact_diameter=0.05"],
-    "touch": ["", "contact_friction=0.3", "contact_stiffness=1e4"],
+    "touch": ["", "contact_friction=0.3", "contact_stiffness=1e4", "contact_firm=true"],
     "clamp": ["", "clamp_angle=-0.5", "clamp_type=hinged"],
     "grading": ["", "rod_grading=uniform"],
     "stiffness": ["", "rod_stiffness_file={}/stiffness.h5"],
