@@ -38,8 +38,6 @@ MUTATIONS = [
     ("longest_jump, longer", C, "longest_jump = 1e-6;", "longest_jump = 1e-3;"),
     ("slip_persists, none", C, "slip_persists = 0.25,", "slip_persists = jump_persists,"),
     ("slip_step, long", C, "slip_step = 1e-8;", "slip_step = 1e-3;"),
-    ("layer, seen it stays", C, "    self->layer = 0;\n  PetscCall(VecCopy(f->point[0], ts->vec_sol));",
-     "    (void)0;\n  PetscCall(VecCopy(f->point[0], ts->vec_sol));"),
     ("rejected, of any size", C, "if (*factor > 1. / 3) self->rejected = PETSC_MAX_REAL;", ""),
     ("a snap in the layer", C, "self->jumped && self->snap && !self->tried && ts->time_step >= self->layer",
      "self->jumped && self->snap && !self->tried"),

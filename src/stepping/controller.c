@@ -505,8 +505,7 @@ static PetscErrorCode EndStep(TS ts, Controller *self, Formula *f, PetscReal fac
       factor = 2;
       self->layer = PetscMin(2 * self->layer, longest_jump * Scale(ts, self));
     }
-  } else if (f->n > 1) /* its error was seen: the layer is behind */
-    self->layer = 0;
+  }
   PetscCall(VecCopy(f->point[0], ts->vec_sol));
   /* of the accepted state: a linear solve has not looked at it any more */
   PetscCall(FormulaRate(f, f->point[0]));
