@@ -3,6 +3,7 @@
 
     scripts/export.sh helix.h5 --output rod.vtp                # the centre line with all that is known along it
     scripts/export.sh helix.h5 --output rod.glb --time 5 --field twist
+    scripts/export.sh helix.h5 --output walls.vtp --walls      # the surfaces around it, to be shown beside it
 
 VTK is asked for the first (pip install vtk), trimesh for the others (pip install trimesh); both come with
 tendril[space]."""
@@ -19,6 +20,7 @@ from matplotlib.colors import AsinhNorm
 
 from .errors import ResultsError, TendrilError, complaint, optional, path_of
 from .results import Results, load
+from .solids import solids
 from .spatial import FIELDS, VISIBLE, diameter_of, extent_of, fields_of, lift, tube
 from .surroundings import contact_force
 from .units import in_laboratory, moment
@@ -55,28 +57,47 @@ def data_of(r: Results, shape, si):
     return data, factor_of(r, "l", si) * solid.x
 
 
-def to_vtk(r: Results, path: str | Path | None = None, t: float | str | None = None, si: bool = False):
+def walls_at(r: Results, shape, si):
+    """(vertices [m, 3], triangles [k, 3], [k] which surface each is of): what stands around the rod, where it is then."""
+    found = [one.at(shape.t) for one in solids(r)]
+    if not found:
+        raise ResultsError(f"{r.told}: has no walls that can be drawn")
+    first = np.cumsum([0, *(len(one.vertices) for one in found)])
+    return (factor_of(r, "l", si) * np.concatenate([one.vertices for one in found]),
+            np.concatenate([n + one.triangles for n, one in zip(first, found)]),
+            np.repeat(np.arange(len(found)), [len(one.triangles) for one in found]))
+
+
+def to_vtk(r: Results, path: str | Path | None = None, t: float | str | None = None, si: bool = False, walls: bool = False):
     """The centre line at a time as PolyData, a polyline whose points carry the label s, the scalars of
     spatial.FIELDS and the vectors force, moment, d1, d2, d3 (contact where there is any); field data say the
     time and the diameter. PyVista's PolyData where it is installed, else VTK's. Results.to_vtk() calls it.
 
-    path  also written there, .vtp
-    t     None: the last shape
-    si    in SI units, of a run in the laboratory"""
+    path   also written there, .vtp
+    t      None: the last shape
+    si     in SI units, of a run in the laboratory
+    walls  the surfaces around it in its place: triangles, each with the number of its surface"""
     core = needed("vtkmodules.vtkCommonCore", "to_vtk")
     model = needed("vtkmodules.vtkCommonDataModel", "to_vtk")
     arrays = needed("vtkmodules.util.numpy_support", "to_vtk")
     shape = shape_at(r, t)
-    data, x = data_of(r, shape, si)
     points, cells, body = core.vtkPoints(), model.vtkCellArray(), model.vtkPolyData()
+    if walls:
+        x, polygons, surface = walls_at(r, shape, si)
+        tables = [(body.GetCellData(), {"surface": surface})]
+        body.SetPolys(cells)
+    else:
+        data, x = data_of(r, shape, si)
+        polygons, tables = [range(len(x))], [(body.GetPointData(), data)]
+        body.SetLines(cells)
     points.SetData(arrays.numpy_to_vtk(np.ascontiguousarray(x), deep=True))
-    cells.InsertNextCell(len(x))
-    for i in range(len(x)):
-        cells.InsertCellPoint(i)
     body.SetPoints(points)
-    body.SetLines(cells)
+    for polygon in polygons:
+        cells.InsertNextCell(len(polygon))
+        for i in polygon:
+            cells.InsertCellPoint(i)
     told = {"TimeValue": factor_of(r, "l/V", si) * shape.t, "diameter": factor_of(r, "l", si) * diameter_of(r)}
-    for where, table in ((body.GetPointData(), data), (body.GetFieldData(), told)):
+    for where, table in [*tables, (body.GetFieldData(), told)]:
         for name, values in table.items():
             array = arrays.numpy_to_vtk(np.ascontiguousarray(np.atleast_1d(values), float), deep=True)
             array.SetName(name)
@@ -101,7 +122,7 @@ def write_vtp(body, path):
 
 
 def to_mesh(r: Results, path: str | Path | None = None, t: float | str | None = None, *, field: str = "axial",
-            diameter: float | None = None, sides: int = 24, si: bool = False):
+            diameter: float | None = None, sides: int = 24, si: bool = False, walls: bool = False):
     """The rod at a time as the closed tube that it is, a trimesh.Trimesh with the colours of a field.
     Results.to_mesh() calls it.
 
@@ -110,22 +131,17 @@ def to_mesh(r: Results, path: str | Path | None = None, t: float | str | None = 
     field     what the colours show, a name of spatial.FIELDS; they have one scale for the whole run
     diameter  dimensionless; None: the rod's, or a visible one if it has none
     sides     of the tube
-    si        in metres"""
+    si        in metres
+    walls     the surfaces around it in its place, without colours"""
     trimesh = needed("trimesh", "to_mesh")
     shape = shape_at(r, t)
-    solid = lift(r, shape)
-    fields = fields_of(r, shape)
-    if field not in fields:
-        raise ResultsError(f"{r.told}: field {field}: give one of {', '.join(fields)}")
     if diameter is not None and not diameter > 0:
         raise ResultsError("to_mesh: diameter: give more than 0")
-    width = diameter or diameter_of(r) or VISIBLE * extent_of(r)
-    vertices, triangles, node = tube(solid.x, width / 2, sides, solid.d2[0])
-    most = max(np.abs(fields_of(r, r.stored(k))[field]).max() for k in range(len(r.shapes.t))) or 1.0
-    signed = FIELDS[field][2]
-    colours = ScalarMappable(AsinhNorm(most / 20, -most if signed else 0, most), "coolwarm_r" if signed else "viridis")
-    body = trimesh.Trimesh(factor_of(r, "l", si) * vertices, triangles, process=False,
-                           vertex_colors=(255 * colours.to_rgba(fields[field][node])).round().astype(np.uint8))
+    if walls:
+        vertices, triangles, _ = walls_at(r, shape, si)
+        body = trimesh.Trimesh(vertices, triangles, process=False)
+    else:
+        body = coloured(trimesh, r, shape, field, diameter, sides, si)
     if path is not None:
         path = Path(path)
         if path.suffix not in MESHES:
@@ -137,6 +153,21 @@ def to_mesh(r: Results, path: str | Path | None = None, t: float | str | None = 
     return body
 
 
+def coloured(trimesh, r, shape, field, diameter, sides, si):
+    """The rod as a tube with the colours of a field."""
+    solid = lift(r, shape)
+    fields = fields_of(r, shape)
+    if field not in fields:
+        raise ResultsError(f"{r.told}: field {field}: give one of {', '.join(fields)}")
+    width = diameter or diameter_of(r) or VISIBLE * extent_of(r)
+    vertices, triangles, node = tube(solid.x, width / 2, sides, solid.d2[0])
+    most = max(np.abs(fields_of(r, r.stored(k))[field]).max() for k in range(len(r.shapes.t))) or 1.0
+    signed = FIELDS[field][2]
+    colours = ScalarMappable(AsinhNorm(most / 20, -most if signed else 0, most), "coolwarm_r" if signed else "viridis")
+    return trimesh.Trimesh(factor_of(r, "l", si) * vertices, triangles, process=False,
+                           vertex_colors=(255 * colours.to_rgba(fields[field][node])).round().astype(np.uint8))
+
+
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="scripts/export.sh", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -145,15 +176,17 @@ def main(arguments=None):
     parser.add_argument("--time", metavar="T", help="of a run with -si_ options also 20s; default: the last shape")
     parser.add_argument("--field", default="axial", help="of a mesh, what its colours show: " + ", ".join(FIELDS))
     parser.add_argument("--diameter", type=float, help="of a mesh; default: the rod's, or a visible one")
+    parser.add_argument("--walls", action="store_true", help="the surfaces around the rod in its place")
     parser.add_argument("--si", action="store_true", help="in SI units, of runs with -si_ options")
     choice = parser.parse_args(arguments)
     output = Path(choice.output or Path(choice.file).with_suffix(".vtp"))
     try:
         r = load(choice.file)
         if output.suffix in MESHES:
-            to_mesh(r, output, choice.time, field=choice.field, diameter=choice.diameter, si=choice.si)
+            to_mesh(r, output, choice.time, field=choice.field, diameter=choice.diameter, si=choice.si,
+                    walls=choice.walls)
         else:
-            to_vtk(r, output, choice.time, si=choice.si)
+            to_vtk(r, output, choice.time, si=choice.si, walls=choice.walls)
     except (TendrilError, OSError) as error:
         print(complaint(error, "export"), file=sys.stderr)
         return 1

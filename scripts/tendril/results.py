@@ -306,12 +306,13 @@ class Results:
         return xarray.Dataset(data, coords, {"options": options, "finished": int(self.finished),
                                              "version": self.attributes.get("version", "")})
 
-    def to_vtk(self, path=None, t=None, si=False):
+    def to_vtk(self, path=None, t=None, si=False, walls=False):
         """The centre line at a time, the last if none is given, as PolyData for PyVista, with all that is known
-        along it; with a path written there, too, .vtp. Needs vtk: tendril[space]."""
+        along it; with walls the surfaces around it in its place. With a path written there, too, .vtp. Needs vtk:
+        tendril[space]."""
         from .exports import to_vtk
 
-        return to_vtk(self, path, t, si)
+        return to_vtk(self, path, t, si, walls)
 
     def to_mesh(self, path=None, t=None, **more):
         """The rod at a time as the tube that it is, a trimesh.Trimesh; with a path written there, too, .glb, .gltf,
@@ -320,7 +321,8 @@ class Results:
         field     what its colours show: axial, curvature, twist, ...
         diameter  None: the rod's, or a visible one if it has none
         sides     of the tube
-        si        in metres"""
+        si        in metres
+        walls     the surfaces around it in its place"""
         from .exports import to_mesh
 
         return to_mesh(self, path, t, **more)

@@ -422,6 +422,33 @@ class Package(unittest.TestCase):
         with self.assertRaisesRegex(tendril.ResultsError, "ends in .vtp"):
             self.tube.to_vtk(self.place / "rod.vtu")
 
+    def test_walls_exported(self):
+        """The surfaces around a rod go where it goes, each triangle with the number of its surface: one that moves is
+        where it is then."""
+        try:
+            import trimesh
+            from vtkmodules.util.numpy_support import vtk_to_numpy
+        except ImportError:
+            self.skipTest("vtk or trimesh is not installed")
+        r = replace(self.spun(), attributes=dict(self.spun().attributes))
+        r.attributes["walls"] = ("sphere 1 1 1 0.4 outside friction 0\n"
+                                 "cylinder 2 0 -1 0 0 1 0.3 2 outside moves 0.5 0 0 friction 0.3")
+        body = r.to_vtk(self.place / "walls.vtp", 2, walls=True)
+        x = vtk_to_numpy(body.GetPoints().GetData())
+        cells = vtk_to_numpy(body.GetPolys().GetConnectivityArray()).reshape(-1, 3)
+        of = vtk_to_numpy(body.GetCellData().GetArray("surface"))
+        self.assertEqual(body.GetFieldData().GetArray("TimeValue").GetValue(0), 2)
+        size = np.linalg.norm
+        np.testing.assert_allclose(size(x[cells[of == 0]] - 1, axis=-1), 0.4)
+        np.testing.assert_allclose(size(x[cells[of == 1]][..., :2] - [3, 0], axis=-1), 0.3)
+        self.assertEqual(set(of), {0, 1})
+        self.assertTrue((self.place / "walls.vtp").is_file())
+        r.to_mesh(self.place / "walls.glb", 2, walls=True)
+        solid = trimesh.load(self.place / "walls.glb", force="mesh")
+        np.testing.assert_allclose(solid.bounds, [[0.6, -0.3, -1], [3.3, 1.4, 1.4]], atol=2e-3)
+        with self.assertRaisesRegex(tendril.ResultsError, "has no walls"):
+            self.tube.to_vtk(walls=True)
+
     def test_mesh(self):
         """The tube that others read is closed, has the rod's length and diameter, and its colours."""
         try:
