@@ -122,7 +122,7 @@ def plectoneme():
 
 def heavy():
     for part, time, cells, k in ((0.999, 20, 120, 1e6), (0.9995, 20, 240, 1e7), (1.001, 0.1, 120, 1e6)):
-        r = ropes.heavy_rope(part, time, cells=cells, stiffness=k)
+        r = ropes.heavy_rope(part, time, "-ts_rtol 1e-6 ", cells=cells, stiffness=k)
         moved = np.abs(r.shapes["x"][-1] - r.shapes["x"][len(r.shapes["x"]) // 2]).max()
         print(f"| heavy rope, {part} of {ropes.overhang(100, 1):.6f} | in the second half by {moved:.1e} | {r.steps} |",
               flush=True)
