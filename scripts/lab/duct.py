@@ -99,8 +99,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("tendril")
     parser.add_argument("directory", type=Path)
-    parser.add_argument("what", nargs="*", choices=[[], "path", "run", "table"], default=["run", "table"])
+    parser.add_argument("what", nargs="*", choices=[[], "path", "run", "table"], default=[])
     choice = parser.parse_args()
+    choice.what = choice.what or ["run", "table"]
     choice.directory.mkdir(parents=True, exist_ok=True)
     if "path" in choice.what:
         make_path()

@@ -156,8 +156,9 @@ def main():
     tables = {"helix": helix, "sinus": sinus, "beyond": beyond, "energies": energies}
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("tendril")
-    parser.add_argument("table", nargs="*", choices=[[], *tables], default=list(tables))
+    parser.add_argument("table", nargs="*", choices=[[], *tables], default=[])
     choice = parser.parse_args()
+    choice.table = choice.table or list(tables)
     scene.TENDRIL = str(Path(choice.tendril).resolve())
     with tempfile.TemporaryDirectory() as scene.SCRATCH:
         for name in choice.table:

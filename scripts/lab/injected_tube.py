@@ -225,8 +225,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("tendril")
     parser.add_argument("directory", type=Path)
-    parser.add_argument("what", nargs="*", choices=[[], "run", "tables", "figure"], default=["run", "tables", "figure"])
+    parser.add_argument("what", nargs="*", choices=[[], "run", "tables", "figure"], default=[])
     choice = parser.parse_args()
+    choice.what = choice.what or ["run", "tables", "figure"]
     choice.directory.mkdir(parents=True, exist_ok=True)
     if "run" in choice.what:
         for name, more in runs(choice.directory).items():

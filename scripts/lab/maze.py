@@ -78,8 +78,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("tendril")
     parser.add_argument("directory", type=Path)
-    parser.add_argument("what", nargs="*", choices=[[], "pipes", "table"], default=["pipes", "table"])
+    parser.add_argument("what", nargs="*", choices=[[], "pipes", "table"], default=[])
     choice = parser.parse_args()
+    choice.what = choice.what or ["pipes", "table"]
     choice.directory.mkdir(parents=True, exist_ok=True)
     if "pipes" in choice.what:
         pipes(choice.directory)
