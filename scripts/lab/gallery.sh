@@ -40,6 +40,11 @@ for file in options/*.opts; do
     files+=(results/vine-blind.h5)
     what=(--panels space --times 2,3,4,6.2 --view 20,35 --titles "bent to its left,bent to its right")
     ;;
+  vessel-branch) # beside the catheter that is only pushed
+    build/tendril -quiet -options_file "$file" -clamp_spin 0 -output results/vessel-pushed.h5
+    files=(results/vessel-pushed.h5 "${files[@]}")
+    what=(--panels space --times 1,2,3,5 --view 25,20 --titles "pushed,and turned")
+    ;;
   tube-heap) # beside the tube whose clamp lies on the table
     build/tendril -quiet -options_file "$file" -wall_file options/data/table.txt -output results/tube-flat.h5
     files=(results/tube-flat.h5 "${files[@]}")

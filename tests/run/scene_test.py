@@ -735,6 +735,7 @@ def energy_balance(part):
     shorter = {"injected-tube": "-rod_cells 150 -ts_max_time 20", "duct-bends": "-ts_max_time 1",
                "injected-spun": "-rod_cells 40 -ts_max_time 2", "root-gel": "-rod_cells 60 -ts_max_time 4",
                "vine-maze": "-rod_cells 60 -contact_stiffness 1e5 -ts_max_time 2.2",
+               "vessel-branch": "-rod_cells 60 -ts_max_time 2",
                "tube-heap": "-rod_cells 40 -ts_max_time 3"}
     growing = [file for file in sorted((ROOT / "options").glob("*.opts")) if task_of(file) == "grow"]
     for file in growing[part::3]:
