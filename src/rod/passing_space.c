@@ -29,7 +29,8 @@ enum { RESTING = -1 };
 /* A rod without a thickness is behind a wall at so many times the length over which contact spreads
    a force that acts at a point. */
 static const PetscReal lengths_behind = 4;
-static const PetscReal parts = 4; /* of that depth: so fine is looked */
+static const PetscReal parts = 4;            /* of that depth: so fine is looked */
+static const PetscReal before_middle = 0.75; /* of what a thing and the rod are thick */
 enum { DEEPEST = 24 };
 
 static void CurveOf(const Cell3 *cell, Bezier b) {
@@ -82,8 +83,15 @@ static PetscBool Sweeps(const Look *look, PetscInt which) {
   return (PetscBool)!look->contact->surfaces.surface[which].motion.any;
 }
 
-/* Of what has another side: was a place as deep in it as half of what it and the rod are thick? (On
-   its way round, it is a little deep in it.) fine: how finely it is to be looked. */
+/* How deep in a thing, which with the rod is so thick, a place is on its way through: half of that,
+   for on its way round it is a little deep in it, too; of what is thin beside the depth that counts
+   as behind, as of a thread that meets a wire, less than to its middle, or nothing ever would be.
+ */
+static PetscReal DeepOnTheWay(const Look *look, PetscReal thick) {
+  return PetscMin(PetscMax(look->deep, thick / 2), before_middle * thick);
+}
+
+/* Of what has another side: was a place so deep in it? fine: how finely it is to be looked. */
 static Verdict SweptVerdict(const Look *look, const PetscReal x[3], PetscReal r, PetscReal *fine) {
   const Contact *contact = look->contact;
   const PetscReal half = contact->diameter / 2;
@@ -98,7 +106,7 @@ static Verdict SweptVerdict(const Look *look, const PetscReal x[3], PetscReal r,
   if (contact->surfaces.n) n = SurfacesNear(&contact->surfaces, y, r + half, which, point);
   for (PetscInt k = 0; k < n; k++) {
     const PetscReal core = contact->surfaces.surface[which[k]].core,
-                    deep = PetscMax(look->deep, (core + half) / 2), gap = point[k].distance - half;
+                    deep = DeepOnTheWay(look, core + half), gap = point[k].distance - half;
     if (core == PETSC_MAX_REAL || !Sweeps(look, which[k]) || gap - r >= -deep) continue;
     if (gap < -deep) return BEHIND;
     verdict = NEAR;
@@ -108,10 +116,9 @@ static Verdict SweptVerdict(const Look *look, const PetscReal x[3], PetscReal r,
     verdict = NEAR;
     *fine = PetscMin(*fine, look->fine);
   }
-  if (contact->walls.n &&
-      look->moving ==
-          RESTING) { /* the other side of the plane's walls is seen by how narrow they are */
-    const PetscReal deep = PetscMax(look->deep, contact->walls.smallest / 2),
+  if (contact->walls.smallest > 0 && look->moving == RESTING) {
+    /* the other side of the plane's walls is seen by how narrow they are */
+    const PetscReal deep = DeepOnTheWay(look, contact->walls.smallest),
                     gap = ContactGap3(contact, x, r);
     if (gap < -deep) return BEHIND;
     if (gap - r < -deep) {

@@ -166,6 +166,11 @@ def guard():
     away = np.hypot(x[..., 0] - 1.2, x[..., 1] - 0.3).min()
     print(line.strip(), "; finer:", with_room.splitlines()[-3], f"; {away:.4f} from the post's axis")
     expect(away > 0.98 * 0.04, f"in the post: {away}")
+    for wire in ("circle 2 0.6 1e-3 outside", "cylinder 2 0.6 0 0 0.02 1 1e-3 outside"):
+        # a thread is told of a wire that is thinner than the depth at which it would be behind a wall, too
+        line = tendril("-rod_model space -growth_type feed -shape_type straight -rod_curvature 0.6 -ts_max_time 3 " + walls(wire), 1)
+        print(f"a thread, {wire}:", line.strip())
+        expect("the rod would pass through itself or a wall" in line, line)
     swarm = [f"sphere 0.6 -20 {0.3 + 0.03 * k} 0.01 outside moves 0 100 0" for k in range(20)]  # which pass by
     for moves, others in (("moves 0 100 0", []), ("moves 0 100 0", swarm), ("turns 5 -19.4 0 0 0 0 1", [])):
         # across the rod within a step
