@@ -19,9 +19,10 @@ static const PetscReal safety = 0.22;
    part. VBDFSetSnap() tells how to follow it; else, or if it shows once more, backward Euler
    carries the rod over. The history starts anew behind it. Likewise for a step below
    jump_step of the final time: an initial layer as fast as that is left unresolved, and crossed in
-   steps that double, up to longest_jump of it. (Where velocities are finite nothing jumps: a step
-   of which no error is known, and which a shorter one does not better, goes to another state that
-   Newton's method finds, and crosses no mode on the way there.) */
+   steps that double, up to longest_jump of it. (In the fast time of a snap, which has a scale,
+   velocities are finite, and nothing jumps: a step of which no error is known, and which a shorter
+   one does not better, goes to another state that Newton's method finds, and may cross no mode on
+   the way there.) */
 static const PetscReal jump_persists = 0.7, jump_step = 1e-13, longest_jump = 1e-6;
 /* (In the layer, one whose error is up to so many times the tolerance is tried again shorter: it is
    all but seen, and to jump on would make the next one blind, and so on without end.) */
@@ -206,7 +207,7 @@ static PetscErrorCode Choose(TS ts, Controller *self, Formula *f, PetscBool *acc
                              PetscReal *factor) {
   PetscInt k = self->order, best = k;
   PetscReal e, persists, lower = 0, higher = 0;
-  PetscBool jumps = (PetscBool) !(self->finite && f->n == 1);
+  PetscBool jumps = (PetscBool) !(self->scale > 0 && f->n == 1);
 
   PetscFunctionBegin;
   if (f->n > k)

@@ -13,7 +13,6 @@ typedef struct {
   PetscInt jumps;       /* steps that were jumps, so far */
   PetscInt blind;       /* ... which no snap was followed through */
   PetscReal scale;      /* of time, that short steps are part of; 0: the run's end */
-  PetscBool finite;     /* velocities are */
   PetscReal layer;      /* a step this short is accepted whatever its error */
   PetscReal rejected;   /* error of the try before, if one of this step was rejected at a third of
                            the size or more */

@@ -417,7 +417,6 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   PetscCall(MeasureAlongAxes(leg));
   PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));
   PetscCall(VBDFSetCross(leg->ts, CrossesMode));
-  PetscCall(VBDFSetFinite(leg->ts, (PetscBool)!LoadIsDry(&scene->load)));
   PetscCall(NewtonTakesFullSteps(&leg->newton, &full));
   if (scene->contact.any && full) PetscCall(VBDFSetOtherWay(leg->ts, CutSteps));
   if (scene->contact.any)

@@ -209,17 +209,6 @@ PetscErrorCode VBDFSetScale(TS ts, PetscReal scale) {
   PetscFunctionReturn(0);
 }
 
-/* VBDFSetFinite - tells whether velocities are finite: then nothing jumps in a step of which no
-   error is known, however far it goes. No effect on other types. */
-PetscErrorCode VBDFSetFinite(TS ts, PetscBool finite) {
-  VBDF *self = NULL;
-
-  PetscFunctionBegin;
-  PetscCall(Self(ts, &self));
-  if (self) self->controller.finite = finite;
-  PetscFunctionReturn(0);
-}
-
 /* VBDFSetCheck - sets what a step must not do. No effect on other types. */
 PetscErrorCode VBDFSetCheck(TS ts, VBDFCheck check) {
   VBDF *self = NULL;

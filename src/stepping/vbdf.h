@@ -45,7 +45,6 @@ PetscErrorCode VBDFSetHighestOrder(TS ts, PetscInt order);
 PetscErrorCode VBDFSetSnap(TS ts, VBDFSnap snap);
 PetscErrorCode VBDFSetOtherWay(TS ts, VBDFOtherWay other_way);
 PetscErrorCode VBDFSetScale(TS ts, PetscReal scale);
-PetscErrorCode VBDFSetFinite(TS ts, PetscBool finite);
 PetscErrorCode VBDFSetCheck(TS ts, VBDFCheck check);
 PetscErrorCode VBDFSetCross(TS ts, VBDFCross cross);
 PetscErrorCode VBDFSetMeasure(TS ts, VBDFMeasure measure);

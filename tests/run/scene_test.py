@@ -675,15 +675,15 @@ def sides():
             tip = Run(rod + f"-friction_mu {mu} {more}").tip
             expect(distance(tip, right) < 0.01, f"{rod} mu {mu} {more}: tip {tip}, not {right}")
         print(f"L {length}, P L^2 {load}, amplitude {amplitude}, mu {mu}: tip {tip / length}")
-    # far beyond critical a blind step goes far without crossing a mode where it begins or ends, in the fast time of a snap, too
-    for load, amplitude, far_mu in ((24.2, 1.09, 1), (24.2, 1.13, 1), (20.7, .98, .999)):
+    # far beyond critical a blind step in the fast time of a snap goes far without crossing a mode where it begins or ends
+    for load, amplitude in ((24.2, 1.09), (24.2, 1.13)):
         far = (f"-growth_type feed -growth_initial_length 0.112 -shape_type sag -tip_force {load / .112 ** 2:.6g} "
                f"-shape_amplitude {amplitude} -ts_max_time 0.0224 ")
         there = Run(far + "-friction_mu 0.999 -ts_dt 1e-12").tip
         for more in ("", "-ts_rtol 1e-4"):
-            tip = Run(far + f"-friction_mu {far_mu} {more}").tip
-            expect(distance(tip, there) < 0.01, f"{far} mu {far_mu} {more}: tip {tip}, not {there}")
-        print(f"P L^2 {load}, amplitude {amplitude}, mu {far_mu}: tip {tip / .112}")
+            tip = Run(far + more).tip
+            expect(distance(tip, there) < 0.01, f"{far} {more}: tip {tip}, not {there}")
+        print(f"P L^2 {load}, amplitude {amplitude}: tip {tip / .112}")
     two = Run(rod + f"-friction_mu {mu}", ranks=2).tip
     expect(distance(two, right) < 0.01, f"{rod} on two ranks: tip {two}, not {right}")
 
