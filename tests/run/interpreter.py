@@ -1,10 +1,13 @@
 """What every test in Python begins with: .venv's python takes over from one that lacks what is needed."""
 
 import os
+import signal
 import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
+# a command in the background of a script ignores Ctrl-C, and so would all that tests start and interrupt
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def from_venv(error):

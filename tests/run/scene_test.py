@@ -742,7 +742,8 @@ def options_files():
 def energy_balance(part):
     """Each scene of options/ that grows, to its end, but for those that take longest: every third."""
     shorter = {"injected-tube": "-rod_cells 150 -ts_max_time 20", "duct-bends": "-ts_max_time 1",
-               "injected-spun": "-rod_cells 40 -ts_max_time 2", "root-gel": "-rod_cells 60 -ts_max_time 4",
+               "injected-spun": "-rod_cells 40 -ts_max_time 2", "cable-conduit": "-ts_max_time 3",
+               "packing": "-ts_max_time 16", "twisted-rod": "-rod_cells 400", "root-gel": "-rod_cells 60 -ts_max_time 4",
                "vine-maze": "-rod_cells 60 -contact_stiffness 1e5 -ts_max_time 2.2",
                "vessel-branch": "-rod_cells 60 -ts_max_time 2",
                "tube-heap": "-rod_cells 40 -ts_max_time 3"}

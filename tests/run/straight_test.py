@@ -62,7 +62,7 @@ def eigenvalues():
                     "-rod_bend_ratio 1.7 -rod_twist 1.5 -tip_torque -0.6",
                     "-rod_bend_ratio 0.6 -tip_force 0.3", "-tip_torque 1 -tip_force 0.4 -tip_law follower"):
         tendril(f"{rod} {options} -task stability -ts_max_time 60 -stability_only_modes "
-                "-stability_transient 0 -stability_points 2 -stability_end 1 -stability_vertices 400 "
+                "-stability_transient 0 -stability_points 2 -stability_end 1 -stability_vertices 400 -rod_cells 100 "
                 f"-output {d}/modes.h5")
         with h5py.File(f"{d}/modes.h5") as f:
             wanted = f["stability/lambda_max_A"][0] + 1j * f["stability/frequency_A"][0]
@@ -324,7 +324,7 @@ def refused():
                 "stable up to there, and with -growth_type none it does not lengthen",
             "-growth_type none -tip_force -1": "stable up to there, pulled all along, and with -growth_type none it does not lengthen",
             "-growth_type none": "nothing presses the straight rod"}.items():
-        out = tendril("-friction_beta 0 " + options + " -task critical", 1)
+        out = tendril("-friction_beta 0 -rod_cells 100 " + options + " -task critical", 1)
         text = out if isinstance(out, str) else str(out)
         expect(words in text and text.strip().count("\n") == 0, f"{options}: {text}")
 
