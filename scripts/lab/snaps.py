@@ -3,6 +3,7 @@
 
     snaps.py EXE starts                  60 starts: lengths, forces, amplitudes, dry and viscous
     snaps.py EXE random SEED COUNT       random scenes: starts, loads that rise, held tips, hairpins
+    snaps.py EXE far SEED COUNT          starts far beyond critical, P L^2 from 10 to 60, bent by 0.3 to 1.4
     snaps.py EXE across SEED COUNT       bent dry rods with weak friction across: from 0.02 to 0.5 of that along
 
 Each at the defaults, and at -ts_rtol 1e-4 and 1e-8, against a reference that shares no snap and no step
@@ -56,6 +57,14 @@ def beyond(draw):
                 ts_max_time=float(f"{.2 * length:.4g}"))
 
 
+def far(draw):
+    """Far beyond critical at t = 0, and bent far: a first step that goes to another state goes unseen."""
+    length = draw.over_decades(.05, .5)
+    return dict(growth_type=draw.choice(["uniform", "feed"]), growth_initial_length=length, shape_type="sag",
+                shape_amplitude=draw.between(.3, 1.4), friction_mu=draw.choice([0, .5, .9, .99, .999, .999, 1]),
+                tip_force=float(f"{draw.over_decades(10, 60) / length ** 2:.4g}"), ts_max_time=float(f"{.2 * length:.4g}"))
+
+
 def rising(draw):
     """Critical on the way: a rod grows under a force, or into layers that resist more and more."""
     length = draw.between(.3, 1)
@@ -95,7 +104,7 @@ def scenes(words):
     if words == ["starts"]:
         return list(starts())
     draw = Draw(int(words[1]))
-    kinds = [across] if words[0] == "across" else [beyond, beyond, rising, held, hairpin]
+    kinds = {"across": [across], "far": [far], "random": [beyond, beyond, rising, held, hairpin]}[words[0]]
     return [draw.choice(kinds)(draw) for _ in range(int(words[2]))]
 
 
@@ -119,7 +128,7 @@ def reference(options):
 
 def main():
     words = sys.argv[2:]
-    if not (words == ["starts"] or words[:1] in (["random"], ["across"]) and len(words) == 3):
+    if not (words == ["starts"] or words[:1] in (["random"], ["far"], ["across"]) and len(words) == 3):
         sys.exit(__doc__)
     exe, other, lost, unknown, refused, farthest, tried = sys.argv[1], 0, 0, 0, 0, 0, 0
     with tempfile.TemporaryDirectory() as directory:

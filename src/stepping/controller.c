@@ -19,10 +19,7 @@ static const PetscReal safety = 0.22;
    part. VBDFSetSnap() tells how to follow it; else, or if it shows once more, backward Euler
    carries the rod over. The history starts anew behind it. Likewise for a step below
    jump_step of the final time: an initial layer as fast as that is left unresolved, and crossed in
-   steps that double, up to longest_jump of it. (In the fast time of a snap, which has a scale,
-   velocities are finite, and nothing jumps: a step of which no error is known, and which a shorter
-   one does not better, goes to another state that Newton's method finds, and may cross no mode on
-   the way there.) */
+   steps that double, up to longest_jump of it. */
 static const PetscReal jump_persists = 0.7, jump_step = 1e-13, longest_jump = 1e-6;
 /* (In the layer, one whose error is up to so many times the tolerance is tried again shorter: it is
    all but seen, and to jump on would make the next one blind, and so on without end.) */
@@ -207,7 +204,6 @@ static PetscErrorCode Choose(TS ts, Controller *self, Formula *f, PetscBool *acc
                              PetscReal *factor) {
   PetscInt k = self->order, best = k;
   PetscReal e, persists, lower = 0, higher = 0;
-  PetscBool jumps = (PetscBool) !(self->scale > 0 && f->n == 1);
 
   PetscFunctionBegin;
   if (f->n > k)
@@ -217,7 +213,7 @@ static PetscErrorCode Choose(TS ts, Controller *self, Formula *f, PetscBool *acc
   *accept = (PetscBool)(e <= 1);
   persists = ts->time_step < slip_step * Scale(ts, self) ? slip_persists : jump_persists;
   self->jumped = (PetscBool)(!*accept && k == 1 &&
-                             ((jumps && e > persists * self->rejected) ||
+                             (e > persists * self->rejected ||
                               (ts->time_step < self->layer && (f->n == 1 || e > nearly_seen))));
   self->rejected = *accept ? PETSC_MAX_REAL : e;
   if (self->jumped) *accept = PETSC_TRUE;
@@ -312,14 +308,16 @@ static PetscErrorCode Check(TS ts, Controller *self, Formula *f, SNESConvergedRe
   PetscFunctionReturn(0);
 }
 
-/* Does a step like the one solved, if it went to X, cross a mode that grows? */
+/* Does the step solved cross a mode that grows, where it passes X? At the rate that the step has:
+   dry friction resists a rod at rest, and next to nothing of it a rod that moves fast, so that modes
+   of one that falls grow a thousandfold faster than they seem to where it still lies. */
 static PetscErrorCode CrossesAt(TS ts, Controller *self, Formula *f, Vec X, VBDFSight sight,
                                 PetscBool *crosses) {
   Mat J, P;
 
   PetscFunctionBegin;
   PetscCall(TSPreStage(ts, f->time[0]));
-  PetscCall(FormulaRate(f, X));
+  PetscCall(FormulaRate(f, f->point[0]));
   PetscCall(TSGetIJacobian(ts, &J, &P, NULL, NULL));
   PetscCall(TSComputeIJacobian(ts, f->time[0], X, f->rate, f->shift, J, P, PETSC_FALSE));
   PetscCall(self->cross(ts, X, sight, crosses));
