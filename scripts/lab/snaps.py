@@ -58,11 +58,14 @@ def beyond(draw):
 
 
 def far(draw):
-    """Far beyond critical at t = 0, and bent far: a first step that goes to another state goes unseen."""
+    """Far beyond critical at t = 0, and bent far; some out of the plane: a first step may go far, to another state."""
     length = draw.over_decades(.05, .5)
-    return dict(growth_type=draw.choice(["uniform", "feed"]), growth_initial_length=length, shape_type="sag",
-                shape_amplitude=draw.between(.3, 1.4), friction_mu=draw.choice([0, .5, .9, .99, .999, .999, 1]),
-                tip_force=float(f"{draw.over_decades(10, 60) / length ** 2:.4g}"), ts_max_time=float(f"{.2 * length:.4g}"))
+    o = dict(growth_type=draw.choice(["uniform", "feed"]), growth_initial_length=length, shape_type="sag",
+             shape_amplitude=draw.between(.3, 1.4), friction_mu=draw.choice([0, 0, .5, .9, .99, .999, .999, 1]))
+    if draw.happens(.2):
+        o["shape_turn"] = draw.between(.1, 6.2)
+    return dict(o, tip_force=float(f"{draw.over_decades(10, 60) / length ** 2:.4g}"),
+                ts_max_time=float(f"{.2 * length:.4g}"))
 
 
 def rising(draw):
@@ -117,8 +120,8 @@ def run(exe, options, directory):
     if done.returncode:
         return None, done.stderr.strip()[-400:] or "hung"
     with h5py.File(file) as f:
-        s = {k: f["series"][k][-1] for k in ("tip_x1", "tip_x2", "length")}
-    return np.array([s["tip_x1"], s["tip_x2"]]) / s["length"], None
+        tip = [f["series"][k][-1] for k in ("tip_x1", "tip_x2", "tip_x3") if k in f["series"]]
+        return np.array(tip) / f["series"]["length"][-1], None
 
 
 def reference(options):
@@ -150,11 +153,10 @@ def main():
                     lost += 1
                     print("lost:", said, "|", command, "-ts_rtol", rtol, flush=True)
                     continue
-                distance = float(np.hypot(*(tip - right)))
+                distance = float(np.linalg.norm(tip - right))
                 if distance > OTHER_SIDE:
                     other += 1
-                    print(f"tip ({tip[0]:.3f}, {tip[1]:.3f}), not ({right[0]:.3f}, {right[1]:.3f}):",
-                          command, "-ts_rtol", rtol, flush=True)
+                    print(f"tip {tip.round(3)}, not {right.round(3)}:", command, "-ts_rtol", rtol, flush=True)
                 else:
                     farthest = max(farthest, distance)
     print(f"{other} of {tried} runs on another side, {lost} lost, {refused} refused, {unknown} scenes without a "
