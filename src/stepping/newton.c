@@ -36,21 +36,25 @@ static const PetscReal loose = 1e-4, tight = 1e-3;
 enum { PATIENCE = 8 };
 
 /* The largest update of each group's fields, relative to the field's scale; those not followed
-   count by weight. A field that is 0 throughout (the straight rod's x2) has converged when its
-   update is 0. */
+   count by weight; and that of any field followed. A field that is 0 throughout (the straight rod's
+   x2) has converged when its update is 0. */
 static PetscErrorCode RelativeUpdates(Rod rod, Vec U, Vec dU, PetscReal weight,
-                                      PetscReal update[GROUPS]) {
+                                      PetscReal update[GROUPS], PetscReal *followed) {
   PetscReal size[MAX_FIELDS], change[MAX_FIELDS], axes[2];
 
   PetscFunctionBegin;
   PetscCall(RodFieldScales(rod, U, axes, size));
   PetscCall(RodSizesAlong(rod, dU, axes, change));
+  *followed = 0;
   for (int g = 0; g < GROUPS; g++) update[g] = 0;
   for (PetscInt f = 0; f < rod->model->fields; f++)
     if (change[f] != 0) {
       PetscReal r = change[f] / PetscMax(size[f], rod_vanished),
                 *most = &update[rod->model->group[f]];
-      if (!rod->model->followed[f]) r *= weight;
+      if (rod->model->followed[f])
+        *followed = LargerSize(*followed, r);
+      else
+        r *= weight;
       *most = LargerSize(*most, r);
     }
   PetscFunctionReturn(0);
@@ -76,8 +80,7 @@ static PetscReal SpeedSeen(const Newton *self, PetscReal step, const PetscReal s
   return self->tolerance * least / step;
 }
 
-static PetscErrorCode Hold(Newton *self, SNES snes, PetscInt it, Vec U, Vec F,
-                           SNESConvergedReason *reason) {
+static PetscErrorCode Hold(Newton *self, SNES snes, Vec U, Vec F, SNESConvergedReason *reason) {
   PetscReal creep, step, size[MAX_FIELDS];
 
   PetscFunctionBegin;
@@ -88,7 +91,7 @@ static PetscErrorCode Hold(Newton *self, SNES snes, PetscInt it, Vec U, Vec F,
   if (creep * step > creep_allowed * self->tolerance * size[0] && self->holds < MOST_HOLDS) {
     self->holds++;
     *reason = SNES_CONVERGED_ITERATING;
-    self->held = it;
+    self->waits = 0;
     PetscCall(SNESComputeFunction(snes, U, F));
   }
   PetscFunctionReturn(0);
@@ -124,7 +127,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
             floor = PetscMax(self->tolerance, round_off);
   Vec U, dU, F;
   SNESLineSearch search;
-  PetscReal part, whole;
+  PetscReal followed = 0, part, whole;
 
   PetscFunctionBegin;
   *reason = PetscIsInfOrNanReal(fnorm) ? DIVERGED_NAN : SNES_CONVERGED_ITERATING;
@@ -133,12 +136,13 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
   PetscCall(SNESGetSolution(snes, &U));
   PetscCall(Residuals(self->rod, U, F, residual));
   if (!it)
-    self->held = self->holds = 0;
+    self->waits = self->holds = 0;
   else {
     PetscCall(SNESGetSolutionUpdate(snes, &dU));
     PetscCall(RelativeUpdates(self->rod, U, dU,
-                              it - self->held > PATIENCE ? 0 : PetscMin(1, floor / self->loose),
-                              update));
+                              self->waits < PATIENCE ? PetscMin(1, floor / self->loose) : 0, update,
+                              &followed));
+    self->waits = followed <= floor ? self->waits + 1 : 0;
     for (int g = 0; g < GROUPS; g++) {
       if (update[g] > floor) rate = PetscMax(rate, residual[g] / self->residual[g]);
       left = LargerSize(left, update[g]);
@@ -159,7 +163,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
                         (double)residual[ACROSS_2]));
   }
   if (*reason > 0 && LoadSticks(&self->rod->scene->load) && self->rod->model->hold)
-    PetscCall(Hold(self, snes, it, U, F, reason));
+    PetscCall(Hold(self, snes, U, F, reason));
   PetscCall(PetscArraycpy(self->residual, residual, GROUPS));
   PetscFunctionReturn(0);
 }

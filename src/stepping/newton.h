@@ -21,7 +21,8 @@ typedef struct {
   PetscReal loose;     /* that of forces and moments */
   PetscReal update;    /* the latest iteration's largest */
   PetscReal residual[GROUPS]; /* the latest, of each group of fields */
-  PetscInt holds, held; /* how often sticking points were held anew, and at which iteration last */
+  PetscInt holds;             /* how often sticking points were held anew */
+  PetscInt waits;             /* how many iterations in a row have moved nothing but forces */
 } Newton;
 
 PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton);
