@@ -552,6 +552,23 @@ static PetscErrorCode CheckWalls(Grow *self) {
   PetscFunctionReturn(0);
 }
 
+/* Names what the rod is to be inside of and what does not hold its clamp. */
+static PetscErrorCode NameBeside(Grow *self) {
+  const Surfaces *surfaces = &self->scene->contact.surfaces;
+  const PetscReal clamp[3] = {0, 0, 0};
+
+  PetscFunctionBegin;
+  if (self->quiet || self->scene->clamp == CLAMP_FREE) PetscFunctionReturn(0);
+  for (PetscInt k = 0; k < surfaces->n; k++)
+    if (!SurfaceHolds(&surfaces->surface[k], clamp))
+      PetscCall(
+          PetscPrintf(self->scene->comm,
+                      "-wall_file, line %d: the %s does not hold the clamp: the rod is out of "
+                      "it, unless it comes in through an open end\n",
+                      surfaces->surface[k].line, surfaces->surface[k].kind->name));
+  PetscFunctionReturn(0);
+}
+
 /* The state of a fresh run: the scene's initial shape. */
 static PetscErrorCode Begin(Grow *self, const char *output) {
   Event event;
@@ -560,6 +577,7 @@ static PetscErrorCode Begin(Grow *self, const char *output) {
   self->now = OwnLeg(self);
   PetscCall(CheckStart(self));
   if (self->scene->contact.walls.n || self->scene->contact.surfaces.n) PetscCall(CheckWalls(self));
+  PetscCall(NameBeside(self));
   PetscCall(GrowLookForEvent(self, 0, NULL, &event));
   UserCheck(!event.kind, self->scene->comm, "-stop_%s: it is so at the start already",
             event_name[event.kind]);
@@ -775,7 +793,9 @@ static void AdviseGivingWay(const Grow *self, char *advice, size_t room) {
    it could slide along. Tells of one that holds neither clamp nor tip; nothing if there is none. */
 static void AdviseConduit(const Grow *self, char *advice, size_t room) {
   const Walls *walls = &self->scene->contact.walls;
-  const PetscReal clamp[2] = {0, 0}, tip[2] = {self->seen.tip_x1, self->seen.tip_x2};
+  const Surfaces *surfaces = &self->scene->contact.surfaces;
+  const PetscReal clamp[3] = {0, 0, 0},
+                  tip[3] = {self->seen.tip_x1, self->seen.tip_x2, self->seen.tip_x3};
 
   for (PetscInt w = 0; w < walls->n && !advice[0]; w++)
     if (walls->wall[w].kind == WALL_PATH && !WallsHold(walls, w, clamp) &&
@@ -784,6 +804,13 @@ static void AdviseConduit(const Grow *self, char *advice, size_t room) {
                      "it may have come beside wall %d of -wall_file, a path that does not hold it: "
                      "lead that to the clamp, or the rod into its mouth",
                      (int)w + 1);
+  for (PetscInt k = 0; k < surfaces->n && !advice[0]; k++)
+    if (!SurfaceHolds(&surfaces->surface[k], clamp) && !SurfaceHolds(&surfaces->surface[k], tip))
+      (void)snprintf(
+          advice, room,
+          "it may have come beside the %s in line %d of -wall_file, which does not hold it: "
+          "lead that to the clamp, or the rod into its open end",
+          surfaces->surface[k].kind->name, surfaces->surface[k].line);
 }
 
 /* The line for an end that was not asked for. */

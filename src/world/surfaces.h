@@ -104,6 +104,14 @@ static inline PetscBool SurfaceAt(const Surface *surface, const PetscReal x[3], 
   return surface->kind->at(surface->data, x, within, point);
 }
 
+/* SurfaceHolds - is the rod, at x, where a surface that it is to be inside of can push it? Beyond
+ * the open ends of one there is no wall, and beside it none, either. */
+static inline PetscBool SurfaceHolds(const Surface *surface, const PetscReal x[3]) {
+  SurfacePoint point;
+
+  return (PetscBool)(!surface->hollow || SurfaceAt(surface, x, PETSC_MAX_REAL, &point));
+}
+
 /* The box of a surface that has no bounds. */
 static inline Block SurfaceEverywhere(void) {
   const PetscReal far = 1e300;

@@ -12,6 +12,7 @@ from contact_test import walls
 from scene_test import Run, expect
 from laboratory_test import broken, pressed, read, tendril
 
+import h5py
 import numpy as np
 
 CHECKS = {}
@@ -214,6 +215,25 @@ def refused():
     expect("the edges of a cylinder need a rod that is not infinitely thin: give -contact_diameter" in line, line)
     line = tendril(FED + "-rod_model frame " + walls("sphere 5 0 0 1 outside"), 1)
     expect("-wall_file: takes the rod out of the plane" in line, line)
+
+
+@check
+def beside():
+    """What the rod is to be inside of and what does not hold its clamp is named: a rod may come in through its open end. One
+    that comes beside it is told so when it cannot go on."""
+    x, y = np.arange(0.5, 2, 0.1), np.arange(-1.2, 1.21, 0.1)
+    pipe = f"{scene.SCRATCH}/pipe.h5"
+    rod = "-growth_type feed -growth_initial_length 0.3 -shape_type straight -rod_curvature 0.1 -rod_cells 12 -rod_model space "
+    for off in (0, 0.6):
+        with h5py.File(pipe, "w") as f:
+            f["distance"] = np.hypot(y[None, :, None] - off, y[:, None, None]) + 0 * x - 0.3
+            f["origin"], f["spacing"] = [x[0], y[0], y[0]], [0.1]
+        said = tendril(rod + f"-ts_max_time 0.7 -contact_diameter 0.1 {walls(f'body {pipe} inside')}", 1 if off else 0)
+        there = "it may have come beside the body in line 1" if off else "line 1: the body does not hold the clamp"
+        expect(there in said, f"pipe at {off}: {said}")
+        print(said.strip().splitlines()[0])
+    said = tendril(rod + "-ts_max_time 0.1 -contact_diameter 0.1 " + walls("tube inside -1 0 0 0.5  3 0.3 0 0.5"))
+    expect("does not hold" not in said, said)
 
 
 if __name__ == "__main__":
