@@ -18,6 +18,7 @@ typedef struct {
   PetscInt jumps, blind;                 /* so far, VBDFGetJumps(); kept by the owner */
   PetscBool passes;  /* the latest try of a step ended beyond a wall, or with the rod crossed */
   PetscBool crosses; /* it was cut, or not taken, for a mode that grows faster than the step sees */
+  PetscBool spins;   /* in a snap that was followed the rod turned about itself, held by nothing */
   PetscReal speed;   /* of a snap, at its latest step */
   int interrupted;   /* the signal that came while a snap was followed; 0: none */
   void *owner;

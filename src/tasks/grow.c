@@ -713,14 +713,14 @@ static PetscErrorCode End(Grow *self, PetscBool finished) {
   PetscFunctionReturn(0);
 }
 
-/* Does a rod in space turn about itself far faster than anything drives it? Where friction does not
-   feel the spin nothing says how it gives way. */
+/* Does a rod in space turn about itself far faster than anything drives it, as far as it is seen or
+   in a snap? Where friction does not feel the spin nothing says how it gives way. */
 static PetscBool SpinsFreely(const Grow *self) {
   const Scene scene = self->scene;
   const PetscReal driven = PetscAbsReal(scene->space.spin) + 1 / self->seen.length, far = 1e4;
 
-  return (PetscBool)(scene->space.rod && scene->load.radius == 0 &&
-                     PetscAbsReal(self->seen.tip_spin) > far * driven);
+  return (PetscBool)(self->now->spins || (scene->space.rod && scene->load.radius == 0 &&
+                                          PetscAbsReal(self->seen.tip_spin) > far * driven));
 }
 
 /* Is a rod that touches still straight, and does nothing say to which side it bends? (A load or a

@@ -109,6 +109,22 @@ def balance():
 
 
 @check
+def turns_over():
+    """A bent rod that is turned in a bent duct turns over about itself in no time, nor in the fast time of a snap: it is told
+    at once, at any tolerance (two of three hung there, one crawled for 50,000 iterations). With a radius at which friction
+    feels the spin, which it asks for, it comes through."""
+    spun = ("-growth_type feed -growth_initial_length 0.6 -shape_type straight -contact_diameter 0.05 -rod_cells 40 "
+            "-rod_curvature 1 -rod_curvature_2 0.003 -clamp_spin 2.4 " + walls("torus 0 1 0 0 0 1 1 0.2 inside friction 0.3"))
+    for rtol in ("0.5e-5", "1e-5", "2e-5"):
+        line = tendril(f"{spun} -ts_max_time 4 -ts_rtol {rtol}", 1)
+        print(line.strip())
+        expect("t = 1.670" in line and "turns over about its own axis at once" in line and "-friction_radius" in line, line)
+    r = Run(f"{spun} -ts_max_time 2 -friction_radius 0.025")
+    print(f"{r.steps} steps, {r.newton_iterations.sum():.0f} Newton, tip {tip(r)}")
+    expect(r.newton_iterations.sum() < 4000, "too many iterations")
+
+
+@check
 def ranks_and_restart():
     """2 and 3 ranks agree; a run broken in the midst of contact goes on to the last bit."""
     d = scene.SCRATCH
