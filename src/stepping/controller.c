@@ -309,8 +309,8 @@ static PetscErrorCode Check(TS ts, Controller *self, Formula *f, SNESConvergedRe
 }
 
 /* Does the step solved cross a mode that grows, where it passes X? At the rate that the step has:
-   dry friction resists a rod at rest, and next to nothing of it a rod that moves fast, so that modes
-   of one that falls grow a thousandfold faster than they seem to where it still lies. */
+   dry friction resists a rod at rest, and next to nothing of it a rod that moves fast, so that
+   modes of one that falls grow a thousandfold faster than they seem to where it still lies. */
 static PetscErrorCode CrossesAt(TS ts, Controller *self, Formula *f, Vec X, VBDFSight sight,
                                 PetscBool *crosses) {
   Mat J, P;

@@ -191,14 +191,15 @@ def doubts():
     for error, part, name in zip(errors, told.groups(), ("tip", "|x2|", "energy")):
         print(f"the limit: {name} off by {error:.1e}, told {part}")
         expect(error < float(part) < 20 * error, f"the limit: {name} off by {error:.1e}, told {part}")
-    # a hairpin out of its plane leaves its start to the same side with few cells as with many
+    # a hairpin out of its plane leaves its start to the same side with few cells as with many (with 20 to 26 of them it chatters
+    # on its way in a quarter of all runs that differ by 1e-7, and is told up to 0.05)
     start = "-growth_initial_length 2 -shape_amplitude 3.1 -shape_turn 1 -rod_curvature_2 0.05 -ts_max_time 0.3 "
     fine = Run(start + "-rod_cells 80")
-    for cells in 24, 40:
+    for cells, most in (24, 0.1), (40, 1e-2):
         r = Run(f"{start} -rod_cells {cells}")
         off = abs(r.norm_x2[-1] / fine.norm_x2[-1] - 1)
         print(f"the hairpin with {cells} cells: |x2| off by {off:.1e}, told {r.estimate:.1e}")
-        expect(off < r.estimate < 1e-2, f"off by {off:.1e}, told {r.estimate:.1e}")
+        expect(off < 1e-5 and off < r.estimate < most, f"off by {off:.1e}, told {r.estimate:.1e}")
     r = Run(start + "-rod_cells 60 -ts_dt 1e-14")  # and in steps that are shorter than its layer
     off = abs(r.norm_x2[-1] / fine.norm_x2[-1] - 1)
     print(f"the hairpin in short steps: |x2| off by {off:.1e}, told {r.estimate:.1e}")
