@@ -33,14 +33,39 @@ PetscErrorCode BandZero(Band *band) {
   PetscFunctionReturn(0);
 }
 
+/* LU with row exchanges, in place; zero: the first row whose pivot is 0, from 1, or 0. */
+static void Factor(Band *band, int *zero) {
+  int n = (int)band->n, kl = (int)band->lower, ku = (int)band->upper, ld = 2 * kl + ku + 1;
+
+  dgbtrf_(&n, &n, &kl, &ku, band->a, &ld, band->pivot, zero);
+}
+
 /* BandFactor - LU with row exchanges, in place. */
 PetscErrorCode BandFactor(Band *band) {
-  int n = (int)band->n, kl = (int)band->lower, ku = (int)band->upper, ld = 2 * kl + ku + 1, info;
+  int zero;
 
   PetscFunctionBegin;
-  dgbtrf_(&n, &n, &kl, &ku, band->a, &ld, band->pivot, &info);
-  PetscCheck(!info, PETSC_COMM_SELF, PETSC_ERR_MAT_LU_ZRPVT, "banded matrix is singular (row %d)",
-             info);
+  Factor(band, &zero);
+  PetscCheck(!zero, PETSC_COMM_SELF, PETSC_ERR_MAT_LU_ZRPVT, "banded matrix is singular (row %d)",
+             zero);
+  PetscFunctionReturn(0);
+}
+
+/* BandFactorShifted - likewise K - shift D, which is singular where the shift is an eigenvalue to
+   the last digit. A pivot that is 0 becomes the least that counts in its column: what is solved for
+   is large along the eigenvector then, as it is beside the eigenvalue. */
+PetscErrorCode BandFactorShifted(Band *band) {
+  int zero;
+
+  PetscFunctionBegin;
+  Factor(band, &zero);
+  for (PetscInt j = zero - 1; zero && j < band->n; j++) {
+    PetscReal *pivot = BandAt(band, j, j), most = 0;
+    if (*pivot != 0) continue;
+    for (PetscInt i = PetscMax(0, j - band->lower - band->upper); i < j; i++)
+      most = PetscMax(most, PetscAbsReal(*BandAt(band, i, j)));
+    *pivot = PETSC_MACHINE_EPSILON * (most > 0 ? most : 1);
+  }
   PetscFunctionReturn(0);
 }
 

@@ -14,6 +14,7 @@ PetscErrorCode BandCreate(PetscInt n, PetscInt lower, PetscInt upper, Band *band
 PetscErrorCode BandDestroy(Band *band);
 PetscErrorCode BandZero(Band *band);
 PetscErrorCode BandFactor(Band *band);
+PetscErrorCode BandFactorShifted(Band *band);
 PetscErrorCode BandSolve(const Band *band, PetscBool transpose, PetscInt columns, PetscReal b[]);
 PetscErrorCode BandCholesky(PetscInt n, PetscInt width, const PetscReal rows[], PetscReal R[]);
 void BandUpperMult(PetscInt n, PetscInt upper, const PetscReal R[], PetscBool transpose,

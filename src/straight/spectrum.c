@@ -463,7 +463,7 @@ static PetscErrorCode FactorMixed(Pencil p, PetscReal shift, const Units *units,
     FillMixed(p, band, 1, 0, 3, A);
     FillMixed(p, back, 1, 3, 0, A);
   }
-  PetscCall(BandFactor(A));
+  PetscCall(BandFactorShifted(A));
   PetscCall(PetscFree2(band, back));
   PetscFunctionReturn(0);
 }

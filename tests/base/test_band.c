@@ -1,0 +1,58 @@
+/* Banded matrices: solved, with their transpose, too; refused where they are singular, or, shifted
+   to an eigenvalue, solved along its vector. */
+#include "harness.h"
+#include "base/band.h"
+
+enum { N = 7 };
+
+/* The second differences of n values that are held at both ends, minus a shift. */
+static void Chain(PetscReal shift, Band *A) {
+  CHECK(BandCreate(N, 1, 1, A));
+  for (PetscInt i = 0; i < N; i++)
+    for (PetscInt j = PetscMax(0, i - 1); j < PetscMin(N, i + 2); j++)
+      *BandAt(A, i, j) = i == j ? 2 - shift : j > i ? -1 : -0.5;
+}
+
+static void TestSolve(void **state) {
+  for (int transpose = 0; transpose < 2; transpose++) {
+    PetscReal x[N], b[N];
+    Band A;
+    Chain(0.3, &A);
+    for (PetscInt i = 0; i < N; i++) x[i] = PetscSinReal(2. * i + 1);
+    for (PetscInt i = 0; i < N; i++) {
+      b[i] = 0;
+      for (PetscInt j = PetscMax(0, i - 1); j < PetscMin(N, i + 2); j++)
+        b[i] += (transpose ? *BandAt(&A, j, i) : *BandAt(&A, i, j)) * x[j];
+    }
+    CHECK(BandFactor(&A));
+    CHECK(BandSolve(&A, transpose != 0, 1, b));
+    for (PetscInt i = 0; i < N; i++)
+      EXPECT(PetscAbsReal(b[i] - x[i]) < 1e-13, "x %d off by %g", (int)i, b[i] - x[i]);
+    CHECK(BandDestroy(&A));
+  }
+}
+
+/* [1 1; 1 1] has the eigenvalue 0 of (1, -1). */
+static void TestAtAnEigenvalue(void **state) {
+  PetscReal b[2] = {1, 0};
+  Band A;
+
+  for (int shifted = 0; shifted < 2; shifted++) {
+    PetscErrorCode error;
+    CHECK(BandCreate(2, 1, 1, &A));
+    for (PetscInt i = 0; i < 2; i++)
+      for (PetscInt j = 0; j < 2; j++) *BandAt(&A, i, j) = 1;
+    CHECK(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
+    error = shifted ? BandFactorShifted(&A) : BandFactor(&A);
+    CHECK(PetscPopErrorHandler());
+    EXPECT((error != 0) == !shifted, "error %d", (int)error);
+    if (shifted) CHECK(BandSolve(&A, PETSC_FALSE, 1, b));
+    CHECK(BandDestroy(&A));
+  }
+  EXPECT(PetscAbsReal(b[0]) > 1e15 && PetscIsNormalReal(b[0]), "only %g", b[0]);
+  EXPECT(PetscAbsReal(b[0] + b[1]) < 1e-12 * PetscAbsReal(b[0]), "(%g, %g)", b[0], b[1]);
+}
+
+static const struct CMUnitTest tests[] = {cmocka_unit_test(TestSolve),
+                                          cmocka_unit_test(TestAtAnEigenvalue)};
+MAIN(tests)
