@@ -587,7 +587,7 @@ def held_still():
         if cells == 12:  # in the laboratory in its units, too
             line = tendril(f"{bow} -rod_cells {cells} -ts_max_time 0.1 -si_bending_stiffness 4.4907e-4 -si_friction_dry 20.03", 1)
             expect(re.search(r"its cells of \S+ \(\S+ mm\) are .* the force \S+ \(\S+ N\), of \S+ \(\S+ cm\): give", line), line)
-            line = tendril(f"{bow} -rod_cells {cells} -ts_max_time 0.1 -ts_max_snes_failures 12", 1)  # however it gives up
+            line = tendril(f"{bow} -rod_cells {cells} -ts_max_time 0.1 -ts_max_snes_failures 6", 1)  # however it gives up
             expect("(DIVERGED" in line and "too long for the waves" in line, line)
 
 
