@@ -22,7 +22,7 @@ typedef struct {
   PetscReal update;    /* the latest iteration's largest */
   PetscReal residual[GROUPS]; /* the latest, of each group of fields */
   PetscInt holds;             /* how often sticking points were held anew */
-  PetscInt waits;             /* how many iterations in a row have moved nothing but forces */
+  PetscInt waits;             /* for how many iterations forces have been waited for */
 } Newton;
 
 PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton);
