@@ -31,10 +31,10 @@ static PetscErrorCode Residuals(Rod rod, Vec U, Vec F, PetscReal residual[GROUPS
    method has to find: they must settle to this part of their size, or the next step starts from
    noise; where a snap ends, to that part of it, for what is left must be less than the slack by
    which the rod rests below the limit of friction (LoadInFastTime()). Not for ever: with a tiny
-   beta and a tiny step their round-off may lie above it. So long they are waited for, in a row of
-   iterations that move nothing else where the rod can touch, for at the brink of a snap beside a
-   wall one that ran wild may pass through rest. (Free rods never were seen to stay there, and in
-   steps of 1e-12 some have no such row.) */
+   beta and a tiny step their round-off may lie above it: so many iterations they are waited for. In
+   the fast time of a snap, where the rod can touch, so many in a row that move nothing else: at the
+   brink one that ran wild may pass through rest. (Elsewhere none was seen to stay there, and in
+   steps of 1e-12 a rod out of balance may have no such row.) */
 static const PetscReal loose = 1e-4, tight = 1e-3;
 enum { PATIENCE = 8 };
 
@@ -131,6 +131,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
   Vec U, dU, F;
   SNESLineSearch search;
   PetscReal followed = 0, part, whole;
+  const PetscBool in_a_row = (PetscBool)(self->loose < loose && self->rod->scene->contact.any);
 
   PetscFunctionBegin;
   *reason = PetscIsInfOrNanReal(fnorm) ? DIVERGED_NAN : SNES_CONVERGED_ITERATING;
@@ -145,7 +146,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
     PetscCall(RelativeUpdates(self->rod, U, dU,
                               self->waits < PATIENCE ? PetscMin(1, floor / self->loose) : 0, update,
                               &followed));
-    self->waits = followed <= floor || !self->rod->scene->contact.any ? self->waits + 1 : 0;
+    self->waits = in_a_row && followed > floor ? 0 : self->waits + 1;
     for (int g = 0; g < GROUPS; g++) {
       if (update[g] > floor) rate = PetscMax(rate, residual[g] / self->residual[g]);
       left = LargerSize(left, update[g]);
