@@ -123,6 +123,8 @@ MUTATIONS = [
     ("loose, tight", N, "loose = 1e-4,", "loose = 1e-12,"),
     ("patience, none", N, "PATIENCE = 8", "PATIENCE = 0"),
     ("patience, any", N, "PATIENCE = 8", "PATIENCE = 1000"),
+    ("rows, never", N, "shortest_row = 1e-13;", "shortest_row = 1e300;"),
+    ("rows, in any step", N, "shortest_row = 1e-13;", "shortest_row = 0;"),
     ("groups lumped", N, "residual[rod->model->group[f]] = PetscMax(residual[rod->model->group[f]], size[f]);",
      "for (int g = 0; g < GROUPS; g++) residual[g] = PetscMax(residual[g], size[f]);"),
     ("creep, any", N, "creep_allowed = 5;", "creep_allowed = 1e9;"),
@@ -135,6 +137,8 @@ MUTATIONS = [
     # -- snaps
     ("rest, loose", S, "rest = 1e-6,", "rest = 1e-3,"),
     ("rest, tight", S, "rest = 1e-6,", "rest = 1e-9,"),
+    ("spins freely, never", S, "far = 1e3;", "far = 1e300;"),
+    ("spins freely, soon", S, "far = 1e3;", "far = 10;"),
     ("at rest though it gains speed", S, "fastest <= leg->speed && ", ""),
     ("soonest, at once", S, "soonest = 100;", "soonest = 0;"),
     ("soonest, without walls too", S, "(t >= soonest || !leg->rod->scene->contact.any)", "t >= soonest"),
