@@ -20,6 +20,7 @@ typedef struct {
   PetscBool crosses; /* it was cut, or not taken, for a mode that grows faster than the step sees */
   PetscBool spins;   /* in a snap that was followed the rod turned about itself, held by nothing */
   PetscReal speed;   /* of a snap, at its latest step */
+  PetscReal turning; /* likewise, about itself, if nothing holds it */
   int interrupted;   /* the signal that came while a snap was followed; 0: none */
   void *owner;
 } Leg;
