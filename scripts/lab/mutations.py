@@ -137,8 +137,9 @@ MUTATIONS = [
     # -- snaps
     ("rest, loose", S, "rest = 1e-6,", "rest = 1e-3,"),
     ("rest, tight", S, "rest = 1e-6,", "rest = 1e-9,"),
-    ("spins freely, never", S, "far = 1e3;", "far = 1e300;"),
-    ("spins freely, soon", S, "far = 1e3;", "far = 10;"),
+    ("spins freely, never", S, "far = 1e3,", "far = 1e300,"),
+    ("spins freely, soon", S, "far = 1e3,", "far = 10,"),
+    ("spins freely, at once", S, "leg->turning > 0 && turning > leg->turning", "turning > 0"),
     ("at rest though it gains speed", S, "fastest <= leg->speed && ", ""),
     ("soonest, at once", S, "soonest = 100;", "soonest = 0;"),
     ("soonest, without walls too", S, "(t >= soonest || !leg->rod->scene->contact.any)", "t >= soonest"),
