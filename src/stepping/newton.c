@@ -31,11 +31,9 @@ static PetscErrorCode Residuals(Rod rod, Vec U, Vec F, PetscReal residual[GROUPS
    method has to find: they must settle to this part of their size, or the next step starts from
    noise; where a snap ends, to that part of it, for what is left must be less than the slack by
    which the rod rests below the limit of friction (LoadInFastTime()). Not for ever: with a tiny
-   beta and a tiny step their round-off may lie above it: so many iterations they are waited for,
-   and so many in a row that move nothing else where the rod can touch, for at the brink of a snap
-   one that ran wild may pass through rest. (Free rods were never seen to stay there. In steps below
-   that part of the run, which a start far out of balance may need, there need be no such row.) */
-static const PetscReal loose = 1e-4, tight = 1e-3, shortest_row = 1e-13;
+   beta and a tiny step their round-off may lie above it: only for so many iterations; in steps in
+   which speeds matter (TellsSpeed()) for so many in a row that have moved nothing else. */
+static const PetscReal loose = 1e-4, tight = 1e-3;
 enum { PATIENCE = 8 };
 
 /* The largest update of each group's fields, relative to the field's scale; those not followed
@@ -60,6 +58,27 @@ static PetscErrorCode RelativeUpdates(Rod rod, Vec U, Vec dU, PetscReal weight,
         r *= weight;
       *most = LargerSize(*most, r);
     }
+  PetscFunctionReturn(0);
+}
+
+/* The rod lengthens at the speed 1; what is so much faster snaps. */
+static const PetscReal snapping = 1e3;
+
+/*
+  TellsSpeed - is a step of a rod that can touch so long that a place which moves in it by no more
+  than what is not seen is slower than what counts (self->slow)? Then it must not be accepted
+  without its forces. At the brink of a snap velocities double in each iteration from next to
+  nothing on, and one that has run wild falls back to there: after some iterations such a rod was
+  taken for one at rest, without balance, or crept on in steps of such noise. (In shorter steps
+  speeds are noise whatever is done, and starts that are far out of balance fall in some in which no
+  force can be told.)
+*/
+static PetscErrorCode TellsSpeed(const Newton *self, PetscReal unseen, PetscBool *tells) {
+  PetscReal step;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetTimeStep(self->ts, &step));
+  *tells = (PetscBool)(self->rod->scene->contact.any && unseen < self->slow * step);
   PetscFunctionReturn(0);
 }
 
@@ -100,17 +119,6 @@ static PetscErrorCode Hold(Newton *self, SNES snes, Vec U, Vec F, SNESConvergedR
   PetscFunctionReturn(0);
 }
 
-/* Are forces waited for until a row of iterations has moved nothing else? */
-static PetscErrorCode InARow(const Newton *self, PetscBool *in_a_row) {
-  const Scene scene = self->rod->scene;
-  PetscReal step;
-
-  PetscFunctionBegin;
-  PetscCall(TSGetTimeStep(self->ts, &step));
-  *in_a_row = (PetscBool)(scene->contact.any && step > shortest_row * scene->end_time);
-  PetscFunctionReturn(0);
-}
-
 /* A line search that looks at steps of any length, for forces may have any size. */
 static PetscErrorCode SetSearch(SNES snes, SNESLineSearchType type) {
   SNESLineSearch search;
@@ -142,7 +150,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
   Vec U, dU, F;
   SNESLineSearch search;
   PetscReal followed = 0, part, whole;
-  PetscBool in_a_row = PETSC_FALSE;
+  PetscBool tells = PETSC_FALSE;
 
   PetscFunctionBegin;
   *reason = PetscIsInfOrNanReal(fnorm) ? DIVERGED_NAN : SNES_CONVERGED_ITERATING;
@@ -157,8 +165,8 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
     PetscCall(RelativeUpdates(self->rod, U, dU,
                               self->waits < PATIENCE ? PetscMin(1, floor / self->loose) : 0, update,
                               &followed));
-    PetscCall(InARow(self, &in_a_row));
-    self->waits = in_a_row && followed > floor ? 0 : self->waits + 1;
+    PetscCall(TellsSpeed(self, floor, &tells));
+    self->waits = tells && followed > floor ? 0 : self->waits + 1;
     for (int g = 0; g < GROUPS; g++) {
       if (update[g] > floor) rate = PetscMax(rate, residual[g] / self->residual[g]);
       left = LargerSize(left, update[g]);
@@ -241,6 +249,7 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   PetscCall(TSGetTolerances(ts, NULL, NULL, &rtol, NULL));
   newton->tolerance = share_of_tolerance * rtol;
   newton->loose = loose;
+  newton->slow = snapping;
   PetscCall(TSSetIFunction(ts, NULL, Residual, newton));
   PetscCall(TSGetSNES(ts, &snes));
   PetscCall(SNESSetType(snes, rod->model->linear ? SNESKSPONLY : SNESNEWTONLS));
@@ -260,8 +269,11 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   NewtonToRest - for a rod that is followed to where it rests: Newton's method converges, in all
   steps, as far as it would for those of the tolerance rtol if that is smaller, and forces farther
   still. After NewtonSetUp().
+
+  rest  the speed at which it is at rest
 */
-void NewtonToRest(Newton *newton, PetscReal rtol) {
+void NewtonToRest(Newton *newton, PetscReal rtol, PetscReal rest) {
+  newton->slow = rest;
   newton->tolerance = PetscMin(newton->tolerance, share_of_tolerance * rtol);
   newton->loose = tight * loose;
 }

@@ -159,7 +159,7 @@ PetscErrorCode SnapFollow(TS ts, PetscReal t, Vec U, PetscBool *done) {
   }
   fast->end_time = long_after;
   PetscCall(LegCreate(fast, slow->rod->model, PetscMax(slow->rtol, least_rtol), "snap_", &leg));
-  NewtonToRest(&leg.newton, least_rtol);
+  NewtonToRest(&leg.newton, least_rtol, rest);
   PetscCall(VBDFSetScale(leg.ts, falls_in));
   PetscCall(TSSetPostStep(leg.ts, StopAtRest));
   PetscCall(TSSetMaxSteps(leg.ts, most_steps));
