@@ -15,6 +15,7 @@ for file in options/*.opts; do
   mpiexec -n 1 --bind-to none build/tendril -options_file "$file" -output "results/$name.h5" >"results/$name.log"
   case $name in paper-* | pushed-tube) continue ;; esac # drawn by scripts/lab/figures.sh
   case $name in injected-* | duct-bends) continue ;; esac # by scripts/lab/injected_tube.py and duct.py
+  case $name in critical-weight | critical-twist | critical-hinged) continue ;; esac # run, not shown
   files=("results/$name.h5") what=()
   if grep -q '^-output_interval' "$file"; then what=(--panels norm,shapes); fi
   case $name in

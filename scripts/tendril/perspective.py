@@ -18,6 +18,7 @@ from .walls import EDGE, SOLID
 
 VIEW = (20.0, 20.0)  # degrees: turned about the axis that points up, from the front; from how far above
 LEAST, HALO = 1.1, 0.7  # points: the least thickness; the white on both sides of what passes over something
+ROOM = 0.08  # of the longest side of the box of axes: so far beyond it are surfaces drawn
 SLIM = 0.22  # of the longest side of the box of axes: the shortest
 
 
@@ -149,12 +150,14 @@ def look(axes, up, view):
 
 def ticks_of(low, high, most):
     """Where an axis has numbers, into that many pieces or fewer, so that they do not run together; yet two numbers
-    where that can be: the outermost of them if there is no room for those between."""
+    where that can be: the outermost of them if there is no room for those between, the last if there is none for two."""
     for pieces in range(max(2, round(most)), max(2, round(most)) + 3):
         locator = MaxNLocator(pieces, steps=[1, 2, 5, 10], min_n_ticks=1)
         inside = [value for value in locator.tick_values(low, high) if low <= value <= high]
         if len(inside) > 1:
             break
+    if most < 0.8:
+        return FixedLocator(inside[-1:])
     return FixedLocator([inside[0], inside[-1]]) if len(inside) > 2 and most < 1.5 else locator
 
 
@@ -188,10 +191,11 @@ def draw_surfaces(axes, surfaces, low, high, unit=1.0):
     """Surfaces (solids.py) behind the rods, translucent, as far as they are in the box of axes or near it; what was
     drawn."""
     drawn = []
-    room = 0.2 * (np.asarray(high) - low).max()
+    room = ROOM * (np.asarray(high) - low).max()
     for surface in surfaces:
         corners, lines = within(surface, (low - room) / unit, (high + room) / unit)
         if len(corners):
-            drawn.append(Poly3DCollection(unit * corners, facecolor=(*to_rgba(SOLID)[:3], 0.28), edgecolor="none", zorder=1))
-        drawn.append(Line3DCollection([unit * line for line in lines], colors=EDGE, lw=0.4, alpha=0.7, zorder=2))
+            drawn.append(Poly3DCollection([unit * one for one in corners], facecolor=(*to_rgba(SOLID)[:3], 0.28),
+                                          edgecolor="none", zorder=1, clip_on=False))
+        drawn.append(Line3DCollection([unit * line for line in lines], colors=EDGE, lw=0.4, alpha=0.7, zorder=2, clip_on=False))
     return [axes.add_collection(one, autolim=False) for one in drawn]

@@ -265,7 +265,9 @@ def panel_space(ax, r, view):
     rods = drawn[0] if drawn else ax.add_collection(Rods(zorder=3), autolim=False)
     rods.set_strands(rods.strands + strands)
     ax.plot([0], [0], [0], "ks", ms=3, zorder=4)
-    low, high = box_of(np.concatenate([np.zeros((1, 3)), *(s.x for s in rods.strands)]))
+    beside = [] if view.overlay else [one for one in view.results if one is not r]  # their panels have the same box
+    others = [unit * lift(one, shape_of(one, t)).x for one in beside for t in view.times_of(one)]
+    low, high = box_of(np.concatenate([np.zeros((1, 3)), *(s.x for s in rods.strands), *others]))
     furnish(ax, low, high, up_of(r), view.view, lambda name: view.units.label(name, "length"))
     draw_surfaces(ax, [one.at(shape.t) for one in solids(r)], low, high, unit)  # what moves: at the last of the times
 

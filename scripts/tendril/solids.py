@@ -159,11 +159,30 @@ def coarse(vertices, triangles, most=8000):
 
 
 def within(surface, low, high):
-    """The triangles of a surface whose corners are all in a box, [k, 3, 3], and its lines as far as they are."""
+    """What of a surface is in a box: its triangles, polygons [k, 3] where the box cuts them, and its lines as far as their
+    points are."""
     corners = surface.vertices[surface.triangles]
     inside = np.all((corners >= low) & (corners <= high), axis=(1, 2))
+    near = np.all((corners.max(axis=1) > low) & (corners.min(axis=1) < high), axis=1) & ~inside
+    parts = [part for part in (cut(corner, low, high) for corner in corners[near]) if len(part) > 2]
     lines = [line[np.all((line >= low) & (line <= high), axis=1)] for line in surface.lines]
-    return corners[inside], [line for line in lines if len(line) > 1]
+    return [*corners[inside], *parts], [line for line in lines if len(line) > 1]
+
+
+def cut(polygon, low, high):
+    """What of a convex polygon [n, 3] is in a box: cut by its six sides, one after another (Sutherland and Hodgman)."""
+    for axis, sign, at in [(k, s, v[k]) for s, v in ((1, low), (-1, high)) for k in range(3)]:
+        depth = sign * (polygon[:, axis] - at)
+        kept = []
+        for a, b, deep, next_deep in zip(polygon, np.roll(polygon, -1, axis=0), depth, np.roll(depth, -1)):
+            if deep >= 0:
+                kept.append(a)
+            if deep * next_deep < 0:
+                kept.append(a + deep / (deep - next_deep) * (b - a))
+        polygon = np.array(kept).reshape(-1, 3)
+        if not len(polygon):
+            break
+    return polygon
 
 
 def turn(first, last):

@@ -352,6 +352,23 @@ class Package(unittest.TestCase):
         self.assertEqual(tendril.animate(r, self.place / "drum.gif", frames=2), 2)
         self.assertIn('"turns": [1.57', str(tendril.view(r)._repr_html_()).replace("&quot;", '"'))
 
+    def test_walls_in_perspective(self):
+        """A wall is drawn as far as the box round the rods, cut there; runs beside each other are drawn in one box."""
+        from tendril.solids import Surface, within
+
+        square = Surface(np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0.0]]), np.array([[0, 1, 2], [0, 2, 3]]), [])
+        for low, high, area in (((0, -0.5, -1), (2, 0.25, 1), 0.75), ((-2, -2, -2), (2, 2, 2), 4), ((0.25, 0, 0.5), (1, 1, 1), 0)):
+            parts, _ = within(square, np.array(low), np.array(high))
+            crosses = (np.cross(part[1:-1] - part[0], part[2:] - part[0]).sum(axis=0) for part in parts)
+            self.assertAlmostEqual(sum(np.linalg.norm(cross) / 2 for cross in crosses), area, places=14)
+            for part in parts:
+                self.assertTrue(np.all((part >= low) & (part <= high)))
+        short, long = (tendril.run(growth_type="none", growth_initial_length=length, rod_model="space", ts_max_time=0.1, rod_cells=20)
+                       for length in (1, 3))
+        left, right = tendril.plot([short, long], "space", times=[0.1]).axes
+        self.assertEqual([left.get_xlim(), left.get_zlim()], [right.get_xlim(), right.get_zlim()])
+        self.assertGreater(left.get_xlim()[1], 2.9)
+
     def test_endless_walls_that_move(self):
         """A plane that moves and turns is drawn where it is, and what has no end stays under the rod: a plane, a rod
         that moves along itself, and what turns about an axis far away. A page draws the same."""
