@@ -359,7 +359,7 @@ void TipJacobian3(const Tip *tip, const TipState3 *at, const PetscReal dW[RUBS][
   if (tip->walls) PushWallsSlope3(tip, at, dW, fresh, dual, J);
   if (force == 0) return;
   for (int d = 0; d < 3 && tip->law == TIP_FOLLOWER; d++)
-    for (int k = 0; k < 4; k++) J[3 + d][P + k] = force * at->q_p[d][k];
+    for (int k = 0; k < 4; k++) J[3 + d][P + k] += force * at->q_p[d][k];
   if (tip->law != TIP_RESISTANCE) return;
   LoadLinearise3(&tip->resistance, &unspun, fresh, dual, &slope);
   for (int d = 0; d < 3; d++)

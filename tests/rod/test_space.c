@@ -102,13 +102,13 @@ static const char *const walls[] = {
 enum { WALLS = sizeof(walls) / sizeof(walls[0]) };
 
 static void TestWallJacobians(void **state) {
-  static const char *const spun[] = {"", "-friction_radius 0.4 -friction_across 2",
-                                     "-rod_order 2 -tip_torque 0.2",
-                                     "-friction_across 3 -friction_layers 0:1,0.5:2"};
+  static const char *const spun[] = {
+      "", "-friction_radius 0.4 -friction_across 2", "-rod_order 2 -tip_torque 0.2",
+      "-friction_across 3 -friction_layers 0:1,0.5:2", "-tip_force 0.7 -tip_law follower"};
   for (int law = 0; law < LAWS; law++)
     for (int k = 0; k < WALLS; k++) {
       char file[64], options[400];
-      const int how = (law + k) % 4;
+      const int how = (law + k) % 5;
       const PetscReal shift = k % 2 ? 0 : 3;
       PetscReal pressed;
       RodState at;
