@@ -177,14 +177,15 @@ static void See(const struct _Tube *self, PetscInt segment, PetscReal u, const P
               (Dot3(ball->d1, ball->d1) - along * along) / PetscMax(sight->far, 1e-300);
 }
 
-/* The largest F on a piece, by Newton's method between bounds that close in on it. */
+/* The largest F on a piece, by Newton's method between bounds that close in on it; or the first one
+   met that is more than enough: of what is far from the wall no more is asked. */
 static PetscReal Climb(const struct _Tube *self, const Piece *piece, const PetscReal x[3],
-                       Sight *sight) {
+                       PetscReal enough, Sight *sight) {
   enum { MOST = 80 };
   PetscReal low = piece->a, high = piece->b, u, slope;
 
   See(self, piece->segment, low, x, sight);
-  if (sight->F1 <= 0) return low;
+  if (sight->F1 <= 0 || sight->F > enough) return low;
   slope = sight->F1;
   See(self, piece->segment, high, x, sight);
   if (sight->F1 >= 0) return high;
@@ -192,7 +193,7 @@ static PetscReal Climb(const struct _Tube *self, const Piece *piece, const Petsc
   for (int k = 0; k < MOST; k++) {
     PetscReal next;
     See(self, piece->segment, u, x, sight);
-    if (sight->far == 0 || sight->F1 == 0) break;
+    if (sight->far == 0 || sight->F1 == 0 || sight->F > enough) break;
     *(sight->F1 > 0 ? &low : &high) = u;
     next = sight->F2 < 0 ? u - sight->F1 / sight->F2 : low;
     if (!(next > low && next < high)) next = (low + high) / 2;
@@ -219,7 +220,7 @@ static PetscReal Meet(PetscInt item, PetscReal reach, void *ctx) {
   Sight sight;
 
   (void)reach;
-  u = Climb(self, piece, search->x, &sight);
+  u = Climb(self, piece, search->x, search->enough, &sight);
   if (sight.F > search->best || (sight.F == search->best && item < search->piece)) {
     search->best = sight.F;
     search->u = u;
@@ -510,7 +511,7 @@ static PetscReal MeetOther(PetscInt item, PetscReal reach, void *ctx) {
   for (int w = 0; w < 2 && piece->segment >= 0 && piece->segment < at->self->n - 1; w++) {
     Sight sight;
     if (part[w].a >= part[w].b) continue;
-    (void)Climb(at->self, &part[w], at->x, &sight);
+    (void)Climb(at->self, &part[w], at->x, -at->r, &sight);
     if (sight.F > -at->r) at->other = piece->segment;
   }
   return at->other >= 0 ? -1 : reach;
