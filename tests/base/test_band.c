@@ -53,6 +53,34 @@ static void TestAtAnEigenvalue(void **state) {
   EXPECT(PetscAbsReal(b[0] + b[1]) < 1e-12 * PetscAbsReal(b[0]), "(%g, %g)", b[0], b[1]);
 }
 
+/* Each of two pivots of 0 becomes so much smaller than the largest entry above it. */
+static void TestPivotsOfZero(void **state) {
+  enum { M = 4 };
+  const PetscReal U[M][M] = {{3, 1e6, 0, 0}, {0, 0, 2, 1e-6}, {0, 0, 5, 1e-9}, {0, 0, 0, 0}};
+  const PetscReal least[M] = {3, 1e6 * PETSC_MACHINE_EPSILON, 5, 1e-6 * PETSC_MACHINE_EPSILON};
+  Band A;
+
+  CHECK(BandCreate(M, 1, 2, &A));
+  for (PetscInt i = 0; i < M; i++)
+    for (PetscInt j = i; j < PetscMin(M, i + 3); j++) *BandAt(&A, i, j) = U[i][j];
+  CHECK(BandFactorShifted(&A));
+  for (PetscInt j = 0; j < M; j++)
+    EXPECT(PetscAbsReal(*BandAt(&A, j, j) / least[j] - 1) < 1e-13, "pivot %d is %g, not %g", (int)j,
+           *BandAt(&A, j, j), least[j]);
+  CHECK(BandDestroy(&A));
+
+  /* rows are exchanged: U fills beyond the upper diagonals of the matrix */
+  CHECK(BandCreate(3, 1, 1, &A));
+  *BandAt(&A, 0, 0) = 1e-3;
+  *BandAt(&A, 1, 0) = 1;
+  *BandAt(&A, 1, 2) = 4;
+  CHECK(BandFactorShifted(&A));
+  EXPECT(PetscAbsReal(*BandAt(&A, 2, 2) / (4 * PETSC_MACHINE_EPSILON) - 1) < 1e-13, "fill: %g",
+         *BandAt(&A, 2, 2));
+  CHECK(BandDestroy(&A));
+}
+
 static const struct CMUnitTest tests[] = {cmocka_unit_test(TestSolve),
-                                          cmocka_unit_test(TestAtAnEigenvalue)};
+                                          cmocka_unit_test(TestAtAnEigenvalue),
+                                          cmocka_unit_test(TestPivotsOfZero)};
 MAIN(tests)
