@@ -41,21 +41,23 @@ static PetscErrorCode Hear(Leg *leg) {
   PetscFunctionReturn(0);
 }
 
-static PetscReal SpeedOfPlaces(const RodModel *model, const PetscReal speed[MAX_FIELDS]) {
+/* The largest rate of the fields whose names begin with one of these letters. */
+static PetscReal Fastest(const RodModel *model, const char *letters,
+                         const PetscReal speed[MAX_FIELDS]) {
   PetscReal fastest = 0;
 
   for (PetscInt f = 0; f < model->fields; f++)
-    if (strchr("xy", model->field[f][0])) fastest = PetscMax(fastest, speed[f]);
+    if (strchr(letters, model->field[f][0])) fastest = PetscMax(fastest, speed[f]);
   return fastest;
 }
 
-/* The rate at which a rod in space turns, at its fastest place. */
-static PetscReal SpeedOfTurning(const RodModel *model, const PetscReal speed[MAX_FIELDS]) {
-  PetscReal fastest = 0;
+static PetscReal SpeedOfPlaces(const RodModel *model, const PetscReal speed[MAX_FIELDS]) {
+  return Fastest(model, "xy", speed);
+}
 
-  for (PetscInt f = 0; f < model->fields; f++)
-    if (model->field[f][0] == 'p') fastest = PetscMax(fastest, 2 * speed[f]);
-  return fastest;
+/* The rate at which a rod in space turns, at its fastest place: of its quaternions, twice. */
+static PetscReal SpeedOfTurning(const RodModel *model, const PetscReal speed[MAX_FIELDS]) {
+  return 2 * Fastest(model, "p", speed);
 }
 
 /* Where friction does not feel the spin a rod may turn over about its own tangent, as a bent one
