@@ -542,23 +542,25 @@ static PetscErrorCode CheckWalls(Grow *self) {
   PetscCall(RodPassesWalls(rod, 0, 0, self->now->U, self->now->U, &passes));
   UserCheck(!passes, self->scene->comm,
             "-wall_file: the rod starts in a wall, between two of its nodes: move the wall");
-  for (PetscInt w = 0; w < walls->n && !self->quiet; w++)
-    if (walls->wall[w].kind == WALL_PATH && !WallsHold(walls, w, clamp))
-      PetscCall(
-          PetscPrintf(self->scene->comm,
-                      "-wall_file: wall %d, a path, does not hold the clamp: the rod is out of "
-                      "it, unless it comes in through a mouth\n",
-                      (int)w + 1));
   PetscFunctionReturn(0);
 }
 
 /* Names what the rod is to be inside of and what does not hold its clamp. */
 static PetscErrorCode NameBeside(Grow *self) {
+  const Walls *walls = &self->scene->contact.walls;
   const Surfaces *surfaces = &self->scene->contact.surfaces;
   const PetscReal clamp[3] = {0, 0, 0};
 
   PetscFunctionBegin;
-  if (self->quiet || self->scene->clamp == CLAMP_FREE) PetscFunctionReturn(0);
+  if (self->quiet) PetscFunctionReturn(0);
+  for (PetscInt w = 0; w < walls->n; w++)
+    if (!WallsHold(walls, w, clamp))
+      PetscCall(
+          PetscPrintf(self->scene->comm,
+                      "-wall_file: wall %d, a path, does not hold the clamp: the rod is out of "
+                      "it, unless it comes in through a mouth\n",
+                      (int)w + 1));
+  if (self->scene->clamp == CLAMP_FREE) PetscFunctionReturn(0);
   for (PetscInt k = 0; k < surfaces->n; k++)
     if (!SurfaceHolds(&surfaces->surface[k], clamp))
       PetscCall(
@@ -798,8 +800,7 @@ static void AdviseConduit(const Grow *self, char *advice, size_t room) {
                   tip[3] = {self->seen.tip_x1, self->seen.tip_x2, self->seen.tip_x3};
 
   for (PetscInt w = 0; w < walls->n && !advice[0]; w++)
-    if (walls->wall[w].kind == WALL_PATH && !WallsHold(walls, w, clamp) &&
-        !WallsHold(walls, w, tip))
+    if (!WallsHold(walls, w, clamp) && !WallsHold(walls, w, tip))
       (void)snprintf(advice, room,
                      "it may have come beside wall %d of -wall_file, a path that does not hold it: "
                      "lead that to the clamp, or the rod into its mouth",

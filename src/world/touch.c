@@ -334,7 +334,9 @@ static PetscReal FromAxis(const Walls *walls, PetscInt conduit, const PetscReal 
   return look.far;
 }
 
-/* WallsHold - is a place in the conduit which that wall is? */
-PetscBool WallsHold(const Walls *walls, PetscInt conduit, const PetscReal x[2]) {
-  return (PetscBool)(FromAxis(walls, conduit, x) <= walls->wall[conduit].number[0]);
+/* WallsHold - is a place in the conduit which that wall is? One that is none holds every place. */
+PetscBool WallsHold(const Walls *walls, PetscInt wall, const PetscReal x[2]) {
+  const Wall *self = &walls->wall[wall];
+
+  return (PetscBool)(self->kind != WALL_PATH || FromAxis(walls, wall, x) <= self->number[0]);
 }

@@ -85,6 +85,6 @@ PetscInt WallsTouch(const Walls *walls, const PetscReal x[2], PetscReal radius, 
                     Touch touch[MOST_TOUCHES]);
 PetscReal WallsGap(const Walls *walls, const PetscReal x[2], PetscReal radius);
 PetscInt WallsBehind(const Walls *walls, const PetscReal x[2]);
-PetscBool WallsHold(const Walls *walls, PetscInt conduit, const PetscReal x[2]);
+PetscBool WallsHold(const Walls *walls, PetscInt wall, const PetscReal x[2]);
 
 #endif
