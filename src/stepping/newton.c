@@ -32,7 +32,7 @@ static PetscErrorCode Residuals(Rod rod, Vec U, Vec F, PetscReal residual[GROUPS
    noise; where a snap ends, to that part of it, for what is left must be less than the slack by
    which the rod rests below the limit of friction (LoadInFastTime()). Not for ever: with a tiny
    beta and a tiny step their round-off may lie above it: only for so many iterations; in steps in
-   which speeds matter (TellsSpeed()) for so many in a row that have moved nothing else. */
+   which they matter (MindsForces()) for so many in a row that have moved nothing else. */
 static const PetscReal loose = 1e-4, tight = 1e-3;
 enum { PATIENCE = 8 };
 
@@ -64,21 +64,31 @@ static PetscErrorCode RelativeUpdates(Rod rod, Vec U, Vec dU, PetscReal weight,
 /* The rod lengthens at the speed 1; what is so much faster snaps. */
 static const PetscReal snapping = 1e3;
 
+static PetscReal Largest(const PetscReal residual[GROUPS]) {
+  PetscReal largest = 0;
+
+  for (int g = 0; g < GROUPS; g++) largest = PetscMax(largest, residual[g]);
+  return largest;
+}
+
 /*
-  TellsSpeed - is a step of a rod that can touch so long that a place which moves in it by no more
-  than what is not seen is slower than what counts (self->slow)? Then it must not be accepted
-  without its forces. At the brink of a snap velocities double in each iteration from next to
-  nothing on, and one that has run wild falls back to there: after some iterations such a rod was
-  taken for one at rest, without balance, or crept on in steps of such noise. (In shorter steps
-  speeds are noise whatever is done, and starts that are far out of balance fall in some in which no
+  MindsForces - must a step of a rod that can touch not be accepted without its forces? One that is
+  so long that a place which moves in it by no more than what is not seen is slower than what counts
+  (self->slow); and one whose residual is larger than that of its guess: nothing has been found in
+  it. At the brink of a snap velocities double in each iteration from next to nothing on, and one
+  that has run wild falls back to there: after some iterations such a rod was taken for one at rest,
+  without balance, or crept on in steps of such noise. (In shorter steps speeds are noise whatever
+  is done, and starts that are far out of balance, as their guesses are, fall in some in which no
   force can be told.)
 */
-static PetscErrorCode TellsSpeed(const Newton *self, PetscReal unseen, PetscBool *tells) {
+static PetscErrorCode MindsForces(const Newton *self, PetscReal unseen,
+                                  const PetscReal residual[GROUPS], PetscBool *minds) {
   PetscReal step;
 
   PetscFunctionBegin;
   PetscCall(TSGetTimeStep(self->ts, &step));
-  *tells = (PetscBool)(self->rod->scene->contact.any && unseen < self->slow * step);
+  *minds = (PetscBool)(self->rod->scene->contact.any &&
+                       (unseen < self->slow * step || Largest(residual) > self->guess));
   PetscFunctionReturn(0);
 }
 
@@ -150,7 +160,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
   Vec U, dU, F;
   SNESLineSearch search;
   PetscReal followed = 0, part, whole;
-  PetscBool tells = PETSC_FALSE;
+  PetscBool minds = PETSC_FALSE;
 
   PetscFunctionBegin;
   *reason = PetscIsInfOrNanReal(fnorm) ? DIVERGED_NAN : SNES_CONVERGED_ITERATING;
@@ -158,15 +168,16 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
   PetscCall(SNESGetFunction(snes, &F, NULL, NULL));
   PetscCall(SNESGetSolution(snes, &U));
   PetscCall(Residuals(self->rod, U, F, residual));
-  if (!it)
+  if (!it) {
     self->waits = self->holds = 0;
-  else {
+    self->guess = Largest(residual);
+  } else {
     PetscCall(SNESGetSolutionUpdate(snes, &dU));
     PetscCall(RelativeUpdates(self->rod, U, dU,
                               self->waits < PATIENCE ? PetscMin(1, floor / self->loose) : 0, update,
                               &followed));
-    PetscCall(TellsSpeed(self, floor, &tells));
-    self->waits = tells && followed > floor ? 0 : self->waits + 1;
+    PetscCall(MindsForces(self, floor, residual, &minds));
+    self->waits = minds && followed > floor ? 0 : self->waits + 1;
     for (int g = 0; g < GROUPS; g++) {
       if (update[g] > floor) rate = PetscMax(rate, residual[g] / self->residual[g]);
       left = LargerSize(left, update[g]);

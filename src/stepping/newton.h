@@ -22,6 +22,7 @@ typedef struct {
   PetscReal slow;      /* speeds that count are not below it: of a snap, that at rest */
   PetscReal update;    /* the latest iteration's largest */
   PetscReal residual[GROUPS]; /* the latest, of each group of fields */
+  PetscReal guess;            /* the largest residual of the guess */
   PetscInt holds;             /* how often sticking points were held anew */
   PetscInt waits;             /* how many iterations forces have been waited for */
 } Newton;
