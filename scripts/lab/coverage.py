@@ -71,6 +71,7 @@ LIMIT, REFERENCE_LIMIT = 40, 60    # seconds of a processor
 OTHER_SIDE = 0.05                 # of the length: so far off a rod is on another side
 NEXT_TO_EXACT = 1e-13             # of references: the program takes 9e-10 at its own tolerance
 ROUNDING = 2.2e-16                # of k0^2 L: an energy that is none, of a rod bent or twisted by nature
+NATURAL = ("rod_curvature", "rod_curvature_2", "rod_curvature_random", "rod_curvature_random_2", "rod_twist")
 DIGITS_END = 1e-300               # an energy below has few of them
 SNAP_OFF = 2e-4                   # of the run: so much earlier or later a rod may snap
 
@@ -227,7 +228,7 @@ def measure(exe, options, directory, accuracy):
     said = done.stdout.replace("\n", " ") + " "
     estimate = re.search(r"error estimate (\S+?)[,; ]", said)
     run, attributes = series(file)
-    run["natural"] = max(abs(float(options.get(k, 0))) for k in ("rod_curvature", "rod_curvature_2", "rod_twist"))
+    run["natural"] = max(abs(float(options.get(k, 0))) for k in NATURAL)
     used, extra = reference_options(run, attributes, options, accuracy)
     fine = reference(exe, used, directory, extra)
     if isinstance(fine, str):
