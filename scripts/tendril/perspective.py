@@ -156,7 +156,7 @@ def ticks_of(low, high, most):
         inside = [value for value in locator.tick_values(low, high) if low <= value <= high]
         if len(inside) > 1:
             break
-    if most < 0.8:
+    if most < 0.6:
         return FixedLocator(inside[-1:])
     return FixedLocator([inside[0], inside[-1]]) if len(inside) > 2 and most < 1.5 else locator
 

@@ -245,7 +245,7 @@ class Package(unittest.TestCase):
         self.assertEqual(tendril.plot(self.tube, "space").axes[0].name, "3d")
 
     def test_space_numbers(self):
-        """The numbers of an axis that is seen short do not run together, and there are two at least."""
+        """The numbers of an axis that is seen short do not run together, and there are two at least, if there is room for them."""
         from matplotlib import pyplot as plt
 
         from tendril.perspective import furnish
