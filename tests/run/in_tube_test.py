@@ -9,7 +9,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
 from contact_test import walls
-from scene_test import Run, expect
+from scene_test import Run, expect, tip_in_space
 
 import h5py
 import numpy as np
@@ -172,7 +172,7 @@ def turned_bend():
                 f"-ts_max_time 3 -friction_mu 0 -friction_layers 0:1e-3 "
                 + walls(f"tube {file} inside friction 0.2"))
         print(f"turned by {angle}: {r.steps} steps, tip {r.tip}, {r.tip_x3[-1]}")
-        tips.append(np.array([*r.tip, r.tip_x3[-1]]))
+        tips.append(tip_in_space(r))
     off = np.abs(tips[1] - [tips[0][0], tips[0][1] * np.cos(0.7), tips[0][1] * np.sin(0.7)]).max()
     expect(tips[0][1] > 0.3 and off < 1e-6, f"{off}")
 

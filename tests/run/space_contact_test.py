@@ -9,7 +9,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
 from contact_test import walls
-from scene_test import Run, expect
+from scene_test import Run, expect, tip_in_space as tip
 from laboratory_test import broken, pressed, read, tendril
 
 import h5py
@@ -25,10 +25,6 @@ ALONE = "-friction_mu 0 -friction_layers 0:1e-9 -friction_beta 1e-12 "  # next t
 def check(function):
     CHECKS[function.__name__.replace("_", "-")] = function
     return function
-
-
-def tip(r):
-    return np.array([*r.tip, r.tip_x3[-1]])
 
 
 @check

@@ -12,7 +12,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
 from held import HANG
-from scene_test import Run, expect
+from scene_test import Run, expect, tip_in_space
 import world_test as world
 from laboratory_test import broken, read, tendril
 
@@ -58,7 +58,7 @@ def references():
         lines = (scene.ROOT / "tests/reference" / f"{name}.json").read_text().splitlines()
         for ref in map(json.loads, lines[-1:]):
             r = Run(f"{options} -rod_cells 200 -ts_rtol 1e-8 -ts_max_time {ref['t']}")
-            tip = np.linalg.norm([*r.tip, r.tip_x3[-1]] - np.array(ref["tip"])) / ref["length"]
+            tip = np.linalg.norm(tip_in_space(r) - np.array(ref["tip"])) / ref["length"]
             off = {k: abs(r.series[k][-1] / ref[k] - 1) for k in ("norm_x2", "norm_x3", "energy")}
             frame = [r.shapes[k][-1, -1] for k in ("d1", "d2", "d3")]
             turned = np.abs(frame[2] - ref["tip_director"]).max()
@@ -622,7 +622,7 @@ def strands_on_ranks():
 
 def off_at_end(run, fine):
     """The larger one of the relative errors of tip and energy."""
-    tip, there = (np.array([*r.tip, r.tip_x3[-1]]) for r in (run, fine))
+    tip, there = map(tip_in_space, (run, fine))
     return max(np.linalg.norm(tip - there) / np.linalg.norm(there), abs(run.energy[-1] / fine.energy[-1] - 1))
 
 
