@@ -92,6 +92,44 @@ static PetscErrorCode MindsForces(const Newton *self, PetscReal unseen,
   PetscFunctionReturn(0);
 }
 
+/*
+  Settled - has a rod that can touch arrived as far as it can? Nor is there anything to wait for
+  where nothing moves by more than round-off (part of a field) and the residual has not fallen to
+  this part, so many times in a row: what is left of it is round-off, too, of velocities in a short
+  step. (In exact friction it may be that places stick one after the other.)
+*/
+static const PetscReal motionless = 1e-12, settled = 0.5;
+enum { SETTLED = 2 };
+
+static PetscBool Settled(Newton *self, PetscReal followed, PetscReal rate) {
+  const Scene scene = self->rod->scene;
+  const PetscBool still = (PetscBool)(scene->contact.any && !LoadSticks(&scene->load) &&
+                                      followed <= motionless && rate > settled);
+
+  self->settles = still ? self->settles + 1 : 0;
+  return (PetscBool)(self->settles >= SETTLED);
+}
+
+/*
+  Hopeless - will the iteration of a rod that can touch not arrive? Most that fail went on to the
+  last of them: full steps run wild, to residuals of 1e10; those that are cut creep along in ever
+  shorter ones. The former are given up where the residual is so many times that of the guess after
+  so many iterations (the first may be, of a rod that leaves a wall), the latter where it has not
+  halved in so many. (A free rod, far out of balance, finds its way from anywhere.)
+*/
+static const PetscReal wild = 100, falls = 0.5;
+enum { WILD = 8, CREEP = 15 };
+
+static PetscBool Hopeless(Newton *self, PetscInt it, PetscReal residual, PetscBool cut) {
+  if (!it || residual <= falls * self->halved) {
+    self->halved = residual;
+    self->creeps = 0;
+  } else
+    self->creeps++;
+  if (!self->rod->scene->contact.any) return PETSC_FALSE;
+  return (PetscBool)(cut ? self->creeps >= CREEP : it >= WILD && residual > wild * self->guess);
+}
+
 /* Exact Coulomb friction: once the iteration has converged, the shifts that hold sticking points
    are moved, and it goes on if these creep farther in the step than this part of the tolerance, of
    the rod's size; but not more often than that, for the shifts outlive the step, and go on settling
@@ -159,8 +197,8 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
             floor = PetscMax(self->tolerance, round_off);
   Vec U, dU, F;
   SNESLineSearch search;
-  PetscReal followed = 0, part, whole;
-  PetscBool minds = PETSC_FALSE;
+  PetscReal followed = 0, part = 1, whole = 1;
+  PetscBool minds = PETSC_FALSE, hopeless;
 
   PetscFunctionBegin;
   *reason = PetscIsInfOrNanReal(fnorm) ? DIVERGED_NAN : SNES_CONVERGED_ITERATING;
@@ -169,7 +207,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
   PetscCall(SNESGetSolution(snes, &U));
   PetscCall(Residuals(self->rod, U, F, residual));
   if (!it) {
-    self->waits = self->holds = 0;
+    self->waits = self->settles = self->holds = 0;
     self->guess = Largest(residual);
   } else {
     PetscCall(SNESGetSolutionUpdate(snes, &dU));
@@ -182,6 +220,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
       if (update[g] > floor) rate = PetscMax(rate, residual[g] / self->residual[g]);
       left = LargerSize(left, update[g]);
     }
+    if (Settled(self, followed, rate)) left = followed;
     if (it > 1 && !self->rod->scene->contact.any) rate = PetscMin(rate, left / self->update);
     self->update = left;
     PetscCall(SNESGetLineSearch(snes, &search));
@@ -197,6 +236,8 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
                         (double)left, (double)rate, (double)residual[ALONG],
                         (double)residual[ACROSS_2]));
   }
+  hopeless = Hopeless(self, it, Largest(residual), (PetscBool)(part < whole));
+  if (!*reason && hopeless) *reason = SNES_DIVERGED_LINE_SEARCH;
   if (*reason > 0 && LoadSticks(&self->rod->scene->load) && self->rod->model->hold)
     PetscCall(Hold(self, snes, U, F, reason));
   PetscCall(PetscArraycpy(self->residual, residual, GROUPS));

@@ -23,8 +23,11 @@ typedef struct {
   PetscReal update;    /* the latest iteration's largest */
   PetscReal residual[GROUPS]; /* the latest, of each group of fields */
   PetscReal guess;            /* the largest residual of the guess */
+  PetscReal halved;           /* the largest residual when it last had halved */
+  PetscInt creeps;            /* how many iterations ago that was */
   PetscInt holds;             /* how often sticking points were held anew */
   PetscInt waits;             /* how many iterations forces have been waited for */
+  PetscInt settles;           /* for how many nothing has changed but round-off */
 } Newton;
 
 PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton);

@@ -938,6 +938,24 @@ def brink():
 
 
 @check
+def given_up():
+    """The tip of a vine meets a wall in a step whose guess lies deep in it: solves that have no hope left are given up
+    before the last of their iterations, and the vine arrives where it does in small steps. (They ran wild, to
+    residuals of 1e10, and crept, six in these runs to the 40th: 990 iterations in all.)"""
+    vine, tries = "-options_file options/vine-corners.opts -ts_max_time 3 ", 0
+    exact = Run(vine + "-ts_rtol 1e-7").tip
+    for rtol in ("1e-4", "5e-5", "2e-5", "1e-5"):
+        r = Run(f"{vine} -ts_rtol {rtol} -info ::snes")
+        solves = [int(n) for n in re.findall(r"Converged\(\): iteration (\d+):", r.said)]
+        off = np.hypot(*(r.tip - exact))
+        print(f"{rtol}: {len(solves)} iterations, at most {max(solves)} in a solve, tip off by {off:.1e}")
+        expect(max(solves) < 40, "a solve goes on to the last")
+        expect(off < 10 * float(rtol), f"tip off by {off:.1e}")
+        tries += len(solves)
+    expect(tries < 900, f"{tries} iterations")
+
+
+@check
 def deep_guess():
     """A first step that guesses the rod deep in a stiff wall that it all but touches: Newton's method must not take the way
     out for the end of the way. Forces are those of a tolerance at which it cannot,
