@@ -3,8 +3,8 @@
 each against three times its cells and a hundredth of its tolerance, where friction is exact behind a
 growth zone also against a beta far smaller than that which tolerance allows.
 
-    coverage.py EXE SEED COUNT [--kinds plain,wide,world,contact,hard,space,space-world,moving,linear] [--end 6] [--cells N]
-                [--accuracy 1e-4] [--store FILE.csv]
+    coverage.py EXE SEED COUNT [--kinds plain,wide,world,contact,hard,space,space-world,moving,linear,linear-world]
+                [--end 6] [--cells N] [--accuracy 1e-4] [--store FILE.csv]
 
 The true error is the largest relative one of tip, |x2| and energy from a hundredth of the run on (and
 as far behind a time at which there is no |x2|, or no energy). Prints a line a scene and the share in which the
@@ -32,7 +32,10 @@ import numpy as np
 
 def linear_scene(draw, files):
     """Options by name: a wide scene of a rod so straight that the linear model has it for most of the run, if not for all."""
-    o = fuzz.plain_scene(draw, True)
+    return next_to_straight(draw, fuzz.plain_scene(draw, True))
+
+
+def next_to_straight(draw, o):
     for name in ("rod_curvature", "rod_curvature_random", "clamp_angle"):
         o.pop(name, None)
     return {**o, "shape_amplitude": draw.over_decades(1e-12, 1e-4), "rod_model": "auto"}
@@ -64,7 +67,8 @@ SCENES = {"plain": lambda draw, files: fuzz.plain_scene(draw, False),
           "space": lambda draw, files: fuzz.space_scene(draw, False, files),
           "space-world": lambda draw, files: fuzz.space_world_scene(draw, False, files),
           "moving": moving_scene,
-          "linear": linear_scene}
+          "linear": linear_scene,
+          "linear-world": lambda draw, files: next_to_straight(draw, fuzz.world_scene(draw, False, files))}
 SEEN = ("tip_x1", "tip_x2", "tip_x3", "norm_x2", "norm_x3", "energy", "length")
 NAMES = ("tip", "norm", "energy")
 LIMIT, REFERENCE_LIMIT = 40, 60    # seconds of a processor

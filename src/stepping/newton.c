@@ -113,21 +113,21 @@ static PetscBool Settled(Newton *self, PetscReal followed, PetscReal rate) {
 /*
   Hopeless - will the iteration of a rod that can touch not arrive? Most that fail went on to the
   last of them: full steps run wild, to residuals of 1e10; those that are cut creep along in ever
-  shorter ones. The former are given up where the residual is so many times that of the guess after
-  so many iterations (the first may be, of a rod that leaves a wall), the latter where it has not
-  halved in so many. (A free rod, far out of balance, finds its way from anywhere.)
+  shorter ones. The former are given up where the residual has been so many times that of the guess,
+  so many times in a row (one that finds its way from far out of balance comes back from there), the
+  latter where it has not halved in so many.
 */
 static const PetscReal wild = 100, falls = 0.5;
-enum { WILD = 8, CREEP = 15 };
+enum { WILD = 4, CREEP = 15 };
 
 static PetscBool Hopeless(Newton *self, PetscInt it, PetscReal residual, PetscBool cut) {
-  if (!it || residual <= falls * self->halved) {
-    self->halved = residual;
-    self->creeps = 0;
-  } else
-    self->creeps++;
-  if (!self->rod->scene->contact.any) return PETSC_FALSE;
-  return (PetscBool)(cut ? self->creeps >= CREEP : it >= WILD && residual > wild * self->guess);
+  const PetscBool begins = (PetscBool)!it, halves = (PetscBool)(residual <= falls * self->halved);
+
+  if (begins || halves) self->halved = residual;
+  self->creeps = begins || halves ? 0 : self->creeps + 1;
+  self->wild = !begins && residual > wild * self->guess ? self->wild + 1 : 0;
+  return (PetscBool)(self->rod->scene->contact.any &&
+                     (cut ? self->creeps >= CREEP : self->wild >= WILD));
 }
 
 /* Exact Coulomb friction: once the iteration has converged, the shifts that hold sticking points

@@ -25,6 +25,7 @@ typedef struct {
   PetscReal guess;            /* the largest residual of the guess */
   PetscReal halved;           /* the largest residual when it last had halved */
   PetscInt creeps;            /* how many iterations ago that was */
+  PetscInt wild;              /* for how many it has been far above that of the guess */
   PetscInt holds;             /* how often sticking points were held anew */
   PetscInt waits;             /* how many iterations forces have been waited for */
   PetscInt settles;           /* for how many nothing has changed but round-off */

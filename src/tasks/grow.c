@@ -387,7 +387,8 @@ static PetscErrorCode ChooseModel(Grow *self) {
   space->rod = (PetscBool)(self->model == SPACE ||
                            (space->why && (self->model == AUTO || self->model == LINEAR)));
   PetscCall(OptionGiven("-accuracy", &asked));
-  if (asked && self->model == AUTO) /* their errors are measured */
+  /* their errors are measured; friction taken as a limit may be off from it by as much as itself */
+  if ((asked || self->scene->load.limit) && self->model == AUTO)
     self->model = space->rod ? SPACE : FRAME;
   UserCheck(
       !space->only || space->rod, self->scene->comm,

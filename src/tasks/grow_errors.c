@@ -6,8 +6,9 @@
    followed: it may be off by twice what that step has changed, and by no more than of_start; but
    if that is far, the rod may have left it to another side, and nothing is known. Behind
    a growth zone friction that is exact is taken for one with a beta, which moments that were laid
-   down feel by its sixth root, and little else does: so much where errors are not followed. */
-static const PetscReal per_snap = 1e-4, per_change = 2, of_start = 1e-2, far = 0.5, of_limit = 10;
+   down feel by its sixth root, and little else does: so much where errors are not followed (at the
+   usual tolerance nothing is known). */
+static const PetscReal per_snap = 1e-4, per_change = 2, of_start = 1e-2, far = 0.5, of_limit = 40;
 /* What a viscous share adds, over it: norms change by up to ten times that (LoadShareMore()). */
 static const PetscReal per_share = 10;
 
