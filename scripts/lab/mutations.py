@@ -133,6 +133,7 @@ MUTATIONS = [
     ("hopeless, free rods", N, "self->rod->scene->contact.any &&\n                     (cut", "1 && (cut"),
     ("creeping, to the last", N, "CREEP = 15", "CREEP = 1000"),
     ("wild, once", N, "WILD = 4,", "WILD = 1,"),
+    ("wild, early", N, "EARLIEST = 8,", "EARLIEST = 1,"),
     ("wild, to the last", N, "WILD = 4,", "WILD = 1000,"),
     ("the limit, by the linear model", "tasks/grow.c", "(asked || self->scene->load.limit)", "asked"),
     ("the limit, fitted", "tasks/grow_errors.c", "of_limit = 40;", "of_limit = 10;"),

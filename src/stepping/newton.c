@@ -114,11 +114,12 @@ static PetscBool Settled(Newton *self, PetscReal followed, PetscReal rate) {
   Hopeless - will the iteration of a rod that can touch not arrive? Most that fail went on to the
   last of them: full steps run wild, to residuals of 1e10; those that are cut creep along in ever
   shorter ones. The former are given up where the residual has been so many times that of the guess,
-  so many times in a row (one that finds its way from far out of balance comes back from there), the
-  latter where it has not halved in so many.
+  so many times in a row (one that finds its way from far out of balance comes back from there), but
+  not before the EARLIEST (the first are, of a rod that leaves a stiff wall), the latter where it
+  has not halved in so many.
 */
 static const PetscReal wild = 100, falls = 0.5;
-enum { WILD = 4, CREEP = 15 };
+enum { WILD = 4, EARLIEST = 8, CREEP = 15 };
 
 static PetscBool Hopeless(Newton *self, PetscInt it, PetscReal residual, PetscBool cut) {
   const PetscBool begins = (PetscBool)!it, halves = (PetscBool)(residual <= falls * self->halved);
@@ -127,7 +128,7 @@ static PetscBool Hopeless(Newton *self, PetscInt it, PetscReal residual, PetscBo
   self->creeps = begins || halves ? 0 : self->creeps + 1;
   self->wild = !begins && residual > wild * self->guess ? self->wild + 1 : 0;
   return (PetscBool)(self->rod->scene->contact.any &&
-                     (cut ? self->creeps >= CREEP : self->wild >= WILD));
+                     (cut ? self->creeps >= CREEP : it >= EARLIEST && self->wild >= WILD));
 }
 
 /* Exact Coulomb friction: once the iteration has converged, the shifts that hold sticking points
