@@ -36,7 +36,7 @@ def linear_scene(draw, files):
 
 
 def next_to_straight(draw, o):
-    for name in ("rod_curvature", "rod_curvature_random", "clamp_angle"):
+    for name in ("rod_curvature", "rod_curvature_random", "clamp_angle", "tip_type"):  # a held tip wants a rod that is bent
         o.pop(name, None)
     return {**o, "shape_amplitude": draw.over_decades(1e-12, 1e-4), "rod_model": "auto"}
 

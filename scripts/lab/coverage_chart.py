@@ -14,7 +14,7 @@ from tendril.style import STYLE
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 COLOURS = {"plain": "#0072B2", "wide": "#56B4E9", "world": "#009E73", "contact": "#D55E00", "hard": "#CC79A7",
-           "space": "#E69F00", "space-world": "#F0E442", "linear": "#999999", "moving": "#000000"}
+           "space": "#E69F00", "space-world": "#F0E442", "linear": "#999999", "linear-world": "#882255", "moving": "#000000"}
 LEAST = 1e-10
 
 

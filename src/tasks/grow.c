@@ -387,8 +387,9 @@ static PetscErrorCode ChooseModel(Grow *self) {
   space->rod = (PetscBool)(self->model == SPACE ||
                            (space->why && (self->model == AUTO || self->model == LINEAR)));
   PetscCall(OptionGiven("-accuracy", &asked));
-  /* their errors are measured; friction taken as a limit may be off from it by as much as itself */
-  if ((asked || self->scene->load.limit) && self->model == AUTO)
+  /* their errors are measured; linear rods creep behind a growth zone under friction that is next
+     to exact, by as much as they are bent, and in short waves that the steps do not see */
+  if ((asked || LoadIsNextToExact(&self->scene->load)) && self->model == AUTO)
     self->model = space->rod ? SPACE : FRAME;
   UserCheck(
       !space->only || space->rod, self->scene->comm,

@@ -221,6 +221,13 @@ void LoadNextToExact(Load *load) {
   if (load->limit) load->friction.beta = next_to_exact;
 }
 
+/* LoadIsNextToExact - is it, as a limit or by its own beta, of a rod of which a part is at rest?
+   Steps of the usual tolerance do not tell that from what creeps. */
+PetscBool LoadIsNextToExact(const Load *load) {
+  return (PetscBool)(load->told > 0 && load->friction.mu > 0 &&
+                     load->friction.beta <= PetscSqr(load->told));
+}
+
 /* LoadNextToExactByWalls - and for one that walls may hold at its tip: all of it may be at rest,
    and where it starts again behind a snap steps are so short that the noise of its velocities is
    more than they are. */

@@ -54,6 +54,7 @@ extern const OptionGroup load_options;
 
 PetscErrorCode LoadSetFromOptions(Load *load, PetscReal clamp_angle);
 void LoadNextToExact(Load *load);
+PetscBool LoadIsNextToExact(const Load *load);
 void LoadNextToExactByWalls(Load *load);
 void LoadAtTolerance(Load *load, PetscReal rtol);
 void LoadShare(Load *load, PetscReal share);

@@ -168,6 +168,30 @@ def accuracy():
 
 
 @check
+def next_to_straight():
+    """Rods next to straight that are laid down under exact friction, taken as a limit, creep by as much as they are bent, and say
+    so (5e-5 was told of linear ones, of which that is not measured); under one that is next to exact auto's steps see the short
+    waves of the energy (off by 3e-3, told 1.3e-5, while they were those of the linear model)."""
+    for creeps in ("-growth_zone 0.556 -growth_initial_length 0.576 -shape_amplitude 4.15e-5 -friction_across 0.3 -tip_force 0.969 "
+                   "-ts_max_time 4.4 ",
+                   "-growth_zone 0.156 -growth_initial_length 0.306 -shape_amplitude 1.43e-4 -friction_across 0.325 -tip_force 0.474 "
+                   "-tip_law resistance -ts_max_time 4.83 "):
+        creeps += "-growth_type apical -shape_type sag "
+        limit = Run(creeps + "-friction_beta 1e-13 -rod_model frame -rod_cells 500 -ts_rtol 1e-7")
+        for model in ("auto", "linear"):
+            r = Run(creeps + f"-friction_beta 0 -rod_model {model}")
+            error = max(abs(r.series[k][-1] / limit.series[k][-1] - 1) for k in ("norm_x2", "energy"))
+            print(f"the limit, {model}: off by {error:.1e}, told {r.estimate:.1e}")
+            expect(0.1 < error < r.estimate, f"{model}: off by {error:.1e}, told {r.estimate:.1e}")
+    waves = ("-growth_type apical -friction_beta 2e-11 -growth_initial_length 7 -growth_zone 0.72 -shape_type sag "
+             "-shape_amplitude 1e-5 -ts_max_time 4 ")
+    r, fine = Run(waves + "-rod_model auto"), Run(waves + "-rod_model frame -rod_cells 500 -ts_rtol 1e-7")
+    error = abs(np.interp(r.t, fine.t, fine.energy) / r.energy - 1)[r.t > 0.04].max()
+    print(f"next to exact: energy off by {error:.1e}, told {r.estimate:.1e}")
+    expect(error < 5e-5, f"next to exact: energy off by {error:.1e}")
+
+
+@check
 def doubts():
     """An accuracy that may not be met is doubted, with what would do, and that does. Of friction that is exact where
     material comes to rest the estimate measures what it is off from its limit."""
@@ -186,19 +210,6 @@ def doubts():
     error = abs(mixed.energy[-1] / limit.energy[-1] - 1)
     print(f"the limit, by the mixed model: off by {error:.1e}, estimated {mixed.estimate:.1e}")
     expect(error < mixed.estimate < 3, f"mixed: energy off by {error:.1e}, estimated {mixed.estimate:.1e}")
-    # next to straight rods creep by more than they are bent (told 5e-5, as of linear ones, of which that is not measured)
-    for creeps in ("-growth_zone 0.556 -growth_initial_length 0.576 -shape_type sag -shape_amplitude 4.15e-5 -friction_across 0.3 "
-                   "-tip_force 0.969 -ts_max_time 4.4 ",
-                   "-growth_zone 0.156 -growth_initial_length 0.306 -shape_type sag -shape_amplitude 1.43e-4 -friction_across 0.325 "
-                   "-tip_force 0.474 -tip_law resistance -clamp_angle -0.458 -ts_max_time 4.83 "):
-        limit = Run(f"-growth_type apical {creeps} -friction_beta 1e-13 -rod_model frame -rod_cells 500 -ts_rtol 1e-7")
-        for model in ("auto", "linear"):
-            if model == "linear" and "clamp_angle" in creeps:
-                continue
-            r = Run(f"-growth_type apical {creeps} -friction_beta 0 -rod_model {model}")
-            error = max(abs(r.series[k][-1] / limit.series[k][-1] - 1) for k in ("norm_x2", "energy"))
-            print(f"the limit of one next to straight, {model}: off by {error:.1e}, told {r.estimate:.1e}")
-            expect(0.1 < error < r.estimate, f"{model}: off by {error:.1e}, told {r.estimate:.1e}")
     expect(", friction " in r.said and "The estimate is that large for: tip " in r.said, r.said)
     bent = ("-growth_type apical -growth_zone 0.56 -growth_initial_length 3 -shape_type straight -rod_curvature 0.04 "
             "-tip_force 1.3 -tip_law follower -friction_across 1.5 -ts_max_time 2 -rod_cells 200 ")
