@@ -38,7 +38,7 @@ def main():
                         color=colour, label=f"{kind}, {len(own)}")
         ax.set(xscale="log", yscale="log", xlim=limits, ylim=limits, xlabel=r"true error, the largest of tip, $\|x_2\|$ and energy",
                ylabel="error estimate")
-        ax.legend(loc="lower right", fontsize=7)
+        ax.legend(borderaxespad=1.2, loc="lower right", fontsize=7)
         fig.tight_layout()
         fig.savefig(picture, dpi=200)
     ratio = np.array([float(row["ratio"]) for row in rows])
