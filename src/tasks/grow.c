@@ -116,11 +116,10 @@ static PetscErrorCode Store(Grow *self, PetscBool finished) {
   PetscFunctionReturn(0);
 }
 
-/* auto: the linear model leaves out terms of relative size theta^2. Take it while they are below
-   the tolerance of a step, and take it up again only when well below, so that it does not flicker.
- */
+/* auto: takes the linear model while what it leaves out (Neglect()) is below the tolerance of a
+   step, and takes it up again only when well below, so that it does not flicker. */
 static PetscInt BetterModel(const Grow *self) {
-  const PetscReal neglected = PetscSqr(self->seen.max_angle);
+  const PetscReal neglected = PetscMax(self->neglects, PetscSqr(self->seen.max_angle));
   const PetscInt whole = WholeModel(self);
   if (self->model != AUTO) return self->model;
   if (!self->can[LINEAR]) return whole;
@@ -148,16 +147,24 @@ static void Weigh(Grow *self, const Observation *last, PetscReal folds) {
 }
 
 /* The linear model leaves out terms of the square of the angle and, in friction, of the square of
-   the speed across the rod: that along it is about 1. */
+   the speed across the rod over that along it: of about 1, or, of a part that is at rest, of what
+   there is in its place, the root of beta. */
 static PetscErrorCode Neglect(Grow *self, Vec U_t) {
-  PetscReal speed[MAX_FIELDS] = {0};
+  const RodModel *model = self->now->rod->model;
+  const Load *load = &self->scene->load;
+  PetscReal speed[MAX_FIELDS] = {0}, across = 0;
 
   PetscFunctionBegin;
-  if (self->model != LINEAR) PetscFunctionReturn(0);
+  if (self->model != LINEAR && self->model != AUTO) PetscFunctionReturn(0);
   if (U_t) PetscCall(RodFieldSizes(self->now->rod, U_t, speed));
-  for (PetscInt f = 1; f < self->now->rod->model->fields; f++)
-    speed[0] = PetscMax(speed[0], speed[f]);
-  self->neglected = PetscMax(self->neglected, PetscSqr(PetscMax(speed[0], self->seen.max_angle)));
+  for (PetscInt f = 0; f < model->fields; f++)
+    if (!strcmp(model->field[f], "y") || !strcmp(model->field[f], "x2") ||
+        !strcmp(model->field[f], "x3"))
+      across = PetscMax(across, speed[f]);
+  self->neglects = PetscSqr(across);
+  if (load->told > 0 && load->friction.mu > 0) self->neglects /= load->friction.beta;
+  self->neglects = PetscMax(self->neglects, PetscSqr(self->seen.max_angle));
+  if (self->model == LINEAR) self->neglected = PetscMax(self->neglected, self->neglects);
   PetscFunctionReturn(0);
 }
 

@@ -34,7 +34,8 @@ typedef struct {
   PetscReal report_at;        /* time of the next progress line */
   PetscInt iterations, steps; /* before the latest step; steps of earlier legs */
   PetscReal folds;            /* of |x2|, up and down, so far */
-  PetscReal neglected;        /* largest part that the linear model left out */
+  PetscReal neglects;         /* part that the linear model leaves out, or would, now */
+  PetscReal neglected;        /* largest part that it left out */
   PetscReal energy_folds;     /* of the energy of the linear model, up and down */
   PetscReal weighed;          /* the folds, by what they weigh in its energy */
   PetscBool pressed;          /* there has been contact */
