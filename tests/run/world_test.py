@@ -457,7 +457,7 @@ def linear_start():
     along = "-friction_field " + field(lambda x1, x2: 1 + 0.3 * x1 + 0 * x2)
     for options in ("-friction_across 2", "-tip_force 0.5 -tip_law follower", along,
                     "-tip_force 0.5 -tip_law resistance",
-                    "-growth_type apical -growth_zone 0.6 -friction_mu 0.6",
+                    "-growth_type apical -growth_zone 0.6 -friction_mu 0.6 -shape_amplitude 1e-6",
                     f"-growth_type feed -friction_across 2 {along} {stiff} -tip_force 0.3"):
         options = f"-growth_initial_length 1 -shape_amplitude 1e-4 -ts_max_time 2 {options}"
         auto, frame = (Run(f"{options} -rod_model {model}") for model in ("auto", "frame"))
