@@ -6,7 +6,7 @@
 #include "stepping/estimate.h"
 #include "stepping/vbdf.h"
 
-enum { RESTART_BESIDE = 11 }; /* as grow_errors.c has them */
+enum { RESTART_BESIDE = 11, RESTART_STUCK = 7 }; /* as grow_errors.c and grow_jam.c have them */
 
 /* All reals, stored as one array, /restart/state; beside it the stepper's points, /restart/points,
    latest first, [point][node times fields], what Newton's method remembers, /restart/memory, and
@@ -24,6 +24,7 @@ typedef struct {
   PetscReal following[ESTIMATE_MEMORY];            /* how they are followed on */
   PetscReal follows, errors_sum;                   /* are they? as sum, of /restart/errors */
   PetscReal beside[RESTART_BESIDE]; /* errors that are not followed, and what they follow from */
+  PetscReal stuck[RESTART_STUCK];   /* since when, and in how many steps, it has got nowhere */
   PetscReal time[VBDF_POINTS];      /* of the points */
   PetscReal balance[BALANCE_STATE]; /* of the energy balance */
   PetscReal sum;                    /* of the absolute values of all of it: a torn file shows */

@@ -305,7 +305,9 @@ static PetscErrorCode LookForCrawl(Bent *self, TS ts, PetscReal t) {
 
   PetscFunctionBegin;
   PetscCall(GrowthLength(scene->growth, t, &length, NULL));
-  self->crawls = CrawlStep(&self->crawl, t, crawls_by * PetscMin(length, scene->end_time));
+  self->crawls =
+      (PetscBool)(!self->crawl.allowed &&
+                  CrawlStep(&self->crawl, t, crawls_by * PetscMin(length, scene->end_time)));
   if (self->crawls) PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
   PetscFunctionReturn(0);
 }
@@ -365,7 +367,7 @@ static PetscErrorCode Create(Scene scene, PetscReal rtol, PetscBool quiet, Bent 
   PetscCall(SetMoves(self));
   PetscCall(SolverCreate(scene->comm, self));
   if (!quiet) PetscCall(EPSSetFromOptions(self->eps));
-  PetscCall(CrawlAllowed(self->leg.ts, &self->crawl.allowed));
+  PetscCall(CrawlAllowed(self->leg.ts, &self->crawl));
   PetscCall(RodBegin(rod, self->leg.U));
   PetscFunctionReturn(0);
 }

@@ -1,24 +1,24 @@
 #include "tasks/crawl.h"
 #include "base/options.h"
 
-/* So many steps for what is next to nothing. */
-enum { STEPS = 1000, HALF = STEPS / 2 };
+/* So many steps for what is next to nothing; and where something can still be done about it. */
+enum { STEPS = 1000, SOON = 250 };
 /* In the layer of a start, or behind a kink, steps get longer from next to nothing on, the slower
    the finer the tolerance: who gets on so much faster in the second half does not crawl. */
 static const PetscReal faster = 2;
 
-/* CrawlAllowed - has whoever runs it said how many steps there may be, or how long they are to be?
-   Then none of them crawls. */
-PetscErrorCode CrawlAllowed(TS ts, PetscBool *allowed) {
-  PetscBool most, longest, fixed;
+/* CrawlAllowed - has whoever runs it said how long steps are to be? Then none of them crawls. Or
+   how many there may be? Then the run does not end for it. */
+PetscErrorCode CrawlAllowed(TS ts, Crawl *self) {
+  PetscBool longest, fixed;
   TSAdapt adapt;
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_max_steps", &most));
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_max_steps", &self->allowed));
   PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_adapt_dt_max", &longest));
   PetscCall(TSGetAdapt(ts, &adapt));
   PetscCall(PetscObjectTypeCompare((PetscObject)adapt, TSADAPTNONE, &fixed));
-  *allowed = (PetscBool)(most || longest || fixed);
+  self->told = (PetscBool)(longest || fixed);
   PetscFunctionReturn(0);
 }
 
@@ -30,12 +30,13 @@ PetscErrorCode CrawlAllowed(TS ts, PetscBool *allowed) {
   least  what is next to nothing
 */
 PetscBool CrawlStep(Crawl *self, PetscReal t, PetscReal least) {
+  const PetscInt steps = self->soon ? SOON : STEPS;
   PetscBool crawls;
 
-  if (self->allowed) return PETSC_FALSE;
+  if (self->told) return PETSC_FALSE;
   self->steps++;
-  if (self->steps == HALF) self->half = t;
-  if (self->steps < STEPS && t < self->time + least) return PETSC_FALSE;
+  if (self->steps == steps / 2) self->half = t;
+  if (self->steps < steps && t < self->time + least) return PETSC_FALSE;
   self->by = t - self->time;
   crawls = (PetscBool)(self->by < least && t - self->half < faster * (self->half - self->time));
   self->time = t;

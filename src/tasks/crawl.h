@@ -10,12 +10,14 @@ static const PetscReal crawl_part = 1e-5;
 
 /* All 0 at the start of a run. */
 typedef struct {
-  PetscBool allowed;        /* how many steps, or how long, is said: see CrawlAllowed() */
+  PetscBool soon;           /* it is looked at sooner */
+  PetscBool told;           /* how long steps are, see CrawlAllowed(): none is looked at */
+  PetscBool allowed;        /* how many there may be: the run does not end for it */
   PetscReal time, half, by; /* t when it was looked, and half-way since; how far it had come then */
   PetscInt steps;           /* since */
 } Crawl;
 
-PetscErrorCode CrawlAllowed(TS ts, PetscBool *allowed);
+PetscErrorCode CrawlAllowed(TS ts, Crawl *crawl);
 PetscBool CrawlStep(Crawl *crawl, PetscReal t, PetscReal least);
 void CrawlTell(const Crawl *crawl, PetscReal beta, char line[], size_t room);
 

@@ -104,6 +104,7 @@ static PetscErrorCode Store(Grow *self, PetscBool finished) {
   PetscCall(RestartKeep(self->now, self->seen.t, self->now->U, &state, points));
   PetscCall(ObserverGetBalance(self->observer, state.balance));
   GrowKeepErrors(self, state.beside);
+  GrowKeepStuck(self, state.stuck);
   state.follows = self->estimate ? 1 : 0;
   if (self->estimate) {
     PetscCall(EstimateGet(self->estimate, state.errors));
@@ -275,6 +276,17 @@ static PetscErrorCode Agree(Grow *self, PetscBool *store) {
   PetscFunctionReturn(0);
 }
 
+/* Does it crawl, and a viscous share of its friction is no help? */
+static PetscBool Crawls(Grow *self) {
+  Load *load = &self->scene->load;
+
+  if (self->seen.t >= self->scene->end_time) return PETSC_FALSE;
+  self->crawl.soon = LoadMayCrawl(load);
+  return (PetscBool)(CrawlStep(&self->crawl, self->seen.t,
+                               crawl_part * PetscMin(self->seen.length, self->end)) &&
+                     !LoadShareSlight(load) && !self->crawl.allowed);
+}
+
 /* Does the run, or this model of it, end with the step just taken? */
 static PetscErrorCode StopHere(Grow *self, TS ts) {
   PetscFunctionBegin;
@@ -282,10 +294,7 @@ static PetscErrorCode StopHere(Grow *self, TS ts) {
   self->jammed = (PetscBool)(!self->event.kind && GrowIsJammed(self));
   self->slips =
       (PetscBool)(!self->event.kind && GrowSlips(self) && !LoadShareMore(&self->scene->load));
-  self->crawls = (PetscBool)(!self->event.kind && !self->jammed && !self->slips &&
-                             self->seen.t < self->scene->end_time &&
-                             CrawlStep(&self->crawl, self->seen.t,
-                                       crawl_part * PetscMin(self->seen.length, self->end)));
+  self->crawls = (PetscBool)(!self->event.kind && !self->jammed && !self->slips && Crawls(self));
   if (self->event.kind || self->stopped || self->beyond || self->jammed || self->slips ||
       self->crawls ||
       (&self->leg[BetterModel(self)] != self->now && self->seen.t < self->scene->end_time))
@@ -618,6 +627,7 @@ static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *
   PetscCall(ObserverSetBalance(self->observer, state->balance));
   PetscCall(RestartTakeErrors(restart, state, self->estimate));
   GrowTakeErrors(self, state->beside);
+  GrowTakeStuck(self, state->stuck);
   self->folds = state->folds;
   self->seen = state->seen;
   self->began = state->began;
@@ -656,7 +666,7 @@ static PetscErrorCode Create(Grow *self, const char *output, const char *restart
     if (m == self->model ||
         (self->model == AUTO && (m == LINEAR || m == WholeModel(self)) && self->can[m]))
       PetscCall(AddLeg(self, m));
-  PetscCall(CrawlAllowed(OwnLeg(self)->ts, &self->crawl.allowed));
+  PetscCall(CrawlAllowed(OwnLeg(self)->ts, &self->crawl));
   PetscCall(RodHoldTip(OwnLeg(self)->rod));
   if (self->leg[WholeModel(self)].rod)
     PetscCall(EstimateCreate(&self->leg[WholeModel(self)], &self->estimate));
@@ -680,8 +690,14 @@ static PetscErrorCode Destroy(Grow *self) {
   PetscFunctionReturn(0);
 }
 
-/* Steps to the end, from model to model. Where a rod with weak friction across finds no step, it
-   tries again with a larger viscous share, in steps from this part of the run on. */
+/* A larger viscous share of friction for a rod that has one, a slight one for one that has none. */
+static PetscBool ShareMore(Grow *self) {
+  Load *load = &self->scene->load;
+  return (PetscBool)((load->shared && LoadShareMore(load)) || LoadShareSlight(load));
+}
+
+/* Steps to the end, from model to model. Where a rod in dry friction finds no step, it tries again
+   with a viscous share, or a larger one, in steps from this part of the run on. */
 static const PetscReal begins_again = 1e-9;
 
 static PetscErrorCode Follow(Grow *self, TSConvergedReason *reason) {
@@ -690,8 +706,7 @@ static PetscErrorCode Follow(Grow *self, TSConvergedReason *reason) {
     PetscCall(TSSolve(self->now->ts, self->now->U));
     PetscCall(TSGetConvergedReason(self->now->ts, reason));
     if (self->now->interrupted) self->stopped = self->now->interrupted;
-    if (*reason < 0 && !self->stopped && self->scene->load.shared &&
-        LoadShareMore(&self->scene->load)) {
+    if (*reason < 0 && !self->stopped && ShareMore(self)) {
       PetscCall(TSRestartStep(self->now->ts));
       PetscCall(TSSetTimeStep(self->now->ts, begins_again * self->scene->end_time));
       continue;
@@ -852,7 +867,8 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
       "side it gives way; %s; give it a small -rod_curvature",
       text[0], kept);
   UserCheck(
-      !self->slips && !(reason < 0 && self->scene->load.shared), comm,
+      !self->slips && !(reason < 0 && self->scene->load.shared && self->scene->load.across < 1),
+      comm,
       "gave up at t = %s: with -friction_across %g dry friction does not say how fast so bent a "
       "rod moves, and it slips and sticks in no time, again and again; %s; take a larger "
       "-friction_across, or a lower -friction_mu: 0.99, or less",

@@ -59,7 +59,7 @@ static const PetscReal gets_on = 1e-2;
   that it gets nowhere? The same on every rank. If so, it begins to count anew.
 */
 PetscBool GrowSlips(Grow *self) {
-  if (!self->scene->load.shared ||
+  if (!self->scene->load.shared || self->scene->load.across >= 1 ||
       self->seen.t > self->slips_at + gets_on * self->scene->end_time) {
     self->slips_at = self->seen.t;
     self->slips_steps = 0;
@@ -69,6 +69,28 @@ PetscBool GrowSlips(Grow *self) {
     return PETSC_FALSE;
   self->slips_steps = 0;
   return PETSC_TRUE;
+}
+
+/* GrowKeepStuck - for a restart: since when the run has got nowhere, and in how many steps. */
+void GrowKeepStuck(const Grow *self, PetscReal kept[RESTART_STUCK]) {
+  kept[0] = self->crawl.time;
+  kept[1] = self->crawl.half;
+  kept[2] = (PetscReal)self->crawl.steps;
+  kept[3] = self->slips_at;
+  kept[4] = (PetscReal)self->slips_steps;
+  kept[5] = self->window_time;
+  kept[6] = (PetscReal)self->window_steps;
+}
+
+/* GrowTakeStuck - goes on with that. */
+void GrowTakeStuck(Grow *self, const PetscReal kept[RESTART_STUCK]) {
+  self->crawl.time = kept[0];
+  self->crawl.half = kept[1];
+  self->crawl.steps = (PetscInt)kept[2];
+  self->slips_at = kept[3];
+  self->slips_steps = (PetscInt)kept[4];
+  self->window_time = kept[5];
+  self->window_steps = (PetscInt)kept[6];
 }
 
 /*

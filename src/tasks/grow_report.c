@@ -61,7 +61,7 @@ PetscErrorCode GrowHeading(Grow *self) {
 }
 
 /* GrowShared - says from when on dry friction has a viscous share, or a larger one, if it has
-   (LoadShareMore()). Collective. */
+   (LoadShareMore(), LoadShareSlight()). Collective. */
 PetscErrorCode GrowShared(Grow *self, PetscReal t) {
   const Load *load = &self->scene->load;
   const PetscReal share = 1 - load->friction.mu;
@@ -75,9 +75,14 @@ PetscErrorCode GrowShared(Grow *self, PetscReal t) {
                           "t = %s: the rod slips and sticks, again and again: from here on a part "
                           "of %.0e of dry friction is viscous\n",
                           text, (double)share));
+  else if (!self->quiet && load->across >= 1)
+    PetscCall(PetscPrintf(self->scene->comm,
+                          "t = %s: dry friction hardly says how fast places of the rod begin to "
+                          "slide: from here on a part of %.0e of it is viscous\n",
+                          text, (double)share));
   else if (!self->quiet)
     PetscCall(PetscPrintf(self->scene->comm,
-                          "t = %s: the rod snaps, and dry friction that is weaker across "
+                          "t = %s: the rod snaps or crawls, and dry friction that is weaker across "
                           "(-friction_across %g) does not say how fast: from here on a part of "
                           "%.0e of it is viscous\n",
                           text, (double)load->across, (double)share));

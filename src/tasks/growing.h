@@ -84,6 +84,8 @@ PetscErrorCode GrowLocateEvent(Grow *self, PetscReal *t, Vec U, Vec U_t);
 /* grow_jam.c */
 PetscBool GrowIsJammed(Grow *self);
 PetscBool GrowSlips(Grow *self);
+void GrowKeepStuck(const Grow *self, PetscReal kept[RESTART_STUCK]);
+void GrowTakeStuck(Grow *self, const PetscReal kept[RESTART_STUCK]);
 PetscErrorCode GrowTellJam(Grow *self, PetscBool gave_up, char line[], size_t room);
 
 /* grow_report.c */

@@ -289,6 +289,41 @@ PetscBool LoadShareMore(Load *load) {
   return PETSC_TRUE;
 }
 
+/* What a rod is given that friction across at least as strong holds: far less than its errors. */
+static const PetscReal slight = 1e-5;
+
+/* The share that a rod is given next which crawls, 0: none. */
+static PetscReal NextSlight(const Load *load) {
+  PetscReal share = load->shared ? raised_by * (1 - load->friction.mu) : slight;
+
+  if (load->across < 1) share = load->shared ? 0 : nearly_dry;
+  return 1 - load->friction.mu > share / 2 || share > 2 * nearly_dry ? 0 : share;
+}
+
+/*
+  LoadShareSlight - for a rod that crawls, or finds no step. Where it starts out of balance in exact
+  friction, or next to it, each place of it begins to slide in steps of its own, and the forces that
+  hold the others hang on speeds that no step sees. A slight viscous share tells them apart, and ten
+  times that if need be. Weak friction across has the share of a snap.
+
+  Returns whether it could.
+*/
+PetscBool LoadShareSlight(Load *load) {
+  const PetscReal share = NextSlight(load);
+
+  if (share > 0) LoadShare(load, share);
+  return (PetscBool)(share > 0);
+}
+
+/* A beta up to here is next to none: the speeds that it tells apart are of no step. */
+static const PetscReal next_to_none = 1e-9;
+
+/* LoadMayCrawl - is friction so near to exact that a rod may crawl for it, and would a first share
+   help? */
+PetscBool LoadMayCrawl(const Load *load) {
+  return (PetscBool)(!load->shared && load->friction.beta < next_to_none && NextSlight(load) > 0);
+}
+
 /* LoadIsEven - does the load leave a straight rod straight, up to this length and time? Not if a
    field changes across the axis. */
 PetscBool LoadIsEven(const Load *load, PetscReal length, PetscReal end) {

@@ -59,6 +59,8 @@ void LoadNextToExactByWalls(Load *load);
 void LoadAtTolerance(Load *load, PetscReal rtol);
 void LoadShare(Load *load, PetscReal share);
 PetscBool LoadShareMore(Load *load);
+PetscBool LoadShareSlight(Load *load);
+PetscBool LoadMayCrawl(const Load *load);
 PetscBool LoadSharesMost(const Load *load);
 void LoadSetWalls(Load *load, const Contact *contact);
 void LoadSetWeight(Load *load, const PetscReal weight[3]);

@@ -69,15 +69,27 @@ static void TestSlips(void **state) {
   EXPECT(!k, "slips: %d", k);
 }
 
+/* Where something can be done about it, it is looked at sooner; what gets faster as slowly as in
+   the layer of a start is let be all the same. */
+static void TestSoon(void **state) {
+  const PetscReal slowly = PetscPowReal(10, 1. / 250);
+  Run slow = OfLength(1, 2), start = OfLength(1, 1);
+  int k;
+
+  slow.crawl.soon = start.crawl.soon = PETSC_TRUE;
+  EXPECT((k = Crawls(&slow, 9e-9, 1, 5000)) == 250, "steps of 9e-9: %d", k);
+  EXPECT((k = Crawls(&start, 1e-15, slowly, 3500)) == 0, "a start: %d", k);
+}
+
 static void TestTold(void **state) {
   Run self = OfLength(1, 1);
   int k;
 
-  self.crawl.allowed = PETSC_TRUE;
+  self.crawl.told = PETSC_TRUE;
   EXPECT((k = Crawls(&self, 1e-12, 1, 5000)) == 0, "steps were told: %d", k);
 }
 
 static const struct CMUnitTest tests[] = {cmocka_unit_test(TestAlike), cmocka_unit_test(TestScales),
                                           cmocka_unit_test(TestLayer), cmocka_unit_test(TestSlips),
-                                          cmocka_unit_test(TestTold)};
+                                          cmocka_unit_test(TestSoon),  cmocka_unit_test(TestTold)};
 MAIN(tests)

@@ -94,7 +94,33 @@ static void TestSlips(void **state) {
   EXPECT(!LoadShareMore(&scene.load), "a share though friction across is strong");
 }
 
-static const struct CMUnitTest tests[] = {cmocka_unit_test(TestJamGetsNowhere),
-                                          cmocka_unit_test(TestJamDeep),
-                                          cmocka_unit_test(TestSlips)};
+/* Strong friction across is given a slight share, twice at most; weak one that of a snap, once; and
+   what has as much of its own none. Only next to exact friction it is looked for at once. */
+static void TestSlight(void **state) {
+  const struct {
+    PetscReal across, mu, share[3];
+  } rods[] = {{1, 1, {1e-5, 1e-4}},
+              {2, 1 - 1e-6, {1e-5, 1e-4}},
+              {0.5, 1, {1e-4}},
+              {1, 0.99999, {0}},
+              {1, 0, {0}}};
+
+  for (size_t k = 0; k < sizeof(rods) / sizeof(rods[0]); k++) {
+    Load load = {.across = rods[k].across, .friction = {.mu = rods[k].mu}};
+    for (int i = 0; i < 3; i++) {
+      const PetscReal share = rods[k].share[i];
+      EXPECT(LoadMayCrawl(&load) == (share > 0 && i == 0), "%d: share %d may help", (int)k, i);
+      EXPECT(LoadShareSlight(&load) == (share > 0), "%d: share %d", (int)k, i);
+      if (share > 0)
+        EXPECT(PetscAbsReal(1 - load.friction.mu - share) < 1e-3 * share,
+               "%d: a share of %g, not %g", (int)k, 1 - (double)load.friction.mu, (double)share);
+    }
+  }
+  EXPECT(!LoadMayCrawl(&(Load){.across = 1, .friction = {.mu = 1, .beta = 1e-8}}),
+         "with a beta of 1e-8 it may crawl");
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(TestJamGetsNowhere), cmocka_unit_test(TestJamDeep),
+    cmocka_unit_test(TestSlips), cmocka_unit_test(TestSlight)};
 MAIN(tests)
