@@ -216,11 +216,15 @@ class Estimate:
             np.log(self.shortest) <= theta[2] <= np.log(self.longest)
 
     def cost(self, theta):
+        return self.cost_and_terms(theta)[0]
+
+    def cost_and_terms(self, theta):
+        """The cost, and (information, gradient) that it was made of; None where it is out of all bounds."""
         try:
-            value = self.terms(theta)[0] if self.allowed(theta) else -np.inf
+            value, *terms = self.terms(theta) if self.allowed(theta) else (-np.inf,)
         except np.linalg.LinAlgError:
-            return 1e10
-        return -value if np.isfinite(value) else 1e10
+            return 1e10, None
+        return (-value, terms) if np.isfinite(value) else (1e10, None)
 
     def cost_and_slope(self, theta):
         """The cost and its derivatives by theta. With e = V^-1 (r - J b), b the parameters' estimate,
@@ -272,8 +276,8 @@ class Estimate:
         return theta
 
     def spread(self, theta, draws, seed=0):
-        """(thetas [k, 4], the logarithm of their shares of the posterior, but for a number that all kinds
-        have in common): importance sampling around the best of self.kind, with Student's t of 5 degrees,
+        """(terms [k] of as many thetas, the logarithm of their shares of the posterior, but for a number that all
+        kinds have in common): importance sampling around the best of self.kind, with Student's t of 5 degrees,
         the width that of the likelihood."""
         size = np.array([0.1, 0.1, 0.3, 0.1])
         here, curved = self.cost(theta), np.empty(4)
@@ -293,9 +297,9 @@ class Estimate:
         z = normal / chi[:, None]
         thetas = theta + z * scale
         # what falls below 0 of the two standard deviations is folded back by abs() in group()
-        costs = np.array([self.cost(t) for t in thetas])
+        costs, terms = zip(*(self.cost_and_terms(t) for t in thetas))
         proposal = -0.5 * 9 * np.log1p((z**2).sum(axis=1) / 5) - np.sum(np.log(scale))
-        return thetas, -costs - proposal
+        return terms, -np.array(costs) - proposal
 
     def posterior(self, draws):
         """(information, gradient and share of the posterior) of numbers that errors may have, of all kinds
@@ -305,9 +309,9 @@ class Estimate:
         for cost, theta, self.kind in self.found:
             if cost > least + UNLIKELY:
                 continue
-            thetas, one = self.spread(theta, draws)
+            drawn, one = self.spread(theta, draws)
             kept = one > one.max() + np.log(1e-4)
-            terms += [self.terms(t)[1:] for t in thetas[kept]]
+            terms += [drawn[k] for k in np.flatnonzero(kept)]
             logs.append(one[kept])
         share = np.exp(np.concatenate(logs) - np.max(np.concatenate(logs)))
         return terms, share / share.sum()
