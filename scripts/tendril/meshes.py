@@ -276,7 +276,8 @@ class Distance:
 
     def bulge(self, which, p):
         """At places of triangles: how high the smooth surface is above them, its normal, its place."""
-        a, b, c = np.moveaxis(self.mesh.corners[which], 1, 0)
+        corners = self.mesh.points[self.mesh.triangles[which]]
+        a, b, c = np.moveaxis(corners, 1, 0)
         n = np.cross(b - a, c - a)
         area = np.maximum(np.einsum("ij,ij->i", n, n), 1e-300)
         share = np.stack([np.einsum("ij,ij->i", n, np.cross(c - b, p - b)),
@@ -284,7 +285,7 @@ class Distance:
                           np.einsum("ij,ij->i", n, np.cross(b - a, p - a))], axis=1) / area[:, None]
         share = np.clip(share, 0, 1)
         normals = self.normals[which]
-        off = np.einsum("ijk,ijk->ij", p[:, None] - self.mesh.corners[which], normals)  # above tangent planes
+        off = np.einsum("ijk,ijk->ij", p[:, None] - corners, normals)  # above tangent planes
         shift = -np.einsum("ij,ij,ijk->ik", share, off, normals) / 2  # a parabola is half as high as its tangents
         normal = np.einsum("ij,ijk->ik", share, normals)
         normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
