@@ -39,7 +39,8 @@ SETTINGS = {  # of each the first is what BASE has; {} is the directory of the f
     "rounding": ["", "friction_beta=0", "friction_beta=1e-9", "friction_beta=0.1"],
     "across": ["", "friction_across=0.3", "friction_across=3"],
     "soil": ["", "friction_layers=0:1,1.5:2", "friction_field={}/field.h5"],
-    "newton": ["", "friction_newton=primal ts_max_reject=4"],
+    # (with one rejection more it looks into snaps for seconds, which atlas_cells.py has it do)
+    "newton": ["", "friction_newton=primal ts_max_reject=3"],
     "tip": ["", "tip_force=0.3", "tip_force=-0.3", "tip_force=0.3 tip_law=follower",
             "tip_force=0.3 tip_law=resistance", "tip_force=0.3 tip_law=resistance tip_field={}/field.h5",
             "tip_type=pinned", "tip_type=clamped"],
