@@ -98,13 +98,14 @@ static const struct {
     {FED "-tip_torque 4 -tip_type clamped", 2.2477505051122, 1.4215174497},
     {FED "-tip_torque 4 -tip_type clamped -rod_cells 5000", 2.2477505051122, 1.4215174497}};
 
-/* Of several ranks each solves a coarse mesh for itself, as one does: they solve the fine one. */
+/* Of several ranks each solves a coarse mesh for itself, as one does: they solve the fine one,
+   which they share. One rank does the same on either, and solves the coarse ones. */
 static void TestWorld(void **state) {
   const size_t last = PETSC_STATIC_ARRAY_LENGTH(world) - 1;
   int ranks;
 
   MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
-  for (size_t k = ranks == 1 ? 0 : last; k <= last; k++) {
+  for (size_t k = ranks == 1 ? 0 : last; ranks == 1 ? k < last : k <= last; k++) {
     Critical c;
     PetscReal length = Find(&c, "%s", world[k].options), wanted = world[k].length;
     EXPECT(PetscAbsReal(length - wanted) < 1e-8 * wanted, "%s: %.12g not %.12g", world[k].options,
