@@ -22,17 +22,17 @@ SHORT = m.from_reference("short", m.THICK, "v_short")
 NARROW = m.Scene("narrow", "-growth_type gaussian -growth_width 0.005 " + m.THICK, (5,),
                  finer="-rod_cells 1000 -ts_rtol 1e-7")
 THIN = m.Scene("thin", m.DECAY + " -friction_beta 1e-12", (8, 14, 16),
-               finer="-rod_cells 800 -ts_rtol 1e-7")
+               finer="-rod_cells 400 -ts_rtol 1e-7")
 
 HAIRPIN = m.Scene("hairpin", "-growth_initial_length 2 -shape_amplitude 3.1", (2, 5),
-                  finer="-rod_cells 800 -ts_rtol 1e-8")
+                  finer="-rod_cells 400 -ts_rtol 1e-8")
 STICK = m.Scene("stick", m.THICK + " -growth_type feed -friction_beta 0", (4, 6),
-                finer="-rod_cells 800 -ts_rtol 1e-7")
+                finer="-rod_cells 400 -ts_rtol 1e-7")
 
 CORNERS = m.Scene("corners", "-growth_type feed -growth_initial_length 0.5 -shape_type straight "
                   f"-rod_curvature 0.1 -wall_file {m.ROOT}/scripts/lab/walls/stone.txt "
                   "-contact_diameter 0.05 -contact_stiffness 3e5 -friction_beta 1e-10", (1.5, 2),
-                  finer="-rod_cells 600 -ts_rtol 1e-7")
+                  finer="-rod_cells 400 -ts_rtol 1e-7")
 
 SPACE = m.Scene("in space", "-growth_initial_length 0.2 -tip_force 1000 -shape_amplitude 0.1 -shape_turn 0.5 -rod_bend_ratio 1.5 "
                 "-rod_cells 40", (0.1,), finer="-rod_cells 80 -ts_rtol 1e-7", quantities=m.QUANTITIES + ("norm_x3",))
