@@ -13,6 +13,6 @@ void AccuracyMeasured(PetscReal rtol, PetscReal worst[ESTIMATE_PARTS][ESTIMATE_S
                       PetscReal beside, ErrorEstimate *error);
 PetscErrorCode AccuracyTell(const ErrorEstimate *error, PetscReal rtol, Rod rod, MPI_Comm comm);
 PetscErrorCode AccuracyEstimate(Rod rod, PetscReal t, PetscReal rtol, PetscReal folds,
-                                PetscReal weighed, PetscReal *error);
+                                PetscReal weighed, PetscBool linear, PetscReal *error);
 
 #endif

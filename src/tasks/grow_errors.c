@@ -112,7 +112,7 @@ PetscErrorCode GrowErrors(Grow *self) {
   if (error->kind == ESTIMATE_FITTED) {
     PetscCall(AccuracyEstimate(self->now->rod, self->seen.t, self->rtol,
                                PetscMax(self->folds, self->energy_folds / 2), self->weighed,
-                               &fitted));
+                               (PetscBool)(self->energy_folds > 0), &fitted));
     beside += fitted;
     if (load->limit && !self->estimate)
       beside += of_limit * PetscPowReal(load->friction.beta, 1. / 6);

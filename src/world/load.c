@@ -289,20 +289,22 @@ PetscBool LoadShareMore(Load *load) {
   return PETSC_TRUE;
 }
 
-/* What a rod is given that friction across at least as strong holds: far less than its errors. */
-static const PetscReal slight = 1e-5;
+/* What a rod is given that friction across at least as strong holds: far less than its errors. A
+   beta up to here is next to none: the speeds that it tells apart are of no step. */
+static const PetscReal slight = 1e-5, next_to_none = 1e-9;
 
 /* The share that a rod is given next which crawls, 0: none. */
 static PetscReal NextSlight(const Load *load) {
   PetscReal share = load->shared ? raised_by * (1 - load->friction.mu) : slight;
 
+  if (load->friction.beta >= next_to_none) return 0;
   if (load->across < 1) share = load->shared ? 0 : nearly_dry;
   return 1 - load->friction.mu > share / 2 || share > 2 * nearly_dry ? 0 : share;
 }
 
 /*
-  LoadShareSlight - for a rod that crawls, or finds no step. Where it starts out of balance in exact
-  friction, or next to it, each place of it begins to slide in steps of its own, and the forces that
+  LoadShareSlight - for a rod that crawls, or finds no step, in exact friction or next to it. Where
+  it starts out of balance each place of it begins to slide in steps of its own, and the forces that
   hold the others hang on speeds that no step sees. A slight viscous share tells them apart, and ten
   times that if need be. Weak friction across has the share of a snap.
 
@@ -315,13 +317,9 @@ PetscBool LoadShareSlight(Load *load) {
   return (PetscBool)(share > 0);
 }
 
-/* A beta up to here is next to none: the speeds that it tells apart are of no step. */
-static const PetscReal next_to_none = 1e-9;
-
-/* LoadMayCrawl - is friction so near to exact that a rod may crawl for it, and would a first share
-   help? */
+/* LoadMayCrawl - would a first share help a rod that crawls? */
 PetscBool LoadMayCrawl(const Load *load) {
-  return (PetscBool)(!load->shared && load->friction.beta < next_to_none && NextSlight(load) > 0);
+  return (PetscBool)(!load->shared && NextSlight(load) > 0);
 }
 
 /* LoadIsEven - does the load leave a straight rod straight, up to this length and time? Not if a

@@ -95,7 +95,7 @@ static void TestSlips(void **state) {
 }
 
 /* Strong friction across is given a slight share, twice at most; weak one that of a snap, once; and
-   what has as much of its own none. Only next to exact friction it is looked for at once. */
+   what has as much of its own none. Only exact friction has one, or what is next to it. */
 static void TestSlight(void **state) {
   const struct {
     PetscReal across, mu, share[3];
@@ -116,8 +116,8 @@ static void TestSlight(void **state) {
                "%d: a share of %g, not %g", (int)k, 1 - (double)load.friction.mu, (double)share);
     }
   }
-  EXPECT(!LoadMayCrawl(&(Load){.across = 1, .friction = {.mu = 1, .beta = 1e-8}}),
-         "with a beta of 1e-8 it may crawl");
+  EXPECT(!LoadShareSlight(&(Load){.across = 1, .friction = {.mu = 1, .beta = 1e-8}}),
+         "a share for a beta of 1e-8");
 }
 
 static const struct CMUnitTest tests[] = {
