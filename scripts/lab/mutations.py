@@ -137,7 +137,7 @@ MUTATIONS = [
     ("wild, to the last", N, "WILD = 4,", "WILD = 1000,"),
     ("the limit, by the linear model", "tasks/grow.c", "(asked || LoadIsNextToExact(&self->scene->load))", "asked"),
     ("the limit, fitted", "tasks/grow_errors.c", "of_limit = 40;", "of_limit = 10;"),
-    ("the slight share", "world/load.c", "slight = 1e-5;", "slight = 1e-4;"),
+    ("the slight share", "world/load.c", "slight = 1e-5, next", "slight = 1e-4, next"),
     ("no slight share for who finds no step", "tasks/grow.c", "LoadShareMore(load)) || LoadShareSlight(load));",
      "LoadShareMore(load)));"),
     ("crawls as late with dry friction", "tasks/crawl.c", "SOON = 250", "SOON = 1000"),
