@@ -11,7 +11,8 @@ const OptionGroup accuracy_options = OPTION_GROUP("Accuracy", rows);
   and energy is, with vbdf,
     in time   per_fold F (rtol / 1e-6)^(6/7), where F counts how often x2 falls or grows e-fold:
               each fold adds its local errors, and the energy doubles them (the mixed model, which
-              has no angle to follow, twice that);
+              has no angle to follow, twice that; so the linear one after a run: where friction
+              changes along the rod its energy is in shorter waves than the x2 that it follows);
     in space  arc_error h^order of the largest cell, h its arc length at the end of the run, and
               label_error F / N^order, because an error in a rate of decay adds up over its folds.
     of the linear model also graded_error F J^4, J the most by which the logarithm of the stretch
@@ -32,9 +33,7 @@ static const PetscReal of_measured = 6;
 static const PetscReal of_beta = 9;
 /* Likewise, contact that is rigid: depths go with k^(-3/4), and it is not quite linear. */
 static const PetscReal of_stiffness = 2;
-/* Of the estimate after a run. The linear model's steps follow x2 alone: energies, in shorter waves
-   where friction changes along the rod, are off by up to four times the fit. */
-static const PetscReal margin = 1.5, by_weight = 3, by_linear = 2;
+static const PetscReal margin = 1.5, by_weight = 3; /* of the estimate after a run */
 
 typedef struct {
   PetscReal tolerance, length0, mu, amplitude, time;
@@ -214,7 +213,7 @@ PetscErrorCode AccuracyTell(const ErrorEstimate *error, PetscReal rtol, Rod rod,
   rod    at the end of the run, t      rtol   of its steps
   folds  how often |x2| fell or grew e-fold
   weighed these, from the fewest on, as what was added in each weighs in the energy now
-  linear  was it of the linear model, for a part of the run at least?
+  linear was it of the linear model, for a part of the run at least?
   error  out; of the linear model without what it neglects (grow.c)
 */
 PetscErrorCode AccuracyEstimate(Rod rod, PetscReal t, PetscReal rtol, PetscReal folds,
@@ -232,10 +231,7 @@ PetscErrorCode AccuracyEstimate(Rod rod, PetscReal t, PetscReal rtol, PetscReal 
     jump = PetscMax(jump, PetscAbsReal(PetscLogReal(g[i + 1] / g[i])));
   PetscCall(PetscFree(g));
   folds += FEWEST_FOLDS;
-  *error = margin * per_fold *
-               (linear                     ? by_linear
-                : rod->model == &rod_mixed ? 2
-                                           : 1) *
+  *error = margin * per_fold * (linear || rod->model == &rod_mixed ? 2 : 1) *
                (folds + by_weight * PetscMax(0, weighed - folds)) *
                PetscPowReal(rtol / 1e-6, 6. / 7) +
            arc_error[fourth] * PetscPowReal(h, rod->order) +
