@@ -70,15 +70,15 @@ PetscErrorCode GrowShared(Grow *self, PetscReal t) {
   PetscFunctionBegin;
   if (!load->shared || share == self->shared) PetscFunctionReturn(0);
   OptionBoth(t, UNIT_TIME, text);
-  if (!self->quiet && self->shared > 0)
-    PetscCall(PetscPrintf(self->scene->comm,
-                          "t = %s: the rod slips and sticks, again and again: from here on a part "
-                          "of %.0e of dry friction is viscous\n",
-                          text, (double)share));
-  else if (!self->quiet && load->across >= 1)
+  if (!self->quiet && load->across >= 1)
     PetscCall(PetscPrintf(self->scene->comm,
                           "t = %s: dry friction hardly says how fast places of the rod begin to "
                           "slide: from here on a part of %.0e of it is viscous\n",
+                          text, (double)share));
+  else if (!self->quiet && self->shared > 0)
+    PetscCall(PetscPrintf(self->scene->comm,
+                          "t = %s: the rod slips and sticks, again and again: from here on a part "
+                          "of %.0e of dry friction is viscous\n",
                           text, (double)share));
   else if (!self->quiet)
     PetscCall(PetscPrintf(self->scene->comm,
