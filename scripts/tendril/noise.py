@@ -29,8 +29,10 @@ FAR = 4.0  # the same, before correlation is known
 BETWEEN = 6.0  # standard deviations: a point that is not so much farther from another strand tells nothing
 NOTHING = 1e-6  # the weight of such a point
 FLOOR = 0.05  # of all errors, what is at least independent: a model of a rod is no better to tell neighbours apart
+AT_ONCE = 2**15  # of matrices' entries, that are worked on together
 DRAWS = 128  # of the errors' numbers, of each kind
 UNLIKELY = 4.0  # the logarithm of how much less likely a kind of errors is that is left alone
+SAME = 1e-3  # and of how much less likely one is only by rounding: where points err by themselves none is seen
 
 
 @dataclass
@@ -183,8 +185,8 @@ class Estimate:
         self.shortest = min(max(np.median(steps) if steps else 0, 1e-3 * self.longest), 0.5 * self.longest)
 
     def group(self, theta) -> Group:
-        """theta: log sigma, smooth/sigma0, log reach, shift/sigma0."""
-        return Group(float(np.exp(theta[0])), abs(theta[1]) * self.unit, float(np.exp(theta[2])),
+        """theta: log sigma, smooth/sigma0, log reach, shift/sigma0; or many of them, [4, draw, 1, 1, 1]."""
+        return Group(np.exp(theta[0]), abs(theta[1]) * self.unit, np.exp(theta[2]),
                      abs(theta[3]) * self.unit * self.lines, self.kind, float(self.extents.max()))
 
     def terms(self, theta):
@@ -192,24 +194,24 @@ class Estimate:
         return self.solved(self.group(theta))[:3]
 
     def covariance(self, g: Group):
-        """[block, m, m], and K n.n with its derivative by log reach."""
+        """[..., block, m, m], and K n.n with its derivative by log reach."""
         kernel, longer = g.alike(self.gaps, self.extents)
         kernel, longer = kernel * self.alike, longer * self.alike
         v = g.smooth**2 * kernel + g.shift**2 * self.alike
-        diagonal = np.arange(v.shape[1])
-        v[:, diagonal, diagonal] += g.sigma**2 * self.extra + self.empty
+        diagonal = np.arange(v.shape[-1])
+        v[..., diagonal, diagonal] += (g.sigma**2 * self.extra[:, None])[..., 0, :] + self.empty
         return v, kernel, longer
 
-    def solved(self, g: Group, v=None):
-        """The terms, and V^-1 [r J]."""
+    def solved(self, g: Group, inverse=None, v=None):
+        """The terms, and V^-1 [r J]; of many groups, of each."""
         v = self.covariance(g)[0] if v is None else v
-        logs = 2 * np.sum(np.log(np.einsum("kmm->km", np.linalg.cholesky(v))))
-        solved = np.linalg.solve(v, self.values)
-        products = np.einsum("kma,kmb->ab", self.values, solved)
-        information, gradient = self.others + products[1:, 1:], self.rest + products[1:, 0]
+        logs = 2 * np.sum(np.log(np.einsum("...mm->...m", np.linalg.cholesky(v))), axis=(-2, -1))
+        solved = np.linalg.solve(v, self.values) if inverse is None else inverse @ self.values
+        products = np.einsum("kma,...kmb->...ab", self.values, solved)
+        information, gradient = self.others + products[..., 1:, 1:], self.rest + products[..., 1:, 0]
         _, determinant = np.linalg.slogdet(information)
-        fitted = gradient @ np.linalg.solve(information, gradient)
-        return -0.5 * (logs + determinant + products[0, 0] - fitted), information, gradient, solved
+        fitted = np.sum(gradient * np.linalg.solve(information, gradient[..., None])[..., 0], axis=-1)
+        return -0.5 * (logs + determinant + products[..., 0, 0] - fitted), information, gradient, solved
 
     def allowed(self, theta):
         return np.log(FLOOR) - 1e-9 <= theta[0] - self.middle < 12 and \
@@ -226,6 +228,21 @@ class Estimate:
             return 1e10, None
         return (-value, terms) if np.isfinite(value) else (1e10, None)
 
+    def costs_and_terms(self, thetas):
+        """The same of many thetas, so many at a time as fit into the memory at hand."""
+        allowed = [k for k, theta in enumerate(thetas) if self.allowed(theta)]
+        found, most = [(1e10, None)] * len(thetas), max(1, AT_ONCE // self.gaps.size)
+        for some in (allowed[k:k + most] for k in range(0, len(allowed), most)):
+            try:
+                values, informations, gradients = self.terms(thetas[some].T[:, :, None, None, None])
+            except np.linalg.LinAlgError:  # of one of them
+                for k in some:
+                    found[k] = self.cost_and_terms(thetas[k])
+                continue
+            for k, value, *terms in zip(some, values, informations, gradients):
+                found[k] = (-value, terms) if np.isfinite(value) else (1e10, None)
+        return found
+
     def cost_and_slope(self, theta):
         """The cost and its derivatives by theta. With e = V^-1 (r - J b), b the parameters' estimate,
 
@@ -233,24 +250,25 @@ class Estimate:
         g = self.group(theta)
         try:
             v, kernel, longer = self.covariance(g)
-            value, information, gradient, solved = self.solved(g, v)
+            inverse = np.linalg.inv(v)
+            value, information, gradient, solved = self.solved(g, inverse, v)
         except np.linalg.LinAlgError:
             return 1e10, np.zeros(4)
         if not np.isfinite(value):
             return 1e10, np.zeros(4)
         e = solved[:, :, 0] - solved[:, :, 1:] @ np.linalg.solve(information, gradient)
         taken = solved[:, :, 1:] @ np.linalg.inv(information)
-        rest = np.linalg.inv(v) - e[:, :, None] * e[:, None] - taken @ solved[:, :, 1:].transpose(0, 2, 1)
+        rest = inverse - e[:, :, None] * e[:, None] - taken @ solved[:, :, 1:].transpose(0, 2, 1)
         unit = self.unit**2
         slope = [2 * g.sigma**2 * np.sum(np.einsum("kmm->km", rest) * self.extra),
                  2 * theta[1] * unit * np.sum(rest * kernel), g.smooth**2 * np.sum(rest * longer),
                  2 * theta[3] * unit * self.lines * np.sum(rest * self.alike)]
         return -value, 0.5 * np.array(slope)
 
-    def find(self, near: Group | None = None):
+    def find(self, near: Group | None = None, known: Group | None = None):
         """theta where the likelihood is largest, of the kind that has the largest: from errors that are all
-        independent, from some that are all correlated, from shifts; or from what is near. self.found has
-        (cost, theta, kind) of all kinds, the best first."""
+        independent, from some that are all correlated, from shifts; from what is near, of that kind alone; or from what
+        was found before. self.found has (cost, theta, kind) of all kinds, the best first."""
         r, weight = self.values[:, :, 0], np.where(self.empty, 0, 1 / np.maximum(self.extra, 1e-300))
         self.unit = max(float(np.sqrt(np.sum(weight * r**2) / np.sum(self.empty == 0))), 1e-300)
         self.middle = np.log(self.unit)
@@ -260,10 +278,12 @@ class Estimate:
         starts = [[self.middle, 0.05, reach, 0.05], [self.middle - 1, 0.7, reach, 0.5 * self.lines]]
         if self.lines:  # and from photographs that are only shifted
             starts.append([self.middle - 0.3, 0.02, reach - 0.5, 0.6])
-        if near:
-            starts = [starts[0], [np.log(near.sigma), near.smooth / self.unit, np.log(near.reach), near.shift / self.unit]]
-        self.found = []
-        for self.kind in [near.kind] if near else self.kinds:
+        if told := near or known:
+            starts = [starts[0]] * bool(near) + [[np.log(told.sigma), told.smooth / self.unit, np.log(told.reach), told.shift / self.unit]]
+        self.found, kinds = [], self.kinds
+        if told:
+            kinds = [told.kind] + [kind for kind in kinds if known and kind != told.kind]
+        for self.kind in kinds:
             if self.found:  # the other kinds from where the first ended, but with a kernel that is seen
                 starts = [np.maximum(self.found[0][1], [-np.inf, 0.05, -np.inf, 0])]
             ends = [optimize.minimize(self.cost_and_slope, np.clip(start, low, high), jac=True, method="L-BFGS-B",
@@ -271,7 +291,9 @@ class Estimate:
                     for start in starts]
             best = min(ends, key=lambda one: one.fun)
             self.found.append((best.fun, best.x, self.kind))
-        self.found.sort(key=lambda one: one[0])
+        least = min(cost for cost, *_ in self.found)
+        # of kinds that are as likely the first, whatever rounding says
+        self.found.sort(key=lambda one: (max(one[0], least + SAME), KINDS.index(one[2])))
         _, theta, self.kind = self.found[0]
         return theta
 
@@ -297,14 +319,14 @@ class Estimate:
         z = normal / chi[:, None]
         thetas = theta + z * scale
         # what falls below 0 of the two standard deviations is folded back by abs() in group()
-        costs, terms = zip(*(self.cost_and_terms(t) for t in thetas))
+        costs, terms = zip(*self.costs_and_terms(thetas))
         proposal = -0.5 * 9 * np.log1p((z**2).sum(axis=1) / 5) - np.sum(np.log(scale))
         return terms, -np.array(costs) - proposal
 
     def posterior(self, draws):
         """(information, gradient and share of the posterior) of numbers that errors may have, of all kinds
         that are not unlikely."""
-        self.find()
+        self.find(known=self.errors.groups[self.name])
         least, terms, logs = self.found[0][0], [], []
         for cost, theta, self.kind in self.found:
             if cost > least + UNLIKELY:
@@ -388,8 +410,8 @@ def certainty(errors: Errors, residuals, jacobian, prior, known=None, share=0.95
     for name in names[:1]:  # the group that tells most; the others' errors are taken as found
         one = Estimate(errors, max(names, key=lambda n: weight_of(errors, jacobian, n)), residuals, jacobian, prior)
         terms, shares = one.posterior(DRAWS)
-        covariances = [np.linalg.pinv(i, hermitian=True) for i, _ in terms]
-        means = [-c @ g for c, (_, g) in zip(covariances, terms)]
+        covariances = np.linalg.pinv(np.array([i for i, _ in terms]), hermitian=True)
+        means = -np.einsum("kab,kb->ka", covariances, [g for _, g in terms])
     means, covariances, shares = np.array(means), np.array(covariances), np.array(shares)
     middle = shares @ means
     spread = np.einsum("k,ka,kb->ab", shares, means - middle, means - middle)
