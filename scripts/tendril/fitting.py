@@ -361,6 +361,8 @@ def polished(problem: Problem, best: Solution, accuracy, tell, finer=True):
     if not problem.search_known:
         problem.keep_search()
     problem.prepare(best.u[:p], accuracy)
+    if problem.followed:  # the search begins here, and asks for them
+        problem.run_derived(best.u)
     (r,) = problem.run([best.u])
     best.u = np.r_[best.u[:p], problem.comparison.guess(r, best.u[p:])]  # times, now that it looks so
     problem.measure_noise(best.u)

@@ -6,15 +6,16 @@ each law that is likely the rod is run once more with a little of it, and the re
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .errors import RunError, TendrilError
+from .errors import TendrilError
 from .parameters import MODE, Parameter
 from .problem import Problem
+from .results import Results
+from .sweeps import stored
 from .units import scales_of_rod
 
 if TYPE_CHECKING:
@@ -119,24 +120,21 @@ def with_law(fit: Fit, law: Law, settings) -> Problem:
 
 
 def effects_of(fit: Fit, laws):
-    """[residual, 1] of each, how residuals change with a law's number, over its bounds: from a run with a little of it.
-    None of one whose run is refused or gives up."""
-    p, base = len(fit.parameters), fit.problem.raw(fit.u, fit.run)
+    """[residual, 1] of each, how residuals change with a law's number, over its bounds: from a run with a little of it, all
+    side by side. None of one whose run is refused or gives up."""
+    old, p, base = fit.problem, len(fit.parameters), fit.problem.raw(fit.u, fit.run)
+    problems = [with_law(fit, law, old.settings) for law in laws]
+    points = [np.r_[fit.u[:p], law.begin, fit.u[p:]] for law in laws]
+    try:
+        runs = stored([new.words(u) | new.settings for new, u in zip(problems, points)], old.scene, old.jobs)
+    except TendrilError:
+        runs = [None] * len(laws)
+    old.counted(len(laws))
 
-    def moved(law):
-        new = with_law(fit, law, fit.problem.settings)
-        new.jobs = 1
-        u = np.r_[fit.u[:p], law.begin, fit.u[p:]]
-        try:
-            (r,) = new.run([u])
-        except TendrilError:
+    def effect(law, new, u, r):
+        if not isinstance(r, Results):
             return None
-        if isinstance(r, RunError):
-            return None
-        step = law.begin - float(law.parameter.inside(law.held))
-        return ((new.raw(u, r) - base) / step)[:, None]
+        r.attributes = new.rod(u)
+        return ((new.raw(u, r) - base) / (law.begin - float(law.parameter.inside(law.held))))[:, None]
 
-    with ThreadPoolExecutor(fit.problem.jobs) as pool:
-        found = list(pool.map(moved, laws))
-    fit.problem.count += len(laws)
-    return found
+    return [effect(*one) for one in zip(laws, problems, points, runs)]

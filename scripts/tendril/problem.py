@@ -34,6 +34,11 @@ EARLY = 0.05  # what was measured may be shorter than the rod at its start by th
 FAILED = 1e3  # a residual, in noise, of a run that failed
 
 
+def untold(error: RunError):
+    """Whether a run is refused only because it was asked for derivatives."""
+    return error.results is None and "sensitivity" in str(error)
+
+
 @dataclass
 class Solution:
     """A point of the search: of all that is looked for, the run that belongs to it, the cost."""
@@ -87,6 +92,8 @@ class Problem:
                       priors=self.priors, tied=self.tied)
         new.bar, new.glimpse, new.begin, new.reach = self.bar, self.glimpse, self.begin, self.reach
         new.settings, new.known = dict(settings), dict(known)
+        # numbers of picture and clock are no run's; what else runs tell is seen when one is made (run_derived)
+        new.followed = new.own_numbers() if self.followed else []
         new.comparison.hidden = self.comparison.hidden
         return new
 
@@ -172,21 +179,27 @@ class Problem:
         """What tells one run from another."""
         return tuple(np.round(np.asarray(u, float)[self.of_runs], 12))
 
-    def follow(self, u):
-        """Sets which numbers runs are asked to tell their derivatives by: those that are options of their own, if
-        nothing else hangs on them and the program does not refuse it; from the run at u, its first moment alone."""
+    def own_numbers(self):
+        """Numbers of runs that are options of their own; none if anything else hangs on them."""
         names = [self.parameters[k].name for k in self.of_runs]
-        self.followed = []
-        own = [name for name in names if name not in self.inserted]
-        if not own or self.tied or any(MODE.match(name) for name in names):
-            return
-        try:
-            self.first(u, {"ts_max_time": 1e-6, "sensitivity": ",".join(own)})
-        except RunError as error:
-            if "sensitivity" not in str(error):
-                raise
-            return
-        self.followed = own
+        return [] if self.tied or any(MODE.match(name) for name in names) else [n for n in names if n not in self.inserted]
+
+    def follow(self, u) -> Results:
+        """The first moment of the run at u. With it is set which numbers runs are asked to tell their derivatives by: those
+        that are options of their own, if the program does not refuse it."""
+        self.followed, moment = self.own_numbers(), {"ts_max_time": 1e-6}
+        if self.followed:
+            try:
+                return self.first(u, moment | self.derivatives())
+            except RunError as error:
+                if not untold(error):
+                    raise
+                self.followed = []
+        return self.first(u, moment)
+
+    def derivatives(self):
+        """The option by which a run tells them."""
+        return {"sensitivity": ",".join(self.followed)}
 
     @property
     def all_followed(self) -> bool:
@@ -201,9 +214,12 @@ class Problem:
         if key not in self.derived:
             self.derived[key] = None
             try:
-                r = self.first(u, self.settings | {"sensitivity": ",".join(self.followed)})
+                r = self.first(u, self.settings | self.derivatives())
             except RunError as error:
-                self.known[key] = error
+                if untold(error):
+                    self.followed = []
+                else:
+                    self.known[key] = error
                 return None
             r.attributes = self.rod(u)
             self.known[key], self.points[key] = r, np.asarray(u, float)[:len(self.parameters)]
@@ -281,9 +297,10 @@ class Problem:
             raise
 
     def choose(self, u, accuracy):
-        self.known, self.settings, self.glimpse = {}, {}, None
-        self.glimpse, self.begin = self.first(u, {"ts_max_time": 1e-6}), u
-        end = self.ends()
+        self.known, self.settings, end = {}, {}, self.ends()
+        if self.glimpse is None or "ts_max_time" not in end:  # a length says when to end, and it counts from the first
+            self.glimpse = self.follow(u)
+        self.begin = u
         if "stop_length" in end and "ts_max_time" not in end:
             last = max(self.measured.abscissae("length"), key=lambda v: np.max(v.numbers))
             reach = float(np.max(last.numbers)) / (self.glimpse.scale("length") if last.si else 1)
@@ -299,7 +316,6 @@ class Problem:
         end["output_interval"] = float(chosen.series.t[-1]) / SHAPES
         self.settings |= {k: v for k, v in end.items() if v is not None and k not in self.options}
         self.known = {}
-        self.follow(u)
 
     def keep_search(self):
         """Keeps the runs of the search, for what is asked of them after it."""

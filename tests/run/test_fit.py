@@ -994,7 +994,7 @@ class Fitting(unittest.TestCase):
             points = points + self.found.noise["lines"] * random.normal(size=points.shape)
             photographs.append(replace(p, points=replace(p.points, numbers=points)))
         wrong = replace(self.found, problem=problem.Problem(old.scene, measured.Measured(photographs), old.parameters, old.options))
-        for name in ("glimpse", "begin", "reach", "settings", "search_settings", "search_points"):
+        for name in ("glimpse", "begin", "reach", "settings", "search_settings", "search_points", "followed"):
             setattr(wrong.problem, name, getattr(old, name))
         wrong.problem.run([wrong.u])
         wrong.problem.measure_noise(wrong.u)
@@ -1086,7 +1086,7 @@ class Fitting(unittest.TestCase):
         old = self.found.problem
         bare = measured.Measured([replace(p, at=measured.Values(p.at.numbers, "")) for p in old.measured.photographs])
         new = problem.Problem(old.scene, bare, old.parameters, old.options)
-        for name in ("glimpse", "begin", "reach", "search_settings", "search_known", "search_points", "errors"):
+        for name in ("glimpse", "begin", "reach", "search_settings", "search_known", "search_points", "errors", "followed"):
             setattr(new, name, getattr(old, name))
         new.settings, new.known = old.settings, dict(old.known)
         wrong = replace(self.found, problem=new)
@@ -1100,7 +1100,7 @@ class Fitting(unittest.TestCase):
         """Is the first of what is tried; then the residuals are gone."""
         old = self.found.problem
         new = problem.Problem(old.scene, doubts.changed(old.measured, ("unit", 10)), old.parameters, old.options)
-        for name in ("glimpse", "begin", "reach", "search_settings", "search_known", "search_points", "errors"):
+        for name in ("glimpse", "begin", "reach", "search_settings", "search_known", "search_points", "errors", "followed"):
             setattr(new, name, getattr(old, name))
         new.settings, new.known = old.settings, dict(old.known)
         wrong = replace(self.found, problem=new)
@@ -1120,7 +1120,7 @@ class Fitting(unittest.TestCase):
             at, points = change(p.at.numbers, p.points.numbers, np.random.default_rng(k))
             photographs.append(replace(p, at=replace(p.at, numbers=at), points=replace(p.points, numbers=points)))
         new = problem.Problem(old.scene, measured.Measured(photographs), old.parameters, old.options)
-        for name in ("glimpse", "begin", "reach", "search_settings", "search_known", "search_points", "errors"):
+        for name in ("glimpse", "begin", "reach", "search_settings", "search_known", "search_points", "errors", "followed"):
             setattr(new, name, getattr(old, name))
         new.settings, new.known = dict(old.settings), dict(old.known)
         new.raw(self.found.u, self.found.run)
@@ -1394,6 +1394,12 @@ class Fitting(unittest.TestCase):
         touching = problem.Problem(TUBE | {"contact_self": True, "contact_diameter": "2.5mm"}, p.measured, parameters[:2], {})
         touching.follow(u[:2])
         self.assertEqual(touching.followed, [])  # the program refuses; differences do
+        touching.followed, touching.settings = touching.own_numbers(), {"ts_max_time": 1e-6}  # as a cause's, which is not asked before
+        self.assertIsNone(touching.run_derived(u[:2]))
+        self.assertEqual((touching.followed, touching.known), ([], {}))
+        before = p.count
+        p.prepare(u, 1e-3)
+        self.assertEqual(p.count, before + 1)  # what the scene is was asked before
         braces = problem.Problem(TUBE | {"si_friction_dry": "0.6N/m"}, p.measured, [Parameter.of("soft", (0.1, 1)), parameters[1]],
                                  {"friction_layers": "0:{soft},3:2"})
         u = np.array([0.5, 0.7])
