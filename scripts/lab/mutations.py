@@ -194,7 +194,7 @@ MUTATIONS = [
 LABELS = "unit|scene"
 TARGETS = ("tendril test_vbdf test_lost test_guard test_restart test_observe test_contact test_space test_strands_space "
            "test_friction test_crawl test_grow_errors test_grow_stuck").split()
-LEFT_OUT = ("spline|even|band|blocks|rects|chain|elimination|table|options-|hdf|handout|field|clamp_path|surfaces|mesh|shape|"
+LEFT_OUT = ("spline|even|band|blocks|rects|chain|elimination|table|options-|hdf|handout|field|schedule|surfaces|mesh|shape|"
             "event|rod-|straight-[123]|critical|stability|growth|world-(critical|straight|ranks|restart)|space-|laboratory-|"
             "sweep-|scene-options|.*-[23]$")
 SECONDS = 20  # of tests at a time: who shares the machine wants to have a turn

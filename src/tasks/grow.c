@@ -176,7 +176,7 @@ static const PetscReal initial_layer = 1e-6;
 /* Does what leads tip or clamp set out or stop at once between two times? */
 static PetscBool LedRoundCorner(Scene scene, PetscReal t0, PetscReal t1) {
   return (PetscBool)((scene->tip.path && PathTurnsCorner(scene->tip.path, t0, t1)) ||
-                     (scene->space.clamp_path && ClampPathJerks(scene->space.clamp_path, t0, t1)));
+                     (scene->space.clamp_path && ScheduleJerks(scene->space.clamp_path, t0, t1)));
 }
 
 /*

@@ -1,10 +1,10 @@
-#include "world/clamp_path.h"
+#include "world/schedule.h"
 #include "base/hermite.h"
 #include "base/knots.h"
 #include "base/monotone.h"
 #include "base/table.h"
 
-struct _ClampPath {
+struct _Schedule {
   PetscInt n;
   PetscReal *t, *value, *slope; /* of the rate, or of the angle */
   PetscReal *turned;            /* of a rate: the angle at the rows, from the first; else NULL */
@@ -12,7 +12,7 @@ struct _ClampPath {
 };
 
 /* The angle by which a cubic rate turns from the row lo on, to z of the way to the next. */
-static PetscReal TurnedSince(ClampPath self, PetscInt lo, PetscReal z) {
+static PetscReal TurnedSince(Schedule self, PetscInt lo, PetscReal z) {
   const PetscReal h = self->t[lo + 1] - self->t[lo], zz = z * z,
                   w[] = {z - zz * z + zz * zz / 2, zz * (0.5 - 2 * z / 3 + zz / 4),
                          zz * z - zz * zz / 2, zz * (zz / 4 - z / 3)};
@@ -22,7 +22,7 @@ static PetscReal TurnedSince(ClampPath self, PetscInt lo, PetscReal z) {
 
 /* What a table of angles says; where it rests, to the bit: a rod that is bent feels round-off in
    the angle of its clamp as something that drives it out of its plane. */
-static PetscReal AngleSaid(ClampPath self, PetscReal t) {
+static PetscReal AngleSaid(Schedule self, PetscReal t) {
   const PetscInt last = self->n - 1;
   PetscReal w[4], by[4], bend[4], h;
   PetscInt lo;
@@ -37,7 +37,7 @@ static PetscReal AngleSaid(ClampPath self, PetscReal t) {
 }
 
 /* The angle at a time, counted from the table's own 0. */
-static PetscReal Angle(ClampPath self, PetscReal t) {
+static PetscReal Angle(Schedule self, PetscReal t) {
   const PetscInt last = self->n - 1;
   PetscInt lo;
 
@@ -49,7 +49,7 @@ static PetscReal Angle(ClampPath self, PetscReal t) {
          TurnedSince(self, lo, (t - self->t[lo]) / (self->t[lo + 1] - self->t[lo]));
 }
 
-static PetscErrorCode Columns(const char *option, const char *file, Table table, ClampPath self,
+static PetscErrorCode Columns(const char *option, const char *file, Table table, Schedule self,
                               PetscBool *rate) {
   PetscFunctionBegin;
   self->n = TableRows(table);
@@ -76,16 +76,16 @@ static PetscErrorCode Columns(const char *option, const char *file, Table table,
 }
 
 /*
-  ClampPathRead - reads how a clamp turns from a table, CSV or HDF5, with t and spin (radians per
+  ScheduleRead - reads how a clamp turns from a table, CSV or HDF5, with t and spin (radians per
   unit of time) or turn (radians; what it is at t = 0 is taken off). Collective on OptionsComm();
-  the caller destroys it with ClampPathDestroy(), also after an error.
+  the caller destroys it with ScheduleDestroy(), also after an error.
 
   option, file  which, and the option that named it
 */
-PetscErrorCode ClampPathRead(const char *option, const char *file, ClampPath *path) {
+PetscErrorCode ScheduleRead(const char *option, const char *file, Schedule *path) {
   PetscBool rate = PETSC_FALSE;
   Table table = NULL;
-  ClampPath self;
+  Schedule self;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(path));
@@ -102,7 +102,7 @@ PetscErrorCode ClampPathRead(const char *option, const char *file, ClampPath *pa
   PetscFunctionReturn(0);
 }
 
-PetscErrorCode ClampPathDestroy(ClampPath *path) {
+PetscErrorCode ScheduleDestroy(Schedule *path) {
   PetscFunctionBegin;
   if (!*path) PetscFunctionReturn(0);
   PetscCall(PetscFree((*path)->t));
@@ -113,13 +113,13 @@ PetscErrorCode ClampPathDestroy(ClampPath *path) {
   PetscFunctionReturn(0);
 }
 
-/* ClampPathAngle - by how much the clamp has turned since t = 0. */
-PetscReal ClampPathAngle(ClampPath self, PetscReal t) {
+/* ScheduleAngle - by how much the clamp has turned since t = 0. */
+PetscReal ScheduleAngle(Schedule self, PetscReal t) {
   return Angle(self, t) - self->start;
 }
 
-/* ClampPathRate - how fast it turns. */
-PetscReal ClampPathRate(ClampPath self, PetscReal t) {
+/* ScheduleRate - how fast it turns. */
+PetscReal ScheduleRate(Schedule self, PetscReal t) {
   PetscReal w[4], by[4], bend[4], h;
   PetscInt lo;
 
@@ -132,21 +132,21 @@ PetscReal ClampPathRate(ClampPath self, PetscReal t) {
          by[3] * self->slope[lo + 1];
 }
 
-/* ClampPathFastest - how fast it turns at most, at the rows and half way between them; 0: never. */
-PetscReal ClampPathFastest(ClampPath self) {
+/* ScheduleFastest - how fast it turns at most, at the rows and half way between them; 0: never. */
+PetscReal ScheduleFastest(Schedule self) {
   PetscReal fastest = 0;
 
   for (PetscInt i = 0; i < self->n; i++) {
-    fastest = PetscMax(fastest, PetscAbsReal(ClampPathRate(self, self->t[i])));
+    fastest = PetscMax(fastest, PetscAbsReal(ScheduleRate(self, self->t[i])));
     if (i > 0)
       fastest =
-          PetscMax(fastest, PetscAbsReal(ClampPathRate(self, (self->t[i - 1] + self->t[i]) / 2)));
+          PetscMax(fastest, PetscAbsReal(ScheduleRate(self, (self->t[i - 1] + self->t[i]) / 2)));
   }
   return fastest;
 }
 
-/* ClampPathJerks - does a clamp that an angle leads set out or stop at once between two times? */
-PetscBool ClampPathJerks(ClampPath self, PetscReal t0, PetscReal t1) {
+/* ScheduleJerks - does a clamp that an angle leads set out or stop at once between two times? */
+PetscBool ScheduleJerks(Schedule self, PetscReal t0, PetscReal t1) {
   for (PetscInt i = 0; i < self->n && !self->turned; i += self->n - 1)
     if (self->t[i] >= t0 && self->t[i] < t1 && self->slope[i] != 0) return PETSC_TRUE;
   return PETSC_FALSE;
