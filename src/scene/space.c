@@ -114,7 +114,7 @@ void SpaceToLab(const Space *self, const PetscReal v[3], PetscReal lab[3]) {
 
 /* SpaceClampAngle - by how much the clamp has turned about d1 at time t. */
 PetscReal SpaceClampAngle(const Space *self, PetscReal t) {
-  return self->clamp_path ? ScheduleAngle(self->clamp_path, t) : self->spin * t;
+  return self->clamp_path ? ScheduleValue(self->clamp_path, t) : self->spin * t;
 }
 
 /* SpaceClampRate - how fast it turns then. */
@@ -156,7 +156,7 @@ static PetscErrorCode ClampTurns(Space *self) {
   PetscCall(OptionText("-clamp_path", file, &path));
   if (!path) PetscFunctionReturn(0);
   UserCheck(!rate, OptionsComm(), "-clamp_spin and -clamp_path: give one of them");
-  PetscCall(ScheduleRead("-clamp_path", file, &self->clamp_path));
+  PetscCall(ScheduleRead("-clamp_path", file, "a clamp", &self->clamp_path));
   self->spin = ScheduleFastest(self->clamp_path);
   PetscFunctionReturn(0);
 }

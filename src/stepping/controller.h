@@ -34,6 +34,8 @@ typedef struct {
   VBDFCheck check;
   VBDFCross cross;
   VBDFMeasure measure;
+  VBDFNextEnd next_end;
+  PetscReal end; /* the next one; PETSC_MAX_REAL: there is none */
 } Controller;
 
 PetscErrorCode ControllerStep(TS ts, Controller *controller, Formula *formula);
