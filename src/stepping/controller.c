@@ -251,15 +251,15 @@ static const PetscReal met = 1e-12;
    step of a run that goes on to that.) */
 static PetscErrorCode LimitStep(TS ts, Controller *self) {
   const PetscBool match = (PetscBool)(ts->exact_final_time == TS_EXACTFINALTIME_MATCHSTEP);
-  PetscReal least, most, left;
+  PetscReal least, most, end, left;
 
   PetscFunctionBegin;
   PetscCall(TSAdaptGetStepLimits(ts->adapt, &least, &most));
   ts->time_step = PetscMin(ts->time_step, most);
-  self->end = PETSC_MAX_REAL;
+  end = match ? ts->max_time : PETSC_MAX_REAL;
   if (self->next_end && !self->fixed)
-    self->end = self->next_end(ts, ts->ptime + met * ts->max_time);
-  left = PetscMin(match ? ts->max_time : PETSC_MAX_REAL, self->end) - ts->ptime;
+    end = PetscMin(end, self->next_end(ts, ts->ptime + met * ts->max_time));
+  left = end - ts->ptime;
   if (ts->time_step >= left)
     ts->time_step = left;
   else if (!self->fixed && ts->time_step > left / 2)
@@ -520,7 +520,6 @@ static PetscErrorCode EndStep(TS ts, Controller *self, Formula *f, PetscReal fac
   /* of the accepted state: a linear solve has not looked at it any more */
   PetscCall(FormulaRate(f, f->point[0]));
   ts->ptime = f->time[0];
-  if (PetscAbsReal(self->end - ts->ptime) < met * ts->max_time) ts->ptime = self->end;
   if (ts->exact_final_time == TS_EXACTFINALTIME_MATCHSTEP &&
       PetscAbsReal(ts->max_time - ts->ptime) < met * ts->max_time)
     ts->ptime = ts->max_time;

@@ -35,7 +35,6 @@ typedef struct {
   VBDFCross cross;
   VBDFMeasure measure;
   VBDFNextEnd next_end;
-  PetscReal end; /* the next one; PETSC_MAX_REAL: there is none */
 } Controller;
 
 PetscErrorCode ControllerStep(TS ts, Controller *controller, Formula *formula);
