@@ -259,13 +259,9 @@ PetscErrorCode MotionText(const SurfaceMotion *motion, char **text) {
 
 /* ---- moving ---- */
 
-/* MotionShift - how far it has been carried along since t = 0. */
-void MotionShift(const SurfaceMotion *motion, PetscReal t, PetscReal shift[3]) {
-  for (int d = 0; d < 3; d++)
-    if (motion->led)
-      shift[d] = motion->place[d] ? ScheduleValue(motion->place[d], t) : 0;
-    else
-      shift[d] = motion->velocity[d] * t;
+/* MotionLed - how far it has been carried along since t = 0, as given in time. */
+void MotionLed(const SurfaceMotion *motion, PetscReal t, PetscReal shift[3]) {
+  for (int d = 0; d < 3; d++) shift[d] = motion->place[d] ? ScheduleValue(motion->place[d], t) : 0;
 }
 
 /* MotionVelocity - how fast it is carried along. */

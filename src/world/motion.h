@@ -18,11 +18,19 @@ PetscErrorCode MotionTake(const char *file, int line, PetscInt *n, char *word[],
                           SurfaceMotion *motion);
 PetscErrorCode MotionDestroy(SurfaceMotion *motion);
 PetscErrorCode MotionText(const SurfaceMotion *motion, char **text);
-void MotionShift(const SurfaceMotion *motion, PetscReal t, PetscReal shift[3]);
+void MotionLed(const SurfaceMotion *motion, PetscReal t, PetscReal shift[3]);
 void MotionVelocity(const SurfaceMotion *motion, PetscReal t, PetscReal velocity[3]);
 PetscReal MotionRate(const SurfaceMotion *motion, PetscReal t);
 PetscBool MotionJerks(const SurfaceMotion *motion, PetscReal t0, PetscReal t1);
 PetscReal MotionNextTurn(const SurfaceMotion *motion, PetscReal t);
+
+/* MotionShift - how far it has been carried along since t = 0. */
+static inline void MotionShift(const SurfaceMotion *motion, PetscReal t, PetscReal shift[3]) {
+  if (motion->led)
+    MotionLed(motion, t, shift);
+  else
+    for (int d = 0; d < 3; d++) shift[d] = motion->velocity[d] * t;
+}
 
 /* MotionAngle - by how much it turns from one time to another. */
 static inline PetscReal MotionAngle(const SurfaceMotion *motion, PetscReal from, PetscReal to) {

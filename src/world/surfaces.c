@@ -212,6 +212,39 @@ void SurfacesCarry(const Surfaces *self, PetscInt which, PetscReal from, const P
   for (int d = 0; d < 3; d++) y[d] += now[d] + m->at[d];
 }
 
+/* How far it is carried along off the straight way, half way between two times. */
+static PetscReal OffStraight(const SurfaceMotion *m, PetscReal from, PetscReal to) {
+  PetscReal first[3], mid[3], last[3], off = 0;
+
+  if (!m->led) return 0;
+  MotionShift(m, from, first);
+  MotionShift(m, (from + to) / 2, mid);
+  MotionShift(m, to, last);
+  for (int d = 0; d < 3; d++) off += PetscSqr(mid[d] - (first[d] + last[d]) / 2);
+  return PetscSqrtReal(off);
+}
+
+/*
+  SurfacesBow - how far from straight is the way, since another time, of that of a surface which is
+  at x now? About: of an arc of radius r and angle w it is
+
+    r w^2/8,
+
+  also where w is more than a turn; of n parts of the time each is 1/n^2 of that.
+*/
+PetscReal SurfacesBow(const Surfaces *self, PetscInt which, PetscReal from, const PetscReal x[3]) {
+  const SurfaceMotion *m = &self->surface[which].motion;
+  const PetscReal turned = MotionAngle(m, from, self->time);
+  PetscReal shift[3], o[3], across[3];
+
+  if (turned == 0) return OffStraight(m, from, self->time);
+  MotionShift(m, self->time, shift);
+  for (int d = 0; d < 3; d++) o[d] = x[d] - shift[d] - m->at[d];
+  Cross3(m->axis, o, across);
+  return OffStraight(m, from, self->time) +
+         turned * turned / 8 * PetscSqrtReal(Dot3(across, across));
+}
+
 /* SurfacesJerk - does any of them set out or stop at once between two times? */
 PetscBool SurfacesJerk(const Surfaces *self, PetscReal t0, PetscReal t1) {
   for (PetscInt k = 0; k < self->n; k++)

@@ -86,6 +86,8 @@ void SurfacesVelocity(const Surfaces *surfaces, PetscInt which, const PetscReal 
                       PetscReal velocity[3], PetscReal spin[3]);
 void SurfacesCarry(const Surfaces *surfaces, PetscInt which, PetscReal from, const PetscReal x[3],
                    PetscReal y[3]);
+PetscReal SurfacesBow(const Surfaces *surfaces, PetscInt which, PetscReal from,
+                      const PetscReal x[3]);
 PetscBool SurfacesJerk(const Surfaces *surfaces, PetscReal t0, PetscReal t1);
 PetscReal SurfacesNextTurn(const Surfaces *surfaces, PetscReal t);
 PetscErrorCode SurfaceNumber(const SurfaceLine *line, PetscInt k, Dimension dimension,

@@ -293,6 +293,14 @@ def guard():
                        f"-output {d}/ball.h5 " + walls(*others, f"sphere {at} 0.05 outside {moves}"))
         print(f"a ball that {moves}, and {len(others)} others:", line.splitlines()[-1])
         expect("stopped at t = 0.199" in line, line)
+    rests = ("-growth_type none -growth_initial_length 1 -shape_type straight -rod_curvature 0.05 -rod_curvature_2 0.02 -rod_cells 50 "
+             f"-contact_diameter 0.02 -ts_max_time 10 -stop_contact true -output {d}/ball.h5 ")
+    for angle, met in ((2 * np.pi, 5.05), (2 * np.pi + 6, 5.02)):
+        # once round, and more, by the rows of one step of a rod at rest: the straight way from where it was says nothing
+        line = tendril(rests + walls(f"sphere {-19.4 + 20 * np.cos(1):.6f} {-20 * np.sin(1):.6f} 0 0.05 outside "
+                                     f"turns at 5 0 5.3 {angle} about -19.4 0 0 0 0 1"))
+        print(f"a ball that turns by {angle:.3f}:", line.splitlines()[-1])
+        expect(f"stopped at t = {met}" in line, line)
     hole = walls("sphere 0.05 0 0 0.12 inside")
     line = tendril(FED + "-growth_initial_length 0.1 -rod_curvature 0.1 -rod_curvature_2 0.1 -ts_max_time 40 "
                    f"-output {d}/jam.h5 {hole}", 1)
