@@ -27,6 +27,8 @@ struct _Growth {
   PetscReal (*speed)(Growth, PetscReal s, PetscReal t);
   PetscReal (*strain)(Growth, PetscReal s, PetscReal t);
   PetscErrorCode (*origin)(Growth, PetscReal s, PetscReal t, PetscReal *d, PetscReal *d_t);
+  /* the first time behind t at which its length sets out, stops or turns back; NULL: never */
+  PetscReal (*next_turn)(Growth, PetscReal t);
   PetscErrorCode (*destroy)(Growth);
   void *data;
 };

@@ -1,5 +1,6 @@
 #include "base/hdf.h"
 #include "base/spline.h"
+#include "base/turns.h"
 #include "material/growth.h"
 
 /* table: a bicubic not-a-knot spline through /g [nt, ns] at /t and /s. With the second derivatives
@@ -8,6 +9,7 @@ typedef struct {
   PetscInt ns, nt;
   PetscReal *s, *t, *g, *g_ss, *g_tt, *g_sstt;
   PetscReal *p, *p_tt; /* arc length at the knots, and its second derivative in t */
+  PetscBool *turns;    /* at which times, of the length (base/turns.h) */
 } Table;
 
 static PetscReal TableProduct(const Table *tab, PetscInt i, PetscInt j, const PetscReal ws[4],
@@ -61,6 +63,11 @@ static PetscErrorCode ArcTable(Growth self, PetscReal s, PetscReal t, PetscReal 
   PetscFunctionReturn(0);
 }
 
+static PetscReal NextTurn(Growth self, PetscReal t) {
+  const Table *tab = (const Table *)self->data;
+  return TurnsNext(tab->nt, tab->t, tab->turns, t);
+}
+
 static PetscErrorCode DestroyTable(Growth self) {
   Table *tab = (Table *)self->data;
 
@@ -68,6 +75,7 @@ static PetscErrorCode DestroyTable(Growth self) {
   PetscCall(PetscFree(tab->s));
   PetscCall(PetscFree(tab->t));
   PetscCall(PetscFree(tab->g));
+  PetscCall(PetscFree(tab->turns));
   PetscCall(PetscFree5(tab->g_ss, tab->g_tt, tab->g_sstt, tab->p, tab->p_tt));
   PetscCall(PetscFree(self->data));
   PetscFunctionReturn(0);
@@ -154,6 +162,9 @@ PetscErrorCode GrowthCreateTable(Growth self) {
   }
   PetscCall(SplineSecondDerivatives(tab->nt, tab->t, tab->ns, 1, tab->ns, tab->p, tab->p_tt));
   PetscCall(TableCheckBetween(file, tab));
+  PetscCall(PetscCalloc1(tab->nt, &tab->turns));
+  TurnsMark(tab->nt, tab->p + tab->ns - 1, tab->ns, tab->turns);
+  self->next_turn = NextTurn;
   self->steep = PETSC_MAX_REAL;
   for (PetscInt j = 0; j < tab->nt; j++)
     self->steep = PetscMin(self->steep, SplineSteepest(tab->ns, tab->s, tab->g + j * tab->ns, 1));

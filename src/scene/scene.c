@@ -66,6 +66,22 @@ static PetscErrorCode LargestCell(Scene scene, PetscReal t, PetscReal cell[2]) {
   PetscFunctionReturn(0);
 }
 
+/* SceneNextTurn - the first time behind t at which what tables give in time sets out, stops or
+   turns back: the places of tip, clamp and walls, factors of friction, the length. PETSC_MAX_REAL
+   if nothing does. */
+PetscReal SceneNextTurn(Scene scene, PetscReal t) {
+  const Growth growth = scene->growth;
+  PetscReal next = SurfacesNextTurn(&scene->contact.surfaces, t);
+
+  if (scene->tip.path) next = PetscMin(next, PathNextTurn(scene->tip.path, t));
+  if (scene->space.clamp_path) next = PetscMin(next, ScheduleNextTurn(scene->space.clamp_path, t));
+  if (scene->load.field) next = PetscMin(next, FieldNextTurn(scene->load.field, t));
+  if (scene->tip.resistance.field)
+    next = PetscMin(next, FieldNextTurn(scene->tip.resistance.field, t));
+  if (growth->next_turn) next = PetscMin(next, growth->next_turn(growth, t));
+  return next;
+}
+
 /* SceneContactAt - makes the law of contact that of time t. Whoever asks for forces of contact
    calls it first; it costs nothing where there is none. */
 PetscErrorCode SceneContactAt(Scene scene, PetscReal t) {

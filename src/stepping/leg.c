@@ -456,6 +456,23 @@ PetscErrorCode LegInterpolate(Leg *leg, PetscReal t, PetscReal end, PetscReal h,
   PetscFunctionReturn(0);
 }
 
+static PetscReal NextTurn(TS ts, PetscReal t) {
+  Leg *leg = NULL;
+
+  if (TSGetApplicationContext(ts, &leg)) return PETSC_MAX_REAL;
+  return SceneNextTurn(leg->rod->scene, t);
+}
+
+/* LegEndAtTurns - lets steps end where what tables give in time sets out, stops or turns back: a
+   rod that rests, or does not feel it yet, lets steps be long, and one might leave out that it came
+   and went. (In the fast time of a snap nothing does.) */
+PetscErrorCode LegEndAtTurns(Leg *leg) {
+  PetscFunctionBegin;
+  if (SceneNextTurn(leg->rod->scene, 0) < PETSC_MAX_REAL)
+    PetscCall(VBDFSetNextEnd(leg->ts, NextTurn));
+  PetscFunctionReturn(0);
+}
+
 PetscErrorCode LegDestroy(Leg *leg) {
   PetscFunctionBegin;
   PetscCall(TSDestroy(&leg->ts));

@@ -27,6 +27,7 @@ typedef struct {
 
 PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, const char *prefix,
                          Leg *leg);
+PetscErrorCode LegEndAtTurns(Leg *leg);
 PetscErrorCode LegDestroy(Leg *leg);
 PetscErrorCode LegCrosses(Leg *leg, Vec U, PetscBool *crosses);
 PetscErrorCode LegInterpolate(Leg *leg, PetscReal t, PetscReal end, PetscReal h, Vec U, Vec U_t);

@@ -358,6 +358,7 @@ static PetscErrorCode Create(Scene scene, PetscReal rtol, PetscBool quiet, Bent 
   rod = self->leg.rod;
   self->leg.owner = self;
   PetscCall(TSSetPostStep(self->leg.ts, AfterStep));
+  PetscCall(LegEndAtTurns(&self->leg));
   PetscCall(RodHoldTip(rod));
   PetscCall(RodCreateMatrix(rod, &self->A));
   PetscCall(RodCreateMatrix(rod, &self->B));

@@ -339,15 +339,6 @@ static PetscErrorCode AfterStep(TS ts) {
   PetscFunctionReturn(0);
 }
 
-/* A step ends where a surface sets out, stops or turns back: a rod that does not feel it yet lets
-   steps be long, and one might leave out that it came and went. */
-static PetscReal NextTurn(TS ts, PetscReal t) {
-  Leg *leg = NULL;
-
-  if (TSGetApplicationContext(ts, &leg)) return PETSC_MAX_REAL;
-  return SurfacesNextTurn(&leg->rod->scene->contact.surfaces, t);
-}
-
 static PetscErrorCode AddLeg(Grow *self, PetscInt model) {
   Leg *leg = &self->leg[model];
 
@@ -357,8 +348,7 @@ static PetscErrorCode AddLeg(Grow *self, PetscInt model) {
   PetscCall(TSSetMaxTime(leg->ts, self->scene->end_time));
   PetscCall(TSSetPostStep(leg->ts, AfterStep));
   if (model != LINEAR) PetscCall(VBDFSetSnap(leg->ts, SnapFollow));
-  if (SurfacesNextTurn(&self->scene->contact.surfaces, 0) < PETSC_MAX_REAL)
-    PetscCall(VBDFSetNextEnd(leg->ts, NextTurn));
+  PetscCall(LegEndAtTurns(leg));
   PetscFunctionReturn(0);
 }
 

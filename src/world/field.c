@@ -3,6 +3,7 @@
 #include "base/bspline.h"
 #include "base/hdf.h"
 #include "base/knots.h"
+#include "base/turns.h"
 
 /* A table is interpolated by a cubic spline (C2) in each of t, x3, x2 and x1, with slope 0 at both
    ends, so that it goes on beyond its edges as a constant without a kink. Its coefficients are
@@ -20,7 +21,8 @@ struct _Field {
   PetscReal *start, *factor, width;
   /* or a table */
   Axis axis[AXES];
-  PetscReal *c; /* coefficients [t][x3][x2][x1] */
+  PetscReal *c;     /* coefficients [t][x3][x2][x1] */
+  PetscBool *turns; /* at which times, at any place (base/turns.h) */
 };
 
 /* How many coefficients an axis has. */
@@ -268,6 +270,15 @@ static PetscErrorCode SetValues(Field self, const PetscReal *values) {
   PetscFunctionReturn(0);
 }
 
+/* When values [nt][...] set out, stop or turn back. */
+static PetscErrorCode FindTurns(Field self, PetscInt places, const PetscReal *values) {
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(self->axis[TIME].n, &self->turns));
+  for (PetscInt k = 0; k < places; k++)
+    TurnsMark(self->axis[TIME].n, values + k, places, self->turns);
+  PetscFunctionReturn(0);
+}
+
 /*
   FieldFromFile - a factor from a table in HDF5: /x1 [n1], /x2 [n2], if it changes with x3, too,
   /x3 [n3] and, if it changes in time, /t [nt]; /factor [n2, n1], [n3, n2, n1], with [nt, ...]
@@ -305,6 +316,9 @@ PetscErrorCode FieldFromFile(const char *option, const char *file, Field *field)
               (int)self->axis[ALONG].n, timed ? "/t, " : "", high ? "/x3, " : "");
   }
   error = SetValues(self, values);
+  if (!error && timed)
+    error =
+        FindTurns(self, self->axis[HIGH].n * self->axis[ACROSS].n * self->axis[ALONG].n, values);
   PetscCall(PetscFree(values));
   PetscCall(error);
   PetscCall(CheckSign(option, file, self));
@@ -319,6 +333,7 @@ PetscErrorCode FieldDestroy(Field *field) {
   PetscCall(PetscFree2(self->start, self->factor));
   for (int a = 0; a < AXES; a++) PetscCall(PetscFree(self->axis[a].at));
   PetscCall(PetscFree(self->c));
+  PetscCall(PetscFree(self->turns));
   PetscCall(PetscFree(*field));
   PetscFunctionReturn(0);
 }
@@ -341,6 +356,13 @@ PetscReal FieldFinest(Field self, PetscReal reach) {
       if (at[0] < reach && at[1] > -reach) least = PetscMin(least, at[1] - at[0]);
     }
   return least < PETSC_MAX_REAL ? least : 0;
+}
+
+/* FieldNextTurn - the first time behind t at which it sets out, stops or turns back anywhere;
+   PETSC_MAX_REAL if it does not. */
+PetscReal FieldNextTurn(Field self, PetscReal t) {
+  if (!self->turns) return PETSC_MAX_REAL;
+  return TurnsNext(self->axis[TIME].n, self->axis[TIME].at, self->turns, t);
 }
 
 /* FieldAt - the factor at a place (in the laboratory) and a time, and its derivatives by x1, x2,

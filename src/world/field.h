@@ -13,6 +13,7 @@ PetscErrorCode FieldDestroy(Field *field);
 PetscBool FieldIsLayered(Field field);
 PetscReal FieldFinest(Field field, PetscReal reach);
 PetscBool FieldInSpace(Field field);
+PetscReal FieldNextTurn(Field field, PetscReal t);
 void FieldAt(Field field, const PetscReal x[3], PetscReal t, PetscReal *factor, PetscReal slope[3]);
 
 #endif

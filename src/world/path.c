@@ -3,6 +3,7 @@
 #include "base/monotone.h"
 #include "base/quaternion.h"
 #include "base/table.h"
+#include "base/turns.h"
 
 static const struct {
   const char *name;
@@ -15,6 +16,7 @@ static const struct {
 struct _Path {
   PetscInt n;
   PetscReal *t, *value[PATH_COLUMNS], *slope[PATH_COLUMNS]; /* NULL: not said */
+  PetscBool *turns;                                         /* at which rows (base/turns.h) */
   PetscReal lab[3][3], clamp[4]; /* from the frame of the clamp to the laboratory */
   PetscReal begin;               /* of the run, or the first row */
   PetscReal turned;              /* what PATH_TURN is then: turns are counted from there */
@@ -97,10 +99,12 @@ PetscErrorCode PathRead(const char *option, const char *file, Path *path) {
   PetscCall(Columns(option, file, table, self));
   PetscCall(TableDestroy(&table));
   PetscCall(Check(option, file, self));
+  PetscCall(PetscCalloc1(self->n, &self->turns));
   for (int k = 0; k < PATH_COLUMNS; k++) {
     if (!self->value[k]) continue;
     PetscCall(PetscMalloc1(self->n, &self->slope[k]));
     MonotoneSlopes(self->n, self->t, self->value[k], self->slope[k]);
+    TurnsMark(self->n, self->value[k], 1, self->turns);
   }
   PetscFunctionReturn(0);
 }
@@ -109,6 +113,7 @@ PetscErrorCode PathDestroy(Path *path) {
   PetscFunctionBegin;
   if (!*path) PetscFunctionReturn(0);
   PetscCall(PetscFree((*path)->t));
+  PetscCall(PetscFree((*path)->turns));
   for (int k = 0; k < PATH_COLUMNS; k++) {
     PetscCall(PetscFree((*path)->value[k]));
     PetscCall(PetscFree((*path)->slope[k]));
@@ -150,6 +155,12 @@ PetscBool PathTurnsCorner(Path path, PetscReal t0, PetscReal t1) {
       if (path->t[i] >= t0 && path->t[i] < t1 && path->slope[k] && path->slope[k][i] != 0)
         return PETSC_TRUE;
   return PETSC_FALSE;
+}
+
+/* PathNextTurn - the first time behind t at which it sets out, stops or turns back, in any way;
+   PETSC_MAX_REAL if it does not. */
+PetscReal PathNextTurn(Path path, PetscReal t) {
+  return TurnsNext(path->n, path->t, path->turns, t);
 }
 
 PetscInt PathRows(Path path) {

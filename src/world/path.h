@@ -32,6 +32,7 @@ PetscReal PathRange(Path path, int column);
 void PathBegin(Path path, const PetscReal lab[3][3], const PathPlace *start, PetscReal apart[3]);
 void PathAt(Path path, PetscReal t, PathPlace *place);
 PetscBool PathTurnsCorner(Path path, PetscReal t0, PetscReal t1);
+PetscReal PathNextTurn(Path path, PetscReal t);
 PetscBool PathLeads(Path path, PetscReal t, int axis);
 PetscInt PathRows(Path path);
 PetscReal PathTime(Path path, PetscInt row);

@@ -3,6 +3,7 @@
 #include "base/knots.h"
 #include "base/monotone.h"
 #include "base/table.h"
+#include "base/turns.h"
 
 struct _Schedule {
   PetscInt n;
@@ -69,39 +70,33 @@ void ScheduleSetRow(Schedule self, PetscInt row, PetscReal t, PetscReal value) {
   self->value[row] = value;
 }
 
-static int Sign(PetscReal x) {
-  return (x > 0) - (x < 0);
-}
-
 /* Where between two rows, of rates with unlike signs, the rate is 0: there it turns back. */
 static PetscReal TurnsBack(Schedule self, PetscInt lo) {
   PetscReal low = self->t[lo], high = self->t[lo + 1], mid = (low + high) / 2;
 
   for (; mid > low && mid < high; mid = (low + high) / 2)
-    if (Sign(MonotoneValue(self->n, self->t, self->value, self->slope, mid)) ==
-        Sign(self->value[lo]))
+    if (TurnsSign(MonotoneValue(self->n, self->t, self->value, self->slope, mid)) ==
+        TurnsSign(self->value[lo]))
       low = mid;
     else
       high = mid;
   return mid;
 }
 
-/* When it sets out, stops or turns back: the rows at which the differences of neighbours change
-   their sign (all are 0 before the first and behind the last), and where a rate is 0. Between two
-   of these times it goes one way only. */
+/* When it sets out, stops or turns back (base/turns.h), and where a rate is 0. */
 static PetscErrorCode FindTurns(Schedule self) {
-  int before = 0, behind;
+  PetscBool *at;
 
   PetscFunctionBegin;
+  PetscCall(PetscCalloc1(self->n, &at));
+  TurnsMark(self->n, self->value, 1, at);
   PetscCall(PetscMalloc1(2 * self->n, &self->turn));
-  for (PetscInt i = 0; i < self->n; i++, before = behind) {
-    const PetscBool last = (PetscBool)(i + 1 == self->n);
-    behind = last ? 0 : Sign(self->value[i + 1] - self->value[i]);
-    if (behind != before || (self->turned && self->value[i] == 0))
-      self->turn[self->turns++] = self->t[i];
-    if (self->turned && !last && self->value[i] * self->value[i + 1] < 0)
+  for (PetscInt i = 0; i < self->n; i++) {
+    if (at[i] || (self->turned && self->value[i] == 0)) self->turn[self->turns++] = self->t[i];
+    if (self->turned && i + 1 < self->n && self->value[i] * self->value[i + 1] < 0)
       self->turn[self->turns++] = TurnsBack(self, i);
   }
+  PetscCall(PetscFree(at));
   PetscFunctionReturn(0);
 }
 

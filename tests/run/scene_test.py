@@ -702,6 +702,46 @@ def brink():
 
 
 @check
+def comes_and_goes():
+    """What tables give in time, and comes and goes within what would be a step of a rod that rests: steps end where
+    it sets out, and see it, as they do where it begins with the run."""
+    d, bump = Path(SCRATCH), np.array([0, 1, 0])
+    still = "-growth_type none -growth_initial_length 1 -shape_type straight -rod_curvature 0.2 "
+
+    def csv(name, t, value, also=""):
+        np.savetxt(d / f"{name}.csv", np.c_[t, value], delimiter=",", header="t," + name, comments="", fmt="%.9f")
+        return d / f"{name}.csv"
+
+    def h5(t, what, goes, axes):  # (many rows: a spline through few would swing)
+        times = np.linspace(0, 10, 501)
+        value = 1 + goes * (np.abs(times - t[1]) < 0.009)
+        with h5py.File(d / "table.h5", "w") as f:
+            f["t"], f[what] = times, np.multiply.outer(value, np.ones([len(x) for x in axes.values()][::-1]))
+            for name, at in axes.items():
+                f[name] = at
+        return d / "table.h5"
+
+    def most(name):
+        return lambda r, since: np.abs(r.series[name])[r.t > since].max()
+
+    scenes = {  # what is seen of it, and options for what comes at a time
+        "-tip_path": (most("energy"), lambda t: still + "-friction_mu 0 -friction_layers 0:1 -tip_type pinned -tip_path "
+                      f"{csv('x1', t, 0.9933466 - 0.08 * bump)}"),
+        "-tip_path, in space": (most("energy"), lambda t: still + "-friction_mu 0 -friction_layers 0:1 -tip_type pinned "
+                                f"-rod_model space -tip_path {csv('x1', t, 0.9933466 - 0.08 * bump)}"),
+        "-clamp_path": (most("twist"), lambda t: still + f"-friction_radius 0.05 -clamp_path {csv('turn', t, bump)}"),
+        "-growth_table": (most("length"), lambda t: "-growth_type table -shape_amplitude 0.01 -growth_table "
+                          f"{h5(t, 'g', 0.1, {'s': np.linspace(0, 1, 4)})}"),
+        "-friction_field": (lambda r, since: r.norm_x2[-1], lambda t: still + "-friction_beta 0 -rod_weight 0,-0.5 -friction_field "
+                            f"{h5(t, 'factor', -0.9, {'x1': [0.0], 'x2': [0.0]})}")}
+    for name, (seen, options) in scenes.items():
+        early, late = (Run(options(at + np.array([0, 0.01, 0.02])) + " -ts_max_time 10") for at in (0.03, 4.99))
+        seen = seen(early, 0.02), seen(late, 4)
+        print(f"{name}: {early.steps}, {late.steps} steps, {seen}")
+        expect(abs(seen[1] / seen[0] - 1) < 2e-3, f"{name}: {seen}")
+
+
+@check
 def sides():
     """Rods beyond critical at the start give way to the side they are bent to, one half-way by the path
     of a vanishing viscous share: a first step longer than the time in which they grow would mirror them.
