@@ -1,10 +1,11 @@
 /* The model of space: Jacobians by rate for every law, its elimination against a matrix, mirrors,
    and a bend whose exact answer is known. */
 #include "base/chain.h"
+#include "base/hermite.h"
+#include "base/vectors.h"
 #include "rod/by_rate.h"
+#include "rod/space_cells.h"
 #include "rod/spin_rest.h"
-
-enum { FIELDS = 13 };
 
 static const char *const laws[] = {"-growth_type uniform", "-growth_type gaussian",
                                    "-growth_type feed", "-growth_type apical -growth_zone 0.6"};
@@ -131,6 +132,135 @@ static void TestWallJacobians(void **state) {
       ExpectRate(rod, &at, J, w, 1e-5, 0.2, options);
       pressed = Pressed(rod, U);
       EXPECT(pressed > 0.1, "%s presses with %g", walls[k], pressed);
+      CHECK(MatDestroy(&J));
+      CHECK(VecDestroy(&U));
+      CHECK(VecDestroy(&U_t));
+      CHECK(VecDestroy(&w));
+      Destroy(&scene, &rod);
+      RemoveFile(file);
+    }
+}
+
+/* The place z of a cell of the initial shape, and the tangent there, in the laboratory. */
+static void PlaceOf(Rod rod, PetscReal t, PetscInt cell, PetscReal z, PetscReal x[3],
+                    PetscReal q[3]) {
+  const PetscReal *s = rod->scene->mesh.s;
+  PetscReal at[9] = {0}, g[2];
+  Node *nodes;
+  CHECK(PetscMalloc1(rod->end - rod->first, &nodes));
+  CHECK(RodInitialNodes(rod, t, nodes));
+  CHECK(GrowthStretch(rod->scene->growth, 2, s + cell, t, g, NULL, NULL));
+  for (int e = 0; e < 2; e++) {
+    PetscReal value[4], slope[4], bend[4], d[3][3], h = s[cell + 1] - s[cell];
+    const Node *node = nodes + cell + e - rod->first;
+    if (cell + e < rod->first || cell + e >= rod->end) continue;
+    Hermite(z, value, slope, bend);
+    Directors(node->p, QuaternionSize(node->p), d);
+    for (int k = 0; k < 3; k++) {
+      at[k] += value[2 * e] * node->x3[k] + value[2 * e + 1] * h * g[e] * d[0][k];
+      at[3 + k] += slope[2 * e] * node->x3[k] + slope[2 * e + 1] * h * g[e] * d[0][k];
+    }
+  }
+  CHECK(PetscFree(nodes));
+  MPI_Allreduce(MPI_IN_PLACE, at, 9, MPIU_REAL, MPI_SUM, PETSC_COMM_WORLD);
+  SpaceToLab(&rod->scene->space, at, x);
+  SpaceToLab(&rod->scene->space, at + 3, q);
+  for (int k = 0; k < 3; k++) at[k] = q[k];
+  for (int k = 0; k < 3; k++) q[k] = at[k] / PetscSqrtReal(Dot3(at, at));
+}
+
+/* The sum of normal forces of feet in a state, and how many there are on all ranks. */
+static PetscReal OnFeet(Rod rod, const RodState *at, int *feet) {
+  PetscReal sum = 0;
+  Cell cell;
+  *feet = 0;
+  CHECK(SpaceCellsOpen(rod, at, &cell));
+  for (PetscInt i = PetscMax(rod->first - 1, 0); i < PetscMin(rod->end, rod->last); i++) {
+    SpaceCellsNext(&cell, i);
+    if (i < rod->first) continue; /* the rank before has it */
+    for (PetscInt k = 0; k < cell.feet.n; k++) sum += cell.feet.foot[k].normal;
+    *feet += cell.feet.n;
+  }
+  CHECK(SpaceCellsClose(&cell));
+  MPI_Allreduce(MPI_IN_PLACE, feet, 1, MPI_INT, MPI_SUM, PETSC_COMM_WORLD);
+  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPI_SUM, PETSC_COMM_WORLD);
+  return sum;
+}
+
+/* What stands out and is thinner than a cell, of radius r, so deep in the rod at the place z of a
+   cell that its axis, if it has one, is `slant` off across the rod: a line of a wall file. %axis
+   is where its axis goes through beside the rod, %at a place behind there, along %a. */
+typedef struct {
+  const char *line;
+  PetscReal r, behind, slant;
+  PetscReal velocity[3];
+  int feet;
+} Thin;
+
+static const Thin thin[] = {
+    {"cylinder %s %s 0.01 outside friction 0.5\n", 0.01, 0, 0.3, {0}, 1},
+    {"cylinder %s %s 0.11 outside friction 0.5\n", 0.11, 0, 0.2, {0}, 1}, /* met in part */
+    {"sphere %s 0.02 outside moves 0.4 0.3 0.05 friction 0.7\n", 0.02, 0, 0, {0.4, 0.3, 0.05}, 1},
+    {"sphere %s 0.12 outside friction 0.7\n", 0.12, 0, 0, {0}, 1},
+    {"cylinder %s %s 0.01 outside 0.3 friction 0.4\n", 0.01, 0.1, 0.7, {0}, 1},
+    {"cylinder %s %s 0.9 outside 0.3 friction 0.4\n", 0.9, 0, 1.1, {0}, 1}, /* an edge */
+    {"cone %s %s 0.02 0.01 0.4 outside friction 0.5\n", 0.015, 0.2, 0.2, {0}, 1},
+    {"torus %s %s 0.4 0.02 outside friction 0.5\n", 0.42, 0, 0.4, {0}, 1}};
+enum { THINS = sizeof(thin) / sizeof(thin[0]) };
+
+/* The line that puts one there, by an axis a across the rod but for the slant, and a way e from the
+   rod to it that is across both. */
+static void WriteThin(const Thin *of, Rod rod, PetscInt cell, PetscReal z, char line[], size_t n) {
+  const PetscReal t = 0.7, D = 0.05, deep = 0.004, other[3] = {0.2, -0.3, 1};
+  PetscReal x[3], q[3], a[3], e[3], at[3], size;
+  char place[80], axis[80];
+  PlaceOf(rod, t, cell, z, x, q);
+  Cross3(q, other, e);
+  size = PetscSqrtReal(Dot3(e, e));
+  for (int d = 0; d < 3; d++) e[d] /= size;
+  Cross3(e, q, a);
+  for (int d = 0; d < 3; d++) {
+    a[d] = PetscCosReal(of->slant) * a[d] + PetscSinReal(of->slant) * q[d];
+    at[d] = x[d] + (of->r + D / 2 - deep) * e[d] - of->behind * a[d] - t * of->velocity[d];
+  }
+  (void)snprintf(place, sizeof(place), "%.17g %.17g %.17g", at[0], at[1], at[2]);
+  (void)snprintf(axis, sizeof(axis), "%.17g %.17g %.17g", a[0], a[1], a[2]);
+  (void)snprintf(line, n, of->line, place, axis);
+}
+
+/* Feet on what is thinner than a cell: there is one, and its derivatives are exact. */
+static void TestFootJacobians(void **state) {
+  static const char *const spun[] = {
+      "-clamp_direction 1,0.3,0.2",
+      "-clamp_direction 1,0.3,0.2 -friction_radius 0.4 -clamp_spin 0.5", "-rod_order 2"};
+  for (int law = 0; law < 3; law += 2)
+    for (int k = 0; k < THINS; k++) {
+      const int how = (law + k) % 3;
+      char file[64], options[400], line[400];
+      RodState at;
+      Scene scene;
+      Rod rod;
+      Vec U, U_t, w;
+      Mat J;
+      PetscReal sum;
+      int feet;
+      Create(laws[law], spun[how], 12, &scene, &rod);
+      WriteThin(&thin[k], rod, 7, 0.37, line, sizeof(line));
+      Destroy(&scene, &rod);
+      WriteWalls(file, line);
+      (void)snprintf(options, sizeof(options),
+                     "-wall_file %s -contact_diameter 0.05 -contact_stiffness 4e3 %s", file,
+                     spun[how]);
+      Create(laws[law], options, 12, &scene, &rod);
+      ShakenState(rod, 0.7, 1e-4, &U, &U_t);
+      w = RandomVector(rod, 3, 1);
+      CHECK(RodCreateMatrix(rod, &J));
+      at = StateOf(0.7, U, U_t, k % 2 ? 0 : 3);
+      at.fresh = PETSC_TRUE;
+      sum = OnFeet(rod, &at, &feet);
+      EXPECT(feet == thin[k].feet && sum > 0.01, "%s: %d feet press with %g", line, feet, sum);
+      CHECK(rod->model->jacobian(rod, &at, J));
+      ExpectRate(rod, &at, J, w, 1e-5, 0.2, line);
       CHECK(MatDestroy(&J));
       CHECK(VecDestroy(&U));
       CHECK(VecDestroy(&U_t));
@@ -460,8 +590,9 @@ static void TestSpinRest(void **state) {
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(TestJacobians),   cmocka_unit_test(TestWallJacobians),
-    cmocka_unit_test(TestElimination), cmocka_unit_test(TestMirrors),
-    cmocka_unit_test(TestBend),        cmocka_unit_test(TestIndex),
-    cmocka_unit_test(TestBegins),      cmocka_unit_test(TestSpinRest)};
+    cmocka_unit_test(TestJacobians),     cmocka_unit_test(TestWallJacobians),
+    cmocka_unit_test(TestFootJacobians), cmocka_unit_test(TestElimination),
+    cmocka_unit_test(TestMirrors),       cmocka_unit_test(TestBend),
+    cmocka_unit_test(TestIndex),         cmocka_unit_test(TestBegins),
+    cmocka_unit_test(TestSpinRest)};
 MAIN(tests)
