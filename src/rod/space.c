@@ -707,9 +707,10 @@ static PetscErrorCode SpaceHold(Rod rod, const RodState *at, PetscReal seen, Pet
       *creep = PetscMax(*creep, LoadHold3(cell.load, &cell.a.at, seen, cell.dual[0]));
     *creep = PetscMax(*creep, LoadHold3(cell.load, &cell.mid.at, seen, cell.dual[1]));
     if (ends) *creep = PetscMax(*creep, LoadHold3(cell.load, &cell.b.at, seen, cell.dual[2]));
-    if (cell.feet.n && self->foot_dual)
-      *creep =
-          PetscMax(*creep, FeetHold3(&rod->scene->contact, &cell.feet, seen, FootDuals(&cell, i)));
+    if (cell.feet.n && self->foot_dual) {
+      const PetscReal feet = FeetHold3(&rod->scene->contact, &cell.feet, seen, FootDuals(&cell, i));
+      *creep = PetscMax(*creep, feet);
+    }
   }
   if (rod->end == rod->last + 1) {
     TipState3 tip = TipOf(cell.load, &cell.b);

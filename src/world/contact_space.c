@@ -388,16 +388,18 @@ void ContactPushSlope3(const Contact *contact, const Touch3 *touch, const Rubbed
 }
 
 /* ContactHoldTouch3 - moves what holds a place of the rod at one wall, over a shift of `hold` at
-   most; returns the speed at which it creeps, as ContactHold(). */
+   most; returns the speed at which it creeps, `creep` at least, as ContactHold(). */
 PetscReal ContactHoldTouch3(const Contact *contact, const Touch3 *touch, const Rubbed *at,
-                            PetscReal seen, PetscReal hold, FrictionDual4 slots[]) {
+                            PetscReal seen, PetscReal hold, PetscReal creep,
+                            FrictionDual4 slots[]) {
   FrictionDual4 *kept = ContactSlot(touch, slots), dual;
-  PetscReal slope, creep, a[3], u[4], p = ContactPressure(contact, touch->gap, &slope);
+  PetscReal slope, a[3], u[4];
+  const PetscReal p = ContactPressure(contact, touch->gap, &slope), mu = touch->friction;
 
-  if (!kept || p == 0) return 0;
+  if (!kept || p == 0) return creep;
   dual = Seen(touch, kept);
   Slip(contact, touch, at, a, u);
-  creep = PetscMin(1, touch->friction * p) * FrictionDualHold4(u, seen, hold, &dual);
+  creep = PetscMax(creep, PetscMin(1, mu * p) * FrictionDualHold4(u, seen, hold, &dual));
   for (int d = 0; d < 3; d++) kept->shift[d] = dual.shift[d];
   return creep;
 }
@@ -413,7 +415,6 @@ PetscReal ContactHold3(const Contact *contact, const Rubbed *at, PetscReal seen,
   if (!n) return 0;
   ContactSlots(n, touch, slots);
   for (PetscInt k = 0; k < n; k++)
-    creep = PetscMax(creep,
-                     ContactHoldTouch3(contact, &touch[k], at, seen, friction_hold_contact, slots));
+    creep = ContactHoldTouch3(contact, &touch[k], at, seen, friction_hold_contact, creep, slots);
   return creep;
 }
