@@ -10,9 +10,9 @@ typedef struct {
   const Load *load;
   PetscReal h[2];
   const Law *law;
-  const FrictionDual4 *dual;    /* at the node between them; of one cell, in its middle */
-  const PetscReal (*push)[3];   /* what strands add to n' at these points; NULL: none */
-  const PetscReal (*couple)[3]; /* and to m'; NULL: none */
+  const FrictionDual4 *dual;     /* at the node between them; of one cell, in its middle */
+  const PetscReal (*push)[3];    /* what strands add to n' at these points; NULL: none */
+  const PetscReal (*couple)[3];  /* and to m'; NULL: none */
   PetscReal feet[2][FOOT3_LOAD]; /* what feet add in the middle of each */
   Point p[PLACES];
 } Cells;
@@ -125,8 +125,7 @@ static void Take(const Cell *cell, PetscInt i, int k, const FrictionDual4 *dual,
   }
   cells->dual = dual;
   cells->h[k] = cell->h;
-  for (int d = 0; d < FOOT3_LOAD; d++)
-    cells->feet[k][d] = cell->feet.n ? cell->foot_load[1][d] : 0;
+  for (int d = 0; d < FOOT3_LOAD; d++) cells->feet[k][d] = cell->feet.n ? cell->foot_load[1][d] : 0;
   cells->p[2 * k] = cell->a;
   cells->p[2 * k + 1] = cell->mid;
   cells->p[2 * k + 2] = cell->b;

@@ -270,6 +270,72 @@ static void TestFootJacobians(void **state) {
     }
 }
 
+/* A straight cell that is fed and spins over a post at a slant: where its foot is, and what it
+   does. With phi the angle between both: rho = (r + D/2 + gap)/sin^2 phi - gap. */
+static void TestFoot(void **state) {
+  const PetscReal phi = 0.5, r = 0.001, half = 0.01, mu = 0.4, deep = 2e-5, at = 0.043, h = 0.1,
+                  spin = 60, weight[] = {1. / 6, 4. / 6, 1. / 6};
+  const FootCell3 cell = {.h = h,
+                          .g = {1, 1},
+                          .x = {{0}, {h}},
+                          .q = {{1}, {1}},
+                          .spin = {spin, spin},
+                          .c = {1, 1, 1},
+                          .weight = {weight[0], weight[1], weight[2]},
+                          .moves = PETSC_TRUE};
+  FootLoad3 load = {{0}};
+  PetscReal slope, p, u[2], size, f[3], couple, sum[6] = {0}, lever[3] = {0};
+  char file[64], line[200];
+  const Contact *contact;
+  Feet3 feet;
+  Scene scene;
+  Rod rod;
+  (void)snprintf(line, sizeof(line), "cylinder %g 0 %.17g %.17g %.17g 0 %g outside friction %g\n",
+                 at, -r - half + deep, cos(phi), sin(phi), r, mu);
+  WriteWalls(file, line);
+  SetOptions("-wall_file %s -contact_diameter %g -rod_cells 10 -friction_beta 1e-30 -growth_type "
+             "feed -growth_initial_length 1",
+             file, 2 * half);
+  CHECK(SceneCreate(&scene));
+  CHECK(RodCreate(scene, &rod_space, &rod));
+  CHECK(SceneContactAt(scene, 0));
+  contact = &scene->contact;
+  FeetFind3(contact, &cell, contact->smooth, &feet);
+  EXPECT(feet.n == 1, "%d feet", (int)feet.n);
+  EXPECT(PetscAbsReal(feet.foot[0].z - at / h) < 1e-13, "at %g", feet.foot[0].z);
+  EXPECT(PetscAbsReal(feet.touch[0].gap + deep) < 1e-15, "gap %g", feet.touch[0].gap);
+  size = (r + half - deep) / PetscSqr(sin(phi)) + deep;
+  EXPECT(PetscAbsReal(feet.foot[0].rho / size - 1) < 1e-12, "rho %g for %g", feet.foot[0].rho,
+         size);
+  EXPECT(feet.foot[0].strength == contact->tip, "strength %g", feet.foot[0].strength);
+  FeetPush3(contact, &cell, NULL, &feet);
+  /* what touches is below the axis, r = -D/2 e3: it goes at (1, D/2 spin) */
+  p = contact->tip * ContactPressure(contact, -deep, &slope);
+  u[0] = 1;
+  u[1] = half * spin;
+  size = hypot(u[0], u[1]);
+  f[0] = -mu * p * u[0] / size;
+  f[1] = -mu * p * u[1] / size;
+  f[2] = p;
+  couple = half * f[1];
+  FeetHandOut3(&cell, &feet, load);
+  for (int k = 0; k < 3; k++)
+    for (int d = 0; d < 6; d++) sum[d] -= h * weight[k] * load[k][d];
+  for (int k = 0; k < 3; k++)
+    for (int d = 0; d < 3; d++) lever[d] -= h * weight[k] * load[k][d] * k / 2;
+  for (int d = 0; d < 3; d++) {
+    EXPECT(PetscAbsReal(feet.foot[0].force[d] - f[d]) < 1e-9 * p, "force %d: %g for %g", d,
+           feet.foot[0].force[d], f[d]);
+    EXPECT(PetscAbsReal(sum[d] - f[d]) < 1e-9 * p, "handed out %d: %g for %g", d, sum[d], f[d]);
+    EXPECT(PetscAbsReal(lever[d] - f[d] * at / h) < 1e-9 * p, "moment of %d: %g", d, lever[d]);
+  }
+  EXPECT(PetscAbsReal(sum[3] - couple) < 1e-9 * half * p && sum[4] == 0, "couple %g for %g", sum[3],
+         couple);
+  CHECK(RodDestroy(&rod));
+  CHECK(SceneDestroy(&scene));
+  RemoveFile(file);
+}
+
 /* On one rank: what is eliminated solves the equations of the matrix. */
 static void TestElimination(void **state) {
   PetscMPIInt ranks;
@@ -591,8 +657,8 @@ static void TestSpinRest(void **state) {
 
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(TestJacobians),     cmocka_unit_test(TestWallJacobians),
-    cmocka_unit_test(TestFootJacobians), cmocka_unit_test(TestElimination),
-    cmocka_unit_test(TestMirrors),       cmocka_unit_test(TestBend),
-    cmocka_unit_test(TestIndex),         cmocka_unit_test(TestBegins),
-    cmocka_unit_test(TestSpinRest)};
+    cmocka_unit_test(TestFootJacobians), cmocka_unit_test(TestFoot),
+    cmocka_unit_test(TestElimination),   cmocka_unit_test(TestMirrors),
+    cmocka_unit_test(TestBend),          cmocka_unit_test(TestIndex),
+    cmocka_unit_test(TestBegins),        cmocka_unit_test(TestSpinRest)};
 MAIN(tests)
