@@ -95,14 +95,32 @@ static void StrengthOf(const Contact *contact, Foot3 *foot) {
                      (share_t * (1 - round) - share * round_t) * contact->tip;
 }
 
+/* Makes room for a foot of this gap by dropping the farthest, for what is looked for as the nearest
+   may be far, and many; false: it is farther itself. */
+static PetscBool MakeRoom(Feet3 *feet, PetscReal gap) {
+  PetscInt far = 0;
+
+  if (feet->n < MOST_FEET) return PETSC_TRUE;
+  for (PetscInt k = 1; k < feet->n; k++)
+    if (feet->touch[k].gap > feet->touch[far].gap) far = k;
+  if (gap >= feet->touch[far].gap) return PETSC_FALSE;
+  feet->n--;
+  for (PetscInt k = far; k < feet->n; k++) {
+    feet->foot[k] = feet->foot[k + 1];
+    feet->touch[k] = feet->touch[k + 1];
+  }
+  return PETSC_TRUE;
+}
+
 /* Takes note of a foot, in the order of items and, of one item, along the rod. */
 static void Take(Looking *look, Foot3 *foot, const Touch3 *touch) {
   Feet3 *feet = look->feet;
-  PetscInt k = feet->n;
+  PetscInt k;
 
   foot->rho = RhoOf(foot, touch);
   StrengthOf(look->contact, foot);
-  if (touch->gap >= look->within || foot->strength == 0 || k == MOST_FEET) return;
+  if (touch->gap >= look->within || foot->strength == 0 || !MakeRoom(feet, touch->gap)) return;
+  k = feet->n++;
   for (; k > 0 && (feet->foot[k - 1].item > foot->item ||
                    (feet->foot[k - 1].item == foot->item && feet->foot[k - 1].z > foot->z));
        k--) {
@@ -111,7 +129,6 @@ static void Take(Looking *look, Foot3 *foot, const Touch3 *touch) {
   }
   feet->foot[k] = *foot;
   feet->touch[k] = *touch;
-  feet->n++;
 }
 
 /* Is the cell too far from an item, or that too wide for the cells? */
