@@ -349,52 +349,74 @@ static PetscReal RhoBy(const Foot3 *foot, const Touch3 *touch, const PetscReal s
   return (2 * Dot3(w, dslope) - size / along * by) / along - Dot3(touch->normal, dx);
 }
 
+/* How a foot changes with an unknown. */
+typedef struct {
+  PetscReal z, x[3], slope[3], t[3], v[3], spin;
+} Change;
+
 /*
-  Adds the derivatives of a foot's load. With those at a fixed z,
+  With the derivatives at a fixed z,
 
     dz = -(x_z.H dx + n.dx_z) / (x_z.H x_z + n.x_zz),
 
-  all else changes by z besides.
+  and all else changes by z besides.
 */
+static void ChangeOf(const Foot3 *foot, const Touch3 *touch, const Motion *m, const Fixed *by,
+                     int u, Change *change) {
+  PetscReal z = 0;
+
+  for (int d = 0; d < 3 && !foot->ends; d++)
+    z -= (Dot3(touch->bend[d], foot->slope) * by->x[d][u] + touch->normal[d] * by->slope[d][u]) /
+         Stiff(foot, touch);
+  change->z = z;
+  for (int d = 0; d < 3; d++) {
+    change->x[d] = by->x[d][u] + foot->slope[d] * z;
+    change->slope[d] = by->slope[d][u] + foot->bend[d] * z;
+    change->t[d] = by->t[d][u] + m->t_z[d] * z;
+    change->v[d] = by->v[d][u] + m->v_z[d] * z;
+  }
+  change->spin = by->spin[u] + m->spin_z * z;
+}
+
+/* ... and its force and, as a vector along the tangent, its couple; more: by how much of itself the
+   strength changes. */
+static void LoadChange(const Foot3 *foot, const Push3 *push, const Change *change, PetscReal more,
+                       PetscReal dF[FOOT3_LOAD]) {
+  PetscReal by[4];
+
+  for (int r = 0; r < 4; r++)
+    by[r] = foot->strength * (Dot3(push->x[r], change->x) + Dot3(push->q[r], change->t) +
+                              Dot3(push->W[r], change->v) + push->W[r][3] * change->spin);
+  for (int d = 0; d < 3; d++) {
+    dF[d] = by[d] + more * foot->force[d];
+    dF[3 + d] = (by[3] + more * foot->couple) * foot->t[d] + foot->couple * change->t[d];
+  }
+}
+
+/* Adds the derivatives of a foot's load. */
 static void LineariseOne(const Contact *contact, const FootCell3 *cell, const FootEnd3 end[2],
                          const Push3 *push, const Touch3 *touch, Foot3 *foot, FootSlope3 slope) {
-  PetscReal part[FOOT_ROWS], part_z[FOOT_ROWS], square_by[3] = {0}, Hw[3];
+  PetscReal part[FOOT_ROWS], part_z[FOOT_ROWS], square_by[3] = {0}, dF[FOOT3_LOAD];
   Motion m;
   Fixed by;
 
   MotionOf(cell, foot, &m);
   FixedBy(cell, end, foot, &m, &by);
   FootParts(cell->h, cell->weight, foot->z, part, part_z);
-  for (int d = 0; d < 3; d++) Hw[d] = Dot3(touch->bend[d], foot->slope);
   if (foot->strength_rho != 0) SquareBy(contact, foot, touch, square_by);
   for (int u = 0; u < FOOT3_UNKNOWNS; u++) {
-    PetscReal dz = 0, dx[3], dt[3], dv[3], dslope[3], dspin, more, dF[FOOT3_LOAD], couple = 0;
-    if (!foot->ends)
-      for (int d = 0; d < 3; d++)
-        dz -= (Hw[d] * by.x[d][u] + touch->normal[d] * by.slope[d][u]) / Stiff(foot, touch);
-    for (int d = 0; d < 3; d++) {
-      dx[d] = by.x[d][u] + foot->slope[d] * dz;
-      dslope[d] = by.slope[d][u] + foot->bend[d] * dz;
-      dt[d] = by.t[d][u] + m.t_z[d] * dz;
-      dv[d] = by.v[d][u] + m.v_z[d] * dz;
-    }
-    dspin = by.spin[u] + m.spin_z * dz;
-    more = foot->strength_rho != 0
-               ? foot->strength_rho * RhoBy(foot, touch, square_by, dx, dslope) / foot->strength
-               : 0; /* part of the strength */
-    for (int r = 0; r < 4; r++) {
-      const PetscReal change = foot->strength * (Dot3(push->x[r], dx) + Dot3(push->q[r], dt) +
-                                                 Dot3(push->W[r], dv) + push->W[r][3] * dspin);
-      if (r < 3)
-        dF[r] = change + more * foot->force[r];
-      else
-        couple = change + more * foot->couple;
-    }
-    for (int d = 0; d < 3; d++) dF[3 + d] = couple * foot->t[d] + foot->couple * dt[d];
+    PetscReal more = 0;
+    Change change;
+    ChangeOf(foot, touch, &m, &by, u, &change);
+    if (foot->strength_rho != 0)
+      more = foot->strength_rho * RhoBy(foot, touch, square_by, change.x, change.slope) /
+             foot->strength;
+    LoadChange(foot, push, &change, more, dF);
     for (int k = 0; k < FOOT_ROWS; k++)
       for (int d = 0; d < 3; d++) {
-        slope[k][d][u] += part[k] * dF[d] + part_z[k] * dz * foot->force[d];
-        slope[k][3 + d][u] += part[k] * dF[3 + d] + part_z[k] * dz * foot->couple * foot->t[d];
+        slope[k][d][u] += part[k] * dF[d] + part_z[k] * change.z * foot->force[d];
+        slope[k][3 + d][u] +=
+            part[k] * dF[3 + d] + part_z[k] * change.z * foot->couple * foot->t[d];
       }
   }
 }

@@ -241,6 +241,7 @@ def thin():
         expect(abs(r.penetration.max() / flat.penetration.max() - 1) < 0.02, f"{name}: {r.penetration.max()}")
         if name != "a ball":  # off which a rod in space would slide aside
             expect(r.steps < 2 * flat.steps, f"{name}: {r.steps} steps, {flat.steps} in the plane")
+    expect(post[1].estimate < 1.2e-2, f"told {post[1].estimate:.1e}")  # 6e-3; with what feet add as a load 2.1e-2
     for name, bound, more in (
             ("slants", 2e-4, POST + "-ts_rtol 1e-4 -rod_curvature 0.3 -rod_cells 100 "
              + walls("cylinder 3 1.1 0 0 0.3 1 0.001 outside friction 0.2")),
