@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Rods in round tubes against exact answers (tests/run/in_tube_test.py), as tables for docs/tubes.md.
 
-    PYTHONPATH=scripts .venv/bin/python scripts/lab/in_tube.py build/tendril [helix] [sinus] [beyond]
-        [energies]"""
+    PYTHONPATH=scripts .venv/bin/python scripts/lab/in_tube.py build/tendril [helix] [sinus] [spun]
+        [beyond] [energies]"""
 
 import argparse
 import sys
@@ -48,12 +48,21 @@ def helix():
 
 def sinus():
     """Where a sinus begins, and how fast it grows, over the length."""
-    row("waves", "exact", "cells", "P of the run", "P off by", "shape off by", "steps")
+    row("waves", "exact", "cells", "P of the run", "P off by", "shape off by", "wave length off by", "steps")
     for waves, cells in ((4, 160), (8, 320), (16, 640)):
         exact = tube.threshold(2 * np.pi * waves)
         P, end = 1.01 * exact, 250 if waves > 8 else 150
-        run, force, shape = tube.sinus(waves, P, end, cells=cells)
-        row(waves, f"{exact:.7f}", cells, f"{P:.5f}", f"{force:.1e}", f"{shape:.1e}", run.steps)
+        run, force, shape, wave = tube.sinus(waves, P, end, cells=cells)
+        row(waves, f"{exact:.7f}", cells, f"{P:.5f}", f"{force:.1e}", f"{shape:.1e}", f"{wave:.1e}", run.steps)
+
+
+def spun():
+    """Fed and spun, held as high as it climbs."""
+    lengths = 6, 10, 20, 30, 38
+    row("length", "push off by", "torque", "spin", "sum of pressures", "steps")
+    run, off = tube.spun(lengths)
+    for length, errors in zip(lengths, off):
+        row(length, *(f"{e:.1e}" for e in errors), np.argmax(run.length >= length))
 
 
 def beyond(figure=ROOT / "docs" / "figures" / "tube-beyond.png"):
@@ -153,7 +162,7 @@ def energies():
 
 
 def main():
-    tables = {"helix": helix, "sinus": sinus, "beyond": beyond, "energies": energies}
+    tables = {"helix": helix, "sinus": sinus, "spun": spun, "beyond": beyond, "energies": energies}
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("tendril")
     parser.add_argument("table", nargs="*", choices=[[], *tables], default=[])

@@ -184,6 +184,11 @@ MUTATIONS = [
     ("feet in space, as loads of the estimate", "rod/space_defect.c", "if (f >= M && j % 2) value -=", "if (0) value -="),
     ("lengths_behind in space, few", "rod/passing_space.c", "lengths_behind = 4;", "lengths_behind = 0.5;"),
     ("lengths_behind in space, any", "rod/passing_space.c", "lengths_behind = 4;", "lengths_behind = 1e9;"),
+    # -- what moves as given in time
+    ("comes and goes in a step", C, "if (self->next_end && !self->fixed)", "if (0)"),
+    ("sets out before it does", "world/schedule.c", " || (t == self->t[0] && t > 0)", ""),
+    ("turns back between rows, unseen", "world/schedule.c", "self->value[i] * self->value[i + 1] < 0", "0"),
+    ("rests, but for a start", "world/schedule.c", "return Place(self, t) - self->start;", "return Place(self, t);"),
     # -- the estimate
     ("estimate: least cells", E, "LEAST_CELLS = 8,", "LEAST_CELLS = 64,"),
     ("estimate: cells", E, "CELLS = 48 ", "CELLS = 8 "),
@@ -198,8 +203,8 @@ MUTATIONS = [
 
 LABELS = "unit|scene"
 TARGETS = ("tendril test_vbdf test_lost test_guard test_restart test_observe test_contact test_space test_strands_space "
-           "test_friction test_crawl test_grow_errors test_grow_stuck").split()
-LEFT_OUT = ("spline|even|band|blocks|rects|chain|elimination|table|options-|hdf|handout|field|clamp_path|surfaces|mesh|shape|"
+           "test_friction test_crawl test_grow_errors test_grow_stuck test_schedule").split()
+LEFT_OUT = ("spline|even|band|blocks|rects|chain|elimination|table|options-|hdf|handout|field|surfaces|mesh|shape|"
             "event|rod-|straight-[123]|critical|stability|growth|world-(critical|straight|ranks|restart)|space-|laboratory-|"
             "sweep-|scene-options|.*-[23]$")
 SECONDS = 20  # of tests at a time: who shares the machine wants to have a turn

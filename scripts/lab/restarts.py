@@ -65,10 +65,16 @@ def kicked_scene(draw, files):
 
 
 def moving_scene(draw, files):
-    """Walls in space that turn or move."""
+    """Walls in space that turn or move, evenly or as given in time."""
     wall = Path(f"{files}.walls")
     kind = draw.choice(["turns", "moves"])
-    motion = f"turns {draw.between(-2, 2)} 1.35 0 0 0 0 1" if kind == "turns" else f"moves {draw.between(-.4, .2)} {draw.between(-.3, .3)} 0"
+    axis = "1.35 0 0 0 0 1"
+    if draw.happens(.5):
+        motion = f"turns {draw.between(-2, 2)} {axis}" if kind == "turns" else f"moves {draw.between(-.4, .2)} {draw.between(-.3, .3)} 0"
+    else:  # as given in time
+        times = [0, *sorted({draw.between(.05, 1.5) for _ in range(4)})]
+        rows = [f"{t} {draw.between(-2, 2)}" if kind == "turns" else f"{t} {draw.between(-.4, .1)} {draw.between(-.2, .2)} 0" for t in times]
+        motion = f"{kind} {'at' if kind == 'moves' else draw.choice(['at', 'spin'])} {' '.join(rows)}" + f" about {axis}" * (kind == "turns")
     wall.write_text(f"sphere 1.35 {draw.between(-.2, .2)} {draw.between(-.2, .2)} 0.3 outside {motion} friction {draw.between(.1, .8)}\n")
     return {"growth_type": draw.choice(["feed", "none", "uniform"]), "growth_initial_length": .8, "shape_type": "straight",
             "rod_curvature": draw.between(-.2, .2), "rod_curvature_2": draw.between(-.2, .2), "wall_file": wall,

@@ -28,7 +28,7 @@ class Surface:
     triangles: np.ndarray
     lines: list[np.ndarray]
     endless: np.ndarray = field(default_factory=lambda: np.empty((0, 3)))  # directions of length 1 in which it has no end
-    # of what moves: {"moves": velocity, "turns": rate, place, axis}; endless, and the "middle" it was drawn under
+    # of what moves, as courses.motion_of() has it; endless, and the "middle" it was drawn under
     motion: dict = field(default_factory=dict)
 
     def at(self, t):
@@ -37,12 +37,14 @@ class Surface:
             return self
         moves, turns, middle = (self.motion.get(what, still) for what, still in
                                 (("moves", np.zeros(3)), ("turns", np.array([0, 0, 0, 0, 0, 0, 1.0])), ("middle", np.zeros(3))))
-        turn, place = Rotation.from_rotvec(turns[0] * t * turns[4:]), turns[1:4]
-        under = turn.inv().apply(middle - place - t * moves) + place  # what was drawn there is under the rod now
+        shift = self.motion["shift"].at(t) if "shift" in self.motion else t * moves
+        angle = self.motion["angle"].at(t)[0] if "angle" in self.motion else turns[0] * t
+        turn, place = Rotation.from_rotvec(angle * turns[4:]), turns[1:4]
+        under = turn.inv().apply(middle - place - shift) + place  # what was drawn there is under the rod now
         laid = self.endless.T @ (self.endless @ (under - middle))
 
         def carried_to(x):
-            return turn.apply(x + laid - place) + place + t * moves
+            return turn.apply(x + laid - place) + place + shift
 
         return replace(self, vertices=carried_to(self.vertices), lines=[carried_to(line) for line in self.lines])
 

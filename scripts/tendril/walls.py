@@ -19,6 +19,7 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from matplotlib.transforms import Affine2D
 
+from .courses import motion_of
 from .surroundings import pressed
 
 ARROWS = 40  # of contact along the rod, at most
@@ -32,23 +33,19 @@ class Wall:
     numbers: np.ndarray
     friction: float
     bend: float = 0.0  # path: radius of its corners; 0: as the program chooses
-    motion: dict = field(default_factory=dict)  # in space, of what moves: MOTION's words with their numbers
-
-
-MOTION = {"turns": 7, "moves": 3}  # numbers behind each word; what stands last in a line comes first
+    motion: dict = field(default_factory=dict)  # in space, of what moves: see courses.motion_of()
 
 
 def ends_of(words):
-    """(the words of a line without friction, radius and motion at its end; {"friction": 0.3, ...}; {"moves":
-    [3], "turns": [7]}, as far as they are there)"""
+    """(the words of a line without friction, radius and motion at its end; {"friction": 0.3, ...}; how it moves, as
+    courses.motion_of() has it)"""
     own, motion = {"friction": 0.0, "radius": 0.0}, {}
     while len(words) > 2 and words[-2] in own:
         own[words[-2]] = float(words[-1])
         words = words[:-2]
-    for what, count in MOTION.items():
-        if len(words) > count + 1 and words[-count - 1] == what:
-            motion[what] = np.array([float(word) for word in words[-count:]])
-            words = words[:-count - 1]
+    while at := max((k for k, word in enumerate(words) if k and word in ("moves", "turns")), default=0):
+        motion |= motion_of(words[at], words[at + 1:])
+        words = words[:at]
     return words, own, motion
 
 

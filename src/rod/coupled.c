@@ -103,11 +103,15 @@ static PetscErrorCode AddColumns(Rod rod, Columns *columns, PetscInt low, PetscI
   PetscFunctionReturn(0);
 }
 
-/* ... for the contact of a point on one cell with a foot on another, or near it. */
+/* ... for the contact of a point on one cell with a foot on another, or near it. A force reaches
+   the rows of its cell and of the next on either side, a couple (in space) those of one node more.
+ */
 static PetscErrorCode AddPair(Rod rod, Columns *columns, const PetscInt cell[2]) {
+  const PetscInt reach = rod->model->space ? 2 : 1;
+
   PetscFunctionBegin;
   for (int k = 0; k < 2; k++) {
-    PetscInt a = cell[k], b = cell[1 - k], low = a - 1 - WANDER, high = a + 1 + WANDER;
+    PetscInt a = cell[k], b = cell[1 - k], low = a - 1 - WANDER, high = a + reach + WANDER;
     PetscCall(AddColumns(rod, columns, low, high, b - WANDER, b + 1 + WANDER));
     PetscCall(AddColumns(rod, columns, low, high, a - WANDER, a + 1 + WANDER));
   }

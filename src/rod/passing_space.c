@@ -173,19 +173,61 @@ static void Carry(const Contact *contact, PetscInt which, PetscReal from, Bezier
   }
 }
 
+/* In how many parts of the time does a curve see a surface go by on ways that are straight, but for
+   a part of how deep it would be on its way through? */
+static PetscInt PartsOf(const Look *look, PetscReal since, Bezier b) {
+  const Contact *contact = look->contact;
+  const Surfaces *surfaces = &contact->surfaces;
+  const PetscReal core = surfaces->surface[look->moving].core,
+                  fine = DeepOnTheWay(look, core + contact->diameter / 2) / parts;
+  PetscReal y[3];
+  enum { MOST = 1000 };
+
+  for (int d = 0; d < 3; d++)
+    y[d] =
+        contact->lab[d][0] * b[0][0] + contact->lab[d][1] * b[0][1] + contact->lab[d][2] * b[0][2];
+  return (PetscInt)PetscMax(
+      1, PetscMin(MOST, PetscCeilReal(
+                            PetscSqrtReal(SurfacesBow(surfaces, look->moving, since, y) / fine))));
+}
+
+/* The cell part of the way from b0 at a time on to b1 now, as a surface that moves would have it.
+ */
+static void CarryOnTheWay(const Look *look, PetscReal since, PetscReal part, Bezier b0, Bezier b1,
+                          Bezier carried) {
+  const PetscReal now = look->contact->surfaces.time;
+  Bezier b;
+
+  for (int k = 0; k < 4; k++)
+    for (int d = 0; d < 3; d++) b[k][d] = b0[k][d] + part * (b1[k][d] - b0[k][d]);
+  Carry(look->contact, look->moving, since + part * (now - since), b, carried);
+}
+
+/* Has a surface that moves swept across a cell since a time? */
+static PetscBool IsSwept(const Look *look, PetscReal since, Bezier b0, Bezier b1) {
+  const PetscInt n = PartsOf(look, since, b1);
+  Bezier there[2];
+  PetscInt i = 0;
+
+  Carry(look->contact, look->moving, since, b0, there[0]);
+  for (; i + 1 < n; i++) {
+    CarryOnTheWay(look, since, (PetscReal)(i + 1) / n, b0, b1, there[(i + 1) % 2]);
+    if (SweepIsBehind(look, there[i % 2], there[(i + 1) % 2], 0)) return PETSC_TRUE;
+  }
+  return (PetscBool)(Moves(there[i % 2], b1) && SweepIsBehind(look, there[i % 2], b1, 0));
+}
+
 /* Has a cell swept anything since a time, or has anything that moves swept across it? */
 static PetscBool CellIsBehind(const Look *look, PetscReal since, Bezier b0, Bezier b1) {
   const Surfaces *surfaces = &look->contact->surfaces;
   Look one = *look;
-  Bezier b;
 
   one.moving = RESTING;
   if (Moves(b0, b1) && SweepIsBehind(&one, b0, b1, 0)) return PETSC_TRUE;
   for (one.moving = 0; one.moving < surfaces->n; one.moving++) {
     const Surface *surface = &surfaces->surface[one.moving];
     if (!surface->motion.any || surface->core == PETSC_MAX_REAL) continue;
-    Carry(look->contact, one.moving, surfaces->still ? surfaces->time : since, b0, b);
-    if (Moves(b, b1) && SweepIsBehind(&one, b, b1, 0)) return PETSC_TRUE;
+    if (IsSwept(&one, surfaces->still ? surfaces->time : since, b0, b1)) return PETSC_TRUE;
   }
   return PETSC_FALSE;
 }

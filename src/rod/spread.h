@@ -15,7 +15,7 @@ typedef struct {
 
 /* SpreadAt - who takes what acts at place z of a cell, of a rod of so many points. */
 static inline void SpreadAt(PetscInt points, PetscInt cell, PetscReal z, Spread *spread) {
-  PetscInt j = PetscMin(2 * cell + (PetscInt)(2 * z), points - 2);
+  PetscInt j = 2 * cell + PetscMin((PetscInt)(2 * z), 1);
   PetscReal u = 2 * cell + 2 * z - j, *a = spread->share, *b = spread->share_z;
   const PetscReal value[4] = {(-u + 2 * u * u - u * u * u) / 2, (2 - 5 * u * u + 3 * u * u * u) / 2,
                               (u + 4 * u * u - 3 * u * u * u) / 2, (-u * u + u * u * u) / 2},
@@ -49,7 +49,7 @@ static inline void SpreadAt(PetscInt points, PetscInt cell, PetscReal z, Spread 
 */
 static inline void SpreadEvenly(PetscInt points, PetscInt cell, PetscReal z, Spread *spread) {
   static const PetscReal third[4] = {-1, 3, -3, 1};
-  const PetscInt j = PetscMin(2 * cell + (PetscInt)(2 * z), points - 2);
+  const PetscInt j = 2 * cell + PetscMin((PetscInt)(2 * z), 1);
   const PetscReal u = 2 * cell + 2 * z - j, all = j % 2 ? 1.25 : -1.25,
                   b = all * u * u * (1 - u) * (1 - u), slope = all * 4 * u * (1 - u) * (1 - 2 * u);
 

@@ -114,12 +114,12 @@ void SpaceToLab(const Space *self, const PetscReal v[3], PetscReal lab[3]) {
 
 /* SpaceClampAngle - by how much the clamp has turned about d1 at time t. */
 PetscReal SpaceClampAngle(const Space *self, PetscReal t) {
-  return self->clamp_path ? ClampPathAngle(self->clamp_path, t) : self->spin * t;
+  return self->clamp_path ? ScheduleValue(self->clamp_path, t) : self->spin * t;
 }
 
 /* SpaceClampRate - how fast it turns then. */
 PetscReal SpaceClampRate(const Space *self, PetscReal t) {
-  return self->clamp_path ? ClampPathRate(self->clamp_path, t) : self->spin;
+  return self->clamp_path ? ScheduleRate(self->clamp_path, t) : self->spin;
 }
 
 /* SpaceClampOption - the option by which it turns. */
@@ -156,8 +156,8 @@ static PetscErrorCode ClampTurns(Space *self) {
   PetscCall(OptionText("-clamp_path", file, &path));
   if (!path) PetscFunctionReturn(0);
   UserCheck(!rate, OptionsComm(), "-clamp_spin and -clamp_path: give one of them");
-  PetscCall(ClampPathRead("-clamp_path", file, &self->clamp_path));
-  self->spin = ClampPathFastest(self->clamp_path);
+  PetscCall(ScheduleRead("-clamp_path", file, "a clamp", &self->clamp_path));
+  self->spin = ScheduleFastest(self->clamp_path);
   PetscFunctionReturn(0);
 }
 
@@ -210,6 +210,6 @@ PetscErrorCode SpaceSetFromOptions(Space *self, Load *load, Tip *tip, const Curv
 
 PetscErrorCode SpaceRelease(Space *self) {
   PetscFunctionBegin;
-  PetscCall(ClampPathDestroy(&self->clamp_path));
+  PetscCall(ScheduleDestroy(&self->clamp_path));
   PetscFunctionReturn(0);
 }

@@ -7,18 +7,18 @@
 #include "world/load_space.h"
 #include "material/shape.h"
 #include "world/tip.h"
-#include "world/clamp_path.h"
+#include "world/schedule.h"
 
 enum { DRIVES = 2 };
 
 typedef struct {
-  const char *why;      /* the option by which something acts out of the plane; NULL: none does */
-  const char *only;     /* an option that was given and means nothing in the plane; NULL: none */
-  PetscBool rod;        /* the rod is modelled in space: for who records it */
-  PetscReal torsion;    /* C/B */
-  PetscReal ratio;      /* B3/B2 */
-  PetscReal spin;       /* rate at which the clamp turns about d1; with a path the fastest */
-  ClampPath clamp_path; /* over time; NULL: at that rate */
+  const char *why;     /* the option by which something acts out of the plane; NULL: none does */
+  const char *only;    /* an option that was given and means nothing in the plane; NULL: none */
+  PetscBool rod;       /* the rod is modelled in space: for who records it */
+  PetscReal torsion;   /* C/B */
+  PetscReal ratio;     /* B3/B2 */
+  PetscReal spin;      /* rate at which the clamp turns about d1; with a path the fastest */
+  Schedule clamp_path; /* over time; NULL: at that rate */
   PetscReal
       driven[4]; /* what drives each group of fields (rod.h) from 0, about: along, x2, x3, twist */
   PetscReal drive[DRIVES][2]; /* vectors across that do, besides: weight, push on the tip */

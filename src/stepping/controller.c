@@ -243,15 +243,23 @@ static PetscErrorCode Choose(TS ts, Controller *self, Formula *f, PetscBool *acc
   PetscFunctionReturn(0);
 }
 
-/* Keeps the step within the limits and lets the last ones end at the final time. (One that is as
-   long as what is left is the last: PETSc cuts the step of a run that goes on to that.) */
+/* A time that is nearer than this part of the run's end is met. */
+static const PetscReal met = 1e-12;
+
+/* Keeps the step within the limits and lets the last ones before a time at which a step has to end,
+   the final one, say, end there. (One that is as long as what is left is the last: PETSc cuts the
+   step of a run that goes on to that.) */
 static PetscErrorCode LimitStep(TS ts, Controller *self) {
-  PetscReal least, most, left = ts->max_time - ts->ptime;
+  const PetscBool match = (PetscBool)(ts->exact_final_time == TS_EXACTFINALTIME_MATCHSTEP);
+  PetscReal least, most, end, left;
 
   PetscFunctionBegin;
   PetscCall(TSAdaptGetStepLimits(ts->adapt, &least, &most));
   ts->time_step = PetscMin(ts->time_step, most);
-  if (ts->exact_final_time != TS_EXACTFINALTIME_MATCHSTEP) PetscFunctionReturn(0);
+  end = match ? ts->max_time : PETSC_MAX_REAL;
+  if (self->next_end && !self->fixed)
+    end = PetscMin(end, self->next_end(ts, ts->ptime + met * ts->max_time));
+  left = end - ts->ptime;
   if (ts->time_step >= left)
     ts->time_step = left;
   else if (!self->fixed && ts->time_step > left / 2)
@@ -513,7 +521,7 @@ static PetscErrorCode EndStep(TS ts, Controller *self, Formula *f, PetscReal fac
   PetscCall(FormulaRate(f, f->point[0]));
   ts->ptime = f->time[0];
   if (ts->exact_final_time == TS_EXACTFINALTIME_MATCHSTEP &&
-      PetscAbsReal(ts->max_time - ts->ptime) < 1e-12 * ts->max_time)
+      PetscAbsReal(ts->max_time - ts->ptime) < met * ts->max_time)
     ts->ptime = ts->max_time;
   ts->time_step *= factor;
   PetscFunctionReturn(0);

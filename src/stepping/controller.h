@@ -34,6 +34,7 @@ typedef struct {
   VBDFCheck check;
   VBDFCross cross;
   VBDFMeasure measure;
+  VBDFNextEnd next_end;
 } Controller;
 
 PetscErrorCode ControllerStep(TS ts, Controller *controller, Formula *formula);

@@ -230,6 +230,17 @@ PetscErrorCode VBDFSetCross(TS ts, VBDFCross cross) {
   PetscFunctionReturn(0);
 }
 
+/* VBDFSetNextEnd - sets when steps have to end; steps of fixed size do not. No effect on other
+   types. */
+PetscErrorCode VBDFSetNextEnd(TS ts, VBDFNextEnd next_end) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  if (self) self->controller.next_end = next_end;
+  PetscFunctionReturn(0);
+}
+
 /* VBDFSetMeasure - sets how errors are turned before they are held against the tolerances. No
    effect on other types. */
 PetscErrorCode VBDFSetMeasure(TS ts, VBDFMeasure measure) {

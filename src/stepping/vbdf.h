@@ -36,6 +36,10 @@ typedef enum { VBDF_SEEN, VBDF_BLIND, VBDF_JUMP } VBDFSight;
    Its sign would turn. */
 typedef PetscErrorCode (*VBDFCross)(TS ts, Vec U, VBDFSight sight, PetscBool *crosses);
 
+/* The first time behind t at which a step has to end, whatever its error; PETSC_MAX_REAL: there is
+   none. */
+typedef PetscReal (*VBDFNextEnd)(TS ts, PetscReal t);
+
 /* Turns an error, in place, into the axes along which the tolerances are. */
 typedef PetscErrorCode (*VBDFMeasure)(TS ts, Vec error);
 
@@ -47,6 +51,7 @@ PetscErrorCode VBDFSetOtherWay(TS ts, VBDFOtherWay other_way);
 PetscErrorCode VBDFSetScale(TS ts, PetscReal scale);
 PetscErrorCode VBDFSetCheck(TS ts, VBDFCheck check);
 PetscErrorCode VBDFSetCross(TS ts, VBDFCross cross);
+PetscErrorCode VBDFSetNextEnd(TS ts, VBDFNextEnd next_end);
 PetscErrorCode VBDFSetMeasure(TS ts, VBDFMeasure measure);
 PetscErrorCode VBDFSetFactored(TS ts, PetscInt fields, const int factored[]);
 PetscErrorCode VBDFGetFactorRate(TS ts, PetscReal rate[VBDF_FACTORS]);

@@ -173,10 +173,12 @@ static PetscErrorCode Neglect(Grow *self, Vec U_t) {
    followed (controller.c). */
 static const PetscReal initial_layer = 1e-6;
 
-/* Does what leads tip or clamp set out or stop at once between two times? */
-static PetscBool LedRoundCorner(Scene scene, PetscReal t0, PetscReal t1) {
+/* Does what leads tip or clamp, or a surface that is touched, set out or stop at once between two
+   times? */
+static PetscBool LedRoundCorner(Scene scene, PetscBool touches, PetscReal t0, PetscReal t1) {
   return (PetscBool)((scene->tip.path && PathTurnsCorner(scene->tip.path, t0, t1)) ||
-                     (scene->space.clamp_path && ClampPathJerks(scene->space.clamp_path, t0, t1)));
+                     (scene->space.clamp_path && ScheduleJerks(scene->space.clamp_path, t0, t1)) ||
+                     (touches && SurfacesJerk(&scene->contact.surfaces, t0, t1)));
 }
 
 /*
@@ -230,7 +232,8 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
     PetscCall(VBDFGetJumps(self->now->ts, &jumps, &blind));
     jumped = (PetscBool)(jumps > self->now->jumps);
     if (jumped && layered) self->gave_way = PETSC_TRUE;
-    broken = (PetscBool)(jumped || LedRoundCorner(self->scene, before, t));
+    broken = (PetscBool)(jumped || LedRoundCorner(self->scene, (PetscBool)(last.contact_force > 0),
+                                                  before, t));
     if (broken || IsThin(self, before)) ObserverClose(self->observer, &last, broken);
     if (self->now == &self->leg[WholeModel(self)])
       PetscCall(EstimateStep(self->estimate, jumped, self->pressed));
@@ -336,6 +339,15 @@ static PetscErrorCode AfterStep(TS ts) {
   PetscFunctionReturn(0);
 }
 
+/* A step ends where a surface sets out, stops or turns back: a rod that does not feel it yet lets
+   steps be long, and one might leave out that it came and went. */
+static PetscReal NextTurn(TS ts, PetscReal t) {
+  Leg *leg = NULL;
+
+  if (TSGetApplicationContext(ts, &leg)) return PETSC_MAX_REAL;
+  return SurfacesNextTurn(&leg->rod->scene->contact.surfaces, t);
+}
+
 static PetscErrorCode AddLeg(Grow *self, PetscInt model) {
   Leg *leg = &self->leg[model];
 
@@ -345,6 +357,8 @@ static PetscErrorCode AddLeg(Grow *self, PetscInt model) {
   PetscCall(TSSetMaxTime(leg->ts, self->scene->end_time));
   PetscCall(TSSetPostStep(leg->ts, AfterStep));
   if (model != LINEAR) PetscCall(VBDFSetSnap(leg->ts, SnapFollow));
+  if (SurfacesNextTurn(&self->scene->contact.surfaces, 0) < PETSC_MAX_REAL)
+    PetscCall(VBDFSetNextEnd(leg->ts, NextTurn));
   PetscFunctionReturn(0);
 }
 

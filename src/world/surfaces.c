@@ -18,8 +18,7 @@ PetscBool SurfacesKnow(PetscInt n, char *const word[]) {
   const SurfaceKind *kind = KindOf(word[0]);
   PetscInt numbers = 0;
 
-  while (numbers + 1 < n && strcmp(word[numbers + 1], "friction") &&
-         strcmp(word[numbers + 1], "moves") && strcmp(word[numbers + 1], "turns"))
+  while (numbers + 1 < n && strcmp(word[numbers + 1], "friction") && !MotionWord(word[numbers + 1]))
     numbers++;
   return (PetscBool)(kind && (kind != &surface_plane || numbers >= OF_PLANE));
 }
@@ -57,57 +56,6 @@ static PetscErrorCode TakeFriction(SurfaceLine *line, Surface *surface) {
   PetscFunctionReturn(0);
 }
 
-/* Takes `what` and the numbers behind it off the end of a line's words; given: it was there. */
-static PetscErrorCode TakeNumbers(SurfaceLine *line, const char *what, PetscInt n,
-                                  const Dimension dimension[], PetscReal number[],
-                                  PetscBool *given) {
-  PetscFunctionBegin;
-  *given = (PetscBool)(line->n > n + 1 && !strcmp(line->word[line->n - n - 1], what));
-  if (!*given) PetscFunctionReturn(0);
-  for (PetscInt k = 0; k < n; k++)
-    PetscCall(SurfaceNumber(line, line->n - n + k, dimension[k], &number[k]));
-  line->n -= n + 1;
-  PetscFunctionReturn(0);
-}
-
-/* Takes `moves VX VY VZ` and `turns RATE X Y Z AX AY AZ` off it, in either order. */
-static PetscErrorCode TakeMotion(SurfaceLine *line, SurfaceMotion *motion) {
-  enum { MOVES = 3, TURNS = 7 };
-  static const Dimension moves[MOVES] = {UNIT_SPEED, UNIT_SPEED, UNIT_SPEED},
-                         turns[TURNS] = {UNIT_ANGLE, UNIT_LENGTH, UNIT_LENGTH, UNIT_LENGTH,
-                                         UNIT_NONE,  UNIT_NONE,   UNIT_NONE};
-  PetscReal number[TURNS], size;
-  PetscBool given;
-
-  PetscFunctionBegin;
-  for (int k = 0; k < 2; k++) {
-    PetscCall(TakeNumbers(line, "moves", MOVES, moves, number, &given));
-    if (given) {
-      motion->any = PETSC_TRUE;
-      PetscCall(PetscArraycpy(motion->velocity, number, 3));
-    }
-    PetscCall(TakeNumbers(line, "turns", TURNS, turns, number, &given));
-    if (!given) continue;
-    size = PetscSqrtReal(number[4] * number[4] + number[5] * number[5] + number[6] * number[6]);
-    UserCheck(size > 0, OptionsComm(),
-              "-wall_file %s, line %d: the axis about which it turns has no direction", line->file,
-              line->line);
-    motion->any = PETSC_TRUE;
-    motion->rate = number[0];
-    for (int d = 0; d < 3; d++) {
-      motion->at[d] = number[1 + d];
-      motion->axis[d] = number[4 + d] / size;
-    }
-  }
-  for (PetscInt k = 1; k < line->n; k++)
-    UserCheck(
-        strcmp(line->word[k], "moves") && strcmp(line->word[k], "turns"), OptionsComm(),
-        "-wall_file %s, line %d: give moves VX VY VZ, and turns RATE X Y Z AX AY AZ, its rate, "
-        "and the place and direction of the axis",
-        line->file, line->line);
-  PetscFunctionReturn(0);
-}
-
 /* SurfacesAdd - one more surface, as a line says; friction if it has none of its own. Collective on
    OptionsComm(). */
 PetscErrorCode SurfacesAdd(const SurfaceLine *line, PetscReal friction, Surfaces *surfaces) {
@@ -129,7 +77,7 @@ PetscErrorCode SurfacesAdd(const SurfaceLine *line, PetscReal friction, Surfaces
   surface->box = SurfaceEverywhere();
   surface->smallest = surface->core = surface->room = PETSC_MAX_REAL;
   PetscCall(TakeFriction(&rest, surface));
-  PetscCall(TakeMotion(&rest, &surface->motion));
+  PetscCall(MotionTake(rest.file, rest.line, &rest.n, rest.word, &surface->motion));
   PetscCall(surface->kind->make(&rest, surface));
   if (!surface->ridges && surface->smallest < PETSC_MAX_REAL)
     surface->ridge[surface->ridges++] =
@@ -203,6 +151,7 @@ PetscErrorCode SurfacesDestroy(Surfaces *self) {
       if (surface->ridge[j].data != surface->data)
         PetscCall(surface->kind->destroy(&surface->ridge[j].data));
     if (surface->data) PetscCall(surface->kind->destroy(&surface->data));
+    PetscCall(MotionDestroy(&surface->motion));
     PetscCall(PetscFree(surface->text));
   }
   PetscCall(BlocksDestroy(&self->near));
@@ -217,26 +166,20 @@ PetscErrorCode SurfacesDestroy(Surfaces *self) {
 /* SurfacesText - the surfaces as a file has them, dimensionless. The caller frees the text
    (PetscFree). */
 PetscErrorCode SurfacesText(const Surfaces *self, char **text) {
-  enum { MORE = 360 };
+  enum { MORE = 40 };
   size_t room = 1, at = 0;
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < self->n; k++) room += strlen(self->surface[k].text) + MORE;
   PetscCall(PetscCalloc1(room, text));
   for (PetscInt k = 0; k < self->n; k++) {
-    const SurfaceMotion *m = &self->surface[k].motion;
-    const PetscReal *v = m->velocity, *c = m->at, *a = m->axis;
-    at += (size_t)snprintf(*text + at, room - at, "%s", self->surface[k].text);
-    if (v[0] != 0 || v[1] != 0 || v[2] != 0)
-      at += (size_t)snprintf(*text + at, room - at, " moves %.17g %.17g %.17g", (double)v[0],
-                             (double)v[1], (double)v[2]);
-    if (m->rate != 0)
-      at += (size_t)snprintf(*text + at, room - at,
-                             " turns %.17g %.17g %.17g %.17g %.17g %.17g %.17g", (double)m->rate,
-                             (double)c[0], (double)c[1], (double)c[2], (double)a[0], (double)a[1],
-                             (double)a[2]);
-    at += (size_t)snprintf(*text + at, room - at, " friction %.17g\n",
-                           (double)self->surface[k].friction);
+    const Surface *surface = &self->surface[k];
+    char *moves;
+    PetscCall(MotionText(&surface->motion, &moves));
+    room += strlen(surface->text) + strlen(moves) + MORE;
+    PetscCall(PetscRealloc(room, text));
+    at += (size_t)snprintf(*text + at, room - at, "%s%s friction %.17g\n", surface->text, moves,
+                           (double)surface->friction);
+    PetscCall(PetscFree(moves));
   }
   PetscFunctionReturn(0);
 }
@@ -257,11 +200,12 @@ static void Turned(const PetscReal a[3], PetscReal angle, const PetscReal v[3], 
 static PetscBool MovedAt(const Surfaces *self, const Surface *surface, const void *data,
                          const PetscReal x[3], PetscReal within, SurfacePoint *point) {
   const SurfaceMotion *m = &surface->motion;
-  const PetscReal angle = m->rate * self->time;
-  PetscReal o[3], y[3], H[3][3], part[3];
+  const PetscReal angle = MotionAngle(m, 0, self->time);
+  PetscReal shift[3], o[3], y[3], H[3][3], part[3];
   SurfacePoint given;
 
-  for (int d = 0; d < 3; d++) o[d] = x[d] - m->velocity[d] * self->time - m->at[d];
+  MotionShift(m, self->time, shift);
+  for (int d = 0; d < 3; d++) o[d] = x[d] - shift[d] - m->at[d];
   Turned(m->axis, -angle, o, y);
   for (int d = 0; d < 3; d++) y[d] += m->at[d];
   if (!surface->kind->at(data, y, within, &given)) return PETSC_FALSE;
@@ -281,25 +225,80 @@ static PetscBool MovedAt(const Surfaces *self, const Surface *surface, const voi
 void SurfacesVelocity(const Surfaces *self, PetscInt which, const PetscReal x[3],
                       PetscReal velocity[3], PetscReal spin[3]) {
   const SurfaceMotion *m = &self->surface[which].motion;
-  PetscReal o[3];
+  const PetscReal rate = self->still ? 0 : MotionRate(m, self->time);
+  PetscReal shift[3], along[3], o[3];
 
+  MotionShift(m, self->time, shift);
+  MotionVelocity(m, self->time, along);
   for (int d = 0; d < 3; d++) {
-    o[d] = x[d] - m->velocity[d] * self->time - m->at[d];
-    spin[d] = self->still ? 0 : m->rate * m->axis[d];
+    o[d] = x[d] - shift[d] - m->at[d];
+    spin[d] = rate * m->axis[d];
   }
   Cross3(spin, o, velocity);
-  for (int d = 0; d < 3 && !self->still; d++) velocity[d] += m->velocity[d];
+  for (int d = 0; d < 3 && !self->still; d++) velocity[d] += along[d];
 }
 
 /* SurfacesCarry - where that of a surface which was at x at another time, from, is now. */
 void SurfacesCarry(const Surfaces *self, PetscInt which, PetscReal from, const PetscReal x[3],
                    PetscReal y[3]) {
   const SurfaceMotion *m = &self->surface[which].motion;
-  PetscReal o[3];
+  PetscReal then[3], now[3], o[3];
 
-  for (int d = 0; d < 3; d++) o[d] = x[d] - m->velocity[d] * from - m->at[d];
-  Turned(m->axis, m->rate * (self->time - from), o, y);
-  for (int d = 0; d < 3; d++) y[d] += m->velocity[d] * self->time + m->at[d];
+  MotionShift(m, from, then);
+  MotionShift(m, self->time, now);
+  for (int d = 0; d < 3; d++) o[d] = x[d] - then[d] - m->at[d];
+  Turned(m->axis, MotionAngle(m, from, self->time), o, y);
+  for (int d = 0; d < 3; d++) y[d] += now[d] + m->at[d];
+}
+
+/* How far it is carried along off the straight way, half way between two times. */
+static PetscReal OffStraight(const SurfaceMotion *m, PetscReal from, PetscReal to) {
+  PetscReal first[3], mid[3], last[3], off = 0;
+
+  if (!m->led) return 0;
+  MotionShift(m, from, first);
+  MotionShift(m, (from + to) / 2, mid);
+  MotionShift(m, to, last);
+  for (int d = 0; d < 3; d++) off += PetscSqr(mid[d] - (first[d] + last[d]) / 2);
+  return PetscSqrtReal(off);
+}
+
+/*
+  SurfacesBow - how far from straight is the way, since another time, of that of a surface which is
+  at x now? About: of an arc of radius r and angle w it is
+
+    r w^2/8,
+
+  also where w is more than a turn; of n parts of the time each is 1/n^2 of that.
+*/
+PetscReal SurfacesBow(const Surfaces *self, PetscInt which, PetscReal from, const PetscReal x[3]) {
+  const SurfaceMotion *m = &self->surface[which].motion;
+  const PetscReal turned = MotionAngle(m, from, self->time);
+  PetscReal shift[3], o[3], across[3];
+
+  if (turned == 0) return OffStraight(m, from, self->time);
+  MotionShift(m, self->time, shift);
+  for (int d = 0; d < 3; d++) o[d] = x[d] - shift[d] - m->at[d];
+  Cross3(m->axis, o, across);
+  return OffStraight(m, from, self->time) +
+         turned * turned / 8 * PetscSqrtReal(Dot3(across, across));
+}
+
+/* SurfacesJerk - does any of them set out or stop at once between two times? */
+PetscBool SurfacesJerk(const Surfaces *self, PetscReal t0, PetscReal t1) {
+  for (PetscInt k = 0; k < self->n; k++)
+    if (MotionJerks(&self->surface[k].motion, t0, t1)) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* SurfacesNextTurn - the first time behind t at which one that moves as given in time sets out,
+   stops or turns back; PETSC_MAX_REAL if there is none. */
+PetscReal SurfacesNextTurn(const Surfaces *self, PetscReal t) {
+  PetscReal next = PETSC_MAX_REAL;
+
+  for (PetscInt k = 0; k < self->n; k++)
+    next = PetscMin(next, MotionNextTurn(&self->surface[k].motion, t));
+  return next;
 }
 
 /* ---- looking ---- */

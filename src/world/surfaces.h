@@ -5,7 +5,7 @@
 #define TENDRIL_SURFACES_H
 
 #include "base/blocks.h"
-#include "base/options.h"
+#include "world/motion.h"
 
 /* A surface near a point. */
 typedef struct {
@@ -13,13 +13,6 @@ typedef struct {
   PetscReal normal[3];  /* n = grad d, into the free side */
   PetscReal bend[3][3]; /* H, dn = H dx: symmetric, H n = 0 */
 } SurfacePoint;
-
-/* How a surface moves, from where it is given at t = 0: it turns at a rate about an axis through a
-   point, and is carried along, the axis with it. */
-typedef struct {
-  PetscBool any;
-  PetscReal velocity[3], rate, at[3], axis[3];
-} SurfaceMotion;
 
 typedef struct _Surface Surface;
 
@@ -117,6 +110,10 @@ void SurfacesVelocity(const Surfaces *surfaces, PetscInt which, const PetscReal 
                       PetscReal velocity[3], PetscReal spin[3]);
 void SurfacesCarry(const Surfaces *surfaces, PetscInt which, PetscReal from, const PetscReal x[3],
                    PetscReal y[3]);
+PetscReal SurfacesBow(const Surfaces *surfaces, PetscInt which, PetscReal from,
+                      const PetscReal x[3]);
+PetscBool SurfacesJerk(const Surfaces *surfaces, PetscReal t0, PetscReal t1);
+PetscReal SurfacesNextTurn(const Surfaces *surfaces, PetscReal t);
 PetscErrorCode SurfaceNumber(const SurfaceLine *line, PetscInt k, Dimension dimension,
                              PetscReal *value);
 PetscErrorCode SurfaceMalformed(const SurfaceLine *line, const SurfaceKind *kind);

@@ -1,6 +1,7 @@
 /* Strands of a rod in space that press on each other: Jacobians by rate, forces and moments that
    cancel, and their work, which is that of the energy; and friction of strands that spin. */
 #include "rod/by_rate.h"
+#include "rod/coupled.h"
 #include "rod/directors.h"
 #include "rod/spread.h"
 #include "rod/strands_space.h"
@@ -75,6 +76,47 @@ static PetscReal PointAt(Rod rod, const Node *nodes, const PetscReal *g, PetscIn
   Directors(b->p, QuaternionSize(b->p), db);
   return (a->x3[d] + b->x3[d]) / 2 +
          (s[k / 2 + 1] - s[k / 2]) / 8 * (g[k / 2] * da[0][d] - g[k / 2 + 1] * db[0][d]);
+}
+
+/* Zeros into the rows that what presses on a cell reaches, by the nodes of two cells: its force is
+   taken by points as far as the middles of the next cells, and a couple turns the end of the cell
+   behind a point, too. */
+static void FillRows(Rod rod, PetscInt pressed, const PetscInt cell[2], Mat J) {
+  const PetscInt column[4] = {cell[0], cell[0] + 1, cell[1], cell[1] + 1};
+  const PetscScalar zero[4 * MAX_FIELDS * MAX_FIELDS] = {0};
+
+  for (PetscInt row = pressed - 1; row <= pressed + 2; row++)
+    if (row >= rod->first && row < rod->end)
+      CHECK(MatSetValuesBlocked(J, 1, &row, 4, column, zero, ADD_VALUES));
+}
+
+/* A matrix that has room for the pairs with which a Newton solve begins has it for those of later
+   iterates, too, whose feet have wandered by a cell. */
+static void TestFeetWander(void **state) {
+  Coupled coupled;
+  Scene scene;
+  Rod rod;
+  Mat J;
+
+  Create("-contact_friction 0.6", 60, &scene, &rod);
+  CHECK(CoupledCreate(rod, &coupled));
+  CHECK(RodCreateMatrix(rod, &J));
+  for (PetscInt foot = 39; foot <= 41; foot++) {
+    const PetscInt pair[2][2] = {{10, 40}, {10, foot}};
+    for (int k = 0; k < 2; k++) {
+      PetscInt(*near)[2];
+      CHECK(PetscMalloc1(1, &near));
+      CHECK(PetscArraycpy(near[0], pair[k], 2));
+      CHECK(CoupledPattern(rod, coupled, (PetscBool)!k, 1, near, J));
+      FillRows(rod, pair[k][0], pair[k], J);
+      FillRows(rod, pair[k][1], pair[k], J);
+      CHECK(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
+      CHECK(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
+    }
+  }
+  CHECK(MatDestroy(&J));
+  CHECK(CoupledDestroy(&coupled));
+  Destroy(&scene, &rod);
 }
 
 /* The relative error of the work of the forces when the coils move, against the energy; forces and
@@ -234,6 +276,6 @@ static void TestSpins(void **state) {
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(TestJacobians), cmocka_unit_test(TestSpread),
+    cmocka_unit_test(TestJacobians), cmocka_unit_test(TestFeetWander), cmocka_unit_test(TestSpread),
     cmocka_unit_test(TestConservative), cmocka_unit_test(TestSpins)};
 MAIN(tests)

@@ -40,6 +40,8 @@ SOUND = [
     "-wall_file wall_own -contact_diameter 0.1 -contact_friction 0.3 -contact_self",
     "-wall_file wall_metres -si_bending_stiffness 1e-4 -si_friction_dry 20 -si_speed 1e-3",
     "-wall_file wall_shapes_sound -contact_diameter 0.3",
+    "-wall_file wall_moves_sound -contact_diameter 0.1",
+    "-wall_file wall_moves_sound_files -contact_diameter 0.1 -si_bending_stiffness 1e-4 -si_friction_dry 20 -si_speed 1e-3",
     "-snes_view -ksp_converged_reason -options_view -ts_view",
     "",
 ]
@@ -310,6 +312,18 @@ CASES = [
     ("-wall_file {wall_friction_none}", "line 1"),
     ("-wall_file {wall_circle_moves}", "cylinder X1 X2 0 0 0 1 R outside|inside and then moves VX VY VZ"),
     ("-wall_file {wall_plane_turns}", "stand still"),
+    *((f"-contact_diameter 0.1 -wall_file {{wall_{name}}}", words) for name, words in (
+        ("moves_few", "moves: give moves VX VY VZ"), ("moves_row", "moves at: has 4 numbers; give rows of four"),
+        ("moves_ragged", "moves at: has 7 numbers"), ("moves_back", "moves: t must increase"),
+        ("moves_word", "moves x: give a number"), ("moves_kilos", "moves 1kg: not a unit of length"),
+        ("moves_twice", "moves is said twice"), ("moves_nowhere", "nowhere.csv: No such file"),
+        ("moves_untimed", "untimed.csv: has no column t"), ("moves_still", "still.csv: has none of x1, x2, x3"),
+        ("moves_once", "once.csv: needs two rows"), ("moves_spins", "column spin: how a surface moves is told by t and x1, x2, x3"),
+        ("turns_few", "turns: give turns RATE X Y Z AX AY AZ"), ("turns_file_bare", "turns: give turns RATE"),
+        ("turns_axis", "turns: its axis has no direction"), ("turns_about", "about X Y Z AX AY AZ"),
+        ("turns_row", "turns at: has 2 numbers; give rows of two"), ("turns_ragged", "turns spin: has 3 numbers"),
+        ("turns_back", "turns: t must increase"), ("turns_both", "both.csv: has more than one of spin and turn"),
+        ("turns_places", "column x1: how a surface turns is told by t and spin, or t and turn"))),
     ("-wall_file {wall_narrow} -contact_diameter 0.2", "narrower"),
     ("-wall_file {wall_ring} -contact_diameter 0.2", "narrower"),
     ("-wall_file {wall_negative}", "line 1"),
@@ -552,6 +566,21 @@ def make_files(d, tendril):
             ("plane", "plane 0.7 0 -1 0"), ("behind", "plane 0.1 0 -1 0"),
             ("circle_moves", "circle 5 0 1 outside moves 0 1 0"), ("plane_turns", "plane 5 0 -1 0 turns 1 5 0 0 0 0 1")):
         text(f"wall_{name}", line + "\n")
+    for name, line in (
+            ("moves_few", "moves 1 0"), ("moves_row", "moves at 0 0 0 0"), ("moves_ragged", "moves at 0 0 0 0 1 0 0"),
+            ("moves_back", "moves at 1 0 0 0 1 1 0 0"), ("moves_word", "moves at 0 0 0 0 1 x 0 0"),
+            ("moves_kilos", "moves at 0 0 0 0 1 1kg 0 0"), ("moves_twice", "moves 1 0 0 moves 0 1 0"),
+            *((f"moves_{name}", f"moves {name}.csv") for name in ("nowhere", "untimed", "still", "once", "spins")),
+            ("turns_few", "turns 1 0 0 0"), ("turns_file_bare", "turns both.csv"), ("turns_axis", "turns 1 0 0 0 0 0 0"),
+            ("turns_about", "turns at 0 0 1 1 0 0 0 0 0 1"), ("turns_row", "turns at 0 0 about 0 0 0 0 0 1"),
+            ("turns_ragged", "turns spin 0 0 1 about 0 0 0 0 0 1"), ("turns_back", "turns at 1 0 0 1 about 0 0 0 0 0 1"),
+            ("turns_both", "turns both.csv 0 0 0 0 0 1"), ("turns_places", "turns untimed.csv 0 0 0 0 0 1"),
+            ("moves_sound", "moves at 0 1 0 0 1 2 0 0 turns spin 0 0 1 90deg about 0 0 0 0 0 1 friction 0.2"),
+            ("moves_sound_files", "turns turn.csv 9cm 0 0 0 0 1 moves place.csv")):
+        text(f"wall_{name}", f"sphere 9 0 0 1 outside {line}\n")
+    for name, lines in (("untimed", "x1\n0\n1\n"), ("still", "t\n0\n1\n"), ("once", "t,x1\n0,0\n"), ("spins", "t,spin\n0,0\n1,1\n"),
+                        ("both", "t,spin,turn\n0,0,0\n1,1,1\n"), ("place", "t,x1\n0s,0\n1s,2mm\n"), ("turn", "t,turn\n0,0\n1,90deg\n")):
+        text(f"{name}.csv", lines)
     make_shapes(d, text)
     whole = (d / "table").read_bytes()
     (d / "truncated").write_bytes(whole[: len(whole) // 2])

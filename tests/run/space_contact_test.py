@@ -182,6 +182,95 @@ def moving():
 
 
 @check
+def in_time():
+    """Surfaces that move as given in time: even rows are an even motion; a press that comes, rests and goes is where its table
+    says, felt by the rod that lies on it; a drum; their work is in the balance; rows are met by steps."""
+    led = FED.replace("-ts_max_time 2", "-ts_max_time 1.2") + "-rod_curvature -0.3 -rod_curvature_2 0.4 -friction_mu 0.9 "
+    press, drum = "plane 0 0 0.3 0 0 -1", "cylinder 1.5 -0.6 0 0 0 1 0.5 outside "
+    for name, near, even, rows in (
+            ("press", 1e-9, (press, "plane 0 0 -0.3 0 0 1 moves 0 0 0.15 friction 0.3"),
+             (press, "plane 0 0 -0.3 0 0 1 moves at 0 7 0 1  2 7 0 1.3 friction 0.3")),
+            ("drum", 1e-7, (drum + "turns -2 1.5 -0.6 0 0 0 1 friction 0.4",),
+             (drum + "turns at 0 1  3 -5 about 1.5 -0.6 0 0 0 3 friction 0.4",))):
+        one, other = (Run(led + walls(*wall) + " -ts_rtol 1e-7") for wall in (even, rows))
+        off = max(np.abs(tip(one) - tip(other)).max(), abs(one.series["wall_power"][-1] - other.series["wall_power"][-1]))
+        print(f"{name}, even rows: {one.steps} and {other.steps} steps, differ by {off:.1e}")
+        expect(one.contact_force[-1] > 0 and off < near, f"{name}: {off}")
+    table = f"{scene.SCRATCH}/press.csv"
+    Path(table).write_text("t,x3\n0.2,0\n0.7,0.2\n0.9,0.2\n1.1,0\n")
+    spun = f"{scene.SCRATCH}/spun.csv"
+    Path(spun).write_text("t,spin\n0,0\n0.4,-2\n0.8,-2\n1,1\n")
+    for name, ends, wall in (("press", (0.2, 0.7, 0.9, 1.1), (press, "plane 0 0 -0.3 0 0 1 moves press.csv friction 0.3")),
+                             ("drum", (0.4, 0.8, 1), (drum + "turns spun.csv 1.5 -0.6 0 0 0 1 friction 0.4",))):
+        r = Run(led + "-ts_rtol 1e-6 " + walls(*wall))
+        late, power = r.energy_defect[r.t > 0.1].max(), np.abs(r.series["wall_power"]).max()
+        print(f"{name} in time: {r.steps} steps, defect {late:.1e}, power of the wall at most {power:.2e}")
+        expect(power > 1e-2 and late < 5e-6, f"{name}: {late}, {power}")
+        expect(np.isin(ends, r.t).all(), f"{name}: no step ends at {np.setdiff1d(ends, r.t)}")
+    # a belt that sets out and stops at once under a rod that lies on it (off by 1.2e-5 if the power is taken for continuous there)
+    r = Run("-growth_type feed -growth_initial_length 1 -shape_type straight -rod_cells 60 -ts_max_time 1.2 -rod_curvature 1e-3 "
+            f"-rod_curvature_2 1e-3 -rod_weight 0,0,-2 -contact_diameter 0.1 {ALONE}"
+            + walls("plane 0 0 -0.0505 0 0 1 moves at 0.3 0 0 0  0.6 0.3 0.2 0  0.9 0.3 0.5 0 friction 0.8"))
+    print(f"belt: {r.steps} steps, defect {r.energy_defect[-1]:.1e}")
+    expect(r.energy_defect[-1] < 3e-6 and np.isin((0.3, 0.6, 0.9), r.t).all(), f"belt: {r.energy_defect[-1]}")
+
+
+@check
+def lifted():
+    """A heavy rod on a table that is lifted, rests, and comes down: where it lies it is at the height that the rows say, on
+    their monotone cubic (scipy's), at rest to the bit."""
+    from scipy.interpolate import PchipInterpolator
+
+    rows = np.array([(0.5, 0.0), (0.8, 0.03), (1.0, 0.04), (1.5, 0.04), (2.0, 0.01), (2.2, 0.02)])
+    text = "  ".join(f"{t} 0 0 {x - 7}" for t, x in rows)
+    r = Run("-growth_type none -growth_initial_length 2 -shape_type straight -rod_model space -clamp_type free -friction_radius 0.05 -contact_diameter 0.1 "
+            "-rod_cells 40 -ts_max_time 2.5 -friction_mu 0 -friction_beta 1e-3 -friction_layers 0:0.01 -rod_weight 0,0,-5 "
+            f"-output_shapes 50 {walls(f'plane 0 0 -0.05 0 0 1 moves at {text}')}")
+    height = PchipInterpolator(*rows.T)(np.clip(r.shapes["t"], *rows[[0, -1], 0])) - rows[0, 1]
+    lies = r.shapes["x"][5:, :, 2]
+    off = np.abs(lies - lies[0] - height[5:, None]).max()
+    print(f"{r.steps} steps, {height.max():.3f} high, off by {off:.1e}")
+    expect(off < 2e-6, f"off by {off}")
+
+
+@check
+def comes_and_goes():
+    """What comes and goes within a step that a rod at rest would take is not left out: a ball that pushes it aside and is back,
+    whenever; by translation, by angle, and by a rate that turns back between two rows."""
+    rod = ("-growth_type none -growth_initial_length 1 -shape_type straight -rod_curvature 0.01 -rod_model space "
+           "-contact_diameter 0.1 -rod_cells 40 -ts_max_time 10 ")
+    for at in (0.7, 5, 9.3):
+        for moves in (f"moves at {at} 0 0 0  {at + 0.01} 0 0.15 0  {at + 0.02} 0 0 0",
+                      f"turns at {at} 0  {at + 0.01} 0.17  {at + 0.02} 0 about 0 -0.4 0 0 0 1",
+                      f"turns spin {at} 0  {at + 0.005} 30  {at + 0.015} -30  {at + 0.02} 0 about 0 -0.4 0 0 0 1"):
+            r = Run(rod + walls(f"sphere 0.9 -0.4 0 0.3 outside {moves}"))
+            steps = r.steps - np.searchsorted(r.t, at)
+            aside = r.series["tip_x2"].max()
+            print(f"{moves}: {r.steps} steps, {steps} from then on, aside by {aside:.4f}")
+            expect(0.1 < aside < 0.2, f"{moves}: aside by {aside}")
+
+
+@check
+def in_time_on_ranks():
+    """2 and 3 ranks agree on what a press and a drum that move as given in time do; a run broken in the midst of it, or where
+    the press sets out at once, goes on to the last bit, with exact friction, too."""
+    wall = walls("plane 0 0 0.3 0 0 -1", "plane 0 0 -0.3 0 0 1 moves at 0.2 0 0 0  0.7 0 0 0.2  0.9 0 0 0.2  1.0 0 0 0.22 friction 0.3",
+                 "cylinder 1.3 -0.6 0 0 0 1 0.5 outside turns at 0 0 0.5 -1 1.2 2 about 1.3 -0.6 0 0 0 1 friction 0.4")
+    led = FED.replace("-ts_max_time 2", "-ts_max_time 1.2") + "-rod_curvature -0.3 -rod_curvature_2 0.4 " + wall
+    one = Run(led)
+    for n in (2, 3):
+        r = Run(led, ranks=n)
+        off = max(np.abs(tip(r) - tip(one)).max(), abs(r.contact_force[-1] / one.contact_force[-1] - 1))
+        print(f"{n} ranks: {r.steps} and {one.steps} steps, differ by {off:.1e}")
+        expect(off < 1e-4, f"{n} ranks: {off}")
+    for options in (led, led + " -friction_beta 0"):
+        for at in (0.6, 0.9, 1.0):
+            whole, different = broken(options, lambda run: np.searchsorted(run["series/t"], at))
+            print(f"broken at {at}: {len(whole['series/t'])} steps, {len(pressed(whole))} in contact, different: {different}")
+            expect(np.isin((0.9, 1.0), whole["series/t"]).all() and not different, f"{different} differ")
+
+
+@check
 def guard():
     """A post far thinner than a cell is not stepped over: it holds the rod, or the run says so; a jam is named."""
     d = scene.SCRATCH
@@ -210,6 +299,14 @@ def guard():
                        f"-output {d}/ball.h5 " + walls(*others, f"sphere {at} 0.05 outside {moves}"))
         print(f"a ball that {moves}, and {len(others)} others:", line.splitlines()[-1])
         expect("stopped at t = 0.199" in line, line)
+    rests = ("-growth_type none -growth_initial_length 1 -shape_type straight -rod_curvature 0.05 -rod_curvature_2 0.02 -rod_cells 50 "
+             f"-contact_diameter 0.02 -ts_max_time 10 -stop_contact true -output {d}/ball.h5 ")
+    for angle, met in ((2 * np.pi, 5.047), (2 * np.pi + 6, 5.024)):
+        # once round, and more, by the rows of one step of a rod at rest: the straight way from where it was says nothing
+        line = tendril(rests + walls(f"sphere {-19.4 + 20 * np.cos(1):.6f} {-20 * np.sin(1):.6f} 0 0.05 outside "
+                                     f"turns at 5 0 5.3 {angle} about -19.4 0 0 0 0 1"))
+        print(f"a ball that turns by {angle:.3f}:", line.splitlines()[-1])
+        expect(f"stopped at t = {met}" in line, line)
     hole = walls("sphere 0.05 0 0 0.12 inside")
     line = tendril(FED + "-growth_initial_length 0.1 -rod_curvature 0.1 -rod_curvature_2 0.1 -ts_max_time 40 "
                    f"-output {d}/jam.h5 {hole}", 1)

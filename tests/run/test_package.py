@@ -391,18 +391,51 @@ class Package(unittest.TestCase):
             np.testing.assert_allclose(surface.at(0).vertices, surface.vertices, atol=1e-13)
             self.check_page_carries(surface, then)
 
-    def check_page_carries(self, surface, then):
-        """The page's `carried` takes a surface to where it is at t = 1; nothing without node."""
+    def test_walls_that_move_in_time(self):
+        """A wall that moves by rows is drawn where it is: at rest before the first and behind the last, by rates on and on. A
+        page draws the same, and the file has the rows whatever gave them; the rod that it pushes is where it is."""
+        from tendril.solids import Reach, drawn, solids
+
+        reach, ball = Reach(np.array([0, -1, -1.0]), np.array([4, 1, 1.0])), "sphere 0 0 0 0.5 outside"
+        for line, places in (
+                (f"{ball} moves at 0.5 1 0 0 1 2 0 0 2 2 1 4 3 2 0 4", {0: [0, 0, 0], 0.5: [0, 0, 0], 1: [1, 0, 0], 9: [1, 0, 4]}),
+                (f"{ball} moves at -1 0 0 0 1 2 0 0 3 4 0 0", {0: [0, 0, 0], 1: [1, 0, 0], 2: [2, 0, 0], 9: [3, 0, 0]}),
+                (f"{ball} turns at 0.5 7 1 {7 + np.pi / 2!r} about 2 0 0 0 0 1", {0.5: [0, 0, 0], 1: [2, -2, 0], 9: [2, -2, 0]}),
+                (f"{ball} turns spin 1 {np.pi / 2!r} 2 {np.pi / 2!r} about 2 0 0 0 0 1 moves at 0 0 0 0 1 0 0 1",
+                 {0: [0, 0, 0], 1: [2, -2, 1], 2: [4, 0, 1], 9: [2, -2, 1]})):
+            (surface,) = drawn(line, None, reach)
+            for t, place in places.items():
+                np.testing.assert_allclose(surface.at(t).vertices.mean(axis=0), place, atol=1e-9, err_msg=f"{line} at {t}")
+            for t in (0, 0.6, 1, 1.7, 9):
+                self.check_page_carries(surface, surface.at(t), t)
+        (self.place / "press.csv").write_text("t,x2\n0.2,0\n0.6,0.3\n0.8,0.3\n1,0.1\n")
+        r = tendril.run(growth_type="none", growth_initial_length=2, shape_type="straight", rod_curvature=-0.02, rod_model="space",
+                        rod_cells=40, contact_diameter=0.1, ts_max_time=1.2, output_interval=0.1, wall_file=[
+                            f"sphere 1.5 -0.5 0 0.4 outside moves {self.place / 'press.csv'} friction 0.2"])
+        self.assertIn("moves at 0.2", str(r.attributes["walls"]).replace("0.20000000000000001", "0.2"))
+        (post,) = solids(r)
+        for shape in (r.stored(k) for k in range(len(r.shapes.t))):
+            top = post.at(shape.t).vertices.mean(axis=0)
+            gap = np.linalg.norm(shape.x - top, axis=1).min() - 0.45
+            self.assertGreater(gap, -1e-3)
+            if 0.45 < shape.t < 0.85:
+                self.assertLess(gap, 2e-3)  # between nodes
+        self.assertEqual(tendril.animate(r, self.place / "press.gif", frames=2), 2)
+        tendril.plot(r, "space,shapes", times=[0, 0.7])
+        self.assertIn('"shift": {"knots"', str(tendril.view(r)._repr_html_()).replace("&quot;", '"'))
+
+    def check_page_carries(self, surface, then, t=1):
+        """The page's `carried` takes a surface to where it is at a time; nothing without node."""
         if not (node := shutil.which("node")):
             return
         web = ROOT / "scripts/tendril/web"
         script = (web / "space.js").read_text()
         parts = [re.search(rf"(?ms)^{start}.*?{end}", script)[0] for start, end in (
-            ("const V = ", ";$"), ("const at = ", ";$"), ("function carried", r"^\}$"))]
+            ("const V = ", ";$"), ("const at = ", ";$"), ("function along", r"^\}$"), ("function carried", r"^\}$"))]
         motion = {what: numbers.tolist() for what, numbers in surface.motion.items()}
         given = json.dumps({"motion": motion, "positions": surface.vertices.ravel().tolist(), "lines": []})
         (three,) = (web / "three").glob("*.js")
-        text = three.read_text() + "\n" + "\n".join(parts) + f"\nconsole.log(JSON.stringify(Array.from(carried({given}, 1).positions)));"
+        text = three.read_text() + "\n" + "\n".join(parts) + f"\nconsole.log(JSON.stringify(Array.from(carried({given}, {t}).positions)));"
         done = subprocess.run([node, "-"], input=text, text=True, capture_output=True)
         self.assertEqual(done.returncode, 0, done.stderr[-500:])
         np.testing.assert_allclose(np.reshape(json.loads(done.stdout), (-1, 3)), then.vertices, atol=2e-5)

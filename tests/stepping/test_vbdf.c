@@ -513,6 +513,54 @@ static void TestEnd(void **state) {
   }
 }
 
+/* Times at which a step has to end: so many that sums of steps do not all meet them by chance. */
+enum { MEETINGS = 40 };
+static int met;
+
+static PetscReal Meeting(int k) {
+  return PETSC_PI / 80 * (k + 1);
+}
+
+static PetscReal NextMeeting(TS ts, PetscReal t) {
+  (void)ts;
+  for (int k = 0; k < MEETINGS; k++)
+    if (Meeting(k) > t) return Meeting(k);
+  return PETSC_MAX_REAL;
+}
+
+static PetscErrorCode NoteMeeting(TS ts) {
+  PetscReal t;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetTime(ts, &t));
+  for (int k = 0; k < MEETINGS; k++) met += t == Meeting(k);
+  PetscFunctionReturn(0);
+}
+
+/* A step ends at each of them, to the bit; steps are long again behind them. */
+static void TestMeetings(void **state) {
+  PetscInt steps[2];
+
+  for (int k = 0; k < 2; k++) {
+    Problem p;
+    SetOptions("-ts_adapt_type basic");
+    Create(PETSC_FALSE, &p);
+    CHECK(TSSetTolerances(p.ts, 1e-5, NULL, 1e-5, NULL));
+    WarmStart(&p, 0, 1e-2, 0, 2);
+    CHECK(TSSetMaxSNESFailures(p.ts, -1));
+    CHECK(TSSetMaxTime(p.ts, 2));
+    CHECK(TSSetPostStep(p.ts, NoteMeeting));
+    if (k) CHECK(VBDFSetNextEnd(p.ts, NextMeeting));
+    met = 0;
+    CHECK(TSSolve(p.ts, p.U));
+    CHECK(TSGetStepNumber(p.ts, &steps[k]));
+    EXPECT(met == k * MEETINGS, "%d of %d are met", met, MEETINGS);
+    if (k) EXPECT(Error(&p, 2, p.U, PETSC_FALSE) < 1e-3, "is off");
+    Destroy(&p);
+  }
+  EXPECT(steps[1] < steps[0] + 2 * MEETINGS, "%d steps for %d", (int)steps[1], (int)steps[0]);
+}
+
 /* What is handed out is what was handed in, moved on by the steps between. */
 static void TestHistory(void **state) {
   PetscReal times[VBDF_POINTS], norm;
@@ -811,6 +859,7 @@ static const struct CMUnitTest tests[] = {cmocka_unit_test(TestOrders),
                                           cmocka_unit_test(TestFromCloseTogether),
                                           cmocka_unit_test(TestAdaptive),
                                           cmocka_unit_test(TestEnd),
+                                          cmocka_unit_test(TestMeetings),
                                           cmocka_unit_test(TestHistory),
                                           cmocka_unit_test(TestOrdersOnRod),
                                           cmocka_unit_test(TestJump),

@@ -1,11 +1,12 @@
 /* Surfaces in space: distances against formulas and against points strewn over them, gradients and
-   curvatures against difference quotients, the search against looking at all. */
+   curvatures against difference quotients, the search against looking at all, how they move against
+   their velocities and against what their text says. */
 #include "harness.h"
 #include "world/surfaces.h"
 
 /* Adds the surface of a line; its text is taken apart. */
 static void Add(Surfaces *surfaces, const char *text, PetscReal radius) {
-  char copy[256], *word[20];
+  char copy[512], *word[60];
   SurfaceLine line = {.file = "test", .line = 1, .word = word, .radius = radius};
   (void)snprintf(copy, sizeof(copy), "%s", text);
   for (char *c = strtok(copy, " "); c; c = strtok(NULL, " ")) word[line.n++] = c;
@@ -206,7 +207,85 @@ static void TestSearch(void **state) {
   CHECK(SurfacesDestroy(&surfaces));
 }
 
+/* What moves as it says: velocities are those of what is carried along, and rest is rest. */
+static void Carried(const char *text, Surfaces *surfaces) {
+  const PetscReal h = 1e-5, x[3] = {0.3, -0.2, 0.9};
+  PetscReal y[3][3], v[3], spin[3], off = 0;
+
+  for (PetscReal t = 0.05; t < 4; t += 0.1) {
+    for (int k = -1; k <= 1; k++) {
+      surfaces->time = t + k * h;
+      SurfacesCarry(surfaces, 0, 0, x, y[1 + k]);
+    }
+    surfaces->time = t;
+    SurfacesVelocity(surfaces, 0, y[1], v, spin);
+    for (int d = 0; d < 3; d++)
+      off = PetscMax(off, PetscAbsReal((y[2][d] - y[0][d]) / (2 * h) - v[d]));
+    if (t > 3) EXPECT(v[0] == 0 && v[1] == 0 && v[2] == 0, "%s: moves at %g", text, (double)t);
+  }
+  EXPECT(off < 1e-8, "%s: velocity off by %g", text, (double)off);
+}
+
+static void TestMotion(void **state) {
+  static const char *const lines[] = {
+      "sphere 0 0 0 1 outside moves at 0 0 0 1  0.5 1 0 1  1.5 1 0.3 2  2.5 0 0 1",
+      "plane 0 0 0 0 0 1 turns at -1 0.5  1 0.7  3 -2 about 0.1 0.2 0 1 2 3",
+      "plane 0 0 0 0 0 1 moves at 0 0 0 0 2 1 1 1 turns at 0 0 0.4 1 3 0.5 about 0 1 0 0 0 2",
+      "plane 0 0 0 0 0 1 turns spin 0 0 1 2 2.5 -1 3 0 about 0 1 0 0 0 2"};
+  PetscReal x[3], within = 2;
+
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(lines); k++) {
+    Surfaces as_said = {0}, again = {0};
+    PetscInt nearest;
+    char *text;
+    Add(&as_said, lines[k], 0.01);
+    CHECK(SurfacesIndex(&as_said));
+    Carried(lines[k], &as_said);
+    CHECK(SurfacesText(&as_said, &text));
+    text[strlen(text) - 1] = 0;
+    Add(&again, text, 0.01);
+    CHECK(SurfacesIndex(&again));
+    for (uint64_t i = 0; i < 40; i++) {
+      Strew(i, 1, x);
+      as_said.time = again.time = 0.1 * (PetscReal)i;
+      assert_true(SurfacesDistance(&as_said, x, within, &nearest) ==
+                  SurfacesDistance(&again, x, within, &nearest));
+    }
+    CHECK(PetscFree(text));
+    CHECK(SurfacesDestroy(&again));
+    CHECK(SurfacesDestroy(&as_said));
+  }
+}
+
+/* A text of as many rows as are given. */
+static void TestLongMotion(void **state) {
+  enum { ROWS = 3000 };
+  SurfaceLine line = {.file = "test", .line = 1};
+  Surfaces surfaces = {0};
+  char *number, *text;
+
+  CHECK(PetscMalloc1(8 * ROWS, &number));
+  CHECK(PetscMalloc1(4 * ROWS + 10, &line.word));
+  line.word[0] = "sphere", line.word[1] = line.word[2] = line.word[3] = line.word[4] = "9";
+  line.word[5] = "outside", line.word[6] = "moves", line.word[7] = "at";
+  line.n = 8;
+  for (int k = 0; k < ROWS; k++) {
+    (void)snprintf(number + 8 * k, 8, "%d", k);
+    line.word[line.n++] = number + 8 * k;
+    for (int d = 0; d < 3; d++) line.word[line.n++] = number + (k % 2) * 8;
+  }
+  CHECK(SurfacesAdd(&line, 0, &surfaces));
+  CHECK(SurfacesIndex(&surfaces));
+  CHECK(SurfacesText(&surfaces, &text));
+  assert_non_null(strstr(text, " 2998 0 0 0 2999 1 1 1 friction 0"));
+  CHECK(PetscFree(text));
+  CHECK(PetscFree(number));
+  CHECK(PetscFree(line.word));
+  CHECK(SurfacesDestroy(&surfaces));
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(TestDerivatives), cmocka_unit_test(TestFormulas), cmocka_unit_test(TestRidges),
-    cmocka_unit_test(TestEnds), cmocka_unit_test(TestSearch)};
+    cmocka_unit_test(TestEnds),        cmocka_unit_test(TestSearch),   cmocka_unit_test(TestMotion),
+    cmocka_unit_test(TestLongMotion)};
 MAIN(tests)

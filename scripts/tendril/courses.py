@@ -1,0 +1,57 @@
+"""How surfaces move as given in time, as the lines of /walls say it: rows of a time and of what is there then, between
+which monotone cubic curves lead, those of the program (src/world/schedule.c)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+
+@dataclass
+class Course:
+    """Where it is over time [k], 0 at t = 0: polynomials between knots [n], as coefficients [degree + 1, n - 1, k], the
+    highest power first, of the time since the knot. Beyond the knots it goes on at the rates `ends` [2, k]."""
+
+    knots: np.ndarray
+    pieces: np.ndarray
+    ends: np.ndarray
+
+    def at(self, t):
+        """Where it is at a time."""
+        return self.place(t) - self.place(0)
+
+    def place(self, t):
+        within = np.clip(t, self.knots[0], self.knots[-1])
+        k = min(np.searchsorted(self.knots, within, side="right"), len(self.knots) - 1) - 1
+        x = np.zeros_like(self.ends[0])
+        for c in self.pieces[:, k]:
+            x = x * (within - self.knots[k]) + c
+        return x + (t - within) * self.ends[int(t > within)]
+
+    def tolist(self):
+        """It as a page has it: places are counted from that at t = 0."""
+        pieces = self.pieces.copy()
+        pieces[-1] -= self.place(0)
+        return {"knots": self.knots.tolist(), "pieces": pieces.swapaxes(0, 1).tolist(), "ends": self.ends.tolist()}
+
+
+def course(numbers, columns, rate=False):
+    """Of the numbers of a line: rows of a time and so many columns, places, or, if that is so, rates."""
+    t, values = np.hsplit(np.reshape(np.asarray(numbers, float), (-1, 1 + columns)), [1])
+    curve = PchipInterpolator(t[:, 0], values)
+    if not rate:
+        return Course(curve.x, curve.c, np.zeros((2, columns)))
+    return Course(curve.x, curve.antiderivative().c, values[[0, -1]])
+
+
+def motion_of(word, tail):
+    """What a line says behind `moves` or `turns`: {"moves": velocity [3]} or {"shift": Course}, {"turns": rate, place and
+    axis [7]} or {"angle": Course, "turns": ... that rate 0}."""
+    if word == "moves":
+        return {"shift": course(tail[1:], 3)} if tail[0] == "at" else {"moves": np.array(tail, float)}
+    if tail[0] not in ("at", "spin"):
+        return {"turns": np.array(tail, float)}
+    about = tail.index("about")
+    return {"angle": course(tail[1:about], 1, tail[0] == "spin"), "turns": np.array([0, *tail[about + 1:]], float)}

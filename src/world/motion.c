@@ -1,0 +1,296 @@
+#include "world/motion.h"
+#include <ctype.h>
+#include <stdarg.h>
+
+/* What stands behind `moves` or `turns`. */
+typedef struct {
+  const char *file;
+  char what[PETSC_MAX_PATH_LEN]; /* names the line and that word where it is refused */
+  PetscInt n;
+  char **word;
+} Said;
+
+/* MotionWord - does a word begin what says how a surface moves? */
+PetscBool MotionWord(const char *word) {
+  return (PetscBool)(!strcmp(word, "moves") || !strcmp(word, "turns"));
+}
+
+static PetscBool IsNumber(const char *word) {
+  if (*word == '-' || *word == '+') word++;
+  if (*word == '.') word++;
+  return (PetscBool)(isdigit((unsigned char)*word) != 0);
+}
+
+/* The path of a file, which is looked for beside the file that names it. */
+static void Beside(const Said *said, const char *name, char *path, size_t length) {
+  const char *slash = strrchr(said->file, '/');
+  const int folder = slash && name[0] != '/' ? (int)(slash - said->file) + 1 : 0;
+
+  (void)snprintf(path, length, "%.*s%s", folder, said->file, name);
+}
+
+/* ---- how it is carried along ---- */
+
+/* moves at T X1 X2 X3  T X1 X2 X3 ... */
+static PetscErrorCode TakePlaces(const Said *said, SurfaceMotion *motion) {
+  enum { FOUR = 4 };
+  const PetscInt rows = (said->n - 1) / FOUR;
+  PetscReal t, x;
+
+  PetscFunctionBegin;
+  UserCheck(rows >= 2 && (said->n - 1) % FOUR == 0, OptionsComm(),
+            "%s at: has %d numbers; give rows of four, T X1 X2 X3, and two rows at least",
+            said->what, (int)said->n - 1);
+  for (int d = 0; d < 3; d++) PetscCall(ScheduleCreate(rows, &motion->place[d]));
+  for (PetscInt k = 0; k < rows; k++) {
+    char **row = said->word + 1 + FOUR * k;
+    PetscCall(OptionQuantity(said->what, row[0], UNIT_TIME, &t));
+    for (int d = 0; d < 3; d++) {
+      PetscCall(OptionQuantity(said->what, row[1 + d], UNIT_LENGTH, &x));
+      ScheduleSetRow(motion->place[d], k, t, x);
+    }
+  }
+  for (int d = 0; d < 3; d++) PetscCall(ScheduleSetUp(said->what, PETSC_FALSE, motion->place[d]));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Moves(const Said *said, SurfaceMotion *motion) {
+  char path[PETSC_MAX_PATH_LEN];
+
+  PetscFunctionBegin;
+  if (said->n && !strcmp(said->word[0], "at")) {
+    PetscCall(TakePlaces(said, motion));
+    motion->led = PETSC_TRUE;
+  } else if (said->n == 1 && !IsNumber(said->word[0])) {
+    Beside(said, said->word[0], path, sizeof(path));
+    PetscCall(ScheduleReadPlace(said->what, path, motion->place));
+    motion->led = PETSC_TRUE;
+  } else {
+    UserCheck(said->n == 3, OptionsComm(),
+              "%s: give moves VX VY VZ, and turns RATE X Y Z AX AY AZ, its rate, and the place and "
+              "direction of the axis; or, over time, moves at T X1 X2 X3 T X1 X2 X3 ..., or moves "
+              "FILE",
+              said->what);
+    for (int d = 0; d < 3; d++)
+      PetscCall(OptionQuantity(said->what, said->word[d], UNIT_SPEED, &motion->velocity[d]));
+  }
+  PetscFunctionReturn(0);
+}
+
+/* ---- how it turns ---- */
+
+/* X Y Z AX AY AZ, the axis */
+static PetscErrorCode TakeAxis(const Said *said, char *word[], SurfaceMotion *motion) {
+  PetscReal size;
+
+  PetscFunctionBegin;
+  for (int d = 0; d < 3; d++) {
+    PetscCall(OptionQuantity(said->what, word[d], UNIT_LENGTH, &motion->at[d]));
+    PetscCall(OptionQuantity(said->what, word[3 + d], UNIT_NONE, &motion->axis[d]));
+  }
+  size = PetscSqrtReal(motion->axis[0] * motion->axis[0] + motion->axis[1] * motion->axis[1] +
+                       motion->axis[2] * motion->axis[2]);
+  UserCheck(size > 0, OptionsComm(), "%s: its axis has no direction", said->what);
+  for (int d = 0; d < 3; d++) motion->axis[d] /= size;
+  PetscFunctionReturn(0);
+}
+
+/* turns at T ANGLE T ANGLE ... about X Y Z AX AY AZ, or turns spin T RATE T RATE ... about ... */
+static PetscErrorCode TakeAngles(const Said *said, SurfaceMotion *motion) {
+  enum { AXIS = 6 };
+  const PetscBool rate = (PetscBool)!strcmp(said->word[0], "spin");
+  PetscInt about = 1;
+  PetscReal t, value;
+
+  PetscFunctionBegin;
+  while (about < said->n && strcmp(said->word[about], "about")) about++;
+  UserCheck(said->n == about + 1 + AXIS, OptionsComm(),
+            "%s %s: behind the rows give the place and direction of the axis: about X Y Z AX AY AZ",
+            said->what, said->word[0]);
+  UserCheck(about >= 5 && about % 2, OptionsComm(),
+            "%s %s: has %d numbers; give rows of two, T %s, and two rows at least", said->what,
+            said->word[0], (int)about - 1, rate ? "RATE" : "ANGLE");
+  PetscCall(TakeAxis(said, said->word + about + 1, motion));
+  PetscCall(ScheduleCreate(about / 2, &motion->turn));
+  for (PetscInt k = 0; k < about / 2; k++) {
+    PetscCall(OptionQuantity(said->what, said->word[1 + 2 * k], UNIT_TIME, &t));
+    PetscCall(OptionQuantity(said->what, said->word[2 + 2 * k], UNIT_ANGLE, &value));
+    ScheduleSetRow(motion->turn, k, t, value);
+  }
+  PetscCall(ScheduleSetUp(said->what, rate, motion->turn));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Turns(const Said *said, SurfaceMotion *motion) {
+  enum { TURNS = 7 };
+  char path[PETSC_MAX_PATH_LEN];
+
+  PetscFunctionBegin;
+  if (said->n && (!strcmp(said->word[0], "at") || !strcmp(said->word[0], "spin"))) {
+    PetscCall(TakeAngles(said, motion));
+    PetscFunctionReturn(0);
+  }
+  UserCheck(
+      said->n == TURNS, OptionsComm(),
+      "%s: give turns RATE X Y Z AX AY AZ, its rate, and the place and direction of the axis; "
+      "or, over time, turns at T ANGLE T ANGLE ... about X Y Z AX AY AZ, or turns FILE X Y Z "
+      "AX AY AZ",
+      said->what);
+  PetscCall(TakeAxis(said, said->word + 1, motion));
+  if (IsNumber(said->word[0])) {
+    PetscCall(OptionQuantity(said->what, said->word[0], UNIT_ANGLE, &motion->rate));
+    PetscFunctionReturn(0);
+  }
+  Beside(said, said->word[0], path, sizeof(path));
+  PetscCall(ScheduleRead(said->what, path, "a surface", &motion->turn));
+  PetscFunctionReturn(0);
+}
+
+/*
+  MotionTake - takes what begins with `moves` and `turns`, in either order, off the end of a line's
+  words. Collective on OptionsComm(); the caller ends it with MotionDestroy(), also after an error.
+
+  file, line  where it stands
+  n, word     all words of the line, and on exit those before
+  motion      all 0 on entry
+*/
+PetscErrorCode MotionTake(const char *file, int line, PetscInt *n, char *word[],
+                          SurfaceMotion *motion) {
+  PetscBool moves = PETSC_FALSE, turns = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  for (PetscInt k = *n - 1; k > 0; k--) {
+    const PetscBool move = (PetscBool)!strcmp(word[k], "moves");
+    Said said = {.file = file, .n = *n - k - 1, .word = word + k + 1};
+    if (!MotionWord(word[k])) continue;
+    (void)snprintf(said.what, sizeof(said.what), "-wall_file %s, line %d: %s", file, line, word[k]);
+    UserCheck(!(move ? moves : turns), OptionsComm(), "%s is said twice; leave one out", said.what);
+    PetscCall(move ? Moves(&said, motion) : Turns(&said, motion));
+    *(move ? &moves : &turns) = motion->any = PETSC_TRUE;
+    *n = k;
+  }
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode MotionDestroy(SurfaceMotion *motion) {
+  PetscFunctionBegin;
+  for (int d = 0; d < 3; d++) PetscCall(ScheduleDestroy(&motion->place[d]));
+  PetscCall(ScheduleDestroy(&motion->turn));
+  PetscFunctionReturn(0);
+}
+
+/* ---- text ---- */
+
+/* A text that grows. */
+typedef struct {
+  size_t at, room;
+  char *text;
+} Text;
+
+static PetscErrorCode Add(Text *self, const char *format, ...) {
+  enum { LONGEST = 40 }; /* a word, or a number, with a blank before it */
+  va_list more;
+
+  PetscFunctionBegin;
+  if (self->room < self->at + LONGEST) {
+    self->room = 2 * self->room + LONGEST;
+    PetscCall(PetscRealloc(self->room, &self->text));
+  }
+  va_start(more, format);
+  self->at += (size_t)vsnprintf(self->text + self->at, LONGEST, format, more);
+  va_end(more);
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode AddThree(Text *text, const PetscReal x[3]) {
+  PetscFunctionBegin;
+  for (int d = 0; d < 3; d++) PetscCall(Add(text, " %.17g", (double)x[d]));
+  PetscFunctionReturn(0);
+}
+
+/* Rows: a time, and what each of n schedules says, 0 where there is none. */
+static PetscErrorCode AddRows(Text *text, int n, const Schedule path[]) {
+  Schedule any = NULL;
+
+  PetscFunctionBegin;
+  for (int d = 0; d < n && !any; d++) any = path[d];
+  for (PetscInt k = 0; k < ScheduleRows(any); k++) {
+    PetscReal t, value;
+    ScheduleGetRow(any, k, &t, &value);
+    PetscCall(Add(text, " %.17g", (double)t));
+    for (int d = 0; d < n; d++) {
+      value = 0;
+      if (path[d]) ScheduleGetRow(path[d], k, &t, &value);
+      PetscCall(Add(text, " %.17g", (double)value));
+    }
+  }
+  PetscFunctionReturn(0);
+}
+
+/* MotionText - how it moves as a line says it, a blank before each word, dimensionless and without
+   files; empty if it does not. The caller frees the text (PetscFree). */
+PetscErrorCode MotionText(const SurfaceMotion *motion, char **text) {
+  const PetscReal *v = motion->velocity;
+  Text said = {0};
+
+  PetscFunctionBegin;
+  PetscCall(Add(&said, ""));
+  if (motion->led) {
+    PetscCall(Add(&said, " moves at"));
+    PetscCall(AddRows(&said, 3, motion->place));
+  } else if (v[0] != 0 || v[1] != 0 || v[2] != 0) {
+    PetscCall(Add(&said, " moves"));
+    PetscCall(AddThree(&said, v));
+  }
+  if (motion->turn || motion->rate != 0) PetscCall(Add(&said, " turns"));
+  if (motion->turn) {
+    PetscCall(Add(&said, ScheduleIsRate(motion->turn) ? " spin" : " at"));
+    PetscCall(AddRows(&said, 1, &motion->turn));
+    PetscCall(Add(&said, " about"));
+  } else if (motion->rate != 0)
+    PetscCall(Add(&said, " %.17g", (double)motion->rate));
+  if (motion->turn || motion->rate != 0) {
+    PetscCall(AddThree(&said, motion->at));
+    PetscCall(AddThree(&said, motion->axis));
+  }
+  *text = said.text;
+  PetscFunctionReturn(0);
+}
+
+/* ---- moving ---- */
+
+/* MotionLed - how far it has been carried along since t = 0, as given in time. */
+void MotionLed(const SurfaceMotion *motion, PetscReal t, PetscReal shift[3]) {
+  for (int d = 0; d < 3; d++) shift[d] = motion->place[d] ? ScheduleValue(motion->place[d], t) : 0;
+}
+
+/* MotionVelocity - how fast it is carried along. */
+void MotionVelocity(const SurfaceMotion *motion, PetscReal t, PetscReal velocity[3]) {
+  for (int d = 0; d < 3; d++)
+    if (motion->led)
+      velocity[d] = motion->place[d] ? ScheduleRate(motion->place[d], t) : 0;
+    else
+      velocity[d] = motion->velocity[d];
+}
+
+/* MotionRate - how fast it turns. */
+PetscReal MotionRate(const SurfaceMotion *motion, PetscReal t) {
+  return motion->turn ? ScheduleRate(motion->turn, t) : motion->rate;
+}
+
+/* MotionJerks - does it set out or stop at once between two times? */
+PetscBool MotionJerks(const SurfaceMotion *motion, PetscReal t0, PetscReal t1) {
+  for (int d = 0; d < 3; d++)
+    if (motion->place[d] && ScheduleJerks(motion->place[d], t0, t1)) return PETSC_TRUE;
+  return (PetscBool)(motion->turn && ScheduleJerks(motion->turn, t0, t1));
+}
+
+/* MotionNextTurn - the first time behind t at which it sets out, stops or turns back, in any way;
+   PETSC_MAX_REAL if it does not. */
+PetscReal MotionNextTurn(const SurfaceMotion *motion, PetscReal t) {
+  PetscReal next = motion->turn ? ScheduleNextTurn(motion->turn, t) : PETSC_MAX_REAL;
+
+  for (int d = 0; d < 3; d++)
+    if (motion->place[d]) next = PetscMin(next, ScheduleNextTurn(motion->place[d], t));
+  return next;
+}
