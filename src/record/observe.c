@@ -302,8 +302,10 @@ static PetscErrorCode MeasureIntegrals(Observer self, PetscReal t, const Piece *
   PetscFunctionBegin;
   if (piece->end < piece->first) PetscFunctionReturn(0);
   if (scene->space.rod) {
+    const TouchFeet *of_cells = NULL;
+    const PetscInt n = self->touching ? TouchingFeet(self->touching, &of_cells) : 0;
     PetscCall(ObserveSpace(scene, t, piece->first, piece->end, piece->node, self->push,
-                           self->contact.tip, seen));
+                           self->contact.tip, n, of_cells, seen));
     PetscFunctionReturn(0);
   }
   PlanePart(&piece->node[0], &b.node);
@@ -628,7 +630,7 @@ PetscErrorCode ObserverContact(Observer observer, PetscReal t, const Node *nodes
                                const PetscReal (**force)[PUSH]) {
   PetscFunctionBegin;
   PetscCall(LookAtContact(observer, t, nodes, PETSC_FALSE));
-  if (observer->touching) PetscCall(TouchingShow(observer->touching, t));
+  if (observer->touching) PetscCall(TouchingShow(observer->touching, t, nodes));
   *force = observer->push;
   PetscFunctionReturn(0);
 }

@@ -82,7 +82,8 @@ enum { BALANCE_STATE = BALANCE_PARTS * BALANCE_POINTS + BALANCE_SUMS + 1 };
 PetscInt ObservedOf(Scene scene);
 PetscErrorCode ObserveSpace(Scene scene, PetscReal t, PetscInt first, PetscInt end,
                             const Node node[], const PetscReal (*push)[PUSH],
-                            const PetscReal contact[PUSH], Observation *seen);
+                            const PetscReal contact[PUSH], PetscInt n, const TouchFeet feet[],
+                            Observation *seen);
 PetscErrorCode ObserverCreate(Scene scene, Observer *observer);
 PetscErrorCode ObserverDestroy(Observer *observer);
 PetscErrorCode ObserverGather(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t,

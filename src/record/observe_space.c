@@ -140,10 +140,12 @@ static void MeasureMiddle3(PetscReal z, const Sample3 *a, const Sample3 *mid, co
   first, end  its nodes      node  that of first
   push        of contact per length, at all nodes of the rod and between them; NULL: none
   contact     the same, of the tip
+  n, feet     what those of cells add to the points of these alone, in their order
 */
 PetscErrorCode ObserveSpace(Scene scene, PetscReal t, PetscInt first, PetscInt end,
                             const Node node[], const PetscReal (*push)[PUSH],
-                            const PetscReal contact[PUSH], Observation *seen) {
+                            const PetscReal contact[PUSH], PetscInt n, const TouchFeet feet[],
+                            Observation *seen) {
   const PetscReal *s = scene->mesh.s;
   Sample3 a, b, mid;
 
@@ -153,12 +155,14 @@ PetscErrorCode ObserveSpace(Scene scene, PetscReal t, PetscInt first, PetscInt e
   PetscCall(SampleFill3(scene, s[first], t, &b));
   if (!first) MeasureClamp3(scene, &b, seen);
   for (PetscInt i = first; i < end; i++) {
-    PetscReal h = s[i + 1] - s[i];
+    const PetscReal(*load)[FOOT3_LOAD] = NULL, h = s[i + 1] - s[i];
+    for (; n > 0 && feet->cell < i; n--) feet++;
+    if (n > 0 && feet->cell == i) load = feet->load3;
     a = b;
     b.node = node[i + 1 - first];
     b.push = push ? push[2 * i + 2] : NULL;
     PetscCall(SampleFill3(scene, s[i + 1], t, &b));
-    PetscCall(SampleMid3(scene, s[i], s[i + 1], t, &a, &b, &mid));
+    PetscCall(SampleMid3(scene, s[i], s[i + 1], t, &a, &b, load, &mid));
     Integrate3(scene, &a, h / 6, seen);
     Integrate3(scene, &mid, 4 * h / 6, seen);
     Integrate3(scene, &b, h / 6, seen);

@@ -74,9 +74,10 @@ static void AddEnd(Scene scene, const Sample3 *p, const TwistRate *rate, PetscRe
             k * SpinSlope(p->g, p->g_t, rate, 1 / p->S[0], p->d, p->u, n->m3, n->m3_t, d1_t);
 }
 
-/* SampleMid3 - the point in the middle of the cell between two, with no push yet. */
+/* SampleMid3 - the point in the middle of the cell between two, with no push yet. feet: what they
+   add to n' and m' at a, between and at b; NULL: none. */
 PetscErrorCode SampleMid3(Scene scene, PetscReal sa, PetscReal sb, PetscReal t, const Sample3 *a,
-                          const Sample3 *b, Sample3 *mid) {
+                          const Sample3 *b, const PetscReal (*feet)[FOOT3_LOAD], Sample3 *mid) {
   const PetscBool feels = (PetscBool)(scene->load.radius > 0);
   PetscReal h = sb - sa, turns = 0;
   TwistRate rate[2] = {{0, 0}, {0, 0}};
@@ -89,6 +90,10 @@ PetscErrorCode SampleMid3(Scene scene, PetscReal sa, PetscReal sb, PetscReal t, 
   }
   AddEnd(scene, a, &rate[0], h / 8, &mid->node, &turns);
   AddEnd(scene, b, &rate[1], -h / 8, &mid->node, &turns);
+  for (int i = 0; i < 3 && feet; i++) {
+    mid->node.n3[i] += h / 8 * (feet[0][i] - feet[2][i]);
+    mid->node.m3[i] += h / 8 * (feet[0][3 + i] - feet[2][3 + i]);
+  }
   PetscCall(Fill(scene, (sa + sb) / 2, t, mid));
   if (feels) mid->turns = turns;
   Rub(scene, mid);

@@ -2,6 +2,7 @@
 #ifndef TENDRIL_SAMPLE_SPACE_H
 #define TENDRIL_SAMPLE_SPACE_H
 
+#include "rod/feet_space.h"
 #include "rod/rod.h"
 
 enum {
@@ -21,6 +22,6 @@ typedef struct {
 
 PetscErrorCode SampleFill3(Scene scene, PetscReal s, PetscReal t, Sample3 *sample);
 PetscErrorCode SampleMid3(Scene scene, PetscReal sa, PetscReal sb, PetscReal t, const Sample3 *a,
-                          const Sample3 *b, Sample3 *mid);
+                          const Sample3 *b, const PetscReal (*feet)[FOOT3_LOAD], Sample3 *mid);
 
 #endif

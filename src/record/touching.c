@@ -133,11 +133,15 @@ static PetscBool Walls1(Touching self, const Spot *spot, PetscBool tip, PetscRea
   return (PetscBool)(gap <= 0);
 }
 
-static PetscErrorCode RoomForFeet(Touching self) {
+/* TouchingAdd - room for what the feet of one more cell add, 0 so far; valid until the next one. */
+PetscErrorCode TouchingAdd(Touching self, PetscInt cell, TouchFeet **feet) {
   PetscFunctionBegin;
-  if (self->feet < self->room) PetscFunctionReturn(0);
-  self->room = 2 * self->room + 8;
-  PetscCall(PetscRealloc((size_t)self->room * sizeof(TouchFeet), &self->foot));
+  if (self->feet == self->room) {
+    self->room = 2 * self->room + 8;
+    PetscCall(PetscRealloc((size_t)self->room * sizeof(TouchFeet), &self->foot));
+  }
+  *feet = &self->foot[self->feet++];
+  **feet = (TouchFeet){.cell = cell};
   PetscFunctionReturn(0);
 }
 
@@ -167,14 +171,15 @@ static PetscErrorCode FeetsCell(Scene scene, PetscReal t, const Node *nodes, Pet
 }
 
 /* One foot: what it amounts to. */
-static void AddFoot(Touching self, const FootCell *cell, PetscInt i, Foot *foot, TouchSum *sum) {
+static void AddFoot(Touching self, const FootCell *cell, PetscInt i, Foot *foot, FootLoad load,
+                    TouchSum *sum) {
   const Contact *contact = &self->scene->contact;
   const PetscReal *s = self->scene->mesh.s, U = ContactEnergy(contact, foot->gap);
 
   Nearest(sum, foot->gap, s[i] + foot->z * (s[i + 1] - s[i]), foot->x);
   if (foot->gap >= contact->smooth) return;
   FootPush(contact, cell, NULL, foot);
-  FootHandOut(cell, foot, self->foot[self->feet].load);
+  FootHandOut(cell, foot, load);
   sum->energy += foot->strength * U;
   sum->strain += foot->strength_t * U + foot->strength * ContactEnergyRate(contact, foot->gap);
   sum->normal += foot->strength * foot->p;
@@ -187,6 +192,7 @@ static PetscErrorCode LookAtPosts(Touching self, PetscReal t, const Node *nodes,
                                   PetscBool touches[], TouchSum *sum) {
   const Contact *contact = &self->scene->contact;
   Foot foot[MOST_FEET];
+  TouchFeet *feet;
   FootCell cell;
 
   PetscFunctionBegin;
@@ -195,13 +201,11 @@ static PetscErrorCode LookAtPosts(Touching self, PetscReal t, const Node *nodes,
     PetscCall(FeetsCell(self->scene, t, nodes, moves, i, &cell));
     n = FeetFind(contact, &cell, PetscMax(contact->smooth, sum->nearest), foot);
     if (!n) continue;
-    PetscCall(RoomForFeet(self));
-    self->foot[self->feet] = (TouchFeet){.cell = i};
+    PetscCall(TouchingAdd(self, i, &feet));
     for (PetscInt k = 0; k < n; k++) {
-      AddFoot(self, &cell, i, &foot[k], sum);
+      AddFoot(self, &cell, i, &foot[k], feet->load, sum);
       if (foot[k].gap <= 0) touches[i] = PETSC_TRUE;
     }
-    self->feet++;
   }
   PetscFunctionReturn(0);
 }
@@ -331,7 +335,7 @@ PetscErrorCode TouchingLook(Touching self, PetscReal t, const Node *nodes, Petsc
   sum->nearest = PETSC_MAX_REAL;
   if (self->strands3) PetscCall(LookAtStrands3(self, t, nodes, moves, sum));
   if (self->scene->space.rod)
-    PetscCall(TouchingWalls3(self->scene, t, nodes, moves, self->force, sum));
+    PetscCall(TouchingWalls3(self, self->scene, t, nodes, moves, self->force, sum));
   else if (self->scene->contact.walls.n)
     PetscCall(LookAtWalls(self, t, nodes, moves, sum));
   if (self->strands) PetscCall(LookAtStrands(self, t, nodes, moves, sum));
@@ -348,8 +352,9 @@ PetscInt TouchingFeet(Touching self, const TouchFeet **feet) {
 
 /* TouchingShow - adds the forces of feet to those at nodes and between them that the latest look
    has given, as if the points of their cells had them: what all add up to is kept. */
-PetscErrorCode TouchingShow(Touching self, PetscReal t) {
+PetscErrorCode TouchingShow(Touching self, PetscReal t, const Node *nodes) {
   const PetscReal *s = self->scene->mesh.s;
+  const PetscBool space = self->scene->space.rod;
 
   PetscFunctionBegin;
   for (PetscInt f = 0; f < self->feet; f++)
@@ -359,7 +364,13 @@ PetscErrorCode TouchingShow(Touching self, PetscReal t) {
       PetscReal g, part = 1;
       if (k != 1) part = h / (s[PetscMin(node + 1, last)] - s[PetscMax(node - 1, 0)]);
       PetscCall(GrowthStretch(self->scene->growth, 1, &z, t, &g, NULL, NULL));
-      for (int d = 0; d < 2; d++) self->force[2 * i + k][d] -= part / g * self->foot[f].load[k][d];
+      for (int d = 0; d < 3 && space; d++)
+        self->force[2 * i + k][d] -= part / g * self->foot[f].load3[k][d];
+      if (space)
+        self->force[2 * i + k][SPIN] -=
+            part / g * AboutTangent(nodes, 2 * i + k, &self->foot[f].load3[k][3]);
+      for (int d = 0; d < 2 && !space; d++)
+        self->force[2 * i + k][d] -= part / g * self->foot[f].load[k][d];
     }
   PetscFunctionReturn(0);
 }

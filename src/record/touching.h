@@ -4,6 +4,7 @@
 #define TENDRIL_TOUCHING_H
 
 #include "rod/feet.h"
+#include "rod/feet_space.h"
 #include "rod/rod.h"
 #include "rod/strands.h"
 #include "record/sample_space.h"
@@ -22,10 +23,11 @@ typedef struct {
   PetscReal x[3];      /* and the place, of the centre line; in the plane the third are 0 */
 } TouchSum;
 
-/* What feet on posts add to n' at the points of one cell alone. */
+/* What feet add to n', in space and to m', at the points of one cell alone. */
 typedef struct {
   PetscInt cell;
   FootLoad load;
+  FootLoad3 load3;
 } TouchFeet;
 
 typedef struct _Touching *Touching;
@@ -35,8 +37,9 @@ PetscErrorCode TouchingDestroy(Touching *touching);
 PetscErrorCode TouchingLook(Touching touching, PetscReal t, const Node *nodes, PetscBool moves,
                             TouchSum *sum, const PetscReal (**force)[PUSH]);
 PetscInt TouchingFeet(Touching touching, const TouchFeet **feet);
-PetscErrorCode TouchingWalls3(Scene scene, PetscReal t, const Node *nodes, PetscBool moves,
-                              PetscReal (*force)[PUSH], TouchSum *sum);
-PetscErrorCode TouchingShow(Touching touching, PetscReal t);
+PetscErrorCode TouchingAdd(Touching touching, PetscInt cell, TouchFeet **feet);
+PetscErrorCode TouchingWalls3(Touching touching, Scene scene, PetscReal t, const Node *nodes,
+                              PetscBool moves, PetscReal (*force)[PUSH], TouchSum *sum);
+PetscErrorCode TouchingShow(Touching touching, PetscReal t, const Node *nodes);
 
 #endif

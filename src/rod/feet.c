@@ -106,7 +106,8 @@ static PetscReal Meet(PetscInt item, PetscReal reach, void *ctx) {
   Looking *look = (Looking *)ctx;
   const WallPost *post = &look->contact->walls.post[item];
   Foot foot = {.post = item};
-  PetscReal share_t, share = ContactPostShare(look->contact, post, &share_t);
+  PetscReal share_t,
+      share = ContactPostShare(look->contact, post->r + look->contact->diameter / 2, &share_t);
   PetscInt k = look->n;
 
   if (share == 0 || !FootAbout(look->cell, post->at, &foot)) return reach;
@@ -196,11 +197,13 @@ void FootPush(const Contact *contact, const FootCell *cell, const FrictionDual *
   Force(contact, foot);
 }
 
-/* The part that each point of the cell has in a foot, and its derivative by z: of the parabola
-   through all three; in order 2, where the ends have no weight, the middle has all. */
-static void Parts(const FootCell *cell, PetscReal z, PetscReal part[FOOT_ROWS],
-                  PetscReal part_z[FOOT_ROWS]) {
-  const PetscBool ends = (PetscBool)(cell->weight[0] > 0);
+/* FootParts - the part that each point of a cell of length h has in a foot, and its derivative by
+   z: of the parabola through all three; in order 2, where the ends have no weight, the middle has
+   all.
+ */
+void FootParts(PetscReal h, const PetscReal weight[FOOT_PARTS], PetscReal z,
+               PetscReal part[FOOT_ROWS], PetscReal part_z[FOOT_ROWS]) {
+  const PetscBool ends = (PetscBool)(weight[0] > 0);
 
   part[0] = ends ? (1 - z) * (1 - 2 * z) : 0;
   part[1] = ends ? 4 * z * (1 - z) : 1;
@@ -209,7 +212,7 @@ static void Parts(const FootCell *cell, PetscReal z, PetscReal part[FOOT_ROWS],
   part_z[1] = ends ? 4 - 8 * z : 0;
   part_z[2] = ends ? 4 * z - 1 : 0;
   for (int k = 0; k < FOOT_PARTS; k++) {
-    PetscReal all = cell->weight[k] > 0 ? -1 / (cell->h * cell->weight[k]) : 0;
+    PetscReal all = weight[k] > 0 ? -1 / (h * weight[k]) : 0;
     part[k] *= all;
     part_z[k] *= all;
   }
@@ -223,7 +226,7 @@ static void Parts(const FootCell *cell, PetscReal z, PetscReal part[FOOT_ROWS],
 void FootHandOut(const FootCell *cell, const Foot *foot, FootLoad load) {
   PetscReal part[FOOT_ROWS], part_z[FOOT_ROWS];
 
-  Parts(cell, foot->z, part, part_z);
+  FootParts(cell->h, cell->weight, foot->z, part, part_z);
   for (int k = 0; k < FOOT_ROWS; k++)
     for (int d = 0; d < 2; d++) load[k][d] += part[k] * foot->force[d];
 }
@@ -333,7 +336,7 @@ void FootLinearise(const Contact *contact, const FootCell *cell, const PetscReal
     Force(contact, foot);
   }
   ChangeOf(cell, foot, shift, &change);
-  Parts(cell, foot->z, part, part_z);
+  FootParts(cell->h, cell->weight, foot->z, part, part_z);
   for (int d = 0; d < 2; d++)
     for (int f = 0; f < FOOT_UNKNOWNS; f++) {
       const PetscReal dt = d ? change.n[0][f] : -change.n[1][f],

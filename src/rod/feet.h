@@ -47,6 +47,8 @@ typedef struct {
 typedef PetscReal FootLoad[FOOT_ROWS][2];
 typedef PetscReal FootSlope[FOOT_ROWS][2][FOOT_UNKNOWNS];
 
+void FootParts(PetscReal h, const PetscReal weight[FOOT_PARTS], PetscReal z,
+               PetscReal part[FOOT_ROWS], PetscReal part_z[FOOT_ROWS]);
 Block FootCellBlock(const FootCell *cell);
 PetscBool FootAbout(const FootCell *cell, const PetscReal c[2], Foot *foot);
 PetscInt FeetFind(const Contact *contact, const FootCell *cell, PetscReal within,

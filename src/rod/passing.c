@@ -234,6 +234,17 @@ PetscErrorCode RodFootCells(Rod rod, PetscReal t, Vec U, PetscInt n, FootCell ce
   PetscFunctionReturn(0);
 }
 
+/* RodRefuseFeet - a user's mistake, if a cell has more feet than are looked at. Collective. */
+PetscErrorCode RodRefuseFeet(Rod rod, PetscReal t, PetscBool crowded) {
+  PetscFunctionBegin;
+  UserCheck(
+      !crowded, rod->scene->comm,
+      "-wall_file: at t = %g %d posts or corners or more touch one cell of the rod: take more "
+      "-rod_cells, or one wall in place of them",
+      (double)t, (int)MOST_FEET);
+  PetscFunctionReturn(0);
+}
+
 /*
   RodPassesWalls - has a rod gone through a wall on its way from one state to another, or is it
   behind one? Collective; the same on every rank. Where more walls touch than are looked at, a
@@ -275,11 +286,7 @@ PetscErrorCode RodPassesWalls(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U
       "-wall_file: at t = %g %d walls or more touch the rod at one place: take out those that "
       "lie on each other",
       (double)t1, (int)MOST_TOUCHES);
-  UserCheck(
-      !verdict[FEET], rod->scene->comm,
-      "-wall_file: at t = %g %d posts or corners or more touch one cell of the rod: take more "
-      "-rod_cells, or one wall in place of them",
-      (double)t1, (int)MOST_FEET);
+  PetscCall(RodRefuseFeet(rod, t1, (PetscBool)verdict[FEET]));
   *passes = (PetscBool)(verdict[PASSES] || sweeps);
   PetscFunctionReturn(0);
 }

@@ -9,11 +9,6 @@
 enum { DIMS = 3 };
 typedef PetscReal Bezier[4][DIMS];
 
-/* A cell in one state. */
-typedef struct {
-  PetscReal h, g[2], x[2][3], q[2][3];
-} Cell3;
-
 typedef enum { CLEAR, NEAR, BEHIND } Verdict;
 
 /* A look at a cell: what counts as behind, and how finely the curve is divided; of what is swept,
@@ -33,7 +28,7 @@ static const PetscReal parts = 4;            /* of that depth: so fine is looked
 static const PetscReal before_middle = 0.75; /* of what a thing and the rod are thick */
 enum { DEEPEST = 24 };
 
-static void CurveOf(const Cell3 *cell, Bezier b) {
+static void CurveOf(const FootCell3 *cell, Bezier b) {
   BezierOfCell(DIMS, cell->h, cell->g, cell->x[0], cell->q[0], b[0]);
 }
 
@@ -237,8 +232,9 @@ static PetscBool CellIsBehind(const Look *look, PetscReal since, Bezier b0, Bezi
   return PETSC_FALSE;
 }
 
-/* The cells that begin at owned nodes, in one state. Collective. */
-static PetscErrorCode CellsOf(Rod rod, PetscReal t, Vec U, PetscInt n, Cell3 cell[]) {
+/* RodFootCells3 - the cells that begin at owned nodes, n of them, in one state, as RodFootCells():
+   of a rod in space. Collective. */
+PetscErrorCode RodFootCells3(Rod rod, PetscReal t, Vec U, PetscInt n, FootCell3 cell[]) {
   const PetscReal *s = rod->scene->mesh.s;
   const Node *with;
   Vec local;
@@ -247,7 +243,9 @@ static PetscErrorCode CellsOf(Rod rod, PetscReal t, Vec U, PetscInt n, Cell3 cel
   PetscCall(RodGetLocalNodes(rod, t, U, &local, &with));
   for (PetscInt k = 0; k < n; k++) {
     const PetscInt i = rod->first + k;
-    cell[k].h = s[i + 1] - s[i];
+    cell[k] = (FootCell3){.h = s[i + 1] - s[i]};
+    cell[k].first = (PetscBool)(i == 0);
+    cell[k].last = (PetscBool)(i == rod->last - 1);
     PetscCall(GrowthStretch(rod->scene->growth, 2, &s[i], t, cell[k].g, NULL, NULL));
     for (int e = 0; e < 2; e++) {
       PetscReal d[3][3];
@@ -265,11 +263,12 @@ PetscErrorCode RodPassesWalls3(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec 
                                PetscBool *passes) {
   const Contact *contact = &rod->scene->contact;
   const PetscInt n = PetscMin(rod->end, rod->last) - rod->first;
-  enum { PASSES, CROWDED, VERDICTS };
+  enum { PASSES, CROWDED, FEET, VERDICTS };
   int verdict[VERDICTS] = {0};
   Look look = {.contact = contact};
   Touch3 touch[MOST_TOUCHES3];
-  Cell3 *cell[2];
+  Feet3 feet = {.n = 0};
+  FootCell3 *cell[2];
   Bezier b[2];
 
   PetscFunctionBegin;
@@ -277,12 +276,14 @@ PetscErrorCode RodPassesWalls3(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec 
   look.deep = contact->diameter > 0 ? contact->diameter / 2 : lengths_behind * contact->tip;
   look.fine = look.deep / parts;
   PetscCall(PetscMalloc2(n, &cell[0], n, &cell[1]));
-  PetscCall(CellsOf(rod, t0, U0, n, cell[0]));
-  PetscCall(CellsOf(rod, t1, U1, n, cell[1]));
+  PetscCall(RodFootCells3(rod, t0, U0, n, cell[0]));
+  PetscCall(RodFootCells3(rod, t1, U1, n, cell[1]));
   for (PetscInt k = 0; k < n && !verdict[PASSES]; k++) {
     for (int now = 0; now < 2; now++) CurveOf(&cell[now][k], b[now]);
     if (CurveIsBehind(&look, b[1], 0) || CellIsBehind(&look, t0, b[0], b[1])) verdict[PASSES] = 1;
     if (ContactTouches3(contact, cell[1][k].x[1], touch) >= MOST_SURFACES) verdict[CROWDED] = 1;
+    if (contact->thin) FeetFind3(contact, &cell[1][k], contact->smooth, &feet);
+    if (feet.n == MOST_FEET) verdict[FEET] = 1;
   }
   PetscCall(PetscFree2(cell[0], cell[1]));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, verdict, VERDICTS, MPI_INT, MPI_MAX, rod->scene->comm));
@@ -291,6 +292,7 @@ PetscErrorCode RodPassesWalls3(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec 
       "-wall_file: at t = %g %d walls or more touch the rod at one place: take out those that "
       "lie on each other",
       (double)t1, (int)MOST_SURFACES);
+  PetscCall(RodRefuseFeet(rod, t1, (PetscBool)verdict[FEET]));
   *passes = (PetscBool)verdict[PASSES];
   PetscFunctionReturn(0);
 }

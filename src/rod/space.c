@@ -110,6 +110,65 @@ static void ClampBlock(Scene scene, PetscReal t, const PetscReal u[FIELDS],
   HingeBlock(u, p, by + P);
 }
 
+/* A point load is smeared over its cell by the formula; what p of the end lacks of that, see
+   FootLoad:
+
+     K = p/2 (0, w),   w_k = (h g)^2/S_k d_k.(d1 x w),   w that of the feet, p and d in the middle,
+*/
+static void Kink(const Cell *cell, PetscReal K[4]) {
+  const Point *p = &cell->mid;
+  const PetscReal *w = cell->foot_load[FOOT_KINK], f = PetscSqr(cell->h * cell->law[1].g),
+                  turn[3] = {0, -f * cell->law[1].flex[1] * Dot3(w, p->d[2]),
+                             f * cell->law[1].flex[2] * Dot3(w, p->d[1])};
+
+  QuaternionTurn(p->p, turn, K);
+  for (int i = 0; i < 4; i++) K[i] /= 2;
+}
+
+/* ... and its derivatives by p and w. */
+static void KinkSlope(const Cell *cell, PetscReal by_p[4][4], PetscReal by_w[4][3]) {
+  const Point *p = &cell->mid;
+  const PetscReal *w = cell->foot_load[FOOT_KINK], f = PetscSqr(cell->h * cell->law[1].g);
+  PetscReal D[3][4];
+
+  memset(by_p, 0, 4 * sizeof(*by_p));
+  memset(by_w, 0, 4 * sizeof(*by_w));
+  for (int k = 1; k < 3; k++) {
+    const int other = 3 - k; /* d_k.(d1 x w) = -w.d3 of k = 1, w.d2 of k = 2 */
+    const PetscReal size = (k == 1 ? -1 : 1) * f * cell->law[1].flex[k],
+                    unit[3] = {0, k == 1, k == 2},
+                    turn[3] = {0, unit[1] * size * Dot3(w, p->d[2]),
+                               unit[2] * size * Dot3(w, p->d[1])};
+    PetscReal along[4], r[4];
+    DirectorSlope(p->p, p->size, p->d[other], other, D);
+    QuaternionTurn(p->p, unit, along);
+    for (int i = 0; i < 4; i++) {
+      for (int j = 0; j < 3; j++) by_w[i][j] += along[i] / 2 * size * p->d[other][j];
+      for (int j = 0; j < 4; j++)
+        by_p[i][j] += along[i] / 2 * size * (D[0][j] * w[0] + D[1][j] * w[1] + D[2][j] * w[2]);
+    }
+    for (int j = 0; j < 4; j++) { /* the product is linear in p */
+      const PetscReal one[4] = {j == 0, j == 1, j == 2, j == 3};
+      QuaternionTurn(one, turn, r);
+      for (int i = 0; i < 4; i++) by_p[i][j] += r[i] / 2;
+    }
+  }
+}
+
+/* Adds to the residual of a cell what its feet do at its ends alone, and the kink. */
+static void AddFeet(const Cell *cell, PetscReal r[FIELDS]) {
+  const Space_ *self = (const Space_ *)cell->rod->data;
+  const PetscReal we = cell->h * self->end_weight, (*load)[FOOT3_LOAD] = cell->foot_load;
+  PetscReal K[4];
+
+  Kink(cell, K);
+  for (int i = 0; i < 4; i++) r[P + i] -= K[i];
+  for (int i = 0; i < 3; i++) {
+    r[N + i] -= we * (load[0][i] + load[2][i]);
+    r[M + i] -= we * (load[0][3 + i] + load[2][3 + i]);
+  }
+}
+
 static PetscErrorCode SpaceResidual(Rod rod, const RodState *at, Vec F) {
   const Space_ *self = (const Space_ *)rod->data;
   const Scene scene = rod->scene;
@@ -125,6 +184,7 @@ static PetscErrorCode SpaceResidual(Rod rod, const RodState *at, Vec F) {
       r[f] = cell.u[i + 1][f] - cell.u[i][f] -
              cell.h * (self->end_weight * (cell.a.f[f] + cell.b.f[f]) +
                        self->mid_weight * cell.mid.f[f]);
+    if (cell.feet.n) AddFeet(&cell, r);
     if (i >= rod->first) PetscCall(PetscArraycpy(&F_[i][LEFT], &r[LEFT], RIGHT));
     if (i + 1 < rod->end) PetscCall(PetscArraycpy(F_[i + 1], r, LEFT));
   }
@@ -350,12 +410,54 @@ static void CoupleSlope(const Cell *cell, const Law *law, const Point *p, const 
   memcpy(by, alone.f[M], 3 * sizeof(*by));
 }
 
+/* How an end of the cell changes, for its feet. */
+static void FootEnd(const Cell *cell, const Law *law, const Point *p, const PetscReal shift[],
+                    const Slope *slope, FootEnd3 *end) {
+  PetscReal dW[RUBS][FIELDS] = {{0}};
+
+  memset(end, 0, sizeof(*end));
+  memcpy(end->q, slope->d1, sizeof(end->q));
+  VelocitySlopeSlope(law, p, slope, shift, end->slope_t);
+  for (int d = 0; d < 3; d++) end->shift[d] = shift[X + d];
+  if (cell->load->arm == 0) return;
+  RateSlope(cell->load, p, 1, shift, dW);
+  TurnSlope(cell->load, law, p, slope, dW);
+  for (int f = 0; f < FOOT3_NODE; f++) end->spin[f] = dW[SPIN][f] / cell->load->arm;
+}
+
+/* What feet do to G and J of CellJacobian(), by the unknowns of node e of the cell, a or b. */
+static void FeetSlope(const Cell *cell, int e, FootSlope3 by, PetscReal G[FIELDS][FIELDS],
+                      PetscReal J[FIELDS][FIELDS]) {
+  const Space_ *self = (const Space_ *)cell->rod->data;
+  const PetscReal k = self->bow * cell->h, we = cell->h * self->end_weight,
+                  wm = cell->h * self->mid_weight;
+
+  for (int i = 0; i < FOOT3_LOAD; i++)
+    for (int f = 0; f < FOOT3_NODE; f++) {
+      const int row = i < 3 ? N + i : M + i - 3, u = FOOT3_NODE * e + f;
+      G[row][f] += k * (by[0][i][u] - by[2][i][u]);
+      J[row][f] -= we * (by[0][i][u] + by[2][i][u]) + wm * by[1][i][u];
+    }
+}
+
+/* ... and their kink, once G is known. */
+static void AddKinkSlope(const Cell *cell, int e, FootSlope3 by, PetscReal G[FIELDS][FIELDS],
+                         PetscReal J[FIELDS][FIELDS]) {
+  PetscReal by_p[4][4], by_w[4][3];
+
+  KinkSlope(cell, by_p, by_w);
+  AddProduct(4, 4, FIELDS, -1, by_p[0], 4, G[P], FIELDS, J[P], FIELDS);
+  for (int i = 0; i < 4; i++)
+    for (int f = 0; f < FOOT3_NODE; f++)
+      for (int d = 0; d < 3; d++) J[P + i][f] -= by_w[i][d] * by[FOOT_KINK][d][FOOT3_NODE * e + f];
+}
+
 /* J, the derivative of the cell's equations by the unknowns of one of its nodes: sign -1 for node
    a, 1 for node b. With G = dy_mid/dy = I/2 + k df/dy, J = sign I - we df/dy - wm (df_mid/dy_mid G
-   + df_mid/dW dW_mid/dy). */
+   + df_mid/dW dW_mid/dy). feet: what those of the cell change; NULL: it has none. */
 static void CellJacobian(const Cell *cell, PetscReal sign, const PetscReal shift[], const Law *law,
                          const Point *p, const FrictionDual4 *dual, const Slope *slope,
-                         const Slope *mid, PetscReal J[FIELDS][FIELDS]) {
+                         const Slope *mid, FootSlope3 feet, PetscReal J[FIELDS][FIELDS]) {
   const Space_ *self = (const Space_ *)cell->rod->data;
   const Load *load = cell->load;
   const PetscReal k = -sign * self->bow * cell->h, we = cell->h * self->end_weight,
@@ -379,6 +481,10 @@ static void CellJacobian(const Cell *cell, PetscReal sign, const PetscReal shift
   for (int i = 0; i < FIELDS; i++) {
     G[i][i] += 0.5;
     J[i][i] += sign;
+  }
+  if (feet) {
+    FeetSlope(cell, sign > 0, feet, G, J);
+    AddKinkSlope(cell, sign > 0, feet, G, J);
   }
   RateSlope(load, &cell->mid, 0.5, shift, dW);
   if (k != 0) {
@@ -439,6 +545,7 @@ static void CellBlocks(Cell *cell, PetscInt i, PetscBool first, const PetscReal 
                        PetscReal right[FIELDS][FIELDS]) {
   PetscReal still[FIELDS];
   const PetscReal *own = ShiftsAt(cell, i + 1, shift, still);
+  FootSlope3 feet;
 
   if (first)
     NodeSlope(cell, cell->law, &cell->a, cell->dual[0], shift, &slopes->a);
@@ -448,9 +555,18 @@ static void CellBlocks(Cell *cell, PetscInt i, PetscBool first, const PetscReal 
   Linearise(cell, cell->law + 1, &cell->mid, cell->dual[1], &slopes->mid);
   if (cell->load->arm > 0 && !cell->split)
     AddCouple(cell->load, cell->law + 1, &cell->mid, cell->dual[1], &slopes->mid);
-  CellJacobian(cell, -1, shift, cell->law, &cell->a, cell->dual[0], &slopes->a, &slopes->mid, left);
+  if (cell->feet.n) {
+    FootEnd3 end[2];
+    memset(feet, 0, sizeof(feet));
+    FootEnd(cell, cell->law, &cell->a, shift, &slopes->a, &end[0]);
+    FootEnd(cell, cell->law + 2, &cell->b, own, &slopes->b, &end[1]);
+    FeetLinearise3(&cell->rod->scene->contact, &cell->foot_cell, end, cell->fresh,
+                   FootDuals(cell, i), &cell->feet, feet);
+  }
+  CellJacobian(cell, -1, shift, cell->law, &cell->a, cell->dual[0], &slopes->a, &slopes->mid,
+               cell->feet.n ? feet : NULL, left);
   CellJacobian(cell, 1, own, cell->law + 2, &cell->b, cell->dual[2], &slopes->b, &slopes->mid,
-               right);
+               cell->feet.n ? feet : NULL, right);
 }
 
 static void TipBlock(const Cell *cell, const Slope *slope, const PetscReal shift[],
@@ -591,6 +707,10 @@ static PetscErrorCode SpaceHold(Rod rod, const RodState *at, PetscReal seen, Pet
       *creep = PetscMax(*creep, LoadHold3(cell.load, &cell.a.at, seen, cell.dual[0]));
     *creep = PetscMax(*creep, LoadHold3(cell.load, &cell.mid.at, seen, cell.dual[1]));
     if (ends) *creep = PetscMax(*creep, LoadHold3(cell.load, &cell.b.at, seen, cell.dual[2]));
+    if (cell.feet.n && self->foot_dual) {
+      const PetscReal feet = FeetHold3(&rod->scene->contact, &cell.feet, seen, FootDuals(&cell, i));
+      *creep = PetscMax(*creep, feet);
+    }
   }
   if (rod->end == rod->last + 1) {
     TipState3 tip = TipOf(cell.load, &cell.b);
@@ -602,7 +722,8 @@ static PetscErrorCode SpaceHold(Rod rod, const RodState *at, PetscReal seen, Pet
 }
 
 /* The duals of each node and of the middle of the cell on its right, as a whole, as the frame's
-   (frame.c); the latter's of the last node is the tip's own. */
+   (frame.c); the latter's of the last node is the tip's own. Behind them those of the cell's feet.
+ */
 enum { OF_DUAL = sizeof(FrictionDual4) / sizeof(PetscReal) };
 
 static PetscInt RememberedOf(const Load *load) {
@@ -611,7 +732,10 @@ static PetscInt RememberedOf(const Load *load) {
 
 static PetscReal *Remembered(Rod rod, PetscInt i, PetscInt k) {
   const Space_ *self = (const Space_ *)rod->data;
-  FrictionDual4 *dual = Duals(self, 2 * (i - rod->first + 1)) + k / OF_DUAL;
+  const PetscInt of_points = RememberedOf(&rod->scene->load), cell = i - rod->first + 1;
+  FrictionDual4 *dual = Duals(self, 2 * cell) + k / OF_DUAL;
+
+  if (k >= of_points) dual = self->foot_dual + cell * WALL_SLOTS + (k - of_points) / OF_DUAL;
   return (PetscReal *)dual + k % OF_DUAL;
 }
 
@@ -956,6 +1080,10 @@ static PetscErrorCode SpaceCreate(Rod rod) {
   rod->memory = RememberedOf(&rod->scene->load);
   self->duals = rod->scene->load.duals3;
   PetscCall(PetscCalloc2(points, &self->law, points * self->duals, &self->dual));
+  if (ContactWallsRub(&rod->scene->contact) && ContactHasRidges(&rod->scene->contact)) {
+    PetscCall(PetscCalloc1(points / 2 * WALL_SLOTS, &self->foot_dual));
+    rod->memory += OF_DUAL * WALL_SLOTS;
+  }
   if (Kinks(rod->scene)) PetscCall(PetscCalloc1(rod->end - rod->first + 2, &self->split));
   if (rod->scene->contact.self) {
     rod->coupled = PETSC_TRUE;
@@ -970,6 +1098,7 @@ static PetscErrorCode SpaceDestroy(Rod rod) {
 
   PetscFunctionBegin;
   PetscCall(PetscFree2(self->law, self->dual));
+  PetscCall(PetscFree(self->foot_dual));
   PetscCall(SpaceStrandsDestroy(&self->strands));
   PetscCall(PetscFree(self->split));
   PetscCall(PetscFree(self->behind));

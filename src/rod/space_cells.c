@@ -39,6 +39,10 @@ static void PointAtMid(Cell *cell, PetscReal k, const PetscReal *ua_t, const Pet
   }
   for (int i = 0; i < 3 && cell->split; i++)
     p->m[i] += SplitBow(cell) * (a->couple[i] - b->couple[i]);
+  for (int i = 0; i < 3 && cell->feet.n; i++) {
+    p->n[i] += k * (cell->foot_load[0][i] - cell->foot_load[2][i]);
+    p->m[i] += k * (cell->foot_load[0][3 + i] - cell->foot_load[2][3 + i]);
+  }
   PointStrains(load, &cell->law[1], p);
   if (cell->cubic)
     p->at.W[SPIN] =
@@ -53,6 +57,10 @@ static void PointAtMid(Cell *cell, PetscReal k, const PetscReal *ua_t, const Pet
   PointEvaluate(load, &cell->law[1], cell->dual[1], p);
   for (int i = 0; i < 3 && cell->split; i++)
     p->f[M + i] += (a->couple[i] + b->couple[i]) / 2 - p->couple[i];
+  for (int i = 0; i < 3 && cell->feet.n; i++) {
+    p->f[N + i] += cell->foot_load[1][i];
+    p->f[M + i] += cell->foot_load[1][3 + i];
+  }
 }
 
 /* The laws at all points of the owned nodes and the cells beside them, at time t. */
@@ -87,6 +95,44 @@ static inline void AddPush(const Cell *cell, PetscInt i, int half, Point *p) {
   for (int d = 0; d < 3 && cell->couple; d++) p->f[M + d] += cell->couple[2 * i + half][d];
 }
 
+/* The cell that is looked at, for its feet. */
+static void FeetsCell(Cell *cell, PetscInt i) {
+  const Space_ *self = (const Space_ *)cell->rod->data;
+  const Point *end[2] = {&cell->a, &cell->b};
+  const PetscReal arm = cell->load->arm;
+  FootCell3 *of = &cell->foot_cell;
+
+  *of = (FootCell3){.h = cell->h, .moves = PETSC_TRUE};
+  of->first = (PetscBool)(i == 0);
+  of->last = (PetscBool)(i == cell->rod->last - 1);
+  for (int k = 0; k < FOOT_PARTS; k++) {
+    of->c[k] = cell->law[k].c;
+    of->weight[k] = k == 1 ? self->mid_weight : self->end_weight;
+  }
+  for (int e = 0; e < 2; e++) {
+    of->g[e] = cell->law[2 * e].g;
+    VelocitySlope(&cell->law[2 * e], end[e], of->slope_t[e]);
+    if (arm > 0) of->spin[e] = end[e]->at.W[SPIN] / arm;
+    for (int d = 0; d < 3; d++) {
+      of->x[e][d] = end[e]->at.x[d];
+      of->q[e][d] = end[e]->d[0][d];
+      of->x_t[e][d] = end[e]->at.W[d] - cell->law[2 * e].c * end[e]->d[0][d];
+    }
+  }
+}
+
+/* The feet of the cell behind node i, and what they add to its points. */
+static void FindFeet(Cell *cell, PetscInt i) {
+  const Contact *contact = &cell->rod->scene->contact;
+
+  FeetsCell(cell, i);
+  FeetFind3(contact, &cell->foot_cell, contact->smooth, &cell->feet);
+  if (!cell->feet.n) return;
+  memset(cell->foot_load, 0, sizeof(cell->foot_load));
+  FeetPush3(contact, &cell->foot_cell, FootDuals(cell, i), &cell->feet);
+  FeetHandOut3(&cell->foot_cell, &cell->feet, cell->foot_load);
+}
+
 static void NodePoint(Cell *cell, PetscInt i, Point *p) {
   Space_ *self = (Space_ *)cell->rod->data;
   PetscInt k = 2 * (i - cell->rod->first + 1);
@@ -111,6 +157,8 @@ PetscErrorCode SpaceCellsOpen(Rod rod, const RodState *at, Cell *cell) {
   cell->counts = at->counts;
   cell->cubics = cell->cubic = SpinCubic(rod, at);
   cell->split = PETSC_FALSE;
+  cell->thin = rod->scene->contact.thin;
+  cell->feet.n = 0;
   cell->load = &rod->scene->load;
   cell->push = cell->couple = NULL;
   if (self->strands)
@@ -178,6 +226,7 @@ void SpaceCellsNext(Cell *cell, PetscInt i) {
     cell->split = Splits(cell, i);
     cell->cubic = (PetscBool)(cell->cubics && !cell->split);
   }
+  if (cell->thin) FindFeet(cell, i);
   PointAtMid(cell, self->bow * cell->h, cell->u_t[i],
              SpaceStill(cell, i + 1, cell->u_t[i + 1], still));
   AddPush(cell, i, 1, &cell->mid);

@@ -4,6 +4,7 @@
 #define TENDRIL_SPACE_CELLS_H
 
 #include "rod/directors.h"
+#include "rod/feet_space.h"
 #include "rod/rod.h"
 #include "rod/space_strands.h"
 #include "rod/spin.h"
@@ -30,6 +31,7 @@ typedef struct {
   Law *law;                              /* nodes and mids from node first - 1 on, alternating */
   FrictionDual4 *dual; /* likewise, duals of each; the tip's own where a cell behind it would be */
   PetscInt duals;
+  FrictionDual4 *foot_dual; /* of cells, likewise: of their feet, WALL_SLOTS each; NULL: none */
   PetscBool *split; /* of cells, from that before node first on, in this Newton solve; NULL: none */
   SpaceStrands strands; /* NULL: the rod does not touch itself */
   SpaceCell *behind;    /* of each owned node, for what strands do; NULL without them */
@@ -53,6 +55,10 @@ typedef struct {
   const PetscReal (*push)[3];   /* what strands add to n' at all points of the rod; NULL: none */
   const PetscReal (*couple)[3]; /* and to m' */
   Point a, mid, b;
+  PetscBool thin;      /* there may be feet */
+  FootCell3 foot_cell; /* of this cell, ... */
+  Feet3 feet;          /* ... what it is to what stands out, */
+  FootLoad3 foot_load; /* and what that adds to n' and m' at its points alone */
 } Cell;
 
 /* What a cell that is split adds to the moment in its middle, times the couple at its beginning,
@@ -134,6 +140,12 @@ static inline PetscReal NodeSpinSlope(const Law *law, const Point *p) {
 /* The duals of point k of the rank's: of friction along the rod, and of walls. */
 static inline FrictionDual4 *Duals(const Space_ *self, PetscInt k) {
   return self->dual + k * self->duals;
+}
+
+/* Those of the feet of the cell behind node i; NULL: none are remembered. */
+static inline FrictionDual4 *FootDuals(const Cell *cell, PetscInt i) {
+  const Space_ *self = (const Space_ *)cell->rod->data;
+  return self->foot_dual ? self->foot_dual + (i - cell->rod->first + 1) * WALL_SLOTS : NULL;
 }
 
 PetscErrorCode SpaceCellsOpen(Rod rod, const RodState *at, Cell *cell);

@@ -10,9 +10,10 @@ typedef struct {
   const Load *load;
   PetscReal h[2];
   const Law *law;
-  const FrictionDual4 *dual;    /* at the node between them; of one cell, in its middle */
-  const PetscReal (*push)[3];   /* what strands add to n' at these points; NULL: none */
-  const PetscReal (*couple)[3]; /* and to m'; NULL: none */
+  const FrictionDual4 *dual;     /* at the node between them; of one cell, in its middle */
+  const PetscReal (*push)[3];    /* what strands add to n' at these points; NULL: none */
+  const PetscReal (*couple)[3];  /* and to m'; NULL: none */
+  PetscReal feet[2][FOOT3_LOAD]; /* what feet add in the middle of each */
   Point p[PLACES];
 } Cells;
 
@@ -80,6 +81,7 @@ static PetscReal Bare(const Cells *cells, int j, int f) {
 
   if (f >= N && cells->push) value -= cells->push[j][f - N];
   if (f >= M && f < N && cells->couple) value -= cells->couple[j][f - M];
+  if (f >= M && j % 2) value -= cells->feet[j / 2][f >= N ? f - N : f - M + 3];
   return value;
 }
 
@@ -123,6 +125,7 @@ static void Take(const Cell *cell, PetscInt i, int k, const FrictionDual4 *dual,
   }
   cells->dual = dual;
   cells->h[k] = cell->h;
+  for (int d = 0; d < FOOT3_LOAD; d++) cells->feet[k][d] = cell->feet.n ? cell->foot_load[1][d] : 0;
   cells->p[2 * k] = cell->a;
   cells->p[2 * k + 1] = cell->mid;
   cells->p[2 * k + 2] = cell->b;

@@ -85,8 +85,8 @@ static const PetscReal cells_of_post[2] = {2, 1};
 
 /* ContactNeedsCell - does the law of contact depend on how long the cells are? */
 PetscBool ContactNeedsCell(const Contact *contact) {
-  return (PetscBool)(contact->any &&
-                     (contact->walls.posts || contact->diameter == 0 || contact->fine));
+  return (PetscBool)(contact->any && (contact->walls.posts || contact->surfaces.ridges ||
+                                      contact->diameter == 0 || contact->fine));
 }
 
 /* What contact is not to press in by more than a part of: the diameter; of a rod without one, that
@@ -146,13 +146,15 @@ void ContactSetStiffness(Contact *contact, const PetscReal B[2], const PetscReal
   contact->cell = cell[0];
   contact->cell_t = cell[1];
   contact->thin =
-      (PetscBool)(contact->walls.posts && contact->walls.smallest < cells_of_post[0] * cell[0]);
+      (PetscBool)((contact->walls.posts && contact->walls.smallest < cells_of_post[0] * cell[0]) ||
+                  (contact->surfaces.ridges && contact->surfaces.smallest + contact->diameter / 2 <
+                                                   cells_of_post[0] * cell[0]));
 }
 
-/* ContactPostShare - of the strength k l, how much a post is met with at its foot: 0 if it is wide,
-   1 if it is thin; and its rate, for the cells grow. */
-PetscReal ContactPostShare(const Contact *contact, const WallPost *post, PetscReal *share_t) {
-  const PetscReal rho = post->r + contact->diameter / 2, width = rho / contact->cell,
+/* ContactPostShare - of the strength k l, how much a post of radius rho, with the rod's, is met
+   with at its foot: 0 if it is wide, 1 if it is thin; and its rate, for the cells grow. */
+PetscReal ContactPostShare(const Contact *contact, PetscReal rho, PetscReal *share_t) {
+  const PetscReal width = rho / contact->cell,
                   z = (cells_of_post[0] - width) / (cells_of_post[0] - cells_of_post[1]);
 
   *share_t = 0;
@@ -161,6 +163,14 @@ PetscReal ContactPostShare(const Contact *contact, const WallPost *post, PetscRe
   *share_t = 6 * z * (1 - z) * width * contact->cell_t / contact->cell /
              (cells_of_post[0] - cells_of_post[1]);
   return z * z * (3 - 2 * z);
+}
+
+/* ContactPostShareSlope - its derivative by rho. */
+PetscReal ContactPostShareSlope(const Contact *contact, PetscReal rho) {
+  const PetscReal across = cells_of_post[0] - cells_of_post[1],
+                  z = (cells_of_post[0] - rho / contact->cell) / across;
+
+  return z <= 0 || z >= 1 ? 0 : -6 * z * (1 - z) / (across * contact->cell);
 }
 
 PetscErrorCode ContactDestroy(Contact *contact) {

@@ -63,7 +63,8 @@ PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
 PetscBool ContactNeedsCell(const Contact *contact);
 void ContactSetStiffness(Contact *contact, const PetscReal B[2], const PetscReal cell[2],
                          const PetscReal length[2]);
-PetscReal ContactPostShare(const Contact *contact, const WallPost *post, PetscReal *share_t);
+PetscReal ContactPostShare(const Contact *contact, PetscReal rho, PetscReal *share_t);
+PetscReal ContactPostShareSlope(const Contact *contact, PetscReal rho);
 PetscErrorCode ContactDestroy(Contact *contact);
 PetscErrorCode ContactWallsText(const Contact *contact, char **text);
 PetscInt ContactTouches(const Contact *contact, const PetscReal x[2], Touch touch[MOST_TOUCHES]);

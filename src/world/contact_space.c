@@ -49,33 +49,52 @@ static void Moves(const Contact *self, PetscInt which, const PetscReal y[3],
   }
 }
 
+/* What a surface is to the rod, as it looks from the place y of the laboratory. */
+static void TouchOf(const Contact *self, PetscInt which, const PetscReal y[3],
+                    const SurfacePoint *point, Touch3 *t) {
+  PetscReal part[3][3];
+
+  t->gap = point->distance - self->diameter / 2;
+  t->friction = ContactSurfaceFriction(self, which);
+  t->wall = which;
+  t->again = PETSC_FALSE;
+  t->moves = (PetscBool)(self->surfaces.surface[which].motion.any && !self->surfaces.still);
+  TurnBack(self->lab, point->normal, t->normal);
+  for (int d = 0; d < 3; d++) TurnBack(self->lab, point->bend[d], part[d]);
+  for (int d = 0; d < 3; d++)
+    for (int c = 0; c < 3; c++)
+      t->bend[d][c] = self->lab[0][d] * part[0][c] + self->lab[1][d] * part[1][c] +
+                      self->lab[2][d] * part[2][c];
+  if (t->moves) Moves(self, which, y, point, t);
+}
+
 static PetscInt TouchSurfaces(const Contact *self, const PetscReal x[3], Touch3 touch[]) {
-  const PetscReal half = self->diameter / 2;
   SurfacePoint point[MOST_SURFACES];
   PetscInt which[MOST_SURFACES], n;
-  PetscReal y[3], part[3][3];
+  PetscReal y[3];
 
   Turn(self->lab, x, y);
-  n = SurfacesNear(&self->surfaces, y, half + self->smooth, which, point);
-  for (PetscInt k = 0; k < n; k++) {
-    Touch3 *t = &touch[k];
-    t->gap = point[k].distance - half;
-    t->friction = ContactSurfaceFriction(self, which[k]);
-    t->wall = which[k];
-    t->again = PETSC_FALSE;
-    t->moves = (PetscBool)(self->surfaces.surface[which[k]].motion.any && !self->surfaces.still);
-    TurnBack(self->lab, point[k].normal, t->normal);
-    for (int d = 0; d < 3; d++) TurnBack(self->lab, point[k].bend[d], part[d]);
-    for (int d = 0; d < 3; d++)
-      for (int c = 0; c < 3; c++)
-        t->bend[d][c] = self->lab[0][d] * part[0][c] + self->lab[1][d] * part[1][c] +
-                        self->lab[2][d] * part[2][c];
-    if (t->moves) Moves(self, which[k], y, &point[k], t);
-  }
+  n = SurfacesNear(&self->surfaces, y, self->diameter / 2 + self->smooth, which, point);
+  for (PetscInt k = 0; k < n; k++) TouchOf(self, which[k], y, &point[k], &touch[k]);
   return n;
 }
 
-/* The plane's walls: dn = bend t (t.dx), t across n and x3. */
+/* A wall of the plane, which stands upright, of this normal and bend: dn = bend t (t.dx), t across
+   n and x3. */
+static void TouchWall(const Contact *self, PetscInt wall, const PetscReal n[2], PetscReal bend,
+                      Touch3 *touch) {
+  const PetscReal normal[3] = {n[0], n[1], 0}, across[3] = {-n[1], n[0], 0};
+  PetscReal t[3];
+
+  touch->friction = ContactWallFriction(self, wall);
+  touch->wall = self->surfaces.n + wall;
+  touch->moves = PETSC_FALSE;
+  TurnBack(self->upright, normal, touch->normal);
+  TurnBack(self->upright, across, t);
+  for (int d = 0; d < 3; d++)
+    for (int c = 0; c < 3; c++) touch->bend[d][c] = bend * t[d] * t[c];
+}
+
 static PetscInt TouchUpright(const Contact *self, const PetscReal x[3], Touch3 touch[]) {
   Touch flat[MOST_TOUCHES];
   PetscReal y[3];
@@ -84,18 +103,9 @@ static PetscInt TouchUpright(const Contact *self, const PetscReal x[3], Touch3 t
   Turn(self->upright, x, y);
   n = WallsTouch(&self->walls, y, self->diameter / 2, self->smooth, flat);
   for (PetscInt k = 0; k < n; k++) {
-    const PetscReal normal[3] = {flat[k].normal[0], flat[k].normal[1], 0},
-                    across[3] = {-normal[1], normal[0], 0};
-    PetscReal t[3];
     touch[k].gap = flat[k].gap;
-    touch[k].friction = ContactWallFriction(self, flat[k].wall);
-    touch[k].wall = self->surfaces.n + flat[k].wall;
     touch[k].again = flat[k].again;
-    touch[k].moves = PETSC_FALSE;
-    TurnBack(self->upright, normal, touch[k].normal);
-    TurnBack(self->upright, across, t);
-    for (int d = 0; d < 3; d++)
-      for (int c = 0; c < 3; c++) touch[k].bend[d][c] = flat[k].bend * t[d] * t[c];
+    TouchWall(self, flat[k].wall, flat[k].normal, flat[k].bend, &touch[k]);
   }
   return n;
 }
@@ -125,6 +135,83 @@ PetscReal ContactGap3(const Contact *self, const PetscReal x[3], PetscReal withi
     gap = PetscMin(gap, WallsGap(&self->walls, y, half));
   }
   return gap;
+}
+
+/* ---- what stands out ---- */
+
+/* A search under way: posts are counted behind what stands out of surfaces. */
+typedef struct {
+  PetscInt before;
+  BlocksMeet meet;
+  void *ctx;
+} PostLook;
+
+static PetscReal MeetPost(PetscInt item, PetscReal reach, void *ctx) {
+  PostLook *look = (PostLook *)ctx;
+  return look->meet(look->before + item, reach, look->ctx);
+}
+
+/* ContactRidgesNear - tells of all that stands out of walls and is nearer than `reach` to what
+   holds four points of the clamp's frame, item by item; see BlocksNear(). */
+void ContactRidgesNear(const Contact *self, const PetscReal x[4][3], PetscReal reach,
+                       BlocksMeet meet, void *ctx) {
+  Block place = BlockEmpty(3), flat = BlockEmpty(2);
+  PostLook look = {.before = self->surfaces.ridges, .meet = meet, .ctx = ctx};
+
+  for (int k = 0; k < 4; k++) {
+    PetscReal y[3];
+    Turn(self->lab, x[k], y);
+    BlockHold(3, &place, y);
+    Turn(self->upright, x[k], y);
+    BlockHold(2, &flat, y);
+  }
+  if (self->surfaces.ridges) SurfacesRidgesNear(&self->surfaces, &place, reach, meet, ctx);
+  if (self->walls.posts) BlocksNear(self->walls.near_posts, &flat, reach, MeetPost, &look);
+}
+
+static PetscBool PostTouch(const Contact *self, const WallPost *post, const PetscReal x[3],
+                           PetscReal within, Touch3 *touch) {
+  PetscReal y[3], n[2], size;
+
+  Turn(self->upright, x, y);
+  for (int d = 0; d < 2; d++) n[d] = y[d] - post->at[d];
+  size = hypot(n[0], n[1]);
+  touch->gap = size - post->r - self->diameter / 2;
+  if (size == 0 || touch->gap >= within) return PETSC_FALSE;
+  for (int d = 0; d < 2; d++) n[d] /= size;
+  touch->again = PETSC_FALSE;
+  TouchWall(self, post->wall, n, 1 / size, touch);
+  return PETSC_TRUE;
+}
+
+/* ContactRidgeTouch - an item of what stands out, as seen from x; false: its gap is not below
+   `within`, or it has nothing there. */
+PetscBool ContactRidgeTouch(const Contact *self, PetscInt item, const PetscReal x[3],
+                            PetscReal within, Touch3 *touch) {
+  const PetscReal half = self->diameter / 2;
+  SurfacePoint point;
+  PetscReal y[3];
+
+  if (item >= self->surfaces.ridges)
+    return PostTouch(self, &self->walls.post[item - self->surfaces.ridges], x, within, touch);
+  Turn(self->lab, x, y);
+  if (!SurfacesRidgeAt(&self->surfaces, item, y, within + half, &point)) return PETSC_FALSE;
+  TouchOf(self, self->surfaces.ridge[item].surface, y, &point, touch);
+  return (PetscBool)(touch->gap < within);
+}
+
+/* ContactRidgeSmallest - the least radius of an item, with the rod's, and, of a sharp edge, what is
+   met in its place where that is narrow, too. */
+PetscReal ContactRidgeSmallest(const Contact *self, PetscInt item, PetscReal *beside) {
+  const PetscReal half = self->diameter / 2;
+  const SurfaceRidge *ridge;
+
+  *beside = PETSC_MAX_REAL;
+  if (item >= self->surfaces.ridges) return self->walls.post[item - self->surfaces.ridges].r + half;
+  ridge = &self->surfaces.surface[self->surfaces.ridge[item].surface]
+               .ridge[self->surfaces.ridge[item].ridge];
+  *beside = ridge->beside + half;
+  return ridge->smallest + half;
 }
 
 /* ---- the law ---- */
@@ -300,25 +387,34 @@ void ContactPushSlope3(const Contact *contact, const Touch3 *touch, const Rubbed
   if (touch->friction > 0 && p > 0) RubSlope(contact, touch, at, fresh, dual, p, slope, push);
 }
 
+/* ContactHoldTouch3 - moves what holds a place of the rod at one wall, over a shift of `hold` at
+   most; returns the speed at which it creeps, `creep` at least, as ContactHold(). */
+PetscReal ContactHoldTouch3(const Contact *contact, const Touch3 *touch, const Rubbed *at,
+                            PetscReal seen, PetscReal hold, PetscReal creep,
+                            FrictionDual4 slots[]) {
+  FrictionDual4 *kept = ContactSlot(touch, slots), dual;
+  PetscReal slope, a[3], u[4];
+  const PetscReal p = ContactPressure(contact, touch->gap, &slope), mu = touch->friction;
+
+  if (!kept || p == 0) return creep;
+  dual = Seen(touch, kept);
+  Slip(contact, touch, at, a, u);
+  creep = PetscMax(creep, PetscMin(1, mu * p) * FrictionDualHold4(u, seen, hold, &dual));
+  for (int d = 0; d < 3; d++) kept->shift[d] = dual.shift[d];
+  return creep;
+}
+
 /* ContactHold3 - moves what holds a point that sticks to walls (exact Coulomb friction); returns
    the speed at which it creeps, as ContactHold(). */
 PetscReal ContactHold3(const Contact *contact, const Rubbed *at, PetscReal seen,
                        FrictionDual4 slots[]) {
   Touch3 touch[MOST_TOUCHES3];
   PetscInt n = ContactTouches3(contact, at->x, touch);
-  PetscReal creep = 0, slope, a[3], u[4];
+  PetscReal creep = 0;
 
   if (!n) return 0;
   ContactSlots(n, touch, slots);
-  for (PetscInt k = 0; k < n; k++) {
-    FrictionDual4 *kept = ContactSlot(&touch[k], slots), dual;
-    const PetscReal p = ContactPressure(contact, touch[k].gap, &slope), mu = touch[k].friction;
-    if (!kept || p == 0) continue;
-    dual = Seen(&touch[k], kept);
-    Slip(contact, &touch[k], at, a, u);
-    creep = PetscMax(creep, PetscMin(1, mu * p) *
-                                FrictionDualHold4(u, seen, friction_hold_contact, &dual));
-    for (int d = 0; d < 3; d++) kept->shift[d] = dual.shift[d];
-  }
+  for (PetscInt k = 0; k < n; k++)
+    creep = ContactHoldTouch3(contact, &touch[k], at, seen, friction_hold_contact, creep, slots);
   return creep;
 }

@@ -41,6 +41,11 @@ typedef struct {
   PetscReal x[4][3], q[4][3], W[4][4];
 } Push3;
 
+/* Does anything stand out of walls, so that a thin rod of few cells may need feet? */
+static inline PetscBool ContactHasRidges(const Contact *contact) {
+  return (PetscBool)(contact->surfaces.ridges > 0 || contact->walls.posts > 0);
+}
+
 /* What Newton's method remembers of friction with walls is kept by this many of them at a point; of
    more there is friction, but it is held less well. The last of a dual's shift says of which wall
    it is, its number + 1; 0: of none. */
@@ -49,12 +54,19 @@ enum { WALL_SLOTS = 4 };
 void ContactSetFrame(Contact *contact, const PetscReal lab[3][3], PetscReal clamp_angle);
 PetscInt ContactTouches3(const Contact *contact, const PetscReal x[3], Touch3 touch[MOST_TOUCHES3]);
 PetscReal ContactGap3(const Contact *contact, const PetscReal x[3], PetscReal within);
+void ContactRidgesNear(const Contact *contact, const PetscReal x[4][3], PetscReal reach,
+                       BlocksMeet meet, void *ctx);
+PetscBool ContactRidgeTouch(const Contact *contact, PetscInt item, const PetscReal x[3],
+                            PetscReal within, Touch3 *touch);
+PetscReal ContactRidgeSmallest(const Contact *contact, PetscInt item, PetscReal *beside);
 void ContactPush3(const Contact *contact, const Touch3 *touch, const Rubbed *at,
                   const FrictionDual4 slots[], Push3 *push);
 void ContactPushSlope3(const Contact *contact, const Touch3 *touch, const Rubbed *at,
                        PetscBool fresh, FrictionDual4 *dual, Push3 *push);
 void ContactSlots(PetscInt n, const Touch3 touch[], FrictionDual4 slots[]);
 FrictionDual4 *ContactSlot(const Touch3 *touch, FrictionDual4 slots[]);
+PetscReal ContactHoldTouch3(const Contact *contact, const Touch3 *touch, const Rubbed *at,
+                            PetscReal seen, PetscReal hold, PetscReal creep, FrictionDual4 slots[]);
 PetscReal ContactHold3(const Contact *contact, const Rubbed *at, PetscReal seen,
                        FrictionDual4 slots[]);
 

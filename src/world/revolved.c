@@ -279,6 +279,45 @@ static void AddSolid(Revolved *self, PetscReal R0, PetscReal R1, PetscReal L) {
   if (R1 > 0) AddLine(self, 0, L, out, 0, R1, 1);
 }
 
+/* A ridge about the axis of a surface, its profile empty. */
+static PetscErrorCode NewRidge(Surface *surface, PetscReal smallest, PetscReal beside,
+                               Revolved **ridge) {
+  const Revolved *of = (const Revolved *)surface->data;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(ridge));
+  surface->ridge[surface->ridges++] = (SurfaceRidge){*ridge, smallest, beside};
+  PetscCall(PetscArraycpy((*ridge)->at, of->at, 3));
+  PetscCall(PetscArraycpy((*ridge)->axis, of->axis, 3));
+  PetscFunctionReturn(0);
+}
+
+/*
+  What stands out of a solid within a line from (R0, 0) to (R1, L): the hull of the balls that touch
+  it all round and its flat ends in their middle, which is round everywhere, and the edges of these
+  ends. The radius of a ball, at the end of R0, is c = R0 L/(size - (R1 - R0)), size the length of
+  the line. Where the solid is too short for both balls there are its edges.
+*/
+static PetscErrorCode AddSolidRidges(Surface *surface, PetscReal R0, PetscReal R1, PetscReal L) {
+  const PetscReal size = hypot(R1 - R0, L), t[2] = {(R1 - R0) / size, L / size},
+                  n[2] = {t[1], -t[0]}, up[2] = {0, 1}, down[2] = {0, -1}, R[2] = {R0, R1},
+                  c[2] = {R0 * L / (size - (R1 - R0)), R1 * L / (size + (R1 - R0))};
+  const PetscBool fits = (PetscBool)(c[0] + c[1] < L);
+  Revolved *ridge;
+
+  PetscFunctionBegin;
+  for (int e = 0; e < 2; e++) {
+    PetscCall(NewRidge(surface, 0, fits ? c[e] : PETSC_MAX_REAL, &ridge));
+    AddArc(ridge, R[e], e * L, 0, 1, NULL, NULL);
+  }
+  if (!fits) PetscFunctionReturn(0);
+  PetscCall(NewRidge(surface, PetscMin(c[0], c[1]), PETSC_MAX_REAL, &ridge));
+  AddLine(ridge, R0, 0, t, -R0 * t[0] + c[0] * t[1], -R0 * t[0] + (L - c[1]) * t[1], -1);
+  AddArc(ridge, 0, c[0], c[0], 1, n, down);
+  AddArc(ridge, 0, L - c[1], c[1], 1, n, up);
+  PetscFunctionReturn(0);
+}
+
 /* The profile of a hole along a line from (R0, 0) to (R1, L) through what is solid, open at its
    ends, which are rounded as a trumpet's by arcs of their own radii. */
 static void AddHole(Revolved *self, PetscReal R0, PetscReal R1, PetscReal L) {
@@ -317,6 +356,7 @@ static PetscErrorCode CylinderMake(const SurfaceLine *line, Surface *surface) {
   }
   PetscCall(CheckEdges(line));
   AddSolid(self, R, R, L);
+  PetscCall(AddSolidRidges(surface, R, R, L));
   surface->smallest = 0;
   surface->core = PetscMin(R, L / 2);
   surface->box = BoxOf(self, 0, L, R);
@@ -344,6 +384,7 @@ static PetscErrorCode ConeMake(const SurfaceLine *line, Surface *surface) {
   }
   PetscCall(CheckEdges(line));
   AddSolid(self, R0, R1, L);
+  PetscCall(AddSolidRidges(surface, R0, R1, L));
   surface->smallest = 0;
   surface->core = PetscMin(PetscMax(R0, R1), L) / 2;
   surface->box = BoxOf(self, 0, L, PetscMax(R0, R1));

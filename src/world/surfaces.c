@@ -79,12 +79,47 @@ PetscErrorCode SurfacesAdd(const SurfaceLine *line, PetscReal friction, Surfaces
   PetscCall(TakeFriction(&rest, surface));
   PetscCall(MotionTake(rest.file, rest.line, &rest.n, rest.word, &surface->motion));
   PetscCall(surface->kind->make(&rest, surface));
+  if (!surface->ridges && surface->smallest < PETSC_MAX_REAL)
+    surface->ridge[surface->ridges++] =
+        (SurfaceRidge){surface->data, surface->smallest, PETSC_MAX_REAL};
+  PetscFunctionReturn(0);
+}
+
+/* Whether a surface stays somewhere, in its box. */
+static PetscBool IsPlaced(const Surface *surface) {
+  const PetscReal bound = 1e299;
+
+  if (surface->motion.any) return PETSC_FALSE;
+  for (int d = 0; d < 3; d++)
+    if (surface->box.low[d] < -bound || surface->box.high[d] > bound) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
+/* What stands out of them: first what may be anywhere. */
+static PetscErrorCode IndexRidges(Surfaces *self) {
+  PetscInt n = 0, far = 0;
+  Block *block;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < self->n; k++) n += self->surface[k].ridges;
+  PetscCall(PetscMalloc1(n, &self->ridge));
+  PetscCall(PetscMalloc1(n, &block));
+  for (int placed = 0; placed < 2; placed++) {
+    for (PetscInt k = 0; k < self->n; k++)
+      for (PetscInt j = 0; j < self->surface[k].ridges; j++) {
+        if ((int)IsPlaced(&self->surface[k]) != placed) continue;
+        if (placed) block[self->ridges - far] = self->surface[k].box;
+        self->ridge[self->ridges++] = (struct SurfaceRidgeItem){k, j};
+      }
+    if (!placed) self->far_ridges = far = self->ridges;
+  }
+  PetscCall(BlocksCreate(3, self->ridges - far, block, &self->near_ridges));
+  PetscCall(PetscFree(block));
   PetscFunctionReturn(0);
 }
 
 /* SurfacesIndex - puts them where a place finds those near it. Not collective. */
 PetscErrorCode SurfacesIndex(Surfaces *self) {
-  const PetscReal bound = 1e299;
   PetscInt placed = 0;
   Block *block;
 
@@ -94,10 +129,7 @@ PetscErrorCode SurfacesIndex(Surfaces *self) {
   PetscCall(PetscMalloc2(self->n, &self->placed, self->n, &self->open));
   for (PetscInt k = 0; k < self->n; k++) {
     const Surface *surface = &self->surface[k];
-    PetscBool bounded = (PetscBool)!surface->motion.any;
-    for (int d = 0; d < 3; d++)
-      if (surface->box.low[d] < -bound || surface->box.high[d] > bound) bounded = PETSC_FALSE;
-    if (bounded) {
+    if (IsPlaced(surface)) {
       block[placed] = surface->box;
       self->placed[placed++] = k;
     } else
@@ -107,20 +139,27 @@ PetscErrorCode SurfacesIndex(Surfaces *self) {
   }
   PetscCall(BlocksCreate(3, placed, block, &self->near));
   PetscCall(PetscFree(block));
+  PetscCall(IndexRidges(self));
   PetscFunctionReturn(0);
 }
 
 PetscErrorCode SurfacesDestroy(Surfaces *self) {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->n; k++) {
-    if (self->surface[k].data) PetscCall(self->surface[k].kind->destroy(&self->surface[k].data));
-    PetscCall(MotionDestroy(&self->surface[k].motion));
-    PetscCall(PetscFree(self->surface[k].text));
+    Surface *surface = &self->surface[k];
+    for (PetscInt j = 0; j < surface->ridges; j++)
+      if (surface->ridge[j].data != surface->data)
+        PetscCall(surface->kind->destroy(&surface->ridge[j].data));
+    if (surface->data) PetscCall(surface->kind->destroy(&surface->data));
+    PetscCall(MotionDestroy(&surface->motion));
+    PetscCall(PetscFree(surface->text));
   }
   PetscCall(BlocksDestroy(&self->near));
+  PetscCall(BlocksDestroy(&self->near_ridges));
+  PetscCall(PetscFree(self->ridge));
   PetscCall(PetscFree2(self->placed, self->open));
   PetscCall(PetscFree(self->surface));
-  self->n = self->room = self->opens = 0;
+  self->n = self->room = self->opens = self->ridges = self->far_ridges = 0;
   PetscFunctionReturn(0);
 }
 
@@ -157,9 +196,9 @@ static void Turned(const PetscReal a[3], PetscReal angle, const PetscReal v[3], 
   for (int d = 0; d < 3; d++) w[d] = c * v[d] + s * across[d] + along * a[d];
 }
 
-/* A surface that moves, where it is at the time. */
-static PetscBool MovedAt(const Surfaces *self, const Surface *surface, const PetscReal x[3],
-                         PetscReal within, SurfacePoint *point) {
+/* A surface that moves, or what stands out of it, where it is at the time. */
+static PetscBool MovedAt(const Surfaces *self, const Surface *surface, const void *data,
+                         const PetscReal x[3], PetscReal within, SurfacePoint *point) {
   const SurfaceMotion *m = &surface->motion;
   const PetscReal angle = MotionAngle(m, 0, self->time);
   PetscReal shift[3], o[3], y[3], H[3][3], part[3];
@@ -169,7 +208,7 @@ static PetscBool MovedAt(const Surfaces *self, const Surface *surface, const Pet
   for (int d = 0; d < 3; d++) o[d] = x[d] - shift[d] - m->at[d];
   Turned(m->axis, -angle, o, y);
   for (int d = 0; d < 3; d++) y[d] += m->at[d];
-  if (!SurfaceAt(surface, y, within, &given)) return PETSC_FALSE;
+  if (!surface->kind->at(data, y, within, &given)) return PETSC_FALSE;
   point->distance = given.distance;
   Turned(m->axis, angle, given.normal, point->normal);
   for (int d = 0; d < 3; d++) Turned(m->axis, angle, given.bend[d], H[d]); /* rows: H R^T */
@@ -282,7 +321,7 @@ static void LookAt(Look *look, PetscInt k) {
   PetscInt i = look->n;
 
   if (surface->motion.any) {
-    if (!MovedAt(look->self, surface, look->x, look->within, &at)) return;
+    if (!MovedAt(look->self, surface, surface->data, look->x, look->within, &at)) return;
   } else if (!SurfaceAt(surface, look->x, look->within, &at))
     return;
   if (at.distance >= look->within) return;
@@ -338,4 +377,38 @@ PetscReal SurfacesDistance(const Surfaces *self, const PetscReal x[3], PetscReal
 
   if (self->n) LookAround(&look);
   return look.within;
+}
+
+/* ---- what stands out ---- */
+
+typedef struct {
+  BlocksMeet meet;
+  void *ctx;
+  PetscInt far;
+} RidgeLook;
+
+static PetscReal MeetRidge(PetscInt item, PetscReal reach, void *ctx) {
+  RidgeLook *look = (RidgeLook *)ctx;
+  return look->meet(look->far + item, reach, look->ctx);
+}
+
+/* SurfacesRidgesNear - tells of all that stands out of surfaces within reach of a place, and of
+   what is not known to be farther, by numbers of items; see BlocksNear(). */
+void SurfacesRidgesNear(const Surfaces *self, const Block *place, PetscReal reach, BlocksMeet meet,
+                        void *ctx) {
+  RidgeLook look = {.meet = meet, .ctx = ctx, .far = self->far_ridges};
+
+  for (PetscInt k = 0; k < self->far_ridges; k++) (void)meet(k, reach, ctx);
+  BlocksNear(self->near_ridges, place, reach, MeetRidge, &look);
+}
+
+/* SurfacesRidgeAt - an item of what stands out, as seen from x; false: it is farther away than
+   `within`, or has nothing there. */
+PetscBool SurfacesRidgeAt(const Surfaces *self, PetscInt item, const PetscReal x[3],
+                          PetscReal within, SurfacePoint *point) {
+  const Surface *surface = &self->surface[self->ridge[item].surface];
+  const void *data = surface->ridge[self->ridge[item].ridge].data;
+
+  if (surface->motion.any) return MovedAt(self, surface, data, x, within, point);
+  return surface->kind->at(data, x, within, point);
 }

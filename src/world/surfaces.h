@@ -16,6 +16,16 @@ typedef struct {
 
 typedef struct _Surface Surface;
 
+/* What stands out of a surface and may be narrower than a cell of the rod (rod/feet_space.h):
+   itself a surface of that kind, no part of which is in front of it. What is flat has none. */
+typedef struct {
+  void *data;
+  PetscReal smallest; /* the least radius of curvature */
+  PetscReal beside; /* an edge's: radius of what is round, ends in it and is met in its place where
+                       that is narrow, too; PETSC_MAX_REAL: none */
+} SurfaceRidge;
+enum { MOST_RIDGES = 3 };
+
 /* The line of a file that says what a surface is: word[0] is its kind; what every surface may have
    (motion, friction) has been taken off its end. */
 typedef struct {
@@ -50,8 +60,11 @@ struct _Surface {
   Block box;          /* d is not less than the distance from it; SurfaceEverywhere(): no bound */
   PetscReal smallest; /* where it stands out, the least radius of curvature, 0 of a sharp edge;
                          PETSC_MAX_REAL: nowhere */
-  PetscReal core;     /* depth of the deepest place behind it, with free space on its other side;
-                         PETSC_MAX_REAL: it has no other side */
+  PetscInt ridges;
+  SurfaceRidge
+      ridge[MOST_RIDGES]; /* where a kind sets none and it stands out, the surface itself */
+  PetscReal core; /* depth of the deepest place behind it, with free space on its other side;
+                     PETSC_MAX_REAL: it has no other side */
   /* to be drawn, and to be given again: the words of its line but for motion and friction,
      dimensionless */
   char *text;
@@ -66,6 +79,13 @@ typedef struct {
   PetscReal smallest;             /* of all */
   Blocks near;                    /* those that are somewhere: item k is surface placed[k] */
   PetscInt *placed, *open, opens; /* the others are looked at from everywhere */
+  /* what stands out, item by item; those from near_ridges on are somewhere, as blocks of the tree
+   */
+  PetscInt ridges, far_ridges;
+  struct SurfaceRidgeItem {
+    PetscInt surface, ridge;
+  } * ridge;
+  Blocks near_ridges;
 } Surfaces;
 
 enum { MOST_SURFACES = 16 }; /* at one place */
@@ -82,6 +102,10 @@ PetscInt SurfacesNear(const Surfaces *surfaces, const PetscReal x[3], PetscReal 
                       PetscInt which[MOST_SURFACES], SurfacePoint point[MOST_SURFACES]);
 PetscReal SurfacesDistance(const Surfaces *surfaces, const PetscReal x[3], PetscReal within,
                            PetscInt *nearest);
+void SurfacesRidgesNear(const Surfaces *surfaces, const Block *place, PetscReal reach,
+                        BlocksMeet meet, void *ctx);
+PetscBool SurfacesRidgeAt(const Surfaces *surfaces, PetscInt item, const PetscReal x[3],
+                          PetscReal within, SurfacePoint *point);
 void SurfacesVelocity(const Surfaces *surfaces, PetscInt which, const PetscReal x[3],
                       PetscReal velocity[3], PetscReal spin[3]);
 void SurfacesCarry(const Surfaces *surfaces, PetscInt which, PetscReal from, const PetscReal x[3],

@@ -1,10 +1,11 @@
 /* The model of space: Jacobians by rate for every law, its elimination against a matrix, mirrors,
    and a bend whose exact answer is known. */
 #include "base/chain.h"
+#include "base/hermite.h"
+#include "base/vectors.h"
 #include "rod/by_rate.h"
+#include "rod/space_cells.h"
 #include "rod/spin_rest.h"
-
-enum { FIELDS = 13 };
 
 static const char *const laws[] = {"-growth_type uniform", "-growth_type gaussian",
                                    "-growth_type feed", "-growth_type apical -growth_zone 0.6"};
@@ -138,6 +139,201 @@ static void TestWallJacobians(void **state) {
       Destroy(&scene, &rod);
       RemoveFile(file);
     }
+}
+
+/* The place z of a cell of the initial shape, and the tangent there, in the laboratory. */
+static void PlaceOf(Rod rod, PetscReal t, PetscInt cell, PetscReal z, PetscReal x[3],
+                    PetscReal q[3]) {
+  const PetscReal *s = rod->scene->mesh.s;
+  PetscReal at[9] = {0}, g[2];
+  Node *nodes;
+  CHECK(PetscMalloc1(rod->end - rod->first, &nodes));
+  CHECK(RodInitialNodes(rod, t, nodes));
+  CHECK(GrowthStretch(rod->scene->growth, 2, s + cell, t, g, NULL, NULL));
+  for (int e = 0; e < 2; e++) {
+    PetscReal value[4], slope[4], bend[4], d[3][3], h = s[cell + 1] - s[cell];
+    const Node *node = nodes + cell + e - rod->first;
+    if (cell + e < rod->first || cell + e >= rod->end) continue;
+    Hermite(z, value, slope, bend);
+    Directors(node->p, QuaternionSize(node->p), d);
+    for (int k = 0; k < 3; k++) {
+      at[k] += value[2 * e] * node->x3[k] + value[2 * e + 1] * h * g[e] * d[0][k];
+      at[3 + k] += slope[2 * e] * node->x3[k] + slope[2 * e + 1] * h * g[e] * d[0][k];
+    }
+  }
+  CHECK(PetscFree(nodes));
+  MPI_Allreduce(MPI_IN_PLACE, at, 9, MPIU_REAL, MPI_SUM, PETSC_COMM_WORLD);
+  SpaceToLab(&rod->scene->space, at, x);
+  SpaceToLab(&rod->scene->space, at + 3, q);
+  for (int k = 0; k < 3; k++) at[k] = q[k];
+  for (int k = 0; k < 3; k++) q[k] = at[k] / PetscSqrtReal(Dot3(at, at));
+}
+
+/* The sum of normal forces of feet in a state, and how many there are on all ranks. */
+static PetscReal OnFeet(Rod rod, const RodState *at, int *feet) {
+  PetscReal sum = 0;
+  Cell cell;
+  *feet = 0;
+  CHECK(SpaceCellsOpen(rod, at, &cell));
+  for (PetscInt i = PetscMax(rod->first - 1, 0); i < PetscMin(rod->end, rod->last); i++) {
+    SpaceCellsNext(&cell, i);
+    if (i < rod->first) continue; /* the rank before has it */
+    for (PetscInt k = 0; k < cell.feet.n; k++) sum += cell.feet.foot[k].normal;
+    *feet += cell.feet.n;
+  }
+  CHECK(SpaceCellsClose(&cell));
+  MPI_Allreduce(MPI_IN_PLACE, feet, 1, MPI_INT, MPI_SUM, PETSC_COMM_WORLD);
+  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPI_SUM, PETSC_COMM_WORLD);
+  return sum;
+}
+
+/* What stands out and is thinner than a cell, of radius r, so deep in the rod at the place z of a
+   cell that its axis, if it has one, is `slant` off across the rod: a line of a wall file. %axis
+   is where its axis goes through beside the rod, %at a place behind there, along %a. */
+typedef struct {
+  const char *line;
+  PetscReal r, behind, slant;
+  PetscReal velocity[3];
+  int feet;
+} Thin;
+
+static const Thin thin[] = {
+    {"cylinder %s %s 0.01 outside friction 0.5\n", 0.01, 0, 0.3, {0}, 1},
+    {"cylinder %s %s 0.11 outside friction 0.5\n", 0.11, 0, 0.2, {0}, 1}, /* met in part */
+    {"sphere %s 0.02 outside moves 0.4 0.3 0.05 friction 0.7\n", 0.02, 0, 0, {0.4, 0.3, 0.05}, 1},
+    {"sphere %s 0.12 outside friction 0.7\n", 0.12, 0, 0, {0}, 1},
+    {"cylinder %s %s 0.01 outside 0.3 friction 0.4\n", 0.01, 0.1, 0.7, {0}, 1},
+    {"cylinder %s %s 0.9 outside 0.3 friction 0.4\n", 0.9, 0, 1.1, {0}, 1}, /* an edge */
+    {"cone %s %s 0.02 0.01 0.4 outside friction 0.5\n", 0.015, 0.2, 0.2, {0}, 1},
+    {"torus %s %s 0.4 0.02 outside friction 0.5\n", 0.42, 0, 0.4, {0}, 1}};
+enum { THINS = sizeof(thin) / sizeof(thin[0]) };
+
+/* The line that puts one there, by an axis a across the rod but for the slant, and a way e from the
+   rod to it that is across both. */
+static void WriteThin(const Thin *of, Rod rod, PetscInt cell, PetscReal z, char line[], size_t n) {
+  const PetscReal t = 0.7, D = 0.05, deep = 0.004, other[3] = {0.2, -0.3, 1};
+  PetscReal x[3], q[3], a[3], e[3], at[3], size;
+  char place[80], axis[80];
+  PlaceOf(rod, t, cell, z, x, q);
+  Cross3(q, other, e);
+  size = PetscSqrtReal(Dot3(e, e));
+  for (int d = 0; d < 3; d++) e[d] /= size;
+  Cross3(e, q, a);
+  for (int d = 0; d < 3; d++) {
+    a[d] = PetscCosReal(of->slant) * a[d] + PetscSinReal(of->slant) * q[d];
+    at[d] = x[d] + (of->r + D / 2 - deep) * e[d] - of->behind * a[d] - t * of->velocity[d];
+  }
+  (void)snprintf(place, sizeof(place), "%.17g %.17g %.17g", at[0], at[1], at[2]);
+  (void)snprintf(axis, sizeof(axis), "%.17g %.17g %.17g", a[0], a[1], a[2]);
+  (void)snprintf(line, n, of->line, place, axis);
+}
+
+/* Feet on what is thinner than a cell: there is one, and its derivatives are exact. */
+static void TestFootJacobians(void **state) {
+  static const char *const spun[] = {
+      "-clamp_direction 1,0.3,0.2",
+      "-clamp_direction 1,0.3,0.2 -friction_radius 0.4 -clamp_spin 0.5", "-rod_order 2"};
+  for (int law = 0; law < 3; law += 2)
+    for (int k = 0; k < THINS; k++) {
+      const int how = (law + k) % 3;
+      char file[64], options[400], line[400];
+      RodState at;
+      Scene scene;
+      Rod rod;
+      Vec U, U_t, w;
+      Mat J;
+      PetscReal sum;
+      int feet;
+      Create(laws[law], spun[how], 12, &scene, &rod);
+      WriteThin(&thin[k], rod, 7, 0.37, line, sizeof(line));
+      Destroy(&scene, &rod);
+      WriteWalls(file, line);
+      (void)snprintf(options, sizeof(options),
+                     "-wall_file %s -contact_diameter 0.05 -contact_stiffness 4e3 %s", file,
+                     spun[how]);
+      Create(laws[law], options, 12, &scene, &rod);
+      ShakenState(rod, 0.7, 1e-4, &U, &U_t);
+      w = RandomVector(rod, 3, 1);
+      CHECK(RodCreateMatrix(rod, &J));
+      at = StateOf(0.7, U, U_t, k % 2 ? 0 : 3);
+      at.fresh = PETSC_TRUE;
+      sum = OnFeet(rod, &at, &feet);
+      EXPECT(feet == thin[k].feet && sum > 0.01, "%s: %d feet press with %g", line, feet, sum);
+      CHECK(rod->model->jacobian(rod, &at, J));
+      ExpectRate(rod, &at, J, w, 1e-5, 0.2, line);
+      CHECK(MatDestroy(&J));
+      CHECK(VecDestroy(&U));
+      CHECK(VecDestroy(&U_t));
+      CHECK(VecDestroy(&w));
+      Destroy(&scene, &rod);
+      RemoveFile(file);
+    }
+}
+
+/* A straight cell that is fed and spins over a post at a slant: where its foot is, and what it
+   does. With phi the angle between both: rho = (r + D/2 + gap)/sin^2 phi - gap. */
+static void TestFoot(void **state) {
+  const PetscReal phi = 0.5, r = 0.001, half = 0.01, mu = 0.4, deep = 2e-5, at = 0.043, h = 0.1,
+                  spin = 60, weight[] = {1. / 6, 4. / 6, 1. / 6};
+  const FootCell3 cell = {.h = h,
+                          .g = {1, 1},
+                          .x = {{0}, {h}},
+                          .q = {{1}, {1}},
+                          .spin = {spin, spin},
+                          .c = {1, 1, 1},
+                          .weight = {weight[0], weight[1], weight[2]},
+                          .moves = PETSC_TRUE};
+  FootLoad3 load = {{0}};
+  PetscReal slope, p, u[2], size, f[3], couple, sum[6] = {0}, lever[3] = {0};
+  char file[64], line[200];
+  const Contact *contact;
+  Feet3 feet;
+  Scene scene;
+  Rod rod;
+  (void)snprintf(line, sizeof(line), "cylinder %g 0 %.17g %.17g %.17g 0 %g outside friction %g\n",
+                 at, -r - half + deep, cos(phi), sin(phi), r, mu);
+  WriteWalls(file, line);
+  SetOptions("-wall_file %s -contact_diameter %g -rod_cells 10 -friction_beta 1e-30 -growth_type "
+             "feed -growth_initial_length 1",
+             file, 2 * half);
+  CHECK(SceneCreate(&scene));
+  CHECK(RodCreate(scene, &rod_space, &rod));
+  CHECK(SceneContactAt(scene, 0));
+  contact = &scene->contact;
+  FeetFind3(contact, &cell, contact->smooth, &feet);
+  EXPECT(feet.n == 1, "%d feet", (int)feet.n);
+  EXPECT(PetscAbsReal(feet.foot[0].z - at / h) < 1e-13, "at %g", feet.foot[0].z);
+  EXPECT(PetscAbsReal(feet.touch[0].gap + deep) < 1e-15, "gap %g", feet.touch[0].gap);
+  size = (r + half - deep) / PetscSqr(sin(phi)) + deep;
+  EXPECT(PetscAbsReal(feet.foot[0].rho / size - 1) < 1e-12, "rho %g for %g", feet.foot[0].rho,
+         size);
+  EXPECT(feet.foot[0].strength == contact->tip, "strength %g", feet.foot[0].strength);
+  FeetPush3(contact, &cell, NULL, &feet);
+  /* what touches is below the axis, r = -D/2 e3: it goes at (1, D/2 spin) */
+  p = contact->tip * ContactPressure(contact, -deep, &slope);
+  u[0] = 1;
+  u[1] = half * spin;
+  size = hypot(u[0], u[1]);
+  f[0] = -mu * p * u[0] / size;
+  f[1] = -mu * p * u[1] / size;
+  f[2] = p;
+  couple = half * f[1];
+  FeetHandOut3(&cell, &feet, load);
+  for (int k = 0; k < 3; k++)
+    for (int d = 0; d < 6; d++) sum[d] -= h * weight[k] * load[k][d];
+  for (int k = 0; k < 3; k++)
+    for (int d = 0; d < 3; d++) lever[d] -= h * weight[k] * load[k][d] * k / 2;
+  for (int d = 0; d < 3; d++) {
+    EXPECT(PetscAbsReal(feet.foot[0].force[d] - f[d]) < 1e-9 * p, "force %d: %g for %g", d,
+           feet.foot[0].force[d], f[d]);
+    EXPECT(PetscAbsReal(sum[d] - f[d]) < 1e-9 * p, "handed out %d: %g for %g", d, sum[d], f[d]);
+    EXPECT(PetscAbsReal(lever[d] - f[d] * at / h) < 1e-9 * p, "moment of %d: %g", d, lever[d]);
+  }
+  EXPECT(PetscAbsReal(sum[3] - couple) < 1e-9 * half * p && sum[4] == 0, "couple %g for %g", sum[3],
+         couple);
+  CHECK(RodDestroy(&rod));
+  CHECK(SceneDestroy(&scene));
+  RemoveFile(file);
 }
 
 /* On one rank: what is eliminated solves the equations of the matrix. */
@@ -460,8 +656,9 @@ static void TestSpinRest(void **state) {
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(TestJacobians),   cmocka_unit_test(TestWallJacobians),
-    cmocka_unit_test(TestElimination), cmocka_unit_test(TestMirrors),
-    cmocka_unit_test(TestBend),        cmocka_unit_test(TestIndex),
-    cmocka_unit_test(TestBegins),      cmocka_unit_test(TestSpinRest)};
+    cmocka_unit_test(TestJacobians),     cmocka_unit_test(TestWallJacobians),
+    cmocka_unit_test(TestFootJacobians), cmocka_unit_test(TestFoot),
+    cmocka_unit_test(TestElimination),   cmocka_unit_test(TestMirrors),
+    cmocka_unit_test(TestBend),          cmocka_unit_test(TestIndex),
+    cmocka_unit_test(TestBegins),        cmocka_unit_test(TestSpinRest)};
 MAIN(tests)

@@ -74,6 +74,46 @@ static void TestDerivatives(void **state) {
   }
 }
 
+/* What stands out of solids, its edges and the hull of the balls in its ends: no part of it is in
+   front of the solid, and the hull touches that in the middle of its ends and on its side. */
+static void TestRidges(void **state) {
+  static const char *const lines[] = {"cylinder 0 0 0 0 0 1 0.2 outside 1.5",
+                                      "cone 0 0 0 0 0 1 0.3 0.1 1.5 outside",
+                                      "cone 0 0 0 0 0 1 0 0.2 1.5 outside"};
+  static const PetscReal on[][3][3] = {{{0.2, 0, 0.7}, {0, 0, 0}, {0, 0, 1.5}},
+                                       {{0, 0.2, 0.75}, {0, 0, 0}, {0, 0, 1.5}},
+                                       {{0, 0.1, 0.75}, {0, 0, 0}, {0, 0, 1.5}}};
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(lines); k++) {
+    Surfaces surfaces = {0};
+    PetscReal before = PETSC_MAX_REAL, apart = 0;
+    Surface ridge;
+    Add(&surfaces, lines[k], 0.01);
+    CHECK(SurfacesIndex(&surfaces));
+    EXPECT(surfaces.ridges == 3, "%s: %d ridges", lines[k], (int)surfaces.ridges);
+    ridge = surfaces.surface[0];
+    for (PetscInt j = 0; j < surfaces.ridges; j++) {
+      ridge.data = surfaces.surface[0].ridge[j].data;
+      Derivatives(lines[k], &ridge);
+      for (uint64_t i = 0; i < 400; i++) {
+        SurfacePoint at, solid;
+        PetscReal x[3];
+        Strew(i, 2, x);
+        (void)SurfaceAt(&surfaces.surface[0], x, 9, &solid);
+        if (solid.distance < 0 || !SurfacesRidgeAt(&surfaces, j, x, 9, &at)) continue;
+        before = PetscMin(before, at.distance - solid.distance);
+      }
+      for (int i = 0; i < 3 && j == 2; i++) {
+        SurfacePoint at;
+        (void)SurfacesRidgeAt(&surfaces, j, on[k][i], 9, &at);
+        apart = PetscMax(apart, PetscAbsReal(at.distance));
+      }
+    }
+    EXPECT(before > -1e-14, "%s: in front of it by %g", lines[k], -before);
+    EXPECT(apart < 1e-14, "%s: off it by %g", lines[k], apart);
+    CHECK(SurfacesDestroy(&surfaces));
+  }
+}
+
 /* Distances against what everyone knows. */
 static void TestFormulas(void **state) {
   Surfaces surfaces = {0};
@@ -245,7 +285,7 @@ static void TestLongMotion(void **state) {
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(TestDerivatives), cmocka_unit_test(TestFormulas),
-    cmocka_unit_test(TestEnds),        cmocka_unit_test(TestSearch),
-    cmocka_unit_test(TestMotion),      cmocka_unit_test(TestLongMotion)};
+    cmocka_unit_test(TestDerivatives), cmocka_unit_test(TestFormulas), cmocka_unit_test(TestRidges),
+    cmocka_unit_test(TestEnds),        cmocka_unit_test(TestSearch),   cmocka_unit_test(TestMotion),
+    cmocka_unit_test(TestLongMotion)};
 MAIN(tests)
