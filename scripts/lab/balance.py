@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""How well energies balance in random scenes that touch walls, or themselves: the defect at the end of each run.
+"""How well energies balance in random scenes that touch walls, or themselves, and how deep they are pressed in: the
+defect at the end of each run.
 
-    scripts/lab/balance.py build/tendril [--families walls,ropes,...] [--finer 1] [--seconds 60] [-- OPTIONS ...]
+    scripts/lab/balance.py build/tendril [--families walls,ropes,...] [--cells 500] [--seconds 200] [-- OPTIONS ...]
 
 The scenes are those of fuzz.py (contact: of the plane, with walls and itself), stiffer.py (head-on: into a wall, next to
-straight on), fuzz_walls.py (walls: of space) and fuzz_ropes.py (ropes: of space, by themselves). Each is run with FINER
-times its cells and the OPTIONS, such as -ts_rtol 1e-6, for so many SECONDS of a processor. A scene that touches nothing,
-or does not end, is left out; how many did not end is told. A line for each scene, and one for each family."""
+straight on), fuzz_walls.py (walls: of space) and fuzz_ropes.py (ropes: of space, by themselves). Each is run with so many
+cells (0: the 40 to 100 that are drawn for it) and the OPTIONS, such as -ts_rtol 1e-6, for so many SECONDS of a processor. A
+scene that touches nothing, or does not end, is left out; how many did not end is told. A line for each scene, and one for
+each family."""
 
 import argparse
 import random
@@ -49,30 +51,31 @@ def scenes(family, seed, count, directory):
 
 
 def run(exe, options, more, seconds, file):
-    """Defect, steps, iterations; None if nothing is touched, NaN if it does not end."""
+    """Defect, steps, iterations, depth over the diameter; None if nothing is touched, NaN if it does not end."""
     command = ["prlimit", f"--cpu={seconds}", exe, *(str(w) for k, v in options.items() for w in (f"-{k}", v)), *more,
                "-output", str(file)]
     done = subprocess.run(command, capture_output=True, text=True, check=False, env=fuzz_walls.ENVIRONMENT)
     if done.returncode < 0 or not file.exists():
-        return None if "starts in a wall" in done.stderr else [np.nan] * 3
+        return None if "starts in a wall" in done.stderr else [np.nan] * 4
     with h5py.File(file) as f:
-        s = {k: f[f"series/{k}"][:] for k in ("energy_defect", "contact_force", "newton_iterations")}
+        s = {k: f[f"series/{k}"][:] for k in ("energy_defect", "contact_force", "newton_iterations", "penetration")}
     file.unlink()
     if not s["contact_force"].max() > 0:
         return None
     if not re.search("energy defect", done.stdout):
-        return [np.nan] * 3
-    return [s["energy_defect"][-1], len(s["energy_defect"]) - 1, s["newton_iterations"].sum()]
+        return [np.nan] * 4
+    return [s["energy_defect"][-1], len(s["energy_defect"]) - 1, s["newton_iterations"].sum(),
+            s["penetration"].max() / float(options["contact_diameter"])]
 
 
 def tell(name, found):
     """The distribution of the defects of runs that ended."""
-    a = np.array(found).reshape(-1, 3)
+    a = np.array(found).reshape(-1, 4)
     ended = a[np.isfinite(a[:, 0])]
     if len(ended):
         quantiles = " ".join(f"{v:.1e}" for v in np.quantile(ended[:, 0], (0.5, 0.75, 0.95)))
         print(f"{name}: {len(ended)} that touch and end, {len(a) - len(ended)} do not end; above 1e-5 {(ended[:, 0] > 1e-5).sum()}, "
-              f"above 1e-4 {(ended[:, 0] > 1e-4).sum()}; quantiles 50, 75, 95 % {quantiles}; "
+              f"above 1e-4 {(ended[:, 0] > 1e-4).sum()}; deeper than 1 % {(ended[:, 3] > 0.01).sum()}; quantiles 50, 75, 95 % {quantiles}; "
               f"steps {ended[:, 1].sum():.0f}, iterations {ended[:, 2].sum():.0f}", flush=True)
 
 
@@ -80,8 +83,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("exe")
     parser.add_argument("--families", default=",".join(FAMILIES))
-    parser.add_argument("--finer", type=float, default=1)
-    parser.add_argument("--seconds", type=int, default=60)
+    parser.add_argument("--cells", type=int, default=500)
+    parser.add_argument("--seconds", type=int, default=200)
     words, _, more = " ".join(sys.argv[1:]).partition(" -- ")
     given, more, all_found = parser.parse_args(words.split()), more.split(), []
     with tempfile.TemporaryDirectory() as directory:
@@ -91,10 +94,11 @@ def main():
                 for number, o in scenes(family, seed, count, directory):
                     if "contact_diameter" not in o:
                         continue
-                    o["rod_cells"] = int(given.finer * int(o["rod_cells"]))
+                    o["rod_cells"] = given.cells or o["rod_cells"]
                     seen = run(given.exe, o, more, given.seconds, Path(directory) / "run.h5")
                     if seen is not None:
-                        print(f"{family}-{seed}-{number} {seen[0]:.1e} {seen[1]:.0f} steps {seen[2]:.0f} iterations", flush=True)
+                        print(f"{family}-{seed}-{number} {seen[0]:.1e} {seen[1]:.0f} steps {seen[2]:.0f} iterations "
+                              f"{seen[3]:.2%} deep", flush=True)
                         found.append(seen)
             tell(family, found)
             all_found += found

@@ -50,7 +50,7 @@ def wound(angle):
 # Of a loop, twisted until it winds up: the rod's length, the loop's torque and pull, how far its ends are apart and by
 # how much its clamp has turned in the end, cells, contact's stiffness.
 PLIES = ((18, 0.25, 0.988, 3.2, 47.2, 400, 4e4), (5.5, 2.0, 9.995, 1.3, 26, 160, 1e5),
-         (4.75, 5.639, 49.68, 1.3, 35.4, 190, 4e5))
+         (4.75, 5.639, 49.68, 1.3, 35.4, 280, 4e5))
 
 
 def wind(length, torque, pull, end, turned, cells, k, most=8, still=1):

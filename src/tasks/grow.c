@@ -170,7 +170,8 @@ static PetscErrorCode Neglect(Grow *self, Vec U_t) {
 }
 
 /* Jumps before this part of the run cross the layer of a start, and are no snaps unless they were
-   followed (controller.c). */
+   followed (controller.c). A first step that ends in it is one of a start out of balance: what is
+   lost on the way to its end goes by rates that nothing tells, for a start has none. */
 static const PetscReal initial_layer = 1e-6;
 
 /* Does what leads tip or clamp, or a surface that is touched, set out or stop at once between two
@@ -234,7 +235,8 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
     if (jumped && layered) self->gave_way = PETSC_TRUE;
     broken = (PetscBool)(jumped || LedRoundCorner(self->scene, (PetscBool)(last.contact_force > 0),
                                                   before, t));
-    if (broken || IsThin(self, before)) ObserverClose(self->observer, &last, broken);
+    if (broken || IsThin(self, before) || (layered && before == 0))
+      ObserverClose(self->observer, &last, broken);
     if (self->now == &self->leg[WholeModel(self)])
       PetscCall(EstimateStep(self->estimate, jumped, self->pressed));
     self->now->jumps = jumps;
