@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
 """Random scenes in space with walls: none may be lost, and none may go through a wall.
 
-    scripts/lab/fuzz_walls.py build/tendril SEED COUNT [SECONDS [FINER]]
+    scripts/lab/fuzz_walls.py build/tendril SEED COUNT [SECONDS [FINER]] [--thin] [--moving]
 
 Each is run once, for SECONDS at most (30), with FINER times as many cells (1). A scene is lost if it gives up, does
 not end, is silent about a rod that is pressed in by more than 1 % of its diameter, or if its balance of energy is off by
 more than its error is told to be; one that is jammed, and says so, is not, nor is one that is
 refused because the rod starts in a wall. The curve between nodes is looked at in all stored shapes: where its
 middle is behind a wall, the rod is through. Every tenth that touches is broken where half of its steps in contact are
-behind it, and has to go on to the last bit; and runs on two ranks: how far its tip is from that of one is told."""
+behind it, and has to go on to the last bit; and runs on two ranks: how far its tip is from that of one is told.
+--thin: what stands out of walls, and the rod, are thinner than cells are long (feet in space). --moving: walls are
+displaced and come back, as rows say."""
 
 import os
 import random
@@ -20,6 +22,7 @@ import time
 
 import h5py
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 
 ENVIRONMENT = dict(os.environ, OMP_NUM_THREADS="1", OMPI_ALLOW_RUN_AS_ROOT="1",
                    OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMPI_MCA_ess_singleton_isolated="1")
@@ -91,10 +94,44 @@ def scene(R):
                       "cylinder": ("cylinder", at + n + [uniform(0.1, 0.4)], False),
                       "torus": ("torus", at + n + [uniform(0.4, 0.8), uniform(0.1, 0.2)], False)}[kind])
     walls = [w for w in walls if distance(w, axis).min() > clear]
+    return o, walls, lines_of(R, walls)
+
+
+def lines_of(R, walls):
     rub = R.choice([0, 0.1, 0.3, 0.6])
-    lines = [f"{k} {' '.join(f'{v:.12g}' for v in a)} {'' if k == 'plane' else 'inside' if i else 'outside'} "
-             f"friction {rub}" for k, a, i in walls]
-    return o, walls, lines
+    return [f"{k} {' '.join(f'{v:.12g}' for v in a)} {'' if k == 'plane' else 'inside' if i else 'outside'} "
+            f"friction {rub}" for k, a, i in walls]
+
+
+THIN = {"sphere": 3, "cylinder": 6, "torus": 7}  # which number of a wall is the radius of what stands out
+
+
+def thinner(R, o, walls):
+    """The rod and what stands out: of radii from 1e-3 to 2e-2."""
+    o["contact_diameter"] = round(10**R.uniform(-2.5, -1.7), 5)
+    for kind, a, inside in walls:
+        if not inside and kind in THIN:
+            a[THIN[kind]] = round(10**R.uniform(-3, -1.7), 6)
+
+
+def moving(R, o, walls, lines):
+    """Displacements over time of some of the walls, by number; their rows are added to the lines."""
+    led = {}
+    for k in range(len(walls)):
+        if R.random() < 0.5:
+            t = np.sort([round(R.uniform(0, o["ts_max_time"]), 4) for _ in range(4)])
+            if np.diff(t).min() <= 0:
+                continue
+            x = np.outer([0, 1, R.uniform(-1, 1), 0], [round(R.gauss(0, 0.1), 4) for _ in range(3)])
+            rows = " ".join(f"{value:.17g}" for row in np.c_[t, x] for value in row)
+            lines[k] = lines[k].replace(" friction", f" moves at {rows} friction")
+            led[k] = PchipInterpolator(t, x)
+    return led
+
+
+def displaced(led, k, t):
+    """By how much wall k is displaced at a time."""
+    return led[k](np.clip(t, led[k].x[0], led[k].x[-1])) if k in led else 0
 
 
 def curve(x, tangent, g, s, fine=8):
@@ -106,7 +143,7 @@ def curve(x, tangent, g, s, fine=8):
             + z * z * (z - 1) * v).reshape(-1, 3)
 
 
-def run(exe, o, walls, lines, limit):
+def run(exe, o, walls, lines, limit, led):
     """What became of it, how deep it was pressed in, by what its energy is off, and the command."""
     folder = tempfile.mkdtemp()
     with open(f"{folder}/walls.txt", "w") as f:
@@ -123,13 +160,13 @@ def run(exe, o, walls, lines, limit):
         refused = "the rod starts in a wall" in said
         return "refused" if refused else f"lost: {said[-200:]}", 0, 0, " ".join(command)
     with h5py.File(file) as f:
-        shapes = {k: f["shapes"][k][:] for k in ("x", "d1", "stretch")}
+        shapes = {k: f["shapes"][k][:] for k in ("t", "x", "d1", "stretch")}
         s, deep = np.linspace(0, 1, shapes["x"].shape[1]), f["series/penetration"][:].max()
         s = f["s"][:] if "s" in f else s
         pressed = f["series/contact_force"][:].max() > 0
-    for x, d1, g in zip(*shapes.values()):
-        for wall in walls:
-            if distance(wall, curve(x, d1, g, s)).min() < 0:
+    for t, x, d1, g in zip(*shapes.values()):
+        for k, wall in enumerate(walls):
+            if distance(wall, curve(x, d1, g, s) - displaced(led, k, t)).min() < 0:
                 return f"through {wall[0]}", deep, 0, " ".join(command)
     if deep > 0.01 * o["contact_diameter"] and "pressed in by more than 1 %" not in done.stdout:
         return "lost: is silent about how deep it is pressed", 0, 0, " ".join(command)
@@ -169,16 +206,22 @@ def again(command, limit):
 
 
 def main():
-    exe, seed, count = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
-    limit, finer = float(sys.argv[4]) if len(sys.argv) > 4 else 30, int(sys.argv[5]) if len(sys.argv) > 5 else 1
+    kinds = {word for word in sys.argv[1:] if word.startswith("--")}
+    exe, seed, count, *more = (word for word in sys.argv[1:] if word not in kinds)
+    seed, count = int(seed), int(count)
+    limit, finer = float(more[0]) if more else 30, int(more[1]) if len(more) > 1 else 1
     R, tally, deepest, times, touched, differ, energies = random.Random(seed), {}, [], [], [], [], []
     for _ in range(count):
         o, walls, lines = scene(R)
+        if "--thin" in kinds:
+            thinner(R, o, walls)
+            lines = lines_of(R, walls)
+        led = moving(R, o, walls, lines) if "--moving" in kinds else {}
         o["rod_cells"] *= finer
         if not walls:
             lines, walls = ["plane 0 0 -2 0 0 1"], [("plane", [0, 0, -2, 0, 0, 1], False)]
         begin = time.time()
-        what, deep, off, command = run(exe, o, walls, lines, limit)
+        what, deep, off, command = run(exe, o, walls, lines, limit, led)
         times.append(time.time() - begin)
         deepest.append(deep)
         word = what.split(":")[0].split()[0]

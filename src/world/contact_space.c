@@ -393,15 +393,15 @@ PetscReal ContactHoldTouch3(const Contact *contact, const Touch3 *touch, const R
                             PetscReal seen, PetscReal hold, PetscReal creep,
                             FrictionDual4 slots[]) {
   FrictionDual4 *kept = ContactSlot(touch, slots), dual;
-  PetscReal slope, a[3], u[4];
+  PetscReal slope, speed, a[3], u[4];
   const PetscReal p = ContactPressure(contact, touch->gap, &slope), mu = touch->friction;
 
   if (!kept || p == 0) return creep;
   dual = Seen(touch, kept);
   Slip(contact, touch, at, a, u);
-  creep = PetscMax(creep, PetscMin(1, mu * p) * FrictionDualHold4(u, seen, hold, &dual));
+  speed = FrictionDualHold4(u, seen, hold, &dual);
   for (int d = 0; d < 3; d++) kept->shift[d] = dual.shift[d];
-  return creep;
+  return FrictionFaster(creep, PetscMin(1, mu * p) * speed);
 }
 
 /* ContactHold3 - moves what holds a point that sticks to walls (exact Coulomb friction); returns

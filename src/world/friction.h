@@ -34,6 +34,12 @@ void FrictionDualAdvance(const Friction *law, const PetscReal v[2], FrictionDual
 void FrictionLinearise(const Friction *law, const PetscReal v[2], const FrictionDual *dual,
                        PetscReal slope[2][2]);
 
+/* FrictionFaster - the larger of two speeds. (Not PetscMax(), which evaluates what is larger twice:
+   who asks how fast a place creeps moves what holds it.) */
+static inline PetscReal FrictionFaster(PetscReal a, PetscReal b) {
+  return a < b ? b : a;
+}
+
 PetscReal FrictionDualHold(const PetscReal v[2], PetscReal seen, PetscReal hold,
                            FrictionDual *dual);
 void FrictionLinearise4(const Friction *law, const PetscReal v[4], PetscBool fresh,
