@@ -738,7 +738,8 @@ def comes_and_goes():
         early, late = (Run(options(at + np.array([0, 0.01, 0.02])) + " -ts_max_time 10") for at in (0.03, 4.99))
         seen = seen(early, 0.02), seen(late, 4)
         print(f"{name}: {early.steps}, {late.steps} steps, {seen}")
-        expect(abs(seen[1] / seen[0] - 1) < 2e-3, f"{name}: {seen}")
+        # (how far a path goes is met to the last digits where a step ends; a spline's rows are not where it is highest)
+        expect(abs(seen[1] / seen[0] - 1) < (1e-5 if "tip_path" in name else 2e-3), f"{name}: {seen}")
 
 
 @check
