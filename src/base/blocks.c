@@ -121,3 +121,23 @@ void BlocksNear(Blocks blocks, const Block *place, PetscReal reach, BlocksMeet m
   else
     Search(3, blocks, place, reach, meet, ctx);
 }
+
+/* A search of which items are counted behind others. */
+typedef struct {
+  PetscInt before;
+  BlocksMeet meet;
+  void *ctx;
+} Behind;
+
+static PetscReal MeetBehind(PetscInt item, PetscReal reach, void *ctx) {
+  const Behind *behind = (const Behind *)ctx;
+  return behind->meet(behind->before + item, reach, behind->ctx);
+}
+
+/* BlocksNearBehind - as BlocksNear(), where item k is told as before + k: behind others. */
+void BlocksNearBehind(Blocks blocks, PetscInt before, const Block *place, PetscReal reach,
+                      BlocksMeet meet, void *ctx) {
+  Behind behind = {before, meet, ctx};
+
+  BlocksNear(blocks, place, reach, MeetBehind, &behind);
+}

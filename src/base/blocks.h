@@ -17,6 +17,8 @@ typedef PetscReal (*BlocksMeet)(PetscInt item, PetscReal reach, void *ctx);
 
 PetscErrorCode BlocksCreate(int dims, PetscInt n, const Block block[], Blocks *blocks);
 PetscErrorCode BlocksDestroy(Blocks *blocks);
+void BlocksNearBehind(Blocks blocks, PetscInt before, const Block *place, PetscReal reach,
+                      BlocksMeet meet, void *ctx);
 void BlocksNear(Blocks blocks, const Block *place, PetscReal reach, BlocksMeet meet, void *ctx);
 
 /* A block that holds nothing yet. */

@@ -447,7 +447,8 @@ PetscReal FeetHold3(const Contact *contact, Feet3 *feet, PetscReal seen, Frictio
   ContactSlots(feet->n, feet->touch, slots);
   for (PetscInt k = 0; k < feet->n; k++) {
     const Rubbed at = RubbedOf(&feet->foot[k]);
-    creep = ContactHoldTouch3(contact, &feet->touch[k], &at, seen, friction_hold, creep, slots);
+    creep = LargerOf(creep,
+                     ContactHoldTouch3(contact, &feet->touch[k], &at, seen, friction_hold, slots));
   }
   return creep;
 }

@@ -583,7 +583,7 @@ static PetscErrorCode FrameEliminate(Rod rod, const RodState *at, Elimination el
 /* Moves the shift at a point; creep is the largest speed so far. */
 static void HoldPoint(const Load *load, const Place *at, PetscReal seen, LoadDual *dual,
                       PetscReal *creep) {
-  *creep = FrictionFaster(*creep, LoadHold(load, at, seen, dual));
+  *creep = LargerOf(*creep, LoadHold(load, at, seen, dual));
 }
 
 /* ... at the feet of a cell. */
@@ -596,10 +596,9 @@ static void HoldFeet(Cell *cell, PetscInt i, PetscReal seen, PetscReal *creep) {
   {
     const PetscReal mu = contact->walls.wall[contact->walls.post[foot[0].post].wall].friction,
                     slip[2] = {foot[0].slip, 0};
-    if (mu > 0 && foot[0].p > 0) {
-      const PetscReal speed = FrictionDualHold(slip, seen, friction_hold, FootDual(cell, 0));
-      *creep = FrictionFaster(*creep, PetscMin(1, mu * foot[0].p) * speed);
-    }
+    if (mu > 0 && foot[0].p > 0)
+      *creep = LargerOf(*creep, PetscMin(1, mu * foot[0].p) *
+                                    FrictionDualHold(slip, seen, friction_hold, FootDual(cell, 0)));
   }
 }
 
@@ -626,8 +625,8 @@ static PetscErrorCode FrameHold(Rod rod, const RodState *at, PetscReal seen, Pet
   if (rod->end == rod->last + 1 && TipResists(&rod->scene->tip))
     HoldPoint(&rod->scene->tip.resistance, &cell.b->at, seen, TipDual(rod), creep);
   if (rod->end == rod->last + 1 && frame->duals > 1)
-    *creep = FrictionFaster(*creep, ContactHold(&rod->scene->contact, cell.b->at.x, cell.b->at.v,
-                                                seen, TipDual(rod) + 1));
+    *creep = LargerOf(*creep, ContactHold(&rod->scene->contact, cell.b->at.x, cell.b->at.v, seen,
+                                          TipDual(rod) + 1));
   PetscCall(CellsClose(&cell));
   Forget(frame);
   if (frame->strands) PetscCall(FrameStrandsHold(rod, seen, creep));

@@ -179,16 +179,14 @@ static PetscInt PartsOf(const Look *look, PetscReal since, Bezier b) {
   const Contact *contact = look->contact;
   const Surfaces *surfaces = &contact->surfaces;
   const PetscReal core = surfaces->surface[look->moving].core,
-                  fine = DeepOnTheWay(look, core + contact->diameter / 2) / parts;
-  PetscReal y[3];
-  enum { MOST = 1000 };
+                  fine = DeepOnTheWay(look, core + contact->diameter / 2) / parts, most = 1000;
+  PetscReal y[3], n;
 
   for (int d = 0; d < 3; d++)
     y[d] =
         contact->lab[d][0] * b[0][0] + contact->lab[d][1] * b[0][1] + contact->lab[d][2] * b[0][2];
-  return (PetscInt)PetscMax(
-      1, PetscMin(MOST, PetscCeilReal(
-                            PetscSqrtReal(SurfacesBow(surfaces, look->moving, since, y) / fine))));
+  n = PetscCeilReal(PetscSqrtReal(SurfacesBow(surfaces, look->moving, since, y) / fine));
+  return (PetscInt)PetscMax(1, PetscMin(most, n));
 }
 
 /* The cell part of the way from b0 at a time on to b1 now, as a surface that moves would have it.

@@ -704,17 +704,16 @@ static PetscErrorCode SpaceHold(Rod rod, const RodState *at, PetscReal seen, Pet
   for (PetscInt i = first; i < PetscMin(rod->end, rod->last); i++) {
     SpaceCellsNext(&cell, i);
     if (i == first && ends && (i > 0 || cell.law->c != 0 || rod->scene->clamp == CLAMP_FREE))
-      *creep = FrictionFaster(*creep, LoadHold3(cell.load, &cell.a.at, seen, cell.dual[0]));
-    *creep = FrictionFaster(*creep, LoadHold3(cell.load, &cell.mid.at, seen, cell.dual[1]));
-    if (ends) *creep = FrictionFaster(*creep, LoadHold3(cell.load, &cell.b.at, seen, cell.dual[2]));
-    if (cell.feet.n && self->foot_dual) {
-      const PetscReal feet = FeetHold3(&rod->scene->contact, &cell.feet, seen, FootDuals(&cell, i));
-      *creep = PetscMax(*creep, feet);
-    }
+      *creep = LargerOf(*creep, LoadHold3(cell.load, &cell.a.at, seen, cell.dual[0]));
+    *creep = LargerOf(*creep, LoadHold3(cell.load, &cell.mid.at, seen, cell.dual[1]));
+    if (ends) *creep = LargerOf(*creep, LoadHold3(cell.load, &cell.b.at, seen, cell.dual[2]));
+    if (cell.feet.n && self->foot_dual)
+      *creep =
+          LargerOf(*creep, FeetHold3(&rod->scene->contact, &cell.feet, seen, FootDuals(&cell, i)));
   }
   if (rod->end == rod->last + 1) {
     TipState3 tip = TipOf(cell.load, &cell.b);
-    *creep = FrictionFaster(*creep, TipHold3(&rod->scene->tip, &tip, seen, TipDual(rod)));
+    *creep = LargerOf(*creep, TipHold3(&rod->scene->tip, &tip, seen, TipDual(rod)));
   }
   PetscCall(SpaceCellsClose(&cell));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, creep, 1, MPIU_REAL, MPI_MAX, rod->scene->comm));

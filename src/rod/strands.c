@@ -688,10 +688,9 @@ PetscErrorCode StrandsHold(Strands self, PetscReal seen, PetscReal *creep) {
   for (PetscInt k = 0; self->dual && k < self->n; k++) {
     const Pair *pair = &self->pair[k];
     const PetscReal v[2] = {pair->slip, 0};
-    PetscReal speed;
     if (!pair->active || pair->p == 0) continue;
-    speed = FrictionDualHold(v, seen, friction_hold, DualOf(self, pair));
-    *creep = FrictionFaster(*creep, PetscMin(1, self->contact->friction * pair->p) * speed);
+    *creep = LargerOf(*creep, PetscMin(1, self->contact->friction * pair->p) *
+                                  FrictionDualHold(v, seen, friction_hold, DualOf(self, pair)));
   }
   PetscFunctionReturn(0);
 }

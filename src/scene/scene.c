@@ -1,4 +1,5 @@
 #include "scene/scene.h"
+#include "base/extremes.h"
 #include <unistd.h>
 
 static const OptionRow rows[] = {
@@ -73,12 +74,12 @@ PetscReal SceneNextTurn(Scene scene, PetscReal t) {
   const Growth growth = scene->growth;
   PetscReal next = SurfacesNextTurn(&scene->contact.surfaces, t);
 
-  if (scene->tip.path) next = PetscMin(next, PathNextTurn(scene->tip.path, t));
-  if (scene->space.clamp_path) next = PetscMin(next, ScheduleNextTurn(scene->space.clamp_path, t));
-  if (scene->load.field) next = PetscMin(next, FieldNextTurn(scene->load.field, t));
+  if (scene->tip.path) next = SmallerOf(next, PathNextTurn(scene->tip.path, t));
+  if (scene->space.clamp_path) next = SmallerOf(next, ScheduleNextTurn(scene->space.clamp_path, t));
+  if (scene->load.field) next = SmallerOf(next, FieldNextTurn(scene->load.field, t));
   if (scene->tip.resistance.field)
-    next = PetscMin(next, FieldNextTurn(scene->tip.resistance.field, t));
-  if (growth->next_turn) next = PetscMin(next, growth->next_turn(growth, t));
+    next = SmallerOf(next, FieldNextTurn(scene->tip.resistance.field, t));
+  if (growth->next_turn) next = SmallerOf(next, growth->next_turn(growth, t));
   return next;
 }
 

@@ -1,5 +1,6 @@
 #include "stepping/controller.h"
 #include "base/compat.h"
+#include "base/extremes.h"
 #include <petsc/private/tsimpl.h> /* it takes the place of a TS type's own */
 
 /* A snap may be too far for Newton's method: then it fails however short the step is, and after so
@@ -258,7 +259,7 @@ static PetscErrorCode LimitStep(TS ts, Controller *self) {
   ts->time_step = PetscMin(ts->time_step, most);
   end = match ? ts->max_time : PETSC_MAX_REAL;
   if (self->next_end && !self->fixed)
-    end = PetscMin(end, self->next_end(ts, ts->ptime + met * ts->max_time));
+    end = SmallerOf(end, self->next_end(ts, ts->ptime + met * ts->max_time));
   left = end - ts->ptime;
   if (ts->time_step >= left)
     ts->time_step = left;

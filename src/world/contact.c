@@ -266,15 +266,15 @@ PetscReal ContactHold(const Contact *contact, const PetscReal x[2], const PetscR
                       PetscReal seen, FrictionDual duals[]) {
   Touch touch[MOST_TOUCHES];
   PetscInt n = ContactTouches(contact, x, touch);
-  PetscReal creep = 0, slope, speed;
+  PetscReal creep = 0, slope;
 
   for (PetscInt k = 0; k < n; k++) {
     const Touch *t = &touch[k];
     PetscReal mu = contact->walls.wall[t->wall].friction, u[2] = {Slip(t, v), 0},
               p = ContactPressure(contact, t->gap, &slope);
     if (t->again || mu == 0 || p == 0) continue;
-    speed = FrictionDualHold(u, seen, friction_hold_contact, &duals[t->wall]);
-    creep = FrictionFaster(creep, PetscMin(1, mu * p) * speed);
+    creep = LargerOf(creep, PetscMin(1, mu * p) *
+                                FrictionDualHold(u, seen, friction_hold_contact, &duals[t->wall]));
   }
   return creep;
 }

@@ -139,24 +139,12 @@ PetscReal ContactGap3(const Contact *self, const PetscReal x[3], PetscReal withi
 
 /* ---- what stands out ---- */
 
-/* A search under way: posts are counted behind what stands out of surfaces. */
-typedef struct {
-  PetscInt before;
-  BlocksMeet meet;
-  void *ctx;
-} PostLook;
-
-static PetscReal MeetPost(PetscInt item, PetscReal reach, void *ctx) {
-  PostLook *look = (PostLook *)ctx;
-  return look->meet(look->before + item, reach, look->ctx);
-}
-
 /* ContactRidgesNear - tells of all that stands out of walls and is nearer than `reach` to what
-   holds four points of the clamp's frame, item by item; see BlocksNear(). */
+   holds four points of the clamp's frame, item by item, posts behind what stands out of surfaces;
+   see BlocksNear(). */
 void ContactRidgesNear(const Contact *self, const PetscReal x[4][3], PetscReal reach,
                        BlocksMeet meet, void *ctx) {
   Block place = BlockEmpty(3), flat = BlockEmpty(2);
-  PostLook look = {.before = self->surfaces.ridges, .meet = meet, .ctx = ctx};
 
   for (int k = 0; k < 4; k++) {
     PetscReal y[3];
@@ -166,7 +154,8 @@ void ContactRidgesNear(const Contact *self, const PetscReal x[4][3], PetscReal r
     BlockHold(2, &flat, y);
   }
   if (self->surfaces.ridges) SurfacesRidgesNear(&self->surfaces, &place, reach, meet, ctx);
-  if (self->walls.posts) BlocksNear(self->walls.near_posts, &flat, reach, MeetPost, &look);
+  if (self->walls.posts)
+    BlocksNearBehind(self->walls.near_posts, self->surfaces.ridges, &flat, reach, meet, ctx);
 }
 
 static PetscBool PostTouch(const Contact *self, const WallPost *post, const PetscReal x[3],
@@ -388,20 +377,19 @@ void ContactPushSlope3(const Contact *contact, const Touch3 *touch, const Rubbed
 }
 
 /* ContactHoldTouch3 - moves what holds a place of the rod at one wall, over a shift of `hold` at
-   most; returns the speed at which it creeps, `creep` at least, as ContactHold(). */
+   most; returns the speed at which it creeps, as ContactHold(). */
 PetscReal ContactHoldTouch3(const Contact *contact, const Touch3 *touch, const Rubbed *at,
-                            PetscReal seen, PetscReal hold, PetscReal creep,
-                            FrictionDual4 slots[]) {
+                            PetscReal seen, PetscReal hold, FrictionDual4 slots[]) {
   FrictionDual4 *kept = ContactSlot(touch, slots), dual;
   PetscReal slope, speed, a[3], u[4];
   const PetscReal p = ContactPressure(contact, touch->gap, &slope), mu = touch->friction;
 
-  if (!kept || p == 0) return creep;
+  if (!kept || p == 0) return 0;
   dual = Seen(touch, kept);
   Slip(contact, touch, at, a, u);
   speed = FrictionDualHold4(u, seen, hold, &dual);
   for (int d = 0; d < 3; d++) kept->shift[d] = dual.shift[d];
-  return FrictionFaster(creep, PetscMin(1, mu * p) * speed);
+  return PetscMin(1, mu * p) * speed;
 }
 
 /* ContactHold3 - moves what holds a point that sticks to walls (exact Coulomb friction); returns
@@ -415,6 +403,7 @@ PetscReal ContactHold3(const Contact *contact, const Rubbed *at, PetscReal seen,
   if (!n) return 0;
   ContactSlots(n, touch, slots);
   for (PetscInt k = 0; k < n; k++)
-    creep = ContactHoldTouch3(contact, &touch[k], at, seen, friction_hold_contact, creep, slots);
+    creep = LargerOf(creep,
+                     ContactHoldTouch3(contact, &touch[k], at, seen, friction_hold_contact, slots));
   return creep;
 }

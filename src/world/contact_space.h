@@ -66,7 +66,7 @@ void ContactPushSlope3(const Contact *contact, const Touch3 *touch, const Rubbed
 void ContactSlots(PetscInt n, const Touch3 touch[], FrictionDual4 slots[]);
 FrictionDual4 *ContactSlot(const Touch3 *touch, FrictionDual4 slots[]);
 PetscReal ContactHoldTouch3(const Contact *contact, const Touch3 *touch, const Rubbed *at,
-                            PetscReal seen, PetscReal hold, PetscReal creep, FrictionDual4 slots[]);
+                            PetscReal seen, PetscReal hold, FrictionDual4 slots[]);
 PetscReal ContactHold3(const Contact *contact, const Rubbed *at, PetscReal seen,
                        FrictionDual4 slots[]);
 

@@ -3,6 +3,7 @@
 #ifndef TENDRIL_FRICTION_H
 #define TENDRIL_FRICTION_H
 
+#include "base/extremes.h" /* who asks how fast a place creeps moves what holds it */
 #include "base/options.h"
 
 typedef enum { NEWTON_PRIMAL, NEWTON_PRIMAL_DUAL } FrictionNewton;
@@ -33,12 +34,6 @@ void FrictionDualReset(const Friction *law, const PetscReal v[2], FrictionDual *
 void FrictionDualAdvance(const Friction *law, const PetscReal v[2], FrictionDual *dual);
 void FrictionLinearise(const Friction *law, const PetscReal v[2], const FrictionDual *dual,
                        PetscReal slope[2][2]);
-
-/* FrictionFaster - the larger of two speeds. (Not PetscMax(), which evaluates what is larger twice:
-   who asks how fast a place creeps moves what holds it.) */
-static inline PetscReal FrictionFaster(PetscReal a, PetscReal b) {
-  return a < b ? b : a;
-}
 
 PetscReal FrictionDualHold(const PetscReal v[2], PetscReal seen, PetscReal hold,
                            FrictionDual *dual);

@@ -110,7 +110,7 @@ static inline PetscReal LoadHold(const Load *load, const Place *at, PetscReal se
                                  LoadDual *dual) {
   PetscReal creep = FrictionDualHold(at->v, seen, friction_hold, dual);
   if (load->duals == 1) return creep;
-  return FrictionFaster(creep, ContactHold(load->walls, at->x, at->v, seen, dual + 1));
+  return LargerOf(creep, ContactHold(load->walls, at->x, at->v, seen, dual + 1));
 }
 
 /* F of friction where nothing is held, as an observer sees it: a place at rest bears no dry force.

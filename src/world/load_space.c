@@ -144,7 +144,7 @@ PetscReal LoadHold3(const Load *load, const Place3 *at, PetscReal seen, Friction
   PetscReal creep = FrictionDualHold4(W, seen, friction_hold, dual);
 
   if (load->duals3 == 1) return creep;
-  return FrictionFaster(creep, ContactHold3(load->walls, &rubbed, seen, dual + 1));
+  return LargerOf(creep, ContactHold3(load->walls, &rubbed, seen, dual + 1));
 }
 
 /* LoadInSpace - does it act out of the plane of x1 and x2, whatever the rod does? */

@@ -1,4 +1,5 @@
 #include "world/motion.h"
+#include "base/extremes.h"
 #include <ctype.h>
 #include <stdarg.h>
 
@@ -291,6 +292,6 @@ PetscReal MotionNextTurn(const SurfaceMotion *motion, PetscReal t) {
   PetscReal next = motion->turn ? ScheduleNextTurn(motion->turn, t) : PETSC_MAX_REAL;
 
   for (int d = 0; d < 3; d++)
-    if (motion->place[d]) next = PetscMin(next, ScheduleNextTurn(motion->place[d], t));
+    if (motion->place[d]) next = SmallerOf(next, ScheduleNextTurn(motion->place[d], t));
   return next;
 }

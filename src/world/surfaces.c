@@ -1,4 +1,5 @@
 #include "world/surfaces.h"
+#include "base/extremes.h"
 #include "base/vectors.h"
 
 static const SurfaceKind *const kinds[] = {&surface_plane, &surface_sphere, &surface_cylinder,
@@ -297,7 +298,7 @@ PetscReal SurfacesNextTurn(const Surfaces *self, PetscReal t) {
   PetscReal next = PETSC_MAX_REAL;
 
   for (PetscInt k = 0; k < self->n; k++)
-    next = PetscMin(next, MotionNextTurn(&self->surface[k].motion, t));
+    next = SmallerOf(next, MotionNextTurn(&self->surface[k].motion, t));
   return next;
 }
 
@@ -381,25 +382,12 @@ PetscReal SurfacesDistance(const Surfaces *self, const PetscReal x[3], PetscReal
 
 /* ---- what stands out ---- */
 
-typedef struct {
-  BlocksMeet meet;
-  void *ctx;
-  PetscInt far;
-} RidgeLook;
-
-static PetscReal MeetRidge(PetscInt item, PetscReal reach, void *ctx) {
-  RidgeLook *look = (RidgeLook *)ctx;
-  return look->meet(look->far + item, reach, look->ctx);
-}
-
 /* SurfacesRidgesNear - tells of all that stands out of surfaces within reach of a place, and of
    what is not known to be farther, by numbers of items; see BlocksNear(). */
 void SurfacesRidgesNear(const Surfaces *self, const Block *place, PetscReal reach, BlocksMeet meet,
                         void *ctx) {
-  RidgeLook look = {.meet = meet, .ctx = ctx, .far = self->far_ridges};
-
   for (PetscInt k = 0; k < self->far_ridges; k++) (void)meet(k, reach, ctx);
-  BlocksNear(self->near_ridges, place, reach, MeetRidge, &look);
+  BlocksNearBehind(self->near_ridges, self->far_ridges, place, reach, meet, ctx);
 }
 
 /* SurfacesRidgeAt - an item of what stands out, as seen from x; false: it is farther away than

@@ -377,7 +377,7 @@ PetscReal TipHold3(const Tip *tip, const TipState3 *at, PetscReal seen, Friction
   if (tip->type != TIP_FREE) return 0;
   if (TipResists(tip)) creep = FrictionDualHold4(unspun.W, seen, friction_hold, dual);
   if (tip->walls && ContactWallsRub(tip->walls))
-    creep = FrictionFaster(creep, ContactHold3(tip->walls, &rubbed, seen, dual + 1));
+    creep = LargerOf(creep, ContactHold3(tip->walls, &rubbed, seen, dual + 1));
   return creep;
 }
 

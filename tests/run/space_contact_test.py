@@ -27,6 +27,16 @@ def check(function):
     return function
 
 
+def expect_on_ranks(options):
+    """2 and 3 ranks have the tip and the force of contact of one."""
+    one = Run(options)
+    for n in (2, 3):
+        r = Run(options, ranks=n)
+        off = max(np.abs(tip(r) - tip(one)).max(), abs(r.contact_force[-1] / one.contact_force[-1] - 1))
+        print(f"{n} ranks: {r.steps} and {one.steps} steps, differ by {off:.1e}")
+        expect(off < 1e-4, f"{n} ranks: {off}")
+
+
 @check
 def plane():
     """A pillar and a plane: the plane's model, that of space, and the scene turned about the clamp's axis,
@@ -145,12 +155,7 @@ def ranks_and_restart():
     turns = Path(d) / "turns.csv"
     turns.write_text("t,spin\n0,2\n1,2.5\n2,2\n")
     options = FED + f"-rod_curvature 0.5 -clamp_path {turns} -friction_beta 0 " + wall
-    one = Run(options)
-    for n in (2, 3):
-        r = Run(options, ranks=n)
-        off = max(np.abs(tip(r) - tip(one)).max(), abs(r.contact_force[-1] / one.contact_force[-1] - 1))
-        print(f"{n} ranks: {r.steps} and {one.steps} steps, differ by {off:.1e}")
-        expect(off < 1e-4, f"{n} ranks: {off}")
+    expect_on_ranks(options)
     whole, different = broken(options, lambda run: pressed(run)[len(pressed(run)) // 2])
     touches = len(pressed(whole))
     print(f"{len(whole['series/t'])} steps, {touches} in contact, different: {different}")
@@ -257,12 +262,7 @@ def in_time_on_ranks():
     wall = walls("plane 0 0 0.3 0 0 -1", "plane 0 0 -0.3 0 0 1 moves at 0.2 0 0 0  0.7 0 0 0.2  0.9 0 0 0.2  1.0 0 0 0.22 friction 0.3",
                  "cylinder 1.3 -0.6 0 0 0 1 0.5 outside turns at 0 0 0.5 -1 1.2 2 about 1.3 -0.6 0 0 0 1 friction 0.4")
     led = FED.replace("-ts_max_time 2", "-ts_max_time 1.2") + "-rod_curvature -0.3 -rod_curvature_2 0.4 " + wall
-    one = Run(led)
-    for n in (2, 3):
-        r = Run(led, ranks=n)
-        off = max(np.abs(tip(r) - tip(one)).max(), abs(r.contact_force[-1] / one.contact_force[-1] - 1))
-        print(f"{n} ranks: {r.steps} and {one.steps} steps, differ by {off:.1e}")
-        expect(off < 1e-4, f"{n} ranks: {off}")
+    expect_on_ranks(led)
     for options in (led, led + " -friction_beta 0"):
         for at in (0.6, 0.9, 1.0):
             whole, different = broken(options, lambda run: np.searchsorted(run["series/t"], at))
