@@ -6,16 +6,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
+from scipy.interpolate import PchipInterpolator, PPoly
 
 
 @dataclass
 class Course:
-    """Where it is over time [k], 0 at t = 0: polynomials between knots [n], as coefficients [degree + 1, n - 1, k], the
-    highest power first, of the time since the knot. Beyond the knots it goes on at the rates `ends` [2, k]."""
+    """Where it is over time [k], 0 at t = 0: a curve of polynomials between knots, beyond which it goes on at the rates
+    `ends` [2, k]."""
 
-    knots: np.ndarray
-    pieces: np.ndarray
+    curve: PPoly
     ends: np.ndarray
 
     def at(self, t):
@@ -23,18 +22,15 @@ class Course:
         return self.place(t) - self.place(0)
 
     def place(self, t):
-        within = np.clip(t, self.knots[0], self.knots[-1])
-        k = min(np.searchsorted(self.knots, within, side="right"), len(self.knots) - 1) - 1
-        x = np.zeros_like(self.ends[0])
-        for c in self.pieces[:, k]:
-            x = x * (within - self.knots[k]) + c
-        return x + (t - within) * self.ends[int(t > within)]
+        within = np.clip(t, *self.curve.x[[0, -1]])
+        return self.curve(within) + (t - within) * self.ends[int(t > within)]
 
     def tolist(self):
-        """It as a page has it: places are counted from that at t = 0."""
-        pieces = self.pieces.copy()
+        """It as a page has it: places are counted from that at t = 0; pieces [n - 1, degree + 1, k] are coefficients of the
+        time since their knot, the highest power first."""
+        pieces = self.curve.c.copy()
         pieces[-1] -= self.place(0)
-        return {"knots": self.knots.tolist(), "pieces": pieces.swapaxes(0, 1).tolist(), "ends": self.ends.tolist()}
+        return {"knots": self.curve.x.tolist(), "pieces": pieces.swapaxes(0, 1).tolist(), "ends": self.ends.tolist()}
 
 
 def course(numbers, columns, rate=False):
@@ -42,8 +38,8 @@ def course(numbers, columns, rate=False):
     t, values = np.hsplit(np.reshape(np.asarray(numbers, float), (-1, 1 + columns)), [1])
     curve = PchipInterpolator(t[:, 0], values)
     if not rate:
-        return Course(curve.x, curve.c, np.zeros((2, columns)))
-    return Course(curve.x, curve.antiderivative().c, values[[0, -1]])
+        return Course(curve, np.zeros((2, columns)))
+    return Course(curve.antiderivative(), values[[0, -1]])
 
 
 def motion_of(word, tail):
