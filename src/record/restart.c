@@ -122,6 +122,7 @@ PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, P
   PetscCall(CheckLength(file, scene));
   PetscCall(TakeMesh(file, scene));
   if (state->shared != 0) LoadShare(&scene->load, state->shared);
+  if (!scene->contact.told) scene->contact.firm = (PetscBool)(state->firm != 0);
   scene->contact.time = PETSC_MIN_REAL; /* its law may follow from the cells */
   UserCheck(scene->end_time > state->t * (1 + 1e-12), scene->comm,
             "-restart %s: is at t = %s already; give a later -ts_max_time", file,
@@ -273,5 +274,6 @@ PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *stat
   state->steps = steps;
   state->fields = leg->rod->model->fields;
   state->shared = load->shared ? 1 - load->friction.mu : 0;
+  state->firm = leg->rod->scene->contact.firm;
   PetscFunctionReturn(0);
 }

@@ -411,6 +411,7 @@ static void TakeContact(Estimate self) {
 
   self->scene->contact.given = PETSC_TRUE;
   self->scene->contact.stiffness = contact->stiffness;
+  self->scene->contact.firm = contact->firm;
   self->scene->contact.time = PETSC_MIN_REAL;
 }
 

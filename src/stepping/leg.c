@@ -99,9 +99,37 @@ static PetscErrorCode CutSteps(TS ts, PetscBool other) {
   PetscFunctionReturn(0);
 }
 
+/* Is the state solved, whose residual was the last, in a wall, or in itself, where contact is to be
+   firmer than it was taken for? From now on it is. */
+static PetscErrorCode GetsFirm(Rod rod, PetscBool *firm) {
+  Contact *contact = &rod->scene->contact;
+  PetscReal deepest;
+
+  PetscFunctionBegin;
+  *firm = PETSC_FALSE;
+  if (!contact->deepest || contact->firm) PetscFunctionReturn(0);
+  PetscCallMPI(MPI_Allreduce(contact->deepest, &deepest, 1, MPIU_REAL, MPIU_MAX, rod->scene->comm));
+  *firm = ContactGetsFirm(contact, deepest);
+  PetscFunctionReturn(0);
+}
+
+/* Steps of fixed size, and PETSc's steppers, take no step back: with them contact is firm from the
+   start. */
+static PetscErrorCode TakesBack(TS ts, Contact *contact) {
+  PetscBool vbdf, fixed;
+  TSAdapt adapt;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetAdapt(ts, &adapt));
+  PetscCall(PetscObjectTypeCompare((PetscObject)ts, TSVBDF, &vbdf));
+  PetscCall(PetscObjectTypeCompare((PetscObject)adapt, TSADAPTNONE, &fixed));
+  if (!vbdf || fixed) contact->firm = PETSC_TRUE;
+  PetscFunctionReturn(0);
+}
+
 /* A VBDFCheck of a rod that can touch: it has passed through what it cannot, or reaches farther
-   than it is long, which Newton's method calls a solution where forces are without measure; and was
-   it kicked? */
+   than it is long, which Newton's method calls a solution where forces are without measure, or is
+   so deep in a wall that this is to be firmer; and was it kicked? */
 static PetscErrorCode AfterTry(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
                                PetscBool *impossible) {
   const PetscReal round_off = 1.01; /* and the mesh's error */
@@ -117,6 +145,7 @@ static PetscErrorCode AfterTry(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1
   leg->passes = PETSC_FALSE;
   if (!*impossible && MindsTurns(leg->rod))
     PetscCall(leg->rod->model->turned(leg->rod, U0, U1, impossible));
+  if (!*impossible) PetscCall(GetsFirm(leg->rod, impossible));
   if (*impossible) PetscFunctionReturn(0);
   PetscCall(GuardPasses(ts, t0, t1, U0, U1, impossible));
   PetscCall(LookForKick(leg, t1, size));
@@ -419,6 +448,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   PetscCall(VBDFSetCross(leg->ts, CrossesMode));
   PetscCall(NewtonTakesFullSteps(&leg->newton, &full));
   if (scene->contact.any && full) PetscCall(VBDFSetOtherWay(leg->ts, CutSteps));
+  if (scene->contact.deepest) PetscCall(TakesBack(leg->ts, &scene->contact));
   if (scene->contact.any)
     PetscCall(VBDFSetCheck(leg->ts, AfterTry));
   else if (MindsTurns(leg->rod))

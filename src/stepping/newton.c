@@ -253,6 +253,7 @@ static PetscErrorCode Residual(TS ts, PetscReal t, Vec U, Vec U_t, Vec F, void *
   PetscFunctionBegin;
   (void)ts;
   self->latest = (RodState){.t = t, .U = U, .U_t = U_t};
+  if (self->rod->scene->contact.deepest) *self->rod->scene->contact.deepest = 0;
   PetscCall(self->rod->model->residual(self->rod, &at, F));
   PetscFunctionReturn(0);
 }

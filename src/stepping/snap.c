@@ -25,9 +25,9 @@ static const PetscReal soonest = 100;
 static const PetscReal least_rtol = 1e-6;
 
 /* A snap takes some 150 steps, 1000 from one wave length to another, up to 2000 of a rod in space
-   under exact friction. One that does not rest in so many is being chased by a Newton iteration
-   that fails, and must not hold up the run for ever. */
-static const PetscInt most_steps = 5000;
+   under exact friction. One that does not rest in so many, or in so many iterations, is being
+   chased by a Newton iteration that fails, and must not hold up the run for ever. */
+static const PetscInt most_steps = 5000, most_iterations = 20000;
 
 /* A snap may take longer than its run: who wants that to end is heard here, too. (A signal may have
    reached one rank only.) */
@@ -77,10 +77,13 @@ static PetscReal FreeTurning(const Rod rod, const PetscReal speed[MAX_FIELDS]) {
 static PetscErrorCode StopAtRest(TS ts) {
   Leg *leg;
   PetscReal speed[MAX_FIELDS], fastest = 0, turning, t;
+  PetscInt iterations;
 
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &leg));
   PetscCall(TSGetTime(ts, &t));
+  PetscCall(TSGetSNESIterations(ts, &iterations));
+  if (iterations > most_iterations) PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_ITS));
   PetscCall(RodFieldSizes(leg->rod, leg->newton.latest.U_t, speed));
   for (PetscInt f = 0; f < leg->rod->model->fields; f++)
     if (leg->rod->model->followed[f]) fastest = PetscMax(fastest, speed[f]);
@@ -181,6 +184,7 @@ PetscErrorCode SnapFollow(TS ts, PetscReal t, Vec U, PetscBool *done) {
   PetscCall(PetscInfo(ts, "snap at t = %g: %s after %d steps\n", (double)t,
                       TSConvergedReasons[reason], (int)steps));
   PetscCall(LegDestroy(&leg));
+  slow->rod->scene->contact.firm = fast->contact.firm; /* it may have got so on the way */
   PetscCall(SceneLeaveFastTime(&fast));
   PetscFunctionReturn(0);
 }

@@ -307,7 +307,7 @@ static PetscErrorCode LookForCrawl(Bent *self, TS ts, PetscReal t) {
   PetscCall(GrowthLength(scene->growth, t, &length, NULL));
   self->crawls =
       (PetscBool)(!self->crawl.allowed &&
-                  CrawlStep(&self->crawl, t, crawls_by * PetscMin(length, scene->end_time)));
+                  CrawlStep(&self->crawl, t, crawls_by * PetscMin(length, scene->end_time), 0));
   if (self->crawls) PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
   PetscFunctionReturn(0);
 }

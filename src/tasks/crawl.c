@@ -3,6 +3,8 @@
 
 /* So many steps for what is next to nothing; and where something can still be done about it. */
 enum { STEPS = 1000, SOON = 250 };
+/* Where it can still be begun anew, so many iterations count as one of these steps. */
+enum { ITERATIONS = 5 };
 /* In the layer of a start, or behind a kink, steps get longer from next to nothing on, the slower
    the finer the tolerance: who gets on so much faster in the second half does not crawl. */
 static const PetscReal faster = 2;
@@ -26,16 +28,17 @@ PetscErrorCode CrawlAllowed(TS ts, Crawl *self) {
   CrawlStep - a step was taken: has the run got nowhere in the latest of them, while nothing says
   that it will? The same on every rank.
 
-  t      at its end
-  least  what is next to nothing
+  t           at its end
+  least       what is next to nothing
+  iterations  that it took
 */
-PetscBool CrawlStep(Crawl *self, PetscReal t, PetscReal least) {
-  const PetscInt steps = self->soon ? SOON : STEPS;
+PetscBool CrawlStep(Crawl *self, PetscReal t, PetscReal least, PetscInt iterations) {
+  const PetscInt steps = self->soon ? SOON : STEPS, before = self->steps;
   PetscBool crawls;
 
   if (self->told) return PETSC_FALSE;
-  self->steps++;
-  if (self->steps == steps / 2) self->half = t;
+  self->steps += self->counts ? PetscMax(1, iterations / ITERATIONS) : 1;
+  if (before < steps / 2 && self->steps >= steps / 2) self->half = t;
   if (self->steps < steps && t < self->time + least) return PETSC_FALSE;
   self->by = t - self->time;
   crawls = (PetscBool)(self->by < least && t - self->half < faster * (self->half - self->time));

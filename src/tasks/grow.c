@@ -281,14 +281,24 @@ static PetscErrorCode Agree(Grow *self, PetscBool *store) {
   PetscFunctionReturn(0);
 }
 
+/* Did contact get firm of itself? Should no way be found there, the run can begin anew without; not
+   one that goes on from where another ended. */
+static PetscBool CanBeginAnew(const Grow *self) {
+  const Contact *contact = &self->scene->contact;
+
+  return (PetscBool)(contact->deepest && contact->firm && self->start == 0);
+}
+
 /* Does it crawl, and a viscous share of its friction is no help? */
 static PetscBool Crawls(Grow *self) {
   Load *load = &self->scene->load;
 
   if (self->seen.t >= self->scene->end_time) return PETSC_FALSE;
   self->crawl.soon = LoadMayCrawl(load);
+  self->crawl.counts = CanBeginAnew(self);
   return (PetscBool)(CrawlStep(&self->crawl, self->seen.t,
-                               crawl_part * PetscMin(self->seen.length, self->end)) &&
+                               crawl_part * PetscMin(self->seen.length, self->end),
+                               self->seen.newton_iterations) &&
                      !LoadShareSlight(load) && !self->crawl.allowed);
 }
 
@@ -408,6 +418,7 @@ static PetscErrorCode ChooseModel(Grow *self) {
   PetscCall(OptionWord("-rod_model", &self->model, NULL));
   space->rod = (PetscBool)(self->model == SPACE ||
                            (space->why && (self->model == AUTO || self->model == LINEAR)));
+  if (space->rod && !self->soft) PetscCall(ContactInSpace(&self->scene->contact));
   PetscCall(OptionGiven("-accuracy", &asked));
   /* their errors are measured; linear rods creep behind a growth zone under friction that is next
      to exact, by as much as they are bent, and in short waves that the steps do not see */
@@ -723,6 +734,11 @@ static PetscErrorCode Follow(Grow *self, TSConvergedReason *reason) {
     PetscCall(HandOver(self, &self->leg[BetterModel(self)]));
   }
   PetscCall(GrowProgress(self, PETSC_TRUE));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode SumUp(Grow *self) {
+  PetscFunctionBegin;
   PetscCall(GrowErrors(self));
   PetscCall(GrowSummary(self));
   PetscFunctionReturn(0);
@@ -915,16 +931,33 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode Run(Grow *self) {
+/* Has firm contact led it nowhere? (One that gave up under great force is jammed, as it would be in
+   soft contact a little later.) */
+static PetscBool FindsNoWay(const Grow *self, TSConvergedReason reason) {
+  return (PetscBool)(!self->stopped && CanBeginAnew(self) &&
+                     (self->crawls || (reason < 0 && !GrowPressedHard(self))));
+}
+
+/* anew: it was in vain, and is to be run once more, with soft contact */
+static PetscErrorCode Run(Grow *self, PetscBool *anew) {
   TSConvergedReason reason = TS_CONVERGED_ITERATING;
   PetscErrorCode error;
+  char text[64];
 
   PetscFunctionBegin;
   if (!self->member) SignalsCatch();
   PetscCall(GrowHeading(self));
   error = Follow(self, &reason);
+  *anew = (PetscBool)(!error && FindsNoWay(self, reason));
+  if (!error && !*anew) error = SumUp(self);
   if (error) (void)End(self, PETSC_FALSE); /* what has been computed is not lost */
   PetscCall(error);
+  if (*anew && !self->quiet)
+    PetscCall(PetscPrintf(self->scene->comm,
+                          "t = %s: no way is found in contact that gets firmer where the rod is "
+                          "pressed in: the run begins anew with contact that does not\n",
+                          OptionBoth(self->seen.t, UNIT_TIME, text)));
+  if (*anew) PetscFunctionReturn(0);
   PetscCall(End(self, (PetscBool)(reason == TS_CONVERGED_TIME || self->event.kind)));
   if (self->member) self->member->stopped = (PetscBool)(self->stopped != 0);
   PetscCall(Verdict(self, reason));
@@ -934,14 +967,27 @@ static PetscErrorCode Run(Grow *self) {
   PetscFunctionReturn(0);
 }
 
+/* A rod that is wedged may find no way, or crawl, in firm contact, and come through in soft
+   contact, which lets it in. So what one run cannot bring to its end another one is to, from the
+   beginning: a law that gave way in the course of a run would leave the rod out of balance. */
 static PetscErrorCode CreateAndRun(Grow *self, const char *output, const char *restart) {
+  const Grow begun = *self;
+  const Load load = self->scene->load; /* runs give friction a viscous share */
+  PetscBool anew = PETSC_FALSE;
   PetscErrorCode error;
 
   PetscFunctionBegin;
-  error = Create(self, output, restart);
-  if (!error) error = Run(self);
-  PetscCall(Destroy(self));
-  PetscCall(error);
+  do {
+    *self = begun;
+    self->soft = anew;
+    error = Create(self, output, restart);
+    if (!error) error = Run(self, &anew);
+    PetscCall(Destroy(self));
+    PetscCall(error);
+    if (anew) self->scene->load = load;
+    if (anew) PetscCall(ContactStaysSoft(&self->scene->contact));
+    if (anew) self->scene->contact.time = PETSC_MIN_REAL;
+  } while (anew);
   PetscFunctionReturn(0);
 }
 

@@ -18,9 +18,11 @@ static const PetscReal too_deep = 0.2, too_deep_firm = 0.5, too_deep_thin = 2, m
 enum { WINDOW = 1000 };
 static const PetscReal progress = 1e-5;
 
-/* Is it pressed with forces far above those of bending and of friction along the rod? */
-static PetscBool PressedHard(const Contact *contact, const Observation *seen) {
-  return (PetscBool)(seen->contacts > 0 && seen->contact_force > many_times * contact->force);
+/* GrowPressedHard - is it pressed with forces far above those of bending and of friction along the
+   rod? */
+PetscBool GrowPressedHard(const Grow *self) {
+  return (PetscBool)(self->seen.contacts > 0 &&
+                     self->seen.contact_force > many_times * self->scene->contact.force);
 }
 
 /* Is it farther in a wall, or in itself, than a law of contact may let it? */
@@ -44,7 +46,7 @@ PetscBool GrowIsJammed(Grow *self) {
     self->window_steps = 0;
   } else
     self->window_steps++;
-  if (!contact->any || !PressedHard(contact, seen)) return PETSC_FALSE;
+  if (!contact->any || !GrowPressedHard(self)) return PETSC_FALSE;
   return (PetscBool)(self->window_steps >= WINDOW || PressedDeep(contact, seen));
 }
 
@@ -110,8 +112,7 @@ PetscErrorCode GrowTellJam(Grow *self, PetscBool gave_up, char line[], size_t ro
 
   PetscFunctionBegin;
   line[0] = 0;
-  if (!self->jammed && !(gave_up && PressedHard(&self->scene->contact, seen)))
-    PetscFunctionReturn(0);
+  if (!self->jammed && !(gave_up && GrowPressedHard(self))) PetscFunctionReturn(0);
   PetscCall(ObserverGather(self->observer, self->now->rod, seen->t, self->now->U, NULL, &nodes));
   if (nodes) {
     PetscCall(ObserverTouch(self->observer, seen->t, nodes, &touch));

@@ -161,12 +161,13 @@ static PetscErrorCode TellContact(const Grow *self) {
                         (double)contact->stiffness, (int)self->seen.contacts,
                         self->seen.contacts == 1 ? "" : "s", text[0], part));
   if (contact->diameter > 0 && self->depth > part_told * contact->diameter)
-    PetscCall(
-        PetscPrintf(self->scene->comm,
-                    "The rod is pressed in by more than %.0f %% of its diameter: give "
-                    "-contact_stiffness %.1e%s.\n",
-                    100 * (double)part_told, (double)Stiffer(self),
-                    contact->firm || contact->given || contact->fine ? "" : ", or -contact_firm"));
+    PetscCall(PetscPrintf(self->scene->comm,
+                          "The rod is pressed in by more than %.0f %% of its diameter: give "
+                          "-contact_stiffness %.1e%s.\n",
+                          100 * (double)part_told, (double)Stiffer(self),
+                          contact->firm || contact->given || contact->fine || self->soft
+                              ? ""
+                              : ", or -contact_firm"));
   PetscCall(TellRounded(self));
   PetscFunctionReturn(0);
 }

@@ -57,6 +57,7 @@ typedef struct {
   PetscBool slips;    /* it does all the same, without end: the run ends for that */
   PetscReal slips_at; /* t when it last got on, and steps since: see grow_jam.c */
   PetscInt slips_steps;
+  PetscBool soft;        /* it was begun anew, see FindsNoWay() */
   PetscBool jammed;      /* the run ends for that */
   PetscReal window_time; /* when the rod last grew, and steps since: see grow_jam.c */
   PetscInt window_steps;
@@ -82,6 +83,7 @@ PetscErrorCode GrowLookForEvent(Grow *self, PetscReal t, Vec U, Event *event);
 PetscErrorCode GrowLocateEvent(Grow *self, PetscReal *t, Vec U, Vec U_t);
 
 /* grow_jam.c */
+PetscBool GrowPressedHard(const Grow *self);
 PetscBool GrowIsJammed(Grow *self);
 PetscBool GrowSlips(Grow *self);
 void GrowKeepStuck(const Grow *self, PetscReal kept[RESTART_STUCK]);

@@ -15,9 +15,11 @@ static const OptionRow rows[] = {
         "-contact_stiffness", "", 1e-6, 1e30, UNIT_NONE, 0,
         "k, force per length and depth, in N/l; if not given it follows from the diameter, and "
         "without one, or with -accuracy, from the cells, at each time"),
-    ROW_BOOL("-contact_firm", "false", 0,
-             "k that follows from the diameter grows, up to 64-fold, where the rod is pressed in "
-             "by more than 0.3 % of it (docs/contact.md)")};
+    ROW_BOOL(
+        "-contact_firm", "", 0,
+        "k that follows from the diameter grows, up to 64-fold, where the rod is pressed in "
+        "by more than 0.3 % of it (docs/contact.md); if not given it does in space, as long as "
+        "the run comes through so")};
 const OptionGroup contact_options = OPTION_GROUP("Contact", rows);
 
 /*
@@ -38,7 +40,7 @@ PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
   PetscCall(OptionReal("-contact_diameter", &contact->diameter, &thick));
   PetscCall(OptionReal("-contact_friction", &contact->friction, &rubs));
   PetscCall(OptionReal("-contact_stiffness", &contact->stiffness, &contact->given));
-  PetscCall(OptionBool("-contact_firm", &contact->firm, NULL));
+  PetscCall(OptionBool("-contact_firm", &contact->firm, &contact->told));
   contact->any = (PetscBool)(walls || contact->self);
   thick = (PetscBool)(thick && contact->diameter > 0);
   if (contact->any) PetscCall(OptionGiven("-accuracy", &contact->fine));
@@ -66,6 +68,36 @@ PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
       "it there, or take it out of its line",
       file);
   PetscFunctionReturn(0);
+}
+
+/*
+  ContactInSpace - of a rod in space: unless the user says whether it does, contact gets firmer
+  where the rod is pressed in, if k follows from its diameter, but no run pays for that before it
+  is. (In the plane rods that run into a wall head-on would pay with twice as many iterations.)
+*/
+PetscErrorCode ContactInSpace(Contact *contact) {
+  PetscFunctionBegin;
+  if (contact->any && contact->diameter > 0 &&
+      !(contact->told || contact->given || contact->fine || contact->deepest))
+    PetscCall(PetscCalloc1(1, &contact->deepest));
+  PetscFunctionReturn(0);
+}
+
+/* ContactStaysSoft - it does not, after all. */
+PetscErrorCode ContactStaysSoft(Contact *contact) {
+  PetscFunctionBegin;
+  PetscCall(PetscFree(contact->deepest));
+  contact->firm = PETSC_FALSE;
+  PetscFunctionReturn(0);
+}
+
+/* ContactGetsFirm - does a state whose deepest point, on any rank, is so deep need contact that
+   gets firmer, which it was not so far? From now on it does; with the law of up to now what went
+   before is what it would have been with this one. */
+PetscBool ContactGetsFirm(Contact *contact, PetscReal deepest) {
+  if (!contact->deepest || contact->firm || deepest <= contact_firm[0] * contact->smooth)
+    return PETSC_FALSE;
+  return contact->firm = PETSC_TRUE;
 }
 
 /* The layer over which a point load spreads is this many of the largest cells: fewer, and the mesh
@@ -175,6 +207,7 @@ PetscReal ContactPostShareSlope(const Contact *contact, PetscReal rho) {
 
 PetscErrorCode ContactDestroy(Contact *contact) {
   PetscFunctionBegin;
+  PetscCall(PetscFree(contact->deepest));
   PetscCall(WallsDestroy(&contact->walls));
   PetscCall(SurfacesDestroy(&contact->surfaces));
   PetscFunctionReturn(0);

@@ -8,13 +8,14 @@
    C1, with the potential U, U' = -p. Rigid contact is the limit of large k. With -contact_firm k
    rises smoothly to contact_firm_times of it over the depths from contact_firm[0] w to
    contact_firm[1] w (w is 2e-3 D where k follows from D), and is even again behind, so that no
-   overshoot of Newton's method meets forces without a bound. The law is always there: one that is
-   switched on in the course of a run is another problem from there on. All of it scales with k and
-   w, so that what is led to rigid contact by both is so here, too. Friction in contact:
-   mu_c p against the relative velocity along the surface, u, as -mu_c p u/r, r = sqrt(u^2 + beta).
-   The end of the rod is a point contact of its own, of strength k l, l = (B/k)^(1/4): the length
-   over which a point load spreads on such a foundation, B the rod's stiffness there. So is the
-   place of the rod nearest to a post, or corner, that is not wider than the cells (rod/feet.h).
+   overshoot of Newton's method meets forces without a bound. The law is the same all along, for one
+   that is switched on in the course of a run is another problem from there on; but a rod in space
+   need not know of it before it is pressed in by contact_firm[0] w (ContactGetsFirm()). All of it
+   scales with k and w, so that what is led to rigid contact by both is so here, too. Friction in
+   contact: mu_c p against the relative velocity along the surface, u, as -mu_c p u/r, r = sqrt(u^2
+   + beta). The end of the rod is a point contact of its own, of strength k l, l = (B/k)^(1/4): the
+   length over which a point load spreads on such a foundation, B the rod's stiffness there. So is
+   the place of the rod nearest to a post, or corner, that is not wider than the cells (rod/feet.h).
 
    k, unless it is given, follows from what the rod is at each time, and never from when the run is
    to end. */
@@ -31,6 +32,9 @@ typedef struct {
   PetscBool given;                  /* k is the user's */
   PetscBool fine;                   /* k follows the mesh, too: an accuracy is asked for */
   PetscBool firm;                   /* k grows where the rod is pressed in */
+  PetscBool told;                   /* whether it does is the user's */
+  PetscReal *deepest;               /* of the state whose forces were asked for last, if k may have
+                                       to grow: see ContactInSpace(); else NULL */
   PetscBool slippery;               /* as if no wall had friction, to count modes (leg.c) */
   PetscReal diameter;               /* D */
   PetscReal time;                   /* of what follows */
@@ -60,6 +64,9 @@ extern const OptionGroup contact_options;
 
 PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
                                      PetscReal clamp_angle);
+PetscErrorCode ContactInSpace(Contact *contact);
+PetscErrorCode ContactStaysSoft(Contact *contact);
+PetscBool ContactGetsFirm(Contact *contact, PetscReal deepest);
 PetscBool ContactNeedsCell(const Contact *contact);
 void ContactSetStiffness(Contact *contact, const PetscReal B[2], const PetscReal cell[2],
                          const PetscReal length[2]);
@@ -116,6 +123,7 @@ static inline PetscReal ContactPressure(const Contact *contact, PetscReal gap, P
 
   if (gap >= w) return *slope = 0;
   if (gap <= -w) {
+    if (contact->deepest) *contact->deepest = PetscMax(*contact->deepest, -gap);
     firm = ContactFirm(contact, gap, &by_depth, &energy);
     *slope = -k * (1 + by_depth);
     return -k * (gap - firm);

@@ -183,6 +183,42 @@ static void TestFirmPressure(void **state) {
          -last / now.stiffness);
 }
 
+/* In space contact gets firmer of itself, once, when a state is so deep that this makes a
+   difference, and to no other one; not where k is told, or follows from something else than the
+   diameter. */
+static void TestGetsFirm(void **state) {
+  Contact thick = {.any = PETSC_TRUE, .diameter = 0.1},
+          others[5] = {thick, thick, thick, thick, thick};
+  const PetscReal depth[] = {1.49, 0.5, 1.51};
+  PetscReal slope, before = 0;
+
+  others[0].told = others[1].given = others[2].fine = PETSC_TRUE;
+  others[3].any = PETSC_FALSE;
+  others[4].diameter = 0;
+  for (int i = 0; i < 5; i++) {
+    CHECK(ContactInSpace(&others[i]));
+    EXPECT(!others[i].deepest && !ContactGetsFirm(&others[i], 1), "the other one, %d", i);
+  }
+  ContactSetStiffness(&thick, (PetscReal[2]){1, 1}, (PetscReal[2]){0, 0}, (PetscReal[2]){1, 0});
+  CHECK(ContactInSpace(&thick));
+  EXPECT(thick.deepest && !thick.firm, "it is firm from the start, or cannot become so");
+  for (int i = 0; i < 3; i++) {
+    const PetscReal p = ContactPressure(&thick, -depth[i] * thick.smooth, &slope);
+    if (!i) before = p;
+    EXPECT(PetscAbsReal(*thick.deepest / thick.smooth - PetscMax(1.49, depth[i])) < 1e-12,
+           "seen %g w deep, not %g", *thick.deepest / thick.smooth, depth[i]);
+    if (i < 2) EXPECT(!ContactGetsFirm(&thick, *thick.deepest), "firm at %g w", depth[i]);
+  }
+  EXPECT(ContactGetsFirm(&thick, *thick.deepest) && thick.firm, "not firm at 1.51 w");
+  EXPECT(!ContactGetsFirm(&thick, 1), "firm twice");
+  EXPECT(ContactPressure(&thick, -depth[0] * thick.smooth, &slope) == before,
+         "less deep: another law");
+  EXPECT(ContactPressure(&thick, -2 * thick.smooth, &slope) > 4 * thick.smooth * thick.stiffness,
+         "deeper: the same law");
+  CHECK(ContactStaysSoft(&thick));
+  EXPECT(!thick.firm && !ContactGetsFirm(&thick, 1), "it does not stay soft");
+}
+
 /* A force on the tip spreads over the length that its own stiffness makes of k, not the rod's. */
 static void TestSoftTip(void **state) {
   Contact contact = {.any = PETSC_TRUE, .given = PETSC_TRUE, .stiffness = 16};
@@ -385,14 +421,11 @@ static void TestStrandsAreConservative(void **state) {
   EXPECT(fine < 1e-3 && fine < coarse / 4, "off by %g, %g", coarse, fine);
 }
 
-static const struct CMUnitTest tests[] = {cmocka_unit_test(TestPressure),
-                                          cmocka_unit_test(TestFirmPressure),
-                                          cmocka_unit_test(TestSoftTip),
-                                          cmocka_unit_test(TestShortRod),
-                                          cmocka_unit_test(TestSoftContactIsNear),
-                                          cmocka_unit_test(TestWallsAreSmooth),
-                                          cmocka_unit_test(TestStrandsAreConservative),
-                                          cmocka_unit_test(TestWallJacobians),
-                                          cmocka_unit_test(TestFootJacobians),
-                                          cmocka_unit_test(TestStrandJacobians)};
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(TestPressure),       cmocka_unit_test(TestFirmPressure),
+    cmocka_unit_test(TestGetsFirm),       cmocka_unit_test(TestSoftTip),
+    cmocka_unit_test(TestShortRod),       cmocka_unit_test(TestSoftContactIsNear),
+    cmocka_unit_test(TestWallsAreSmooth), cmocka_unit_test(TestStrandsAreConservative),
+    cmocka_unit_test(TestWallJacobians),  cmocka_unit_test(TestFootJacobians),
+    cmocka_unit_test(TestStrandJacobians)};
 MAIN(tests)

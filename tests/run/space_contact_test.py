@@ -42,7 +42,7 @@ def plane():
     """A pillar and a plane: the plane's model, that of space, and the scene turned about the clamp's axis,
     its pillar a cylinder."""
     c, s = float(np.cos(0.7)), float(np.sin(0.7))
-    flat = Run(FED + "-rod_curvature 0.1 " + walls(*PILLAR))
+    flat = Run(FED + "-rod_curvature 0.1 -contact_firm " + walls(*PILLAR))
     there = Run(FED + "-rod_curvature 0.1 -rod_model space " + walls(*PILLAR))
     expect((there.shapes["x"][..., 2] == 0).all(), "x3 is not 0")
     apart = np.abs(tip(there)[:2] - flat.tip).max()
@@ -96,12 +96,12 @@ def rolls():
 def follower():
     """A rod under a force that turns with its tip meets a rough cylinder nearly head-on: the tip rolls on it, until the rod gives
     way (with a Jacobian that left out what the wall does to a tip that spins, 600 steps of 1e-7 took 25,000 iterations). A
-    viscous share, by which nothing snaps, takes it to the same place."""
+    viscous share, by which nothing snaps, takes it to the same place. (In firm contact it snaps four times.)"""
     found = []
     for mu in (1, 0.999):
         r = Run("-growth_type uniform -growth_initial_length 1 -shape_type straight -rod_model space -rod_curvature 1e-3 "
                 f"-rod_twist 0.5 -tip_force 0.7 -tip_law follower -contact_diameter 0.07 -rod_cells 40 -friction_mu {mu} "
-                "-ts_max_time 0.4 -ts_max_steps 600 " + walls("cylinder 1.52 0.15 0 -0.284 -0.205 1 0.311 outside friction 0.636"))
+                "-ts_max_time 0.4 -ts_max_steps 600 -contact_firm false " + walls("cylinder 1.52 0.15 0 -0.284 -0.205 1 0.311 outside friction 0.636"))
         print(f"{r.steps} steps, {r.newton_iterations.sum():.0f} Newton, t = {r.t[-1]}, tip {tip(r)}")
         expect(r.t[-1] == 0.4 and r.newton_iterations.sum() < 3000, "does not get on")
         found.append(tip(r))
@@ -129,6 +129,63 @@ def balance():
             + walls("torus 0 -1.11993706896 -0.304902363984 0 0.262688346674 -0.964880734869 1.1607 0.1829 inside friction 0.1"))
     print(f"in a ring, by default: {r.steps} steps, defect {r.energy_defect[-1]:.1e}")
     expect(r.energy_defect[-1] < 5e-6, f"by default: {r.energy_defect[-1]}")
+
+
+CONE = ("-growth_type apical -contact_diameter 0.0575 -growth_initial_length 0.534 -shape_type straight -ts_max_time 1.6892 "
+        "-rod_cells 100 -rod_curvature 0.3011 -rod_curvature_2 0.0468 -friction_beta 0.001 -rod_weight -0.2155,0.2787,-0.5212 "
+        "-clamp_spin -2.558 ")
+
+
+def firmness(options):
+    """How many times firmer contact has become at the end, 1: it has not."""
+    tendril(f"{options} -output {scene.SCRATCH}/firm.h5")
+    with h5py.File(f"{scene.SCRATCH}/firm.h5") as f:
+        return f.attrs.get("contact_firm", 1)
+
+
+@check
+def firm():
+    """Contact gets firmer of itself where a rod in space is pressed in, as if it had been so from the start; what is not pressed
+    in is computed as if there were no such thing; restart to the last bit from before and behind."""
+    cone = CONE + walls("cone -0.5 0 0 1 0 0 0.20665 0.15445 4 inside friction 0.3",
+                        "cylinder 2.334 -0.1944 -0.3419 -0.0675438700949 0.807304339246 0.586257221232 0.3597 outside friction 0.3")
+    itself, told, soft = (Run(cone + more) for more in ("", "-contact_firm", "-contact_firm false"))
+    deep, apart = [r.penetration.max() / 0.0575 for r in (itself, told, soft)], np.abs(tip(itself) - tip(told)).max()
+    print(f"pressed in by {deep[0]:.2%}, told to {deep[1]:.2%}, soft {deep[2]:.2%}; tips apart by {apart:.1e}, of soft contact "
+          f"{np.abs(tip(soft) - tip(told)).max():.1e}; iterations {[int(r.newton_iterations.sum()) for r in (itself, told, soft)]}")
+    expect(max(deep[:2]) < 0.01 < deep[2] and apart < 1e-5, f"{deep}, {apart}")
+    expect(np.abs(tip(soft) - tip(told)).max() > 1e-3, "soft contact is no other")
+    expect(firmness(cone) == 64 and firmness(cone + "-contact_firm false") == 1, "the result does not say so")
+    easy = FED + "-rod_curvature 0.5 -clamp_spin 2 " + walls("torus 0 1 0 0 0 1 1 0.2 inside friction 0.3")
+    free, never = Run(easy), Run(easy + "-contact_firm false")
+    expect((free.shapes["x"] == never.shapes["x"]).all() and free.newton_iterations.sum() == never.newton_iterations.sum(),
+           "what is not pressed in pays for it")
+    expect(free.penetration.max() > 0 and firmness(easy) == 1, "it became firm")
+    # steps that cannot be taken back have it from the start
+    expect(firmness(easy + "-ts_type bdf -ts_max_time 1") == 64, "with bdf it is soft")
+    expect_on_ranks(cone)
+    first = lambda run: int(np.argmax(run["series/penetration"] > 0.003 * 0.0575))
+    for name, step in {"before": lambda run: first(run) - 3, "behind": lambda run: first(run) + 3}.items():
+        different = broken(cone + "-output_interval 0.2", step)[1]
+        expect(not different, f"broken {name}: {different} differ")
+
+
+@check
+def anew():
+    """A rod that is fed round a ring and wedged between it and a plane by 900 of force crawls in firm contact, in solves that go to
+    and fro: the run begins anew in soft contact, which lets it through, as if that had been asked for, and says so."""
+    wedged = ("-growth_type feed -contact_diameter 0.1 -growth_initial_length 0.3622 -shape_type straight -ts_max_time 1.555 "
+              "-rod_cells 60 -rod_curvature 0.181 -rod_curvature_2 0.1744 -friction_beta 0.001 -clamp_spin -2.3767 -rod_twist -0.274 "
+              + walls("torus 0 0.642228916005 0.849568725559 0 -0.797717113201 0.603031846014 1.065 0.1435 inside friction 0.3",
+                      "plane 1.3068 0.366 0.3304 -0.116497414744 0.0285281401567 -0.992781193203 friction 0.3"))
+    again, soft = Run(wedged), Run(wedged + "-contact_firm false")
+    expect(again.said.count("the run begins anew") == 1 and "begins anew" not in soft.said, again.said)
+    for name, values in soft.series.items():
+        expect(np.array_equal(again.series[name], values), f"{name} is not that of soft contact")
+    expect(np.array_equal(again.shapes["x"], soft.shapes["x"]), "shapes are not those of soft contact")
+    advice = again.said.split("anew")[1]
+    expect("give -contact_stiffness" in advice and "-contact_firm" not in advice, advice)
+    expect(firmness(wedged + "-ts_max_time 1.2") == 64, "it was not firm")
 
 
 @check

@@ -4,6 +4,7 @@
 
 typedef struct {
   PetscReal t, length, end;
+  PetscInt iterations; /* of each step */
   Crawl crawl;
 } Run;
 
@@ -12,7 +13,9 @@ typedef struct {
 static int Crawls(Run *self, PetscReal step, PetscReal times, int steps) {
   for (int k = 1; k <= steps; k++, step *= times) {
     self->t += step;
-    if (CrawlStep(&self->crawl, self->t, crawl_part * PetscMin(self->length, self->end))) return k;
+    if (CrawlStep(&self->crawl, self->t, crawl_part * PetscMin(self->length, self->end),
+                  self->iterations))
+      return k;
   }
   return 0;
 }
@@ -81,6 +84,19 @@ static void TestSoon(void **state) {
   EXPECT((k = Crawls(&start, 1e-15, slowly, 3500)) == 0, "a start: %d", k);
 }
 
+/* Where it can be begun anew steps of many iterations count for as many. */
+static void TestIterations(void **state) {
+  Run few = OfLength(1, 2), many = OfLength(1, 2), all = OfLength(1, 2);
+  int k;
+
+  few.iterations = 4;
+  many.iterations = all.iterations = 50;
+  few.crawl.counts = many.crawl.counts = PETSC_TRUE;
+  EXPECT((k = Crawls(&few, 1e-10, 1, 5000)) == 1000, "steps of 4 iterations: %d", k);
+  EXPECT((k = Crawls(&many, 1e-10, 1, 5000)) == 100, "steps of 50: %d", k);
+  EXPECT((k = Crawls(&all, 1e-10, 1, 5000)) == 1000, "where they do not count: %d", k);
+}
+
 static void TestTold(void **state) {
   Run self = OfLength(1, 1);
   int k;
@@ -89,7 +105,8 @@ static void TestTold(void **state) {
   EXPECT((k = Crawls(&self, 1e-12, 1, 5000)) == 0, "steps were told: %d", k);
 }
 
-static const struct CMUnitTest tests[] = {cmocka_unit_test(TestAlike), cmocka_unit_test(TestScales),
-                                          cmocka_unit_test(TestLayer), cmocka_unit_test(TestSlips),
-                                          cmocka_unit_test(TestSoon),  cmocka_unit_test(TestTold)};
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(TestAlike), cmocka_unit_test(TestScales), cmocka_unit_test(TestLayer),
+    cmocka_unit_test(TestSlips), cmocka_unit_test(TestSoon),   cmocka_unit_test(TestIterations),
+    cmocka_unit_test(TestTold)};
 MAIN(tests)
