@@ -18,8 +18,8 @@ static const OptionRow rows[] = {
     ROW_BOOL(
         "-contact_firm", "", 0,
         "k that follows from the diameter grows, up to 64-fold, where the rod is pressed in "
-        "by more than 0.3 % of it (docs/contact.md); if not given it does in space, as long as "
-        "the run comes through so")};
+        "by more than 0.3 % of it (docs/contact.md); if not given it does, unless the run finds "
+        "no way so")};
 const OptionGroup contact_options = OPTION_GROUP("Contact", rows);
 
 /*
@@ -70,12 +70,9 @@ PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
   PetscFunctionReturn(0);
 }
 
-/*
-  ContactInSpace - of a rod in space: unless the user says whether it does, contact gets firmer
-  where the rod is pressed in, if k follows from its diameter, but no run pays for that before it
-  is. (In the plane rods that run into a wall head-on would pay with twice as many iterations.)
-*/
-PetscErrorCode ContactInSpace(Contact *contact) {
+/* ContactMayGetFirm - unless the user says whether it does, contact gets firmer where the rod is
+   pressed in, if k follows from its diameter; but no run pays for that before it is. */
+PetscErrorCode ContactMayGetFirm(Contact *contact) {
   PetscFunctionBegin;
   if (contact->any && contact->diameter > 0 &&
       !(contact->told || contact->given || contact->fine || contact->deepest))

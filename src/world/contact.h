@@ -9,7 +9,7 @@
    rises smoothly to contact_firm_times of it over the depths from contact_firm[0] w to
    contact_firm[1] w (w is 2e-3 D where k follows from D), and is even again behind, so that no
    overshoot of Newton's method meets forces without a bound. The law is the same all along, for one
-   that is switched on in the course of a run is another problem from there on; but a rod in space
+   that is switched on in the course of a run is another problem from there on; but a rod
    need not know of it before it is pressed in by contact_firm[0] w (ContactGetsFirm()). All of it
    scales with k and w, so that what is led to rigid contact by both is so here, too. Friction in
    contact: mu_c p against the relative velocity along the surface, u, as -mu_c p u/r, r = sqrt(u^2
@@ -34,7 +34,7 @@ typedef struct {
   PetscBool firm;                   /* k grows where the rod is pressed in */
   PetscBool told;                   /* whether it does is the user's */
   PetscReal *deepest;               /* of the state whose forces were asked for last, if k may have
-                                       to grow: see ContactInSpace(); else NULL */
+                                       to grow: see ContactMayGetFirm(); else NULL */
   PetscBool slippery;               /* as if no wall had friction, to count modes (leg.c) */
   PetscReal diameter;               /* D */
   PetscReal time;                   /* of what follows */
@@ -64,7 +64,7 @@ extern const OptionGroup contact_options;
 
 PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
                                      PetscReal clamp_angle);
-PetscErrorCode ContactInSpace(Contact *contact);
+PetscErrorCode ContactMayGetFirm(Contact *contact);
 PetscErrorCode ContactStaysSoft(Contact *contact);
 PetscBool ContactGetsFirm(Contact *contact, PetscReal deepest);
 PetscBool ContactNeedsCell(const Contact *contact);

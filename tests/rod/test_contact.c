@@ -183,7 +183,7 @@ static void TestFirmPressure(void **state) {
          -last / now.stiffness);
 }
 
-/* In space contact gets firmer of itself, once, when a state is so deep that this makes a
+/* Contact gets firmer of itself, once, when a state is so deep that this makes a
    difference, and to no other one; not where k is told, or follows from something else than the
    diameter. */
 static void TestGetsFirm(void **state) {
@@ -196,11 +196,11 @@ static void TestGetsFirm(void **state) {
   others[3].any = PETSC_FALSE;
   others[4].diameter = 0;
   for (int i = 0; i < 5; i++) {
-    CHECK(ContactInSpace(&others[i]));
+    CHECK(ContactMayGetFirm(&others[i]));
     EXPECT(!others[i].deepest && !ContactGetsFirm(&others[i], 1), "the other one, %d", i);
   }
   ContactSetStiffness(&thick, (PetscReal[2]){1, 1}, (PetscReal[2]){0, 0}, (PetscReal[2]){1, 0});
-  CHECK(ContactInSpace(&thick));
+  CHECK(ContactMayGetFirm(&thick));
   EXPECT(thick.deepest && !thick.firm, "it is firm from the start, or cannot become so");
   for (int i = 0; i < 3; i++) {
     const PetscReal p = ContactPressure(&thick, -depth[i] * thick.smooth, &slope);

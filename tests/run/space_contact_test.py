@@ -42,7 +42,7 @@ def plane():
     """A pillar and a plane: the plane's model, that of space, and the scene turned about the clamp's axis,
     its pillar a cylinder."""
     c, s = float(np.cos(0.7)), float(np.sin(0.7))
-    flat = Run(FED + "-rod_curvature 0.1 -contact_firm " + walls(*PILLAR))
+    flat = Run(FED + "-rod_curvature 0.1 " + walls(*PILLAR))
     there = Run(FED + "-rod_curvature 0.1 -rod_model space " + walls(*PILLAR))
     expect((there.shapes["x"][..., 2] == 0).all(), "x3 is not 0")
     apart = np.abs(tip(there)[:2] - flat.tip).max()
@@ -145,7 +145,7 @@ def firmness(options):
 
 @check
 def firm():
-    """Contact gets firmer of itself where a rod in space is pressed in, as if it had been so from the start; what is not pressed
+    """Contact gets firmer of itself where a rod is pressed in, as if it had been so from the start; what is not pressed
     in is computed as if there were no such thing; restart to the last bit from before and behind."""
     cone = CONE + walls("cone -0.5 0 0 1 0 0 0.20665 0.15445 4 inside friction 0.3",
                         "cylinder 2.334 -0.1944 -0.3419 -0.0675438700949 0.807304339246 0.586257221232 0.3597 outside friction 0.3")
