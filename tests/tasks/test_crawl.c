@@ -89,11 +89,11 @@ static void TestIterations(void **state) {
   Run few = OfLength(1, 2), many = OfLength(1, 2), all = OfLength(1, 2);
   int k;
 
-  few.iterations = 4;
-  many.iterations = all.iterations = 50;
+  few.iterations = 19;
+  many.iterations = all.iterations = 200;
   few.crawl.counts = many.crawl.counts = PETSC_TRUE;
-  EXPECT((k = Crawls(&few, 1e-10, 1, 5000)) == 1000, "steps of 4 iterations: %d", k);
-  EXPECT((k = Crawls(&many, 1e-10, 1, 5000)) == 100, "steps of 50: %d", k);
+  EXPECT((k = Crawls(&few, 1e-10, 1, 5000)) == 1000, "steps of 19 iterations: %d", k);
+  EXPECT((k = Crawls(&many, 1e-10, 1, 5000)) == 100, "steps of 200: %d", k);
   EXPECT((k = Crawls(&all, 1e-10, 1, 5000)) == 1000, "where they do not count: %d", k);
 }
 
