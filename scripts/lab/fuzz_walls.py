@@ -210,7 +210,7 @@ def main():
     exe, seed, count, *more = (word for word in sys.argv[1:] if word not in kinds)
     seed, count = int(seed), int(count)
     limit, finer = float(more[0]) if more else 30, int(more[1]) if len(more) > 1 else 1
-    R, tally, deepest, times, touched, differ, energies = random.Random(seed), {}, [], [], [], [], []
+    R, tally, deepest, times, touched, differ, energies, jammed = random.Random(seed), {}, [], [], [], [], [], 0
     for _ in range(count):
         o, walls, lines = scene(R)
         if "--thin" in kinds:
@@ -227,6 +227,7 @@ def main():
         word = what.split(":")[0].split()[0]
         if word in ("touched", "jammed"):
             touched.append(deep)
+            jammed += word == "jammed" and deep > 0.01
         if word == "touched":
             energies.append(off)
         if word == "touched" and len(touched) % 10 == 1:
@@ -238,7 +239,7 @@ def main():
         if word in ("hung", "lost", "through"):
             print(what, "|", command, flush=True)
     print(f"{count} scenes: {tally}; penetration at most {100 * max(deepest):.2f} % of the diameter, "
-          f"{sum(d > 0.01 for d in touched)} of {len(touched)} that touch above 1 %; "
+          f"{sum(d > 0.01 for d in touched)} of {len(touched)} that touch above 1 %, {jammed} of them jammed; "
           f"energy off by more than 1e-5 in {sum(e > 1e-5 for e in energies)} of {len(energies)}, by "
           f"{np.median(energies or 0):.1e} in the middle, {max(energies, default=0):.1e} at most; {len(differ)} gone on with to the "
           f"last bit, on two ranks off by at most {max(differ, default=0):.1e}; "
