@@ -161,6 +161,7 @@ MUTATIONS = [
     ("soonest, without walls too", S, "(t >= soonest || !leg->rod->scene->contact.any)", "t >= soonest"),
     ("least_rtol, none", S, "least_rtol = 1e-6;", "least_rtol = 0;"),
     ("least_rtol, rough", S, "least_rtol = 1e-6;", "least_rtol = 1e-3;"),
+    ("contact never gets firm", L, "  *firm = ContactGetsFirm(contact, deepest);", "  (void)deepest;"),
     ("most_steps, few", S, "most_steps = 5000,", "most_steps = 500,"),
     ("long_after, soon", S, "long_after = 1e4;", "long_after = 10;"),
     ("as good as at rest, never", "world/load.c", "as_good_as_at_rest = 1e-5;", "as_good_as_at_rest = 0;"),

@@ -3,7 +3,8 @@
 
 /* So many steps for what is next to nothing; and where something can still be done about it. */
 enum { STEPS = 1000, SOON = 250 };
-/* Where it can still be begun anew, so many iterations count as one of these steps. */
+/* In contact that has got firm, and may be no way, so many iterations count as one of these steps.
+ */
 enum { ITERATIONS = 20 };
 /* In the layer of a start, or behind a kink, steps get longer from next to nothing on, the slower
    the finer the tolerance: who gets on so much faster in the second half does not crawl. */

@@ -11,7 +11,7 @@ static const PetscReal crawl_part = 1e-5;
 /* All 0 at the start of a run. */
 typedef struct {
   PetscBool soon;           /* it is looked at sooner */
-  PetscBool counts;         /* ... the more iterations its steps take */
+  PetscBool counts;         /* ... the sooner the more iterations its steps take */
   PetscBool told;           /* how long steps are, see CrawlAllowed(): none is looked at */
   PetscBool allowed;        /* how many there may be: the run does not end for it */
   PetscReal time, half, by; /* t when it was looked, and half-way since; how far it had come then */

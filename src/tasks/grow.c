@@ -281,12 +281,9 @@ static PetscErrorCode Agree(Grow *self, PetscBool *store) {
   PetscFunctionReturn(0);
 }
 
-/* Did contact get firm of itself? Should no way be found there, the run can begin anew without; not
-   one that goes on from where another ended. */
-static PetscBool CanBeginAnew(const Grow *self) {
-  const Contact *contact = &self->scene->contact;
-
-  return (PetscBool)(contact->deepest && contact->firm && self->start == 0);
+/* Did contact get firm of itself? */
+static PetscBool GotFirm(const Contact *contact) {
+  return (PetscBool)(contact->deepest && contact->firm);
 }
 
 /* Does it crawl, and a viscous share of its friction is no help? */
@@ -295,7 +292,7 @@ static PetscBool Crawls(Grow *self) {
 
   if (self->seen.t >= self->scene->end_time) return PETSC_FALSE;
   self->crawl.soon = LoadMayCrawl(load);
-  self->crawl.counts = CanBeginAnew(self);
+  self->crawl.counts = GotFirm(&self->scene->contact);
   return (PetscBool)(CrawlStep(&self->crawl, self->seen.t,
                                crawl_part * PetscMin(self->seen.length, self->end),
                                self->seen.newton_iterations) &&
@@ -931,10 +928,11 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
   PetscFunctionReturn(0);
 }
 
-/* Has firm contact led it nowhere? (One that gave up under great force is jammed, as it would be in
-   soft contact a little later.) */
+/* Has firm contact led it nowhere, so that it is to begin anew with soft contact? Not if it gave up
+   under great force: it is jammed, as it would be in soft contact a little later. Nor can a run
+   that goes on from where another one ended. */
 static PetscBool FindsNoWay(const Grow *self, TSConvergedReason reason) {
-  return (PetscBool)(!self->stopped && CanBeginAnew(self) &&
+  return (PetscBool)(!self->stopped && self->start == 0 && GotFirm(&self->scene->contact) &&
                      (self->crawls || (reason < 0 && !GrowPressedHard(self))));
 }
 
@@ -986,7 +984,6 @@ static PetscErrorCode CreateAndRun(Grow *self, const char *output, const char *r
     PetscCall(error);
     if (anew) self->scene->load = load;
     if (anew) PetscCall(ContactStaysSoft(&self->scene->contact));
-    if (anew) self->scene->contact.time = PETSC_MIN_REAL;
   } while (anew);
   PetscFunctionReturn(0);
 }

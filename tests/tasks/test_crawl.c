@@ -84,7 +84,7 @@ static void TestSoon(void **state) {
   EXPECT((k = Crawls(&start, 1e-15, slowly, 3500)) == 0, "a start: %d", k);
 }
 
-/* Where it can be begun anew steps of many iterations count for as many. */
+/* In contact that has got firm steps of many iterations count for as many. */
 static void TestIterations(void **state) {
   Run few = OfLength(1, 2), many = OfLength(1, 2), all = OfLength(1, 2);
   int k;
