@@ -852,6 +852,7 @@ static void Remembered(Estimate self, PetscReal *number[ESTIMATE_NUMBERS]) {
   for (int k = 0; k < MIRRORS; k++) {
     number[n++] = &self->size[k];
     number[n++] = &self->latest[k];
+    number[n++] = &self->measured[k];
   }
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
     number[n++] = &self->began[k];
@@ -870,27 +871,31 @@ PetscErrorCode EstimateVectors(Estimate self, Vec errors[ESTIMATE_KEPT]) {
   EstimateKeep - what it takes to go on with the errors that have been followed. Collective.
 
   memory  numbers
-  errors  of EstimateVectors(): the errors of each part, and what steps have
-          added since these were stepped last
+  errors  of EstimateVectors(): the errors of each part, what steps have added since these were
+          stepped last, and the defect measured last
 */
 PetscErrorCode EstimateKeep(Estimate self, PetscReal memory[ESTIMATE_MEMORY],
                             Vec errors[ESTIMATE_KEPT]) {
-  const PetscInt followed = self->followed, count = self->nodes * followed;
+  const PetscInt followed = self->followed, count = self->nodes * followed,
+                 whole = self->nodes * self->fields;
   PetscReal *number[ESTIMATE_NUMBERS], *own, *all;
+  MPI_Comm comm = self->leg->rod->scene->comm;
 
   PetscFunctionBegin;
   memory[0] = self->touches ? 1 : 0;
   memory[1] = (PetscReal)self->since;
   memory[2] = (PetscReal)self->watch;
+  memory[3] = (PetscReal)self->until;
   Remembered(self, number);
   for (int k = 0; k < ESTIMATE_NUMBERS; k++) memory[ESTIMATE_COUNTS + k] = *number[k];
   for (int part = 0; part < ESTIMATE_PARTS; part++)
     PetscCall(Spread(self, self->fields, self->e[part], errors[part]));
-  PetscCall(PetscMalloc2(count, &own, count, &all));
+  PetscCall(PetscMalloc2(count, &own, whole, &all));
   for (PetscInt i = 0; i < count; i++) own[i] = self->own.local[i] + self->own.skipped[i];
-  PetscCallMPI(
-      MPI_Reduce(own, all, (PetscMPIInt)count, MPIU_REAL, MPI_SUM, 0, self->leg->rod->scene->comm));
+  PetscCallMPI(MPI_Reduce(own, all, (PetscMPIInt)count, MPIU_REAL, MPI_SUM, 0, comm));
   PetscCall(Spread(self, followed, all, errors[ESTIMATE_PARTS]));
+  PetscCallMPI(MPI_Reduce(self->own.defect, all, (PetscMPIInt)whole, MPIU_REAL, MPI_SUM, 0, comm));
+  PetscCall(Spread(self, self->fields, all, errors[ESTIMATE_PARTS + 1]));
   PetscCall(PetscFree2(own, all));
   PetscFunctionReturn(0);
 }
@@ -904,10 +909,12 @@ PetscErrorCode EstimateTake(Estimate self, const PetscReal memory[ESTIMATE_MEMOR
   if (memory[0] != 0 && !self->touches) PetscCall(Refine(self));
   self->since = (PetscInt)memory[1];
   self->watch = (PetscInt)memory[2];
+  self->until = (PetscInt)memory[3];
   Remembered(self, number);
   for (int k = 0; k < ESTIMATE_NUMBERS; k++) *number[k] = memory[ESTIMATE_COUNTS + k];
   for (int part = 0; part < ESTIMATE_PARTS; part++)
     PetscCall(Pick(self, self->fields, errors[part], self->e[part]));
   PetscCall(Pick(self, self->followed, errors[ESTIMATE_PARTS], self->own.local));
+  PetscCall(Pick(self, self->fields, errors[ESTIMATE_PARTS + 1], self->own.defect));
   PetscFunctionReturn(0);
 }

@@ -13,10 +13,10 @@ enum { ESTIMATE_TIP, ESTIMATE_NORM, ESTIMATE_ENERGY, ESTIMATE_SEEN };
 
 /* What is kept of it for a restart: what is counted, numbers, and errors as states of the rod. */
 enum {
-  ESTIMATE_COUNTS = 3,
-  ESTIMATE_NUMBERS = 2 + 2 * MIRRORS + (1 + ESTIMATE_PARTS) * ESTIMATE_SEEN
+  ESTIMATE_COUNTS = 4,
+  ESTIMATE_NUMBERS = 2 + 3 * MIRRORS + (1 + ESTIMATE_PARTS) * ESTIMATE_SEEN
 };
-enum { ESTIMATE_MEMORY = ESTIMATE_COUNTS + ESTIMATE_NUMBERS, ESTIMATE_KEPT = ESTIMATE_PARTS + 1 };
+enum { ESTIMATE_MEMORY = ESTIMATE_COUNTS + ESTIMATE_NUMBERS, ESTIMATE_KEPT = ESTIMATE_PARTS + 2 };
 
 /* How far off a run may be: in each of what is seen, by each of the parts, and in all. */
 typedef struct {

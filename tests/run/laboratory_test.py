@@ -73,14 +73,17 @@ def read(file):
 
 def broken(options, step):
     """Runs it whole, then to a step (or to that of the whole run which step(whole) names), where it is broken and goes on:
-    the whole run and the names of what is not in both to the last bit."""
+    the whole run and the names of what is not in both to the last bit; nor may another error be told."""
     files = [f"{scene.SCRATCH}/{name}.h5" for name in ("whole", "broken")]
     tendril(f"{options} -output {files[0]}")
     whole = read(files[0])
     tendril(f"{options} -output {files[1]} -ts_max_steps {step(whole) if callable(step) else step}", 1)
     tendril(f"-restart {files[1]} -output {files[1]}")
-    on = read(files[1])
-    return whole, [k for k in whole if not np.array_equal(whole[k], on[k])]
+    on, told = read(files[1]), []
+    for file in files:
+        with h5py.File(file) as f:
+            told.append(f.attrs.get("error_estimate", 0))
+    return whole, [k for k in whole if not np.array_equal(whole[k], on[k])] + (["told"] if told[0] != told[1] else [])
 
 
 def pressed(run):
