@@ -122,7 +122,8 @@ PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, P
   PetscCall(CheckLength(file, scene));
   PetscCall(TakeMesh(file, scene));
   if (state->shared != 0) LoadShare(&scene->load, state->shared);
-  if (!scene->contact.told) scene->contact.firm = (PetscBool)(state->firm != 0);
+  if (!scene->contact.told && state->firm < 0) PetscCall(ContactStaysSoft(&scene->contact));
+  if (!scene->contact.told) scene->contact.firm = (PetscBool)(state->firm > 0);
   scene->contact.time = PETSC_MIN_REAL; /* its law may follow from the cells */
   UserCheck(scene->end_time > state->t * (1 + 1e-12), scene->comm,
             "-restart %s: is at t = %s already; give a later -ts_max_time", file,
@@ -257,6 +258,7 @@ PetscErrorCode RestartTakeErrors(const char *file, const RestartState *state, Es
 */
 PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *state, Vec points[]) {
   const Load *load = &leg->rod->scene->load;
+  const Contact *contact = &leg->rod->scene->contact;
   PetscInt n, order, steps;
 
   PetscFunctionBegin;
@@ -274,6 +276,6 @@ PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *stat
   state->steps = steps;
   state->fields = leg->rod->model->fields;
   state->shared = load->shared ? 1 - load->friction.mu : 0;
-  state->firm = leg->rod->scene->contact.firm;
+  state->firm = contact->firm ? 1 : contact->deepest ? 0 : -1;
   PetscFunctionReturn(0);
 }

@@ -115,7 +115,7 @@ static PetscErrorCode GetsFirm(Rod rod, PetscBool *firm) {
 
 /* Steps of fixed size, and PETSc's steppers, take no step back: with them contact is firm from the
    start. */
-static PetscErrorCode TakesBack(TS ts, Contact *contact) {
+static PetscErrorCode FirmFromTheStart(TS ts, Contact *contact) {
   PetscBool vbdf, fixed;
   TSAdapt adapt;
 
@@ -448,7 +448,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   PetscCall(VBDFSetCross(leg->ts, CrossesMode));
   PetscCall(NewtonTakesFullSteps(&leg->newton, &full));
   if (scene->contact.any && full) PetscCall(VBDFSetOtherWay(leg->ts, CutSteps));
-  if (scene->contact.deepest) PetscCall(TakesBack(leg->ts, &scene->contact));
+  if (scene->contact.deepest) PetscCall(FirmFromTheStart(leg->ts, &scene->contact));
   if (scene->contact.any)
     PetscCall(VBDFSetCheck(leg->ts, AfterTry));
   else if (MindsTurns(leg->rod))

@@ -415,7 +415,6 @@ static PetscErrorCode ChooseModel(Grow *self) {
   PetscCall(OptionWord("-rod_model", &self->model, NULL));
   space->rod = (PetscBool)(self->model == SPACE ||
                            (space->why && (self->model == AUTO || self->model == LINEAR)));
-  if (!self->soft) PetscCall(ContactMayGetFirm(&self->scene->contact));
   PetscCall(OptionGiven("-accuracy", &asked));
   /* their errors are measured; linear rods creep behind a growth zone under friction that is next
      to exact, by as much as they are bent, and in short waves that the steps do not see */
@@ -977,7 +976,6 @@ static PetscErrorCode CreateAndRun(Grow *self, const char *output, const char *r
   PetscFunctionBegin;
   do {
     *self = begun;
-    self->soft = anew;
     error = Create(self, output, restart);
     if (!error) error = Run(self, &anew);
     PetscCall(Destroy(self));

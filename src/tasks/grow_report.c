@@ -165,9 +165,9 @@ static PetscErrorCode TellContact(const Grow *self) {
                           "The rod is pressed in by more than %.0f %% of its diameter: give "
                           "-contact_stiffness %.1e%s.\n",
                           100 * (double)part_told, (double)Stiffer(self),
-                          contact->firm || contact->given || contact->fine || self->soft
-                              ? ""
-                              : ", or -contact_firm"));
+                          contact->told && !(contact->firm || contact->given || contact->fine)
+                              ? ", or -contact_firm"
+                              : ""));
   PetscCall(TellRounded(self));
   PetscFunctionReturn(0);
 }

@@ -57,7 +57,6 @@ typedef struct {
   PetscBool slips;    /* it does all the same, without end: the run ends for that */
   PetscReal slips_at; /* t when it last got on, and steps since: see grow_jam.c */
   PetscInt slips_steps;
-  PetscBool soft;        /* it was begun anew, see FindsNoWay() */
   PetscBool jammed;      /* the run ends for that */
   PetscReal window_time; /* when the rod last grew, and steps since: see grow_jam.c */
   PetscInt window_steps;

@@ -22,6 +22,15 @@ static const OptionRow rows[] = {
         "no way so")};
 const OptionGroup contact_options = OPTION_GROUP("Contact", rows);
 
+/* ContactMayGetFirm - unless the user says whether it does, contact gets firmer where the rod is
+   pressed in, if k follows from its diameter; but no run pays for that before it is. */
+PetscErrorCode ContactMayGetFirm(Contact *contact) {
+  PetscFunctionBegin;
+  if (contact->any && contact->diameter > 0 && !(contact->told || contact->given || contact->fine))
+    PetscCall(PetscCalloc1(1, &contact->deepest));
+  PetscFunctionReturn(0);
+}
+
 /*
   ContactSetFromOptions - reads and checks the options of contact and its walls. Collective; the
   caller ends it with ContactDestroy(), also after an error.
@@ -56,6 +65,7 @@ PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
   UserCheck(!contact->firm || !(contact->given || contact->fine), OptionsComm(),
             "-contact_firm makes that stiffness grow which follows from the diameter; take %s out",
             contact->given ? "-contact_stiffness" : "-accuracy");
+  PetscCall(ContactMayGetFirm(contact));
   contact->rub = *friction;
   contact->rub.mu = 1;
   contact->rub.more = 0;
@@ -67,16 +77,6 @@ PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
       "-contact_friction would change nothing: every wall of %s says its own friction; change "
       "it there, or take it out of its line",
       file);
-  PetscFunctionReturn(0);
-}
-
-/* ContactMayGetFirm - unless the user says whether it does, contact gets firmer where the rod is
-   pressed in, if k follows from its diameter; but no run pays for that before it is. */
-PetscErrorCode ContactMayGetFirm(Contact *contact) {
-  PetscFunctionBegin;
-  if (contact->any && contact->diameter > 0 &&
-      !(contact->told || contact->given || contact->fine || contact->deepest))
-    PetscCall(PetscCalloc1(1, &contact->deepest));
   PetscFunctionReturn(0);
 }
 

@@ -5,9 +5,9 @@
 
      p(gamma) = k s(gamma),   s = 0 beyond w,   (w - gamma)^2 / 4w up to w,   -gamma below -w,
 
-   C1, with the potential U, U' = -p. Rigid contact is the limit of large k. With -contact_firm k
-   rises smoothly to contact_firm_times of it over the depths from contact_firm[0] w to
-   contact_firm[1] w (w is 2e-3 D where k follows from D), and is even again behind, so that no
+   C1, with the potential U, U' = -p. Rigid contact is the limit of large k. That which
+   follows from D rises smoothly to contact_firm_times of it over the depths from contact_firm[0] w
+   to contact_firm[1] w (w is 2e-3 D where k follows from D), and is even again behind, so that no
    overshoot of Newton's method meets forces without a bound. The law is the same all along, for one
    that is switched on in the course of a run is another problem from there on; but a rod
    need not know of it before it is pressed in by contact_firm[0] w (ContactGetsFirm()). All of it

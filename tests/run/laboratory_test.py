@@ -61,11 +61,12 @@ def tendril(options, code=0):
 
 
 def read(file):
-    """Series and shapes by name; event, kind if there is one."""
+    """Series and shapes by name; event, kind if there is one; the error told."""
     with h5py.File(file) as f:
         r = {f"{g}/{n}": d[()] for g in ("series", "shapes", "event") for n, d in
              (f[g].items() if g in f else ())}
         r["finished"] = f.attrs["finished"]
+        r["told"] = f.attrs.get("error_estimate", 0)
         kind = f["event"].attrs["kind"] if "event" in f else ""
         r["kind"] = kind.decode() if isinstance(kind, bytes) else kind
     return r
@@ -79,11 +80,8 @@ def broken(options, step):
     whole = read(files[0])
     tendril(f"{options} -output {files[1]} -ts_max_steps {step(whole) if callable(step) else step}", 1)
     tendril(f"-restart {files[1]} -output {files[1]}")
-    on, told = read(files[1]), []
-    for file in files:
-        with h5py.File(file) as f:
-            told.append(f.attrs.get("error_estimate", 0))
-    return whole, [k for k in whole if not np.array_equal(whole[k], on[k])] + (["told"] if told[0] != told[1] else [])
+    on = read(files[1])
+    return whole, [k for k in whole if not np.array_equal(whole[k], on[k])]
 
 
 def pressed(run):

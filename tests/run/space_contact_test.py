@@ -178,13 +178,19 @@ def anew():
               "-rod_cells 60 -rod_curvature 0.181 -rod_curvature_2 0.1744 -friction_beta 0.001 -clamp_spin -2.3767 -rod_twist -0.274 "
               + walls("torus 0 0.642228916005 0.849568725559 0 -0.797717113201 0.603031846014 1.065 0.1435 inside friction 0.3",
                       "plane 1.3068 0.366 0.3304 -0.116497414744 0.0285281401567 -0.992781193203 friction 0.3"))
-    again, soft = Run(wedged), Run(wedged + "-contact_firm false")
-    expect(again.said.count("the run begins anew") == 1 and "begins anew" not in soft.said, again.said)
-    for name, values in soft.series.items():
-        expect(np.array_equal(again.series[name], values), f"{name} is not that of soft contact")
-    expect(np.array_equal(again.shapes["x"], soft.shapes["x"]), "shapes are not those of soft contact")
-    advice = again.said.split("anew")[1]
-    expect("give -contact_stiffness" in advice and "-contact_firm" not in advice, advice)
+    said, ends = [], []
+    for name, more in ("again", ""), ("soft", "-contact_firm false"):
+        file = f"{scene.SCRATCH}/{name}.h5"
+        said.append(tendril(f"{wedged} -ts_max_time 1.5 {more} -output {file}"))
+        ends.append([read(file)])
+        said.append(tendril(f"-restart {file} -ts_max_time 1.555 -output {file}"))
+        ends[-1].append(read(file))
+    expect([text.count("the run begins anew") for text in said] == [1, 0, 0, 0], said)
+    for what, again, soft in zip(("a run", "gone on with"), *ends):
+        different = [k for k in soft if not np.array_equal(soft[k], again[k])]
+        expect(not different, f"{what}: {different} are not those of soft contact")
+    for text in said[0].split("anew")[1], said[1]:
+        expect("give -contact_stiffness" in text and "-contact_firm" not in text, text)
     expect(firmness(wedged + "-ts_max_time 1.2") == 64, "it was not firm")
 
 
