@@ -36,7 +36,7 @@ def contact_force(r: Results, shape: Shape) -> np.ndarray:
 def weight(r: Results, axes: int) -> np.ndarray:
     """[axes], the rod's weight per unit length in the laboratory, 0 if it has none."""
     given = [quantity(part) for part in str(r.attributes.get("parameters/rod_weight", "") or "0").split(",")]
-    found = [number * in_si(unit) * r.scale("length") / r.scale("force") if unit not in ("", "N") else number
+    found = [number * in_si(unit) * r.scale("length") / r.scale("force") if unit else number
              for number, unit in given]
     return np.array([*found, 0, 0][:axes])
 

@@ -76,8 +76,8 @@ static const char *const dimension_name[DIMENSIONS] = {
     [SI_SPEED] = "speed",           [SI_VISCOUS] = "force per length and speed"};
 /* what 1 of each is in tendril's own units, as result files have it */
 static const char *const own_unit[DIMENSIONS] = {
-    [UNIT_LENGTH] = "l",     [UNIT_FORCE] = "N l",   [UNIT_TIME] = "l/V",      [UNIT_SPEED] = "V",
-    [UNIT_ENERGY] = "N l^2", [UNIT_POWER] = "N l V", [UNIT_CURVATURE] = "1/l", [UNIT_LOAD] = "N"};
+    [UNIT_LENGTH] = "l",     [UNIT_FORCE] = "N l",   [UNIT_TIME] = "l/V",     [UNIT_SPEED] = "V",
+    [UNIT_ENERGY] = "N l^2", [UNIT_POWER] = "N l V", [UNIT_CURVATURE] = "1/l"};
 
 static PetscBool Known(const char *unit) {
   for (int i = 0; i < UNITS; i++)

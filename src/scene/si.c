@@ -1,7 +1,7 @@
 #include "scene/si.h"
 
 const char *const si_name[UNIT_ALL] = {NULL,     "length", "force",     "time", "speed",
-                                       "energy", "power",  "curvature", NULL,   "force per length"};
+                                       "energy", "power",  "curvature", NULL,   "load"};
 const char *const si_unit[UNIT_ALL] = {NULL, "m", "N", "s", "m/s", "J", "W", "1/m", NULL, "N/m"};
 
 static const OptionRow rows[] = {
@@ -109,7 +109,7 @@ PetscErrorCode SiPrint(const Si *si, PetscReal mu, PetscReal start, PetscReal en
   PetscFunctionBegin;
   UserCheck(si->given, OptionsComm(),
             "-task units: give the rod, -si_bending_stiffness, -si_friction_dry and the like");
-  PetscCall(PetscPrintf(OptionsComm(), "%-16s %22s %22s\n", "1 of", "is, in SI units",
+  PetscCall(PetscPrintf(OptionsComm(), "%-12s %22s %22s\n", "1 of", "is, in SI units",
                         "and 1 SI unit is"));
   for (int k = UNIT_LENGTH; k < UNIT_ALL; k++) {
     if (!si_name[k]) continue;
@@ -118,7 +118,7 @@ PetscErrorCode SiPrint(const Si *si, PetscReal mu, PetscReal start, PetscReal en
       (void)snprintf(to, sizeof(to), "%.8g %s", si->scale[k], si_unit[k]);
       (void)snprintf(from, sizeof(from), "%.8g", 1 / si->scale[k]);
     }
-    PetscCall(PetscPrintf(OptionsComm(), "%-16s %22s %22s\n", si_name[k], to, from));
+    PetscCall(PetscPrintf(OptionsComm(), "%-12s %22s %22s\n", si_name[k], to, from));
   }
   PetscCall(PetscPrintf(OptionsComm(),
                         "The rod grows from %g m to %g m; the dry share of friction is %s.\n",

@@ -155,11 +155,12 @@ PetscInt ContactStandOff(Contact *self, PetscReal *off) {
 PetscReal ContactGap3(const Contact *self, const PetscReal x[3], PetscReal within) {
   const PetscReal half = self->diameter / 2;
   PetscReal y[3], gap = within;
-  PetscInt which;
+  PetscInt which = -1;
 
   if (self->surfaces.n) {
     Turn(self->lab, x, y);
     gap = SurfacesDistance(&self->surfaces, y, within + half, &which) - half;
+    if (which >= 0) gap = PetscMin(within, gap + self->surfaces.surface[which].off);
   }
   if (self->walls.n) {
     Turn(self->upright, x, y);
