@@ -233,6 +233,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
   if (ContactWallsRub(&self->contact) && self->clamp != CLAMP_FREE)
     LoadNextToExactByWalls(&self->load);
   ContactSetFrame(&self->contact, (const PetscReal(*)[3])self->space.lab, self->clamp_angle);
+  (void)ContactStandOff(&self->contact, &self->stands_off);
   PetscFunctionReturn(0);
 }
 

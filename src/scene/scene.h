@@ -34,6 +34,7 @@ struct _Scene {
   PetscReal clamp_angle; /* alpha; the problem is solved in the clamp's frame, results are turned */
   PetscReal end_time;    /* T, -ts_max_time */
   PetscReal reach;       /* the longest that the rod becomes */
+  PetscReal stands_off;  /* by how much walls at which the rod begins are taken off, at most */
 };
 
 extern const OptionGroup scene_options;

@@ -507,6 +507,29 @@ static PetscErrorCode CheckClamp(Grow *self) {
   PetscFunctionReturn(0);
 }
 
+/* Says how near a rod begins to a wall, if contact sets in there already. */
+static PetscErrorCode TellNear(const Grow *self, const TouchSum *touch) {
+  const Contact *contact = &self->scene->contact;
+  const PetscReal off = self->scene->stands_off;
+  char text[2][64];
+
+  PetscFunctionBegin;
+  if (self->quiet) PetscFunctionReturn(0);
+  OptionBoth(contact->smooth, UNIT_LENGTH, text[0]);
+  if (off > 0)
+    PetscCall(PetscPrintf(self->scene->comm,
+                          "-wall_file: the rod begins at a wall, %s from it; contact sets in %s "
+                          "before surfaces meet, and so the wall is taken so much farther off\n",
+                          OptionBoth(contact->smooth - off, UNIT_LENGTH, text[1]), text[0]));
+  if (touch->nearest < (1 - 1e-9) * contact->smooth && touch->at[1] < 0)
+    PetscCall(PetscPrintf(
+        self->scene->comm,
+        "-wall_file: the rod begins %s from a wall at s = %g, and contact sets in "
+        "%s before surfaces meet: it is pushed off at once; leave more room\n",
+        OptionBoth(touch->nearest, UNIT_LENGTH, text[1]), (double)touch->at[0], text[0]));
+  PetscFunctionReturn(0);
+}
+
 /* Refuses a rod that starts in a wall, or touching itself. */
 static PetscErrorCode CheckStart(Grow *self) {
   const Contact *contact = &self->scene->contact;
@@ -531,6 +554,7 @@ static PetscErrorCode CheckStart(Grow *self) {
             "-contact_self: the rod touches itself at the start, at s = %g and %g; give another "
             "shape or a smaller -contact_diameter",
             (double)touch.at[0], (double)touch.at[1]);
+  PetscCall(TellNear(self, &touch));
   PetscFunctionReturn(0);
 }
 

@@ -30,6 +30,9 @@ void ContactSetFrame(Contact *self, const PetscReal lab[3][3], PetscReal clamp_a
 
 /* ---- what touches ---- */
 
+/* A wall is taken off by this part of the diameter at most. */
+static const PetscReal part_of_stand_off = 0.01;
+
 /* The velocity of a wall that moves at v and turns at spin where it touches, x - d n, and
      dv_w = spin x (dx - n (n.dx) - d H dx). */
 static void Moves(const Contact *self, PetscInt which, const PetscReal y[3],
@@ -54,7 +57,7 @@ static void TouchOf(const Contact *self, PetscInt which, const PetscReal y[3],
                     const SurfacePoint *point, Touch3 *t) {
   PetscReal part[3][3];
 
-  t->gap = point->distance - self->diameter / 2;
+  t->gap = point->distance + self->surfaces.surface[which].off - self->diameter / 2;
   t->friction = ContactSurfaceFriction(self, which);
   t->wall = which;
   t->again = PETSC_FALSE;
@@ -119,16 +122,45 @@ PetscInt ContactTouches3(const Contact *self, const PetscReal x[3], Touch3 touch
   return n;
 }
 
+/*
+  ContactStandOff - takes walls at which the rod begins off by so much that contact, which sets in
+  a little before surfaces meet, does not press there. Else a rod that lies on a table, as a user
+  sets it up, would be pushed off with a force of usual size at once. Behind ContactSetFrame() and
+  ContactSetStiffness().
+
+  Returns how many walls; off  the largest length by which one was.
+*/
+PetscInt ContactStandOff(Contact *self, PetscReal *off) {
+  const PetscReal most = part_of_stand_off * self->diameter, clamp[3] = {0, 0, 0};
+  Touch3 touch[MOST_TOUCHES3];
+  PetscInt n, moved = 0;
+
+  *off = 0;
+  if (self->smooth > most) return 0; /* contact so soft that this would be another place */
+  n = ContactTouches3(self, clamp, touch);
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscInt flat = touch[k].wall - self->surfaces.n;
+    PetscReal *by =
+        flat >= 0 ? &self->walls.wall[flat].off : &self->surfaces.surface[touch[k].wall].off;
+    if (touch[k].gap < -self->smooth) continue; /* it begins in the wall, and is refused */
+    moved += *by == 0;
+    *by = PetscMax(*by, self->smooth - touch[k].gap);
+    *off = PetscMax(*off, *by);
+  }
+  return moved;
+}
+
 /* ContactGap3 - the smallest gap of a point of the rod to any wall, if that is below `within`; else
    that. */
 PetscReal ContactGap3(const Contact *self, const PetscReal x[3], PetscReal within) {
   const PetscReal half = self->diameter / 2;
   PetscReal y[3], gap = within;
-  PetscInt which;
+  PetscInt which = -1;
 
   if (self->surfaces.n) {
     Turn(self->lab, x, y);
     gap = SurfacesDistance(&self->surfaces, y, within + half, &which) - half;
+    if (which >= 0) gap = PetscMin(within, gap + self->surfaces.surface[which].off);
   }
   if (self->walls.n) {
     Turn(self->upright, x, y);

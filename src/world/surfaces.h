@@ -56,6 +56,7 @@ struct _Surface {
   PetscBool hollow; /* the rod is to be in it */
   PetscReal room; /* how far a rod on its axis is from it, at the narrowest; PETSC_MAX_REAL: far */
   PetscReal friction;
+  PetscReal off; /* by so much it is farther away than given: see ContactStandOff() */
   SurfaceMotion motion;
   Block box;          /* d is not less than the distance from it; SurfaceEverywhere(): no bound */
   PetscReal smallest; /* where it stands out, the least radius of curvature, 0 of a sharp edge;

@@ -173,7 +173,7 @@ typedef struct {
 static void Take(Look *look, PetscInt wall, PetscInt piece, Touch *at) {
   PetscInt k = look->n;
 
-  at->gap -= look->radius;
+  at->gap += look->walls->wall[wall].off - look->radius;
   look->nearest = PetscMin(look->nearest, at->gap);
   if (!look->touch || at->gap >= look->within || look->n == MOST_TOUCHES) return;
   at->wall = wall;

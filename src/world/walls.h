@@ -27,6 +27,7 @@ typedef struct {
   WallKind kind;
   PetscBool inside; /* circle and polygon: the rod is inside */
   PetscReal friction;
+  PetscReal off;  /* by so much it is farther away than given: see ContactStandOff() */
   PetscReal bend; /* of a path: radius of its axis in corners; 0: as wide as it needs */
   PetscInt numbers;
   PetscReal *number; /* as given, in the laboratory; a path's first is its radius */
