@@ -1,4 +1,5 @@
 #include "stepping/estimate.h"
+#include "base/blocklu.h"
 #include "base/chain.h"
 #include "stepping/vbdf.h"
 
@@ -97,8 +98,17 @@ static PetscInt FineNode(const Estimate self, PetscInt k) {
 /* Far parts of the rod see each other: that is no line of neighbours. */
 static PetscErrorCode CreateMatrix(Estimate self) {
   const PetscBool held = (PetscBool)(self->scene->tip.type != TIP_FREE);
+  PC pc;
 
   PetscFunctionBegin;
+  if (BlockLUCan(self->nodes, self->fields)) {
+    PetscCall(BlockLUCreate(self->nodes, self->fields, held, &self->J));
+    PetscCall(KSPCreate(PETSC_COMM_SELF, &self->ksp));
+    PetscCall(KSPSetType(self->ksp, KSPPREONLY));
+    PetscCall(KSPGetPC(self->ksp, &pc));
+    PetscCall(BlockLUSetType(pc));
+    PetscFunctionReturn(0);
+  }
   PetscCall(RodCreateMatrix(self->rod, &self->J));
   PetscCall(ChainCreateSolver(PETSC_COMM_SELF, ChainFolded(held), &self->ksp));
   PetscFunctionReturn(0);

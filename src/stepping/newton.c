@@ -1,5 +1,6 @@
 #include "stepping/newton.h"
 #include "base/compat.h"
+#include "base/blocklu.h"
 #include "base/chain.h"
 
 /* Newton's iteration stops when its update is this part of rtol: of the step's own tolerance, a
@@ -403,9 +404,27 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
   PetscFunctionReturn(0);
 }
 
+/* The matrix of a rod on one rank that touches itself, and its solver. */
+static PetscErrorCode SetBlockLU(TS ts, Newton *newton) {
+  const Rod rod = newton->rod;
+  SNES snes;
+  KSP ksp;
+  PC pc;
+
+  PetscFunctionBegin;
+  PetscCall(BlockLUCreate(rod->last + 1, rod->model->fields,
+                          (PetscBool)(rod->scene->tip.type != TIP_FREE), &newton->J));
+  PetscCall(TSGetSNES(ts, &snes));
+  PetscCall(SNESGetKSP(snes, &ksp));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(BlockLUSetType(pc));
+  PetscFunctionReturn(0);
+}
+
 /*
   NewtonSetMatrix - gives the TS its Jacobian, once its options are read: where the model can, it is
-  eliminated while it is computed (base/elimination.c). Else, or if an option is about a matrix or
+  eliminated while it is computed (base/elimination.c); of a rod on one rank that touches itself its
+  blocks are (base/blocklu.c). Else, or if an option is about a matrix or
   its solver, it is assembled, for PETSc's block LU in natural order on one rank (it is
   block-banded, its diagonal blocks regular), on several the same on each, joined (base/chain.c).
 */
@@ -419,7 +438,10 @@ PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton) {
   if (has && !asked && !rod->coupled)
     PetscCall(SetElimination(ts, newton));
   else {
-    PetscCall(RodCreateMatrix(rod, &newton->J));
+    if (rod->coupled && rod->alone && !asked && BlockLUCan(rod->last + 1, rod->model->fields))
+      PetscCall(SetBlockLU(ts, newton));
+    else
+      PetscCall(RodCreateMatrix(rod, &newton->J));
     if (has)
       PetscCall(EliminationCreate(rod->scene->comm, rod->end - rod->first, rod->model->halves,
                                   &newton->counter));

@@ -5,6 +5,7 @@
 
 #include "base/options.h"
 #include "base/blocks.h"
+#include "base/squares.h"
 #include "world/surfaces.h"
 
 typedef enum { WALL_PLANE, WALL_CIRCLE, WALL_POLYGON, WALL_PATH, WALL_KINDS } WallKind;
@@ -60,6 +61,7 @@ typedef struct {
   Blocks near_posts, near_parts; /* posts; pieces that end somewhere, but for conduits */
   WallPart *part, *open;         /* those pieces; the others, planes and circles from within */
   PetscInt parts, opens, conduits;
+  Squares squares; /* of the parts, then of the axis of each conduit; NULL: there are few pieces */
 } Walls;
 
 /* A surface near a point: its distance less the rod's radius; the normal, towards the rod; the
