@@ -6,8 +6,10 @@ surface that it was made from: between its corners the surface is bent as the no
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import re
+from dataclasses import dataclass, field
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
@@ -28,32 +30,80 @@ def vtk_parts(*names):
              "vtkTriangleFilter": "FiltersCore", "vtkCleanPolyData": "FiltersCore",
              "vtkImplicitPolyDataDistance": "FiltersCore", "vtkStaticCellLocator": "CommonDataModel",
              "vtkPolyData": "CommonDataModel", "vtkCellArray": "CommonDataModel",
-             "vtkPoints": "CommonCore", "vtkObject": "CommonCore", "vtkIdTypeArray": "CommonCore", "vtkDoubleArray": "CommonCore",
+             "vtkPoints": "CommonCore", "vtkObject": "CommonCore", "vtkOutputWindow": "CommonCore",
+             "vtkStringOutputWindow": "CommonCore", "vtkLogger": "CommonCore", "vtkIdTypeArray": "CommonCore", "vtkDoubleArray": "CommonCore",
              "reference": "CommonCore"}
     missing = "surfaces from meshes and VMTK's centre lines need VTK: pip install 'tendril[space]', or pip install vtk"
     return [getattr(optional(f"vtkmodules.vtk{homes[name]}", SurfaceError, missing), name) for name in names]
 
 
-def polydata(path):
-    """What VTK reads from a file."""
-    kinds = {".stl": "vtkSTLReader", ".obj": "vtkOBJReader", ".ply": "vtkPLYReader",
-             ".vtp": "vtkXMLPolyDataReader", ".vtk": "vtkPolyDataReader"}
+KINDS = {".stl": "vtkSTLReader", ".obj": "vtkOBJReader", ".ply": "vtkPLYReader",
+         ".vtp": "vtkXMLPolyDataReader", ".vtk": "vtkPolyDataReader"}
+
+
+def polydata(path, notes=None):
+    """What VTK reads from a file; what is left out of it is added to the notes. What VTK calls an error is refused in VTK's
+    own words: what it reads nevertheless is a part of what the file holds."""
     path = Path(path)
-    kind = kinds.get(path.suffix.lower())
+    kind = KINDS.get(path.suffix.lower())
     if not kind:
         raise SurfaceError(f"{path}: a mesh is STL, OBJ, PLY, VTP or VTK")
     if not path.is_file():
-        raise SurfaceError(f"{path}: no such file")
+        raise SurfaceError(f"{path}: {'is a directory' if path.is_dir() else 'no such file'}")
+    with open(path, "rb") as file:
+        if not file.read(1):
+            raise SurfaceError(f"{path}: is empty")
     reader = vtk_parts(kind)[0]()
-    reader.SetFileName(str(path))
-    loud = vtk_parts("vtkObject")[0]
-    loud.GlobalWarningDisplayOff()  # what is wrong is said below, in one line
-    reader.Update()
-    loud.GlobalWarningDisplayOn()
+    with TemporaryDirectory(prefix="tendril-") as scratch:
+        reader.SetFileName(str(whole_faces(path, scratch, notes) if kind == "vtkOBJReader" else path))
+        failed, lines = heard(reader.Update)
     data = reader.GetOutput()
-    if data is None or not data.GetNumberOfPoints():
-        raise SurfaceError(f"{path}: holds no mesh that VTK can read")
+    if failed or data is None or not data.GetNumberOfPoints():
+        why = f"VTK says: {lines[0].rstrip('.')}" if lines else "it finds no point in it"
+        raise SurfaceError(f"{path}: holds no mesh that VTK can read; {why}")
+    if notes is not None:
+        notes += [f"VTK says: {line}" for line in dict.fromkeys(lines)]
     return data
+
+
+def heard(work):
+    """Lets VTK work; returns (whether it failed, what it says meanwhile, a line each) and keeps it from saying it itself."""
+    window, catcher, loud, logger = vtk_parts("vtkOutputWindow", "vtkStringOutputWindow", "vtkObject", "vtkLogger")
+    before, shown, logged = window.GetInstance(), loud.GetGlobalWarningDisplay(), logger.GetCurrentVerbosityCutoff()
+    said = catcher()
+    window.SetInstance(said)
+    loud.GlobalWarningDisplayOn()
+    logger.SetStderrVerbosity(logger.VERBOSITY_OFF)
+    try:
+        work()
+    finally:
+        window.SetInstance(before)
+        loud.SetGlobalWarningDisplay(shown)
+        logger.SetStderrVerbosity(logged)
+    # ERROR: In vtkOBJReader.cxx, line 219, and below it: vtkOBJReader (0x5581): what there is to say
+    found = re.findall(r"(ERROR|Warning): In .*\n(?:\S+ \(\w+\): )?((?:.+\n?)*)", said.GetOutput(), re.IGNORECASE)
+    lines = [" ".join(words.split()) for _, words in found]
+    pipeline = re.compile(r"Algorithm \w+ .* returned failure")  # says that a reader failed, not why
+    return any(level.upper() == "ERROR" for level, _ in found), [line for line in lines if not pipeline.match(line)]
+
+
+def whole_faces(path, scratch, notes):
+    """An OBJ without its faces of one or two corners, at which VTK would end: edges that some programs write so."""
+    lines = path.read_text(encoding="latin-1").replace("\\\r\n", " ").replace("\\\n", " ").splitlines()
+    less = [k for k, line in enumerate(lines) if line.split()[:1] == ["f"] and len(line.partition("#")[0].split()) < 4]
+    if not less:
+        return path
+    if notes is not None:
+        notes.append(f"{count_of(len(less), 'face')} of fewer than three corners left out, the first in line {less[0] + 1}")
+    for k in less:
+        lines[k] = ""
+    kept = Path(scratch) / path.name
+    kept.write_text("\n".join(lines) + "\n", encoding="latin-1")
+    return kept
+
+
+def count_of(n, what):
+    return f"{n} {what}{'' if n == 1 else 's'}"
 
 
 @dataclass
@@ -62,14 +112,11 @@ class Mesh:
     triangles: np.ndarray  # [m, 3], counterclockwise as seen from outside
     name: str = "mesh"
     own: int | None = None  # how many of the triangles are the surface's own, the first; None: all
+    notes: list[str] = field(default_factory=list)  # what was left out or turned on the way
 
     @property
     def corners(self):
         return self.points[self.triangles]
-
-    def volume(self):
-        a, b, c = np.moveaxis(self.corners - self.points.mean(axis=0), 1, 0)
-        return np.einsum("ij,ij->", a, np.cross(b, c)) / 6
 
     def edges(self):
         """Directed edges, three a triangle."""
@@ -78,108 +125,36 @@ class Mesh:
 
 def read_mesh(path):
     """The triangles of a file; corners at the same place are one."""
-    data = polydata(path)
+    notes = []
+    data = polydata(path, notes)
     from vtkmodules.util.numpy_support import vtk_to_numpy
 
     if not data.GetNumberOfPolys() and not data.GetNumberOfStrips():
         raise SurfaceError(f"{path}: has points but no triangles; is it a centre line, or a cloud of points?")
+    places = vtk_to_numpy(data.GetPoints().GetData())
+    if not np.isfinite(places).all():
+        raise SurfaceError(f"{path}: point {int(np.argmin(np.isfinite(places).all(axis=1))) + 1} is not finite")
+    for cells in (data.GetPolys(), data.GetStrips()):
+        ids = vtk_to_numpy(cells.GetConnectivityArray())
+        if len(ids) and not (ids.min() >= 0 and ids.max() < len(places)):
+            raise SurfaceError(f"{path}: a face names a point that there is not: there are {len(places)}")
     triangulate, clean = (part() for part in vtk_parts("vtkTriangleFilter", "vtkCleanPolyData"))
     triangulate.SetInputData(data)
     triangulate.PassLinesOff()
     triangulate.PassVertsOff()
     clean.SetInputConnection(triangulate.GetOutputPort())
     clean.SetTolerance(0)
-    clean.Update()
+    heard(clean.Update)
+    sizes = np.diff(vtk_to_numpy(data.GetPolys().GetOffsetsArray()))
+    less = int((sizes < 3).sum()) + triangulate.GetOutput().GetNumberOfPolys() - clean.GetOutput().GetNumberOfPolys()
+    if less:
+        notes.append(f"{count_of(less, 'face')} of fewer than three different corners left out")
     data = clean.GetOutput()
+    if not data.GetNumberOfPolys():
+        raise SurfaceError(f"{path}: none of its faces has three different corners")
     points = vtk_to_numpy(data.GetPoints().GetData()).astype(float)
     triangles = vtk_to_numpy(data.GetPolys().GetConnectivityArray()).reshape(-1, 3).astype(np.int64)
-    if not np.isfinite(points).all():
-        raise SurfaceError(f"{path}: a corner is not finite")
-    return Mesh(points, triangles, str(path))
-
-
-def boundary(mesh):
-    """Directed edges that no triangle borders on the other side, and edges of more than two triangles, or
-    of two that run the same way."""
-    edges = mesh.edges()
-    key = np.sort(edges, axis=1)
-    _, where, count = np.unique(key, axis=0, return_inverse=True, return_counts=True)
-    sense = np.zeros(len(count))
-    np.add.at(sense, where.ravel(), np.where(edges[:, 0] < edges[:, 1], 1, -1))
-    where = where.ravel()
-    return edges[count[where] == 1], edges[count[where] > 2], edges[(count[where] == 2) & (sense[where] != 0)]
-
-
-def place_of(mesh, edge):
-    return "near (" + ", ".join(f"{v:.4g}" for v in mesh.points[edge[0]]) + ")"
-
-
-def check(mesh, flip=False):
-    """Refuses what has no inside; returns the mesh, turned if it is to be."""
-    holes, many, against = boundary(mesh)
-    if len(many):
-        raise SurfaceError(f"{mesh.name}: at {len(many) // 3} edges more than two triangles meet, the first "
-                           f"{place_of(mesh, many[0])}; mend the mesh")
-    if len(holes):
-        raise SurfaceError(f"{mesh.name}: has holes: {len(holes)} edges belong to one triangle only, the first "
-                           f"{place_of(mesh, holes[0])}; close them, or, if they are the ends of a vessel, give open")
-    if len(against):
-        raise SurfaceError(f"{mesh.name}: triangles face different ways, the first {place_of(mesh, against[0])}; "
-                           "mend the mesh")
-    if flip:
-        mesh = Mesh(mesh.points, mesh.triangles[:, ::-1], mesh.name, mesh.own)
-    if mesh.volume() <= 0:
-        raise SurfaceError(f"{mesh.name}: is inside out: its triangles run clockwise as seen from outside; give flip")
-    return mesh
-
-
-def loops_of(edges):
-    """Closed rings of directed edges."""
-    after = dict(edges.tolist())
-    loops = []
-    while after:
-        first = next(iter(after))
-        ring, at = [first], after.pop(first)
-        while at != first:
-            ring.append(at)
-            if at not in after:
-                raise SurfaceError("a hole's rim does not close; mend the mesh")
-            at = after.pop(at)
-        loops.append(np.array(ring))
-    return loops
-
-
-def extended(mesh, diameters=2.0):
-    """The mesh with its open ends led on straight, by so many of their diameters, and closed there: a rod
-    that leaves the vessel meets no lid at its end."""
-    holes = boundary(mesh)[0]
-    if not len(holes):
-        raise SurfaceError(f"{mesh.name}: open, but it has no open end")
-    points, triangles = [mesh.points], [mesh.triangles]
-    n = len(mesh.points)
-    for ring in loops_of(holes):
-        rim = mesh.points[ring]
-        middle = rim.mean(axis=0)
-        area = np.cross(rim - middle, np.roll(rim, -1, axis=0) - middle).sum(axis=0) / 2
-        size = np.linalg.norm(area)
-        if size == 0:
-            raise SurfaceError(f"{mesh.name}: an open end has no area; mend the mesh")
-        out = -area / size  # the mesh is on the left of its rim's edges
-        wide = 2 * np.sqrt(size / np.pi)
-        steps = max(2, int(np.ceil(diameters * wide / np.median(np.linalg.norm(rim - np.roll(rim, 1, 0), axis=1)))))
-        # flat at its end, wherever the rim is uneven
-        far = middle + diameters * wide * out
-        last = rim + ((far - rim) @ out)[:, None] * out
-        rows = [rim + (last - rim) * k / steps for k in range(1, steps + 1)]
-        points += rows + [far[None]]
-        ids = [ring] + [n + k * len(ring) + np.arange(len(ring)) for k in range(steps)]
-        for a, b in zip(ids[:-1], ids[1:]):
-            a1, b1 = np.roll(a, -1), np.roll(b, -1)
-            triangles += [np.column_stack([a1, a, b]), np.column_stack([a1, b, b1])]
-        n += steps * len(ring)
-        triangles.append(np.column_stack([np.roll(ids[-1], -1), ids[-1], np.full(len(ring), n)]))
-        n += 1
-    return Mesh(np.concatenate(points), np.concatenate(triangles), mesh.name, len(mesh.triangles))
+    return Mesh(points, triangles, str(path), notes=notes)
 
 
 # ---- distances ----
