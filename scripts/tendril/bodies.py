@@ -177,15 +177,15 @@ class Grid:
 
 def grid_of(mesh, wish, tell, progress):
     """The grid of a mesh, as fine as is wanted."""
-    distance = Distance(mesh)
-    measure = distance.facets if wish.facets else distance.smooth
     rng = np.random.default_rng(0)
     goal = wish.tolerance or 0.002 * wish.width
-    h = wish.spacing or wish.width / 2
+    h, distance = wish.spacing or wish.width / 2, None
     while True:
         axes = wish.axes(mesh, h)
         band = 5 * h + wish.width / 2  # what is farther is felt through the spline by less than 2e-3 of its error
         tell(size_told(mesh, axes, band, wish))
+        distance = distance or Distance(mesh)
+        measure = distance.facets if wish.facets else distance.smooth
         with bar(progress, len(axes[0]) + len(rough_of(axes)[0]), what=f"surface, {h:.3g} apart", unit="sheet") as shown:
             d = on_grid(distance, axes, band, measure, shown.update)
         if not d.min() < 0 < d.max():

@@ -9,6 +9,7 @@ from .meshes import SurfaceError
 
 SHARPEST = np.radians(60)  # turn at a point
 STEEPEST = 0.99  # change of the radius by length
+BENT = 1e-3  # curvature times radius that is worth a word
 PLACES = 16  # of a segment at which it is looked at
 AWAY = 1.1 * np.pi  # in widest radii: parts so far along the path are others
 MOST = 100_000  # places at which the tube may meet another part of itself
@@ -82,8 +83,10 @@ class Tube:
         if steep.ravel()[k]:
             return place, "the tube widens or narrows more than the path goes on", \
                 "leave points out there, or smooth it with a larger every"
-        return place, (f"the tube bends with radius {1 / max(curvature.ravel()[k], 1e-300):.3g}, or its width does, and has "
-                       f"radius {r.ravel()[k]:.3g}"), "make it narrower or its bends wider, give more points, or smooth it with every"
+        kappa, wide = curvature.ravel()[k], r.ravel()[k]
+        how = f"bends with radius {1 / kappa:.3g}, or its width does," if kappa * wide > BENT else "changes its width too sharply"
+        return place, f"the tube {how} and has radius {wide:.3g}", "make it narrower or its bends wider, give more points, or " \
+            "smooth it with every"
 
     def in_itself(self):
         """Do parts meet that are farther along than half a turn at its sharpest?"""

@@ -85,15 +85,16 @@ class Facing(Vessels):
         """As surfaces of marching cubes are: inside out, and shorter than what its ends are led on by. It is turned before."""
         tube = turned(pipe(radius=12, length=90, n=16, m=15))
         path = self.mesh(tube, "tube.obj")
-        said, _ = self.command(path, self.at("tube.h5"), "--diameter", "1.8", "--side", "inside", "--open", "--origin=3,0,0")
+        said, _ = self.command(path, self.at("tube.h5"), "--diameter", "1.8", "--spacing", "1.2", "--side", "inside", "--open", "--origin=3,0,0")
         self.assertIn("tube.obj: is inside out: its triangles run clockwise as seen from outside; turned", said)
         error = float(re.search(r"error of the distance ([0-9.e-]+)", said)[1])
-        self.assertLess(error, 0.004)
+        self.assertLess(error, 0.008)
         self.taken(said.splitlines()[-1], "-contact_diameter", "1.8")
-        made = tendril.surface(path, self.at("s.h5"), diameter=1.8, spacing=0.9, side="inside", open=True)
-        self.assertLess(made.error, 0.004)
+        box = (-20, -13, -13, 20, 13, 13)
+        made = tendril.surface(path, self.at("s.h5"), diameter=1.8, spacing=1.8, side="inside", open=True, box=box)
+        self.assertLess(made.error, 0.05)
         self.assertIn("is inside out", made.notes[0])
-        flipped = tendril.surface(path, self.at("f.h5"), diameter=1.8, spacing=0.9, side="inside", open=True, flip=True)
+        flipped = tendril.surface(path, self.at("f.h5"), diameter=1.8, spacing=1.8, side="inside", open=True, flip=True, box=box)
         self.assertFalse([note for note in flipped.notes if "inside out" in note])
         self.assertEqual(flipped.error, made.error)
         self.refused("inside out with flip|leave flip away", tendril.surface, self.mesh(turned(tube)), "x.h5", diameter=1.8,
@@ -134,14 +135,14 @@ class Facing(Vessels):
         left, notes = self.outwards(wrong)
         np.testing.assert_array_equal(left.triangles, right.triangles)
         self.assertIn("3 of 4 parts", notes[0])
-        self.assertIn("near (3, ", notes[0])
+        self.assertIn("near (3.", notes[0])
         wall = together(pipe(radius=1, n=20, m=8), turned(pipe(radius=0.8, n=20, m=8)))
         self.assertEqual(self.outwards(wall, open=True)[1], [])
         crossing = together(ball, moved(ball, (0.9, 0, 0)))
         self.assertEqual(self.outwards(crossing)[1], [])
-        made = tendril.surface(self.mesh(wrong), self.at("w.h5"), diameter=0.2, spacing=0.1)
+        made = tendril.surface(self.mesh(wrong), self.at("w.h5"), diameter=0.2, spacing=0.1, box=(-0.5, -0.5, -0.5, 4, 0.5, 1.2))
         d, _ = self.values(made.path)
-        self.assertLess(np.abs(d([[0, 0, 0.35], [3, 0, 0.9], [0, 0, 0.1]]) - [0.15, -0.1, -0.1]).max(), 0.02)
+        self.assertLess(np.abs(d([[0, 0, 0.35], [3, 0, 0.9], [0, 0, 0.1]]) - [0.15, -0.1, -0.1]).max(), 0.04)
 
     def test_solid_turned(self):
         """Closed ones, too, in all formats."""
@@ -157,9 +158,9 @@ class Facing(Vessels):
 
     def test_runs_through_itself(self):
         """Where, in the file's own frame; and what the program would refuse is not written, with spacing either."""
-        both = together(sphere(24), moved(sphere(24), (1.2, 0, 0)))
+        both = together(sphere(12), moved(sphere(12), (1.2, 0, 0)))
         path = self.mesh(both, "both.obj")
-        for more in ({}, {"spacing": 0.1}):
+        for more in ({}, {"spacing": 0.5}):
             with self.assertRaises(SurfaceError) as caught:
                 tendril.surface(path, self.at("x.h5"), diameter=1, origin=(50, 0, 0), scale=2.0, **more)
             place = re.search(r"near \((.*?)\)", str(caught.exception))
@@ -195,6 +196,7 @@ class Openings(Vessels):
         """Two vessels whose rims have a corner in common are two."""
         a = pipe(n=16, m=4)
         mesh = together(a, moved(a, (0, 2, 0)))
+        mesh.points = mesh.points.round(9)
         mesh = meshes.read_mesh(self.mesh(mesh, "two.ply"))
         self.assertLess(len(mesh.points), 2 * len(a.points))
         self.assertEqual([len(ring) for ring in openings.loops_of(mesh, openings.boundary(mesh)[0])], [16] * 4)
@@ -205,7 +207,7 @@ class Openings(Vessels):
         mixed.triangles[0] = mixed.triangles[0, ::-1]
         self.refused("m.obj: |face different ways|near (", tendril.surface, self.mesh(mixed, "m.obj"), "x.h5", diameter=1, open=True)
         thick = pinched()
-        thick.triangles = np.concatenate([thick.triangles, [[0, 1, 40]]])
+        thick.triangles = np.concatenate([thick.triangles, [[0, 17, 40]]])
         self.refused("m.obj: |more than two|near (", tendril.surface, self.mesh(thick, "m.obj"), "x.h5", diameter=1, open=True)
         self.refused("m.obj: |has holes|near (", tendril.surface, self.mesh(pinched(), "m.obj"), "x.h5", diameter=1)
         self.refused("no rim|near (2, ", openings.loops_of, Mesh(np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0]]), np.empty((0, 3), int),
@@ -231,7 +233,7 @@ class Openings(Vessels):
         self.assertIn("2 open ends", said)
         self.assertRegex(said, r"2: middle \(3.81972, 3.81972, 0\), direction \(0, -1, 0\), width [0-9.]+ mm")
         options = said.splitlines()[-1].split()
-        said, _ = self.command(self.at("bent.vtp"), self.at("b.h5"), "--diameter", "0.6", "--spacing", "0.3", "--side", "inside",
+        said, _ = self.command(self.at("bent.vtp"), self.at("b.h5"), "--diameter", "0.6", "--spacing", "0.5", "--side", "inside",
                                "--open", *options)
         self.assertNotIn("the clamp", said)
         self.taken(said.splitlines()[-1], "-contact_diameter", "0.6")
@@ -254,7 +256,7 @@ class Files(Vessels):
         made = tendril.surface(self.at("block.obj"), self.at("b.h5"), diameter=0.5, spacing=0.25)
         one, other = (self.values(self.at(name))[0].values for name in ("e.h5", "b.h5"))
         np.testing.assert_array_equal(one, other)
-        self.assertFalse([note for note in made.notes if "face" in note])
+        self.assertFalse([note for note in made.notes if "corners" in note])
 
     def test_reasons(self):
         """Those of the library, in one line with the file's name."""
@@ -267,16 +269,17 @@ class Files(Vessels):
                 ("i.obj", "v 0 0 0\nv 1 0 0\nv 0 nan 0\nf 1 2 3\n", "i.obj|point 3 is not finite"),
                 ("j.obj", "v 0 0 0\nv 1 0 0\nf 1 2\n", "j.obj|no triangles")):
             self.refused(words, tendril.surface, self.file(name, text), self.at("x.h5"), diameter=1)
-        self.refused("is a directory", tendril.surface, self.at("."), self.at("x.h5"), diameter=1)
+        self.at("d.obj").mkdir()
+        self.refused("is a directory", tendril.surface, self.at("d.obj"), self.at("x.h5"), diameter=1)
 
     def test_told_before(self):
         """The grid's size before the work; in a terminal a bar."""
-        path = self.mesh(sphere(40), "s.obj")
+        path = self.mesh(sphere(24), "s.obj")
         said, quiet = self.command(path, self.at("s.h5"), "--diameter", "0.5", "--spacing", "0.1", "--origin=-2,0,0")
         self.assertEqual(quiet, "")
         self.assertRegex(said.splitlines()[0], r"a grid of 37 x 37 x 37 = 5.1e\+04 values, 0.1 apart, 0.41 MB, from about .* distances")
         ours, theirs = pty.openpty()
-        with subprocess.Popen([ROOT / "scripts/surface.sh", path, self.at("s.h5"), "--diameter", "0.2", "--spacing", "0.04"],
+        with subprocess.Popen([ROOT / "scripts/surface.sh", path, self.at("s.h5"), "--diameter", "0.2", "--spacing", "0.05"],
                               stdout=subprocess.DEVNULL, stderr=theirs, env={**os.environ, "PYTHON": sys.executable}) as work:
             os.close(theirs)
             shown = b""
@@ -287,7 +290,7 @@ class Files(Vessels):
                 pass
         os.close(ours)
         self.assertEqual(work.returncode, 0)
-        self.assertRegex(shown.decode(), r"surface, 0.04 apart: +[0-9]+%")
+        self.assertRegex(shown.decode(), r"surface, 0.05 apart: +[0-9]+%")
 
     def test_asked_wrongly(self):
         """One line each; nothing is written."""
@@ -358,7 +361,7 @@ class Mouths(Vessels):
         """Between which of its points, in its own frame, whatever the tube's frame and its points."""
         x = 0.4 * np.arange(100)
         r = 3 + 2 * np.tanh((x - 20) / 0.5)
-        self.refused("line.csv: between points 5|near (2|widens or narrows", self.tube, self.rows(x, r), origin="start", scale=10.0)
+        self.refused("line.csv: between points 46 and 47 of 100|near (18.2|changes its width too sharply", self.tube, self.rows(x, r), origin="start", scale=10.0)
         a = np.linspace(0, 2 * np.pi, 60)
         ring = "x,y,z,r\n" + "".join(f"{5 * np.cos(t)},{5 * np.sin(t)},{0.1 * t},1\n" for t in a)
         self.refused("line.csv: between points 1 and 2 of 60|and between points|runs into itself", self.tube, ring)
