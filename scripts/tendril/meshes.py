@@ -1,109 +1,19 @@
-"""Triangle meshes as signed distances: read, checked, measured from.
+"""Triangle meshes as signed distances: read, and measured from.
 
-VTK does the reading (STL, OBJ, PLY, VTP, VTK) and finds the nearest triangle. A mesh stands for the smooth
+VTK finds the nearest triangle. A mesh stands for the smooth
 surface that it was made from: between its corners the surface is bent as the normals in the corners say
 (Phong tessellation, exact for a surface of second degree), but for edges sharper than SHARP, which stay."""
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, field
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from .errors import TendrilError, optional
+from .mesh_files import SurfaceError, count_of, heard, polydata, vtk_parts
 
 SHARP = np.radians(30)
 ROUNDS = 2  # towards the nearest point of the smooth surface
-
-
-class SurfaceError(TendrilError):
-    """What cannot be a surface, in one plain line."""
-
-
-def vtk_parts(*names):
-    """Classes of VTK, or the line that says that it is missing."""
-    homes = {"vtkSTLReader": "IOGeometry", "vtkOBJReader": "IOGeometry", "vtkPLYReader": "IOPLY",
-             "vtkXMLPolyDataReader": "IOXML", "vtkPolyDataReader": "IOLegacy",
-             "vtkTriangleFilter": "FiltersCore", "vtkCleanPolyData": "FiltersCore",
-             "vtkImplicitPolyDataDistance": "FiltersCore", "vtkStaticCellLocator": "CommonDataModel",
-             "vtkPolyData": "CommonDataModel", "vtkCellArray": "CommonDataModel",
-             "vtkPoints": "CommonCore", "vtkObject": "CommonCore", "vtkOutputWindow": "CommonCore",
-             "vtkStringOutputWindow": "CommonCore", "vtkLogger": "CommonCore", "vtkIdTypeArray": "CommonCore", "vtkDoubleArray": "CommonCore",
-             "reference": "CommonCore"}
-    missing = "surfaces from meshes and VMTK's centre lines need VTK: pip install 'tendril[space]', or pip install vtk"
-    return [getattr(optional(f"vtkmodules.vtk{homes[name]}", SurfaceError, missing), name) for name in names]
-
-
-KINDS = {".stl": "vtkSTLReader", ".obj": "vtkOBJReader", ".ply": "vtkPLYReader",
-         ".vtp": "vtkXMLPolyDataReader", ".vtk": "vtkPolyDataReader"}
-
-
-def polydata(path, notes=None):
-    """What VTK reads from a file; what is left out of it is added to the notes. What VTK calls an error is refused in VTK's
-    own words: what it reads nevertheless is a part of what the file holds."""
-    path = Path(path)
-    kind = KINDS.get(path.suffix.lower())
-    if not kind:
-        raise SurfaceError(f"{path}: a mesh is STL, OBJ, PLY, VTP or VTK")
-    if not path.is_file():
-        raise SurfaceError(f"{path}: {'is a directory' if path.is_dir() else 'no such file'}")
-    with open(path, "rb") as file:
-        if not file.read(1):
-            raise SurfaceError(f"{path}: is empty")
-    reader = vtk_parts(kind)[0]()
-    with TemporaryDirectory(prefix="tendril-") as scratch:
-        reader.SetFileName(str(whole_faces(path, scratch, notes) if kind == "vtkOBJReader" else path))
-        failed, lines = heard(reader.Update)
-    data = reader.GetOutput()
-    if failed or data is None or not data.GetNumberOfPoints():
-        why = f"VTK says: {lines[0].rstrip('.')}" if lines else "it finds no point in it"
-        raise SurfaceError(f"{path}: holds no mesh that VTK can read; {why}")
-    if notes is not None:
-        notes += [f"VTK says: {line}" for line in dict.fromkeys(lines)]
-    return data
-
-
-def heard(work):
-    """Lets VTK work; returns (whether it failed, what it says meanwhile, a line each) and keeps it from saying it itself."""
-    window, catcher, loud, logger = vtk_parts("vtkOutputWindow", "vtkStringOutputWindow", "vtkObject", "vtkLogger")
-    before, shown, logged = window.GetInstance(), loud.GetGlobalWarningDisplay(), logger.GetCurrentVerbosityCutoff()
-    said = catcher()
-    window.SetInstance(said)
-    loud.GlobalWarningDisplayOn()
-    logger.SetStderrVerbosity(logger.VERBOSITY_OFF)
-    try:
-        work()
-    finally:
-        window.SetInstance(before)
-        loud.SetGlobalWarningDisplay(shown)
-        logger.SetStderrVerbosity(logged)
-    # ERROR: In vtkOBJReader.cxx, line 219, and below it: vtkOBJReader (0x5581): what there is to say
-    found = re.findall(r"(ERROR|Warning): In .*\n(?:\S+ \(\w+\): )?((?:.+\n?)*)", said.GetOutput(), re.IGNORECASE)
-    lines = [" ".join(words.split()) for _, words in found]
-    pipeline = re.compile(r"Algorithm \w+ .* returned failure")  # says that a reader failed, not why
-    return any(level.upper() == "ERROR" for level, _ in found), [line for line in lines if not pipeline.match(line)]
-
-
-def whole_faces(path, scratch, notes):
-    """An OBJ without its faces of one or two corners, at which VTK would end: edges that some programs write so."""
-    lines = path.read_text(encoding="latin-1").replace("\\\r\n", " ").replace("\\\n", " ").splitlines()
-    less = [k for k, line in enumerate(lines) if line.split()[:1] == ["f"] and len(line.partition("#")[0].split()) < 4]
-    if not less:
-        return path
-    if notes is not None:
-        notes.append(f"{count_of(len(less), 'face')} of fewer than three corners left out, the first in line {less[0] + 1}")
-    for k in less:
-        lines[k] = ""
-    kept = Path(scratch) / path.name
-    kept.write_text("\n".join(lines) + "\n", encoding="latin-1")
-    return kept
-
-
-def count_of(n, what):
-    return f"{n} {what}{'' if n == 1 else 's'}"
 
 
 @dataclass

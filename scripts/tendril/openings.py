@@ -43,7 +43,7 @@ def sound(mesh):
     """Refuses a mesh of which nobody can say which side is which; returns the edges of its holes."""
     holes, many, against = boundary(mesh)
     if len(many):
-        raise SurfaceError(f"{mesh.name}: at {len(many) // 3} edges more than two triangles meet, the first "
+        raise SurfaceError(f"{mesh.name}: at {count_of(len(np.unique(np.sort(many), axis=0)), 'edge')} more than two triangles meet, the first "
                            f"{place_of(mesh, many[0][0])}; mend the mesh")
     if len(against):
         raise SurfaceError(f"{mesh.name}: triangles face different ways, the first {place_of(mesh, against[0][0])}; "

@@ -249,9 +249,10 @@ class Files(Vessels):
         """An OBJ with lines `f 1 2` (Blender before 2.6), with one corner, and a triangle of two corners: they are left out."""
         self.mesh(cube(2), "block.obj")
         text = self.at("block.obj").read_text()
-        self.file("edges.obj", text + "f 1 2\nf 3/3/3 4/4/4 # an edge\nf 5\nf 1 2 2\n")
+        text = text.replace("\nf ", "\nusemtl red\ncurv 0 1\nf ", 1).replace("f 1 ", "f -8 ", 1)  # and what VTK does not know
+        self.file("edges.obj", text + "f 1 2\nf 3/3/3 \\\n4/4/4 # an edge\nf 5\nf 1 2 2\n")
         said, _ = self.command(self.at("edges.obj"), self.at("e.h5"), "--diameter", "0.5", "--spacing", "0.25")
-        self.assertIn("edges.obj: 3 faces of fewer than three corners left out, the first in line 21", said)
+        self.assertIn("edges.obj: 3 faces of fewer than three corners left out, the first in line 23", said)
         self.assertIn("edges.obj: 1 face of fewer than three different corners left out", said)
         made = tendril.surface(self.at("block.obj"), self.at("b.h5"), diameter=0.5, spacing=0.25)
         one, other = (self.values(self.at(name))[0].values for name in ("e.h5", "b.h5"))
@@ -261,16 +262,46 @@ class Files(Vessels):
     def test_reasons(self):
         """Those of the library, in one line with the file's name."""
         for name, text, words in (
-                ("a.obj", "v 0 0 0\nv 1 0\n", "a.obj|VTK says|L.2"), ("b.vtk", "nothing", "b.vtk|VTK says|Unrecognized file type"),
+                ("a.obj", "v 0 0 0\nv 1 0\n", "a.obj, line 2: v 1 0: a vertex is"), ("b.vtk", "nothing", "b.vtk|VTK says|Unrecognized file type"),
                 ("c.vtp", "<VTKFile>", "c.vtp|VTK says|XML"), ("d.stl", "solid d\nfacet normal 0 0 1\nouter loop\nvertex 0 0",
                                                              "d.stl|VTK says|EOF"),
-                ("e.ply", "nothing", "e.ply|VTK says|PLY"), ("f.obj", "# nothing\n", "f.obj|no point"), ("g.obj", "", "g.obj|is empty"),
+                ("e.ply", "nothing", "e.ply|VTK says|PLY"), ("f.obj", "# nothing\n", "f.obj|no vertex"), ("g.obj", "", "g.obj|is empty"),
                 ("h.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "h.obj|names a point that there is not"),
                 ("i.obj", "v 0 0 0\nv 1 0 0\nv 0 nan 0\nf 1 2 3\n", "i.obj|point 3 is not finite"),
                 ("j.obj", "v 0 0 0\nv 1 0 0\nf 1 2\n", "j.obj|no triangles")):
             self.refused(words, tendril.surface, self.file(name, text), self.at("x.h5"), diameter=1)
         self.at("d.obj").mkdir()
         self.refused("is a directory", tendril.surface, self.at("d.obj"), self.at("x.h5"), diameter=1)
+
+    def test_damaged(self):
+        """Files cut off, with bytes changed, with numbers that are none: read, or refused in a line; also where VTK itself
+        breaks down, as on PLY."""
+        rng = np.random.default_rng(SAMPLE_SEED)
+        refused = 0
+        for kind, count in (("ply", 6), ("vtk", 4), ("stl", 15), ("obj", 15), ("vtp", 15)):
+            whole = self.mesh(sphere(5), f"whole.{kind}").read_bytes()
+            for k in range(count):
+                data = bytearray(whole)
+                if k % 3 == 0:
+                    data = data[:int(rng.integers(len(data)))]
+                elif k % 3 == 1:
+                    for at in rng.integers(len(data), size=int(rng.integers(1, 30))):
+                        data[at] = int(rng.integers(256))
+                else:
+                    numbers = list(re.finditer(rb"[0-9]+", bytes(data)))
+                    at = numbers[int(rng.integers(len(numbers)))]
+                    data[at.start():at.end()] = [b"nan", b"-1", b"99999999", b"1e400", b"x"][int(rng.integers(5))]
+                self.at(f"damaged.{kind}").write_bytes(bytes(data))
+                try:
+                    tendril.ends(self.at(f"damaged.{kind}"))
+                except SurfaceError as error:
+                    self.assertNotIn("\n", str(error))
+                    self.assertIn(f"damaged.{kind}", str(error))
+                    refused += 1
+        self.assertGreater(refused, 25)
+        whole = self.mesh(sphere(5), "whole.ply").read_bytes()
+        self.at("cut.ply").write_bytes(whole[:-20])
+        self.refused("cut.ply", tendril.ends, self.at("cut.ply"))
 
     def test_told_before(self):
         """The grid's size before the work; in a terminal a bar."""
