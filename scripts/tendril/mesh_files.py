@@ -182,9 +182,9 @@ def lines_of(path):
 
 def as_polydata(points, faces):
     """Places [n, 3] and lists of corners for VTK."""
+    data, places, cells = (part() for part in vtk_parts("vtkPolyData", "vtkPoints", "vtkCellArray"))
     from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
 
-    data, places, cells = (part() for part in vtk_parts("vtkPolyData", "vtkPoints", "vtkCellArray"))
     places.SetDataType(numpy_to_vtk(points).GetDataType())
     places.SetData(numpy_to_vtk(points, deep=True))
     offsets = np.cumsum([0] + [len(face) for face in faces])

@@ -160,7 +160,7 @@ class Facing(Vessels):
         """Where, in the file's own frame; and what the program would refuse is not written, with spacing either."""
         both = together(sphere(12), moved(sphere(12), (1.2, 0, 0)))
         path = self.mesh(both, "both.obj")
-        for more in ({}, {"spacing": 0.5}):
+        for more in ({"facets": True}, {"spacing": 0.5}):
             with self.assertRaises(SurfaceError) as caught:
                 tendril.surface(path, self.at("x.h5"), diameter=1, origin=(50, 0, 0), scale=2.0, **more)
             place = re.search(r"near \((.*?)\)", str(caught.exception))
@@ -234,7 +234,7 @@ class Openings(Vessels):
         self.assertRegex(said, r"2: middle \(3.81972, 3.81972, 0\), direction \(0, -1, 0\), width [0-9.]+ mm")
         options = said.splitlines()[-1].split()
         said, _ = self.command(self.at("bent.vtp"), self.at("b.h5"), "--diameter", "0.6", "--spacing", "0.5", "--side", "inside",
-                               "--open", *options)
+                               "--open", "--facets", *options)
         self.assertNotIn("the clamp", said)
         self.taken(said.splitlines()[-1], "-contact_diameter", "0.6")
         self.assertEqual(tendril.ends(self.mesh(sphere(6), "ball.obj")), [])
@@ -306,11 +306,11 @@ class Files(Vessels):
     def test_told_before(self):
         """The grid's size before the work; in a terminal a bar."""
         path = self.mesh(sphere(24), "s.obj")
-        said, quiet = self.command(path, self.at("s.h5"), "--diameter", "0.5", "--spacing", "0.1", "--origin=-2,0,0")
+        said, quiet = self.command(path, self.at("s.h5"), "--diameter", "0.5", "--spacing", "0.2", "--origin=-2,0,0")
         self.assertEqual(quiet, "")
-        self.assertRegex(said.splitlines()[0], r"a grid of 37 x 37 x 37 = 5.1e\+04 values, 0.1 apart, 0.41 MB, from about .* distances")
+        self.assertRegex(said.splitlines()[0], r"a grid of 22 x 22 x 22 = 1.1e\+04 values, 0.2 apart, 0.085 MB, from about .* distances")
         ours, theirs = pty.openpty()
-        with subprocess.Popen([ROOT / "scripts/surface.sh", path, self.at("s.h5"), "--diameter", "0.2", "--spacing", "0.05"],
+        with subprocess.Popen([ROOT / "scripts/surface.sh", path, self.at("s.h5"), "--diameter", "0.2", "--spacing", "0.07"],
                               stdout=subprocess.DEVNULL, stderr=theirs, env={**os.environ, "PYTHON": sys.executable}) as work:
             os.close(theirs)
             shown = b""
@@ -321,7 +321,7 @@ class Files(Vessels):
                 pass
         os.close(ours)
         self.assertEqual(work.returncode, 0)
-        self.assertRegex(shown.decode(), r"surface, 0.05 apart: +[0-9]+%")
+        self.assertRegex(shown.decode(), r"surface, 0.07 apart: +[0-9]+%")
 
     def test_asked_wrongly(self):
         """One line each; nothing is written."""
