@@ -24,7 +24,7 @@ try:
     import numpy as np
 
     import tendril
-    from tendril import meshes
+    from tendril import meshes, openings
     from tendril.meshes import Mesh, SurfaceError
 except ImportError as error:
     from_venv(error)
@@ -149,7 +149,7 @@ class Meshes(Files):
         self.assertLessEqual(made.spacing, 0.2)
         self.assertEqual(made.line, f"body {made.path} outside")
         for kind in WRITERS:
-            read = meshes.check(meshes.read_mesh(self.mesh(ball, f"ball.{kind}")))
+            read = openings.check(meshes.read_mesh(self.mesh(ball, f"ball.{kind}")))
             self.assertEqual(read.points.shape, ball.points.shape, kind)
             np.testing.assert_allclose(np.sort(read.corners.mean(axis=1), axis=0),
                                        np.sort(ball.corners.mean(axis=1), axis=0), atol=1e-6)
@@ -208,8 +208,8 @@ class Meshes(Files):
         self.refused("has holes|edges belong to one triangle|open", call, self.mesh(holes), "x.h5", diameter=0.4)
         turned = sphere()
         turned.triangles = turned.triangles[:, ::-1]
-        self.refused("inside out|flip", call, self.mesh(turned), "x.h5", diameter=0.4)
-        call(self.mesh(turned), self.at("flip.h5"), diameter=0.4, flip=True)
+        self.assertEqual(call(self.mesh(turned), self.at("flip.h5"), diameter=0.4, flip=True).line, f"body {self.at('flip.h5')} outside")
+        self.refused("inside out with flip|leave flip away", call, self.mesh(sphere()), "x.h5", diameter=0.4, flip=True)
         mixed = sphere()
         mixed.triangles[7] = mixed.triangles[7, ::-1]
         self.refused("face different ways", call, self.mesh(mixed), "x.h5", diameter=0.4)
