@@ -259,7 +259,10 @@ static PetscErrorCode LookAtStrands(Touching self, PetscReal t, const Node *node
   sum->normal += strands.normal;
   sum->depth = PetscMax(sum->depth, strands.depth);
   sum->zones += StrandsZones(self->strands);
-  for (int d = 0; d < 2; d++) sum->tip[d] += force[points][d];
+  for (int d = 0; d < 2; d++) {
+    sum->tip[d] += force[points][d];
+    sum->clamp[d] += strands.clamp[d];
+  }
   if (strands.nearest < sum->nearest) {
     sum->nearest = strands.nearest;
     for (int k = 0; k < 2; k++) {
@@ -309,7 +312,11 @@ static PetscErrorCode LookAtStrands3(Touching self, PetscReal t, const Node *nod
   sum->normal += strands.normal;
   sum->depth = PetscMax(sum->depth, strands.depth);
   sum->zones += strands.zones;
-  for (int d = 0; d < 3; d++) sum->tip[d] += force[points][d];
+  for (int d = 0; d < 3; d++) {
+    sum->tip[d] += force[points][d];
+    sum->clamp[d] += strands.clamp[d];
+  }
+  if (couple) sum->tip[SPIN] += AboutTangent(nodes, points - 1, couple[points]);
   if (strands.nearest < sum->nearest) {
     sum->nearest = strands.nearest;
     for (int k = 0; k < 2; k++) sum->at[k] = strands.at[k];

@@ -586,13 +586,16 @@ static void HoldPoint(const Load *load, const Place *at, PetscReal seen, LoadDua
   *creep = LargerOf(*creep, LoadHold(load, at, seen, dual));
 }
 
-/* ... at the feet of a cell. */
-static void HoldFeet(Cell *cell, PetscInt i, PetscReal seen, PetscReal *creep) {
+/* ... at the feet of a cell, and adds what they bear. */
+static void HoldFeet(Cell *cell, PetscInt i, PetscReal seen, PetscReal *creep, RodForces *sum) {
   const Contact *contact = &cell->rod->scene->contact;
   Foot foot[MOST_FEET];
   FootCell of;
+  PetscInt n = CellsFeet(cell, i, &of, foot);
 
-  if (!contact->walls.rub || !CellsFeet(cell, i, &of, foot)) return;
+  for (PetscInt k = 0; k < n; k++)
+    for (int d = 0; d < 2; d++) sum->walls[d] += foot[k].force[d];
+  if (!contact->walls.rub || !n) return;
   {
     const PetscReal mu = contact->walls.wall[contact->walls.post[foot[0].post].wall].friction,
                     slip[2] = {foot[0].slip, 0};
@@ -602,32 +605,64 @@ static void HoldFeet(Cell *cell, PetscInt i, PetscReal seen, PetscReal *creep) {
   }
 }
 
+/* Adds what the points of a cell bear, their shifts not moved yet; end: what its first point does,
+   and then its last one. */
+static void AddForces(const Cell *cell, RodForces *end, RodForces *sum) {
+  const Frame *frame = (const Frame *)cell->rod->data;
+  const Point *at[3] = {NULL, cell->mid, cell->b};
+  const PetscReal weight[3] = {frame->end_weight, frame->mid_weight, frame->end_weight};
+
+  for (int k = 0; k < 3; k++) {
+    if (at[k]) LoadParts(cell->load, &at[k]->at, cell->dual[k], end->friction, end->walls);
+    for (int d = 0; d < 2; d++) {
+      sum->friction[d] += cell->h * weight[k] * cell->law[k].g * end->friction[d];
+      sum->walls[d] += cell->h * weight[k] * cell->law[k].g * end->walls[d];
+    }
+  }
+}
+
+/* Moves the shifts at the tip, and adds what it bears. */
+static void HoldTip(const Cell *cell, PetscReal seen, PetscReal *creep, RodForces *sum) {
+  Rod rod = cell->rod;
+  const Tip *tip = &rod->scene->tip;
+
+  TipWalls(tip, &cell->b->at, TipDual(rod), sum->tip);
+  for (int d = 0; d < 2; d++) sum->walls[d] += sum->tip[d];
+  for (int d = 0; d < 2 && cell->push && tip->type == TIP_FREE; d++)
+    sum->tip[d] += cell->push[2 * rod->last + 1][d];
+  if (TipResists(tip)) HoldPoint(&tip->resistance, &cell->b->at, seen, TipDual(rod), creep);
+  if (((const Frame *)rod->data)->duals > 1)
+    *creep = LargerOf(*creep, ContactHold(&rod->scene->contact, cell->b->at.x, cell->b->at.v, seen,
+                                          TipDual(rod) + 1));
+}
+
 /* Moves the shifts of exact Coulomb friction; creep is the largest speed of what is held. */
 static PetscErrorCode FrameHold(Rod rod, const RodState *at, PetscReal seen, PetscReal *creep) {
   Frame *frame = (Frame *)rod->data;
   PetscBool ends = (PetscBool)(frame->end_weight > 0);
   PetscInt first = PetscMax(rod->first - 1, 0);
+  RodForces sum = {.moved = 0}, beside = {.moved = 0}, end = {.moved = 0};
   Cell cell;
 
   PetscFunctionBegin;
   *creep = 0;
   PetscCall(CellsOpen(rod, at, PETSC_FALSE, &cell));
   for (PetscInt i = first; i < PetscMin(rod->end, rod->last); i++) {
+    RodForces *its = i >= rod->first ? &sum : &beside;
     CellsNext(&cell, i);
+    if (i == first) LoadParts(cell.load, &cell.a->at, cell.dual[0], end.friction, end.walls);
+    AddForces(&cell, &end, its);
     /* the clamped end does not move unless it slides: a shift there would hold nothing, and
        round-off adds up in it to a force on a rod whose x2 may be 1e-25 */
     if (i == first && ends && (i > 0 || cell.law->c != 0 || rod->scene->clamp == CLAMP_FREE))
       HoldPoint(cell.load, &cell.a->at, seen, cell.dual[0], creep);
     HoldPoint(cell.load, &cell.mid->at, seen, cell.dual[1], creep);
     if (ends) HoldPoint(cell.load, &cell.b->at, seen, cell.dual[2], creep);
-    if (frame->feet) HoldFeet(&cell, i, seen, creep);
+    if (frame->feet) HoldFeet(&cell, i, seen, creep, its);
   }
-  if (rod->end == rod->last + 1 && TipResists(&rod->scene->tip))
-    HoldPoint(&rod->scene->tip.resistance, &cell.b->at, seen, TipDual(rod), creep);
-  if (rod->end == rod->last + 1 && frame->duals > 1)
-    *creep = LargerOf(*creep, ContactHold(&rod->scene->contact, cell.b->at.x, cell.b->at.v, seen,
-                                          TipDual(rod) + 1));
+  if (rod->end == rod->last + 1) HoldTip(&cell, seen, creep, &sum);
   PetscCall(CellsClose(&cell));
+  RodKeepForces(rod, at->t, &sum);
   Forget(frame);
   if (frame->strands) PetscCall(FrameStrandsHold(rod, seen, creep));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, creep, 1, MPIU_REAL, MPI_MAX, rod->scene->comm));

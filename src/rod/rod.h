@@ -118,6 +118,15 @@ typedef struct {
   PetscErrorCode (*hold)(Rod, const RodState *, PetscReal seen, PetscReal *creep);
 } RodModel;
 
+/* What the world does to a rod, in the clamp's frame. */
+typedef struct {
+  PetscReal friction[3], walls[3]; /* forces of the friction along it, and of walls, tip included */
+  PetscReal moved;                 /* power of walls that move */
+  PetscReal
+      tip[4]; /* what contact does to the tip: force and, in space, couple about the tangent */
+} RodForces;
+enum { ROD_FORCES = sizeof(RodForces) / sizeof(PetscReal) };
+
 struct _Rod {
   const RodModel *model;
   Scene scene;
@@ -130,6 +139,10 @@ struct _Rod {
   PetscBool coupled;    /* nodes far from each other along the rod see each other */
   PetscInt memory;      /* reals a node that its Newton's method remembers; 0: none */
   PetscReal oblique[2]; /* how much so walls are that press: RodFeelWalls() */
+  struct {
+    PetscReal t;
+    RodForces sum; /* this rank's part */
+  } held[2];       /* exact Coulomb friction: at its latest two states, see RodKeepForces() */
   void *data;
 };
 
@@ -157,6 +170,8 @@ PetscErrorCode RodAxes(Rod rod, Vec U, const PetscReal size[MAX_FIELDS], PetscRe
 PetscErrorCode RodTurn(Rod rod, const PetscReal axes[2], Vec V);
 PetscErrorCode RodSizesAlong(Rod rod, Vec U, const PetscReal axes[2], PetscReal size[MAX_FIELDS]);
 PetscErrorCode RodFeelWalls(Rod rod, PetscReal t, Vec U);
+void RodKeepForces(Rod rod, PetscReal t, const RodForces *sum);
+PetscErrorCode RodForcesAt(Rod rod, PetscReal t, RodForces *sum, PetscBool *known);
 PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal axes[2], PetscReal scale[MAX_FIELDS]);
 
 #endif
