@@ -44,8 +44,8 @@ struct _Observer {
   /* rank 0, in a scene with contact: NULL else */
   Touching touching;
   TouchSum contact;
-  PetscBool holds; /* exact friction, of which these are the forces: velocities do not tell them */
-  RodForces forces;
+  RodForces forces; /* what the stepper has kept of the state, of this rank's part */
+  PetscBool holds;  /* friction is exact, and they are of all of the rod: velocities do not tell */
   const PetscReal (*push)[PUSH]; /* force of contact per length */
 };
 
@@ -345,14 +345,18 @@ static PetscErrorCode MeasurePlane(Observer self, PetscReal t, const Piece *piec
   PetscFunctionReturn(0);
 }
 
-/* The forces of friction and of weight, whose integrals are in the clamp's frame; of exact friction
-   rank 0 knows what all of the rod bears. */
+/* The forces of friction and of weight, whose integrals are in the clamp's frame. Friction is that
+   of Newton's last step, which the residual tells from that of the velocities; exact friction is
+   known of all of the rod. */
 static void MeasureForces(Observer self, Observation *seen) {
+  const RodForces *kept = &self->forces;
   PetscReal friction[3] = {seen->friction_force_1, seen->friction_force_2, seen->friction_force_3},
             weight[3] = {seen->weight_force_1, seen->weight_force_2, seen->weight_force_3}, lab[3];
 
-  for (int d = 0; d < 3 && self->holds; d++)
-    friction[d] = self->gathered ? self->forces.friction[d] : 0;
+  for (int d = 0; d < 3; d++) {
+    if (self->holds) friction[d] = self->gathered ? kept->friction[d] : 0;
+    if (!self->holds || self->gathered) friction[d] -= kept->left[d];
+  }
   ForceToLab(self->scene, friction, lab);
   seen->friction_force_1 = lab[0];
   seen->friction_force_2 = lab[1];
@@ -780,12 +784,26 @@ static PetscErrorCode MeasureCrossings(Observer self, Vec v, Observation *seen) 
   PetscFunctionReturn(0);
 }
 
+/* What the stepper has kept of a state, nothing of one at rest. Of exact friction rank 0 needs it
+   of all of the rod. */
+static PetscErrorCode TakeForces(Observer self, Rod rod, PetscReal t, Vec U_t) {
+  PetscBool known = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(&self->forces, sizeof(self->forces)));
+  if (U_t) known = RodForcesAt(rod, t, &self->forces);
+  self->holds = (PetscBool)(known && LoadSticks(&self->scene->load));
+  if (self->holds && !rod->alone)
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &self->forces, ROD_FORCES, MPIU_REAL, MPI_SUM,
+                               self->scene->comm));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode Look(Observer self, Rod rod, PetscReal t, Vec U, Vec U_t, Observation *seen) {
   Vec v;
 
   PetscFunctionBegin;
-  self->holds = PETSC_FALSE;
-  if (U_t) PetscCall(RodForcesAt(rod, t, &self->forces, &self->holds));
+  PetscCall(TakeForces(self, rod, t, U_t));
   PetscCall(NodesOf(rod, t, U, U_t, &v));
   if (self->scene->contact.any)
     PetscCall(MeasureWhole(self, t, v, (PetscBool)(U_t != NULL), seen));

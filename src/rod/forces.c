@@ -1,40 +1,67 @@
-/* What the world does to a rod under exact Coulomb friction, where its velocities do not say it. */
+/* What the world does to a rod in the states that its stepper has solved for, where velocities do
+   not say it: what Newton's method has left of the balance, and what exact Coulomb friction holds.
+ */
 #include "rod/rod.h"
+#include <string.h>
 
-/*
-  RodKeepForces - for a model's hold(): keeps what this rank's part of the rod bore in the state
-  that is about to be held, so in the equations as they were solved. (Behind that the shifts that
-  hold it are others, and of what sticks nothing else tells the force.) A state is forgotten when
-  the second of a later time comes; one that the stepper did not take, when it is tried again.
-*/
-void RodKeepForces(Rod rod, PetscReal t, const RodForces *sum) {
-  if (rod->held[0].t < t) rod->held[1] = rod->held[0];
-  rod->held[0].t = t;
-  rod->held[0].sum = *sum;
+/* The first field of the force n. */
+static PetscInt FirstForce(const RodModel *model) {
+  PetscInt f = 0;
+
+  while (f < model->fields && strcmp(model->field[f], "n1")) f++;
+  return f;
 }
 
 /*
-  RodForcesAt - what the world does to the whole rod at t, on every rank: within the latest step
-  linear in time, for there the velocities of what sticks are noise. Collective.
+  RodKeepLeft - for a state at t that is taken for solved: keeps what this rank's cells leave of the
+  balance of forces,
 
-  known  false: friction is not exact, or there was no step yet
+    sum of n_b - n_a - int g F ds,
+
+  F the residual there. Velocities settle before forces do: so friction that is computed from them
+  is still off by that from the friction of Newton's last step, with which n is in balance. Of the
+  times asked for later two are kept; one that was tried, and not taken, is written over.
 */
-PetscErrorCode RodForcesAt(Rod rod, PetscReal t, RodForces *sum, PetscBool *known) {
-  const PetscReal h = rod->held[0].t - rod->held[1].t;
-  PetscReal part = 1; /* of the latest */
+PetscErrorCode RodKeepLeft(Rod rod, PetscReal t, Vec F) {
+  const PetscInt fields = rod->model->fields, n = FirstForce(rod->model),
+                 last = PetscMin(rod->end, rod->last);
+  RodForces sum = {.moved = 0};
+  const PetscScalar *r;
 
   PetscFunctionBegin;
-  *known = (PetscBool)(LoadSticks(&rod->scene->load) && rod->held[0].t > PETSC_MIN_REAL);
-  if (!*known) PetscFunctionReturn(0);
-  if (rod->held[1].t > PETSC_MIN_REAL) part = PetscMax(0, PetscMin(1, (t - rod->held[1].t) / h));
-  for (int k = 0; k < ROD_FORCES; k++) {
-    const PetscReal now = ((PetscReal *)&rod->held[0].sum)[k];
-    ((PetscReal *)sum)[k] = now;
-    if (part < 1)
-      ((PetscReal *)sum)[k] = part * now + (1 - part) * ((PetscReal *)&rod->held[1].sum)[k];
-  }
-  if (!rod->alone)
-    PetscCallMPI(
-        MPI_Allreduce(MPI_IN_PLACE, sum, ROD_FORCES, MPIU_REAL, MPI_SUM, rod->scene->comm));
+  if (n == fields) PetscFunctionReturn(0);
+  PetscCall(VecGetArrayRead(F, &r));
+  for (PetscInt i = 0; i < last - rod->first; i++)
+    for (PetscInt d = 0; n + d < fields; d++) sum.left[d] += r[i * fields + n + d];
+  PetscCall(VecRestoreArrayRead(F, &r));
+  if (rod->kept[0].t < t) rod->kept[1] = rod->kept[0];
+  rod->kept[0].t = t;
+  rod->kept[0].sum = sum;
   PetscFunctionReturn(0);
+}
+
+/* RodKeepHeld - for a model's hold(): keeps beside it what this rank's part bears before its shifts
+   are moved, so as in the equations that were solved. (Behind that they are others, and of what
+   sticks nothing else tells the force.) */
+void RodKeepHeld(Rod rod, const RodForces *sum) {
+  RodForces *kept = &rod->kept[0].sum;
+  PetscReal left[3];
+
+  for (int d = 0; d < 3; d++) left[d] = kept->left[d];
+  *kept = *sum;
+  for (int d = 0; d < 3; d++) kept->left[d] = left[d];
+}
+
+/* RodForcesAt - what was kept of this rank's part at t, all 0 if nothing was: within the latest
+   step linear in time, for there the velocities of what sticks are noise. */
+PetscBool RodForcesAt(Rod rod, PetscReal t, RodForces *sum) {
+  const PetscReal before = rod->kept[1].t, now = rod->kept[0].t;
+  const PetscReal *from = (const PetscReal *)&rod->kept[1].sum,
+                  *to = (const PetscReal *)&rod->kept[0].sum;
+  PetscReal part = 1;
+
+  if (before > PETSC_MIN_REAL) part = PetscMax(0, PetscMin(1, (t - before) / (now - before)));
+  for (int k = 0; k < ROD_FORCES; k++)
+    ((PetscReal *)sum)[k] = part < 1 ? part * to[k] + (1 - part) * from[k] : to[k];
+  return (PetscBool)(now > PETSC_MIN_REAL);
 }

@@ -662,7 +662,7 @@ static PetscErrorCode FrameHold(Rod rod, const RodState *at, PetscReal seen, Pet
   }
   if (rod->end == rod->last + 1) HoldTip(&cell, seen, creep, &sum);
   PetscCall(CellsClose(&cell));
-  RodKeepForces(rod, at->t, &sum);
+  RodKeepHeld(rod, &sum);
   Forget(frame);
   if (frame->strands) PetscCall(FrameStrandsHold(rod, seen, creep));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, creep, 1, MPIU_REAL, MPI_MAX, rod->scene->comm));

@@ -124,6 +124,7 @@ typedef struct {
   PetscReal moved;                 /* power of walls that move */
   PetscReal
       tip[4]; /* what contact does to the tip: force and, in space, couple about the tangent */
+  PetscReal left[3]; /* what is left of the balance */
 } RodForces;
 enum { ROD_FORCES = sizeof(RodForces) / sizeof(PetscReal) };
 
@@ -142,7 +143,7 @@ struct _Rod {
   struct {
     PetscReal t;
     RodForces sum; /* this rank's part */
-  } held[2];       /* exact Coulomb friction: at its latest two states, see RodKeepForces() */
+  } kept[2];       /* of the latest two states, the latest first: see RodKeepLeft() */
   void *data;
 };
 
@@ -170,8 +171,9 @@ PetscErrorCode RodAxes(Rod rod, Vec U, const PetscReal size[MAX_FIELDS], PetscRe
 PetscErrorCode RodTurn(Rod rod, const PetscReal axes[2], Vec V);
 PetscErrorCode RodSizesAlong(Rod rod, Vec U, const PetscReal axes[2], PetscReal size[MAX_FIELDS]);
 PetscErrorCode RodFeelWalls(Rod rod, PetscReal t, Vec U);
-void RodKeepForces(Rod rod, PetscReal t, const RodForces *sum);
-PetscErrorCode RodForcesAt(Rod rod, PetscReal t, RodForces *sum, PetscBool *known);
+PetscErrorCode RodKeepLeft(Rod rod, PetscReal t, Vec F);
+void RodKeepHeld(Rod rod, const RodForces *sum);
+PetscBool RodForcesAt(Rod rod, PetscReal t, RodForces *sum);
 PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal axes[2], PetscReal scale[MAX_FIELDS]);
 
 #endif

@@ -757,7 +757,7 @@ static PetscErrorCode SpaceHold(Rod rod, const RodState *at, PetscReal seen, Pet
   }
   if (rod->end == rod->last + 1) HoldTip(&cell, seen, creep, &sum);
   PetscCall(SpaceCellsClose(&cell));
-  RodKeepForces(rod, at->t, &sum);
+  RodKeepHeld(rod, &sum);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, creep, 1, MPIU_REAL, MPI_MAX, rod->scene->comm));
   PetscFunctionReturn(0);
 }

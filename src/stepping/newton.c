@@ -239,6 +239,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
   }
   hopeless = Hopeless(self, it, Largest(residual), (PetscBool)(part < whole));
   if (!*reason && hopeless) *reason = SNES_DIVERGED_LINE_SEARCH;
+  if (*reason > 0) PetscCall(RodKeepLeft(self->rod, self->latest.t, F));
   if (*reason > 0 && LoadSticks(&self->rod->scene->load) && self->rod->model->hold)
     PetscCall(Hold(self, snes, U, F, reason));
   PetscCall(PetscArraycpy(self->residual, residual, GROUPS));
