@@ -44,8 +44,9 @@ struct _Observer {
   /* rank 0, in a scene with contact: NULL else */
   Touching touching;
   TouchSum contact;
-  RodForces forces; /* what the stepper has kept of the state, of this rank's part */
-  PetscBool holds;  /* friction is exact, and they are of all of the rod: velocities do not tell */
+  RodForces forces;              /* what the stepper has kept of the state, of this rank's part */
+  PetscBool linear;              /* they are of a rod of the linear model */
+  PetscBool whole;               /* they are all forces, of all of the rod */
   const PetscReal (*push)[PUSH]; /* force of contact per length */
 };
 
@@ -345,18 +346,33 @@ static PetscErrorCode MeasurePlane(Observer self, PetscReal t, const Piece *piec
   PetscFunctionReturn(0);
 }
 
+/* What a piece of a rod gives to n1(0) - n1(1). */
+static PetscReal AxialDrop(Scene scene, const Piece *piece) {
+  PetscReal drop = 0;
+
+  if (piece->end < piece->first) return 0;
+  for (int end = 0; end < 2; end++) {
+    const Node *node = &piece->node[end ? piece->end - piece->first : 0];
+    const PetscReal n1 = scene->space.rod ? node->n3[0] : node->force[0];
+    if (!end && !piece->first) drop += n1;
+    if (end && piece->end == scene->mesh.cells) drop -= n1;
+  }
+  return drop;
+}
+
 /* The forces of friction and of weight, whose integrals are in the clamp's frame. Friction is that
    of Newton's last step, which the residual tells from that of the velocities; exact friction is
-   known of all of the rod. */
-static void MeasureForces(Observer self, Observation *seen) {
+   known of all of the rod. The linear model has integrated that along the axis more finely. */
+static void MeasureForces(Observer self, const Piece *piece, Observation *seen) {
   const RodForces *kept = &self->forces;
   PetscReal friction[3] = {seen->friction_force_1, seen->friction_force_2, seen->friction_force_3},
             weight[3] = {seen->weight_force_1, seen->weight_force_2, seen->weight_force_3}, lab[3];
 
   for (int d = 0; d < 3; d++) {
-    if (self->holds) friction[d] = self->gathered ? kept->friction[d] : 0;
-    if (!self->holds || self->gathered) friction[d] -= kept->left[d];
+    if (self->whole) friction[d] = self->gathered ? kept->friction[d] : 0;
+    if (!self->whole || self->gathered) friction[d] -= kept->left[d];
   }
+  if (self->linear) friction[0] = AxialDrop(self->scene, piece) - weight[0];
   ForceToLab(self->scene, friction, lab);
   seen->friction_force_1 = lab[0];
   seen->friction_force_2 = lab[1];
@@ -378,7 +394,7 @@ static PetscErrorCode MeasureIntegrals(Observer self, PetscReal t, const Piece *
                            self->contact.tip, n, of_cells, seen));
   } else if (piece->end >= piece->first)
     PetscCall(MeasurePlane(self, t, piece, lift, seen));
-  MeasureForces(self, seen);
+  MeasureForces(self, piece, seen);
   PetscFunctionReturn(0);
 }
 
@@ -746,7 +762,7 @@ static PetscErrorCode MeasureWhole(Observer self, PetscReal t, Vec v, PetscBool 
   if (piece.node) {
     piece.end = self->scene->mesh.cells;
     PetscCall(LookAtContact(self, t, piece.node, moves));
-    if (self->holds) WithWhatHolds(&self->forces, &self->contact);
+    if (self->whole) WithWhatHolds(&self->forces, &self->contact);
   }
   PetscCall(Measure(self, t, &piece, seen));
   PetscFunctionReturn(0);
@@ -784,16 +800,15 @@ static PetscErrorCode MeasureCrossings(Observer self, Vec v, Observation *seen) 
   PetscFunctionReturn(0);
 }
 
-/* What the stepper has kept of a state, nothing of one at rest. Of exact friction rank 0 needs it
-   of all of the rod. */
+/* What the stepper has kept of a state, nothing of one at rest. If it is whole rank 0 needs it of
+   all of the rod. */
 static PetscErrorCode TakeForces(Observer self, Rod rod, PetscReal t, Vec U_t) {
-  PetscBool known = PETSC_FALSE;
-
   PetscFunctionBegin;
   PetscCall(PetscMemzero(&self->forces, sizeof(self->forces)));
-  if (U_t) known = RodForcesAt(rod, t, &self->forces);
-  self->holds = (PetscBool)(known && LoadSticks(&self->scene->load));
-  if (self->holds && !rod->alone)
+  self->linear = rod->model->linear;
+  self->whole = PETSC_FALSE;
+  if (U_t) self->whole = RodForcesAt(rod, t, &self->forces);
+  if (self->whole && !rod->alone)
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &self->forces, ROD_FORCES, MPIU_REAL, MPI_SUM,
                                self->scene->comm));
   PetscFunctionReturn(0);

@@ -37,23 +37,27 @@ PetscErrorCode RodKeepLeft(Rod rod, PetscReal t, Vec F) {
   if (rod->kept[0].t < t) rod->kept[1] = rod->kept[0];
   rod->kept[0].t = t;
   rod->kept[0].sum = sum;
+  rod->kept[0].whole = PETSC_FALSE;
   PetscFunctionReturn(0);
 }
 
-/* RodKeepHeld - for a model's hold(): keeps beside it what this rank's part bears before its shifts
-   are moved, so as in the equations that were solved. (Behind that they are others, and of what
-   sticks nothing else tells the force.) */
-void RodKeepHeld(Rod rod, const RodForces *sum) {
+/* RodKeepBorne - keeps beside it what this rank's part bears, where an observer would not find the
+   same: of exact Coulomb friction, before the shifts are moved that hold what sticks, for behind
+   that nothing tells the force of the equations as they were solved; and of other quadratures than
+   his. */
+void RodKeepBorne(Rod rod, const RodForces *sum) {
   RodForces *kept = &rod->kept[0].sum;
   PetscReal left[3];
 
   for (int d = 0; d < 3; d++) left[d] = kept->left[d];
   *kept = *sum;
   for (int d = 0; d < 3; d++) kept->left[d] = left[d];
+  rod->kept[0].whole = PETSC_TRUE;
 }
 
 /* RodForcesAt - what was kept of this rank's part at t, all 0 if nothing was: within the latest
-   step linear in time, for there the velocities of what sticks are noise. */
+   step linear in time, for there the velocities of what sticks are noise. Returns whether it is
+   more than what is left. */
 PetscBool RodForcesAt(Rod rod, PetscReal t, RodForces *sum) {
   const PetscReal before = rod->kept[1].t, now = rod->kept[0].t;
   const PetscReal *from = (const PetscReal *)&rod->kept[1].sum,
@@ -63,5 +67,5 @@ PetscBool RodForcesAt(Rod rod, PetscReal t, RodForces *sum) {
   if (before > PETSC_MIN_REAL) part = PetscMax(0, PetscMin(1, (t - before) / (now - before)));
   for (int k = 0; k < ROD_FORCES; k++)
     ((PetscReal *)sum)[k] = part < 1 ? part * to[k] + (1 - part) * from[k] : to[k];
-  return (PetscBool)(now > PETSC_MIN_REAL);
+  return rod->kept[0].whole;
 }

@@ -586,16 +586,13 @@ static void HoldPoint(const Load *load, const Place *at, PetscReal seen, LoadDua
   *creep = LargerOf(*creep, LoadHold(load, at, seen, dual));
 }
 
-/* ... at the feet of a cell, and adds what they bear. */
-static void HoldFeet(Cell *cell, PetscInt i, PetscReal seen, PetscReal *creep, RodForces *sum) {
+/* ... at the feet of a cell. */
+static void HoldFeet(Cell *cell, PetscInt i, PetscReal seen, PetscReal *creep) {
   const Contact *contact = &cell->rod->scene->contact;
   Foot foot[MOST_FEET];
   FootCell of;
-  PetscInt n = CellsFeet(cell, i, &of, foot);
 
-  for (PetscInt k = 0; k < n; k++)
-    for (int d = 0; d < 2; d++) sum->walls[d] += foot[k].force[d];
-  if (!contact->walls.rub || !n) return;
+  if (!contact->walls.rub || !CellsFeet(cell, i, &of, foot)) return;
   {
     const PetscReal mu = contact->walls.wall[contact->walls.post[foot[0].post].wall].friction,
                     slip[2] = {foot[0].slip, 0};
@@ -605,12 +602,15 @@ static void HoldFeet(Cell *cell, PetscInt i, PetscReal seen, PetscReal *creep, R
   }
 }
 
-/* Adds what the points of a cell bear, their shifts not moved yet; end: what its first point does,
-   and then its last one. */
-static void AddForces(const Cell *cell, RodForces *end, RodForces *sum) {
+/* Adds what the points of cell i and its feet bear; end: what its first point does, and then its
+   last one. */
+static void AddForces(const Cell *cell, PetscInt i, RodForces *end, RodForces *sum) {
   const Frame *frame = (const Frame *)cell->rod->data;
   const Point *at[3] = {NULL, cell->mid, cell->b};
   const PetscReal weight[3] = {frame->end_weight, frame->mid_weight, frame->end_weight};
+  Foot foot[MOST_FEET];
+  FootCell of;
+  PetscInt n = frame->feet ? CellsFeet(cell, i, &of, foot) : 0;
 
   for (int k = 0; k < 3; k++) {
     if (at[k]) LoadParts(cell->load, &at[k]->at, cell->dual[k], end->friction, end->walls);
@@ -619,10 +619,12 @@ static void AddForces(const Cell *cell, RodForces *end, RodForces *sum) {
       sum->walls[d] += cell->h * weight[k] * cell->law[k].g * end->walls[d];
     }
   }
+  for (PetscInt k = 0; k < n; k++)
+    for (int d = 0; d < 2; d++) sum->walls[d] += foot[k].force[d];
 }
 
-/* Moves the shifts at the tip, and adds what it bears. */
-static void HoldTip(const Cell *cell, PetscReal seen, PetscReal *creep, RodForces *sum) {
+/* Adds what the tip bears. */
+static void AddTip(const Cell *cell, RodForces *sum) {
   Rod rod = cell->rod;
   const Tip *tip = &rod->scene->tip;
 
@@ -630,10 +632,24 @@ static void HoldTip(const Cell *cell, PetscReal seen, PetscReal *creep, RodForce
   for (int d = 0; d < 2; d++) sum->walls[d] += sum->tip[d];
   for (int d = 0; d < 2 && cell->push && tip->type == TIP_FREE; d++)
     sum->tip[d] += cell->push[2 * rod->last + 1][d];
-  if (TipResists(tip)) HoldPoint(&tip->resistance, &cell->b->at, seen, TipDual(rod), creep);
-  if (((const Frame *)rod->data)->duals > 1)
-    *creep = LargerOf(*creep, ContactHold(&rod->scene->contact, cell->b->at.x, cell->b->at.v, seen,
-                                          TipDual(rod) + 1));
+}
+
+static PetscErrorCode FrameBears(Rod rod, const RodState *at, RodForces *sum) {
+  RodForces end = {.moved = 0};
+  Cell cell;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(sum, sizeof(*sum)));
+  PetscCall(CellsOpen(rod, at, PETSC_FALSE, &cell));
+  for (PetscInt i = PetscMax(rod->first - 1, 0); i < PetscMin(rod->end, rod->last); i++) {
+    CellsNext(&cell, i);
+    if (i < rod->first) continue;
+    if (i == rod->first) LoadParts(cell.load, &cell.a->at, cell.dual[0], end.friction, end.walls);
+    AddForces(&cell, i, &end, sum);
+  }
+  if (rod->end == rod->last + 1) AddTip(&cell, sum);
+  PetscCall(CellsClose(&cell));
+  PetscFunctionReturn(0);
 }
 
 /* Moves the shifts of exact Coulomb friction; creep is the largest speed of what is held. */
@@ -641,28 +657,30 @@ static PetscErrorCode FrameHold(Rod rod, const RodState *at, PetscReal seen, Pet
   Frame *frame = (Frame *)rod->data;
   PetscBool ends = (PetscBool)(frame->end_weight > 0);
   PetscInt first = PetscMax(rod->first - 1, 0);
-  RodForces sum = {.moved = 0}, beside = {.moved = 0}, end = {.moved = 0};
+  RodForces sum;
   Cell cell;
 
   PetscFunctionBegin;
   *creep = 0;
+  PetscCall(FrameBears(rod, at, &sum));
+  RodKeepBorne(rod, &sum);
   PetscCall(CellsOpen(rod, at, PETSC_FALSE, &cell));
   for (PetscInt i = first; i < PetscMin(rod->end, rod->last); i++) {
-    RodForces *its = i >= rod->first ? &sum : &beside;
     CellsNext(&cell, i);
-    if (i == first) LoadParts(cell.load, &cell.a->at, cell.dual[0], end.friction, end.walls);
-    AddForces(&cell, &end, its);
     /* the clamped end does not move unless it slides: a shift there would hold nothing, and
        round-off adds up in it to a force on a rod whose x2 may be 1e-25 */
     if (i == first && ends && (i > 0 || cell.law->c != 0 || rod->scene->clamp == CLAMP_FREE))
       HoldPoint(cell.load, &cell.a->at, seen, cell.dual[0], creep);
     HoldPoint(cell.load, &cell.mid->at, seen, cell.dual[1], creep);
     if (ends) HoldPoint(cell.load, &cell.b->at, seen, cell.dual[2], creep);
-    if (frame->feet) HoldFeet(&cell, i, seen, creep, its);
+    if (frame->feet) HoldFeet(&cell, i, seen, creep);
   }
-  if (rod->end == rod->last + 1) HoldTip(&cell, seen, creep, &sum);
+  if (rod->end == rod->last + 1 && TipResists(&rod->scene->tip))
+    HoldPoint(&rod->scene->tip.resistance, &cell.b->at, seen, TipDual(rod), creep);
+  if (rod->end == rod->last + 1 && frame->duals > 1)
+    *creep = LargerOf(*creep, ContactHold(&rod->scene->contact, cell.b->at.x, cell.b->at.v, seen,
+                                          TipDual(rod) + 1));
   PetscCall(CellsClose(&cell));
-  RodKeepHeld(rod, &sum);
   Forget(frame);
   if (frame->strands) PetscCall(FrameStrandsHold(rod, seen, creep));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, creep, 1, MPIU_REAL, MPI_MAX, rod->scene->comm));
@@ -815,6 +833,7 @@ const RodModel rod_frame = {.name = "frame",
                             .get = FrameGet,
                             .residual = FrameResidual,
                             .hold = FrameHold,
+                            .bears = FrameBears,
                             .remember = FrameRemember,
                             .recall = FrameRecall,
                             .defect = FrameDefect,

@@ -74,6 +74,16 @@ typedef struct {
   PetscBool counts;   /* modes are to be counted in it: symmetric if it can */
 } RodState;
 
+/* What the world does to a rod, in the clamp's frame. */
+typedef struct {
+  PetscReal friction[3], walls[3]; /* forces of the friction along it, and of walls, tip included */
+  PetscReal moved;                 /* power of walls that move */
+  PetscReal
+      tip[4]; /* what contact does to the tip: force and, in space, couple about the tangent */
+  PetscReal left[3]; /* what is left of the balance */
+} RodForces;
+enum { ROD_FORCES = sizeof(RodForces) / sizeof(PetscReal) };
+
 typedef struct {
   const char *name;
   PetscInt fields;  /* unknowns per node */
@@ -116,17 +126,10 @@ typedef struct {
   void (*scale)(PetscReal size[]);
   /* exact Coulomb friction: see LoadHold(); NULL: regularised friction only */
   PetscErrorCode (*hold)(Rod, const RodState *, PetscReal seen, PetscReal *creep);
+  /* what the world does to the owned cells in the state of the latest residual, as the equations
+     have it; NULL: an observer knows */
+  PetscErrorCode (*bears)(Rod, const RodState *, RodForces *);
 } RodModel;
-
-/* What the world does to a rod, in the clamp's frame. */
-typedef struct {
-  PetscReal friction[3], walls[3]; /* forces of the friction along it, and of walls, tip included */
-  PetscReal moved;                 /* power of walls that move */
-  PetscReal
-      tip[4]; /* what contact does to the tip: force and, in space, couple about the tangent */
-  PetscReal left[3]; /* what is left of the balance */
-} RodForces;
-enum { ROD_FORCES = sizeof(RodForces) / sizeof(PetscReal) };
 
 struct _Rod {
   const RodModel *model;
@@ -142,8 +145,9 @@ struct _Rod {
   PetscReal oblique[2]; /* how much so walls are that press: RodFeelWalls() */
   struct {
     PetscReal t;
-    RodForces sum; /* this rank's part */
-  } kept[2];       /* of the latest two states, the latest first: see RodKeepLeft() */
+    PetscBool whole; /* all of the sum, and not only what is left, */
+    RodForces sum;   /* of this rank's part */
+  } kept[2];         /* of the latest two states, the latest first: see RodKeepLeft() */
   void *data;
 };
 
@@ -172,7 +176,7 @@ PetscErrorCode RodTurn(Rod rod, const PetscReal axes[2], Vec V);
 PetscErrorCode RodSizesAlong(Rod rod, Vec U, const PetscReal axes[2], PetscReal size[MAX_FIELDS]);
 PetscErrorCode RodFeelWalls(Rod rod, PetscReal t, Vec U);
 PetscErrorCode RodKeepLeft(Rod rod, PetscReal t, Vec F);
-void RodKeepHeld(Rod rod, const RodForces *sum);
+void RodKeepBorne(Rod rod, const RodForces *sum);
 PetscBool RodForcesAt(Rod rod, PetscReal t, RodForces *sum);
 PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal axes[2], PetscReal scale[MAX_FIELDS]);
 

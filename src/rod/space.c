@@ -690,8 +690,8 @@ static PetscErrorCode SpaceEliminate(Rod rod, const RodState *at, Elimination el
 
 /* ---- exact Coulomb friction, and what is remembered ---- */
 
-/* Adds what the points of a cell and its feet bear, their shifts not moved yet; end: what its first
-   point does, and then its last one. */
+/* Adds what the points of a cell and its feet bear; end: what its first point does, and then its
+   last one. */
 static void AddForces(const Cell *cell, RodForces *end, RodForces *sum) {
   const Space_ *self = (const Space_ *)cell->rod->data;
   const Point *at[3] = {NULL, &cell->mid, &cell->b};
@@ -715,8 +715,8 @@ static void AddForces(const Cell *cell, RodForces *end, RodForces *sum) {
     }
 }
 
-/* Moves the shifts at the tip, and adds what it bears. */
-static void HoldTip(const Cell *cell, PetscReal seen, PetscReal *creep, RodForces *sum) {
+/* Adds what the tip bears. */
+static void AddTip(const Cell *cell, RodForces *sum) {
   Rod rod = cell->rod;
   const TipState3 tip = TipOf(cell->load, &cell->b);
   const PetscInt last = 2 * rod->last + 1;
@@ -727,7 +727,25 @@ static void HoldTip(const Cell *cell, PetscReal seen, PetscReal *creep, RodForce
     sum->tip[d] += cell->push[last][d];
     if (cell->couple) sum->tip[SPIN] += cell->couple[last][d] * cell->b.d[0][d];
   }
-  *creep = LargerOf(*creep, TipHold3(&rod->scene->tip, &tip, seen, TipDual(rod)));
+}
+
+static PetscErrorCode SpaceBears(Rod rod, const RodState *at, RodForces *sum) {
+  RodForces end = {.moved = 0};
+  Cell cell;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(sum, sizeof(*sum)));
+  PetscCall(SpaceCellsOpen(rod, at, &cell));
+  for (PetscInt i = PetscMax(rod->first - 1, 0); i < PetscMin(rod->end, rod->last); i++) {
+    SpaceCellsNext(&cell, i);
+    if (i < rod->first) continue;
+    if (i == rod->first)
+      LoadParts3(cell.load, &cell.a.at, cell.dual[0], end.friction, end.walls, &end.moved);
+    AddForces(&cell, &end, sum);
+  }
+  if (rod->end == rod->last + 1) AddTip(&cell, sum);
+  PetscCall(SpaceCellsClose(&cell));
+  PetscFunctionReturn(0);
 }
 
 /* Moves the shifts of exact Coulomb friction; creep is the largest speed of what is held. (The
@@ -736,17 +754,16 @@ static PetscErrorCode SpaceHold(Rod rod, const RodState *at, PetscReal seen, Pet
   Space_ *self = (Space_ *)rod->data;
   PetscBool ends = (PetscBool)(self->end_weight > 0);
   PetscInt first = PetscMax(rod->first - 1, 0);
-  RodForces sum = {.moved = 0}, beside = {.moved = 0}, end = {.moved = 0};
+  RodForces sum;
   Cell cell;
 
   PetscFunctionBegin;
   *creep = 0;
+  PetscCall(SpaceBears(rod, at, &sum));
+  RodKeepBorne(rod, &sum);
   PetscCall(SpaceCellsOpen(rod, at, &cell));
   for (PetscInt i = first; i < PetscMin(rod->end, rod->last); i++) {
     SpaceCellsNext(&cell, i);
-    if (i == first)
-      LoadParts3(cell.load, &cell.a.at, cell.dual[0], end.friction, end.walls, &end.moved);
-    AddForces(&cell, &end, i >= rod->first ? &sum : &beside);
     if (i == first && ends && (i > 0 || cell.law->c != 0 || rod->scene->clamp == CLAMP_FREE))
       *creep = LargerOf(*creep, LoadHold3(cell.load, &cell.a.at, seen, cell.dual[0]));
     *creep = LargerOf(*creep, LoadHold3(cell.load, &cell.mid.at, seen, cell.dual[1]));
@@ -755,9 +772,11 @@ static PetscErrorCode SpaceHold(Rod rod, const RodState *at, PetscReal seen, Pet
       *creep =
           LargerOf(*creep, FeetHold3(&rod->scene->contact, &cell.feet, seen, FootDuals(&cell, i)));
   }
-  if (rod->end == rod->last + 1) HoldTip(&cell, seen, creep, &sum);
+  if (rod->end == rod->last + 1) {
+    TipState3 tip = TipOf(cell.load, &cell.b);
+    *creep = LargerOf(*creep, TipHold3(&rod->scene->tip, &tip, seen, TipDual(rod)));
+  }
   PetscCall(SpaceCellsClose(&cell));
-  RodKeepHeld(rod, &sum);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, creep, 1, MPIU_REAL, MPI_MAX, rod->scene->comm));
   PetscFunctionReturn(0);
 }
@@ -1172,6 +1191,7 @@ const RodModel rod_space = {
     .moments = SpaceMoments,
     .turned = SpaceTurned,
     .hold = SpaceHold,
+    .bears = SpaceBears,
     .remember = SpaceRemember,
     .recall = SpaceRecall,
     .jacobian = SpaceJacobian,
