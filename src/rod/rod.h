@@ -74,6 +74,16 @@ typedef struct {
   PetscBool counts;   /* modes are to be counted in it: symmetric if it can */
 } RodState;
 
+/* What the world does to a rod, in the clamp's frame. */
+typedef struct {
+  PetscReal friction[3], walls[3]; /* forces of the friction along it, and of walls, tip included */
+  PetscReal moved;                 /* power of walls that move */
+  PetscReal
+      tip[4]; /* what contact does to the tip: force and, in space, couple about the tangent */
+  PetscReal left[3]; /* what is left of the balance */
+} RodForces;
+enum { ROD_FORCES = sizeof(RodForces) / sizeof(PetscReal) };
+
 typedef struct {
   const char *name;
   PetscInt fields;  /* unknowns per node */
@@ -116,6 +126,9 @@ typedef struct {
   void (*scale)(PetscReal size[]);
   /* exact Coulomb friction: see LoadHold(); NULL: regularised friction only */
   PetscErrorCode (*hold)(Rod, const RodState *, PetscReal seen, PetscReal *creep);
+  /* what the world does to the owned cells in the state of the latest residual, as the equations
+     have it; NULL: an observer knows */
+  PetscErrorCode (*bears)(Rod, const RodState *, RodForces *);
 } RodModel;
 
 struct _Rod {
@@ -130,6 +143,11 @@ struct _Rod {
   PetscBool coupled;    /* nodes far from each other along the rod see each other */
   PetscInt memory;      /* reals a node that its Newton's method remembers; 0: none */
   PetscReal oblique[2]; /* how much so walls are that press: RodFeelWalls() */
+  struct {
+    PetscReal t;
+    PetscBool whole; /* all of the sum, and not only what is left, */
+    RodForces sum;   /* of this rank's part */
+  } kept[2];         /* of the latest two states, the latest first: see RodKeepLeft() */
   void *data;
 };
 
@@ -157,6 +175,9 @@ PetscErrorCode RodAxes(Rod rod, Vec U, const PetscReal size[MAX_FIELDS], PetscRe
 PetscErrorCode RodTurn(Rod rod, const PetscReal axes[2], Vec V);
 PetscErrorCode RodSizesAlong(Rod rod, Vec U, const PetscReal axes[2], PetscReal size[MAX_FIELDS]);
 PetscErrorCode RodFeelWalls(Rod rod, PetscReal t, Vec U);
+PetscErrorCode RodKeepLeft(Rod rod, PetscReal t, Vec F);
+void RodKeepBorne(Rod rod, const RodForces *sum);
+PetscBool RodForcesAt(Rod rod, PetscReal t, RodForces *sum);
 PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal axes[2], PetscReal scale[MAX_FIELDS]);
 
 #endif

@@ -690,16 +690,77 @@ static PetscErrorCode SpaceEliminate(Rod rod, const RodState *at, Elimination el
 
 /* ---- exact Coulomb friction, and what is remembered ---- */
 
+/* Adds what the points of a cell and its feet bear; end: what its first point does, and then its
+   last one. */
+static void AddForces(const Cell *cell, RodForces *end, RodForces *sum) {
+  const Space_ *self = (const Space_ *)cell->rod->data;
+  const Point *at[3] = {NULL, &cell->mid, &cell->b};
+  const PetscReal weight[3] = {self->end_weight, self->mid_weight, self->end_weight};
+
+  for (int k = 0; k < 3; k++) {
+    const PetscReal length = cell->h * weight[k] * cell->law[k].g;
+    if (at[k])
+      LoadParts3(cell->load, &at[k]->at, cell->dual[k], end->friction, end->walls, &end->moved);
+    for (int d = 0; d < 3; d++) {
+      sum->friction[d] += length * end->friction[d];
+      sum->walls[d] += length * end->walls[d];
+    }
+    sum->moved += length * end->moved;
+  }
+  for (PetscInt k = 0; k < cell->feet.n; k++)
+    for (int d = 0; d < 3; d++) {
+      const Touch3 *touch = &cell->feet.touch[k];
+      sum->walls[d] += cell->feet.foot[k].force[d];
+      if (touch->moves) sum->moved += cell->feet.foot[k].force[d] * touch->v[d];
+    }
+}
+
+/* Adds what the tip bears. */
+static void AddTip(const Cell *cell, RodForces *sum) {
+  Rod rod = cell->rod;
+  const TipState3 tip = TipOf(cell->load, &cell->b);
+  const PetscInt last = 2 * rod->last + 1;
+
+  sum->moved += TipWalls3(&rod->scene->tip, &tip, TipDual(rod), sum->tip);
+  for (int d = 0; d < 3; d++) sum->walls[d] += sum->tip[d];
+  for (int d = 0; d < 3 && cell->push && rod->scene->tip.type == TIP_FREE; d++) {
+    sum->tip[d] += cell->push[last][d];
+    if (cell->couple) sum->tip[SPIN] += cell->couple[last][d] * cell->b.d[0][d];
+  }
+}
+
+static PetscErrorCode SpaceBears(Rod rod, const RodState *at, RodForces *sum) {
+  RodForces end = {.moved = 0};
+  Cell cell;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(sum, sizeof(*sum)));
+  PetscCall(SpaceCellsOpen(rod, at, &cell));
+  for (PetscInt i = PetscMax(rod->first - 1, 0); i < PetscMin(rod->end, rod->last); i++) {
+    SpaceCellsNext(&cell, i);
+    if (i < rod->first) continue;
+    if (i == rod->first)
+      LoadParts3(cell.load, &cell.a.at, cell.dual[0], end.friction, end.walls, &end.moved);
+    AddForces(&cell, &end, sum);
+  }
+  if (rod->end == rod->last + 1) AddTip(&cell, sum);
+  PetscCall(SpaceCellsClose(&cell));
+  PetscFunctionReturn(0);
+}
+
 /* Moves the shifts of exact Coulomb friction; creep is the largest speed of what is held. (The
    clamped end is not held unless it slides: see frame.c.) */
 static PetscErrorCode SpaceHold(Rod rod, const RodState *at, PetscReal seen, PetscReal *creep) {
   Space_ *self = (Space_ *)rod->data;
   PetscBool ends = (PetscBool)(self->end_weight > 0);
   PetscInt first = PetscMax(rod->first - 1, 0);
+  RodForces sum;
   Cell cell;
 
   PetscFunctionBegin;
   *creep = 0;
+  PetscCall(SpaceBears(rod, at, &sum));
+  RodKeepBorne(rod, &sum);
   PetscCall(SpaceCellsOpen(rod, at, &cell));
   for (PetscInt i = first; i < PetscMin(rod->end, rod->last); i++) {
     SpaceCellsNext(&cell, i);
@@ -1130,6 +1191,7 @@ const RodModel rod_space = {
     .moments = SpaceMoments,
     .turned = SpaceTurned,
     .hold = SpaceHold,
+    .bears = SpaceBears,
     .remember = SpaceRemember,
     .recall = SpaceRecall,
     .jacobian = SpaceJacobian,

@@ -181,6 +181,19 @@ static PetscErrorCode SetSearch(SNES snes, SNESLineSearchType type) {
   PetscFunctionReturn(0);
 }
 
+/* Keeps what an observer of the state does not find by himself; where places stick, Hold() does. */
+static PetscErrorCode KeepForces(Newton *self, Vec F) {
+  Rod rod = self->rod;
+  RodForces sum;
+
+  PetscFunctionBegin;
+  PetscCall(RodKeepLeft(rod, self->latest.t, F));
+  if (rod->order == 4 || !rod->model->bears) PetscFunctionReturn(0);
+  PetscCall(rod->model->bears(rod, &self->latest, &sum));
+  RodKeepBorne(rod, &sum);
+  PetscFunctionReturn(0);
+}
+
 /*
   Converged - the test of SNES: by the update, per field, against the field's own size. A norm of
   the residual over all fields would not see x2 at 1e-16 beside x1.
@@ -240,6 +253,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
   }
   hopeless = Hopeless(self, it, Largest(residual), (PetscBool)(part < whole));
   if (!*reason && hopeless) *reason = SNES_DIVERGED_LINE_SEARCH;
+  if (*reason > 0) PetscCall(KeepForces(self, F));
   if (*reason > 0 && LoadSticks(&self->rod->scene->load) && self->rod->model->hold)
     PetscCall(Hold(self, snes, U, F, reason));
   PetscCall(PetscArraycpy(self->residual, residual, GROUPS));

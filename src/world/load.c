@@ -158,6 +158,20 @@ void LoadForceWalls(const Load *load, const Place *at, const LoadDual *dual, Pet
   }
 }
 
+/* LoadParts - the forces of friction and of walls on the rod, per length. */
+void LoadParts(const Load *load, const Place *at, const LoadDual *dual, PetscReal friction[2],
+               PetscReal walls[2]) {
+  PetscReal f[2], of_walls[2] = {0, 0};
+
+  FrictionForce(&load->friction, at->v, dual, f);
+  if (load->varied) LoadForceVaried(load, at, f);
+  if (load->walls) LoadForceWalls(load, at, dual, of_walls);
+  for (int d = 0; d < 2; d++) {
+    friction[d] = -f[d];
+    walls[d] = -of_walls[d];
+  }
+}
+
 /* LoadSlopeWalls - the same for the slopes. */
 void LoadSlopeWalls(const Load *load, const Place *at, PetscBool fresh, LoadDual *dual,
                     LoadSlope *slope) {

@@ -73,6 +73,8 @@ void LoadSlopeVaried(const Load *load, const Place *at, const LoadDual *dual, Lo
 void LoadForceWalls(const Load *load, const Place *at, const LoadDual *dual, PetscReal f[2]);
 void LoadSlopeWalls(const Load *load, const Place *at, PetscBool fresh, LoadDual *dual,
                     LoadSlope *slope);
+void LoadParts(const Load *load, const Place *at, const LoadDual *dual, PetscReal friction[2],
+               PetscReal walls[2]);
 PetscReal LoadFactor(const Load *load, const PetscReal x[2], PetscReal t, PetscReal slope[2]);
 
 /* F */

@@ -34,6 +34,8 @@ void LoadForce3(const Load *load, const Place3 *at, const FrictionDual4 *dual, P
 void LoadLinearise3(const Load *load, const Place3 *at, PetscBool fresh, FrictionDual4 *dual,
                     LoadSlope3 *slope);
 PetscReal LoadHold3(const Load *load, const Place3 *at, PetscReal seen, FrictionDual4 dual[]);
+void LoadParts3(const Load *load, const Place3 *at, const FrictionDual4 *dual,
+                PetscReal friction[3], PetscReal walls[3], PetscReal *moved);
 void LoadSeen3(const Load *load, const Place3 *at, PetscReal f[RUBS]);
 PetscBool LoadInSpace(const Load *load);
 
