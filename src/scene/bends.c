@@ -103,3 +103,19 @@ PetscErrorCode SceneBends(Scene scene, PetscReal tolerance, Bends *bends) {
   PetscCall(BendsSort(bends, 0, scene->end_time));
   PetscFunctionReturn(0);
 }
+
+/* SceneFewBends - the same for who has no time for more than so many: those of noise are passed
+   over first. On exit the tolerance is what that took; of size 1 and more nothing is passed over
+   any further. */
+PetscErrorCode SceneFewBends(Scene scene, PetscInt most, PetscReal *tolerance, Bends *bends) {
+  PetscErrorCode error = SceneBends(scene, *tolerance, bends);
+
+  PetscFunctionBegin;
+  while (!error && bends->n > most && *tolerance < 1) {
+    PetscCall(BendsDestroy(bends));
+    *tolerance *= 4;
+    error = SceneBends(scene, *tolerance, bends);
+  }
+  PetscCall(error);
+  PetscFunctionReturn(0);
+}

@@ -478,14 +478,14 @@ static PetscErrorCode FindWay(Scene scene, PetscBool quiet, StraightWay way, Cri
   PetscFunctionReturn(0);
 }
 
-/* CriticalLooks - words for how a scene with tables was looked at, a colon before them; none where
+/* CriticalLooks - words for how a scene with tables was looked at, in brackets; none where
    nothing could come and go unseen. */
 const char *CriticalLooks(const Critical *self, char text[], size_t size) {
   char apart[64];
 
   text[0] = 0;
   if (self->bends)
-    (void)snprintf(text, size, ": looked at %d times, wherever tables bend, at most %s apart",
+    (void)snprintf(text, size, " (looked at %d times, wherever tables bend, at most %s apart)",
                    (int)self->looks, OptionBoth(self->widest, UNIT_TIME, apart));
   return text;
 }
@@ -505,7 +505,7 @@ static PetscErrorCode CheckFate(Scene scene, const Critical *self, Fate fate) {
             "-tip_force: nothing presses the straight rod, so it is stable, however long it is: "
             "load it, or let it grow (-growth_type)");
   UserCheck(fate == CROSSES, scene->comm,
-            "-ts_max_time %s: the straight rod is stable up to there%s%s; %s",
+            "-ts_max_time %s: the straight rod is stable up to there%s%s, %s",
             OptionBoth(scene->end_time, UNIT_TIME, text),
             fate == PULLED ? ", pulled all along" : "", CriticalLooks(self, looks, sizeof(looks)),
             GrowthOutlook(scene->growth));
