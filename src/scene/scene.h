@@ -49,6 +49,8 @@ void SceneAtSpeed(Scene fast, PetscReal speed);
 PetscErrorCode SceneLeaveFastTime(Scene *fast);
 PetscErrorCode SceneContactAt(Scene scene, PetscReal t);
 PetscReal SceneNextTurn(Scene scene, PetscReal t);
+PetscErrorCode SceneBends(Scene scene, PetscReal tolerance, Bends *bends);
+PetscErrorCode SceneFewBends(Scene scene, PetscInt most, PetscReal *tolerance, Bends *bends);
 void SceneAtTolerance(Scene scene, PetscReal rtol);
 PetscErrorCode SceneHoldTip(Scene scene, const PetscReal x[2], PetscReal theta);
 PetscErrorCode SceneHoldTip3(Scene scene, const PetscReal x[3], const PetscReal p[4]);
