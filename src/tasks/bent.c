@@ -439,7 +439,7 @@ static PetscErrorCode Follow(Scene scene, PetscReal rtol, PetscBool quiet, Petsc
   seen.widest = self.widest;
   PetscCall(Destroy(&self));
   PetscCall(error);
-  CrawlTell(&self.crawl, scene->load.friction.beta, crawl, sizeof(crawl));
+  CrawlTell(&self.crawl, scene->load.friction.beta, PETSC_FALSE, crawl, sizeof(crawl));
   UserCheck(!self.crawls, OptionsComm(), "%s", crawl);
   UserCheck(reason > 0 || (self.crosses && self.t > 0), OptionsComm(),
             "the bent rod could not be followed beyond t = %s (%s): try another -ts_rtol or more "

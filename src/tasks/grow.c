@@ -286,13 +286,23 @@ static PetscBool GotFirm(const Contact *contact) {
   return (PetscBool)(contact->deepest && contact->firm);
 }
 
+/* Is it in touch with a wall that rubs? */
+static PetscBool RubsOnWalls(const Grow *self) {
+  return (PetscBool)(self->seen.contact_force > 0 && ContactWallsRub(&self->scene->contact));
+}
+
+/* ... while dry friction holds it, too: see crawl_held. */
+static PetscBool HeldTwice(const Grow *self) {
+  return (PetscBool)(RubsOnWalls(self) && 1 - self->scene->load.friction.mu < 1e-3);
+}
+
 /* Does it crawl, and a viscous share of its friction is no help? */
 static PetscBool Crawls(Grow *self) {
   Load *load = &self->scene->load;
 
   if (self->seen.t >= self->scene->end_time) return PETSC_FALSE;
   self->crawl.soon = LoadMayCrawl(load);
-  self->crawl.counts = GotFirm(&self->scene->contact);
+  self->crawl.counts = (PetscBool)(GotFirm(&self->scene->contact) || RubsOnWalls(self));
   return (PetscBool)(CrawlStep(&self->crawl, self->seen.t,
                                crawl_part * PetscMin(self->seen.length, self->end),
                                self->seen.newton_iterations) &&
@@ -885,7 +895,7 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
   MPI_Comm comm = self->scene->comm;
   const char *const kept = OutputStores(self->output) ? "the results up to there are stored"
                                                       : "nothing is stored without -output FILE";
-  char text[3][64], jam[512] = "", crawl[512] = "", advice[512];
+  char text[3][64], jam[512] = "", crawl[768] = "", advice[512];
   PetscBool waves;
   PetscReal dt;
 
@@ -915,7 +925,7 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
       "rod moves, and it slips and sticks in no time, again and again; %s; take a larger "
       "-friction_across, or a lower -friction_mu: 0.99, or less",
       text[0], (double)self->scene->load.across, kept);
-  CrawlTell(&self->crawl, self->scene->load.friction.beta, crawl, sizeof(crawl));
+  CrawlTell(&self->crawl, self->scene->load.friction.beta, HeldTwice(self), crawl, sizeof(crawl));
   AdviseWaves(self, advice, sizeof(advice));
   waves = (PetscBool)(advice[0] != 0);
   UserCheck(!self->crawls, comm, "%s; %s%s%s", crawl, kept, waves ? "; " : "", advice);
@@ -946,8 +956,9 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
   }
   UserCheck(reason == TS_CONVERGED_TIME, comm, "gave up at t = %s with a step of %s (%s): %s; %s",
             text[0], text[1], TSConvergedReasons[reason], kept,
-            advice[0] ? advice
-                      : "try another -ts_rtol, more -rod_cells or a larger -friction_beta");
+            advice[0]         ? advice
+            : HeldTwice(self) ? crawl_held
+                              : "try another -ts_rtol, more -rod_cells or a larger -friction_beta");
   PetscFunctionReturn(0);
 }
 

@@ -61,6 +61,9 @@ static void TouchOf(const Contact *self, PetscInt which, const PetscReal y[3],
   t->friction = ContactSurfaceFriction(self, which);
   t->wall = which;
   t->again = PETSC_FALSE;
+  t->steep = self->surfaces.surface[which].kind->interpolated
+                 ? PetscSqrtReal(Dot3(point->normal, point->normal))
+                 : 1;
   t->moves = (PetscBool)(self->surfaces.surface[which].motion.any && !self->surfaces.still);
   TurnBack(self->lab, point->normal, t->normal);
   for (int d = 0; d < 3; d++) TurnBack(self->lab, point->bend[d], part[d]);
@@ -91,6 +94,7 @@ static void TouchWall(const Contact *self, PetscInt wall, const PetscReal n[2], 
 
   touch->friction = ContactWallFriction(self, wall);
   touch->wall = self->surfaces.n + wall;
+  touch->steep = 1;
   touch->moves = PETSC_FALSE;
   TurnBack(self->upright, normal, touch->normal);
   TurnBack(self->upright, across, t);
@@ -261,6 +265,28 @@ void ContactSlots(PetscInt n, const Touch3 touch[], FrictionDual4 slots[]) {
   }
 }
 
+/* Less steep a distance tells no direction, and what it tells with presses next to not at all. */
+static const PetscReal least_steep = 1e-3;
+
+/* The touch as friction sees it, with a normal of length 1: of n = g/|g|, dn = (dg - n (n.dg))/|g|.
+ */
+static const Touch3 *Faced(const Touch3 *touch, Touch3 *room) {
+  if (touch->steep == 1) return touch;
+  *room = *touch;
+  for (int d = 0; d < 3; d++) room->normal[d] /= touch->steep;
+  for (int c = 0; c < 3; c++) {
+    const PetscReal by[3] = {touch->bend[0][c], touch->bend[1][c], touch->bend[2][c]},
+                    along = Dot3(room->normal, by);
+    for (int d = 0; d < 3; d++) room->bend[d][c] = (by[d] - room->normal[d] * along) / touch->steep;
+  }
+  return room;
+}
+
+/* Does it rub? */
+static PetscBool Rubs(const Touch3 *touch, PetscReal p) {
+  return (PetscBool)(touch->friction > 0 && p > 0 && touch->steep > least_steep);
+}
+
 /* v in the tangent plane of n */
 static void Tangential(const PetscReal n[3], const PetscReal v[3], PetscReal t[3]) {
   const PetscReal along = Dot3(n, v);
@@ -304,11 +330,14 @@ void ContactPush3(const Contact *contact, const Touch3 *touch, const Rubbed *at,
                   const FrictionDual4 slots[], Push3 *push) {
   const PetscReal mu = touch->friction;
   PetscReal slope, a[3], u[4], w[4];
+  Touch3 room;
 
   push->normal = ContactPressure(contact, touch->gap, &slope);
   push->couple = push->power = 0;
   for (int d = 0; d < 3; d++) push->force[d] = push->normal * touch->normal[d];
-  if (mu == 0 || push->normal == 0) return;
+  push->normal *= touch->steep;
+  if (!Rubs(touch, push->normal)) return;
+  touch = Faced(touch, &room);
   const FrictionDual4 dual = Seen(touch, ContactSlot(touch, (FrictionDual4 *)slots));
   Slip(contact, touch, at, a, u);
   FrictionForce4(&contact->rub, u, &dual, w);
@@ -353,9 +382,10 @@ static void SlipSlope(const Contact *contact, const Touch3 *touch, const Rubbed 
 }
 
 /* Adds friction and its derivatives, with S = dw/du,
-     df = -mu (dp w + p S du),   d(a.f) = a.df - mu p w.da. */
+     df = -mu (dp w + p S du),   d(a.f) = a.df - mu p w.da;
+   p the force along the normal, p_x its derivatives. */
 static void RubSlope(const Contact *contact, const Touch3 *touch, const Rubbed *at, PetscBool fresh,
-                     FrictionDual4 *kept, PetscReal p, PetscReal p_gap, Push3 *push) {
+                     FrictionDual4 *kept, PetscReal p, const PetscReal p_x[3], Push3 *push) {
   const PetscReal mu = touch->friction, *n = touch->normal;
   FrictionDual4 dual = Seen(touch, kept);
   PetscReal a[3], u[4], w[4], S[4][4], a_x[3][3], a_q[3][3], u_x[3][3];
@@ -374,10 +404,10 @@ static void RubSlope(const Contact *contact, const Touch3 *touch, const Rubbed *
       const PetscReal by_x = S[d][0] * u_x[0][c] + S[d][1] * u_x[1][c] + S[d][2] * u_x[2][c],
                       by_q = at->spin *
                              (S[d][0] * a_q[0][c] + S[d][1] * a_q[1][c] + S[d][2] * a_q[2][c]);
-      push->x[d][c] -= mu * (p_gap * n[c] * w[d] + p * by_x);
+      push->x[d][c] -= mu * (p_x[c] * w[d] + p * by_x);
       push->q[d][c] -= mu * p * by_q;
       push->W[d][c] -= mu * p * (S[d][c] - normal * n[c]);
-      push->x[3][c] -= mu * (p_gap * n[c] * w[d] * a[d] + p * (a[d] * by_x + w[d] * a_x[d][c]));
+      push->x[3][c] -= mu * (p_x[c] * w[d] * a[d] + p * (a[d] * by_x + w[d] * a_x[d][c]));
       push->q[3][c] -= mu * p * (a[d] * by_q + w[d] * a_q[d][c]);
       push->W[3][c] -= mu * p * a[d] * (S[d][c] - normal * n[c]);
     }
@@ -396,7 +426,9 @@ static void RubSlope(const Contact *contact, const Touch3 *touch, const Rubbed *
 void ContactPushSlope3(const Contact *contact, const Touch3 *touch, const Rubbed *at,
                        PetscBool fresh, FrictionDual4 *dual, Push3 *push) {
   const PetscReal *n = touch->normal;
-  PetscReal slope, p = ContactPressure(contact, touch->gap, &slope);
+  PetscReal slope, p_x[3], p = ContactPressure(contact, touch->gap, &slope);
+  const Touch3 *given;
+  Touch3 room;
 
   for (int d = 0; d < 4; d++) {
     for (int c = 0; c < 3; c++) {
@@ -405,7 +437,12 @@ void ContactPushSlope3(const Contact *contact, const Touch3 *touch, const Rubbed
     }
     for (int c = 0; c < 4; c++) push->W[d][c] = 0;
   }
-  if (touch->friction > 0 && p > 0) RubSlope(contact, touch, at, fresh, dual, p, slope, push);
+  if (!Rubs(touch, p)) return;
+  for (int c = 0; c < 3; c++) p_x[c] = slope * n[c] * touch->steep;
+  n = (touch = Faced(given = touch, &room))->normal;
+  for (int c = 0; c < 3 && touch != given; c++)
+    for (int d = 0; d < 3; d++) p_x[c] += p * n[d] * given->bend[d][c];
+  RubSlope(contact, touch, at, fresh, dual, p * touch->steep, p_x, push);
 }
 
 /* ContactHoldTouch3 - moves what holds a place of the rod at one wall, over a shift of `hold` at
@@ -414,9 +451,12 @@ PetscReal ContactHoldTouch3(const Contact *contact, const Touch3 *touch, const R
                             PetscReal seen, PetscReal hold, FrictionDual4 slots[]) {
   FrictionDual4 *kept = ContactSlot(touch, slots), dual;
   PetscReal slope, speed, a[3], u[4];
-  const PetscReal p = ContactPressure(contact, touch->gap, &slope), mu = touch->friction;
+  const PetscReal p = touch->steep * ContactPressure(contact, touch->gap, &slope),
+                  mu = touch->friction;
+  Touch3 room;
 
   if (!kept || p == 0) return 0;
+  touch = Faced(touch, &room);
   dual = Seen(touch, kept);
   Slip(contact, touch, at, a, u);
   speed = FrictionDualHold4(u, seen, hold, &dual);

@@ -196,6 +196,7 @@ const SurfaceKind surface_tube = {
 const SurfaceKind surface_body = {
     .name = "body",
     .form = "body FILE inside|outside, an HDF5 file with its distance on a grid",
+    .interpolated = PETSC_TRUE,
     .make = BodyMake,
     .at = BodySeen,
     .destroy = BodyFree};

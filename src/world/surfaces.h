@@ -39,7 +39,8 @@ typedef struct {
 /* A kind of surface. */
 typedef struct {
   const char *name;
-  const char *form; /* what it is given by, for who has it wrong */
+  const char *form;       /* what it is given by, for who has it wrong */
+  PetscBool interpolated; /* its distance is: n is not quite of length 1 */
   /* reads a line: sets data, box, smallest, core and what is to be drawn; collective. What it has
      set is destroyed also after an error. */
   PetscErrorCode (*make)(const SurfaceLine *line, Surface *surface);

@@ -31,38 +31,49 @@ PetscBool WallPieceDistance(const WallPiece *p, const PetscReal x[2], PetscReal 
 
 /* ---- which pieces are near ---- */
 
-/* Where a piece is that ends somewhere. */
-static Block PieceBlock(const WallPiece *p) {
+/* Where an arc is: within the triangle of its ends and of the corner that it rounds. */
+static Block ArcBlock(const WallPiece *p, PetscReal r) {
+  const PetscReal across = PetscSqrtReal(PetscMax(0, 1 - p->reach * p->reach));
   Block block = BlockEmpty(2);
 
-  for (int e = -1; e <= 1; e += 2) {
-    PetscReal x[2];
+  for (int e = -1; e <= 1; e++) {
+    PetscReal x[2], along = e ? p->reach : 1 / p->reach;
     for (int d = 0; d < 2; d++)
-      x[d] = p->at[d] + (p->round ? e * p->r : (e > 0 ? p->to : 0) * p->t[d]);
+      x[d] =
+          p->at[d] + r * (along * p->middle[d] + e * across * (d ? p->middle[0] : -p->middle[1]));
     BlockHold(2, &block, x);
   }
   return block;
 }
 
-/* Where the axis of a conduit is beside one of its pieces: an arc is within the triangle of its
-   ends and of the corner that it rounds. */
+/* Where a piece is that ends somewhere. */
+static Block PieceBlock(const WallPiece *p) {
+  const PetscReal ends[2] = {PetscMin(0, p->from), PetscMax(p->edge, p->to)};
+  Block block = BlockEmpty(2);
+
+  if (p->round && p->reach > 0) return ArcBlock(p, p->r);
+  for (int e = 0; e < 2; e++) {
+    PetscReal x[2];
+    for (int d = 0; d < 2; d++)
+      x[d] = p->at[d] + (p->round ? (2 * e - 1) * p->r : ends[e] * p->t[d]);
+    BlockHold(2, &block, x);
+  }
+  return block;
+}
+
+/* Where the axis of a conduit is beside one of its pieces. */
 static Block AxisBlock(const Wall *wall, const WallPiece *p) {
-  const PetscReal R = wall->number[0], axis = p->r + p->sign * R,
-                  across = PetscSqrtReal(PetscMax(0, 1 - p->reach * p->reach));
+  const PetscReal R = wall->number[0];
   Block block = BlockEmpty(2);
 
   if (p->at_mouth) {
     BlockHold(2, &block, p->mouth);
     return block;
   }
-  for (int e = -1; e <= 1; e++) {
-    PetscReal x[2], along = e ? p->reach : 1 / p->reach;
-    for (int d = 0; d < 2; d++)
-      if (p->round)
-        x[d] = p->at[d] +
-               axis * (along * p->middle[d] + e * across * (d ? p->middle[0] : -p->middle[1]));
-      else
-        x[d] = p->at[d] + R * p->n[d] + (e > 0 ? p->to : 0) * p->t[d];
+  if (p->round) return ArcBlock(p, p->r + p->sign * R);
+  for (int e = 0; e < 2; e++) {
+    PetscReal x[2];
+    for (int d = 0; d < 2; d++) x[d] = p->at[d] + R * p->n[d] + (e ? p->to : 0) * p->t[d];
     BlockHold(2, &block, x);
   }
   return block;
@@ -400,7 +411,7 @@ static PetscBool InPolygon(const Wall *wall, const PetscReal x[2]) {
     if (p->round) continue;
     for (int d = 0; d < 2; d++) {
       a[d] = p->at[d] - x[d];
-      b[d] = a[d] + p->to * p->t[d];
+      b[d] = a[d] + p->edge * p->t[d];
     }
     if ((a[1] > 0) != (b[1] > 0) && (a[0] * b[1] - a[1] * b[0] > 0) == (b[1] > a[1]))
       in = (PetscBool)!in;

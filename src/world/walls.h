@@ -14,10 +14,11 @@ extern const char *const wall_kind[WALL_KINDS];
 /* A piece of a wall: a line, of which one side is free, or an arc, free outside or inside. */
 typedef struct {
   PetscBool round;
-  PetscReal at[2];            /* a point of the line; the centre of the arc */
-  PetscReal t[2], n[2];       /* line: along it, and into the free side */
-  PetscReal from, to;         /* line: where along t it is */
-  PetscReal r, sign;          /* arc: radius; 1 free outside, -1 inside */
+  PetscReal at[2];      /* a point of the line; the centre of the arc */
+  PetscReal t[2], n[2]; /* line: along it, and into the free side */
+  PetscReal from, to;   /* line: where along t it presses */
+  PetscReal edge;       /* of a polygon: how long it is from `at` on, whatever of it presses */
+  PetscReal r, sign;    /* arc: radius; 1 free outside, -1 inside */
   PetscReal middle[2], reach; /* arc: its middle direction and the cosine of half its angle */
   PetscReal deep;             /* not met by what is deeper behind it than this */
   PetscReal mouth[2];         /* arc at the mouth of a conduit: where the axis ends */
