@@ -40,6 +40,7 @@ static PetscErrorCode ReadField(Load *load) {
 PetscErrorCode LoadSetFromOptions(Load *load, PetscReal clamp_angle) {
   PetscFunctionBegin;
   PetscCall(FrictionSetFromOptions(&load->friction));
+  load->viscous = 1 - load->friction.mu;
   PetscCall(OptionReal("-friction_across", &load->across, NULL));
   PetscCall(ReadField(load));
   load->clamp[0] = PetscCosReal(clamp_angle);
