@@ -69,12 +69,14 @@ static PetscErrorCode StiffnessAlong(Scene scene, PetscReal *most) {
 /* The speed at which a rod grows, or is fed: the fastest of a table. */
 static PetscErrorCode GrowthOf(Scene scene, PetscReal *speed) {
   enum { TIMES = 100 };
+  const PetscReal all = scene->growth->end_time, /* of a table: whenever the run ends */
+      end = all < PETSC_MAX_REAL ? all : scene->end_time;
   PetscReal length, rate;
 
   PetscFunctionBegin;
   *speed = 0;
   for (int k = 0; k <= TIMES && !scene->growth->still; k++) {
-    PetscCall(GrowthLength(scene->growth, scene->end_time * k / TIMES, &length, &rate));
+    PetscCall(GrowthLength(scene->growth, end * k / TIMES, &length, &rate));
     *speed = PetscMax(*speed, PetscAbsReal(rate));
   }
   PetscFunctionReturn(0);

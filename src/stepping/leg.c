@@ -276,7 +276,7 @@ static PetscBool HasModes(const Rod rod) {
 /*
   CrossesMode - a VBDFCross: does a mode of the rod grow faster than the shift of the step? The
   elimination has counted them. On a straight rod, x2 = 0, none is there to be crossed. Where they
-  cannot be counted (other models, a held tip on several ranks), a jump is none that may be taken:
+  cannot be counted (other models, a free rod), a jump is none that may be taken:
   the step is cut until its error is seen. (A first step whose error is within the tolerance has
   changed the rod by less than a crossed mode would that is more than 1e-3 of it.)
 
@@ -501,6 +501,8 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   if (fixed && !given)
     PetscCall(TSSetMaxSNESFailures(leg->ts, 10)); /* a fixed step does not help itself */
   if (!prefix) PetscCall(VBDFSetScale(leg->ts, scene->units.brief));
+  if (!prefix && !scene->contact.any)
+    PetscCall(VBDFSetResolves(leg->ts, (PetscBool)!LoadIsDry(&scene->load)));
   PetscCall(VBDFSetFactored(leg->ts, model->fields, model->group));
   PetscCall(MeasureAlongAxes(leg));
   PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));

@@ -74,6 +74,7 @@ void LoadSlopeVaried(const Load *load, const Place *at, const LoadDual *dual, Lo
 void LoadForceWalls(const Load *load, const Place *at, const LoadDual *dual, PetscReal f[2]);
 void LoadSlopeWalls(const Load *load, const Place *at, PetscBool fresh, LoadDual *dual,
                     LoadSlope *slope);
+PetscBool LoadIsDry(const Load *load);
 PetscReal LoadFactor(const Load *load, const PetscReal x[2], PetscReal t, PetscReal slope[2]);
 
 /* F */
