@@ -231,7 +231,7 @@ static void TwistAcross(const Rod rod, PetscReal part, PetscReal scale[]) {
         coordinates
 */
 PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal axes[2], PetscReal scale[MAX_FIELDS]) {
-  const PetscReal part = 1e-3, otherwise = 1e-4;
+  const PetscReal part = 1e-3, otherwise = 1e-4, least = 1e-5; /* round-off is not to drive it */
   PetscReal none[2] = {1, 0}, size[MAX_FIELDS];
 
   PetscFunctionBegin;
@@ -249,7 +249,7 @@ PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal axes[2], PetscReal scale
     PetscReal driven = Driven(rod, rod->model->group[f], axes), unit = RodFieldUnit(rod, f);
     if (!rod->model->followed[f]) continue;
     if (driven > 0)
-      scale[f] = PetscMax(scale[f], part * PetscMin(1, driven) * unit);
+      scale[f] = PetscMax(scale[f], part * PetscMax(least, PetscMin(1, driven)) * unit);
     else if (scale[f] == 0)
       scale[f] = otherwise * unit;
   }

@@ -11,7 +11,8 @@
                          stepped through: a step that is longer damps what should grow. 0 if
   friction is dry: such a rod moves at once.
 
-  All as the run begins: a restarted one has those of the unbroken one.
+  All as the run begins: a restarted one has those of the unbroken one. (Contact has numbers of its
+  own that are none of these units': with it they are 1, but for the own time.)
 */
 #include "rod/rod.h"
 
@@ -22,6 +23,11 @@ static const PetscReal least_part = 1e-6;
 /* Friction that is all but none would make the own time nothing: it is at least that part of the
    run, in which steps of its parts are still steps. */
 static const PetscReal least_own = 1e-12;
+
+/* A rod that friction hardly holds comes to a wall at a speed that no step is to follow: where
+   there is contact steps are short as parts of the time in which it grows by its length, and of
+   this part of the run, at least. */
+static const PetscReal brief_of_run = 1e-5;
 
 /* sqrt(beta) is the speed that friction tells from rest, and so much of the speed at which a rod
    grows unless it is told. */
@@ -82,6 +88,18 @@ static PetscErrorCode GrowthOf(Scene scene, PetscReal *speed) {
   PetscFunctionReturn(0);
 }
 
+/* What short steps are part of. */
+static PetscReal Brief(const struct _Scene *scene, PetscReal own, PetscReal length,
+                       PetscReal speed) {
+  const PetscReal T = scene->end_time;
+  PetscReal brief = own;
+
+  if (!(own > 0)) return T;
+  if (scene->contact.any) brief = PetscMax(brief, brief_of_run * T);
+  if (scene->contact.any && speed > 0) brief = PetscMax(brief, length / speed);
+  return PetscMin(T, brief);
+}
+
 /* RodFindUnits - finds them for the rod's scene, unless that is done. Collective. */
 PetscErrorCode RodFindUnits(Rod rod) {
   const Scene scene = rod->scene;
@@ -99,7 +117,7 @@ PetscErrorCode RodFindUnits(Rod rod) {
   units->stiffness = B;
   units->own = load->viscous * N * PetscMin(1, load->across) * PetscSqr(L * L) / B;
   if (units->own > 0) units->own = PetscMax(units->own, least_own * T);
-  units->brief = units->own > 0 ? PetscMin(T, units->own) : T;
+  units->brief = Brief(scene, units->own, L, speed);
   if (speed > 0) {
     units->length = PetscPowReal(B / (N * (load->viscous * speed + 1 - load->viscous)), 1. / 3);
     units->time = units->length / speed;
@@ -108,6 +126,7 @@ PetscErrorCode RodFindUnits(Rod rod) {
     units->time =
         units->own > 0 ? units->own : L / (beta > 0 ? PetscSqrtReal(beta / beta_of_growth) : 1);
   }
+  if (scene->contact.any) units->length = units->time = units->stiffness = 1;
   units->found = PETSC_TRUE;
   PetscFunctionReturn(0);
 }

@@ -432,7 +432,7 @@ static PetscErrorCode SetFirstStep(Leg *leg) {
   PetscReal first = first_of_unit * units->time;
 
   PetscFunctionBegin;
-  if (units->own > 0)
+  if (units->own > 0 && !(straight && scene->contact.any))
     first = PetscMin(first, (straight ? straight_of_own : first_of_own) * units->own);
   PetscCall(TSSetTimeStep(leg->ts, first));
   PetscFunctionReturn(0);
