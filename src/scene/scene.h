@@ -17,6 +17,14 @@
    it tilt; or free, m = 0, n = 0. */
 typedef enum { CLAMP_HELD, CLAMP_HINGED, CLAMP_FREE } ClampType;
 
+/* What a scene makes its own units of, for what has none: see rod/units.c. */
+typedef struct {
+  PetscReal length, time, stiffness;
+  PetscReal own;   /* the rod's own time; 0: its friction is dry, and lets it move at once */
+  PetscReal brief; /* of which short steps are a part */
+  PetscBool found; /* else they are 1 */
+} SceneUnits;
+
 typedef struct _Scene *Scene;
 struct _Scene {
   MPI_Comm comm; /* the ranks that share it */
@@ -35,6 +43,7 @@ struct _Scene {
   PetscReal end_time;    /* T, -ts_max_time */
   PetscReal reach;       /* the longest that the rod becomes */
   PetscReal stands_off;  /* by how much walls at which the rod begins are taken off, at most */
+  SceneUnits units;      /* RodFindUnits() */
 };
 
 extern const OptionGroup scene_options;
