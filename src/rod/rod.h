@@ -130,6 +130,8 @@ struct _Rod {
   PetscBool coupled;    /* nodes far from each other along the rod see each other */
   PetscInt memory;      /* reals a node that its Newton's method remembers; 0: none */
   PetscReal oblique[2]; /* how much so walls are that press: RodFeelWalls() */
+  PetscReal finest;     /* what is told apart of a vector across that walls have part in, for
+                           RodFieldScales(): of the order of round-off over a step's tolerance */
   void *data;
 };
 

@@ -185,6 +185,61 @@ PetscErrorCode RodFeelWalls(Rod rod, PetscReal t, Vec U) {
   PetscFunctionReturn(0);
 }
 
+/* How far a rod reaches along any axis. */
+static PetscReal Reach(const RodModel *model, const PetscReal size[]) {
+  PetscReal reach = 0;
+
+  for (PetscInt f = 0; f < model->fields; f++)
+    if (strchr("xy", model->field[f][0])) reach = PetscMax(reach, size[f]);
+  return reach;
+}
+
+/* What round-off of walls leaves of the groups ACROSS_2 and ACROSS_3, as a part of what is across:
+   where their push is blurred, and where the axes are turned, for the coordinates are summed up. */
+static void Blur(const Rod rod, const PetscReal axes[2], PetscReal part[2]) {
+  const PetscReal c = PetscAbsReal(axes[0]), s = PetscAbsReal(axes[1]);
+  const Contact *contact = &rod->scene->contact;
+
+  for (int d = 0; d < 2; d++)
+    part[d] = rod->finest * ((ContactBlurs(contact, 1 + d) ? c : 0) + s);
+}
+
+/*
+  LeaveBlur - the sizes along the axes, none below what round-off of walls leaves there. A rod that is
+  straight but for it, or bent in a plane but for it, would else be measured against that, and no
+  step is right to a part of it, nor is an iteration ever: one that sinks onto a cylinder lengthways
+  has nothing else out of the plane of its fall, nor has one that is bent by a sphere, whatever the
+  frame is in which the wall is told. Of vectors across it is a part of them, of the first two, place
+  and turn, also of each other, and of what a wall pushes straight ones across.
+*/
+static void LeaveBlur(const Rod rod, const PetscReal axes[2], const PetscReal of[],
+                      PetscReal size[]) {
+  const RodModel *model = rod->model;
+  const Contact *contact = &rod->scene->contact;
+  PetscReal reach = Reach(model, of), across = hypot(rod->oblique[0], rod->oblique[1]), part[2];
+
+  if (!model->pairs || !(contact->walls.n || contact->surfaces.n)) return;
+  Blur(rod, axes, part);
+  for (PetscInt k = 0; k < model->pairs; k++) {
+    const PetscInt a = model->pair[k].along, b = model->pair[k].beside;
+    const PetscReal most = PetscMax(of[a], of[b]);
+    size[a] = PetscMax(size[a], part[0] * most);
+    size[b] = PetscMax(size[b], part[1] * most);
+    if (model->followed[a])
+      across = PetscMax(across, !k ? most / PetscMax(reach, rod_vanished) : most);
+  }
+  for (PetscInt f = 0; f < model->fields; f++) {
+    const int group = model->group[f];
+    const PetscReal unit = strchr("xy", model->field[f][0]) ? reach : 1,
+                    blur = group == ACROSS_2   ? part[0]
+                           : group == ACROSS_3 ? part[1]
+                           : group == TWIST && ContactWallsRub(contact)
+                               ? PetscMax(part[0], part[1])
+                               : 0;
+    if (model->followed[f]) size[f] = PetscMax(size[f], blur * across * unit);
+  }
+}
+
 /* By how much a vector across adds to what drives a group of fields, along the axes. */
 static PetscReal Drives(const PetscReal drive[2], int group, const PetscReal axes[2]) {
   if (group == ACROSS_2) return PetscAbsReal(axes[0] * drive[0] + axes[1] * drive[1]);
@@ -248,6 +303,7 @@ PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal axes[2], PetscReal scale
     else if (scale[f] == 0)
       scale[f] = otherwise;
   }
+  LeaveBlur(rod, axes, size, scale);
   TwistAcross(rod, part, scale);
   if (rod->model->scale) rod->model->scale(scale);
   PetscFunctionReturn(0);
