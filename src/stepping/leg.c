@@ -11,11 +11,6 @@ static const PetscReal share_of_step = 0.3;
    stable for them. */
 enum { HIGHEST_ORDER = 6 };
 
-/* Places that walls push about are known to some thousand times round-off: no step is asked to be
-   right to less, nor Newton's method, to its part of that. (Over rtol it is a part of what drives a
-   field against which its changes are measured.) */
-static const PetscReal told_apart = 1e-12;
-
 /* The tolerance of each entry: that part of rtol times the size of its field; -1 leaves out the
    fields that are not followed (forces and moments of an index-2 problem are not to control the
    step). */
@@ -415,7 +410,6 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   PetscCall(PetscMemzero(leg, sizeof(*leg)));
   leg->rtol = rtol;
   PetscCall(RodCreate(scene, model, &leg->rod));
-  leg->rod->finest = told_apart / rtol;
   PetscCall(DMCreateGlobalVector(leg->rod->da, &leg->U));
   PetscCall(VecDuplicate(leg->U, &leg->tolerance));
   PetscCall(VecDuplicate(leg->U, &leg->none));
