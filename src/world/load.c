@@ -181,6 +181,11 @@ static const PetscReal slack = 1e-5;
 static const PetscReal tiny_beta = 1e-18; /* of velocities in fast time, which begin near 1 */
 static const PetscReal as_good_as_at_rest = 1e-5; /* part of the speed of the fastest place */
 
+/* LoadIsDry - is it so dry that what it does not hold snaps? */
+PetscBool LoadIsDry(const Load *load) {
+  return (PetscBool)(1 - load->friction.mu <= nearly_dry);
+}
+
 /* LoadInFastTime - the load in the fast time of a snap at t (stepping/snap.c): dry friction as it
    is, but for a little slack, and viscous friction of strength 1 beside it. dry: false if this load
    is not dry, so that nothing snaps. What fast holds is borrowed. */
@@ -188,7 +193,7 @@ PetscErrorCode LoadInFastTime(const Load *load, PetscReal t, Load *fast, PetscBo
   Friction *friction = &fast->friction;
 
   PetscFunctionBegin;
-  *dry = (PetscBool)(1 - load->friction.mu <= nearly_dry);
+  *dry = LoadIsDry(load);
   *fast = *load;
   friction->beta = tiny_beta;
   friction->mu *= 1 - slack;

@@ -65,6 +65,7 @@ PetscBool LoadSharesMost(const Load *load);
 void LoadSetWalls(Load *load, const Contact *contact);
 void LoadSetWeight(Load *load, const PetscReal weight[3]);
 PetscErrorCode LoadDestroy(Load *load);
+PetscBool LoadIsDry(const Load *load);
 PetscErrorCode LoadInFastTime(const Load *load, PetscReal t, Load *fast, PetscBool *dry);
 void LoadAtSpeed(Load *fast, PetscReal speed);
 PetscBool LoadIsEven(const Load *load, PetscReal length, PetscReal end);

@@ -472,11 +472,27 @@ def lengthways():
 
 
 @check
+def lengthways_on_ranks():
+    rod = ("-growth_type none -clamp_type free -friction_radius 0.05 -contact_diameter 0.1 -ts_max_time 0.3 -rod_cells 12 "
+           "-growth_initial_length 1 -shape_type straight -friction_mu 0 -rod_weight 0,0.2,-2 ")
+    expect_on_ranks(rod + walls("cylinder 0 0 0 1 0 0 0.3 inside friction 0.1"))
+
+
+@check
+def falls():
+    """What dry friction does not hold and no wall stops falls without end in no time: a line says so."""
+    for model in "-rod_model frame", "-rod_model space -friction_radius 0.05":
+        line = tendril("-growth_type none -clamp_type free -shape_type straight -rod_cells 6 -ts_max_time 1 -friction_mu 1 "
+                       f"{model} -rod_weight 0.2,-2", 1)
+        expect("-rod_weight is 2.01 times what dry friction holds, and the rod falls at once, without end" in line, line)
+
+
+@check
 def great_circle():
     """A rod that is fed along the inside of a ball of radius 1 lies on a great circle, whatever the frame: the force that
     feeds it is 1/2, its tip meets the wall at 24.117 degrees."""
     fed = ("-growth_type feed -friction_mu 0 -friction_layers 0:1e-3 -growth_initial_length 0.1 -shape_amplitude 0.1 "
-           "-rod_model space -rod_cells 100 -ts_max_time 2.9 ")
+           "-rod_model space -rod_cells 100 -ts_max_time 2.9 -ts_max_steps 1000 ")
     steps = []
     for d, middle in (([1, 0, 0], [0, 1, 0]), ([1, 0, 1e-6], [0, 1, 0]), ([0.6, 0, 0.8], [0, 1, 0])):
         r = Run(f"{fed}-clamp_direction {comma(d)} " + walls("sphere {} {} {} 1 inside".format(*middle)))
