@@ -553,6 +553,43 @@ static PetscErrorCode FrameJacobian(Rod rod, const RodState *at, Mat J) {
   PetscFunctionReturn(0);
 }
 
+/* The elimination goes from a beginning that is held, or from a free tip. Where it does not solve
+   for a step of the rod, but modes are counted in it, or errors followed by it, there are springs
+   else, so much softer than the rod, or so much stiffer. */
+static const PetscReal softer = 1e6, stiffer = 1e6;
+
+/* The tip's equations by its own unknowns, with springs for what holds it. */
+static PetscErrorCode TipSprings(Rod rod, PetscReal t, PetscReal by[TIP_ROWS][FIELDS]) {
+  const Tip *tip = &rod->scene->tip;
+  PetscReal length;
+
+  PetscFunctionBegin;
+  PetscCall(GrowthLength(rod->scene->growth, t, &length, NULL));
+  if (TipPoints(tip)) {
+    by[0][M] = 1;
+    by[0][TH] = stiffer / length;
+  }
+  for (int d = 0; d < 2; d++)
+    if (TipHolds(tip, d)) {
+      by[1 + d][N1 + d] = 1;
+      by[1 + d][X1 + d] = stiffer / (length * length * length);
+    }
+  PetscFunctionReturn(0);
+}
+
+/* A beginning that turns, or is free, as springs. */
+static PetscErrorCode BeginSprings(Rod rod, PetscReal t, Elimination elimination) {
+  const ClampType clamp = rod->scene->clamp;
+  PetscReal length;
+
+  PetscFunctionBegin;
+  if (clamp == CLAMP_HELD || rod->first > 0) PetscFunctionReturn(0);
+  PetscCall(GrowthLength(rod->scene->growth, t, &length, NULL));
+  EliminationSpring(elimination, softer * length,
+                    clamp == CLAMP_FREE ? softer * PetscPowReal(length, 3) : 0);
+  PetscFunctionReturn(0);
+}
+
 /* The same matrix, not assembled: each cell is eliminated as soon as it is known. The last of
    several ranks goes from the tip towards the clamp. */
 static PetscErrorCode FrameEliminate(Rod rod, const RodState *at, Elimination elimination) {
@@ -564,7 +601,9 @@ static PetscErrorCode FrameEliminate(Rod rod, const RodState *at, Elimination el
   PetscFunctionBegin;
   PetscCall(CellsOpen(rod, at, from_tip, &cell));
   if (from_tip) TipBlock(&cell, cell.a, at->shift, by);
+  if (from_tip && at->counts) PetscCall(TipSprings(rod, at->t, by));
   EliminationBegin(elimination, (const PetscReal(*)[FIELDS])by);
+  if (!from_tip) PetscCall(BeginSprings(rod, at->t, elimination));
   for (PetscInt k = 0; k < n; k++) {
     PetscInt i = from_tip ? begin + n - 1 - k : begin + k;
     CellsGo(&cell, i, from_tip);

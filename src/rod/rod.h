@@ -145,6 +145,8 @@ PetscErrorCode RodCreateMemory(Rod rod, DM *da, Vec *memory);
 PetscErrorCode RodGetLocalNodes(Rod rod, PetscReal t, Vec U, Vec *local, const Node **with);
 PetscErrorCode RodRestoreLocalNodes(Rod rod, Vec *local, const Node **with);
 PetscErrorCode RodInitialNodes(Rod rod, PetscReal t, Node *nodes);
+PetscErrorCode RodFindUnits(Rod rod);
+PetscReal RodFieldUnit(const Rod rod, PetscInt field);
 PetscErrorCode RodFit(Rod rod, PetscReal t, Vec U);
 PetscErrorCode RodBegin(Rod rod, Vec U);
 PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes);

@@ -284,16 +284,21 @@ static PetscReal Drives(const PetscReal drive[2], int group, const PetscReal axe
 /* How hard a group of fields is driven from 0, along the axes. */
 static PetscReal Driven(const Rod rod, int group, const PetscReal axes[2]) {
   const Space *space = &rod->scene->space;
-  PetscReal sum = space->driven[group] + Drives(rod->oblique, group, axes);
+  const SceneUnits *units = &rod->scene->units;
+  const PetscReal L = units->length, force = units->stiffness / (L * L),
+                  unit[DRIVES] = {force / L, force};
+  PetscReal sum =
+      space->turned[group] + space->moved[group] / L + Drives(rod->oblique, group, axes);
 
-  for (int k = 0; k < DRIVES; k++) sum += Drives(space->drive[k], group, axes);
+  for (int k = 0; k < DRIVES; k++) sum += Drives(space->drive[k], group, axes) / unit[k];
+  if (group == TWIST) sum += space->twisted / (force * L) + PetscAbsReal(space->spin) * units->time;
   return sum;
 }
 
 /* What twists a rod that is bent in one direction drives it in the other, by a part of that bend.
  */
 static void TwistAcross(const Rod rod, PetscReal part, PetscReal scale[]) {
-  const PetscReal driven = part * PetscMin(1, rod->scene->space.driven[TWIST]);
+  const PetscReal none[2] = {1, 0}, driven = part * PetscMin(1, Driven(rod, TWIST, none));
 
   for (PetscInt k = 0; k < rod->model->pairs && driven > 0; k++) {
     const PetscInt a = rod->model->pair[k].along, b = rod->model->pair[k].beside;
@@ -309,7 +314,7 @@ static void TwistAcross(const Rod rod, PetscReal part, PetscReal scale[]) {
   are made of products of others, and may be no more than what these leave of round-off; and for
   those that begin at 0 and are driven from there by a force across the rod, or by a wall that is
   oblique, or by what twists a bent rod, or by what breaks a symmetry otherwise: these are measured
-  against a small part of what they will be. Collective.
+  against a small part of what they will be, places in the scene's own unit of length. Collective.
 
   axes  on exit, those along which the changes of the fields across are to be measured; NULL: the
         coordinates
@@ -330,12 +335,12 @@ PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal axes[2], PetscReal scale
     LeaveRoundOff(rod->model, axes, size, scale);
   }
   for (PetscInt f = 0; f < rod->model->fields; f++) {
-    PetscReal driven = Driven(rod, rod->model->group[f], axes);
+    PetscReal driven = Driven(rod, rod->model->group[f], axes), unit = RodFieldUnit(rod, f);
     if (!rod->model->followed[f]) continue;
     if (driven > 0)
-      scale[f] = PetscMax(scale[f], part * PetscMin(1, driven));
+      scale[f] = PetscMax(scale[f], part * PetscMin(1, driven) * unit);
     else if (scale[f] == 0)
-      scale[f] = otherwise;
+      scale[f] = otherwise * unit;
   }
   LeaveBlur(rod, axes, size, scale);
   TwistAcross(rod, part, scale);

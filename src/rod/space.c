@@ -661,10 +661,41 @@ static void Arms(const Point *point, WideArms *arms) {
   }
 }
 
-/* The same matrix, not assembled: each cell is eliminated as soon as it is known. */
+/* A beginning that turns in a hinge, or is free, is springs so much softer than the rod for who
+   counts modes or follows errors: what the first node gives way by its own moments and forces, a
+   turn of e, dp = (0, e) p/2, and a place. */
+static PetscErrorCode BeginSprings(Rod rod, PetscReal t, const Point *first,
+                                   PetscReal gives[LEFT][RIGHT]) {
+  const PetscReal softer = 1e6, *p = first->p;
+  const PetscBool is_free = (PetscBool)(rod->scene->clamp == CLAMP_FREE);
+  const PetscReal turn[3][4] = {
+      {-p[1], p[0], -p[3], p[2]}, {-p[2], p[3], p[0], -p[1]}, {-p[3], -p[2], p[1], p[0]}};
+  PetscReal length;
+
+  PetscFunctionBegin;
+  PetscCall(GrowthLength(rod->scene->growth, t, &length, NULL));
+  memset(gives, 0, LEFT * sizeof(*gives));
+  for (int i = 0; i < 3; i++) {
+    if (is_free) gives[X + i][3 + i] = softer * PetscPowReal(length, 3);
+    for (int j = 0; j < 3; j++) {
+      PetscReal part = is_free ? first->d[0][i] * first->d[0][j] : 0;
+      for (int k = 1; k < 3; k++) part += first->d[k][i] * first->d[k][j];
+      for (int k = 0; k < 4; k++) gives[P + k][j] += softer * length * turn[i][k] / 2 * part;
+    }
+  }
+  PetscFunctionReturn(0);
+}
+
+/* The same matrix, not assembled: each cell is eliminated as soon as it is known, or, on several
+   ranks, where modes are counted in it, kept for the first of them. */
 static PetscErrorCode SpaceEliminate(Rod rod, const RodState *at, Elimination elimination) {
+  const PetscBool keeps = EliminationKeeps(elimination),
+                  gives_way = (PetscBool)(rod->scene->clamp != CLAMP_HELD);
+  const PetscInt begin = PetscMax(rod->first - 1, 0);
   WideLine line = EliminationWide(elimination);
-  PetscReal(*left)[FIELDS], (*right)[FIELDS], by[RIGHT][FIELDS];
+  PetscReal beside[2][FIELDS][FIELDS], (*left)[FIELDS] = beside[0], (*right)[FIELDS] = beside[1],
+                                       by[RIGHT][FIELDS], gives[LEFT][RIGHT];
+  const PetscBool ends = (PetscBool)(rod->end > rod->last);
   WideArms arms;
   Slopes slopes;
   Cell cell;
@@ -672,19 +703,29 @@ static PetscErrorCode SpaceEliminate(Rod rod, const RodState *at, Elimination el
   PetscFunctionBegin;
   PetscCall(SpaceCellsOpen(rod, at, &cell));
   WideBegin(line);
-  for (PetscInt i = 0; i < rod->last; i++) {
+  if (gives_way && rod->first == 0) PetscCall(BeginSprings(rod, at->t, &cell.b, gives));
+  if (gives_way && !keeps) WideSpring(line, (const PetscReal(*)[RIGHT])gives);
+  for (PetscInt i = begin; i < PetscMin(rod->end, rod->last); i++) {
     SpaceCellsNext(&cell, i);
-    WideBlocks(line, &left, &right);
-    CellBlocks(&cell, i, (PetscBool)(i == 0), at->shift, &slopes, left, right);
+    if (i >= rod->first) WideBlocks(line, &left, &right);
+    CellBlocks(&cell, i, (PetscBool)(i == begin), at->shift, &slopes, left, right);
+    if (i < rod->first) continue;
     Arms(&cell.a, &arms);
     WideArm(line, &arms);
-    WideCell(line);
+    (keeps ? WideKeep : WideCell)(line);
   }
-  Arms(&cell.b, &arms);
-  WideArm(line, &arms);
-  TipBlock(&cell, &slopes.b, at->shift, by);
-  WideEnd(line, (const PetscReal(*)[FIELDS])by);
+  if (ends) {
+    Arms(&cell.b, &arms);
+    TipBlock(&cell, &slopes.b, at->shift, by);
+  }
+  if (ends && !keeps) {
+    WideArm(line, &arms);
+    WideEnd(line, (const PetscReal(*)[FIELDS])by);
+  }
   PetscCall(SpaceCellsClose(&cell));
+  if (keeps)
+    PetscCall(EliminationGather(elimination, gives_way ? (const PetscReal(*)[RIGHT])gives : NULL,
+                                &arms, ends ? (const PetscReal(*)[FIELDS])by : NULL));
   PetscFunctionReturn(0);
 }
 

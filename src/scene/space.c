@@ -141,9 +141,11 @@ static void DrivenByPath(Space *self, Path path) {
   PetscReal turned = PathRange(path, PATH_FRAME + 1) + PathRange(path, PATH_FRAME + 2) +
                      PathRange(path, PATH_FRAME + 3);
 
-  self->driven[1] += PathRange(path, PATH_X2) + PathRange(path, PATH_ANGLE) + turned;
-  self->driven[2] += PathRange(path, PATH_X3) + turned;
-  self->driven[3] += PathRange(path, PATH_TURN) + turned;
+  self->moved[1] = PathRange(path, PATH_X2);
+  self->moved[2] = PathRange(path, PATH_X3);
+  self->turned[1] = PathRange(path, PATH_ANGLE) + turned;
+  self->turned[2] = turned;
+  self->turned[3] = PathRange(path, PATH_TURN) + turned;
 }
 
 /* How the clamp turns: at a rate, or over time. */
@@ -199,7 +201,7 @@ PetscErrorCode SpaceSetFromOptions(Space *self, Load *load, Tip *tip, const Curv
     self->drive[0][d] = clamp[1 + d];
     self->drive[1][d] = tip->push[1 + d];
   }
-  self->driven[3] = PetscAbsReal(tip->torque) + PetscAbsReal(self->spin);
+  self->twisted = PetscAbsReal(tip->torque);
   if (tip->path) DrivenByPath(self, tip->path);
   if (tip->walls && tip->walls->surfaces.n) self->why = "-wall_file";
   LoadSetArm(load);

@@ -459,13 +459,15 @@ static PetscErrorCode TimesRate(Estimate self, PetscReal t) {
   const PetscReal beta = self->scene->load.friction.beta;
   const PetscInt n = self->nodes * self->fields;
   const PetscScalar *F, *G;
-  PetscReal *rate, most = 0, scale;
+  PetscReal *rate, most = 0, fastest = 0, scale;
 
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(self->rhs, n));
   for (PetscInt i = 0; i < n; i++) most = PetscMax(most, PetscAbsReal(self->b[i]));
   if (most <= rod_vanished) PetscFunctionReturn(0);
-  scale = nudge * PetscSqrtReal(beta > 0 ? beta : friction_tiny) / most;
+  for (PetscInt i = 0; i < n && !self->scene->load.friction.mu; i++) /* it is straight all along */
+    fastest = PetscMax(fastest, PetscAbsReal(self->all.rate[i]));
+  scale = nudge * PetscMax(fastest, PetscSqrtReal(beta > 0 ? beta : friction_tiny)) / most;
   PetscCall(VecCopy(self->rate, self->nudged));
   PetscCall(VecGetArray(self->nudged, (PetscScalar **)&rate));
   for (PetscInt i = 0; i < n; i++) rate[i] += scale * self->b[i];

@@ -10,8 +10,8 @@ static const PetscReal round_off = 1e-13;
 /* A rate is an estimate: what it says is left must be this much smaller still. */
 static const PetscReal share_of_rate = 0.5;
 
-/* The largest residual of each group of fields (rod.h), along the axes of the state: they do not
-   see each other on the straight rod, and one may be 1e-16 times another. */
+/* The largest residual of each group of fields (rod.h), in the scene's units, along the axes of the
+   state: they do not see each other on the straight rod, and one may be 1e-16 times another. */
 static PetscErrorCode Residuals(Rod rod, Vec U, Vec F, PetscReal residual[GROUPS]) {
   PetscReal size[MAX_FIELDS], axes[2] = {1, 0};
 
@@ -23,7 +23,8 @@ static PetscErrorCode Residuals(Rod rod, Vec U, Vec F, PetscReal residual[GROUPS
   PetscCall(RodSizesAlong(rod, F, axes, size));
   for (int g = 0; g < GROUPS; g++) residual[g] = 0;
   for (PetscInt f = 0; f < rod->model->fields; f++)
-    residual[rod->model->group[f]] = PetscMax(residual[rod->model->group[f]], size[f]);
+    residual[rod->model->group[f]] =
+        PetscMax(residual[rod->model->group[f]], size[f] / RodFieldUnit(rod, f));
   PetscFunctionReturn(0);
 }
 
@@ -36,6 +37,23 @@ static PetscErrorCode Residuals(Rod rod, Vec U, Vec F, PetscReal residual[GROUPS
 static const PetscReal loose = 1e-4, tight = 1e-3;
 enum { PATIENCE = 8 };
 
+/* Forces and moments of a rod at rest may be all but none, and what is found of them is round-off
+   of what bends it: below this part of the unit in which a rod so bent has them nothing is to
+   settle. */
+static const PetscReal unsettled = 1e-8;
+
+static void LeaveRoundOff(const Rod rod, PetscReal size[MAX_FIELDS]) {
+  const RodModel *model = rod->model;
+  PetscReal bent[GROUPS] = {1};
+
+  for (PetscInt f = 0; f < model->fields; f++)
+    if (model->followed[f] && model->group[f] && strchr("tp", model->field[f][0]))
+      bent[model->group[f]] = PetscMax(bent[model->group[f]], size[f]);
+  for (PetscInt f = 0; f < model->fields; f++)
+    if (!model->followed[f])
+      size[f] = PetscMax(size[f], unsettled * RodFieldUnit(rod, f) * bent[model->group[f]]);
+}
+
 /* The largest update of each group's fields, relative to the field's scale; those not followed
    count by weight; and that of any field followed. A field that is 0 throughout (the straight rod's
    x2) has converged when its update is 0. */
@@ -45,6 +63,7 @@ static PetscErrorCode RelativeUpdates(Rod rod, Vec U, Vec dU, PetscReal weight,
 
   PetscFunctionBegin;
   PetscCall(RodFieldScales(rod, U, axes, size));
+  LeaveRoundOff(rod, size);
   PetscCall(RodSizesAlong(rod, dU, axes, change));
   *followed = 0;
   for (int g = 0; g < GROUPS; g++) update[g] = 0;
@@ -369,6 +388,18 @@ static PetscErrorCode HasChain(Rod rod, PetscBool *has) {
   PetscFunctionReturn(0);
 }
 
+/* Can modes be counted, though the matrix is assembled? Not of a rod whose beginning is free.
+   Springs are put for a hinge, and for what holds a tip that several ranks go from. */
+static PetscErrorCode HasCount(Rod rod, PetscBool *has) {
+  PetscMPIInt ranks;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(rod->scene->comm, &ranks));
+  *has = (PetscBool)(rod->model->eliminate && EliminationCounts(rod->model->halves, ranks) &&
+                     rod->scene->clamp != CLAMP_FREE);
+  PetscFunctionReturn(0);
+}
+
 /* J Y of Newton's direction Y, which is all that a line search asks for: Y was solved for, so it is
    the residual. */
 static PetscErrorCode MultiplyDirection(Mat J, Vec Y, Vec JY) {
@@ -417,16 +448,17 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
 */
 PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton) {
   Rod rod = newton->rod;
-  PetscBool asked, has;
+  PetscBool asked, has, counts;
 
   PetscFunctionBegin;
   PetscCall(MatrixAsked(ts, &asked));
   PetscCall(HasChain(rod, &has));
+  PetscCall(HasCount(rod, &counts));
   if (has && !asked && !rod->coupled)
     PetscCall(SetElimination(ts, newton));
   else {
     PetscCall(RodCreateMatrix(rod, &newton->J));
-    if (has)
+    if (counts)
       PetscCall(EliminationCreate(rod->scene->comm, rod->end - rod->first, rod->model->halves,
                                   &newton->counter));
   }
@@ -485,8 +517,30 @@ PetscErrorCode NewtonIndex(Newton *newton, PetscInt *index, PetscBool *known) {
   *index = 0;
   if (!*known) PetscFunctionReturn(0);
   if (counted == newton->counter) PetscCall(NewtonEliminate(newton, counted));
+  EliminationPlane(counted, newton->plane);
   PetscCall(EliminationIndex(counted, index));
   if (EliminationWide(counted) && *index < 0) *known = PETSC_FALSE;
+  PetscFunctionReturn(0);
+}
+
+/* NewtonOutOfPlane - how many modes out of the plane of x1 and x2 grow faster than this rate, of a
+   rod in space that lies in it; 0 where they cannot be counted. Collective. */
+PetscErrorCode NewtonOutOfPlane(Newton *newton, PetscReal rate, PetscInt *modes) {
+  const Elimination counted = newton->counter ? newton->counter : newton->elimination;
+  const RodState linearised = newton->linearised;
+  PetscInt index[2] = {0, 0};
+
+  PetscFunctionBegin;
+  *modes = 0;
+  if (!counted || !linearised.U || LoadSticks(&newton->rod->scene->load)) PetscFunctionReturn(0);
+  for (PetscInt f = 0; f < newton->rod->model->fields; f++) newton->linearised.shift[f] = rate;
+  PetscCall(NewtonEliminate(newton, counted));
+  newton->linearised = linearised;
+  for (int plane = 0; plane < 2; plane++) {
+    EliminationPlane(counted, (PetscBool)plane);
+    PetscCall(EliminationIndex(counted, &index[plane]));
+  }
+  if (index[0] >= 0 && index[1] >= 0) *modes = index[0] - index[1];
   PetscFunctionReturn(0);
 }
 

@@ -197,6 +197,17 @@ PetscErrorCode VBDFSetSnap(TS ts, VBDFSnap snap) {
   PetscFunctionReturn(0);
 }
 
+/* VBDFSetResolves - says that every motion has a finite velocity, which steps are to see: an error
+   that does not fall with the step is no jump. No effect on other types. */
+PetscErrorCode VBDFSetResolves(TS ts, PetscBool resolves) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  if (self) self->controller.resolves = resolves;
+  PetscFunctionReturn(0);
+}
+
 /* VBDFSetScale - sets the time that something takes in what is followed: a step that is a tiny part
    of it is all but none. Without it that is the end of the run, which may be far behind. No effect
    on other types. */

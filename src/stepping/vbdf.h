@@ -48,6 +48,7 @@ PetscErrorCode VBDFSetGuess(TS ts, VBDFGuess guess, void *ctx);
 PetscErrorCode VBDFSetHighestOrder(TS ts, PetscInt order);
 PetscErrorCode VBDFSetSnap(TS ts, VBDFSnap snap);
 PetscErrorCode VBDFSetOtherWay(TS ts, VBDFOtherWay other_way);
+PetscErrorCode VBDFSetResolves(TS ts, PetscBool resolves);
 PetscErrorCode VBDFSetScale(TS ts, PetscReal scale);
 PetscErrorCode VBDFSetCheck(TS ts, VBDFCheck check);
 PetscErrorCode VBDFSetCross(TS ts, VBDFCross cross);

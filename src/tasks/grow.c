@@ -169,9 +169,10 @@ static PetscErrorCode Neglect(Grow *self, Vec U_t) {
   PetscFunctionReturn(0);
 }
 
-/* Jumps before this part of the run cross the layer of a start, and are no snaps unless they were
-   followed (controller.c). A first step that ends in it is one of a start out of balance: what is
-   lost on the way to its end goes by rates that nothing tells, for a start has none. */
+/* Jumps before this part of what short steps are part of cross the layer of a start, and are no
+   snaps unless they were followed (controller.c). A first step that ends in it is one of a start
+   out of balance: what is lost on the way to its end goes by rates that nothing tells, for a start
+   has none. */
 static const PetscReal initial_layer = 1e-6;
 
 /* Does what leads tip or clamp, or a surface that is touched, set out or stop at once between two
@@ -227,7 +228,7 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   Vec behind = NULL;
 
   PetscFunctionBegin;
-  layered = (PetscBool)(t <= initial_layer * self->scene->end_time);
+  layered = (PetscBool)(t <= initial_layer * self->scene->units.brief);
   if (U) {
     PetscCall(TSGetSNESIterations(self->now->ts, &all));
     PetscCall(VBDFGetJumps(self->now->ts, &jumps, &blind));

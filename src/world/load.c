@@ -40,6 +40,7 @@ static PetscErrorCode ReadField(Load *load) {
 PetscErrorCode LoadSetFromOptions(Load *load, PetscReal clamp_angle) {
   PetscFunctionBegin;
   PetscCall(FrictionSetFromOptions(&load->friction));
+  load->viscous = 1 - load->friction.mu;
   PetscCall(OptionReal("-friction_across", &load->across, NULL));
   PetscCall(ReadField(load));
   load->clamp[0] = PetscCosReal(clamp_angle);
@@ -181,7 +182,7 @@ static const PetscReal slack = 1e-5;
 static const PetscReal tiny_beta = 1e-18; /* of velocities in fast time, which begin near 1 */
 static const PetscReal as_good_as_at_rest = 1e-5; /* part of the speed of the fastest place */
 
-/* LoadIsDry - is it so dry that what it does not hold snaps? */
+/* LoadIsDry - has it no viscous share to speak of, so that a rod may snap? */
 PetscBool LoadIsDry(const Load *load) {
   return (PetscBool)(1 - load->friction.mu <= nearly_dry);
 }

@@ -13,6 +13,14 @@ static PetscReal Factor3(const Load *load, const Place3 *at, PetscReal slope[3])
   return factor;
 }
 
+/* LoadFactor3 - N at a place in the clamp's frame. */
+PetscReal LoadFactor3(const Load *load, const PetscReal x[3], PetscReal t) {
+  const Place3 at = {.t = t, .x = {x[0], x[1], x[2]}};
+  PetscReal slope[3];
+
+  return load->field ? Factor3(load, &at, slope) : 1;
+}
+
 /* f <- N M f, and the couple */
 static void Vary(const Load *load, const Place3 *at, PetscReal f[RUBS]) {
   PetscReal by[3], N = load->field ? Factor3(load, at, by) : 1, a = load->across,

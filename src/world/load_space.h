@@ -36,6 +36,7 @@ void LoadLinearise3(const Load *load, const Place3 *at, PetscBool fresh, Frictio
 PetscReal LoadHold3(const Load *load, const Place3 *at, PetscReal seen, FrictionDual4 dual[]);
 void LoadSeen3(const Load *load, const Place3 *at, PetscReal f[RUBS]);
 PetscBool LoadInSpace(const Load *load);
+PetscReal LoadFactor3(const Load *load, const PetscReal x[3], PetscReal t);
 
 /* Do force and couple depend on place and direction? */
 static inline PetscBool LoadPlaced(const Load *load) {
