@@ -148,6 +148,8 @@ struct _Rod {
     PetscBool whole; /* all of the sum, and not only what is left, */
     RodForces sum;   /* of this rank's part */
   } kept[2];         /* of the latest two states, the latest first: see RodKeepLeft() */
+  PetscReal finest;  /* what is told apart of a vector across that walls have part in, for
+                        RodFieldScales(): of the order of round-off over a step's tolerance */
   void *data;
 };
 
@@ -176,6 +178,7 @@ PetscErrorCode RodFieldSizes(Rod rod, Vec U, PetscReal size[MAX_FIELDS]);
 PetscErrorCode RodAxes(Rod rod, Vec U, const PetscReal size[MAX_FIELDS], PetscReal axes[2]);
 PetscErrorCode RodTurn(Rod rod, const PetscReal axes[2], Vec V);
 PetscErrorCode RodSizesAlong(Rod rod, Vec U, const PetscReal axes[2], PetscReal size[MAX_FIELDS]);
+PetscErrorCode RodBlurred(Rod rod, Vec U, PetscReal place[MIRRORS]);
 PetscErrorCode RodFeelWalls(Rod rod, PetscReal t, Vec U);
 PetscErrorCode RodKeepLeft(Rod rod, PetscReal t, Vec F);
 void RodKeepBorne(Rod rod, const RodForces *sum);

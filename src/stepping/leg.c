@@ -33,7 +33,7 @@ static PetscErrorCode SetTolerance(Leg *leg) {
 
 /* A step begins: sizes are those that the fields have now, or that a kick will give them. */
 static PetscErrorCode BeforeStep(TS ts) {
-  PetscReal t;
+  PetscReal t, least[MIRRORS];
   Leg *leg;
 
   PetscFunctionBegin;
@@ -41,6 +41,8 @@ static PetscErrorCode BeforeStep(TS ts) {
   PetscCall(TSGetTime(ts, &t));
   PetscCall(RodFeelWalls(leg->rod, t, leg->U));
   PetscCall(RodFieldScales(leg->rod, leg->U, leg->turns ? leg->axes : NULL, leg->size));
+  PetscCall(RodBlurred(leg->rod, leg->U, least));
+  PetscCall(VBDFSetLeast(ts, least));
   for (PetscInt f = 0; f < leg->rod->model->fields; f++) {
     if (t >= leg->kick_ends) leg->kick[f] = 0;
     leg->size[f] = PetscMax(leg->size[f], leg->kick[f]);

@@ -320,6 +320,12 @@ static PetscErrorCode Jacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shi
   PetscFunctionReturn(0);
 }
 
+/* What is below round-off of the whole of a vector is not asked for either (rod/sizes.c). */
+static void SetTolerance(Newton *newton, PetscReal tolerance) {
+  newton->tolerance = tolerance;
+  newton->rod->finest = round_off / tolerance;
+}
+
 /*
   NewtonSetUp - sets the equations of a TS and its SNES, before its options are read: full Newton
   steps, the test above, and a direct solver. PETSc's options override. newton must live as long as
@@ -335,7 +341,7 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   newton->ts = ts;
   newton->rod = rod;
   PetscCall(TSGetTolerances(ts, NULL, NULL, &rtol, NULL));
-  newton->tolerance = share_of_tolerance * rtol;
+  SetTolerance(newton, share_of_tolerance * rtol);
   newton->loose = loose;
   newton->slow = snapping;
   PetscCall(TSSetIFunction(ts, NULL, Residual, newton));
@@ -362,7 +368,7 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
 */
 void NewtonToRest(Newton *newton, PetscReal rtol, PetscReal rest) {
   newton->slow = rest;
-  newton->tolerance = PetscMin(newton->tolerance, share_of_tolerance * rtol);
+  SetTolerance(newton, PetscMin(newton->tolerance, share_of_tolerance * rtol));
   newton->loose = tight * loose;
 }
 

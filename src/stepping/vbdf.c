@@ -289,6 +289,17 @@ PetscErrorCode VBDFSetFactored(TS ts, PetscInt fields, const int factored[]) {
   PetscFunctionReturn(0);
 }
 
+/* VBDFSetLeast - says below which size of its first field, in the step that begins, no factor is
+   taken: what it would be of is round-off. No effect on other types. */
+PetscErrorCode VBDFSetLeast(TS ts, const PetscReal least[VBDF_FACTORS]) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  if (self) PetscCall(PetscArraycpy(self->formula.least, least, VBDF_FACTORS));
+  PetscFunctionReturn(0);
+}
+
 /* VBDFGetFactorRate - rho of the present step: what the fields of each factor have in dU_t/dU
    beside the shift; 0 if the type is another one. */
 PetscErrorCode VBDFGetFactorRate(TS ts, PetscReal rate[VBDF_FACTORS]) {

@@ -891,6 +891,22 @@ static void AdviseConduit(const Grow *self, char *advice, size_t room) {
           surfaces->surface[k].kind->name, surfaces->surface[k].line);
 }
 
+/* Dry friction says nothing of how fast a rod falls that it does not hold: if no wall stops it, a
+   snap takes it without end. */
+static void AdviseFall(const Grow *self, char *advice, size_t room) {
+  const Load *load = &self->scene->load;
+  const PetscReal *w = load->weight, weight = hypot(hypot(w[0], w[1]), w[2]);
+  PetscBool dry = (PetscBool)(load->weighs && LoadIsDry(load) && !load->field &&
+                              weight > PetscMax(1, load->across));
+
+  if (dry && self->scene->clamp == CLAMP_FREE && self->scene->tip.type == TIP_FREE)
+    (void)snprintf(advice, room,
+                   "-rod_weight is %.3g times what dry friction holds, and the rod falls at once, "
+                   "without end if no wall stops it: give a -friction_mu below 1, by which it "
+                   "falls at a speed",
+                   (double)(weight / PetscMax(1, load->across)));
+}
+
 /* The line for an end that was not asked for. */
 static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
   MPI_Comm comm = self->scene->comm;
@@ -953,6 +969,7 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
       text[0], text[1], kept, advice);
   if (!waves) {
     advice[0] = 0;
+    AdviseFall(self, advice, sizeof(advice));
     AdviseConduit(self, advice, sizeof(advice));
   }
   UserCheck(reason == TS_CONVERGED_TIME, comm, "gave up at t = %s with a step of %s (%s): %s; %s",

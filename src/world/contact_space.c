@@ -154,6 +154,30 @@ PetscInt ContactStandOff(Contact *self, PetscReal *off) {
   return moved;
 }
 
+/* Is component d of what is turned into the clamp's frame a sum? */
+static PetscBool Sums(const PetscReal turn[3][3], int d) {
+  int parts = 0;
+
+  for (int k = 0; k < 3; k++) parts += turn[k][d] != 0;
+  return (PetscBool)(parts > 1);
+}
+
+/*
+  ContactBlurs - is what walls push a rod with along d, an axis of the clamp's frame, known to
+  round-off of the whole push only?
+
+  So it is where it is summed up, by a turn between frames that are oblique to each other, and of
+  surfaces that are made of points. Else it is 0 to the last digit where a mirror makes it 0, and
+  where the place along d is small, it is as small, and has as many digits.
+*/
+PetscBool ContactBlurs(const Contact *self, int d) {
+  if (self->walls.n && Sums(self->upright, d)) return PETSC_TRUE;
+  if (self->surfaces.n && Sums(self->lab, d)) return PETSC_TRUE;
+  for (PetscInt k = 0; k < self->surfaces.n; k++)
+    if (self->surfaces.surface[k].kind->made_of_points) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 /* ContactGap3 - the smallest gap of a point of the rod to any wall, if that is below `within`; else
    that. */
 PetscReal ContactGap3(const Contact *self, const PetscReal x[3], PetscReal within) {

@@ -191,7 +191,8 @@ const SurfaceKind surface_tube = {
             "inside|outside X Y Z R X Y Z R ... with the points themselves",
     .make = TubeMake,
     .at = TubeSeen,
-    .destroy = TubeFree};
+    .destroy = TubeFree,
+    .made_of_points = PETSC_TRUE};
 
 const SurfaceKind surface_body = {
     .name = "body",
@@ -199,4 +200,5 @@ const SurfaceKind surface_body = {
     .interpolated = PETSC_TRUE,
     .make = BodyMake,
     .at = BodySeen,
-    .destroy = BodyFree};
+    .destroy = BodyFree,
+    .made_of_points = PETSC_TRUE};

@@ -48,6 +48,7 @@ typedef struct {
      surface, however deep, it is true. Not collective; called at every point of the rod. */
   PetscBool (*at)(const void *data, const PetscReal x[3], PetscReal within, SurfacePoint *point);
   PetscErrorCode (*destroy)(void **data);
+  PetscBool made_of_points; /* whose numbers mirror each other to round-off only */
 } SurfaceKind;
 
 struct _Surface {
