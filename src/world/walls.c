@@ -167,13 +167,36 @@ static PetscErrorCode CheckPolygon(Maker *self, PetscInt n) {
   PetscFunctionReturn(0);
 }
 
+/* Drawing programs end an outline with its first corner once more, and write one twice: such
+   corners are taken once. */
+static PetscErrorCode DropRepeated(Maker *self) {
+  PetscReal *number = self->wall->number;
+  PetscInt n = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < self->wall->numbers; k += 2) {
+    if (n && number[k] == number[n - 2] && number[k + 1] == number[n - 1]) continue;
+    number[n++] = number[k];
+    number[n++] = number[k + 1];
+  }
+  while (n > 2 && number[n - 2] == number[0] && number[n - 1] == number[1]) n -= 2;
+  UserCheck(n >= 6, OptionsComm(),
+            "-wall_file %s, line %d: of the polygon's corners only %d are different; it needs 3",
+            self->file, self->line, (int)n / 2);
+  self->wall->numbers = n;
+  PetscFunctionReturn(0);
+}
+
 /* Each edge is a line; a corner that stands out is an arc of radius 0 between the normals of its
    edges. In a corner that stands in, the rod touches both. */
 static PetscErrorCode MakePolygon(Maker *self) {
-  const PetscInt n = self->wall->numbers / 2;
-  PetscReal side = Area(self, 0, n) > 0 ? -1 : 1, a[2], b[2], c[2], t[2], u[2], length;
+  PetscReal side, a[2], b[2], c[2], t[2], u[2], length;
+  PetscInt n;
 
   PetscFunctionBegin;
+  PetscCall(DropRepeated(self));
+  n = self->wall->numbers / 2;
+  side = Area(self, 0, n) > 0 ? -1 : 1;
   PetscCall(CheckPolygon(self, n));
   if (self->wall->inside) side = -side;
   for (PetscInt k = 0; k < n; k++) {
