@@ -34,16 +34,6 @@ static const OptionGroup *const table[] = {
 
 static ErrorState errors;
 static PetscBool began_mpi;
-static PetscBool bare; /* nothing was asked for */
-
-/* A run that nobody asked for anything, but to see what the program does, is not kept. */
-static PetscErrorCode TellBare(void) {
-  PetscFunctionBegin;
-  if (bare)
-    PetscCall(PetscPrintf(OptionsComm(), "nothing of this is kept: -output FILE.h5 does; "
-                                         "tendril -help lists all options\n"));
-  PetscFunctionReturn(0);
-}
 
 /* TendrilRun - does what the options ask for (-task), from the scene to the result. Collective;
    after TendrilInitialize(). A failure has been told when it returns, and all is freed. */
@@ -56,7 +46,6 @@ PetscErrorCode TendrilRun(void) {
     PetscCall(SweepRun());
   else
     PetscCall(SingleRun(task, NULL, NULL));
-  PetscCall(TellBare());
   PetscFunctionReturn(0);
 }
 
@@ -130,7 +119,6 @@ int TendrilInitialize(int *argc, char ***argv, PetscBool *done) {
   if (began_mpi) NeedNoOthers();
   if (began_mpi) MPI_Init(argc, argv);
   OptionsSetTable(PETSC_STATIC_ARRAY_LENGTH(table), table);
-  bare = (PetscBool)(*argc == 1);
   *done = Answered(*argc, *argv);
   failed = *done ? 0 : OptionsTakeWords(argc, argv);
   *done = (PetscBool)(*done || failed || Answered(*argc, *argv));

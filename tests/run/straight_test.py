@@ -295,7 +295,7 @@ def windows():
     4.949 with an error below 7e-11, or that the rod is stable up to there); by -task stability, too, and by a rod that is followed."""
     d = scene.SCRATCH
     for n, (bell, end, searches) in enumerate((((0.2, 3, 0.05, 5), 40, (40, 5.5, 5)), ((0.002, 9, 0.05, 15), 40, (40, 15)),
-                                               ((0.002, 15, 5e-4, 15), 40, (40, 31.7)))):
+                                               ((0.002, 15, 5e-4, 15), 40, (31.7,)))):
         rod = pulse(f"{d}/pulse{n}.h5", *bell, end)
         right, _ = fuzz_critical.truth(rod, np.linspace(bell[-1] - 4 * bell[-2], bell[-1] + 4 * bell[-2], 1001))
         for search in searches:
@@ -311,21 +311,24 @@ def windows():
     t = np.unique(np.r_[np.linspace(0, 10, 11), np.linspace(4.9, 5.1, 41)])
     x = np.array([-5., 0, 5])
     fuzz_critical.write(f"{d}/drag.h5", t=t, x1=x, x2=x, factor=np.repeat(1 + np.exp(-((t - 5) / .03) ** 2), 9).reshape(-1, 3, 3))
-    said = tendril(f"-task stability -friction_mu 0 -growth_initial_length 1e-3 -ts_max_time 9 -friction_field {d}/drag.h5 "
-                   "-stability_vertices 60 -stability_points 3 -stability_start 4 -stability_end 6 -stability_transient false")
-    until = float(re.search(r"stable in the friction norm +on \[4\., (\S+)\)", said).group(1))
+    even = np.linspace(0, 40, 11)
+    fuzz_critical.write(f"{d}/even.h5", s=np.linspace(0, 1, 5), t=even, g=np.outer(1 + .1 * even, np.ones(5)))
+    until = [float(re.search(r"stable in the friction norm +on \[\S+ (\S+)\)", tendril(
+        f"{table}even.h5 -friction_field {d}/drag.h5 -task stability -ts_max_time 40 -stability_vertices 60 -stability_transient false "
+        + looks)).group(1)) for looks in ("-stability_points 4 -stability_start 3.8 -stability_end 6",
+                                          "-stability_points 9 -stability_start 4.94 -stability_end 4.95")]
     print(f"a burst of drag: in the friction norm stable up to {until}")
-    expect(4.9 < until < 5, said)
+    expect(4.94 < until[0] < 4.95 and abs(until[0] - until[1]) < 1e-6, f"{until}")
     # many rows of noise, among them one window
-    rng, t = np.random.default_rng(5), np.linspace(0, 40, 2001)
+    rng, t = np.random.default_rng(5), np.linspace(0, 40, 801)
     N = 1 + 0.01 * rng.normal(size=t.size)
-    N[1000:1003] = 4, 9, 4
+    N[400:403] = 4, 9, 4
     fuzz_critical.write(f"{d}/noise.h5", t=t, x1=x, x2=x, factor=np.repeat(N, 9).reshape(-1, 3, 3))
-    rod = {"mu": 1, "beta": 1e-3, "a": 1, "length": CubicSpline(t, 1 + 0.01 * t), "N": CubicSpline(t, N, bc_type="clamped"),
+    rod = {"mu": 1, "beta": 1e-6, "a": 1, "length": CubicSpline(t, 1 + 0.01 * t), "N": CubicSpline(t, N, bc_type="clamped"),
            "force": np.zeros_like}
-    fuzz_critical.write(f"{d}/slow.h5", s=np.linspace(0, 1, 5), t=t[::100], g=np.outer(1 + 0.01 * t[::100], np.ones(5)))
-    right, _ = fuzz_critical.truth(rod, np.linspace(19.8, 20.2, 801))
-    options = f"-growth_type table -growth_table {d}/slow.h5 -friction_beta 1e-3 -friction_field {d}/noise.h5 -ts_max_time 39"
+    fuzz_critical.write(f"{d}/slow.h5", s=np.linspace(0, 1, 5), t=t[::40], g=np.outer(1 + 0.01 * t[::40], np.ones(5)))
+    right, _ = fuzz_critical.truth(rod, np.linspace(19.8, 20.3, 801))
+    options = f"-growth_type table -growth_table {d}/slow.h5 -friction_beta 1e-6 -friction_field {d}/noise.h5 -ts_max_time 39"
     t, error, said = time_of(options)
     print(f"in noise: {t}, right {right}")
     expect(abs(t - right) < max(3 * error, 1e-9) and int(re.search(r"looked at (\d+) times", said).group(1)) > 2000, said)
@@ -353,7 +356,7 @@ def windows_along():
 @check
 def windows_at_random():
     """Random windows in random tables (scripts/lab/fuzz_critical.py --windows), against another route."""
-    expect(not fuzz_critical.look_for_windows(scene.TENDRIL, 7, 5), "a window is missed, or told wrong")
+    expect(not fuzz_critical.look_for_windows(scene.TENDRIL, 7, 3), "a window is missed, or told wrong")
 
 
 @check

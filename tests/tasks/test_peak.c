@@ -33,6 +33,8 @@ static void Above(void **state) {
     Bell bell = {.at = 5 + 0.05 * k, .height = 1.02, .width = 0.8};
     PeakPlace across[2];
     PetscReal level;
+    CHECK(Level(&bell, 5, &level));
+    if (level >= 0) continue; /* seen without any search */
     EXPECT(Find(&bell, 4, 5, 6, across), "a peak at %g", (double)bell.at);
     EXPECT(across[0].level < 0 && across[1].level >= 0 && across[0].t < across[1].t, "at %g",
            (double)bell.at);
