@@ -1053,6 +1053,20 @@ def starts():
 
 
 @check
+def closed_outlines():
+    """Outlines as drawing programs write them, their first corner once more at the end, or a corner twice, are the same walls
+    (it was said that they cross themselves)."""
+    fed = "-growth_type feed -growth_initial_length 1 -shape_type straight -rod_curvature 0.05 -contact_diameter 0.1 -ts_max_time 1.5 -rod_cells 40 "
+    ends = [Run(fed + walls("polygon inside " + outline)) for outline in (
+        "-1 -1.5 2 -1.5 2 1.5 -1 1.5", "-1 -1.5 2 -1.5 2 1.5 -1 1.5 -1 -1.5", "-1 -1.5 -1 -1.5 2 -1.5 2 1.5 2 1.5 2 1.5 -1 1.5 -1 -1.5 -1 -1.5")]
+    tips = [(run.tip_x1[-1], run.tip_x2[-1], len(run.t)) for run in ends]
+    print(f"tips {tips}")
+    expect(tips[0][0] < 2 and tips[0] == tips[1] == tips[2], f"tips {tips}")
+    line = tendril(fed + walls("polygon inside -1 -1 2 2 2 2 -1 -1"), 1)
+    expect("line 1: of the polygon's corners only 2 are different; it needs 3" in line, line)
+
+
+@check
 def guard_on_ranks():
     """A rank that alone sees the rod behind a wall does not wait for the others."""
     options = (LEANS + "-rod_curvature 0.01 -ts_max_time 4 -contact_stiffness 1e-3 -rod_cells 50 "
