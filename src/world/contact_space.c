@@ -30,8 +30,9 @@ void ContactSetFrame(Contact *self, const PetscReal lab[3][3], PetscReal clamp_a
 
 /* ---- what touches ---- */
 
-/* A wall is taken off by this part of the diameter at most. */
-static const PetscReal part_of_stand_off = 0.01;
+/* A rod begins at a wall if it is so near to it, over its diameter; the wall is then taken off by
+   that part of it at most. */
+static const PetscReal part_at_wall = 1e-6, part_of_stand_off = 0.01;
 
 /* The velocity of a wall that moves at v and turns at spin where it touches, x - d n, and
      dv_w = spin x (dx - n (n.dx) - d H dx). */
@@ -129,8 +130,9 @@ PetscInt ContactTouches3(const Contact *self, const PetscReal x[3], Touch3 touch
 /*
   ContactStandOff - takes walls at which the rod begins off by so much that contact, which sets in
   a little before surfaces meet, does not press there. Else a rod that lies on a table, as a user
-  sets it up, would be pushed off with a force of usual size at once. Behind ContactSetFrame() and
-  ContactSetStiffness().
+  sets it up, would be pushed off with a force of usual size at once. (A clamp that is a little
+  nearer or farther may be meant so, in balance with what presses there.) Behind ContactSetFrame()
+  and ContactSetStiffness().
 
   Returns how many walls; off  the largest length by which one was.
 */
@@ -146,7 +148,7 @@ PetscInt ContactStandOff(Contact *self, PetscReal *off) {
     const PetscInt flat = touch[k].wall - self->surfaces.n;
     PetscReal *by =
         flat >= 0 ? &self->walls.wall[flat].off : &self->surfaces.surface[touch[k].wall].off;
-    if (touch[k].gap < -self->smooth) continue; /* it begins in the wall, and is refused */
+    if (PetscAbsReal(touch[k].gap) > part_at_wall * self->diameter) continue;
     moved += *by == 0;
     *by = PetscMax(*by, self->smooth - touch[k].gap);
     *off = PetscMax(*off, *by);

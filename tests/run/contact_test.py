@@ -505,7 +505,7 @@ def begins_at_a_wall():
     on = "-growth_type feed -growth_initial_length 1 -shape_type straight -contact_diameter 0.1 -rod_cells 60 -ts_max_time 0.4 "
     for table, weight, force in (("plane 0 {} 0 1", "0,-0.5", "wall_force_2"), ("plane 0 0 {} 0 0 1", "0,0,-0.5", "wall_force_3"),
                                  ("circle 0 {} 5 outside", "0,-0.5", "wall_force_2")):
-        for apart in (0, 5e-5, -5e-5):
+        for apart in (0, 5e-8, -5e-8):
             high = -0.05 - apart - (5 if "circle" in table else 0)
             r = Run(on + f"-rod_weight {weight} " + walls(table.format(repr(high))))
             found = re.search(r"-wall_file: the rod begins at a wall, (\S+) from it; contact sets in 0.0002 ", r.said)
@@ -513,6 +513,8 @@ def begins_at_a_wall():
             expect(r.series[force][0] < 1e-9, f"{table}: begins pushed with {r.series[force][0]}")
             expect(r.series[force][-1] > 0.4, f"{table}: rests on it with {r.series[force][-1]}")
             expect("snap" not in r.said, r.said)
+        r = Run(on + f"-rod_weight {weight} " + walls(table.format(repr(-0.0501 - (5 if "circle" in table else 0)))))
+        expect(re.search(r"the rod begins 0.0001\S* from a wall at s = 0", r.said) and r.series[force][0] > 1e-3, r.said)
         r = Run(on + f"-rod_weight {weight} " + walls(table.format(repr(-0.0505 - (5 if "circle" in table else 0)))))
         expect("begins at" not in r.said, r.said)
     r = Run(on + "-rod_weight 0,-0.5 -shape_type mode -shape_amplitude 0.2 " + walls("plane 1.15 0 -1 0"))
