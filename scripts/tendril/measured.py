@@ -25,7 +25,7 @@ from typing import Mapping, Sequence
 import numpy as np
 
 from .readers import DataError, is_number, plain
-from .units import SHOWN, TIMES
+from .units import METRES, SHOWN, TIMES
 
 PIXEL = "px"
 # name of a unit -> (unit of tendril's files, what 1 of it is in SI)
@@ -33,7 +33,9 @@ KNOWN = {name: (unit, si) for kind, unit in
          (("length", "l"), ("speed", "V"), ("force", "N l"), ("energy", "N l^2"), ("power", "N l V"))
          for name, si, _ in SHOWN[kind]}
 KNOWN |= {name.replace("µ", "u"): value for name, value in KNOWN.items()}
+KNOWN |= {name: ("l", si) for name, si in METRES.items()}
 KNOWN |= {name: ("l/V", si) for name, si in TIMES.items()}
+KNOWN |= {f"{length}/{time}": ("V", METRES[length] / TIMES[time]) for length in METRES for time in ("s", "min", "h", "d")}
 KNOWN |= {over + unit: ("1/l", 1 / si) for over in ("/", "1/") for unit, (kind, si) in list(KNOWN.items()) if kind == "l"}
 KNOWN |= {"rad": ("rad", 1), "deg": ("rad", np.pi / 180), "": ("", 1), "1": ("", 1),
           PIXEL: (PIXEL, 1)}
@@ -110,7 +112,7 @@ def values_of(numbers, unit, what):
     unit = unit.replace("\u03bc", "\u00b5")  # a Greek mu is a micro, too
     if unit not in KNOWN:
         raise DataError(f"{what}: {unit} is no unit; give one of "
-                        f"{', '.join(name for name in KNOWN if name)}")
+                        f"{', '.join(name for name in KNOWN if name and '/' not in name)}, or of such, as mm/s and 1/m")
     name, si = KNOWN[unit]
     return Values(si * np.asarray(numbers, float), name)
 

@@ -21,6 +21,8 @@ SHOWN = {
 DECIDES = {"length": ["length"], "time": ["t"], "force": ["base_force_1", "base_force_2"],
            "energy": ["energy"], "power": ["growth_power", "dissipation"],
            "speed": ["tip_speed", "mid_speed"]}
+# as the program has them (src/base/options_units.c); a Fr, French, is of diameters
+METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254, "ft": 0.3048, "mil": 25.4e-6, "Fr": 1e-3 / 3}
 TIMES = {"ms": 1e-3, "s": 1, "min": 60, "h": 3600, "d": 86400}
 # a unit of the file as powers of the scales of the laboratory, and its name in SI
 DIMENSIONS = {
@@ -44,8 +46,7 @@ def in_laboratory(unit, scale):
 
 
 # what units of options are made of, in SI
-PARTS = {"N": 1, "mN": 1e-3, "uN": 1e-6, "Pa": 1, "mPa": 1e-3, "m": 1, "cm": 1e-2, "mm": 1e-3, "um": 1e-6,
-         "s": 1, "ms": 1e-3, "min": 60, "h": 3600, "d": 86400}
+PARTS = {"N": 1, "mN": 1e-3, "uN": 1e-6, "Pa": 1, "mPa": 1e-3, **METRES, **TIMES}
 QUANTITY = re.compile(r"\s*([-+]?(?:[0-9]*\.)?[0-9]+\.?(?:[eE][-+]?[0-9]+)?)\s*(.*?)\s*")
 PART = re.compile(rf"({'|'.join(sorted(PARTS, key=len, reverse=True))})(?:\^([0-9]))?")
 

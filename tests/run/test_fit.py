@@ -131,7 +131,7 @@ class Reading(unittest.TestCase):
                            ("t (s),x1 (cm),x2 (cm)\n", "no row below it"),
                            ("length (cm),x1 (cm),x2 (cm)\n" + 3 * "-3,1,2\n", "length -3; lengths are above 0"),
                            ("t (s),x1 (cm),x2 (cm)\n1,2,3\n", "three points"),
-                           ("t (s),x1 (ft),x2 (ft)\n1,2,3\n1,2,3\n1,2,3\n", "ft is no unit"),
+                           ("t (s),x1 (yd),x2 (yd)\n1,2,3\n1,2,3\n1,2,3\n", "yd is no unit"),
                            ("t (s),x1 (cm),x2 (mm)\n1,2,3\n1,2,3\n1,2,3\n", "in one unit"),
                            ("when,width\n1,2\n", "no column t")):
             with self.assertRaisesRegex(measured.DataError, word) as refused:
