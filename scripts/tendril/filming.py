@@ -13,7 +13,6 @@ page on which points are dragged and frames dropped."""
 
 from __future__ import annotations
 
-import argparse
 import base64
 import json
 import re
@@ -23,6 +22,7 @@ from pathlib import Path
 
 import numpy as np
 
+from .command import Parser
 from .errors import TendrilError, complaint, replacing, writable
 from .measured import KNOWN, Measured, gather
 from .parameters import with_unit
@@ -448,8 +448,7 @@ def board(text):
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="scripts/measure.sh", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser("scripts/measure.sh", __doc__)
     parser.add_argument("source", nargs="+", metavar="FILM", help="or photographs, FILE, 12cm@FILE or 20s@FILE")
     parser.add_argument("--clamp", required=True, metavar="X,Y", help="in pixels, y downwards")
     parser.add_argument("--scale", metavar="X,Y:X,Y:LENGTH", help="two points in the plane of the rod")

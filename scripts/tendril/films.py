@@ -8,7 +8,6 @@ The ending of --output decides: .gif, or .mp4 where ffmpeg is installed."""
 
 from __future__ import annotations
 
-import argparse
 import errno
 import os
 import sys
@@ -20,6 +19,7 @@ import numpy as np
 from matplotlib.animation import FFMpegWriter, PillowWriter
 from matplotlib.colors import AsinhNorm
 
+from .command import Parser
 from .errors import ResultsError, TendrilError, complaint, replacing
 from .film_space import FilmInSpace
 from .results import Results, load, runs_of
@@ -163,8 +163,7 @@ def animate(r: Results, output: str | Path, *, begin: float | str = 0, end: floa
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="scripts/animate.sh", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser("scripts/animate.sh", __doc__)
     parser.add_argument("file", help="result file, HDF5")
     parser.add_argument("--output", help="default: the file's name with .gif")
     parser.add_argument("--from", dest="begin", default="0", metavar="T",

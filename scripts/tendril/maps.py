@@ -12,7 +12,6 @@ tendril.sweep keeps it in); points that are missing or unfinished stay white.
 
 from __future__ import annotations
 
-import argparse
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -23,6 +22,7 @@ import numpy as np
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from .collection import Sweep, load_sweep
+from .command import Parser
 from .errors import RunError, TendrilError, complaint, path_of
 from .style import STYLE, InStyle, save
 from .units import DIMENSIONS, KINDS, in_laboratory, suited_to
@@ -215,8 +215,7 @@ def map(sweep, axes, quantity="critical/t", *, si=False, ax=None) -> Figure:
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="scripts/map.sh", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser("scripts/map.sh", __doc__)
     parser.add_argument("place", help="directory of scripts/sweep.sh, or file of a sweep")
     parser.add_argument("--axes", required=True, metavar="X,Y", help="options along the axes")
     parser.add_argument("--quantity", default="critical/t", help="default %(default)s")

@@ -24,7 +24,7 @@ from typing import Mapping, Sequence
 
 import numpy as np
 
-from .readers import DataError, is_number, plain
+from .readers import DataError, Row, heading, is_number, line_of, plain
 from .units import METRES, SHOWN, TIMES
 
 PIXEL = "px"
@@ -117,12 +117,6 @@ def values_of(numbers, unit, what):
     return Values(si * np.asarray(numbers, float), name)
 
 
-def heading(cell):
-    """(name, unit) of "x1 (cm)", "x1 [cm]" or "x1"."""
-    name, unit = re.fullmatch(r"\s*([^(\[]*?)\s*(?:[(\[]\s*(.*?)\s*[)\]])?\s*", cell).groups()
-    return name, unit
-
-
 def moment(text, what):
     """(abscissa, Values) of what stands beside a photograph: "20s", "t = 20s", "12cm", "" for none."""
     text = text.strip()
@@ -152,6 +146,7 @@ def number(cell, what, row=()):
         return float(cell)
     except ValueError:
         told = f", in the row {', '.join(row)}" if row else ""
+        what = f"{what}, line {line_of(row)}" if line_of(row) else what
         if cell.strip().startswith("-") and row and cell is row[0]:
             told += "; is it an options file? The scene comes first, then the data"
         raise DataError(f'{what}: "{cell.strip()}" is no number{told}') from None
@@ -285,7 +280,7 @@ def read(path, unit="", at="", fps=None) -> Measured:
     abscissa = next((name for name in ABSCISSAE if name in names), None)
     points = {"x1", "x2"} <= set(names)
     used = {"x1", "x2", "point", "unsure", *ABSCISSAE}
-    table = columns_of([[cell if not points or name in used else "" for name, cell in zip(names, row)]
+    table = columns_of([Row([cell if not points or name in used else "" for name, cell in zip(names, row)], line_of(row))
                         for row in rows[1:]], len(names), path)
     if points:
         found = lines_of(table, names, units, abscissa, path, notes)

@@ -8,7 +8,6 @@ The curves are drawn by uPlot (web/uplot), a rod in space by three.js (web/three
 
 from __future__ import annotations
 
-import argparse
 import html
 import json
 import re
@@ -20,6 +19,7 @@ import numpy as np
 from matplotlib.colors import to_hex
 
 from . import page_space
+from .command import Parser
 from .errors import ResultsError, TendrilError, complaint, replacing
 from .pictures import colours, name_of, symbol_of
 from .packed import moves_straight, packed, thinned
@@ -199,8 +199,7 @@ def view(results: Results | Sequence[Results], output: str | Path | None = None,
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="scripts/view.sh", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser("scripts/view.sh", __doc__)
     parser.add_argument("files", nargs="+", metavar="FILE", help="result files, HDF5")
     parser.add_argument("--output", metavar="FILE.html",
                         help="default: the first file's name with .html")

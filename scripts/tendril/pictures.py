@@ -13,7 +13,6 @@ several in one, joined by +"""
 
 from __future__ import annotations
 
-import argparse
 import itertools
 import re
 import sys
@@ -34,6 +33,7 @@ from matplotlib.text import Annotation
 from matplotlib.ticker import LogLocator, NullLocator
 
 from . import plot_stability
+from .command import Parser
 from .errors import ResultsError, TendrilError, complaint, did_you_mean
 from .perspective import VIEW, Rods, Strand, box_of, draw_surfaces, furnish, sight
 from .results import Results, load, runs_of, titles_of
@@ -726,8 +726,7 @@ def tell_missing(results, times, units):
 
 
 def options(arguments):
-    parser = argparse.ArgumentParser(prog="scripts/plot.sh", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser("scripts/plot.sh", __doc__)
     parser.add_argument("files", nargs="+", metavar="FILE", help="result files, HDF5")
     parser.add_argument("--output", metavar="BASENAME",
                         help="writes BASENAME.png and .pdf, or the one that it ends with (also .svg); default: "

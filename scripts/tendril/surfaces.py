@@ -7,11 +7,11 @@
 
 A mesh (STL, OBJ, PLY, VTP, VTK) becomes a file of its signed distance on a grid, whose spacing the rod's
 diameter says; the smooth surface that the triangles stand for is meant, or, with --facets, they themselves.
-A centre line (VMTK's VTP with MaximumInscribedSphereRadius, or .dat; curves of 3D Slicer, .json or .csv;
-tables of x, y, z, r; well surveys of measured depth, inclination, azimuth and radius) becomes a table of
-points. The line for -wall_file is printed last."""
+A centre line (VMTK's VTP with MaximumInscribedSphereRadius, or .dat; lines of OBJ; curves of 3D Slicer, .json,
+.fcsv or .csv; tables of x, y, z, r; well surveys of measured depth, inclination, azimuth and radius) becomes a table of
+points. Units that a file names are taken, and converted to that of --unit. The line for -wall_file is printed
+last."""
 
-import argparse
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,9 +19,11 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from .centrelines import fair, read_line
+from .centrelines import fair, is_line, read_line
+from .command import Parser, numbers
 from .errors import TendrilError, complaint
 from .meshes import Distance, SurfaceError, check, extended, polydata, read_mesh
+from .units import METRES, length_in, length_unit
 
 MOST = 60_000_000  # values of a grid
 COARSE = 4  # far from the surface the distance is taken at every fourth place only
@@ -41,6 +43,7 @@ class Surface:
     spacing: float | None = None  # of the grid
     shape: tuple = ()  # of the grid (x3, x2, x1), or the number of points
     facets: float | None = None  # how far the triangles are from the smooth surface they stand for
+    notes: tuple = ()  # what was made of the file, and what was not used
 
     @property
     def line(self):
@@ -199,14 +202,53 @@ def tube(x, output, side, unit, every):
 def is_mesh(source):
     kind = Path(source).suffix.lower()
     if kind in (".stl", ".obj", ".ply"):
-        return True
+        return kind != ".obj" or not Path(source).is_file() or not is_line(source)
     if kind not in (".vtp", ".vtk"):
         return False
     data = polydata(source)
     return data.GetNumberOfPolys() + data.GetNumberOfStrips() > 0
 
 
-def surface(source, output, *, diameter=None, spacing=None, side=None, origin=None, direction=None, scale=1.0,
+def in_units(line, unit, scale, source):
+    """(what the path is multiplied by, the unit of the result): of a file that names its unit, that of `unit`, or else the
+    file's own; a scale that says another is refused. With a scale and no unit the result has none."""
+    if not line.unit:
+        return scale or 1.0, unit
+    if not unit:
+        if scale:
+            line.notes.append(f"{source}: is in {line.unit}; times {scale:g} it is of no unit")
+            return scale, ""
+        line.notes.append(f"{source}: is in {line.unit}, and so is the result")
+        return 1.0, line.unit
+    if line.unit not in METRES:
+        line.notes.append(f"{source}: is in {line.unit}, of which 1 is {scale:g} {unit} by scale")
+        return scale, unit
+    by_units = METRES[line.unit] / METRES[unit]
+    if scale and abs(scale / by_units - 1) > 1e-3:
+        raise SurfaceError(f"{source}: is in {line.unit}, of which 1 is {by_units:g} {unit}, not {scale:g}; leave scale out, or unit")
+    if line.unit != unit:
+        line.notes.append(f"{source}: is in {line.unit}, of which 1 is {by_units:g} {unit}")
+    return by_units, unit
+
+
+def path_of(source, output, line, radius, every, origin, direction, scale, unit, side):
+    """A tube from a file of a centre line."""
+    found = read_line(source, line, None if radius is None else 1.0, foreign=scale is not None)
+    scale, unit = in_units(found, unit, scale, source)
+    x = found.points
+    if radius is not None:  # in the unit of the result, as the diameter is
+        radius = length_in(radius, unit, "radius")
+        if not 0 < radius < np.inf:
+            raise SurfaceError("radius: must be above 0")
+    start = x[0, :3] if isinstance(origin, str) else origin
+    along = x[1, :3] - x[0, :3] if isinstance(direction, str) else direction
+    x = np.column_stack([placed(x[:, :3], start, along, scale), scale * x[:, 3] if radius is None else np.full(len(x), radius)])
+    made = tube(x, output, side or "inside", unit, length_in(every, unit, "every"))
+    made.notes = tuple(found.notes)
+    return made
+
+
+def surface(source, output, *, diameter=None, spacing=None, side=None, origin=None, direction=None, scale=None,
             unit=None, open=False, flip=False, facets=False, box=None, tolerance=None, line=0, radius=None,
             every=None):
     """A file for -wall_file from a mesh or a centre line; returns what was made, with its error and its
@@ -219,21 +261,22 @@ def surface(source, output, *, diameter=None, spacing=None, side=None, origin=No
     side       inside or outside, where the rod is; inside of centre lines unless said
     origin     the place, in the source's frame, that becomes 0, where the clamp is; "start": the first point
     direction  the direction that becomes x1; "start": that of the path at its first point
-    scale      what the source's unit is in the result's
-    unit       of the result, like mm; none: numbers without dimension
+    scale      what the source's unit is in the result's, if the source does not say so itself
+    unit       of the result, like mm; none: that which a centre line says, else numbers without dimension
     open       the mesh has open ends: they are led on
     flip       its triangles run the wrong way round
     facets     the triangles themselves are meant, not the smooth surface that they stand for
     box        x, y, z, then again, of the result: the grid's least and largest places
     tolerance  error of the distance that is wanted, 0.002 of the diameter unless said
     line       which line of a file, from 0
-    radius     of a path that says none
+    radius     of a path that says none, in the unit of the result or with its own, "4in"
     every      distance of the knots of a path that is smoothed; a radius where points are closer than a
                quarter of that; else the path goes through its points"""
     if side not in (None, "inside", "outside"):
         raise SurfaceError(f"side: {side}: give inside or outside")
-    if not scale > 0:
+    if scale is not None and not 0 < scale < np.inf:
         raise SurfaceError("scale: must be above 0")
+    unit = length_unit(unit, "unit")
     if is_mesh(source):
         for name, value in (("line", line), ("radius", radius), ("every", every)):
             if value:
@@ -242,7 +285,7 @@ def surface(source, output, *, diameter=None, spacing=None, side=None, origin=No
             if isinstance(value, str):
                 raise SurfaceError(f"{name}: a mesh has no start; give three numbers")
         mesh = read_mesh(source)
-        mesh.points = placed(mesh.points, origin, direction, scale)
+        mesh.points = placed(mesh.points, origin, direction, scale or 1.0)
         if open:
             if flip:
                 mesh.triangles = mesh.triangles[:, ::-1]
@@ -253,27 +296,22 @@ def surface(source, output, *, diameter=None, spacing=None, side=None, origin=No
                         ("tolerance", tolerance)):
         if value:
             raise SurfaceError(f"{name}: is of a mesh, {source} is a centre line")
-    x = read_line(source, line, radius)
-    if radius is not None:
-        x[:, 3] = radius / scale  # in the unit of the result, as the diameter is
-    start = x[0, :3] if isinstance(origin, str) else origin
-    along = x[1, :3] - x[0, :3] if isinstance(direction, str) else direction
-    x = np.column_stack([placed(x[:, :3], start, along, scale), scale * x[:, 3]])
-    return tube(x, output, side or "inside", unit, every)
+    return path_of(source, output, line, radius, every, origin, direction, scale, unit, side)
 
 
 # ---- the command ----
 
 
 def vector(text):
-    if text == "start":
-        return text
-    return [float(word) for word in text.split(",")]
+    return text if text == "start" else numbers(text, 3)
+
+
+def box(text):
+    return numbers(text, 6)
 
 
 def arguments_of(words):
-    parser = argparse.ArgumentParser(prog="scripts/surface.sh", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser("scripts/surface.sh", __doc__)
     parser.add_argument("source", help="mesh or centre line")
     parser.add_argument("output", help="HDF5 for a mesh, CSV for a centre line")
     parser.add_argument("--diameter", type=float, help="of the rod: how fine a mesh's grid must be")
@@ -281,16 +319,16 @@ def arguments_of(words):
     parser.add_argument("--side", choices=("inside", "outside"), help="where the rod is")
     parser.add_argument("--origin", type=vector, metavar="X,Y,Z|start", help="what becomes the clamp's place, 0")
     parser.add_argument("--direction", type=vector, metavar="X,Y,Z|start", help="what becomes x1")
-    parser.add_argument("--scale", type=float, default=1.0, help="the source's unit in that of the result")
-    parser.add_argument("--unit", help="of the result: mm, cm, m; none: without dimension")
+    parser.add_argument("--scale", type=float, help="the source's unit in that of the result")
+    parser.add_argument("--unit", help=f"of the result: {', '.join(METRES)}; none: that of the source, if it says one")
     parser.add_argument("--open", action="store_true", help="the mesh's open ends are led on")
     parser.add_argument("--flip", action="store_true", help="its triangles run the wrong way round")
     parser.add_argument("--facets", action="store_true", help="the triangles themselves are meant")
-    parser.add_argument("--box", type=vector, metavar="X,Y,Z,X,Y,Z", help="the grid's least and largest places")
+    parser.add_argument("--box", type=box, metavar="X,Y,Z,X,Y,Z", help="the grid's least and largest places")
     parser.add_argument("--tolerance", type=float, help="of the distance; 0.002 diameters unless given")
     parser.add_argument("--line", type=int, default=0, help="which line of a file, from 0")
-    parser.add_argument("--radius", type=float, help="of a path that says none")
-    parser.add_argument("--every", type=float, help="distance of the knots of a path that is smoothed")
+    parser.add_argument("--radius", help="of a path that says none; in the unit of the result, or with its own, 4in")
+    parser.add_argument("--every", help="distance of the knots of a path that is smoothed")
     return parser.parse_args(words)
 
 
@@ -310,6 +348,8 @@ def main(words=None):
     except (TendrilError, OSError) as error:
         print(complaint(error, "surface"), file=sys.stderr)
         return 1
+    for note in made.notes:
+        print(f"surface: {note}")
     print(f"surface: {told(made)}")
     print(made.line)
     return 0

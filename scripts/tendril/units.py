@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 
-from .errors import ResultsError
+from .errors import ResultsError, TendrilError
 
 # (name, in SI, the least that is told in it), the larger first
 SHOWN = {
@@ -24,6 +24,16 @@ DECIDES = {"length": ["length"], "time": ["t"], "force": ["base_force_1", "base_
 # as the program has them (src/base/options_units.c); a Fr, French, is of diameters
 METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254, "ft": 0.3048, "mil": 25.4e-6, "Fr": 1e-3 / 3}
 TIMES = {"ms": 1e-3, "s": 1, "min": 60, "h": 3600, "d": 86400}
+ANGLES = {"deg": np.pi / 180, "rad": 1.0, "grad": np.pi / 200}
+# how others write them, in small letters
+SPELT = {word: unit for unit, words in {
+    "m": "metre meter metres meters mtr", "cm": "centimetre centimeter centimetres centimeters",
+    "mm": "millimetre millimeter millimetres millimeters", "um": "micron microns micrometre micrometer micrometres micrometers",
+    "in": "inch inches \"", "ft": "foot feet '", "mil": "mils thou", "Fr": "french charriere", "s": "sec secs second seconds",
+    "ms": "msec millisecond milliseconds", "min": "minute minutes mins", "h": "hr hrs hour hours", "d": "day days",
+    "deg": "degree degrees \u00b0 \u00ba dega degs", "rad": "radian radians", "grad": "gon gons grads"}.items()
+    for word in words.split()}
+OF_KIND = {"length": METRES, "time": TIMES, "angle": ANGLES}
 # a unit of the file as powers of the scales of the laboratory, and its name in SI
 DIMENSIONS = {
     "l": ({"length": 1}, "m"), "l/V": ({"time": 1}, "s"), "V": ({"speed": 1}, "m/s"),
@@ -68,6 +78,49 @@ def in_si(unit):
         for name, power in parts:
             factor *= PARTS[name] ** (sign * int(power or 1))
     return factor
+
+
+def unit_called(text, kind):
+    """The name tendril has for a unit of "length", "time" or "angle", of "\u00b5m", "Feet" or "MM"; None for what is none."""
+    word = str(text).strip().strip(".").replace("\u00b5", "u").replace("\u03bc", "u")
+    for name in (word, SPELT.get(word.lower()), word.lower(), "Fr" if word.lower() == "fr" else None):
+        if name in OF_KIND[kind]:
+            return name
+    return None
+
+
+def rate_called(text):
+    """(what 1 of it is, the time it is per) of a relative rate, "%/h", "h^-1" or "percent per hour"; "" for a time that it does
+    not say. None for what is none."""
+    word = re.sub(r"\s*\bper\b\s*", "/", str(text).strip().lower()).replace("percent", "%").replace("\u207b\u00b9", "-1")
+    word = re.sub(r"^(%|1)?[\s\u00b7*.]*([a-z]+)\s*\^?\s*\(?-1\)?$", r"\1/\2", word)
+    share, *per = [part.strip() for part in word.split("/")]
+    if len(per) == 2 and share == per[0] and unit_called(share, "length"):  # mm/mm/h
+        share, per = "1", per[1:]
+    if share not in ("%", "1", "") or len(per) > 1 or (per and not unit_called(per[0], "time")):
+        return None
+    return 0.01 if share == "%" else 1.0, unit_called(per[0], "time") if per else ""
+
+
+def length_unit(text, what):
+    """The name of a unit of length as tendril has it; "" for none."""
+    name = unit_called(text or "", "length")
+    if text and not name:
+        raise TendrilError(f"{what} {text}: not a unit of length; give one of {', '.join(METRES)}, or none")
+    return name or ""
+
+
+def length_in(value, unit, what):
+    """A length as a number of a unit: of 0.1 itself, of "4in" by both units; None for None."""
+    if value is None:
+        return None
+    found = quantity(value)
+    if not found:
+        raise TendrilError(f"{what} {value}: give a number, or one with a unit of length: {', '.join(METRES)}")
+    number, own = found[0], length_unit(found[1], f"{what} {found[0]:g}")
+    if own and not unit:
+        raise TendrilError(f"{what} {value}: the result has no unit; give it one, --unit {own}, or a bare number")
+    return number * METRES[own] / METRES[unit] if own else number
 
 
 def parameters_of(options):
