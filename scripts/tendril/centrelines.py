@@ -106,13 +106,18 @@ def with_radius(x, r=None):
     return np.column_stack([x, np.full(len(x), np.nan) if r is None else np.broadcast_to(r, len(x)).astype(float)])
 
 
-def chosen(path, lines, line, cells):
-    """(one of the lines, what is said of them)."""
+def chosen(path, x, cells, line):
+    """(one of the lines through points [n, 3] that pieces of indices make, what is said of them)."""
+    if not np.isfinite(x).all():
+        raise SurfaceError(f"{path}: point {int(np.argmin(np.isfinite(x).all(axis=1))) + 1} is not finite")
+    lines = joined(x, cells)
+    if not lines:
+        raise SurfaceError(f"{path}: has no line of two points")
     if not 0 <= line < len(lines):
         raise SurfaceError(f"{path}: has {len(lines)} line{'s' if len(lines) > 1 else ''}, counted from 0: there is no {line}")
     notes = []
-    if cells != len(lines):
-        notes.append(f"{path}: {cells} pieces that share end points are {len(lines)} line{'s' if len(lines) > 1 else ''}")
+    if len(cells) != len(lines):
+        notes.append(f"{path}: {len(cells)} pieces that share end points are {len(lines)} line{'s' if len(lines) > 1 else ''}")
     if len(lines) > 1:
         sizes = ", ".join(f"{k}: {len(one)}" for k, one in enumerate(lines[:12])) + (", ..." if len(lines) > 12 else "")
         notes.append(f"{path}: has {len(lines)} lines (points of each: {sizes}); line {line} is taken, --line for another")
@@ -130,7 +135,7 @@ def from_vtk(path, line):
     ids = vtk_to_numpy(lines.GetConnectivityArray())
     x = vtk_to_numpy(data.GetPoints().GetData()).astype(float)
     cells = [ids[a:b] for a, b in zip(offsets[:-1], offsets[1:])]
-    along, notes = chosen(path, joined(x, cells), line, len(cells))
+    along, notes = chosen(path, x, cells, line)
     arrays = data.GetPointData()
     r, unit = None, ""
     for k in range(arrays.GetNumberOfArrays()):
@@ -175,7 +180,7 @@ def from_obj(path, line):
     if any(not 0 <= k < len(x) for cell in cells for k in cell):
         raise SurfaceError(f"{path}: a line ends at a vertex that is not there")
     x = np.array(x, float)
-    along, notes = chosen(path, joined(x, cells), line, len(cells))
+    along, notes = chosen(path, x, cells, line)
     return CentreLine(with_radius(x[along]), unit, notes)
 
 
@@ -221,10 +226,7 @@ def from_slicer(path, line):
         notes.append(f"{path}: is a closed curve, read from its first point to its last")
     own = word_of(curve.get("coordinateUnits"))
     if radii is not None and own and unit:
-        known, said = unit_called(own, "length"), unit_called(unit, "length")
-        if not said:
-            raise SurfaceError(f"{path}: its radius is in {unit}, no unit of length that tendril knows")
-        radii = radii * factor(said, known)
+        radii = radii * factor(unit_called(unit, "length") or unit, unit_called(own, "length") or own, path)
     return CentreLine(with_radius(x, radii), own or unit, notes)
 
 
@@ -308,7 +310,7 @@ def from_table(path, with_radii, foreign):
         return unnamed(path, *rest)
     names, width = kept["names"], kept["width"]
     lengths = [name for name in (*names, width) if name and wanted[name].kind == "length"]
-    values, unit = table.lengths(lengths)
+    values, unit = table.lengths(lengths, path)
     value = dict(zip(lengths, values.T))
     r = None if width is None else value[width] / (2 if width == "diameter" else 1)
     if width == "diameter":
@@ -326,7 +328,7 @@ def from_table(path, with_radii, foreign):
         x = np.column_stack([value[name] for name in names])[there]
         r = None if r is None else r[there]
         if names[-1] == "down":
-            x[:, 2] *= -1
+            x[:, 2] = 0 - x[:, 2]
         if names[0] == "north":
             table.notes.append(f"{path}: from {', '.join(table.columns[name].name for name in names)}: x is north, y east, z up")
     return CentreLine(with_radius(x, r), unit, table.notes)

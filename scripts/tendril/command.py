@@ -1,6 +1,7 @@
 """Arguments of commands: lists of numbers may begin with a minus, and what is wrong with one is said in one line."""
 
 import argparse
+import math
 import re
 import sys
 
@@ -55,9 +56,12 @@ def numbers(text, count):
     words = text.split(",")
     if len(words) != count:
         raise argparse.ArgumentTypeError(f"{text}: give {count} numbers with commas between, not {len(words)}")
+    found = []
     for word in words:
         try:
-            float(word)
+            found.append(float(word))
         except ValueError:
             raise argparse.ArgumentTypeError(f'{text}: "{word}" is no number') from None
-    return [float(word) for word in words]
+        if not math.isfinite(found[-1]):
+            raise argparse.ArgumentTypeError(f"{text}: {word} is not finite")
+    return found

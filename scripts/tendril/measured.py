@@ -154,7 +154,7 @@ def number(cell, what, row=()):
 
 def columns_of(rows, width, path):
     """[row, column] as numbers, NaN where nothing is given."""
-    return np.array([[number(cell, path, row) for cell in (row + [""] * width)[:width]] for row in rows])
+    return np.array([[number(cell, path, row) for cell in (row + [""] * width)[:width]] for row in rows], float).reshape(-1, width)
 
 
 def photograph(points, unit, at, ordered, source):
@@ -231,7 +231,7 @@ def curves_of(table, names, units, abscissa, path):
         if not name or name == abscissa or not len(rows):
             continue
         rows = rows[np.argsort(when[rows], kind="stable")]
-        found.append(Curve(name, abscissa, values_of(when[rows], units[abscissa], path),
+        found.append(Curve(name.lower(), abscissa, values_of(when[rows], units[abscissa], path),
                            values_of(table[rows, k], units[name], f"{path}, {name}"), str(path)))
     return found
 

@@ -219,6 +219,8 @@ def deeplabcut(rows, source):
         return None
     first = next(k for k, row in enumerate(rows) if row[0].strip().lower() == "coords") + 1
     columns = [k for k, cell in enumerate(heads["coords"]) if k and cell.strip()]  # others are of the index
+    if not columns or any(len(heads[name]) <= columns[-1] for name in ("bodyparts", "individuals") if name in heads):
+        raise DataError(f"{source}: DeepLabCut's lines bodyparts and coords are not of one length")
     several = list(dict.fromkeys(heads["individuals"][k] for k in columns)) if "individuals" in heads else []
     if len(several) > 1:
         raise DataError(f"{source}: has {len(several)} individuals, {', '.join(several)}; give the columns of one rod alone")
@@ -229,10 +231,13 @@ def deeplabcut(rows, source):
             value = {heads["coords"][k].strip().lower(): row[k] for k in columns if heads["bodyparts"][k] == part
                      and k < len(row)}
             x, y = (value.get(name, "").strip() for name in "xy")
-            unlikely = bool(x and y) and float(value.get("likelihood") or 1) < SURE
+            sure = (value.get("likelihood") or "").strip() or "1"
+            if not is_number(sure):
+                raise DataError(f'{source}, line {line_of(row)}: "{sure}" is no likelihood')
+            unlikely = bool(x and y) and float(sure) < SURE
             unsure += unlikely
             # also of what is missing there is a row: the last that is there is the tip only if it is the last of all
-            found.append([frame_of(row, columns[0], source), x, y, str(number), str(int(unlikely or not (x and y)))])
+            found.append(Row([frame_of(row, columns[0], source), x, y, str(number), str(int(unlikely or not (x and y)))], line_of(row)))
     notes = [f"{source}: DeepLabCut, {len(order)} body parts as points from the clamp to the tip, "
              f"{order[0]} to {order[-1]}"]
     return found, notes + ([f"{source}: {unsure} points have a likelihood below {SURE}"] if unsure else [])
@@ -265,7 +270,7 @@ def tracker(rows, source):
             own = max((j for j in range(k) if heads[j] == "t"), default=0)
             x, y = (row[j].strip() if j < len(row) else "" for j in (k, k + 1))
             if own < len(row) and row[own].strip():
-                found.append([row[own], x, y, str(number), str(int(not (x and y)))])
+                found.append(Row([row[own], x, y, str(number), str(int(not (x and y)))], line_of(row)))
     unused = [head for head in dict.fromkeys(heads) if head not in ("t", "x", "y", "")]
     notes = [f"{source}: Tracker, {len(places)} tracks as points from the clamp to the tip, times in s"]
     return found, notes + ([f"{source}: not used: {', '.join(unused)}"] if unused else [])
@@ -348,7 +353,7 @@ def placed(heads, rows):
     if "defined" not in names or "unsure" in names:
         return [heads, *rows]
     column = names.index("defined")
-    return [Row([*heads, "unsure"], line_of(heads)),
+    return [Row([*heads[:column], "", *heads[column + 1:], "unsure"], line_of(heads)),
             *(Row([*(row + [""] * len(heads))[:len(heads)], str(int(is_undefined(row[column] if column < len(row) else "")))],
                   line_of(row)) for row in rows)]
 

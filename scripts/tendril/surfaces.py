@@ -69,6 +69,19 @@ def turn_to_x(direction):
     return np.eye(3) + k + k @ k / c
 
 
+def three(value, name):
+    """A place or a direction as it was given: None, "start", or three numbers."""
+    if value is None or (isinstance(value, str) and value == "start"):
+        return value
+    try:
+        numbers = np.array(value, float)
+    except (TypeError, ValueError):
+        numbers = np.empty(0)
+    if numbers.shape != (3,) or not np.isfinite(numbers).all():
+        raise SurfaceError(f"{name}: give three numbers, or start")
+    return numbers
+
+
 def placed(x, origin, direction, scale):
     x = np.asarray(x, float)
     if origin is not None:
@@ -238,12 +251,14 @@ def path_of(source, output, line, radius, every, origin, direction, scale, unit,
     x = found.points
     if radius is not None:  # in the unit of the result, as the diameter is
         radius = length_in(radius, unit, "radius")
-        if not 0 < radius < np.inf:
-            raise SurfaceError("radius: must be above 0")
+    every = length_in(every, unit, "every")
+    for name, value in (("radius", radius), ("every", every)):
+        if value is not None and not 0 < value < np.inf:
+            raise SurfaceError(f"{name}: must be above 0")
     start = x[0, :3] if isinstance(origin, str) else origin
     along = x[1, :3] - x[0, :3] if isinstance(direction, str) else direction
     x = np.column_stack([placed(x[:, :3], start, along, scale), scale * x[:, 3] if radius is None else np.full(len(x), radius)])
-    made = tube(x, output, side or "inside", unit, length_in(every, unit, "every"))
+    made = tube(x, output, side or "inside", unit, every)
     made.notes = tuple(found.notes)
     return made
 
@@ -277,6 +292,9 @@ def surface(source, output, *, diameter=None, spacing=None, side=None, origin=No
     if scale is not None and not 0 < scale < np.inf:
         raise SurfaceError("scale: must be above 0")
     unit = length_unit(unit, "unit")
+    origin, direction = three(origin, "origin"), three(direction, "direction")
+    if Path(output).exists() and Path(source).exists() and Path(output).samefile(source):
+        raise SurfaceError(f"{output}: is the source; give the result another name")
     if is_mesh(source):
         for name, value in (("line", line), ("radius", radius), ("every", every)):
             if value:

@@ -53,20 +53,23 @@ class Table:
     def numbers(self, name):
         return self.columns[name].numbers
 
-    def lengths(self, names):
+    def lengths(self, names, source):
         """(the columns of these names [n, k] in one unit, that unit): those without one are in that of the others."""
-        said = {name: self.columns[name].unit for name in names}
-        units = [unit for unit in said.values() if unit]
-        bare = [self.columns[name].name for name in names if not said[name]]
-        if units and bare:
-            self.notes.append(f"{', '.join(bare)}: without a unit, taken in {units[0]} as {self.columns[next(n for n in names if said[n])].name}")
-        unit = units[0] if units else ""
-        return np.column_stack([self.numbers(name) * (factor(said[name], unit) if said[name] else 1) for name in names]), unit
+        said = [column for name in names if (column := self.columns[name]).unit]
+        bare = [column.name for name in names if not (column := self.columns[name]).unit]
+        if said and bare:
+            self.notes.append(f"{source}: {', '.join(bare)}: without a unit, taken in {said[0].unit} as {said[0].name}")
+        unit = said[0].unit if said else ""
+        return np.column_stack([self.numbers(name) * factor(self.columns[name].unit or unit, unit, source) for name in names]), unit
 
 
-def factor(unit, to):
-    """What 1 of a unit of length is in another; of what is no unit of tendril's nothing is known: 1."""
-    return METRES[unit] / METRES[to] if unit in METRES and to in METRES else 1.0
+def factor(unit, to, source):
+    """What 1 of a unit of length is in another; those that tendril does not know are not converted."""
+    if unit == to:
+        return 1.0
+    if strange := next((one for one in (unit, to) if one not in METRES), None):
+        raise DataError(f"{source}: has lengths in {to} and in {unit}; {strange} is no unit of length that tendril knows")
+    return METRES[unit] / METRES[to]
 
 
 def plain_name(cell):

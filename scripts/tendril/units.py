@@ -117,7 +117,9 @@ def length_in(value, unit, what):
     found = quantity(value)
     if not found:
         raise TendrilError(f"{what} {value}: give a number, or one with a unit of length: {', '.join(METRES)}")
-    number, own = found[0], length_unit(found[1], f"{what} {found[0]:g}")
+    number, own = found[0], unit_called(found[1], "length") if found[1] else ""
+    if own is None:
+        raise TendrilError(f"{what} {value}: not a unit of length; give a number, or one with {', '.join(METRES)}")
     if own and not unit:
         raise TendrilError(f"{what} {value}: the result has no unit; give it one, --unit {own}, or a bare number")
     return number * METRES[own] / METRES[unit] if own else number
