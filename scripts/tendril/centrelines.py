@@ -13,7 +13,7 @@ from .errors import TendrilError
 from .meshes import SurfaceError, polydata
 from .readers import Row, heading, is_number, is_undefined, line_of, rows_and_comments, text_of_file
 from .tables import Wanted, columns_in, factor, in_unit, length_said, named, number_in, unit_behind, unit_said, words_of
-from .units import unit_called
+from .units import METRES, unit_called
 
 # names of columns, in small letters without their units
 PLACES = (("x1", "x2", "x3"), ("x", "y", "z"), ("l", "p", "s"), ("px", "py", "pz"), ("r", "a", "s"), ("points 0", "points 1", "points 2"))
@@ -80,6 +80,28 @@ def read_line(path, line=0, radius=None, foreign=False):
     found.unit = unit_called(found.unit, "length") or found.unit
     found.points = checked(path, found.points, radius)
     return found
+
+
+def in_units(line, unit, scale, source):
+    """(what the path is multiplied by, the unit of the result): of a file that names its unit, that of `unit`, or else the
+    file's own; a scale that says another is refused. With a scale and no unit the result has none."""
+    if not line.unit:
+        return scale or 1.0, unit
+    if not unit:
+        if scale:
+            line.notes.append(f"{source}: is in {line.unit}; times {scale:g} it is of no unit")
+            return scale, ""
+        line.notes.append(f"{source}: is in {line.unit}, and so is the result")
+        return 1.0, line.unit
+    if line.unit not in METRES:
+        line.notes.append(f"{source}: is in {line.unit}, of which 1 is {scale:g} {unit} by scale")
+        return scale, unit
+    by_units = METRES[line.unit] / METRES[unit]
+    if scale and abs(scale / by_units - 1) > 1e-3:
+        raise SurfaceError(f"{source}: is in {line.unit}, of which 1 is {by_units:g} {unit}, not {scale:g}; leave scale out, or unit")
+    if line.unit != unit:
+        line.notes.append(f"{source}: is in {line.unit}, of which 1 is {by_units:g} {unit}")
+    return by_units, unit
 
 
 def checked(path, x, radius):

@@ -9,7 +9,7 @@ def joined(x, cells):
     """Lines, each a list of indices of points, from pieces (lists of indices): two that share an end point where no third one
     ends are one. Where they branch the pieces between the forks are the lines. Pieces of more than two points are not cut, nor
     are two of them joined where the one goes back where the other came from, as VMTK's lines do at their common inlet. In the
-    order, and the sense, of the first piece of each.
+    order of the first piece of each, and in the sense of most of them; of as many either way, from the first of the points.
 
     x  [n, 3], points; those at one place are one"""
     same = places(x)
@@ -35,12 +35,18 @@ def joined(x, cells):
                 break
             used.add(k)
             line, free = line + more[1:], (k, -1 - end)
+            senses.append(1 if end == 0 else -1)
         return line
 
     for k, piece in enumerate(pieces):
         if k not in used:
             used.add(k)
-            lines.append(grown(grown(piece, (k, -1))[::-1], (k, 0))[::-1])
+            senses = [1]
+            line = grown(piece, (k, -1))
+            ahead, senses = sum(senses), []
+            line = grown(line[::-1], (k, 0))[::-1]
+            sense = ahead - sum(senses)
+            lines.append(line[::-1] if sense < 0 or (sense == 0 and line[-1] < line[0]) else line)
     return lines
 
 

@@ -11,8 +11,8 @@ CSV with comma, semicolon, tab or blanks between, decimal points or commas, in U
 
   TrackMate    POSITION_X, POSITION_Y and POSITION_T or FRAME, with names and units in the rows below
 
-Frames are times by frames per second; so are pictures, by the time or number in their name, where a table names them.
-Units stand in the headings or in a row below them. Whatever is not used is said, in notes."""
+Frames are times by frames per second. Units stand in the headings or in a row below them. Whatever is not used is said, in
+notes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ import re
 from pathlib import Path
 
 from .errors import TendrilError
-from .units import OF_KIND, TIMES, rate_called, unit_called
+from .units import OF_KIND, rate_called, unit_called
 
 DECIMAL_COMMA = re.compile(r"\s*[-+]?\d*,\d+([eE][-+]?\d+)?\s*$")
 THOUSANDS = re.compile(r"\s*[-+]?\d{1,3},\d{3}\s*")
@@ -30,10 +30,6 @@ THOUSANDS = re.compile(r"\s*[-+]?\d{1,3},\d{3}\s*")
 ALIASES = {"x": "x1", "y": "x2", "xm": "x1", "ym": "x2", "x_1": "x1", "x_2": "x2", "position_x": "x1", "position_y": "x2",
            "time": "t", "position_t": "t", "slice": "slice", "frame": "frame", "index": "point", "l": "length"}
 ALIASES |= {name: name for name in ("x1", "x2", "t", "length", "point", "unsure")}
-# columns that name pictures
-PICTURES = ("image", "img", "picture", "photo", "photograph", "file", "filename", "file_name", "file name", "image name",
-            "image_name", "label")
-PICTURE = re.compile(r"\.(png|jpe?g|tiff?|bmp|gif|webp)\b", re.IGNORECASE)
 BETWEEN = (";", "\t", ",", None)  # cells; None: blanks
 SURE = 0.6  # the likelihood from which on a point of DeepLabCut is used
 
@@ -372,13 +368,11 @@ def in_short(cell):
 
 
 def timed(rows, fps, name, notes):
-    """Rows in which frames, or the names of pictures, are times."""
-    heads = [heading(cell)[0].strip().lower() for cell in rows[0]]
+    """Rows in which frames are times."""
+    heads = [cell.strip().lower() for cell in rows[0]]
     counts = [heads.index(head) for head in ("frame", "slice") if head in heads]
-    if any(head in ("t", "length") for head in heads):
+    if not counts or any(re.match(r"(t|length)\b", head) for head in heads):
         return rows
-    if not counts:
-        return pictured(rows, heads, fps, name, notes)
     # ImageJ writes both, one of them 1 in all rows, and counts from 1
     varied = [k for k in counts if len({row[k] for row in rows[1:] if k < len(row) and row[k].strip()}) > 1]
     if len(varied) > 1:
@@ -395,54 +389,4 @@ def timed(rows, fps, name, notes):
             raise DataError(f'{name}: "{cell.strip()}" is no {heads[column]}')
         time = repr((float(cell) - first) / float(fps)) if cell.strip() else ""
         body.append(Row([*row[:column], time, *row[column + 1:]], line_of(row)))
-    return [Row([*rows[0][:column], "t (s)", *rows[0][column + 1:]], line_of(rows[0])), *body]
-
-
-def pictured(rows, heads, fps, name, notes):
-    """Rows of points in which pictures are named, by the time or the number of the frame in the name."""
-    named = [k for k, head in enumerate(heads) if head in PICTURES and any(
-        PICTURE.search(row[k]) or head not in ("label", "file") for row in rows[1:] if k < len(row) and row[k].strip())]
-    if not named or not {"x1", "x2"} <= set(heads):
-        return rows
-    column = named[0]
-    names = {row[column].strip() for row in rows[1:] if column < len(row)} - {""}
-    times = {picture: time_in(picture) for picture in names}
-    if None not in times.values():
-        how = "times in the names of pictures"
-    else:
-        times = {picture: frame_in(picture) for picture in names}
-        if None in times.values():  # of a single one nothing need be known
-            if len(names) < 2:
-                return rows
-            lost = next(picture for picture, at in times.items() if at is None)
-            raise DataError(f"{name}: the picture {lost} has no time and no number in its name; give a column t (s)")
-        if len(names) < 2 and not fps:
-            return rows
-        if not fps:
-            raise DataError(f"{name}: names pictures by numbers; give the frames per second, --fps 25, or a column t (s)")
-        times = {picture: number / float(fps) for picture, number in times.items()}
-        how = "numbers in the names of pictures are frames"
-    notes.append(f"{name}: {how}")
-    body = [Row([*row[:column], repr(times[row[column].strip()]) if column < len(row) and row[column].strip() else "",
-                 *row[column + 1:]], line_of(row)) for row in rows[1:]]
-    return [Row([*rows[0][:column], "t (s)", *rows[0][column + 1:]], line_of(rows[0])), *body]
-
-
-def stem(picture):
-    """The name of a picture without its folder and ending, and without what ImageJ puts behind."""
-    last = re.split(r"[\\/]", picture)[-1]
-    found = PICTURE.search(last)
-    return last[:found.start()] if found else last
-
-
-def time_in(picture):
-    """Seconds in the name of a picture, "root_20min.png"; None if there are none."""
-    units = "|".join(sorted(TIMES, key=len, reverse=True))
-    found = re.findall(rf"(?<![A-Za-z0-9.])(?:t=?)?(\d+(?:\.\d+)?)[ _]?({units})(?![A-Za-z0-9])", stem(picture))
-    return float(found[-1][0]) * TIMES[found[-1][1]] if found else None
-
-
-def frame_in(picture):
-    """The last number in the name of a picture; None if there is none."""
-    found = re.findall(r"\d+", stem(picture))
-    return int(found[-1]) if found else None
+    return [[*rows[0][:column], "t (s)", *rows[0][column + 1:]], *body]

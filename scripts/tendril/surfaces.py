@@ -19,7 +19,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from .centrelines import fair, is_line, read_line
+from .centrelines import fair, in_units, is_line, read_line
 from .command import Parser, numbers
 from .errors import TendrilError, complaint
 from .meshes import Distance, SurfaceError, check, extended, polydata, read_mesh
@@ -222,47 +222,6 @@ def is_mesh(source):
     return data.GetNumberOfPolys() + data.GetNumberOfStrips() > 0
 
 
-def in_units(line, unit, scale, source):
-    """(what the path is multiplied by, the unit of the result): of a file that names its unit, that of `unit`, or else the
-    file's own; a scale that says another is refused. With a scale and no unit the result has none."""
-    if not line.unit:
-        return scale or 1.0, unit
-    if not unit:
-        if scale:
-            line.notes.append(f"{source}: is in {line.unit}; times {scale:g} it is of no unit")
-            return scale, ""
-        line.notes.append(f"{source}: is in {line.unit}, and so is the result")
-        return 1.0, line.unit
-    if line.unit not in METRES:
-        line.notes.append(f"{source}: is in {line.unit}, of which 1 is {scale:g} {unit} by scale")
-        return scale, unit
-    by_units = METRES[line.unit] / METRES[unit]
-    if scale and abs(scale / by_units - 1) > 1e-3:
-        raise SurfaceError(f"{source}: is in {line.unit}, of which 1 is {by_units:g} {unit}, not {scale:g}; leave scale out, or unit")
-    if line.unit != unit:
-        line.notes.append(f"{source}: is in {line.unit}, of which 1 is {by_units:g} {unit}")
-    return by_units, unit
-
-
-def path_of(source, output, line, radius, every, origin, direction, scale, unit, side):
-    """A tube from a file of a centre line."""
-    found = read_line(source, line, None if radius is None else 1.0, foreign=scale is not None)
-    scale, unit = in_units(found, unit, scale, source)
-    x = found.points
-    if radius is not None:  # in the unit of the result, as the diameter is
-        radius = length_in(radius, unit, "radius")
-    every = length_in(every, unit, "every")
-    for name, value in (("radius", radius), ("every", every)):
-        if value is not None and not 0 < value < np.inf:
-            raise SurfaceError(f"{name}: must be above 0")
-    start = x[0, :3] if isinstance(origin, str) else origin
-    along = x[1, :3] - x[0, :3] if isinstance(direction, str) else direction
-    x = np.column_stack([placed(x[:, :3], start, along, scale), scale * x[:, 3] if radius is None else np.full(len(x), radius)])
-    made = tube(x, output, side or "inside", unit, every)
-    made.notes = tuple(found.notes)
-    return made
-
-
 def surface(source, output, *, diameter=None, spacing=None, side=None, origin=None, direction=None, scale=None,
             unit=None, open=False, flip=False, facets=False, box=None, tolerance=None, line=0, radius=None,
             every=None):
@@ -291,7 +250,7 @@ def surface(source, output, *, diameter=None, spacing=None, side=None, origin=No
         raise SurfaceError(f"side: {side}: give inside or outside")
     if scale is not None and not 0 < scale < np.inf:
         raise SurfaceError("scale: must be above 0")
-    unit = length_unit(unit, "unit")
+    unit = length_unit(unit, "unit", SurfaceError)
     origin, direction = three(origin, "origin"), three(direction, "direction")
     if Path(output).exists() and Path(source).exists() and Path(output).samefile(source):
         raise SurfaceError(f"{output}: is the source; give the result another name")
@@ -314,7 +273,21 @@ def surface(source, output, *, diameter=None, spacing=None, side=None, origin=No
                         ("tolerance", tolerance)):
         if value:
             raise SurfaceError(f"{name}: is of a mesh, {source} is a centre line")
-    return path_of(source, output, line, radius, every, origin, direction, scale, unit, side)
+    path = read_line(source, line, None if radius is None else 1.0, foreign=scale is not None)
+    scale, unit = in_units(path, unit, scale, source)
+    radius, every = (length_in(value, unit, name, SurfaceError) for name, value in (("radius", radius), ("every", every)))
+    for name, value in (("radius", radius), ("every", every)):
+        if value is not None and not 0 < value < np.inf:
+            raise SurfaceError(f"{name}: must be above 0")
+    x = path.points
+    if radius is not None:
+        x[:, 3] = radius / scale  # in the unit of the result, as the diameter is
+    start = x[0, :3] if isinstance(origin, str) else origin
+    along = x[1, :3] - x[0, :3] if isinstance(direction, str) else direction
+    x = np.column_stack([placed(x[:, :3], start, along, scale), scale * x[:, 3]])
+    made = tube(x, output, side or "inside", unit, every)
+    made.notes = tuple(path.notes)
+    return made
 
 
 # ---- the command ----

@@ -102,26 +102,26 @@ def rate_called(text):
     return 0.01 if share == "%" else 1.0, unit_called(per[0], "time") if per else ""
 
 
-def length_unit(text, what):
+def length_unit(text, what, refusal=TendrilError):
     """The name of a unit of length as tendril has it; "" for none."""
     name = unit_called(text or "", "length")
     if text and not name:
-        raise TendrilError(f"{what} {text}: not a unit of length; give one of {', '.join(METRES)}, or none")
+        raise refusal(f"{what} {text}: not a unit of length; give one of {', '.join(METRES)}, or none")
     return name or ""
 
 
-def length_in(value, unit, what):
+def length_in(value, unit, what, refusal=TendrilError):
     """A length as a number of a unit: of 0.1 itself, of "4in" by both units; None for None."""
     if value is None:
         return None
     found = quantity(value)
     if not found:
-        raise TendrilError(f"{what} {value}: give a number, or one with a unit of length: {', '.join(METRES)}")
+        raise refusal(f"{what} {value}: give a number, or one with a unit of length: {', '.join(METRES)}")
     number, own = found[0], unit_called(found[1], "length") if found[1] else ""
     if own is None:
-        raise TendrilError(f"{what} {value}: not a unit of length; give a number, or one with {', '.join(METRES)}")
+        raise refusal(f"{what} {value}: not a unit of length; give a number, or one with {', '.join(METRES)}")
     if own and not unit:
-        raise TendrilError(f"{what} {value}: the result has no unit; give it one, --unit {own}, or a bare number")
+        raise refusal(f"{what} {value}: the result has no unit; give it one, --unit {own}, or a bare number")
     return number * METRES[own] / METRES[unit] if own else number
 
 
