@@ -248,6 +248,37 @@ class Reading(unittest.TestCase):
                     frame.to_excel(book, sheet_name=sheet, index=False)
             self.assertTrue(any("not used: sheet second" in note for note in measured.read(path).notes))
 
+    def test_headings_in_either_case(self):
+        """T is t as Time is, X is x1, Length and L are length; Frame alone is a time by --fps; the units may stand in a row below,
+        as TrackMate's do; words behind a bracket are no unit; 3D Slicer's column defined says which points count."""
+        rows = "6,0,0\n6,10,1\n6,20,2\n8,0,0\n8,10,2\n8,30,4\n"
+        for head in ("T (s),x1 (mm),x2 (mm)", "Time (s),X (mm),Y (mm)", "t/s,X/mm,Y/mm", "TIME [s],X1 [mm],X2 [mm]", "T,X,Y\nsec,Millimeters,mm",
+                     "POSITION_T,POSITION_X,POSITION_Y\nT,X,Y\nT,X,Y\n(sec),(mm),(mm)"):
+            one, two = measured.read(self.file(f"{head}\n{rows}")).photographs
+            self.assertEqual([(p.abscissa, float(p.at.numbers), p.at.unit) for p in (one, two)], [("t", 6, "l/V"), ("t", 8, "l/V")], head)
+            np.testing.assert_allclose(two.points.numbers[2], [0.03, 0.004], err_msg=head)
+        for head, at in (("Length (mm)", 0.006), ("L [mm]", 0.006), ("LENGTH/mm", 0.006)):
+            p = measured.read(self.file(f"{head},x (mm),y (mm)\n{rows}")).photographs[0]
+            self.assertEqual((p.abscissa, float(p.at.numbers)), ("length", at))
+        both = rows.replace("\n6,", "\n6,1,").replace("\n8,", "\n8,2,").replace("6,0,0", "6,1,0,0", 1)
+        m = measured.read(self.file(f"T (s),Frame,X (mm),Y (mm)\n{both}"), fps=10)
+        self.assertEqual([float(p.at.numbers) for p in m.photographs], [6, 8])
+        self.assertEqual([float(p.at.numbers) for p in measured.read(self.file(f"Frame,X (mm),Y (mm)\n{rows}"), fps=2).photographs], [3, 4])
+        m = measured.read(self.file("t (s),x1 (cm),x2 (cm),v (cm)/s\n1,0,0,1\n1,1,0,1\n1,2,0,1\n"))
+        self.assertEqual(len(m.photographs[0].points.numbers), 3)
+        self.assertTrue(any("not used: v (cm)/s" in note for note in m.notes), m.notes)
+        m = measured.read(self.file("T (s),X (in),Y (ft),defined\n1,0,0,1\n1,1,0,1\n1,2,0,1\n1,9,9,0\n".replace("(ft)", "(in)")))
+        np.testing.assert_allclose(m.photographs[0].points.numbers[-1], [0.0508, 0])
+        self.assertEqual([c.name for c in measured.read(self.file("Time (s),Width (cm)\n1,2\n2,3\n")).curves], ["width"])
+
+    def test_lines_of_the_file(self):
+        """Rows are counted as the file has them, below comments, titles and empty lines."""
+        for text, line in (("# by hand\n\nt (s),x1 (cm),x2 (cm)\n1,2,3\n1,two,3\n", 5), ("a title\nt;x1;x2\n1;2;3\n\n1;2;drei\n", 5)):
+            self.assertRaisesRegex(measured.DataError, f"line {line}: .* is no number", measured.read, self.file(text), "cm")
+        for text in ("bodyparts,a,a\ncoords,x\n0,1,2\n", "bodyparts,a,a,a\ncoords,x,y,likelihood\n0,1,2,high\n", "20s,,12cm,\nX,Y,X,Y\n",
+                     "scorer\nbodyparts\ncoords\n"):
+            self.assertRaises(measured.DataError, measured.read, self.file(text), "cm", fps=25)
+
     def test_unsure_points(self):
         """They are left out; where the last of a line is one, the tip was not seen."""
         m = measured.read(self.file("t (s),x1,x2,point,unsure\n" + "".join(
