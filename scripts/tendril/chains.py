@@ -28,13 +28,15 @@ def joined(x, cells):
 
     def grown(line, free):
         """The line with the pieces behind its last point, which is that end of a piece: (piece, 0 or -1)."""
+        line = list(line)
         while len(here := ends[same[line[-1]]]) == 2:
             k, end = here[0] if here[1] == free else here[1]
             more = pieces[k] if end == 0 else pieces[k][::-1]
             if k in used or (min(len(more), len(pieces[free[0]])) > 2 and turns_back(x, line, more)):
                 break
             used.add(k)
-            line, free = line + more[1:], (k, -1 - end)
+            line += more[1:]
+            free = (k, -1 - end)
             senses.append(1 if end == 0 else -1)
         return line
 
