@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from .films import animate
     from .fitting import Fit, fit
     from .maps import map
+    from .openings import End, ends
     from .page import view
     from .pictures import plot
     from .results import Results, Shape, load
@@ -37,7 +38,7 @@ _HOME = {"circle": "barriers", "conduit": "barriers", "plane": "barriers", "poly
          "compare": "comparison", "Filmed": "filming", "measure": "filming", "profile": "samples",
          "sample": "samples", "view": "page", "plot": "pictures", "Results": "results", "Shape": "results", "load": "results",
          "Critical": "runs", "critical": "runs", "run": "runs", "Sweep": "collection", "sweep": "sweeps",
-         "Surface": "surfaces", "surface": "surfaces"}
+         "End": "openings", "ends": "openings", "Surface": "surfaces", "surface": "surfaces"}
 __all__ = sorted(_HOME)
 
 

@@ -51,7 +51,7 @@ def whole(text):
         raise argparse.ArgumentTypeError(f'"{text}" is no whole number') from None
 
 
-def numbers(text, count):
+def listed(text, count):
     """So many numbers with commas between."""
     words = text.split(",")
     if len(words) != count:

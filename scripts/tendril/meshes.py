@@ -1,59 +1,19 @@
-"""Triangle meshes as signed distances: read, checked, measured from.
+"""Triangle meshes as signed distances: read, and measured from.
 
-VTK does the reading (STL, OBJ, PLY, VTP, VTK) and finds the nearest triangle. A mesh stands for the smooth
+VTK finds the nearest triangle. A mesh stands for the smooth
 surface that it was made from: between its corners the surface is bent as the normals in the corners say
 (Phong tessellation, exact for a surface of second degree), but for edges sharper than SHARP, which stay."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from .errors import TendrilError, optional
+from .mesh_files import SurfaceError, count_of, heard, polydata, vtk_parts
 
 SHARP = np.radians(30)
 ROUNDS = 2  # towards the nearest point of the smooth surface
-
-
-class SurfaceError(TendrilError):
-    """What cannot be a surface, in one plain line."""
-
-
-def vtk_parts(*names):
-    """Classes of VTK, or the line that says that it is missing."""
-    homes = {"vtkSTLReader": "IOGeometry", "vtkOBJReader": "IOGeometry", "vtkPLYReader": "IOPLY",
-             "vtkXMLPolyDataReader": "IOXML", "vtkPolyDataReader": "IOLegacy",
-             "vtkTriangleFilter": "FiltersCore", "vtkCleanPolyData": "FiltersCore",
-             "vtkImplicitPolyDataDistance": "FiltersCore", "vtkStaticCellLocator": "CommonDataModel",
-             "vtkPolyData": "CommonDataModel", "vtkCellArray": "CommonDataModel",
-             "vtkPoints": "CommonCore", "vtkObject": "CommonCore", "vtkIdTypeArray": "CommonCore", "vtkDoubleArray": "CommonCore",
-             "reference": "CommonCore"}
-    missing = "surfaces from meshes and VMTK's centre lines need VTK: pip install 'tendril[space]', or pip install vtk"
-    return [getattr(optional(f"vtkmodules.vtk{homes[name]}", SurfaceError, missing), name) for name in names]
-
-
-def polydata(path):
-    """What VTK reads from a file."""
-    kinds = {".stl": "vtkSTLReader", ".obj": "vtkOBJReader", ".ply": "vtkPLYReader",
-             ".vtp": "vtkXMLPolyDataReader", ".vtk": "vtkPolyDataReader"}
-    path = Path(path)
-    kind = kinds.get(path.suffix.lower())
-    if not kind:
-        raise SurfaceError(f"{path}: a mesh is STL, OBJ, PLY, VTP or VTK")
-    if not path.is_file():
-        raise SurfaceError(f"{path}: no such file")
-    reader = vtk_parts(kind)[0]()
-    reader.SetFileName(str(path))
-    loud = vtk_parts("vtkObject")[0]
-    loud.GlobalWarningDisplayOff()  # what is wrong is said below, in one line
-    reader.Update()
-    loud.GlobalWarningDisplayOn()
-    data = reader.GetOutput()
-    if data is None or not data.GetNumberOfPoints():
-        raise SurfaceError(f"{path}: holds no mesh that VTK can read")
-    return data
 
 
 @dataclass
@@ -62,14 +22,11 @@ class Mesh:
     triangles: np.ndarray  # [m, 3], counterclockwise as seen from outside
     name: str = "mesh"
     own: int | None = None  # how many of the triangles are the surface's own, the first; None: all
+    notes: list[str] = field(default_factory=list)  # what was left out or turned on the way
 
     @property
     def corners(self):
         return self.points[self.triangles]
-
-    def volume(self):
-        a, b, c = np.moveaxis(self.corners - self.points.mean(axis=0), 1, 0)
-        return np.einsum("ij,ij->", a, np.cross(b, c)) / 6
 
     def edges(self):
         """Directed edges, three a triangle."""
@@ -78,108 +35,36 @@ class Mesh:
 
 def read_mesh(path):
     """The triangles of a file; corners at the same place are one."""
-    data = polydata(path)
+    notes = []
+    data = polydata(path, notes)
     from vtkmodules.util.numpy_support import vtk_to_numpy
 
     if not data.GetNumberOfPolys() and not data.GetNumberOfStrips():
         raise SurfaceError(f"{path}: has points but no triangles; is it a centre line, or a cloud of points?")
+    places = vtk_to_numpy(data.GetPoints().GetData())
+    if not np.isfinite(places).all():
+        raise SurfaceError(f"{path}: point {int(np.argmin(np.isfinite(places).all(axis=1))) + 1} is not finite")
+    for cells in (data.GetPolys(), data.GetStrips()):
+        ids = vtk_to_numpy(cells.GetConnectivityArray())
+        if len(ids) and not (ids.min() >= 0 and ids.max() < len(places)):
+            raise SurfaceError(f"{path}: a face names a point that there is not: there are {len(places)}")
     triangulate, clean = (part() for part in vtk_parts("vtkTriangleFilter", "vtkCleanPolyData"))
     triangulate.SetInputData(data)
     triangulate.PassLinesOff()
     triangulate.PassVertsOff()
     clean.SetInputConnection(triangulate.GetOutputPort())
     clean.SetTolerance(0)
-    clean.Update()
+    heard(clean.Update)
+    sizes = np.diff(vtk_to_numpy(data.GetPolys().GetOffsetsArray()))
+    less = int((sizes < 3).sum()) + triangulate.GetOutput().GetNumberOfPolys() - clean.GetOutput().GetNumberOfPolys()
+    if less:
+        notes.append(f"{count_of(less, 'face')} of fewer than three different corners left out")
     data = clean.GetOutput()
+    if not data.GetNumberOfPolys():
+        raise SurfaceError(f"{path}: none of its faces has three different corners")
     points = vtk_to_numpy(data.GetPoints().GetData()).astype(float)
     triangles = vtk_to_numpy(data.GetPolys().GetConnectivityArray()).reshape(-1, 3).astype(np.int64)
-    if not np.isfinite(points).all():
-        raise SurfaceError(f"{path}: a corner is not finite")
-    return Mesh(points, triangles, str(path))
-
-
-def boundary(mesh):
-    """Directed edges that no triangle borders on the other side, and edges of more than two triangles, or
-    of two that run the same way."""
-    edges = mesh.edges()
-    key = np.sort(edges, axis=1)
-    _, where, count = np.unique(key, axis=0, return_inverse=True, return_counts=True)
-    sense = np.zeros(len(count))
-    np.add.at(sense, where.ravel(), np.where(edges[:, 0] < edges[:, 1], 1, -1))
-    where = where.ravel()
-    return edges[count[where] == 1], edges[count[where] > 2], edges[(count[where] == 2) & (sense[where] != 0)]
-
-
-def place_of(mesh, edge):
-    return "near (" + ", ".join(f"{v:.4g}" for v in mesh.points[edge[0]]) + ")"
-
-
-def check(mesh, flip=False):
-    """Refuses what has no inside; returns the mesh, turned if it is to be."""
-    holes, many, against = boundary(mesh)
-    if len(many):
-        raise SurfaceError(f"{mesh.name}: at {len(many) // 3} edges more than two triangles meet, the first "
-                           f"{place_of(mesh, many[0])}; mend the mesh")
-    if len(holes):
-        raise SurfaceError(f"{mesh.name}: has holes: {len(holes)} edges belong to one triangle only, the first "
-                           f"{place_of(mesh, holes[0])}; close them, or, if they are the ends of a vessel, give open")
-    if len(against):
-        raise SurfaceError(f"{mesh.name}: triangles face different ways, the first {place_of(mesh, against[0])}; "
-                           "mend the mesh")
-    if flip:
-        mesh = Mesh(mesh.points, mesh.triangles[:, ::-1], mesh.name, mesh.own)
-    if mesh.volume() <= 0:
-        raise SurfaceError(f"{mesh.name}: is inside out: its triangles run clockwise as seen from outside; give flip")
-    return mesh
-
-
-def loops_of(edges):
-    """Closed rings of directed edges."""
-    after = dict(edges.tolist())
-    loops = []
-    while after:
-        first = next(iter(after))
-        ring, at = [first], after.pop(first)
-        while at != first:
-            ring.append(at)
-            if at not in after:
-                raise SurfaceError("a hole's rim does not close; mend the mesh")
-            at = after.pop(at)
-        loops.append(np.array(ring))
-    return loops
-
-
-def extended(mesh, diameters=2.0):
-    """The mesh with its open ends led on straight, by so many of their diameters, and closed there: a rod
-    that leaves the vessel meets no lid at its end."""
-    holes = boundary(mesh)[0]
-    if not len(holes):
-        raise SurfaceError(f"{mesh.name}: open, but it has no open end")
-    points, triangles = [mesh.points], [mesh.triangles]
-    n = len(mesh.points)
-    for ring in loops_of(holes):
-        rim = mesh.points[ring]
-        middle = rim.mean(axis=0)
-        area = np.cross(rim - middle, np.roll(rim, -1, axis=0) - middle).sum(axis=0) / 2
-        size = np.linalg.norm(area)
-        if size == 0:
-            raise SurfaceError(f"{mesh.name}: an open end has no area; mend the mesh")
-        out = -area / size  # the mesh is on the left of its rim's edges
-        wide = 2 * np.sqrt(size / np.pi)
-        steps = max(2, int(np.ceil(diameters * wide / np.median(np.linalg.norm(rim - np.roll(rim, 1, 0), axis=1)))))
-        # flat at its end, wherever the rim is uneven
-        far = middle + diameters * wide * out
-        last = rim + ((far - rim) @ out)[:, None] * out
-        rows = [rim + (last - rim) * k / steps for k in range(1, steps + 1)]
-        points += rows + [far[None]]
-        ids = [ring] + [n + k * len(ring) + np.arange(len(ring)) for k in range(steps)]
-        for a, b in zip(ids[:-1], ids[1:]):
-            a1, b1 = np.roll(a, -1), np.roll(b, -1)
-            triangles += [np.column_stack([a1, a, b]), np.column_stack([a1, b, b1])]
-        n += steps * len(ring)
-        triangles.append(np.column_stack([np.roll(ids[-1], -1), ids[-1], np.full(len(ring), n)]))
-        n += 1
-    return Mesh(np.concatenate(points), np.concatenate(triangles), mesh.name, len(mesh.triangles))
+    return Mesh(points, triangles, str(path), notes=notes)
 
 
 # ---- distances ----

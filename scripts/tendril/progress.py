@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 
 SOON = 0.5  # seconds: what ends before needs no bar
@@ -24,7 +25,15 @@ def bar(progress: bool | None, total, form: str | None = None, what="tendril", u
                     self.display()
 
     return Bar(total=total, desc=what, bar_format=form, unit=unit, leave=False, delay=SOON,
-               disable=not wanted(progress))
+               disable=not wanted(progress), **size())
+
+
+def size():
+    """Of a terminal that does not know its own: tqdm would show nothing there. Else tqdm finds out."""
+    try:
+        return {} if all(os.get_terminal_size(sys.stderr.fileno())) else {"ncols": 80, "nrows": 24}
+    except (OSError, ValueError, AttributeError):  # no terminal
+        return {}
 
 
 class Stages:

@@ -4,32 +4,30 @@
     scripts/surface.sh stone.obj stone.h5 --diameter 2 --unit mm
     scripts/surface.sh centreline.vtp duct.csv
     scripts/surface.sh survey.csv well.csv --radius 0.1
+    scripts/surface.sh vessel.stl --ends
 
 A mesh (STL, OBJ, PLY, VTP, VTK) becomes a file of its signed distance on a grid, whose spacing the rod's
 diameter says; the smooth surface that the triangles stand for is meant, or, with --facets, they themselves.
 A centre line (VMTK's VTP with MaximumInscribedSphereRadius, or .dat; lines of OBJ; curves of 3D Slicer, .json,
 .fcsv or .csv; tables of x, y, z, r; well surveys of measured depth, inclination, azimuth and radius) becomes a table of
 points. Units that a file names are taken, and converted to that of --unit. The line for -wall_file is printed
-last."""
+last. With --ends the open ends of a mesh are listed, for --origin and --direction, and nothing is made."""
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
-import h5py
 import numpy as np
 
+from .bodies import Wish, write_body
 from .centrelines import fair, in_units, is_line, read_line
-from .command import Parser, numbers
-from .errors import TendrilError, complaint
-from .meshes import Distance, SurfaceError, check, extended, polydata, read_mesh
+from .command import Parser, listed
+from .errors import TendrilError, complaint, path_of, replacing, writable
+from .meshes import SurfaceError, count_of, polydata, read_mesh
+from .openings import check, ends_of, extended
+from .progress import wanted
+from .tubes import asked, trimmed
 from .units import METRES, length_in, length_unit
-
-MOST = 60_000_000  # values of a grid
-COARSE = 4  # far from the surface the distance is taken at every fourth place only
-SAMPLES = 1500
-FINEST = 8  # spacings a diameter
-DRAWN = 200_000  # triangles that are kept for pictures
 
 
 @dataclass
@@ -43,12 +41,20 @@ class Surface:
     spacing: float | None = None  # of the grid
     shape: tuple = ()  # of the grid (x3, x2, x1), or the number of points
     facets: float | None = None  # how far the triangles are from the smooth surface they stand for
-    notes: tuple = ()  # what was made of the file, and what was not used
+    notes: list[str] = field(default_factory=list)  # what was made of the file, left out or turned, and what the rod will meet
 
     @property
     def line(self):
         """The line for -wall_file."""
         return f"{self.kind} {self.path} {self.side}"
+
+    def tell(self, note, tell):
+        """Notes it, and tells it as it comes."""
+        self.notes.append(note)
+        tell(f"{self.path}: {note}")
+
+
+HAS_ENDS = "; the open ends of a vessel are told by scripts/surface.sh MESH --ends, or tendril.ends(mesh)"
 
 
 # ---- placing ----
@@ -69,19 +75,6 @@ def turn_to_x(direction):
     return np.eye(3) + k + k @ k / c
 
 
-def three(value, name):
-    """A place or a direction as it was given: None, "start", or three numbers."""
-    if value is None or (isinstance(value, str) and value == "start"):
-        return value
-    try:
-        numbers = np.array(value, float)
-    except (TypeError, ValueError):
-        numbers = np.empty(0)
-    if numbers.shape != (3,) or not np.isfinite(numbers).all():
-        raise SurfaceError(f"{name}: give three numbers, or start")
-    return numbers
-
-
 def placed(x, origin, direction, scale):
     x = np.asarray(x, float)
     if origin is not None:
@@ -91,125 +84,111 @@ def placed(x, origin, direction, scale):
     return scale * x
 
 
+def number(value, name, least=0.0):
+    """A number above 0, or none."""
+    if value is None:
+        return None
+    try:
+        found = float(value)
+    except (TypeError, ValueError):
+        raise SurfaceError(f"{name} {value}: give a number") from None
+    if not least < found < np.inf:
+        raise SurfaceError(f"{name}: must be above 0")
+    return found
+
+
+def numbers(value, name, count):
+    """So many numbers, none, or a word."""
+    if value is None or isinstance(value, str):
+        return value
+    try:
+        found = np.asarray(value, float)
+    except (TypeError, ValueError):
+        found = np.empty(0)
+    if found.shape != (count,) or not np.isfinite(found).all():
+        raise SurfaceError(f"{name}: give {'three' if count == 3 else 'six'} numbers")
+    return found
+
+
+def box_of(value):
+    """(the least place, the largest)."""
+    box = numbers(value, "box", 6)
+    if isinstance(box, str):
+        raise SurfaceError("box: give six numbers")
+    if box is None:
+        return None
+    low, high = box.reshape(2, 3)
+    if not (high > low).all():
+        raise SurfaceError("box: give the least x, y, z, then the largest")
+    return low, high
+
+
 # ---- bodies ----
 
 
-def axes_of(low, high, spacing):
-    n = np.maximum(np.ceil((high - low) / spacing - 1e-9).astype(int) + 1, 4)
-    return [low[d] + spacing * np.arange(n[d]) for d in range(3)]
-
-
-def places_of(axes):
-    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
-
-
-def on_grid(distance, axes, band, measure):
-    """[n1, n2, n3] distances; within the band by `measure`, beyond it joined from every COARSE-th place."""
-    from scipy.interpolate import RegularGridInterpolator
-
-    spacing = axes[0][1] - axes[0][0]
-    rough = [np.append(a[::COARSE], a[-1] + COARSE * spacing) for a in axes]
-    values = distance.facets(places_of(rough)).reshape([len(a) for a in rough])
-    look = RegularGridInterpolator(rough, values)
-    d = np.empty([len(a) for a in axes])
-    reach = band + np.sqrt(3) * COARSE * spacing
-    for k, x1 in enumerate(axes[0]):
-        places = places_of([[x1], axes[1], axes[2]])
-        sheet = look(places)
-        near = np.abs(sheet) < reach
-        if near.any():
-            exact = distance.facets(places[near])
-            close = np.abs(exact) < band
-            if close.any() and measure is not distance.facets:
-                exact[close] = measure(places[near][close])
-            sheet[near] = exact
-        d[k] = sheet.reshape(d.shape[1:])
-    return d
-
-
-def spline_error(axes, d, distance, measure, band, rng):
-    """The largest error of the spline through the grid's values, at places near the surface."""
-    from scipy.ndimage import map_coordinates, spline_filter
-
-    corners = distance.mesh.corners[:distance.mesh.own]
-    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    which = rng.choice(len(area), SAMPLES, p=area / area.sum())
-    share = rng.dirichlet([1, 1, 1], SAMPLES)
-    x = np.einsum("ij,ijk->ik", share, corners[which])
-    away = rng.normal(size=x.shape)
-    x += away / np.linalg.norm(away, axis=1)[:, None] * rng.uniform(0, band, SAMPLES)[:, None]
-    spacing = axes[0][1] - axes[0][0]
-    low, high = (np.array([a[k] for a in axes]) for k in (0, -1))
-    x = x[((x > low + 2 * spacing) & (x < high - 2 * spacing)).all(axis=1)]
-    if not len(x):
-        return np.inf
-    at = ((x - low) / spacing).T
-    c = spline_filter(d, order=3, mode="mirror")
-    return float(np.abs(map_coordinates(c, at, order=3, mode="mirror", prefilter=False) - measure(x)).max())
-
-
-def body(mesh, output, diameter, spacing, side, box, facets, tolerance, unit, source):
-    if not (diameter or spacing):
+def body(source, output, side, origin, direction, scale, unit, open, flip, wish, tell, progress):
+    for name, value in (("origin", origin), ("direction", direction)):
+        if isinstance(value, str):
+            raise SurfaceError(f"{name}: a mesh has no start; give three numbers" + HAS_ENDS)
+    if not (wish.diameter or wish.spacing):
         raise SurfaceError("a mesh needs diameter, the rod's (it says how fine the grid must be), or spacing")
-    for name, value in (("diameter", diameter), ("spacing", spacing)):
-        if value is not None and not value > 0:
-            raise SurfaceError(f"{name}: must be above 0")
-    distance = Distance(mesh)
-    measure = distance.facets if facets else distance.smooth
-    width = diameter or 4 * spacing
-    rng = np.random.default_rng(0)
-    wanted = tolerance or 0.002 * width
-    h = spacing or width / 2
-    while True:
-        edge = 3 * h + width
-        low, high = mesh.points.min(axis=0) - edge, mesh.points.max(axis=0) + edge
-        if box is not None:
-            low, high = np.array(box, float).reshape(2, 3)
-            if not (high > low).all():
-                raise SurfaceError("box: give the least x, y, z, then the largest")
-        axes = axes_of(low, high, h)
-        count = float(np.prod([len(a) for a in axes], dtype=float))
-        if count > MOST:
-            raise SurfaceError(f"a grid of spacing {h:.3g} has {count:.2g} values, {MOST:.0e} are the most: give a "
-                               "larger spacing or tolerance, or a box about what the rod can reach")
-        band = 5 * h + width / 2  # what is farther is felt through the spline by less than 2e-3 of its error
-        d = on_grid(distance, axes, band, measure)
-        if not d.min() < 0 < d.max():
-            raise SurfaceError("box: the mesh's surface is nowhere in it; give a box about what the rod can reach"
-                               if box is not None else "the mesh has no inside that a grid can see: give a smaller spacing")
-        error = spline_error(axes, d, distance, measure, width / 2, rng)
-        if spacing or error <= wanted or h <= 1.01 * width / FINEST:
-            break
-        h = max(h * np.clip((wanted / error) ** 0.25 * 0.9, 0.5, 0.84), width / FINEST)
-    if not spacing and width / 4 < error < np.inf:
-        raise SurfaceError(f"even {h:.3g} apart the distance is off by {error:.2g}, more than a quarter of the diameter: the "
-                           "mesh runs through itself, or is thinner than the rod; mend it, or give spacing to take it as it is")
-    flat = 0.0
-    if not facets:
-        which, at = distance.nearest(mesh.corners[rng.integers(mesh.own or len(mesh.triangles), size=SAMPLES)].mean(axis=1))
-        flat = float(np.abs(distance.bulge(which, at)[0]).max())
-    with h5py.File(output, "w") as f:
-        f.create_dataset("distance", data=d.transpose(2, 1, 0), chunks=True, compression="gzip", shuffle=True)
-        f["origin"], f["spacing"] = [a[0] for a in axes], [h] * 3
-        if unit:
-            for name in ("distance", "origin", "spacing"):
-                f[name].attrs["units"] = unit
-        f.attrs.update(source=str(source), error=error, facets=flat, diameter=diameter or 0.0)
-        if len(mesh.triangles) <= DRAWN:
-            f.create_dataset("mesh/points", data=mesh.points, compression="gzip")
-            f.create_dataset("mesh/triangles", data=mesh.triangles.astype(np.int32), compression="gzip")
-    return Surface(Path(output), "body", side, error, float(h), d.shape[::-1], None if facets else flat)
+    if wish.diameter and wish.spacing and wish.spacing > wish.diameter:
+        raise SurfaceError(f"spacing: {wish.spacing:g} is too coarse for a rod of diameter {wish.diameter:g}: give half of that or less")
+    mesh = check(read_mesh(source), flip, open)
+    for note in mesh.notes:
+        tell(f"{mesh.name}: {note}")
+    mesh.points = placed(mesh.points, origin, direction, scale)
+    if open:
+        mesh = extended(mesh)
+    turn = np.eye(3) if direction is None else turn_to_x(direction)
+
+    def back(x):
+        return x / scale @ turn + (0 if origin is None else origin)
+
+    grid, flat = write_body(mesh, output, wish, unit, back, tell, progress)
+    made = Surface(Path(output), "body", side, grid.misfit.error, float(grid.spacing), grid.values.shape[::-1], flat, mesh.notes)
+    if all(axis[0] < 0 < axis[-1] for axis in grid.axes):
+        free = float(grid.distance.facets(np.zeros((1, 3)))[0]) * (-1 if side == "inside" else 1)
+        if free <= (wish.diameter or 0) / 2:
+            where = "outside of it" if side == "inside" else "within it"
+            made.tell(f"the clamp, at 0, is {where}, or too near to its surface: give origin{HAS_ENDS}", tell)
+    return made
 
 
 # ---- tubes ----
 
 
-def tube(x, output, side, unit, every):
-    points, moved = fair(x, every)
+def tube(source, x, output, side, origin, direction, scale, unit, every, diameter, tell):
+    """x: the points [n, 4] of the source, in its frame."""
+    start = x[0, :3] if isinstance(origin, str) else origin
+    along = x[1, :3] - x[0, :3] if isinstance(direction, str) else direction
+    given = placed(x[:, :3], start, along, scale)
+    points, moved = fair(np.column_stack([given, scale * x[:, 3]]), every)
+    points, (before, behind) = trimmed(points)
+    made = Surface(Path(output), "tube", side, moved, None, (len(points),))
+    if before or behind:
+        first, last = (int(np.argmin(np.linalg.norm(given - points[k, :3], axis=1))) for k in (0, -1))
+        made.tell(f"{left_out(first, len(given) - 1 - last)} left out: their balls lie within their neighbours', the tube is the "
+                  "same without them", tell)
+    if before:  # it begins elsewhere
+        start = points[0, :3].copy() if isinstance(origin, str) else None
+        along = points[1, :3] - points[0, :3] if isinstance(direction, str) else None
+        given, points[:, :3] = placed(given, start, along, 1.0), placed(points[:, :3], start, along, 1.0)
+    radius = (diameter or 0) / 2
+    path = asked(points, given, x[:, :3], source, side == "inside", radius)
     text = [f"{v:.12g}" for v in points.ravel()]
     rows = [",".join(w + (unit or "") for w in text[k:k + 4]) for k in range(0, len(text), 4)]
-    Path(output).write_text("\n".join(["x1,x2,x3,radius", *rows]) + "\n")
-    return Surface(Path(output), "tube", side, moved, None, (len(points),))
+    with replacing(output) as part:
+        Path(part).write_text("\n".join(["x1,x2,x3,radius", *rows]) + "\n")
+    if side == "inside" and not path.holds(np.zeros(3), radius):
+        made.tell("the clamp, at 0, is outside of the tube: give origin start and direction start, or a place in it", tell)
+    return made
+
+
+def left_out(before, behind):
+    """Words for points at the ends."""
+    parts = [f"{count_of(n, 'point')} at its {where}" for n, where in ((before, "start"), (behind, "end")) if n]
+    return " and ".join(parts)
 
 
 def is_mesh(source):
@@ -224,13 +203,13 @@ def is_mesh(source):
 
 def surface(source, output, *, diameter=None, spacing=None, side=None, origin=None, direction=None, scale=None,
             unit=None, open=False, flip=False, facets=False, box=None, tolerance=None, line=0, radius=None,
-            every=None):
+            every=None, progress=None, tell=None):
     """A file for -wall_file from a mesh or a centre line; returns what was made, with its error and its
     `line` for -wall_file.
 
     source     STL, OBJ, PLY, VTP, VTK: a mesh; VTP, VTK, JSON, CSV, DAT: a centre line
     output     HDF5 (of a mesh), CSV (of a centre line)
-    diameter   of the rod, in the unit of the result: a mesh's grid is as fine as it needs
+    diameter   of the rod, in the unit of the result: a mesh's grid is as fine as it needs; a tube must be wider
     spacing    of the grid, instead
     side       inside or outside, where the rod is; inside of centre lines unless said
     origin     the place, in the source's frame, that becomes 0, where the clamp is; "start": the first point
@@ -238,37 +217,32 @@ def surface(source, output, *, diameter=None, spacing=None, side=None, origin=No
     scale      what the source's unit is in the result's, if the source does not say so itself
     unit       of the result, like mm; none: that which a centre line says, else numbers without dimension
     open       the mesh has open ends: they are led on
-    flip       its triangles run the wrong way round
+    flip       its triangles run the wrong way round; without it a mesh that is inside out is turned, and a note says so
     facets     the triangles themselves are meant, not the smooth surface that they stand for
     box        x, y, z, then again, of the result: the grid's least and largest places
     tolerance  error of the distance that is wanted, 0.002 of the diameter unless said
     line       which line of a file, from 0
     radius     of a path that says none, in the unit of the result or with its own, "4in"
     every      distance of the knots of a path that is smoothed; a radius where points are closer than a
-               quarter of that; else the path goes through its points"""
+               quarter of that; else the path goes through its points
+    progress   the grid's size and a bar; None: in a terminal and in a notebook
+    tell       is called with each line that there is to say on the way: the grid's size, and the result's notes"""
     if side not in (None, "inside", "outside"):
         raise SurfaceError(f"side: {side}: give inside or outside")
-    if scale is not None and not 0 < scale < np.inf:
-        raise SurfaceError("scale: must be above 0")
     unit = length_unit(unit, "unit", SurfaceError)
-    origin, direction = three(origin, "origin"), three(direction, "direction")
-    if Path(output).exists() and Path(source).exists() and Path(output).samefile(source):
-        raise SurfaceError(f"{output}: is the source; give the result another name")
+    source, output = path_of(source, "source"), path_of(output, "output")
+    scale, diameter = number(scale, "scale"), number(diameter, "diameter")
+    wish = Wish(diameter, number(spacing, "spacing"), box_of(box), facets, number(tolerance, "tolerance"))
+    origin, direction = numbers(origin, "origin", 3), numbers(direction, "direction", 3)
+    if source.exists() and output.exists() and output.samefile(source):
+        raise SurfaceError(f"{output}: is the source itself; name another file for the result")
+    writable(output)
+    tell = tell or (lambda line: wanted(progress) and print(f"surface: {line}", file=sys.stderr))
     if is_mesh(source):
         for name, value in (("line", line), ("radius", radius), ("every", every)):
             if value:
                 raise SurfaceError(f"{name}: is of a centre line, {source} is a mesh")
-        for name, value in (("origin", origin), ("direction", direction)):
-            if isinstance(value, str):
-                raise SurfaceError(f"{name}: a mesh has no start; give three numbers")
-        mesh = read_mesh(source)
-        mesh.points = placed(mesh.points, origin, direction, scale or 1.0)
-        if open:
-            if flip:
-                mesh.triangles = mesh.triangles[:, ::-1]
-            mesh = extended(mesh)
-        mesh = check(mesh, flip and not open)
-        return body(mesh, output, diameter, spacing, side or "outside", box, facets, tolerance, unit, source)
+        return body(source, output, side or "outside", origin, direction, scale or 1.0, unit, open, flip, wish, tell, progress)
     for name, value in (("spacing", spacing), ("open", open), ("flip", flip), ("facets", facets), ("box", box),
                         ("tolerance", tolerance)):
         if value:
@@ -276,17 +250,14 @@ def surface(source, output, *, diameter=None, spacing=None, side=None, origin=No
     path = read_line(source, line, None if radius is None else 1.0, foreign=scale is not None)
     scale, unit = in_units(path, unit, scale, source)
     radius, every = (length_in(value, unit, name, SurfaceError) for name, value in (("radius", radius), ("every", every)))
-    for name, value in (("radius", radius), ("every", every)):
-        if value is not None and not 0 < value < np.inf:
-            raise SurfaceError(f"{name}: must be above 0")
+    radius, every = number(radius, "radius"), number(every, "every")
+    for note in path.notes:
+        tell(note)
     x = path.points
     if radius is not None:
         x[:, 3] = radius / scale  # in the unit of the result, as the diameter is
-    start = x[0, :3] if isinstance(origin, str) else origin
-    along = x[1, :3] - x[0, :3] if isinstance(direction, str) else direction
-    x = np.column_stack([placed(x[:, :3], start, along, scale), scale * x[:, 3]])
-    made = tube(x, output, side or "inside", unit, every)
-    made.notes = tuple(path.notes)
+    made = tube(source, x, output, side or "inside", origin, direction, scale, unit, every, diameter, tell)
+    made.notes[:0] = path.notes
     return made
 
 
@@ -294,17 +265,18 @@ def surface(source, output, *, diameter=None, spacing=None, side=None, origin=No
 
 
 def vector(text):
-    return text if text == "start" else numbers(text, 3)
+    return text if text == "start" else listed(text, 3)
 
 
 def box(text):
-    return numbers(text, 6)
+    return listed(text, 6)
 
 
 def arguments_of(words):
     parser = Parser("scripts/surface.sh", __doc__)
     parser.add_argument("source", help="mesh or centre line")
-    parser.add_argument("output", help="HDF5 for a mesh, CSV for a centre line")
+    parser.add_argument("output", nargs="?", help="HDF5 for a mesh, CSV for a centre line")
+    parser.add_argument("--ends", action="store_true", help="list the open ends of a mesh, and make nothing")
     parser.add_argument("--diameter", type=float, help="of the rod: how fine a mesh's grid must be")
     parser.add_argument("--spacing", type=float, help="of the grid, instead")
     parser.add_argument("--side", choices=("inside", "outside"), help="where the rod is")
@@ -332,15 +304,43 @@ def told(made):
     return f"{made.path}: {size} values, {made.spacing:.4g} apart; error of the distance {made.error:.2g}{flat}"
 
 
+def list_ends(choice):
+    """Prints the open ends of a mesh."""
+    source, unit, scale = Path(choice["source"]), length_unit(choice["unit"], "unit", SurfaceError), number(choice["scale"], "scale") or 1.0
+    more = [name for name, value in choice.items() if name not in ("source", "unit", "scale") and value]
+    if more:
+        raise SurfaceError(f"ends: lists them and makes nothing: leave {more[0]} away")
+    if not is_mesh(source):
+        raise SurfaceError(f"ends: {source} is a centre line; it begins at origin start, direction start")
+    mesh = read_mesh(source)
+    found = ends_of(mesh, scale)
+    for note in mesh.notes:
+        print(f"surface: {source}: {note}")
+    if not found:
+        raise SurfaceError(f"{source}: is closed: it has no open end")
+    print(f"surface: {source}: {count_of(len(found), 'open end')}; places as the file has them, directions inwards")
+    for end in found:
+        words = ", ".join(f"{v:.6g}" for v in end.middle), ", ".join(f"{v:.6g}" for v in end.direction)
+        print(f"{end.number}: middle ({words[0]}), direction ({words[1]}), width {end.width:.4g}{f' {unit}' if unit else ''}")
+        print(f"   {end.options}")
+
+
 def main(words=None):
     choice = vars(arguments_of(words))
     try:
-        made = surface(choice.pop("source"), choice.pop("output"), **choice)
+        if choice.pop("ends"):
+            list_ends(choice)
+            return 0
+        if choice["output"] is None:
+            raise SurfaceError("give a file for the result, HDF5 of a mesh, CSV of a centre line; or --ends")
+        made = surface(choice.pop("source"), choice.pop("output"), **choice, tell=lambda line: print(f"surface: {line}", flush=True))
     except (TendrilError, OSError) as error:
         print(complaint(error, "surface"), file=sys.stderr)
         return 1
-    for note in made.notes:
-        print(f"surface: {note}")
     print(f"surface: {told(made)}")
     print(made.line)
     return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

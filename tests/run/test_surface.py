@@ -25,7 +25,7 @@ try:
     import numpy as np
 
     import tendril
-    from tendril import meshes
+    from tendril import meshes, openings
     from tendril.meshes import Mesh, SurfaceError
 except ImportError as error:
     from_venv(error)
@@ -150,7 +150,7 @@ class Meshes(Files):
         self.assertLessEqual(made.spacing, 0.2)
         self.assertEqual(made.line, f"body {made.path} outside")
         for kind in WRITERS:
-            read = meshes.check(meshes.read_mesh(self.mesh(ball, f"ball.{kind}")))
+            read = openings.check(meshes.read_mesh(self.mesh(ball, f"ball.{kind}")))
             self.assertEqual(read.points.shape, ball.points.shape, kind)
             np.testing.assert_allclose(np.sort(read.corners.mean(axis=1), axis=0),
                                        np.sort(ball.corners.mean(axis=1), axis=0), atol=1e-6)
@@ -209,8 +209,8 @@ class Meshes(Files):
         self.refused("has holes|edges belong to one triangle|open", call, self.mesh(holes), "x.h5", diameter=0.4)
         turned = sphere()
         turned.triangles = turned.triangles[:, ::-1]
-        self.refused("inside out|flip", call, self.mesh(turned), "x.h5", diameter=0.4)
-        call(self.mesh(turned), self.at("flip.h5"), diameter=0.4, flip=True)
+        self.assertEqual(call(self.mesh(turned), self.at("flip.h5"), diameter=0.4, flip=True).line, f"body {self.at('flip.h5')} outside")
+        self.refused("inside out with flip|leave flip away", call, self.mesh(sphere()), "x.h5", diameter=0.4, flip=True)
         mixed = sphere()
         mixed.triangles[7] = mixed.triangles[7, ::-1]
         self.refused("face different ways", call, self.mesh(mixed), "x.h5", diameter=0.4)
@@ -350,7 +350,7 @@ class CentreLines(Files):
         self.assertTrue(any("3 lines" in note and "--line" in note for note in notes), notes)
         self.refused("3 lines|no 3", self.made, "fork.vtp", line=3)
         self.pieces("vmtk.vtp", [[0, 1, 2, 3, 4], [0, 1, 2, 5]], fork)
-        self.assertEqual([len(self.made("vmtk.vtp", line=k)) for k in (0, 1)], [5, 4])
+        self.assertEqual([len(self.made("vmtk.vtp", line=k, radius=0.1)) for k in (0, 1)], [5, 4])
 
     def test_lines_of_obj(self):
         head = "".join(f"v {k} {0.1 * k * k} 0\n" for k in range(5))
