@@ -27,6 +27,7 @@ EASTS = ("east", "easting", "e/w", "e/-w", "+e/-w", "ew", "e-w", "e(+)/w(-)", "e
 DOWNS = ("tvd", "true vertical depth", "vertical depth", "tvdss", "true vertical", "vertical")
 UPS = ("z", "elevation", "elev", "altitude")
 TURN = np.radians(2)  # of a survey's arc from one point to the next, at most
+GROWS = 1.5  # from one step to the next, where a piece of long ones follows
 ENDS = (".vtp", ".vtk", ".obj", ".json", ".fcsv", ".csv", ".tsv", ".tab", ".dat", ".txt", ".asc", ".dev", ".xlsx")
 SYSTEMS = {"0": "RAS", "1": "LPS", "2": "IJK"}  # as 3D Slicer counts them
 
@@ -397,12 +398,12 @@ def minimum_curvature(path, table, depth, i, a, radius):
         k = int(np.argmax(np.abs(i) > np.pi))
         raise SurfaceError(f"{path}, line {table.lines[k]}: {np.degrees(i[k]):g} degrees is no inclination, which is 0 to 180")
     t = np.column_stack([np.sin(i) * np.cos(a), np.sin(i) * np.sin(a), -np.cos(i)])
+    angles = np.arctan2(np.linalg.norm(np.cross(t[:-1], t[1:]), axis=1), np.einsum("kd,kd->k", t[:-1], t[1:]))
+    lengths = np.diff(depth)
+    parts = graded(lengths, np.maximum(1, np.ceil(angles / TURN)).astype(int), angles > 1e-9)
     x, r, at = [np.zeros(3)], [0 if radius is None else radius[0]], np.zeros(3)
-    for k in range(len(depth) - 1):
-        angle = np.arctan2(np.linalg.norm(np.cross(t[k], t[k + 1])), t[k] @ t[k + 1])
-        long = depth[k + 1] - depth[k]
-        steps = max(1, int(np.ceil(angle / TURN)))
-        for part in np.arange(1, steps + 1) / steps:
+    for k, (angle, long) in enumerate(zip(angles, lengths)):
+        for part in parts[k]:
             if angle < 1e-12:
                 go = part * long * t[k]
             else:  # integral of the direction that turns evenly from one to the other
@@ -413,6 +414,25 @@ def minimum_curvature(path, table, depth, i, a, radius):
             r.append(0 if radius is None else radius[k] + part * (radius[k + 1] - radius[k]))
         at = x[-1]
     return np.array(x), None if radius is None else np.array(r)
+
+
+def graded(lengths, steps, bent):
+    """Of each piece of a path the parts of it, up to 1, at which there are points: so many even steps, and beside a bent piece of
+    shorter steps some that grow from these. For the tube is a spline through the points, and where a long step follows on a short one it
+    swings: beside an arc in steps of 10 ft a straight piece of 800 ft as one step was 78 ft off."""
+    even, found = lengths / steps, []
+    for k, long in enumerate(lengths):
+        at = list(np.arange(1, steps[k] + 1) * even[k])
+        ends = [(even[j], back) for j, back in ((k - 1, False), (k + 1, True)) if 0 <= j < len(even) and bent[j] and even[j] < even[k]]
+        room = even[k] * (0.5 if steps[k] == 1 and len(ends) == 2 else 0.8)  # from either end
+        for step, back in ends:
+            reached = step
+            while reached < room:
+                at.append(long - reached if back else reached)
+                step *= GROWS
+                reached += step
+        found.append(np.array(sorted(at)) / long)
+    return found
 
 
 def fair(x, every=None):

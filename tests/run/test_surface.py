@@ -375,7 +375,7 @@ class CentreLines(Files):
         x = self.made("w.csv", f"MD,Inclination (deg),Azimuth (deg)\n0,0,90\n100,0,90\n{100 + 100 * np.pi / 2},90,90\n",
                       radius=0.1)
         np.testing.assert_allclose(x[-1], [0, 100, -200, 0.1], atol=1e-9)
-        bend = x[2:]
+        bend = x[x[:, 2] < -100 + 1e-9]
         np.testing.assert_allclose(np.hypot(bend[:, 1] - 100, bend[:, 2] + 100), 100, atol=1e-9)
         self.assertGreater(len(x), 40)
         stations = np.array([[0, 10, 20], [35, 25, 60], [90, 50, 55], [120, 50, 55]])
@@ -389,6 +389,14 @@ class CentreLines(Files):
                                                     np.sin(i0) * np.sin(a0) + np.sin(i1) * np.sin(a1),
                                                     -np.cos(i0) - np.cos(i1)])
             self.assertLess(np.linalg.norm(x[:, :3] - at, axis=1).min(), 1e-9)
+        # the spline of the tube through the points is the well's path, also where a long straight piece follows on an arc
+        from scipy.interpolate import CubicSpline
+        x = self.made("z.csv", "md,inc,azi\n0,0,0\n100,0,0\n400,60,90\n700,90,90\n1500,90,90\n", radius=0.35)[:, :3]
+        u = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(x, axis=0), axis=1))])
+        path = CubicSpline(u, x)(np.linspace(0, u[-1], 3000))
+        self.assertLess(np.abs(path[path[:, 2] > -100][:, 1]).max(), 0.02)
+        level = path[path[:, 1] > x[-1, 1] - 799]
+        self.assertLess(np.abs(level[:, 2] - x[-1, 2]).max(), 0.02)
         self.refused("u.csv, line 5|must increase", self.made, "u.csv", "# a well\nmd,inc,azi,r\n0,0,0,1\n5,0,0,1\n4,0,0,1\n")
 
     def rows(self, name, text=None, **more):
@@ -421,7 +429,7 @@ class CentreLines(Files):
             np.testing.assert_allclose(x, same, rtol=1e-11, err_msg=text)
         well = "Measured Depth (ft),Inclination (deg),Azimuth (deg)\n0,0,0\n1000,0,0\n2000,30,90\n"
         x, told, _ = self.rows("w.csv", well, radius=0.1, unit="m")
-        np.testing.assert_allclose(x[1], [0, 0, -304.8, 0.1])
+        self.assertLess(np.abs(x - [0, 0, -304.8, 0.1]).max(axis=1).min(), 1e-9)
         y, told, notes = self.rows("w.csv", well, radius="6in")
         self.assertEqual(told, "ft")
         self.assertIn("ft", notes)
@@ -431,7 +439,7 @@ class CentreLines(Files):
         np.testing.assert_allclose(self.rows("r.csv", radians, radius=0.1)[0][:, :3], x[:, :3], atol=1e-9)
         np.testing.assert_allclose(self.rows("s.csv", well, radius=0.1, scale=0.3048, unit="m")[0], x)
         numbers, told, notes = self.rows("s.csv", well, radius=0.1, scale=2.0)  # the user's own unit
-        self.assertEqual((told, numbers[1, 2]), ("", -2000))
+        self.assertEqual((told, bool(np.isclose(numbers[:, 2], -2000).any())), ("", True))
         self.refused("is in ft|0.3048 m|not 2", self.made, "s.csv", radius=0.1, scale=2.0, unit="m")
         for text, words in ((path.replace("(mm)", "(yd)"), "yd|m, cm, mm, um, in, ft, mil, Fr"), (path.replace(" (mm)", "").replace("\n", "\nyd,yd,yd,yd\n", 1), "yd"),
                             (path.replace("x (mm)", "x (px)"), "px"), (path.replace("radius (mm)", "radius (%)"), "%"),
