@@ -279,6 +279,12 @@ def ends(source, scale=1.0):
     inwards also of a mesh that is inside out.
 
     scale  what the mesh's unit is in that of the widths: places are as the file has them, for origin"""
+    try:
+        scale = float(scale)
+    except (TypeError, ValueError):
+        scale = 0.0
+    if not 0 < scale < np.inf:
+        raise SurfaceError("scale: must be above 0")
     return ends_of(read_mesh(path_of(source, "source")), scale)
 
 

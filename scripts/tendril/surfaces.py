@@ -14,7 +14,9 @@ points. Units that a file names are taken, and converted to that of --unit. The 
 last. With --ends the open ends of a mesh are listed, for --origin and --direction, and nothing is made."""
 
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from numbers import Integral
 from pathlib import Path
 
 import numpy as np
@@ -123,6 +125,12 @@ def box_of(value):
     return low, high
 
 
+def of_kind(name, value, kind, wanted):
+    """Refuses an argument that is none of its kind, nor None."""
+    if value is not None and not isinstance(value, kind):
+        raise SurfaceError(f"{name} {str(value)[:40]!r}: give {wanted}")
+
+
 # ---- bodies ----
 
 
@@ -227,6 +235,12 @@ def surface(source, output, *, diameter=None, spacing=None, side=None, origin=No
                quarter of that; else the path goes through its points
     progress   the grid's size and a bar; None: in a terminal and in a notebook
     tell       is called with each line that there is to say on the way: the grid's size, and the result's notes"""
+    of_kind("side", side, str, "inside or outside")
+    of_kind("unit", unit, str, "the name of one, like mm")
+    of_kind("line", line, Integral, "a whole number from 0")
+    for name, value in (("open", open), ("flip", flip), ("facets", facets)):
+        of_kind(name, value, (Integral, np.bool_), "True or False")
+    of_kind("tell", tell, Callable, "a function of a line")
     if side not in (None, "inside", "outside"):
         raise SurfaceError(f"side: {side}: give inside or outside")
     unit = length_unit(unit, "unit", SurfaceError)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .results import Results, Shape
+from .units import in_si, quantity
 
 
 def size_of(vectors) -> np.ndarray:
@@ -34,8 +35,10 @@ def contact_force(r: Results, shape: Shape) -> np.ndarray:
 
 def weight(r: Results, axes: int) -> np.ndarray:
     """[axes], the rod's weight per unit length in the laboratory, 0 if it has none."""
-    given = [float(part) for part in str(r.attributes.get("parameters/rod_weight", "") or "0").split(",")]
-    return np.array([*given, 0, 0][:axes])
+    given = [quantity(part) for part in str(r.attributes.get("parameters/rod_weight", "") or "0").split(",")]
+    found = [number * in_si(unit) * r.scale("length") / r.scale("force") if unit else number
+             for number, unit in given]
+    return np.array([*found, 0, 0][:axes])
 
 
 def friction(r: Results, shape: Shape, pieces: int) -> tuple[np.ndarray, np.ndarray]:

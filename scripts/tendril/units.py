@@ -59,7 +59,7 @@ def in_laboratory(unit, scale):
 
 
 # what units of options are made of, in SI
-PARTS = {"N": 1, "mN": 1e-3, "uN": 1e-6, "Pa": 1, "mPa": 1e-3, **METRES, **TIMES}
+PARTS = {"N": 1, "mN": 1e-3, "uN": 1e-6, "Pa": 1, "mPa": 1e-3, **METRES, **TIMES, "kg": 9.80665, "g": 9.80665e-3}  # masses as weights
 QUANTITY = re.compile(r"\s*([-+]?(?:[0-9]*\.)?[0-9]+\.?(?:[eE][-+]?[0-9]+)?)\s*(.*?)\s*")
 PART = re.compile(rf"({'|'.join(sorted(PARTS, key=len, reverse=True))})(?:\^([0-9]))?")
 

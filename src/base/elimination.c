@@ -38,6 +38,7 @@ struct _Elimination {
   PetscBool from_tip, between; /* the last of several ranks; neither first nor last */
   PetscInt nodes;              /* owned */
   WideLine wide;               /* of nodes of thirteen unknowns; the rest is then not in use */
+  WideLine whole;              /* of all ranks' nodes, on the first of several */
   Line own, joint;             /* node r of the joint is the last of rank r's cells */
   Span span;                   /* of own, up to where it is */
   Span *spans;                 /* of all ranks */
@@ -52,9 +53,26 @@ PetscBool EliminationCan(const PetscInt halves[2], PetscInt ranks) {
                      (halves[0] == WIDE_TOP && halves[1] == WIDE_OWN && ranks == 1));
 }
 
+/* EliminationCounts - can the index be told, if not the line be solved? */
+PetscBool EliminationCounts(const PetscInt halves[2], PetscInt ranks) {
+  return (PetscBool)(EliminationCan(halves, ranks) || EliminationCan(halves, 1));
+}
+
+/* A line of nodes of thirteen unknowns. Several ranks keep their cells, and the first counts. */
+static PetscErrorCode CreateWide(Elimination self) {
+  PetscInt all = self->nodes;
+
+  PetscFunctionBegin;
+  PetscCall(WideCreate(self->nodes + (self->ranks > 1), &self->wide));
+  if (self->ranks == 1) PetscFunctionReturn(0);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPIU_INT, MPI_SUM, self->comm));
+  if (!self->rank) PetscCall(WideCreate(all, &self->whole));
+  PetscFunctionReturn(0);
+}
+
 /*
   EliminationCreate - for a line of nodes of which this rank owns so many, in order of the ranks;
-  halves as for EliminationCan(), which must say yes.
+  halves as for EliminationCan(), which must say yes, or EliminationCounts(): then it is not solved.
   Collective; the caller destroys it with EliminationDestroy().
 */
 PetscErrorCode EliminationCreate(MPI_Comm comm, PetscInt nodes, const PetscInt halves[2],
@@ -69,7 +87,7 @@ PetscErrorCode EliminationCreate(MPI_Comm comm, PetscInt nodes, const PetscInt h
   PetscCallMPI(MPI_Comm_size(comm, &self->ranks));
   PetscCallMPI(MPI_Comm_rank(comm, &self->rank));
   if (halves[0] == WIDE_TOP) {
-    PetscCall(WideCreate(nodes, &self->wide));
+    PetscCall(CreateWide(self));
     PetscFunctionReturn(0);
   }
   self->from_tip = (PetscBool)(self->ranks > 1 && self->rank + 1 == self->ranks);
@@ -86,6 +104,7 @@ PetscErrorCode EliminationDestroy(Elimination *self) {
   PetscFunctionBegin;
   if (!*self) PetscFunctionReturn(0);
   PetscCall(WideDestroy(&(*self)->wide));
+  PetscCall(WideDestroy(&(*self)->whole));
   PetscCall(LineDestroy(&(*self)->own));
   PetscCall(LineDestroy(&(*self)->joint));
   PetscCall(PetscFree((*self)->spans));
@@ -98,6 +117,78 @@ PetscErrorCode EliminationDestroy(Elimination *self) {
 /* EliminationWide - the line of nodes of thirteen unknowns; NULL: it is of six. Borrowed. */
 WideLine EliminationWide(Elimination self) {
   return self->wide;
+}
+
+/* EliminationKeeps - does this rank keep its cells of a wide line (WideKeep()), for
+   EliminationGather()? */
+PetscBool EliminationKeeps(Elimination self) {
+  return (PetscBool)(self->wide && self->ranks > 1);
+}
+
+/* What a rank has of a wide line, one behind the other: its cells; and the last one, for the tip.
+ */
+static PetscErrorCode PackWide(Elimination self, const WideArms *tip,
+                               const PetscReal own[WIDE_OWN][WIDE_FIELDS], PetscInt *reals,
+                               PetscReal **parts) {
+  enum { ARMS = sizeof(WideArms) / sizeof(PetscReal), OWN = WIDE_OWN * WIDE_FIELDS };
+  const PetscInt cells = WideParts(self->wide, NULL);
+
+  PetscFunctionBegin;
+  *reals = cells + (own ? ARMS + OWN : 0);
+  PetscCall(PetscMalloc1(*reals, parts));
+  (void)WideParts(self->wide, *parts);
+  if (!own) PetscFunctionReturn(0);
+  memcpy(*parts + cells, tip, sizeof(*tip));
+  memcpy(*parts + cells + ARMS, own, OWN * sizeof(PetscReal));
+  PetscFunctionReturn(0);
+}
+
+/* Eliminates the wide line of all ranks. */
+static void EliminateWhole(Elimination self, const PetscReal gives[WIDE_TOP][WIDE_OWN],
+                           const PetscReal parts[], PetscInt reals) {
+  enum { ARMS = sizeof(WideArms) / sizeof(PetscReal), OWN = WIDE_OWN * WIDE_FIELDS };
+  const PetscReal *tip = parts + reals - OWN - ARMS;
+
+  WideBegin(self->whole);
+  if (gives) WideSpring(self->whole, gives);
+  WideTake(self->whole, parts, reals - OWN - ARMS);
+  WideArm(self->whole, (const WideArms *)tip);
+  WideEnd(self->whole, (const PetscReal(*)[WIDE_FIELDS])(tip + ARMS));
+}
+
+/*
+  EliminationGather - all cells of a wide line are there: the first of several ranks eliminates
+  them. Collective.
+
+  gives     of the first rank, see WideSpring(); NULL: the beginning is given
+  tip, own  arms and equations of the last node, of the last rank; NULL on the others
+*/
+PetscErrorCode EliminationGather(Elimination self, const PetscReal gives[WIDE_TOP][WIDE_OWN],
+                                 const WideArms *tip, const PetscReal own[WIDE_OWN][WIDE_FIELDS]) {
+  PetscMPIInt *many, *from, mine;
+  PetscReal *parts, *all;
+  PetscInt reals;
+
+  PetscFunctionBegin;
+  PetscCall(PackWide(self, tip, own, &reals, &parts));
+  mine = (PetscMPIInt)reals;
+  PetscCall(PetscMalloc2(self->ranks, &many, self->ranks + 1, &from));
+  PetscCallMPI(MPI_Gather(&mine, 1, MPI_INT, many, 1, MPI_INT, 0, self->comm));
+  from[0] = 0;
+  for (PetscMPIInt r = 0; r < self->ranks && !self->rank; r++) from[r + 1] = from[r] + many[r];
+  PetscCall(PetscMalloc1(self->rank ? 0 : from[self->ranks], &all));
+  PetscCallMPI(MPI_Gatherv(parts, mine, MPIU_REAL, all, many, from, MPIU_REAL, 0, self->comm));
+  if (!self->rank) EliminateWhole(self, gives, all, from[self->ranks]);
+  PetscCall(PetscFree(all));
+  PetscCall(PetscFree2(many, from));
+  PetscCall(PetscFree(parts));
+  PetscFunctionReturn(0);
+}
+
+/* EliminationPlane - of a wide line: see WidePlane(). */
+void EliminationPlane(Elimination self, PetscBool plane) {
+  if (self->wide) WidePlane(self->wide, plane);
+  if (self->whole) WidePlane(self->whole, plane);
 }
 
 /* EliminationFromTip - does this rank want its cells from the tip towards the clamp? */
@@ -133,6 +224,21 @@ void EliminationBegin(Elimination self, const LineRows tip) {
   Identity(&span->F[0][0], FIELDS, HALF);
   Identity(&span->D[0][0], HALF, 0);
   LineBegin(&self->own, (const PetscReal(*)[FIELDS])span->T);
+}
+
+/*
+  EliminationSpring - behind EliminationBegin(), of the rank that has the beginning: there the first
+  three unknowns are not 0, but give way to their forces, the third (a turn) by this compliance, the
+  first two (a place) by that. So a beginning that turns in a hinge, or is free, is that of a line
+  that can be eliminated, if the springs are soft beside it.
+*/
+void EliminationSpring(Elimination self, PetscReal turn, PetscReal place) {
+  LineRows T;
+
+  memcpy(T, self->span.T, sizeof(T));
+  for (int d = 0; d < 2; d++) T[d][HALF + 1 + d] = -place;
+  T[2][HALF] = -turn;
+  LineBegin(&self->own, (const PetscReal(*)[FIELDS])T);
 }
 
 /* How the span goes on over a link, with H = F A^-1:
@@ -240,7 +346,8 @@ PetscErrorCode EliminationIndex(Elimination self, PetscInt *index) {
 
   PetscFunctionBegin;
   if (self->wide) {
-    *index = WideIndex(self->wide);
+    if (!self->rank) *index = WideIndex(self->whole ? self->whole : self->wide);
+    PetscCallMPI(MPI_Bcast(index, 1, MPIU_INT, 0, self->comm));
     PetscFunctionReturn(0);
   }
   if (self->from_tip || self->ranks == 1)

@@ -162,12 +162,30 @@ PetscErrorCode HdfGroup(HdfFile file, const char *name) {
   PetscFunctionReturn(0);
 }
 
+/* An attribute that is there, opened to be written over, which is ten times as fast as to make it
+   anew; below 0: there is none, or it had another form and is gone. */
+static hid_t Existing(HdfFile file, hid_t object, const char *name, hid_t type) {
+  hid_t a, had;
+  htri_t same;
+
+  if (H5Aexists(object, name) <= 0) return -1;
+  a = Try(file, H5Aopen(object, name, H5P_DEFAULT));
+  if (a < 0) return -1;
+  had = Try(file, H5Aget_type(a));
+  same = had >= 0 ? H5Tequal(had, type) : 0;
+  if (had >= 0) Try(file, H5Tclose(had));
+  if (same > 0) return a;
+  Try(file, H5Aclose(a));
+  Try(file, H5Adelete(object, name));
+  return -1;
+}
+
 /* Sets an attribute of an open object, replacing what was there. */
 static void Attribute(HdfFile file, hid_t object, const char *name, hid_t type, const void *value) {
-  hid_t space = Try(file, H5Screate(H5S_SCALAR)), a = -1;
+  hid_t space = Try(file, H5Screate(H5S_SCALAR)), a = Existing(file, object, name, type);
 
-  if (H5Aexists(object, name) > 0) Try(file, H5Adelete(object, name));
-  if (Sound(file)) a = Try(file, H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT));
+  if (a < 0 && Sound(file))
+    a = Try(file, H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT));
   if (a >= 0) {
     Try(file, H5Awrite(a, type, value));
     Try(file, H5Aclose(a));

@@ -51,3 +51,16 @@ PetscReal MonotoneValue(PetscInt n, const PetscReal x[], const PetscReal f[],
   Hermite((at - x[lo]) / h, w, w1, w2);
   return w[0] * f[lo] + w[1] * h * slope[lo] + w[2] * f[lo + 1] + w[3] * h * slope[lo + 1];
 }
+
+/* MonotoneRate - its slope at a place; 0 beyond the ends. */
+PetscReal MonotoneRate(PetscInt n, const PetscReal x[], const PetscReal f[],
+                       const PetscReal slope[], PetscReal at) {
+  PetscReal w[4], w1[4], w2[4], h;
+  PetscInt lo;
+
+  if (at < x[0] || at > x[n - 1]) return 0;
+  lo = KnotBefore(n, x, at);
+  h = x[lo + 1] - x[lo];
+  Hermite((at - x[lo]) / h, w, w1, w2);
+  return (w1[0] * f[lo] + w1[2] * f[lo + 1]) / h + w1[1] * slope[lo] + w1[3] * slope[lo + 1];
+}

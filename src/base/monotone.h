@@ -6,6 +6,8 @@
 #include <petscsys.h>
 
 void MonotoneSlopes(PetscInt n, const PetscReal x[], const PetscReal f[], PetscReal slope[]);
+PetscReal MonotoneRate(PetscInt n, const PetscReal x[], const PetscReal f[],
+                       const PetscReal slope[], PetscReal at);
 PetscReal MonotoneValue(PetscInt n, const PetscReal x[], const PetscReal f[],
                         const PetscReal slope[], PetscReal at);
 

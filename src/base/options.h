@@ -19,6 +19,7 @@ typedef enum {
   UNIT_POWER,
   UNIT_CURVATURE,
   UNIT_ANGLE,
+  UNIT_LOAD, /* force per length; behind the others, whose numbers files have */
   UNIT_ALL,
   /* those of the -si_ options, which are in SI units if they carry none */
   SI_STIFFNESS = UNIT_ALL,

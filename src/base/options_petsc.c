@@ -11,8 +11,10 @@ static const OptionRow rows[] = {
         "-ts_bdf_factor", "2", 0, 3, PETSCS,
         "of vbdf: degree of the logarithm of the factor taken out of the fields across the rod, "
         "which decay and grow; 0: none is"),
-    ROW_REAL("-ts_dt", "1e-4", 1e-300, 1e300, UNIT_TIME, PETSCS | PASSING,
-             "first step; every step of beuler, theta and cn (0.01)"),
+    ROW_REAL("-ts_dt", "", 1e-300, 1e300, UNIT_TIME, PETSCS | PASSING,
+             "first step: if not given a 1e-4 of the scene's unit of time, and of a bent rod in "
+             "viscous friction no more than 1e-6 of its own, (1 - mu) N L^4/B; every step of "
+             "beuler, theta and cn (0.01)"),
     ROW_INT("-ts_max_steps", "", 0, 2e9, PETSCS | PASSING, "ends the run after so many steps"),
     ROW_WORD("-ts_adapt_type", "basic", "none,basic,dsp,cfl,glee,history", PETSCS,
              "PETSc's choice of steps; none: fixed steps; vbdf takes basic or none"),

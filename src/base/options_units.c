@@ -1,6 +1,9 @@
 /* Laboratory units: those that a value may carry, and those in which a number is told. */
 #include "base/options.h"
 
+/* By which a mass per length is a weight per length, in m/s^2. */
+#define standard_gravity 9.80665
+
 /* in SI; shown: the least number of SI units that is told in it, -1: none is. Of each dimension the
    larger come first. */
 static const struct {
@@ -33,6 +36,17 @@ static const struct {
              {"/in", UNIT_CURVATURE, 1 / 0.0254, -1},
              {"1/ft", UNIT_CURVATURE, 1 / 0.3048, -1},
              {"/ft", UNIT_CURVATURE, 1 / 0.3048, -1},
+             {"N/m", UNIT_LOAD, 1, 1},
+             {"mN/m", UNIT_LOAD, 1e-3, 0},
+             {"N/cm", UNIT_LOAD, 1e2, -1},
+             {"N/mm", UNIT_LOAD, 1e3, -1},
+             {"mN/cm", UNIT_LOAD, 1e-1, -1},
+             {"mN/mm", UNIT_LOAD, 1, -1},
+             {"N/in", UNIT_LOAD, 1 / 0.0254, -1},
+             {"N/ft", UNIT_LOAD, 1 / 0.3048, -1},
+             {"kg/m", UNIT_LOAD, standard_gravity, -1},
+             {"g/m", UNIT_LOAD, 1e-3 * standard_gravity, -1},
+             {"g/cm", UNIT_LOAD, 1e-1 * standard_gravity, -1},
              {"rad", UNIT_ANGLE, 1, -1},
              {"deg", UNIT_ANGLE, PETSC_PI / 180, -1},
              {"m/s", UNIT_SPEED, 1, 0},
@@ -75,17 +89,13 @@ static const struct {
              {"mPas", SI_VISCOUS, 1e-3, -1}};
 enum { UNITS = PETSC_STATIC_ARRAY_LENGTH(units) };
 
-static const char *const dimension_name[DIMENSIONS] = {[UNIT_LENGTH] = "length",
-                                                       [UNIT_FORCE] = "force",
-                                                       [UNIT_TIME] = "time",
-                                                       [UNIT_SPEED] = "speed",
-                                                       [UNIT_ENERGY] = "energy",
-                                                       [UNIT_POWER] = "power",
-                                                       [UNIT_CURVATURE] = "curvature",
-                                                       [SI_STIFFNESS] = "stiffness",
-                                                       [SI_DRY] = "force per length",
-                                                       [SI_SPEED] = "speed",
-                                                       [SI_VISCOUS] = "force per length and speed"};
+static const char *const dimension_name[DIMENSIONS] = {
+    [UNIT_LENGTH] = "length",       [UNIT_FORCE] = "force",
+    [UNIT_TIME] = "time",           [UNIT_SPEED] = "speed",
+    [UNIT_ENERGY] = "energy",       [UNIT_POWER] = "power",
+    [UNIT_CURVATURE] = "curvature", [UNIT_LOAD] = "force per length",
+    [SI_STIFFNESS] = "stiffness",   [SI_DRY] = "force per length",
+    [SI_SPEED] = "speed",           [SI_VISCOUS] = "force per length and speed"};
 /* what 1 of each is in tendril's own units, as result files have it */
 static const char *const own_unit[DIMENSIONS] = {
     [UNIT_LENGTH] = "l",     [UNIT_FORCE] = "N l",   [UNIT_TIME] = "l/V",     [UNIT_SPEED] = "V",

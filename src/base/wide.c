@@ -25,7 +25,8 @@ typedef struct {
 } Link;
 
 struct _WideLine {
-  PetscInt n; /* cells so far */
+  PetscBool plane; /* directions out of the plane of x1 and x2 do not count */
+  PetscInt n;      /* cells so far */
   Link *link;
   PetscReal own[OWN][ALL];   /* the last node's own equations */
   PetscReal last[ALL * ALL]; /* factors of the last node, whose own equations are any */
@@ -149,6 +150,18 @@ void WideBegin(WideLine line) {
   for (int i = 0; i < TOP; i++) line->link[0].T[i][i] = 1;
 }
 
+/* WideSpring - behind WideBegin(): the first node's first seven unknowns are not given, but these
+   products of its own six. */
+void WideSpring(WideLine line, const PetscReal gives[TOP][OWN]) {
+  for (int i = 0; i < TOP; i++)
+    for (int j = 0; j < OWN; j++) line->link[0].T[i][TOP + j] = -gives[i][j];
+}
+
+/* WideKeep - keeps the next cell as it is, to be eliminated elsewhere: see WideCopy(). */
+void WideKeep(WideLine line) {
+  line->n++;
+}
+
 /* Factors the node before a cell, whose equations by it are known. */
 static void FactorNode(WideLine line, Link *link) {
   const PetscReal(*own)[ALL] = (const PetscReal(*)[ALL])link->cell[0] + TOP;
@@ -191,6 +204,28 @@ void WideCell(WideLine line) {
   Times(TOP, TOP, OWN, -1, link->E[0], TOP, link->N[0], OWN, link->F[0], OWN);
   memcpy(link[1].T, b, sizeof(link->T));
   Times(TOP, OWN, ALL, -1, link->F[0], OWN, b[TOP], ALL, link[1].T[0], ALL);
+}
+
+/* WideParts - of a line whose cells were kept: how many reals its cells and their arms are, and, in
+   parts, what they are. */
+enum { CELL_REALS = 2 * ALL * ALL, ARM_REALS = sizeof(WideArms) / sizeof(PetscReal) };
+
+PetscInt WideParts(WideLine line, PetscReal parts[]) {
+  for (PetscInt i = 0; i < line->n && parts; i++, parts += CELL_REALS + ARM_REALS) {
+    memcpy(parts, line->link[i].cell, CELL_REALS * sizeof(PetscReal));
+    memcpy(parts + CELL_REALS, &line->link[i].arms, sizeof(WideArms));
+  }
+  return line->n * (CELL_REALS + ARM_REALS);
+}
+
+/* WideTake - eliminates cells that are there in parts, so many reals. */
+void WideTake(WideLine line, const PetscReal parts[], PetscInt reals) {
+  for (PetscInt k = 0; k < reals; k += CELL_REALS + ARM_REALS) {
+    Link *link = &line->link[line->n];
+    memcpy(link->cell, parts + k, CELL_REALS * sizeof(PetscReal));
+    memcpy(&link->arms, parts + k + CELL_REALS, sizeof(WideArms));
+    WideCell(line);
+  }
 }
 
 /* WideEnd - the last node's own six equations, whatever they are. */
@@ -443,6 +478,27 @@ static PetscInt Added(Six C, Six K, int held, Six R) {
   return Negative(n, A) - OWN - held;
 }
 
+/* Directions out of the plane of x1 and x2, which are turns about its axes and x3, add nothing. */
+static void LeaveOutOfPlane(Six C, Six K) {
+  static const PetscBool out[OWN] = {PETSC_TRUE,  PETSC_TRUE,  PETSC_FALSE,
+                                     PETSC_FALSE, PETSC_FALSE, PETSC_TRUE};
+
+  for (int i = 0; i < OWN; i++)
+    for (int j = 0; j < OWN; j++)
+      if (out[i] || out[j]) {
+        C[i][j] = i == j;
+        K[i][j] = 0;
+      }
+}
+
+/*
+  WidePlane - are only directions within the plane of x1 and x2 to count, from now on? Of a rod that
+  lies in it, whose equations do not mix the two.
+*/
+void WidePlane(WideLine line, PetscBool plane) {
+  line->plane = plane;
+}
+
 /* What the last node adds by its own equations (P, Q): those of x alone hold it, else they say how
    stiff is what it bears. */
 static PetscInt AddedAtEnd(WideLine line) {
@@ -471,6 +527,7 @@ static PetscInt AddedAtEnd(WideLine line) {
       for (int j = 0; j < OWN; j++) K[i][j] -= skew[i][j];
   }
   Symmetric(K);
+  if (line->plane) LeaveOutOfPlane(C, K);
   return Added(C, K, held, R);
 }
 
@@ -513,6 +570,7 @@ PetscInt WideIndex(WideLine line) {
   if (!Turns(line)) return index;
   for (PetscInt i = 0; i < line->n; i++) {
     if (!Compliance(&line->link[i], C) || !Stiffness(&line->link[i], K) || !Told(C, K)) return -1;
+    if (line->plane) LeaveOutOfPlane(C, K);
     index += Added(C, K, 0, NULL);
   }
   return index;

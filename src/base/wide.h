@@ -20,11 +20,16 @@ typedef struct _WideLine *WideLine;
 PetscErrorCode WideCreate(PetscInt nodes, WideLine *line);
 PetscErrorCode WideDestroy(WideLine *line);
 void WideBegin(WideLine line);
+void WideSpring(WideLine line, const PetscReal gives[WIDE_TOP][WIDE_OWN]);
+void WideKeep(WideLine line);
 void WideArm(WideLine line, const WideArms *arms);
 void WideBlocks(WideLine line, PetscReal (**a)[WIDE_FIELDS], PetscReal (**b)[WIDE_FIELDS]);
 void WideCell(WideLine line);
+PetscInt WideParts(WideLine line, PetscReal parts[]);
+void WideTake(WideLine line, const PetscReal parts[], PetscInt reals);
 void WideEnd(WideLine line, const PetscReal own[WIDE_OWN][WIDE_FIELDS]);
 PetscBool WideRegular(WideLine line);
+void WidePlane(WideLine line, PetscBool plane);
 PetscInt WideIndex(WideLine line);
 void WideSolve(WideLine line, const PetscReal (*b)[WIDE_FIELDS], PetscReal (*x)[WIDE_FIELDS]);
 

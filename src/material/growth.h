@@ -3,6 +3,7 @@
 #ifndef TENDRIL_GROWTH_H
 #define TENDRIL_GROWTH_H
 
+#include "base/bends.h"
 #include "base/options.h"
 
 typedef struct _Growth *Growth;
@@ -29,6 +30,8 @@ struct _Growth {
   PetscErrorCode (*origin)(Growth, PetscReal s, PetscReal t, PetscReal *d, PetscReal *d_t);
   /* the first time behind t at which its length sets out, stops or turns back; NULL: never */
   PetscReal (*next_turn)(Growth, PetscReal t);
+  /* adds the times at which it bends (base/bends.h); NULL: nothing is given by rows in time */
+  PetscErrorCode (*bends)(Growth, PetscReal tolerance, Bends *bends);
   PetscErrorCode (*destroy)(Growth);
   void *data;
 };

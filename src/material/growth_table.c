@@ -68,6 +68,33 @@ static PetscReal NextTurn(Growth self, PetscReal t) {
   return TurnsNext(tab->nt, tab->t, tab->turns, t);
 }
 
+/* A BendsCurve: the stretch at all labels of the table, and last the length. */
+static PetscErrorCode InTime(const void *table, PetscReal t, PetscReal value[], PetscReal slope[]) {
+  const Table *tab = (const Table *)table;
+  PetscReal w[2][4];
+  PetscInt j;
+
+  PetscFunctionBegin;
+  SplineWeights(tab->nt, tab->t, t, &j, w[0], w[1], NULL);
+  for (PetscInt i = 0; i <= tab->ns; i++) {
+    const PetscBool last = (PetscBool)(i == tab->ns);
+    const PetscReal *f = last ? tab->p : tab->g, *f_tt = last ? tab->p_tt : tab->g_tt;
+    const PetscInt k = j * tab->ns + (last ? i - 1 : i), next = k + tab->ns;
+    for (int d = 0; d < 2; d++)
+      (d ? slope : value)[i] =
+          w[d][0] * f[k] + w[d][1] * f[next] + w[d][2] * f_tt[k] + w[d][3] * f_tt[next];
+  }
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode FindBends(Growth self, PetscReal tolerance, Bends *bends) {
+  const Table *tab = (const Table *)self->data;
+
+  PetscFunctionBegin;
+  PetscCall(BendsFind(tab->nt, tab->t, tab->ns + 1, InTime, tab, tolerance, bends));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode DestroyTable(Growth self) {
   Table *tab = (Table *)self->data;
 
@@ -165,6 +192,7 @@ PetscErrorCode GrowthCreateTable(Growth self) {
   PetscCall(PetscCalloc1(tab->nt, &tab->turns));
   TurnsMark(tab->nt, tab->p + tab->ns - 1, tab->ns, tab->turns);
   self->next_turn = NextTurn;
+  self->bends = FindBends;
   self->steep = PETSC_MAX_REAL;
   for (PetscInt j = 0; j < tab->nt; j++)
     self->steep = PetscMin(self->steep, SplineSteepest(tab->ns, tab->s, tab->g + j * tab->ns, 1));

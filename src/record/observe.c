@@ -1,6 +1,7 @@
 #include "record/observe.h"
 #include "base/lagrange.h"
 #include "rod/crossing.h"
+#include <string.h>
 
 #define X(name, units, text) #name,
 const char *const observed_name[OBSERVED] = {OBSERVABLES(X) OBSERVABLES_OF_WEIGHT(X)
@@ -15,9 +16,16 @@ const char *const observed_text[OBSERVED] = {OBSERVABLES(X) OBSERVABLES_OF_WEIGH
                                                  OBSERVABLES_IN_SPACE(X)};
 #undef X
 
-/* ObservedOf - how many of the series, from the first on, there are in a scene. */
+/* ObservedOf - up to how many of the series, from the first on, there may be in a scene. */
 PetscInt ObservedOf(Scene scene) {
-  return scene->space.rod ? OBSERVED : OBSERVED_ALWAYS + scene->load.weighs;
+  if (scene->space.rod) return OBSERVED;
+  return OBSERVED_ALWAYS + (scene->load.weighs ? OBSERVED_OF_WEIGHT : 0);
+}
+
+/* ObservedIn - is a series one of a scene? Of a rod that weighs nothing there is no weight. */
+PetscBool ObservedIn(Scene scene, PetscInt observed) {
+  if (observed >= ObservedOf(scene)) return PETSC_FALSE;
+  return (PetscBool)(scene->load.weighs || strncmp(observed_name[observed], "weight_force", 12));
 }
 
 struct _Observer {
@@ -36,6 +44,9 @@ struct _Observer {
   /* rank 0, in a scene with contact: NULL else */
   Touching touching;
   TouchSum contact;
+  RodForces forces;              /* what the stepper has kept of the state, of this rank's part */
+  PetscBool linear;              /* they are of a rod of the linear model */
+  PetscBool whole;               /* they are all forces, of all of the rod */
   const PetscReal (*push)[PUSH]; /* force of contact per length */
 };
 
@@ -190,6 +201,14 @@ static inline PetscReal LabX1(Scene scene, const PetscReal x[2]) {
   return PetscCosReal(scene->clamp_angle) * x[0] - PetscSinReal(scene->clamp_angle) * x[1];
 }
 
+/* A force in the frame of the laboratory. */
+static void ForceToLab(Scene scene, const PetscReal force[3], PetscReal lab[3]) {
+  lab[0] = LabX1(scene, force);
+  lab[1] = LabX2(scene, force);
+  lab[2] = 0;
+  if (scene->space.rod) SpaceToLab(&scene->space, force, lab);
+}
+
 /* What a length of material costs: n.q + m^2/2B + m k0, the force against which the rod is fed, or
    grows, but for its sign. */
 static PetscReal Tension(const Sample *p) {
@@ -213,9 +232,14 @@ static void Integrate(Scene scene, const Sample *p, PetscReal weight, PetscReal 
   sum->growth_power += weight * (-p->strain * Tension(p) - p->node.moment * p->k0_t * p->g +
                                  m2 / p->B * p->B_t * p->g / 2);
   sum->dissipation += weight * p->g * (p->F[0] * p->at.v[0] + p->F[1] * p->at.v[1]);
-  if (scene->load.weighs)
-    sum->weight_power +=
-        weight * p->g * (scene->load.weight[0] * p->at.v[0] + scene->load.weight[1] * p->at.v[1]);
+  sum->friction_force_1 -= weight * p->g * p->F[0]; /* in the clamp's frame so far */
+  sum->friction_force_2 -= weight * p->g * p->F[1];
+  if (scene->load.weighs) {
+    const PetscReal *w = scene->load.weight;
+    sum->weight_power += weight * p->g * (w[0] * p->at.v[0] + w[1] * p->at.v[1]);
+    sum->weight_force_1 += weight * p->g * w[0];
+    sum->weight_force_2 += weight * p->g * w[1];
+  }
 }
 
 /* What is read at s = 1/2 of the cell that holds it: on the parabola through a, mid and b. */
@@ -233,26 +257,25 @@ static void MeasureMiddle(PetscReal sa, PetscReal h, const Sample *a, const Samp
 }
 
 /* What there is of contact, and what it adds to the integrals: material that is laid down where it
-   is pressed works against U besides. */
+   is pressed works against U besides. What a strand pushes back into the clamp that bears. */
 static void AddContact(Observer self, Observation *seen) {
   const TouchSum *contact = &self->contact;
+  PetscReal lab[3];
 
   if (!self->touching) return;
   seen->contact_force = contact->normal;
   seen->contact_energy = contact->energy;
   seen->penetration = contact->depth;
   seen->contacts = contact->zones;
-  if (self->scene->space.rod) {
-    PetscReal lab[3];
-    SpaceToLab(&self->scene->space, contact->wall, lab);
-    seen->wall_force_1 = lab[0];
-    seen->wall_force_2 = lab[1];
-    seen->wall_force_3 = lab[2];
-    seen->wall_power = contact->moved;
-  } else {
-    seen->wall_force_1 = LabX1(self->scene, contact->wall);
-    seen->wall_force_2 = LabX2(self->scene, contact->wall);
-  }
+  ForceToLab(self->scene, contact->wall, lab);
+  seen->wall_force_1 = lab[0];
+  seen->wall_force_2 = lab[1];
+  seen->wall_force_3 = lab[2];
+  seen->wall_power = contact->moved;
+  ForceToLab(self->scene, contact->clamp, lab);
+  seen->base_force_1 -= lab[0];
+  seen->base_force_2 -= lab[1];
+  seen->base_force_3 -= lab[2];
   seen->dissipation += contact->loss;
   seen->growth_power += contact->strain;
 }
@@ -269,6 +292,7 @@ static void MeasureClamp(Scene scene, const Sample *p, Observation *seen) {
 static void MeasureTip(Scene scene, const Sample *p, const PetscReal contact[2],
                        Observation *seen) {
   const PlaneNode *tip = &p->node;
+  PetscReal force[2];
 
   seen->tip_speed = hypot(p->at.v[0], p->at.v[1]);
   seen->tip_power =
@@ -277,8 +301,9 @@ static void MeasureTip(Scene scene, const Sample *p, const PetscReal contact[2],
   seen->tip_x1 = LabX1(scene, tip->x);
   seen->tip_x2 = LabX2(scene, tip->x);
   seen->end_distance = hypot(tip->x[0], tip->x[1]);
-  seen->tip_force_1 = LabX1(scene, tip->force);
-  seen->tip_force_2 = LabX2(scene, tip->force);
+  for (int d = 0; d < 2; d++) force[d] = tip->force[d] - contact[d];
+  seen->tip_force_1 = LabX1(scene, force);
+  seen->tip_force_2 = LabX2(scene, force);
 }
 
 /* What feet on posts add to n' in cell i, NULL: nothing; cells are asked for one after the other, k
@@ -291,23 +316,16 @@ static const PetscReal (*FeetOf(Observer self, PetscInt i, PetscInt *k))[2] {
   return (const PetscReal(*)[2])feet[(*k)++].load;
 }
 
-/* Integrals over a piece by Simpson's rule on each cell, and what is read at its ends. */
-static PetscErrorCode MeasureIntegrals(Observer self, PetscReal t, const Piece *piece,
-                                       PetscReal lift, Observation *seen) {
+/* Integrals over a piece of a rod in the plane by Simpson's rule on each cell, and what is read at
+   its ends. */
+static PetscErrorCode MeasurePlane(Observer self, PetscReal t, const Piece *piece, PetscReal lift,
+                                   Observation *seen) {
   Scene scene = self->scene;
   const PetscReal *s = scene->mesh.s;
   PetscInt feet = 0;
   Sample a, b, mid;
 
   PetscFunctionBegin;
-  if (piece->end < piece->first) PetscFunctionReturn(0);
-  if (scene->space.rod) {
-    const TouchFeet *of_cells = NULL;
-    const PetscInt n = self->touching ? TouchingFeet(self->touching, &of_cells) : 0;
-    PetscCall(ObserveSpace(scene, t, piece->first, piece->end, piece->node, self->push,
-                           self->contact.tip, n, of_cells, seen));
-    PetscFunctionReturn(0);
-  }
   PlanePart(&piece->node[0], &b.node);
   b.push = self->push ? self->push[2 * piece->first] : NULL;
   PetscCall(SampleFill(scene, s[piece->first], t, &b));
@@ -325,6 +343,58 @@ static PetscErrorCode MeasureIntegrals(Observer self, PetscReal t, const Piece *
     if (s[i] < 0.5 && s[i + 1] >= 0.5) MeasureMiddle(s[i], h, &a, &mid, &b, seen);
   }
   if (piece->end == scene->mesh.cells) MeasureTip(scene, &b, self->contact.tip, seen);
+  PetscFunctionReturn(0);
+}
+
+/* What a piece of a rod gives to n1(0) - n1(1). */
+static PetscReal AxialDrop(Scene scene, const Piece *piece) {
+  PetscReal drop = 0;
+
+  if (piece->end < piece->first) return 0;
+  for (int end = 0; end < 2; end++) {
+    const Node *node = &piece->node[end ? piece->end - piece->first : 0];
+    const PetscReal n1 = scene->space.rod ? node->n3[0] : node->force[0];
+    if (!end && !piece->first) drop += n1;
+    if (end && piece->end == scene->mesh.cells) drop -= n1;
+  }
+  return drop;
+}
+
+/* The forces of friction and of weight, whose integrals are in the clamp's frame. Friction is that
+   of Newton's last step, which the residual tells from that of the velocities; exact friction is
+   known of all of the rod. The linear model has integrated that along the axis more finely. */
+static void MeasureForces(Observer self, const Piece *piece, Observation *seen) {
+  const RodForces *kept = &self->forces;
+  PetscReal friction[3] = {seen->friction_force_1, seen->friction_force_2, seen->friction_force_3},
+            weight[3] = {seen->weight_force_1, seen->weight_force_2, seen->weight_force_3}, lab[3];
+
+  for (int d = 0; d < 3; d++) {
+    if (self->whole) friction[d] = self->gathered ? kept->friction[d] : 0;
+    if (!self->whole || self->gathered) friction[d] -= kept->left[d];
+  }
+  if (self->linear) friction[0] = AxialDrop(self->scene, piece) - weight[0];
+  ForceToLab(self->scene, friction, lab);
+  seen->friction_force_1 = lab[0];
+  seen->friction_force_2 = lab[1];
+  seen->friction_force_3 = lab[2];
+  ForceToLab(self->scene, weight, lab);
+  seen->weight_force_1 = lab[0];
+  seen->weight_force_2 = lab[1];
+  seen->weight_force_3 = lab[2];
+}
+
+/* Integrals over a piece, and what is read at its ends. */
+static PetscErrorCode MeasureIntegrals(Observer self, PetscReal t, const Piece *piece,
+                                       PetscReal lift, Observation *seen) {
+  PetscFunctionBegin;
+  if (piece->end >= piece->first && self->scene->space.rod) {
+    const TouchFeet *of_cells = NULL;
+    const PetscInt n = self->touching ? TouchingFeet(self->touching, &of_cells) : 0;
+    PetscCall(ObserveSpace(self->scene, t, piece->first, piece->end, piece->node, self->push,
+                           self->contact.tip, n, of_cells, seen));
+  } else if (piece->end >= piece->first)
+    PetscCall(MeasurePlane(self, t, piece, lift, seen));
+  MeasureForces(self, piece, seen);
   PetscFunctionReturn(0);
 }
 
@@ -674,6 +744,14 @@ static PetscErrorCode Measure(Observer self, PetscReal t, const Piece *piece, Ob
   PetscFunctionReturn(0);
 }
 
+/* What walls do where the rod sticks to them under exact friction, which its velocity does not say.
+ */
+static void WithWhatHolds(const RodForces *forces, TouchSum *contact) {
+  for (int d = 0; d < 3; d++) contact->wall[d] = forces->walls[d];
+  for (int d = 0; d < PUSH; d++) contact->tip[d] = forces->tip[d];
+  contact->moved = forces->moved;
+}
+
 /* Rank 0 measures the whole rod: contact is between nodes that are far apart. */
 static PetscErrorCode MeasureWhole(Observer self, PetscReal t, Vec v, PetscBool moves,
                                    Observation *seen) {
@@ -684,6 +762,7 @@ static PetscErrorCode MeasureWhole(Observer self, PetscReal t, Vec v, PetscBool 
   if (piece.node) {
     piece.end = self->scene->mesh.cells;
     PetscCall(LookAtContact(self, t, piece.node, moves));
+    if (self->whole) WithWhatHolds(&self->forces, &self->contact);
   }
   PetscCall(Measure(self, t, &piece, seen));
   PetscFunctionReturn(0);
@@ -721,10 +800,25 @@ static PetscErrorCode MeasureCrossings(Observer self, Vec v, Observation *seen) 
   PetscFunctionReturn(0);
 }
 
+/* What the stepper has kept of a state, nothing of one at rest. If it is whole rank 0 needs it of
+   all of the rod. */
+static PetscErrorCode TakeForces(Observer self, Rod rod, PetscReal t, Vec U_t) {
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(&self->forces, sizeof(self->forces)));
+  self->linear = rod->model->linear;
+  self->whole = PETSC_FALSE;
+  if (U_t) self->whole = RodForcesAt(rod, t, &self->forces);
+  if (self->whole && !rod->alone)
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &self->forces, ROD_FORCES, MPIU_REAL, MPI_SUM,
+                               self->scene->comm));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode Look(Observer self, Rod rod, PetscReal t, Vec U, Vec U_t, Observation *seen) {
   Vec v;
 
   PetscFunctionBegin;
+  PetscCall(TakeForces(self, rod, t, U_t));
   PetscCall(NodesOf(rod, t, U, U_t, &v));
   if (self->scene->contact.any)
     PetscCall(MeasureWhole(self, t, v, (PetscBool)(U_t != NULL), seen));

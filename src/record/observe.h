@@ -27,12 +27,14 @@
   X(base_force_1, "N l", "force of the clamp on the rod along x1, -n1(0)")                         \
   X(base_force_2, "N l", "force of the clamp on the rod along x2, -n2(0)")                         \
   X(feed_force, "N l", "force against which the rod is fed at the clamp, -n.q - m^2/2B - m k0")    \
-  X(tip_force_1, "N l", "force on the tip along x1, n1(1)")                                        \
-  X(tip_force_2, "N l", "force on the tip along x2, n2(1)")                                        \
+  X(tip_force_1, "N l", "force on the tip along x1, n1(1), but for contact")                       \
+  X(tip_force_2, "N l", "force on the tip along x2, n2(1), but for contact")                       \
   X(tip_power, "N l V", "power of the force on the tip, n(1).v(1), but for contact")               \
   X(contact_force, "N l", "sum of the normal forces of contact")                                   \
   X(wall_force_1, "N l", "force of the walls on the rod along x1")                                 \
   X(wall_force_2, "N l", "force of the walls on the rod along x2")                                 \
+  X(friction_force_1, "N l", "force of the friction along the rod on it along x1")                 \
+  X(friction_force_2, "N l", "force of the friction along the rod on it along x2")                 \
   X(contact_energy, "N l^2", "energy of contact, int U ds")                                        \
   X(penetration, "l", "how deep the rod is in a wall or in itself, at most")                       \
   X(contacts, "1", "zones of contact along the rod")                                               \
@@ -43,7 +45,10 @@
   X(model, "1", "model of that step: 0 linear, 1 frame, 2 mixed, 3 space")
 
 /* Of a rod that weighs something, and of one in space. */
-#define OBSERVABLES_OF_WEIGHT(X) X(weight_power, "N l V", "power of the rod's weight")
+#define OBSERVABLES_OF_WEIGHT(X)                                                                   \
+  X(weight_power, "N l V", "power of the rod's weight")                                            \
+  X(weight_force_1, "N l", "weight of the rod along x1")                                           \
+  X(weight_force_2, "N l", "weight of the rod along x2")
 #define OBSERVABLES_IN_SPACE(X)                                                                    \
   X(tip_x3, "l", "x3 at s = 1")                                                                    \
   X(norm_x3, "l", "sqrt(int x3^2 ds)")                                                             \
@@ -55,8 +60,10 @@
   X(base_moment_1, "N l^2", "moment of the clamp on the rod about x1, -m1(0)")                     \
   X(base_moment_2, "N l^2", "moment of the clamp on the rod about x2, -m2(0)")                     \
   X(base_moment_3, "N l^2", "moment of the clamp on the rod about x3, -m3(0)")                     \
-  X(tip_force_3, "N l", "force on the tip along x3, n3(1)")                                        \
+  X(tip_force_3, "N l", "force on the tip along x3, n3(1), but for contact")                       \
   X(wall_force_3, "N l", "force of the walls on the rod along x3")                                 \
+  X(friction_force_3, "N l", "force of the friction along the rod on it along x3")                 \
+  X(weight_force_3, "N l", "weight of the rod along x3")                                           \
   X(wall_power, "N l V", "power of walls that move")                                               \
   X(tip_spin, "V/l", "rate at which the material at the tip turns about its tangent")              \
   X(clamp_power, "N l V", "power of the turning clamp")
@@ -70,7 +77,11 @@ typedef struct {
 } Observation;
 
 #define X(name, units, text) +1
-enum { OBSERVED = sizeof(Observation) / sizeof(PetscReal), OBSERVED_ALWAYS = 0 OBSERVABLES(X) };
+enum {
+  OBSERVED = sizeof(Observation) / sizeof(PetscReal),
+  OBSERVED_ALWAYS = 0 OBSERVABLES(X),
+  OBSERVED_OF_WEIGHT = 0 OBSERVABLES_OF_WEIGHT(X)
+};
 #undef X
 extern const char *const observed_name[OBSERVED], *const observed_units[OBSERVED],
                                                       *const observed_text[OBSERVED];
@@ -80,6 +91,7 @@ enum { BALANCE_POINTS = 6, BALANCE_PARTS = 4, BALANCE_SUMS = 3 };
 enum { BALANCE_STATE = BALANCE_PARTS * BALANCE_POINTS + BALANCE_SUMS + 1 };
 
 PetscInt ObservedOf(Scene scene);
+PetscBool ObservedIn(Scene scene, PetscInt observed);
 PetscErrorCode ObserveSpace(Scene scene, PetscReal t, PetscInt first, PetscInt end,
                             const Node node[], const PetscReal (*push)[PUSH],
                             const PetscReal contact[PUSH], PetscInt n, const TouchFeet feet[],

@@ -42,6 +42,12 @@ static void Integrate3(Scene scene, const Sample3 *p, PetscReal weight, Observat
   sum->growth_power += dl * growth - weight * p->strain * Tension3(p);
   sum->dissipation += dl * (Dot3(p->F, p->at.W) + p->F[SPIN] * p->spin);
   sum->weight_power += dl * Dot3(scene->load.weight, p->at.W);
+  sum->friction_force_1 -= dl * p->F[0]; /* in the clamp's frame, as in the plane */
+  sum->friction_force_2 -= dl * p->F[1];
+  sum->friction_force_3 -= dl * p->F[2];
+  sum->weight_force_1 += dl * scene->load.weight[0];
+  sum->weight_force_2 += dl * scene->load.weight[1];
+  sum->weight_force_3 += dl * scene->load.weight[2];
   sum->twist += dl * p->u[0];
   sum->writhe += dl * WritheRate(p);
 }
@@ -101,7 +107,7 @@ static void Omega(const Sample3 *p, PetscReal omega[3]) {
 static void MeasureTip3(Scene scene, const Sample3 *p, const PetscReal contact[PUSH],
                         Observation *seen) {
   const Node *tip = &p->node;
-  PetscReal lab[3], omega[3];
+  PetscReal lab[3], omega[3], force[3];
 
   Omega(p, omega);
   seen->tip_speed = PetscSqrtReal(Dot3(p->at.W, p->at.W));
@@ -113,7 +119,8 @@ static void MeasureTip3(Scene scene, const Sample3 *p, const PetscReal contact[P
   seen->tip_x2 = lab[1];
   seen->tip_x3 = lab[2];
   seen->end_distance = PetscSqrtReal(Dot3(lab, lab));
-  SpaceToLab(&scene->space, tip->n3, lab);
+  for (int d = 0; d < 3; d++) force[d] = tip->n3[d] - contact[d];
+  SpaceToLab(&scene->space, force, lab);
   seen->tip_force_1 = lab[0];
   seen->tip_force_2 = lab[1];
   seen->tip_force_3 = lab[2];

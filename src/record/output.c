@@ -335,7 +335,8 @@ static PetscErrorCode Layout(Output self, HdfFile file) {
   PetscFunctionBegin;
   PetscCall(HdfGroup(file, "/series"));
   PetscCall(HdfGroup(file, "/shapes"));
-  for (int i = 0; i < ObservedOf(self->scene); i++) {
+  for (int i = 0; i < OBSERVED; i++) {
+    if (!ObservedIn(self->scene, i)) continue;
     (void)snprintf(path, sizeof(path), "/series/%s", observed_name[i]);
     PetscCall(HdfAppendable(file, path, 0, NULL, observed_units[i], observed_text[i]));
   }
@@ -355,7 +356,8 @@ static PetscErrorCode Cut(Output self, HdfFile file) {
   char path[64];
 
   PetscFunctionBegin;
-  for (int i = 0; i < ObservedOf(self->scene); i++) {
+  for (int i = 0; i < OBSERVED; i++) {
+    if (!ObservedIn(self->scene, i)) continue;
     (void)snprintf(path, sizeof(path), "/series/%s", observed_name[i]);
     PetscCall(HdfTruncate(file, path, self->cut[0]));
   }
@@ -433,7 +435,8 @@ static PetscErrorCode WriteRows(Output self, HdfFile file) {
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(self->series_n, &column));
-  for (int i = 0; i < ObservedOf(self->scene); i++) {
+  for (int i = 0; i < OBSERVED; i++) {
+    if (!ObservedIn(self->scene, i)) continue;
     for (PetscInt k = 0; k < self->series_n; k++)
       column[k] = ((const PetscReal *)&self->series[k])[i];
     (void)snprintf(path, sizeof(path), "/series/%s", observed_name[i]);
@@ -667,9 +670,8 @@ PetscErrorCode OutputKeep(Output self, PetscBool series, PetscBool shapes) {
 
 /* The first of an observation, as many as a harvest has; those that a scene has not are NAN. */
 static PetscReal *Observed(Output self, const Observation *seen, PetscInt values, PetscReal *to) {
-  const PetscInt has = PetscMin(values, PetscMax(OBSERVED_ALWAYS, ObservedOf(self->scene)));
-
-  for (PetscInt k = 0; k < values; k++) to[k] = k < has ? ((const PetscReal *)seen)[k] : NAN;
+  for (PetscInt k = 0; k < values; k++)
+    to[k] = ObservedIn(self->scene, k) ? ((const PetscReal *)seen)[k] : NAN;
   return to + values;
 }
 

@@ -55,6 +55,24 @@ static PetscErrorCode SpotLaws(Scene scene, PetscReal t, const PetscReal x_t[2],
   PetscFunctionReturn(0);
 }
 
+/* By how much the angle in the middle of a cell is more than the mean of its ends', which counts
+   where material slides along a wall that rubs: h/8 (theta'_a - theta'_b). */
+static PetscErrorCode Bow(Scene scene, PetscReal t, const Node *nodes, PetscInt i,
+                          const PetscReal g[2], PetscReal *bow) {
+  const PetscReal *s = scene->mesh.s + i, h = s[1] - s[0];
+
+  PetscFunctionBegin;
+  *bow = 0;
+  if (!scene->contact.walls.rub || !scene->growth->slides) PetscFunctionReturn(0);
+  for (int e = 0; e < 2; e++) {
+    PetscReal B, k0;
+    PetscCall(SceneStiffness(scene, s[e], t, &B, NULL));
+    PetscCall(SceneCurvature(scene, s[e], t, &k0, NULL));
+    *bow += (e ? -h / 8 : h / 8) * g[e] * (nodes[i + e].moment / B + k0);
+  }
+  PetscFunctionReturn(0);
+}
+
 /* Node i; or the middle of the cell behind it, y = (y_a + y_b)/2 + h/8 (y'_a - y'_b). */
 static PetscErrorCode SpotOf(Scene scene, PetscReal t, const Node *nodes, PetscBool moves,
                              PetscInt i, int half, Spot *spot) {
@@ -66,7 +84,8 @@ static PetscErrorCode SpotOf(Scene scene, PetscReal t, const Node *nodes, PetscB
   for (int d = 0; d < 2; d++) spot->x[d] = nodes[i].x[d];
   if (half) {
     PetscCall(GrowthStretch(scene->growth, 2, &s[i], t, g, g_t, NULL));
-    theta = (nodes[i].theta + nodes[i + 1].theta) / 2;
+    PetscCall(Bow(scene, t, nodes, i, g, &theta));
+    theta += (nodes[i].theta + nodes[i + 1].theta) / 2;
     for (int d = 0; d < 2; d++) spot->x[d] = x_t[d] = 0;
     for (int e = 0; e < 2; e++) {
       const Node *n = &nodes[i + e];
@@ -259,7 +278,10 @@ static PetscErrorCode LookAtStrands(Touching self, PetscReal t, const Node *node
   sum->normal += strands.normal;
   sum->depth = PetscMax(sum->depth, strands.depth);
   sum->zones += StrandsZones(self->strands);
-  for (int d = 0; d < 2; d++) sum->tip[d] += force[points][d];
+  for (int d = 0; d < 2; d++) {
+    sum->tip[d] += force[points][d];
+    sum->clamp[d] += strands.clamp[d];
+  }
   if (strands.nearest < sum->nearest) {
     sum->nearest = strands.nearest;
     for (int k = 0; k < 2; k++) {
@@ -309,7 +331,11 @@ static PetscErrorCode LookAtStrands3(Touching self, PetscReal t, const Node *nod
   sum->normal += strands.normal;
   sum->depth = PetscMax(sum->depth, strands.depth);
   sum->zones += strands.zones;
-  for (int d = 0; d < 3; d++) sum->tip[d] += force[points][d];
+  for (int d = 0; d < 3; d++) {
+    sum->tip[d] += force[points][d];
+    sum->clamp[d] += strands.clamp[d];
+  }
+  if (couple) sum->tip[SPIN] += AboutTangent(nodes, points - 1, couple[points]);
   if (strands.nearest < sum->nearest) {
     sum->nearest = strands.nearest;
     for (int k = 0; k < 2; k++) sum->at[k] = strands.at[k];

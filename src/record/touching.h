@@ -18,6 +18,7 @@ typedef struct {
   PetscReal depth;                /* deepest penetration, 0: none */
   PetscInt zones;
   PetscReal tip[PUSH]; /* force of contact on the tip */
+  PetscReal clamp[3];  /* force of strands on the clamp of a rod that is fed in */
   PetscReal nearest;   /* the smallest gap */
   PetscReal at[2];     /* labels of where it is; the second is that of the other strand, or -1 */
   PetscReal x[3];      /* and the place, of the centre line; in the plane the third are 0 */

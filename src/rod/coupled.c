@@ -207,9 +207,15 @@ static PetscBool Fits(const struct _Coupled *self, PetscBool exactly, PetscInt n
 */
 PetscErrorCode CoupledPattern(Rod rod, Coupled self, PetscBool fresh, PetscInt n,
                               PetscInt (*near)[2], Mat J) {
-  PetscBool assembled;
+  PetscBool assembled, own;
 
   PetscFunctionBegin;
+  PetscCall(PetscObjectTypeCompare((PetscObject)J, MATSHELL, &own));
+  if (own) { /* it makes room as it goes */
+    PetscCall(PetscFree(near));
+    PetscCall(MatZeroEntries(J));
+    PetscFunctionReturn(0);
+  }
   PetscCall(MatAssembled(J, &assembled));
   if (assembled && Fits(self, fresh, n, near))
     PetscCall(PetscFree(near));

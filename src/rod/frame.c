@@ -553,6 +553,43 @@ static PetscErrorCode FrameJacobian(Rod rod, const RodState *at, Mat J) {
   PetscFunctionReturn(0);
 }
 
+/* The elimination goes from a beginning that is held, or from a free tip. Where it does not solve
+   for a step of the rod, but modes are counted in it, or errors followed by it, there are springs
+   else, so much softer than the rod, or so much stiffer. */
+static const PetscReal softer = 1e6, stiffer = 1e6;
+
+/* The tip's equations by its own unknowns, with springs for what holds it. */
+static PetscErrorCode TipSprings(Rod rod, PetscReal t, PetscReal by[TIP_ROWS][FIELDS]) {
+  const Tip *tip = &rod->scene->tip;
+  PetscReal length;
+
+  PetscFunctionBegin;
+  PetscCall(GrowthLength(rod->scene->growth, t, &length, NULL));
+  if (TipPoints(tip)) {
+    by[0][M] = 1;
+    by[0][TH] = stiffer / length;
+  }
+  for (int d = 0; d < 2; d++)
+    if (TipHolds(tip, d)) {
+      by[1 + d][N1 + d] = 1;
+      by[1 + d][X1 + d] = stiffer / (length * length * length);
+    }
+  PetscFunctionReturn(0);
+}
+
+/* A beginning that turns, or is free, as springs. */
+static PetscErrorCode BeginSprings(Rod rod, PetscReal t, Elimination elimination) {
+  const ClampType clamp = rod->scene->clamp;
+  PetscReal length;
+
+  PetscFunctionBegin;
+  if (clamp == CLAMP_HELD || rod->first > 0) PetscFunctionReturn(0);
+  PetscCall(GrowthLength(rod->scene->growth, t, &length, NULL));
+  EliminationSpring(elimination, softer * length,
+                    clamp == CLAMP_FREE ? softer * PetscPowReal(length, 3) : 0);
+  PetscFunctionReturn(0);
+}
+
 /* The same matrix, not assembled: each cell is eliminated as soon as it is known. The last of
    several ranks goes from the tip towards the clamp. */
 static PetscErrorCode FrameEliminate(Rod rod, const RodState *at, Elimination elimination) {
@@ -564,7 +601,9 @@ static PetscErrorCode FrameEliminate(Rod rod, const RodState *at, Elimination el
   PetscFunctionBegin;
   PetscCall(CellsOpen(rod, at, from_tip, &cell));
   if (from_tip) TipBlock(&cell, cell.a, at->shift, by);
+  if (from_tip && at->counts) PetscCall(TipSprings(rod, at->t, by));
   EliminationBegin(elimination, (const PetscReal(*)[FIELDS])by);
+  if (!from_tip) PetscCall(BeginSprings(rod, at->t, elimination));
   for (PetscInt k = 0; k < n; k++) {
     PetscInt i = from_tip ? begin + n - 1 - k : begin + k;
     CellsGo(&cell, i, from_tip);
@@ -602,15 +641,68 @@ static void HoldFeet(Cell *cell, PetscInt i, PetscReal seen, PetscReal *creep) {
   }
 }
 
+/* Adds what the points of cell i and its feet bear; end: what its first point does, and then its
+   last one. */
+static void AddForces(const Cell *cell, PetscInt i, RodForces *end, RodForces *sum) {
+  const Frame *frame = (const Frame *)cell->rod->data;
+  const Point *at[3] = {NULL, cell->mid, cell->b};
+  const PetscReal weight[3] = {frame->end_weight, frame->mid_weight, frame->end_weight};
+  Foot foot[MOST_FEET];
+  FootCell of;
+  PetscInt n = frame->feet ? CellsFeet(cell, i, &of, foot) : 0;
+
+  for (int k = 0; k < 3; k++) {
+    if (at[k]) LoadParts(cell->load, &at[k]->at, cell->dual[k], end->friction, end->walls);
+    for (int d = 0; d < 2; d++) {
+      sum->friction[d] += cell->h * weight[k] * cell->law[k].g * end->friction[d];
+      sum->walls[d] += cell->h * weight[k] * cell->law[k].g * end->walls[d];
+    }
+  }
+  for (PetscInt k = 0; k < n; k++)
+    for (int d = 0; d < 2; d++) sum->walls[d] += foot[k].force[d];
+}
+
+/* Adds what the tip bears. */
+static void AddTip(const Cell *cell, RodForces *sum) {
+  Rod rod = cell->rod;
+  const Tip *tip = &rod->scene->tip;
+
+  TipWalls(tip, &cell->b->at, TipDual(rod), sum->tip);
+  for (int d = 0; d < 2; d++) sum->walls[d] += sum->tip[d];
+  for (int d = 0; d < 2 && cell->push && tip->type == TIP_FREE; d++)
+    sum->tip[d] += cell->push[2 * rod->last + 1][d];
+}
+
+static PetscErrorCode FrameBears(Rod rod, const RodState *at, RodForces *sum) {
+  RodForces end = {.moved = 0};
+  Cell cell;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(sum, sizeof(*sum)));
+  PetscCall(CellsOpen(rod, at, PETSC_FALSE, &cell));
+  for (PetscInt i = PetscMax(rod->first - 1, 0); i < PetscMin(rod->end, rod->last); i++) {
+    CellsNext(&cell, i);
+    if (i < rod->first) continue;
+    if (i == rod->first) LoadParts(cell.load, &cell.a->at, cell.dual[0], end.friction, end.walls);
+    AddForces(&cell, i, &end, sum);
+  }
+  if (rod->end == rod->last + 1) AddTip(&cell, sum);
+  PetscCall(CellsClose(&cell));
+  PetscFunctionReturn(0);
+}
+
 /* Moves the shifts of exact Coulomb friction; creep is the largest speed of what is held. */
 static PetscErrorCode FrameHold(Rod rod, const RodState *at, PetscReal seen, PetscReal *creep) {
   Frame *frame = (Frame *)rod->data;
   PetscBool ends = (PetscBool)(frame->end_weight > 0);
   PetscInt first = PetscMax(rod->first - 1, 0);
+  RodForces sum;
   Cell cell;
 
   PetscFunctionBegin;
   *creep = 0;
+  PetscCall(FrameBears(rod, at, &sum));
+  RodKeepBorne(rod, &sum);
   PetscCall(CellsOpen(rod, at, PETSC_FALSE, &cell));
   for (PetscInt i = first; i < PetscMin(rod->end, rod->last); i++) {
     CellsNext(&cell, i);
@@ -780,6 +872,7 @@ const RodModel rod_frame = {.name = "frame",
                             .get = FrameGet,
                             .residual = FrameResidual,
                             .hold = FrameHold,
+                            .bears = FrameBears,
                             .remember = FrameRemember,
                             .recall = FrameRecall,
                             .defect = FrameDefect,

@@ -394,6 +394,32 @@ static PetscErrorCode MixedSet(Rod rod, PetscReal t, const Node *nodes, Vec U) {
   PetscFunctionReturn(0);
 }
 
+/* The force at the clamp is that of the first edges, carried on (NodeState()): so its half of the
+   first edge bears as much per length as node 1. */
+static PetscErrorCode MixedBears(Rod rod, const RodState *at, RodForces *sum) {
+  const Mixed *self = (const Mixed *)rod->data;
+  const PetscReal(*u)[FIELDS], (*u_t)[FIELDS];
+  PetscReal friction[2], walls[2], slide;
+  Vec local[2];
+  Place place;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(sum, sizeof(*sum)));
+  PetscCall(LengthsAt(rod, at->t));
+  PetscCall(RodOpen(rod, at->U, &local[0], &u));
+  PetscCall(RodOpen(rod, at->U_t, &local[1], &u_t));
+  for (PetscInt i = PetscMax(1, rod->first); i < rod->end; i++) {
+    const PetscReal at_clamp = i == 1 ? EdgeLength(self, rod, 1) / 2 : 0;
+    PlaceAt(self, rod, u, u_t, i, &place, &slide);
+    LoadParts(&rod->scene->load, &place, &self->dual[i - rod->first], friction, walls);
+    for (int d = 0; d < 2; d++)
+      sum->friction[d] += (NodeLength(self, rod, i) + at_clamp) * friction[d];
+  }
+  PetscCall(RodClose(rod, &local[0], &u));
+  PetscCall(RodClose(rod, &local[1], &u_t));
+  PetscFunctionReturn(0);
+}
+
 /* What is known of an edge: its force n = Q - flux, with Q = dE/d(edge), and its rate of turning.
  */
 static void EdgeState(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
@@ -560,5 +586,6 @@ const RodModel rod_mixed = {.name = "mixed",
                             .get = MixedGet,
                             .residual = MixedResidual,
                             .jacobian = MixedJacobian,
+                            .bears = MixedBears,
                             .remember = MixedRemember,
                             .recall = MixedRecall};

@@ -38,7 +38,7 @@ static PetscReal CurveTurn(Bezier b, const PetscReal c[2], int depth) {
   return CurveTurn(half[0], c, depth + 1) + CurveTurn(half[1], c, depth + 1);
 }
 
-/* Does the curve cut a line from `at` on, `length` along t, with the normal n? */
+/* Does the curve cut the edge of a polygon? */
 static PetscBool Cuts(Bezier b, const WallPiece *line, int depth) {
   PetscReal low = PETSC_MAX_REAL, high = -PETSC_MAX_REAL, near = PETSC_MAX_REAL,
             far = -PETSC_MAX_REAL;
@@ -53,7 +53,7 @@ static PetscBool Cuts(Bezier b, const WallPiece *line, int depth) {
     near = PetscMin(near, along);
     far = PetscMax(far, along);
   }
-  if (low > 0 || high < 0 || far < line->from || near > line->to) return PETSC_FALSE;
+  if (low > 0 || high < 0 || far < 0 || near > line->edge) return PETSC_FALSE;
   if (depth == DEEPEST) return PETSC_TRUE;
   BezierDivide(DIMS, b[0], half[0][0]);
   return (PetscBool)(Cuts(half[0], line, depth + 1) || Cuts(half[1], line, depth + 1));

@@ -16,6 +16,7 @@ PetscErrorCode RodCreate(Scene scene, const RodModel *model, Rod *rod) {
   self->model = model;
   self->scene = scene;
   self->last = scene->mesh.cells;
+  self->kept[0].t = self->kept[1].t = PETSC_MIN_REAL;
   PetscCallMPI(MPI_Comm_size(scene->comm, &ranks));
   self->alone = (PetscBool)(ranks == 1);
   UserCheck((self->last + 1) / ranks >= PetscMax(3, model->stencil), scene->comm,

@@ -74,6 +74,16 @@ typedef struct {
   PetscBool counts;   /* modes are to be counted in it: symmetric if it can */
 } RodState;
 
+/* What the world does to a rod, in the clamp's frame. */
+typedef struct {
+  PetscReal friction[3], walls[3]; /* forces of the friction along it, and of walls, tip included */
+  PetscReal moved;                 /* power of walls that move */
+  PetscReal
+      tip[4]; /* what contact does to the tip: force and, in space, couple about the tangent */
+  PetscReal left[3]; /* what is left of the balance */
+} RodForces;
+enum { ROD_FORCES = sizeof(RodForces) / sizeof(PetscReal) };
+
 typedef struct {
   const char *name;
   PetscInt fields;  /* unknowns per node */
@@ -116,6 +126,9 @@ typedef struct {
   void (*scale)(PetscReal size[]);
   /* exact Coulomb friction: see LoadHold(); NULL: regularised friction only */
   PetscErrorCode (*hold)(Rod, const RodState *, PetscReal seen, PetscReal *creep);
+  /* what the world does to the owned cells in the state of the latest residual, as the equations
+     have it; NULL: an observer knows */
+  PetscErrorCode (*bears)(Rod, const RodState *, RodForces *);
 } RodModel;
 
 struct _Rod {
@@ -130,6 +143,13 @@ struct _Rod {
   PetscBool coupled;    /* nodes far from each other along the rod see each other */
   PetscInt memory;      /* reals a node that its Newton's method remembers; 0: none */
   PetscReal oblique[2]; /* how much so walls are that press: RodFeelWalls() */
+  struct {
+    PetscReal t;
+    PetscBool whole; /* all of the sum, and not only what is left, */
+    RodForces sum;   /* of this rank's part */
+  } kept[2];         /* of the latest two states, the latest first: see RodKeepLeft() */
+  PetscReal finest;  /* what is told apart of a vector across that walls have part in, for
+                        RodFieldScales(): of the order of round-off over a step's tolerance */
   void *data;
 };
 
@@ -143,6 +163,8 @@ PetscErrorCode RodCreateMemory(Rod rod, DM *da, Vec *memory);
 PetscErrorCode RodGetLocalNodes(Rod rod, PetscReal t, Vec U, Vec *local, const Node **with);
 PetscErrorCode RodRestoreLocalNodes(Rod rod, Vec *local, const Node **with);
 PetscErrorCode RodInitialNodes(Rod rod, PetscReal t, Node *nodes);
+PetscErrorCode RodFindUnits(Rod rod);
+PetscReal RodFieldUnit(const Rod rod, PetscInt field);
 PetscErrorCode RodFit(Rod rod, PetscReal t, Vec U);
 PetscErrorCode RodBegin(Rod rod, Vec U);
 PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes);
@@ -156,7 +178,11 @@ PetscErrorCode RodFieldSizes(Rod rod, Vec U, PetscReal size[MAX_FIELDS]);
 PetscErrorCode RodAxes(Rod rod, Vec U, const PetscReal size[MAX_FIELDS], PetscReal axes[2]);
 PetscErrorCode RodTurn(Rod rod, const PetscReal axes[2], Vec V);
 PetscErrorCode RodSizesAlong(Rod rod, Vec U, const PetscReal axes[2], PetscReal size[MAX_FIELDS]);
+PetscErrorCode RodBlurred(Rod rod, Vec U, PetscReal place[MIRRORS]);
 PetscErrorCode RodFeelWalls(Rod rod, PetscReal t, Vec U);
+PetscErrorCode RodKeepLeft(Rod rod, PetscReal t, Vec F);
+void RodKeepBorne(Rod rod, const RodForces *sum);
+PetscBool RodForcesAt(Rod rod, PetscReal t, RodForces *sum);
 PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal axes[2], PetscReal scale[MAX_FIELDS]);
 
 #endif

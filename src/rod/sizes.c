@@ -185,6 +185,95 @@ PetscErrorCode RodFeelWalls(Rod rod, PetscReal t, Vec U) {
   PetscFunctionReturn(0);
 }
 
+static inline PetscBool IsPlace(const RodModel *model, PetscInt f) {
+  return (PetscBool)(strchr("xy", model->field[f][0]) != NULL);
+}
+
+/* How far a rod reaches along any axis. */
+static PetscReal Reach(const RodModel *model, const PetscReal size[]) {
+  PetscReal reach = 0;
+
+  for (PetscInt f = 0; f < model->fields; f++)
+    if (IsPlace(model, f)) reach = PetscMax(reach, size[f]);
+  return reach;
+}
+
+/* What round-off of walls leaves of the groups ACROSS_2 and ACROSS_3, as a part of what is across:
+   where their push is blurred, and where the axes are turned, for the coordinates are summed up. */
+static void Blur(const Rod rod, const PetscReal axes[2], PetscReal part[2]) {
+  const PetscReal c = PetscAbsReal(axes[0]), s = PetscAbsReal(axes[1]);
+  const Contact *contact = &rod->scene->contact;
+
+  for (int d = 0; d < 2; d++) part[d] = rod->finest * ((ContactBlurs(contact, 1 + d) ? c : 0) + s);
+}
+
+/* How far across a rod goes, as a part of its reach: by its places, its turns, or where it is
+   pushed to. */
+static PetscReal Across(const Rod rod, PetscReal reach, const PetscReal size[]) {
+  const Pair *place = &rod->model->pair[0], *turn = &rod->model->pair[1];
+  const PetscReal push = hypot(rod->oblique[0], rod->oblique[1]);
+  PetscReal most =
+      PetscMax(size[place->along], size[place->beside]) / PetscMax(reach, rod_vanished);
+
+  if (rod->model->pairs > 1) most = PetscMax(most, PetscMax(size[turn->along], size[turn->beside]));
+  return PetscMax(most, push);
+}
+
+/* Can round-off of walls be more than what there is across a rod? */
+static PetscBool MayBlur(const Rod rod) {
+  const Contact *contact = &rod->scene->contact;
+
+  return (PetscBool)(rod->model->pairs && (contact->walls.n || contact->surfaces.n));
+}
+
+/*
+  LeaveBlur - the scales along the axes, none below what round-off of walls leaves there. A rod that
+  is straight but for it, or bent in a plane but for it, would else be measured against that, and no
+  step is right to a part of it, nor is an iteration ever: one that sinks onto a cylinder lengthways
+  has nothing else out of the plane of its fall, nor has one that is bent by a sphere, whatever the
+  frame is in which the wall is told. That is a part of each vector across; of place and turn, of
+  how far across the rod goes by any of them; and where walls rub, what turns it about itself, too.
+*/
+static void LeaveBlur(const Rod rod, const PetscReal axes[2], const PetscReal size[],
+                      PetscReal scale[]) {
+  const RodModel *model = rod->model;
+  const PetscBool rubs = ContactWallsRub(&rod->scene->contact);
+  PetscReal reach, across, part[GROUPS] = {0};
+
+  if (!MayBlur(rod)) return;
+  reach = Reach(model, size);
+  across = Across(rod, reach, size);
+  Blur(rod, axes, &part[ACROSS_2]);
+  if (rubs) part[TWIST] = PetscMax(part[ACROSS_2], part[ACROSS_3]);
+  for (PetscInt k = 0; k < model->pairs; k++) {
+    const PetscInt a = model->pair[k].along, b = model->pair[k].beside;
+    const PetscReal most = PetscMax(size[a], size[b]);
+    scale[a] = PetscMax(scale[a], part[ACROSS_2] * most);
+    scale[b] = PetscMax(scale[b], part[ACROSS_3] * most);
+  }
+  for (PetscInt f = 0; f < model->fields; f++)
+    if (model->followed[f])
+      scale[f] =
+          PetscMax(scale[f], part[model->group[f]] * across * (IsPlace(model, f) ? reach : 1));
+}
+
+/* RodBlurred - places across, by the coordinates, that are no larger are round-off of walls; 0:
+   there is none. Collective. */
+PetscErrorCode RodBlurred(Rod rod, Vec U, PetscReal place[MIRRORS]) {
+  const PetscReal none[2] = {1, 0};
+  PetscReal size[MAX_FIELDS], reach;
+
+  PetscFunctionBegin;
+  place[0] = place[1] = 0;
+  if (!MayBlur(rod)) PetscFunctionReturn(0);
+  Blur(rod, none, place);
+  if (place[0] == 0 && place[1] == 0) PetscFunctionReturn(0);
+  PetscCall(RodFieldSizes(rod, U, size));
+  reach = Reach(rod->model, size);
+  for (int d = 0; d < MIRRORS; d++) place[d] *= Across(rod, reach, size) * reach;
+  PetscFunctionReturn(0);
+}
+
 /* By how much a vector across adds to what drives a group of fields, along the axes. */
 static PetscReal Drives(const PetscReal drive[2], int group, const PetscReal axes[2]) {
   if (group == ACROSS_2) return PetscAbsReal(axes[0] * drive[0] + axes[1] * drive[1]);
@@ -195,16 +284,21 @@ static PetscReal Drives(const PetscReal drive[2], int group, const PetscReal axe
 /* How hard a group of fields is driven from 0, along the axes. */
 static PetscReal Driven(const Rod rod, int group, const PetscReal axes[2]) {
   const Space *space = &rod->scene->space;
-  PetscReal sum = space->driven[group] + Drives(rod->oblique, group, axes);
+  const SceneUnits *units = &rod->scene->units;
+  const PetscReal L = units->length, force = units->stiffness / (L * L),
+                  unit[DRIVES] = {force / L, force};
+  PetscReal sum =
+      space->turned[group] + space->moved[group] / L + Drives(rod->oblique, group, axes);
 
-  for (int k = 0; k < DRIVES; k++) sum += Drives(space->drive[k], group, axes);
+  for (int k = 0; k < DRIVES; k++) sum += Drives(space->drive[k], group, axes) / unit[k];
+  if (group == TWIST) sum += space->twisted / (force * L) + PetscAbsReal(space->spin) * units->time;
   return sum;
 }
 
 /* What twists a rod that is bent in one direction drives it in the other, by a part of that bend.
  */
 static void TwistAcross(const Rod rod, PetscReal part, PetscReal scale[]) {
-  const PetscReal driven = part * PetscMin(1, rod->scene->space.driven[TWIST]);
+  const PetscReal none[2] = {1, 0}, driven = part * PetscMin(1, Driven(rod, TWIST, none));
 
   for (PetscInt k = 0; k < rod->model->pairs && driven > 0; k++) {
     const PetscInt a = rod->model->pair[k].along, b = rod->model->pair[k].beside;
@@ -220,13 +314,13 @@ static void TwistAcross(const Rod rod, PetscReal part, PetscReal scale[]) {
   are made of products of others, and may be no more than what these leave of round-off; and for
   those that begin at 0 and are driven from there by a force across the rod, or by a wall that is
   oblique, or by what twists a bent rod, or by what breaks a symmetry otherwise: these are measured
-  against a small part of what they will be. Collective.
+  against a small part of what they will be, places in the scene's own unit of length. Collective.
 
   axes  on exit, those along which the changes of the fields across are to be measured; NULL: the
         coordinates
 */
 PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal axes[2], PetscReal scale[MAX_FIELDS]) {
-  const PetscReal part = 1e-3, otherwise = 1e-4;
+  const PetscReal part = 1e-3, otherwise = 1e-4, least = 1e-5; /* round-off is not to drive it */
   PetscReal none[2] = {1, 0}, size[MAX_FIELDS];
 
   PetscFunctionBegin;
@@ -241,13 +335,14 @@ PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal axes[2], PetscReal scale
     LeaveRoundOff(rod->model, axes, size, scale);
   }
   for (PetscInt f = 0; f < rod->model->fields; f++) {
-    PetscReal driven = Driven(rod, rod->model->group[f], axes);
+    PetscReal driven = Driven(rod, rod->model->group[f], axes), unit = RodFieldUnit(rod, f);
     if (!rod->model->followed[f]) continue;
     if (driven > 0)
-      scale[f] = PetscMax(scale[f], part * PetscMin(1, driven));
+      scale[f] = PetscMax(scale[f], part * PetscMax(least, PetscMin(1, driven)) * unit);
     else if (scale[f] == 0)
-      scale[f] = otherwise;
+      scale[f] = otherwise * unit;
   }
+  LeaveBlur(rod, axes, size, scale);
   TwistAcross(rod, part, scale);
   if (rod->model->scale) rod->model->scale(scale);
   PetscFunctionReturn(0);

@@ -661,10 +661,41 @@ static void Arms(const Point *point, WideArms *arms) {
   }
 }
 
-/* The same matrix, not assembled: each cell is eliminated as soon as it is known. */
+/* A beginning that turns in a hinge, or is free, is springs so much softer than the rod for who
+   counts modes or follows errors: what the first node gives way by its own moments and forces, a
+   turn of e, dp = (0, e) p/2, and a place. */
+static PetscErrorCode BeginSprings(Rod rod, PetscReal t, const Point *first,
+                                   PetscReal gives[LEFT][RIGHT]) {
+  const PetscReal softer = 1e6, *p = first->p;
+  const PetscBool is_free = (PetscBool)(rod->scene->clamp == CLAMP_FREE);
+  const PetscReal turn[3][4] = {
+      {-p[1], p[0], -p[3], p[2]}, {-p[2], p[3], p[0], -p[1]}, {-p[3], -p[2], p[1], p[0]}};
+  PetscReal length;
+
+  PetscFunctionBegin;
+  PetscCall(GrowthLength(rod->scene->growth, t, &length, NULL));
+  memset(gives, 0, LEFT * sizeof(*gives));
+  for (int i = 0; i < 3; i++) {
+    if (is_free) gives[X + i][3 + i] = softer * PetscPowReal(length, 3);
+    for (int j = 0; j < 3; j++) {
+      PetscReal part = is_free ? first->d[0][i] * first->d[0][j] : 0;
+      for (int k = 1; k < 3; k++) part += first->d[k][i] * first->d[k][j];
+      for (int k = 0; k < 4; k++) gives[P + k][j] += softer * length * turn[i][k] / 2 * part;
+    }
+  }
+  PetscFunctionReturn(0);
+}
+
+/* The same matrix, not assembled: each cell is eliminated as soon as it is known, or, on several
+   ranks, where modes are counted in it, kept for the first of them. */
 static PetscErrorCode SpaceEliminate(Rod rod, const RodState *at, Elimination elimination) {
+  const PetscBool keeps = EliminationKeeps(elimination),
+                  gives_way = (PetscBool)(rod->scene->clamp != CLAMP_HELD);
+  const PetscInt begin = PetscMax(rod->first - 1, 0);
   WideLine line = EliminationWide(elimination);
-  PetscReal(*left)[FIELDS], (*right)[FIELDS], by[RIGHT][FIELDS];
+  PetscReal beside[2][FIELDS][FIELDS], (*left)[FIELDS] = beside[0], (*right)[FIELDS] = beside[1],
+                                       by[RIGHT][FIELDS], gives[LEFT][RIGHT];
+  const PetscBool ends = (PetscBool)(rod->end > rod->last);
   WideArms arms;
   Slopes slopes;
   Cell cell;
@@ -672,23 +703,91 @@ static PetscErrorCode SpaceEliminate(Rod rod, const RodState *at, Elimination el
   PetscFunctionBegin;
   PetscCall(SpaceCellsOpen(rod, at, &cell));
   WideBegin(line);
-  for (PetscInt i = 0; i < rod->last; i++) {
+  if (gives_way && rod->first == 0) PetscCall(BeginSprings(rod, at->t, &cell.b, gives));
+  if (gives_way && !keeps) WideSpring(line, (const PetscReal(*)[RIGHT])gives);
+  for (PetscInt i = begin; i < PetscMin(rod->end, rod->last); i++) {
     SpaceCellsNext(&cell, i);
-    WideBlocks(line, &left, &right);
-    CellBlocks(&cell, i, (PetscBool)(i == 0), at->shift, &slopes, left, right);
+    if (i >= rod->first) WideBlocks(line, &left, &right);
+    CellBlocks(&cell, i, (PetscBool)(i == begin), at->shift, &slopes, left, right);
+    if (i < rod->first) continue;
     Arms(&cell.a, &arms);
     WideArm(line, &arms);
-    WideCell(line);
+    (keeps ? WideKeep : WideCell)(line);
   }
-  Arms(&cell.b, &arms);
-  WideArm(line, &arms);
-  TipBlock(&cell, &slopes.b, at->shift, by);
-  WideEnd(line, (const PetscReal(*)[FIELDS])by);
+  if (ends) {
+    Arms(&cell.b, &arms);
+    TipBlock(&cell, &slopes.b, at->shift, by);
+  }
+  if (ends && !keeps) {
+    WideArm(line, &arms);
+    WideEnd(line, (const PetscReal(*)[FIELDS])by);
+  }
   PetscCall(SpaceCellsClose(&cell));
+  if (keeps)
+    PetscCall(EliminationGather(elimination, gives_way ? (const PetscReal(*)[RIGHT])gives : NULL,
+                                &arms, ends ? (const PetscReal(*)[FIELDS])by : NULL));
   PetscFunctionReturn(0);
 }
 
 /* ---- exact Coulomb friction, and what is remembered ---- */
+
+/* Adds what the points of a cell and its feet bear; end: what its first point does, and then its
+   last one. */
+static void AddForces(const Cell *cell, RodForces *end, RodForces *sum) {
+  const Space_ *self = (const Space_ *)cell->rod->data;
+  const Point *at[3] = {NULL, &cell->mid, &cell->b};
+  const PetscReal weight[3] = {self->end_weight, self->mid_weight, self->end_weight};
+
+  for (int k = 0; k < 3; k++) {
+    const PetscReal length = cell->h * weight[k] * cell->law[k].g;
+    if (at[k])
+      LoadParts3(cell->load, &at[k]->at, cell->dual[k], end->friction, end->walls, &end->moved);
+    for (int d = 0; d < 3; d++) {
+      sum->friction[d] += length * end->friction[d];
+      sum->walls[d] += length * end->walls[d];
+    }
+    sum->moved += length * end->moved;
+  }
+  for (PetscInt k = 0; k < cell->feet.n; k++)
+    for (int d = 0; d < 3; d++) {
+      const Touch3 *touch = &cell->feet.touch[k];
+      sum->walls[d] += cell->feet.foot[k].force[d];
+      if (touch->moves) sum->moved += cell->feet.foot[k].force[d] * touch->v[d];
+    }
+}
+
+/* Adds what the tip bears. */
+static void AddTip(const Cell *cell, RodForces *sum) {
+  Rod rod = cell->rod;
+  const TipState3 tip = TipOf(cell->load, &cell->b);
+  const PetscInt last = 2 * rod->last + 1;
+
+  sum->moved += TipWalls3(&rod->scene->tip, &tip, TipDual(rod), sum->tip);
+  for (int d = 0; d < 3; d++) sum->walls[d] += sum->tip[d];
+  for (int d = 0; d < 3 && cell->push && rod->scene->tip.type == TIP_FREE; d++) {
+    sum->tip[d] += cell->push[last][d];
+    if (cell->couple) sum->tip[SPIN] += cell->couple[last][d] * cell->b.d[0][d];
+  }
+}
+
+static PetscErrorCode SpaceBears(Rod rod, const RodState *at, RodForces *sum) {
+  RodForces end = {.moved = 0};
+  Cell cell;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(sum, sizeof(*sum)));
+  PetscCall(SpaceCellsOpen(rod, at, &cell));
+  for (PetscInt i = PetscMax(rod->first - 1, 0); i < PetscMin(rod->end, rod->last); i++) {
+    SpaceCellsNext(&cell, i);
+    if (i < rod->first) continue;
+    if (i == rod->first)
+      LoadParts3(cell.load, &cell.a.at, cell.dual[0], end.friction, end.walls, &end.moved);
+    AddForces(&cell, &end, sum);
+  }
+  if (rod->end == rod->last + 1) AddTip(&cell, sum);
+  PetscCall(SpaceCellsClose(&cell));
+  PetscFunctionReturn(0);
+}
 
 /* Moves the shifts of exact Coulomb friction; creep is the largest speed of what is held. (The
    clamped end is not held unless it slides: see frame.c.) */
@@ -696,10 +795,13 @@ static PetscErrorCode SpaceHold(Rod rod, const RodState *at, PetscReal seen, Pet
   Space_ *self = (Space_ *)rod->data;
   PetscBool ends = (PetscBool)(self->end_weight > 0);
   PetscInt first = PetscMax(rod->first - 1, 0);
+  RodForces sum;
   Cell cell;
 
   PetscFunctionBegin;
   *creep = 0;
+  PetscCall(SpaceBears(rod, at, &sum));
+  RodKeepBorne(rod, &sum);
   PetscCall(SpaceCellsOpen(rod, at, &cell));
   for (PetscInt i = first; i < PetscMin(rod->end, rod->last); i++) {
     SpaceCellsNext(&cell, i);
@@ -1130,6 +1232,7 @@ const RodModel rod_space = {
     .moments = SpaceMoments,
     .turned = SpaceTurned,
     .hold = SpaceHold,
+    .bears = SpaceBears,
     .remember = SpaceRemember,
     .recall = SpaceRecall,
     .jacobian = SpaceJacobian,

@@ -201,6 +201,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
   PetscCall(PetscNew(&self));
   *scene = self; /* whole or not, the caller destroys it */
   self->comm = OptionsComm();
+  self->units.length = self->units.time = self->units.stiffness = 1;
   PetscCall(SiSetFromOptions(&self->si)); /* first: the others may carry units */
   PetscCall(GrowthCreate(&self->growth));
   PetscCall(OptionReal("-clamp_angle", &self->clamp_angle, NULL));
@@ -233,6 +234,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
   if (ContactWallsRub(&self->contact) && self->clamp != CLAMP_FREE)
     LoadNextToExactByWalls(&self->load);
   ContactSetFrame(&self->contact, (const PetscReal(*)[3])self->space.lab, self->clamp_angle);
+  (void)ContactStandOff(&self->contact, &self->stands_off);
   PetscFunctionReturn(0);
 }
 

@@ -17,6 +17,14 @@
    it tilt; or free, m = 0, n = 0. */
 typedef enum { CLAMP_HELD, CLAMP_HINGED, CLAMP_FREE } ClampType;
 
+/* What a scene makes its own units of, for what has none: see rod/units.c. */
+typedef struct {
+  PetscReal length, time, stiffness;
+  PetscReal own;   /* the rod's own time; 0: its friction is dry, and lets it move at once */
+  PetscReal brief; /* of which short steps are a part */
+  PetscBool found; /* else they are 1 */
+} SceneUnits;
+
 typedef struct _Scene *Scene;
 struct _Scene {
   MPI_Comm comm; /* the ranks that share it */
@@ -34,6 +42,8 @@ struct _Scene {
   PetscReal clamp_angle; /* alpha; the problem is solved in the clamp's frame, results are turned */
   PetscReal end_time;    /* T, -ts_max_time */
   PetscReal reach;       /* the longest that the rod becomes */
+  PetscReal stands_off;  /* by how much walls at which the rod begins are taken off, at most */
+  SceneUnits units;      /* RodFindUnits() */
 };
 
 extern const OptionGroup scene_options;
@@ -48,6 +58,8 @@ void SceneAtSpeed(Scene fast, PetscReal speed);
 PetscErrorCode SceneLeaveFastTime(Scene *fast);
 PetscErrorCode SceneContactAt(Scene scene, PetscReal t);
 PetscReal SceneNextTurn(Scene scene, PetscReal t);
+PetscErrorCode SceneBends(Scene scene, PetscReal tolerance, Bends *bends);
+PetscErrorCode SceneFewBends(Scene scene, PetscInt most, PetscReal *tolerance, Bends *bends);
 void SceneAtTolerance(Scene scene, PetscReal rtol);
 PetscErrorCode SceneHoldTip(Scene scene, const PetscReal x[2], PetscReal theta);
 PetscErrorCode SceneHoldTip3(Scene scene, const PetscReal x[3], const PetscReal p[4]);

@@ -10,7 +10,7 @@ typedef struct {
   PetscReal scale[UNIT_ALL];                /* what 1 of each is in SI; 0: unknown */
 } Si;
 
-/* of the dimensions UNIT_LENGTH to UNIT_CURVATURE; NULL for the others */
+/* of the dimensions; NULL: an angle, which is the same in both */
 extern const char *const si_name[UNIT_ALL], *const si_unit[UNIT_ALL];
 extern const OptionGroup si_options;
 

@@ -3,7 +3,7 @@
 static const OptionRow rows[] = {
     ROW_TEXT("-rod_weight", 0,
              "a,b,c: weight per length, over that of friction, a vector in the laboratory (a,b in "
-             "the plane)"),
+             "the plane); of a rod in the laboratory also with units, 0,0,-0.12N/m or 0,0,-12g/m"),
     ROW_REAL("-rod_torsion", "0.75", 1e-6, 1e6, UNIT_NONE, 0,
              "C/B, torsional over bending stiffness about d2: 1/(1 + nu) of a round rod"),
     ROW_REAL("-rod_bend_ratio", "1", 1e-6, 1e6, UNIT_NONE, 0,
@@ -27,7 +27,8 @@ const OptionGroup space_options = OPTION_GROUP("Space", rows);
 /* A vector option, "a,b,c" or "a,b" (c is then 0). */
 static PetscErrorCode Vector(const char *name, Dimension dimension, PetscReal v[3],
                              PetscBool *given) {
-  char text[PETSC_MAX_PATH_LEN] = "", *part, *rest;
+  char text[PETSC_MAX_PATH_LEN] = "", *part, *rest, *end;
+  PetscBool bare = PETSC_FALSE, units = PETSC_FALSE;
   int n = 0;
 
   PetscFunctionBegin;
@@ -38,8 +39,16 @@ static PetscErrorCode Vector(const char *name, Dimension dimension, PetscReal v[
             "%s %s: a number is missing at a comma; give a,b,c", name, text);
   for (part = strtok_r(text, ",", &rest); part; part = strtok_r(NULL, ",", &rest)) {
     UserCheck(n < 3, OptionsComm(), "%s: more than three numbers; give a,b,c", name);
-    PetscCall(OptionQuantity(name, part, dimension, &v[n++]));
+    PetscCall(OptionQuantity(name, part, dimension, &v[n]));
+    (void)strtod(part, &end);
+    if (*end)
+      units = PETSC_TRUE;
+    else if (v[n] != 0)
+      bare = PETSC_TRUE;
+    n++;
   }
+  UserCheck(!(bare && units), OptionsComm(),
+            "%s: some of its numbers have a unit and some have none; give all of them one", name);
   UserCheck(n >= 2, OptionsComm(), "%s: give three numbers, a,b,c, or two in the plane, a,b", name);
   PetscFunctionReturn(0);
 }
@@ -141,9 +150,11 @@ static void DrivenByPath(Space *self, Path path) {
   PetscReal turned = PathRange(path, PATH_FRAME + 1) + PathRange(path, PATH_FRAME + 2) +
                      PathRange(path, PATH_FRAME + 3);
 
-  self->driven[1] += PathRange(path, PATH_X2) + PathRange(path, PATH_ANGLE) + turned;
-  self->driven[2] += PathRange(path, PATH_X3) + turned;
-  self->driven[3] += PathRange(path, PATH_TURN) + turned;
+  self->moved[1] = PathRange(path, PATH_X2);
+  self->moved[2] = PathRange(path, PATH_X3);
+  self->turned[1] = PathRange(path, PATH_ANGLE) + turned;
+  self->turned[2] = turned;
+  self->turned[3] = PathRange(path, PATH_TURN) + turned;
 }
 
 /* How the clamp turns: at a rate, or over time. */
@@ -172,7 +183,7 @@ PetscErrorCode SpaceSetFromOptions(Space *self, Load *load, Tip *tip, const Curv
   PetscBool given, torsion, radius;
 
   PetscFunctionBegin;
-  PetscCall(Vector("-rod_weight", UNIT_NONE, weight, &given));
+  PetscCall(Vector("-rod_weight", UNIT_LOAD, weight, &given));
   PetscCall(Vector("-tip_force_vector", UNIT_FORCE, force, &given));
   PetscCall(OptionReal("-rod_torsion", &self->torsion, &torsion));
   PetscCall(OptionReal("-rod_bend_ratio", &self->ratio, NULL));
@@ -199,7 +210,7 @@ PetscErrorCode SpaceSetFromOptions(Space *self, Load *load, Tip *tip, const Curv
     self->drive[0][d] = clamp[1 + d];
     self->drive[1][d] = tip->push[1 + d];
   }
-  self->driven[3] = PetscAbsReal(tip->torque) + PetscAbsReal(self->spin);
+  self->twisted = PetscAbsReal(tip->torque);
   if (tip->path) DrivenByPath(self, tip->path);
   if (tip->walls && tip->walls->surfaces.n) self->why = "-wall_file";
   LoadSetArm(load);

@@ -20,8 +20,10 @@ typedef struct {
   PetscReal spin;      /* rate at which the clamp turns about d1; with a path the fastest */
   Schedule clamp_path; /* over time; NULL: at that rate */
   PetscReal
-      driven[4]; /* what drives each group of fields (rod.h) from 0, about: along, x2, x3, twist */
-  PetscReal drive[DRIVES][2]; /* vectors across that do, besides: weight, push on the tip */
+      turned[4]; /* angles that drive each group of fields (rod.h) from 0: along, x2, x3, twist */
+  PetscReal moved[4];         /* places that do */
+  PetscReal twisted;          /* a couple that twists it */
+  PetscReal drive[DRIVES][2]; /* vectors across that do: weight, push on the tip */
   PetscReal lab[3][3];        /* from the clamp's frame to the laboratory */
 } Space;
 

@@ -216,6 +216,7 @@ static PetscErrorCode Choose(TS ts, Controller *self, Formula *f, PetscBool *acc
   self->jumped = (PetscBool)(!*accept && k == 1 &&
                              (e > persists * self->rejected ||
                               (ts->time_step < self->layer && (f->n == 1 || e > nearly_seen))));
+  if (self->resolves && ts->steps > 0 && ts->time_step >= self->layer) self->jumped = PETSC_FALSE;
   self->rejected = *accept ? PETSC_MAX_REAL : e;
   if (self->jumped) *accept = PETSC_TRUE;
   *factor = StepFactor(e, k);

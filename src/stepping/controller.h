@@ -13,12 +13,13 @@ typedef struct {
   PetscInt jumps;       /* steps that were jumps, so far */
   PetscInt blind;       /* ... which no snap was followed through */
   PetscReal scale;      /* of time, that short steps are part of; 0: the run's end */
-  PetscReal layer;      /* a step this short is accepted whatever its error */
-  PetscReal rejected;   /* error of the try before, if one of this step was rejected at a third of
-                           the size or more */
-  PetscReal usual;      /* the longest of the latest steps, slowly forgotten */
-  PetscBool fixed;  /* -ts_adapt_type none: steps as told, order as high as the history allows */
-  PetscBool jumped; /* the present step was accepted as a jump */
+  PetscBool resolves; /* every motion has a velocity: only what is crossed in the layer is a jump */
+  PetscReal layer;    /* a step this short is accepted whatever its error */
+  PetscReal rejected; /* error of the try before, if one of this step was rejected at a third of
+                         the size or more */
+  PetscReal usual;    /* the longest of the latest steps, slowly forgotten */
+  PetscBool fixed;    /* -ts_adapt_type none: steps as told, order as high as the history allows */
+  PetscBool jumped;   /* the present step was accepted as a jump */
   PetscBool tried, snapped; /* to follow a snap in the present step; it begins behind one */
   PetscInt failures;        /* tries of the present step that had no solution, or crossed a mode */
   PetscBool look;           /* its error is to be seen, if there is a point before */

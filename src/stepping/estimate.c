@@ -1,4 +1,5 @@
 #include "stepping/estimate.h"
+#include "base/blocklu.h"
 #include "base/chain.h"
 #include "stepping/vbdf.h"
 
@@ -97,8 +98,17 @@ static PetscInt FineNode(const Estimate self, PetscInt k) {
 /* Far parts of the rod see each other: that is no line of neighbours. */
 static PetscErrorCode CreateMatrix(Estimate self) {
   const PetscBool held = (PetscBool)(self->scene->tip.type != TIP_FREE);
+  PC pc;
 
   PetscFunctionBegin;
+  if (BlockLUCan(self->nodes, self->fields)) {
+    PetscCall(BlockLUCreate(self->nodes, self->fields, held, &self->J));
+    PetscCall(KSPCreate(PETSC_COMM_SELF, &self->ksp));
+    PetscCall(KSPSetType(self->ksp, KSPPREONLY));
+    PetscCall(KSPGetPC(self->ksp, &pc));
+    PetscCall(BlockLUSetType(pc));
+    PetscFunctionReturn(0);
+  }
   PetscCall(RodCreateMatrix(self->rod, &self->J));
   PetscCall(ChainCreateSolver(PETSC_COMM_SELF, ChainFolded(held), &self->ksp));
   PetscFunctionReturn(0);
@@ -459,13 +469,15 @@ static PetscErrorCode TimesRate(Estimate self, PetscReal t) {
   const PetscReal beta = self->scene->load.friction.beta;
   const PetscInt n = self->nodes * self->fields;
   const PetscScalar *F, *G;
-  PetscReal *rate, most = 0, scale;
+  PetscReal *rate, most = 0, fastest = 0, scale;
 
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(self->rhs, n));
   for (PetscInt i = 0; i < n; i++) most = PetscMax(most, PetscAbsReal(self->b[i]));
   if (most <= rod_vanished) PetscFunctionReturn(0);
-  scale = nudge * PetscSqrtReal(beta > 0 ? beta : friction_tiny) / most;
+  for (PetscInt i = 0; i < n && !self->scene->load.friction.mu; i++) /* it is straight all along */
+    fastest = PetscMax(fastest, PetscAbsReal(self->all.rate[i]));
+  scale = nudge * PetscMax(fastest, PetscSqrtReal(beta > 0 ? beta : friction_tiny)) / most;
   PetscCall(VecCopy(self->rate, self->nudged));
   PetscCall(VecGetArray(self->nudged, (PetscScalar **)&rate));
   for (PetscInt i = 0; i < n; i++) rate[i] += scale * self->b[i];

@@ -90,6 +90,12 @@ static PetscBool Common(const Formula *self) {
                      PetscAbsReal(size[0] - size[1]) < PetscLogReal(alike));
 }
 
+/* Are the fields of a factor but round-off? The factor would be what that does. */
+static PetscBool RoundOff(const Formula *self, int k) {
+  return (PetscBool)(self->column[k] == k && self->least[k] > 0 &&
+                     self->size[1][k] < PetscLogReal(self->least[k]));
+}
+
 /* FormulaTakeFactor - takes the factor for a step of an order from the history to time[0]. */
 void FormulaTakeFactor(Formula *self, PetscInt q) {
   PetscInt most = self->plain ? 0 : PetscMin(self->n, PetscMin(self->degree, q) + 1);
@@ -97,7 +103,7 @@ void FormulaTakeFactor(Formula *self, PetscInt q) {
   for (int k = 0; k < VBDF_FACTORS; k++) {
     self->taken[k] = 0;
     self->column[k] = Common(self) ? FORMULA_ALL : k;
-    if (self->fields)
+    if (self->fields && !RoundOff(self, k))
       while (self->taken[k] < most &&
              self->size[1 + self->taken[k]][self->column[k]] > PETSC_MIN_REAL)
         self->taken[k]++;

@@ -27,6 +27,7 @@ typedef struct {
   PetscInt degree, taken[VBDF_FACTORS];       /* of log A at most; points that it goes through */
   PetscReal size[VBDF_POINTS][FORMULA_SIZES]; /* log of the size of the fields of each factor in
                                                  point[i], and of those of all */
+  PetscReal least[VBDF_FACTORS];              /* size below which no factor is taken */
   int column[VBDF_FACTORS];                   /* of size, that the factor is taken from */
   PetscReal ratio[VBDF_FACTORS][VBDF_POINTS]; /* A(time[0]) / A(time[i]) */
 } Formula;

@@ -15,6 +15,11 @@ static PetscErrorCode NodesOnZero(Rod rod, PetscReal t, Vec U, Node **nodes) {
 
   PetscFunctionBegin;
   *nodes = NULL;
+  if (rod->alone) {
+    PetscCall(PetscMalloc1(rod->last + 1, nodes));
+    PetscCall(rod->model->get(rod, t, U, NULL, *nodes));
+    PetscFunctionReturn(0);
+  }
   PetscCallMPI(MPI_Comm_rank(rod->scene->comm, &rank));
   PetscCall(DMGetGlobalVector(rod->nodes, &v));
   PetscCall(VecGetArray(v, &local));

@@ -33,7 +33,7 @@ static PetscErrorCode SetTolerance(Leg *leg) {
 
 /* A step begins: sizes are those that the fields have now, or that a kick will give them. */
 static PetscErrorCode BeforeStep(TS ts) {
-  PetscReal t;
+  PetscReal t, least[MIRRORS];
   Leg *leg;
 
   PetscFunctionBegin;
@@ -41,6 +41,8 @@ static PetscErrorCode BeforeStep(TS ts) {
   PetscCall(TSGetTime(ts, &t));
   PetscCall(RodFeelWalls(leg->rod, t, leg->U));
   PetscCall(RodFieldScales(leg->rod, leg->U, leg->turns ? leg->axes : NULL, leg->size));
+  PetscCall(RodBlurred(leg->rod, leg->U, least));
+  PetscCall(VBDFSetLeast(ts, least));
   for (PetscInt f = 0; f < leg->rod->model->fields; f++) {
     if (t >= leg->kick_ends) leg->kick[f] = 0;
     leg->size[f] = PetscMax(leg->size[f], leg->kick[f]);
@@ -210,6 +212,22 @@ static PetscErrorCode IsBent(const Rod rod, Vec U, PetscBool *bent) {
   PetscFunctionReturn(0);
 }
 
+/* Does a rod in space lie in the plane of x1 and x2, to the last digit? Then none of what happens
+   within the plane can bring it out of that, and no mode that leads out of it is there to be
+   crossed.
+ */
+static PetscErrorCode IsPlane(const Rod rod, Vec U, PetscBool *plane) {
+  PetscReal size[MAX_FIELDS];
+
+  PetscFunctionBegin;
+  *plane = rod->model->space;
+  if (!*plane) PetscFunctionReturn(0);
+  PetscCall(RodFieldSizes(rod, U, size));
+  for (PetscInt f = 0; f < rod->model->fields; f++)
+    if (rod->model->group[f] & ACROSS_3 && size[f] > rod_vanished) *plane = PETSC_FALSE;
+  PetscFunctionReturn(0);
+}
+
 /* Do modes of a rod at the latest Jacobian's state grow faster than its shift? known: can they be
    counted? */
 static PetscErrorCode ModesCrossed(Leg *leg, Vec U, PetscBool *crosses, PetscBool *known) {
@@ -217,6 +235,7 @@ static PetscErrorCode ModesCrossed(Leg *leg, Vec U, PetscBool *crosses, PetscBoo
 
   PetscFunctionBegin;
   *crosses = PETSC_FALSE;
+  PetscCall(IsPlane(leg->rod, U, &leg->newton.plane));
   PetscCall(NewtonIndex(&leg->newton, &index, known));
   if (!*known || (index <= 0 && index % 2 == 0)) PetscFunctionReturn(0);
   PetscCall(IsBent(leg->rod, U, crosses));
@@ -259,7 +278,7 @@ static PetscBool HasModes(const Rod rod) {
 /*
   CrossesMode - a VBDFCross: does a mode of the rod grow faster than the shift of the step? The
   elimination has counted them. On a straight rod, x2 = 0, none is there to be crossed. Where they
-  cannot be counted (other models, a held tip on several ranks), a jump is none that may be taken:
+  cannot be counted (other models, a free rod), a jump is none that may be taken:
   the step is cut until its error is seen. (A first step whose error is within the tolerance has
   changed the rod by less than a crossed mode would that is more than 1e-3 of it.)
 
@@ -298,6 +317,26 @@ PetscErrorCode LegCrosses(Leg *leg, Vec U, PetscBool *crosses) {
   *crosses = PETSC_FALSE;
   PetscCall(PetscObjectTypeCompare((PetscObject)leg->ts, TSVBDF, &vbdf));
   if (!vbdf && HasModes(leg->rod)) PetscCall(ModesCrossed(leg, U, crosses, &known));
+  PetscFunctionReturn(0);
+}
+
+/*
+  LegLeavesPlane - would a rod in space, which lies in the plane of x1 and x2 to the last digit,
+  leave it if anything pushed it out: do modes that nothing has begun grow by themselves within so
+  much time, at the state of the latest step? False where they cannot be counted. Collective.
+*/
+PetscErrorCode LegLeavesPlane(Leg *leg, Vec U, PetscReal within, PetscBool *leaves) {
+  PetscBool plane, bent;
+  PetscInt out;
+
+  PetscFunctionBegin;
+  *leaves = PETSC_FALSE;
+  PetscCall(IsPlane(leg->rod, U, &plane));
+  if (!plane) PetscFunctionReturn(0);
+  PetscCall(IsBent(leg->rod, U, &bent));
+  if (!bent) PetscFunctionReturn(0);
+  PetscCall(NewtonOutOfPlane(&leg->newton, 1 / within, &out));
+  *leaves = (PetscBool)(out > 0);
   PetscFunctionReturn(0);
 }
 
@@ -384,6 +423,23 @@ static PetscErrorCode RefuseAdapt(TS ts) {
   PetscFunctionReturn(0);
 }
 
+/* The first step, as parts of the scene's unit of time and of the rod's own: nothing that a rod out
+   of balance does at once may take less. (What a straight one does is small at first.) */
+static const PetscReal first_of_unit = 1e-4, first_of_own = 1e-6, straight_of_own = 0.1;
+
+static PetscErrorCode SetFirstStep(Leg *leg) {
+  const Scene scene = leg->rod->scene;
+  const SceneUnits *units = &scene->units;
+  const PetscBool straight = (PetscBool)(scene->shape.type == SHAPE_STRAIGHT);
+  PetscReal first = first_of_unit * units->time;
+
+  PetscFunctionBegin;
+  if (units->own > 0 && !(straight && scene->contact.any))
+    first = PetscMin(first, (straight ? straight_of_own : first_of_own) * units->own);
+  PetscCall(TSSetTimeStep(leg->ts, first));
+  PetscFunctionReturn(0);
+}
+
 /* The stepper's options, by the names that PETSc has for them. */
 static PetscErrorCode TakeOptions(TS ts) {
   PetscFunctionBegin;
@@ -410,6 +466,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   PetscCall(PetscMemzero(leg, sizeof(*leg)));
   leg->rtol = rtol;
   PetscCall(RodCreate(scene, model, &leg->rod));
+  if (!prefix) PetscCall(RodFindUnits(leg->rod));
   PetscCall(DMCreateGlobalVector(leg->rod->da, &leg->U));
   PetscCall(VecDuplicate(leg->U, &leg->tolerance));
   PetscCall(VecDuplicate(leg->U, &leg->none));
@@ -424,7 +481,10 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   PetscCall(TSSetMaxTime(leg->ts, scene->end_time));
   PetscCall(TSSetMaxSteps(leg->ts, PETSC_MAX_INT));
   PetscCall(TSSetExactFinalTime(leg->ts, TS_EXACTFINALTIME_MATCHSTEP));
-  PetscCall(TSSetTimeStep(leg->ts, 1e-4));
+  if (prefix)
+    PetscCall(TSSetTimeStep(leg->ts, first_of_unit * scene->units.length));
+  else
+    PetscCall(SetFirstStep(leg));
   PetscCall(TSSetMaxSNESFailures(leg->ts, -1));
   PetscCall(TSSetMaxStepRejections(leg->ts, 50));
   PetscCall(TSSetErrorIfStepFails(leg->ts, PETSC_FALSE));
@@ -442,6 +502,9 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_max_snes_failures", &given));
   if (fixed && !given)
     PetscCall(TSSetMaxSNESFailures(leg->ts, 10)); /* a fixed step does not help itself */
+  if (!prefix) PetscCall(VBDFSetScale(leg->ts, scene->units.brief));
+  if (!prefix && !scene->contact.any)
+    PetscCall(VBDFSetResolves(leg->ts, (PetscBool)!LoadIsDry(&scene->load)));
   PetscCall(VBDFSetFactored(leg->ts, model->fields, model->group));
   PetscCall(MeasureAlongAxes(leg));
   PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));

@@ -30,6 +30,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
 PetscErrorCode LegEndAtTurns(Leg *leg);
 PetscErrorCode LegDestroy(Leg *leg);
 PetscErrorCode LegCrosses(Leg *leg, Vec U, PetscBool *crosses);
+PetscErrorCode LegLeavesPlane(Leg *leg, Vec U, PetscReal within, PetscBool *leaves);
 PetscErrorCode LegInterpolate(Leg *leg, PetscReal t, PetscReal end, PetscReal h, Vec U, Vec U_t);
 
 #endif

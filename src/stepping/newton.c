@@ -1,5 +1,6 @@
 #include "stepping/newton.h"
 #include "base/compat.h"
+#include "base/blocklu.h"
 #include "base/chain.h"
 
 /* Newton's iteration stops when its update is this part of rtol: of the step's own tolerance, a
@@ -10,8 +11,8 @@ static const PetscReal round_off = 1e-13;
 /* A rate is an estimate: what it says is left must be this much smaller still. */
 static const PetscReal share_of_rate = 0.5;
 
-/* The largest residual of each group of fields (rod.h), along the axes of the state: they do not
-   see each other on the straight rod, and one may be 1e-16 times another. */
+/* The largest residual of each group of fields (rod.h), in the scene's units, along the axes of the
+   state: they do not see each other on the straight rod, and one may be 1e-16 times another. */
 static PetscErrorCode Residuals(Rod rod, Vec U, Vec F, PetscReal residual[GROUPS]) {
   PetscReal size[MAX_FIELDS], axes[2] = {1, 0};
 
@@ -23,7 +24,8 @@ static PetscErrorCode Residuals(Rod rod, Vec U, Vec F, PetscReal residual[GROUPS
   PetscCall(RodSizesAlong(rod, F, axes, size));
   for (int g = 0; g < GROUPS; g++) residual[g] = 0;
   for (PetscInt f = 0; f < rod->model->fields; f++)
-    residual[rod->model->group[f]] = PetscMax(residual[rod->model->group[f]], size[f]);
+    residual[rod->model->group[f]] =
+        PetscMax(residual[rod->model->group[f]], size[f] / RodFieldUnit(rod, f));
   PetscFunctionReturn(0);
 }
 
@@ -36,6 +38,23 @@ static PetscErrorCode Residuals(Rod rod, Vec U, Vec F, PetscReal residual[GROUPS
 static const PetscReal loose = 1e-4, tight = 1e-3;
 enum { PATIENCE = 8 };
 
+/* Forces and moments of a rod at rest may be all but none, and what is found of them is round-off
+   of what bends it: below this part of the unit in which a rod so bent has them nothing is to
+   settle. */
+static const PetscReal unsettled = 1e-8;
+
+static void LeaveRoundOff(const Rod rod, PetscReal size[MAX_FIELDS]) {
+  const RodModel *model = rod->model;
+  PetscReal bent[GROUPS] = {1};
+
+  for (PetscInt f = 0; f < model->fields; f++)
+    if (model->followed[f] && model->group[f] && strchr("tp", model->field[f][0]))
+      bent[model->group[f]] = PetscMax(bent[model->group[f]], size[f]);
+  for (PetscInt f = 0; f < model->fields; f++)
+    if (!model->followed[f])
+      size[f] = PetscMax(size[f], unsettled * RodFieldUnit(rod, f) * bent[model->group[f]]);
+}
+
 /* The largest update of each group's fields, relative to the field's scale; those not followed
    count by weight; and that of any field followed. A field that is 0 throughout (the straight rod's
    x2) has converged when its update is 0. */
@@ -45,6 +64,7 @@ static PetscErrorCode RelativeUpdates(Rod rod, Vec U, Vec dU, PetscReal weight,
 
   PetscFunctionBegin;
   PetscCall(RodFieldScales(rod, U, axes, size));
+  LeaveRoundOff(rod, size);
   PetscCall(RodSizesAlong(rod, dU, axes, change));
   *followed = 0;
   for (int g = 0; g < GROUPS; g++) update[g] = 0;
@@ -180,6 +200,19 @@ static PetscErrorCode SetSearch(SNES snes, SNESLineSearchType type) {
   PetscFunctionReturn(0);
 }
 
+/* Keeps what an observer of the state does not find by himself; where places stick, Hold() does. */
+static PetscErrorCode KeepForces(Newton *self, Vec F) {
+  Rod rod = self->rod;
+  RodForces sum;
+
+  PetscFunctionBegin;
+  PetscCall(RodKeepLeft(rod, self->latest.t, F));
+  if (rod->order == 4 || !rod->model->bears) PetscFunctionReturn(0);
+  PetscCall(rod->model->bears(rod, &self->latest, &sum));
+  RodKeepBorne(rod, &sum);
+  PetscFunctionReturn(0);
+}
+
 /*
   Converged - the test of SNES: by the update, per field, against the field's own size. A norm of
   the residual over all fields would not see x2 at 1e-16 beside x1.
@@ -239,6 +272,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
   }
   hopeless = Hopeless(self, it, Largest(residual), (PetscBool)(part < whole));
   if (!*reason && hopeless) *reason = SNES_DIVERGED_LINE_SEARCH;
+  if (*reason > 0) PetscCall(KeepForces(self, F));
   if (*reason > 0 && LoadSticks(&self->rod->scene->load) && self->rod->model->hold)
     PetscCall(Hold(self, snes, U, F, reason));
   PetscCall(PetscArraycpy(self->residual, residual, GROUPS));
@@ -286,6 +320,12 @@ static PetscErrorCode Jacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shi
   PetscFunctionReturn(0);
 }
 
+/* What is below round-off of the whole of a vector is not asked for either (rod/sizes.c). */
+static void SetTolerance(Newton *newton, PetscReal tolerance) {
+  newton->tolerance = tolerance;
+  newton->rod->finest = round_off / tolerance;
+}
+
 /*
   NewtonSetUp - sets the equations of a TS and its SNES, before its options are read: full Newton
   steps, the test above, and a direct solver. PETSc's options override. newton must live as long as
@@ -301,7 +341,7 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   newton->ts = ts;
   newton->rod = rod;
   PetscCall(TSGetTolerances(ts, NULL, NULL, &rtol, NULL));
-  newton->tolerance = share_of_tolerance * rtol;
+  SetTolerance(newton, share_of_tolerance * rtol);
   newton->loose = loose;
   newton->slow = snapping;
   PetscCall(TSSetIFunction(ts, NULL, Residual, newton));
@@ -328,7 +368,7 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
 */
 void NewtonToRest(Newton *newton, PetscReal rtol, PetscReal rest) {
   newton->slow = rest;
-  newton->tolerance = PetscMin(newton->tolerance, share_of_tolerance * rtol);
+  SetTolerance(newton, PetscMin(newton->tolerance, share_of_tolerance * rtol));
   newton->loose = tight * loose;
 }
 
@@ -360,6 +400,18 @@ static PetscErrorCode HasChain(Rod rod, PetscBool *has) {
   *has = (PetscBool)(rod->model->eliminate && EliminationCan(rod->model->halves, ranks) &&
                      rod->scene->clamp == CLAMP_HELD &&
                      (ranks == 1 || rod->scene->tip.type == TIP_FREE));
+  PetscFunctionReturn(0);
+}
+
+/* Can modes be counted, though the matrix is assembled? Not of a rod whose beginning is free.
+   Springs are put for a hinge, and for what holds a tip that several ranks go from. */
+static PetscErrorCode HasCount(Rod rod, PetscBool *has) {
+  PetscMPIInt ranks;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(rod->scene->comm, &ranks));
+  *has = (PetscBool)(rod->model->eliminate && EliminationCounts(rod->model->halves, ranks) &&
+                     rod->scene->clamp != CLAMP_FREE);
   PetscFunctionReturn(0);
 }
 
@@ -403,24 +455,46 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
   PetscFunctionReturn(0);
 }
 
+/* The matrix of a rod on one rank that touches itself, and its solver. */
+static PetscErrorCode SetBlockLU(TS ts, Newton *newton) {
+  const Rod rod = newton->rod;
+  SNES snes;
+  KSP ksp;
+  PC pc;
+
+  PetscFunctionBegin;
+  PetscCall(BlockLUCreate(rod->last + 1, rod->model->fields,
+                          (PetscBool)(rod->scene->tip.type != TIP_FREE), &newton->J));
+  PetscCall(TSGetSNES(ts, &snes));
+  PetscCall(SNESGetKSP(snes, &ksp));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(BlockLUSetType(pc));
+  PetscFunctionReturn(0);
+}
+
 /*
   NewtonSetMatrix - gives the TS its Jacobian, once its options are read: where the model can, it is
-  eliminated while it is computed (base/elimination.c). Else, or if an option is about a matrix or
+  eliminated while it is computed (base/elimination.c); of a rod on one rank that touches itself its
+  blocks are (base/blocklu.c). Else, or if an option is about a matrix or
   its solver, it is assembled, for PETSc's block LU in natural order on one rank (it is
   block-banded, its diagonal blocks regular), on several the same on each, joined (base/chain.c).
 */
 PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton) {
   Rod rod = newton->rod;
-  PetscBool asked, has;
+  PetscBool asked, has, counts;
 
   PetscFunctionBegin;
   PetscCall(MatrixAsked(ts, &asked));
   PetscCall(HasChain(rod, &has));
+  PetscCall(HasCount(rod, &counts));
   if (has && !asked && !rod->coupled)
     PetscCall(SetElimination(ts, newton));
   else {
-    PetscCall(RodCreateMatrix(rod, &newton->J));
-    if (has)
+    if (rod->coupled && rod->alone && !asked && BlockLUCan(rod->last + 1, rod->model->fields))
+      PetscCall(SetBlockLU(ts, newton));
+    else
+      PetscCall(RodCreateMatrix(rod, &newton->J));
+    if (counts)
       PetscCall(EliminationCreate(rod->scene->comm, rod->end - rod->first, rod->model->halves,
                                   &newton->counter));
   }
@@ -479,8 +553,30 @@ PetscErrorCode NewtonIndex(Newton *newton, PetscInt *index, PetscBool *known) {
   *index = 0;
   if (!*known) PetscFunctionReturn(0);
   if (counted == newton->counter) PetscCall(NewtonEliminate(newton, counted));
+  EliminationPlane(counted, newton->plane);
   PetscCall(EliminationIndex(counted, index));
   if (EliminationWide(counted) && *index < 0) *known = PETSC_FALSE;
+  PetscFunctionReturn(0);
+}
+
+/* NewtonOutOfPlane - how many modes out of the plane of x1 and x2 grow faster than this rate, of a
+   rod in space that lies in it; 0 where they cannot be counted. Collective. */
+PetscErrorCode NewtonOutOfPlane(Newton *newton, PetscReal rate, PetscInt *modes) {
+  const Elimination counted = newton->counter ? newton->counter : newton->elimination;
+  const RodState linearised = newton->linearised;
+  PetscInt index[2] = {0, 0};
+
+  PetscFunctionBegin;
+  *modes = 0;
+  if (!counted || !linearised.U || LoadSticks(&newton->rod->scene->load)) PetscFunctionReturn(0);
+  for (PetscInt f = 0; f < newton->rod->model->fields; f++) newton->linearised.shift[f] = rate;
+  PetscCall(NewtonEliminate(newton, counted));
+  newton->linearised = linearised;
+  for (int plane = 0; plane < 2; plane++) {
+    EliminationPlane(counted, (PetscBool)plane);
+    PetscCall(EliminationIndex(counted, &index[plane]));
+  }
+  if (index[0] >= 0 && index[1] >= 0) *modes = index[0] - index[1];
   PetscFunctionReturn(0);
 }
 

@@ -10,6 +10,7 @@ typedef struct {
   Rod rod;
   Elimination elimination; /* instead of a matrix; NULL: none */
   Elimination counter;     /* beside a matrix, to count modes that grow; NULL: none */
+  PetscBool plane;         /* only modes within the plane of x1 and x2 are to count */
   Mat J;
   PetscBool fresh;                /* the next Jacobian is the first of its solve */
   PetscReal factor_rate[MIRRORS]; /* what a field has in U_t beside shift U (vbdf.h), for each
@@ -38,6 +39,7 @@ PetscErrorCode NewtonTakesFullSteps(const Newton *newton, PetscBool *full);
 PetscErrorCode NewtonCuts(const Newton *newton, PetscBool cuts);
 PetscErrorCode NewtonEliminate(Newton *newton, Elimination elimination);
 PetscErrorCode NewtonIndex(Newton *newton, PetscInt *index, PetscBool *known);
+PetscErrorCode NewtonOutOfPlane(Newton *newton, PetscReal rate, PetscInt *modes);
 PetscErrorCode NewtonDestroy(Newton *newton);
 
 #endif

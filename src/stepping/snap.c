@@ -11,6 +11,7 @@
   followed until it rests.
 */
 static const PetscReal rest = 1e-6, long_after = 1e4; /* velocity at rest; fast time to get there */
+/* Velocities in it have no unit, and times that of lengths: they are in the scene's. */
 /* Friction of strength 1 lets a rod fall in about that: what bends it sharply moves in 1e-10 of
    it, and not to see that is to take the fall in one step. */
 static const PetscReal falls_in = 1;
@@ -67,7 +68,7 @@ static PetscReal SpeedOfTurning(const RodModel *model, const PetscReal speed[MAX
    turned more than 324 times as fast as that, in a blow; one that starts far out of balance turns
    into line 1500 times as fast, slower with each step.) */
 static PetscReal FreeTurning(const Rod rod, const PetscReal speed[MAX_FIELDS]) {
-  const PetscReal far = 1e3, turning = SpeedOfTurning(rod->model, speed);
+  const PetscReal far = 1e3, turning = SpeedOfTurning(rod->model, speed) * rod->scene->units.length;
 
   if (!rod->model->space || rod->scene->load.radius > 0) return 0;
   return turning > far * (1 + SpeedOfPlaces(rod->model, speed)) ? turning : 0;
@@ -76,18 +77,21 @@ static PetscReal FreeTurning(const Rod rod, const PetscReal speed[MAX_FIELDS]) {
 /* Behind each step in the fast time: is the rod at rest, or can it not be followed there? */
 static PetscErrorCode StopAtRest(TS ts) {
   Leg *leg;
-  PetscReal speed[MAX_FIELDS], fastest = 0, turning, t;
+  PetscReal speed[MAX_FIELDS], fastest = 0, turning, t, unit;
   PetscInt iterations;
 
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &leg));
+  unit = leg->rod->scene->units.length;
   PetscCall(TSGetTime(ts, &t));
   PetscCall(TSGetSNESIterations(ts, &iterations));
   if (iterations > most_iterations) PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_ITS));
   PetscCall(RodFieldSizes(leg->rod, leg->newton.latest.U_t, speed));
   for (PetscInt f = 0; f < leg->rod->model->fields; f++)
-    if (leg->rod->model->followed[f]) fastest = PetscMax(fastest, speed[f]);
-  if (fastest < rest && fastest <= leg->speed && (t >= soonest || !leg->rod->scene->contact.any))
+    if (leg->rod->model->followed[f])
+      fastest = PetscMax(fastest, speed[f] * unit / RodFieldUnit(leg->rod, f));
+  if (fastest < rest && fastest <= leg->speed &&
+      (t >= soonest * unit || !leg->rod->scene->contact.any))
     PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
   leg->speed = fastest;
   turning = FreeTurning(leg->rod, speed);
@@ -162,10 +166,10 @@ PetscErrorCode SnapFollow(TS ts, PetscReal t, Vec U, PetscBool *done) {
     PetscCall(SceneLeaveFastTime(&fast));
     PetscFunctionReturn(0);
   }
-  fast->end_time = long_after;
+  fast->end_time = long_after * fast->units.length;
   PetscCall(LegCreate(fast, slow->rod->model, PetscMax(slow->rtol, least_rtol), "snap_", &leg));
   NewtonToRest(&leg.newton, least_rtol, rest);
-  PetscCall(VBDFSetScale(leg.ts, falls_in));
+  PetscCall(VBDFSetScale(leg.ts, falls_in * fast->units.length));
   PetscCall(TSSetPostStep(leg.ts, StopAtRest));
   PetscCall(TSSetMaxSteps(leg.ts, most_steps));
   PetscCall(VecCopy(U, leg.U));

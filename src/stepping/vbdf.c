@@ -197,6 +197,17 @@ PetscErrorCode VBDFSetSnap(TS ts, VBDFSnap snap) {
   PetscFunctionReturn(0);
 }
 
+/* VBDFSetResolves - says that every motion has a finite velocity, which steps are to see: an error
+   that does not fall with the step is no jump. No effect on other types. */
+PetscErrorCode VBDFSetResolves(TS ts, PetscBool resolves) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  if (self) self->controller.resolves = resolves;
+  PetscFunctionReturn(0);
+}
+
 /* VBDFSetScale - sets the time that something takes in what is followed: a step that is a tiny part
    of it is all but none. Without it that is the end of the run, which may be far behind. No effect
    on other types. */
@@ -275,6 +286,17 @@ PetscErrorCode VBDFSetFactored(TS ts, PetscInt fields, const int factored[]) {
              "%d fields, at most %d", (int)fields, VBDF_FIELDS);
   self->formula.fields = any ? fields : 0;
   PetscCall(PetscArraycpy(self->formula.factored, factored, fields));
+  PetscFunctionReturn(0);
+}
+
+/* VBDFSetLeast - says below which size of its first field, in the step that begins, no factor is
+   taken: what it would be of is round-off. No effect on other types. */
+PetscErrorCode VBDFSetLeast(TS ts, const PetscReal least[VBDF_FACTORS]) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  if (self) PetscCall(PetscArraycpy(self->formula.least, least, VBDF_FACTORS));
   PetscFunctionReturn(0);
 }
 

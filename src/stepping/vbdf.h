@@ -48,12 +48,14 @@ PetscErrorCode VBDFSetGuess(TS ts, VBDFGuess guess, void *ctx);
 PetscErrorCode VBDFSetHighestOrder(TS ts, PetscInt order);
 PetscErrorCode VBDFSetSnap(TS ts, VBDFSnap snap);
 PetscErrorCode VBDFSetOtherWay(TS ts, VBDFOtherWay other_way);
+PetscErrorCode VBDFSetResolves(TS ts, PetscBool resolves);
 PetscErrorCode VBDFSetScale(TS ts, PetscReal scale);
 PetscErrorCode VBDFSetCheck(TS ts, VBDFCheck check);
 PetscErrorCode VBDFSetCross(TS ts, VBDFCross cross);
 PetscErrorCode VBDFSetNextEnd(TS ts, VBDFNextEnd next_end);
 PetscErrorCode VBDFSetMeasure(TS ts, VBDFMeasure measure);
 PetscErrorCode VBDFSetFactored(TS ts, PetscInt fields, const int factored[]);
+PetscErrorCode VBDFSetLeast(TS ts, const PetscReal least[VBDF_FACTORS]);
 PetscErrorCode VBDFGetFactorRate(TS ts, PetscReal rate[VBDF_FACTORS]);
 PetscErrorCode VBDFGetHistory(TS ts, PetscInt *n, PetscReal times[], Vec points[], PetscInt *order);
 PetscErrorCode VBDFSetHistory(TS ts, PetscInt n, const PetscReal times[], const Vec points[],

@@ -370,7 +370,7 @@ static PetscErrorCode BucklingBound(Pencil p, PetscReal *bound, PetscBool *pulle
 */
 PetscErrorCode SpectrumBuckling(Spectrum *self, PetscReal t, Eigenvalue *ratio, PetscReal c[],
                                 PetscReal w[]) {
-  const PetscReal above = 1e-3;
+  const PetscReal above = 1e-3, nothing = 1e-10;
   PetscReal bound;
   PetscBool pulled;
 
@@ -381,6 +381,10 @@ PetscErrorCode SpectrumBuckling(Spectrum *self, PetscReal t, Eigenvalue *ratio, 
   if (self->pencil->compression == 0) PetscFunctionReturn(0);
   PetscCall(BucklingBound(self->pencil, &bound, &pulled));
   if (bound <= 0) PetscFunctionReturn(0);
+  if (pulled && bound < nothing) { /* round-off of a rod at rest: a matrix of zeros to PETSc */
+    ratio->value = bound;
+    PetscFunctionReturn(0);
+  }
   PetscCall(PencilMatrix(self->pencil, FORM_AXIAL, &self->A));
   PetscCall(PencilMatrix(self->pencil, FORM_BEND, &self->B));
   if (pulled || self->inverted) {

@@ -1,7 +1,10 @@
 #include "straight/transient.h"
 #include <slepcsvd.h>
 
-enum { STAGES = 3, MAX_STEPS = 20000 };
+enum { STAGES = 3, MAX_STEPS = 20000, MOST_BENDS = 2000 };
+
+/* How far from straight lines tables may be within a step, as a part of their size. */
+static const PetscReal straight_on = 0.02;
 
 /* Radau IIA of order 5: the times of its stages and the inverse of its matrix */
 static const PetscReal root6 = 2.449489742783178;
@@ -204,9 +207,10 @@ static PetscErrorCode ChooseSteps(Propagator *self, PetscReal tolerance) {
   PetscCall(PetscMalloc2(self->n, &probe, self->n, &old));
   PetscCall(SmoothProbe(self, probe));
   while (t < self->t2) {
-    PetscBool last = (PetscBool)(t + 1.0001 * h >= self->t2);
+    const PetscReal free = h, end = PetscMin(self->t2, BendsNext(&self->bends, t));
+    PetscBool last = (PetscBool)(t + 1.0001 * h >= end);
     PetscReal factor;
-    if (last) h = self->t2 - t;
+    if (last) h = end - t;
     PetscCall(PetscArraycpy(old, probe, self->n));
     PetscCall(TryStep(self, t, h, probe, &error));
     factor = 0.9 * PetscPowReal(tolerance / PetscMax(error, 1e-30), 1. / 6);
@@ -216,7 +220,8 @@ static PetscErrorCode ChooseSteps(Propagator *self, PetscReal tolerance) {
       PetscCall(PetscArraycpy(probe, old, self->n));
     } else {
       self->steps += 2;
-      t = last ? self->t2 : t + h;
+      t = last ? end : t + h;
+      if (end < self->t2 && last && factor >= 1) h = PetscMax(h, free / factor);
     }
     h *= factor;
     PetscCheck(h > 1e-12 * self->t2, PETSC_COMM_SELF, PETSC_ERR_CONV_FAILED,
@@ -236,6 +241,8 @@ static PetscErrorCode ChooseSteps(Propagator *self, PetscReal tolerance) {
 */
 PetscErrorCode PropagatorCreate(Scene scene, const Mesh *mesh, StraightWay way, PetscReal t1,
                                 PetscReal t2, PetscReal tolerance, Propagator *self) {
+  PetscReal straight = straight_on;
+
   PetscFunctionBegin;
   PetscCall(PetscMemzero(self, sizeof(*self)));
   self->t1 = t1;
@@ -243,6 +250,8 @@ PetscErrorCode PropagatorCreate(Scene scene, const Mesh *mesh, StraightWay way, 
   self->n = mesh->cells + 1;
   PetscCall(PencilCreate(PETSC_COMM_SELF, scene, mesh, t2, way, &self->pencil));
   PetscCall(PetscMalloc1(STAGES * self->n, &self->work));
+  PetscCall(SceneFewBends(scene, MOST_BENDS, &straight, &self->bends));
+  if (self->bends.n > MOST_BENDS) PetscCall(BendsDestroy(&self->bends));
   PetscCall(ChooseSteps(self, tolerance));
   PetscFunctionReturn(0);
 }
@@ -253,6 +262,7 @@ PetscErrorCode PropagatorDestroy(Propagator *self) {
   PetscCall(PetscFree(self->factor));
   PetscCall(PetscFree(self->drag));
   PetscCall(PetscFree(self->work));
+  PetscCall(BendsDestroy(&self->bends));
   PetscCall(PencilDestroy(&self->pencil));
   PetscFunctionReturn(0);
 }

@@ -15,6 +15,7 @@ typedef struct {
   Band *factor;    /* of each step */
   PetscReal *drag; /* [steps][3][n][WIDTH], D at the stages */
   PetscReal *work; /* 3 n values */
+  Bends bends;     /* of the scene's tables: steps end there */
 } Propagator;
 
 /* The deflection that grows most, and what becomes of it. */

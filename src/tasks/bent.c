@@ -5,6 +5,7 @@
    real part of 0 (theory.md, section 15). */
 #include "tasks/bent.h"
 #include "base/chain.h"
+#include "base/extremes.h"
 #include "rod/directors.h"
 #include "stepping/leg.h"
 #include "tasks/growing.h"
@@ -13,11 +14,15 @@
 /* Eigenvalues nearest to 0 that are looked at: modes that are about to grow come through it, or
    past it. */
 enum { NEAREST = 6, SUBSPACE = 40, ROOT_STEPS = 60, CORRECTIONS = 2 };
+/* Steps that tables end, unless they bend farther than by their noise so often. */
+enum { MOST_BENDS = 2000 };
 
 /* 1/sigma that is so much smaller than the largest is its round-off. */
 static const PetscReal noise = 1e-7;
 /* A root is found to this part of the time. */
 static const PetscReal root_found = 2e-13;
+/* How far from straight lines tables may be between steps, as a part of their size. */
+static const PetscReal straight_on = 0.02;
 /* Friction closer to exact than this is 1/sqrt(beta) where the rod rests, and modes are lost in it.
  */
 static const PetscReal least_beta = 1e-16;
@@ -36,6 +41,9 @@ typedef struct {
   Vec moves;         /* see SetMoves() */
   PetscReal before;  /* the rate at the latest step; 0: none was taken */
   PetscBool settled; /* what the start brought is over */
+  Bends bends;       /* of the scene's tables, in time: steps end there */
+  PetscInt looks;
+  PetscReal widest; /* so far are looks apart */
   Crawl crawl;
   PetscBool crawls;
   PetscBool crosses;
@@ -298,12 +306,13 @@ static PetscErrorCode Cross(Bent *self, PetscReal a, PetscReal fa, PetscReal b, 
    chatters gets on by a hundredth of the run; a run that comes through takes some hundred. */
 static const PetscReal crawls_by = 0.05;
 
-/* Do steps get the rod anywhere? If not, it ends. */
-static PetscErrorCode LookForCrawl(Bent *self, TS ts, PetscReal t) {
+/* Do steps get the rod anywhere? If not, it ends. Steps that tables end say nothing of that. */
+static PetscErrorCode LookForCrawl(Bent *self, TS ts, PetscReal t0, PetscReal t) {
   const Scene scene = self->leg.rod->scene;
   PetscReal length;
 
   PetscFunctionBegin;
+  if (BendsNext(&self->bends, t0) <= t) PetscFunctionReturn(0);
   PetscCall(GrowthLength(scene->growth, t, &length, NULL));
   self->crawls =
       (PetscBool)(!self->crawl.allowed &&
@@ -333,6 +342,8 @@ static PetscErrorCode AfterStep(TS ts) {
     PetscFunctionReturn(0);
   }
   PetscCall(LookAt(self, t1, t0, t1, &growing));
+  self->looks++;
+  self->widest = PetscMax(self->widest, t1 - t0);
   if (growing.rate < 0) {
     self->crosses = PETSC_FALSE;
     if (-growing.rate * t1 >= 1) self->settled = PETSC_TRUE;
@@ -344,8 +355,28 @@ static PetscErrorCode AfterStep(TS ts) {
   if (self->crosses && (self->settled || growing.rate * t1 >= 1))
     PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
   else if (t1 < self->leg.rod->scene->end_time)
-    PetscCall(LookForCrawl(self, ts, t1));
+    PetscCall(LookForCrawl(self, ts, t0, t1));
   self->before = growing.rate;
+  PetscFunctionReturn(0);
+}
+
+/* A VBDFNextEnd. */
+static PetscReal NextEnd(TS ts, PetscReal t) {
+  Leg *leg = NULL;
+
+  if (TSGetApplicationContext(ts, &leg)) return PETSC_MAX_REAL;
+  return SmallerOf(SceneNextTurn(leg->rod->scene, t), BendsNext(&((Bent *)leg->owner)->bends, t));
+}
+
+/* A rod that rests, or does not feel it yet, lets steps be long: they end where tables turn, and
+   where they bend. */
+static PetscErrorCode EndAtBends(Scene scene, Bent *self) {
+  PetscReal tolerance = straight_on;
+
+  PetscFunctionBegin;
+  PetscCall(LegEndAtTurns(&self->leg));
+  PetscCall(SceneFewBends(scene, MOST_BENDS, &tolerance, &self->bends));
+  if (self->bends.n) PetscCall(VBDFSetNextEnd(self->leg.ts, NextEnd));
   PetscFunctionReturn(0);
 }
 
@@ -358,7 +389,7 @@ static PetscErrorCode Create(Scene scene, PetscReal rtol, PetscBool quiet, Bent 
   rod = self->leg.rod;
   self->leg.owner = self;
   PetscCall(TSSetPostStep(self->leg.ts, AfterStep));
-  PetscCall(LegEndAtTurns(&self->leg));
+  PetscCall(EndAtBends(scene, self));
   PetscCall(RodHoldTip(rod));
   PetscCall(RodCreateMatrix(rod, &self->A));
   PetscCall(RodCreateMatrix(rod, &self->B));
@@ -384,6 +415,7 @@ static PetscErrorCode Destroy(Bent *self) {
   PetscCall(VecDestroy(&self->U_t));
   PetscCall(VecDestroy(&self->work));
   PetscCall(VecDestroy(&self->moves));
+  PetscCall(BendsDestroy(&self->bends));
   PetscCall(LegDestroy(&self->leg));
   PetscFunctionReturn(0);
 }
@@ -394,16 +426,20 @@ static PetscErrorCode Follow(Scene scene, PetscReal rtol, PetscBool quiet, Petsc
   TSConvergedReason reason;
   Bent self = {.critical = critical};
   PetscErrorCode error;
-  char text[64], crawl[512];
+  Critical seen = {0};
+  char text[64], crawl[512], looks[128];
 
   PetscFunctionBegin;
   error = Create(scene, rtol, quiet, &self);
   if (!error) error = TSSolve(self.leg.ts, self.leg.U);
   if (!error) error = TSGetConvergedReason(self.leg.ts, &reason);
   if (!error) error = TSGetTime(self.leg.ts, t);
+  seen.bends = self.bends.n;
+  seen.looks = self.looks;
+  seen.widest = self.widest;
   PetscCall(Destroy(&self));
   PetscCall(error);
-  CrawlTell(&self.crawl, scene->load.friction.beta, crawl, sizeof(crawl));
+  CrawlTell(&self.crawl, scene->load.friction.beta, PETSC_FALSE, crawl, sizeof(crawl));
   UserCheck(!self.crawls, OptionsComm(), "%s", crawl);
   UserCheck(reason > 0 || (self.crosses && self.t > 0), OptionsComm(),
             "the bent rod could not be followed beyond t = %s (%s): try another -ts_rtol or more "
@@ -415,9 +451,15 @@ static PetscErrorCode Follow(Scene scene, PetscReal rtol, PetscBool quiet, Petsc
   UserCheck(!self.crosses || self.t > 0, OptionsComm(),
             "-growth_initial_length: the bent rod is unstable already at t = 0, take it shorter or "
             "load it less");
-  UserCheck(self.crosses, OptionsComm(), "-ts_max_time %s: the bent rod is stable up to there, %s",
-            OptionBoth(scene->end_time, UNIT_TIME, text), GrowthOutlook(scene->growth));
+  UserCheck(self.crosses, OptionsComm(),
+            "-ts_max_time %s: the bent rod is stable up to there%s, %s",
+            OptionBoth(scene->end_time, UNIT_TIME, text),
+            CriticalLooks(&seen, looks, sizeof(looks)), GrowthOutlook(scene->growth));
   *t = self.t;
+  if (!critical) PetscFunctionReturn(0);
+  critical->bends = seen.bends;
+  critical->looks = seen.looks;
+  critical->widest = seen.widest;
   PetscFunctionReturn(0);
 }
 

@@ -3,8 +3,8 @@
 
 /* So many steps for what is next to nothing; and where something can still be done about it. */
 enum { STEPS = 1000, SOON = 250 };
-/* In contact that has got firm, and may be no way, so many iterations count as one of these steps.
- */
+/* In contact that has got firm, and may be no way, and where walls rub, so many iterations count as
+   one of these steps. */
 enum { ITERATIONS = 20 };
 /* In the layer of a start, or behind a kink, steps get longer from next to nothing on, the slower
    the finer the tolerance: who gets on so much faster in the second half does not crawl. */
@@ -48,15 +48,28 @@ PetscBool CrawlStep(Crawl *self, PetscReal t, PetscReal least, PetscInt iteratio
   return crawls;
 }
 
-/* CrawlTell - the line for a run that crawls: where, and what to try. beta: of its friction. */
-void CrawlTell(const Crawl *self, PetscReal beta, char line[], size_t room) {
+/* A rod that sticks to a wall and is held by dry friction along itself, too, slides on at a force
+   that neither tells, and may chatter. The least viscous share along it tells how fast. */
+const char *const crawl_held =
+    "friction with a wall and dry friction along the rod hold it at once: let a hundredth of the "
+    "latter or more be viscous, by -friction_mu 0.99, in SI by -si_friction_viscous";
+
+/*
+  CrawlTell - the line for a run that crawls: where, and what to try.
+
+  beta  of its friction      held  it is in touch with a wall that rubs, and dry friction holds it,
+  too
+*/
+void CrawlTell(const Crawl *self, PetscReal beta, PetscBool held, char line[], size_t room) {
   char text[2][64];
 
   OptionBoth(self->time, UNIT_TIME, text[0]);
   OptionBoth(self->by, UNIT_TIME, text[1]);
   (void)snprintf(line, room,
-                 "crawls at t = %s: the latest %d steps have brought it on by %s; try %sanother "
+                 "crawls at t = %s: the latest %d steps%s have brought it on by %s; %s%s%sanother "
                  "-ts_rtol or other -rod_cells, or give -ts_max_steps, and it goes on as long as "
                  "that",
-                 text[0], STEPS, text[1], beta < 1e-3 ? "a larger -friction_beta, " : "");
+                 text[0], STEPS, self->counts ? ", or 20000 iterations," : "", text[1],
+                 held ? crawl_held : "", held ? "; or try " : "try ",
+                 beta < 1e-3 ? "a larger -friction_beta, " : "");
 }

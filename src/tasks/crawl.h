@@ -20,6 +20,8 @@ typedef struct {
 
 PetscErrorCode CrawlAllowed(TS ts, Crawl *crawl);
 PetscBool CrawlStep(Crawl *crawl, PetscReal t, PetscReal least, PetscInt iterations);
-void CrawlTell(const Crawl *crawl, PetscReal beta, char line[], size_t room);
+void CrawlTell(const Crawl *crawl, PetscReal beta, PetscBool held, char line[], size_t room);
+
+extern const char *const crawl_held;
 
 #endif

@@ -4,6 +4,7 @@
 #include "scene/scales.h"
 #include "straight/spectrum.h"
 #include "straight/straight.h"
+#include "tasks/peak.h"
 
 /* the numbers among the results, in the order of Numbers() */
 const char *const critical_name[] = {"t", "length", "error", "frequency"},
@@ -13,6 +14,8 @@ const char *const critical_name[] = {"t", "length", "error", "frequency"},
                                             "frequency of the flutter; 0: buckling"};
 
 enum { SHARED_CELLS = 5000, SCAN_CELLS = 64, SCAN_STEPS = 100, ROOT_STEPS = 60 };
+/* Where tables bend so often that looks are many, a mesh of so few cells looks first. */
+enum { MANY_BENDS = 2000, GLANCE_CELLS = 16 };
 
 /* A growth factor as a function of t, negative while the straight rod is stable. */
 typedef struct {
@@ -115,42 +118,142 @@ static PetscBool Idle(Pencil p) {
   return PETSC_TRUE;
 }
 
-/* The first bracket of a crossing, found in steps of 5 % of the length. The rod may also be
-   unstable from the start. */
-static PetscErrorCode ScanWith(Factor *coarse, Scene scene, PetscReal *low, PetscReal *high,
-                               Fate *fate) {
-  PetscReal T = scene->end_time, f, L, L_t;
-  PetscBool pulled, idle;
+/* What stands out if it peaks: the ratio less 1, linear in what presses; or the growth factor. */
+static PetscReal LevelOf(const Factor *self, PetscReal f) {
+  if (!ByRatio(self)) return f;
+  return f > PETSC_MIN_REAL ? PetscExpReal(f) - 1 : -1;
+}
+
+/* A PeakLevel. */
+static PetscErrorCode Level(void *factor, PetscReal t, PetscReal *level) {
+  Factor *self = (Factor *)factor;
 
   PetscFunctionBegin;
-  *low = *high = 0;
-  PetscCall(FactorAt(coarse, 0, &f));
-  pulled = (PetscBool)(f == PETSC_MIN_REAL);
-  idle = Idle(coarse->pencil);
-  *fate = UNSTABLE;
-  if (f >= 0) PetscFunctionReturn(0);
-  while (f < 0 && *high < T) {
-    PetscCall(GrowthLength(scene->growth, *high, &L, &L_t));
-    *low = *high;
-    *high += PetscMin(0.05 * L / PetscMax(PetscAbsReal(L_t), 1e-12), T / SCAN_STEPS);
-    *high = PetscMin(*high, T);
-    PetscCall(FactorAt(coarse, *high, &f));
-    pulled = (PetscBool)(pulled && f == PETSC_MIN_REAL);
-    idle = (PetscBool)(idle && Idle(coarse->pencil));
-  }
-  *fate = f >= 0 ? CROSSES : !pulled ? STABLE : idle ? IDLE : PULLED;
+  PetscCall(FactorAt(self, t, level));
+  *level = LevelOf(self, *level);
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode Scan(Scene scene, StraightWay way, PetscReal *low, PetscReal *high,
-                           Fate *fate) {
-  PetscErrorCode error;
-  Factor coarse = {0};
+/* How far from straight lines tables may be between looks, as a part of their size. */
+static const PetscReal straight_on = 1e-3;
+
+/* What is seen of the straight rod by looking at it from time to time. */
+typedef struct {
+  Fate fate;
+  PetscReal low, high; /* the first bracket of a crossing */
+  Bends bends;         /* of tables, in time, while looking */
+  PetscInt bent;       /* so many */
+  PetscInt looks;
+  PetscReal widest; /* so far are looks apart */
+  PeakPlace at[3];  /* the latest, if tables bend */
+} Sight;
+
+/* Is there nothing along the rod that a mesh of few cells does not see? */
+static PetscBool IsSmooth(Scene scene) {
+  const PetscReal longest = 0.25; /* of the rod */
+  const Growth growth = scene->growth;
+  const Field field = scene->load.field;
+  const PetscReal finest = field ? FieldFinest(field, scene->reach) : 0;
+
+  return (PetscBool)(growth->finest == 0 && growth->narrow == 0 && growth->steep > longest &&
+                     !scene->stiffness.varies && (finest == 0 || finest > longest * scene->reach));
+}
+
+/* The growth factor of the coarse mesh, or of one that is coarser still (glance, NULL: none) if
+   that sees the rod far from unstable: the ratio, or the decay against that of a rod on which
+   nothing presses. */
+static PetscErrorCode Glance(Factor *coarse, Factor *glance, PetscReal t, PetscReal *f) {
+  const PetscReal far = 0.1, unloaded = 12.36; /* 1.875^4 */
+  PetscReal L;
 
   PetscFunctionBegin;
-  error = FactorCreate(PETSC_COMM_SELF, scene, SCAN_CELLS, way, PETSC_TRUE, PETSC_TRUE, &coarse);
-  if (!error) error = ScanWith(&coarse, scene, low, high, fate);
+  if (glance) {
+    PetscCall(FactorAt(glance, t, f));
+    PetscCall(GrowthLength(glance->pencil->growth, t, &L, NULL));
+    if (LevelOf(glance, *f) <
+        -far * (ByRatio(glance) ? 1 : unloaded / (glance->pencil->drag_min * PetscSqr(L * L))))
+      PetscFunctionReturn(0);
+  }
+  PetscCall(FactorAt(coarse, t, f));
+  PetscFunctionReturn(0);
+}
+
+/* Where tables bend, a look that stands out from both neighbours may be next to what comes and goes
+   between them. */
+static PetscErrorCode LookForPeak(Factor *coarse, Sight *sight, PetscReal *f) {
+  PetscBool above = PETSC_FALSE;
+  PeakPlace across[2];
+
+  PetscFunctionBegin;
+  sight->at[0] = sight->at[1];
+  sight->at[1] = sight->at[2];
+  sight->at[2] = (PeakPlace){sight->high, LevelOf(coarse, *f)};
+  if (*f < 0 && sight->at[0].t < sight->at[1].t)
+    PetscCall(PeakFind(Level, coarse, sight->at, across, &above));
+  if (!above) PetscFunctionReturn(0);
+  sight->low = across[0].t;
+  sight->high = across[1].t;
+  *f = across[1].level;
+  PetscFunctionReturn(0);
+}
+
+/* The time of the next look: in steps of 5 % of the length, a hundredth of the search, and not past
+   where tables bend. */
+static PetscErrorCode NextLook(Scene scene, Sight *sight) {
+  const PetscReal T = scene->end_time, bend = BendsNext(&sight->bends, sight->high);
+  PetscReal L, L_t;
+
+  PetscFunctionBegin;
+  PetscCall(GrowthLength(scene->growth, sight->high, &L, &L_t));
+  sight->low = sight->high;
+  sight->high += PetscMin(0.05 * L / PetscMax(PetscAbsReal(L_t), 1e-12), T / SCAN_STEPS);
+  sight->high = PetscMin(PetscMin(sight->high, T), bend);
+  sight->widest = PetscMax(sight->widest, sight->high - sight->low);
+  sight->looks++;
+  PetscFunctionReturn(0);
+}
+
+/* The first bracket of a crossing. The rod may also be unstable from the start. */
+static PetscErrorCode ScanWith(Factor *coarse, Factor *glance, Scene scene, Sight *sight) {
+  PetscReal f;
+  PetscBool pulled, idle;
+
+  PetscFunctionBegin;
+  PetscCall(FactorAt(coarse, 0, &f));
+  pulled = (PetscBool)(f == PETSC_MIN_REAL);
+  idle = Idle(coarse->pencil);
+  sight->fate = UNSTABLE;
+  if (f >= 0) PetscFunctionReturn(0);
+  sight->at[2].level = LevelOf(coarse, f);
+  while (f < 0 && sight->high < scene->end_time) {
+    PetscCall(NextLook(scene, sight));
+    PetscCall(Glance(coarse, glance, sight->high, &f));
+    pulled = (PetscBool)(pulled && f == PETSC_MIN_REAL);
+    idle = (PetscBool)(idle && Idle(glance ? glance->pencil : coarse->pencil));
+    if (sight->bends.n) PetscCall(LookForPeak(coarse, sight, &f));
+  }
+  sight->fate = f >= 0 ? CROSSES : !pulled ? STABLE : idle ? IDLE : PULLED;
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Scan(Scene scene, StraightWay way, Sight *sight) {
+  PetscErrorCode error;
+  Factor coarse = {0}, glance = {0};
+  PetscBool many;
+
+  PetscFunctionBegin;
+  error = SceneBends(scene, straight_on, &sight->bends);
+  sight->bent = sight->bends.n;
+  many = (PetscBool)(sight->bent > MANY_BENDS && IsSmooth(scene));
+  if (!error)
+    error = FactorCreate(PETSC_COMM_SELF, scene, SCAN_CELLS, way, PETSC_TRUE, PETSC_TRUE, &coarse);
+  if (!error && many)
+    error =
+        FactorCreate(PETSC_COMM_SELF, scene, GLANCE_CELLS, way, PETSC_TRUE, PETSC_TRUE, &glance);
+  if (!error) error = ScanWith(&coarse, many ? &glance : NULL, scene, sight);
   PetscCall(FactorDestroy(&coarse));
+  PetscCall(FactorDestroy(&glance));
+  PetscCall(BendsDestroy(&sight->bends));
   PetscCall(error);
   PetscFunctionReturn(0);
 }
@@ -325,21 +428,29 @@ static PetscErrorCode ThirdChange(Scene scene, const Factor *fine, MPI_Comm comm
 /* The critical time on two meshes, of which the finer is kept; of deflections of one way. */
 static PetscErrorCode FindWith(Factor *fine, Scene scene, PetscBool quiet, Critical *self,
                                Fate *fate) {
-  PetscReal low = 0, high = 0, half_t, change;
+  PetscReal half_t, change;
   PetscInt cells = scene->mesh.cells, n;
+  Sight sight = {.fate = CROSSES};
   MPI_Comm comm = cells < SHARED_CELLS ? PETSC_COMM_SELF : scene->comm;
 
   PetscFunctionBegin;
-  *fate = CROSSES;
   PetscCall(FactorCreate(comm, scene, cells, self->way, PETSC_FALSE, quiet, fine));
-  if (!AtOnce(scene, fine)) PetscCall(Scan(scene, self->way, &low, &high, fate));
+  if (!AtOnce(scene, fine)) PetscCall(Scan(scene, self->way, &sight));
+  *fate = sight.fate;
+  self->looks = sight.looks;
+  self->bends = sight.bent;
+  self->widest = sight.widest;
   PetscCallMPI(MPI_Bcast(fate, sizeof(*fate), MPI_BYTE, 0, scene->comm));
   if (*fate != CROSSES) PetscFunctionReturn(0);
-  PetscCall(OnOther(scene, comm, (cells + 1) / 2, self->way, quiet, low, high, &half_t, fate));
+  PetscCall(OnOther(scene, comm, (cells + 1) / 2, self->way, quiet, sight.low, sight.high, &half_t,
+                    fate));
   if (*fate == PULLED) PetscFunctionReturn(0);
   n = fine->pencil->ways * fine->pencil->n;
   PetscCall(PetscMalloc2(n, &fine->c, n, &fine->w));
-  PetscCall(OnMesh(scene, fine, half_t - near, half_t + near, &self->t, fate));
+  if (sight.bent && (half_t < sight.low || half_t > sight.high)) /* passed over by half a mesh */
+    PetscCall(OnMesh(scene, fine, sight.low, sight.high, &self->t, fate));
+  else
+    PetscCall(OnMesh(scene, fine, half_t - near, half_t + near, &self->t, fate));
   if (*fate != CROSSES) PetscFunctionReturn(0);
   PetscCall(GrowthLength(scene->growth, self->t, &self->length, NULL));
   self->frequency = fine->frequency;
@@ -367,9 +478,21 @@ static PetscErrorCode FindWay(Scene scene, PetscBool quiet, StraightWay way, Cri
   PetscFunctionReturn(0);
 }
 
+/* CriticalLooks - words for how a scene with tables was looked at, in brackets; none where
+   nothing could come and go unseen. */
+const char *CriticalLooks(const Critical *self, char text[], size_t size) {
+  char apart[64];
+
+  text[0] = 0;
+  if (self->bends)
+    (void)snprintf(text, size, " (looked at %d times, wherever tables bend, at most %s apart)",
+                   (int)self->looks, OptionBoth(self->widest, UNIT_TIME, apart));
+  return text;
+}
+
 /* A rod that has no critical time to be told is told why. */
-static PetscErrorCode CheckFate(Scene scene, Fate fate) {
-  char text[64];
+static PetscErrorCode CheckFate(Scene scene, const Critical *self, Fate fate) {
+  char text[64], looks[128];
 
   PetscFunctionBegin;
   UserCheck(
@@ -382,9 +505,10 @@ static PetscErrorCode CheckFate(Scene scene, Fate fate) {
             "-tip_force: nothing presses the straight rod, so it is stable, however long it is: "
             "load it, or let it grow (-growth_type)");
   UserCheck(fate == CROSSES, scene->comm,
-            "-ts_max_time %s: the straight rod is stable up to there%s, %s",
+            "-ts_max_time %s: the straight rod is stable up to there%s%s, %s",
             OptionBoth(scene->end_time, UNIT_TIME, text),
-            fate == PULLED ? ", pulled all along" : "", GrowthOutlook(scene->growth));
+            fate == PULLED ? ", pulled all along" : "", CriticalLooks(self, looks, sizeof(looks)),
+            GrowthOutlook(scene->growth));
   PetscFunctionReturn(0);
 }
 
@@ -427,7 +551,7 @@ PetscErrorCode CriticalFind(Scene scene, PetscBool quiet, Critical *self) {
   self->other[0] = found[!first].t;
   self->other[1] = found[!first].length;
   if (ways > 1) PetscCall(CriticalDestroy(&found[!first]));
-  PetscCall(CheckFate(scene, fate[first]));
+  PetscCall(CheckFate(scene, self, fate[first]));
   PetscFunctionReturn(0);
 }
 
@@ -560,6 +684,7 @@ static PetscErrorCode Print(Scene scene, const Critical *self) {
   const Mesh labels = {self->n - 1, self->s};
   MPI_Comm comm = scene->comm;
   double cube = (double)(self->length * self->length * self->length);
+  char looks[128];
 
   PetscFunctionBegin;
   PetscCall(ScalesTell(scene, &labels, "-rod_cells", labels.cells, self->t));
@@ -571,6 +696,8 @@ static PetscErrorCode Print(Scene scene, const Critical *self) {
                           (double)self->frequency, cube));
   else
     PetscCall(PetscPrintf(comm, "buckling (L^3 = %.10g)\n", cube));
+  if (CriticalLooks(self, looks, sizeof(looks))[0])
+    PetscCall(PetscPrintf(comm, "stable before%s\n", looks));
   PetscCall(PrintWay(comm, self));
   PetscCall(CriticalPrintLaboratory(comm, self));
   if (self->t < 0) PetscCall(PetscPrintf(comm, "the rod is longer than that from the start\n"));

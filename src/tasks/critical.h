@@ -17,6 +17,9 @@ typedef struct {
   PetscReal twisting;  /* M; 0: the rod is not twisted */
   PetscBool follows;   /* the other of two ways turns unstable, too */
   PetscReal other[2];  /* t and length then */
+  PetscInt bends;      /* of tables, in time; 0: none are in the scene */
+  PetscInt looks;      /* so often it was looked at, with these */
+  PetscReal widest;    /* ... and at most so far apart */
   PetscInt n;          /* its shape at n labels, largest |y| = 1; theta = dy/dp */
   PetscReal *s, *y, *theta;
   PetscReal *y3, *theta3; /* across in x3; NULL in the plane */
@@ -28,6 +31,7 @@ extern const char *const critical_name[CRITICAL_VALUES], *const critical_units[C
 
 PetscErrorCode CriticalFind(Scene scene, PetscBool quiet, Critical *critical);
 PetscErrorCode CriticalPrintLaboratory(MPI_Comm comm, const Critical *critical);
+const char *CriticalLooks(const Critical *critical, char text[], size_t size);
 PetscErrorCode CriticalDestroy(Critical *critical);
 PetscErrorCode CriticalRun(Scene scene, const char *output);
 PetscErrorCode CriticalMember(Scene scene, const char *output, Member *member);

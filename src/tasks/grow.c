@@ -169,9 +169,10 @@ static PetscErrorCode Neglect(Grow *self, Vec U_t) {
   PetscFunctionReturn(0);
 }
 
-/* Jumps before this part of the run cross the layer of a start, and are no snaps unless they were
-   followed (controller.c). A first step that ends in it is one of a start out of balance: what is
-   lost on the way to its end goes by rates that nothing tells, for a start has none. */
+/* Jumps before this part of what short steps are part of cross the layer of a start, and are no
+   snaps unless they were followed (controller.c). A first step that ends in it is one of a start
+   out of balance: what is lost on the way to its end goes by rates that nothing tells, for a start
+   has none. */
 static const PetscReal initial_layer = 1e-6;
 
 /* Does what leads tip or clamp, or a surface that is touched, set out or stop at once between two
@@ -227,7 +228,7 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   Vec behind = NULL;
 
   PetscFunctionBegin;
-  layered = (PetscBool)(t <= initial_layer * self->scene->end_time);
+  layered = (PetscBool)(t <= initial_layer * self->scene->units.brief);
   if (U) {
     PetscCall(TSGetSNESIterations(self->now->ts, &all));
     PetscCall(VBDFGetJumps(self->now->ts, &jumps, &blind));
@@ -286,13 +287,23 @@ static PetscBool GotFirm(const Contact *contact) {
   return (PetscBool)(contact->deepest && contact->firm);
 }
 
+/* Is it in touch with a wall that rubs? */
+static PetscBool RubsOnWalls(const Grow *self) {
+  return (PetscBool)(self->seen.contact_force > 0 && ContactWallsRub(&self->scene->contact));
+}
+
+/* ... while dry friction holds it, too: see crawl_held. */
+static PetscBool HeldTwice(const Grow *self) {
+  return (PetscBool)(RubsOnWalls(self) && 1 - self->scene->load.friction.mu < 1e-3);
+}
+
 /* Does it crawl, and a viscous share of its friction is no help? */
 static PetscBool Crawls(Grow *self) {
   Load *load = &self->scene->load;
 
   if (self->seen.t >= self->scene->end_time) return PETSC_FALSE;
   self->crawl.soon = LoadMayCrawl(load);
-  self->crawl.counts = GotFirm(&self->scene->contact);
+  self->crawl.counts = (PetscBool)(GotFirm(&self->scene->contact) || RubsOnWalls(self));
   return (PetscBool)(CrawlStep(&self->crawl, self->seen.t,
                                crawl_part * PetscMin(self->seen.length, self->end),
                                self->seen.newton_iterations) &&
@@ -507,6 +518,29 @@ static PetscErrorCode CheckClamp(Grow *self) {
   PetscFunctionReturn(0);
 }
 
+/* Says how near a rod begins to a wall, if contact sets in there already. */
+static PetscErrorCode TellNear(const Grow *self, const TouchSum *touch) {
+  const Contact *contact = &self->scene->contact;
+  const PetscReal off = self->scene->stands_off;
+  char text[2][64];
+
+  PetscFunctionBegin;
+  if (self->quiet) PetscFunctionReturn(0);
+  OptionBoth(contact->smooth, UNIT_LENGTH, text[0]);
+  if (off > 0)
+    PetscCall(PetscPrintf(self->scene->comm,
+                          "-wall_file: the rod begins at a wall, %s from it; contact sets in %s "
+                          "before surfaces meet, and so the wall is taken so much farther off\n",
+                          OptionBoth(contact->smooth - off, UNIT_LENGTH, text[1]), text[0]));
+  if (touch->nearest < (1 - 1e-9) * contact->smooth && touch->at[1] < 0)
+    PetscCall(PetscPrintf(
+        self->scene->comm,
+        "-wall_file: the rod begins %s from a wall at s = %g, and contact sets in "
+        "%s before surfaces meet: it is pushed off at once; leave more room\n",
+        OptionBoth(touch->nearest, UNIT_LENGTH, text[1]), (double)touch->at[0], text[0]));
+  PetscFunctionReturn(0);
+}
+
 /* Refuses a rod that starts in a wall, or touching itself. */
 static PetscErrorCode CheckStart(Grow *self) {
   const Contact *contact = &self->scene->contact;
@@ -531,6 +565,7 @@ static PetscErrorCode CheckStart(Grow *self) {
             "-contact_self: the rod touches itself at the start, at s = %g and %g; give another "
             "shape or a smaller -contact_diameter",
             (double)touch.at[0], (double)touch.at[1]);
+  PetscCall(TellNear(self, &touch));
   PetscFunctionReturn(0);
 }
 
@@ -856,12 +891,28 @@ static void AdviseConduit(const Grow *self, char *advice, size_t room) {
           surfaces->surface[k].kind->name, surfaces->surface[k].line);
 }
 
+/* Dry friction says nothing of how fast a rod falls that it does not hold: if no wall stops it, a
+   snap takes it without end. */
+static void AdviseFall(const Grow *self, char *advice, size_t room) {
+  const Load *load = &self->scene->load;
+  const PetscReal *w = load->weight, weight = hypot(hypot(w[0], w[1]), w[2]);
+  PetscBool dry = (PetscBool)(load->weighs && LoadIsDry(load) && !load->field &&
+                              weight > PetscMax(1, load->across));
+
+  if (dry && self->scene->clamp == CLAMP_FREE && self->scene->tip.type == TIP_FREE)
+    (void)snprintf(advice, room,
+                   "-rod_weight is %.3g times what dry friction holds, and the rod falls at once, "
+                   "without end if no wall stops it: give a -friction_mu below 1, by which it "
+                   "falls at a speed",
+                   (double)(weight / PetscMax(1, load->across)));
+}
+
 /* The line for an end that was not asked for. */
 static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
   MPI_Comm comm = self->scene->comm;
   const char *const kept = OutputStores(self->output) ? "the results up to there are stored"
                                                       : "nothing is stored without -output FILE";
-  char text[3][64], jam[512] = "", crawl[512] = "", advice[512];
+  char text[3][64], jam[512] = "", crawl[768] = "", advice[512];
   PetscBool waves;
   PetscReal dt;
 
@@ -891,7 +942,7 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
       "rod moves, and it slips and sticks in no time, again and again; %s; take a larger "
       "-friction_across, or a lower -friction_mu: 0.99, or less",
       text[0], (double)self->scene->load.across, kept);
-  CrawlTell(&self->crawl, self->scene->load.friction.beta, crawl, sizeof(crawl));
+  CrawlTell(&self->crawl, self->scene->load.friction.beta, HeldTwice(self), crawl, sizeof(crawl));
   AdviseWaves(self, advice, sizeof(advice));
   waves = (PetscBool)(advice[0] != 0);
   UserCheck(!self->crawls, comm, "%s; %s%s%s", crawl, kept, waves ? "; " : "", advice);
@@ -918,12 +969,14 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
       text[0], text[1], kept, advice);
   if (!waves) {
     advice[0] = 0;
+    AdviseFall(self, advice, sizeof(advice));
     AdviseConduit(self, advice, sizeof(advice));
   }
   UserCheck(reason == TS_CONVERGED_TIME, comm, "gave up at t = %s with a step of %s (%s): %s; %s",
             text[0], text[1], TSConvergedReasons[reason], kept,
-            advice[0] ? advice
-                      : "try another -ts_rtol, more -rod_cells or a larger -friction_beta");
+            advice[0]         ? advice
+            : HeldTwice(self) ? crawl_held
+                              : "try another -ts_rtol, more -rod_cells or a larger -friction_beta");
   PetscFunctionReturn(0);
 }
 

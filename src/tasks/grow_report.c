@@ -311,6 +311,24 @@ static PetscErrorCode TellSides(const Grow *self) {
   PetscFunctionReturn(0);
 }
 
+/* Where nothing pushes a rod in space out of its plane, it stays in that, stable or not. */
+static PetscErrorCode TellPlane(const Grow *self) {
+  const PetscReal slight = 1e-5;
+  char text[64];
+  PetscBool leaves;
+
+  PetscFunctionBegin;
+  PetscCall(LegLeavesPlane(self->now, self->now->U, self->seen.t, &leaves));
+  if (!leaves) PetscFunctionReturn(0);
+  PetscCall(PetscPrintf(
+      self->scene->comm,
+      "The shape is unstable out of its plane, and nothing here pushes the rod out of that: to see "
+      "where it falls give it a slight push, -rod_curvature_2 %s, or 1e-5 of -rod_weight along "
+      "x3.\n",
+      OptionBoth(slight / self->seen.length, UNIT_CURVATURE, text)));
+  PetscFunctionReturn(0);
+}
+
 /* GrowSummary - the last words on a run. Collective. */
 PetscErrorCode GrowSummary(Grow *self) {
   const Observation *seen = &self->seen;
@@ -347,6 +365,7 @@ PetscErrorCode GrowSummary(Grow *self) {
                         (int)steps, (int)rejections, (int)iterations, now - self->begin));
   PetscCall(TellErrors(self, jumps));
   PetscCall(TellSides(self));
+  PetscCall(TellPlane(self));
   PetscCall(TellContact(self));
   PetscCall(TellEvent(self));
   PetscCall(TellNotReached(self));

@@ -4,9 +4,13 @@
 #include "straight/norm.h"
 #include "record/output.h"
 #include "straight/transient.h"
+#include "tasks/peak.h"
 
 /* Below SHARED_VERTICES every rank solves it for itself, which is faster than to share it. */
 enum { SHARED_VERTICES = 5000 };
+/* Where tables bend, between the points of the table of curves, a mesh of so many vertices looks.
+ */
+enum { FEW_VERTICES = 65, MOST_BENDS = 5000 };
 enum { MODE_CELLS = 400, MOST_DENSE = 4000, ROOT_STEPS = 60, MARGIN_POINTS = 4 };
 
 static const OptionRow rows[] = {
@@ -69,7 +73,8 @@ typedef struct {
   Norm l2, left;
 } Solvers;
 
-typedef struct {
+typedef struct _Stability Stability;
+struct _Stability {
   Scene scene;
   MPI_Comm comm; /* of the solvers */
   HdfFile file, shape_file;
@@ -78,13 +83,17 @@ typedef struct {
   PetscInt ways; /* to look at by themselves, see StraightWays() */
   Solvers of[MOST_WAYS];
   PetscBool twisted; /* x2 and x3 are joined */
+  PetscBool quiet;   /* takes no options of solvers */
   PetscBool has[CURVES];
   Critical critical;
   PetscReal *t, *value[CURVES], *frequency; /* [points] */
   PetscReal *modes[MOST_WAYS];              /* the curve of A of each way [points] */
   PetscReal until[CURVES];                  /* the verdict; start: not even there */
   PetscBool beyond[CURVES];                 /* still stable at the end of what was looked at */
-} Stability;
+  Bends bends;                              /* of the scene's tables, in time */
+  PetscReal straight_on;                    /* ... between which these go on straight */
+  Stability *few;                           /* on few vertices, where there are any; else NULL */
+};
 
 static PetscErrorCode TransientOptions(Settings *set) {
   PetscFunctionBegin;
@@ -177,11 +186,51 @@ static PetscErrorCode CreateSolvers(Stability *self, Solvers *of) {
   PetscCall(NormCreate(of->fixed, NULL, self->critical.t, &of->l2));
   if (self->has[CURVE_W])
     PetscCall(CreateLeft(self, of));
-  else
+  else if (self->set.vertices > MOST_DENSE)
     PetscCall(PetscPrintf(OptionsComm(),
                           "C(t) left out: above -stability_vertices %d the dense left eigenvectors "
                           "take too much\n",
                           MOST_DENSE));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode CreateMesh(Stability *self) {
+  Scene scene = self->scene;
+  StraightWay way[MOST_WAYS];
+
+  PetscFunctionBegin;
+  PetscCall(
+      MeshCreate(self->set.vertices - 1, PETSC_FALSE, scene->growth, scene->end_time, &self->mesh));
+  self->twisted = StraightIsTwisted(scene);
+  self->ways = StraightWays(scene, way);
+  for (PetscInt k = 0; k < self->ways; k++) {
+    Solvers *of = &self->of[k];
+    of->way = way[k];
+    PetscCall(PencilCreate(self->comm, scene, &self->mesh, map_follows, of->way, &of->follow));
+    PetscCall(SpectrumCreate(of->follow, (PetscBool)(k > 0 || self->quiet), &of->modes));
+  }
+  PetscFunctionReturn(0);
+}
+
+/* The same curves on few vertices, if the scene has tables that bend. */
+static PetscErrorCode CreateFew(Stability *self) {
+  Stability *few;
+
+  PetscFunctionBegin;
+  self->straight_on = 1e-3;
+  PetscCall(SceneFewBends(self->scene, MOST_BENDS, &self->straight_on, &self->bends));
+  if (!self->bends.n) PetscFunctionReturn(0);
+  PetscCall(PetscNew(&few));
+  self->few = few;
+  few->scene = self->scene;
+  few->comm = PETSC_COMM_SELF;
+  few->quiet = PETSC_TRUE;
+  few->set = self->set;
+  few->set.vertices = FEW_VERTICES;
+  few->critical.t = self->critical.t;
+  PetscCall(PetscArraycpy(few->has, self->has, CURVES));
+  PetscCall(CreateMesh(few));
+  for (PetscInt k = 0; k < few->ways; k++) PetscCall(CreateSolvers(few, &few->of[k]));
   PetscFunctionReturn(0);
 }
 
@@ -279,28 +328,95 @@ static PetscErrorCode Crossing(Stability *self, Curve curve, PetscReal a, PetscR
   PetscFunctionReturn(0);
 }
 
-/* How long a curve stays negative from the start on, judged at the points of the table and, if it
-   does all along, at a few more behind t_cr. */
+/* One curve of few vertices. */
+typedef struct {
+  Stability *few;
+  Curve curve;
+} FewOf;
+
+/* A PeakLevel. */
+static PetscErrorCode FewLevel(void *of, PetscReal t, PetscReal *level) {
+  const FewOf *self = (const FewOf *)of;
+  Eigenvalue value;
+
+  PetscFunctionBegin;
+  PetscCall(CurveAt(self->few, self->curve, t, &value, NULL));
+  *level = value.value;
+  PetscFunctionReturn(0);
+}
+
+/* Is a curve, negative at a, not so at b, where that of few vertices is not? Then its first sign
+   change, which is next to a nearer place `from` as far as few vertices tell. */
+static PetscErrorCode Confirm(Stability *self, Curve curve, PetscReal a, PetscReal fa,
+                              PetscReal from, PetscReal b, PetscReal *t, PetscBool *found) {
+  Eigenvalue near, at;
+
+  PetscFunctionBegin;
+  PetscCall(CurveAt(self, curve, b, &at, NULL));
+  *found = (PetscBool)(at.value >= 0);
+  if (!*found) PetscFunctionReturn(0);
+  PetscCall(CurveAt(self, curve, from, &near, NULL));
+  if (near.value < 0)
+    PetscCall(Crossing(self, curve, from, near.value, b, at.value, t));
+  else
+    PetscCall(Crossing(self, curve, a, fa, from, near.value, t));
+  PetscFunctionReturn(0);
+}
+
+/* Between two times at which a curve is negative, or up to one at which it is not: does it change
+   its sign where tables bend, or next to what stands out there? */
+static PetscErrorCode WhereTablesBend(Stability *self, Curve curve, PetscReal a, PetscReal fa,
+                                      PetscReal b, PetscReal *t, PetscBool *found) {
+  FewOf of = {self->few, curve};
+  PeakPlace at[3] = {{.t = a}, {.t = a}, {.t = a}}, across[2];
+  PetscBool above;
+
+  PetscFunctionBegin;
+  *found = PETSC_FALSE;
+  if (BendsNext(&self->bends, a) >= b) PetscFunctionReturn(0);
+  PetscCall(FewLevel(&of, a, &at[2].level));
+  while (at[2].t < b && !*found) {
+    at[0] = at[1];
+    at[1] = at[2];
+    at[2].t = PetscMin(b, BendsNext(&self->bends, at[1].t));
+    PetscCall(FewLevel(&of, at[2].t, &at[2].level));
+    above = (PetscBool)(at[2].level >= 0 && at[2].t < b);
+    across[0] = at[1];
+    across[1] = at[2];
+    if (!above && at[1].level < 0 && at[0].t < at[1].t)
+      PetscCall(PeakFind(FewLevel, &of, at, across, &above));
+    if (above) PetscCall(Confirm(self, curve, a, fa, across[0].t, across[1].t, t, found));
+  }
+  PetscFunctionReturn(0);
+}
+
+/* How long a curve stays negative from the start on, judged at the points of the table, where
+   tables of the scene bend between them, and, if it does all along, at a few more behind t_cr. */
 static PetscErrorCode Verdict(Stability *self, Curve curve) {
   const Settings *set = &self->set;
   const PetscReal *f = self->value[curve], margin = 0.01 * self->critical.length;
   PetscReal a = self->t[set->points - 1], fa = f[set->points - 1];
+  PetscBool found;
 
   PetscFunctionBegin;
   self->until[curve] = set->start;
   if (curve == CURVE_A) self->until[curve] = PetscMax(set->start, self->critical.t);
   if (curve == CURVE_A || f[0] >= 0) PetscFunctionReturn(0);
-  for (PetscInt i = 1; i < set->points; i++)
-    if (f[i] >= 0) {
+  for (PetscInt i = 1; i < set->points; i++) {
+    PetscCall(WhereTablesBend(self, curve, self->t[i - 1], f[i - 1], self->t[i],
+                              &self->until[curve], &found));
+    if (!found && f[i] >= 0)
       PetscCall(
           Crossing(self, curve, self->t[i - 1], f[i - 1], self->t[i], f[i], &self->until[curve]));
-      PetscFunctionReturn(0);
-    }
+    if (found || f[i] >= 0) PetscFunctionReturn(0);
+  }
   for (int k = 1; k <= MARGIN_POINTS; k++) {
     PetscReal b = PetscMax(a, self->critical.t + k * margin * (k > 1));
     Eigenvalue value;
     if (k == 1) b = PetscMax(set->end, self->critical.t) + margin;
     if (b > self->scene->growth->end_time) break;
+    PetscCall(WhereTablesBend(self, curve, a, fa, b, &self->until[curve], &found));
+    if (found) PetscFunctionReturn(0);
     PetscCall(CurveAt(self, curve, b, &value, NULL));
     if (value.value >= 0) {
       PetscCall(Crossing(self, curve, a, fa, b, value.value, &self->until[curve]));
@@ -340,6 +456,11 @@ static PetscErrorCode PrintVerdict(const Stability *self) {
                             (double)start, (double)self->until[c],
                             self->beyond[c] ? " at least" : ""));
   }
+  if (self->bends.n)
+    PetscCall(PetscPrintf(OptionsComm(),
+                          "(Looked at between the times above, too, wherever tables bend by more "
+                          "than %.1g %% of what they give.)\n",
+                          (double)(100 * self->straight_on)));
   if (!self->has[CURVE_FRICTION]) PetscFunctionReturn(0);
   if (IsSelfAdjoint(self->scene))
     PetscCall(PetscPrintf(OptionsComm(),
@@ -532,29 +653,29 @@ static PetscErrorCode Destroy(Stability *self) {
   PetscCall(MeshDestroy(&self->mesh));
   PetscCall(PetscFree2(self->t, self->frequency));
   for (int c = 0; c < CURVES; c++) PetscCall(PetscFree(self->value[c]));
+  PetscCall(BendsDestroy(&self->bends));
+  PetscFunctionReturn(0);
+}
+
+/* Also of the curves on few vertices. */
+static PetscErrorCode DestroyAll(Stability *self) {
+  PetscFunctionBegin;
+  if (self->few) PetscCall(Destroy(self->few));
+  PetscCall(PetscFree(self->few));
+  PetscCall(Destroy(self));
   PetscFunctionReturn(0);
 }
 
 /* Reads everything, opens the files. */
 static PetscErrorCode Open(Stability *self, const char *output) {
   Scene scene = self->scene;
-  StraightWay way[MOST_WAYS];
 
   PetscFunctionBegin;
   UserCheck(scene->tip.type == TIP_FREE, scene->comm,
             "-tip_type: -task stability is about a free tip; -task critical knows the others");
   PetscCall(ReadSettings(scene, &self->set));
   self->comm = self->set.vertices < SHARED_VERTICES ? PETSC_COMM_SELF : scene->comm;
-  PetscCall(
-      MeshCreate(self->set.vertices - 1, PETSC_FALSE, scene->growth, scene->end_time, &self->mesh));
-  self->twisted = StraightIsTwisted(scene);
-  self->ways = StraightWays(scene, way);
-  for (PetscInt k = 0; k < self->ways; k++) {
-    Solvers *of = &self->of[k];
-    of->way = way[k];
-    PetscCall(PencilCreate(self->comm, scene, &self->mesh, map_follows, of->way, &of->follow));
-    PetscCall(SpectrumCreate(of->follow, (PetscBool)(k > 0), &of->modes));
-  }
+  PetscCall(CreateMesh(self));
   PetscCall(ReadSolverOptions());
   PetscCall(OptionsRefuseUnread());
   if (output[0]) PetscCall(OutputNewFile("-output", output, scene->comm, &self->file));
@@ -589,6 +710,7 @@ static PetscErrorCode Compute(Stability *self) {
     PetscCall(PetscCalloc1(self->set.points, &self->modes[k]));
   PetscCall(ChooseCurves(self));
   for (PetscInt k = 0; k < self->ways; k++) PetscCall(CreateSolvers(self, &self->of[k]));
+  PetscCall(CreateFew(self));
   PetscCall(Tabulate(self));
   for (int c = 0; c < CURVES; c++)
     if (self->has[c]) PetscCall(Verdict(self, (Curve)c));
@@ -625,7 +747,7 @@ PetscErrorCode StabilityRun(Scene scene, const char *output) {
   error = Open(&self, output);
   if (!error) error = Compute(&self);
   if (!error) error = Close(&self, output);
-  PetscCall(Destroy(&self));
+  PetscCall(DestroyAll(&self));
   PetscCall(error);
   PetscFunctionReturn(0);
 }

@@ -30,6 +30,9 @@ void ContactSetFrame(Contact *self, const PetscReal lab[3][3], PetscReal clamp_a
 
 /* ---- what touches ---- */
 
+/* A wall is taken off by this part of the diameter at most. */
+static const PetscReal part_of_stand_off = 0.01;
+
 /* The velocity of a wall that moves at v and turns at spin where it touches, x - d n, and
      dv_w = spin x (dx - n (n.dx) - d H dx). */
 static void Moves(const Contact *self, PetscInt which, const PetscReal y[3],
@@ -54,10 +57,13 @@ static void TouchOf(const Contact *self, PetscInt which, const PetscReal y[3],
                     const SurfacePoint *point, Touch3 *t) {
   PetscReal part[3][3];
 
-  t->gap = point->distance - self->diameter / 2;
+  t->gap = point->distance + self->surfaces.surface[which].off - self->diameter / 2;
   t->friction = ContactSurfaceFriction(self, which);
   t->wall = which;
   t->again = PETSC_FALSE;
+  t->steep = self->surfaces.surface[which].kind->interpolated
+                 ? PetscSqrtReal(Dot3(point->normal, point->normal))
+                 : 1;
   t->moves = (PetscBool)(self->surfaces.surface[which].motion.any && !self->surfaces.still);
   TurnBack(self->lab, point->normal, t->normal);
   for (int d = 0; d < 3; d++) TurnBack(self->lab, point->bend[d], part[d]);
@@ -88,6 +94,7 @@ static void TouchWall(const Contact *self, PetscInt wall, const PetscReal n[2], 
 
   touch->friction = ContactWallFriction(self, wall);
   touch->wall = self->surfaces.n + wall;
+  touch->steep = 1;
   touch->moves = PETSC_FALSE;
   TurnBack(self->upright, normal, touch->normal);
   TurnBack(self->upright, across, t);
@@ -119,16 +126,69 @@ PetscInt ContactTouches3(const Contact *self, const PetscReal x[3], Touch3 touch
   return n;
 }
 
+/*
+  ContactStandOff - takes walls at which the rod begins off by so much that contact, which sets in
+  a little before surfaces meet, does not press there. Else a rod that lies on a table, as a user
+  sets it up, would be pushed off with a force of usual size at once. Behind ContactSetFrame() and
+  ContactSetStiffness().
+
+  Returns how many walls; off  the largest length by which one was.
+*/
+PetscInt ContactStandOff(Contact *self, PetscReal *off) {
+  const PetscReal most = part_of_stand_off * self->diameter, clamp[3] = {0, 0, 0};
+  Touch3 touch[MOST_TOUCHES3];
+  PetscInt n, moved = 0;
+
+  *off = 0;
+  if (self->smooth > most) return 0; /* contact so soft that this would be another place */
+  n = ContactTouches3(self, clamp, touch);
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscInt flat = touch[k].wall - self->surfaces.n;
+    PetscReal *by =
+        flat >= 0 ? &self->walls.wall[flat].off : &self->surfaces.surface[touch[k].wall].off;
+    if (touch[k].gap < -self->smooth) continue; /* it begins in the wall, and is refused */
+    moved += *by == 0;
+    *by = PetscMax(*by, self->smooth - touch[k].gap);
+    *off = PetscMax(*off, *by);
+  }
+  return moved;
+}
+
+/* Is component d of what is turned into the clamp's frame a sum? */
+static PetscBool Sums(const PetscReal turn[3][3], int d) {
+  int parts = 0;
+
+  for (int k = 0; k < 3; k++) parts += turn[k][d] != 0;
+  return (PetscBool)(parts > 1);
+}
+
+/*
+  ContactBlurs - is what walls push a rod with along d, an axis of the clamp's frame, known to
+  round-off of the whole push only?
+
+  So it is where it is summed up, by a turn between frames that are oblique to each other, and of
+  surfaces that are made of points. Else it is 0 to the last digit where a mirror makes it 0, and
+  where the place along d is small, it is as small, and has as many digits.
+*/
+PetscBool ContactBlurs(const Contact *self, int d) {
+  if (self->walls.n && Sums(self->upright, d)) return PETSC_TRUE;
+  if (self->surfaces.n && Sums(self->lab, d)) return PETSC_TRUE;
+  for (PetscInt k = 0; k < self->surfaces.n; k++)
+    if (self->surfaces.surface[k].kind->made_of_points) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 /* ContactGap3 - the smallest gap of a point of the rod to any wall, if that is below `within`; else
    that. */
 PetscReal ContactGap3(const Contact *self, const PetscReal x[3], PetscReal within) {
   const PetscReal half = self->diameter / 2;
   PetscReal y[3], gap = within;
-  PetscInt which;
+  PetscInt which = -1;
 
   if (self->surfaces.n) {
     Turn(self->lab, x, y);
     gap = SurfacesDistance(&self->surfaces, y, within + half, &which) - half;
+    if (which >= 0) gap = PetscMin(within, gap + self->surfaces.surface[which].off);
   }
   if (self->walls.n) {
     Turn(self->upright, x, y);
@@ -229,6 +289,28 @@ void ContactSlots(PetscInt n, const Touch3 touch[], FrictionDual4 slots[]) {
   }
 }
 
+/* Less steep a distance tells no direction, and what it tells with presses next to not at all. */
+static const PetscReal least_steep = 1e-3;
+
+/* The touch as friction sees it, with a normal of length 1: of n = g/|g|, dn = (dg - n (n.dg))/|g|.
+ */
+static const Touch3 *Faced(const Touch3 *touch, Touch3 *room) {
+  if (touch->steep == 1) return touch;
+  *room = *touch;
+  for (int d = 0; d < 3; d++) room->normal[d] /= touch->steep;
+  for (int c = 0; c < 3; c++) {
+    const PetscReal by[3] = {touch->bend[0][c], touch->bend[1][c], touch->bend[2][c]},
+                    along = Dot3(room->normal, by);
+    for (int d = 0; d < 3; d++) room->bend[d][c] = (by[d] - room->normal[d] * along) / touch->steep;
+  }
+  return room;
+}
+
+/* Does it rub? */
+static PetscBool Rubs(const Touch3 *touch, PetscReal p) {
+  return (PetscBool)(touch->friction > 0 && p > 0 && touch->steep > least_steep);
+}
+
 /* v in the tangent plane of n */
 static void Tangential(const PetscReal n[3], const PetscReal v[3], PetscReal t[3]) {
   const PetscReal along = Dot3(n, v);
@@ -272,11 +354,14 @@ void ContactPush3(const Contact *contact, const Touch3 *touch, const Rubbed *at,
                   const FrictionDual4 slots[], Push3 *push) {
   const PetscReal mu = touch->friction;
   PetscReal slope, a[3], u[4], w[4];
+  Touch3 room;
 
   push->normal = ContactPressure(contact, touch->gap, &slope);
   push->couple = push->power = 0;
   for (int d = 0; d < 3; d++) push->force[d] = push->normal * touch->normal[d];
-  if (mu == 0 || push->normal == 0) return;
+  push->normal *= touch->steep;
+  if (!Rubs(touch, push->normal)) return;
+  touch = Faced(touch, &room);
   const FrictionDual4 dual = Seen(touch, ContactSlot(touch, (FrictionDual4 *)slots));
   Slip(contact, touch, at, a, u);
   FrictionForce4(&contact->rub, u, &dual, w);
@@ -321,9 +406,10 @@ static void SlipSlope(const Contact *contact, const Touch3 *touch, const Rubbed 
 }
 
 /* Adds friction and its derivatives, with S = dw/du,
-     df = -mu (dp w + p S du),   d(a.f) = a.df - mu p w.da. */
+     df = -mu (dp w + p S du),   d(a.f) = a.df - mu p w.da;
+   p the force along the normal, p_x its derivatives. */
 static void RubSlope(const Contact *contact, const Touch3 *touch, const Rubbed *at, PetscBool fresh,
-                     FrictionDual4 *kept, PetscReal p, PetscReal p_gap, Push3 *push) {
+                     FrictionDual4 *kept, PetscReal p, const PetscReal p_x[3], Push3 *push) {
   const PetscReal mu = touch->friction, *n = touch->normal;
   FrictionDual4 dual = Seen(touch, kept);
   PetscReal a[3], u[4], w[4], S[4][4], a_x[3][3], a_q[3][3], u_x[3][3];
@@ -342,10 +428,10 @@ static void RubSlope(const Contact *contact, const Touch3 *touch, const Rubbed *
       const PetscReal by_x = S[d][0] * u_x[0][c] + S[d][1] * u_x[1][c] + S[d][2] * u_x[2][c],
                       by_q = at->spin *
                              (S[d][0] * a_q[0][c] + S[d][1] * a_q[1][c] + S[d][2] * a_q[2][c]);
-      push->x[d][c] -= mu * (p_gap * n[c] * w[d] + p * by_x);
+      push->x[d][c] -= mu * (p_x[c] * w[d] + p * by_x);
       push->q[d][c] -= mu * p * by_q;
       push->W[d][c] -= mu * p * (S[d][c] - normal * n[c]);
-      push->x[3][c] -= mu * (p_gap * n[c] * w[d] * a[d] + p * (a[d] * by_x + w[d] * a_x[d][c]));
+      push->x[3][c] -= mu * (p_x[c] * w[d] * a[d] + p * (a[d] * by_x + w[d] * a_x[d][c]));
       push->q[3][c] -= mu * p * (a[d] * by_q + w[d] * a_q[d][c]);
       push->W[3][c] -= mu * p * a[d] * (S[d][c] - normal * n[c]);
     }
@@ -364,7 +450,9 @@ static void RubSlope(const Contact *contact, const Touch3 *touch, const Rubbed *
 void ContactPushSlope3(const Contact *contact, const Touch3 *touch, const Rubbed *at,
                        PetscBool fresh, FrictionDual4 *dual, Push3 *push) {
   const PetscReal *n = touch->normal;
-  PetscReal slope, p = ContactPressure(contact, touch->gap, &slope);
+  PetscReal slope, p_x[3], p = ContactPressure(contact, touch->gap, &slope);
+  const Touch3 *given;
+  Touch3 room;
 
   for (int d = 0; d < 4; d++) {
     for (int c = 0; c < 3; c++) {
@@ -373,7 +461,12 @@ void ContactPushSlope3(const Contact *contact, const Touch3 *touch, const Rubbed
     }
     for (int c = 0; c < 4; c++) push->W[d][c] = 0;
   }
-  if (touch->friction > 0 && p > 0) RubSlope(contact, touch, at, fresh, dual, p, slope, push);
+  if (!Rubs(touch, p)) return;
+  for (int c = 0; c < 3; c++) p_x[c] = slope * n[c] * touch->steep;
+  n = (touch = Faced(given = touch, &room))->normal;
+  for (int c = 0; c < 3 && touch != given; c++)
+    for (int d = 0; d < 3; d++) p_x[c] += p * n[d] * given->bend[d][c];
+  RubSlope(contact, touch, at, fresh, dual, p * touch->steep, p_x, push);
 }
 
 /* ContactHoldTouch3 - moves what holds a place of the rod at one wall, over a shift of `hold` at
@@ -382,9 +475,12 @@ PetscReal ContactHoldTouch3(const Contact *contact, const Touch3 *touch, const R
                             PetscReal seen, PetscReal hold, FrictionDual4 slots[]) {
   FrictionDual4 *kept = ContactSlot(touch, slots), dual;
   PetscReal slope, speed, a[3], u[4];
-  const PetscReal p = ContactPressure(contact, touch->gap, &slope), mu = touch->friction;
+  const PetscReal p = touch->steep * ContactPressure(contact, touch->gap, &slope),
+                  mu = touch->friction;
+  Touch3 room;
 
   if (!kept || p == 0) return 0;
+  touch = Faced(touch, &room);
   dual = Seen(touch, kept);
   Slip(contact, touch, at, a, u);
   speed = FrictionDualHold4(u, seen, hold, &dual);

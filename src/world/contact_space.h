@@ -8,7 +8,11 @@
    itself turns is left out of the slip, as is the couple across q: both are of the order of D times
    a bend, and there is none of them in the plane.)
 
-     f = p n - mu p w,   w = u/r, r = sqrt(u^2 + beta). */
+     f = p n - mu p w,   w = u/r, r = sqrt(u^2 + beta).
+
+   Where the distance is interpolated its gradient is not quite of length 1: n is that gradient in
+   the first term, for p n is to have an energy, and what friction goes by is the normal of length 1
+   and the force p |n|; else the rod would rub against being pressed in. */
 #ifndef TENDRIL_CONTACT_SPACE_H
 #define TENDRIL_CONTACT_SPACE_H
 
@@ -17,6 +21,7 @@
 /* What touches a point of the rod, in the clamp's frame. */
 typedef struct {
   PetscReal gap, normal[3], bend[3][3]; /* n, dn = bend dx */
+  PetscReal steep; /* |n|: 1, but where the distance is interpolated, which p n is the slope of */
   PetscReal friction;
   PetscBool moves;           /* the wall does, and then: */
   PetscReal v[3], v_x[3][3]; /* its velocity where it touches, and how that changes with x */
@@ -36,7 +41,7 @@ typedef struct {
    with their derivatives by x, q, v and, last of W, the spin. */
 typedef struct {
   PetscReal force[3], couple;
-  PetscReal normal; /* p */
+  PetscReal normal; /* p |n| */
   PetscReal power;  /* lost to friction */
   PetscReal x[4][3], q[4][3], W[4][4];
 } Push3;
@@ -52,7 +57,9 @@ static inline PetscBool ContactHasRidges(const Contact *contact) {
 enum { WALL_SLOTS = 4 };
 
 void ContactSetFrame(Contact *contact, const PetscReal lab[3][3], PetscReal clamp_angle);
+PetscInt ContactStandOff(Contact *contact, PetscReal *off);
 PetscInt ContactTouches3(const Contact *contact, const PetscReal x[3], Touch3 touch[MOST_TOUCHES3]);
+PetscBool ContactBlurs(const Contact *contact, int d);
 PetscReal ContactGap3(const Contact *contact, const PetscReal x[3], PetscReal within);
 void ContactRidgesNear(const Contact *contact, const PetscReal x[4][3], PetscReal reach,
                        BlocksMeet meet, void *ctx);

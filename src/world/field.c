@@ -365,6 +365,75 @@ PetscReal FieldNextTurn(Field self, PetscReal t) {
   return TurnsNext(self->axis[TIME].n, self->axis[TIME].at, self->turns, t);
 }
 
+/* A table as it goes along one of its axes. */
+typedef struct {
+  Field field;
+  int axis;
+  PetscInt before, after; /* coefficients of the axes before and behind it */
+} Section;
+
+/* A BendsCurve: what the splines of all other axes are multiplied by. */
+static PetscErrorCode AlongAxis(const void *table, PetscReal at, PetscReal value[],
+                                PetscReal slope[]) {
+  const Section *section = (const Section *)table;
+  const Field field = section->field;
+  const PetscInt size = Size(&field->axis[section->axis]);
+  Weights w;
+
+  PetscFunctionBegin;
+  WeightsAt(&field->axis[section->axis], at, &w);
+  for (PetscInt i = 0; i < section->before; i++)
+    for (PetscInt j = 0; j < section->after; j++) {
+      PetscReal f = 0, f_x = 0;
+      for (PetscInt k = 0; k < w.n; k++) {
+        const PetscReal c = field->c[(i * size + w.first + k) * section->after + j];
+        f += w.value[k] * c;
+        f_x += w.n > 1 ? w.slope[k] * c : 0;
+      }
+      value[i * section->after + j] = f;
+      slope[i * section->after + j] = f_x;
+    }
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode BendsOf(Field self, int axis, PetscReal tolerance, Bends *bends) {
+  Section section = {.field = self, .axis = axis, .before = 1, .after = 1};
+
+  PetscFunctionBegin;
+  if (self->axis[axis].n < 2) PetscFunctionReturn(0);
+  for (int a = 0; a < AXES; a++) {
+    if (a < axis) section.before *= Size(&self->axis[a]);
+    if (a > axis) section.after *= Size(&self->axis[a]);
+  }
+  PetscCall(BendsFind(self->axis[axis].n, self->axis[axis].at, section.before * section.after,
+                      AlongAxis, &section, tolerance, bends));
+  PetscFunctionReturn(0);
+}
+
+/* FieldBendsInTime - adds the times at which it bends anywhere (base/bends.h). */
+PetscErrorCode FieldBendsInTime(Field self, PetscReal tolerance, Bends *bends) {
+  PetscFunctionBegin;
+  if (!self->layers) PetscCall(BendsOf(self, TIME, tolerance, bends));
+  PetscFunctionReturn(0);
+}
+
+/* FieldBendsAlong - adds the places along x1, x2 or x3, axis 0 to 2, at which it bends; of layers
+   also places within what joins them. */
+PetscErrorCode FieldBendsAlong(Field self, int axis, PetscReal tolerance, Bends *bends) {
+  enum { PARTS = 8 };
+  const int at[] = {ALONG, ACROSS, HIGH};
+
+  PetscFunctionBegin;
+  if (!self->layers) {
+    PetscCall(BendsOf(self, at[axis], tolerance, bends));
+    PetscFunctionReturn(0);
+  }
+  for (PetscInt k = 1; k < self->layers && axis == 0; k++)
+    for (int i = 0; i <= PARTS; i++)
+      PetscCall(BendsAdd(bends, self->start[k] + self->width * ((PetscReal)i / PARTS - 0.5)));
+  PetscFunctionReturn(0);
+}
+
 /* FieldAt - the factor at a place (in the laboratory) and a time, and its derivatives by x1, x2,
    x3. */
 void FieldAt(Field self, const PetscReal x[3], PetscReal t, PetscReal *factor, PetscReal slope[3]) {

@@ -3,6 +3,7 @@
 #ifndef TENDRIL_FIELD_H
 #define TENDRIL_FIELD_H
 
+#include "base/bends.h"
 #include "base/options.h"
 
 typedef struct _Field *Field;
@@ -14,6 +15,8 @@ PetscBool FieldIsLayered(Field field);
 PetscReal FieldFinest(Field field, PetscReal reach);
 PetscBool FieldInSpace(Field field);
 PetscReal FieldNextTurn(Field field, PetscReal t);
+PetscErrorCode FieldBendsInTime(Field field, PetscReal tolerance, Bends *bends);
+PetscErrorCode FieldBendsAlong(Field field, int axis, PetscReal tolerance, Bends *bends);
 void FieldAt(Field field, const PetscReal x[3], PetscReal t, PetscReal *factor, PetscReal slope[3]);
 
 #endif

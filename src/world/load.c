@@ -40,6 +40,7 @@ static PetscErrorCode ReadField(Load *load) {
 PetscErrorCode LoadSetFromOptions(Load *load, PetscReal clamp_angle) {
   PetscFunctionBegin;
   PetscCall(FrictionSetFromOptions(&load->friction));
+  load->viscous = 1 - load->friction.mu;
   PetscCall(OptionReal("-friction_across", &load->across, NULL));
   PetscCall(ReadField(load));
   load->clamp[0] = PetscCosReal(clamp_angle);
@@ -158,6 +159,20 @@ void LoadForceWalls(const Load *load, const Place *at, const LoadDual *dual, Pet
   }
 }
 
+/* LoadParts - the forces of friction and of walls on the rod, per length. */
+void LoadParts(const Load *load, const Place *at, const LoadDual *dual, PetscReal friction[2],
+               PetscReal walls[2]) {
+  PetscReal f[2], of_walls[2] = {0, 0};
+
+  FrictionForce(&load->friction, at->v, dual, f);
+  if (load->varied) LoadForceVaried(load, at, f);
+  if (load->walls) LoadForceWalls(load, at, dual, of_walls);
+  for (int d = 0; d < 2; d++) {
+    friction[d] = -f[d];
+    walls[d] = -of_walls[d];
+  }
+}
+
 /* LoadSlopeWalls - the same for the slopes. */
 void LoadSlopeWalls(const Load *load, const Place *at, PetscBool fresh, LoadDual *dual,
                     LoadSlope *slope) {
@@ -181,6 +196,11 @@ static const PetscReal slack = 1e-5;
 static const PetscReal tiny_beta = 1e-18; /* of velocities in fast time, which begin near 1 */
 static const PetscReal as_good_as_at_rest = 1e-5; /* part of the speed of the fastest place */
 
+/* LoadIsDry - has it no viscous share to speak of, so that a rod may snap? */
+PetscBool LoadIsDry(const Load *load) {
+  return (PetscBool)(1 - load->friction.mu <= nearly_dry);
+}
+
 /* LoadInFastTime - the load in the fast time of a snap at t (stepping/snap.c): dry friction as it
    is, but for a little slack, and viscous friction of strength 1 beside it. dry: false if this load
    is not dry, so that nothing snaps. What fast holds is borrowed. */
@@ -188,7 +208,7 @@ PetscErrorCode LoadInFastTime(const Load *load, PetscReal t, Load *fast, PetscBo
   Friction *friction = &fast->friction;
 
   PetscFunctionBegin;
-  *dry = (PetscBool)(1 - load->friction.mu <= nearly_dry);
+  *dry = LoadIsDry(load);
   *fast = *load;
   friction->beta = tiny_beta;
   friction->mu *= 1 - slack;

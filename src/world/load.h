@@ -31,6 +31,7 @@ typedef struct {
   PetscInt duals;    /* of each place: that of the friction along the rod, one for each wall,
                         and one for a foot on a post (rod/feet.h) */
   PetscInt duals3;   /* the same of a rod in space (contact_space.h) */
+  PetscReal viscous; /* 1 - mu, as it was asked for */
   PetscBool limit;   /* exact friction was asked for, and is taken as a limit */
   PetscReal told;    /* ... and then: the speed that steps of tolerance 1e-6 tell from rest */
   PetscBool stopped; /* N is that of one time, stopped_at */
@@ -73,6 +74,9 @@ void LoadSlopeVaried(const Load *load, const Place *at, const LoadDual *dual, Lo
 void LoadForceWalls(const Load *load, const Place *at, const LoadDual *dual, PetscReal f[2]);
 void LoadSlopeWalls(const Load *load, const Place *at, PetscBool fresh, LoadDual *dual,
                     LoadSlope *slope);
+void LoadParts(const Load *load, const Place *at, const LoadDual *dual, PetscReal friction[2],
+               PetscReal walls[2]);
+PetscBool LoadIsDry(const Load *load);
 PetscReal LoadFactor(const Load *load, const PetscReal x[2], PetscReal t, PetscReal slope[2]);
 
 /* F */

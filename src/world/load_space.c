@@ -13,6 +13,14 @@ static PetscReal Factor3(const Load *load, const Place3 *at, PetscReal slope[3])
   return factor;
 }
 
+/* LoadFactor3 - N at a place in the clamp's frame. */
+PetscReal LoadFactor3(const Load *load, const PetscReal x[3], PetscReal t) {
+  const Place3 at = {.t = t, .x = {x[0], x[1], x[2]}};
+  PetscReal slope[3];
+
+  return load->field ? Factor3(load, &at, slope) : 1;
+}
+
 /* f <- N M f, and the couple */
 static void Vary(const Load *load, const Place3 *at, PetscReal f[RUBS]) {
   PetscReal by[3], N = load->field ? Factor3(load, at, by) : 1, a = load->across,
@@ -33,20 +41,23 @@ static inline PetscBool Deaf(const Load *load) {
   return (PetscBool)(load->arm != load->radius);
 }
 
-/* Takes off f what walls push with. */
-static void ForceWalls(const Load *load, const Place3 *at, const FrictionDual4 *dual,
-                       PetscReal f[RUBS]) {
+/* Takes off f what walls push with; returns the power of those that move. */
+static PetscReal ForceWalls(const Load *load, const Place3 *at, const FrictionDual4 *dual,
+                            PetscReal f[RUBS]) {
   const FrictionDual4 *slots = load->duals3 > 1 ? dual + 1 : NULL;
   const Rubbed rubbed = LoadRubbed(load, at);
   Touch3 touch[MOST_TOUCHES3];
   PetscInt n = ContactTouches3(load->walls, at->x, touch);
+  PetscReal moved = 0;
   Push3 push;
 
   for (PetscInt k = 0; k < n; k++) {
     ContactPush3(load->walls, &touch[k], &rubbed, slots, &push);
     for (int d = 0; d < 3; d++) f[d] -= push.force[d];
     f[SPIN] -= push.couple;
+    if (touch[k].moves) moved += Dot3(push.force, touch[k].v);
   }
+  return moved;
 }
 
 /* LoadForce3 - the force F that the rod overcomes, per length, and the couple about its tangent. */
@@ -57,7 +68,23 @@ void LoadForce3(const Load *load, const Place3 *at, const FrictionDual4 *dual, P
   if (load->varied) Vary(load, at, f);
   for (int d = 0; d < 3 && load->weighs; d++) f[d] -= load->weight[d];
   f[SPIN] *= load->radius;
-  if (load->walls) ForceWalls(load, at, dual, f);
+  if (load->walls) (void)ForceWalls(load, at, dual, f);
+}
+
+/* LoadParts3 - the forces of friction and of walls on the rod, per length, and the power of walls
+   that move. */
+void LoadParts3(const Load *load, const Place3 *at, const FrictionDual4 *dual,
+                PetscReal friction[3], PetscReal walls[3], PetscReal *moved) {
+  PetscReal W[RUBS] = {at->W[0], at->W[1], at->W[2], Deaf(load) ? 0 : at->W[SPIN]};
+  PetscReal f[RUBS], of_walls[RUBS] = {0};
+
+  FrictionForce4(&load->friction, W, dual, f);
+  if (load->varied) Vary(load, at, f);
+  *moved = load->walls ? ForceWalls(load, at, dual, of_walls) : 0;
+  for (int d = 0; d < 3; d++) {
+    friction[d] = -f[d];
+    walls[d] = -of_walls[d];
+  }
 }
 
 /* LoadSeen3 - the same where nothing is held, as an observer sees it, and without weight. */

@@ -34,8 +34,11 @@ void LoadForce3(const Load *load, const Place3 *at, const FrictionDual4 *dual, P
 void LoadLinearise3(const Load *load, const Place3 *at, PetscBool fresh, FrictionDual4 *dual,
                     LoadSlope3 *slope);
 PetscReal LoadHold3(const Load *load, const Place3 *at, PetscReal seen, FrictionDual4 dual[]);
+void LoadParts3(const Load *load, const Place3 *at, const FrictionDual4 *dual,
+                PetscReal friction[3], PetscReal walls[3], PetscReal *moved);
 void LoadSeen3(const Load *load, const Place3 *at, PetscReal f[RUBS]);
 PetscBool LoadInSpace(const Load *load);
+PetscReal LoadFactor3(const Load *load, const PetscReal x[3], PetscReal t);
 
 /* Do force and couple depend on place and direction? */
 static inline PetscBool LoadPlaced(const Load *load) {

@@ -163,6 +163,35 @@ PetscReal PathNextTurn(Path path, PetscReal t) {
   return TurnsNext(path->n, path->t, path->turns, t);
 }
 
+/* One column of a path. */
+typedef struct {
+  Path path;
+  int column;
+} Column;
+
+/* A BendsCurve. */
+static PetscErrorCode InTime(const void *table, PetscReal t, PetscReal value[], PetscReal slope[]) {
+  const Column *column = (const Column *)table;
+  const Path path = column->path;
+  const PetscReal *f = path->value[column->column], *f_t = path->slope[column->column];
+
+  PetscFunctionBegin;
+  value[0] = MonotoneValue(path->n, path->t, f, f_t, t);
+  slope[0] = MonotoneRate(path->n, path->t, f, f_t, t);
+  PetscFunctionReturn(0);
+}
+
+/* PathBends - adds the times at which what it says bends (base/bends.h). */
+PetscErrorCode PathBends(Path path, PetscReal tolerance, Bends *bends) {
+  PetscFunctionBegin;
+  for (int k = 0; k < PATH_COLUMNS; k++) {
+    const Column column = {path, k};
+    if (path->value[k])
+      PetscCall(BendsFind(path->n, path->t, 1, InTime, &column, tolerance, bends));
+  }
+  PetscFunctionReturn(0);
+}
+
 PetscInt PathRows(Path path) {
   return path->n;
 }

@@ -3,6 +3,7 @@
 #ifndef TENDRIL_PATH_H
 #define TENDRIL_PATH_H
 
+#include "base/bends.h"
 #include "base/options.h"
 
 typedef struct _Path *Path;
@@ -33,6 +34,7 @@ void PathBegin(Path path, const PetscReal lab[3][3], const PathPlace *start, Pet
 void PathAt(Path path, PetscReal t, PathPlace *place);
 PetscBool PathTurnsCorner(Path path, PetscReal t0, PetscReal t1);
 PetscReal PathNextTurn(Path path, PetscReal t);
+PetscErrorCode PathBends(Path path, PetscReal tolerance, Bends *bends);
 PetscBool PathLeads(Path path, PetscReal t, int axis);
 PetscInt PathRows(Path path);
 PetscReal PathTime(Path path, PetscInt row);

@@ -317,6 +317,24 @@ PetscReal ScheduleNextTurn(Schedule self, PetscReal t) {
   return low < self->turns ? self->turn[low] : PETSC_MAX_REAL;
 }
 
+/* A BendsCurve. */
+static PetscErrorCode InTime(const void *table, PetscReal t, PetscReal value[], PetscReal slope[]) {
+  const Schedule self = (const Schedule)table;
+
+  PetscFunctionBegin;
+  value[0] = ScheduleValue(self, t);
+  slope[0] = ScheduleRate(self, t);
+  PetscFunctionReturn(0);
+}
+
+/* ScheduleBends - adds the times at which it bends (base/bends.h), and at which it turns back. */
+PetscErrorCode ScheduleBends(Schedule self, PetscReal tolerance, Bends *bends) {
+  PetscFunctionBegin;
+  PetscCall(BendsFind(self->n, self->t, 1, InTime, self, tolerance, bends));
+  for (PetscInt k = 0; k < self->turns; k++) PetscCall(BendsAdd(bends, self->turn[k]));
+  PetscFunctionReturn(0);
+}
+
 PetscInt ScheduleRows(Schedule self) {
   return self->n;
 }

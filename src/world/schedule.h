@@ -4,6 +4,7 @@
 #ifndef TENDRIL_SCHEDULE_H
 #define TENDRIL_SCHEDULE_H
 
+#include "base/bends.h"
 #include "base/options.h"
 
 typedef struct _Schedule *Schedule;
@@ -19,6 +20,7 @@ PetscReal ScheduleRate(Schedule path, PetscReal t);
 PetscReal ScheduleFastest(Schedule path);
 PetscBool ScheduleJerks(Schedule path, PetscReal t0, PetscReal t1);
 PetscReal ScheduleNextTurn(Schedule path, PetscReal t);
+PetscErrorCode ScheduleBends(Schedule path, PetscReal tolerance, Bends *bends);
 PetscInt ScheduleRows(Schedule path);
 PetscBool ScheduleIsRate(Schedule path);
 void ScheduleGetRow(Schedule path, PetscInt row, PetscReal *t, PetscReal *value);

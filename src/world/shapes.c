@@ -191,11 +191,14 @@ const SurfaceKind surface_tube = {
             "inside|outside X Y Z R X Y Z R ... with the points themselves",
     .make = TubeMake,
     .at = TubeSeen,
-    .destroy = TubeFree};
+    .destroy = TubeFree,
+    .made_of_points = PETSC_TRUE};
 
 const SurfaceKind surface_body = {
     .name = "body",
     .form = "body FILE inside|outside, an HDF5 file with its distance on a grid",
+    .interpolated = PETSC_TRUE,
     .make = BodyMake,
     .at = BodySeen,
-    .destroy = BodyFree};
+    .destroy = BodyFree,
+    .made_of_points = PETSC_TRUE};

@@ -39,7 +39,8 @@ typedef struct {
 /* A kind of surface. */
 typedef struct {
   const char *name;
-  const char *form; /* what it is given by, for who has it wrong */
+  const char *form;       /* what it is given by, for who has it wrong */
+  PetscBool interpolated; /* its distance is: n is not quite of length 1 */
   /* reads a line: sets data, box, smallest, core and what is to be drawn; collective. What it has
      set is destroyed also after an error. */
   PetscErrorCode (*make)(const SurfaceLine *line, Surface *surface);
@@ -47,6 +48,7 @@ typedef struct {
      surface, however deep, it is true. Not collective; called at every point of the rod. */
   PetscBool (*at)(const void *data, const PetscReal x[3], PetscReal within, SurfacePoint *point);
   PetscErrorCode (*destroy)(void **data);
+  PetscBool made_of_points; /* whose numbers mirror each other to round-off only */
 } SurfaceKind;
 
 struct _Surface {
@@ -56,6 +58,7 @@ struct _Surface {
   PetscBool hollow; /* the rod is to be in it */
   PetscReal room; /* how far a rod on its axis is from it, at the narrowest; PETSC_MAX_REAL: far */
   PetscReal friction;
+  PetscReal off; /* by so much it is farther away than given: see ContactStandOff() */
   SurfaceMotion motion;
   Block box;          /* d is not less than the distance from it; SurfaceEverywhere(): no bound */
   PetscReal smallest; /* where it stands out, the least radius of curvature, 0 of a sharp edge;

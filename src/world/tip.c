@@ -1,5 +1,6 @@
 #include "world/tip.h"
 #include "base/quaternion.h"
+#include "base/vectors.h"
 
 static const OptionRow rows[] = {
     ROW_REAL("-tip_force", "0", -1e9, 1e9, UNIT_FORCE, 0, "P, the force on the tip"),
@@ -101,14 +102,16 @@ static LoadDual *WallDual(const Tip *tip, const LoadDual *dual, const Touch *tou
   return tip->walls->walls.rub ? (LoadDual *)dual + 1 + touch->wall : NULL;
 }
 
-/* Adds to f the push of walls. */
-static void AddWalls(const Tip *tip, const TipState *at, const LoadDual *dual, PetscReal f[2]) {
+/* TipWalls - adds to f what walls push a free tip with. */
+void TipWalls(const Tip *tip, const Place *at, const LoadDual *dual, PetscReal f[2]) {
   Touch touch[MOST_TOUCHES];
-  PetscInt n = ContactTouches(tip->walls, at->at.x, touch);
+  PetscInt n;
   Push push;
 
+  if (!tip->walls || tip->type != TIP_FREE) return;
+  n = ContactTouches(tip->walls, at->x, touch);
   for (PetscInt k = 0; k < n; k++) {
-    ContactPush(tip->walls, &touch[k], at->at.v, WallDual(tip, dual, &touch[k]), &push);
+    ContactPush(tip->walls, &touch[k], at->v, WallDual(tip, dual, &touch[k]), &push);
     for (int d = 0; d < 2; d++) f[d] += tip->walls->tip * push.force[d];
   }
 }
@@ -141,7 +144,7 @@ void TipForce(const Tip *tip, const TipState *at, const LoadDual *dual, PetscRea
     LoadForce(&tip->resistance, &at->at, dual, f);
     for (int d = 0; d < 2; d++) f[d] *= -P;
   }
-  if (tip->walls && tip->type == TIP_FREE) AddWalls(tip, at, dual, f);
+  TipWalls(tip, &at->at, dual, f);
   for (int d = 0; d < 2; d++) f[d] += tip->push[d];
 }
 
@@ -232,21 +235,27 @@ static void TurnFrom(const PetscReal held[4], const PetscReal p[4], PetscReal v[
   for (int d = 0; d < 3; d++) v[d] = turn[1 + d];
 }
 
-/* What walls push a tip in space with, and the couple about its tangent: that of a piece l of rod.
- */
-static void PushWalls3(const Tip *tip, const TipState3 *at, const FrictionDual4 *dual,
-                       PetscReal f[RUBS]) {
+/* TipWalls3 - adds to f what walls push a free tip in space with, and the couple about its tangent:
+   that of a piece l of rod. Returns the power of those that move. */
+PetscReal TipWalls3(const Tip *tip, const TipState3 *at, const FrictionDual4 *dual,
+                    PetscReal f[RUBS]) {
   const Rubbed rubbed = {at->at.x, at->at.q, at->at.W, at->spin};
   Touch3 touch[MOST_TOUCHES3];
-  PetscInt n = ContactTouches3(tip->walls, at->at.x, touch);
+  PetscReal moved = 0, l;
+  PetscInt n;
   Push3 push;
 
+  if (!tip->walls || tip->type != TIP_FREE) return 0;
+  l = tip->walls->tip;
+  n = ContactTouches3(tip->walls, at->at.x, touch);
   for (PetscInt k = 0; k < n; k++) {
     ContactPush3(tip->walls, &touch[k], &rubbed, ContactWallsRub(tip->walls) ? dual + 1 : NULL,
                  &push);
-    for (int d = 0; d < 3; d++) f[d] += tip->walls->tip * push.force[d];
-    f[SPIN] += tip->walls->tip * push.couple;
+    for (int d = 0; d < 3; d++) f[d] += l * push.force[d];
+    f[SPIN] += l * push.couple;
+    if (touch[k].moves) moved += l * Dot3(push.force, touch[k].v);
   }
+  return moved;
 }
 
 /* The place of the tip as a resistance sees it, which feels it move, but not spin. */
@@ -274,7 +283,7 @@ static void TipForce3(const Tip *tip, const TipState3 *at, const FrictionDual4 *
     for (int d = 0; d < 3; d++) f[d] -= P * drag[d];
   }
   f[SPIN] = tip->torque;
-  if (tip->walls && tip->type == TIP_FREE) PushWalls3(tip, at, dual, f);
+  (void)TipWalls3(tip, at, dual, f);
 }
 
 /* TipResidual3 - the six conditions at the tip in space, r = 0: m = torque d1, or the frame it is

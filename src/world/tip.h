@@ -53,6 +53,9 @@ PetscErrorCode TipInFastTime(const Tip *tip, PetscReal t, Tip *fast);
 const PetscReal *TipStill(const Tip *tip, PetscReal t, int axes, int fields,
                           const PetscReal rates[], PetscReal still[]);
 void TipForce(const Tip *tip, const TipState *at, const LoadDual *dual, PetscReal f[2]);
+void TipWalls(const Tip *tip, const Place *at, const LoadDual *dual, PetscReal f[2]);
+PetscReal TipWalls3(const Tip *tip, const TipState3 *at, const FrictionDual4 *dual,
+                    PetscReal f[RUBS]);
 void TipResidual(const Tip *tip, const TipState *at, const LoadDual *dual, PetscReal r[TIP_ROWS]);
 void TipJacobian(const Tip *tip, const TipState *at, const PetscReal shift[2], PetscBool fresh,
                  LoadDual *dual, PetscReal J[TIP_ROWS][TIP_FIELDS]);

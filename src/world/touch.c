@@ -31,38 +31,49 @@ PetscBool WallPieceDistance(const WallPiece *p, const PetscReal x[2], PetscReal 
 
 /* ---- which pieces are near ---- */
 
-/* Where a piece is that ends somewhere. */
-static Block PieceBlock(const WallPiece *p) {
+/* Where an arc is: within the triangle of its ends and of the corner that it rounds. */
+static Block ArcBlock(const WallPiece *p, PetscReal r) {
+  const PetscReal across = PetscSqrtReal(PetscMax(0, 1 - p->reach * p->reach));
   Block block = BlockEmpty(2);
 
-  for (int e = -1; e <= 1; e += 2) {
-    PetscReal x[2];
+  for (int e = -1; e <= 1; e++) {
+    PetscReal x[2], along = e ? p->reach : 1 / p->reach;
     for (int d = 0; d < 2; d++)
-      x[d] = p->at[d] + (p->round ? e * p->r : (e > 0 ? p->to : 0) * p->t[d]);
+      x[d] =
+          p->at[d] + r * (along * p->middle[d] + e * across * (d ? p->middle[0] : -p->middle[1]));
     BlockHold(2, &block, x);
   }
   return block;
 }
 
-/* Where the axis of a conduit is beside one of its pieces: an arc is within the triangle of its
-   ends and of the corner that it rounds. */
+/* Where a piece is that ends somewhere. */
+static Block PieceBlock(const WallPiece *p) {
+  const PetscReal ends[2] = {PetscMin(0, p->from), PetscMax(p->edge, p->to)};
+  Block block = BlockEmpty(2);
+
+  if (p->round && p->reach > 0) return ArcBlock(p, p->r);
+  for (int e = 0; e < 2; e++) {
+    PetscReal x[2];
+    for (int d = 0; d < 2; d++)
+      x[d] = p->at[d] + (p->round ? (2 * e - 1) * p->r : ends[e] * p->t[d]);
+    BlockHold(2, &block, x);
+  }
+  return block;
+}
+
+/* Where the axis of a conduit is beside one of its pieces. */
 static Block AxisBlock(const Wall *wall, const WallPiece *p) {
-  const PetscReal R = wall->number[0], axis = p->r + p->sign * R,
-                  across = PetscSqrtReal(PetscMax(0, 1 - p->reach * p->reach));
+  const PetscReal R = wall->number[0];
   Block block = BlockEmpty(2);
 
   if (p->at_mouth) {
     BlockHold(2, &block, p->mouth);
     return block;
   }
-  for (int e = -1; e <= 1; e++) {
-    PetscReal x[2], along = e ? p->reach : 1 / p->reach;
-    for (int d = 0; d < 2; d++)
-      if (p->round)
-        x[d] = p->at[d] +
-               axis * (along * p->middle[d] + e * across * (d ? p->middle[0] : -p->middle[1]));
-      else
-        x[d] = p->at[d] + R * p->n[d] + (e > 0 ? p->to : 0) * p->t[d];
+  if (p->round) return ArcBlock(p, p->r + p->sign * R);
+  for (int e = 0; e < 2; e++) {
+    PetscReal x[2];
+    for (int d = 0; d < 2; d++) x[d] = p->at[d] + R * p->n[d] + (e ? p->to : 0) * p->t[d];
     BlockHold(2, &block, x);
   }
   return block;
@@ -114,6 +125,40 @@ static PetscErrorCode IndexPosts(Walls *walls) {
   PetscFunctionReturn(0);
 }
 
+/* Squares are half as wide as the narrowest conduit and as the parts in the mean. Their lists reach
+   from one over a conduit's axis as far as it is wide, and half as far again; from parts two
+   squares far. */
+static PetscErrorCode MakeSquares(Walls *walls) {
+  enum { FEWEST = 8 }; /* pieces that are worth it */
+  PetscReal size = PETSC_MAX_REAL, sum = 0, *reach;
+  PetscInt pieces = walls->parts, n = 0;
+  Blocks *tree;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < walls->parts; k++) {
+    const WallPiece *p = &walls->wall[walls->part[k].wall].piece[walls->part[k].piece];
+    sum += p->round ? p->r : p->to;
+  }
+  if (walls->parts) size = PetscMax(sum / walls->parts / 2, 1e-6);
+  for (PetscInt w = 0; w < walls->n; w++)
+    if (walls->wall[w].axis) {
+      size = PetscMin(size, walls->wall[w].number[0] / 2);
+      pieces += walls->wall[w].pieces;
+    }
+  if (pieces < FEWEST) PetscFunctionReturn(0);
+  PetscCall(PetscMalloc2(1 + walls->conduits, &tree, 1 + walls->conduits, &reach));
+  tree[n] = walls->near_parts;
+  reach[n++] = 2 * size;
+  for (PetscInt w = 0; w < walls->n; w++)
+    if (walls->wall[w].axis) {
+      tree[n] = walls->wall[w].axis;
+      reach[n++] = 1.5 * walls->wall[w].number[0];
+    }
+  PetscCall(SquaresCreate(size, n, tree, reach, &walls->squares));
+  PetscCall(PetscFree2(tree, reach));
+  PetscFunctionReturn(0);
+}
+
 /* WallsIndex - puts the walls where a place finds those near it. Not collective; WallsDropIndex()
    frees what is made here. */
 PetscErrorCode WallsIndex(Walls *walls) {
@@ -141,6 +186,7 @@ PetscErrorCode WallsIndex(Walls *walls) {
   PetscCall(BlocksCreate(2, walls->parts, block, &walls->near_parts));
   PetscCall(PetscFree(block));
   PetscCall(IndexPosts(walls));
+  PetscCall(MakeSquares(walls));
   PetscFunctionReturn(0);
 }
 
@@ -149,6 +195,7 @@ PetscErrorCode WallsDropIndex(Walls *walls) {
   for (PetscInt w = 0; w < walls->n; w++) PetscCall(BlocksDestroy(&walls->wall[w].axis));
   PetscCall(BlocksDestroy(&walls->near_posts));
   PetscCall(BlocksDestroy(&walls->near_parts));
+  PetscCall(SquaresDestroy(&walls->squares));
   PetscCall(PetscFree(walls->part));
   PetscCall(PetscFree(walls->open));
   walls->parts = walls->opens = walls->conduits = 0;
@@ -173,7 +220,7 @@ typedef struct {
 static void Take(Look *look, PetscInt wall, PetscInt piece, Touch *at) {
   PetscInt k = look->n;
 
-  at->gap -= look->radius;
+  at->gap += look->walls->wall[wall].off - look->radius;
   look->nearest = PetscMin(look->nearest, at->gap);
   if (!look->touch || at->gap >= look->within || look->n == MOST_TOUCHES) return;
   at->wall = wall;
@@ -257,11 +304,68 @@ static void LookAtConduit(Look *look, PetscInt wall, const Block *place) {
     BlocksNear(look->walls->wall[wall].axis, place, same * look->far, MeetConduit, look);
 }
 
+/* LookAtConduit(), by the list of a square; false: it does not reach far enough. */
+static PetscBool LookAtListed(Look *look, PetscInt wall, PetscReal reach, const int *list) {
+  enum { MOST = 64 };
+  const Wall *self = &look->walls->wall[wall];
+  const PetscReal same = 1 + 1e-9;
+  PetscReal away[MOST];
+  const int n = *list++;
+  Touch at[MOST];
+
+  if (n > MOST) return PETSC_FALSE;
+  look->far = everywhere;
+  for (int k = 0; k < n; k++) {
+    away[k] = everywhere;
+    if (!WallPieceDistance(&self->piece[list[k]], look->x, &at[k].gap, at[k].normal, &at[k].bend))
+      continue;
+    away[k] = AxisDistance(self, &self->piece[list[k]], look->x, at[k].gap);
+    look->far = PetscMin(look->far, away[k]);
+  }
+  if (!(same * look->far <= reach)) return PETSC_FALSE;
+  for (int k = 0; k < n; k++)
+    if (away[k] <= same * look->far) Take(look, wall, list[k], &at[k]);
+  return PETSC_TRUE;
+}
+
+/* The pieces that end somewhere, by the list of a square as far as it reaches. */
+static void LookAtParts(Look *look, const int *list) {
+  const Walls *walls = look->walls;
+  const Block place = BlockAt(2, look->x);
+  const PetscReal reach = SquaresReach(walls->squares, 0);
+  const PetscBool near = (PetscBool)(!look->touch || Reach(look) <= reach);
+
+  if (!walls->parts) return;
+  for (int k = 1; near && k <= *list; k++) LookAt(look, &walls->part[list[k]]);
+  if (Reach(look) > reach) BlocksNear(walls->near_parts, &place, Reach(look), MeetPart, look);
+}
+
+/* What is near to a place, by the lists of its square. */
+static void LookByLists(Look *look, const int *parts) {
+  const Walls *walls = look->walls;
+  const Block place = BlockAt(2, look->x);
+  const int *list = SquaresNext(parts);
+  PetscInt tree = 1;
+
+  for (PetscInt w = 0; w < walls->n && walls->conduits; w++)
+    if (walls->wall[w].axis) {
+      if (!LookAtListed(look, w, SquaresReach(walls->squares, tree++), list))
+        LookAtConduit(look, w, &place);
+      list = SquaresNext(list);
+    }
+  LookAtParts(look, parts);
+}
+
 static void LookAround(Look *look) {
   const Walls *walls = look->walls;
   const Block place = BlockAt(2, look->x);
+  const int *lists = walls->squares ? SquaresAt(walls->squares, look->x) : NULL;
 
   for (PetscInt k = 0; k < walls->opens; k++) LookAt(look, &walls->open[k]);
+  if (lists) {
+    LookByLists(look, lists);
+    return;
+  }
   for (PetscInt w = 0; w < walls->n && walls->conduits; w++)
     if (walls->wall[w].axis) LookAtConduit(look, w, &place);
   if (walls->parts <= FEW)
@@ -307,7 +411,7 @@ static PetscBool InPolygon(const Wall *wall, const PetscReal x[2]) {
     if (p->round) continue;
     for (int d = 0; d < 2; d++) {
       a[d] = p->at[d] - x[d];
-      b[d] = a[d] + p->to * p->t[d];
+      b[d] = a[d] + p->edge * p->t[d];
     }
     if ((a[1] > 0) != (b[1] > 0) && (a[0] * b[1] - a[1] * b[0] > 0) == (b[1] > a[1]))
       in = (PetscBool)!in;

@@ -167,32 +167,144 @@ static PetscErrorCode CheckPolygon(Maker *self, PetscInt n) {
   PetscFunctionReturn(0);
 }
 
+/* An edge of a polygon, and the corner at its end. */
+typedef struct {
+  PetscReal at[2], t[2], length;
+  PetscReal turn;   /* at its end: above 0 where the corner is hollow */
+  PetscReal r;      /* of the arc there; 0: there is none */
+  PetscReal cut[2]; /* of its two ends, how much does not press; below 0: it presses beyond them */
+} Edge;
+
+static PetscErrorCode MeasureEdges(const Maker *self, PetscInt n, PetscReal side, Edge edge[]) {
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < n; k++) {
+    PetscReal b[2];
+    edge[k] = (Edge){.r = 0};
+    PlaceOf(self, 2 * k, edge[k].at);
+    PlaceOf(self, 2 * ((k + 1) % n), b);
+    edge[k].length = Direction(edge[k].at, b, edge[k].t);
+    UserCheck(edge[k].length > 0, OptionsComm(),
+              "-wall_file %s, line %d: two of its points are the same", self->file, self->line);
+  }
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscReal *t = edge[k].t, *u = edge[(k + 1) % n].t;
+    edge[k].turn = side * PetscAtan2Real(Cross(t, u), Dot(t, u));
+  }
+  PetscFunctionReturn(0);
+}
+
+/* Soft contact is felt so far from the rod's surface, and a jammed rod is pressed in so far, over
+   its radius. */
+static const PetscReal felt = 0.5, pressed = 0.4;
+
+/*
+  How far beyond a hollow corner an edge is felt by a rod that slides along the next: where this is
+
+    (1 - pressed) R = (1 + felt) R cos(turn) - z sin(turn)
+
+  from the rod's middle, which is (1 + felt) R from this one, z beyond it. If it ended before, the
+  force of it would be gone at once, and a tip, or a node, would find no rest there: gentle corners,
+  pressed deep, or in soft contact.
+*/
+static PetscReal FeltBeyond(PetscReal R, PetscReal turn) {
+  return PetscMax(0, R * ((1 + felt) * PetscCosReal(turn) - (1 - pressed)) / PetscSinReal(turn));
+}
+
+/* ... but no farther than the walls behind that corner go on to be hollow. way: 1 beyond the end of
+   edge k, -1 beyond its beginning. */
+static PetscReal PressesBeyond(PetscReal R, PetscInt n, const Edge edge[], PetscInt k, int way) {
+  PetscInt corner = way > 0 ? k : (k + n - 1) % n, next = (k + n + way) % n;
+  PetscReal turned = edge[corner].turn, reach = 0;
+  const PetscReal most = FeltBeyond(R, turned);
+
+  for (PetscInt seen = 1; seen < n && reach < most; seen++) {
+    reach += edge[next].length * PetscCosReal(turned);
+    corner = (corner + n + way) % n;
+    next = (next + n + way) % n;
+    turned += edge[corner].turn;
+    if (edge[corner].turn <= 0 || FeltBeyond(R, turned) == 0) break;
+  }
+  return PetscMin(most, reach);
+}
+
+/*
+  The arc of a gentle hollow corner. Rounded by r it is filled up by r turn^2/8: a thousandth of
+  the rod's diameter D or, if this asks for less than r = D, with that. So points along a curve give
+  the curve, and what slides along meets one wall after the other, with the same normal. Where
+  edges are too short for a rod to roll along such an arc there is none.
+*/
+static void RoundCorner(PetscReal R, Edge *edge, const Edge *next) {
+  const PetscReal gentle = 9 * PETSC_PI / 180, straight = 1e-5, part = 1e-3, narrow = 1.2,
+                  wide = 1e3, D = 2 * R, turn = edge->turn, half = PetscTanReal(turn / 2),
+                  room = PetscMin(edge->length, next->length) / (2 * half);
+  PetscReal r;
+
+  if (turn > gentle || turn < straight) return;
+  r = PetscMax(1, PetscMin(wide, 8 * part / (turn * turn))) * D;
+  r = PetscMin(r, room);
+  if (r >= narrow * R) edge->r = r;
+}
+
+/* What of the edges presses at a hollow corner. */
+static void CutEdges(PetscReal R, PetscInt n, Edge edge[]) {
+  const PetscReal straight = 1e-5;
+
+  for (PetscInt k = 0; k < n; k++)
+    if (edge[k].turn > 0) RoundCorner(R, &edge[k], &edge[(k + 1) % n]);
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscInt next = (k + 1) % n;
+    const PetscReal turn = edge[k].turn;
+    if (turn <= 0) continue;
+    if (edge[k].r > 0 || turn < straight) /* they go over into the arc, or into each other */
+      edge[k].cut[1] = edge[next].cut[0] = (edge[k].r > 0 ? edge[k].r : R) * PetscTanReal(turn / 2);
+    else {
+      edge[k].cut[1] = -PressesBeyond(R, n, edge, k, 1);
+      edge[next].cut[0] = -PressesBeyond(R, n, edge, next, -1);
+    }
+  }
+}
+
+/* The arc of a corner between two edges; side: 1 the rod is on their left. */
+static void AddCornerArc(Maker *self, const Edge *edge, const Edge *next, PetscReal side) {
+  const PetscReal out = edge->turn > 0 ? -1 : 1,
+                  one[2] = {-out * side * edge->t[1], out * side * edge->t[0]},
+                  other[2] = {-out * side * next->t[1], out * side * next->t[0]},
+                  away = edge->r / PetscCosReal(edge->turn / 2);
+  PetscReal middle[2], c[2];
+  WallPiece *p;
+
+  for (int d = 0; d < 2; d++) middle[d] = one[d] + other[d];
+  const PetscReal size = hypot(middle[0], middle[1]);
+  for (int d = 0; d < 2; d++) c[d] = next->at[d] - away * middle[d] / size;
+  p = AddArc(self->wall, c, edge->r, out, one, other);
+  if (edge->r > 0) p->deep = self->radius;
+}
+
 /* Each edge is a line; a corner that stands out is an arc of radius 0 between the normals of its
-   edges. In a corner that stands in, the rod touches both. */
+   edges, a hollow one that is gentle an arc within. In another hollow one the rod touches both. */
 static PetscErrorCode MakePolygon(Maker *self) {
   const PetscInt n = self->wall->numbers / 2;
-  PetscReal side = Area(self, 0, n) > 0 ? -1 : 1, a[2], b[2], c[2], t[2], u[2], length;
+  PetscReal side = Area(self, 0, n) > 0 ? -1 : 1;
+  Edge *edge;
 
   PetscFunctionBegin;
   PetscCall(CheckPolygon(self, n));
   if (self->wall->inside) side = -side;
+  PetscCall(PetscMalloc1(n, &edge));
+  PetscErrorCode error = MeasureEdges(self, n, side, edge);
+  if (error) PetscCall(PetscFree(edge));
+  PetscCall(error);
+  CutEdges(self->radius, n, edge);
   for (PetscInt k = 0; k < n; k++) {
-    PetscReal one[2], other[2];
-    PlaceOf(self, 2 * k, a);
-    PlaceOf(self, 2 * ((k + 1) % n), b);
-    PlaceOf(self, 2 * ((k + 2) % n), c);
-    length = Direction(a, b, t);
-    UserCheck(length > 0, OptionsComm(), "-wall_file %s, line %d: two of its points are the same",
-              self->file, self->line);
-    AddLine(self->wall, a, t, length, side, 0)->deep = self->radius;
-    (void)Direction(b, c, u);
-    if (side * Cross(t, u) >= 0) continue; /* stands in */
-    one[0] = -side * t[1];
-    one[1] = side * t[0];
-    other[0] = -side * u[1];
-    other[1] = side * u[0];
-    (void)AddArc(self->wall, b, 0, 1, one, other);
+    const Edge *next = &edge[(k + 1) % n];
+    WallPiece *line = AddLine(self->wall, edge[k].at, edge[k].t, edge[k].length, side, 0);
+    line->deep = self->radius;
+    line->edge = edge[k].length;
+    line->from = edge[k].cut[0];
+    line->to = edge[k].length - edge[k].cut[1];
+    if (edge[k].turn < 0 || edge[k].r > 0) AddCornerArc(self, &edge[k], next, side);
   }
+  PetscCall(PetscFree(edge));
   PetscFunctionReturn(0);
 }
 

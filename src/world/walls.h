@@ -5,6 +5,7 @@
 
 #include "base/options.h"
 #include "base/blocks.h"
+#include "base/squares.h"
 #include "world/surfaces.h"
 
 typedef enum { WALL_PLANE, WALL_CIRCLE, WALL_POLYGON, WALL_PATH, WALL_KINDS } WallKind;
@@ -13,10 +14,11 @@ extern const char *const wall_kind[WALL_KINDS];
 /* A piece of a wall: a line, of which one side is free, or an arc, free outside or inside. */
 typedef struct {
   PetscBool round;
-  PetscReal at[2];            /* a point of the line; the centre of the arc */
-  PetscReal t[2], n[2];       /* line: along it, and into the free side */
-  PetscReal from, to;         /* line: where along t it is */
-  PetscReal r, sign;          /* arc: radius; 1 free outside, -1 inside */
+  PetscReal at[2];      /* a point of the line; the centre of the arc */
+  PetscReal t[2], n[2]; /* line: along it, and into the free side */
+  PetscReal from, to;   /* line: where along t it presses */
+  PetscReal edge;       /* of a polygon: how long it is from `at` on, whatever of it presses */
+  PetscReal r, sign;    /* arc: radius; 1 free outside, -1 inside */
   PetscReal middle[2], reach; /* arc: its middle direction and the cosine of half its angle */
   PetscReal deep;             /* not met by what is deeper behind it than this */
   PetscReal mouth[2];         /* arc at the mouth of a conduit: where the axis ends */
@@ -27,6 +29,7 @@ typedef struct {
   WallKind kind;
   PetscBool inside; /* circle and polygon: the rod is inside */
   PetscReal friction;
+  PetscReal off;  /* by so much it is farther away than given: see ContactStandOff() */
   PetscReal bend; /* of a path: radius of its axis in corners; 0: as wide as it needs */
   PetscInt numbers;
   PetscReal *number; /* as given, in the laboratory; a path's first is its radius */
@@ -59,6 +62,7 @@ typedef struct {
   Blocks near_posts, near_parts; /* posts; pieces that end somewhere, but for conduits */
   WallPart *part, *open;         /* those pieces; the others, planes and circles from within */
   PetscInt parts, opens, conduits;
+  Squares squares; /* of the parts, then of the axis of each conduit; NULL: there are few pieces */
 } Walls;
 
 /* A surface near a point: its distance less the rod's radius; the normal, towards the rod; the

@@ -1,6 +1,7 @@
 /* Blocks in a tree, in the plane and in space: those within reach of a place, and the nearest, as
    when all are looked at. */
 #include "base/blocks.h"
+#include "base/squares.h"
 #include "harness.h"
 
 enum { MOST = 300 };
@@ -88,5 +89,44 @@ static void TestNone(void **state) {
   CHECK(BlocksDestroy(&blocks));
 }
 
-static const struct CMUnitTest tests[] = {cmocka_unit_test(TestNear), cmocka_unit_test(TestNone)};
+/* The list of a square has all that is within its reach of a place there, once, for each tree,
+   however many squares are looked from; far out there is none. */
+static void TestSquares(void **state) {
+  enum { TREES = 2, N = 120 };
+  const PetscReal reach[TREES] = {0.4, 1.5}, size = 0.3;
+  Block block[TREES][N];
+  Blocks tree[TREES];
+  Squares squares;
+
+  for (int t = 0; t < TREES; t++) {
+    for (PetscInt i = 0; i < N; i++)
+      for (int d = 0; d < 2; d++) {
+        block[t][i].low[d] = 5 * Scatter(i, d + 20 * t);
+        block[t][i].high[d] = block[t][i].low[d] + 0.3 * PetscAbsReal(Scatter(i, 3 + d + 20 * t));
+      }
+    CHECK(BlocksCreate(2, N, block[t], &tree[t]));
+  }
+  CHECK(SquaresCreate(size, TREES, tree, reach, &squares));
+  for (int k = 0; k < 1000; k++) {
+    const PetscReal x[3] = {6 * Scatter(k, 9), 6 * Scatter(k, 10), 0};
+    const int *list = SquaresAt(squares, x);
+    for (int t = 0; t < TREES; t++, list = SquaresNext(list)) {
+      int met[N] = {0}, wrong = 0;
+      for (int j = 1; j <= *list; j++) met[list[j]]++;
+      for (PetscInt i = 0; i < N; i++) {
+        const PetscReal away = Away(2, &block[t][i], x);
+        wrong += met[i] > 1 || (!met[i] && away <= SquaresReach(squares, t)) ||
+                 (met[i] && away > reach[t] + 1.5 * size);
+      }
+      EXPECT(!wrong, "at %g, %g of tree %d: %d items are missing, or there too often", x[0], x[1],
+             t, wrong);
+    }
+  }
+  EXPECT(!SquaresAt(squares, (const PetscReal[2]){1e12, 0}), "squares without an end");
+  CHECK(SquaresDestroy(&squares));
+  for (int t = 0; t < TREES; t++) CHECK(BlocksDestroy(&tree[t]));
+}
+
+static const struct CMUnitTest tests[] = {cmocka_unit_test(TestNear), cmocka_unit_test(TestNone),
+                                          cmocka_unit_test(TestSquares)};
 MAIN(tests)

@@ -286,13 +286,33 @@ static void TestSoftContactIsNear(void **state) {
          "layer %g, its rate %g", contact.smooth, contact.smooth_t);
 }
 
+/* A wall about 0 with so many corners. */
+static void RoundCavity(int corners, size_t room, char text[]) {
+  size_t at = (size_t)snprintf(text, room, "polygon inside");
+  for (int k = 0; k < corners; k++) {
+    const PetscReal angle = 2 * PETSC_PI * k / corners;
+    at += (size_t)snprintf(text + at, room - at, " %.6f %.6f", 0.5 * cos(angle), 0.5 * sin(angle));
+  }
+  (void)snprintf(text + at, room - at, "\n");
+}
+
 /* Along paths at random, past corners and through mouths: no jumps, and the force is minus the
    slope of the energy. */
 static void TestWallsAreSmooth(void **state) {
-  const char *const file_of[] = {"polygon outside 0.3 0.2 0.8 0.1 0.9 0.9 0.4 0.8\n",
-                                 "polygon inside 0 0 1 0 1 0.5 0.5 0.5 0.5 1 0 1\n",
-                                 "path 0.2 0 0 1 0 1.5 0.8 1.2 1.6\n",
-                                 "circle 0.5 0.5 0.3 outside\nplane 0.2 0 1 0.3\n"};
+  enum { CAVITIES = 3, ROOM = 8192 };
+  const int corners[CAVITIES] = {18, 60, 300};
+  static char cavity[CAVITIES][ROOM];
+  for (int c = 0; c < CAVITIES; c++) RoundCavity(corners[c], ROOM, cavity[c]);
+  const char *const file_of[] = {
+      "polygon outside 0.3 0.2 0.8 0.1 0.9 0.9 0.4 0.8\n",
+      "polygon inside 0 0 1 0 1 0.5 0.5 0.5 0.5 1 0 1\n",
+      "path 0.2 0 0 1 0 1.5 0.8 1.2 1.6\n",
+      "circle 0.5 0.5 0.3 outside\nplane 0.2 0 1 0.3\n",
+      "polygon inside -0.3 -0.3 0.3 -0.3 0.302 -0.1 0.302 0.1 0.3 0.3 -0.3 0.3\n",
+      "polygon outside -0.5 -0.5 0.5 -0.5 0.5 0.3 0.3 0.2 0 0.18 -0.2 0.2 -0.5 0.3\n",
+      cavity[0],
+      cavity[1],
+      cavity[2]};
   for (size_t w = 0; w < sizeof(file_of) / sizeof(file_of[0]); w++) {
     Walls walls = {0};
     Surfaces surfaces = {0};

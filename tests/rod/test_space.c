@@ -516,8 +516,9 @@ static PetscInt Index(const char *options, PetscReal force, PetscReal moment, Pe
   Rod rod;
   Vec U, U_t;
   SetOptions("-growth_type none -growth_initial_length 1 -friction_mu 0 -rod_cells 150 "
-             "-shape_amplitude %s -shape_turn 0.3 %s",
-             strstr(options, "clamped") || strstr(options, "pinned") ? "0.01" : "1e-4", options);
+             "-shape_amplitude %s %s %s",
+             strstr(options, "clamped") || strstr(options, "pinned") ? "0.01" : "1e-4",
+             strstr(options, "-shape_turn") ? "" : "-shape_turn 0.3", options);
   CHECK(SceneCreate(&scene));
   CHECK(RodCreate(scene, &rod_space, &rod));
   CHECK(RodHoldTip(rod));
@@ -529,7 +530,7 @@ static PetscInt Index(const char *options, PetscReal force, PetscReal moment, Pe
   CHECK(rod_space.set(rod, 0, nodes, U));
   CHECK(VecGetArray(U, &u));
   for (PetscInt i = 0; i < n; i++, u += FIELDS) {
-    PetscReal turn = moment / torsion * (PetscReal)i / (PetscReal)(n - 1);
+    PetscReal turn = moment / torsion * (PetscReal)(rod->first + i) / (PetscReal)rod->last;
     if (moment != 0) { /* straight, and turned along itself */
       u[P0] = PetscCosReal(turn / 2);
       u[P1] = PetscSinReal(turn / 2);
@@ -541,8 +542,10 @@ static PetscInt Index(const char *options, PetscReal force, PetscReal moment, Pe
   u -= n * FIELDS;
   CHECK(VecRestoreArray(U, &u));
   at = StateOf(0, U, U_t, shift);
+  at.counts = PETSC_TRUE;
   CHECK(EliminationCreate(PETSC_COMM_WORLD, n, rod_space.halves, &elimination));
   CHECK(rod_space.eliminate(rod, &at, elimination));
+  EliminationPlane(elimination, (PetscBool)(strstr(options, "-shape_turn 0") != NULL));
   CHECK(EliminationIndex(elimination, &index));
   CHECK(EliminationDestroy(&elimination));
   CHECK(PetscFree(nodes));
@@ -572,10 +575,15 @@ static void TestIndex(void **state) {
                {"-tip_type pinned", 20, 0, 1e-3, 0},
                {"-tip_type pinned", 21, 0, 1e-3, 1},
                {"-tip_type slides", 0, 8.95, 1e-3, 0},
-               {"-tip_type slides", 0, 9.05, 1e-3, 2}};
-  PetscMPIInt ranks;
-  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
-  if (ranks > 1) return;
+               {"-tip_type slides", 0, 9.05, 1e-3, 2},
+               /* in a hinge, from 20.19 and 59.68 on */
+               {"-tip_type slides -clamp_type hinged", 19.5, 0, 1, 0},
+               {"-tip_type slides -clamp_type hinged", 21, 0, 1, 2},
+               {"-tip_type slides -clamp_type hinged", 61, 0, 1, 4},
+               /* within the plane alone */
+               {"-shape_turn 0", 30, 0, 1e-3, 2},
+               {"-tip_type slides -shape_turn 0", 40, 0, 1e-3, 1},
+               {"-tip_type clamped -shape_turn 0", 40, 0, 1e-3, 0}};
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(forces); k++) {
     PetscReal P = forces[k];
     PetscInt modes = P > 0 ? (PetscInt)(PetscSqrtReal(P) / PETSC_PI + 0.5) : 0,

@@ -499,6 +499,33 @@ def energy_balance():
 
 
 @check
+def begins_at_a_wall():
+    """A rod that lies on a table from the start, as a user sets it up, is not pushed off: the table is taken off by what
+    contact sets in before it, which is said, with the distance; in the plane and in space, and behind a restart."""
+    on = "-growth_type feed -growth_initial_length 1 -shape_type straight -contact_diameter 0.1 -rod_cells 60 -ts_max_time 0.4 "
+    for table, weight, force in (("plane 0 {} 0 1", "0,-0.5", "wall_force_2"), ("plane 0 0 {} 0 0 1", "0,0,-0.5", "wall_force_3"),
+                                 ("circle 0 {} 5 outside", "0,-0.5", "wall_force_2")):
+        for apart in (0, 5e-5, -5e-5):
+            high = -0.05 - apart - (5 if "circle" in table else 0)
+            r = Run(on + f"-rod_weight {weight} " + walls(table.format(repr(high))))
+            found = re.search(r"-wall_file: the rod begins at a wall, (\S+) from it; contact sets in 0.0002 ", r.said)
+            expect(found and abs(float(found[1]) - apart) < 1e-12, f"{table}, {apart}: {r.said}")
+            expect(r.series[force][0] < 1e-9, f"{table}: begins pushed with {r.series[force][0]}")
+            expect(r.series[force][-1] > 0.4, f"{table}: rests on it with {r.series[force][-1]}")
+            expect("snap" not in r.said, r.said)
+        r = Run(on + f"-rod_weight {weight} " + walls(table.format(repr(-0.0505 - (5 if "circle" in table else 0)))))
+        expect("begins at" not in r.said, r.said)
+    r = Run(on + "-rod_weight 0,-0.5 -shape_type mode -shape_amplitude 0.2 " + walls("plane 1.15 0 -1 0"))
+    expect(re.search(r"the rod begins \S+ from a wall at s = ", r.said) is None, r.said)
+    file = f"{scene.SCRATCH}/table.h5"
+    options = on + "-rod_weight 0,-0.5 " + walls("plane 0 -0.05 0 1") + f"-output {file} "
+    tendril(options + "-ts_max_time 0.2")
+    tendril(f"-restart {file} -ts_max_time 0.4")
+    whole = Run(on + "-rod_weight 0,-0.5 " + walls("plane 0 -0.05 0 1"))
+    expect(abs(read(file)["series/tip_x2"][-1] - whole.tip_x2[-1]) < 1e-6, "restarted")
+
+
+@check
 def robust():
     """Stiff contact, friction next to exact and exact, corners, a thin rod, a snap in contact."""
     fed = ("-growth_type feed -growth_initial_length 0.5 -shape_type straight -rod_curvature 0.1 "

@@ -482,6 +482,32 @@ def units_of_the_rod():
     expect(np.allclose(*shapes, rtol=1e-9), "-rod_curvature_length")
 
 
+FREE = "-si_bending_stiffness 3944.1 -si_friction_dry 0 -growth_initial_length 1m "
+
+
+@check
+def weights():
+    """A weight in N/m, kg/m and in its own unit is one; a rod without friction stands as high as Greenhill's column,
+    L^3 = 7.837347 YI/w, and hangs as the elastica does, whatever the unit of length is."""
+    pole = f"-task critical -growth_type uniform -clamp_direction 0,0,1 {FREE}-rod_weight 0,0,-"
+    height = (7.837347439 * 3944.1 / 38.515) ** (1 / 3)
+    for weight in ("38.515N/m", f"{38.515 / 9.80665!r}kg/m", f"{38.515 / 9.80665 * 1000!r}g/m", f"{38.515 / 3944.1!r}"):
+        said = tendril(pole + weight)
+        expect(abs(float(re.search(r"length L = (\S+)", said)[1]) / height - 1) < 1e-8, f"{weight}: {said}")
+    sag = "-growth_type none -shape_type straight -ts_max_time 1 -rod_cells 100 -rod_weight 0,-"
+    tips = [np.hypot(*Run(sag + more).tip) for more in (
+        f"1000N/m {FREE}",
+        f"{1000 / 20.03!r} {TUBE.replace('4.4907e-4', '3944.1')}-growth_initial_length 1m -friction_layers 0:0")]
+    scale = (3944.1 / 20.03) ** (1 / 3)
+    expect(abs(tips[0] / (tips[1] * scale) - 1) < 1e-7, f"it hangs to {tips[0]}, {tips[1] * scale}")
+    for wrong, word in (("-rod_weight 1,-2N/m", "-rod_weight: some of its numbers have a unit"),
+                        ("-rod_weight 0,-2N", "N/m, mN/m"), ("-friction_layers 0:2", "-friction_layers: has nothing to multiply"),
+                        ("-friction_mu 0.5", "-friction_mu")):
+        expect(word in tendril(f"{FREE}-growth_type none -ts_max_time 0.1 {wrong}", 1), wrong)
+    expect("-growth_initial_length: give it with a unit" in tendril("-si_bending_stiffness 1 -si_friction_dry 0", 1), "no length")
+    expect("-si_friction_dry 0" in tendril("-si_bending_stiffness 1", 1), "no friction")
+
+
 @check
 def misplaced_units():
     """One line, which names the option and the units it takes."""

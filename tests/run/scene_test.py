@@ -317,6 +317,8 @@ def scales():
     distance, s, t = np.unique(np.r_[np.linspace(0, 6, 60), np.linspace(0.37, 0.43, 61)]), np.linspace(0, 1, 41), np.linspace(0, 2, 9)
     for name, table in (("notch", dict(distance=distance, factor=1 - 0.5 * np.exp(-((distance - 0.4) / 0.005)**2))),
                         ("smooth", dict(distance=distance, factor=1 + 0.3 * np.sin(distance))),
+                        ("hook", dict(s=np.array([0, 0.2, 0.7, 0.9, 0.96, 0.98, 1]), curvature=np.array([0, 0, 0, 0, 0, 0.5, 0.5]))),
+                        ("even", dict(s=np.linspace(0, 1, 500), curvature=np.sin(3 * np.linspace(0, 1, 500)))),
                         ("bulge", dict(s=s, t=t, g=1 + t[:, None] * np.exp(-((s - 0.5) / 0.03)**2)))):
         with h5py.File(f"{SCRATCH}/{name}.h5", "w") as f:
             for key, values in table.items():
@@ -327,6 +329,8 @@ def scales():
                                 (f"{DRY}-ts_max_time 1 -rod_stiffness_file {SCRATCH}/notch.h5 ", "-rod_cells 15", "-rod_stiffness_file"),
                                 (f"{DRY}-ts_max_time 1 -rod_stiffness_file {SCRATCH}/smooth.h5 ", "-rod_cells 40", None),
                                 (f"-shape_amplitude 0.1 -ts_max_time 1 -growth_type table -growth_table {SCRATCH}/bulge.h5 ", "-rod_cells 10", "-growth_table"),
+                                (DRY + f"-ts_max_time 0.1 -rod_curvature_file {SCRATCH}/hook.h5 ", "-rod_cells 60", "bends of (in s) 0.02"),
+                                (DRY + f"-ts_max_time 0.1 -rod_curvature_file {SCRATCH}/even.h5 ", "-rod_cells 60", None),
                                 (DRY + "-ts_max_time 3 ", "-rod_cells 60", None)):
         r = Run(options + more)
         fine = Run(options + "-rod_cells 2000 -ts_rtol 1e-7")

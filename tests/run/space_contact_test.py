@@ -16,6 +16,16 @@ import h5py
 import numpy as np
 
 CHECKS = {}
+
+
+def unit(v):
+    return np.asarray(v, float) / np.linalg.norm(v)
+
+
+def comma(v):
+    return ",".join(repr(float(a)) for a in v)
+
+
 FED = ("-growth_type feed -growth_initial_length 0.5 -shape_type straight -contact_diameter 0.1 -rod_cells 60 "
        "-ts_max_time 2 ")
 PILLAR = "circle 2 0.4 0.7 outside friction 0.4", "plane 3 0 -1 0"
@@ -438,6 +448,61 @@ def thin_rubs():
     off = r.contact_force[-1] / 6 - 1  # the clamp and what hangs near it bear some
     print(f"along a wire: {r.steps} steps, bears {1 + off:.3f} of the weight, defect {r.energy_defect[-1]:.1e}")
     expect(abs(off) < 0.15 and r.energy_defect[-1] < 1e-6, f"{off}")
+
+
+@check
+def lengthways():
+    """A straight rod that nothing holds sinks onto a cylinder all along at once, and rests where it is lowest: out of the
+    plane of its fall it is straight but for round-off, which is no size to measure errors by."""
+    R, D = 0.3, 0.1
+    rod = (f"-growth_type none -clamp_type free -friction_radius 0.05 -contact_diameter {D} -ts_max_time 1 -rod_cells 12 "
+           "-growth_initial_length 1 -shape_type straight ")
+    along = np.array([1, 0, 0])
+    for options, axis, weight in (("-friction_mu 0", along, [0, 0.2, -2]), ("-friction_mu 0.3", along, [0, 0.5, -1]),
+                                  ("-friction_mu 1", along, [0, 0.2, -2]),
+                                  ("-friction_mu 0 -ts_rtol 1e-7", along, [0, 0.2, -2]),
+                                  ("-friction_mu 0", np.array([0.48, 0.6, 0.64]), [1.6, 0, -1.2])):
+        r = Run(f"{rod}{options} -clamp_direction {comma(axis)} -rod_weight {comma(weight)} "
+                + walls("cylinder 0 0 0 {} {} {} 0.3 inside friction 0.1".format(*axis)))
+        x, down = r.shapes["x"][-1], unit(weight)
+        gap, aside = R - D / 2 - x @ down, np.abs(x @ np.cross(axis, down)).max()
+        print(f"{options}: {r.steps} steps, {r.newton_iterations.sum():.0f} iterations; {gap.min():.1e} to {gap.max():.1e} off the "
+              f"wall, {aside:.1e} aside")
+        expect(-0.01 * D < gap.min() and gap.max() < 0.02 * D and aside < 1e-6, f"{options}: {gap.min()}, {gap.max()}, {aside}")
+
+
+@check
+def lengthways_on_ranks():
+    rod = ("-growth_type none -clamp_type free -friction_radius 0.05 -contact_diameter 0.1 -ts_max_time 0.3 -rod_cells 12 "
+           "-growth_initial_length 1 -shape_type straight -friction_mu 0 -rod_weight 0,0.2,-2 ")
+    expect_on_ranks(rod + walls("cylinder 0 0 0 1 0 0 0.3 inside friction 0.1"))
+
+
+@check
+def falls():
+    """What dry friction does not hold and no wall stops falls without end in no time: a line says so."""
+    for model in "-rod_model frame", "-rod_model space -friction_radius 0.05":
+        line = tendril("-growth_type none -clamp_type free -shape_type straight -rod_cells 6 -ts_max_time 1 -friction_mu 1 "
+                       f"{model} -rod_weight 0.2,-2", 1)
+        expect("-rod_weight is 2.01 times what dry friction holds, and the rod falls at once, without end" in line, line)
+
+
+@check
+def great_circle():
+    """A rod that is fed along the inside of a ball of radius 1 lies on a great circle, whatever the frame: the force that
+    feeds it is 1/2, its tip meets the wall at 24.117 degrees."""
+    fed = ("-growth_type feed -friction_mu 0 -friction_layers 0:1e-3 -growth_initial_length 0.1 -shape_amplitude 0.1 "
+           "-rod_model space -rod_cells 100 -ts_max_time 2.9 -ts_max_steps 1000 ")
+    steps = []
+    for d, middle in (([1, 0, 0], [0, 1, 0]), ([1, 0, 1e-6], [0, 1, 0]), ([0.6, 0, 0.8], [0, 1, 0])):
+        r = Run(f"{fed}-clamp_direction {comma(d)} " + walls("sphere {} {} {} 1 inside".format(*middle)))
+        x, out = r.shapes["x"][-1], r.shapes["x"][-1, -1] - middle
+        aside, force = np.abs(x @ unit(np.cross(d, middle))).max(), r.feed_force[-1]
+        angle = np.degrees(np.arcsin(r.shapes["d1"][-1, -1] @ unit(out)))
+        steps.append(r.steps)
+        print(f"{d}: {r.steps} steps; {aside:.1e} aside, fed by {force:.4f}, meets the wall at {angle:.2f} degrees")
+        expect(aside < 1e-9 and abs(force - 0.5) < 0.01 and abs(angle - 24.117) < 0.2, f"{d}: {aside}, {force}, {angle}")
+    expect(max(steps) < 1.5 * min(steps), f"steps: {steps}")
 
 
 @check

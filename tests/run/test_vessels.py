@@ -328,10 +328,11 @@ class Files(Vessels):
         path, line = self.mesh(cube(2), "c.obj"), self.file("l.csv", "x,y,z,r\n0,0,0,1\n9,0,0,1\n")
         for words, source, more in (
                 ("box|six", path, {"box": [1, 2]}), ("box|least", path, {"box": [1, 1, 1, 0, 0, 0]}), ("origin|three", path, {"origin": (1, 2)}),
-                ("direction|not all 0", path, {"direction": (0, 0, 0)}), ("unit: foot|mm", path, {"unit": "foot"}),
+                ("direction|not all 0", path, {"direction": (0, 0, 0)}), ("unit|furlong|mm", path, {"unit": "furlong"}),
                 ("diameter|number", path, {"diameter": "thick"}), ("diameter|above 0", path, {"diameter": np.nan}),
                 ("spacing|too coarse", path, {"spacing": 3}), ("values", path, {"spacing": 1e-9}), ("scale|above 0", line, {"scale": 0}),
-                ("every|number", line, {"every": "often"}), ("start", path, {"origin": "start"}), ("is the source", path, {"output": path}),
+                ("every|number", line, {"every": "often"}), ("open|True", path, {"open": "yes"}), ("side|inside", path, {"side": np.ones(3)}),
+                ("unit|mm", line, {"unit": [1]}), ("line|whole", line, {"line": "second"}), ("tell|function", path, {"tell": 3}), ("start", path, {"origin": "start"}), ("is the source", path, {"output": path}),
                 ("no directory", path, {"output": self.at("none/x.h5")}), ("no wider than the rod", line, {"diameter": 3})):
             output = more.pop("output", self.at("x.h5"))
             with self.assertRaises((SurfaceError, tendril.TendrilError, OSError)) as caught:

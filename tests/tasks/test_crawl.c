@@ -97,6 +97,22 @@ static void TestIterations(void **state) {
   EXPECT((k = Crawls(&all, 1e-10, 1, 5000)) == 1000, "where they do not count: %d", k);
 }
 
+/* What the line advises: viscous friction to one that a wall that rubs and dry friction hold. */
+static void TestLine(void **state) {
+  Run run = OfLength(1, 2);
+  char line[768];
+
+  (void)Crawls(&run, 9e-9, 1, 5000);
+  for (int held = 0; held < 2; held++) {
+    run.crawl.counts = (PetscBool)held;
+    CrawlTell(&run.crawl, 1, (PetscBool)held, line, sizeof(line));
+    EXPECT(strstr(line, "crawls at t = 9e-06: the latest 1000 steps") && strstr(line, "-ts_rtol"),
+           "%s", line);
+    EXPECT(!strstr(line, "-friction_mu 0.99, in SI by -si_friction_viscous") == !held, "%s", line);
+    EXPECT(!strstr(line, "or 20000 iterations") == !held, "%s", line);
+  }
+}
+
 static void TestTold(void **state) {
   Run self = OfLength(1, 1);
   int k;
@@ -108,5 +124,5 @@ static void TestTold(void **state) {
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(TestAlike), cmocka_unit_test(TestScales), cmocka_unit_test(TestLayer),
     cmocka_unit_test(TestSlips), cmocka_unit_test(TestSoon),   cmocka_unit_test(TestIterations),
-    cmocka_unit_test(TestTold)};
+    cmocka_unit_test(TestLine),  cmocka_unit_test(TestTold)};
 MAIN(tests)

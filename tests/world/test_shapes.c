@@ -1,7 +1,9 @@
 /* Tubes and bodies: distances against surfaces that are written down, gradients and second
-   derivatives by differences, no jumps where pieces meet, orders. */
+   derivatives by differences, no jumps where pieces meet, orders; friction on a body. */
 #include "harness.h"
+#include "base/vectors.h"
 #include "world/body.h"
+#include "world/contact_space.h"
 #include "world/tube.h"
 
 enum { FOUR = 4 };
@@ -226,35 +228,48 @@ static void TestTubeFewPoints(void **state) {
 
 static const PetscReal middle[3] = {0.1, -0.2, 0.05};
 
-/* A sphere of radius 1, or a plane, on a grid of this spacing. */
-static Body Grid(PetscInt n, PetscBool round, PetscBool inside) {
+/* A sphere of radius 1, a plane, or an edge, hollow as seen from inside, on a grid of this spacing.
+ */
+typedef enum { PLANE, ROUND, EDGE } Form;
+
+static PetscReal FormAt(Form form, const PetscReal x[3]) {
+  const PetscReal along = 0.6 * x[0], up = 0.8 * x[2];
+  if (form == ROUND) return PetscSqrtReal(Dot(x, x)) - 1;
+  return form == PLANE ? along + up : PetscAbsReal(along) + up;
+}
+
+static void WriteGrid(PetscInt n, Form form, char path[64]) {
   const PetscInt dims[3] = {n, n + 2, n + 5}, three = 3;
   const PetscReal h = 3.2 / (n - 1), origin[3] = {-1.5, -1.8, -1.55}, spacing[3] = {h, h, h};
   PetscReal *values;
-  char path[64];
-  Body body = NULL;
   CHECK(PetscMalloc1(dims[0] * dims[1] * dims[2], &values));
   for (PetscInt k = 0, at = 0; k < dims[0]; k++)
     for (PetscInt j = 0; j < dims[1]; j++)
       for (PetscInt i = 0; i < dims[2]; i++, at++) {
         const PetscReal x[3] = {origin[0] + i * h - middle[0], origin[1] + j * h - middle[1],
                                 origin[2] + k * h - middle[2]};
-        values[at] = round ? PetscSqrtReal(Dot(x, x)) - 1 : 0.6 * x[0] + 0.8 * x[2];
+        values[at] = FormAt(form, x);
       }
   OpenScratch(path);
   WriteScratch(path, 3, (const char *[]){"/distance", "/origin", "/spacing"}, (int[]){3, 1, 1},
                (const PetscInt *[]){dims, &three, &three},
                (const PetscReal *[]){values, origin, spacing});
+  CHECK(PetscFree(values));
+}
+
+static Body Grid(PetscInt n, Form form, PetscBool inside) {
+  char path[64];
+  Body body = NULL;
+  WriteGrid(n, form, path);
   CHECK(BodyRead("body", path, inside, 0.2, &body));
   RemoveFile(path);
-  CHECK(PetscFree(values));
   return body;
 }
 
 static void TestBodyOrder(void **state) {
   PetscReal error[3][3] = {{0}};
   for (int m = 0; m < 3; m++) {
-    Body body = Grid((16 << m) + 1, PETSC_TRUE, PETSC_FALSE);
+    Body body = Grid((16 << m) + 1, ROUND, PETSC_FALSE);
     EXPECT(PetscAbsReal(BodySmallest(body) - 1) < 0.02 && BodyCore(body) > 0.9,
            "smallest %g, core %g", BodySmallest(body), BodyCore(body));
     for (int k = 0; k < 200; k++) {
@@ -284,7 +299,7 @@ static void TestBodyOrder(void **state) {
 
 static void TestBodyDerivatives(void **state) {
   for (int inside = 0; inside < 2; inside++) {
-    Body body = Grid(17, PETSC_TRUE, (PetscBool)inside);
+    Body body = Grid(17, ROUND, (PetscBool)inside);
     SurfacePoint at;
     PetscReal x[3] = {7, 0, 0};
     EXPECT(!BodyAt(body, x, any, &at), "a wall outside the grid");
@@ -298,7 +313,7 @@ static void TestBodyDerivatives(void **state) {
 
 /* A plane is exact but for the rim, where it gives way. */
 static void TestBodyPlane(void **state) {
-  Body body = Grid(17, PETSC_FALSE, PETSC_TRUE);
+  Body body = Grid(17, PLANE, PETSC_TRUE);
   SurfacePoint at;
   PetscReal x[3] = {0.3, 0.1, 0.2}, far = 0.6 * 0.2 + 0.8 * 0.15;
   EXPECT(BodyAt(body, x, any, &at), "outside the grid");
@@ -310,9 +325,106 @@ static void TestBodyPlane(void **state) {
   CHECK(BodyDestroy(&body));
 }
 
+/* A rod of diameter 0.4 in a body with a hollow edge, next to which the gradient of the
+   interpolated distance is not of length 1. */
+static void MakeEdge(Contact *contact) {
+  const PetscReal upright[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  char grid[64], file[64], line[128];
+  *contact = (Contact){.any = PETSC_TRUE,
+                       .diameter = 0.4,
+                       .stiffness = 50,
+                       .smooth = 0.02,
+                       .rub = {.mu = 1, .beta = 0.1}};
+  WriteGrid(17, EDGE, grid);
+  (void)snprintf(line, sizeof(line), "body %s inside friction 0.5\n", grid);
+  WriteWalls(file, line);
+  CHECK(WallsRead(file, 0.2, 0, 0, &contact->walls, &contact->surfaces));
+  ContactSetFrame(contact, upright, 0);
+  RemoveFile(file);
+  RemoveFile(grid);
+}
+
+/* The force on a point of the rod there, its couple last. */
+static PetscReal PushAt(const Contact *contact, const Rubbed *at, PetscReal f[4]) {
+  Touch3 touch[MOST_TOUCHES3];
+  Push3 push;
+  EXPECT(ContactTouches3(contact, at->x, touch) == 1, "no touch");
+  ContactPush3(contact, touch, at, NULL, &push);
+  for (int d = 0; d < 3; d++) f[d] = push.force[d];
+  f[3] = push.couple;
+  return push.normal;
+}
+
+/* Are the derivatives by place and velocity, which are set, those of the force? Returns the length
+   of the gradient there. */
+static PetscReal SlopesAt(const Contact *contact, const Rubbed *at, PetscReal x[3],
+                          PetscReal v[3]) {
+  const PetscReal e = 1e-6;
+  PetscReal *const moved[2] = {x, v}, f[2][4];
+  Touch3 touch[MOST_TOUCHES3];
+  Push3 push;
+  (void)ContactTouches3(contact, x, touch);
+  ContactPushSlope3(contact, touch, at, PETSC_TRUE, NULL, &push);
+  for (int by = 0; by < 2; by++)
+    for (int c = 0; c < 3; c++) {
+      const PetscReal was = moved[by][c];
+      for (int side = 0; side < 2; side++) {
+        moved[by][c] = was + (side ? e : -e);
+        (void)PushAt(contact, at, f[side]);
+      }
+      moved[by][c] = was;
+      for (int d = 0; d < 4; d++) {
+        const PetscReal is = by ? push.W[d][c] : push.x[d][c],
+                        about = (f[1][d] - f[0][d]) / (2 * e);
+        EXPECT(PetscAbsReal(about - is) < 1e-6 * contact->stiffness, "%s %d %d: %g, not %g",
+               by ? "v" : "x", d, c, is, about);
+      }
+    }
+  return PetscSqrtReal(Dot(touch->normal, touch->normal));
+}
+
+/* What is pressed straight into a body does not rub on it; what slides along is held back by mu
+   times what presses, along the surface; and the derivatives are those of the force. */
+static void TestBodyFriction(void **state) {
+  const PetscReal still[3] = {0}, q[3] = {0.6, 0.48, 0.64};
+  PetscReal steep[2] = {1, 1};
+  Contact contact;
+  MakeEdge(&contact);
+  for (int k = 0; k < 60; k++) {
+    PetscReal x[3] = {middle[0] + 0.3 * Scatter(1, (uint64_t)k), 0, 0}, n[4], v[3], f[4], g[4],
+              size, p, w;
+    x[2] = middle[2] - 0.75 * PetscAbsReal(x[0] - middle[0]) - 0.2 + 0.05 * Scatter(2, (uint64_t)k);
+    Rubbed at = {x, q, still, 0};
+    p = PushAt(&contact, &at, n);
+    size = PetscSqrtReal(Dot(n, n));
+    EXPECT(PetscAbsReal(p - size) < 1e-12 * size, "presses with %g, tells %g", size, p);
+    for (int d = 0; d < 3; d++) v[d] = -3 * n[d] / size;
+    at.v = v;
+    (void)PushAt(&contact, &at, f);
+    for (int d = 0; d < 3; d++)
+      EXPECT(PetscAbsReal(f[d] - n[d]) < 1e-12 * size, "pressed in it rubs: %g", f[d] - n[d]);
+    v[0] += 0.7, v[1] -= 0.4;
+    (void)PushAt(&contact, &at, f);
+    for (int d = 0; d < 3; d++) f[d] -= n[d];
+    EXPECT(PetscAbsReal(Dot(f, n)) < 1e-12 * size * size, "friction along the normal: %g",
+           Dot(f, n) / size);
+    for (int d = 0; d < 3; d++) g[d] = v[d] - Dot(v, n) * n[d] / (size * size);
+    w = PetscSqrtReal(Dot(g, g) / (Dot(g, g) + 0.1));
+    EXPECT(PetscAbsReal(PetscSqrtReal(Dot(f, f)) - 0.5 * w * size) < 1e-12 * size,
+           "friction of %g on %g", PetscSqrtReal(Dot(f, f)), size);
+    at.spin = 0.8;
+    size = SlopesAt(&contact, &at, x, v);
+    steep[0] = PetscMin(steep[0], size);
+    steep[1] = PetscMax(steep[1], size);
+  }
+  EXPECT(steep[0] < 0.9 && steep[1] > 1.02, "the normal is of length %g to %g", steep[0], steep[1]);
+  CHECK(WallsDestroy(&contact.walls));
+  CHECK(SurfacesDestroy(&contact.surfaces));
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(TestTubeDistance), cmocka_unit_test(TestTubeDerivatives),
     cmocka_unit_test(TestTubeSmooth),   cmocka_unit_test(TestTubeFewPoints),
     cmocka_unit_test(TestBodyOrder),    cmocka_unit_test(TestBodyDerivatives),
-    cmocka_unit_test(TestBodyPlane)};
+    cmocka_unit_test(TestBodyPlane),    cmocka_unit_test(TestBodyFriction)};
 MAIN(tests)

@@ -1,0 +1,132 @@
+#!/usr/bin/env python3
+"""A scene without units is one of many that are the same but for their scales: do they take the same steps?
+
+    scripts/lab/scaled.py [--scenes COUNT] [--seed SEED] [--scale C,C] [--tendril build/tendril]
+
+Random scenes without contact, each with its lengths times C (1e-3 and 1e3 unless told otherwise), times as friction
+has it, forces over C^2, forces per length over C^3. Prints steps and iterations of each, with the command of those that
+differ by more than 1 % (of three steps at least). Exit code 1 if any does."""
+
+import argparse
+import math
+import os
+import random
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+ENVIRONMENT = dict(os.environ, OMP_NUM_THREADS="1", OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
+SUMMARY = re.compile(r"(\d+) steps, \d+ rejected, (\d+) Newton iterations")
+PART, FEWEST, LIMIT = 0.01, 3, 120  # what may differ; seconds of a run
+LENGTH, TIME, FORCE, PER_LENGTH, BEND = "length", "time", "force", "per length", "bend"
+
+
+def about(dice, least, most):
+    """A number of three digits, its logarithm anywhere between."""
+    return float(f"{math.exp(dice.uniform(math.log(least), math.log(most))):.3g}")
+
+
+class Scene:
+    """Options, each a list of numbers of one dimension, and how friction is."""
+
+    def __init__(self, dice):
+        self.options, self.plain = {}, []
+        self.length = about(dice, 0.1, 3)
+        self.grows = dice.choice(["uniform", "feed", "apical", "gaussian", "none", "none"])
+        self.viscous = dice.choice([0, 0.01, 0.5, 1] if self.grows != "none" else [0.01, 0.1, 0.5, 1, 1])
+        self.beta = about(dice, 1e-6, 1e-2)
+        self.factor = dice.choice([1, 1, about(dice, 0.1, 10)])
+        # speeds of growth are 1 in any unit; times of a rod that does not grow may go otherwise than its lengths
+        self.power = 1 if self.grows != "none" else dice.choice([0.5, 1, 1.5])
+        self.put("growth_initial_length", LENGTH, self.length)
+        self.put("ts_max_time", TIME, about(dice, 0.3, 3))
+        self.plain += [f"-growth_type {self.grows}", "-rod_cells 60"]
+        if self.grows == "apical":
+            self.put("growth_zone", LENGTH, self.length / 2)
+        self.bend(dice)
+        self.load(dice)
+
+    def put(self, name, dimension, *values):
+        self.options[name] = (dimension, values)
+
+    def bend(self, dice):
+        """How it is bent, and held."""
+        shape = dice.choice(["straight", "sag", "random", "mode"])
+        self.plain.append(f"-shape_type {shape}")
+        if shape != "straight":
+            self.plain.append(f"-shape_amplitude {about(dice, 0.02, 1)}")
+        if shape == "random":
+            self.plain.append(f"-shape_seed {dice.randint(1, 99)}")
+        if shape == "straight" or dice.random() < 0.3:
+            self.put("rod_curvature", BEND, about(dice, 0.01, 0.5) / self.length)
+        elif self.grows in ("uniform", "none"):
+            self.plain.append(f"-tip_type {dice.choice(['free', 'pinned', 'clamped'])}")
+            if dice.random() < 0.5 and shape == "random":
+                self.plain.append("-clamp_type hinged")
+        if dice.random() < 0.25:
+            self.plain.append("-rod_model space")
+
+    def load(self, dice):
+        """What pushes."""
+        if dice.random() < 0.4:
+            self.put("rod_weight", PER_LENGTH, 0, -about(dice, 0.1, 20) / self.length**3)
+        if dice.random() < 0.3 and not any("pinned" in o or "clamped" in o for o in self.plain):
+            self.put("tip_force", FORCE, about(dice, 0.1, 20) / self.length**2)
+
+    def scaled(self, c):
+        """The options with lengths times c."""
+        time = c**self.power
+        unit = {LENGTH: c, TIME: time, FORCE: c**-2, PER_LENGTH: c**-3, BEND: 1 / c}
+        speed = c / time
+        drag, dry = self.viscous * self.factor / c**3 / speed, (1 - self.viscous) * self.factor / c**3
+        text = [f"-{name} " + ",".join(f"{value * unit[of]:.12g}" for value in values)
+                for name, (of, values) in self.options.items()]
+        text += [f"-friction_layers 0:{drag + dry:.15g}", f"-friction_mu {dry / (drag + dry):.17g}"]
+        if dry > 0:
+            text.append(f"-friction_beta {self.beta * speed**2:.12g}")
+        return " ".join(text + self.plain)
+
+
+def steps(tendril, options):
+    """Steps and iterations, or why there are none."""
+    try:
+        done = subprocess.run([tendril, *shlex.split(options)], capture_output=True, text=True, env=ENVIRONMENT,
+                              timeout=LIMIT)
+    except subprocess.TimeoutExpired:
+        return "does not end"
+    found = SUMMARY.search(done.stdout)
+    if done.returncode or not found:
+        return done.stderr.strip()[-150:]
+    return int(found[1]), int(found[2])
+
+
+def alike(one, other):
+    """Are two runs the same?"""
+    if isinstance(one, str) or isinstance(other, str):
+        return isinstance(one, str) and isinstance(other, str)
+    return all(abs(a - b) <= max(FEWEST, PART * a) for a, b in zip(one, other))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--scenes", type=int, default=50)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--scale", default="1e-3,1e3")
+    parser.add_argument("--tendril", default=str(ROOT / "build" / "tendril"))
+    given = parser.parse_args()
+    scales, differ = [float(c) for c in given.scale.split(",")], 0
+    for k in range(given.scenes):
+        scene = Scene(random.Random(1000 * given.seed + k))
+        ran = [steps(given.tendril, scene.scaled(c)) for c in (1, *scales)]
+        same = all(alike(ran[0], other) for other in ran[1:])
+        differ += not same
+        print(f"{k:3} {'' if same else 'DIFFER'} {ran}" + ("" if same else f"\n    {scene.scaled(1)}"), flush=True)
+    print(f"{given.scenes} scenes, {differ} take other steps when they are scaled")
+    return 1 if differ else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

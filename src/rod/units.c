@@ -1,0 +1,151 @@
+/*
+  A scene without units is one of many that are the same but for their scales: lengths times c,
+  times as friction has it. What is no option's, the first step, say, must not tell them apart. So
+  it is a part of what the scene itself makes units of:
+
+    length l, time tau   of a rod that grows, or is fed, at the speed u: over l a bend takes what
+                         friction gives, B/l^3 = N ((1 - mu) u + mu), in l/u. Else its length, and
+                         its own time, or l over the speed that friction's beta tells from rest.
+    own time             (1 - mu) N L^4/B: in it viscous friction lets a rod of length L change its
+                         shape, in waves of it in a part of it. What happens within it must be
+                         stepped through: a step that is longer damps what should grow. 0 if
+  friction is dry: such a rod moves at once.
+
+  All as the run begins: a restarted one has those of the unbroken one. (Contact has numbers of its
+  own that are none of these units': with it they are 1, but for the own time.)
+*/
+#include "rod/rod.h"
+
+/* What friction along the rod is multiplied by is taken where it is least, as the fastest motions
+   are there, but for less than this part of its mean; and friction across is, if it is weaker. */
+static const PetscReal least_part = 1e-6;
+
+/* Friction that is all but none would make the own time nothing: it is at least that part of the
+   run, in which steps of its parts are still steps. */
+static const PetscReal least_own = 1e-12;
+
+/* A rod that friction hardly holds comes to a wall at a speed that no step is to follow: where
+   there is contact steps are short as parts of the time in which it grows by its length, and of
+   this part of the run, at least. */
+static const PetscReal brief_of_run = 1e-5;
+
+/* sqrt(beta) is the speed that friction tells from rest, and so much of the speed at which a rod
+   grows unless it is told. */
+static const PetscReal beta_of_growth = 1e-3;
+
+/* Least and mean of what friction is multiplied by along the initial shape. */
+static PetscErrorCode FactorAlong(Rod rod, PetscReal *factor) {
+  const Load *load = &rod->scene->load;
+  PetscReal least = PETSC_MAX_REAL, sum = 0, slope[2];
+  Node *nodes;
+
+  PetscFunctionBegin;
+  *factor = 1;
+  if (!load->field) PetscFunctionReturn(0);
+  PetscCall(PetscMalloc1(rod->end - rod->first, &nodes));
+  PetscCall(RodInitialNodes(rod, 0, nodes));
+  for (PetscInt i = 0; i < rod->end - rod->first; i++) {
+    const PetscReal N = rod->model->space ? LoadFactor3(load, nodes[i].x3, 0)
+                                          : LoadFactor(load, nodes[i].x, 0, slope);
+    least = PetscMin(least, N);
+    sum += N;
+  }
+  PetscCall(PetscFree(nodes));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &least, 1, MPIU_REAL, MPI_MIN, rod->scene->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPI_SUM, rod->scene->comm));
+  *factor = PetscMax(least, least_part * sum / (PetscReal)(rod->last + 1));
+  if (!(*factor > 0)) *factor = 1; /* there is no friction at all where it begins */
+  PetscFunctionReturn(0);
+}
+
+/* The largest bending stiffness along the rod. */
+static PetscErrorCode StiffnessAlong(Scene scene, PetscReal *most) {
+  PetscReal B;
+
+  PetscFunctionBegin;
+  *most = 0;
+  for (PetscInt i = 0; i <= scene->mesh.cells; i++) {
+    PetscCall(SceneStiffness(scene, scene->mesh.s[i], 0, &B, NULL));
+    *most = PetscMax(*most, B);
+  }
+  if (scene->space.rod) *most *= PetscMax(1, scene->space.ratio);
+  PetscFunctionReturn(0);
+}
+
+/* The speed at which a rod grows, or is fed: the fastest of a table. */
+static PetscErrorCode GrowthOf(Scene scene, PetscReal *speed) {
+  enum { TIMES = 100 };
+  const PetscReal all = scene->growth->end_time, /* of a table: whenever the run ends */
+      end = all < PETSC_MAX_REAL ? all : scene->end_time;
+  PetscReal length, rate;
+
+  PetscFunctionBegin;
+  *speed = 0;
+  for (int k = 0; k <= TIMES && !scene->growth->still; k++) {
+    PetscCall(GrowthLength(scene->growth, end * k / TIMES, &length, &rate));
+    *speed = PetscMax(*speed, PetscAbsReal(rate));
+  }
+  PetscFunctionReturn(0);
+}
+
+/* What short steps are part of. */
+static PetscReal Brief(const struct _Scene *scene, PetscReal own, PetscReal length,
+                       PetscReal speed) {
+  const PetscReal T = scene->end_time;
+  PetscReal brief = own;
+
+  if (!(own > 0)) return T;
+  if (scene->contact.any) brief = PetscMax(brief, brief_of_run * T);
+  if (scene->contact.any && speed > 0) brief = PetscMax(brief, length / speed);
+  return PetscMin(T, brief);
+}
+
+/* RodFindUnits - finds them for the rod's scene, unless that is done. Collective. */
+PetscErrorCode RodFindUnits(Rod rod) {
+  const Scene scene = rod->scene;
+  const Load *load = &scene->load;
+  const PetscReal T = scene->end_time, beta = load->friction.beta;
+  SceneUnits *units = &scene->units;
+  PetscReal N, B, L, speed;
+
+  PetscFunctionBegin;
+  if (units->found) PetscFunctionReturn(0);
+  PetscCall(FactorAlong(rod, &N));
+  PetscCall(StiffnessAlong(scene, &B));
+  PetscCall(GrowthLength(scene->growth, 0, &L, NULL));
+  PetscCall(GrowthOf(scene, &speed));
+  units->stiffness = B;
+  units->own = load->viscous * N * PetscMin(1, load->across) * PetscSqr(L * L) / B;
+  if (units->own > 0) units->own = PetscMax(units->own, least_own * T);
+  units->brief = Brief(scene, units->own, L, speed);
+  if (speed > 0) {
+    units->length = PetscPowReal(B / (N * (load->viscous * speed + 1 - load->viscous)), 1. / 3);
+    units->time = units->length / speed;
+  } else {
+    units->length = L;
+    units->time =
+        units->own > 0 ? units->own : L / (beta > 0 ? PetscSqrtReal(beta / beta_of_growth) : 1);
+  }
+  if (scene->contact.any) units->length = units->time = units->stiffness = 1;
+  units->found = PETSC_TRUE;
+  PetscFunctionReturn(0);
+}
+
+/* RodFieldUnit - the scene's unit of a field, and of the equations that are its rows. */
+PetscReal RodFieldUnit(const Rod rod, PetscInt field) {
+  const SceneUnits *units = &rod->scene->units;
+  const PetscReal L = units->length, B = units->stiffness;
+
+  switch (rod->model->field[field][0]) {
+  case 'x':
+  case 'y':
+    return L;
+  case 'm':
+    return B / L;
+  case 'n':
+  case 'l': /* lambda, a force */
+    return B / (L * L);
+  default:
+    return 1;
+  }
+}

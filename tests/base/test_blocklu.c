@@ -1,0 +1,92 @@
+/* LU of blocks: a line of nodes, some of which touch others far away, in the plane and in space. */
+#include "base/blocklu.h"
+#include "harness.h"
+
+enum { NODES = 70, MOST = 13 };
+
+static void SetBlock(Mat J, PetscInt fields, PetscInt i, PetscInt j, PetscReal more) {
+  PetscScalar v[MOST * MOST];
+
+  for (PetscInt a = 0; a < fields; a++)
+    for (PetscInt b = 0; b < fields; b++)
+      v[a * fields + b] = Scatter(i * NODES + j, a * fields + b) + (a == b ? more : 0);
+  CHECK(MatSetValuesBlocked(J, 1, &i, 1, &j, v, ADD_VALUES));
+}
+
+/* A line; of the pairs that touch those from `first` on. The last node's own block is 0 if it is
+   held. */
+static void Fill(Mat J, PetscInt fields, PetscBool held, PetscInt first) {
+  static const PetscInt touch[][2] = {{3, 40}, {4, 41}, {12, 60}, {0, 69}, {30, 33}, {5, 40}};
+
+  CHECK(MatZeroEntries(J));
+  for (PetscInt i = 0; i < NODES; i++)
+    for (PetscInt j = PetscMax(0, i - 1); j < PetscMin(NODES, i + 2); j++)
+      if (!held || i < NODES - 1 || j < i) SetBlock(J, fields, i, j, i == j ? 2 : 0);
+  for (size_t k = (size_t)first; k < PETSC_STATIC_ARRAY_LENGTH(touch); k++)
+    for (int turn = 0; turn < 2; turn++) SetBlock(J, fields, touch[k][turn], touch[k][1 - turn], 0);
+  CHECK(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
+  CHECK(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
+}
+
+static PetscReal Left(KSP ksp, Mat J, Vec x, Vec b, Vec r) {
+  PetscReal norm;
+
+  CHECK(KSPSetOperators(ksp, J, J));
+  CHECK(KSPSolve(ksp, b, x));
+  CHECK(MatMult(J, x, r));
+  CHECK(VecAXPY(r, -1, b));
+  CHECK(VecNorm(r, NORM_INFINITY, &norm));
+  return norm;
+}
+
+static void Solve(PetscInt fields, PetscBool held) {
+  KSPConvergedReason reason;
+  PetscReal first = 0;
+  Vec x, b, r;
+  PetscInt n;
+  Mat J;
+  KSP ksp;
+  PC pc;
+
+  CHECK(BlockLUCreate(NODES, fields, held, &J));
+  CHECK(MatCreateVecs(J, &x, &b));
+  CHECK(VecDuplicate(b, &r));
+  CHECK(VecGetSize(b, &n));
+  for (PetscInt i = 0; i < n; i++) CHECK(VecSetValue(b, i, Scatter(5, i), INSERT_VALUES));
+  CHECK(VecAssemblyBegin(b));
+  CHECK(VecAssemblyEnd(b));
+  CHECK(KSPCreate(PETSC_COMM_SELF, &ksp));
+  CHECK(KSPSetType(ksp, KSPPREONLY));
+  CHECK(KSPGetPC(ksp, &pc));
+  CHECK(BlockLUSetType(pc));
+  for (PetscInt k = 0; k < 4; k++) { /* others touch; and once more the same */
+    PetscReal norm;
+    Fill(J, fields, held, k % 3);
+    norm = Left(ksp, J, x, b, r);
+    EXPECT(norm < 1e-10, "%d fields: %g is left", (int)fields, norm);
+    CHECK(VecNorm(x, NORM_2, &norm));
+    if (k == 0) first = norm;
+    EXPECT(k != 3 || norm == first, "the same blocks give %.17g and %.17g", first, norm);
+  }
+  CHECK(MatZeroEntries(J)); /* no solution, and it is said */
+  CHECK(KSPSetOperators(ksp, J, J));
+  CHECK(KSPSolve(ksp, b, x));
+  CHECK(KSPGetConvergedReason(ksp, &reason));
+  EXPECT(reason < 0, "reason %d", (int)reason);
+  CHECK(KSPDestroy(&ksp));
+  CHECK(MatDestroy(&J));
+  CHECK(VecDestroy(&x));
+  CHECK(VecDestroy(&b));
+  CHECK(VecDestroy(&r));
+}
+
+static void TestSolve(void **state) {
+  EXPECT(!BlockLUCan(NODES, 7) && BlockLUCan(NODES, 6) && BlockLUCan(NODES, 13), "which there are");
+  for (int held = 0; held < 2; held++) {
+    Solve(6, (PetscBool)held);
+    Solve(13, (PetscBool)held);
+  }
+}
+
+static const struct CMUnitTest tests[] = {cmocka_unit_test(TestSolve)};
+MAIN(tests)
