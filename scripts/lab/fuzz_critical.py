@@ -123,7 +123,10 @@ class Bumpy:
             self.spline = CubicSpline(self.t, 1 + .7 * (self.spline(self.t) - 1), bc_type=ends)  # it may not fall below 0
 
     def looks(self):
-        return np.concatenate([np.linspace(a - 2 * w, b + 2 * w, 801) for a, b, w in self.around] or [[0.]])
+        """All of the bumps, and what splines swing beside them."""
+        swing = 4 * np.diff(self.t).max()
+        return np.concatenate([np.r_[np.linspace(a - swing, a, 161), np.linspace(a - 2 * w, b + 2 * w, 801),
+                                     np.linspace(b, b + swing, 161)] for a, b, w in self.around] or [[0.]])
 
 
 def windows(draw, files):

@@ -375,17 +375,21 @@ NAMES = {
     "width": "width", "tip_speed": r"speed of the tip, $|v(1)|$",
     "mid_speed": r"speed of the middle, $|v(1/2)|$", "base_force_1": r"force at the clamp, $-n_1(0)$",
     "base_force_2": r"force at the clamp, $-n_2(0)$", "feed_force": "force of feeding",
-    "tip_force_1": r"force on the tip, $n_1(1)$", "tip_force_2": r"force on the tip, $n_2(1)$",
+    "tip_force_1": r"force on the tip, $x_1$", "tip_force_2": r"force on the tip, $x_2$",
     "tip_power": "power at the tip", "inflections": "inflections", "self_crossings": "crossings",
     "contact_force": "force of contact", "wall_force_1": r"force of walls, $x_1$",
-    "wall_force_2": r"force of walls, $x_2$", "contact_energy": "energy of contact",
+    "wall_force_2": r"force of walls, $x_2$", "wall_force_3": r"force of walls, $x_3$",
+    "wall_power": "power of moving walls", "friction_force_1": r"force of friction, $x_1$",
+    "friction_force_2": r"force of friction, $x_2$", "friction_force_3": r"force of friction, $x_3$",
+    "weight_force_1": r"weight, $x_1$", "weight_force_2": r"weight, $x_2$", "weight_force_3": r"weight, $x_3$",
+    "contact_energy": "energy of contact",
     "penetration": "penetration", "contacts": "zones of contact", "step": "step",
     "newton_iterations": "Newton iterations", "model": "model",
     "tip_x3": r"tip, $x_3(1)$", "norm_x3": r"$\|x_3\|$ over labels", "twist": r"twist, $\int u_1$",
     "link": "link in turns", "writhe": "writhe in turns", "energy_twist": "energy of twist",
     "base_force_3": r"force at the clamp, $-n_3(0)$", "base_moment_1": r"moment at the clamp, $-m_1(0)$",
     "base_moment_2": r"moment at the clamp, $-m_2(0)$", "base_moment_3": r"moment at the clamp, $-m_3(0)$",
-    "tip_force_3": r"force on the tip, $n_3(1)$", "tip_spin": "spin of the tip",
+    "tip_force_3": r"force on the tip, $x_3$", "tip_spin": "spin of the tip",
     "clamp_power": "power of the turning clamp", "weight_power": "power of weight",
 }
 
@@ -432,7 +436,7 @@ def shared_name(series):
 BY_UNIT = {
     "l": ("length", "tip_x1", "tip_x2", "tip_x3", "norm_x2", "norm_x3", "end_distance", "mid_distance", "width", "penetration"),
     "N l": ("base_force_1", "base_force_2", "feed_force", "tip_force_1", "tip_force_2", "contact_force",
-            "wall_force_1", "wall_force_2"),
+            "wall_force_1", "wall_force_2", "friction_force_1", "friction_force_2"),
     "N l^2": ("energy", "contact_energy"), "N l V": ("growth_power", "dissipation", "tip_power"),
     "V": ("tip_speed", "mid_speed"),
 }

@@ -41,17 +41,38 @@ def weight(r: Results, axes: int) -> np.ndarray:
     return np.array([*found, 0, 0][:axes])
 
 
-def friction(r: Results, shape: Shape, pieces: int) -> tuple[np.ndarray, np.ndarray]:
-    """([pieces, 2 or 3] middles of equal pieces of the rod, [pieces, 2 or 3] friction on each per unit
-    length): what with its weight w holds the internal force in balance, -dn/dp - w. 0 on a piece that is
-    touched: there it would be the small difference of two large forces."""
-    p = arc_length(shape)
+def pieces_of(r: Results, shape: Shape, pieces: int) -> np.ndarray:
+    """[pieces + 1], ends of about equal pieces of the rod: where it is touched in a few places, beside them, for what presses
+    on one point is spread over its cells in the forces along the rod, and so in pressures, but not alike."""
+    p, touched = arc_length(shape), np.any(contact_force(r, shape), axis=1)
     ends = np.linspace(0, p[-1], pieces + 1)
-    held = -np.diff(along(p, shape.force, ends), axis=0) / np.diff(ends)[:, None] - weight(r, shape.x.shape[1])
-    touched = np.flatnonzero(np.any(contact_force(r, shape), axis=1))
-    near = np.clip(np.searchsorted(ends, p[touched][:, None] + [[-1e-9, 1e-9]]) - 1, 0, pieces - 1)
-    held[np.unique(near)] = 0
-    return along(p, shape.x, (ends[1:] + ends[:-1]) / 2), held
+    beside = np.convolve(touched, [1, 1, 1], "same") > 0
+    if touched.any() and not beside.all():
+        clear = p[~beside]
+        near = clear[np.abs(clear - ends[:, None]).argmin(axis=1)]
+        moves = np.abs(near - ends) < 0.45 * p[-1] / pieces
+        moves[[0, -1]] = False
+        ends[moves] = near[moves]
+    return ends
+
+
+def borne(r: Results, shape: Shape, ends) -> np.ndarray:
+    """[pieces, 2 or 3], force of contact on each piece of the rod between these arc lengths: what the file has at a node is
+    the mean over half of the cells beside it."""
+    p = arc_length(shape)
+    half = np.concatenate([[0], (p[1:] + p[:-1]) / 2, [p[-1]]])
+    total = np.vstack([np.zeros(shape.x.shape[1]), np.cumsum(contact_force(r, shape) * np.diff(half)[:, None], axis=0)])
+    return np.diff(along(half, total, ends), axis=0)
+
+
+def friction(r: Results, shape: Shape, pieces: int) -> tuple[np.ndarray, np.ndarray]:
+    """([pieces, 2 or 3] middles of about equal pieces of the rod, [pieces, 2 or 3] friction on each per unit
+    length, that of walls and of other strands too): what with its weight w and what presses on it holds the internal
+    force in balance, -dn/dp - w - pressure."""
+    p = arc_length(shape)
+    ends = pieces_of(r, shape, pieces)
+    held = -np.diff(along(p, shape.force, ends), axis=0) - borne(r, shape, ends)
+    return along(p, shape.x, (ends[1:] + ends[:-1]) / 2), held / np.diff(ends)[:, None] - weight(r, shape.x.shape[1])
 
 
 def pressed(r: Results, shape: Shape, pieces: int) -> tuple[np.ndarray, np.ndarray]:

@@ -20,6 +20,7 @@ typedef struct {
   Observation seen, began;    /* at t; where steps began to cross the layer of the start */
   PetscReal folds, neglected; /* so far, for the estimate of the error */
   PetscReal shared;           /* viscous share that friction was given, see LoadShareMore() */
+  PetscReal counted[2];       /* so far: Newton iterations, rejected tries of steps */
   PetscReal firm;             /* 1: contact got firm, 0: it may, -1: it stays as it is */
   PetscReal errors[ESTIMATE_PARTS][ESTIMATE_SEEN]; /* followed so far */
   PetscReal following[ESTIMATE_MEMORY];            /* how they are followed on */

@@ -340,6 +340,14 @@ PetscErrorCode LegLeavesPlane(Leg *leg, Vec U, PetscReal within, PetscBool *leav
   PetscFunctionReturn(0);
 }
 
+/* LegIterations - Newton iterations so far: of all tries of steps, and of snaps. */
+PetscErrorCode LegIterations(const Leg *leg, PetscInt *iterations) {
+  PetscFunctionBegin;
+  PetscCall(TSGetSNESIterations(leg->ts, iterations));
+  *iterations += leg->nested;
+  PetscFunctionReturn(0);
+}
+
 /* The first step has one point to start from: let the rod grow without friction. */
 static PetscErrorCode FirstGuess(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1, void *ctx) {
   Rod rod = (Rod)ctx;

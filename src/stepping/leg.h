@@ -19,6 +19,7 @@ typedef struct {
   PetscBool passes;  /* the latest try of a step ended beyond a wall, or with the rod crossed */
   PetscBool crosses; /* it was cut, or not taken, for a mode that grows faster than the step sees */
   PetscBool spins;   /* in a snap that was followed the rod turned about itself, held by nothing */
+  PetscInt nested;   /* Newton iterations of snaps that were followed, or tried, so far */
   PetscReal speed;   /* of a snap, at its latest step */
   PetscReal turning; /* likewise, about itself, if nothing holds it */
   int interrupted;   /* the signal that came while a snap was followed; 0: none */
@@ -29,6 +30,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
                          Leg *leg);
 PetscErrorCode LegEndAtTurns(Leg *leg);
 PetscErrorCode LegDestroy(Leg *leg);
+PetscErrorCode LegIterations(const Leg *leg, PetscInt *iterations);
 PetscErrorCode LegCrosses(Leg *leg, Vec U, PetscBool *crosses);
 PetscErrorCode LegLeavesPlane(Leg *leg, Vec U, PetscReal within, PetscBool *leaves);
 PetscErrorCode LegInterpolate(Leg *leg, PetscReal t, PetscReal end, PetscReal h, Vec U, Vec U_t);

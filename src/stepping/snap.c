@@ -153,7 +153,7 @@ PetscErrorCode SnapFollow(TS ts, PetscReal t, Vec U, PetscBool *done) {
   Scene fast;
   TSConvergedReason reason;
   PetscBool dry;
-  PetscInt steps;
+  PetscInt steps, iterations;
   Leg *slow, leg;
 
   PetscFunctionBegin;
@@ -185,6 +185,8 @@ PetscErrorCode SnapFollow(TS ts, PetscReal t, Vec U, PetscBool *done) {
   slow->spins = leg.spins;
   if (leg.interrupted || leg.spins) PetscCall(TSSetConvergedReason(ts, TS_DIVERGED_STEP_REJECTED));
   PetscCall(TSGetStepNumber(leg.ts, &steps));
+  PetscCall(LegIterations(&leg, &iterations));
+  slow->nested += iterations;
   PetscCall(PetscInfo(ts, "snap at t = %g: %s after %d steps\n", (double)t,
                       TSConvergedReasons[reason], (int)steps));
   PetscCall(LegDestroy(&leg));

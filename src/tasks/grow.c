@@ -105,6 +105,7 @@ static PetscErrorCode Store(Grow *self, PetscBool finished) {
   PetscCall(ObserverGetBalance(self->observer, state.balance));
   GrowKeepErrors(self, state.beside);
   GrowKeepStuck(self, state.stuck);
+  PetscCall(GrowCount(self, state.counted));
   state.follows = self->estimate ? 1 : 0;
   if (self->estimate) {
     PetscCall(EstimateGet(self->estimate, state.errors));
@@ -220,9 +221,21 @@ static PetscReal BaseForce(const Observation *seen) {
   return hypot(hypot(seen->base_force_1, seen->base_force_2), seen->base_force_3);
 }
 
+/* Newton iterations since they were counted last, those of snaps too. */
+static PetscErrorCode CountIterations(Grow *self, PetscInt *iterations) {
+  const PetscInt before = self->iterations, snaps = self->of_snaps;
+
+  PetscFunctionBegin;
+  PetscCall(LegIterations(self->now, &self->iterations));
+  self->of_snaps = self->now->nested;
+  *iterations = self->iterations - before;
+  self->of_step = *iterations - (self->of_snaps - snaps);
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   PetscReal before = self->seen.t, norm = self->seen.norm_x2, folds = self->folds;
-  PetscInt iterations = 0, all = 0, jumps = 0, blind = 0;
+  PetscInt iterations = 0, jumps = 0, blind = 0;
   PetscBool jumped = PETSC_FALSE, blindly = PETSC_FALSE, layered, broken;
   Observation last = self->seen;
   Vec behind = NULL;
@@ -230,7 +243,7 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   PetscFunctionBegin;
   layered = (PetscBool)(t <= initial_layer * self->scene->units.brief);
   if (U) {
-    PetscCall(TSGetSNESIterations(self->now->ts, &all));
+    PetscCall(CountIterations(self, &iterations));
     PetscCall(VBDFGetJumps(self->now->ts, &jumps, &blind));
     jumped = (PetscBool)(jumps > self->now->jumps);
     if (jumped && layered) self->gave_way = PETSC_TRUE;
@@ -246,8 +259,6 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
     PetscCall(VBDFGetBehindSnap(self->now->ts, &behind));
     if (jumped && (behind || !(layered && blindly))) self->snaps++;
   }
-  iterations = all - self->iterations;
-  self->iterations = all;
   PetscCall(ObserverMeasure(self->observer, self->now->rod, t, U, U_t, U ? self->now->ts : NULL,
                             &self->seen));
   self->force_before = BaseForce(&last);
@@ -306,7 +317,7 @@ static PetscBool Crawls(Grow *self) {
   self->crawl.counts = (PetscBool)(GotFirm(&self->scene->contact) || RubsOnWalls(self));
   return (PetscBool)(CrawlStep(&self->crawl, self->seen.t,
                                crawl_part * PetscMin(self->seen.length, self->end),
-                               self->seen.newton_iterations) &&
+                               self->of_step) &&
                      !LoadShareSlight(load) && !self->crawl.allowed);
 }
 
@@ -407,7 +418,8 @@ static PetscErrorCode HandOver(Grow *self, Leg *to) {
   }
   PetscCall(VBDFSetHistory(to->ts, n, times, new, order));
   for (PetscInt i = 0; i < n; i++) PetscCall(VecDestroy(&new[i]));
-  PetscCall(TSGetSNESIterations(to->ts, &self->iterations));
+  PetscCall(LegIterations(to, &self->iterations));
+  self->of_snaps = to->nested;
   self->now = to;
   if (!self->quiet)
     PetscCall(PetscPrintf(self->scene->comm, "t = %s: from the %s to the %s model\n",
@@ -676,6 +688,7 @@ static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *
   PetscCall(RestartTakeErrors(restart, state, self->estimate));
   GrowTakeErrors(self, state->beside);
   GrowTakeStuck(self, state->stuck);
+  PetscCall(PetscArraycpy(self->counted, state->counted, 2));
   self->folds = state->folds;
   self->seen = state->seen;
   self->began = state->began;

@@ -329,11 +329,29 @@ static PetscErrorCode TellPlane(const Grow *self) {
   PetscFunctionReturn(0);
 }
 
+/* GrowCount - Newton iterations, those of snaps too, and rejected tries of steps: of this run and
+   of those that it goes on with. */
+PetscErrorCode GrowCount(const Grow *self, PetscReal counted[2]) {
+  PetscInt n;
+
+  PetscFunctionBegin;
+  for (int k = 0; k < 2; k++) counted[k] = self->counted[k];
+  for (int m = 0; m < MODELS; m++)
+    if (self->leg[m].ts) {
+      PetscCall(LegIterations(&self->leg[m], &n));
+      counted[0] += n;
+      PetscCall(TSGetStepRejections(self->leg[m].ts, &n));
+      counted[1] += n;
+    }
+  PetscFunctionReturn(0);
+}
+
 /* GrowSummary - the last words on a run. Collective. */
 PetscErrorCode GrowSummary(Grow *self) {
   const Observation *seen = &self->seen;
   const PetscBool space = self->scene->space.rod;
-  PetscInt steps, iterations = 0, rejections = 0, jumps = 0, n, blind;
+  PetscInt steps, jumps = 0, n, blind;
+  PetscReal counted[2];
   char text[4][32];
   PetscLogDouble now;
 
@@ -341,13 +359,10 @@ PetscErrorCode GrowSummary(Grow *self) {
   PetscCall(TSGetStepNumber(self->now->ts, &steps));
   for (int m = 0; m < MODELS; m++)
     if (self->leg[m].ts) {
-      PetscCall(TSGetSNESIterations(self->leg[m].ts, &n));
-      iterations += n;
-      PetscCall(TSGetStepRejections(self->leg[m].ts, &n));
-      rejections += n;
       PetscCall(VBDFGetJumps(self->leg[m].ts, &n, &blind));
       jumps += n;
     }
+  PetscCall(GrowCount(self, counted));
   PetscCall(PetscTime(&now));
   if (self->quiet) PetscFunctionReturn(0);
   PetscCall(PetscPrintf(self->scene->comm, "t = %s: length %s, tip (%s, %s",
@@ -362,7 +377,7 @@ PetscErrorCode GrowSummary(Grow *self) {
   PetscCall(TellLaboratory(self));
   PetscCall(TellClamp(self));
   PetscCall(PetscPrintf(self->scene->comm, "%d steps, %d rejected, %d Newton iterations, %.3f s; ",
-                        (int)steps, (int)rejections, (int)iterations, now - self->begin));
+                        (int)steps, (int)counted[1], (int)counted[0], now - self->begin));
   PetscCall(TellErrors(self, jumps));
   PetscCall(TellSides(self));
   PetscCall(TellPlane(self));

@@ -30,22 +30,24 @@ typedef struct {
   Sensitivities sensitivities; /* NULL: none are asked for */
   Observation seen;            /* of the latest step */
   PetscReal rtol, output_interval, next_output;
-  PetscReal stored_shape;     /* time of the latest shape handed to the output */
-  PetscReal report_at;        /* time of the next progress line */
-  PetscInt iterations, steps; /* before the latest step; steps of earlier legs */
-  PetscReal folds;            /* of |x2|, up and down, so far */
-  PetscReal neglects;         /* part that the linear model leaves out, or would, now */
-  PetscReal neglected;        /* largest part that it left out */
-  PetscReal energy_folds;     /* of the energy of the linear model, up and down */
-  PetscReal weighed;          /* the folds, by what they weigh in its energy */
-  PetscBool pressed;          /* there has been contact */
-  ErrorEstimate error;        /* as GrowErrors() has found it */
-  PetscReal depth;            /* largest penetration so far */
-  PetscInt snaps;             /* of this run, and of what it goes on with */
-  PetscInt crossings;         /* of these, its start was crossed by */
-  PetscReal crossed;          /* what steps that cross its start have changed, see GrowCross() */
-  PetscBool gave_way;         /* its start did, at once: a jump in that layer */
-  PetscBool layered;          /* steps have crossed the layer of its start, from here: */
+  PetscReal stored_shape;        /* time of the latest shape handed to the output */
+  PetscReal report_at;           /* time of the next progress line */
+  PetscInt iterations, of_snaps; /* of the leg so far: those of snaps in it, and in them alone */
+  PetscInt of_step;              /* of the latest step without them */
+  PetscReal counted[2];   /* iterations and rejected tries of the runs that it goes on with */
+  PetscReal folds;        /* of |x2|, up and down, so far */
+  PetscReal neglects;     /* part that the linear model leaves out, or would, now */
+  PetscReal neglected;    /* largest part that it left out */
+  PetscReal energy_folds; /* of the energy of the linear model, up and down */
+  PetscReal weighed;      /* the folds, by what they weigh in its energy */
+  PetscBool pressed;      /* there has been contact */
+  ErrorEstimate error;    /* as GrowErrors() has found it */
+  PetscReal depth;        /* largest penetration so far */
+  PetscInt snaps;         /* of this run, and of what it goes on with */
+  PetscInt crossings;     /* of these, its start was crossed by */
+  PetscReal crossed;      /* what steps that cross its start have changed, see GrowCross() */
+  PetscBool gave_way;     /* its start did, at once: a jump in that layer */
+  PetscBool layered;      /* steps have crossed the layer of its start, from here: */
   Observation began;
   PetscBool vanished;      /* |x2| has fallen below the numbers that there are */
   PetscInt blind;          /* steps that have crossed a mode that grows (LegCrosses()) */
@@ -94,6 +96,7 @@ PetscErrorCode GrowFindEnd(Grow *self);
 PetscErrorCode GrowHeading(Grow *self);
 PetscErrorCode GrowShared(Grow *self, PetscReal t);
 PetscErrorCode GrowProgress(Grow *self, PetscBool last);
+PetscErrorCode GrowCount(const Grow *self, PetscReal counted[2]);
 PetscErrorCode GrowSummary(Grow *self);
 
 /* grow_sensitivity.c */

@@ -32,6 +32,9 @@ static const OptionGroup *const table[] = {
     &stiffness_options, &curvature_options, &shape_options,     &grow_options,    &frame_options,
     &event_options,     &si_options,        &stability_options, &sweep_options,   &petsc_options};
 
+static ErrorState errors;
+static PetscBool began_mpi;
+
 /* TendrilRun - does what the options ask for (-task), from the scene to the result. Collective;
    after TendrilInitialize(). A failure has been told when it returns, and all is freed. */
 PetscErrorCode TendrilRun(void) {
@@ -53,15 +56,20 @@ void TendrilVersion(FILE *file) {
           SLEPC_VERSION_MINOR, SLEPC_VERSION_SUBMINOR);
 }
 
+/* Is it a word by which people ask for help? */
+static PetscBool AsksHelp(const char *word) {
+  return (PetscBool)(!strcmp(word, "-help") || !strcmp(word, "--help") || !strcmp(word, "-h"));
+}
+
 /* -help and -version are answered at once; -help petsc goes on, for PETSc to tell. */
 static PetscBool Answered(int argc, char **argv) {
   int rank, answered = 0;
 
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   for (int i = 1; i < argc && !answered; i++) {
-    PetscBool help = (PetscBool)!strcmp(argv[i], "-help");
-    answered =
-        (help && !(i + 1 < argc && !strcmp(argv[i + 1], "petsc"))) || !strcmp(argv[i], "-version");
+    PetscBool help = AsksHelp(argv[i]);
+    answered = (help && !(i + 1 < argc && !strcmp(argv[i + 1], "petsc"))) ||
+               !strcmp(argv[i], "-version") || !strcmp(argv[i], "--version");
     if (answered && !rank && help) {
       fputs(about, stdout);
       OptionsHelp(stdout);
@@ -92,9 +100,6 @@ static void NeedNoOthers(void) {
   (void)setenv("HWLOC_SYNTHETIC", "numa:1 core:1 pu:1", PETSC_FALSE);
 }
 
-static ErrorState errors;
-static PetscBool began_mpi;
-
 /*
   TendrilInitialize - begins the program: MPI, PETSc and SLEPc with the command line's options.
   Collective on all processes; the caller ends it with TendrilFinalize().
@@ -114,8 +119,9 @@ int TendrilInitialize(int *argc, char ***argv, PetscBool *done) {
   if (began_mpi) NeedNoOthers();
   if (began_mpi) MPI_Init(argc, argv);
   OptionsSetTable(PETSC_STATIC_ARRAY_LENGTH(table), table);
-  failed = OptionsTakeWords(argc, argv);
-  *done = (PetscBool)(failed || Answered(*argc, *argv));
+  *done = Answered(*argc, *argv);
+  failed = *done ? 0 : OptionsTakeWords(argc, argv);
+  *done = (PetscBool)(*done || failed || Answered(*argc, *argv));
   if (!*done && SlepcInitialize(argc, argv, NULL, about)) *done = PETSC_TRUE, failed = 1;
   if (*done) {
     if (began_mpi) MPI_Finalize();

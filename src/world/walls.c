@@ -280,14 +280,37 @@ static void AddCornerArc(Maker *self, const Edge *edge, const Edge *next, PetscR
   if (edge->r > 0) p->deep = self->radius;
 }
 
+/* Drawing programs end an outline with its first corner once more, and write one twice: such
+   corners are taken once. */
+static PetscErrorCode DropRepeated(Maker *self) {
+  PetscReal *number = self->wall->number;
+  PetscInt n = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < self->wall->numbers; k += 2) {
+    if (n && number[k] == number[n - 2] && number[k + 1] == number[n - 1]) continue;
+    number[n++] = number[k];
+    number[n++] = number[k + 1];
+  }
+  while (n > 2 && number[n - 2] == number[0] && number[n - 1] == number[1]) n -= 2;
+  UserCheck(n >= 6, OptionsComm(),
+            "-wall_file %s, line %d: of the polygon's corners only %d are different; it needs 3",
+            self->file, self->line, (int)n / 2);
+  self->wall->numbers = n;
+  PetscFunctionReturn(0);
+}
+
 /* Each edge is a line; a corner that stands out is an arc of radius 0 between the normals of its
    edges, a hollow one that is gentle an arc within. In another hollow one the rod touches both. */
 static PetscErrorCode MakePolygon(Maker *self) {
-  const PetscInt n = self->wall->numbers / 2;
-  PetscReal side = Area(self, 0, n) > 0 ? -1 : 1;
+  PetscReal side;
+  PetscInt n;
   Edge *edge;
 
   PetscFunctionBegin;
+  PetscCall(DropRepeated(self));
+  n = self->wall->numbers / 2;
+  side = Area(self, 0, n) > 0 ? -1 : 1;
   PetscCall(CheckPolygon(self, n));
   if (self->wall->inside) side = -side;
   PetscCall(PetscMalloc1(n, &edge));

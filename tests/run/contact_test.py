@@ -1053,6 +1053,20 @@ def starts():
 
 
 @check
+def closed_outlines():
+    """Outlines as drawing programs write them, their first corner once more at the end, or a corner twice, are the same walls
+    (it was said that they cross themselves)."""
+    fed = "-growth_type feed -growth_initial_length 1 -shape_type straight -rod_curvature 0.05 -contact_diameter 0.1 -ts_max_time 1.5 -rod_cells 40 "
+    ends = [Run(fed + walls("polygon inside " + outline)) for outline in (
+        "-1 -1.5 2 -1.5 2 1.5 -1 1.5", "-1 -1.5 2 -1.5 2 1.5 -1 1.5 -1 -1.5", "-1 -1.5 -1 -1.5 2 -1.5 2 1.5 2 1.5 2 1.5 -1 1.5 -1 -1.5 -1 -1.5")]
+    tips = [(run.tip_x1[-1], run.tip_x2[-1], len(run.t)) for run in ends]
+    print(f"tips {tips}")
+    expect(tips[0][0] < 2 and tips[0] == tips[1] == tips[2], f"tips {tips}")
+    line = tendril(fed + walls("polygon inside -1 -1 2 2 2 2 -1 -1"), 1)
+    expect("line 1: of the polygon's corners only 2 are different; it needs 3" in line, line)
+
+
+@check
 def guard_on_ranks():
     """A rank that alone sees the rod behind a wall does not wait for the others."""
     options = (LEANS + "-rod_curvature 0.01 -ts_max_time 4 -contact_stiffness 1e-3 -rod_cells 50 "
@@ -1144,6 +1158,47 @@ def later_end():
         expect(stiff[0] == stiff[1], f"{name}: k = {stiff}")
         expect(tips[0][2] > 0 and off < 2e-4, f"{name}: {tips}")
         expect(max(defect) < 1e-4, f"{name}: defects {defect}")
+
+
+def outline(side, points):
+    return f"polygon {side} " + " ".join(f"{x:.9g} {y:.9g}" for x, y in points)
+
+
+@check
+def gentle_corners():
+    """A tip, and nodes, that slide past hollow corners of few degrees (they had no equilibrium there): one corner beside two
+    planes, a round cavity of many corners beside its circle, a bowl in a block, a hairpin; soft contact, friction, space."""
+    def turned(middle, r, angles):
+        return [(middle[0] + r * np.cos(a), middle[1] + r * np.sin(a)) for a in angles]
+
+    fed = "-growth_type feed -growth_initial_length 1 -shape_type straight -contact_diameter 0.1 -rod_cells 100 "
+
+    def slides(name, options, wall):
+        r = Run(fed + options + walls(wall))
+        print(f"{name}: {r.steps} steps, {r.newton_iterations.sum():.0f} iterations, tip {r.tip}")
+        expect(r.contact_force.max() > 0, f"{name}: touches nothing")
+        return r.tip
+
+    for degrees, more in ((0.5, ""), (2, ""), (5, "-contact_friction 0.1 "), (7, "-contact_stiffness 3e4 "), (12, "-contact_stiffness 3e3 ")):
+        top = np.array((2, 0.15)) + 2 * np.array((-np.sin(np.radians(degrees)), np.cos(np.radians(degrees))))
+        options = more + "-ts_max_time 2 -rod_curvature 0.05 "
+        drawn = slides(f"{degrees} degrees", options, outline("inside", [(-1, -2), (2, -2), (2, 0.15), top, (-1, 3)]))
+        normal = -np.array((np.cos(np.radians(degrees)), np.sin(np.radians(degrees))))
+        planes = Run(fed + options + walls("plane 2 0 -1 0", f"plane 2 0.15 {normal[0]} {normal[1]}")).tip
+        off = np.hypot(*(drawn - planes))
+        print(f"off by {off:.1e} from two planes")
+        expect(off < (0.05 if degrees > 10 else 0.005), f"{degrees} degrees: {drawn}, two planes {planes}")
+    smooth = Run(fed + "-ts_max_time 3 -rod_curvature 0.2 " + walls("circle 0.5 0 1.5 inside")).tip
+    for n, more in ((52, ""), (80, "-ts_rtol 1e-5 "), (300, "")):
+        drawn = slides(f"{n} corners", more + "-ts_max_time 3 -rod_curvature 0.2 ",
+                       outline("inside", turned((0.5, 0), 1.5, 2 * np.pi * (np.arange(n) + 0.3) / n)))
+        expect(np.hypot(*(drawn - smooth)) < 0.01, f"{n} corners: {drawn}, a circle {smooth}")
+    slides("a bowl", "-ts_max_time 2 -rod_curvature 0.1 ",
+           outline("outside", turned((0.8, 0), 1.2, np.linspace(-0.7, 0.7, 40)) + [(5, 3), (5, -3)]))
+    bend = [turned((2, 0.5), r, np.linspace(-np.pi / 2, np.pi / 2, 40)) for r in (0.7, 0.3)]
+    for space in ("", "-rod_model space -rod_curvature_2 1e-3 "):
+        slides("a hairpin", space + "-ts_max_time 2 -rod_curvature 0.1 ",
+               outline("inside", [(-0.5, -0.2), *bend[0], (-0.5, 1.2), (-0.5, 0.8), *bend[1][::-1], (-0.5, 0.2)]))
 
 
 @check

@@ -3,7 +3,10 @@
 
     space_contact_test.py build/tendril [--mpiexec mpiexec] CHECK...      (no CHECK: all of them)"""
 
+import os
+import subprocess
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
@@ -566,6 +569,32 @@ def beside():
         print(said.strip())
     said = tendril(rod + "-ts_max_time 0.1 -contact_diameter 0.1 " + walls("tube inside -1 0 0 0.5  3 0.3 0 0.5"))
     expect("does not hold" not in said, said)
+
+
+@check
+def dip():
+    """A wire with a hooked tip in an uneven vessel, that friction at a dip of the wall and its own dry friction hold at once:
+    it comes through. (Being pressed in rubbed, too, where the gradient of the distance on a grid is not of length 1: the
+    wire crawled.)"""
+    d, root = scene.SCRATCH, Path(__file__).resolve().parents[2]
+    if not find_spec("vtkmodules"):
+        return print("vtk is not installed")
+    # a tube of 8 sides and 10 rings, radius 12, its corners off by up to 1.5 at random
+    subprocess.run([root / "scripts/surface.sh", root / "tests/reference/uneven-vessel.obj", f"{d}/vessel.h5",
+                    "--diameter", "1.8", "--spacing", "0.9", "--side", "inside", "--open", "--flip", "--unit", "mm"],
+                   check=True, stdout=subprocess.DEVNULL, env=dict(os.environ, PYTHON=sys.executable))
+    with h5py.File(f"{d}/hook.h5", "w") as f:
+        f["distance"] = away = np.linspace(0, 40e-3, 81)
+        f["curvature"] = 40 * (1 - np.tanh((away - 20e-3) / 1e-3))
+        f["distance"].attrs["units"], f["curvature"].attrs["units"] = "m", "1/m"
+    wire = ("-growth_type feed -growth_initial_length 8mm -si_bending_stiffness 1.03e-5 -si_friction_dry 0.0387 -si_speed 5mm/s "
+            "-friction_layers 0:0.02 -rod_weight 0,-1,0 -contact_diameter 1.8mm -rod_cells 60 -shape_type straight "
+            f"-rod_curvature_file {d}/hook.h5 -stop_length 60mm ")
+    tendril(wire + walls(f"body {d}/vessel.h5 inside friction 0.1") + f"-output {d}/wire.h5")
+    r = read(f"{d}/wire.h5")
+    tries = r["series/newton_iterations"].sum()
+    print(f"{len(r['series/t']) - 1} steps, {tries:.0f} iterations, stopped by {r['kind']}")
+    expect(r["kind"] == "length" and tries < 6000, f"{r['kind']}, {tries} iterations")
 
 
 if __name__ == "__main__":

@@ -14,9 +14,12 @@ import scene_test as scene  # takes .venv's python if this one lacks numpy and h
 from laboratory_test import tendril
 from scene_test import Run, expect
 
+import fuzz_critical
 import h5py
 import numpy as np
 import ring
+from scipy.interpolate import CubicSpline
+from scipy.special import erf
 
 CHECKS = {}
 
@@ -42,7 +45,6 @@ def rates_of(z, t):
     rate = np.polyfit(t[t > 12], np.log(np.abs(z[t > 12])), 1)[0]
     if not z.imag.any():
         return [complex(rate)]
-    from scipy.interpolate import CubicSpline
     parts = [CubicSpline(t, part)(even) * np.exp(-rate * even) for part in (z.real, z.imag)]
     delayed = np.array([part[k:k + 260] for k in range(0, 40, 4) for part in parts])
     U, S, V = np.linalg.svd(delayed[:, :-1], full_matrices=False)
@@ -271,6 +273,90 @@ def bent_at_rest():
                            f"-shape_type straight -friction_beta {beta}").split("time   t = ")[1].split()[0])
              for beta in (1e-8, 1e-16)]
     expect(np.ptp(times) < 1e-7, f"a clamped tip: {times}")
+
+
+def time_of(options):
+    """The critical time, and the error told."""
+    said = tendril("-task critical " + options)
+    return float(said.split("time   t = ")[1].split()[0]), float(said.split("error below     ")[1].split()[0]), said
+
+
+def pulse(path, back, rate, width, mid, end):
+    """A table of uniform growth from a length of 1 at `back` per time, and a bell of `rate` more in that; the rod."""
+    t = np.unique(np.r_[np.linspace(0, end, 81), np.linspace(mid - 4 * width, mid + 4 * width, 81)])
+    L = 1 + back * t + rate * width * np.sqrt(np.pi) / 2 * (1 + erf((t - mid) / width))
+    fuzz_critical.write(path, s=np.linspace(0, 1, 5), t=t, g=np.repeat(L[:, None], 5, 1))
+    return {"mu": 0, "beta": 1, "a": 1, "length": CubicSpline(t, L), "N": np.ones_like, "force": np.zeros_like}
+
+
+@check
+def windows():
+    """Rods that are unstable for a short time only, told wherever the search ends (they told the next time, t = 12.24 for
+    4.949 with an error below 7e-11, or that the rod is stable up to there); by -task stability, too, and by a rod that is followed."""
+    d = scene.SCRATCH
+    for n, (bell, end, searches) in enumerate((((0.2, 3, 0.05, 5), 40, (40, 5.5, 5)), ((0.002, 9, 0.05, 15), 40, (40, 15)),
+                                               ((0.002, 15, 5e-4, 15), 40, (31.7,)))):
+        rod = pulse(f"{d}/pulse{n}.h5", *bell, end)
+        right, _ = fuzz_critical.truth(rod, np.linspace(bell[-1] - 4 * bell[-2], bell[-1] + 4 * bell[-2], 1001))
+        for search in searches:
+            t, error, said = time_of(f"-growth_type table -growth_table {d}/pulse{n}.h5 -friction_mu 0 -ts_max_time {search}")
+            print(f"{bell}, looked for up to {search}: {t}, right {right}")
+            expect(abs(t - right) < max(3 * error, 1e-9) and ", wherever tables bend, at most 0." in said, f"{bell}, {search}: {said}")
+    table = f"-growth_type table -friction_mu 0 -growth_table {d}/"
+    t, _, _ = time_of(f"{table}pulse0.h5 -rod_model space -rod_curvature 0.02 -rod_cells 30 -ts_max_time 8")
+    expect(abs(t / 4.94904790914 - 1) < 1e-5, f"followed: {t}")
+    said = tendril(f"{table}pulse0.h5 -task stability -ts_max_time 40 -stability_vertices 60 -stability_points 4")
+    expect(re.search(r"critical time t = 4\.949047", said) and said.count("[0., 4.949047") == 4 and "Looked at between" in said, said)
+    # in the friction norm a burst of drag in time lets any deflection grow, though all modes decay
+    t = np.unique(np.r_[np.linspace(0, 10, 11), np.linspace(4.9, 5.1, 41)])
+    x = np.array([-5., 0, 5])
+    fuzz_critical.write(f"{d}/drag.h5", t=t, x1=x, x2=x, factor=np.repeat(1 + np.exp(-((t - 5) / .03) ** 2), 9).reshape(-1, 3, 3))
+    even = np.linspace(0, 40, 11)
+    fuzz_critical.write(f"{d}/even.h5", s=np.linspace(0, 1, 5), t=even, g=np.outer(1 + .1 * even, np.ones(5)))
+    until = [float(re.search(r"stable in the friction norm +on \[\S+ (\S+)\)", tendril(
+        f"{table}even.h5 -friction_field {d}/drag.h5 -task stability -ts_max_time 40 -stability_vertices 60 -stability_transient false "
+        + looks)).group(1)) for looks in ("-stability_points 4 -stability_start 3.8 -stability_end 6",
+                                          "-stability_points 9 -stability_start 4.94 -stability_end 4.95")]
+    print(f"a burst of drag: in the friction norm stable up to {until}")
+    expect(4.94 < until[0] < 4.95 and abs(until[0] - until[1]) < 1e-6, f"{until}")
+    # many rows of noise, among them one window
+    rng, t = np.random.default_rng(5), np.linspace(0, 40, 801)
+    N = 1 + 0.01 * rng.normal(size=t.size)
+    N[400:403] = 4, 9, 4
+    fuzz_critical.write(f"{d}/noise.h5", t=t, x1=x, x2=x, factor=np.repeat(N, 9).reshape(-1, 3, 3))
+    rod = {"mu": 1, "beta": 1e-6, "a": 1, "length": CubicSpline(t, 1 + 0.01 * t), "N": CubicSpline(t, N, bc_type="clamped"),
+           "force": np.zeros_like}
+    fuzz_critical.write(f"{d}/slow.h5", s=np.linspace(0, 1, 5), t=t[::40], g=np.outer(1 + 0.01 * t[::40], np.ones(5)))
+    right, _ = fuzz_critical.truth(rod, np.linspace(19.8, 20.3, 801))
+    options = f"-growth_type table -growth_table {d}/slow.h5 -friction_beta 1e-6 -friction_field {d}/noise.h5 -ts_max_time 39"
+    t, error, said = time_of(options)
+    print(f"in noise: {t}, right {right}")
+    expect(abs(t - right) < max(3 * error, 1e-9) and int(re.search(r"looked at (\d+) times", said).group(1)) > 2000, said)
+
+
+@check
+def windows_along():
+    """What the tip comes by is a window in time, too: a thin bump of what resists it, a thin layer that a zone of growth
+    passes. (Those of 0.01 and less were passed over: t = 12.68, or stable.)"""
+    d = scene.SCRATCH
+    x = np.unique(np.r_[np.linspace(0, 40, 81), np.linspace(2.03 - 8e-3, 2.03 + 8e-3, 41)])
+    bump = 1 + 300 * np.exp(-((x - 2.03) / 2e-3) ** 2)
+    fuzz_critical.write(f"{d}/bump.h5", x1=x, x2=np.array([-1., 0, 1]), factor=np.repeat(bump[None, :], 3, 0))
+    apical = "-growth_type apical -growth_initial_length 1 -friction_mu 0 -ts_max_time 20 "
+    tip = f"{apical} -growth_zone 0.3 -tip_force 0.05 -tip_law resistance -tip_field {d}/bump.h5 -rod_cells 100"
+    t, _, _ = time_of(tip)
+    near, _, _ = time_of(f"{tip} -ts_max_time 1.03")  # a search that ends there sees it
+    print(f"a bump of what resists the tip: {t}, {near}")
+    expect(1.02 < t < 1.03 and abs(t - near) < 1e-9, f"bump: {t}, {near}")
+    t, error, _ = time_of(f"{apical} -growth_zone 0.01 -friction_layers 0:1,2.03:10000,2.04:1 -friction_layer_width 0.001 -rod_cells 1000")
+    print(f"a thin layer: {t}, error told {error}")
+    expect(1.03 < t < 1.04, f"layer: {t}")
+
+
+@check
+def windows_at_random():
+    """Random windows in random tables (scripts/lab/fuzz_critical.py --windows), against another route."""
+    expect(not fuzz_critical.look_for_windows(scene.TENDRIL, 7, 3), "a window is missed, or told wrong")
 
 
 @check
