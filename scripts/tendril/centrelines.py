@@ -1,42 +1,118 @@
-"""Centre lines with a radius along them, from what others write: VMTK (.vtp, .vtk, .dat), 3D Slicer (markups
-.json, .csv), tables x, y, z, r, well surveys (measured depth, inclination, azimuth)."""
+"""Centre lines with a radius along them, from what others write: VMTK (.vtp, .vtk, .dat), lines of OBJ, 3D Slicer (markups
+.json, .fcsv, .csv), tables x, y, z, r, well surveys (measured depth, inclination, azimuth; or north, east, TVD)."""
 
 import json
 import re
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
+from .chains import joined
+from .errors import TendrilError
 from .meshes import SurfaceError, polydata
+from .readers import Row, heading, is_number, is_undefined, line_of, rows_and_comments, text_of_file
+from .tables import Wanted, columns_in, factor, in_unit, length_said, named, number_in, unit_behind, unit_said, words_of
+from .units import METRES, unit_called
 
 # names of columns, in small letters without their units
-PLACES = (("x1", "x2", "x3"), ("x", "y", "z"), ("l", "p", "s"), ("px", "py", "pz"), ("r", "a", "s"))
-RADII = ("radius", "r", "maximuminscribedsphereradius")
-DEPTHS = ("md", "measured depth", "measured_depth", "depth")
-INCLINATIONS = ("inclination", "inc", "incl")
-AZIMUTHS = ("azimuth", "azi", "azim")
+PLACES = (("x1", "x2", "x3"), ("x", "y", "z"), ("l", "p", "s"), ("px", "py", "pz"), ("r", "a", "s"), ("points 0", "points 1", "points 2"))
+RADII = ("radius", "maximuminscribedsphereradius", "inner radius", "r")
+DIAMETERS = ("diameter", "diam", "inner diameter", "hole diameter", "hole size", "bore")
+DEPTHS = ("md", "measured depth", "meas depth", "depth", "dept")
+INCLINATIONS = ("inclination", "inc", "incl", "deviation", "drift angle", "devi", "hole inclination")
+AZIMUTHS = ("azimuth", "azi", "azim", "az", "azm", "hole azimuth", "hazi", "drift direction", "bearing")
+NORTHS = ("north", "northing", "n/s", "n/-s", "+n/-s", "ns", "n-s", "n(+)/s(-)", "northings", "n", "local north")
+EASTS = ("east", "easting", "e/w", "e/-w", "+e/-w", "ew", "e-w", "e(+)/w(-)", "eastings", "e", "local east")
+DOWNS = ("tvd", "true vertical depth", "vertical depth", "tvdss", "true vertical", "vertical")
+UPS = ("z", "elevation", "elev", "altitude")
 TURN = np.radians(2)  # of a survey's arc from one point to the next, at most
+GROWS = 1.5  # from one step to the next, where a piece of long ones follows
+ENDS = (".vtp", ".vtk", ".obj", ".json", ".fcsv", ".csv", ".tsv", ".tab", ".dat", ".txt", ".asc", ".dev", ".xlsx")
+SYSTEMS = {"0": "RAS", "1": "LPS", "2": "IJK"}  # as 3D Slicer counts them
+
+WANTED = {
+    "depth": Wanted("length", DEPTHS), "inclination": Wanted("angle", INCLINATIONS), "azimuth": Wanted("angle", AZIMUTHS),
+    "north": Wanted("length", NORTHS), "east": Wanted("length", EASTS), "down": Wanted("length", (*DOWNS, *DEPTHS)),
+    "up": Wanted("length", UPS), "radius": Wanted("length", RADII[:-1]), "r": Wanted("length", RADII[-1:]),
+    "diameter": Wanted("length", DIAMETERS), "defined": Wanted("", ("defined",)),
+    **{f"{k}{d}": Wanted("length", (name,)) for k, names in enumerate(PLACES) for d, name in enumerate(names)}}
+SURVEY = ("depth", "inclination", "azimuth")
+# what makes a path, the first that is there
+PATHS = (SURVEY, *(tuple(f"{k}{d}" for d in range(3)) for k in range(len(PLACES))), ("north", "east", "down"), ("north", "east", "up"))
 
 
-def read_line(path, line=0, radius=None):
-    """[n, 4]: x, y, z, r; of a file with several lines, that one."""
+@dataclass
+class CentreLine:
+    """A line through points, [n, 4]: x, y, z, r, and its unit; NaN where it says no radius."""
+
+    points: np.ndarray
+    unit: str = ""  # of length, by tendril's name or, if it has none, the file's; "": none is said
+    notes: list[str] = field(default_factory=list)
+
+
+def read_line(path, line=0, radius=None, foreign=False):
+    """The centre line of a file; of a file with several lines, that one.
+
+    radius   of a path that says none, or another; in the unit of the file
+    foreign  units of length that are not known are taken as they are"""
     path = Path(path)
     if not path.is_file():
         raise SurfaceError(f"{path}: no such file")
     kind = path.suffix.lower()
-    if kind in (".vtp", ".vtk"):
-        x, r = from_vtk(path, line)
-    elif kind == ".json":
-        x, r = from_slicer(path, line)
-    elif kind in (".csv", ".dat", ".txt"):
-        x, r = from_table(path)
-    else:
-        raise SurfaceError(f"{path}: a centre line is VTP, VTK, JSON, CSV or DAT")
+    if kind not in ENDS:
+        raise SurfaceError(f"{path}: a centre line is {', '.join(end[1:].upper() for end in ENDS)}")
+    try:
+        if kind in (".vtp", ".vtk"):
+            found = from_vtk(path, line)
+        elif kind == ".obj":
+            found = from_obj(path, line)
+        elif kind == ".json":
+            found = from_slicer(path, line)
+        else:
+            if line:
+                raise SurfaceError(f"{path}: has one line, counted from 0: there is no {line}")
+            found = from_fcsv(path) if kind == ".fcsv" else from_table(path, radius is None, foreign)
+    except TendrilError as error:
+        raise error if isinstance(error, SurfaceError) else SurfaceError(str(error)) from None
+    if found.unit and not unit_called(found.unit, "length") and not foreign:
+        raise SurfaceError(f"{path}: is in {found.unit}, no unit of length that tendril knows; give --scale, what 1 {found.unit} is in "
+                           "the unit of the result")
+    found.unit = unit_called(found.unit, "length") or found.unit
+    found.points = checked(path, found.points, radius)
+    return found
+
+
+def in_units(line, unit, scale, source):
+    """(what the path is multiplied by, the unit of the result): of a file that names its unit, that of `unit`, or else the
+    file's own; a scale that says another is refused. With a scale and no unit the result has none."""
+    if not line.unit:
+        return scale or 1.0, unit
+    if not unit:
+        if scale:
+            line.notes.append(f"{source}: is in {line.unit}; times {scale:g} it is of no unit")
+            return scale, ""
+        line.notes.append(f"{source}: is in {line.unit}, and so is the result")
+        return 1.0, line.unit
+    if line.unit not in METRES:
+        line.notes.append(f"{source}: is in {line.unit}, of which 1 is {scale:g} {unit} by scale")
+        return scale, unit
+    by_units = METRES[line.unit] / METRES[unit]
+    if scale and abs(scale / by_units - 1) > 1e-3:
+        raise SurfaceError(f"{source}: is in {line.unit}, of which 1 is {by_units:g} {unit}, not {scale:g}; leave scale out, or unit")
+    if line.unit != unit:
+        line.notes.append(f"{source}: is in {line.unit}, of which 1 is {by_units:g} {unit}")
+    return by_units, unit
+
+
+def checked(path, x, radius):
+    """Points that are a path."""
+    if not len(x):
+        raise SurfaceError(f"{path}: a path needs two points at least")
     if radius is not None:
-        r = np.full(len(x), float(radius))
-    if r is None:
+        x[:, 3] = float(radius)
+    if np.isnan(x[:, 3]).all():
         raise SurfaceError(f"{path}: says no radius; give radius")
-    x = np.column_stack([x, np.broadcast_to(r, len(x))]).astype(float)
     if not np.isfinite(x).all():
         raise SurfaceError(f"{path}: point {int(np.argmin(np.isfinite(x).all(axis=1))) + 1} is not finite")
     moved = np.linalg.norm(np.diff(x[:, :3], axis=0), axis=1) > 1e-9 * np.ptp(x[:, :3], axis=0).max()
@@ -48,6 +124,29 @@ def read_line(path, line=0, radius=None):
     return x
 
 
+def with_radius(x, r=None):
+    x = np.asarray(x, float).reshape(-1, 3)
+    return np.column_stack([x, np.full(len(x), np.nan) if r is None else np.broadcast_to(r, len(x)).astype(float)])
+
+
+def chosen(path, x, cells, line):
+    """(one of the lines through points [n, 3] that pieces of indices make, what is said of them)."""
+    if not np.isfinite(x).all():
+        raise SurfaceError(f"{path}: point {int(np.argmin(np.isfinite(x).all(axis=1))) + 1} is not finite")
+    lines = joined(x, cells)
+    if not lines:
+        raise SurfaceError(f"{path}: has no line of two points")
+    if not 0 <= line < len(lines):
+        raise SurfaceError(f"{path}: has {len(lines)} line{'s' if len(lines) > 1 else ''}, counted from 0: there is no {line}")
+    notes = []
+    if len(cells) != len(lines):
+        notes.append(f"{path}: {len(cells)} pieces that share end points are {len(lines)} line{'s' if len(lines) > 1 else ''}")
+    if len(lines) > 1:
+        sizes = ", ".join(f"{k}: {len(one)}" for k, one in enumerate(lines[:12])) + (", ..." if len(lines) > 12 else "")
+        notes.append(f"{path}: has {len(lines)} lines (points of each: {sizes}); line {line} is taken, --line for another")
+    return lines[line], notes
+
+
 def from_vtk(path, line):
     data = polydata(path)
     from vtkmodules.util.numpy_support import vtk_to_numpy
@@ -55,94 +154,256 @@ def from_vtk(path, line):
     lines = data.GetLines()
     if not lines or not lines.GetNumberOfCells():
         raise SurfaceError(f"{path}: has no line in it; is it a mesh?")
-    if not 0 <= line < lines.GetNumberOfCells():
-        raise SurfaceError(f"{path}: has {lines.GetNumberOfCells()} lines, counted from 0: there is no {line}")
     offsets = vtk_to_numpy(lines.GetOffsetsArray())
-    ids = vtk_to_numpy(lines.GetConnectivityArray())[offsets[line]:offsets[line + 1]]
+    ids = vtk_to_numpy(lines.GetConnectivityArray())
+    x = vtk_to_numpy(data.GetPoints().GetData()).astype(float)
+    cells = [ids[a:b] for a, b in zip(offsets[:-1], offsets[1:])]
+    along, notes = chosen(path, x, cells, line)
     arrays = data.GetPointData()
-    r = None
+    r, unit = None, ""
     for k in range(arrays.GetNumberOfArrays()):
-        if (arrays.GetArrayName(k) or "").lower() in RADII:
-            r = vtk_to_numpy(arrays.GetArray(k))[ids]
-    return vtk_to_numpy(data.GetPoints().GetData()).astype(float)[ids], r
+        said = unit_behind(arrays.GetArrayName(k) or "", RADII, "length")
+        if said is not None and arrays.GetArray(k) is not None:
+            r, unit = vtk_to_numpy(arrays.GetArray(k))[along], said
+    return CentreLine(with_radius(x[along], r), unit, notes)
+
+
+def is_line(path):
+    """Whether an OBJ file has lines and no faces."""
+    lines = False
+    with open(path, encoding="utf-8", errors="replace") as file:
+        for text in file:
+            if re.match(r"\s*f\s", text):
+                return False
+            lines = lines or bool(re.match(r"\s*l\s", text))
+    return lines
+
+
+def from_obj(path, line):
+    """Vertices and the elements `l 1 2 3`, counted from 1 or, if negative, back from the last vertex."""
+    x, cells, unit = [], [], ""
+    text = text_of_file(path).replace("\\\n", " ")
+    for number, words in enumerate(text.splitlines()):
+        key, *rest = words.split() or [""]
+        try:
+            if key == "v":
+                x.append([float(word) for word in rest[:3]])
+                if len(x[-1]) < 3:
+                    raise ValueError
+            elif key == "l":
+                ends = [int(word.split("/")[0]) for word in rest]
+                cells.append([k - 1 if k > 0 else len(x) + k for k in ends])
+            elif key.startswith("#"):
+                unit = unit or length_said(words) or ""
+        except ValueError:
+            raise SurfaceError(f"{path}, line {number + 1}: {words.strip()}: is no {'vertex' if key == 'v' else 'line'} of an OBJ file"
+                               ) from None
+    if not cells:
+        raise SurfaceError(f"{path}: has no line in it, l 1 2; is it a mesh?")
+    if any(not 0 <= k < len(x) for cell in cells for k in cell):
+        raise SurfaceError(f"{path}: a line ends at a vertex that is not there")
+    x = np.array(x, float)
+    along, notes = chosen(path, x, cells, line)
+    return CentreLine(with_radius(x[along]), unit, notes)
+
+
+# ---- 3D Slicer ----
+
+
+def word_of(unit):
+    """A unit of the markups: "mm", or ["mm", "UCUM", "millimeter"]."""
+    unit = unit[0] if isinstance(unit, (list, tuple)) and unit else unit
+    return "" if unit in (None, "") or not isinstance(unit, str) else unit
+
+
+def system_note(path, system):
+    """What is said of the axes."""
+    name = SYSTEMS.get(str(system).strip(), str(system).strip().upper())
+    if name == "IJK":
+        raise SurfaceError(f"{path}: is counted in voxels (IJK); save it in LPS or RAS")
+    if name == "RAS":
+        return [f"{path}: is in RAS, and so is the result; in LPS, as Slicer's meshes are, x and y have the other sign"]
+    return []
+
+
+def unplaced_note(path, count):
+    return [f"{path}: not used: {count} point{'s' if count > 1 else ''} not placed"] if count else []
 
 
 def from_slicer(path, line):
     try:
-        markups = json.loads(path.read_text())["markups"]
+        markups = json.loads(text_of_file(path))["markups"]
+        if not isinstance(line, int) or not 0 <= line < len(markups):
+            raise SurfaceError(f"{path}: has {len(markups)} lines, counted from 0: there is no {line}")
         curve = markups[line]
-        points = curve["controlPoints"]
-        x = np.array([p["position"] for p in points], float).reshape(len(points), 3)
-    except (ValueError, KeyError, TypeError, IndexError) as error:
-        raise SurfaceError(f"{path}: is no curve of 3D Slicer's markups: {error!r}") from None
-    r = None
-    for measurement in curve.get("measurements", []):
-        if measurement.get("name", "").lower() in RADII and measurement.get("controlPointValues"):
-            r = np.array(measurement["controlPointValues"], float)
-    if r is not None and len(r) != len(x):
-        raise SurfaceError(f"{path}: has {len(x)} points and {len(r)} radii")
-    return x, r
+        points = list(curve["controlPoints"])
+        placed = [str(p.get("positionStatus", "defined")).lower() == "defined" for p in points]
+        radii, unit = radii_of(path, curve, placed)
+    except (ValueError, KeyError, TypeError, IndexError, AttributeError, RecursionError):
+        raise SurfaceError(f"{path}: is no curve of 3D Slicer's markups, with controlPoints that have a position each") from None
+    x = [place_of(path, k, p) for k, (p, there) in enumerate(zip(points, placed)) if there]
+    notes = unplaced_note(path, placed.count(False)) + system_note(path, curve.get("coordinateSystem", "LPS"))
+    if len(markups) > 1:
+        notes.append(f"{path}: has {len(markups)} lists of points; {line} is taken, --line for another")
+    if str(curve.get("type", "")).lower() == "closedcurve":
+        notes.append(f"{path}: is a closed curve, read from its first point to its last")
+    own = word_of(curve.get("coordinateUnits"))
+    if radii is not None and own and unit:
+        radii = radii * factor(unit_called(unit, "length") or unit, unit_called(own, "length") or own, path)
+    return CentreLine(with_radius(x, radii), own or unit, notes)
 
 
-def table_of(path):
-    """(names of columns, numbers); no names: None."""
-    lines = [words.partition("#")[0] for words in path.read_text(encoding="utf-8-sig").splitlines()]
-    rows = [re.split(r"\s*[,;\t]\s*", words.strip()) if re.search("[,;\t]", words) else words.split()
-            for words in lines if words.strip(" ,;\t")]
-    if not rows:
-        raise SurfaceError(f"{path}: is empty")
-    names = None
-    if any(re.match(r"[A-Za-z_\"]", cell) for cell in rows[0]):
-        names = [re.sub(r"\s*[(\[].*", "", cell.strip('"')).strip().lower() for cell in rows.pop(0)]
-    width = len(names) if names else len(rows[0])
-    for k, row in enumerate(rows):
-        if len(row) != width:
-            raise SurfaceError(f"{path}: row {k + 1} has {len(row)} cells, not {width}")
-
-    def number(cell):
-        try:
-            return float(cell)
-        except ValueError:
-            return np.nan
-
-    return names, np.array([[number(cell) for cell in row] for row in rows])
+def place_of(path, k, point):
+    try:
+        x = np.array(point["position"], float)
+        if x.shape == (3,):
+            return x
+    except (ValueError, KeyError, TypeError):
+        pass
+    raise SurfaceError(f"{path}: control point {k + 1} has no position of three numbers")
 
 
-def from_table(path):
-    names, table = table_of(path)
-    if names is None:
-        if table.shape[1] not in (3, 4):
-            raise SurfaceError(f"{path}: has {table.shape[1]} columns without names; give x, y, z and r above them")
-        return table[:, :3], table[:, 3] if table.shape[1] == 4 else None
-    column = {name: table[:, k] for k, name in reversed(list(enumerate(names)))}
-
-    def first(known, but=()):
-        return next((column[name] for name in known if name in column and name not in but), None)
-
-    survey = [first(known) for known in (DEPTHS, INCLINATIONS, AZIMUTHS)]
-    if all(part is not None for part in survey):
-        return minimum_curvature(path, *survey, first(RADII))
-    for places in PLACES:
-        if all(name in column for name in places):
-            return np.column_stack([column[name] for name in places]), first(RADII, places)
-    raise SurfaceError(f"{path}: columns {', '.join(names)}: a path needs x, y, z (and r), a survey measured depth, "
-                       "inclination and azimuth")
+def radii_of(path, curve, placed):
+    """(the radii at the points that are placed, their unit) of a measurement; (None, "")."""
+    r, unit = None, ""
+    for measurement in curve.get("measurements") or []:
+        said = unit_behind(str(measurement.get("name", "")), RADII, "length")
+        if said is not None and measurement.get("controlPointValues"):
+            r, unit = np.array(measurement["controlPointValues"], float), said or word_of(measurement.get("units"))
+    if r is None:
+        return None, ""
+    if len(r) == len(placed):
+        return r[np.array(placed, bool)], unit
+    if len(r) != placed.count(True):
+        raise SurfaceError(f"{path}: has {placed.count(True)} points and {len(r)} radii")
+    return r, unit
 
 
-def minimum_curvature(path, depth, inclination, azimuth, radius):
-    """The path of a survey: arcs of circles from station to station, in degrees against the vertical and
+def from_fcsv(path):
+    """Slicer's old lists: comments say the columns and the axes."""
+    rows, notes, comments = rows_and_comments(path)
+    said = {key.strip().lower(): value for key, _, value in (text.partition("=") for _, text in comments)}
+    names = [name.strip().lower() for name in said.get("columns", "id,x,y,z").split(",")]
+    if not {"x", "y", "z"} <= set(names):
+        raise SurfaceError(f"{path}: its columns are {', '.join(names)}: a path needs x, y, z")
+    x, r, left = [], [], 0
+    for row in rows:
+        cells = dict(zip(names, row))
+        status = cells.get("positionstatus", row[14].strip() if "positionstatus" not in names and len(row) > 15 else "2")
+        place = [cells.get(name, "").strip() for name in "xyz"]
+        if status not in ("2", "defined", "") or is_undefined(cells.get("defined", "1")) or not any(place):
+            left += 1
+            continue
+        if bad := next((name for name, cell in zip("xyz", place) if not is_number(cell)), None):
+            raise SurfaceError(f"{path}, line {line_of(row)}: {bad} is not finite: "
+                               + (f'"{cells[bad].strip()}" is no number' if cells.get(bad, "").strip() else "nothing stands there"))
+        x.append([float(cell) for cell in place])
+        r.append(float(cells["radius"]) if is_number(cells.get("radius", "")) else np.nan)
+    notes = notes + unplaced_note(path, left) + system_note(path, said.get("coordinatesystem", "RAS"))
+    return CentreLine(with_radius(np.array(x).reshape(-1, 3), r), said.get("coordinateunits", "").strip(), notes)
+
+
+# ---- tables ----
+
+
+def of_path(found):
+    return next((names for names in PATHS if all(name in found for name in names)
+                 and len({found[name].index for name in names}) == len(names)), None)
+
+
+def from_table(path, with_radii, foreign):
+    wanted = WANTED if with_radii else {what: w for what, w in WANTED.items() if what not in ("radius", "r", "diameter")}
+    # only what is used is read: names are looked for twice
+    kept = {}
+
+    def enough(found):
+        names = of_path(found)
+        if names is None:
+            return False
+        used = {found[name].index for name in names}
+        width = next((what for what in ("radius", "r", "diameter") if what in found and found[what].index not in used), None)
+        kept.update(names=names, width=width)
+        for what in [*found]:
+            if what not in (*names, width, "defined"):
+                del found[what]
+        return True
+
+    table, rest = named(path, wanted, enough, foreign)
+    if table is None:
+        return unnamed(path, *rest)
+    names, width = kept["names"], kept["width"]
+    lengths = [name for name in (*names, width) if name and wanted[name].kind == "length"]
+    values, unit = table.lengths(lengths, path)
+    value = dict(zip(lengths, values.T))
+    r = None if width is None else value[width] / (2 if width == "diameter" else 1)
+    if width == "diameter":
+        table.notes.append(f"{path}: the radius is half of {table.columns[width].name}")
+    there = np.ones(len(values), bool)
+    if table.has("defined"):
+        there = np.array([not is_undefined(cell) for cell in table.numbers("defined")], bool)
+        table.notes += unplaced_note(path, int(np.count_nonzero(~there)))
+    if not there.any():
+        raise SurfaceError(f"{path}: a path needs two points at least, there is none below the names")
+    if names == SURVEY:
+        i, a = (table.numbers(name) * in_unit(table.columns[name].unit or "deg", "angle") for name in names[1:])
+        x, r = minimum_curvature(path, table, value["depth"], i, a, r)
+    else:
+        x = np.column_stack([value[name] for name in names])[there]
+        r = None if r is None else r[there]
+        if names[-1] == "down":
+            x[:, 2] = 0 - x[:, 2]
+        if names[0] == "north":
+            table.notes.append(f"{path}: from {', '.join(table.columns[name].name for name in names)}: x is north, y east, z up")
+    return CentreLine(with_radius(x, r), unit, table.notes)
+
+
+def unnamed(path, rows, notes, comments):
+    """Three or four columns of numbers without names."""
+    first = next((k for k, row in enumerate(rows) if sum(map(is_number, row)) > 1), len(rows))
+    named = next((row for row in reversed(rows[:first]) if sum(bool(cell.strip()) for cell in row) > 1), None)
+    if named or first == len(rows):
+        names = [heading(cell)[0] for cell in named or rows[0] if cell.strip()]
+        raise SurfaceError(f"{path}: columns {', '.join(names)}: a path needs x, y, z (and r), a survey measured depth, inclination "
+                           "and azimuth, or north, east and TVD")
+    notes += [f"{path}: not used: line {line_of(row)}, {words_of(row)}" for row in rows[:first]]
+    said = unit_said(rows[:first], comments)
+    body = rows[first:]
+    width = max(len(row) for row in body)
+    full = [k for k in range(width) if any(k < len(row) and row[k].strip() for row in body)]
+    if len(full) not in (3, 4):
+        raise SurfaceError(f"{path}: has {len(full)} columns without names; give x, y, z and r above them")
+    x, unit = [], said[1] if said else ""
+    for row in body:
+        cells = [row[k].strip() if k < len(row) else "" for k in full]
+        if not any(number_in(cell) for cell in cells):
+            notes.append(f'{path}: not used: line {line_of(row)}, "{words_of(row)}"')
+            continue
+        if "" in cells:
+            raise SurfaceError(f"{path}: line {line_of(row)} has {sum(map(bool, cells))} cells, not {len(full)}")
+        if bad := next((cell for cell in cells if not is_number(cell)), None):
+            raise SurfaceError(f'{path}, line {line_of(row)}: "{bad}" is no number')
+        x.append([float(cell) for cell in cells])
+    x = np.array(x)
+    return CentreLine(with_radius(x[:, :3], x[:, 3] if len(full) == 4 else None), unit, notes)
+
+
+def minimum_curvature(path, table, depth, i, a, radius):
+    """The path of a survey: arcs of circles from station to station, with angles against the vertical and
     from north; x is north, y east, z up."""
     if (np.diff(depth) <= 0).any():
-        raise SurfaceError(f"{path}: measured depth must increase, it does not at row "
-                           f"{int(np.argmax(np.diff(depth) <= 0)) + 2}")
-    i, a = np.radians(inclination), np.radians(azimuth)
+        k = int(np.argmax(np.diff(depth) <= 0))
+        raise SurfaceError(f"{path}, line {table.lines[k + 1]}: measured depth must increase, {depth[k + 1]:g} does not after "
+                           f"{depth[k]:g}")
+    if (np.abs(i) > np.pi).any():
+        k = int(np.argmax(np.abs(i) > np.pi))
+        raise SurfaceError(f"{path}, line {table.lines[k]}: {np.degrees(i[k]):g} degrees is no inclination, which is 0 to 180")
     t = np.column_stack([np.sin(i) * np.cos(a), np.sin(i) * np.sin(a), -np.cos(i)])
+    angles = np.arctan2(np.linalg.norm(np.cross(t[:-1], t[1:]), axis=1), np.einsum("kd,kd->k", t[:-1], t[1:]))
+    lengths = np.diff(depth)
+    parts = graded(lengths, np.maximum(1, np.ceil(angles / TURN)).astype(int), angles > 1e-9)
     x, r, at = [np.zeros(3)], [0 if radius is None else radius[0]], np.zeros(3)
-    for k in range(len(depth) - 1):
-        angle = np.arctan2(np.linalg.norm(np.cross(t[k], t[k + 1])), t[k] @ t[k + 1])
-        long = depth[k + 1] - depth[k]
-        steps = max(1, int(np.ceil(angle / TURN)))
-        for part in np.arange(1, steps + 1) / steps:
+    for k, (angle, long) in enumerate(zip(angles, lengths)):
+        for part in parts[k]:
             if angle < 1e-12:
                 go = part * long * t[k]
             else:  # integral of the direction that turns evenly from one to the other
@@ -153,6 +414,25 @@ def minimum_curvature(path, depth, inclination, azimuth, radius):
             r.append(0 if radius is None else radius[k] + part * (radius[k + 1] - radius[k]))
         at = x[-1]
     return np.array(x), None if radius is None else np.array(r)
+
+
+def graded(lengths, steps, bent):
+    """Of each piece of a path the parts of it, up to 1, at which there are points: so many even steps, and beside a bent piece of
+    shorter steps some that grow from these. For the tube is a spline through the points, and where a long step follows on a short one it
+    swings: beside an arc in steps of 10 ft a straight piece of 800 ft as one step was 78 ft off."""
+    even, found = lengths / steps, []
+    for k, long in enumerate(lengths):
+        at = list(np.arange(1, steps[k] + 1) * even[k])
+        ends = [(even[j], back) for j, back in ((k - 1, False), (k + 1, True)) if 0 <= j < len(even) and bent[j] and even[j] < even[k]]
+        room = even[k] * (0.5 if steps[k] == 1 and len(ends) == 2 else 0.8)  # from either end
+        for step, back in ends:
+            reached = step
+            while reached < room:
+                at.append(long - reached if back else reached)
+                step *= GROWS
+                reached += step
+        found.append(np.array(sorted(at)) / long)
+    return found
 
 
 def fair(x, every=None):

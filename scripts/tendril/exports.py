@@ -10,7 +10,6 @@ tendril[space]."""
 
 from __future__ import annotations
 
-import argparse
 import sys
 from pathlib import Path
 
@@ -18,6 +17,7 @@ import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import AsinhNorm
 
+from .command import Parser
 from .errors import ResultsError, TendrilError, complaint, optional, path_of
 from .results import Results, load
 from .solids import solids
@@ -169,8 +169,7 @@ def coloured(trimesh, r, shape, field, diameter, sides, si):
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="scripts/export.sh", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser("scripts/export.sh", __doc__)
     parser.add_argument("file", help="result file, HDF5")
     parser.add_argument("--output", help="ends in .vtp or one of " + " ".join(MESHES) + "; default: the file's name with .vtp")
     parser.add_argument("--time", metavar="T", help="of a run with -si_ options also 20s; default: the last shape")

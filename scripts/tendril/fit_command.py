@@ -17,19 +17,22 @@ from pathlib import Path
 
 import matplotlib
 
+from .command import Parser
 from .errors import TendrilError, complaint, writable
 from .fitting import fit
-from .measured import Measured, gather, read
+from .measured import Measured, gather, named, read
 
 LEFT = (".opts", ".txt", ".csv", ".json", ".png", ".pdf")
 
 
 def measured(words, unit, fps=None):
     """All DATA as one; a word is FILE or TIME@FILE."""
-    whole = Measured()
+    files = []
     for word in words:
         at, _, path = word.rpartition("@")
-        one = read(path, unit, at, fps)
+        files.append((path, read(path, unit, at, fps)))
+    whole = Measured()
+    for one in named(files, fps):
         whole.photographs += one.photographs
         whole.curves += one.curves
         whole.notes += one.notes
@@ -81,8 +84,7 @@ def keep(basename, scene, data):
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="scripts/fit.sh", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser("scripts/fit.sh", __doc__)
     parser.add_argument("scene", metavar="SCENE")
     parser.add_argument("data", nargs="+", metavar="DATA")
     parser.add_argument("--parameter", "-p", action="append", default=[],

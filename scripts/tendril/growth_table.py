@@ -3,13 +3,15 @@ its distance along the rod from the tip or from the clamp.
 
     scripts/growth_table.sh root.h5 --length 2 --end 5 --rate "2*exp(-d/0.5)"
     scripts/growth_table.sh stem.h5 --length 1 --end 3 --rate measured.csv --from clamp --check
+    scripts/growth_table.sh leaf.h5 --length 20mm --end 12h --rate marks.csv
 
 The rate is relative, per time: 0.1 means that a piece gains a tenth of its length in unit time. It is
-an expression of d (distance), t (time) and L (length of the rod), with numpy's functions; or a CSV
-file of two columns, distance and rate, joined by straight lines, its last rate going on beyond.
-All is dimensionless, as in tendril. Labels are shared out evenly over the rod as it is at the end."""
+an expression of d (distance), t (time) and L (length of the rod), with numpy's functions; or a table
+(CSV, .tsv, .xlsx) of two columns, distance and rate, joined by straight lines, its last rate going on beyond.
+All is dimensionless, as in tendril; or in the units of --length and --end, and the table says so. Units in
+the headings of a table, (mm) and (%/h), are then converted. Labels are shared out evenly over the rod as it
+is at the end."""
 
-import argparse
 import subprocess
 import sys
 import tempfile
@@ -18,9 +20,13 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from .command import Parser
 from .errors import TendrilError, complaint
+from .readers import Row, heading, is_number, line_of
 from .results import load
 from .runs import executable
+from .tables import Wanted, named, plain_name
+from .units import METRES, TIMES, quantity, rate_called, unit_called
 
 # Gauss points on [0, 1] and their weights
 POINTS, WEIGHTS = (np.polynomial.legendre.leggauss(4) + np.array([[1], [0]])) / 2
@@ -32,28 +38,62 @@ class BadTable(Exception):
     """What is asked for cannot be, in one plain line."""
 
 
-def read_csv(path):
+DISTANCES = ("distance", "d", "position", "distance from tip", "distance from the tip", "distance from clamp", "distance from the clamp",
+             "dist", "x", "s")
+RATES = ("rate", "relative rate", "regr", "rer", "elongation rate", "relative elongation rate", "strain rate", "growth rate",
+         "relative growth rate", "rate of elongation")
+FILES = (".csv", ".tsv", ".tab", ".txt", ".dat", ".xlsx")
+
+
+def read_rate(path, length_unit, time_unit):
+    """(distances, rates, notes) of a table, in the units of the rod's length and of the end."""
+    wanted = {"distance": Wanted("length", DISTANCES), "rate": Wanted("rate", RATES)}
     try:
-        rows = [line.split("#")[0].split(",") for line in Path(path).read_text().splitlines()]
-        rows = [row for row in rows if "".join(row).strip()]
-        if not rows[0][0].strip()[-1:].isdigit():  # a line of names
-            rows = rows[1:]
-        table = np.array([[float(word) for word in row] for row in rows])
-    except OSError as error:
-        raise BadTable(f"--rate {path}: {error.strerror}") from None
-    except (ValueError, IndexError) as error:
-        raise BadTable(f"--rate {path}: {error}") from None
-    if table.ndim != 2 or table.shape[1] != 2 or len(table) < 2:
+        table, rest = named(path, wanted, lambda found: len(found) == 2)
+        if table is None:
+            wanted, rest = two_columns(path, *rest)
+            table, _ = named(path, wanted, lambda found: len(found) == 2, given=rest)
+    except TendrilError as error:
+        raise BadTable(f"--rate {str(error).partition('; else give --scale')[0]}") from None
+    distance, rate = table.columns["distance"], table.columns["rate"]
+    if distance.unit and not length_unit:
+        raise BadTable(f"--rate {path}: {distance.name} is in {distance.unit}: give --length with its unit, --length 20{distance.unit}")
+    share, per = rate_called(rate.unit or "1")
+    if per and not time_unit:
+        raise BadTable(f"--rate {path}: {rate.name} is per {per}: give --end with its unit, --end 5{per}")
+    d = distance.numbers * (METRES[distance.unit] / METRES[length_unit] if distance.unit else 1)
+    r = rate.numbers * share * (TIMES[time_unit] / TIMES[per] if per else 1)
+    if len(d) < 2:
         raise BadTable(f"--rate {path}: give two columns, distance and rate, and two rows at least")
-    if table[0, 0] != 0 or np.any(np.diff(table[:, 0]) <= 0):
-        raise BadTable(f"--rate {path}: distances must rise from 0")
-    return table.T
+    if d[0] != 0 or np.any(np.diff(d) <= 0):
+        k = 0 if d[0] != 0 else int(np.argmax(np.diff(d) <= 0)) + 1
+        raise BadTable(f"--rate {path}, line {table.lines[k]}: distances must rise from 0")
+    return d, r, table.notes
 
 
-def make_rate(text):
+def two_columns(path, rows, notes, comments):
+    """(what is wanted, rows) of a table of two columns with other names, or none."""
+    first = next((k for k, row in enumerate(rows) if sum(map(is_number, row)) > 1), len(rows))
+    width = max(len(row) for row in rows)
+    full = [k for k in range(width) if any(k < len(row) and row[k].strip() for row in rows[first:])]
+    heads = next((row for row in reversed(rows[:first]) if sum(bool(cell.strip()) for cell in row) == 2), None)
+    if len(full) != 2 or first == len(rows):
+        raise BadTable(f"--rate {path}: give two columns, distance and rate, and two rows at least")
+    if heads is None:
+        names = ["distance", "rate"]
+        cells = ["" if k not in full else names[full.index(k)] for k in range(width)]
+        rows = [*rows[:first], Row(cells, line_of(rows[first])), *rows[first:]]
+    else:
+        names = [plain_name(heading(heads[k] if k < len(heads) else "")[0]) for k in full]
+    return {"distance": Wanted("length", (names[0],)), "rate": Wanted("rate", (names[1],))}, (rows, notes, comments)
+
+
+def make_rate(text, length_unit="", time_unit=""):
     """r(d, t, L)"""
-    if text.endswith(".csv"):
-        distance, rate = read_csv(text)
+    if text.lower().endswith(FILES):
+        distance, rate, notes = read_rate(text, length_unit, time_unit)
+        for note in notes:
+            print(f"growth_table: {note}")
         return lambda d, t, length: np.interp(d, distance, rate)
     names = {name: getattr(np, name) for name in dir(np) if not name.startswith("_")}
 
@@ -175,13 +215,21 @@ def compare(file, end, s, t, p):
     return worst
 
 
+def with_unit(text, kind, known):
+    """(number, unit) of 2 or "20mm"."""
+    found = quantity(text)
+    unit = unit_called(found[1], kind) if found and found[1] else ""
+    if not found or unit is None or not 0 < found[0] < np.inf:
+        raise BadTable(f"--{'length' if kind == 'length' else 'end'} {text}: give a number above 0, or one with {', '.join(known)}")
+    return found[0], unit
+
+
 def arguments_of(words):
-    parser = argparse.ArgumentParser(prog="scripts/growth_table.sh", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser("scripts/growth_table.sh", __doc__)
     parser.add_argument("file", help="the table to write, HDF5")
-    parser.add_argument("--length", type=float, required=True, metavar="L0", help="length at t = 0")
-    parser.add_argument("--end", type=float, required=True, metavar="T",
-                        help="last time of the table: -ts_max_time of the run, or later")
+    parser.add_argument("--length", required=True, metavar="L0", help="length at t = 0, a number or with its unit, 20mm")
+    parser.add_argument("--end", required=True, metavar="T",
+                        help="last time of the table: -ts_max_time of the run, or later; a number or with its unit, 5h")
     parser.add_argument("--rate", required=True, metavar="EXPRESSION|FILE.csv",
                         help="relative rate of elongation over the distance d")
     parser.add_argument("--from", choices=("tip", "clamp"), default="tip", dest="side",
@@ -193,8 +241,10 @@ def arguments_of(words):
     parser.add_argument("--check", action="store_true",
                         help="grows the straight rod with it by build/tendril, and compares")
     choice = parser.parse_args(words)
-    if not (choice.length > 0 and choice.end > 0):
-        raise BadTable("--length and --end: give more than 0")
+    choice.length, choice.length_unit = with_unit(choice.length, "length", METRES)
+    choice.end, choice.time_unit = with_unit(choice.end, "time", TIMES)
+    if choice.unit and (choice.length_unit or choice.time_unit):
+        raise BadTable("--unit: makes dL/dt 1 in numbers without units; give --length and --end without them, or leave it out")
     if choice.labels < 4 or choice.times < 4:
         raise BadTable("--labels and --times: give 4 at least")
     if (choice.times - 1) % 4:
@@ -202,8 +252,16 @@ def arguments_of(words):
     return choice
 
 
+def write(file, s, t, g, length_unit="", time_unit=""):
+    with h5py.File(file, "w") as f:
+        f["s"], f["t"], f["g"] = s, t, g
+        for name, unit in (("t", time_unit), ("g", length_unit)):
+            if unit:
+                f[name].attrs["units"] = unit
+
+
 def make(choice):
-    rate = checked(make_rate(choice.rate))
+    rate = checked(make_rate(choice.rate, choice.length_unit, choice.time_unit))
     if choice.unit:
         first = speed(rate, np.linspace(0, choice.length, 1001), 0)[-1]
         if not first > 0:
@@ -212,20 +270,24 @@ def make(choice):
         rate = lambda d, t, length: plain(d, t, length) / first  # noqa: E731
     s, t, g, p, error = make_table(rate, choice.length, choice.end, choice.labels, choice.times,
                                    choice.side)
-    with h5py.File(choice.file, "w") as f:
-        f["s"], f["t"], f["g"] = s, t, g
+    write(choice.file, s, t, g, choice.length_unit, choice.time_unit)
     length = p[:, -1]
     slope = np.gradient(length, t, edge_order=2)
     stretch = g.max(axis=0) / g.min(axis=0)
+    in_length = f" {choice.length_unit}" if choice.length_unit else ""
+    in_speed = f"{in_length}/{choice.time_unit}" if in_length and choice.time_unit else ""
     print(f"growth_table: {choice.file}: {len(t)} times, {len(s)} labels; length {length[0]:.6g} to "
-          f"{length[-1]:.6g}, dL/dt {slope[0]:.4g} to {slope[-1]:.4g}")
+          f"{length[-1]:.6g}{in_length}, dL/dt {slope[0]:.4g} to {slope[-1]:.4g}{in_speed}")
     print(f"growth_table: labels stretch by {stretch.min():.3g} to {stretch.max():.3g}; error "
           f"{error:.1e}")
     if stretch.max() > MOST:
         print("growth_table: that is much: steps have to follow it; for a zone behind the tip take "
               "-growth_type apical")
     if choice.check:
-        worst = compare(choice.file, choice.end, s, t, p)
+        with tempfile.TemporaryDirectory() as scratch:  # the numbers alone, of a rod without units
+            bare = f"{scratch}/table.h5"
+            write(bare, s, t, g)
+            worst = compare(bare, choice.end, s, t, p)
         print(f"growth_table: the straight rod of a run is where it should be to {worst:.1e} of its "
               "length")
 

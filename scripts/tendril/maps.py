@@ -12,7 +12,6 @@ tendril.sweep keeps it in); points that are missing or unfinished stay white.
 
 from __future__ import annotations
 
-import argparse
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -23,7 +22,9 @@ import numpy as np
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from .collection import Sweep, load_sweep
+from .command import Parser
 from .errors import RunError, TendrilError, complaint, path_of
+from .results import in_words
 from .style import STYLE, InStyle, save
 from .units import DIMENSIONS, KINDS, in_laboratory, suited_to
 from .units import quantity as number_with_unit
@@ -182,7 +183,7 @@ def draw(ax, xs, ys, table, units, axes, quantity):
                            colors=np.where(dark, "white", "#222222"))
         ax.clabel(lines, fontsize=6, fmt="%.4g")
     for axis, unit, label in zip(axes, units, (ax.set_xlabel, ax.set_ylabel)):
-        label(LABELS.get(axis, axis.replace("_", " ")) + (f" ({unit})" if unit else ""))
+        label(LABELS.get(axis, in_words(axis)) + (f" ({unit})" if unit else ""))
     label = LABELS.get(quantity, quantity.removeprefix("series/").replace("_", " "))
     label += f" ({units[2]})" if units[2] else ""
     ax.figure.colorbar(colours, ax=ax, label=label)
@@ -215,8 +216,7 @@ def map(sweep, axes, quantity="critical/t", *, si=False, ax=None) -> Figure:
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="scripts/map.sh", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser("scripts/map.sh", __doc__)
     parser.add_argument("place", help="directory of scripts/sweep.sh, or file of a sweep")
     parser.add_argument("--axes", required=True, metavar="X,Y", help="options along the axes")
     parser.add_argument("--quantity", default="critical/t", help="default %(default)s")

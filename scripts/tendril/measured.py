@@ -12,8 +12,10 @@ Columns carry their unit, "x1 (cm)" or "x1 [cm]"; without one a number is dimens
                                       given beside the file; or several side by side under a line of
                                       times and a line "X, Y, X, Y" (WebPlotDigitizer)
 
-DeepLabCut, Tracker, ImageJ, spreadsheets and DataFrames: tendril.readers. Points in px are those of a picture, x2 downwards: scale, place and turn of the camera are then found
-together with the rest. A photograph without a time is compared with the shape that fits it best."""
+DeepLabCut, Tracker, ImageJ, spreadsheets and DataFrames: tendril.readers; SLEAP, SmartRoot, RSML: tendril.tracked. Points in
+px are those of a picture, x2 downwards: scale, place and turn of the camera are then found together with the rest. A
+photograph without a time has that which its file's name says (tendril.naming), or is compared with the shape that fits it
+best."""
 
 from __future__ import annotations
 
@@ -24,8 +26,10 @@ from typing import Mapping, Sequence
 
 import numpy as np
 
-from .readers import DataError, is_number, plain
-from .units import SHOWN, TIMES
+from .errors import DataError
+from .naming import times_of
+from .readers import Row, heading, is_number, line_of, plain
+from .units import METRES, SHOWN, TIMES
 
 PIXEL = "px"
 # name of a unit -> (unit of tendril's files, what 1 of it is in SI)
@@ -33,7 +37,9 @@ KNOWN = {name: (unit, si) for kind, unit in
          (("length", "l"), ("speed", "V"), ("force", "N l"), ("energy", "N l^2"), ("power", "N l V"))
          for name, si, _ in SHOWN[kind]}
 KNOWN |= {name.replace("µ", "u"): value for name, value in KNOWN.items()}
+KNOWN |= {name: ("l", si) for name, si in METRES.items()}
 KNOWN |= {name: ("l/V", si) for name, si in TIMES.items()}
+KNOWN |= {f"{length}/{time}": ("V", METRES[length] / TIMES[time]) for length in METRES for time in ("s", "min", "h", "d")}
 KNOWN |= {over + unit: ("1/l", 1 / si) for over in ("/", "1/") for unit, (kind, si) in list(KNOWN.items()) if kind == "l"}
 KNOWN |= {"rad": ("rad", 1), "deg": ("rad", np.pi / 180), "": ("", 1), "1": ("", 1),
           PIXEL: (PIXEL, 1)}
@@ -110,15 +116,9 @@ def values_of(numbers, unit, what):
     unit = unit.replace("\u03bc", "\u00b5")  # a Greek mu is a micro, too
     if unit not in KNOWN:
         raise DataError(f"{what}: {unit} is no unit; give one of "
-                        f"{', '.join(name for name in KNOWN if name)}")
+                        f"{', '.join(name for name in KNOWN if name and '/' not in name)}, or of such, as mm/s and 1/m")
     name, si = KNOWN[unit]
     return Values(si * np.asarray(numbers, float), name)
-
-
-def heading(cell):
-    """(name, unit) of "x1 (cm)", "x1 [cm]" or "x1"."""
-    name, unit = re.fullmatch(r"\s*([^(\[]*?)\s*(?:[(\[]\s*(.*?)\s*[)\]])?\s*", cell).groups()
-    return name, unit
 
 
 def moment(text, what):
@@ -150,6 +150,7 @@ def number(cell, what, row=()):
         return float(cell)
     except ValueError:
         told = f", in the row {', '.join(row)}" if row else ""
+        what = f"{what}, line {line_of(row)}" if line_of(row) else what
         if cell.strip().startswith("-") and row and cell is row[0]:
             told += "; is it an options file? The scene comes first, then the data"
         raise DataError(f'{what}: "{cell.strip()}" is no number{told}') from None
@@ -157,7 +158,7 @@ def number(cell, what, row=()):
 
 def columns_of(rows, width, path):
     """[row, column] as numbers, NaN where nothing is given."""
-    return np.array([[number(cell, path, row) for cell in (row + [""] * width)[:width]] for row in rows])
+    return np.array([[number(cell, path, row) for cell in (row + [""] * width)[:width]] for row in rows], float).reshape(-1, width)
 
 
 def photograph(points, unit, at, ordered, source):
@@ -234,7 +235,7 @@ def curves_of(table, names, units, abscissa, path):
         if not name or name == abscissa or not len(rows):
             continue
         rows = rows[np.argsort(when[rows], kind="stable")]
-        found.append(Curve(name, abscissa, values_of(when[rows], units[abscissa], path),
+        found.append(Curve(name.lower(), abscissa, values_of(when[rows], units[abscissa], path),
                            values_of(table[rows, k], units[name], f"{path}, {name}"), str(path)))
     return found
 
@@ -283,7 +284,7 @@ def read(path, unit="", at="", fps=None) -> Measured:
     abscissa = next((name for name in ABSCISSAE if name in names), None)
     points = {"x1", "x2"} <= set(names)
     used = {"x1", "x2", "point", "unsure", *ABSCISSAE}
-    table = columns_of([[cell if not points or name in used else "" for name, cell in zip(names, row)]
+    table = columns_of([Row([cell if not points or name in used else "" for name, cell in zip(names, row)], line_of(row))
                         for row in rows[1:]], len(names), path)
     if points:
         found = lines_of(table, names, units, abscissa, path, notes)
@@ -307,21 +308,44 @@ def gather(data, unit="", y_down=None, fps=None) -> Measured:
     return whole
 
 
+def named(files, fps=None):
+    """Gives photographs that know no time those that the names of their files say. files: (name, Measured), of which all
+    that hold one photograph alone are meant."""
+    lone = [(name, one) for name, one in files if len(one.photographs) == 1 and one.photographs[0].abscissa is None]
+    times, told = times_of([name for name, _ in lone], fps) if len(lone) == len(files) else (None, "")
+    for (_, one), at in zip(lone, times or ()):
+        one.photographs[0].abscissa, one.photographs[0].at = "t", Values(float(at), "l/V")
+    if told:
+        lone[0][1].notes.append(told)
+    return [one for _, one in files]
+
+
+def points_of(points, at, unit, fps):
+    """Measured, of what stands for a photograph beside its time or length: a file, a DataFrame, an array."""
+    if isinstance(points, (str, Path)) or hasattr(points, "itertuples"):
+        return read(points, unit, str(at), fps)
+    what = f"photograph at {at}" if at else "photograph"
+    try:
+        table = np.asarray(points, float)
+    except (TypeError, ValueError):
+        table = np.empty(0)
+    if table.ndim != 2 or table.shape[1] != 2:
+        told = f", not {list(table.shape)}" if table.size else ""
+        raise DataError(f"{what}: give points [m, 2], x1 and x2{told}")
+    return Measured([photograph(table, unit, moment(str(at), "data"), False, what)])
+
+
 def gathered(data, unit, fps=None) -> Measured:
     if isinstance(data, Measured):
         return checked(data)
     if isinstance(data, Mapping):
-        found = []
-        for at, points in data.items():
-            if isinstance(points, (str, Path)):
-                found.append(read(points, unit, str(at), fps))
-            else:
-                found.append(Measured([photograph(np.asarray(points, float), unit,
-                                                  moment(str(at), "data"), False,
-                                                  f"photograph at {at}" if at else "photograph")]))
+        found = [points_of(points, at, unit, fps) for at, points in data.items()]
     elif isinstance(data, (str, Path)) or hasattr(data, "itertuples"):
         found = [read(data, unit, fps=fps)]
-    elif isinstance(data, Sequence):
+        found = found if hasattr(data, "itertuples") else named([(data, found[0])], fps)
+    elif isinstance(data, Sequence) and len(data) and all(isinstance(one, (str, Path)) for one in data):
+        found = named([(one, read(one, unit, fps=fps)) for one in data], fps)
+    elif isinstance(data, Sequence) and not isinstance(data, bytes) and len(data):
         found = [gathered(one, unit, fps) for one in data]
     else:
         raise DataError("data: give a CSV file, a DataFrame, several in a list, or {'20s': 'photo.csv', ...}")

@@ -10,9 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from .errors import TendrilError
+from .units import METRES
 
 LOGARITHMIC = 4  # a positive parameter with bounds this far apart is looked for by its logarithm
-PER = {"/m": 1, "1/m": 1, "/cm": 1e-2, "1/cm": 1e-2, "/mm": 1e-3, "1/mm": 1e-3}  # of curvatures
+PER = {over + unit: METRES[unit] for unit in ("m", "cm", "mm", "in", "ft") for over in ("/", "1/")}  # of curvatures
 MODE = re.compile(r"curvature_mode_(\d+)$")
 
 

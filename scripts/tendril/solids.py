@@ -13,10 +13,10 @@ from scipy.spatial.transform import Rotation
 
 from .results import Results
 from .spatial import carried, slopes
+from .units import METRES
 from .walls import conduit, ends_of, parse, ring_of
 
 ROUND = 48  # pieces of a full turn
-METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6}
 
 
 @dataclass

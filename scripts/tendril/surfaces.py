@@ -8,12 +8,11 @@
 
 A mesh (STL, OBJ, PLY, VTP, VTK) becomes a file of its signed distance on a grid, whose spacing the rod's
 diameter says; the smooth surface that the triangles stand for is meant, or, with --facets, they themselves.
-A centre line (VMTK's VTP with MaximumInscribedSphereRadius, or .dat; curves of 3D Slicer, .json or .csv;
-tables of x, y, z, r; well surveys of measured depth, inclination, azimuth and radius) becomes a table of
-points. The line for -wall_file is printed last. With --ends the open ends of a mesh are listed, for --origin and
---direction, and nothing is made."""
+A centre line (VMTK's VTP with MaximumInscribedSphereRadius, or .dat; lines of OBJ; curves of 3D Slicer, .json,
+.fcsv or .csv; tables of x, y, z, r; well surveys of measured depth, inclination, azimuth and radius) becomes a table of
+points. Units that a file names are taken, and converted to that of --unit. The line for -wall_file is printed
+last. With --ends the open ends of a mesh are listed, for --origin and --direction, and nothing is made."""
 
-import argparse
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -23,13 +22,14 @@ from pathlib import Path
 import numpy as np
 
 from .bodies import Wish, write_body
-from .centrelines import fair, read_line
+from .centrelines import fair, in_units, is_line, read_line
+from .command import Parser, listed
 from .errors import TendrilError, complaint, path_of, replacing, writable
 from .meshes import SurfaceError, count_of, polydata, read_mesh
 from .openings import check, ends_of, extended
 from .progress import wanted
-from .solids import METRES
 from .tubes import asked, trimmed
+from .units import METRES, length_in, length_unit
 
 
 @dataclass
@@ -43,7 +43,7 @@ class Surface:
     spacing: float | None = None  # of the grid
     shape: tuple = ()  # of the grid (x3, x2, x1), or the number of points
     facets: float | None = None  # how far the triangles are from the smooth surface they stand for
-    notes: list[str] = field(default_factory=list)  # what was left out or turned, and what the rod will meet
+    notes: list[str] = field(default_factory=list)  # what was made of the file, left out or turned, and what the rod will meet
 
     @property
     def line(self):
@@ -202,12 +202,14 @@ def left_out(before, behind):
 def is_mesh(source):
     kind = Path(source).suffix.lower()
     if kind in (".stl", ".obj", ".ply"):
-        return True
+        return kind != ".obj" or not Path(source).is_file() or not is_line(source)
     if kind not in (".vtp", ".vtk"):
         return False
     data = polydata(source)
     return data.GetNumberOfPolys() + data.GetNumberOfStrips() > 0
-def surface(source, output, *, diameter=None, spacing=None, side=None, origin=None, direction=None, scale=1.0,
+
+
+def surface(source, output, *, diameter=None, spacing=None, side=None, origin=None, direction=None, scale=None,
             unit=None, open=False, flip=False, facets=False, box=None, tolerance=None, line=0, radius=None,
             every=None, progress=None, tell=None):
     """A file for -wall_file from a mesh or a centre line; returns what was made, with its error and its
@@ -220,15 +222,15 @@ def surface(source, output, *, diameter=None, spacing=None, side=None, origin=No
     side       inside or outside, where the rod is; inside of centre lines unless said
     origin     the place, in the source's frame, that becomes 0, where the clamp is; "start": the first point
     direction  the direction that becomes x1; "start": that of the path at its first point
-    scale      what the source's unit is in the result's
-    unit       of the result, like mm; none: numbers without dimension
+    scale      what the source's unit is in the result's, if the source does not say so itself
+    unit       of the result, like mm; none: that which a centre line says, else numbers without dimension
     open       the mesh has open ends: they are led on
     flip       its triangles run the wrong way round; without it a mesh that is inside out is turned, and a note says so
     facets     the triangles themselves are meant, not the smooth surface that they stand for
     box        x, y, z, then again, of the result: the grid's least and largest places
     tolerance  error of the distance that is wanted, 0.002 of the diameter unless said
     line       which line of a file, from 0
-    radius     of a path that says none
+    radius     of a path that says none, in the unit of the result or with its own, "4in"
     every      distance of the knots of a path that is smoothed; a radius where points are closer than a
                quarter of that; else the path goes through its points
     progress   the grid's size and a bar; None: in a terminal and in a notebook
@@ -241,11 +243,9 @@ def surface(source, output, *, diameter=None, spacing=None, side=None, origin=No
     of_kind("tell", tell, Callable, "a function of a line")
     if side not in (None, "inside", "outside"):
         raise SurfaceError(f"side: {side}: give inside or outside")
-    if unit and unit not in METRES:
-        raise SurfaceError(f"unit: {unit} is no unit of length; give one of {', '.join(METRES)}, or none")
+    unit = length_unit(unit, "unit", SurfaceError)
     source, output = path_of(source, "source"), path_of(output, "output")
-    scale, diameter, radius, every = (number(value, name) for value, name in (
-        (scale, "scale"), (diameter, "diameter"), (radius, "radius"), (every, "every")))
+    scale, diameter = number(scale, "scale"), number(diameter, "diameter")
     wish = Wish(diameter, number(spacing, "spacing"), box_of(box), facets, number(tolerance, "tolerance"))
     origin, direction = numbers(origin, "origin", 3), numbers(direction, "direction", 3)
     if source.exists() and output.exists() and output.samefile(source):
@@ -256,29 +256,38 @@ def surface(source, output, *, diameter=None, spacing=None, side=None, origin=No
         for name, value in (("line", line), ("radius", radius), ("every", every)):
             if value:
                 raise SurfaceError(f"{name}: is of a centre line, {source} is a mesh")
-        return body(source, output, side or "outside", origin, direction, scale, unit, open, flip, wish, tell, progress)
+        return body(source, output, side or "outside", origin, direction, scale or 1.0, unit, open, flip, wish, tell, progress)
     for name, value in (("spacing", spacing), ("open", open), ("flip", flip), ("facets", facets), ("box", box),
                         ("tolerance", tolerance)):
         if value:
             raise SurfaceError(f"{name}: is of a mesh, {source} is a centre line")
-    x = read_line(source, line, radius)
+    path = read_line(source, line, None if radius is None else 1.0, foreign=scale is not None)
+    scale, unit = in_units(path, unit, scale, source)
+    radius, every = (length_in(value, unit, name, SurfaceError) for name, value in (("radius", radius), ("every", every)))
+    radius, every = number(radius, "radius"), number(every, "every")
+    for note in path.notes:
+        tell(note)
+    x = path.points
     if radius is not None:
         x[:, 3] = radius / scale  # in the unit of the result, as the diameter is
-    return tube(source, x, output, side or "inside", origin, direction, scale, unit, every, diameter, tell)
+    made = tube(source, x, output, side or "inside", origin, direction, scale, unit, every, diameter, tell)
+    made.notes[:0] = path.notes
+    return made
 
 
 # ---- the command ----
 
 
 def vector(text):
-    if text == "start":
-        return text
-    return [float(word) for word in text.split(",")]
+    return text if text == "start" else listed(text, 3)
+
+
+def box(text):
+    return listed(text, 6)
 
 
 def arguments_of(words):
-    parser = argparse.ArgumentParser(prog="scripts/surface.sh", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser("scripts/surface.sh", __doc__)
     parser.add_argument("source", help="mesh or centre line")
     parser.add_argument("output", nargs="?", help="HDF5 for a mesh, CSV for a centre line")
     parser.add_argument("--ends", action="store_true", help="list the open ends of a mesh, and make nothing")
@@ -287,16 +296,16 @@ def arguments_of(words):
     parser.add_argument("--side", choices=("inside", "outside"), help="where the rod is")
     parser.add_argument("--origin", type=vector, metavar="X,Y,Z|start", help="what becomes the clamp's place, 0")
     parser.add_argument("--direction", type=vector, metavar="X,Y,Z|start", help="what becomes x1")
-    parser.add_argument("--scale", type=float, default=1.0, help="the source's unit in that of the result")
-    parser.add_argument("--unit", help="of the result: mm, cm, m; none: without dimension")
+    parser.add_argument("--scale", type=float, help="the source's unit in that of the result")
+    parser.add_argument("--unit", help=f"of the result: {', '.join(METRES)}; none: that of the source, if it says one")
     parser.add_argument("--open", action="store_true", help="the mesh's open ends are led on")
     parser.add_argument("--flip", action="store_true", help="its triangles run the wrong way round")
     parser.add_argument("--facets", action="store_true", help="the triangles themselves are meant")
-    parser.add_argument("--box", type=vector, metavar="X,Y,Z,X,Y,Z", help="the grid's least and largest places")
+    parser.add_argument("--box", type=box, metavar="X,Y,Z,X,Y,Z", help="the grid's least and largest places")
     parser.add_argument("--tolerance", type=float, help="of the distance; 0.002 diameters unless given")
     parser.add_argument("--line", type=int, default=0, help="which line of a file, from 0")
-    parser.add_argument("--radius", type=float, help="of a path that says none")
-    parser.add_argument("--every", type=float, help="distance of the knots of a path that is smoothed")
+    parser.add_argument("--radius", help="of a path that says none; in the unit of the result, or with its own, 4in")
+    parser.add_argument("--every", help="distance of the knots of a path that is smoothed")
     return parser.parse_args(words)
 
 
@@ -311,7 +320,7 @@ def told(made):
 
 def list_ends(choice):
     """Prints the open ends of a mesh."""
-    source, unit, scale = Path(choice["source"]), choice["unit"], number(choice["scale"], "scale")
+    source, unit, scale = Path(choice["source"]), length_unit(choice["unit"], "unit", SurfaceError), number(choice["scale"], "scale") or 1.0
     more = [name for name, value in choice.items() if name not in ("source", "unit", "scale") and value]
     if more:
         raise SurfaceError(f"ends: lists them and makes nothing: leave {more[0]} away")

@@ -1,12 +1,15 @@
 """Units: those of a file's numbers in the laboratory, and those of pictures, of a size that suits the
 run."""
 
+from __future__ import annotations
+
 import contextlib
 import re
+from copy import copy
 
 import numpy as np
 
-from .errors import ResultsError
+from .errors import ResultsError, TendrilError
 
 # (name, in SI, the least that is told in it), the larger first
 SHOWN = {
@@ -21,7 +24,19 @@ SHOWN = {
 DECIDES = {"length": ["length"], "time": ["t"], "force": ["base_force_1", "base_force_2"],
            "energy": ["energy"], "power": ["growth_power", "dissipation"],
            "speed": ["tip_speed", "mid_speed"]}
+# as the program has them (src/base/options_units.c); a Fr, French, is of diameters
+METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254, "ft": 0.3048, "mil": 25.4e-6, "Fr": 1e-3 / 3}
 TIMES = {"ms": 1e-3, "s": 1, "min": 60, "h": 3600, "d": 86400}
+ANGLES = {"deg": np.pi / 180, "rad": 1.0, "grad": np.pi / 200}
+# how others write them, in small letters
+SPELT = {word: unit for unit, words in {
+    "m": "metre meter metres meters mtr", "cm": "centimetre centimeter centimetres centimeters",
+    "mm": "millimetre millimeter millimetres millimeters", "um": "micron microns micrometre micrometer micrometres micrometers",
+    "in": "inch inches \"", "ft": "foot feet '", "mil": "mils thou", "Fr": "french charriere", "s": "sec secs second seconds",
+    "ms": "msec millisecond milliseconds", "min": "minute minutes mins", "h": "hr hrs hour hours", "d": "day days",
+    "deg": "degree degrees \u00b0 \u00ba dega degs", "rad": "radian radians", "grad": "gon gons grads"}.items()
+    for word in words.split()}
+OF_KIND = {"length": METRES, "time": TIMES, "angle": ANGLES}
 # a unit of the file as powers of the scales of the laboratory, and its name in SI
 DIMENSIONS = {
     "l": ({"length": 1}, "m"), "l/V": ({"time": 1}, "s"), "V": ({"speed": 1}, "m/s"),
@@ -44,8 +59,7 @@ def in_laboratory(unit, scale):
 
 
 # what units of options are made of, in SI
-PARTS = {"N": 1, "mN": 1e-3, "uN": 1e-6, "Pa": 1, "mPa": 1e-3, "m": 1, "cm": 1e-2, "mm": 1e-3, "um": 1e-6,
-         "s": 1, "ms": 1e-3, "min": 60, "h": 3600, "d": 86400, "kg": 9.80665, "g": 9.80665e-3}  # masses as weights
+PARTS = {"N": 1, "mN": 1e-3, "uN": 1e-6, "Pa": 1, "mPa": 1e-3, **METRES, **TIMES, "kg": 9.80665, "g": 9.80665e-3}  # masses as weights
 QUANTITY = re.compile(r"\s*([-+]?(?:[0-9]*\.)?[0-9]+\.?(?:[eE][-+]?[0-9]+)?)\s*(.*?)\s*")
 PART = re.compile(rf"({'|'.join(sorted(PARTS, key=len, reverse=True))})(?:\^([0-9]))?")
 
@@ -67,6 +81,51 @@ def in_si(unit):
         for name, power in parts:
             factor *= PARTS[name] ** (sign * int(power or 1))
     return factor
+
+
+def unit_called(text, kind):
+    """The name tendril has for a unit of "length", "time" or "angle", of "\u00b5m", "Feet" or "MM"; None for what is none."""
+    word = str(text).strip().strip(".").replace("\u00b5", "u").replace("\u03bc", "u")
+    for name in (word, SPELT.get(word.lower()), word.lower(), "Fr" if word.lower() == "fr" else None):
+        if name in OF_KIND[kind]:
+            return name
+    return None
+
+
+def rate_called(text):
+    """(what 1 of it is, the time it is per) of a relative rate, "%/h", "h^-1" or "percent per hour"; "" for a time that it does
+    not say. None for what is none."""
+    word = re.sub(r"\s*\bper\b\s*", "/", str(text).strip().lower()).replace("percent", "%").replace("\u207b\u00b9", "-1")
+    word = re.sub(r"^(%|1)?[\s\u00b7*.]*([a-z]+)\s*\^?\s*\(?-1\)?$", r"\1/\2", word)
+    share, *per = [part.strip() for part in word.split("/")]
+    if len(per) == 2 and share == per[0] and unit_called(share, "length"):  # mm/mm/h
+        share, per = "1", per[1:]
+    if share not in ("%", "1", "") or len(per) > 1 or (per and not unit_called(per[0], "time")):
+        return None
+    return 0.01 if share == "%" else 1.0, unit_called(per[0], "time") if per else ""
+
+
+def length_unit(text, what, refusal=TendrilError):
+    """The name of a unit of length as tendril has it; "" for none."""
+    name = unit_called(text or "", "length")
+    if text and not name:
+        raise refusal(f"{what} {text}: not a unit of length; give one of {', '.join(METRES)}, or none")
+    return name or ""
+
+
+def length_in(value, unit, what, refusal=TendrilError):
+    """A length as a number of a unit: of 0.1 itself, of "4in" by both units; None for None."""
+    if value is None:
+        return None
+    found = quantity(value)
+    if not found:
+        raise refusal(f"{what} {value}: give a number, or one with a unit of length: {', '.join(METRES)}")
+    number, own = found[0], unit_called(found[1], "length") if found[1] else ""
+    if own is None:
+        raise refusal(f"{what} {value}: not a unit of length; give a number, or one with {', '.join(METRES)}")
+    if own and not unit:
+        raise refusal(f"{what} {value}: the result has no unit; give it one, --unit {own}, or a bare number")
+    return number * METRES[own] / METRES[unit] if own else number
 
 
 def parameters_of(options):
@@ -155,26 +214,58 @@ def laboratory_units(results):
     return found
 
 
+def in_laboratory_of(results, si=None, who="plot") -> list:
+    """The runs whose own units a picture of them has: all, or none.
+
+    si  None: all, if they are in the laboratory; True: all; False: none. Where some are in the laboratory and some are
+        not it is refused: their lengths could not be compared"""
+    without = [r for r in results if scale_of([r], "length") is None]
+    if si is False or not results or si is None and len(without) == len(results):
+        return []
+    if len(without) == len(results):
+        raise ResultsError(f"{without[0].told}: si needs a run in the laboratory, with si_bending_stiffness and the like")
+    for kind, of in (("length", without), ("time", [r for r in results if scale_of([r], "time") is None])):
+        if of and len(of) < len(results):
+            other = next(r for r in results if all(r is not one for one in of))
+            raise ResultsError(f"{who}: {other.told} knows its {kind} in SI units and {of[0].told} does not: they cannot be drawn "
+                               "together; dimensionless, each is drawn in its own (--dimensionless)")
+    return list(results)
+
+
+def add_choice_of_units(parser):
+    """The options of a command that draws: its .si is None, True or False, as in_laboratory_of() takes it."""
+    parser.add_argument("--si", action="store_true", default=None,
+                        help="in centimetres, newtons, seconds and the like, as runs with -si_ options are drawn anyway")
+    parser.add_argument("--dimensionless", dest="si", action="store_false", default=None,
+                        help="as the files have it, also of such runs, each in its own unit of length")
+
+
 class Units:
-    """What the numbers of the files are multiplied by, and the unit they then have: none, or with
-    results given (--si) those of a run that was given a physical rod."""
+    """What the numbers of the files are multiplied by, and the unit they then have: none, or with results given those of
+    the laboratory, of a size that suits them all; at(r): of that run, by its own scales."""
 
     def __init__(self, results=()):
-        self.results = list(results)
-        self.scales = dict.fromkeys(SHOWN, (1.0, ""))
-        for r in results:
-            if scale_of([r], "length") is None:
-                raise ResultsError(f"{r.told}: si needs a run in the laboratory, with si_bending_stiffness "
-                                   "and the like")
-        for kind in SHOWN if results else ():
-            scale = scale_of(results, kind)
-            if scale is not None:  # without -si_speed time has no scale and stays a bare number
-                name, si = suited(kind, results)
-                self.scales[kind] = (float(scale) / si, name)
-        if results and not self.scales["power"][1]:
+        self.results = in_laboratory_of(results, True) if results else []
+        self.shown = {kind: suited(kind, self.results) for kind in SHOWN
+                      if results and all(scale_of([r], kind) is not None for r in self.results)}
+        self.own = self.results[0] if self.results else None
+
+    def at(self, r) -> Units:
+        """Those of one of the runs."""
+        own = copy(self)
+        own.own = r if self.results else None
+        return own
+
+    @property
+    def scales(self):
+        """{kind: (factor, name)}; without -si_speed time has no scale and stays a bare number."""
+        found = dict.fromkeys(SHOWN, (1.0, ""))
+        for kind, (name, si) in self.shown.items():
+            found[kind] = float(scale_of([self.own], kind)) / si, name
+        if self.results and not found["power"][1]:
             # a power per unit of t: the time it is per stays a bare number
-            self.scales["power"] = (self.scales["energy"][0],
-                                    f"{self.scales['energy'][1]} per unit of $t$")
+            found["power"] = found["energy"][0], f"{found['energy'][1]} per unit of $t$"
+        return found
 
     def unit(self, unit):
         """(factor, name) of a unit of the file: the name is empty for bare numbers."""
@@ -182,7 +273,7 @@ class Units:
             return self.scales[KINDS[unit]]
         if self.results:
             with contextlib.suppress(ResultsError):
-                factor, name = in_laboratory(unit, self.results[0].scale)
+                factor, name = in_laboratory(unit, self.own.scale)
                 return factor, "" if name == "1" else name
         return 1.0, "rad" if unit == "rad" else ""
 

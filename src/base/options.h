@@ -105,6 +105,7 @@ PetscErrorCode OptionDefault(const char *name, const char *format, ...);
 const char *OptionNumber(PetscReal value, char text[32]);
 
 /* options_units.c: the laboratory's units */
+PetscBool OptionIsLength(const char *unit);
 PetscErrorCode OptionUnit(const char *what, const char *unit, Dimension dimension,
                           PetscReal *factor);
 const char *OptionShownIn(PetscReal value, Dimension dimension, PetscReal *factor);

@@ -14,6 +14,10 @@ static const struct {
              {"cm", UNIT_LENGTH, 1e-2, 1e-2},
              {"mm", UNIT_LENGTH, 1e-3, 1e-3},
              {"um", UNIT_LENGTH, 1e-6, 0},
+             {"in", UNIT_LENGTH, 0.0254, -1},
+             {"ft", UNIT_LENGTH, 0.3048, -1},
+             {"mil", UNIT_LENGTH, 25.4e-6, -1},
+             {"Fr", UNIT_LENGTH, 1e-3 / 3, -1}, /* French, of diameters: that of a catheter */
              {"d", UNIT_TIME, 86400, 864000},
              {"h", UNIT_TIME, 3600, 36000},
              {"min", UNIT_TIME, 60, 600},
@@ -28,12 +32,18 @@ static const struct {
              {"/cm", UNIT_CURVATURE, 1e2, -1},
              {"1/mm", UNIT_CURVATURE, 1e3, -1},
              {"/mm", UNIT_CURVATURE, 1e3, -1},
+             {"1/in", UNIT_CURVATURE, 1 / 0.0254, -1},
+             {"/in", UNIT_CURVATURE, 1 / 0.0254, -1},
+             {"1/ft", UNIT_CURVATURE, 1 / 0.3048, -1},
+             {"/ft", UNIT_CURVATURE, 1 / 0.3048, -1},
              {"N/m", UNIT_LOAD, 1, 1},
              {"mN/m", UNIT_LOAD, 1e-3, 0},
              {"N/cm", UNIT_LOAD, 1e2, -1},
              {"N/mm", UNIT_LOAD, 1e3, -1},
              {"mN/cm", UNIT_LOAD, 1e-1, -1},
              {"mN/mm", UNIT_LOAD, 1, -1},
+             {"N/in", UNIT_LOAD, 1 / 0.0254, -1},
+             {"N/ft", UNIT_LOAD, 1 / 0.3048, -1},
              {"kg/m", UNIT_LOAD, standard_gravity, -1},
              {"g/m", UNIT_LOAD, 1e-3 * standard_gravity, -1},
              {"g/cm", UNIT_LOAD, 1e-1 * standard_gravity, -1},
@@ -41,6 +51,8 @@ static const struct {
              {"deg", UNIT_ANGLE, PETSC_PI / 180, -1},
              {"m/s", UNIT_SPEED, 1, 0},
              {"mm/s", UNIT_SPEED, 1e-3, -1},
+             {"in/s", UNIT_SPEED, 0.0254, -1},
+             {"ft/s", UNIT_SPEED, 0.3048, -1},
              {"m/s", SI_SPEED, 1, -1},
              {"cm/s", SI_SPEED, 1e-2, -1},
              {"mm/s", SI_SPEED, 1e-3, -1},
@@ -52,15 +64,25 @@ static const struct {
              {"mm/h", SI_SPEED, 1e-3 / 3600, -1},
              {"um/h", SI_SPEED, 1e-6 / 3600, -1},
              {"mm/d", SI_SPEED, 1e-3 / 86400, -1},
+             {"in/s", SI_SPEED, 0.0254, -1},
+             {"ft/s", SI_SPEED, 0.3048, -1},
+             {"in/min", SI_SPEED, 0.0254 / 60, -1},
+             {"ft/min", SI_SPEED, 0.3048 / 60, -1},
+             {"in/h", SI_SPEED, 0.0254 / 3600, -1},
+             {"ft/h", SI_SPEED, 0.3048 / 3600, -1},
              {"Nm^2", SI_STIFFNESS, 1, -1},
              {"Ncm^2", SI_STIFFNESS, 1e-4, -1},
              {"Nmm^2", SI_STIFFNESS, 1e-6, -1},
+             {"Nin^2", SI_STIFFNESS, 0.0254 * 0.0254, -1},
+             {"Nft^2", SI_STIFFNESS, 0.3048 * 0.3048, -1},
              {"N/m", SI_DRY, 1, -1},
              {"N/cm", SI_DRY, 1e2, -1},
              {"N/mm", SI_DRY, 1e3, -1},
              {"mN/m", SI_DRY, 1e-3, -1},
              {"mN/cm", SI_DRY, 1e-1, -1},
              {"mN/mm", SI_DRY, 1, -1},
+             {"N/in", SI_DRY, 1 / 0.0254, -1},
+             {"N/ft", SI_DRY, 1 / 0.3048, -1},
              {"Ns/m^2", SI_VISCOUS, 1, -1},
              {"mNs/m^2", SI_VISCOUS, 1e-3, -1},
              {"Pas", SI_VISCOUS, 1, -1},
@@ -85,9 +107,16 @@ static PetscBool Known(const char *unit) {
   return PETSC_FALSE;
 }
 
+/* OptionIsLength - is it the name of a unit of length? */
+PetscBool OptionIsLength(const char *unit) {
+  for (int i = 0; i < UNITS; i++)
+    if (units[i].dimension == UNIT_LENGTH && !strcmp(unit, units[i].name)) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 /* The line for a unit that does not belong there. */
 static PetscErrorCode Refuse(const char *what, const char *unit, Dimension dimension) {
-  char list[128] = "";
+  char list[256] = "";
 
   PetscFunctionBegin;
   UserCheck(dimension != UNIT_ANGLE, OptionsComm(),

@@ -13,6 +13,8 @@ struct _Table {
   size_t size;
   char *text;
   size_t *at; /* [1 + rows][columns], where each begins; the names are row 0 */
+  const char *
+      *unit; /* [columns], of numbers that say none: NULL, or as it stands behind the name */
 };
 
 enum { FAULT = 256, LONGEST = PETSC_MAX_PATH_LEN - 1 };
@@ -209,6 +211,21 @@ static PetscErrorCode Share(Table self) {
   PetscFunctionReturn(0);
 }
 
+/* Takes the units off the names: x1 (mm), x1 [mm]. */
+static PetscErrorCode TakeUnits(Table self) {
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(self->columns, &self->unit));
+  for (PetscInt c = 0; c < self->columns; c++) {
+    char *name = self->text + self->at[c], *end = name + strlen(name), *from = strpbrk(name, "([");
+    if (!from || from == name || end - from < 3 || !strchr(")]", end[-1])) continue;
+    end[-1] = 0;
+    self->unit[c] = from + 1;
+    while (from > name && isspace((unsigned char)from[-1])) from--;
+    *from = 0;
+  }
+  PetscFunctionReturn(0);
+}
+
 /* Refuses a name that cannot stand above a column. */
 static PetscErrorCode CheckName(const char *option, const char *path, Table self, PetscInt column) {
   char name[80];
@@ -233,17 +250,7 @@ static PetscErrorCode CheckName(const char *option, const char *path, Table self
   PetscFunctionReturn(0);
 }
 
-/*
-  TableReadPlain - reads a table whatever the names above its columns. Collective on OptionsComm():
-  rank 0 reads. The caller destroys it with TableDestroy(), also after an error.
-
-  option  the option that gave the file, named in the message when the file is bad
-  path    CSV: names above the columns, # begins a comment. Or HDF5: a dataset a column, of one
-  entry a row; its attribute `units` stands behind each number.
-
-  A file that is no table is a user's mistake; what stands in its cells is not looked at.
-*/
-PetscErrorCode TableReadPlain(const char *option, const char *path, Table *table) {
+static PetscErrorCode ReadAny(const char *option, const char *path, Table *table) {
   char fault[FAULT] = "";
   PetscMPIInt rank;
   Table self;
@@ -260,13 +267,31 @@ PetscErrorCode TableReadPlain(const char *option, const char *path, Table *table
 }
 
 /*
+  TableReadPlain - reads a table whatever the names above its columns. Collective on OptionsComm():
+  rank 0 reads. The caller destroys it with TableDestroy(), also after an error.
+
+  option  the option that gave the file, named in the message when the file is bad
+  path    CSV: names above the columns, with the unit of numbers that carry none in brackets, #
+  begins a comment. Or HDF5: a dataset a column, of one entry a row; its attribute `units` stands
+  behind each number.
+
+  A file that is no table is a user's mistake; what stands in its cells is not looked at.
+*/
+PetscErrorCode TableReadPlain(const char *option, const char *path, Table *table) {
+  PetscFunctionBegin;
+  PetscCall(ReadAny(option, path, table));
+  PetscCall(TakeUnits(*table));
+  PetscFunctionReturn(0);
+}
+
+/*
   TableRead - reads a table of options, as TableReadPlain() does, and checks its names: options,
   with or without their dash, above the columns, a run a row. An empty cell, or NaN, says nothing
   about its option. Collective.
 */
 PetscErrorCode TableRead(const char *option, const char *path, Table *table) {
   PetscFunctionBegin;
-  PetscCall(TableReadPlain(option, path, table));
+  PetscCall(ReadAny(option, path, table));
   for (PetscInt c = 0; c < (*table)->columns; c++) PetscCall(CheckName(option, path, *table, c));
   PetscFunctionReturn(0);
 }
@@ -276,6 +301,7 @@ PetscErrorCode TableDestroy(Table *table) {
   if (!*table) PetscFunctionReturn(0);
   PetscCall(PetscFree((*table)->text));
   PetscCall(PetscFree((*table)->at));
+  PetscCall(PetscFree((*table)->unit));
   PetscCall(PetscFree(*table));
   PetscFunctionReturn(0);
 }
@@ -310,8 +336,27 @@ PetscBool TableNumber(const char *cell, PetscReal *value) {
   return (PetscBool) !*end;
 }
 
+/* TableQuantity - the number of a cell, which may carry a unit, or have that of its column; what
+   names it where it is none. Collective on OptionsComm(). */
+PetscErrorCode TableQuantity(const char *what, Table table, PetscInt row, PetscInt column,
+                             Dimension dimension, PetscReal *value) {
+  const char *cell = TableCell(table, row, column),
+             *unit = table->unit ? table->unit[column] : NULL;
+  char text[2 * PETSC_MAX_PATH_LEN];
+  PetscReal number;
+
+  PetscFunctionBegin;
+  if (unit && *cell && TableNumber(cell, &number)) {
+    (void)snprintf(text, sizeof(text), "%s%s", cell, unit);
+    cell = text;
+  }
+  PetscCall(OptionQuantity(what, cell, dimension, value));
+  PetscFunctionReturn(0);
+}
+
 /*
-  TableQuantities - the numbers of a column, which may carry units. Collective on OptionsComm().
+  TableQuantities - the numbers of a column, as TableQuantity() has them. Collective on
+  OptionsComm().
 
   option, path  which named the table, for what is said of a cell that is no number
   value         TableRows() values, the caller's
@@ -323,7 +368,7 @@ PetscErrorCode TableQuantities(const char *option, const char *path, Table table
   PetscFunctionBegin;
   (void)snprintf(name, sizeof(name), "%s %s: %s", option, path, TableName(table, column));
   for (PetscInt i = 0; i < table->rows; i++)
-    PetscCall(OptionQuantity(name, TableCell(table, i, column), dimension, &value[i]));
+    PetscCall(TableQuantity(name, table, i, column, dimension, &value[i]));
   PetscFunctionReturn(0);
 }
 

@@ -13,6 +13,8 @@ PetscInt TableRows(Table table);
 PetscInt TableColumns(Table table);
 const char *TableName(Table table, PetscInt column);
 const char *TableCell(Table table, PetscInt row, PetscInt column);
+PetscErrorCode TableQuantity(const char *what, Table table, PetscInt row, PetscInt column,
+                             Dimension dimension, PetscReal *value);
 PetscErrorCode TableQuantities(const char *option, const char *path, Table table, PetscInt column,
                                Dimension dimension, PetscReal value[]);
 PetscBool TableNumber(const char *cell, PetscReal *value);

@@ -152,9 +152,9 @@ static PetscErrorCode TableRead(const char *file, Table *tab) {
   PetscInt dims[2];
 
   PetscFunctionBegin;
-  PetscCall(HdfRead("-growth_table", file, "/s", 1, &tab->ns, &tab->s));
-  PetscCall(HdfRead("-growth_table", file, "/t", 1, &tab->nt, &tab->t));
-  PetscCall(HdfRead("-growth_table", file, "/g", 2, dims, &tab->g));
+  PetscCall(HdfReadQuantity("-growth_table", file, "/s", UNIT_NONE, 1, &tab->ns, &tab->s));
+  PetscCall(HdfReadQuantity("-growth_table", file, "/t", UNIT_TIME, 1, &tab->nt, &tab->t));
+  PetscCall(HdfReadQuantity("-growth_table", file, "/g", UNIT_LENGTH, 2, dims, &tab->g));
   UserCheck(dims[0] == tab->nt && dims[1] == tab->ns, OptionsComm(),
             "-growth_table %s: /g must be [%d, %d] as /t and /s are long, it is [%d, %d]", file,
             (int)tab->nt, (int)tab->ns, (int)dims[0], (int)dims[1]);

@@ -71,7 +71,7 @@ static PetscErrorCode StrainsFromFile(Shape *shape, const char *file, const Pets
 
   PetscFunctionBegin;
   shape->space = PETSC_TRUE;
-  PetscCall(HdfRead("-shape_file", file, "/s", 1, &shape->n, &shape->s));
+  PetscCall(HdfReadQuantity("-shape_file", file, "/s", UNIT_NONE, 1, &shape->n, &shape->s));
   for (int d = 0; d < 3; d++) {
     if (!has[d]) continue;
     PetscCall(HdfReadQuantity("-shape_file", file, name[d], UNIT_CURVATURE, 1, &m, &shape->u[d]));
@@ -98,8 +98,8 @@ static PetscErrorCode FromFile(Shape *shape, const char *file) {
     PetscCall(StrainsFromFile(shape, file, has));
     PetscFunctionReturn(0);
   }
-  error = HdfRead("-shape_file", file, "/s", 1, &n, &s);
-  if (!error) error = HdfRead("-shape_file", file, "/theta", 1, &m, &theta);
+  error = HdfReadQuantity("-shape_file", file, "/s", UNIT_NONE, 1, &n, &s);
+  if (!error) error = HdfReadQuantity("-shape_file", file, "/theta", UNIT_ANGLE, 1, &m, &theta);
   if (!error) error = Check(file, n, s, m, theta);
   if (!error) {
     theta[0] = 0;

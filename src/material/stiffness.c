@@ -54,7 +54,7 @@ PetscErrorCode StiffnessSetFromOptions(Stiffness *self) {
     PetscFunctionReturn(0);
   }
   PetscCall(HdfReadQuantity(option, file, "/distance", UNIT_LENGTH, 1, &self->n, &self->distance));
-  PetscCall(HdfRead(option, file, "/factor", 1, &m, &self->factor));
+  PetscCall(HdfReadQuantity(option, file, "/factor", UNIT_NONE, 1, &m, &self->factor));
   if (self->n == m && m >= 4) {
     PetscCall(PetscMalloc1(m, &self->factor2));
     PetscCall(SplineSecondDerivatives(m, self->distance, 1, m, 1, self->factor, self->factor2));

@@ -306,7 +306,7 @@ PetscErrorCode FieldFromFile(const char *option, const char *file, Field *field)
   PetscCall(HdfHas(file, "/x3", &high));
   if (high) PetscCall(ReadAxis(option, file, "/x3", UNIT_LENGTH, &self->axis[HIGH]));
   first = timed + high;
-  PetscCall(HdfRead(option, file, "/factor", (int)first + 2, dims, &values));
+  PetscCall(HdfReadQuantity(option, file, "/factor", UNIT_NONE, (int)first + 2, dims, &values));
   if ((timed && dims[0] != self->axis[TIME].n) || (high && dims[timed] != self->axis[HIGH].n) ||
       dims[first] != self->axis[ACROSS].n || dims[first + 1] != self->axis[ALONG].n) {
     PetscCall(PetscFree(values));

@@ -67,7 +67,7 @@ static PetscErrorCode BallsOfTable(const char *option, const char *path, Table t
     for (PetscInt k = 0; k < *n; k++) {
       (void)snprintf(what, sizeof(what), "%.300s %.300s: %s of point %d:", option, path, name[d][0],
                      (int)k + 1);
-      PetscCall(OptionQuantity(what, TableCell(table, k, column), UNIT_LENGTH, &(*ball)[k][d]));
+      PetscCall(TableQuantity(what, table, k, column, UNIT_LENGTH, &(*ball)[k][d]));
     }
   }
   PetscFunctionReturn(0);

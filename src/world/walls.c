@@ -566,8 +566,7 @@ static PetscErrorCode RefuseSlips(const Maker *self, PetscInt n, char *word[]) {
   PetscFunctionBegin;
   for (PetscInt k = 2; k < n; k++) {
     const char *unit = word[k], *before = word[k - 1];
-    UserCheck(strcmp(unit, "m") && strcmp(unit, "cm") && strcmp(unit, "mm") && strcmp(unit, "um"),
-              OptionsComm(),
+    UserCheck(!OptionIsLength(unit), OptionsComm(),
               "-wall_file %s, line %d: %s %s: write a unit right behind its number, %s%s",
               self->file, self->line, before, unit, before, unit);
     UserCheck(

@@ -376,6 +376,83 @@ def units_everywhere():
 
 
 @check
+def customary_units():
+    """Inches, feet, mils and French are what they are in mm: in options, wall files, tables and HDF5; a blank before one is seen."""
+    d = Path(scene.SCRATCH)
+    said = {"mm": ("304.8mm", "2mm", "0.254mm", "25.4mm", "914.4mm", "0.0001/mm", "0.508mm/s"),
+            "in": ("1ft", "6Fr", "10mil", "1in", "3ft", "0.00254/in", "1.2in/min")}
+    runs = {}
+    for name, (length, diameter, thin, wide, end, bend, speed) in said.items():
+        (d / f"{name}.csv").write_text(f"x1,x2,x3,radius\n0,0,0,{wide}\n{end},0,0,{wide}\n")
+        (d / f"{name}.txt").write_text(f"tube {name}.csv inside\nsphere 0 {end} 0 {wide} outside\n")
+        with h5py.File(d / f"{name}-curvature.h5", "w") as f:
+            scale = {"mm": 1.0, "in": 1 / 25.4}[name]
+            f["distance"], f["curvature"] = np.linspace(0, 900, 4) * scale, 1e-4 * np.arange(4) / scale
+            f["distance"].attrs["units"], f["curvature"].attrs["units"] = name, f"1/{name}"
+        tendril(f"-si_bending_stiffness 1e-6 -si_friction_dry 0.1 -si_speed {speed} -growth_type feed -rod_cells 20 "
+                f"-growth_initial_length {length} -contact_diameter {diameter} -rod_curvature_file {d}/{name}-curvature.h5 "
+                f"-friction_layer_width {thin} -friction_layers 0mm:1,{end}:2 -rod_curvature_2 {bend} -wall_file {d}/{name}.txt "
+                f"-stop_length {end} -ts_max_time 1ms -output {d}/{name}.h5")
+        with h5py.File(d / f"{name}.h5") as f:
+            runs[name] = {key: f.attrs[key] for key in f.attrs if key.startswith("parameters/")} | {"walls": f["walls"][()].decode()}
+    a, b = runs["mm"], runs["in"]
+    expect(a.keys() == b.keys(), "parameters")
+    for key in a:
+        if isinstance(a[key], float):
+            expect(abs(a[key] - b[key]) <= 1e-9 * abs(a[key]), f"{key}: {a[key]}, {b[key]}")
+    numbers = [[float(word) for word in re.findall(r"-?[0-9][0-9.e+-]*", str(of["walls"]))] for of in (a, b)]
+    expect(len(numbers[0]) > 5 and np.allclose(*numbers, rtol=1e-9), f"walls: {a['walls']}, {b['walls']}")
+    (d / "slip.txt").write_text("plane 0 0 1 4 in\n")
+    line = tendril(f"{SI} -growth_type feed -wall_file {d}/slip.txt -ts_max_time 0.01", 1)
+    expect("write a unit right behind its number, 4in" in line, line)
+
+
+@check
+def units_of_columns():
+    """A table says its units in the names of its columns, or by an attribute of HDF5: paths, tubes, growth tables, shapes."""
+    d = Path(scene.SCRATCH)
+    fed = f"{SI} -growth_type feed -growth_initial_length 2cm -rod_cells 20 -ts_max_time 1s -output {d}/u.h5 "
+    tubes = {"cells": "x1,x2,x3,radius\n0mm,0mm,0mm,30mm\n900mm,0mm,0mm,30mm\n",
+             "names": "x1 (mm),x2 [mm],x3(cm),radius (in)\n0,0,0,1.1811023622047245\n900,0,0,30mm\n"}
+    walls = []
+    for name, text in tubes.items():
+        (d / f"{name}.csv").write_text(text)
+        (d / f"{name}.txt").write_text(f"tube {name}.csv inside\n")
+        tendril(f"{fed} -wall_file {d}/{name}.txt")
+        with h5py.File(d / "u.h5") as f:
+            walls.append([float(word) for word in f["walls"][()].decode().split()[2:10]])
+    expect(np.allclose(*walls, rtol=1e-9, atol=1e-12), f"{walls}")
+    (d / "names.csv").write_text(tubes["names"].replace("(in)", "(yd)"))
+    expect("yd: not a unit of length" in tendril(f"{fed} -wall_file {d}/names.txt", 1), "yards")
+    s, t = np.linspace(0, 1, 5), np.linspace(0, 20, 5)
+    g = 0.02 + 0.0005 * t[:, None] + 0 * s
+    lengths = []
+    for units, shares in ((("s", "cm", ""), (1, 100)), (("min", "mm", "1"), (1 / 60, 1000)), (None, (1 / TIME, 1 / LENGTH))):
+        with h5py.File(d / "g.h5", "w") as f:
+            f["s"], f["t"], f["g"] = s, t * shares[0], g * shares[1]
+            for name, unit in zip("tgs", units or ()):
+                f[name].attrs["units"] = unit
+        tendril(f"{SI} -growth_type table -growth_table {d}/g.h5 -shape_type straight -rod_cells 20 -ts_max_time 10s -output {d}/u.h5")
+        lengths.append(read(f"{d}/u.h5")["series/length"][-1] * LENGTH)
+    expect(np.allclose(lengths, 0.025, rtol=1e-9), f"{lengths}")
+    shapes = []
+    for unit, share in (("deg", 180 / np.pi), ("rad", 1), (None, 1)):
+        with h5py.File(d / "theta.h5", "w") as f:
+            f["s"], f["theta"] = s, 0.1 * s**2 * share
+            if unit:
+                f["theta"].attrs["units"] = unit
+        tendril(f"-shape_type file -shape_file {d}/theta.h5 -rod_cells 20 -ts_max_time 1e-3 -output {d}/u.h5")
+        shapes.append(read(f"{d}/u.h5")["shapes/theta"][0])
+    expect(np.allclose(shapes, shapes[2], atol=1e-12) and np.abs(shapes[2]).max() > 0.05, "theta")
+    for name, unit, words in (("t", "yr", "yr: not a unit of time"), ("s", "mm", "takes no unit"), ("g", "s", "not a unit of length")):
+        with h5py.File(d / "g.h5", "w") as f:
+            f["s"], f["t"], f["g"] = s, t, g
+            f[name].attrs["units"] = unit
+        line = tendril(f"{SI} -growth_type table -growth_table {d}/g.h5 -ts_max_time 1s", 1)
+        expect(words in line.replace("/t in ", ""), line)
+
+
+@check
 def accuracy_with_units():
     d = scene.SCRATCH
     chosen = []

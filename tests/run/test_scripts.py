@@ -19,6 +19,7 @@ from interpreter import ROOT, from_venv
 SCRIPTS = ROOT / "scripts"
 sys.path.insert(0, str(SCRIPTS))
 try:
+    import h5py
     import numpy as np
 
     from tendril import ResultsError, films, growth_table, load, page, pictures
@@ -204,6 +205,57 @@ class Scripts(unittest.TestCase):
                 os.chdir(here)
         self.assertEqual((result, err), (0, ""))
         self.assertIn("straight rod", out)
+
+    def test_growth_table_of_measured_rates(self):
+        """Rates as tables have them: separators, titles, units in headings or below, percent; what is left without a unit is that of
+        the rod. The table it writes has the units of --length and --end."""
+        plain = [["0", "0.05"], ["2", "0.16"], ["5", "0.14"], ["11", "0"]]
+        percent = [[d, f"{100 * float(r):g}"] for d, r in plain]
+
+        def table(text, length="20mm", end="12h"):
+            data, file = self.file.parent / "rate.csv", self.file.parent / "rate.h5"
+            data.write_bytes(text if isinstance(text, bytes) else text.encode())
+            result, out, err = quietly(growth_table.main, [str(file), "--length", length, "--end", end, "--rate", str(data)])
+            self.assertNotIn("Traceback", err)
+            if result:
+                self.assertEqual(err.count("\n"), 1, err)
+                return err
+            with h5py.File(file) as f:
+                return f["g"][()], f["t"][()], [str(f[name].attrs.get("units", "")) for name in "tg"]
+
+        def rows(cells, separator=",", head=""):
+            return head + "\n".join(separator.join(row) for row in cells) + "\n"
+
+        g, t, units = table(rows(plain))
+        self.assertEqual(units, ["h", "mm"])
+        self.assertAlmostEqual(np.trapezoid(g[0], np.linspace(0, 1, g.shape[1])) if hasattr(np, "trapezoid") else np.trapz(
+            g[0], np.linspace(0, 1, g.shape[1])), 20, places=2)
+        minutes = [[d, f"{float(r) / 60:.12g}"] for d, r in plain]
+        centimetres = [[f"{float(d) / 10:g}", r] for d, r in percent]
+        for text in (rows(plain, ";", "distance (mm);rate (1/h)\n"), rows(plain, "\t", "distance\trate\n"),
+                     rows(percent, ",", "distance (mm),rate (%/h)\n"), rows(percent, ",", "d [mm],REGR [% h-1]\n"),
+                     rows(percent, ",", "Root 5\nDistance from tip,REGR\nmm,percent per hour\n"), rows(minutes, ",", "distance (mm),rate (min^-1)\n"),
+                     rows(centimetres, ",", "distance (cm),rate (%/h)\n"), rows(percent, ";", "Abstand (mm);Dehnung (%/h)\n").replace(".", ","),
+                     rows(plain, ";", "distance;rate\n").replace(".", ","), rows(plain, ",", '"distance","rate"\n') + '"* of 5 roots, by hand"\n',
+                     rows(plain, ",", "distance,rate\n").encode("utf-16")):
+            again = table(text)
+            self.assertIsInstance(again, tuple, f"{text}: {again}")
+            np.testing.assert_allclose(again[0], g, rtol=1e-9, err_msg=str(text))
+        np.testing.assert_allclose(table(rows(centimetres, ",", "distance (cm),rate (%/h)\n"), "2cm", "720min")[0] * 10, g, rtol=1e-9)
+        bare = table(rows(percent, ",", "distance,rate (%)\n"), "20", "12")
+        np.testing.assert_allclose(bare[0], g, rtol=1e-9)
+        self.assertEqual(bare[2], ["", ""])
+        for text, more, words in ((rows(plain, ",", "distance (mm),rate\n"), ("20", "12"), ("is in mm", "--length 20mm")),
+                                  (rows(plain, ",", "distance,rate (1/h)\n"), ("20", "12"), ("per h", "--end 5h")),
+                                  (rows(plain, ",", "distance (yd),rate\n"), ("20mm", "12h"), ("yd is no unit",)),
+                                  (rows(plain, ",", "distance,rate (mm/h)\n"), ("20mm", "12h"), ("mm/h is no unit of a relative rate",)),
+                                  (rows([*plain, ["20", ""]]), ("20", "12"), ("line 5", "nothing stands there")),
+                                  (rows([*plain, ["7", "1"]], ",", "# a\ndistance,rate\n"), ("20", "12"), ("line 7", "must rise")),
+                                  (rows(plain), ("20yd", "12"), ("--length 20yd", "mm")), (rows(plain), ("-2", "12"), ("--length -2",))):
+            said = table(text, *more)
+            self.assertIsInstance(said, str, text)
+            for word in words:
+                self.assertIn(word, said)
 
     def test_options_page(self):
         """docs/options.md is what scripts/options.py makes of this executable."""

@@ -6,6 +6,7 @@ down, what has no inside is refused, paths as VMTK, 3D Slicer and well surveys s
 
 import json
 import os
+import re
 import struct
 import subprocess
 import sys
@@ -274,7 +275,7 @@ class CentreLines(Files):
         np.testing.assert_allclose(self.made("b.csv", "# by hand\n" + cells), x, atol=1e-10)
         np.testing.assert_allclose(self.made("c.dat", "X Y Z MaximumInscribedSphereRadius Length\n" +
                                              cells.replace(",", " ").replace("\n", " 1\n") + " 1\n"), x, atol=1e-10)
-        np.testing.assert_allclose(self.made("d.csv", "label,l,p,s,Radius (mm)\n" + "\n".join(
+        np.testing.assert_allclose(self.made("d.csv", "label,l,p,s,Radius\n" + "\n".join(
             "c-1," + row for row in cells.splitlines())), x, atol=1e-10)
         markup = {"markups": [{"type": "Curve", "controlPoints": [{"position": list(p)} for p in x[:, :3]],
                                "measurements": [{"name": "Radius", "controlPointValues": list(x[:, 3])}]}]}
@@ -304,6 +305,62 @@ class CentreLines(Files):
             np.testing.assert_allclose(self.made(name, line=1), x, atol=1e-5 if name == "g.vtk" else 1e-10)
         self.refused("2 lines|no 2", self.made, "f.vtp", line=2)
 
+    def pieces(self, name, cells, x=None):
+        """A file of lines that are pieces, with radii of 1."""
+        from vtkmodules.util.numpy_support import numpy_to_vtk
+        from vtkmodules.vtkCommonCore import vtkPoints
+        from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+
+        x = np.array([[k, 0.1 * k * k, 0] for k in range(11)], float) if x is None else np.array(x, float)
+        points, lines, data = vtkPoints(), vtkCellArray(), vtkPolyData()
+        points.SetDataTypeToDouble()
+        points.SetData(numpy_to_vtk(x.copy(), deep=True))
+        for ids in cells:
+            lines.InsertNextCell(len(ids))
+            for k in ids:
+                lines.InsertCellPoint(int(k))
+        data.SetPoints(points)
+        data.SetLines(lines)
+        radii = numpy_to_vtk(np.ones(len(x)), deep=True)
+        radii.SetName("MaximumInscribedSphereRadius")
+        data.GetPointData().AddArray(radii)
+        WRITERS[name[-3:]](self.at(name), data)
+        return x
+
+    @needs_vtk
+    def test_pieces(self):
+        """Cells of two points are one line, in any order and sense, also where each has points of its own; the branches between
+        forks are lines; two lines of VMTK's that begin together stay two."""
+        cells = [[k, k + 1] for k in range(10)]
+        mixed = [cells[k][::1 - 2 * (k % 3 == 1)] for k in (4, 0, 9, 2, 1, 8, 3, 7, 5, 6)]
+        for name, pieces in (("a.vtp", cells), ("b.vtk", cells), ("c.vtp", mixed), ("d.vtp", [[0, 1, 2, 3], [3, 4], [10, 9, 8, 7, 6, 5, 4]])):
+            x = self.pieces(name, pieces)
+            y = self.made(name)
+            np.testing.assert_allclose(y[:, :3], x, atol=1e-5, err_msg=name)
+        single = np.array([[k, 0.1 * k * k, 0] for k in range(11)], float)
+        self.pieces("own.vtp", [[2 * k, 2 * k + 1] for k in range(10)], np.concatenate([single[k:k + 2] for k in range(10)]))
+        np.testing.assert_allclose(self.made("own.vtp")[:, :3], single)
+        made = tendril.surface(self.at("own.vtp"), self.at("own.csv"))
+        self.assertTrue(any("10 pieces" in note and "1 line" in note for note in made.notes), made.notes)
+        fork = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 1, 0], [4, 2, 0], [3, -1, 0]]
+        self.pieces("fork.vtp", [[0, 1], [1, 2], [2, 3], [3, 4], [2, 5]], fork)
+        for line, ids in enumerate(([0, 1, 2], [2, 3, 4], [2, 5])):
+            np.testing.assert_allclose(self.made("fork.vtp", line=line)[:, :3], np.array(fork, float)[ids])
+        notes = tendril.surface(self.at("fork.vtp"), self.at("out.csv")).notes
+        self.assertTrue(any("3 lines" in note and "--line" in note for note in notes), notes)
+        self.refused("3 lines|no 3", self.made, "fork.vtp", line=3)
+        self.pieces("vmtk.vtp", [[0, 1, 2, 3, 4], [0, 1, 2, 5]], fork)
+        self.assertEqual([len(self.made("vmtk.vtp", line=k, radius=0.1)) for k in (0, 1)], [5, 4])
+
+    def test_lines_of_obj(self):
+        head = "".join(f"v {k} {0.1 * k * k} 0\n" for k in range(5))
+        for name, lines in (("a.obj", "l 1 2\nl 2 3\nl 4 5\nl 3 4\n"), ("b.obj", "l 1/1 2/2 3 4 5\n"), ("c.obj", "l -5 -4 -3 -2 -1\n"),
+                            ("d.obj", "l 1 2 3 \\\n 4 5\n")):
+            x = self.made(name, head + lines, radius=2)
+            np.testing.assert_allclose(x, [[k, 0.1 * k * k, 0, 2] for k in range(5)], atol=1e-12, err_msg=name)
+        self.refused("not there", self.made, "e.obj", head + "l 1 9\n", radius=2)
+        self.refused("e.obj, line 1|no vertex", self.made, "e.obj", "v 0 0\nl 1 1\n", radius=2)
+
     def test_placed(self):
         x = self.made("a.csv", "x,y,z,r\n1,1,1,0.5\n1,1,3,0.5\n1,2,5,0.5\n", origin="start", direction="start", scale=2.0)
         np.testing.assert_allclose(x[:2], [[0, 0, 0, 1], [4, 0, 0, 1]], atol=1e-12)
@@ -315,10 +372,10 @@ class CentreLines(Files):
     def test_survey(self):
         """A quarter of a circle from straight down to level, eastwards: exact by minimum curvature. And a
         station after a station, against the formula of the trade."""
-        x = self.made("w.csv", f"MD (m),Inclination (deg),Azimuth (deg)\n0,0,90\n100,0,90\n{100 + 100 * np.pi / 2},90,90\n",
+        x = self.made("w.csv", f"MD,Inclination (deg),Azimuth (deg)\n0,0,90\n100,0,90\n{100 + 100 * np.pi / 2},90,90\n",
                       radius=0.1)
         np.testing.assert_allclose(x[-1], [0, 100, -200, 0.1], atol=1e-9)
-        bend = x[2:]
+        bend = x[x[:, 2] < -100 + 1e-9]
         np.testing.assert_allclose(np.hypot(bend[:, 1] - 100, bend[:, 2] + 100), 100, atol=1e-9)
         self.assertGreater(len(x), 40)
         stations = np.array([[0, 10, 20], [35, 25, 60], [90, 50, 55], [120, 50, 55]])
@@ -332,7 +389,160 @@ class CentreLines(Files):
                                                     np.sin(i0) * np.sin(a0) + np.sin(i1) * np.sin(a1),
                                                     -np.cos(i0) - np.cos(i1)])
             self.assertLess(np.linalg.norm(x[:, :3] - at, axis=1).min(), 1e-9)
-        self.refused("must increase", self.made, "u.csv", "md,inc,azi,r\n0,0,0,1\n5,0,0,1\n4,0,0,1\n")
+        # the spline of the tube through the points is the well's path, also where a long straight piece follows on an arc
+        from scipy.interpolate import CubicSpline
+        x = self.made("z.csv", "md,inc,azi\n0,0,0\n100,0,0\n400,60,90\n700,90,90\n1500,90,90\n", radius=0.35)[:, :3]
+        u = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(x, axis=0), axis=1))])
+        path = CubicSpline(u, x)(np.linspace(0, u[-1], 3000))
+        self.assertLess(np.abs(path[path[:, 2] > -100][:, 1]).max(), 0.02)
+        level = path[path[:, 1] > x[-1, 1] - 799]
+        self.assertLess(np.abs(level[:, 2] - x[-1, 2]).max(), 0.02)
+        self.refused("u.csv, line 5|must increase", self.made, "u.csv", "# a well\nmd,inc,azi,r\n0,0,0,1\n5,0,0,1\n4,0,0,1\n")
+
+    def rows(self, name, text=None, **more):
+        """(the numbers of the result, its unit, notes)"""
+        path = self.at(name) if text is None else self.at(name)
+        if text is not None:
+            path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        made = tendril.surface(path, self.at("out.csv"), **more)
+        cells = [line.split(",") for line in made.path.read_text().splitlines()[1:]]
+        units = {re.sub("^[-+.e0-9]+", "", cell) for row in cells for cell in row}
+        self.assertEqual(len(units), 1, units)
+        unit = units.pop()
+        return np.array([[float(cell.removesuffix(unit)) for cell in row] for row in cells]), unit, "\n".join(made.notes)
+
+    def test_units_of_files(self):
+        """What a file says of its units is taken, converted to --unit, or goes on to the result."""
+        path = "x (mm),y (mm),z (mm),radius (mm)\n0,0,0,2\n10,0,0,2\n20,0,0,2\n"
+        for unit, factor in (("cm", 0.1), ("m", 1e-3), ("in", 1 / 25.4), ("mm", 1), (None, 1), ("um", 1e3), ("Fr", 3)):
+            x, told, _ = self.rows("a.csv", path, unit=unit)
+            self.assertEqual(told, unit or "mm")
+            np.testing.assert_allclose(x[1], [10 * factor, 0, 0, 2 * factor], rtol=1e-11)
+        same = [[0, 0, 0, 2], [10, 0, 0, 2], [20, 0, 0, 2]]
+        for text in (path.replace("(mm)", "[mm]"), path.replace(" (mm)", "_mm"), path.replace(" (mm)", "/mm"), path.replace("mm", "Millimeters"),
+                     path.replace(" (mm)", "").replace("\n", "\nmm,mm,mm,mm\n", 1), path.replace("radius (mm)", "radius"),
+                     "x,y,z,radius\n(mm),(mm),(mm),(cm)\n0,0,0,0.2\n10,0,0,0.2\n20,0,0,0.2\n", "# units: mm\n" + path.replace(" (mm)", ""),
+                     "Duct 7,,,\nUnits: mm,,,\n" + path.replace(" (mm)", ""), "# x (mm), y (mm), z (mm), r (mm)\n0 0 0 2\n10 0 0 2\n20 0 0 2\n",
+                     "x,y,z,radius\n0mm,0mm,0mm,2mm\n1cm,0mm,0mm,2mm\n0.02m,0mm,0mm,2mm\n", path.replace("radius (mm)", "diameter (mm)").replace(",2\n", ",4\n")):
+            x, told, _ = self.rows("b.csv", text, unit="mm")
+            self.assertEqual(told, "mm", text)
+            np.testing.assert_allclose(x, same, rtol=1e-11, err_msg=text)
+        well = "Measured Depth (ft),Inclination (deg),Azimuth (deg)\n0,0,0\n1000,0,0\n2000,30,90\n"
+        x, told, _ = self.rows("w.csv", well, radius=0.1, unit="m")
+        self.assertLess(np.abs(x - [0, 0, -304.8, 0.1]).max(axis=1).min(), 1e-9)
+        y, told, notes = self.rows("w.csv", well, radius="6in")
+        self.assertEqual(told, "ft")
+        self.assertIn("ft", notes)
+        np.testing.assert_allclose(y[:, :3] * 0.3048, x[:, :3], atol=1e-9)
+        np.testing.assert_allclose(y[:, 3], 0.5)
+        radians = "MD (m),Inc (rad),Azi (rad)\n0,0,0\n304.8,0,0\n609.6,{0:.17g},{1:.17g}\n".format(np.pi / 6, np.pi / 2)
+        np.testing.assert_allclose(self.rows("r.csv", radians, radius=0.1)[0][:, :3], x[:, :3], atol=1e-9)
+        np.testing.assert_allclose(self.rows("s.csv", well, radius=0.1, scale=0.3048, unit="m")[0], x)
+        numbers, told, notes = self.rows("s.csv", well, radius=0.1, scale=2.0)  # the user's own unit
+        self.assertEqual((told, bool(np.isclose(numbers[:, 2], -2000).any())), ("", True))
+        self.refused("is in ft|0.3048 m|not 2", self.made, "s.csv", radius=0.1, scale=2.0, unit="m")
+        for text, words in ((path.replace("(mm)", "(yd)"), "yd|m, cm, mm, um, in, ft, mil, Fr"), (path.replace(" (mm)", "").replace("\n", "\nyd,yd,yd,yd\n", 1), "yd"),
+                            (path.replace("x (mm)", "x (px)"), "px"), (path.replace("radius (mm)", "radius (%)"), "%"),
+                            (well.replace("Inclination (deg)", "Inclination (%)"), "%|deg, rad"),
+                            (well.replace("(ft)", "(furlong)"), "furlong")):
+            self.refused(words, self.made, "x.csv", text, radius=None if "radius" in text else 1, unit="mm")
+        x, told, _ = self.rows("y.csv", path.replace("(mm)", "(yd)"), scale=0.9144, unit="m")
+        self.assertAlmostEqual(x[1, 0], 9.144)
+        self.refused("furlong|m, cm, mm, um, in, ft, mil, Fr", self.made, "a.csv", path, unit="furlong")
+        for radius, words in (("2s", "2s|not a unit of length"), ("x", "radius x"), (-1, "above 0"), ("0mm", "above 0")):
+            self.refused(words, self.made, "a.csv", path, unit="mm", radius=radius)
+
+    def markup(self, points, **more):
+        return json.dumps({"markups": [{"type": "Curve", "controlPoints": points, **more}]})
+
+    def test_slicer(self):
+        """Its unit; points that are not placed; the old .fcsv with its axes."""
+        points = [{"position": [10, 20, 30], "positionStatus": "defined"}, {"position": [0, 0, 0], "positionStatus": "undefined"},
+                  {"position": [15, 21, 50]}, {"position": "", "positionStatus": "missing"}, {"positionStatus": "undefined"}]
+        for unit in ("mm", ["mm", "UCUM", "millimeter"]):
+            x, told, notes = self.rows("a.mrk.json", self.markup(points, coordinateUnits=unit, coordinateSystem="LPS"), radius=0.002, unit="m")
+            np.testing.assert_allclose(x, [[0.01, 0.02, 0.03, 0.002], [0.015, 0.021, 0.05, 0.002]])
+            self.assertIn("3 points not placed", notes)
+        radii = [{"name": "Radius", "units": "cm", "controlPointValues": [0.1, 9, 0.2, 9, 9]}]
+        x, told, notes = self.rows("b.mrk.json", self.markup(points, coordinateUnits="mm", coordinateSystem="RAS", measurements=radii))
+        np.testing.assert_allclose(x[:, 3], [1, 2])
+        self.assertEqual(told, "mm")
+        self.assertIn("RAS", notes)
+        self.refused("furlong", self.made, "c.mrk.json", self.markup(points, coordinateUnits="furlong"), radius=1)
+        self.refused("control point 2|no position", self.made, "c.mrk.json", self.markup([points[0], {"label": "x"}]), radius=1)
+        self.refused("1 lines|no 4", self.made, "b.mrk.json", line=4)
+        table = "label,l,p,s,defined,selected,description\nC-1,10,20,30,1,1,\"inlet, main\"\nC-2,0,0,0,0,1,\nC-3,15,21,50,1,1,\n"
+        x, _, notes = self.rows("d.csv", table, radius=2)
+        np.testing.assert_allclose(x, [[10, 20, 30, 2], [15, 21, 50, 2]])
+        self.assertIn("1 point not placed", notes)
+        old = "# Markups fiducial file version = 4.11\n# CoordinateSystem = {}\n# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n" \
+              'a,-17.5,58,50,0,0,0,1,1,1,0,"F, 1",,\nb,-18.5,58,60,0,0,0,1,1,1,0,F-2,,\n'
+        for system, told in (("LPS", False), ("RAS", True), ("0", True), ("1", False)):
+            x, _, notes = self.rows("e.fcsv", old.format(system), radius=2)
+            np.testing.assert_allclose(x, [[-17.5, 58, 50, 2], [-18.5, 58, 60, 2]])
+            self.assertEqual("RAS" in notes, told, system)
+        self.refused("voxels", self.made, "e.fcsv", old.format("IJK"), radius=2)
+        self.refused("e.fcsv, line 4|x is not finite", self.made, "e.fcsv", old.format("LPS").replace("-17.5", "left"), radius=2)
+
+    def test_tables_as_they_come(self):
+        """As fit.sh reads them: quotes, semicolons, tabs, decimal commas, other encodings, titles, blank first columns, headings of
+        two rows, footnotes, pages; what is left out is said with its line."""
+        survey = [[0, 0, 0], [100, 0, 0], [200, 15, 90]]
+        want = self.made("md.csv", "md,inc,azi\n" + "\n".join(",".join(map(str, row)) for row in survey), radius=1)[:, :3]
+        body = "0;0;0\n100;0,0;0\n200;15;90,0\n"
+        texts = {"a.csv": "MD;Inc;Azi\n" + body, "b.tsv": "MD\tInc\tAzi\n" + body.replace(";", "\t"),
+                 "c.csv": '"MD","Inc","Azi"\n"0","0","0"\n"100","0,0","0"\n"200","15","90,0"\n',
+                 "d.csv": "L\u00e4nge;Tiefe\nMD;Inc (\u00b0);Azi (\u00b0)\n".encode("latin-1") + body.encode(),
+                 "e.csv": ("MD;Inc;Azi\n" + body).encode("utf-16"), "f.csv": ("\ufeffMD;Inc;Azi\n" + body).encode(),
+                 "g.csv": "MD,Inc,Azi\r0,0,0\r100,0,0\r200,15,90\r",
+                 "h.txt": "Survey of well B, 2020\nMeasured Depth   Inclination (deg)   Azimuth (deg)\n 0.0  0.0  0.0\n 100.0  0.0  0.0\n 200.0  15.0  90.0\n as measured\n",
+                 "i.csv": 'Survey report,,,,\n"Well A, pad 3",,,,\n,,,,\n,MD,Inc,Azi,Note\n,0,0,0,\n,100,0,0,"KOP, 1.5"\n,200.0,15,90,\n,,,,\n"* not by gyro, see above",,,,\n',
+                 "j.csv": "Measured,Hole,Hole\nDepth,Inclination,Azimuth\n0,0,0\n100,0,0\nDepth,Inclination,Azimuth\n200,15,90\n",
+                 "k.csv": 'MD,Inc,Azi,Note\n0,0,0,a\n100,0,0,b\n200,15,90,"1,000.00"\n',
+                 "l.csv": "MD,Inc,Azi\n0,0,0\n100,0,0\n200,\u221215,\u221290\n"}
+        for name, text in texts.items():
+            x, _, notes = self.rows(name, text, radius=1)
+            np.testing.assert_allclose(x[:, :3], want if name != "l.csv" else want, atol=1e-9, err_msg=name)
+        for name, words in (("h.txt", "line 6"), ("i.csv", "line 9"), ("j.csv", "line 5"), ("d.csv", "L\u00e4nge")):
+            self.assertIn(words, self.rows(name, texts[name], radius=1)[2], name)
+        if find_spec("openpyxl"):
+            import pandas
+            pandas.DataFrame(survey, columns=["MD", "Inc", "Azi"]).to_excel(self.at("m.xlsx"), index=False)
+            np.testing.assert_allclose(self.rows("m.xlsx", radius=1)[0][:, :3], want, atol=1e-9)
+        x, _, notes = self.rows("n.csv", "MD,N/S,E/W,TVD\n0,0,0,0\n100,5,1,99\n200,20,4,190\n", radius=1)
+        np.testing.assert_allclose(x[:, :3], [[0, 0, 0], [5, 1, -99], [20, 4, -190]])
+        self.assertIn("x is north, y east, z up", notes)
+        x, told, _ = self.rows("o.csv", "MD[m],TVD[m],North[m],East[m]\n0,0,0,0\n100,99,5,1\n", radius=1, unit="ft")
+        np.testing.assert_allclose(x[1, :3], np.array([5, 1, -99]) / 0.3048)
+        for text, words in (("md,inc,azi\n0,0,0\n100,,\n200,15,90\n", "p.csv, line 3|inc|nothing stands there"),
+                            ("# a\n\nmd,inc,azi\n0,0,0\n100,n/a,3\n", 'p.csv, line 5|inc|"n/a" is no number'),
+                            ("md,inc,azi\n0,0,0\n100,4\n", "p.csv, line 3|2 cells, not 3"),
+                            ("md,inc,azi\n0,0,0\n100,400,3\n", "line 3|400 degrees is no inclination"),
+                            ("md,inc,azi\nm,deg,deg\n", "two points"), ("md,inc,azi\n0,inf,0\n100,4,3\n", "line 2|not finite"),
+                            ('md,inc,azi\n0,0,0\n"1,000",2,3\n"2,000",2,3\n', "of thousands")):
+            self.refused(words, self.made, "p.csv", text, radius=1)
+        self.refused("one line|no 1", self.made, "a.csv", radius=1, line=1)
+
+    def command(self, *words):
+        done = subprocess.run([sys.executable, "-m", "tendril", "surface", *map(str, words)], capture_output=True, text=True,
+                              env={**os.environ, "PYTHONPATH": str(ROOT / "scripts")})
+        self.assertNotIn("Traceback", done.stderr)
+        self.assertEqual(done.stderr.count("\n"), int(done.returncode != 0), done.stderr)
+        return done
+
+    def test_lists_that_begin_with_a_minus(self):
+        path = self.file("a.csv", "x,y,z,r\n-12,0,31,2\n-12,0,41,2\n-10,0,51,2\n")
+        done = self.command(path, self.at("o.csv"), "--origin", "-12,0,31", "--direction", "-.0,0,1")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        np.testing.assert_allclose(self.table(self.at("o.csv"))[:2, :3], [[0, 0, 0], [10, 0, 0]], atol=1e-12)
+        self.assertEqual(self.command(path, self.at("o.csv"), "--direction", "-1,0,0").returncode, 0)
+        for words, said in ((("--origin", "12,zero,31"), '"zero" is no number'), (("--origin", "1,2"), "3 numbers"),
+                            (("--direction", "-1,0"), "3 numbers"), (("--origin",), "--origin"), (("--scale", "x"), '"x" is no number'),
+                            (("--origin", "nan,0,0"), "not finite"), (("--line", "0.5"), "no whole number")):
+            done = self.command(path, self.at("o.csv"), *words)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn(said, done.stderr)
+            self.assertNotIn("invalid", done.stderr)
 
     def test_noise(self):
         """Points every twentieth of the radius, off by a hundredth: what comes out bends as the path does."""
