@@ -54,7 +54,7 @@ def table():
 def all_laws():
     """Scenes by name: each law of growth, each end, walls at rest and in motion, fields, all models."""
     rough, stone = walls("plane 1.2 0 -1 0.4 friction 0.4"), walls("circle 1.2 0.2 0.1 outside friction 0.5")
-    ball = walls("sphere 1.3 0.1 0.05 0.5 outside friction 0.4 moves at 0 0 0 0  0.4 -0.05 0.05 0  1 0 0 0")
+    ball = walls("sphere 1.3 0.1 0.05 0.5 outside moves at 0 0 0 0  0.4 -0.05 0.05 0  1 0 0 0 friction 0.4")
     layers = "-friction_layers 0:0.5,0.8:2 -friction_across 2 "
     return {
         "uniform": SHORT + layers, "gaussian": SHORT + "-growth_type gaussian -rod_weight 0.1,-0.3 ",
@@ -118,7 +118,7 @@ def stick():
         expect(abs(wall + ground + 0.3) < 1e-6 and -0.5 < wall < -0.25 and -0.05 < ground <= 0, f"{name}: {wall}, {ground}")
         expect(abs(r.tip_x1[-1] - 1) < 1e-5, f"{name}: moved")
     # friction 0.1 of the ground is overcome by a belt that goes at 0.3
-    belt = walls("plane 0 0 -0.05 0 0 1 friction 0.5 moves at 0 0 0 0  2 0.6 0 0")
+    belt = walls("plane 0 0 -0.05 0 0 1 moves at 0 0 0 0  2 0.6 0 0 friction 0.5")
     found = {}
     for beta in (0, 1e-12):
         r = Run(f"{REST} -rod_weight 0,0,-1 -friction_radius 0.05 {belt} -friction_mu 1 -friction_beta {beta} -ts_max_time 1")
