@@ -10,7 +10,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
-from contact_test import walls
+from contact_test import COIL, walls
 from laboratory_test import tendril
 from scene_test import Run, expect
 
@@ -53,7 +53,7 @@ def table():
 
 def all_laws():
     """Scenes by name: each law of growth, each end, walls at rest and in motion, fields, all models."""
-    rough, stone = walls("plane 1.2 0 -1 0.4 friction 0.4"), walls("circle 1.2 0.2 0.1 outside friction 0.5")
+    rough, stone = walls("plane 1.2 0 -1 0.4 friction 0.4"), walls("circle 1 0.07 0.01 outside friction 0.5")
     ball = walls("sphere 1.3 0.1 0.05 0.5 outside moves at 0 0 0 0  0.4 -0.05 0.05 0  1 0 0 0 friction 0.4")
     layers = "-friction_layers 0:0.5,0.8:2 -friction_across 2 "
     return {
@@ -65,7 +65,7 @@ def all_laws():
         "pinned": SHORT + "-tip_type pinned ", "second order": SHORT + "-rod_order 2 " + layers,
         "mixed": SHORT + "-rod_model mixed -tip_force 0.2 ",
         "wall": FED + "-rod_curvature 0.2 -ts_max_time 1.5 " + rough, "post": FED + "-rod_curvature 0.1 -ts_max_time 1.2 " + stone,
-        "itself": FED + "-rod_curvature 2.5 -ts_max_time 3.5 -contact_self -contact_friction 0.3 ",
+        "itself": COIL + "-rod_curvature 3 -ts_max_time 6.5 -rod_cells 80 -contact_friction 0.3 ",
         "space": SHORT + "-rod_model space -friction_radius 0.1 -clamp_spin 0.5 -rod_weight 0.1,0.2,-0.3 " + layers,
         "moving": FED + "-rod_model space -rod_curvature 0.1 -rod_curvature_2 0.1 -ts_max_time 1 " + ball,
     }
