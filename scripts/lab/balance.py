@@ -3,12 +3,17 @@
 defect at the end of each run.
 
     scripts/lab/balance.py build/tendril [--families walls,ropes,...] [--cells 500] [--seconds 200] [-- OPTIONS ...]
+    scripts/lab/balance.py build/tendril --forces 100 [--seed 1] [--seconds 40] [-- OPTIONS ...]
 
 The scenes are those of fuzz.py (contact: of the plane, with walls and itself), stiffer.py (head-on: into a wall, next to
 straight on), fuzz_walls.py (walls: of space) and fuzz_ropes.py (ropes: of space, by themselves). Each is run with so many
 cells (0: the 40 to 100 that are drawn for it) and the OPTIONS, such as -ts_rtol 1e-6, for so many SECONDS of a processor. A
 scene that touches nothing, or does not end, is left out; how many did not end is told. A line for each scene, and one for
-each family."""
+each family.
+
+--forces: how well forces balance (clamp, tip, walls, friction, weight: their sum over the largest of them in the run) in so
+many scenes of all that those draw, and of fuzz.py besides, every other one in exact friction, some held in a hinge, or by
+nothing: in the worst of all steps, and in the last one. Exit 1 if any is off by more than 1e-6 there."""
 
 import argparse
 import random
@@ -68,6 +73,70 @@ def run(exe, options, more, seconds, file):
             s["penetration"].max() / float(options["contact_diameter"])]
 
 
+def of_all_laws(seed, number, room):
+    """Options by name of a scene of any kind, or None."""
+    draw = fuzz.Draw(f"{seed}-{number}")
+    kinds = (fuzz.plain_scene, fuzz.world_scene, fuzz.contact_scene, fuzz.space_scene, fuzz.space_world_scene, "walls", "ropes")
+    kind = kinds[number % len(kinds)]
+    if kind == "ropes":
+        o = fuzz_ropes.scene(seed, number, room, list(fuzz_ropes.KINDS))[1]
+    elif kind == "walls":
+        o, walls, lines = fuzz_walls.scene(draw)
+        if not lines:
+            return None
+        fuzz_walls.moving(draw, o, walls, lines)
+        (room / "walls.txt").write_text("\n".join(lines) + "\n")
+        o["wall_file"] = room / "walls.txt"
+    else:
+        o = kind(draw, False) if kind is fuzz.plain_scene else kind(draw, False, room / "scene")
+    if kind in (fuzz.plain_scene, fuzz.space_scene) and not {"tip_type", "clamp_spin"} & set(o) and draw.happens(.4):
+        o["clamp_type"], o["rod_model"] = draw.choice(["hinged", "free"]), "space" if kind is fuzz.space_scene else "frame"
+        if o["rod_model"] == "space":
+            o.setdefault("friction_radius", .1)
+        if o["clamp_type"] == "free":
+            o["growth_type"] = draw.choice(["uniform", "none"])
+            o.pop("growth_width", None), o.pop("growth_zone", None)
+    o.setdefault("rod_cells", 120)
+    if draw.happens(.5):
+        o["friction_beta"] = 0
+    return o
+
+
+def unbalanced(file):
+    """Of each step but the first line: the sum of all forces over the largest of them."""
+    with h5py.File(file) as f:
+        s = {k: d[:] for k, d in f["series"].items()}
+    zero = np.zeros(len(s["t"]))
+    parts = [np.stack([s.get(f"{who}_force_{k}", zero) for k in (1, 2, 3)]) for who in ("base", "tip", "wall", "friction", "weight")]
+    largest = max(max(np.linalg.norm(f, axis=0).max() for f in parts), 1e-9 * s["length"].max())
+    return np.linalg.norm(sum(parts), axis=0)[1:] / largest, s["contact_force"].max()
+
+
+def forces(exe, seed, count, more, seconds, directory):
+    """Runs them; how many are off."""
+    number, seen, bad = 0, 0, 0
+    while seen < count:
+        room = Path(directory) / f"forces-{number}"
+        room.mkdir()
+        o, number = of_all_laws(seed, number, room), number + 1
+        if o is None:
+            continue
+        command = ["prlimit", f"--cpu={seconds}", exe, *(str(w) for k, v in o.items() for w in (f"-{k}", v)), *more,
+                   "-output", str(room / "run.h5")]
+        done = subprocess.run(command, capture_output=True, text=True, check=False, env=fuzz_walls.ENVIRONMENT)
+        if not (room / "run.h5").exists():
+            print(f"{number - 1} is refused, or does not begin: {done.stderr.strip()[:100]}")
+            continue
+        off, touches = unbalanced(room / "run.h5")
+        if not len(off):
+            continue
+        seen, bad = seen + 1, bad + (off.max() > 1e-6)
+        print(f"{number - 1}: {len(off)} steps, off by {off.max():.1e} at most, {off[-1]:.1e} at the end; beta {o.get('friction_beta')}, "
+              f"touches {touches:.1e}{'' if off.max() <= 1e-6 else '   ' + ' '.join(command[2:])}", flush=True)
+    print(f"{seen} scenes, {bad} off by more than 1e-6")
+    return bad
+
+
 def tell(name, found):
     """The distribution of the defects of runs that ended."""
     a = np.array(found).reshape(-1, 4)
@@ -85,9 +154,13 @@ def main():
     parser.add_argument("--families", default=",".join(FAMILIES))
     parser.add_argument("--cells", type=int, default=500)
     parser.add_argument("--seconds", type=int, default=200)
+    parser.add_argument("--forces", type=int, default=0)
+    parser.add_argument("--seed", type=int, default=1)
     words, _, more = " ".join(sys.argv[1:]).partition(" -- ")
     given, more, all_found = parser.parse_args(words.split()), more.split(), []
     with tempfile.TemporaryDirectory() as directory:
+        if given.forces:
+            sys.exit(forces(given.exe, given.seed, given.forces, more, given.seconds, directory) > 0)
         for family in given.families.split(","):
             found = []
             for seed, count in FAMILIES[family].items():

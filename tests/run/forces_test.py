@@ -10,7 +10,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
-from contact_test import walls
+from contact_test import COIL, walls
 from laboratory_test import tendril
 from scene_test import Run, expect
 
@@ -53,8 +53,8 @@ def table():
 
 def all_laws():
     """Scenes by name: each law of growth, each end, walls at rest and in motion, fields, all models."""
-    rough, stone = walls("plane 1.2 0 -1 0.4 friction 0.4"), walls("circle 1.2 0.2 0.1 outside friction 0.5")
-    ball = walls("sphere 1.3 0.1 0.05 0.5 outside friction 0.4 moves at 0 0 0 0  0.4 -0.05 0.05 0  1 0 0 0")
+    rough, stone = walls("plane 1.2 0 -1 0.4 friction 0.4"), walls("circle 1 0.07 0.01 outside friction 0.5")
+    ball = walls("sphere 1.3 0.1 0.05 0.5 outside moves at 0 0 0 0  0.4 -0.05 0.05 0  1 0 0 0 friction 0.4")
     layers = "-friction_layers 0:0.5,0.8:2 -friction_across 2 "
     return {
         "uniform": SHORT + layers, "gaussian": SHORT + "-growth_type gaussian -rod_weight 0.1,-0.3 ",
@@ -65,7 +65,7 @@ def all_laws():
         "pinned": SHORT + "-tip_type pinned ", "second order": SHORT + "-rod_order 2 " + layers,
         "mixed": SHORT + "-rod_model mixed -tip_force 0.2 ",
         "wall": FED + "-rod_curvature 0.2 -ts_max_time 1.5 " + rough, "post": FED + "-rod_curvature 0.1 -ts_max_time 1.2 " + stone,
-        "itself": FED + "-rod_curvature 2.5 -ts_max_time 3.5 -contact_self -contact_friction 0.3 ",
+        "itself": COIL + "-rod_curvature 3 -ts_max_time 6.5 -rod_cells 80 -contact_friction 0.3 ",
         "space": SHORT + "-rod_model space -friction_radius 0.1 -clamp_spin 0.5 -rod_weight 0.1,0.2,-0.3 " + layers,
         "moving": FED + "-rod_model space -rod_curvature 0.1 -rod_curvature_2 0.1 -ts_max_time 1 " + ball,
     }
@@ -81,7 +81,7 @@ def balance(ranks=1):
             r = Run(f"{options} -friction_beta {beta}", ranks=ranks)
             off = unbalanced(r)
             print(f"{name}, beta {beta}: {len(off)} steps, off by {off.max():.1e} at most, touches {r.contact_force.max():.1e}")
-            expect(len(off) > 20 and off.max() < (3e-6 if name == "mixed" else 1e-6), f"{name}, beta {beta}: {off.max():.1e}")
+            expect(len(off) > 20 and off.max() < (1e-4 if name == "mixed" else 1e-6), f"{name}, beta {beta}: {off.max():.1e}")
             expect(name not in ("wall", "post", "itself", "moving") or r.contact_force.max() > 0.01, f"{name}: no contact")
             expect(("weight_force_1" in r.series) == ("weight" in options), f"{name}: weight")
 
@@ -118,7 +118,7 @@ def stick():
         expect(abs(wall + ground + 0.3) < 1e-6 and -0.5 < wall < -0.25 and -0.05 < ground <= 0, f"{name}: {wall}, {ground}")
         expect(abs(r.tip_x1[-1] - 1) < 1e-5, f"{name}: moved")
     # friction 0.1 of the ground is overcome by a belt that goes at 0.3
-    belt = walls("plane 0 0 -0.05 0 0 1 friction 0.5 moves at 0 0 0 0  2 0.6 0 0")
+    belt = walls("plane 0 0 -0.05 0 0 1 moves at 0 0 0 0  2 0.6 0 0 friction 0.5")
     found = {}
     for beta in (0, 1e-12):
         r = Run(f"{REST} -rod_weight 0,0,-1 -friction_radius 0.05 {belt} -friction_mu 1 -friction_beta {beta} -ts_max_time 1")
@@ -127,7 +127,7 @@ def stick():
         print(f"belt, beta {beta}: {found[beta]}, the rod goes at {speed:.6f}")
         expect(abs(speed - 0.3) < 1e-3, f"belt: {speed}")
     expect(np.allclose(found[0], [0.1, -0.1, 0.1 * speed, 0.1 * speed], rtol=1e-3), f"belt: {found[0]}")
-    expect(np.allclose(found[0], found[1], rtol=1e-3), f"belt: {found}")
+    expect(np.allclose(found[0], found[1e-12], rtol=1e-3), f"belt: {found}")
 
 
 @check
@@ -140,7 +140,7 @@ def tip():
         print(f"walls push by {push:.3f}, the force on the tip is {held:.1e}")
         expect(push > 0.1 and held < 1e-6 * push, f"{push}, {held}")
         pushed = Run(FED + "-rod_curvature 0.1 -ts_max_time 0.6 -friction_mu 0 -tip_force 0.05 " + options)
-        expect(np.abs(pushed.tip_force_1 + 0.05).max() < 1e-6, f"-tip_force: {pushed.tip_force_1}")
+        expect(np.abs(pushed.tip_force_1 + 0.05)[1:].max() < 1e-5, f"-tip_force: {pushed.tip_force_1}")
 
 
 @check
