@@ -1,9 +1,13 @@
-"""Arguments of commands: lists of numbers may begin with a minus, and what is wrong with one is said in one line."""
+"""What all commands have in common: lists of numbers may begin with a minus, what is wrong with an argument is said in
+one line, and the last net under them."""
 
 import argparse
 import math
 import re
 import sys
+import warnings
+
+from .errors import OF_CONTENT, TendrilError, complaint, tracebacks
 
 NEGATIVE = re.compile(r"-(\d|\.\d)")  # how a value begins that is no option
 
@@ -20,7 +24,7 @@ class Parser(argparse.ArgumentParser):
         return super().parse_known_args(bound(sys.argv[1:] if args is None else args), namespace)
 
     def error(self, message):
-        self.exit(2, f"{self.prog}: {message}; -h says what there is\n")
+        self.exit(2, f"{self.prog}: {' '.join(message.split())}; -h says what there is\n")
 
 
 def bound(words):
@@ -65,3 +69,34 @@ def listed(text, count):
         if not math.isfinite(found[-1]):
             raise argparse.ArgumentTypeError(f"{text}: {word} is not finite")
     return found
+
+
+def lonely(command, main, words) -> int:
+    """Runs a command; its exit code. What it did not expect, a fault of its own, is a line, too, and with the variable
+    TENDRIL_TRACEBACK set a traceback; so are warnings of numpy, which tell a user nothing."""
+    with warnings.catch_warnings():
+        if not tracebacks():
+            warnings.simplefilter("ignore")
+        try:
+            return main(words)
+        except (TendrilError, OSError) as error:
+            print(complaint(error, command), file=sys.stderr)
+        except KeyboardInterrupt:
+            print(f"{command}: interrupted", file=sys.stderr)
+            return 130
+        except OF_CONTENT as error:
+            if tracebacks():
+                raise
+            reason = " ".join(str(error).split())[:200]
+            print(f"{command}: a fault of tendril's own, {type(error).__name__}: {reason}; TENDRIL_TRACEBACK=1 in front of the command "
+                  "tells where", file=sys.stderr)
+            return 3
+    return 1
+
+
+def number_list(text, option, error=TendrilError) -> list[float]:
+    """Numbers of a comma list."""
+    try:
+        return [float(word) for word in text.split(",")]
+    except ValueError:
+        raise error(f"{option} {text}: give numbers with commas between") from None

@@ -20,7 +20,7 @@ from matplotlib.animation import FFMpegWriter, PillowWriter
 from matplotlib.colors import AsinhNorm
 
 from .command import Parser
-from .errors import ResultsError, TendrilError, complaint, replacing
+from .errors import ResultsError, TendrilError, arguments, complaint, replacing
 from .film_space import FilmInSpace
 from .results import Results, load, runs_of
 from .spatial import FIELDS
@@ -120,6 +120,8 @@ def writer_of(output, rate):
     raise ResultsError(f"output {output}: give a name that ends in .gif or .mp4")
 
 
+@arguments(output="file", begin="time", end="time", si="flag?", frames="count", rate="above 0", field="text?", turn="number",
+           progress="flag?")
 def animate(r: Results, output: str | Path, *, begin: float | str = 0, end: float | str = "inf",
             si: bool | None = None, frames: int = 160, rate: int = 20, field: str | None = None,
             view: tuple[float, float] | str | None = None, turn: float = 0, progress: bool | None = None) -> int:

@@ -23,7 +23,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from .collection import Sweep, load_sweep
 from .command import Parser
-from .errors import RunError, TendrilError, complaint, path_of
+from .errors import RunError, TendrilError, arguments, complaint, path_of
 from .results import in_words
 from .style import STYLE, InStyle, save
 from .units import DIMENSIONS, KINDS, in_laboratory, suited_to
@@ -189,6 +189,7 @@ def draw(ax, xs, ys, table, units, axes, quantity):
     ax.figure.colorbar(colours, ax=ax, label=label)
 
 
+@arguments(axes="texts", quantity="text", si="flag")
 def map(sweep, axes, quantity="critical/t", *, si=False, ax=None) -> Figure:
     """Draws a number of a sweep over two of its options; the figure.
 

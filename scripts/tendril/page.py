@@ -20,7 +20,7 @@ from matplotlib.colors import to_hex
 
 from . import page_space
 from .command import Parser
-from .errors import ResultsError, TendrilError, complaint, replacing
+from .errors import ResultsError, TendrilError, arguments, complaint, replacing
 from .pictures import colours, name_of, symbol_of
 from .packed import moves_straight, packed, thinned
 from .results import Results, load, runs_of, titles_of
@@ -185,6 +185,7 @@ class Page:
                 'title="tendril"></iframe>')
 
 
+@arguments(output="file?", titles="texts?", si="flag?")
 def view(results: Results | Sequence[Results], output: str | Path | None = None,
          titles: Sequence[str] | None = None, si: bool | None = None) -> Path | Page:
     """Writes a page for a browser of one run, or of several in one picture; its path. Without output the

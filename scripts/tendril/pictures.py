@@ -35,7 +35,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from . import plot_stability
 from .command import Parser
-from .errors import ResultsError, TendrilError, complaint, did_you_mean
+from .errors import ResultsError, TendrilError, arguments, complaint, did_you_mean
 from .perspective import VIEW, Rods, Strand, box_of, draw_surfaces, furnish, sight
 from .results import Results, load, runs_of, titles_of
 from .solids import solids
@@ -691,6 +691,7 @@ def panels_of(asked, runs):
     return [name.strip() for name in asked.split(",")] if isinstance(asked, str) else list(asked or first)
 
 
+@arguments(panels="texts?", si="flag?", overlay="flag", titles="texts?")
 def plot(results: Results | Sequence[Results], panels: Sequence[str] | str | None = None, *,
          times: Sequence[float | str] | None = None, si: bool | None = None, overlay: bool = False,
          titles: Sequence[str] | None = None, beside: Sequence[Results] = (),
@@ -718,7 +719,7 @@ def plot(results: Results | Sequence[Results], panels: Sequence[str] | str | Non
     names = panels_of(panels, runs)
     if titles and len(titles) != len(runs):
         raise ResultsError(f"plot: {len(titles)} titles for {len(runs)} runs")
-    beside = [r for one in beside for r in runs_of(one, "plot, beside")]
+    beside = runs_of(beside, "plot: beside") if not isinstance(beside, (list, tuple)) or len(beside) else []
     drawn = View(runs, Units(in_laboratory_of([*runs, *beside], si)), overlay=(overlay or ax is not None) and len(runs) > 1,
                  titles=titles_of(runs, titles),
                  beside={r.path: other for r, other in zip(runs, beside)}, view=sight(view))

@@ -24,7 +24,7 @@ import numpy as np
 from .bodies import Wish, write_body
 from .centrelines import fair, in_units, is_line, read_line
 from .command import Parser, listed
-from .errors import TendrilError, complaint, path_of, replacing, writable
+from .errors import TendrilError, complaint, path_of, reading, replacing, writable
 from .meshes import SurfaceError, count_of, polydata, read_mesh
 from .openings import check, ends_of, extended
 from .progress import wanted
@@ -261,7 +261,8 @@ def surface(source, output, *, diameter=None, spacing=None, side=None, origin=No
                         ("tolerance", tolerance)):
         if value:
             raise SurfaceError(f"{name}: is of a mesh, {source} is a centre line")
-    path = read_line(source, line, None if radius is None else 1.0, foreign=scale is not None)
+    with reading(source, "is no centre line that can be read", SurfaceError):
+        path = read_line(source, line, None if radius is None else 1.0, foreign=scale is not None)
     scale, unit = in_units(path, unit, scale, source)
     radius, every = (length_in(value, unit, name, SurfaceError) for name, value in (("radius", radius), ("every", every)))
     radius, every = number(radius, "radius"), number(every, "every")
