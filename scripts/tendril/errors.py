@@ -1,11 +1,12 @@
 """What can go wrong, in one plain line each."""
 
+import math
 import os
 import re
 from contextlib import contextmanager, suppress
 from difflib import get_close_matches
 from importlib import import_module
-from numbers import Integral
+from numbers import Integral, Real
 from pathlib import Path
 from tempfile import TemporaryFile
 
@@ -16,6 +17,10 @@ VALUE = re.compile(r"-(\w+) \S*/\1-[0-9a-f]{8}\.(?:txt|h5)\b")
 
 class TendrilError(Exception):
     """What is asked for cannot be done."""
+
+
+class DataError(TendrilError):
+    """What was measured cannot be read, in one plain line."""
 
 
 class ResultsError(TendrilError):
@@ -48,11 +53,23 @@ def path_of(value, what) -> Path:
     return Path(value)
 
 
+def whole(value, what, least=1) -> int:
+    """A whole number, not below the least."""
+    if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
+        raise TendrilError(f"{what} {value}: give a whole number from {least}")
+    return int(value)
+
+
 def positive(value, what) -> int:
     """A whole number from 1."""
-    if isinstance(value, bool) or not isinstance(value, Integral) or value < 1:
-        raise TendrilError(f"{what} {value}: give a whole number from 1")
-    return int(value)
+    return whole(value, what)
+
+
+def number(value, what, above=-math.inf) -> float:
+    """A finite number, above another."""
+    if isinstance(value, bool) or not isinstance(value, Real) or not above < value < math.inf:
+        raise TendrilError(f"{what} {value}: give a number" + (f" above {above:g}" if above > -math.inf else ""))
+    return float(value)
 
 
 @contextmanager

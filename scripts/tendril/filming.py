@@ -16,17 +16,20 @@ from __future__ import annotations
 import argparse
 import base64
 import json
+import logging
 import re
 import sys
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
-from .errors import TendrilError, complaint, replacing, writable
-from .measured import KNOWN, Measured, gather
+from .errors import TendrilError, complaint, number, replacing, whole, writable
+from .measured import KNOWN, DataError, Measured, gather, moment
+from .naming import times_of
 from .parameters import with_unit
-from .tracing import FilmError, Traced, needed, trace
+from .tracing import FilmError, Traced, leaves_against, needed, trace
 
 WEB = Path(__file__).resolve().parent / "web"
 FILMS = (".mp4", ".avi", ".mov", ".mkv", ".webm", ".m4v", ".gif", ".wmv", ".mpg", ".mpeg")
@@ -34,6 +37,9 @@ PAGE_WIDTH, PAGE_FRAMES = 960, 60  # of the pictures in a page, and how many it 
 BOARD_ALIKE = 1.6  # corners of a board err alike, from light and blur: of twenty known cameras the numbers found were off by
 # 1.4 to 1.6 times what independent corners would have them
 JUMP = 0.08  # of its length: a line that is so much shorter than those around it lost its tip
+FEW = 5  # widths: a line that is no longer is no rod's, unless those that follow it in a film have grown from it
+GROWN = 2.0  # times as long is the next one then, at most
+LOST = 0.5  # of the length that a photograph is told to have: a shorter line is not that of the body
 
 
 @dataclass
@@ -212,20 +218,74 @@ def film_frames(path, every, frames):
         raise FilmError(f"{path}: a film without a picture")
 
 
-def photograph(path):
-    imageio = needed("imageio.v3", "imageio")
+@contextmanager
+def quiet(cv2):
+    """Readers of pictures say what they think of a file in lines of their own."""
+    log, own = logging.getLogger("tifffile"), getattr(cv2.utils, "logging", None)
+    log.disabled, before, level = True, log.disabled, own and own.setLogLevel(0)
     try:
-        picture = np.asarray(imageio.imread(path))
-    except (OSError, ValueError, SyntaxError) as error:
-        raise FilmError(f"{path}: no picture that can be read ({str(error).splitlines()[0]})") from None
+        yield
+    finally:
+        log.disabled = before
+        if own:
+            own.setLogLevel(level)
+
+
+def photograph(path):
+    """[h, w] or [h, w, 3] of a file, 8 bits; what imageio cannot read OpenCV may, as TIFF with LZW."""
+    imageio, cv2 = needed("imageio.v3", "imageio"), needed("cv2", "OpenCV")
+    if not isinstance(path, (str, Path)):
+        raise FilmError(f"a picture is the name of a file or an array, not {type(path).__name__}")
+    if not Path(path).is_file():
+        raise FilmError(f"{path}: no such file")
+    with quiet(cv2):
+        try:
+            picture, reason = np.asarray(imageio.imread(path)), "it is empty"
+        except Exception as error:  # any of its readers', which are many
+            picture, reason = np.empty(0), (str(error).splitlines() or [type(error).__name__])[0]
+    if not picture.size:
+        with quiet(cv2):
+            picture = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+        if picture is None:
+            more = "; pip install imagecodecs, or save it as PNG" if "imagecodecs" in reason else ""
+            raise FilmError(f"{path}: no picture that can be read ({reason}){more}")
+        picture = picture if picture.ndim == 2 else picture[..., 2::-1]
+    return eight_bits(picture, path)
+
+
+def eight_bits(picture, path):
+    """A picture as it is traced."""
+    picture = np.asarray(picture)
+    if picture.ndim == 3 and picture.shape[2] in (1, 2):  # grey, and how opaque it is
+        picture = picture[..., 0]
+    if picture.ndim not in (2, 3) or picture.ndim == 3 and picture.shape[2] not in (3, 4) or 0 in picture.shape:
+        raise FilmError(f"{path}: is no one picture, but an array {list(picture.shape)}; save its pictures one by one")
+    if picture.dtype.kind not in "buif" or not np.isfinite(picture).all():
+        raise FilmError(f"{path}: its pixels are no numbers")
+    picture = picture if picture.ndim == 2 else picture[..., :3]
     if picture.dtype == np.uint16:
-        picture = (picture // 257).astype(np.uint8)
-    return picture.astype(np.uint8) if picture.ndim == 2 else picture[..., :3].astype(np.uint8)
+        picture = picture // 257
+    elif picture.dtype != np.uint8:
+        low, high = min(float(picture.min()), 0.0), float(picture.max())
+        part = picture.dtype.kind in "bf" and 0 <= low and high <= 1
+        if part or low < 0 or high > 255:  # from black to white
+            picture = 255 * (picture.astype(float) - low) / (1 if part else max(high - low, 1e-300))
+    return np.ascontiguousarray(picture.astype(np.uint8))
+
+
+def lengths():
+    """Names of the units of length, for messages."""
+    return ", ".join(name for name, (unit, _) in KNOWN.items() if unit == "l")
 
 
 def metres(text, what):
-    value, unit = with_unit(text)
-    if KNOWN.get(unit, ("", 0))[0] not in ("l", ""):
+    try:
+        value, unit = with_unit(text)
+    except TendrilError:
+        raise FilmError(f"{what}: {text} is no length; give 20cm") from None
+    if unit not in KNOWN:
+        raise FilmError(f"{what}: {unit} is no unit; give a length in {lengths()}")
+    if KNOWN[unit][0] not in ("l", ""):
         raise FilmError(f"{what}: {text} is no length; give 20cm")
     return value * KNOWN[unit][1], unit
 
@@ -307,15 +367,39 @@ class Lens:
         return found.reshape(-1, 2)
 
 
-def pictures_of(source, fps, every, frames):
+def when(one):
+    """(time in s or nan, length as text or "", path) of FILE, 12cm@FILE or 20s@FILE."""
+    at, _, path = str(one).rpartition("@")
+    try:
+        kind, value = moment(at, str(one))
+        si = 1.0 if value.unit in ("l", "l/V") else np.nan
+    except DataError:
+        si = np.nan
+    if at and np.isnan(si):
+        raise FilmError(f"{one}: {at} is no time and no length; give 20s@FILE or 12cm@FILE")
+    if kind == "length":
+        return np.nan, f"{float(value.numbers) * 100:.10g}cm", path
+    return float(value.numbers), "", path
+
+
+def told_of(sources, fps):
+    """(time, length and path of each picture or film; a line that tells of times that stand in names, or "")"""
+    told = [(np.nan, "", one) if hasattr(one, "shape") else when(one) for one in sources]
+    names = [path for at, length, path in told if not hasattr(path, "shape") and np.isnan(at) and not length
+             and not path.lower().endswith(FILMS)]
+    times, line = times_of(names, fps) if len(names) == len(told) else (None, "")
+    return ([(at, "", path) for at, path in zip(times, names)] if times else told), line
+
+
+def pictures_of(source, fps, every, frames, notes):
     """(name, time or nan, length or "", picture) one after the other; source: a film, or photographs, each a
     file or LENGTH@FILE or TIME@FILE."""
-    sources = [source] if isinstance(source, (str, Path)) or hasattr(source, "shape") else list(source)
-    for one in sources:
-        if hasattr(one, "shape"):
-            yield "picture", np.nan, "", np.asarray(one)
+    told, line = told_of(source, fps)
+    notes += [line] if line else []
+    for at, length, path in told:
+        if hasattr(path, "shape"):
+            yield "picture", np.nan, "", eight_bits(path, "picture")
             continue
-        at, _, path = str(one).rpartition("@")
         if path.lower().endswith(FILMS):
             for told, number, picture in film_frames(path, every, frames):
                 rate = fps or told
@@ -323,12 +407,7 @@ def pictures_of(source, fps, every, frames):
                     raise FilmError(f"{path}: does not know its frames per second; give --fps 25")
                 yield f"{Path(path).name}, frame {number}", number / rate, "", picture
             continue
-        length = re.fullmatch(r"(?:length\s*=?\s*)?([-+0-9.eE]+\s*(m|cm|mm|um))", at.strip())
-        time = re.fullmatch(r"(?:t\s*=?\s*)?([-+0-9.eE]+)\s*s", at.strip())
-        if at and not (length or time):
-            raise FilmError(f"{one}: {at} is no time and no length; give 20s@FILE or 12cm@FILE")
-        yield Path(path).name, float(time[1]) if time else np.nan, length[1].replace(" ", "") if length else "", \
-            photograph(path)
+        yield Path(path).name, at, length, photograph(path)
 
 
 def small(picture):
@@ -341,13 +420,38 @@ def small(picture):
     return bytes(cv2.imencode(".jpg", shown, [cv2.IMWRITE_JPEG_QUALITY, 70])[1]), [w, h]
 
 
+def doubted(f, direction, seen):
+    """Why a line is none of the body: it leaves against x1, or is much shorter than the body is told to be; else ""."""
+    if direction is not None and leaves_against(f.line.points, direction, f.line.width):
+        return "the line goes away from --along, against x1"
+    plane = seen.plane(f.line.points)
+    length = float(np.sum(np.hypot(*np.diff(plane, axis=0).T)))
+    if f.length and seen.unit and length < LOST * f.centimetres() / 100:
+        return f"the line is {100 * length:.3g} cm long, and the body {f.length}: it was not followed to its tip"
+    return ""
+
+
+def stubs(frames):
+    """Marks lines of a few widths, where a body was not followed: but of a film those from which longer ones have grown."""
+    following, length = False, 0.0
+    order = sorted((f for f in frames if f.line and not f.trouble), key=lambda f: (np.isnan(f.at), f.at))
+    for f in order[::-1]:
+        long = f.line.length >= FEW * f.line.width
+        following = long or following and not np.isnan(f.at) and length <= GROWN * f.line.length
+        length = f.line.length
+        if not following:
+            f.trouble = f"the line is {length:.0f} px long, {length / f.line.width:.1f} of its widths: that is no rod"
+
+
 def compared(frames, notes):
     """Marks lines that are not like those before and after them: a rod that grows does not become shorter."""
-    lengths = [(k, f.line.length) for k, f in enumerate(frames) if f.line and f.line.whole and not np.isnan(f.at)]
+    lengths = [(k, f.line.length) for k, f in enumerate(frames) if f.line and f.line.whole and not f.trouble
+               and not np.isnan(f.at)]
     order = sorted(lengths, key=lambda pair: frames[pair[0]].at)
     for (a, before), (b, here), (c, after) in zip(order, order[1:], order[2:]):
         if abs(here - 0.5 * (before + after)) > JUMP * here + 0.5 * abs(after - before):
             frames[b].trouble = "its length is not like that before and after"
+    stubs(frames)
     longest = 0.0
     for k, length in order:
         if length < (1 - JUMP) * longest and not frames[k].trouble:
@@ -359,6 +463,62 @@ def compared(frames, notes):
     lost = sum(not (f.line and f.line.whole) for f in frames)
     if lost:
         notes.append(f"{lost} of {len(frames)} pictures are not used; the page and -frames.csv say why")
+
+
+def place(value, what):
+    """[2], a point in a picture."""
+    try:
+        found = np.array(value, float)
+    except (TypeError, ValueError):
+        found = np.empty(0)
+    if found.shape != (2,) or not np.isfinite(found).all():
+        raise FilmError(f"{what}: give a point of the picture, two numbers in pixels, not {value!r}")
+    return found
+
+
+def boarded(value):
+    """(columns, rows, square) of a checkerboard."""
+    try:
+        columns, rows, square = value
+        columns, rows = whole(columns, "checkerboard"), whole(rows, "checkerboard")
+        metres(square, "checkerboard")
+    except (TypeError, ValueError):
+        raise FilmError(f'checkerboard: give inner corners and the square, (9, 6, "1cm"), not {value!r}') from None
+    if min(columns, rows) < 3:
+        raise FilmError("checkerboard: needs three inner corners at least each way")
+    return columns, rows, square
+
+
+def checked(source, clamp, scale, checkerboard, lens, along, fps, every, frames, body, width, ground, points):
+    """measure()'s arguments, those that have parts as such: (sources, clamp, scale, checkerboard, along)."""
+    if body not in ("dark", "light") or ground not in ("plain", "textured"):
+        raise FilmError("body is dark or light, ground is plain or textured")
+    whole(every, "every"), whole(points, "points", 4)
+    for value, what in ((fps, "fps"), (width, "width")):
+        if value is not None:
+            number(value, what, above=0)
+    if frames is not None:
+        try:
+            first, last = (whole(k, "frames", 0) for k in frames)
+        except (TypeError, ValueError):
+            raise FilmError(f"frames: give the first and the last, (0, 200), not {frames!r}") from None
+        if first > last:
+            raise FilmError(f"frames: the first, {first}, comes after the last, {last}")
+    if isinstance(source, (str, Path)) or hasattr(source, "shape"):
+        source = [source]
+    if not isinstance(source, (list, tuple)) or not all(isinstance(one, (str, Path)) or hasattr(one, "shape") for one in source):
+        raise FilmError(f"source: give a film, or photographs as names of files or arrays, not {type(source).__name__}")
+    if not isinstance(lens, (list, tuple)):
+        raise FilmError("lens: give a list of pictures")
+    clamp, along = place(clamp, "clamp"), None if along is None else place(along, "along")
+    if along is not None and not np.hypot(*(along - clamp)) > 1:
+        raise FilmError("along: give a point that is apart from the clamp")
+    if scale is not None:
+        if not isinstance(scale, (list, tuple)) or len(scale) != 3:
+            raise FilmError('scale: give two points and their distance, ((212, 900), (1012, 900), "20cm")')
+        scale = place(scale[0], "scale"), place(scale[1], "scale"), scale[2]
+        similarity(scale)
+    return list(source), clamp, scale, None if checkerboard is None else boarded(checkerboard), along
 
 
 def measure(source, *, clamp, scale=None, checkerboard=None, board_picture=None, lens=(), along=None,
@@ -384,10 +544,8 @@ def measure(source, *, clamp, scale=None, checkerboard=None, board_picture=None,
     pages         keeps small pictures for the page
 
     Raises FilmError, in one line, for a film in which nothing can be measured."""
-    if body not in ("dark", "light") or ground not in ("plain", "textured"):
-        raise FilmError("body is dark or light, ground is plain or textured")
-    if every < 1:
-        raise FilmError("every: give 1 or more")
+    given = checked(source, clamp, scale, checkerboard, lens, along, fps, every, frames, body, width, ground, points)
+    sources, clamp, scale, checkerboard, along = given
     optics = Lens([photograph(p) for p in lens], checkerboard) if lens and checkerboard else None
     found, kept, notes, homography = [], [], [], np.eye(3)
     if optics:  # what was clicked was clicked in pictures as they were taken
@@ -398,30 +556,35 @@ def measure(source, *, clamp, scale=None, checkerboard=None, board_picture=None,
     if scale:
         homography = similarity(scale)
     board = photograph(board_picture) if board_picture else None
-    for name, at, length, picture in pictures_of(source, fps, every, frames):
+    direction, seen = None, None
+    for name, at, length, picture in pictures_of(sources, fps, every, frames, notes):
         picture = optics.straight(picture) if optics else picture
         if checkerboard and not found:
             shown = board if board is not None else picture
             corners = corners_of(optics.straight(shown) if optics and board is not None else shown, checkerboard)
             homography = of_board(corners, checkerboard)
+        if seen is None:
+            seen = Scale(clamp, (clamp[0] + 100, clamp[1]) if along is None else along, homography, "m" if metric else "")
+            if metric or along is not None:  # of pixels fit finds the turn
+                direction = np.subtract((clamp[0] + 100, clamp[1]) if along is None else along, clamp)
+        frame = Frame(name, at, length, None)
         try:
-            line, trouble = trace(picture, clamp, body=body, width=width, ground=ground, points=points), ""
+            frame.line = trace(picture, clamp, body=body, width=width, ground=ground, points=points, along=direction)
+            frame.trouble = doubted(frame, direction, seen)
         except FilmError as error:
-            line, trouble = None, str(error)
-        found.append(Frame(name, at, length, line, trouble))
+            frame.trouble = str(error)
+        found.append(frame)
         if pages:
             kept.append(small(picture))
         if progress:
-            print(f"measure: {name}: {trouble or f'{line.length:.0f} px long, {line.width:.1f} wide'}", flush=True)
+            told = frame.trouble or f"{frame.line.length:.0f} px long, {frame.line.width:.1f} wide"
+            print(f"measure: {name}: {told}", flush=True)
     if not any(f.line for f in found):
         raise FilmError(f"no line in any of {len(found)} pictures: {found[0].trouble if found else 'there is none'}")
     compared(found, notes)
     thin = np.unique(np.linspace(0, len(found) - 1, min(PAGE_FRAMES, len(found))).astype(int)) if pages else []
     if pages and len(thin) < len(found):
         notes.append(f"the page shows {len(thin)} of {len(found)} pictures")
-    ahead = along if along is not None else (clamp[0] + 100, clamp[1])
-    unit = "m" if metric else ""
-    seen = Scale(clamp, ahead, homography, unit)
     return Filmed(found, seen, fps or np.nan, notes, kept, seen.doubts(corners, checkerboard) if checkerboard else {})
 
 

@@ -19,17 +19,19 @@ import matplotlib
 
 from .errors import TendrilError, complaint, writable
 from .fitting import fit
-from .measured import Measured, gather, read
+from .measured import Measured, gather, named, read
 
 LEFT = (".opts", ".txt", ".csv", ".json", ".png", ".pdf")
 
 
 def measured(words, unit, fps=None):
     """All DATA as one; a word is FILE or TIME@FILE."""
-    whole = Measured()
+    files = []
     for word in words:
         at, _, path = word.rpartition("@")
-        one = read(path, unit, at, fps)
+        files.append((path, read(path, unit, at, fps)))
+    whole = Measured()
+    for one in named(files, fps):
         whole.photographs += one.photographs
         whole.curves += one.curves
         whole.notes += one.notes

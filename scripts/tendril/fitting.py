@@ -20,6 +20,7 @@ rises more slowly than it should. What speaks against the fit is in .warnings (t
 from __future__ import annotations
 
 import json
+import re
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
@@ -29,9 +30,9 @@ import numpy as np
 from scipy import stats
 
 from .doubts import warnings_of
-from .errors import RunError, TendrilError, replacing
+from .errors import RunError, TendrilError, number, replacing, whole
 from .fit_report import bands, describe, draw, indistinct, save, scene_text, table
-from .measured import gather
+from .measured import PIXEL, gather
 from .noise import Certainty, certainty
 from .parameters import Parameter, Prior
 from .problem import Problem, Solution
@@ -383,12 +384,64 @@ def polished(problem: Problem, best: Solution, accuracy, tell, finer=True):
     return best
 
 
+def by_name(value, what, example):
+    """Refuses what is no dict by names."""
+    if value is not None and not (isinstance(value, Mapping) and all(isinstance(name, str) for name in value)):
+        raise TendrilError(f"fit: give {what} by name, {example}")
+
+
+def check_numbers(unit, fps, y_down, accuracy, starts, seed, jobs):
+    """fit()'s arguments that are one number or word each."""
+    if not isinstance(unit, str):
+        raise TendrilError(f'fit: unit {unit}: give its name, "cm" or "px"')
+    if y_down not in (None, True, False):
+        raise TendrilError(f"fit: y_down {y_down}: give True, False or None")
+    if fps is not None:
+        number(fps, "fit: fps", above=0)
+    if number(accuracy, "fit: accuracy", above=0) > 1:
+        raise TendrilError(f"fit: accuracy {accuracy:g}: give a relative error, 3e-4")
+    for value, what, least in ((starts, "starts", 0), (seed, "seed", 0), (jobs, "jobs", 1)):
+        if value is not None:
+            whole(value, f"fit: {what}", least)
+
+
+# a straight rod is as long, whatever these are
+TOLD_BY_BENDS = re.compile(r"friction_|si_friction_|si_bending_stiffness|rod_stiffness|contact_friction|tip_force|rod_weight")
+STRAIGHT, THROUGH = 1e-9, 0.02  # of the extent of points: how far they are off a line; how far it passes the clamp
+
+
+def stays_straight(measured) -> bool:
+    """Whether all points of all photographs lie on one line, and that goes through the clamp."""
+    points = [p.points.numbers for p in measured.photographs]
+    if not points or measured.curves:
+        return False
+    points = np.vstack(points)
+    middle = points.mean(axis=0)
+    _, size, axes = np.linalg.svd(points - middle, full_matrices=False)
+    across = np.array([-axes[0, 1], axes[0, 0]])
+    through = measured.photographs[0].points.unit == PIXEL or abs(across @ middle) <= THROUGH * np.ptp(points, axis=0).max()
+    return bool(size[1] <= STRAIGHT * size[0] and through)
+
+
+def check_bent(measured, looked_for, options):
+    """Refuses to look for what only a bend tells where there is none."""
+    texts = {word: name for name, text in options.items() if isinstance(text, str) for word in re.findall(r"{(\w+)}", text)}
+    of_bends = [p.name for p in looked_for if TOLD_BY_BENDS.match(texts.get(p.name, p.name).lstrip("-"))]
+    if of_bends and stays_straight(measured):
+        count = len(measured.photographs)
+        where = "the photograph" if count == 1 else f"all {count} photographs"
+        raise TendrilError(f"fit: the rod is straight in {where}: nothing tells {', '.join(of_bends)}; give photographs in which "
+                           "it bends, or a series beside them, as base_force_1")
+
+
 def made(scene, data, parameters, *, unit, fps, y_down, priors, tied, noise, jobs, options) -> Problem:
     """The problem of fit()'s arguments."""
+    by_name(parameters, "parameters", '{"si_friction_dry": ("0.1N/m", "2N/m")}')
+    by_name(priors, "priors", '{"si_bending_stiffness": ("4.5e-4", "1e-5")}')
+    by_name(tied, "tied", '{"si_friction_viscous": "2*si_friction_dry Ns/m^2"}')
+    by_name(noise, "noise", '{"lines": "0.5mm"}')
     known = [Prior.of(name, prior) for name, prior in (priors or {}).items()]
-    if not isinstance(parameters, Mapping):
-        raise TendrilError('fit: give parameters by name, {"si_friction_dry": ("0.1N/m", "2N/m")}')
-    bounds = dict(parameters) | {k.name: k.bounds() for k in known if k.name not in parameters}
+    bounds = dict(parameters or {}) | {k.name: k.bounds() for k in known if k.name not in parameters}
     looked_for = [Parameter.of(name, value) for name, value in bounds.items()]
     if not looked_for:
         raise TendrilError('fit: give what to look for, {"si_friction_dry": ("0.1N/m", "2N/m")}')
@@ -397,6 +450,7 @@ def made(scene, data, parameters, *, unit, fps, y_down, priors, tied, noise, job
         if p.unit != k.unit:
             raise TendrilError(f"prior of {k.name}: its bounds are in {p.unit or 'no unit'}; give it so, too")
     measured = gather(data, unit, y_down, fps)
+    check_bent(measured, looked_for, options)
     return Problem(scene, measured, looked_for, options, jobs, priors=known, tied=tied,
                    noise=measured.told(noise))
 
@@ -430,6 +484,7 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", f
     Ctrl-C ends the search; the best until then is returned. Raises TendrilError, in one line, for data or a
     scene that cannot be read or run."""
     begin = time.perf_counter()
+    check_numbers(unit, fps, y_down, accuracy, starts, seed, jobs)
     problem = made(scene, data, parameters, unit=unit, fps=fps, y_down=y_down, priors=priors, tied=tied, noise=noise,
                    jobs=jobs, options=options)
     p = len(problem.parameters)

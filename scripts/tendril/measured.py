@@ -12,8 +12,10 @@ Columns carry their unit, "x1 (cm)" or "x1 [cm]"; without one a number is dimens
                                       given beside the file; or several side by side under a line of
                                       times and a line "X, Y, X, Y" (WebPlotDigitizer)
 
-DeepLabCut, Tracker, ImageJ, spreadsheets and DataFrames: tendril.readers. Points in px are those of a picture, x2 downwards: scale, place and turn of the camera are then found
-together with the rest. A photograph without a time is compared with the shape that fits it best."""
+DeepLabCut, Tracker, ImageJ, spreadsheets and DataFrames: tendril.readers; SLEAP, SmartRoot, RSML: tendril.tracked. Points in
+px are those of a picture, x2 downwards: scale, place and turn of the camera are then found together with the rest. A
+photograph without a time has that which its file's name says (tendril.naming), or is compared with the shape that fits it
+best."""
 
 from __future__ import annotations
 
@@ -24,7 +26,9 @@ from typing import Mapping, Sequence
 
 import numpy as np
 
-from .readers import DataError, is_number, plain
+from .errors import DataError
+from .naming import times_of
+from .readers import is_number, plain
 from .units import SHOWN, TIMES
 
 PIXEL = "px"
@@ -307,21 +311,44 @@ def gather(data, unit="", y_down=None, fps=None) -> Measured:
     return whole
 
 
+def named(files, fps=None):
+    """Gives photographs that know no time those that the names of their files say. files: (name, Measured), of which all
+    that hold one photograph alone are meant."""
+    lone = [(name, one) for name, one in files if len(one.photographs) == 1 and one.photographs[0].abscissa is None]
+    times, told = times_of([name for name, _ in lone], fps) if len(lone) == len(files) else (None, "")
+    for (_, one), at in zip(lone, times or ()):
+        one.photographs[0].abscissa, one.photographs[0].at = "t", Values(float(at), "l/V")
+    if told:
+        lone[0][1].notes.append(told)
+    return [one for _, one in files]
+
+
+def points_of(points, at, unit, fps):
+    """Measured, of what stands for a photograph beside its time or length: a file, a DataFrame, an array."""
+    if isinstance(points, (str, Path)) or hasattr(points, "itertuples"):
+        return read(points, unit, str(at), fps)
+    what = f"photograph at {at}" if at else "photograph"
+    try:
+        table = np.asarray(points, float)
+    except (TypeError, ValueError):
+        table = np.empty(0)
+    if table.ndim != 2 or table.shape[1] != 2:
+        told = f", not {list(table.shape)}" if table.size else ""
+        raise DataError(f"{what}: give points [m, 2], x1 and x2{told}")
+    return Measured([photograph(table, unit, moment(str(at), "data"), False, what)])
+
+
 def gathered(data, unit, fps=None) -> Measured:
     if isinstance(data, Measured):
         return checked(data)
     if isinstance(data, Mapping):
-        found = []
-        for at, points in data.items():
-            if isinstance(points, (str, Path)):
-                found.append(read(points, unit, str(at), fps))
-            else:
-                found.append(Measured([photograph(np.asarray(points, float), unit,
-                                                  moment(str(at), "data"), False,
-                                                  f"photograph at {at}" if at else "photograph")]))
+        found = [points_of(points, at, unit, fps) for at, points in data.items()]
     elif isinstance(data, (str, Path)) or hasattr(data, "itertuples"):
         found = [read(data, unit, fps=fps)]
-    elif isinstance(data, Sequence):
+        found = found if hasattr(data, "itertuples") else named([(data, found[0])], fps)
+    elif isinstance(data, Sequence) and len(data) and all(isinstance(one, (str, Path)) for one in data):
+        found = named([(one, read(one, unit, fps=fps)) for one in data], fps)
+    elif isinstance(data, Sequence) and not isinstance(data, bytes) and len(data):
         found = [gathered(one, unit, fps) for one in data]
     else:
         raise DataError("data: give a CSV file, a DataFrame, several in a list, or {'20s': 'photo.csv', ...}")

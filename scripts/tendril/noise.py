@@ -29,6 +29,7 @@ FAR = 4.0  # the same, before correlation is known
 BETWEEN = 6.0  # standard deviations: a point that is not so much farther from another strand tells nothing
 NOTHING = 1e-6  # the weight of such a point
 FLOOR = 0.05  # of all errors, what is at least independent: a model of a rod is no better to tell neighbours apart
+EXACT = 1e-3  # of what residuals would err by alone: what is smaller is rounding, or data without any error
 AT_ONCE = 2**15  # of matrices' entries, that are worked on together
 DRAWS = 128  # of the errors' numbers, of each kind
 UNLIKELY = 4.0  # the logarithm of how much less likely a kind of errors is that is left alone
@@ -270,7 +271,8 @@ class Estimate:
         independent, from some that are all correlated, from shifts; from what is near, of that kind alone; or from what
         was found before. self.found has (cost, theta, kind) of all kinds, the best first."""
         r, weight = self.values[:, :, 0], np.where(self.empty, 0, 1 / np.maximum(self.extra, 1e-300))
-        self.unit = max(float(np.sqrt(np.sum(weight * r**2) / np.sum(self.empty == 0))), 1e-300)
+        alone = EXACT * np.median(np.concatenate([self.errors.alone[b.rows] for b in self.blocks]))
+        self.unit = max(float(np.sqrt(np.sum(weight * r**2) / np.sum(self.empty == 0))), float(alone))
         self.middle = np.log(self.unit)
         reach = 0.5 * (np.log(self.shortest) + np.log(self.longest))
         low = np.array([self.middle + np.log(FLOOR), 0, np.log(self.shortest), 0])
@@ -357,7 +359,7 @@ def judged(errors: Errors, residuals):
         gap = np.abs(inverse @ residuals[block.rows]) / np.diag(inverse)  # from what the others let expect
         usual = 1 / np.diag(inverse) - errors.groups[block.group].sigma ** 2 * (1 / errors.weights[block.rows] - 1)
         z = gap / np.sqrt(np.maximum(usual, errors.groups[block.group].sigma ** 2))
-        weights[block.rows] = np.minimum(1, (STRAY / np.maximum(z, 1e-300)) ** 2)
+        weights[block.rows] = np.minimum(1, (STRAY / np.maximum(z, 1e-100)) ** 2)
         weights[block.rows[errors.weights[block.rows] == NOTHING]] = NOTHING
     return weights
 

@@ -18,7 +18,7 @@ from .noise import Errors, estimate
 from .parameters import MODE, PER, Parameter, Prior, tied_value, with_unit
 from .progress import Stages, bar
 from .results import Results
-from .runs import run
+from .runs import check_names, run
 from .secants import Flat, least
 from .sweeps import cores, stored
 from .tangents import STEP as ALONG, beside
@@ -63,12 +63,14 @@ class Problem:
         if self.comparison.camera and (mine := [self.parameters[k].name for k in self.of_view
                                                 if self.parameters[k].name.startswith("camera")]):
             raise TendrilError(f"{mine[0]}: of points in px the camera is found anyway; leave it out")
-        self.settings: dict = {}  # end, stored shapes, cells and tolerance of all runs
-        self.glimpse = self.begin = None  # a run at the first point, for what it says of the scene
-        self.reach = 1.0  # length at the end, in units of that run
         # parameters that are words in braces in the text of another option
         self.inserted = {p.name for p in self.parameters for text in self.options.values()
                          if isinstance(text, str) and "{" + p.name + "}" in text}
+        check_names([*(self.parameters[k].name for k in self.of_runs if not MODE.match(self.parameters[k].name)
+                       and self.parameters[k].name not in self.inserted), *(name.lstrip("-") for name in self.tied)])
+        self.settings: dict = {}  # end, stored shapes, cells and tolerance of all runs
+        self.glimpse = self.begin = None  # a run at the first point, for what it says of the scene
+        self.reach = 1.0  # length at the end, in units of that run
         self.noise: dict[str, float] = {}
         self.errors: Errors | None = None  # the model of them, once the search is over
         self.count = 0  # of runs

@@ -8,7 +8,8 @@ CSV with comma, semicolon, tab or blanks between, decimal points or commas, in U
   Tracker      a line of tracks over t, x, y, t, x, y; tracks are points from clamp to tip
   ImageJ       X, Y (or XM, YM) and Slice or Frame, among other columns
 
-Frames are times by frames per second. Whatever is not used is said, in notes."""
+SLEAP, SmartRoot, RSML: tendril.tracked. Frames are times by frames per second; names of pictures, where they say some
+(tendril.naming). Whatever is not used is said, in notes."""
 
 from __future__ import annotations
 
@@ -17,17 +18,15 @@ import io
 import re
 from pathlib import Path
 
-from .errors import TendrilError
+from . import naming, tracked
+from .errors import DataError
 
 DECIMAL_COMMA = re.compile(r"\s*[-+]?\d*,\d+([eE][-+]?\d+)?\s*$")
 THOUSANDS = re.compile(r"\s*[-+]?\d{1,3},\d{3}\s*")
 ALIASES = {"x": "x1", "y": "x2", "xm": "x1", "ym": "x2", "x_1": "x1", "x_2": "x2", "time": "t", "slice": "slice",
            "frame": "frame", "index": "point", "l": "length"}
 SURE = 0.6  # the likelihood from which on a point of DeepLabCut is used
-
-
-class DataError(TendrilError):
-    """What was measured cannot be read, in one plain line."""
+PICTURES = ("image", "img", "file", "filename", "file name", "image name", "picture", "photo", "photograph")
 
 
 def text_of_file(path):
@@ -211,9 +210,13 @@ def plain(source, fps=None):
     """(rows as tendril.measured reads them, notes)
 
     fps  frames per second, for files that count frames"""
-    rows, notes = rows_of(source)
     name = "data" if hasattr(source, "itertuples") else source
-    known = deeplabcut(rows, name) or tracker(rows, name)
+    ending = Path(name).suffix.lower()
+    if ending in (".rsml", ".h5", ".hdf5", ".slp"):
+        known = tracked.rsml(source) if ending == ".rsml" else tracked.sleap_file(source)
+        return timed(known[0], fps, name, known[1]), known[1]
+    rows, notes = rows_of(source)
+    known = deeplabcut(rows, name) or tracker(rows, name) or tracked.sleap(rows, name) or tracked.smartroot(rows, name)
     if known:
         rows, more = known
         notes += more
@@ -230,8 +233,10 @@ def timed(rows, fps, name, notes):
     """Rows in which frames are times."""
     heads = [cell.strip().lower() for cell in rows[0]]
     counts = [heads.index(head) for head in ("frame", "slice") if head in heads]
-    if not counts or any(re.match(r"(t|length)\b", head) for head in heads):
+    if any(re.match(r"(t|length)\b", head) for head in heads):
         return rows
+    if not counts:
+        return by_pictures(rows, fps, name, notes)
     # ImageJ writes both, one of them 1 in all rows, and counts from 1
     varied = [k for k in counts if len({row[k] for row in rows[1:] if k < len(row) and row[k].strip()}) > 1]
     if len(varied) > 1:
@@ -248,4 +253,25 @@ def timed(rows, fps, name, notes):
             raise DataError(f'{name}: "{cell.strip()}" is no {heads[column]}')
         body.append([*row[:column], repr((float(cell) - first) / float(fps)) if cell.strip() else "",
                      *row[column + 1:]])
+    return [[*rows[0][:column], "t (s)", *rows[0][column + 1:]], *body]
+
+
+def by_pictures(rows, fps, name, notes):
+    """Rows in which the names of pictures are times, if there is a column of them and they say some."""
+    heads = [cell.strip().lower() for cell in rows[0]]
+    column = next((heads.index(head) for head in PICTURES if head in heads), None)
+    if column is None and "label" in heads:  # of ImageJ; another's labels are of points
+        column = heads.index("label")
+        if not all(re.search(r"\.(tiff?|png|jpe?g|bmp|gif)\b", row[column], re.IGNORECASE) for row in rows[1:] if column < len(row)):
+            return rows
+    if column is None:
+        return rows
+    pictures = list(dict.fromkeys(row[column].strip() for row in rows[1:] if column < len(row) and row[column].strip()))
+    times, told = naming.times_of(pictures, fps)
+    notes += [f"{name}: {told}"] if told else []
+    if times is None:
+        return rows
+    at = dict(zip(pictures, times))
+    body = [[*row[:column], repr(at[row[column].strip()]) if column < len(row) and row[column].strip() else "", *row[column + 1:]]
+            for row in rows[1:]]
     return [[*rows[0][:column], "t (s)", *rows[0][column + 1:]], *body]

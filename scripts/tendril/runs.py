@@ -30,13 +30,14 @@ import tempfile
 import time
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
+from functools import lru_cache
 from numbers import Real
 from pathlib import Path
 
 import h5py
 import numpy as np
 
-from .errors import RunError, TendrilError, path_of, positive
+from .errors import RunError, TendrilError, did_you_mean, path_of, positive
 from .progress import bar
 from .results import Results, load
 
@@ -73,6 +74,22 @@ def executable() -> str:
         return found
     raise TendrilError("no executable tendril: build it (scripts/run.sh does), put it on the PATH, or "
                        "name it in the variable TENDRIL")
+
+
+@lru_cache
+def options_known_to(program) -> tuple[str, ...]:
+    """The names of the options that a program says it has; none if it does not say."""
+    done = subprocess.run([program, "-help"], capture_output=True, text=True, errors="replace", stdin=subprocess.DEVNULL,
+                          env=os.environ | ENVIRONMENT | SINGLE)
+    return tuple(re.findall(r"^  -(\w+) +<", done.stdout, re.MULTILINE))
+
+
+def check_names(names):
+    """Refuses names that are of no option of tendril's own, with the likeliest that is."""
+    known = options_known_to(executable())
+    for name in names:
+        if known and name not in known:
+            raise RunError(f"{name}: unknown option{did_you_mean(name, known) or '; docs/options.md has all'}")
 
 
 def text_of(value) -> str:

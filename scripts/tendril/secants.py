@@ -12,6 +12,10 @@ class Flat(Exception):
     """At the point, its argument, no number changes any residual, not even by rounding: least_squares would divide by that."""
 
 
+class Still(Exception):
+    """At the point, its argument, the residuals have no slope, as where all are 0: least_squares would divide by that."""
+
+
 class Stale(Exception):
     """A step led nowhere, and the derivatives were not made where it began."""
 
@@ -50,6 +54,8 @@ class Secant:
         self.u, self.f = np.array(u), self.last
         if not self.matrix.any():
             raise Flat(self.u)
+        if not (self.f @ self.matrix).any():
+            raise Still(self.u)
         return self.matrix
 
     def begin_anew(self):
@@ -79,6 +85,8 @@ def least(residuals, derivatives, cost, begin, *, wanted, most, **more):
             end = found.x, found.cost
         except Stale:
             end = slopes.u, lowest
+        except Still as still:
+            return still.args[0], lowest
         if not slopes.updated or slopes.count >= most - 1:
             return end
         begin = slopes.begin_anew()

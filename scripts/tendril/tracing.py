@@ -21,6 +21,8 @@ TURN = np.radians(70)  # a path goes on within
 LOOP = 0.7  # radians by which one turns rather to a branch that comes back to where one was: later it would be left out
 COARSE, FINE = 640, 10.0  # pixels: of a picture in which a body is looked for; of its width, to be measured
 BRIDGE = 8  # of its widths: a gap that a path goes over
+AGAINST = -0.1  # cosine of the angle between x1 and the first part of a line, from which down it leaves the other way
+BEGIN = 4  # widths of a line that are its first part
 
 
 class FilmError(TendrilError):
@@ -167,8 +169,9 @@ class Skeleton:
                         best = (cost, k, end, not joined)
         return best and best[1:]
 
-    def path(self, clamp, most):
-        """([n, 2] pixels from the clamp on, [n] whether a place is at a crossing or in a gap)"""
+    def path(self, clamp, most, along=None):
+        """([n, 2] pixels from the clamp on, [n] whether a place is at a crossing or in a gap). Of several ways the longest
+        that does not leave against along, if there is such a one."""
         near = [(float(np.min(np.hypot(*(b - clamp).T))), k) for k, b in enumerate(self.branches) if len(b) > 2]
         near = [(d, k) for d, k in near if d < most]
         if not near:
@@ -182,7 +185,8 @@ class Skeleton:
                     found.append(self.follow(half, {k}))
         if not found:
             raise FilmError("the body near the clamp is no line")
-        return max(found, key=lambda pair: len(pair[0]))
+        ahead = [pair for pair in found if len(pair[0]) > 2 * self.width and not leaves_against(pair[0], along, self.width)]
+        return max(ahead or found, key=lambda pair: len(pair[0]))
 
     def follow(self, path, used):
         unsure = np.zeros(len(path), bool)
@@ -200,6 +204,15 @@ class Skeleton:
             path = np.vstack([path, between, ahead])
             unsure = np.concatenate([unsure, doubt, more])
         return path, unsure
+
+
+def leaves_against(path, along, width):
+    """Whether the first part of a line, some widths of it, goes the other way than a direction; None: no."""
+    if along is None:
+        return False
+    s = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
+    gap = path[min(int(np.searchsorted(s, BEGIN * width)), len(path) - 1)] - path[0]
+    return bool(gap @ along < AGAINST * np.hypot(*gap) * np.hypot(*along))
 
 
 def resampled(path, step):
@@ -278,7 +291,7 @@ def smoothed(path, unsure, width):
     return line, float(1.4826 * np.median(np.abs(off))) if len(off) else 0.0
 
 
-def trace(picture, clamp, *, body="dark", width=None, ground="plain", points=60, near=None) -> Traced:
+def trace(picture, clamp, *, body="dark", width=None, ground="plain", points=60, near=None, along=None) -> Traced:
     """The centre line of the body that begins at the clamp.
 
     picture  [h, w] or [h, w, 3], 8 bits
@@ -288,20 +301,23 @@ def trace(picture, clamp, *, body="dark", width=None, ground="plain", points=60,
     ground   "plain" or "textured"
     points   of the line that comes out
     near     how far from the clamp the body may begin, in pixels; None: a tenth of the picture
+    along    (x, y), the direction of x1 in the picture: of a body on both sides of the clamp that part is taken;
+             None: the longer one
 
     Raises FilmError, in one line, where there is none."""
     cv2 = needed("cv2", "OpenCV")
     grey = picture if picture.ndim == 2 else cv2.cvtColor(np.ascontiguousarray(picture[..., :3]), cv2.COLOR_RGB2GRAY)
     clamp, near = np.asarray(clamp, float), near or 0.1 * max(grey.shape)
+    along = None if along is None else np.asarray(along, float)
     if not width:
         coarse = min(1.0, COARSE / max(grey.shape))
         shown, there = reduced(grey, clamp, coarse)
-        _, _, _, seen = found_in(shown, there, body, "plain", min(shown.shape) / 40, near * coarse, False)
+        _, _, _, seen = found_in(shown, there, body, "plain", min(shown.shape) / 40, near * coarse, False, along)
         width = max(seen, 1.5) / coarse
     # a body of ten pixels is told to a small part of one; more of them cost time alone
     part = min(1.0, FINE / width)
     shown, there = reduced(grey, clamp, part)
-    response, path, unsure, seen = found_in(shown, there, body, ground, width * part, near * part, True)
+    response, path, unsure, seen = found_in(shown, there, body, ground, width * part, near * part, True, along)
     line, doubt, error, wide = refined(response, path, unsure, seen)
     whole = to_the_tip(response, line, seen)
     h, w = shown.shape
@@ -321,13 +337,13 @@ def reduced(grey, clamp, part):
     return cv2.resize(grey, None, fx=part, fy=part, interpolation=cv2.INTER_AREA), (clamp + 0.5) * part - 0.5
 
 
-def found_in(grey, clamp, body, ground, width, near, known):
+def found_in(grey, clamp, body, ground, width, near, known, along):
     """(response, path, unsure, width) of the body near the clamp; known: whether its width is, or a guess."""
     cv2 = needed("cv2", "OpenCV")
     response = ridges(grey, body, width) if ground == "textured" and known else standing_out(grey, body, 3 * width)
     mask = mask_of(response)
     deep = cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 5)
-    path, unsure = Skeleton(mask, max(width if known else 3, 3)).path(clamp, near)
+    path, unsure = Skeleton(mask, max(width if known else 3, 3)).path(clamp, near, along)
     return response, path, unsure, 2 * float(np.median(deep[path[:, 1].astype(int), path[:, 0].astype(int)]))
 
 

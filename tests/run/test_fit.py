@@ -31,7 +31,8 @@ try:
 
     import tendril
     import tendril.__main__ as commands
-    from tendril import comparing, doubts, filming, fit_command, fitting, laws, measured, noise, problem, progress, secants, tracing
+    from tendril import (comparing, doubts, filming, fit_command, fitting, laws, measured, naming, noise, problem, progress,
+                         secants, tracing)
     from tendril.parameters import MODE, Parameter, Prior, tied_value
 except ImportError as error:
     from_venv(error)
@@ -248,6 +249,92 @@ class Reading(unittest.TestCase):
                     frame.to_excel(book, sheet_name=sheet, index=False)
             self.assertTrue(any("not used: sheet second" in note for note in measured.read(path).notes))
 
+    def test_sleap(self):
+        """Its analysis CSV, as sleap-convert writes it, and its .h5; of two tracks none is the rod."""
+        head = "track,frame_idx,instance.score,base.x,base.y,base.score,mid.x,mid.y,mid.score,tip.x,tip.y,tip.score\n"
+        file = self.file(head + ",0,0.9,1,2,0.9,3,4,0.8,5,6,0.9\n,50,0.9,1,2,0.9,3,5,0.9,6,6,0.1\n,75,0.9,1,2,0.9,3,5,0.9,,,\n"
+                         ",100,0.9,1,2,0.9,3,5,0.9,7,7,0.9\n")
+        m = measured.read(file, fps=25)
+        self.assertEqual([(float(p.at.numbers), p.ordered) for p in m.photographs], [(0, True), (4, True)])
+        np.testing.assert_array_equal(m.photographs[1].points.numbers, [[1, 2], [3, 5], [7, 7]])
+        self.assertEqual(m.photographs[0].points.unit, measured.PIXEL)
+        self.assertTrue(any("SLEAP, 3 nodes as points from the clamp to the tip, base to tip" in note for note in m.notes), m.notes)
+        self.assertRaisesRegex(measured.DataError, "--fps", measured.read, file)
+        two = self.file(head + "a,0,0.9,1,2,0.9,3,4,0.8,5,6,0.9\nb,0,0.9,1,2,0.9,3,5,0.9,6,6,0.1\n")
+        self.assertRaisesRegex(measured.DataError, "2 tracks, a, b; leave", measured.read, two, fps=25)
+        import h5py
+        path = Path(self.directory.name) / "a.h5"
+        with h5py.File(path, "w") as f:
+            f["node_names"] = [b"base", b"mid", b"tip"]
+            f["tracks"] = np.moveaxis([[[[1, 2], [3, 4], [5, 6]], [[1, 2], [3, 5], [6, np.nan]], [[1, 2], [3, 5], [7, 7]]]], 1, 3
+                                      ).transpose(0, 2, 1, 3)
+        m = measured.read(path, fps=2)
+        self.assertEqual([float(p.at.numbers) for p in m.photographs], [0, 1])
+        np.testing.assert_array_equal(m.photographs[1].points.numbers, [[1, 2], [3, 5], [7, 7]])
+
+    def test_root_systems(self):
+        """SmartRoot's nodes and RSML, in a unit from the root's base, upwards; laterals are left out and said, of two roots
+        that hang on none neither is the rod; names of the images are times."""
+        head = "image, root, root_name, x, y, theta, diameter, distance_from_base, distance_from_apex, root_order, root_ontology\n"
+        nodes = "".join(f"g{image}.tif, k1, root_1, {5 + s}, {2 - 0.1 * s * s}, 0, 0.1, {s}, {3 - s}, 0, PO:1\n"
+                        for image in ("-2h", "-30min") for s in (3, 0, 1, 2))
+        lateral = "g-2h.tif, k2, lat_1, 9, 9, 0, 0.1, 0, 1, 1, PO:2\n"
+        m = measured.read(self.file(head + nodes + lateral))
+        self.assertEqual([float(p.at.numbers) for p in m.photographs], [1800, 7200])
+        np.testing.assert_allclose(m.photographs[0].points.numbers, [[0, 0], [0.01, 0.001], [0.02, 0.004], [0.03, 0.009]], atol=1e-12)
+        self.assertTrue(any("not used: 1 nodes of roots that hang" in note for note in m.notes), m.notes)
+        other = self.file(head + nodes + nodes.replace("root_1", "root_2"))
+        self.assertRaisesRegex(measured.DataError, "2 roots that hang on no other, root_1, root_2", measured.read, other)
+        text = """<?xml version="1.0"?><rsml><metadata><unit>{unit}</unit><resolution>{size}</resolution>
+            <image><name>/a/{name}</name></image></metadata><scene><plant><root id="1" label="A"><geometry><polyline>
+            <point x="100" y="50"/><point x="200" y="50"/><point x="354" y="177"/></polyline></geometry>
+            <root id="2"><geometry><polyline><point x="1" y="1"/></polyline></geometry></root></root>{more}</plant></scene></rsml>"""
+        file = self.file(text.format(unit="inch", size=254, name="g-20s.png", more=""), "a.rsml")
+        (p,) = measured.gather([file]).photographs
+        self.assertEqual((float(p.at.numbers), p.ordered, p.points.unit), (20, True, "l"))
+        np.testing.assert_allclose(p.points.numbers, [[0, 0], [0.01, 0], [0.0254, -0.0127]], atol=1e-12)
+        (p,) = measured.read(self.file(text.format(unit="pixel", size=1, name="g.png", more=""), "a.rsml")).photographs
+        np.testing.assert_array_equal((p.abscissa, p.points.unit, *p.points.numbers[2]), (None, measured.PIXEL, 354, 177))
+        second = '<root label="B"/>'
+        for broken, word in ((text.format(unit="cm", size=1, name="a", more=second), "2 roots that hang on no other, A, B"),
+                             (text.format(unit="ell", size=1, name="a", more=""), "ell is no unit"),
+                             ("<rsml>", "no RSML"), ("<rsml/>", "no RSML that has a root")):
+            self.assertRaisesRegex(measured.DataError, word, measured.read, self.file(broken, "b.rsml"))
+
+    def test_names_that_are_times(self):
+        """Of pictures in a table, of files, of photographs to be measured: with a unit, as a date, as a number of frames;
+        where one says its time itself names are not asked."""
+        for name, seconds in (("root-20s.png", 20), ("a/2.5h.csv", 9000), ("t=3min_1.tif", 180), ("IMG_0050.png", None),
+                              ("12cm.png", None), ("b2s.png", None)):
+            self.assertEqual(naming.told_time(name), seconds, name)
+        times = naming.times_of(["2018-03-08_1000.jpg", "2018-03-08_1130.jpg", "2018-03-09_1000.jpg"])[0]
+        self.assertEqual(times, [0, 5400, 86400])
+        self.assertEqual(naming.times_of(["img_0010.png", "img_0020.png"], 5)[0], [2, 4])
+        self.assertRegex(naming.times_of(["img_0010.png", "img_0020.png"])[1], "give --fps")
+        rows = "".join(f"img-{k}s.png,{x},{x}\n" for k in (5, 9) for x in (1, 2, 3))
+        m = measured.read(self.file("image,x,y\n" + rows), unit="cm")
+        self.assertEqual([float(p.at.numbers) for p in m.photographs], [5, 9])
+        m = measured.read(self.file("label,x,y\n1,1,1\n2,2,2\n3,3,3\n"), unit="cm", fps=2)  # of points, not of pictures
+        self.assertEqual([p.abscissa for p in m.photographs], [None])
+        files = [self.file("1 2\n2 3\n3 4\n", f"at-{k}min.csv") for k in (1, 2)]
+        self.assertEqual([float(p.at.numbers) for p in measured.gather(files, "cm").photographs], [60, 120])
+        self.assertEqual([float(p.at.numbers) for p in fit_command.measured(map(str, files), "cm").photographs], [60, 120])
+        told = measured.gather([*files, self.file("t (s),x1,x2\n7,1,2\n7,2,3\n7,3,5\n")], "cm").photographs
+        self.assertEqual([p.abscissa for p in told], [None, None, "t"])
+        self.assertEqual([at for at, *_ in filming.told_of(["a-1s.png", "a-3s.png"], None)[0]], [1, 3])
+        self.assertEqual([length for _, length, _ in filming.told_of(["5cm@a-1s.png", "a-3s.png"], None)[0]], ["5cm", ""])
+
+    def test_points_of_another_kind(self):
+        """Three columns, none, words, what is no data at all: a line that says what is wanted."""
+        for points in (np.zeros((5, 3)), np.zeros(5), [["a", "b"]] * 3, [[1, 2], [3]], None, {}):
+            with self.assertRaisesRegex(measured.DataError, r"photograph at 3cm: give points \[m, 2\], x1 and x2"):
+                measured.gather({"3cm": points})
+        for data in (3, None, [], [1, 2], b"a.csv", {}):
+            self.assertRaisesRegex(measured.DataError, "^data: ", measured.gather, data)
+        import pandas
+        frame = pandas.DataFrame({"x1 (cm)": [1.5, 2.5, 3.5], "x2 (cm)": [2, 3, 4]})
+        self.assertEqual(float(measured.gather({"3cm": frame}).photographs[0].at.numbers), 0.03)
+
     def test_unsure_points(self):
         """They are left out; where the last of a line is one, the tip was not seen."""
         m = measured.read(self.file("t (s),x1,x2,point,unsure\n" + "".join(
@@ -452,6 +539,81 @@ class Tracing(unittest.TestCase):
                             (("12apples@a.png",), "no time and no length")):
             with self.assertRaisesRegex(tendril.TendrilError, word):
                 tendril.measure([*words], clamp=(10, 10))
+
+    def test_lengths_in_a_unit_that_is_none(self):
+        """A line that lists the units."""
+        body = self.picture(np.array([[80.0, 300], [600, 300]]))
+        for scale in (((1, 1), (101, 1), "1furlong"), ((1, 1), (101, 1), "1N")):
+            with self.assertRaisesRegex(tendril.TendrilError, r"scale: .*(no unit; give a length in m, cm, mm|no length)"):
+                tendril.measure(body, clamp=(80, 300), scale=scale)
+        self.assertRaisesRegex(tendril.TendrilError, "3furlong is no time", tendril.measure, "3furlong@a.png", clamp=(80, 300))
+
+    def test_which_way(self):
+        """Of a body on both sides of the clamp the part along x1 is taken, though it is the shorter one; where all of it
+        is on the other side that is said, and the line not used."""
+        body = self.picture(np.array([[400.0, 40], [400, 300], [440, 500]]))
+        m = tendril.measure(body, clamp=(400, 300), along=(400, 400), scale=((0, 0), (100, 0), "1cm"), pages=False)
+        points = m.scale.plane(m.good()[0].line.points)
+        self.assertTrue(np.all(points[2:, 0] > 0), points)
+        self.assertAlmostEqual(float(m.table().length[0]), 0.0204, delta=0.001)
+        for more, used in ((dict(along=(400, 200)), False), (dict(along=(400, 0), scale=((0, 0), (100, 0), "1cm")), False),
+                           (dict(), True)):  # of pixels alone fit finds the turn
+            m = tendril.measure(body, clamp=(442, 505), pages=False, **{"scale": None} | more | (
+                dict(along=(442, 600)) if not used else {}))
+            self.assertEqual([bool(m.good()), m.frames[0].trouble], [used, "" if used else "the line goes away from --along, against x1"])
+
+    def test_lines_that_are_too_short(self):
+        """A stub of a few widths is no rod, but of a film whose lines grow from it; nor is a line that is much shorter than
+        the photograph is told to be."""
+        def film(lengths, times):
+            bodies = [self.picture(np.array([[80.0, 300], [80.0 + r, 300]])) for r in lengths]
+            frames = [filming.Frame("a", t, "", tracing.trace(b, (80, 300))) for b, t in zip(bodies, times)]
+            filming.compared(frames, [])
+            return [f.trouble for f in frames]
+
+        self.assertRegex(film([45], [np.nan])[0], "px long, [0-9.]+ of its widths: that is no rod")
+        self.assertEqual(film([45, 70, 100], [0, 1, 2]), ["", "", ""])
+        self.assertEqual([bool(told) for told in film([45, 300], [0, 1])], [True, False])
+        with tempfile.TemporaryDirectory(prefix="tendril-") as place:
+            import imageio.v3 as imageio
+            imageio.imwrite(Path(place) / "a.png", self.picture(np.array([[80.0, 300], [380, 300]])))
+            for told, used in (("3cm", True), ("10cm", False)):
+                m = tendril.measure(f"{told}@{place}/a.png", clamp=(80, 300), scale=((0, 0), (100, 0), "1cm"), pages=False)
+                self.assertEqual(bool(m.good()), used)
+            self.assertIn("and the body 10cm: it was not followed", m.frames[0].trouble)
+
+    def test_pictures_of_all_kinds(self):
+        """TIFF with LZW, as OpenCV and microscopes write it, is what PNG is; a file that no library reads and a stack of
+        pictures are refused in a line."""
+        import cv2
+        import imageio.v3 as imageio
+        body = self.picture(np.array([[80.0, 300], [600, 330]]))
+        with tempfile.TemporaryDirectory(prefix="tendril-") as place:
+            lzw, path = Path(place) / "a.tif", Path(place) / "a.png"
+            cv2.imwrite(str(lzw), body, [cv2.IMWRITE_TIFF_COMPRESSION, 5])
+            imageio.imwrite(path, body)
+            np.testing.assert_array_equal(filming.photograph(lzw), filming.photograph(path))
+            lzw.write_bytes(lzw.read_bytes()[:300])
+            self.assertRaisesRegex(tendril.TendrilError, "a.tif: no picture that can be read", filming.photograph, lzw)
+            cv2.imwrite(str(lzw), 257 * body.astype(np.uint16), [cv2.IMWRITE_TIFF_COMPRESSION, 5])
+            np.testing.assert_array_equal(filming.photograph(lzw), body)
+            imageio.imwrite(lzw, np.stack([body] * 5), extension=".tif")
+            self.assertRaisesRegex(tendril.TendrilError, "is no one picture", filming.photograph, lzw)
+        np.testing.assert_array_equal(filming.eight_bits(body / 255.0, "a") // 2, body // 2)
+        self.assertRaisesRegex(tendril.TendrilError, "no such file", filming.photograph, "none.png")
+
+    def test_arguments_of_another_kind(self):
+        body = np.full((200, 300), 200, np.uint8)
+        good = dict(clamp=(10, 10), scale=((0, 0), (100, 0), "1cm"))
+        for more, word in ((dict(clamp=None), "clamp: give a point"), (dict(clamp="10,10"), "clamp: give a point"),
+                           (dict(clamp=(1, 2, 3)), "clamp: give a point"), (dict(scale="20cm"), "scale: give two points"),
+                           (dict(scale=((0, 0), (0, 0), "1cm")), "two points that are apart"), (dict(every=0), "every 0"),
+                           (dict(every=1.5), "every 1.5"), (dict(frames=3), "frames: give the first"), (dict(fps="a"), "fps a"),
+                           (dict(frames=(5, 2)), "comes after"), (dict(points=2), "points 2"), (dict(width=-1), "width -1"),
+                           (dict(checkerboard=(9, 6)), "checkerboard: give inner"), (dict(along=(10, 10)), "along: .*apart"),
+                           (dict(lens=3), "lens: give a list"), (dict(source=3), "source: give a film"), (dict(body="red"), "body is")):
+            with self.assertRaisesRegex(tendril.TendrilError, word):
+                tendril.measure(**{"source": body} | good | more)
 
     def test_missing_library(self):
         with mock.patch.dict(sys.modules, {"cv2": None}):
@@ -1413,6 +1575,47 @@ class Fitting(unittest.TestCase):
         found = braces.raw_jacobian(u, central=True)
         np.testing.assert_allclose(told[:, 0], found[:, 0])
         self.assertLess(np.linalg.norm(told[:, 1] - found[:, 1]), 0.03 * np.linalg.norm(found[:, 1]))
+
+    def test_names_before_physics(self):
+        """A scene whose friction is looked for under a name that is none has no friction: the name is told."""
+        scene, data = ROOT / "docs/first/root.opts", ROOT / "docs/first/root.csv"
+        for names, word in ((["si_friction_dri"], "^si_friction_dri: unknown option, did you mean si_friction_dry"),
+                            (["friction"], "^friction: unknown option, did you mean friction_mu"),
+                            (["rod_curvature", "qqq"], "^qqq: unknown option; docs/options.md has all")):
+            with self.assertRaisesRegex(tendril.TendrilError, word):
+                tendril.fit(scene, data, {name: (0.1, 2) for name in names})
+        with self.assertRaisesRegex(tendril.TendrilError, "^si_friction_viscos: unknown option, did you mean si_friction_viscous"):
+            tendril.fit(scene, data, {"si_friction_dry": (0.1, 2)}, tied={"si_friction_viscos": "2*si_friction_dry Ns/m^2"})
+
+    def test_straight_in_all_photographs(self):
+        """Nothing tells friction there, and that is said before the search; what a straight rod tells is found, though no
+        residual is left."""
+        data = self.place / "straight.csv"
+        data.write_text("t (s),x1 (cm),x2 (cm)\n" + "".join(f"{t},{x},0\n" for t, n in ((1, 3), (2, 4)) for x in 0.5 * np.arange(1, n + 1)))
+        friction = {"si_friction_dry": ("0.1N/m", "10N/m")}
+        for names, count in (({}, 2), ({"rod_curvature": ("-10/m", "10/m")}, 2)):
+            with self.assertRaisesRegex(tendril.TendrilError, "straight in all 2 photographs: nothing tells si_friction_dry; give"):
+                tendril.fit(TUBE, data, friction | names)
+        with mock.patch.object(fitting, "Problem", side_effect=OverflowError):  # beyond the check
+            for more in ("2,2,0.01\n", "", "t (s),width (cm)\n1,2\n2,3\n"):
+                other = self.place / "more.csv"
+                other.write_text(more if "width" in more else data.read_text() + more)
+                name = friction if more else {"growth_initial_length": ("0.5cm", "2cm")}
+                with self.assertRaises(OverflowError):
+                    tendril.fit(TUBE, [data, other] if "width" in more else other, name)
+        with np.errstate(all="raise"):
+            found = tendril.fit(TUBE, data, {"rod_curvature": ("-10/m", "10/m")}, si_friction_dry="0.6N/m", starts=1, accuracy=3e-3)
+        self.assertAlmostEqual(found.values["rod_curvature"], 0, delta=1e-3)
+
+    def test_arguments_of_another_kind(self):
+        good = {"si_friction_dry": ("0.2N/m", "2N/m")}
+        for more, word in ((dict(unit=3), "unit 3"), (dict(fps="a"), "fps a"), (dict(fps=0), "fps 0"), (dict(y_down="no"), "y_down no"),
+                           (dict(accuracy="x"), "accuracy x"), (dict(starts=1.5), "starts 1.5"), (dict(seed=-1), "seed -1"),
+                           (dict(jobs=0), "jobs 0"), (dict(priors=["a"]), "priors by name"), (dict(tied="a=b"), "tied by name"),
+                           (dict(noise=3), "noise by name"), (dict(parameters=[1]), "parameters by name"),
+                           (dict(parameters={5: (1, 2)}), "parameters by name"), (dict(parameters={"tip_force": None}), "tip_force|None")):
+            with self.assertRaisesRegex(tendril.TendrilError, word):
+                tendril.fit(**{"scene": TUBE, "data": self.data, "parameters": good} | more)
 
     def test_words_in_braces(self):
         """One may stand in several options; none of it is an option of its own."""
