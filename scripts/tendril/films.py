@@ -1,7 +1,7 @@
 """Makes a film of the growth from a result file: the rod coloured by its axial force, with arrows
 for the friction that acts on it, and for what presses on it.
 
-    scripts/animate.sh results/uniform-dry.h5 [--output film.gif] [--from T --to T] [--frames N] [--si]
+    scripts/animate.sh results/uniform-dry.h5 [--output film.gif] [--from T --to T] [--frames N]
     scripts/animate.sh helix.h5 --turn 90 --field twist       # of a rod in space: the view turns, any field
 
 The ending of --output decides: .gif, or .mp4 where ffmpeg is installed."""
@@ -28,7 +28,7 @@ from .style import STYLE
 from .progress import bar
 from .surroundings import axial_force, friction
 from .style import InStyle
-from .units import Units, briefly, moment
+from .units import Units, add_choice_of_units, briefly, in_laboratory_of, moment
 from .walls import (RIM, ThickLine, ThickSegments, diameter_of, draw_contact, draw_walls, strongest_contact)
 
 ARROWS = 28
@@ -121,12 +121,12 @@ def writer_of(output, rate):
 
 
 def animate(r: Results, output: str | Path, *, begin: float | str = 0, end: float | str = "inf",
-            si: bool = False, frames: int = 160, rate: int = 20, field: str | None = None,
+            si: bool | None = None, frames: int = 160, rate: int = 20, field: str | None = None,
             view: tuple[float, float] | str | None = None, turn: float = 0, progress: bool | None = None) -> int:
     """Writes a film of a run, .gif or .mp4; the number of its frames.
 
     begin, end  of the film, dimensionless or with a unit, "20s"
-    si          in units of the laboratory that suit the run
+    si          in units of the laboratory that suit the run; None: if its file has them; False: dimensionless
     frames      at most so many, the first and the last shape among them
     rate        frames a second
     field       of a rod in space what the colours show: axial, curvature, twist and others; None: axial
@@ -149,7 +149,7 @@ def animate(r: Results, output: str | Path, *, begin: float | str = 0, end: floa
         raise ResultsError(f"{r.told}: holds no shape in that time")
     chosen = np.unique(np.linspace(0, len(times) - 1, min(len(times), max(frames, 2))).round().astype(int))
     with plt.rc_context(STYLE), bar(progress, len(chosen)) as shown:
-        shapes, units = [r.at(times[k]) for k in chosen], Units([r] if si else ())
+        shapes, units = [r.at(times[k]) for k in chosen], Units(in_laboratory_of([r], si))
         film = FilmInSpace(r, shapes, units, field or "axial", view, turn) if r.in_space else Film(r, shapes, units)
         film.show(0)
         film.figure.draw_without_rendering()
@@ -170,8 +170,7 @@ def main(arguments=None):
     parser.add_argument("--from", dest="begin", default="0", metavar="T",
                         help="of a run with -si_ options also 20s or 2min")
     parser.add_argument("--to", dest="end", default="inf", metavar="T")
-    parser.add_argument("--si", action="store_true",
-                        help="in centimetres, newtons, seconds and the like: for runs with -si_ options")
+    add_choice_of_units(parser)
     parser.add_argument("--frames", type=int, default=160, help="at most; default %(default)s")
     parser.add_argument("--rate", type=int, default=20, help="frames a second; default %(default)s")
     parser.add_argument("--field", help="of a rod in space, what the colours show: " + ", ".join(FIELDS))

@@ -24,6 +24,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from .collection import Sweep, load_sweep
 from .errors import RunError, TendrilError, complaint, path_of
+from .results import in_words
 from .style import STYLE, InStyle, save
 from .units import DIMENSIONS, KINDS, in_laboratory, suited_to
 from .units import quantity as number_with_unit
@@ -182,7 +183,7 @@ def draw(ax, xs, ys, table, units, axes, quantity):
                            colors=np.where(dark, "white", "#222222"))
         ax.clabel(lines, fontsize=6, fmt="%.4g")
     for axis, unit, label in zip(axes, units, (ax.set_xlabel, ax.set_ylabel)):
-        label(LABELS.get(axis, axis.replace("_", " ")) + (f" ({unit})" if unit else ""))
+        label(LABELS.get(axis, in_words(axis)) + (f" ({unit})" if unit else ""))
     label = LABELS.get(quantity, quantity.removeprefix("series/").replace("_", " "))
     label += f" ({units[2]})" if units[2] else ""
     ax.figure.colorbar(colours, ax=ax, label=label)

@@ -27,7 +27,7 @@ from .results import Results, load, runs_of, titles_of
 from .spatial import out_of_plane
 from .style import COLOURS
 from .surroundings import axial_force, friction, pressed, size_of, walls
-from .units import in_laboratory, laboratory_units
+from .units import add_choice_of_units, in_laboratory, in_laboratory_of, laboratory_units
 from .walls import diameter_of
 
 WEB = Path(__file__).resolve().parent / "web"
@@ -117,13 +117,14 @@ def plain(text):
     return re.sub("_([0-9])", lambda found: "₀₁₂₃₄₅₆₇₈₉"[int(found[1])], text)
 
 
-def content_of(results, titles, space):
+def content_of(results, titles, space, si=None):
     """What the page's script draws; arrays are dimensionless, the script has the units."""
+    lab = bool(in_laboratory_of(results, si, "view"))
     units = laboratory_units(results)
     shapes = [page_space.shapes_of(r, len(results)) if space else shapes_of(r) for r in results]
     shades = [to_hex(shade) for shade in colours(len(results))]
-    drag = [np.percentile(size_of(s["friction"]), 95) for s in shapes]
-    press = [size_of(s["contact"]).max() for s in shapes if "contact" in s]
+    drag = [float(np.percentile(size_of(s["friction"]), 95)) for s in shapes]
+    press = [float(size_of(s["contact"]).max()) if "contact" in s else 0.0 for s in shapes]
     summary = [(text, units_of(results)[name]) for text, name in SUMMARY if name in units_of(results)]
     summary += [(text, "1") for text in ("steps", "Newton iterations", "finished", "ended by",
                                           "version")]
@@ -133,11 +134,12 @@ def content_of(results, titles, space):
         "charts": charts_of(results), "summary": summary, "colours": COLOURS,
         "names": {name: plain(name_of(name)) for r in results for name in r.series},
         "symbols": {name: plain(symbol_of(name)) for r in results for name in r.series},
-        "units": {unit: name for unit, (name, _) in units.items()},
+        "units": {unit: name for unit, (name, _) in units.items()}, "lab": lab,
         "notes": {name: r.notes.get(f"series/{name}", "") for r in results for name in r.series},
-        "drag": float(max(drag)) or 1.0, "press": float(max(press, default=0)) or 1.0,
-        "touches": bool(max(press, default=0) > 0),
+        "touches": max(press) > 0,
     }
+    for run, *longest in zip(content["runs"], drag, press):
+        run["drag"], run["press"] = longest
     if space:
         page_space.add(content, results, shapes)
     else:
@@ -181,11 +183,13 @@ class Page:
 
 
 def view(results: Results | Sequence[Results], output: str | Path | None = None,
-         titles: Sequence[str] | None = None) -> Path | Page:
+         titles: Sequence[str] | None = None, si: bool | None = None) -> Path | Page:
     """Writes a page for a browser of one run, or of several in one picture; its path. Without output the
     page itself, which a notebook shows.
 
-    titles  of the runs; None: the names of their files"""
+    titles  of the runs; None: the names of their files
+    si      opens in units of the laboratory; None: where the files have them; False: dimensionless. The page has a box
+            that changes it"""
     runs = runs_of(results, "view")
     titles = titles_of(runs, titles)
     if len(titles) != len(runs):
@@ -194,7 +198,7 @@ def view(results: Results | Sequence[Results], output: str | Path | None = None,
         if not len(r.series.get("t", ())) or not len(r.shapes.get("t", ())):
             raise ResultsError(f"{r.told}: holds no stored shape to show")
     space = any(r.in_space for r in runs)
-    page = Page(page_of(content_of(runs, titles, space), " · ".join(titles), space))
+    page = Page(page_of(content_of(runs, titles, space, si), " · ".join(titles), space))
     return page if output is None else page.save(output)
 
 
@@ -205,12 +209,13 @@ def main(arguments=None):
     parser.add_argument("--output", metavar="FILE.html",
                         help="default: the first file's name with .html")
     parser.add_argument("--titles", metavar="A,B,...", help="of the files; default: their names")
+    add_choice_of_units(parser)
     choice = parser.parse_intermixed_args(arguments)
     try:
         output = choice.output or str(Path(choice.files[0]).with_suffix(".html"))
         output = view([load(path) for path in choice.files],
                       output if output.lower().endswith((".html", ".htm")) else f"{output}.html",
-                      choice.titles.split(",") if choice.titles else None)
+                      choice.titles.split(",") if choice.titles else None, choice.si)
     except (TendrilError, OSError) as error:
         print(complaint(error, "view"), file=sys.stderr)
         return 1

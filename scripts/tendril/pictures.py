@@ -4,9 +4,10 @@
     scripts/plot.sh results/uniform-dry.h5
     scripts/plot.sh results/uniform-*.h5 --panels norm,shapes --times 10,20,30 --output compare
     scripts/plot.sh slow.h5 fast.h5 --overlay --panels shapes,width,tip_x1+tip_x2
-    scripts/plot.sh mytube.h5 --si --times 20s,1min
+    scripts/plot.sh mytube.h5 --times 20s,1min
 
-Symbols are those of the README; all is dimensionless, or with --si in the units of the laboratory.
+Symbols are those of the README. Runs with a physical rod (-si_ options) are drawn in the units of the laboratory, each by
+its own scales; others, and all with --dimensionless, in the units of the file.
 
 panels: {panels}, all of them as "all", or the name of any series of the file (docs/results.md), or
 several in one, joined by +"""
@@ -41,7 +42,7 @@ from .solids import solids
 from .spatial import diameter_of, lift, out_of_plane, up_of
 from .style import BLUE, COLOURS, GREEN, GREY, ORANGE, RED, STYLE, InStyle, save
 from .surroundings import arc_length, contact_force, size_of
-from .units import Units, briefly, moment
+from .units import Units, add_choice_of_units, briefly, in_laboratory_of, moment, scale_of
 from .walls import draw_contact, draw_rod, draw_walls, strongest_contact
 
 if TYPE_CHECKING:
@@ -57,11 +58,15 @@ class View:
 
     results: list[Results]
     units: Units
-    times: list[float] | None = None  # of the shapes; None: quarters of each run
+    times: list | None = None  # of the shapes, numbers or with a unit; None: quarters of each run
     overlay: bool = False
     titles: list[str] = field(default_factory=list)
     beside: dict = field(default_factory=dict)  # path -> run drawn dashed beside it
     view: tuple = VIEW  # from where rods in space are seen
+
+    def of(self, r) -> Units:
+        """The units of a run: its own numbers may be multiplied by others than another's."""
+        return self.units.at(r)
 
     def colour(self, r, otherwise):
         """In an overlay a run has its colour in all panels."""
@@ -71,13 +76,20 @@ class View:
         """In an overlay lines of one run are told apart by their style."""
         return STYLES[number % len(STYLES)] if self.overlay else otherwise
 
+    def second(self, r):
+        """What 1 of the run's time is in that which is shown."""
+        return self.of(r).scales["time"][0]
+
     def times_of(self, r):
+        """Of the shapes drawn, as the run's file counts them."""
         end = r.shapes.t[-1] * (1 + 1e-9)
         if self.times is not None:
-            return [t for t in self.times if t <= end]
+            return [t for t in (moment("times", word, [r]) for word in self.times) if t <= end]
+        first = r
         if self.overlay:  # the same for all
-            r = min(self.results, key=lambda r: r.shapes.t[-1])
-        return sorted({shape_of(r, r.shapes.t[-1] * k / 4).t for k in (1, 2, 3, 4)})
+            first = min(self.results, key=lambda r: r.shapes.t[-1] * self.second(r))
+        found = sorted({shape_of(first, first.shapes.t[-1] * k / 4).t for k in (1, 2, 3, 4)})
+        return found if first is r else [min(t * self.second(first) / self.second(r), r.shapes.t[-1]) for t in found]
 
 
 def colours(count) -> list:
@@ -115,12 +127,12 @@ def mark_minimum(ax, r, view):
     at, least = r.minimum("norm_x2")
     if at in (r.series.t[0], r.series.t[-1]):
         return
-    point = view.units.of("time", at), view.units.of("length", least)
+    point = view.of(r).of("time", at), view.of(r).of("length", least)
     ax.plot(*point, "o", ms=4, color=view.colour(r, RED))
     if view.overlay:
         return
     late = at > 0.55 * r.series.t[-1]
-    ax.annotate(rf"${power_of_ten(point[1])}$ at {view.units.time(at)}", point, color=RED,
+    ax.annotate(rf"${power_of_ten(point[1])}$ at {view.of(r).time(at)}", point, color=RED,
                 xytext=(-5 if late else 5, -5), textcoords="offset points", va="top",
                 ha="right" if late else "left",
                 path_effects=[withStroke(linewidth=2.5, foreground="white")])  # over other curves
@@ -149,17 +161,17 @@ def settle(figure):
 
 def panel_norm(ax, r, view):
     decades(ax)
-    ax.set_ylabel(view.units.label(r"$\|x_2\| = (\int_0^1 x_2^2\, ds)^{1/2}$", "length"))
+    ax.set_ylabel(view.of(r).label(r"$\|x_2\| = (\int_0^1 x_2^2\, ds)^{1/2}$", "length"))
     for run, line, colour in ((r, "-", BLUE), (view.beside.get(r.path), "--", GREY)):
         if run is not None and (run.series.norm_x2 > 0).any():
-            norm = view.units.of("length", np.ma.masked_less_equal(run.series.norm_x2, 0))
-            ax.plot(view.units.of("time", run.series.t), norm, line, color=view.colour(r, colour),
+            norm = view.of(run).of("length", np.ma.masked_less_equal(run.series.norm_x2, 0))
+            ax.plot(view.of(run).of("time", run.series.t), norm, line, color=view.colour(r, colour),
                     label=r"$\|x_2\|$" if r.in_space else None)
     if r.in_space and (r.series.norm_x3 > 0).any():
-        norm = view.units.of("length", np.ma.masked_less_equal(out_of_plane(r), 0))
-        ax.plot(view.units.of("time", r.series.t), norm, view.style(r, 1, "--"), color=view.colour(r, ORANGE),
+        norm = view.of(r).of("length", np.ma.masked_less_equal(out_of_plane(r), 0))
+        ax.plot(view.of(r).of("time", r.series.t), norm, view.style(r, 1, "--"), color=view.colour(r, ORANGE),
                 label=r"$\|x_3\|$")
-        ax.set_ylabel(view.units.label(r"$\|x_i\| = (\int_0^1 x_i^2\, ds)^{1/2}$", "length"))
+        ax.set_ylabel(view.of(r).label(r"$\|x_i\| = (\int_0^1 x_i^2\, ds)^{1/2}$", "length"))
     if (r.series.norm_x2 > 0).any():
         mark_minimum(ax, r, view)
         ax.margins(y=0.25)  # room for what is written below the minimum
@@ -171,10 +183,10 @@ def curves(unit, label, *lines):
     """A panel of lines over time, in a unit of the file: (series, label, colour, style); a series the
     file lacks is left out."""
     def panel(ax, r, view):
-        factor, name_of_unit = view.units.unit(unit)
+        factor, name_of_unit = view.of(r).unit(unit)
         for number, (name, text, colour, style) in enumerate(lines):
             if name in r.series:
-                ax.plot(view.units.of("time", r.series.t), factor * r.series[name],
+                ax.plot(view.of(r).of("time", r.series.t), factor * r.series[name],
                         linestyle=view.style(r, number, style), color=view.colour(r, colour),
                         label=text)
         typeset = re.sub(r"\^\(?([0-9/]+)\)?", r"$^{\1}$", name_of_unit)
@@ -195,7 +207,7 @@ def panel_defect(ax, r, view):
     defect = np.ma.masked_equal(np.abs(r.series.energy_defect), 0)
     decades(ax)
     if defect.count():
-        ax.plot(view.units.of("time", r.series.t), defect, color=view.colour(r, BLUE), lw=0.8)
+        ax.plot(view.of(r).of("time", r.series.t), defect, color=view.colour(r, BLUE), lw=0.8)
     ax.set_ylabel("energy defect, relative")
 
 
@@ -207,7 +219,7 @@ def draw_shapes(ax, r, view, line):
     for number, (t, shade) in enumerate(zip(times, shades)):
         shape = shape_of(r, t)
         line(shape, color=view.colour(r, shade), linestyle=view.style(r, number, "-"),
-             label=f"${view.units.of('time', shape.t):.4g}$")
+             label=f"${view.of(r).of('time', shape.t):.4g}$")
     ax.plot(0, 0, "ks", ms=3, clip_on=False, zorder=3)
 
 
@@ -217,7 +229,7 @@ def axes_of_place(ax, view, across="$x_2$"):
 
 
 def panel_shapes(ax, r, view):
-    unit = view.units.of("length", 1.0)
+    unit = view.of(r).of("length", 1.0)
     draw_shapes(ax, r, view, lambda shape, **look: draw_rod(ax, r, shape.x[:, :2], unit, **look))
     if not r.in_space:
         draw_walls(ax, r, unit)
@@ -226,7 +238,7 @@ def panel_shapes(ax, r, view):
 
 def panel_side(ax, r, view):
     """A rod in space, seen along x2."""
-    unit = view.units.of("length", 1.0)
+    unit = view.of(r).of("length", 1.0)
     in_space("side", r)
     draw_shapes(ax, r, view, lambda shape, **look: draw_rod(ax, r, shape.x[:, ::2], unit, **look))
     axes_of_place(ax, view, "$x_3$")
@@ -234,11 +246,11 @@ def panel_side(ax, r, view):
 
 def panel_front(ax, r, view):
     """A rod in space, seen along x1."""
-    unit = view.units.of("length", 1.0)
+    unit = view.of(r).of("length", 1.0)
     in_space("front", r)
     draw_shapes(ax, r, view, lambda shape, **look: draw_rod(ax, r, shape.x[:, 1:], unit, **look))
-    ax.set_xlabel(view.units.label("$x_2$", "length"))
-    ax.set_ylabel(view.units.label("$x_3$", "length"))
+    ax.set_xlabel(view.of(r).label("$x_2$", "length"))
+    ax.set_ylabel(view.of(r).label("$x_3$", "length"))
 
 
 def in_space(panel, r):
@@ -250,7 +262,7 @@ def panel_space(ax, r, view):
     """The rod in perspective, with axes of true lengths; in a run of the plane x3 is 0."""
     if ax.name != "3d":
         raise ResultsError('plot: the panel space needs axes with projection="3d"')
-    unit, times = view.units.of("length", 1.0), view.times_of(r)
+    unit, times = view.of(r).of("length", 1.0), view.times_of(r)
     shades = plt.get_cmap("viridis")(np.linspace(0, 0.88, len(view.times or times)))
     strands = []
     for number, (t, shade) in enumerate(zip(times, shades)):
@@ -259,16 +271,16 @@ def panel_space(ax, r, view):
         if view.overlay:  # a run has its colour, paler at earlier times
             colour = tuple(1 - (0.4 + 0.6 * (number + 1) / len(times)) * (1 - c) for c in to_rgb(colour))
         else:
-            ax.plot([], [], [], color=colour, label=f"${view.units.of('time', shape.t):.4g}$")  # for the legend
+            ax.plot([], [], [], color=colour, label=f"${view.of(r).of('time', shape.t):.4g}$")  # for the legend
         strands.append(Strand(unit * lift(r, shape).x, colour, unit * diameter_of(r)))
     drawn = [c for c in ax.collections if isinstance(c, Rods)]  # of the runs before, in an overlay
     rods = drawn[0] if drawn else ax.add_collection(Rods(zorder=3), autolim=False)
     rods.set_strands(rods.strands + strands)
     ax.plot([0], [0], [0], "ks", ms=3, zorder=4)
     beside = [] if view.overlay else [one for one in view.results if one is not r]  # their panels have the same box
-    others = [unit * lift(one, shape_of(one, t)).x for one in beside for t in view.times_of(one)]
+    others = [view.of(one).of("length", lift(one, shape_of(one, t)).x) for one in beside for t in view.times_of(one)]
     low, high = box_of(np.concatenate([np.zeros((1, 3)), *(s.x for s in rods.strands), *others]))
-    furnish(ax, low, high, up_of(r), view.view, lambda name: view.units.label(name, "length"))
+    furnish(ax, low, high, up_of(r), view.view, lambda name: view.of(r).label(name, "length"))
     draw_surfaces(ax, [one.at(shape.t) for one in solids(r)], low, high, unit)  # what moves: at the last of the times
 
 
@@ -276,14 +288,14 @@ def along_rod(field, label, unit):
     """A panel of a scalar along the rod, at the times asked for."""
     def panel(ax, r, view):
         times = view.times_of(r)
-        factor, name_of_unit = view.units.unit(unit)
+        factor, name_of_unit = view.of(r).unit(unit)
         shades = plt.get_cmap("viridis")(np.linspace(0, 0.88, len(view.times or times)))
         for number, (t, shade) in enumerate(zip(times, shades)):
             shape = shape_of(r, t)
-            ax.plot(view.units.of("length", arc_length(shape)), factor * field(r, shape),
+            ax.plot(view.of(r).of("length", arc_length(shape)), factor * field(r, shape),
                     linestyle=view.style(r, number, "-"), color=view.colour(r, shade),
-                    label=f"${view.units.of('time', shape.t):.4g}$")
-        ax.set_xlabel(view.units.label("distance from the clamp, along the rod", "length"))
+                    label=f"${view.of(r).of('time', shape.t):.4g}$")
+        ax.set_xlabel(view.of(r).label("distance from the clamp, along the rod", "length"))
         ax.set_ylabel(f"{label} ({name_of_unit})" if name_of_unit else label)
 
     return panel
@@ -300,12 +312,12 @@ def panel_touch(ax, r, view):
     """The last of the times asked for, and what presses on the rod."""
     if r.in_space:
         raise ResultsError(f"plot: touch: {r.name} is a rod in space; give pressure, or space")
-    unit, times = view.units.of("length", 1.0), view.times_of(r)
+    unit, times = view.of(r).of("length", 1.0), view.times_of(r)
     shape = r.at(times[-1] if times else r.shapes.t[-1], nearest=True)
-    most, (factor, name) = strongest_contact(r, [shape]), view.units.unit("N")
+    most, (factor, name) = strongest_contact(r, [shape]), view.of(r).unit("N")
     arrow = f", longest arrow: {briefly(factor * most)} {name or 'per length'}" if most and not view.overlay else ""
     draw_rod(ax, r, shape.x, unit, color=view.colour(r, BLUE),
-             label=f"${view.units.of('time', shape.t):.4g}$" + arrow)
+             label=f"${view.of(r).of('time', shape.t):.4g}$" + arrow)
     draw_contact(ax, r, shape, unit)
     draw_walls(ax, r, unit)
     ax.plot(0, 0, "ks", ms=3, clip_on=False, zorder=3)
@@ -602,7 +614,8 @@ def draw(names, view):
                 panels[name](ax, r, view)
         aspects.append(limit_row(view, row, row_cells))
         for k, (ax, (name, _)) in enumerate(zip(row, row_cells)):
-            times = [view.times_of(r[0]) for _, r in row_cells] if name in TIMED else [None]
+            times = [[f"{view.second(r) * t:.4g}" for r in one for t in view.times_of(r)] if name in TIMED else None
+                     for _, one in row_cells]
             if not shared or k == 0 or any(t != times[0] for t in times):
                 legend(ax, view, name)
             if not shared or k == 0:
@@ -622,33 +635,43 @@ def draw(names, view):
     return figure
 
 
-def check_times(view, given=()):
-    """A time beyond the end of all runs, or a run that has none of them, would be an empty panel."""
+def bare(word):
+    """Whether a time has no unit."""
+    return not str(word).strip()[-1:].isalpha()
+
+
+def check_times(view):
+    """A time beyond the end of all runs, or a run that has none of them, would be an empty panel; one without a unit is
+    not the same of runs that count it in units of their own."""
     for r in view.results:
         if not len(r.series.get("t", ())) or not len(r.shapes.get("t", ())):
             raise ResultsError(f"{r.told}: holds no stored shape to draw")
     if view.times is None:
         return
-    latest = max(view.results, key=lambda r: r.shapes.t[-1])
-    second = None if view.units.scales["time"][1] else latest.attributes.get("si_time")
+    latest = max(view.results, key=lambda r: r.shapes.t[-1] * view.second(r))
+    units = view.of(latest)
+    seconds = scale_of([latest], "time")
+    if len({scale_of([r], "time") for r in view.results}) > 1 and (word := next(filter(bare, view.times), None)) is not None \
+            and units.scales["time"][1]:
+        raise ResultsError(f"times {word}: these runs count it each in a unit of its own; give it with one, {word}s")
 
     def told(t):
-        return view.units.plain(t)[4:] + (f" ({t * second:.4g} s)" if second else "")
+        return units.plain(t)[4:] + (f" ({t * seconds:.4g} s)" if seconds and not units.scales["time"][1] else "")
 
     def meant(t, word):
         """Who thinks in seconds may have left them out."""
-        seconds = latest.attributes.get("si_time")
-        if str(word)[-1:].isalpha() or not seconds or not 0 <= t <= latest.shapes.t[-1] * seconds:
+        if not bare(word) or not seconds or not 0 <= t <= latest.shapes.t[-1] * seconds:
             return ""
         return f" (a time without a unit is dimensionless; give {t:.6g}s if seconds are meant)"
 
-    for t, word in zip(view.times, given):
+    for word in view.times:
+        t = moment("times", word, [latest])
         if t < 0 or t > latest.shapes.t[-1] * (1 + 1e-9):
             raise ResultsError(f"{latest.told}: ends at t = {told(latest.shapes.t[-1])}; no shape at "
                                f"{told(t)}{meant(t, word)}")
     for r in view.results:
         if not view.times_of(r):
-            raise ResultsError(f"{r.told}: ends at {view.units.plain(r.shapes.t[-1])}, before the "
+            raise ResultsError(f"{r.told}: ends at {view.of(r).plain(r.shapes.t[-1])}, before the "
                                "first of the times asked for")
 
 
@@ -665,7 +688,7 @@ def panels_of(asked, runs):
 
 
 def plot(results: Results | Sequence[Results], panels: Sequence[str] | str | None = None, *,
-         times: Sequence[float | str] | None = None, si: bool = False, overlay: bool = False,
+         times: Sequence[float | str] | None = None, si: bool | None = None, overlay: bool = False,
          titles: Sequence[str] | None = None, beside: Sequence[Results] = (),
          view: tuple[float, float] | str | None = None,
          ax: Axes | None = None) -> Figure:
@@ -677,7 +700,8 @@ def plot(results: Results | Sequence[Results], panels: Sequence[str] | str | Non
              None: shapes, deflection, force and energy; of rods in space the rod in perspective, deflection,
              curvature and twist along it
     times    of the shapes drawn, dimensionless or with a unit, "20s"; None: quarters of each run
-    si       in units of the laboratory that suit the runs
+    si       in units of the laboratory that suit the runs, each by its own scales; None: where the files have them;
+             False: dimensionless, each run in its own unit of length
     overlay  all runs in every panel, instead of a column each
     titles   of the runs; None: the names of their files
     beside   runs drawn dashed beside these in the panel norm, one for each
@@ -690,13 +714,13 @@ def plot(results: Results | Sequence[Results], panels: Sequence[str] | str | Non
     names = panels_of(panels, runs)
     if titles and len(titles) != len(runs):
         raise ResultsError(f"plot: {len(titles)} titles for {len(runs)} runs")
-    drawn = View(runs, Units(runs if si else ()), overlay=(overlay or ax is not None) and len(runs) > 1,
+    beside = [r for one in beside for r in runs_of(one, "plot, beside")]
+    drawn = View(runs, Units(in_laboratory_of([*runs, *beside], si)), overlay=(overlay or ax is not None) and len(runs) > 1,
                  titles=titles_of(runs, titles),
                  beside={r.path: other for r, other in zip(runs, beside)}, view=sight(view))
     if times is not None:
-        times = [times] if isinstance(times, str) or np.ndim(times) == 0 else times
-        drawn.times = [moment("times", t, runs) for t in times]
-    check_times(drawn, times or ())
+        drawn.times = [times] if isinstance(times, str) or np.ndim(times) == 0 else list(times)
+    check_times(drawn)
     with plt.rc_context(STYLE):
         if ax is None:
             return draw(names, drawn)
@@ -714,9 +738,13 @@ def read(path):
     return r
 
 
-def tell_missing(results, times, units):
+def tell_missing(results, times, si):
+    whole = Units(in_laboratory_of(results, si))
+    if (word := next(filter(bare, times), None)) is not None and whole.scales["time"][1]:
+        print(f"plot: times without a unit are dimensionless: {word} is {whole.plain(float(word))[4:]}")
     for r in results:
-        for t in times:
+        units = whole.at(r)
+        for t in (moment("times", word, [r]) for word in times):
             drawn = shape_of(r, min(t, r.shapes.t[-1]))
             stored, asked = units.plain(drawn.t), units.plain(t, "g")
             if t > r.shapes.t[-1] * (1 + 1e-9):
@@ -739,8 +767,7 @@ def options(arguments):
                         "default: quarters of each run")
     parser.add_argument("--overlay", action="store_true",
                         help="all files in every panel, instead of a column each")
-    parser.add_argument("--si", action="store_true",
-                        help="in centimetres, newtons, seconds and the like: for runs with -si_ options")
+    add_choice_of_units(parser)
     parser.add_argument("--beside", metavar="FILE,...", default="",
                         help="runs drawn dashed beside these in the panel norm, one for each")
     parser.add_argument("--titles", metavar="A,B,...", help="of the files; default: their names")
@@ -761,8 +788,7 @@ def main(arguments=None):
         figure = plot(results, choice.panels, times=times, si=choice.si, overlay=choice.overlay,
                       titles=choice.titles.split(",") if choice.titles else None,
                       beside=[read(path) for path in choice.beside.split(",") if path], view=choice.view)
-        tell_missing(results, [moment("times", t, results) for t in times or ()],
-                     Units(results if choice.si else ()))
+        tell_missing(results, times or (), choice.si)
         print(f"plot: {save(figure, output, None)}")
     except (TendrilError, OSError) as error:
         print(complaint(error, "plot"), file=sys.stderr)

@@ -1,8 +1,11 @@
 """Units: those of a file's numbers in the laboratory, and those of pictures, of a size that suits the
 run."""
 
+from __future__ import annotations
+
 import contextlib
 import re
+from copy import copy
 
 import numpy as np
 
@@ -155,26 +158,58 @@ def laboratory_units(results):
     return found
 
 
+def in_laboratory_of(results, si=None, who="plot") -> list:
+    """The runs whose own units a picture of them has: all, or none.
+
+    si  None: all, if they are in the laboratory; True: all; False: none. Where some are in the laboratory and some are
+        not it is refused: their lengths could not be compared"""
+    without = [r for r in results if scale_of([r], "length") is None]
+    if si is False or not results or si is None and len(without) == len(results):
+        return []
+    if len(without) == len(results):
+        raise ResultsError(f"{without[0].told}: si needs a run in the laboratory, with si_bending_stiffness and the like")
+    for kind, of in (("length", without), ("time", [r for r in results if scale_of([r], "time") is None])):
+        if of and len(of) < len(results):
+            other = next(r for r in results if all(r is not one for one in of))
+            raise ResultsError(f"{who}: {other.told} knows its {kind} in SI units and {of[0].told} does not: they cannot be drawn "
+                               "together; dimensionless, each is drawn in its own (--dimensionless)")
+    return list(results)
+
+
+def add_choice_of_units(parser):
+    """The options of a command that draws: its .si is None, True or False, as in_laboratory_of() takes it."""
+    parser.add_argument("--si", action="store_true", default=None,
+                        help="in centimetres, newtons, seconds and the like, as runs with -si_ options are drawn anyway")
+    parser.add_argument("--dimensionless", dest="si", action="store_false", default=None,
+                        help="as the files have it, also of such runs, each in its own unit of length")
+
+
 class Units:
-    """What the numbers of the files are multiplied by, and the unit they then have: none, or with
-    results given (--si) those of a run that was given a physical rod."""
+    """What the numbers of the files are multiplied by, and the unit they then have: none, or with results given those of
+    the laboratory, of a size that suits them all; at(r): of that run, by its own scales."""
 
     def __init__(self, results=()):
-        self.results = list(results)
-        self.scales = dict.fromkeys(SHOWN, (1.0, ""))
-        for r in results:
-            if scale_of([r], "length") is None:
-                raise ResultsError(f"{r.told}: si needs a run in the laboratory, with si_bending_stiffness "
-                                   "and the like")
-        for kind in SHOWN if results else ():
-            scale = scale_of(results, kind)
-            if scale is not None:  # without -si_speed time has no scale and stays a bare number
-                name, si = suited(kind, results)
-                self.scales[kind] = (float(scale) / si, name)
-        if results and not self.scales["power"][1]:
+        self.results = in_laboratory_of(results, True) if results else []
+        self.shown = {kind: suited(kind, self.results) for kind in SHOWN
+                      if results and all(scale_of([r], kind) is not None for r in self.results)}
+        self.own = self.results[0] if self.results else None
+
+    def at(self, r) -> Units:
+        """Those of one of the runs."""
+        own = copy(self)
+        own.own = r if self.results else None
+        return own
+
+    @property
+    def scales(self):
+        """{kind: (factor, name)}; without -si_speed time has no scale and stays a bare number."""
+        found = dict.fromkeys(SHOWN, (1.0, ""))
+        for kind, (name, si) in self.shown.items():
+            found[kind] = float(scale_of([self.own], kind)) / si, name
+        if self.results and not found["power"][1]:
             # a power per unit of t: the time it is per stays a bare number
-            self.scales["power"] = (self.scales["energy"][0],
-                                    f"{self.scales['energy'][1]} per unit of $t$")
+            found["power"] = found["energy"][0], f"{found['energy'][1]} per unit of $t$"
+        return found
 
     def unit(self, unit):
         """(factor, name) of a unit of the file: the name is empty for bare numbers."""
@@ -182,7 +217,7 @@ class Units:
             return self.scales[KINDS[unit]]
         if self.results:
             with contextlib.suppress(ResultsError):
-                factor, name = in_laboratory(unit, self.results[0].scale)
+                factor, name = in_laboratory(unit, self.own.scale)
                 return factor, "" if name == "1" else name
         return 1.0, "rad" if unit == "rad" else ""
 

@@ -3,6 +3,7 @@
 
     test_package.py build/tendril        with .venv's python, or one that has what the package needs"""
 
+import argparse
 import contextlib
 import importlib.util
 import io
@@ -16,6 +17,7 @@ import tempfile
 import unittest
 from dataclasses import replace
 from pathlib import Path
+from unittest import mock
 
 from interpreter import ROOT, from_venv
 
@@ -29,7 +31,7 @@ try:
 
     import tendril
     from tendril import maps as map
-    from tendril import results, runs
+    from tendril import films, results, runs, units
     from tendril.units import in_laboratory
 except ImportError as error:
     from_venv(error)
@@ -844,11 +846,75 @@ class Package(unittest.TestCase):
             with self.assertRaisesRegex(tendril.ResultsError, word):
                 tendril.plot(self.runs, wrong)
 
+    def test_runs_of_two_frictions(self):
+        """In one picture each has its own scales: both end at the same second, and their walls are one; the units of the
+        laboratory are taken unasked. Beside a run that knows none they are refused."""
+        scene = TUBE | {"stop_length": "3cm", "rod_curvature": "3/m", "wall_file": ["circle 2cm 1.5cm 1cm outside"],
+                        "contact_diameter": "2mm", "output_interval": "0.2s"}
+        two = [tendril.run(scene, si_friction_dry=f"{n}N/m") for n in (0.25, 2)]
+        self.assertGreater(two[1].series.t[-1], 1.9 * two[0].series.t[-1])
+        figure = tendril.plot(two, "width,shapes", overlay=True)
+        width, shapes = figure.axes
+        self.assertEqual((width.get_xlabel(), shapes.get_xlabel()), ("time $t$ (s)", "$x_1$ (cm)"))
+        for r, line in zip(two, width.lines):
+            np.testing.assert_allclose(line.get_xdata(), r.series.t * r.scale("time"))
+            unit = {"width (mm)": 1e-3, "width (cm)": 1e-2}[width.get_ylabel()]
+            np.testing.assert_allclose(line.get_ydata() * unit, r.series.width * r.scale("length"))
+        first, second = [artist for artist in shapes.artists if hasattr(artist, "walls")]
+        for own, r in ((first, two[0]), (second, two[1])):
+            np.testing.assert_allclose(own.scale * own.walls[0].numbers, [2, 1.5, 1], rtol=1e-6)
+        rods = [line for line in shapes.lines if len(line.get_xdata()) > 1]
+        np.testing.assert_allclose([line.width for line in rods], 0.2, rtol=1e-6)
+        for a, b in zip(rods[:4], rods[4:]):  # the same times of both
+            self.assertEqual(a.get_label(), b.get_label())
+            np.testing.assert_allclose(np.hypot(*np.diff(a.get_xydata(), axis=0).T).sum(),
+                                       np.hypot(*np.diff(b.get_xydata(), axis=0).T).sum(), rtol=2e-3)
+        bare = tendril.plot(two, "width", overlay=True, si=False).axes[0]
+        self.assertEqual([line.get_xdata()[-1] for line in bare.lines], [r.series.t[-1] for r in two])
+        self.assertEqual(bare.get_xlabel(), "time $t$")
+        at = tendril.plot(two, "shapes", times=["2s"]).axes[0].get_legend()
+        self.assertEqual([text.get_text() for text in at.get_texts()][1:] if at else [], ["$2$"])
+        for more, line in ((dict(times=[0.5]), "times 0.5: these runs count it each in a unit of its own; give it with one, 0.5s"),
+                           (dict(times=["9s"]), "ends at t = .* s; no shape at 9 s")):
+            self.assertRaisesRegex(tendril.ResultsError, line, tendril.plot, two, "shapes", **more)
+        for call in (tendril.plot, tendril.view):
+            for si in (None, True):
+                with self.assertRaisesRegex(tendril.ResultsError, "knows its length in SI units and .* does not: .*--dimensionless"):
+                    call([two[0], self.runs[0]], si=si)
+            call([two[0], self.runs[0]], si=False)
+
+    def test_pictures_are_in_the_laboratory(self):
+        """Plot, film and page of a run that has one, unless it is asked for the numbers of the file."""
+        for si, unit in ((None, "cm"), (True, "cm"), (False, "")):
+            self.assertEqual(tendril.plot(self.tube, "shapes", si=si).axes[0].get_xlabel(), f"$x_1$ ({unit})" if unit else "$x_1$")
+            with mock.patch.object(films, "Film", side_effect=InterruptedError) as film, self.assertRaises(InterruptedError):
+                tendril.animate(self.tube, self.place / "lab.gif", si=si)
+            self.assertEqual(film.call_args.args[2].scales["length"][1], unit)
+            said = tendril.view(self.tube, si=si).text
+            self.assertEqual(json.loads(re.search(r'id="data"[^>]*>(.*?)</script>', said, re.DOTALL)[1])["lab"], bool(unit))
+        for words, unit in (([], "cm"), (["--si"], "cm"), (["--dimensionless"], "")):
+            parser = argparse.ArgumentParser()
+            units.add_choice_of_units(parser)
+            chosen = units.in_laboratory_of([self.tube], parser.parse_args(words).si)
+            self.assertEqual(units.Units(chosen).scales["length"][1], unit)
+        self.assertEqual(tendril.plot(self.runs, "shapes").axes[0].get_xlabel(), "$x_1$")
+        self.assertRaisesRegex(tendril.ResultsError, "si needs a run in the laboratory", tendril.plot, self.runs, si=True)
+
+    def test_titles_of_a_sweep(self):
+        """Options in words and values with their units, of what is varied."""
+        s = tendril.sweep(TUBE, {"si_friction_dry": ["0.2N/m", "2N/m"], "rod_cells": [40]}, stop_length="2cm")
+        self.assertEqual(results.titles_of(list(s.members.flat)), ["friction 0.2 N/m", "friction 2 N/m"])
+        figure = tendril.plot(s, "width", overlay=True)
+        self.assertEqual([text.get_text() for text in figure.legends[0].get_texts()], ["friction 0.2 N/m", "friction 2 N/m"])
+        ends = [line.get_xdata()[-1] for line in figure.axes[0].lines]
+        self.assertAlmostEqual(ends[0], ends[1], places=6)
+        self.assertEqual(map.read(s, ["si_friction_dry", "rod_cells"], "width")[3][0], "N/m")
+
     def test_names_of_runs(self):
         """Runs of one scene are told apart by the options in which they differ, else by where they are."""
         named = [text.get_text() for text in tendril.plot(self.runs, "width", overlay=True).legends[0].get_texts()]
         self.assertEqual(named, ["feed, friction_mu 0", "feed, friction_mu 1"])
-        page = tendril.view([*self.runs, self.tube]).text
+        page = tendril.view([*self.runs, self.tube], si=False).text
         self.assertIn("feed, friction_mu 0 · feed, friction_mu 1 · run", page)
         thirds = [replace(self.tube, options={"friction_mu": repr(mu)}) for mu in (1 / 3, 2 / 3)]
         self.assertEqual(results.titles_of(thirds), ["run, friction_mu 0.3333", "run, friction_mu 0.6667"])

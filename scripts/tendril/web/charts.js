@@ -249,6 +249,7 @@ function makeAbout() {
 function connect() {
   element("play").onclick = play;
   element("slider").oninput = () => goTo(element("slider").value / 1000 * lastTime());
+  element("lab").checked = state.lab;
   element("lab").onchange = changeUnits;
   element("lab-label").hidden = Object.keys(data.units).length === 0;
   element("contact-label").hidden = !hasContact;

@@ -4,7 +4,7 @@
 const data = JSON.parse(document.getElementById("data").textContent);
 const element = (id) => document.getElementById(id);
 // t in the units that are shown; dragged: the chart in which the mouse is held down
-const state = { t: 0, lab: false, playing: false, dragged: null };
+const state = { t: 0, lab: data.lab, playing: false, dragged: null };
 const PLAY_SECONDS = 12, DASHES = [[], [6, 3], [2, 2], [8, 3, 2, 3]];
 const ARROW_SHARE = 1 / 12;  // of the picture's width: the strongest friction, or contact
 
@@ -25,6 +25,8 @@ const several = data.runs.length > 1;
 const factor = (run, unit) => (state.lab && run.factors[unit]) || 1;
 const named = (unit) => (state.lab && data.units[unit]) || (unit === "rad" ? unit : "");
 const withUnit = (text, unit) => (named(unit) ? `${text} (${named(unit)})` : text);
+// the longest arrow of all runs, "drag" or "press", in the unit that is shown; each run has it in its own
+const strongest = (kind) => Math.max(...data.runs.map((run) => run[kind] * factor(run, "N"))) || 1;
 const lastTime = () => Math.max(...data.runs.map((run) => run.end * factor(run, "l/V")));
 
 function number(v) {

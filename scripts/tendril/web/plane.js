@@ -108,7 +108,7 @@ function drawRun(u, run) {
   const shape = shapeAt(run, state.t / factor(run, "l/V")), f = factor(run, "l"), ctx = u.ctx;
   const thick = Math.abs(u.valToPos(run.diameter * f, "x", true) - u.valToPos(0, "x", true));
   ctx.globalAlpha = ended(run) ? 0.4 : 1;  // it stands where its run has ended
-  if (element("friction").checked) drawForces(u, shape.places, shape.friction, data.drag, "#777", f, false);
+  if (element("friction").checked) drawForces(u, shape.places, shape.friction, strongest("drag") / factor(run, "N"), "#777", f, false);
   ctx.lineWidth = Math.max((several ? 2.5 : 5) * devicePixelRatio, thick);
   ctx.strokeStyle = several ? run.colour : "#333";
   polyline(u, shape.x, f);
@@ -124,7 +124,7 @@ function drawRun(u, run) {
     polyline(u, shape.x.subarray(2 * i, 2 * i + 4), f);
   }
   if (shape.contact && element("contact").checked)
-    drawForces(u, shape.touched, shape.contact, data.press, "#C2410C", f, true);
+    drawForces(u, shape.touched, shape.contact, strongest("press") / factor(run, "N"), "#C2410C", f, true);
   ctx.globalAlpha = 1;
 }
 
@@ -179,11 +179,11 @@ function makeBar() {
   }));
   element("bar-label").textContent = withUnit("axial force, compression < 0", "N l");
   const long = ARROW_SHARE * rod.bbox.width / devicePixelRatio;
-  for (const [id, strongest, there] of [["friction", data.drag, true], ["contact", data.press, hasContact]]) {
-    const key = element(`${id}-key`), f = factor(data.runs[0], "N");
+  for (const [id, kind, there] of [["friction", "drag", true], ["contact", "press", hasContact]]) {
+    const key = element(`${id}-key`);
     key.hidden = !there || !element(id).checked;
     key.querySelector("i").style.width = `${long}px`;
-    key.querySelector("b").textContent = `${id} ${number(strongest * f)} ${named("N") || "per length"}`;
+    key.querySelector("b").textContent = `${id} ${number(strongest(kind))} ${named("N") || "per length"}`;
   }
 }
 

@@ -473,9 +473,9 @@ function drawRun(run) {
   painter.tube(points, frames, radius, coloursOf(run, shape), ended(run) ? 0.4 : 1);
   if (element("stripe").checked) painter.stripe(...stripeOf(points, frames, shape.turn, radius), radius);
   if (element("earlier").checked) drawEarlier(run, t, f, radius);
-  if (element("friction").checked) drawForces3(shape.places, shape.friction, data.drag, "#8a8a8a", f, false);
+  if (element("friction").checked) drawForces3(shape.places, shape.friction, strongest("drag") / factor(run, "N"), "#8a8a8a", f, false);
   if (shape.contact && element("contact").checked)
-    drawForces3(shape.touched, shape.contact, data.press, "#C2410C", f, true);
+    drawForces3(shape.touched, shape.contact, strongest("press") / factor(run, "N"), "#C2410C", f, true);
   painter.box(V(0, 0, 0).addScaledVector(frames.t[0], -1.6 * radius), 1.6 * radius,
     [frames.t[0], frames.normal[0], frames.third[0]]);
 }
@@ -582,11 +582,11 @@ function makeBar() {
     element("bar-label").textContent = named(field.unit) && `(${named(field.unit)})`;
   }
   const long = ARROW_SHARE * stage.extent / pixel();
-  for (const [id, strongest, there] of [["friction", data.drag, true], ["contact", data.press, hasContact]]) {
-    const key = element(`${id}-key`), f = factor(data.runs[0], "N");
+  for (const [id, kind, there] of [["friction", "drag", true], ["contact", "press", hasContact]]) {
+    const key = element(`${id}-key`);
     key.hidden = !there || !element(id).checked;
     key.querySelector("i").style.width = `${Math.min(120, Math.max(12, long))}px`;
-    key.querySelector("b").textContent = `${id} ${number(strongest * f)} ${named("N") || "per length"}`;
+    key.querySelector("b").textContent = `${id} ${number(strongest(kind))} ${named("N") || "per length"}`;
   }
 }
 
