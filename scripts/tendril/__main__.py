@@ -28,11 +28,9 @@ def main(words=None):
     if not words or words[0] not in COMMANDS:
         print(f"tendril: give a command, {known}", file=sys.stderr)
         return 2
-    try:
-        return import_module(f".{COMMANDS[words[0]]}", __package__).main(words[1:])
-    except KeyboardInterrupt:
-        print(f"{words[0]}: interrupted", file=sys.stderr)
-        return 130
+    from .command import lonely
+
+    return lonely(words[0], lambda more: import_module(f".{COMMANDS[words[0]]}", __package__).main(more), words[1:])
 
 
 if __name__ == "__main__":

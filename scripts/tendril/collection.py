@@ -21,8 +21,8 @@ from typing import TYPE_CHECKING, Sequence
 import h5py
 import numpy as np
 
-from .errors import RunError, TendrilError
-from .results import Results, ResultsError, Table, options_of
+from .errors import RunError, TendrilError, reading
+from .results import Results, ResultsError, Table, _text, options_of
 from .units import parameters_of, quantity
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ class Lazy(Table):
 
     def __missing__(self, name):
         if name not in self.names:
-            raise KeyError(name)
+            return super().__missing__(name)
         self[name] = found = self.read(name)
         return found
 
@@ -89,18 +89,29 @@ class File:
                 raise ResultsError(f"{path}: no result of -task sweep")
             names = {g: [n for n in file.get(g, ()) if isinstance(file[g][n], h5py.Dataset)] for g in GROUPS}
             # a member's own table has those that are not about members
-            about = {what: {f"{g}/{n}": file[g][n].attrs[what].decode() for g in GROUPS[1:]
+            about = {what: {f"{g}/{n}": str(_text(file[g][n].attrs[what])) for g in GROUPS[1:]
                             for n in names[g] if what in file[g][n].attrs} for what in ("description", "units")}
             self.notes, self.units = about["description"], about["units"]
-            self.attributes = {k: v.decode() if isinstance(v, bytes) else v for k, v in file.attrs.items()}
+            self.attributes = {k: _text(v) for k, v in file.attrs.items()}
             self.status, self.line = file["status"][()], _texts(file["line"][()])
             self.seconds = file["seconds"][()]
+            many = {name: file["columns"][name].shape for name in names["columns"]} | {
+                name: file[name].shape for name in ("status", "line", "seconds")}
         self.path = path
+        if any(shape != many["status"] or len(shape) != 1 for shape in many.values()) or self.status.dtype.kind not in "iu":
+            raise ResultsError(f"{path}: its columns do not go with each other: {', '.join(f'{n} {list(m)}' for n, m in many.items())}")
         self.tables = {g: Lazy(names[g], lambda n, g=g: self.read(f"{g}/{n}")) for g in GROUPS}
+        for group, table in self.tables.items():
+            table.__dict__["of"] = f"{path}: {group}"
 
     def read(self, name):
-        with h5py.File(self.path, "r", locking=False) as file:
-            return _texts(file[name][()])
+        with reading(self.path, f"{name} cannot be read"), h5py.File(self.path, "r", locking=False) as file:
+            values = _texts(file[name][()])
+        if values.dtype.kind not in "fiubO":
+            raise ResultsError(f"{self.path}: {name}: holds {values.dtype}, and no numbers")
+        if name.startswith(("final/", "critical/")) and (values.ndim < 1 or len(values) != len(self.status)):
+            raise ResultsError(f"{self.path}: {name}: is an array {list(values.shape)}, and there are {len(self.status)} runs")
+        return values
 
 
 def grid_of(columns, rows):
@@ -189,21 +200,37 @@ class Sweep:
                        self.part_of_series(k), self.part_of_shapes(k), critical=critical, notes=self.notes,
                        units=self.units)
 
+    @staticmethod
+    def place(table, name, k):
+        """Where a member's own begins, or how many there are."""
+        values = table[name]
+        if values.dtype.kind not in "iu" or values.ndim != 1 or not k < len(values) or values[k] < 0:
+            raise ResultsError(f"{table.of}/{name}: does not say where the rows of run {k} are")
+        return int(values[k])
+
+    @staticmethod
+    def rows(table, name, first, count):
+        values = table[name]
+        if values.dtype.kind not in "fiub" or values.ndim < 1 or len(values) < first + count:
+            raise ResultsError(f"{table.of}/{name}: is an array {list(values.shape)} of {values.dtype}; rows {first} to {first + count} "
+                               "are those of a run")
+        return values[first:first + count]
+
     def part_of_series(self, k):
         """The steps of run k: a view of those of all."""
         def read(name):
-            first = self.series["first"][k]
-            return self.series[name][first:first + self.series["count"][k]]
+            first, count = (self.place(self.series, n, k) for n in OF_A_MEMBER[:2])
+            return self.rows(self.series, name, first, count)
 
         return Lazy((n for n in self.series if n not in OF_A_MEMBER), read)
 
     def part_of_shapes(self, k):
         """The shapes of run k: views of those of all."""
         def read(name):
-            first, count, node, nodes = (int(self.shapes[n][k]) for n in OF_A_MEMBER)
+            first, count, node, nodes = (self.place(self.shapes, n, k) for n in OF_A_MEMBER)
             if name == "t":
-                return self.shapes[name][first:first + count]
-            mine = self.shapes[name][node:node + count * nodes]
+                return self.rows(self.shapes, name, first, count)
+            mine = self.rows(self.shapes, name, node, count * nodes)
             mine = mine.reshape(count, nodes, *mine.shape[1:])
             return mine[0] if name == "s" and count else mine
 
@@ -282,8 +309,9 @@ def load_sweep(path, over=None) -> Sweep:
     if not path.is_file():
         raise ResultsError(f"{path}: no such file")
     try:
-        file = File(path)  # it is renamed into its place, so what is there is whole
-    except (OSError, RuntimeError, KeyError) as error:
+        with reading(path, "not a whole file of a sweep"):
+            file = File(path)  # it is renamed into its place, so what is there is whole
+    except OSError as error:
         raise ResultsError(f"{path}: not a whole HDF5 file ({error})") from None
     columns = file.tables["columns"]
     if over:  # the file has them by name, the grid as they were given

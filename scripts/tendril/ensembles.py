@@ -10,7 +10,6 @@ Reads the files of scripts/sweep.sh in a directory, or the one file of tendril -
 
 from __future__ import annotations
 
-import argparse
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,6 +20,7 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from .collection import Sweep, load_sweep
+from .command import Parser
 from .errors import ResultsError, TendrilError, complaint, path_of
 from .results import Results, load
 from .style import BLUE, GREY, ORANGE, STYLE, InStyle, save
@@ -132,8 +132,7 @@ def ensemble(place) -> Ensemble:
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="python -m tendril ensemble", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser("ensemble", __doc__)
     parser.add_argument("place", help="directory, or file of a sweep")
     parser.add_argument("--output", metavar="BASENAME", required=True)
     matplotlib.use("Agg")

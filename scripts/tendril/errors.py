@@ -3,9 +3,13 @@
 import math
 import os
 import re
+import struct
+import zlib
 from contextlib import contextmanager, suppress
 from difflib import get_close_matches
+from functools import wraps
 from importlib import import_module
+from inspect import signature
 from numbers import Integral, Real
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -16,7 +20,10 @@ VALUE = re.compile(r"-(\w+) \S*/\1-[0-9a-f]{8}\.(?:txt|h5)\b")
 
 
 class TendrilError(Exception):
-    """What is asked for cannot be done."""
+    """What is asked for cannot be done: one line, whatever is quoted in it."""
+
+    def __init__(self, *words):
+        super().__init__(*(" ".join(word.split("\n")) if isinstance(word, str) else word for word in words))
 
 
 class DataError(TendrilError):
@@ -51,6 +58,68 @@ def path_of(value, what) -> Path:
     if not isinstance(value, (str, os.PathLike)):
         raise TendrilError(f"{what}: give the name of a file, not {type(value).__name__}")
     return Path(value)
+
+
+def briefly_shown(value) -> str:
+    """What was given, in a few words of one line."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def _flag(value):
+    return type(value).__name__ in ("bool", "bool_") or isinstance(value, Integral) and value in (0, 1)
+
+
+def _number(value):
+    return isinstance(value, Real) and type(value).__name__ not in ("bool", "bool_") and math.isfinite(value)
+
+
+def _texts(value):
+    return isinstance(value, str) or isinstance(value, (list, tuple)) and all(isinstance(one, str) for one in value)
+
+
+def _numbers(value):
+    return isinstance(value, str) or isinstance(value, (list, tuple)) and all(map(_number, value)) \
+        or getattr(value, "ndim", 0) == 1 and value.dtype.kind in "fiu" and all(map(_number, value.tolist()))
+
+
+# kinds of arguments: what is one, and what it is called
+KINDS = {
+    "flag": (_flag, "True or False"), "text": (lambda v: isinstance(v, str), "a name"), "number": (_number, "a number"),
+    "above 0": (lambda v: _number(v) and v > 0, "more than 0"),
+    "whole": (lambda v: _number(v) and isinstance(v, Integral), "a whole number"),
+    "count": (lambda v: _number(v) and isinstance(v, Integral) and v > 0, "a whole number from 1"),
+    "time": (lambda v: _number(v) or isinstance(v, (str, Real)) and not _flag(v) or isinstance(v, Integral) and type(v).__name__ != "bool",
+             "a time, a number or text with a unit"),
+    "numbers": (_numbers, "numbers in a list, or their name"),
+    "texts": (_texts, "names, one or several in a list"),
+    "file": (lambda v: isinstance(v, (str, os.PathLike)) and str(v).strip("."), "the name of a file"),
+}
+
+
+def arguments(error=TendrilError, **kinds):
+    """Checks the arguments of a public function, each of one of KINDS; with "?" behind it also None."""
+    def of(function):
+        shape = signature(function)
+
+        @wraps(function)
+        def call(*given, **named):
+            try:
+                bound = shape.bind(*given, **named).arguments
+            except TypeError as wrong:
+                raise error(f"{function.__name__}: {wrong}") from None
+            for name, value in bound.items():
+                kind = kinds.get(name)
+                if kind is None or value is None and kind.endswith("?"):
+                    continue
+                good, what = KINDS[kind.rstrip("?")]
+                if not good(value):
+                    raise error(f"{name}: give {what}, not {briefly_shown(value)}")
+            return function(*given, **named)
+
+        return call
+
+    return of
 
 
 def whole(value, what, least=1) -> int:
@@ -100,6 +169,44 @@ def writable(basename):
     except OSError as error:
         error.filename = str(basename)
         raise
+
+
+def tracebacks() -> bool:
+    """Whether a developer wants to see where an error came from: the variable TENDRIL_TRACEBACK is set."""
+    return bool(os.environ.get("TENDRIL_TRACEBACK"))
+
+
+# what libraries raise of a file that is damaged, or holds something else than it should
+OF_CONTENT = (ArithmeticError, AttributeError, EOFError, LookupError, MemoryError, RuntimeError, SyntaxError, TypeError, ValueError,
+              struct.error, zlib.error)
+
+
+@contextmanager
+def reading(path, what="cannot be read as what it should be", error=None):
+    """Turns what a reader says of a damaged file into one line with its name. It stands around the reading of one file,
+    and around nothing else: what is wrong elsewhere is the program's own fault."""
+    try:
+        yield
+    except TendrilError:
+        raise
+    except OF_CONTENT as found:
+        if tracebacks():
+            raise
+        reason = " ".join(str(found).split()) or type(found).__name__
+        raise (error or ResultsError)(f"{path}: {what} ({reason[:200]})") from None
+
+
+@contextmanager
+def silenced():
+    """Libraries of C and C++ write what they think of a file to the process' own stderr."""
+    kept = os.dup(2)
+    with open(os.devnull, "w") as nowhere:
+        os.dup2(nowhere.fileno(), 2)
+    try:
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
 
 
 def optional(module, error, line):

@@ -10,7 +10,6 @@ tendril[space]."""
 
 from __future__ import annotations
 
-import argparse
 import sys
 from pathlib import Path
 
@@ -18,7 +17,8 @@ import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import AsinhNorm
 
-from .errors import ResultsError, TendrilError, complaint, optional, path_of
+from .command import Parser
+from .errors import ResultsError, TendrilError, arguments, complaint, optional, path_of, whole
 from .results import Results, load
 from .solids import solids
 from .spatial import FIELDS, VISIBLE, diameter_of, extent_of, fields_of, lift, tube
@@ -68,6 +68,7 @@ def walls_at(r: Results, shape, si):
             np.repeat(np.arange(len(found)), [len(one.triangles) for one in found]))
 
 
+@arguments(ResultsError, path="file?", t="time?", si="flag", walls="flag")
 def to_vtk(r: Results, path: str | Path | None = None, t: float | str | None = None, si: bool = False, walls: bool = False):
     """The centre line at a time as PolyData, a polyline whose points carry the label s, the scalars of
     spatial.FIELDS and the vectors force, moment, d1, d2, d3 (contact where there is any); field data say the
@@ -121,6 +122,7 @@ def write_vtp(body, path):
         raise ResultsError(f"{path}: cannot be written")
 
 
+@arguments(ResultsError, path="file?", t="time?", field="text", diameter="above 0?", sides="whole", si="flag", walls="flag")
 def to_mesh(r: Results, path: str | Path | None = None, t: float | str | None = None, *, field: str = "axial",
             diameter: float | None = None, sides: int = 24, si: bool = False, walls: bool = False):
     """The rod at a time as the closed tube that it is, a trimesh.Trimesh with the colours of a field.
@@ -135,8 +137,7 @@ def to_mesh(r: Results, path: str | Path | None = None, t: float | str | None = 
     walls     the surfaces around it in its place, without colours"""
     trimesh = needed("trimesh", "to_mesh")
     shape = shape_at(r, t)
-    if diameter is not None and not diameter > 0:
-        raise ResultsError("to_mesh: diameter: give more than 0")
+    whole(sides, "to_mesh: sides", 3)
     if walls:
         vertices, triangles, _ = walls_at(r, shape, si)
         body = trimesh.Trimesh(vertices, triangles, process=False)
@@ -169,8 +170,7 @@ def coloured(trimesh, r, shape, field, diameter, sides, si):
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="scripts/export.sh", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser("export", __doc__)
     parser.add_argument("file", help="result file, HDF5")
     parser.add_argument("--output", help="ends in .vtp or one of " + " ".join(MESHES) + "; default: the file's name with .vtp")
     parser.add_argument("--time", metavar="T", help="of a run with -si_ options also 20s; default: the last shape")

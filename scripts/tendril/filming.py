@@ -13,10 +13,10 @@ page on which points are dragged and frames dropped."""
 
 from __future__ import annotations
 
-import argparse
 import base64
 import json
 import logging
+import os
 import re
 import sys
 from contextlib import contextmanager
@@ -25,7 +25,8 @@ from pathlib import Path
 
 import numpy as np
 
-from .errors import TendrilError, complaint, number, replacing, whole, writable
+from .command import Parser
+from .errors import TendrilError, arguments, complaint, number, replacing, silenced, whole, writable
 from .measured import KNOWN, DataError, Measured, gather, moment
 from .naming import times_of
 from .parameters import with_unit
@@ -199,6 +200,7 @@ class Filmed:
 
 def film_frames(path, every, frames):
     """(number, picture) of a film, RGB; its frames per second in the first of them."""
+    os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")  # what ffmpeg thinks of a film
     cv2 = needed("cv2", "OpenCV")
     film = cv2.VideoCapture(str(path))
     if not film.isOpened():
@@ -224,7 +226,8 @@ def quiet(cv2):
     log, own = logging.getLogger("tifffile"), getattr(cv2.utils, "logging", None)
     log.disabled, before, level = True, log.disabled, own and own.setLogLevel(0)
     try:
-        yield
+        with silenced():
+            yield
     finally:
         log.disabled = before
         if own:
@@ -521,6 +524,7 @@ def checked(source, clamp, scale, checkerboard, lens, along, fps, every, frames,
     return list(source), clamp, scale, None if checkerboard is None else boarded(checkerboard), along
 
 
+@arguments(pages="flag", progress="flag")
 def measure(source, *, clamp, scale=None, checkerboard=None, board_picture=None, lens=(), along=None,
             fps: float | None = None, every: int = 1, frames=None, body: str = "dark",
             width: float | None = None, ground: str = "plain", points: int = 60, pages: bool = True,
@@ -611,8 +615,7 @@ def board(text):
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="scripts/measure.sh", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser("measure", __doc__)
     parser.add_argument("source", nargs="+", metavar="FILM", help="or photographs, FILE, 12cm@FILE or 20s@FILE")
     parser.add_argument("--clamp", required=True, metavar="X,Y", help="in pixels, y downwards")
     parser.add_argument("--scale", metavar="X,Y:X,Y:LENGTH", help="two points in the plane of the rod")

@@ -8,7 +8,6 @@ The ending of --output decides: .gif, or .mp4 where ffmpeg is installed."""
 
 from __future__ import annotations
 
-import argparse
 import errno
 import os
 import sys
@@ -20,7 +19,8 @@ import numpy as np
 from matplotlib.animation import FFMpegWriter, PillowWriter
 from matplotlib.colors import AsinhNorm
 
-from .errors import ResultsError, TendrilError, complaint, replacing
+from .command import Parser
+from .errors import ResultsError, TendrilError, arguments, complaint, replacing
 from .film_space import FilmInSpace
 from .results import Results, load, runs_of
 from .spatial import FIELDS
@@ -120,6 +120,8 @@ def writer_of(output, rate):
     raise ResultsError(f"output {output}: give a name that ends in .gif or .mp4")
 
 
+@arguments(output="file", begin="time", end="time", si="flag?", frames="count", rate="above 0", field="text?", turn="number",
+           progress="flag?")
 def animate(r: Results, output: str | Path, *, begin: float | str = 0, end: float | str = "inf",
             si: bool | None = None, frames: int = 160, rate: int = 20, field: str | None = None,
             view: tuple[float, float] | str | None = None, turn: float = 0, progress: bool | None = None) -> int:
@@ -163,8 +165,7 @@ def animate(r: Results, output: str | Path, *, begin: float | str = 0, end: floa
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="scripts/animate.sh", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser("animate", __doc__)
     parser.add_argument("file", help="result file, HDF5")
     parser.add_argument("--output", help="default: the file's name with .gif")
     parser.add_argument("--from", dest="begin", default="0", metavar="T",

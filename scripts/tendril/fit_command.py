@@ -17,6 +17,7 @@ from pathlib import Path
 
 import matplotlib
 
+from .command import Parser
 from .errors import TendrilError, complaint, writable
 from .fitting import fit
 from .measured import Measured, gather, named, read
@@ -83,8 +84,7 @@ def keep(basename, scene, data):
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="scripts/fit.sh", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser("fit", __doc__)
     parser.add_argument("scene", metavar="SCENE")
     parser.add_argument("data", nargs="+", metavar="DATA")
     parser.add_argument("--parameter", "-p", action="append", default=[],

@@ -30,7 +30,7 @@ import numpy as np
 from scipy import stats
 
 from .doubts import warnings_of
-from .errors import RunError, TendrilError, number, replacing, whole
+from .errors import RunError, TendrilError, arguments, number, replacing, whole
 from .fit_report import bands, describe, draw, indistinct, save, scene_text, table
 from .measured import PIXEL, gather
 from .noise import Certainty, certainty
@@ -455,6 +455,7 @@ def made(scene, data, parameters, *, unit, fps, y_down, priors, tied, noise, job
                    noise=measured.told(noise))
 
 
+@arguments(progress="flag?")
 def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", fps: float | None = None, y_down: bool | None = None,
         priors: Mapping[str, tuple | str] | None = None, tied: Mapping[str, str] | None = None,
         noise: Mapping[str, str] | None = None, accuracy: float = 3e-4, starts: int | None = None,

@@ -9,7 +9,6 @@ an expression of d (distance), t (time) and L (length of the rod), with numpy's 
 file of two columns, distance and rate, joined by straight lines, its last rate going on beyond.
 All is dimensionless, as in tendril. Labels are shared out evenly over the rod as it is at the end."""
 
-import argparse
 import subprocess
 import sys
 import tempfile
@@ -18,6 +17,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from .command import Parser
 from .errors import TendrilError, complaint
 from .results import load
 from .runs import executable
@@ -176,8 +176,7 @@ def compare(file, end, s, t, p):
 
 
 def arguments_of(words):
-    parser = argparse.ArgumentParser(prog="scripts/growth_table.sh", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser("growth_table", __doc__)
     parser.add_argument("file", help="the table to write, HDF5")
     parser.add_argument("--length", type=float, required=True, metavar="L0", help="length at t = 0")
     parser.add_argument("--end", type=float, required=True, metavar="T",

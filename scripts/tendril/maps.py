@@ -12,7 +12,6 @@ tendril.sweep keeps it in); points that are missing or unfinished stay white.
 
 from __future__ import annotations
 
-import argparse
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -23,7 +22,8 @@ import numpy as np
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from .collection import Sweep, load_sweep
-from .errors import RunError, TendrilError, complaint, path_of
+from .command import Parser
+from .errors import RunError, TendrilError, arguments, complaint, path_of
 from .results import in_words
 from .style import STYLE, InStyle, save
 from .units import DIMENSIONS, KINDS, in_laboratory, suited_to
@@ -189,6 +189,7 @@ def draw(ax, xs, ys, table, units, axes, quantity):
     ax.figure.colorbar(colours, ax=ax, label=label)
 
 
+@arguments(axes="texts", quantity="text", si="flag")
 def map(sweep, axes, quantity="critical/t", *, si=False, ax=None) -> Figure:
     """Draws a number of a sweep over two of its options; the figure.
 
@@ -216,8 +217,7 @@ def map(sweep, axes, quantity="critical/t", *, si=False, ax=None) -> Figure:
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="scripts/map.sh", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser("map", __doc__)
     parser.add_argument("place", help="directory of scripts/sweep.sh, or file of a sweep")
     parser.add_argument("--axes", required=True, metavar="X,Y", help="options along the axes")
     parser.add_argument("--quantity", default="critical/t", help="default %(default)s")

@@ -8,7 +8,6 @@ The curves are drawn by uPlot (web/uplot), a rod in space by three.js (web/three
 
 from __future__ import annotations
 
-import argparse
 import html
 import json
 import re
@@ -20,7 +19,8 @@ import numpy as np
 from matplotlib.colors import to_hex
 
 from . import page_space
-from .errors import ResultsError, TendrilError, complaint, replacing
+from .command import Parser
+from .errors import ResultsError, TendrilError, arguments, complaint, replacing
 from .pictures import colours, name_of, symbol_of
 from .packed import moves_straight, packed, thinned
 from .results import Results, load, runs_of, titles_of
@@ -182,6 +182,7 @@ class Page:
                 'title="tendril"></iframe>')
 
 
+@arguments(output="file?", titles="texts?", si="flag?")
 def view(results: Results | Sequence[Results], output: str | Path | None = None,
          titles: Sequence[str] | None = None, si: bool | None = None) -> Path | Page:
     """Writes a page for a browser of one run, or of several in one picture; its path. Without output the
@@ -203,8 +204,7 @@ def view(results: Results | Sequence[Results], output: str | Path | None = None,
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="scripts/view.sh", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser("view", __doc__)
     parser.add_argument("files", nargs="+", metavar="FILE", help="result files, HDF5")
     parser.add_argument("--output", metavar="FILE.html",
                         help="default: the first file's name with .html")

@@ -14,7 +14,6 @@ several in one, joined by +"""
 
 from __future__ import annotations
 
-import argparse
 import itertools
 import re
 import sys
@@ -35,7 +34,8 @@ from matplotlib.text import Annotation
 from matplotlib.ticker import LogLocator, NullLocator
 
 from . import plot_stability
-from .errors import ResultsError, TendrilError, complaint, did_you_mean
+from .command import Parser
+from .errors import ResultsError, TendrilError, arguments, complaint, did_you_mean
 from .perspective import VIEW, Rods, Strand, box_of, draw_surfaces, furnish, sight
 from .results import Results, load, runs_of, titles_of
 from .solids import solids
@@ -687,6 +687,7 @@ def panels_of(asked, runs):
     return [name.strip() for name in asked.split(",")] if isinstance(asked, str) else list(asked or first)
 
 
+@arguments(panels="texts?", si="flag?", overlay="flag", titles="texts?")
 def plot(results: Results | Sequence[Results], panels: Sequence[str] | str | None = None, *,
          times: Sequence[float | str] | None = None, si: bool | None = None, overlay: bool = False,
          titles: Sequence[str] | None = None, beside: Sequence[Results] = (),
@@ -714,7 +715,7 @@ def plot(results: Results | Sequence[Results], panels: Sequence[str] | str | Non
     names = panels_of(panels, runs)
     if titles and len(titles) != len(runs):
         raise ResultsError(f"plot: {len(titles)} titles for {len(runs)} runs")
-    beside = [r for one in beside for r in runs_of(one, "plot, beside")]
+    beside = runs_of(beside, "plot: beside") if not isinstance(beside, (list, tuple)) or len(beside) else []
     drawn = View(runs, Units(in_laboratory_of([*runs, *beside], si)), overlay=(overlay or ax is not None) and len(runs) > 1,
                  titles=titles_of(runs, titles),
                  beside={r.path: other for r, other in zip(runs, beside)}, view=sight(view))
@@ -754,8 +755,7 @@ def tell_missing(results, times, si):
 
 
 def options(arguments):
-    parser = argparse.ArgumentParser(prog="scripts/plot.sh", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser("plot", __doc__)
     parser.add_argument("files", nargs="+", metavar="FILE", help="result files, HDF5")
     parser.add_argument("--output", metavar="BASENAME",
                         help="writes BASENAME.png and .pdf, or the one that it ends with (also .svg); default: "

@@ -6,7 +6,6 @@
 
 Symbols are those of the README; all is dimensionless."""
 
-import argparse
 import sys
 from pathlib import Path
 
@@ -14,6 +13,7 @@ import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 
+from .command import Parser
 from .errors import ResultsError, TendrilError, complaint
 from .results import load
 from .style import BLUE, GREEN, GREY, ORANGE, RED, STYLE, InStyle, save
@@ -157,8 +157,7 @@ def figure_of(results, runs=(), ax=None):
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="python -m tendril stability", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser("stability", __doc__)
     parser.add_argument("files", nargs="+", metavar="FILE", help="result files, HDF5")
     parser.add_argument("--run", action="append", default=[], metavar="FILE",
                         help="a run in time to draw below a table; once a table, or once for all")

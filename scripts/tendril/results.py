@@ -16,15 +16,17 @@ or were killed are read as far as they were written; r.finished tells.
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass, field
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, NoReturn
 
 import h5py
 import numpy as np
 
-from .errors import ResultsError, did_you_mean, path_of, replacing
+from .errors import OF_CONTENT, ResultsError, arguments, briefly_shown, did_you_mean, path_of, replacing
 from .units import in_laboratory, moment, quantity, scales_of_rod
 
 if TYPE_CHECKING:
@@ -49,20 +51,32 @@ class Sensitivity(NamedTuple):
     series: Table  # as those of the run, but for counts and the like
     shapes: Table
 
+MOST = 1e100  # of any number of a rod
+# what shapes hold along the rod
+ALONG = ("x", "theta", "curvature", "force", "strain", "moment", "d1", "d2", "d3", "contact", "stretch", "natural_curvature", "natural_strain")
+OF_ROD = ("finished", "parameters/contact_diameter", "parameters/friction_radius")
 SCALES = "length", "time", "speed", "force", "energy", "power", "curvature"
+
+
+class NoSuchName(ResultsError, KeyError, AttributeError):
+    """A table has no array of that name."""
+
+    __str__ = Exception.__str__
 
 
 class Table(dict):
     """Arrays by name: table["t"] and table.t are the same."""
 
+    of = ""  # the file and group that it is of, for messages
+
     def __missing__(self, name):
-        raise KeyError(f"no {name} here" + (did_you_mean(name, self) or f"; there are {', '.join(self)}"))
+        raise NoSuchName((f"{self.of}: " if self.of else "") + f"no {name} here"
+                         + (did_you_mean(name, self) or f"; there are {', '.join(map(str, self)) or 'none'}"))
 
     def __getattr__(self, name):
-        try:
-            return self[name]
-        except KeyError as error:
-            raise AttributeError(error.args[0]) from None
+        if name.startswith("__"):  # copy and pickle ask
+            raise AttributeError(name)
+        return self[name]
 
     def __repr__(self):
         """Names and shapes: of a run the numbers are some thousand lines."""
@@ -142,6 +156,7 @@ class Results:
         """The rod's, 0 if it has none."""
         return float(self.attributes.get("parameters/contact_diameter", 0) or 0)
 
+    @arguments(ResultsError, nearest="flag")
     def at(self, t: float | str, nearest=False) -> Shape:
         """The shape at time t. Where none is stored it is the cubic through the four stored around t;
         where that is not where the series have the rod, too few are stored, and it is refused.
@@ -150,8 +165,8 @@ class Results:
         nearest  the stored shape nearest to t, however far that is"""
         if isinstance(t, str):
             t = moment("at", t, [self])
-        elif np.ndim(t) or t is None:
-            raise ResultsError(f"at {t}: give one time, a number or text with a unit")
+        elif not isinstance(t, Real) or not math.isfinite(t):
+            raise ResultsError(f"at {briefly_shown(t)}: give one time, a number or text with a unit")
         times = self.shapes.get("t", ())
         if not len(times):
             raise ResultsError(f"{self.told}: holds no shape")
@@ -213,10 +228,12 @@ class Results:
                          if key.startswith(f"{name}/{group}/")}) for group in ("series", "shapes"))
         return Sensitivity(float(stored[f"{name}/number"]), stored[f"{name}/unit"], *tables)
 
+    @arguments(name="text", t="time")
     def value(self, name, t) -> float:
         """A series at time t, between its steps by linear interpolation."""
         return float(np.interp(t, self.series.t, self.series[name]))
 
+    @arguments(name="text")
     def minimum(self, name="norm_x2") -> tuple[float, float]:
         """(t, value) of a series at its minimum: that of the parabola through the logarithms of the
         smallest positive step and its neighbours."""
@@ -229,6 +246,7 @@ class Results:
             return float(t[i]), float(values[i])
         return float(t[i] - b / (2 * a)), float(np.exp(c - b * b / (4 * a)))
 
+    @arguments(name="text")
     def maximum(self, name="base_force_1") -> tuple[float, float]:
         """(t, value) of a series at the step where it is largest."""
         i = int(np.nanargmax(self.series[name]))
@@ -241,6 +259,7 @@ class Results:
                 raise AttributeError(f"no {name} here; it is {table}.{name}")
         raise AttributeError(f"no {name} here; numbers over time are in series, shapes in shapes and at(t)")
 
+    @arguments(kind="text")
     def scale(self, kind) -> float:
         """What 1 of it (length, time, speed, force, energy, power, curvature) is in SI units."""
         known = scales_of_rod(self.attributes).get(kind)
@@ -279,6 +298,7 @@ class Results:
         """Does the rod have a third dimension?"""
         return "tip_x3" in self.series
 
+    @arguments(si="flag")
     def dataset(self, si=False) -> xarray.Dataset:
         """Series over t [steps] and shapes over shape_t [k], s [n] and axis [x1, x2, in space x3] as an xarray
         Dataset; strains of a rod in space, which are about its directors, over component [u1, u2, u3].
@@ -327,6 +347,7 @@ class Results:
 
         return to_mesh(self, path, t, **more)
 
+    @arguments(si="flag")
     def frame(self, si=False) -> pandas.DataFrame:
         """The series as a pandas DataFrame, a row a step, t and length first; with si the names carry
         units: "t (s)"."""
@@ -336,6 +357,7 @@ class Results:
         return pandas.DataFrame({f"{name} ({unit})" if si and unit not in ("1", "l/V") else name: values
                                  for name, (values, unit) in self.columns("series", si, names).items()})
 
+    @arguments(path="file", si="flag")
     def to_csv(self, path, si=False) -> None:
         """Writes the series as a table, a row a step."""
         with replacing(path_of(path, "to_csv")) as part:
@@ -516,6 +538,106 @@ def no_result(path, error) -> str:
     return f"not a whole HDF5 file ({error})"
 
 
+def numbers_of(table):
+    """Refuses what is no array of numbers."""
+    for name, values in table.items():
+        if isinstance(values, np.ndarray) and values.dtype.kind not in "fiub":
+            raise ResultsError(f"{table.of}/{name}: holds {values.dtype}, and no numbers")
+
+
+def finite(table, name, dimensions, many=None):
+    """[...] of a table, all of it finite and of a size that numbers of a rod have."""
+    values = np.asarray(table[name])
+    if values.ndim != dimensions or values.dtype.kind not in "fiub":
+        raise ResultsError(f"{table.of}/{name}: is an array {list(values.shape)}; it should have {dimensions} dimensions")
+    if many is not None and values.shape[:len(many)] != many:
+        raise ResultsError(f"{table.of}/{name}: is an array {list(values.shape)}, which does not go with the others, {list(many)}")
+    if not (np.abs(values) < MOST).all():  # also of nan
+        raise ResultsError(f"{table.of}/{name}: holds a number that is not finite, or none of a rod")
+    return values
+
+
+def cut_to(table, rows):
+    """Leaves so many rows of each of its arrays."""
+    for name in table:
+        table[name] = table[name] if name == "s" else table[name][:rows]
+
+
+def check_series(series):
+    for name, values in series.items():
+        if np.ndim(values) != 1:
+            raise ResultsError(f"{series.of}/{name}: is an array {list(np.shape(values))}, not a number a step")
+    if series:
+        for name in ("t", "length"):
+            finite(series, name, 1)
+        if len(series.t) > 1 and series.t[-1] < series.t[-2]:  # a row that is being written
+            cut_to(series, len(series.t) - 1)
+        if (np.diff(series.t) < 0).any():
+            raise ResultsError(f"{series.of}/t: does not rise")
+
+
+def check_shapes(shapes):
+    """Shapes that go with each other, of rods that have a length."""
+    if not shapes:
+        return
+    k, s = len(finite(shapes, "t", 1)), finite(shapes, "s", 1)
+    rows = [k] + [len(shapes[name]) for name in ALONG if name in shapes and np.ndim(shapes[name])]
+    many = (min(rows), len(s))  # a run that goes on may have written one array further than another
+    if len(s) < 2 or (np.diff(s) <= 0).any():
+        raise ResultsError(f"{shapes.of}/s: labels must rise")
+    for name in ALONG:
+        if name in shapes or name in SHAPES:
+            dimensions = 2 if name in ("theta", "curvature", "natural_curvature", "stretch") else 3
+            if np.ndim(shapes[name]) != dimensions:
+                finite(shapes, name, dimensions)
+            part = Table({name: shapes[name][:many[0]]})
+            part.of = shapes.of
+            finite(part, name, dimensions, many)
+    if shapes.x.shape[2] not in (2, 3) or any(shapes[name].shape[2] not in (2, 3) for name in ALONG if np.ndim(shapes.get(name, 0)) == 3):
+        raise ResultsError(f"{shapes.of}: points and forces have two or three components")
+    if shapes.force.shape[2] != shapes.x.shape[2]:
+        raise ResultsError(f"{shapes.of}/force: has not as many components as x")
+    x, t = shapes.x, shapes.t
+    if many[0] > 1 and (not x[many[0] - 1].any() or t[many[0] - 1] < t[many[0] - 2]):  # one that is being written
+        many = many[0] - 1, many[1]
+        cut_to(shapes, many[0])
+    if many[0] and not (np.ptp(shapes.x[:many[0]], axis=1).max(axis=1) > 0).all():
+        raise ResultsError(f"{shapes.of}/x: holds a rod without a length")
+    if (np.diff(shapes.t[:many[0]]) < 0).any():
+        raise ResultsError(f"{shapes.of}/t: does not rise")
+
+
+def check_modes(stability, critical):
+    """Tables of -task stability and critical."""
+    if stability:
+        t, _ = finite(stability, "t", 1), finite(stability, "t_cr", 0)
+        for name, values in stability.items():
+            if np.ndim(values) == 1 and name != "t" and len(values) != len(t):
+                raise ResultsError(f"{stability.of}/{name}: has {len(values)} rows, and t {len(t)}")
+    if critical:
+        s = finite(critical, "s", 1)
+        for name in ("t", "length", "error", "frequency"):
+            finite(critical, name, 0)
+        for name in ("y", "theta", "x2", "x3"):
+            if name in critical:
+                finite(critical, name, 1, s.shape)
+
+
+def check_attributes(path, attributes):
+    """Scales and numbers of the rod, which all that draws needs."""
+    for name, value in attributes.items():
+        if name.startswith(("si_", "parameters/si_")) or name in OF_ROD:
+            try:
+                good = math.isfinite(float(value)) and (float(value) > 0 or not name.startswith("si_")) and abs(float(value)) < MOST
+            except (TypeError, ValueError):
+                good = False
+            if not good:
+                raise ResultsError(f"{path}: attribute {name}: {str(value)[:40]} is no number that it can be")
+    for name in ("options", "walls"):
+        if not isinstance(attributes.get(name, ""), str):
+            raise ResultsError(f"{path}: {name}: is no text")
+
+
 def load(path) -> Results | Sweep:
     """Reads a result file, of a run or of a sweep; raises ResultsError, a plain line, if that cannot be
     done."""
@@ -530,7 +652,7 @@ def load(path) -> Results | Sweep:
         try:
             attributes, groups, units, notes = _read(path)
             break
-        except (OSError, RuntimeError, KeyError) as error:
+        except (OSError, *OF_CONTENT) as error:
             # a file that is being written may change between two reads: once more, then
             if attempt == 9 or time.time() - path.stat().st_mtime > 3:
                 raise ResultsError(f"{path}: {no_result(path, error)}") from None
@@ -539,9 +661,16 @@ def load(path) -> Results | Sweep:
                                            ("series", "shapes", "stability", "critical"))
     if not (series or stability or critical):
         raise ResultsError(f"{path}: no result file of tendril, it has no group series")
+    for table, name in ((series, "series"), (shapes, "shapes"), (stability, "stability"), (critical, "critical")):
+        table.of = f"{path}: {name}"
+        numbers_of(table)
+    check_series(series)
+    check_shapes(shapes)
+    check_modes(stability, critical)
     _cut(series, list(series))
     _cut(shapes, [name for name in shapes if name != "s"])
+    check_attributes(path, attributes)
     options = options_of(attributes.pop("options", ""))
-    finished = bool(int(attributes.pop("finished", 0)))
+    finished = bool(attributes.pop("finished", 0))
     return Results(path, finished, options, attributes, series, shapes, stability, critical, groups,
                    notes, units)

@@ -37,7 +37,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from .errors import RunError, TendrilError, did_you_mean, path_of, positive
+from .errors import RunError, TendrilError, arguments, did_you_mean, path_of, positive
 from .progress import bar
 from .results import Results, load
 
@@ -281,6 +281,7 @@ def launched(ranks: int) -> list[str]:
     return [*([mpiexec, "-n", str(ranks)] if positive(ranks, "ranks") > 1 else []), executable()]
 
 
+@arguments(output="file?", progress="flag?")
 def run(scene=None, *, output=None, progress: bool | None = None, ranks: int = 1,
         **options) -> Results:
     """Runs a scene and returns its results, which are dimensionless as in the file.

@@ -13,7 +13,6 @@ tables of x, y, z, r; well surveys of measured depth, inclination, azimuth and r
 points. The line for -wall_file is printed last. With --ends the open ends of a mesh are listed, for --origin and
 --direction, and nothing is made."""
 
-import argparse
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -24,7 +23,8 @@ import numpy as np
 
 from .bodies import Wish, write_body
 from .centrelines import fair, read_line
-from .errors import TendrilError, complaint, path_of, replacing, writable
+from .command import Parser
+from .errors import TendrilError, complaint, path_of, reading, replacing, writable
 from .meshes import SurfaceError, count_of, polydata, read_mesh
 from .openings import check, ends_of, extended
 from .progress import wanted
@@ -261,7 +261,8 @@ def surface(source, output, *, diameter=None, spacing=None, side=None, origin=No
                         ("tolerance", tolerance)):
         if value:
             raise SurfaceError(f"{name}: is of a mesh, {source} is a centre line")
-    x = read_line(source, line, radius)
+    with reading(source, "is no centre line that can be read", SurfaceError):
+        x = read_line(source, line, radius)
     if radius is not None:
         x[:, 3] = radius / scale  # in the unit of the result, as the diameter is
     return tube(source, x, output, side or "inside", origin, direction, scale, unit, every, diameter, tell)
@@ -277,8 +278,7 @@ def vector(text):
 
 
 def arguments_of(words):
-    parser = argparse.ArgumentParser(prog="scripts/surface.sh", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser("surface", __doc__)
     parser.add_argument("source", help="mesh or centre line")
     parser.add_argument("output", nargs="?", help="HDF5 for a mesh, CSV for a centre line")
     parser.add_argument("--ends", action="store_true", help="list the open ends of a mesh, and make nothing")

@@ -13,7 +13,7 @@ from typing import Mapping, Sequence
 import numpy as np
 
 from .collection import Sweep, load_sweep
-from .errors import RunError, TendrilError, positive
+from .errors import RunError, TendrilError, arguments, positive
 from .progress import bar
 from .results import Results
 from .runs import execute, launched, run, scene_words, task_of, words_of
@@ -75,11 +75,11 @@ def whole(sweep: Sweep) -> Sweep:
 
 def grid(over) -> dict[str, list]:
     """The axes of a grid, checked."""
-    if not over:
+    if not isinstance(over, Mapping) or not over or not all(isinstance(name, str) for name in over):
         raise TendrilError('sweep: give what to vary, over={"friction_mu": [0, 0.5, 1]}')
     axes = {}
     for name, values in over.items():
-        if isinstance(values, (str, bytes, dict)) or np.ndim(values) == 0 and not hasattr(values, "__iter__"):
+        if isinstance(values, (str, bytes, dict)) or not hasattr(values, "__iter__") or hasattr(values, "ndim") and values.ndim != 1:
             raise TendrilError(f"sweep: over[{name!r}] is {values!r}: give a list of values")
         axes[name.lstrip("-")] = list(values)
         if not axes[name.lstrip("-")]:
@@ -121,6 +121,7 @@ def one_by_one(members, scene, options, jobs, progress):
     return found
 
 
+@arguments(directory="file?", progress="flag?")
 def sweep(scene=None, over: Mapping[str, Sequence] | None = None, *, directory=None,
           jobs: int | None = None, progress: bool | None = None, **options) -> Sweep:
     """Runs every combination of the values of some options, in one job of tendril's -task sweep.
