@@ -118,17 +118,28 @@ fi
 directory=$1
 shift
 jobs=
-if [ "${1:-}" = -j ]; then jobs=$2 && shift 2; fi
+if [ "${1:-}" = -j ]; then
+  jobs=${2:-}
+  [[ $jobs =~ ^[1-9][0-9]{0,3}$ ]] || usage "-j $jobs: give the number of runs at a time, from 1"
+  shift 2
+fi
 fixed=()
 while [ $# -gt 0 ] && [ "$1" != -- ]; do fixed+=("$1") && shift; done
 [ "${1:-}" = -- ] || usage "give -- and the options to vary"
 shift
+before=
+for word in "${fixed[@]}"; do
+  if [ "$before" = -options_file ] && [ ! -r "$word" ]; then fail "no options file $word"; fi
+  before=$word
+done
 if [ $# = 0 ] || [ $(($# % 2)) = 1 ]; then usage "give NAME VALUES pairs after --"; fi
 [ -x "$TENDRIL" ] || fail "no executable $TENDRIL; run scripts/setup.sh and build, or set TENDRIL"
 
 points=("")
 while [ $# -gt 0 ]; do
   longer=()
+  [[ $1 =~ ^-?[a-z][a-z0-9_]*$ ]] || usage "$1: is no name of an option"
+  [[ ! $2 =~ :[0-9]{7,}$ ]] || usage "$1 $2: too many values; give at most 999999"
   mapfile -t each < <(values "$2")
   [ ${#each[@]} -gt 0 ] || usage "$1 $2: no values; give a comma list, LOW:HIGH:COUNT or log:LOW:HIGH:COUNT, both in one unit"
   for point in "${points[@]}"; do
@@ -143,7 +154,7 @@ done
 what() {
   local word before=
   for word in "${fixed[@]}"; do
-    if [ "$before" = -options_file ]; then cat "$word" || fail "no options file $word"; fi
+    if [ "$before" = -options_file ]; then cat "$word" 2>/dev/null || fail "no options file $word"; fi
     before=$word
   done
 }

@@ -313,7 +313,7 @@ def judged(code, said, warned, failure):
         return f"unexpected: code {code}: {lines[-1][:200] if lines else ''}"
     if len(lines) != 1:
         return f"{len(lines)} lines: " + " | ".join(lines)[:200]
-    return "line" if re.match(r"[\w.\-/]+: \S", lines[0]) else "no name: " + lines[0][:150]
+    return "line" if re.match(r"[\w.\-/]+: \s*\S", lines[0]) else "no name: " + lines[0][:150]
 
 
 def last_frame(error):

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Sequence
 import h5py
 import numpy as np
 
-from .errors import RunError, TendrilError, reading
+from .errors import OF_CONTENT, RunError, TendrilError, reading
 from .results import Results, ResultsError, Table, _text, options_of
 from .units import parameters_of, quantity
 
@@ -296,7 +296,7 @@ def is_sweep(path):
     try:
         with h5py.File(path, "r", locking=False) as file:
             return "status" in file and "columns" in file
-    except OSError:
+    except (OSError, *OF_CONTENT):  # load() says what is wrong with it
         return False
 
 

@@ -238,8 +238,10 @@ class Results:
         """(t, value) of a series at its minimum: that of the parabola through the logarithms of the
         smallest positive step and its neighbours."""
         t, values = self.series.t, np.where(self.series[name] > 0, self.series[name], np.nan)
+        if not np.isfinite(values).any():
+            raise ResultsError(f"{self.told}: series {name}: is above 0 nowhere")
         i = int(np.nanargmin(values))
-        if not 0 < i < len(t) - 1:
+        if not 0 < i < len(t) - 1 or not np.isfinite(values[i - 1:i + 2]).all() or not (np.diff(t[i - 1:i + 2]) > 0).all():
             return float(t[i]), float(values[i])
         a, b, c = np.polyfit(t[i - 1:i + 2] - t[i], np.log(values[i - 1:i + 2]), 2)
         if not a > 0:
@@ -249,6 +251,8 @@ class Results:
     @arguments(name="text")
     def maximum(self, name="base_force_1") -> tuple[float, float]:
         """(t, value) of a series at the step where it is largest."""
+        if not np.isfinite(self.series[name]).any():
+            raise ResultsError(f"{self.told}: series {name}: holds no number")
         i = int(np.nanargmax(self.series[name]))
         return float(self.series.t[i]), float(self.series[name][i])
 
@@ -497,7 +501,7 @@ def _group(group, name, about):
             table[key] = data[()]
             for attribute, notes in about.items():
                 if attribute in data.attrs:
-                    notes[f"{name}/{key}"] = _text(data.attrs[attribute])
+                    notes[f"{name}/{key}"] = str(_text(data.attrs[attribute]))
 
     group.visititems(take)
     for attribute, value in group.attrs.items():
@@ -519,7 +523,7 @@ def _read(path):
     units, notes = {}, {}
     about = {"units": units, "description": notes}
     with h5py.File(path, "r", locking=False) as file:
-        attributes = {k: _text(v) for k, v in file.attrs.items()}
+        attributes = {k if isinstance(k, str) else k.decode("latin-1"): _text(v) for k, v in file.attrs.items()}
         # walls, earlier_options: texts too long for an attribute are datasets
         attributes |= {name: _text(file[name][()]) for name in file
                        if isinstance(file[name], h5py.Dataset) and file[name].shape == ()
@@ -595,6 +599,8 @@ def check_shapes(shapes):
             finite(part, name, dimensions, many)
     if shapes.x.shape[2] not in (2, 3) or any(shapes[name].shape[2] not in (2, 3) for name in ALONG if np.ndim(shapes.get(name, 0)) == 3):
         raise ResultsError(f"{shapes.of}: points and forces have two or three components")
+    for name in ("strain", "d1", "d2", "d3") if shapes.x.shape[2] == 3 else ():
+        shapes[name]  # a rod in space has them all
     if shapes.force.shape[2] != shapes.x.shape[2]:
         raise ResultsError(f"{shapes.of}/force: has not as many components as x")
     x, t = shapes.x, shapes.t
@@ -669,6 +675,8 @@ def load(path) -> Results | Sweep:
     check_modes(stability, critical)
     _cut(series, list(series))
     _cut(shapes, [name for name in shapes if name != "s"])
+    if len(shapes.get("t", ())) and not len(series.get("t", ())):
+        raise ResultsError(f"{path}: series: holds no step, though there are shapes")
     check_attributes(path, attributes)
     options = options_of(attributes.pop("options", ""))
     finished = bool(attributes.pop("finished", 0))

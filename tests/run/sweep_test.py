@@ -455,6 +455,11 @@ def sweep_script():
     same(single("-friction_mu 0.5 -friction_layers 0:1 -output_shapes 1"),  # as a member stores them
          load(Path(d) / "a/friction_mu=0.5__friction_layers=0:1.h5"), "sweep.sh")
     expect("sweep: 4 points, 1 to run here" in script(command, 1), command)
+    for words, word in (("-j", "-j : give the number"), ("-j x -- friction_mu 0,1", "-j x: give"), ("-- '' 0,1", ": is no name of an option"),
+                        ("-options_file none.opts -- friction_mu 0,1", "no options file none.opts"),
+                        ("-- friction_mu 0:1:9999999999", "too many values")):
+        said = script(f"scripts/sweep.sh {d}/e {words}", 2 if "none" not in words else 1)
+        expect(word in said and said.count("\n") <= 1, said)
     said = script(f"scripts/sweep.sh {d}/c -friction_mew 1 -- friction_mu 0,1", 1)
     expect("did you mean -friction_mu?" in said, said)
     script(f"scripts/sweep.sh {d}/c {SHORT} -- friction_mu 0,1")  # nothing was stored: not another sweep's

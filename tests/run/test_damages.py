@@ -1,0 +1,141 @@
+#!/usr/bin/env python3
+"""Commands and functions of the Python package, fed with damaged inputs: some of those of scripts/lab/damages.py.
+
+    test_damages.py build/tendril        with .venv's python, or one that has what the package needs"""
+
+import contextlib
+import io
+import os
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+from unittest import mock
+
+from interpreter import ROOT, from_venv
+
+sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "scripts/lab")]
+try:
+    import h5py
+    import numpy as np
+
+    import damages
+    import tendril
+    import tendril.__main__ as commands
+    from tendril import errors
+except ImportError as error:
+    from_venv(error)
+
+FEW = {"plot": 4, "view": 4, "export": 4, "map": 4, "ensemble": 3, "stability": 3, "surface": 6, "growth_table": 3, "fit": 2, "measure": 2,
+       "py.load": 5, "py.at": 4, "py.map": 3, "py.to_csv": 2, "py.view": 2, "py.circle": 3}
+
+
+class Damages(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.directory = tempfile.TemporaryDirectory(prefix="tendril-")
+        cls.place = Path(cls.directory.name)
+        damages.made(cls.place)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.directory.cleanup()
+
+    def test_end_right_or_in_a_line(self):
+        for what, count in FEW.items():
+            found = damages.fed(what, damages.everything()[what], self.place, range(1, 1 + count))
+            self.assertEqual(len(found), count, what)
+            for seed, words, end, said in found:
+                self.assertIn(end, ("right", "line"), f"{what} {seed}: {words}: {said}")
+
+    def test_what_is_wrong_is_seen(self):
+        """By that which looks at the ends: a traceback, a warning, several lines, none, another code."""
+        for code, said, warned, failure, end in ((1, "plot: a: no such file\n", "", "", "line"), (0, "", "", "", "right"),
+                                                 (None, "", "", "KeyError", "traceback"), (0, "", "RuntimeWarning", "", "warning"),
+                                                 (1, "a\nb\n", "", "", "2 lines"), (1, "", "", "", "0 lines"),
+                                                 (3, "plot: a fault\n", "", "", "unexpected"), (1, "oh\n", "", "", "no name")):
+            self.assertRegex(damages.judged(code, said, warned, failure), f"^{end}")
+
+    def without(self, name, change):
+        """A result file, changed."""
+        path = self.place / f"{name}.h5"
+        path.write_bytes((self.place / "tube.h5").read_bytes())
+        with h5py.File(path, "r+") as file:
+            change(file)
+        return path
+
+    def test_result_files_say_what_is_wrong_with_them(self):
+        def put(name, values):
+            def change(file):
+                del file[name]
+                file[name] = values
+            return change
+
+        def attribute(name, value):
+            return lambda file: file.attrs.__setitem__(name, value)
+
+        def gone(name):
+            return lambda file: file.__delitem__(name)
+
+        with h5py.File(self.place / "tube.h5") as file:
+            x = file["shapes/x"][()]
+        for change, line in ((gone("shapes/x"), "shapes: no x here"), (put("shapes/x", x[..., 0]), "shapes/x: is an array"),
+                             (put("shapes/x", np.where(x > 0.3, np.nan, x)), "shapes/x: holds a number that is not finite"),
+                             (put("shapes/theta", np.zeros((3, 4))), "shapes/theta: .*does not go with the others"),
+                             (put("series/t", np.zeros((3, 4))), "series/t: is an array"), (put("series/width", b"a"), "series/width: "),
+                             (gone("series/length"), "series: no length here"), (attribute("si_length", "abc"), "attribute si_length: abc"),
+                             (attribute("si_time", -1.0), "attribute si_time"), (put("shapes/x", 0 * x), "a rod without a length")):
+            with self.assertRaisesRegex(tendril.ResultsError, line):
+                tendril.load(self.without("bad", change))
+        halved = tendril.load(self.without("missing", gone("series/norm_x2")))
+        for call in (tendril.plot, lambda r: tendril.plot(r, "norm")):
+            with self.assertRaisesRegex(tendril.ResultsError, "missing.h5: series: no norm_x2 here"):
+                call(halved)
+
+    def test_a_run_that_goes_on(self):
+        """Its last rows may be half written: they are left out, not refused."""
+        def change(file):
+            for name in ("x", "theta", "t"):
+                values = file[f"shapes/{name}"][()]
+                values[-1] = 0
+                file[f"shapes/{name}"][...] = values
+        whole, cut = tendril.load(self.place / "tube.h5"), tendril.load(self.without("going", change))
+        self.assertEqual(len(cut.shapes.t), len(whole.shapes.t) - 1)
+        self.assertEqual(len(cut.shapes.force), len(cut.shapes.t))
+
+    def test_last_net(self):
+        """A fault of the program's own is a line, too, and to who asks a traceback; what argparse refuses is one line."""
+        with mock.patch.object(commands, "import_module", return_value=mock.Mock(main=mock.Mock(side_effect=KeyError("n\nm")))):
+            with contextlib.redirect_stderr(io.StringIO()) as said:
+                self.assertEqual(commands.main(["plot", "a"]), 3)
+            self.assertRegex(said.getvalue(), r"^plot: a fault of tendril's own, KeyError: .*TENDRIL_TRACEBACK=1 .*\n$")
+            with mock.patch.dict(os.environ, TENDRIL_TRACEBACK="1"), self.assertRaises(KeyError):
+                commands.main(["plot", "a"])
+        for words in (["plot"], ["view", "--output"], ["animate", "a", "--frames", "x"], ["growth_table", "a"], ["fit", "a"], ["measure", "a"]):
+            with contextlib.redirect_stderr(io.StringIO()) as said, self.assertRaises(SystemExit) as end:
+                commands.main(words)
+            self.assertEqual(end.exception.code, 2)
+            self.assertRegex(said.getvalue(), rf"^{words[0]}: .*; -h behind it tells how\n$")
+
+    def test_arguments(self):
+        """Of each kind: what is one and what is none; None where it may be."""
+        good = {"flag": (True, 0, np.bool_(True)), "number": (1, 0.5, np.float64(2)), "above 0": (1e-9,), "whole": (3, np.int64(0)), "count": (1,),
+                "time": (0, "2s", 0.5, float("inf")), "text": ("a",), "texts": ("a", ["a", "b"], ()), "file": ("a", Path("b")),
+                "numbers": ("start", (1, 2.5), np.zeros(3))}
+        bad = {"flag": (2, "x", None), "number": (True, "1", float("nan")), "above 0": (0, -1), "whole": (0.5, True), "count": (0,),
+               "time": (None, [1], b"x", True), "text": (3, None), "texts": ([1], 3), "file": (3, "", b"x"), "numbers": (3, ["a"], [True])}
+        self.assertEqual(good.keys(), errors.KINDS.keys())
+        for kind, values in good.items():
+            call = errors.arguments(value=kind)(lambda value: "called")
+            for value in values:
+                self.assertEqual(call(value), "called", (kind, value))
+            for value in bad[kind]:
+                with self.assertRaisesRegex(tendril.TendrilError, "^value: give ", msg=(kind, value)):
+                    call(value=value)
+            self.assertEqual(errors.arguments(value=f"{kind}?")(lambda value: "called")(None), "called")
+        self.assertEqual(str(tendril.TendrilError("a\nb")), "a b")
+
+
+if __name__ == "__main__":
+    os.environ["TENDRIL"] = str(Path(sys.argv.pop(1)).resolve())
+    unittest.main()
