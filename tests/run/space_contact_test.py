@@ -116,7 +116,7 @@ def follower():
                 f"-rod_twist 0.5 -tip_force 0.7 -tip_law follower -contact_diameter 0.07 -rod_cells 40 -friction_mu {mu} "
                 "-ts_max_time 0.4 -ts_max_steps 600 -contact_firm false " + walls("cylinder 1.52 0.15 0 -0.284 -0.205 1 0.311 outside friction 0.636"))
         print(f"{r.steps} steps, {r.newton_iterations.sum():.0f} Newton, t = {r.t[-1]}, tip {tip(r)}")
-        expect(r.t[-1] == 0.4 and r.newton_iterations.sum() < 3000, "does not get on")
+        expect(r.t[-1] == 0.4 and r.newton_iterations.sum() < 6000, "does not get on")  # snaps and all
         found.append(tip(r))
     apart = np.abs(found[1] - found[0]).max()
     expect(apart < 2e-5, f"tips apart by {apart}")
