@@ -463,6 +463,14 @@ static PetscErrorCode Solve(Estimate self, PetscReal *e) {
   PetscFunctionReturn(0);
 }
 
+/* Is all friction viscous, and so as straight in speed as can be? */
+static PetscBool IsViscous(Scene scene) {
+  const Contact *contact = &scene->contact;
+
+  return (PetscBool)(scene->load.friction.mu == 0 && scene->tip.law != TIP_RESISTANCE &&
+                     !ContactWallsRub(contact) && !(contact->self && contact->friction > 0));
+}
+
 /* rhs = -F_U_t b, by a difference so small that friction is straight over it. */
 static PetscErrorCode TimesRate(Estimate self, PetscReal t) {
   const RodState at = {.t = t, .U = self->U, .U_t = self->nudged};
@@ -475,7 +483,7 @@ static PetscErrorCode TimesRate(Estimate self, PetscReal t) {
   PetscCall(PetscArrayzero(self->rhs, n));
   for (PetscInt i = 0; i < n; i++) most = PetscMax(most, PetscAbsReal(self->b[i]));
   if (most <= rod_vanished) PetscFunctionReturn(0);
-  for (PetscInt i = 0; i < n && !self->scene->load.friction.mu; i++) /* it is straight all along */
+  for (PetscInt i = 0; i < n && IsViscous(self->scene); i++)
     fastest = PetscMax(fastest, PetscAbsReal(self->all.rate[i]));
   scale = nudge * PetscMax(fastest, PetscSqrtReal(beta > 0 ? beta : friction_tiny)) / most;
   PetscCall(VecCopy(self->rate, self->nudged));
