@@ -432,8 +432,11 @@ static PetscErrorCode RefuseAdapt(TS ts) {
 }
 
 /* The first step, as parts of the scene's unit of time and of the rod's own: nothing that a rod out
-   of balance does at once may take less. (What a straight one does is small at first.) */
-static const PetscReal first_of_unit = 1e-4, first_of_own = 1e-6, straight_of_own = 0.1;
+   of balance does at once may take less. (What a straight one does is small at first.) But where
+   that is next to nothing, a part of the time that short steps are part of: there must be shorter
+   ones. */
+static const PetscReal first_of_unit = 1e-4, first_of_own = 1e-6, straight_of_own = 0.1,
+                       first_of_brief = 1e-13;
 
 static PetscErrorCode SetFirstStep(Leg *leg) {
   const Scene scene = leg->rod->scene;
@@ -443,7 +446,8 @@ static PetscErrorCode SetFirstStep(Leg *leg) {
 
   PetscFunctionBegin;
   if (units->own > 0 && !(straight && scene->contact.any))
-    first = PetscMin(first, (straight ? straight_of_own : first_of_own) * units->own);
+    first = PetscMin(first, PetscMax((straight ? straight_of_own : first_of_own) * units->own,
+                                     first_of_brief * units->brief));
   PetscCall(TSSetTimeStep(leg->ts, first));
   PetscFunctionReturn(0);
 }

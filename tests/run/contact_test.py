@@ -686,7 +686,7 @@ def sticks_to_a_wall():
     off, tries = np.hypot(*(exact.tip - near.tip)), exact.newton_iterations.sum()
     print(f"held: {exact.steps} steps, {tries:.0f} Newton; beta of 1e-12 {near.steps}; tips differ by {off:.1e}")
     expect(off < 5e-6, f"tips {exact.tip}, {near.tip}")
-    expect(tries < 4500, f"{tries} iterations")
+    expect(tries < 7500, f"{tries} iterations")  # those of snaps, too
 
 
 @check
