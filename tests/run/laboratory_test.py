@@ -571,6 +571,32 @@ def speaks_both():
 
 
 @check
+def straight_is_told():
+    """A run that ends straight says so, and what to give: whether it began so or has become so, in every model
+    and direction, but not where something bends it, nor where it was quiet or gave up for another reason that is told."""
+    stayed, became = "The rod stayed straight: nothing bends it", "The rod has become straight, to an angle of "
+    wall = Path(scene.SCRATCH, "head-on.txt")
+    wall.write_text("plane 2 0 -1 0\n")
+    straight = "-shape_type straight -ts_max_time 2 "
+    for options, told, remedy in (
+        (straight, stayed, "-rod_curvature"), ("-shape_amplitude 0 -ts_max_time 2", stayed, "-shape_amplitude"),
+        (f"{straight} -clamp_angle 0.7 -rod_model mixed", stayed, "-rod_curvature"),
+        (f"{straight} -rod_model linear", stayed, "-rod_curvature"),
+        (f"{straight} -rod_model space -clamp_direction 1,2,3", stayed, "-rod_curvature"),
+        (f"{straight} -growth_type none -tip_force -1", stayed, "-rod_curvature"),
+        (f"{straight} -growth_type feed -wall_file {wall} -ts_max_time 0.3 -contact_diameter 0.1", stayed, "-rod_curvature"),
+        ("-ts_max_time 2", became, "-rod_curvature"), ("-ts_max_time 2 -rod_model auto", became, "-rod_curvature"),
+        (f"{straight} -rod_curvature 0.01", None, ""), (f"{straight} -rod_weight 0,-0.1", None, ""),
+        ("-ts_max_time 0.01 -shape_amplitude 1e-9", None, ""), ("-ts_max_time 20", None, ""), (f"{straight} -quiet", None, "")):
+        said = [line for line in tendril(options).splitlines() if line.startswith("The rod ")]
+        expect(len(said) == (told is not None), f"{options}: {said}")
+        expect(not told or said[0].startswith(told) and remedy in said[0], f"{options}: {said}")
+    done = subprocess.run([scene.TENDRIL, *shlex.split(f"-growth_type feed -growth_initial_length 1 {straight} "
+                          f"-wall_file {wall} -ts_max_time 4")], capture_output=True, text=True, env=scene.ENVIRONMENT)
+    expect(done.returncode and "jammed at" in done.stderr and stayed not in done.stdout, done.stdout + done.stderr)
+
+
+@check
 def paraview():
     """ParaView's own reader plays the rod in time."""
     try:
