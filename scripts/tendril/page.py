@@ -51,9 +51,10 @@ CHARTS = (
     ("energy defect", ("energy_defect",), True),
     ("step", ("step",), True),
 )
-SUMMARY = (("length", "length"), ("time", "t"), ("tip x1", "tip_x1"), ("tip x2", "tip_x2"),
+FOLLOWS = (("time", "t"), ("length", "length"), ("tip x1", "tip_x1"), ("tip x2", "tip_x2"),
            ("tip x3", "tip_x3"), ("width", "width"), ("energy", "energy"), ("push at the clamp", "base_force_1"),
            ("energy defect", "energy_defect"))
+WHOLE = ("steps", "Newton iterations", "finished", "ended by", "version")
 
 
 def shapes_of(r):
@@ -72,14 +73,9 @@ def shapes_of(r):
 
 
 def summary_of(r):
-    """The end of a run in numbers, dimensionless, and in words."""
-    last = {text: float(r.series[name][-1]) for text, name in SUMMARY if name in r.series}
-    table = {text: value for text, value in last.items() if np.isfinite(value)}
-    return table | {"steps": len(r.series.t) - 1,
-                    "Newton iterations": int(r.series.newton_iterations.sum()),
-                    "finished": "yes" if r.finished else "no",
-                    "ended by": str(r.groups.get("event", {}).get("kind", "its end")),
-                    "version": str(r.attributes.get("version", ""))}
+    """What there is to say of a run as a whole."""
+    return dict(zip(WHOLE, (len(r.series.t) - 1, int(r.series.newton_iterations.sum()), "yes" if r.finished else "no",
+                            str(r.groups.get("event", {}).get("kind", "its end")), str(r.attributes.get("version", "")))))
 
 
 def run_of(r, title, colour, shapes, units):
@@ -128,13 +124,11 @@ def content_of(results, titles, space, si=None):
     shades = [to_hex(shade) for shade in colours(len(results))]
     drag = [float(np.percentile(size_of(s["friction"]), 95)) for s in shapes]
     press = [float(size_of(s["contact"]).max()) if "contact" in s else 0.0 for s in shapes]
-    summary = [(text, units_of(results)[name]) for text, name in SUMMARY if name in units_of(results)]
-    summary += [(text, "1") for text in ("steps", "Newton iterations", "finished", "ended by",
-                                          "version")]
+    follows = [(text, unit, name) for text, name in FOLLOWS if (unit := units_of(results).get(name))]
     content = {
         "runs": [run_of(r, title, shade, shape, units)
                  for r, title, shape, shade in zip(results, titles, shapes, shades)],
-        "charts": charts_of(results), "summary": summary, "colours": COLOURS,
+        "charts": charts_of(results), "follows": follows, "whole": WHOLE, "colours": COLOURS,
         "names": {name: plain(name_of(name)) for r in results for name in r.series},
         "symbols": {name: plain(symbol_of(name)) for r in results for name in r.series},
         "units": {unit: name for unit, (name, _) in units.items()}, "lab": lab,

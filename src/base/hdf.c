@@ -621,6 +621,10 @@ PetscErrorCode HdfReadQuantity(const char *option, const char *path, const char 
   PetscCall(OptionUnit(what, strcmp(units, "1") ? units : "", dimension, &factor));
   for (int i = 0; i < rank; i++) total *= dims[i];
   for (PetscInt i = 0; i < total; i++) (*data)[i] *= factor;
+  for (PetscInt i = 0; i < total && !units[0]; i++) {
+    OptionsKeepPlain(dimension, (*data)[i]);
+    if ((*data)[i] != 0) break; /* that is enough to tell */
+  }
   PetscFunctionReturn(0);
 }
 

@@ -28,6 +28,13 @@ typedef struct Reading {
     const OptionRow *row;
     PetscReal value;
   } plain[MOST_BARE]; /* that had none, and could have had one */
+  struct {
+    char file[PETSC_MAX_PATH_LEN]; /* with the option that names it */
+    int at;                        /* the line that is read; 0: none */
+    int line;                      /* of the first such number; 0: there is none */
+    char first[64];
+    size_t more;
+  } lines; /* such numbers in the lines of a file */
   PetscBool pushed;
   struct Reading *outer;
 } Reading;
@@ -201,17 +208,28 @@ static PetscErrorCode CheckRange(const OptionRow *row, const char *given, PetscR
   PetscFunctionReturn(0);
 }
 
+/* Does a text end with its number? */
+static PetscBool HasNoUnit(const char *text) {
+  char *end;
+
+  (void)strtod(text, &end);
+  while (isspace((unsigned char)*end)) end++;
+  return (PetscBool) !*end;
+}
+
+/* Could a number have had a unit of the laboratory? */
+static PetscBool HasScale(Dimension dimension, PetscReal value) {
+  return (PetscBool)(now && value != 0 && dimension != UNIT_NONE && dimension < UNIT_ANGLE &&
+                     now->scale[dimension] > 0);
+}
+
 /* Keeps a number that was given without a unit, though the laboratory's are known: in which it was
    meant the user may have forgotten. */
 static void KeepPlain(const OptionRow *row, const char *given, PetscReal value) {
-  char *end;
   size_t i = 0;
 
-  (void)strtod(given, &end);
-  while (isspace((unsigned char)*end)) end++;
-  if (!now || *end || OptionSaid(row->name) || value == 0 || row->dimension == UNIT_NONE ||
-      row->dimension >= UNIT_ANGLE || row->flags & (PETSCS | PART) ||
-      now->scale[row->dimension] <= 0)
+  if (!HasNoUnit(given) || !HasScale(row->dimension, value) || OptionSaid(row->name) ||
+      row->flags & (PETSCS | PART))
     return;
   while (i < now->n_plain && now->plain[i].row != row) i++;
   if (i == MOST_BARE) return;
@@ -220,8 +238,36 @@ static void KeepPlain(const OptionRow *row, const char *given, PetscReal value) 
   now->plain[i].value = value;
 }
 
-/* OptionsTellPlain - says in one line which numbers were taken as dimensionless in a scene of the
-   laboratory, and what they are there. Collective. */
+/* OptionsReadLines - from here on the lines of a file are read: quantities in them, and in files
+   that they name, that have no unit are kept for OptionsTellPlain(). OptionsAtLine() says in which
+   it is, from 1 on, and with 0 that it is in none.
+
+   option, file   which file that is */
+void OptionsReadLines(const char *option, const char *file) {
+  if (!now) return;
+  now->lines.at = now->lines.line = 0;
+  now->lines.more = 0;
+  (void)snprintf(now->lines.file, sizeof(now->lines.file), "%s %s", option, file);
+}
+
+void OptionsAtLine(int line) {
+  if (now) now->lines.at = line;
+}
+
+/* OptionsKeepPlain - keeps a number without a unit of the line that is read. */
+void OptionsKeepPlain(Dimension dimension, PetscReal value) {
+  if (!HasScale(dimension, value) || !now->lines.at) return;
+  if (now->lines.line) {
+    now->lines.more++;
+    return;
+  }
+  now->lines.line = now->lines.at;
+  OptionBoth(value, dimension, now->lines.first);
+}
+
+/* OptionsTellPlain - says which numbers were taken as dimensionless in a scene of the laboratory,
+   and what they are there: in one line those of options, in another those of the lines of a file.
+   Collective. */
 PetscErrorCode OptionsTellPlain(void) {
   char text[64];
 
@@ -232,6 +278,11 @@ PetscErrorCode OptionsTellPlain(void) {
                     i ? ", " : "without a unit, and so dimensionless: ", now->plain[i].row->name,
                     OptionBoth(now->plain[i].value, now->plain[i].row->dimension, text),
                     i + 1 < now->n_plain ? "" : "\n"));
+  if (!now || !now->lines.line) PetscFunctionReturn(0);
+  (void)snprintf(text, sizeof(text), now->lines.more ? ", and %ld more" : "",
+                 (long)now->lines.more);
+  PetscCall(PetscPrintf(now->comm, "%s: without a unit, and so dimensionless: %s of line %d%s\n",
+                        now->lines.file, now->lines.first, now->lines.line, text));
   PetscFunctionReturn(0);
 }
 
@@ -356,6 +407,7 @@ PetscErrorCode OptionQuantity(const char *option, const char *text, Dimension di
 
   PetscFunctionBegin;
   PetscCall(ParseReal(&row, text, value));
+  if (HasNoUnit(text)) OptionsKeepPlain(dimension, *value);
   PetscFunctionReturn(0);
 }
 

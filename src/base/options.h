@@ -123,6 +123,9 @@ PetscErrorCode OptionsRefuseStrange(const char *name);
 PetscBool OptionOfPetsc(const char *name);
 PetscErrorCode OptionsList(char **text);
 PetscErrorCode OptionsInForce(char **text);
+void OptionsReadLines(const char *option, const char *file);
+void OptionsAtLine(int line);
+void OptionsKeepPlain(Dimension dimension, PetscReal value);
 PetscErrorCode OptionsTellPlain(void);
 
 /* options_words.c: the command line and options files, before PETSc takes them */

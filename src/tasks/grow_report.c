@@ -329,6 +329,32 @@ static PetscErrorCode TellPlane(const Grow *self) {
   PetscFunctionReturn(0);
 }
 
+/* A rod that is straight, and is not bent by nature, has nothing that says to which side it bends:
+   either it began so, or it has forgotten how it began. (Of one that gave up while it was pressed
+   against something another line says so.) */
+static PetscErrorCode TellStraight(const Grow *self) {
+  const PetscReal round_off = 1e-12, forgotten = 1e-6, angle = self->seen.max_angle;
+  const Shape *shape = &self->scene->shape;
+  const PetscReal began = shape->type == SHAPE_FILE       ? 1
+                          : shape->type == SHAPE_STRAIGHT ? 0
+                                                          : PetscAbsReal(shape->amplitude);
+
+  PetscFunctionBegin;
+  if (CurvatureBends(&self->scene->curvature)) PetscFunctionReturn(0);
+  if (self->seen.contacts > 0 && self->seen.t < self->scene->end_time && !self->event.kind)
+    PetscFunctionReturn(0);
+  if (began == 0 && angle <= round_off)
+    PetscCall(PetscPrintf(self->scene->comm,
+                          "The rod stayed straight: nothing bends it; give it a -rod_curvature, or "
+                          "to begin with a -shape_type and its -shape_amplitude.\n"));
+  else if (angle <= forgotten * began)
+    PetscCall(PetscPrintf(self->scene->comm,
+                          "The rod has become straight, to an angle of %.0e: it has forgotten the "
+                          "shape it began with; a -rod_curvature bends it for good.\n",
+                          (double)angle));
+  PetscFunctionReturn(0);
+}
+
 /* GrowCount - Newton iterations, those of snaps too, and rejected tries of steps: of this run and
    of those that it goes on with. */
 PetscErrorCode GrowCount(const Grow *self, PetscReal counted[2]) {
@@ -381,6 +407,7 @@ PetscErrorCode GrowSummary(Grow *self) {
   PetscCall(TellErrors(self, jumps));
   PetscCall(TellSides(self));
   PetscCall(TellPlane(self));
+  PetscCall(TellStraight(self));
   PetscCall(TellContact(self));
   PetscCall(TellEvent(self));
   PetscCall(TellNotReached(self));

@@ -623,6 +623,7 @@ static PetscErrorCode ReadLines(Maker *self, char *text, PetscReal friction, Wal
     line[strcspn(line, "#")] = 0;
     n = Words(line, longest + 1, word);
     if (!n) continue;
+    OptionsAtLine(self->line);
     error = ReadLine(self, n, word, friction, walls, surfaces);
     if (error) PetscCall(PetscFree(word));
     PetscCall(error);
@@ -676,7 +677,9 @@ PetscErrorCode WallsRead(const char *file, PetscReal radius, PetscReal friction,
 
   PetscFunctionBegin;
   PetscCall(ReadText(file, &text));
+  OptionsReadLines("-wall_file", file);
   error = ReadLines(&self, text, friction, walls, surfaces);
+  OptionsAtLine(0);
   PetscCall(PetscFree(text));
   PetscCall(error);
   for (PetscInt w = 0; w < walls->n; w++)

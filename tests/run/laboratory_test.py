@@ -571,6 +571,70 @@ def speaks_both():
 
 
 @check
+def walls_without_units():
+    """Numbers of a wall file, and of tables and grids that it names, that have no unit in a scene of the laboratory
+    are told in one line: the first, with what it is there, and how many more. Of 0, of directions and of what has
+    units nothing is told, nor of any number in a scene without the laboratory."""
+    d = Path(scene.SCRATCH)
+    (d / "bare.csv").write_text("x1,x2,x3,radius\n0,0,0,0.5\n9,0,0,0.5\n")
+    (d / "said.csv").write_text("x1 (cm),x2 (cm),x3 (cm),radius (cm)\n-1,0,0,0.5\n9,0,0,0.5\n")
+    axis = np.linspace(-3, 3, 31)
+    x = np.stack(np.meshgrid(axis + 12, axis, axis, indexing="ij"))
+    for name, units in (("bare", None), ("said", "cm")):
+        with h5py.File(d / f"{name}.h5", "w") as f:
+            f["origin"], f["spacing"] = [9., -3, -3], [0.2, 0.2, 0.2]
+            f["distance"] = np.sqrt((x[0] - 12) ** 2 + x[1] ** 2 + x[2] ** 2) - 1
+            for dataset in f.values() if units else ():
+                dataset.attrs["units"] = np.bytes_(units)
+    rod = "-growth_type feed -growth_initial_length 1mm -contact_diameter 8mm -rod_cells 20 -ts_max_time 0.001s "
+    cm, speed = 100 * LENGTH, LAB["speed"]
+    for text, space, told in (
+        ("circle 8 0 1 outside\n", False, f"8 ({8 * cm:.6g} cm) of line 1, and 1 more"),
+        ("# nothing\nplane 0 -30cm 0 1\n\nplane 0 -8 0 1", False, f"-8 ({-8 * cm:.6g} cm) of line 4"),
+        ("path 4cm -3cm 0 9cm 0 radius 5\n", False, f"5 ({5 * cm:.6g} cm) of line 1"),
+        ("circle 8cm 0 1cm outside friction 0.2\nplane 0 -8cm 0 1\n", False, None),
+        ("sphere 50cm 0 0 1cm outside moves 2 0 0", True, f"2 ({2 * speed:.6g} m/s) of line 1"),
+        ("sphere 50cm 0 0 1cm outside moves 2mm/s 0 0 turns 1 50cm 0 0 1 0 0", True, None),
+        ("tube bare.csv inside", True, f"9 ({9 * cm:.6g} cm) of line 1, and 2 more"), ("tube said.csv inside", True, None),
+        ("body bare.h5 outside", True, f"9 ({9 * cm:.6g} cm) of line 1, and 2 more"), ("body said.h5 outside", True, None)):
+        (d / "walls.txt").write_text(text)
+        options = f"{rod} -wall_file {d}/walls.txt {'-rod_model space' * space} "
+        said = [line for line in tendril(f"{SI} {options}").splitlines() if "dimensionless" in line]
+        wanted = [f"-wall_file {d}/walls.txt: without a unit, and so dimensionless: {told}"] if told else []
+        expect(said == wanted, f"{text}: {said} for {wanted}")
+        expect("dimensionless" not in tendril(f"{SI} {options} -quiet"), text)
+    (d / "walls.txt").write_text("circle 8 0 1 outside\n")
+    bare = "-growth_type feed -contact_diameter 0.1 -rod_cells 20 -ts_max_time 0.001 "
+    expect("dimensionless" not in tendril(f"{bare} -wall_file {d}/walls.txt"), "told without a laboratory")
+
+
+@check
+def straight_is_told():
+    """A run that ends straight says so, and what to give: whether it began so or has become so, in every model
+    and direction, but not where something bends it, nor where it was quiet or gave up for another reason that is told."""
+    stayed, became = "The rod stayed straight: nothing bends it", "The rod has become straight, to an angle of "
+    wall = Path(scene.SCRATCH, "head-on.txt")
+    wall.write_text("plane 2 0 -1 0\n")
+    straight = "-shape_type straight -ts_max_time 2 "
+    for options, told, remedy in (
+        (straight, stayed, "-rod_curvature"), ("-shape_amplitude 0 -ts_max_time 2", stayed, "-shape_amplitude"),
+        (f"{straight} -clamp_angle 0.7 -rod_model mixed", stayed, "-rod_curvature"),
+        (f"{straight} -rod_model linear", stayed, "-rod_curvature"),
+        (f"{straight} -rod_model space -clamp_direction 1,2,3", stayed, "-rod_curvature"),
+        (f"{straight} -growth_type none -tip_force -1", stayed, "-rod_curvature"),
+        (f"{straight} -growth_type feed -wall_file {wall} -ts_max_time 0.3 -contact_diameter 0.1", stayed, "-rod_curvature"),
+        ("-ts_max_time 2", became, "-rod_curvature"), ("-ts_max_time 2 -rod_model auto", became, "-rod_curvature"),
+        (f"{straight} -rod_curvature 0.01", None, ""), (f"{straight} -rod_weight 0,-0.1", None, ""),
+        ("-ts_max_time 0.01 -shape_amplitude 1e-9", None, ""), ("-ts_max_time 20", None, ""), (f"{straight} -quiet", None, "")):
+        said = [line for line in tendril(options).splitlines() if line.startswith("The rod ")]
+        expect(len(said) == (told is not None), f"{options}: {said}")
+        expect(not told or said[0].startswith(told) and remedy in said[0], f"{options}: {said}")
+    done = subprocess.run([scene.TENDRIL, *shlex.split(f"-growth_type feed -growth_initial_length 1 {straight} "
+                          f"-wall_file {wall} -ts_max_time 4")], capture_output=True, text=True, env=scene.ENVIRONMENT)
+    expect(done.returncode and "jammed at" in done.stderr and stayed not in done.stdout, done.stdout + done.stderr)
+
+
+@check
 def paraview():
     """ParaView's own reader plays the rod in time."""
     try:

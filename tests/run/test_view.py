@@ -32,6 +32,7 @@ try:
 except ImportError as error:
     from_venv(error)
 
+NODE = shutil.which("node")
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 QUIET = """--headless --no-sandbox --disable-quic --no-first-run --disable-sync
     --disable-background-networking --disable-component-update --hide-scrollbars""".split()
@@ -114,6 +115,17 @@ const mice = async (u, ...steps) => {
   pre.textContent = JSON.stringify(seen);
   document.body.append(pre);
 })();
+"""
+
+
+# What the table of the page says at some times, without a browser.
+TABLE = """
+globalThis.document = { getElementById: () => ({ textContent: require("fs").readFileSync(process.argv[3], "utf8") }) };
+(0, eval)(require("fs").readFileSync(process.argv[1], "utf8") + `
+  data.runs.forEach(unpack);
+  const [lab, times] = JSON.parse(process.argv[2]);
+  state.lab = lab;
+  console.log(JSON.stringify(times.map((t) => { state.t = t; return numbersNow(); })));`);
 """
 
 
@@ -272,6 +284,34 @@ class View(unittest.TestCase):
         self.assertEqual((len(fair[0]), fair[0].sum()), (1, 0))
         self.assertEqual((len(fair[1]), fair[1].sum()), (80, 80))
 
+    def table(self, runs, times, lab=True):
+        """What the page's table says at these times: of each a dictionary by row of lists by run."""
+        page = self.page(runs)
+        file = self.place / "content.json"
+        file.write_text(re.search(r'(?s)<script id="data" type="application/json">(.*?)</script>', page)[1])
+        done = subprocess.run([NODE, "-e", TABLE, str(ROOT / "scripts/tendril/web/data.js"), json.dumps([lab, times]),
+                               str(file)], capture_output=True, text=True, timeout=HANG)
+        self.assertEqual(done.returncode, 0, done.stderr[-2000:])
+        rows = [text for text, _, _ in content(page)["follows"]]
+        return [dict(zip(rows, values, strict=True)) for values in json.loads(done.stdout)]
+
+    @unittest.skipUnless(NODE, "no Node.js here")
+    def test_a_table_of_the_time_shown(self):
+        """Numbers are those of the slider's time, straight on between steps, each run in its units; of a run that has
+        ended its last ones."""
+        for lab in (True, False):
+            times = [0, 7.3, 20, 33.3, 40] if lab else [r.series.t[-1] * part for r in self.runs[:1] for part in (0, 0.3, 1)]
+            for t, table in zip(times, self.table(self.runs, times, lab)):
+                for k, r in enumerate(self.runs):
+                    factor = {name: r.scale(unit) * si if lab else 1 for name, unit, si in (
+                        ("t", "time", 1), ("length", "length", 100), ("tip_x2", "length", 100))}
+                    at = min(t / factor["t"], r.series.t[-1])
+                    for text, name in (("time", "t"), ("length", "length"), ("tip x2", "tip_x2")):
+                        told, true = float(table[text][k]), np.interp(at, r.series.t, r.series[name]) * factor[name]
+                        self.assertLess(abs(told - true), 1e-3 * abs(true) + 1e-6, (lab, t, text, k))
+        first, last = self.table(self.runs, [0, 40])
+        self.assertTrue(all(first[text] != last[text] for text in ("time", "length", "energy", "tip x1")), last)
+
     def test_size(self):
         r = tendril.run("feed", output_interval=0.04)
         self.assertGreaterEqual(len(r.shapes.t), 200)
@@ -313,7 +353,8 @@ class View(unittest.TestCase):
         self.assertEqual(lab["now"], "t = 20 s")
         np.testing.assert_allclose(lab["cursors"], 20, rtol=0.01)
         self.assertTrue({"distance (cm)", "force at the clamp (mN)"} <= set(lab["charts"]))
-        self.assertRegex(lab["summary"], r"length \(cm\)\s+21\b")
+        self.assertRegex(lab["summary"], r"length \(cm\)\s+11\b")  # at the slider's time, of 1 cm to 21
+        self.assertRegex(lab["summary"], r"time \(s\)\s+20\b")
         x0, x1, y0, y1 = seen["limits"]  # both axes in one scale, around the present rod
         self.assertAlmostEqual((x1 - x0) / (y1 - y0), seen["box"][0] / seen["box"][1], 3)
         shape = r.at(middle).x * 100 * r.scale("length")

@@ -10,11 +10,10 @@ function commonTimes(runs) {
 }
 
 function resample(run, name, unit, times, log) {
-  const t = run.series.t, y = run.series[name], ft = factor(run, "l/V"), fy = factor(run, unit);
+  const ft = factor(run, "l/V"), fy = factor(run, unit);
   return Array.from(times, (time) => {
     if (time / ft > run.end * (1 + 1e-6)) return null;
-    const [k, w] = locate(t, time / ft);
-    const value = (w ? y[k] * (1 - w) + y[k + 1] * w : y[k]) * fy;
+    const value = valueAt(run, name, time / ft) * fy;
     return log && !(value > 0) ? null : value;
   });
 }
@@ -150,6 +149,7 @@ function goTo(t) {
   element("slider").value = 1000 * state.t / lastTime();
   element("now").textContent = `t = ${number(state.t)} ${named("l/V")}`;
   tellShapes();
+  tellNumbers();
   rod.redraw(false, element("follow").checked);
   if (element("follow").checked) rod.setData(rod.data);  // takes its limits anew
   markTime();
@@ -163,6 +163,13 @@ function tellShapes() {
     return w === 0 && Math.abs(at - state.t) > 1e-3 * lastTime() ? at : null;
   }).filter((t) => t !== null);
   element("held").textContent = held.length ? `few shapes are stored: that of t = ${number(held[0])} is shown` : "";
+}
+
+// Where the table has the numbers that follow the time: of each row the cells of the runs.
+let following = [];
+
+function tellNumbers() {
+  numbersNow().forEach((texts, i) => texts.forEach((text, k) => { following[i][k].textContent = text; }));
 }
 
 function play() {
@@ -219,13 +226,12 @@ function makeAbout() {
     const line = table.insertRow();
     for (const text of cells) line.appendChild(document.createElement(tag)).textContent = text;
     if (tag === "td") line.cells[0].outerHTML = `<th>${line.cells[0].innerHTML}</th>`;
+    return Array.from(line.cells).slice(1);
   };
   if (several) row(["", ...data.runs.map((run) => run.name)], "th");
-  for (const [text, unit] of data.summary)
-    row([withUnit(text, unit), ...data.runs.map((run) => {
-      const value = run.summary[text];
-      return typeof value === "number" ? number(value * factor(run, unit)) : value ?? "–";
-    })], "td");
+  following = data.follows.map(([text, unit]) => row([withUnit(text, unit), ...data.runs.map(() => "")], "td"));
+  row(["of the whole run", ...data.runs.map(() => "")], "th");
+  for (const text of data.whole) row([text, ...data.runs.map((run) => String(run.summary[text]))], "td");
   const open = Array.from(about.querySelectorAll("details"), (d) => d.open);
   const same = Object.keys(data.names).filter((name) => name !== "t" && constant(name) !== undefined);
   const note = document.createElement("p");

@@ -30,7 +30,7 @@ const strongest = (kind) => Math.max(...data.runs.map((run) => run[kind] * facto
 const lastTime = () => Math.max(...data.runs.map((run) => run.end * factor(run, "l/V")));
 
 function number(v) {
-  if (v === null || v === undefined || Number.isNaN(v)) return "–";
+  if (!Number.isFinite(v)) return "–";
   const size = Math.abs(v);
   return size === 0 ? "0" : size >= 1e-3 && size < 1e5 ? String(+v.toPrecision(4)) : v.toExponential(2);
 }
@@ -50,6 +50,18 @@ function locate(values, t) {
     if (values[middle] <= t) low = middle; else high = middle;
   }
   return [low, Math.max(0, (t - values[low]) / (values[high] - values[low]))];
+}
+
+// A series of a run at a time, straight on between steps; beyond its ends what it is there.
+function valueAt(run, name, t) {
+  const [k, w] = locate(run.series.t, t), y = run.series[name];
+  return w ? y[k] * (1 - w) + y[k + 1] * w : y[k];
+}
+
+// The numbers of the table at the time that is shown, as texts: of each row the runs.
+function numbersNow() {
+  return data.follows.map(([, unit, name]) => data.runs.map((run) => (name in run.series
+    ? number(valueAt(run, name, state.t / factor(run, "l/V")) * factor(run, unit)) : "–")));
 }
 
 // Which stored shapes are shown at a time: [the one before, the share of the next]. Where a straight motion
