@@ -257,8 +257,10 @@ def functions(place):
                                           checkerboard=None, board_picture=None)),
         "fit": (tendril.fit, dict(scene=p / "tube.opts", data=p / "force.csv", parameters={"si_friction_dry": ("0.2N/m", "2N/m")}, unit="", fps=None,
                                   y_down=None, priors=None, tied=None, noise=None, accuracy=3e-2, starts=0, seed=1, jobs=1, progress=False)),
-        "circle": (tendril.circle, dict(centre=(0, 3), radius=1)), "plane": (tendril.plane, dict(point=(0, -1), normal=(0, 1))),
-        "polygon": (tendril.polygon, dict(vertices=[(0, 1), (1, 1), (1, 2)])), "conduit": (tendril.conduit, dict(radius=1, points=[(0, 0), (5, 0)])),
+        "circle": (tendril.circle, dict(centre=(0, 3), radius=1, inside=False, friction=0.1)),
+        "plane": (tendril.plane, dict(point=(0, -1), normal=(0, 1), friction=None)),
+        "polygon": (tendril.polygon, dict(corners=[(0, 1), (1, 1), (1, 2)], inside=False, friction=None)),
+        "conduit": (tendril.conduit, dict(radius=1, points=[(0, 0), (5, 0)], friction=None)),
     }
     if r is not None:
         found |= {"at": (r.at, dict(t="2s", nearest=False)), "dataset": (r.dataset, dict(si=True)), "frame": (r.frame, dict(si=True)),
@@ -313,7 +315,7 @@ def judged(code, said, warned, failure):
         return f"unexpected: code {code}: {lines[-1][:200] if lines else ''}"
     if len(lines) != 1:
         return f"{len(lines)} lines: " + " | ".join(lines)[:200]
-    return "line" if re.match(r"[\w.\-/]+: \s*\S", lines[0]) else "no name: " + lines[0][:150]
+    return "line" if re.match(r"(python -m tendril )?[\w.\-/]+: \s*\S", lines[0]) else "no name: " + lines[0][:150]
 
 
 def last_frame(error):

@@ -115,7 +115,7 @@ class Damages(unittest.TestCase):
             with contextlib.redirect_stderr(io.StringIO()) as said, self.assertRaises(SystemExit) as end:
                 commands.main(words)
             self.assertEqual(end.exception.code, 2)
-            self.assertRegex(said.getvalue(), rf"^{words[0]}: .*; -h behind it tells how\n$")
+            self.assertRegex(said.getvalue(), rf"^scripts/{words[0]}.sh: .*; -h says what there is\n$")
 
     def test_arguments(self):
         """Of each kind: what is one and what is none; None where it may be."""
@@ -133,6 +133,9 @@ class Damages(unittest.TestCase):
                 with self.assertRaisesRegex(tendril.TendrilError, "^value: give ", msg=(kind, value)):
                     call(value=value)
             self.assertEqual(errors.arguments(value=f"{kind}?")(lambda value: "called")(None), "called")
+        for wall in (lambda inside: tendril.circle((0, 3), 1, inside), lambda inside: tendril.polygon([(0, 1), (1, 1), (1, 2)], inside)):
+            with self.assertRaisesRegex(tendril.TendrilError, "^inside: give True or False, not "):
+                wall(np.zeros((2, 2)))
         self.assertEqual(str(tendril.TendrilError("a\nb")), "a b")
 
 
