@@ -324,12 +324,27 @@ def last_frame(error):
     return f"{type(error).__name__}: {str(error)[:120]} at {place}"
 
 
+@contextlib.contextmanager
+def heard(err):
+    """Adds what libraries of C write to the process' own stderr to what was said."""
+    kept = os.dup(2)
+    with tempfile.TemporaryFile() as own:
+        os.dup2(own.fileno(), 2)
+        try:
+            yield
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
+            own.seek(0)
+            err.write(own.read().decode(errors="replace"))
+
+
 def command(template, place, chance):
     from tendril import __main__ as commands
 
     words, _ = words_of(template, place, chance)
     out, err, failure, code = io.StringIO(), io.StringIO(), "", None
-    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), warnings.catch_warnings(record=True) as warned:
+    with heard(err), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always")
         try:
             code = commands.main(words)
@@ -354,7 +369,7 @@ def function(name, place, chance):
         for _ in range(chance.choice((1, 1, 2))):
             given[chance.choice(list(given))] = chance.choice(things())
     out, err, end = io.StringIO(), io.StringIO(), "right"
-    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), warnings.catch_warnings(record=True) as warned:
+    with heard(err), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always")
         try:
             call(**given)
@@ -366,6 +381,8 @@ def function(name, place, chance):
             end = "traceback: " + last_frame(error)
     leaked = next((f"warning: {w.category.__name__}: {w.message} ({Path(w.filename).name}:{w.lineno})" for w in warned
                    if issubclass(w.category, (RuntimeWarning, UserWarning))), "")
+    if err.getvalue().strip() and end in ("right", "line"):
+        end = "says on stderr: " + err.getvalue().strip()[:150]
     return [name, {key: value for key, value in given.items()}], leaked or end, err.getvalue()
 
 
