@@ -257,8 +257,10 @@ def functions(place):
                                           checkerboard=None, board_picture=None)),
         "fit": (tendril.fit, dict(scene=p / "tube.opts", data=p / "force.csv", parameters={"si_friction_dry": ("0.2N/m", "2N/m")}, unit="", fps=None,
                                   y_down=None, priors=None, tied=None, noise=None, accuracy=3e-2, starts=0, seed=1, jobs=1, progress=False)),
-        "circle": (tendril.circle, dict(centre=(0, 3), radius=1)), "plane": (tendril.plane, dict(point=(0, -1), normal=(0, 1))),
-        "polygon": (tendril.polygon, dict(vertices=[(0, 1), (1, 1), (1, 2)])), "conduit": (tendril.conduit, dict(radius=1, points=[(0, 0), (5, 0)])),
+        "circle": (tendril.circle, dict(centre=(0, 3), radius=1, inside=False, friction=0.1)),
+        "plane": (tendril.plane, dict(point=(0, -1), normal=(0, 1), friction=None)),
+        "polygon": (tendril.polygon, dict(corners=[(0, 1), (1, 1), (1, 2)], inside=False, friction=None)),
+        "conduit": (tendril.conduit, dict(radius=1, points=[(0, 0), (5, 0)], friction=None)),
     }
     if r is not None:
         found |= {"at": (r.at, dict(t="2s", nearest=False)), "dataset": (r.dataset, dict(si=True)), "frame": (r.frame, dict(si=True)),
@@ -313,7 +315,7 @@ def judged(code, said, warned, failure):
         return f"unexpected: code {code}: {lines[-1][:200] if lines else ''}"
     if len(lines) != 1:
         return f"{len(lines)} lines: " + " | ".join(lines)[:200]
-    return "line" if re.match(r"[\w.\-/]+: \s*\S", lines[0]) else "no name: " + lines[0][:150]
+    return "line" if re.match(r"(python -m tendril )?[\w.\-/]+: \s*\S", lines[0]) else "no name: " + lines[0][:150]
 
 
 def last_frame(error):
@@ -322,12 +324,27 @@ def last_frame(error):
     return f"{type(error).__name__}: {str(error)[:120]} at {place}"
 
 
+@contextlib.contextmanager
+def heard(err):
+    """Adds what libraries of C write to the process' own stderr to what was said."""
+    kept = os.dup(2)
+    with tempfile.TemporaryFile() as own:
+        os.dup2(own.fileno(), 2)
+        try:
+            yield
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
+            own.seek(0)
+            err.write(own.read().decode(errors="replace"))
+
+
 def command(template, place, chance):
     from tendril import __main__ as commands
 
     words, _ = words_of(template, place, chance)
     out, err, failure, code = io.StringIO(), io.StringIO(), "", None
-    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), warnings.catch_warnings(record=True) as warned:
+    with heard(err), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always")
         try:
             code = commands.main(words)
@@ -352,7 +369,7 @@ def function(name, place, chance):
         for _ in range(chance.choice((1, 1, 2))):
             given[chance.choice(list(given))] = chance.choice(things())
     out, err, end = io.StringIO(), io.StringIO(), "right"
-    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), warnings.catch_warnings(record=True) as warned:
+    with heard(err), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always")
         try:
             call(**given)
@@ -364,6 +381,8 @@ def function(name, place, chance):
             end = "traceback: " + last_frame(error)
     leaked = next((f"warning: {w.category.__name__}: {w.message} ({Path(w.filename).name}:{w.lineno})" for w in warned
                    if issubclass(w.category, (RuntimeWarning, UserWarning))), "")
+    if err.getvalue().strip() and end in ("right", "line"):
+        end = "says on stderr: " + err.getvalue().strip()[:150]
     return [name, {key: value for key, value in given.items()}], leaked or end, err.getvalue()
 
 

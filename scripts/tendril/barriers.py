@@ -12,7 +12,7 @@ from typing import Sequence
 
 import numpy as np
 
-from .errors import TendrilError
+from .errors import TendrilError, arguments
 from .runs import text_of
 
 
@@ -34,12 +34,14 @@ def plane(point: Sequence, normal: Sequence, friction=None) -> str:
     return line(["plane", *numbers("plane: point", point, 2), *numbers("plane: normal", normal, 2)], friction)
 
 
+@arguments(inside="flag")
 def circle(centre: Sequence, radius, inside=False, friction=None) -> str:
     """A round stone; or with inside a round cavity, with the rod in it."""
     return line(["circle", *numbers("circle: centre", centre, 2), *numbers("circle: radius", radius, 1),
                  "inside" if inside else "outside"], friction)
 
 
+@arguments(inside="flag")
 def polygon(corners: Sequence, inside=False, friction=None) -> str:
     """A body with corners [n, 2], in either sense; with inside the rod is in it."""
     return line(["polygon", "inside" if inside else "outside", *numbers("polygon: corners", corners)],

@@ -22,7 +22,7 @@ import h5py
 import numpy as np
 
 from .errors import OF_CONTENT, RunError, TendrilError, reading
-from .results import Results, ResultsError, Table, _text, options_of
+from .results import ALONG, NUMBERS, Results, ResultsError, Table, _text, options_of
 from .units import parameters_of, quantity
 
 if TYPE_CHECKING:
@@ -210,8 +210,8 @@ class Sweep:
 
     @staticmethod
     def rows(table, name, first, count):
-        values = table[name]
-        if values.dtype.kind not in "fiub" or values.ndim < 1 or len(values) < first + count:
+        values, dimensions = table[name], 2 if name in ALONG and name not in NUMBERS else 1
+        if values.dtype.kind not in "fiub" or values.ndim != dimensions or len(values) < first + count:
             raise ResultsError(f"{table.of}/{name}: is an array {list(values.shape)} of {values.dtype}; rows {first} to {first + count} "
                                "are those of a run")
         return values[first:first + count]

@@ -15,7 +15,7 @@ import numpy as np
 
 from .command import Parser
 from .errors import ResultsError, TendrilError, complaint
-from .results import load
+from .results import MOST, finite, load
 from .style import BLUE, GREEN, GREY, ORANGE, RED, STYLE, InStyle, save
 
 CURVES = (("lambda_max_A", BLUE, r"$\lambda_{max}(A)$", "-"),
@@ -72,7 +72,7 @@ def minimum(t, norm):
 def draw_run(ax, r, end):
     """|x2| of a run in time, with its minimum."""
     t, norm = r.series.t, r.series.norm_x2
-    keep = (t <= end) & (norm > 0)
+    keep = (t <= end) & (norm > 0) & (norm < MOST)
     if not keep.any():
         raise ResultsError(f"{r.told}: holds no deflection before t = {end:g}")
     t, norm = t[keep], norm[keep]
@@ -106,8 +106,12 @@ def draw_critical(ax, r):
 def draw_optimal(ax, r, norm="L2"):
     """The deflection that grows most over the window of a result, before and after."""
     table = r.groups["transient"]
-    t1, t2, amplification = table.t1, table.t2, table[f"{norm}/amplification"]
-    s, before, after = (table[f"{norm}/{name}"] for name in ("s", "initial_y", "final_y"))
+    table.of = f"{r.told}: transient"
+    t1, t2, amplification = (float(finite(table, name, 0)) for name in ("t1", "t2", f"{norm}/amplification"))
+    s = finite(table, f"{norm}/s", 1)
+    before, after = (finite(table, f"{norm}/{name}", 1, s.shape) for name in ("initial_y", "final_y"))
+    if not (before.any() and after.any()):
+        raise ResultsError(f"{table.of}: its deflections are 0")
     ax.plot(s, before / np.abs(before).max(), color=BLUE, label=rf"at $t = {t1:.4g}$")
     ax.plot(s, after / np.abs(after).max(), color=ORANGE, ls="--", label=rf"at $t = {t2:.4g}$")
     ax.set_title(f"amplification {amplification:.4g} in {norm}", fontsize=7)
@@ -169,8 +173,8 @@ def main(arguments=None):
     try:
         figure = figure_of([load(p) for p in view.files], [load(p) for p in view.run])
         print(f"plot: {save(figure, output, None)}")
-    except (TendrilError, KeyError, OSError) as error:
-        print(complaint(error, "plot_stability"), file=sys.stderr)
+    except (TendrilError, OSError) as error:
+        print(complaint(error, "stability"), file=sys.stderr)
         return 1
     return 0
 

@@ -54,6 +54,7 @@ class Sensitivity(NamedTuple):
 MOST = 1e100  # of any number of a rod
 # what shapes hold along the rod
 ALONG = ("x", "theta", "curvature", "force", "strain", "moment", "d1", "d2", "d3", "contact", "stretch", "natural_curvature", "natural_strain")
+NUMBERS = ("theta", "curvature", "natural_curvature", "stretch")  # of these, a number a node; the others are vectors
 OF_ROD = ("finished", "parameters/contact_diameter", "parameters/friction_radius")
 SCALES = "length", "time", "speed", "force", "energy", "power", "curvature"
 
@@ -591,7 +592,7 @@ def check_shapes(shapes):
         raise ResultsError(f"{shapes.of}/s: labels must rise")
     for name in ALONG:
         if name in shapes or name in SHAPES:
-            dimensions = 2 if name in ("theta", "curvature", "natural_curvature", "stretch") else 3
+            dimensions = 2 if name in NUMBERS else 3
             if np.ndim(shapes[name]) != dimensions:
                 finite(shapes, name, dimensions)
             part = Table({name: shapes[name][:many[0]]})

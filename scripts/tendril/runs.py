@@ -37,7 +37,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from .errors import RunError, TendrilError, arguments, did_you_mean, path_of, positive
+from .errors import RunError, TendrilError, arguments, briefly_shown, did_you_mean, path_of, positive
 from .progress import bar
 from .results import Results, load
 
@@ -156,6 +156,8 @@ def words_of(options, directory) -> list[str]:
     out."""
     words = []
     for name, value in options.items():
+        if not isinstance(name, str):
+            raise TendrilError(f"{briefly_shown(name)}: is no name of an option; give text")
         name = name.lstrip("-")
         if name == "wall_file" and isinstance(value, str) and WALL.match(value) and not Path(value).exists():
             value = [value]  # one wall by itself

@@ -22,7 +22,9 @@ try:
     import damages
     import tendril
     import tendril.__main__ as commands
-    from tendril import errors
+    from matplotlib.figure import Figure
+
+    from tendril import errors, plot_stability
 except ImportError as error:
     from_venv(error)
 
@@ -56,10 +58,10 @@ class Damages(unittest.TestCase):
                                                  (3, "plot: a fault\n", "", "", "unexpected"), (1, "oh\n", "", "", "no name")):
             self.assertRegex(damages.judged(code, said, warned, failure), f"^{end}")
 
-    def without(self, name, change):
+    def without(self, name, change, of="tube"):
         """A result file, changed."""
         path = self.place / f"{name}.h5"
-        path.write_bytes((self.place / "tube.h5").read_bytes())
+        path.write_bytes((self.place / f"{of}.h5").read_bytes())
         with h5py.File(path, "r+") as file:
             change(file)
         return path
@@ -92,6 +94,32 @@ class Damages(unittest.TestCase):
             with self.assertRaisesRegex(tendril.ResultsError, "missing.h5: series: no norm_x2 here"):
                 call(halved)
 
+    def test_sweeps_and_stability_say_what_is_wrong_with_them(self):
+        """Rows of another rank in a sweep; deflections that grow most without their nodes, or of nothing; a run with a norm
+        that is not finite, of which the others are drawn."""
+        def put(name, change):
+            def changed(file):
+                values = file[name][()]
+                del file[name]
+                file[name] = change(values)
+            return changed
+
+        for name in ("shapes/t", "series/self_crossings", "shapes/x"):
+            path = self.without("rows", put(name, lambda v: v[..., None]), "sweep")
+            with self.assertRaisesRegex(tendril.ResultsError, f"rows.h5: {name}: is an array"):
+                tendril.ensemble(path).plot()
+        for name, change, line in (("L2/s", lambda v: v[:0], "transient/L2/initial_y: .* does not go with"),
+                                   ("L2/initial_y", lambda v: 0 * v, "transient: its deflections are 0"),
+                                   ("t1", lambda v: np.nan, "transient/t1: holds a number that is not finite")):
+            with self.assertRaisesRegex(tendril.ResultsError, line):
+                tendril.plot(self.without("grows", put(f"transient/{name}", change), "stability"))
+        t, norm = np.arange(11.0), 1 + np.abs(np.arange(11.0) - 5)
+        norm[6] = np.inf
+        figure = Figure()
+        r = mock.Mock(series=mock.Mock(t=t, norm_x2=norm))
+        plot_stability.draw_run(figure.subplots(), r, 10)
+        self.assertTrue(np.isfinite(figure.axes[0].lines[1].get_xydata()).all())
+
     def test_a_run_that_goes_on(self):
         """Its last rows may be half written: they are left out, not refused."""
         def change(file):
@@ -115,7 +143,7 @@ class Damages(unittest.TestCase):
             with contextlib.redirect_stderr(io.StringIO()) as said, self.assertRaises(SystemExit) as end:
                 commands.main(words)
             self.assertEqual(end.exception.code, 2)
-            self.assertRegex(said.getvalue(), rf"^{words[0]}: .*; -h behind it tells how\n$")
+            self.assertRegex(said.getvalue(), rf"^scripts/{words[0]}.sh: .*; -h says what there is\n$")
 
     def test_arguments(self):
         """Of each kind: what is one and what is none; None where it may be."""
@@ -133,6 +161,11 @@ class Damages(unittest.TestCase):
                 with self.assertRaisesRegex(tendril.TendrilError, "^value: give ", msg=(kind, value)):
                     call(value=value)
             self.assertEqual(errors.arguments(value=f"{kind}?")(lambda value: "called")(None), "called")
+        for wall in (lambda inside: tendril.circle((0, 3), 1, inside), lambda inside: tendril.polygon([(0, 1), (1, 1), (1, 2)], inside)):
+            with self.assertRaisesRegex(tendril.TendrilError, "^inside: give True or False, not "):
+                wall(np.zeros((2, 2)))
+        with self.assertRaisesRegex(tendril.TendrilError, "^1: is no name of an option"):
+            tendril.critical({1: 2})
         self.assertEqual(str(tendril.TendrilError("a\nb")), "a b")
 
 
