@@ -409,8 +409,8 @@ def minimum_curvature(path, table, depth, i, a, radius):
         k = np.clip(np.searchsorted(depth, s, side="right") - 1, 0, len(lengths) - 1)
         return stations[k] + arc(t[k], t[k + 1], angles[k], lengths[k], (s - depth[k]) / lengths[k])
 
-    s = np.concatenate([depth[:1], *(depth[k] + part * lengths[k] for k, part in enumerate(parts))])
-    s = followed(np.unique(np.concatenate([s, depth])), lambda s: np.array([place(one) for one in s]))
+    between = (depth[k] + part[part < 1 - 1e-9] * lengths[k] for k, part in enumerate(parts))  # the stations are there as they are
+    s = followed(np.sort(np.concatenate([depth, *between])), lambda s: np.array([place(one) for one in s]))
     return np.array([place(one) for one in s]), None if radius is None else np.interp(s, depth, radius)
 
 

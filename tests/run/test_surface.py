@@ -419,6 +419,20 @@ class CentreLines(Files):
         unit = units.pop()
         return np.array([[float(cell.removesuffix(unit)) for cell in row] for row in cells]), unit, "\n".join(made.notes)
 
+    def test_what_the_rod_asks(self):
+        """The rod's diameter in its own unit; where up is in a path that was turned, which its weight must know."""
+        sloping = "x (mm),y (mm),z (mm),radius (mm)\n0,0,0,16\n450,0,-218,16\n900,0,-436,16\n"
+        for diameter in (32.5, "3.25cm", "1.28in"):
+            self.refused("no wider than the rod, of radius 16.2", self.rows, "a.csv", sloping, diameter=diameter)
+        self.refused("diameter 12kg: not a unit of length", self.rows, "a.csv", sloping, diameter="12kg")
+        self.refused("diameter 3mm: the result has no unit", self.rows, "b.csv", sloping.replace(" (mm)", ""), diameter="3mm")
+        path = self.at("a.csv")
+        down = np.array([450, 0, -218]) / np.hypot(450, 218)
+        self.assertTrue(np.array_equal(tendril.surface(path, self.at("out.csv")).up, [0, 0, 1]))
+        for direction in ("start", (450, 0, -218)):
+            up = tendril.surface(path, self.at("out.csv"), diameter="12mm", direction=direction).up
+            np.testing.assert_allclose(up, [down[2], 0, down[0]], atol=1e-12)
+
     def test_units_of_files(self):
         """What a file says of its units is taken, converted to --unit, or goes on to the result."""
         path = "x (mm),y (mm),z (mm),radius (mm)\n0,0,0,2\n10,0,0,2\n20,0,0,2\n"
