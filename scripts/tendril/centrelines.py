@@ -27,6 +27,8 @@ EASTS = ("east", "easting", "e/w", "e/-w", "+e/-w", "ew", "e-w", "e(+)/w(-)", "e
 DOWNS = ("tvd", "true vertical depth", "vertical depth", "tvdss", "true vertical", "vertical")
 UPS = ("z", "elevation", "elev", "altitude")
 TURN = np.radians(2)  # of a survey's arc from one point to the next, at most
+BESIDE = 1e-6  # of a survey's length: how far from its path the spline of the tube may lead
+HALVINGS = 12  # of its steps, at most
 GROWS = 1.5  # from one step to the next, where a piece of long ones follows
 ENDS = (".vtp", ".vtk", ".obj", ".json", ".fcsv", ".csv", ".tsv", ".tab", ".dat", ".txt", ".asc", ".dev", ".xlsx")
 SYSTEMS = {"0": "RAS", "1": "LPS", "2": "IJK"}  # as 3D Slicer counts them
@@ -401,19 +403,45 @@ def minimum_curvature(path, table, depth, i, a, radius):
     angles = np.arctan2(np.linalg.norm(np.cross(t[:-1], t[1:]), axis=1), np.einsum("kd,kd->k", t[:-1], t[1:]))
     lengths = np.diff(depth)
     parts = graded(lengths, np.maximum(1, np.ceil(angles / TURN)).astype(int), angles > 1e-9)
-    x, r, at = [np.zeros(3)], [0 if radius is None else radius[0]], np.zeros(3)
-    for k, (angle, long) in enumerate(zip(angles, lengths)):
-        for part in parts[k]:
-            if angle < 1e-12:
-                go = part * long * t[k]
-            else:  # integral of the direction that turns evenly from one to the other
-                one = np.cos((1 - part) * angle) - np.cos(angle)
-                other = 1 - np.cos(part * angle)
-                go = long / (angle * np.sin(angle)) * (one * t[k] + other * t[k + 1])
-            x.append(at + go)
-            r.append(0 if radius is None else radius[k] + part * (radius[k + 1] - radius[k]))
-        at = x[-1]
-    return np.array(x), None if radius is None else np.array(r)
+    stations = np.cumsum([np.zeros(3), *(arc(*piece, 1.0) for piece in zip(t, t[1:], angles, lengths))], axis=0)
+
+    def place(s):
+        k = np.clip(np.searchsorted(depth, s, side="right") - 1, 0, len(lengths) - 1)
+        return stations[k] + arc(t[k], t[k + 1], angles[k], lengths[k], (s - depth[k]) / lengths[k])
+
+    between = (depth[k] + part[part < 1 - 1e-9] * lengths[k] for k, part in enumerate(parts))  # the stations are there as they are
+    s = followed(np.sort(np.concatenate([depth, *between])), lambda s: np.array([place(one) for one in s]))
+    return np.array([place(one) for one in s]), None if radius is None else np.interp(s, depth, radius)
+
+
+def arc(one, other, angle, long, part):
+    """Where an arc of a circle leads up to a part of its length; its direction turns evenly from one to the other."""
+    if angle < 1e-12:
+        return part * long * one
+    first, last = np.cos((1 - part) * angle) - np.cos(angle), 1 - np.cos(part * angle)
+    return long / (angle * np.sin(angle)) * (first * one + last * other)
+
+
+def followed(s, place):
+    """Depths between which the spline of the tube through their places keeps to the path: steps where it does not are halved.
+    Where a straight piece goes over into an arc the spline swings to either side, by about a fiftieth of the step squared over
+    the arc's radius: a well of 500 ft straight down, then 2 degrees in 500 ft, was 3 inches beside itself."""
+    from scipy.interpolate import CubicSpline
+
+    parts = np.array([0.25, 0.5, 0.75])
+    for _ in range(HALVINGS):
+        x = place(s)
+        u = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(x, axis=0), axis=1))])
+        path = CubicSpline(u, x)
+        at = u[:-1, None] + np.diff(u)[:, None] * parts
+        along = path(at, 1)
+        off = path(at) - place((s[:-1, None] + np.diff(s)[:, None] * parts).ravel()).reshape(*at.shape, 3)
+        off -= (off * along).sum(axis=-1, keepdims=True) / (along**2).sum(axis=-1, keepdims=True) * along
+        wide = np.linalg.norm(off, axis=-1).max(axis=1) > BESIDE * (s[-1] - s[0])
+        if not wide.any():
+            break
+        s = np.sort(np.concatenate([s, 0.5 * (s[:-1] + s[1:])[wide]]))
+    return s
 
 
 def graded(lengths, steps, bent):

@@ -43,6 +43,7 @@ class Surface:
     spacing: float | None = None  # of the grid
     shape: tuple = ()  # of the grid (x3, x2, x1), or the number of points
     facets: float | None = None  # how far the triangles are from the smooth surface they stand for
+    up: np.ndarray = field(default_factory=lambda: np.array([0.0, 0, 1]))  # the source's z where the rod is, for its weight
     notes: list[str] = field(default_factory=list)  # what was made of the file, left out or turned, and what the rod will meet
 
     @property
@@ -77,6 +78,11 @@ def turn_to_x(direction):
     return np.eye(3) + k + k @ k / c
 
 
+def up_in(direction):
+    """The source's z in the frame of the result."""
+    return np.array([0.0, 0, 1]) if direction is None else turn_to_x(direction)[:, 2]
+
+
 def placed(x, origin, direction, scale):
     x = np.asarray(x, float)
     if origin is not None:
@@ -97,6 +103,11 @@ def number(value, name, least=0.0):
     if not least < found < np.inf:
         raise SurfaceError(f"{name}: must be above 0")
     return found
+
+
+def lengths(unit, **values):
+    """Lengths above 0, in the unit of the result or with their own; none where none is given."""
+    return [number(length_in(value, unit, name, SurfaceError), name) for name, value in values.items()]
 
 
 def numbers(value, name, count):
@@ -154,7 +165,8 @@ def body(source, output, side, origin, direction, scale, unit, open, flip, wish,
         return x / scale @ turn + (0 if origin is None else origin)
 
     grid, flat = write_body(mesh, output, wish, unit, back, tell, progress)
-    made = Surface(Path(output), "body", side, grid.misfit.error, float(grid.spacing), grid.values.shape[::-1], flat, mesh.notes)
+    made = Surface(Path(output), "body", side, grid.misfit.error, float(grid.spacing), grid.values.shape[::-1], flat, up_in(direction),
+                   mesh.notes)
     if all(axis[0] < 0 < axis[-1] for axis in grid.axes):
         free = float(grid.distance.facets(np.zeros((1, 3)))[0]) * (-1 if side == "inside" else 1)
         if free <= (wish.diameter or 0) / 2:
@@ -173,7 +185,7 @@ def tube(source, x, output, side, origin, direction, scale, unit, every, diamete
     given = placed(x[:, :3], start, along, scale)
     points, moved = fair(np.column_stack([given, scale * x[:, 3]]), every)
     points, (before, behind) = trimmed(points)
-    made = Surface(Path(output), "tube", side, moved, None, (len(points),))
+    made = Surface(Path(output), "tube", side, moved, None, (len(points),), None, up_in(along))
     if before or behind:
         first, last = (int(np.argmin(np.linalg.norm(given - points[k, :3], axis=1))) for k in (0, -1))
         made.tell(f"{left_out(first, len(given) - 1 - last)} left out: their balls lie within their neighbours', the tube is the "
@@ -182,6 +194,7 @@ def tube(source, x, output, side, origin, direction, scale, unit, every, diamete
         start = points[0, :3].copy() if isinstance(origin, str) else None
         along = points[1, :3] - points[0, :3] if isinstance(direction, str) else None
         given, points[:, :3] = placed(given, start, along, 1.0), placed(points[:, :3], start, along, 1.0)
+        made.up = made.up if along is None else turn_to_x(along) @ made.up
     radius = (diameter or 0) / 2
     path = asked(points, given, x[:, :3], source, side == "inside", radius)
     text = [f"{v:.12g}" for v in points.ravel()]
@@ -217,7 +230,7 @@ def surface(source, output, *, diameter=None, spacing=None, side=None, origin=No
 
     source     STL, OBJ, PLY, VTP, VTK: a mesh; VTP, VTK, JSON, CSV, DAT: a centre line
     output     HDF5 (of a mesh), CSV (of a centre line)
-    diameter   of the rod, in the unit of the result: a mesh's grid is as fine as it needs; a tube must be wider
+    diameter   of the rod, in the unit of the result or with its own, "0.035in": a mesh's grid is as fine as it needs; a tube must be wider
     spacing    of the grid, instead
     side       inside or outside, where the rod is; inside of centre lines unless said
     origin     the place, in the source's frame, that becomes 0, where the clamp is; "start": the first point
@@ -245,8 +258,7 @@ def surface(source, output, *, diameter=None, spacing=None, side=None, origin=No
         raise SurfaceError(f"side: {side}: give inside or outside")
     unit = length_unit(unit, "unit", SurfaceError)
     source, output = path_of(source, "source"), path_of(output, "output")
-    scale, diameter = number(scale, "scale"), number(diameter, "diameter")
-    wish = Wish(diameter, number(spacing, "spacing"), box_of(box), facets, number(tolerance, "tolerance"))
+    scale, box = number(scale, "scale"), box_of(box)
     origin, direction = numbers(origin, "origin", 3), numbers(direction, "direction", 3)
     if source.exists() and output.exists() and output.samefile(source):
         raise SurfaceError(f"{output}: is the source itself; name another file for the result")
@@ -256,6 +268,8 @@ def surface(source, output, *, diameter=None, spacing=None, side=None, origin=No
         for name, value in (("line", line), ("radius", radius), ("every", every)):
             if value:
                 raise SurfaceError(f"{name}: is of a centre line, {source} is a mesh")
+        diameter, spacing, tolerance = lengths(unit, diameter=diameter, spacing=spacing, tolerance=tolerance)
+        wish = Wish(diameter, spacing, box, facets, tolerance)
         return body(source, output, side or "outside", origin, direction, scale or 1.0, unit, open, flip, wish, tell, progress)
     for name, value in (("spacing", spacing), ("open", open), ("flip", flip), ("facets", facets), ("box", box),
                         ("tolerance", tolerance)):
@@ -264,8 +278,7 @@ def surface(source, output, *, diameter=None, spacing=None, side=None, origin=No
     with reading(source, "is no centre line that can be read", SurfaceError):
         path = read_line(source, line, None if radius is None else 1.0, foreign=scale is not None)
     scale, unit = in_units(path, unit, scale, source)
-    radius, every = (length_in(value, unit, name, SurfaceError) for name, value in (("radius", radius), ("every", every)))
-    radius, every = number(radius, "radius"), number(every, "every")
+    radius, every, diameter = lengths(unit, radius=radius, every=every, diameter=diameter)
     for note in path.notes:
         tell(note)
     x = path.points
@@ -292,8 +305,9 @@ def arguments_of(words):
     parser.add_argument("source", help="mesh or centre line")
     parser.add_argument("output", nargs="?", help="HDF5 for a mesh, CSV for a centre line")
     parser.add_argument("--ends", action="store_true", help="list the open ends of a mesh, and make nothing")
-    parser.add_argument("--diameter", type=float, help="of the rod: how fine a mesh's grid must be")
-    parser.add_argument("--spacing", type=float, help="of the grid, instead")
+    parser.add_argument("--diameter", help="of the rod: how fine a mesh's grid must be, how wide a tube; in the unit of the result, "
+                        "or with its own, 0.035in")
+    parser.add_argument("--spacing", help="of the grid, instead")
     parser.add_argument("--side", choices=("inside", "outside"), help="where the rod is")
     parser.add_argument("--origin", type=vector, metavar="X,Y,Z|start", help="what becomes the clamp's place, 0")
     parser.add_argument("--direction", type=vector, metavar="X,Y,Z|start", help="what becomes x1")
@@ -303,7 +317,7 @@ def arguments_of(words):
     parser.add_argument("--flip", action="store_true", help="its triangles run the wrong way round")
     parser.add_argument("--facets", action="store_true", help="the triangles themselves are meant")
     parser.add_argument("--box", type=box, metavar="X,Y,Z,X,Y,Z", help="the grid's least and largest places")
-    parser.add_argument("--tolerance", type=float, help="of the distance; 0.002 diameters unless given")
+    parser.add_argument("--tolerance", help="of the distance; 0.002 diameters unless given")
     parser.add_argument("--line", type=int, default=0, help="which line of a file, from 0")
     parser.add_argument("--radius", help="of a path that says none; in the unit of the result, or with its own, 4in")
     parser.add_argument("--every", help="distance of the knots of a path that is smoothed")
@@ -353,6 +367,9 @@ def main(words=None):
         print(complaint(error, "surface"), file=sys.stderr)
         return 1
     print(f"surface: {told(made)}")
+    if made.up[2] < 1 - 1e-9:  # it was turned, and what is down with it
+        print(f"surface: {made.path}: the source's z is now ({', '.join(f'{v + 0:.6g}' for v in np.round(made.up, 9))}), of which "
+              "a weight must know (-rod_weight)")
     print(made.line)
     return 0
 

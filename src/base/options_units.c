@@ -47,6 +47,7 @@ static const struct {
              {"kg/m", UNIT_LOAD, standard_gravity, -1},
              {"g/m", UNIT_LOAD, 1e-3 * standard_gravity, -1},
              {"g/cm", UNIT_LOAD, 1e-1 * standard_gravity, -1},
+             {"lb/ft", UNIT_LOAD, 0.45359237 / 0.3048 * standard_gravity, -1},
              {"rad", UNIT_ANGLE, 1, -1},
              {"deg", UNIT_ANGLE, PETSC_PI / 180, -1},
              {"m/s", UNIT_SPEED, 1, 0},

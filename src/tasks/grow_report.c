@@ -51,7 +51,7 @@ PetscErrorCode GrowHeading(Grow *self) {
   if (!self->quiet) PetscCall(OptionsTellPlain());
   if (!self->quiet)
     PetscCall(ScalesTell(self->scene, &self->scene->mesh, "-rod_cells", self->scene->mesh.cells,
-                         self->scene->end_time));
+                         self->end)); /* -stop_length may end it long before -ts_max_time */
   if (!self->quiet)
     PetscCall(PetscPrintf(self->scene->comm, "%10s %10s %12s %10s %7s %8s %11s\n",
                           Column("t", time, text[0]), Column("length", length, text[1]),

@@ -561,6 +561,11 @@ static PetscErrorCode ReadText(const char *file, char **text) {
   PetscFunctionReturn(0);
 }
 
+/* Is a word nothing but digits? */
+static PetscBool IsWhole(const char *word) {
+  return (PetscBool)(strspn(word, "0123456789") == strlen(word));
+}
+
 /* What is easily mistyped, of any kind of wall: a blank before a unit, a comma in a number. */
 static PetscErrorCode RefuseSlips(const Maker *self, PetscInt n, char *word[]) {
   PetscFunctionBegin;
@@ -569,10 +574,16 @@ static PetscErrorCode RefuseSlips(const Maker *self, PetscInt n, char *word[]) {
     UserCheck(!OptionIsLength(unit), OptionsComm(),
               "-wall_file %s, line %d: %s %s: write a unit right behind its number, %s%s",
               self->file, self->line, before, unit, before, unit);
+    if (strcmp(word[k - 2], "friction") || !strchr("-.0123456789", *unit)) continue;
     UserCheck(
-        strcmp(word[k - 2], "friction") || !isdigit((unsigned char)*unit), OptionsComm(),
+        !IsWhole(before) || !IsWhole(unit), OptionsComm(),
         "-wall_file %s, line %d: friction %s,%s: give one number, with a point: friction %s.%s",
         self->file, self->line, before, unit, before, unit);
+    UserCheck(
+        PETSC_FALSE, OptionsComm(),
+        "-wall_file %s, line %d: friction %s %s: is one number; write it behind all others of "
+        "the line",
+        self->file, self->line, before, unit);
   }
   PetscFunctionReturn(0);
 }

@@ -491,7 +491,8 @@ def weights():
     L^3 = 7.837347 YI/w, and hangs as the elastica does, whatever the unit of length is."""
     pole = f"-task critical -growth_type uniform -clamp_direction 0,0,1 {FREE}-rod_weight 0,0,-"
     height = (7.837347439 * 3944.1 / 38.515) ** (1 / 3)
-    for weight in ("38.515N/m", f"{38.515 / 9.80665!r}kg/m", f"{38.515 / 9.80665 * 1000!r}g/m", f"{38.515 / 3944.1!r}"):
+    for weight in ("38.515N/m", f"{38.515 / 9.80665!r}kg/m", f"{38.515 / 9.80665 * 1000!r}g/m",
+                   f"{38.515 / 9.80665 * 0.3048 / 0.45359237!r}lb/ft", f"{38.515 / 3944.1!r}"):
         said = tendril(pole + weight)
         expect(abs(float(re.search(r"length L = (\S+)", said)[1]) / height - 1) < 1e-8, f"{weight}: {said}")
     sag = "-growth_type none -shape_type straight -ts_max_time 1 -rod_cells 100 -rod_weight 0,-"
@@ -506,6 +507,22 @@ def weights():
         expect(word in tendril(f"{FREE}-growth_type none -ts_max_time 0.1 {wrong}", 1), wrong)
     expect("-growth_initial_length: give it with a unit" in tendril("-si_bending_stiffness 1 -si_friction_dry 0", 1), "no length")
     expect("-si_friction_dry 0" in tendril("-si_bending_stiffness 1", 1), "no friction")
+
+
+@check
+def a_cable_on_a_floor():
+    """A heavy cable that begins along the floor of a duct of 17 points, a spline, is told that the floor is taken off, and
+    not also to leave more room. Of cells it is told for the length at which it stops, not for that of -ts_max_time."""
+    arc = [(2000 + 500 * np.sin(a), 500 - 500 * np.cos(a)) for a in np.radians(np.arange(10, 91, 10))]
+    points = [(x, 0) for x in range(0, 2001, 250)] + [(round(x, 1), round(y, 1)) for x, y in arc] + [(2500, 1000)]
+    floor = Path(scene.SCRATCH) / "floor.txt"
+    floor.write_text(f"tube inside {' '.join(f'{x:g}mm {y:g}mm 10mm 16mm' for x, y in points)} friction 0.3\n")
+    said = tendril("-growth_type feed -si_bending_stiffness 2Nm^2 -si_friction_dry 0 -si_friction_viscous 0.01 -si_speed 5cm/s "
+                   "-growth_initial_length 20cm -shape_type straight -rod_weight 0,0,-0.5kg/m -contact_diameter 12mm "
+                   f"-wall_file {floor} -stop_length 0.22m")
+    expect("begins at a wall, 0 (0 um) from it" in said, said)
+    for wrong in ("leave more room", "stands out"):
+        expect(wrong not in said, f"{wrong}: {said}")
 
 
 @check

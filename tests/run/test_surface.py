@@ -397,6 +397,14 @@ class CentreLines(Files):
         self.assertLess(np.abs(path[path[:, 2] > -100][:, 1]).max(), 0.02)
         level = path[path[:, 1] > x[-1, 1] - 799]
         self.assertLess(np.abs(level[:, 2] - x[-1, 2]).max(), 0.02)
+        # and where a straight piece goes over into a gentle arc that has no shorter steps: straight down for 500, as it was
+        x = self.made("g.csv", "md,inc,azi\n0,0,0\n500,0,0\n1000,2,45\n1100,5,45\n1200,10,47\n", radius=0.35)[:, :3]
+        u = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(x, axis=0), axis=1))])
+        path = CubicSpline(u, x)(np.linspace(0, u[-1], 3000))
+        self.assertLess(np.hypot(*path[path[:, 2] > -500][:, :2].T).max(), 0.003)
+        arc = 500 / np.radians(2)  # the radius of the next piece, about a place beside its beginning
+        bent = path[(path[:, 2] < -500) & (path[:, 2] > x[x[:, 2] > -1000][-1, 2])]
+        self.assertLess(np.abs(np.hypot(bent[:, :2] @ [0.5**0.5, 0.5**0.5] - arc, bent[:, 2] + 500) - arc).max(), 0.003)
         self.refused("u.csv, line 5|must increase", self.made, "u.csv", "# a well\nmd,inc,azi,r\n0,0,0,1\n5,0,0,1\n4,0,0,1\n")
 
     def rows(self, name, text=None, **more):
@@ -410,6 +418,20 @@ class CentreLines(Files):
         self.assertEqual(len(units), 1, units)
         unit = units.pop()
         return np.array([[float(cell.removesuffix(unit)) for cell in row] for row in cells]), unit, "\n".join(made.notes)
+
+    def test_what_the_rod_asks(self):
+        """The rod's diameter in its own unit; where up is in a path that was turned, which its weight must know."""
+        sloping = "x (mm),y (mm),z (mm),radius (mm)\n0,0,0,16\n450,0,-218,16\n900,0,-436,16\n"
+        for diameter in (32.5, "3.25cm", "1.28in"):
+            self.refused("no wider than the rod, of radius 16.2", self.rows, "a.csv", sloping, diameter=diameter)
+        self.refused("diameter 12kg: not a unit of length", self.rows, "a.csv", sloping, diameter="12kg")
+        self.refused("diameter 3mm: the result has no unit", self.rows, "b.csv", sloping.replace(" (mm)", ""), diameter="3mm")
+        path = self.at("a.csv")
+        down = np.array([450, 0, -218]) / np.hypot(450, 218)
+        self.assertTrue(np.array_equal(tendril.surface(path, self.at("out.csv")).up, [0, 0, 1]))
+        for direction in ("start", (450, 0, -218)):
+            up = tendril.surface(path, self.at("out.csv"), diameter="12mm", direction=direction).up
+            np.testing.assert_allclose(up, [down[2], 0, down[0]], atol=1e-12)
 
     def test_units_of_files(self):
         """What a file says of its units is taken, converted to --unit, or goes on to the result."""
