@@ -8,6 +8,7 @@ import sys
 import warnings
 
 from .errors import OF_CONTENT, TendrilError, complaint, tracebacks
+from .units import TIMES, quantity
 
 NEGATIVE = re.compile(r"-(\d|\.\d)")  # how a value begins that is no option
 
@@ -53,6 +54,21 @@ def whole(text):
         return int(text)
     except ValueError:
         raise argparse.ArgumentTypeError(f'"{text}" is no whole number') from None
+
+
+def per_second(text):
+    """A rate of frames: 25, 6/h, 1/10min, 1/3600."""
+    count, _, long = text.partition("/")
+    found = quantity(long) if long else (1.0, "s")
+    wrong = argparse.ArgumentTypeError(f'"{text}" is no rate; give frames per second, 25, or 6/h, 1/10min')
+    if found is None and long in TIMES:
+        found = 1.0, long
+    if found is None or found[1] not in ("", *TIMES) or not found[0] > 0:
+        raise wrong
+    try:
+        return float(count) / (found[0] * TIMES[found[1] or "s"])
+    except ValueError:
+        raise wrong from None
 
 
 def listed(text, count):

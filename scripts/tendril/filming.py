@@ -25,7 +25,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .command import Parser
+from .command import Parser, per_second
 from .errors import TendrilError, arguments, complaint, number, replacing, silenced, whole, writable
 from .measured import KNOWN, DataError, Measured, gather, moment
 from .naming import times_of
@@ -623,7 +623,7 @@ def main(arguments=None):
     parser.add_argument("--board-picture", metavar="FILE", help="that shows it; default: the first")
     parser.add_argument("--lens", nargs="+", default=(), metavar="FILE", help="pictures of the checkerboard")
     parser.add_argument("--along", metavar="X,Y", help="a point from the clamp along x1; default: to the right")
-    parser.add_argument("--fps", type=float, help="frames per second; default: as the film says")
+    parser.add_argument("--fps", type=per_second, help="frames per second, or 6/h, 1/10min; default: as the film says")
     parser.add_argument("--every", type=int, default=1, help="so many frames one is measured")
     parser.add_argument("--frames", metavar="FIRST:LAST")
     parser.add_argument("--body", choices=("dark", "light"), default="dark")

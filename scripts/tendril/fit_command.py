@@ -17,7 +17,7 @@ from pathlib import Path
 
 import matplotlib
 
-from .command import Parser
+from .command import Parser, per_second
 from .errors import TendrilError, complaint, writable
 from .fitting import fit
 from .measured import Measured, gather, named, read
@@ -90,7 +90,7 @@ def main(arguments=None):
     parser.add_argument("--parameter", "-p", action="append", default=[],
                         metavar="NAME=LOW:HIGH[:START]", help="what is looked for; give it once for each")
     parser.add_argument("--unit", default="", help="of coordinates that carry none: cm, px, ...")
-    parser.add_argument("--fps", type=float, help="frames per second, of data that count frames")
+    parser.add_argument("--fps", type=per_second, help="frames per second, of data that count frames; or 6/h, 1/10min")
     parser.add_argument("--y-down", action=argparse.BooleanOptionalAction,
                         help="x2 is counted downwards; default: of px it is, else it is not")
     parser.add_argument("--prior", action="append", metavar="NAME=MEAN:DEVIATION",

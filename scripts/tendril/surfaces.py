@@ -15,6 +15,7 @@ last. With --ends the open ends of a mesh are listed, for --origin and --directi
 
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from numbers import Integral
 from pathlib import Path
@@ -107,7 +108,12 @@ def number(value, name, least=0.0):
 
 def lengths(unit, **values):
     """Lengths above 0, in the unit of the result or with their own; none where none is given."""
-    return [number(length_in(value, unit, name, SurfaceError), name) for name, value in values.items()]
+    def length(value, name):
+        with suppress(TypeError, ValueError):  # also nan, which number refuses
+            return number(float(value), name)
+        return number(length_in(value, unit, name, SurfaceError), name)
+
+    return [length(value, name) for name, value in values.items()]
 
 
 def numbers(value, name, count):

@@ -162,6 +162,17 @@ class Reading(unittest.TestCase):
         with self.assertRaisesRegex(measured.DataError, "--fps"):
             measured.read(self.file("frame,x,y\n1,2,3\n1,3,3\n1,4,4\n"))
 
+    def test_rates_of_frames(self):
+        """--fps takes frames per second, or per another time, as a series of photographs has them."""
+        from argparse import ArgumentTypeError
+        from tendril.command import per_second
+        for word, rate in (("25", 25), ("6/h", 1 / 600), ("1/10min", 1 / 600), ("1/3600", 1 / 3600), ("30000/1001", 30000 / 1001)):
+            self.assertAlmostEqual(per_second(word) / rate, 1, 12)
+        for word in ("x", "1/0", "6/kg", "/h", "1/h/h", ""):
+            self.assertRaisesRegex(ArgumentTypeError, "is no rate", per_second, word)
+        m = measured.read(self.file(" ,X,Y,Slice\n1,10,20,1\n2,11,21,7\n3,12,22,7\n4,13,22,7\n"), unit="px", fps=per_second("6/h"))
+        self.assertAlmostEqual(float(m.photographs[-1].at.numbers), 3600, 6)
+
     def test_which_frame_and_which_rod(self):
         """ImageJ writes Slice and Frame, of which one is 1 in all rows, and counts from 1; pictures that were labelled for
         DeepLabCut have their number in their name; of two animals none is the rod; where the last body part, or track,
