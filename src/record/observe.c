@@ -510,7 +510,7 @@ static Integral IntegralThrough(PetscInt n, const PetscReal time[], const PetscR
    while a wobble decays, a step may be many times longer than the energy lasts. */
 static Integral IntegralOverEnergy(PetscInt n, const PetscReal time[], const PetscReal f[],
                                    const PetscReal energy[]) {
-  PetscReal logs[BALANCE_POINTS], part[BALANCE_POINTS];
+  PetscReal logs[BALANCE_POINTS] = {0}, part[BALANCE_POINTS] = {0};
 
   for (PetscInt i = 0; i < n; i++) {
     logs[i] = PetscLogReal(energy[i]);
