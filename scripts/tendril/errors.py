@@ -19,11 +19,15 @@ OPTION = re.compile(r"(?<![\w=/.-])-([a-z][a-z0-9_]*[a-z0-9])\b")
 VALUE = re.compile(r"-(\w+) \S*/\1-[0-9a-f]{8}\.(?:txt|h5)\b")
 
 
+# what ends a line or moves the cursor: bytes of a damaged file are quoted in messages
+CONTROL = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029]")
+
+
 class TendrilError(Exception):
     """What is asked for cannot be done: one line, whatever is quoted in it."""
 
     def __init__(self, *words):
-        super().__init__(*(" ".join(word.split("\n")) if isinstance(word, str) else word for word in words))
+        super().__init__(*(CONTROL.sub(" ", word) if isinstance(word, str) else word for word in words))
 
 
 class DataError(TendrilError):
@@ -219,7 +223,7 @@ def optional(module, error, line):
 
 def complaint(error, command) -> str:
     """What a command says of an error, behind its own name, which stands there once."""
-    return f"{command}: {plain(error).removeprefix(f'{command}: ')}"
+    return CONTROL.sub(" ", f"{command}: {plain(error).removeprefix(f'{command}: ')}")
 
 
 def plain(error) -> str:

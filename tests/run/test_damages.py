@@ -6,6 +6,7 @@
 import contextlib
 import io
 import os
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -24,7 +25,7 @@ try:
     import tendril.__main__ as commands
     from matplotlib.figure import Figure
 
-    from tendril import errors, plot_stability
+    from tendril import comparing, errors, measured, plot_stability
 except ImportError as error:
     from_venv(error)
 
@@ -166,7 +167,27 @@ class Damages(unittest.TestCase):
                 wall(np.zeros((2, 2)))
         with self.assertRaisesRegex(tendril.TendrilError, "^1: is no name of an option"):
             tendril.critical({1: 2})
-        self.assertEqual(str(tendril.TendrilError("a\nb")), "a b")
+        for control in "\n\x0b\x1b\x85\u2028":
+            self.assertEqual(str(tendril.TendrilError(f"a{control}b")), "a b")
+
+    def test_names_that_the_terminal_cannot_show(self):
+        """Are told in what it can show."""
+        name = os.fsdecode(b"o\xff")
+        for coding, shown in (("utf-8", r"o\udcff\u20ac".replace(r"\u20ac", "\u20ac")), ("ascii", r"o\udcff\u20ac")):
+            ended = subprocess.run([sys.executable, "-m", "tendril", "plot", "tube.h5", "--panels", "width", "--output", f"{name}\u20ac"],
+                                   cwd=self.place, capture_output=True, env=os.environ | {"PYTHONIOENCODING": coding, "PYTHONPATH": str(ROOT / "scripts")})
+            self.assertEqual((ended.returncode, ended.stdout.decode(coding), ended.stderr), (0, f"plot: {shown}.png and .pdf\n", b""))
+
+    def test_cameras_that_see_no_rod(self):
+        """A search steps to scales in which a rod is a point, or that no number holds: these are as far off as can be."""
+        rows = ["t (s),x1 (px),x2 (px)", "2,10,20", "2,60,25", "2,110,20", "2,150,30"]
+        (self.place / "pixels.csv").write_text("\n".join(rows) + "\n")
+        run = tendril.load(self.place / "tube.h5")
+        comparison = comparing.Comparison(measured.read(self.place / "pixels.csv"))
+        own = comparison.guess(run)
+        self.assertTrue(comparison.sees(run, own))
+        for k, off in ((0, 30), (0, -30), (0, 3e6), (0, np.nan), (1, 1e10), (2, -1e10)):
+            self.assertFalse(comparison.sees(run, own + off * np.eye(4)[k]), (k, off))
 
 
 if __name__ == "__main__":
