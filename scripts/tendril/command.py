@@ -7,7 +7,7 @@ import re
 import sys
 import warnings
 
-from .errors import CONTROL, OF_CONTENT, TendrilError, complaint, tracebacks
+from .errors import CONTROL, OF_CONTENT, TendrilError, complaint, too_large, tracebacks
 
 NEGATIVE = re.compile(r"-(\d|\.\d)")  # how a value begins that is no option
 
@@ -87,6 +87,10 @@ def lonely(command, main, words) -> int:
         except KeyboardInterrupt:
             print(f"{command}: interrupted", file=sys.stderr)
             return 130
+        except MemoryError as error:
+            if tracebacks():
+                raise
+            print(too_large(command, error), file=sys.stderr)
         except OF_CONTENT as error:
             if tracebacks():
                 raise

@@ -119,18 +119,26 @@ def arguments(error=TendrilError, **kinds):
                 good, what = KINDS[kind.rstrip("?")]
                 if not good(value):
                     raise error(f"{name}: give {what}, not {briefly_shown(value)}")
-            return function(*given, **named)
+            try:
+                return function(*given, **named)
+            except MemoryError as found:
+                raise error(too_large(function.__name__, found)) from None
 
         return call
 
     return of
 
 
-def whole(value, what, least=1) -> int:
-    """A whole number, not below the least."""
-    if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
-        raise TendrilError(f"{what} {value}: give a whole number from {least}")
+def whole(value, what, least=1, most=math.inf) -> int:
+    """A whole number, not below the least, not above the most."""
+    if isinstance(value, bool) or not isinstance(value, Integral) or not least <= value <= most:
+        raise TendrilError(f"{what} {briefly_shown(value)}: give a whole number from {least}" + (f" to {most}" if most < math.inf else ""))
     return int(value)
+
+
+def too_large(what, found) -> str:
+    """The line for a request that no memory holds."""
+    return f"{what}: needs more memory than there is; ask for less ({' '.join(str(found).split()) or 'no memory'})"
 
 
 def positive(value, what) -> int:

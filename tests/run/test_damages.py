@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+from inspect import signature
 from pathlib import Path
 from unittest import mock
 
@@ -25,7 +26,7 @@ try:
     import tendril.__main__ as commands
     from matplotlib.figure import Figure
 
-    from tendril import comparing, errors, measured, plot_stability
+    from tendril import centrelines, comparing, errors, measured, plot_stability
 except ImportError as error:
     from_venv(error)
 
@@ -169,6 +170,30 @@ class Damages(unittest.TestCase):
             tendril.critical({1: 2})
         for control in "\n\x0b\x1b\x85\u2028":
             self.assertEqual(str(tendril.TendrilError(f"a{control}b")), "a b")
+
+    def test_requests_that_no_memory_holds(self):
+        """Are refused in a line, by their limits or as memory is refused."""
+        for words, line in ((["growth_table", "o.h5", "--length", "1", "--end", "1", "--rate", "1", "--times", "10000000000"], "--times: .* are the most"),
+                            (["measure", str(self.place / "rod.tif"), "--clamp", "20,60", "--points", "10000000000"], "points 10000000000: .* to 10000")):
+            with contextlib.redirect_stderr(io.StringIO()) as said:
+                self.assertEqual(commands.main(words), 1)
+            self.assertRegex(said.getvalue(), f"^{words[0]}: .*{line}.*\n$")
+        with mock.patch.object(commands, "import_module", return_value=mock.Mock(main=mock.Mock(side_effect=MemoryError("7 TiB")))):
+            with contextlib.redirect_stderr(io.StringIO()) as said:
+                self.assertEqual(commands.main(["plot", "a"]), 1)
+        self.assertRegex(said.getvalue(), r"^plot: needs more memory than there is; .* \(7 TiB\)\n$")
+        with self.assertRaisesRegex(tendril.TendrilError, "^to_mesh: sides .* to 1000$"):
+            tendril.load(self.place / "tube.h5").to_mesh(sides=10**12)
+        call = errors.arguments(value="number")(mock.Mock(__name__="call", side_effect=MemoryError, __signature__=signature(lambda value: 0)))
+        with self.assertRaisesRegex(tendril.TendrilError, "^call: needs more memory"):
+            call(1)
+
+    def test_paths_of_points_that_tell_no_smooth_one(self):
+        """Stay what they are: knots between points far apart, in numbers that no loop gets through, too."""
+        x = np.column_stack([[0.0, 0.8, 1.7, 2.5, 3.3, 4.2, 5, 5.9, 7.1, 9, 12.5, 20], *np.zeros((2, 12)), np.full(12, 0.1)])
+        for every in (2, 1e-9, 1e-300):
+            points, moved = centrelines.fair(x, every)
+            self.assertTrue(np.isfinite(points).all() and moved == 0, every)
 
     def test_names_that_the_terminal_cannot_show(self):
         """Are told in what it can show."""
