@@ -353,10 +353,21 @@ def gathered(data, unit, fps=None) -> Measured:
                             [c for m in found for c in m.curves], [n for m in found for n in m.notes]))
 
 
+LARGEST = 1e50  # of what was measured
+
+
 def checked(whole: Measured) -> Measured:
     if not whole.count():
         raise DataError("data: nothing was measured there")
     if len({p.points.unit for p in whole.photographs}) > 1:
         raise DataError("data: the photographs are in different units, some dimensionless or in px; "
                         "give all in one")
+    for p in whole.photographs:
+        if len(p.points.numbers) > 1 and not np.ptp(p.points.numbers, axis=0).any():
+            raise DataError(f"{p.source}: all its points are in one place")
+    for one in [*whole.photographs, *whole.curves]:
+        for values in (one.at, one.points if isinstance(one, Photograph) else one.values):
+            if (far := np.abs(values.numbers) > LARGEST).any():
+                number = float(np.atleast_1d(values.numbers)[np.atleast_1d(far)][0])
+                raise DataError(f"{one.source}: {number:g} cannot have been measured; {LARGEST:g} is the most")
     return whole

@@ -188,6 +188,15 @@ class Damages(unittest.TestCase):
         with self.assertRaisesRegex(tendril.TendrilError, "^call: needs more memory"):
             call(1)
 
+    def test_what_cannot_have_been_measured(self):
+        """Points that are all in one place, numbers of which squares are none: before the first run."""
+        for cell, line in (("10", "measured.csv.*: all its points are in one place"), ("1e200", "measured.csv.*: 1e.200 cannot have been measured")):
+            (self.place / "measured.csv").write_text(f"t (s),x1 (px),x2 (px)\n2,10,20\n2,{cell},20\n2,10,20\n2,10,20\n")
+            with self.assertRaisesRegex(tendril.TendrilError, line):
+                tendril.fit(self.place / "tube.opts", self.place / "measured.csv", {"si_friction_dry": ("0.2N/m", "2N/m")}, progress=False)
+        with self.assertRaisesRegex(tendril.TendrilError, "^tip_force: 1: is no name of an array"):
+            tendril.critical(friction_beta=1e-6, tip_force={1: 2})
+
     def test_paths_of_points_that_tell_no_smooth_one(self):
         """Stay what they are: knots between points far apart, in numbers that no loop gets through, too."""
         x = np.column_stack([[0.0, 0.8, 1.7, 2.5, 3.3, 4.2, 5, 5.9, 7.1, 9, 12.5, 20], *np.zeros((2, 12)), np.full(12, 0.1)])
