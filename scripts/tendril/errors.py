@@ -70,6 +70,13 @@ def briefly_shown(value) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
+def _times(value):
+    if getattr(value, "ndim", None) == 1:
+        value = value.tolist()
+    good = KINDS["time"][0]
+    return good(value) or isinstance(value, (list, tuple)) and all(map(good, value))
+
+
 def _flag(value):
     return type(value).__name__ in ("bool", "bool_") or isinstance(value, Integral) and value in (0, 1)
 
@@ -95,6 +102,7 @@ KINDS = {
     "count": (lambda v: _number(v) and isinstance(v, Integral) and v > 0, "a whole number from 1"),
     "time": (lambda v: _number(v) or isinstance(v, (str, Real)) and not _flag(v) or isinstance(v, Integral) and type(v).__name__ != "bool",
              "a time, a number or text with a unit"),
+    "times": (_times, "times, numbers or text with a unit, one or several in a list"),
     "numbers": (_numbers, "numbers in a list, or their name"),
     "texts": (_texts, "names, one or several in a list"),
     "file": (lambda v: isinstance(v, (str, os.PathLike)) and str(v).strip("."), "the name of a file"),

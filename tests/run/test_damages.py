@@ -151,9 +151,9 @@ class Damages(unittest.TestCase):
         """Of each kind: what is one and what is none; None where it may be."""
         good = {"flag": (True, 0, np.bool_(True)), "number": (1, 0.5, np.float64(2)), "above 0": (1e-9,), "whole": (3, np.int64(0)), "count": (1,),
                 "time": (0, "2s", 0.5, float("inf")), "text": ("a",), "texts": ("a", ["a", "b"], ()), "file": ("a", Path("b")),
-                "numbers": ("start", (1, 2.5), np.zeros(3))}
+                "numbers": ("start", (1, 2.5), np.zeros(3)), "times": ("2s", 1.5, ["2s", 3], (), np.zeros(2))}
         bad = {"flag": (2, "x", None), "number": (True, "1", float("nan")), "above 0": (0, -1), "whole": (0.5, True), "count": (0,),
-               "time": (None, [1], b"x", True), "text": (3, None), "texts": ([1], 3), "file": (3, "", b"x"), "numbers": (3, ["a"], [True])}
+               "time": (None, [1], b"x", True), "text": (3, None), "texts": ([1], 3), "file": (3, "", b"x"), "numbers": (3, ["a"], [True]), "times": ([[1], [1, 2]], {}, [None], np.zeros((2, 2)))}
         self.assertEqual(good.keys(), errors.KINDS.keys())
         for kind, values in good.items():
             call = errors.arguments(value=kind)(lambda value: "called")
