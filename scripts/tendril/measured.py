@@ -362,9 +362,9 @@ def checked(whole: Measured) -> Measured:
     if len({p.points.unit for p in whole.photographs}) > 1:
         raise DataError("data: the photographs are in different units, some dimensionless or in px; "
                         "give all in one")
-    for p in whole.photographs:
-        if len(p.points.numbers) > 1 and not np.ptp(p.points.numbers, axis=0).any():
-            raise DataError(f"{p.source}: all its points are in one place")
+    points = [p.points.numbers for p in whole.photographs]
+    if points and sum(map(len, points)) > 1 and not np.ptp(np.vstack(points), axis=0).any():
+        raise DataError(f"{whole.photographs[0].source}: all points that were measured are in one place")
     for one in [*whole.photographs, *whole.curves]:
         for values in (one.at, one.points if isinstance(one, Photograph) else one.values):
             if (far := np.abs(values.numbers) > LARGEST).any():

@@ -190,7 +190,7 @@ class Damages(unittest.TestCase):
 
     def test_what_cannot_have_been_measured(self):
         """Points that are all in one place, numbers of which squares are none: before the first run."""
-        for cell, line in (("10", "measured.csv.*: all its points are in one place"), ("1e200", "measured.csv.*: 1e.200 cannot have been measured")):
+        for cell, line in (("10", "measured.csv.*: all points that were measured are in one place"), ("1e200", "measured.csv.*: 1e.200 cannot have been measured")):
             (self.place / "measured.csv").write_text(f"t (s),x1 (px),x2 (px)\n2,10,20\n2,{cell},20\n2,10,20\n2,10,20\n")
             with self.assertRaisesRegex(tendril.TendrilError, line):
                 tendril.fit(self.place / "tube.opts", self.place / "measured.csv", {"si_friction_dry": ("0.2N/m", "2N/m")}, progress=False)
