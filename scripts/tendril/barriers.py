@@ -18,8 +18,12 @@ from .runs import text_of
 
 def numbers(what, value, count=None) -> list[str]:
     """Numbers, or text with a unit, as words. count: how many there must be."""
-    words = [text_of(v.item() if hasattr(v, "item") else v) for v in np.ravel(np.asarray(value, object))]
-    if count and len(words) != count or len(words) % 2 and not count:
+    try:
+        flat = np.ravel(np.asarray(value, object))
+    except ValueError:  # arrays of several shapes
+        flat = ()
+    words = [text_of(v.item() if hasattr(v, "item") else v) for v in flat]
+    if not words or count and len(words) != count or len(words) % 2 and not count:
         raise TendrilError(f"{what}: give {f'{count} numbers' if count else 'points (x1, x2)'}, not {value!r}")
     return words
 

@@ -463,6 +463,9 @@ def graded(lengths, steps, bent):
     return found
 
 
+EMPTY = 1000  # knots a point at most: those without a point near them go anyway
+
+
 def fair(x, every=None):
     """A smooth path through points that are closer than a quarter of the radius and so say more of their
     own noise than of the tube: least squares, knots a radius apart or `every`. Returns points on it,
@@ -475,7 +478,7 @@ def fair(x, every=None):
         return x, 0.0
     every = every or r
     u = np.concatenate([[0], np.cumsum(steps)])
-    inner = max(1, int(round(u[-1] / every)))
+    inner = max(1, int(round(min(u[-1] / every, EMPTY * len(u)))))
     knots = np.linspace(0, u[-1], inner + 1)
     kept = [0] + [k for k in range(1, inner) if np.any((u > knots[k - 1]) & (u < knots[k + 1]))] + [inner]
     knots = knots[kept]
@@ -484,6 +487,8 @@ def fair(x, every=None):
     try:
         spline = make_lsq_spline(u, x, np.concatenate([[0] * 3, knots, [u[-1]] * 3]))
     except (ValueError, np.linalg.LinAlgError):
+        return x, 0.0
+    if not np.isfinite(spline.c).all():  # points lie so that they do not tell it
         return x, 0.0
     moved = np.linalg.norm((spline(u) - x)[:, :3], axis=1)
     points = spline(np.linspace(0, u[-1], 4 * len(knots) - 3))

@@ -7,7 +7,7 @@ import re
 import sys
 import warnings
 
-from .errors import OF_CONTENT, TendrilError, complaint, tracebacks
+from .errors import CONTROL, OF_CONTENT, TendrilError, complaint, too_large, tracebacks
 from .units import TIMES, quantity
 
 NEGATIVE = re.compile(r"-(\d|\.\d)")  # how a value begins that is no option
@@ -25,7 +25,7 @@ class Parser(argparse.ArgumentParser):
         return super().parse_known_args(bound(sys.argv[1:] if args is None else args), namespace)
 
     def error(self, message):
-        self.exit(2, f"{self.prog}: {' '.join(message.split())}; -h says what there is\n")
+        self.exit(2, f"{self.prog}: {CONTROL.sub(' ', ' '.join(message.split()))}; -h says what there is\n")
 
 
 def bound(words):
@@ -90,6 +90,9 @@ def listed(text, count):
 def lonely(command, main, words) -> int:
     """Runs a command; its exit code. What it did not expect, a fault of its own, is a line, too, and with the variable
     TENDRIL_TRACEBACK set a traceback; so are warnings of numpy, which tell a user nothing."""
+    for stream in (sys.stdout, sys.stderr):  # a name may have letters that the terminal's alphabet has not
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")
     with warnings.catch_warnings():
         if not tracebacks():
             warnings.simplefilter("ignore")
@@ -100,10 +103,14 @@ def lonely(command, main, words) -> int:
         except KeyboardInterrupt:
             print(f"{command}: interrupted", file=sys.stderr)
             return 130
+        except MemoryError as error:
+            if tracebacks():
+                raise
+            print(too_large(command, error), file=sys.stderr)
         except OF_CONTENT as error:
             if tracebacks():
                 raise
-            reason = " ".join(str(error).split())[:200]
+            reason = CONTROL.sub(" ", " ".join(str(error).split()))[:200]
             print(f"{command}: a fault of tendril's own, {type(error).__name__}: {reason}; TENDRIL_TRACEBACK=1 in front of the command "
                   "tells where", file=sys.stderr)
             return 3

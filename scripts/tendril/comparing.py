@@ -89,6 +89,7 @@ def least_of_all_near(values):
     return np.pad(falls, ((0, 0), (1, 0)), constant_values=True) & np.pad(~falls, ((0, 0), (0, 1)), constant_values=True)
 
 
+FARTHEST = 20.0  # logarithm of how many pictures long a rod is at most, or as a part of one at least
 SLACK = 2.0  # gaps between points: what is known of where the rod ends
 BY_CHANCE, SURELY = 0.07, 1e-3  # how often the last gap is wider than SLACK, of points anywhere; a chance that is none
 STRAND = 0.1  # of a line's length: what is farther from a place, along it, is another strand
@@ -236,6 +237,14 @@ class Comparison:
             t = time_of(r, last.abscissa, last.at) if last.abscissa else r.shapes.t[-1]
             own = self.camera.guess(last.points.numbers, self.seen_plain(r, t))
         return np.array(own + [best_time(r, self.plain_points(r, p, own)) for p in self.timeless])
+
+    def sees(self, r, own):
+        """Whether a camera can have these numbers, for a run: of points that tell little of it, as of no rod at all, a search
+        steps to scales in which the rod is a point, or that no number holds."""
+        if not self.camera:
+            return True
+        rod = own[0] + np.log(r.series.length[-1] * float(r.attributes.get("si_length", 1)))  # its length in pictures, the logarithm
+        return bool(abs(rod) < FARTHEST and np.abs(own[1:Camera.COUNT]).max() < np.exp(FARTHEST))
 
     def seen_plain(self, r, t):
         """The rod in metres, or dimensionless if the run knows none."""

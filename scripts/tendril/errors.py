@@ -19,11 +19,15 @@ OPTION = re.compile(r"(?<![\w=/.-])-([a-z][a-z0-9_]*[a-z0-9])\b")
 VALUE = re.compile(r"-(\w+) \S*/\1-[0-9a-f]{8}\.(?:txt|h5)\b")
 
 
+# what ends a line or moves the cursor: bytes of a damaged file are quoted in messages
+CONTROL = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029]")
+
+
 class TendrilError(Exception):
     """What is asked for cannot be done: one line, whatever is quoted in it."""
 
     def __init__(self, *words):
-        super().__init__(*(" ".join(word.split("\n")) if isinstance(word, str) else word for word in words))
+        super().__init__(*(CONTROL.sub(" ", word) if isinstance(word, str) else word for word in words))
 
 
 class DataError(TendrilError):
@@ -66,6 +70,13 @@ def briefly_shown(value) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
+def _times(value):
+    if getattr(value, "ndim", None) == 1:
+        value = value.tolist()
+    good = KINDS["time"][0]
+    return good(value) or isinstance(value, (list, tuple)) and all(map(good, value))
+
+
 def _flag(value):
     return type(value).__name__ in ("bool", "bool_") or isinstance(value, Integral) and value in (0, 1)
 
@@ -91,6 +102,7 @@ KINDS = {
     "count": (lambda v: _number(v) and isinstance(v, Integral) and v > 0, "a whole number from 1"),
     "time": (lambda v: _number(v) or isinstance(v, (str, Real)) and not _flag(v) or isinstance(v, Integral) and type(v).__name__ != "bool",
              "a time, a number or text with a unit"),
+    "times": (_times, "times, numbers or text with a unit, one or several in a list"),
     "numbers": (_numbers, "numbers in a list, or their name"),
     "texts": (_texts, "names, one or several in a list"),
     "file": (lambda v: isinstance(v, (str, os.PathLike)) and str(v).strip("."), "the name of a file"),
@@ -115,18 +127,26 @@ def arguments(error=TendrilError, **kinds):
                 good, what = KINDS[kind.rstrip("?")]
                 if not good(value):
                     raise error(f"{name}: give {what}, not {briefly_shown(value)}")
-            return function(*given, **named)
+            try:
+                return function(*given, **named)
+            except MemoryError as found:
+                raise error(too_large(function.__name__, found)) from None
 
         return call
 
     return of
 
 
-def whole(value, what, least=1) -> int:
-    """A whole number, not below the least."""
-    if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
-        raise TendrilError(f"{what} {value}: give a whole number from {least}")
+def whole(value, what, least=1, most=math.inf) -> int:
+    """A whole number, not below the least, not above the most."""
+    if isinstance(value, bool) or not isinstance(value, Integral) or not least <= value <= most:
+        raise TendrilError(f"{what} {briefly_shown(value)}: give a whole number from {least}" + (f" to {most}" if most < math.inf else ""))
     return int(value)
+
+
+def too_large(what, found) -> str:
+    """The line for a request that no memory holds."""
+    return f"{what}: needs more memory than there is; ask for less ({' '.join(str(found).split()) or 'no memory'})"
 
 
 def positive(value, what) -> int:
@@ -219,7 +239,7 @@ def optional(module, error, line):
 
 def complaint(error, command) -> str:
     """What a command says of an error, behind its own name, which stands there once."""
-    return f"{command}: {plain(error).removeprefix(f'{command}: ')}"
+    return CONTROL.sub(" ", f"{command}: {plain(error).removeprefix(f'{command}: ')}")
 
 
 def plain(error) -> str:

@@ -137,7 +137,7 @@ def to_mesh(r: Results, path: str | Path | None = None, t: float | str | None = 
     walls     the surfaces around it in its place, without colours"""
     trimesh = needed("trimesh", "to_mesh")
     shape = shape_at(r, t)
-    whole(sides, "to_mesh: sides", 3)
+    whole(sides, "to_mesh: sides", 3, 1000)
     if walls:
         vertices, triangles, _ = walls_at(r, shape, si)
         body = trimesh.Trimesh(vertices, triangles, process=False)

@@ -496,7 +496,7 @@ def checked(source, clamp, scale, checkerboard, lens, along, fps, every, frames,
     """measure()'s arguments, those that have parts as such: (sources, clamp, scale, checkerboard, along)."""
     if body not in ("dark", "light") or ground not in ("plain", "textured"):
         raise FilmError("body is dark or light, ground is plain or textured")
-    whole(every, "every"), whole(points, "points", 4)
+    whole(every, "every"), whole(points, "points", 4, 10000)
     for value, what in ((fps, "fps"), (width, "width")):
         if value is not None:
             number(value, what, above=0)

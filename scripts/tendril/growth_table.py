@@ -31,10 +31,11 @@ from .units import METRES, TIMES, quantity, rate_called, unit_called
 # Gauss points on [0, 1] and their weights
 POINTS, WEIGHTS = (np.polynomial.legendre.leggauss(4) + np.array([[1], [0]])) / 2
 FINE = 4  # marks followed for each label of the table
+LARGEST = 2_000_000  # numbers of a table: 16 times as many are followed
 MOST = 1e4  # a label that stretches more is worth a warning
 
 
-class BadTable(Exception):
+class BadTable(TendrilError):
     """What is asked for cannot be, in one plain line."""
 
 
@@ -247,6 +248,8 @@ def arguments_of(words):
         raise BadTable("--unit: makes dL/dt 1 in numbers without units; give --length and --end without them, or leave it out")
     if choice.labels < 4 or choice.times < 4:
         raise BadTable("--labels and --times: give 4 at least")
+    if choice.labels * choice.times > LARGEST:
+        raise BadTable(f"--labels and --times: a table of {choice.labels} x {choice.times}; {LARGEST} numbers are the most")
     if (choice.times - 1) % 4:
         choice.times += 4 - (choice.times - 1) % 4  # a row at each quarter
     return choice
@@ -295,7 +298,7 @@ def make(choice):
 def main(words=None):
     try:
         make(arguments_of(words))
-    except (BadTable, TendrilError, OSError) as error:
+    except (TendrilError, OSError) as error:
         print(complaint(error, "growth_table"), file=sys.stderr)
         return 1
     return 0

@@ -353,10 +353,21 @@ def gathered(data, unit, fps=None) -> Measured:
                             [c for m in found for c in m.curves], [n for m in found for n in m.notes]))
 
 
+LARGEST = 1e50  # of what was measured
+
+
 def checked(whole: Measured) -> Measured:
     if not whole.count():
         raise DataError("data: nothing was measured there")
     if len({p.points.unit for p in whole.photographs}) > 1:
         raise DataError("data: the photographs are in different units, some dimensionless or in px; "
                         "give all in one")
+    points = [p.points.numbers for p in whole.photographs]
+    if points and sum(map(len, points)) > 1 and not np.ptp(np.vstack(points), axis=0).any():
+        raise DataError(f"{whole.photographs[0].source}: all points that were measured are in one place")
+    for one in [*whole.photographs, *whole.curves]:
+        for values in (one.at, one.points if isinstance(one, Photograph) else one.values):
+            if (far := np.abs(values.numbers) > LARGEST).any():
+                number = float(np.atleast_1d(values.numbers)[np.atleast_1d(far)][0])
+                raise DataError(f"{one.source}: {number:g} cannot have been measured; {LARGEST:g} is the most")
     return whole

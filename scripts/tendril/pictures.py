@@ -691,7 +691,7 @@ def panels_of(asked, runs):
     return [name.strip() for name in asked.split(",")] if isinstance(asked, str) else list(asked or first)
 
 
-@arguments(panels="texts?", si="flag?", overlay="flag", titles="texts?")
+@arguments(panels="texts?", times="times?", si="flag?", overlay="flag", titles="texts?")
 def plot(results: Results | Sequence[Results], panels: Sequence[str] | str | None = None, *,
          times: Sequence[float | str] | None = None, si: bool | None = None, overlay: bool = False,
          titles: Sequence[str] | None = None, beside: Sequence[Results] = (),

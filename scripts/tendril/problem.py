@@ -356,7 +356,7 @@ class Problem:
         """Residuals over their noise; once there is a model of the errors, free of correlation."""
         if r is None:
             (r,) = self.run([u])
-        if isinstance(r, RunError):
+        if isinstance(r, RunError) or not self.comparison.sees(r, u[len(self.parameters):]):
             return np.full(len(self.sigma), FAILED)
         raw = self.raw(u, r)
         return self.errors.whitened(raw) if self.errors else raw / self.sigma

@@ -130,6 +130,8 @@ def file_of(name, value, directory) -> str:
     if isinstance(value, dict):
         if name == "wall_file":
             raise TendrilError("wall_file: give the name of a file, or a list of walls, as of circle() or lines of text")
+        if odd := [key for key in value if not isinstance(key, str)]:
+            raise TendrilError(f"{name}: {briefly_shown(odd[0])}: is no name of an array; give text")
         content = repr([(k, v[0].tolist(), *v[1:]) if isinstance(v, tuple) and isinstance(v[0], np.ndarray)
                         else (k, np.asarray(v, object).tolist()) for k, v in value.items()]).encode()
         return write_arrays(named_by(content, directory, name, "h5"), value)

@@ -6,9 +6,11 @@
 import contextlib
 import io
 import os
+import subprocess
 import sys
 import tempfile
 import unittest
+from inspect import signature
 from pathlib import Path
 from unittest import mock
 
@@ -24,7 +26,7 @@ try:
     import tendril.__main__ as commands
     from matplotlib.figure import Figure
 
-    from tendril import errors, plot_stability
+    from tendril import centrelines, comparing, errors, measured, plot_stability
 except ImportError as error:
     from_venv(error)
 
@@ -149,9 +151,9 @@ class Damages(unittest.TestCase):
         """Of each kind: what is one and what is none; None where it may be."""
         good = {"flag": (True, 0, np.bool_(True)), "number": (1, 0.5, np.float64(2)), "above 0": (1e-9,), "whole": (3, np.int64(0)), "count": (1,),
                 "time": (0, "2s", 0.5, float("inf")), "text": ("a",), "texts": ("a", ["a", "b"], ()), "file": ("a", Path("b")),
-                "numbers": ("start", (1, 2.5), np.zeros(3))}
+                "numbers": ("start", (1, 2.5), np.zeros(3)), "times": ("2s", 1.5, ["2s", 3], (), np.zeros(2))}
         bad = {"flag": (2, "x", None), "number": (True, "1", float("nan")), "above 0": (0, -1), "whole": (0.5, True), "count": (0,),
-               "time": (None, [1], b"x", True), "text": (3, None), "texts": ([1], 3), "file": (3, "", b"x"), "numbers": (3, ["a"], [True])}
+               "time": (None, [1], b"x", True), "text": (3, None), "texts": ([1], 3), "file": (3, "", b"x"), "numbers": (3, ["a"], [True]), "times": ([[1], [1, 2]], {}, [None], np.zeros((2, 2)))}
         self.assertEqual(good.keys(), errors.KINDS.keys())
         for kind, values in good.items():
             call = errors.arguments(value=kind)(lambda value: "called")
@@ -166,7 +168,60 @@ class Damages(unittest.TestCase):
                 wall(np.zeros((2, 2)))
         with self.assertRaisesRegex(tendril.TendrilError, "^1: is no name of an option"):
             tendril.critical({1: 2})
-        self.assertEqual(str(tendril.TendrilError("a\nb")), "a b")
+        for control in "\n\x0b\x1b\x85\u2028":
+            self.assertEqual(str(tendril.TendrilError(f"a{control}b")), "a b")
+
+    def test_requests_that_no_memory_holds(self):
+        """Are refused in a line, by their limits or as memory is refused."""
+        for words, line in ((["growth_table", "o.h5", "--length", "1", "--end", "1", "--rate", "1", "--times", "10000000000"], "--times: .* are the most"),
+                            (["measure", str(self.place / "rod.tif"), "--clamp", "20,60", "--points", "10000000000"], "points 10000000000: .* to 10000")):
+            with contextlib.redirect_stderr(io.StringIO()) as said:
+                self.assertEqual(commands.main(words), 1)
+            self.assertRegex(said.getvalue(), f"^{words[0]}: .*{line}.*\n$")
+        with mock.patch.object(commands, "import_module", return_value=mock.Mock(main=mock.Mock(side_effect=MemoryError("7 TiB")))):
+            with contextlib.redirect_stderr(io.StringIO()) as said:
+                self.assertEqual(commands.main(["plot", "a"]), 1)
+        self.assertRegex(said.getvalue(), r"^plot: needs more memory than there is; .* \(7 TiB\)\n$")
+        with self.assertRaisesRegex(tendril.TendrilError, "^to_mesh: sides .* to 1000$"):
+            tendril.load(self.place / "tube.h5").to_mesh(sides=10**12)
+        call = errors.arguments(value="number")(mock.Mock(__name__="call", side_effect=MemoryError, __signature__=signature(lambda value: 0)))
+        with self.assertRaisesRegex(tendril.TendrilError, "^call: needs more memory"):
+            call(1)
+
+    def test_what_cannot_have_been_measured(self):
+        """Points that are all in one place, numbers of which squares are none: before the first run."""
+        for cell, line in (("10", "measured.csv.*: all points that were measured are in one place"), ("1e200", "measured.csv.*: 1e.200 cannot have been measured")):
+            (self.place / "measured.csv").write_text(f"t (s),x1 (px),x2 (px)\n2,10,20\n2,{cell},20\n2,10,20\n2,10,20\n")
+            with self.assertRaisesRegex(tendril.TendrilError, line):
+                tendril.fit(self.place / "tube.opts", self.place / "measured.csv", {"si_friction_dry": ("0.2N/m", "2N/m")}, progress=False)
+        with self.assertRaisesRegex(tendril.TendrilError, "^tip_force: 1: is no name of an array"):
+            tendril.critical(friction_beta=1e-6, tip_force={1: 2})
+
+    def test_paths_of_points_that_tell_no_smooth_one(self):
+        """Stay what they are: knots between points far apart, in numbers that no loop gets through, too."""
+        x = np.column_stack([[0.0, 0.8, 1.7, 2.5, 3.3, 4.2, 5, 5.9, 7.1, 9, 12.5, 20], *np.zeros((2, 12)), np.full(12, 0.1)])
+        for every in (2, 1e-9, 1e-300):
+            points, moved = centrelines.fair(x, every)
+            self.assertTrue(np.isfinite(points).all() and moved == 0, every)
+
+    def test_names_that_the_terminal_cannot_show(self):
+        """Are told in what it can show."""
+        name = os.fsdecode(b"o\xff")
+        for coding, shown in (("utf-8", r"o\udcff\u20ac".replace(r"\u20ac", "\u20ac")), ("ascii", r"o\udcff\u20ac")):
+            ended = subprocess.run([sys.executable, "-m", "tendril", "plot", "tube.h5", "--panels", "width", "--output", f"{name}\u20ac"],
+                                   cwd=self.place, capture_output=True, env=os.environ | {"PYTHONIOENCODING": coding, "PYTHONPATH": str(ROOT / "scripts")})
+            self.assertEqual((ended.returncode, ended.stdout.decode(coding), ended.stderr), (0, f"plot: {shown}.png and .pdf\n", b""))
+
+    def test_cameras_that_see_no_rod(self):
+        """A search steps to scales in which a rod is a point, or that no number holds: these are as far off as can be."""
+        rows = ["t (s),x1 (px),x2 (px)", "2,10,20", "2,60,25", "2,110,20", "2,150,30"]
+        (self.place / "pixels.csv").write_text("\n".join(rows) + "\n")
+        run = tendril.load(self.place / "tube.h5")
+        comparison = comparing.Comparison(measured.read(self.place / "pixels.csv"))
+        own = comparison.guess(run)
+        self.assertTrue(comparison.sees(run, own))
+        for k, off in ((0, 30), (0, -30), (0, 3e6), (0, np.nan), (1, 1e10), (2, -1e10)):
+            self.assertFalse(comparison.sees(run, own + off * np.eye(4)[k]), (k, off))
 
 
 if __name__ == "__main__":
