@@ -293,7 +293,10 @@ static PetscInt Directions(const Square S, PetscReal sign, const Square K, const
   PetscInt added = 0;
 
   for (int i = 0; i < HALF; i++)
-    for (int j = 0; j < HALF; j++) A[j * HALF + i] = sign * S[i][j];
+    for (int j = 0; j < HALF; j++) {
+      A[j * HALF + i] = sign * S[i][j];
+      if (PetscIsInfOrNanReal(S[i][j])) return line_untold; /* LAPACK would end the program */
+    }
   LAPACKgeev_("N", "V", &n, A, &n, real, imaginary, none, &one, vectors, &n, work, &size, &info);
   for (int k = 0; k < HALF && !info; k++) {
     const PetscReal *v = vectors + k * HALF;
