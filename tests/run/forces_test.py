@@ -78,7 +78,7 @@ BOUND = {"mixed": 1e-4, "pinned": 2e-5}
 @check
 def balance(ranks=1):
     """The forces of clamp, tip, walls, friction and weight add up to 0 in all steps, with exact friction, too."""
-    for name, options in all_laws().items():
+    for name, options in list(all_laws().items())[::1 if ranks == 1 else 3]:
         for beta in (1e-3, 0):
             if (name, beta) == ("mixed", 0):
                 continue
@@ -92,7 +92,7 @@ def balance(ranks=1):
 
 @check
 def balance_ranks():
-    """... on three ranks."""
+    """... on three ranks, every third of these scenes."""
     balance(3)
 
 
