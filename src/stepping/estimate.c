@@ -82,19 +82,22 @@ static PetscErrorCode CreateGathered(const Estimate self, Gathered *g) {
   PetscFunctionReturn(0);
 }
 
-/* Every stride-th node, the tip in any case; an even number, for defects are those of two cells. */
-static PetscErrorCode Coarsen(Estimate self, const Scene scene) {
-  PetscInt cells = scene->mesh.cells, most = cells / CELLS;
-  PetscReal h = scene->reach / cells, length = longest;
+/* How many cells of the run a coarse one has: an even number, for defects are those of two cells.
+   Where that is longer than the layer over which contact presses, at a length of the rod, it is
+   one: between longer ones a place where the rod touches would be lost, and what it holds go
+   astray. */
+static PetscInt Stride(const Estimate self, PetscReal reach) {
+  const Scene scene = self->leg->rod->scene;
+  const PetscReal h = reach / scene->mesh.cells, half = scene->contact.tip / 2;
+  PetscInt most = scene->mesh.cells / CELLS;
+  PetscReal length = longest;
 
-  PetscFunctionBegin;
   if (self->touches) {
-    length = PetscMin(longest, scene->contact.tip);
-    most = cells;
+    if (2 * h > half) return 1;
+    length = PetscMin(longest, half);
+    most = scene->mesh.cells;
   }
-  self->stride = 2 * PetscMax(1, PetscMin(most, (PetscInt)(length / h)) / 2);
-  self->nodes = (cells + self->stride - 1) / self->stride + 1;
-  PetscFunctionReturn(0);
+  return 2 * PetscMax(1, PetscMin(most, (PetscInt)(length / h)) / 2);
 }
 
 static PetscInt FineNode(const Estimate self, PetscInt k) {
@@ -182,13 +185,14 @@ static PetscErrorCode DestroyCoarse(Estimate self) {
   PetscFunctionReturn(0);
 }
 
-/* Chooses the mesh, with all that is on it. */
-static PetscErrorCode ChooseMesh(Estimate self) {
+/* The mesh of every stride-th node, the tip in any case, with all that is on it. */
+static PetscErrorCode ChooseMesh(Estimate self, PetscInt stride) {
   Rod rod = self->leg->rod;
   PetscMPIInt rank;
 
   PetscFunctionBegin;
-  PetscCall(Coarsen(self, rod->scene));
+  self->stride = stride;
+  self->nodes = (rod->last + stride - 1) / stride + 1;
   PetscCall(CreateGathered(self, &self->own));
   PetscCallMPI(MPI_Comm_rank(rod->scene->comm, &rank));
   if (!rank) PetscCall(CreateCoarse(self, rod->scene));
@@ -214,7 +218,7 @@ PetscErrorCode EstimateCreate(Leg *leg, Estimate *estimate) {
   self->followed = self->model->halves[0];
   self->mirrors = self->model->space ? 2 : 1;
   PetscCall(PetscCalloc1(leg->rod->end - leg->rod->first, &self->defect));
-  PetscCall(ChooseMesh(self));
+  PetscCall(ChooseMesh(self, Stride(self, leg->rod->scene->reach)));
   PetscFunctionReturn(0);
 }
 
@@ -244,14 +248,13 @@ static void Interpolate(PetscInt fields, PetscInt m, const PetscReal *from, cons
   }
 }
 
-/* The rod touches something for the first time: its errors go on on another mesh. Collective. */
-static PetscErrorCode Refine(Estimate self) {
+/* Errors go on on another mesh. Collective. */
+static PetscErrorCode Refine(Estimate self, PetscInt stride) {
   PetscReal *s = NULL, *old = NULL;
   PetscInt n = self->nodes, size = n * self->fields;
   PetscBool here = (PetscBool)(self->rod != NULL);
 
   PetscFunctionBegin;
-  self->touches = PETSC_TRUE;
   self->until = 0;
   if (here) {
     PetscCall(PetscMalloc2(n, &s, ESTIMATE_PARTS * size, &old));
@@ -261,11 +264,27 @@ static PetscErrorCode Refine(Estimate self) {
     PetscCall(DestroyCoarse(self));
   }
   PetscCall(PetscFree(self->own.u));
-  PetscCall(ChooseMesh(self));
+  PetscCall(ChooseMesh(self, stride));
   for (int part = 0; part < ESTIMATE_PARTS && here; part++)
     Interpolate(self->fields, n, s, old + part * size, self->nodes, self->scene->mesh.s,
                 self->e[part]);
   PetscCall(PetscFree2(s, old));
+  PetscFunctionReturn(0);
+}
+
+/* The first contact, and longer cells or a shorter layer later, ask for another mesh. Collective.
+ */
+static PetscErrorCode LookAtLayer(Estimate self, PetscReal t) {
+  const PetscBool first = (PetscBool)!self->touches;
+  PetscReal length;
+  PetscInt stride;
+
+  PetscFunctionBegin;
+  if (!first && (self->stride == 1 || self->since)) PetscFunctionReturn(0);
+  self->touches = PETSC_TRUE;
+  PetscCall(GrowthLength(self->leg->rod->scene->growth, t, &length, NULL));
+  stride = Stride(self, length);
+  if (first || 2 * stride <= self->stride) PetscCall(Refine(self, stride));
   PetscFunctionReturn(0);
 }
 
@@ -650,17 +669,18 @@ static PetscErrorCode Keep(Estimate self, PetscReal t, int part) {
   PetscCall(See(self, t, e, seen, change));
   if (part == ESTIMATE_SOFT) PetscCall(PetscArraycpy(self->rigid, change, RIGID_VALUES));
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
+    PetscReal *worst = &self->worst[part][k], told;
     if (PetscIsInfOrNanReal(seen[k])) seen[k] = most = PETSC_MAX_REAL;
     if (seen[k] == none) self->began[k] = t;
     if (began[k] == 0 || !IsEarly(self, t, k)) most = PetscMax(most, seen[k]);
+    told = seen[k] == none ? 0 : PetscMin(1, seen[k]);
     if (seen[k] == none)
       start[k] = 0;
     else if (IsEarly(self, t, k))
-      start[k] =
-          PetscMax(PetscMin(1, seen[k]), start[k] * (self->before - began[k]) / (t - began[k]));
+      start[k] = PetscMax(told, start[k] * (self->before - began[k]) / (t - began[k]));
     else
-      self->worst[part][k] = PetscMax(self->worst[part][k], PetscMin(1, seen[k]));
-    self->now[part][k] = PetscMin(1, PetscMax(0, seen[k]));
+      *worst = PetscMax(*worst, told);
+    self->now[part][k] = told;
   }
   for (PetscInt i = 0; i < self->nodes * self->fields && most > small; i++)
     e[i] = most < PETSC_MAX_REAL ? small * e[i] / most : 0;
@@ -794,7 +814,7 @@ PetscErrorCode EstimateStep(Estimate self, PetscBool jumped, PetscBool touches) 
   PetscFunctionBegin;
   if (!self) PetscFunctionReturn(0);
   PetscCall(TSGetTime(self->leg->ts, &t));
-  if (touches && !self->touches) PetscCall(Refine(self));
+  if (touches) PetscCall(LookAtLayer(self, t));
   PetscCall(RodFieldSizes(self->leg->rod, self->leg->U, size));
   Across(self, size, across);
   PetscCall(LookForKink(self, &times_error));
@@ -966,6 +986,7 @@ PetscErrorCode EstimateKeep(Estimate self, PetscReal memory[ESTIMATE_MEMORY],
   memory[1] = (PetscReal)self->since;
   memory[2] = (PetscReal)self->watch;
   memory[3] = (PetscReal)self->until;
+  memory[4] = (PetscReal)self->stride;
   Remembered(self, number);
   for (int k = 0; k < ESTIMATE_NUMBERS; k++) memory[ESTIMATE_COUNTS + k] = *number[k];
   for (int part = 0; part < ESTIMATE_PARTS; part++)
@@ -986,7 +1007,8 @@ PetscErrorCode EstimateTake(Estimate self, const PetscReal memory[ESTIMATE_MEMOR
   PetscReal *number[ESTIMATE_NUMBERS];
 
   PetscFunctionBegin;
-  if (memory[0] != 0 && !self->touches) PetscCall(Refine(self));
+  self->touches = (PetscBool)(memory[0] != 0);
+  if (self->stride != (PetscInt)memory[4]) PetscCall(Refine(self, (PetscInt)memory[4]));
   self->since = (PetscInt)memory[1];
   self->watch = (PetscInt)memory[2];
   self->until = (PetscInt)memory[3];

@@ -20,25 +20,39 @@ static const PetscReal snappy = 0.02;
 static const PetscReal to_rigid = 4. / 3;
 
 /* What two observations differ by in tip and |x2| (in space the larger one of |x2| and |x3|), over
-   the later ones. */
-static PetscReal Change(const Observation *from, const Observation *to) {
+   a size: of the tip's distance, and of |x2|. */
+static PetscReal Differ(const Observation *from, const Observation *to, const PetscReal size[2]) {
   const PetscReal tip[3] = {to->tip_x1 - from->tip_x1, to->tip_x2 - from->tip_x2,
-                            to->tip_x3 - from->tip_x3},
-                  distance = hypot(hypot(to->tip_x1, to->tip_x2), to->tip_x3),
-                  norm = PetscMax(to->norm_x2, to->norm_x3);
-  PetscReal change = hypot(hypot(tip[0], tip[1]), tip[2]) / PetscMax(distance, rod_vanished);
+                            to->tip_x3 - from->tip_x3};
+  PetscReal change = hypot(hypot(tip[0], tip[1]), tip[2]) / PetscMax(size[0], rod_vanished);
 
-  if (norm > rod_vanished)
+  if (size[1] > rod_vanished)
     change = PetscMax(change, PetscMax(PetscAbsReal(to->norm_x2 - from->norm_x2),
                                        PetscAbsReal(to->norm_x3 - from->norm_x3)) /
-                                  norm);
+                                  size[1]);
   return change;
+}
+
+/* ... over the later ones. */
+static PetscReal Change(const Observation *from, const Observation *to) {
+  const PetscReal size[2] = {hypot(hypot(to->tip_x1, to->tip_x2), to->tip_x3),
+                             PetscMax(to->norm_x2, to->norm_x3)};
+  return Differ(from, to, size);
+}
+
+/* Is that so far that the rod may have left to another side? Not if it is so as part of an |x2|
+   next to nothing alone while bending gives energy away: a rod that is bent by nature, and was laid
+   straight, goes where it is bent to. */
+static PetscBool IsFar(const Observation *from, const Observation *to) {
+  const PetscReal length[2] = {to->length, to->length};
+
+  if (Change(from, to) <= far) return PETSC_FALSE;
+  return (PetscBool)(Differ(from, to, length) > far || to->energy >= from->energy);
 }
 
 /* How far a jump, whose own error is not known, may be off. */
 static PetscReal Crossed(const Observation *from, const Observation *to) {
-  const PetscReal change = Change(from, to);
-  return change > far ? 1 : PetscMin(of_start, per_change * change);
+  return IsFar(from, to) ? 1 : PetscMin(of_start, per_change * Change(from, to));
 }
 
 /*
@@ -54,7 +68,7 @@ void GrowCross(Grow *self, const Observation *last, PetscReal before, PetscBool 
   if (layered) {
     if (!self->layered) self->began = *last;
     self->layered = PETSC_TRUE;
-    if (Change(&self->began, &self->seen) > far) self->crossed = 1;
+    if (IsFar(&self->began, &self->seen)) self->crossed = 1;
   } else if (before <= self->seen.t / 2) {
     self->crossings += !followed;
     self->crossed += Crossed(last, &self->seen);
