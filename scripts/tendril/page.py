@@ -90,7 +90,7 @@ def errors_of(r):
     unit = f"{in_laboratory('l/V', r.scale)[0] * worst.when:.3g} {in_laboratory('l/V', r.scale)[1]}" \
         if "si_time" in r.attributes else f"{worst.when:.4g}"
     return (", ".join(f"{one} {error.end:.1e}" for one, error in told.items()),
-            f"{name} {worst.most:.1e} at t = {unit}: {worst.why}")
+            f"{name} {worst.most:.1e} at t = {unit}" + (f": {worst.why}" if worst.why else ""))
 
 
 def run_of(r, title, colour, shapes, units):

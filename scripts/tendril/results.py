@@ -64,6 +64,7 @@ class Told(NamedTuple):
     why: str  # a touch, it lets go, a snap; else space, time, friction, contact
 
 
+EARLY = 0.01  # of a run: what a start does to its errors is over by then
 MOST = 1e100  # of any number of a rod
 # what shapes hold along the rod
 ALONG = ("x", "theta", "curvature", "force", "strain", "moment", "d1", "d2", "d3", "contact", "stretch", "natural_curvature", "natural_strain")
@@ -245,10 +246,19 @@ class Results:
     @property
     def errors(self) -> dict[str, Told]:
         """How far the run may be off in tip, norm_x2 and energy; empty where it has not measured it (a run of another
-        model than frame and space, or one that has not ended)."""
-        of = self.attributes
-        return {name: Told(*(float(of[f"error_{which}{name}"]) for which in ("end_", "", "when_")), str(of[f"error_why_{name}"]))
-                for name in ("tip", "norm_x2", "energy") if f"error_end_{name}" in of}
+        model than frame and space). Of one that has not ended, and of a sweep's, by its series, without reasons."""
+        of, names = self.attributes, ("tip", "norm_x2", "energy")
+        if "error_end_tip" in of:
+            return {name: Told(*(float(of[f"error_{which}{name}"]) for which in ("end_", "", "when_")), str(of[f"error_why_{name}"]))
+                    for name in names}
+        if "error_tip" not in self.series or len(self.series.t) < 2:
+            return {}
+        found, t = {}, self.series.t
+        for name in names:
+            errors = self.series[f"error_{name}"]
+            most = int(np.argmax(np.where(t > EARLY * t[-1], errors, 0)))
+            found[name] = Told(float(errors[-1]), float(errors[most]), float(t[most]), "")
+        return found
 
     @property
     def rigid(self) -> dict[str, float]:
