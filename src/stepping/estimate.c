@@ -21,10 +21,8 @@
   (each over itself): that of the latest state, and the largest so far.
 */
 enum { LEAST_CELLS = 8, CELLS = 48 }; /* of the run; of the coarse mesh, about */
-enum { SELDOM = 4 }; /* steps from one time to the next, while straight or in contact */
-static const PetscReal fast = 0.02;    /* ... unless directions have moved so far since */
-static const PetscReal small = 0.05;   /* of a larger error linear equations say nothing */
-enum { DEFECTS = 2 };                  /* such times from one measurement of defects to the next */
+enum { SELDOM = 4 };  /* steps from one time to the next, while straight or in contact */
+enum { DEFECTS = 2 }; /* such times from one measurement of defects to the next */
 static const PetscReal longest = 0.8;  /* arc length of a coarse cell, where the mesh allows */
 static const PetscReal straight = 0.3; /* angle */
 static const PetscReal kink_error = 3; /* of the local error of a step that is not smooth in time */
@@ -47,7 +45,6 @@ struct _Estimate {
   PetscBool touches;                  /* the rod does, or did */
   PetscInt stride, nodes;             /* of the coarse mesh */
   PetscInt since;                     /* steps */
-  PetscReal moved;                    /* since then: directions, over their size */
   PetscInt rejected, watch;           /* tries, so far; steps to be looked at one by one */
   PetscReal before, size[MIRRORS];    /* when e was stepped last, and |x2|, |x3| then */
   PetscReal time, latest[MIRRORS];    /* of the latest step, and the largest x2, x3 at it */
@@ -652,8 +649,8 @@ static PetscBool IsEarly(const Estimate self, PetscReal t, int k) {
   return (PetscBool)(t - self->began[k] <= early * self->leg->rod->scene->end_time);
 }
 
-/* What is told is at most 1; an error that is no small one any more goes on as one that is, for of
-   larger ones the linear equations say nothing. What was seen early fades as time goes on,
+/* Beyond 1 an error is no small one any more, and the linear equations say nothing. What was seen
+   early fades as time goes on,
 
     start(t) = max(seen(t), start(before) before / t),
 
@@ -682,8 +679,8 @@ static PetscErrorCode Keep(Estimate self, PetscReal t, int part) {
       *worst = PetscMax(*worst, told);
     self->now[part][k] = told;
   }
-  for (PetscInt i = 0; i < self->nodes * self->fields && most > small; i++)
-    e[i] = most < PETSC_MAX_REAL ? small * e[i] / most : 0;
+  for (PetscInt i = 0; i < self->nodes * self->fields && most > 1; i++)
+    e[i] = most < PETSC_MAX_REAL ? e[i] / most : 0;
   PetscFunctionReturn(0);
 }
 
@@ -769,19 +766,9 @@ static PetscErrorCode LookForKink(Estimate self, PetscReal *times_error) {
   PetscFunctionReturn(0);
 }
 
-/* By what part of their size a step has turned directions: in a snap, much. Collective. */
-static PetscErrorCode Move(Estimate self, PetscReal step, const PetscReal size[MAX_FIELDS]) {
-  PetscReal rate[MAX_FIELDS];
-
-  PetscFunctionBegin;
-  PetscCall(RodFieldSizes(self->leg->rod, self->leg->newton.latest.U_t, rate));
-  self->moved += step * Angle(self, rate) / PetscMax(Angle(self, size), rod_vanished);
-  PetscFunctionReturn(0);
-}
-
 /* Is it too early to step e again? */
 static PetscBool Waits(const Estimate self, PetscReal t, const PetscReal size[MAX_FIELDS]) {
-  return (PetscBool)(self->since < SELDOM && !self->watch && self->moved < fast &&
+  return (PetscBool)(self->since < SELDOM && !self->watch &&
                      (self->touches || Angle(self, size) < straight) &&
                      t < self->leg->rod->scene->end_time);
 }
@@ -821,7 +808,6 @@ PetscErrorCode EstimateStep(Estimate self, PetscBool jumped, PetscBool touches) 
   Ratios(across, self->latest, ratio);
   if (!jumped) PetscCall(AddLocal(self, times_error, ratio));
   PetscCall(PetscArraycpy(self->latest, across, MIRRORS));
-  if (self->touches) PetscCall(Move(self, t - self->time, size));
   self->time = t;
   self->since++;
   if (Waits(self, t, size)) PetscFunctionReturn(0);
@@ -831,7 +817,6 @@ PetscErrorCode EstimateStep(Estimate self, PetscBool jumped, PetscBool touches) 
   PetscCall(PetscArrayzero(self->own.local, 2 * self->nodes * self->followed)); /* and skipped */
   self->before = t;
   self->since = 0;
-  self->moved = 0;
   PetscCall(Share(self));
   PetscFunctionReturn(0);
 }
@@ -944,7 +929,6 @@ static void Remembered(Estimate self, PetscReal *number[ESTIMATE_NUMBERS]) {
 
   number[n++] = &self->before;
   number[n++] = &self->time;
-  number[n++] = &self->moved;
   for (int k = 0; k < MIRRORS; k++) {
     number[n++] = &self->size[k];
     number[n++] = &self->latest[k];

@@ -127,6 +127,18 @@ static PetscReal Beside(const Grow *self) {
   return self->vanished ? error + 1 : error;
 }
 
+/* What the steps leave at least: each field is followed to the tolerance of its own size, and the
+   tip of a rod next to straight is where its length has it; one that is held is there. */
+static void Least(const Grow *self, PetscReal least[ESTIMATE_SEEN]) {
+  const Observation *seen = &self->seen;
+  const PetscReal distance = hypot(hypot(seen->tip_x1, seen->tip_x2), seen->tip_x3),
+                  across = PetscMax(seen->norm_x2, seen->norm_x3), rounding = 1e-5;
+
+  for (int k = 0; k < ESTIMATE_SEEN; k++) least[k] = self->estimate ? self->rtol : 0;
+  least[ESTIMATE_TIP] *= PetscMax(rounding, PetscMin(1, across / PetscMax(distance, rod_vanished)));
+  if (self->scene->tip.type != TIP_FREE) least[ESTIMATE_TIP] = 0;
+}
+
 /* GrowFollowsErrors - are errors followed over all of the run? */
 PetscBool GrowFollowsErrors(const Grow *self) {
   TSType type;
@@ -164,13 +176,15 @@ static int Reason(const Grow *self, const PetscReal part[ESTIMATE_PARTS][ESTIMAT
   last  the state before     jumped  it was a jump
 */
 void GrowFollowErrors(Grow *self, const Observation *last, PetscBool jumped) {
-  PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEEN], rigid[RIGID_VALUES], t = self->seen.t;
+  PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEEN], rigid[RIGID_VALUES], least[ESTIMATE_SEEN],
+      t = self->seen.t;
   ErrorEstimate *error = &self->error;
   int happens;
 
   if (!GrowFollowsErrors(self) || t == 0) return;
   EstimateLatest(self->estimate, part, rigid);
-  AccuracyMeasured(self->rtol, part, Beside(self), &error->end);
+  Least(self, least);
+  AccuracyMeasured(least, part, Beside(self), &error->end);
   self->seen.error_tip = error->end.seen[ESTIMATE_TIP];
   self->seen.error_norm_x2 = error->end.seen[ESTIMATE_NORM];
   self->seen.error_energy = error->end.seen[ESTIMATE_ENERGY];
@@ -204,19 +218,20 @@ static void Rigid(const Grow *self, const PetscReal change[RIGID_VALUES],
 /* Of the errors that were followed: the largest of all, and of each part. Of a run that has not got
    beyond its start, those of that. */
 static PetscErrorCode Measure(Grow *self) {
-  PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEEN], change[RIGID_VALUES];
+  PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEEN], change[RIGID_VALUES], least[ESTIMATE_SEEN];
   ErrorEstimate *error = &self->error;
 
   PetscFunctionBegin;
+  Least(self, least);
   PetscCall(EstimateTold(self->estimate, part));
-  AccuracyMeasured(self->rtol, part, Beside(self), &error->most);
+  AccuracyMeasured(least, part, Beside(self), &error->most);
   error->most.all = 0;
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
     if (self->largest[k] > 0) error->most.seen[k] = self->largest[k];
     error->most.all = PetscMax(error->most.all, error->most.seen[k]);
   }
   EstimateLatest(self->estimate, part, change);
-  AccuracyMeasured(self->rtol, part, Beside(self), &error->end);
+  AccuracyMeasured(least, part, Beside(self), &error->end);
   error->end.all = 0;
   for (int k = 0; k < ESTIMATE_SEEN; k++)
     error->end.all = PetscMax(error->end.all, error->end.seen[k]);
@@ -231,7 +246,8 @@ static PetscErrorCode Measure(Grow *self) {
 */
 PetscErrorCode GrowErrors(Grow *self) {
   const Load *load = &self->scene->load;
-  PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN] = {{0}}, fitted, beside = Beside(self);
+  PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN] = {{0}}, least[ESTIMATE_SEEN], fitted,
+            beside = Beside(self);
   PetscBool vbdf;
 
   PetscFunctionBegin;
@@ -250,7 +266,8 @@ PetscErrorCode GrowErrors(Grow *self) {
   beside += fitted;
   if (load->limit && !self->estimate)
     beside += of_limit * PetscPowReal(load->friction.beta, 1. / 6);
-  AccuracyMeasured(self->estimate ? self->rtol : 0, worst, beside, &self->error.most);
+  Least(self, least);
+  AccuracyMeasured(least, worst, beside, &self->error.most);
   self->error.end = self->error.most;
   PetscFunctionReturn(0);
 }
