@@ -67,6 +67,7 @@ def read(file):
              (f[g].items() if g in f else ())}
         r["finished"] = f.attrs["finished"]
         r["told"] = f.attrs.get("error_estimate", 0)
+        r |= {name: value for name, value in f.attrs.items() if name.startswith(("error_", "rigid_"))}
         kind = f["event"].attrs["kind"] if "event" in f else ""
         r["kind"] = kind.decode() if isinstance(kind, bytes) else kind
     return r

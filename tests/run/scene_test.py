@@ -72,6 +72,7 @@ class Run:
         with h5py.File(file) as f:
             self.estimate = f.attrs.get("error_estimate")  # over the run
             self.told = {k[6:]: f.attrs[k] for k in f.attrs if k.startswith("error_")}
+            self.rigid = {k[6:]: f.attrs[k] for k in f.attrs if k.startswith("rigid_")}
             expect(f.attrs["finished"] == 1, f"{options}: not finished")
             expect(f.attrs["ranks"] == ranks, f"{options}: ran on {f.attrs['ranks']} ranks")
             if group != "grow":
