@@ -151,6 +151,19 @@ class Numbers(unittest.TestCase):
             found = float(re.search(r"energy defect (\S+),", done.stdout)[1])
             self.assertTrue(found / 3 < said < 3 * found, f"{scene}: {said} is said, {found} is")
 
+    def test_critical(self):
+        """The critical lengths of docs/world.md are those that the program finds, to their last digit."""
+        page = (ROOT / "docs/world.md").read_text().partition("## When it gives way")[2]
+        rows = re.findall(r"(?m)^\| (-\w.*?) \| ([\d.]+) \| (buckling|flutter)", page)
+        self.assertGreater(len(rows), 6)
+        for options, length, by in rows:
+            done = subprocess.run([TENDRIL, *f"-task critical -friction_beta 1e-6 -growth_initial_length 0.5 {options}".split()], check=True,
+                                  capture_output=True, text=True,
+                                  env=os.environ | {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"})
+            found = float(re.search(r"critical length L = (\S+)", done.stdout)[1])
+            self.assertLess(abs(found - float(length)), 0.6 * 10.0 ** -len(length.partition(".")[2]), f"{options}: {found}")
+            self.assertIn(f"\n{by}", done.stdout, options)
+
     def test_what_is_the_same(self):
         line = "454 steps, 9 rejected, 490 Newton iterations, 0.320 s; energy defect 4.9e-07, error estimate 2.5e-04"
         for other, good in ((line.replace("0.320", "9.1"), True), (line.replace("4.9e-07", "9e-07"), True),
