@@ -32,6 +32,11 @@ MADE = {  # page: command lines whose lines it shows, and the directory they are
     "docs/my-tube.md": [("-task critical -options_file docs/first/tube.opts -rod_curvature 0", "."),
                         ("-options_file docs/first/tube.opts", ".")],
     "docs/my-cable.md": [("-options_file docs/first/cable.opts", ".")],
+    "docs/guide.md": [("-task critical -options_file docs/first/tube.opts -rod_curvature 0", ".")],
+    "docs/world.md": [("-task critical -friction_mu 0 -rod_bend_ratio 10 -tip_force_vector 0,3.9,0 -growth_initial_length 0.5 "
+                       "-shape_type straight -rod_cells 50", ".")],
+    "docs/gravity.md": [("-task critical -growth_type uniform -si_bending_stiffness 3944.1 -si_friction_dry 0 -rod_weight 0,0,-38.515N/m "
+                         "-clamp_direction 0,0,1 -growth_initial_length 1m", ".")],
 }
 # page: what it says in words, and what that is in the run of its last command: times in s, lengths in m,
 # distances in cm, forces in N
