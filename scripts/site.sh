@@ -35,5 +35,5 @@ git ls-files -co --exclude-standard -- '*.md' '*.png' '*.gif' '*.ipynb' LICENSE 
     cp "$file" "$pages/$file"
   done
 TENDRIL_SITE_PAGES=$pages TENDRIL_SITE=$site logged "$log" "the site (a link that leads nowhere?)" \
-  "$python/bin/python" -m mkdocs build --strict --quiet --config-file docs/mkdocs.yml
+  "$python/bin/python" -m mkdocs build --strict --config-file docs/mkdocs.yml
 echo "site: $site/index.html"
