@@ -171,7 +171,7 @@ static void TestFirmPressure(void **state) {
            gap / w, p, by_energy);
     EXPECT(PetscAbsReal(by_p - slope) < 1e-4 * (k - slope), "gap %g w: %g, %g", gap / w, slope,
            by_p);
-    EXPECT(PetscAbsReal(slope - last) < 0.03 * contact_firm_times * k,
+    EXPECT(PetscAbsReal(slope - last) < 0.03 * ContactFirmTimes(&now) * k,
            "gap %g w: the slope jumps from %g to %g", gap / w, last, slope);
     EXPECT(PetscAbsReal(ContactEnergyRate(&now, gap) - rate) <= 1e-6 * PetscAbsReal(rate),
            "gap %g w: rate %g, %g", gap / w, ContactEnergyRate(&now, gap), rate);
@@ -179,7 +179,7 @@ static void TestFirmPressure(void **state) {
       EXPECT(p == -k * gap, "gap %g w: %g is not %g", gap / w, p, -k * gap);
     last = slope;
   }
-  EXPECT(PetscAbsReal(last / now.stiffness + contact_firm_times) < 1e-9, "%g k in the end",
+  EXPECT(PetscAbsReal(last / now.stiffness + ContactFirmTimes(&now)) < 1e-9, "%g k in the end",
          -last / now.stiffness);
 }
 
