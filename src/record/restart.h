@@ -6,7 +6,10 @@
 #include "stepping/estimate.h"
 #include "stepping/vbdf.h"
 
-enum { RESTART_BESIDE = 11, RESTART_STUCK = 7 }; /* as grow_errors.c and grow_jam.c have them */
+enum {
+  RESTART_BESIDE = 13 + 3 * ESTIMATE_SEEN,
+  RESTART_STUCK = 7
+}; /* as grow_errors.c and grow_jam.c have them */
 
 /* All reals, stored as one array, /restart/state; beside it the stepper's points, /restart/points,
    latest first, [point][node times fields], what Newton's method remembers, /restart/memory, and

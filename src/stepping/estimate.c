@@ -15,13 +15,16 @@
   both directions, or one for both while they are of like size). Errors are smooth along the rod,
   and a fifth of them is no matter: so it is done on a coarse mesh of every few nodes of the run's,
   and once in a few steps while the rod is straight. From the first contact on cells are no longer
-  than the layer over which contact spreads, and it is done once in a few steps. The two parts, in
-  space and in time, are carried along each for itself. What is told is the largest error that they
-  make in the tip's place (over its distance), |x2| and the energy (each over itself).
+  than the layer over which contact spreads, and it is done once in a few steps, unless the rod
+  moves far in one. The parts, in space, in time and so on, are carried along each for itself. What
+  is told is the error that they make in the tip's place (over its distance), |x2| and the energy
+  (each over itself): that of the latest state, and the largest so far.
 */
 enum { LEAST_CELLS = 8, CELLS = 48 }; /* of the run; of the coarse mesh, about */
-enum { SELDOM = 4 };  /* steps from one time to the next, while straight or in contact */
-enum { DEFECTS = 2 }; /* such times from one measurement of defects to the next */
+enum { SELDOM = 4 }; /* steps from one time to the next, while straight or in contact */
+static const PetscReal fast = 0.02;    /* ... unless directions have moved so far since */
+static const PetscReal small = 0.05;   /* of a larger error linear equations say nothing */
+enum { DEFECTS = 2 };                  /* such times from one measurement of defects to the next */
 static const PetscReal longest = 0.8;  /* arc length of a coarse cell, where the mesh allows */
 static const PetscReal straight = 0.3; /* angle */
 static const PetscReal kink_error = 3; /* of the local error of a step that is not smooth in time */
@@ -44,6 +47,7 @@ struct _Estimate {
   PetscBool touches;                  /* the rod does, or did */
   PetscInt stride, nodes;             /* of the coarse mesh */
   PetscInt since;                     /* steps */
+  PetscReal moved;                    /* since then: directions, over their size */
   PetscInt rejected, watch;           /* tries, so far; steps to be looked at one by one */
   PetscReal before, size[MIRRORS];    /* when e was stepped last, and |x2|, |x3| then */
   PetscReal time, latest[MIRRORS];    /* of the latest step, and the largest x2, x3 at it */
@@ -54,6 +58,8 @@ struct _Estimate {
   PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN]; /* beyond what is early */
   PetscReal start[ESTIMATE_PARTS][ESTIMATE_SEEN]; /* before, for a run that ends there */
   PetscReal began[ESTIMATE_SEEN];                 /* when there was nothing of it, at last */
+  PetscReal now[ESTIMATE_PARTS][ESTIMATE_SEEN];   /* of the state when e was stepped last */
+  PetscReal rigid[RIGID_VALUES]; /* what k dU/dk makes of its tip and energy, of itself */
   /* rank 0: the coarse rod; NULL else */
   Scene scene;
   Rod rod;
@@ -569,15 +575,16 @@ static PetscReal SeeNorm(const Estimate self, const PetscReal *e) {
   return off;
 }
 
-/* What an error makes of the energy, over it; none: there is none. */
+/* What an error makes of the energy: change, and seen, over it; none: there is none. */
 static PetscErrorCode SeeEnergy(const Estimate self, PetscReal t, const PetscReal *e,
-                                PetscReal *seen) {
+                                PetscReal *seen, PetscReal *change) {
   const PetscReal *s = self->scene->mesh.s;
   const PetscInt last = self->nodes - 1, fields = self->fields,
                  moments = self->model->space ? 3 : 1;
   PetscReal energy = 0, by = 0, size = rod_vanished, length;
 
   PetscFunctionBegin;
+  *change = 0;
   for (PetscInt k = 0; k <= last; k++)
     for (PetscInt d = 0; d < moments; d++)
       size = PetscMax(size, PetscAbsReal(self->all.u[k * fields + self->followed + d]));
@@ -600,23 +607,25 @@ static PetscErrorCode SeeEnergy(const Estimate self, PetscReal t, const PetscRea
     PetscFunctionReturn(0);
   }
   *seen = PetscAbsReal(by / energy);
+  *change = by / 2 * size * size;
   PetscFunctionReturn(0);
 }
 
-/* What an error makes of tip, |x2| and energy, relative. */
+/* What an error makes of tip, |x2| and energy, relative; of tip and energy as it is, too. */
 static PetscErrorCode See(const Estimate self, PetscReal t, const PetscReal *e,
-                          PetscReal seen[ESTIMATE_SEEN]) {
+                          PetscReal seen[ESTIMATE_SEEN], PetscReal change[RIGID_VALUES]) {
   const PetscInt tip = (self->nodes - 1) * self->fields;
   PetscReal off = 0, distance = 0;
 
   PetscFunctionBegin;
   for (PetscInt d = 0; d <= self->mirrors; d++) {
     off = hypot(off, e[tip + d]);
+    change[RIGID_TIP + d] = e[tip + d];
     distance = hypot(distance, self->all.u[tip + d]);
   }
   seen[ESTIMATE_TIP] = off / PetscMax(distance, rod_vanished);
   seen[ESTIMATE_NORM] = SeeNorm(self, e);
-  PetscCall(SeeEnergy(self, t, e, &seen[ESTIMATE_ENERGY]));
+  PetscCall(SeeEnergy(self, t, e, &seen[ESTIMATE_ENERGY], &change[RIGID_ENERGY]));
   PetscFunctionReturn(0);
 }
 
@@ -624,8 +633,8 @@ static PetscBool IsEarly(const Estimate self, PetscReal t, int k) {
   return (PetscBool)(t - self->began[k] <= early * self->leg->rod->scene->end_time);
 }
 
-/* Beyond 1 an error is no small one any more, and the linear equations say nothing. What was seen
-   early fades as time goes on,
+/* What is told is at most 1; an error that is no small one any more goes on as one that is, for of
+   larger ones the linear equations say nothing. What was seen early fades as time goes on,
 
     start(t) = max(seen(t), start(before) before / t),
 
@@ -633,11 +642,13 @@ static PetscBool IsEarly(const Estimate self, PetscReal t, int k) {
    for a while, as of the energy of a rod at rest that a wall will meet, starts when it begins: of
    what is next to nothing then, a part says little. */
 static PetscErrorCode Keep(Estimate self, PetscReal t, int part) {
-  PetscReal seen[ESTIMATE_SEEN] = {0}, most = 0, *e = self->e[part], *start = self->start[part];
+  PetscReal seen[ESTIMATE_SEEN] = {0}, most = 0, *e = self->e[part], *start = self->start[part],
+            change[RIGID_VALUES] = {0};
   const PetscReal *began = self->began;
 
   PetscFunctionBegin;
-  PetscCall(See(self, t, e, seen));
+  PetscCall(See(self, t, e, seen, change));
+  if (part == ESTIMATE_SOFT) PetscCall(PetscArraycpy(self->rigid, change, RIGID_VALUES));
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
     if (PetscIsInfOrNanReal(seen[k])) seen[k] = most = PETSC_MAX_REAL;
     if (seen[k] == none) self->began[k] = t;
@@ -649,9 +660,10 @@ static PetscErrorCode Keep(Estimate self, PetscReal t, int part) {
           PetscMax(PetscMin(1, seen[k]), start[k] * (self->before - began[k]) / (t - began[k]));
     else
       self->worst[part][k] = PetscMax(self->worst[part][k], PetscMin(1, seen[k]));
+    self->now[part][k] = PetscMin(1, PetscMax(0, seen[k]));
   }
-  for (PetscInt i = 0; i < self->nodes * self->fields && most > 1; i++)
-    e[i] = most < PETSC_MAX_REAL ? e[i] / most : 0;
+  for (PetscInt i = 0; i < self->nodes * self->fields && most > small; i++)
+    e[i] = most < PETSC_MAX_REAL ? small * e[i] / most : 0;
   PetscFunctionReturn(0);
 }
 
@@ -737,11 +749,37 @@ static PetscErrorCode LookForKink(Estimate self, PetscReal *times_error) {
   PetscFunctionReturn(0);
 }
 
+/* By what part of their size a step has turned directions: in a snap, much. Collective. */
+static PetscErrorCode Move(Estimate self, PetscReal step, const PetscReal size[MAX_FIELDS]) {
+  PetscReal rate[MAX_FIELDS];
+
+  PetscFunctionBegin;
+  PetscCall(RodFieldSizes(self->leg->rod, self->leg->newton.latest.U_t, rate));
+  self->moved += step * Angle(self, rate) / PetscMax(Angle(self, size), rod_vanished);
+  PetscFunctionReturn(0);
+}
+
 /* Is it too early to step e again? */
 static PetscBool Waits(const Estimate self, PetscReal t, const PetscReal size[MAX_FIELDS]) {
-  return (PetscBool)(self->since < SELDOM && !self->watch &&
+  return (PetscBool)(self->since < SELDOM && !self->watch && self->moved < fast &&
                      (self->touches || Angle(self, size) < straight) &&
                      t < self->leg->rod->scene->end_time);
+}
+
+/* What rank 0 has found of the latest state, to all. */
+static PetscErrorCode Share(Estimate self) {
+  PetscReal all[ESTIMATE_PARTS * ESTIMATE_SEEN + ESTIMATE_SEEN + RIGID_VALUES], *at = all;
+
+  PetscFunctionBegin;
+  PetscCall(PetscArraycpy(at, self->now[0], ESTIMATE_PARTS * ESTIMATE_SEEN));
+  PetscCall(PetscArraycpy(at += ESTIMATE_PARTS * ESTIMATE_SEEN, self->began, ESTIMATE_SEEN));
+  PetscCall(PetscArraycpy(at += ESTIMATE_SEEN, self->rigid, RIGID_VALUES));
+  PetscCallMPI(MPI_Bcast(all, (PetscMPIInt)PETSC_STATIC_ARRAY_LENGTH(all), MPIU_REAL, 0,
+                         self->leg->rod->scene->comm));
+  PetscCall(PetscArraycpy(self->now[0], at = all, ESTIMATE_PARTS * ESTIMATE_SEEN));
+  PetscCall(PetscArraycpy(self->began, at += ESTIMATE_PARTS * ESTIMATE_SEEN, ESTIMATE_SEEN));
+  PetscCall(PetscArraycpy(self->rigid, at += ESTIMATE_SEEN, RIGID_VALUES));
+  PetscFunctionReturn(0);
 }
 
 /*
@@ -763,6 +801,7 @@ PetscErrorCode EstimateStep(Estimate self, PetscBool jumped, PetscBool touches) 
   Ratios(across, self->latest, ratio);
   if (!jumped) PetscCall(AddLocal(self, times_error, ratio));
   PetscCall(PetscArraycpy(self->latest, across, MIRRORS));
+  if (self->touches) PetscCall(Move(self, t - self->time, size));
   self->time = t;
   self->since++;
   if (Waits(self, t, size)) PetscFunctionReturn(0);
@@ -772,6 +811,8 @@ PetscErrorCode EstimateStep(Estimate self, PetscBool jumped, PetscBool touches) 
   PetscCall(PetscArrayzero(self->own.local, 2 * self->nodes * self->followed)); /* and skipped */
   self->before = t;
   self->since = 0;
+  self->moved = 0;
+  PetscCall(Share(self));
   PetscFunctionReturn(0);
 }
 
@@ -790,6 +831,20 @@ PetscErrorCode EstimateTold(Estimate self, PetscReal told[ESTIMATE_PARTS][ESTIMA
       if (IsEarly(self, self->before, k))
         told[part][k] = PetscMax(told[part][k], self->start[part][k]);
   PetscFunctionReturn(0);
+}
+
+/* EstimateLatest - the errors of the state when they were stepped last; and, of one that touches,
+   what makes rigid contact of its tip and its energy: k dU/dk. */
+void EstimateLatest(Estimate self, PetscReal latest[ESTIMATE_PARTS][ESTIMATE_SEEN],
+                    PetscReal rigid[RIGID_VALUES]) {
+  for (int part = 0; part < ESTIMATE_PARTS; part++)
+    for (int k = 0; k < ESTIMATE_SEEN; k++) latest[part][k] = self->now[part][k];
+  for (int k = 0; k < RIGID_VALUES; k++) rigid[k] = self->rigid[k];
+}
+
+/* EstimateIsEarly - is an error of this kind at t one of a start, which does not count? */
+PetscBool EstimateIsEarly(Estimate self, PetscReal t, int seen) {
+  return IsEarly(self, t, seen);
 }
 
 /* EstimateGet - the largest errors so far beyond the start, for EstimateSet(). Collective. */
@@ -869,6 +924,7 @@ static void Remembered(Estimate self, PetscReal *number[ESTIMATE_NUMBERS]) {
 
   number[n++] = &self->before;
   number[n++] = &self->time;
+  number[n++] = &self->moved;
   for (int k = 0; k < MIRRORS; k++) {
     number[n++] = &self->size[k];
     number[n++] = &self->latest[k];
@@ -876,8 +932,12 @@ static void Remembered(Estimate self, PetscReal *number[ESTIMATE_NUMBERS]) {
   }
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
     number[n++] = &self->began[k];
-    for (int part = 0; part < ESTIMATE_PARTS; part++) number[n++] = &self->start[part][k];
+    for (int part = 0; part < ESTIMATE_PARTS; part++) {
+      number[n++] = &self->start[part][k];
+      number[n++] = &self->now[part][k];
+    }
   }
+  for (int k = 0; k < RIGID_VALUES; k++) number[n++] = &self->rigid[k];
 }
 
 /* EstimateVectors - room for what EstimateKeep() keeps; the caller destroys them. Collective. */

@@ -2,8 +2,8 @@
 
 static const OptionRow rows[] = {ROW_REAL(
     "-accuracy", "", 1e-7, 0.1, UNIT_NONE, 0,
-    "asked relative error of tip, |x2| and energy: sets -rod_cells and -ts_rtol where they "
-    "are not given; off unless given")};
+    "asked relative error of tip, |x2| and energy in the last state: sets -rod_cells and -ts_rtol "
+    "where they are not given; off unless given")};
 const OptionGroup accuracy_options = OPTION_GROUP("Accuracy", rows);
 
 /*
@@ -133,24 +133,28 @@ PetscErrorCode AccuracyApply(void) {
   PetscFunctionReturn(0);
 }
 
+/* AccuracyTimes - how many times the error that was followed a part is told as. */
+PetscReal AccuracyTimes(int part) {
+  if (part == ESTIMATE_LIMIT) return of_beta;
+  return part == ESTIMATE_SOFT ? of_stiffness : of_measured;
+}
+
 /*
-  AccuracyMeasured - from the errors that were followed over a run (stepping/estimate.c), an upper
-  estimate of its parts, of what is seen and of all: they are off by a factor of 2 or 3, as a rule.
+  AccuracyMeasured - from the errors that were followed (stepping/estimate.c), of a state or the
+  largest of a run, an upper estimate of their parts, of what is seen and of all: they are off by a
+  factor of 2 or 3, as a rule.
 
   rtol    of the steps: none of them is without an error
   beside  what comes on top of them
 */
 void AccuracyMeasured(PetscReal rtol, PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN],
-                      PetscReal beside, ErrorEstimate *error) {
+                      PetscReal beside, Errors *error) {
   error->all = beside;
   for (int i = 0; i < ESTIMATE_SEEN; i++) error->seen[i] = beside;
   for (int k = 0; k < ESTIMATE_PARTS; k++) {
-    PetscReal times = k == ESTIMATE_LIMIT  ? of_beta
-                      : k == ESTIMATE_SOFT ? of_stiffness
-                                           : of_measured;
     error->part[k] = k == ESTIMATE_TIME ? rtol : 0;
     for (int i = 0; i < ESTIMATE_SEEN; i++) {
-      PetscReal here = PetscMin(1, times * worst[k][i]);
+      PetscReal here = PetscMin(1, AccuracyTimes(k) * worst[k][i]);
       error->seen[i] += PetscMax(here, k == ESTIMATE_TIME ? rtol : 0);
       error->part[k] = PetscMax(error->part[k], here);
     }
@@ -159,7 +163,7 @@ void AccuracyMeasured(PetscReal rtol, PetscReal worst[ESTIMATE_PARTS][ESTIMATE_S
 }
 
 /* What gives a part the share that is left to it of an accuracy. */
-static PetscErrorCode Advise(const ErrorEstimate *error, PetscReal asked, PetscReal rtol, Rod rod,
+static PetscErrorCode Advise(const Errors *error, PetscReal asked, PetscReal rtol, Rod rod,
                              char advice[], size_t room) {
   const PetscReal share = 0.4, cells = rod->scene->mesh.cells, least = 1e-13;
   PetscReal space = error->part[ESTIMATE_SPACE] / (share * asked),
@@ -198,9 +202,9 @@ PetscErrorCode AccuracyTell(const ErrorEstimate *error, PetscReal rtol, Rod rod,
 
   PetscFunctionBegin;
   PetscCall(OptionReal("-accuracy", &asked, &set));
-  if (!set || error->kind == ESTIMATE_NONE || error->all <= asked) PetscFunctionReturn(0);
+  if (!set || error->kind == ESTIMATE_NONE || error->end.all <= asked) PetscFunctionReturn(0);
   if (error->kind == ESTIMATE_MEASURED)
-    PetscCall(Advise(error, asked, rtol, rod, advice, sizeof(advice)));
+    PetscCall(Advise(&error->end, asked, rtol, rod, advice, sizeof(advice)));
   PetscCall(PetscPrintf(comm, "-accuracy %g may not be met, the estimate is above it%s.\n",
                         (double)asked, advice));
   PetscFunctionReturn(0);

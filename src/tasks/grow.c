@@ -273,6 +273,7 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   self->seen.step = t - before;
   self->seen.newton_iterations = iterations;
   self->seen.model = self->now - self->leg;
+  GrowFollowErrors(self, &last, jumped);
   PetscCall(OutputSeries(self->output, &self->seen));
   PetscCall(GrowSensitivitiesObserve(self, t, U, U_t));
   PetscFunctionReturn(0);
@@ -667,6 +668,7 @@ static PetscErrorCode Begin(Grow *self, const char *output) {
   UserCheck(!event.kind, self->scene->comm, "-stop_%s: it is so at the start already",
             event_name[event.kind]);
   PetscCall(OutputCreate(output, self->scene, &self->output)); /* after all refusals */
+  if (GrowFollowsErrors(self)) PetscCall(OutputFollows(self->output));
   if (self->member) PetscCall(OutputKeep(self->output, self->member->series, self->member->shapes));
   PetscCall(Observe(self, 0, NULL, NULL));
   self->now = &self->leg[BetterModel(self)];
@@ -706,6 +708,7 @@ static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *
             OptionBoth(state->t, UNIT_TIME, text), restart);
   PetscCall(
       OutputContinue(output, restart, self->scene, state->t, self->output_interval, &self->output));
+  if (GrowFollowsErrors(self)) PetscCall(OutputFollows(self->output));
   PetscCall(Store(self, PETSC_FALSE));
   if (!self->quiet)
     PetscCall(PetscPrintf(self->scene->comm, "goes on from t = %s of %s, into %s\n",

@@ -41,13 +41,16 @@ typedef struct {
   PetscReal energy_folds; /* of the energy of the linear model, up and down */
   PetscReal weighed;      /* the folds, by what they weigh in its energy */
   PetscBool pressed;      /* there has been contact */
-  ErrorEstimate error;    /* as GrowErrors() has found it */
-  PetscReal depth;        /* largest penetration so far */
-  PetscInt snaps;         /* of this run, and of what it goes on with */
-  PetscInt crossings;     /* of these, its start was crossed by */
-  PetscReal crossed;      /* what steps that cross its start have changed, see GrowCross() */
-  PetscBool gave_way;     /* its start did, at once: a jump in that layer */
-  PetscBool layered;      /* steps have crossed the layer of its start, from here: */
+  ErrorEstimate error; /* as GrowErrors() has found it; when and why of what was largest so far */
+  PetscReal largest[ESTIMATE_SEEN]; /* that error, beyond the start */
+  PetscReal event_at;               /* when it last touched, let go or snapped; 0: never */
+  int event_is;                     /* which, as WHY_TOUCH */
+  PetscReal depth;                  /* largest penetration so far */
+  PetscInt snaps;                   /* of this run, and of what it goes on with */
+  PetscInt crossings;               /* of these, its start was crossed by */
+  PetscReal crossed;  /* what steps that cross its start have changed, see GrowCross() */
+  PetscBool gave_way; /* its start did, at once: a jump in that layer */
+  PetscBool layered;  /* steps have crossed the layer of its start, from here: */
   Observation began;
   PetscBool vanished;      /* |x2| has fallen below the numbers that there are */
   PetscInt blind;          /* steps that have crossed a mode that grows (LegCrosses()) */
@@ -77,6 +80,8 @@ void GrowCross(Grow *self, const Observation *last, PetscReal before, PetscBool 
                PetscBool followed);
 void GrowKeepErrors(const Grow *self, PetscReal kept[RESTART_BESIDE]);
 void GrowTakeErrors(Grow *self, const PetscReal kept[RESTART_BESIDE]);
+PetscBool GrowFollowsErrors(const Grow *self);
+void GrowFollowErrors(Grow *self, const Observation *last, PetscBool jumped);
 PetscErrorCode GrowErrors(Grow *self);
 
 /* grow_events.c */
