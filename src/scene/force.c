@@ -65,7 +65,7 @@ PetscErrorCode SceneForce(Scene scene, PetscReal *force) {
   PetscCall(FrictionAlong(scene, &load));
   load = PetscMax(load, hypot(hypot(w[0], w[1]), w[2]));
   PetscCall(NaturalBend(scene, &bend));
-  *force = PetscMax(PetscPowReal(B * load * load, 1. / 3), B * bend * bend / 2);
+  *force = PetscMax(PetscPowReal(B * load * load, 1. / 3), B * bend * bend / 4);
   *force = PetscMax(*force, PetscAbsReal(scene->tip.force));
   *force = PetscMax(*force, hypot(hypot(push[0], push[1]), push[2]));
   PetscFunctionReturn(0);

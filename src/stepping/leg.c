@@ -24,9 +24,9 @@ static PetscErrorCode SetTolerance(Leg *leg) {
   PetscCall(VecGetArray(leg->tolerance, &a));
   for (PetscInt i = 0; i < n; i += fields)
     for (PetscInt f = 0; f < fields; f++)
-      a[i + f] = leg->rod->model->followed[f]
-                     ? share_of_step * leg->rtol * PetscMax(leg->size[f], rod_vanished)
-                     : -1;
+      a[i + f] = leg->rod->model->followed[f] ? share_of_step * leg->ease.times * leg->rtol *
+                                                    PetscMax(leg->size[f], rod_vanished)
+                                              : -1;
   PetscCall(VecRestoreArray(leg->tolerance, &a));
   PetscFunctionReturn(0);
 }
@@ -48,7 +48,8 @@ static PetscErrorCode BeforeStep(TS ts) {
     leg->size[f] = PetscMax(leg->size[f], leg->kick[f]);
   }
   PetscCall(SetTolerance(leg));
-  PetscCall(TSSetTolerances(ts, PETSC_DEFAULT, leg->tolerance, leg->rtol, leg->none));
+  PetscCall(
+      TSSetTolerances(ts, PETSC_DEFAULT, leg->tolerance, leg->ease.times * leg->rtol, leg->none));
   PetscFunctionReturn(0);
 }
 
@@ -477,6 +478,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   PetscFunctionBegin;
   PetscCall(PetscMemzero(leg, sizeof(*leg)));
   leg->rtol = rtol;
+  leg->ease.times = 1;
   PetscCall(RodCreate(scene, model, &leg->rod));
   if (!prefix) PetscCall(RodFindUnits(leg->rod));
   PetscCall(DMCreateGlobalVector(leg->rod->da, &leg->U));

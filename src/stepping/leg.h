@@ -4,6 +4,12 @@
 
 #include "stepping/newton.h"
 
+/* How much wider than rtol the tolerance of steps is, and what mesh and contact put the rod off by:
+   see tolerance.c. */
+typedef struct {
+  PetscReal times, others;
+} Ease;
+
 typedef struct {
   Rod rod;
   TS ts; /* its application context is the leg */
@@ -11,6 +17,7 @@ typedef struct {
   Vec U;               /* the state */
   Vec tolerance, none; /* none: 0, the part of the tolerance relative to each entry */
   PetscReal rtol;
+  Ease ease;
   PetscReal size[MAX_FIELDS]; /* of the fields, to which the tolerance of this step refers */
   PetscBool turns;            /* along axes that follow the rod (rod/sizes.c) */
   PetscReal axes[2];          /* those of this step */

@@ -233,6 +233,18 @@ static PetscErrorCode CountIterations(Grow *self, PetscInt *iterations) {
   PetscFunctionReturn(0);
 }
 
+/* The estimate goes on, and the tolerance with it. */
+static PetscErrorCode FollowErrors(Grow *self, PetscBool jumped) {
+  PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEEN], rigid[RIGID_VALUES];
+
+  PetscFunctionBegin;
+  PetscCall(EstimateStep(self->estimate, jumped, self->pressed));
+  if (!self->estimate || !self->eases || !self->pressed) PetscFunctionReturn(0);
+  EstimateLatest(self->estimate, part, rigid);
+  ToleranceFollow(&self->now->ease, (const PetscReal(*)[ESTIMATE_SEEN])part);
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   PetscReal before = self->seen.t, norm = self->seen.norm_x2, folds = self->folds;
   PetscInt iterations = 0, jumps = 0, blind = 0;
@@ -251,8 +263,7 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
                                                   before, t));
     if (broken || IsThin(self, before) || (layered && before == 0))
       ObserverClose(self->observer, &last, broken);
-    if (self->now == &self->leg[WholeModel(self)])
-      PetscCall(EstimateStep(self->estimate, jumped, self->pressed));
+    if (self->now == &self->leg[WholeModel(self)]) PetscCall(FollowErrors(self, jumped));
     self->now->jumps = jumps;
     blindly = (PetscBool)(blind > self->now->blind);
     self->now->blind = blind;
@@ -458,9 +469,15 @@ static PetscErrorCode ChooseModel(Grow *self) {
 
 /* A rod that slides along an edge jerks, by next to nothing, for each place of the mesh that comes
    to it or leaves it: steps of the usual tolerance would follow that, two to four times as many,
-   and the tip be nearer by less than a hundredth of what contact's own stiffness puts it off. */
+   and the tip be nearer by less than a hundredth of what contact's own stiffness puts it off.
+   Whether even this is finer than need be, the estimate tells (ToleranceFollow()). */
 static PetscErrorCode ChooseTolerance(Grow *self) {
+  PetscBool given;
+
   PetscFunctionBegin;
+  PetscCall(OptionGiven("-ts_rtol", &given));
+  self->eases = (PetscBool)(self->scene->contact.any && !given);
+  PetscCall(AccuracyTolerance());
   if (self->scene->contact.any) PetscCall(OptionDefault("-ts_rtol", "1e-5"));
   PetscCall(OptionReal("-ts_rtol", &self->rtol, NULL));
   SceneAtTolerance(self->scene, self->rtol);
