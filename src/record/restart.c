@@ -218,7 +218,9 @@ PetscErrorCode RestartTake(const char *file, const RestartState *state, Leg *leg
   PetscCall(TSSetStepNumber(leg->ts, (PetscInt)state->steps));
   PetscCall(PetscArraycpy(leg->kick, state->kick, MAX_FIELDS));
   leg->kick_ends = state->kick_ends;
-  leg->ease = (Ease){state->ease, state->others};
+  leg->ease = (Ease){.follows = (PetscBool)(state->ease > 0), .times = 1, .others = state->others};
+  if (OptionOnCommandLine("-ts_rtol")) leg->ease.follows = PETSC_FALSE;
+  if (leg->ease.follows) leg->ease.times = state->ease;
   PetscFunctionReturn(0);
 }
 
@@ -272,7 +274,7 @@ PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *stat
   PetscCall(VBDFGetMemory(leg->ts, state->memory));
   PetscCall(PetscArraycpy(state->kick, leg->kick, MAX_FIELDS));
   state->kick_ends = leg->kick_ends;
-  state->ease = leg->ease.times;
+  state->ease = leg->ease.follows ? leg->ease.times : 0;
   state->others = leg->ease.others;
   state->points = n;
   state->order = order;

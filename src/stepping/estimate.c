@@ -83,7 +83,7 @@ static PetscErrorCode CreateGathered(const Estimate self, Gathered *g) {
 }
 
 /* Every stride-th node, the tip in any case; an even number, for defects are those of two cells. */
-static PetscErrorCode Coarsen(Estimate self, const Scene scene) {
+static PetscErrorCode Coarsen(Estimate self, const Scene scene, PetscInt stride) {
   PetscInt cells = scene->mesh.cells, most = cells / CELLS;
   PetscReal h = scene->reach / cells, length = longest;
 
@@ -92,7 +92,7 @@ static PetscErrorCode Coarsen(Estimate self, const Scene scene) {
     length = PetscMin(longest, scene->contact.tip);
     most = cells;
   }
-  self->stride = 2 * PetscMax(1, PetscMin(most, (PetscInt)(length / h)) / 2);
+  self->stride = stride ? stride : 2 * PetscMax(1, PetscMin(most, (PetscInt)(length / h)) / 2);
   self->nodes = (cells + self->stride - 1) / self->stride + 1;
   PetscFunctionReturn(0);
 }
@@ -182,13 +182,14 @@ static PetscErrorCode DestroyCoarse(Estimate self) {
   PetscFunctionReturn(0);
 }
 
-/* Chooses the mesh, with all that is on it. */
-static PetscErrorCode ChooseMesh(Estimate self) {
+/* Chooses the mesh, with all that is on it. stride: that of the run gone on with; 0: there is none.
+ */
+static PetscErrorCode ChooseMesh(Estimate self, PetscInt stride) {
   Rod rod = self->leg->rod;
   PetscMPIInt rank;
 
   PetscFunctionBegin;
-  PetscCall(Coarsen(self, rod->scene));
+  PetscCall(Coarsen(self, rod->scene, stride));
   PetscCall(CreateGathered(self, &self->own));
   PetscCallMPI(MPI_Comm_rank(rod->scene->comm, &rank));
   if (!rank) PetscCall(CreateCoarse(self, rod->scene));
@@ -214,7 +215,7 @@ PetscErrorCode EstimateCreate(Leg *leg, Estimate *estimate) {
   self->followed = self->model->halves[0];
   self->mirrors = self->model->space ? 2 : 1;
   PetscCall(PetscCalloc1(leg->rod->end - leg->rod->first, &self->defect));
-  PetscCall(ChooseMesh(self));
+  PetscCall(ChooseMesh(self, 0));
   PetscFunctionReturn(0);
 }
 
@@ -245,7 +246,7 @@ static void Interpolate(PetscInt fields, PetscInt m, const PetscReal *from, cons
 }
 
 /* The rod touches something for the first time: its errors go on on another mesh. Collective. */
-static PetscErrorCode Refine(Estimate self) {
+static PetscErrorCode Refine(Estimate self, PetscInt stride) {
   PetscReal *s = NULL, *old = NULL;
   PetscInt n = self->nodes, size = n * self->fields;
   PetscBool here = (PetscBool)(self->rod != NULL);
@@ -261,7 +262,7 @@ static PetscErrorCode Refine(Estimate self) {
     PetscCall(DestroyCoarse(self));
   }
   PetscCall(PetscFree(self->own.u));
-  PetscCall(ChooseMesh(self));
+  PetscCall(ChooseMesh(self, stride));
   for (int part = 0; part < ESTIMATE_PARTS && here; part++)
     Interpolate(self->fields, n, s, old + part * size, self->nodes, self->scene->mesh.s,
                 self->e[part]);
@@ -794,7 +795,7 @@ PetscErrorCode EstimateStep(Estimate self, PetscBool jumped, PetscBool touches) 
   PetscFunctionBegin;
   if (!self) PetscFunctionReturn(0);
   PetscCall(TSGetTime(self->leg->ts, &t));
-  if (touches && !self->touches) PetscCall(Refine(self));
+  if (touches && !self->touches) PetscCall(Refine(self, 0));
   PetscCall(RodFieldSizes(self->leg->rod, self->leg->U, size));
   Across(self, size, across);
   PetscCall(LookForKink(self, &times_error));
@@ -962,7 +963,7 @@ PetscErrorCode EstimateKeep(Estimate self, PetscReal memory[ESTIMATE_MEMORY],
   MPI_Comm comm = self->leg->rod->scene->comm;
 
   PetscFunctionBegin;
-  memory[0] = self->touches ? 1 : 0;
+  memory[0] = self->touches ? (PetscReal)self->stride : 0;
   memory[1] = (PetscReal)self->since;
   memory[2] = (PetscReal)self->watch;
   memory[3] = (PetscReal)self->until;
@@ -986,7 +987,7 @@ PetscErrorCode EstimateTake(Estimate self, const PetscReal memory[ESTIMATE_MEMOR
   PetscReal *number[ESTIMATE_NUMBERS];
 
   PetscFunctionBegin;
-  if (memory[0] != 0 && !self->touches) PetscCall(Refine(self));
+  if (memory[0] != 0 && !self->touches) PetscCall(Refine(self, (PetscInt)memory[0]));
   self->since = (PetscInt)memory[1];
   self->watch = (PetscInt)memory[2];
   self->until = (PetscInt)memory[3];

@@ -4,10 +4,11 @@
 
 #include "stepping/newton.h"
 
-/* How much wider than rtol the tolerance of steps is, and what mesh and contact put the rod off by:
-   see tolerance.c. */
+/* The tolerance of steps, as it follows the estimate: see tolerance.c. */
 typedef struct {
-  PetscReal times, others;
+  PetscBool follows; /* else it is rtol */
+  PetscReal times;   /* so many times rtol */
+  PetscReal others;  /* by how much mesh and contact put the rod off */
 } Ease;
 
 typedef struct {

@@ -239,7 +239,7 @@ static PetscErrorCode FollowErrors(Grow *self, PetscBool jumped) {
 
   PetscFunctionBegin;
   PetscCall(EstimateStep(self->estimate, jumped, self->pressed));
-  if (!self->estimate || !self->eases || !self->pressed) PetscFunctionReturn(0);
+  if (!self->estimate || !self->now->ease.follows || !self->pressed) PetscFunctionReturn(0);
   EstimateLatest(self->estimate, part, rigid);
   ToleranceFollow(&self->now->ease, (const PetscReal(*)[ESTIMATE_SEEN])part);
   PetscFunctionReturn(0);
@@ -388,6 +388,7 @@ static PetscErrorCode AddLeg(Grow *self, PetscInt model) {
   PetscFunctionBegin;
   PetscCall(LegCreate(self->scene, ModelOf(self, model), self->rtol, NULL, leg));
   leg->owner = self;
+  leg->ease.follows = self->eases;
   PetscCall(TSSetMaxTime(leg->ts, self->scene->end_time));
   PetscCall(TSSetPostStep(leg->ts, AfterStep));
   if (model != LINEAR) PetscCall(VBDFSetSnap(leg->ts, SnapFollow));
