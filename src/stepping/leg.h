@@ -6,9 +6,9 @@
 
 /* The tolerance of steps, as it follows the estimate: see tolerance.c. */
 typedef struct {
-  PetscBool follows; /* else it is rtol */
-  PetscReal times;   /* so many times rtol */
-  PetscReal others;  /* by how much mesh and contact put the rod off */
+  PetscReal most;   /* so many times rtol it may be; 1: it is that */
+  PetscReal times;  /* so many times it is */
+  PetscReal others; /* by how much mesh and contact put the rod off */
 } Ease;
 
 typedef struct {

@@ -5,10 +5,8 @@
 /* Errors of steps are to be that part of those of mesh and contact, and go with this power of the
    tolerance (tasks/accuracy.c). */
 static const PetscReal part_of_others = 0.3, power = 6. / 7;
-/* The tolerance is eased by no more than this, */
-static const PetscReal eases_most = 10;
-/* ... and not by more from one step to the next, up and down: errors swing, and those that are to
-   come of a tolerance are not seen yet when it changes. What others there were is forgotten as
+/* It is not eased by more from one step to the next, up and down: errors swing, and those that are
+   to come of a tolerance are not seen yet when it changes. What others there were is forgotten as
    slowly, for errors pass through 0. */
 static const PetscReal rises = 1.15, falls = 0.9, forgets = 0.95;
 /* Errors as large as that grow no more (estimate.c): which of them is the largest is not known. */
@@ -37,5 +35,5 @@ void ToleranceFollow(Ease *ease, const PetscReal part[ESTIMATE_PARTS][ESTIMATE_S
   if (PetscMax(time, others) > too_large) return;
   if (time > 0) times = PetscPowReal(part_of_others * ease->others / time, 1 / power);
   ease->times *= PetscMax(falls, PetscMin(rises, times));
-  ease->times = PetscMax(1, PetscMin(eases_most, ease->times));
+  ease->times = PetscMax(1, PetscMin(ease->most, ease->times));
 }

@@ -33,6 +33,9 @@ static const OptionRow rows[] = {
         "-ts_rtol", "1e-6", 1e-13, 0.5, UNIT_NONE, 0,
         "tolerance of a step, per field, against the field's present size; 1e-5 where the rod can "
         "touch something"),
+    ROW_REAL("-contact_rtol", "", 1e-13, 0.5, UNIT_NONE, 0,
+             "what the tolerance of a step may be eased to while errors of steps are small beside "
+             "those of contact and mesh; if not given 10 times -ts_rtol, unless that is given"),
     ROW_REAL("-output_interval", "", 1e-9, 1e9, UNIT_TIME, 0,
              "time between stored shapes; if not given, -output_shapes decides"),
     ROW_INT("-output_shapes", "40", 1, 1e6, PASSING,
@@ -239,7 +242,7 @@ static PetscErrorCode FollowErrors(Grow *self, PetscBool jumped) {
 
   PetscFunctionBegin;
   PetscCall(EstimateStep(self->estimate, jumped, self->pressed));
-  if (!self->estimate || !self->now->ease.follows || !self->pressed) PetscFunctionReturn(0);
+  if (!self->estimate || self->now->ease.most <= 1 || !self->pressed) PetscFunctionReturn(0);
   EstimateLatest(self->estimate, part, rigid);
   ToleranceFollow(&self->now->ease, (const PetscReal(*)[ESTIMATE_SEEN])part);
   PetscFunctionReturn(0);
@@ -388,7 +391,7 @@ static PetscErrorCode AddLeg(Grow *self, PetscInt model) {
   PetscFunctionBegin;
   PetscCall(LegCreate(self->scene, ModelOf(self, model), self->rtol, NULL, leg));
   leg->owner = self;
-  leg->ease.follows = self->eases;
+  leg->ease.most = self->eased / self->rtol;
   PetscCall(TSSetMaxTime(leg->ts, self->scene->end_time));
   PetscCall(TSSetPostStep(leg->ts, AfterStep));
   if (model != LINEAR) PetscCall(VBDFSetSnap(leg->ts, SnapFollow));
@@ -473,14 +476,26 @@ static PetscErrorCode ChooseModel(Grow *self) {
    and the tip be nearer by less than a hundredth of what contact's own stiffness puts it off.
    Whether even this is finer than need be, the estimate tells (ToleranceFollow()). */
 static PetscErrorCode ChooseTolerance(Grow *self) {
-  PetscBool given;
+  const PetscReal eases = 10;
+  const PetscBool touches = self->scene->contact.any;
+  PetscBool given, eased;
 
   PetscFunctionBegin;
   PetscCall(OptionGiven("-ts_rtol", &given));
-  self->eases = (PetscBool)(self->scene->contact.any && !given);
   PetscCall(AccuracyTolerance());
-  if (self->scene->contact.any) PetscCall(OptionDefault("-ts_rtol", "1e-5"));
+  if (touches) PetscCall(OptionDefault("-ts_rtol", "1e-5"));
   PetscCall(OptionReal("-ts_rtol", &self->rtol, NULL));
+  if (touches && !given) PetscCall(OptionDefault("-contact_rtol", "%.3g", eases * self->rtol));
+  PetscCall(OptionReal("-contact_rtol", &self->eased, &eased));
+  UserCheck(touches || !eased, OptionsComm(),
+            "-contact_rtol: there is nothing to touch; give -wall_file, or -contact_self");
+  UserCheck(!eased || self->eased >= self->rtol, OptionsComm(),
+            "-contact_rtol %g: is below -ts_rtol, %g, and steps are never finer than that; give "
+            "a smaller -ts_rtol",
+            (double)self->eased, (double)self->rtol);
+  /* of a run gone on with, both are as they were, but for what is given anew */
+  if (!eased || (OptionOnCommandLine("-ts_rtol") && !OptionOnCommandLine("-contact_rtol")))
+    self->eased = self->rtol;
   SceneAtTolerance(self->scene, self->rtol);
   PetscFunctionReturn(0);
 }
