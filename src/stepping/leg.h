@@ -8,7 +8,7 @@
 typedef struct {
   PetscReal most;   /* so many times rtol it may be; 1: it is that */
   PetscReal times;  /* so many times it is */
-  PetscReal others; /* by how much mesh and contact put the rod off */
+  PetscReal others; /* by how much contact puts the rod off */
 } Ease;
 
 typedef struct {

@@ -4,6 +4,7 @@
 
 #include "stepping/estimate.h"
 
-void ToleranceFollow(Ease *ease, const PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEEN]);
+void ToleranceFollow(PetscReal rtol, const PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEEN],
+                     Ease *ease);
 
 #endif

@@ -244,7 +244,7 @@ static PetscErrorCode FollowErrors(Grow *self, PetscBool jumped) {
   PetscCall(EstimateStep(self->estimate, jumped, self->pressed));
   if (!self->estimate || self->now->ease.most <= 1 || !self->pressed) PetscFunctionReturn(0);
   EstimateLatest(self->estimate, part, rigid);
-  ToleranceFollow(&self->now->ease, (const PetscReal(*)[ESTIMATE_SEEN])part);
+  ToleranceFollow(self->rtol, (const PetscReal(*)[ESTIMATE_SEEN])part, &self->now->ease);
   PetscFunctionReturn(0);
 }
 

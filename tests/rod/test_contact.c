@@ -213,7 +213,7 @@ static void TestGetsFirm(void **state) {
   EXPECT(!ContactGetsFirm(&thick, 1), "firm twice");
   EXPECT(ContactPressure(&thick, -depth[0] * thick.smooth, &slope) == before,
          "less deep: another law");
-  EXPECT(ContactPressure(&thick, -2 * thick.smooth, &slope) > 4 * thick.smooth * thick.stiffness,
+  EXPECT(ContactPressure(&thick, -3 * thick.smooth, &slope) > 4 * thick.smooth * thick.stiffness,
          "deeper: the same law");
   CHECK(ContactStaysSoft(&thick));
   EXPECT(!thick.firm && !ContactGetsFirm(&thick, 1), "it does not stay soft");
@@ -233,7 +233,7 @@ static void TestShortRod(void **state) {
   const PetscReal lengths[] = {0.01, 0.05, 0.5, 5}, step = 1e-6;
   for (size_t i = 0; i < sizeof(lengths) / sizeof(lengths[0]); i++) {
     const PetscReal L = lengths[i], D = 0.1;
-    Contact now = {.any = PETSC_TRUE, .diameter = D}, later = now;
+    Contact now = {.any = PETSC_TRUE, .diameter = D, .usual = 1}, later = now;
     ContactSetStiffness(&now, (PetscReal[2]){1, 1}, (PetscReal[2]){0, 0}, (PetscReal[2]){L, 1});
     ContactSetStiffness(&later, (PetscReal[2]){1, 1}, (PetscReal[2]){0, 0},
                         (PetscReal[2]){L + step * L, 1});
