@@ -265,7 +265,7 @@ static void AddContact(Observer self, Observation *seen) {
   if (!self->touching) return;
   seen->contact_force = contact->normal;
   seen->contact_energy = contact->energy;
-  seen->penetration = contact->depth;
+  seen->penetration = ContactBears(&self->scene->contact, contact->nearest) ? -contact->nearest : 0;
   seen->contacts = contact->zones;
   ForceToLab(self->scene, contact->wall, lab);
   seen->wall_force_1 = lab[0];

@@ -130,7 +130,6 @@ static void Nearest(TouchSum *sum, PetscReal gap, PetscReal s, const PetscReal x
   sum->at[0] = s;
   sum->at[1] = -1;
   for (int d = 0; d < 2; d++) sum->x[d] = x[d];
-  sum->depth = PetscMax(sum->depth, -gap);
 }
 
 /* The walls on one point, and on the tip besides if it is the last; do they touch it? */
@@ -149,7 +148,7 @@ static PetscBool Walls1(Touching self, const Spot *spot, PetscBool tip, PetscRea
   }
   for (int d = 0; d < 2 && tip; d++) sum->tip[d] += contact->tip * on_tip[d];
   Nearest(sum, gap, spot->s, spot->x);
-  return (PetscBool)(gap <= 0);
+  return ContactBears(contact, gap);
 }
 
 /* TouchingAdd - room for what the feet of one more cell add, 0 so far; valid until the next one. */
@@ -223,7 +222,7 @@ static PetscErrorCode LookAtPosts(Touching self, PetscReal t, const Node *nodes,
     PetscCall(TouchingAdd(self, i, &feet));
     for (PetscInt k = 0; k < n; k++) {
       AddFoot(self, &cell, i, &foot[k], feet->load, sum);
-      if (foot[k].gap <= 0) touches[i] = PETSC_TRUE;
+      if (ContactBears(contact, foot[k].gap)) touches[i] = PETSC_TRUE;
     }
   }
   PetscFunctionReturn(0);
@@ -276,7 +275,6 @@ static PetscErrorCode LookAtStrands(Touching self, PetscReal t, const Node *node
   sum->loss += strands.loss;
   sum->strain += strands.strain;
   sum->normal += strands.normal;
-  sum->depth = PetscMax(sum->depth, strands.depth);
   sum->zones += StrandsZones(self->strands);
   for (int d = 0; d < 2; d++) {
     sum->tip[d] += force[points][d];
@@ -329,7 +327,6 @@ static PetscErrorCode LookAtStrands3(Touching self, PetscReal t, const Node *nod
   sum->loss += strands.loss;
   sum->strain += strands.strain;
   sum->normal += strands.normal;
-  sum->depth = PetscMax(sum->depth, strands.depth);
   sum->zones += strands.zones;
   for (int d = 0; d < 3; d++) {
     sum->tip[d] += force[points][d];

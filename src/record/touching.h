@@ -15,7 +15,6 @@ typedef struct {
                                      and of a law that changes in time */
   PetscReal moved;                /* power of walls that move */
   PetscReal normal, wall[3];      /* sum of normal forces; force of the walls on the rod */
-  PetscReal depth;                /* deepest penetration, 0: none */
   PetscInt zones;
   PetscReal tip[PUSH]; /* force of contact on the tip */
   PetscReal clamp[3];  /* force of strands on the clamp of a rod that is fed in */

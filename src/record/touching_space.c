@@ -35,7 +35,6 @@ static void Nearest3(TouchSum *sum, PetscReal gap, PetscReal s, const PetscReal 
   sum->at[0] = s;
   sum->at[1] = -1;
   for (int d = 0; d < 3; d++) sum->x[d] = x[d];
-  sum->depth = PetscMax(sum->depth, -gap);
 }
 
 /* The walls on one point, and on the tip besides if it is that; do they touch it? */
@@ -56,7 +55,7 @@ static PetscBool Walls3(const Contact *contact, const Spot3 *spot, PetscReal for
   }
   for (int d = 0; d < PUSH && spot->tip; d++) sum->tip[d] += contact->tip * on_tip[d];
   Nearest3(sum, gap, spot->s, place->x);
-  return (PetscBool)(gap <= 0);
+  return ContactBears(contact, gap);
 }
 
 /* A spot that stands for this much of s. */
@@ -143,7 +142,7 @@ static PetscErrorCode Feet(Touching self, Scene scene, PetscReal t, PetscInt i, 
     const Foot3 *foot = &feet.foot[k];
     AddFoot3(contact, &cell, &feet, k, sum);
     Nearest3(sum, feet.touch[k].gap, s[i] + foot->z * (s[i + 1] - s[i]), foot->x);
-    if (feet.touch[k].gap <= 0) *touches = PETSC_TRUE;
+    if (ContactBears(contact, feet.touch[k].gap)) *touches = PETSC_TRUE;
   }
   PetscFunctionReturn(0);
 }

@@ -704,7 +704,9 @@ PetscInt StrandsZones(Strands self) {
     for (int side = 0; side < 2; side++) {
       PetscInt k = self->slot[2 * point + side];
       const Pair *pair = k < 0 ? NULL : &self->pair[k];
-      if (!pair || !pair->active || pair->gap > 0 || pair->foot.cell < pair->at.cell) continue;
+      if (!pair || !pair->active || !ContactBears(self->contact, pair->gap) ||
+          pair->foot.cell < pair->at.cell)
+        continue;
       zones += before[side] < point - 1;
       before[side] = point;
     }

@@ -560,7 +560,9 @@ static PetscInt Zones(const struct _Strands3 *self) {
   for (PetscInt sample = 0; sample < self->samples; sample++)
     for (PetscInt k = self->first[sample]; k >= 0; k = self->pair[k].next) {
       const Pair *pair = &self->pair[k];
-      if (!pair->active || pair->gap > 0 || pair->foot.cell < pair->at.cell) continue;
+      if (!pair->active || !ContactBears(self->contact, pair->gap) ||
+          pair->foot.cell < pair->at.cell)
+        continue;
       zones += before < sample - 1;
       before = sample;
     }

@@ -56,6 +56,7 @@ void SceneLinkWalls(Scene scene);
 PetscErrorCode SceneInFastTime(Scene scene, PetscReal t, Scene *fast, PetscBool *dry);
 void SceneAtSpeed(Scene fast, PetscReal speed);
 PetscErrorCode SceneLeaveFastTime(Scene *fast);
+PetscErrorCode SceneForce(Scene scene, PetscReal *force);
 PetscErrorCode SceneContactAt(Scene scene, PetscReal t);
 PetscReal SceneNextTurn(Scene scene, PetscReal t);
 PetscErrorCode SceneBends(Scene scene, PetscReal tolerance, Bends *bends);

@@ -966,7 +966,7 @@ PetscErrorCode EstimateKeep(Estimate self, PetscReal memory[ESTIMATE_MEMORY],
   MPI_Comm comm = self->leg->rod->scene->comm;
 
   PetscFunctionBegin;
-  memory[0] = self->touches ? 1 : 0;
+  memory[0] = self->touches ? (PetscReal)self->stride : 0;
   memory[1] = (PetscReal)self->since;
   memory[2] = (PetscReal)self->watch;
   memory[3] = (PetscReal)self->until;

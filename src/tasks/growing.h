@@ -3,6 +3,7 @@
 #define TENDRIL_GROWING_H
 
 #include "stepping/estimate.h"
+#include "stepping/tolerance.h"
 #include "tasks/crawl.h"
 #include "tasks/member.h"
 
@@ -30,6 +31,7 @@ typedef struct {
   Sensitivities sensitivities; /* NULL: none are asked for */
   Observation seen;            /* of the latest step */
   PetscReal rtol, output_interval, next_output;
+  PetscReal eased;               /* what rtol may be at most, as the estimate says */
   PetscReal stored_shape;        /* time of the latest shape handed to the output */
   PetscReal report_at;           /* time of the next progress line */
   PetscInt iterations, of_snaps; /* of the leg so far: those of snaps in it, and in them alone */
