@@ -126,9 +126,9 @@ static void Take(const Cell *cell, PetscInt i, int k, const FrictionDual4 *dual,
   cells->dual = dual;
   cells->h[k] = cell->h;
   for (int d = 0; d < FOOT3_LOAD; d++) cells->feet[k][d] = cell->feet.n ? cell->foot_load[1][d] : 0;
-  cells->p[2 * k] = cell->a;
-  cells->p[2 * k + 1] = cell->mid;
-  cells->p[2 * k + 2] = cell->b;
+  cells->p[2 * k] = *cell->a;
+  cells->p[2 * k + 1] = *cell->mid;
+  cells->p[2 * k + 2] = *cell->b;
 }
 
 /*
