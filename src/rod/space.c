@@ -14,6 +14,7 @@
    rate of p there is the mean of both ends'. Where the couple of friction jumps within a cell it
    has that of its ends (space_cells.c). The rows of node i are the x and p equations of the cell on
    its left, the m and n equations of the cell on its right. */
+#include "base/clones.h"
 #include "base/lagrange.h"
 #include "base/vectors.h"
 #include "rod/space_cells.h"
@@ -205,7 +206,7 @@ static PetscErrorCode SpaceResidual(Rod rod, const RodState *at, Vec F) {
 /* ---- derivatives ---- */
 
 /* C += s A B, of sizes known when compiled. */
-static inline void AddProduct(int rows, int inner, int columns, PetscReal s,
+ALWAYS_INLINE void AddProduct(int rows, int inner, int columns, PetscReal s,
                               const PetscReal *restrict A, int lda, const PetscReal *restrict B,
                               int ldb, PetscReal *restrict C, int ldc) {
   for (int i = 0; i < rows; i++)
@@ -217,8 +218,8 @@ static inline void AddProduct(int rows, int inner, int columns, PetscReal s,
 
 /* The derivatives at a point, its load's brought up to the present state first. By v and spin they
    are not part of f: see AddVelocity(). */
-static void Linearise(const Cell *cell, const Law *law, const Point *p, FrictionDual4 *dual,
-                      Slope *slope) {
+WIDE_VECTORS static void Linearise(const Cell *cell, const Law *law, const Point *p,
+                                   FrictionDual4 *dual, Slope *slope) {
   const Load *load = cell->load;
   const PetscReal g = law->g, *q = p->d[0], *u = p->u, *n = p->n;
   PetscReal(*f)[FIELDS] = slope->f, D[3][4];
@@ -455,9 +456,10 @@ static void AddKinkSlope(const Cell *cell, int e, FootSlope3 by, PetscReal G[FIE
 /* J, the derivative of the cell's equations by the unknowns of one of its nodes: sign -1 for node
    a, 1 for node b. With G = dy_mid/dy = I/2 + k df/dy, J = sign I - we df/dy - wm (df_mid/dy_mid G
    + df_mid/dW dW_mid/dy). feet: what those of the cell change; NULL: it has none. */
-static void CellJacobian(const Cell *cell, PetscReal sign, const PetscReal shift[], const Law *law,
-                         const Point *p, const FrictionDual4 *dual, const Slope *slope,
-                         const Slope *mid, FootSlope3 feet, PetscReal J[FIELDS][FIELDS]) {
+WIDE_VECTORS static void CellJacobian(const Cell *cell, PetscReal sign, const PetscReal shift[],
+                                      const Law *law, const Point *p, const FrictionDual4 *dual,
+                                      const Slope *slope, const Slope *mid, FootSlope3 feet,
+                                      PetscReal J[FIELDS][FIELDS]) {
   const Space_ *self = (const Space_ *)cell->rod->data;
   const Load *load = cell->load;
   const PetscReal k = -sign * self->bow * cell->h, we = cell->h * self->end_weight,
