@@ -512,9 +512,13 @@ static PetscErrorCode Apply(PC pc, Vec B, Vec X) {
   PetscFunctionReturn(0);
 }
 
-/* BlockLUSetType - makes a PC the solver of such a matrix. */
-PetscErrorCode BlockLUSetType(PC pc) {
+/* BlockLUSetSolver - makes a KSP the solver of such a matrix. */
+PetscErrorCode BlockLUSetSolver(KSP ksp) {
+  PC pc;
+
   PetscFunctionBegin;
+  PetscCall(KSPSetType(ksp, KSPPREONLY));
+  PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PCSetType(pc, PCSHELL));
   PetscCall(PCShellSetName(pc, "LU of blocks"));
   PetscCall(PCShellSetSetUp(pc, SetUp));
