@@ -104,15 +104,12 @@ static PetscInt FineNode(const Estimate self, PetscInt k) {
 /* Far parts of the rod see each other: that is no line of neighbours. */
 static PetscErrorCode CreateMatrix(Estimate self) {
   const PetscBool held = (PetscBool)(self->scene->tip.type != TIP_FREE);
-  PC pc;
 
   PetscFunctionBegin;
   if (BlockLUCan(self->nodes, self->fields)) {
     PetscCall(BlockLUCreate(self->nodes, self->fields, held, &self->J));
     PetscCall(KSPCreate(PETSC_COMM_SELF, &self->ksp));
-    PetscCall(KSPSetType(self->ksp, KSPPREONLY));
-    PetscCall(KSPGetPC(self->ksp, &pc));
-    PetscCall(BlockLUSetType(pc));
+    PetscCall(BlockLUSetSolver(self->ksp));
     PetscFunctionReturn(0);
   }
   PetscCall(RodCreateMatrix(self->rod, &self->J));
