@@ -340,11 +340,48 @@ PetscErrorCode LegLeavesPlane(Leg *leg, Vec U, PetscReal within, PetscBool *leav
   PetscFunctionReturn(0);
 }
 
-/* LegIterations - Newton iterations so far: of all tries of steps, and of snaps. */
-PetscErrorCode LegIterations(const Leg *leg, PetscInt *iterations) {
+/* What held places at rest before a snap holds them no more: the shifts of exact Coulomb friction
+   (Newton's method remembers them) begin anew. */
+static PetscErrorCode LetGo(Rod rod) {
+  Vec none;
+  DM da;
+
   PetscFunctionBegin;
-  PetscCall(TSGetSNESIterations(leg->ts, iterations));
-  *iterations += leg->nested;
+  if (!rod->memory || !LoadSticks(&rod->scene->load)) PetscFunctionReturn(0);
+  PetscCall(RodCreateMemory(rod, &da, &none));
+  PetscCall(VecSet(none, 0));
+  PetscCall(rod->model->recall(rod, none));
+  PetscCall(VecDestroy(&none));
+  PetscCall(DMDestroy(&da));
+  PetscFunctionReturn(0);
+}
+
+/* Speeds at which a rod in dry friction snaps, and at which it has snapped, over that at which it
+   grows. */
+static const PetscReal snaps_at = 1e3, snapped_at = 1.2;
+
+/*
+  LegSpeed - the speed of the fastest place behind an accepted step, over that at which the rod
+  grows. While it snaps its friction is rounded off (SceneAtSpeed()). Collective.
+
+  begins  a snap, with this step
+*/
+PetscErrorCode LegSpeed(Leg *leg, PetscReal *speed, PetscBool *begins) {
+  const RodModel *model = leg->rod->model;
+  const Scene scene = leg->rod->scene;
+  PetscReal rate[MAX_FIELDS], fastest = 0;
+  PetscBool falls;
+
+  PetscFunctionBegin;
+  PetscCall(RodFieldSizes(leg->rod, leg->newton.latest.U_t, rate));
+  for (PetscInt f = 0; f < model->fields; f++)
+    if (strchr("xy", model->field[f][0])) fastest = PetscMax(fastest, rate[f]);
+  *speed = fastest / scene->units.speed;
+  falls =
+      (PetscBool)(LoadIsDry(&scene->load) && *speed > (scene->falls > 0 ? snapped_at : snaps_at));
+  *begins = (PetscBool)(falls && scene->falls == 0);
+  if (*begins) PetscCall(LetGo(leg->rod));
+  if (falls || scene->falls > 0) SceneAtSpeed(scene, falls ? fastest : 0);
   PetscFunctionReturn(0);
 }
 
@@ -466,24 +503,22 @@ static PetscErrorCode TakeOptions(TS ts) {
   the caller destroys it with LegDestroy().
 
   rtol    tolerance of a step, per field
-  prefix  of the options of its stepper, or NULL
 
   The caller sets what is done after a step, and the end if it is not the scene's.
 */
-PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, const char *prefix,
-                         Leg *leg) {
+PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, Leg *leg) {
   PetscBool fixed, given, full;
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(leg, sizeof(*leg)));
   leg->rtol = rtol;
   PetscCall(RodCreate(scene, model, &leg->rod));
-  if (!prefix) PetscCall(RodFindUnits(leg->rod));
+  PetscCall(RodFindUnits(leg->rod));
+  LoadShareLeast(&scene->load, scene->units.speed);
   PetscCall(DMCreateGlobalVector(leg->rod->da, &leg->U));
   PetscCall(VecDuplicate(leg->U, &leg->tolerance));
   PetscCall(VecDuplicate(leg->U, &leg->none));
   PetscCall(TSCreate(scene->comm, &leg->ts));
-  PetscCall(TSSetOptionsPrefix(leg->ts, prefix));
   PetscCall(TSSetDM(leg->ts, leg->rod->da));
   PetscCall(TSSetApplicationContext(leg->ts, leg));
   PetscCall(TSSetEquationType(leg->ts, TS_EQ_DAE_IMPLICIT_INDEX2));
@@ -493,10 +528,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   PetscCall(TSSetMaxTime(leg->ts, scene->end_time));
   PetscCall(TSSetMaxSteps(leg->ts, PETSC_MAX_INT));
   PetscCall(TSSetExactFinalTime(leg->ts, TS_EXACTFINALTIME_MATCHSTEP));
-  if (prefix)
-    PetscCall(TSSetTimeStep(leg->ts, first_of_unit * scene->units.length));
-  else
-    PetscCall(SetFirstStep(leg));
+  PetscCall(SetFirstStep(leg));
   PetscCall(TSSetMaxSNESFailures(leg->ts, -1));
   PetscCall(TSSetMaxStepRejections(leg->ts, 50));
   PetscCall(TSSetErrorIfStepFails(leg->ts, PETSC_FALSE));
@@ -514,9 +546,8 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_max_snes_failures", &given));
   if (fixed && !given)
     PetscCall(TSSetMaxSNESFailures(leg->ts, 10)); /* a fixed step does not help itself */
-  if (!prefix) PetscCall(VBDFSetScale(leg->ts, scene->units.brief));
-  if (!prefix && !scene->contact.any)
-    PetscCall(VBDFSetResolves(leg->ts, (PetscBool)!LoadIsDry(&scene->load)));
+  PetscCall(VBDFSetScale(leg->ts, scene->units.brief));
+  PetscCall(VBDFSetResolves(leg->ts, (PetscBool) !(model->space && scene->load.radius == 0)));
   PetscCall(VBDFSetFactored(leg->ts, model->fields, model->group));
   PetscCall(MeasureAlongAxes(leg));
   PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));
@@ -570,7 +601,7 @@ static PetscReal NextTurn(TS ts, PetscReal t) {
 
 /* LegEndAtTurns - lets steps end where what tables give in time sets out, stops or turns back: a
    rod that rests, or does not feel it yet, lets steps be long, and one might leave out that it came
-   and went. (In the fast time of a snap nothing does.) */
+   and went. */
 PetscErrorCode LegEndAtTurns(Leg *leg) {
   PetscFunctionBegin;
   if (SceneNextTurn(leg->rod->scene, 0) < PETSC_MAX_REAL)

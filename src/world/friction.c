@@ -14,8 +14,8 @@ PetscErrorCode FrictionSetFromOptions(Friction *friction) {
   PetscInt choice;
 
   PetscFunctionBegin;
-  friction->more = 0;
   PetscCall(OptionReal("-friction_mu", &friction->mu, NULL));
+  friction->viscous = 1 - friction->mu;
   PetscCall(OptionReal("-friction_beta", &friction->beta, NULL));
   PetscCall(OptionWord("-friction_newton", &choice, NULL));
   friction->newton = (FrictionNewton)choice;
@@ -69,7 +69,7 @@ static inline void Slope(const Friction *law, int n, const PetscReal v[], const 
   for (int i = 0; i < n; i++)
     for (int j = 0; j < n; j++) {
       PetscReal w = law->newton == NEWTON_PRIMAL ? u[i] * inverse : dual[i];
-      slope[n * i + j] = (i == j) * (1 - law->mu + law->more + d) - d * w * (u[j] * inverse);
+      slope[n * i + j] = (i == j) * (law->viscous + d) - d * w * (u[j] * inverse);
     }
 }
 
@@ -105,8 +105,8 @@ void FrictionDualAdvance(const Friction *law, const PetscReal v[2], FrictionDual
 
 /*
   FrictionLinearise - the derivative of the force phi(|v|) v by v,
-    primal:       (1 - mu) I + mu/r (I - (u/r) (u/r)^T),
-    primal-dual:  (1 - mu) I + mu/r (I - w (u/r)^T).
+    primal:       viscous I + mu/r (I - (u/r) (u/r)^T),
+    primal-dual:  viscous I + mu/r (I - w (u/r)^T).
 */
 void FrictionLinearise(const Friction *law, const PetscReal v[2], const FrictionDual *dual,
                        PetscReal slope[2][2]) {

@@ -1,4 +1,4 @@
-/* The friction law: force per length -phi(|v|) v, phi = (1 - mu) + mu / sqrt(v^2 + beta), and the
+/* The friction law: force per length -phi(|v|) v, phi = viscous + mu / sqrt(v^2 + beta), and the
    linearisations of its dry part for Newton's method. */
 #ifndef TENDRIL_FRICTION_H
 #define TENDRIL_FRICTION_H
@@ -9,9 +9,9 @@
 typedef enum { NEWTON_PRIMAL, NEWTON_PRIMAL_DUAL } FrictionNewton;
 
 typedef struct {
-  PetscReal mu;   /* dry share, in [0,1] */
-  PetscReal beta; /* regularisation of |v|^2; 0: exact Coulomb friction */
-  PetscReal more; /* viscous friction beside 1 - mu: 0, but in a snap (snap.c) */
+  PetscReal mu;      /* dry share, in [0,1] */
+  PetscReal beta;    /* regularisation of |v|^2; 0: exact Coulomb friction */
+  PetscReal viscous; /* 1 - mu, or the least of a rod that may snap (LoadShareLeast()) */
   FrictionNewton newton;
 } Friction;
 
@@ -64,7 +64,7 @@ static inline PetscReal FrictionRadius(const Friction *law, const PetscReal v[2]
 static inline void FrictionForce(const Friction *law, const PetscReal v[2],
                                  const FrictionDual *dual, PetscReal f[2]) {
   PetscReal u[2], drag = law->mu / FrictionRadius(law, v, dual, u);
-  for (int d = 0; d < 2; d++) f[d] = (1 - law->mu + law->more) * v[d] + drag * u[d];
+  for (int d = 0; d < 2; d++) f[d] = law->viscous * v[d] + drag * u[d];
 }
 
 /* The same in space. */
@@ -81,19 +81,19 @@ static inline PetscReal FrictionRadius4(const Friction *law, const PetscReal v[4
 static inline void FrictionForce4(const Friction *law, const PetscReal v[4],
                                   const FrictionDual4 *dual, PetscReal f[4]) {
   PetscReal u[4], drag = law->mu / FrictionRadius4(law, v, dual->shift, u);
-  for (int d = 0; d < 4; d++) f[d] = (1 - law->mu + law->more) * v[d] + drag * u[d];
+  for (int d = 0; d < 4; d++) f[d] = law->viscous * v[d] + drag * u[d];
 }
 
 /* phi(|v|) given |v|^2; a point at rest under exact Coulomb friction loses no power: 1 - mu */
 static inline PetscReal FrictionPhi(const Friction *law, PetscReal v2) {
   PetscReal r = PetscSqrtReal(v2 + law->beta);
-  return 1 - law->mu + law->more + (r > 0 ? law->mu / r : 0);
+  return law->viscous + (r > 0 ? law->mu / r : 0);
 }
 
 /* int_a^b phi(v) v dv: the axial friction on a straight rod whose speed rises evenly from a to b */
 static inline PetscReal FrictionBetween(const Friction *law, PetscReal a, PetscReal b) {
   return law->mu * (PetscSqrtReal(b * b + law->beta) - PetscSqrtReal(a * a + law->beta)) +
-         (1 - law->mu) * (b * b - a * a) / 2;
+         law->viscous * (b * b - a * a) / 2;
 }
 
 #endif
