@@ -207,7 +207,8 @@ static PetscErrorCode Choose(TS ts, Controller *self, Formula *f, PetscBool *acc
   self->jumped = (PetscBool)(!*accept && k == 1 &&
                              (e > persists * self->rejected ||
                               (ts->time_step < self->layer && (f->n == 1 || e > nearly_seen))));
-  if (self->resolves && ts->steps > 0 && ts->time_step >= self->layer) self->jumped = PETSC_FALSE;
+  if (self->resolves && (ts->steps > 0 || self->again > 0) && ts->time_step >= self->layer)
+    self->jumped = PETSC_FALSE;
   self->rejected = *accept ? PETSC_MAX_REAL : e;
   if (self->jumped) *accept = PETSC_TRUE;
   *factor = StepFactor(e, k);
@@ -294,6 +295,7 @@ static PetscErrorCode Retry(TS ts, Controller *self, Formula *f, PetscInt attemp
   PetscFunctionBegin;
   ts->reject++;
   ts->time_step *= factor;
+  if (!ts->steps && self->again > 0) ts->time_step = PetscMin(ts->time_step, self->again);
   self->since = 0;
   if (attempt >= 3) {
     self->order = 1;

@@ -686,6 +686,7 @@ static PetscErrorCode Advance(Estimate self, PetscReal t) {
   PetscCall(PetscArraycpy(self->size, size, MIRRORS));
   self->scene->load.friction.mu = law->mu; /* a snap may change it */
   self->scene->load.friction.viscous = law->viscous;
+  self->scene->load.friction.least = law->least;
   SceneAtSpeed(self->scene, self->leg->rod->scene->falls);
   PetscCall(PutState(self));
   TakeContact(self);

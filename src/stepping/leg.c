@@ -469,7 +469,8 @@ static PetscErrorCode RefuseAdapt(TS ts) {
 }
 
 /* The first step, as parts of the scene's unit of time and of the rod's own: nothing that a rod out
-   of balance does at once may take less. (What a straight one does is small at first.) But where
+   of balance does at once may take less. (What a straight one does is small at first; one in dry
+   friction is in balance, or that is seen when the first step is tried.) But where
    that is next to nothing, a part of the time that short steps are part of: there must be shorter
    ones. */
 static const PetscReal first_of_unit = 1e-4, first_of_own = 1e-6, straight_of_own = 0.1,
@@ -480,11 +481,15 @@ static PetscErrorCode SetFirstStep(Leg *leg) {
   const SceneUnits *units = &scene->units;
   const PetscBool straight = (PetscBool)(scene->shape.type == SHAPE_STRAIGHT);
   PetscReal first = first_of_unit * units->time;
+  const PetscReal own = PetscMin(first, PetscMax((straight ? straight_of_own : first_of_own) *
+                                                     units->own,
+                                                 first_of_brief * units->brief));
 
   PetscFunctionBegin;
-  if (units->own > 0 && !(straight && scene->contact.any))
-    first = PetscMin(first, PetscMax((straight ? straight_of_own : first_of_own) * units->own,
-                                     first_of_brief * units->brief));
+  if (LoadIsDry(&scene->load))
+    PetscCall(VBDFSetAgain(leg->ts, own));
+  else if (!(straight && scene->contact.any))
+    first = own;
   PetscCall(TSSetTimeStep(leg->ts, first));
   PetscFunctionReturn(0);
 }

@@ -218,6 +218,17 @@ PetscErrorCode VBDFSetScale(TS ts, PetscReal scale) {
   PetscFunctionReturn(0);
 }
 
+/* VBDFSetAgain - sets the size in which a first step is tried again that is not right. No effect on
+   other types. */
+PetscErrorCode VBDFSetAgain(TS ts, PetscReal again) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  if (self) self->controller.again = again;
+  PetscFunctionReturn(0);
+}
+
 /* VBDFSetCheck - sets what a step must not do. No effect on other types. */
 PetscErrorCode VBDFSetCheck(TS ts, VBDFCheck check) {
   VBDF *self = NULL;

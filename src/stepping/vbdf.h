@@ -46,6 +46,7 @@ PetscErrorCode VBDFSetHighestOrder(TS ts, PetscInt order);
 PetscErrorCode VBDFSetOtherWay(TS ts, VBDFOtherWay other_way);
 PetscErrorCode VBDFSetResolves(TS ts, PetscBool resolves);
 PetscErrorCode VBDFSetScale(TS ts, PetscReal scale);
+PetscErrorCode VBDFSetAgain(TS ts, PetscReal again);
 PetscErrorCode VBDFSetCheck(TS ts, VBDFCheck check);
 PetscErrorCode VBDFSetCross(TS ts, VBDFCross cross);
 PetscErrorCode VBDFSetNextEnd(TS ts, VBDFNextEnd next_end);

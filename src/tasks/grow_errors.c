@@ -90,7 +90,7 @@ static PetscReal Beside(const Grow *self) {
 
   if (load->shared) error += per_share * load->friction.viscous;
   if (!load->shared && self->snaps > self->crossings)
-    error += per_snap * load->friction.viscous * self->scene->units.speed;
+    error += per_snap * load->friction.least * self->scene->units.speed;
   return self->vanished ? error + 1 : error;
 }
 

@@ -16,6 +16,7 @@ PetscErrorCode FrictionSetFromOptions(Friction *friction) {
   PetscFunctionBegin;
   PetscCall(OptionReal("-friction_mu", &friction->mu, NULL));
   friction->viscous = 1 - friction->mu;
+  friction->least = friction->fast = 0;
   PetscCall(OptionReal("-friction_beta", &friction->beta, NULL));
   PetscCall(OptionWord("-friction_newton", &choice, NULL));
   friction->newton = (FrictionNewton)choice;
@@ -64,12 +65,16 @@ static inline void Advance(const Friction *law, int n, const PetscReal v[], Pets
 
 static inline void Slope(const Friction *law, int n, const PetscReal v[], const PetscReal dual[],
                          const PetscReal shift[], PetscReal *slope) {
-  PetscReal u[4], inverse = 1 / Radius(law, n, v, shift, u), d = law->mu * inverse;
+  PetscReal u[4], inverse = 1 / Radius(law, n, v, shift, u), d = law->mu * inverse, v2 = Dot(n, v, v),
+                  viscous = FrictionViscous(law, v2), rises = 0;
 
+  if (law->least > 0)
+    rises = 2 * law->least * PetscSqr(law->fast / (v2 + law->fast * law->fast));
   for (int i = 0; i < n; i++)
     for (int j = 0; j < n; j++) {
       PetscReal w = law->newton == NEWTON_PRIMAL ? u[i] * inverse : dual[i];
-      slope[n * i + j] = (i == j) * (law->viscous + d) - d * w * (u[j] * inverse);
+      slope[n * i + j] = (i == j) * (viscous + d) - d * w * (u[j] * inverse);
+      if (rises > 0) slope[n * i + j] += rises * v[i] * v[j];
     }
 }
 
@@ -104,7 +109,7 @@ void FrictionDualAdvance(const Friction *law, const PetscReal v[2], FrictionDual
 }
 
 /*
-  FrictionLinearise - the derivative of the force phi(|v|) v by v,
+  FrictionLinearise - the derivative of the force phi(|v|) v by v (without what is fast),
     primal:       viscous I + mu/r (I - (u/r) (u/r)^T),
     primal-dual:  viscous I + mu/r (I - w (u/r)^T).
 */

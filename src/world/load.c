@@ -213,9 +213,14 @@ PetscReal LoadLeastViscous(const Load *load, PetscReal speed) {
   return PetscMax(load->viscous, least_share * (1 - load->viscous) / speed);
 }
 
-/* LoadShareLeast - gives dry friction that share, unless it has a larger one. */
+/* LoadShareLeast - gives dry friction that share, unless it has a larger one, where the rod is much
+   faster than this speed. */
 void LoadShareLeast(Load *load, PetscReal speed) {
-  if (!load->shared) load->friction.viscous = LoadLeastViscous(load, speed);
+  const PetscReal fast = 10;
+
+  load->friction.least = 0;
+  load->friction.fast = fast * speed;
+  if (!load->shared) load->friction.least = LoadLeastViscous(load, speed) - load->viscous;
 }
 
 /* The smallest beta in place of 0, and the speed that steps of tolerance 1e-6 tell from rest; where
@@ -277,6 +282,7 @@ static const PetscReal most_shared = 1e-2, raised_by = 10;
 void LoadShare(Load *load, PetscReal share) {
   load->friction.mu = 1 - share;
   load->friction.viscous = share;
+  load->friction.least = 0;
   load->shared = PETSC_TRUE;
 }
 
