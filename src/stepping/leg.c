@@ -481,9 +481,9 @@ static PetscErrorCode SetFirstStep(Leg *leg) {
   const SceneUnits *units = &scene->units;
   const PetscBool straight = (PetscBool)(scene->shape.type == SHAPE_STRAIGHT);
   PetscReal first = first_of_unit * units->time;
-  const PetscReal own = PetscMin(first, PetscMax((straight ? straight_of_own : first_of_own) *
-                                                     units->own,
-                                                 first_of_brief * units->brief));
+  const PetscReal own =
+      PetscMin(first, PetscMax((straight ? straight_of_own : first_of_own) * units->own,
+                               first_of_brief * units->brief));
 
   PetscFunctionBegin;
   if (LoadIsDry(&scene->load))

@@ -231,6 +231,7 @@ static PetscErrorCode GetOn(Grow *self) {
   PetscCall(LegSpeed(self->now, &speed, &begins));
   self->way += self->seen.step * (1 + speed / counts_as);
   self->snaps += begins;
+  if (begins && !self->scene->load.shared) (void)LoadShareMore(&self->scene->load);
   PetscFunctionReturn(0);
 }
 

@@ -76,12 +76,11 @@ PetscErrorCode GrowShared(Grow *self, PetscReal t) {
                           "of %.0e of dry friction is viscous\n",
                           text, (double)share));
   else if (!self->quiet)
-    PetscCall(
-        PetscPrintf(self->scene->comm,
-                    "t = %s: the rod slips and sticks, and dry friction that is weaker across "
-                    "(-friction_across %g) does not say how fast: from here on a part of "
-                    "%.0e of it is viscous\n",
-                    text, (double)load->across, (double)share));
+    PetscCall(PetscPrintf(self->scene->comm,
+                          "t = %s: the rod snaps or slips, and dry friction that is weaker across "
+                          "(-friction_across %g) does not say how fast: from here on a part of "
+                          "%.0e of it is viscous\n",
+                          text, (double)load->across, (double)share));
   self->shared = share;
   PetscFunctionReturn(0);
 }

@@ -65,11 +65,10 @@ static inline void Advance(const Friction *law, int n, const PetscReal v[], Pets
 
 static inline void Slope(const Friction *law, int n, const PetscReal v[], const PetscReal dual[],
                          const PetscReal shift[], PetscReal *slope) {
-  PetscReal u[4], inverse = 1 / Radius(law, n, v, shift, u), d = law->mu * inverse, v2 = Dot(n, v, v),
-                  viscous = FrictionViscous(law, v2), rises = 0;
+  PetscReal u[4], inverse = 1 / Radius(law, n, v, shift, u), d = law->mu * inverse,
+                  v2 = Dot(n, v, v), viscous = FrictionViscous(law, v2), rises = 0;
 
-  if (law->least > 0)
-    rises = 2 * law->least * PetscSqr(law->fast / (v2 + law->fast * law->fast));
+  if (law->least > 0) rises = 2 * law->least * PetscSqr(law->fast / (v2 + law->fast * law->fast));
   for (int i = 0; i < n; i++)
     for (int j = 0; j < n; j++) {
       PetscReal w = law->newton == NEWTON_PRIMAL ? u[i] * inverse : dual[i];

@@ -1,5 +1,5 @@
-/* The friction law: force per length -phi(|v|) v, and the linearisations of its dry part for Newton's
-   method:
+/* The friction law: force per length -phi(|v|) v, and the linearisations of its dry part for
+   Newton's method:
 
      phi = viscous + mu / sqrt(v^2 + beta) + least v^2 / (v^2 + fast^2)
 
@@ -93,9 +93,9 @@ static inline PetscReal FrictionRadius4(const Friction *law, const PetscReal v[4
 
 static inline void FrictionForce4(const Friction *law, const PetscReal v[4],
                                   const FrictionDual4 *dual, PetscReal f[4]) {
-  PetscReal u[4], drag = law->mu / FrictionRadius4(law, v, dual->shift, u),
-                  viscous =
-                      FrictionViscous(law, v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + v[3] * v[3]);
+  PetscReal u[4],
+      drag = law->mu / FrictionRadius4(law, v, dual->shift, u),
+      viscous = FrictionViscous(law, v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + v[3] * v[3]);
   for (int d = 0; d < 4; d++) f[d] = viscous * v[d] + drag * u[d];
 }
 
@@ -105,8 +105,8 @@ static inline PetscReal FrictionPhi(const Friction *law, PetscReal v2) {
   return FrictionViscous(law, v2) + (r > 0 ? law->mu / r : 0);
 }
 
-/* int_a^b phi(v) v dv: the axial friction on a straight rod whose speed rises evenly from a to b; no
-   straight rod is fast */
+/* int_a^b phi(v) v dv: the axial friction on a straight rod whose speed rises evenly from a to b;
+   no straight rod is fast */
 static inline PetscReal FrictionBetween(const Friction *law, PetscReal a, PetscReal b) {
   return law->mu * (PetscSqrtReal(b * b + law->beta) - PetscSqrtReal(a * a + law->beta)) +
          law->viscous * (b * b - a * a) / 2;
