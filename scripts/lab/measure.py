@@ -176,7 +176,7 @@ class Store:
 def workplace(name, quick):
     """(where the pictures and tables of a study go, its store); a quick one has its own."""
     name += "-quick" * quick
-    place = ROOT / "results" / name if quick else ROOT / "docs"
+    place = ROOT / "results" / name if quick else ROOT / "docs" / "notes"
     place.mkdir(parents=True, exist_ok=True)
     return place, Store(ROOT / "results" / name / "runs.jsonl")
 

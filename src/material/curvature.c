@@ -4,19 +4,19 @@
 #include <ctype.h>
 
 static const OptionRow rows[] = {
-    ROW_REAL("-rod_curvature", "0", -1e3, 1e3, UNIT_CURVATURE, 0,
+    ROW_REAL("-rod_curvature", "0", -1e9, 1e9, UNIT_CURVATURE, 0,
              "natural curvature of the whole rod, per length"),
-    ROW_REAL("-rod_curvature_2", "0", -1e3, 1e3, UNIT_CURVATURE, 0,
+    ROW_REAL("-rod_curvature_2", "0", -1e9, 1e9, UNIT_CURVATURE, 0,
              "natural curvature about d2, out of the plane of the other, which is about d3"),
-    ROW_REAL("-rod_twist", "0", -1e3, 1e3, UNIT_CURVATURE, 0,
+    ROW_REAL("-rod_twist", "0", -1e9, 1e9, UNIT_CURVATURE, 0,
              "natural twist about the tangent d1, in radians per length"),
-    ROW_REAL("-rod_curvature_random_2", "", 0, 1e3, UNIT_CURVATURE, 0,
+    ROW_REAL("-rod_curvature_random_2", "", 0, 1e9, UNIT_CURVATURE, 0,
              "the same as -rod_curvature_random about d2: of a rod in space"),
     ROW_TEXT("-rod_curvature_file", INPUT_FILE,
              "HDF5 file with the natural curvature, /curvature (in space also /curvature_2, "
              "/twist), over the label /s of a rod that grows "
              "in place, over the /distance from the tip of one that slides (feed, apical)"),
-    ROW_REAL("-rod_curvature_random", "", 0, 1e3, UNIT_CURVATURE, 0,
+    ROW_REAL("-rod_curvature_random", "", 0, 1e9, UNIT_CURVATURE, 0,
              "root mean square of a random natural curvature, per length"),
     ROW_REAL(
         "-rod_curvature_length", "0.1", 1e-4, 1e4, UNIT_LENGTH, PART,

@@ -133,6 +133,8 @@ PetscErrorCode RodFindUnits(Rod rod) {
     units->time = load->viscous > 0 ? units->own : L / units->speed;
   }
   if (scene->contact.any) units->length = units->time = units->stiffness = 1;
+  scene->tip.per_turn = units->stiffness / units->length;
+  scene->tip.per_place = units->stiffness / (units->length * units->length * units->length);
   units->found = PETSC_TRUE;
   PetscFunctionReturn(0);
 }

@@ -11,7 +11,7 @@ static const OptionRow rows[] = {
     ROW_INT("-rod_cells", "500", 4, 3e8, 0, "N, so N + 1 nodes"),
     ROW_WORD("-rod_grading", "growth", "uniform,growth", 0,
              "node placement: equidistant in s, or denser where the rod grows"),
-    ROW_REAL("-ts_max_time", "40", 1e-12, 1e6, UNIT_TIME, SHARED, "end of the run")};
+    ROW_REAL("-ts_max_time", "40", 1e-12, 1e9, UNIT_TIME, SHARED, "end of the run")};
 const OptionGroup scene_options = OPTION_GROUP("Rod and clamp", rows);
 
 /* SceneShapeAngle - the initial angle against the clamp and its derivative by s, at one label. A

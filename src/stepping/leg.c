@@ -16,17 +16,21 @@ enum { HIGHEST_ORDER = 6 };
    step). */
 static PetscErrorCode SetTolerance(Leg *leg) {
   const PetscInt fields = leg->rod->model->fields;
+  PetscReal most[MAX_FIELDS];
   PetscScalar *a;
   PetscInt n;
 
   PetscFunctionBegin;
+  for (PetscInt f = 0; f < fields; f++) {
+    const PetscReal least = rod_vanished * RodFieldUnit(leg->rod, f);
+    most[f] = leg->rod->model->followed[f]
+                  ? share_of_step * PetscMax(leg->rtol * leg->size[f], least)
+                  : -1;
+  }
   PetscCall(VecGetLocalSize(leg->tolerance, &n));
   PetscCall(VecGetArray(leg->tolerance, &a));
   for (PetscInt i = 0; i < n; i += fields)
-    for (PetscInt f = 0; f < fields; f++)
-      a[i + f] = leg->rod->model->followed[f]
-                     ? share_of_step * leg->rtol * PetscMax(leg->size[f], rod_vanished)
-                     : -1;
+    for (PetscInt f = 0; f < fields; f++) a[i + f] = most[f];
   PetscCall(VecRestoreArray(leg->tolerance, &a));
   PetscFunctionReturn(0);
 }
@@ -42,6 +46,8 @@ static PetscErrorCode BeforeStep(TS ts) {
   PetscCall(RodFeelWalls(leg->rod, t, leg->U));
   PetscCall(RodFieldScales(leg->rod, leg->U, leg->turns ? leg->axes : NULL, leg->size));
   PetscCall(RodBlurred(leg->rod, leg->U, least));
+  for (int d = 0; d < MIRRORS; d++)
+    least[d] = PetscMax(least[d], rod_vanished * leg->rod->scene->units.length);
   PetscCall(VBDFSetLeast(ts, least));
   for (PetscInt f = 0; f < leg->rod->model->fields; f++) {
     if (t >= leg->kick_ends) leg->kick[f] = 0;

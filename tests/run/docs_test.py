@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""What the documents say: numbers are those the program prints, and links lead somewhere.
+"""What the documents say: numbers are those the program prints, links lead somewhere, and the pages of
+theory stay short and name what is in the code.
 
     docs_test.py build/tendril"""
 
@@ -21,7 +22,7 @@ except ImportError as error:
 
 ROOT = Path(__file__).resolve().parents[2]
 TENDRIL = str(Path(sys.argv.pop(1)).resolve())
-PAGES = [*ROOT.glob("*.md"), *ROOT.glob("docs/*.md"), *ROOT.glob("options/*.md")]
+PAGES = [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md"), *ROOT.glob("options/*.md")]
 NUMBER = re.compile(r"(?<![\w^])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?!\w)")
 # lines that are checked, by what all of them say
 KINDS = ("steps, ", "in the laboratory: ", ": length ", "critical time", "critical length", "contact of stiffness")
@@ -65,6 +66,18 @@ def same(one, other, slides=False):
         if not (max(abs(a), abs(b)) <= factor * min(abs(a), abs(b)) and a * b >= 0):
             return False
     return True
+
+
+MOST_WORDS = 9000  # of docs/theory, formulas with them
+
+
+def missing(text, names, source):
+    """What a page names in code, files and functions of src/, that is not there (names: all paths of files in
+    src/; source: all of their text)."""
+    files = re.findall(r"[\w/.-]+\.[ch]\b", " ".join(re.findall(r"`([^`]+)`", text)))
+    functions = re.findall(r"`(\w+)\(\)`", text)
+    return [*(file for file in files if not any(f"/{name}".endswith(f"/{file}") for name in names)),
+            *(function for function in functions if not re.search(rf"\b{function}\(", source))]
 
 
 def shown(text):
@@ -112,8 +125,8 @@ class Numbers(unittest.TestCase):
         known = set(re.findall(r"(?m)^\| (-\w+)", (ROOT / "docs/options.md").read_text()))
         groups = "|".join(sorted({name[1:].partition("_")[0] for name in known if "_" in name} - {"ts", "snes", "ksp", "pc"}))  # PETSc has more
         for page in [*PAGES, ROOT / "docs/tendril.1"]:
-            if page.name == "CHANGELOG.md":
-                continue  # which tells of options that are gone
+            if page.name == "CHANGELOG.md" or page.parent.name == "notes":
+                continue  # they tell of options that are gone
             named = re.findall(rf"(?<![\w-])-(?:{groups})_\w*[a-z0-9](?!\w)", page.read_text().replace("\\-", "-"))
             self.assertEqual(set(named) - known, set(), page.name)
 
@@ -144,6 +157,42 @@ class Numbers(unittest.TestCase):
                             (line.replace("4.9e-07", "4.9e-06"), False), (line.replace("454", "460"), False),
                             (line.replace("estimate 2.5", "estimate 2.6"), False)):
             self.assertEqual(same(line, other), good, other)
+
+
+class Theory(unittest.TestCase):
+    PAGES = sorted(ROOT.glob("docs/theory/*.md"))
+
+    def test_words(self):
+        """The pages of theory have at most 9,000 words: measurements and history go to docs/notes."""
+        words = {page.name: len(page.read_text().split()) for page in self.PAGES}
+        self.assertGreater(len(words), 5)
+        self.assertLessEqual(sum(words.values()), MOST_WORDS, words)
+
+    def test_code(self):
+        """Files and functions that they name are in src/, and each page is in the index."""
+        files = [path for path in ROOT.glob("src/*/*.[ch]")]
+        names = [str(path.relative_to(ROOT)) for path in files]
+        source = "\n".join(path.read_text() for path in files)
+        for page in self.PAGES:
+            self.assertEqual(missing(page.read_text(), names, source), [], page.name)
+        index = (ROOT / "docs/theory/README.md").read_text()
+        self.assertEqual([page.name for page in self.PAGES if page.name != "README.md" and f"({page.name})" not in index], [])
+
+    def test_what_is_missing(self):
+        names, source = ["src/rod/frame.c"], "static int Cell(int i);"
+        for text, found in (("`src/rod/frame.c`, `frame.c`, `Cell()`", []), ("`src/rod/frames.c`", ["src/rod/frames.c"]),
+                            ("`rame.c`", ["rame.c"]), ("`Cells()`", ["Cells"])):
+            self.assertEqual(missing(text, names, source), found, text)
+
+
+class Notes(unittest.TestCase):
+    def test_dates(self):
+        """Each page of the notes has its date in its title, and is in their index."""
+        index = (ROOT / "docs/notes/README.md").read_text()
+        for page in ROOT.glob("docs/notes/*.md"):
+            if page.name != "README.md":
+                self.assertRegex(page.read_text().partition("\n")[0], r"as (?:measured|of|found).* \d+ \w+ 20\d\d$", page.name)
+                self.assertIn(f"({page.name})", index)
 
 
 class Links(unittest.TestCase):
