@@ -187,6 +187,31 @@ static PetscErrorCode WithOrWithout(TS ts, Controller *self, Formula *f, PetscIn
   PetscFunctionReturn(0);
 }
 
+/* The error of the step just solved. */
+static PetscErrorCode Error(TS ts, Controller *self, Formula *f, PetscReal *error) {
+  PetscFunctionBegin;
+  if (f->n > self->order)
+    PetscCall(LocalError(ts, self, f, self->order, error));
+  else
+    PetscCall(FirstError(ts, self, f, error));
+  PetscFunctionReturn(0);
+}
+
+/* Is the error of what is held right, and only that of the rest is not? */
+static PetscErrorCode LookAtHeld(TS ts, Controller *self, Formula *f, PetscBool accept) {
+  const Vec all = ts->vatol;
+  PetscReal error;
+
+  PetscFunctionBegin;
+  self->placed = PETSC_FALSE;
+  if (accept || !self->held || self->order > 1) PetscFunctionReturn(0);
+  ts->vatol = self->held;
+  PetscCall(Error(ts, self, f, &error));
+  ts->vatol = all;
+  self->placed = (PetscBool)(error <= 1);
+  PetscFunctionReturn(0);
+}
+
 /*
   Choose - accepts or rejects the step just solved; sets the next order and the factor for the step.
   The order changes to the one that allows the longest step, upwards only after order + 1 steps of
@@ -198,17 +223,18 @@ static PetscErrorCode Choose(TS ts, Controller *self, Formula *f, PetscBool *acc
   PetscReal e, persists, lower = 0, higher = 0;
 
   PetscFunctionBegin;
-  if (f->n > k)
-    PetscCall(LocalError(ts, self, f, k, &e));
-  else
-    PetscCall(FirstError(ts, self, f, &e));
+  PetscCall(Error(ts, self, f, &e));
   *accept = (PetscBool)(e <= 1);
+  PetscCall(LookAtHeld(ts, self, f, *accept));
   persists = ts->time_step < slip_step * Scale(ts, self) ? slip_persists : jump_persists;
   self->jumped = (PetscBool)(!*accept && k == 1 &&
                              (e > persists * self->rejected ||
                               (ts->time_step < self->layer && (f->n == 1 || e > nearly_seen))));
-  if (self->resolves && (ts->steps > 0 || self->again > 0) && ts->time_step >= self->layer)
+  if (self->resolves && (ts->steps > 0 || self->again > 0) && !self->placed &&
+      ts->time_step >= self->layer) {
+    self->snaps = self->jumped;
     self->jumped = PETSC_FALSE;
+  }
   self->rejected = *accept ? PETSC_MAX_REAL : e;
   if (self->jumped) *accept = PETSC_TRUE;
   *factor = StepFactor(e, k);
@@ -295,7 +321,7 @@ static PetscErrorCode Retry(TS ts, Controller *self, Formula *f, PetscInt attemp
   PetscFunctionBegin;
   ts->reject++;
   ts->time_step *= factor;
-  if (!ts->steps && self->again > 0) ts->time_step = PetscMin(ts->time_step, self->again);
+  if (!ts->steps && self->again > 0 && self->snaps) ts->time_step = PetscMin(ts->time_step, self->again);
   self->since = 0;
   if (attempt >= 3) {
     self->order = 1;
@@ -400,12 +426,14 @@ static PetscErrorCode Try(TS ts, Controller *self, Formula *f, Outcome *outcome,
   self->order = PetscMax(1, PetscMin(self->order, f->n));
   PetscCall(LimitStep(ts, self));
   BeginTry(ts, self, f);
+  self->placed = self->snaps = PETSC_FALSE;
   PetscCall(Solve(ts, self, f, &solved));
   self->taken_order = self->order;
   PetscCall(VecNorm(f->point[0], NORM_1, &size));
   if (!(size < beyond)) solved = DIVERGED_NAN;
   PetscCall(Check(ts, self, f, &solved));
   *outcome = TRY_UNSOLVED;
+  self->snaps = (PetscBool)(solved < 0);
   if (solved < 0) PetscFunctionReturn(0);
   if (!self->fixed) PetscCall(Choose(ts, self, f, &accept, factor));
   if (accept) PetscCall(Crosses(ts, self, f, self->taken_order, &crosses));

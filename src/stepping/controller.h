@@ -14,7 +14,10 @@ typedef struct {
   PetscReal scale;      /* of time, that short steps are part of; 0: the run's end */
   PetscBool resolves; /* every motion has a velocity: only what is crossed in the layer is a jump */
   PetscReal layer;    /* a step this short is accepted whatever its error */
-  PetscReal again;    /* a first step that is not right is tried again in this size; 0: as others */
+  PetscReal again;    /* a first step that snaps is tried again in this size; 0: as others */
+  Vec held;           /* tolerances of what something holds back, if that is not all; borrowed */
+  PetscBool placed;   /* the latest try was right in that, and wrong */
+  PetscBool snaps;    /* it has no solution, or an error that does not fall though all is held */
   PetscReal rejected; /* error of the try before, if one of this step was rejected at a third of
                          the size or more */
   PetscReal late;     /* what the time has passed by that has no room in it beside what it is */

@@ -32,6 +32,12 @@ static PetscErrorCode SetTolerance(Leg *leg) {
   for (PetscInt i = 0; i < n; i += fields)
     for (PetscInt f = 0; f < fields; f++) a[i + f] = most[f];
   PetscCall(VecRestoreArray(leg->tolerance, &a));
+  if (!leg->held) PetscFunctionReturn(0);
+  PetscCall(VecGetArray(leg->held, &a));
+  for (PetscInt i = 0; i < n; i += fields)
+    for (PetscInt f = 0; f < fields; f++)
+      a[i + f] = strchr("xy", leg->rod->model->field[f][0]) ? most[f] : -1;
+  PetscCall(VecRestoreArray(leg->held, &a));
   PetscFunctionReturn(0);
 }
 
@@ -509,6 +515,17 @@ static PetscErrorCode TakeOptions(TS ts) {
   PetscFunctionReturn(0);
 }
 
+/* No friction holds a rod in space from turning about its own tangent if it has no radius at which it
+   feels that, nor does it hold what of such a turn lies within a cell: in dry friction, where
+   nothing else takes time, such turns may jump. */
+static PetscErrorCode FreeTurns(Leg *leg) {
+  PetscFunctionBegin;
+  if (!leg->rod->model->space || !LoadIsDry(&leg->rod->scene->load)) PetscFunctionReturn(0);
+  PetscCall(VecDuplicate(leg->U, &leg->held));
+  PetscCall(VBDFSetHeld(leg->ts, leg->held));
+  PetscFunctionReturn(0);
+}
+
 /*
   LegCreate - a model of a scene with its stepper, ready for TSSolve() once U is set. Collective;
   the caller destroys it with LegDestroy().
@@ -558,7 +575,9 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, Leg
   if (fixed && !given)
     PetscCall(TSSetMaxSNESFailures(leg->ts, 10)); /* a fixed step does not help itself */
   PetscCall(VBDFSetScale(leg->ts, scene->units.brief));
-  PetscCall(VBDFSetResolves(leg->ts, (PetscBool) !(model->space && scene->load.radius == 0)));
+  PetscCall(VBDFSetResolves(leg->ts,
+                            (PetscBool)(LoadIsDry(&scene->load) || !scene->contact.any)));
+  PetscCall(FreeTurns(leg));
   PetscCall(VBDFSetFactored(leg->ts, model->fields, model->group));
   PetscCall(MeasureAlongAxes(leg));
   PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));
@@ -626,6 +645,7 @@ PetscErrorCode LegDestroy(Leg *leg) {
   PetscCall(NewtonDestroy(&leg->newton));
   PetscCall(VecDestroy(&leg->U));
   PetscCall(VecDestroy(&leg->tolerance));
+  PetscCall(VecDestroy(&leg->held));
   PetscCall(VecDestroy(&leg->none));
   PetscCall(RodDestroy(&leg->rod));
   PetscFunctionReturn(0);

@@ -9,6 +9,7 @@ typedef struct {
   TS ts; /* its application context is the leg */
   Newton newton;
   Vec U;               /* the state */
+  Vec held;            /* tolerance, without turns; NULL: VBDFSetHeld() is not told */
   Vec tolerance, none; /* none: 0, the part of the tolerance relative to each entry */
   PetscReal rtol;
   PetscReal size[MAX_FIELDS]; /* of the fields, to which the tolerance of this step refers */

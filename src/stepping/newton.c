@@ -35,7 +35,7 @@ static PetscErrorCode Residuals(Rod rod, Vec U, Vec F, PetscReal residual[GROUPS
    beta and a tiny step their round-off may lie above it: only for so many iterations; in steps in
    which they matter (MindsForces()) for so many in a row that have moved nothing else. */
 static const PetscReal loose = 1e-4, tight = 1e-5;
-enum { PATIENCE = 8 };
+enum { PATIENCE = 8, IN_A_SNAP = 16 };
 
 /* Forces and moments of a rod at rest may be all but none, and what is found of them is round-off
    of what bends it: below this part of the unit in which a rod so bent has them nothing is to
@@ -114,7 +114,7 @@ static PetscErrorCode MindsForces(const Newton *self, PetscReal unseen,
 static PetscReal WeightOfForces(const Newton *self, PetscReal floor) {
   const PetscBool falls = (PetscBool)(self->rod->scene->falls > 0);
 
-  if (!falls && self->waits >= PATIENCE) return 0;
+  if (self->waits >= (falls ? IN_A_SNAP : PATIENCE)) return 0;
   return PetscMin(1, floor / (falls ? tight : loose));
 }
 

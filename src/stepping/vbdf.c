@@ -218,14 +218,25 @@ PetscErrorCode VBDFSetScale(TS ts, PetscReal scale) {
   PetscFunctionReturn(0);
 }
 
-/* VBDFSetAgain - sets the size in which a first step is tried again that is not right. No effect on
-   other types. */
+/* VBDFSetAgain - sets the size in which a first step is tried again that has no solution, or an
+   error that does not fall with its size. No effect on other types. */
 PetscErrorCode VBDFSetAgain(TS ts, PetscReal again) {
   VBDF *self = NULL;
 
   PetscFunctionBegin;
   PetscCall(Self(ts, &self));
   if (self) self->controller.again = again;
+  PetscFunctionReturn(0);
+}
+
+/* VBDFSetHeld - sets the tolerances of what something holds back, where that is not all there is:
+   the rest may jump. Borrowed; as long as the TS. No effect on other types. */
+PetscErrorCode VBDFSetHeld(TS ts, Vec held) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  if (self) self->controller.held = held;
   PetscFunctionReturn(0);
 }
 

@@ -47,6 +47,7 @@ PetscErrorCode VBDFSetOtherWay(TS ts, VBDFOtherWay other_way);
 PetscErrorCode VBDFSetResolves(TS ts, PetscBool resolves);
 PetscErrorCode VBDFSetScale(TS ts, PetscReal scale);
 PetscErrorCode VBDFSetAgain(TS ts, PetscReal again);
+PetscErrorCode VBDFSetHeld(TS ts, Vec held);
 PetscErrorCode VBDFSetCheck(TS ts, VBDFCheck check);
 PetscErrorCode VBDFSetCross(TS ts, VBDFCross cross);
 PetscErrorCode VBDFSetNextEnd(TS ts, VBDFNextEnd next_end);
