@@ -37,7 +37,7 @@ def about(dice, least, most):
 class Scene:
     """Options, each a list of numbers of one dimension, and how friction is."""
 
-    def __init__(self, dice, walls):
+    def __init__(self, dice, walls=False):
         self.options, self.plain, self.walls = {}, [], []
         self.length = about(dice, 0.1, 3)
         self.grows = dice.choice(["uniform", "feed", "apical", "gaussian", "none", "none"])

@@ -1161,14 +1161,13 @@ static const char *SpaceRefuses(Scene scene) {
 }
 
 /* Does the couple of friction jump within cells where the rod stops turning? Not if beta is such
-   that it changes along many, nor if growth moves the rod all along. (That of a snap's fast time is
-   no scene's.) */
+   that it changes along many, nor if growth moves the rod all along. */
 static PetscBool Kinks(Scene scene) {
   const PetscReal nearly_exact = 1e-6;
   const Load *load = &scene->load;
 
   return (PetscBool)(load->radius > 0 && scene->growth->still &&
-                     (load->limit || (load->friction.beta < nearly_exact && !load->stopped)));
+                     (load->limit || load->friction.beta < nearly_exact));
 }
 
 static PetscErrorCode SpaceCreate(Rod rod) {

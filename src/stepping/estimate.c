@@ -703,14 +703,17 @@ static void TakeErrors(Estimate self, int part, const PetscReal ratio[GROUPS], P
 /* A step of backward Euler from before to t. (A'/A is that at t: with its mean over the step, which
    is another where the rate changes, errors would rise or fall against x2.) */
 static PetscErrorCode Advance(Estimate self, PetscReal t) {
+  const Friction *law = &self->leg->rod->scene->load.friction;
   PetscReal size[MIRRORS], rate[MIRRORS], ratio[GROUPS], step = t - self->before, shift[MAX_FIELDS];
 
   PetscFunctionBegin;
   Sizes(self, size, rate);
   Ratios(size, self->size, ratio);
   PetscCall(PetscArraycpy(self->size, size, MIRRORS));
-  self->scene->load.friction.mu =
-      self->leg->rod->scene->load.friction.mu; /* a snap may change it */
+  self->scene->load.friction.mu = law->mu; /* a snap may change it */
+  self->scene->load.friction.viscous = law->viscous;
+  self->scene->load.friction.least = law->least;
+  SceneAtSpeed(self->scene, self->leg->rod->scene->falls);
   PetscCall(PutState(self));
   TakeContact(self);
   for (PetscInt f = 0; f < self->fields; f++) {

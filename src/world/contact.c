@@ -68,7 +68,7 @@ PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
   PetscCall(ContactMayGetFirm(contact));
   contact->rub = *friction;
   contact->rub.mu = 1;
-  contact->rub.more = 0;
+  contact->rub.viscous = contact->rub.least = 0;
   if (walls)
     PetscCall(WallsRead(file, contact->diameter / 2, contact->friction, clamp_angle,
                         &contact->walls, &contact->surfaces));
