@@ -302,7 +302,8 @@ static PetscErrorCode LawAttributes(Output self, HdfFile file, PetscReal t) {
   PetscCall(SceneContactAt(self->scene, t));
   if (self->scene->contact.any)
     PetscCall(HdfReal(file, "/", "contact_stiffness", self->scene->contact.stiffness));
-  if (self->scene->contact.firm) PetscCall(HdfReal(file, "/", "contact_firm", contact_firm_times));
+  if (self->scene->contact.firm)
+    PetscCall(HdfReal(file, "/", "contact_firm", ContactFirmTimes(&self->scene->contact)));
   if (!self->scene->contact.walls.n && !self->scene->contact.surfaces.n) PetscFunctionReturn(0);
   PetscCall(ContactWallsText(&self->scene->contact, &text));
   PetscCall(HdfWriteText(file, "walls", text, "the walls around the rod, one a line"));

@@ -145,9 +145,9 @@ static void Take(const Cell *cell, PetscInt i, int k, Cells *cells) {
   for (int e = 0; e < 3; e++) cells->dual[2 * k + e] = cell->dual[e];
   cells->h[k] = cell->h;
   for (int d = 0; d < FOOT3_LOAD; d++) cells->feet[k][d] = cell->feet.n ? cell->foot_load[1][d] : 0;
-  cells->p[2 * k] = cell->a;
-  cells->p[2 * k + 1] = cell->mid;
-  cells->p[2 * k + 2] = cell->b;
+  cells->p[2 * k] = *cell->a;
+  cells->p[2 * k + 1] = *cell->mid;
+  cells->p[2 * k + 2] = *cell->b;
 }
 
 /*

@@ -104,15 +104,12 @@ static PetscInt FineNode(const Estimate self, PetscInt k) {
 /* Far parts of the rod see each other: that is no line of neighbours. */
 static PetscErrorCode CreateMatrix(Estimate self) {
   const PetscBool held = (PetscBool)(self->scene->tip.type != TIP_FREE);
-  PC pc;
 
   PetscFunctionBegin;
   if (BlockLUCan(self->nodes, self->fields)) {
     PetscCall(BlockLUCreate(self->nodes, self->fields, held, &self->J));
     PetscCall(KSPCreate(PETSC_COMM_SELF, &self->ksp));
-    PetscCall(KSPSetType(self->ksp, KSPPREONLY));
-    PetscCall(KSPGetPC(self->ksp, &pc));
-    PetscCall(BlockLUSetType(pc));
+    PetscCall(BlockLUSetSolver(self->ksp));
     PetscFunctionReturn(0);
   }
   PetscCall(RodCreateMatrix(self->rod, &self->J));
@@ -706,14 +703,17 @@ static void TakeErrors(Estimate self, int part, const PetscReal ratio[GROUPS], P
 /* A step of backward Euler from before to t. (A'/A is that at t: with its mean over the step, which
    is another where the rate changes, errors would rise or fall against x2.) */
 static PetscErrorCode Advance(Estimate self, PetscReal t) {
+  const Friction *law = &self->leg->rod->scene->load.friction;
   PetscReal size[MIRRORS], rate[MIRRORS], ratio[GROUPS], step = t - self->before, shift[MAX_FIELDS];
 
   PetscFunctionBegin;
   Sizes(self, size, rate);
   Ratios(size, self->size, ratio);
   PetscCall(PetscArraycpy(self->size, size, MIRRORS));
-  self->scene->load.friction.mu =
-      self->leg->rod->scene->load.friction.mu; /* a snap may change it */
+  self->scene->load.friction.mu = law->mu; /* a snap may change it */
+  self->scene->load.friction.viscous = law->viscous;
+  self->scene->load.friction.least = law->least;
+  SceneAtSpeed(self->scene, self->leg->rod->scene->falls);
   PetscCall(PutState(self));
   TakeContact(self);
   for (PetscInt f = 0; f < self->fields; f++) {
@@ -966,7 +966,7 @@ PetscErrorCode EstimateKeep(Estimate self, PetscReal memory[ESTIMATE_MEMORY],
   MPI_Comm comm = self->leg->rod->scene->comm;
 
   PetscFunctionBegin;
-  memory[0] = self->touches ? 1 : 0;
+  memory[0] = self->touches ? (PetscReal)self->stride : 0;
   memory[1] = (PetscReal)self->since;
   memory[2] = (PetscReal)self->watch;
   memory[3] = (PetscReal)self->until;

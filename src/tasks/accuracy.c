@@ -40,6 +40,7 @@ typedef struct {
   PetscReal curvature; /* natural, about; 0: none */
   PetscInt order;      /* in space */
   PetscBool graded;    /* growth differs along the rod */
+  PetscBool mixed;     /* the model */
   PetscBool contact;
 } Asked;
 
@@ -82,41 +83,47 @@ static PetscErrorCode CellsFor(const char *given, const char *length, PetscReal 
   PetscFunctionReturn(0);
 }
 
+/* What options say of a run of which an accuracy is asked; set: one is. */
+static PetscErrorCode Read(Asked *asked, PetscBool *set) {
+  PetscReal constant = 0, random = 0;
+  PetscBool second, from_file, walls;
+
+  PetscFunctionBegin;
+  PetscCall(OptionReal("-accuracy", &asked->tolerance, set));
+  if (!*set) PetscFunctionReturn(0);
+  PetscCall(OptionReal("-growth_initial_length", &asked->length0, NULL));
+  PetscCall(OptionReal("-friction_mu", &asked->mu, NULL));
+  PetscCall(OptionReal("-shape_amplitude", &asked->amplitude, NULL));
+  PetscCall(OptionReal("-ts_max_time", &asked->time, NULL));
+  PetscCall(Is("-growth_type", "gaussian", &asked->graded));
+  PetscCall(Is("-rod_order", "2", &second));
+  PetscCall(Is("-rod_model", "mixed", &asked->mixed));
+  PetscCall(OptionReal("-rod_curvature", &constant, NULL));
+  PetscCall(OptionReal("-rod_curvature_random", &random, NULL));
+  PetscCall(OptionGiven("-rod_curvature_file", &from_file));
+  PetscCall(OptionGiven("-wall_file", &walls));
+  PetscCall(OptionBool("-contact_self", &asked->contact, NULL));
+  asked->contact = (PetscBool)(asked->contact || walls);
+  asked->curvature = PetscMax(PetscMax(PetscAbsReal(constant), random), from_file ? 0.01 : 0);
+  asked->amplitude = PetscAbsReal(asked->amplitude);
+  asked->order = second || asked->mixed ? 2 : 4;
+  PetscFunctionReturn(0);
+}
+
 /*
-  AccuracyApply - reads -accuracy and sets from it -rod_cells and -ts_rtol where they are not given.
+  AccuracyApply - reads -accuracy and sets -rod_cells from it unless they are given.
 
   Collective; call it before the scene is read. The model stays the frame of order 4 unless another
   is asked for: the chart has it on the front at every accuracy.
 */
 PetscErrorCode AccuracyApply(void) {
-  PetscReal time, space, cells, h, constant = 0, random = 0;
-  PetscBool set, second, mixed, from_file, walls, apical;
+  PetscReal space, cells, h;
+  PetscBool set, apical;
   Asked asked;
 
   PetscFunctionBegin;
-  PetscCall(OptionReal("-accuracy", &asked.tolerance, &set));
+  PetscCall(Read(&asked, &set));
   if (!set) PetscFunctionReturn(0);
-  PetscCall(OptionReal("-growth_initial_length", &asked.length0, NULL));
-  PetscCall(OptionReal("-friction_mu", &asked.mu, NULL));
-  PetscCall(OptionReal("-shape_amplitude", &asked.amplitude, NULL));
-  PetscCall(OptionReal("-ts_max_time", &asked.time, NULL));
-  PetscCall(Is("-growth_type", "gaussian", &asked.graded));
-  PetscCall(Is("-rod_order", "2", &second));
-  PetscCall(Is("-rod_model", "mixed", &mixed));
-  PetscCall(OptionReal("-rod_curvature", &constant, NULL));
-  PetscCall(OptionReal("-rod_curvature_random", &random, NULL));
-  PetscCall(OptionGiven("-rod_curvature_file", &from_file));
-  PetscCall(OptionGiven("-wall_file", &walls));
-  PetscCall(OptionBool("-contact_self", &asked.contact, NULL));
-  asked.contact = (PetscBool)(asked.contact || walls);
-  asked.curvature = PetscMax(PetscMax(PetscAbsReal(constant), random), from_file ? 0.01 : 0);
-  asked.amplitude = PetscAbsReal(asked.amplitude);
-  asked.order = second || mixed ? 2 : 4;
-
-  time = share_of_time * asked.tolerance / (per_fold * (mixed ? 2 : 1) * Folds(&asked));
-  PetscCall(OptionDefault("-ts_rtol", "%.3g",
-                          PetscMax(1e-13, PetscMin(0.01, 1e-6 * PetscPowReal(time, 7. / 6)))));
-
   space = share_of_space * asked.tolerance;
   h = PetscPowReal(space / arc_error[asked.order == 4], 1. / asked.order);
   cells = (asked.graded ? 1.5 : 1) * (asked.length0 + asked.time) / h;
@@ -130,6 +137,21 @@ PetscErrorCode AccuracyApply(void) {
     cells =
         PetscMax(cells, PetscPowReal(contact_error / (share_of_contact * asked.tolerance), 1. / 3));
   PetscCall(OptionDefault("-rod_cells", "%.0f", PetscCeilReal(PetscMax(32, PetscMin(1e6, cells)))));
+  PetscFunctionReturn(0);
+}
+
+/* AccuracyTolerance - likewise sets -ts_rtol, of a run. Collective. */
+PetscErrorCode AccuracyTolerance(void) {
+  PetscBool set;
+  PetscReal time;
+  Asked asked;
+
+  PetscFunctionBegin;
+  PetscCall(Read(&asked, &set));
+  if (!set) PetscFunctionReturn(0);
+  time = share_of_time * asked.tolerance / (per_fold * (asked.mixed ? 2 : 1) * Folds(&asked));
+  PetscCall(OptionDefault("-ts_rtol", "%.3g",
+                          PetscMax(1e-13, PetscMin(0.01, 1e-6 * PetscPowReal(time, 7. / 6)))));
   PetscFunctionReturn(0);
 }
 

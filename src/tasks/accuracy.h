@@ -9,6 +9,7 @@ enum { FEWEST_FOLDS = 2 }; /* that a run is taken to have */
 extern const OptionGroup accuracy_options;
 
 PetscErrorCode AccuracyApply(void);
+PetscErrorCode AccuracyTolerance(void);
 PetscReal AccuracyTimes(int part);
 void AccuracyMeasured(const PetscReal least[ESTIMATE_SEEN],
                       PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN], PetscReal beside,

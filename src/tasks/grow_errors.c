@@ -2,15 +2,16 @@
 #include "tasks/accuracy.h"
 #include "tasks/growing.h"
 
-/* A snap ends a little inside the limit of friction. A start that one step has crossed was not
+/* A start that one step has crossed was not
    followed: it may be off by twice what that step has changed, and by no more than of_start; but
    if that is far, the rod may have left it to another side, and nothing is known. Behind
    a growth zone friction that is exact is taken for one with a beta, which moments that were laid
    down feel by its sixth root, and little else does: so much where errors are not followed (at the
    usual tolerance nothing is known). */
-static const PetscReal per_snap = 1e-4, per_change = 2, of_start = 1e-2, far = 0.5, of_limit = 40;
-/* What a viscous share adds, over it: norms change by up to ten times that (LoadShareMore()). */
-static const PetscReal per_share = 10;
+static const PetscReal per_change = 2, of_start = 1e-2, far = 0.5, of_limit = 40;
+/* What a viscous share adds, over it: norms change by up to ten times that (LoadShareMore()),
+   behind a snap by up to 15 times. */
+static const PetscReal per_share = 10, per_snap = 15;
 
 /* What comes within this part of the time so far is the reason of an error. */
 static const PetscReal meanwhile = 0.02;
@@ -61,16 +62,14 @@ static PetscReal Crossed(const Observation *from, const Observation *to) {
   all of them together, nothing is known either.
 
   last      seen before it, at that time     layered  it is in the layer
-  followed  behind a snap that was followed, which counts as one
 */
-void GrowCross(Grow *self, const Observation *last, PetscReal before, PetscBool layered,
-               PetscBool followed) {
+void GrowCross(Grow *self, const Observation *last, PetscReal before, PetscBool layered) {
   if (layered) {
     if (!self->layered) self->began = *last;
     self->layered = PETSC_TRUE;
     if (IsFar(&self->began, &self->seen)) self->crossed = 1;
   } else if (before <= self->seen.t / 2) {
-    self->crossings += !followed;
+    self->crossings++;
     self->crossed += Crossed(last, &self->seen);
   }
 }
@@ -121,9 +120,12 @@ void GrowTakeErrors(Grow *self, const PetscReal kept[RESTART_BESIDE]) {
 
 /* What comes beside the errors of mesh and steps, in each of what is seen. */
 static PetscReal Beside(const Grow *self) {
-  PetscReal error = self->neglected + per_snap * (self->snaps - self->crossings) + self->crossed;
+  const Load *load = &self->scene->load;
+  PetscReal error = self->neglected + self->crossed;
 
-  if (self->scene->load.shared) error += per_share * (1 - self->scene->load.friction.mu);
+  if (load->shared) error += per_share * load->friction.viscous;
+  if (!load->shared && self->snaps > self->crossings)
+    error += per_snap * load->friction.least * self->scene->units.speed;
   return self->vanished ? error + 1 : error;
 }
 
