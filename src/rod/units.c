@@ -29,10 +29,6 @@ static const PetscReal least_own = 1e-12;
    this part of the run, at least. */
 static const PetscReal brief_of_run = 1e-5;
 
-/* Where nothing holds the spin of a rod in space it may turn in any time, and the layer of a start
-   (controller.c) is so much thicker. */
-static const PetscReal unheld = 1e3;
-
 /* sqrt(beta) is the speed that friction tells from rest, and so much of the speed at which a rod
    grows unless it is told. */
 static const PetscReal beta_of_growth = 1e-3;
@@ -96,10 +92,9 @@ static PetscErrorCode GrowthOf(Scene scene, PetscReal *speed) {
 static PetscReal Brief(const struct _Scene *scene, PetscReal own, PetscReal length,
                        PetscReal speed) {
   const PetscReal T = scene->end_time;
-  const PetscBool held = (PetscBool) !(scene->space.rod && scene->load.radius == 0);
   PetscReal brief = own;
 
-  if (!held && LoadIsDry(&scene->load)) brief *= unheld;
+  if (LoadIsDry(&scene->load)) return T;
   if (scene->contact.any) brief = PetscMax(brief, brief_of_run * T);
   if (scene->contact.any && speed > 0) brief = PetscMax(brief, length / speed);
   return PetscMin(T, brief);
