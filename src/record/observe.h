@@ -41,7 +41,7 @@
   X(inflections, "1", "sign changes of the curvature along the rod")                               \
   X(self_crossings, "1", "points in which the rod crosses itself")                                 \
   X(step, "l/V", "size of the step that led here")                                                 \
-  X(newton_iterations, "1", "Newton iterations of that step, rejected tries and snaps included")   \
+  X(newton_iterations, "1", "Newton iterations of that step, rejected tries included")             \
   X(model, "1", "model of that step: 0 linear, 1 frame, 2 mixed, 3 space")
 
 /* Of a rod that weighs something, and of one in space. */

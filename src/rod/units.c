@@ -104,7 +104,7 @@ static PetscReal Brief(const struct _Scene *scene, PetscReal own, PetscReal leng
 PetscErrorCode RodFindUnits(Rod rod) {
   const Scene scene = rod->scene;
   const Load *load = &scene->load;
-  const PetscReal T = scene->end_time, beta = load->friction.beta;
+  const PetscReal T = scene->end_time, beta = load->limit ? 0 : load->friction.beta;
   SceneUnits *units = &scene->units;
   PetscReal N, B, L, speed;
 

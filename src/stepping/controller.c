@@ -208,7 +208,8 @@ static PetscErrorCode LookAtHeld(TS ts, Controller *self, Formula *f, PetscBool 
   ts->vatol = self->held;
   PetscCall(Error(ts, self, f, &error));
   ts->vatol = all;
-  self->placed = (PetscBool)(error <= 1 && (self->free || ts->time_step <= self->again));
+  self->placed =
+      (PetscBool)(error <= 1 && (self->free || ts->steps > 0 || ts->time_step <= self->again));
   PetscFunctionReturn(0);
 }
 
@@ -226,8 +227,9 @@ static PetscErrorCode Choose(TS ts, Controller *self, Formula *f, PetscBool *acc
   PetscCall(Error(ts, self, f, &e));
   *accept = (PetscBool)(e <= 1);
   PetscCall(LookAtHeld(ts, self, f, *accept));
-  persists =
-      self->placed || ts->time_step < slip_step * Scale(ts, self) ? slip_persists : jump_persists;
+  persists = (self->placed && !ts->steps) || ts->time_step < slip_step * Scale(ts, self)
+                 ? slip_persists
+                 : jump_persists;
   self->jumped = (PetscBool)(!*accept && k == 1 &&
                              (e > persists * self->rejected ||
                               (ts->time_step < self->layer && (f->n == 1 || e > nearly_seen))));
