@@ -104,7 +104,7 @@ static PetscReal Brief(const struct _Scene *scene, PetscReal own, PetscReal leng
 PetscErrorCode RodFindUnits(Rod rod) {
   const Scene scene = rod->scene;
   const Load *load = &scene->load;
-  const PetscReal T = scene->end_time, beta = load->limit ? 0 : load->friction.beta;
+  const PetscReal T = scene->end_time, beta = load->friction.beta;
   SceneUnits *units = &scene->units;
   PetscReal N, B, L, speed;
 
@@ -115,7 +115,7 @@ PetscErrorCode RodFindUnits(Rod rod) {
   PetscCall(GrowthLength(scene->growth, 0, &L, NULL));
   PetscCall(GrowthOf(scene, &speed));
   units->stiffness = B;
-  units->speed = speed > 0 ? speed : beta > 0 ? PetscSqrtReal(beta / beta_of_growth) : 1;
+  units->speed = speed > 0 ? speed : L / T; /* what does not grow may be led */
   units->own =
       LoadLeastViscous(load, units->speed) * N * PetscMin(1, load->across) * PetscSqr(L * L) / B;
   if (units->own > 0) units->own = PetscMax(units->own, least_own * T);
@@ -125,7 +125,8 @@ PetscErrorCode RodFindUnits(Rod rod) {
     units->time = units->length / speed;
   } else {
     units->length = L;
-    units->time = load->viscous > 0 ? units->own : L / units->speed;
+    units->time =
+        load->viscous > 0 ? units->own : L / (beta > 0 ? PetscSqrtReal(beta / beta_of_growth) : 1);
   }
   if (scene->contact.any) units->length = units->time = units->stiffness = 1;
   scene->tip.per_turn = units->stiffness / units->length;
