@@ -218,6 +218,8 @@ PetscErrorCode RestartTake(const char *file, const RestartState *state, Leg *leg
   PetscCall(TSSetStepNumber(leg->ts, (PetscInt)state->steps));
   PetscCall(PetscArraycpy(leg->kick, state->kick, MAX_FIELDS));
   leg->kick_ends = state->kick_ends;
+  leg->ease.times = PetscMin(state->ease, leg->ease.most);
+  leg->ease.others = state->others;
   PetscFunctionReturn(0);
 }
 
@@ -275,6 +277,8 @@ PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *stat
   PetscCall(VBDFGetMemory(leg->ts, state->memory));
   PetscCall(PetscArraycpy(state->kick, leg->kick, MAX_FIELDS));
   state->kick_ends = leg->kick_ends;
+  state->ease = leg->ease.times;
+  state->others = leg->ease.others;
   state->points = n;
   state->order = order;
   state->steps = steps;

@@ -6,7 +6,10 @@
 #include "stepping/estimate.h"
 #include "stepping/vbdf.h"
 
-enum { RESTART_BESIDE = 11, RESTART_STUCK = 9 }; /* as grow_errors.c and grow_jam.c have them */
+enum {
+  RESTART_BESIDE = 13 + 3 * ESTIMATE_SEEN,
+  RESTART_STUCK = 9
+}; /* as grow_errors.c and grow_jam.c have them */
 
 /* All reals, stored as one array, /restart/state; beside it the stepper's points, /restart/points,
    latest first, [point][node times fields], what Newton's method remembers, /restart/memory, and
@@ -16,6 +19,7 @@ typedef struct {
   PetscReal points, order;               /* of the stepper's history; its next order */
   PetscReal model, fields, steps;        /* models are numbered as in grow.c */
   PetscReal memory[VBDF_MEMORY];         /* of the stepper, beside its points */
+  PetscReal ease, others;                /* of the leg: its Ease */
   PetscReal kick[MAX_FIELDS], kick_ends; /* of the leg: what a wall's kick is measured against */
   Observation seen, began;    /* at t; where steps began to cross the layer of the start */
   PetscReal folds, neglected; /* so far, for the estimate of the error */

@@ -11,8 +11,7 @@
                          stepped through: a step that is longer damps what should grow. 0 if
   friction is dry: such a rod moves at once.
 
-  All as the run begins: a restarted one has those of the unbroken one. (Contact has numbers of its
-  own that are none of these units': with it they are 1, but for the own time.)
+  All as the run begins: a restarted one has those of the unbroken one.
 */
 #include "rod/rod.h"
 
@@ -128,7 +127,6 @@ PetscErrorCode RodFindUnits(Rod rod) {
     units->time =
         load->viscous > 0 ? units->own : L / (beta > 0 ? PetscSqrtReal(beta / beta_of_growth) : 1);
   }
-  if (scene->contact.any) units->length = units->time = units->stiffness = 1;
   scene->tip.per_turn = units->stiffness / units->length;
   scene->tip.per_place = units->stiffness / (units->length * units->length * units->length);
   units->found = PETSC_TRUE;

@@ -207,7 +207,6 @@ PetscErrorCode SceneCreate(Scene *scene) {
   PetscCall(MeshCreate(cells, (PetscBool)grading, self->growth, self->end_time, &self->mesh));
   PetscCall(ContactSetFromOptions(&self->contact, &self->load.friction, self->clamp_angle));
   self->contact.time = PETSC_MIN_REAL;
-  PetscCall(SceneContactAt(self, 0));
   SceneLinkWalls(self);
   PetscCall(
       SpaceSetFromOptions(&self->space, &self->load, &self->tip, &self->curvature, &self->shape));
@@ -216,7 +215,9 @@ PetscErrorCode SceneCreate(Scene *scene) {
   if (ContactWallsRub(&self->contact) && self->clamp != CLAMP_FREE)
     LoadNextToExactByWalls(&self->load);
   ContactSetFrame(&self->contact, (const PetscReal(*)[3])self->space.lab, self->clamp_angle);
-  (void)ContactStandOff(&self->contact, &self->stands_off);
+  PetscCall(SceneForce(self, &self->contact.usual));
+  PetscCall(SceneContactAt(self, 0));
+  ContactStandOff(&self->contact, &self->stands_off);
   PetscFunctionReturn(0);
 }
 

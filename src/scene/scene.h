@@ -57,6 +57,7 @@ PetscErrorCode SceneShare(Scene scene, Scene *shared);
 PetscErrorCode SceneShareEnd(Scene *shared);
 void SceneLinkWalls(Scene scene);
 void SceneAtSpeed(Scene scene, PetscReal speed);
+PetscErrorCode SceneForce(Scene scene, PetscReal *force);
 PetscErrorCode SceneContactAt(Scene scene, PetscReal t);
 PetscReal SceneNextTurn(Scene scene, PetscReal t);
 PetscErrorCode SceneBends(Scene scene, PetscReal tolerance, Bends *bends);

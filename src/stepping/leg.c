@@ -24,7 +24,7 @@ static PetscErrorCode SetTolerance(Leg *leg) {
   for (PetscInt f = 0; f < fields; f++) {
     const PetscReal least = rod_vanished * RodFieldUnit(leg->rod, f);
     most[f] = leg->rod->model->followed[f]
-                  ? share_of_step * PetscMax(leg->rtol * leg->size[f], least)
+                  ? share_of_step * PetscMax(leg->ease.times * leg->rtol * leg->size[f], least)
                   : -1;
   }
   PetscCall(VecGetLocalSize(leg->tolerance, &n));
@@ -60,7 +60,8 @@ static PetscErrorCode BeforeStep(TS ts) {
     leg->size[f] = PetscMax(leg->size[f], leg->kick[f]);
   }
   PetscCall(SetTolerance(leg));
-  PetscCall(TSSetTolerances(ts, PETSC_DEFAULT, leg->tolerance, leg->rtol, leg->none));
+  PetscCall(
+      TSSetTolerances(ts, PETSC_DEFAULT, leg->tolerance, leg->ease.times * leg->rtol, leg->none));
   PetscFunctionReturn(0);
 }
 
@@ -538,6 +539,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, Leg
   PetscFunctionBegin;
   PetscCall(PetscMemzero(leg, sizeof(*leg)));
   leg->rtol = rtol;
+  leg->ease.most = leg->ease.times = 1;
   PetscCall(RodCreate(scene, model, &leg->rod));
   PetscCall(RodFindUnits(leg->rod));
   LoadShareLeast(&scene->load, scene->units.speed);

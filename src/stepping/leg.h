@@ -4,6 +4,13 @@
 
 #include "stepping/newton.h"
 
+/* The tolerance of steps, as it follows the estimate: see tolerance.c. */
+typedef struct {
+  PetscReal most;   /* so many times rtol it may be; 1: it is that */
+  PetscReal times;  /* so many times it is */
+  PetscReal others; /* by how much contact puts the rod off */
+} Ease;
+
 typedef struct {
   Rod rod;
   TS ts; /* its application context is the leg */
@@ -12,6 +19,7 @@ typedef struct {
   Vec held;            /* tolerance, without turns; NULL: VBDFSetHeld() is not told */
   Vec tolerance, none; /* none: 0, the part of the tolerance relative to each entry */
   PetscReal rtol;
+  Ease ease;
   PetscReal size[MAX_FIELDS]; /* of the fields, to which the tolerance of this step refers */
   PetscBool turns;            /* along axes that follow the rod (rod/sizes.c) */
   PetscReal axes[2];          /* those of this step */

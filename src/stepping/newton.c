@@ -420,13 +420,23 @@ static PetscErrorCode MultiplyDirection(Mat J, Vec Y, Vec JY) {
   PetscFunctionReturn(0);
 }
 
+/* What solves for the steps of Newton's method. */
+static PetscErrorCode SolverOf(TS ts, KSP *ksp, PC *pc) {
+  SNES snes;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetSNES(ts, &snes));
+  PetscCall(SNESGetKSP(snes, ksp));
+  PetscCall(KSPGetPC(*ksp, pc));
+  PetscFunctionReturn(0);
+}
+
 /* A matrix that is not there: its equations are eliminated as they are computed. Where friction
    feels the spin of a rod modes are counted in another one (rod/space.c), and so they are where a
    tip is held at rest, whose last cell else had no friction at one end alone. */
 static PetscErrorCode SetElimination(TS ts, Newton *newton) {
   Rod rod = newton->rod;
   PetscInt nodes = rod->end - rod->first, n = nodes * rod->model->fields;
-  SNES snes;
   KSP ksp;
   PC pc;
 
@@ -435,9 +445,7 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
   PetscCall(
       MatCreateShell(rod->scene->comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, newton, &newton->J));
   PetscCall(MatShellSetOperation(newton->J, MATOP_MULT, (void (*)(void))MultiplyDirection));
-  PetscCall(TSGetSNES(ts, &snes));
-  PetscCall(SNESGetKSP(snes, &ksp));
-  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(SolverOf(ts, &ksp, &pc));
   PetscCall(EliminationSetType(pc, newton->elimination));
   if ((rod->model->space && rod->scene->load.radius > 0) || TipHolds(&rod->scene->tip, 1))
     PetscCall(EliminationCreate(rod->scene->comm, nodes, rod->model->halves, &newton->counter));
@@ -447,17 +455,14 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
 /* The matrix of a rod on one rank that touches itself, and its solver. */
 static PetscErrorCode SetBlockLU(TS ts, Newton *newton) {
   const Rod rod = newton->rod;
-  SNES snes;
   KSP ksp;
   PC pc;
 
   PetscFunctionBegin;
   PetscCall(BlockLUCreate(rod->last + 1, rod->model->fields,
                           (PetscBool)(rod->scene->tip.type != TIP_FREE), &newton->J));
-  PetscCall(TSGetSNES(ts, &snes));
-  PetscCall(SNESGetKSP(snes, &ksp));
-  PetscCall(KSPGetPC(ksp, &pc));
-  PetscCall(BlockLUSetType(pc));
+  PetscCall(SolverOf(ts, &ksp, &pc));
+  PetscCall(BlockLUSetSolver(ksp));
   PetscFunctionReturn(0);
 }
 

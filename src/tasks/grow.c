@@ -32,6 +32,9 @@ static const OptionRow rows[] = {
         "-ts_rtol", "1e-6", 1e-13, 0.5, UNIT_NONE, 0,
         "tolerance of a step, per field, against the field's present size; 1e-5 where the rod can "
         "touch something"),
+    ROW_REAL("-contact_rtol", "", 1e-13, 0.5, UNIT_NONE, 0,
+             "what the tolerance of a step may be eased to while errors of steps are small beside "
+             "those of contact and mesh; if not given 10 times -ts_rtol, unless that is given"),
     ROW_REAL("-output_interval", "", 1e-9, 1e9, UNIT_TIME, 0,
              "time between stored shapes; if not given, -output_shapes decides"),
     ROW_INT("-output_shapes", "40", 1, 1e6, PASSING,
@@ -235,6 +238,18 @@ static PetscErrorCode GetOn(Grow *self) {
   PetscFunctionReturn(0);
 }
 
+/* The estimate goes on, and the tolerance with it. */
+static PetscErrorCode FollowErrors(Grow *self, PetscBool jumped) {
+  PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEEN], rigid[RIGID_VALUES];
+
+  PetscFunctionBegin;
+  PetscCall(EstimateStep(self->estimate, jumped, self->pressed));
+  if (!self->estimate || self->now->ease.most <= 1 || !self->pressed) PetscFunctionReturn(0);
+  EstimateLatest(self->estimate, part, rigid);
+  ToleranceFollow(self->rtol, (const PetscReal(*)[ESTIMATE_SEEN])part, &self->now->ease);
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   PetscReal before = self->seen.t, norm = self->seen.norm_x2, folds = self->folds;
   PetscInt iterations = 0, jumps = 0;
@@ -252,8 +267,7 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
                                                   before, t));
     if (broken || IsThin(self, before) || (layered && before == 0))
       ObserverClose(self->observer, &last, broken);
-    if (self->now == &self->leg[WholeModel(self)])
-      PetscCall(EstimateStep(self->estimate, jumped, self->pressed));
+    if (self->now == &self->leg[WholeModel(self)]) PetscCall(FollowErrors(self, jumped));
     self->now->jumps = jumps;
     if (jumped && !layered) self->snaps++;
   }
@@ -271,6 +285,7 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   self->seen.step = t - before;
   self->seen.newton_iterations = iterations;
   self->seen.model = self->now - self->leg;
+  GrowFollowErrors(self, &last, jumped);
   PetscCall(OutputSeries(self->output, &self->seen));
   PetscCall(GrowSensitivitiesObserve(self, t, U, U_t));
   PetscFunctionReturn(0);
@@ -371,6 +386,7 @@ static PetscErrorCode AddLeg(Grow *self, PetscInt model) {
   PetscFunctionBegin;
   PetscCall(LegCreate(self->scene, ModelOf(self, model), self->rtol, leg));
   leg->owner = self;
+  leg->ease.most = self->eased / self->rtol;
   PetscCall(TSSetMaxTime(leg->ts, self->scene->end_time));
   PetscCall(TSSetPostStep(leg->ts, AfterStep));
   PetscCall(LegEndAtTurns(leg));
@@ -450,11 +466,29 @@ static PetscErrorCode ChooseModel(Grow *self) {
 
 /* A rod that slides along an edge jerks, by next to nothing, for each place of the mesh that comes
    to it or leaves it: steps of the usual tolerance would follow that, two to four times as many,
-   and the tip be nearer by less than a hundredth of what contact's own stiffness puts it off. */
+   and the tip be nearer by less than a hundredth of what contact's own stiffness puts it off.
+   Whether even this is finer than need be, the estimate tells (ToleranceFollow()). */
 static PetscErrorCode ChooseTolerance(Grow *self) {
+  const PetscReal eases = 10;
+  const PetscBool touches = self->scene->contact.any;
+  PetscBool given, eased;
+
   PetscFunctionBegin;
-  if (self->scene->contact.any) PetscCall(OptionDefault("-ts_rtol", "1e-5"));
+  PetscCall(OptionGiven("-ts_rtol", &given));
+  PetscCall(AccuracyTolerance());
+  if (touches) PetscCall(OptionDefault("-ts_rtol", "1e-5"));
   PetscCall(OptionReal("-ts_rtol", &self->rtol, NULL));
+  if (touches && !given) PetscCall(OptionDefault("-contact_rtol", "%.3g", eases * self->rtol));
+  PetscCall(OptionReal("-contact_rtol", &self->eased, &eased));
+  UserCheck(touches || !eased, OptionsComm(),
+            "-contact_rtol: there is nothing to touch; give -wall_file, or -contact_self");
+  UserCheck(!eased || self->eased >= self->rtol, OptionsComm(),
+            "-contact_rtol %g: is below -ts_rtol, %g, and steps are never finer than that; give "
+            "a smaller -ts_rtol",
+            (double)self->eased, (double)self->rtol);
+  /* of a run gone on with, both are as they were, but for what is given anew */
+  if (!eased || (OptionOnCommandLine("-ts_rtol") && !OptionOnCommandLine("-contact_rtol")))
+    self->eased = self->rtol;
   SceneAtTolerance(self->scene, self->rtol);
   PetscFunctionReturn(0);
 }
@@ -660,6 +694,7 @@ static PetscErrorCode Begin(Grow *self, const char *output) {
   UserCheck(!event.kind, self->scene->comm, "-stop_%s: it is so at the start already",
             event_name[event.kind]);
   PetscCall(OutputCreate(output, self->scene, &self->output)); /* after all refusals */
+  if (GrowFollowsErrors(self)) PetscCall(OutputFollows(self->output));
   if (self->member) PetscCall(OutputKeep(self->output, self->member->series, self->member->shapes));
   PetscCall(Observe(self, 0, NULL, NULL));
   self->now = &self->leg[BetterModel(self)];
@@ -700,6 +735,7 @@ static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *
             OptionBoth(state->t, UNIT_TIME, text), restart);
   PetscCall(
       OutputContinue(output, restart, self->scene, state->t, self->output_interval, &self->output));
+  if (GrowFollowsErrors(self)) PetscCall(OutputFollows(self->output));
   PetscCall(Store(self, PETSC_FALSE));
   if (!self->quiet)
     PetscCall(PetscPrintf(self->scene->comm, "goes on from t = %s of %s, into %s\n",

@@ -7,10 +7,11 @@
 /* Pressed in by this part of its diameter the rod is no longer where walls say, and with forces so
    many times the usual ones (world/contact.h) that is no matter of how soft contact is. A rod
    without one: so many times the length over which contact spreads a force that acts at a point.
-   Contact that gets firmer does not let it in so far: there it is jammed by a force that presses
-   soft contact in by half of the diameter, which is 500 times the usual one. (Rods that run in next
-   to head-on, and come through, are pressed by it three times as hard as by soft contact.) */
-static const PetscReal too_deep = 0.2, too_deep_firm = 0.5, too_deep_thin = 2, many_times = 10;
+   Contact that gets firmer does not let it in so far: there it is jammed by a force that would
+   press it in, were it as soft there as where it is touched, by so many times the layer of contact:
+   this is 500 times the usual one. (Rods that run in next to head-on, and come through, are pressed
+   by it three times as hard as by soft contact.) */
+static const PetscReal too_deep = 0.2, too_deep_firm = 250, too_deep_thin = 2, many_times = 10;
 /* So many steps in contact in which the rod grows, at the speed 1, by no more than this part of its
    length; one that does not grow has its tip led. (A snap takes some hundred from next to nothing
    on. Rods that are wedged chatter: their steps of 1e-9 find some balance or other, and add up to
@@ -28,7 +29,7 @@ PetscBool GrowPressedHard(const Grow *self) {
 /* Is it farther in a wall, or in itself, than a law of contact may let it? */
 static PetscBool PressedDeep(const Contact *contact, const Observation *seen) {
   const PetscReal most = contact->diameter <= 0 ? too_deep_thin * contact->tip
-                         : contact->firm        ? too_deep_firm * contact->diameter
+                         : contact->firm        ? too_deep_firm * contact->smooth
                                                 : too_deep * contact->diameter;
   return (PetscBool)(ContactSoftDepth(contact, seen->penetration) > most);
 }

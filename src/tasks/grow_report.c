@@ -167,25 +167,76 @@ static PetscErrorCode TellContact(const Grow *self) {
   PetscFunctionReturn(0);
 }
 
+/* Which of what is seen is off most. */
+static int Worst(const PetscReal seen[ESTIMATE_SEEN]) {
+  int worst = 0;
+
+  for (int k = 1; k < ESTIMATE_SEEN; k++)
+    if (seen[k] > seen[worst]) worst = k;
+  return worst;
+}
+
+/* What the last state may be off in, and where in the run most was. */
+static PetscErrorCode TellSeen(const Grow *self) {
+  static const char *const name[ESTIMATE_SEEN] = {"tip", "|x2|", "energy"},
+                           *const why[WHYS] = {"its mesh",        "its steps",
+                                               "exact friction",  "contact that is not rigid",
+                                               "it touches then", "it lets go then",
+                                               "it snaps then"};
+  const ErrorEstimate *error = &self->error;
+  const PetscReal *end = error->end.seen;
+  const int k = Worst(error->most.seen);
+  char text[64], at[96] = "";
+
+  PetscFunctionBegin;
+  OptionBoth(error->when[k], UNIT_TIME, text);
+  if (error->when[k] > 0)
+    (void)snprintf(at, sizeof(at), " at t = %s: %s", text, why[error->why[k]]);
+  PetscCall(PetscPrintf(
+      self->scene->comm,
+      "errors at the end: tip %.1e, |x2| %.1e, energy %.1e; the largest of the run: %s %.1e%s\n",
+      (double)end[ESTIMATE_TIP], (double)end[ESTIMATE_NORM], (double)end[ESTIMATE_ENERGY], name[k],
+      (double)error->most.seen[k], at));
+  PetscFunctionReturn(0);
+}
+
+/* What rigid contact would do, to first order: where contact is off by more, nothing is known. */
+static PetscErrorCode TellRigid(const Grow *self) {
+  const ErrorEstimate *error = &self->error;
+  const PetscReal *rigid = error->rigid, known = 0.1;
+  char text[4][32], third[40] = "";
+
+  PetscFunctionBegin;
+  if (!self->pressed || error->end.part[ESTIMATE_SOFT] > known) PetscFunctionReturn(0);
+  if (self->scene->space.rod)
+    (void)snprintf(third, sizeof(third), ", %s", OptionNumber(rigid[RIGID_TIP + 2], text[2]));
+  PetscCall(PetscPrintf(
+      self->scene->comm, "in rigid contact, to first order: tip (%s, %s%s), energy %s\n",
+      OptionNumber(rigid[RIGID_TIP], text[0]), OptionNumber(rigid[RIGID_TIP + 1], text[1]), third,
+      OptionNumber(rigid[RIGID_ENERGY], text[3])));
+  PetscFunctionReturn(0);
+}
+
 /* How large its errors may be. */
 static PetscErrorCode TellErrors(const Grow *self, PetscInt snaps) {
   const ErrorEstimate *error = &self->error;
+  const Errors *end = &error->end;
   MPI_Comm comm = self->scene->comm;
-  const PetscReal defect = self->seen.energy_defect, told = 0.01;
+  const PetscReal defect = self->seen.energy_defect;
   char friction[32] = "", soft[32] = "";
 
   PetscFunctionBegin;
   PetscCall(PetscPrintf(comm, "energy defect %.1e", (double)defect));
   if (error->kind != ESTIMATE_NONE)
-    PetscCall(PetscPrintf(comm, ", error estimate %.1e", (double)error->all));
+    PetscCall(PetscPrintf(comm, ", error estimate %.1e", (double)end->all));
   if (self->scene->load.limit)
     (void)snprintf(friction, sizeof(friction), ", friction %.1e",
-                   (double)error->part[ESTIMATE_LIMIT]);
+                   (double)end->part[ESTIMATE_LIMIT]);
   if (self->pressed)
-    (void)snprintf(soft, sizeof(soft), ", contact %.1e", (double)error->part[ESTIMATE_SOFT]);
+    (void)snprintf(soft, sizeof(soft), ", contact %.1e", (double)end->part[ESTIMATE_SOFT]);
   if (error->kind == ESTIMATE_MEASURED)
-    PetscCall(PetscPrintf(comm, " (space %.1e, time %.1e%s%s)", (double)error->part[ESTIMATE_SPACE],
-                          (double)error->part[ESTIMATE_TIME], friction, soft));
+    PetscCall(PetscPrintf(comm, " (space %.1e, time %.1e%s%s)", (double)end->part[ESTIMATE_SPACE],
+                          (double)end->part[ESTIMATE_TIME], friction, soft));
   else if (error->kind == ESTIMATE_FITTED)
     PetscCall(PetscPrintf(comm, " (a fit)"));
   if (snaps) PetscCall(PetscPrintf(comm, "; %d snap%s", (int)snaps, snaps > 1 ? "s" : ""));
@@ -193,11 +244,10 @@ static PetscErrorCode TellErrors(const Grow *self, PetscInt snaps) {
     PetscCall(
         PetscPrintf(comm, "; viscous share %.0e", (double)(1 - self->scene->load.friction.mu)));
   PetscCall(PetscPrintf(comm, "\n"));
-  if (error->kind == ESTIMATE_MEASURED && error->all > told)
-    PetscCall(PetscPrintf(comm,
-                          "The estimate is that large for: tip %.1e, |x2| %.1e, energy %.1e.\n",
-                          (double)error->seen[ESTIMATE_TIP], (double)error->seen[ESTIMATE_NORM],
-                          (double)error->seen[ESTIMATE_ENERGY]));
+  if (error->kind == ESTIMATE_MEASURED) {
+    PetscCall(TellSeen(self));
+    PetscCall(TellRigid(self));
+  }
   PetscCall(AccuracyTell(error, self->rtol, self->now->rod, comm));
   if (defect > 1e-3)
     PetscCall(PetscPrintf(

@@ -3,6 +3,7 @@
 #define TENDRIL_GROWING_H
 
 #include "stepping/estimate.h"
+#include "stepping/tolerance.h"
 #include "tasks/crawl.h"
 #include "tasks/member.h"
 
@@ -30,6 +31,7 @@ typedef struct {
   Sensitivities sensitivities; /* NULL: none are asked for */
   Observation seen;            /* of the latest step */
   PetscReal rtol, output_interval, next_output;
+  PetscReal eased;        /* what rtol may be at most, as the estimate says */
   PetscReal stored_shape; /* time of the latest shape handed to the output */
   PetscReal report_at;    /* time of the next progress line */
   PetscInt iterations;    /* of the leg so far */
@@ -40,14 +42,17 @@ typedef struct {
   PetscReal energy_folds; /* of the energy of the linear model, up and down */
   PetscReal weighed;      /* the folds, by what they weigh in its energy */
   PetscBool pressed;      /* there has been contact */
-  ErrorEstimate error;    /* as GrowErrors() has found it */
-  PetscReal depth;        /* largest penetration so far */
-  PetscInt snaps;         /* of this run, and of what it goes on with */
-  PetscReal way;          /* how far the run has come, in time and as the rod has moved */
-  PetscInt crossings;     /* of these, its start was crossed by */
-  PetscReal crossed;      /* what steps that cross its start have changed, see GrowCross() */
-  PetscBool gave_way;     /* its start did, at once: a jump in that layer */
-  PetscBool layered;      /* steps have crossed the layer of its start, from here: */
+  ErrorEstimate error; /* as GrowErrors() has found it; when and why of what was largest so far */
+  PetscReal largest[ESTIMATE_SEEN]; /* that error, beyond the start */
+  PetscReal event_at;               /* when it last touched, let go or snapped; 0: never */
+  int event_is;                     /* which, as WHY_TOUCH */
+  PetscReal depth;                  /* largest penetration so far */
+  PetscInt snaps;                   /* of this run, and of what it goes on with */
+  PetscReal way;                    /* how far the run has come, in time and as the rod has moved */
+  PetscInt crossings;               /* of these, its start was crossed by */
+  PetscReal crossed;  /* what steps that cross its start have changed, see GrowCross() */
+  PetscBool gave_way; /* its start did, at once: a jump in that layer */
+  PetscBool layered;  /* steps have crossed the layer of its start, from here: */
   Observation began;
   PetscBool vanished;      /* |x2| has fallen below the numbers that there are */
   PetscInt blind;          /* steps that have crossed a mode that grows (LegCrosses()) */
@@ -76,6 +81,8 @@ extern const RodModel *const grow_models[MODELS];
 void GrowCross(Grow *self, const Observation *last, PetscReal before, PetscBool layered);
 void GrowKeepErrors(const Grow *self, PetscReal kept[RESTART_BESIDE]);
 void GrowTakeErrors(Grow *self, const PetscReal kept[RESTART_BESIDE]);
+PetscBool GrowFollowsErrors(const Grow *self);
+void GrowFollowErrors(Grow *self, const Observation *last, PetscBool jumped);
 PetscErrorCode GrowErrors(Grow *self);
 
 /* grow_events.c */
