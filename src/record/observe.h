@@ -41,7 +41,7 @@
   X(inflections, "1", "sign changes of the curvature along the rod")                               \
   X(self_crossings, "1", "points in which the rod crosses itself")                                 \
   X(step, "l/V", "size of the step that led here")                                                 \
-  X(newton_iterations, "1", "Newton iterations of that step, rejected tries and snaps included")   \
+  X(newton_iterations, "1", "Newton iterations of that step, rejected tries included")             \
   X(model, "1", "model of that step: 0 linear, 1 frame, 2 mixed, 3 space")                         \
   X(error_tip, "1", "estimated error of the tip's place, over its distance from the clamp")        \
   X(error_norm_x2, "1", "estimated relative error of |x2|, in space of the larger of |x2|, |x3|")  \

@@ -493,16 +493,14 @@ static PetscErrorCode SetFirstStep(Leg *leg) {
   const Scene scene = leg->rod->scene;
   const SceneUnits *units = &scene->units;
   const PetscBool straight = (PetscBool)(scene->shape.type == SHAPE_STRAIGHT);
-  PetscReal first = first_of_unit * units->time;
-  const PetscReal own =
-      PetscMin(first, PetscMax((straight ? straight_of_own : first_of_own) * units->own,
-                               first_of_brief * units->brief));
+  PetscReal first = first_of_unit * units->time,
+            own = (straight ? straight_of_own : first_of_own) * units->own;
 
   PetscFunctionBegin;
   if (LoadIsDry(&scene->load))
-    PetscCall(VBDFSetAgain(leg->ts, own));
+    PetscCall(VBDFSetAgain(leg->ts, units->own, PetscMin(first, own)));
   else if (!(straight && scene->contact.any))
-    first = own;
+    first = PetscMin(first, PetscMax(own, first_of_brief * units->brief));
   PetscCall(TSSetTimeStep(leg->ts, first));
   PetscFunctionReturn(0);
 }
@@ -516,14 +514,14 @@ static PetscErrorCode TakeOptions(TS ts) {
   PetscFunctionReturn(0);
 }
 
-/* No friction holds a rod in space from turning about its own tangent if it has no radius at which it
-   feels that, nor does it hold what of such a turn lies within a cell: in dry friction, where
+/* No friction holds a rod in space from turning about its own tangent if it has no radius at which
+   it feels that, nor does it hold what of such a turn lies within a cell: in dry friction, where
    nothing else takes time, such turns may jump. */
 static PetscErrorCode FreeTurns(Leg *leg) {
   PetscFunctionBegin;
   if (!leg->rod->model->space || !LoadIsDry(&leg->rod->scene->load)) PetscFunctionReturn(0);
   PetscCall(VecDuplicate(leg->U, &leg->held));
-  PetscCall(VBDFSetHeld(leg->ts, leg->held));
+  PetscCall(VBDFSetHeld(leg->ts, leg->held, (PetscBool)(leg->rod->scene->load.radius == 0)));
   PetscFunctionReturn(0);
 }
 
@@ -577,8 +575,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, Leg
   if (fixed && !given)
     PetscCall(TSSetMaxSNESFailures(leg->ts, 10)); /* a fixed step does not help itself */
   PetscCall(VBDFSetScale(leg->ts, scene->units.brief));
-  PetscCall(VBDFSetResolves(leg->ts,
-                            (PetscBool)(LoadIsDry(&scene->load) || !scene->contact.any)));
+  PetscCall(VBDFSetResolves(leg->ts, (PetscBool)(LoadIsDry(&scene->load) || !scene->contact.any)));
   PetscCall(FreeTurns(leg));
   PetscCall(VBDFSetFactored(leg->ts, model->fields, model->group));
   PetscCall(MeasureAlongAxes(leg));

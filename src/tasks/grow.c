@@ -1003,7 +1003,8 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
       "spin back, and where it then goes is not determined; %s; give the radius at which "
       "friction feels the spin, -friction_radius",
       text[0], kept);
-  if (!waves) AdviseGivingWay(self, advice, sizeof(advice));
+  if (!waves) AdviseConduit(self, advice, sizeof(advice));
+  if (!advice[0]) AdviseGivingWay(self, advice, sizeof(advice));
   UserCheck(
       reason == TS_CONVERGED_TIME || !self->now->crosses, comm,
       "gave up at t = %s: the rod gives way faster than a step of %s can follow, to which side "
