@@ -478,7 +478,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   PetscFunctionBegin;
   PetscCall(PetscMemzero(leg, sizeof(*leg)));
   leg->rtol = rtol;
-  leg->ease.most = leg->ease.times = 1;
+  leg->ease.most = leg->ease.wants = leg->ease.times = 1;
   PetscCall(RodCreate(scene, model, &leg->rod));
   if (!prefix) PetscCall(RodFindUnits(leg->rod));
   PetscCall(DMCreateGlobalVector(leg->rod->da, &leg->U));

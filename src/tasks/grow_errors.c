@@ -156,7 +156,7 @@ void GrowFollowErrors(Grow *self, const Observation *last, PetscBool jumped) {
 
   if (!GrowFollowsErrors(self) || t == 0) return;
   EstimateLatest(self->estimate, part, rigid);
-  AccuracyMeasured(self->rtol, part, Beside(self), &error->end);
+  AccuracyMeasured(self->now->ease.times * self->rtol, part, Beside(self), &error->end);
   self->seen.error_tip = error->end.seen[ESTIMATE_TIP];
   self->seen.error_norm_x2 = error->end.seen[ESTIMATE_NORM];
   self->seen.error_energy = error->end.seen[ESTIMATE_ENERGY];
@@ -195,14 +195,14 @@ static PetscErrorCode Measure(Grow *self) {
 
   PetscFunctionBegin;
   PetscCall(EstimateTold(self->estimate, part));
-  AccuracyMeasured(self->rtol, part, Beside(self), &error->most);
+  AccuracyMeasured(self->now->ease.times * self->rtol, part, Beside(self), &error->most);
   error->most.all = 0;
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
     if (self->largest[k] > 0) error->most.seen[k] = self->largest[k];
     error->most.all = PetscMax(error->most.all, error->most.seen[k]);
   }
   EstimateLatest(self->estimate, part, change);
-  AccuracyMeasured(self->rtol, part, Beside(self), &error->end);
+  AccuracyMeasured(self->now->ease.times * self->rtol, part, Beside(self), &error->end);
   error->end.all = 0;
   for (int k = 0; k < ESTIMATE_SEEN; k++)
     error->end.all = PetscMax(error->end.all, error->end.seen[k]);
