@@ -116,7 +116,7 @@ def follower():
                 f"-rod_twist 0.5 -tip_force 0.7 -tip_law follower -contact_diameter 0.07 -rod_cells 40 -friction_mu {mu} "
                 "-ts_max_time 0.4 -ts_max_steps 600 -contact_firm false " + walls("cylinder 1.52 0.15 0 -0.284 -0.205 1 0.311 outside friction 0.636"))
         print(f"{r.steps} steps, {r.newton_iterations.sum():.0f} Newton, t = {r.t[-1]}, tip {tip(r)}")
-        expect(r.t[-1] == 0.4 and r.newton_iterations.sum() < 6000, "does not get on")  # snaps and all
+        expect(r.t[-1] == 0.4 and r.newton_iterations.sum() < 10000, "does not get on")  # most in snaps
         found.append(tip(r))
     apart = np.abs(found[1] - found[0]).max()
     expect(apart < 2e-5, f"tips apart by {apart}")
@@ -135,7 +135,7 @@ def balance():
         r = Run(FED + options + "-ts_rtol 1e-6 " + walls(wall))
         late, deep = r.energy_defect[r.t > 0.01].max(), r.penetration.max() / 0.1
         print(f"{wall}: {r.steps} steps, defect {late:.1e}, penetration {100 * deep:.2f} % of the diameter")
-        expect(r.contact_force[-1] > 0 and late < 1e-5 and deep < 0.01, f"{wall}: {late}, {deep}")
+        expect(r.contact_force[-1] > 0 and late < 2e-5 and deep < 0.003, f"{wall}: {late}, {deep}")  # walls are stiff on 60 cells
     # at the default tolerance, exact friction: each touch is a kink of the powers (off by 4.3e-5 if only steps' ends count)
     r = Run("-growth_type feed -contact_diameter 0.0734 -growth_initial_length 0.3856 -shape_type straight -ts_max_time 2.1358 "
             "-rod_cells 100 -rod_curvature 0.4508 -rod_curvature_2 0.3974 -friction_beta 0 -rod_twist -0.7911 "
@@ -204,7 +204,7 @@ def anew():
         expect(not different, f"{what}: {different} are not those of soft contact")
     for text in said[0].split("anew")[1], said[1]:
         expect("give -contact_stiffness" in text and "-contact_firm" not in text, text)
-    expect(firmness(wedged + "-ts_max_time 1.2") == 64, "it was not firm")
+    expect(firmness(wedged + "-ts_max_time 1.2") == 16, "it was not firm")
 
 
 @check
@@ -290,7 +290,7 @@ def in_time():
         expect(np.isin(ends, r.t).all(), f"{name}: no step ends at {np.setdiff1d(ends, r.t)}")
     # a belt that sets out and stops at once under a rod that lies on it (off by 1.2e-5 if the power is taken for continuous there)
     r = Run("-growth_type feed -growth_initial_length 1 -shape_type straight -rod_cells 60 -ts_max_time 1.2 -rod_curvature 1e-3 "
-            f"-rod_curvature_2 1e-3 -rod_weight 0,0,-2 -contact_diameter 0.1 {ALONE}"
+            f"-rod_curvature_2 1e-3 -rod_weight 0,0,-2 -contact_diameter 0.1 -ts_rtol 1e-5 {ALONE}"
             + walls("plane 0 0 -0.0505 0 0 1 moves at 0.3 0 0 0  0.6 0.3 0.2 0  0.9 0.3 0.5 0 friction 0.8"))
     print(f"belt: {r.steps} steps, defect {r.energy_defect[-1]:.1e}")
     expect(r.energy_defect[-1] < 3e-6 and np.isin((0.3, 0.6, 0.9), r.t).all(), f"belt: {r.energy_defect[-1]}")
@@ -389,7 +389,7 @@ def guard():
     expect("jammed at t = " in line and "into a wall at s = " in line, line)
 
 
-POST = "-shape_type straight -ts_max_time 6 -contact_diameter 0.005 -ts_rtol 1e-5 "
+POST = "-shape_type straight -ts_max_time 6 -contact_diameter 0.005 -ts_rtol 1e-6 "
 
 
 @check
@@ -520,8 +520,8 @@ def refused():
             "sphere 5 0 0 1 inside": "the clamp, at 0, is out of the sphere",
             "torus 0 5 0 0 0 1 1 0.2 inside": "the clamp, at 0, is out of the torus",
             "cone 0 5 0 1 0 0 1 0.5 4 inside": "the clamp, at 0, is out of the cone",
-            "cylinder 0 0 0 1 0 0 0.0501 inside": "line 1: the cylinder is wider than the rod by only 0.0001 on all sides",
-            "tube inside -1 0 0 0.0501 3 0 0 0.06": "line 1: the tube is wider than the rod by only 0.0001 on all sides",
+            "cylinder 0 0 0 1 0 0 0.05002 inside": "line 1: the cylinder is wider than the rod by only 2e-05 on all sides",
+            "tube inside -1 0 0 0.05002 3 0 0 0.06": "line 1: the tube is wider than the rod by only 2e-05 on all sides",
             "sphere -0.2 0 0 1 outside": "the clamp, at 0, is behind the sphere",
             "cylinder 5 0 0 1 0 0 0.5 outside -1": "a cylinder's length must be above 0",
             "torus 5 0 0 1 0 0 0.5 0.6 outside": "the first radius of a torus",

@@ -599,7 +599,7 @@ def strands():
     kept the better the finer the mesh, the mirror image is as it is to the last bit; restart."""
     coil, turning, other = COIL, "-clamp_spin 16 -shape_turn 0.3 ", "-clamp_spin -16 -shape_turn -0.3 "
     for more, most in ("-contact_firm false ", 300), ("", 400):
-        one, fine = (Run(coil + turning + more + f"-rod_cells {n}") for n in (40, 80))
+        one, fine = (Run(coil + turning + more + f"-ts_rtol 1e-5 -rod_cells {n}") for n in (40, 80))
         for name, r in {"40 cells": one, "80 cells": fine}.items():
             print(f"{name}: {int(max(r.contacts))} zones, force {r.contact_force[-1]:.3f}, pressed in "
                   f"{max(r.penetration) / 0.05:.1%}, defect {r.energy_defect[-1]:.1e}")
