@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What is told of errors in contact, at the end and over the run, beside what is true: random scenes of plane and space
-that touch, at the defaults, each against a reference with two of: a hundredth of the tolerance, contact a hundred times
-as stiff, twice the cells.
+that touch, at the defaults, each against two references with two at a time of: a hundredth of the tolerance, contact a
+hundred times as stiff, twice the cells. The larger difference counts.
 
     scripts/lab/coverage_contact.py --tendril build/tendril SEED COUNT [--kinds plane,head-on,walls,ropes]
                 [--first 0] [--store FILE.csv]
@@ -26,17 +26,17 @@ import fuzz_walls
 import numpy as np
 import stiffer
 
-LIMIT, REFERENCE_LIMIT, STEPS = 10, 40, 60
-PAIRS = (("steps", "stiff"), ("stiff", "cells"), ("steps", "cells"))
+LIMIT, REFERENCE_LIMIT, STEPS = 6, 20, 60
+PAIRS = (("steps", "stiff"), ("stiff", "cells"))
 SEEN = ("tip", "norm_x2", "energy")
-HEAD = ["seed", "kind", "number", "pair", *(f"{what}_{which}_{name}" for which in ("end", "most") for what in ("told", "true")
+HEAD = ["seed", "kind", "number", *(f"{what}_{which}_{name}" for which in ("end", "most") for what in ("told", "true")
                                             for name in SEEN), "when", "why", "options"]
 WANTED = "above the error", "within 10 times", "within 100 times, or below 1e-5"
 
 
 def plane(R, files):
     o = fuzz.contact_scene(fuzz.Draw(R.random()), False, files)
-    return {**o, "rod_cells": R.choice([60, 100, 160]), "ts_max_time": round(min(o["ts_max_time"], R.uniform(2, 6)), 3)}
+    return {**o, "rod_cells": R.choice([60, 100, 160]), "ts_max_time": round(min(o["ts_max_time"], R.uniform(3, 8)), 3)}
 
 
 def head_on(R, files):
@@ -51,9 +51,10 @@ def walls(R, files):
 
 
 def ropes(R, files):
-    draw = fuzz_ropes.Draw(R.random(), files.parent)
-    o = R.choice(list(fuzz_ropes.KINDS.values()))(draw)
-    return {**o, "rod_model": "space", "rod_cells": 40}
+    folder = files.parent / f"{files.name}-files"
+    folder.mkdir(exist_ok=True)
+    _, o = fuzz_ropes.scene(R.randrange(10**6), 0, folder, [R.choice(list(fuzz_ropes.KINDS))])
+    return o
 
 
 def with_walls(o, lines, files):
@@ -92,9 +93,9 @@ def true_over_run(run, fine):
     return np.min([coverage.errors_at(run, fine, len(run["t"]) - 1, points) for points in (2, 4)], axis=0), np.max(errors, axis=0)
 
 
-def measure(exe, options, pair, directory):
+def measure(exe, options, directory):
     """Told and true at the end, told and true over the run, when and why; or a text: what went wrong."""
-    file = str(directory / "run.h5")
+    file = str(directory / f"run-{coverage.os.getpid()}.h5")
     done = coverage.execute(exe, options, file, LIMIT)
     if done.returncode:
         return f"lost: {done.returncode} {done.stderr.strip()[-100:]}"
@@ -104,18 +105,17 @@ def measure(exe, options, pair, directory):
     with coverage.h5py.File(file) as f:
         run |= {f"error_{name}": f[f"series/error_{name}"][:] for name in SEEN if f"series/error_{name}" in f}
     run["natural"] = max(abs(float(options.get(k, 0))) for k in coverage.NATURAL)
-    fine = coverage.reference(exe, *swapped(directory, *reference_options(options, pair, run, attributes)))
-    if isinstance(fine, str):
-        return f"no reference: {fine[-100:]}"
+    true = []
+    for pair in PAIRS:
+        used, extra = reference_options(options, pair, run, attributes)
+        fine = coverage.reference(exe, used, directory, extra)
+        if isinstance(fine, str):
+            return f"no reference: {fine[-100:]}"
+        true.append(true_over_run(run, fine))
+    end, largest = np.max(true, axis=0)
     told = [np.array([float(attributes[f"error_{which}{name}"]) for name in SEEN]) for which in ("end_", "")]
     most = SEEN[int(np.argmax(told[1]))]
-    end, largest = true_over_run(run, fine)
-    return told[0], end, told[1], largest, f"{float(attributes[f'error_when_{most}']) / run['t'][-1]:.3f}", str(
-        coverage.np.bytes_(attributes[f"error_why_{most}"]).decode())
-
-
-def swapped(directory, used, extra):
-    return used, directory, extra
+    return told[0], end, told[1], largest, f"{float(attributes[f'error_when_{most}']) / run['t'][-1]:.3f}", attributes[f"error_why_{most}"].decode()
 
 
 def share(values):
@@ -131,7 +131,7 @@ def summary(kind, rows):
             ratio = np.minimum(a, 1) / np.maximum(np.minimum(b, 1), 1e-12)
             good = ratio >= 1
             lines.append(f"{kind} {which}, {of}: {len(rows)} scenes, above {share(good)}, within 10 {share(good & (ratio <= 10))}, "
-                         f"within 100 or below 1e-5 {share(good & ((ratio <= 100) | (a < 1e-5)))}; quartiles "
+                         f"within 100 or below 1e-5 {share(good & ((ratio <= 100) | (a < 1.01e-5)))}; quartiles "
                          + ", ".join(f"{q:.2g}" for q in np.quantile(ratio, (0.05, .25, .5, .75, .95)))
                          + f"; told 1 and more where it is below 1e-2: {np.sum((a >= 1) & (b < 1e-2))}, 0.1 and more: "
                          f"{np.sum((a >= .1) & (b < 1e-2))}")
@@ -158,19 +158,19 @@ def main():
     for i in range(choice.count):
         for kind, R in draws.items():
             files = directory / f"{kind}-{i}"
-            options, pair = KINDS[kind](R, files), PAIRS[R.randrange(3)]
+            options = KINDS[kind](R, files)
             if options is None or i < choice.first:
                 continue
             row = kept.get((str(choice.seed), kind, str(i)))
             if not row:
-                found = measure(choice.tendril, options, pair, directory)
+                found = measure(choice.tendril, options, directory)
                 words = coverage.words_of(options, directory, None)
                 if isinstance(found, str):
                     left_out[found.split(":")[0]] = left_out.get(found.split(":")[0], 0) + 1
                     print(kind, i, found, words, flush=True)
                     continue
                 numbers = [f"{v:.2e}" for group in (found[0], found[1], found[2], found[3]) for v in group]
-                row = dict(zip(HEAD, [choice.seed, kind, i, "+".join(pair), *numbers, *found[4:], words]))
+                row = dict(zip(HEAD, [choice.seed, kind, i, *numbers, *found[4:], words]))
                 if choice.store:
                     new = not choice.store.exists()
                     with choice.store.open("a", newline="") as file:

@@ -4,19 +4,19 @@
 #include <ctype.h>
 
 static const OptionRow rows[] = {
-    ROW_REAL("-rod_curvature", "0", -1e3, 1e3, UNIT_CURVATURE, 0,
+    ROW_REAL("-rod_curvature", "0", -1e9, 1e9, UNIT_CURVATURE, 0,
              "natural curvature of the whole rod, per length"),
-    ROW_REAL("-rod_curvature_2", "0", -1e3, 1e3, UNIT_CURVATURE, 0,
+    ROW_REAL("-rod_curvature_2", "0", -1e9, 1e9, UNIT_CURVATURE, 0,
              "natural curvature about d2, out of the plane of the other, which is about d3"),
-    ROW_REAL("-rod_twist", "0", -1e3, 1e3, UNIT_CURVATURE, 0,
+    ROW_REAL("-rod_twist", "0", -1e9, 1e9, UNIT_CURVATURE, 0,
              "natural twist about the tangent d1, in radians per length"),
-    ROW_REAL("-rod_curvature_random_2", "", 0, 1e3, UNIT_CURVATURE, 0,
+    ROW_REAL("-rod_curvature_random_2", "", 0, 1e9, UNIT_CURVATURE, 0,
              "the same as -rod_curvature_random about d2: of a rod in space"),
     ROW_TEXT("-rod_curvature_file", INPUT_FILE,
              "HDF5 file with the natural curvature, /curvature (in space also /curvature_2, "
              "/twist), over the label /s of a rod that grows "
              "in place, over the /distance from the tip of one that slides (feed, apical)"),
-    ROW_REAL("-rod_curvature_random", "", 0, 1e3, UNIT_CURVATURE, 0,
+    ROW_REAL("-rod_curvature_random", "", 0, 1e9, UNIT_CURVATURE, 0,
              "root mean square of a random natural curvature, per length"),
     ROW_REAL(
         "-rod_curvature_length", "0.1", 1e-4, 1e4, UNIT_LENGTH, PART,
@@ -230,27 +230,33 @@ PetscErrorCode CurvatureDestroy(Curvature *self) {
   PetscFunctionReturn(0);
 }
 
-/* One natural strain at a label and a time, and its rate for the material there (may be NULL). */
-static PetscErrorCode Value(const Strain *self, Growth growth, PetscReal s, PetscReal t,
-                            PetscReal *k, PetscReal *k_t) {
-  PetscReal weight[4], slope[4], at = s, at_t = 0;
+/* Where a table is to be read for the material at a label and a time, and the rate of that. */
+static PetscErrorCode OriginOf(Growth growth, PetscReal s, PetscReal t, PetscReal *at,
+                               PetscReal *at_t) {
+  PetscFunctionBegin;
+  *at = s;
+  *at_t = 0;
+  if (growth->slides) PetscCall(GrowthOrigin(growth, s, t, at, at_t));
+  PetscFunctionReturn(0);
+}
+
+/* One natural strain there, and its rate for the material (may be NULL). */
+static void Value(const Strain *self, PetscReal at, PetscReal at_t, PetscReal *k, PetscReal *k_t) {
+  const PetscBool changes = (PetscBool)(k_t && at_t != 0);
+  PetscReal weight[4], slope[4];
   PetscInt i;
 
-  PetscFunctionBegin;
   *k = self->constant;
   if (k_t) *k_t = 0;
-  if (!self->n) PetscFunctionReturn(0);
-  if (growth->slides) PetscCall(GrowthOrigin(growth, s, t, &at, &at_t));
+  if (!self->n) return;
   if (at < self->at[0] || at > self->at[self->n - 1]) {
     *k += self->k[at < self->at[0] ? 0 : self->n - 1];
-    PetscFunctionReturn(0);
+    return;
   }
-  SplineWeights(self->n, self->at, at, &i, weight, slope, NULL);
+  SplineWeights(self->n, self->at, at, &i, weight, changes ? slope : NULL, NULL);
   for (int j = 0; j < 2; j++) *k += weight[j] * self->k[i + j] + weight[2 + j] * self->k2[i + j];
-  if (!k_t || at_t == 0) PetscFunctionReturn(0);
-  for (int j = 0; j < 2; j++)
+  for (int j = 0; j < 2 && changes; j++)
     *k_t += at_t * (slope[j] * self->k[i + j] + slope[2 + j] * self->k2[i + j]);
-  PetscFunctionReturn(0);
 }
 
 /*
@@ -263,8 +269,12 @@ static PetscErrorCode Value(const Strain *self, Growth growth, PetscReal s, Pets
 */
 PetscErrorCode CurvatureValue(const Curvature *self, Growth growth, PetscReal s, PetscReal t,
                               PetscReal *k, PetscReal *k_t) {
+  const Strain *strain = &self->strain[BEND_3];
+  PetscReal at = s, at_t = 0;
+
   PetscFunctionBegin;
-  PetscCall(Value(&self->strain[BEND_3], growth, s, t, k, k_t));
+  if (strain->n) PetscCall(OriginOf(growth, s, t, &at, &at_t));
+  Value(strain, at, at_t, k, k_t);
   PetscFunctionReturn(0);
 }
 
@@ -296,9 +306,15 @@ PetscReal CurvatureRounding(const Curvature *self, PetscReal length) {
 PetscErrorCode CurvatureStrains(const Curvature *self, Growth growth, PetscReal s, PetscReal t,
                                 PetscReal u[3], PetscReal u_t[3]) {
   static const int place[STRAINS] = {[BEND_3] = 2, [BEND_2] = 1, [TURN_1] = 0};
+  PetscReal at = s, at_t = 0;
 
   PetscFunctionBegin;
   for (int k = 0; k < STRAINS; k++)
-    PetscCall(Value(&self->strain[k], growth, s, t, &u[place[k]], u_t ? &u_t[place[k]] : NULL));
+    if (self->strain[k].n) {
+      PetscCall(OriginOf(growth, s, t, &at, &at_t));
+      break;
+    }
+  for (int k = 0; k < STRAINS; k++)
+    Value(&self->strain[k], at, at_t, &u[place[k]], u_t ? &u_t[place[k]] : NULL);
   PetscFunctionReturn(0);
 }

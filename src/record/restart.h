@@ -8,7 +8,7 @@
 
 enum {
   RESTART_BESIDE = 13 + 3 * ESTIMATE_SEEN,
-  RESTART_STUCK = 7
+  RESTART_STUCK = 9
 }; /* as grow_errors.c and grow_jam.c have them */
 
 /* All reals, stored as one array, /restart/state; beside it the stepper's points, /restart/points,
@@ -23,6 +23,7 @@ typedef struct {
   PetscReal kick[MAX_FIELDS], kick_ends; /* of the leg: what a wall's kick is measured against */
   Observation seen, began;    /* at t; where steps began to cross the layer of the start */
   PetscReal folds, neglected; /* so far, for the estimate of the error */
+  PetscReal falls;            /* speed of a rod that snaps, SceneAtSpeed(); 0: it does not */
   PetscReal shared;           /* viscous share that friction was given, see LoadShareMore() */
   PetscReal counted[2];       /* so far: Newton iterations, rejected tries of steps */
   PetscReal firm;             /* 1: contact got firm, 0: it may, -1: it stays as it is */
@@ -31,7 +32,7 @@ typedef struct {
   PetscReal follows, errors_sum;                   /* are they? as sum, of /restart/errors */
   PetscReal beside[RESTART_BESIDE]; /* errors that are not followed, and what they follow from */
   PetscReal stuck[RESTART_STUCK];   /* since when, and in how many steps, it has got nowhere */
-  PetscReal time[VBDF_POINTS];      /* of the points */
+  PetscReal time[VBDF_POINTS];      /* of the points, since t */
   PetscReal balance[BALANCE_STATE]; /* of the energy balance */
   PetscReal sum;                    /* of the absolute values of all of it: a torn file shows */
 } RestartState;

@@ -7,6 +7,7 @@ struct _Touching {
   Strands strands;          /* of a rod in the plane, NULL: it does not touch itself */
   Strands3 strands3;        /* of a rod in space, likewise */
   PetscReal (*force)[PUSH]; /* per length, at nodes and middles of cells */
+  PetscInt likely;          /* the node that was nearest to a wall */
   PetscInt feet, room;      /* cells that have feet, in their order */
   TouchFeet *foot;
 };
@@ -136,7 +137,8 @@ static void Nearest(TouchSum *sum, PetscReal gap, PetscReal s, const PetscReal x
 static PetscBool Walls1(Touching self, const Spot *spot, PetscBool tip, PetscReal force[2],
                         TouchSum *sum) {
   const Contact *contact = &self->scene->contact;
-  const PetscReal gap = WallsGap(&contact->walls, spot->x, contact->diameter / 2);
+  const PetscReal within = PetscMax(contact->smooth, sum->nearest),
+                  gap = WallsGapWithin(&contact->walls, spot->x, contact->diameter / 2, within);
   PetscReal on_tip[2] = {0, 0};
   Touch touch[MOST_TOUCHES];
   PetscInt n = gap < contact->smooth ? ContactTouches(contact, spot->x, touch) : 0;
@@ -341,27 +343,43 @@ static PetscErrorCode LookAtStrands3(Touching self, PetscReal t, const Node *nod
   PetscFunctionReturn(0);
 }
 
+/* The last node that is not beyond a label. */
+static PetscInt NodeAt(const Mesh *mesh, PetscReal s) {
+  PetscInt low = 0, high = mesh->cells;
+
+  while (high > low) {
+    const PetscInt mid = (low + high + 1) / 2;
+    if (mesh->s[mid] <= s)
+      low = mid;
+    else
+      high = mid - 1;
+  }
+  return low;
+}
+
 /*
   TouchingLook - all that contact amounts to at one time. Not collective.
 
   nodes  cells + 1 nodes, all of the rod    moves  their rates are known
+  asks   if for powers alone, sum's gaps, depths and zones say nothing
   force  out, per length: at nodes and between them, 2 cells + 1, in the clamp's frame, in space
   with the couple about the tangent behind it; borrowed
 */
 PetscErrorCode TouchingLook(Touching self, PetscReal t, const Node *nodes, PetscBool moves,
-                            TouchSum *sum, const PetscReal (**force)[PUSH]) {
+                            TouchingAsks asks, TouchSum *sum, const PetscReal (**force)[PUSH]) {
   PetscFunctionBegin;
   PetscCall(SceneContactAt(self->scene, t));
   PetscCall(PetscMemzero(sum, sizeof(*sum)));
   self->feet = 0;
   PetscCall(PetscArrayzero(self->force, 2 * self->scene->mesh.cells + 1));
-  sum->nearest = PETSC_MAX_REAL;
+  sum->nearest = asks == TOUCHING_ALL ? PETSC_MAX_REAL : -PETSC_MAX_REAL;
   if (self->strands3) PetscCall(LookAtStrands3(self, t, nodes, moves, sum));
   if (self->scene->space.rod)
-    PetscCall(TouchingWalls3(self, self->scene, t, nodes, moves, self->force, sum));
+    PetscCall(TouchingWalls3(self, self->scene, t, nodes, moves, self->likely, self->force, sum));
   else if (self->scene->contact.walls.n)
     PetscCall(LookAtWalls(self, t, nodes, moves, sum));
   if (self->strands) PetscCall(LookAtStrands(self, t, nodes, moves, sum));
+  if (asks == TOUCHING_ALL) self->likely = NodeAt(&self->scene->mesh, sum->at[0]);
   *force = (const PetscReal(*)[PUSH])self->force;
   PetscFunctionReturn(0);
 }

@@ -52,8 +52,10 @@ static inline void PlanePart(const Node *node, PlaneNode *plane) {
     ((PetscReal *)plane)[k] = ((const PetscReal *)node)[k];
 }
 
-/* A field smaller than this has died away: its relative error is of no account. */
-static const PetscReal rod_vanished = 1e-280;
+/* A field smaller than this part of its unit has died away: its relative error is of no account.
+   (Far above the least number: forces and rates of such a field must still be numbers of all
+   digits.) */
+static const PetscReal rod_vanished = 1e-270;
 
 /* The larger of two sizes; one that is no number is infinite, and stays so. (Then the largest of
    many is the same in any order, and on all ranks, which else go different ways, and hang.) */
@@ -73,6 +75,13 @@ typedef struct {
   PetscBool iterates; /* it goes on in one: else what kinds of cells there are stays as it is */
   PetscBool counts;   /* modes are to be counted in it: symmetric if it can */
 } RodState;
+
+/* Tells one state of the unknowns and their rates from another. */
+typedef struct {
+  PetscReal t;
+  PetscObjectId id[2];
+  PetscObjectState state[2];
+} RodSeen;
 
 /* What the world does to a rod, in the clamp's frame. */
 typedef struct {
@@ -173,6 +182,7 @@ PetscErrorCode RodHoldTip(Rod rod);
 const char *RodRefusesSpace(Scene scene);
 PetscErrorCode RodOpen(Rod rod, Vec v, Vec *local, void *array);
 PetscErrorCode RodClose(Rod rod, Vec *local, void *array);
+PetscErrorCode RodRecognise(const RodState *at, RodSeen *seen, PetscBool *known);
 PetscErrorCode RodSumAlong(Rod rod, PetscInt n, PetscReal value[]);
 PetscErrorCode RodFieldSizes(Rod rod, Vec U, PetscReal size[MAX_FIELDS]);
 PetscErrorCode RodAxes(Rod rod, Vec U, const PetscReal size[MAX_FIELDS], PetscReal axes[2]);

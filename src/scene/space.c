@@ -8,11 +8,11 @@ static const OptionRow rows[] = {
              "C/B, torsional over bending stiffness about d2: 1/(1 + nu) of a round rod"),
     ROW_REAL("-rod_bend_ratio", "1", 1e-6, 1e6, UNIT_NONE, 0,
              "B3/B2, bending stiffness about d3 over that about d2"),
-    ROW_REAL("-friction_radius", "0", 0, 1e3, UNIT_LENGTH, 0,
+    ROW_REAL("-friction_radius", "0", 0, 1e6, UNIT_LENGTH, 0,
              "radius at which friction feels that the rod spins about its tangent; 0: it does not"),
     ROW_TEXT("-tip_force_vector", 0,
              "a,b,c: dead force on the tip, a vector in the laboratory, beside -tip_force"),
-    ROW_REAL("-tip_torque", "0", -1e6, 1e6, UNIT_ENERGY, 0,
+    ROW_REAL("-tip_torque", "0", -1e9, 1e9, UNIT_ENERGY, 0,
              "moment about d1 of the tip, that turns with it"),
     ROW_REAL(
         "-clamp_spin", "0", -1e6, 1e6, UNIT_ANGLE, 0,
@@ -138,7 +138,7 @@ const char *SpaceClampOption(const Space *self) {
 
 /* SpaceClampTurn - the quaternion of the clamp at time t, in its own frame at the start. */
 void SpaceClampTurn(const Space *self, const Load *load, PetscReal t, PetscReal p[4]) {
-  const PetscReal turn = SpaceClampAngle(self, load->stopped ? load->stopped_at : t);
+  const PetscReal turn = SpaceClampAngle(self, t);
 
   p[0] = PetscCosReal(turn / 2);
   p[1] = PetscSinReal(turn / 2);

@@ -21,10 +21,8 @@
   (each over itself): that of the latest state, and the largest so far.
 */
 enum { LEAST_CELLS = 8, CELLS = 48 }; /* of the run; of the coarse mesh, about */
-enum { SELDOM = 4 }; /* steps from one time to the next, while straight or in contact */
-static const PetscReal fast = 0.02;    /* ... unless directions have moved so far since */
-static const PetscReal small = 0.05;   /* of a larger error linear equations say nothing */
-enum { DEFECTS = 2 };                  /* such times from one measurement of defects to the next */
+enum { SELDOM = 4 };  /* steps from one time to the next, while straight or in contact */
+enum { DEFECTS = 2 }; /* such times from one measurement of defects to the next */
 static const PetscReal longest = 0.8;  /* arc length of a coarse cell, where the mesh allows */
 static const PetscReal straight = 0.3; /* angle */
 static const PetscReal kink_error = 3; /* of the local error of a step that is not smooth in time */
@@ -47,7 +45,6 @@ struct _Estimate {
   PetscBool touches;                  /* the rod does, or did */
   PetscInt stride, nodes;             /* of the coarse mesh */
   PetscInt since;                     /* steps */
-  PetscReal moved;                    /* since then: directions, over their size */
   PetscInt rejected, watch;           /* tries, so far; steps to be looked at one by one */
   PetscReal before, size[MIRRORS];    /* when e was stepped last, and |x2|, |x3| then */
   PetscReal time, latest[MIRRORS];    /* of the latest step, and the largest x2, x3 at it */
@@ -82,19 +79,22 @@ static PetscErrorCode CreateGathered(const Estimate self, Gathered *g) {
   PetscFunctionReturn(0);
 }
 
-/* Every stride-th node, the tip in any case; an even number, for defects are those of two cells. */
-static PetscErrorCode Coarsen(Estimate self, const Scene scene, PetscInt stride) {
-  PetscInt cells = scene->mesh.cells, most = cells / CELLS;
-  PetscReal h = scene->reach / cells, length = longest;
+/* How many cells of the run a coarse one has: an even number, for defects are those of two cells.
+   Where that is longer than the layer over which contact presses, at a length of the rod, it is
+   one: between longer ones a place where the rod touches would be lost, and what it holds go
+   astray. */
+static PetscInt Stride(const Estimate self, PetscReal reach) {
+  const Scene scene = self->leg->rod->scene;
+  const PetscReal h = reach / scene->mesh.cells, half = scene->contact.tip / 2;
+  PetscInt most = scene->mesh.cells / CELLS;
+  PetscReal length = longest;
 
-  PetscFunctionBegin;
   if (self->touches) {
-    length = PetscMin(longest, scene->contact.tip);
-    most = cells;
+    if (2 * h > half) return 1;
+    length = PetscMin(longest, half);
+    most = scene->mesh.cells;
   }
-  self->stride = stride ? stride : 2 * PetscMax(1, PetscMin(most, (PetscInt)(length / h)) / 2);
-  self->nodes = (cells + self->stride - 1) / self->stride + 1;
-  PetscFunctionReturn(0);
+  return 2 * PetscMax(1, PetscMin(most, (PetscInt)(length / h)) / 2);
 }
 
 static PetscInt FineNode(const Estimate self, PetscInt k) {
@@ -104,15 +104,12 @@ static PetscInt FineNode(const Estimate self, PetscInt k) {
 /* Far parts of the rod see each other: that is no line of neighbours. */
 static PetscErrorCode CreateMatrix(Estimate self) {
   const PetscBool held = (PetscBool)(self->scene->tip.type != TIP_FREE);
-  PC pc;
 
   PetscFunctionBegin;
   if (BlockLUCan(self->nodes, self->fields)) {
     PetscCall(BlockLUCreate(self->nodes, self->fields, held, &self->J));
     PetscCall(KSPCreate(PETSC_COMM_SELF, &self->ksp));
-    PetscCall(KSPSetType(self->ksp, KSPPREONLY));
-    PetscCall(KSPGetPC(self->ksp, &pc));
-    PetscCall(BlockLUSetType(pc));
+    PetscCall(BlockLUSetSolver(self->ksp));
     PetscFunctionReturn(0);
   }
   PetscCall(RodCreateMatrix(self->rod, &self->J));
@@ -182,14 +179,14 @@ static PetscErrorCode DestroyCoarse(Estimate self) {
   PetscFunctionReturn(0);
 }
 
-/* Chooses the mesh, with all that is on it. stride: that of the run gone on with; 0: there is none.
- */
+/* The mesh of every stride-th node, the tip in any case, with all that is on it. */
 static PetscErrorCode ChooseMesh(Estimate self, PetscInt stride) {
   Rod rod = self->leg->rod;
   PetscMPIInt rank;
 
   PetscFunctionBegin;
-  PetscCall(Coarsen(self, rod->scene, stride));
+  self->stride = stride;
+  self->nodes = (rod->last + stride - 1) / stride + 1;
   PetscCall(CreateGathered(self, &self->own));
   PetscCallMPI(MPI_Comm_rank(rod->scene->comm, &rank));
   if (!rank) PetscCall(CreateCoarse(self, rod->scene));
@@ -215,7 +212,7 @@ PetscErrorCode EstimateCreate(Leg *leg, Estimate *estimate) {
   self->followed = self->model->halves[0];
   self->mirrors = self->model->space ? 2 : 1;
   PetscCall(PetscCalloc1(leg->rod->end - leg->rod->first, &self->defect));
-  PetscCall(ChooseMesh(self, 0));
+  PetscCall(ChooseMesh(self, Stride(self, leg->rod->scene->reach)));
   PetscFunctionReturn(0);
 }
 
@@ -245,14 +242,13 @@ static void Interpolate(PetscInt fields, PetscInt m, const PetscReal *from, cons
   }
 }
 
-/* The rod touches something for the first time: its errors go on on another mesh. Collective. */
+/* Errors go on on another mesh. Collective. */
 static PetscErrorCode Refine(Estimate self, PetscInt stride) {
   PetscReal *s = NULL, *old = NULL;
   PetscInt n = self->nodes, size = n * self->fields;
   PetscBool here = (PetscBool)(self->rod != NULL);
 
   PetscFunctionBegin;
-  self->touches = PETSC_TRUE;
   self->until = 0;
   if (here) {
     PetscCall(PetscMalloc2(n, &s, ESTIMATE_PARTS * size, &old));
@@ -267,6 +263,22 @@ static PetscErrorCode Refine(Estimate self, PetscInt stride) {
     Interpolate(self->fields, n, s, old + part * size, self->nodes, self->scene->mesh.s,
                 self->e[part]);
   PetscCall(PetscFree2(s, old));
+  PetscFunctionReturn(0);
+}
+
+/* The first contact, and longer cells or a shorter layer later, ask for another mesh. Collective.
+ */
+static PetscErrorCode LookAtLayer(Estimate self, PetscReal t) {
+  const PetscBool first = (PetscBool)!self->touches;
+  PetscReal length;
+  PetscInt stride;
+
+  PetscFunctionBegin;
+  if (!first && (self->stride == 1 || self->since)) PetscFunctionReturn(0);
+  self->touches = PETSC_TRUE;
+  PetscCall(GrowthLength(self->leg->rod->scene->growth, t, &length, NULL));
+  stride = Stride(self, length);
+  if (first || 2 * stride <= self->stride) PetscCall(Refine(self, stride));
   PetscFunctionReturn(0);
 }
 
@@ -634,8 +646,8 @@ static PetscBool IsEarly(const Estimate self, PetscReal t, int k) {
   return (PetscBool)(t - self->began[k] <= early * self->leg->rod->scene->end_time);
 }
 
-/* What is told is at most 1; an error that is no small one any more goes on as one that is, for of
-   larger ones the linear equations say nothing. What was seen early fades as time goes on,
+/* Beyond 1 an error is no small one any more, and the linear equations say nothing. What was seen
+   early fades as time goes on,
 
     start(t) = max(seen(t), start(before) before / t),
 
@@ -651,20 +663,21 @@ static PetscErrorCode Keep(Estimate self, PetscReal t, int part) {
   PetscCall(See(self, t, e, seen, change));
   if (part == ESTIMATE_SOFT) PetscCall(PetscArraycpy(self->rigid, change, RIGID_VALUES));
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
+    PetscReal *worst = &self->worst[part][k], told;
     if (PetscIsInfOrNanReal(seen[k])) seen[k] = most = PETSC_MAX_REAL;
     if (seen[k] == none) self->began[k] = t;
     if (began[k] == 0 || !IsEarly(self, t, k)) most = PetscMax(most, seen[k]);
+    told = seen[k] == none ? 0 : PetscMin(1, seen[k]);
     if (seen[k] == none)
       start[k] = 0;
     else if (IsEarly(self, t, k))
-      start[k] =
-          PetscMax(PetscMin(1, seen[k]), start[k] * (self->before - began[k]) / (t - began[k]));
+      start[k] = PetscMax(told, start[k] * (self->before - began[k]) / (t - began[k]));
     else
-      self->worst[part][k] = PetscMax(self->worst[part][k], PetscMin(1, seen[k]));
-    self->now[part][k] = PetscMin(1, PetscMax(0, seen[k]));
+      *worst = PetscMax(*worst, told);
+    self->now[part][k] = told;
   }
-  for (PetscInt i = 0; i < self->nodes * self->fields && most > small; i++)
-    e[i] = most < PETSC_MAX_REAL ? small * e[i] / most : 0;
+  for (PetscInt i = 0; i < self->nodes * self->fields && most > 1; i++)
+    e[i] = most < PETSC_MAX_REAL ? e[i] / most : 0;
   PetscFunctionReturn(0);
 }
 
@@ -690,14 +703,17 @@ static void TakeErrors(Estimate self, int part, const PetscReal ratio[GROUPS], P
 /* A step of backward Euler from before to t. (A'/A is that at t: with its mean over the step, which
    is another where the rate changes, errors would rise or fall against x2.) */
 static PetscErrorCode Advance(Estimate self, PetscReal t) {
+  const Friction *law = &self->leg->rod->scene->load.friction;
   PetscReal size[MIRRORS], rate[MIRRORS], ratio[GROUPS], step = t - self->before, shift[MAX_FIELDS];
 
   PetscFunctionBegin;
   Sizes(self, size, rate);
   Ratios(size, self->size, ratio);
   PetscCall(PetscArraycpy(self->size, size, MIRRORS));
-  self->scene->load.friction.mu =
-      self->leg->rod->scene->load.friction.mu; /* a snap may change it */
+  self->scene->load.friction.mu = law->mu; /* a snap may change it */
+  self->scene->load.friction.viscous = law->viscous;
+  self->scene->load.friction.least = law->least;
+  SceneAtSpeed(self->scene, self->leg->rod->scene->falls);
   PetscCall(PutState(self));
   TakeContact(self);
   for (PetscInt f = 0; f < self->fields; f++) {
@@ -750,19 +766,9 @@ static PetscErrorCode LookForKink(Estimate self, PetscReal *times_error) {
   PetscFunctionReturn(0);
 }
 
-/* By what part of their size a step has turned directions: in a snap, much. Collective. */
-static PetscErrorCode Move(Estimate self, PetscReal step, const PetscReal size[MAX_FIELDS]) {
-  PetscReal rate[MAX_FIELDS];
-
-  PetscFunctionBegin;
-  PetscCall(RodFieldSizes(self->leg->rod, self->leg->newton.latest.U_t, rate));
-  self->moved += step * Angle(self, rate) / PetscMax(Angle(self, size), rod_vanished);
-  PetscFunctionReturn(0);
-}
-
 /* Is it too early to step e again? */
 static PetscBool Waits(const Estimate self, PetscReal t, const PetscReal size[MAX_FIELDS]) {
-  return (PetscBool)(self->since < SELDOM && !self->watch && self->moved < fast &&
+  return (PetscBool)(self->since < SELDOM && !self->watch &&
                      (self->touches || Angle(self, size) < straight) &&
                      t < self->leg->rod->scene->end_time);
 }
@@ -795,14 +801,13 @@ PetscErrorCode EstimateStep(Estimate self, PetscBool jumped, PetscBool touches) 
   PetscFunctionBegin;
   if (!self) PetscFunctionReturn(0);
   PetscCall(TSGetTime(self->leg->ts, &t));
-  if (touches && !self->touches) PetscCall(Refine(self, 0));
+  if (touches) PetscCall(LookAtLayer(self, t));
   PetscCall(RodFieldSizes(self->leg->rod, self->leg->U, size));
   Across(self, size, across);
   PetscCall(LookForKink(self, &times_error));
   Ratios(across, self->latest, ratio);
   if (!jumped) PetscCall(AddLocal(self, times_error, ratio));
   PetscCall(PetscArraycpy(self->latest, across, MIRRORS));
-  if (self->touches) PetscCall(Move(self, t - self->time, size));
   self->time = t;
   self->since++;
   if (Waits(self, t, size)) PetscFunctionReturn(0);
@@ -812,7 +817,6 @@ PetscErrorCode EstimateStep(Estimate self, PetscBool jumped, PetscBool touches) 
   PetscCall(PetscArrayzero(self->own.local, 2 * self->nodes * self->followed)); /* and skipped */
   self->before = t;
   self->since = 0;
-  self->moved = 0;
   PetscCall(Share(self));
   PetscFunctionReturn(0);
 }
@@ -925,7 +929,6 @@ static void Remembered(Estimate self, PetscReal *number[ESTIMATE_NUMBERS]) {
 
   number[n++] = &self->before;
   number[n++] = &self->time;
-  number[n++] = &self->moved;
   for (int k = 0; k < MIRRORS; k++) {
     number[n++] = &self->size[k];
     number[n++] = &self->latest[k];
@@ -967,6 +970,7 @@ PetscErrorCode EstimateKeep(Estimate self, PetscReal memory[ESTIMATE_MEMORY],
   memory[1] = (PetscReal)self->since;
   memory[2] = (PetscReal)self->watch;
   memory[3] = (PetscReal)self->until;
+  memory[4] = (PetscReal)self->stride;
   Remembered(self, number);
   for (int k = 0; k < ESTIMATE_NUMBERS; k++) memory[ESTIMATE_COUNTS + k] = *number[k];
   for (int part = 0; part < ESTIMATE_PARTS; part++)
@@ -987,7 +991,8 @@ PetscErrorCode EstimateTake(Estimate self, const PetscReal memory[ESTIMATE_MEMOR
   PetscReal *number[ESTIMATE_NUMBERS];
 
   PetscFunctionBegin;
-  if (memory[0] != 0 && !self->touches) PetscCall(Refine(self, (PetscInt)memory[0]));
+  self->touches = (PetscBool)(memory[0] != 0);
+  if (self->stride != (PetscInt)memory[4]) PetscCall(Refine(self, (PetscInt)memory[4]));
   self->since = (PetscInt)memory[1];
   self->watch = (PetscInt)memory[2];
   self->until = (PetscInt)memory[3];

@@ -14,8 +14,8 @@ enum { RIGID_TIP, RIGID_ENERGY = 3, RIGID_VALUES };
 
 /* What is kept of it for a restart: what is counted, numbers, and errors as states of the rod. */
 enum {
-  ESTIMATE_COUNTS = 4,
-  ESTIMATE_NUMBERS = 3 + 3 * MIRRORS + (1 + 2 * ESTIMATE_PARTS) * ESTIMATE_SEEN + RIGID_VALUES
+  ESTIMATE_COUNTS = 5,
+  ESTIMATE_NUMBERS = 2 + 3 * MIRRORS + (1 + 2 * ESTIMATE_PARTS) * ESTIMATE_SEEN + RIGID_VALUES
 };
 enum { ESTIMATE_MEMORY = ESTIMATE_COUNTS + ESTIMATE_NUMBERS, ESTIMATE_KEPT = ESTIMATE_PARTS + 2 };
 

@@ -166,18 +166,20 @@ PetscReal AccuracyTimes(int part) {
   largest of a run, an upper estimate of their parts, of what is seen and of all: they are off by a
   factor of 2 or 3, as a rule.
 
-  rtol    of the steps: none of them is without an error
+  least   of the steps: none of them is without an error
   beside  what comes on top of them
 */
-void AccuracyMeasured(PetscReal rtol, PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN],
-                      PetscReal beside, Errors *error) {
+void AccuracyMeasured(const PetscReal least[ESTIMATE_SEEN],
+                      PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN], PetscReal beside,
+                      Errors *error) {
   error->all = beside;
   for (int i = 0; i < ESTIMATE_SEEN; i++) error->seen[i] = beside;
   for (int k = 0; k < ESTIMATE_PARTS; k++) {
-    error->part[k] = k == ESTIMATE_TIME ? rtol : 0;
+    error->part[k] = 0;
     for (int i = 0; i < ESTIMATE_SEEN; i++) {
       PetscReal here = PetscMin(1, AccuracyTimes(k) * worst[k][i]);
-      error->seen[i] += PetscMax(here, k == ESTIMATE_TIME ? rtol : 0);
+      if (k == ESTIMATE_TIME) here = PetscMax(here, least[i]);
+      error->seen[i] += here;
       error->part[k] = PetscMax(error->part[k], here);
     }
     error->all += error->part[k];

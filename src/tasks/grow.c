@@ -3,7 +3,6 @@
 #include "tasks/grow.h"
 #include "base/signals.h"
 #include "rod/passing.h"
-#include "stepping/snap.h"
 #include "tasks/growing.h"
 #include <signal.h>
 
@@ -174,7 +173,7 @@ static PetscErrorCode Neglect(Grow *self, Vec U_t) {
 }
 
 /* Jumps before this part of what short steps are part of cross the layer of a start, and are no
-   snaps unless they were followed (controller.c). A first step that ends in it is one of a start
+   snaps (controller.c). A first step that ends in it is one of a start
    out of balance: what is lost on the way to its end goes by rates that nothing tells, for a start
    has none. */
 static const PetscReal initial_layer = 1e-6;
@@ -208,31 +207,34 @@ static PetscBool IsThin(const Grow *self, PetscReal t) {
   return (PetscBool)(t < PetscSqr(PetscSqr(width)));
 }
 
-/* Counts a blind jump to what is seen now, from what was seen last, before, or from behind the snap
-   that was followed in between. */
-static PetscErrorCode CountBlind(Grow *self, const Observation *last, PetscReal before,
-                                 PetscBool layered, Vec behind) {
-  Observation from = *last;
-
-  PetscFunctionBegin;
-  if (behind) PetscCall(ObserverLook(self->observer, self->now->rod, before, behind, &from));
-  GrowCross(self, &from, before, layered, (PetscBool)(behind != NULL));
-  PetscFunctionReturn(0);
-}
-
 static PetscReal BaseForce(const Observation *seen) {
   return hypot(hypot(seen->base_force_1, seen->base_force_2), seen->base_force_3);
 }
 
-/* Newton iterations since they were counted last, those of snaps too. */
+/* Newton iterations since they were counted last. */
 static PetscErrorCode CountIterations(Grow *self, PetscInt *iterations) {
-  const PetscInt before = self->iterations, snaps = self->of_snaps;
+  const PetscInt before = self->iterations;
 
   PetscFunctionBegin;
-  PetscCall(LegIterations(self->now, &self->iterations));
-  self->of_snaps = self->now->nested;
+  PetscCall(TSGetSNESIterations(self->now->ts, &self->iterations));
   *iterations = self->iterations - before;
-  self->of_step = *iterations - (self->of_snaps - snaps);
+  PetscFunctionReturn(0);
+}
+
+/* What a rod moves so much faster than it grows counts as much as growth does. */
+static const PetscReal counts_as = 10;
+
+/* How far has the step brought the run on: in time, and by what the rod has moved in it, for one
+   that snaps gets on while time all but stands still. Counts snaps. Collective. */
+static PetscErrorCode GetOn(Grow *self) {
+  PetscReal speed;
+  PetscBool begins;
+
+  PetscFunctionBegin;
+  PetscCall(LegSpeed(self->now, &speed, &begins));
+  self->way += self->seen.step * (1 + speed / counts_as);
+  self->snaps += begins;
+  if (begins && !self->scene->load.shared) (void)LoadShareMore(&self->scene->load);
   PetscFunctionReturn(0);
 }
 
@@ -250,16 +252,15 @@ static PetscErrorCode FollowErrors(Grow *self, PetscBool jumped) {
 
 static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   PetscReal before = self->seen.t, norm = self->seen.norm_x2, folds = self->folds;
-  PetscInt iterations = 0, jumps = 0, blind = 0;
-  PetscBool jumped = PETSC_FALSE, blindly = PETSC_FALSE, layered, broken;
+  PetscInt iterations = 0, jumps = 0;
+  PetscBool jumped = PETSC_FALSE, layered, broken;
   Observation last = self->seen;
-  Vec behind = NULL;
 
   PetscFunctionBegin;
   layered = (PetscBool)(t <= initial_layer * self->scene->units.brief);
   if (U) {
     PetscCall(CountIterations(self, &iterations));
-    PetscCall(VBDFGetJumps(self->now->ts, &jumps, &blind));
+    PetscCall(VBDFGetJumps(self->now->ts, &jumps));
     jumped = (PetscBool)(jumps > self->now->jumps);
     if (jumped && layered) self->gave_way = PETSC_TRUE;
     broken = (PetscBool)(jumped || LedRoundCorner(self->scene, (PetscBool)(last.contact_force > 0),
@@ -268,15 +269,12 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
       ObserverClose(self->observer, &last, broken);
     if (self->now == &self->leg[WholeModel(self)]) PetscCall(FollowErrors(self, jumped));
     self->now->jumps = jumps;
-    blindly = (PetscBool)(blind > self->now->blind);
-    self->now->blind = blind;
-    PetscCall(VBDFGetBehindSnap(self->now->ts, &behind));
-    if (jumped && (behind || !(layered && blindly))) self->snaps++;
+    if (jumped && !layered) self->snaps++;
   }
   PetscCall(ObserverMeasure(self->observer, self->now->rod, t, U, U_t, U ? self->now->ts : NULL,
                             &self->seen));
   self->force_before = BaseForce(&last);
-  if (blindly) PetscCall(CountBlind(self, &last, before, layered, behind));
+  if (jumped) GrowCross(self, &last, before, layered);
   if (norm > rod_vanished && self->seen.norm_x2 > rod_vanished)
     self->folds += PetscAbsReal(PetscLogReal(self->seen.norm_x2 / norm));
   if (norm > rod_vanished && self->seen.norm_x2 <= rod_vanished) self->vanished = PETSC_TRUE;
@@ -323,17 +321,13 @@ static PetscBool HeldTwice(const Grow *self) {
   return (PetscBool)(RubsOnWalls(self) && 1 - self->scene->load.friction.mu < 1e-3);
 }
 
-/* Does it crawl, and a viscous share of its friction is no help? */
 static PetscBool Crawls(Grow *self) {
-  Load *load = &self->scene->load;
-
   if (self->seen.t >= self->scene->end_time) return PETSC_FALSE;
-  self->crawl.soon = LoadMayCrawl(load);
   self->crawl.counts = (PetscBool)(GotFirm(&self->scene->contact) || RubsOnWalls(self));
-  return (PetscBool)(CrawlStep(&self->crawl, self->seen.t,
+  return (PetscBool)(CrawlStep(&self->crawl, self->seen.t, self->way,
                                crawl_part * PetscMin(self->seen.length, self->end),
-                               self->of_step) &&
-                     !LoadShareSlight(load) && !self->crawl.allowed);
+                               (PetscInt)self->seen.newton_iterations) &&
+                     !self->crawl.allowed);
 }
 
 /* Does the run, or this model of it, end with the step just taken? */
@@ -372,6 +366,7 @@ static PetscErrorCode AfterStep(TS ts) {
     if (self->event.kind) U = here[0], U_t = here[1];
   }
   PetscCall(Observe(self, t, U, U_t));
+  PetscCall(GetOn(self));
   PetscCall(StoreDueShapes(self, t, U));
   if (self->event.kind) PetscCall(VecCopy(U, self->now->U)); /* the run ends there */
   for (int k = 0; k < 2; k++) PetscCall(VecDestroy(&here[k]));
@@ -389,12 +384,11 @@ static PetscErrorCode AddLeg(Grow *self, PetscInt model) {
   Leg *leg = &self->leg[model];
 
   PetscFunctionBegin;
-  PetscCall(LegCreate(self->scene, ModelOf(self, model), self->rtol, NULL, leg));
+  PetscCall(LegCreate(self->scene, ModelOf(self, model), self->rtol, leg));
   leg->owner = self;
   leg->ease.most = self->eased / self->rtol;
   PetscCall(TSSetMaxTime(leg->ts, self->scene->end_time));
   PetscCall(TSSetPostStep(leg->ts, AfterStep));
-  if (model != LINEAR) PetscCall(VBDFSetSnap(leg->ts, SnapFollow));
   PetscCall(LegEndAtTurns(leg));
   PetscFunctionReturn(0);
 }
@@ -430,12 +424,11 @@ static PetscErrorCode HandOver(Grow *self, Leg *to) {
   PetscCall(VBDFGetHistory(from->ts, &n, times, old, &order));
   for (PetscInt i = 0; i < n; i++) {
     PetscCall(VecDuplicate(to->U, &new[i]));
-    PetscCall(Convert(from, to, times[i], old[i], new[i]));
+    PetscCall(Convert(from, to, t + times[i], old[i], new[i]));
   }
   PetscCall(VBDFSetHistory(to->ts, n, times, new, order));
   for (PetscInt i = 0; i < n; i++) PetscCall(VecDestroy(&new[i]));
-  PetscCall(LegIterations(to, &self->iterations));
-  self->of_snaps = to->nested;
+  PetscCall(TSGetSNESIterations(to->ts, &self->iterations));
   self->now = to;
   if (!self->quiet)
     PetscCall(PetscPrintf(self->scene->comm, "t = %s: from the %s to the %s model\n",
@@ -728,6 +721,7 @@ static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *
   PetscCall(RestartTakeErrors(restart, state, self->estimate));
   GrowTakeErrors(self, state->beside);
   GrowTakeStuck(self, state->stuck);
+  if (state->falls > 0) SceneAtSpeed(self->scene, state->falls);
   PetscCall(PetscArraycpy(self->counted, state->counted, 2));
   self->folds = state->folds;
   self->seen = state->seen;
@@ -792,12 +786,6 @@ static PetscErrorCode Destroy(Grow *self) {
   PetscFunctionReturn(0);
 }
 
-/* A larger viscous share of friction for a rod that has one, a slight one for one that has none. */
-static PetscBool ShareMore(Grow *self) {
-  Load *load = &self->scene->load;
-  return (PetscBool)((load->shared && LoadShareMore(load)) || LoadShareSlight(load));
-}
-
 /* Steps to the end, from model to model. Where a rod in dry friction finds no step, it tries again
    with a viscous share, or a larger one, in steps from this part of the run on. */
 static const PetscReal begins_again = 1e-9;
@@ -807,8 +795,8 @@ static PetscErrorCode Follow(Grow *self, TSConvergedReason *reason) {
   for (;;) {
     PetscCall(TSSolve(self->now->ts, self->now->U));
     PetscCall(TSGetConvergedReason(self->now->ts, reason));
-    if (self->now->interrupted) self->stopped = self->now->interrupted;
-    if (*reason < 0 && !self->stopped && ShareMore(self)) {
+    if (*reason < 0 && !self->stopped && LoadMaySlip(&self->scene->load) &&
+        LoadShareMore(&self->scene->load)) {
       PetscCall(TSRestartStep(self->now->ts));
       PetscCall(TSSetTimeStep(self->now->ts, begins_again * self->scene->end_time));
       continue;
@@ -846,14 +834,14 @@ static PetscErrorCode End(Grow *self, PetscBool finished) {
   PetscFunctionReturn(0);
 }
 
-/* Does a rod in space turn about itself far faster than anything drives it, as far as it is seen or
-   in a snap? Where friction does not feel the spin nothing says how it gives way. */
+/* Does a rod in space turn about itself far faster than anything drives it? Where friction does not
+ * feel the spin nothing says how it gives way. */
 static PetscBool SpinsFreely(const Grow *self) {
   const Scene scene = self->scene;
   const PetscReal driven = PetscAbsReal(scene->space.spin) + 1 / self->seen.length, far = 1e4;
 
-  return (PetscBool)(self->now->spins || (scene->space.rod && scene->load.radius == 0 &&
-                                          PetscAbsReal(self->seen.tip_spin) > far * driven));
+  return (PetscBool)(scene->space.rod && scene->load.radius == 0 &&
+                     PetscAbsReal(self->seen.tip_spin) > far * driven);
 }
 
 /* Is a rod that touches still straight, and does nothing say to which side it bends? (A load or a
@@ -1087,6 +1075,7 @@ static PetscErrorCode CreateAndRun(Grow *self, const char *output, const char *r
     if (!error) error = Run(self, &anew);
     PetscCall(Destroy(self));
     PetscCall(error);
+    SceneAtSpeed(self->scene, 0);
     if (anew) self->scene->load = load;
     if (anew) PetscCall(ContactStaysSoft(&self->scene->contact));
   } while (anew);

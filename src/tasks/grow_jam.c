@@ -41,9 +41,8 @@ PetscBool GrowIsJammed(Grow *self) {
   const Contact *contact = &self->scene->contact;
   const Observation *seen = &self->seen;
 
-  if (!contact->any || seen->contacts == 0 ||
-      seen->t > self->window_time + progress * seen->length) {
-    self->window_time = seen->t;
+  if (!contact->any || seen->contacts == 0 || self->way > self->window + progress * seen->length) {
+    self->window = self->way;
     self->window_steps = 0;
   } else
     self->window_steps++;
@@ -62,9 +61,9 @@ static const PetscReal gets_on = 1e-2;
   that it gets nowhere? The same on every rank. If so, it begins to count anew.
 */
 PetscBool GrowSlips(Grow *self) {
-  if (!self->scene->load.shared || self->scene->load.across >= 1 ||
-      self->seen.t > self->slips_at + gets_on * self->scene->end_time) {
-    self->slips_at = self->seen.t;
+  if (!LoadMaySlip(&self->scene->load) ||
+      self->way > self->slips_at + gets_on * self->scene->end_time) {
+    self->slips_at = self->way;
     self->slips_steps = 0;
   } else
     self->slips_steps++;
@@ -76,24 +75,28 @@ PetscBool GrowSlips(Grow *self) {
 
 /* GrowKeepStuck - for a restart: since when the run has got nowhere, and in how many steps. */
 void GrowKeepStuck(const Grow *self, PetscReal kept[RESTART_STUCK]) {
-  kept[0] = self->crawl.time;
+  kept[0] = self->crawl.way;
   kept[1] = self->crawl.half;
   kept[2] = (PetscReal)self->crawl.steps;
   kept[3] = self->slips_at;
   kept[4] = (PetscReal)self->slips_steps;
-  kept[5] = self->window_time;
+  kept[5] = self->window;
   kept[6] = (PetscReal)self->window_steps;
+  kept[7] = self->way;
+  kept[8] = self->crawl.at;
 }
 
 /* GrowTakeStuck - goes on with that. */
 void GrowTakeStuck(Grow *self, const PetscReal kept[RESTART_STUCK]) {
-  self->crawl.time = kept[0];
+  self->crawl.way = kept[0];
   self->crawl.half = kept[1];
   self->crawl.steps = (PetscInt)kept[2];
   self->slips_at = kept[3];
   self->slips_steps = (PetscInt)kept[4];
-  self->window_time = kept[5];
+  self->window = kept[5];
   self->window_steps = (PetscInt)kept[6];
+  self->way = kept[7];
+  self->crawl.at = kept[8];
 }
 
 /*

@@ -61,7 +61,7 @@ PetscErrorCode GrowHeading(Grow *self) {
 }
 
 /* GrowShared - says from when on dry friction has a viscous share, or a larger one, if it has
-   (LoadShareMore(), LoadShareSlight()). Collective. */
+   (LoadShareMore()). Collective. */
 PetscErrorCode GrowShared(Grow *self, PetscReal t) {
   const Load *load = &self->scene->load;
   const PetscReal share = 1 - load->friction.mu;
@@ -70,19 +70,14 @@ PetscErrorCode GrowShared(Grow *self, PetscReal t) {
   PetscFunctionBegin;
   if (!load->shared || share == self->shared) PetscFunctionReturn(0);
   OptionBoth(t, UNIT_TIME, text);
-  if (!self->quiet && load->across >= 1)
-    PetscCall(PetscPrintf(self->scene->comm,
-                          "t = %s: dry friction hardly says how fast places of the rod begin to "
-                          "slide: from here on a part of %.0e of it is viscous\n",
-                          text, (double)share));
-  else if (!self->quiet && self->shared > 0)
+  if (!self->quiet && self->shared > 0)
     PetscCall(PetscPrintf(self->scene->comm,
                           "t = %s: the rod slips and sticks, again and again: from here on a part "
                           "of %.0e of dry friction is viscous\n",
                           text, (double)share));
   else if (!self->quiet)
     PetscCall(PetscPrintf(self->scene->comm,
-                          "t = %s: the rod snaps or crawls, and dry friction that is weaker across "
+                          "t = %s: the rod snaps or slips, and dry friction that is weaker across "
                           "(-friction_across %g) does not say how fast: from here on a part of "
                           "%.0e of it is viscous\n",
                           text, (double)load->across, (double)share));
@@ -223,7 +218,7 @@ static PetscErrorCode TellRigid(const Grow *self) {
 }
 
 /* How large its errors may be. */
-static PetscErrorCode TellErrors(const Grow *self, PetscInt jumps) {
+static PetscErrorCode TellErrors(const Grow *self, PetscInt snaps) {
   const ErrorEstimate *error = &self->error;
   const Errors *end = &error->end;
   MPI_Comm comm = self->scene->comm;
@@ -244,7 +239,7 @@ static PetscErrorCode TellErrors(const Grow *self, PetscInt jumps) {
                           (double)end->part[ESTIMATE_TIME], friction, soft));
   else if (error->kind == ESTIMATE_FITTED)
     PetscCall(PetscPrintf(comm, " (a fit)"));
-  if (jumps) PetscCall(PetscPrintf(comm, "; %d snap%s", (int)jumps, jumps > 1 ? "s" : ""));
+  if (snaps) PetscCall(PetscPrintf(comm, "; %d snap%s", (int)snaps, snaps > 1 ? "s" : ""));
   if (self->scene->load.shared)
     PetscCall(
         PetscPrintf(comm, "; viscous share %.0e", (double)(1 - self->scene->load.friction.mu)));
@@ -405,7 +400,7 @@ static PetscErrorCode TellStraight(const Grow *self) {
   PetscFunctionReturn(0);
 }
 
-/* GrowCount - Newton iterations, those of snaps too, and rejected tries of steps: of this run and
+/* GrowCount - Newton iterations and rejected tries of steps: of this run and
    of those that it goes on with. */
 PetscErrorCode GrowCount(const Grow *self, PetscReal counted[2]) {
   PetscInt n;
@@ -414,7 +409,7 @@ PetscErrorCode GrowCount(const Grow *self, PetscReal counted[2]) {
   for (int k = 0; k < 2; k++) counted[k] = self->counted[k];
   for (int m = 0; m < MODELS; m++)
     if (self->leg[m].ts) {
-      PetscCall(LegIterations(&self->leg[m], &n));
+      PetscCall(TSGetSNESIterations(self->leg[m].ts, &n));
       counted[0] += n;
       PetscCall(TSGetStepRejections(self->leg[m].ts, &n));
       counted[1] += n;
@@ -426,18 +421,13 @@ PetscErrorCode GrowCount(const Grow *self, PetscReal counted[2]) {
 PetscErrorCode GrowSummary(Grow *self) {
   const Observation *seen = &self->seen;
   const PetscBool space = self->scene->space.rod;
-  PetscInt steps, jumps = 0, n, blind;
+  PetscInt steps;
   PetscReal counted[2];
   char text[4][32];
   PetscLogDouble now;
 
   PetscFunctionBegin;
   PetscCall(TSGetStepNumber(self->now->ts, &steps));
-  for (int m = 0; m < MODELS; m++)
-    if (self->leg[m].ts) {
-      PetscCall(VBDFGetJumps(self->leg[m].ts, &n, &blind));
-      jumps += n;
-    }
   PetscCall(GrowCount(self, counted));
   PetscCall(PetscTime(&now));
   if (self->quiet) PetscFunctionReturn(0);
@@ -454,7 +444,7 @@ PetscErrorCode GrowSummary(Grow *self) {
   PetscCall(TellClamp(self));
   PetscCall(PetscPrintf(self->scene->comm, "%d steps, %d rejected, %d Newton iterations, %.3f s; ",
                         (int)steps, (int)counted[1], (int)counted[0], now - self->begin));
-  PetscCall(TellErrors(self, jumps));
+  PetscCall(TellErrors(self, self->snaps));
   PetscCall(TellSides(self));
   PetscCall(TellPlane(self));
   PetscCall(TellStraight(self));

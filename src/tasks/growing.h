@@ -31,11 +31,10 @@ typedef struct {
   Sensitivities sensitivities; /* NULL: none are asked for */
   Observation seen;            /* of the latest step */
   PetscReal rtol, output_interval, next_output;
-  PetscReal eased;               /* what rtol may be at most, as the estimate says */
-  PetscReal stored_shape;        /* time of the latest shape handed to the output */
-  PetscReal report_at;           /* time of the next progress line */
-  PetscInt iterations, of_snaps; /* of the leg so far: those of snaps in it, and in them alone */
-  PetscInt of_step;              /* of the latest step without them */
+  PetscReal eased;        /* what rtol may be at most, as the estimate says */
+  PetscReal stored_shape; /* time of the latest shape handed to the output */
+  PetscReal report_at;    /* time of the next progress line */
+  PetscInt iterations;    /* of the leg so far */
   PetscReal counted[2];   /* iterations and rejected tries of the runs that it goes on with */
   PetscReal folds;        /* of |x2|, up and down, so far */
   PetscReal neglects;     /* part that the linear model leaves out, or would, now */
@@ -49,6 +48,7 @@ typedef struct {
   int event_is;                     /* which, as WHY_TOUCH */
   PetscReal depth;                  /* largest penetration so far */
   PetscInt snaps;                   /* of this run, and of what it goes on with */
+  PetscReal way;                    /* how far the run has come, in time and as the rod has moved */
   PetscInt crossings;               /* of these, its start was crossed by */
   PetscReal crossed;  /* what steps that cross its start have changed, see GrowCross() */
   PetscBool gave_way; /* its start did, at once: a jump in that layer */
@@ -62,10 +62,10 @@ typedef struct {
   Watch watch;
   PetscReal shared;   /* viscous share of friction that has been told, see LoadShareMore() */
   PetscBool slips;    /* it does all the same, without end: the run ends for that */
-  PetscReal slips_at; /* t when it last got on, and steps since: see grow_jam.c */
+  PetscReal slips_at; /* the way when it last got on, and steps since: see grow_jam.c */
   PetscInt slips_steps;
-  PetscBool jammed;      /* the run ends for that */
-  PetscReal window_time; /* when the rod last grew, and steps since: see grow_jam.c */
+  PetscBool jammed; /* the run ends for that */
+  PetscReal window; /* the way when it last got on, and steps since: see grow_jam.c */
   PetscInt window_steps;
   Crawl crawl;
   PetscReal force_before; /* on the clamp, of the state before that which was seen last */
@@ -78,8 +78,7 @@ typedef struct {
 extern const RodModel *const grow_models[MODELS];
 
 /* grow_errors.c */
-void GrowCross(Grow *self, const Observation *last, PetscReal before, PetscBool layered,
-               PetscBool followed);
+void GrowCross(Grow *self, const Observation *last, PetscReal before, PetscBool layered);
 void GrowKeepErrors(const Grow *self, PetscReal kept[RESTART_BESIDE]);
 void GrowTakeErrors(Grow *self, const PetscReal kept[RESTART_BESIDE]);
 PetscBool GrowFollowsErrors(const Grow *self);

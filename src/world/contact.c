@@ -5,7 +5,7 @@ static const OptionRow rows[] = {
         "-wall_file", INPUT_FILE,
         "text file of walls, one a line: plane, circle, polygon or path; in space plane, sphere, "
         "cylinder, cone, torus, tube or body (docs/world.md)"),
-    ROW_REAL("-contact_diameter", "0", 0, 1e3, UNIT_LENGTH, 0,
+    ROW_REAL("-contact_diameter", "0", 0, 1e6, UNIT_LENGTH, 0,
              "D, of the rod: walls meet its surface, and with -contact_self it meets itself"),
     ROW_BOOL("-contact_self", "false", 0, "parts of the rod cannot pass through each other"),
     ROW_REAL("-contact_friction", "0", 0, 100, UNIT_NONE, 0,
@@ -68,7 +68,7 @@ PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
   PetscCall(ContactMayGetFirm(contact));
   contact->rub = *friction;
   contact->rub.mu = 1;
-  contact->rub.more = 0;
+  contact->rub.viscous = contact->rub.least = 0;
   if (walls)
     PetscCall(WallsRead(file, contact->diameter / 2, contact->friction, clamp_angle,
                         &contact->walls, &contact->surfaces));

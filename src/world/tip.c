@@ -64,8 +64,10 @@ PetscErrorCode TipSetFromOptions(Tip *tip, const Load *load) {
             "-tip_field: is for -tip_law resistance; take it out, or give that law");
   UserCheck(tip->law != TIP_RESISTANCE || tip->force >= 0, OptionsComm(),
             "-tip_force: a resistance is not negative");
+  tip->per_turn = tip->per_place = 1;
   tip->resistance = *load;
   tip->resistance.friction.mu = 1;
+  tip->resistance.friction.viscous = tip->resistance.friction.least = 0;
   tip->resistance.across = 1;
   tip->resistance.turns = PETSC_FALSE;
   tip->resistance.field = NULL;
@@ -82,18 +84,6 @@ PetscErrorCode TipDestroy(Tip *tip) {
   PetscFunctionBegin;
   PetscCall(FieldDestroy(&tip->resistance.field));
   PetscCall(PathDestroy(&tip->path));
-  PetscFunctionReturn(0);
-}
-
-/* TipInFastTime - the tip in the fast time of a snap at t: its resistance is that of dry friction.
-   What fast holds is borrowed. */
-PetscErrorCode TipInFastTime(const Tip *tip, PetscReal t, Tip *fast) {
-  PetscBool dry;
-
-  PetscFunctionBegin;
-  *fast = *tip;
-  PetscCall(LoadInFastTime(&tip->resistance, t, &fast->resistance, &dry));
-  fast->resistance.friction.more = fast->resistance.friction.mu - 1; /* nothing viscous */
   PetscFunctionReturn(0);
 }
 
@@ -148,17 +138,17 @@ void TipForce(const Tip *tip, const TipState *at, const LoadDual *dual, PetscRea
   for (int d = 0; d < 2; d++) f[d] += tip->push[d];
 }
 
-/* Where it is held at a time. (In a snap time stands still.) */
+/* Where it is held at a time. */
 static void Held(const Tip *tip, PetscReal t, PathPlace *held) {
   *held = (PathPlace){.x = {tip->x[0], tip->x[1], tip->x3},
                       .p = {tip->p[0], tip->p[1], tip->p[2], tip->p[3]},
                       .angle = tip->theta};
-  if (tip->path) PathAt(tip->path, tip->resistance.stopped ? tip->resistance.stopped_at : t, held);
+  if (tip->path) PathAt(tip->path, t, held);
 }
 
-/* Does a path lead it along an axis at a time? (In a snap it rests.) */
+/* Does a path lead it along an axis at a time? */
 static PetscBool Led(const Tip *tip, PetscReal t, int axis) {
-  return (PetscBool)(tip->path && !tip->resistance.stopped && PathLeads(tip->path, t, axis));
+  return (PetscBool)(tip->path && PathLeads(tip->path, t, axis));
 }
 
 /*
@@ -196,9 +186,9 @@ void TipResidual(const Tip *tip, const TipState *at, const LoadDual *dual, Petsc
 
   if (tip->type != TIP_FREE) Held(tip, at->at.t, &held);
   if (!TipHolds(tip, 0)) TipForce(tip, at, dual, f);
-  r[0] = TipPoints(tip) ? at->theta - held.angle : at->moment;
+  r[0] = TipPoints(tip) ? tip->per_turn * (at->theta - held.angle) : at->moment;
   for (int d = 0; d < 2; d++)
-    r[1 + d] = TipHolds(tip, d) ? at->at.x[d] - held.x[d] : at->force[d] - f[d];
+    r[1 + d] = TipHolds(tip, d) ? tip->per_place * (at->at.x[d] - held.x[d]) : at->force[d] - f[d];
 }
 
 /*
@@ -215,8 +205,9 @@ void TipJacobian(const Tip *tip, const TipState *at, const PetscReal shift[2], P
 
   for (int i = 0; i < TIP_ROWS; i++)
     for (int j = 0; j < TIP_FIELDS; j++) J[i][j] = 0;
-  J[0][TipPoints(tip) ? TH : M] = 1;
-  for (int d = 0; d < 2; d++) J[1 + d][TipHolds(tip, d) ? X1 + d : N1 + d] = 1;
+  J[0][TipPoints(tip) ? TH : M] = TipPoints(tip) ? tip->per_turn : 1;
+  for (int d = 0; d < 2; d++)
+    J[1 + d][TipHolds(tip, d) ? X1 + d : N1 + d] = TipHolds(tip, d) ? tip->per_place : 1;
   if (tip->type != TIP_FREE) return; /* (what presses on one that slides is dead) */
   if (tip->walls) AddWallsSlope(tip, at, shift, fresh, dual, J);
   if (P == 0) return;
@@ -295,12 +286,11 @@ void TipResidual3(const Tip *tip, const TipState3 *at, const FrictionDual4 *dual
 
   if (tip->type != TIP_FREE) Held(tip, at->at.t, &held);
   if (!TipHolds(tip, 0)) TipForce3(tip, at, dual, f);
-  if (TipPoints(tip))
-    TurnFrom(held.p, at->p, r);
-  else
-    for (int d = 0; d < 3; d++) r[d] = at->m[d] - f[SPIN] * at->at.q[d];
+  if (TipPoints(tip)) TurnFrom(held.p, at->p, r);
   for (int d = 0; d < 3; d++)
-    r[3 + d] = TipHolds(tip, d) ? at->at.x[d] - held.x[d] : at->n[d] - f[d];
+    r[d] = TipPoints(tip) ? tip->per_turn * r[d] : at->m[d] - f[SPIN] * at->at.q[d];
+  for (int d = 0; d < 3; d++)
+    r[3 + d] = TipHolds(tip, d) ? tip->per_place * (at->at.x[d] - held.x[d]) : at->n[d] - f[d];
 }
 
 /* Takes the derivatives of what walls push with off J, the conditions being m - couple q = 0 and
@@ -356,14 +346,15 @@ void TipJacobian3(const Tip *tip, const TipState3 *at, const PetscReal dW[RUBS][
     for (int k = 0; k < 4; k++) {
       PetscReal unit[4] = {k == 0, k == 1, k == 2, k == 3}, v[3];
       TurnFrom(held.p, unit, v);
-      for (int d = 0; d < 3; d++) J[d][P + k] = v[d];
+      for (int d = 0; d < 3; d++) J[d][P + k] = tip->per_turn * v[d];
     }
   } else
     for (int d = 0; d < 3; d++) {
       J[d][M + d] = 1;
       for (int k = 0; k < 4; k++) J[d][P + k] = -tip->torque * at->q_p[d][k];
     }
-  for (int d = 0; d < 3; d++) J[3 + d][(TipHolds(tip, d) ? X : N) + d] = 1;
+  for (int d = 0; d < 3; d++)
+    J[3 + d][(TipHolds(tip, d) ? X : N) + d] = TipHolds(tip, d) ? tip->per_place : 1;
   if (tip->type != TIP_FREE) return;
   if (tip->walls) PushWallsSlope3(tip, at, dW, fresh, dual, J);
   if (force == 0) return;

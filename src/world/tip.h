@@ -29,6 +29,9 @@ typedef struct {
   PetscReal torque;      /* in space: about d1 of the tip, turns with it */
   PetscReal x3, p[4];    /* in space: what x and theta leave out of where it is held */
   Path path;             /* over time; NULL: it is held where it is at the start */
+  /* What tells by how much it is off is a moment and a force in the rod's units, as the other
+     conditions are: the turn and the place are multiplied by these. */
+  PetscReal per_turn, per_place;
 } Tip;
 
 /* The state of the tip, in the clamp's frame. */
@@ -49,7 +52,6 @@ extern const OptionGroup tip_options;
 
 PetscErrorCode TipSetFromOptions(Tip *tip, const Load *load);
 PetscErrorCode TipDestroy(Tip *tip);
-PetscErrorCode TipInFastTime(const Tip *tip, PetscReal t, Tip *fast);
 const PetscReal *TipStill(const Tip *tip, PetscReal t, int axes, int fields,
                           const PetscReal rates[], PetscReal still[]);
 void TipForce(const Tip *tip, const TipState *at, const LoadDual *dual, PetscReal f[2]);
