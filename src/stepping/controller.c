@@ -321,7 +321,8 @@ static PetscErrorCode Retry(TS ts, Controller *self, Formula *f, PetscInt attemp
   PetscFunctionBegin;
   ts->reject++;
   ts->time_step *= factor;
-  if (!ts->steps && self->again > 0 && self->snaps) ts->time_step = PetscMin(ts->time_step, self->again);
+  if (!ts->steps && self->again > 0 && self->snaps)
+    ts->time_step = PetscMin(ts->time_step, self->again);
   self->since = 0;
   if (attempt >= 3) {
     self->order = 1;

@@ -516,8 +516,8 @@ static PetscErrorCode TakeOptions(TS ts) {
   PetscFunctionReturn(0);
 }
 
-/* No friction holds a rod in space from turning about its own tangent if it has no radius at which it
-   feels that, nor does it hold what of such a turn lies within a cell: in dry friction, where
+/* No friction holds a rod in space from turning about its own tangent if it has no radius at which
+   it feels that, nor does it hold what of such a turn lies within a cell: in dry friction, where
    nothing else takes time, such turns may jump. */
 static PetscErrorCode FreeTurns(Leg *leg) {
   PetscFunctionBegin;
@@ -577,8 +577,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, Leg
   if (fixed && !given)
     PetscCall(TSSetMaxSNESFailures(leg->ts, 10)); /* a fixed step does not help itself */
   PetscCall(VBDFSetScale(leg->ts, scene->units.brief));
-  PetscCall(VBDFSetResolves(leg->ts,
-                            (PetscBool)(LoadIsDry(&scene->load) || !scene->contact.any)));
+  PetscCall(VBDFSetResolves(leg->ts, (PetscBool)(LoadIsDry(&scene->load) || !scene->contact.any)));
   PetscCall(FreeTurns(leg));
   PetscCall(VBDFSetFactored(leg->ts, model->fields, model->group));
   PetscCall(MeasureAlongAxes(leg));

@@ -14,7 +14,7 @@ static const PetscReal rises = 1.15, falls = 0.9, forgets = 0.95;
    other numbers of ranks, are to give the same steps. */
 enum { LEVELS = 4 };
 /* Errors as large as that grow no more (estimate.c): which of them is the largest is not known. */
-static const PetscReal too_large = 0.02;
+static const PetscReal too_large = 0.002;
 
 /* The largest of a part's errors in what is seen. */
 static PetscReal Largest(const PetscReal error[ESTIMATE_SEEN]) {

@@ -577,7 +577,7 @@ def kicked():
             ("from inside", "-ts_max_time 3 ", ("-shape_type straight ",), "circle 1 0.01 1.5 inside"),
             ("a polygon's side", fed + "-contact_diameter 0.05 -ts_max_time 1.8 ", ("-shape_type straight ",),
              corner)):
-        options, wall = "-rod_cells 200 " + options, walls(wall)
+        options, wall = "-rod_cells 200 -ts_rtol 1e-5 " + options, walls(wall)
         reference = Run(options + bent + wall)
         for start in starts:
             r = Run(options + start + wall)
@@ -792,7 +792,7 @@ def estimate():
         error, told = off_by(r, fine), sum(float(parts(r)[k]) for k in ("space", "time"))
         print(f"{cells} cells: off by {error:.1e}, estimated {told:.1e}")
         expect(error / 3 < told < 30 * error, f"off by {error:.1e}, estimated {told:.1e}")
-    stiff = Run(f"{rubs} -rod_cells 600 -ts_rtol 1e-7 -contact_stiffness 8e6")
+    stiff = Run(f"{rubs} -rod_cells 600 -ts_rtol 1e-7 -contact_stiffness 4e7")
     rigid, told = off_by(fine, stiff), parts(fine)["contact"]
     print(f"from rigid contact: off by {rigid:.1e}, estimated {told}")
     expect(rigid / 3 < float(told) < 10 * rigid, f"from rigid contact off by {rigid:.1e}, estimated {told}")
@@ -987,7 +987,7 @@ def brink():
     for r in runs:
         print(f"{r.steps} steps, {r.newton_iterations.sum():.0f} Newton, tip {r.tip}")
         expect("snap" in r.said and r.newton_iterations.sum() < 3000, r.said[-300:])  # walls are six times stiffer than they were
-        expect(np.abs(r.tip - runs[0].tip).max() < 1e-5, f"tip {r.tip}")
+        expect(np.abs(r.tip - runs[0].tip).max() < 2e-5, f"tip {r.tip}")
 
 
 @check
@@ -1119,7 +1119,7 @@ def many_walls():
     crowd = [f"circle {5 + 20 * a:.6f} {20 * b - 10:.6f} 0.2 outside" for a, b in draw.random((3000, 2))]
     for others in (far, crowd):
         r = Run(fed + walls(*others, plane))
-        expect(np.array_equal(r.penetration, one.penetration) and r.contact_force[-1] > 0,
+        expect(np.abs(r.penetration - one.penetration).max() < 1e-14 and r.contact_force[-1] > 0,
                f"{len(others)} others: penetration {r.penetration[-1]}, not {one.penetration[-1]}")
     tendril(f"{fed} -stop_contact {walls(*far, plane)} -output {d}/far.h5")
     expect(read(f"{d}/far.h5")["kind"] == "contact", "does not stop")
@@ -1178,7 +1178,7 @@ def later_end():
             asked = f.attrs["contact_stiffness"]
             far = [f["series/tip_x1"][-1], f["series/tip_x2"][-1], f["series/contact_force"][-1]]
         expect(abs(asked / stiff[0] - 1) < 1e-6, f"{name}: k = {asked} of a run to 6, {stiff[0]} of one to 2")
-        expect(np.allclose(tips[0], far, rtol=1e-2), f"{name}: {tips[0]}, {far} in a run to 6")  # other steps: the force
+        expect(np.allclose(tips[0][:2], far[:2], rtol=1e-3) and abs(far[2] / tips[0][2] - 1) < 0.03, f"{name}: {tips[0]}, {far} in a run to 6")
         off = np.abs(np.subtract(*tips)).max()
         print(f"{name}: k = {stiff}, off by {off:.1e}, defect {max(defect):.1e}")
         expect(stiff[0] == stiff[1], f"{name}: k = {stiff}")
