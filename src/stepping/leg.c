@@ -539,7 +539,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, Leg
   PetscFunctionBegin;
   PetscCall(PetscMemzero(leg, sizeof(*leg)));
   leg->rtol = rtol;
-  leg->ease.most = leg->ease.times = 1;
+  leg->ease.most = leg->ease.wants = leg->ease.times = 1;
   PetscCall(RodCreate(scene, model, &leg->rod));
   PetscCall(RodFindUnits(leg->rod));
   LoadShareLeast(&scene->load, scene->units.speed);
