@@ -81,6 +81,16 @@ PetscErrorCode ErrorsBegin(MPI_Comm comm, PetscBool keep, ErrorState *state) {
   state->comm = comm;
   state->keep = keep;
   state->reading = PETSC_TRUE;
+  PetscCall(ErrorsEnter(state));
+  PetscFunctionReturn(0);
+}
+
+/* ErrorsEnter - likewise, of a run that ErrorsBegin() knows, until ErrorsEnd(): what it has said
+   before is forgotten. */
+PetscErrorCode ErrorsEnter(ErrorState *state) {
+  PetscFunctionBegin;
+  state->said = PETSC_FALSE;
+  state->message[0] = 0;
   state->outer = now;
   now = state;
   PetscCall(PetscPushErrorHandler(Handle, NULL));

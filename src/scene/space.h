@@ -13,6 +13,7 @@ enum { DRIVES = 2 };
 
 typedef struct {
   const char *why;     /* the option by which something acts out of the plane; NULL: none does */
+  char refused[128];   /* the line that says so to who asks for a model of the plane */
   const char *only;    /* an option that was given and means nothing in the plane; NULL: none */
   PetscBool rod;       /* the rod is modelled in space: for who records it */
   PetscReal torsion;   /* C/B */

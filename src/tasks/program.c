@@ -1,4 +1,4 @@
-#include "tasks/tendril.h"
+#include "tasks/program.h"
 #include "base/hdf.h"
 #include "base/lock.h"
 #include "record/event.h"
@@ -32,12 +32,14 @@ static const OptionGroup *const table[] = {
     &stiffness_options, &curvature_options, &shape_options,     &grow_options,    &frame_options,
     &event_options,     &si_options,        &stability_options, &sweep_options,   &petsc_options};
 
-static ErrorState errors;
-static PetscBool began_mpi;
+/* ProgramSetTable - tells of the options that there are. Not collective. */
+void ProgramSetTable(void) {
+  OptionsSetTable(PETSC_STATIC_ARRAY_LENGTH(table), table);
+}
 
-/* TendrilRun - does what the options ask for (-task), from the scene to the result. Collective;
-   after TendrilInitialize(). A failure has been told when it returns, and all is freed. */
-PetscErrorCode TendrilRun(void) {
+/* ProgramRun - does what the options ask for (-task), from the scene to the result. Collective;
+   after ProgramBegin(). A failure has been told when it returns, and all is freed. */
+PetscErrorCode ProgramRun(void) {
   PetscInt task;
 
   PetscFunctionBegin;
@@ -49,8 +51,8 @@ PetscErrorCode TendrilRun(void) {
   PetscFunctionReturn(0);
 }
 
-/* TendrilVersion - the versions of tendril and of what it was built with. */
-void TendrilVersion(FILE *file) {
+/* ProgramVersion - the versions of tendril and of what it was built with. */
+void ProgramVersion(FILE *file) {
   fprintf(file, "tendril %s, PETSc %d.%d.%d, SLEPc %d.%d.%d\n", TENDRIL_VERSION,
           PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR, PETSC_VERSION_SUBMINOR, SLEPC_VERSION_MAJOR,
           SLEPC_VERSION_MINOR, SLEPC_VERSION_SUBMINOR);
@@ -74,7 +76,7 @@ static PetscBool Answered(int argc, char **argv) {
       fputs(about, stdout);
       OptionsHelp(stdout);
     } else if (answered && !rank)
-      TendrilVersion(stdout);
+      ProgramVersion(stdout);
   }
   return (PetscBool)answered;
 }
@@ -101,42 +103,44 @@ static void NeedNoOthers(void) {
 }
 
 /*
-  TendrilInitialize - begins the program: MPI, PETSc and SLEPc with the command line's options.
-  Collective on all processes; the caller ends it with TendrilFinalize().
+  ProgramBegin - begins the program: MPI, PETSc and SLEPc with the command line's options.
+  Collective on all processes; the caller ends it with ProgramEnd().
 
+  self  is set; it lives until ProgramEnd()
   done  the command line asked for help or the version, or is wrong: there is nothing to run, and
         nothing to finalize
   returns 0, or 1 if the command line is wrong or PETSc does not begin (the line is out)
 */
-int TendrilInitialize(int *argc, char ***argv, PetscBool *done) {
+int ProgramBegin(Program *self, int *argc, char ***argv, PetscBool *done) {
   int begun, failed;
 
+  *self = (Program){0};
   signal(SIGPIPE, SIG_IGN); /* "| head" is no reason to lose a run */
   signal(SIGXFSZ, SIG_IGN); /* a file that may grow no more shows when it is written */
   HdfBegin();
   MPI_Initialized(&begun);
-  began_mpi = (PetscBool)!begun;
-  if (began_mpi) NeedNoOthers();
-  if (began_mpi) MPI_Init(argc, argv);
-  OptionsSetTable(PETSC_STATIC_ARRAY_LENGTH(table), table);
+  self->began_mpi = (PetscBool)!begun;
+  if (self->began_mpi) NeedNoOthers();
+  if (self->began_mpi) MPI_Init(argc, argv);
+  ProgramSetTable();
   *done = Answered(*argc, *argv);
-  failed = *done ? 0 : OptionsTakeWords(argc, argv);
+  failed = *done ? 0 : OptionsTakeWords(&self->line, argc, argv);
   *done = (PetscBool)(*done || failed || Answered(*argc, *argv));
   if (!*done && SlepcInitialize(argc, argv, NULL, about)) *done = PETSC_TRUE, failed = 1;
   if (*done) {
-    if (began_mpi) MPI_Finalize();
-    OptionsFreeWords();
+    if (self->began_mpi) MPI_Finalize();
+    OptionsFreeWords(&self->line);
     return failed;
   }
   signal(SIGPIPE, SIG_IGN); /* once more: PETSc has handlers of its own */
   signal(SIGXFSZ, SIG_IGN);
-  failed = ErrorsBegin(PETSC_COMM_WORLD, PETSC_FALSE, &errors) ||
-           OptionsPush(PETSC_COMM_WORLD, NULL) || VBDFRegister();
+  failed = ErrorsBegin(PETSC_COMM_WORLD, PETSC_FALSE, &self->errors) ||
+           OptionsPush(PETSC_COMM_WORLD, NULL, &self->line) || VBDFRegister();
   return failed;
 }
 
-/* TendrilFinalize - ends what TendrilInitialize() began. Returns 0 if all is well. */
-int TendrilFinalize(void) {
+/* ProgramEnd - ends what ProgramBegin() began. Returns 0 if all is well. */
+int ProgramEnd(Program *self) {
   int failed = OptionsPop() != 0, ranks;
   PetscBool given;
 
@@ -147,9 +151,9 @@ int TendrilFinalize(void) {
   LocksEnd();
   failed |= ErrorsEnd() != 0;
   MPI_Comm_size(MPI_COMM_WORLD, &ranks);
-  if (errors.said && ranks > 1) ErrorsLastWords();
+  if (self->errors.said && ranks > 1) ErrorsLastWords();
   failed |= SlepcFinalize() != 0;
-  if (began_mpi) MPI_Finalize();
-  OptionsFreeWords();
+  if (self->began_mpi) MPI_Finalize();
+  OptionsFreeWords(&self->line);
   return failed;
 }
