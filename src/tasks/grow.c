@@ -336,17 +336,13 @@ static PetscErrorCode StopHere(Grow *self, TS ts) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode AfterStep(TS ts) {
-  Grow *self;
-  TSConvergedReason reason;
+/* Looks at the step just taken. */
+static PetscErrorCode TakeStep(Grow *self, TS ts) {
   PetscBool store, crosses;
   PetscReal t;
   Vec U, U_t, here[2] = {NULL, NULL};
 
   PetscFunctionBegin;
-  PetscCall(TSGetConvergedReason(ts, &reason));
-  if (reason < 0) PetscFunctionReturn(0); /* called after a step that failed, too */
-  PetscCall(Self(ts, &self));
   PetscCall(TSGetTime(ts, &t));
   U = self->now->U;
   U_t = self->now->newton.latest.U_t;
@@ -367,6 +363,26 @@ static PetscErrorCode AfterStep(TS ts) {
   PetscCall(Agree(self, &store));
   PetscCall(StopHere(self, ts));
   if (store) PetscCall(Store(self, PETSC_FALSE));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode AfterStep(TS ts) {
+  const PetscReal same = 1e-12;
+  TSConvergedReason reason;
+  PetscReal t;
+  Grow *self;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetConvergedReason(ts, &reason));
+  if (reason < 0) PetscFunctionReturn(0); /* called after a step that failed, too */
+  PetscCall(Self(ts, &self));
+  PetscCall(TSGetTime(ts, &t));
+  self->waits = (PetscBool)(self->by_steps && t > self->until * (1 + same));
+  self->reason = reason;
+  if (!self->waits) PetscCall(TakeStep(self, ts));
+  if (self->by_steps) PetscCall(TSGetConvergedReason(ts, &reason));
+  if (self->waits || (self->by_steps && !reason))
+    PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER)); /* the host has its turn */
   PetscFunctionReturn(0);
 }
 
@@ -472,7 +488,7 @@ static PetscErrorCode ReadOptions(Grow *self) {
   PetscCall(ChooseTolerance(self));
   PetscCall(WatchSetFromOptions(&self->watch, self->scene));
   PetscCall(OptionBool("-quiet", &self->quiet, NULL));
-  if (self->member) self->quiet = PETSC_TRUE;
+  if (self->member || self->by_steps) self->quiet = PETSC_TRUE;
   for (PetscInt m = 0; m < MODELS; m++) {
     const RodModel *model = ModelOf(self, m);
     const char *why = model->refuses ? model->refuses(self->scene) : NULL;
@@ -596,7 +612,7 @@ static PetscErrorCode SetInterval(Grow *self, const char *output, const char *re
   PetscFunctionBegin;
   PetscCall(GrowFindEnd(self));
   PetscCall(OptionInt("-output_shapes", &shapes, &number));
-  if (!number && (self->member || !(output[0] || restart[0]))) shapes = 1;
+  if (!number && !self->by_steps && (self->member || !(output[0] || restart[0]))) shapes = 1;
   self->output_interval = self->end / (PetscReal)shapes;
   PetscCall(OptionReal("-output_interval", &every, &interval));
   if (interval && !number) self->output_interval = every;
@@ -668,6 +684,7 @@ static PetscErrorCode Begin(Grow *self, const char *output) {
             event_name[event.kind]);
   PetscCall(OutputCreate(output, self->scene, &self->output)); /* after all refusals */
   if (self->member) PetscCall(OutputKeep(self->output, self->member->series, self->member->shapes));
+  if (self->by_steps) PetscCall(OutputKeep(self->output, PETSC_TRUE, PETSC_TRUE));
   PetscCall(Observe(self, 0, NULL, NULL));
   self->now = &self->leg[BetterModel(self)];
   PetscCall(RodBegin(self->now->rod, self->now->U));
@@ -716,14 +733,18 @@ static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode Create(Grow *self, const char *output, const char *restart) {
+/* GrowCreate - begins a run, of the scene in self, which is 0 but for what its creator says.
+   Collective; the caller ends it with GrowDestroy(), also after an error. */
+PetscErrorCode GrowCreate(Grow *self, const char *output, const char *restart) {
   PetscBool begun = PETSC_FALSE;
   RestartState state;
 
   PetscFunctionBegin;
+  self->load = self->scene->load;
   PetscCall(ReadOptions(self));
   UserCheck(
-      output[0] || restart[0] || self->member || !OptionOnCommandLine("-output_interval"),
+      self->by_steps || output[0] || restart[0] || self->member ||
+          !OptionOnCommandLine("-output_interval"),
       self->scene->comm,
       "-output_interval: no shapes are stored without -output FILE; give it, or take this out");
   PetscCall(SetInterval(self, output, restart));
@@ -746,7 +767,7 @@ static PetscErrorCode Create(Grow *self, const char *output, const char *restart
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode Destroy(Grow *self) {
+PetscErrorCode GrowDestroy(Grow *self) {
   PetscFunctionBegin;
   PetscCall(GrowSensitivitiesDestroy(self));
   PetscCall(OutputDestroy(&self->output));
@@ -766,23 +787,56 @@ static PetscBool ShareMore(Grow *self) {
    with a viscous share, or a larger one, in steps from this part of the run on. */
 static const PetscReal begins_again = 1e-9;
 
-static PetscErrorCode Follow(Grow *self, TSConvergedReason *reason) {
+/* What follows where the stepper has stopped. */
+static PetscErrorCode AfterSolve(Grow *self) {
   PetscFunctionBegin;
-  for (;;) {
-    PetscCall(TSSolve(self->now->ts, self->now->U));
-    PetscCall(TSGetConvergedReason(self->now->ts, reason));
-    if (self->now->interrupted) self->stopped = self->now->interrupted;
-    if (*reason < 0 && !self->stopped && ShareMore(self)) {
-      PetscCall(TSRestartStep(self->now->ts));
-      PetscCall(TSSetTimeStep(self->now->ts, begins_again * self->scene->end_time));
-      continue;
-    }
-    if (*reason != TS_CONVERGED_USER || self->stopped || self->beyond || self->jammed ||
-        self->slips || self->crawls || self->event.kind)
-      break;
+  PetscCall(TSGetConvergedReason(self->now->ts, &self->reason));
+  if (self->now->interrupted) self->stopped = self->now->interrupted;
+  if (self->reason < 0 && !self->stopped && ShareMore(self)) {
+    PetscCall(TSRestartStep(self->now->ts));
+    PetscCall(TSSetTimeStep(self->now->ts, begins_again * self->scene->end_time));
+  } else if (self->reason != TS_CONVERGED_USER || self->stopped || self->beyond || self->jammed ||
+             self->slips || self->crawls || self->event.kind)
+    self->over = PETSC_TRUE;
+  else if (self->now != &self->leg[BetterModel(self)])
     PetscCall(HandOver(self, &self->leg[BetterModel(self)]));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Follow(Grow *self) {
+  PetscFunctionBegin;
+  while (!self->over) {
+    PetscCall(TSSolve(self->now->ts, self->now->U));
+    PetscCall(AfterSolve(self));
   }
   PetscCall(GrowProgress(self, PETSC_TRUE));
+  PetscFunctionReturn(0);
+}
+
+/*
+  GrowStep - takes one step of a run by steps, or, if that has led beyond a time, lets it wait: the
+  rod is then where it was, and what is between is known by the stepper's dense output. A step that
+  waits is looked at by the first call that asks for as much. Collective.
+
+  until  that time; PETSC_MAX_REAL: none
+
+  What a run by steps does is what it does otherwise, to the last digit.
+*/
+PetscErrorCode GrowStep(Grow *self, PetscReal until) {
+  TS ts = self->now->ts;
+  PetscReal t;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetTime(ts, &t));
+  self->until = until;
+  if (self->over || (self->waits && t > until)) PetscFunctionReturn(0);
+  if (self->waits) {
+    self->waits = PETSC_FALSE;
+    PetscCall(TSSetConvergedReason(ts, self->reason));
+    PetscCall(AfterStep(ts));
+  } else
+    PetscCall(TSSolve(ts, self->now->U));
+  if (!self->waits) PetscCall(AfterSolve(self));
   PetscFunctionReturn(0);
 }
 
@@ -926,7 +980,8 @@ static void AdviseFall(const Grow *self, char *advice, size_t room) {
 }
 
 /* The line for an end that was not asked for. */
-static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
+static PetscErrorCode Verdict(Grow *self) {
+  const TSConvergedReason reason = self->reason;
   MPI_Comm comm = self->scene->comm;
   const char *const kept = OutputStores(self->output) ? "the results up to there are stored"
                                                       : "nothing is stored without -output FILE";
@@ -1001,23 +1056,24 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
 /* Has firm contact led it nowhere, so that it is to begin anew with soft contact? Not if it gave up
    under great force: it is jammed, as it would be in soft contact a little later. Nor can a run
    that goes on from where another one ended. */
-static PetscBool FindsNoWay(const Grow *self, TSConvergedReason reason) {
+static PetscBool FindsNoWay(const Grow *self) {
   return (PetscBool)(!self->stopped && self->start == 0 && GotFirm(&self->scene->contact) &&
-                     (self->crawls || (reason < 0 && !GrowPressedHard(self))));
+                     (self->crawls || (self->reason < 0 && !GrowPressedHard(self))));
 }
 
-/* anew: it was in vain, and is to be run once more, with soft contact */
-static PetscErrorCode Run(Grow *self, PetscBool *anew) {
-  TSConvergedReason reason = TS_CONVERGED_ITERATING;
-  PetscErrorCode error;
+/*
+  GrowFinish - what a run leaves that is over, and the line for an end that was not asked for.
+  Collective.
+
+  anew  it was in vain, and is to be run once more, with soft contact: see GrowAnew()
+*/
+PetscErrorCode GrowFinish(Grow *self, PetscBool *anew) {
+  PetscErrorCode error = (PetscErrorCode)0;
   char text[64];
 
   PetscFunctionBegin;
-  if (!self->member) SignalsCatch();
-  PetscCall(GrowHeading(self));
-  error = Follow(self, &reason);
-  *anew = (PetscBool)(!error && FindsNoWay(self, reason));
-  if (!error && !*anew) error = SumUp(self);
+  *anew = FindsNoWay(self);
+  if (!*anew) error = SumUp(self);
   if (error) (void)End(self, PETSC_FALSE); /* what has been computed is not lost */
   PetscCall(error);
   if (*anew && !self->quiet)
@@ -1026,12 +1082,38 @@ static PetscErrorCode Run(Grow *self, PetscBool *anew) {
                           "pressed in: the run begins anew with contact that does not\n",
                           OptionBoth(self->seen.t, UNIT_TIME, text)));
   if (*anew) PetscFunctionReturn(0);
-  PetscCall(End(self, (PetscBool)(reason == TS_CONVERGED_TIME || self->event.kind)));
+  PetscCall(End(self, (PetscBool)(self->reason == TS_CONVERGED_TIME || self->event.kind)));
   if (self->member) self->member->stopped = (PetscBool)(self->stopped != 0);
-  PetscCall(Verdict(self, reason));
+  PetscCall(Verdict(self));
   if (self->member)
     PetscCall(
         OutputHarvest(self->output, &self->seen, self->member->values, &self->member->harvest));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Run(Grow *self, PetscBool *anew) {
+  PetscErrorCode error;
+
+  PetscFunctionBegin;
+  if (!self->member) SignalsCatch();
+  PetscCall(GrowHeading(self));
+  error = Follow(self);
+  if (error) (void)End(self, PETSC_FALSE); /* what has been computed is not lost */
+  PetscCall(error);
+  PetscCall(GrowFinish(self, anew));
+  PetscFunctionReturn(0);
+}
+
+/* GrowAnew - ends a run, whose scene is then ready to be run once more, with soft contact. */
+PetscErrorCode GrowAnew(Grow *self) {
+  const Grow begun = {.scene = self->scene, .member = self->member, .by_steps = self->by_steps};
+  const Load load = self->load;
+
+  PetscFunctionBegin;
+  PetscCall(GrowDestroy(self));
+  *self = begun;
+  self->scene->load = load;
+  PetscCall(ContactStaysSoft(&self->scene->contact));
   PetscFunctionReturn(0);
 }
 
@@ -1039,21 +1121,19 @@ static PetscErrorCode Run(Grow *self, PetscBool *anew) {
    contact, which lets it in. So what one run cannot bring to its end another one is to, from the
    beginning: a law that gave way in the course of a run would leave the rod out of balance. */
 static PetscErrorCode CreateAndRun(Grow *self, const char *output, const char *restart) {
-  const Grow begun = *self;
-  const Load load = self->scene->load; /* runs give friction a viscous share */
   PetscBool anew = PETSC_FALSE;
   PetscErrorCode error;
 
   PetscFunctionBegin;
   do {
-    *self = begun;
-    error = Create(self, output, restart);
+    if (anew) PetscCall(GrowAnew(self));
+    anew = PETSC_FALSE;
+    error = GrowCreate(self, output, restart);
     if (!error) error = Run(self, &anew);
-    PetscCall(Destroy(self));
+    if (error) PetscCall(GrowDestroy(self));
     PetscCall(error);
-    if (anew) self->scene->load = load;
-    if (anew) PetscCall(ContactStaysSoft(&self->scene->contact));
   } while (anew);
+  PetscCall(GrowDestroy(self));
   PetscFunctionReturn(0);
 }
 

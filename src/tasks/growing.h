@@ -19,10 +19,16 @@ typedef struct _Sensitivities *Sensitivities;
 
 typedef struct {
   Scene scene;
-  Member *member;        /* NULL: the run is no sweep's */
-  PetscInt model;        /* as asked for */
-  PetscBool can[MODELS]; /* which models can be of this scene */
-  Leg leg[MODELS];       /* by model; those not in use are empty; auto has two, taking turns */
+  Member *member;           /* NULL: the run is no sweep's */
+  PetscBool by_steps;       /* a host program asks for one step after the other: GrowStep() */
+  PetscReal until;          /* ... and what is beyond waits to be looked at */
+  PetscBool waits;          /* the step that was taken last does */
+  PetscBool over;           /* no step follows, */
+  TSConvergedReason reason; /* for this reason */
+  Load load;                /* as the run began: it may give friction a viscous share */
+  PetscInt model;           /* as asked for */
+  PetscBool can[MODELS];    /* which models can be of this scene */
+  Leg leg[MODELS];          /* by model; those not in use are empty; auto has two, taking turns */
   Leg *now;
   Observer observer;
   Estimate estimate; /* of the frame model's errors; NULL: it is not in use */
@@ -71,6 +77,13 @@ typedef struct {
 } Grow;
 
 extern const RodModel *const grow_models[MODELS];
+
+/* grow.c: a run by steps */
+PetscErrorCode GrowCreate(Grow *self, const char *output, const char *restart);
+PetscErrorCode GrowStep(Grow *self, PetscReal until);
+PetscErrorCode GrowFinish(Grow *self, PetscBool *anew);
+PetscErrorCode GrowAnew(Grow *self);
+PetscErrorCode GrowDestroy(Grow *self);
 
 /* grow_errors.c */
 void GrowCross(Grow *self, const Observation *last, PetscReal before, PetscBool layered,
