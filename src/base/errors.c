@@ -56,7 +56,7 @@ static PetscErrorCode Handle(MPI_Comm comm, int line, const char *func, const ch
   alone = (PetscBool)(together < ranks && !now->said);
   if (alone && p == PETSC_ERROR_INITIAL && rank) (void)usleep(1000000 + 100000 * (unsigned)rank);
   if (plain) {
-    if (p == PETSC_ERROR_INITIAL && !now->said && (!rank || alone))
+    if (p == PETSC_ERROR_INITIAL && !now->said && (!rank || alone || now->keep))
       Say(n, mess ? mess : "", (PetscBool)(now->keep && !alone));
     now->said = PETSC_TRUE;
   } else if (now->keep && !alone)

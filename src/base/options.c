@@ -37,7 +37,8 @@ struct _Reading {
     int line;                      /* of the first such number; 0: there is none */
     char first[64];
     size_t more;
-  } lines; /* such numbers in the lines of a file */
+  } lines;               /* such numbers in the lines of a file */
+  OwnLaw *law[OWN_LAWS]; /* borrowed; in the place of what options say */
   PetscBool entered;
   Reading outer;
 };
@@ -58,6 +59,13 @@ PetscErrorCode ReadingCreate(MPI_Comm comm, PetscOptions options, const CommandL
   (*reading)->comm = comm;
   (*reading)->options = options;
   (*reading)->line = line;
+  PetscFunctionReturn(0);
+}
+
+/* ReadingSetLaw - a law of one's own, or, where its value is NULL, none. It is borrowed. */
+PetscErrorCode ReadingSetLaw(Reading self, OwnKind kind, OwnLaw *law) {
+  PetscFunctionBegin;
+  self->law[kind] = law;
   PetscFunctionReturn(0);
 }
 
@@ -119,6 +127,13 @@ PetscErrorCode OptionsPop(void) {
 /* OptionsPushed - are the options now read those of a run within another, a member of a sweep? */
 PetscBool OptionsPushed(void) {
   return (PetscBool)(now && now->options);
+}
+
+/* OptionsLaw - the law of one's own of this run; NULL: it has none of this kind. */
+OwnLaw *OptionsLaw(OwnKind kind) {
+  OwnLaw *law = now ? now->law[kind] : NULL;
+
+  return law && law->value ? law : NULL;
 }
 
 /* OptionsLine - the command line of the run, or of the one around it; NULL: there is none. */

@@ -5,6 +5,7 @@
 #define TENDRIL_OPTIONS_H
 
 #include "base/errors.h"
+#include "base/own.h"
 #include "base/words.h"
 
 typedef enum { KIND_REAL, KIND_INT, KIND_BOOL, KIND_WORD, KIND_TEXT } OptionKind;
@@ -97,12 +98,14 @@ typedef struct _Reading *Reading;
 MPI_Comm OptionsComm(void);
 PetscErrorCode ReadingCreate(MPI_Comm comm, PetscOptions options, const CommandLine *line,
                              Reading *reading);
+PetscErrorCode ReadingSetLaw(Reading reading, OwnKind kind, OwnLaw *law);
 PetscErrorCode ReadingDestroy(Reading *reading);
 PetscErrorCode OptionsEnter(Reading reading);
 PetscErrorCode OptionsLeave(void);
 PetscErrorCode OptionsPush(MPI_Comm comm, PetscOptions options, const CommandLine *line);
 PetscErrorCode OptionsPop(void);
 const CommandLine *OptionsLine(void);
+OwnLaw *OptionsLaw(OwnKind kind);
 PetscBool OptionsPushed(void);
 PetscErrorCode OptionsSetScales(const PetscReal scale[UNIT_ALL]);
 PetscReal OptionsScale(Dimension dimension);

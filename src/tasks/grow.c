@@ -247,10 +247,12 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
     PetscCall(VBDFGetJumps(self->now->ts, &jumps, &blind));
     jumped = (PetscBool)(jumps > self->now->jumps);
     if (jumped && layered) self->gave_way = PETSC_TRUE;
-    broken = (PetscBool)(jumped || LedRoundCorner(self->scene, (PetscBool)(last.contact_force > 0),
-                                                  before, t));
+    broken =
+        (PetscBool)(jumped || self->changed ||
+                    LedRoundCorner(self->scene, (PetscBool)(last.contact_force > 0), before, t));
     if (broken || IsThin(self, before) || (layered && before == 0))
       ObserverClose(self->observer, &last, broken);
+    self->changed = PETSC_FALSE;
     if (self->now == &self->leg[WholeModel(self)])
       PetscCall(EstimateStep(self->estimate, jumped, self->pressed));
     self->now->jumps = jumps;
@@ -488,7 +490,7 @@ static PetscErrorCode ReadOptions(Grow *self) {
   PetscCall(ChooseTolerance(self));
   PetscCall(WatchSetFromOptions(&self->watch, self->scene));
   PetscCall(OptionBool("-quiet", &self->quiet, NULL));
-  if (self->member || self->by_steps) self->quiet = PETSC_TRUE;
+  if (self->member) self->quiet = PETSC_TRUE;
   for (PetscInt m = 0; m < MODELS; m++) {
     const RodModel *model = ModelOf(self, m);
     const char *why = model->refuses ? model->refuses(self->scene) : NULL;
@@ -837,6 +839,45 @@ PetscErrorCode GrowStep(Grow *self, PetscReal until) {
   } else
     PetscCall(TSSolve(ts, self->now->U));
   if (!self->waits) PetscCall(AfterSolve(self));
+  PetscFunctionReturn(0);
+}
+
+/* GrowSettle - a run by steps goes on from a time within the step that waits, as if that had ended
+   there: with what the dense output has. Collective. */
+PetscErrorCode GrowSettle(Grow *self, PetscReal t) {
+  TS ts = self->now->ts;
+  Vec V[2];
+  PetscReal end;
+
+  PetscFunctionBegin;
+  if (!self->waits) PetscFunctionReturn(0);
+  self->waits = PETSC_FALSE;
+  PetscCall(TSGetTime(ts, &end));
+  for (int k = 0; k < 2; k++) PetscCall(VecDuplicate(self->now->U, &V[k]));
+  PetscCall(LegInterpolate(self->now, t, end, end - self->seen.t, V[0], V[1]));
+  PetscCall(Observe(self, t, V[0], V[1]));
+  PetscCall(StoreDueShapes(self, t, V[0]));
+  PetscCall(VecCopy(V[0], self->now->U));
+  PetscCall(TSSetTime(ts, t));
+  for (int k = 0; k < 2; k++) PetscCall(VecDestroy(&V[k]));
+  PetscFunctionReturn(0);
+}
+
+/* GrowChange - the scene has changed at the present time. Where that acts on the rod, and is not
+   its end alone, steps begin anew there, short, and in the model that leaves nothing out.
+   Collective. */
+PetscErrorCode GrowChange(Grow *self, PetscBool acts) {
+  PetscFunctionBegin;
+  for (PetscInt m = 0; m < MODELS; m++)
+    if (self->leg[m].ts) PetscCall(TSSetMaxTime(self->leg[m].ts, self->scene->end_time));
+  PetscCall(GrowFindEnd(self));
+  if (!acts) PetscFunctionReturn(0);
+  self->changed = PETSC_TRUE;
+  self->can[LINEAR] = (PetscBool)(self->can[LINEAR] && self->model == LINEAR);
+  if (self->now != &self->leg[BetterModel(self)])
+    PetscCall(HandOver(self, &self->leg[BetterModel(self)]));
+  PetscCall(TSRestartStep(self->now->ts));
+  PetscCall(TSSetTimeStep(self->now->ts, begins_again * self->scene->end_time));
   PetscFunctionReturn(0);
 }
 

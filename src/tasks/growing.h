@@ -25,6 +25,7 @@ typedef struct {
   PetscBool waits;          /* the step that was taken last does */
   PetscBool over;           /* no step follows, */
   TSConvergedReason reason; /* for this reason */
+  PetscBool changed;        /* something has been, since the latest step */
   Load load;                /* as the run began: it may give friction a viscous share */
   PetscInt model;           /* as asked for */
   PetscBool can[MODELS];    /* which models can be of this scene */
@@ -82,6 +83,8 @@ extern const RodModel *const grow_models[MODELS];
 PetscErrorCode GrowCreate(Grow *self, const char *output, const char *restart);
 PetscErrorCode GrowStep(Grow *self, PetscReal until);
 PetscErrorCode GrowFinish(Grow *self, PetscBool *anew);
+PetscErrorCode GrowSettle(Grow *self, PetscReal t);
+PetscErrorCode GrowChange(Grow *self, PetscBool acts);
 PetscErrorCode GrowAnew(Grow *self);
 PetscErrorCode GrowDestroy(Grow *self);
 

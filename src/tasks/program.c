@@ -88,18 +88,34 @@ static PetscBool Answered(int argc, char **argv) {
    looks for cards: for those that draw it would ask every X server there may be; nor to know of the
    machine's cores and caches, whose files take a fifth of what is left to read. (Where no memory is
    named hwloc puts it in by a copy onto itself.) */
-static void NeedNoOthers(void) {
+static const struct {
+  const char *name, *value;
+} alone[] = {{"OMPI_MCA_pml", "ob1"},
+             {"OMPI_MCA_btl", "self"}, /* shared memory would be left behind */
+             {"OMPI_MCA_ess_singleton_isolated", "1"},
+             {"OMPI_MCA_orte_create_session_dirs", "0"},
+             {"HWLOC_PLUGINS_PATH", "/dev/null"},
+             {"HWLOC_SYNTHETIC", "numa:1 core:1 pu:1"}};
+
+/* ProgramBeginMpi - MPI_Init(), of a process that may be alone. Returns 0 if all is well.
+
+   tidy  the environment is a host program's, and is then as it was */
+int ProgramBeginMpi(int *argc, char ***argv, PetscBool tidy) {
   static const char *const launched[] = {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK",
                                          "SLURM_PROCID"};
+  PetscBool mine[PETSC_STATIC_ARRAY_LENGTH(alone)] = {PETSC_FALSE}, others = PETSC_FALSE;
+  int failed;
 
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(launched); i++)
-    if (getenv(launched[i])) return;
-  (void)setenv("OMPI_MCA_pml", "ob1", PETSC_FALSE);  /* unless told otherwise */
-  (void)setenv("OMPI_MCA_btl", "self", PETSC_FALSE); /* shared memory would be left behind */
-  (void)setenv("OMPI_MCA_ess_singleton_isolated", "1", PETSC_FALSE);
-  (void)setenv("OMPI_MCA_orte_create_session_dirs", "0", PETSC_FALSE);
-  (void)setenv("HWLOC_PLUGINS_PATH", "/dev/null", PETSC_FALSE);
-  (void)setenv("HWLOC_SYNTHETIC", "numa:1 core:1 pu:1", PETSC_FALSE);
+    if (getenv(launched[i])) others = PETSC_TRUE;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(alone) && !others; i++) {
+    mine[i] = (PetscBool)!getenv(alone[i].name); /* unless told otherwise */
+    if (mine[i]) (void)setenv(alone[i].name, alone[i].value, PETSC_FALSE);
+  }
+  failed = MPI_Init(argc, argv) != MPI_SUCCESS;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(alone) && tidy; i++)
+    if (mine[i]) (void)unsetenv(alone[i].name);
+  return failed;
 }
 
 /*
@@ -120,8 +136,7 @@ int ProgramBegin(Program *self, int *argc, char ***argv, PetscBool *done) {
   HdfBegin();
   MPI_Initialized(&begun);
   self->began_mpi = (PetscBool)!begun;
-  if (self->began_mpi) NeedNoOthers();
-  if (self->began_mpi) MPI_Init(argc, argv);
+  if (self->began_mpi) (void)ProgramBeginMpi(argc, argv, PETSC_FALSE);
   ProgramSetTable();
   *done = Answered(*argc, *argv);
   failed = *done ? 0 : OptionsTakeWords(&self->line, argc, argv);

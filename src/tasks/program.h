@@ -16,6 +16,7 @@ int ProgramBegin(Program *program, int *argc, char ***argv, PetscBool *done);
 int ProgramEnd(Program *program);
 PetscErrorCode ProgramRun(void);
 void ProgramSetTable(void);
+int ProgramBeginMpi(int *argc, char ***argv, PetscBool tidy);
 void ProgramVersion(FILE *file);
 
 #endif

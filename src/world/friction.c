@@ -15,8 +15,12 @@ PetscErrorCode FrictionSetFromOptions(Friction *friction) {
 
   PetscFunctionBegin;
   friction->more = 0;
+  friction->own = OptionsLaw(OWN_FRICTION);
+  if (friction->own) PetscCall(OptionDefault("-friction_mu", "0"));
   PetscCall(OptionReal("-friction_mu", &friction->mu, NULL));
   PetscCall(OptionReal("-friction_beta", &friction->beta, NULL));
+  UserCheck(!friction->own || friction->mu == 0, OptionsComm(),
+            "-friction_mu: the friction law of one's own says all of it; give 0, or take this out");
   PetscCall(OptionWord("-friction_newton", &choice, NULL));
   friction->newton = (FrictionNewton)choice;
   PetscFunctionReturn(0);
@@ -64,12 +68,15 @@ static inline void Advance(const Friction *law, int n, const PetscReal v[], Pets
 
 static inline void Slope(const Friction *law, int n, const PetscReal v[], const PetscReal dual[],
                          const PetscReal shift[], PetscReal *slope) {
-  PetscReal u[4], inverse = 1 / Radius(law, n, v, shift, u), d = law->mu * inverse;
+  PetscReal u[4], inverse = 1 / Radius(law, n, v, shift, u), d = law->mu * inverse, by_v2 = 0,
+                  viscous = 1 - law->mu + law->more;
 
+  if (law->own) viscous = FrictionOwn(law, Dot(n, v, v), &by_v2) + law->more;
   for (int i = 0; i < n; i++)
     for (int j = 0; j < n; j++) {
       PetscReal w = law->newton == NEWTON_PRIMAL ? u[i] * inverse : dual[i];
-      slope[n * i + j] = (i == j) * (1 - law->mu + law->more + d) - d * w * (u[j] * inverse);
+      slope[n * i + j] = (i == j) * (viscous + d) - d * w * (u[j] * inverse);
+      if (law->own) slope[n * i + j] += 2 * by_v2 * v[i] * v[j];
     }
 }
 
@@ -83,6 +90,22 @@ static inline PetscReal Hold(int n, const PetscReal v[], PetscReal seen, PetscRe
   size = PetscSqrtReal(Dot(n, u, u));
   for (int i = 0; i < n; i++) shift[i] = slides ? 0 : size > longest ? u[i] * longest / size : u[i];
   return slides ? 0 : speed;
+}
+
+/* FrictionOwnBetween - FrictionBetween() of a law of one's own, by Gauss's rule: exact for a phi
+   that is a polynomial of degree 8. */
+PetscReal FrictionOwnBetween(const Friction *law, PetscReal a, PetscReal b) {
+  static const PetscReal point[5] = {-0.9061798459386640, -0.5384693101056831, 0,
+                                     0.5384693101056831, 0.9061798459386640},
+                         weight[5] = {0.2369268850561891, 0.4786286704993665, 0.5688888888888889,
+                                      0.4786286704993665, 0.2369268850561891};
+  PetscReal sum = 0;
+
+  for (int k = 0; k < 5; k++) {
+    const PetscReal v = (a + b) / 2 + (b - a) / 2 * point[k];
+    sum += weight[k] * (FrictionOwn(law, v * v, NULL) + law->more) * v;
+  }
+  return sum * (b - a) / 2;
 }
 
 /*

@@ -13,6 +13,7 @@ typedef struct {
   PetscReal beta; /* regularisation of |v|^2; 0: exact Coulomb friction */
   PetscReal more; /* viscous friction beside 1 - mu: 0, but in a snap (snap.c) */
   FrictionNewton newton;
+  OwnLaw *own; /* phi; NULL: as above */
 } Friction;
 
 /* What Newton's method remembers of one friction point: the velocity and the dual w (the dry force
@@ -30,6 +31,7 @@ typedef struct {
 extern const OptionGroup friction_options;
 
 PetscErrorCode FrictionSetFromOptions(Friction *friction);
+PetscReal FrictionOwnBetween(const Friction *law, PetscReal a, PetscReal b);
 void FrictionDualReset(const Friction *law, const PetscReal v[2], FrictionDual *dual);
 void FrictionDualAdvance(const Friction *law, const PetscReal v[2], FrictionDual *dual);
 void FrictionLinearise(const Friction *law, const PetscReal v[2], const FrictionDual *dual,
@@ -52,6 +54,26 @@ static const PetscReal friction_tiny = 1e-12;
    rope may lie next to sliding for long. */
 static const PetscReal friction_hold = 10, friction_hold_contact = 100;
 
+/* phi of a law of one's own, and its derivative by |v|^2. */
+static inline PetscReal FrictionOwn(const Friction *law, PetscReal v2, PetscReal *by_v2) {
+  const TendrilPlace at = {.speed2 = v2};
+  PetscReal value[OWN_VALUES] = {0};
+
+  OwnValue(law->own, &at, value);
+  if (by_v2) *by_v2 = value[1];
+  return value[0];
+}
+
+/* What there is of friction beside the dry part, over v: viscous, and in a snap more; all of it,
+   where the law is one's own. */
+static inline PetscReal FrictionViscous(const Friction *law, int n, const PetscReal v[]) {
+  PetscReal v2 = 0;
+
+  if (!law->own) return 1 - law->mu + law->more;
+  for (int d = 0; d < n; d++) v2 += v[d] * v[d];
+  return FrictionOwn(law, v2, NULL) + law->more;
+}
+
 /* r, and u with it */
 static inline PetscReal FrictionRadius(const Friction *law, const PetscReal v[2],
                                        const FrictionDual *dual, PetscReal u[2]) {
@@ -63,8 +85,9 @@ static inline PetscReal FrictionRadius(const Friction *law, const PetscReal v[2]
 /* The force phi(|v|) v of friction, per length. */
 static inline void FrictionForce(const Friction *law, const PetscReal v[2],
                                  const FrictionDual *dual, PetscReal f[2]) {
-  PetscReal u[2], drag = law->mu / FrictionRadius(law, v, dual, u);
-  for (int d = 0; d < 2; d++) f[d] = (1 - law->mu + law->more) * v[d] + drag * u[d];
+  PetscReal u[2], drag = law->mu / FrictionRadius(law, v, dual, u),
+                  viscous = FrictionViscous(law, 2, v);
+  for (int d = 0; d < 2; d++) f[d] = viscous * v[d] + drag * u[d];
 }
 
 /* The same in space. */
@@ -80,18 +103,21 @@ static inline PetscReal FrictionRadius4(const Friction *law, const PetscReal v[4
 
 static inline void FrictionForce4(const Friction *law, const PetscReal v[4],
                                   const FrictionDual4 *dual, PetscReal f[4]) {
-  PetscReal u[4], drag = law->mu / FrictionRadius4(law, v, dual->shift, u);
-  for (int d = 0; d < 4; d++) f[d] = (1 - law->mu + law->more) * v[d] + drag * u[d];
+  PetscReal u[4], drag = law->mu / FrictionRadius4(law, v, dual->shift, u),
+                  viscous = FrictionViscous(law, 4, v);
+  for (int d = 0; d < 4; d++) f[d] = viscous * v[d] + drag * u[d];
 }
 
 /* phi(|v|) given |v|^2; a point at rest under exact Coulomb friction loses no power: 1 - mu */
 static inline PetscReal FrictionPhi(const Friction *law, PetscReal v2) {
   PetscReal r = PetscSqrtReal(v2 + law->beta);
+  if (law->own) return FrictionOwn(law, v2, NULL) + law->more;
   return 1 - law->mu + law->more + (r > 0 ? law->mu / r : 0);
 }
 
 /* int_a^b phi(v) v dv: the axial friction on a straight rod whose speed rises evenly from a to b */
 static inline PetscReal FrictionBetween(const Friction *law, PetscReal a, PetscReal b) {
+  if (law->own) return FrictionOwnBetween(law, a, b);
   return law->mu * (PetscSqrtReal(b * b + law->beta) - PetscSqrtReal(a * a + law->beta)) +
          (1 - law->mu) * (b * b - a * a) / 2;
 }

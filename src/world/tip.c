@@ -66,6 +66,7 @@ PetscErrorCode TipSetFromOptions(Tip *tip, const Load *load) {
             "-tip_force: a resistance is not negative");
   tip->resistance = *load;
   tip->resistance.friction.mu = 1;
+  tip->resistance.friction.own = NULL;
   tip->resistance.across = 1;
   tip->resistance.turns = PETSC_FALSE;
   tip->resistance.field = NULL;
