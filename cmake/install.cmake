@@ -34,8 +34,11 @@ install(FILES ${PROJECT_BINARY_DIR}/tendril.pc DESTINATION ${CMAKE_INSTALL_LIBDI
 
 install(FILES docs/tendril.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES README.md LICENSE CITATION.cff CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
-file(GLOB pages docs/*.md)
-install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs)
+file(GLOB_RECURSE pages RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS docs/*.md)
+foreach(page ${pages})
+  get_filename_component(folder ${page} DIRECTORY)
+  install(FILES ${page} DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder})
+endforeach()
 file(GLOB scenes options/*.opts)
 install(FILES ${scenes} DESTINATION ${CMAKE_INSTALL_DATADIR}/tendril/options)
 install(DIRECTORY options/data DESTINATION ${CMAKE_INSTALL_DATADIR}/tendril/options)

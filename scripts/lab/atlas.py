@@ -2,7 +2,7 @@
 """The atlas of failure: every method on every cell of a grid of rods, with verdict and cost; a
 table, a map (methods down, cells across) and a Dolan-More profile.
 
-    atlas.py [--quick] [--methods NAME,...] [--draw] [--jobs N] [--kept docs/atlas.csv]
+    atlas.py [--quick] [--methods NAME,...] [--draw] [--jobs N] [--kept docs/notes/atlas.csv]
 
 --draw: from what is stored, without new runs. Fails if the default loses a cell. Runs go side by
 side, one to a core."""

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The atlas of failure: runs the grid (what is not yet in the store), writes docs/atlas.csv and draws
-# docs/atlas.png and docs/atlas-profile.png (and .pdf).
+# The atlas of failure: runs the grid (what is not yet in the store), writes docs/notes/atlas.csv and draws
+# docs/notes/atlas.png and docs/notes/atlas-profile.png (and .pdf).
 #   scripts/lab/atlas.sh [--quick] [OPTIONS OF atlas.py]
 # --quick: fewer cells, into results/atlas-quick, for a look. Stopped, it goes on where it was.
 # TENDRIL names the executable (build/tendril). Peers: scripts/lab/peers/setup.sh first, or they show as

@@ -1,8 +1,9 @@
-"""Runs what scripts/lab/bench.sh measures and writes it as one page of tables (docs/bench.md).
+"""Runs what scripts/lab/bench.sh measures and writes it as one page of tables (docs/notes/bench.md).
 
 Every time stands beside its error, measured in the same run. Times are the best of a few runs, for
 machines are noisy; quote their ratios. TENDRIL_BEFORE=PROGRAM and BENCH_BEFORE=ITS_BENCH_NEWTON in the
 environment put an earlier version beside this one."""
+import datetime
 import json
 import math
 import os
@@ -249,7 +250,7 @@ def ensemble(out, members=100):
 
 def main():
     os.makedirs(WORK, exist_ok=True)
-    os.makedirs("docs", exist_ok=True)
+    os.makedirs("docs/notes", exist_ok=True)
     peer = None
     if os.path.exists("scripts/lab/peers/paper_fem.py") and not subprocess.run(["/usr/bin/python3", "-c", "import dolfin"], capture_output=True).returncode:
         peer = ["/usr/bin/python3", "scripts/lab/peers/paper_fem.py"]
@@ -257,13 +258,13 @@ def main():
         print("bench: without the finite elements of the paper (Debian's package fenics is not there)")
     with open("/proc/cpuinfo") as info:
         cpu = re.search(r"model name\s*: (.*)", info.read())
-    out = ["# Measured", "", f"By scripts/lab/bench.sh on {os.cpu_count()} cores, {cpu[1] if cpu else 'unknown CPU'}. Ratios travel further than seconds.", ""]
+    out = [f"# Speed, as measured on {datetime.date.today():%d %B %Y}", "", f"By scripts/lab/bench.sh on {os.cpu_count()} cores, {cpu[1] if cpu else 'unknown CPU'}. Ratios travel further than seconds.", ""]
     for part in (lambda: dry_rod(out, peer), lambda: short_rod(out, peer), lambda: friction_limit(out), lambda: drift(out), lambda: newton(out), lambda: joint(out),
                  lambda: ensemble(out)):
         part()
-        with open("docs/bench.md", "w") as page:
+        with open("docs/notes/bench.md", "w") as page:
             page.write("\n".join(out))
-    print("bench: docs/bench.md holds the tables")
+    print("bench: docs/notes/bench.md holds the tables")
 
 
 if __name__ == "__main__":

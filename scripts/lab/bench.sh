@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Measures speed beside accuracy and writes docs/bench.md: the dry rod and the short rod beside the
+# Measures speed beside accuracy and writes docs/notes/bench.md: the dry rod and the short rod beside the
 # paper's finite elements (if Debian's package fenics is there), friction to the limit, one Newton
 # iteration beside LAPACK's band solver. About 5 minutes.
 #   scripts/lab/bench.sh

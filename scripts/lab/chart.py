@@ -2,7 +2,7 @@
 """Speed against accuracy: runs methods over their settings, keeps every run in a table, and draws
 error over time and over counted work, a column per scene.
 
-    chart.py [--quick] [--only SCENE,...] [--draw] [--jobs N] [--kept docs/chart.csv]
+    chart.py [--quick] [--only SCENE,...] [--draw] [--jobs N] [--kept docs/notes/chart.csv]
 
 --kept: the rows of an earlier table stand; only what is new is run. TENDRIL_BEFORE=PROGRAM in the
 environment: an earlier version, charted beside this one. --draw: from what is stored, without new runs. Runs go side by side, one to a core."""
@@ -10,6 +10,7 @@ environment: an earlier version, charted beside this one. --draw: from what is s
 import argparse
 import csv
 import math
+from datetime import date
 from pathlib import Path
 
 import matplotlib
@@ -257,7 +258,9 @@ def table(found, path):
 
 def summary(found, path):
     """The front by name, and how many times longer each method takes: a Markdown table."""
-    lines = ["| scene | error | fastest | s | " + " | ".join(METHODS) + " |",
+    lines = [f"# How many times longer each method takes, as measured on {date.today():%d %B %Y}", "",
+             "By scripts/lab/chart.sh; [chart-and-atlas.md](chart-and-atlas.md) explains it.", "",
+             "| scene | error | fastest | s | " + " | ".join(METHODS) + " |",
              "|" + "---|" * (4 + len(METHODS))]
     for scene, methods in found.items():
         everything = [r for runs_ in methods.values() for r in runs_ if finished(r)]

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The chart of speed against accuracy: runs the matrix of methods (those not yet in the store), writes
-# docs/chart.csv and draws docs/chart.png (and .pdf).
+# docs/notes/chart.csv and draws docs/notes/chart.png (and .pdf).
 #   scripts/lab/chart.sh [--quick] [OPTIONS OF chart.py]
 # --quick: a coarse matrix into results/chart-quick, for a look. Stopped, it goes on where it was.
 # TENDRIL names the executable (build/tendril). Peers: scripts/lab/peers/setup.sh first, or they show as

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Speed against accuracy in space, beside PyElastica, MuJoCo and Exudyn: runs what is not yet in the store, and writes
-docs/chart-space.csv and docs/chart-space.png.
+docs/notes/chart-space.csv and docs/notes/chart-space.png.
 
     chart_space.py [--only SCENE,...] [--methods NAME,...] [--draw] [--again]
 
@@ -37,7 +37,7 @@ import ropes_test as ropes
 import scene_test as scene_runs
 from tendril.style import STYLE
 
-TABLE = ROOT / "docs" / "chart-space.csv"
+TABLE = ROOT / "docs" / "notes" / "chart-space.csv"
 COLUMNS = ("scene", "method", "options", "error", "seconds", "steps", "failed")
 METHODS = {"tendril": ("#0072B2", "o", "-"), "PyElastica": ("#666666", "d", ":"), "MuJoCo": ("#D55E00", "s", "--"),
            "Exudyn": ("#009E73", "^", "--")}
@@ -259,7 +259,7 @@ def run_all(store, choice):
 
 
 def in_table():
-    """{(scene, method, options): row} of docs/chart-space.csv as it is."""
+    """{(scene, method, options): row} of docs/notes/chart-space.csv as it is."""
     if not TABLE.exists():
         return {}
     with open(TABLE, newline="") as file:
@@ -343,8 +343,8 @@ def main():
         table.writeheader()
         for row in rows:
             table.writerow({k: f"{v:.3g}" if isinstance(v, float) else v for k, v in row.items()})
-    draw(rows, ROOT / "docs" / "chart-space")
-    print("docs/chart-space.csv, docs/chart-space.png")
+    draw(rows, ROOT / "docs" / "notes" / "chart-space")
+    print("docs/notes/chart-space.csv, docs/notes/chart-space.png")
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 """Measured errors of contact against the exact answers A (the tip on a plane) and B (inside a
 circle) of tests/run/contact_test.py: over the stiffness k of contact, and over the number of cells.
 
-    contact.py build/tendril [--store docs/contact.csv]"""
+    contact.py build/tendril [--store docs/notes/contact.csv]"""
 
 import argparse
 import csv
@@ -30,7 +30,7 @@ def measured(answer, cells, k):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("tendril")
-    parser.add_argument("--store", default=ROOT / "docs" / "contact.csv")
+    parser.add_argument("--store", default=ROOT / "docs" / "notes" / "contact.csv")
     choice = parser.parse_args()
     scene.TENDRIL = str(Path(choice.tendril).resolve())
     with open(choice.store, "w", newline="") as file, tempfile.TemporaryDirectory() as scene.SCRATCH:

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Draws what coverage.py has found: estimated against true errors of random scenes.
 
-    PYTHONPATH=scripts .venv/bin/python scripts/lab/coverage_chart.py [docs/coverage.csv] [docs/coverage.png]"""
+    PYTHONPATH=scripts .venv/bin/python scripts/lab/coverage_chart.py [docs/notes/coverage.csv] [docs/notes/coverage.png]"""
 
 import csv
 import sys
@@ -12,14 +12,14 @@ from matplotlib import pyplot as plt
 
 from tendril.style import STYLE
 
-DOCS = Path(__file__).resolve().parents[2] / "docs"
+NOTES = Path(__file__).resolve().parents[2] / "docs" / "notes"
 COLOURS = {"plain": "#0072B2", "wide": "#56B4E9", "world": "#009E73", "contact": "#D55E00", "hard": "#CC79A7",
            "space": "#E69F00", "space-world": "#F0E442", "linear": "#999999", "linear-world": "#882255", "moving": "#000000"}
 LEAST = 1e-10
 
 
 def main():
-    table, picture = ([Path(word) for word in sys.argv[1:3]] + [DOCS / "coverage.csv", DOCS / "coverage.png"][len(sys.argv) - 1:])
+    table, picture = ([Path(word) for word in sys.argv[1:3]] + [NOTES / "coverage.csv", NOTES / "coverage.png"][len(sys.argv) - 1:])
     with table.open(newline="") as file:
         rows = [row for row in csv.DictReader(file) if not row["accuracy"]]
     limits = np.array((LEAST, 3))

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """A rod at rest in friction that is turned at its tip by 0.5 and back to 0.1 (Masing), and one that is fed and turned: how far the
-torque, and the push, are off the exact ones, with more and more cells. Writes docs/masing.csv and docs/figures/masing.png.
+torque, and the push, are off the exact ones, with more and more cells. Writes docs/notes/masing.csv and docs/notes/masing.png.
 
-    scripts/lab/masing.py build/tendril [--draw]      (--draw: from docs/masing.csv)"""
+    scripts/lab/masing.py build/tendril [--draw]      (--draw: from docs/notes/masing.csv)"""
 
 import csv
 import re
@@ -23,7 +23,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 from tendril.style import BLUE, GREEN, RED, STYLE
 
-TABLE, PICTURE = ROOT / "docs/masing.csv", ROOT / "docs/figures/masing.png"
+TABLE, PICTURE = ROOT / "docs/notes/masing.csv", ROOT / "docs/notes/masing.png"
 RADIUS, TORSION = 0.5, 0.75
 TURNED = (f"-growth_type none -growth_initial_length 3 -shape_type straight -friction_radius {RADIUS} -tip_type slides "
           "-ts_max_time 2 -output_shapes 1 ")

@@ -85,7 +85,7 @@ SCENES = {scene.name: scene for scene in (
     from_reference("short", THICK, "v_short"),
     Scene("gaussian", "-growth_type gaussian -growth_width 0.05 " + THICK, (2, 5, 10)),
     from_reference("feed", "-growth_type feed " + THICK, "v_feed"),
-    # a tip on a frictionless plane, D/L = 0.7 (docs/contact.md, answer A)
+    # a tip on a frictionless plane, D/L = 0.7 (docs/notes/contact-measured.md, answer A)
     Scene("contact", "-growth_type feed -growth_initial_length 0.0068 -shape_type straight "
           "-rod_curvature 1e-4 -friction_mu 0 -wall_file options/data/plane.txt", (0.0032,),
           quantities=("base_force_1", "tip_x2"),
@@ -176,7 +176,7 @@ class Store:
 def workplace(name, quick):
     """(where the pictures and tables of a study go, its store); a quick one has its own."""
     name += "-quick" * quick
-    place = ROOT / "results" / name if quick else ROOT / "docs"
+    place = ROOT / "results" / name if quick else ROOT / "docs" / "notes"
     place.mkdir(parents=True, exist_ok=True)
     return place, Store(ROOT / "results" / name / "runs.jsonl")
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """The rod that is clamped at both ends and twisted by 27 turns (options/twisted-rod.opts): errors against the exact rod
-and seconds, as a table for docs/theory.md.
+and seconds, as a table for docs/notes/exact-answers.md.
 
     scripts/lab/twisted_rod.py build/tendril [CELLS...]"""
 

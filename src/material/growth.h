@@ -1,5 +1,5 @@
 /* Growth laws: the prescribed stretch g(s,t) = |x'|, the arc length p(s,t) = int_0^s g, and the
-   speed c(s,t) at which material slides past the labels (theory.md, section 3). */
+   speed c(s,t) at which material slides past the labels (docs/theory/growth.md). */
 #ifndef TENDRIL_GROWTH_H
 #define TENDRIL_GROWTH_H
 

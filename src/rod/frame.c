@@ -1,4 +1,4 @@
-/* The frame model: first order in s, the constraint built in (theory.md, section 1),
+/* The frame model: first order in s, the constraint built in (docs/theory/rod.md),
      x' = g q,  theta' = g (m/B + k0),  m' = -g (q1 n2 - q2 n1),  n' = g F(v),  v = x_t + c q,
      s = 0: x = 0, theta = 0 (in the clamp's frame), m = 0 in a hinge, or m = 0, n = 0 where it is
             free;
@@ -15,8 +15,8 @@
 #include <petsc/private/petscimpl.h> /* PetscObjectStateGet() */
 
 static const OptionRow rows[] = {
-    ROW_WORD("-rod_order", "4", "2,4", 0, "order in space of the frame model")};
-const OptionGroup frame_options = OPTION_GROUP("Frame model", rows);
+    ROW_WORD("-rod_order", "4", "2,4", 0, "order in space of the models frame and space")};
+const OptionGroup frame_options = OPTION_GROUP("Models frame and space", rows);
 
 /* The present state of a rod, and the cell that is looked at. The points outlive it: a Jacobian
    follows on the residual of the same state. */

@@ -1,7 +1,9 @@
-/* The model of space (theory.md): a Kirchhoff rod, thirteen unknowns a node. d1, d2, d3 are the
-   directors of the quaternion p, d1 the tangent; x, m and n are in the clamp's frame,
+/* The model of space (docs/theory/rod.md): a Kirchhoff rod, thirteen unknowns a node. d1, d2, d3
+   are the directors of the quaternion p, d1 the tangent; x, m and n are in the clamp's frame,
+
      x' = g d1,  p' = g/2 p (0, u),  u = S^-1 (m.d1, m.d2, m.d3) + u0,
      m' = -g d1 x n + g l d1,  n' = g F,
+
    F the load and l its couple about the tangent (world/load_space.h), at the velocity
    v = x_t + c d1 and the spin 2 (p* p_t)_1 + c u1,
      s = 0: x = 0, p that of the clamp, or in a hinge m.d2 = m.d3 = 0, |p| = 1 and no turn about d1

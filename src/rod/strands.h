@@ -1,6 +1,7 @@
-/* Strands: the rod touches itself. Every collocation point (nodes and middles of cells, theory.md,
-   section 1) looks for the nearest place of another strand on the smooth curve of the rod, at most
-   one on either side. With W its share of the rod's length, twice halved because both strands look,
+/* Strands: the rod touches itself. Every collocation point (nodes and middles of cells,
+   docs/theory/cells.md) looks for the nearest place of another strand on the smooth curve of the
+   rod, at most one on either side. With W its share of the rod's length, twice halved because both
+   strands look,
 
      E = sum_i W_i U(gamma_i),   gamma = |x_i - x(foot)| - D,   foot: (x_i - x(foot)).x' = 0,
 

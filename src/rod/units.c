@@ -127,6 +127,8 @@ PetscErrorCode RodFindUnits(Rod rod) {
         units->own > 0 ? units->own : L / (beta > 0 ? PetscSqrtReal(beta / beta_of_growth) : 1);
   }
   if (scene->contact.any) units->length = units->time = units->stiffness = 1;
+  scene->tip.per_turn = units->stiffness / units->length;
+  scene->tip.per_place = units->stiffness / (units->length * units->length * units->length);
   units->found = PETSC_TRUE;
   PetscFunctionReturn(0);
 }

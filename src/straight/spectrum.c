@@ -361,9 +361,10 @@ static PetscErrorCode BucklingBound(Pencil p, PetscReal *bound, PetscBool *pulle
 
 /*
   SpectrumBuckling - the largest eigenvalue of int P g u u = ratio int u_p u_p / .., u = y_p: above
-  1 the straight rod is unstable, at 1 critical (the Sturm-Liouville problem of theory.md section
-  4). For uniform growth L^3 / ratio = L_cr^3. Collective; arguments as in SpectrumLargest(), w
-  only. A rod that is pulled everywhere has none above 0: the ratio is then 0, without a mode.
+  1 the straight rod is unstable, at 1 critical (the Sturm-Liouville problem of
+  docs/theory/straight.md). For uniform growth L^3 / ratio = L_cr^3. Collective; arguments as in
+  SpectrumLargest(), w only. A rod that is pulled everywhere has none above 0: the ratio is then 0,
+  without a mode.
 
   A tip that is pulled makes most eigenvalues negative and the largest of them small against these:
   it is found as the one nearest to a bound from above.

@@ -1,6 +1,6 @@
 /* The straight rod: its velocity v0, friction phi0 and compression P, and the linear problem
-   D y_t = K y of a small deflection y on it (theory.md, section 1), in cubic B-splines: one unknown
-   per node, D and K symmetric (K not for feed), fourth order. */
+   D y_t = K y of a small deflection y on it (docs/theory/straight.md), in cubic B-splines: one
+   unknown per node, D and K symmetric (K not for feed), fourth order. */
 #ifndef TENDRIL_STRAIGHT_H
 #define TENDRIL_STRAIGHT_H
 

@@ -2,7 +2,7 @@
    space, and at each step small changes u of its state U(t) are looked at, frozen,
      dF/dU u + sigma dF/dU_t u = 0
    for F the equations of the model. It stops being stable where the first sigma comes to have a
-   real part of 0 (theory.md, section 15). */
+   real part of 0 (docs/theory/straight.md). */
 #include "tasks/bent.h"
 #include "base/chain.h"
 #include "base/extremes.h"

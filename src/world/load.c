@@ -294,8 +294,8 @@ PetscBool LoadSharesMost(const Load *load) {
 /*
   LoadShareMore - for a rod that snaps, or that slips again and again. Where friction across is
   weaker than along, dry friction is not the derivative of a dissipation, and of a bent rod it need
-  not say with which velocity it moves: theory.md, section 9. So from then on a part nearly_dry of
-  it is viscous, by which results are off about as much; or ten times the part that is. Stronger
+  not say with which velocity it moves: docs/theory/friction.md. So from then on a part nearly_dry
+  of it is viscous, by which results are off about as much; or ten times the part that is. Stronger
   friction across asks for none.
 
   Returns whether it could.

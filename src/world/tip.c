@@ -64,6 +64,7 @@ PetscErrorCode TipSetFromOptions(Tip *tip, const Load *load) {
             "-tip_field: is for -tip_law resistance; take it out, or give that law");
   UserCheck(tip->law != TIP_RESISTANCE || tip->force >= 0, OptionsComm(),
             "-tip_force: a resistance is not negative");
+  tip->per_turn = tip->per_place = 1;
   tip->resistance = *load;
   tip->resistance.friction.mu = 1;
   tip->resistance.friction.own = NULL;
@@ -197,9 +198,9 @@ void TipResidual(const Tip *tip, const TipState *at, const LoadDual *dual, Petsc
 
   if (tip->type != TIP_FREE) Held(tip, at->at.t, &held);
   if (!TipHolds(tip, 0)) TipForce(tip, at, dual, f);
-  r[0] = TipPoints(tip) ? at->theta - held.angle : at->moment;
+  r[0] = TipPoints(tip) ? tip->per_turn * (at->theta - held.angle) : at->moment;
   for (int d = 0; d < 2; d++)
-    r[1 + d] = TipHolds(tip, d) ? at->at.x[d] - held.x[d] : at->force[d] - f[d];
+    r[1 + d] = TipHolds(tip, d) ? tip->per_place * (at->at.x[d] - held.x[d]) : at->force[d] - f[d];
 }
 
 /*
@@ -216,8 +217,9 @@ void TipJacobian(const Tip *tip, const TipState *at, const PetscReal shift[2], P
 
   for (int i = 0; i < TIP_ROWS; i++)
     for (int j = 0; j < TIP_FIELDS; j++) J[i][j] = 0;
-  J[0][TipPoints(tip) ? TH : M] = 1;
-  for (int d = 0; d < 2; d++) J[1 + d][TipHolds(tip, d) ? X1 + d : N1 + d] = 1;
+  J[0][TipPoints(tip) ? TH : M] = TipPoints(tip) ? tip->per_turn : 1;
+  for (int d = 0; d < 2; d++)
+    J[1 + d][TipHolds(tip, d) ? X1 + d : N1 + d] = TipHolds(tip, d) ? tip->per_place : 1;
   if (tip->type != TIP_FREE) return; /* (what presses on one that slides is dead) */
   if (tip->walls) AddWallsSlope(tip, at, shift, fresh, dual, J);
   if (P == 0) return;
@@ -296,12 +298,11 @@ void TipResidual3(const Tip *tip, const TipState3 *at, const FrictionDual4 *dual
 
   if (tip->type != TIP_FREE) Held(tip, at->at.t, &held);
   if (!TipHolds(tip, 0)) TipForce3(tip, at, dual, f);
-  if (TipPoints(tip))
-    TurnFrom(held.p, at->p, r);
-  else
-    for (int d = 0; d < 3; d++) r[d] = at->m[d] - f[SPIN] * at->at.q[d];
+  if (TipPoints(tip)) TurnFrom(held.p, at->p, r);
   for (int d = 0; d < 3; d++)
-    r[3 + d] = TipHolds(tip, d) ? at->at.x[d] - held.x[d] : at->n[d] - f[d];
+    r[d] = TipPoints(tip) ? tip->per_turn * r[d] : at->m[d] - f[SPIN] * at->at.q[d];
+  for (int d = 0; d < 3; d++)
+    r[3 + d] = TipHolds(tip, d) ? tip->per_place * (at->at.x[d] - held.x[d]) : at->n[d] - f[d];
 }
 
 /* Takes the derivatives of what walls push with off J, the conditions being m - couple q = 0 and
@@ -357,14 +358,15 @@ void TipJacobian3(const Tip *tip, const TipState3 *at, const PetscReal dW[RUBS][
     for (int k = 0; k < 4; k++) {
       PetscReal unit[4] = {k == 0, k == 1, k == 2, k == 3}, v[3];
       TurnFrom(held.p, unit, v);
-      for (int d = 0; d < 3; d++) J[d][P + k] = v[d];
+      for (int d = 0; d < 3; d++) J[d][P + k] = tip->per_turn * v[d];
     }
   } else
     for (int d = 0; d < 3; d++) {
       J[d][M + d] = 1;
       for (int k = 0; k < 4; k++) J[d][P + k] = -tip->torque * at->q_p[d][k];
     }
-  for (int d = 0; d < 3; d++) J[3 + d][(TipHolds(tip, d) ? X : N) + d] = 1;
+  for (int d = 0; d < 3; d++)
+    J[3 + d][(TipHolds(tip, d) ? X : N) + d] = TipHolds(tip, d) ? tip->per_place : 1;
   if (tip->type != TIP_FREE) return;
   if (tip->walls) PushWallsSlope3(tip, at, dW, fresh, dual, J);
   if (force == 0) return;

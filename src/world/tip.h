@@ -29,6 +29,9 @@ typedef struct {
   PetscReal torque;      /* in space: about d1 of the tip, turns with it */
   PetscReal x3, p[4];    /* in space: what x and theta leave out of where it is held */
   Path path;             /* over time; NULL: it is held where it is at the start */
+  /* What tells by how much it is off is a moment and a force in the rod's units, as the other
+     conditions are: the turn and the place are multiplied by these. */
+  PetscReal per_turn, per_place;
 } Tip;
 
 /* The state of the tip, in the clamp's frame. */

@@ -103,6 +103,28 @@ static void BetweenRows(void **state) {
   CHECK(BendsDestroy(&bends));
 }
 
+/* A cubic that turns at 2.3 and 7.1, within one row. */
+static PetscReal Turning(PetscReal x) {
+  return x * x * x / 3 - (2.3 + 7.1) / 2 * x * x + 2.3 * 7.1 * x;
+}
+
+static PetscReal TurningSlope(PetscReal x) {
+  return (x - 2.3) * (x - 7.1);
+}
+
+static void TurnsAreBends(void **state) {
+  const Given turning = {Turning, TurningSlope};
+  Bends bends = {0};
+
+  (void)state;
+  Find(&turning, 2, 1e9, &bends);
+  for (int k = 0; k < 2; k++) {
+    const PetscReal at = k ? 7.1 : 2.3, found = BendsNext(&bends, at - 0.1);
+    EXPECT(PetscAbsReal(found - at) < 1e-12, "turns at %g, found %g", (double)at, (double)found);
+  }
+  CHECK(BendsDestroy(&bends));
+}
+
 static void RoundOffIsLevel(void **state) {
   const Given level = {Level, LevelSlope};
   Bends bends = {0};
@@ -115,7 +137,7 @@ static void RoundOffIsLevel(void **state) {
   CHECK(BendsDestroy(&bends));
 }
 
-static const struct CMUnitTest tests[] = {cmocka_unit_test(EnoughAndNotMore),
-                                          cmocka_unit_test(BetweenRows),
-                                          cmocka_unit_test(RoundOffIsLevel)};
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(EnoughAndNotMore), cmocka_unit_test(BetweenRows),
+    cmocka_unit_test(TurnsAreBends), cmocka_unit_test(RoundOffIsLevel)};
 MAIN(tests)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Contact: walls and the rod itself, against exact answers (docs/theory.md) and against what must hold
+"""Contact: walls and the rod itself, against exact answers (docs/notes/contact-measured.md) and against what must hold
 always. Where lengths are far below 1, friction is nothing beside bending.
 
     contact_test.py build/tendril [--mpiexec mpiexec] CHECK...      (no CHECK: all of them)"""
@@ -257,7 +257,7 @@ def flat_between_walls(start, length):
 @check
 def flat_between():
     """C, flat contact, P from 16 to 36 pi^2: a rod that is laid down so has the exact P and reaction. It
-    is indifferent there (docs/theory.md), and leaves for less P when round-off says so: its halves
+    is indifferent there (docs/notes/exact-answers.md), and leaves for less P when round-off says so: its halves
     buckle, at 16 pi^2."""
     r, since, P, force, push = flat_between_walls(3.8, 0.3)
     flat = (since > 2e-3) & (since < 6e-3)

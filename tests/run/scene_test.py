@@ -484,7 +484,7 @@ def ranks():
 
 @check
 def straight():
-    """x2 = 0 stays exactly 0, and the clamp bears what theory.md says."""
+    """x2 = 0 stays exactly 0, and the clamp bears what docs/notes/exact-answers.md says."""
     for model in ("frame", "mixed", "linear", "auto"):
         for law in ("uniform", "gaussian", "feed"):
             r = Run(f"-shape_type straight -rod_model {model} -growth_type {law} -ts_max_time 4 "

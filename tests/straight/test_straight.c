@@ -19,7 +19,8 @@ static void Teardown(Scene *scene, Straight *straight) {
   CHECK(SceneDestroy(scene));
 }
 
-/* V is s for uniform growth and 1 for feed; the force at the clamp is theory.md's. */
+/* V is s for uniform growth and 1 for feed; the force at the clamp is that of
+   docs/notes/exact-answers.md. */
 static void TestForce(void **state) {
   const PetscReal ends[2] = {0, 1}, t = 1.3, L = 1.8, b = 1e-3;
   StraightMotion at;
@@ -175,7 +176,7 @@ static PetscReal LargestOfK(Straight straight, PetscReal t) {
   return most;
 }
 
-/* K turns indefinite at the critical length of theory.md. */
+/* K turns indefinite at the critical length of docs/notes/exact-answers.md. */
 static void TestCritical(void **state) {
   const struct {
     PetscReal mu, beta, length;

@@ -1,4 +1,5 @@
-/* The critical length against theory.md's table, its order of convergence and its error bound. */
+/* The critical length against the table of docs/notes/exact-answers.md, its order of convergence
+ * and its error bound. */
 #include "harness.h"
 #include "tasks/critical.h"
 

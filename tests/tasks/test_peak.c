@@ -46,6 +46,17 @@ static void Above(void **state) {
   }
 }
 
+/* It takes several looks to come near to a peak that is all but level with 0. */
+static void JustAbove(void **state) {
+  (void)state;
+  for (int k = -5; k <= 5; k++) {
+    Bell bell = {.at = 5 + 0.05 * k + 1e-3, .height = 1 + 1e-5, .width = 0.5};
+    PeakPlace across[2];
+    EXPECT(Find(&bell, 4.3, 5, 5.8, across), "a peak at %g, %d looks", (double)bell.at, bell.looks);
+    EXPECT(bell.looks < 20, "a peak at %g: %d looks", (double)bell.at, bell.looks);
+  }
+}
+
 static void Below(void **state) {
   Bell low = {.at = 5.2, .height = 0.4, .width = 0.8},
        under = {.at = 5.2, .height = 1 - 1e-6, .width = 0.8};
@@ -56,5 +67,6 @@ static void Below(void **state) {
   EXPECT(!Find(&under, 4, 5, 6, across) && under.looks < 40, "%d looks", under.looks);
 }
 
-static const struct CMUnitTest tests[] = {cmocka_unit_test(Above), cmocka_unit_test(Below)};
+static const struct CMUnitTest tests[] = {cmocka_unit_test(Above), cmocka_unit_test(JustAbove),
+                                          cmocka_unit_test(Below)};
 MAIN(tests)

@@ -14,7 +14,7 @@ static void Force(const Friction *law, const PetscReal v[2], PetscReal f[2]) {
   for (int d = 0; d < 2; d++) f[d] = phi * v[d];
 }
 
-/* phi = (1 - mu) + mu / sqrt(v^2 + beta), as theory.md has it. */
+/* phi = (1 - mu) + mu / sqrt(v^2 + beta), as docs/theory/friction.md has it. */
 static void TestLaw(void **state) {
   Friction law = Create("-friction_mu 0.3 -friction_beta 0.21");
   EXPECT(PetscAbsReal(FrictionPhi(&law, 4) - (0.7 + 0.3 / PetscSqrtReal(4.21))) < 1e-15, "phi %g",
