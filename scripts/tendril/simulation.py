@@ -254,7 +254,8 @@ class Simulation:
         after every step, has returned something true."""
         self._nodes, self._seen, self._within = None, watch, True  # series are then copied
         try:
-            return self._call("TendrilAdvance", float("inf") if until is None else float(until)) == OK
+            code = self._call("TendrilAdvance", float("inf") if until is None else float(until))
+            return code == OK or (until is None and code == ENDED)
         finally:
             self._nodes = self._seen = None
 

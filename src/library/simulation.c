@@ -256,6 +256,7 @@ static int SetUp(Tendril self, const char *restart) {
   self->errors.reading = PETSC_TRUE;
   if (restart) error = PetscOptionsSetValue(self->options, "-restart", restart);
   if (!error) error = MakeRun(self);
+  if (!error && self->grow->start > 0) error = SimulationTakeRows(self);
   if (!error) error = SimulationLook(self);
   self->errors.reading = PETSC_FALSE;
   code = SimulationLeave(self, error);

@@ -42,6 +42,9 @@ int SimulationEnter(Tendril self);
 int SimulationLeave(Tendril self, PetscErrorCode error);
 int SimulationRefuse(Tendril self, int code, const char *format, ...);
 
+/* save.c */
+PetscErrorCode SimulationTakeRows(Tendril self);
+
 /* process.c */
 int ProcessBegin(MPI_Comm comm, char message[], size_t room);
 PetscBool ProcessLives(void);

@@ -53,8 +53,9 @@ static PetscErrorCode Self(TS ts, Grow **self) {
   PetscFunctionReturn(0);
 }
 
-/* Hands the shape of a state at time t to the output. U NULL: the initial shape. */
-static PetscErrorCode StoreShape(Grow *self, PetscReal t, Vec U) {
+/* GrowStoreShape - hands the shape of a state at time t to the output. U NULL: the initial shape.
+ */
+PetscErrorCode GrowStoreShape(Grow *self, PetscReal t, Vec U) {
   const PetscReal(*contact)[PUSH] = NULL;
   const Node *nodes;
 
@@ -73,12 +74,13 @@ static PetscErrorCode StoreDueShapes(Grow *self, PetscReal t, Vec U) {
 
   PetscFunctionBegin;
   while (self->next_output <= t * (1 + 1e-14)) {
+    if (self->by_steps) PetscCall(GrowMark(self, self->next_output));
     if (self->next_output >= t * (1 - 1e-12))
-      PetscCall(StoreShape(self, t, U));
+      PetscCall(GrowStoreShape(self, t, U));
     else {
       PetscCall(VecDuplicate(self->now->U, &W));
       PetscCall(TSInterpolate(self->now->ts, self->next_output, W));
-      PetscCall(StoreShape(self, self->next_output, W));
+      PetscCall(GrowStoreShape(self, self->next_output, W));
       PetscCall(VecDestroy(&W));
     }
     self->next_output += self->output_interval;
@@ -88,11 +90,7 @@ static PetscErrorCode StoreDueShapes(Grow *self, PetscReal t, Vec U) {
 
 /* Brings all there is into the result file, with what the run needs to go on from here. */
 static PetscErrorCode Store(Grow *self, PetscBool finished) {
-  RestartState state = {.model = self->now - self->leg,
-                        .seen = self->seen,
-                        .began = self->began,
-                        .folds = self->folds,
-                        .neglected = self->neglected};
+  RestartState state;
   Vec points[VBDF_POINTS], errors[ESTIMATE_KEPT];
 
   PetscFunctionBegin;
@@ -101,17 +99,7 @@ static PetscErrorCode Store(Grow *self, PetscBool finished) {
     PetscFunctionReturn(0);
   }
   if (!OutputStores(self->output)) PetscFunctionReturn(0);
-  PetscCall(RestartKeep(self->now, self->seen.t, self->now->U, &state, points));
-  PetscCall(ObserverGetBalance(self->observer, state.balance));
-  GrowKeepErrors(self, state.beside);
-  GrowKeepStuck(self, state.stuck);
-  PetscCall(GrowCount(self, state.counted));
-  state.follows = self->estimate ? 1 : 0;
-  if (self->estimate) {
-    PetscCall(EstimateGet(self->estimate, state.errors));
-    PetscCall(EstimateVectors(self->estimate, errors));
-    PetscCall(EstimateKeep(self->estimate, state.following, errors));
-  }
+  PetscCall(GrowKeep(self, &state, points, errors));
   PetscCall(OutputStore(self->output, self->now->rod, &state, points,
                         self->estimate ? errors : NULL, finished));
   for (int k = 0; k < ESTIMATE_KEPT && self->estimate; k++) PetscCall(VecDestroy(&errors[k]));
@@ -261,6 +249,7 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
     PetscCall(VBDFGetBehindSnap(self->now->ts, &behind));
     if (jumped && (behind || !(layered && blindly))) self->snaps++;
   }
+  if (self->by_steps) PetscCall(ObserverGetBalance(self->observer, self->balance));
   PetscCall(ObserverMeasure(self->observer, self->now->rod, t, U, U_t, U ? self->now->ts : NULL,
                             &self->seen));
   self->force_before = BaseForce(&last);
@@ -690,7 +679,7 @@ static PetscErrorCode Begin(Grow *self, const char *output) {
   PetscCall(Observe(self, 0, NULL, NULL));
   self->now = &self->leg[BetterModel(self)];
   PetscCall(RodBegin(self->now->rod, self->now->U));
-  PetscCall(StoreShape(self, 0, NULL));
+  PetscCall(GrowStoreShape(self, 0, NULL));
   if (!self->member) PetscCall(Store(self, PETSC_FALSE)); /* what cannot be written shows early */
   self->next_output = self->output_interval;
   PetscFunctionReturn(0);
@@ -718,13 +707,18 @@ static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *
   self->began = state->began;
   self->neglected = state->neglected;
   self->shared = state->shared; /* it has been said */
+  self->changed = (PetscBool)(state->points == 1 &&
+                              state->step <= 2 * grow_begins_again * self->scene->end_time);
   self->seen.t = self->start = self->stored_shape = state->t;
   PetscCall(GrowLookForEvent(self, state->t, self->now->U, &event));
   UserCheck(!event.kind, self->scene->comm,
             "-stop_%s: it is so at t = %s already, where -restart %s is", event_name[event.kind],
             OptionBoth(state->t, UNIT_TIME, text), restart);
-  PetscCall(
-      OutputContinue(output, restart, self->scene, state->t, self->output_interval, &self->output));
+  if (self->by_steps)
+    PetscCall(OutputTakeOver(restart, self->scene, state->t, self->output_interval, &self->output));
+  else
+    PetscCall(OutputContinue(output, restart, self->scene, state->t, self->output_interval,
+                             &self->output));
   PetscCall(Store(self, PETSC_FALSE));
   if (!self->quiet)
     PetscCall(PetscPrintf(self->scene->comm, "goes on from t = %s of %s, into %s\n",
@@ -771,6 +765,7 @@ PetscErrorCode GrowCreate(Grow *self, const char *output, const char *restart) {
 
 PetscErrorCode GrowDestroy(Grow *self) {
   PetscFunctionBegin;
+  PetscCall(GrowMarksDestroy(self));
   PetscCall(GrowSensitivitiesDestroy(self));
   PetscCall(OutputDestroy(&self->output));
   PetscCall(ObserverDestroy(&self->observer));
@@ -786,9 +781,7 @@ static PetscBool ShareMore(Grow *self) {
 }
 
 /* Steps to the end, from model to model. Where a rod in dry friction finds no step, it tries again
-   with a viscous share, or a larger one, in steps from this part of the run on. */
-static const PetscReal begins_again = 1e-9;
-
+   with a viscous share, or a larger one, in steps of grow_begins_again of the run on. */
 /* What follows where the stepper has stopped. */
 static PetscErrorCode AfterSolve(Grow *self) {
   PetscFunctionBegin;
@@ -796,7 +789,7 @@ static PetscErrorCode AfterSolve(Grow *self) {
   if (self->now->interrupted) self->stopped = self->now->interrupted;
   if (self->reason < 0 && !self->stopped && ShareMore(self)) {
     PetscCall(TSRestartStep(self->now->ts));
-    PetscCall(TSSetTimeStep(self->now->ts, begins_again * self->scene->end_time));
+    PetscCall(TSSetTimeStep(self->now->ts, grow_begins_again * self->scene->end_time));
   } else if (self->reason != TS_CONVERGED_USER || self->stopped || self->beyond || self->jammed ||
              self->slips || self->crawls || self->event.kind)
     self->over = PETSC_TRUE;
@@ -877,7 +870,7 @@ PetscErrorCode GrowChange(Grow *self, PetscBool acts) {
   if (self->now != &self->leg[BetterModel(self)])
     PetscCall(HandOver(self, &self->leg[BetterModel(self)]));
   PetscCall(TSRestartStep(self->now->ts));
-  PetscCall(TSSetTimeStep(self->now->ts, begins_again * self->scene->end_time));
+  PetscCall(TSSetTimeStep(self->now->ts, grow_begins_again * self->scene->end_time));
   PetscFunctionReturn(0);
 }
 
@@ -893,7 +886,8 @@ static PetscErrorCode End(Grow *self, PetscBool finished) {
   char text[2][64] = {""};
 
   PetscFunctionBegin;
-  if (self->seen.t != self->stored_shape) PetscCall(StoreShape(self, self->seen.t, self->now->U));
+  if (self->seen.t != self->stored_shape)
+    PetscCall(GrowStoreShape(self, self->seen.t, self->now->U));
   PetscCall(OutputEvent(self->output, &self->event));
   if (self->stopped)
     (void)snprintf(text[0], sizeof(text[0]), "by signal %d at t = %.30s", self->stopped,

@@ -25,11 +25,14 @@ typedef struct {
   PetscBool waits;          /* the step that was taken last does */
   PetscBool over;           /* no step follows, */
   TSConvergedReason reason; /* for this reason */
-  PetscBool changed;        /* something has been, since the latest step */
-  Load load;                /* as the run began: it may give friction a viscous share */
-  PetscInt model;           /* as asked for */
-  PetscBool can[MODELS];    /* which models can be of this scene */
-  Leg leg[MODELS];          /* by model; those not in use are empty; auto has two, taking turns */
+  PetscReal balance[BALANCE_STATE]; /* of energy, of a run by steps, as the latest one began */
+  PetscInt marks;
+  struct GrowMark *mark; /* of a run by steps, at the times of its stored shapes: grow_keep.c */
+  PetscBool changed;     /* something has been, since the latest step */
+  Load load;             /* as the run began: it may give friction a viscous share */
+  PetscInt model;        /* as asked for */
+  PetscBool can[MODELS]; /* which models can be of this scene */
+  Leg leg[MODELS];       /* by model; those not in use are empty; auto has two, taking turns */
   Leg *now;
   Observer observer;
   Estimate estimate; /* of the frame model's errors; NULL: it is not in use */
@@ -79,7 +82,17 @@ typedef struct {
 
 extern const RodModel *const grow_models[MODELS];
 
+/* Where something begins anew: steps of this part of the run. */
+static const PetscReal grow_begins_again = 1e-9;
+
+/* grow_keep.c */
+PetscErrorCode GrowKeep(Grow *self, RestartState *state, Vec points[], Vec errors[]);
+PetscErrorCode GrowMark(Grow *self, PetscReal t);
+PetscErrorCode GrowMarksDestroy(Grow *self);
+PetscErrorCode GrowSave(Grow *self, const char *path, PetscReal t, PetscReal now);
+
 /* grow.c: a run by steps */
+PetscErrorCode GrowStoreShape(Grow *self, PetscReal t, Vec U);
 PetscErrorCode GrowCreate(Grow *self, const char *output, const char *restart);
 PetscErrorCode GrowStep(Grow *self, PetscReal until);
 PetscErrorCode GrowFinish(Grow *self, PetscBool *anew);
