@@ -70,6 +70,7 @@ static int StepOn(Tendril self, PetscReal until) {
     self->at = self->grow->waits ? until : self->grow->seen.t;
     if (!error) error = SimulationLook(self);
   } while (!error && self->at <= before && !self->ended && !self->failed);
+  if (SimulationAgree(self)) self->lost = PETSC_TRUE;
   code = SimulationLeave(self, error);
   return !code && self->at <= before ? Over(self) : code;
 }

@@ -35,7 +35,7 @@ static PetscErrorCode PutBack(Tendril self, const char *name, const char *value)
     PetscCall(PetscOptionsClearValue(self->options, name));
   if (row && row->kind == KIND_REAL)
     PetscCall(OptionReal(name, &real, NULL));
-  else if (row && value[0])
+  else if (row && row->kind == KIND_TEXT && value[0])
     PetscCall(OptionText(name, text, NULL));
   PetscFunctionReturn(0);
 }

@@ -43,6 +43,21 @@ static const OwnLaw *FailedLaw(Tendril self) {
   return NULL;
 }
 
+/* SimulationAgree - a law that has failed on one rank has on all. Collective. */
+PetscErrorCode SimulationAgree(Tendril self) {
+  int failed[OWN_LAWS], any = 0;
+
+  PetscFunctionBegin;
+  for (int k = 0; k < OWN_LAWS; k++) {
+    any |= self->law[k].value != NULL;
+    failed[k] = self->law[k].failed;
+  }
+  if (any)
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, failed, OWN_LAWS, MPI_INT, MPI_BOR, self->comm));
+  for (int k = 0; k < OWN_LAWS; k++) self->law[k].failed = failed[k];
+  PetscFunctionReturn(0);
+}
+
 /* SimulationLeave - ends SimulationEnter(). Returns the code of an error, whose line is kept. */
 int SimulationLeave(Tendril self, PetscErrorCode error) {
   const OwnLaw *law = FailedLaw(self);

@@ -39,6 +39,7 @@ struct Tendril_ {
 
 /* simulation.c */
 int SimulationEnter(Tendril self);
+PetscErrorCode SimulationAgree(Tendril self);
 int SimulationLeave(Tendril self, PetscErrorCode error);
 int SimulationRefuse(Tendril self, int code, const char *format, ...);
 
