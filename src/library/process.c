@@ -69,7 +69,7 @@ static int BeginPetsc(MPI_Comm comm) {
     if (SlepcInitialize(NULL, NULL, NULL, NULL)) return 1;
     process.petsc = PETSC_TRUE;
     if (MPI_Comm_create_keyval(MPI_COMM_NULL_COPY_FN, EndWithMpi, &key, NULL)) return 1;
-    if (MPI_Comm_set_attr(MPI_COMM_SELF, key, NULL)) return 1;
+    if (MPI_Comm_set_attr(MPI_COMM_SELF, key, NULL) || MPI_Comm_free_keyval(&key)) return 1;
   } else if (SlepcInitialize(NULL, NULL, NULL, NULL))
     return 1;
   return VBDFRegister() != 0;

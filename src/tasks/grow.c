@@ -1019,7 +1019,8 @@ static PetscErrorCode Verdict(Grow *self) {
   const TSConvergedReason reason = self->reason;
   MPI_Comm comm = self->scene->comm;
   const char *const kept = OutputStores(self->output) ? "the results up to there are stored"
-                                                      : "nothing is stored without -output FILE";
+                           : self->by_steps ? "what was found up to there can be read and saved"
+                                            : "nothing is stored without -output FILE";
   char text[3][64], jam[512] = "", crawl[768] = "", advice[512];
   PetscBool waves;
   PetscReal dt;
