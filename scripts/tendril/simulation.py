@@ -66,8 +66,10 @@ def places():
     yield from sorted(Path(__file__).parent.glob("libtendril.so*"))
     yield CHECKOUT / "build/libtendril.so"
     try:
-        prefix = Path(executable()).resolve().parents[1]
-        yield from (Path(executable()).resolve().parent / "libtendril.so", *sorted(prefix.glob("lib*/**/libtendril.so*")))
+        program = Path(executable()).resolve()
+        yield program.parent / "libtendril.so"
+        for where in ("lib*", "lib/*"):  # Debian's are in a directory of the architecture
+            yield from sorted(program.parents[1].glob(f"{where}/libtendril.so*"))
     except TendrilError:
         pass
     if name := find_library("tendril"):
