@@ -124,6 +124,7 @@ static PetscErrorCode MakeRun(Tendril self) {
   self->grow->scene = self->scene;
   self->grow->by_steps = PETSC_TRUE;
   PetscCall(GrowCreate(self->grow, "", asked.restart));
+  PetscCall(GrowHeading(self->grow));
   PetscFunctionReturn(0);
 }
 
