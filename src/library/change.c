@@ -47,6 +47,7 @@ static PetscErrorCode PutBack(Tendril self, const char *name, const char *value)
 PetscErrorCode SimulationChange(Tendril self, const char *name, const char *value) {
   char before[PETSC_MAX_PATH_LEN];
   PetscErrorCode error;
+  PetscBool acts;
 
   PetscFunctionBegin;
   PetscCall(Check(self, name));
@@ -55,9 +56,10 @@ PetscErrorCode SimulationChange(Tendril self, const char *name, const char *valu
   error = SceneMayChange(self->scene, name, self->at);
   if (error) PetscCall(PutBack(self, name, before));
   PetscCall(error);
+  acts = (PetscBool)(strcmp(name, "-ts_max_time") != 0 || self->grow->waits);
   PetscCall(GrowSettle(self->grow, self->at));
   PetscCall(SceneChange(self->scene, name, self->at));
-  PetscCall(GrowChange(self->grow, (PetscBool)(strcmp(name, "-ts_max_time") != 0)));
+  PetscCall(GrowChange(self->grow, acts));
   self->changes++;
   self->ended = self->grow->over = PETSC_FALSE;
   PetscCall(SimulationLook(self));

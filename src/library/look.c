@@ -88,6 +88,9 @@ static PetscErrorCode LookWithin(Tendril self) {
   PetscCall(State(self, V, &U, &U_t));
   PetscCall(ObserverLookMoving(grow->observer, grow->now->rod, self->at, U, U_t, &self->here));
   self->here.energy_defect = grow->seen.energy_defect;
+  self->here.error_tip = grow->seen.error_tip;
+  self->here.error_norm_x2 = grow->seen.error_norm_x2;
+  self->here.error_energy = grow->seen.error_energy;
   self->here.step = self->at - grow->seen.t;
   self->here.model = grow->seen.model;
   for (int k = 0; k < 2; k++) PetscCall(VecDestroy(&V[k]));
@@ -120,7 +123,7 @@ int TendrilTime(Tendril self, double *t) {
 /* The k-th series that this simulation has; OBSERVED: there are no more. */
 static int Which(const struct Tendril_ *self, int k) {
   for (int i = 0; i < OBSERVED; i++)
-    if (ObservedIn(self->scene, i) && k-- == 0) return i;
+    if (OutputHolds(self->grow->output, i) && k-- == 0) return i;
   return OBSERVED;
 }
 
@@ -136,7 +139,7 @@ int TendrilSeries(Tendril self, const char *name, int *n, const double **values)
   *values = NULL;
   if (!self->grow) return SimulationRefuse(self, TENDRIL_USER, "no series before TendrilSetUp()");
   for (int i = 0; i < OBSERVED; i++) {
-    if (!name || strcmp(name, observed_name[i]) || !ObservedIn(self->scene, i)) continue;
+    if (!name || strcmp(name, observed_name[i]) || !OutputHolds(self->grow->output, i)) continue;
     *n = (int)self->series.n + (Within(self) ? 1 : 0);
     *values = self->series.column[i];
     return self->code = TENDRIL_OK;

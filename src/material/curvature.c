@@ -267,43 +267,44 @@ PetscErrorCode CurvatureDestroy(Curvature *self) {
   PetscFunctionReturn(0);
 }
 
-/* One natural strain at a label and a time, and its rate for the material there (may be NULL). */
-static PetscErrorCode Value(const Strain *self, Growth growth, PetscReal s, PetscReal t,
-                            PetscReal *k, PetscReal *k_t) {
-  PetscReal weight[4], slope[4], at = s, at_t = 0;
-  PetscInt i;
-
+/* Where a table is to be read for the material at a label and a time, and the rate of that. */
+static PetscErrorCode OriginOf(Growth growth, PetscReal s, PetscReal t, PetscReal *at,
+                               PetscReal *at_t) {
   PetscFunctionBegin;
-  *k = self->constant;
-  if (k_t) *k_t = 0;
-  if (!self->n) PetscFunctionReturn(0);
-  if (growth->slides) PetscCall(GrowthOrigin(growth, s, t, &at, &at_t));
-  if (at < self->at[0] || at > self->at[self->n - 1]) {
-    *k += self->k[at < self->at[0] ? 0 : self->n - 1];
-    PetscFunctionReturn(0);
-  }
-  SplineWeights(self->n, self->at, at, &i, weight, slope, NULL);
-  for (int j = 0; j < 2; j++) *k += weight[j] * self->k[i + j] + weight[2 + j] * self->k2[i + j];
-  if (!k_t || at_t == 0) PetscFunctionReturn(0);
-  for (int j = 0; j < 2; j++)
-    *k_t += at_t * (slope[j] * self->k[i + j] + slope[2 + j] * self->k2[i + j]);
+  *at = s;
+  *at_t = 0;
+  if (growth->slides) PetscCall(GrowthOrigin(growth, s, t, at, at_t));
   PetscFunctionReturn(0);
 }
 
+/* One natural strain there, and its rate for the material (may be NULL). */
+static void Value(const Strain *self, PetscReal at, PetscReal at_t, PetscReal *k, PetscReal *k_t) {
+  const PetscBool changes = (PetscBool)(k_t && at_t != 0);
+  PetscReal weight[4], slope[4];
+  PetscInt i;
+
+  *k = self->constant;
+  if (k_t) *k_t = 0;
+  if (!self->n) return;
+  if (at < self->at[0] || at > self->at[self->n - 1]) {
+    *k += self->k[at < self->at[0] ? 0 : self->n - 1];
+    return;
+  }
+  SplineWeights(self->n, self->at, at, &i, weight, changes ? slope : NULL, NULL);
+  for (int j = 0; j < 2; j++) *k += weight[j] * self->k[i + j] + weight[2 + j] * self->k2[i + j];
+  for (int j = 0; j < 2 && changes; j++)
+    *k_t += at_t * (slope[j] * self->k[i + j] + slope[2 + j] * self->k2[i + j]);
+}
+
 /* ... or of a law of one's own. */
-static PetscErrorCode ValueOf(const Curvature *self, int e, Growth growth, PetscReal s, PetscReal t,
-                              PetscReal *k, PetscReal *k_t) {
+static void OwnStrain(const Curvature *self, int e, PetscReal s, PetscReal t, PetscReal *k,
+                      PetscReal *k_t) {
   const TendrilPlace at = {.s = s, .t = t};
   PetscReal value[OWN_VALUES] = {0};
 
-  PetscFunctionBegin;
-  if (self->own) {
-    OwnValue(self->own, &at, value);
-    *k = value[e];
-    if (k_t) *k_t = value[STRAINS + e];
-  } else
-    PetscCall(Value(&self->strain[e], growth, s, t, k, k_t));
-  PetscFunctionReturn(0);
+  OwnValue(self->own, &at, value);
+  *k = value[e];
+  if (k_t) *k_t = value[STRAINS + e];
 }
 
 /*
@@ -316,8 +317,16 @@ static PetscErrorCode ValueOf(const Curvature *self, int e, Growth growth, Petsc
 */
 PetscErrorCode CurvatureValue(const Curvature *self, Growth growth, PetscReal s, PetscReal t,
                               PetscReal *k, PetscReal *k_t) {
+  const Strain *strain = &self->strain[BEND_3];
+  PetscReal at = s, at_t = 0;
+
   PetscFunctionBegin;
-  PetscCall(ValueOf(self, BEND_3, growth, s, t, k, k_t));
+  if (self->own) {
+    OwnStrain(self, BEND_3, s, t, k, k_t);
+    PetscFunctionReturn(0);
+  }
+  if (strain->n) PetscCall(OriginOf(growth, s, t, &at, &at_t));
+  Value(strain, at, at_t, k, k_t);
   PetscFunctionReturn(0);
 }
 
@@ -357,9 +366,18 @@ PetscReal CurvatureRounding(const Curvature *self, PetscReal length) {
 PetscErrorCode CurvatureStrains(const Curvature *self, Growth growth, PetscReal s, PetscReal t,
                                 PetscReal u[3], PetscReal u_t[3]) {
   static const int place[STRAINS] = {[BEND_3] = 2, [BEND_2] = 1, [TURN_1] = 0};
+  PetscReal at = s, at_t = 0;
 
   PetscFunctionBegin;
   for (int k = 0; k < STRAINS; k++)
-    PetscCall(ValueOf(self, k, growth, s, t, &u[place[k]], u_t ? &u_t[place[k]] : NULL));
+    if (self->strain[k].n) {
+      PetscCall(OriginOf(growth, s, t, &at, &at_t));
+      break;
+    }
+  for (int k = 0; k < STRAINS; k++)
+    if (self->own)
+      OwnStrain(self, k, s, t, &u[place[k]], u_t ? &u_t[place[k]] : NULL);
+    else
+      Value(&self->strain[k], at, at_t, &u[place[k]], u_t ? &u_t[place[k]] : NULL);
   PetscFunctionReturn(0);
 }

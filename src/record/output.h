@@ -28,7 +28,7 @@ PetscErrorCode OutputCreate(const char *file, Scene scene, Output *output);
 PetscErrorCode OutputContinue(const char *file, const char *from, Scene scene, PetscReal t,
                               PetscReal interval, Output *output);
 PetscErrorCode OutputTakeOver(const char *from, Scene scene, PetscReal t, PetscReal interval,
-                              Output *output);
+                              PetscBool follows, Output *output);
 PetscErrorCode OutputSave(Output output, const char *path, PetscReal t, const Observation *last,
                           Rod rod, RestartState *state, Vec points[], Vec errors[],
                           PetscBool finished);
@@ -41,10 +41,12 @@ PetscErrorCode OutputSeries(Output output, const Observation *seen);
 PetscErrorCode OutputShape(Output output, PetscReal t, const Node *nodes,
                            const PetscReal (*contact)[PUSH]);
 PetscErrorCode OutputEvent(Output output, const Event *event);
+PetscErrorCode OutputFollows(Output output);
 PetscErrorCode OutputErrors(Output output, const ErrorEstimate *error);
 PetscErrorCode OutputDerivative(Output output, const char *name, const char *unit, PetscReal number,
                                 Harvest *harvest);
 PetscErrorCode OutputInterrupted(Output output, const char *by);
+PetscBool OutputHolds(const Output output, int observed);
 PetscBool OutputStores(Output output);
 PetscBool OutputDue(Output output);
 PetscErrorCode OutputStore(Output output, Rod rod, RestartState *state, Vec points[], Vec errors[],

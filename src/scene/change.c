@@ -48,7 +48,7 @@ static PetscErrorCode ChangeFriction(Scene scene, PetscReal t) {
       "-friction_mu %g: a run that began with viscous friction cannot go on with dry friction",
       (double)load.friction.mu);
   scene->load.friction.mu = load.friction.mu;
-  scene->load.viscous = 1 - load.friction.mu;
+  scene->load.viscous = scene->load.friction.viscous = 1 - load.friction.mu;
   PetscFunctionReturn(0);
 }
 

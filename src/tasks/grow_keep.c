@@ -5,7 +5,7 @@
 /* At a time between two steps, or in one: the state alone, from which short steps go on. */
 typedef struct GrowMark {
   RestartState state;
-  Vec U;
+  Vec U, errors[ESTIMATE_KEPT]; /* errors: as they were known at the end of a step, if they are */
 } Mark;
 
 /* What is known of the run besides its stepper. Collective. */
@@ -20,13 +20,30 @@ static PetscErrorCode KeepRun(Grow *self, RestartState *state) {
   GrowKeepErrors(self, state->beside);
   GrowKeepStuck(self, state->stuck);
   PetscCall(GrowCount(self, state->counted));
-  if (self->estimate) PetscCall(EstimateGet(self->estimate, state->errors));
+  PetscFunctionReturn(0);
+}
+
+/* ... and of its errors. */
+static PetscErrorCode KeepErrors(Grow *self, RestartState *state, Vec errors[]) {
+  PetscFunctionBegin;
+  state->follows = self->estimate ? 1 : 0;
+  if (!self->estimate) PetscFunctionReturn(0);
+  PetscCall(EstimateGet(self->estimate, state->errors));
+  PetscCall(EstimateVectors(self->estimate, errors));
+  PetscCall(EstimateKeep(self->estimate, state->following, errors));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode DropErrors(const Grow *self, Vec errors[]) {
+  PetscFunctionBegin;
+  for (int k = 0; k < ESTIMATE_KEPT && self->estimate; k++) PetscCall(VecDestroy(&errors[k]));
   PetscFunctionReturn(0);
 }
 
 /* The stepper begins anew from one point. */
 static void FromOnePoint(const Grow *self, PetscReal t, RestartState *state) {
-  state->t = state->time[0] = t;
+  state->t = t;
+  state->time[0] = 0;
   state->points = state->order = 1;
   state->step = grow_begins_again * self->scene->end_time;
   state->memory[0] = state->memory[2] = state->memory[3] = 0;
@@ -41,11 +58,7 @@ PetscErrorCode GrowKeep(Grow *self, RestartState *state, Vec points[], Vec error
   PetscCall(KeepRun(self, state));
   PetscCall(RestartKeep(self->now, self->seen.t, self->now->U, state, points));
   if (self->changed) FromOnePoint(self, self->seen.t, state);
-  state->follows = self->estimate ? 1 : 0;
-  if (self->estimate) {
-    PetscCall(EstimateVectors(self->estimate, errors));
-    PetscCall(EstimateKeep(self->estimate, state->following, errors));
-  }
+  PetscCall(KeepErrors(self, state, errors));
   PetscFunctionReturn(0);
 }
 
@@ -74,12 +87,16 @@ static PetscErrorCode KeepWithin(Grow *self, PetscReal t, PetscReal end, PetscRe
 
   PetscFunctionBegin;
   PetscCall(KeepRun(self, &mark->state));
+  PetscCall(KeepErrors(self, &mark->state, mark->errors));
   PetscCall(RestartKeep(self->now, t, self->now->U, &mark->state, points));
   FromOnePoint(self, t, &mark->state);
   PetscCall(VecDuplicate(self->now->U, &mark->U));
   PetscCall(VecDuplicate(self->now->U, &U_t));
   PetscCall(LegInterpolate(self->now, t, end, h, mark->U, U_t));
   PetscCall(LookWithin(self, t, mark->U, U_t, balance, &mark->state));
+  mark->state.seen.error_tip = self->seen.error_tip;
+  mark->state.seen.error_norm_x2 = self->seen.error_norm_x2;
+  mark->state.seen.error_energy = self->seen.error_energy;
   mark->state.seen.step = t - (end - h);
   mark->state.seen.model = self->now - self->leg;
   PetscCall(VecDestroy(&U_t));
@@ -102,7 +119,10 @@ PetscErrorCode GrowMark(Grow *self, PetscReal t) {
 
 PetscErrorCode GrowMarksDestroy(Grow *self) {
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < self->marks; k++) PetscCall(VecDestroy(&self->mark[k].U));
+  for (PetscInt k = 0; k < self->marks; k++) {
+    PetscCall(VecDestroy(&self->mark[k].U));
+    PetscCall(DropErrors(self, self->mark[k].errors));
+  }
   PetscCall(PetscFree(self->mark));
   self->marks = 0;
   PetscFunctionReturn(0);
@@ -119,7 +139,7 @@ static PetscErrorCode SaveMark(Grow *self, const char *path, Mark *mark) {
   OutputRows(self->output, &n, &row);
   for (PetscInt k = 0; k < n; k++) has |= PetscAbsReal(row[k].t - t) <= 1e-12 * t;
   PetscCall(OutputSave(self->output, path, t, has ? NULL : &mark->state.seen, self->now->rod,
-                       &mark->state, &mark->U, NULL, PETSC_FALSE));
+                       &mark->state, &mark->U, self->estimate ? mark->errors : NULL, PETSC_FALSE));
   PetscFunctionReturn(0);
 }
 
@@ -143,7 +163,7 @@ static PetscErrorCode SaveNow(Grow *self, const char *path) {
                      (PetscBool)(self->over && self->reason == TS_CONVERGED_TIME));
   if (stored != self->seen.t) OutputDropShape(self->output);
   self->stored_shape = stored;
-  for (int k = 0; k < ESTIMATE_KEPT && self->estimate; k++) PetscCall(VecDestroy(&errors[k]));
+  PetscCall(DropErrors(self, errors));
   PetscCall(error);
   PetscFunctionReturn(0);
 }
@@ -163,6 +183,7 @@ static PetscErrorCode SaveWithin(Grow *self, const char *path, PetscReal t) {
   OutputDropShape(self->output);
   self->stored_shape = stored;
   PetscCall(VecDestroy(&mark.U));
+  PetscCall(DropErrors(self, mark.errors));
   PetscCall(error);
   PetscFunctionReturn(0);
 }

@@ -14,10 +14,11 @@ PetscErrorCode FrictionSetFromOptions(Friction *friction) {
   PetscInt choice;
 
   PetscFunctionBegin;
-  friction->more = 0;
   friction->own = OptionsLaw(OWN_FRICTION);
   if (friction->own) PetscCall(OptionDefault("-friction_mu", "0"));
   PetscCall(OptionReal("-friction_mu", &friction->mu, NULL));
+  friction->viscous = 1 - friction->mu;
+  friction->least = friction->fast = 0;
   PetscCall(OptionReal("-friction_beta", &friction->beta, NULL));
   UserCheck(!friction->own || friction->mu == 0, OptionsComm(),
             "-friction_mu: the friction law of one's own says all of it; give 0, or take this out");
@@ -68,15 +69,16 @@ static inline void Advance(const Friction *law, int n, const PetscReal v[], Pets
 
 static inline void Slope(const Friction *law, int n, const PetscReal v[], const PetscReal dual[],
                          const PetscReal shift[], PetscReal *slope) {
-  PetscReal u[4], inverse = 1 / Radius(law, n, v, shift, u), d = law->mu * inverse, by_v2 = 0,
-                  viscous = 1 - law->mu + law->more;
+  PetscReal u[4], inverse = 1 / Radius(law, n, v, shift, u), d = law->mu * inverse,
+                  v2 = Dot(n, v, v), viscous = FrictionViscous(law, v2), rises = 0;
 
-  if (law->own) viscous = FrictionOwn(law, Dot(n, v, v), &by_v2) + law->more;
+  if (law->least > 0) rises = 2 * law->least * PetscSqr(law->fast / (v2 + law->fast * law->fast));
+  if (law->own) rises = 2 * FrictionOwn(law, v2, 1);
   for (int i = 0; i < n; i++)
     for (int j = 0; j < n; j++) {
       PetscReal w = law->newton == NEWTON_PRIMAL ? u[i] * inverse : dual[i];
       slope[n * i + j] = (i == j) * (viscous + d) - d * w * (u[j] * inverse);
-      if (law->own) slope[n * i + j] += 2 * by_v2 * v[i] * v[j];
+      if (rises != 0) slope[n * i + j] += rises * v[i] * v[j];
     }
 }
 
@@ -103,7 +105,7 @@ PetscReal FrictionOwnBetween(const Friction *law, PetscReal a, PetscReal b) {
 
   for (int k = 0; k < 5; k++) {
     const PetscReal v = (a + b) / 2 + (b - a) / 2 * point[k];
-    sum += weight[k] * (FrictionOwn(law, v * v, NULL) + law->more) * v;
+    sum += weight[k] * FrictionOwn(law, v * v, 0) * v;
   }
   return sum * (b - a) / 2;
 }
@@ -127,9 +129,9 @@ void FrictionDualAdvance(const Friction *law, const PetscReal v[2], FrictionDual
 }
 
 /*
-  FrictionLinearise - the derivative of the force phi(|v|) v by v,
-    primal:       (1 - mu) I + mu/r (I - (u/r) (u/r)^T),
-    primal-dual:  (1 - mu) I + mu/r (I - w (u/r)^T).
+  FrictionLinearise - the derivative of the force phi(|v|) v by v (without what is fast),
+    primal:       viscous I + mu/r (I - (u/r) (u/r)^T),
+    primal-dual:  viscous I + mu/r (I - w (u/r)^T).
 */
 void FrictionLinearise(const Friction *law, const PetscReal v[2], const FrictionDual *dual,
                        PetscReal slope[2][2]) {
