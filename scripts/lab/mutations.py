@@ -189,9 +189,9 @@ MUTATIONS = [
     ("comes and goes in a step", C, "if (self->next_end && !self->fixed)", "if (0)"),
     ("tables that turn back unseen", "base/turns.h", "if (behind != before) at[k]", "if (0) at[k]"),
     ("the tip's path left out", "scene/scene.c", "next = SmallerOf(next, PathNextTurn(scene->tip.path, t));", ";"),
-    ("sets out before it does", "world/schedule.c", " || (t == self->t[0] && t > 0)", ""),
-    ("turns back between rows, unseen", "world/schedule.c", "self->value[i] * self->value[i + 1] < 0", "0"),
-    ("rests, but for a start", "world/schedule.c", "return Place(self, t) - self->start;", "return Place(self, t);"),
+    ("sets out before it does", "base/schedule.c", " || (t == self->t[0] && t > 0)", ""),
+    ("turns back between rows, unseen", "base/schedule.c", "self->value[i] * self->value[i + 1] < 0", "0"),
+    ("rests, but for a start", "base/schedule.c", "return Place(self, t) - self->start;", "return Place(self, t);"),
     # -- the estimate
     ("estimate: least cells", E, "LEAST_CELLS = 8,", "LEAST_CELLS = 64,"),
     ("estimate: cells", E, "CELLS = 48 ", "CELLS = 8 "),

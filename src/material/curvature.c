@@ -173,7 +173,8 @@ static PetscErrorCode RandomStrain(Strain *self, Growth growth, PetscReal end_ti
   PetscFunctionBegin;
   PetscCall(ReadLength(growth, &length));
   PetscCall(OptionInt("-rod_curvature_seed", &seed, NULL));
-  PetscCall(GrowthLength(growth, end_time, &L, NULL));
+  PetscCall(growth->slides ? GrowthLongest(growth, end_time, &L)
+                           : GrowthLength(growth, end_time, &L, NULL));
   if (growth->slides) {
     low = growth->initial_length - L;
     high = L;

@@ -219,8 +219,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
             "-ts_max_time %s: the growth table ends at t = %s",
             OptionBoth(self->end_time, UNIT_TIME, text[0]),
             OptionBoth(self->growth->end_time, UNIT_TIME, text[1]));
-  PetscCall(GrowthLength(self->growth, self->end_time, &self->reach, NULL));
-  self->reach = PetscMax(self->reach, self->growth->initial_length);
+  PetscCall(GrowthLongest(self->growth, self->end_time, &self->reach));
   PetscCall(CurvatureSetFromOptions(&self->curvature, self->growth, self->end_time));
   PetscCall(MeshCreate(cells, (PetscBool)grading, self->growth, self->end_time, &self->mesh));
   PetscCall(ContactSetFromOptions(&self->contact, &self->load.friction, self->clamp_angle));

@@ -176,10 +176,13 @@ static PetscErrorCode Neglect(Grow *self, Vec U_t) {
    has none. */
 static const PetscReal initial_layer = 1e-6;
 
-/* Does what leads tip or clamp, or a surface that is touched, set out or stop at once between two
-   times? */
+/* Does what leads tip or clamp, feeds the rod, or moves a surface that is touched set out or stop
+   at once between two times? */
 static PetscBool LedRoundCorner(Scene scene, PetscBool touches, PetscReal t0, PetscReal t1) {
-  return (PetscBool)((scene->tip.path && PathTurnsCorner(scene->tip.path, t0, t1)) ||
+  const Growth growth = scene->growth;
+
+  return (PetscBool)((growth->jerks && growth->jerks(growth, t0, t1)) ||
+                     (scene->tip.path && PathTurnsCorner(scene->tip.path, t0, t1)) ||
                      (scene->space.clamp_path && ScheduleJerks(scene->space.clamp_path, t0, t1)) ||
                      (touches && SurfacesJerk(&scene->contact.surfaces, t0, t1)));
 }
