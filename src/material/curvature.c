@@ -15,7 +15,8 @@ static const OptionRow rows[] = {
     ROW_TEXT("-rod_curvature_file", INPUT_FILE,
              "HDF5 file with the natural curvature, /curvature (in space also /curvature_2, "
              "/twist), over the label /s of a rod that grows "
-             "in place, over the /distance from the tip of one that slides (feed, apical)"),
+             "in place, over the /distance from the tip of one that slides (feed, apical); with /t "
+             "[nt] they are [nt, n] and steer the rod over time"),
     ROW_REAL("-rod_curvature_random", "", 0, 1e9, UNIT_CURVATURE, 0,
              "root mean square of a random natural curvature, per length"),
     ROW_REAL(
@@ -37,7 +38,7 @@ static PetscErrorCode MakeSpline(Strain *self) {
 static PetscErrorCode FromFile(Strain *self, Growth growth, const char *file, const char *name) {
   const char *option = "-rod_curvature_file", *where = growth->slides ? "/distance" : "/s";
   const PetscInt most = 1000000;
-  PetscBool has;
+  PetscBool has, steered;
   PetscInt n, m;
 
   PetscFunctionBegin;
@@ -47,7 +48,9 @@ static PetscErrorCode FromFile(Strain *self, Growth growth, const char *file, co
             file, growth->type, where);
   PetscCall(HdfReadQuantity(option, file, where, growth->slides ? UNIT_LENGTH : UNIT_NONE, 1, &n,
                             &self->at));
-  PetscCall(HdfReadQuantity(option, file, name, UNIT_CURVATURE, 1, &m, &self->k));
+  PetscCall(HdfHas(file, "/t", &steered));
+  m = n;
+  if (!steered) PetscCall(HdfReadQuantity(option, file, name, UNIT_CURVATURE, 1, &m, &self->k));
   UserCheck(n == m, OptionsComm(), "%s %s: %s and %s differ in length", option, file, where, name);
   UserCheck(n >= 4 && n <= most, OptionsComm(), "%s %s: needs 4 to %d entries, has %d", option,
             file, (int)most, (int)n);
@@ -59,7 +62,10 @@ static PetscErrorCode FromFile(Strain *self, Growth growth, const char *file, co
     UserCheck(self->at[i] > self->at[i - 1], OptionsComm(), "%s %s: %s must increase", option, file,
               where);
   self->n = n;
-  PetscCall(MakeSpline(self));
+  if (steered)
+    PetscCall(ActuationRead(option, file, name, n, self->at, &self->steered));
+  else
+    PetscCall(MakeSpline(self));
   PetscFunctionReturn(0);
 }
 
@@ -211,6 +217,7 @@ PetscErrorCode CurvatureSetFromOptions(Curvature *self, Growth growth, PetscReal
     has = PETSC_TRUE;
     if (from_file && k > BEND_3) PetscCall(HdfHas(file, name[k], &has));
     if (from_file && has) PetscCall(FromFile(strain, growth, file, name[k]));
+    self->steered = (PetscBool)(self->steered || strain->steered);
     if (strain->constant != 0 || (from_file && has) || (at_random[k] && amplitude > 0)) {
       self->any = PETSC_TRUE;
       self->space = (PetscBool)(self->space || k > BEND_3);
@@ -226,14 +233,38 @@ PetscErrorCode CurvatureDestroy(Curvature *self) {
     PetscCall(PetscFree(self->strain[k].at));
     PetscCall(PetscFree(self->strain[k].k));
     PetscCall(PetscFree(self->strain[k].k2));
+    PetscCall(ActuationDestroy(&self->strain[k].steered));
   }
   PetscCall(PetscFree3(self->even, self->angle, self->slope));
   PetscFunctionReturn(0);
 }
 
+/*
+  The steered part, over the label, or over the distance d from the tip now. For the material it
+  changes at the rate k_t + d_t k_d, which is 0 + (L_t - V) k_d of material that slides away from
+  the tip.
+*/
+static PetscErrorCode Steered(const Strain *self, Growth growth, PetscReal s, PetscReal t,
+                              PetscReal *k, PetscReal *k_t) {
+  PetscReal at = s, at_t = 0, value, slope, rate, L, L_t, p, p_t;
+
+  PetscFunctionBegin;
+  if (growth->slides) {
+    PetscCall(GrowthLength(growth, t, &L, &L_t));
+    PetscCall(GrowthArc(growth, 1, &s, t, &p, &p_t));
+    at = (1 - s) * L;
+    at_t = L_t - GrowthSpeed(growth, s, t, p_t);
+  }
+  ActuationValue(self->steered, at, t, &value, &slope, &rate);
+  *k += value;
+  if (k_t) *k_t = rate + at_t * slope;
+  PetscFunctionReturn(0);
+}
+
 /* One natural strain at a label and a time, and its rate for the material there (may be NULL). */
-static PetscErrorCode Value(const Strain *self, Growth growth, PetscReal s, PetscReal t,
-                            PetscReal *k, PetscReal *k_t) {
+static PetscErrorCode Value(const Curvature *curvature, int which, Growth growth, PetscReal s,
+                            PetscReal t, PetscReal *k, PetscReal *k_t) {
+  const Strain *self = &curvature->strain[which];
   PetscReal weight[4], slope[4], at = s, at_t = 0;
   PetscInt i;
 
@@ -241,6 +272,11 @@ static PetscErrorCode Value(const Strain *self, Growth growth, PetscReal s, Pets
   *k = self->constant;
   if (k_t) *k_t = 0;
   if (!self->n) PetscFunctionReturn(0);
+  if (self->steered) {
+    PetscCall(Steered(self, growth, s, curvature->stopped ? curvature->stopped_at : t, k, k_t));
+    if (k_t && curvature->stopped) *k_t = 0;
+    PetscFunctionReturn(0);
+  }
   if (growth->slides) PetscCall(GrowthOrigin(growth, s, t, &at, &at_t));
   if (at < self->at[0] || at > self->at[self->n - 1]) {
     *k += self->k[at < self->at[0] ? 0 : self->n - 1];
@@ -260,20 +296,81 @@ static PetscErrorCode Value(const Strain *self, Growth growth, PetscReal s, Pets
 
   In place the table is over the labels. Where material slides, it is over the distance that the
   material there had from the tip at the start (growth.h): a fed rod carries its curvature along.
-  Beyond the ends of a file's table its last values go on.
+  Beyond the ends of a file's table its last values go on. What is steered is over the distance that
+  it has from the tip now, which of a fed rod is the same.
 */
 PetscErrorCode CurvatureValue(const Curvature *self, Growth growth, PetscReal s, PetscReal t,
                               PetscReal *k, PetscReal *k_t) {
   PetscFunctionBegin;
-  PetscCall(Value(&self->strain[BEND_3], growth, s, t, k, k_t));
+  PetscCall(Value(self, BEND_3, growth, s, t, k, k_t));
+  PetscFunctionReturn(0);
+}
+
+/* CurvatureStop - lets it stand still at what it is at a time, as the growth law that it goes with
+   must. */
+void CurvatureStop(Curvature *self, PetscReal t) {
+  self->stopped = PETSC_TRUE;
+  self->stopped_at = t;
+}
+
+/* CurvatureNextTurn - the first time behind t at which one that is steered kinks, sets out, rests
+   or turns back; PETSC_MAX_REAL if there is none. */
+PetscReal CurvatureNextTurn(const Curvature *self, PetscReal t) {
+  PetscReal next = PETSC_MAX_REAL;
+
+  for (int k = 0; k < STRAINS && self->steered && !self->stopped; k++)
+    if (self->strain[k].steered)
+      next = PetscMin(next, ActuationNextTurn(self->strain[k].steered, t));
+  return next;
+}
+
+/* CurvatureJerks - does the rate at which it is steered jump between two times? */
+PetscBool CurvatureJerks(const Curvature *self, PetscReal t0, PetscReal t1) {
+  for (int k = 0; k < STRAINS && self->steered; k++)
+    if (self->strain[k].steered && ActuationJerks(self->strain[k].steered, t0, t1))
+      return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* CurvatureBendsInTime - adds the times at which it bends (base/bends.h). */
+PetscErrorCode CurvatureBendsInTime(const Curvature *self, PetscReal tolerance, Bends *bends) {
+  PetscFunctionBegin;
+  for (int k = 0; k < STRAINS; k++)
+    if (self->strain[k].steered)
+      PetscCall(ActuationBends(self->strain[k].steered, tolerance, bends));
   PetscFunctionReturn(0);
 }
 
 static PetscReal Largest(const Strain *strain) {
   PetscReal most = PetscAbsReal(strain->constant);
 
+  if (strain->steered) return PetscMax(most, ActuationLargest(strain->steered));
   for (PetscInt i = 0; i < strain->n; i++) most = PetscMax(most, PetscAbsReal(strain->k[i]));
   return most;
+}
+
+/* CurvatureFinest - the least length (or part of the labels) over which one that is no constant
+   changes by as much as it is at most: that of a hook, however far apart the other knots are. 0:
+   there is none. */
+PetscReal CurvatureFinest(const Curvature *self) {
+  PetscReal least = PETSC_MAX_REAL;
+
+  for (int e = 0; e < STRAINS; e++) {
+    const Strain *strain = &self->strain[e];
+    PetscReal most = 0, steepest = 0;
+    if (strain->steered) {
+      most = ActuationLargest(strain->steered);
+      steepest = ActuationSteepest(strain->steered);
+    }
+    for (PetscInt i = 0; i < strain->n && !strain->steered; i++) {
+      most = PetscMax(most, PetscAbsReal(strain->k[i]));
+      if (i + 1 < strain->n)
+        steepest = PetscMax(steepest, PetscAbsReal(strain->k[i + 1] - strain->k[i]) /
+                                          (strain->at[i + 1] - strain->at[i]));
+    }
+    if (steepest > 0) least = PetscMin(least, most / steepest);
+  }
+  return least < PETSC_MAX_REAL ? least : 0;
 }
 
 /* CurvatureBends - is the rod bent by nature anywhere, and not only twisted? */
@@ -300,6 +397,6 @@ PetscErrorCode CurvatureStrains(const Curvature *self, Growth growth, PetscReal 
 
   PetscFunctionBegin;
   for (int k = 0; k < STRAINS; k++)
-    PetscCall(Value(&self->strain[k], growth, s, t, &u[place[k]], u_t ? &u_t[place[k]] : NULL));
+    PetscCall(Value(self, k, growth, s, t, &u[place[k]], u_t ? &u_t[place[k]] : NULL));
   PetscFunctionReturn(0);
 }

@@ -68,8 +68,8 @@ static PetscErrorCode LargestCell(Scene scene, PetscReal t, PetscReal cell[2]) {
 }
 
 /* SceneNextTurn - the first time behind t at which what tables give in time sets out, stops or
-   turns back: the places of tip, clamp and walls, factors of friction, the length. PETSC_MAX_REAL
-   if nothing does. */
+   turns back: the places of tip, clamp and walls, factors of friction, the length, natural
+   curvature. PETSC_MAX_REAL if nothing does. */
 PetscReal SceneNextTurn(Scene scene, PetscReal t) {
   const Growth growth = scene->growth;
   PetscReal next = SurfacesNextTurn(&scene->contact.surfaces, t);
@@ -80,6 +80,7 @@ PetscReal SceneNextTurn(Scene scene, PetscReal t) {
   if (scene->tip.resistance.field)
     next = SmallerOf(next, FieldNextTurn(scene->tip.resistance.field, t));
   if (growth->next_turn) next = SmallerOf(next, growth->next_turn(growth, t));
+  if (scene->curvature.steered) next = SmallerOf(next, CurvatureNextTurn(&scene->curvature, t));
   return next;
 }
 
@@ -131,6 +132,7 @@ PetscErrorCode SceneInFastTime(Scene scene, PetscReal t, Scene *fast, PetscBool 
   PetscCall(TipInFastTime(&scene->tip, t, &(*fast)->tip));
   (*fast)->contact.rub.beta = (*fast)->load.friction.beta;
   SceneLinkWalls(*fast);
+  CurvatureStop(&(*fast)->curvature, t);
   PetscCall(GrowthStop(scene->growth, t, &(*fast)->growth));
   PetscFunctionReturn(0);
 }
