@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The figures of docs/figures.md that set runs side by side: the pushed tube, and a map of what
+"""The figures of docs/notes/paper-figures.md that set runs side by side: the pushed tube, and a map of what
 imperfections lead to.
 
     figures.py results/figures docs/figures"""

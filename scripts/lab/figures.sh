@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs what the paper shows and redraws its figures into docs/figures/; docs/figures.md reads them.
+# Runs what the paper shows and redraws its figures into docs/figures/; docs/notes/paper-figures.md reads them.
 #   scripts/lab/figures.sh            finished runs in results/figures are not run again
 set -euo pipefail
 # shellcheck source-path=SCRIPTDIR

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What tendril.fit says of points with one fault each: the table of docs/fitting.md, section 4. The points are those of
+"""What tendril.fit says of points with one fault each: the table of docs/notes/fitting-measured.md. The points are those of
 the fed tube of fit_trial.py, clean or with errors of 1 % of the width.
 
     PYTHONPATH=scripts .venv/bin/python scripts/lab/fit_faults.py [--noisy] [--seed 1] [--seeds 1] [FAULT ...]"""

@@ -5,7 +5,7 @@ synthetic photographs and series made from a run of another model of the rod, mi
     PYTHONPATH=scripts .venv/bin/python scripts/lab/fit_trial.py [--seeds 20] [--first 1] \\
       [--errors independent,smooth,shifted,tracker,strays] [SCENE ...]
 
-Prints a line a fit, and at the end the table of docs/fitting.md."""
+Prints a line a fit, and at the end the table of docs/notes/fitting-measured.md."""
 
 import argparse
 import os

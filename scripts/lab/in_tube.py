@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Rods in round tubes against exact answers (tests/run/in_tube_test.py), as tables for docs/tubes.md.
+"""Rods in round tubes against exact answers (tests/run/in_tube_test.py), as tables for docs/notes/tubes-measured.md.
 
     PYTHONPATH=scripts .venv/bin/python scripts/lab/in_tube.py build/tendril [helix] [sinus] [spun]
         [beyond] [energies]"""

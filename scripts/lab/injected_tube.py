@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """The rod that is injected into a lying tube (options/injected-tube.opts), fed, fed and spun, and fed and then spun, to
-where it locks up: tables for docs/injected-tube.md and its figures.
+where it locks up: tables for docs/notes/injected-tube-measured.md and its figures.
 
     PYTHONPATH=scripts .venv/bin/python scripts/lab/injected_tube.py build/tendril DIRECTORY [run] [tables] [figure]
 

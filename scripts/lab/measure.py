@@ -85,7 +85,7 @@ SCENES = {scene.name: scene for scene in (
     from_reference("short", THICK, "v_short"),
     Scene("gaussian", "-growth_type gaussian -growth_width 0.05 " + THICK, (2, 5, 10)),
     from_reference("feed", "-growth_type feed " + THICK, "v_feed"),
-    # a tip on a frictionless plane, D/L = 0.7 (docs/contact.md, answer A)
+    # a tip on a frictionless plane, D/L = 0.7 (docs/notes/contact-measured.md, answer A)
     Scene("contact", "-growth_type feed -growth_initial_length 0.0068 -shape_type straight "
           "-rod_curvature 1e-4 -friction_mu 0 -wall_file options/data/plane.txt", (0.0032,),
           quantities=("base_force_1", "tip_x2"),

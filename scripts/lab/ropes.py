@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The ropes of tests/run/ropes_test.py, finer and with more of them: the rows of the table in docs/ropes.md.
+"""The ropes of tests/run/ropes_test.py, finer and with more of them: the rows of the table in docs/notes/ropes-measured.md.
 
     ropes.py build/tendril [pillar|helix|upheaval|heavy|plectoneme|knot ...]"""
 

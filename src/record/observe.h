@@ -14,11 +14,11 @@
   X(norm_x2, "l", "sqrt(int x2^2 ds)")                                                             \
   X(norm_x2_length, "l^(3/2)", "sqrt(int x2^2 g ds)")                                              \
   X(max_angle, "rad", "largest |theta| against the clamp, radians")                                \
-  X(energy, "N l^2", "bending energy, 1/2 int m^2 g ds")                                           \
+  X(energy, "N l^2", "energy of bending and twist, 1/2 int m^2/B g ds")                            \
   X(growth_power, "N l V", "power of growth W")                                                    \
   X(dissipation, "N l V", "power lost to friction along the rod, int g F.v ds, and in contact")    \
   X(energy_defect, "1",                                                                            \
-    "|E - E(0) - int (W + tip_power - dissipation)| over friction's work, or E; E with contact")   \
+    "|E - E(0) - int (all powers - dissipation)| over the largest of friction's work, E and E(0)") \
   X(end_distance, "l", "|x(1) - x(0)|")                                                            \
   X(mid_distance, "l", "|x(1/2) - x(0)|")                                                          \
   X(width, "l", "extent of the shape across the direction of the clamp")                           \

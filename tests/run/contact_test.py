@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Contact: walls and the rod itself, against exact answers (docs/contact.md) and against what must hold
+"""Contact: walls and the rod itself, against exact answers (docs/notes/contact-measured.md) and against what must hold
 always. Where lengths are far below 1, friction is nothing beside bending.
 
     contact_test.py build/tendril [--mpiexec mpiexec] CHECK...      (no CHECK: all of them)"""

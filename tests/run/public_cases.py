@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What people asked for in public and what it gives here: docs/public-cases.md, by its numbers.
+"""What people asked for in public and what it gives here: docs/dev/public-cases.md, by its numbers.
 
     public_cases.py build/tendril"""
 

@@ -3,7 +3,7 @@
 
     ropes_test.py build/tendril CHECK...      (no CHECK: all of them)
 
-scripts/lab/ropes.py runs the same scenes finer, for docs/ropes.md."""
+scripts/lab/ropes.py runs the same scenes finer, for docs/notes/ropes-measured.md."""
 
 import subprocess
 import sys
@@ -241,7 +241,7 @@ def heavy():
 def knot():
     """An overhand knot that is pulled by its ends, frictionless: it stays one, its ends are pulled alike, the work at its
     tip is the rod's energy, and with R as the rod that is in it says, eps^2 = h/R, the pull is T R^2/B = 1/2 for loose
-    ones: 1/2 + 0.4465 eps + 1.554 eps^2 by knots of two diameters and twice as fine (docs/ropes.md)."""
+    ones: 1/2 + 0.4465 eps + 1.554 eps^2 by knots of two diameters and twice as fine (docs/notes/ropes-measured.md)."""
     D, d = 0.02, Path(scene.SCRATCH)
     length, apart = overhand(d / "knot.h5", diameter=D, tail=2.2)
     (d / "knot.csv").write_text(f"t,x1\n0,{apart}\n0.1,{apart}\n1,{apart + 0.8}\n")
