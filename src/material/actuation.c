@@ -13,6 +13,7 @@
 struct _Actuation {
   PetscInt n, nt;
   PetscReal *at, *t, *k, *k_ss, *k_tt, *k_sstt;
+  PetscReal largest;        /* entry, without its sign */
   PetscInt leading;         /* the column that changes most */
   PetscBool *turns, *kinks; /* at which times */
 };
@@ -206,11 +207,7 @@ PetscErrorCode ActuationBends(Actuation self, PetscReal tolerance, Bends *bends)
 
 /* ActuationLargest - how large it is at most at the entries. */
 PetscReal ActuationLargest(Actuation self) {
-  PetscReal largest = 0;
-
-  for (PetscInt k = 0; k < self->n * self->nt; k++)
-    largest = PetscMax(largest, PetscAbsReal(self->k[k]));
-  return largest;
+  return self->largest;
 }
 
 /* ActuationSteepest - by how much it changes at most per length along the rod, at any time. */
@@ -244,14 +241,14 @@ static PetscErrorCode CheckTimes(Actuation self, const char *option, const char 
 /* At a kink the rate jumps; what jumps itself would take the rod along at once. */
 static PetscErrorCode CheckKinks(Actuation self, const char *option, const char *file,
                                  const char *name) {
-  const PetscReal alike = 1e-9, largest = ActuationLargest(self);
+  const PetscReal alike = 1e-9;
   char text[64];
 
   PetscFunctionBegin;
   for (PetscInt j = 0; j + 1 < self->nt; j++)
-    UserCheck(self->t[j + 1] > self->t[j] || Change(self, j) <= alike * largest, OptionsComm(),
-              "%s %s: %s jumps at t = %s, which /t has twice; give it some time", option, file,
-              name, OptionBoth(self->t[j], UNIT_TIME, text));
+    UserCheck(self->t[j + 1] > self->t[j] || Change(self, j) <= alike * self->largest,
+              OptionsComm(), "%s %s: %s jumps at t = %s, which /t has twice; give it some time",
+              option, file, name, OptionBoth(self->t[j], UNIT_TIME, text));
   PetscFunctionReturn(0);
 }
 
@@ -267,6 +264,8 @@ static PetscErrorCode Read(Actuation self, const char *option, const char *file,
       "%s %s: %s must be [%d, %d] as /t and the places along the rod are long, it is [%d, %d]",
       option, file, name, (int)self->nt, (int)n, (int)dims[0], (int)dims[1]);
   PetscCall(CheckTimes(self, option, file));
+  for (PetscInt k = 0; k < n * self->nt; k++)
+    self->largest = PetscMax(self->largest, PetscAbsReal(self->k[k]));
   PetscCall(CheckKinks(self, option, file, name));
   all = n * self->nt;
   PetscCall(PetscCalloc3(all, &self->k_ss, all, &self->k_tt, all, &self->k_sstt));

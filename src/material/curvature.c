@@ -349,6 +349,16 @@ static PetscReal Largest(const Strain *strain) {
   return most;
 }
 
+/* CurvatureSteered - the largest of a strain that is steered, 0 if that is not. (Two bends twist.)
+ */
+PetscReal CurvatureSteered(const Curvature *self, int strain) {
+  const Strain *of = self->strain;
+
+  if (strain == TURN_1 && !of[TURN_1].steered && of[BEND_2].steered && of[BEND_3].steered)
+    return PetscMin(CurvatureSteered(self, BEND_2), CurvatureSteered(self, BEND_3));
+  return of[strain].steered ? ActuationLargest(of[strain].steered) : 0;
+}
+
 /* CurvatureFinest - the least length (or part of the labels) over which one that is no constant
    changes by as much as it is at most: that of a hook, however far apart the other knots are. 0:
    there is none. */

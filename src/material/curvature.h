@@ -39,6 +39,7 @@ void CurvatureStop(Curvature *curvature, PetscReal t);
 PetscReal CurvatureNextTurn(const Curvature *curvature, PetscReal t);
 PetscBool CurvatureJerks(const Curvature *curvature, PetscReal t0, PetscReal t1);
 PetscErrorCode CurvatureBendsInTime(const Curvature *curvature, PetscReal tolerance, Bends *bends);
+PetscReal CurvatureSteered(const Curvature *curvature, int strain);
 PetscReal CurvatureFinest(const Curvature *curvature);
 PetscBool CurvatureBends(const Curvature *curvature);
 PetscReal CurvatureRounding(const Curvature *curvature, PetscReal length);

@@ -11,6 +11,24 @@ static const PetscReal share_of_step = 0.3;
    stable for them. */
 enum { HIGHEST_ORDER = 6 };
 
+/* A rod that is steered sets out from a shape of no size, in a layer of no width: no step from
+   there, however short, is right to a part of what it was before, or of what it leads to. So its
+   fields count as at least this part of what the largest of its strains would make them. */
+static const PetscReal of_steering = 1e-6;
+
+static PetscReal Steered(const Leg *leg, PetscInt f) {
+  static const char *const moved[STRAINS] = {
+      [BEND_3] = "theta x2 p3", [BEND_2] = "x3 p2", [TURN_1] = "p1"};
+  const Scene scene = leg->rod->scene;
+  PetscReal most = 0;
+
+  for (int e = 0; e < STRAINS && scene->curvature.steered; e++)
+    if (strstr(moved[e], leg->rod->model->field[f]))
+      most =
+          CurvatureSteered(&scene->curvature, e) * scene->units.length * RodFieldUnit(leg->rod, f);
+  return of_steering * most;
+}
+
 /* The tolerance of each entry: that part of rtol times the size of its field; -1 leaves out the
    fields that are not followed (forces and moments of an index-2 problem are not to control the
    step). */
@@ -23,9 +41,10 @@ static PetscErrorCode SetTolerance(Leg *leg) {
   PetscFunctionBegin;
   for (PetscInt f = 0; f < fields; f++) {
     const PetscReal least = rod_vanished * RodFieldUnit(leg->rod, f);
-    most[f] = leg->rod->model->followed[f]
-                  ? share_of_step * PetscMax(leg->rtol * leg->size[f], least)
-                  : -1;
+    most[f] =
+        leg->rod->model->followed[f]
+            ? share_of_step * PetscMax(leg->rtol * PetscMax(leg->size[f], Steered(leg, f)), least)
+            : -1;
   }
   PetscCall(VecGetLocalSize(leg->tolerance, &n));
   PetscCall(VecGetArray(leg->tolerance, &a));
