@@ -273,6 +273,10 @@ PetscErrorCode GrowthStop(Growth law, PetscReal t, Growth *stopped) {
   at->law = law;
   at->t = t;
   (*stopped)->stopped = PETSC_TRUE;
+  (*stopped)->fastest = 0;
+  (*stopped)->next_turn = NULL;
+  (*stopped)->bends = NULL;
+  (*stopped)->jerks = NULL;
   (*stopped)->data = at;
   (*stopped)->stretch = StretchStopped;
   (*stopped)->arc = ArcStopped;
