@@ -72,7 +72,9 @@ static PetscErrorCode FindBends(Growth self, PetscReal tolerance, Bends *bends) 
 
 /* (At t = 0 it sets out as any rod does.) */
 static PetscBool Jerks(Growth self, PetscReal t0, PetscReal t1) {
-  return ScheduleJerks((Schedule)self->data, PetscMax(t0, PETSC_SMALL), t1);
+  const PetscReal tiny = 1e-300;
+
+  return ScheduleJerks((Schedule)self->data, PetscMax(t0, tiny), t1);
 }
 
 static PetscErrorCode DestroyPath(Growth self) {

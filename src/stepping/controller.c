@@ -162,7 +162,7 @@ static PetscErrorCode LocalError(TS ts, Controller *self, Formula *f, PetscInt q
    it errs by d^2/2; U is compared with the guess, growth alone. (On the safe side: against rtol,
    while change is measured against the tolerance, a part of it.) Behind a snap friction is at its
    limit all along the rod, and modes of all rates are let go at once: those much faster than the
-   step err by all that they change. */
+   step err by all that they change. Likewise behind a kink of what bends the rod. */
 static PetscErrorCode FirstError(TS ts, Controller *self, Formula *f, PetscReal *error) {
   PetscReal change;
 
@@ -171,7 +171,7 @@ static PetscErrorCode FirstError(TS ts, Controller *self, Formula *f, PetscReal 
   if (!self->guess) PetscFunctionReturn(0);
   PetscCall(self->guess(ts, f->time[1], f->time[0], f->point[1], self->work, self->guess_ctx));
   PetscCall(Norm(ts, self, f->point[0], &change));
-  *error = self->snapped ? change : change * change * ts->rtol / 2;
+  *error = self->snapped || self->kinked ? change : change * change * ts->rtol / 2;
   PetscFunctionReturn(0);
 }
 
@@ -217,6 +217,7 @@ static PetscErrorCode Choose(TS ts, Controller *self, Formula *f, PetscBool *acc
                              (e > persists * self->rejected ||
                               (ts->time_step < self->layer && (f->n == 1 || e > nearly_seen))));
   if (self->resolves && ts->steps > 0 && ts->time_step >= self->layer) self->jumped = PETSC_FALSE;
+  if (self->kinked) self->jumped = PETSC_FALSE;
   self->rejected = *accept ? PETSC_MAX_REAL : e;
   if (self->jumped) *accept = PETSC_TRUE;
   *factor = StepFactor(e, k);
@@ -484,6 +485,16 @@ static PetscErrorCode TryUntilAccepted(TS ts, Controller *self, Formula *f, Pets
   PetscFunctionReturn(0);
 }
 
+/* A step that begins at a kink knows nothing of what is behind it: the history starts anew, and the
+   step is short. (It has shrunk for that, and for no snap.) */
+static void SetOutAnew(TS ts, Controller *self, Formula *f) {
+  self->kinked = (PetscBool)(self->kinks && !self->fixed && f->n > 1 && self->kinks(ts, ts->ptime));
+  if (!self->kinked) return;
+  f->n = self->order = 1;
+  self->usual = 0;
+  ts->time_step = PetscMin(ts->time_step, ts->rtol * Scale(ts, self));
+}
+
 /* Begins a step: moves the state into the history, and follows a snap that shows on the way. */
 static PetscErrorCode BeginStep(TS ts, Controller *self, Formula *f) {
   PetscFunctionBegin;
@@ -495,6 +506,7 @@ static PetscErrorCode BeginStep(TS ts, Controller *self, Formula *f) {
   if (ts->steprestart && !f->given) f->n = 0;
   if (!f->given && !ts->steprollback) PetscCall(FormulaPush(f, ts->ptime, ts->vec_sol));
   f->given = PETSC_FALSE;
+  SetOutAnew(ts, self, f);
   if (self->fixed) self->order = PetscMin(self->order + 1, self->most);
   if (!self->fixed && self->snap && Shrinks(ts, self, f)) PetscCall(Snap(ts, self, f));
   PetscFunctionReturn(0);

@@ -593,6 +593,18 @@ static PetscReal NextTurn(TS ts, PetscReal t) {
   return SceneNextTurn(leg->rod->scene, t);
 }
 
+static PetscBool Kinks(TS ts, PetscReal t) {
+  PetscReal near = 1e-12; /* as steps end there */
+  Leg *leg = NULL;
+  Growth growth;
+
+  if (TSGetApplicationContext(ts, &leg)) return PETSC_FALSE;
+  growth = leg->rod->scene->growth;
+  near *= leg->rod->scene->end_time;
+  return (PetscBool)(CurvatureJerks(&leg->rod->scene->curvature, t - near, t + near) ||
+                     (growth->jerks && growth->jerks(growth, t - near, t + near)));
+}
+
 /* LegEndAtTurns - lets steps end where what tables give in time sets out, stops or turns back: a
    rod that rests, or does not feel it yet, lets steps be long, and one might leave out that it came
    and went. (In the fast time of a snap nothing does.) */
@@ -600,6 +612,8 @@ PetscErrorCode LegEndAtTurns(Leg *leg) {
   PetscFunctionBegin;
   if (SceneNextTurn(leg->rod->scene, 0) < PETSC_MAX_REAL)
     PetscCall(VBDFSetNextEnd(leg->ts, NextTurn));
+  if (leg->rod->scene->curvature.steered || leg->rod->scene->growth->jerks)
+    PetscCall(VBDFSetKinks(leg->ts, Kinks));
   PetscFunctionReturn(0);
 }
 
