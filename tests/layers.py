@@ -12,7 +12,7 @@ from pathlib import Path
 ROOMS = ["base", "material", "world", "scene", "straight", "rod", "stepping", "record", "tasks"]  # from below
 STRANGERS = {("material", "world"), ("world", "material")}  # a rod's own, and what is around all rods
 # header: who may include it
-KEPT = {r"petsc/private/": {"stepping/vbdf.c", "stepping/controller.c", "rod/frame.c", "rod/coupled.c"},
+KEPT = {r"petsc/private/": {"stepping/vbdf.c", "stepping/controller.c", "rod/rod.c", "rod/coupled.c"},
         r"hdf5\.h": {"base/hdf.c"},
         r"slepc": {"straight/", "tasks/stability.c", "tasks/critical.c", "tasks/bent.c", "tasks/tendril.c"}}
 

@@ -240,10 +240,9 @@ def measure(exe, options, directory, accuracy):
     if isinstance(fine, str):
         return f"no reference: {fine} {words}"
     snaps = re.search(r"; \d+ snap", said) is not None
-    told = float(estimate.group(1))
-    parts = dict(re.findall(r"(space|time|friction|contact) (\d\S*?)[,)]", said.split("error estimate")[1]))
-    if "contact" in parts and not accuracy:  # the reference has the same stiffness
-        told = sum(float(value) for name, value in parts.items() if name != "contact")
+    told = float(attributes.get("error_estimate", estimate.group(1)))
+    if ", contact " in said and not accuracy:  # the reference has the same stiffness
+        told = sum(float(attributes.get(f"error_{part}", 0)) for part in ("space", "time", "friction"))
     found = Measured(words, true_errors(run, fine, snaps), told, "may not be met" in said)
     if snaps and "contact_diameter" not in options:
         found.wrong_side = on_another_side(exe, options, directory, run)

@@ -111,7 +111,7 @@ def run(exe, o, wall, limit):
         pressed = f["series/contact_force"][:].max() > 0
     if done.returncode:
         return ("jammed" if "jammed at" in said else f"lost: {said[-300:]}"), tip, iterations, text
-    off, told = (float(v) for v in re.search(r"energy defect (\S+), error estimate (\S+)", done.stdout).groups())
+    off, told = (float(v) for v in re.search(r"energy defect ([^\s,]+)[^$]*the largest of the run: \S+ (\S+)", done.stdout).groups())
     if off > told:
         return f"lost: energy is off by {off}, told is {told}", tip, iterations, text
     return ("touched" if pressed else "free"), tip, iterations, text

@@ -173,7 +173,7 @@ def run(exe, o, walls, lines, limit, led):
     if done.returncode:
         deep /= o["contact_diameter"]
         return ("jammed" if "jammed at" in said else f"lost: {said[-200:]}"), deep, 0, " ".join(command)
-    off, told = (float(v) for v in re.search(r"energy defect (\S+), error estimate (\S+)", done.stdout).groups())
+    off, told = (float(v) for v in re.search(r"energy defect ([^\s,]+)[^$]*the largest of the run: \S+ (\S+)", done.stdout).groups())
     if off > told:
         return f"lost: energy is off by {off}, told is {told}", deep, off, " ".join(command)
     return "touched" if pressed else "free", deep / o["contact_diameter"], off, " ".join(command)

@@ -270,7 +270,7 @@ def run_tendril(case):
         state["seconds"] = min(seconds, float(found.group(1))) if found else seconds
         found = re.search(r"(\d+) rejected", out)
         state["rejected"] = int(found.group(1)) if found else 0
-        found = re.search(r"error estimate ([0-9.e+-]+)", out)
+        found = re.search(r"the largest of the run: \S+ ([0-9.e+-]+)", out) or re.search(r"error estimate ([0-9.e+-]+)", out)
         if found:
             state["estimate"] = float(found.group(1))
     return state, values

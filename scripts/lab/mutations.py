@@ -182,7 +182,7 @@ MUTATIONS = [
     ("feet in space, whatever the slant", "rod/feet_space.c", "foot->rho = RhoOf(foot, touch);",
      "foot->rho = ContactRidgeSmallest(look->contact, foot->item, &(PetscReal){0});"),
     ("feet in space, not remembered", "rod/space.c", "    rod->memory += OF_DUAL * WALL_SLOTS;\n", ""),
-    ("feet in space, as loads of the estimate", "rod/space_defect.c", "if (f >= M && j % 2) value -=", "if (0) value -="),
+    ("feet in space, as loads of the estimate", "rod/space_defect.c", "if (j % 2) bare[N + d] -=", "if (0) bare[N + d] -="),
     ("lengths_behind in space, few", "rod/passing_space.c", "lengths_behind = 4;", "lengths_behind = 0.5;"),
     ("lengths_behind in space, any", "rod/passing_space.c", "lengths_behind = 4;", "lengths_behind = 1e9;"),
     # -- what moves as given in time

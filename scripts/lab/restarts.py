@@ -118,7 +118,7 @@ def first_step(a, b):
 
 
 def told(said):
-    found = re.search(r"error estimate ([\d.e+-]+\d)", said)
+    found = re.search(r"the largest of the run: \S+ ([\d.e+-]+\d)", said) or re.search(r"error estimate ([\d.e+-]+\d)", said)
     return float(found.group(1)) if found else 0
 
 

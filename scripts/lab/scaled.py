@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """A scene without units is one of many that are the same but for their scales: do they take the same steps?
 
-    scripts/lab/scaled.py [--scenes COUNT] [--seed SEED] [--scale C,C] [--tendril build/tendril]
+    scripts/lab/scaled.py [--walls] [--scenes COUNT] [--seed SEED] [--scale C,C] [--tendril build/tendril]
 
-Random scenes without contact, each with its lengths times C (1e-3 and 1e3 unless told otherwise), times as friction
+Random scenes without contact, or with walls that they touch, each with its lengths times C (1e-3 and 1e3 unless told otherwise), times as friction
 has it, forces over C^2, forces per length over C^3. Prints steps and iterations of each, with the command of those that
 differ by more than 1 % (of three steps at least). Where dry friction lets a rod snap, round-off alone may do that: such a
 scene is run with its numbers off by parts of 3e-14, too, and its scaled runs may differ from one of these by 1 %, or by
@@ -17,12 +17,14 @@ import re
 import shlex
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 ENVIRONMENT = dict(os.environ, OMP_NUM_THREADS="1", OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
 SUMMARY = re.compile(r"(\d+) steps, \d+ rejected, (\d+) Newton iterations")
 PART, FEWEST, LIMIT = 0.01, 3, 120  # what may differ; seconds of a run
+PLACE = Path(tempfile.mkdtemp(prefix="scaled-"))
 ROUND_OFF, TIMES = 3e-14, 4  # how far numbers are moved, and how often
 LENGTH, TIME, FORCE, PER_LENGTH, BEND = "length", "time", "force", "per length", "bend"
 
@@ -35,8 +37,8 @@ def about(dice, least, most):
 class Scene:
     """Options, each a list of numbers of one dimension, and how friction is."""
 
-    def __init__(self, dice):
-        self.options, self.plain = {}, []
+    def __init__(self, dice, walls=False):
+        self.options, self.plain, self.walls = {}, [], []
         self.length = about(dice, 0.1, 3)
         self.grows = dice.choice(["uniform", "feed", "apical", "gaussian", "none", "none"])
         self.viscous = dice.choice([0, 0.01, 0.5, 1] if self.grows != "none" else [0.01, 0.1, 0.5, 1, 1])
@@ -51,6 +53,8 @@ class Scene:
             self.put("growth_zone", LENGTH, self.length / 2)
         self.bend(dice)
         self.load(dice)
+        if walls:
+            self.wall(dice)
 
     def put(self, name, dimension, *values):
         self.options[name] = (dimension, values)
@@ -79,8 +83,26 @@ class Scene:
         if dice.random() < 0.3 and not any("pinned" in o or "clamped" in o for o in self.plain):
             self.put("tip_force", FORCE, about(dice, 0.1, 20) / self.length**2)
 
+    def wall(self, dice):
+        """What it meets: walls are words, and numbers that are lengths."""
+        L, slant = self.length, round(dice.uniform(-0.5, 0.5), 3)
+        thick = about(dice, 0.02, 0.1) * L
+        if dice.random() < 0.9:
+            self.put("contact_diameter", LENGTH, thick)
+        rub = "" if dice.random() < 0.5 else f" friction {dice.choice([0.1, 0.3])}"
+        self.walls = dice.choice([
+            [("plane", (about(dice, 1.1, 1.5) * L, 0), f"-1 {slant}{rub}")],
+            [("plane", (0, 0.5 * L), f"0 -1{rub}"), ("plane", (0, -0.2 * L), f"0 1{rub}")],
+            [("circle", (0.3 * L, 0.05 * L, about(dice, 1.3, 1.8) * L), f"inside{rub}")],
+            [("circle", (1.5 * L, 0.1 * L, 0.3 * L), f"outside{rub}")]])
+        if dice.random() < 0.2 and "contact_diameter" in self.options:
+            self.plain.append("-contact_self true")
+
     def scaled(self, c, off=0):
-        """The options with lengths times c, all numbers too large by a part."""
+        """The options with lengths times c, all numbers too large by a part; the walls go into a file."""
+        lines = [" ".join([kind, *(f"{x * c * (1 + off):.17g}" for x in lengths), more]) for kind, lengths, more in self.walls]
+        file = PLACE / "walls.txt"
+        file.write_text("\n".join(lines) + "\n", encoding="utf-8")
         time = c**self.power
         unit = {LENGTH: c, TIME: time, FORCE: c**-2, PER_LENGTH: c**-3, BEND: 1 / c}
         speed = c / time
@@ -90,7 +112,7 @@ class Scene:
         text += [f"-friction_layers 0:{drag + dry:.17g}", f"-friction_mu {dry / (drag + dry):.17g}"]
         if dry > 0:
             text.append(f"-friction_beta {self.beta * speed**2:.17g}")
-        return " ".join(text + self.plain)
+        return " ".join(text + self.plain + ([f"-wall_file {file}"] if self.walls else []))
 
 
 def steps(tendril, options):
@@ -137,6 +159,7 @@ def judge(tendril, scene, ran):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--walls", action="store_true")
     parser.add_argument("--scenes", type=int, default=50)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--scale", default="1e-3,1e3")
@@ -144,11 +167,11 @@ def main():
     given = parser.parse_args()
     scales, differ = [float(c) for c in given.scale.split(",")], 0
     for k in range(given.scenes):
-        scene = Scene(random.Random(1000 * given.seed + k))
+        scene = Scene(random.Random(1000 * given.seed + k), given.walls)
         ran = [steps(given.tendril, scene.scaled(c)) for c in (1, *scales)]
         told, same = judge(given.tendril, scene, ran)
         differ += not same
-        print(f"{k:3} {ran} {told}" + ("" if same else f"\n    {scene.scaled(1)}"), flush=True)
+        print(f"{k:3} {ran} {told}" + ("" if same else f"\n    {scene.scaled(1)}  {scene.walls}"), flush=True)
     print(f"{given.scenes} scenes, {differ} take other steps when they are scaled")
     return 1 if differ else 0
 

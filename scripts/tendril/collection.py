@@ -222,7 +222,11 @@ class Sweep:
             first, count = (self.place(self.series, n, k) for n in OF_A_MEMBER[:2])
             return self.rows(self.series, name, first, count)
 
-        return Lazy((n for n in self.series if n not in OF_A_MEMBER), read)
+        def followed(name):
+            """Errors are followed in the models frame and space alone."""
+            return not (name.startswith("error_") and name in self.final and np.isnan(self.final[name][k]))
+
+        return Lazy((n for n in self.series if n not in OF_A_MEMBER and followed(n)), read)
 
     def part_of_shapes(self, k):
         """The shapes of run k: views of those of all."""

@@ -23,7 +23,7 @@ from .command import Parser
 from .errors import ResultsError, TendrilError, arguments, complaint, replacing
 from .pictures import colours, name_of, symbol_of
 from .packed import moves_straight, packed, thinned
-from .results import Results, load, runs_of, titles_of
+from .results import UNCERTAIN, Results, load, runs_of, titles_of
 from .spatial import out_of_plane
 from .style import COLOURS
 from .surroundings import axial_force, friction, pressed, size_of, walls
@@ -50,12 +50,13 @@ CHARTS = (
     ("turns", ("link", "writhe"), False),
     ("crossings, inflections", ("self_crossings", "inflections"), False),
     ("energy defect", ("energy_defect",), True),
+    ("estimated error", ("error_tip", "error_norm_x2", "error_energy"), True),
     ("step", ("step",), True),
 )
 FOLLOWS = (("time", "t"), ("length", "length"), ("tip x1", "tip_x1"), ("tip x2", "tip_x2"),
            ("tip x3", "tip_x3"), ("width", "width"), ("energy", "energy"), ("push at the clamp", "base_force_1"),
            ("energy defect", "energy_defect"))
-WHOLE = ("steps", "Newton iterations", "finished", "ended by", "version")
+WHOLE = ("steps", "Newton iterations", "finished", "ended by", "error at the end", "largest error", "version")
 
 
 def shapes_of(r):
@@ -76,7 +77,21 @@ def shapes_of(r):
 def summary_of(r):
     """What there is to say of a run as a whole."""
     return dict(zip(WHOLE, (len(r.series.t) - 1, int(r.series.newton_iterations.sum()), "yes" if r.finished else "no",
-                            str(r.groups.get("event", {}).get("kind", "its end")), str(r.attributes.get("version", "")))))
+                            str(r.groups.get("event", {}).get("kind", "its end")), *errors_of(r),
+                            str(r.attributes.get("version", "")))))
+
+
+def errors_of(r):
+    """How far it may be off in its last state, and at most, when and why."""
+    if not r.errors:
+        fit = r.attributes.get("error_estimate")
+        return ("not measured", f"{float(fit):.1e} (a fit)" if fit is not None else "")
+    told = {{"norm_x2": "‖x₂‖"}.get(name, name): one for name, one in r.errors.items()}
+    name, worst = max(told.items(), key=lambda one: one[1].most)
+    unit = f"{in_laboratory('l/V', r.scale)[0] * worst.when:.3g} {in_laboratory('l/V', r.scale)[1]}" \
+        if "si_time" in r.attributes else f"{worst.when:.4g}"
+    return (", ".join(f"{one} {error.end:.1e}" for one, error in told.items()),
+            f"{name} {worst.most:.1e} at t = {unit}" + (f": {worst.why}" if worst.why else ""))
 
 
 def run_of(r, title, colour, shapes, units):
@@ -86,6 +101,7 @@ def run_of(r, title, colour, shapes, units):
         "name": title, "colour": colour, "options": options, "summary": summary_of(r),
         "factors": {unit: in_laboratory(unit, r.scale)[0] / si for unit, (_, si) in units.items()},
         "series": {name: packed(values) for name, values in {**r.series, **drawn}.items()},
+        "uncertain": {name: error for name, error in UNCERTAIN.items() if r.band(name) is not None},
         "shapes": {name: packed(values) for name, values in shapes.items() if name != "along"},
         "widths": {name: int(np.prod(values.shape[1:])) for name, values in shapes.items()
                    if name not in ("t", "fair", "along")},

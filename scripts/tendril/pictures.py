@@ -167,6 +167,7 @@ def panel_norm(ax, r, view):
             norm = view.of(run).of("length", np.ma.masked_less_equal(run.series.norm_x2, 0))
             ax.plot(view.of(run).of("time", run.series.t), norm, line, color=view.colour(r, colour),
                     label=r"$\|x_2\|$" if r.in_space else None)
+            shade(ax, run, view, "norm_x2", view.of(run).of("length", 1.0), view.colour(r, colour))
     if r.in_space and (r.series.norm_x3 > 0).any():
         norm = view.of(r).of("length", np.ma.masked_less_equal(out_of_plane(r), 0))
         ax.plot(view.of(r).of("time", r.series.t), norm, view.style(r, 1, "--"), color=view.colour(r, ORANGE),
@@ -179,6 +180,16 @@ def panel_norm(ax, r, view):
         ax.text(0.5, 0.5, r"$x_2 = 0$ throughout", transform=ax.transAxes, ha="center")
 
 
+def shade(ax, r, view, name, factor, colour):
+    """The band that a series is in, as far as the run tells its errors."""
+    band = r.band(name)
+    if band is not None:
+        low, high = band
+        if ax.get_yscale() == "log":
+            low = np.maximum(low, 1e-3 * high)
+        ax.fill_between(view.of(r).of("time", r.series.t), factor * low, factor * high, color=colour, alpha=0.18, lw=0)
+
+
 def curves(unit, label, *lines):
     """A panel of lines over time, in a unit of the file: (series, label, colour, style); a series the
     file lacks is left out."""
@@ -189,6 +200,7 @@ def curves(unit, label, *lines):
                 ax.plot(view.of(r).of("time", r.series.t), factor * r.series[name],
                         linestyle=view.style(r, number, style), color=view.colour(r, colour),
                         label=text)
+                shade(ax, r, view, name, factor, view.colour(r, colour))
         typeset = re.sub(r"\^\(?([0-9/]+)\)?", r"$^{\1}$", name_of_unit)
         ax.set_ylabel(f"{label} ({typeset})" if typeset else label)
 
@@ -211,6 +223,17 @@ def panel_defect(ax, r, view):
     if defect.count():
         ax.plot(view.of(r).of("time", r.series.t), defect, color=view.colour(r, BLUE), lw=0.8)
     ax.set_ylabel("energy defect, relative")
+
+
+def panel_errors(ax, r, view):
+    """What the run tells of its errors."""
+    decades(ax)
+    for number, (name, text, colour) in enumerate((("error_tip", "tip", BLUE), ("error_norm_x2", r"$\|x_2\|$", ORANGE),
+                                                   ("error_energy", "energy", GREEN))):
+        if name in r.series and (r.series[name] > 0).any():
+            ax.plot(view.of(r).of("time", r.series.t), np.ma.masked_less_equal(r.series[name], 0), lw=0.8,
+                    linestyle=view.style(r, number, "-"), color=view.colour(r, colour), label=text)
+    ax.set_ylabel("estimated error, relative")
 
 
 def draw_shapes(ax, r, view, line):
@@ -351,6 +374,7 @@ PANELS = {
     "speed": curves("V", "speed", ("tip_speed", r"$|v(1)|$", BLUE, "-"),
                     ("mid_speed", r"$|v(1/2)|$", ORANGE, "-")),
     "defect": panel_defect,
+    "errors": panel_errors,
     "touch": panel_touch,
     "curvature": along_rod(lambda r, shape: shape.curvature, r"curvature $\kappa$", "1/l"),
     "twisting": along_rod(lambda r, shape: lift(r, shape).strain[:, 0], "twist $u_1$", "1/l"),
@@ -387,6 +411,8 @@ NAMES = {
     "contact_energy": "energy of contact",
     "penetration": "penetration", "contacts": "zones of contact", "step": "step",
     "newton_iterations": "Newton iterations", "model": "model",
+    "error_tip": "estimated error, tip", "error_norm_x2": r"estimated error, $\|x_2\|$",
+    "error_energy": "estimated error, energy",
     "tip_x3": r"tip, $x_3(1)$", "norm_x3": r"$\|x_3\|$ over labels", "twist": r"twist, $\int u_1$",
     "link": "link in turns", "writhe": "writhe in turns", "energy_twist": "energy of twist",
     "base_force_3": r"force at the clamp, $-n_3(0)$", "base_moment_1": r"moment at the clamp, $-m_1(0)$",

@@ -40,6 +40,10 @@ IN_SPACE = ("strain", "moment", "d1", "d2", "d3")  # what a shape in space has b
 FAR = 0.01  # of the length: a shape between stored ones this far from where the series have it is none
 PRIVATE = ("restart",)  # what is tendril's own business
 AXES = {2: ("shape_t", "s"), 3: ("shape_t", "s", "axis")}  # of the arrays of /shapes, by rank
+# by what error a series is uncertain, and over which size that is told; None: its own
+UNCERTAIN = {"energy": ("error_energy", None), "norm_x2": ("error_norm_x2", None), "norm_x2_length": ("error_norm_x2", None),
+             "norm_x3": ("error_norm_x2", None), "end_distance": ("error_tip", None), "tip_x1": ("error_tip", "end_distance"),
+             "tip_x2": ("error_tip", "end_distance"), "tip_x3": ("error_tip", "end_distance")}
 BODILY = ("strain", "natural_strain")  # their components are about the directors, not along the axes
 
 
@@ -51,6 +55,16 @@ class Sensitivity(NamedTuple):
     series: Table  # as those of the run, but for counts and the like
     shapes: Table
 
+class Told(NamedTuple):
+    """How far a run may be off, relative: what it tells itself."""
+
+    end: float  # in its last state
+    most: float  # at most, over the run at the same time
+    when: float  # when that was
+    why: str  # a touch, it lets go, a snap; else space, time, friction, contact
+
+
+EARLY = 0.01  # of a run: what a start does to its errors is over by then
 MOST = 1e100  # of any number of a rod
 # what shapes hold along the rod
 ALONG = ("x", "theta", "curvature", "force", "strain", "moment", "d1", "d2", "d3", "contact", "stretch", "natural_curvature", "natural_strain")
@@ -228,6 +242,41 @@ class Results:
         tables = (Table({key.rsplit("/", 1)[1]: values for key, values in stored.items()
                          if key.startswith(f"{name}/{group}/")}) for group in ("series", "shapes"))
         return Sensitivity(float(stored[f"{name}/number"]), stored[f"{name}/unit"], *tables)
+
+    @property
+    def errors(self) -> dict[str, Told]:
+        """How far the run may be off in tip, norm_x2 and energy; empty where it has not measured it (a run of another
+        model than frame and space). Of one that has not ended, and of a sweep's, by its series, without reasons."""
+        of, names = self.attributes, ("tip", "norm_x2", "energy")
+        if "error_end_tip" in of:
+            return {name: Told(*(float(of[f"error_{which}{name}"]) for which in ("end_", "", "when_")), str(of[f"error_why_{name}"]))
+                    for name in names}
+        if "error_tip" not in self.series or len(self.series.t) < 2:
+            return {}
+        found, t = {}, self.series.t
+        for name in names:
+            errors = self.series[f"error_{name}"]
+            most = int(np.argmax(np.where(t > EARLY * t[-1], errors, 0)))
+            found[name] = Told(float(errors[-1]), float(errors[most]), float(t[most]), "")
+        return found
+
+    @property
+    def rigid(self) -> dict[str, float]:
+        """Tip and energy in the last state as rigid contact would have them, to first order; empty where nothing touches."""
+        names = {name: f"rigid_{name}" for name in ("tip_x1", "tip_x2", "tip_x3", "energy")}
+        return {name: float(self.attributes[of]) for name, of in names.items()
+                if of in self.attributes and name in self.series}
+
+    @arguments(name="text")
+    def band(self, name) -> tuple[np.ndarray, np.ndarray] | None:
+        """Between what the true values of a series are at each step, as far as the run tells its errors: of the tip, its
+        distance, |x2| and the energy; None of others, and where errors are not measured."""
+        error, over = UNCERTAIN.get(name, ("", None))
+        if error not in self.series or name not in self.series:
+            return None
+        values = self.series[name]
+        off = np.minimum(self.series[error], 1) * np.abs(self.series[over] if over else values)
+        return values - off, values + off
 
     @arguments(name="text", t="time")
     def value(self, name, t) -> float:

@@ -5,18 +5,9 @@
   partial pivoting within it. Rows of a block have room for whole vectors of four.
 */
 #include "base/blocklu.h"
+#include "base/clones.h"
 #include <stdint.h>
 #include <string.h>
-
-/* Loops over blocks are compiled for processors with wider vectors, too; which ones run is decided
-   when the program begins. */
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) &&                             \
-    !defined(__SANITIZE_ADDRESS__)
-#define WIDE_VECTORS __attribute__((target_clones("arch=x86-64-v3", "default")))
-#else
-#define WIDE_VECTORS
-#endif
-#define ALWAYS_INLINE static inline __attribute__((always_inline))
 
 enum { MOST_WIDE = 16, MOST_NODES = 4000 }; /* to find the order takes the square of the nodes */
 
@@ -521,9 +512,13 @@ static PetscErrorCode Apply(PC pc, Vec B, Vec X) {
   PetscFunctionReturn(0);
 }
 
-/* BlockLUSetType - makes a PC the solver of such a matrix. */
-PetscErrorCode BlockLUSetType(PC pc) {
+/* BlockLUSetSolver - makes a KSP the solver of such a matrix. */
+PetscErrorCode BlockLUSetSolver(KSP ksp) {
+  PC pc;
+
   PetscFunctionBegin;
+  PetscCall(KSPSetType(ksp, KSPPREONLY));
+  PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PCSetType(pc, PCSHELL));
   PetscCall(PCShellSetName(pc, "LU of blocks"));
   PetscCall(PCShellSetSetUp(pc, SetUp));

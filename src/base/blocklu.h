@@ -8,6 +8,6 @@
 
 PetscBool BlockLUCan(PetscInt nodes, PetscInt fields);
 PetscErrorCode BlockLUCreate(PetscInt nodes, PetscInt fields, PetscBool held, Mat *J);
-PetscErrorCode BlockLUSetType(PC pc);
+PetscErrorCode BlockLUSetSolver(KSP ksp);
 
 #endif

@@ -1,4 +1,6 @@
 #include "base/errors.h"
+#include <ctype.h>
+#include <petscblaslapack.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -66,6 +68,29 @@ static PetscErrorCode Handle(MPI_Comm comm, int line, const char *func, const ch
                                    ctx);
   if (alone && p == PETSC_ERROR_INITIAL) EndAll(now->comm, n);
   return n;
+}
+
+/*
+  xerbla_ - BLAS and LAPACK call it where an argument cannot be: where a matrix holds what is no
+  number, say. Theirs prints a line and ends the program as if all were well; the linker takes this
+  one in its place.
+*/
+void xerbla_(const char *routine, const PetscBLASInt *which, int length);
+
+void xerbla_(const char *routine, const PetscBLASInt *which, int length) {
+  const MPI_Comm comm = now ? now->comm : PETSC_COMM_WORLD;
+  PetscErrorCode n;
+  char name[16];
+  int k = 0;
+
+  for (; k < length && k < (int)sizeof(name) - 1 && isalnum((unsigned char)routine[k]); k++)
+    name[k] = routine[k];
+  name[k] = 0;
+  n = PetscError(PETSC_COMM_SELF, __LINE__, "xerbla_", __FILE__, PETSC_ERR_LIB, PETSC_ERROR_INITIAL,
+                 "LAPACK's %s cannot do with its argument %d: is a number of its matrix none?",
+                 name, (int)*which);
+  if (now && now->keep) fprintf(stderr, "tendril: %s\n", now->message);
+  EndAll(comm, n);
 }
 
 /*

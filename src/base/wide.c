@@ -9,6 +9,7 @@
   when compiled, and the inner loops run along rows, for the compiler to make vectors of.
 */
 #include "base/wide.h"
+#include "base/clones.h"
 #include <string.h>
 
 enum { TOP = WIDE_TOP, OWN = WIDE_OWN, ALL = WIDE_FIELDS };
@@ -37,7 +38,7 @@ struct _WideLine {
 /* A <- A^-1 by elimination with partial pivoting: behind column k its place is taken by that of the
    inverse, and the columns of the inverse are as the rows were before they were exchanged. False if
    there is none. */
-static PetscBool Invert(PetscReal A[OWN][OWN]) {
+ALWAYS_INLINE PetscBool Invert(PetscReal A[OWN][OWN]) {
   PetscBool regular = PETSC_TRUE;
   int from[OWN];
 
@@ -70,7 +71,7 @@ static PetscBool Invert(PetscReal A[OWN][OWN]) {
 
 /* S = LU in place, rows in the order of the pivots, whose reciprocals are kept; false if it is
    singular. */
-static PetscBool Factor(PetscReal S[TOP][TOP], int row[TOP]) {
+ALWAYS_INLINE PetscBool Factor(PetscReal S[TOP][TOP], int row[TOP]) {
   for (int k = 0; k < TOP; k++) row[k] = k;
   for (int k = 0; k < TOP; k++) {
     int best = k;
@@ -97,8 +98,8 @@ static PetscBool Factor(PetscReal S[TOP][TOP], int row[TOP]) {
 }
 
 /* E = L S^-1, all its rows at once: columns are kept together. */
-static void DivideByFactors(PetscReal S[TOP][TOP], const int row[TOP], PetscReal L[TOP][TOP],
-                            PetscReal E[TOP][TOP]) {
+ALWAYS_INLINE void DivideByFactors(PetscReal S[TOP][TOP], const int row[TOP], PetscReal L[TOP][TOP],
+                                   PetscReal E[TOP][TOP]) {
   PetscReal z[TOP][TOP];
 
   for (int j = 0; j < TOP; j++)
@@ -116,7 +117,7 @@ static void DivideByFactors(PetscReal S[TOP][TOP], const int row[TOP], PetscReal
 }
 
 /* C = A Q, C -= A P, and so on, of the sizes that occur. */
-static inline void Times(int rows, int inner, int columns, PetscReal sign,
+ALWAYS_INLINE void Times(int rows, int inner, int columns, PetscReal sign,
                          const PetscReal *restrict A, int lda, const PetscReal *restrict B, int ldb,
                          PetscReal *restrict C, int ldc) {
   for (int i = 0; i < rows; i++)
@@ -163,7 +164,7 @@ void WideKeep(WideLine line) {
 }
 
 /* Factors the node before a cell, whose equations by it are known. */
-static void FactorNode(WideLine line, Link *link) {
+ALWAYS_INLINE void FactorNode(WideLine line, Link *link) {
   const PetscReal(*own)[ALL] = (const PetscReal(*)[ALL])link->cell[0] + TOP;
 
   for (int i = 0; i < OWN; i++) memcpy(link->Q[i], own[i] + TOP, OWN * sizeof(PetscReal));
@@ -189,7 +190,7 @@ void WideBlocks(WideLine line, PetscReal (**a)[ALL], PetscReal (**b)[ALL]) {
 
 /* WideCell - eliminates the node before the next cell, whose equations WideBlocks() has been given.
  */
-void WideCell(WideLine line) {
+WIDE_VECTORS void WideCell(WideLine line) {
   Link *link = &line->link[line->n++];
   const PetscReal(*a)[ALL] = (const PetscReal(*)[ALL])link->cell[0],
         (*b)[ALL] = (const PetscReal(*)[ALL])link->cell[1];
@@ -248,7 +249,7 @@ PetscBool WideRegular(WideLine line) {
 }
 
 /* y = A^-1 v of a node, in place */
-static void SolveNode(const Link *link, PetscReal y[ALL]) {
+ALWAYS_INLINE void SolveNode(const Link *link, PetscReal y[ALL]) {
   PetscReal d[TOP], b[OWN], *own = y + TOP;
 
   for (int i = 0; i < TOP; i++) {
@@ -274,7 +275,7 @@ static void SolveNode(const Link *link, PetscReal y[ALL]) {
 }
 
 /* WideSolve - the unknowns x of the line by b, both of all its nodes. */
-void WideSolve(WideLine line, const PetscReal (*b)[ALL], PetscReal (*x)[ALL]) {
+WIDE_VECTORS void WideSolve(WideLine line, const PetscReal (*b)[ALL], PetscReal (*x)[ALL]) {
   PetscBLASInt fields = ALL, one = 1, info;
   const PetscInt n = line->n;
 

@@ -239,55 +239,59 @@ PetscErrorCode CurvatureDestroy(Curvature *self) {
   PetscFunctionReturn(0);
 }
 
-/*
-  The steered part, over the label, or over the distance d from the tip now. For the material it
-  changes at the rate k_t + d_t k_d, which is 0 + (L_t - V) k_d of material that slides away from
-  the tip.
-*/
-static PetscErrorCode Steered(const Strain *self, Growth growth, PetscReal s, PetscReal t,
-                              PetscReal *k, PetscReal *k_t) {
-  PetscReal at = s, at_t = 0, value, slope, rate, L, L_t, p, p_t;
+/* Where a table is to be read for the material at a label and a time, and the rate of that. What is
+   steered is read at the distance from the tip now, from which material slides away at L_t - V. */
+static PetscErrorCode OriginOf(const Curvature *self, Growth growth, PetscReal s, PetscReal t,
+                               PetscReal *at, PetscReal *at_t) {
+  PetscReal L, L_t, p, p_t;
 
   PetscFunctionBegin;
-  if (growth->slides) {
-    PetscCall(GrowthLength(growth, t, &L, &L_t));
-    PetscCall(GrowthArc(growth, 1, &s, t, &p, &p_t));
-    at = (1 - s) * L;
-    at_t = L_t - GrowthSpeed(growth, s, t, p_t);
+  *at = s;
+  *at_t = 0;
+  if (!growth->slides) PetscFunctionReturn(0);
+  if (!self->steered) {
+    PetscCall(GrowthOrigin(growth, s, t, at, at_t));
+    PetscFunctionReturn(0);
   }
-  ActuationValue(self->steered, at, t, &value, &slope, &rate);
-  *k += value;
-  if (k_t) *k_t = rate + at_t * slope;
+  PetscCall(GrowthLength(growth, t, &L, &L_t));
+  PetscCall(GrowthArc(growth, 1, &s, t, &p, &p_t));
+  *at = (1 - s) * L;
+  *at_t = L_t - GrowthSpeed(growth, s, t, p_t);
   PetscFunctionReturn(0);
 }
 
-/* One natural strain at a label and a time, and its rate for the material there (may be NULL). */
-static PetscErrorCode Value(const Curvature *curvature, int which, Growth growth, PetscReal s,
-                            PetscReal t, PetscReal *k, PetscReal *k_t) {
-  const Strain *self = &curvature->strain[which];
-  PetscReal weight[4], slope[4], at = s, at_t = 0;
+/* A strain that is steered: for the material it changes at the rate k_t + d_t k_d. */
+static void Steered(const Strain *self, PetscReal at, PetscReal at_t, PetscReal t, PetscReal *k,
+                    PetscReal *k_t) {
+  PetscReal value, slope, rate;
+
+  ActuationValue(self->steered, at, t, &value, &slope, &rate);
+  *k += value;
+  if (k_t) *k_t = rate + at_t * slope;
+}
+
+/* One natural strain there, and its rate for the material (may be NULL). */
+static void Value(const Strain *self, PetscReal at, PetscReal at_t, PetscReal t, PetscReal *k,
+                  PetscReal *k_t) {
+  const PetscBool changes = (PetscBool)(k_t && at_t != 0);
+  PetscReal weight[4], slope[4];
   PetscInt i;
 
-  PetscFunctionBegin;
   *k = self->constant;
   if (k_t) *k_t = 0;
-  if (!self->n) PetscFunctionReturn(0);
+  if (!self->n) return;
   if (self->steered) {
-    PetscCall(Steered(self, growth, s, curvature->stopped ? curvature->stopped_at : t, k, k_t));
-    if (k_t && curvature->stopped) *k_t = 0;
-    PetscFunctionReturn(0);
+    Steered(self, at, at_t, t, k, k_t);
+    return;
   }
-  if (growth->slides) PetscCall(GrowthOrigin(growth, s, t, &at, &at_t));
   if (at < self->at[0] || at > self->at[self->n - 1]) {
     *k += self->k[at < self->at[0] ? 0 : self->n - 1];
-    PetscFunctionReturn(0);
+    return;
   }
-  SplineWeights(self->n, self->at, at, &i, weight, slope, NULL);
+  SplineWeights(self->n, self->at, at, &i, weight, changes ? slope : NULL, NULL);
   for (int j = 0; j < 2; j++) *k += weight[j] * self->k[i + j] + weight[2 + j] * self->k2[i + j];
-  if (!k_t || at_t == 0) PetscFunctionReturn(0);
-  for (int j = 0; j < 2; j++)
+  for (int j = 0; j < 2 && changes; j++)
     *k_t += at_t * (slope[j] * self->k[i + j] + slope[2 + j] * self->k2[i + j]);
-  PetscFunctionReturn(0);
 }
 
 /*
@@ -301,16 +305,13 @@ static PetscErrorCode Value(const Curvature *curvature, int which, Growth growth
 */
 PetscErrorCode CurvatureValue(const Curvature *self, Growth growth, PetscReal s, PetscReal t,
                               PetscReal *k, PetscReal *k_t) {
-  PetscFunctionBegin;
-  PetscCall(Value(self, BEND_3, growth, s, t, k, k_t));
-  PetscFunctionReturn(0);
-}
+  const Strain *strain = &self->strain[BEND_3];
+  PetscReal at = s, at_t = 0;
 
-/* CurvatureStop - lets it stand still at what it is at a time, as the growth law that it goes with
-   must. */
-void CurvatureStop(Curvature *self, PetscReal t) {
-  self->stopped = PETSC_TRUE;
-  self->stopped_at = t;
+  PetscFunctionBegin;
+  if (strain->n) PetscCall(OriginOf(self, growth, s, t, &at, &at_t));
+  Value(strain, at, at_t, t, k, k_t);
+  PetscFunctionReturn(0);
 }
 
 /* CurvatureNextTurn - the first time behind t at which one that is steered kinks, sets out, rests
@@ -318,7 +319,7 @@ void CurvatureStop(Curvature *self, PetscReal t) {
 PetscReal CurvatureNextTurn(const Curvature *self, PetscReal t) {
   PetscReal next = PETSC_MAX_REAL;
 
-  for (int k = 0; k < STRAINS && self->steered && !self->stopped; k++)
+  for (int k = 0; k < STRAINS && self->steered; k++)
     if (self->strain[k].steered)
       next = PetscMin(next, ActuationNextTurn(self->strain[k].steered, t));
   return next;
@@ -404,9 +405,15 @@ PetscReal CurvatureRounding(const Curvature *self, PetscReal length) {
 PetscErrorCode CurvatureStrains(const Curvature *self, Growth growth, PetscReal s, PetscReal t,
                                 PetscReal u[3], PetscReal u_t[3]) {
   static const int place[STRAINS] = {[BEND_3] = 2, [BEND_2] = 1, [TURN_1] = 0};
+  PetscReal at = s, at_t = 0;
 
   PetscFunctionBegin;
   for (int k = 0; k < STRAINS; k++)
-    PetscCall(Value(self, k, growth, s, t, &u[place[k]], u_t ? &u_t[place[k]] : NULL));
+    if (self->strain[k].n) {
+      PetscCall(OriginOf(self, growth, s, t, &at, &at_t));
+      break;
+    }
+  for (int k = 0; k < STRAINS; k++)
+    Value(&self->strain[k], at, at_t, t, &u[place[k]], u_t ? &u_t[place[k]] : NULL);
   PetscFunctionReturn(0);
 }

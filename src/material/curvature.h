@@ -21,8 +21,6 @@ typedef struct {
   PetscBool any;     /* not 0 everywhere */
   PetscBool space;   /* one of those that there are in space only is not 0 */
   PetscBool steered; /* one changes over time */
-  PetscBool stopped; /* CurvatureStop(): it stands still at a time */
-  PetscReal stopped_at;
   Strain strain[STRAINS];
   PetscReal *even, *angle, *slope; /* int_0^s g k0 ds at t = 0 and its slope, at even labels */
 } Curvature;
@@ -35,7 +33,6 @@ PetscErrorCode CurvatureAngle(const Curvature *curvature, Growth growth, PetscRe
 PetscErrorCode CurvatureDestroy(Curvature *curvature);
 PetscErrorCode CurvatureValue(const Curvature *curvature, Growth growth, PetscReal s, PetscReal t,
                               PetscReal *k, PetscReal *k_t);
-void CurvatureStop(Curvature *curvature, PetscReal t);
 PetscReal CurvatureNextTurn(const Curvature *curvature, PetscReal t);
 PetscBool CurvatureJerks(const Curvature *curvature, PetscReal t0, PetscReal t1);
 PetscErrorCode CurvatureBendsInTime(const Curvature *curvature, PetscReal tolerance, Bends *bends);

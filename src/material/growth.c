@@ -228,63 +228,6 @@ PetscErrorCode GrowthDestroy(Growth *growth) {
   PetscFunctionReturn(0);
 }
 
-/* a law that stands still */
-typedef struct {
-  Growth law; /* borrowed */
-  PetscReal t;
-} Stopped;
-
-static PetscErrorCode StretchStopped(Growth self, PetscReal s, PetscReal t, PetscReal *g,
-                                     PetscReal *g_t, PetscReal *g_s) {
-  Stopped *at = (Stopped *)self->data;
-  PetscFunctionBegin;
-  PetscCall(at->law->stretch(at->law, s, at->t, g, g_t, g_s));
-  *g_t = 0;
-  PetscFunctionReturn(0);
-}
-
-static PetscErrorCode ArcStopped(Growth self, PetscReal s, PetscReal t, PetscReal *p,
-                                 PetscReal *p_t) {
-  Stopped *at = (Stopped *)self->data;
-  PetscFunctionBegin;
-  PetscCall(at->law->arc(at->law, s, at->t, p, p_t));
-  *p_t = 0;
-  PetscFunctionReturn(0);
-}
-
-static PetscErrorCode OriginStopped(Growth self, PetscReal s, PetscReal t, PetscReal *d,
-                                    PetscReal *d_t) {
-  Stopped *at = (Stopped *)self->data;
-  PetscFunctionBegin;
-  PetscCall(at->law->origin(at->law, s, at->t, d, d_t));
-  *d_t = 0;
-  PetscFunctionReturn(0);
-}
-
-/* GrowthStop - a law that stands still at time t of another, which must outlive it; no material
-   slides. The caller destroys it with GrowthDestroy(). Not collective. */
-PetscErrorCode GrowthStop(Growth law, PetscReal t, Growth *stopped) {
-  Stopped *at;
-
-  PetscFunctionBegin;
-  PetscCall(PetscNew(stopped));
-  PetscCall(PetscNew(&at));
-  **stopped = *law;
-  at->law = law;
-  at->t = t;
-  (*stopped)->stopped = PETSC_TRUE;
-  (*stopped)->fastest = 0;
-  (*stopped)->next_turn = NULL;
-  (*stopped)->bends = NULL;
-  (*stopped)->jerks = NULL;
-  (*stopped)->data = at;
-  (*stopped)->stretch = StretchStopped;
-  (*stopped)->arc = ArcStopped;
-  (*stopped)->origin = OriginStopped;
-  (*stopped)->destroy = GrowthDestroyData;
-  PetscFunctionReturn(0);
-}
-
 /* GrowthStretch - g, its rate g_t and its slope g_s = dg/ds (both may be NULL) at n labels s, at
    time t. Arrays of n, the caller's. */
 PetscErrorCode GrowthStretch(Growth growth, PetscInt n, const PetscReal s[], PetscReal t,

@@ -20,7 +20,6 @@ struct _Growth {
   PetscReal narrow;         /* width in s of a growth zone at the clamp; 0: there is none */
   PetscReal steep;          /* least s over which a table's g changes by itself; 0: no table */
   PetscReal fastest;        /* speed of a rod that is fed by a schedule; 0: there is none */
-  PetscBool stopped;        /* GrowthStop(): stands still at one time of another law */
   PetscErrorCode (*stretch)(Growth, PetscReal s, PetscReal t, PetscReal *g, PetscReal *g_t,
                             PetscReal *g_s);
   PetscErrorCode (*arc)(Growth, PetscReal s, PetscReal t, PetscReal *p, PetscReal *p_t);
@@ -43,7 +42,6 @@ extern const OptionGroup growth_options;
 
 PetscErrorCode GrowthCreate(Growth *growth);
 PetscErrorCode GrowthDestroy(Growth *growth);
-PetscErrorCode GrowthStop(Growth law, PetscReal t, Growth *stopped);
 PetscErrorCode GrowthStretch(Growth growth, PetscInt n, const PetscReal s[], PetscReal t,
                              PetscReal g[], PetscReal g_t[], PetscReal g_s[]);
 PetscErrorCode GrowthArc(Growth growth, PetscInt n, const PetscReal s[], PetscReal t, PetscReal p[],
@@ -60,18 +58,17 @@ PetscErrorCode GrowthFeedByPath(Growth growth);
 
 /* Convective speed of the material along the rod: v = x_t + c q. */
 static inline PetscReal GrowthSlide(Growth growth, PetscReal s, PetscReal t) {
-  return growth->slides && !growth->stopped ? growth->slide(growth, s, t) : 0;
+  return growth->slides ? growth->slide(growth, s, t) : 0;
 }
 
 /* The speed of the material along a straight rod, V = p_t + c, without cancellation: 0 where it is
    at rest. */
 static inline PetscReal GrowthSpeed(Growth growth, PetscReal s, PetscReal t, PetscReal p_t) {
-  return growth->slides && !growth->stopped ? growth->speed(growth, s, t) : p_t;
+  return growth->slides ? growth->speed(growth, s, t) : p_t;
 }
 
 /* How fast the material there stretches, times g: g_t + c_s. */
 static inline PetscReal GrowthStrain(Growth growth, PetscReal s, PetscReal t, PetscReal g_t) {
-  if (growth->stopped) return 0;
   return growth->slides ? growth->strain(growth, s, t) : g_t;
 }
 

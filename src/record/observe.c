@@ -272,7 +272,7 @@ static void AddContact(Observer self, Observation *seen) {
   if (!self->touching) return;
   seen->contact_force = contact->normal;
   seen->contact_energy = contact->energy;
-  seen->penetration = contact->depth;
+  seen->penetration = ContactBears(&self->scene->contact, contact->nearest) ? -contact->nearest : 0;
   seen->contacts = contact->zones;
   ForceToLab(self->scene, contact->wall, lab);
   seen->wall_force_1 = lab[0];
@@ -692,11 +692,11 @@ void ObserverClose(Observer observer, const Observation *last, PetscBool broken)
   observer->broken = broken;
 }
 
-static PetscErrorCode LookAtContact(Observer self, PetscReal t, const Node *nodes,
-                                    PetscBool moves) {
+static PetscErrorCode LookAtContact(Observer self, PetscReal t, const Node *nodes, PetscBool moves,
+                                    TouchingAsks asks) {
   PetscFunctionBegin;
   if (self->touching)
-    PetscCall(TouchingLook(self->touching, t, nodes, moves, &self->contact, &self->push));
+    PetscCall(TouchingLook(self->touching, t, nodes, moves, asks, &self->contact, &self->push));
   PetscFunctionReturn(0);
 }
 
@@ -706,7 +706,7 @@ static PetscErrorCode LookAtContact(Observer self, PetscReal t, const Node *node
 PetscErrorCode ObserverContact(Observer observer, PetscReal t, const Node *nodes,
                                const PetscReal (**force)[PUSH]) {
   PetscFunctionBegin;
-  PetscCall(LookAtContact(observer, t, nodes, PETSC_FALSE));
+  PetscCall(LookAtContact(observer, t, nodes, PETSC_FALSE, TOUCHING_ALL));
   if (observer->touching) PetscCall(TouchingShow(observer->touching, t, nodes));
   *force = observer->push;
   PetscFunctionReturn(0);
@@ -715,7 +715,7 @@ PetscErrorCode ObserverContact(Observer observer, PetscReal t, const Node *nodes
 /* ObserverTouch - on rank 0, what there is of contact; all 0 in a scene without. Not collective. */
 PetscErrorCode ObserverTouch(Observer observer, PetscReal t, const Node *nodes, TouchSum *sum) {
   PetscFunctionBegin;
-  PetscCall(LookAtContact(observer, t, nodes, PETSC_FALSE));
+  PetscCall(LookAtContact(observer, t, nodes, PETSC_FALSE, TOUCHING_ALL));
   *sum = observer->contact;
   PetscFunctionReturn(0);
 }
@@ -761,14 +761,14 @@ static void WithWhatHolds(const RodForces *forces, TouchSum *contact) {
 
 /* Rank 0 measures the whole rod: contact is between nodes that are far apart. */
 static PetscErrorCode MeasureWhole(Observer self, PetscReal t, Vec v, PetscBool moves,
-                                   Observation *seen) {
+                                   TouchingAsks asks, Observation *seen) {
   Piece piece = {.first = 0, .end = -1};
 
   PetscFunctionBegin;
   PetscCall(Gather(self, v, &piece.node));
   if (piece.node) {
     piece.end = self->scene->mesh.cells;
-    PetscCall(LookAtContact(self, t, piece.node, moves));
+    PetscCall(LookAtContact(self, t, piece.node, moves, asks));
     if (self->whole) WithWhatHolds(&self->forces, &self->contact);
   }
   PetscCall(Measure(self, t, &piece, seen));
@@ -821,17 +821,18 @@ static PetscErrorCode TakeForces(Observer self, Rod rod, PetscReal t, Vec U_t) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode Look(Observer self, Rod rod, PetscReal t, Vec U, Vec U_t, Observation *seen) {
+static PetscErrorCode Look(Observer self, Rod rod, PetscReal t, Vec U, Vec U_t, TouchingAsks asks,
+                           Observation *seen) {
   Vec v;
 
   PetscFunctionBegin;
   PetscCall(TakeForces(self, rod, t, U_t));
   PetscCall(NodesOf(rod, t, U, U_t, &v));
   if (self->scene->contact.any)
-    PetscCall(MeasureWhole(self, t, v, (PetscBool)(U_t != NULL), seen));
+    PetscCall(MeasureWhole(self, t, v, (PetscBool)(U_t != NULL), asks, seen));
   else
     PetscCall(MeasurePieces(self, rod, t, v, seen));
-  PetscCall(MeasureCrossings(self, v, seen));
+  if (asks == TOUCHING_ALL) PetscCall(MeasureCrossings(self, v, seen));
   PetscCall(DMRestoreGlobalVector(rod->nodes, &v));
   PetscFunctionReturn(0);
 }
@@ -840,7 +841,7 @@ static PetscErrorCode Look(Observer self, Rod rod, PetscReal t, Vec U, Vec U_t, 
    energy, and at any time. Collective. */
 PetscErrorCode ObserverLook(Observer observer, Rod rod, PetscReal t, Vec U, Observation *seen) {
   PetscFunctionBegin;
-  PetscCall(Look(observer, rod, t, U, NULL, seen));
+  PetscCall(Look(observer, rod, t, U, NULL, TOUCHING_ALL, seen));
   PetscCallMPI(MPI_Bcast(seen, OBSERVED, MPIU_REAL, 0, observer->scene->comm));
   PetscFunctionReturn(0);
 }
@@ -864,7 +865,7 @@ static PetscErrorCode WorkWithin(Observer self, Rod rod, const PetscReal between
   for (int q = 0; q < GAUSS && known; q++) {
     PetscReal t = between[0] + h * gauss_point[q];
     PetscCall(VBDFInterpolate(ts, t, V, V_t, &known));
-    if (known) PetscCall(Look(self, rod, t, V, V_t, &seen));
+    if (known) PetscCall(Look(self, rod, t, V, V_t, TOUCHING_POWERS, &seen));
     if (known) net += h * gauss_weight[q] * NetPower(&seen);
     if (known) loss += h * gauss_weight[q] * seen.dissipation;
   }
@@ -905,7 +906,7 @@ static PetscErrorCode MeasureBalance(Observer self, Rod rod, Vec U, TS ts, Obser
 PetscErrorCode ObserverMeasure(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t, TS ts,
                                Observation *seen) {
   PetscFunctionBegin;
-  PetscCall(Look(observer, rod, t, U, U_t, seen));
+  PetscCall(Look(observer, rod, t, U, U_t, TOUCHING_ALL, seen));
   PetscCall(MeasureBalance(observer, rod, U, ts, seen));
   PetscCallMPI(MPI_Bcast(seen, OBSERVED, MPIU_REAL, 0, observer->scene->comm));
   PetscFunctionReturn(0);

@@ -42,7 +42,10 @@
   X(self_crossings, "1", "points in which the rod crosses itself")                                 \
   X(step, "l/V", "size of the step that led here")                                                 \
   X(newton_iterations, "1", "Newton iterations of that step, rejected tries and snaps included")   \
-  X(model, "1", "model of that step: 0 linear, 1 frame, 2 mixed, 3 space")
+  X(model, "1", "model of that step: 0 linear, 1 frame, 2 mixed, 3 space")                         \
+  X(error_tip, "1", "estimated error of the tip's place, over its distance from the clamp")        \
+  X(error_norm_x2, "1", "estimated relative error of |x2|, in space of the larger of |x2|, |x3|")  \
+  X(error_energy, "1", "estimated relative error of the energy")
 
 /* Of a rod that weighs something, and of one in space. */
 #define OBSERVABLES_OF_WEIGHT(X)                                                                   \

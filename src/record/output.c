@@ -71,6 +71,7 @@ struct _Output {
   PetscInt times_n, times_room;
   PetscReal *times; /* of all shapes, stored and waiting */
   Event event;
+  PetscBool follows;    /* errors are followed, and are series */
   ErrorEstimate error;  /* of kind none until the run has ended */
   char interrupted[64]; /* by what; empty: it is not */
   PetscInt derivatives_n;
@@ -79,6 +80,12 @@ struct _Output {
   PetscLogDouble stored_at, cost;
   double stored, waits; /* bytes */
 };
+
+/* Is a series one of this run? */
+static PetscBool Holds(const Output self, int observed) {
+  return (PetscBool)(ObservedIn(self->scene, observed) &&
+                     (self->follows || strncmp(observed_name[observed], "error_", 6)));
+}
 
 /* How many sets there are. */
 static int Sets(Output self) {
@@ -295,7 +302,8 @@ static PetscErrorCode LawAttributes(Output self, HdfFile file, PetscReal t) {
   PetscCall(SceneContactAt(self->scene, t));
   if (self->scene->contact.any)
     PetscCall(HdfReal(file, "/", "contact_stiffness", self->scene->contact.stiffness));
-  if (self->scene->contact.firm) PetscCall(HdfReal(file, "/", "contact_firm", contact_firm_times));
+  if (self->scene->contact.firm)
+    PetscCall(HdfReal(file, "/", "contact_firm", ContactFirmTimes(&self->scene->contact)));
   if (!self->scene->contact.walls.n && !self->scene->contact.surfaces.n) PetscFunctionReturn(0);
   PetscCall(ContactWallsText(&self->scene->contact, &text));
   PetscCall(HdfWriteText(file, "walls", text, "the walls around the rod, one a line"));
@@ -303,10 +311,33 @@ static PetscErrorCode LawAttributes(Output self, HdfFile file, PetscReal t) {
   PetscFunctionReturn(0);
 }
 
-/* How far off the run may be, once that is known. */
+static PetscErrorCode ErrorAttribute(HdfFile file, const char *which, const char *of,
+                                     PetscReal value) {
+  char name[32];
+
+  PetscFunctionBegin;
+  (void)snprintf(name, sizeof(name), "error_%s%s", which, of);
+  PetscCall(HdfReal(file, "/", name, value));
+  PetscFunctionReturn(0);
+}
+
+/* How far off rigid contact would have tip and energy, to first order. */
+static PetscErrorCode RigidAttributes(HdfFile file, const ErrorEstimate *error) {
+  static const char *const name[RIGID_VALUES] = {"rigid_tip_x1", "rigid_tip_x2", "rigid_tip_x3",
+                                                 "rigid_energy"};
+
+  PetscFunctionBegin;
+  for (int k = 0; k < RIGID_VALUES && error->pressed; k++)
+    PetscCall(HdfReal(file, "/", name[k], error->rigid[k]));
+  PetscFunctionReturn(0);
+}
+
+/* How far off the run may be, once that is known: over all of it, and in its last state. */
 static PetscErrorCode ErrorAttributes(Output self, HdfFile file) {
   static const char *const kind[] = {"", "measured", "fitted"},
                            *const part[ESTIMATE_PARTS] = {"space", "time", "friction", "contact"},
+                           *const why[WHYS] = {"space",   "time",       "friction", "contact",
+                                               "a touch", "it lets go", "a snap"},
                            *const seen[ESTIMATE_SEEN] = {"tip", "norm_x2", "energy"};
   const ErrorEstimate *error = &self->error;
   char name[32];
@@ -314,16 +345,21 @@ static PetscErrorCode ErrorAttributes(Output self, HdfFile file) {
   PetscFunctionBegin;
   if (error->kind == ESTIMATE_NONE) PetscFunctionReturn(0);
   PetscCall(HdfText(file, "/", "error_kind", kind[error->kind]));
-  PetscCall(HdfReal(file, "/", "error_estimate", error->all));
+  PetscCall(HdfReal(file, "/", "error_estimate", error->most.all));
   if (error->kind != ESTIMATE_MEASURED) PetscFunctionReturn(0);
+  PetscCall(HdfReal(file, "/", "error_end_estimate", error->end.all));
   for (int k = 0; k < ESTIMATE_PARTS; k++) {
-    (void)snprintf(name, sizeof(name), "error_%s", part[k]);
-    PetscCall(HdfReal(file, "/", name, error->part[k]));
+    PetscCall(ErrorAttribute(file, "", part[k], error->most.part[k]));
+    PetscCall(ErrorAttribute(file, "end_", part[k], error->end.part[k]));
   }
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
-    (void)snprintf(name, sizeof(name), "error_%s", seen[k]);
-    PetscCall(HdfReal(file, "/", name, error->seen[k]));
+    PetscCall(ErrorAttribute(file, "", seen[k], error->most.seen[k]));
+    PetscCall(ErrorAttribute(file, "end_", seen[k], error->end.seen[k]));
+    PetscCall(ErrorAttribute(file, "when_", seen[k], error->when[k]));
+    (void)snprintf(name, sizeof(name), "error_why_%s", seen[k]);
+    PetscCall(HdfText(file, "/", name, why[error->why[k]]));
   }
+  PetscCall(RigidAttributes(file, error));
   PetscFunctionReturn(0);
 }
 
@@ -336,7 +372,7 @@ static PetscErrorCode Layout(Output self, HdfFile file) {
   PetscCall(HdfGroup(file, "/series"));
   PetscCall(HdfGroup(file, "/shapes"));
   for (int i = 0; i < OBSERVED; i++) {
-    if (!ObservedIn(self->scene, i)) continue;
+    if (!Holds(self, i)) continue;
     (void)snprintf(path, sizeof(path), "/series/%s", observed_name[i]);
     PetscCall(HdfAppendable(file, path, 0, NULL, observed_units[i], observed_text[i]));
   }
@@ -357,7 +393,7 @@ static PetscErrorCode Cut(Output self, HdfFile file) {
 
   PetscFunctionBegin;
   for (int i = 0; i < OBSERVED; i++) {
-    if (!ObservedIn(self->scene, i)) continue;
+    if (!Holds(self, i)) continue;
     (void)snprintf(path, sizeof(path), "/series/%s", observed_name[i]);
     PetscCall(HdfTruncate(file, path, self->cut[0]));
   }
@@ -371,7 +407,8 @@ static PetscErrorCode Cut(Output self, HdfFile file) {
 /* Has a series a derivative? Counts have none, nor what is of the stepper. */
 static PetscBool IsSmooth(int observed) {
   static const char *const others = "t,energy_defect,contacts,inflections,self_crossings,"
-                                    "step,newton_iterations,model";
+                                    "step,newton_iterations,model,"
+                                    "error_tip,error_norm_x2,error_energy";
   const char *name = observed_name[observed], *at = others;
   const size_t n = strlen(name);
 
@@ -436,7 +473,7 @@ static PetscErrorCode WriteRows(Output self, HdfFile file) {
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(self->series_n, &column));
   for (int i = 0; i < OBSERVED; i++) {
-    if (!ObservedIn(self->scene, i)) continue;
+    if (!Holds(self, i)) continue;
     for (PetscInt k = 0; k < self->series_n; k++)
       column[k] = ((const PetscReal *)&self->series[k])[i];
     (void)snprintf(path, sizeof(path), "/series/%s", observed_name[i]);
@@ -671,7 +708,7 @@ PetscErrorCode OutputKeep(Output self, PetscBool series, PetscBool shapes) {
 /* The first of an observation, as many as a harvest has; those that a scene has not are NAN. */
 static PetscReal *Observed(Output self, const Observation *seen, PetscInt values, PetscReal *to) {
   for (PetscInt k = 0; k < values; k++)
-    to[k] = ObservedIn(self->scene, k) ? ((const PetscReal *)seen)[k] : NAN;
+    to[k] = Holds(self, (int)k) ? ((const PetscReal *)seen)[k] : NAN;
   return to + values;
 }
 
@@ -879,6 +916,14 @@ PetscErrorCode OutputShape(Output self, PetscReal t, const Node *nodes,
 PetscErrorCode OutputEvent(Output self, const Event *event) {
   PetscFunctionBegin;
   self->event = *event;
+  PetscFunctionReturn(0);
+}
+
+/* OutputFollows - the errors of the run are followed: they are series of it. Before any are added.
+ */
+PetscErrorCode OutputFollows(Output self) {
+  PetscFunctionBegin;
+  self->follows = PETSC_TRUE;
   PetscFunctionReturn(0);
 }
 

@@ -34,6 +34,7 @@ PetscErrorCode OutputSeries(Output output, const Observation *seen);
 PetscErrorCode OutputShape(Output output, PetscReal t, const Node *nodes,
                            const PetscReal (*contact)[PUSH]);
 PetscErrorCode OutputEvent(Output output, const Event *event);
+PetscErrorCode OutputFollows(Output output);
 PetscErrorCode OutputErrors(Output output, const ErrorEstimate *error);
 PetscErrorCode OutputDerivative(Output output, const char *name, const char *unit, PetscReal number,
                                 Harvest *harvest);

@@ -218,6 +218,8 @@ PetscErrorCode RestartTake(const char *file, const RestartState *state, Leg *leg
   PetscCall(TSSetStepNumber(leg->ts, (PetscInt)state->steps));
   PetscCall(PetscArraycpy(leg->kick, state->kick, MAX_FIELDS));
   leg->kick_ends = state->kick_ends;
+  leg->ease.times = PetscMin(state->ease, leg->ease.most);
+  leg->ease.others = state->others;
   PetscFunctionReturn(0);
 }
 
@@ -260,21 +262,28 @@ PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *stat
   const Load *load = &leg->rod->scene->load;
   const Contact *contact = &leg->rod->scene->contact;
   PetscInt n, order, steps;
+  PetscReal now;
 
   PetscFunctionBegin;
   PetscCall(VBDFGetHistory(leg->ts, &n, state->time, points, &order));
   if (!n) n = order = 1; /* another stepper starts afresh from the last point */
   points[0] = latest;
-  state->t = state->time[0] = t;
+  PetscCall(TSGetTime(leg->ts, &now));
+  state->t = t;
+  state->time[0] = t - now; /* an event may have ended the run before its step did */
+  for (PetscInt i = n - 1; i >= 0; i--) state->time[i] -= state->time[0];
   PetscCall(TSGetTimeStep(leg->ts, &state->step));
   PetscCall(TSGetStepNumber(leg->ts, &steps));
   PetscCall(VBDFGetMemory(leg->ts, state->memory));
   PetscCall(PetscArraycpy(state->kick, leg->kick, MAX_FIELDS));
   state->kick_ends = leg->kick_ends;
+  state->ease = leg->ease.times;
+  state->others = leg->ease.others;
   state->points = n;
   state->order = order;
   state->steps = steps;
   state->fields = leg->rod->model->fields;
+  state->falls = leg->rod->scene->falls;
   state->shared = load->shared ? 1 - load->friction.mu : 0;
   state->firm = contact->firm ? 1 : contact->deepest ? 0 : -1;
   PetscFunctionReturn(0);

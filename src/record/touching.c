@@ -7,6 +7,7 @@ struct _Touching {
   Strands strands;          /* of a rod in the plane, NULL: it does not touch itself */
   Strands3 strands3;        /* of a rod in space, likewise */
   PetscReal (*force)[PUSH]; /* per length, at nodes and middles of cells */
+  PetscInt likely;          /* the node that was nearest to a wall */
   PetscInt feet, room;      /* cells that have feet, in their order */
   TouchFeet *foot;
 };
@@ -130,14 +131,14 @@ static void Nearest(TouchSum *sum, PetscReal gap, PetscReal s, const PetscReal x
   sum->at[0] = s;
   sum->at[1] = -1;
   for (int d = 0; d < 2; d++) sum->x[d] = x[d];
-  sum->depth = PetscMax(sum->depth, -gap);
 }
 
 /* The walls on one point, and on the tip besides if it is the last; do they touch it? */
 static PetscBool Walls1(Touching self, const Spot *spot, PetscBool tip, PetscReal force[2],
                         TouchSum *sum) {
   const Contact *contact = &self->scene->contact;
-  const PetscReal gap = WallsGap(&contact->walls, spot->x, contact->diameter / 2);
+  const PetscReal within = PetscMax(contact->smooth, sum->nearest),
+                  gap = WallsGapWithin(&contact->walls, spot->x, contact->diameter / 2, within);
   PetscReal on_tip[2] = {0, 0};
   Touch touch[MOST_TOUCHES];
   PetscInt n = gap < contact->smooth ? ContactTouches(contact, spot->x, touch) : 0;
@@ -149,7 +150,7 @@ static PetscBool Walls1(Touching self, const Spot *spot, PetscBool tip, PetscRea
   }
   for (int d = 0; d < 2 && tip; d++) sum->tip[d] += contact->tip * on_tip[d];
   Nearest(sum, gap, spot->s, spot->x);
-  return (PetscBool)(gap <= 0);
+  return ContactBears(contact, gap);
 }
 
 /* TouchingAdd - room for what the feet of one more cell add, 0 so far; valid until the next one. */
@@ -223,7 +224,7 @@ static PetscErrorCode LookAtPosts(Touching self, PetscReal t, const Node *nodes,
     PetscCall(TouchingAdd(self, i, &feet));
     for (PetscInt k = 0; k < n; k++) {
       AddFoot(self, &cell, i, &foot[k], feet->load, sum);
-      if (foot[k].gap <= 0) touches[i] = PETSC_TRUE;
+      if (ContactBears(contact, foot[k].gap)) touches[i] = PETSC_TRUE;
     }
   }
   PetscFunctionReturn(0);
@@ -276,7 +277,6 @@ static PetscErrorCode LookAtStrands(Touching self, PetscReal t, const Node *node
   sum->loss += strands.loss;
   sum->strain += strands.strain;
   sum->normal += strands.normal;
-  sum->depth = PetscMax(sum->depth, strands.depth);
   sum->zones += StrandsZones(self->strands);
   for (int d = 0; d < 2; d++) {
     sum->tip[d] += force[points][d];
@@ -329,7 +329,6 @@ static PetscErrorCode LookAtStrands3(Touching self, PetscReal t, const Node *nod
   sum->loss += strands.loss;
   sum->strain += strands.strain;
   sum->normal += strands.normal;
-  sum->depth = PetscMax(sum->depth, strands.depth);
   sum->zones += strands.zones;
   for (int d = 0; d < 3; d++) {
     sum->tip[d] += force[points][d];
@@ -344,27 +343,43 @@ static PetscErrorCode LookAtStrands3(Touching self, PetscReal t, const Node *nod
   PetscFunctionReturn(0);
 }
 
+/* The last node that is not beyond a label. */
+static PetscInt NodeAt(const Mesh *mesh, PetscReal s) {
+  PetscInt low = 0, high = mesh->cells;
+
+  while (high > low) {
+    const PetscInt mid = (low + high + 1) / 2;
+    if (mesh->s[mid] <= s)
+      low = mid;
+    else
+      high = mid - 1;
+  }
+  return low;
+}
+
 /*
   TouchingLook - all that contact amounts to at one time. Not collective.
 
   nodes  cells + 1 nodes, all of the rod    moves  their rates are known
+  asks   if for powers alone, sum's gaps, depths and zones say nothing
   force  out, per length: at nodes and between them, 2 cells + 1, in the clamp's frame, in space
   with the couple about the tangent behind it; borrowed
 */
 PetscErrorCode TouchingLook(Touching self, PetscReal t, const Node *nodes, PetscBool moves,
-                            TouchSum *sum, const PetscReal (**force)[PUSH]) {
+                            TouchingAsks asks, TouchSum *sum, const PetscReal (**force)[PUSH]) {
   PetscFunctionBegin;
   PetscCall(SceneContactAt(self->scene, t));
   PetscCall(PetscMemzero(sum, sizeof(*sum)));
   self->feet = 0;
   PetscCall(PetscArrayzero(self->force, 2 * self->scene->mesh.cells + 1));
-  sum->nearest = PETSC_MAX_REAL;
+  sum->nearest = asks == TOUCHING_ALL ? PETSC_MAX_REAL : -PETSC_MAX_REAL;
   if (self->strands3) PetscCall(LookAtStrands3(self, t, nodes, moves, sum));
   if (self->scene->space.rod)
-    PetscCall(TouchingWalls3(self, self->scene, t, nodes, moves, self->force, sum));
+    PetscCall(TouchingWalls3(self, self->scene, t, nodes, moves, self->likely, self->force, sum));
   else if (self->scene->contact.walls.n)
     PetscCall(LookAtWalls(self, t, nodes, moves, sum));
   if (self->strands) PetscCall(LookAtStrands(self, t, nodes, moves, sum));
+  if (asks == TOUCHING_ALL) self->likely = NodeAt(&self->scene->mesh, sum->at[0]);
   *force = (const PetscReal(*)[PUSH])self->force;
   PetscFunctionReturn(0);
 }

@@ -15,7 +15,6 @@ typedef struct {
                                      and of a law that changes in time */
   PetscReal moved;                /* power of walls that move */
   PetscReal normal, wall[3];      /* sum of normal forces; force of the walls on the rod */
-  PetscReal depth;                /* deepest penetration, 0: none */
   PetscInt zones;
   PetscReal tip[PUSH]; /* force of contact on the tip */
   PetscReal clamp[3];  /* force of strands on the clamp of a rod that is fed in */
@@ -35,12 +34,17 @@ typedef struct _Touching *Touching;
 
 PetscErrorCode TouchingCreate(Scene scene, Touching *touching);
 PetscErrorCode TouchingDestroy(Touching *touching);
+/* What is asked of a look: all; or powers alone, of a state beside the one that was looked at last:
+   not what is nearest, how deep, and where. */
+typedef enum { TOUCHING_ALL, TOUCHING_POWERS } TouchingAsks;
+
 PetscErrorCode TouchingLook(Touching touching, PetscReal t, const Node *nodes, PetscBool moves,
-                            TouchSum *sum, const PetscReal (**force)[PUSH]);
+                            TouchingAsks asks, TouchSum *sum, const PetscReal (**force)[PUSH]);
 PetscInt TouchingFeet(Touching touching, const TouchFeet **feet);
 PetscErrorCode TouchingAdd(Touching touching, PetscInt cell, TouchFeet **feet);
 PetscErrorCode TouchingWalls3(Touching touching, Scene scene, PetscReal t, const Node *nodes,
-                              PetscBool moves, PetscReal (*force)[PUSH], TouchSum *sum);
+                              PetscBool moves, PetscInt likely, PetscReal (*force)[PUSH],
+                              TouchSum *sum);
 PetscErrorCode TouchingShow(Touching touching, PetscReal t, const Node *nodes);
 
 #endif

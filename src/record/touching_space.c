@@ -35,18 +35,19 @@ static void Nearest3(TouchSum *sum, PetscReal gap, PetscReal s, const PetscReal 
   sum->at[0] = s;
   sum->at[1] = -1;
   for (int d = 0; d < 3; d++) sum->x[d] = x[d];
-  sum->depth = PetscMax(sum->depth, -gap);
 }
 
-/* The walls on one point, and on the tip besides if it is that; do they touch it? */
-static PetscBool Walls3(const Contact *contact, const Spot3 *spot, PetscReal force[PUSH],
-                        TouchSum *sum) {
+/* The walls on one point, and on the tip besides if it is that; do they touch it? bound: what is
+   farther is not the nearest. */
+static PetscBool Walls3(const Contact *contact, const Spot3 *spot, PetscReal bound,
+                        PetscReal force[PUSH], TouchSum *sum) {
   const PetscReal rest[3] = {0};
   const Place3 *place = &spot->sample->at;
   const Rubbed at = {place->x, place->q, spot->moves ? place->W : rest,
                      spot->moves ? spot->sample->spin : 0};
-  PetscReal gap = ContactGap3(contact, place->x, PetscMax(contact->smooth, sum->nearest)),
-            on_tip[PUSH] = {0};
+  const PetscReal within = PetscMax(contact->smooth, PetscMin(sum->nearest, bound)),
+                  gap = ContactGap3(contact, place->x, within);
+  PetscReal on_tip[PUSH] = {0};
   Touch3 touch[MOST_TOUCHES3];
   PetscInt n = gap < contact->smooth ? ContactTouches3(contact, place->x, touch) : 0;
 
@@ -55,8 +56,8 @@ static PetscBool Walls3(const Contact *contact, const Spot3 *spot, PetscReal for
     if (spot->tip) AddWall3(contact, &touch[k], &at, contact->tip, contact->tip_t, on_tip, sum);
   }
   for (int d = 0; d < PUSH && spot->tip; d++) sum->tip[d] += contact->tip * on_tip[d];
-  Nearest3(sum, gap, spot->s, place->x);
-  return (PetscBool)(gap <= 0);
+  if (gap < within) Nearest3(sum, gap, spot->s, place->x);
+  return ContactBears(contact, gap);
 }
 
 /* A spot that stands for this much of s. */
@@ -143,7 +144,7 @@ static PetscErrorCode Feet(Touching self, Scene scene, PetscReal t, PetscInt i, 
     const Foot3 *foot = &feet.foot[k];
     AddFoot3(contact, &cell, &feet, k, sum);
     Nearest3(sum, feet.touch[k].gap, s[i] + foot->z * (s[i + 1] - s[i]), foot->x);
-    if (feet.touch[k].gap <= 0) *touches = PETSC_TRUE;
+    if (ContactBears(contact, feet.touch[k].gap)) *touches = PETSC_TRUE;
   }
   PetscFunctionReturn(0);
 }
@@ -153,16 +154,23 @@ static PetscErrorCode Feet(Touching self, Scene scene, PetscReal t, PetscInt i, 
 
   touching  takes what feet add to the points of their cells
   nodes  cells + 1 nodes, all of the rod    moves  their rates are known
+  likely a node which may be nearest to a wall: what is farther than it is looked at no longer
   force  added to, per length: at nodes and between them, 2 cells + 1
 */
 PetscErrorCode TouchingWalls3(Touching self, Scene scene, PetscReal t, const Node *nodes,
-                              PetscBool moves, PetscReal (*force)[PUSH], TouchSum *sum) {
-  const PetscReal *s = scene->mesh.s;
+                              PetscBool moves, PetscInt likely, PetscReal (*force)[PUSH],
+                              TouchSum *sum) {
+  const PetscReal round_off = 1e-9, *s = scene->mesh.s;
   const PetscInt cells = scene->mesh.cells;
   PetscBool before = PETSC_FALSE;
   Sample3 a, b, mid;
+  PetscReal bound = sum->nearest;
 
   PetscFunctionBegin;
+  if (bound > scene->contact.smooth) {
+    bound = ContactGap3(&scene->contact, nodes[likely].x3, bound);
+    if (bound < sum->nearest) bound += round_off * PetscAbsReal(bound);
+  }
   for (PetscInt i = 0; i <= cells; i++) {
     const PetscReal behind = i < cells ? s[i + 1] - s[i] : 0, ahead = i ? s[i] - s[i - 1] : 0;
     PetscBool touches;
@@ -172,14 +180,14 @@ PetscErrorCode TouchingWalls3(Touching self, Scene scene, PetscReal t, const Nod
     PetscCall(SampleFill3(scene, s[i], t, &b));
     spot = SpotOf(&b, s[i], (ahead + behind) / 6, moves);
     spot.tip = (PetscBool)(i == cells && scene->tip.type == TIP_FREE);
-    touches = Walls3(&scene->contact, &spot, force[2 * i], sum);
+    touches = Walls3(&scene->contact, &spot, bound, force[2 * i], sum);
     if (i) { /* the middle of the cell before it follows from both its ends */
       const PetscReal(*feet)[FOOT3_LOAD];
       PetscBool between, at_feet;
       PetscCall(Feet(self, scene, t, i - 1, moves, &a, &b, sum, &at_feet, &feet));
       PetscCall(SampleMid3(scene, s[i - 1], s[i], t, &a, &b, feet, &mid));
       spot = SpotOf(&mid, (s[i - 1] + s[i]) / 2, 4 * ahead / 6, moves);
-      between = Walls3(&scene->contact, &spot, force[2 * i - 1], sum);
+      between = Walls3(&scene->contact, &spot, bound, force[2 * i - 1], sum);
       between = (PetscBool)(between || at_feet);
       sum->zones += between && !before;
       before = between;

@@ -12,7 +12,6 @@
    elsewhere. */
 #include "rod/frame.h"
 #include <string.h>
-#include <petsc/private/petscimpl.h> /* PetscObjectStateGet() */
 
 static const OptionRow rows[] = {
     ROW_WORD("-rod_order", "4", "2,4", 0, "order in space of the models frame and space")};
@@ -175,23 +174,6 @@ static void AddFeet(Cell *cell, PetscInt i) {
   mid->f[M] = -cell->law[1].g * (mid->at.q[0] * mid->n[1] - mid->at.q[1] * mid->n[0]);
 }
 
-/* Is this state the one that the points are of? From now on they are. */
-static PetscErrorCode Recognise(Frame *frame, const RodState *at, PetscBool *known) {
-  FrameState now = {.t = at->t};
-
-  PetscFunctionBegin;
-  PetscCall(PetscObjectGetId((PetscObject)at->U, &now.id[0]));
-  PetscCall(PetscObjectGetId((PetscObject)at->U_t, &now.id[1]));
-  PetscCall(PetscObjectStateGet((PetscObject)at->U, &now.state[0]));
-  PetscCall(PetscObjectStateGet((PetscObject)at->U_t, &now.state[1]));
-  *known = (PetscBool)(now.t == frame->seen.t);
-  for (int k = 0; k < 2; k++)
-    if (now.id[k] != frame->seen.id[k] || now.state[k] != frame->seen.state[k])
-      *known = PETSC_FALSE;
-  frame->seen = now;
-  PetscFunctionReturn(0);
-}
-
 /* The rates at node i, or their shifts: a place that is held at rest has none. */
 static const PetscReal *Still(const Cell *cell, PetscInt i, const PetscReal *rates,
                               PetscReal still[FIELDS]) {
@@ -232,7 +214,7 @@ static PetscErrorCode CellsOpen(Rod rod, const RodState *at, PetscBool from_tip,
   PetscCall(RodOpen(rod, at->U, &cell->local[0], &cell->u));
   PetscCall(RodOpen(rod, at->U_t, &cell->local[1], &cell->u_t));
   if (frame->strands) PetscCall(FrameStrandsLoad(rod, at, &cell->push));
-  PetscCall(Recognise(frame, at, &cell->known));
+  PetscCall(RodRecognise(at, &frame->seen, &cell->known));
   if (from_tip)
     cell->a = CellsNode(cell, rod->last);
   else

@@ -19,19 +19,12 @@ typedef struct _Point {
   Place at;
 } Point;
 
-/* Tells one state of the unknowns and their rates from another. */
-typedef struct {
-  PetscReal t;
-  PetscObjectId id[2];
-  PetscObjectState state[2];
-} FrameState;
-
 typedef struct {
   PetscReal end_weight, mid_weight, bow; /* times h: 1/6, 4/6, 1/8 (order 4); 0, 1, 0 (order 2) */
   PetscReal time;                        /* of the laws below */
   Law *law;                              /* nodes and mids from node first - 1 on, alternating */
   Point *point;                          /* likewise, in the state seen */
-  FrameState seen;
+  RodSeen seen;
   LoadDual *dual; /* likewise, duals of them at each */
   PetscInt duals;
   FootLoad *feet;               /* of each cell, from that before node first on; NULL: no posts */

@@ -29,22 +29,42 @@ static void PointOnCubic(const Load *load, const Law *law_a, const Law *law, con
   PointEvaluate(load, law, dual, p);
 }
 
+/* f at the points of two cells, contact with the part of its pressure that counts. */
+static void Values(const Frame *frame, const Load *load, PetscInt k, PetscReal part,
+                   PetscReal value[FIELDS][PLACES]) {
+  for (int j = 0; j < PLACES; j++) {
+    const Point *p = frame->point + k + j;
+    PetscReal bare[2];
+
+    for (int f = 0; f < FIELDS; f++) value[f][j] = p->f[f];
+    if (part == 1) continue;
+    LoadForce(load, &p->at, FrameDuals(frame, k + j), bare);
+    for (int d = 0; d < 2; d++)
+      value[N1 + d][j] += (1 - part) * (frame->law[k + j].g * bare[d] - p->f[N1 + d]);
+  }
+}
+
 /* Of the two cells of order 4 beside the node between them, whose first point is p[0]. */
-static void PairDefect(const Frame *frame, const Load *load, PetscInt k, const PetscReal s[3],
-                       const PetscReal turn[3], PetscReal defect[MAX_FIELDS]) {
+static void PairDefect(const Frame *frame, const Contact *contact, const Load *load, PetscInt k,
+                       const PetscReal s[3], const PetscReal turn[3],
+                       PetscReal defect[MAX_FIELDS]) {
   const PetscReal h1 = s[1] - s[0], h2 = s[2] - s[1], h = h1 + h2;
   const Point *p = frame->point + k;
   const Law *law = frame->law + k;
-  PetscReal weight[PLACES];
+  const PetscReal part = PairSees(contact, law[2].g * h / 2);
+  PetscReal weight[PLACES], value[FIELDS][PLACES];
+  Load bare = *load;
   Point cubic;
 
+  if (part < 1) bare.walls = NULL;
   PairWeights(h1, h2, weight);
-  PointOnCubic(load, law, law + 2, law + 4, FrameDuals(frame, k + 2), h1 / h, h, p, p + 4, turn[0],
+  PointOnCubic(&bare, law, law + 2, law + 4, FrameDuals(frame, k + 2), h1 / h, h, p, p + 4, turn[0],
                turn[2], p + 2, &cubic);
+  Values(frame, &bare, k, part, value);
   for (int f = 0; f < FIELDS; f++) {
-    const PetscReal value[PLACES] = {p[0].f[f], p[1].f[f], p[2].f[f], p[3].f[f], p[4].f[f]};
-    defect[f] = PairRule(h1, h2, weight, value);
-    if (f < N1 || !frame->strands) defect[f] += PairCubic(h1, h2, value[2], cubic.f[f]);
+    defect[f] = PairRule(h1, h2, weight, value[f]);
+    if (f < N1 || (!frame->strands && part == 1))
+      defect[f] += PairCubic(h1, h2, value[f][2], cubic.f[f]);
   }
 }
 
@@ -85,7 +105,8 @@ PetscErrorCode FrameDefect(Rod rod, const RodState *at, PetscReal (*defect)[MAX_
       CellDefect(frame, &rod->scene->load, k, s + i - 1, turn, defect[i - rod->first]);
     else if (i % 2) {
       turn[2] = rate[i + 1][TH];
-      PairDefect(frame, &rod->scene->load, k, s + i - 1, turn, defect[i - rod->first]);
+      PairDefect(frame, &rod->scene->contact, &rod->scene->load, k, s + i - 1, turn,
+                 defect[i - rod->first]);
     }
   }
   PetscCall(RodClose(rod, &local, &rate));

@@ -6,6 +6,8 @@
 struct FrameStrands {
   Strands strands;
   Coupled coupled;
+  RodSeen seen;       /* the state of the latest load, */
+  PetscBool searched; /* ... that was searched for pairs */
 };
 
 /* FrameStrandsCreate - what a rod of the frame model needs to touch itself: its strands, all nodes
@@ -15,6 +17,7 @@ PetscErrorCode FrameStrandsCreate(Rod rod, struct FrameStrands **strands) {
   PetscCall(PetscNew(strands));
   PetscCall(StrandsCreate(rod->scene, &(*strands)->strands));
   PetscCall(CoupledCreate(rod, &(*strands)->coupled));
+  (*strands)->seen.t = PETSC_MIN_REAL;
   PetscFunctionReturn(0);
 }
 
@@ -38,15 +41,21 @@ static PetscErrorCode OpenState(struct FrameStrands *self, const RodState *at, S
 }
 
 /* FrameStrandsLoad - the forces of contact in a state, as StrandsForces() has them. Pairs are
-   looked for once a Newton solve. Collective. */
+   looked for once a Newton solve: a Jacobian follows on the residual of the same state. Collective.
+ */
 PetscErrorCode FrameStrandsLoad(Rod rod, const RodState *at, const PetscReal (**force)[2]) {
   struct FrameStrands *self = ((Frame *)rod->data)->strands;
   StrandState state;
+  PetscBool known;
 
   PetscFunctionBegin;
+  PetscCall(RodRecognise(at, &self->seen, &known));
   PetscCall(OpenState(self, at, &state));
-  if (at->fresh) PetscCall(StrandsSearch(self->strands, &state));
-  PetscCall(StrandsLoad(self->strands, &state));
+  if (!known || (at->fresh && !self->searched)) {
+    if (at->fresh) PetscCall(StrandsSearch(self->strands, &state));
+    PetscCall(StrandsLoad(self->strands, &state));
+    self->searched = at->fresh;
+  }
   PetscCall(CoupledClose(self->coupled, at->U, at->U_t));
   *force = StrandsForces(self->strands);
   PetscFunctionReturn(0);
@@ -54,8 +63,11 @@ PetscErrorCode FrameStrandsLoad(Rod rod, const RodState *at, const PetscReal (**
 
 /* FrameStrandsHold - see StrandsHold(); in the state of the latest load. */
 PetscErrorCode FrameStrandsHold(Rod rod, PetscReal seen, PetscReal *creep) {
+  struct FrameStrands *self = ((Frame *)rod->data)->strands;
+
   PetscFunctionBegin;
-  PetscCall(StrandsHold(((Frame *)rod->data)->strands->strands, seen, creep));
+  PetscCall(StrandsHold(self->strands, seen, creep));
+  self->seen.t = PETSC_MIN_REAL; /* its forces are others now */
   PetscFunctionReturn(0);
 }
 
@@ -82,11 +94,13 @@ PetscReal *FrameStrandsRemembered(Rod rod, PetscInt i, PetscInt k) {
    Collective. */
 PetscErrorCode FrameStrandsRecalled(Rod rod) {
   const PetscInt reals = sizeof(FrictionDual) / sizeof(PetscReal);
+  struct FrameStrands *self = ((Frame *)rod->data)->strands;
   FrictionDual *duals;
-  PetscInt n = StrandsDuals(((Frame *)rod->data)->strands->strands, &duals);
+  PetscInt n = StrandsDuals(self->strands, &duals);
   PetscMPIInt count;
 
   PetscFunctionBegin;
+  self->seen.t = PETSC_MIN_REAL;
   for (PetscInt k = 0; k < n; k++) {
     PetscInt node = k / (2 * SIDES);
     if (node < rod->first || node >= rod->end) PetscCall(PetscMemzero(&duals[k], sizeof(*duals)));

@@ -1,6 +1,7 @@
 #include "rod/rod.h"
 #include "base/lagrange.h"
 #include "rod/directors.h"
+#include <petsc/private/petscimpl.h> /* PetscObjectStateGet() */
 
 /*
   RodCreate - a rod of one model in a scene, which must outlive it. Collective; the caller destroys
@@ -90,6 +91,22 @@ PetscErrorCode RodClose(Rod rod, Vec *local, void *array) {
     *local = NULL;
   else
     PetscCall(DMRestoreLocalVector(rod->da, local));
+  PetscFunctionReturn(0);
+}
+
+/* RodRecognise - is this state the one that was seen last? From now on it is. */
+PetscErrorCode RodRecognise(const RodState *at, RodSeen *seen, PetscBool *known) {
+  RodSeen now = {.t = at->t};
+
+  PetscFunctionBegin;
+  PetscCall(PetscObjectGetId((PetscObject)at->U, &now.id[0]));
+  PetscCall(PetscObjectGetId((PetscObject)at->U_t, &now.id[1]));
+  PetscCall(PetscObjectStateGet((PetscObject)at->U, &now.state[0]));
+  PetscCall(PetscObjectStateGet((PetscObject)at->U_t, &now.state[1]));
+  *known = (PetscBool)(now.t == seen->t);
+  for (int k = 0; k < 2; k++)
+    if (now.id[k] != seen->id[k] || now.state[k] != seen->state[k]) *known = PETSC_FALSE;
+  *seen = now;
   PetscFunctionReturn(0);
 }
 

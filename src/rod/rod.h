@@ -76,6 +76,13 @@ typedef struct {
   PetscBool counts;   /* modes are to be counted in it: symmetric if it can */
 } RodState;
 
+/* Tells one state of the unknowns and their rates from another. */
+typedef struct {
+  PetscReal t;
+  PetscObjectId id[2];
+  PetscObjectState state[2];
+} RodSeen;
+
 /* What the world does to a rod, in the clamp's frame. */
 typedef struct {
   PetscReal friction[3], walls[3]; /* forces of the friction along it, and of walls, tip included */
@@ -175,6 +182,7 @@ PetscErrorCode RodHoldTip(Rod rod);
 const char *RodRefusesSpace(Scene scene);
 PetscErrorCode RodOpen(Rod rod, Vec v, Vec *local, void *array);
 PetscErrorCode RodClose(Rod rod, Vec *local, void *array);
+PetscErrorCode RodRecognise(const RodState *at, RodSeen *seen, PetscBool *known);
 PetscErrorCode RodSumAlong(Rod rod, PetscInt n, PetscReal value[]);
 PetscErrorCode RodFieldSizes(Rod rod, Vec U, PetscReal size[MAX_FIELDS]);
 PetscErrorCode RodAxes(Rod rod, Vec U, const PetscReal size[MAX_FIELDS], PetscReal axes[2]);

@@ -309,6 +309,19 @@ static void TwistAcross(const Rod rod, PetscReal part, PetscReal scale[]) {
   }
 }
 
+/* A roll moves the surface of a rod that can touch by half of its diameter times the angle, and is
+   measured by that against how far the rod reaches, as places are: never finer than an angle of 1,
+   for it turns what is bent by nature, too. (p1 is the sine of half of it.) */
+static void RollByItsArm(const Rod rod, const PetscReal size[], PetscReal scale[]) {
+  const Contact *contact = &rod->scene->contact;
+  const PetscReal reach = Reach(rod->model, size);
+
+  if (!contact->any) return;
+  for (PetscInt f = 0; f < rod->model->fields; f++)
+    if (rod->model->followed[f] && rod->model->group[f] == TWIST)
+      scale[f] = PetscMax(scale[f], reach < contact->diameter ? reach / contact->diameter : 1);
+}
+
 /*
   RodFieldScales - what a change of each field is measured against: its size, but for fields that
   are made of products of others, and may be no more than what these leave of round-off; and for
@@ -345,5 +358,6 @@ PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal axes[2], PetscReal scale
   LeaveBlur(rod, axes, size, scale);
   TwistAcross(rod, part, scale);
   if (rod->model->scale) rod->model->scale(scale);
+  RollByItsArm(rod, size, scale);
   PetscFunctionReturn(0);
 }

@@ -16,6 +16,7 @@
    rate of p there is the mean of both ends'. Where the couple of friction jumps within a cell it
    has that of its ends (space_cells.c). The rows of node i are the x and p equations of the cell on
    its left, the m and n equations of the cell on its right. */
+#include "base/clones.h"
 #include "base/lagrange.h"
 #include "base/vectors.h"
 #include "rod/space_cells.h"
@@ -118,7 +119,7 @@ static void ClampBlock(Scene scene, PetscReal t, const PetscReal u[FIELDS],
      K = p/2 (0, w),   w_k = (h g)^2/S_k d_k.(d1 x w),   w that of the feet, p and d in the middle,
 */
 static void Kink(const Cell *cell, PetscReal K[4]) {
-  const Point *p = &cell->mid;
+  const Point *p = cell->mid;
   const PetscReal *w = cell->foot_load[FOOT_KINK], f = PetscSqr(cell->h * cell->law[1].g),
                   turn[3] = {0, -f * cell->law[1].flex[1] * Dot3(w, p->d[2]),
                              f * cell->law[1].flex[2] * Dot3(w, p->d[1])};
@@ -129,7 +130,7 @@ static void Kink(const Cell *cell, PetscReal K[4]) {
 
 /* ... and its derivatives by p and w. */
 static void KinkSlope(const Cell *cell, PetscReal by_p[4][4], PetscReal by_w[4][3]) {
-  const Point *p = &cell->mid;
+  const Point *p = cell->mid;
   const PetscReal *w = cell->foot_load[FOOT_KINK], f = PetscSqr(cell->h * cell->law[1].g);
   PetscReal D[3][4];
 
@@ -184,15 +185,15 @@ static PetscErrorCode SpaceResidual(Rod rod, const RodState *at, Vec F) {
     SpaceCellsNext(&cell, i);
     for (int f = 0; f < FIELDS; f++)
       r[f] = cell.u[i + 1][f] - cell.u[i][f] -
-             cell.h * (self->end_weight * (cell.a.f[f] + cell.b.f[f]) +
-                       self->mid_weight * cell.mid.f[f]);
+             cell.h * (self->end_weight * (cell.a->f[f] + cell.b->f[f]) +
+                       self->mid_weight * cell.mid->f[f]);
     if (cell.feet.n) AddFeet(&cell, r);
     if (i >= rod->first) PetscCall(PetscArraycpy(&F_[i][LEFT], &r[LEFT], RIGHT));
     if (i + 1 < rod->end) PetscCall(PetscArraycpy(F_[i + 1], r, LEFT));
   }
   if (rod->first == 0) ClampResidual(scene, at->t, cell.u[0], F_[0]);
   if (rod->end == rod->last + 1) {
-    TipState3 tip = TipOf(cell.load, &cell.b);
+    TipState3 tip = TipOf(cell.load, cell.b);
     TipResidual3(&scene->tip, &tip, TipDual(rod), &F_[rod->last][LEFT]);
     for (int d = 0; d < 3 && cell.push && scene->tip.type == TIP_FREE; d++) {
       F_[rod->last][N + d] -= cell.push[2 * rod->last + 1][d];
@@ -207,7 +208,7 @@ static PetscErrorCode SpaceResidual(Rod rod, const RodState *at, Vec F) {
 /* ---- derivatives ---- */
 
 /* C += s A B, of sizes known when compiled. */
-static inline void AddProduct(int rows, int inner, int columns, PetscReal s,
+ALWAYS_INLINE void AddProduct(int rows, int inner, int columns, PetscReal s,
                               const PetscReal *restrict A, int lda, const PetscReal *restrict B,
                               int ldb, PetscReal *restrict C, int ldc) {
   for (int i = 0; i < rows; i++)
@@ -219,8 +220,8 @@ static inline void AddProduct(int rows, int inner, int columns, PetscReal s,
 
 /* The derivatives at a point, its load's brought up to the present state first. By v and spin they
    are not part of f: see AddVelocity(). */
-static void Linearise(const Cell *cell, const Law *law, const Point *p, FrictionDual4 *dual,
-                      Slope *slope) {
+WIDE_VECTORS static void Linearise(const Cell *cell, const Law *law, const Point *p,
+                                   FrictionDual4 *dual, Slope *slope) {
   const Load *load = cell->load;
   const PetscReal g = law->g, *q = p->d[0], *u = p->u, *n = p->n;
   PetscReal(*f)[FIELDS] = slope->f, D[3][4];
@@ -457,9 +458,10 @@ static void AddKinkSlope(const Cell *cell, int e, FootSlope3 by, PetscReal G[FIE
 /* J, the derivative of the cell's equations by the unknowns of one of its nodes: sign -1 for node
    a, 1 for node b. With G = dy_mid/dy = I/2 + k df/dy, J = sign I - we df/dy - wm (df_mid/dy_mid G
    + df_mid/dW dW_mid/dy). feet: what those of the cell change; NULL: it has none. */
-static void CellJacobian(const Cell *cell, PetscReal sign, const PetscReal shift[], const Law *law,
-                         const Point *p, const FrictionDual4 *dual, const Slope *slope,
-                         const Slope *mid, FootSlope3 feet, PetscReal J[FIELDS][FIELDS]) {
+WIDE_VECTORS static void CellJacobian(const Cell *cell, PetscReal sign, const PetscReal shift[],
+                                      const Law *law, const Point *p, const FrictionDual4 *dual,
+                                      const Slope *slope, const Slope *mid, FootSlope3 feet,
+                                      PetscReal J[FIELDS][FIELDS]) {
   const Space_ *self = (const Space_ *)cell->rod->data;
   const Load *load = cell->load;
   const PetscReal k = -sign * self->bow * cell->h, we = cell->h * self->end_weight,
@@ -488,7 +490,7 @@ static void CellJacobian(const Cell *cell, PetscReal sign, const PetscReal shift
     FeetSlope(cell, sign > 0, feet, G, J);
     AddKinkSlope(cell, sign > 0, feet, G, J);
   }
-  RateSlope(load, &cell->mid, 0.5, shift, dW);
+  RateSlope(load, cell->mid, 0.5, shift, dW);
   if (k != 0) {
     VelocitySlopeSlope(law, p, slope, shift, by_p);
     for (int i = 0; i < 3; i++)
@@ -499,7 +501,7 @@ static void CellJacobian(const Cell *cell, PetscReal sign, const PetscReal shift
     if (cell->cubic)
       SlideSlope(load, &cell->law[1], mid, turn);
     else
-      TurnSlope(load, &cell->law[1], &cell->mid, mid, turn);
+      TurnSlope(load, &cell->law[1], cell->mid, mid, turn);
     AddProduct(RUBS, 7, FIELDS, 1, turn[0] + P, FIELDS, G[P], FIELDS, dW[0], FIELDS);
   }
   /* rows of x and p by p and m; of m by p and n; of n by x and p: what is 0 is left out */
@@ -518,7 +520,7 @@ static void CellJacobian(const Cell *cell, PetscReal sign, const PetscReal shift
     if (load->arm > 0) {
       PetscReal couple[3][RUBS];
       for (int i = 0; i < 3; i++)
-        for (int c = 0; c < RUBS; c++) couple[i][c] = cell->mid.d[0][i] * mid->load.W[SPIN][c];
+        for (int c = 0; c < RUBS; c++) couple[i][c] = cell->mid->d[0][i] * mid->load.W[SPIN][c];
       AddProduct(3, 1, FIELDS, -wm * cell->law[1].g, mid->load.W[0] + SPIN, RUBS, dW[SPIN], FIELDS,
                  J[N], FIELDS);
       if (!cell->split)
@@ -550,35 +552,35 @@ static void CellBlocks(Cell *cell, PetscInt i, PetscBool first, const PetscReal 
   FootSlope3 feet;
 
   if (first)
-    NodeSlope(cell, cell->law, &cell->a, cell->dual[0], shift, &slopes->a);
+    NodeSlope(cell, cell->law, cell->a, cell->dual[0], shift, &slopes->a);
   else
     slopes->a = slopes->b;
-  NodeSlope(cell, cell->law + 2, &cell->b, cell->dual[2], own, &slopes->b);
-  Linearise(cell, cell->law + 1, &cell->mid, cell->dual[1], &slopes->mid);
+  NodeSlope(cell, cell->law + 2, cell->b, cell->dual[2], own, &slopes->b);
+  Linearise(cell, cell->law + 1, cell->mid, cell->dual[1], &slopes->mid);
   if (cell->load->arm > 0 && !cell->split)
-    AddCouple(cell->load, cell->law + 1, &cell->mid, cell->dual[1], &slopes->mid);
+    AddCouple(cell->load, cell->law + 1, cell->mid, cell->dual[1], &slopes->mid);
   if (cell->feet.n) {
     FootEnd3 end[2];
     memset(feet, 0, sizeof(feet));
-    FootEnd(cell, cell->law, &cell->a, shift, &slopes->a, &end[0]);
-    FootEnd(cell, cell->law + 2, &cell->b, own, &slopes->b, &end[1]);
+    FootEnd(cell, cell->law, cell->a, shift, &slopes->a, &end[0]);
+    FootEnd(cell, cell->law + 2, cell->b, own, &slopes->b, &end[1]);
     FeetLinearise3(&cell->rod->scene->contact, &cell->foot_cell, end, cell->fresh,
                    FootDuals(cell, i), &cell->feet, feet);
   }
-  CellJacobian(cell, -1, shift, cell->law, &cell->a, cell->dual[0], &slopes->a, &slopes->mid,
+  CellJacobian(cell, -1, shift, cell->law, cell->a, cell->dual[0], &slopes->a, &slopes->mid,
                cell->feet.n ? feet : NULL, left);
-  CellJacobian(cell, 1, own, cell->law + 2, &cell->b, cell->dual[2], &slopes->b, &slopes->mid,
+  CellJacobian(cell, 1, own, cell->law + 2, cell->b, cell->dual[2], &slopes->b, &slopes->mid,
                cell->feet.n ? feet : NULL, right);
 }
 
 static void TipBlock(const Cell *cell, const Slope *slope, const PetscReal shift[],
                      PetscReal by[RIGHT][FIELDS]) {
   Rod rod = cell->rod;
-  TipState3 tip = TipOf(cell->load, &cell->b);
+  TipState3 tip = TipOf(cell->load, cell->b);
   PetscReal dW[RUBS][FIELDS] = {{0}}, still[FIELDS];
 
-  RateSlope(cell->load, &cell->b, 1, ShiftsAt(cell, rod->last, shift, still), dW);
-  TurnSlope(cell->load, cell->law + 2, &cell->b, slope, dW);
+  RateSlope(cell->load, cell->b, 1, ShiftsAt(cell, rod->last, shift, still), dW);
+  TurnSlope(cell->load, cell->law + 2, cell->b, slope, dW);
   TipJacobian3(&rod->scene->tip, &tip, (const PetscReal(*)[FIELDS])dW, cell->fresh, TipDual(rod),
                by);
 }
@@ -591,7 +593,7 @@ static void KeepBehind(const Cell *cell, const Slope *mid, SpaceCell *behind) {
                         .mid_weight = cell->h * self->mid_weight,
                         .bow = cell->h * self->bow,
                         .g = cell->law[1].g};
-  memcpy(behind->q, cell->mid.d[0], sizeof(behind->q));
+  memcpy(behind->q, cell->mid->d[0], sizeof(behind->q));
   for (int i = 0; i < 4; i++) memcpy(behind->p_m[i], &mid->f[P + i][M], sizeof(behind->p_m[i]));
 }
 
@@ -705,19 +707,19 @@ static PetscErrorCode SpaceEliminate(Rod rod, const RodState *at, Elimination el
   PetscFunctionBegin;
   PetscCall(SpaceCellsOpen(rod, at, &cell));
   WideBegin(line);
-  if (gives_way && rod->first == 0) PetscCall(BeginSprings(rod, at->t, &cell.b, gives));
+  if (gives_way && rod->first == 0) PetscCall(BeginSprings(rod, at->t, cell.b, gives));
   if (gives_way && !keeps) WideSpring(line, (const PetscReal(*)[RIGHT])gives);
   for (PetscInt i = begin; i < PetscMin(rod->end, rod->last); i++) {
     SpaceCellsNext(&cell, i);
     if (i >= rod->first) WideBlocks(line, &left, &right);
     CellBlocks(&cell, i, (PetscBool)(i == begin), at->shift, &slopes, left, right);
     if (i < rod->first) continue;
-    Arms(&cell.a, &arms);
+    Arms(cell.a, &arms);
     WideArm(line, &arms);
     (keeps ? WideKeep : WideCell)(line);
   }
   if (ends) {
-    Arms(&cell.b, &arms);
+    Arms(cell.b, &arms);
     TipBlock(&cell, &slopes.b, at->shift, by);
   }
   if (ends && !keeps) {
@@ -737,7 +739,7 @@ static PetscErrorCode SpaceEliminate(Rod rod, const RodState *at, Elimination el
    last one. */
 static void AddForces(const Cell *cell, RodForces *end, RodForces *sum) {
   const Space_ *self = (const Space_ *)cell->rod->data;
-  const Point *at[3] = {NULL, &cell->mid, &cell->b};
+  const Point *at[3] = {NULL, cell->mid, cell->b};
   const PetscReal weight[3] = {self->end_weight, self->mid_weight, self->end_weight};
 
   for (int k = 0; k < 3; k++) {
@@ -761,14 +763,14 @@ static void AddForces(const Cell *cell, RodForces *end, RodForces *sum) {
 /* Adds what the tip bears. */
 static void AddTip(const Cell *cell, RodForces *sum) {
   Rod rod = cell->rod;
-  const TipState3 tip = TipOf(cell->load, &cell->b);
+  const TipState3 tip = TipOf(cell->load, cell->b);
   const PetscInt last = 2 * rod->last + 1;
 
   sum->moved += TipWalls3(&rod->scene->tip, &tip, TipDual(rod), sum->tip);
   for (int d = 0; d < 3; d++) sum->walls[d] += sum->tip[d];
   for (int d = 0; d < 3 && cell->push && rod->scene->tip.type == TIP_FREE; d++) {
     sum->tip[d] += cell->push[last][d];
-    if (cell->couple) sum->tip[SPIN] += cell->couple[last][d] * cell->b.d[0][d];
+    if (cell->couple) sum->tip[SPIN] += cell->couple[last][d] * cell->b->d[0][d];
   }
 }
 
@@ -783,7 +785,7 @@ static PetscErrorCode SpaceBears(Rod rod, const RodState *at, RodForces *sum) {
     SpaceCellsNext(&cell, i);
     if (i < rod->first) continue;
     if (i == rod->first)
-      LoadParts3(cell.load, &cell.a.at, cell.dual[0], end.friction, end.walls, &end.moved);
+      LoadParts3(cell.load, &cell.a->at, cell.dual[0], end.friction, end.walls, &end.moved);
     AddForces(&cell, &end, sum);
   }
   if (rod->end == rod->last + 1) AddTip(&cell, sum);
@@ -808,18 +810,19 @@ static PetscErrorCode SpaceHold(Rod rod, const RodState *at, PetscReal seen, Pet
   for (PetscInt i = first; i < PetscMin(rod->end, rod->last); i++) {
     SpaceCellsNext(&cell, i);
     if (i == first && ends && (i > 0 || cell.law->c != 0 || rod->scene->clamp == CLAMP_FREE))
-      *creep = LargerOf(*creep, LoadHold3(cell.load, &cell.a.at, seen, cell.dual[0]));
-    *creep = LargerOf(*creep, LoadHold3(cell.load, &cell.mid.at, seen, cell.dual[1]));
-    if (ends) *creep = LargerOf(*creep, LoadHold3(cell.load, &cell.b.at, seen, cell.dual[2]));
+      *creep = LargerOf(*creep, LoadHold3(cell.load, &cell.a->at, seen, cell.dual[0]));
+    *creep = LargerOf(*creep, LoadHold3(cell.load, &cell.mid->at, seen, cell.dual[1]));
+    if (ends) *creep = LargerOf(*creep, LoadHold3(cell.load, &cell.b->at, seen, cell.dual[2]));
     if (cell.feet.n && self->foot_dual)
       *creep =
           LargerOf(*creep, FeetHold3(&rod->scene->contact, &cell.feet, seen, FootDuals(&cell, i)));
   }
   if (rod->end == rod->last + 1) {
-    TipState3 tip = TipOf(cell.load, &cell.b);
+    TipState3 tip = TipOf(cell.load, cell.b);
     *creep = LargerOf(*creep, TipHold3(&rod->scene->tip, &tip, seen, TipDual(rod)));
   }
   PetscCall(SpaceCellsClose(&cell));
+  SpaceCellsForget(self);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, creep, 1, MPIU_REAL, MPI_MAX, rod->scene->comm));
   PetscFunctionReturn(0);
 }
@@ -871,6 +874,7 @@ static PetscErrorCode SpaceRecall(Rod rod, Vec memory) {
       *Remembered(rod, i, k) = m[(i - from) * rod->memory + k];
   PetscCall(VecRestoreArrayRead(local, &m));
   PetscCall(DMRestoreLocalVector(da, &local));
+  SpaceCellsForget((Space_ *)rod->data);
   PetscFunctionReturn(0);
 }
 
@@ -1157,14 +1161,13 @@ static const char *SpaceRefuses(Scene scene) {
 }
 
 /* Does the couple of friction jump within cells where the rod stops turning? Not if beta is such
-   that it changes along many, nor if growth moves the rod all along. (That of a snap's fast time is
-   no scene's.) */
+   that it changes along many, nor if growth moves the rod all along. */
 static PetscBool Kinks(Scene scene) {
   const PetscReal nearly_exact = 1e-6;
   const Load *load = &scene->load;
 
   return (PetscBool)(load->radius > 0 && scene->growth->still &&
-                     (load->limit || (load->friction.beta < nearly_exact && !load->stopped)));
+                     (load->limit || load->friction.beta < nearly_exact));
 }
 
 static PetscErrorCode SpaceCreate(Rod rod) {
@@ -1182,7 +1185,9 @@ static PetscErrorCode SpaceCreate(Rod rod) {
   self->time = PETSC_MIN_REAL;
   rod->memory = RememberedOf(&rod->scene->load);
   self->duals = rod->scene->load.duals3;
-  PetscCall(PetscCalloc2(points, &self->law, points * self->duals, &self->dual));
+  SpaceCellsForget(self);
+  PetscCall(
+      PetscCalloc3(points, &self->law, points * self->duals, &self->dual, points, &self->point));
   if (ContactWallsRub(&rod->scene->contact) && ContactHasRidges(&rod->scene->contact)) {
     PetscCall(PetscCalloc1(points / 2 * WALL_SLOTS, &self->foot_dual));
     rod->memory += OF_DUAL * WALL_SLOTS;
@@ -1200,7 +1205,7 @@ static PetscErrorCode SpaceDestroy(Rod rod) {
   Space_ *self = (Space_ *)rod->data;
 
   PetscFunctionBegin;
-  PetscCall(PetscFree2(self->law, self->dual));
+  PetscCall(PetscFree3(self->law, self->dual, self->point));
   PetscCall(PetscFree(self->foot_dual));
   PetscCall(SpaceStrandsDestroy(&self->strands));
   PetscCall(PetscFree(self->split));

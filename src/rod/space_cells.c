@@ -22,8 +22,8 @@ static void PointAtNode(const Cell *cell, const Law *law, const FrictionDual4 *d
 /* The point in the middle of the cell; k = bow h. */
 static void PointAtMid(Cell *cell, PetscReal k, const PetscReal *ua_t, const PetscReal *ub_t) {
   const Load *load = cell->load;
-  const Point *a = &cell->a, *b = &cell->b;
-  Point *p = &cell->mid;
+  const Point *a = cell->a, *b = cell->b;
+  Point *p = cell->mid;
   PetscReal wa[3], wb[3];
 
   VelocitySlope(&cell->law[0], a, wa);
@@ -98,7 +98,7 @@ static inline void AddPush(const Cell *cell, PetscInt i, int half, Point *p) {
 /* The cell that is looked at, for its feet. */
 static void FeetsCell(Cell *cell, PetscInt i) {
   const Space_ *self = (const Space_ *)cell->rod->data;
-  const Point *end[2] = {&cell->a, &cell->b};
+  const Point *end[2] = {cell->a, cell->b};
   const PetscReal arm = cell->load->arm;
   FootCell3 *of = &cell->foot_cell;
 
@@ -133,14 +133,38 @@ static void FindFeet(Cell *cell, PetscInt i) {
   FeetHandOut3(&cell->foot_cell, &cell->feet, cell->foot_load);
 }
 
-static void NodePoint(Cell *cell, PetscInt i, Point *p) {
+/* The point at node i. */
+static Point *NodePoint(Cell *cell, PetscInt i) {
   Space_ *self = (Space_ *)cell->rod->data;
   PetscInt k = 2 * (i - cell->rod->first + 1);
+  Point *p = self->point + k;
   PetscReal still[FIELDS];
 
+  if (cell->known) return p;
   PointAtNode(cell, self->law + k, Duals(self, k), cell->u[i],
               SpaceStill(cell, i, cell->u_t[i], still), p);
   AddPush(cell, i, 0, p);
+  return p;
+}
+
+/* SpaceCellsForget - forgets the points: what they depend on besides the state has changed, the
+   shifts of the duals. */
+void SpaceCellsForget(Space_ *self) {
+  self->seen.t = PETSC_MIN_REAL;
+}
+
+/* Are the points known in a state? What kinds of cells there are, and which strands touch, depends
+   on what it is asked for; feet are not kept. */
+static PetscErrorCode Recognise(Space_ *self, const RodState *at, Cell *cell) {
+  PetscFunctionBegin;
+  PetscCall(RodRecognise(at, &self->seen, &cell->known));
+  if (cell->thin || at->counts != self->counts) cell->known = PETSC_FALSE;
+  if ((at->fresh || at->iterates) && (at->fresh != self->fresh || at->iterates != self->iterates))
+    cell->known = PETSC_FALSE;
+  self->fresh = at->fresh;
+  self->iterates = at->iterates;
+  self->counts = at->counts;
+  PetscFunctionReturn(0);
 }
 
 /* SpaceCellsOpen - begins a walk at the first of the cells that touch owned nodes. Collective. */
@@ -166,7 +190,8 @@ PetscErrorCode SpaceCellsOpen(Rod rod, const RodState *at, Cell *cell) {
   cell->s = rod->scene->mesh.s;
   PetscCall(RodOpen(rod, at->U, &cell->local[0], &cell->u));
   PetscCall(RodOpen(rod, at->U_t, &cell->local[1], &cell->u_t));
-  NodePoint(cell, PetscMax(rod->first - 1, 0), &cell->b);
+  PetscCall(Recognise(self, at, cell));
+  cell->b = NodePoint(cell, PetscMax(rod->first - 1, 0));
   PetscFunctionReturn(0);
 }
 
@@ -195,12 +220,12 @@ PetscErrorCode SpaceCellsClose(Cell *cell) {
 static PetscBool Splits(const Cell *cell, PetscInt i) {
   const Space_ *self = (const Space_ *)cell->rod->data;
   const Friction *law = &cell->load->friction;
-  const PetscReal *a = cell->a.at.W, *b = cell->b.at.W, *fast = b, resolved = 4, less = 1. / 16,
+  const PetscReal *a = cell->a->at.W, *b = cell->b->at.W, *fast = b, resolved = 4, less = 1. / 16,
                   beta = law->beta > 0 ? law->beta : friction_tiny;
   PetscBool *split = &self->split[i + 1 - cell->rod->first];
   PetscReal aa, bb;
 
-  if (!cell->fresh && !cell->iterates) return *split;
+  if (cell->known || (!cell->fresh && !cell->iterates)) return *split;
   if (cell->fresh) *split = PETSC_FALSE;
   aa = Dot3(a, a) + a[SPIN] * a[SPIN] + beta;
   bb = Dot3(b, b) + b[SPIN] * b[SPIN] + beta;
@@ -221,13 +246,15 @@ void SpaceCellsNext(Cell *cell, PetscInt i) {
   for (int e = 0; e < 3; e++) cell->dual[e] = Duals(self, k + e);
   cell->h = cell->s[i + 1] - cell->s[i];
   cell->a = cell->b;
-  NodePoint(cell, i + 1, &cell->b);
+  cell->b = NodePoint(cell, i + 1);
+  cell->mid = self->point + k + 1;
   if (self->split) {
     cell->split = Splits(cell, i);
     cell->cubic = (PetscBool)(cell->cubics && !cell->split);
   }
+  if (cell->known) return;
   if (cell->thin) FindFeet(cell, i);
   PointAtMid(cell, self->bow * cell->h, cell->u_t[i],
              SpaceStill(cell, i + 1, cell->u_t[i + 1], still));
-  AddPush(cell, i, 1, &cell->mid);
+  AddPush(cell, i, 1, cell->mid);
 }

@@ -29,6 +29,9 @@ typedef struct {
   PetscReal end_weight, mid_weight, bow; /* times h: 1/6, 4/6, 1/8 (order 4); 0, 1, 0 (order 2) */
   PetscReal time;                        /* of the laws below */
   Law *law;                              /* nodes and mids from node first - 1 on, alternating */
+  Point *point; /* likewise, in the state seen, and what that was asked for */
+  RodSeen seen;
+  PetscBool fresh, iterates, counts;
   FrictionDual4 *dual; /* likewise, duals of each; the tip's own where a cell behind it would be */
   PetscInt duals;
   FrictionDual4 *foot_dual; /* of cells, likewise: of their feet, WALL_SLOTS each; NULL: none */
@@ -54,7 +57,8 @@ typedef struct {
   FrictionDual4 *dual[3];
   const PetscReal (*push)[3];   /* what strands add to n' at all points of the rod; NULL: none */
   const PetscReal (*couple)[3]; /* and to m' */
-  Point a, mid, b;
+  PetscBool known;              /* the points are: the state is that of the latest walk */
+  Point *a, *mid, *b;
   PetscBool thin;      /* there may be feet */
   FootCell3 foot_cell; /* of this cell, ... */
   Feet3 feet;          /* ... what it is to what stands out, */
@@ -148,6 +152,7 @@ static inline FrictionDual4 *FootDuals(const Cell *cell, PetscInt i) {
   return self->foot_dual ? self->foot_dual + (i - cell->rod->first + 1) * WALL_SLOTS : NULL;
 }
 
+void SpaceCellsForget(Space_ *self);
 PetscErrorCode SpaceCellsOpen(Rod rod, const RodState *at, Cell *cell);
 void SpaceCellsNext(Cell *cell, PetscInt i);
 PetscErrorCode SpaceCellsClose(Cell *cell);

@@ -7,22 +7,25 @@
 
 /* Two cells beside each other, or one: their points, laws and duals from the first on. */
 typedef struct {
-  const Load *load;
+  const Load *load, *bare, *seen; /* that of the rod; without walls; that of these cells */
+  PetscReal part;                 /* of the pressure of walls that counts; 1: all */
   PetscReal h[2];
   const Law *law;
-  const FrictionDual4 *dual;     /* at the node between them; of one cell, in its middle */
-  const PetscReal (*push)[3];    /* what strands add to n' at these points; NULL: none */
-  const PetscReal (*couple)[3];  /* and to m'; NULL: none */
-  PetscReal feet[2][FOOT3_LOAD]; /* what feet add in the middle of each */
+  const FrictionDual4 *dual[PLACES]; /* at the points */
+  const PetscReal (*push)[3];        /* what strands add to n' at these points; NULL: none */
+  const PetscReal (*couple)[3];      /* and to m'; NULL: none */
+  PetscReal feet[2][FOOT3_LOAD];     /* what feet add in the middle of each */
   Point p[PLACES];
+  PetscReal value[PLACES][FIELDS]; /* f at them, as the defect looks at it */
 } Cells;
 
-/* The point at a + z h on the cubics through a and b; at: the point that is known there, whose rate
-   of turning it has, and whose velocity a place that may stick keeps. */
-static void PointOnCubic(const Cells *cells, const Law *law, const Law *law_b, PetscReal z,
-                         PetscReal h, const Point *b, const Point *at, Point *p) {
-  const Point *a = cells->p;
-  const Load *load = cells->load;
+/* The point at a + z h on the cubics through a and b; it has the rate of turning of point k, which
+   is known there, and a place that may stick its velocity, too. */
+static void PointOnCubic(const Cells *cells, int k, const Law *law_b, PetscReal z, PetscReal h,
+                         const Point *b, Point *p) {
+  const Point *a = cells->p, *at = a + k;
+  const Law *law = cells->law + k;
+  const Load *load = cells->seen;
   PetscReal wa[3], wb[3];
 
   VelocitySlope(cells->law, a, wa);
@@ -49,7 +52,7 @@ static void PointOnCubic(const Cells *cells, const Law *law, const Law *law_b, P
                            b->at.W[i] - law_b->c * b->d[0][i], wb[i]) +
                  law->c * p->d[0][i];
   for (int i = 0; i < RUBS && LoadSticks(load); i++) p->at.W[i] = at->at.W[i];
-  PointEvaluate(load, law, cells->dual, p);
+  PointEvaluate(load, law, cells->dual[k], p);
 }
 
 /* What the mean of the rates of turning does in the middle of cell k of two. */
@@ -65,28 +68,39 @@ static void AddTurning(const Cells *cells, int k, PetscReal defect[MAX_FIELDS]) 
   for (int i = 0; i < 4; i++)
     better.p_t[i] = L[0] * a->p_t[i] + L[1] * b->p_t[i] + L[2] * c->p_t[i];
   PointStrains(cells->load, law, &better);
-  PointEvaluate(cells->load, law, cells->dual, &better);
-  PointEvaluate(cells->load, law, cells->dual, &taken); /* (without what strands do) */
-  for (int f = M; f < FIELDS; f++) defect[f] += cells->h[k] * 4 / 6 * (taken.f[f] - better.f[f]);
+  PointEvaluate(cells->load, law, cells->dual[2 * k + 1], &better);
+  PointEvaluate(cells->load, law, cells->dual[2 * k + 1], &taken); /* (without what strands do) */
+  for (int f = M; f < FIELDS; f++)
+    defect[f] += cells->part * cells->h[k] * 4 / 6 * (taken.f[f] - better.f[f]);
 }
 
 /*
-  f at one of the points without what strands do there. They press where they cross, over a cell or
-  so, and of that no difference tells anything; but what they do is handed to the points so that
-  force and moments are kept, whatever the cells (rod/spread.h). Counted as what other loads are
-  off by, it left a part of each strand's pressure without its opposite.
+  f at so many points without what strands do there. They press where they cross, over a cell or so,
+  and of that no difference tells anything; but what they do is handed to the points so that force
+  and moments are kept, whatever the cells (rod/spread.h). Counted as what other loads are off by,
+  it left a part of each strand's pressure without its opposite. Of what walls do, a part counts.
 */
-static PetscReal Bare(const Cells *cells, int j, int f) {
-  PetscReal value = cells->p[j].f[f];
+static void Strip(Cells *cells, int points) {
+  for (int j = 0; j < points; j++) {
+    PetscReal *bare = cells->value[j];
 
-  if (f >= N && cells->push) value -= cells->push[j][f - N];
-  if (f >= M && f < N && cells->couple) value -= cells->couple[j][f - M];
-  if (f >= M && j % 2) value -= cells->feet[j / 2][f >= N ? f - N : f - M + 3];
-  return value;
+    memcpy(bare, cells->p[j].f, sizeof(cells->value[j]));
+    for (int d = 0; d < 3; d++) {
+      if (cells->push) bare[N + d] -= cells->push[j][d];
+      if (cells->couple) bare[M + d] -= cells->couple[j][d];
+      if (j % 2) bare[N + d] -= cells->feet[j / 2][d];
+      if (j % 2) bare[M + d] -= cells->feet[j / 2][3 + d];
+    }
+    if (cells->part < 1) {
+      Point p = cells->p[j];
+      PointEvaluate(cells->bare, cells->law + j, cells->dual[j], &p);
+      for (int f = M; f < FIELDS; f++) bare[f] += (1 - cells->part) * (p.f[f] - bare[f]);
+    }
+  }
 }
 
 /* Of two cells of order 4. */
-static void PairDefect(const Cells *cells, PetscReal defect[MAX_FIELDS]) {
+static void PairDefect(Cells *cells, PetscReal defect[MAX_FIELDS]) {
   const PetscReal h1 = cells->h[0], h2 = cells->h[1];
   const Point *p = cells->p;
   const PetscBool walls = (PetscBool)(cells->load->arm > 0 && cells->load->radius == 0);
@@ -94,41 +108,46 @@ static void PairDefect(const Cells *cells, PetscReal defect[MAX_FIELDS]) {
   Point cubic;
 
   PairWeights(h1, h2, weight);
-  PointOnCubic(cells, cells->law + 2, cells->law + 4, h1 / (h1 + h2), h1 + h2, p + 4, p + 2,
-               &cubic);
+  PointOnCubic(cells, 2, cells->law + 4, h1 / (h1 + h2), h1 + h2, p + 4, &cubic);
+  Strip(cells, PLACES);
   for (int f = 0; f < FIELDS; f++) {
     PetscReal value[PLACES];
-    for (int j = 0; j < PLACES; j++) value[j] = Bare(cells, j, f);
-    defect[f] = PairRule(h1, h2, weight, value) + PairCubic(h1, h2, value[2], cubic.f[f]);
+    for (int j = 0; j < PLACES; j++) value[j] = cells->value[j][f];
+    defect[f] = PairRule(h1, h2, weight, value);
+    if (f < M || cells->part == 1) defect[f] += PairCubic(h1, h2, value[2], cubic.f[f]);
   }
   for (int k = 0; k < 2 && walls && !LoadSticks(cells->load); k++) AddTurning(cells, k, defect);
 }
 
 /* Of a cell of order 2. */
-static void CellDefect(const Cells *cells, PetscReal defect[MAX_FIELDS]) {
+static void CellDefect(Cells *cells, PetscReal defect[MAX_FIELDS]) {
   const PetscReal h = cells->h[0];
   const Point *p = cells->p;
   Point cubic;
 
-  PointOnCubic(cells, cells->law + 1, cells->law + 2, 0.5, h, p + 2, p + 1, &cubic);
+  PointOnCubic(cells, 1, cells->law + 2, 0.5, h, p + 2, &cubic);
+  Strip(cells, 3);
   for (int f = 0; f < FIELDS; f++)
     defect[f] =
-        h * (Bare(cells, 1, f) - (Bare(cells, 0, f) + 4 * cubic.f[f] + Bare(cells, 2, f)) / 6);
+        h * (cells->value[1][f] - (cells->value[0][f] + 4 * cubic.f[f] + cells->value[2][f]) / 6);
 }
 
 /* Cell i becomes number k of those. */
-static void Take(const Cell *cell, PetscInt i, int k, const FrictionDual4 *dual, Cells *cells) {
+static void Take(const Cell *cell, PetscInt i, int k, Cells *cells) {
   if (!k) {
     cells->law = cell->law;
+    cells->part =
+        cells->load->walls ? PairSees(&cell->rod->scene->contact, cell->law[2].g * cell->h) : 1;
+    cells->seen = cells->part < 1 ? cells->bare : cells->load;
     cells->push = cell->push ? cell->push + 2 * i : NULL;
     cells->couple = cell->couple ? cell->couple + 2 * i : NULL;
   }
-  cells->dual = dual;
+  for (int e = 0; e < 3; e++) cells->dual[2 * k + e] = cell->dual[e];
   cells->h[k] = cell->h;
   for (int d = 0; d < FOOT3_LOAD; d++) cells->feet[k][d] = cell->feet.n ? cell->foot_load[1][d] : 0;
-  cells->p[2 * k] = cell->a;
-  cells->p[2 * k + 1] = cell->mid;
-  cells->p[2 * k + 2] = cell->b;
+  cells->p[2 * k] = *cell->a;
+  cells->p[2 * k + 1] = *cell->mid;
+  cells->p[2 * k + 2] = *cell->b;
 }
 
 /*
@@ -140,22 +159,25 @@ static void Take(const Cell *cell, PetscInt i, int k, const FrictionDual4 *dual,
 */
 PetscErrorCode SpaceDefect(Rod rod, const RodState *at, PetscReal (*defect)[MAX_FIELDS]) {
   const PetscBool fourth = (PetscBool)(rod->order == 4);
+  Load bare = rod->scene->load;
   Cells cells;
   Cell cell;
 
   PetscFunctionBegin;
+  bare.walls = NULL;
+  cells.bare = &bare;
   PetscCall(PetscArrayzero(defect, rod->end - rod->first));
   PetscCall(SpaceCellsOpen(rod, at, &cell));
   cells.load = cell.load;
   for (PetscInt i = PetscMax(rod->first - 1, 0); i < PetscMin(rod->end, rod->last); i++) {
     SpaceCellsNext(&cell, i);
     if (!fourth) {
-      Take(&cell, i, 0, cell.dual[1], &cells);
+      Take(&cell, i, 0, &cells);
       if (i + 1 >= rod->first && i + 1 < rod->end) CellDefect(&cells, defect[i + 1 - rod->first]);
     } else if (i % 2 == 0)
-      Take(&cell, i, 0, cell.dual[2], &cells);
+      Take(&cell, i, 0, &cells);
     else if (i >= rod->first && i > 0) {
-      Take(&cell, i, 1, cell.dual[0], &cells);
+      Take(&cell, i, 1, &cells);
       PairDefect(&cells, defect[i - rod->first]);
     }
   }

@@ -7,6 +7,8 @@ enum { P = 3, M = 7, N = 10, FIELDS = 13 };
 struct _SpaceStrands {
   Strands3 strands;
   Coupled coupled;
+  RodSeen seen;       /* the state of the latest load, */
+  PetscBool searched; /* ... that was searched for pairs */
 };
 
 /* SpaceStrandsCreate - the caller ends it with SpaceStrandsDestroy(). Collective. */
@@ -15,6 +17,7 @@ PetscErrorCode SpaceStrandsCreate(Rod rod, SpaceStrands *strands) {
   PetscCall(PetscNew(strands));
   PetscCall(Strands3Create(rod->scene, &(*strands)->strands));
   PetscCall(CoupledCreate(rod, &(*strands)->coupled));
+  (*strands)->seen.t = PETSC_MIN_REAL;
   PetscFunctionReturn(0);
 }
 
@@ -37,15 +40,21 @@ static PetscErrorCode OpenState(SpaceStrands self, const RodState *at, StrandSta
 }
 
 /* SpaceStrandsLoad - the forces of contact in a state, as Strands3Forces() has them, and the
-   couples (NULL: there are none). Pairs are looked for once a Newton solve. Collective. */
+   couples (NULL: there are none). Pairs are looked for once a Newton solve, as in the plane.
+   Collective. */
 PetscErrorCode SpaceStrandsLoad(Rod rod, SpaceStrands self, const RodState *at,
                                 const PetscReal (**force)[3], const PetscReal (**couple)[3]) {
   StrandState3 state;
+  PetscBool known;
 
   PetscFunctionBegin;
+  PetscCall(RodRecognise(at, &self->seen, &known));
   PetscCall(OpenState(self, at, &state));
-  if (at->fresh) PetscCall(Strands3Search(self->strands, &state));
-  PetscCall(Strands3Load(self->strands, &state));
+  if (!known || (at->fresh && !self->searched)) {
+    if (at->fresh) PetscCall(Strands3Search(self->strands, &state));
+    PetscCall(Strands3Load(self->strands, &state));
+    self->searched = at->fresh;
+  }
   PetscCall(CoupledClose(self->coupled, at->U, at->U_t));
   *force = Strands3Forces(self->strands);
   *couple = Strands3Couples(self->strands);

@@ -42,6 +42,9 @@ struct _Strands {
   Pair *pair;
   PetscInt *slot;        /* of a point's side: its pair, -1 none */
   PetscReal (*q)[2];     /* directions at the nodes, in the state that is looked at */
+  Spot *spot;            /* where points are in it, as far as anyone has asked: */
+  PetscBool *placed;     /* ... has anyone? */
+  PetscBool searched;    /* it has been searched for pairs just now */
   PetscReal *seen;       /* x at the nodes when pairs were looked for */
   PetscReal (*force)[2]; /* StrandsForces() */
   FrictionDual *dual;    /* of a point's side; NULL: no friction */
@@ -114,6 +117,19 @@ static void PointCell(const struct _Strands *self, PetscInt point, PetscInt *cel
   *z = tip ? 1 : point % 2 ? 0.5 : 0;
 }
 
+/* Where a point is in the state that is looked at. */
+static const Spot *SpotOf(const struct _Strands *self, const StrandState *state, PetscInt point) {
+  Spot *spot = &self->spot[point];
+  PetscInt cell;
+  PetscReal z;
+
+  if (self->placed[point]) return spot;
+  PointCell(self, point, &cell, &z);
+  SpotAt(self, state, cell, z, spot);
+  self->placed[point] = PETSC_TRUE;
+  return spot;
+}
+
 /* The arc length of a place. */
 static PetscReal ArcAt(const struct _Strands *self, PetscInt cell, PetscReal z) {
   return self->arc[cell] + z * (self->arc[cell + 1] - self->arc[cell]);
@@ -163,13 +179,14 @@ static PetscErrorCode LawsAt(Strands self, PetscReal t) {
   PetscFunctionReturn(0);
 }
 
-/* The directions at the nodes. */
+/* The directions at the nodes; the places of points are those of another state. */
 static void DirectionsIn(Strands self, const StrandState *state) {
   for (PetscInt i = 0; i <= self->cells; i++) {
     const PetscReal theta = state->u[i * state->stride + 2];
     self->q[i][0] = PetscCosReal(theta);
     self->q[i][1] = PetscSinReal(theta);
   }
+  for (PetscInt k = 0; k < self->points; k++) self->placed[k] = PETSC_FALSE;
 }
 
 /* ---- which points are near to what ---- */
@@ -192,12 +209,11 @@ static PetscBool SameStrand(const Block *a, PetscInt first_a, PetscInt last_a, c
 static int HasFoot(const struct _Strands *self, const StrandState *state, PetscInt cell,
                    const PetscReal x[2]) {
   PetscReal f[2], o[2];
-  Ends e;
 
-  EndsOf(self, state, cell, &e);
   for (int k = 0; k < 2; k++) {
-    for (int d = 0; d < 2; d++) o[d] = x[d] - e.u[k][d];
-    f[k] = Dot(o, e.q[k]);
+    const PetscReal *u = state->u + (cell + k) * state->stride;
+    for (int d = 0; d < 2; d++) o[d] = x[d] - u[d];
+    f[k] = Dot(o, self->q[cell + k]);
   }
   if (f[0] >= 0 && f[1] < 0) return 1;
   if ((cell == 0 && f[0] < 0) || (cell == self->cells - 1 && f[1] >= 0)) return 2;
@@ -224,16 +240,14 @@ static PetscErrorCode Keep(Strands self, const Pair *pair) {
 
 static PetscErrorCode LookAt(Looking *look, PetscInt point, PetscInt cell) {
   Strands self = look->self;
-  Pair pair = {.point = point};
-  PetscReal o[2], z;
-  PetscInt c;
-  int foot;
+  const Spot *at = SpotOf(self, look->state, point);
+  const int foot = HasFoot(self, look->state, cell, at->x);
+  PetscReal o[2];
+  Pair pair;
 
   PetscFunctionBegin;
-  PointCell(self, point, &c, &z);
-  SpotAt(self, look->state, c, z, &pair.at);
-  foot = HasFoot(self, look->state, cell, pair.at.x);
   if (!foot) PetscFunctionReturn(0);
+  pair = (Pair){.point = point, .at = *at};
   pair.foot.cell = cell;
   pair.foot.z = foot == 1 ? 0.5 : cell ? 1 : 0;
   FootFrom(self, look->state, pair.at.x, &pair.foot, &pair.ends);
@@ -266,8 +280,8 @@ static void Meet(PetscInt i, PetscInt j, void *ctx) {
 static const PetscReal margin = 0.5;
 
 /*
-  StrandsSearch - looks for all pairs that are near to touching. Not collective: the same on every
-  rank.
+  StrandsSearch - looks for all pairs that are near to touching, in a state that StrandsLoad() is
+  asked for next. Not collective: the same on every rank.
 */
 PetscErrorCode StrandsSearch(Strands self, const StrandState *state) {
   Looking look = {.self = self,
@@ -287,6 +301,7 @@ PetscErrorCode StrandsSearch(Strands self, const StrandState *state) {
   BoxesPairs(boxes, look.reach, SameStrand, Meet, &look);
   PetscCall(BoxesDestroy(&boxes));
   PetscCall(look.error);
+  self->searched = PETSC_TRUE;
   PetscFunctionReturn(0);
 }
 
@@ -347,7 +362,7 @@ static FrictionDual *DualOf(const struct _Strands *self, const Pair *pair) {
 static void PairPlace(const struct _Strands *self, const StrandState *state, Pair *pair) {
   PetscReal o[2];
 
-  SpotAt(self, state, pair->at.cell, pair->at.z, &pair->at);
+  pair->at = *SpotOf(self, state, pair->point);
   FootFrom(self, state, pair->at.x, &pair->foot, &pair->ends);
   for (int d = 0; d < 2; d++) o[d] = pair->at.x[d] - pair->foot.x[d];
   pair->distance = hypot(o[0], o[1]);
@@ -439,8 +454,9 @@ PetscErrorCode StrandsLoad(Strands self, const StrandState *state) {
 
   PetscFunctionBegin;
   PetscCall(LawsAt(self, state->t));
-  DirectionsIn(self, state);
-  if (Moved(self, state)) PetscCall(StrandsSearch(self, state));
+  if (!self->searched) DirectionsIn(self, state);
+  if (!self->searched && Moved(self, state)) PetscCall(StrandsSearch(self, state));
+  self->searched = PETSC_FALSE;
   PetscCall(PetscArrayzero(self->force, self->points + 1));
   PetscCall(PetscMemzero(&self->sum, sizeof(self->sum)));
   self->sum.nearest = PETSC_MAX_REAL;
@@ -704,7 +720,9 @@ PetscInt StrandsZones(Strands self) {
     for (int side = 0; side < 2; side++) {
       PetscInt k = self->slot[2 * point + side];
       const Pair *pair = k < 0 ? NULL : &self->pair[k];
-      if (!pair || !pair->active || pair->gap > 0 || pair->foot.cell < pair->at.cell) continue;
+      if (!pair || !pair->active || !ContactBears(self->contact, pair->gap) ||
+          pair->foot.cell < pair->at.cell)
+        continue;
       zones += before[side] < point - 1;
       before[side] = point;
     }
@@ -738,6 +756,7 @@ PetscErrorCode StrandsCreate(Scene scene, Strands *strands) {
                          &self->arc, n, &self->weight));
   PetscCall(PetscCalloc4(2 * n, &self->slot, 2 * (cells + 1), &self->seen, n + 1, &self->force,
                          cells + 1, &self->q));
+  PetscCall(PetscCalloc2(n, &self->spot, n, &self->placed));
   if (scene->contact.friction > 0) PetscCall(PetscCalloc1(2 * n, &self->dual));
   for (PetscInt k = 0; k < 2 * n; k++) self->slot[k] = -1;
   for (PetscInt k = 0; k < 2 * (cells + 1); k++) self->seen[k] = PETSC_MAX_REAL;
@@ -752,6 +771,7 @@ PetscErrorCode StrandsDestroy(Strands *strands) {
   if (!self) PetscFunctionReturn(0);
   PetscCall(PetscFree6(self->g, self->g_t, self->c, self->strain, self->arc, self->weight));
   PetscCall(PetscFree4(self->slot, self->seen, self->force, self->q));
+  PetscCall(PetscFree2(self->spot, self->placed));
   PetscCall(PetscFree(self->dual));
   PetscCall(PetscFree(self->pair));
   PetscCall(PetscFree(self->slopes));

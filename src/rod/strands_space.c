@@ -64,6 +64,9 @@ struct _Strands3 {
   Pair *pair;
   PetscInt *first;        /* of a sample: its first pair, -1 none */
   Joint *joint;           /* of each node */
+  Spot *spot;             /* where samples are in the state that is looked at, */
+  PetscBool *placed;      /* ... if anyone has asked */
+  PetscBool searched;     /* it has been searched for pairs just now */
   PetscReal *seen;        /* x at the nodes when pairs were looked for */
   PetscReal (*force)[3];  /* Strands3Forces() */
   PetscReal (*couple)[3]; /* Strands3Couples(); NULL: without friction there are none */
@@ -132,11 +135,17 @@ static PetscBool IsTip(const struct _Strands3 *self, PetscInt sample) {
   return (PetscBool)(sample == self->samples - 1);
 }
 
-static void SampleSpot(const struct _Strands3 *self, PetscInt sample, Spot *spot) {
+/* Where a sample is in the state that is looked at. */
+static const Spot *SampleSpot(const struct _Strands3 *self, PetscInt sample) {
+  Spot *spot = &self->spot[sample];
+
+  if (self->placed[sample]) return spot;
+  self->placed[sample] = PETSC_TRUE;
   if (IsTip(self, sample))
     SpotAt(self, self->cells - 1, 1, spot);
   else
     SpotAt(self, sample / self->each, (sample % self->each + 0.5) / self->each, spot);
+  return spot;
 }
 
 /* The arc length of a place. */
@@ -197,10 +206,12 @@ static void SpinSlopeAt(const PetscReal p[4], PetscReal size, PetscReal spin,
   for (int j = 0; j < 4; j++) by[j] = 2 / size * (shift[j] * by_rate[j] + by_p[j] - spin * p[j]);
 }
 
-/* The nodes in a state; with their derivatives if there are shifts of the rates. */
+/* The nodes in a state; with their derivatives if there are shifts of the rates, else it is a new
+   one. */
 static void JointsIn(Strands3 self, const StrandState3 *state, const PetscReal *shift) {
   const PetscReal still[STRAND3_NODE] = {0};
 
+  for (PetscInt k = 0; k < self->samples && !shift; k++) self->placed[k] = PETSC_FALSE;
   for (PetscInt i = 0; i <= self->cells; i++) {
     Joint *joint = &self->joint[i];
     const PetscReal *p = state->u + i * state->stride + 3,
@@ -288,14 +299,14 @@ static PetscErrorCode Keep(Strands3 self, const Pair *pair) {
 
 static PetscErrorCode LookAt(Looking *look, PetscInt sample, PetscInt cell) {
   Strands3 self = look->self;
-  Pair pair = {.sample = sample};
+  const Spot *at = SampleSpot(self, sample);
+  const int foot = HasFoot(self, cell, at->x);
   PetscReal square = 0;
-  int foot;
+  Pair pair;
 
   PetscFunctionBegin;
-  SampleSpot(self, sample, &pair.at);
-  foot = HasFoot(self, cell, pair.at.x);
   if (!foot) PetscFunctionReturn(0);
+  pair = (Pair){.sample = sample, .at = *at};
   pair.foot.cell = cell;
   pair.foot.z = foot == 1 ? 0.5 : cell ? 1 : 0;
   FootFrom(self, pair.at.x, &pair.foot, &pair.ends);
@@ -344,14 +355,15 @@ static PetscErrorCode Search(Strands3 self) {
 }
 
 /*
-  Strands3Search - looks for all pairs that are near to touching. Not collective: the same on every
-  rank.
+  Strands3Search - looks for all pairs that are near to touching, in a state that Strands3Load() is
+  asked for next. Not collective: the same on every rank.
 */
 PetscErrorCode Strands3Search(Strands3 self, const StrandState3 *state) {
   PetscFunctionBegin;
   PetscCall(LawsAt(self, state->t));
   JointsIn(self, state, NULL);
   PetscCall(Search(self));
+  self->searched = PETSC_TRUE;
   PetscFunctionReturn(0);
 }
 
@@ -407,7 +419,7 @@ static PetscReal ShareOf(const struct _Strands3 *self, const Pair *pair) {
 static void PairPlace(const struct _Strands3 *self, Pair *pair) {
   PetscReal o[3];
 
-  SampleSpot(self, pair->sample, &pair->at);
+  pair->at = *SampleSpot(self, pair->sample);
   FootFrom(self, pair->at.x, &pair->foot, &pair->ends);
   for (int d = 0; d < 3; d++) o[d] = pair->at.x[d] - pair->foot.x[d];
   pair->distance = PetscSqrtReal(Dot3(o, o));
@@ -560,7 +572,9 @@ static PetscInt Zones(const struct _Strands3 *self) {
   for (PetscInt sample = 0; sample < self->samples; sample++)
     for (PetscInt k = self->first[sample]; k >= 0; k = self->pair[k].next) {
       const Pair *pair = &self->pair[k];
-      if (!pair->active || pair->gap > 0 || pair->foot.cell < pair->at.cell) continue;
+      if (!pair->active || !ContactBears(self->contact, pair->gap) ||
+          pair->foot.cell < pair->at.cell)
+        continue;
       zones += before < sample - 1;
       before = sample;
     }
@@ -576,8 +590,9 @@ PetscErrorCode Strands3Load(Strands3 self, const StrandState3 *state) {
 
   PetscFunctionBegin;
   PetscCall(LawsAt(self, state->t));
-  JointsIn(self, state, NULL);
-  if (Moved(self)) PetscCall(Search(self));
+  if (!self->searched) JointsIn(self, state, NULL);
+  if (!self->searched && Moved(self)) PetscCall(Search(self));
+  self->searched = PETSC_FALSE;
   PetscCall(PetscArrayzero(self->force, self->points + 1));
   if (self->couple) PetscCall(PetscArrayzero(self->couple, self->points + 1));
   PetscCall(PetscMemzero(&self->sum, sizeof(self->sum)));
@@ -975,6 +990,7 @@ PetscErrorCode Strands3Create(Scene scene, Strands3 *strands) {
                          &self->arc, n, &self->weight));
   PetscCall(PetscCalloc4(self->samples, &self->first, 3 * (cells + 1), &self->seen, n + 1,
                          &self->force, cells + 1, &self->joint));
+  PetscCall(PetscCalloc2(self->samples, &self->spot, self->samples, &self->placed));
   if (scene->contact.friction > 0) PetscCall(PetscCalloc1(n + 1, &self->couple));
   for (PetscInt k = 0; k < self->samples; k++) self->first[k] = -1;
   for (PetscInt k = 0; k < 3 * (cells + 1); k++) self->seen[k] = PETSC_MAX_REAL;
@@ -989,6 +1005,7 @@ PetscErrorCode Strands3Destroy(Strands3 *strands) {
   if (!self) PetscFunctionReturn(0);
   PetscCall(PetscFree6(self->g, self->g_t, self->c, self->strain, self->arc, self->weight));
   PetscCall(PetscFree4(self->first, self->seen, self->force, self->joint));
+  PetscCall(PetscFree2(self->spot, self->placed));
   PetscCall(PetscFree(self->couple));
   PetscCall(PetscFree(self->pair));
   PetscCall(PetscFree(self->slopes));

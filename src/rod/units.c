@@ -11,8 +11,7 @@
                          stepped through: a step that is longer damps what should grow. 0 if
   friction is dry: such a rod moves at once.
 
-  All as the run begins: a restarted one has those of the unbroken one. (Contact has numbers of its
-  own that are none of these units': with it they are 1, but for the own time.)
+  All as the run begins: a restarted one has those of the unbroken one.
 */
 #include "rod/rod.h"
 
@@ -28,6 +27,10 @@ static const PetscReal least_own = 1e-12;
    there is contact steps are short as parts of the time in which it grows by its length, and of
    this part of the run, at least. */
 static const PetscReal brief_of_run = 1e-5;
+
+/* Where nothing holds the spin of a rod in space it may turn in any time, and the layer of a start
+   (controller.c) is so much thicker. */
+static const PetscReal unheld = 1e3;
 
 /* sqrt(beta) is the speed that friction tells from rest, and so much of the speed at which a rod
    grows unless it is told. */
@@ -92,9 +95,10 @@ static PetscErrorCode GrowthOf(Scene scene, PetscReal *speed) {
 static PetscReal Brief(const struct _Scene *scene, PetscReal own, PetscReal length,
                        PetscReal speed) {
   const PetscReal T = scene->end_time;
+  const PetscBool held = (PetscBool) !(scene->space.rod && scene->load.radius == 0);
   PetscReal brief = own;
 
-  if (!(own > 0)) return T;
+  if (!held && LoadIsDry(&scene->load)) brief *= unheld;
   if (scene->contact.any) brief = PetscMax(brief, brief_of_run * T);
   if (scene->contact.any && speed > 0) brief = PetscMax(brief, length / speed);
   return PetscMin(T, brief);
@@ -115,7 +119,9 @@ PetscErrorCode RodFindUnits(Rod rod) {
   PetscCall(GrowthLength(scene->growth, 0, &L, NULL));
   PetscCall(GrowthOf(scene, &speed));
   units->stiffness = B;
-  units->own = load->viscous * N * PetscMin(1, load->across) * PetscSqr(L * L) / B;
+  units->speed = speed > 0 ? speed : beta > 0 ? PetscSqrtReal(beta / beta_of_growth) : 1;
+  units->own =
+      LoadLeastViscous(load, units->speed) * N * PetscMin(1, load->across) * PetscSqr(L * L) / B;
   if (units->own > 0) units->own = PetscMax(units->own, least_own * T);
   units->brief = Brief(scene, units->own, L, speed);
   if (speed > 0) {
@@ -123,10 +129,8 @@ PetscErrorCode RodFindUnits(Rod rod) {
     units->time = units->length / speed;
   } else {
     units->length = L;
-    units->time =
-        units->own > 0 ? units->own : L / (beta > 0 ? PetscSqrtReal(beta / beta_of_growth) : 1);
+    units->time = load->viscous > 0 ? units->own : L / units->speed;
   }
-  if (scene->contact.any) units->length = units->time = units->stiffness = 1;
   scene->tip.per_turn = units->stiffness / units->length;
   scene->tip.per_place = units->stiffness / (units->length * units->length * units->length);
   units->found = PETSC_TRUE;

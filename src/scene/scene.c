@@ -96,8 +96,7 @@ PetscErrorCode SceneContactAt(Scene scene, PetscReal t) {
   PetscCall(SceneStiffness(scene, 1, t, &B[1], NULL));
   B[0] = scene->stiffness.most;
   ContactSetStiffness(&scene->contact, B, cell, length);
-  scene->contact.surfaces.still = scene->load.stopped;
-  scene->contact.surfaces.time = scene->load.stopped ? scene->load.stopped_at : t;
+  scene->contact.surfaces.time = t;
   scene->contact.time = t;
   PetscFunctionReturn(0);
 }
@@ -118,37 +117,19 @@ PetscErrorCode SceneShareEnd(Scene *shared) {
   PetscFunctionReturn(0);
 }
 
-/*
-  SceneInFastTime - the scene of a snap at t (stepping/snap.c): growth and all that moves stand
-  still as they are then, friction is dry and, with strength 1, viscous (LoadInFastTime()). The
-  caller ends it with SceneLeaveFastTime(), before the scene.
+/* SceneAtSpeed - the frictions of a rod that snaps, the fastest place of which moves at this speed:
+   what is slower than a part of it may creep, for to tell when each place comes to rest, or turns
+   round, takes steps without end. 0: the snap is over, and friction is what it was. */
+void SceneAtSpeed(Scene scene, PetscReal speed) {
+  const PetscReal as_good_as_at_rest = 1e-5;
+  PetscReal *const beta[] = {&scene->load.friction.beta, &scene->tip.resistance.friction.beta,
+                             &scene->contact.rub.beta};
 
-  dry  false if friction is not dry, so that nothing snaps
-*/
-PetscErrorCode SceneInFastTime(Scene scene, PetscReal t, Scene *fast, PetscBool *dry) {
-  PetscFunctionBegin;
-  PetscCall(SceneShare(scene, fast));
-  PetscCall(LoadInFastTime(&scene->load, t, &(*fast)->load, dry));
-  PetscCall(TipInFastTime(&scene->tip, t, &(*fast)->tip));
-  (*fast)->contact.rub.beta = (*fast)->load.friction.beta;
-  SceneLinkWalls(*fast);
-  CurvatureStop(&(*fast)->curvature, t);
-  PetscCall(GrowthStop(scene->growth, t, &(*fast)->growth));
-  PetscFunctionReturn(0);
-}
-
-/* SceneAtSpeed - tells a scene in fast time how fast the rod moves: see LoadAtSpeed(). */
-void SceneAtSpeed(Scene fast, PetscReal speed) {
-  LoadAtSpeed(&fast->load, speed);
-  LoadAtSpeed(&fast->tip.resistance, speed);
-  fast->contact.rub.beta = fast->load.friction.beta;
-}
-
-PetscErrorCode SceneLeaveFastTime(Scene *fast) {
-  PetscFunctionBegin;
-  PetscCall(GrowthDestroy(&(*fast)->growth));
-  PetscCall(SceneShareEnd(fast));
-  PetscFunctionReturn(0);
+  for (int k = 0; k < 3; k++) {
+    if (scene->falls == 0) scene->beta[k] = *beta[k];
+    *beta[k] = PetscMax(scene->beta[k], PetscSqr(as_good_as_at_rest * speed));
+  }
+  scene->falls = speed;
 }
 
 /* SceneLinkWalls - tells the load and the tip of the walls; once more where a scene is shared. */
@@ -226,7 +207,6 @@ PetscErrorCode SceneCreate(Scene *scene) {
   PetscCall(MeshCreate(cells, (PetscBool)grading, self->growth, self->end_time, &self->mesh));
   PetscCall(ContactSetFromOptions(&self->contact, &self->load.friction, self->clamp_angle));
   self->contact.time = PETSC_MIN_REAL;
-  PetscCall(SceneContactAt(self, 0));
   SceneLinkWalls(self);
   PetscCall(
       SpaceSetFromOptions(&self->space, &self->load, &self->tip, &self->curvature, &self->shape));
@@ -235,7 +215,9 @@ PetscErrorCode SceneCreate(Scene *scene) {
   if (ContactWallsRub(&self->contact) && self->clamp != CLAMP_FREE)
     LoadNextToExactByWalls(&self->load);
   ContactSetFrame(&self->contact, (const PetscReal(*)[3])self->space.lab, self->clamp_angle);
-  (void)ContactStandOff(&self->contact, &self->stands_off);
+  PetscCall(SceneForce(self, &self->contact.usual));
+  PetscCall(SceneContactAt(self, 0));
+  ContactStandOff(&self->contact, &self->stands_off);
   PetscFunctionReturn(0);
 }
 

@@ -20,7 +20,8 @@ typedef enum { CLAMP_HELD, CLAMP_HINGED, CLAMP_FREE } ClampType;
 /* What a scene makes its own units of, for what has none: see rod/units.c. */
 typedef struct {
   PetscReal length, time, stiffness;
-  PetscReal own;   /* the rod's own time; 0: its friction is dry, and lets it move at once */
+  PetscReal speed; /* at which the rod grows, or that friction tells from rest */
+  PetscReal own;   /* the rod's own time */
   PetscReal brief; /* of which short steps are a part */
   PetscBool found; /* else they are 1 */
 } SceneUnits;
@@ -44,6 +45,8 @@ struct _Scene {
   PetscReal reach;       /* the longest that the rod becomes */
   PetscReal stands_off;  /* by how much walls at which the rod begins are taken off, at most */
   SceneUnits units;      /* RodFindUnits() */
+  PetscReal falls;       /* at this speed, in a snap: SceneAtSpeed(); 0: in none */
+  PetscReal beta[3];     /* ... and what its frictions have for beta else */
 };
 
 extern const OptionGroup scene_options;
@@ -53,9 +56,8 @@ PetscErrorCode SceneDestroy(Scene *scene);
 PetscErrorCode SceneShare(Scene scene, Scene *shared);
 PetscErrorCode SceneShareEnd(Scene *shared);
 void SceneLinkWalls(Scene scene);
-PetscErrorCode SceneInFastTime(Scene scene, PetscReal t, Scene *fast, PetscBool *dry);
-void SceneAtSpeed(Scene fast, PetscReal speed);
-PetscErrorCode SceneLeaveFastTime(Scene *fast);
+void SceneAtSpeed(Scene scene, PetscReal speed);
+PetscErrorCode SceneForce(Scene scene, PetscReal *force);
 PetscErrorCode SceneContactAt(Scene scene, PetscReal t);
 PetscReal SceneNextTurn(Scene scene, PetscReal t);
 PetscErrorCode SceneBends(Scene scene, PetscReal tolerance, Bends *bends);

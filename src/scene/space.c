@@ -138,7 +138,7 @@ const char *SpaceClampOption(const Space *self) {
 
 /* SpaceClampTurn - the quaternion of the clamp at time t, in its own frame at the start. */
 void SpaceClampTurn(const Space *self, const Load *load, PetscReal t, PetscReal p[4]) {
-  const PetscReal turn = SpaceClampAngle(self, load->stopped ? load->stopped_at : t);
+  const PetscReal turn = SpaceClampAngle(self, t);
 
   p[0] = PetscCosReal(turn / 2);
   p[1] = PetscSinReal(turn / 2);

@@ -3,35 +3,28 @@
 #include "base/extremes.h"
 #include <petsc/private/tsimpl.h> /* it takes the place of a TS type's own */
 
-/* A snap may be too far for Newton's method: then it fails however short the step is, and after so
-   many tries that do it is followed; so it is before the step ends in round-off. */
-enum { failures_of_snap = 4 };
-/* Or it shows on the way: towards the turning point from which a rod snaps, steps shrink without
-   end. One that is this part of the usual one asks whether the rod snaps; and, for it may have been
-   too early, each one that is another part of the one that asked before: at the turning point
-   Newton's method finds no state, or one far away, and what is left of the way is halved each time.
- */
-static const PetscReal shrunk = 1e-4, again = 1e-2, forgets = 0.95;
 /* Aim at this part of the tolerance: low, so that few steps are rejected. (0.5 at half the
    tolerance gives the same errors in as many steps, but has 36 rejected where this has 9.) */
 static const PetscReal safety = 0.22;
-/* Dry friction cannot hold a rod that is bent too sharply, and without inertia it snaps at once: a
-   jump. It shows in an error that a much shorter step (a third at most) does not lessen to this
-   part. VBDFSetSnap() tells how to follow it; else, or if it shows once more, backward Euler
-   carries the rod over. The history starts anew behind it. Likewise for a step below
-   jump_step of the final time: an initial layer as fast as that is left unresolved, and crossed in
-   steps that double, up to longest_jump of it. */
-static const PetscReal jump_persists = 0.7, jump_step = 1e-13, longest_jump = 1e-6;
+/* Where nothing holds a motion back, as the spin of a rod that friction does not feel, a rod that
+   is let go is elsewhere at once: a jump. It shows in an error that a much shorter step (a third at
+   most) does not lessen to this part. Backward Euler carries the rod over, and the history starts
+   anew behind it. */
+static const PetscReal jump_persists = 0.7;
+/* Likewise where a start is out of balance for a step below jump_step of what short steps are part
+   of: an initial layer as fast as that is left unresolved, and crossed in steps that double, up to
+   longest_jump of it. */
+static const PetscReal jump_step = 1e-13, longest_jump = 1e-6;
 /* (In the layer, one whose error is up to so many times the tolerance is tried again shorter: it is
    all but seen, and to jump on would make the next one blind, and so on without end.) */
 static const PetscReal nearly_seen = 30;
 /* A rod that barely sticks may slip by a little, and stick again in a step that is short enough: in
-   a step below this part of the final time, such an error is a jump, too. (That of a kink would
-   fall like the step, to a third at most.) */
+   a step below this part of what short steps are part of, such an error is a jump, too. (That of a
+   kink would fall like the step, to a third at most.) */
 static const PetscReal slip_persists = 0.25, slip_step = 1e-8;
-/* ... and below this part of the present time there is nothing but round-off; early on, of this
-   part of the final time. */
-static const PetscReal smallest = 1e-13, early = 1e-3;
+/* ... and below this part of it, squared, there is nothing but round-off: a snap is over in 1e-10
+   of what is usual, and begins in that part of its time. */
+static const PetscReal smallest = 1e-13;
 static const PetscReal shrink_most = 0.2, grow_most = 2;
 /* A step that cannot be, or that crosses a mode that grows, is cut to this. */
 static const PetscReal cut = 0.3;
@@ -51,7 +44,7 @@ static PetscErrorCode Predict(TS ts, Controller *self, Formula *f, Vec X) {
   if (f->n > 1)
     PetscCall(FormulaExtrapolate(f, PetscMin(self->order + 1, f->n), X));
   else if (self->guess)
-    PetscCall(self->guess(ts, f->time[1], f->time[0], f->point[1], X, self->guess_ctx));
+    PetscCall(self->guess(ts, ts->ptime, f->now, f->point[1], X, self->guess_ctx));
   else
     PetscCall(VecCopy(f->point[1], X));
   PetscFunctionReturn(0);
@@ -62,7 +55,7 @@ static PetscErrorCode SolveStage(TS ts, Controller *self, Formula *f) {
 
   PetscFunctionBegin;
   PetscCall(FormulaBegin(f, self->order));
-  PetscCall(TSPreStage(ts, f->time[0]));
+  PetscCall(TSPreStage(ts, f->now));
   PetscCall(SNESSolve(ts->snes, NULL, f->point[0]));
   PetscCall(SNESGetIterationNumber(ts->snes, &its));
   PetscCall(SNESGetLinearSolveIterations(ts->snes, &linear));
@@ -160,18 +153,18 @@ static PetscErrorCode LocalError(TS ts, Controller *self, Formula *f, PetscInt q
 
 /* The first step has no second point to tell its error from. A decaying mode that changes by d in
    it errs by d^2/2; U is compared with the guess, growth alone. (On the safe side: against rtol,
-   while change is measured against the tolerance, a part of it.) Behind a snap friction is at its
-   limit all along the rod, and modes of all rates are let go at once: those much faster than the
-   step err by all that they change. Likewise behind a kink of what bends the rod. */
+   while change is measured against the tolerance, a part of it.) Behind a kink of what bends the
+   rod modes of all rates are let go at once: those much faster than the step err by all that they
+   change. */
 static PetscErrorCode FirstError(TS ts, Controller *self, Formula *f, PetscReal *error) {
   PetscReal change;
 
   PetscFunctionBegin;
   *error = 0;
   if (!self->guess) PetscFunctionReturn(0);
-  PetscCall(self->guess(ts, f->time[1], f->time[0], f->point[1], self->work, self->guess_ctx));
+  PetscCall(self->guess(ts, ts->ptime, f->now, f->point[1], self->work, self->guess_ctx));
   PetscCall(Norm(ts, self, f->point[0], &change));
-  *error = self->snapped || self->kinked ? change : change * change * ts->rtol / 2;
+  *error = self->kinked ? change : change * change * ts->rtol / 2;
   PetscFunctionReturn(0);
 }
 
@@ -196,6 +189,31 @@ static PetscErrorCode WithOrWithout(TS ts, Controller *self, Formula *f, PetscIn
   PetscFunctionReturn(0);
 }
 
+/* The error of the step just solved. */
+static PetscErrorCode Error(TS ts, Controller *self, Formula *f, PetscReal *error) {
+  PetscFunctionBegin;
+  if (f->n > self->order)
+    PetscCall(LocalError(ts, self, f, self->order, error));
+  else
+    PetscCall(FirstError(ts, self, f, error));
+  PetscFunctionReturn(0);
+}
+
+/* Is the error of what is held right, and only that of the rest is not? */
+static PetscErrorCode LookAtHeld(TS ts, Controller *self, Formula *f, PetscBool accept) {
+  const Vec all = ts->vatol;
+  PetscReal error;
+
+  PetscFunctionBegin;
+  self->placed = PETSC_FALSE;
+  if (accept || !self->held || self->order > 1) PetscFunctionReturn(0);
+  ts->vatol = self->held;
+  PetscCall(Error(ts, self, f, &error));
+  ts->vatol = all;
+  self->placed = (PetscBool)(error <= 1);
+  PetscFunctionReturn(0);
+}
+
 /*
   Choose - accepts or rejects the step just solved; sets the next order and the factor for the step.
   The order changes to the one that allows the longest step, upwards only after order + 1 steps of
@@ -207,16 +225,18 @@ static PetscErrorCode Choose(TS ts, Controller *self, Formula *f, PetscBool *acc
   PetscReal e, persists, lower = 0, higher = 0;
 
   PetscFunctionBegin;
-  if (f->n > k)
-    PetscCall(LocalError(ts, self, f, k, &e));
-  else
-    PetscCall(FirstError(ts, self, f, &e));
+  PetscCall(Error(ts, self, f, &e));
   *accept = (PetscBool)(e <= 1);
+  PetscCall(LookAtHeld(ts, self, f, *accept));
   persists = ts->time_step < slip_step * Scale(ts, self) ? slip_persists : jump_persists;
   self->jumped = (PetscBool)(!*accept && k == 1 &&
                              (e > persists * self->rejected ||
                               (ts->time_step < self->layer && (f->n == 1 || e > nearly_seen))));
-  if (self->resolves && ts->steps > 0 && ts->time_step >= self->layer) self->jumped = PETSC_FALSE;
+  if (self->resolves && (ts->steps > 0 || self->again > 0) && !self->placed &&
+      ts->time_step >= self->layer) {
+    self->snaps = self->jumped;
+    self->jumped = PETSC_FALSE;
+  }
   if (self->kinked) self->jumped = PETSC_FALSE;
   self->rejected = *accept ? PETSC_MAX_REAL : e;
   if (self->jumped) *accept = PETSC_TRUE;
@@ -241,7 +261,7 @@ static PetscErrorCode Choose(TS ts, Controller *self, Formula *f, PetscBool *acc
   *factor = PetscMax(shrink_most, PetscMin(*factor, *accept ? grow_most : 0.9));
   PetscCall(PetscInfo(
       ts, "t %g dt %g order %d error %g (lower %g, higher %g) %s, next order %d, step times %g\n",
-      (double)f->time[0], (double)ts->time_step, (int)k, (double)e, (double)lower, (double)higher,
+      (double)f->now, (double)ts->time_step, (int)k, (double)e, (double)lower, (double)higher,
       *accept ? "accepted" : "rejected", (int)best, (double)*factor));
   PetscFunctionReturn(0);
 }
@@ -262,7 +282,7 @@ static PetscErrorCode LimitStep(TS ts, Controller *self) {
   end = match ? ts->max_time : PETSC_MAX_REAL;
   if (self->next_end && !self->fixed)
     end = SmallerOf(end, self->next_end(ts, ts->ptime + met * ts->max_time));
-  left = end - ts->ptime;
+  left = end - ts->ptime - self->late;
   if (ts->time_step >= left)
     ts->time_step = left;
   else if (!self->fixed && ts->time_step > left / 2)
@@ -270,23 +290,30 @@ static PetscErrorCode LimitStep(TS ts, Controller *self) {
   PetscFunctionReturn(0);
 }
 
+/* The step is this long from now on. Beside a time that is late in a run it may be next to nothing:
+   the history holds differences, and what the time has not room for is kept. */
+static void TakeStep(TS ts, const Controller *self, Formula *f) {
+  f->time[0] = ts->time_step;
+  f->now = ts->ptime + (self->late + ts->time_step);
+}
+
 /* Begins a try: the step's factor, and the step itself if that would change too much in it. */
 static void BeginTry(TS ts, Controller *self, Formula *f) {
   PetscReal folds;
 
-  f->time[0] = ts->ptime + ts->time_step;
+  TakeStep(ts, self, f);
   f->plain = self->plain_next;
   FormulaTakeFactor(f, self->order);
   folds = FormulaFolds(f);
   if (self->fixed || folds <= most_folds) return;
   ts->time_step *= most_folds / folds;
-  f->time[0] = ts->ptime + ts->time_step;
+  TakeStep(ts, self, f);
   FormulaTakeFactor(f, self->order);
 }
 
 /* A step that is no step. */
 static PetscReal Smallest(TS ts, const Controller *self) {
-  return smallest * PetscMax(ts->ptime, early * Scale(ts, self));
+  return smallest * smallest * Scale(ts, self);
 }
 
 /* After a rejection: a shorter step; after several, a fresh start from the last point alone,
@@ -297,6 +324,8 @@ static PetscErrorCode Retry(TS ts, Controller *self, Formula *f, PetscInt attemp
   PetscFunctionBegin;
   ts->reject++;
   ts->time_step *= factor;
+  if (!ts->steps && self->again > 0 && self->snaps)
+    ts->time_step = PetscMin(ts->time_step, self->again);
   self->since = 0;
   if (attempt >= 3) {
     self->order = 1;
@@ -314,7 +343,7 @@ static PetscErrorCode Check(TS ts, Controller *self, Formula *f, SNESConvergedRe
 
   PetscFunctionBegin;
   if (!self->check || *solved < 0) PetscFunctionReturn(0);
-  PetscCall(self->check(ts, f->time[1], f->time[0], f->point[1], f->point[0], &impossible));
+  PetscCall(self->check(ts, ts->ptime, f->now, f->point[1], f->point[0], &impossible));
   if (impossible) *solved = SNES_DIVERGED_FUNCTION_DOMAIN;
   PetscFunctionReturn(0);
 }
@@ -327,10 +356,10 @@ static PetscErrorCode CrossesAt(TS ts, Controller *self, Formula *f, Vec X, VBDF
   Mat J, P;
 
   PetscFunctionBegin;
-  PetscCall(TSPreStage(ts, f->time[0]));
+  PetscCall(TSPreStage(ts, f->now));
   PetscCall(FormulaRate(f, f->point[0]));
   PetscCall(TSGetIJacobian(ts, &J, &P, NULL, NULL));
-  PetscCall(TSComputeIJacobian(ts, f->time[0], X, f->rate, f->shift, J, P, PETSC_FALSE));
+  PetscCall(TSComputeIJacobian(ts, f->now, X, f->rate, f->shift, J, P, PETSC_FALSE));
   PetscCall(self->cross(ts, X, sight, crosses));
   PetscFunctionReturn(0);
 }
@@ -369,33 +398,6 @@ static PetscErrorCode Crosses(TS ts, Controller *self, Formula *f, PetscInt orde
   PetscFunctionReturn(0);
 }
 
-/* A jump shows: follows it from the last point on, and begins the step again behind it. */
-static PetscErrorCode Snap(TS ts, Controller *self, Formula *f) {
-  PetscFunctionBegin;
-  PetscCall(self->snap(ts, f->time[1], f->point[1], &self->snapped));
-  self->tried = PETSC_TRUE;
-  if (!self->snapped) PetscFunctionReturn(0);
-  PetscCall(FormulaMeasureSize(f, 1));
-  self->jumped = PETSC_FALSE;
-  self->rejected = PETSC_MAX_REAL;
-  self->order = 1;
-  f->n = 1;
-  self->before = 1; /* the others are before the jump */
-  PetscFunctionReturn(0);
-}
-
-/* Have the steps shrunk as they do before a snap, or more since that was asked? (The first step is
-   but a guess, which a start out of balance cuts to the rates of its fastest modes: no step that
-   follows has shrunk against that.) */
-static PetscBool Shrinks(const TS ts, Controller *self, const Formula *f) {
-  if (f->n <= 1 && self->usual == 0) return PETSC_FALSE;
-  PetscBool shrinks = (PetscBool)(ts->time_step < shrunk * self->usual);
-
-  self->usual =
-      shrinks ? ts->time_step * again / shrunk : PetscMax(ts->time_step, forgets * self->usual);
-  return shrinks;
-}
-
 /* Solves the equations of the present step, in the usual way or else in another. */
 static PetscErrorCode Solve(TS ts, Controller *self, Formula *f, SNESConvergedReason *solved) {
   PetscFunctionBegin;
@@ -428,12 +430,14 @@ static PetscErrorCode Try(TS ts, Controller *self, Formula *f, Outcome *outcome,
   self->order = PetscMax(1, PetscMin(self->order, f->n));
   PetscCall(LimitStep(ts, self));
   BeginTry(ts, self, f);
+  self->placed = self->snaps = PETSC_FALSE;
   PetscCall(Solve(ts, self, f, &solved));
   self->taken_order = self->order;
   PetscCall(VecNorm(f->point[0], NORM_1, &size));
   if (!(size < beyond)) solved = DIVERGED_NAN;
   PetscCall(Check(ts, self, f, &solved));
   *outcome = TRY_UNSOLVED;
+  self->snaps = (PetscBool)(solved < 0);
   if (solved < 0) PetscFunctionReturn(0);
   if (!self->fixed) PetscCall(Choose(ts, self, f, &accept, factor));
   if (accept) PetscCall(Crosses(ts, self, f, self->taken_order, &crosses));
@@ -441,25 +445,19 @@ static PetscErrorCode Try(TS ts, Controller *self, Formula *f, Outcome *outcome,
   PetscFunctionReturn(0);
 }
 
-/* The step cannot be as it was tried: one of fixed size ends the run; another is cut, or, if that
-   has not helped for long, a snap is followed. (Rejections for its error are none of these tries.)
-   One tried from the last point alone is blind, and judged by modes of the frozen rod, which need
-   not be those of the one that moves: if it crosses one, the next try is one whose error is seen.
+/* The step cannot be as it was tried: one of fixed size ends the run; another is cut. One tried
+   from the last point alone is blind, and judged by modes of the frozen rod, which need not be
+   those of the one that moves: if it crosses one, the next try is one whose error is seen.
  */
-static PetscErrorCode CutOrSnap(TS ts, Controller *self, Formula *f, PetscInt attempt,
-                                Outcome outcome) {
+static PetscErrorCode Cut(TS ts, Controller *self, Formula *f, PetscInt attempt, Outcome outcome) {
   PetscBool unsolved = (PetscBool)(outcome == TRY_UNSOLVED);
 
   PetscFunctionBegin;
   if (unsolved) ts->num_snes_failures++;
-  self->failures++;
   if (outcome == TRY_CROSSES && f->n == 1) self->look = PETSC_TRUE;
   if (self->fixed ||
       (unsolved && ts->max_snes_failures >= 0 && ts->num_snes_failures > ts->max_snes_failures))
     ts->reason = unsolved ? TS_DIVERGED_NONLINEAR_SOLVE : TS_DIVERGED_STEP_REJECTED;
-  else if (self->snap && !self->tried &&
-           (self->failures > failures_of_snap || cut * ts->time_step < Smallest(ts, self)))
-    PetscCall(Snap(ts, self, f));
   else
     PetscCall(Retry(ts, self, f, attempt, cut));
   PetscFunctionReturn(0);
@@ -476,53 +474,58 @@ static PetscErrorCode TryUntilAccepted(TS ts, Controller *self, Formula *f, Pets
       if (*factor > 1. / 3) self->rejected = PETSC_MAX_REAL;
       PetscCall(Retry(ts, self, f, attempt, *factor));
     } else if (outcome != TRY_ACCEPTED) {
-      PetscCall(CutOrSnap(ts, self, f, attempt, outcome));
-    } else if (self->jumped && self->snap && !self->tried && ts->time_step >= self->layer) {
-      PetscCall(Snap(ts, self, f));
-      if (self->snapped) outcome = TRY_UNSOLVED; /* it begins behind the snap */
+      PetscCall(Cut(ts, self, f, attempt, outcome));
     }
   }
   PetscFunctionReturn(0);
 }
 
 /* A step that begins at a kink knows nothing of what is behind it: the history starts anew, and the
-   step is short. (It has shrunk for that, and for no snap.) */
+   step is short. */
 static void SetOutAnew(TS ts, Controller *self, Formula *f) {
   self->kinked = (PetscBool)(self->kinks && !self->fixed && f->n > 1 && self->kinks(ts, ts->ptime));
   if (!self->kinked) return;
   f->n = self->order = 1;
-  self->usual = 0;
   ts->time_step = PetscMin(ts->time_step, ts->rtol * Scale(ts, self));
 }
 
-/* Begins a step: moves the state into the history, and follows a snap that shows on the way. */
+/* Begins a step: moves the state into the history. */
 static PetscErrorCode BeginStep(TS ts, Controller *self, Formula *f) {
   PetscFunctionBegin;
   PetscCall(PetscObjectTypeCompare((PetscObject)ts->adapt, TSADAPTNONE, &self->fixed));
-  self->jumped = self->tried = self->snapped = self->look = PETSC_FALSE;
-  self->before = self->failures = 0;
+  self->jumped = self->look = PETSC_FALSE;
+  self->before = 0;
   self->layer = PetscMax(self->layer, jump_step * Scale(ts, self));
   self->rejected = PETSC_MAX_REAL;
   if (ts->steprestart && !f->given) f->n = 0;
-  if (!f->given && !ts->steprollback) PetscCall(FormulaPush(f, ts->ptime, ts->vec_sol));
+  if (!f->given && !ts->steprollback) PetscCall(FormulaPush(f, ts->vec_sol));
   f->given = PETSC_FALSE;
   SetOutAnew(ts, self, f);
   if (self->fixed) self->order = PetscMin(self->order + 1, self->most);
-  if (!self->fixed && self->snap && Shrinks(ts, self, f)) PetscCall(Snap(ts, self, f));
   PetscFunctionReturn(0);
 }
 
+/* Time passes. */
+static void Pass(TS ts, Controller *self, Formula *f) {
+  const PetscReal before = ts->ptime, step = self->late + ts->time_step;
+
+  ts->ptime = f->now;
+  self->late = step - (f->now - before);
+  f->done = PETSC_TRUE;
+  if (ts->exact_final_time == TS_EXACTFINALTIME_MATCHSTEP &&
+      PetscAbsReal(ts->max_time - ts->ptime) < met * ts->max_time) {
+    ts->ptime = ts->max_time;
+    self->late = 0;
+  }
+}
+
 /* Ends an accepted step: hands over the state, and sets the size of the next step, times factor.
-   Behind a jump the history starts anew. (What steps are usual is not forgotten by one in which
-   Newton's method failed, as it does near a turning point: they would creep there until they are
-   the usual ones.) */
+   Behind a jump the history starts anew. */
 static PetscErrorCode EndStep(TS ts, Controller *self, Formula *f, PetscReal factor) {
   PetscFunctionBegin;
   self->since++;
-  if (self->failures) self->usual /= forgets;
-  if (self->jumped || self->snapped) self->jumps++;
-  if (self->jumped) self->blind++;
   if (self->jumped) {
+    self->jumps++;
     f->n = 0;
     factor = 1;
     if (ts->time_step < self->layer) {
@@ -533,10 +536,7 @@ static PetscErrorCode EndStep(TS ts, Controller *self, Formula *f, PetscReal fac
   PetscCall(VecCopy(f->point[0], ts->vec_sol));
   /* of the accepted state: a linear solve has not looked at it any more */
   PetscCall(FormulaRate(f, f->point[0]));
-  ts->ptime = f->time[0];
-  if (ts->exact_final_time == TS_EXACTFINALTIME_MATCHSTEP &&
-      PetscAbsReal(ts->max_time - ts->ptime) < met * ts->max_time)
-    ts->ptime = ts->max_time;
+  Pass(ts, self, f);
   ts->time_step *= factor;
   PetscFunctionReturn(0);
 }

@@ -1,5 +1,5 @@
 /* The control of the formula's steps: their size and order, what is rejected, what is a jump or
-   crosses a mode that grows, and snaps that are followed. */
+   crosses a mode that grows. */
 #ifndef TENDRIL_CONTROLLER_H
 #define TENDRIL_CONTROLLER_H
 
@@ -11,26 +11,26 @@ typedef struct {
   PetscInt most;        /* highest order allowed */
   PetscInt since;       /* steps since the order changed */
   PetscInt jumps;       /* steps that were jumps, so far */
-  PetscInt blind;       /* ... which no snap was followed through */
   PetscReal scale;      /* of time, that short steps are part of; 0: the run's end */
   PetscBool resolves; /* every motion has a velocity: only what is crossed in the layer is a jump */
   PetscReal layer;    /* a step this short is accepted whatever its error */
+  PetscReal again;    /* a first step that snaps is tried again in this size; 0: as others */
+  Vec held;           /* tolerances of what something holds back, if that is not all; borrowed */
+  PetscBool placed;   /* the latest try was right in that, and wrong */
+  PetscBool snaps;    /* it has no solution, or an error that does not fall though all is held */
   PetscReal rejected; /* error of the try before, if one of this step was rejected at a third of
                          the size or more */
-  PetscReal usual;    /* the longest of the latest steps, slowly forgotten */
+  PetscReal late;     /* what the time has passed by that has no room in it beside what it is */
   PetscBool fixed;    /* -ts_adapt_type none: steps as told, order as high as the history allows */
   PetscBool jumped;   /* the present step was accepted as a jump */
-  PetscBool tried, snapped; /* to follow a snap in the present step; it begins behind one */
-  PetscInt failures;        /* tries of the present step that had no solution, or crossed a mode */
-  PetscBool look;           /* its error is to be seen, if there is a point before */
-  PetscInt before;          /* points there were before it was tried from the last one alone */
-  PetscBool plain_next;     /* nothing is factored in the next step */
+  PetscBool look;     /* its error is to be seen, if there is a point before */
+  PetscInt before;    /* points there were before it was tried from the last one alone */
+  PetscBool plain_next;             /* nothing is factored in the next step */
   PetscObjectState tolerance_state; /* of the tolerances that were looked at */
   PetscBool minute;                 /* one of them is */
   Vec work;
   VBDFGuess guess;
   void *guess_ctx;
-  VBDFSnap snap;
   VBDFOtherWay other_way;
   VBDFCheck check;
   VBDFCross cross;

@@ -15,9 +15,10 @@
   both directions, or one for both while they are of like size). Errors are smooth along the rod,
   and a fifth of them is no matter: so it is done on a coarse mesh of every few nodes of the run's,
   and once in a few steps while the rod is straight. From the first contact on cells are no longer
-  than the layer over which contact spreads, and it is done once in a few steps. The two parts, in
-  space and in time, are carried along each for itself. What is told is the largest error that they
-  make in the tip's place (over its distance), |x2| and the energy (each over itself).
+  than the layer over which contact spreads, and it is done once in a few steps, unless the rod
+  moves far in one. The parts, in space, in time and so on, are carried along each for itself. What
+  is told is the error that they make in the tip's place (over its distance), |x2| and the energy
+  (each over itself): that of the latest state, and the largest so far.
 */
 enum { LEAST_CELLS = 8, CELLS = 48 }; /* of the run; of the coarse mesh, about */
 enum { SELDOM = 4 };  /* steps from one time to the next, while straight or in contact */
@@ -54,6 +55,8 @@ struct _Estimate {
   PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN]; /* beyond what is early */
   PetscReal start[ESTIMATE_PARTS][ESTIMATE_SEEN]; /* before, for a run that ends there */
   PetscReal began[ESTIMATE_SEEN];                 /* when there was nothing of it, at last */
+  PetscReal now[ESTIMATE_PARTS][ESTIMATE_SEEN];   /* of the state when e was stepped last */
+  PetscReal rigid[RIGID_VALUES]; /* what k dU/dk makes of its tip and energy, of itself */
   /* rank 0: the coarse rod; NULL else */
   Scene scene;
   Rod rod;
@@ -76,19 +79,22 @@ static PetscErrorCode CreateGathered(const Estimate self, Gathered *g) {
   PetscFunctionReturn(0);
 }
 
-/* Every stride-th node, the tip in any case; an even number, for defects are those of two cells. */
-static PetscErrorCode Coarsen(Estimate self, const Scene scene) {
-  PetscInt cells = scene->mesh.cells, most = cells / CELLS;
-  PetscReal h = scene->reach / cells, length = longest;
+/* How many cells of the run a coarse one has: an even number, for defects are those of two cells.
+   Where that is longer than the layer over which contact presses, at a length of the rod, it is
+   one: between longer ones a place where the rod touches would be lost, and what it holds go
+   astray. */
+static PetscInt Stride(const Estimate self, PetscReal reach) {
+  const Scene scene = self->leg->rod->scene;
+  const PetscReal h = reach / scene->mesh.cells, half = scene->contact.tip / 2;
+  PetscInt most = scene->mesh.cells / CELLS;
+  PetscReal length = longest;
 
-  PetscFunctionBegin;
   if (self->touches) {
-    length = PetscMin(longest, scene->contact.tip);
-    most = cells;
+    if (2 * h > half) return 1;
+    length = PetscMin(longest, half);
+    most = scene->mesh.cells;
   }
-  self->stride = 2 * PetscMax(1, PetscMin(most, (PetscInt)(length / h)) / 2);
-  self->nodes = (cells + self->stride - 1) / self->stride + 1;
-  PetscFunctionReturn(0);
+  return 2 * PetscMax(1, PetscMin(most, (PetscInt)(length / h)) / 2);
 }
 
 static PetscInt FineNode(const Estimate self, PetscInt k) {
@@ -98,15 +104,12 @@ static PetscInt FineNode(const Estimate self, PetscInt k) {
 /* Far parts of the rod see each other: that is no line of neighbours. */
 static PetscErrorCode CreateMatrix(Estimate self) {
   const PetscBool held = (PetscBool)(self->scene->tip.type != TIP_FREE);
-  PC pc;
 
   PetscFunctionBegin;
   if (BlockLUCan(self->nodes, self->fields)) {
     PetscCall(BlockLUCreate(self->nodes, self->fields, held, &self->J));
     PetscCall(KSPCreate(PETSC_COMM_SELF, &self->ksp));
-    PetscCall(KSPSetType(self->ksp, KSPPREONLY));
-    PetscCall(KSPGetPC(self->ksp, &pc));
-    PetscCall(BlockLUSetType(pc));
+    PetscCall(BlockLUSetSolver(self->ksp));
     PetscFunctionReturn(0);
   }
   PetscCall(RodCreateMatrix(self->rod, &self->J));
@@ -176,13 +179,14 @@ static PetscErrorCode DestroyCoarse(Estimate self) {
   PetscFunctionReturn(0);
 }
 
-/* Chooses the mesh, with all that is on it. */
-static PetscErrorCode ChooseMesh(Estimate self) {
+/* The mesh of every stride-th node, the tip in any case, with all that is on it. */
+static PetscErrorCode ChooseMesh(Estimate self, PetscInt stride) {
   Rod rod = self->leg->rod;
   PetscMPIInt rank;
 
   PetscFunctionBegin;
-  PetscCall(Coarsen(self, rod->scene));
+  self->stride = stride;
+  self->nodes = (rod->last + stride - 1) / stride + 1;
   PetscCall(CreateGathered(self, &self->own));
   PetscCallMPI(MPI_Comm_rank(rod->scene->comm, &rank));
   if (!rank) PetscCall(CreateCoarse(self, rod->scene));
@@ -208,7 +212,7 @@ PetscErrorCode EstimateCreate(Leg *leg, Estimate *estimate) {
   self->followed = self->model->halves[0];
   self->mirrors = self->model->space ? 2 : 1;
   PetscCall(PetscCalloc1(leg->rod->end - leg->rod->first, &self->defect));
-  PetscCall(ChooseMesh(self));
+  PetscCall(ChooseMesh(self, Stride(self, leg->rod->scene->reach)));
   PetscFunctionReturn(0);
 }
 
@@ -238,14 +242,13 @@ static void Interpolate(PetscInt fields, PetscInt m, const PetscReal *from, cons
   }
 }
 
-/* The rod touches something for the first time: its errors go on on another mesh. Collective. */
-static PetscErrorCode Refine(Estimate self) {
+/* Errors go on on another mesh. Collective. */
+static PetscErrorCode Refine(Estimate self, PetscInt stride) {
   PetscReal *s = NULL, *old = NULL;
   PetscInt n = self->nodes, size = n * self->fields;
   PetscBool here = (PetscBool)(self->rod != NULL);
 
   PetscFunctionBegin;
-  self->touches = PETSC_TRUE;
   self->until = 0;
   if (here) {
     PetscCall(PetscMalloc2(n, &s, ESTIMATE_PARTS * size, &old));
@@ -255,11 +258,27 @@ static PetscErrorCode Refine(Estimate self) {
     PetscCall(DestroyCoarse(self));
   }
   PetscCall(PetscFree(self->own.u));
-  PetscCall(ChooseMesh(self));
+  PetscCall(ChooseMesh(self, stride));
   for (int part = 0; part < ESTIMATE_PARTS && here; part++)
     Interpolate(self->fields, n, s, old + part * size, self->nodes, self->scene->mesh.s,
                 self->e[part]);
   PetscCall(PetscFree2(s, old));
+  PetscFunctionReturn(0);
+}
+
+/* The first contact, and longer cells or a shorter layer later, ask for another mesh. Collective.
+ */
+static PetscErrorCode LookAtLayer(Estimate self, PetscReal t) {
+  const PetscBool first = (PetscBool)!self->touches;
+  PetscReal length;
+  PetscInt stride;
+
+  PetscFunctionBegin;
+  if (!first && (self->stride == 1 || self->since)) PetscFunctionReturn(0);
+  self->touches = PETSC_TRUE;
+  PetscCall(GrowthLength(self->leg->rod->scene->growth, t, &length, NULL));
+  stride = Stride(self, length);
+  if (first || 2 * stride <= self->stride) PetscCall(Refine(self, stride));
   PetscFunctionReturn(0);
 }
 
@@ -580,15 +599,16 @@ static PetscReal SeeNorm(const Estimate self, PetscReal length, const PetscReal 
   return off;
 }
 
-/* What an error makes of the energy, over it; none: there is none. */
+/* What an error makes of the energy: change, and seen, over it; none: there is none. */
 static PetscErrorCode SeeEnergy(const Estimate self, PetscReal t, const PetscReal *e,
-                                PetscReal *seen) {
+                                PetscReal *seen, PetscReal *change) {
   const PetscReal *s = self->scene->mesh.s;
   const PetscInt last = self->nodes - 1, fields = self->fields,
                  moments = self->model->space ? 3 : 1;
   PetscReal energy = 0, by = 0, size = rod_vanished, length;
 
   PetscFunctionBegin;
+  *change = 0;
   for (PetscInt k = 0; k <= last; k++)
     for (PetscInt d = 0; d < moments; d++)
       size = PetscMax(size, PetscAbsReal(self->all.u[k * fields + self->followed + d]));
@@ -612,12 +632,13 @@ static PetscErrorCode SeeEnergy(const Estimate self, PetscReal t, const PetscRea
     PetscFunctionReturn(0);
   }
   *seen = PetscAbsReal(by / energy);
+  *change = by / 2 * size * size;
   PetscFunctionReturn(0);
 }
 
-/* What an error makes of tip, |x2| and energy, relative. */
+/* What an error makes of tip, |x2| and energy, relative; of tip and energy as it is, too. */
 static PetscErrorCode See(const Estimate self, PetscReal t, const PetscReal *e,
-                          PetscReal seen[ESTIMATE_SEEN]) {
+                          PetscReal seen[ESTIMATE_SEEN], PetscReal change[RIGID_VALUES]) {
   const PetscInt tip = (self->nodes - 1) * self->fields;
   PetscReal off = 0, distance = 0, length;
 
@@ -625,11 +646,12 @@ static PetscErrorCode See(const Estimate self, PetscReal t, const PetscReal *e,
   PetscCall(GrowthLength(self->scene->growth, t, &length, NULL));
   for (PetscInt d = 0; d <= self->mirrors; d++) {
     off = hypot(off, e[tip + d]);
+    change[RIGID_TIP + d] = e[tip + d];
     distance = hypot(distance, self->all.u[tip + d]);
   }
   seen[ESTIMATE_TIP] = off / PetscMax(distance, rod_vanished);
   seen[ESTIMATE_NORM] = SeeNorm(self, length, e);
-  PetscCall(SeeEnergy(self, t, e, &seen[ESTIMATE_ENERGY]));
+  PetscCall(SeeEnergy(self, t, e, &seen[ESTIMATE_ENERGY], &change[RIGID_ENERGY]));
   PetscFunctionReturn(0);
 }
 
@@ -646,22 +668,26 @@ static PetscBool IsEarly(const Estimate self, PetscReal t, int k) {
    for a while, as of the energy of a rod at rest that a wall will meet, starts when it begins: of
    what is next to nothing then, a part says little. */
 static PetscErrorCode Keep(Estimate self, PetscReal t, int part) {
-  PetscReal seen[ESTIMATE_SEEN] = {0}, most = 0, *e = self->e[part], *start = self->start[part];
+  PetscReal seen[ESTIMATE_SEEN] = {0}, most = 0, *e = self->e[part], *start = self->start[part],
+            change[RIGID_VALUES] = {0};
   const PetscReal *began = self->began;
 
   PetscFunctionBegin;
-  PetscCall(See(self, t, e, seen));
+  PetscCall(See(self, t, e, seen, change));
+  if (part == ESTIMATE_SOFT) PetscCall(PetscArraycpy(self->rigid, change, RIGID_VALUES));
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
+    PetscReal *worst = &self->worst[part][k], told;
     if (PetscIsInfOrNanReal(seen[k])) seen[k] = most = PETSC_MAX_REAL;
     if (seen[k] == none) self->began[k] = t;
     if (began[k] == 0 || !IsEarly(self, t, k)) most = PetscMax(most, seen[k]);
+    told = seen[k] == none ? 0 : PetscMin(1, seen[k]);
     if (seen[k] == none)
       start[k] = 0;
     else if (IsEarly(self, t, k))
-      start[k] =
-          PetscMax(PetscMin(1, seen[k]), start[k] * (self->before - began[k]) / (t - began[k]));
+      start[k] = PetscMax(told, start[k] * (self->before - began[k]) / (t - began[k]));
     else
-      self->worst[part][k] = PetscMax(self->worst[part][k], PetscMin(1, seen[k]));
+      *worst = PetscMax(*worst, told);
+    self->now[part][k] = told;
   }
   for (PetscInt i = 0; i < self->nodes * self->fields && most > 1; i++)
     e[i] = most < PETSC_MAX_REAL ? e[i] / most : 0;
@@ -690,14 +716,17 @@ static void TakeErrors(Estimate self, int part, const PetscReal ratio[GROUPS], P
 /* A step of backward Euler from before to t. (A'/A is that at t: with its mean over the step, which
    is another where the rate changes, errors would rise or fall against x2.) */
 static PetscErrorCode Advance(Estimate self, PetscReal t) {
+  const Friction *law = &self->leg->rod->scene->load.friction;
   PetscReal size[MIRRORS], rate[MIRRORS], ratio[GROUPS], step = t - self->before, shift[MAX_FIELDS];
 
   PetscFunctionBegin;
   Sizes(self, size, rate);
   Ratios(size, self->size, ratio);
   PetscCall(PetscArraycpy(self->size, size, MIRRORS));
-  self->scene->load.friction.mu =
-      self->leg->rod->scene->load.friction.mu; /* a snap may change it */
+  self->scene->load.friction.mu = law->mu; /* a snap may change it */
+  self->scene->load.friction.viscous = law->viscous;
+  self->scene->load.friction.least = law->least;
+  SceneAtSpeed(self->scene, self->leg->rod->scene->falls);
   PetscCall(PutState(self));
   TakeContact(self);
   for (PetscInt f = 0; f < self->fields; f++) {
@@ -757,6 +786,22 @@ static PetscBool Waits(const Estimate self, PetscReal t, const PetscReal size[MA
                      t < self->leg->rod->scene->end_time);
 }
 
+/* What rank 0 has found of the latest state, to all. */
+static PetscErrorCode Share(Estimate self) {
+  PetscReal all[ESTIMATE_PARTS * ESTIMATE_SEEN + ESTIMATE_SEEN + RIGID_VALUES], *at = all;
+
+  PetscFunctionBegin;
+  PetscCall(PetscArraycpy(at, self->now[0], ESTIMATE_PARTS * ESTIMATE_SEEN));
+  PetscCall(PetscArraycpy(at += ESTIMATE_PARTS * ESTIMATE_SEEN, self->began, ESTIMATE_SEEN));
+  PetscCall(PetscArraycpy(at += ESTIMATE_SEEN, self->rigid, RIGID_VALUES));
+  PetscCallMPI(MPI_Bcast(all, (PetscMPIInt)PETSC_STATIC_ARRAY_LENGTH(all), MPIU_REAL, 0,
+                         self->leg->rod->scene->comm));
+  PetscCall(PetscArraycpy(self->now[0], at = all, ESTIMATE_PARTS * ESTIMATE_SEEN));
+  PetscCall(PetscArraycpy(self->began, at += ESTIMATE_PARTS * ESTIMATE_SEEN, ESTIMATE_SEEN));
+  PetscCall(PetscArraycpy(self->rigid, at += ESTIMATE_SEEN, RIGID_VALUES));
+  PetscFunctionReturn(0);
+}
+
 /*
   EstimateStep - goes on to the state that an accepted step has led to. Collective.
 
@@ -769,7 +814,7 @@ PetscErrorCode EstimateStep(Estimate self, PetscBool jumped, PetscBool touches) 
   PetscFunctionBegin;
   if (!self) PetscFunctionReturn(0);
   PetscCall(TSGetTime(self->leg->ts, &t));
-  if (touches && !self->touches) PetscCall(Refine(self));
+  if (touches) PetscCall(LookAtLayer(self, t));
   PetscCall(RodFieldSizes(self->leg->rod, self->leg->U, size));
   Across(self, size, across);
   PetscCall(LookForKink(self, &times_error));
@@ -785,6 +830,7 @@ PetscErrorCode EstimateStep(Estimate self, PetscBool jumped, PetscBool touches) 
   PetscCall(PetscArrayzero(self->own.local, 2 * self->nodes * self->followed)); /* and skipped */
   self->before = t;
   self->since = 0;
+  PetscCall(Share(self));
   PetscFunctionReturn(0);
 }
 
@@ -803,6 +849,20 @@ PetscErrorCode EstimateTold(Estimate self, PetscReal told[ESTIMATE_PARTS][ESTIMA
       if (IsEarly(self, self->before, k))
         told[part][k] = PetscMax(told[part][k], self->start[part][k]);
   PetscFunctionReturn(0);
+}
+
+/* EstimateLatest - the errors of the state when they were stepped last; and, of one that touches,
+   what makes rigid contact of its tip and its energy: k dU/dk. */
+void EstimateLatest(Estimate self, PetscReal latest[ESTIMATE_PARTS][ESTIMATE_SEEN],
+                    PetscReal rigid[RIGID_VALUES]) {
+  for (int part = 0; part < ESTIMATE_PARTS; part++)
+    for (int k = 0; k < ESTIMATE_SEEN; k++) latest[part][k] = self->now[part][k];
+  for (int k = 0; k < RIGID_VALUES; k++) rigid[k] = self->rigid[k];
+}
+
+/* EstimateIsEarly - is an error of this kind at t one of a start, which does not count? */
+PetscBool EstimateIsEarly(Estimate self, PetscReal t, int seen) {
+  return IsEarly(self, t, seen);
 }
 
 /* EstimateGet - the largest errors so far beyond the start, for EstimateSet(). Collective. */
@@ -889,8 +949,12 @@ static void Remembered(Estimate self, PetscReal *number[ESTIMATE_NUMBERS]) {
   }
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
     number[n++] = &self->began[k];
-    for (int part = 0; part < ESTIMATE_PARTS; part++) number[n++] = &self->start[part][k];
+    for (int part = 0; part < ESTIMATE_PARTS; part++) {
+      number[n++] = &self->start[part][k];
+      number[n++] = &self->now[part][k];
+    }
   }
+  for (int k = 0; k < RIGID_VALUES; k++) number[n++] = &self->rigid[k];
 }
 
 /* EstimateVectors - room for what EstimateKeep() keeps; the caller destroys them. Collective. */
@@ -915,10 +979,11 @@ PetscErrorCode EstimateKeep(Estimate self, PetscReal memory[ESTIMATE_MEMORY],
   MPI_Comm comm = self->leg->rod->scene->comm;
 
   PetscFunctionBegin;
-  memory[0] = self->touches ? 1 : 0;
+  memory[0] = self->touches ? (PetscReal)self->stride : 0;
   memory[1] = (PetscReal)self->since;
   memory[2] = (PetscReal)self->watch;
   memory[3] = (PetscReal)self->until;
+  memory[4] = (PetscReal)self->stride;
   Remembered(self, number);
   for (int k = 0; k < ESTIMATE_NUMBERS; k++) memory[ESTIMATE_COUNTS + k] = *number[k];
   for (int part = 0; part < ESTIMATE_PARTS; part++)
@@ -939,7 +1004,8 @@ PetscErrorCode EstimateTake(Estimate self, const PetscReal memory[ESTIMATE_MEMOR
   PetscReal *number[ESTIMATE_NUMBERS];
 
   PetscFunctionBegin;
-  if (memory[0] != 0 && !self->touches) PetscCall(Refine(self));
+  self->touches = (PetscBool)(memory[0] != 0);
+  if (self->stride != (PetscInt)memory[4]) PetscCall(Refine(self, (PetscInt)memory[4]));
   self->since = (PetscInt)memory[1];
   self->watch = (PetscInt)memory[2];
   self->until = (PetscInt)memory[3];

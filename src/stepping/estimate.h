@@ -10,24 +10,40 @@ typedef struct _Estimate *Estimate;
 
 enum { ESTIMATE_SPACE, ESTIMATE_TIME, ESTIMATE_LIMIT, ESTIMATE_SOFT, ESTIMATE_PARTS };
 enum { ESTIMATE_TIP, ESTIMATE_NORM, ESTIMATE_ENERGY, ESTIMATE_SEEN };
+enum { RIGID_TIP, RIGID_ENERGY = 3, RIGID_VALUES };
 
 /* What is kept of it for a restart: what is counted, numbers, and errors as states of the rod. */
 enum {
-  ESTIMATE_COUNTS = 4,
-  ESTIMATE_NUMBERS = 2 + 3 * MIRRORS + (1 + ESTIMATE_PARTS) * ESTIMATE_SEEN
+  ESTIMATE_COUNTS = 5,
+  ESTIMATE_NUMBERS = 2 + 3 * MIRRORS + (1 + 2 * ESTIMATE_PARTS) * ESTIMATE_SEEN + RIGID_VALUES
 };
 enum { ESTIMATE_MEMORY = ESTIMATE_COUNTS + ESTIMATE_NUMBERS, ESTIMATE_KEPT = ESTIMATE_PARTS + 2 };
 
-/* How far off a run may be: in each of what is seen, by each of the parts, and in all. */
+/* How far off: in each of what is seen, by each of the parts, and in all. */
+typedef struct {
+  PetscReal all, part[ESTIMATE_PARTS], seen[ESTIMATE_SEEN];
+} Errors;
+
+/* What an error is the largest of its run by: one of the parts, or what came just then. */
+enum { WHY_TOUCH = ESTIMATE_PARTS, WHY_LETS_GO, WHY_SNAP, WHYS };
+
+/* How far off a run may be: over all of it, with times and reasons, and in its last state; and by
+   how much its tip and energy would differ, to first order, if contact were rigid. */
 typedef struct {
   enum { ESTIMATE_NONE, ESTIMATE_MEASURED, ESTIMATE_FITTED } kind;
-  PetscReal all, part[ESTIMATE_PARTS], seen[ESTIMATE_SEEN];
+  Errors most, end;
+  PetscReal when[ESTIMATE_SEEN], rigid[RIGID_VALUES];
+  int why[ESTIMATE_SEEN];
+  PetscBool pressed; /* the rod has touched something: rigid is known */
 } ErrorEstimate;
 
 PetscErrorCode EstimateCreate(Leg *leg, Estimate *estimate);
 PetscErrorCode EstimateDestroy(Estimate *estimate);
 PetscErrorCode EstimateStep(Estimate estimate, PetscBool jumped, PetscBool touches);
 PetscErrorCode EstimateTold(Estimate estimate, PetscReal told[ESTIMATE_PARTS][ESTIMATE_SEEN]);
+void EstimateLatest(Estimate estimate, PetscReal latest[ESTIMATE_PARTS][ESTIMATE_SEEN],
+                    PetscReal rigid[RIGID_VALUES]);
+PetscBool EstimateIsEarly(Estimate estimate, PetscReal t, int seen);
 PetscErrorCode EstimateGet(Estimate estimate, PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN]);
 PetscErrorCode EstimateSet(Estimate estimate, PetscReal t,
                            const PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN]);

@@ -167,18 +167,20 @@ PetscErrorCode FormulaMeasureSize(Formula *self, PetscInt i) {
   PetscFunctionReturn(0);
 }
 
-/* FormulaPush - moves an accepted solution U, at time t, into the history. Collective. */
-PetscErrorCode FormulaPush(Formula *self, PetscReal t, Vec U) {
+/* FormulaPush - moves an accepted solution U into the history. Collective. */
+PetscErrorCode FormulaPush(Formula *self, Vec U) {
+  const PetscReal step = self->done ? self->time[0] : 0;
   Vec last = self->point[VBDF_POINTS - 1];
 
   PetscFunctionBegin;
   for (PetscInt i = VBDF_POINTS - 1; i > 1; i--) {
     self->point[i] = self->point[i - 1];
-    self->time[i] = self->time[i - 1];
+    self->time[i] = self->time[i - 1] - step;
     PetscCall(PetscArraycpy(self->size[i], self->size[i - 1], FORMULA_SIZES));
   }
   self->point[1] = last;
-  self->time[1] = t;
+  self->time[1] = 0;
+  self->done = PETSC_FALSE;
   PetscCall(VecCopy(U, last));
   PetscCall(FormulaMeasureSize(self, 1));
   self->n = PetscMin(self->n + 1, VBDF_POINTS - 1);

@@ -11,10 +11,12 @@ enum { FORMULA_ALL = VBDF_FACTORS, FORMULA_SIZES };
 
 typedef struct {
   /* The history. point[0] is the new solution, at time[0]; point[1], point[2], ... those of the
-     steps before. */
-  PetscInt n;      /* past points */
-  PetscBool given; /* it was handed over: there is no new solution yet */
-  PetscReal time[VBDF_POINTS];
+     steps before. Times count from the latest of these: however late it is in a run, a step may be
+     as short as in its beginning. */
+  PetscInt n;                       /* past points */
+  PetscBool given;                  /* it was handed over: there is no new solution yet */
+  PetscBool done;                   /* the step to the new solution has been accepted */
+  PetscReal time[VBDF_POINTS], now; /* now: of the new solution, as the run counts */
   Vec point[VBDF_POINTS];
   /* The present step: U_t = shift U + affine, and rho U more for the fields factored, of each of
      their factors. */
@@ -35,7 +37,7 @@ typedef struct {
 PetscErrorCode FormulaSetUp(Formula *formula, Vec U);
 PetscErrorCode FormulaReset(Formula *formula);
 PetscErrorCode FormulaMeasureSize(Formula *formula, PetscInt i);
-PetscErrorCode FormulaPush(Formula *formula, PetscReal t, Vec U);
+PetscErrorCode FormulaPush(Formula *formula, Vec U);
 void FormulaTakeFactor(Formula *formula, PetscInt order);
 PetscReal FormulaFolds(const Formula *formula);
 PetscErrorCode FormulaExtrapolate(Formula *formula, PetscInt m, Vec X);

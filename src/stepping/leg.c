@@ -41,16 +41,23 @@ static PetscErrorCode SetTolerance(Leg *leg) {
   PetscFunctionBegin;
   for (PetscInt f = 0; f < fields; f++) {
     const PetscReal least = rod_vanished * RodFieldUnit(leg->rod, f);
-    most[f] =
-        leg->rod->model->followed[f]
-            ? share_of_step * PetscMax(leg->rtol * PetscMax(leg->size[f], Steered(leg, f)), least)
-            : -1;
+    most[f] = leg->rod->model->followed[f]
+                  ? share_of_step * PetscMax(leg->ease.times * leg->rtol *
+                                                 PetscMax(leg->size[f], Steered(leg, f)),
+                                             least)
+                  : -1;
   }
   PetscCall(VecGetLocalSize(leg->tolerance, &n));
   PetscCall(VecGetArray(leg->tolerance, &a));
   for (PetscInt i = 0; i < n; i += fields)
     for (PetscInt f = 0; f < fields; f++) a[i + f] = most[f];
   PetscCall(VecRestoreArray(leg->tolerance, &a));
+  if (!leg->held) PetscFunctionReturn(0);
+  PetscCall(VecGetArray(leg->held, &a));
+  for (PetscInt i = 0; i < n; i += fields)
+    for (PetscInt f = 0; f < fields; f++)
+      a[i + f] = strchr("xy", leg->rod->model->field[f][0]) ? most[f] : -1;
+  PetscCall(VecRestoreArray(leg->held, &a));
   PetscFunctionReturn(0);
 }
 
@@ -73,7 +80,8 @@ static PetscErrorCode BeforeStep(TS ts) {
     leg->size[f] = PetscMax(leg->size[f], leg->kick[f]);
   }
   PetscCall(SetTolerance(leg));
-  PetscCall(TSSetTolerances(ts, PETSC_DEFAULT, leg->tolerance, leg->rtol, leg->none));
+  PetscCall(
+      TSSetTolerances(ts, PETSC_DEFAULT, leg->tolerance, leg->ease.times * leg->rtol, leg->none));
   PetscFunctionReturn(0);
 }
 
@@ -365,11 +373,48 @@ PetscErrorCode LegLeavesPlane(Leg *leg, Vec U, PetscReal within, PetscBool *leav
   PetscFunctionReturn(0);
 }
 
-/* LegIterations - Newton iterations so far: of all tries of steps, and of snaps. */
-PetscErrorCode LegIterations(const Leg *leg, PetscInt *iterations) {
+/* What held places at rest before a snap holds them no more: the shifts of exact Coulomb friction
+   (Newton's method remembers them) begin anew. */
+static PetscErrorCode LetGo(Rod rod) {
+  Vec none;
+  DM da;
+
   PetscFunctionBegin;
-  PetscCall(TSGetSNESIterations(leg->ts, iterations));
-  *iterations += leg->nested;
+  if (!rod->memory || !LoadSticks(&rod->scene->load)) PetscFunctionReturn(0);
+  PetscCall(RodCreateMemory(rod, &da, &none));
+  PetscCall(VecSet(none, 0));
+  PetscCall(rod->model->recall(rod, none));
+  PetscCall(VecDestroy(&none));
+  PetscCall(DMDestroy(&da));
+  PetscFunctionReturn(0);
+}
+
+/* Speeds at which a rod in dry friction snaps, and at which it has snapped, over that at which it
+   grows. */
+static const PetscReal snaps_at = 1e3, snapped_at = 1.2;
+
+/*
+  LegSpeed - the speed of the fastest place behind an accepted step, over that at which the rod
+  grows. While it snaps its friction is rounded off (SceneAtSpeed()). Collective.
+
+  begins  a snap, with this step
+*/
+PetscErrorCode LegSpeed(Leg *leg, PetscReal *speed, PetscBool *begins) {
+  const RodModel *model = leg->rod->model;
+  const Scene scene = leg->rod->scene;
+  PetscReal rate[MAX_FIELDS], fastest = 0;
+  PetscBool falls;
+
+  PetscFunctionBegin;
+  PetscCall(RodFieldSizes(leg->rod, leg->newton.latest.U_t, rate));
+  for (PetscInt f = 0; f < model->fields; f++)
+    if (strchr("xy", model->field[f][0])) fastest = PetscMax(fastest, rate[f]);
+  *speed = fastest / scene->units.speed;
+  falls =
+      (PetscBool)(LoadIsDry(&scene->load) && *speed > (scene->falls > 0 ? snapped_at : snaps_at));
+  *begins = (PetscBool)(falls && scene->falls == 0);
+  if (*begins) PetscCall(LetGo(leg->rod));
+  if (falls || scene->falls > 0) SceneAtSpeed(scene, falls ? fastest : 0);
   PetscFunctionReturn(0);
 }
 
@@ -457,7 +502,8 @@ static PetscErrorCode RefuseAdapt(TS ts) {
 }
 
 /* The first step, as parts of the scene's unit of time and of the rod's own: nothing that a rod out
-   of balance does at once may take less. (What a straight one does is small at first.) But where
+   of balance does at once may take less. (What a straight one does is small at first; one in dry
+   friction is in balance, or that is seen when the first step is tried.) But where
    that is next to nothing, a part of the time that short steps are part of: there must be shorter
    ones. */
 static const PetscReal first_of_unit = 1e-4, first_of_own = 1e-6, straight_of_own = 0.1,
@@ -468,11 +514,15 @@ static PetscErrorCode SetFirstStep(Leg *leg) {
   const SceneUnits *units = &scene->units;
   const PetscBool straight = (PetscBool)(scene->shape.type == SHAPE_STRAIGHT);
   PetscReal first = first_of_unit * units->time;
+  const PetscReal own =
+      PetscMin(first, PetscMax((straight ? straight_of_own : first_of_own) * units->own,
+                               first_of_brief * units->brief));
 
   PetscFunctionBegin;
-  if (units->own > 0 && !(straight && scene->contact.any))
-    first = PetscMin(first, PetscMax((straight ? straight_of_own : first_of_own) * units->own,
-                                     first_of_brief * units->brief));
+  if (LoadIsDry(&scene->load))
+    PetscCall(VBDFSetAgain(leg->ts, own));
+  else if (!(straight && scene->contact.any))
+    first = own;
   PetscCall(TSSetTimeStep(leg->ts, first));
   PetscFunctionReturn(0);
 }
@@ -486,29 +536,39 @@ static PetscErrorCode TakeOptions(TS ts) {
   PetscFunctionReturn(0);
 }
 
+/* No friction holds a rod in space from turning about its own tangent if it has no radius at which
+   it feels that, nor does it hold what of such a turn lies within a cell: in dry friction, where
+   nothing else takes time, such turns may jump. */
+static PetscErrorCode FreeTurns(Leg *leg) {
+  PetscFunctionBegin;
+  if (!leg->rod->model->space || !LoadIsDry(&leg->rod->scene->load)) PetscFunctionReturn(0);
+  PetscCall(VecDuplicate(leg->U, &leg->held));
+  PetscCall(VBDFSetHeld(leg->ts, leg->held));
+  PetscFunctionReturn(0);
+}
+
 /*
   LegCreate - a model of a scene with its stepper, ready for TSSolve() once U is set. Collective;
   the caller destroys it with LegDestroy().
 
   rtol    tolerance of a step, per field
-  prefix  of the options of its stepper, or NULL
 
   The caller sets what is done after a step, and the end if it is not the scene's.
 */
-PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, const char *prefix,
-                         Leg *leg) {
+PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, Leg *leg) {
   PetscBool fixed, given, full;
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(leg, sizeof(*leg)));
   leg->rtol = rtol;
+  leg->ease.most = leg->ease.times = 1;
   PetscCall(RodCreate(scene, model, &leg->rod));
-  if (!prefix) PetscCall(RodFindUnits(leg->rod));
+  PetscCall(RodFindUnits(leg->rod));
+  LoadShareLeast(&scene->load, scene->units.speed);
   PetscCall(DMCreateGlobalVector(leg->rod->da, &leg->U));
   PetscCall(VecDuplicate(leg->U, &leg->tolerance));
   PetscCall(VecDuplicate(leg->U, &leg->none));
   PetscCall(TSCreate(scene->comm, &leg->ts));
-  PetscCall(TSSetOptionsPrefix(leg->ts, prefix));
   PetscCall(TSSetDM(leg->ts, leg->rod->da));
   PetscCall(TSSetApplicationContext(leg->ts, leg));
   PetscCall(TSSetEquationType(leg->ts, TS_EQ_DAE_IMPLICIT_INDEX2));
@@ -518,10 +578,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   PetscCall(TSSetMaxTime(leg->ts, scene->end_time));
   PetscCall(TSSetMaxSteps(leg->ts, PETSC_MAX_INT));
   PetscCall(TSSetExactFinalTime(leg->ts, TS_EXACTFINALTIME_MATCHSTEP));
-  if (prefix)
-    PetscCall(TSSetTimeStep(leg->ts, first_of_unit * scene->units.length));
-  else
-    PetscCall(SetFirstStep(leg));
+  PetscCall(SetFirstStep(leg));
   PetscCall(TSSetMaxSNESFailures(leg->ts, -1));
   PetscCall(TSSetMaxStepRejections(leg->ts, 50));
   PetscCall(TSSetErrorIfStepFails(leg->ts, PETSC_FALSE));
@@ -539,9 +596,9 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, con
   PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_max_snes_failures", &given));
   if (fixed && !given)
     PetscCall(TSSetMaxSNESFailures(leg->ts, 10)); /* a fixed step does not help itself */
-  if (!prefix) PetscCall(VBDFSetScale(leg->ts, scene->units.brief));
-  if (!prefix && !scene->contact.any)
-    PetscCall(VBDFSetResolves(leg->ts, (PetscBool)!LoadIsDry(&scene->load)));
+  PetscCall(VBDFSetScale(leg->ts, scene->units.brief));
+  PetscCall(VBDFSetResolves(leg->ts, (PetscBool)(LoadIsDry(&scene->load) || !scene->contact.any)));
+  PetscCall(FreeTurns(leg));
   PetscCall(VBDFSetFactored(leg->ts, model->fields, model->group));
   PetscCall(MeasureAlongAxes(leg));
   PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));
@@ -607,7 +664,7 @@ static PetscBool Kinks(TS ts, PetscReal t) {
 
 /* LegEndAtTurns - lets steps end where what tables give in time sets out, stops or turns back: a
    rod that rests, or does not feel it yet, lets steps be long, and one might leave out that it came
-   and went. (In the fast time of a snap nothing does.) */
+   and went. */
 PetscErrorCode LegEndAtTurns(Leg *leg) {
   PetscFunctionBegin;
   if (SceneNextTurn(leg->rod->scene, 0) < PETSC_MAX_REAL)
@@ -623,6 +680,7 @@ PetscErrorCode LegDestroy(Leg *leg) {
   PetscCall(NewtonDestroy(&leg->newton));
   PetscCall(VecDestroy(&leg->U));
   PetscCall(VecDestroy(&leg->tolerance));
+  PetscCall(VecDestroy(&leg->held));
   PetscCall(VecDestroy(&leg->none));
   PetscCall(RodDestroy(&leg->rod));
   PetscFunctionReturn(0);

@@ -31,12 +31,11 @@ static PetscErrorCode Residuals(Rod rod, Vec U, Vec F, PetscReal residual[GROUPS
 
 /* Forces and moments do not control the step, but where the rod sticks they are all that Newton's
    method has to find: they must settle to this part of their size, or the next step starts from
-   noise; where a snap ends, to that part of it, for what is left must be less than the slack by
-   which the rod rests below the limit of friction (LoadInFastTime()). Not for ever: with a tiny
+   noise. Not for ever: with a tiny
    beta and a tiny step their round-off may lie above it: only for so many iterations; in steps in
    which they matter (MindsForces()) for so many in a row that have moved nothing else. */
-static const PetscReal loose = 1e-4, tight = 1e-3;
-enum { PATIENCE = 8 };
+static const PetscReal loose = 1e-4, tight = 1e-5;
+enum { PATIENCE = 8, IN_A_SNAP = 16 };
 
 /* Forces and moments of a rod at rest may be all but none, and what is found of them is round-off
    of what bends it: below this part of the unit in which a rod so bent has them nothing is to
@@ -93,13 +92,12 @@ static PetscReal Largest(const PetscReal residual[GROUPS]) {
 
 /*
   MindsForces - must a step of a rod that can touch not be accepted without its forces? One that is
-  so long that a place which moves in it by no more than what is not seen is slower than what counts
-  (self->slow); and one whose residual is larger than that of its guess: nothing has been found in
-  it. At the brink of a snap velocities double in each iteration from next to nothing on, and one
-  that has run wild falls back to there: after some iterations such a rod was taken for one at rest,
-  without balance, or crept on in steps of such noise. (In shorter steps speeds are noise whatever
-  is done, and starts that are far out of balance, as their guesses are, fall in some in which no
-  force can be told.)
+  so long that a place which moves in it by no more than what is not seen does not snap; and one
+  whose residual is larger than that of its guess: nothing has been found in it. At the brink of a
+  snap velocities double in each iteration from next to nothing on, and one that has run wild falls
+  back to there: after some iterations such a rod was taken for one at rest, without balance, or
+  crept on in steps of such noise. (In shorter steps speeds are noise whatever is done, and starts
+  that are far out of balance, as their guesses are, fall in some in which no force can be told.)
 */
 static PetscErrorCode MindsForces(const Newton *self, PetscReal unseen,
                                   const PetscReal residual[GROUPS], PetscBool *minds) {
@@ -108,8 +106,16 @@ static PetscErrorCode MindsForces(const Newton *self, PetscReal unseen,
   PetscFunctionBegin;
   PetscCall(TSGetTimeStep(self->ts, &step));
   *minds = (PetscBool)(self->rod->scene->contact.any &&
-                       (unseen < self->slow * step || Largest(residual) > self->guess));
+                       (unseen < snapping * step || Largest(residual) > self->guess));
   PetscFunctionReturn(0);
+}
+
+/* What an update of forces counts, relative to their size, beside those of the fields followed. */
+static PetscReal WeightOfForces(const Newton *self, PetscReal floor) {
+  const PetscBool falls = (PetscBool)(self->rod->scene->falls > 0);
+
+  if (self->waits >= (falls ? IN_A_SNAP : PATIENCE)) return 0;
+  return PetscMin(1, floor / (falls ? tight : loose));
 }
 
 /*
@@ -245,9 +251,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
     self->guess = Largest(residual);
   } else {
     PetscCall(SNESGetSolutionUpdate(snes, &dU));
-    PetscCall(RelativeUpdates(self->rod, U, dU,
-                              self->waits < PATIENCE ? PetscMin(1, floor / self->loose) : 0, update,
-                              &followed));
+    PetscCall(RelativeUpdates(self->rod, U, dU, WeightOfForces(self, floor), update, &followed));
     PetscCall(MindsForces(self, floor, residual, &minds));
     self->waits = minds && followed > floor ? 0 : self->waits + 1;
     for (int g = 0; g < GROUPS; g++) {
@@ -342,8 +346,6 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   newton->rod = rod;
   PetscCall(TSGetTolerances(ts, NULL, NULL, &rtol, NULL));
   SetTolerance(newton, share_of_tolerance * rtol);
-  newton->loose = loose;
-  newton->slow = snapping;
   PetscCall(TSSetIFunction(ts, NULL, Residual, newton));
   PetscCall(TSGetSNES(ts, &snes));
   PetscCall(SNESSetType(snes, rod->model->linear ? SNESKSPONLY : SNESNEWTONLS));
@@ -357,19 +359,6 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
                                  ? ChainFolded((PetscBool)(rod->scene->tip.type != TIP_FREE))
                                  : MATORDERINGNATURAL));
   PetscFunctionReturn(0);
-}
-
-/*
-  NewtonToRest - for a rod that is followed to where it rests: Newton's method converges, in all
-  steps, as far as it would for those of the tolerance rtol if that is smaller, and forces farther
-  still. After NewtonSetUp().
-
-  rest  the speed at which it is at rest
-*/
-void NewtonToRest(Newton *newton, PetscReal rtol, PetscReal rest) {
-  newton->slow = rest;
-  SetTolerance(newton, PetscMin(newton->tolerance, share_of_tolerance * rtol));
-  newton->loose = tight * loose;
 }
 
 /* Is a matrix asked for? By any option of PETSc's that is about one, or about another way than full
@@ -431,13 +420,23 @@ static PetscErrorCode MultiplyDirection(Mat J, Vec Y, Vec JY) {
   PetscFunctionReturn(0);
 }
 
+/* What solves for the steps of Newton's method. */
+static PetscErrorCode SolverOf(TS ts, KSP *ksp, PC *pc) {
+  SNES snes;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetSNES(ts, &snes));
+  PetscCall(SNESGetKSP(snes, ksp));
+  PetscCall(KSPGetPC(*ksp, pc));
+  PetscFunctionReturn(0);
+}
+
 /* A matrix that is not there: its equations are eliminated as they are computed. Where friction
    feels the spin of a rod modes are counted in another one (rod/space.c), and so they are where a
    tip is held at rest, whose last cell else had no friction at one end alone. */
 static PetscErrorCode SetElimination(TS ts, Newton *newton) {
   Rod rod = newton->rod;
   PetscInt nodes = rod->end - rod->first, n = nodes * rod->model->fields;
-  SNES snes;
   KSP ksp;
   PC pc;
 
@@ -446,9 +445,7 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
   PetscCall(
       MatCreateShell(rod->scene->comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, newton, &newton->J));
   PetscCall(MatShellSetOperation(newton->J, MATOP_MULT, (void (*)(void))MultiplyDirection));
-  PetscCall(TSGetSNES(ts, &snes));
-  PetscCall(SNESGetKSP(snes, &ksp));
-  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(SolverOf(ts, &ksp, &pc));
   PetscCall(EliminationSetType(pc, newton->elimination));
   if ((rod->model->space && rod->scene->load.radius > 0) || TipHolds(&rod->scene->tip, 1))
     PetscCall(EliminationCreate(rod->scene->comm, nodes, rod->model->halves, &newton->counter));
@@ -458,17 +455,14 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
 /* The matrix of a rod on one rank that touches itself, and its solver. */
 static PetscErrorCode SetBlockLU(TS ts, Newton *newton) {
   const Rod rod = newton->rod;
-  SNES snes;
   KSP ksp;
   PC pc;
 
   PetscFunctionBegin;
   PetscCall(BlockLUCreate(rod->last + 1, rod->model->fields,
                           (PetscBool)(rod->scene->tip.type != TIP_FREE), &newton->J));
-  PetscCall(TSGetSNES(ts, &snes));
-  PetscCall(SNESGetKSP(snes, &ksp));
-  PetscCall(KSPGetPC(ksp, &pc));
-  PetscCall(BlockLUSetType(pc));
+  PetscCall(SolverOf(ts, &ksp, &pc));
+  PetscCall(BlockLUSetSolver(ksp));
   PetscFunctionReturn(0);
 }
 

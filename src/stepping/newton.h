@@ -19,8 +19,6 @@ typedef struct {
                           taken */
   RodState linearised; /* of the latest Jacobian; U NULL: there was none */
   PetscReal tolerance; /* of the update, relative to each field's size */
-  PetscReal loose;     /* that of forces and moments */
-  PetscReal slow;      /* speeds that count are not below it: of a snap, that at rest */
   PetscReal update;    /* the latest iteration's largest */
   PetscReal residual[GROUPS]; /* the latest, of each group of fields */
   PetscReal guess;            /* the largest residual of the guess */
@@ -33,7 +31,6 @@ typedef struct {
 } Newton;
 
 PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton);
-void NewtonToRest(Newton *newton, PetscReal rtol, PetscReal rest);
 PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton);
 PetscErrorCode NewtonTakesFullSteps(const Newton *newton, PetscBool *full);
 PetscErrorCode NewtonCuts(const Newton *newton, PetscBool cuts);

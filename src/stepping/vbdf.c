@@ -26,11 +26,19 @@ static PetscErrorCode TSStep_VBDF(TS ts) {
   PetscFunctionReturn(0);
 }
 
+/* A time of the run as the history counts. */
+static PetscReal Since(TS ts, const VBDF *self, PetscReal t) {
+  const Formula *f = &self->formula;
+
+  return t - ts->ptime - self->controller.late + (f->done ? f->time[0] : 0);
+}
+
 static PetscErrorCode TSInterpolate_VBDF(TS ts, PetscReal t, Vec X) {
   VBDF *self = (VBDF *)ts->data;
 
   PetscFunctionBegin;
-  PetscCall(FormulaInterpolate(&self->formula, self->controller.order, t, X, NULL));
+  PetscCall(
+      FormulaInterpolate(&self->formula, self->controller.order, Since(ts, self, t), X, NULL));
   PetscFunctionReturn(0);
 }
 
@@ -43,7 +51,7 @@ PetscErrorCode VBDFInterpolate(TS ts, PetscReal t, Vec U, Vec U_t, PetscBool *do
   PetscCall(Self(ts, &self));
   *done = (PetscBool)(self != NULL);
   if (!self) PetscFunctionReturn(0);
-  PetscCall(FormulaInterpolate(&self->formula, self->controller.order, t, U, U_t));
+  PetscCall(FormulaInterpolate(&self->formula, self->controller.order, Since(ts, self, t), U, U_t));
   PetscFunctionReturn(0);
 }
 
@@ -52,7 +60,7 @@ static PetscErrorCode SNESTSFormFunction_VBDF(SNES snes, Vec U, Vec F, TS ts) {
 
   PetscFunctionBegin;
   PetscCall(FormulaRate(f, U));
-  PetscCall(TSComputeIFunction(ts, f->time[0], U, f->rate, F, PETSC_FALSE));
+  PetscCall(TSComputeIFunction(ts, f->now, U, f->rate, F, PETSC_FALSE));
   PetscFunctionReturn(0);
 }
 
@@ -61,7 +69,7 @@ static PetscErrorCode SNESTSFormJacobian_VBDF(SNES snes, Vec U, Mat J, Mat P, TS
 
   PetscFunctionBegin;
   /* rate holds U_t of the latest residual, which SNES evaluated at this U */
-  PetscCall(TSComputeIJacobian(ts, f->time[0], U, f->rate, f->shift, J, P, PETSC_FALSE));
+  PetscCall(TSComputeIJacobian(ts, f->now, U, f->rate, f->shift, J, P, PETSC_FALSE));
   PetscFunctionReturn(0);
 }
 
@@ -187,16 +195,6 @@ PetscErrorCode VBDFSetOtherWay(TS ts, VBDFOtherWay other_way) {
   PetscFunctionReturn(0);
 }
 
-/* VBDFSetSnap - sets how to follow a jump. No effect on other types. */
-PetscErrorCode VBDFSetSnap(TS ts, VBDFSnap snap) {
-  VBDF *self = NULL;
-
-  PetscFunctionBegin;
-  PetscCall(Self(ts, &self));
-  if (self) self->controller.snap = snap;
-  PetscFunctionReturn(0);
-}
-
 /* VBDFSetResolves - says that every motion has a finite velocity, which steps are to see: an error
    that does not fall with the step is no jump. No effect on other types. */
 PetscErrorCode VBDFSetResolves(TS ts, PetscBool resolves) {
@@ -217,6 +215,28 @@ PetscErrorCode VBDFSetScale(TS ts, PetscReal scale) {
   PetscFunctionBegin;
   PetscCall(Self(ts, &self));
   if (self) self->controller.scale = scale;
+  PetscFunctionReturn(0);
+}
+
+/* VBDFSetAgain - sets the size in which a first step is tried again that has no solution, or an
+   error that does not fall with its size. No effect on other types. */
+PetscErrorCode VBDFSetAgain(TS ts, PetscReal again) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  if (self) self->controller.again = again;
+  PetscFunctionReturn(0);
+}
+
+/* VBDFSetHeld - sets the tolerances of what something holds back, where that is not all there is:
+   the rest may jump. Borrowed; as long as the TS. No effect on other types. */
+PetscErrorCode VBDFSetHeld(TS ts, Vec held) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  if (self) self->controller.held = held;
   PetscFunctionReturn(0);
 }
 
@@ -327,6 +347,7 @@ PetscErrorCode VBDFGetFactorRate(TS ts, PetscReal rate[VBDF_FACTORS]) {
   after one that ended the run, or after VBDFSetHistory().
 
   n       how many, at most VBDF_POINTS; 0 on exit if the type is another one
+  times   since the latest of them: 0, and what is negative
   points  borrowed
   order   the order chosen for the next step
 */
@@ -342,18 +363,18 @@ PetscErrorCode VBDFGetHistory(TS ts, PetscInt *n, PetscReal times[], Vec points[
   if (!self) PetscFunctionReturn(0);
   f = &self->formula;
   /* a history that was handed over has no new point yet, nor has one whose last step failed */
-  first = f->given || (f->n > 0 && ts->ptime == f->time[1]) ? 1 : 0;
+  first = f->given || (f->n > 0 && !f->done) ? 1 : 0;
   *n = PetscMin(f->n + 1 - first, VBDF_POINTS - 1);
   *order = self->controller.order;
   for (PetscInt i = 0; i < *n; i++) {
-    times[i] = f->time[first + i];
+    times[i] = f->time[first + i] - f->time[first];
     points[i] = f->point[first + i];
   }
   PetscFunctionReturn(0);
 }
 
-/* VBDFSetHistory - hands over n points, latest first (copied), to a TS that has its solution set.
-   No effect on other types, which then start afresh. */
+/* VBDFSetHistory - hands over n points, latest first (copied), to a TS that has its solution set,
+   and its time: theirs count from it. No effect on other types, which then start afresh. */
 PetscErrorCode VBDFSetHistory(TS ts, PetscInt n, const PetscReal times[], const Vec points[],
                               PetscInt order) {
   VBDF *self = NULL;
@@ -365,12 +386,14 @@ PetscErrorCode VBDFSetHistory(TS ts, PetscInt n, const PetscReal times[], const 
   PetscCall(TSSetUp_VBDF(ts));
   f = &self->formula;
   for (PetscInt i = 0; i < n; i++) {
-    f->time[i + 1] = times[i];
+    f->time[i + 1] = times[i] - times[0];
     PetscCall(VecCopy(points[i], f->point[i + 1]));
     PetscCall(FormulaMeasureSize(f, i + 1));
   }
   f->n = n;
   f->given = PETSC_TRUE;
+  f->done = PETSC_FALSE;
+  self->controller.late = 0;
   self->controller.order = order;
   self->controller.since = 0;
   PetscFunctionReturn(0);
@@ -385,7 +408,7 @@ PetscErrorCode VBDFGetMemory(TS ts, PetscReal memory[VBDF_MEMORY]) {
   PetscCall(Self(ts, &self));
   memory[0] = self ? (PetscReal)self->controller.since : 0;
   memory[1] = self ? self->controller.layer : 0;
-  memory[2] = self ? self->controller.usual : 0;
+  memory[2] = self ? self->controller.late : 0;
   memory[3] = self ? (PetscReal)self->controller.plain_next : 0;
   PetscFunctionReturn(0);
 }
@@ -400,31 +423,18 @@ PetscErrorCode VBDFSetMemory(TS ts, const PetscReal memory[VBDF_MEMORY]) {
   if (!self) PetscFunctionReturn(0);
   self->controller.since = (PetscInt)memory[0];
   self->controller.layer = memory[1];
-  self->controller.usual = memory[2];
+  self->controller.late = memory[2];
   self->controller.plain_next = (PetscBool)(memory[3] != 0);
   PetscFunctionReturn(0);
 }
 
-/* VBDFGetJumps - how many steps were jumps, so far, and in how many of them no snap was followed; 0
-   if the type is another one. */
-PetscErrorCode VBDFGetJumps(TS ts, PetscInt *jumps, PetscInt *blind) {
+/* VBDFGetJumps - how many steps were jumps, so far; 0 if the type is another one. */
+PetscErrorCode VBDFGetJumps(TS ts, PetscInt *jumps) {
   VBDF *self = NULL;
 
   PetscFunctionBegin;
   PetscCall(Self(ts, &self));
   *jumps = self ? self->controller.jumps : 0;
-  *blind = self ? self->controller.blind : 0;
-  PetscFunctionReturn(0);
-}
-
-/* VBDFGetBehindSnap - the state behind the snap that the last step began with (on loan, until the
-   next one); NULL if none was followed in it, or the type is another one. */
-PetscErrorCode VBDFGetBehindSnap(TS ts, Vec *U) {
-  VBDF *self = NULL;
-
-  PetscFunctionBegin;
-  PetscCall(Self(ts, &self));
-  *U = self && self->controller.snapped ? self->formula.point[1] : NULL;
   PetscFunctionReturn(0);
 }
 
@@ -466,7 +476,7 @@ PetscErrorCode VBDFGetLocalError(TS ts, PetscInt fields, PetscInt *n,
   VBDFGetFormula - U_t of the state that the step taken last has led to, as a combination of its
   points: the weights, for each field, of those that VBDFGetHistory() tells, after an accepted step.
 
-  n  how many; 0: there are none (a step behind a snap, another type)
+  n  how many; 0: there are none (another type)
 
   The factor is taken for a number that was given: whatever it is, the formula is one of the same
   order, also for what moves with the state (tangent.c).
@@ -477,7 +487,7 @@ PetscErrorCode VBDFGetFormula(TS ts, PetscInt *n, PetscReal weight[][VBDF_FIELDS
   PetscFunctionBegin;
   *n = 0;
   PetscCall(Self(ts, &self));
-  if (self && !self->formula.given && !self->controller.snapped)
+  if (self && !self->formula.given)
     *n = FormulaRateWeights(&self->formula, self->controller.taken_order, weight);
   PetscFunctionReturn(0);
 }
@@ -495,6 +505,8 @@ PetscErrorCode VBDFGetDense(TS ts, PetscReal t, PetscInt *n, PetscReal value[][V
   PetscFunctionBegin;
   *n = 0;
   PetscCall(Self(ts, &self));
-  if (self) *n = FormulaDenseWeights(&self->formula, self->controller.order, t, value, slope);
+  if (self)
+    *n = FormulaDenseWeights(&self->formula, self->controller.order, Since(ts, self, t), value,
+                             slope);
   PetscFunctionReturn(0);
 }

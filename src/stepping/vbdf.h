@@ -17,9 +17,6 @@ enum { VBDF_MEMORY = 4 }; /* what it remembers besides */
 
 typedef PetscErrorCode (*VBDFGuess)(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1, void *ctx);
 
-/* A snap of the state U at time t: sets U to the state behind it; done is true if it could. */
-typedef PetscErrorCode (*VBDFSnap)(TS ts, PetscReal t, Vec U, PetscBool *done);
-
 /* Before the equations of a step, which could not be solved, are tried once more from the same
    guess in another way; and behind that, when the usual one is to be back. */
 typedef PetscErrorCode (*VBDFOtherWay)(TS ts, PetscBool other);
@@ -47,10 +44,11 @@ typedef PetscErrorCode (*VBDFMeasure)(TS ts, Vec error);
 PetscErrorCode VBDFRegister(void);
 PetscErrorCode VBDFSetGuess(TS ts, VBDFGuess guess, void *ctx);
 PetscErrorCode VBDFSetHighestOrder(TS ts, PetscInt order);
-PetscErrorCode VBDFSetSnap(TS ts, VBDFSnap snap);
 PetscErrorCode VBDFSetOtherWay(TS ts, VBDFOtherWay other_way);
 PetscErrorCode VBDFSetResolves(TS ts, PetscBool resolves);
 PetscErrorCode VBDFSetScale(TS ts, PetscReal scale);
+PetscErrorCode VBDFSetAgain(TS ts, PetscReal again);
+PetscErrorCode VBDFSetHeld(TS ts, Vec held);
 PetscErrorCode VBDFSetCheck(TS ts, VBDFCheck check);
 PetscErrorCode VBDFSetCross(TS ts, VBDFCross cross);
 PetscErrorCode VBDFSetNextEnd(TS ts, VBDFNextEnd next_end);
@@ -65,8 +63,7 @@ PetscErrorCode VBDFSetHistory(TS ts, PetscInt n, const PetscReal times[], const 
 PetscErrorCode VBDFGetMemory(TS ts, PetscReal memory[VBDF_MEMORY]);
 PetscErrorCode VBDFSetMemory(TS ts, const PetscReal memory[VBDF_MEMORY]);
 PetscErrorCode VBDFInterpolate(TS ts, PetscReal t, Vec U, Vec U_t, PetscBool *done);
-PetscErrorCode VBDFGetJumps(TS ts, PetscInt *jumps, PetscInt *blind);
-PetscErrorCode VBDFGetBehindSnap(TS ts, Vec *U);
+PetscErrorCode VBDFGetJumps(TS ts, PetscInt *jumps);
 PetscErrorCode VBDFGetLocalError(TS ts, PetscInt fields, PetscInt *n,
                                  PetscReal weight[VBDF_POINTS][VBDF_FIELDS]);
 PetscErrorCode VBDFGetFormula(TS ts, PetscInt *n, PetscReal weight[][VBDF_FIELDS]);

@@ -2,8 +2,8 @@
 
 static const OptionRow rows[] = {ROW_REAL(
     "-accuracy", "", 1e-7, 0.1, UNIT_NONE, 0,
-    "asked relative error of tip, |x2| and energy: sets -rod_cells and -ts_rtol where they "
-    "are not given; off unless given")};
+    "asked relative error of tip, |x2| and energy in the last state: sets -rod_cells and -ts_rtol "
+    "where they are not given; off unless given")};
 const OptionGroup accuracy_options = OPTION_GROUP("Accuracy", rows);
 
 /*
@@ -40,6 +40,7 @@ typedef struct {
   PetscReal curvature; /* natural, about; 0: none */
   PetscInt order;      /* in space */
   PetscBool graded;    /* growth differs along the rod */
+  PetscBool mixed;     /* the model */
   PetscBool contact;
 } Asked;
 
@@ -82,41 +83,47 @@ static PetscErrorCode CellsFor(const char *given, const char *length, PetscReal 
   PetscFunctionReturn(0);
 }
 
+/* What options say of a run of which an accuracy is asked; set: one is. */
+static PetscErrorCode Read(Asked *asked, PetscBool *set) {
+  PetscReal constant = 0, random = 0;
+  PetscBool second, from_file, walls;
+
+  PetscFunctionBegin;
+  PetscCall(OptionReal("-accuracy", &asked->tolerance, set));
+  if (!*set) PetscFunctionReturn(0);
+  PetscCall(OptionReal("-growth_initial_length", &asked->length0, NULL));
+  PetscCall(OptionReal("-friction_mu", &asked->mu, NULL));
+  PetscCall(OptionReal("-shape_amplitude", &asked->amplitude, NULL));
+  PetscCall(OptionReal("-ts_max_time", &asked->time, NULL));
+  PetscCall(Is("-growth_type", "gaussian", &asked->graded));
+  PetscCall(Is("-rod_order", "2", &second));
+  PetscCall(Is("-rod_model", "mixed", &asked->mixed));
+  PetscCall(OptionReal("-rod_curvature", &constant, NULL));
+  PetscCall(OptionReal("-rod_curvature_random", &random, NULL));
+  PetscCall(OptionGiven("-rod_curvature_file", &from_file));
+  PetscCall(OptionGiven("-wall_file", &walls));
+  PetscCall(OptionBool("-contact_self", &asked->contact, NULL));
+  asked->contact = (PetscBool)(asked->contact || walls);
+  asked->curvature = PetscMax(PetscMax(PetscAbsReal(constant), random), from_file ? 0.01 : 0);
+  asked->amplitude = PetscAbsReal(asked->amplitude);
+  asked->order = second || asked->mixed ? 2 : 4;
+  PetscFunctionReturn(0);
+}
+
 /*
-  AccuracyApply - reads -accuracy and sets from it -rod_cells and -ts_rtol where they are not given.
+  AccuracyApply - reads -accuracy and sets -rod_cells from it unless they are given.
 
   Collective; call it before the scene is read. The model stays the frame of order 4 unless another
   is asked for: the chart has it on the front at every accuracy.
 */
 PetscErrorCode AccuracyApply(void) {
-  PetscReal time, space, cells, h, constant = 0, random = 0;
-  PetscBool set, second, mixed, from_file, walls, apical;
+  PetscReal space, cells, h;
+  PetscBool set, apical;
   Asked asked;
 
   PetscFunctionBegin;
-  PetscCall(OptionReal("-accuracy", &asked.tolerance, &set));
+  PetscCall(Read(&asked, &set));
   if (!set) PetscFunctionReturn(0);
-  PetscCall(OptionReal("-growth_initial_length", &asked.length0, NULL));
-  PetscCall(OptionReal("-friction_mu", &asked.mu, NULL));
-  PetscCall(OptionReal("-shape_amplitude", &asked.amplitude, NULL));
-  PetscCall(OptionReal("-ts_max_time", &asked.time, NULL));
-  PetscCall(Is("-growth_type", "gaussian", &asked.graded));
-  PetscCall(Is("-rod_order", "2", &second));
-  PetscCall(Is("-rod_model", "mixed", &mixed));
-  PetscCall(OptionReal("-rod_curvature", &constant, NULL));
-  PetscCall(OptionReal("-rod_curvature_random", &random, NULL));
-  PetscCall(OptionGiven("-rod_curvature_file", &from_file));
-  PetscCall(OptionGiven("-wall_file", &walls));
-  PetscCall(OptionBool("-contact_self", &asked.contact, NULL));
-  asked.contact = (PetscBool)(asked.contact || walls);
-  asked.curvature = PetscMax(PetscMax(PetscAbsReal(constant), random), from_file ? 0.01 : 0);
-  asked.amplitude = PetscAbsReal(asked.amplitude);
-  asked.order = second || mixed ? 2 : 4;
-
-  time = share_of_time * asked.tolerance / (per_fold * (mixed ? 2 : 1) * Folds(&asked));
-  PetscCall(OptionDefault("-ts_rtol", "%.3g",
-                          PetscMax(1e-13, PetscMin(0.01, 1e-6 * PetscPowReal(time, 7. / 6)))));
-
   space = share_of_space * asked.tolerance;
   h = PetscPowReal(space / arc_error[asked.order == 4], 1. / asked.order);
   cells = (asked.graded ? 1.5 : 1) * (asked.length0 + asked.time) / h;
@@ -133,25 +140,46 @@ PetscErrorCode AccuracyApply(void) {
   PetscFunctionReturn(0);
 }
 
-/*
-  AccuracyMeasured - from the errors that were followed over a run (stepping/estimate.c), an upper
-  estimate of its parts, of what is seen and of all: they are off by a factor of 2 or 3, as a rule.
+/* AccuracyTolerance - likewise sets -ts_rtol, of a run. Collective. */
+PetscErrorCode AccuracyTolerance(void) {
+  PetscBool set;
+  PetscReal time;
+  Asked asked;
 
-  rtol    of the steps: none of them is without an error
+  PetscFunctionBegin;
+  PetscCall(Read(&asked, &set));
+  if (!set) PetscFunctionReturn(0);
+  time = share_of_time * asked.tolerance / (per_fold * (asked.mixed ? 2 : 1) * Folds(&asked));
+  PetscCall(OptionDefault("-ts_rtol", "%.3g",
+                          PetscMax(1e-13, PetscMin(0.01, 1e-6 * PetscPowReal(time, 7. / 6)))));
+  PetscFunctionReturn(0);
+}
+
+/* AccuracyTimes - how many times the error that was followed a part is told as. */
+PetscReal AccuracyTimes(int part) {
+  if (part == ESTIMATE_LIMIT) return of_beta;
+  return part == ESTIMATE_SOFT ? of_stiffness : of_measured;
+}
+
+/*
+  AccuracyMeasured - from the errors that were followed (stepping/estimate.c), of a state or the
+  largest of a run, an upper estimate of their parts, of what is seen and of all: they are off by a
+  factor of 2 or 3, as a rule.
+
+  least   of the steps: none of them is without an error
   beside  what comes on top of them
 */
-void AccuracyMeasured(PetscReal rtol, PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN],
-                      PetscReal beside, ErrorEstimate *error) {
+void AccuracyMeasured(const PetscReal least[ESTIMATE_SEEN],
+                      PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN], PetscReal beside,
+                      Errors *error) {
   error->all = beside;
   for (int i = 0; i < ESTIMATE_SEEN; i++) error->seen[i] = beside;
   for (int k = 0; k < ESTIMATE_PARTS; k++) {
-    PetscReal times = k == ESTIMATE_LIMIT  ? of_beta
-                      : k == ESTIMATE_SOFT ? of_stiffness
-                                           : of_measured;
-    error->part[k] = k == ESTIMATE_TIME ? rtol : 0;
+    error->part[k] = 0;
     for (int i = 0; i < ESTIMATE_SEEN; i++) {
-      PetscReal here = PetscMin(1, times * worst[k][i]);
-      error->seen[i] += PetscMax(here, k == ESTIMATE_TIME ? rtol : 0);
+      PetscReal here = PetscMin(1, AccuracyTimes(k) * worst[k][i]);
+      if (k == ESTIMATE_TIME) here = PetscMax(here, least[i]);
+      error->seen[i] += here;
       error->part[k] = PetscMax(error->part[k], here);
     }
     error->all += error->part[k];
@@ -159,7 +187,7 @@ void AccuracyMeasured(PetscReal rtol, PetscReal worst[ESTIMATE_PARTS][ESTIMATE_S
 }
 
 /* What gives a part the share that is left to it of an accuracy. */
-static PetscErrorCode Advise(const ErrorEstimate *error, PetscReal asked, PetscReal rtol, Rod rod,
+static PetscErrorCode Advise(const Errors *error, PetscReal asked, PetscReal rtol, Rod rod,
                              char advice[], size_t room) {
   const PetscReal share = 0.4, cells = rod->scene->mesh.cells, least = 1e-13;
   PetscReal space = error->part[ESTIMATE_SPACE] / (share * asked),
@@ -198,9 +226,9 @@ PetscErrorCode AccuracyTell(const ErrorEstimate *error, PetscReal rtol, Rod rod,
 
   PetscFunctionBegin;
   PetscCall(OptionReal("-accuracy", &asked, &set));
-  if (!set || error->kind == ESTIMATE_NONE || error->all <= asked) PetscFunctionReturn(0);
+  if (!set || error->kind == ESTIMATE_NONE || error->end.all <= asked) PetscFunctionReturn(0);
   if (error->kind == ESTIMATE_MEASURED)
-    PetscCall(Advise(error, asked, rtol, rod, advice, sizeof(advice)));
+    PetscCall(Advise(&error->end, asked, rtol, rod, advice, sizeof(advice)));
   PetscCall(PetscPrintf(comm, "-accuracy %g may not be met, the estimate is above it%s.\n",
                         (double)asked, advice));
   PetscFunctionReturn(0);

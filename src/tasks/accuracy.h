@@ -9,8 +9,11 @@ enum { FEWEST_FOLDS = 2 }; /* that a run is taken to have */
 extern const OptionGroup accuracy_options;
 
 PetscErrorCode AccuracyApply(void);
-void AccuracyMeasured(PetscReal rtol, PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN],
-                      PetscReal beside, ErrorEstimate *error);
+PetscErrorCode AccuracyTolerance(void);
+PetscReal AccuracyTimes(int part);
+void AccuracyMeasured(const PetscReal least[ESTIMATE_SEEN],
+                      PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN], PetscReal beside,
+                      Errors *error);
 PetscErrorCode AccuracyTell(const ErrorEstimate *error, PetscReal rtol, Rod rod, MPI_Comm comm);
 PetscErrorCode AccuracyEstimate(Rod rod, PetscReal t, PetscReal rtol, PetscReal folds,
                                 PetscReal weighed, PetscBool linear, PetscReal *error);

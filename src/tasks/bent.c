@@ -316,7 +316,7 @@ static PetscErrorCode LookForCrawl(Bent *self, TS ts, PetscReal t0, PetscReal t)
   PetscCall(GrowthLength(scene->growth, t, &length, NULL));
   self->crawls =
       (PetscBool)(!self->crawl.allowed &&
-                  CrawlStep(&self->crawl, t, crawls_by * PetscMin(length, scene->end_time), 0));
+                  CrawlStep(&self->crawl, t, t, crawls_by * PetscMin(length, scene->end_time), 0));
   if (self->crawls) PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
   PetscFunctionReturn(0);
 }
@@ -385,7 +385,7 @@ static PetscErrorCode Create(Scene scene, PetscReal rtol, PetscBool quiet, Bent 
   Rod rod;
 
   PetscFunctionBegin;
-  PetscCall(LegCreate(scene, &rod_space, rtol, NULL, &self->leg));
+  PetscCall(LegCreate(scene, &rod_space, rtol, &self->leg));
   rod = self->leg.rod;
   self->leg.owner = self;
   PetscCall(TSSetPostStep(self->leg.ts, AfterStep));

@@ -1,8 +1,8 @@
 #include "tasks/crawl.h"
 #include "base/options.h"
 
-/* So many steps for what is next to nothing; and where something can still be done about it. */
-enum { STEPS = 1000, SOON = 250 };
+/* So many steps for what is next to nothing. */
+enum { STEPS = 1000 };
 /* In contact that has got firm, and may be no way, and where walls rub, so many iterations count as
    one of these steps. */
 enum { ITERATIONS = 20 };
@@ -29,21 +29,23 @@ PetscErrorCode CrawlAllowed(TS ts, Crawl *self) {
   CrawlStep - a step was taken: has the run got nowhere in the latest of them, while nothing says
   that it will? The same on every rank.
 
-  t           at its end
+  t, way      at its end: the time, and how far the run has come, in time or otherwise
   least       what is next to nothing
   iterations  that it took
 */
-PetscBool CrawlStep(Crawl *self, PetscReal t, PetscReal least, PetscInt iterations) {
-  const PetscInt steps = self->soon ? SOON : STEPS, before = self->steps;
+PetscBool CrawlStep(Crawl *self, PetscReal t, PetscReal way, PetscReal least, PetscInt iterations) {
+  const PetscInt before = self->steps;
   PetscBool crawls;
 
   if (self->told) return PETSC_FALSE;
   self->steps += self->counts ? PetscMax(1, iterations / ITERATIONS) : 1;
-  if (before < steps / 2 && self->steps >= steps / 2) self->half = t;
-  if (self->steps < steps && t < self->time + least) return PETSC_FALSE;
-  self->by = t - self->time;
-  crawls = (PetscBool)(self->by < least && t - self->half < faster * (self->half - self->time));
-  self->time = t;
+  if (before < STEPS / 2 && self->steps >= STEPS / 2) self->half = way;
+  if (self->steps < STEPS && way < self->way + least) return PETSC_FALSE;
+  crawls =
+      (PetscBool)(way - self->way < least && way - self->half < faster * (self->half - self->way));
+  self->by = t - self->at;
+  self->at = t;
+  self->way = way;
   self->steps = 0;
   return crawls;
 }
@@ -63,7 +65,7 @@ const char *const crawl_held =
 void CrawlTell(const Crawl *self, PetscReal beta, PetscBool held, char line[], size_t room) {
   char text[2][64];
 
-  OptionBoth(self->time, UNIT_TIME, text[0]);
+  OptionBoth(self->at, UNIT_TIME, text[0]);
   OptionBoth(self->by, UNIT_TIME, text[1]);
   (void)snprintf(line, room,
                  "crawls at t = %s: the latest %d steps%s have brought it on by %s; %s%s%sanother "

@@ -3,7 +3,6 @@
 #include "tasks/grow.h"
 #include "base/signals.h"
 #include "rod/passing.h"
-#include "stepping/snap.h"
 #include "tasks/growing.h"
 #include <signal.h>
 
@@ -33,6 +32,9 @@ static const OptionRow rows[] = {
         "-ts_rtol", "1e-6", 1e-13, 0.5, UNIT_NONE, 0,
         "tolerance of a step, per field, against the field's present size; 1e-5 where the rod can "
         "touch something"),
+    ROW_REAL("-contact_rtol", "", 1e-13, 0.5, UNIT_NONE, 0,
+             "what the tolerance of a step may be eased to while errors of steps are small beside "
+             "those of contact and mesh; if not given 10 times -ts_rtol, unless that is given"),
     ROW_REAL("-output_interval", "", 1e-9, 1e9, UNIT_TIME, 0,
              "time between stored shapes; if not given, -output_shapes decides"),
     ROW_INT("-output_shapes", "40", 1, 1e6, PASSING,
@@ -171,7 +173,7 @@ static PetscErrorCode Neglect(Grow *self, Vec U_t) {
 }
 
 /* Jumps before this part of what short steps are part of cross the layer of a start, and are no
-   snaps unless they were followed (controller.c). A first step that ends in it is one of a start
+   snaps (controller.c). A first step that ends in it is one of a start
    out of balance: what is lost on the way to its end goes by rates that nothing tells, for a start
    has none. */
 static const PetscReal initial_layer = 1e-6;
@@ -209,64 +211,74 @@ static PetscBool IsThin(const Grow *self, PetscReal t) {
   return (PetscBool)(t < PetscSqr(PetscSqr(width)));
 }
 
-/* Counts a blind jump to what is seen now, from what was seen last, before, or from behind the snap
-   that was followed in between. */
-static PetscErrorCode CountBlind(Grow *self, const Observation *last, PetscReal before,
-                                 PetscBool layered, Vec behind) {
-  Observation from = *last;
-
-  PetscFunctionBegin;
-  if (behind) PetscCall(ObserverLook(self->observer, self->now->rod, before, behind, &from));
-  GrowCross(self, &from, before, layered, (PetscBool)(behind != NULL));
-  PetscFunctionReturn(0);
-}
-
 static PetscReal BaseForce(const Observation *seen) {
   return hypot(hypot(seen->base_force_1, seen->base_force_2), seen->base_force_3);
 }
 
-/* Newton iterations since they were counted last, those of snaps too. */
+/* Newton iterations since they were counted last. */
 static PetscErrorCode CountIterations(Grow *self, PetscInt *iterations) {
-  const PetscInt before = self->iterations, snaps = self->of_snaps;
+  const PetscInt before = self->iterations;
 
   PetscFunctionBegin;
-  PetscCall(LegIterations(self->now, &self->iterations));
-  self->of_snaps = self->now->nested;
+  PetscCall(TSGetSNESIterations(self->now->ts, &self->iterations));
   *iterations = self->iterations - before;
-  self->of_step = *iterations - (self->of_snaps - snaps);
+  PetscFunctionReturn(0);
+}
+
+/* What a rod moves so much faster than it grows counts as much as growth does. */
+static const PetscReal counts_as = 10;
+
+/* How far has the step brought the run on: in time, and by what the rod has moved in it, for one
+   that snaps gets on while time all but stands still. Counts snaps. Collective. */
+static PetscErrorCode GetOn(Grow *self) {
+  PetscReal speed;
+  PetscBool begins;
+
+  PetscFunctionBegin;
+  PetscCall(LegSpeed(self->now, &speed, &begins));
+  self->way += self->seen.step * (1 + speed / counts_as);
+  self->snaps += begins;
+  if (begins && !self->scene->load.shared) (void)LoadShareMore(&self->scene->load);
+  PetscFunctionReturn(0);
+}
+
+/* The estimate goes on, and the tolerance with it. */
+static PetscErrorCode FollowErrors(Grow *self, PetscBool jumped) {
+  PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEEN], rigid[RIGID_VALUES];
+
+  PetscFunctionBegin;
+  PetscCall(EstimateStep(self->estimate, jumped, self->pressed));
+  if (!self->estimate || self->now->ease.most <= 1 || !self->pressed) PetscFunctionReturn(0);
+  EstimateLatest(self->estimate, part, rigid);
+  ToleranceFollow(self->rtol, (const PetscReal(*)[ESTIMATE_SEEN])part, &self->now->ease);
   PetscFunctionReturn(0);
 }
 
 static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   PetscReal before = self->seen.t, norm = self->seen.norm_x2, folds = self->folds;
-  PetscInt iterations = 0, jumps = 0, blind = 0;
-  PetscBool jumped = PETSC_FALSE, blindly = PETSC_FALSE, layered, broken;
+  PetscInt iterations = 0, jumps = 0;
+  PetscBool jumped = PETSC_FALSE, layered, broken;
   Observation last = self->seen;
-  Vec behind = NULL;
 
   PetscFunctionBegin;
   layered = (PetscBool)(t <= initial_layer * self->scene->units.brief);
   if (U) {
     PetscCall(CountIterations(self, &iterations));
-    PetscCall(VBDFGetJumps(self->now->ts, &jumps, &blind));
+    PetscCall(VBDFGetJumps(self->now->ts, &jumps));
     jumped = (PetscBool)(jumps > self->now->jumps);
     if (jumped && layered) self->gave_way = PETSC_TRUE;
     broken = (PetscBool)(jumped || LedRoundCorner(self->scene, (PetscBool)(last.contact_force > 0),
                                                   before, t));
     if (broken || IsThin(self, before) || (layered && before == 0))
       ObserverClose(self->observer, &last, broken);
-    if (self->now == &self->leg[WholeModel(self)])
-      PetscCall(EstimateStep(self->estimate, jumped, self->pressed));
+    if (self->now == &self->leg[WholeModel(self)]) PetscCall(FollowErrors(self, jumped));
     self->now->jumps = jumps;
-    blindly = (PetscBool)(blind > self->now->blind);
-    self->now->blind = blind;
-    PetscCall(VBDFGetBehindSnap(self->now->ts, &behind));
-    if (jumped && (behind || !(layered && blindly))) self->snaps++;
+    if (jumped && !layered) self->snaps++;
   }
   PetscCall(ObserverMeasure(self->observer, self->now->rod, t, U, U_t, U ? self->now->ts : NULL,
                             &self->seen));
   self->force_before = BaseForce(&last);
-  if (blindly) PetscCall(CountBlind(self, &last, before, layered, behind));
+  if (jumped) GrowCross(self, &last, before, layered);
   if (norm > rod_vanished && self->seen.norm_x2 > rod_vanished)
     self->folds += PetscAbsReal(PetscLogReal(self->seen.norm_x2 / norm));
   if (norm > rod_vanished && self->seen.norm_x2 <= rod_vanished) self->vanished = PETSC_TRUE;
@@ -277,6 +289,7 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   self->seen.step = t - before;
   self->seen.newton_iterations = iterations;
   self->seen.model = self->now - self->leg;
+  GrowFollowErrors(self, &last, jumped);
   PetscCall(OutputSeries(self->output, &self->seen));
   PetscCall(GrowSensitivitiesObserve(self, t, U, U_t));
   PetscFunctionReturn(0);
@@ -312,17 +325,13 @@ static PetscBool HeldTwice(const Grow *self) {
   return (PetscBool)(RubsOnWalls(self) && 1 - self->scene->load.friction.mu < 1e-3);
 }
 
-/* Does it crawl, and a viscous share of its friction is no help? */
 static PetscBool Crawls(Grow *self) {
-  Load *load = &self->scene->load;
-
   if (self->seen.t >= self->scene->end_time) return PETSC_FALSE;
-  self->crawl.soon = LoadMayCrawl(load);
   self->crawl.counts = (PetscBool)(GotFirm(&self->scene->contact) || RubsOnWalls(self));
-  return (PetscBool)(CrawlStep(&self->crawl, self->seen.t,
+  return (PetscBool)(CrawlStep(&self->crawl, self->seen.t, self->way,
                                crawl_part * PetscMin(self->seen.length, self->end),
-                               self->of_step) &&
-                     !LoadShareSlight(load) && !self->crawl.allowed);
+                               (PetscInt)self->seen.newton_iterations) &&
+                     !self->crawl.allowed);
 }
 
 /* Does the run, or this model of it, end with the step just taken? */
@@ -361,6 +370,7 @@ static PetscErrorCode AfterStep(TS ts) {
     if (self->event.kind) U = here[0], U_t = here[1];
   }
   PetscCall(Observe(self, t, U, U_t));
+  PetscCall(GetOn(self));
   PetscCall(StoreDueShapes(self, t, U));
   if (self->event.kind) PetscCall(VecCopy(U, self->now->U)); /* the run ends there */
   for (int k = 0; k < 2; k++) PetscCall(VecDestroy(&here[k]));
@@ -378,11 +388,11 @@ static PetscErrorCode AddLeg(Grow *self, PetscInt model) {
   Leg *leg = &self->leg[model];
 
   PetscFunctionBegin;
-  PetscCall(LegCreate(self->scene, ModelOf(self, model), self->rtol, NULL, leg));
+  PetscCall(LegCreate(self->scene, ModelOf(self, model), self->rtol, leg));
   leg->owner = self;
+  leg->ease.most = self->eased / self->rtol;
   PetscCall(TSSetMaxTime(leg->ts, self->scene->end_time));
   PetscCall(TSSetPostStep(leg->ts, AfterStep));
-  if (model != LINEAR) PetscCall(VBDFSetSnap(leg->ts, SnapFollow));
   PetscCall(LegEndAtTurns(leg));
   PetscFunctionReturn(0);
 }
@@ -418,12 +428,11 @@ static PetscErrorCode HandOver(Grow *self, Leg *to) {
   PetscCall(VBDFGetHistory(from->ts, &n, times, old, &order));
   for (PetscInt i = 0; i < n; i++) {
     PetscCall(VecDuplicate(to->U, &new[i]));
-    PetscCall(Convert(from, to, times[i], old[i], new[i]));
+    PetscCall(Convert(from, to, t + times[i], old[i], new[i]));
   }
   PetscCall(VBDFSetHistory(to->ts, n, times, new, order));
   for (PetscInt i = 0; i < n; i++) PetscCall(VecDestroy(&new[i]));
-  PetscCall(LegIterations(to, &self->iterations));
-  self->of_snaps = to->nested;
+  PetscCall(TSGetSNESIterations(to->ts, &self->iterations));
   self->now = to;
   if (!self->quiet)
     PetscCall(PetscPrintf(self->scene->comm, "t = %s: from the %s to the %s model\n",
@@ -462,11 +471,29 @@ static PetscErrorCode ChooseModel(Grow *self) {
 
 /* A rod that slides along an edge jerks, by next to nothing, for each place of the mesh that comes
    to it or leaves it: steps of the usual tolerance would follow that, two to four times as many,
-   and the tip be nearer by less than a hundredth of what contact's own stiffness puts it off. */
+   and the tip be nearer by less than a hundredth of what contact's own stiffness puts it off.
+   Whether even this is finer than need be, the estimate tells (ToleranceFollow()). */
 static PetscErrorCode ChooseTolerance(Grow *self) {
+  const PetscReal eases = 10;
+  const PetscBool touches = self->scene->contact.any;
+  PetscBool given, eased;
+
   PetscFunctionBegin;
-  if (self->scene->contact.any) PetscCall(OptionDefault("-ts_rtol", "1e-5"));
+  PetscCall(OptionGiven("-ts_rtol", &given));
+  PetscCall(AccuracyTolerance());
+  if (touches) PetscCall(OptionDefault("-ts_rtol", "1e-5"));
   PetscCall(OptionReal("-ts_rtol", &self->rtol, NULL));
+  if (touches && !given) PetscCall(OptionDefault("-contact_rtol", "%.3g", eases * self->rtol));
+  PetscCall(OptionReal("-contact_rtol", &self->eased, &eased));
+  UserCheck(touches || !eased, OptionsComm(),
+            "-contact_rtol: there is nothing to touch; give -wall_file, or -contact_self");
+  UserCheck(!eased || self->eased >= self->rtol, OptionsComm(),
+            "-contact_rtol %g: is below -ts_rtol, %g, and steps are never finer than that; give "
+            "a smaller -ts_rtol",
+            (double)self->eased, (double)self->rtol);
+  /* of a run gone on with, both are as they were, but for what is given anew */
+  if (!eased || (OptionOnCommandLine("-ts_rtol") && !OptionOnCommandLine("-contact_rtol")))
+    self->eased = self->rtol;
   SceneAtTolerance(self->scene, self->rtol);
   PetscFunctionReturn(0);
 }
@@ -672,6 +699,7 @@ static PetscErrorCode Begin(Grow *self, const char *output) {
   UserCheck(!event.kind, self->scene->comm, "-stop_%s: it is so at the start already",
             event_name[event.kind]);
   PetscCall(OutputCreate(output, self->scene, &self->output)); /* after all refusals */
+  if (GrowFollowsErrors(self)) PetscCall(OutputFollows(self->output));
   if (self->member) PetscCall(OutputKeep(self->output, self->member->series, self->member->shapes));
   PetscCall(Observe(self, 0, NULL, NULL));
   self->now = &self->leg[BetterModel(self)];
@@ -698,6 +726,7 @@ static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *
   PetscCall(RestartTakeErrors(restart, state, self->estimate));
   GrowTakeErrors(self, state->beside);
   GrowTakeStuck(self, state->stuck);
+  if (state->falls > 0) SceneAtSpeed(self->scene, state->falls);
   PetscCall(PetscArraycpy(self->counted, state->counted, 2));
   self->folds = state->folds;
   self->seen = state->seen;
@@ -711,6 +740,7 @@ static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *
             OptionBoth(state->t, UNIT_TIME, text), restart);
   PetscCall(
       OutputContinue(output, restart, self->scene, state->t, self->output_interval, &self->output));
+  if (GrowFollowsErrors(self)) PetscCall(OutputFollows(self->output));
   PetscCall(Store(self, PETSC_FALSE));
   if (!self->quiet)
     PetscCall(PetscPrintf(self->scene->comm, "goes on from t = %s of %s, into %s\n",
@@ -761,12 +791,6 @@ static PetscErrorCode Destroy(Grow *self) {
   PetscFunctionReturn(0);
 }
 
-/* A larger viscous share of friction for a rod that has one, a slight one for one that has none. */
-static PetscBool ShareMore(Grow *self) {
-  Load *load = &self->scene->load;
-  return (PetscBool)((load->shared && LoadShareMore(load)) || LoadShareSlight(load));
-}
-
 /* Steps to the end, from model to model. Where a rod in dry friction finds no step, it tries again
    with a viscous share, or a larger one, in steps from this part of the run on. */
 static const PetscReal begins_again = 1e-9;
@@ -776,8 +800,8 @@ static PetscErrorCode Follow(Grow *self, TSConvergedReason *reason) {
   for (;;) {
     PetscCall(TSSolve(self->now->ts, self->now->U));
     PetscCall(TSGetConvergedReason(self->now->ts, reason));
-    if (self->now->interrupted) self->stopped = self->now->interrupted;
-    if (*reason < 0 && !self->stopped && ShareMore(self)) {
+    if (*reason < 0 && !self->stopped && LoadMaySlip(&self->scene->load) &&
+        LoadShareMore(&self->scene->load)) {
       PetscCall(TSRestartStep(self->now->ts));
       PetscCall(TSSetTimeStep(self->now->ts, begins_again * self->scene->end_time));
       continue;
@@ -815,14 +839,14 @@ static PetscErrorCode End(Grow *self, PetscBool finished) {
   PetscFunctionReturn(0);
 }
 
-/* Does a rod in space turn about itself far faster than anything drives it, as far as it is seen or
-   in a snap? Where friction does not feel the spin nothing says how it gives way. */
+/* Does a rod in space turn about itself far faster than anything drives it? Where friction does not
+ * feel the spin nothing says how it gives way. */
 static PetscBool SpinsFreely(const Grow *self) {
   const Scene scene = self->scene;
   const PetscReal driven = PetscAbsReal(scene->space.spin) + 1 / self->seen.length, far = 1e4;
 
-  return (PetscBool)(self->now->spins || (scene->space.rod && scene->load.radius == 0 &&
-                                          PetscAbsReal(self->seen.tip_spin) > far * driven));
+  return (PetscBool)(scene->space.rod && scene->load.radius == 0 &&
+                     PetscAbsReal(self->seen.tip_spin) > far * driven);
 }
 
 /* Is a rod that touches still straight, and does nothing say to which side it bends? (A load or a
@@ -1056,6 +1080,7 @@ static PetscErrorCode CreateAndRun(Grow *self, const char *output, const char *r
     if (!error) error = Run(self, &anew);
     PetscCall(Destroy(self));
     PetscCall(error);
+    SceneAtSpeed(self->scene, 0);
     if (anew) self->scene->load = load;
     if (anew) PetscCall(ContactStaysSoft(&self->scene->contact));
   } while (anew);

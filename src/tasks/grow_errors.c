@@ -2,36 +2,58 @@
 #include "tasks/accuracy.h"
 #include "tasks/growing.h"
 
-/* A snap ends a little inside the limit of friction. A start that one step has crossed was not
+/* A start that one step has crossed was not
    followed: it may be off by twice what that step has changed, and by no more than of_start; but
    if that is far, the rod may have left it to another side, and nothing is known. Behind
    a growth zone friction that is exact is taken for one with a beta, which moments that were laid
    down feel by its sixth root, and little else does: so much where errors are not followed (at the
    usual tolerance nothing is known). */
-static const PetscReal per_snap = 1e-4, per_change = 2, of_start = 1e-2, far = 0.5, of_limit = 40;
-/* What a viscous share adds, over it: norms change by up to ten times that (LoadShareMore()). */
-static const PetscReal per_share = 10;
+static const PetscReal per_change = 2, of_start = 1e-2, far = 0.5, of_limit = 40;
+/* What a viscous share adds, over it: norms change by up to ten times that (LoadShareMore()),
+   behind a snap by up to 15 times. */
+static const PetscReal per_share = 10, per_snap = 15;
+
+/* What comes within this part of the time so far is the reason of an error. */
+static const PetscReal meanwhile = 0.02;
+/* A rod snaps that moves by its length within less than this part of the time so far. */
+static const PetscReal snappy = 0.02;
+/* Rigid contact is 1/k -> 0: depths go with k^(-3/4), and k dU/dk times this is the way there. */
+static const PetscReal to_rigid = 4. / 3;
 
 /* What two observations differ by in tip and |x2| (in space the larger one of |x2| and |x3|), over
-   the later ones. */
-static PetscReal Change(const Observation *from, const Observation *to) {
+   a size: of the tip's distance, and of |x2|. */
+static PetscReal Differ(const Observation *from, const Observation *to, const PetscReal size[2]) {
   const PetscReal tip[3] = {to->tip_x1 - from->tip_x1, to->tip_x2 - from->tip_x2,
-                            to->tip_x3 - from->tip_x3},
-                  distance = hypot(hypot(to->tip_x1, to->tip_x2), to->tip_x3),
-                  norm = PetscMax(to->norm_x2, to->norm_x3);
-  PetscReal change = hypot(hypot(tip[0], tip[1]), tip[2]) / PetscMax(distance, rod_vanished);
+                            to->tip_x3 - from->tip_x3};
+  PetscReal change = hypot(hypot(tip[0], tip[1]), tip[2]) / PetscMax(size[0], rod_vanished);
 
-  if (norm > rod_vanished)
+  if (size[1] > rod_vanished)
     change = PetscMax(change, PetscMax(PetscAbsReal(to->norm_x2 - from->norm_x2),
                                        PetscAbsReal(to->norm_x3 - from->norm_x3)) /
-                                  norm);
+                                  size[1]);
   return change;
+}
+
+/* ... over the later ones. */
+static PetscReal Change(const Observation *from, const Observation *to) {
+  const PetscReal size[2] = {hypot(hypot(to->tip_x1, to->tip_x2), to->tip_x3),
+                             PetscMax(to->norm_x2, to->norm_x3)};
+  return Differ(from, to, size);
+}
+
+/* Is that so far that the rod may have left to another side? Not if it is so as part of an |x2|
+   next to nothing alone while bending gives energy away: a rod that is bent by nature, and was laid
+   straight, goes where it is bent to. */
+static PetscBool IsFar(const Observation *from, const Observation *to) {
+  const PetscReal length[2] = {to->length, to->length};
+
+  if (Change(from, to) <= far) return PETSC_FALSE;
+  return (PetscBool)(Differ(from, to, length) > far || to->energy >= from->energy);
 }
 
 /* How far a jump, whose own error is not known, may be off. */
 static PetscReal Crossed(const Observation *from, const Observation *to) {
-  const PetscReal change = Change(from, to);
-  return change > far ? 1 : PetscMin(of_start, per_change * change);
+  return IsFar(from, to) ? 1 : PetscMin(of_start, per_change * Change(from, to));
 }
 
 /*
@@ -40,16 +62,14 @@ static PetscReal Crossed(const Observation *from, const Observation *to) {
   all of them together, nothing is known either.
 
   last      seen before it, at that time     layered  it is in the layer
-  followed  behind a snap that was followed, which counts as one
 */
-void GrowCross(Grow *self, const Observation *last, PetscReal before, PetscBool layered,
-               PetscBool followed) {
+void GrowCross(Grow *self, const Observation *last, PetscReal before, PetscBool layered) {
   if (layered) {
     if (!self->layered) self->began = *last;
     self->layered = PETSC_TRUE;
-    if (Change(&self->began, &self->seen) > far) self->crossed = 1;
+    if (IsFar(&self->began, &self->seen)) self->crossed = 1;
   } else if (before <= self->seen.t / 2) {
-    self->crossings += !followed;
+    self->crossings++;
     self->crossed += Crossed(last, &self->seen);
   }
 }
@@ -67,6 +87,13 @@ void GrowKeepErrors(const Grow *self, PetscReal kept[RESTART_BESIDE]) {
   kept[8] = self->pressed ? 1 : 0;
   kept[9] = (PetscReal)self->blind;
   kept[10] = self->layered ? 1 : 0;
+  kept[11] = self->event_at;
+  kept[12] = self->event_is;
+  for (int k = 0; k < ESTIMATE_SEEN; k++) {
+    kept[13 + 3 * k] = self->largest[k];
+    kept[14 + 3 * k] = self->error.when[k];
+    kept[15 + 3 * k] = self->error.why[k];
+  }
 }
 
 /* GrowTakeErrors - goes on with that. */
@@ -82,14 +109,137 @@ void GrowTakeErrors(Grow *self, const PetscReal kept[RESTART_BESIDE]) {
   self->pressed = (PetscBool)(kept[8] != 0);
   self->blind = (PetscInt)kept[9];
   self->layered = (PetscBool)(kept[10] != 0);
+  self->event_at = kept[11];
+  self->event_is = (int)kept[12];
+  for (int k = 0; k < ESTIMATE_SEEN; k++) {
+    self->largest[k] = kept[13 + 3 * k];
+    self->error.when[k] = kept[14 + 3 * k];
+    self->error.why[k] = (int)kept[15 + 3 * k];
+  }
 }
 
 /* What comes beside the errors of mesh and steps, in each of what is seen. */
 static PetscReal Beside(const Grow *self) {
-  PetscReal error = self->neglected + per_snap * (self->snaps - self->crossings) + self->crossed;
+  const Load *load = &self->scene->load;
+  PetscReal error = self->neglected + self->crossed;
 
-  if (self->scene->load.shared) error += per_share * (1 - self->scene->load.friction.mu);
+  if (load->shared) error += per_share * load->friction.viscous;
+  if (!load->shared && self->snaps > self->crossings)
+    error += per_snap * load->friction.least * self->scene->units.speed;
   return self->vanished ? error + 1 : error;
+}
+
+/* What the steps leave at least: each field is followed to the tolerance of its own size, and the
+   tip of a rod next to straight is where its length has it; one that is held is there. */
+static void Least(const Grow *self, PetscReal least[ESTIMATE_SEEN]) {
+  const Observation *seen = &self->seen;
+  const PetscReal distance = hypot(hypot(seen->tip_x1, seen->tip_x2), seen->tip_x3),
+                  across = PetscMax(seen->norm_x2, seen->norm_x3), rounding = 1e-5;
+
+  for (int k = 0; k < ESTIMATE_SEEN; k++) least[k] = self->estimate ? self->rtol : 0;
+  least[ESTIMATE_TIP] *= PetscMax(rounding, PetscMin(1, across / PetscMax(distance, rod_vanished)));
+  if (self->scene->tip.type != TIP_FREE) least[ESTIMATE_TIP] = 0;
+}
+
+/* GrowFollowsErrors - are errors followed over all of the run? */
+PetscBool GrowFollowsErrors(const Grow *self) {
+  TSType type;
+
+  if (!self->estimate || (self->model != FRAME && self->model != SPACE)) return PETSC_FALSE;
+  return (PetscBool)(!TSGetType(self->leg[self->model].ts, &type) && !strcmp(type, TSVBDF));
+}
+
+/* What happens to the rod at the latest step that makes errors large for a while; 0: nothing. */
+static int Happens(const Grow *self, const Observation *last, PetscBool jumped) {
+  const Observation *seen = &self->seen;
+  const PetscReal speed = PetscMax(seen->tip_speed, seen->mid_speed);
+
+  if (jumped || snappy * seen->t * speed > seen->length) return WHY_SNAP;
+  if (seen->contacts > last->contacts) return WHY_TOUCH;
+  return seen->contacts < last->contacts ? WHY_LETS_GO : 0;
+}
+
+/* What makes an error: what happened just before, else the largest part. */
+static int Reason(const Grow *self, const PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEEN], int k) {
+  int most = 0;
+
+  if (self->event_is && self->seen.t - self->event_at <= meanwhile * self->seen.t)
+    return self->event_is;
+  for (int i = 1; i < ESTIMATE_PARTS; i++)
+    if (AccuracyTimes(i) * part[i][k] > AccuracyTimes(most) * part[most][k]) most = i;
+  return most;
+}
+
+/*
+  GrowFollowErrors - how far off the latest state may be, as part of what is seen of it. The largest
+  is kept with its time and its reason; what happens just behind it is the reason, too, for where
+  something comes a little sooner or later errors are large on either side.
+
+  last  the state before     jumped  it was a jump
+*/
+void GrowFollowErrors(Grow *self, const Observation *last, PetscBool jumped) {
+  PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEEN], rigid[RIGID_VALUES], least[ESTIMATE_SEEN],
+      t = self->seen.t;
+  ErrorEstimate *error = &self->error;
+  int happens;
+
+  if (!GrowFollowsErrors(self) || t == 0) return;
+  EstimateLatest(self->estimate, part, rigid);
+  Least(self, least);
+  AccuracyMeasured(least, part, Beside(self), &error->end);
+  self->seen.error_tip = error->end.seen[ESTIMATE_TIP];
+  self->seen.error_norm_x2 = error->end.seen[ESTIMATE_NORM];
+  self->seen.error_energy = error->end.seen[ESTIMATE_ENERGY];
+  happens = Happens(self, last, jumped);
+  if (happens) self->event_at = t;
+  if (happens) self->event_is = happens;
+  for (int k = 0; k < ESTIMATE_SEEN; k++) {
+    if (happens && error->why[k] < ESTIMATE_PARTS && t - error->when[k] <= meanwhile * t)
+      error->why[k] = happens;
+    if (EstimateIsEarly(self->estimate, t, k) || error->end.seen[k] <= self->largest[k]) continue;
+    self->largest[k] = error->end.seen[k];
+    error->when[k] = t;
+    error->why[k] = Reason(self, part, k);
+  }
+}
+
+/* Where the tip would be, and what the energy, in rigid contact, to first order. */
+static void Rigid(const Grow *self, const PetscReal change[RIGID_VALUES],
+                  PetscReal rigid[RIGID_VALUES]) {
+  const PetscReal alpha = self->scene->clamp_angle, c = PetscCosReal(alpha),
+                  s = PetscSinReal(alpha);
+  PetscReal off[3] = {c * change[0] - s * change[1], s * change[0] + c * change[1], 0};
+
+  if (self->scene->space.rod) SpaceToLab(&self->scene->space, change + RIGID_TIP, off);
+  rigid[RIGID_TIP] = self->seen.tip_x1 + to_rigid * off[0];
+  rigid[RIGID_TIP + 1] = self->seen.tip_x2 + to_rigid * off[1];
+  rigid[RIGID_TIP + 2] = self->seen.tip_x3 + to_rigid * off[2];
+  rigid[RIGID_ENERGY] = self->seen.energy + to_rigid * change[RIGID_ENERGY];
+}
+
+/* Of the errors that were followed: the largest of all, and of each part. Of a run that has not got
+   beyond its start, those of that. */
+static PetscErrorCode Measure(Grow *self) {
+  PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEEN], change[RIGID_VALUES], least[ESTIMATE_SEEN];
+  ErrorEstimate *error = &self->error;
+
+  PetscFunctionBegin;
+  Least(self, least);
+  PetscCall(EstimateTold(self->estimate, part));
+  AccuracyMeasured(least, part, Beside(self), &error->most);
+  error->most.all = 0;
+  for (int k = 0; k < ESTIMATE_SEEN; k++) {
+    if (self->largest[k] > 0) error->most.seen[k] = self->largest[k];
+    error->most.all = PetscMax(error->most.all, error->most.seen[k]);
+  }
+  EstimateLatest(self->estimate, part, change);
+  AccuracyMeasured(least, part, Beside(self), &error->end);
+  error->end.all = 0;
+  for (int k = 0; k < ESTIMATE_SEEN; k++)
+    error->end.all = PetscMax(error->end.all, error->end.seen[k]);
+  error->pressed = self->pressed;
+  Rigid(self, change, error->rigid);
+  PetscFunctionReturn(0);
 }
 
 /*
@@ -98,25 +248,28 @@ static PetscReal Beside(const Grow *self) {
 */
 PetscErrorCode GrowErrors(Grow *self) {
   const Load *load = &self->scene->load;
-  ErrorEstimate *error = &self->error;
-  PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN] = {{0}}, fitted, beside = Beside(self);
+  PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN] = {{0}}, least[ESTIMATE_SEEN], fitted,
+            beside = Beside(self);
   PetscBool vbdf;
 
   PetscFunctionBegin;
-  PetscCall(PetscMemzero(error, sizeof(*error)));
+  self->error.kind = ESTIMATE_NONE;
   PetscCall(PetscObjectTypeCompare((PetscObject)self->now->ts, TSVBDF, &vbdf));
   if (!vbdf) PetscFunctionReturn(0);
-  error->kind = (self->model == FRAME || self->model == SPACE) && self->estimate ? ESTIMATE_MEASURED
-                                                                                 : ESTIMATE_FITTED;
-  if (self->estimate) PetscCall(EstimateTold(self->estimate, worst));
-  if (error->kind == ESTIMATE_FITTED) {
-    PetscCall(AccuracyEstimate(self->now->rod, self->seen.t, self->rtol,
-                               PetscMax(self->folds, self->energy_folds / 2), self->weighed,
-                               (PetscBool)(self->energy_folds > 0), &fitted));
-    beside += fitted;
-    if (load->limit && !self->estimate)
-      beside += of_limit * PetscPowReal(load->friction.beta, 1. / 6);
+  self->error.kind = GrowFollowsErrors(self) ? ESTIMATE_MEASURED : ESTIMATE_FITTED;
+  if (self->error.kind == ESTIMATE_MEASURED) {
+    PetscCall(Measure(self));
+    PetscFunctionReturn(0);
   }
-  AccuracyMeasured(self->estimate ? self->rtol : 0, worst, beside, error);
+  if (self->estimate) PetscCall(EstimateTold(self->estimate, worst));
+  PetscCall(AccuracyEstimate(self->now->rod, self->seen.t, self->rtol,
+                             PetscMax(self->folds, self->energy_folds / 2), self->weighed,
+                             (PetscBool)(self->energy_folds > 0), &fitted));
+  beside += fitted;
+  if (load->limit && !self->estimate)
+    beside += of_limit * PetscPowReal(load->friction.beta, 1. / 6);
+  Least(self, least);
+  AccuracyMeasured(least, worst, beside, &self->error.most);
+  self->error.end = self->error.most;
   PetscFunctionReturn(0);
 }

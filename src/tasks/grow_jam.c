@@ -7,10 +7,11 @@
 /* Pressed in by this part of its diameter the rod is no longer where walls say, and with forces so
    many times the usual ones (world/contact.h) that is no matter of how soft contact is. A rod
    without one: so many times the length over which contact spreads a force that acts at a point.
-   Contact that gets firmer does not let it in so far: there it is jammed by a force that presses
-   soft contact in by half of the diameter, which is 500 times the usual one. (Rods that run in next
-   to head-on, and come through, are pressed by it three times as hard as by soft contact.) */
-static const PetscReal too_deep = 0.2, too_deep_firm = 0.5, too_deep_thin = 2, many_times = 10;
+   Contact that gets firmer does not let it in so far: there it is jammed by a force that would
+   press it in, were it as soft there as where it is touched, by so many times the layer of contact:
+   this is 500 times the usual one. (Rods that run in next to head-on, and come through, are pressed
+   by it three times as hard as by soft contact.) */
+static const PetscReal too_deep = 0.2, too_deep_firm = 250, too_deep_thin = 2, many_times = 10;
 /* So many steps in contact in which the rod grows, at the speed 1, by no more than this part of its
    length; one that does not grow has its tip led. (A snap takes some hundred from next to nothing
    on. Rods that are wedged chatter: their steps of 1e-9 find some balance or other, and add up to
@@ -28,7 +29,7 @@ PetscBool GrowPressedHard(const Grow *self) {
 /* Is it farther in a wall, or in itself, than a law of contact may let it? */
 static PetscBool PressedDeep(const Contact *contact, const Observation *seen) {
   const PetscReal most = contact->diameter <= 0 ? too_deep_thin * contact->tip
-                         : contact->firm        ? too_deep_firm * contact->diameter
+                         : contact->firm        ? too_deep_firm * contact->smooth
                                                 : too_deep * contact->diameter;
   return (PetscBool)(ContactSoftDepth(contact, seen->penetration) > most);
 }
@@ -40,9 +41,8 @@ PetscBool GrowIsJammed(Grow *self) {
   const Contact *contact = &self->scene->contact;
   const Observation *seen = &self->seen;
 
-  if (!contact->any || seen->contacts == 0 ||
-      seen->t > self->window_time + progress * seen->length) {
-    self->window_time = seen->t;
+  if (!contact->any || seen->contacts == 0 || self->way > self->window + progress * seen->length) {
+    self->window = self->way;
     self->window_steps = 0;
   } else
     self->window_steps++;
@@ -61,9 +61,9 @@ static const PetscReal gets_on = 1e-2;
   that it gets nowhere? The same on every rank. If so, it begins to count anew.
 */
 PetscBool GrowSlips(Grow *self) {
-  if (!self->scene->load.shared || self->scene->load.across >= 1 ||
-      self->seen.t > self->slips_at + gets_on * self->scene->end_time) {
-    self->slips_at = self->seen.t;
+  if (!LoadMaySlip(&self->scene->load) ||
+      self->way > self->slips_at + gets_on * self->scene->end_time) {
+    self->slips_at = self->way;
     self->slips_steps = 0;
   } else
     self->slips_steps++;
@@ -75,24 +75,28 @@ PetscBool GrowSlips(Grow *self) {
 
 /* GrowKeepStuck - for a restart: since when the run has got nowhere, and in how many steps. */
 void GrowKeepStuck(const Grow *self, PetscReal kept[RESTART_STUCK]) {
-  kept[0] = self->crawl.time;
+  kept[0] = self->crawl.way;
   kept[1] = self->crawl.half;
   kept[2] = (PetscReal)self->crawl.steps;
   kept[3] = self->slips_at;
   kept[4] = (PetscReal)self->slips_steps;
-  kept[5] = self->window_time;
+  kept[5] = self->window;
   kept[6] = (PetscReal)self->window_steps;
+  kept[7] = self->way;
+  kept[8] = self->crawl.at;
 }
 
 /* GrowTakeStuck - goes on with that. */
 void GrowTakeStuck(Grow *self, const PetscReal kept[RESTART_STUCK]) {
-  self->crawl.time = kept[0];
+  self->crawl.way = kept[0];
   self->crawl.half = kept[1];
   self->crawl.steps = (PetscInt)kept[2];
   self->slips_at = kept[3];
   self->slips_steps = (PetscInt)kept[4];
-  self->window_time = kept[5];
+  self->window = kept[5];
   self->window_steps = (PetscInt)kept[6];
+  self->way = kept[7];
+  self->crawl.at = kept[8];
 }
 
 /*

@@ -61,7 +61,7 @@ PetscErrorCode GrowHeading(Grow *self) {
 }
 
 /* GrowShared - says from when on dry friction has a viscous share, or a larger one, if it has
-   (LoadShareMore(), LoadShareSlight()). Collective. */
+   (LoadShareMore()). Collective. */
 PetscErrorCode GrowShared(Grow *self, PetscReal t) {
   const Load *load = &self->scene->load;
   const PetscReal share = 1 - load->friction.mu;
@@ -70,19 +70,14 @@ PetscErrorCode GrowShared(Grow *self, PetscReal t) {
   PetscFunctionBegin;
   if (!load->shared || share == self->shared) PetscFunctionReturn(0);
   OptionBoth(t, UNIT_TIME, text);
-  if (!self->quiet && load->across >= 1)
-    PetscCall(PetscPrintf(self->scene->comm,
-                          "t = %s: dry friction hardly says how fast places of the rod begin to "
-                          "slide: from here on a part of %.0e of it is viscous\n",
-                          text, (double)share));
-  else if (!self->quiet && self->shared > 0)
+  if (!self->quiet && self->shared > 0)
     PetscCall(PetscPrintf(self->scene->comm,
                           "t = %s: the rod slips and sticks, again and again: from here on a part "
                           "of %.0e of dry friction is viscous\n",
                           text, (double)share));
   else if (!self->quiet)
     PetscCall(PetscPrintf(self->scene->comm,
-                          "t = %s: the rod snaps or crawls, and dry friction that is weaker across "
+                          "t = %s: the rod snaps or slips, and dry friction that is weaker across "
                           "(-friction_across %g) does not say how fast: from here on a part of "
                           "%.0e of it is viscous\n",
                           text, (double)load->across, (double)share));
@@ -172,37 +167,87 @@ static PetscErrorCode TellContact(const Grow *self) {
   PetscFunctionReturn(0);
 }
 
-/* How large its errors may be. */
-static PetscErrorCode TellErrors(const Grow *self, PetscInt jumps) {
+/* Which of what is seen is off most. */
+static int Worst(const PetscReal seen[ESTIMATE_SEEN]) {
+  int worst = 0;
+
+  for (int k = 1; k < ESTIMATE_SEEN; k++)
+    if (seen[k] > seen[worst]) worst = k;
+  return worst;
+}
+
+/* What the last state may be off in, and where in the run most was. */
+static PetscErrorCode TellSeen(const Grow *self) {
+  static const char *const name[ESTIMATE_SEEN] = {"tip", "|x2|", "energy"},
+                           *const why[WHYS] = {"its mesh",        "its steps",
+                                               "exact friction",  "contact that is not rigid",
+                                               "it touches then", "it lets go then",
+                                               "it snaps then"};
   const ErrorEstimate *error = &self->error;
+  const PetscReal *end = error->end.seen;
+  const int k = Worst(error->most.seen);
+  char text[64], at[96] = "";
+
+  PetscFunctionBegin;
+  OptionBoth(error->when[k], UNIT_TIME, text);
+  if (error->when[k] > 0)
+    (void)snprintf(at, sizeof(at), " at t = %s: %s", text, why[error->why[k]]);
+  PetscCall(PetscPrintf(
+      self->scene->comm,
+      "errors at the end: tip %.1e, |x2| %.1e, energy %.1e; the largest of the run: %s %.1e%s\n",
+      (double)end[ESTIMATE_TIP], (double)end[ESTIMATE_NORM], (double)end[ESTIMATE_ENERGY], name[k],
+      (double)error->most.seen[k], at));
+  PetscFunctionReturn(0);
+}
+
+/* What rigid contact would do, to first order: where contact is off by more, nothing is known. */
+static PetscErrorCode TellRigid(const Grow *self) {
+  const ErrorEstimate *error = &self->error;
+  const PetscReal *rigid = error->rigid, known = 0.1;
+  char text[4][32], third[40] = "";
+
+  PetscFunctionBegin;
+  if (!self->pressed || error->end.part[ESTIMATE_SOFT] > known) PetscFunctionReturn(0);
+  if (self->scene->space.rod)
+    (void)snprintf(third, sizeof(third), ", %s", OptionNumber(rigid[RIGID_TIP + 2], text[2]));
+  PetscCall(PetscPrintf(
+      self->scene->comm, "in rigid contact, to first order: tip (%s, %s%s), energy %s\n",
+      OptionNumber(rigid[RIGID_TIP], text[0]), OptionNumber(rigid[RIGID_TIP + 1], text[1]), third,
+      OptionNumber(rigid[RIGID_ENERGY], text[3])));
+  PetscFunctionReturn(0);
+}
+
+/* How large its errors may be. */
+static PetscErrorCode TellErrors(const Grow *self, PetscInt snaps) {
+  const ErrorEstimate *error = &self->error;
+  const Errors *end = &error->end;
   MPI_Comm comm = self->scene->comm;
-  const PetscReal defect = self->seen.energy_defect, told = 0.01;
+  const PetscReal defect = self->seen.energy_defect;
   char friction[32] = "", soft[32] = "";
 
   PetscFunctionBegin;
   PetscCall(PetscPrintf(comm, "energy defect %.1e", (double)defect));
   if (error->kind != ESTIMATE_NONE)
-    PetscCall(PetscPrintf(comm, ", error estimate %.1e", (double)error->all));
+    PetscCall(PetscPrintf(comm, ", error estimate %.1e", (double)end->all));
   if (self->scene->load.limit)
     (void)snprintf(friction, sizeof(friction), ", friction %.1e",
-                   (double)error->part[ESTIMATE_LIMIT]);
+                   (double)end->part[ESTIMATE_LIMIT]);
   if (self->pressed)
-    (void)snprintf(soft, sizeof(soft), ", contact %.1e", (double)error->part[ESTIMATE_SOFT]);
+    (void)snprintf(soft, sizeof(soft), ", contact %.1e", (double)end->part[ESTIMATE_SOFT]);
   if (error->kind == ESTIMATE_MEASURED)
-    PetscCall(PetscPrintf(comm, " (space %.1e, time %.1e%s%s)", (double)error->part[ESTIMATE_SPACE],
-                          (double)error->part[ESTIMATE_TIME], friction, soft));
+    PetscCall(PetscPrintf(comm, " (space %.1e, time %.1e%s%s)", (double)end->part[ESTIMATE_SPACE],
+                          (double)end->part[ESTIMATE_TIME], friction, soft));
   else if (error->kind == ESTIMATE_FITTED)
     PetscCall(PetscPrintf(comm, " (a fit)"));
-  if (jumps) PetscCall(PetscPrintf(comm, "; %d snap%s", (int)jumps, jumps > 1 ? "s" : ""));
+  if (snaps) PetscCall(PetscPrintf(comm, "; %d snap%s", (int)snaps, snaps > 1 ? "s" : ""));
   if (self->scene->load.shared)
     PetscCall(
         PetscPrintf(comm, "; viscous share %.0e", (double)(1 - self->scene->load.friction.mu)));
   PetscCall(PetscPrintf(comm, "\n"));
-  if (error->kind == ESTIMATE_MEASURED && error->all > told)
-    PetscCall(PetscPrintf(comm,
-                          "The estimate is that large for: tip %.1e, |x2| %.1e, energy %.1e.\n",
-                          (double)error->seen[ESTIMATE_TIP], (double)error->seen[ESTIMATE_NORM],
-                          (double)error->seen[ESTIMATE_ENERGY]));
+  if (error->kind == ESTIMATE_MEASURED) {
+    PetscCall(TellSeen(self));
+    PetscCall(TellRigid(self));
+  }
   PetscCall(AccuracyTell(error, self->rtol, self->now->rod, comm));
   if (defect > 1e-3)
     PetscCall(PetscPrintf(
@@ -355,7 +400,7 @@ static PetscErrorCode TellStraight(const Grow *self) {
   PetscFunctionReturn(0);
 }
 
-/* GrowCount - Newton iterations, those of snaps too, and rejected tries of steps: of this run and
+/* GrowCount - Newton iterations and rejected tries of steps: of this run and
    of those that it goes on with. */
 PetscErrorCode GrowCount(const Grow *self, PetscReal counted[2]) {
   PetscInt n;
@@ -364,7 +409,7 @@ PetscErrorCode GrowCount(const Grow *self, PetscReal counted[2]) {
   for (int k = 0; k < 2; k++) counted[k] = self->counted[k];
   for (int m = 0; m < MODELS; m++)
     if (self->leg[m].ts) {
-      PetscCall(LegIterations(&self->leg[m], &n));
+      PetscCall(TSGetSNESIterations(self->leg[m].ts, &n));
       counted[0] += n;
       PetscCall(TSGetStepRejections(self->leg[m].ts, &n));
       counted[1] += n;
@@ -376,18 +421,13 @@ PetscErrorCode GrowCount(const Grow *self, PetscReal counted[2]) {
 PetscErrorCode GrowSummary(Grow *self) {
   const Observation *seen = &self->seen;
   const PetscBool space = self->scene->space.rod;
-  PetscInt steps, jumps = 0, n, blind;
+  PetscInt steps;
   PetscReal counted[2];
   char text[4][32];
   PetscLogDouble now;
 
   PetscFunctionBegin;
   PetscCall(TSGetStepNumber(self->now->ts, &steps));
-  for (int m = 0; m < MODELS; m++)
-    if (self->leg[m].ts) {
-      PetscCall(VBDFGetJumps(self->leg[m].ts, &n, &blind));
-      jumps += n;
-    }
   PetscCall(GrowCount(self, counted));
   PetscCall(PetscTime(&now));
   if (self->quiet) PetscFunctionReturn(0);
@@ -404,7 +444,7 @@ PetscErrorCode GrowSummary(Grow *self) {
   PetscCall(TellClamp(self));
   PetscCall(PetscPrintf(self->scene->comm, "%d steps, %d rejected, %d Newton iterations, %.3f s; ",
                         (int)steps, (int)counted[1], (int)counted[0], now - self->begin));
-  PetscCall(TellErrors(self, jumps));
+  PetscCall(TellErrors(self, self->snaps));
   PetscCall(TellSides(self));
   PetscCall(TellPlane(self));
   PetscCall(TellStraight(self));

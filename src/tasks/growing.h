@@ -3,6 +3,7 @@
 #define TENDRIL_GROWING_H
 
 #include "stepping/estimate.h"
+#include "stepping/tolerance.h"
 #include "tasks/crawl.h"
 #include "tasks/member.h"
 
@@ -30,10 +31,10 @@ typedef struct {
   Sensitivities sensitivities; /* NULL: none are asked for */
   Observation seen;            /* of the latest step */
   PetscReal rtol, output_interval, next_output;
-  PetscReal stored_shape;        /* time of the latest shape handed to the output */
-  PetscReal report_at;           /* time of the next progress line */
-  PetscInt iterations, of_snaps; /* of the leg so far: those of snaps in it, and in them alone */
-  PetscInt of_step;              /* of the latest step without them */
+  PetscReal eased;        /* what rtol may be at most, as the estimate says */
+  PetscReal stored_shape; /* time of the latest shape handed to the output */
+  PetscReal report_at;    /* time of the next progress line */
+  PetscInt iterations;    /* of the leg so far */
   PetscReal counted[2];   /* iterations and rejected tries of the runs that it goes on with */
   PetscReal folds;        /* of |x2|, up and down, so far */
   PetscReal neglects;     /* part that the linear model leaves out, or would, now */
@@ -41,13 +42,17 @@ typedef struct {
   PetscReal energy_folds; /* of the energy of the linear model, up and down */
   PetscReal weighed;      /* the folds, by what they weigh in its energy */
   PetscBool pressed;      /* there has been contact */
-  ErrorEstimate error;    /* as GrowErrors() has found it */
-  PetscReal depth;        /* largest penetration so far */
-  PetscInt snaps;         /* of this run, and of what it goes on with */
-  PetscInt crossings;     /* of these, its start was crossed by */
-  PetscReal crossed;      /* what steps that cross its start have changed, see GrowCross() */
-  PetscBool gave_way;     /* its start did, at once: a jump in that layer */
-  PetscBool layered;      /* steps have crossed the layer of its start, from here: */
+  ErrorEstimate error; /* as GrowErrors() has found it; when and why of what was largest so far */
+  PetscReal largest[ESTIMATE_SEEN]; /* that error, beyond the start */
+  PetscReal event_at;               /* when it last touched, let go or snapped; 0: never */
+  int event_is;                     /* which, as WHY_TOUCH */
+  PetscReal depth;                  /* largest penetration so far */
+  PetscInt snaps;                   /* of this run, and of what it goes on with */
+  PetscReal way;                    /* how far the run has come, in time and as the rod has moved */
+  PetscInt crossings;               /* of these, its start was crossed by */
+  PetscReal crossed;  /* what steps that cross its start have changed, see GrowCross() */
+  PetscBool gave_way; /* its start did, at once: a jump in that layer */
+  PetscBool layered;  /* steps have crossed the layer of its start, from here: */
   Observation began;
   PetscBool vanished;      /* |x2| has fallen below the numbers that there are */
   PetscInt blind;          /* steps that have crossed a mode that grows (LegCrosses()) */
@@ -57,10 +62,10 @@ typedef struct {
   Watch watch;
   PetscReal shared;   /* viscous share of friction that has been told, see LoadShareMore() */
   PetscBool slips;    /* it does all the same, without end: the run ends for that */
-  PetscReal slips_at; /* t when it last got on, and steps since: see grow_jam.c */
+  PetscReal slips_at; /* the way when it last got on, and steps since: see grow_jam.c */
   PetscInt slips_steps;
-  PetscBool jammed;      /* the run ends for that */
-  PetscReal window_time; /* when the rod last grew, and steps since: see grow_jam.c */
+  PetscBool jammed; /* the run ends for that */
+  PetscReal window; /* the way when it last got on, and steps since: see grow_jam.c */
   PetscInt window_steps;
   Crawl crawl;
   PetscReal force_before; /* on the clamp, of the state before that which was seen last */
@@ -73,10 +78,11 @@ typedef struct {
 extern const RodModel *const grow_models[MODELS];
 
 /* grow_errors.c */
-void GrowCross(Grow *self, const Observation *last, PetscReal before, PetscBool layered,
-               PetscBool followed);
+void GrowCross(Grow *self, const Observation *last, PetscReal before, PetscBool layered);
 void GrowKeepErrors(const Grow *self, PetscReal kept[RESTART_BESIDE]);
 void GrowTakeErrors(Grow *self, const PetscReal kept[RESTART_BESIDE]);
+PetscBool GrowFollowsErrors(const Grow *self);
+void GrowFollowErrors(Grow *self, const Observation *last, PetscBool jumped);
 PetscErrorCode GrowErrors(Grow *self);
 
 /* grow_events.c */

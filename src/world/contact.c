@@ -13,8 +13,8 @@ static const OptionRow rows[] = {
              "own, and of the rod with itself"),
     ROW_REAL(
         "-contact_stiffness", "", 1e-6, 1e30, UNIT_NONE, 0,
-        "k, force per length and depth, in N/l; if not given it follows from the diameter, and "
-        "without one, or with -accuracy, from the cells, at each time"),
+        "k, force per length and depth, in N/l; if not given it follows from the diameter and the "
+        "forces that there are, and without one, or with -accuracy, from the length"),
     ROW_BOOL(
         "-contact_firm", "", 0,
         "k that follows from the diameter grows, up to 64-fold, where the rod is pressed in "
@@ -52,7 +52,7 @@ PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
   PetscCall(OptionBool("-contact_firm", &contact->firm, &contact->told));
   contact->any = (PetscBool)(walls || contact->self);
   thick = (PetscBool)(thick && contact->diameter > 0);
-  if (contact->any) PetscCall(OptionGiven("-accuracy", &contact->fine));
+  if (contact->any) PetscCall(OptionReal("-accuracy", &contact->accuracy, &contact->fine));
   UserCheck(contact->any || !(rubs || contact->given || thick), OptionsComm(),
             "%s: there is nothing to touch; give -wall_file, or -contact_self",
             rubs             ? "-contact_friction"
@@ -68,7 +68,7 @@ PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
   PetscCall(ContactMayGetFirm(contact));
   contact->rub = *friction;
   contact->rub.mu = 1;
-  contact->rub.more = 0;
+  contact->rub.viscous = contact->rub.least = 0;
   if (walls)
     PetscCall(WallsRead(file, contact->diameter / 2, contact->friction, clamp_angle,
                         &contact->walls, &contact->surfaces));
@@ -97,16 +97,17 @@ PetscBool ContactGetsFirm(Contact *contact, PetscReal deepest) {
   return contact->firm = PETSC_TRUE;
 }
 
-/* The layer over which a point load spreads is this many of the largest cells: fewer, and the mesh
-   does not see it; more, and contact is softer than need be. */
-static const PetscReal cells_of_layer = 1.5;
-/* A force of usual size is not to press the rod in by more than this part of its diameter. */
-static const PetscReal part_of_diameter = 1e-3;
+/* A force of usual size is not to press the rod in by more than this part of its diameter; of one
+   that can touch itself: steps that follow strands feel how stiff these are. */
+static const PetscReal part_of_diameter = 2.5e-4, part_of_strands = 1e-3;
+/* ... by more than this part of the length of a rod without a diameter; of an accuracy that is
+   asked for, by more than that part of it. */
+static const PetscReal part_of_length = 3.7e-7, part_of_accuracy = 3.7e-3;
 /* The pressure sets in over so many times the depth to which such a force presses: so the step
    feels no kink where a point begins to touch. */
 static const PetscReal part_smooth = 2;
 /* However soft contact is, nothing is felt farther than this part of the diameter from it. */
-static const PetscReal most_smooth = 0.25;
+static const PetscReal most_smooth = 0.01;
 
 /* Posts less wide than this many cells are met at their feet in part, than so many in full: of the
    others the collocation points are near enough to each other to feel them. */
@@ -114,8 +115,7 @@ static const PetscReal cells_of_post[2] = {2, 1};
 
 /* ContactNeedsCell - does the law of contact depend on how long the cells are? */
 PetscBool ContactNeedsCell(const Contact *contact) {
-  return (PetscBool)(contact->any && (contact->walls.posts || contact->surfaces.ridges ||
-                                      contact->diameter == 0 || contact->fine));
+  return (PetscBool)(contact->any && (contact->walls.posts || contact->surfaces.ridges));
 }
 
 /* What contact is not to press in by more than a part of: the diameter; of a rod without one, that
@@ -128,35 +128,43 @@ static PetscReal Thickness(const Contact *contact) {
   return 2 * (post > 0 ? PetscMin(post, round) : round);
 }
 
+/* How deep a force of usual size is to press the rod in, and the rate of its logarithm. */
+static PetscReal AllowedDepth(const Contact *contact, const PetscReal length[2], PetscReal *rate) {
+  const PetscReal D = Thickness(contact), L = length[0],
+                  part = contact->self ? part_of_strands : part_of_diameter,
+                  thin = contact->fine ? part_of_accuracy * contact->accuracy : part_of_length,
+                  thick = part * PetscMin(D, L);
+
+  if (D > 0 && (!contact->fine || thick < thin * L)) {
+    *rate = L < D ? length[1] / L : 0;
+    return thick;
+  }
+  *rate = length[1] / L;
+  return thin * L;
+}
+
 /*
   ContactSetStiffness - k, unless it is given, and what follows from it. A point load Q on a rod of
   stiffness B sinks in by Q/(2 sqrt(2) k^(3/4) B^(1/4)) and spreads over l = (B/k)^(1/4) (Winkler's
-  foundation). Forces are about as friction has them in a length that it bends, B^(1/3), or as
-  bending has them in a rod so short that friction is nothing to it, 10 B/L^2; one that is shorter
-  than thick is to sink in by a part of its length.
+  foundation). Forces are as the scene has them (SceneForce()), or as bending has them in a rod so
+  short that these are nothing to it, 10 B/L^2; one that is shorter than thick is to sink in by a
+  part of its length.
 
   B             the largest, or where the rod is stiffest walls would be soft to it; that of the tip
   cell, length  the largest of a cell and of the rod, at present, and their rates
 */
 void ContactSetStiffness(Contact *contact, const PetscReal B[2], const PetscReal cell[2],
                          const PetscReal length[2]) {
-  const PetscReal depth = 2 * PETSC_SQRT2, long_rod = PetscPowReal(B[0], 1. / 3),
-                  of_tip = PetscPowReal(B[1] / B[0], 0.25),
+  const PetscReal of_point = 2 * PETSC_SQRT2, of_tip = PetscPowReal(B[1] / B[0], 0.25),
                   short_rod = 10 * B[0] / (length[0] * length[0]),
-                  Q = PetscMax(long_rod, short_rod), D = Thickness(contact);
-  const PetscReal longer = length[1] / length[0], Q_t = short_rod > long_rod ? -2 * longer : 0,
-                  D_t = length[0] < D ? longer : 0; /* over Q, over D; so all rates */
-  PetscReal l = cells_of_layer * cell[0], l_t = cell[0] > 0 ? cell[1] / cell[0] : 0;
+                  Q = PetscMax(contact->usual, short_rod), D = Thickness(contact),
+                  Q_t = short_rod > contact->usual ? -2 * length[1] / length[0] : 0;
+  PetscReal l, l_t, depth, depth_t; /* all rates over what they are of */
 
   if (!contact->any) return;
-  if (D > 0) {
-    PetscReal thick =
-        PetscPowReal(depth * part_of_diameter * PetscMin(D, length[0]) * B[0] / Q, 1. / 3);
-    if ((contact->diameter > 0 && !contact->fine) || thick < l) {
-      l = thick;
-      l_t = (D_t - Q_t) / 3;
-    }
-  }
+  depth = AllowedDepth(contact, length, &depth_t);
+  l = PetscPowReal(of_point * depth * B[0] / Q, 1. / 3);
+  l_t = (depth_t - Q_t) / 3;
   if (contact->given) {
     l = PetscPowReal(contact->stiffness / B[0], -0.25);
     l_t = 0;
@@ -164,7 +172,7 @@ void ContactSetStiffness(Contact *contact, const PetscReal B[2], const PetscReal
   if (!contact->given) contact->stiffness = B[0] / (l * l * l * l);
   contact->force = Q;
   contact->tip = l * of_tip;
-  contact->smooth = part_smooth * Q * l * l * l / (depth * B[0]);
+  contact->smooth = part_smooth * Q * l * l * l / (of_point * B[0]);
   contact->smooth_t = (Q_t + 3 * l_t) * contact->smooth;
   if (D > 0 && contact->smooth > most_smooth * D) {
     contact->smooth = most_smooth * D;

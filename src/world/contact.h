@@ -30,18 +30,20 @@ typedef struct {
   PetscBool any;                    /* there are walls, or strands that touch */
   PetscBool self;                   /* strands touch */
   PetscBool given;                  /* k is the user's */
-  PetscBool fine;                   /* k follows the mesh, too: an accuracy is asked for */
+  PetscBool fine;                   /* an accuracy is asked for, and k follows from that, too */
   PetscBool firm;                   /* k grows where the rod is pressed in */
   PetscBool told;                   /* whether it does is the user's */
   PetscReal *deepest;               /* of the state whose forces were asked for last, if k may have
                                        to grow: see ContactMayGetFirm(); else NULL */
   PetscBool slippery;               /* as if no wall had friction, to count modes (leg.c) */
   PetscReal diameter;               /* D */
+  PetscReal accuracy;               /* that which is asked for */
+  PetscReal usual;                  /* force with which the rod is pressed: SceneForce() */
   PetscReal time;                   /* of what follows */
   PetscReal stiffness, smooth, tip; /* k, w, l */
   PetscReal stiffness_t, smooth_t, tip_t;
-  PetscReal force;        /* Q, of usual size */
-  PetscReal cell, cell_t; /* the largest, where posts are or k asks for it */
+  PetscReal force;        /* Q, of usual size: that, or more in a short rod */
+  PetscReal cell, cell_t; /* the largest, where posts are */
   PetscBool thin;         /* some posts are met at their feet */
   PetscReal friction;     /* mu_c between strands, and of walls without their own */
   Friction rub;           /* how contact friction is regularised: dry, of strength 1 */
@@ -96,15 +98,20 @@ static inline PetscBool ContactWallsRub(const Contact *contact) {
   return (PetscBool)(contact->walls.rub || contact->surfaces.rub);
 }
 
-/* Depths over w between which contact gets firmer, and how many times. */
-static const PetscReal contact_firm[2] = {1.5, 3}, contact_firm_times = 64;
+/* Depths over w between which contact gets firmer, and how many times: of walls, and where the rod
+   can touch itself, which is softer to begin with. */
+static const PetscReal contact_firm[2] = {1.5, 3}, contact_firm_times[2] = {16, 64};
+
+static inline PetscReal ContactFirmTimes(const Contact *contact) {
+  return contact_firm_times[contact->self ? 1 : 0];
+}
 
 /* What the part that is firm adds to the depth, r; by_depth its derivative, energy its integral. */
 static inline PetscReal ContactFirm(const Contact *contact, PetscReal gap, PetscReal *by_depth,
                                     PetscReal *energy) {
   const PetscReal over = -gap - contact_firm[0] * contact->smooth,
                   way = (contact_firm[1] - contact_firm[0]) * contact->smooth,
-                  more = contact_firm_times - 1;
+                  more = ContactFirmTimes(contact) - 1;
   PetscReal z, beyond;
 
   *by_depth = *energy = 0;
@@ -130,6 +137,15 @@ static inline PetscReal ContactPressure(const Contact *contact, PetscReal gap, P
   }
   *slope = -k * (w - gap) / (2 * w);
   return k * (w - gap) * (w - gap) / (4 * w);
+}
+
+/* Of the layer in which a place begins to be pressed, the rest is where next to nothing is. */
+static const PetscReal contact_bears = 0.9;
+
+/* Does a place that is so near bear a force? Then it is in contact, whether it is pressed in, or
+   held off within that layer. */
+static inline PetscBool ContactBears(const Contact *contact, PetscReal gap) {
+  return (PetscBool)(gap < contact_bears * contact->smooth);
 }
 
 /* How deep the force that presses in so far would press in, were contact as soft there as it is

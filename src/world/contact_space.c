@@ -134,26 +134,24 @@ PetscInt ContactTouches3(const Contact *self, const PetscReal x[3], Touch3 touch
   nearer or farther may be meant so, in balance with what presses there.) Behind ContactSetFrame()
   and ContactSetStiffness().
 
-  Returns how many walls; off  the largest length by which one was.
+  off  the largest length by which one was
 */
-PetscInt ContactStandOff(Contact *self, PetscReal *off) {
+void ContactStandOff(Contact *self, PetscReal *off) {
   const PetscReal most = part_of_stand_off * self->diameter, clamp[3] = {0, 0, 0};
   Touch3 touch[MOST_TOUCHES3];
-  PetscInt n, moved = 0;
+  PetscInt n;
 
   *off = 0;
-  if (self->smooth > most) return 0; /* contact so soft that this would be another place */
+  if (self->smooth > most) return; /* contact so soft that this would be another place */
   n = ContactTouches3(self, clamp, touch);
   for (PetscInt k = 0; k < n; k++) {
     const PetscInt flat = touch[k].wall - self->surfaces.n;
     PetscReal *by =
         flat >= 0 ? &self->walls.wall[flat].off : &self->surfaces.surface[touch[k].wall].off;
     if (PetscAbsReal(touch[k].gap) > part_at_wall * self->diameter) continue;
-    moved += *by == 0;
     *by = PetscMax(*by, self->smooth - touch[k].gap);
     *off = PetscMax(*off, *by);
   }
-  return moved;
 }
 
 /* Is component d of what is turned into the clamp's frame a sum? */

@@ -57,7 +57,7 @@ static inline PetscBool ContactHasRidges(const Contact *contact) {
 enum { WALL_SLOTS = 4 };
 
 void ContactSetFrame(Contact *contact, const PetscReal lab[3][3], PetscReal clamp_angle);
-PetscInt ContactStandOff(Contact *contact, PetscReal *off);
+void ContactStandOff(Contact *contact, PetscReal *off);
 PetscInt ContactTouches3(const Contact *contact, const PetscReal x[3], Touch3 touch[MOST_TOUCHES3]);
 PetscBool ContactBlurs(const Contact *contact, int d);
 PetscReal ContactGap3(const Contact *contact, const PetscReal x[3], PetscReal within);

@@ -14,8 +14,9 @@ PetscErrorCode FrictionSetFromOptions(Friction *friction) {
   PetscInt choice;
 
   PetscFunctionBegin;
-  friction->more = 0;
   PetscCall(OptionReal("-friction_mu", &friction->mu, NULL));
+  friction->viscous = 1 - friction->mu;
+  friction->least = friction->fast = 0;
   PetscCall(OptionReal("-friction_beta", &friction->beta, NULL));
   PetscCall(OptionWord("-friction_newton", &choice, NULL));
   friction->newton = (FrictionNewton)choice;
@@ -64,12 +65,15 @@ static inline void Advance(const Friction *law, int n, const PetscReal v[], Pets
 
 static inline void Slope(const Friction *law, int n, const PetscReal v[], const PetscReal dual[],
                          const PetscReal shift[], PetscReal *slope) {
-  PetscReal u[4], inverse = 1 / Radius(law, n, v, shift, u), d = law->mu * inverse;
+  PetscReal u[4], inverse = 1 / Radius(law, n, v, shift, u), d = law->mu * inverse,
+                  v2 = Dot(n, v, v), viscous = FrictionViscous(law, v2), rises = 0;
 
+  if (law->least > 0) rises = 2 * law->least * PetscSqr(law->fast / (v2 + law->fast * law->fast));
   for (int i = 0; i < n; i++)
     for (int j = 0; j < n; j++) {
       PetscReal w = law->newton == NEWTON_PRIMAL ? u[i] * inverse : dual[i];
-      slope[n * i + j] = (i == j) * (1 - law->mu + law->more + d) - d * w * (u[j] * inverse);
+      slope[n * i + j] = (i == j) * (viscous + d) - d * w * (u[j] * inverse);
+      if (rises > 0) slope[n * i + j] += rises * v[i] * v[j];
     }
 }
 
@@ -104,9 +108,9 @@ void FrictionDualAdvance(const Friction *law, const PetscReal v[2], FrictionDual
 }
 
 /*
-  FrictionLinearise - the derivative of the force phi(|v|) v by v,
-    primal:       (1 - mu) I + mu/r (I - (u/r) (u/r)^T),
-    primal-dual:  (1 - mu) I + mu/r (I - w (u/r)^T).
+  FrictionLinearise - the derivative of the force phi(|v|) v by v (without what is fast),
+    primal:       viscous I + mu/r (I - (u/r) (u/r)^T),
+    primal-dual:  viscous I + mu/r (I - w (u/r)^T).
 */
 void FrictionLinearise(const Friction *law, const PetscReal v[2], const FrictionDual *dual,
                        PetscReal slope[2][2]) {

@@ -1,5 +1,9 @@
-/* The friction law: force per length -phi(|v|) v, phi = (1 - mu) + mu / sqrt(v^2 + beta), and the
-   linearisations of its dry part for Newton's method. */
+/* The friction law: force per length -phi(|v|) v, and the linearisations of its dry part for
+   Newton's method:
+
+     phi = viscous + mu / sqrt(v^2 + beta) + least v^2 / (v^2 + fast^2)
+
+   The last term holds back a rod that dry friction does not hold: LoadShareLeast(). */
 #ifndef TENDRIL_FRICTION_H
 #define TENDRIL_FRICTION_H
 
@@ -9,9 +13,11 @@
 typedef enum { NEWTON_PRIMAL, NEWTON_PRIMAL_DUAL } FrictionNewton;
 
 typedef struct {
-  PetscReal mu;   /* dry share, in [0,1] */
-  PetscReal beta; /* regularisation of |v|^2; 0: exact Coulomb friction */
-  PetscReal more; /* viscous friction beside 1 - mu: 0, but in a snap (snap.c) */
+  PetscReal mu;      /* dry share, in [0,1] */
+  PetscReal beta;    /* regularisation of |v|^2; 0: exact Coulomb friction */
+  PetscReal viscous; /* viscous share: 1 - mu */
+  PetscReal least;   /* what there is of it above a speed, fast, if it is less; else 0 */
+  PetscReal fast;
   FrictionNewton newton;
 } Friction;
 
@@ -60,11 +66,18 @@ static inline PetscReal FrictionRadius(const Friction *law, const PetscReal v[2]
   return PetscSqrtReal(u[0] * u[0] + u[1] * u[1] + (law->beta > 0 ? law->beta : friction_tiny));
 }
 
+/* Viscous friction, over v, given |v|^2. */
+static inline PetscReal FrictionViscous(const Friction *law, PetscReal v2) {
+  if (law->least == 0) return law->viscous;
+  return law->viscous + law->least * v2 / (v2 + law->fast * law->fast);
+}
+
 /* The force phi(|v|) v of friction, per length. */
 static inline void FrictionForce(const Friction *law, const PetscReal v[2],
                                  const FrictionDual *dual, PetscReal f[2]) {
-  PetscReal u[2], drag = law->mu / FrictionRadius(law, v, dual, u);
-  for (int d = 0; d < 2; d++) f[d] = (1 - law->mu + law->more) * v[d] + drag * u[d];
+  PetscReal u[2], drag = law->mu / FrictionRadius(law, v, dual, u),
+                  viscous = FrictionViscous(law, v[0] * v[0] + v[1] * v[1]);
+  for (int d = 0; d < 2; d++) f[d] = viscous * v[d] + drag * u[d];
 }
 
 /* The same in space. */
@@ -80,20 +93,23 @@ static inline PetscReal FrictionRadius4(const Friction *law, const PetscReal v[4
 
 static inline void FrictionForce4(const Friction *law, const PetscReal v[4],
                                   const FrictionDual4 *dual, PetscReal f[4]) {
-  PetscReal u[4], drag = law->mu / FrictionRadius4(law, v, dual->shift, u);
-  for (int d = 0; d < 4; d++) f[d] = (1 - law->mu + law->more) * v[d] + drag * u[d];
+  PetscReal u[4],
+      drag = law->mu / FrictionRadius4(law, v, dual->shift, u),
+      viscous = FrictionViscous(law, v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + v[3] * v[3]);
+  for (int d = 0; d < 4; d++) f[d] = viscous * v[d] + drag * u[d];
 }
 
 /* phi(|v|) given |v|^2; a point at rest under exact Coulomb friction loses no power: 1 - mu */
 static inline PetscReal FrictionPhi(const Friction *law, PetscReal v2) {
   PetscReal r = PetscSqrtReal(v2 + law->beta);
-  return 1 - law->mu + law->more + (r > 0 ? law->mu / r : 0);
+  return FrictionViscous(law, v2) + (r > 0 ? law->mu / r : 0);
 }
 
-/* int_a^b phi(v) v dv: the axial friction on a straight rod whose speed rises evenly from a to b */
+/* int_a^b phi(v) v dv: the axial friction on a straight rod whose speed rises evenly from a to b;
+   no straight rod is fast */
 static inline PetscReal FrictionBetween(const Friction *law, PetscReal a, PetscReal b) {
   return law->mu * (PetscSqrtReal(b * b + law->beta) - PetscSqrtReal(a * a + law->beta)) +
-         (1 - law->mu) * (b * b - a * a) / 2;
+         law->viscous * (b * b - a * a) / 2;
 }
 
 #endif

@@ -34,9 +34,7 @@ typedef struct {
   PetscReal viscous; /* 1 - mu, as it was asked for */
   PetscBool limit;   /* exact friction was asked for, and is taken as a limit */
   PetscReal told;    /* ... and then: the speed that steps of tolerance 1e-6 tell from rest */
-  PetscBool stopped; /* N is that of one time, stopped_at */
   PetscBool shared;  /* a viscous share was given to dry friction, see LoadShareMore() */
-  PetscReal stopped_at;
 } Load;
 
 /* Where on the rod, and how fast; all in the clamp's frame. */
@@ -60,14 +58,13 @@ void LoadNextToExactByWalls(Load *load);
 void LoadAtTolerance(Load *load, PetscReal rtol);
 void LoadShare(Load *load, PetscReal share);
 PetscBool LoadShareMore(Load *load);
-PetscBool LoadShareSlight(Load *load);
-PetscBool LoadMayCrawl(const Load *load);
+PetscReal LoadLeastViscous(const Load *load, PetscReal speed);
+void LoadShareLeast(Load *load, PetscReal speed);
+PetscBool LoadMaySlip(const Load *load);
 PetscBool LoadSharesMost(const Load *load);
 void LoadSetWalls(Load *load, const Contact *contact);
 void LoadSetWeight(Load *load, const PetscReal weight[3]);
 PetscErrorCode LoadDestroy(Load *load);
-PetscErrorCode LoadInFastTime(const Load *load, PetscReal t, Load *fast, PetscBool *dry);
-void LoadAtSpeed(Load *fast, PetscReal speed);
 PetscBool LoadIsEven(const Load *load, PetscReal length, PetscReal end);
 void LoadForceVaried(const Load *load, const Place *at, PetscReal f[2]);
 void LoadSlopeVaried(const Load *load, const Place *at, const LoadDual *dual, LoadSlope *slope);

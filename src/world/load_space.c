@@ -7,7 +7,7 @@ static PetscReal Factor3(const Load *load, const Place3 *at, PetscReal slope[3])
 
   for (int d = 0; d < 3; d++)
     lab[d] = load->lab[d][0] * at->x[0] + load->lab[d][1] * at->x[1] + load->lab[d][2] * at->x[2];
-  FieldAt(load->field, lab, load->stopped ? load->stopped_at : at->t, &factor, by);
+  FieldAt(load->field, lab, at->t, &factor, by);
   for (int d = 0; d < 3; d++)
     slope[d] = load->lab[0][d] * by[0] + load->lab[1][d] * by[1] + load->lab[2][d] * by[2];
   return factor;

@@ -1,6 +1,8 @@
 #include "world/surfaces.h"
 #include "base/extremes.h"
 #include "base/vectors.h"
+#include <stdint.h>
+#include <string.h>
 
 static const SurfaceKind *const kinds[] = {&surface_plane, &surface_sphere, &surface_cylinder,
                                            &surface_cone,  &surface_torus,  &surface_tube,
@@ -119,6 +121,54 @@ static PetscErrorCode IndexRidges(Surfaces *self) {
   PetscFunctionReturn(0);
 }
 
+/*
+  What is seen from a place. Residual, derivatives, observer and all that looks at a step ask for
+  the same places, one after the other: each is looked from once, and what is told again is what was
+  told, to the last digit.
+*/
+enum { VIEW_BITS = 11, VIEWS = 1 << VIEW_BITS, VIEW_MOST = 2 };
+struct _SurfaceView {
+  PetscReal x[3], time;
+  PetscReal none;    /* nothing is nearer than this */
+  PetscReal nearest; /* the distance of the nearest surface, which; PETSC_MAX_REAL: not known */
+  PetscInt which;
+  PetscReal within; /* all that are nearer than this are listed; 0: none is */
+  PetscInt n, list[VIEW_MOST];
+  SurfacePoint point[VIEW_MOST];
+};
+
+/* (To see a plane takes no longer than to look up what was seen of it.) */
+static PetscErrorCode OpenViews(Surfaces *self) {
+  PetscBool worth = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < self->n; k++)
+    if (self->surface[k].kind != &surface_plane) worth = PETSC_TRUE;
+  if (!worth) PetscFunctionReturn(0);
+  PetscCall(PetscCalloc1(VIEWS, &self->view));
+  for (PetscInt k = 0; k < VIEWS; k++) self->view[k].time = NAN;
+  PetscFunctionReturn(0);
+}
+
+/* The view from a place at this time, in place of another if it is new; NULL: none is kept. */
+static SurfaceView *ViewFrom(const Surfaces *self, const PetscReal x[3]) {
+  SurfaceView *view;
+  uint64_t bits[3];
+
+  if (!self->view) return NULL;
+  memcpy(bits, x, sizeof(bits));
+  bits[0] = (bits[0] ^ bits[1] * 0xC2B2AE3D27D4EB4Fu ^ bits[2] * 0x165667B19E3779F9u) *
+            0x9E3779B97F4A7C15u;
+  view = &self->view[bits[0] >> (64 - VIEW_BITS)];
+  if (view->x[0] == x[0] && view->x[1] == x[1] && view->x[2] == x[2] && view->time == self->time)
+    return view;
+  for (int d = 0; d < 3; d++) view->x[d] = x[d];
+  view->time = self->time;
+  view->none = view->within = 0;
+  view->nearest = PETSC_MAX_REAL;
+  return view;
+}
+
 /* SurfacesIndex - puts them where a place finds those near it. Not collective. */
 PetscErrorCode SurfacesIndex(Surfaces *self) {
   PetscInt placed = 0;
@@ -141,6 +191,7 @@ PetscErrorCode SurfacesIndex(Surfaces *self) {
   PetscCall(BlocksCreate(3, placed, block, &self->near));
   PetscCall(PetscFree(block));
   PetscCall(IndexRidges(self));
+  PetscCall(OpenViews(self));
   PetscFunctionReturn(0);
 }
 
@@ -155,6 +206,7 @@ PetscErrorCode SurfacesDestroy(Surfaces *self) {
     PetscCall(MotionDestroy(&surface->motion));
     PetscCall(PetscFree(surface->text));
   }
+  PetscCall(PetscFree(self->view));
   PetscCall(BlocksDestroy(&self->near));
   PetscCall(BlocksDestroy(&self->near_ridges));
   PetscCall(PetscFree(self->ridge));
@@ -364,19 +416,70 @@ static void LookAround(Look *look) {
 PetscInt SurfacesNear(const Surfaces *self, const PetscReal x[3], PetscReal within,
                       PetscInt which[MOST_SURFACES], SurfacePoint point[MOST_SURFACES]) {
   Look look = {.self = self, .x = x, .within = within, .which = which, .point = point};
+  SurfaceView *view;
 
   if (!self->n) return 0;
+  view = ViewFrom(self, x);
+  if (view && within > 0 && within <= view->none) return 0;
+  if (view && within > 0 && within == view->within) {
+    for (PetscInt k = 0; k < view->n; k++) {
+      which[k] = view->list[k];
+      point[k] = view->point[k];
+    }
+    return view->n;
+  }
   LookAround(&look);
+  if (view && !look.n) view->none = PetscMax(view->none, within);
+  if (view && look.n <= VIEW_MOST) {
+    view->within = within;
+    view->n = look.n;
+    for (PetscInt k = 0; k < look.n; k++) {
+      view->list[k] = which[k];
+      view->point[k] = point[k];
+    }
+  }
   return look.n;
+}
+
+/* What a view tells of the nearest surface, if it does. */
+static PetscBool Tells(const SurfaceView *view, PetscReal within, PetscReal *distance,
+                       PetscInt *nearest) {
+  PetscReal known = view->nearest;
+  PetscInt which = view->which;
+
+  *distance = within;
+  if (within <= view->none) return PETSC_TRUE;
+  if (known == PETSC_MAX_REAL && view->within > 0 && view->n == 1) { /* (of two as near, one) */
+    known = view->point[0].distance;
+    which = view->list[0];
+  }
+  if (known == PETSC_MAX_REAL) return PETSC_FALSE;
+  if (known < within) {
+    *distance = known;
+    *nearest = which;
+  }
+  return PETSC_TRUE;
 }
 
 /* SurfacesDistance - the least distance of x to any surface, if that is below `within`; else that.
    nearest: its number, unchanged if there is none. */
 PetscReal SurfacesDistance(const Surfaces *self, const PetscReal x[3], PetscReal within,
                            PetscInt *nearest) {
-  Look look = {.self = self, .x = x, .within = within, .which = nearest};
+  PetscInt found = -1;
+  Look look = {.self = self, .x = x, .within = within, .which = &found};
+  SurfaceView *view;
+  PetscReal distance;
 
-  if (self->n) LookAround(&look);
+  if (!self->n) return within;
+  view = ViewFrom(self, x);
+  if (view && within > 0 && Tells(view, within, &distance, nearest)) return distance;
+  LookAround(&look);
+  if (found >= 0) *nearest = found;
+  if (view && found >= 0) {
+    view->nearest = look.within;
+    view->which = found;
+  } else if (view)
+    view->none = PetscMax(view->none, within);
   return look.within;
 }
 

@@ -73,6 +73,8 @@ struct _Surface {
   char *text;
 };
 
+typedef struct _SurfaceView SurfaceView;
+
 typedef struct {
   PetscInt n, room;
   Surface *surface;
@@ -89,6 +91,7 @@ typedef struct {
     PetscInt surface, ridge;
   } * ridge;
   Blocks near_ridges;
+  SurfaceView *view; /* what was seen from places looked from of late; NULL: they are not kept */
 } Surfaces;
 
 enum { MOST_SURFACES = 16 }; /* at one place */

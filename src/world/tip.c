@@ -67,6 +67,7 @@ PetscErrorCode TipSetFromOptions(Tip *tip, const Load *load) {
   tip->per_turn = tip->per_place = 1;
   tip->resistance = *load;
   tip->resistance.friction.mu = 1;
+  tip->resistance.friction.viscous = tip->resistance.friction.least = 0;
   tip->resistance.across = 1;
   tip->resistance.turns = PETSC_FALSE;
   tip->resistance.field = NULL;
@@ -83,18 +84,6 @@ PetscErrorCode TipDestroy(Tip *tip) {
   PetscFunctionBegin;
   PetscCall(FieldDestroy(&tip->resistance.field));
   PetscCall(PathDestroy(&tip->path));
-  PetscFunctionReturn(0);
-}
-
-/* TipInFastTime - the tip in the fast time of a snap at t: its resistance is that of dry friction.
-   What fast holds is borrowed. */
-PetscErrorCode TipInFastTime(const Tip *tip, PetscReal t, Tip *fast) {
-  PetscBool dry;
-
-  PetscFunctionBegin;
-  *fast = *tip;
-  PetscCall(LoadInFastTime(&tip->resistance, t, &fast->resistance, &dry));
-  fast->resistance.friction.more = fast->resistance.friction.mu - 1; /* nothing viscous */
   PetscFunctionReturn(0);
 }
 
@@ -149,17 +138,17 @@ void TipForce(const Tip *tip, const TipState *at, const LoadDual *dual, PetscRea
   for (int d = 0; d < 2; d++) f[d] += tip->push[d];
 }
 
-/* Where it is held at a time. (In a snap time stands still.) */
+/* Where it is held at a time. */
 static void Held(const Tip *tip, PetscReal t, PathPlace *held) {
   *held = (PathPlace){.x = {tip->x[0], tip->x[1], tip->x3},
                       .p = {tip->p[0], tip->p[1], tip->p[2], tip->p[3]},
                       .angle = tip->theta};
-  if (tip->path) PathAt(tip->path, tip->resistance.stopped ? tip->resistance.stopped_at : t, held);
+  if (tip->path) PathAt(tip->path, t, held);
 }
 
-/* Does a path lead it along an axis at a time? (In a snap it rests.) */
+/* Does a path lead it along an axis at a time? */
 static PetscBool Led(const Tip *tip, PetscReal t, int axis) {
-  return (PetscBool)(tip->path && !tip->resistance.stopped && PathLeads(tip->path, t, axis));
+  return (PetscBool)(tip->path && PathLeads(tip->path, t, axis));
 }
 
 /*

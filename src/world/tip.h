@@ -52,7 +52,6 @@ extern const OptionGroup tip_options;
 
 PetscErrorCode TipSetFromOptions(Tip *tip, const Load *load);
 PetscErrorCode TipDestroy(Tip *tip);
-PetscErrorCode TipInFastTime(const Tip *tip, PetscReal t, Tip *fast);
 const PetscReal *TipStill(const Tip *tip, PetscReal t, int axes, int fields,
                           const PetscReal rates[], PetscReal still[]);
 void TipForce(const Tip *tip, const TipState *at, const LoadDual *dual, PetscReal f[2]);

@@ -391,12 +391,19 @@ PetscInt WallsTouch(const Walls *walls, const PetscReal x[2], PetscReal radius, 
   return look.n;
 }
 
-/* WallsGap - the smallest gap of a point of the rod to any wall; 1e300: there is none. */
-PetscReal WallsGap(const Walls *walls, const PetscReal x[2], PetscReal radius) {
-  Look look = {.walls = walls, .x = x, .radius = radius, .nearest = everywhere};
+/* WallsGapWithin - the smallest gap of a point of the rod to any wall, if that is below `within`;
+   else that. */
+PetscReal WallsGapWithin(const Walls *walls, const PetscReal x[2], PetscReal radius,
+                         PetscReal within) {
+  Look look = {.walls = walls, .x = x, .radius = radius, .nearest = within};
 
   LookAround(&look);
   return look.nearest;
+}
+
+/* WallsGap - the smallest gap of a point of the rod to any wall; 1e300: there is none. */
+PetscReal WallsGap(const Walls *walls, const PetscReal x[2], PetscReal radius) {
+  return WallsGapWithin(walls, x, radius, everywhere);
 }
 
 /* ---- what is solid ---- */

@@ -87,6 +87,8 @@ PetscBool WallPieceDistance(const WallPiece *piece, const PetscReal x[2], PetscR
                             PetscReal normal[2], PetscReal *bend);
 PetscInt WallsTouch(const Walls *walls, const PetscReal x[2], PetscReal radius, PetscReal within,
                     Touch touch[MOST_TOUCHES]);
+PetscReal WallsGapWithin(const Walls *walls, const PetscReal x[2], PetscReal radius,
+                         PetscReal within);
 PetscReal WallsGap(const Walls *walls, const PetscReal x[2], PetscReal radius);
 PetscInt WallsBehind(const Walls *walls, const PetscReal x[2]);
 PetscBool WallsHold(const Walls *walls, PetscInt wall, const PetscReal x[2]);

@@ -46,7 +46,6 @@ static void Solve(PetscInt fields, PetscBool held) {
   PetscInt n;
   Mat J;
   KSP ksp;
-  PC pc;
 
   CHECK(BlockLUCreate(NODES, fields, held, &J));
   CHECK(MatCreateVecs(J, &x, &b));
@@ -56,9 +55,7 @@ static void Solve(PetscInt fields, PetscBool held) {
   CHECK(VecAssemblyBegin(b));
   CHECK(VecAssemblyEnd(b));
   CHECK(KSPCreate(PETSC_COMM_SELF, &ksp));
-  CHECK(KSPSetType(ksp, KSPPREONLY));
-  CHECK(KSPGetPC(ksp, &pc));
-  CHECK(BlockLUSetType(pc));
+  CHECK(BlockLUSetSolver(ksp));
   for (PetscInt k = 0; k < 4; k++) { /* others touch; and once more the same */
     PetscReal norm;
     Fill(J, fields, held, k % 3);

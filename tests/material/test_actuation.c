@@ -135,10 +135,6 @@ static void Follows(const char *options) {
     EXPECT(PetscAbsReal(k[1] - 0.4 - Cubic(PetscMin(1, L - p), t)) < 1e-3, "%s: %g at %g", options,
            (double)k[1], (double)s);
   }
-  CurvatureStop(&curvature, t);
-  CHECK(CurvatureValue(&curvature, growth, 1, 5, &k[0], &rate));
-  Same("k that stands still", k[0], 0.4 + Cubic(0, t), 0, 5);
-  Same("its rate", rate, 0, 0, 5);
   CHECK(CurvatureDestroy(&curvature));
   CHECK(GrowthDestroy(&growth));
 }

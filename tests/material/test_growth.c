@@ -180,27 +180,6 @@ static void TestPath(void **state) {
       37. / 18);
 }
 
-/* A stopped law is the law at its time, whatever the time, and nothing moves. */
-static void TestStopped(void **state) {
-  const char *const laws[] = {"feed", "gaussian"};
-  for (int k = 0; k < 2; k++) {
-    Growth growth, stopped;
-    SetOptions("-growth_type %s -growth_initial_length 0.7", laws[k]);
-    CHECK(GrowthCreate(&growth));
-    CHECK(GrowthStop(growth, 3, &stopped));
-    Near("g", Stretch(stopped, 0.3, 8), Stretch(growth, 0.3, 3), 1, 0.3, 8);
-    Near("p", Arc(stopped, 0.3, 8), Arc(growth, 0.3, 3), 1, 0.3, 8);
-    PetscReal s = 0.3, value, rate;
-    CHECK(GrowthStretch(stopped, 1, &s, 8, &value, &rate, NULL));
-    EXPECT(rate == 0, "%s: g_t = %g", laws[k], rate);
-    CHECK(GrowthArc(stopped, 1, &s, 8, &value, &rate));
-    EXPECT(rate == 0, "%s: p_t = %g", laws[k], rate);
-    EXPECT(GrowthSlide(stopped, s, 1) == 0, "%s: slides", laws[k]);
-    CHECK(GrowthDestroy(&stopped));
-    CHECK(GrowthDestroy(&growth));
-  }
-}
-
 static PetscReal Bicubic(PetscReal s, PetscReal t) {
   return (2 + s - 3 * s * s + 2 * s * s * s) * (1 + t / 3 + t * t / 7 - t * t * t / 50) +
          s * t * t * t / 9;
@@ -261,5 +240,5 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(TestApical),        cmocka_unit_test(TestGaussian),
     cmocka_unit_test(TestGaussianValue), cmocka_unit_test(TestTableConsistent),
     cmocka_unit_test(TestTableExact),    cmocka_unit_test(TestTableOrder),
-    cmocka_unit_test(TestPath),          cmocka_unit_test(TestStopped)};
+    cmocka_unit_test(TestPath)};
 MAIN(tests)

@@ -1,9 +1,6 @@
-/* Newton's method in a step, a snap, and the result file of a run that goes on. */
+/* Newton's method in a step, and the result file of a run that goes on. */
 #include "harness.h"
-#include "base/signals.h"
 #include "record/output.h"
-#include "stepping/snap.h"
-#include <signal.h>
 
 static const char *const dry =
     "-growth_initial_length 2 -shape_amplitude 0.1 -rod_cells 40 -ts_max_time 1";
@@ -13,7 +10,7 @@ static void Begin(const char *options, Scene *scene, Leg *leg) {
 
   SetOptions("%s", options);
   CHECK(SceneCreate(scene));
-  CHECK(LegCreate(*scene, &rod_frame, 1e-6, NULL, leg));
+  CHECK(LegCreate(*scene, &rod_frame, 1e-6, leg));
   CHECK(TSSetMaxTime(leg->ts, (*scene)->end_time));
   CHECK(PetscMalloc1(leg->rod->end - leg->rod->first, &nodes));
   CHECK(RodInitialNodes(leg->rod, 0, nodes));
@@ -65,85 +62,6 @@ static void TestNewton(void **state) {
   EXPECT(PetscAbsReal(t[0] / t[1] - 1) < 1e-6, "at t = %g and %g", t[0], t[1]);
   EXPECT(Off(leg[0].U, leg[1].U) < 1e-8, "off by %g", Off(leg[0].U, leg[1].U));
   for (int k = 0; k < 2; k++) End(&scene[k], &leg[k]);
-}
-
-/* Likewise in places and angles alone: at rest dry friction bears more than one force. */
-static PetscReal Moves(Rod rod, Vec a, Vec b) {
-  PetscReal size[MAX_FIELDS], off[MAX_FIELDS], most = 0;
-  Vec d;
-
-  CHECK(VecDuplicate(a, &d));
-  CHECK(VecWAXPY(d, -1, a, b));
-  CHECK(RodFieldSizes(rod, d, off));
-  CHECK(RodFieldSizes(rod, a, size));
-  CHECK(VecDestroy(&d));
-  for (PetscInt f = 0; f < rod->model->fields; f++)
-    if (rod->model->followed[f]) most = PetscMax(most, off[f] / size[f]);
-  return most;
-}
-
-/* A hairpin that dry friction cannot hold comes to rest elsewhere, and rests there; viscous
-   friction holds any. */
-static void TestSnap(void **state) {
-  char options[256];
-  PetscBool done;
-  PetscReal far, again;
-  Scene scene;
-  Leg leg;
-  Vec U, V;
-
-  for (int viscous = 0; viscous < 2; viscous++) {
-    snprintf(options, sizeof(options), "%s -shape_amplitude 3.1 -friction_mu %d", dry, !viscous);
-    Begin(options, &scene, &leg);
-    CHECK(VecDuplicate(leg.U, &U));
-    CHECK(VecDuplicate(leg.U, &V));
-    CHECK(VecCopy(leg.U, U));
-    CHECK(SnapFollow(leg.ts, 0, U, &done));
-    EXPECT(done == !viscous, "%s: %d", options, (int)done);
-    far = Off(leg.U, U);
-    CHECK(VecCopy(U, V));
-    if (!viscous) CHECK(SnapFollow(leg.ts, 0, V, &done));
-    again = Moves(leg.rod, U, V);
-    EXPECT(viscous ? far == 0 : far > 0.1, "went %g", far);
-    print_message("snap: went %g, then %g\n", (double)far, (double)again);
-    /* a few times the slack of friction, 1e-5 */
-    EXPECT(again < 1e-4, "from where it rests it goes %g, after %g", again, far);
-    CHECK(VecDestroy(&U));
-    CHECK(VecDestroy(&V));
-    End(&scene, &leg);
-  }
-}
-
-/* A signal that comes while a snap is followed ends it, and the run: nothing else would hear it. */
-static void TestSnapHears(void **state) {
-  char options[256];
-  TSConvergedReason reason;
-  PetscBool done;
-  PetscReal t;
-  Scene scene;
-  Leg leg;
-  Vec U;
-
-  snprintf(options, sizeof(options), "%s -shape_amplitude 3.1 -friction_mu 1", dry);
-  Begin(options, &scene, &leg);
-  CHECK(VecDuplicate(leg.U, &U));
-  CHECK(VecCopy(leg.U, U));
-  SignalsCatch();
-  raise(SIGTERM);
-  CHECK(SnapFollow(leg.ts, 0, U, &done));
-  CHECK(TSGetConvergedReason(leg.ts, &reason));
-  EXPECT(!done && leg.interrupted == SIGTERM, "done %d, signal %d", (int)done, leg.interrupted);
-  EXPECT(reason < 0 && Off(leg.U, U) == 0, "%s, moved by %g", TSConvergedReasons[reason],
-         (double)Off(leg.U, U));
-  CHECK(VBDFSetSnap(leg.ts, SnapFollow));
-  CHECK(TSSolve(leg.ts, leg.U)); /* its first step snaps */
-  CHECK(TSGetTime(leg.ts, &t));
-  CHECK(TSGetConvergedReason(leg.ts, &reason));
-  EXPECT(reason < 0 && leg.interrupted == SIGTERM, "%s at t = %g", TSConvergedReasons[reason],
-         (double)t);
-  SignalsCatch();
-  CHECK(VecDestroy(&U));
-  End(&scene, &leg);
 }
 
 /* Stores a leg, as a run does that is under way. */
@@ -230,6 +148,5 @@ static void TestHarvest(void **state) {
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(TestNewton), cmocka_unit_test(TestSnap), cmocka_unit_test(TestSnapHears),
-    cmocka_unit_test(TestRestart), cmocka_unit_test(TestHarvest)};
+    cmocka_unit_test(TestNewton), cmocka_unit_test(TestRestart), cmocka_unit_test(TestHarvest)};
 MAIN(tests)

@@ -652,7 +652,7 @@ def off_at_end(run, fine):
 def estimate():
     """The errors of a rod in space are measured: above what a finer mesh shows, of the mesh's order;
     a layer that falls between nodes is seen, and so is friction that feels a spin."""
-    part = lambda r, name: float(re.search(name + r" (\d\S*?)[,)]", r.said).group(1))
+    part = lambda r, name: r.told[name]
     spins = ("-growth_initial_length 1.5 -shape_amplitude 0.3 -rod_curvature_2 1 -friction_radius 0.2 -clamp_spin 3 "
              "-friction_beta 0.05 -ts_max_time 0.3 ")
     layer = TWISTED + "-friction_layers 0:1,1:5 -friction_layer_width 0.02 -ts_max_time 1 "

@@ -101,7 +101,7 @@ const mice = async (u, ...steps) => {
     if (box) {
       press(box);
       await frame();
-      seen.lines = charts.map((u) => u.series.length - 1);
+      seen.lines = charts.map((u) => u.series.filter((one) => !one.edge).length - 1);
     }
     element("slider").value = 0;
     press(element("play"));

@@ -109,7 +109,7 @@ static void TestOneRankKnows(void **state) {
   WriteWalls(file, "plane 0.97 0 -1 0\n");
   SetOptions("%s -wall_file %s -contact_diameter 0.02 -contact_self", thread, file);
   CHECK(SceneCreate(&scene));
-  CHECK(LegCreate(scene, &rod_frame, 1e-6, NULL, &leg));
+  CHECK(LegCreate(scene, &rod_frame, 1e-6, &leg));
   U[0] = State(leg.rod, 0.2, 1);
   U[1] = State(leg.rod, 0.2, 0);
   CHECK(GuardPasses(leg.ts, 0, 0, U[0], U[1], &passes));

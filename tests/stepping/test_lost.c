@@ -1,9 +1,8 @@
 /* What comes out of the equations is no number, or far too large a one, in a single look at them
-   and on one rank alone: all ranks reject the step, also one of a snap, and the run comes to where
+   and on one rank alone: all ranks reject the step, also one in a snap, and the run comes to where
    it should. */
 #include "harness.h"
 #include "stepping/leg.h"
-#include "stepping/snap.h"
 #include "stepping/vbdf.h"
 
 /* A model, and the same but for one look. */
@@ -36,8 +35,7 @@ static PetscReal TipBehind(const char *options, PetscInt look, PetscReal value) 
   faulty.residual = FaultyResidual;
   bad_look = 0;
   CHECK(SceneCreate(&scene));
-  CHECK(LegCreate(scene, &faulty, 1e-5, NULL, &leg));
-  if (!sound.linear) CHECK(VBDFSetSnap(leg.ts, SnapFollow));
+  CHECK(LegCreate(scene, &faulty, 1e-5, &leg));
   CHECK(RodBegin(leg.rod, leg.U));
   looks = 0;
   bad_look = look;

@@ -576,9 +576,9 @@ static void TestHistory(void **state) {
   CHECK(VBDFGetHistory(p.ts, &n, times, points, &order));
   EXPECT(n == 5 && order == 3, "%d points, order %d", (int)n, (int)order);
   for (int i = 0; i < 4; i++) {
-    const PetscReal should[4] = {1.2, 1, 0.9, 0.75};
+    const PetscReal should[4] = {0, -0.2, -0.3, -0.45};
     EXPECT(PetscAbsReal(times[i] - should[i]) < 1e-14, "point %d at %g", i, times[i]);
-    EXPECT(Error(&p, times[i], points[i], PETSC_FALSE) < (i ? 1e-15 : 1e-3), "point %d", i);
+    EXPECT(Error(&p, 1.2 + times[i], points[i], PETSC_FALSE) < (i ? 1e-15 : 1e-3), "point %d", i);
   }
   CHECK(VecCopy(points[0], p.V));
   CHECK(VecAXPY(p.V, -1, p.U));
@@ -624,7 +624,7 @@ static void RunCreate(const char *options, PetscReal rtol, PetscReal h, Run *run
              "-ts_max_time 3 %s",
              options);
   CHECK(SceneCreate(&run->scene));
-  CHECK(LegCreate(run->scene, &rod_frame, rtol, NULL, &run->leg));
+  CHECK(LegCreate(run->scene, &rod_frame, rtol, &run->leg));
   run->leg.owner = run;
   CHECK(TSSetPostStep(run->leg.ts, TakePoints));
   CHECK(TSSetTimeStep(run->leg.ts, 1e-5));
@@ -750,7 +750,7 @@ static PetscErrorCode RelativeToStart(TS ts) {
 static void Jump(int kind, PetscInt most) {
   const PetscReal tolerance = kind == ROOT ? 1e-3 : 1e-6;
   TSConvergedReason reason;
-  PetscInt jumps, blind, steps, rejected;
+  PetscInt jumps, steps, rejected;
   const PetscScalar *y;
   Mat J;
   Vec U;
@@ -777,14 +777,13 @@ static void Jump(int kind, PetscInt most) {
   CHECK(TSSetFromOptions(ts));
   CHECK(TSSolve(ts, U));
   CHECK(TSGetConvergedReason(ts, &reason));
-  CHECK(VBDFGetJumps(ts, &jumps, &blind));
+  CHECK(VBDFGetJumps(ts, &jumps));
   CHECK(TSGetStepNumber(ts, &steps));
   CHECK(VecGetArrayRead(U, &y));
   CHECK(TSGetStepRejections(ts, &rejected));
   print_message("%d jumps, %d steps, %d rejected, y %.10g, %s\n", (int)jumps, (int)steps,
                 (int)rejected, (double)y[0], TSConvergedReasons[reason]);
-  EXPECT(reason > 0 && jumps == (kind == JUMP || kind == FROM_NOTHING) && blind == jumps,
-         "%d jumps, %d of them blind", (int)jumps, (int)blind);
+  EXPECT(reason > 0 && jumps == (kind == JUMP || kind == FROM_NOTHING), "%d jumps", (int)jumps);
   EXPECT(rejected <= most, "%d rejected, at most %d", (int)rejected, (int)most);
   EXPECT(PetscAbsReal(y[0] - Way(kind, 1)) < 1e-9, "y %.12g", (double)y[0]);
   CHECK(VecRestoreArrayRead(U, &y));
@@ -824,7 +823,7 @@ static PetscErrorCode DecayingSlope(TS ts, PetscReal t, Vec U, Vec U_t, PetscRea
  */
 static void TestScale(void **state) {
   for (int k = 0; k < 2; k++) {
-    PetscInt jumps, blind;
+    PetscInt jumps;
     Mat J;
     Vec U;
     TS ts;
@@ -844,12 +843,98 @@ static void TestScale(void **state) {
     if (k) CHECK(VBDFSetScale(ts, 1));
     CHECK(TSSetFromOptions(ts));
     CHECK(TSSolve(ts, U));
-    CHECK(VBDFGetJumps(ts, &jumps, &blind));
-    EXPECT(k ? blind == 0 : blind > 0, "%d steps not seen", (int)blind);
+    CHECK(VBDFGetJumps(ts, &jumps));
+    EXPECT(k ? jumps == 0 : jumps > 0, "%d steps not seen", (int)jumps);
     CHECK(TSDestroy(&ts));
     CHECK(MatDestroy(&J));
     CHECK(VecDestroy(&U));
   }
+}
+
+/* A law that begins so late. */
+static const PetscReal late = 100;
+
+static PetscErrorCode StretchLate(Growth self, PetscReal s, PetscReal t, PetscReal *g,
+                                  PetscReal *g_t, PetscReal *g_s) {
+  Growth law = (Growth)self->data;
+  return law->stretch(law, s, t - late, g, g_t, g_s);
+}
+
+static PetscErrorCode ArcLate(Growth self, PetscReal s, PetscReal t, PetscReal *p, PetscReal *p_t) {
+  Growth law = (Growth)self->data;
+  return law->arc(law, s, t - late, p, p_t);
+}
+
+static PetscReal SlideLate(Growth self, PetscReal s, PetscReal t) {
+  Growth law = (Growth)self->data;
+  return law->slide(law, s, t - late);
+}
+
+static PetscReal SpeedLate(Growth self, PetscReal s, PetscReal t) {
+  Growth law = (Growth)self->data;
+  return law->speed(law, s, t - late);
+}
+
+static PetscReal StrainLate(Growth self, PetscReal s, PetscReal t) {
+  Growth law = (Growth)self->data;
+  return law->strain(law, s, t - late);
+}
+
+/* Steps and iterations of a rod that is fed to the brink of a snap, from a time on; its tip at the
+   end. */
+static void Brink(PetscReal from, PetscInt count[2], PetscReal *tip) {
+  struct _Growth law;
+  Growth begun;
+  TSConvergedReason reason;
+  Node *nodes;
+  Scene scene;
+  Leg leg;
+
+  SetOptions("-growth_type feed -shape_type sag -growth_initial_length 0.764 -shape_amplitude "
+             "0.0166 -friction_beta 1.09e-6 -ts_max_time 1.33 -tip_force 3.154 -rod_cells 100");
+  CHECK(SceneCreate(&scene));
+  CHECK(LegCreate(scene, &rod_frame, 1.05e-6, &leg));
+  CHECK(RodBegin(leg.rod, leg.U));
+  begun = scene->growth;
+  law = *begun;
+  law.data = begun;
+  law.stretch = StretchLate;
+  law.arc = ArcLate;
+  law.slide = SlideLate;
+  law.speed = SpeedLate;
+  law.strain = StrainLate;
+  if (from > 0) scene->growth = &law;
+  CHECK(TSSetTime(leg.ts, from));
+  CHECK(TSSetMaxTime(leg.ts, from + scene->end_time));
+  CHECK(TSSolve(leg.ts, leg.U));
+  CHECK(TSGetConvergedReason(leg.ts, &reason));
+  EXPECT(reason > 0, "from t = %g: %s", (double)from, TSConvergedReasons[reason]);
+  CHECK(TSGetStepNumber(leg.ts, &count[0]));
+  CHECK(TSGetSNESIterations(leg.ts, &count[1]));
+  CHECK(PetscMalloc1(leg.rod->end - leg.rod->first, &nodes));
+  CHECK(rod_frame.get(leg.rod, from + scene->end_time, leg.U, NULL, nodes));
+  *tip = -PETSC_MAX_REAL;
+  if (leg.rod->end == leg.rod->last + 1) *tip = nodes[leg.rod->last - leg.rod->first].x[1];
+  *tip = AllMax(*tip);
+  CHECK(PetscFree(nodes));
+  scene->growth = begun;
+  CHECK(LegDestroy(&leg));
+  CHECK(SceneDestroy(&scene));
+}
+
+/* Late in a run a snap takes the steps that it takes in its beginning, though these may be so short
+   that the time has hardly room for them. */
+static void TestLate(void **state) {
+  PetscInt count[2][2];
+  PetscReal tip[2];
+
+  for (int k = 0; k < 2; k++) Brink(k * late, count[k], &tip[k]);
+  print_message("%d steps, %d iterations; from t = 100 on %d, %d\n", (int)count[0][0],
+                (int)count[0][1], (int)count[1][0], (int)count[1][1]);
+  for (int k = 0; k < 2; k++)
+    EXPECT(PetscAbsInt(count[1][k] - count[0][k]) <= count[0][k] / 20, "%d and %d",
+           (int)count[0][k], (int)count[1][k]);
+  EXPECT(PetscAbsReal(tip[1] - tip[0]) < 1e-5, "tip at %g and %g", (double)tip[0], (double)tip[1]);
 }
 
 static const struct CMUnitTest tests[] = {cmocka_unit_test(TestOrders),
@@ -863,5 +948,6 @@ static const struct CMUnitTest tests[] = {cmocka_unit_test(TestOrders),
                                           cmocka_unit_test(TestHistory),
                                           cmocka_unit_test(TestOrdersOnRod),
                                           cmocka_unit_test(TestJump),
-                                          cmocka_unit_test(TestScale)};
+                                          cmocka_unit_test(TestScale),
+                                          cmocka_unit_test(TestLate)};
 MAIN(tests)

@@ -18,8 +18,20 @@ function resample(run, name, unit, times, log) {
   });
 }
 
+// The band in which a series is, as far as the run tells its errors; null: it does not.
+function band(run, name, chart, times) {
+  if (!(run.uncertain && name in run.uncertain)) return null;
+  const [error, over] = run.uncertain[name], ft = factor(run, "l/V"), fy = factor(run, chart.unit);
+  return [-1, 1].map((side) => Array.from(times, (time) => {
+    if (time / ft > run.end * (1 + 1e-6)) return null;
+    const value = valueAt(run, name, time / ft), size = over ? valueAt(run, over, time / ft) : Math.abs(value);
+    const edge = (value + side * Math.min(1, valueAt(run, error, time / ft)) * size) * fy;
+    return chart.log && !(edge > 0) ? null : edge;
+  }));
+}
+
 function columns(chart, runs, times) {
-  const lines = [], values = [];
+  const lines = [], values = [], bands = [];
   runs.forEach((run) => chart.series.forEach((name, i) => {
     if (!(name in run.series) || run.series[name].every((v) => v === 0) && !data.runs.some((other) =>
       other.series[name] && other.series[name].some((v) => v !== 0))) return;
@@ -31,8 +43,15 @@ function columns(chart, runs, times) {
       value: (u, v) => number(v),
     });
     values.push(resample(run, name, chart.unit, times, chart.log));
+    const edges = band(run, name, chart, times), { stroke } = lines[lines.length - 1];
+    if (!edges) return;
+    bands.push({ series: [lines.length + 2, lines.length + 1], fill: stroke + "30" });
+    for (const edge of edges) {
+      lines.push({ stroke: "transparent", points: { show: false }, width: 0, name, run, edge: true, label: "" });
+      values.push(edge);
+    }
   }));
-  return [lines, values];
+  return [lines, values, bands];
 }
 
 // On a logarithmic axis only decades, and of many only some, have a line and a number.
@@ -60,7 +79,11 @@ function constant(name) {
 function showDashes(u, lines) {
   u.root.querySelectorAll(".u-legend .u-series").forEach((row, i) => {
     if (!i) return;
-    const { stroke, dash, name } = lines[i - 1], marker = row.querySelector(".u-marker");
+    const { stroke, dash, name, edge } = lines[i - 1], marker = row.querySelector(".u-marker");
+    if (edge) {
+      row.style.display = "none";
+      return;
+    }
     marker.style.border = "none";
     marker.innerHTML = `<svg width="26" height="8"><line x1="0" y1="4" x2="26" y2="4" stroke="${stroke}"
       stroke-width="2" stroke-dasharray="${dash.join(" ")}"/></svg>`;
@@ -70,8 +93,8 @@ function showDashes(u, lines) {
 
 // A dot where a run ends before the others.
 function markEnds(u, lines) {
-  lines.forEach(({ run, stroke }, i) => {
-    if (run.end * factor(run, "l/V") > lastTime() * (1 - 1e-6)) return;
+  lines.forEach(({ run, stroke, edge }, i) => {
+    if (edge || run.end * factor(run, "l/V") > lastTime() * (1 - 1e-6)) return;
     const [times, values] = [u.data[0], u.data[i + 1]];
     let k = values.length - 1;
     while (k > 0 && values[k] === null) k--;
@@ -85,7 +108,7 @@ function markEnds(u, lines) {
 
 function makeChart(chart, runs, times) {
   if (chart.series.every((name) => constant(name) !== undefined)) return null;
-  const [lines, values] = columns(chart, runs, times);
+  const [lines, values, bands] = columns(chart, runs, times);
   if (!values.length) return null;
   const box = document.createElement("div");
   box.className = "chart";
@@ -103,7 +126,7 @@ function makeChart(chart, runs, times) {
     },
     scales: { x: { time: false }, y: chart.log ? { distr: 3 } : {} },
     axes: [{ size: 32 }, valueAxis(chart.log)],
-    series: [{ label: withUnit("t", "l/V"), value: (u, v) => number(v) }, ...lines],
+    series: [{ label: withUnit("t", "l/V"), value: (u, v) => number(v) }, ...lines], bands,
     hooks: { draw: [mark, (u) => markEnds(u, lines)] },
   }, [times, ...values], box);
   showDashes(u, lines);
