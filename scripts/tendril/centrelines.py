@@ -11,8 +11,8 @@ import numpy as np
 from .chains import joined
 from .errors import TendrilError
 from .meshes import SurfaceError, polydata
-from .readers import Row, heading, is_number, is_undefined, line_of, rows_and_comments, text_of_file
-from .tables import Wanted, columns_in, factor, in_unit, length_said, named, number_in, unit_behind, unit_said, words_of
+from .readers import heading, is_number, is_undefined, line_of, rows_and_comments, text_of_file
+from .tables import Wanted, factor, in_unit, length_said, named, number_in, unit_behind, unit_said, words_of
 from .units import METRES, unit_called
 
 # names of columns, in small letters without their units

@@ -22,7 +22,8 @@ from matplotlib.ticker import MaxNLocator
 from .collection import Sweep, load_sweep
 from .command import Parser
 from .errors import ResultsError, TendrilError, complaint, path_of
-from .results import Results, load
+from .loading import load
+from .results import Results
 from .style import BLUE, GREY, ORANGE, STYLE, InStyle, save
 
 if TYPE_CHECKING:

@@ -19,7 +19,8 @@ from matplotlib.colors import AsinhNorm
 
 from .command import Parser
 from .errors import ResultsError, TendrilError, arguments, complaint, optional, path_of, whole
-from .results import Results, load
+from .loading import load
+from .results import Results
 from .solids import solids
 from .spatial import FIELDS, VISIBLE, diameter_of, extent_of, fields_of, lift, tube
 from .surroundings import contact_force

@@ -22,14 +22,15 @@ from matplotlib.colors import AsinhNorm
 from .command import Parser
 from .errors import ResultsError, TendrilError, arguments, complaint, replacing
 from .film_space import FilmInSpace
-from .results import Results, load, runs_of
+from .loading import load, runs_of
+from .results import Results
 from .spatial import FIELDS
 from .style import STYLE
 from .progress import bar
 from .surroundings import axial_force, friction
 from .style import InStyle
 from .units import Units, add_choice_of_units, briefly, in_laboratory_of, moment
-from .walls import (RIM, ThickLine, ThickSegments, diameter_of, draw_contact, draw_walls, strongest_contact)
+from .walls import (RIM, ThickLine, ThickSegments, draw_contact, draw_walls, strongest_contact)
 
 ARROWS = 28
 
@@ -69,7 +70,7 @@ class Film:
         ax.add_collection(self.rod)
         # as thick as the rod is, and not thinner than can be seen
         for line, least, rim in ((self.outline, 3.2, 0), (self.rod, 2.2, RIM)):
-            line.width, line.least, line.rim = unit * diameter_of(r), least, rim
+            line.width, line.least, line.rim = unit * r.diameter, least, rim
         ax.plot(0, 0, "ks", ms=4, zorder=4)
         nothing = np.zeros(ARROWS)
         # the strongest friction is drawn as long as a twelfth of the picture's width

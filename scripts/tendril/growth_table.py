@@ -15,7 +15,6 @@ is at the end."""
 import subprocess
 import sys
 import tempfile
-from pathlib import Path
 
 import h5py
 import numpy as np
@@ -23,7 +22,7 @@ import numpy as np
 from .command import Parser
 from .errors import TendrilError, complaint
 from .readers import Row, heading, is_number, line_of
-from .results import load
+from .loading import load
 from .runs import executable
 from .tables import Wanted, named, plain_name
 from .units import METRES, TIMES, quantity, rate_called, unit_called

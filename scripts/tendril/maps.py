@@ -24,8 +24,8 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 from .collection import Sweep, load_sweep
 from .command import Parser
 from .errors import RunError, TendrilError, arguments, complaint, path_of
-from .results import in_words
 from .style import STYLE, InStyle, save
+from .titles import in_words
 from .units import DIMENSIONS, KINDS, in_laboratory, suited_to
 from .units import quantity as number_with_unit
 

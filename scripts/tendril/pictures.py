@@ -36,12 +36,14 @@ from matplotlib.ticker import LogLocator, NullLocator
 from . import plot_stability
 from .command import Parser
 from .errors import ResultsError, TendrilError, arguments, complaint, did_you_mean
+from .loading import load, runs_of
 from .perspective import VIEW, Rods, Strand, box_of, draw_surfaces, furnish, sight
-from .results import Results, load, runs_of, titles_of
+from .results import Results
 from .solids import solids
 from .spatial import diameter_of, lift, out_of_plane, up_of
 from .style import BLUE, COLOURS, GREEN, GREY, ORANGE, RED, STYLE, InStyle, save
 from .surroundings import arc_length, contact_force, size_of
+from .titles import titles_of
 from .units import Units, add_choice_of_units, briefly, in_laboratory_of, moment, scale_of
 from .walls import draw_contact, draw_rod, draw_walls, strongest_contact
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from .command import Parser
 from .errors import ResultsError, TendrilError, complaint
-from .results import MOST, finite, load
+from .loading import MOST, finite, load
 from .style import BLUE, GREEN, GREY, ORANGE, RED, STYLE, InStyle, save
 
 CURVES = (("lambda_max_A", BLUE, r"$\lambda_{max}(A)$", "-"),

@@ -17,7 +17,6 @@ SLEAP, SmartRoot, RSML: tendril.tracked. Frames are times by frames per second; 
 from __future__ import annotations
 
 import csv
-import io
 import re
 from pathlib import Path
 

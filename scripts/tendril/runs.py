@@ -38,8 +38,9 @@ import h5py
 import numpy as np
 
 from .errors import RunError, TendrilError, arguments, briefly_shown, did_you_mean, path_of, positive
+from .loading import load
 from .progress import bar
-from .results import Results, load
+from .results import Results
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 # Open MPI refuses root without the first two; one thread each, for BLAS

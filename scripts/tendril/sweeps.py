@@ -10,8 +10,6 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Mapping, Sequence
 
-import numpy as np
-
 from .collection import Sweep, load_sweep
 from .errors import RunError, TendrilError, arguments, positive
 from .progress import bar

@@ -31,7 +31,7 @@ try:
 
     import tendril
     from tendril import maps as map
-    from tendril import films, results, runs, units
+    from tendril import films, runs, titles, units
     from tendril.units import in_laboratory
 except ImportError as error:
     from_venv(error)
@@ -903,7 +903,7 @@ class Package(unittest.TestCase):
     def test_titles_of_a_sweep(self):
         """Options in words and values with their units, of what is varied."""
         s = tendril.sweep(TUBE, {"si_friction_dry": ["0.2N/m", "2N/m"], "rod_cells": [40]}, stop_length="2cm")
-        self.assertEqual(results.titles_of(list(s.members.flat)), ["friction 0.2 N/m", "friction 2 N/m"])
+        self.assertEqual(titles.titles_of(list(s.members.flat)), ["friction 0.2 N/m", "friction 2 N/m"])
         figure = tendril.plot(s, "width", overlay=True)
         self.assertEqual([text.get_text() for text in figure.legends[0].get_texts()], ["friction 0.2 N/m", "friction 2 N/m"])
         ends = [line.get_xdata()[-1] for line in figure.axes[0].lines]
@@ -917,14 +917,14 @@ class Package(unittest.TestCase):
         page = tendril.view([*self.runs, self.tube], si=False).text
         self.assertIn("feed, friction_mu 0 · feed, friction_mu 1 · run", page)
         thirds = [replace(self.tube, options={"friction_mu": repr(mu)}) for mu in (1 / 3, 2 / 3)]
-        self.assertEqual(results.titles_of(thirds), ["run, friction_mu 0.3333", "run, friction_mu 0.6667"])
-        self.assertEqual(results.titles_of([self.tube, self.tube]), ["run (1)", "run (2)"])
+        self.assertEqual(titles.titles_of(thirds), ["run, friction_mu 0.3333", "run, friction_mu 0.6667"])
+        self.assertEqual(titles.titles_of([self.tube, self.tube]), ["run (1)", "run (2)"])
         kept = []
         for place in ("here", "there"):
             (self.place / place).mkdir()
             kept.append(tendril.run("feed", output=self.place / place / "mine.h5", **SHORT))
-        self.assertEqual(results.titles_of(kept), ["here/mine", "there/mine"])
-        self.assertEqual(results.titles_of(kept, "ab"), ["a", "b"])
+        self.assertEqual(titles.titles_of(kept), ["here/mine", "there/mine"])
+        self.assertEqual(titles.titles_of(kept, "ab"), ["a", "b"])
 
 
 if __name__ == "__main__":
