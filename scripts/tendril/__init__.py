@@ -45,7 +45,9 @@ __all__ = sorted(_HOME)
 
 def __getattr__(name):
     if name not in _HOME:
-        raise AttributeError(f"module tendril has no {name}; it has {', '.join(__all__)}")
+        from .naming import unknown
+
+        raise AttributeError(f"module tendril has no {name}{unknown(name, __all__, '; it has')}")
     return getattr(import_module(f".{_HOME[name]}", __name__), name)
 
 

@@ -26,7 +26,7 @@ from .noise import estimate, lasting
 from .parameters import Parameter
 from .problem import Problem, Solution
 from .starting import starting_points
-from .units import briefly, scales_of_rod
+from .units import METRES, TIMES, briefly, scales_of_rod
 
 BAD = 0.02  # of the extent: residuals beyond are no errors of clicking
 BAD_SERIES = 0.05  # of the range of a series
@@ -339,11 +339,11 @@ def unitless(measured: Measured, attributes):
     scales, causes = scales_of_rod(attributes), []
     if scales.get("time") and any(map(bare_time, [*measured.photographs, *measured.curves])):
         causes += [Cause(f"the times are in {name}, but carry no unit, and were taken as dimensionless: write t ({name})",
-                         change=("time", si)) for name, si in (("s", 1.0), ("min", 60.0))
-                   if si < LONGER * scales["time"]]
+                         change=("time", float(TIMES[name]))) for name in ("s", "min")
+                   if TIMES[name] < LONGER * scales["time"]]
     if scales.get("length") and any(p.points.unit == "" for p in measured.photographs):
         causes += [Cause(f"the coordinates are in {name}, but carry no unit, and were taken as dimensionless: write "
-                         f"x1 ({name})", change=("metre", si)) for name, si in (("m", 1.0), ("cm", 1e-2), ("mm", 1e-3))]
+                         f"x1 ({name})", change=("metre", METRES[name])) for name in ("m", "cm", "mm")]
     return causes
 
 

@@ -20,6 +20,7 @@ from matplotlib.colors import AsinhNorm
 from .command import Parser
 from .errors import ResultsError, TendrilError, arguments, complaint, optional, path_of, whole
 from .loading import load
+from .naming import unknown
 from .results import Results
 from .solids import solids
 from .spatial import FIELDS, VISIBLE, diameter_of, extent_of, fields_of, lift, tube
@@ -160,7 +161,7 @@ def coloured(trimesh, r, shape, field, diameter, sides, si):
     solid = lift(r, shape)
     fields = fields_of(r, shape)
     if field not in fields:
-        raise ResultsError(f"{r.told}: field {field}: give one of {', '.join(fields)}")
+        raise ResultsError(f"{r.told}: field {field}: unknown{unknown(field, fields, ', give one of')}")
     width = diameter or diameter_of(r) or VISIBLE * extent_of(r)
     vertices, triangles, node = tube(solid.x, width / 2, sides, solid.d2[0])
     most = max(np.abs(fields_of(r, r.stored(k))[field]).max() for k in range(len(r.shapes.t))) or 1.0

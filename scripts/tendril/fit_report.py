@@ -12,10 +12,10 @@ from scipy import stats
 from .comparing import LINES
 from .errors import RunError
 from .found import Found
-from .measured import PIXEL, Values
+from .measured import Values
 from .runs import scene_words, text_of, write_arrays
 from .style import BLUE, GREY, ORANGE, STYLE
-from .units import DIMENSIONS, KINDS, briefly, suited_to
+from .units import DIMENSIONS, KINDS, PIXEL, briefly, suited_to
 
 LOST = 0.5  # an interval that reaches this far, in parts of the bounds, tells nothing
 CLOSE = 0.95  # a correlation from which on two parameters are hardly told apart

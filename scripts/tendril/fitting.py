@@ -31,11 +31,12 @@ from .doubts import warnings_of
 from .errors import RunError, TendrilError, arguments, number, whole
 from .fit_report import bands, describe, draw, indistinct, save, scene_text, table
 from .found import Found
-from .measured import PIXEL, gather
+from .measured import gather
 from .noise import Certainty, certainty
 from .parameters import Parameter, Prior
 from .problem import Problem, Solution
 from .starting import starting_points
+from .units import PIXEL
 
 SEARCH, COARSEST = 30, 0.1  # the search for a start is made with so many times the error of the final runs, and no more
 FOLLOWED = 6  # evaluations for which two searches go on side by side, before one

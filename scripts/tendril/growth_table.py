@@ -21,10 +21,10 @@ import numpy as np
 
 from .command import Parser
 from .errors import TendrilError, complaint
-from .readers import Row, heading, is_number, line_of
 from .loading import load
+from .readers import heading
 from .runs import executable
-from .tables import Wanted, named, plain_name
+from .tables import Wanted, body_of, named, plain_name, under
 from .units import METRES, TIMES, quantity, rate_called, unit_called
 
 # Gauss points on [0, 1] and their weights
@@ -73,16 +73,13 @@ def read_rate(path, length_unit, time_unit):
 
 def two_columns(path, rows, notes, comments):
     """(what is wanted, rows) of a table of two columns with other names, or none."""
-    first = next((k for k, row in enumerate(rows) if sum(map(is_number, row)) > 1), len(rows))
-    width = max(len(row) for row in rows)
-    full = [k for k in range(width) if any(k < len(row) and row[k].strip() for row in rows[first:])]
+    first, full = body_of(rows)
     heads = next((row for row in reversed(rows[:first]) if sum(bool(cell.strip()) for cell in row) == 2), None)
-    if len(full) != 2 or first == len(rows):
+    if len(full) != 2:
         raise BadTable(f"--rate {path}: give two columns, distance and rate, and two rows at least")
     if heads is None:
         names = ["distance", "rate"]
-        cells = ["" if k not in full else names[full.index(k)] for k in range(width)]
-        rows = [*rows[:first], Row(cells, line_of(rows[first])), *rows[first:]]
+        rows = under(names, rows)
     else:
         names = [plain_name(heading(heads[k] if k < len(heads) else "")[0]) for k in full]
     return {"distance": Wanted("length", (names[0],)), "rate": Wanted("rate", (names[1],))}, (rows, notes, comments)

@@ -24,6 +24,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 from .collection import Sweep, load_sweep
 from .command import Parser
 from .errors import RunError, TendrilError, arguments, complaint, path_of
+from .naming import unknown
 from .style import STYLE, InStyle, save
 from .titles import in_words
 from .units import DIMENSIONS, KINDS, in_laboratory, suited_to
@@ -66,7 +67,7 @@ def value_of(file, quantity, si):
     name = quantity if "/" in quantity else f"series/{quantity}"
     if name not in file:
         known = [*(f"critical/{k}" for k in file.get("critical", ())), *file.get("series", ())]
-        raise ValueError(f"{file.filename}: holds no {quantity}; there are {', '.join(known)}")
+        raise ValueError(f"{file.filename}: holds no {quantity}{unknown(quantity, known)}")
     value, unit = float(np.ravel(file[name][()])[-1]), file[name].attrs.get("units", b"1").decode()
     if not si:
         return value, unit
@@ -105,7 +106,7 @@ def of_sweep(sweep, axes, quantity, si):
         seen.add(place)
     ends, name = sweep.ends(si), quantity.rpartition("/")[2]
     if name not in ends:
-        raise ValueError(f"this sweep holds no {quantity}; there are {', '.join(ends)}")
+        raise ValueError(f"this sweep holds no {quantity}{unknown(quantity, ends)}")
     values, unit = ends[name]
     unit = sweep.units.get(f"final/{name}", sweep.units.get(f"critical/{name}", unit))  # si: read() names it
     return {tuple(number(p[axis]) for axis in axes): (float(v), unit)

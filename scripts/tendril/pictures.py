@@ -35,8 +35,9 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from . import plot_stability
 from .command import Parser
-from .errors import ResultsError, TendrilError, arguments, complaint, did_you_mean
+from .errors import ResultsError, TendrilError, arguments, complaint
 from .loading import load, runs_of
+from .naming import did_you_mean
 from .perspective import VIEW, Rods, Strand, box_of, draw_surfaces, furnish, sight
 from .results import Results
 from .solids import solids

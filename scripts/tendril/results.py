@@ -25,7 +25,8 @@ from typing import TYPE_CHECKING, NamedTuple, NoReturn
 
 import numpy as np
 
-from .errors import ResultsError, arguments, briefly_shown, did_you_mean, path_of, replacing
+from .errors import ResultsError, arguments, briefly_shown, path_of, replacing
+from .naming import unknown
 from .units import in_laboratory, moment, scales_of_rod
 
 if TYPE_CHECKING:
@@ -86,8 +87,7 @@ class Table(dict):
     of = ""  # the file and group that it is of, for messages
 
     def __missing__(self, name):
-        raise NoSuchName((f"{self.of}: " if self.of else "") + f"no {name} here"
-                         + (did_you_mean(name, self) or f"; there are {', '.join(map(str, self)) or 'none'}"))
+        raise NoSuchName((f"{self.of}: " if self.of else "") + f"no {name} here{unknown(name, self)}")
 
     def __getattr__(self, name):
         if name.startswith("__"):  # copy and pickle ask
@@ -318,7 +318,7 @@ class Results:
         known = scales_of_rod(self.attributes).get(kind)
         if self.attributes.get(f"si_{kind}", known) is None:
             if kind not in SCALES:
-                raise ResultsError(f"scale {kind}: unknown, give one of {', '.join(SCALES)}")
+                raise ResultsError(f"scale {kind}: unknown{unknown(kind, SCALES, ', give one of')}")
             needed = "si_speed" if kind in ("time", "speed", "power") else "si_bending_stiffness"
             raise ResultsError(f"{self.told}: does not know its {kind} in SI units; run it with "
                                f"{needed} and the like")

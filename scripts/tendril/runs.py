@@ -29,7 +29,6 @@ import sysconfig
 import tempfile
 import time
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from functools import lru_cache
 from numbers import Real
 from pathlib import Path
@@ -37,8 +36,9 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from .errors import RunError, TendrilError, arguments, briefly_shown, did_you_mean, path_of, positive
+from .errors import RunError, TendrilError, arguments, briefly_shown, path_of, positive
 from .loading import load
+from .naming import did_you_mean
 from .progress import bar
 from .results import Results
 
@@ -183,9 +183,8 @@ def scene_file(name) -> Path:
     for place in places:
         if (known := place / f"{name}.opts").is_file():
             return known
-    like = get_close_matches(str(name), sorted({file.stem for place in places for file in place.glob("*.opts")}))
-    raise TendrilError(f"{name}: no options file, and no scene of that name"
-                       + (f"; did you mean {' or '.join(like)}?" if like else ""))
+    scenes = sorted({file.stem for place in places for file in place.glob("*.opts")})
+    raise TendrilError(f"{name}: no options file, and no scene of that name{did_you_mean(name, scenes)}")
 
 
 def scene_words(scene, directory) -> list[str]:
