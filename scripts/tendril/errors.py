@@ -210,11 +210,11 @@ def reading(path, what="cannot be read as what it should be", error=None):
 
 
 @contextmanager
-def silenced():
-    """Libraries of C and C++ write what they think of a file to the process' own stderr."""
+def silenced(into=None):
+    """Libraries of C and C++ write what they think of a file to the process' own stderr: nowhere, or into a file."""
     kept = os.dup(2)
     with open(os.devnull, "w") as nowhere:
-        os.dup2(nowhere.fileno(), 2)
+        os.dup2((into or nowhere).fileno(), 2)
     try:
         yield
     finally:

@@ -10,7 +10,6 @@ tendril[space]."""
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +17,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import AsinhNorm
 
 from .command import Parser
-from .errors import ResultsError, TendrilError, arguments, complaint, optional, path_of, whole
+from .errors import ResultsError, arguments, optional, path_of, whole
 from .loading import load
 from .naming import unknown
 from .results import Results
@@ -182,15 +181,11 @@ def main(arguments=None):
     parser.add_argument("--si", action="store_true", help="in SI units, of runs with -si_ options")
     choice = parser.parse_args(arguments)
     output = Path(choice.output or Path(choice.file).with_suffix(".vtp"))
-    try:
-        r = load(choice.file)
-        if output.suffix in MESHES:
-            to_mesh(r, output, choice.time, field=choice.field, diameter=choice.diameter, si=choice.si,
-                    walls=choice.walls)
-        else:
-            to_vtk(r, output, choice.time, si=choice.si, walls=choice.walls)
-    except (TendrilError, OSError) as error:
-        print(complaint(error, "export"), file=sys.stderr)
-        return 1
+    r = load(choice.file)
+    if output.suffix in MESHES:
+        to_mesh(r, output, choice.time, field=choice.field, diameter=choice.diameter, si=choice.si,
+                walls=choice.walls)
+    else:
+        to_vtk(r, output, choice.time, si=choice.si, walls=choice.walls)
     print(f"export: {output}")
     return 0

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import errno
 import os
-import sys
 from pathlib import Path
 
 import matplotlib
@@ -20,7 +19,7 @@ from matplotlib.animation import FFMpegWriter, PillowWriter
 from matplotlib.colors import AsinhNorm
 
 from .command import Parser
-from .errors import ResultsError, TendrilError, arguments, complaint, replacing
+from .errors import ResultsError, arguments, replacing
 from .film_space import FilmInSpace
 from .loading import load, runs_of
 from .results import Results
@@ -183,12 +182,8 @@ def main(arguments=None):
     choice = parser.parse_intermixed_args(arguments)
     matplotlib.use("Agg")
     output = Path(choice.output or Path(choice.file).with_suffix(".gif"))
-    try:
-        frames = animate(load(choice.file), output, begin=choice.begin, end=choice.end, si=choice.si,
-                         frames=choice.frames, rate=choice.rate, field=choice.field, view=choice.view,
-                         turn=choice.turn)
-    except (TendrilError, OSError) as error:
-        print(complaint(error, "animate"), file=sys.stderr)
-        return 1
+    frames = animate(load(choice.file), output, begin=choice.begin, end=choice.end, si=choice.si,
+                     frames=choice.frames, rate=choice.rate, field=choice.field, view=choice.view,
+                     turn=choice.turn)
     print(f"animate: {output}, {frames} frames")
     return 0

@@ -13,14 +13,13 @@ the headings of a table, (mm) and (%/h), are then converted. Labels are shared o
 is at the end."""
 
 import subprocess
-import sys
 import tempfile
 
 import h5py
 import numpy as np
 
 from .command import Parser
-from .errors import TendrilError, complaint
+from .errors import TendrilError
 from .loading import load
 from .readers import heading
 from .runs import executable
@@ -292,13 +291,5 @@ def make(choice):
 
 
 def main(words=None):
-    try:
-        make(arguments_of(words))
-    except (TendrilError, OSError) as error:
-        print(complaint(error, "growth_table"), file=sys.stderr)
-        return 1
+    make(arguments_of(words))
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -12,7 +12,6 @@ tendril.sweep keeps it in); points that are missing or unfinished stay white.
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,7 +22,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from .collection import Sweep, load_sweep
 from .command import Parser
-from .errors import RunError, TendrilError, arguments, complaint, path_of
+from .errors import RunError, TendrilError, arguments, path_of
 from .naming import unknown
 from .style import STYLE, InStyle, save
 from .titles import in_words
@@ -227,18 +226,10 @@ def main(arguments=None):
                         help="writes BASENAME.png and .pdf; default: the place's name")
     view = parser.parse_args(arguments)
     matplotlib.use("Agg")
-    try:
-        figure = map(view.place, view.axes, view.quantity, si=view.si)
-        drawn = save(figure, view.output, Path(view.place).with_suffix("") if view.place.endswith(".h5")
-                     else view.place.rstrip("/"))
-    except (TendrilError, ValueError, KeyError, OSError) as error:
-        print(complaint(error, "map"), file=sys.stderr)
-        return 1
+    figure = map(view.place, view.axes, view.quantity, si=view.si)
+    drawn = save(figure, view.output, Path(view.place).with_suffix("") if view.place.endswith(".h5")
+                 else view.place.rstrip("/"))
     if figure.missing:
         print(f"map: {figure.missing} points have no result")
     print(f"map: {drawn}")
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -11,7 +11,6 @@ from __future__ import annotations
 import html
 import json
 import re
-import sys
 from pathlib import Path
 from typing import Sequence
 
@@ -20,7 +19,7 @@ from matplotlib.colors import to_hex
 
 from . import page_space
 from .command import Parser
-from .errors import ResultsError, TendrilError, arguments, complaint, replacing
+from .errors import ResultsError, arguments, replacing
 from .loading import load, runs_of
 from .packed import moves_straight, packed, thinned
 from .pictures import colours, name_of, symbol_of
@@ -226,13 +225,9 @@ def main(arguments=None):
     parser.add_argument("--titles", metavar="A,B,...", help="of the files; default: their names")
     add_choice_of_units(parser)
     choice = parser.parse_intermixed_args(arguments)
-    try:
-        output = choice.output or str(Path(choice.files[0]).with_suffix(".html"))
-        output = view([load(path) for path in choice.files],
-                      output if output.lower().endswith((".html", ".htm")) else f"{output}.html",
-                      choice.titles.split(",") if choice.titles else None, choice.si)
-    except (TendrilError, OSError) as error:
-        print(complaint(error, "view"), file=sys.stderr)
-        return 1
+    output = choice.output or str(Path(choice.files[0]).with_suffix(".html"))
+    output = view([load(path) for path in choice.files],
+                  output if output.lower().endswith((".html", ".htm")) else f"{output}.html",
+                  choice.titles.split(",") if choice.titles else None, choice.si)
     print(f"view: {output}, {output.stat().st_size / 1e6:.1f} MB; open it in a browser")
     return 0

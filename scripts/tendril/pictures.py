@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import itertools
 import re
-import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 from string import ascii_lowercase
@@ -35,7 +34,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from . import plot_stability
 from .command import Parser
-from .errors import ResultsError, TendrilError, arguments, complaint
+from .errors import ResultsError, arguments
 from .loading import load, runs_of
 from .naming import did_you_mean
 from .perspective import VIEW, Rods, Strand, box_of, draw_surfaces, furnish, sight
@@ -813,17 +812,13 @@ def main(arguments=None):
     matplotlib.use("Agg")
     choice = options(arguments)
     output = choice.output or str(Path(choice.files[0]).with_suffix(""))
-    try:
-        results = [read(path) for path in choice.files]
-        if not any(r.series for r in results):
-            return plot_stability.main([*choice.files, "--output", output])
-        times = choice.times.split(",") if choice.times else None
-        figure = plot(results, choice.panels, times=times, si=choice.si, overlay=choice.overlay,
-                      titles=choice.titles.split(",") if choice.titles else None,
-                      beside=[read(path) for path in choice.beside.split(",") if path], view=choice.view)
-        tell_missing(results, times or (), choice.si)
-        print(f"plot: {save(figure, output, None)}")
-    except (TendrilError, OSError) as error:
-        print(complaint(error, "plot"), file=sys.stderr)
-        return 1
+    results = [read(path) for path in choice.files]
+    if not any(r.series for r in results):
+        return plot_stability.main([*choice.files, "--output", output])
+    times = choice.times.split(",") if choice.times else None
+    figure = plot(results, choice.panels, times=times, si=choice.si, overlay=choice.overlay,
+                  titles=choice.titles.split(",") if choice.titles else None,
+                  beside=[read(path) for path in choice.beside.split(",") if path], view=choice.view)
+    tell_missing(results, times or (), choice.si)
+    print(f"plot: {save(figure, output, None)}")
     return 0

@@ -31,7 +31,7 @@ try:
 
     import tendril
     from tendril import maps as map
-    from tendril import films, runs, titles, units
+    from tendril import __main__ as commands, films, runs, titles, units
     from tendril.units import in_laboratory
 except ImportError as error:
     from_venv(error)
@@ -695,9 +695,9 @@ class Package(unittest.TestCase):
         said = io.StringIO()
         with contextlib.redirect_stderr(said):
             axes = ["--axes", "growth_initial_length,friction_mu", "--output", str(self.place / "map")]
-            self.assertEqual(map.main([str(place), *axes, "--quantity", "wdth"]), 1)
-            self.assertEqual(map.main([str(place), *axes, "--quantity", "width"]), 0)
-        self.assertRegex(said.getvalue(), r"^map: .*holds no wdth; there are .*width\n$")
+            self.assertEqual(commands.main(["map", str(place), *axes, "--quantity", "wdth"]), 1)
+            self.assertEqual(commands.main(["map", str(place), *axes, "--quantity", "width"]), 0)
+        self.assertRegex(said.getvalue(), r"^map: .*holds no wdth, did you mean width\?\n$")
         self.assertGreater((self.place / "map.png").stat().st_size, 3000)
         xs, ys, table, _ = map.read(place, ["growth_initial_length", "friction_mu"], "series/width")
         np.testing.assert_array_equal(table, s.dataset().width.values)
