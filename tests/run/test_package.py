@@ -667,7 +667,7 @@ class Package(unittest.TestCase):
         """A slash of a unit is none in the name of a file; arrays go along; tasks that a job of many
         cannot do are done one by one."""
         bend = {"distance": ([0, 1, 2, 3], "cm"), "curvature": ([0.1] * 4, "1/cm")}
-        s = tendril.sweep(TUBE, {"si_friction_dry": ["0.3N/m", "0.6N/m"], "rod_cells": [50]},
+        s = tendril.sweep(TUBE, {"si_friction_dry (N/m)": [np.float64(0.3), "0.6N/m"], "rod_cells": [50]},
                           directory=self.place / "units", rod_curvature_file=bend, stop_length="3cm")
         self.assertEqual([r.attributes["parameters/si_friction_dry"] for r in s.members.flat], [0.3, 0.6])
         self.assertEqual([r.scale("length") for r in s.members.flat],
