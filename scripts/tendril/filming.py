@@ -30,7 +30,7 @@ from .errors import TendrilError, arguments, complaint, number, replacing, silen
 from .measured import DataError, Measured, gather, moment
 from .naming import times_of
 from .tracing import FilmError, Traced, leaves_against, needed, trace
-from .units import MEASURED, with_unit
+from .units import MEASURED, METRES, PIXEL, with_unit
 
 WEB = Path(__file__).resolve().parent / "web"
 FILMS = (".mp4", ".avi", ".mov", ".mkv", ".webm", ".m4v", ".gif", ".wmv", ".mpg", ".mpeg")
@@ -56,7 +56,7 @@ class Frame:
     def centimetres(self):
         """The length that is known."""
         value, unit = with_unit(self.length)
-        return value * MEASURED[unit][1] * 100
+        return value * MEASURED[unit][1] / METRES["cm"]
 
 
 class Scale:
@@ -121,7 +121,7 @@ class Filmed:
 
     def rows(self) -> list[list[str]]:
         """The points as a table for tendril.fit, its headings first, in cm (in px without a scale)."""
-        unit, factor = ("cm", 100) if self.scale.unit else ("px", 1)
+        unit, factor = ("cm", 1 / METRES["cm"]) if self.scale.unit else (PIXEL, 1)
         given = [f for f in self.good() if f.length]
         head = "length (cm)" if given else "t (s)"
         rows = [[head, f"x1 ({unit})", f"x2 ({unit})", "point", "unsure"]]

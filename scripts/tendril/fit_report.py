@@ -13,7 +13,7 @@ from .comparing import LINES
 from .errors import RunError
 from .found import Found
 from .measured import Values
-from .runs import scene_words, text_of, write_arrays
+from .runs import lines_of, scene_words, text_of, write_arrays
 from .style import BLUE, GREY, ORANGE, STYLE
 from .units import DIMENSIONS, KINDS, PIXEL, briefly, suited_to
 
@@ -253,7 +253,7 @@ def scene_lines(fit: Found):
     words = scene_words(fit.problem.scene, ".") if not isinstance(fit.problem.scene, dict) else []
     if isinstance(fit.problem.scene, dict):
         return [f"-{name} {text_of(value)}" for name, value in fit.problem.scene.items()]
-    return Path(words[1]).read_text().splitlines() if words else []
+    return lines_of(words[1]) if words else []
 
 
 def scene_text(fit: Found, arrays=None) -> str:

@@ -259,13 +259,17 @@ def lines_of(file) -> list[str]:
     return Path(file).read_text(errors="replace").splitlines()
 
 
+def rows_of(file) -> list[list[str]]:
+    """The options of an options file, each with its value behind it."""
+    return [row for line in lines_of(file) if (row := line.partition("#")[0].split())]
+
+
 def task_of(words) -> str:
     """What a command line does."""
     task = "grow"
     for word, value in zip(words, words[1:]):
         if word == "-options_file":
-            lines = [line.partition("#")[0].split() for line in lines_of(value)]
-            task = next((line[1].strip("'\"") for line in lines[::-1] if line[:1] == ["-task"] and line[1:]), task)
+            task = next((row[1].strip("'\"") for row in rows_of(value)[::-1] if row[0] == "-task" and row[1:]), task)
         elif word == "-task":
             task = value
     return task
@@ -274,9 +278,8 @@ def task_of(words) -> str:
 def says_when(words) -> bool:
     """Whether a command line, or an options file that it names, says when shapes are stored."""
     wanted = ("-output_interval", "-output_shapes")
-    files = [Path(value) for word, value in zip(words, words[1:]) if word == "-options_file"]
-    lines = [line.split() for file in files for line in lines_of(file)]
-    return any(word in wanted for word in [*words, *(line[0] for line in lines if line)])
+    files = [value for word, value in zip(words, words[1:]) if word == "-options_file"]
+    return any(word in wanted for word in [*words, *(row[0] for file in files for row in rows_of(file))])
 
 
 def launched(ranks: int) -> list[str]:

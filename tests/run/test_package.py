@@ -112,7 +112,8 @@ class Package(unittest.TestCase):
         with self.assertRaisesRegex(tendril.ResultsError, "with si_bending_stiffness"):
             self.runs[0].dataset(si=True)
         for call, line in (
-                (lambda: tendril.run("fed"), "^fed: .*did you mean feed"), (lambda: tendril.run(3), "^scene: give an"),
+                (lambda: tendril.run("fed"), "^fed: .*, did you mean feed"), (lambda: self.runs[0].scale("lenght"), "did you mean length"),
+                (lambda: tendril.run(3), "^scene: give an"),
                 (lambda: tendril.run("feed", output=3), "^output: give the name"),
                 (lambda: tendril.run("feed", rod_weight="0 0 -1"), "^rod_weight 0 0 -1: put commas between numbers"),
                 (lambda: tendril.run("feed", ranks=0), "^ranks 0: give a whole number from 1"),
