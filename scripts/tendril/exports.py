@@ -160,7 +160,7 @@ def coloured(trimesh, r, shape, field, diameter, sides, si):
     solid = lift(r, shape)
     fields = fields_of(r, shape)
     if field not in fields:
-        raise ResultsError(f"{r.told}: field {field}: unknown{unknown(field, fields, ', give one of')}")
+        raise ResultsError(f"{r.told}: field {field}{unknown(field, fields, ': give one of')}")
     width = diameter or diameter_of(r) or VISIBLE * extent_of(r)
     vertices, triangles, node = tube(solid.x, width / 2, sides, solid.d2[0])
     most = max(np.abs(fields_of(r, r.stored(k))[field]).max() for k in range(len(r.shapes.t))) or 1.0

@@ -29,7 +29,7 @@ class FilmInSpace:
         self.turn, self.up, self.view = turn, up_of(r), sight(view)
         along = [fields_of(r, shape).get(field) for shape in shapes]
         if along[0] is None:
-            raise ResultsError(f"{r.told}: field {field}: unknown{unknown(field, fields_of(r, shapes[0]), ', give one of')}")
+            raise ResultsError(f"{r.told}: field {field}{unknown(field, fields_of(r, shapes[0]), ': give one of')}")
         label, unit, signed = FIELDS[field]
         factor, name = units.unit(unit)
         self.along = [factor * values for values in along]
