@@ -10,8 +10,8 @@
    usual tolerance nothing is known). */
 static const PetscReal per_change = 2, of_start = 1e-2, far = 0.5, of_limit = 40;
 /* What a viscous share adds, over it: norms change by up to ten times that (LoadShareMore()),
-   behind a snap by up to 15 times. */
-static const PetscReal per_share = 10, per_snap = 15;
+   behind a snap by up to 20 times. */
+static const PetscReal per_share = 10, per_snap = 20;
 
 /* What comes within this part of the time so far is the reason of an error. */
 static const PetscReal meanwhile = 0.02;

@@ -69,6 +69,7 @@ PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
   contact->rub = *friction;
   contact->rub.mu = 1;
   contact->rub.viscous = contact->rub.least = 0;
+  contact->rub.own = NULL;
   if (walls)
     PetscCall(WallsRead(file, contact->diameter / 2, contact->friction, clamp_angle,
                         &contact->walls, &contact->surfaces));

@@ -114,7 +114,7 @@ def follower():
     for mu in (1, 0.999):
         r = Run("-growth_type uniform -growth_initial_length 1 -shape_type straight -rod_model space -rod_curvature 1e-3 "
                 f"-rod_twist 0.5 -tip_force 0.7 -tip_law follower -contact_diameter 0.07 -rod_cells 40 -friction_mu {mu} "
-                "-ts_max_time 0.4 -ts_max_steps 600 -contact_firm false " + walls("cylinder 1.52 0.15 0 -0.284 -0.205 1 0.311 outside friction 0.636"))
+                "-ts_max_time 0.4 -ts_max_steps 1000 -contact_firm false " + walls("cylinder 1.52 0.15 0 -0.284 -0.205 1 0.311 outside friction 0.636"))
         print(f"{r.steps} steps, {r.newton_iterations.sum():.0f} Newton, t = {r.t[-1]}, tip {tip(r)}")
         expect(r.t[-1] == 0.4 and r.newton_iterations.sum() < 10000, "does not get on")  # most in snaps
         found.append(tip(r))
