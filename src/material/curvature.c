@@ -15,7 +15,8 @@ static const OptionRow rows[] = {
     ROW_TEXT("-rod_curvature_file", INPUT_FILE,
              "HDF5 file with the natural curvature, /curvature (in space also /curvature_2, "
              "/twist), over the label /s of a rod that grows "
-             "in place, over the /distance from the tip of one that slides (feed, apical)"),
+             "in place, over the /distance from the tip of one that slides (feed, apical); with /t "
+             "[nt] they are [nt, n] and steer the rod over time"),
     ROW_REAL("-rod_curvature_random", "", 0, 1e9, UNIT_CURVATURE, 0,
              "root mean square of a random natural curvature, per length"),
     ROW_REAL(
@@ -37,7 +38,7 @@ static PetscErrorCode MakeSpline(Strain *self) {
 static PetscErrorCode FromFile(Strain *self, Growth growth, const char *file, const char *name) {
   const char *option = "-rod_curvature_file", *where = growth->slides ? "/distance" : "/s";
   const PetscInt most = 1000000;
-  PetscBool has;
+  PetscBool has, steered;
   PetscInt n, m;
 
   PetscFunctionBegin;
@@ -47,7 +48,9 @@ static PetscErrorCode FromFile(Strain *self, Growth growth, const char *file, co
             file, growth->type, where);
   PetscCall(HdfReadQuantity(option, file, where, growth->slides ? UNIT_LENGTH : UNIT_NONE, 1, &n,
                             &self->at));
-  PetscCall(HdfReadQuantity(option, file, name, UNIT_CURVATURE, 1, &m, &self->k));
+  PetscCall(HdfHas(file, "/t", &steered));
+  m = n;
+  if (!steered) PetscCall(HdfReadQuantity(option, file, name, UNIT_CURVATURE, 1, &m, &self->k));
   UserCheck(n == m, OptionsComm(), "%s %s: %s and %s differ in length", option, file, where, name);
   UserCheck(n >= 4 && n <= most, OptionsComm(), "%s %s: needs 4 to %d entries, has %d", option,
             file, (int)most, (int)n);
@@ -59,7 +62,10 @@ static PetscErrorCode FromFile(Strain *self, Growth growth, const char *file, co
     UserCheck(self->at[i] > self->at[i - 1], OptionsComm(), "%s %s: %s must increase", option, file,
               where);
   self->n = n;
-  PetscCall(MakeSpline(self));
+  if (steered)
+    PetscCall(ActuationRead(option, file, name, n, self->at, &self->steered));
+  else
+    PetscCall(MakeSpline(self));
   PetscFunctionReturn(0);
 }
 
@@ -173,7 +179,8 @@ static PetscErrorCode RandomStrain(Strain *self, Growth growth, PetscReal end_ti
   PetscFunctionBegin;
   PetscCall(ReadLength(growth, &length));
   PetscCall(OptionInt("-rod_curvature_seed", &seed, NULL));
-  PetscCall(GrowthLength(growth, end_time, &L, NULL));
+  PetscCall(growth->slides ? GrowthLongest(growth, end_time, &L)
+                           : GrowthLength(growth, end_time, &L, NULL));
   if (growth->slides) {
     low = growth->initial_length - L;
     high = L;
@@ -247,6 +254,7 @@ PetscErrorCode CurvatureSetFromOptions(Curvature *self, Growth growth, PetscReal
     has = PETSC_TRUE;
     if (from_file && k > BEND_3) PetscCall(HdfHas(file, name[k], &has));
     if (from_file && has) PetscCall(FromFile(strain, growth, file, name[k]));
+    self->steered = (PetscBool)(self->steered || strain->steered);
     if (strain->constant != 0 || (from_file && has) || (at_random[k] && amplitude > 0)) {
       self->any = PETSC_TRUE;
       self->space = (PetscBool)(self->space || k > BEND_3);
@@ -262,23 +270,46 @@ PetscErrorCode CurvatureDestroy(Curvature *self) {
     PetscCall(PetscFree(self->strain[k].at));
     PetscCall(PetscFree(self->strain[k].k));
     PetscCall(PetscFree(self->strain[k].k2));
+    PetscCall(ActuationDestroy(&self->strain[k].steered));
   }
   PetscCall(PetscFree3(self->even, self->angle, self->slope));
   PetscFunctionReturn(0);
 }
 
-/* Where a table is to be read for the material at a label and a time, and the rate of that. */
-static PetscErrorCode OriginOf(Growth growth, PetscReal s, PetscReal t, PetscReal *at,
-                               PetscReal *at_t) {
+/* Where a table is to be read for the material at a label and a time, and the rate of that. What is
+   steered is read at the distance from the tip now, from which material slides away at L_t - V. */
+static PetscErrorCode OriginOf(const Curvature *self, Growth growth, PetscReal s, PetscReal t,
+                               PetscReal *at, PetscReal *at_t) {
+  PetscReal L, L_t, p, p_t;
+
   PetscFunctionBegin;
   *at = s;
   *at_t = 0;
-  if (growth->slides) PetscCall(GrowthOrigin(growth, s, t, at, at_t));
+  if (!growth->slides) PetscFunctionReturn(0);
+  if (!self->steered) {
+    PetscCall(GrowthOrigin(growth, s, t, at, at_t));
+    PetscFunctionReturn(0);
+  }
+  PetscCall(GrowthLength(growth, t, &L, &L_t));
+  PetscCall(GrowthArc(growth, 1, &s, t, &p, &p_t));
+  *at = (1 - s) * L;
+  *at_t = L_t - GrowthSpeed(growth, s, t, p_t);
   PetscFunctionReturn(0);
 }
 
+/* A strain that is steered: for the material it changes at the rate k_t + d_t k_d. */
+static void Steered(const Strain *self, PetscReal at, PetscReal at_t, PetscReal t, PetscReal *k,
+                    PetscReal *k_t) {
+  PetscReal value, slope, rate;
+
+  ActuationValue(self->steered, at, t, &value, &slope, &rate);
+  *k += value;
+  if (k_t) *k_t = rate + at_t * slope;
+}
+
 /* One natural strain there, and its rate for the material (may be NULL). */
-static void Value(const Strain *self, PetscReal at, PetscReal at_t, PetscReal *k, PetscReal *k_t) {
+static void Value(const Strain *self, PetscReal at, PetscReal at_t, PetscReal t, PetscReal *k,
+                  PetscReal *k_t) {
   const PetscBool changes = (PetscBool)(k_t && at_t != 0);
   PetscReal weight[4], slope[4];
   PetscInt i;
@@ -286,6 +317,10 @@ static void Value(const Strain *self, PetscReal at, PetscReal at_t, PetscReal *k
   *k = self->constant;
   if (k_t) *k_t = 0;
   if (!self->n) return;
+  if (self->steered) {
+    Steered(self, at, at_t, t, k, k_t);
+    return;
+  }
   if (at < self->at[0] || at > self->at[self->n - 1]) {
     *k += self->k[at < self->at[0] ? 0 : self->n - 1];
     return;
@@ -313,7 +348,8 @@ static void OwnStrain(const Curvature *self, int e, PetscReal s, PetscReal t, Pe
 
   In place the table is over the labels. Where material slides, it is over the distance that the
   material there had from the tip at the start (growth.h): a fed rod carries its curvature along.
-  Beyond the ends of a file's table its last values go on.
+  Beyond the ends of a file's table its last values go on. What is steered is over the distance that
+  it has from the tip now, which of a fed rod is the same.
 */
 PetscErrorCode CurvatureValue(const Curvature *self, Growth growth, PetscReal s, PetscReal t,
                               PetscReal *k, PetscReal *k_t) {
@@ -325,8 +361,36 @@ PetscErrorCode CurvatureValue(const Curvature *self, Growth growth, PetscReal s,
     OwnStrain(self, BEND_3, s, t, k, k_t);
     PetscFunctionReturn(0);
   }
-  if (strain->n) PetscCall(OriginOf(growth, s, t, &at, &at_t));
-  Value(strain, at, at_t, k, k_t);
+  if (strain->n) PetscCall(OriginOf(self, growth, s, t, &at, &at_t));
+  Value(strain, at, at_t, t, k, k_t);
+  PetscFunctionReturn(0);
+}
+
+/* CurvatureNextTurn - the first time behind t at which one that is steered kinks, sets out, rests
+   or turns back; PETSC_MAX_REAL if there is none. */
+PetscReal CurvatureNextTurn(const Curvature *self, PetscReal t) {
+  PetscReal next = PETSC_MAX_REAL;
+
+  for (int k = 0; k < STRAINS && self->steered; k++)
+    if (self->strain[k].steered)
+      next = PetscMin(next, ActuationNextTurn(self->strain[k].steered, t));
+  return next;
+}
+
+/* CurvatureJerks - does the rate at which it is steered jump between two times? */
+PetscBool CurvatureJerks(const Curvature *self, PetscReal t0, PetscReal t1) {
+  for (int k = 0; k < STRAINS && self->steered; k++)
+    if (self->strain[k].steered && ActuationJerks(self->strain[k].steered, t0, t1))
+      return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* CurvatureBendsInTime - adds the times at which it bends (base/bends.h). */
+PetscErrorCode CurvatureBendsInTime(const Curvature *self, PetscReal tolerance, Bends *bends) {
+  PetscFunctionBegin;
+  for (int k = 0; k < STRAINS; k++)
+    if (self->strain[k].steered)
+      PetscCall(ActuationBends(self->strain[k].steered, tolerance, bends));
   PetscFunctionReturn(0);
 }
 
@@ -334,8 +398,43 @@ static PetscReal Largest(const Curvature *self, int e) {
   const Strain *strain = &self->strain[e];
   PetscReal most = PetscMax(PetscAbsReal(strain->constant), self->most[e]);
 
+  if (strain->steered) return PetscMax(most, ActuationLargest(strain->steered));
   for (PetscInt i = 0; i < strain->n; i++) most = PetscMax(most, PetscAbsReal(strain->k[i]));
   return most;
+}
+
+/* CurvatureSteered - the largest of a strain that is steered, 0 if that is not. (Two bends twist.)
+ */
+PetscReal CurvatureSteered(const Curvature *self, int strain) {
+  const Strain *of = self->strain;
+
+  if (strain == TURN_1 && !of[TURN_1].steered && of[BEND_2].steered && of[BEND_3].steered)
+    return PetscMin(CurvatureSteered(self, BEND_2), CurvatureSteered(self, BEND_3));
+  return of[strain].steered ? ActuationLargest(of[strain].steered) : 0;
+}
+
+/* CurvatureFinest - the least length (or part of the labels) over which one that is no constant
+   changes by as much as it is at most: that of a hook, however far apart the other knots are. 0:
+   there is none. */
+PetscReal CurvatureFinest(const Curvature *self) {
+  PetscReal least = PETSC_MAX_REAL;
+
+  for (int e = 0; e < STRAINS; e++) {
+    const Strain *strain = &self->strain[e];
+    PetscReal most = 0, steepest = 0;
+    if (strain->steered) {
+      most = ActuationLargest(strain->steered);
+      steepest = ActuationSteepest(strain->steered);
+    }
+    for (PetscInt i = 0; i < strain->n && !strain->steered; i++) {
+      most = PetscMax(most, PetscAbsReal(strain->k[i]));
+      if (i + 1 < strain->n)
+        steepest = PetscMax(steepest, PetscAbsReal(strain->k[i + 1] - strain->k[i]) /
+                                          (strain->at[i + 1] - strain->at[i]));
+    }
+    if (steepest > 0) least = PetscMin(least, most / steepest);
+  }
+  return least < PETSC_MAX_REAL ? least : 0;
 }
 
 /* CurvatureBends - is the rod bent by nature anywhere, and not only twisted? */
@@ -371,13 +470,13 @@ PetscErrorCode CurvatureStrains(const Curvature *self, Growth growth, PetscReal 
   PetscFunctionBegin;
   for (int k = 0; k < STRAINS; k++)
     if (self->strain[k].n) {
-      PetscCall(OriginOf(growth, s, t, &at, &at_t));
+      PetscCall(OriginOf(self, growth, s, t, &at, &at_t));
       break;
     }
   for (int k = 0; k < STRAINS; k++)
     if (self->own)
       OwnStrain(self, k, s, t, &u[place[k]], u_t ? &u_t[place[k]] : NULL);
     else
-      Value(&self->strain[k], at, at_t, &u[place[k]], u_t ? &u_t[place[k]] : NULL);
+      Value(&self->strain[k], at, at_t, t, &u[place[k]], u_t ? &u_t[place[k]] : NULL);
   PetscFunctionReturn(0);
 }

@@ -9,6 +9,9 @@ static const OptionRow rows[] = {
              "a, width in s of the growth zone at the clamp (gaussian)"),
     ROW_REAL("-growth_zone", "0.5", 1e-6, 1e6, UNIT_LENGTH, 0,
              "length of the growth zone behind the tip (apical)"),
+    ROW_TEXT("-growth_path", INPUT_FILE,
+             "CSV or HDF5 file with t and length, or t and speed: how a rod is fed over time, and "
+             "pulled out again (feed)"),
     ROW_TEXT("-growth_table", INPUT_FILE, "HDF5 file with /s [ns], /t [nt], /g [nt, ns] (table)")};
 const OptionGroup growth_options = OPTION_GROUP("Growth", rows);
 
@@ -276,6 +279,7 @@ static const struct {
 */
 PetscErrorCode GrowthCreate(Growth *growth) {
   OwnLaw *own = OptionsLaw(OWN_GROWTH);
+  PetscBool by_path;
   PetscInt choice;
   Growth self;
 
@@ -291,7 +295,9 @@ PetscErrorCode GrowthCreate(Growth *growth) {
   if (laws[choice].create != GrowthCreateTable)
     PetscCall(OptionReal("-growth_initial_length", &self->initial_length, NULL));
   self->type = laws[choice].name;
+  PetscCall(GrowthPathGiven(self, &by_path));
   PetscCall(laws[choice].create(self));
+  if (by_path) PetscCall(GrowthFeedByPath(self));
   PetscFunctionReturn(0);
 }
 
@@ -333,6 +339,22 @@ PetscErrorCode GrowthArc(Growth growth, PetscInt n, const PetscReal s[], PetscRe
 const char *GrowthOutlook(Growth growth) {
   if (strcmp(growth->type, "none")) return "look further";
   return "and with -growth_type none it does not lengthen: begin longer, or load it more";
+}
+
+/* GrowthLongest - how long a rod that is fed by a schedule is at most up to a time; another is as
+   long as it is then, or at the start. */
+PetscErrorCode GrowthLongest(Growth growth, PetscReal end, PetscReal *length) {
+  PetscReal L;
+
+  PetscFunctionBegin;
+  PetscCall(GrowthLength(growth, end, length, NULL));
+  *length = PetscMax(*length, growth->initial_length);
+  if (growth->fastest == 0) PetscFunctionReturn(0);
+  for (PetscReal t = growth->next_turn(growth, 0); t < end; t = growth->next_turn(growth, t)) {
+    PetscCall(GrowthLength(growth, t, &L, NULL));
+    *length = PetscMax(*length, L);
+  }
+  PetscFunctionReturn(0);
 }
 
 /* GrowthLength - L(t) and dL/dt (may be NULL). */

@@ -236,6 +236,7 @@ PetscErrorCode RestartTake(const char *file, const RestartState *state, Leg *leg
   PetscCall(PetscArraycpy(leg->kick, state->kick, MAX_FIELDS));
   leg->kick_ends = state->kick_ends;
   leg->ease.times = PetscMin(state->ease, leg->ease.most);
+  leg->ease.wants = PetscMin(state->wants, leg->ease.most);
   leg->ease.others = state->others;
   PetscFunctionReturn(0);
 }
@@ -294,6 +295,7 @@ PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *stat
   PetscCall(VBDFGetMemory(leg->ts, state->memory));
   PetscCall(PetscArraycpy(state->kick, leg->kick, MAX_FIELDS));
   state->kick_ends = leg->kick_ends;
+  state->wants = leg->ease.wants;
   state->ease = leg->ease.times;
   state->others = leg->ease.others;
   state->points = n;

@@ -7,7 +7,7 @@
 #include "world/load_space.h"
 #include "material/shape.h"
 #include "world/tip.h"
-#include "world/schedule.h"
+#include "base/schedule.h"
 
 enum { DRIVES = 2 };
 

@@ -166,10 +166,14 @@ static PetscErrorCode Neglect(Grow *self, Vec U_t) {
    has none. */
 static const PetscReal initial_layer = 1e-6;
 
-/* Does what leads tip or clamp, or a surface that is touched, set out or stop at once between two
-   times? */
+/* Does what leads tip or clamp, feeds the rod, or moves a surface that is touched set out or stop
+   at once between two times? */
 static PetscBool LedRoundCorner(Scene scene, PetscBool touches, PetscReal t0, PetscReal t1) {
-  return (PetscBool)((scene->tip.path && PathTurnsCorner(scene->tip.path, t0, t1)) ||
+  const Growth growth = scene->growth;
+
+  return (PetscBool)((growth->jerks && growth->jerks(growth, t0, t1)) ||
+                     CurvatureJerks(&scene->curvature, t0, t1) ||
+                     (scene->tip.path && PathTurnsCorner(scene->tip.path, t0, t1)) ||
                      (scene->space.clamp_path && ScheduleJerks(scene->space.clamp_path, t0, t1)) ||
                      (touches && SurfacesJerk(&scene->contact.surfaces, t0, t1)));
 }
@@ -464,7 +468,8 @@ static PetscErrorCode ChooseModel(Grow *self) {
       "%s: means nothing in the plane, and nothing here takes the rod out of it; take it out, "
       "or give -rod_model space",
       space->only);
-  UserCheck(!space->rod || !self->member || self->member->values == OBSERVED, self->scene->comm,
+  UserCheck(!space->rod || !self->member || self->member->values == OBSERVED_IN_SPACE,
+            self->scene->comm,
             "%s: takes this rod out of the plane, as nothing that the sweep's options say does; "
             "give the sweep -rod_model space",
             space->why ? space->why : "-rod_model");
@@ -1122,7 +1127,8 @@ static PetscErrorCode Verdict(Grow *self) {
       "spin back, and where it then goes is not determined; %s; give the radius at which "
       "friction feels the spin, -friction_radius",
       text[0], kept);
-  if (!waves) AdviseGivingWay(self, advice, sizeof(advice));
+  if (!waves) AdviseConduit(self, advice, sizeof(advice));
+  if (!advice[0]) AdviseGivingWay(self, advice, sizeof(advice));
   UserCheck(
       reason == TS_CONVERGED_TIME || !self->now->crosses, comm,
       "gave up at t = %s: the rod gives way faster than a step of %s can follow, to which side "

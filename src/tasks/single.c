@@ -64,6 +64,8 @@ static PetscErrorCode CheckStraight(Scene scene) {
   PetscFunctionBegin;
   UserCheck(!CurvatureBends(&scene->curvature), scene->comm,
             "-rod_curvature: %s, straight by nature; give 0 or take it out%s", about, other);
+  UserCheck(!scene->curvature.steered, scene->comm,
+            "-rod_curvature_file: with /t its twist changes by itself, and %s; take /t out", about);
   UserCheck(scene->clamp != CLAMP_FREE, scene->comm,
             "-clamp_type free: %s that a clamp holds; take it out", about);
   UserCheck(scene->clamp == CLAMP_HELD || scene->tip.type != TIP_FREE, scene->comm,

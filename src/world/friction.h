@@ -117,12 +117,16 @@ static inline PetscReal FrictionPhi(const Friction *law, PetscReal v2) {
   return FrictionViscous(law, v2) + (r > 0 ? law->mu / r : 0);
 }
 
-/* int_a^b phi(v) v dv: the axial friction on a straight rod whose speed rises evenly from a to b;
-   no straight rod is fast */
+/* int_a^b phi(v) v dv: the axial friction on a straight rod whose speed rises evenly from a to b */
 static inline PetscReal FrictionBetween(const Friction *law, PetscReal a, PetscReal b) {
+  const PetscReal rise = b * b - a * a, F2 = law->fast * law->fast;
+  PetscReal between =
+      law->mu * (PetscSqrtReal(b * b + law->beta) - PetscSqrtReal(a * a + law->beta)) +
+      law->viscous * rise / 2;
+
   if (law->own) return FrictionOwnBetween(law, a, b);
-  return law->mu * (PetscSqrtReal(b * b + law->beta) - PetscSqrtReal(a * a + law->beta)) +
-         law->viscous * (b * b - a * a) / 2;
+  if (law->least > 0) between += law->least * (rise - F2 * log1p(rise / (a * a + F2))) / 2;
+  return between;
 }
 
 #endif
