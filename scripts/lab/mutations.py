@@ -22,15 +22,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 
 # (name, file in src, what stands there, what stands in its place)
-F, C, N, L, S, E = ("stepping/" + f for f in ("formula.c", "controller.c", "newton.c", "leg.c", "snap.c", "estimate.c"))
+F, C, N, L, E = ("stepping/" + f for f in ("formula.c", "controller.c", "newton.c", "leg.c", "estimate.c"))
 MUTATIONS = [
-    # -- steps: when a snap is looked for, and what is a jump
-    ("failures_of_snap, never", C, "failures_of_snap = 4 }", "failures_of_snap = 1000 }"),
-    ("failures_of_snap, at once", C, "failures_of_snap = 4 }", "failures_of_snap = 0 }"),
-    ("shrunk, never", C, "shrunk = 1e-4,", "shrunk = 0,"),
-    ("shrunk, soon", C, "shrunk = 1e-4,", "shrunk = 0.05,"),
-    ("forgets nothing", C, "forgets = 0.95", "forgets = 1"),
-    ("forgets while it fails", C, "if (self->failures) self->usual /= forgets;", ""),
+    # -- steps: what is a jump
     ("jump_persists, never", C, "jump_persists = 0.7,", "jump_persists = 1e9,"),
     ("jump_persists, soon", C, "jump_persists = 0.7,", "jump_persists = 0.4,"),
     ("jump_step, none", C, "jump_step = 1e-13,", "jump_step = 0,"),
@@ -39,15 +33,10 @@ MUTATIONS = [
     ("slip_persists, none", C, "slip_persists = 0.25,", "slip_persists = jump_persists,"),
     ("slip_step, long", C, "slip_step = 1e-8;", "slip_step = 1e-3;"),
     ("rejected, of any size", C, "if (*factor > 1. / 3) self->rejected = PETSC_MAX_REAL;", ""),
-    ("a snap in the layer", C, "self->jumped && self->snap && !self->tried && ts->time_step >= self->layer",
-     "self->jumped && self->snap && !self->tried"),
-    ("a second snap in a step", C, "  self->tried = PETSC_TRUE;\n  if (!self->snapped)", "  if (!self->snapped)"),
-    ("behind a snap as at the start", C, "*error = self->snapped ? change :", "*error = 0 ? change :"),
     ("first error, none", C, "  if (!self->guess) PetscFunctionReturn(0);\n", "  PetscFunctionReturn(0);\n"),
     # -- steps: length, order, factor
-    ("smallest, smaller", C, "smallest = 1e-13,", "smallest = 1e-22,"),
-    ("smallest, greater", C, "smallest = 1e-13,", "smallest = 1e-9,"),
-    ("early, none", C, "early = 1e-3;", "early = 1;"),
+    ("smallest, smaller", C, "smallest = 1e-16;", "smallest = 1e-25;"),
+    ("smallest, greater", C, "smallest = 1e-16;", "smallest = 1e-9;"),
     ("safety, high", C, "safety = 0.22;", "safety = 0.8;"),
     ("safety, low", C, "safety = 0.22;", "safety = 0.05;"),
     ("shrink_most, little", C, "shrink_most = 0.2,", "shrink_most = 0.7,"),
@@ -69,7 +58,6 @@ MUTATIONS = [
     ("order, never down", C, "if (StepFactor(lower, k - 1) > *factor) {", "if (0) {"),
     ("since, after a rejection", C, "ts->time_step *= factor;\n  self->since = 0;\n  if (attempt >= 3)",
      "ts->time_step *= factor;\n  if (attempt >= 3)"),
-    ("rejections for an error are failures", C, "self->failures > failures_of_snap", "attempt > failures_of_snap"),
     ("blind behind a mode", C, "if (outcome == TRY_CROSSES && f->n == 1) self->look = PETSC_TRUE;", ""),
     ("history kept", C, "if (attempt >= 3) {", "if (0) {"),
     ("history dropped at once", C, "if (attempt >= 3) {", "if (1) {"),
@@ -86,8 +74,8 @@ MUTATIONS = [
      "    if (!*crosses)\n      PetscCall(CrossesAt(ts, self, f, f->point[0], sight, crosses)); /* for the next step */\n", ""),
     ("cross, a layer is a jump", C, "sight = ts->time_step < self->layer ? VBDF_BLIND : VBDF_JUMP;", "sight = VBDF_JUMP;"),
     ("cross, order and memory stay", C,
-     "  self->order = order;\n  self->jumped = PETSC_FALSE;\n  self->rejected = PETSC_MAX_REAL;\n  PetscFunctionReturn(0);\n}\n\n/* A jump shows",
-     "  self->jumped = PETSC_FALSE;\n  PetscFunctionReturn(0);\n}\n\n/* A jump shows"),
+     "  self->order = order;\n  self->jumped = PETSC_FALSE;\n  self->rejected = PETSC_MAX_REAL;\n  PetscFunctionReturn(0);\n}\n\n/* Solves the",
+     "  self->jumped = PETSC_FALSE;\n  PetscFunctionReturn(0);\n}\n\n/* Solves the"),
     ("stays, never", S, "stays = 1e-6;", "stays = 0;"),
     ("cross, rubbing walls as others", L, "!(ContactWallsRub(contact) || ", "!("),
     ("cross, rubbing strands as others", L, "contact->friction > 0 ||", ""),
@@ -137,10 +125,6 @@ MUTATIONS = [
     ("wild, to the last", N, "WILD = 4,", "WILD = 1000,"),
     ("the limit, by the linear model", "tasks/grow.c", "(asked || LoadIsNextToExact(&self->scene->load))", "asked"),
     ("the limit, fitted", "tasks/grow_errors.c", "of_limit = 40;", "of_limit = 10;"),
-    ("the slight share", "world/load.c", "slight = 1e-5, next", "slight = 1e-4, next"),
-    ("no slight share for who finds no step", "tasks/grow.c", "LoadShareMore(load)) || LoadShareSlight(load));",
-     "LoadShareMore(load)));"),
-    ("crawls as late with dry friction", "tasks/crawl.c", "SOON = 250", "SOON = 1000"),
     ("groups lumped", N, "    residual[rod->model->group[f]] =\n        PetscMax(residual[rod->model->group[f]], size[f] / RodFieldUnit(rod, f));",
      "    for (int g = 0; g < GROUPS; g++) residual[g] = PetscMax(residual[g], size[f] / RodFieldUnit(rod, f));"),
     ("creep, any", N, "creep_allowed = 5;", "creep_allowed = 1e9;"),
@@ -151,26 +135,21 @@ MUTATIONS = [
     ("iterations, 12", N, "PETSC_DEFAULT, 40, 1000000", "PETSC_DEFAULT, 12, 1000000"),
     ("never held", N, "&& self->rod->model->hold)\n", "&& 0)\n"),
     # -- snaps
-    ("rest, loose", S, "rest = 1e-6,", "rest = 1e-3,"),
-    ("rest, tight", S, "rest = 1e-6,", "rest = 1e-9,"),
-    ("spins freely, never", S, "far = 1e3,", "far = 1e300,"),
-    ("spins freely, soon", S, "far = 1e3,", "far = 10,"),
-    ("spins freely, at once", S, "leg->turning > 0 && turning > leg->turning", "turning > 0"),
-    ("at rest though it gains speed", S, "fastest <= leg->speed &&", ""),
-    ("soonest, at once", S, "soonest = 100;", "soonest = 0;"),
-    ("soonest, without walls too", S, "(t >= soonest * unit || !leg->rod->scene->contact.any)", "t >= soonest * unit"),
-    ("least_rtol, none", S, "least_rtol = 1e-6;", "least_rtol = 0;"),
-    ("least_rtol, rough", S, "least_rtol = 1e-6;", "least_rtol = 1e-3;"),
+    ("least_share, none", "world/load.c", "least_share = 1e-6;", "least_share = 0;"),
+    ("least_share, large", "world/load.c", "least_share = 1e-6;", "least_share = 1e-3;"),
+    ("least_share, at any speed", "world/load.c", "const PetscReal fast = 10;", "const PetscReal fast = 0;"),
+    ("snaps_at, never", L, "snaps_at = 1e3,", "snaps_at = 1e300,"),
+    ("snapped_at, soon", L, "snapped_at = 1.2;", "snapped_at = 100;"),
+    ("as good as at rest, never", "scene/scene.c", "as_good_as_at_rest = 1e-5;", "as_good_as_at_rest = 0;"),
+    ("as good as at rest, soon", "scene/scene.c", "as_good_as_at_rest = 1e-5;", "as_good_as_at_rest = 1e-2;"),
+    ("forces in a snap, loose", N, "falls ? tight : loose", "loose"),
+    ("patience in a snap, none", N, "IN_A_SNAP = 16", "IN_A_SNAP = 8"),
+    ("a start that snaps, as others", C, "self->again > 0 && self->snaps)", "0)"),
+    ("the history's clock not kept", C, "self->late = step - (f->now - before);", "self->late = 0;"),
+    ("progress, of time alone", "tasks/grow.c", "(1 + speed / counts_as)", "1"),
+    ("turns may not jump", C, "self->again > 0 ? !self->placed", "self->again > 0"),
     ("contact never gets firm", L, "  *firm = ContactGetsFirm(contact, deepest);", "  (void)deepest;"),
-    ("most_steps, few", S, "most_steps = 5000,", "most_steps = 500,"),
-    ("long_after, soon", S, "long_after = 1e4;", "long_after = 10;"),
-    ("as good as at rest, never", "world/load.c", "as_good_as_at_rest = 1e-5;", "as_good_as_at_rest = 0;"),
-    ("as good as at rest, soon", "world/load.c", "as_good_as_at_rest = 1e-5;", "as_good_as_at_rest = 1e-2;"),
-    ("a snap's walls not in fast time", "scene/scene.c", "(*fast)->contact.rub.beta = (*fast)->load.friction.beta;", ""),
-    ("a snap's tip not in fast time", "scene/scene.c", "PetscCall(TipInFastTime(&scene->tip, t, &(*fast)->tip));", ""),
-    ("snap, never", S, "  if (!dry) {\n", "  if (1) {\n"),
     # -- what snaps and sticking need of friction
-    ("slack, none", "world/load.c", "slack = 1e-5", "slack = 0"),
     ("next to exact, never", "scene/scene.c", "if (self->growth->rests) LoadNextToExact(&self->load);", ""),
     ("told from rest, nothing", "world/load.c", "if (load->limit) load->friction.beta = PetscMax", "if (0) load->friction.beta = PetscMax"),
     # -- contact: where it sets in, and what a rod without a thickness is behind
@@ -189,9 +168,20 @@ MUTATIONS = [
     ("comes and goes in a step", C, "if (self->next_end && !self->fixed)", "if (0)"),
     ("tables that turn back unseen", "base/turns.h", "if (behind != before) at[k]", "if (0) at[k]"),
     ("the tip's path left out", "scene/scene.c", "next = SmallerOf(next, PathNextTurn(scene->tip.path, t));", ";"),
-    ("sets out before it does", "world/schedule.c", " || (t == self->t[0] && t > 0)", ""),
-    ("turns back between rows, unseen", "world/schedule.c", "self->value[i] * self->value[i + 1] < 0", "0"),
-    ("rests, but for a start", "world/schedule.c", "return Place(self, t) - self->start;", "return Place(self, t);"),
+    ("sets out before it does", "base/schedule.c", " || (t == self->t[0] && t > 0)", ""),
+    ("turns back between rows, unseen", "base/schedule.c", "self->value[i] * self->value[i + 1] < 0", "0"),
+    ("rests, but for a start", "base/schedule.c", "return Place(self, t) - self->start;", "return Place(self, t);"),
+    # -- what is steered, or fed by a schedule
+    ("kinks are no ends of steps", "material/actuation.c", "if (self->kinks[j]) self->turns[j] = PETSC_TRUE;", ";"),
+    ("behind a kink as before", C, "  SetOutAnew(ts, self, f);", ""),
+    ("the first error behind a kink", C, "self->snapped || self->kinked ? change", "self->snapped ? change"),
+    ("steered, but not in time", "material/curvature.c", "if (k_t) *k_t = rate + at_t * slope;", "if (k_t) *k_t = at_t * slope;"),
+    ("steered along with what slides", "material/curvature.c", "if (k_t) *k_t = rate + at_t * slope;", "if (k_t) *k_t = rate;"),
+    ("steering costs nothing", "record/observe.c", "seen->wall_power + seen->curvature_power -", "seen->wall_power -"),
+    ("slides in, but not out", "material/growth_path.c", "return (1 - s) * SpeedPath(self, s, t);",
+     "return (1 - s) * PetscAbsReal(SpeedPath(self, s, t));"),
+    ("a path has no turns", "material/growth_path.c", "self->next_turn = NextTurn;", ""),
+    ("steered from nothing", L, "of_steering = 1e-6;", "of_steering = 0;"),
     # -- the estimate
     ("estimate: least cells", E, "LEAST_CELLS = 8,", "LEAST_CELLS = 64,"),
     ("estimate: cells", E, "CELLS = 48 ", "CELLS = 8 "),
@@ -206,7 +196,7 @@ MUTATIONS = [
 
 LABELS = "unit|scene"
 TARGETS = ("tendril test_vbdf test_lost test_guard test_restart test_observe test_contact test_space test_strands_space "
-           "test_friction test_crawl test_grow_errors test_grow_stuck test_schedule").split()
+           "test_friction test_crawl test_grow_errors test_grow_stuck test_schedule test_actuation").split()
 LEFT_OUT = ("spline|even|band|blocks|rects|chain|elimination|table|options-|hdf|handout|field|surfaces|mesh|shape|"
             "event|rod-|straight-[123]|critical|stability|growth|world-(critical|straight|ranks|restart)|space-|laboratory-|"
             "sweep-|scene-options|.*-[23]$")

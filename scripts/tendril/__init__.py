@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from .results import Results, Shape
     from .samples import profile, sample
     from .runs import Critical, critical, run
+    from .simulation import Simulation
     from .surfaces import Surface, surface
     from .sweeps import sweep
 
@@ -38,7 +39,7 @@ _HOME = {"circle": "barriers", "conduit": "barriers", "plane": "barriers", "poly
          "animate": "films", "ensemble": "ensembles", "Fit": "fitting", "fit": "fitting", "map": "maps",
          "compare": "comparison", "Filmed": "filming", "measure": "filming", "profile": "samples",
          "sample": "samples", "view": "page", "plot": "pictures", "Results": "results", "Shape": "results", "load": "loading",
-         "Critical": "runs", "critical": "runs", "run": "runs", "Sweep": "collection", "sweep": "sweeps",
+         "Critical": "runs", "critical": "runs", "run": "runs", "Simulation": "simulation", "Sweep": "collection", "sweep": "sweeps",
          "End": "openings", "ends": "openings", "Surface": "surfaces", "surface": "surfaces"}
 __all__ = sorted(_HOME)
 

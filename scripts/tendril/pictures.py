@@ -214,6 +214,8 @@ def panel_power(ax, r, view):
     if any(np.abs(run.series.get("tip_power", 0)).max() > 1e-4 * run.series.growth_power.max()
            for run in view.results):
         lines.append(("tip_power", "tip", GREEN, ":"))
+    if any("curvature_power" in run.series for run in view.results):
+        lines.append(("curvature_power", "steering", RED, "-."))
     curves("N l V", "power", *lines)(ax, r, view)
 
 
@@ -418,7 +420,7 @@ NAMES = {
     "base_force_3": r"force at the clamp, $-n_3(0)$", "base_moment_1": r"moment at the clamp, $-m_1(0)$",
     "base_moment_2": r"moment at the clamp, $-m_2(0)$", "base_moment_3": r"moment at the clamp, $-m_3(0)$",
     "tip_force_3": r"force on the tip, $x_3$", "tip_spin": "spin of the tip",
-    "clamp_power": "power of the turning clamp", "weight_power": "power of weight",
+    "clamp_power": "power of the turning clamp", "weight_power": "power of weight", "curvature_power": "power of steering",
 }
 
 
@@ -465,7 +467,7 @@ BY_UNIT = {
     "l": ("length", "tip_x1", "tip_x2", "tip_x3", "norm_x2", "norm_x3", "end_distance", "mid_distance", "width", "penetration"),
     "N l": ("base_force_1", "base_force_2", "feed_force", "tip_force_1", "tip_force_2", "contact_force",
             "wall_force_1", "wall_force_2", "friction_force_1", "friction_force_2"),
-    "N l^2": ("energy", "contact_energy"), "N l V": ("growth_power", "dissipation", "tip_power"),
+    "N l^2": ("energy", "contact_energy"), "N l V": ("growth_power", "dissipation", "tip_power", "curvature_power"),
     "V": ("tip_speed", "mid_speed"),
 }
 

@@ -22,9 +22,9 @@ static const PetscReal nearly_seen = 30;
    a step below this part of what short steps are part of, such an error is a jump, too. (That of a
    kink would fall like the step, to a third at most.) */
 static const PetscReal slip_persists = 0.25, slip_step = 1e-8;
-/* ... and below this part of it, squared, there is nothing but round-off: a snap is over in 1e-10
-   of what is usual, and begins in that part of its time. */
-static const PetscReal smallest = 1e-13;
+/* ... and below this part of it, or of the time that the rod itself takes, there is nothing but
+   round-off. */
+static const PetscReal smallest = 1e-16;
 static const PetscReal shrink_most = 0.2, grow_most = 2;
 /* A step that cannot be, or that crosses a mode that grows, is cut to this. */
 static const PetscReal cut = 0.3;
@@ -153,7 +153,9 @@ static PetscErrorCode LocalError(TS ts, Controller *self, Formula *f, PetscInt q
 
 /* The first step has no second point to tell its error from. A decaying mode that changes by d in
    it errs by d^2/2; U is compared with the guess, growth alone. (On the safe side: against rtol,
-   while change is measured against the tolerance, a part of it.) */
+   while change is measured against the tolerance, a part of it.) Behind a kink of what bends the
+   rod modes of all rates are let go at once: those much faster than the step err by all that they
+   change. */
 static PetscErrorCode FirstError(TS ts, Controller *self, Formula *f, PetscReal *error) {
   PetscReal change;
 
@@ -162,7 +164,7 @@ static PetscErrorCode FirstError(TS ts, Controller *self, Formula *f, PetscReal 
   if (!self->guess) PetscFunctionReturn(0);
   PetscCall(self->guess(ts, ts->ptime, f->now, f->point[1], self->work, self->guess_ctx));
   PetscCall(Norm(ts, self, f->point[0], &change));
-  *error = change * change * ts->rtol / 2;
+  *error = self->kinked ? change : change * change * ts->rtol / 2;
   PetscFunctionReturn(0);
 }
 
@@ -197,10 +199,13 @@ static PetscErrorCode Error(TS ts, Controller *self, Formula *f, PetscReal *erro
   PetscFunctionReturn(0);
 }
 
-/* Is the error of what is held right, and only that of the rest is not? */
+/* Is the error of what is held right, and only that of the rest is not? Or all but right, in a
+   first step that is as short as the rod's own time: what of a turn lies within a long cell moves
+   places a little. */
 static PetscErrorCode LookAtHeld(TS ts, Controller *self, Formula *f, PetscBool accept) {
   const Vec all = ts->vatol;
   PetscReal error;
+  PetscBool begins;
 
   PetscFunctionBegin;
   self->placed = PETSC_FALSE;
@@ -208,7 +213,9 @@ static PetscErrorCode LookAtHeld(TS ts, Controller *self, Formula *f, PetscBool 
   ts->vatol = self->held;
   PetscCall(Error(ts, self, f, &error));
   ts->vatol = all;
-  self->placed = (PetscBool)(error <= 1);
+  begins = (PetscBool)(!ts->steps && ts->time_step <= self->again);
+  self->placed =
+      (PetscBool)(begins ? error <= nearly_seen : error <= 1 && (self->free || ts->steps > 0));
   PetscFunctionReturn(0);
 }
 
@@ -226,15 +233,18 @@ static PetscErrorCode Choose(TS ts, Controller *self, Formula *f, PetscBool *acc
   PetscCall(Error(ts, self, f, &e));
   *accept = (PetscBool)(e <= 1);
   PetscCall(LookAtHeld(ts, self, f, *accept));
-  persists = ts->time_step < slip_step * Scale(ts, self) ? slip_persists : jump_persists;
+  persists = (self->placed && !ts->steps) || ts->time_step < slip_step * Scale(ts, self)
+                 ? slip_persists
+                 : jump_persists;
   self->jumped = (PetscBool)(!*accept && k == 1 &&
                              (e > persists * self->rejected ||
                               (ts->time_step < self->layer && (f->n == 1 || e > nearly_seen))));
-  if (self->resolves && (ts->steps > 0 || self->again > 0) && !self->placed &&
-      ts->time_step >= self->layer) {
+  if (self->again > 0 ? !self->placed
+                      : self->resolves && ts->steps > 0 && ts->time_step >= self->layer) {
     self->snaps = self->jumped;
     self->jumped = PETSC_FALSE;
   }
+  if (self->kinked) self->jumped = PETSC_FALSE;
   self->rejected = *accept ? PETSC_MAX_REAL : e;
   if (self->jumped) *accept = PETSC_TRUE;
   *factor = StepFactor(e, k);
@@ -310,7 +320,7 @@ static void BeginTry(TS ts, Controller *self, Formula *f) {
 
 /* A step that is no step. */
 static PetscReal Smallest(TS ts, const Controller *self) {
-  return smallest * smallest * Scale(ts, self);
+  return smallest * (self->own > 0 ? self->own : Scale(ts, self));
 }
 
 /* After a rejection: a shorter step; after several, a fresh start from the last point alone,
@@ -321,7 +331,8 @@ static PetscErrorCode Retry(TS ts, Controller *self, Formula *f, PetscInt attemp
   PetscFunctionBegin;
   ts->reject++;
   ts->time_step *= factor;
-  if (!ts->steps && self->again > 0 && self->snaps) ts->time_step = PetscMin(ts->time_step, self->again);
+  if (!ts->steps && self->again > 0 && self->snaps)
+    ts->time_step = PetscMin(ts->time_step, self->again);
   self->since = 0;
   if (attempt >= 3) {
     self->order = 1;
@@ -476,6 +487,15 @@ static PetscErrorCode TryUntilAccepted(TS ts, Controller *self, Formula *f, Pets
   PetscFunctionReturn(0);
 }
 
+/* A step that begins at a kink knows nothing of what is behind it: the history starts anew, and the
+   step is short. */
+static void SetOutAnew(TS ts, Controller *self, Formula *f) {
+  self->kinked = (PetscBool)(self->kinks && !self->fixed && f->n > 1 && self->kinks(ts, ts->ptime));
+  if (!self->kinked) return;
+  f->n = self->order = 1;
+  ts->time_step = PetscMin(ts->time_step, ts->rtol * Scale(ts, self));
+}
+
 /* Begins a step: moves the state into the history. */
 static PetscErrorCode BeginStep(TS ts, Controller *self, Formula *f) {
   PetscFunctionBegin;
@@ -487,6 +507,7 @@ static PetscErrorCode BeginStep(TS ts, Controller *self, Formula *f) {
   if (ts->steprestart && !f->given) f->n = 0;
   if (!f->given && !ts->steprollback) PetscCall(FormulaPush(f, ts->vec_sol));
   f->given = PETSC_FALSE;
+  SetOutAnew(ts, self, f);
   if (self->fixed) self->order = PetscMin(self->order + 1, self->most);
   PetscFunctionReturn(0);
 }

@@ -11,6 +11,24 @@ static const PetscReal share_of_step = 0.3;
    stable for them. */
 enum { HIGHEST_ORDER = 6 };
 
+/* A rod that is steered sets out from a shape of no size, in a layer of no width: no step from
+   there, however short, is right to a part of what it was before, or of what it leads to. So its
+   fields count as at least this part of what the largest of its strains would make them. */
+static const PetscReal of_steering = 1e-6;
+
+static PetscReal Steered(const Leg *leg, PetscInt f) {
+  static const char *const moved[STRAINS] = {
+      [BEND_3] = "theta x2 p3", [BEND_2] = "x3 p2", [TURN_1] = "p1"};
+  const Scene scene = leg->rod->scene;
+  PetscReal most = 0;
+
+  for (int e = 0; e < STRAINS && scene->curvature.steered; e++)
+    if (strstr(moved[e], leg->rod->model->field[f]))
+      most =
+          CurvatureSteered(&scene->curvature, e) * scene->units.length * RodFieldUnit(leg->rod, f);
+  return of_steering * most;
+}
+
 /* The tolerance of each entry: that part of rtol times the size of its field; -1 leaves out the
    fields that are not followed (forces and moments of an index-2 problem are not to control the
    step). */
@@ -24,7 +42,9 @@ static PetscErrorCode SetTolerance(Leg *leg) {
   for (PetscInt f = 0; f < fields; f++) {
     const PetscReal least = rod_vanished * RodFieldUnit(leg->rod, f);
     most[f] = leg->rod->model->followed[f]
-                  ? share_of_step * PetscMax(leg->ease.times * leg->rtol * leg->size[f], least)
+                  ? share_of_step * PetscMax(leg->ease.times * leg->rtol *
+                                                 PetscMax(leg->size[f], Steered(leg, f)),
+                                             least)
                   : -1;
   }
   PetscCall(VecGetLocalSize(leg->tolerance, &n));
@@ -493,16 +513,14 @@ static PetscErrorCode SetFirstStep(Leg *leg) {
   const Scene scene = leg->rod->scene;
   const SceneUnits *units = &scene->units;
   const PetscBool straight = (PetscBool)(scene->shape.type == SHAPE_STRAIGHT);
-  PetscReal first = first_of_unit * units->time;
-  const PetscReal own =
-      PetscMin(first, PetscMax((straight ? straight_of_own : first_of_own) * units->own,
-                               first_of_brief * units->brief));
+  PetscReal first = first_of_unit * units->time,
+            own = (straight ? straight_of_own : first_of_own) * units->own;
 
   PetscFunctionBegin;
   if (LoadIsDry(&scene->load))
-    PetscCall(VBDFSetAgain(leg->ts, own));
+    PetscCall(VBDFSetAgain(leg->ts, units->own, PetscMin(first, own)));
   else if (!(straight && scene->contact.any))
-    first = own;
+    first = PetscMin(first, PetscMax(own, first_of_brief * units->brief));
   PetscCall(TSSetTimeStep(leg->ts, first));
   PetscFunctionReturn(0);
 }
@@ -516,14 +534,14 @@ static PetscErrorCode TakeOptions(TS ts) {
   PetscFunctionReturn(0);
 }
 
-/* No friction holds a rod in space from turning about its own tangent if it has no radius at which it
-   feels that, nor does it hold what of such a turn lies within a cell: in dry friction, where
+/* No friction holds a rod in space from turning about its own tangent if it has no radius at which
+   it feels that, nor does it hold what of such a turn lies within a cell: in dry friction, where
    nothing else takes time, such turns may jump. */
 static PetscErrorCode FreeTurns(Leg *leg) {
   PetscFunctionBegin;
   if (!leg->rod->model->space || !LoadIsDry(&leg->rod->scene->load)) PetscFunctionReturn(0);
   PetscCall(VecDuplicate(leg->U, &leg->held));
-  PetscCall(VBDFSetHeld(leg->ts, leg->held));
+  PetscCall(VBDFSetHeld(leg->ts, leg->held, (PetscBool)(leg->rod->scene->load.radius == 0)));
   PetscFunctionReturn(0);
 }
 
@@ -541,7 +559,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, Leg
   PetscFunctionBegin;
   PetscCall(PetscMemzero(leg, sizeof(*leg)));
   leg->rtol = rtol;
-  leg->ease.most = leg->ease.times = 1;
+  leg->ease.most = leg->ease.wants = leg->ease.times = 1;
   PetscCall(RodCreate(scene, model, &leg->rod));
   PetscCall(RodFindUnits(leg->rod));
   LoadShareLeast(&scene->load, scene->units.speed);
@@ -577,8 +595,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, Leg
   if (fixed && !given)
     PetscCall(TSSetMaxSNESFailures(leg->ts, 10)); /* a fixed step does not help itself */
   PetscCall(VBDFSetScale(leg->ts, scene->units.brief));
-  PetscCall(VBDFSetResolves(leg->ts,
-                            (PetscBool)(LoadIsDry(&scene->load) || !scene->contact.any)));
+  PetscCall(VBDFSetResolves(leg->ts, (PetscBool)(LoadIsDry(&scene->load) || !scene->contact.any)));
   PetscCall(FreeTurns(leg));
   PetscCall(VBDFSetFactored(leg->ts, model->fields, model->group));
   PetscCall(MeasureAlongAxes(leg));
@@ -631,6 +648,18 @@ static PetscReal NextTurn(TS ts, PetscReal t) {
   return SceneNextTurn(leg->rod->scene, t);
 }
 
+static PetscBool Kinks(TS ts, PetscReal t) {
+  PetscReal near = 1e-12; /* as steps end there */
+  Leg *leg = NULL;
+  Growth growth;
+
+  if (TSGetApplicationContext(ts, &leg)) return PETSC_FALSE;
+  growth = leg->rod->scene->growth;
+  near *= leg->rod->scene->end_time;
+  return (PetscBool)(CurvatureJerks(&leg->rod->scene->curvature, t - near, t + near) ||
+                     (growth->jerks && growth->jerks(growth, t - near, t + near)));
+}
+
 /* LegEndAtTurns - lets steps end where what tables give in time sets out, stops or turns back: a
    rod that rests, or does not feel it yet, lets steps be long, and one might leave out that it came
    and went. */
@@ -638,6 +667,8 @@ PetscErrorCode LegEndAtTurns(Leg *leg) {
   PetscFunctionBegin;
   if (SceneNextTurn(leg->rod->scene, 0) < PETSC_MAX_REAL)
     PetscCall(VBDFSetNextEnd(leg->ts, NextTurn));
+  if (leg->rod->scene->curvature.steered || leg->rod->scene->growth->jerks)
+    PetscCall(VBDFSetKinks(leg->ts, Kinks));
   PetscFunctionReturn(0);
 }
 

@@ -82,7 +82,7 @@ static PetscErrorCode ColumnsOfSpace(Sweep *self) {
       "-sweep_store %s: the table has rods in space, whose shapes are in a file of each; give "
       "-sweep_directory, and leave shapes out",
       self->store);
-  self->columns.n = OBSERVED;
+  self->columns.n = OBSERVED_IN_SPACE;
   PetscFunctionReturn(0);
 }
 

@@ -814,6 +814,28 @@ class Package(unittest.TestCase):
             for text in texts + [ax.get_legend()] * (ax.get_legend() is not None):
                 yield text, text.get_window_extent(renderer)
 
+    def test_errors(self):
+        """What a run tells of its errors is what its series have, a band about their curves, and on its page; of a model
+        that does not measure them there is none."""
+        r = self.tube
+        for name, told in r.errors.items():
+            series = r.series[f"error_{name}"]
+            self.assertEqual(told.end, series[-1])
+            self.assertEqual(told.most, series[r.series.t == told.when][0])
+            self.assertTrue(0 < told.end <= told.most and told.why in ("space", "time", "a snap"), (name, told))
+        low, high = r.band("energy")
+        np.testing.assert_allclose((high - low)[1:], 2 * (r.series.error_energy * r.series.energy)[1:], rtol=1e-9)
+        low, high = r.band("tip_x1")
+        np.testing.assert_allclose(high - low, 2 * r.series.error_tip * r.series.end_distance, rtol=1e-9, atol=1e-14)
+        self.assertIsNone(r.band("width"))
+        drawn = tendril.plot(r, "energy,width").axes
+        self.assertEqual([len(ax.collections) for ax in drawn], [1, 0])
+        self.assertEqual(len(tendril.plot(r, "errors").axes[0].lines), 3)
+        page = tendril.view(r)._repr_html_()
+        self.assertIn(f"energy {r.errors['energy'].end:.1e}", page)
+        mixed = tendril.run("feed", rod_model="mixed", **SHORT)
+        self.assertEqual((mixed.errors, mixed.rigid, mixed.band("energy")), ({}, {}, None))
+
     def test_pictures_do_not_collide(self):
         """No text of a picture lies over another or beyond its edge, in any unit and arrangement; panels
         have the same size in all units."""
