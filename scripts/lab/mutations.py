@@ -76,7 +76,6 @@ MUTATIONS = [
     ("cross, order and memory stay", C,
      "  self->order = order;\n  self->jumped = PETSC_FALSE;\n  self->rejected = PETSC_MAX_REAL;\n  PetscFunctionReturn(0);\n}\n\n/* Solves the",
      "  self->jumped = PETSC_FALSE;\n  PetscFunctionReturn(0);\n}\n\n/* Solves the"),
-    ("stays, never", S, "stays = 1e-6;", "stays = 0;"),
     ("cross, rubbing walls as others", L, "!(ContactWallsRub(contact) || ", "!("),
     ("cross, rubbing strands as others", L, "contact->friction > 0 ||", ""),
     ("cross, coupled as others", L, "rod->coupled ||\n", "\n"),
