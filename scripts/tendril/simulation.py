@@ -32,6 +32,7 @@ from pathlib import Path
 import numpy as np
 
 from .errors import RunError, TendrilError
+from .naming import unknown
 from .runs import CHECKOUT, executable, scene_words, text_of, words_of
 
 OK, ENDED, WATCH, USER, RUN, LAW, PETSC = range(7)  # what calls return, as tendril.h has it
@@ -131,7 +132,7 @@ class Series(Mapping):
     def __getitem__(self, name):
         sim, n, values = self._of(), c_int(), c_void_p()
         if name not in self._names():
-            raise KeyError(f"{name}: no series of this simulation, which has {', '.join(self._names())}")
+            raise KeyError(f"{name}: no series of this simulation{unknown(name, self._names(), ', which has')}")
         sim._call("TendrilSeries", str(name).encode(), byref(n), byref(values))
         if not n.value:
             return np.empty(0)
