@@ -40,7 +40,9 @@ static PetscErrorCode NaturalBend(Scene scene, PetscReal *bend) {
     const Strain *strain = &scene->curvature.strain[b];
     PetscCall(OptionReal(random[b], &of_random, &given));
     most = given ? PetscAbsReal(of_random) : 0;
-    for (PetscInt i = 0; i < strain->n && !given; i++)
+    most = PetscMax(most, CurvatureSteered(&scene->curvature, b));
+    if (scene->curvature.own) most = scene->curvature.most[b];
+    for (PetscInt i = 0; i < strain->n && !given && !strain->steered; i++)
       most = PetscMax(most, PetscAbsReal(strain->k[i]));
     sum += PetscSqr(PetscAbsReal(strain->constant) + most);
   }
