@@ -94,8 +94,7 @@ TENDRIL_API void TendrilDestroy(Tendril *simulation);
 
   Once the simulation is set up only what can change in a run is taken, from the present time on:
 
-    clamp_spin, tip_force, tip_torque, rod_weight, tip_force_vector, friction_mu, friction_beta,
-    ts_max_time
+    clamp_spin, tip_force, tip_torque, tip_force_vector, rod_weight, friction_mu, ts_max_time
 
   (docs/library.md says when). Anything else is refused.
 */

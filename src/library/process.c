@@ -7,8 +7,8 @@
 
 /* What there is of it that is not the host's. */
 typedef struct {
-  PetscBool ready;             /* PETSc and SLEPc are, and know tendril's stepper */
-  PetscBool mpi, petsc, slepc; /* are the library's, which ends them */
+  PetscBool ready;      /* PETSc and SLEPc are, and know tendril's stepper */
+  PetscBool mpi, petsc; /* are the library's, which ends them */
 } Process;
 
 static Process process; /* PETSc has one, too: it is a process's, not a simulation's */
@@ -83,6 +83,7 @@ int ProcessBegin(MPI_Comm comm, char message[], size_t room) {
   (void)PetscFinalized(&ended);
   ProgramSetTable();
   if (process.ready && !ended) return 0;
+  process.ready = PETSC_FALSE;
   if (BeginMpi())
     (void)snprintf(message, room, "MPI has ended, or does not begin: no simulation can be created");
   else if (ended)

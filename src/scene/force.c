@@ -41,6 +41,7 @@ static PetscErrorCode NaturalBend(Scene scene, PetscReal *bend) {
     const Strain *strain = &scene->curvature.strain[b];
     PetscCall(OptionReal(random[b], &of_random, &given));
     most = given ? PetscAbsReal(of_random) : CurvatureSteered(&scene->curvature, b);
+    if (scene->curvature.own) most = scene->curvature.most[b];
     for (PetscInt i = 0; i < strain->n && !given && !strain->steered; i++)
       most = PetscMax(most, PetscAbsReal(strain->k[i]));
     sum += PetscSqr(PetscAbsReal(strain->constant) + most);
