@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import itertools
 import re
-import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 from string import ascii_lowercase
@@ -35,13 +34,16 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from . import plot_stability
 from .command import Parser
-from .errors import ResultsError, TendrilError, arguments, complaint, did_you_mean
+from .errors import ResultsError, arguments
+from .loading import load, runs_of
+from .naming import did_you_mean
 from .perspective import VIEW, Rods, Strand, box_of, draw_surfaces, furnish, sight
-from .results import Results, load, runs_of, titles_of
+from .results import Results
 from .solids import solids
 from .spatial import diameter_of, lift, out_of_plane, up_of
 from .style import BLUE, COLOURS, GREEN, GREY, ORANGE, RED, STYLE, InStyle, save
 from .surroundings import arc_length, contact_force, size_of
+from .titles import titles_of
 from .units import Units, add_choice_of_units, briefly, in_laboratory_of, moment, scale_of
 from .walls import draw_contact, draw_rod, draw_walls, strongest_contact
 
@@ -812,17 +814,13 @@ def main(arguments=None):
     matplotlib.use("Agg")
     choice = options(arguments)
     output = choice.output or str(Path(choice.files[0]).with_suffix(""))
-    try:
-        results = [read(path) for path in choice.files]
-        if not any(r.series for r in results):
-            return plot_stability.main([*choice.files, "--output", output])
-        times = choice.times.split(",") if choice.times else None
-        figure = plot(results, choice.panels, times=times, si=choice.si, overlay=choice.overlay,
-                      titles=choice.titles.split(",") if choice.titles else None,
-                      beside=[read(path) for path in choice.beside.split(",") if path], view=choice.view)
-        tell_missing(results, times or (), choice.si)
-        print(f"plot: {save(figure, output, None)}")
-    except (TendrilError, OSError) as error:
-        print(complaint(error, "plot"), file=sys.stderr)
-        return 1
+    results = [read(path) for path in choice.files]
+    if not any(r.series for r in results):
+        return plot_stability.main([*choice.files, "--output", output])
+    times = choice.times.split(",") if choice.times else None
+    figure = plot(results, choice.panels, times=times, si=choice.si, overlay=choice.overlay,
+                  titles=choice.titles.split(",") if choice.titles else None,
+                  beside=[read(path) for path in choice.beside.split(",") if path], view=choice.view)
+    tell_missing(results, times or (), choice.si)
+    print(f"plot: {save(figure, output, None)}")
     return 0

@@ -189,6 +189,37 @@ static PetscErrorCode RandomStrain(Strain *self, Growth growth, PetscReal end_ti
   PetscFunctionReturn(0);
 }
 
+/* A law of one's own, in the place of all options: what there is of it shows at places all over the
+   run. */
+static PetscErrorCode TakeOwn(Curvature *self, PetscReal end_time) {
+  enum { PLACES = 65, TIMES = 9 };
+  static const char *const others[] = {
+      "-rod_curvature",      "-rod_curvature_2",      "-rod_twist",
+      "-rod_curvature_file", "-rod_curvature_random", "-rod_curvature_random_2"};
+  PetscBool given;
+
+  PetscFunctionBegin;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(others); k++) {
+    PetscCall(OptionGiven(others[k], &given));
+    UserCheck(!given, OptionsComm(), "%s: the curvature of one's own says it; take this out",
+              others[k]);
+  }
+  for (int i = 0; i < PLACES * TIMES; i++) {
+    const TendrilPlace at = {.s = (double)(i % PLACES) / (PLACES - 1),
+                             .t = end_time * (double)(i / PLACES) / (TIMES - 1)};
+    PetscReal value[OWN_VALUES] = {0};
+    OwnValue(self->own, &at, value);
+    for (int k = 0; k < STRAINS; k++) {
+      UserCheck(!PetscIsInfOrNanReal(value[k]), OptionsComm(),
+                "the curvature of one's own is no number at s = %g, t = %g", at.s, at.t);
+      self->most[k] = PetscMax(self->most[k], PetscAbsReal(value[k]));
+    }
+  }
+  self->any = PETSC_TRUE;
+  self->space = (PetscBool)(self->most[BEND_2] > 0 || self->most[TURN_1] > 0);
+  PetscFunctionReturn(0);
+}
+
 /*
   CurvatureSetFromOptions - reads and checks the options of the natural curvature. Collective; the
   caller ends it with CurvatureDestroy(), also after an error.
@@ -205,6 +236,12 @@ PetscErrorCode CurvatureSetFromOptions(Curvature *self, Growth growth, PetscReal
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(self, sizeof(*self)));
+  self->own = OptionsLaw(OWN_CURVATURE);
+  if (self->own) {
+    PetscCall(TakeOwn(self, end_time));
+    PetscCall(TabulateAngle(self, growth));
+    PetscFunctionReturn(0);
+  }
   PetscCall(OptionText("-rod_curvature_file", file, &from_file));
   for (int k = 0; k < STRAINS; k++) {
     Strain *strain = &self->strain[k];
@@ -294,6 +331,17 @@ static void Value(const Strain *self, PetscReal at, PetscReal at_t, PetscReal t,
     *k_t += at_t * (slope[j] * self->k[i + j] + slope[2 + j] * self->k2[i + j]);
 }
 
+/* ... or of a law of one's own. */
+static void OwnStrain(const Curvature *self, int e, PetscReal s, PetscReal t, PetscReal *k,
+                      PetscReal *k_t) {
+  const TendrilPlace at = {.s = s, .t = t};
+  PetscReal value[OWN_VALUES] = {0};
+
+  OwnValue(self->own, &at, value);
+  *k = value[e];
+  if (k_t) *k_t = value[STRAINS + e];
+}
+
 /*
   CurvatureValue - k0 at the label s and time t, per arc length, and the rate k_t at which it
   changes for the material there (may be NULL).
@@ -309,6 +357,10 @@ PetscErrorCode CurvatureValue(const Curvature *self, Growth growth, PetscReal s,
   PetscReal at = s, at_t = 0;
 
   PetscFunctionBegin;
+  if (self->own) {
+    OwnStrain(self, BEND_3, s, t, k, k_t);
+    PetscFunctionReturn(0);
+  }
   if (strain->n) PetscCall(OriginOf(self, growth, s, t, &at, &at_t));
   Value(strain, at, at_t, t, k, k_t);
   PetscFunctionReturn(0);
@@ -342,8 +394,9 @@ PetscErrorCode CurvatureBendsInTime(const Curvature *self, PetscReal tolerance, 
   PetscFunctionReturn(0);
 }
 
-static PetscReal Largest(const Strain *strain) {
-  PetscReal most = PetscAbsReal(strain->constant);
+static PetscReal Largest(const Curvature *self, int e) {
+  const Strain *strain = &self->strain[e];
+  PetscReal most = PetscMax(PetscAbsReal(strain->constant), self->most[e]);
 
   if (strain->steered) return PetscMax(most, ActuationLargest(strain->steered));
   for (PetscInt i = 0; i < strain->n; i++) most = PetscMax(most, PetscAbsReal(strain->k[i]));
@@ -387,7 +440,14 @@ PetscReal CurvatureFinest(const Curvature *self) {
 /* CurvatureBends - is the rod bent by nature anywhere, and not only twisted? */
 PetscBool CurvatureBends(const Curvature *self) {
   for (int e = 0; e < STRAINS; e++)
-    if (e != TURN_1 && Largest(&self->strain[e]) > 0) return PETSC_TRUE;
+    if (e != TURN_1 && Largest(self, e) > 0) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* CurvatureIsTable - is it laid out along the rod, and not the same everywhere? */
+PetscBool CurvatureIsTable(const Curvature *self) {
+  for (int e = 0; e < STRAINS; e++)
+    if (self->strain[e].n) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
@@ -396,7 +456,7 @@ PetscBool CurvatureBends(const Curvature *self) {
 PetscReal CurvatureRounding(const Curvature *self, PetscReal length) {
   PetscReal most = 0;
 
-  for (int e = 0; e < STRAINS; e++) most = PetscMax(most, Largest(&self->strain[e]));
+  for (int e = 0; e < STRAINS; e++) most = PetscMax(most, Largest(self, e));
   return PETSC_MACHINE_EPSILON * PetscSqr(most) * length;
 }
 
@@ -414,6 +474,9 @@ PetscErrorCode CurvatureStrains(const Curvature *self, Growth growth, PetscReal 
       break;
     }
   for (int k = 0; k < STRAINS; k++)
-    Value(&self->strain[k], at, at_t, t, &u[place[k]], u_t ? &u_t[place[k]] : NULL);
+    if (self->own)
+      OwnStrain(self, k, s, t, &u[place[k]], u_t ? &u_t[place[k]] : NULL);
+    else
+      Value(&self->strain[k], at, at_t, t, &u[place[k]], u_t ? &u_t[place[k]] : NULL);
   PetscFunctionReturn(0);
 }

@@ -22,6 +22,8 @@ typedef struct {
   PetscBool space;   /* one of those that there are in space only is not 0 */
   PetscBool steered; /* one changes over time */
   Strain strain[STRAINS];
+  OwnLaw *own;                     /* of one's own, in their place; NULL: none */
+  PetscReal most[STRAINS];         /* of that, as far as it was looked at */
   PetscReal *even, *angle, *slope; /* int_0^s g k0 ds at t = 0 and its slope, at even labels */
 } Curvature;
 
@@ -39,6 +41,7 @@ PetscErrorCode CurvatureBendsInTime(const Curvature *curvature, PetscReal tolera
 PetscReal CurvatureSteered(const Curvature *curvature, int strain);
 PetscReal CurvatureFinest(const Curvature *curvature);
 PetscBool CurvatureBends(const Curvature *curvature);
+PetscBool CurvatureIsTable(const Curvature *curvature);
 PetscReal CurvatureRounding(const Curvature *curvature, PetscReal length);
 PetscErrorCode CurvatureStrains(const Curvature *curvature, Growth growth, PetscReal s, PetscReal t,
                                 PetscReal u[3], PetscReal u_t[3]);

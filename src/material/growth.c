@@ -190,6 +190,82 @@ static PetscErrorCode CreateNone(Growth self) {
   PetscFunctionReturn(0);
 }
 
+/* A law of one's own (TendrilSetLaw()): it says g and p with their derivatives. */
+static PetscErrorCode StretchOwn(Growth self, PetscReal s, PetscReal t, PetscReal *g,
+                                 PetscReal *g_t, PetscReal *g_s) {
+  const TendrilPlace at = {.s = s, .t = t};
+  PetscReal value[OWN_VALUES] = {0};
+
+  OwnValue((OwnLaw *)self->data, &at, value);
+  *g = value[0];
+  *g_t = value[1];
+  *g_s = value[2];
+  return 0;
+}
+
+static PetscErrorCode ArcOwn(Growth self, PetscReal s, PetscReal t, PetscReal *p, PetscReal *p_t) {
+  const TendrilPlace at = {.s = s, .t = t};
+  PetscReal value[OWN_VALUES] = {0};
+
+  OwnValue((OwnLaw *)self->data, &at, value);
+  *p = value[3];
+  *p_t = value[4];
+  return 0;
+}
+
+/* What it says at places all over the run must be that of a rod: p begins at 0 and rises as g says,
+   which is positive. Whether g depends on s, and the rod's velocity on t, shows there, too. */
+static PetscErrorCode LookAtOwn(Growth self, PetscReal end) {
+  enum { PLACES = 33, TIMES = 9 };
+  const PetscReal off = 1e-3; /* of the sum, by Simpson's rule */
+  PetscReal rate[PLACES] = {0};
+
+  PetscFunctionBegin;
+  self->even = self->similar = self->still = PETSC_TRUE;
+  for (int k = 0; k < TIMES; k++) {
+    const PetscReal t = end * k / (TIMES - 1), h = 1. / (PLACES - 1);
+    PetscReal g[PLACES], g_t, g_s, p, p_t, sum = 0;
+    for (int i = 0; i < PLACES; i++) {
+      PetscCall(StretchOwn(self, i * h, t, &g[i], &g_t, &g_s));
+      PetscCall(ArcOwn(self, i * h, t, &p, &p_t));
+      UserCheck(g[i] > 0 && g[i] < PETSC_MAX_REAL, OptionsComm(),
+                "the growth law of one's own: g = %g at s = %g, t = %g; it must be positive",
+                (double)g[i], (double)(i * h), (double)t);
+      if (i && i % 2 == 0) sum += h / 3 * (g[i - 2] + 4 * g[i - 1] + g[i]);
+      UserCheck(i % 2 || PetscAbsReal(p - sum) <= off * PetscMax(sum, g[0] * h), OptionsComm(),
+                "the growth law of one's own: p = %g at s = %g, t = %g, where the integral of g is "
+                "%g",
+                (double)p, (double)(i * h), (double)t, (double)sum);
+      if (g_s != 0) self->even = PETSC_FALSE;
+      if (k && p_t != rate[i]) self->similar = PETSC_FALSE;
+      if (p_t != 0) self->still = PETSC_FALSE;
+      rate[i] = p_t;
+    }
+    if (!k) self->initial_length = p;
+  }
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode CreateOwn(Growth self, OwnLaw *law) {
+  PetscReal end;
+  PetscBool given;
+
+  PetscFunctionBegin;
+  for (int k = 0; k < 2; k++) {
+    const char *const option = k ? "-growth_initial_length" : "-growth_type";
+    PetscCall(OptionGiven(option, &given));
+    UserCheck(!given, OptionsComm(), "%s: the growth law of one's own says it; take this out",
+              option);
+  }
+  PetscCall(OptionReal("-ts_max_time", &end, NULL));
+  self->type = "own";
+  self->data = law;
+  self->stretch = StretchOwn;
+  self->arc = ArcOwn;
+  PetscCall(LookAtOwn(self, end));
+  PetscFunctionReturn(0);
+}
+
 /* To add a law: a creator above, a line here, in the order of -growth_type's words. */
 static const struct {
   const char *name;
@@ -202,6 +278,7 @@ static const struct {
   The caller destroys it with GrowthDestroy().
 */
 PetscErrorCode GrowthCreate(Growth *growth) {
+  OwnLaw *own = OptionsLaw(OWN_GROWTH);
   PetscBool by_path;
   PetscInt choice;
   Growth self;
@@ -210,6 +287,10 @@ PetscErrorCode GrowthCreate(Growth *growth) {
   PetscCall(PetscNew(&self));
   *growth = self; /* whole or not, the caller destroys it */
   self->end_time = PETSC_MAX_REAL;
+  if (own) {
+    PetscCall(CreateOwn(self, own));
+    PetscFunctionReturn(0);
+  }
   PetscCall(OptionWord("-growth_type", &choice, NULL));
   if (laws[choice].create != GrowthCreateTable)
     PetscCall(OptionReal("-growth_initial_length", &self->initial_length, NULL));

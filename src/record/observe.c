@@ -846,6 +846,19 @@ PetscErrorCode ObserverLook(Observer observer, Rod rod, PetscReal t, Vec U, Obse
   PetscFunctionReturn(0);
 }
 
+/* ObserverLookMoving - likewise, of one that moves: at a time within the latest step, behind which
+   the law of contact is left as it was. Collective. */
+PetscErrorCode ObserverLookMoving(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t,
+                                  Observation *seen) {
+  const PetscReal before = observer->scene->contact.time;
+
+  PetscFunctionBegin;
+  PetscCall(Look(observer, rod, t, U, U_t, TOUCHING_ALL, seen));
+  PetscCall(SceneContactAt(observer->scene, before));
+  PetscCallMPI(MPI_Bcast(seen, OBSERVED, MPIU_REAL, 0, observer->scene->comm));
+  PetscFunctionReturn(0);
+}
+
 /* Work by powers within the step: those of its dense output, by Gauss's rule. On that way energy
    and work differ by no more than what forces on it leave unbalanced: which is much where a long
    step slides on what is stiff. So a work that is off that of the times by so many times their

@@ -41,7 +41,7 @@
   X(inflections, "1", "sign changes of the curvature along the rod")                               \
   X(self_crossings, "1", "points in which the rod crosses itself")                                 \
   X(step, "l/V", "size of the step that led here")                                                 \
-  X(newton_iterations, "1", "Newton iterations of that step, rejected tries and snaps included")   \
+  X(newton_iterations, "1", "Newton iterations of that step, rejected tries included")             \
   X(model, "1", "model of that step: 0 linear, 1 frame, 2 mixed, 3 space")                         \
   X(error_tip, "1", "estimated error of the tip's place, over its distance from the clamp")        \
   X(error_norm_x2, "1", "estimated relative error of |x2|, in space of the larger of |x2|, |x3|")  \
@@ -113,6 +113,8 @@ PetscErrorCode ObserverContact(Observer observer, PetscReal t, const Node *nodes
                                const PetscReal (**force)[PUSH]);
 PetscErrorCode ObserverTouch(Observer observer, PetscReal t, const Node *nodes, TouchSum *sum);
 PetscErrorCode ObserverLook(Observer observer, Rod rod, PetscReal t, Vec U, Observation *seen);
+PetscErrorCode ObserverLookMoving(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t,
+                                  Observation *seen);
 PetscErrorCode ObserverMeasure(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t, TS ts,
                                Observation *seen);
 PetscErrorCode ObserverGetBalance(Observer observer, PetscReal state[BALANCE_STATE]);

@@ -28,10 +28,6 @@ static const PetscReal least_own = 1e-12;
    this part of the run, at least. */
 static const PetscReal brief_of_run = 1e-5;
 
-/* Where nothing holds the spin of a rod in space it may turn in any time, and the layer of a start
-   (controller.c) is so much thicker. */
-static const PetscReal unheld = 1e3;
-
 /* sqrt(beta) is the speed that friction tells from rest, and so much of the speed at which a rod
    grows unless it is told. */
 static const PetscReal beta_of_growth = 1e-3;
@@ -95,10 +91,9 @@ static PetscErrorCode GrowthOf(Scene scene, PetscReal *speed) {
 static PetscReal Brief(const struct _Scene *scene, PetscReal own, PetscReal length,
                        PetscReal speed) {
   const PetscReal T = scene->end_time;
-  const PetscBool held = (PetscBool) !(scene->space.rod && scene->load.radius == 0);
   PetscReal brief = own;
 
-  if (!held && LoadIsDry(&scene->load)) brief *= unheld;
+  if (LoadIsDry(&scene->load)) return T;
   if (scene->contact.any) brief = PetscMax(brief, brief_of_run * T);
   if (scene->contact.any && speed > 0) brief = PetscMax(brief, length / speed);
   return PetscMin(T, brief);
@@ -119,7 +114,7 @@ PetscErrorCode RodFindUnits(Rod rod) {
   PetscCall(GrowthLength(scene->growth, 0, &L, NULL));
   PetscCall(GrowthOf(scene, &speed));
   units->stiffness = B;
-  units->speed = speed > 0 ? speed : beta > 0 ? PetscSqrtReal(beta / beta_of_growth) : 1;
+  units->speed = speed > 0 ? speed : L / T; /* what does not grow may be led */
   units->own =
       LoadLeastViscous(load, units->speed) * N * PetscMin(1, load->across) * PetscSqr(L * L) / B;
   if (units->own > 0) units->own = PetscMax(units->own, least_own * T);
@@ -129,7 +124,8 @@ PetscErrorCode RodFindUnits(Rod rod) {
     units->time = units->length / speed;
   } else {
     units->length = L;
-    units->time = load->viscous > 0 ? units->own : L / units->speed;
+    units->time =
+        load->viscous > 0 ? units->own : L / (beta > 0 ? PetscSqrtReal(beta / beta_of_growth) : 1);
   }
   scene->tip.per_turn = units->stiffness / units->length;
   scene->tip.per_place = units->stiffness / (units->length * units->length * units->length);

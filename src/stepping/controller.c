@@ -22,9 +22,9 @@ static const PetscReal nearly_seen = 30;
    a step below this part of what short steps are part of, such an error is a jump, too. (That of a
    kink would fall like the step, to a third at most.) */
 static const PetscReal slip_persists = 0.25, slip_step = 1e-8;
-/* ... and below this part of it, squared, there is nothing but round-off: a snap is over in 1e-10
-   of what is usual, and begins in that part of its time. */
-static const PetscReal smallest = 1e-13;
+/* ... and below this part of it, or of the time that the rod itself takes, there is nothing but
+   round-off. */
+static const PetscReal smallest = 1e-16;
 static const PetscReal shrink_most = 0.2, grow_most = 2;
 /* A step that cannot be, or that crosses a mode that grows, is cut to this. */
 static const PetscReal cut = 0.3;
@@ -199,10 +199,13 @@ static PetscErrorCode Error(TS ts, Controller *self, Formula *f, PetscReal *erro
   PetscFunctionReturn(0);
 }
 
-/* Is the error of what is held right, and only that of the rest is not? */
+/* Is the error of what is held right, and only that of the rest is not? Or all but right, in a
+   first step that is as short as the rod's own time: what of a turn lies within a long cell moves
+   places a little. */
 static PetscErrorCode LookAtHeld(TS ts, Controller *self, Formula *f, PetscBool accept) {
   const Vec all = ts->vatol;
   PetscReal error;
+  PetscBool begins;
 
   PetscFunctionBegin;
   self->placed = PETSC_FALSE;
@@ -210,7 +213,9 @@ static PetscErrorCode LookAtHeld(TS ts, Controller *self, Formula *f, PetscBool 
   ts->vatol = self->held;
   PetscCall(Error(ts, self, f, &error));
   ts->vatol = all;
-  self->placed = (PetscBool)(error <= 1);
+  begins = (PetscBool)(!ts->steps && ts->time_step <= self->again);
+  self->placed =
+      (PetscBool)(begins ? error <= nearly_seen : error <= 1 && (self->free || ts->steps > 0));
   PetscFunctionReturn(0);
 }
 
@@ -228,12 +233,14 @@ static PetscErrorCode Choose(TS ts, Controller *self, Formula *f, PetscBool *acc
   PetscCall(Error(ts, self, f, &e));
   *accept = (PetscBool)(e <= 1);
   PetscCall(LookAtHeld(ts, self, f, *accept));
-  persists = ts->time_step < slip_step * Scale(ts, self) ? slip_persists : jump_persists;
+  persists = (self->placed && !ts->steps) || ts->time_step < slip_step * Scale(ts, self)
+                 ? slip_persists
+                 : jump_persists;
   self->jumped = (PetscBool)(!*accept && k == 1 &&
                              (e > persists * self->rejected ||
                               (ts->time_step < self->layer && (f->n == 1 || e > nearly_seen))));
-  if (self->resolves && (ts->steps > 0 || self->again > 0) && !self->placed &&
-      ts->time_step >= self->layer) {
+  if (self->again > 0 ? !self->placed
+                      : self->resolves && ts->steps > 0 && ts->time_step >= self->layer) {
     self->snaps = self->jumped;
     self->jumped = PETSC_FALSE;
   }
@@ -313,7 +320,7 @@ static void BeginTry(TS ts, Controller *self, Formula *f) {
 
 /* A step that is no step. */
 static PetscReal Smallest(TS ts, const Controller *self) {
-  return smallest * smallest * Scale(ts, self);
+  return smallest * (self->own > 0 ? self->own : Scale(ts, self));
 }
 
 /* After a rejection: a shorter step; after several, a fresh start from the last point alone,

@@ -15,7 +15,9 @@ typedef struct {
   PetscBool resolves; /* every motion has a velocity: only what is crossed in the layer is a jump */
   PetscReal layer;    /* a step this short is accepted whatever its error */
   PetscReal again;    /* a first step that snaps is tried again in this size; 0: as others */
+  PetscReal own;      /* the time that what is followed takes itself, if it is less than scale */
   Vec held;           /* tolerances of what something holds back, if that is not all; borrowed */
+  PetscBool free;     /* nothing at all holds the rest; else but in a step as short as again */
   PetscBool placed;   /* the latest try was right in that, and wrong */
   PetscBool snaps;    /* it has no solution, or an error that does not fall though all is held */
   PetscReal rejected; /* error of the try before, if one of this step was rejected at a third of

@@ -486,8 +486,9 @@ static PetscErrorCode Solve(Estimate self, PetscReal *e) {
 static PetscBool IsViscous(Scene scene) {
   const Contact *contact = &scene->contact;
 
-  return (PetscBool)(scene->load.friction.mu == 0 && scene->tip.law != TIP_RESISTANCE &&
-                     !ContactWallsRub(contact) && !(contact->self && contact->friction > 0));
+  return (PetscBool)(scene->load.friction.mu == 0 && !scene->load.friction.own &&
+                     scene->tip.law != TIP_RESISTANCE && !ContactWallsRub(contact) &&
+                     !(contact->self && contact->friction > 0));
 }
 
 /* rhs = -F_U_t b, by a difference so small that friction is straight over it. */

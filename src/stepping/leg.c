@@ -513,16 +513,14 @@ static PetscErrorCode SetFirstStep(Leg *leg) {
   const Scene scene = leg->rod->scene;
   const SceneUnits *units = &scene->units;
   const PetscBool straight = (PetscBool)(scene->shape.type == SHAPE_STRAIGHT);
-  PetscReal first = first_of_unit * units->time;
-  const PetscReal own =
-      PetscMin(first, PetscMax((straight ? straight_of_own : first_of_own) * units->own,
-                               first_of_brief * units->brief));
+  PetscReal first = first_of_unit * units->time,
+            own = (straight ? straight_of_own : first_of_own) * units->own;
 
   PetscFunctionBegin;
   if (LoadIsDry(&scene->load))
-    PetscCall(VBDFSetAgain(leg->ts, own));
+    PetscCall(VBDFSetAgain(leg->ts, units->own, PetscMin(first, own)));
   else if (!(straight && scene->contact.any))
-    first = own;
+    first = PetscMin(first, PetscMax(own, first_of_brief * units->brief));
   PetscCall(TSSetTimeStep(leg->ts, first));
   PetscFunctionReturn(0);
 }
@@ -543,7 +541,7 @@ static PetscErrorCode FreeTurns(Leg *leg) {
   PetscFunctionBegin;
   if (!leg->rod->model->space || !LoadIsDry(&leg->rod->scene->load)) PetscFunctionReturn(0);
   PetscCall(VecDuplicate(leg->U, &leg->held));
-  PetscCall(VBDFSetHeld(leg->ts, leg->held));
+  PetscCall(VBDFSetHeld(leg->ts, leg->held, (PetscBool)(leg->rod->scene->load.radius == 0)));
   PetscFunctionReturn(0);
 }
 
@@ -561,7 +559,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, Leg
   PetscFunctionBegin;
   PetscCall(PetscMemzero(leg, sizeof(*leg)));
   leg->rtol = rtol;
-  leg->ease.most = leg->ease.times = 1;
+  leg->ease.most = leg->ease.wants = leg->ease.times = 1;
   PetscCall(RodCreate(scene, model, &leg->rod));
   PetscCall(RodFindUnits(leg->rod));
   LoadShareLeast(&scene->load, scene->units.speed);

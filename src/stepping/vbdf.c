@@ -218,25 +218,29 @@ PetscErrorCode VBDFSetScale(TS ts, PetscReal scale) {
   PetscFunctionReturn(0);
 }
 
-/* VBDFSetAgain - sets the size in which a first step is tried again that has no solution, or an
-   error that does not fall with its size. No effect on other types. */
-PetscErrorCode VBDFSetAgain(TS ts, PetscReal again) {
+/* VBDFSetAgain - for what takes a time of its own that may be far less than the scale: the size in
+   which a first step is tried again that has no solution, or an error that does not fall with its
+   size. No effect on other types. */
+PetscErrorCode VBDFSetAgain(TS ts, PetscReal own, PetscReal again) {
   VBDF *self = NULL;
 
   PetscFunctionBegin;
   PetscCall(Self(ts, &self));
+  if (self) self->controller.own = own;
   if (self) self->controller.again = again;
   PetscFunctionReturn(0);
 }
 
 /* VBDFSetHeld - sets the tolerances of what something holds back, where that is not all there is:
-   the rest may jump. Borrowed; as long as the TS. No effect on other types. */
-PetscErrorCode VBDFSetHeld(TS ts, Vec held) {
+   the rest may jump; free: nothing at all holds that. Borrowed; as long as the TS. No effect on
+   other types. */
+PetscErrorCode VBDFSetHeld(TS ts, Vec held, PetscBool free) {
   VBDF *self = NULL;
 
   PetscFunctionBegin;
   PetscCall(Self(ts, &self));
   if (self) self->controller.held = held;
+  if (self) self->controller.free = free;
   PetscFunctionReturn(0);
 }
 

@@ -10,8 +10,8 @@
    usual tolerance nothing is known). */
 static const PetscReal per_change = 2, of_start = 1e-2, far = 0.5, of_limit = 40;
 /* What a viscous share adds, over it: norms change by up to ten times that (LoadShareMore()),
-   behind a snap by up to 15 times. */
-static const PetscReal per_share = 10, per_snap = 15;
+   behind a snap by up to 20 times. */
+static const PetscReal per_share = 10, per_snap = 20;
 
 /* What comes within this part of the time so far is the reason of an error. */
 static const PetscReal meanwhile = 0.02;
@@ -136,7 +136,8 @@ static void Least(const Grow *self, PetscReal least[ESTIMATE_SEEN]) {
   const PetscReal distance = hypot(hypot(seen->tip_x1, seen->tip_x2), seen->tip_x3),
                   across = PetscMax(seen->norm_x2, seen->norm_x3), rounding = 1e-5;
 
-  for (int k = 0; k < ESTIMATE_SEEN; k++) least[k] = self->estimate ? self->rtol : 0;
+  for (int k = 0; k < ESTIMATE_SEEN; k++)
+    least[k] = self->estimate ? self->now->ease.times * self->rtol : 0;
   least[ESTIMATE_TIP] *= PetscMax(rounding, PetscMin(1, across / PetscMax(distance, rod_vanished)));
   if (self->scene->tip.type != TIP_FREE) least[ESTIMATE_TIP] = 0;
 }

@@ -10,8 +10,8 @@
 
 static const OptionRow rows[] = {
     ROW_TEXT("-sweep_file", INPUT_FILE | PASSING | PROGRAM,
-             "the table of -task sweep: names of options above the columns, a run a line (CSV), or "
-             "a dataset an option (HDF5)"),
+             "the table of -task sweep: names of options, with their units in brackets, above the "
+             "columns, a run a line (CSV), or a dataset an option (HDF5)"),
     ROW_WORD("-sweep_task", "grow", "grow,critical", PASSING | PROGRAM, "what each run does"),
     ROW_TEXT("-sweep_store", PASSING | PROGRAM,
              "what -output holds of each run: final (the default), series, shapes; several with "

@@ -192,9 +192,9 @@ void LoadSlopeWalls(const Load *load, const Place *at, PetscBool fresh, LoadDual
 
 static const PetscReal nearly_dry = 1e-4; /* 1 - mu up to here: a rod may snap */
 
-/* LoadIsDry - has it no viscous share to speak of, so that a rod may snap? */
+/* LoadIsDry - was no viscous share to speak of asked for, so that a rod may snap? */
 PetscBool LoadIsDry(const Load *load) {
-  return (PetscBool)(1 - load->friction.mu <= nearly_dry);
+  return (PetscBool)(load->viscous <= nearly_dry);
 }
 
 /*
@@ -281,7 +281,7 @@ static const PetscReal most_shared = 1e-2, raised_by = 10;
 /* LoadShare - gives dry friction this viscous share. */
 void LoadShare(Load *load, PetscReal share) {
   load->friction.mu = 1 - share;
-  load->friction.viscous = share;
+  load->friction.viscous = 1 - load->friction.mu; /* as a restart has it */
   load->friction.least = 0;
   load->shared = PETSC_TRUE;
 }

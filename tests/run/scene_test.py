@@ -666,7 +666,7 @@ def snap():
               f"by {distance(stuck, limit):.1e}; two ranks differ by "
               f"{distance(on_two.tip, dry.tip):.1e}")
         expect(distance(dry.tip, limit) < 2e-4, f"{amplitude}: tip {dry.tip}, not {limit}")
-        expect(distance(dry.tip, limit) < dry.estimate, f"{amplitude}: told {dry.estimate:.1e}")
+        expect(distance(dry.tip, limit) < dry.estimate * np.hypot(*limit), f"{amplitude}: told {dry.estimate:.1e}")
         expect(distance(stuck, limit) < 2e-3, f"{amplitude}: exact Coulomb, tip {stuck}")
         expect(distance(on_two.tip, dry.tip) < 1e-5, f"{amplitude}: two ranks, tip {on_two.tip}")
         expect(dry.energy_defect[-1] < 1e-3, f"{amplitude}: defect {dry.energy_defect[-1]:.1e}")

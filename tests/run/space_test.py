@@ -421,22 +421,23 @@ def crawls():
 @check
 def begins_to_slide():
     """Rods that start out of balance in exact friction: each place begins to slide in steps of its own, of 1e-11 and
-    less, and both gave up behind some 900 of them. A slight viscous share takes them on, which is said and told,
-    and kept in a restart; they are where a rod is that has it from the start."""
+    less, and both gave up behind some 900 of them. They are where a rod is that has a larger viscous share. A restart
+    in the midst of the snap goes on with it, to the last bit."""
     common = "-friction_mu 1 -friction_beta 0 -shape_type random -rod_model space -rod_cells 60 -growth_type feed"
     for options in ("-growth_initial_length 1 -shape_amplitude 0.035 -shape_seed 554 -ts_max_time 1.02 "
                     "-rod_torsion 1.95 -tip_type clamped -rod_weight -0.123,0.141,0.209",
                     "-growth_initial_length 0.5 -shape_amplitude 0.036 -shape_seed 393 -ts_max_time 1.12 "
                     "-rod_torsion 0.52 -rod_weight -0.060,-0.204,0.046"):
-        r, beside = (Run(f"{common} {options} {more}") for more in ("", "-friction_mu 0.99999"))
+        r, beside = (Run(f"{common} {options} {more}") for more in ("", "-friction_mu 0.9999"))
         off = max(abs(r.series[k][-1] / beside.series[k][-1] - 1) for k in ("norm_x2", "norm_x3", "energy"))
         print(f"{options}: {r.steps} steps, off by {off:.1e}, estimated {r.estimate:.1e}")
-        expect(r.said.count("viscous") == 2 and "viscous" not in beside.said, r.said)
-        expect(off < 3e-6 and r.estimate > 9e-5, f"{options}: off by {off:.1e}, told {r.estimate:.1e}")
-    _, different = broken(f"{common} {options}", 100)
+        expect("; 1 snap" in r.said and "viscous" not in r.said, r.said)
+        expect(off < 1e-4 and r.estimate > 1.5e-5, f"{options}: off by {off:.1e}, told {r.estimate:.1e}")
+        expect(r.newton_iterations.sum() < 5000, f"{options}: {r.newton_iterations.sum()} iterations")
+    _, different = broken(f"{common} {options}", 60)
     with h5py.File(f"{scene.SCRATCH}/broken.h5") as f:
-        share = f.attrs["viscous_share"]
-    expect(not different and abs(share - 1e-5) < 1e-12, f"after a restart: share {share}, {different} differ")
+        at = f["series/t"][60]
+    expect(at < 1e-6 and not different, f"a restart at t = {at}, in the snap: {different} differ")
 
 
 @check
@@ -458,7 +459,7 @@ def no_snap():
             "-rod_model space -rod_bend_ratio 0.882 -tip_torque 0.628 -friction_radius 0.0318 -rod_cells 400 -ts_max_time 1.61 "
             "-stop_length 0.3271 -ts_max_steps 400 ")
     print(f"a start in {r.steps} steps, told {r.estimate:.1e}")
-    expect("; 1 snap" in r.said and "snaps" not in r.said, r.said[-300:])
+    expect("snap" not in r.said, r.said[-300:])
 
 
 def path(columns, rows):
@@ -599,12 +600,12 @@ def strands():
     kept the better the finer the mesh, the mirror image is as it is to the last bit; restart."""
     coil, turning, other = COIL, "-clamp_spin 16 -shape_turn 0.3 ", "-clamp_spin -16 -shape_turn -0.3 "
     for more, most in ("-contact_firm false ", 300), ("", 400):
-        one, fine = (Run(coil + turning + more + f"-rod_cells {n}") for n in (40, 80))
+        one, fine = (Run(coil + turning + more + f"-ts_rtol 1e-5 -rod_cells {n}") for n in (40, 80))
         for name, r in {"40 cells": one, "80 cells": fine}.items():
             print(f"{name}: {int(max(r.contacts))} zones, force {r.contact_force[-1]:.3f}, pressed in "
                   f"{max(r.penetration) / 0.05:.1%}, defect {r.energy_defect[-1]:.1e}")
         expect(max(one.contacts) > 0 and one.contact_force[-1] > 20, "it does not touch itself")
-        expect(fine.energy_defect[-1] < 2e-5 and fine.energy_defect[-1] < one.energy_defect[-1] / 3, "energy")
+        expect(fine.energy_defect[-1] < 5e-5 and fine.energy_defect[-1] < one.energy_defect[-1] / 1.5, "energy")
         off = max(abs(one.energy[-1] / fine.energy[-1] - 1), abs(one.norm_x2[-1] - fine.norm_x2[-1]) / one.norm_x3[-1])
         print(f"40 cells are off by {off:.1e}, told {one.estimate:.1e}, of 80 cells {fine.estimate:.1e}")
         # (the loop turns about the line of its ends all but freely: told is |x2|'s, which that turns)
@@ -660,7 +661,7 @@ def estimate():
         run, fine = Run(options + "-rod_cells 60"), Run(options + "-rod_cells 180 -ts_rtol 1e-7")
         off, told = off_at_end(run, fine), run.estimate
         print(f"{name}: off by {off:.1e}, told {told:.1e}")
-        snapped = 1e-4 * ("1 snap" in run.said)  # which it is told of each that is followed
+        snapped = 1.5e-5 * ("snap" in run.said)  # which it is told of its fast motions
         expect(off < told - snapped < 1000 * off, f"{name}: off by {off}, told {told}")
     # wound up between clamps it turns over in steps that no one step in four stands for: energy is off by 2.9e-5
     wound = ("-rod_model space -growth_type feed -growth_initial_length 1 -tip_type clamped -shape_amplitude 0.01 "

@@ -39,6 +39,7 @@ static void TestJamDeep(void **state) {
   struct _Scene thick = {.contact = {.any = PETSC_TRUE, .diameter = 0.1, .force = 1, .tip = 1e-3}},
                 firm = {.contact = {.any = PETSC_TRUE,
                                     .firm = PETSC_TRUE,
+                                    .self = PETSC_TRUE,
                                     .diameter = 0.1,
                                     .force = 1,
                                     .tip = 1e-3,
@@ -98,23 +99,27 @@ static void TestSlips(void **state) {
 }
 
 /* Dry friction has a least viscous share, as a part of what it is at the speed at which the rod
-   grows; what has more of its own, or is given more, none. */
+   grows, but nothing of it at that speed; what has more of its own, or is given more, none. */
 static void TestLeast(void **state) {
   const struct {
-    PetscReal mu, speed, viscous;
+    PetscReal mu, speed, share;
   } rods[] = {{1, 1, 1e-6}, {1, 1e3, 1e-9}, {1 - 1e-7, 1, 1e-6}, {0.999, 1, 1e-3}, {0, 1, 1}};
 
   for (size_t k = 0; k < sizeof(rods) / sizeof(rods[0]); k++) {
-    Load load = {.across = 1, .friction = {.mu = rods[k].mu}, .viscous = 1 - rods[k].mu};
-    LoadShareLeast(&load, rods[k].speed);
-    EXPECT(PetscAbsReal(load.friction.viscous / rods[k].viscous - 1) < 1e-6, "%d: viscous %g",
-           (int)k, (double)load.friction.viscous);
+    const PetscReal asked = 1 - rods[k].mu, u = rods[k].speed;
+    Load load = {.across = 1, .friction = {.mu = rods[k].mu, .viscous = asked}, .viscous = asked};
+    PetscReal fast, slow;
+    LoadShareLeast(&load, u);
+    fast = FrictionViscous(&load.friction, PetscSqr(1e3 * u));
+    slow = FrictionViscous(&load.friction, u * u);
+    EXPECT(PetscAbsReal(fast / rods[k].share - 1) < 1e-3, "%d: fast %g", (int)k, (double)fast);
+    EXPECT(slow - asked < 0.02 * rods[k].share, "%d: slow %g", (int)k, (double)slow);
     EXPECT(load.friction.mu == rods[k].mu && !load.shared, "%d: dry %g", (int)k,
            (double)load.friction.mu);
     LoadShare(&load, 1e-2);
-    LoadShareLeast(&load, rods[k].speed);
-    EXPECT(load.friction.viscous == 1e-2, "%d: given 1e-2, has %g", (int)k,
-           (double)load.friction.viscous);
+    LoadShareLeast(&load, u);
+    fast = FrictionViscous(&load.friction, PetscSqr(1e3 * u));
+    EXPECT(PetscAbsReal(fast / 1e-2 - 1) < 1e-12, "%d: given 1e-2, has %g", (int)k, (double)fast);
   }
 }
 
