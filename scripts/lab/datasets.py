@@ -21,6 +21,7 @@ RUNS = {  # so that each dataset is in one of them
     "plane": WALLED + "-growth_type feed -rod_curvature 0.1 -rod_weight 0,-0.01 -stop_contact true",
     "space": WALLED + "-rod_curvature_2 0.1 -ts_max_time 0.2",
     "heavy": WALLED + "-rod_weight 0,0,-0.01 -ts_max_time 0.2",
+    "steered": SHORT + "-rod_curvature_file bend.h5 -ts_max_time 0.2",
     "critical": "-task critical " + STRAIGHT,
     "across": "-task critical -rod_bend_ratio 0.5 " + STRAIGHT,
     "stability": "-task stability -rod_bend_ratio 0.5 -stability_points 3 -stability_vertices 20 -stability_end 1 "
@@ -32,6 +33,8 @@ PARTS = [
     ("Series", "One value per accepted step, under /series.", ("plane",), "series/"),
     ("Series of a rod in space", "Besides; weight_power and weight_force stand in the plane, too, if the rod has weight.",
      ("space", "heavy"), "series/"),
+    ("Series of a rod that is steered", "Besides, where natural curvature is [given over time](guide.md#steered).", ("steered",),
+     "series/"),
     ("Shapes", "The rod at the stored times, under /shapes: k counts them, n the nodes.", ("plane",), "shapes/"),
     ("Shapes of a rod in space", "Where they differ.", ("space",), "shapes/"),
     ("The event", "If one ended the run. The attribute `kind` says which.", ("plane",), "event/"),
@@ -46,6 +49,8 @@ def datasets(place, name, options):
     """What the file of a run holds: its datasets' units and descriptions by name."""
     (place / "walls.txt").write_text("plane 2 0 -1 0\n")
     (place / "table.csv").write_text("friction_mu\n0\n1\n")
+    with h5py.File(place / "bend.h5", "w") as file:
+        file["s"], file["t"], file["curvature"] = [0, 0.3, 0.6, 1], [0, 1], [[0] * 4, [1] * 4]
     subprocess.run([sys.argv[1], *options.split(), "-output", f"{name}.h5"], check=True, cwd=place, env=ENVIRONMENT,
                    capture_output=True, stdin=subprocess.DEVNULL)
     found = {}

@@ -170,9 +170,8 @@ MUTATIONS = [
     ("turns back between rows, unseen", "base/schedule.c", "self->value[i] * self->value[i + 1] < 0", "0"),
     ("rests, but for a start", "base/schedule.c", "return Place(self, t) - self->start;", "return Place(self, t);"),
     # -- what is steered, or fed by a schedule
-    ("kinks are no ends of steps", "material/actuation.c", "if (self->kinks[j]) self->turns[j] = PETSC_TRUE;", ";"),
     ("behind a kink as before", C, "  SetOutAnew(ts, self, f);", ""),
-    ("the first error behind a kink", C, "self->kinked ? change : change * change", "change * change"),
+    ("the first error behind a kink", C, "self->kinked ? change :", "0 ? change :"),
     ("steered, but not in time", "material/curvature.c", "if (k_t) *k_t = rate + at_t * slope;", "if (k_t) *k_t = at_t * slope;"),
     ("steered along with what slides", "material/curvature.c", "if (k_t) *k_t = rate + at_t * slope;", "if (k_t) *k_t = rate;"),
     ("steering costs nothing", "record/observe.c", "seen->wall_power + seen->curvature_power -", "seen->wall_power -"),
