@@ -1,12 +1,12 @@
-# What is installed: the program, the library with its headers, pkg-config and CMake packages, the man
+# What is installed: the program, the library with its header, pkg-config and CMake packages, the man
 # page, the scenes. `cmake --build build --target uninstall` takes it away again; `cpack` in the build
 # directory makes a .deb.
 include(CMakePackageConfigHelpers)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/tendril)
 install(TARGETS tendril RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-install(TARGETS tendril_lib EXPORT tendril ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(DIRECTORY src/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tendril FILES_MATCHING PATTERN "*.h")
+install(TARGETS libtendril EXPORT tendril LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
+        PUBLIC_HEADER DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(EXPORT tendril NAMESPACE tendril:: DESTINATION ${package_dir})
 configure_package_config_file(cmake/tendrilConfig.cmake.in ${PROJECT_BINARY_DIR}/tendrilConfig.cmake
                               INSTALL_DESTINATION ${package_dir})
@@ -15,9 +15,9 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/tendrilConfigVersion.cmak
 install(FILES ${PROJECT_BINARY_DIR}/tendrilConfig.cmake
               ${PROJECT_BINARY_DIR}/tendrilConfigVersion.cmake DESTINATION ${package_dir})
 
-# libraries by their full names, as they were found
+# the header wants MPI; all else is the library's own affair. Libraries by their full names, as they were found
 set(pc_libs)
-foreach(library ${HDF5_C_LIBRARIES} ${LAPACK_LIBRARIES} ${MPI_C_LIBRARIES} m)
+foreach(library ${MPI_C_LIBRARIES})
   if(library MATCHES "^[a-z]+$")
     list(APPEND pc_libs -l${library})
   elseif(EXISTS ${library})
@@ -49,6 +49,7 @@ if(SKBUILD)
   install(TARGETS tendril RUNTIME DESTINATION ${SKBUILD_SCRIPTS_DIR} COMPONENT wheel)
   install(FILES ${scenes} DESTINATION ${SKBUILD_PLATLIB_DIR}/tendril/options COMPONENT wheel)
   install(DIRECTORY options/data DESTINATION ${SKBUILD_PLATLIB_DIR}/tendril/options COMPONENT wheel)
+  install(TARGETS libtendril LIBRARY DESTINATION ${SKBUILD_PLATLIB_DIR}/tendril COMPONENT wheel NAMELINK_SKIP)
 endif()
 set(CPACK_PACKAGE_CONTACT "the tendril authors <tendril@example.org>")
 configure_file(cmake/debian.cmake.in ${PROJECT_BINARY_DIR}/debian.cmake @ONLY)

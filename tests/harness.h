@@ -13,7 +13,7 @@
 #include "base/hdf.h"
 #include "base/options.h"
 #include "scene/scene.h"
-#include "tasks/tendril.h"
+#include "tasks/program.h"
 
 /* A failed call ends all ranks: nothing hangs. */
 #define CHECK(call) PetscCallAbort(PETSC_COMM_WORLD, call)
@@ -147,13 +147,14 @@ static inline void RemoveFile(const char *path) {
 /* int main of a test; the environment's TENDRIL_CASE picks one of its cases. */
 #define MAIN(tests)                                                                                \
   int main(int argc, char **argv) {                                                                \
+    Program program;                                                                               \
     PetscBool done;                                                                                \
-    int failed = TendrilInitialize(&argc, &argv, &done);                                           \
+    int failed = ProgramBegin(&program, &argc, &argv, &done);                                      \
     if (done || failed) return 1;                                                                  \
     ErrorsOptionsRead();                                                                           \
     if (getenv("TENDRIL_CASE")) cmocka_set_test_filter(getenv("TENDRIL_CASE"));                    \
     failed = cmocka_run_group_tests(tests, NULL, NULL);                                            \
-    return TendrilFinalize() || failed != 0;                                                       \
+    return ProgramEnd(&program) || failed != 0;                                                    \
   }
 
 #endif

@@ -3,18 +3,23 @@
 of PETSc, HDF5 and SLEPc stay where they belong. And what includes do not show: laws name no solver,
 models no time stepper; a rod holds nothing of a solve; only the scene's own folder copies one.
 
-    layers.py [src]"""
+Of the Python package and the scripts beside it: no module imports, at its top, in a function or for
+types alone, one that imports it. Modules by name are for the package's front (__init__, __main__), and for the
+methods of results.py that draw (ABOVE).
 
+    layers.py [the project's folder]"""
+
+import ast
 import re
 import sys
 from pathlib import Path
 
-ROOMS = ["base", "material", "world", "scene", "straight", "rod", "stepping", "record", "tasks"]  # from below
+ROOMS = ["base", "material", "world", "scene", "straight", "rod", "stepping", "record", "tasks", "library"]  # from below
 STRANGERS = {("material", "world"), ("world", "material")}  # a rod's own, and what is around all rods
 # header: who may include it
 KEPT = {r"petsc/private/": {"stepping/vbdf.c", "stepping/controller.c", "rod/rod.c", "rod/coupled.c"},
         r"hdf5\.h": {"base/hdf.c"},
-        r"slepc": {"straight/", "tasks/stability.c", "tasks/critical.c", "tasks/bent.c", "tasks/tendril.c"}}
+        r"slepc": {"straight/", "tasks/stability.c", "tasks/critical.c", "tasks/bent.c", "tasks/program.c", "library/process.c"}}
 
 LAW = {"TS", "SNES", "KSP", "PC", "EPS", "ST", "Mat"}  # classes of PETSc and SLEPc that a law does not name
 SOLVERS = {"material": LAW, "world": LAW, "scene": LAW, "rod": {"TS", "SNES", "EPS", "ST"}}
@@ -58,10 +63,62 @@ def faults(src):
                     yield f"{name}: {line} (only {', '.join(sorted(allowed))})"
 
 
+def imported(tree, names, package):
+    """The modules among these that a module imports, wherever it does."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            said = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            module = f"{package}.{node.module or ''}".rstrip(".") if node.level else node.module
+            said = [module, *(f"{module}.{alias.name}" for alias in node.names)]
+        else:
+            continue
+        yield from {name for one in said for name in names if one in (name, f"{package}.{name}")}
+
+
+def by_name(tree):
+    """The lines in which a module is imported that no import names: import_module(f".{name}")."""
+    return [node.lineno for node in ast.walk(tree) if isinstance(node, ast.Call) and node.args
+            and getattr(node.func, "id", getattr(node.func, "attr", "")) in ("import_module", "__import__")
+            and re.match(r"f?['\"](\.|tendril)", ast.unparse(node.args[0]))]
+
+
+def round_trips(graph):
+    """Of each set of modules that import each other one way round, a -> b -> a."""
+    def way(begin):
+        reached, now = {begin: (begin,)}, [begin]
+        while now:
+            at = now.pop(0)
+            for to in sorted(graph[at]):
+                if to == begin:
+                    return (*reached[at], begin)
+                if to not in reached:
+                    reached[to] = (*reached[at], to)
+                    now.append(to)
+        return ()
+
+    told = set()
+    for name in sorted(graph):
+        if name not in told and (round_trip := way(name)):
+            told.update(round_trip)
+            yield " -> ".join(round_trip)
+
+
+def cycles(folder):
+    """Imports of a folder's modules that come back to where they began."""
+    trees = {file.stem: ast.parse(file.read_text()) for file in sorted(folder.glob("*.py"))}
+    graph = {name: set(imported(tree, trees, folder.name)) for name, tree in trees.items()}
+    yield from (f"{folder.name}: imports in a circle: {found}" for found in round_trips(graph))
+    yield from (f"{folder.name}/{name}.py:{line}: imports a module by name" for name, tree in trees.items()
+                if name not in ("__init__", "__main__", "results") for line in by_name(tree))
+
+
 def main():
-    src = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).resolve().parent.parent / "src"
-    found = list(faults(src))
-    print("\n".join(found) or f"{len(list(src.rglob('*.[ch]')))} files keep the layers")
+    root = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).resolve().parent.parent
+    src, python = root / "src", [root / name for name in ("scripts/tendril", "scripts/lab", "tests/run")]
+    found = [*faults(src), *(fault for folder in python for fault in cycles(folder))]
+    print("\n".join(found) or f"{len(list(src.rglob('*.[ch]')))} files of src keep the layers; no imports go round in "
+          f"{sum(len(list(folder.glob('*.py'))) for folder in python)} modules")
     return len(found) > 0
 
 

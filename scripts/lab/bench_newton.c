@@ -2,7 +2,7 @@
    solve), the same with an assembled matrix (Jacobian, factorisation, solve) and, on one rank,
    LAPACK's band solver on that matrix. Options as of tendril; -bench_repeat R: best of R. */
 #include "base/chain.h"
-#include "tasks/tendril.h"
+#include "tasks/program.h"
 #include "stepping/newton.h"
 #include "base/options.h"
 #include "stepping/vbdf.h"
@@ -218,10 +218,11 @@ static PetscErrorCode Run(void) {
 }
 
 int main(int argc, char **argv) {
+  Program program;
   PetscBool done;
-  int failed = TendrilInitialize(&argc, &argv, &done);
+  int failed = ProgramBegin(&program, &argc, &argv, &done);
 
   if (done) return failed;
   if (!failed) failed = Run() != 0;
-  return TendrilFinalize() || failed;
+  return ProgramEnd(&program) || failed;
 }

@@ -26,7 +26,7 @@ import fuzz_walls
 import numpy as np
 import stiffer
 
-LIMIT, REFERENCE_LIMIT, STEPS = 6, 20, 60
+LIMIT, REFERENCE_LIMIT, STEPS = 6, 20, 40
 PAIRS = (("steps", "stiff"), ("stiff", "cells"))
 SEEN = ("tip", "norm_x2", "energy")
 HEAD = ["seed", "kind", "number", *(f"{what}_{which}_{name}" for which in ("end", "most") for what in ("told", "true")

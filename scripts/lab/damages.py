@@ -327,14 +327,13 @@ def last_frame(error):
 @contextlib.contextmanager
 def heard(err):
     """Adds what libraries of C write to the process' own stderr to what was said."""
-    kept = os.dup(2)
+    from tendril.errors import silenced
+
     with tempfile.TemporaryFile() as own:
-        os.dup2(own.fileno(), 2)
         try:
-            yield
+            with silenced(own):
+                yield
         finally:
-            os.dup2(kept, 2)
-            os.close(kept)
             own.seek(0)
             err.write(own.read().decode(errors="replace"))
 

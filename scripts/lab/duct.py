@@ -6,7 +6,6 @@ figure for options/README.md.
 
 path makes options/data/duct-bends.csv anew."""
 
-import argparse
 import subprocess
 import sys
 from pathlib import Path
@@ -18,6 +17,7 @@ import numpy as np
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
+from steps import steps_of
 from tendril.style import BLUE, STYLE
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -96,13 +96,7 @@ def picture(d, file=ROOT / "options" / "pictures" / "duct-bends.png"):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("tendril")
-    parser.add_argument("directory", type=Path)
-    parser.add_argument("what", nargs="*", choices=[[], "path", "run", "table"], default=[])
-    choice = parser.parse_args()
-    choice.what = choice.what or ["run", "table"]
-    choice.directory.mkdir(parents=True, exist_ok=True)
+    choice = steps_of(__doc__, ["path", "run", "table"], ["run", "table"])
     if "path" in choice.what:
         make_path()
     if "run" in choice.what:

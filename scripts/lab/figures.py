@@ -14,8 +14,8 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
+from tendril import load
 from tendril.style import BLUE, GREEN, ORANGE, RED, STYLE
-from tendril.results import load
 
 LENGTH = 9.93  # of the paper's tube when it was photographed
 TUBES = {"tube-feed": ("feed, curved by nature", BLUE, "-"),

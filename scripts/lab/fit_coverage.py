@@ -18,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import fit_trial
 from tendril.fitting import CONFIDENCE, made
 from tendril.noise import certainty, estimate
-from tendril.parameters import with_unit
+from tendril.units import with_unit
 
 STEPS = 3  # of least squares, the errors judged anew before each
 

@@ -19,7 +19,7 @@ import numpy as np
 
 import tendril
 from tendril.comparing import finer, shape_at
-from tendril.parameters import with_unit
+from tendril.units import with_unit
 
 NOISE = 0.01  # of the width
 # how points err, in parts of NOISE x width: (each by itself, smoothly along the rod over a tenth of its

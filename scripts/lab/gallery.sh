@@ -56,6 +56,8 @@ for file in options/*.opts; do
   against-wall) what=(--panels shapes,contact --times 0.4,0.6,1,4) ;;
   root-stones) what=(--panels shapes --times 1,3,6,10) ;;
   twisted-rod) what=(--panels space,curvature --times 0.05,0.3,0.6,10) ;;
+  catheter-steered) what=(--panels shapes,force --times 3.5,5,7.5,10,16) ;;
+  vine-steered) what=(--panels shapes,curvature,power --times 4,8,12,15) ;;
   vine-corners) what=(--panels shapes --times 3,5,7,9) ;;
   esac
   case $name in

@@ -6,7 +6,6 @@ where it locks up: tables for docs/notes/injected-tube-measured.md and its figur
 
 Results are kept in DIRECTORY, so that tables and figure can be made anew without the runs."""
 
-import argparse
 import re
 import subprocess
 import sys
@@ -19,6 +18,7 @@ import numpy as np
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
+from steps import steps_of
 from tendril.style import BLUE, GREY, ORANGE, STYLE
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -222,13 +222,7 @@ def picture_then(directory, file=ROOT / "docs" / "figures" / "injected-spun.png"
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("tendril")
-    parser.add_argument("directory", type=Path)
-    parser.add_argument("what", nargs="*", choices=[[], "run", "tables", "figure"], default=[])
-    choice = parser.parse_args()
-    choice.what = choice.what or ["run", "tables", "figure"]
-    choice.directory.mkdir(parents=True, exist_ok=True)
+    choice = steps_of(__doc__, ["run", "tables", "figure"])
     if "run" in choice.what:
         for name, more in runs(choice.directory).items():
             done = subprocess.run([choice.tendril, "-options_file", ROOT / "options" / "injected-tube.opts", *more.split(),

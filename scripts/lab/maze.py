@@ -3,13 +3,14 @@
 
     scripts/lab/maze.py build/tendril DIRECTORY [pipes] [table]       pipes needs VTK: pip install 'tendril[space]'"""
 
-import argparse
 import subprocess
 import sys
 from pathlib import Path
 
 import h5py
 import numpy as np
+
+from steps import steps_of
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
@@ -75,13 +76,7 @@ def table(tendril, directory):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("tendril")
-    parser.add_argument("directory", type=Path)
-    parser.add_argument("what", nargs="*", choices=[[], "pipes", "table"], default=[])
-    choice = parser.parse_args()
-    choice.what = choice.what or ["pipes", "table"]
-    choice.directory.mkdir(parents=True, exist_ok=True)
+    choice = steps_of(__doc__, ["pipes", "table"])
     if "pipes" in choice.what:
         pipes(choice.directory)
     if "table" in choice.what:

@@ -166,9 +166,20 @@ MUTATIONS = [
     ("comes and goes in a step", C, "if (self->next_end && !self->fixed)", "if (0)"),
     ("tables that turn back unseen", "base/turns.h", "if (behind != before) at[k]", "if (0) at[k]"),
     ("the tip's path left out", "scene/scene.c", "next = SmallerOf(next, PathNextTurn(scene->tip.path, t));", ";"),
-    ("sets out before it does", "world/schedule.c", " || (t == self->t[0] && t > 0)", ""),
-    ("turns back between rows, unseen", "world/schedule.c", "self->value[i] * self->value[i + 1] < 0", "0"),
-    ("rests, but for a start", "world/schedule.c", "return Place(self, t) - self->start;", "return Place(self, t);"),
+    ("sets out before it does", "base/schedule.c", " || (t == self->t[0] && t > 0)", ""),
+    ("turns back between rows, unseen", "base/schedule.c", "self->value[i] * self->value[i + 1] < 0", "0"),
+    ("rests, but for a start", "base/schedule.c", "return Place(self, t) - self->start;", "return Place(self, t);"),
+    # -- what is steered, or fed by a schedule
+    ("kinks are no ends of steps", "material/actuation.c", "if (self->kinks[j]) self->turns[j] = PETSC_TRUE;", ";"),
+    ("behind a kink as before", C, "  SetOutAnew(ts, self, f);", ""),
+    ("the first error behind a kink", C, "self->snapped || self->kinked ? change", "self->snapped ? change"),
+    ("steered, but not in time", "material/curvature.c", "if (k_t) *k_t = rate + at_t * slope;", "if (k_t) *k_t = at_t * slope;"),
+    ("steered along with what slides", "material/curvature.c", "if (k_t) *k_t = rate + at_t * slope;", "if (k_t) *k_t = rate;"),
+    ("steering costs nothing", "record/observe.c", "seen->wall_power + seen->curvature_power -", "seen->wall_power -"),
+    ("slides in, but not out", "material/growth_path.c", "return (1 - s) * SpeedPath(self, s, t);",
+     "return (1 - s) * PetscAbsReal(SpeedPath(self, s, t));"),
+    ("a path has no turns", "material/growth_path.c", "self->next_turn = NextTurn;", ""),
+    ("steered from nothing", L, "of_steering = 1e-6;", "of_steering = 0;"),
     # -- the estimate
     ("estimate: least cells", E, "LEAST_CELLS = 8,", "LEAST_CELLS = 64,"),
     ("estimate: cells", E, "CELLS = 48 ", "CELLS = 8 "),
@@ -183,7 +194,7 @@ MUTATIONS = [
 
 LABELS = "unit|scene"
 TARGETS = ("tendril test_vbdf test_lost test_guard test_restart test_observe test_contact test_space test_strands_space "
-           "test_friction test_crawl test_grow_errors test_grow_stuck test_schedule").split()
+           "test_friction test_crawl test_grow_errors test_grow_stuck test_schedule test_actuation").split()
 LEFT_OUT = ("spline|even|band|blocks|rects|chain|elimination|table|options-|hdf|handout|field|surfaces|mesh|shape|"
             "event|rod-|straight-[123]|critical|stability|growth|world-(critical|straight|ranks|restart)|space-|laboratory-|"
             "sweep-|scene-options|.*-[23]$")

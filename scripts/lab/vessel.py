@@ -8,13 +8,14 @@ without the turn the tip passes the branch by.
 
 make lays down options/data/branched.h5, hooked.h5 and hooked-straight.h5 anew."""
 
-import argparse
 import subprocess
 import sys
 from pathlib import Path
 
 import h5py
 import numpy as np
+
+from steps import steps_of
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
@@ -81,13 +82,7 @@ def run(tendril, directory):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("tendril")
-    parser.add_argument("directory", type=Path)
-    parser.add_argument("what", nargs="*", choices=[[], "make", "run"], default=[])
-    choice = parser.parse_args()
-    choice.what = choice.what or ["make", "run"]
-    choice.directory.mkdir(parents=True, exist_ok=True)
+    choice = steps_of(__doc__, ["make", "run"])
     if "make" in choice.what:
         make(choice.directory)
     if "run" in choice.what:

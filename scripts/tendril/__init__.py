@@ -26,9 +26,11 @@ if TYPE_CHECKING:
     from .openings import End, ends
     from .page import view
     from .pictures import plot
-    from .results import Results, Shape, load
+    from .loading import load
+    from .results import Results, Shape
     from .samples import profile, sample
     from .runs import Critical, critical, run
+    from .simulation import Simulation
     from .surfaces import Surface, surface
     from .sweeps import sweep
 
@@ -36,15 +38,17 @@ _HOME = {"circle": "barriers", "conduit": "barriers", "plane": "barriers", "poly
          "ResultsError": "errors", "RunError": "errors", "TendrilError": "errors",
          "animate": "films", "ensemble": "ensembles", "Fit": "fitting", "fit": "fitting", "map": "maps",
          "compare": "comparison", "Filmed": "filming", "measure": "filming", "profile": "samples",
-         "sample": "samples", "view": "page", "plot": "pictures", "Results": "results", "Shape": "results", "load": "results",
-         "Critical": "runs", "critical": "runs", "run": "runs", "Sweep": "collection", "sweep": "sweeps",
+         "sample": "samples", "view": "page", "plot": "pictures", "Results": "results", "Shape": "results", "load": "loading",
+         "Critical": "runs", "critical": "runs", "run": "runs", "Simulation": "simulation", "Sweep": "collection", "sweep": "sweeps",
          "End": "openings", "ends": "openings", "Surface": "surfaces", "surface": "surfaces"}
 __all__ = sorted(_HOME)
 
 
 def __getattr__(name):
     if name not in _HOME:
-        raise AttributeError(f"module tendril has no {name}; it has {', '.join(__all__)}")
+        from .naming import unknown
+
+        raise AttributeError(f"module tendril has no {name}{unknown(name, __all__, '; it has')}")
     return getattr(import_module(f".{_HOME[name]}", __name__), name)
 
 

@@ -11,8 +11,8 @@ import numpy as np
 from .chains import joined
 from .errors import TendrilError
 from .meshes import SurfaceError, polydata
-from .readers import Row, heading, is_number, is_undefined, line_of, rows_and_comments, text_of_file
-from .tables import Wanted, columns_in, factor, in_unit, length_said, named, number_in, unit_behind, unit_said, words_of
+from .readers import Row, heading, is_undefined, line_of, rows_and_comments, text_of_file
+from .tables import Wanted, body_of, factor, in_unit, length_said, named, under, unit_behind
 from .units import METRES, unit_called
 
 # names of columns, in small letters without their units
@@ -74,7 +74,7 @@ def read_line(path, line=0, radius=None, foreign=False):
         else:
             if line:
                 raise SurfaceError(f"{path}: has one line, counted from 0: there is no {line}")
-            found = from_fcsv(path) if kind == ".fcsv" else from_table(path, radius is None, foreign)
+            found = from_fcsv(path, radius is None) if kind == ".fcsv" else from_table(path, radius is None, foreign)
     except TendrilError as error:
         raise error if isinstance(error, SurfaceError) else SurfaceError(str(error)) from None
     if found.unit and not unit_called(found.unit, "length") and not foreign:
@@ -281,28 +281,26 @@ def radii_of(path, curve, placed):
     return r, unit
 
 
-def from_fcsv(path):
+def from_fcsv(path, with_radii):
     """Slicer's old lists: comments say the columns and the axes."""
     rows, notes, comments = rows_and_comments(path)
     said = {key.strip().lower(): value for key, _, value in (text.partition("=") for _, text in comments)}
     names = [name.strip().lower() for name in said.get("columns", "id,x,y,z").split(",")]
     if not {"x", "y", "z"} <= set(names):
         raise SurfaceError(f"{path}: its columns are {', '.join(names)}: a path needs x, y, z")
-    x, r, left = [], [], 0
+    kept = []
     for row in rows:
         cells = dict(zip(names, row))
         status = cells.get("positionstatus", row[14].strip() if "positionstatus" not in names and len(row) > 15 else "2")
-        place = [cells.get(name, "").strip() for name in "xyz"]
-        if status not in ("2", "defined", "") or is_undefined(cells.get("defined", "1")) or not any(place):
-            left += 1
-            continue
-        if bad := next((name for name, cell in zip("xyz", place) if not is_number(cell)), None):
-            raise SurfaceError(f"{path}, line {line_of(row)}: {bad} is not finite: "
-                               + (f'"{cells[bad].strip()}" is no number' if cells.get(bad, "").strip() else "nothing stands there"))
-        x.append([float(cell) for cell in place])
-        r.append(float(cells["radius"]) if is_number(cells.get("radius", "")) else np.nan)
-    notes = notes + unplaced_note(path, left) + system_note(path, said.get("coordinatesystem", "RAS"))
-    return CentreLine(with_radius(np.array(x).reshape(-1, 3), r), said.get("coordinateunits", "").strip(), notes)
+        if status in ("2", "defined", "") and not is_undefined(cells.get("defined", "1")) \
+                and any(cells.get(name, "").strip() for name in "xyz"):
+            kept.append(Row([cells.get(name, "") for name in (*"xyz", "radius")], line_of(row)))
+    wide = any(row[3].strip() for row in kept)
+    given = [Row([*"xyz", "radius" if wide else ""]), *kept], notes, []
+    line = from_table(path, with_radii and wide, False, given)
+    line.unit = said.get("coordinateunits", "").strip()
+    line.notes += unplaced_note(path, len(rows) - len(kept)) + system_note(path, said.get("coordinatesystem", "RAS"))
+    return line
 
 
 # ---- tables ----
@@ -313,7 +311,8 @@ def of_path(found):
                  and len({found[name].index for name in names}) == len(names)), None)
 
 
-def from_table(path, with_radii, foreign):
+def from_table(path, with_radii, foreign, given=None):
+    """given: rows, notes and comments, if the file has been read."""
     wanted = WANTED if with_radii else {what: w for what, w in WANTED.items() if what not in ("radius", "r", "diameter")}
     # only what is used is read: names are looked for twice
     kept = {}
@@ -330,9 +329,9 @@ def from_table(path, with_radii, foreign):
                 del found[what]
         return True
 
-    table, rest = named(path, wanted, enough, foreign)
+    table, rest = named(path, wanted, enough, foreign, given)
     if table is None:
-        return unnamed(path, *rest)
+        return from_table(path, with_radii, foreign, unnamed(path, *rest))
     names, width = kept["names"], kept["width"]
     lengths = [name for name in (*names, width) if name and wanted[name].kind == "length"]
     values, unit = table.lengths(lengths, path)
@@ -360,33 +359,16 @@ def from_table(path, with_radii, foreign):
 
 
 def unnamed(path, rows, notes, comments):
-    """Three or four columns of numbers without names."""
-    first = next((k for k, row in enumerate(rows) if sum(map(is_number, row)) > 1), len(rows))
+    """Rows of three or four columns of numbers without names, with these above them."""
+    first, full = body_of(rows)
     named = next((row for row in reversed(rows[:first]) if sum(bool(cell.strip()) for cell in row) > 1), None)
-    if named or first == len(rows):
+    if named or not full:
         names = [heading(cell)[0] for cell in named or rows[0] if cell.strip()]
         raise SurfaceError(f"{path}: columns {', '.join(names)}: a path needs x, y, z (and r), a survey measured depth, inclination "
                            "and azimuth, or north, east and TVD")
-    notes += [f"{path}: not used: line {line_of(row)}, {words_of(row)}" for row in rows[:first]]
-    said = unit_said(rows[:first], comments)
-    body = rows[first:]
-    width = max(len(row) for row in body)
-    full = [k for k in range(width) if any(k < len(row) and row[k].strip() for row in body)]
     if len(full) not in (3, 4):
         raise SurfaceError(f"{path}: has {len(full)} columns without names; give x, y, z and r above them")
-    x, unit = [], said[1] if said else ""
-    for row in body:
-        cells = [row[k].strip() if k < len(row) else "" for k in full]
-        if not any(number_in(cell) for cell in cells):
-            notes.append(f'{path}: not used: line {line_of(row)}, "{words_of(row)}"')
-            continue
-        if "" in cells:
-            raise SurfaceError(f"{path}: line {line_of(row)} has {sum(map(bool, cells))} cells, not {len(full)}")
-        if bad := next((cell for cell in cells if not is_number(cell)), None):
-            raise SurfaceError(f'{path}, line {line_of(row)}: "{bad}" is no number')
-        x.append([float(cell) for cell in cells])
-    x = np.array(x)
-    return CentreLine(with_radius(x[:, :3], x[:, 3] if len(full) == 4 else None), unit, notes)
+    return under("xyzr", rows), notes, comments
 
 
 def minimum_curvature(path, table, depth, i, a, radius):

@@ -21,8 +21,8 @@ from typing import TYPE_CHECKING, Sequence
 import h5py
 import numpy as np
 
-from .errors import OF_CONTENT, RunError, TendrilError, reading
-from .results import ALONG, NUMBERS, Results, ResultsError, Table, _text, options_of
+from .errors import OF_CONTENT, ResultsError, RunError, TendrilError, reading
+from .results import ALONG, NUMBERS, Results, Table, as_text, options_of
 from .units import parameters_of, quantity
 
 if TYPE_CHECKING:
@@ -89,10 +89,10 @@ class File:
                 raise ResultsError(f"{path}: no result of -task sweep")
             names = {g: [n for n in file.get(g, ()) if isinstance(file[g][n], h5py.Dataset)] for g in GROUPS}
             # a member's own table has those that are not about members
-            about = {what: {f"{g}/{n}": str(_text(file[g][n].attrs[what])) for g in GROUPS[1:]
+            about = {what: {f"{g}/{n}": str(as_text(file[g][n].attrs[what])) for g in GROUPS[1:]
                             for n in names[g] if what in file[g][n].attrs} for what in ("description", "units")}
             self.notes, self.units = about["description"], about["units"]
-            self.attributes = {k: _text(v) for k, v in file.attrs.items()}
+            self.attributes = {k: as_text(v) for k, v in file.attrs.items()}
             self.status, self.line = file["status"][()], _texts(file["line"][()])
             self.seconds = file["seconds"][()]
             many = {name: file["columns"][name].shape for name in names["columns"]} | {

@@ -115,11 +115,3 @@ def lonely(command, main, words) -> int:
                   "tells where", file=sys.stderr)
             return 3
     return 1
-
-
-def number_list(text, option, error=TendrilError) -> list[float]:
-    """Numbers of a comma list."""
-    try:
-        return [float(word) for word in text.split(",")]
-    except ValueError:
-        raise error(f"{option} {text}: give numbers with commas between") from None

@@ -11,10 +11,11 @@ from scipy.sparse.csgraph import connected_components, minimum_spanning_tree
 from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
 
-from .measured import PIXEL, Curve, DataError, Measured, Photograph
+from .measured import Curve, DataError, Measured, Photograph
+from .naming import unknown
 from .noise import Block
 from .results import Results
-from .units import in_laboratory
+from .units import PIXEL, in_laboratory
 
 FINER = 4  # points between nodes, so that the line is as good as the nodes are
 LINES = "lines"  # the group of all points of centre lines; series are groups by their names
@@ -292,7 +293,7 @@ class Comparison:
     def model(self, r, c: Curve, view=VIEW):
         """[m], a series of a run where it was measured, in the unit of the measurement."""
         if c.name not in r.series:
-            raise DataError(f"{c.source}: {c.name} is no series; there are {', '.join(r.series)}")
+            raise DataError(f"{c.source}: {c.name} is no series{unknown(c.name, r.series)}")
         unit = r.units[f"series/{c.name}"]
         if c.values.si and c.values.unit != unit:
             raise DataError(f"{c.source}: {c.name} was measured in a unit of something else")

@@ -1,5 +1,5 @@
 """How surfaces move as given in time, as the lines of /walls say it: rows of a time and of what is there then, between
-which monotone cubic curves lead, those of the program (src/world/schedule.c)."""
+which monotone cubic curves lead, those of the program (src/base/schedule.c)."""
 
 from __future__ import annotations
 

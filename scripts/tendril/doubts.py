@@ -12,23 +12,21 @@ from __future__ import annotations
 
 import contextlib
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy import stats
 
 from .comparing import BARE, ENDS, LINES, VIEW
 from .errors import RunError, TendrilError
+from .found import Found
 from .laws import Law, effects_of, laws_of, with_law
 from .measured import Measured, Values
 from .noise import estimate, lasting
 from .parameters import Parameter
 from .problem import Problem, Solution
 from .starting import starting_points
-from .units import briefly, scales_of_rod
-
-if TYPE_CHECKING:
-    from .fitting import Fit
+from .units import METRES, TIMES, briefly, scales_of_rod
 
 BAD = 0.02  # of the extent: residuals beyond are no errors of clicking
 BAD_SERIES = 0.05  # of the range of a series
@@ -86,7 +84,7 @@ def spread_of(values):
     return float(np.median(np.abs(values)) / stats.norm.ppf(0.75)) if len(values) else 0.0
 
 
-def sizes(fit: Fit):
+def sizes(fit: Found):
     """{group: (size of its residuals, what was measured from end to end)}"""
     comparison = fit.problem.comparison
     raw = fit.problem.raw(fit.u, fit.run)[:len(comparison.groups)]
@@ -101,7 +99,7 @@ def limit_of(group) -> float:
     return BAD if group == LINES else BAD_SERIES
 
 
-def runs_along(fit: Fit):
+def runs_along(fit: Found):
     """(how many standard deviations fewer runs of one sign there are along the rod than by chance, how
     many there are, how many were to be expected): Wald and Wolfowitz, over all photographs."""
     raw = fit.problem.raw(fit.u, fit.run)
@@ -117,7 +115,7 @@ def runs_along(fit: Fit):
     return (expected - seen) / np.sqrt(max(variance, 1e-12)), int(seen), expected
 
 
-def same_side(fit: Fit, bins=8):
+def same_side(fit: Found, bins=8):
     """(the probability of it by chance, the place as a part of the rod, how far) where in all photographs the points
     lie most clearly on one side of the rod; None of fewer than four photographs."""
     raw = fit.problem.raw(fit.u, fit.run)
@@ -138,7 +136,7 @@ def same_side(fit: Fit, bins=8):
     return best
 
 
-def bare_part(fit: Fit):
+def bare_part(fit: Found):
     """The part of the rods near which there are no points."""
     comparison = fit.problem.comparison
     raw = fit.problem.raw(fit.u, fit.run)[:len(comparison.groups)]
@@ -158,7 +156,7 @@ def off_the_rod(distances, others):
     return (part, size) if part > (FEWER if size > 2 * far else ODD) else (0.0, 0.0)
 
 
-def odd_ones(fit: Fit):
+def odd_ones(fit: Found):
     """Photographs that do not belong to the others, in words: of another time, or of another rod. The intervals allow for
     them as for strays, and nothing else tells of them. None of fewer than three photographs."""
     comparison, raw = fit.problem.comparison, fit.problem.raw(fit.u, fit.run)
@@ -175,7 +173,7 @@ def odd_ones(fit: Fit):
     return words
 
 
-def view_step(fit: Fit, name):
+def view_step(fit: Found, name):
     """A small change of one of VIEW's numbers, in the units of the data."""
     extent = fit.problem.comparison.spreads().get(LINES, 1.0)
     times = fit.problem.measured.abscissae("t")
@@ -184,7 +182,7 @@ def view_step(fit: Fit, name):
             "clock_rate": 2e-3, "clock_offset": 2e-3 * span}[name]
 
 
-def applies(fit: Fit, cause: Cause):
+def applies(fit: Found, cause: Cause):
     """Whether a cause is possible, and no parameter already."""
     problem = fit.problem
     names = {p.name for p in problem.parameters}
@@ -195,7 +193,7 @@ def applies(fit: Fit, cause: Cause):
     return bool(problem.measured.abscissae("t"))
 
 
-def effect_on_view(fit: Fit, cause: Cause):
+def effect_on_view(fit: Found, cause: Cause):
     """[residual, number], how residuals change with the numbers of a cause that is of picture or clock: no run is made."""
     problem, p = fit.problem, len(fit.parameters)
     view, base = problem.view(fit.u), problem.raw(fit.u, fit.run)
@@ -217,7 +215,7 @@ class Sign(NamedTuple):
     half: np.ndarray  # of the intervals of parameters with it
 
 
-def linear_sign(fit: Fit, effect, of_law=False) -> Sign:
+def linear_sign(fit: Found, effect, of_law=False) -> Sign:
     """The effect of a cause [residual, number] is put beside those of the parameters, with errors estimated anew, for
     what it explains is none."""
     problem, base = fit.problem, fit.problem.raw(fit.u, fit.run)
@@ -242,7 +240,7 @@ def linear_sign(fit: Fit, effect, of_law=False) -> Sign:
                 float(np.max(np.abs(whole[:p]) / reach)), fit.reach[:p] * np.sqrt(np.maximum(np.diag(covariance)[:p], 0)))
 
 
-def wide(fit: Fit, name) -> Parameter:
+def wide(fit: Found, name) -> Parameter:
     """One of VIEW's numbers as a parameter, wide enough for what happens."""
     extent = fit.problem.comparison.spreads().get(LINES, 1.0)
     span = max((float(np.max(at.numbers)) for at in fit.problem.measured.abscissae("t")), default=1.0)
@@ -276,7 +274,7 @@ def changed(measured: Measured, change) -> Measured:
     return Measured(photographs, measured.curves)
 
 
-def tried(fit: Fit, cause: Cause):
+def tried(fit: Found, cause: Cause):
     """(the size of the residuals once a cause is allowed for, over what it was; the problem and its end, None if the cause
     explains nothing)"""
     old = fit.problem
@@ -319,7 +317,7 @@ def tried(fit: Fit, cause: Cause):
     return ratio, new, None if in_vain and ratio > WELL else best.u
 
 
-def spoken(fit: Fit, problem: Problem, u, cause: Cause):
+def spoken(fit: Found, problem: Problem, u, cause: Cause):
     """A cause in words, with its numbers."""
     if cause.law:
         found = [f"{p.name} = {float(f'{p.value(x):.3g}'):g} {p.unit}".rstrip() for p, x in zip(problem.parameters, u)]
@@ -341,11 +339,11 @@ def unitless(measured: Measured, attributes):
     scales, causes = scales_of_rod(attributes), []
     if scales.get("time") and any(map(bare_time, [*measured.photographs, *measured.curves])):
         causes += [Cause(f"the times are in {name}, but carry no unit, and were taken as dimensionless: write t ({name})",
-                         change=("time", si)) for name, si in (("s", 1.0), ("min", 60.0))
-                   if si < LONGER * scales["time"]]
+                         change=("time", float(TIMES[name]))) for name in ("s", "min")
+                   if TIMES[name] < LONGER * scales["time"]]
     if scales.get("length") and any(p.points.unit == "" for p in measured.photographs):
         causes += [Cause(f"the coordinates are in {name}, but carry no unit, and were taken as dimensionless: write "
-                         f"x1 ({name})", change=("metre", si)) for name, si in (("m", 1.0), ("cm", 1e-2), ("mm", 1e-3))]
+                         f"x1 ({name})", change=("metre", METRES[name])) for name in ("m", "cm", "mm")]
     return causes
 
 
@@ -359,7 +357,7 @@ def discrete():
                     change=("unit", factor)) for factor, text in FACTORS.items())]
 
 
-def promising(fit: Fit, causes, most=2):
+def promising(fit: Found, causes, most=2):
     """Of discrete causes those under which one of the runs of the search lies nearest to the data: no run
     is made for it."""
     found = []
@@ -392,7 +390,7 @@ def plain_units(measured: Measured, attributes):
     return words
 
 
-def searched_again(fit: Fit):
+def searched_again(fit: Found):
     """(the part to which residuals fall, in words) of a search that goes on from all that was run, with nothing changed: a
     cause that does no better is none. (1, None): they do not fall."""
     ratio, problem, u = tried(fit, Cause("", change=("none", 0)))
@@ -430,7 +428,7 @@ def most_likely(ends, least, bad=False):
     return [end for end in order if cost(end) <= ALIKE * cost(order[0]) + 1e-6]
 
 
-def told_apart(fit: Fit, alike):
+def told_apart(fit: Found, alike):
     """Of causes that do about as well, where one is a law of the scene, those that the data do not tell apart by their
     likelihood, with the errors that the best of them leaves."""
     if not any(end.law for end in alike) or any(end.raw is None for end in alike):
@@ -451,7 +449,7 @@ def causes_named(alike):
     return f"likeliest causes, which these data do not tell apart: {'; or '.join(said)}." if said else ""
 
 
-def wanted_laws(fit: Fit, bad):
+def wanted_laws(fit: Found, bad):
     """(how clearly, the cause), for laws that the scene leaves out and the residuals ask for: by chance hardly, and with
     them parameters would leave their intervals."""
     laws, found = laws_of(fit), []
@@ -462,7 +460,7 @@ def wanted_laws(fit: Fit, bad):
     return [pair for pair in found if bad or (pair[0].chance < SURE and pair[0].shift > 1)]
 
 
-def likeliest(fit: Fit, bad, tell):
+def likeliest(fit: Found, bad, tell):
     """The cause that takes most of the residuals away, in words, or what was tried in vain."""
     possible = [(linear_sign(fit, effect_on_view(fit, cause)), cause) for cause in CAUSES if applies(fit, cause)]
     signs = [pair for pair in possible if bad or (pair[0].chance < SURE and pair[0].moved > SEEN)]
@@ -507,13 +505,13 @@ def likeliest(fit: Fit, bad, tell):
          "experiment, or the data have a fault."]
 
 
-def stays_straight(fit: Fit) -> bool:
+def stays_straight(fit: Found) -> bool:
     """Whether nothing ever bends the rod of the best scene, which then tells nothing of what holds it."""
     angles = fit.run.series.get("max_angle", ())
     return len(angles) > 0 and not fit.run.in_space and float(np.abs(angles).max()) < 1e-9
 
 
-def warnings_of(fit: Fit, agreed, tell) -> list[str]:
+def warnings_of(fit: Found, agreed, tell) -> list[str]:
     """What speaks against a fit, in lines."""
     words, bad = plain_units(fit.problem.measured, fit.run.attributes), False
     for name, (size, extent) in sizes(fit).items():

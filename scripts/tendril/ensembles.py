@@ -10,7 +10,6 @@ Reads the files of scripts/sweep.sh in a directory, or the one file of tendril -
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -21,8 +20,9 @@ from matplotlib.ticker import MaxNLocator
 
 from .collection import Sweep, load_sweep
 from .command import Parser
-from .errors import ResultsError, TendrilError, complaint, path_of
-from .results import Results, load
+from .errors import ResultsError, path_of
+from .loading import load
+from .results import Results
 from .style import BLUE, GREY, ORANGE, STYLE, InStyle, save
 
 if TYPE_CHECKING:
@@ -137,15 +137,7 @@ def main(arguments=None):
     parser.add_argument("--output", metavar="BASENAME", required=True)
     matplotlib.use("Agg")
     choice = parser.parse_args(arguments)
-    try:
-        found = ensemble(choice.place)
-        print(f"ensemble: {found}")
-        print(f"ensemble: {save(found.plot(), choice.output, None)} show it")
-    except (TendrilError, OSError) as error:
-        print(complaint(error, "ensemble"), file=sys.stderr)
-        return 1
+    found = ensemble(choice.place)
+    print(f"ensemble: {found}")
+    print(f"ensemble: {save(found.plot(), choice.output, None)} show it")
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -6,7 +6,6 @@ import re
 import struct
 import zlib
 from contextlib import contextmanager, suppress
-from difflib import get_close_matches
 from functools import wraps
 from importlib import import_module
 from inspect import signature
@@ -49,12 +48,6 @@ class RunError(TendrilError):
         line = line.replace("unknown option; -help lists them", "unknown option; docs/options.md has all")
         super().__init__(OPTION.sub(r"\1", VALUE.sub(r"-\1", line)))
         self.command, self.results = list(command), results
-
-
-def did_you_mean(word, known) -> str:
-    """The likeliest names for one that there is not, as the end of a sentence; "" if none is like it."""
-    near = get_close_matches(str(word), [str(name) for name in known], 3, 0.75)
-    return f", did you mean {' or '.join(near)}?" if near else ""
 
 
 def path_of(value, what) -> Path:
@@ -217,11 +210,11 @@ def reading(path, what="cannot be read as what it should be", error=None):
 
 
 @contextmanager
-def silenced():
-    """Libraries of C and C++ write what they think of a file to the process' own stderr."""
+def silenced(into=None):
+    """Libraries of C and C++ write what they think of a file to the process' own stderr: nowhere, or into a file."""
     kept = os.dup(2)
     with open(os.devnull, "w") as nowhere:
-        os.dup2(nowhere.fileno(), 2)
+        os.dup2((into or nowhere).fileno(), 2)
     try:
         yield
     finally:

@@ -10,7 +10,6 @@ tendril[space]."""
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +17,10 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import AsinhNorm
 
 from .command import Parser
-from .errors import ResultsError, TendrilError, arguments, complaint, optional, path_of, whole
-from .results import Results, load
+from .errors import ResultsError, arguments, optional, path_of, whole
+from .loading import load
+from .naming import unknown
+from .results import Results
 from .solids import solids
 from .spatial import FIELDS, VISIBLE, diameter_of, extent_of, fields_of, lift, tube
 from .surroundings import contact_force
@@ -159,7 +160,7 @@ def coloured(trimesh, r, shape, field, diameter, sides, si):
     solid = lift(r, shape)
     fields = fields_of(r, shape)
     if field not in fields:
-        raise ResultsError(f"{r.told}: field {field}: give one of {', '.join(fields)}")
+        raise ResultsError(f"{r.told}: field {field}{unknown(field, fields, ': give one of')}")
     width = diameter or diameter_of(r) or VISIBLE * extent_of(r)
     vertices, triangles, node = tube(solid.x, width / 2, sides, solid.d2[0])
     most = max(np.abs(fields_of(r, r.stored(k))[field]).max() for k in range(len(r.shapes.t))) or 1.0
@@ -180,15 +181,11 @@ def main(arguments=None):
     parser.add_argument("--si", action="store_true", help="in SI units, of runs with -si_ options")
     choice = parser.parse_args(arguments)
     output = Path(choice.output or Path(choice.file).with_suffix(".vtp"))
-    try:
-        r = load(choice.file)
-        if output.suffix in MESHES:
-            to_mesh(r, output, choice.time, field=choice.field, diameter=choice.diameter, si=choice.si,
-                    walls=choice.walls)
-        else:
-            to_vtk(r, output, choice.time, si=choice.si, walls=choice.walls)
-    except (TendrilError, OSError) as error:
-        print(complaint(error, "export"), file=sys.stderr)
-        return 1
+    r = load(choice.file)
+    if output.suffix in MESHES:
+        to_mesh(r, output, choice.time, field=choice.field, diameter=choice.diameter, si=choice.si,
+                walls=choice.walls)
+    else:
+        to_vtk(r, output, choice.time, si=choice.si, walls=choice.walls)
     print(f"export: {output}")
     return 0

@@ -9,6 +9,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import AsinhNorm, LinearSegmentedColormap
 
 from .errors import ResultsError
+from .naming import unknown
 from .perspective import Rods, Strand, box_of, draw_surfaces, furnish, look, sight
 from .solids import solids
 from .spatial import FIELDS, VISIBLE, diameter_of, fields_of, up_of
@@ -28,7 +29,7 @@ class FilmInSpace:
         self.turn, self.up, self.view = turn, up_of(r), sight(view)
         along = [fields_of(r, shape).get(field) for shape in shapes]
         if along[0] is None:
-            raise ResultsError(f"{r.told}: field {field}: give one of {', '.join(fields_of(r, shapes[0]))}")
+            raise ResultsError(f"{r.told}: field {field}{unknown(field, fields_of(r, shapes[0]), ': give one of')}")
         label, unit, signed = FIELDS[field]
         factor, name = units.unit(unit)
         self.along = [factor * values for values in along]

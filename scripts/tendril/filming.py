@@ -27,10 +27,10 @@ import numpy as np
 
 from .command import Parser, per_second
 from .errors import TendrilError, arguments, complaint, number, replacing, silenced, whole, writable
-from .measured import KNOWN, DataError, Measured, gather, moment
+from .measured import DataError, Measured, gather, moment
 from .naming import times_of
-from .parameters import with_unit
 from .tracing import FilmError, Traced, leaves_against, needed, trace
+from .units import MEASURED, METRES, PIXEL, with_unit
 
 WEB = Path(__file__).resolve().parent / "web"
 FILMS = (".mp4", ".avi", ".mov", ".mkv", ".webm", ".m4v", ".gif", ".wmv", ".mpg", ".mpeg")
@@ -56,7 +56,7 @@ class Frame:
     def centimetres(self):
         """The length that is known."""
         value, unit = with_unit(self.length)
-        return value * KNOWN[unit][1] * 100
+        return value * MEASURED[unit][1] / METRES["cm"]
 
 
 class Scale:
@@ -119,27 +119,29 @@ class Filmed:
     def good(self):
         return [f for f in self.frames if f.line and f.line.whole]
 
-    def text(self) -> str:
-        """The points as CSV for tendril.fit, in cm (in px without a scale)."""
-        unit, factor = ("cm", 100) if self.scale.unit else ("px", 1)
+    def rows(self) -> list[list[str]]:
+        """The points as a table for tendril.fit, its headings first, in cm (in px without a scale)."""
+        unit, factor = ("cm", 1 / METRES["cm"]) if self.scale.unit else (PIXEL, 1)
         given = [f for f in self.good() if f.length]
         head = "length (cm)" if given else "t (s)"
-        rows = [f"# {note}" for note in self.notes]
-        rows.append(f"{head},x1 ({unit}),x2 ({unit}),point,unsure")
+        rows = [[head, f"x1 ({unit})", f"x2 ({unit})", "point", "unsure"]]
         for f in self.good():
             at = f.centimetres() if f.length else np.nan if given else f.at
             at = "" if np.isnan(at) else f"{at:.6g}"
             points = self.scale.plane(f.line.points) * factor if self.scale.unit else f.line.points
-            rows += [f"{at},{x:.5g},{y:.5g},{k},{int(u)}" for k, ((x, y), u) in enumerate(zip(points, f.line.unsure))]
-        return "\n".join(rows) + "\n"
+            rows += [[at, f"{x:.5g}", f"{y:.5g}", str(k), str(int(u))] for k, ((x, y), u) in enumerate(zip(points, f.line.unsure))]
+        return rows
+
+    def text(self) -> str:
+        """The same as CSV, behind what is to be said of it."""
+        return "\n".join([*(f"# {note}" for note in self.notes), *map(",".join, self.rows())]) + "\n"
 
     def measured(self, path="film") -> Measured:
         """What tendril.fit takes as data."""
-        import io
-
         import pandas
 
-        return gather(pandas.read_csv(io.StringIO(self.text()), comment="#"))
+        heads, *body = self.rows()
+        return gather(pandas.DataFrame(body, columns=heads))
 
     def priors(self, clicked=2.0, turned=0.01, scaled=2e-3) -> dict[str, str]:
         """What tendril.fit is to know of the picture: clamp and direction were clicked to some pixels and
@@ -278,7 +280,7 @@ def eight_bits(picture, path):
 
 def lengths():
     """Names of the units of length, for messages."""
-    return ", ".join(name for name, (unit, _) in KNOWN.items() if unit == "l")
+    return ", ".join(name for name, (unit, _) in MEASURED.items() if unit == "l")
 
 
 def metres(text, what):
@@ -286,11 +288,11 @@ def metres(text, what):
         value, unit = with_unit(text)
     except TendrilError:
         raise FilmError(f"{what}: {text} is no length; give 20cm") from None
-    if unit not in KNOWN:
+    if unit not in MEASURED:
         raise FilmError(f"{what}: {unit} is no unit; give a length in {lengths()}")
-    if KNOWN[unit][0] not in ("l", ""):
+    if MEASURED[unit][0] not in ("l", ""):
         raise FilmError(f"{what}: {text} is no length; give 20cm")
-    return value * KNOWN[unit][1], unit
+    return value * MEASURED[unit][1], unit
 
 
 def similarity(scale):

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import errno
 import os
-import sys
 from pathlib import Path
 
 import matplotlib
@@ -20,16 +19,17 @@ from matplotlib.animation import FFMpegWriter, PillowWriter
 from matplotlib.colors import AsinhNorm
 
 from .command import Parser
-from .errors import ResultsError, TendrilError, arguments, complaint, replacing
+from .errors import ResultsError, arguments, replacing
 from .film_space import FilmInSpace
-from .results import Results, load, runs_of
+from .loading import load, runs_of
+from .results import Results
 from .spatial import FIELDS
 from .style import STYLE
 from .progress import bar
 from .surroundings import axial_force, friction
 from .style import InStyle
 from .units import Units, add_choice_of_units, briefly, in_laboratory_of, moment
-from .walls import (RIM, ThickLine, ThickSegments, diameter_of, draw_contact, draw_walls, strongest_contact)
+from .walls import (RIM, ThickLine, ThickSegments, draw_contact, draw_walls, strongest_contact)
 
 ARROWS = 28
 
@@ -69,7 +69,7 @@ class Film:
         ax.add_collection(self.rod)
         # as thick as the rod is, and not thinner than can be seen
         for line, least, rim in ((self.outline, 3.2, 0), (self.rod, 2.2, RIM)):
-            line.width, line.least, line.rim = unit * diameter_of(r), least, rim
+            line.width, line.least, line.rim = unit * r.diameter, least, rim
         ax.plot(0, 0, "ks", ms=4, zorder=4)
         nothing = np.zeros(ARROWS)
         # the strongest friction is drawn as long as a twelfth of the picture's width
@@ -182,12 +182,8 @@ def main(arguments=None):
     choice = parser.parse_intermixed_args(arguments)
     matplotlib.use("Agg")
     output = Path(choice.output or Path(choice.file).with_suffix(".gif"))
-    try:
-        frames = animate(load(choice.file), output, begin=choice.begin, end=choice.end, si=choice.si,
-                         frames=choice.frames, rate=choice.rate, field=choice.field, view=choice.view,
-                         turn=choice.turn)
-    except (TendrilError, OSError) as error:
-        print(complaint(error, "animate"), file=sys.stderr)
-        return 1
+    frames = animate(load(choice.file), output, begin=choice.begin, end=choice.end, si=choice.si,
+                     frames=choice.frames, rate=choice.rate, field=choice.field, view=choice.view,
+                     turn=choice.turn)
     print(f"animate: {output}, {frames} frames")
     return 0

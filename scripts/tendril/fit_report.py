@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -12,13 +11,11 @@ from scipy import stats
 
 from .comparing import LINES
 from .errors import RunError
-from .measured import PIXEL, Values
-from .runs import scene_words, text_of, write_arrays
+from .found import Found
+from .measured import Values
+from .runs import lines_of, scene_words, text_of, write_arrays
 from .style import BLUE, GREY, ORANGE, STYLE
-from .units import DIMENSIONS, KINDS, briefly, suited_to
-
-if TYPE_CHECKING:
-    from .fitting import Fit
+from .units import DIMENSIONS, KINDS, PIXEL, briefly, suited_to
 
 LOST = 0.5  # an interval that reaches this far, in parts of the bounds, tells nothing
 CLOSE = 0.95  # a correlation from which on two parameters are hardly told apart
@@ -42,7 +39,7 @@ def labelled(text, unit):
     return f"{text} ({unit})" if unit else text
 
 
-def share_of(fit: Fit, k, part):
+def share_of(fit: Found, k, part):
     """In words, how much a parameter changes over a part of its bounds."""
     p = fit.parameters[k]
     if p.logarithmic:
@@ -50,7 +47,7 @@ def share_of(fit: Fit, k, part):
     return f"{(p.high - p.low) * part:+.2g}{p.unit}"
 
 
-def combination(fit: Fit, axis, names):
+def combination(fit: Found, axis, names):
     """What of two positive parameters is told, where only one number is: their ratio or the like."""
     a, b = names
     if not (fit.parameters[a].logarithmic and fit.parameters[b].logarithmic):
@@ -65,7 +62,7 @@ def combination(fit: Fit, axis, names):
     return f" Only {name[0]} x {name[1]}^{power:.2g} is told."
 
 
-def indistinct(fit: Fit) -> list[str]:
+def indistinct(fit: Found) -> list[str]:
     """What the data cannot tell, or hardly: directions in which the parameters may move over as much as
     their bounds and nothing is seen of it."""
     p = len(fit.parameters)
@@ -97,7 +94,7 @@ def indistinct(fit: Fit) -> list[str]:
     return words
 
 
-def parts_of(fit: Fit, name, values):
+def parts_of(fit: Found, name, values):
     """In words, how errors are correlated, if they are."""
     g = fit.errors[name]
     factor, unit = shown(values, g.total)
@@ -111,7 +108,7 @@ def parts_of(fit: Fit, name, values):
     return f" (of each point {briefly(factor * g.sigma)} {unit}, {', '.join(said)})" if said else ""
 
 
-def describe(fit: Fit) -> str:
+def describe(fit: Found) -> str:
     """The report: estimates, correlations, noise, what cannot be told."""
     width = max(len(p.name) for p in fit.parameters)
     lines = [f"{'':{width}}   estimate       95 % interval{'' if fit.trusted else ', NOT TO BE TRUSTED (see below)'}"]
@@ -137,7 +134,7 @@ def describe(fit: Fit) -> str:
     return "\n".join(lines)
 
 
-def table(fit: Fit):
+def table(fit: Found):
     """What was measured beside what was computed, a row a residual."""
     import pandas
 
@@ -163,7 +160,7 @@ def normals(line):
     return np.column_stack([-along[:, 1], along[:, 0]]) / np.maximum(np.hypot(*along.T), 1e-300)[:, None]
 
 
-def bands(fit: Fit, photographs):
+def bands(fit: Found, photographs):
     """[(line [n, 2], how far the rod may lie to both sides of it [n])]: with x(s) its line at the estimate u, n its normal
     and C the covariance of all that was found, half of what holds 95 % is
 
@@ -183,7 +180,7 @@ def bands(fit: Fit, photographs):
     return list(zip(best, np.split(half, np.cumsum([len(line) for line in best])[:-1])))
 
 
-def draw_photograph(ax, fit: Fit, p, line, half):
+def draw_photograph(ax, fit: Found, p, line, half):
     factor, unit = shown(p.points)
     if half is not None:
         edges = [line + sign * half[:, None] * normals(line) for sign in (1, -1)]
@@ -203,7 +200,7 @@ def draw_photograph(ax, fit: Fit, p, line, half):
         ax.set_ylabel(labelled("$x_2$", unit))
 
 
-def draw_curve(ax, fit: Fit, c):
+def draw_curve(ax, fit: Found, c):
     (along, at_unit), (factor, unit) = shown(c.at), shown(c.values)
     r = fit.run.column("series", c.abscissa, c.at.si)[0]  # from where the run begins
     all_of_it = replace(c, at=replace(c.at, numbers=np.linspace(r[0], c.at.numbers[-1], 400)))
@@ -214,7 +211,7 @@ def draw_curve(ax, fit: Fit, c):
     ax.set_ylabel(labelled(c.name.replace("_", " "), unit))
 
 
-def draw_residuals(ax, fit: Fit):
+def draw_residuals(ax, fit: Found):
     """How residuals, over their noise, are distributed, beside the normal distribution."""
     f = np.clip(fit.problem.residuals(fit.u)[fit.problem.errors.mine()], -5, 5)
     ax.hist(f, bins=int(np.clip(len(f) / 8, 11, 41)) // 2 * 2 + 1, range=(-5, 5), density=True, color=GREY)
@@ -225,7 +222,7 @@ def draw_residuals(ax, fit: Fit):
     ax.set_title("residuals, correlation taken out", fontsize=8)
 
 
-def draw(fit: Fit, most=7):
+def draw(fit: Found, most=7):
     """What was measured beside the best scene; of many photographs some."""
     photographs = fit.problem.measured.photographs
     keep = np.unique(np.linspace(0, len(photographs) - 1, min(most, len(photographs))).astype(int))
@@ -251,15 +248,15 @@ def draw(fit: Fit, most=7):
     return figure
 
 
-def scene_lines(fit: Fit):
+def scene_lines(fit: Found):
     """Options of the scene that the fit began with, as they were written."""
     words = scene_words(fit.problem.scene, ".") if not isinstance(fit.problem.scene, dict) else []
     if isinstance(fit.problem.scene, dict):
         return [f"-{name} {text_of(value)}" for name, value in fit.problem.scene.items()]
-    return Path(words[1]).read_text().splitlines() if words else []
+    return lines_of(words[1]) if words else []
 
 
-def scene_text(fit: Fit, arrays=None) -> str:
+def scene_text(fit: Found, arrays=None) -> str:
     """The best scene: the lines of the one that the fit began with, those replaced that it changed.
     arrays: name -> file, of options whose value is a dict of arrays."""
     options = fit.problem.words(fit.u[:len(fit.parameters)])
@@ -271,7 +268,7 @@ def scene_text(fit: Fit, arrays=None) -> str:
     return "\n".join([*kept, f"# by tendril.fit{'' if fit.trusted else ', not to be trusted: see its report'}", *found]) + "\n"
 
 
-def save(fit: Fit, basename):
+def save(fit: Found, basename):
     """Writes BASENAME.opts, .txt, .csv, .json, .png, .pdf, and the files of arrays that the scene has."""
     arrays = {}
     for name, value in fit.problem.words(fit.u[:len(fit.parameters)]).items():

@@ -13,19 +13,17 @@ the headings of a table, (mm) and (%/h), are then converted. Labels are shared o
 is at the end."""
 
 import subprocess
-import sys
 import tempfile
-from pathlib import Path
 
 import h5py
 import numpy as np
 
 from .command import Parser
-from .errors import TendrilError, complaint
-from .readers import Row, heading, is_number, line_of
-from .results import load
+from .errors import TendrilError
+from .loading import load
+from .readers import heading
 from .runs import executable
-from .tables import Wanted, named, plain_name
+from .tables import Wanted, body_of, named, plain_name, under
 from .units import METRES, TIMES, quantity, rate_called, unit_called
 
 # Gauss points on [0, 1] and their weights
@@ -74,16 +72,13 @@ def read_rate(path, length_unit, time_unit):
 
 def two_columns(path, rows, notes, comments):
     """(what is wanted, rows) of a table of two columns with other names, or none."""
-    first = next((k for k, row in enumerate(rows) if sum(map(is_number, row)) > 1), len(rows))
-    width = max(len(row) for row in rows)
-    full = [k for k in range(width) if any(k < len(row) and row[k].strip() for row in rows[first:])]
+    first, full = body_of(rows)
     heads = next((row for row in reversed(rows[:first]) if sum(bool(cell.strip()) for cell in row) == 2), None)
-    if len(full) != 2 or first == len(rows):
+    if len(full) != 2:
         raise BadTable(f"--rate {path}: give two columns, distance and rate, and two rows at least")
     if heads is None:
         names = ["distance", "rate"]
-        cells = ["" if k not in full else names[full.index(k)] for k in range(width)]
-        rows = [*rows[:first], Row(cells, line_of(rows[first])), *rows[first:]]
+        rows = under(names, rows)
     else:
         names = [plain_name(heading(heads[k] if k < len(heads) else "")[0]) for k in full]
     return {"distance": Wanted("length", (names[0],)), "rate": Wanted("rate", (names[1],))}, (rows, notes, comments)
@@ -296,13 +291,5 @@ def make(choice):
 
 
 def main(words=None):
-    try:
-        make(arguments_of(words))
-    except (TendrilError, OSError) as error:
-        print(complaint(error, "growth_table"), file=sys.stderr)
-        return 1
+    make(arguments_of(words))
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

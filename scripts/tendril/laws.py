@@ -7,19 +7,16 @@ each law that is likely the rod is run once more with a little of it, and the re
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .errors import TendrilError
+from .found import Found
 from .parameters import MODE, Parameter
 from .problem import Problem
 from .results import Results
 from .sweeps import stored
 from .units import scales_of_rod
-
-if TYPE_CHECKING:
-    from .fitting import Fit
 
 A_LITTLE = 0.02  # of its bounds: so much of a law tells what it would do
 BENT = 4.0  # radians over the whole rod: so far natural curvature is tried to both sides
@@ -48,7 +45,7 @@ class Law:
 class Held:
     """What a scene holds: the numbers in force in a run, apart from those that a fit looks for."""
 
-    def __init__(self, fit: Fit):
+    def __init__(self, fit: Found):
         problem = fit.problem
         self.attributes, self.given = fit.run.attributes, fit.run.options
         self.free = {p.name for p in problem.parameters} | set(problem.tied)
@@ -104,13 +101,13 @@ class Held:
                       Parameter("tip_force", held - one, held + one, None, unit), held)
 
 
-def laws_of(fit: Fit) -> list[Law]:
+def laws_of(fit: Found) -> list[Law]:
     """What may be wrong with the scene of a fit: the numbers that it holds."""
     held = Held(fit)
     return [*held.friction(), *held.curvature(), *held.others()]
 
 
-def with_law(fit: Fit, law: Law, settings) -> Problem:
+def with_law(fit: Found, law: Law, settings) -> Problem:
     """The problem of a fit with a law to look for, too, behind its parameters; no run of it is known."""
     old = fit.problem
     new = old.like(settings, more=[law.parameter])
@@ -119,7 +116,7 @@ def with_law(fit: Fit, law: Law, settings) -> Problem:
     return new
 
 
-def effects_of(fit: Fit, laws):
+def effects_of(fit: Found, laws):
     """[residual, 1] of each, how residuals change with a law's number, over its bounds: from a run with a little of it, all
     side by side. None of one whose run is refused or gives up."""
     old, p, base = fit.problem, len(fit.parameters), fit.problem.raw(fit.u, fit.run)

@@ -12,7 +12,6 @@ tendril.sweep keeps it in); points that are missing or unfinished stay white.
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,9 +22,10 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from .collection import Sweep, load_sweep
 from .command import Parser
-from .errors import RunError, TendrilError, arguments, complaint, path_of
-from .results import in_words
+from .errors import RunError, TendrilError, arguments, path_of
+from .naming import unknown
 from .style import STYLE, InStyle, save
+from .titles import in_words
 from .units import DIMENSIONS, KINDS, in_laboratory, suited_to
 from .units import quantity as number_with_unit
 
@@ -66,7 +66,7 @@ def value_of(file, quantity, si):
     name = quantity if "/" in quantity else f"series/{quantity}"
     if name not in file:
         known = [*(f"critical/{k}" for k in file.get("critical", ())), *file.get("series", ())]
-        raise ValueError(f"{file.filename}: holds no {quantity}; there are {', '.join(known)}")
+        raise ValueError(f"{file.filename}: holds no {quantity}{unknown(quantity, known)}")
     value, unit = float(np.ravel(file[name][()])[-1]), file[name].attrs.get("units", b"1").decode()
     if not si:
         return value, unit
@@ -105,7 +105,7 @@ def of_sweep(sweep, axes, quantity, si):
         seen.add(place)
     ends, name = sweep.ends(si), quantity.rpartition("/")[2]
     if name not in ends:
-        raise ValueError(f"this sweep holds no {quantity}; there are {', '.join(ends)}")
+        raise ValueError(f"this sweep holds no {quantity}{unknown(quantity, ends)}")
     values, unit = ends[name]
     unit = sweep.units.get(f"final/{name}", sweep.units.get(f"critical/{name}", unit))  # si: read() names it
     return {tuple(number(p[axis]) for axis in axes): (float(v), unit)
@@ -226,18 +226,10 @@ def main(arguments=None):
                         help="writes BASENAME.png and .pdf; default: the place's name")
     view = parser.parse_args(arguments)
     matplotlib.use("Agg")
-    try:
-        figure = map(view.place, view.axes, view.quantity, si=view.si)
-        drawn = save(figure, view.output, Path(view.place).with_suffix("") if view.place.endswith(".h5")
-                     else view.place.rstrip("/"))
-    except (TendrilError, ValueError, KeyError, OSError) as error:
-        print(complaint(error, "map"), file=sys.stderr)
-        return 1
+    figure = map(view.place, view.axes, view.quantity, si=view.si)
+    drawn = save(figure, view.output, Path(view.place).with_suffix("") if view.place.endswith(".h5")
+                 else view.place.rstrip("/"))
     if figure.missing:
         print(f"map: {figure.missing} points have no result")
     print(f"map: {drawn}")
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -27,22 +27,10 @@ from typing import Mapping, Sequence
 import numpy as np
 
 from .errors import DataError
-from .naming import times_of
-from .readers import Row, heading, is_number, line_of, plain
-from .units import METRES, SHOWN, TIMES
+from .naming import times_of, unknown
+from .readers import Row, heading, is_number, line_of, number_in, plain
+from .units import MEASURED, PIXEL, quantity
 
-PIXEL = "px"
-# name of a unit -> (unit of tendril's files, what 1 of it is in SI)
-KNOWN = {name: (unit, si) for kind, unit in
-         (("length", "l"), ("speed", "V"), ("force", "N l"), ("energy", "N l^2"), ("power", "N l V"))
-         for name, si, _ in SHOWN[kind]}
-KNOWN |= {name.replace("µ", "u"): value for name, value in KNOWN.items()}
-KNOWN |= {name: ("l", si) for name, si in METRES.items()}
-KNOWN |= {name: ("l/V", si) for name, si in TIMES.items()}
-KNOWN |= {f"{length}/{time}": ("V", METRES[length] / TIMES[time]) for length in METRES for time in ("s", "min", "h", "d")}
-KNOWN |= {over + unit: ("1/l", 1 / si) for over in ("/", "1/") for unit, (kind, si) in list(KNOWN.items()) if kind == "l"}
-KNOWN |= {"rad": ("rad", 1), "deg": ("rad", np.pi / 180), "": ("", 1), "1": ("", 1),
-          PIXEL: (PIXEL, 1)}
 ABSCISSAE = ("t", "length")
 
 
@@ -51,7 +39,7 @@ class Values:
     """Numbers with what they are: in SI units, in pixels, or dimensionless as tendril has them."""
 
     numbers: np.ndarray
-    unit: str = ""  # "" dimensionless; else that of KNOWN: "l" is metres, PIXEL, ...
+    unit: str = ""  # "" dimensionless; else that of units.MEASURED: "l" is metres, PIXEL, ...
 
     @property
     def si(self):
@@ -98,8 +86,10 @@ class Measured:
         found = {}
         for name, text in (noise or {}).items():
             if name not in units:
-                raise DataError(f"noise of {name}: was not measured; there are {', '.join(units)}")
-            _, value = moment_of_number(text, f"noise of {name}")
+                raise DataError(f"noise of {name}: was not measured{unknown(name, units)}")
+            if not (number := quantity(text)):
+                raise DataError(f'noise of {name}: "{text}" is no number with a unit')
+            value = values_of(*number, f"noise of {name}")
             if value.unit != units[name] or not float(value.numbers) > 0:
                 raise DataError(f"noise of {name}: {text}: give a positive number in the unit of what was "
                                 "measured")
@@ -114,10 +104,10 @@ class Measured:
 def values_of(numbers, unit, what):
     """Values of numbers in a unit by its name, "cm"."""
     unit = unit.replace("\u03bc", "\u00b5")  # a Greek mu is a micro, too
-    if unit not in KNOWN:
+    if unit not in MEASURED:
         raise DataError(f"{what}: {unit} is no unit; give one of "
-                        f"{', '.join(name for name in KNOWN if name and '/' not in name)}, or of such, as mm/s and 1/m")
-    name, si = KNOWN[unit]
+                        f"{', '.join(name for name in MEASURED if name and '/' not in name)}, or of such, as mm/s and 1/m")
+    name, si = MEASURED[unit]
     return Values(si * np.asarray(numbers, float), name)
 
 
@@ -126,34 +116,26 @@ def moment(text, what):
     text = text.strip()
     if not text:
         return None, Values(np.nan)
-    found = re.fullmatch(r"(?:(t|length)\s*=?\s*)?([-+0-9.eE]+?)\s*([a-zA-Zµ]*)", text)
-    try:
-        at = values_of(float(found[2]), found[3], what)
-    except (TypeError, ValueError):
-        raise DataError(f'{what}: "{text}" is no time and no length; give 20s, 12cm, or t=2.5') from None
+    found = re.fullmatch(r"(?:(t|length)\s*=?\s*)?(.*)", text)
+    number = found and quantity(found[2])
+    if not number or re.match(r"\W", number[1]):
+        raise DataError(f'{what}: "{text}" is no time and no length; give 20s, 12cm, or t=2.5')
+    at = values_of(*number, what)
     return found[1] or ("length" if at.unit == "l" else "t"), at
-
-
-def moment_of_number(text, what):
-    """(number, Values) of "0.5mm" or 0.5."""
-    found = re.fullmatch(r"\s*([-+0-9.eE]+?)\s*([a-zA-Zµ]*)\s*", str(text))
-    try:
-        return float(found[1]), values_of(float(found[1]), found[2], what)
-    except (TypeError, ValueError):
-        raise DataError(f'{what}: "{text}" is no number with a unit') from None
 
 
 def number(cell, what, row=()):
     if not cell.strip():
         return np.nan
-    try:
+    if is_number(cell):
         return float(cell)
-    except ValueError:
-        told = f", in the row {', '.join(row)}" if row else ""
-        what = f"{what}, line {line_of(row)}" if line_of(row) else what
-        if cell.strip().startswith("-") and row and cell is row[0]:
-            told += "; is it an options file? The scene comes first, then the data"
-        raise DataError(f'{what}: "{cell.strip()}" is no number{told}') from None
+    if (found := number_in(cell)) and not found[1]:
+        return found[0]
+    told = f", in the row {', '.join(row)}" if row else ""
+    what = f"{what}, line {line_of(row)}" if line_of(row) else what
+    if cell.strip().startswith("-") and row and cell is row[0]:
+        told += "; is it an options file? The scene comes first, then the data"
+    raise DataError(f'{what}: "{cell.strip()}" is no number{told}')
 
 
 def columns_of(rows, width, path):

@@ -1,10 +1,11 @@
-"""Times that stand in the names of pictures and files: root-20s.png; 2018-03-08_1000.jpg, from the first on; img_0050.png,
+"""Names: those that there are not, beside those that there are; and times that stand in the names of pictures and files: root-20s.png; 2018-03-08_1000.jpg, from the first on; img_0050.png,
 by frames per second."""
 
 from __future__ import annotations
 
 import re
 from calendar import timegm
+from difflib import get_close_matches
 
 from .units import TIMES
 
@@ -13,6 +14,17 @@ WITH_UNIT = re.compile(rf"(?<![A-Za-z0-9.])(?:t\s*=?\s*)?(\d+(?:\.\d+)?)\s*({'|'
 DAY = r"(?<!\d)((?:19|20)\d\d)[-_.]?(0[1-9]|1[0-2])[-_.]?(0[1-9]|[12]\d|3[01])"
 STAMP = re.compile(DAY + r"(?:[-_T .]*([01]\d|2[0-3])[-_.:h]?([0-5]\d)(?:[-_.:m]?([0-5]\d))?)?(?!\d)")
 ENDING = re.compile(r"(\.[A-Za-z][A-Za-z0-9]*)+$")
+
+
+def did_you_mean(word, known) -> str:
+    """The likeliest names for one that there is not, as the end of a sentence; "" if none is like it."""
+    near = get_close_matches(str(word), [str(name) for name in known], 3, 0.75)
+    return f", did you mean {' or '.join(near)}?" if near else ""
+
+
+def unknown(word, known, say="; there are") -> str:
+    """The end of a sentence that refuses a name: the likeliest of those that there are, or all of them."""
+    return did_you_mean(word, known) or f"{say} {', '.join(map(str, known)) or 'none'}"
 
 
 def stem(name):

@@ -11,7 +11,6 @@ from __future__ import annotations
 import html
 import json
 import re
-import sys
 from pathlib import Path
 from typing import Sequence
 
@@ -20,15 +19,17 @@ from matplotlib.colors import to_hex
 
 from . import page_space
 from .command import Parser
-from .errors import ResultsError, TendrilError, arguments, complaint, replacing
-from .pictures import colours, name_of, symbol_of
+from .errors import ResultsError, arguments, replacing
+from .loading import load, runs_of
 from .packed import moves_straight, packed, thinned
-from .results import UNCERTAIN, Results, load, runs_of, titles_of
+from .pictures import colours, name_of, symbol_of
+from .results import UNCERTAIN, Results
 from .spatial import out_of_plane
 from .style import COLOURS
-from .surroundings import axial_force, friction, pressed, size_of, walls
+from .surroundings import axial_force, friction, pressed, size_of
+from .titles import titles_of
 from .units import add_choice_of_units, in_laboratory, in_laboratory_of, laboratory_units
-from .walls import diameter_of
+from .walls import outlines
 
 WEB = Path(__file__).resolve().parent / "web"
 MOST_SHAPES, MOST_NODES, ARROWS = 300, 501, 28  # what a page holds of a run
@@ -37,7 +38,8 @@ CHARTS = (
     ("distance", ("length", "end_distance", "mid_distance", "width"), False),
     ("deflection", ("norm_x2", "norm_x3"), True),
     ("energy", ("energy", "energy_twist", "contact_energy"), False),
-    ("power", ("growth_power", "dissipation", "tip_power", "clamp_power", "weight_power", "wall_power"), False),
+    ("power", ("growth_power", "dissipation", "tip_power", "clamp_power", "weight_power", "wall_power",
+               "curvature_power"), False),
     ("force at the clamp", ("base_force_1", "base_force_2", "base_force_3", "feed_force"), False),
     ("moment at the clamp", ("base_moment_1", "base_moment_2", "base_moment_3"), False),
     ("force on the tip", ("tip_force_1", "tip_force_2", "tip_force_3"), False),
@@ -105,8 +107,8 @@ def run_of(r, title, colour, shapes, units):
         "widths": {name: int(np.prod(values.shape[1:])) for name, values in shapes.items()
                    if name not in ("t", "fair", "along")},
         "walls": [{part: [np.ravel(line).tolist() for line in lines]
-                   for part, lines in zip(("body", "lines"), wall)} for wall in ([] if r.in_space else walls(r))],
-        "diameter": diameter_of(r),
+                   for part, lines in zip(("body", "lines"), wall)} for wall in ([] if r.in_space else outlines(r))],
+        "diameter": r.diameter,
     }
 
 
@@ -224,13 +226,9 @@ def main(arguments=None):
     parser.add_argument("--titles", metavar="A,B,...", help="of the files; default: their names")
     add_choice_of_units(parser)
     choice = parser.parse_intermixed_args(arguments)
-    try:
-        output = choice.output or str(Path(choice.files[0]).with_suffix(".html"))
-        output = view([load(path) for path in choice.files],
-                      output if output.lower().endswith((".html", ".htm")) else f"{output}.html",
-                      choice.titles.split(",") if choice.titles else None, choice.si)
-    except (TendrilError, OSError) as error:
-        print(complaint(error, "view"), file=sys.stderr)
-        return 1
+    output = choice.output or str(Path(choice.files[0]).with_suffix(".html"))
+    output = view([load(path) for path in choice.files],
+                  output if output.lower().endswith((".html", ".htm")) else f"{output}.html",
+                  choice.titles.split(",") if choice.titles else None, choice.si)
     print(f"view: {output}, {output.stat().st_size / 1e6:.1f} MB; open it in a browser")
     return 0

@@ -10,21 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from .errors import TendrilError
-from .units import METRES
+from .units import PER, with_unit
 
 LOGARITHMIC = 4  # a positive parameter with bounds this far apart is looked for by its logarithm
-PER = {over + unit: METRES[unit] for unit in ("m", "cm", "mm", "in", "ft") for over in ("/", "1/")}  # of curvatures
 MODE = re.compile(r"curvature_mode_(\d+)$")
-
-
-def with_unit(value):
-    """(number, unit) of 0.5, "0.5" or "0.5N/m"."""
-    found = re.fullmatch(r"\s*([-+]?(?:[0-9]*\.)?[0-9]+\.?(?:[eE][-+]?[0-9]+)?)\s*(\S*)\s*", str(value))
-    if not found:
-        raise TendrilError(f"{value}: give a number, or one with a unit")
-    if re.match(",[0-9]", found[2]):
-        raise TendrilError(f"{value}: give a number with a point, {str(value).strip().replace(',', '.', 1)}")
-    return float(found[1]), found[2]
 
 
 @dataclass

@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import itertools
 import re
-import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 from string import ascii_lowercase
@@ -35,13 +34,16 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from . import plot_stability
 from .command import Parser
-from .errors import ResultsError, TendrilError, arguments, complaint, did_you_mean
+from .errors import ResultsError, arguments
+from .loading import load, runs_of
+from .naming import did_you_mean
 from .perspective import VIEW, Rods, Strand, box_of, draw_surfaces, furnish, sight
-from .results import Results, load, runs_of, titles_of
+from .results import Results
 from .solids import solids
 from .spatial import diameter_of, lift, out_of_plane, up_of
 from .style import BLUE, COLOURS, GREEN, GREY, ORANGE, RED, STYLE, InStyle, save
 from .surroundings import arc_length, contact_force, size_of
+from .titles import titles_of
 from .units import Units, add_choice_of_units, briefly, in_laboratory_of, moment, scale_of
 from .walls import draw_contact, draw_rod, draw_walls, strongest_contact
 
@@ -212,6 +214,8 @@ def panel_power(ax, r, view):
     if any(np.abs(run.series.get("tip_power", 0)).max() > 1e-4 * run.series.growth_power.max()
            for run in view.results):
         lines.append(("tip_power", "tip", GREEN, ":"))
+    if any("curvature_power" in run.series for run in view.results):
+        lines.append(("curvature_power", "steering", RED, "-."))
     curves("N l V", "power", *lines)(ax, r, view)
 
 
@@ -416,7 +420,7 @@ NAMES = {
     "base_force_3": r"force at the clamp, $-n_3(0)$", "base_moment_1": r"moment at the clamp, $-m_1(0)$",
     "base_moment_2": r"moment at the clamp, $-m_2(0)$", "base_moment_3": r"moment at the clamp, $-m_3(0)$",
     "tip_force_3": r"force on the tip, $x_3$", "tip_spin": "spin of the tip",
-    "clamp_power": "power of the turning clamp", "weight_power": "power of weight",
+    "clamp_power": "power of the turning clamp", "weight_power": "power of weight", "curvature_power": "power of steering",
 }
 
 
@@ -463,7 +467,7 @@ BY_UNIT = {
     "l": ("length", "tip_x1", "tip_x2", "tip_x3", "norm_x2", "norm_x3", "end_distance", "mid_distance", "width", "penetration"),
     "N l": ("base_force_1", "base_force_2", "feed_force", "tip_force_1", "tip_force_2", "contact_force",
             "wall_force_1", "wall_force_2", "friction_force_1", "friction_force_2"),
-    "N l^2": ("energy", "contact_energy"), "N l V": ("growth_power", "dissipation", "tip_power"),
+    "N l^2": ("energy", "contact_energy"), "N l V": ("growth_power", "dissipation", "tip_power", "curvature_power"),
     "V": ("tip_speed", "mid_speed"),
 }
 
@@ -810,17 +814,13 @@ def main(arguments=None):
     matplotlib.use("Agg")
     choice = options(arguments)
     output = choice.output or str(Path(choice.files[0]).with_suffix(""))
-    try:
-        results = [read(path) for path in choice.files]
-        if not any(r.series for r in results):
-            return plot_stability.main([*choice.files, "--output", output])
-        times = choice.times.split(",") if choice.times else None
-        figure = plot(results, choice.panels, times=times, si=choice.si, overlay=choice.overlay,
-                      titles=choice.titles.split(",") if choice.titles else None,
-                      beside=[read(path) for path in choice.beside.split(",") if path], view=choice.view)
-        tell_missing(results, times or (), choice.si)
-        print(f"plot: {save(figure, output, None)}")
-    except (TendrilError, OSError) as error:
-        print(complaint(error, "plot"), file=sys.stderr)
-        return 1
+    results = [read(path) for path in choice.files]
+    if not any(r.series for r in results):
+        return plot_stability.main([*choice.files, "--output", output])
+    times = choice.times.split(",") if choice.times else None
+    figure = plot(results, choice.panels, times=times, si=choice.si, overlay=choice.overlay,
+                  titles=choice.titles.split(",") if choice.titles else None,
+                  beside=[read(path) for path in choice.beside.split(",") if path], view=choice.view)
+    tell_missing(results, times or (), choice.si)
+    print(f"plot: {save(figure, output, None)}")
     return 0

@@ -15,14 +15,14 @@ from .comparing import BARE, BARE_NOISE, ENDS, LINES, VIEW, Comparison
 from .errors import RunError, TendrilError
 from .measured import Measured, values_of
 from .noise import Errors, estimate
-from .parameters import MODE, PER, Parameter, Prior, tied_value, with_unit
+from .parameters import MODE, Parameter, Prior, tied_value
 from .progress import Stages, bar
 from .results import Results
 from .runs import check_names, run
 from .secants import Flat, least
 from .sweeps import cores, stored
 from .tangents import STEP as ALONG, beside
-from .units import parameters_of, scales_of_rod
+from .units import PER, parameters_of, scales_of_rod, with_unit
 
 HUBER = 1.345  # 95 % efficiency for normal noise
 STEP, FINE_STEP = 3e-3, 1e-2  # of differences, in parts of a parameter's bounds: forward, central

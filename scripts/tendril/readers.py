@@ -17,16 +17,16 @@ SLEAP, SmartRoot, RSML: tendril.tracked. Frames are times by frames per second; 
 from __future__ import annotations
 
 import csv
-import io
 import re
 from pathlib import Path
 
 from . import naming, tracked
 from .errors import DataError
-from .units import OF_KIND, rate_called, unit_called
+from .units import OF_KIND, PIXEL, PIXELS, quantity, rate_called, unit_called
 
 DECIMAL_COMMA = re.compile(r"\s*[-+]?\d*,\d+([eE][-+]?\d+)?\s*$")
 THOUSANDS = re.compile(r"\s*[-+]?\d{1,3},\d{3}\s*")
+GROUPED = re.compile(r"[-+]?\d{1,3}(,\d{3})+\.\d*")
 # headings in small letters, and what they are called here
 ALIASES = {"x": "x1", "y": "x2", "xm": "x1", "ym": "x2", "x_1": "x1", "x_2": "x2", "position_x": "x1", "position_y": "x2",
            "time": "t", "position_t": "t", "slice": "slice", "frame": "frame", "index": "point", "l": "length"}
@@ -278,6 +278,11 @@ def is_number(cell):
         return False
 
 
+def number_in(cell):
+    """(number, unit behind it) of a cell; None for what is none."""
+    return quantity(cell.replace(",", "") if GROUPED.fullmatch(cell.strip()) else cell)
+
+
 def heading(cell):
     """(name, unit) of "x1 (cm)", "x1 [cm]" or "x1"; the unit None if there is none. With words behind the bracket all of it is
     the name."""
@@ -298,7 +303,7 @@ def is_unit(cell):
     """Whether a cell below the headings can be a unit: one that is known, or a word in brackets."""
     word = cell.strip()
     bare = word.strip("()[]{} ")
-    return (word != bare and bare != "" and not is_number(bare)) or bare in ("-", "px", "pixel") or \
+    return (word != bare and bare != "" and not is_number(bare)) or bare in ("-", *PIXELS) or \
         any(unit_called(bare, kind) for kind in OF_KIND) or bool(bare and rate_called(bare))
 
 
@@ -365,7 +370,7 @@ def in_short(cell):
     """A heading whose unit is by the name that tendril has for it."""
     name, unit = heading(cell)
     short = unit and next((found for kind in OF_KIND if (found := unit_called(unit, kind))),
-                          "px" if unit.lower() in ("pixel", "pixels") else unit)
+                          PIXEL if unit.lower() in PIXELS else unit)
     return cell if unit is None or short == unit else f"{name} ({short})"
 
 

@@ -1,4 +1,4 @@
-"""Reads tendril's result files.
+"""What a run left, all of it in memory (tendril.loading reads it).
 
     from tendril import load
     r = load("results/uniform-dry.h5")
@@ -17,28 +17,25 @@ or were killed are read as far as they were written; r.finished tells.
 from __future__ import annotations
 
 import math
-import time
 from dataclasses import dataclass, field
+from importlib import import_module
 from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, NoReturn
 
-import h5py
 import numpy as np
 
-from .errors import OF_CONTENT, ResultsError, arguments, briefly_shown, did_you_mean, path_of, replacing
-from .units import in_laboratory, moment, quantity, scales_of_rod
+from .errors import ResultsError, arguments, briefly_shown, path_of, replacing
+from .naming import unknown
+from .units import in_laboratory, moment, scales_of_rod
 
 if TYPE_CHECKING:
     import pandas
     import xarray
 
-    from .collection import Sweep
-
 SHAPES = ("x", "theta", "curvature", "force")
 IN_SPACE = ("strain", "moment", "d1", "d2", "d3")  # what a shape in space has beside these
 FAR = 0.01  # of the length: a shape between stored ones this far from where the series have it is none
-PRIVATE = ("restart",)  # what is tendril's own business
 AXES = {2: ("shape_t", "s"), 3: ("shape_t", "s", "axis")}  # of the arrays of /shapes, by rank
 # by what error a series is uncertain, and over which size that is told; None: its own
 UNCERTAIN = {"energy": ("error_energy", None), "norm_x2": ("error_norm_x2", None), "norm_x2_length": ("error_norm_x2", None),
@@ -65,12 +62,17 @@ class Told(NamedTuple):
 
 
 EARLY = 0.01  # of a run: what a start does to its errors is over by then
-MOST = 1e100  # of any number of a rod
 # what shapes hold along the rod
 ALONG = ("x", "theta", "curvature", "force", "strain", "moment", "d1", "d2", "d3", "contact", "stretch", "natural_curvature", "natural_strain")
 NUMBERS = ("theta", "curvature", "natural_curvature", "stretch")  # of these, a number a node; the others are vectors
-OF_ROD = ("finished", "parameters/contact_diameter", "parameters/friction_radius")
+# what draws and exports a run knows this module: methods that do so find theirs when they are called
+ABOVE = {"view": "page", "to_vtk": "exports", "to_mesh": "exports"}
 SCALES = "length", "time", "speed", "force", "energy", "power", "curvature"
+
+
+def above(name):
+    """A function of ABOVE."""
+    return getattr(import_module(f".{ABOVE[name]}", __package__), name)
 
 
 class NoSuchName(ResultsError, KeyError, AttributeError):
@@ -85,8 +87,7 @@ class Table(dict):
     of = ""  # the file and group that it is of, for messages
 
     def __missing__(self, name):
-        raise NoSuchName((f"{self.of}: " if self.of else "") + f"no {name} here"
-                         + (did_you_mean(name, self) or f"; there are {', '.join(map(str, self)) or 'none'}"))
+        raise NoSuchName((f"{self.of}: " if self.of else "") + f"no {name} here{unknown(name, self)}")
 
     def __getattr__(self, name):
         if name.startswith("__"):  # copy and pickle ask
@@ -146,9 +147,7 @@ class Results:
 
         if not (len(self.series.get("t", ())) and len(self.shapes.get("t", ()))):
             return f"<code>{escape(repr(self))}</code>"
-        from .page import view
-
-        return view(self)._repr_html_()
+        return above("view")(self)._repr_html_()
 
     def __repr__(self):
         held = [f"{len(self.series.t)} steps to t = {self.series.t[-1]:g}" if self.series else "",
@@ -319,7 +318,7 @@ class Results:
         known = scales_of_rod(self.attributes).get(kind)
         if self.attributes.get(f"si_{kind}", known) is None:
             if kind not in SCALES:
-                raise ResultsError(f"scale {kind}: unknown, give one of {', '.join(SCALES)}")
+                raise ResultsError(f"scale {kind}: unknown{unknown(kind, SCALES, ', give one of')}")
             needed = "si_speed" if kind in ("time", "speed", "power") else "si_bending_stiffness"
             raise ResultsError(f"{self.told}: does not know its {kind} in SI units; run it with "
                                f"{needed} and the like")
@@ -384,9 +383,7 @@ class Results:
         """The centre line at a time, the last if none is given, as PolyData for PyVista, with all that is known
         along it; with walls the surfaces around it in its place. With a path written there, too, .vtp. Needs vtk:
         tendril[space]."""
-        from .exports import to_vtk
-
-        return to_vtk(self, path, t, si, walls)
+        return above("to_vtk")(self, path, t, si, walls)
 
     def to_mesh(self, path=None, t=None, **more):
         """The rod at a time as the tube that it is, a trimesh.Trimesh; with a path written there, too, .glb, .gltf,
@@ -397,9 +394,7 @@ class Results:
         sides     of the tube
         si        in metres
         walls     the surfaces around it in its place"""
-        from .exports import to_mesh
-
-        return to_mesh(self, path, t, **more)
+        return above("to_mesh")(self, path, t, **more)
 
     @arguments(si="flag")
     def frame(self, si=False) -> pandas.DataFrame:
@@ -416,98 +411,6 @@ class Results:
         """Writes the series as a table, a row a step."""
         with replacing(path_of(path, "to_csv")) as part:
             self.frame(si).to_csv(part, index=False)
-
-
-def runs_of(given, who) -> list[Results]:
-    """The runs that somebody gave to draw: Results, files of them, what critical() found, sweeps, or
-    several of these. who: whom it was given to, for the line that refuses."""
-    from .collection import Sweep
-
-    if isinstance(given, Results):
-        return [given]
-    if isinstance(given, (str, Path)):
-        return runs_of(load(given), who)
-    if isinstance(getattr(given, "results", None), Results):  # a Critical
-        return [given.results]
-    if isinstance(given, Sweep):
-        given = [r for r in given.members.flat if isinstance(r, Results)]
-    if not isinstance(given, (list, tuple, np.ndarray)):
-        raise ResultsError(f"{who}: give what run() or load() gave, or the name of a result file, not "
-                           f"{type(given).__name__}")
-    runs = [r for one in given for r in runs_of(one, who)]
-    if not runs:
-        raise ResultsError(f"{who}: there is no run to show")
-    return runs
-
-
-IN_NO_TITLE = ("output", "output_interval", "output_shapes", "quiet", "options_file", "restart")
-TOLD_APART_BY = 2  # options at most, in a title
-
-
-def titles_of(runs, titles=None) -> list[str]:
-    """What runs are called in a picture: the names of their files. Those of one name also say the options in
-    which they differ; where these are many, or none, their directories or numbers. titles: given ones."""
-    if titles:
-        return list(titles)
-    if told := told_by_sweep(runs):
-        return told
-    names = [r.name for r in runs]
-    for name in {name for name in names if names.count(name) > 1}:
-        alike = [k for k, r in enumerate(runs) if r.name == name]
-        for k, title in zip(alike, told_apart(name, [runs[k] for k in alike])):
-            names[k] = title
-    return names
-
-
-# options in words, where their names are none
-WORDS = {"si_friction_dry": "friction", "si_friction_viscous": "viscous friction", "si_bending_stiffness": "stiffness",
-         "si_speed": "speed", "friction_mu": "dry share of friction", "growth_initial_length": "length at first",
-         "rod_curvature": "curvature", "contact_diameter": "diameter", "contact_friction": "friction in contact"}
-
-
-def in_words(option) -> str:
-    """An option's name for a reader."""
-    return WORDS.get(option, option.removeprefix("si_").replace("_", " "))
-
-
-def valued(text) -> str:
-    """A value with a blank before its unit."""
-    found = quantity(text)
-    return f"{found[0]:.6g} {found[1]}".rstrip() if found else str(text)
-
-
-def told_by_sweep(runs):
-    """Titles of members of a sweep, whose names are OPTION=VALUE__OPTION=VALUE: "friction 0.2 N/m", of what is not the same
-    in all; none if these are no members of one."""
-    points = [dict(pair.split("=", 1) for pair in r.name.split("__") if "=" in pair) for r in runs]
-    if len(runs) < 2 or not all(points) or any(point.keys() != points[0].keys() for point in points):
-        return []
-    points = [{name: r.options.get(name, value) for name, value in point.items()} for r, point in zip(runs, points)]
-    varied = [name for name in points[0] if len({point[name] for point in points}) > 1]
-    told = [", ".join(f"{in_words(name)} {valued(point[name])}" for name in varied) for point in points]
-    return told if varied and len(set(told)) == len(told) else []
-
-
-def told_apart(name, runs):
-    options = [{key: value for key, value in r.options.items() if key not in IN_NO_TITLE} for r in runs]
-    differ = [key for key in dict.fromkeys(key for one in options for key in one)
-              if len({one.get(key) for one in options}) > 1]
-
-    def named(one, write):
-        return ", ".join([name, *(f"{key} {write(one[key])}".rstrip() for key in differ if key in one)])
-
-    ways = [[named(one, shortly) for one in options], [named(one, str) for one in options],
-            [f"{r.path.resolve().parent.name}/{name}" if r.path.exists() else name for r in runs],
-            [f"{name} ({k})" for k in range(1, len(runs) + 1)]]
-    return next(way for way in (ways if len(differ) <= TOLD_APART_BY else ways[2:]) if len(set(way)) == len(way))
-
-
-def shortly(text):
-    """A number of many digits with four."""
-    try:
-        return f"{float(text):.4g}"
-    except ValueError:
-        return text
 
 
 def orthonormal(d1, d2):
@@ -528,7 +431,7 @@ def lagrange(nodes, at):
     return np.prod(there / gaps, axis=1)
 
 
-def _text(value):
+def as_text(value):
     if isinstance(value, np.ndarray) and value.size == 1:
         value = value.item()
     return value.decode() if isinstance(value, bytes) else value
@@ -538,197 +441,3 @@ def options_of(text):
     """Lines '-a 1', '-b' as {'a': '1', 'b': ''}."""
     pairs = (line[1:].partition(" ") for line in str(text).splitlines() if line)
     return {name: value for name, _, value in pairs}
-
-
-def _group(group, name, about):
-    """The datasets of a group, those of groups within under their path."""
-    table = Table()
-
-    def take(key, data):
-        if isinstance(data, h5py.Group):
-            table.update({f"{key}/{attribute}": _text(value) for attribute, value in data.attrs.items()})
-        else:
-            table[key] = data[()]
-            for attribute, notes in about.items():
-                if attribute in data.attrs:
-                    notes[f"{name}/{key}"] = str(_text(data.attrs[attribute]))
-
-    group.visititems(take)
-    for attribute, value in group.attrs.items():
-        table[attribute] = _text(value)
-    return table
-
-
-def _cut(table, names):
-    """A run that is going on or was killed may have written one array further than another."""
-    names = [n for n in names if n in table]
-    if names:
-        rows = min(len(table[n]) for n in names)
-        for n in names:
-            table[n] = table[n][:rows]
-
-
-def _read(path):
-    """(attributes, groups, units, notes). No lock is asked for: the run that writes may go on."""
-    units, notes = {}, {}
-    about = {"units": units, "description": notes}
-    with h5py.File(path, "r", locking=False) as file:
-        attributes = {k if isinstance(k, str) else k.decode("latin-1"): _text(v) for k, v in file.attrs.items()}
-        # walls, earlier_options: texts too long for an attribute are datasets
-        attributes |= {name: _text(file[name][()]) for name in file
-                       if isinstance(file[name], h5py.Dataset) and file[name].shape == ()
-                       and file[name].dtype.kind in "SO"}
-        groups = {name: _group(file[name], name, about) for name in file if name not in PRIVATE
-                  and isinstance(file[name], h5py.Group)}
-    return attributes, groups, units, notes
-
-
-def no_result(path, error) -> str:
-    """Why a file that is not HDF5 is none: a scene is often given in the place of its result."""
-    with path.open("rb") as file:
-        words = file.read(4096).decode("utf-8", "replace").splitlines()
-    if path.suffix == ".opts" or any(word.startswith("-growth_") for word in words):
-        return "is an options file, not its result; run it, with -output FILE.h5, and give that"
-    return f"not a whole HDF5 file ({error})"
-
-
-def numbers_of(table):
-    """Refuses what is no array of numbers."""
-    for name, values in table.items():
-        if isinstance(values, np.ndarray) and values.dtype.kind not in "fiub":
-            raise ResultsError(f"{table.of}/{name}: holds {values.dtype}, and no numbers")
-
-
-def finite(table, name, dimensions, many=None):
-    """[...] of a table, all of it finite and of a size that numbers of a rod have."""
-    values = np.asarray(table[name])
-    if values.ndim != dimensions or values.dtype.kind not in "fiub":
-        raise ResultsError(f"{table.of}/{name}: is an array {list(values.shape)}; it should have {dimensions} dimensions")
-    if many is not None and values.shape[:len(many)] != many:
-        raise ResultsError(f"{table.of}/{name}: is an array {list(values.shape)}, which does not go with the others, {list(many)}")
-    if not (np.abs(values) < MOST).all():  # also of nan
-        raise ResultsError(f"{table.of}/{name}: holds a number that is not finite, or none of a rod")
-    return values
-
-
-def cut_to(table, rows):
-    """Leaves so many rows of each of its arrays."""
-    for name in table:
-        table[name] = table[name] if name == "s" else table[name][:rows]
-
-
-def check_series(series):
-    for name, values in series.items():
-        if np.ndim(values) != 1:
-            raise ResultsError(f"{series.of}/{name}: is an array {list(np.shape(values))}, not a number a step")
-    if series:
-        for name in ("t", "length"):
-            finite(series, name, 1)
-        if len(series.t) > 1 and series.t[-1] < series.t[-2]:  # a row that is being written
-            cut_to(series, len(series.t) - 1)
-        if (np.diff(series.t) < 0).any():
-            raise ResultsError(f"{series.of}/t: does not rise")
-
-
-def check_shapes(shapes):
-    """Shapes that go with each other, of rods that have a length."""
-    if not shapes:
-        return
-    k, s = len(finite(shapes, "t", 1)), finite(shapes, "s", 1)
-    rows = [k] + [len(shapes[name]) for name in ALONG if name in shapes and np.ndim(shapes[name])]
-    many = (min(rows), len(s))  # a run that goes on may have written one array further than another
-    if len(s) < 2 or (np.diff(s) <= 0).any():
-        raise ResultsError(f"{shapes.of}/s: labels must rise")
-    for name in ALONG:
-        if name in shapes or name in SHAPES:
-            dimensions = 2 if name in NUMBERS else 3
-            if np.ndim(shapes[name]) != dimensions:
-                finite(shapes, name, dimensions)
-            part = Table({name: shapes[name][:many[0]]})
-            part.of = shapes.of
-            finite(part, name, dimensions, many)
-    if shapes.x.shape[2] not in (2, 3) or any(shapes[name].shape[2] not in (2, 3) for name in ALONG if np.ndim(shapes.get(name, 0)) == 3):
-        raise ResultsError(f"{shapes.of}: points and forces have two or three components")
-    for name in ("strain", "d1", "d2", "d3") if shapes.x.shape[2] == 3 else ():
-        shapes[name]  # a rod in space has them all
-    if shapes.force.shape[2] != shapes.x.shape[2]:
-        raise ResultsError(f"{shapes.of}/force: has not as many components as x")
-    x, t = shapes.x, shapes.t
-    if many[0] > 1 and (not x[many[0] - 1].any() or t[many[0] - 1] < t[many[0] - 2]):  # one that is being written
-        many = many[0] - 1, many[1]
-        cut_to(shapes, many[0])
-    if many[0] and not (np.ptp(shapes.x[:many[0]], axis=1).max(axis=1) > 0).all():
-        raise ResultsError(f"{shapes.of}/x: holds a rod without a length")
-    if (np.diff(shapes.t[:many[0]]) < 0).any():
-        raise ResultsError(f"{shapes.of}/t: does not rise")
-
-
-def check_modes(stability, critical):
-    """Tables of -task stability and critical."""
-    if stability:
-        t, _ = finite(stability, "t", 1), finite(stability, "t_cr", 0)
-        for name, values in stability.items():
-            if np.ndim(values) == 1 and name != "t" and len(values) != len(t):
-                raise ResultsError(f"{stability.of}/{name}: has {len(values)} rows, and t {len(t)}")
-    if critical:
-        s = finite(critical, "s", 1)
-        for name in ("t", "length", "error", "frequency"):
-            finite(critical, name, 0)
-        for name in ("y", "theta", "x2", "x3"):
-            if name in critical:
-                finite(critical, name, 1, s.shape)
-
-
-def check_attributes(path, attributes):
-    """Scales and numbers of the rod, which all that draws needs."""
-    for name, value in attributes.items():
-        if name.startswith(("si_", "parameters/si_")) or name in OF_ROD:
-            try:
-                good = math.isfinite(float(value)) and (float(value) > 0 or not name.startswith("si_")) and abs(float(value)) < MOST
-            except (TypeError, ValueError):
-                good = False
-            if not good:
-                raise ResultsError(f"{path}: attribute {name}: {str(value)[:40]} is no number that it can be")
-    for name in ("options", "walls"):
-        if not isinstance(attributes.get(name, ""), str):
-            raise ResultsError(f"{path}: {name}: is no text")
-
-
-def load(path) -> Results | Sweep:
-    """Reads a result file, of a run or of a sweep; raises ResultsError, a plain line, if that cannot be
-    done."""
-    from .collection import is_sweep, load_sweep
-
-    path = path_of(path, "load")
-    if not path.is_file():
-        raise ResultsError(f"{path}: is a directory, not a file" if path.is_dir() else f"{path}: no such file")
-    if is_sweep(path):
-        return load_sweep(path)
-    for attempt in range(10):
-        try:
-            attributes, groups, units, notes = _read(path)
-            break
-        except (OSError, *OF_CONTENT) as error:
-            # a file that is being written may change between two reads: once more, then
-            if attempt == 9 or time.time() - path.stat().st_mtime > 3:
-                raise ResultsError(f"{path}: {no_result(path, error)}") from None
-            time.sleep(0.1)
-    series, shapes, stability, critical = (groups.pop(name, Table()) for name in
-                                           ("series", "shapes", "stability", "critical"))
-    if not (series or stability or critical):
-        raise ResultsError(f"{path}: no result file of tendril, it has no group series")
-    for table, name in ((series, "series"), (shapes, "shapes"), (stability, "stability"), (critical, "critical")):
-        table.of = f"{path}: {name}"
-        numbers_of(table)
-    check_series(series)
-    check_shapes(shapes)
-    check_modes(stability, critical)
-    _cut(series, list(series))
-    _cut(shapes, [name for name in shapes if name != "s"])
-    if len(shapes.get("t", ())) and not len(series.get("t", ())):
-        raise ResultsError(f"{path}: series: holds no step, though there are shapes")
-    check_attributes(path, attributes)
-    options = options_of(attributes.pop("options", ""))
-    finished = bool(attributes.pop("finished", 0))
-    return Results(path, finished, options, attributes, series, shapes, stability, critical, groups,
-                   notes, units)

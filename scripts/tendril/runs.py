@@ -29,7 +29,6 @@ import sysconfig
 import tempfile
 import time
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from functools import lru_cache
 from numbers import Real
 from pathlib import Path
@@ -37,9 +36,11 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from .errors import RunError, TendrilError, arguments, briefly_shown, did_you_mean, path_of, positive
+from .errors import RunError, TendrilError, arguments, briefly_shown, path_of, positive
+from .loading import load
+from .naming import did_you_mean
 from .progress import bar
-from .results import Results, load
+from .results import Results
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 # Open MPI refuses root without the first two; one thread each, for BLAS
@@ -182,9 +183,8 @@ def scene_file(name) -> Path:
     for place in places:
         if (known := place / f"{name}.opts").is_file():
             return known
-    like = get_close_matches(str(name), sorted({file.stem for place in places for file in place.glob("*.opts")}))
-    raise TendrilError(f"{name}: no options file, and no scene of that name"
-                       + (f"; did you mean {' or '.join(like)}?" if like else ""))
+    scenes = sorted({file.stem for place in places for file in place.glob("*.opts")})
+    raise TendrilError(f"{name}: no options file, and no scene of that name{did_you_mean(name, scenes)}")
 
 
 def scene_words(scene, directory) -> list[str]:
@@ -259,13 +259,17 @@ def lines_of(file) -> list[str]:
     return Path(file).read_text(errors="replace").splitlines()
 
 
+def rows_of(file) -> list[list[str]]:
+    """The options of an options file, each with its value behind it."""
+    return [row for line in lines_of(file) if (row := line.partition("#")[0].split())]
+
+
 def task_of(words) -> str:
     """What a command line does."""
     task = "grow"
     for word, value in zip(words, words[1:]):
         if word == "-options_file":
-            lines = [line.partition("#")[0].split() for line in lines_of(value)]
-            task = next((line[1].strip("'\"") for line in lines[::-1] if line[:1] == ["-task"] and line[1:]), task)
+            task = next((row[1].strip("'\"") for row in rows_of(value)[::-1] if row[0] == "-task" and row[1:]), task)
         elif word == "-task":
             task = value
     return task
@@ -274,9 +278,8 @@ def task_of(words) -> str:
 def says_when(words) -> bool:
     """Whether a command line, or an options file that it names, says when shapes are stored."""
     wanted = ("-output_interval", "-output_shapes")
-    files = [Path(value) for word, value in zip(words, words[1:]) if word == "-options_file"]
-    lines = [line.split() for file in files for line in lines_of(file)]
-    return any(word in wanted for word in [*words, *(line[0] for line in lines if line)])
+    files = [value for word, value in zip(words, words[1:]) if word == "-options_file"]
+    return any(word in wanted for word in [*words, *(row[0] for file in files for row in rows_of(file))])
 
 
 def launched(ranks: int) -> list[str]:

@@ -16,6 +16,7 @@ import numpy as np
 
 from .errors import TendrilError
 from .fitting import CLOSE, Fit
+from .naming import unknown
 from .problem import FAILED
 from .progress import bar
 
@@ -37,7 +38,7 @@ def profile(fit: Fit, name, count=9, reach=3.0) -> Profile:
     problem = fit.problem
     names = [p.name for p in fit.parameters]
     if name not in names:
-        raise TendrilError(f"profile: {name} is no parameter; there are {', '.join(names)}")
+        raise TendrilError(f"profile: {name} is no parameter{unknown(name, names)}")
     k = names.index(name)
     deviation = np.sqrt(np.diag(fit.covariance))
     at = np.unique(np.clip(fit.u[k] + np.linspace(-reach, reach, count) * deviation[k], 0, 1))

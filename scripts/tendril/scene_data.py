@@ -111,6 +111,15 @@ def main():
     d = np.linspace(0, 3, 25)
     write(data / "catheter.h5", distance=d, factor=0.1 + 0.9 * rise(d / 3),
           curvature=0.5 * (1 - rise(d / 1.5)))
+    # The tip of a catheter that is bent, held and let go, and how it is fed meanwhile: in, out and in again.
+    d = np.linspace(0, 2, 21)
+    steer, held = [0, 2, 2, 3.5, 3.5, 10, 10, 11.5], [0, 0, 0, 1, 1, 1, 1, 0]
+    write(data / "bent-tip.h5", t=steer, distance=d, curvature=1.3 * np.outer(held, 1 - rise(d / 2)))
+    feed = [[0, 1], [2, 3.5], [3.5, 3.5], [7.5, 6.8], [8, 6.8], [11.5, 2.5], [12, 2.5], [16, 6.8]]
+    np.savetxt(data / "in-and-out.csv", feed, delimiter=",", fmt="%g", header="t,length", comments="")
+    # A vine robot whose growing end is steered to and fro.
+    t, d = np.linspace(0, 16, 65), np.linspace(0, 1.5, 16)
+    write(data / "slalom.h5", t=t, distance=d, curvature=np.outer(rise(t) * np.sin(2 * np.pi * t / 5), 1 - rise(d / 1.5)))
     ropes = Path("docs/ropes")
     length, force = rope(ropes)
     print(f"capstan.opts: -growth_initial_length {length:.12g}, -tip_force_vector",

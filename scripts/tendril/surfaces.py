@@ -25,7 +25,7 @@ import numpy as np
 from .bodies import Wish, write_body
 from .centrelines import fair, in_units, is_line, read_line
 from .command import Parser, listed
-from .errors import TendrilError, complaint, path_of, reading, replacing, writable
+from .errors import path_of, reading, replacing, writable
 from .meshes import SurfaceError, count_of, polydata, read_mesh
 from .openings import check, ends_of, extended
 from .progress import wanted
@@ -362,23 +362,15 @@ def list_ends(choice):
 
 def main(words=None):
     choice = vars(arguments_of(words))
-    try:
-        if choice.pop("ends"):
-            list_ends(choice)
-            return 0
-        if choice["output"] is None:
-            raise SurfaceError("give a file for the result, HDF5 of a mesh, CSV of a centre line; or --ends")
-        made = surface(choice.pop("source"), choice.pop("output"), **choice, tell=lambda line: print(f"surface: {line}", flush=True))
-    except (TendrilError, OSError) as error:
-        print(complaint(error, "surface"), file=sys.stderr)
-        return 1
+    if choice.pop("ends"):
+        list_ends(choice)
+        return 0
+    if choice["output"] is None:
+        raise SurfaceError("give a file for the result, HDF5 of a mesh, CSV of a centre line; or --ends")
+    made = surface(choice.pop("source"), choice.pop("output"), **choice, tell=lambda line: print(f"surface: {line}", flush=True))
     print(f"surface: {told(made)}")
     if made.up[2] < 1 - 1e-9:  # it was turned, and what is down with it
         print(f"surface: {made.path}: the source's z is now ({', '.join(f'{v + 0:.6g}' for v in np.round(made.up, 9))}), of which "
               "a weight must know (-rod_weight)")
     print(made.line)
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

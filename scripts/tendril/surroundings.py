@@ -96,18 +96,3 @@ def pressed(r: Results, shape: Shape, pieces: int) -> tuple[np.ndarray, np.ndarr
 def along(p, values, at) -> np.ndarray:
     """[m, d], nodal values [n, d] at some arc lengths."""
     return np.column_stack([np.interp(at, p, column) for column in values.T])
-
-
-def walls(r: Results) -> list[tuple[list[np.ndarray], list[np.ndarray]]]:
-    """Of each wall around a run (rings [m, 2], what lies in one but not in two of them is its body; its
-    lines [m, 2]); of what has no end as much as the shapes reach along it, and more."""
-    from .walls import solid, walls_of
-
-    x = np.concatenate([s.reshape(-1, 2) for s in r.shapes["x"]])
-    (x0, y0), (x1, y1) = x.min(axis=0), x.max(axis=0)
-    room = max(x1 - x0, y1 - y0)
-    found = []
-    for wall in walls_of(r):
-        body, lines = solid(wall, (x0 - room, x1 + room, y0 - room, y1 + room))
-        found.append((body.to_polygons(closed_only=False) if body else [], lines))
-    return found

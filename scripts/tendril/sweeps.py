@@ -10,13 +10,12 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Mapping, Sequence
 
-import numpy as np
-
 from .collection import Sweep, load_sweep
 from .errors import RunError, TendrilError, arguments, positive
 from .progress import bar
+from .readers import heading, is_number
 from .results import Results
-from .runs import execute, launched, run, scene_words, task_of, words_of
+from .runs import execute, launched, run, scene_words, task_of, text_of, words_of
 
 ALONE = {"task", "restart", "output", "quiet", "options_file"}  # a member with these runs by itself
 
@@ -74,15 +73,16 @@ def whole(sweep: Sweep) -> Sweep:
 
 
 def grid(over) -> dict[str, list]:
-    """The axes of a grid, checked."""
+    """The axes of a grid, checked; a unit behind a name, "growth_width (mm)", stands behind its numbers."""
     if not isinstance(over, Mapping) or not over or not all(isinstance(name, str) for name in over):
         raise TendrilError('sweep: give what to vary, over={"friction_mu": [0, 0.5, 1]}')
     axes = {}
     for name, values in over.items():
         if isinstance(values, (str, bytes, dict)) or not hasattr(values, "__iter__") or hasattr(values, "ndim") and values.ndim != 1:
             raise TendrilError(f"sweep: over[{name!r}] is {values!r}: give a list of values")
-        axes[name.lstrip("-")] = list(values)
-        if not axes[name.lstrip("-")]:
+        option, unit = heading(name.lstrip("-"))
+        axes[option] = [f"{text_of(value)}{unit}" if unit and is_number(text_of(value)) else value for value in values]
+        if not axes[option]:
             raise TendrilError(f"sweep: over[{name!r}] has no value: give some, or leave it out")
     return axes
 
@@ -126,7 +126,7 @@ def sweep(scene=None, over: Mapping[str, Sequence] | None = None, *, directory=N
           jobs: int | None = None, progress: bool | None = None, **options) -> Sweep:
     """Runs every combination of the values of some options, in one job of tendril's -task sweep.
 
-    over       {"friction_mu": [0, 0.5, 1], "growth_initial_length": [1, 2]}
+    over       {"friction_mu": [0, 0.5, 1], "growth_initial_length (mm)": [20, 30]}; the unit may stand behind each value
     directory  where sweep.h5 is kept, the file of all runs. If it is there, of the same sweep, only what
                is missing is run; of another one it is refused. None: nothing is kept
     jobs       runs at a time; None: as many as there are cores

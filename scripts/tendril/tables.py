@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .readers import DataError, Row, heading, is_number, line_of, rows_and_comments, units_in
-from .units import METRES, OF_KIND, TIMES, rate_called, unit_called
+from .readers import DataError, Row, heading, is_number, line_of, number_in, rows_and_comments, units_in
+from .units import METRES, OF_KIND, PIXELS, TIMES, rate_called, unit_called
 
 HEAD = 80  # rows in which headings are looked for
 # in brackets behind a name, and no unit
@@ -17,10 +17,8 @@ ASIDE = ("", "-", "1", "none", "true", "grid", "magnetic", "mag", "true north", 
          "lps")
 SAID = re.compile(r"\b(?:units?|uom)\b[^:=,;]{0,24}[:=,;]\s*[\"'(\[]?\s*([A-Za-z\u00b5\u03bc]+)", re.IGNORECASE)
 # lengths that tendril does not know, as a title may have them
-STRANGE = ("yd", "yard", "yards", "km", "dm", "nm", "mile", "miles", "usft", "ftus", "fathom", "furlong", "px", "pixel", "pixels", "voxel",
+STRANGE = ("yd", "yard", "yards", "km", "dm", "nm", "mile", "miles", "usft", "ftus", "fathom", "furlong", *PIXELS, "voxel",
            "voxels", "kilometre", "kilometer", "kilometres", "kilometers")
-THOUSANDS = re.compile(r"[-+]?\d{1,3}(,\d{3})+\.\d*")
-NUMBER = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s].*)?")
 
 
 @dataclass
@@ -141,7 +139,7 @@ def units_below(columns, rows, name, notes):
     unit in one: they say the units."""
     for row in rows[:1]:
         said = {what: row[c.index].strip() for what, c in columns.items() if c.index < len(row) and row[c.index].strip()}
-        if any(NUMBER.fullmatch(cell) for cell in said.values()) or not (len(said) > 1 or units_in(said.values())):
+        if any(map(number_in, said.values())) or not (len(said) > 1 or units_in(said.values())):
             break
         for what, cell in said.items():
             columns[what].unit = columns[what].unit or cell.strip("()[]{} ")
@@ -196,6 +194,21 @@ def named(source, wanted, enough, foreign=False, given=None):
     return table, None
 
 
+def body_of(rows):
+    """(the number of the first row of numbers, the columns that are filled from there on)."""
+    first = next((k for k, row in enumerate(rows) if sum(map(is_number, row)) > 1), len(rows))
+    width = max(map(len, rows[first:]), default=0)
+    return first, [k for k in range(width) if any(k < len(row) and row[k].strip() for row in rows[first:])]
+
+
+def under(names, rows):
+    """Rows with names above the columns that are filled, where the numbers begin."""
+    first, full = body_of(rows)
+    named_at = dict(zip(full, names))
+    heads = Row([named_at.get(k, "") for k in range(full[-1] + 1)], line_of(rows[first]))
+    return [*rows[:first], heads, *rows[first:]]
+
+
 def words_of(row):
     return " ".join(cell.strip() for cell in row if cell.strip())
 
@@ -211,13 +224,6 @@ def check_unit(source, column, kind, foreign):
     raise DataError(f"{source}: {column.name}: {column.unit} is no unit of {'an angle' if kind == 'angle' else kind}; tendril knows "
                     f"{', '.join(OF_KIND[kind])}" + (f"; else give --scale, what 1 {column.unit} is in the unit of the result"
                                                      if kind == "length" else ""))
-
-
-def number_in(cell):
-    """(number, unit behind it) of a cell; None for what is none."""
-    cell = cell.strip()
-    found = NUMBER.fullmatch(cell.replace(",", "") if THOUSANDS.fullmatch(cell) else cell)
-    return (float(found[1]), (found[2] or "").strip()) if found else None
 
 
 def fill(table, rows, heads, wanted, source):

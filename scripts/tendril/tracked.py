@@ -17,10 +17,10 @@ import h5py
 import numpy as np
 
 from .errors import DataError
+from .units import METRES, PIXEL, PIXELS, unit_called
 
 SURE = 0.6  # the score from which on a point is used
 POINTS = ["x1 (px)", "x2 (px)", "point", "unsure"]
-INCH = ("inch", "inches", "in")
 
 
 def only(names, source, what):
@@ -164,13 +164,13 @@ def rsml(source):
         resolution = float(told("metadata/resolution") or 1)
     except (TypeError, ValueError):
         raise DataError(f"{source}: RSML: a point or the resolution is no number") from None
-    unit = told("metadata/unit").lower() or "pixel"
-    unit = "px" if unit in ("pixel", "pixels", "px", "none") else "in" if unit in INCH else unit
+    unit = told("metadata/unit") or PIXEL
+    unit = PIXEL if unit.lower() in (*PIXELS, "none") else unit_called(unit, "length") or unit
     if len(points) < 3:
         raise DataError(f"{source}: RSML: its root has {len(points)} points; three are needed at least")
     if not resolution > 0:
         raise DataError(f"{source}: RSML: resolution {resolution:g}: it must be above 0")
-    unit, factor = ("cm", 2.54 / resolution) if unit == "in" else (unit, 1 / resolution)
+    unit, factor = ("cm", METRES["in"] / METRES["cm"] / resolution) if unit == "in" else (unit, 1 / resolution)
     head = ["image", f"x1 ({unit})", f"x2 ({unit})", "point", "unsure"]
     image = told("metadata/image/name") or re.split(r"[\\/]", str(source))[-1]
     table = based(points, unit, factor)

@@ -37,6 +37,9 @@ SPELT = {word: unit for unit, words in {
     "deg": "degree degrees \u00b0 \u00ba dega degs", "rad": "radian radians", "grad": "gon gons grads"}.items()
     for word in words.split()}
 OF_KIND = {"length": METRES, "time": TIMES, "angle": ANGLES}
+PIXEL = "px"
+PIXELS = (PIXEL, "pixel", "pixels")
+PER = {over + unit: METRES[unit] for unit in ("m", "cm", "mm", "in", "ft") for over in ("/", "1/")}  # of curvatures
 # a unit of the file as powers of the scales of the laboratory, and its name in SI
 DIMENSIONS = {
     "l": ({"length": 1}, "m"), "l/V": ({"time": 1}, "s"), "V": ({"speed": 1}, "m/s"),
@@ -47,6 +50,14 @@ DIMENSIONS = {
 }
 KINDS = {"l": "length", "l/V": "time", "V": "speed", "N l": "force", "N l^2": "energy",
          "N l V": "power"}
+# of what is measured: name of a unit -> (unit of the file, what 1 of it is in SI)
+MEASURED = {name: (unit, si) for unit, kind in KINDS.items() if kind != "time" for name, si, _ in SHOWN[kind]}
+MEASURED |= {name.replace("µ", "u"): value for name, value in MEASURED.items()}
+MEASURED |= {name: ("l", si) for name, si in METRES.items()}
+MEASURED |= {name: ("l/V", si) for name, si in TIMES.items()}
+MEASURED |= {f"{length}/{time}": ("V", METRES[length] / TIMES[time]) for length in METRES for time in ("s", "min", "h", "d")}
+MEASURED |= {over + unit: ("1/l", 1 / si) for over in ("/", "1/") for unit, (kind, si) in list(MEASURED.items()) if kind == "l"}
+MEASURED |= {"rad": ("rad", 1), "deg": ("rad", np.pi / 180), "": ("", 1), "1": ("", 1), PIXEL: (PIXEL, 1)}
 
 
 def in_laboratory(unit, scale):
@@ -60,7 +71,7 @@ def in_laboratory(unit, scale):
 
 # what units of options are made of, in SI
 PARTS = {"N": 1, "mN": 1e-3, "uN": 1e-6, "Pa": 1, "mPa": 1e-3, **METRES, **TIMES, "kg": 9.80665, "g": 9.80665e-3}  # masses as weights
-QUANTITY = re.compile(r"\s*([-+]?(?:[0-9]*\.)?[0-9]+\.?(?:[eE][-+]?[0-9]+)?)\s*(.*?)\s*")
+QUANTITY = re.compile(r"\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)\s*((?![0-9.\s]).*?)\s*")
 PART = re.compile(rf"({'|'.join(sorted(PARTS, key=len, reverse=True))})(?:\^([0-9]))?")
 
 
@@ -68,6 +79,16 @@ def quantity(text):
     """(number, unit) of 0.5, "0.5" or "0.5 N/m"; None for what is none."""
     found = QUANTITY.fullmatch(str(text))
     return (float(found[1]), found[2].replace(" ", "")) if found else None
+
+
+def with_unit(value):
+    """The same, of what must be one."""
+    found = quantity(value)
+    if not found:
+        raise TendrilError(f"{value}: give a number, or one with a unit")
+    if re.match(",[0-9]", found[1]):
+        raise TendrilError(f"{value}: give a number with a point, {str(value).strip().replace(',', '.', 1)}")
+    return found
 
 
 def in_si(unit):
@@ -168,14 +189,11 @@ def scale_of(results, kind):
 def moment(option, text, results):
     """A time as the file counts it, from a number, "12.5" or, of a run in the laboratory, "20s"."""
     text = str(text).strip()
-    number, unit = re.fullmatch(r"(.*?)\s*([a-z]*)", text, re.DOTALL).groups()
     with contextlib.suppress(ValueError):
         return float(text)
-    try:
-        value = float(number)
-    except ValueError:
-        value = None
-    if value is None or unit not in TIMES:
+    value, said = quantity(text) or (0.0, "")
+    unit = unit_called(said, "time")
+    if not unit:
         raise ResultsError(f"{option} {text}: give a time, a number or one with {', '.join(TIMES)}")
     scale = scale_of(results, "time")
     if scale is None:

@@ -67,11 +67,6 @@ def walls_of(r):
     return parse(r.attributes.get("walls"))
 
 
-def diameter_of(r):
-    """The rod's diameter, 0 if it has none."""
-    return r.diameter
-
-
 # ---- outlines ----
 
 
@@ -223,6 +218,19 @@ class Scenery(Artist):
                 patch.draw(renderer)
 
 
+def outlines(r) -> list[tuple[list[np.ndarray], list[np.ndarray]]]:
+    """Of each wall around a run (rings [m, 2], what lies in one but not in two of them is its body; its
+    lines [m, 2]); of what has no end as much as the shapes reach along it, and more."""
+    x = np.concatenate([s.reshape(-1, 2) for s in r.shapes["x"]])
+    (x0, y0), (x1, y1) = x.min(axis=0), x.max(axis=0)
+    room = max(x1 - x0, y1 - y0)
+    found = []
+    for wall in walls_of(r):
+        body, lines = solid(wall, (x0 - room, x1 + room, y0 - room, y1 + room))
+        found.append((body.to_polygons(closed_only=False) if body else [], lines))
+    return found
+
+
 def draw_walls(ax, r, scale=1.0, room=True):
     """Draws the walls of a run behind all else, and makes room for those the rod is within.
     scale: what a unit of length is in the picture."""
@@ -286,7 +294,7 @@ def draw_rod(ax, r, x, scale=1.0, **look):
     look.setdefault("solid_capstyle", "round")
     look.setdefault("solid_joinstyle", "round")
     line = Tube(*(scale * np.asarray(x).T), **look)
-    line.width = scale * diameter_of(r)
+    line.width = scale * r.diameter
     line.least = look.get("lw", rcParams["lines.linewidth"] if line.width == 0 else Thick.least)
     ax.add_line(line)
     ax.autoscale_view()

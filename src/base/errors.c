@@ -58,7 +58,7 @@ static PetscErrorCode Handle(MPI_Comm comm, int line, const char *func, const ch
   alone = (PetscBool)(together < ranks && !now->said);
   if (alone && p == PETSC_ERROR_INITIAL && rank) (void)usleep(1000000 + 100000 * (unsigned)rank);
   if (plain) {
-    if (p == PETSC_ERROR_INITIAL && !now->said && (!rank || alone))
+    if (p == PETSC_ERROR_INITIAL && !now->said && (!rank || alone || now->keep))
       Say(n, mess ? mess : "", (PetscBool)(now->keep && !alone));
     now->said = PETSC_TRUE;
   } else if (now->keep && !alone)
@@ -106,6 +106,16 @@ PetscErrorCode ErrorsBegin(MPI_Comm comm, PetscBool keep, ErrorState *state) {
   state->comm = comm;
   state->keep = keep;
   state->reading = PETSC_TRUE;
+  PetscCall(ErrorsEnter(state));
+  PetscFunctionReturn(0);
+}
+
+/* ErrorsEnter - likewise, of a run that ErrorsBegin() knows, until ErrorsEnd(): what it has said
+   before is forgotten. */
+PetscErrorCode ErrorsEnter(ErrorState *state) {
+  PetscFunctionBegin;
+  state->said = PETSC_FALSE;
+  state->message[0] = 0;
   state->outer = now;
   now = state;
   PetscCall(PetscPushErrorHandler(Handle, NULL));

@@ -22,6 +22,7 @@ typedef struct ErrorState {
 } ErrorState;
 
 PetscErrorCode ErrorsBegin(MPI_Comm comm, PetscBool keep, ErrorState *state);
+PetscErrorCode ErrorsEnter(ErrorState *state);
 PetscErrorCode ErrorsEnd(void);
 void ErrorsOptionsRead(void);
 void ErrorsLastWords(void);

@@ -2,6 +2,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <hdf5.h>
+#include <stdlib.h>
 #include <unistd.h>
 
 struct _HdfFile {
@@ -71,15 +72,18 @@ PetscErrorCode HdfCreate(const char *path, HdfFile *file) {
 /* Copies a file; 0, or errno. */
 static int CopyFile(const char *from, const char *to) {
   FILE *in = fopen(from, "rb"), *out = in ? fopen(to, "wb") : NULL;
-  static char block[1 << 20];
+  const size_t size = 1 << 20;
   int fault = out ? 0 : errno;
+  char *block = fault ? NULL : malloc(size);
   size_t n;
 
-  while (!fault && (n = fread(block, 1, sizeof(block), in)) > 0)
+  if (!fault && !block) fault = ENOMEM;
+  while (!fault && (n = fread(block, 1, size, in)) > 0)
     if (fwrite(block, 1, n, out) != n) fault = errno;
   if (!fault && in && ferror(in)) fault = EIO;
   if (out && fclose(out) && !fault) fault = errno;
   if (in) fclose(in);
+  free(block);
   return fault;
 }
 

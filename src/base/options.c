@@ -9,9 +9,12 @@
 enum { MOST_BARE = 16, LONGEST_BARE = 60 };
 
 /* One run's options: PETSc's database of them, the ranks that share it, its laboratory units, and
-   what was read, for the record. A sweep has one of each member. */
-typedef struct Reading {
+   what was read, for the record. A sweep has one of each member, a host program of each of its
+   simulations. */
+struct _Reading {
   MPI_Comm comm;
+  PetscOptions options;      /* borrowed; NULL: those of the command line */
+  const CommandLine *line;   /* borrowed; NULL: that of the run around it */
   PetscReal scale[UNIT_ALL]; /* 0: unknown */
   size_t n, room;
   struct {
@@ -34,46 +37,111 @@ typedef struct Reading {
     int line;                      /* of the first such number; 0: there is none */
     char first[64];
     size_t more;
-  } lines; /* such numbers in the lines of a file */
-  PetscBool pushed;
-  struct Reading *outer;
-} Reading;
+  } lines;               /* such numbers in the lines of a file */
+  OwnLaw *law[OWN_LAWS]; /* borrowed; in the place of what options say */
+  PetscBool entered;
+  Reading outer;
+};
 
-static Reading *now;
+/* Of whoever is at work; it is NULL, or the host's, whenever no call is under way. */
+static Reading now;
 
-/* OptionsPush - from here on options are those of another run. Collective on comm.
+/* ReadingCreate - a run's options. The caller destroys it with ReadingDestroy(), when it is not
+   entered.
 
-   options   PETSc's database of them; NULL: the one of the command line */
-PetscErrorCode OptionsPush(MPI_Comm comm, PetscOptions options) {
-  Reading *self;
+   comm      the ranks that share them
+   options   PETSc's database of them; NULL: the one of the command line
+   line      that command line; NULL: that of the run around it, if there is one */
+PetscErrorCode ReadingCreate(MPI_Comm comm, PetscOptions options, const CommandLine *line,
+                             Reading *reading) {
+  PetscFunctionBegin;
+  PetscCall(PetscNew(reading));
+  (*reading)->comm = comm;
+  (*reading)->options = options;
+  (*reading)->line = line;
+  PetscFunctionReturn(0);
+}
+
+/* ReadingSetLaw - a law of one's own, or, where its value is NULL, none. It is borrowed. */
+PetscErrorCode ReadingSetLaw(Reading self, OwnKind kind, OwnLaw *law) {
+  PetscFunctionBegin;
+  self->law[kind] = law;
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode ReadingDestroy(Reading *reading) {
+  Reading self = *reading;
 
   PetscFunctionBegin;
-  PetscCall(PetscNew(&self));
-  self->comm = comm;
+  if (!self) PetscFunctionReturn(0);
+  for (size_t i = 0; i < self->n; i++) PetscCall(PetscFree(self->read[i].value));
+  PetscCall(PetscFree(self->read));
+  for (size_t i = 0; i < self->n_bare; i++) PetscCall(PetscFree(self->bare[i].said));
+  PetscCall(PetscFree(*reading));
+  PetscFunctionReturn(0);
+}
+
+/* OptionsEnter - from here on options are those of this run, until OptionsLeave(): a run may be
+   entered any number of times, one after the other. Not collective. */
+PetscErrorCode OptionsEnter(Reading self) {
+  PetscFunctionBegin;
+  PetscCheck(!self->entered, PETSC_COMM_SELF, PETSC_ERR_ORDER, "a run is entered while it is");
+  if (self->options) PetscCall(PetscOptionsPush(self->options));
+  self->entered = PETSC_TRUE;
   self->outer = now;
   now = self;
-  self->pushed = (PetscBool)(options != NULL);
-  if (options) PetscCall(PetscOptionsPush(options));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode OptionsLeave(void) {
+  Reading self = now;
+
+  PetscFunctionBegin;
+  if (self->options) PetscCall(PetscOptionsPop());
+  self->entered = PETSC_FALSE;
+  now = self->outer;
+  PetscFunctionReturn(0);
+}
+
+/* OptionsPush - ReadingCreate() and OptionsEnter() in one: from here on options are those of
+   another run, until OptionsPop(). */
+PetscErrorCode OptionsPush(MPI_Comm comm, PetscOptions options, const CommandLine *line) {
+  Reading self;
+
+  PetscFunctionBegin;
+  PetscCall(ReadingCreate(comm, options, line, &self));
+  PetscCall(OptionsEnter(self));
   PetscFunctionReturn(0);
 }
 
 /* OptionsPop - ends what OptionsPush() began. */
 PetscErrorCode OptionsPop(void) {
-  Reading *self = now;
+  Reading self = now;
 
   PetscFunctionBegin;
-  if (self->pushed) PetscCall(PetscOptionsPop());
-  for (size_t i = 0; i < self->n; i++) PetscCall(PetscFree(self->read[i].value));
-  PetscCall(PetscFree(self->read));
-  for (size_t i = 0; i < self->n_bare; i++) PetscCall(PetscFree(self->bare[i].said));
-  now = self->outer;
-  PetscCall(PetscFree(self));
+  PetscCall(OptionsLeave());
+  PetscCall(ReadingDestroy(&self));
   PetscFunctionReturn(0);
 }
 
 /* OptionsPushed - are the options now read those of a run within another, a member of a sweep? */
 PetscBool OptionsPushed(void) {
-  return (PetscBool)(now && now->pushed);
+  return (PetscBool)(now && now->options);
+}
+
+/* OptionsLaw - the law of one's own of this run; NULL: it has none of this kind. */
+OwnLaw *OptionsLaw(OwnKind kind) {
+  OwnLaw *law = now ? now->law[kind] : NULL;
+
+  return law && law->value ? law : NULL;
+}
+
+/* OptionsLine - the command line of the run, or of the one around it; NULL: there is none. */
+const CommandLine *OptionsLine(void) {
+  Reading self = now;
+
+  while (self && !self->line) self = self->outer;
+  return self ? self->line : NULL;
 }
 
 /* OptionsComm - the ranks that share the options now read. */

@@ -5,6 +5,8 @@
 #define TENDRIL_OPTIONS_H
 
 #include "base/errors.h"
+#include "base/own.h"
+#include "base/words.h"
 
 typedef enum { KIND_REAL, KIND_INT, KIND_BOOL, KIND_WORD, KIND_TEXT } OptionKind;
 
@@ -83,10 +85,27 @@ const OptionRow *OptionNext(size_t *place);
 void OptionsHelp(FILE *file);
 const char *OptionNearest(const char *name);
 
+/* The command line as it was given, and as PETSc gets it: with the words of options files. */
+typedef struct {
+  int given_n;
+  char *const *given; /* borrowed */
+  OptionWords taken;
+} CommandLine;
+
+typedef struct _Reading *Reading;
+
 /* options.c: reading */
 MPI_Comm OptionsComm(void);
-PetscErrorCode OptionsPush(MPI_Comm comm, PetscOptions options);
+PetscErrorCode ReadingCreate(MPI_Comm comm, PetscOptions options, const CommandLine *line,
+                             Reading *reading);
+PetscErrorCode ReadingSetLaw(Reading reading, OwnKind kind, OwnLaw *law);
+PetscErrorCode ReadingDestroy(Reading *reading);
+PetscErrorCode OptionsEnter(Reading reading);
+PetscErrorCode OptionsLeave(void);
+PetscErrorCode OptionsPush(MPI_Comm comm, PetscOptions options, const CommandLine *line);
 PetscErrorCode OptionsPop(void);
+const CommandLine *OptionsLine(void);
+OwnLaw *OptionsLaw(OwnKind kind);
 PetscBool OptionsPushed(void);
 PetscErrorCode OptionsSetScales(const PetscReal scale[UNIT_ALL]);
 PetscReal OptionsScale(Dimension dimension);
@@ -129,8 +148,8 @@ void OptionsKeepPlain(Dimension dimension, PetscReal value);
 PetscErrorCode OptionsTellPlain(void);
 
 /* options_words.c: the command line and options files, before PETSc takes them */
-int OptionsTakeWords(int *argc, char ***argv);
-void OptionsFreeWords(void);
+int OptionsTakeWords(CommandLine *line, int *argc, char ***argv);
+void OptionsFreeWords(CommandLine *line);
 PetscBool OptionOnCommandLine(const char *name);
 
 #endif

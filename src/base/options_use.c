@@ -151,6 +151,7 @@ static PetscBool SameFile(const struct stat *a, const struct stat *b) {
 /* OptionsRefuseOverwrite - refuses an output file, which the named option gives, that is also an
    input. Collective. */
 PetscErrorCode OptionsRefuseOverwrite(const char *option, const char *output) {
+  const CommandLine *line = OptionsLine();
   char file[PETSC_MAX_PATH_LEN];
   struct stat to, from;
   const OptionRow *row;
@@ -159,8 +160,8 @@ PetscErrorCode OptionsRefuseOverwrite(const char *option, const char *output) {
 
   PetscFunctionBegin;
   if (!output[0] || stat(output, &to)) PetscFunctionReturn(0);
-  for (int k = 0; WordsFile(k); k++)
-    UserCheck(stat(WordsFile(k), &from) || !SameFile(&to, &from), OptionsComm(),
+  for (int k = 0; line && WordsFile(&line->taken, k); k++)
+    UserCheck(stat(WordsFile(&line->taken, k), &from) || !SameFile(&to, &from), OptionsComm(),
               "%s %s: would overwrite the file that -options_file gives; name another", option,
               output);
   while ((row = OptionNext(&place))) {

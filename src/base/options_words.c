@@ -7,10 +7,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static Words taken; /* what PETSc gets */
-static int given_n; /* what was given */
-static char *const *given;
-
 static PetscBool IsNumber(const char *word) {
   char *end;
   (void)strtod(word, &end);
@@ -59,44 +55,47 @@ static PetscBool WordFault(char **argv, int i, char fault[WORDS_FAULT]) {
   OptionsTakeWords - checks the words of the command line and puts those of options files in their
   place. Before PetscInitialize(), after MPI_Init(); the caller ends it with OptionsFreeWords().
 
+  line        keeps what was given and what PETSc gets
   argc, argv  as main() has them; on exit what PETSc is to have
 
-  Words that belong to no option (a forgotten dash), names with two dashes, and options files that
-  cannot be read as such are refused. Returns 0 if all is well, else the line is out.
+  Words that belong to no option (a forgotten dash), names with two dashes, and options files
+  that cannot be read as such are refused. Returns 0 if all is well, else the line is out.
 */
-int OptionsTakeWords(int *argc, char ***argv) {
+int OptionsTakeWords(CommandLine *line, int *argc, char ***argv) {
   char fault[WORDS_FAULT] = "", **word = *argv;
   int rank, ranks;
 
-  given_n = *argc;
-  given = *argv;
+  line->given_n = *argc;
+  line->given = *argv;
   for (int i = 0; i < *argc; i++) {
     if (i && WordFault(word, i, fault)) break;
     if (!i || strcmp(word[i], "-options_file"))
-      WordsAdd(&taken, word[i]);
+      WordsAdd(&line->taken, word[i]);
     else if (i + 1 == *argc || WordIsOption(word[i + 1]))
       (void)snprintf(fault, sizeof(fault), "-options_file: give the name of a file");
     else
-      (void)WordsAddFile(&taken, word[++i], fault);
+      (void)WordsAddFile(&line->taken, word[++i], fault);
     if (fault[0]) break;
   }
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   MPI_Comm_size(MPI_COMM_WORLD, &ranks);
   if (fault[0] && !rank) fprintf(stderr, "tendril: %s\n", fault);
   if (fault[0] && !rank && ranks > 1) (void)usleep(100000); /* mpiexec may drop the last words */
-  *argc = taken.n;
-  *argv = taken.word;
+  *argc = line->taken.n;
+  *argv = line->taken.word;
   return fault[0] != 0;
 }
 
 /* OptionsFreeWords - frees what OptionsTakeWords() has made, which PETSc has until its end. */
-void OptionsFreeWords(void) {
-  WordsFree(&taken);
+void OptionsFreeWords(CommandLine *line) {
+  WordsFree(&line->taken);
 }
 
 /* OptionOnCommandLine - does the command line itself have this option, or only an options file? */
 PetscBool OptionOnCommandLine(const char *name) {
-  for (int i = 1; i < given_n; i++)
-    if (!strcmp(given[i], name)) return PETSC_TRUE;
+  const CommandLine *line = OptionsLine();
+
+  for (int i = 1; line && i < line->given_n; i++)
+    if (!strcmp(line->given[i], name)) return PETSC_TRUE;
   return PETSC_FALSE;
 }

@@ -226,6 +226,64 @@ static PetscErrorCode TakeUnits(Table self) {
   PetscFunctionReturn(0);
 }
 
+/* Writes a cell with a unit behind each of its numbers, 1,2 as 1mm,2mm; where it ends, behind its
+   0. What is no number, or carries a unit, stays. */
+static char *WithUnit(const char *cell, const char *unit, char *to) {
+  for (;; *to++ = *cell++) {
+    const size_t length = strcspn(cell, ",");
+    char *end;
+
+    (void)strtod(cell, &end);
+    (void)memcpy(to, cell, length);
+    to += length;
+    if (length && end == cell + length) to = strchr(strcpy(to, unit), 0);
+    cell += length;
+    if (!*cell) break;
+  }
+  *to++ = 0;
+  return to;
+}
+
+/* Puts the units of the names behind the numbers below them: cells are then what options are. */
+static PetscErrorCode GiveUnits(Table self) {
+  size_t cells = (size_t)(self->rows + 1) * self->columns, longest = 0, room = 0;
+  char *text, *to;
+
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < self->columns; c++)
+    if (self->unit[c]) longest = PetscMax(longest, strlen(self->unit[c]));
+  for (size_t k = 0; k < cells; k++)
+    for (const char *part = self->text + self->at[k]; part; part = strchr(part + 1, ','))
+      room += longest + (part == self->text + self->at[k] ? strlen(part) + 1 : 0);
+  PetscCall(PetscMalloc1(room + 1, &text));
+  to = text;
+  for (size_t k = 0; k < cells; k++) {
+    const char *unit = k < (size_t)self->columns ? NULL : self->unit[k % self->columns],
+               *cell = self->text + self->at[k];
+    self->at[k] = (size_t)(to - text);
+    to = WithUnit(cell, unit ? unit : "", to);
+  }
+  PetscCall(PetscFree(self->text));
+  PetscCall(PetscFree(self->unit));
+  self->text = text;
+  PetscFunctionReturn(0);
+}
+
+/* Refuses a unit above a column of an option that has none. */
+static PetscErrorCode CheckUnit(const char *option, const char *path, Table self, PetscInt column) {
+  char name[80];
+  const OptionRow *row;
+
+  PetscFunctionBegin;
+  if (!self->unit[column]) PetscFunctionReturn(0);
+  (void)snprintf(name, sizeof(name), "-%s", TableName(self, column));
+  row = OptionFind(name);
+  UserCheck(row && (row->dimension != UNIT_NONE || row->kind == KIND_TEXT), OptionsComm(),
+            "%s %s: %s has no unit; take (%s) out of its heading", option, path, name,
+            self->unit[column]);
+  PetscFunctionReturn(0);
+}
+
 /* Refuses a name that cannot stand above a column. */
 static PetscErrorCode CheckName(const char *option, const char *path, Table self, PetscInt column) {
   char name[80];
@@ -286,13 +344,19 @@ PetscErrorCode TableReadPlain(const char *option, const char *path, Table *table
 
 /*
   TableRead - reads a table of options, as TableReadPlain() does, and checks its names: options,
-  with or without their dash, above the columns, a run a row. An empty cell, or NaN, says nothing
-  about its option. Collective.
+  with or without their dash, above the columns, a run a row. A unit behind a name, in brackets,
+  stands behind each number below it that carries none. An empty cell, or NaN, says nothing about
+  its option. Collective.
 */
 PetscErrorCode TableRead(const char *option, const char *path, Table *table) {
   PetscFunctionBegin;
   PetscCall(ReadAny(option, path, table));
-  for (PetscInt c = 0; c < (*table)->columns; c++) PetscCall(CheckName(option, path, *table, c));
+  PetscCall(TakeUnits(*table));
+  for (PetscInt c = 0; c < (*table)->columns; c++) {
+    PetscCall(CheckName(option, path, *table, c));
+    PetscCall(CheckUnit(option, path, *table, c));
+  }
+  PetscCall(GiveUnits(*table));
   PetscFunctionReturn(0);
 }
 

@@ -9,8 +9,6 @@
 
 enum { DEEPEST = 16, LONGEST = PETSC_MAX_PATH_LEN - 1, SHOWN = 60 };
 
-static Words files; /* that have been read */
-
 /* A file that is being read, and the one that names it. */
 typedef struct Source {
   const char *file;
@@ -32,7 +30,7 @@ static void *Need(void *memory) {
 }
 
 /* WordsAdd - adds a copy of a word. Not collective, as all here; before PetscInitialize(). */
-void WordsAdd(Words *self, const char *word) {
+void WordsAdd(OptionWords *self, const char *word) {
   if (self->n + 2 > self->room) {
     self->room = 2 * self->room + 32;
     self->word =
@@ -43,16 +41,17 @@ void WordsAdd(Words *self, const char *word) {
 }
 
 /* WordsFree - frees them, and what is known of files. */
-void WordsFree(Words *self) {
+void WordsFree(OptionWords *self) {
   for (int i = 0; i < self->n; i++) free(self->word[i]);
   free((void *)self->word);
-  *self = (Words){0};
-  if (self != &files) WordsFree(&files);
+  if (self->files) WordsFree(self->files);
+  free(self->files);
+  *self = (OptionWords){0};
 }
 
 /* WordsFile - the name of the k-th options file that was read; NULL: there are no more. */
-const char *WordsFile(int k) {
-  return k < files.n ? files.word[k] : NULL;
+const char *WordsFile(const OptionWords *self, int k) {
+  return self->files && k < self->files->n ? self->files->word[k] : NULL;
 }
 
 static PetscBool Fault(const Source *self, const char *format, ...) {
@@ -80,10 +79,11 @@ static void Place(const Source *self, const char *name, char *path, size_t lengt
   if (stat(path, &status)) (void)snprintf(path, length, "%s", name);
 }
 
-static PetscBool AddFile(Words *words, Source *self);
+static PetscBool AddFile(OptionWords *words, Source *self);
 
 /* An option and its value, which may be NULL. */
-static PetscBool AddOption(Words *words, const Source *self, const char *name, const char *value) {
+static PetscBool AddOption(OptionWords *words, const Source *self, const char *name,
+                           const char *value) {
   const OptionRow *row = OptionFind(name);
   char path[2 * PETSC_MAX_PATH_LEN];
   Source inner = {.file = path, .fault = self->fault, .depth = self->depth + 1, .outer = self};
@@ -109,7 +109,7 @@ static PetscBool CheckName(const Source *self, const char *name) {
   return Fault(self, "begin the line with an option (-) or a comment (#): %.*s", SHOWN, name);
 }
 
-static PetscBool AddLine(Words *words, const Source *self, char *line) {
+static PetscBool AddLine(OptionWords *words, const Source *self, char *line) {
   const char *const blanks = " \t\r\n\v\f";
   char *rest, *name, *value, *more;
 
@@ -151,7 +151,7 @@ static PetscBool CheckFile(Source *self) {
   return PETSC_TRUE;
 }
 
-static PetscBool AddFile(Words *words, Source *self) {
+static PetscBool AddFile(OptionWords *words, Source *self) {
   PetscBool good;
   size_t room = 0;
   char *line = NULL;
@@ -161,7 +161,8 @@ static PetscBool AddFile(Words *words, Source *self) {
   if (!CheckFile(self)) return PETSC_FALSE;
   f = fopen(self->file, "r");
   if (!f) return Fault(self, "cannot be read");
-  WordsAdd(&files, self->file);
+  if (!words->files) words->files = (OptionWords *)Need(calloc(1, sizeof(OptionWords)));
+  WordsAdd(words->files, self->file);
   for (good = PETSC_TRUE; good && (n = getline(&line, &room, f)) >= 0;) {
     char *begin = line;
     /* an editor may have put a byte order mark before the first line */
@@ -182,7 +183,7 @@ static PetscBool AddFile(Words *words, Source *self) {
 
   Returns whether all is well.
 */
-PetscBool WordsAddFile(Words *words, const char *file, char fault[WORDS_FAULT]) {
+PetscBool WordsAddFile(OptionWords *words, const char *file, char fault[WORDS_FAULT]) {
   Source source = {.file = file, .fault = fault};
 
   return AddFile(words, &source);

@@ -6,17 +6,18 @@
 
 enum { WORDS_FAULT = PETSC_MAX_PATH_LEN + 512 };
 
-typedef struct {
+typedef struct OptionWords {
   int n, room;
-  char **word; /* [n], and a NULL behind them as in main() */
-} Words;
+  char **word;               /* [n], and a NULL behind them as in main() */
+  struct OptionWords *files; /* the names of the options files that were read; NULL: none */
+} OptionWords;
 
 PetscBool WordIsOption(const char *word);
-void WordsAdd(Words *words, const char *word);
-void WordsFree(Words *words);
-PetscBool WordsAddFile(Words *words, const char *file, char fault[WORDS_FAULT]);
+void WordsAdd(OptionWords *words, const char *word);
+void WordsFree(OptionWords *words);
+PetscBool WordsAddFile(OptionWords *words, const char *file, char fault[WORDS_FAULT]);
 
 /* the options files that were read, the k-th; NULL: there are no more */
-const char *WordsFile(int k);
+const char *WordsFile(const OptionWords *words, int k);
 
 #endif

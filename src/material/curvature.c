@@ -15,7 +15,8 @@ static const OptionRow rows[] = {
     ROW_TEXT("-rod_curvature_file", INPUT_FILE,
              "HDF5 file with the natural curvature, /curvature (in space also /curvature_2, "
              "/twist), over the label /s of a rod that grows "
-             "in place, over the /distance from the tip of one that slides (feed, apical)"),
+             "in place, over the /distance from the tip of one that slides (feed, apical); with /t "
+             "[nt] they are [nt, n] and steer the rod over time"),
     ROW_REAL("-rod_curvature_random", "", 0, 1e9, UNIT_CURVATURE, 0,
              "root mean square of a random natural curvature, per length"),
     ROW_REAL(
@@ -37,7 +38,7 @@ static PetscErrorCode MakeSpline(Strain *self) {
 static PetscErrorCode FromFile(Strain *self, Growth growth, const char *file, const char *name) {
   const char *option = "-rod_curvature_file", *where = growth->slides ? "/distance" : "/s";
   const PetscInt most = 1000000;
-  PetscBool has;
+  PetscBool has, steered;
   PetscInt n, m;
 
   PetscFunctionBegin;
@@ -47,7 +48,9 @@ static PetscErrorCode FromFile(Strain *self, Growth growth, const char *file, co
             file, growth->type, where);
   PetscCall(HdfReadQuantity(option, file, where, growth->slides ? UNIT_LENGTH : UNIT_NONE, 1, &n,
                             &self->at));
-  PetscCall(HdfReadQuantity(option, file, name, UNIT_CURVATURE, 1, &m, &self->k));
+  PetscCall(HdfHas(file, "/t", &steered));
+  m = n;
+  if (!steered) PetscCall(HdfReadQuantity(option, file, name, UNIT_CURVATURE, 1, &m, &self->k));
   UserCheck(n == m, OptionsComm(), "%s %s: %s and %s differ in length", option, file, where, name);
   UserCheck(n >= 4 && n <= most, OptionsComm(), "%s %s: needs 4 to %d entries, has %d", option,
             file, (int)most, (int)n);
@@ -59,7 +62,10 @@ static PetscErrorCode FromFile(Strain *self, Growth growth, const char *file, co
     UserCheck(self->at[i] > self->at[i - 1], OptionsComm(), "%s %s: %s must increase", option, file,
               where);
   self->n = n;
-  PetscCall(MakeSpline(self));
+  if (steered)
+    PetscCall(ActuationRead(option, file, name, n, self->at, &self->steered));
+  else
+    PetscCall(MakeSpline(self));
   PetscFunctionReturn(0);
 }
 
@@ -173,12 +179,44 @@ static PetscErrorCode RandomStrain(Strain *self, Growth growth, PetscReal end_ti
   PetscFunctionBegin;
   PetscCall(ReadLength(growth, &length));
   PetscCall(OptionInt("-rod_curvature_seed", &seed, NULL));
-  PetscCall(GrowthLength(growth, end_time, &L, NULL));
+  PetscCall(growth->slides ? GrowthLongest(growth, end_time, &L)
+                           : GrowthLength(growth, end_time, &L, NULL));
   if (growth->slides) {
     low = growth->initial_length - L;
     high = L;
   }
   PetscCall(AtRandom(self, amplitude, length, seed + which * apart, low, high));
+  PetscFunctionReturn(0);
+}
+
+/* A law of one's own, in the place of all options: what there is of it shows at places all over the
+   run. */
+static PetscErrorCode TakeOwn(Curvature *self, PetscReal end_time) {
+  enum { PLACES = 65, TIMES = 9 };
+  static const char *const others[] = {
+      "-rod_curvature",      "-rod_curvature_2",      "-rod_twist",
+      "-rod_curvature_file", "-rod_curvature_random", "-rod_curvature_random_2"};
+  PetscBool given;
+
+  PetscFunctionBegin;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(others); k++) {
+    PetscCall(OptionGiven(others[k], &given));
+    UserCheck(!given, OptionsComm(), "%s: the curvature of one's own says it; take this out",
+              others[k]);
+  }
+  for (int i = 0; i < PLACES * TIMES; i++) {
+    const TendrilPlace at = {.s = (double)(i % PLACES) / (PLACES - 1),
+                             .t = end_time * (double)(i / PLACES) / (TIMES - 1)};
+    PetscReal value[OWN_VALUES] = {0};
+    OwnValue(self->own, &at, value);
+    for (int k = 0; k < STRAINS; k++) {
+      UserCheck(!PetscIsInfOrNanReal(value[k]), OptionsComm(),
+                "the curvature of one's own is no number at s = %g, t = %g", at.s, at.t);
+      self->most[k] = PetscMax(self->most[k], PetscAbsReal(value[k]));
+    }
+  }
+  self->any = PETSC_TRUE;
+  self->space = (PetscBool)(self->most[BEND_2] > 0 || self->most[TURN_1] > 0);
   PetscFunctionReturn(0);
 }
 
@@ -198,6 +236,12 @@ PetscErrorCode CurvatureSetFromOptions(Curvature *self, Growth growth, PetscReal
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(self, sizeof(*self)));
+  self->own = OptionsLaw(OWN_CURVATURE);
+  if (self->own) {
+    PetscCall(TakeOwn(self, end_time));
+    PetscCall(TabulateAngle(self, growth));
+    PetscFunctionReturn(0);
+  }
   PetscCall(OptionText("-rod_curvature_file", file, &from_file));
   for (int k = 0; k < STRAINS; k++) {
     Strain *strain = &self->strain[k];
@@ -210,6 +254,7 @@ PetscErrorCode CurvatureSetFromOptions(Curvature *self, Growth growth, PetscReal
     has = PETSC_TRUE;
     if (from_file && k > BEND_3) PetscCall(HdfHas(file, name[k], &has));
     if (from_file && has) PetscCall(FromFile(strain, growth, file, name[k]));
+    self->steered = (PetscBool)(self->steered || strain->steered);
     if (strain->constant != 0 || (from_file && has) || (at_random[k] && amplitude > 0)) {
       self->any = PETSC_TRUE;
       self->space = (PetscBool)(self->space || k > BEND_3);
@@ -225,23 +270,46 @@ PetscErrorCode CurvatureDestroy(Curvature *self) {
     PetscCall(PetscFree(self->strain[k].at));
     PetscCall(PetscFree(self->strain[k].k));
     PetscCall(PetscFree(self->strain[k].k2));
+    PetscCall(ActuationDestroy(&self->strain[k].steered));
   }
   PetscCall(PetscFree3(self->even, self->angle, self->slope));
   PetscFunctionReturn(0);
 }
 
-/* Where a table is to be read for the material at a label and a time, and the rate of that. */
-static PetscErrorCode OriginOf(Growth growth, PetscReal s, PetscReal t, PetscReal *at,
-                               PetscReal *at_t) {
+/* Where a table is to be read for the material at a label and a time, and the rate of that. What is
+   steered is read at the distance from the tip now, from which material slides away at L_t - V. */
+static PetscErrorCode OriginOf(const Curvature *self, Growth growth, PetscReal s, PetscReal t,
+                               PetscReal *at, PetscReal *at_t) {
+  PetscReal L, L_t, p, p_t;
+
   PetscFunctionBegin;
   *at = s;
   *at_t = 0;
-  if (growth->slides) PetscCall(GrowthOrigin(growth, s, t, at, at_t));
+  if (!growth->slides) PetscFunctionReturn(0);
+  if (!self->steered) {
+    PetscCall(GrowthOrigin(growth, s, t, at, at_t));
+    PetscFunctionReturn(0);
+  }
+  PetscCall(GrowthLength(growth, t, &L, &L_t));
+  PetscCall(GrowthArc(growth, 1, &s, t, &p, &p_t));
+  *at = (1 - s) * L;
+  *at_t = L_t - GrowthSpeed(growth, s, t, p_t);
   PetscFunctionReturn(0);
 }
 
+/* A strain that is steered: for the material it changes at the rate k_t + d_t k_d. */
+static void Steered(const Strain *self, PetscReal at, PetscReal at_t, PetscReal t, PetscReal *k,
+                    PetscReal *k_t) {
+  PetscReal value, slope, rate;
+
+  ActuationValue(self->steered, at, t, &value, &slope, &rate);
+  *k += value;
+  if (k_t) *k_t = rate + at_t * slope;
+}
+
 /* One natural strain there, and its rate for the material (may be NULL). */
-static void Value(const Strain *self, PetscReal at, PetscReal at_t, PetscReal *k, PetscReal *k_t) {
+static void Value(const Strain *self, PetscReal at, PetscReal at_t, PetscReal t, PetscReal *k,
+                  PetscReal *k_t) {
   const PetscBool changes = (PetscBool)(k_t && at_t != 0);
   PetscReal weight[4], slope[4];
   PetscInt i;
@@ -249,6 +317,10 @@ static void Value(const Strain *self, PetscReal at, PetscReal at_t, PetscReal *k
   *k = self->constant;
   if (k_t) *k_t = 0;
   if (!self->n) return;
+  if (self->steered) {
+    Steered(self, at, at_t, t, k, k_t);
+    return;
+  }
   if (at < self->at[0] || at > self->at[self->n - 1]) {
     *k += self->k[at < self->at[0] ? 0 : self->n - 1];
     return;
@@ -259,13 +331,25 @@ static void Value(const Strain *self, PetscReal at, PetscReal at_t, PetscReal *k
     *k_t += at_t * (slope[j] * self->k[i + j] + slope[2 + j] * self->k2[i + j]);
 }
 
+/* ... or of a law of one's own. */
+static void OwnStrain(const Curvature *self, int e, PetscReal s, PetscReal t, PetscReal *k,
+                      PetscReal *k_t) {
+  const TendrilPlace at = {.s = s, .t = t};
+  PetscReal value[OWN_VALUES] = {0};
+
+  OwnValue(self->own, &at, value);
+  *k = value[e];
+  if (k_t) *k_t = value[STRAINS + e];
+}
+
 /*
   CurvatureValue - k0 at the label s and time t, per arc length, and the rate k_t at which it
   changes for the material there (may be NULL).
 
   In place the table is over the labels. Where material slides, it is over the distance that the
   material there had from the tip at the start (growth.h): a fed rod carries its curvature along.
-  Beyond the ends of a file's table its last values go on.
+  Beyond the ends of a file's table its last values go on. What is steered is over the distance that
+  it has from the tip now, which of a fed rod is the same.
 */
 PetscErrorCode CurvatureValue(const Curvature *self, Growth growth, PetscReal s, PetscReal t,
                               PetscReal *k, PetscReal *k_t) {
@@ -273,22 +357,97 @@ PetscErrorCode CurvatureValue(const Curvature *self, Growth growth, PetscReal s,
   PetscReal at = s, at_t = 0;
 
   PetscFunctionBegin;
-  if (strain->n) PetscCall(OriginOf(growth, s, t, &at, &at_t));
-  Value(strain, at, at_t, k, k_t);
+  if (self->own) {
+    OwnStrain(self, BEND_3, s, t, k, k_t);
+    PetscFunctionReturn(0);
+  }
+  if (strain->n) PetscCall(OriginOf(self, growth, s, t, &at, &at_t));
+  Value(strain, at, at_t, t, k, k_t);
   PetscFunctionReturn(0);
 }
 
-static PetscReal Largest(const Strain *strain) {
-  PetscReal most = PetscAbsReal(strain->constant);
+/* CurvatureNextTurn - the first time behind t at which one that is steered kinks, sets out, rests
+   or turns back; PETSC_MAX_REAL if there is none. */
+PetscReal CurvatureNextTurn(const Curvature *self, PetscReal t) {
+  PetscReal next = PETSC_MAX_REAL;
 
+  for (int k = 0; k < STRAINS && self->steered; k++)
+    if (self->strain[k].steered)
+      next = PetscMin(next, ActuationNextTurn(self->strain[k].steered, t));
+  return next;
+}
+
+/* CurvatureJerks - does the rate at which it is steered jump between two times? */
+PetscBool CurvatureJerks(const Curvature *self, PetscReal t0, PetscReal t1) {
+  for (int k = 0; k < STRAINS && self->steered; k++)
+    if (self->strain[k].steered && ActuationJerks(self->strain[k].steered, t0, t1))
+      return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* CurvatureBendsInTime - adds the times at which it bends (base/bends.h). */
+PetscErrorCode CurvatureBendsInTime(const Curvature *self, PetscReal tolerance, Bends *bends) {
+  PetscFunctionBegin;
+  for (int k = 0; k < STRAINS; k++)
+    if (self->strain[k].steered)
+      PetscCall(ActuationBends(self->strain[k].steered, tolerance, bends));
+  PetscFunctionReturn(0);
+}
+
+static PetscReal Largest(const Curvature *self, int e) {
+  const Strain *strain = &self->strain[e];
+  PetscReal most = PetscMax(PetscAbsReal(strain->constant), self->most[e]);
+
+  if (strain->steered) return PetscMax(most, ActuationLargest(strain->steered));
   for (PetscInt i = 0; i < strain->n; i++) most = PetscMax(most, PetscAbsReal(strain->k[i]));
   return most;
+}
+
+/* CurvatureSteered - the largest of a strain that is steered, 0 if that is not. (Two bends twist.)
+ */
+PetscReal CurvatureSteered(const Curvature *self, int strain) {
+  const Strain *of = self->strain;
+
+  if (strain == TURN_1 && !of[TURN_1].steered && of[BEND_2].steered && of[BEND_3].steered)
+    return PetscMin(CurvatureSteered(self, BEND_2), CurvatureSteered(self, BEND_3));
+  return of[strain].steered ? ActuationLargest(of[strain].steered) : 0;
+}
+
+/* CurvatureFinest - the least length (or part of the labels) over which one that is no constant
+   changes by as much as it is at most: that of a hook, however far apart the other knots are. 0:
+   there is none. */
+PetscReal CurvatureFinest(const Curvature *self) {
+  PetscReal least = PETSC_MAX_REAL;
+
+  for (int e = 0; e < STRAINS; e++) {
+    const Strain *strain = &self->strain[e];
+    PetscReal most = 0, steepest = 0;
+    if (strain->steered) {
+      most = ActuationLargest(strain->steered);
+      steepest = ActuationSteepest(strain->steered);
+    }
+    for (PetscInt i = 0; i < strain->n && !strain->steered; i++) {
+      most = PetscMax(most, PetscAbsReal(strain->k[i]));
+      if (i + 1 < strain->n)
+        steepest = PetscMax(steepest, PetscAbsReal(strain->k[i + 1] - strain->k[i]) /
+                                          (strain->at[i + 1] - strain->at[i]));
+    }
+    if (steepest > 0) least = PetscMin(least, most / steepest);
+  }
+  return least < PETSC_MAX_REAL ? least : 0;
 }
 
 /* CurvatureBends - is the rod bent by nature anywhere, and not only twisted? */
 PetscBool CurvatureBends(const Curvature *self) {
   for (int e = 0; e < STRAINS; e++)
-    if (e != TURN_1 && Largest(&self->strain[e]) > 0) return PETSC_TRUE;
+    if (e != TURN_1 && Largest(self, e) > 0) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* CurvatureIsTable - is it laid out along the rod, and not the same everywhere? */
+PetscBool CurvatureIsTable(const Curvature *self) {
+  for (int e = 0; e < STRAINS; e++)
+    if (self->strain[e].n) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
@@ -297,7 +456,7 @@ PetscBool CurvatureBends(const Curvature *self) {
 PetscReal CurvatureRounding(const Curvature *self, PetscReal length) {
   PetscReal most = 0;
 
-  for (int e = 0; e < STRAINS; e++) most = PetscMax(most, Largest(&self->strain[e]));
+  for (int e = 0; e < STRAINS; e++) most = PetscMax(most, Largest(self, e));
   return PETSC_MACHINE_EPSILON * PetscSqr(most) * length;
 }
 
@@ -311,10 +470,13 @@ PetscErrorCode CurvatureStrains(const Curvature *self, Growth growth, PetscReal 
   PetscFunctionBegin;
   for (int k = 0; k < STRAINS; k++)
     if (self->strain[k].n) {
-      PetscCall(OriginOf(growth, s, t, &at, &at_t));
+      PetscCall(OriginOf(self, growth, s, t, &at, &at_t));
       break;
     }
   for (int k = 0; k < STRAINS; k++)
-    Value(&self->strain[k], at, at_t, &u[place[k]], u_t ? &u_t[place[k]] : NULL);
+    if (self->own)
+      OwnStrain(self, k, s, t, &u[place[k]], u_t ? &u_t[place[k]] : NULL);
+    else
+      Value(&self->strain[k], at, at_t, t, &u[place[k]], u_t ? &u_t[place[k]] : NULL);
   PetscFunctionReturn(0);
 }

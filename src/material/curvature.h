@@ -4,6 +4,7 @@
 #ifndef TENDRIL_CURVATURE_H
 #define TENDRIL_CURVATURE_H
 
+#include "material/actuation.h"
 #include "material/growth.h"
 
 enum { BEND_3, BEND_2, TURN_1, STRAINS };
@@ -13,12 +14,16 @@ typedef struct {
   PetscReal constant;     /* the part of -rod_curvature, -rod_curvature_2, -rod_twist */
   PetscInt n;             /* knots of the other part (file or random); 0: none */
   PetscReal *at, *k, *k2; /* their places, curvatures and second derivatives */
+  Actuation steered;      /* the other part over time, in place of k and k2; NULL: it stays */
 } Strain;
 
 typedef struct {
-  PetscBool any;   /* not 0 everywhere */
-  PetscBool space; /* one of those that there are in space only is not 0 */
+  PetscBool any;     /* not 0 everywhere */
+  PetscBool space;   /* one of those that there are in space only is not 0 */
+  PetscBool steered; /* one changes over time */
   Strain strain[STRAINS];
+  OwnLaw *own;                     /* of one's own, in their place; NULL: none */
+  PetscReal most[STRAINS];         /* of that, as far as it was looked at */
   PetscReal *even, *angle, *slope; /* int_0^s g k0 ds at t = 0 and its slope, at even labels */
 } Curvature;
 
@@ -30,7 +35,13 @@ PetscErrorCode CurvatureAngle(const Curvature *curvature, Growth growth, PetscRe
 PetscErrorCode CurvatureDestroy(Curvature *curvature);
 PetscErrorCode CurvatureValue(const Curvature *curvature, Growth growth, PetscReal s, PetscReal t,
                               PetscReal *k, PetscReal *k_t);
+PetscReal CurvatureNextTurn(const Curvature *curvature, PetscReal t);
+PetscBool CurvatureJerks(const Curvature *curvature, PetscReal t0, PetscReal t1);
+PetscErrorCode CurvatureBendsInTime(const Curvature *curvature, PetscReal tolerance, Bends *bends);
+PetscReal CurvatureSteered(const Curvature *curvature, int strain);
+PetscReal CurvatureFinest(const Curvature *curvature);
 PetscBool CurvatureBends(const Curvature *curvature);
+PetscBool CurvatureIsTable(const Curvature *curvature);
 PetscReal CurvatureRounding(const Curvature *curvature, PetscReal length);
 PetscErrorCode CurvatureStrains(const Curvature *curvature, Growth growth, PetscReal s, PetscReal t,
                                 PetscReal u[3], PetscReal u_t[3]);

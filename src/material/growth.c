@@ -9,6 +9,9 @@ static const OptionRow rows[] = {
              "a, width in s of the growth zone at the clamp (gaussian)"),
     ROW_REAL("-growth_zone", "0.5", 1e-6, 1e6, UNIT_LENGTH, 0,
              "length of the growth zone behind the tip (apical)"),
+    ROW_TEXT("-growth_path", INPUT_FILE,
+             "CSV or HDF5 file with t and length, or t and speed: how a rod is fed over time, and "
+             "pulled out again (feed)"),
     ROW_TEXT("-growth_table", INPUT_FILE, "HDF5 file with /s [ns], /t [nt], /g [nt, ns] (table)")};
 const OptionGroup growth_options = OPTION_GROUP("Growth", rows);
 
@@ -187,6 +190,82 @@ static PetscErrorCode CreateNone(Growth self) {
   PetscFunctionReturn(0);
 }
 
+/* A law of one's own (TendrilSetLaw()): it says g and p with their derivatives. */
+static PetscErrorCode StretchOwn(Growth self, PetscReal s, PetscReal t, PetscReal *g,
+                                 PetscReal *g_t, PetscReal *g_s) {
+  const TendrilPlace at = {.s = s, .t = t};
+  PetscReal value[OWN_VALUES] = {0};
+
+  OwnValue((OwnLaw *)self->data, &at, value);
+  *g = value[0];
+  *g_t = value[1];
+  *g_s = value[2];
+  return 0;
+}
+
+static PetscErrorCode ArcOwn(Growth self, PetscReal s, PetscReal t, PetscReal *p, PetscReal *p_t) {
+  const TendrilPlace at = {.s = s, .t = t};
+  PetscReal value[OWN_VALUES] = {0};
+
+  OwnValue((OwnLaw *)self->data, &at, value);
+  *p = value[3];
+  *p_t = value[4];
+  return 0;
+}
+
+/* What it says at places all over the run must be that of a rod: p begins at 0 and rises as g says,
+   which is positive. Whether g depends on s, and the rod's velocity on t, shows there, too. */
+static PetscErrorCode LookAtOwn(Growth self, PetscReal end) {
+  enum { PLACES = 33, TIMES = 9 };
+  const PetscReal off = 1e-3; /* of the sum, by Simpson's rule */
+  PetscReal rate[PLACES] = {0};
+
+  PetscFunctionBegin;
+  self->even = self->similar = self->still = PETSC_TRUE;
+  for (int k = 0; k < TIMES; k++) {
+    const PetscReal t = end * k / (TIMES - 1), h = 1. / (PLACES - 1);
+    PetscReal g[PLACES], g_t, g_s, p, p_t, sum = 0;
+    for (int i = 0; i < PLACES; i++) {
+      PetscCall(StretchOwn(self, i * h, t, &g[i], &g_t, &g_s));
+      PetscCall(ArcOwn(self, i * h, t, &p, &p_t));
+      UserCheck(g[i] > 0 && g[i] < PETSC_MAX_REAL, OptionsComm(),
+                "the growth law of one's own: g = %g at s = %g, t = %g; it must be positive",
+                (double)g[i], (double)(i * h), (double)t);
+      if (i && i % 2 == 0) sum += h / 3 * (g[i - 2] + 4 * g[i - 1] + g[i]);
+      UserCheck(i % 2 || PetscAbsReal(p - sum) <= off * PetscMax(sum, g[0] * h), OptionsComm(),
+                "the growth law of one's own: p = %g at s = %g, t = %g, where the integral of g is "
+                "%g",
+                (double)p, (double)(i * h), (double)t, (double)sum);
+      if (g_s != 0) self->even = PETSC_FALSE;
+      if (k && p_t != rate[i]) self->similar = PETSC_FALSE;
+      if (p_t != 0) self->still = PETSC_FALSE;
+      rate[i] = p_t;
+    }
+    if (!k) self->initial_length = p;
+  }
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode CreateOwn(Growth self, OwnLaw *law) {
+  PetscReal end;
+  PetscBool given;
+
+  PetscFunctionBegin;
+  for (int k = 0; k < 2; k++) {
+    const char *const option = k ? "-growth_initial_length" : "-growth_type";
+    PetscCall(OptionGiven(option, &given));
+    UserCheck(!given, OptionsComm(), "%s: the growth law of one's own says it; take this out",
+              option);
+  }
+  PetscCall(OptionReal("-ts_max_time", &end, NULL));
+  self->type = "own";
+  self->data = law;
+  self->stretch = StretchOwn;
+  self->arc = ArcOwn;
+  PetscCall(LookAtOwn(self, end));
+  PetscFunctionReturn(0);
+}
+
 /* To add a law: a creator above, a line here, in the order of -growth_type's words. */
 static const struct {
   const char *name;
@@ -199,6 +278,8 @@ static const struct {
   The caller destroys it with GrowthDestroy().
 */
 PetscErrorCode GrowthCreate(Growth *growth) {
+  OwnLaw *own = OptionsLaw(OWN_GROWTH);
+  PetscBool by_path;
   PetscInt choice;
   Growth self;
 
@@ -206,11 +287,17 @@ PetscErrorCode GrowthCreate(Growth *growth) {
   PetscCall(PetscNew(&self));
   *growth = self; /* whole or not, the caller destroys it */
   self->end_time = PETSC_MAX_REAL;
+  if (own) {
+    PetscCall(CreateOwn(self, own));
+    PetscFunctionReturn(0);
+  }
   PetscCall(OptionWord("-growth_type", &choice, NULL));
   if (laws[choice].create != GrowthCreateTable)
     PetscCall(OptionReal("-growth_initial_length", &self->initial_length, NULL));
   self->type = laws[choice].name;
+  PetscCall(GrowthPathGiven(self, &by_path));
   PetscCall(laws[choice].create(self));
+  if (by_path) PetscCall(GrowthFeedByPath(self));
   PetscFunctionReturn(0);
 }
 
@@ -252,6 +339,22 @@ PetscErrorCode GrowthArc(Growth growth, PetscInt n, const PetscReal s[], PetscRe
 const char *GrowthOutlook(Growth growth) {
   if (strcmp(growth->type, "none")) return "look further";
   return "and with -growth_type none it does not lengthen: begin longer, or load it more";
+}
+
+/* GrowthLongest - how long a rod that is fed by a schedule is at most up to a time; another is as
+   long as it is then, or at the start. */
+PetscErrorCode GrowthLongest(Growth growth, PetscReal end, PetscReal *length) {
+  PetscReal L;
+
+  PetscFunctionBegin;
+  PetscCall(GrowthLength(growth, end, length, NULL));
+  *length = PetscMax(*length, growth->initial_length);
+  if (growth->fastest == 0) PetscFunctionReturn(0);
+  for (PetscReal t = growth->next_turn(growth, 0); t < end; t = growth->next_turn(growth, t)) {
+    PetscCall(GrowthLength(growth, t, &L, NULL));
+    *length = PetscMax(*length, L);
+  }
+  PetscFunctionReturn(0);
 }
 
 /* GrowthLength - L(t) and dL/dt (may be NULL). */

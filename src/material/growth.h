@@ -19,6 +19,7 @@ struct _Growth {
   PetscReal finest;         /* length of a zone at the tip that the mesh must resolve; 0: none */
   PetscReal narrow;         /* width in s of a growth zone at the clamp; 0: there is none */
   PetscReal steep;          /* least s over which a table's g changes by itself; 0: no table */
+  PetscReal fastest;        /* speed of a rod that is fed by a schedule; 0: there is none */
   PetscErrorCode (*stretch)(Growth, PetscReal s, PetscReal t, PetscReal *g, PetscReal *g_t,
                             PetscReal *g_s);
   PetscErrorCode (*arc)(Growth, PetscReal s, PetscReal t, PetscReal *p, PetscReal *p_t);
@@ -31,6 +32,8 @@ struct _Growth {
   PetscReal (*next_turn)(Growth, PetscReal t);
   /* adds the times at which it bends (base/bends.h); NULL: nothing is given by rows in time */
   PetscErrorCode (*bends)(Growth, PetscReal tolerance, Bends *bends);
+  /* does its length set out or stop at once between two times? NULL: never */
+  PetscBool (*jerks)(Growth, PetscReal t0, PetscReal t1);
   PetscErrorCode (*destroy)(Growth);
   void *data;
 };
@@ -44,11 +47,14 @@ PetscErrorCode GrowthStretch(Growth growth, PetscInt n, const PetscReal s[], Pet
 PetscErrorCode GrowthArc(Growth growth, PetscInt n, const PetscReal s[], PetscReal t, PetscReal p[],
                          PetscReal p_t[]);
 PetscErrorCode GrowthLength(Growth growth, PetscReal t, PetscReal *length, PetscReal *length_t);
+PetscErrorCode GrowthLongest(Growth growth, PetscReal end, PetscReal *length);
 const char *GrowthOutlook(Growth growth);
 PetscErrorCode GrowthDestroyData(Growth growth);
 
 /* creators that have a file of their own */
 PetscErrorCode GrowthCreateTable(Growth growth);
+PetscErrorCode GrowthPathGiven(Growth growth, PetscBool *given);
+PetscErrorCode GrowthFeedByPath(Growth growth);
 
 /* Convective speed of the material along the rod: v = x_t + c q. */
 static inline PetscReal GrowthSlide(Growth growth, PetscReal s, PetscReal t) {

@@ -4,27 +4,31 @@
 #include <string.h>
 
 #define X(name, units, text) #name,
-const char *const observed_name[OBSERVED] = {OBSERVABLES(X) OBSERVABLES_OF_WEIGHT(X)
-                                                 OBSERVABLES_IN_SPACE(X)};
+const char *const observed_name[OBSERVED] = {
+    OBSERVABLES(X) OBSERVABLES_OF_WEIGHT(X) OBSERVABLES_IN_SPACE(X) OBSERVABLES_OF_STEERING(X)};
 #undef X
 #define X(name, units, text) units,
-const char *const observed_units[OBSERVED] = {OBSERVABLES(X) OBSERVABLES_OF_WEIGHT(X)
-                                                  OBSERVABLES_IN_SPACE(X)};
+const char *const observed_units[OBSERVED] = {
+    OBSERVABLES(X) OBSERVABLES_OF_WEIGHT(X) OBSERVABLES_IN_SPACE(X) OBSERVABLES_OF_STEERING(X)};
 #undef X
 #define X(name, units, text) text,
-const char *const observed_text[OBSERVED] = {OBSERVABLES(X) OBSERVABLES_OF_WEIGHT(X)
-                                                 OBSERVABLES_IN_SPACE(X)};
+const char *const observed_text[OBSERVED] = {
+    OBSERVABLES(X) OBSERVABLES_OF_WEIGHT(X) OBSERVABLES_IN_SPACE(X) OBSERVABLES_OF_STEERING(X)};
 #undef X
 
 /* ObservedOf - up to how many of the series, from the first on, there may be in a scene. */
 PetscInt ObservedOf(Scene scene) {
-  if (scene->space.rod) return OBSERVED;
+  if (scene->curvature.steered) return OBSERVED;
+  if (scene->space.rod) return OBSERVED_IN_SPACE;
   return OBSERVED_ALWAYS + (scene->load.weighs ? OBSERVED_OF_WEIGHT : 0);
 }
 
 /* ObservedIn - is a series one of a scene? Of a rod that weighs nothing there is no weight. */
 PetscBool ObservedIn(Scene scene, PetscInt observed) {
   if (observed >= ObservedOf(scene)) return PETSC_FALSE;
+  if (observed < OBSERVED_ALWAYS || observed >= OBSERVED_IN_SPACE) return PETSC_TRUE;
+  if (!scene->space.rod)
+    return (PetscBool)(scene->load.weighs && observed < OBSERVED_ALWAYS + OBSERVED_OF_WEIGHT);
   return (PetscBool)(scene->load.weighs || strncmp(observed_name[observed], "weight_force", 12));
 }
 
@@ -220,17 +224,20 @@ static PetscReal Tension(const Sample *p) {
 /*
   Adds a sample to the integrals, which are kept in the fields they end up in. The power of growth
   is W = - int (n.q + m^2/2B + m k0) (g_t + c_s) ds - int m k0_t g ds + 1/2 int (m/B)^2 B_t g ds
-        - c (n.q + m^2/2B + m k0) at s = 0.
+        - c (n.q + m^2/2B + m k0) at s = 0,
+  but for its second integral where k0 is steered: that is the power of who steers.
   lift: what x2 is multiplied by before it is squared.
 */
 static void Integrate(Scene scene, const Sample *p, PetscReal weight, PetscReal lift,
                       Observation *sum) {
-  PetscReal x2 = lift * LabX2(scene, p->node.x), m2 = PetscSqr(p->node.moment) / p->B;
+  PetscReal x2 = lift * LabX2(scene, p->node.x), m2 = PetscSqr(p->node.moment) / p->B,
+            k0_t = scene->curvature.steered ? 0 : p->k0_t;
   sum->norm_x2 += weight * x2 * x2;
   sum->norm_x2_length += weight * x2 * x2 * p->g;
   sum->energy += weight * m2 * p->g / 2;
-  sum->growth_power += weight * (-p->strain * Tension(p) - p->node.moment * p->k0_t * p->g +
+  sum->growth_power += weight * (-p->strain * Tension(p) - p->node.moment * k0_t * p->g +
                                  m2 / p->B * p->B_t * p->g / 2);
+  if (scene->curvature.steered) sum->curvature_power -= weight * p->node.moment * p->k0_t * p->g;
   sum->dissipation += weight * p->g * (p->F[0] * p->at.v[0] + p->F[1] * p->at.v[1]);
   sum->friction_force_1 -= weight * p->g * p->F[0]; /* in the clamp's frame so far */
   sum->friction_force_2 -= weight * p->g * p->F[1];
@@ -559,7 +566,7 @@ typedef struct {
 /* The power of all that acts less what is lost, and the loss. */
 static PetscReal NetPower(const Observation *seen) {
   return seen->growth_power + seen->tip_power + seen->weight_power + seen->clamp_power +
-         seen->wall_power - seen->dissipation;
+         seen->wall_power + seen->curvature_power - seen->dissipation;
 }
 
 /* A power that is not known; a number, for a restart file holds no others. */
@@ -835,6 +842,19 @@ static PetscErrorCode Look(Observer self, Rod rod, PetscReal t, Vec U, Vec U_t, 
 PetscErrorCode ObserverLook(Observer observer, Rod rod, PetscReal t, Vec U, Observation *seen) {
   PetscFunctionBegin;
   PetscCall(Look(observer, rod, t, U, NULL, TOUCHING_ALL, seen));
+  PetscCallMPI(MPI_Bcast(seen, OBSERVED, MPIU_REAL, 0, observer->scene->comm));
+  PetscFunctionReturn(0);
+}
+
+/* ObserverLookMoving - likewise, of one that moves: at a time within the latest step, behind which
+   the law of contact is left as it was. Collective. */
+PetscErrorCode ObserverLookMoving(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t,
+                                  Observation *seen) {
+  const PetscReal before = observer->scene->contact.time;
+
+  PetscFunctionBegin;
+  PetscCall(Look(observer, rod, t, U, U_t, TOUCHING_ALL, seen));
+  PetscCall(SceneContactAt(observer->scene, before));
   PetscCallMPI(MPI_Bcast(seen, OBSERVED, MPIU_REAL, 0, observer->scene->comm));
   PetscFunctionReturn(0);
 }

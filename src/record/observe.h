@@ -71,11 +71,16 @@
   X(tip_spin, "V/l", "rate at which the material at the tip turns about its tangent")              \
   X(clamp_power, "N l V", "power of the turning clamp")
 
+/* Of one whose natural curvature is steered. */
+#define OBSERVABLES_OF_STEERING(X)                                                                 \
+  X(curvature_power, "N l V", "power of a natural curvature that changes over time")
+
 typedef struct {
 #define X(name, units, text) PetscReal name;
   OBSERVABLES(X)
   OBSERVABLES_OF_WEIGHT(X)
   OBSERVABLES_IN_SPACE(X)
+  OBSERVABLES_OF_STEERING(X)
 #undef X
 } Observation;
 
@@ -83,7 +88,8 @@ typedef struct {
 enum {
   OBSERVED = sizeof(Observation) / sizeof(PetscReal),
   OBSERVED_ALWAYS = 0 OBSERVABLES(X),
-  OBSERVED_OF_WEIGHT = 0 OBSERVABLES_OF_WEIGHT(X)
+  OBSERVED_OF_WEIGHT = 0 OBSERVABLES_OF_WEIGHT(X),
+  OBSERVED_IN_SPACE = OBSERVED_ALWAYS + OBSERVED_OF_WEIGHT OBSERVABLES_IN_SPACE(X)
 };
 #undef X
 extern const char *const observed_name[OBSERVED], *const observed_units[OBSERVED],
@@ -107,6 +113,8 @@ PetscErrorCode ObserverContact(Observer observer, PetscReal t, const Node *nodes
                                const PetscReal (**force)[PUSH]);
 PetscErrorCode ObserverTouch(Observer observer, PetscReal t, const Node *nodes, TouchSum *sum);
 PetscErrorCode ObserverLook(Observer observer, Rod rod, PetscReal t, Vec U, Observation *seen);
+PetscErrorCode ObserverLookMoving(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t,
+                                  Observation *seen);
 PetscErrorCode ObserverMeasure(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t, TS ts,
                                Observation *seen);
 PetscErrorCode ObserverGetBalance(Observer observer, PetscReal state[BALANCE_STATE]);

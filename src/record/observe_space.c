@@ -26,13 +26,15 @@ static PetscReal WritheRate(const Sample3 *p) {
 static void Integrate3(Scene scene, const Sample3 *p, PetscReal weight, Observation *sum) {
   const Space *space = &scene->space;
   const PetscReal dl = weight * p->g;
+  const PetscBool steered = scene->curvature.steered;
   PetscReal lab[3], bending = 0, growth = 0;
 
   SpaceToLab(space, p->node.x3, lab);
   for (int k = 0; k < 3; k++) {
     PetscReal elastic = PetscSqr(p->moment[k]) / p->S[k] / 2;
     bending += elastic;
-    growth += elastic / p->S[k] * p->S_t[k] - p->moment[k] * p->u0_t[k];
+    growth += elastic / p->S[k] * p->S_t[k] - p->moment[k] * (steered ? 0 : p->u0_t[k]);
+    if (steered) sum->curvature_power -= dl * p->moment[k] * p->u0_t[k];
   }
   sum->norm_x2 += weight * lab[1] * lab[1];
   sum->norm_x2_length += dl * lab[1] * lab[1];

@@ -81,8 +81,8 @@ struct _Output {
   double stored, waits; /* bytes */
 };
 
-/* Is a series one of this run? */
-static PetscBool Holds(const Output self, int observed) {
+/* OutputHolds - is a series one of this run? */
+PetscBool OutputHolds(const Output self, int observed) {
   return (PetscBool)(ObservedIn(self->scene, observed) &&
                      (self->follows || strncmp(observed_name[observed], "error_", 6)));
 }
@@ -372,7 +372,7 @@ static PetscErrorCode Layout(Output self, HdfFile file) {
   PetscCall(HdfGroup(file, "/series"));
   PetscCall(HdfGroup(file, "/shapes"));
   for (int i = 0; i < OBSERVED; i++) {
-    if (!Holds(self, i)) continue;
+    if (!OutputHolds(self, i)) continue;
     (void)snprintf(path, sizeof(path), "/series/%s", observed_name[i]);
     PetscCall(HdfAppendable(file, path, 0, NULL, observed_units[i], observed_text[i]));
   }
@@ -393,7 +393,7 @@ static PetscErrorCode Cut(Output self, HdfFile file) {
 
   PetscFunctionBegin;
   for (int i = 0; i < OBSERVED; i++) {
-    if (!Holds(self, i)) continue;
+    if (!OutputHolds(self, i)) continue;
     (void)snprintf(path, sizeof(path), "/series/%s", observed_name[i]);
     PetscCall(HdfTruncate(file, path, self->cut[0]));
   }
@@ -473,7 +473,7 @@ static PetscErrorCode WriteRows(Output self, HdfFile file) {
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(self->series_n, &column));
   for (int i = 0; i < OBSERVED; i++) {
-    if (!Holds(self, i)) continue;
+    if (!OutputHolds(self, i)) continue;
     for (PetscInt k = 0; k < self->series_n; k++)
       column[k] = ((const PetscReal *)&self->series[k])[i];
     (void)snprintf(path, sizeof(path), "/series/%s", observed_name[i]);
@@ -556,7 +556,9 @@ static PetscErrorCode WriteMemory(HdfFile file, Rod rod, PetscReal *sum) {
 /* What the run needs to go on from here, in the place of what stood there. Collective. */
 static PetscErrorCode WriteRestart(Output self, HdfFile file, Rod rod, RestartState *state,
                                    Vec points[], Vec errors[]) {
-  const PetscInt n = RESTART_STATE, scales = UNIT_ALL;
+  const PetscInt n = RESTART_STATE, scales = UNIT_ALL, two = 2;
+  const Space *space = &self->scene->space;
+  const PetscReal clamp[2] = {space->spun, space->spins_from};
 
   PetscFunctionBegin;
   PetscCall(HdfDelete(file, "/restart"));
@@ -574,6 +576,9 @@ static PetscErrorCode WriteRestart(Output self, HdfFile file, Rod rod, RestartSt
                            errors, &state->errors_sum));
   PetscCall(HdfWrite(file, "/restart/state", 1, &n, (const PetscReal *)state, "mixed",
                      "time, step and history of the stepper, for -restart"));
+  if (space->spins_from > 0)
+    PetscCall(HdfWrite(file, "/restart/clamp", 1, &two, clamp, "rad, l/V",
+                       "by how much the clamp had turned when its rate was changed, and when"));
   PetscCall(HdfWrite(file, "/restart/scales", 1, &scales, self->scene->si.scale, "SI",
                      "the scales of the rod in the laboratory, 0: none"));
   PetscFunctionReturn(0);
@@ -708,7 +713,7 @@ PetscErrorCode OutputKeep(Output self, PetscBool series, PetscBool shapes) {
 /* The first of an observation, as many as a harvest has; those that a scene has not are NAN. */
 static PetscReal *Observed(Output self, const Observation *seen, PetscInt values, PetscReal *to) {
   for (PetscInt k = 0; k < values; k++)
-    to[k] = Holds(self, (int)k) ? ((const PetscReal *)seen)[k] : NAN;
+    to[k] = OutputHolds(self, (int)k) ? ((const PetscReal *)seen)[k] : NAN;
   return to + values;
 }
 
@@ -776,7 +781,7 @@ static PetscErrorCode EarlierOptions(Output self, const char *from, PetscReal t)
 /*
   OutputContinue - the result file of a run that goes on. Collective.
 
-  path      the file `from` itself goes on if it is the same or empty, else a copy of it
+  path      the file `from` itself goes on if it is the same or empty, else a copy of it; NULL: none
   t         what `from` holds after this time is taken off: it comes again
   interval  a last shape that was stored at t only because the run ended there is taken off too
 */
@@ -795,13 +800,128 @@ PetscErrorCode OutputContinue(const char *path, const char *from, Scene scene, P
   PetscCall(HdfRead("-restart", from, "/shapes/t", 1, &n, &times));
   shapes = CountUpTo(n, times, t);
   if (shapes > 1 && times[shapes - 1] > t * (1 - 1e-12) && !OnGrid(t, interval)) shapes--;
-  PetscCall(New(path[0] ? path : from, scene, output));
+  if (path) path = path[0] ? path : from; /* NULL: nothing is stored by itself */
+  PetscCall(New(path ? path : "", scene, output));
   PetscCall(PetscStrncpy((*output)->from, from, sizeof((*output)->from)));
   (*output)->cut[0] = series;
   (*output)->cut[1] = shapes;
   (*output)->times = times;
   (*output)->times_n = (*output)->times_room = shapes;
   PetscCall(EarlierOptions(*output, from, t));
+  PetscFunctionReturn(0);
+}
+
+/* The series of a file, as far as they are wanted. */
+static PetscErrorCode TakeSeries(Output self, const char *from, PetscInt n) {
+  PetscReal *values;
+  PetscInt rows;
+  char path[64];
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(n, &self->series));
+  self->series_n = self->series_room = n;
+  for (int k = 0; k < OBSERVED; k++) {
+    if (!OutputHolds(self, k)) continue;
+    (void)snprintf(path, sizeof(path), "/series/%s", observed_name[k]);
+    PetscCall(HdfRead("-restart", from, path, 1, &rows, &values));
+    for (PetscInt i = 0; i < PetscMin(n, rows); i++) ((PetscReal *)&self->series[i])[k] = values[i];
+    PetscCall(PetscFree(values));
+  }
+  PetscFunctionReturn(0);
+}
+
+/* ... and its shapes. */
+static PetscErrorCode TakeShapes(Output self, const char *from, PetscInt n) {
+  PetscInt dims[3];
+  PetscReal *values;
+
+  PetscFunctionBegin;
+  self->shapes_n = self->shapes_room = n;
+  for (int k = 0; k < Sets(self); k++) {
+    const PetscInt components = SetOf(self, k)->components;
+    const int rank = components == 0 ? 1 : components == 1 ? 2 : 3;
+    PetscCall(HdfRead("-restart", from, SetOf(self, k)->name, rank, dims, &values));
+    PetscCall(PetscMalloc1(n * ShapeSize(self, k), &self->shape[k]));
+    PetscCall(PetscArraycpy(self->shape[k], values, PetscMin(n, dims[0]) * ShapeSize(self, k)));
+    PetscCall(PetscFree(values));
+  }
+  PetscFunctionReturn(0);
+}
+
+/* OutputTakeOver - as OutputContinue(), of an output that stores nothing by itself and keeps all in
+   memory: what there is of the run before is read. Collective.
+
+   follows  as OutputFollows() has it */
+PetscErrorCode OutputTakeOver(const char *from, Scene scene, PetscReal t, PetscReal interval,
+                              PetscBool follows, Output *output) {
+  Output self;
+
+  PetscFunctionBegin;
+  PetscCall(OutputContinue(NULL, from, scene, t, interval, output));
+  self = *output;
+  PetscCall(OutputKeep(self, PETSC_TRUE, PETSC_TRUE));
+  self->follows = follows;
+  PetscCall(TakeSeries(self, from, self->cut[0]));
+  PetscCall(TakeShapes(self, from, self->cut[1]));
+  self->cut[0] = self->cut[1] = -1;
+  self->from[0] = 0;
+  PetscFunctionReturn(0);
+}
+
+/* OutputRows - the observations that are kept in memory, on the first rank. Borrowed. */
+void OutputRows(Output self, PetscInt *n, const Observation **rows) {
+  *n = self->series_n;
+  *rows = self->series;
+}
+
+/* OutputDropShape - takes off again the shape that was added last. */
+void OutputDropShape(Output self) {
+  if (!self->shapes_kept) return;
+  self->shapes_n--;
+  self->times_n--;
+}
+
+/* The rows up to a time, and one more. */
+static PetscErrorCode RowsUpTo(Output self, PetscReal t, const Observation *last,
+                               Observation **rows, PetscInt *n) {
+  PetscFunctionBegin;
+  *n = self->series_n;
+  while (*n > 0 && self->series[*n - 1].t > t * (1 + 1e-12)) --*n;
+  PetscCall(PetscMalloc1(*n + 1, rows));
+  PetscCall(PetscArraycpy(*rows, self->series, *n));
+  if (last) (*rows)[(*n)++] = *last;
+  PetscFunctionReturn(0);
+}
+
+/*
+  OutputSave - writes all that is kept in memory, up to a time, into a file; nothing changes for
+  what comes after. Collective.
+
+  path           the file
+  t              what is later is left out
+  last           a row more, of the series; NULL: none
+  state, points, errors, finished  as of OutputStore()
+*/
+PetscErrorCode OutputSave(Output self, const char *path, PetscReal t, const Observation *last,
+                          Rod rod, RestartState *state, Vec points[], Vec errors[],
+                          PetscBool finished) {
+  struct _Output kept = *self;
+  PetscErrorCode error;
+  Observation *rows;
+  PetscMPIInt rank;
+
+  PetscFunctionBegin;
+  PetscCall(RefuseTaken("save", path));
+  PetscCallMPI(MPI_Comm_rank(self->scene->comm, &rank));
+  PetscCall(RowsUpTo(self, t, last, &rows, &self->series_n));
+  self->series = rows;
+  self->shapes_n = self->times_n = CountUpTo(self->times_n, self->times, t);
+  self->mine = (PetscBool)!rank;
+  PetscCall(PetscStrncpy(self->path, path, sizeof(self->path)));
+  error = OutputStore(self, rod, state, points, errors, finished);
+  *self = kept;
+  PetscCall(PetscFree(rows));
+  PetscCall(error);
   PetscFunctionReturn(0);
 }
 

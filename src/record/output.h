@@ -27,6 +27,13 @@ extern const struct ShapeSet {
 PetscErrorCode OutputCreate(const char *file, Scene scene, Output *output);
 PetscErrorCode OutputContinue(const char *file, const char *from, Scene scene, PetscReal t,
                               PetscReal interval, Output *output);
+PetscErrorCode OutputTakeOver(const char *from, Scene scene, PetscReal t, PetscReal interval,
+                              PetscBool follows, Output *output);
+PetscErrorCode OutputSave(Output output, const char *path, PetscReal t, const Observation *last,
+                          Rod rod, RestartState *state, Vec points[], Vec errors[],
+                          PetscBool finished);
+void OutputRows(Output output, PetscInt *n, const Observation **rows);
+void OutputDropShape(Output output);
 PetscErrorCode OutputKeep(Output output, PetscBool series, PetscBool shapes);
 PetscErrorCode OutputHarvest(Output output, const Observation *last, PetscInt values,
                              Harvest *harvest);
@@ -39,6 +46,7 @@ PetscErrorCode OutputErrors(Output output, const ErrorEstimate *error);
 PetscErrorCode OutputDerivative(Output output, const char *name, const char *unit, PetscReal number,
                                 Harvest *harvest);
 PetscErrorCode OutputInterrupted(Output output, const char *by);
+PetscBool OutputHolds(const Output output, int observed);
 PetscBool OutputStores(Output output);
 PetscBool OutputDue(Output output);
 PetscErrorCode OutputStore(Output output, Rod rod, RestartState *state, Vec points[], Vec errors[],

@@ -97,6 +97,22 @@ static PetscErrorCode TakeMesh(const char *file, Scene scene) {
   PetscFunctionReturn(0);
 }
 
+/* The clamp goes on from where it has turned to, if its rate was changed in the run. */
+static PetscErrorCode TakeClamp(const char *file, Scene scene) {
+  PetscReal *clamp;
+  PetscBool has;
+  PetscInt n;
+
+  PetscFunctionBegin;
+  PetscCall(HdfHas(file, "/restart/clamp", &has));
+  if (!has) PetscFunctionReturn(0);
+  PetscCall(HdfRead("-restart", file, "/restart/clamp", 1, &n, &clamp));
+  if (n == 2) scene->space.spun = clamp[0];
+  if (n == 2) scene->space.spins_from = clamp[1];
+  PetscCall(PetscFree(clamp));
+  PetscFunctionReturn(0);
+}
+
 /*
   RestartRead - reads what is stored to go on from, and makes the scene that of the file.
   Collective.
@@ -121,6 +137,7 @@ PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, P
   PetscCall(CheckScales(file, scene));
   PetscCall(CheckLength(file, scene));
   PetscCall(TakeMesh(file, scene));
+  PetscCall(TakeClamp(file, scene));
   if (state->shared != 0) LoadShare(&scene->load, state->shared);
   if (!scene->contact.told && state->firm < 0) PetscCall(ContactStaysSoft(&scene->contact));
   if (!scene->contact.told) scene->contact.firm = (PetscBool)(state->firm > 0);
@@ -219,6 +236,7 @@ PetscErrorCode RestartTake(const char *file, const RestartState *state, Leg *leg
   PetscCall(PetscArraycpy(leg->kick, state->kick, MAX_FIELDS));
   leg->kick_ends = state->kick_ends;
   leg->ease.times = PetscMin(state->ease, leg->ease.most);
+  leg->ease.wants = PetscMin(state->wants, leg->ease.most);
   leg->ease.others = state->others;
   PetscFunctionReturn(0);
 }
@@ -277,6 +295,7 @@ PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *stat
   PetscCall(VBDFGetMemory(leg->ts, state->memory));
   PetscCall(PetscArraycpy(state->kick, leg->kick, MAX_FIELDS));
   state->kick_ends = leg->kick_ends;
+  state->wants = leg->ease.wants;
   state->ease = leg->ease.times;
   state->others = leg->ease.others;
   state->points = n;

@@ -19,7 +19,7 @@ typedef struct {
   PetscReal points, order;               /* of the stepper's history; its next order */
   PetscReal model, fields, steps;        /* models are numbered as in grow.c */
   PetscReal memory[VBDF_MEMORY];         /* of the stepper, beside its points */
-  PetscReal ease, others;                /* of the leg: its Ease */
+  PetscReal wants, ease, others;         /* of the leg: its Ease */
   PetscReal kick[MAX_FIELDS], kick_ends; /* of the leg: what a wall's kick is measured against */
   Observation seen, began;    /* at t; where steps began to cross the layer of the start */
   PetscReal folds, neglected; /* so far, for the estimate of the error */

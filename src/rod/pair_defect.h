@@ -5,10 +5,10 @@
    higher order, and the cubic over both tells at the node between them how far such a cubic is off,
    16 times what those of the halves are.
 
-   Where contact presses over a layer that is shorter than a cell, differences tell nothing of its
-   pressure: what the rule has too much of is taken up by depth, over the layer and not over the
-   cell. So much of it counts as the square of the layer is of that of the cell. (With the layer a
-   seventh of a cell a tip off by 7e-6 was told 5e-3, and is told so 4e-4.) */
+   The pressure of contact is rough wherever it begins and ends, and the rod gives way to it by
+   depth: it counts as if it were smooth. Where it presses over a layer shorter than a cell, depth
+   takes up what the rule has too much of over the layer and not over the cell: so much of it counts
+   as the square of the layer is of that of the cell. */
 #ifndef TENDRIL_PAIR_DEFECT_H
 #define TENDRIL_PAIR_DEFECT_H
 
@@ -25,7 +25,7 @@ static const PetscReal rough_error = 3;
 
 /* What part of the pressure of contact counts in a cell of that length. */
 static inline PetscReal PairSees(const Contact *contact, PetscReal cell) {
-  return contact->any ? PetscMin(1, PetscSqr(contact->tip / cell)) : 1;
+  return contact->any ? PetscMin(1, PetscSqr(contact->tip / cell)) / rough_error : 1;
 }
 
 /* Weights of the integral over [0, 1] of the polynomial through values at the ends and middles of

@@ -318,11 +318,12 @@ PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes) {
 
 /* RodRefusesSpace - why a model of the plane cannot be of this scene; NULL: it can. */
 const char *RodRefusesSpace(Scene scene) {
-  static char text[128];
+  Space *space = &scene->space;
 
-  if (!scene->space.why) return NULL;
-  (void)snprintf(text, sizeof(text), "%s: takes the rod out of the plane", scene->space.why);
-  return text;
+  if (!space->why) return NULL;
+  (void)snprintf(space->refused, sizeof(space->refused), "%s: takes the rod out of the plane",
+                 space->why);
+  return space->refused;
 }
 
 /* RodPlanePart - what every model says of a node, from what a model in space has. */

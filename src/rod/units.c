@@ -79,8 +79,8 @@ static PetscErrorCode GrowthOf(Scene scene, PetscReal *speed) {
   PetscReal length, rate;
 
   PetscFunctionBegin;
-  *speed = 0;
-  for (int k = 0; k <= TIMES && !scene->growth->still; k++) {
+  *speed = scene->growth->fastest;
+  for (int k = 0; k <= TIMES && !scene->growth->still && scene->growth->fastest == 0; k++) {
     PetscCall(GrowthLength(scene->growth, end * k / TIMES, &length, &rate));
     *speed = PetscMax(*speed, PetscAbsReal(rate));
   }

@@ -6,6 +6,7 @@ static PetscErrorCode InTime(Scene scene, PetscReal tolerance, Bends *bends) {
 
   PetscFunctionBegin;
   if (growth->bends) PetscCall(growth->bends(growth, tolerance, bends));
+  PetscCall(CurvatureBendsInTime(&scene->curvature, tolerance, bends));
   if (scene->load.field) PetscCall(FieldBendsInTime(scene->load.field, tolerance, bends));
   if (scene->tip.resistance.field)
     PetscCall(FieldBendsInTime(scene->tip.resistance.field, tolerance, bends));

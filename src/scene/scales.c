@@ -43,23 +43,6 @@ static PetscErrorCode LongestCell(Scene scene, const Mesh *mesh, PetscReal from,
   PetscFunctionReturn(0);
 }
 
-/* The least length over which a natural curvature that is no constant changes by as much as it is
-   at most: that of a hook, however far apart the other knots are. 0: there is none. */
-static PetscReal Bend(const Curvature *curvature) {
-  PetscReal least = PETSC_MAX_REAL;
-
-  for (int k = 0; k < STRAINS; k++) {
-    const Strain *strain = &curvature->strain[k];
-    PetscReal most = 0, steepest = 0;
-    for (PetscInt i = 0; i < strain->n; i++) most = PetscMax(most, PetscAbsReal(strain->k[i]));
-    for (PetscInt i = 0; i + 1 < strain->n; i++)
-      steepest = PetscMax(steepest, PetscAbsReal(strain->k[i + 1] - strain->k[i]) /
-                                        (strain->at[i + 1] - strain->at[i]));
-    if (steepest > 0) least = PetscMin(least, most / steepest);
-  }
-  return least < PETSC_MAX_REAL ? least : 0;
-}
-
 /* How far from 0 the rod comes up to a time. */
 static PetscErrorCode Reach(Scene scene, PetscReal t, PetscReal *reach) {
   enum { TIMES = 100 };
@@ -107,7 +90,7 @@ PetscErrorCode ScalesTell(Scene scene, const Mesh *mesh, const char *option, Pet
   PetscCall(Look(&to,
                  growth->slides ? "-rod_curvature_length or -rod_curvature_file: bends of"
                                 : "-rod_curvature_length or -rod_curvature_file: bends of (in s)",
-                 Bend(&scene->curvature), here, of_width));
+                 CurvatureFinest(&scene->curvature), here, of_width));
   PetscCall(LongestCell(scene, mesh, 1 - PetscMin(growth->finest, L) / L, t, PETSC_FALSE, &here));
   PetscCall(Look(&to, "-growth_zone", growth->finest, here, of_zone));
   PetscCall(Look(&to, "-rod_stiffness_file: the stiffness changes by as much as it is within",

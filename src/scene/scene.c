@@ -68,8 +68,8 @@ static PetscErrorCode LargestCell(Scene scene, PetscReal t, PetscReal cell[2]) {
 }
 
 /* SceneNextTurn - the first time behind t at which what tables give in time sets out, stops or
-   turns back: the places of tip, clamp and walls, factors of friction, the length. PETSC_MAX_REAL
-   if nothing does. */
+   turns back: the places of tip, clamp and walls, factors of friction, the length, natural
+   curvature. PETSC_MAX_REAL if nothing does. */
 PetscReal SceneNextTurn(Scene scene, PetscReal t) {
   const Growth growth = scene->growth;
   PetscReal next = SurfacesNextTurn(&scene->contact.surfaces, t);
@@ -80,6 +80,7 @@ PetscReal SceneNextTurn(Scene scene, PetscReal t) {
   if (scene->tip.resistance.field)
     next = SmallerOf(next, FieldNextTurn(scene->tip.resistance.field, t));
   if (growth->next_turn) next = SmallerOf(next, growth->next_turn(growth, t));
+  if (scene->curvature.steered) next = SmallerOf(next, CurvatureNextTurn(&scene->curvature, t));
   return next;
 }
 
@@ -201,8 +202,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
             "-ts_max_time %s: the growth table ends at t = %s",
             OptionBoth(self->end_time, UNIT_TIME, text[0]),
             OptionBoth(self->growth->end_time, UNIT_TIME, text[1]));
-  PetscCall(GrowthLength(self->growth, self->end_time, &self->reach, NULL));
-  self->reach = PetscMax(self->reach, self->growth->initial_length);
+  PetscCall(GrowthLongest(self->growth, self->end_time, &self->reach));
   PetscCall(CurvatureSetFromOptions(&self->curvature, self->growth, self->end_time));
   PetscCall(MeshCreate(cells, (PetscBool)grading, self->growth, self->end_time, &self->mesh));
   PetscCall(ContactSetFromOptions(&self->contact, &self->load.friction, self->clamp_angle));

@@ -123,7 +123,8 @@ void SpaceToLab(const Space *self, const PetscReal v[3], PetscReal lab[3]) {
 
 /* SpaceClampAngle - by how much the clamp has turned about d1 at time t. */
 PetscReal SpaceClampAngle(const Space *self, PetscReal t) {
-  return self->clamp_path ? ScheduleValue(self->clamp_path, t) : self->spin * t;
+  return self->clamp_path ? ScheduleValue(self->clamp_path, t)
+                          : self->spun + self->spin * (t - self->spins_from);
 }
 
 /* SpaceClampRate - how fast it turns then. */
@@ -216,6 +217,76 @@ PetscErrorCode SpaceSetFromOptions(Space *self, Load *load, Tip *tip, const Curv
   LoadSetArm(load);
   for (int d = 0; d < 3; d++) PetscCall(PetscArraycpy(load->lab[d], self->lab[d], 3));
   for (int d = 0; d < 3; d++) PetscCall(PetscArraycpy(tip->resistance.lab[d], self->lab[d], 3));
+  PetscFunctionReturn(0);
+}
+
+/* What acts out of the plane cannot begin in a run that is in it. */
+static PetscErrorCode CheckPlane(const Space *self, const char *name, PetscBool leaves) {
+  PetscFunctionBegin;
+  UserCheck(self->rod || !leaves, OptionsComm(),
+            "%s: takes the rod out of the plane, in which this run is; begin it with -rod_model "
+            "space",
+            name);
+  PetscFunctionReturn(0);
+}
+
+/* SpaceChangeSpin - the clamp turns on at the rate that -clamp_spin has by now, from t on. */
+PetscErrorCode SpaceChangeSpin(Space *self, PetscReal t) {
+  PetscReal spin;
+
+  PetscFunctionBegin;
+  PetscCall(OptionReal("-clamp_spin", &spin, NULL));
+  PetscCall(CheckPlane(self, "-clamp_spin", (PetscBool)(spin != 0)));
+  self->spun = SpaceClampAngle(self, t);
+  self->spins_from = t;
+  self->spin = spin;
+  PetscFunctionReturn(0);
+}
+
+/* SpaceChangeTorque - the moment on the tip is what -tip_torque has by now. */
+PetscErrorCode SpaceChangeTorque(Space *self, Tip *tip) {
+  PetscReal torque;
+
+  PetscFunctionBegin;
+  PetscCall(OptionReal("-tip_torque", &torque, NULL));
+  PetscCall(CheckPlane(self, "-tip_torque", (PetscBool)(torque != 0)));
+  tip->torque = torque;
+  self->twisted = PetscAbsReal(torque);
+  PetscFunctionReturn(0);
+}
+
+/* A vector option's new value, in the clamp's frame. */
+static PetscErrorCode NewVector(const Space *self, const char *name, Dimension dimension,
+                                PetscReal v[3]) {
+  PetscReal lab[3];
+  PetscBool given;
+
+  PetscFunctionBegin;
+  PetscCall(Vector(name, dimension, lab, &given));
+  PetscCall(CheckPlane(self, name, (PetscBool)(lab[2] != 0)));
+  FromLab(self, lab, v);
+  PetscFunctionReturn(0);
+}
+
+/* SpaceChangePush - the dead force on the tip is what -tip_force_vector has by now. */
+PetscErrorCode SpaceChangePush(Space *self, Tip *tip) {
+  PetscReal v[3];
+
+  PetscFunctionBegin;
+  PetscCall(NewVector(self, "-tip_force_vector", UNIT_FORCE, v));
+  PetscCall(PetscArraycpy(tip->push, v, 3));
+  for (int d = 0; d < 2; d++) self->drive[1][d] = v[1 + d];
+  PetscFunctionReturn(0);
+}
+
+/* SpaceChangeWeight - the weight is what -rod_weight has by now. */
+PetscErrorCode SpaceChangeWeight(Space *self, Load *load) {
+  PetscReal v[3];
+
+  PetscFunctionBegin;
+  PetscCall(NewVector(self, "-rod_weight", UNIT_LOAD, v));
+  LoadSetWeight(load, v);
+  for (int d = 0; d < 2; d++) self->drive[0][d] = v[1 + d];
   PetscFunctionReturn(0);
 }
 

@@ -7,18 +7,20 @@
 #include "world/load_space.h"
 #include "material/shape.h"
 #include "world/tip.h"
-#include "world/schedule.h"
+#include "base/schedule.h"
 
 enum { DRIVES = 2 };
 
 typedef struct {
   const char *why;     /* the option by which something acts out of the plane; NULL: none does */
+  char refused[128];   /* the line that says so to who asks for a model of the plane */
   const char *only;    /* an option that was given and means nothing in the plane; NULL: none */
   PetscBool rod;       /* the rod is modelled in space: for who records it */
   PetscReal torsion;   /* C/B */
   PetscReal ratio;     /* B3/B2 */
   PetscReal spin;      /* rate at which the clamp turns about d1; with a path the fastest */
-  Schedule clamp_path; /* over time; NULL: at that rate */
+  Schedule clamp_path; /* over time; NULL: at that rate, */
+  PetscReal spins_from, spun; /* from this time on, when it had turned by so much */
   PetscReal
       turned[4]; /* angles that drive each group of fields (rod.h) from 0: along, x2, x3, twist */
   PetscReal moved[4];         /* places that do */
@@ -38,6 +40,12 @@ void SpaceClampTurn(const Space *space, const Load *load, PetscReal t, PetscReal
 PetscReal SpaceClampAngle(const Space *space, PetscReal t);
 PetscReal SpaceClampRate(const Space *space, PetscReal t);
 const char *SpaceClampOption(const Space *space);
+
+/* what a run may have changed: scene/change.c */
+PetscErrorCode SpaceChangeSpin(Space *space, PetscReal t);
+PetscErrorCode SpaceChangeTorque(Space *space, Tip *tip);
+PetscErrorCode SpaceChangePush(Space *space, Tip *tip);
+PetscErrorCode SpaceChangeWeight(Space *space, Load *load);
 
 /* Is a vector of the clamp's frame along the clamp, but for what rounding leaves across? */
 static inline PetscBool SpaceIsAlong(const PetscReal v[3]) {

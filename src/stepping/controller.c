@@ -153,7 +153,9 @@ static PetscErrorCode LocalError(TS ts, Controller *self, Formula *f, PetscInt q
 
 /* The first step has no second point to tell its error from. A decaying mode that changes by d in
    it errs by d^2/2; U is compared with the guess, growth alone. (On the safe side: against rtol,
-   while change is measured against the tolerance, a part of it.) */
+   while change is measured against the tolerance, a part of it.) Behind a kink of what bends the
+   rod modes of all rates are let go at once: those much faster than the step err by all that they
+   change. */
 static PetscErrorCode FirstError(TS ts, Controller *self, Formula *f, PetscReal *error) {
   PetscReal change;
 
@@ -162,7 +164,7 @@ static PetscErrorCode FirstError(TS ts, Controller *self, Formula *f, PetscReal 
   if (!self->guess) PetscFunctionReturn(0);
   PetscCall(self->guess(ts, ts->ptime, f->now, f->point[1], self->work, self->guess_ctx));
   PetscCall(Norm(ts, self, f->point[0], &change));
-  *error = change * change * ts->rtol / 2;
+  *error = self->kinked ? change : change * change * ts->rtol / 2;
   PetscFunctionReturn(0);
 }
 
@@ -242,6 +244,7 @@ static PetscErrorCode Choose(TS ts, Controller *self, Formula *f, PetscBool *acc
     self->snaps = self->jumped;
     self->jumped = PETSC_FALSE;
   }
+  if (self->kinked) self->jumped = PETSC_FALSE;
   self->rejected = *accept ? PETSC_MAX_REAL : e;
   if (self->jumped) *accept = PETSC_TRUE;
   *factor = StepFactor(e, k);
@@ -484,6 +487,15 @@ static PetscErrorCode TryUntilAccepted(TS ts, Controller *self, Formula *f, Pets
   PetscFunctionReturn(0);
 }
 
+/* A step that begins at a kink knows nothing of what is behind it: the history starts anew, and the
+   step is short. */
+static void SetOutAnew(TS ts, Controller *self, Formula *f) {
+  self->kinked = (PetscBool)(self->kinks && !self->fixed && f->n > 1 && self->kinks(ts, ts->ptime));
+  if (!self->kinked) return;
+  f->n = self->order = 1;
+  ts->time_step = PetscMin(ts->time_step, ts->rtol * Scale(ts, self));
+}
+
 /* Begins a step: moves the state into the history. */
 static PetscErrorCode BeginStep(TS ts, Controller *self, Formula *f) {
   PetscFunctionBegin;
@@ -495,6 +507,7 @@ static PetscErrorCode BeginStep(TS ts, Controller *self, Formula *f) {
   if (ts->steprestart && !f->given) f->n = 0;
   if (!f->given && !ts->steprollback) PetscCall(FormulaPush(f, ts->vec_sol));
   f->given = PETSC_FALSE;
+  SetOutAnew(ts, self, f);
   if (self->fixed) self->order = PetscMin(self->order + 1, self->most);
   PetscFunctionReturn(0);
 }

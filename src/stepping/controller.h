@@ -38,6 +38,8 @@ typedef struct {
   VBDFCross cross;
   VBDFMeasure measure;
   VBDFNextEnd next_end;
+  VBDFKinks kinks;
+  PetscBool kinked; /* the present step begins at a kink of what drives the rod */
 } Controller;
 
 PetscErrorCode ControllerStep(TS ts, Controller *controller, Formula *formula);

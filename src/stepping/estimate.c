@@ -486,8 +486,9 @@ static PetscErrorCode Solve(Estimate self, PetscReal *e) {
 static PetscBool IsViscous(Scene scene) {
   const Contact *contact = &scene->contact;
 
-  return (PetscBool)(scene->load.friction.mu == 0 && scene->tip.law != TIP_RESISTANCE &&
-                     !ContactWallsRub(contact) && !(contact->self && contact->friction > 0));
+  return (PetscBool)(scene->load.friction.mu == 0 && !scene->load.friction.own &&
+                     scene->tip.law != TIP_RESISTANCE && !ContactWallsRub(contact) &&
+                     !(contact->self && contact->friction > 0));
 }
 
 /* rhs = -F_U_t b, by a difference so small that friction is straight over it. */
@@ -564,17 +565,28 @@ static PetscErrorCode SubtractSource(Estimate self, PetscReal t, int part) {
   PetscFunctionReturn(0);
 }
 
+/* What is this part of what a rod is steered to is next to nothing: at first it is all error. */
+static const PetscReal at_first = 1e-6;
+
+static PetscReal SteeredTo(const Estimate self) {
+  const Curvature *curvature = &self->scene->curvature;
+
+  if (!curvature->steered) return 0;
+  return PetscMax(CurvatureSteered(curvature, BEND_2), CurvatureSteered(curvature, BEND_3));
+}
+
 /* What an error makes of |x2|, and of |x3| in space, over the larger one; none: the rod is
    straight. */
-static PetscReal SeeNorm(const Estimate self, const PetscReal *e) {
+static PetscReal SeeNorm(const Estimate self, PetscReal length, const PetscReal *e) {
   const PetscReal *s = self->scene->mesh.s, *u = self->all.u;
   const PetscInt last = self->nodes - 1, fields = self->fields;
-  PetscReal norm[MIRRORS] = {0}, by[MIRRORS] = {0}, size = rod_vanished, most, off = 0;
+  const PetscReal least = PetscMax(rod_vanished, at_first * SteeredTo(self) * length * length);
+  PetscReal norm[MIRRORS] = {0}, by[MIRRORS] = {0}, size = least, most, off = 0;
 
   for (PetscInt k = 0; k <= last; k++)
     for (PetscInt d = 1; d <= self->mirrors; d++)
       size = PetscMax(size, PetscAbsReal(u[k * fields + d]));
-  if (size == rod_vanished) return none;
+  if (size == least) return none;
   for (PetscInt k = 0; k <= last; k++)
     for (PetscInt d = 0; d < self->mirrors; d++) {
       const PetscReal w = (s[PetscMin(k + 1, last)] - s[PetscMax(k - 1, 0)]) / 2,
@@ -615,7 +627,8 @@ static PetscErrorCode SeeEnergy(const Estimate self, PetscReal t, const PetscRea
   }
   PetscCall(GrowthLength(self->scene->growth, t, &length, NULL));
   if (size == rod_vanished ||
-      energy / 2 * size * size < CurvatureRounding(&self->scene->curvature, length)) {
+      energy / 2 * size * size < PetscMax(CurvatureRounding(&self->scene->curvature, length),
+                                          at_first * PetscSqr(SteeredTo(self)) * length)) {
     *seen = none;
     PetscFunctionReturn(0);
   }
@@ -628,16 +641,17 @@ static PetscErrorCode SeeEnergy(const Estimate self, PetscReal t, const PetscRea
 static PetscErrorCode See(const Estimate self, PetscReal t, const PetscReal *e,
                           PetscReal seen[ESTIMATE_SEEN], PetscReal change[RIGID_VALUES]) {
   const PetscInt tip = (self->nodes - 1) * self->fields;
-  PetscReal off = 0, distance = 0;
+  PetscReal off = 0, distance = 0, length;
 
   PetscFunctionBegin;
+  PetscCall(GrowthLength(self->scene->growth, t, &length, NULL));
   for (PetscInt d = 0; d <= self->mirrors; d++) {
     off = hypot(off, e[tip + d]);
     change[RIGID_TIP + d] = e[tip + d];
     distance = hypot(distance, self->all.u[tip + d]);
   }
   seen[ESTIMATE_TIP] = off / PetscMax(distance, rod_vanished);
-  seen[ESTIMATE_NORM] = SeeNorm(self, e);
+  seen[ESTIMATE_NORM] = SeeNorm(self, length, e);
   PetscCall(SeeEnergy(self, t, e, &seen[ESTIMATE_ENERGY], &change[RIGID_ENERGY]));
   PetscFunctionReturn(0);
 }

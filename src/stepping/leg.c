@@ -11,6 +11,24 @@ static const PetscReal share_of_step = 0.3;
    stable for them. */
 enum { HIGHEST_ORDER = 6 };
 
+/* A rod that is steered sets out from a shape of no size, in a layer of no width: no step from
+   there, however short, is right to a part of what it was before, or of what it leads to. So its
+   fields count as at least this part of what the largest of its strains would make them. */
+static const PetscReal of_steering = 1e-6;
+
+static PetscReal Steered(const Leg *leg, PetscInt f) {
+  static const char *const moved[STRAINS] = {
+      [BEND_3] = "theta x2 p3", [BEND_2] = "x3 p2", [TURN_1] = "p1"};
+  const Scene scene = leg->rod->scene;
+  PetscReal most = 0;
+
+  for (int e = 0; e < STRAINS && scene->curvature.steered; e++)
+    if (strstr(moved[e], leg->rod->model->field[f]))
+      most =
+          CurvatureSteered(&scene->curvature, e) * scene->units.length * RodFieldUnit(leg->rod, f);
+  return of_steering * most;
+}
+
 /* The tolerance of each entry: that part of rtol times the size of its field; -1 leaves out the
    fields that are not followed (forces and moments of an index-2 problem are not to control the
    step). */
@@ -24,7 +42,9 @@ static PetscErrorCode SetTolerance(Leg *leg) {
   for (PetscInt f = 0; f < fields; f++) {
     const PetscReal least = rod_vanished * RodFieldUnit(leg->rod, f);
     most[f] = leg->rod->model->followed[f]
-                  ? share_of_step * PetscMax(leg->ease.times * leg->rtol * leg->size[f], least)
+                  ? share_of_step * PetscMax(leg->ease.times * leg->rtol *
+                                                 PetscMax(leg->size[f], Steered(leg, f)),
+                                             least)
                   : -1;
   }
   PetscCall(VecGetLocalSize(leg->tolerance, &n));
@@ -539,7 +559,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, Leg
   PetscFunctionBegin;
   PetscCall(PetscMemzero(leg, sizeof(*leg)));
   leg->rtol = rtol;
-  leg->ease.most = leg->ease.times = 1;
+  leg->ease.most = leg->ease.wants = leg->ease.times = 1;
   PetscCall(RodCreate(scene, model, &leg->rod));
   PetscCall(RodFindUnits(leg->rod));
   LoadShareLeast(&scene->load, scene->units.speed);
@@ -628,6 +648,18 @@ static PetscReal NextTurn(TS ts, PetscReal t) {
   return SceneNextTurn(leg->rod->scene, t);
 }
 
+static PetscBool Kinks(TS ts, PetscReal t) {
+  PetscReal near = 1e-12; /* as steps end there */
+  Leg *leg = NULL;
+  Growth growth;
+
+  if (TSGetApplicationContext(ts, &leg)) return PETSC_FALSE;
+  growth = leg->rod->scene->growth;
+  near *= leg->rod->scene->end_time;
+  return (PetscBool)(CurvatureJerks(&leg->rod->scene->curvature, t - near, t + near) ||
+                     (growth->jerks && growth->jerks(growth, t - near, t + near)));
+}
+
 /* LegEndAtTurns - lets steps end where what tables give in time sets out, stops or turns back: a
    rod that rests, or does not feel it yet, lets steps be long, and one might leave out that it came
    and went. */
@@ -635,6 +667,8 @@ PetscErrorCode LegEndAtTurns(Leg *leg) {
   PetscFunctionBegin;
   if (SceneNextTurn(leg->rod->scene, 0) < PETSC_MAX_REAL)
     PetscCall(VBDFSetNextEnd(leg->ts, NextTurn));
+  if (leg->rod->scene->curvature.steered || leg->rod->scene->growth->jerks)
+    PetscCall(VBDFSetKinks(leg->ts, Kinks));
   PetscFunctionReturn(0);
 }
 

@@ -7,7 +7,8 @@
 /* The tolerance of steps, as it follows the estimate: see tolerance.c. */
 typedef struct {
   PetscReal most;   /* so many times rtol it may be; 1: it is that */
-  PetscReal times;  /* so many times it is */
+  PetscReal wants;  /* so many times it is to be */
+  PetscReal times;  /* so many times it is, one of few levels */
   PetscReal others; /* by how much contact puts the rod off */
 } Ease;
 

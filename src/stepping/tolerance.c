@@ -10,8 +10,11 @@ static const PetscReal part_of_contact = 0.3, power = 6. / 7;
    to come of a tolerance are not seen yet when it changes. What contact had put the rod off by is
    forgotten as slowly, for errors pass through 0. */
 static const PetscReal rises = 1.15, falls = 0.9, forgets = 0.95;
+/* The tolerance has that many levels in each factor of 10: errors that differ by round-off, on
+   other numbers of ranks, are to give the same steps. */
+enum { LEVELS = 4 };
 /* Errors as large as that grow no more (estimate.c): which of them is the largest is not known. */
-static const PetscReal too_large = 0.02;
+static const PetscReal too_large = 0.002;
 
 /* The largest of a part's errors in what is seen. */
 static PetscReal Largest(const PetscReal error[ESTIMATE_SEEN]) {
@@ -36,6 +39,7 @@ void ToleranceFollow(PetscReal rtol, const PetscReal part[ESTIMATE_PARTS][ESTIMA
   ease->others = PetscMax(soft, forgets * ease->others);
   if (PetscMax(seen, soft) > too_large) return;
   times = PetscPowReal(part_of_contact * ease->others / time, 1 / power);
-  ease->times *= PetscMax(falls, PetscMin(rises, times));
-  ease->times = PetscMax(1, PetscMin(ease->most, ease->times));
+  ease->wants *= PetscMax(falls, PetscMin(rises, times));
+  ease->wants = PetscMax(1, PetscMin(ease->most, ease->wants));
+  ease->times = PetscPowReal(10, floor(LEVELS * log10(ease->wants)) / LEVELS);
 }

@@ -276,6 +276,17 @@ PetscErrorCode VBDFSetNextEnd(TS ts, VBDFNextEnd next_end) {
   PetscFunctionReturn(0);
 }
 
+/* VBDFSetKinks - sets how to see that a time, at which a step has ended, is one of a kink: the
+   history starts anew there. No effect on other types. */
+PetscErrorCode VBDFSetKinks(TS ts, VBDFKinks kinks) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  if (self) self->controller.kinks = kinks;
+  PetscFunctionReturn(0);
+}
+
 /* VBDFSetMeasure - sets how errors are turned before they are held against the tolerances. No
    effect on other types. */
 PetscErrorCode VBDFSetMeasure(TS ts, VBDFMeasure measure) {

@@ -36,6 +36,7 @@ typedef PetscErrorCode (*VBDFCross)(TS ts, Vec U, VBDFSight sight, PetscBool *cr
 /* The first time behind t at which a step has to end, whatever its error; PETSC_MAX_REAL: there is
    none. */
 typedef PetscReal (*VBDFNextEnd)(TS ts, PetscReal t);
+typedef PetscBool (*VBDFKinks)(TS ts, PetscReal t);
 
 /* Turns an error, in place, into the axes along which the tolerances are. */
 typedef PetscErrorCode (*VBDFMeasure)(TS ts, Vec error);
@@ -51,6 +52,7 @@ PetscErrorCode VBDFSetHeld(TS ts, Vec held, PetscBool free);
 PetscErrorCode VBDFSetCheck(TS ts, VBDFCheck check);
 PetscErrorCode VBDFSetCross(TS ts, VBDFCross cross);
 PetscErrorCode VBDFSetNextEnd(TS ts, VBDFNextEnd next_end);
+PetscErrorCode VBDFSetKinks(TS ts, VBDFKinks kinks);
 PetscErrorCode VBDFSetMeasure(TS ts, VBDFMeasure measure);
 PetscErrorCode VBDFSetFactored(TS ts, PetscInt fields, const int factored[]);
 PetscErrorCode VBDFSetLeast(TS ts, const PetscReal least[VBDF_FACTORS]);

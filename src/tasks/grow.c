@@ -55,8 +55,9 @@ static PetscErrorCode Self(TS ts, Grow **self) {
   PetscFunctionReturn(0);
 }
 
-/* Hands the shape of a state at time t to the output. U NULL: the initial shape. */
-static PetscErrorCode StoreShape(Grow *self, PetscReal t, Vec U) {
+/* GrowStoreShape - hands the shape of a state at time t to the output. U NULL: the initial shape.
+ */
+PetscErrorCode GrowStoreShape(Grow *self, PetscReal t, Vec U) {
   const PetscReal(*contact)[PUSH] = NULL;
   const Node *nodes;
 
@@ -75,12 +76,13 @@ static PetscErrorCode StoreDueShapes(Grow *self, PetscReal t, Vec U) {
 
   PetscFunctionBegin;
   while (self->next_output <= t * (1 + 1e-14)) {
+    if (self->by_steps) PetscCall(GrowMark(self, self->next_output));
     if (self->next_output >= t * (1 - 1e-12))
-      PetscCall(StoreShape(self, t, U));
+      PetscCall(GrowStoreShape(self, t, U));
     else {
       PetscCall(VecDuplicate(self->now->U, &W));
       PetscCall(TSInterpolate(self->now->ts, self->next_output, W));
-      PetscCall(StoreShape(self, self->next_output, W));
+      PetscCall(GrowStoreShape(self, self->next_output, W));
       PetscCall(VecDestroy(&W));
     }
     self->next_output += self->output_interval;
@@ -90,11 +92,7 @@ static PetscErrorCode StoreDueShapes(Grow *self, PetscReal t, Vec U) {
 
 /* Brings all there is into the result file, with what the run needs to go on from here. */
 static PetscErrorCode Store(Grow *self, PetscBool finished) {
-  RestartState state = {.model = self->now - self->leg,
-                        .seen = self->seen,
-                        .began = self->began,
-                        .folds = self->folds,
-                        .neglected = self->neglected};
+  RestartState state;
   Vec points[VBDF_POINTS], errors[ESTIMATE_KEPT];
 
   PetscFunctionBegin;
@@ -103,17 +101,7 @@ static PetscErrorCode Store(Grow *self, PetscBool finished) {
     PetscFunctionReturn(0);
   }
   if (!OutputStores(self->output)) PetscFunctionReturn(0);
-  PetscCall(RestartKeep(self->now, self->seen.t, self->now->U, &state, points));
-  PetscCall(ObserverGetBalance(self->observer, state.balance));
-  GrowKeepErrors(self, state.beside);
-  GrowKeepStuck(self, state.stuck);
-  PetscCall(GrowCount(self, state.counted));
-  state.follows = self->estimate ? 1 : 0;
-  if (self->estimate) {
-    PetscCall(EstimateGet(self->estimate, state.errors));
-    PetscCall(EstimateVectors(self->estimate, errors));
-    PetscCall(EstimateKeep(self->estimate, state.following, errors));
-  }
+  PetscCall(GrowKeep(self, &state, points, errors));
   PetscCall(OutputStore(self->output, self->now->rod, &state, points,
                         self->estimate ? errors : NULL, finished));
   for (int k = 0; k < ESTIMATE_KEPT && self->estimate; k++) PetscCall(VecDestroy(&errors[k]));
@@ -178,10 +166,14 @@ static PetscErrorCode Neglect(Grow *self, Vec U_t) {
    has none. */
 static const PetscReal initial_layer = 1e-6;
 
-/* Does what leads tip or clamp, or a surface that is touched, set out or stop at once between two
-   times? */
+/* Does what leads tip or clamp, feeds the rod, or moves a surface that is touched set out or stop
+   at once between two times? */
 static PetscBool LedRoundCorner(Scene scene, PetscBool touches, PetscReal t0, PetscReal t1) {
-  return (PetscBool)((scene->tip.path && PathTurnsCorner(scene->tip.path, t0, t1)) ||
+  const Growth growth = scene->growth;
+
+  return (PetscBool)((growth->jerks && growth->jerks(growth, t0, t1)) ||
+                     CurvatureJerks(&scene->curvature, t0, t1) ||
+                     (scene->tip.path && PathTurnsCorner(scene->tip.path, t0, t1)) ||
                      (scene->space.clamp_path && ScheduleJerks(scene->space.clamp_path, t0, t1)) ||
                      (touches && SurfacesJerk(&scene->contact.surfaces, t0, t1)));
 }
@@ -263,14 +255,17 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
     PetscCall(VBDFGetJumps(self->now->ts, &jumps));
     jumped = (PetscBool)(jumps > self->now->jumps);
     if (jumped && layered) self->gave_way = PETSC_TRUE;
-    broken = (PetscBool)(jumped || LedRoundCorner(self->scene, (PetscBool)(last.contact_force > 0),
-                                                  before, t));
+    broken =
+        (PetscBool)(jumped || self->changed ||
+                    LedRoundCorner(self->scene, (PetscBool)(last.contact_force > 0), before, t));
     if (broken || IsThin(self, before) || (layered && before == 0))
       ObserverClose(self->observer, &last, broken);
+    self->changed = PETSC_FALSE;
     if (self->now == &self->leg[WholeModel(self)]) PetscCall(FollowErrors(self, jumped));
     self->now->jumps = jumps;
     if (jumped && !layered) self->snaps++;
   }
+  if (self->by_steps) PetscCall(ObserverGetBalance(self->observer, self->balance));
   PetscCall(ObserverMeasure(self->observer, self->now->rod, t, U, U_t, U ? self->now->ts : NULL,
                             &self->seen));
   self->force_before = BaseForce(&last);
@@ -345,17 +340,13 @@ static PetscErrorCode StopHere(Grow *self, TS ts) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode AfterStep(TS ts) {
-  Grow *self;
-  TSConvergedReason reason;
+/* Looks at the step just taken. */
+static PetscErrorCode TakeStep(Grow *self, TS ts) {
   PetscBool store, crosses;
   PetscReal t;
   Vec U, U_t, here[2] = {NULL, NULL};
 
   PetscFunctionBegin;
-  PetscCall(TSGetConvergedReason(ts, &reason));
-  if (reason < 0) PetscFunctionReturn(0); /* called after a step that failed, too */
-  PetscCall(Self(ts, &self));
   PetscCall(TSGetTime(ts, &t));
   U = self->now->U;
   U_t = self->now->newton.latest.U_t;
@@ -377,6 +368,26 @@ static PetscErrorCode AfterStep(TS ts) {
   PetscCall(Agree(self, &store));
   PetscCall(StopHere(self, ts));
   if (store) PetscCall(Store(self, PETSC_FALSE));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode AfterStep(TS ts) {
+  const PetscReal same = 1e-12;
+  TSConvergedReason reason;
+  PetscReal t;
+  Grow *self;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetConvergedReason(ts, &reason));
+  if (reason < 0) PetscFunctionReturn(0); /* called after a step that failed, too */
+  PetscCall(Self(ts, &self));
+  PetscCall(TSGetTime(ts, &t));
+  self->waits = (PetscBool)(self->by_steps && t > self->until * (1 + same));
+  self->reason = reason;
+  if (!self->waits) PetscCall(TakeStep(self, ts));
+  if (self->by_steps) PetscCall(TSGetConvergedReason(ts, &reason));
+  if (self->waits || (self->by_steps && !reason))
+    PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER)); /* the host has its turn */
   PetscFunctionReturn(0);
 }
 
@@ -457,7 +468,8 @@ static PetscErrorCode ChooseModel(Grow *self) {
       "%s: means nothing in the plane, and nothing here takes the rod out of it; take it out, "
       "or give -rod_model space",
       space->only);
-  UserCheck(!space->rod || !self->member || self->member->values == OBSERVED, self->scene->comm,
+  UserCheck(!space->rod || !self->member || self->member->values == OBSERVED_IN_SPACE,
+            self->scene->comm,
             "%s: takes this rod out of the plane, as nothing that the sweep's options say does; "
             "give the sweep -rod_model space",
             space->why ? space->why : "-rod_model");
@@ -623,7 +635,7 @@ static PetscErrorCode SetInterval(Grow *self, const char *output, const char *re
   PetscFunctionBegin;
   PetscCall(GrowFindEnd(self));
   PetscCall(OptionInt("-output_shapes", &shapes, &number));
-  if (!number && (self->member || !(output[0] || restart[0]))) shapes = 1;
+  if (!number && !self->by_steps && (self->member || !(output[0] || restart[0]))) shapes = 1;
   self->output_interval = self->end / (PetscReal)shapes;
   PetscCall(OptionReal("-output_interval", &every, &interval));
   if (interval && !number) self->output_interval = every;
@@ -696,10 +708,11 @@ static PetscErrorCode Begin(Grow *self, const char *output) {
   PetscCall(OutputCreate(output, self->scene, &self->output)); /* after all refusals */
   if (GrowFollowsErrors(self)) PetscCall(OutputFollows(self->output));
   if (self->member) PetscCall(OutputKeep(self->output, self->member->series, self->member->shapes));
+  if (self->by_steps) PetscCall(OutputKeep(self->output, PETSC_TRUE, PETSC_TRUE));
   PetscCall(Observe(self, 0, NULL, NULL));
   self->now = &self->leg[BetterModel(self)];
   PetscCall(RodBegin(self->now->rod, self->now->U));
-  PetscCall(StoreShape(self, 0, NULL));
+  PetscCall(GrowStoreShape(self, 0, NULL));
   if (!self->member) PetscCall(Store(self, PETSC_FALSE)); /* what cannot be written shows early */
   self->next_output = self->output_interval;
   PetscFunctionReturn(0);
@@ -728,13 +741,19 @@ static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *
   self->began = state->began;
   self->neglected = state->neglected;
   self->shared = state->shared; /* it has been said */
+  self->changed = (PetscBool)(state->points == 1 &&
+                              state->step <= 2 * grow_begins_again * self->scene->end_time);
   self->seen.t = self->start = self->stored_shape = state->t;
   PetscCall(GrowLookForEvent(self, state->t, self->now->U, &event));
   UserCheck(!event.kind, self->scene->comm,
             "-stop_%s: it is so at t = %s already, where -restart %s is", event_name[event.kind],
             OptionBoth(state->t, UNIT_TIME, text), restart);
-  PetscCall(
-      OutputContinue(output, restart, self->scene, state->t, self->output_interval, &self->output));
+  if (self->by_steps)
+    PetscCall(OutputTakeOver(restart, self->scene, state->t, self->output_interval,
+                             GrowFollowsErrors(self), &self->output));
+  else
+    PetscCall(OutputContinue(output, restart, self->scene, state->t, self->output_interval,
+                             &self->output));
   if (GrowFollowsErrors(self)) PetscCall(OutputFollows(self->output));
   PetscCall(Store(self, PETSC_FALSE));
   if (!self->quiet)
@@ -746,14 +765,19 @@ static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode Create(Grow *self, const char *output, const char *restart) {
+/* GrowCreate - begins a run, of the scene in self, which is 0 but for what its creator says.
+   Collective; the caller ends it with GrowDestroy(), also after an error. */
+PetscErrorCode GrowCreate(Grow *self, const char *output, const char *restart) {
   PetscBool begun = PETSC_FALSE;
   RestartState state;
 
   PetscFunctionBegin;
+  self->load = self->scene->load;
+  self->enters = PETSC_TRUE;
   PetscCall(ReadOptions(self));
   UserCheck(
-      output[0] || restart[0] || self->member || !OptionOnCommandLine("-output_interval"),
+      self->by_steps || output[0] || restart[0] || self->member ||
+          !OptionOnCommandLine("-output_interval"),
       self->scene->comm,
       "-output_interval: no shapes are stored without -output FILE; give it, or take this out");
   PetscCall(SetInterval(self, output, restart));
@@ -776,8 +800,9 @@ static PetscErrorCode Create(Grow *self, const char *output, const char *restart
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode Destroy(Grow *self) {
+PetscErrorCode GrowDestroy(Grow *self) {
   PetscFunctionBegin;
+  PetscCall(GrowMarksDestroy(self));
   PetscCall(GrowSensitivitiesDestroy(self));
   PetscCall(OutputDestroy(&self->output));
   PetscCall(ObserverDestroy(&self->observer));
@@ -787,26 +812,122 @@ static PetscErrorCode Destroy(Grow *self) {
 }
 
 /* Steps to the end, from model to model. Where a rod in dry friction finds no step, it tries again
-   with a viscous share, or a larger one, in steps from this part of the run on. */
-static const PetscReal begins_again = 1e-9;
+   with a viscous share, or a larger one, in steps of grow_begins_again of the run on. */
+/* One step of a TS that solves already, as TSSolve() takes it: that would limit it once more. */
+static PetscErrorCode StepOn(TS ts) {
+  PetscReal t;
+  PetscInt steps;
+  Vec U;
 
-static PetscErrorCode Follow(Grow *self, TSConvergedReason *reason) {
   PetscFunctionBegin;
-  for (;;) {
-    PetscCall(TSSolve(self->now->ts, self->now->U));
-    PetscCall(TSGetConvergedReason(self->now->ts, reason));
-    if (*reason < 0 && !self->stopped && LoadMaySlip(&self->scene->load) &&
-        LoadShareMore(&self->scene->load)) {
-      PetscCall(TSRestartStep(self->now->ts));
-      PetscCall(TSSetTimeStep(self->now->ts, begins_again * self->scene->end_time));
-      continue;
-    }
-    if (*reason != TS_CONVERGED_USER || self->stopped || self->beyond || self->jammed ||
-        self->slips || self->crawls || self->event.kind)
-      break;
+  PetscCall(TSPreStep(ts));
+  PetscCall(TSStep(ts));
+  PetscCall(TSPostEvaluate(ts));
+  PetscCall(TSPostStep(ts));
+  PetscCall(TSGetTime(ts, &t));
+  PetscCall(TSGetStepNumber(ts, &steps));
+  PetscCall(TSGetSolution(ts, &U));
+  PetscCall(TSMonitor(ts, steps, t, U));
+  PetscFunctionReturn(0);
+}
+
+/* What follows where the stepper has stopped. */
+static PetscErrorCode AfterSolve(Grow *self) {
+  PetscFunctionBegin;
+  PetscCall(TSGetConvergedReason(self->now->ts, &self->reason));
+  self->enters = PETSC_FALSE;
+  if (self->reason < 0 && !self->stopped && LoadMaySlip(&self->scene->load) &&
+      LoadShareMore(&self->scene->load)) {
+    PetscCall(TSRestartStep(self->now->ts));
+    PetscCall(TSSetTimeStep(self->now->ts, grow_begins_again * self->scene->end_time));
+    self->enters = PETSC_TRUE;
+  } else if (self->reason != TS_CONVERGED_USER || self->stopped || self->beyond || self->jammed ||
+             self->slips || self->crawls || self->event.kind)
+    self->over = PETSC_TRUE;
+  else if (self->now != &self->leg[BetterModel(self)]) {
     PetscCall(HandOver(self, &self->leg[BetterModel(self)]));
+    self->enters = PETSC_TRUE;
+  }
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Follow(Grow *self) {
+  PetscFunctionBegin;
+  while (!self->over) {
+    PetscCall(TSSolve(self->now->ts, self->now->U));
+    PetscCall(AfterSolve(self));
   }
   PetscCall(GrowProgress(self, PETSC_TRUE));
+  PetscFunctionReturn(0);
+}
+
+/*
+  GrowStep - takes one step of a run by steps, or, if that has led beyond a time, lets it wait: the
+  rod is then where it was, and what is between is known by the stepper's dense output. A step that
+  waits is looked at by the first call that asks for as much. Collective.
+
+  until  that time; PETSC_MAX_REAL: none
+
+  What a run by steps does is what it does otherwise, to the last digit.
+*/
+PetscErrorCode GrowStep(Grow *self, PetscReal until) {
+  TS ts = self->now->ts;
+  PetscReal t;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetTime(ts, &t));
+  self->until = until;
+  if (self->over || (self->waits && t > until)) PetscFunctionReturn(0);
+  if (self->waits) {
+    self->waits = PETSC_FALSE;
+    PetscCall(TSSetConvergedReason(ts, self->reason));
+    PetscCall(AfterStep(ts));
+  } else if (self->enters)
+    PetscCall(TSSolve(ts, self->now->U));
+  else
+    PetscCall(StepOn(ts));
+  if (!self->waits) PetscCall(AfterSolve(self));
+  PetscFunctionReturn(0);
+}
+
+/* GrowSettle - a run by steps goes on from a time within the step that waits, as if that had ended
+   there: with what the dense output has. Collective. */
+PetscErrorCode GrowSettle(Grow *self, PetscReal t) {
+  TS ts = self->now->ts;
+  Vec V[2];
+  PetscReal end;
+
+  PetscFunctionBegin;
+  if (!self->waits) PetscFunctionReturn(0);
+  self->waits = PETSC_FALSE;
+  PetscCall(TSGetTime(ts, &end));
+  for (int k = 0; k < 2; k++) PetscCall(VecDuplicate(self->now->U, &V[k]));
+  PetscCall(LegInterpolate(self->now, t, end, end - self->seen.t, V[0], V[1]));
+  PetscCall(Observe(self, t, V[0], V[1]));
+  PetscCall(StoreDueShapes(self, t, V[0]));
+  PetscCall(VecCopy(V[0], self->now->U));
+  PetscCall(TSSetTime(ts, t));
+  for (int k = 0; k < 2; k++) PetscCall(VecDestroy(&V[k]));
+  PetscFunctionReturn(0);
+}
+
+/* GrowChange - the scene has changed at the present time. Where that acts on the rod, and is not
+   its end alone, steps begin anew there, short, and in the model that leaves nothing out.
+   Collective. */
+PetscErrorCode GrowChange(Grow *self, PetscBool acts) {
+  PetscFunctionBegin;
+  for (PetscInt m = 0; m < MODELS; m++)
+    if (self->leg[m].ts) PetscCall(TSSetMaxTime(self->leg[m].ts, self->scene->end_time));
+  PetscCall(GrowFindEnd(self));
+  if (!acts) PetscFunctionReturn(0);
+  self->changed = PETSC_TRUE;
+  self->can[LINEAR] = (PetscBool)(self->can[LINEAR] && self->model == LINEAR);
+  if (self->now != &self->leg[BetterModel(self)]) {
+    PetscCall(HandOver(self, &self->leg[BetterModel(self)]));
+    self->enters = PETSC_TRUE;
+  }
+  PetscCall(TSRestartStep(self->now->ts));
+  PetscCall(TSSetTimeStep(self->now->ts, grow_begins_again * self->scene->end_time));
   PetscFunctionReturn(0);
 }
 
@@ -822,7 +943,8 @@ static PetscErrorCode End(Grow *self, PetscBool finished) {
   char text[2][64] = {""};
 
   PetscFunctionBegin;
-  if (self->seen.t != self->stored_shape) PetscCall(StoreShape(self, self->seen.t, self->now->U));
+  if (self->seen.t != self->stored_shape)
+    PetscCall(GrowStoreShape(self, self->seen.t, self->now->U));
   PetscCall(OutputEvent(self->output, &self->event));
   if (self->stopped)
     (void)snprintf(text[0], sizeof(text[0]), "by signal %d at t = %.30s", self->stopped,
@@ -950,10 +1072,12 @@ static void AdviseFall(const Grow *self, char *advice, size_t room) {
 }
 
 /* The line for an end that was not asked for. */
-static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
+static PetscErrorCode Verdict(Grow *self) {
+  const TSConvergedReason reason = self->reason;
   MPI_Comm comm = self->scene->comm;
   const char *const kept = OutputStores(self->output) ? "the results up to there are stored"
-                                                      : "nothing is stored without -output FILE";
+                           : self->by_steps ? "what was found up to there can be read and saved"
+                                            : "nothing is stored without -output FILE";
   char text[3][64], jam[512] = "", crawl[768] = "", advice[512];
   PetscBool waves;
   PetscReal dt;
@@ -1026,23 +1150,24 @@ static PetscErrorCode Verdict(Grow *self, TSConvergedReason reason) {
 /* Has firm contact led it nowhere, so that it is to begin anew with soft contact? Not if it gave up
    under great force: it is jammed, as it would be in soft contact a little later. Nor can a run
    that goes on from where another one ended. */
-static PetscBool FindsNoWay(const Grow *self, TSConvergedReason reason) {
+static PetscBool FindsNoWay(const Grow *self) {
   return (PetscBool)(!self->stopped && self->start == 0 && GotFirm(&self->scene->contact) &&
-                     (self->crawls || (reason < 0 && !GrowPressedHard(self))));
+                     (self->crawls || (self->reason < 0 && !GrowPressedHard(self))));
 }
 
-/* anew: it was in vain, and is to be run once more, with soft contact */
-static PetscErrorCode Run(Grow *self, PetscBool *anew) {
-  TSConvergedReason reason = TS_CONVERGED_ITERATING;
-  PetscErrorCode error;
+/*
+  GrowFinish - what a run leaves that is over, and the line for an end that was not asked for.
+  Collective.
+
+  anew  it was in vain, and is to be run once more, with soft contact: see GrowAnew()
+*/
+PetscErrorCode GrowFinish(Grow *self, PetscBool *anew) {
+  PetscErrorCode error = (PetscErrorCode)0;
   char text[64];
 
   PetscFunctionBegin;
-  if (!self->member) SignalsCatch();
-  PetscCall(GrowHeading(self));
-  error = Follow(self, &reason);
-  *anew = (PetscBool)(!error && FindsNoWay(self, reason));
-  if (!error && !*anew) error = SumUp(self);
+  *anew = FindsNoWay(self);
+  if (!*anew) error = SumUp(self);
   if (error) (void)End(self, PETSC_FALSE); /* what has been computed is not lost */
   PetscCall(error);
   if (*anew && !self->quiet)
@@ -1051,12 +1176,39 @@ static PetscErrorCode Run(Grow *self, PetscBool *anew) {
                           "pressed in: the run begins anew with contact that does not\n",
                           OptionBoth(self->seen.t, UNIT_TIME, text)));
   if (*anew) PetscFunctionReturn(0);
-  PetscCall(End(self, (PetscBool)(reason == TS_CONVERGED_TIME || self->event.kind)));
+  PetscCall(End(self, (PetscBool)(self->reason == TS_CONVERGED_TIME || self->event.kind)));
   if (self->member) self->member->stopped = (PetscBool)(self->stopped != 0);
-  PetscCall(Verdict(self, reason));
+  PetscCall(Verdict(self));
   if (self->member)
     PetscCall(
         OutputHarvest(self->output, &self->seen, self->member->values, &self->member->harvest));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Run(Grow *self, PetscBool *anew) {
+  PetscErrorCode error;
+
+  PetscFunctionBegin;
+  if (!self->member) SignalsCatch();
+  PetscCall(GrowHeading(self));
+  error = Follow(self);
+  if (error) (void)End(self, PETSC_FALSE); /* what has been computed is not lost */
+  PetscCall(error);
+  PetscCall(GrowFinish(self, anew));
+  PetscFunctionReturn(0);
+}
+
+/* GrowAnew - ends a run, whose scene is then ready to be run once more, with soft contact. */
+PetscErrorCode GrowAnew(Grow *self) {
+  const Grow begun = {.scene = self->scene, .member = self->member, .by_steps = self->by_steps};
+  const Load load = self->load;
+
+  PetscFunctionBegin;
+  PetscCall(GrowDestroy(self));
+  *self = begun;
+  SceneAtSpeed(self->scene, 0);
+  self->scene->load = load;
+  PetscCall(ContactStaysSoft(&self->scene->contact));
   PetscFunctionReturn(0);
 }
 
@@ -1064,22 +1216,20 @@ static PetscErrorCode Run(Grow *self, PetscBool *anew) {
    contact, which lets it in. So what one run cannot bring to its end another one is to, from the
    beginning: a law that gave way in the course of a run would leave the rod out of balance. */
 static PetscErrorCode CreateAndRun(Grow *self, const char *output, const char *restart) {
-  const Grow begun = *self;
-  const Load load = self->scene->load; /* runs give friction a viscous share */
   PetscBool anew = PETSC_FALSE;
   PetscErrorCode error;
 
   PetscFunctionBegin;
   do {
-    *self = begun;
-    error = Create(self, output, restart);
+    if (anew) PetscCall(GrowAnew(self));
+    anew = PETSC_FALSE;
+    error = GrowCreate(self, output, restart);
     if (!error) error = Run(self, &anew);
-    PetscCall(Destroy(self));
+    if (error) PetscCall(GrowDestroy(self));
     PetscCall(error);
-    SceneAtSpeed(self->scene, 0);
-    if (anew) self->scene->load = load;
-    if (anew) PetscCall(ContactStaysSoft(&self->scene->contact));
   } while (anew);
+  PetscCall(GrowDestroy(self));
+  SceneAtSpeed(self->scene, 0);
   PetscFunctionReturn(0);
 }
 

@@ -136,7 +136,8 @@ static void Least(const Grow *self, PetscReal least[ESTIMATE_SEEN]) {
   const PetscReal distance = hypot(hypot(seen->tip_x1, seen->tip_x2), seen->tip_x3),
                   across = PetscMax(seen->norm_x2, seen->norm_x3), rounding = 1e-5;
 
-  for (int k = 0; k < ESTIMATE_SEEN; k++) least[k] = self->estimate ? self->rtol : 0;
+  for (int k = 0; k < ESTIMATE_SEEN; k++)
+    least[k] = self->estimate ? self->now->ease.times * self->rtol : 0;
   least[ESTIMATE_TIP] *= PetscMax(rounding, PetscMin(1, across / PetscMax(distance, rod_vanished)));
   if (self->scene->tip.type != TIP_FREE) least[ESTIMATE_TIP] = 0;
 }

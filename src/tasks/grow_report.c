@@ -179,10 +179,11 @@ static int Worst(const PetscReal seen[ESTIMATE_SEEN]) {
 /* What the last state may be off in, and where in the run most was. */
 static PetscErrorCode TellSeen(const Grow *self) {
   static const char *const name[ESTIMATE_SEEN] = {"tip", "|x2|", "energy"},
-                           *const why[WHYS] = {"its mesh",        "its steps",
-                                               "exact friction",  "contact that is not rigid",
-                                               "it touches then", "it lets go then",
-                                               "it snaps then"};
+                           *const why[WHYS] = {
+                               "by its mesh",       "by its steps",
+                               "by exact friction", "by contact, which is not rigid",
+                               "as it touches",     "as it lets go",
+                               "as it snaps"};
   const ErrorEstimate *error = &self->error;
   const PetscReal *end = error->end.seen;
   const int k = Worst(error->most.seen);
@@ -191,7 +192,7 @@ static PetscErrorCode TellSeen(const Grow *self) {
   PetscFunctionBegin;
   OptionBoth(error->when[k], UNIT_TIME, text);
   if (error->when[k] > 0)
-    (void)snprintf(at, sizeof(at), " at t = %s: %s", text, why[error->why[k]]);
+    (void)snprintf(at, sizeof(at), " at t = %s, %s", text, why[error->why[k]]);
   PetscCall(PetscPrintf(
       self->scene->comm,
       "errors at the end: tip %.1e, |x2| %.1e, energy %.1e; the largest of the run: %s %.1e%s\n",

@@ -110,7 +110,7 @@ static PetscErrorCode CreateScene(Grow *self, const Asked *asked, Shadow *shadow
   PetscFunctionBegin;
   (void)snprintf(text, sizeof(text), "%.17g%s", (double)shadow->number, asked->unit);
   PetscCall(OtherOptions(self, asked->name, text, &options));
-  PetscCall(OptionsPush(self->scene->comm, options));
+  PetscCall(OptionsPush(self->scene->comm, options, NULL));
   error = SceneCreate(&shadow->scene);
   if (!error) error = RodCreate(shadow->scene, self->now->rod->model, &shadow->rod);
   if (!error) error = PetscOptionsUsed(options, asked->name + 1, &used);

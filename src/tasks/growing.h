@@ -20,7 +20,18 @@ typedef struct _Sensitivities *Sensitivities;
 
 typedef struct {
   Scene scene;
-  Member *member;        /* NULL: the run is no sweep's */
+  Member *member;           /* NULL: the run is no sweep's */
+  PetscBool by_steps;       /* a host program asks for one step after the other: GrowStep() */
+  PetscReal until;          /* ... and what is beyond waits to be looked at */
+  PetscBool waits;          /* the step that was taken last does */
+  PetscBool enters;         /* the stepper begins to solve: at the start, and with another model */
+  PetscBool over;           /* no step follows, */
+  TSConvergedReason reason; /* for this reason */
+  PetscReal balance[BALANCE_STATE]; /* of energy, of a run by steps, as the latest one began */
+  PetscInt marks;
+  struct GrowMark *mark; /* of a run by steps, at the times of its stored shapes: grow_keep.c */
+  PetscBool changed;     /* something has been, since the latest step */
+  Load load;             /* as the run began: it may give friction a viscous share */
   PetscInt model;        /* as asked for */
   PetscBool can[MODELS]; /* which models can be of this scene */
   Leg leg[MODELS];       /* by model; those not in use are empty; auto has two, taking turns */
@@ -76,6 +87,25 @@ typedef struct {
 } Grow;
 
 extern const RodModel *const grow_models[MODELS];
+
+/* Where something begins anew: steps of this part of the run. */
+static const PetscReal grow_begins_again = 1e-9;
+
+/* grow_keep.c */
+PetscErrorCode GrowKeep(Grow *self, RestartState *state, Vec points[], Vec errors[]);
+PetscErrorCode GrowMark(Grow *self, PetscReal t);
+PetscErrorCode GrowMarksDestroy(Grow *self);
+PetscErrorCode GrowSave(Grow *self, const char *path, PetscReal t, PetscReal now);
+
+/* grow.c: a run by steps */
+PetscErrorCode GrowStoreShape(Grow *self, PetscReal t, Vec U);
+PetscErrorCode GrowCreate(Grow *self, const char *output, const char *restart);
+PetscErrorCode GrowStep(Grow *self, PetscReal until);
+PetscErrorCode GrowFinish(Grow *self, PetscBool *anew);
+PetscErrorCode GrowSettle(Grow *self, PetscReal t);
+PetscErrorCode GrowChange(Grow *self, PetscBool acts);
+PetscErrorCode GrowAnew(Grow *self);
+PetscErrorCode GrowDestroy(Grow *self);
 
 /* grow_errors.c */
 void GrowCross(Grow *self, const Observation *last, PetscReal before, PetscBool layered);

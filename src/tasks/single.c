@@ -5,12 +5,6 @@
 #include "tasks/grow.h"
 #include "tasks/stability.h"
 
-/* What is asked for, as far as it concerns no one else. */
-typedef struct {
-  PetscInt task;
-  char output[PETSC_MAX_PATH_LEN], restart[PETSC_MAX_PATH_LEN];
-} Asked;
-
 /* The slowest mode as initial shape: the scene alone cannot know it. */
 static PetscErrorCode TakeSlowestMode(Scene scene) {
   PetscReal *s, *theta;
@@ -39,7 +33,7 @@ static PetscErrorCode PrintUnits(Scene scene) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode ReadOptions(PetscInt task, const char *output, Asked *asked) {
+static PetscErrorCode ReadOptions(PetscInt task, const char *output, Single *asked) {
   PetscBool go_on;
   Si si;
 
@@ -70,6 +64,8 @@ static PetscErrorCode CheckStraight(Scene scene) {
   PetscFunctionBegin;
   UserCheck(!CurvatureBends(&scene->curvature), scene->comm,
             "-rod_curvature: %s, straight by nature; give 0 or take it out%s", about, other);
+  UserCheck(!scene->curvature.steered, scene->comm,
+            "-rod_curvature_file: with /t its twist changes by itself, and %s; take /t out", about);
   UserCheck(scene->clamp != CLAMP_FREE, scene->comm,
             "-clamp_type free: %s that a clamp holds; take it out", about);
   UserCheck(scene->clamp == CLAMP_HELD || scene->tip.type != TIP_FREE, scene->comm,
@@ -97,15 +93,13 @@ static PetscErrorCode CheckStraight(Scene scene) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode RunTask(Scene scene, const Asked *asked, Member *member) {
+static PetscErrorCode RunTask(Scene scene, const Single *asked, Member *member) {
   PetscBool bent = PETSC_FALSE;
 
   PetscFunctionBegin;
   if (asked->task == TASK_CRITICAL) PetscCall(BentAsked(scene, &bent));
   if (!bent && (asked->task == TASK_STABILITY || asked->task == TASK_CRITICAL))
     PetscCall(CheckStraight(scene));
-  if (scene->shape.type == SHAPE_MODE && asked->task == TASK_GROW)
-    PetscCall(TakeSlowestMode(scene));
   if (member && asked->task == TASK_GROW)
     PetscCall(GrowMember(scene, asked->output, member));
   else if (member)
@@ -122,6 +116,21 @@ static PetscErrorCode RunTask(Scene scene, const Asked *asked, Member *member) {
 }
 
 /*
+  SingleScene - reads what a run is asked for, and makes its scene. Collective on OptionsComm().
+
+  output  as of SingleRun()
+  asked   what concerns no scene
+  scene   the caller destroys it, also after an error
+*/
+PetscErrorCode SingleScene(PetscInt task, const char *output, Single *asked, Scene *scene) {
+  PetscFunctionBegin;
+  PetscCall(ReadOptions(task, output, asked));
+  PetscCall(SceneCreate(scene));
+  if ((*scene)->shape.type == SHAPE_MODE && task == TASK_GROW) PetscCall(TakeSlowestMode(*scene));
+  PetscFunctionReturn(0);
+}
+
+/*
   SingleRun - does one run, of any task but a sweep, from its options to its result. Collective on
   OptionsComm().
 
@@ -133,11 +142,10 @@ static PetscErrorCode RunTask(Scene scene, const Asked *asked, Member *member) {
 PetscErrorCode SingleRun(PetscInt task, const char *output, Member *member) {
   PetscErrorCode error;
   Scene scene = NULL;
-  Asked asked;
+  Single asked;
 
   PetscFunctionBegin;
-  PetscCall(ReadOptions(task, output, &asked));
-  error = SceneCreate(&scene);
+  error = SingleScene(task, output, &asked, &scene);
   if (!error) error = RunTask(scene, &asked, member);
   PetscCall(SceneDestroy(&scene));
   PetscCall(error);

@@ -10,8 +10,8 @@
 
 static const OptionRow rows[] = {
     ROW_TEXT("-sweep_file", INPUT_FILE | PASSING | PROGRAM,
-             "the table of -task sweep: names of options above the columns, a run a line (CSV), or "
-             "a dataset an option (HDF5)"),
+             "the table of -task sweep: names of options, with their units in brackets, above the "
+             "columns, a run a line (CSV), or a dataset an option (HDF5)"),
     ROW_WORD("-sweep_task", "grow", "grow,critical", PASSING | PROGRAM, "what each run does"),
     ROW_TEXT("-sweep_store", PASSING | PROGRAM,
              "what -output holds of each run: final (the default), series, shapes; several with "
@@ -82,7 +82,7 @@ static PetscErrorCode ColumnsOfSpace(Sweep *self) {
       "-sweep_store %s: the table has rods in space, whose shapes are in a file of each; give "
       "-sweep_directory, and leave shapes out",
       self->store);
-  self->columns.n = OBSERVED;
+  self->columns.n = OBSERVED_IN_SPACE;
   PetscFunctionReturn(0);
 }
 

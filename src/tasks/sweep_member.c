@@ -114,7 +114,7 @@ static PetscErrorCode Run(Sweep *self, PetscInt row, const char *output, Member 
   PetscFunctionBegin;
   PetscCall(CreateOptions(self, row, &options));
   PetscCall(ErrorsBegin(HandoutTeam(self->handout), PETSC_TRUE, errors));
-  PetscCall(OptionsPush(HandoutTeam(self->handout), options));
+  PetscCall(OptionsPush(HandoutTeam(self->handout), options, NULL));
   *failed = (PetscBool)(SingleRun(self->task, output, member) != 0);
   PetscCall(OptionsPop());
   PetscCall(ErrorsEnd());

@@ -69,6 +69,7 @@ PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
   contact->rub = *friction;
   contact->rub.mu = 1;
   contact->rub.viscous = contact->rub.least = 0;
+  contact->rub.own = NULL;
   if (walls)
     PetscCall(WallsRead(file, contact->diameter / 2, contact->friction, clamp_angle,
                         &contact->walls, &contact->surfaces));
@@ -102,7 +103,7 @@ PetscBool ContactGetsFirm(Contact *contact, PetscReal deepest) {
 static const PetscReal part_of_diameter = 2.5e-4, part_of_strands = 1e-3;
 /* ... by more than this part of the length of a rod without a diameter; of an accuracy that is
    asked for, by more than that part of it. */
-static const PetscReal part_of_length = 3.7e-7, part_of_accuracy = 3.7e-3;
+static const PetscReal part_of_length = 9.5e-8, part_of_accuracy = 3.7e-3;
 /* The pressure sets in over so many times the depth to which such a force presses: so the step
    feels no kink where a point begins to touch. */
 static const PetscReal part_smooth = 2;

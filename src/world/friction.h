@@ -19,6 +19,7 @@ typedef struct {
   PetscReal least;   /* what there is of it above a speed, fast, if it is less; else 0 */
   PetscReal fast;
   FrictionNewton newton;
+  OwnLaw *own; /* phi; NULL: as above */
 } Friction;
 
 /* What Newton's method remembers of one friction point: the velocity and the dual w (the dry force
@@ -36,6 +37,7 @@ typedef struct {
 extern const OptionGroup friction_options;
 
 PetscErrorCode FrictionSetFromOptions(Friction *friction);
+PetscReal FrictionOwnBetween(const Friction *law, PetscReal a, PetscReal b);
 void FrictionDualReset(const Friction *law, const PetscReal v[2], FrictionDual *dual);
 void FrictionDualAdvance(const Friction *law, const PetscReal v[2], FrictionDual *dual);
 void FrictionLinearise(const Friction *law, const PetscReal v[2], const FrictionDual *dual,
@@ -58,6 +60,15 @@ static const PetscReal friction_tiny = 1e-12;
    rope may lie next to sliding for long. */
 static const PetscReal friction_hold = 10, friction_hold_contact = 100;
 
+/* Of a law of one's own: phi, or its derivative by |v|^2. */
+static inline PetscReal FrictionOwn(const Friction *law, PetscReal v2, int which) {
+  const TendrilPlace at = {.speed2 = v2};
+  PetscReal value[OWN_VALUES] = {0};
+
+  OwnValue(law->own, &at, value);
+  return value[which];
+}
+
 /* r, and u with it */
 static inline PetscReal FrictionRadius(const Friction *law, const PetscReal v[2],
                                        const FrictionDual *dual, PetscReal u[2]) {
@@ -66,8 +77,9 @@ static inline PetscReal FrictionRadius(const Friction *law, const PetscReal v[2]
   return PetscSqrtReal(u[0] * u[0] + u[1] * u[1] + (law->beta > 0 ? law->beta : friction_tiny));
 }
 
-/* Viscous friction, over v, given |v|^2. */
+/* Viscous friction, over v, given |v|^2; all of it, where the law is one's own. */
 static inline PetscReal FrictionViscous(const Friction *law, PetscReal v2) {
+  if (law->own) return FrictionOwn(law, v2, 0);
   if (law->least == 0) return law->viscous;
   return law->viscous + law->least * v2 / (v2 + law->fast * law->fast);
 }
@@ -112,6 +124,7 @@ static inline PetscReal FrictionBetween(const Friction *law, PetscReal a, PetscR
       law->mu * (PetscSqrtReal(b * b + law->beta) - PetscSqrtReal(a * a + law->beta)) +
       law->viscous * rise / 2;
 
+  if (law->own) return FrictionOwnBetween(law, a, b);
   if (law->least > 0) between += law->least * (rise - F2 * log1p(rise / (a * a + F2))) / 2;
   return between;
 }

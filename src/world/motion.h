@@ -3,7 +3,7 @@
 #ifndef TENDRIL_MOTION_H
 #define TENDRIL_MOTION_H
 
-#include "world/schedule.h"
+#include "base/schedule.h"
 
 typedef struct {
   PetscBool any;

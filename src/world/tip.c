@@ -68,6 +68,7 @@ PetscErrorCode TipSetFromOptions(Tip *tip, const Load *load) {
   tip->resistance = *load;
   tip->resistance.friction.mu = 1;
   tip->resistance.friction.viscous = tip->resistance.friction.least = 0;
+  tip->resistance.friction.own = NULL;
   tip->resistance.across = 1;
   tip->resistance.turns = PETSC_FALSE;
   tip->resistance.field = NULL;

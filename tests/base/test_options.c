@@ -104,14 +104,14 @@ static void TestFile(void **state) {
              {"\n\n-a 0\0\n", "line 3: is not a text file", 8},
              {"a 1\n", "line 1: begin the line", 4}};
   char path[64], fault[WORDS_FAULT] = "";
-  Words got = {0};
+  OptionWords got = {0};
 
   OpenScratch(path);
   Write(path, sound, sizeof(sound) - 1);
   EXPECT(WordsAddFile(&got, path, fault) && !fault[0], "%s", fault);
   EXPECT(got.n == 5, "%d words", got.n);
   for (int k = 0; k < 5; k++) EXPECT(!strcmp(got.word[k], words[k]), "%s", got.word[k]);
-  EXPECT(!strcmp(WordsFile(0), path) && !WordsFile(1), "files");
+  EXPECT(!strcmp(WordsFile(&got, 0), path) && !WordsFile(&got, 1), "files");
   WordsFree(&got);
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(bad); k++) {
     Write(path, bad[k].text, bad[k].n);

@@ -109,6 +109,32 @@ static void TestEndsInNothing(void **state) {
   CHECK(TableDestroy(&table));
 }
 
+/* A unit behind a name goes behind the numbers below it. */
+static void TestUnitsOfHeadings(void **state) {
+  Table table = Sound("growth_initial_length (mm),-rod_weight [N/m],friction_mu\n"
+                      "20,\"0,0.1,-2e3\",0.5\n2cm,\"0,1mN/m\",\n,,1\n"),
+        same = Sound("growth_initial_length,rod_weight,friction_mu\n"
+                     "20mm,\"0N/m,0.1N/m,-2e3N/m\",0.5\n2cm,\"0N/m,1mN/m\",\n,,1\n");
+  char mark[2][17];
+
+  EXPECT(!strcmp(TableName(table, 0), "growth_initial_length"), "%s", TableName(table, 0));
+  EXPECT(!strcmp(TableName(table, 1), "rod_weight"), "%s", TableName(table, 1));
+  ExpectCell(table, 0, 0, "20mm");
+  ExpectCell(table, 0, 1, "0N/m,0.1N/m,-2e3N/m");
+  ExpectCell(table, 0, 2, "0.5");
+  ExpectCell(table, 1, 0, "2cm");
+  ExpectCell(table, 1, 1, "0N/m,1mN/m");
+  ExpectCell(table, 2, 0, "");
+  TableMark(table, mark[0]);
+  TableMark(same, mark[1]);
+  EXPECT(!strcmp(mark[0], mark[1]), "%s, %s", mark[0], mark[1]);
+  CHECK(TableDestroy(&table));
+  CHECK(TableDestroy(&same));
+  ExpectRefusal("friction_mu (mm)\n1\n", "-friction_mu has no unit; take (mm) out of its heading");
+  ExpectRefusal("rod_cells [1/m]\n9\n", "-rod_cells has no unit; take (1/m) out of its heading");
+  ExpectRefusal("growth_inital_length (mm)\n1\n", "did you mean -growth_initial_length?");
+}
+
 static void TestRefused(void **state) {
   char path[64];
   Table table;
@@ -227,9 +253,10 @@ static void TestHdf5Refused(void **state) {
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(TestPlain),         cmocka_unit_test(TestOddButSound),
-    cmocka_unit_test(TestEndsInNothing), cmocka_unit_test(TestRefused),
-    cmocka_unit_test(TestMark),          cmocka_unit_test(TestNumber),
-    cmocka_unit_test(TestHdf5),          cmocka_unit_test(TestHdf5Refused)};
+    cmocka_unit_test(TestPlain),           cmocka_unit_test(TestOddButSound),
+    cmocka_unit_test(TestEndsInNothing),   cmocka_unit_test(TestRefused),
+    cmocka_unit_test(TestUnitsOfHeadings), cmocka_unit_test(TestMark),
+    cmocka_unit_test(TestNumber),          cmocka_unit_test(TestHdf5),
+    cmocka_unit_test(TestHdf5Refused)};
 
 MAIN(tests)

@@ -143,6 +143,43 @@ static void TestGaussianValue(void **state) {
   CHECK(GrowthDestroy(&growth));
 }
 
+/* Fed by rows of length, or of speed: what it returns is consistent, the rows are met, material
+   goes along as it is pushed, and what it has from the tip stays. */
+static void Fed(const char *rows, const PetscReal length[4], PetscReal most) {
+  PetscReal longest;
+  char path[64];
+  Growth growth;
+  WriteWalls(path, rows);
+  SetOptions("-growth_type feed -growth_path %s", path);
+  CHECK(GrowthCreate(&growth));
+  RemoveFile(path);
+  EXPECT(growth->slides && growth->even && !growth->similar, "is no rod that is fed");
+  for (int k = 0; k < 4; k++) {
+    const PetscReal t = k, s = 0.25, h = 1e-4;
+    PetscReal L, L_t, d[2], d_t;
+    CHECK(GrowthLength(growth, t, &L, &L_t));
+    Near("L", L, length[k], 1, 1, t);
+    CHECK(GrowthLength(growth, t + 0.4, &L, &L_t));
+    Near("L_t", L_t, ByRate(Arc, growth, 1, t + 0.4, h), 1, 1, t + 0.4);
+    Near("c", GrowthSlide(growth, s, t + 0.4), 0.75 * L_t, 1, s, t);
+    Near("V", GrowthSpeed(growth, s, t + 0.4, s * L_t), L_t, 1, s, t);
+    EXPECT(GrowthStrain(growth, s, t, 3) == 0, "what is fed does not stretch");
+    CHECK(GrowthOrigin(growth, s, t + 0.4, &d[0], &d_t));
+    Near("from the tip", d[0], 0.75 * L, 1, s, t);
+    EXPECT(d_t == 0, "which stays for the material");
+  }
+  CHECK(GrowthLongest(growth, 3, &longest));
+  EXPECT(PetscAbsReal(longest - most) < 1e-12, "longest %g, not %g", (double)longest, (double)most);
+  CHECK(GrowthDestroy(&growth));
+}
+
+static void TestPath(void **state) {
+  Fed("t,length\n0,0.5\n1,1.5\n2,1.5\n3,0.7\n", (const PetscReal[]){0.5, 1.5, 1.5, 0.7}, 1.5);
+  /* cubics of slopes 0, 0, -2/3 and -1/4 at the rows */
+  Fed("t,speed\n0,1\n1,1\n2,0\n3,-0.5\n", (const PetscReal[]){0.5, 1.5, 37. / 18, 85. / 48},
+      37. / 18);
+}
+
 static PetscReal Bicubic(PetscReal s, PetscReal t) {
   return (2 + s - 3 * s * s + 2 * s * s * s) * (1 + t / 3 + t * t / 7 - t * t * t / 50) +
          s * t * t * t / 9;
@@ -202,5 +239,6 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(TestUniform),       cmocka_unit_test(TestFeed),
     cmocka_unit_test(TestApical),        cmocka_unit_test(TestGaussian),
     cmocka_unit_test(TestGaussianValue), cmocka_unit_test(TestTableConsistent),
-    cmocka_unit_test(TestTableExact),    cmocka_unit_test(TestTableOrder)};
+    cmocka_unit_test(TestTableExact),    cmocka_unit_test(TestTableOrder),
+    cmocka_unit_test(TestPath)};
 MAIN(tests)

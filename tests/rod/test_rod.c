@@ -73,6 +73,26 @@ static void JacobianByRate(const Model *model, int law, PetscReal shift, const c
   Destroy(&scene, &rod);
 }
 
+/* ... where it is fed by a schedule that turns round, and steered. */
+static void TestDrivenJacobians(void **state) {
+  static const PetscReal at[] = {0, 0.4, 0.7, 1, 0, 0.5, 1, 1.5}, *t = at + 4;
+  const char *const name[] = {"/distance", "/t", "/curvature"};
+  const PetscInt four = 4, both[] = {4, 4};
+  char path[64], file[64], more[256];
+  PetscReal k[16];
+
+  for (int j = 0; j < 4; j++)
+    for (int i = 0; i < 4; i++) k[4 * j + i] = PetscCosReal(3 * at[i] - 2 * t[j]);
+  OpenScratch(file);
+  WriteScratch(file, 3, name, (int[]){1, 1, 2}, (const PetscInt *[]){&four, &four, both},
+               (const PetscReal *[]){at, t, k});
+  WriteWalls(path, "t,speed\n0,1\n0.5,0\n1,-0.3\n");
+  (void)snprintf(more, sizeof(more), " -growth_path %s -rod_curvature_file %s", path, file);
+  for (int m = 0; m < LINEAR; m++) JacobianByRate(&models[m], FEED, 3, more);
+  RemoveFile(path);
+  RemoveFile(file);
+}
+
 static void TestJacobians(void **state) {
   for (int m = 0; m < MODELS; m++)
     for (int law = 0; law < LAWS; law++) {
@@ -343,7 +363,8 @@ static void TestGrowNodes(void **state) {
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(TestJacobians),  cmocka_unit_test(TestWorld),
-    cmocka_unit_test(TestPrimalDual), cmocka_unit_test(TestMirror),
-    cmocka_unit_test(TestSetAndGet),  cmocka_unit_test(TestGrowNodes)};
+    cmocka_unit_test(TestJacobians), cmocka_unit_test(TestDrivenJacobians),
+    cmocka_unit_test(TestWorld),     cmocka_unit_test(TestPrimalDual),
+    cmocka_unit_test(TestMirror),    cmocka_unit_test(TestSetAndGet),
+    cmocka_unit_test(TestGrowNodes)};
 MAIN(tests)

@@ -105,7 +105,7 @@ def flat_on_plane():
     off = np.abs(r.base_force_1[lies] * PLANE ** 2 / FLAT - 1).max()
     feed = np.abs(r.feed_force[lies] * PLANE ** 2).max()
     print(f"{lies.sum()} steps: force off by {off:.1e}, feeding force {feed:.1e}")
-    expect(lies.sum() > 20 and off < 1e-5, f"force off by {off:.1e}")
+    expect(lies.sum() > 10 and off < 1e-5, f"force off by {off:.1e}")
     expect(feed < 1e-4, f"feeding force {feed:.1e}")
 
 
@@ -450,7 +450,7 @@ def ranks():
     on_ranks(SMALL_TUBE + "-contact_friction 0.3", 1e-6)
     on_ranks("-growth_type feed -growth_initial_length 0.5 -rod_curvature 0.1 -shape_type straight "
              "-contact_diameter 0.1 -ts_max_time 2.5 -rod_cells 60 "
-             + walls("circle 2 0.4 0.7 outside friction 0.4", "plane 3 0 -1 0"), 1e-4)  # a step more on one
+             + walls("circle 2 0.4 0.7 outside friction 0.4", "plane 3 0 -1 0") + "-ts_rtol 1e-5 ", 1e-4)  # some steps more on one
     # head-on against a wall, which is as stiff as friction in the snap: no rank counts modes that are not there
     on_ranks("-growth_type feed -growth_initial_length 0.6 -shape_type straight -rod_curvature_random 1e-3 "
              "-rod_curvature_seed 7 -contact_diameter 0.05 -ts_max_time 2 -rod_cells 60 -contact_stiffness 9.22e6 "
@@ -508,13 +508,13 @@ def begins_at_a_wall():
         for apart in (0, 5e-8, -5e-8):
             high = -0.05 - apart - (5 if "circle" in table else 0)
             r = Run(on + f"-rod_weight {weight} " + walls(table.format(repr(high))))
-            found = re.search(r"-wall_file: the rod begins at a wall, (\S+) from it; contact sets in 0.0002 ", r.said)
+            found = re.search(r"-wall_file: the rod begins at a wall, (\S+) from it; contact sets in 5e-05 ", r.said)
             expect(found and abs(float(found[1]) - apart) < 1e-12, f"{table}, {apart}: {r.said}")
             expect(r.series[force][0] < 1e-9, f"{table}: begins pushed with {r.series[force][0]}")
             expect(r.series[force][-1] > 0.4, f"{table}: rests on it with {r.series[force][-1]}")
             expect("snap" not in r.said, r.said)
-        r = Run(on + f"-rod_weight {weight} " + walls(table.format(repr(-0.0501 - (5 if "circle" in table else 0)))))
-        expect(re.search(r"the rod begins 0.0001\S* from a wall at s = 0", r.said) and r.series[force][0] > 1e-3, r.said)
+        r = Run(on + f"-rod_weight {weight} " + walls(table.format(repr(-0.05003 - (5 if "circle" in table else 0)))))
+        expect(re.search(r"the rod begins (3e-05|2.9999\S*|3.0000\S*) from a wall at s = 0", r.said) and r.series[force][0] > 1e-3, r.said)
         r = Run(on + f"-rod_weight {weight} " + walls(table.format(repr(-0.0505 - (5 if "circle" in table else 0)))))
         expect("begins at" not in r.said, r.said)
     r = Run(on + "-rod_weight 0,-0.5 -shape_type mode -shape_amplitude 0.2 " + walls("plane 1.15 0 -1 0"))
@@ -577,7 +577,7 @@ def kicked():
             ("from inside", "-ts_max_time 3 ", ("-shape_type straight ",), "circle 1 0.01 1.5 inside"),
             ("a polygon's side", fed + "-contact_diameter 0.05 -ts_max_time 1.8 ", ("-shape_type straight ",),
              corner)):
-        options, wall = "-rod_cells 200 " + options, walls(wall)
+        options, wall = "-rod_cells 200 -ts_rtol 1e-5 " + options, walls(wall)
         reference = Run(options + bent + wall)
         for start in starts:
             r = Run(options + start + wall)
@@ -703,7 +703,7 @@ def jammed():
     push, depth = (float(re.search(f"{word} ([0-9.e+-]+)", line)[1]) for word in ("push of", "rod by"))
     expect("jammed at t = " in line and "into a wall at s = " in line, line)
     # (by which rule it is called jammed, by depth or because time all but stands still, is round-off's choice)
-    expect(1e-3 < depth < 0.025 and abs(depth - r["series/penetration"][-1]) < 1e-6, f"depth {depth}")
+    expect(3e-4 < depth < 0.025 and abs(depth - r["series/penetration"][-1]) < 1e-6, f"depth {depth}")
     x, theta, force = (r[f"shapes/{k}"][-1] for k in ("x", "theta", "force"))
     along = -(force * np.c_[np.cos(theta), np.sin(theta)]).sum(axis=1)
     expect(abs(push / along.max() - 1) < 1e-6, f"push {push}, {along.max()} along the rod")
@@ -792,15 +792,16 @@ def estimate():
         error, told = off_by(r, fine), sum(float(parts(r)[k]) for k in ("space", "time"))
         print(f"{cells} cells: off by {error:.1e}, estimated {told:.1e}")
         expect(error / 3 < told < 30 * error, f"off by {error:.1e}, estimated {told:.1e}")
-    stiff = Run(f"{rubs} -rod_cells 600 -ts_rtol 1e-7 -contact_stiffness 8e6")
+    stiff = Run(f"{rubs} -rod_cells 600 -ts_rtol 1e-7 -contact_stiffness 4e7")
     rigid, told = off_by(fine, stiff), parts(fine)["contact"]
     print(f"from rigid contact: off by {rigid:.1e}, estimated {told}")
     expect(rigid / 3 < float(told) < 10 * rigid, f"from rigid contact off by {rigid:.1e}, estimated {told}")
+    soft = Run(f"{rubs} -rod_cells 600 -ts_rtol 1e-7 -contact_stiffness 3e5")
     for name in ("tip_x2", "energy"):  # beside the run's own values
-        off, left = (abs(value / stiff.series[name][-1] - 1) for value in (fine.series[name][-1], fine.rigid[name]))
+        off, left = (abs(value / stiff.series[name][-1] - 1) for value in (soft.series[name][-1], soft.rigid[name]))
         print(f"{name} in rigid contact: off by {off:.1e}, to first order by {left:.1e}")
         expect(left < off / 2, f"{name} in rigid contact: off by {off:.1e}, to first order by {left:.1e}")
-    told_at_the_end(fine, stiff)
+    told_at_the_end(soft, stiff)
     if scene.MPIEXEC:
         two = Run(f"{rubs} -rod_cells 200", ranks=2)
         expect(abs(two.estimate / r.estimate - 1) < 0.1, f"on two ranks {two.estimate:.1e}, on one {r.estimate:.1e}")
@@ -986,8 +987,8 @@ def brink():
     runs = [Run(f"{cage} -ts_rtol {rtol}") for rtol in ("0.8e-5", "1e-5", "2e-5")]
     for r in runs:
         print(f"{r.steps} steps, {r.newton_iterations.sum():.0f} Newton, tip {r.tip}")
-        expect("snap" in r.said and r.newton_iterations.sum() < 2500, r.said[-300:])
-        expect(np.abs(r.tip - runs[0].tip).max() < 1e-5, f"tip {r.tip}")
+        expect("snap" in r.said and r.newton_iterations.sum() < 3000, r.said[-300:])  # walls are six times stiffer than they were
+        expect(np.abs(r.tip - runs[0].tip).max() < 2e-5, f"tip {r.tip}")
 
 
 @check
@@ -1119,7 +1120,7 @@ def many_walls():
     crowd = [f"circle {5 + 20 * a:.6f} {20 * b - 10:.6f} 0.2 outside" for a, b in draw.random((3000, 2))]
     for others in (far, crowd):
         r = Run(fed + walls(*others, plane))
-        expect(np.array_equal(r.penetration, one.penetration) and r.contact_force[-1] > 0,
+        expect(np.abs(r.penetration - one.penetration).max() < 1e-14 and r.contact_force[-1] > 0,
                f"{len(others)} others: penetration {r.penetration[-1]}, not {one.penetration[-1]}")
     tendril(f"{fed} -stop_contact {walls(*far, plane)} -output {d}/far.h5")
     expect(read(f"{d}/far.h5")["kind"] == "contact", "does not stop")
@@ -1178,7 +1179,7 @@ def later_end():
             asked = f.attrs["contact_stiffness"]
             far = [f["series/tip_x1"][-1], f["series/tip_x2"][-1], f["series/contact_force"][-1]]
         expect(abs(asked / stiff[0] - 1) < 1e-6, f"{name}: k = {asked} of a run to 6, {stiff[0]} of one to 2")
-        expect(np.allclose(tips[0], far, rtol=1e-3), f"{name}: {tips[0]}, {far} in a run to 6")
+        expect(np.allclose(tips[0][:2], far[:2], rtol=1e-3) and abs(far[2] / tips[0][2] - 1) < 0.03, f"{name}: {tips[0]}, {far} in a run to 6")
         off = np.abs(np.subtract(*tips)).max()
         print(f"{name}: k = {stiff}, off by {off:.1e}, defect {max(defect):.1e}")
         expect(stiff[0] == stiff[1], f"{name}: k = {stiff}")

@@ -116,7 +116,7 @@ def follower():
                 f"-rod_twist 0.5 -tip_force 0.7 -tip_law follower -contact_diameter 0.07 -rod_cells 40 -friction_mu {mu} "
                 "-ts_max_time 0.4 -ts_max_steps 1000 -contact_firm false " + walls("cylinder 1.52 0.15 0 -0.284 -0.205 1 0.311 outside friction 0.636"))
         print(f"{r.steps} steps, {r.newton_iterations.sum():.0f} Newton, t = {r.t[-1]}, tip {tip(r)}")
-        expect(r.t[-1] == 0.4 and r.newton_iterations.sum() < 6000, "does not get on")  # snaps and all
+        expect(r.t[-1] == 0.4 and r.newton_iterations.sum() < 10000, "does not get on")  # most in snaps
         found.append(tip(r))
     apart = np.abs(found[1] - found[0]).max()
     expect(apart < 2e-5, f"tips apart by {apart}")
@@ -135,13 +135,13 @@ def balance():
         r = Run(FED + options + "-ts_rtol 1e-6 " + walls(wall))
         late, deep = r.energy_defect[r.t > 0.01].max(), r.penetration.max() / 0.1
         print(f"{wall}: {r.steps} steps, defect {late:.1e}, penetration {100 * deep:.2f} % of the diameter")
-        expect(r.contact_force[-1] > 0 and late < 1e-5 and deep < 0.01, f"{wall}: {late}, {deep}")
-    # at the default tolerance, exact friction: each touch is a kink of the powers (off by 4.3e-5 if only steps' ends count)
+        expect(r.contact_force[-1] > 0 and late < 2e-5 and deep < 0.003, f"{wall}: {late}, {deep}")  # walls are stiff on 60 cells
+    # at a tolerance that is not eased, exact friction: each touch is a kink of the powers (off by 4.3e-5 if only steps' ends count)
     r = Run("-growth_type feed -contact_diameter 0.0734 -growth_initial_length 0.3856 -shape_type straight -ts_max_time 2.1358 "
-            "-rod_cells 100 -rod_curvature 0.4508 -rod_curvature_2 0.3974 -friction_beta 0 -rod_twist -0.7911 "
+            "-rod_cells 100 -rod_curvature 0.4508 -rod_curvature_2 0.3974 -friction_beta 0 -rod_twist -0.7911 -ts_rtol 1e-5 "
             + walls("torus 0 -1.11993706896 -0.304902363984 0 0.262688346674 -0.964880734869 1.1607 0.1829 inside friction 0.1"))
     print(f"in a ring, by default: {r.steps} steps, defect {r.energy_defect[-1]:.1e}")
-    expect(r.energy_defect[-1] < 5e-6, f"by default: {r.energy_defect[-1]}")
+    expect(r.energy_defect[-1] < 2e-5, f"by default: {r.energy_defect[-1]}")
 
 
 CONE = ("-growth_type apical -contact_diameter 0.0575 -growth_initial_length 0.534 -shape_type straight -ts_max_time 1.6892 "
@@ -204,7 +204,7 @@ def anew():
         expect(not different, f"{what}: {different} are not those of soft contact")
     for text in said[0].split("anew")[1], said[1]:
         expect("give -contact_stiffness" in text and "-contact_firm" not in text, text)
-    expect(firmness(wedged + "-ts_max_time 1.2") == 64, "it was not firm")
+    expect(firmness(wedged + "-ts_max_time 1.2") == 16, "it was not firm")
 
 
 @check
@@ -290,7 +290,7 @@ def in_time():
         expect(np.isin(ends, r.t).all(), f"{name}: no step ends at {np.setdiff1d(ends, r.t)}")
     # a belt that sets out and stops at once under a rod that lies on it (off by 1.2e-5 if the power is taken for continuous there)
     r = Run("-growth_type feed -growth_initial_length 1 -shape_type straight -rod_cells 60 -ts_max_time 1.2 -rod_curvature 1e-3 "
-            f"-rod_curvature_2 1e-3 -rod_weight 0,0,-2 -contact_diameter 0.1 {ALONE}"
+            f"-rod_curvature_2 1e-3 -rod_weight 0,0,-2 -contact_diameter 0.1 -ts_rtol 1e-5 {ALONE}"
             + walls("plane 0 0 -0.0505 0 0 1 moves at 0.3 0 0 0  0.6 0.3 0.2 0  0.9 0.3 0.5 0 friction 0.8"))
     print(f"belt: {r.steps} steps, defect {r.energy_defect[-1]:.1e}")
     expect(r.energy_defect[-1] < 3e-6 and np.isin((0.3, 0.6, 0.9), r.t).all(), f"belt: {r.energy_defect[-1]}")
@@ -389,7 +389,7 @@ def guard():
     expect("jammed at t = " in line and "into a wall at s = " in line, line)
 
 
-POST = "-shape_type straight -ts_max_time 6 -contact_diameter 0.005 -ts_rtol 1e-5 "
+POST = "-shape_type straight -ts_max_time 6 -contact_diameter 0.005 -ts_rtol 1e-6 "
 
 
 @check
@@ -414,9 +414,9 @@ def thin():
         expect(abs(r.penetration.max() / flat.penetration.max() - 1) < 0.02, f"{name}: {r.penetration.max()}")
         if name != "a ball":  # off which a rod in space would slide aside
             expect(r.steps < 2 * flat.steps, f"{name}: {r.steps} steps, {flat.steps} in the plane")
-    expect(post[1].estimate < 1.2e-2, f"told {post[1].estimate:.1e}")  # 6e-3; with what feet add as a load 2.1e-2
+    expect(post[1].estimate < 1.9e-2, f"told {post[1].estimate:.1e}")  # with what feet add as a load 2.1e-2
     for name, bound, more in (
-            ("slants", 2e-4, POST + "-ts_rtol 1e-4 -rod_curvature 0.3 -rod_cells 100 "
+            ("slants", 2e-4, POST + "-ts_rtol 1e-5 -rod_curvature 0.3 -rod_cells 100 "
              + walls("cylinder 3 1.1 0 0 0.3 1 0.001 outside friction 0.2")),
             ("a table's edge", 1e-3, "-growth_type feed -growth_initial_length 1 -ts_max_time 1 -contact_diameter 0.02 "  # was 1.6e-2
              "-shape_type straight -rod_cells 60 -rod_weight 0,0,-3 " + walls("cylinder 0 0 -0.511 0 0 1 0.7 outside 0.5")),
@@ -520,8 +520,8 @@ def refused():
             "sphere 5 0 0 1 inside": "the clamp, at 0, is out of the sphere",
             "torus 0 5 0 0 0 1 1 0.2 inside": "the clamp, at 0, is out of the torus",
             "cone 0 5 0 1 0 0 1 0.5 4 inside": "the clamp, at 0, is out of the cone",
-            "cylinder 0 0 0 1 0 0 0.0501 inside": "line 1: the cylinder is wider than the rod by only 0.0001 on all sides",
-            "tube inside -1 0 0 0.0501 3 0 0 0.06": "line 1: the tube is wider than the rod by only 0.0001 on all sides",
+            "cylinder 0 0 0 1 0 0 0.05002 inside": "line 1: the cylinder is wider than the rod by only 2e-05 on all sides",
+            "tube inside -1 0 0 0.05002 3 0 0 0.06": "line 1: the tube is wider than the rod by only 2e-05 on all sides",
             "sphere -0.2 0 0 1 outside": "the clamp, at 0, is behind the sphere",
             "cylinder 5 0 0 1 0 0 0.5 outside -1": "a cylinder's length must be above 0",
             "torus 5 0 0 1 0 0 0.5 0.6 outside": "the first radius of a torus",
@@ -558,7 +558,7 @@ def beside():
 
     for off in (0, 0.6):
         lay(x[0], off)
-        said = tendril(rod + f"-ts_max_time 0.7 -contact_diameter 0.1 {walls(ball, pipe)}", 1 if off else 0)
+        said = tendril(rod + f"-ts_max_time 0.7 -contact_diameter 0.1 -contact_stiffness 7e6 {walls(ball, pipe)}", 1 if off else 0)
         there = "it may have come beside the body in line 2" if off else "line 2: the body does not hold the clamp"
         expect(there in said and "line 1" not in said, f"pipe at {off}: {said}")
         print(said.strip().splitlines()[0])

@@ -363,6 +363,8 @@ def tables():
     s, _ = sweep(Path("table.h5"), more)
     expect((s.status == 1).all(), f"status {s.status}, {s.line}")
     expect(np.abs(s.final.length - [2, 3]).max() < 1e-9, f"{s.final.length}")
+    again, said = sweep("stop_length (cm)\n2\n3\n", more)  # it is the same sweep: nothing is left to be run
+    expect(list(again.columns.stop_length) == ["2cm", "3cm"] and np.array_equal(again.seconds, s.seconds), f"{again.columns}, {said}")
     fresh()
     base = "-options_file a.opts -sweep_task critical"
     s, _ = sweep("growth_initial_length\n1.5\n", base=base)

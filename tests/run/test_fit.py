@@ -243,6 +243,10 @@ class Reading(unittest.TestCase):
             self.assertAlmostEqual(p.points.numbers[0, 0], 1.5e-6 if "\u03bc" in head else 0.015)
         quoted = self.file('t (s),x1 (cm),x2 (cm)\n"1,5","1,5",2\n"1,5","2,25",3\n"1,5","3,5",4\n')
         np.testing.assert_allclose(measured.read(quoted).photographs[0].points.numbers[1], [0.0225, 0.03])
+        grouped = self.file('t (s),x1 (mm),x2 (mm)\n1,"1,234.5",2\n1,1300,3\n1,1400,4\n')  # as paths and rates have them, too
+        self.assertAlmostEqual(measured.read(grouped).photographs[0].points.numbers[0, 0], 1.2345)
+        for time in ("1.2.3s", "2018-03-08", "5 %"):
+            self.assertRaisesRegex(measured.DataError, "is no time and no length", measured.moment, time, "a.csv")
         for text, word in (('t (s),x1 (mm),x2 (mm)\n1,"1,234",2\n1,"1,335",3\n', "of thousands"),
                            ("t (s),x,y,x,y\n1,2,3,4,5\n", "2 columns x1")):
             self.assertRaisesRegex(measured.DataError, word, measured.read, self.file(text))

@@ -31,7 +31,7 @@ try:
 
     import tendril
     from tendril import maps as map
-    from tendril import films, results, runs, units
+    from tendril import __main__ as commands, films, runs, titles, units
     from tendril.units import in_laboratory
 except ImportError as error:
     from_venv(error)
@@ -112,7 +112,8 @@ class Package(unittest.TestCase):
         with self.assertRaisesRegex(tendril.ResultsError, "with si_bending_stiffness"):
             self.runs[0].dataset(si=True)
         for call, line in (
-                (lambda: tendril.run("fed"), "^fed: .*did you mean feed"), (lambda: tendril.run(3), "^scene: give an"),
+                (lambda: tendril.run("fed"), "^fed: .*, did you mean feed"), (lambda: self.runs[0].scale("lenght"), "did you mean length"),
+                (lambda: tendril.run(3), "^scene: give an"),
                 (lambda: tendril.run("feed", output=3), "^output: give the name"),
                 (lambda: tendril.run("feed", rod_weight="0 0 -1"), "^rod_weight 0 0 -1: put commas between numbers"),
                 (lambda: tendril.run("feed", ranks=0), "^ranks 0: give a whole number from 1"),
@@ -667,7 +668,7 @@ class Package(unittest.TestCase):
         """A slash of a unit is none in the name of a file; arrays go along; tasks that a job of many
         cannot do are done one by one."""
         bend = {"distance": ([0, 1, 2, 3], "cm"), "curvature": ([0.1] * 4, "1/cm")}
-        s = tendril.sweep(TUBE, {"si_friction_dry": ["0.3N/m", "0.6N/m"], "rod_cells": [50]},
+        s = tendril.sweep(TUBE, {"si_friction_dry (N/m)": [np.float64(0.3), "0.6N/m"], "rod_cells": [50]},
                           directory=self.place / "units", rod_curvature_file=bend, stop_length="3cm")
         self.assertEqual([r.attributes["parameters/si_friction_dry"] for r in s.members.flat], [0.3, 0.6])
         self.assertEqual([r.scale("length") for r in s.members.flat],
@@ -695,9 +696,9 @@ class Package(unittest.TestCase):
         said = io.StringIO()
         with contextlib.redirect_stderr(said):
             axes = ["--axes", "growth_initial_length,friction_mu", "--output", str(self.place / "map")]
-            self.assertEqual(map.main([str(place), *axes, "--quantity", "wdth"]), 1)
-            self.assertEqual(map.main([str(place), *axes, "--quantity", "width"]), 0)
-        self.assertRegex(said.getvalue(), r"^map: .*holds no wdth; there are .*width\n$")
+            self.assertEqual(commands.main(["map", str(place), *axes, "--quantity", "wdth"]), 1)
+            self.assertEqual(commands.main(["map", str(place), *axes, "--quantity", "width"]), 0)
+        self.assertRegex(said.getvalue(), r"^map: .*holds no wdth, did you mean width\?\n$")
         self.assertGreater((self.place / "map.png").stat().st_size, 3000)
         xs, ys, table, _ = map.read(place, ["growth_initial_length", "friction_mu"], "series/width")
         np.testing.assert_array_equal(table, s.dataset().width.values)
@@ -813,6 +814,28 @@ class Package(unittest.TestCase):
             for text in texts + [ax.get_legend()] * (ax.get_legend() is not None):
                 yield text, text.get_window_extent(renderer)
 
+    def test_errors(self):
+        """What a run tells of its errors is what its series have, a band about their curves, and on its page; of a model
+        that does not measure them there is none."""
+        r = self.tube
+        for name, told in r.errors.items():
+            series = r.series[f"error_{name}"]
+            self.assertEqual(told.end, series[-1])
+            self.assertEqual(told.most, series[r.series.t == told.when][0])
+            self.assertTrue(0 < told.end <= told.most and told.why in ("space", "time", "a snap"), (name, told))
+        low, high = r.band("energy")
+        np.testing.assert_allclose((high - low)[1:], 2 * (r.series.error_energy * r.series.energy)[1:], rtol=1e-9)
+        low, high = r.band("tip_x1")
+        np.testing.assert_allclose(high - low, 2 * r.series.error_tip * r.series.end_distance, rtol=1e-9, atol=1e-14)
+        self.assertIsNone(r.band("width"))
+        drawn = tendril.plot(r, "energy,width").axes
+        self.assertEqual([len(ax.collections) for ax in drawn], [1, 0])
+        self.assertEqual(len(tendril.plot(r, "errors").axes[0].lines), 3)
+        page = tendril.view(r)._repr_html_()
+        self.assertIn(f"energy {r.errors['energy'].end:.1e}", page)
+        mixed = tendril.run("feed", rod_model="mixed", **SHORT)
+        self.assertEqual((mixed.errors, mixed.rigid, mixed.band("energy")), ({}, {}, None))
+
     def test_pictures_do_not_collide(self):
         """No text of a picture lies over another or beyond its edge, in any unit and arrangement; panels
         have the same size in all units."""
@@ -903,7 +926,7 @@ class Package(unittest.TestCase):
     def test_titles_of_a_sweep(self):
         """Options in words and values with their units, of what is varied."""
         s = tendril.sweep(TUBE, {"si_friction_dry": ["0.2N/m", "2N/m"], "rod_cells": [40]}, stop_length="2cm")
-        self.assertEqual(results.titles_of(list(s.members.flat)), ["friction 0.2 N/m", "friction 2 N/m"])
+        self.assertEqual(titles.titles_of(list(s.members.flat)), ["friction 0.2 N/m", "friction 2 N/m"])
         figure = tendril.plot(s, "width", overlay=True)
         self.assertEqual([text.get_text() for text in figure.legends[0].get_texts()], ["friction 0.2 N/m", "friction 2 N/m"])
         ends = [line.get_xdata()[-1] for line in figure.axes[0].lines]
@@ -917,14 +940,14 @@ class Package(unittest.TestCase):
         page = tendril.view([*self.runs, self.tube], si=False).text
         self.assertIn("feed, friction_mu 0 · feed, friction_mu 1 · run", page)
         thirds = [replace(self.tube, options={"friction_mu": repr(mu)}) for mu in (1 / 3, 2 / 3)]
-        self.assertEqual(results.titles_of(thirds), ["run, friction_mu 0.3333", "run, friction_mu 0.6667"])
-        self.assertEqual(results.titles_of([self.tube, self.tube]), ["run (1)", "run (2)"])
+        self.assertEqual(titles.titles_of(thirds), ["run, friction_mu 0.3333", "run, friction_mu 0.6667"])
+        self.assertEqual(titles.titles_of([self.tube, self.tube]), ["run (1)", "run (2)"])
         kept = []
         for place in ("here", "there"):
             (self.place / place).mkdir()
             kept.append(tendril.run("feed", output=self.place / place / "mine.h5", **SHORT))
-        self.assertEqual(results.titles_of(kept), ["here/mine", "there/mine"])
-        self.assertEqual(results.titles_of(kept, "ab"), ["a", "b"])
+        self.assertEqual(titles.titles_of(kept), ["here/mine", "there/mine"])
+        self.assertEqual(titles.titles_of(kept, "ab"), ["a", "b"])
 
 
 if __name__ == "__main__":

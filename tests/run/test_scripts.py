@@ -22,7 +22,7 @@ try:
     import h5py
     import numpy as np
 
-    from tendril import ResultsError, films, growth_table, load, page, pictures
+    from tendril import ResultsError, __main__ as commands, films, load
     from tendril.units import Units, briefly
 except ImportError as error:
     from_venv(error)
@@ -30,11 +30,11 @@ except ImportError as error:
 TENDRIL = ""
 
 
-def quietly(function, arguments):
-    """(result, stdout, stderr) of a script's main."""
+def quietly(command, arguments):
+    """(exit code, stdout, stderr) of a command."""
     out, err = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-        result = function([str(a) for a in arguments])
+        result = commands.main([command, *map(str, arguments)])
     return result, out.getvalue(), err.getvalue()
 
 
@@ -83,17 +83,17 @@ class Scripts(unittest.TestCase):
         for path in (self.cut, self.file.parent / "none.h5", self.file.parent):
             with self.assertRaises(ResultsError):
                 load(path)
-            result, _, err = quietly(pictures.main, [path])
+            result, _, err = quietly("plot", [path])
             self.assertEqual(result, 1)
             self.assertRegex(err, r"^plot: .*\n$")
-        said = quietly(pictures.main, [self.file, "--titles", "a,b"])
+        said = quietly("plot", [self.file, "--titles", "a,b"])
         self.assertEqual((said[0], said[2]), (1, "plot: 2 titles for 1 runs\n"))
 
     def test_no_directory(self):
         """Where the file that is asked for cannot be made, one line says so, and what to do."""
         nowhere = self.file.parent / "nowhere"
-        for main, name in ((pictures.main, "a.png"), (films.main, "a.gif"), (page.main, "a.html")):
-            result, _, err = quietly(main, [self.file, "--output", nowhere / name])
+        for command, name in (("plot", "a.png"), ("animate", "a.gif"), ("view", "a.html")):
+            result, _, err = quietly(command, [self.file, "--output", nowhere / name])
             self.assertEqual(result, 1)
             self.assertRegex(err, rf"^\w+: {nowhere}/{name}: there is no directory {nowhere}; make it, or .*\n$")
         with self.assertRaisesRegex(ResultsError, "a film is of one run, not of 2"):
@@ -103,7 +103,7 @@ class Scripts(unittest.TestCase):
         base = self.file.parent / "picture"
         for files, more in (([self.file], []), ([self.file, self.straight], []),
                             ([self.straight], ["--panels", "norm", "--times", "1"])):
-            result, out, err = quietly(pictures.main, [*files, "--output", base, *more])
+            result, out, err = quietly("plot", [*files, "--output", base, *more])
             self.assertEqual((result, out, err), (0, f"plot: {base}.png and .pdf\n", ""))
             for ending in (".png", ".pdf"):
                 self.assertGreater(base.with_suffix(ending).stat().st_size, 3000)
@@ -115,7 +115,7 @@ class Scripts(unittest.TestCase):
         subprocess.run([TENDRIL, "-output", few, *"-rod_cells 60 -growth_initial_length 2 -shape_amplitude 0.5 "
                         "-ts_max_time 20 -output_shapes 1".split()], check=True, stdout=subprocess.DEVNULL)
         for file, time, word in ((self.file, "0.7", None), (few, "4", "no shape stored at t = 4, drawn at 0")):
-            _, out, _ = quietly(pictures.main, [file, "--times", time, "--panels", "shapes", "--output",
+            _, out, _ = quietly("plot", [file, "--times", time, "--panels", "shapes", "--output",
                                                 self.file.parent / "times"])
             self.assertIn(word, out) if word else self.assertNotIn("no shape", out)
 
@@ -123,14 +123,14 @@ class Scripts(unittest.TestCase):
         """A name with an ending is that file; a PDF holds no Type 3 font, which journals refuse."""
         base = self.file.parent / "named"
         for ending in (".png", ".svg", ".pdf"):
-            self.assertEqual(quietly(pictures.main, [self.file, "--output", f"{base}{ending}"])[0], 0)
+            self.assertEqual(quietly("plot", [self.file, "--output", f"{base}{ending}"])[0], 0)
         self.assertEqual(sorted(f.name for f in base.parent.glob("named*")), ["named.pdf", "named.png", "named.svg"])
         self.assertNotIn(b"/Type3", base.with_suffix(".pdf").read_bytes())
 
     def test_a_time_beyond_the_end_is_an_error(self):
         base = self.file.parent / "beyond"
         for files in ([self.file], [self.file, self.straight]):
-            result, _, err = quietly(pictures.main, [*files, "--times", "1,9", "--output", base])
+            result, _, err = quietly("plot", [*files, "--times", "1,9", "--output", base])
             self.assertEqual(result, 1)
             self.assertRegex(err, r"^plot: \S+: ends at t = 2; no shape at 9\n$")
         self.assertFalse(base.with_suffix(".png").exists())
@@ -139,12 +139,12 @@ class Scripts(unittest.TestCase):
         """A flag between two files, a name nearly right, a scene in the place of its result."""
         d = self.file.parent
         between = ["--overlay", self.file, "--panels", "width", self.straight, "--output", d / "slip"]
-        self.assertEqual(quietly(pictures.main, between), (0, f"plot: {d}/slip.png and .pdf\n", ""))
+        self.assertEqual(quietly("plot", between), (0, f"plot: {d}/slip.png and .pdf\n", ""))
         self.assertIn("panel shape: unknown, did you mean shapes?",
-                      quietly(pictures.main, [self.file, "--panels", "shape", "--output", d / "no"])[2])
+                      quietly("plot", [self.file, "--panels", "shape", "--output", d / "no"])[2])
         (d / "scene.opts").write_text("-growth_type feed\n")
-        self.assertIn("is an options file, not its result; run it", quietly(pictures.main, [d / "scene.opts"])[2])
-        self.assertIn("is a directory", quietly(pictures.main, [d])[2])
+        self.assertIn("is an options file, not its result; run it", quietly("plot", [d / "scene.opts"])[2])
+        self.assertIn("is a directory", quietly("plot", [d])[2])
 
     def test_laboratory(self):
         """--si and times with units, of a run in the laboratory; refused of another."""
@@ -161,24 +161,24 @@ class Scripts(unittest.TestCase):
         self.assertAlmostEqual(float(u.of("length", load(tube).series.length[-1])), 7, places=6)
         self.assertEqual(u.label("$x_1$", "length"), "$x_1$ (cm)")
         said = ["--times", "4s,0.1min", "--panels", "shapes,force", "--output", d / "si"]
-        self.assertEqual(quietly(pictures.main, [tube, "--si", *said]), (0, f"plot: {d}/si.png and .pdf\n", ""))
+        self.assertEqual(quietly("plot", [tube, "--si", *said]), (0, f"plot: {d}/si.png and .pdf\n", ""))
         self.assertAlmostEqual(load(tube).at("0.1min").length, load(tube).at(6 * 0.3047156551).length, 9)
         with self.assertRaisesRegex(ResultsError, "at 4furlong: give a time"):
             load(tube).at("4furlong")
-        beyond = quietly(pictures.main, [tube, "--si", "--times", "20s", "--output", d / "no"])
+        beyond = quietly("plot", [tube, "--si", "--times", "20s", "--output", d / "no"])
         self.assertEqual(beyond[2], f"plot: {tube}: ends at t = 12 s; no shape at 20 s\n")
-        bare = quietly(pictures.main, [tube, "--si", "--times", "8", "--output", d / "no"])
+        bare = quietly("plot", [tube, "--si", "--times", "8", "--output", d / "no"])
         self.assertIn("; give 8s if seconds are meant)", bare[2])
-        self.assertEqual(quietly(pictures.main, [tube, *said])[0], 0)
-        result, out, err = quietly(films.main, [tube, "--si", "--from", "2s", "--to", "0.1min",
+        self.assertEqual(quietly("plot", [tube, *said])[0], 0)
+        result, out, err = quietly("animate", [tube, "--si", "--from", "2s", "--to", "0.1min",
                                                   "--output", film])
         self.assertEqual((result, out, err), (0, f"animate: {film}, 5 frames\n", ""))
-        for main, more, word in ((pictures.main, ["--times", "4s"], "seconds"),
-                                 (pictures.main, ["--si"], "si needs"),
-                                 (pictures.main, ["--times", "4furlong"], "min"),
-                                 (films.main, ["--from", "4s"], "seconds"),
-                                 (films.main, ["--si"], "si needs")):
-            result, _, err = quietly(main, [self.file, *more, "--output", d / "no.gif"])
+        for command, more, word in (("plot", ["--times", "4s"], "seconds"),
+                                    ("plot", ["--si"], "si needs"),
+                                    ("plot", ["--times", "4furlong"], "min"),
+                                    ("animate", ["--from", "4s"], "seconds"),
+                                    ("animate", ["--si"], "si needs")):
+            result, _, err = quietly(command, [self.file, *more, "--output", d / "no.gif"])
             self.assertEqual((result, err.count("\n")), (1, 1), err)
             self.assertIn(word, err)
 
@@ -200,7 +200,7 @@ class Scripts(unittest.TestCase):
             os.environ.pop("TENDRIL", None)
             os.chdir(table.parent)
             try:
-                result, out, err = quietly(growth_table.main, words)
+                result, out, err = quietly("growth_table", words)
             finally:
                 os.chdir(here)
         self.assertEqual((result, err), (0, ""))
@@ -215,7 +215,7 @@ class Scripts(unittest.TestCase):
         def table(text, length="20mm", end="12h"):
             data, file = self.file.parent / "rate.csv", self.file.parent / "rate.h5"
             data.write_bytes(text if isinstance(text, bytes) else text.encode())
-            result, out, err = quietly(growth_table.main, [str(file), "--length", length, "--end", end, "--rate", str(data)])
+            result, out, err = quietly("growth_table", [str(file), "--length", length, "--end", end, "--rate", str(data)])
             self.assertNotIn("Traceback", err)
             if result:
                 self.assertEqual(err.count("\n"), 1, err)
@@ -268,7 +268,7 @@ class Scripts(unittest.TestCase):
 
     def test_animate(self):
         film = self.file.parent / "film.gif"
-        result, _, err = quietly(films.main, [self.file, "--output", film, "--frames", "3"])
+        result, _, err = quietly("animate", [self.file, "--output", film, "--frames", "3"])
         self.assertEqual((result, err), (0, ""))
         self.assertGreater(film.stat().st_size, 5000)
 

@@ -536,7 +536,11 @@ class CentreLines(Files):
         self.assertIn("x is north, y east, z up", notes)
         x, told, _ = self.rows("o.csv", "MD[m],TVD[m],North[m],East[m]\n0,0,0,0\n100,99,5,1\n", radius=1, unit="ft")
         np.testing.assert_allclose(x[1, :3], np.array([5, 1, -99]) / 0.3048)
+        x, told, notes = self.rows("bare.csv", "measured by hand\n0cm,0,0,1cm\n5,0,0,1\n9,1,0,12mm\nso far,,,\n")  # without names
+        np.testing.assert_allclose(x[:, 3], [1, 1, 1.2])
+        self.assertIn("line 5", notes)
         for text, words in (("md,inc,azi\n0,0,0\n100,,\n200,15,90\n", "p.csv, line 3|inc|nothing stands there"),
+                            ("0,0,0,1\n5,0,,1\n", "p.csv, line 2|z is not finite"),
                             ("# a\n\nmd,inc,azi\n0,0,0\n100,n/a,3\n", 'p.csv, line 5|inc|"n/a" is no number'),
                             ("md,inc,azi\n0,0,0\n100,4\n", "p.csv, line 3|2 cells, not 3"),
                             ("md,inc,azi\n0,0,0\n100,400,3\n", "line 3|400 degrees is no inclination"),

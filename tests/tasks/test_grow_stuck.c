@@ -39,6 +39,7 @@ static void TestJamDeep(void **state) {
   struct _Scene thick = {.contact = {.any = PETSC_TRUE, .diameter = 0.1, .force = 1, .tip = 1e-3}},
                 firm = {.contact = {.any = PETSC_TRUE,
                                     .firm = PETSC_TRUE,
+                                    .self = PETSC_TRUE,
                                     .diameter = 0.1,
                                     .force = 1,
                                     .tip = 1e-3,

@@ -9,12 +9,21 @@
 
 typedef struct _Schedule *Schedule;
 
+/* How it is told by a table: "a clamp turns", the columns, and what they are measured in. */
+typedef struct {
+  const char *what, *rate, *place;
+  Dimension rate_in, place_in;
+} ScheduleWords;
+
 PetscErrorCode ScheduleRead(const char *option, const char *file, const char *who, Schedule *path);
+PetscErrorCode ScheduleReadAs(const char *option, const char *file, const ScheduleWords *words,
+                              Schedule *path);
 PetscErrorCode ScheduleReadPlace(const char *option, const char *file, Schedule place[3]);
 PetscErrorCode ScheduleCreate(PetscInt n, Schedule *path);
 void ScheduleSetRow(Schedule path, PetscInt row, PetscReal t, PetscReal value);
 PetscErrorCode ScheduleSetUp(const char *what, PetscBool rate, Schedule path);
 PetscErrorCode ScheduleDestroy(Schedule *path);
+PetscReal ScheduleStart(Schedule path);
 PetscReal ScheduleValue(Schedule path, PetscReal t);
 PetscReal ScheduleRate(Schedule path, PetscReal t);
 PetscReal ScheduleFastest(Schedule path);

@@ -1,4 +1,4 @@
-#include "tasks/tendril.h"
+#include "tasks/program.h"
 #include "base/hdf.h"
 #include "base/lock.h"
 #include "record/event.h"
@@ -32,12 +32,14 @@ static const OptionGroup *const table[] = {
     &stiffness_options, &curvature_options, &shape_options,     &grow_options,    &frame_options,
     &event_options,     &si_options,        &stability_options, &sweep_options,   &petsc_options};
 
-static ErrorState errors;
-static PetscBool began_mpi;
+/* ProgramSetTable - tells of the options that there are. Not collective. */
+void ProgramSetTable(void) {
+  OptionsSetTable(PETSC_STATIC_ARRAY_LENGTH(table), table);
+}
 
-/* TendrilRun - does what the options ask for (-task), from the scene to the result. Collective;
-   after TendrilInitialize(). A failure has been told when it returns, and all is freed. */
-PetscErrorCode TendrilRun(void) {
+/* ProgramRun - does what the options ask for (-task), from the scene to the result. Collective;
+   after ProgramBegin(). A failure has been told when it returns, and all is freed. */
+PetscErrorCode ProgramRun(void) {
   PetscInt task;
 
   PetscFunctionBegin;
@@ -49,8 +51,8 @@ PetscErrorCode TendrilRun(void) {
   PetscFunctionReturn(0);
 }
 
-/* TendrilVersion - the versions of tendril and of what it was built with. */
-void TendrilVersion(FILE *file) {
+/* ProgramVersion - the versions of tendril and of what it was built with. */
+void ProgramVersion(FILE *file) {
   fprintf(file, "tendril %s, PETSc %d.%d.%d, SLEPc %d.%d.%d\n", TENDRIL_VERSION,
           PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR, PETSC_VERSION_SUBMINOR, SLEPC_VERSION_MAJOR,
           SLEPC_VERSION_MINOR, SLEPC_VERSION_SUBMINOR);
@@ -74,7 +76,7 @@ static PetscBool Answered(int argc, char **argv) {
       fputs(about, stdout);
       OptionsHelp(stdout);
     } else if (answered && !rank)
-      TendrilVersion(stdout);
+      ProgramVersion(stdout);
   }
   return (PetscBool)answered;
 }
@@ -86,57 +88,74 @@ static PetscBool Answered(int argc, char **argv) {
    looks for cards: for those that draw it would ask every X server there may be; nor to know of the
    machine's cores and caches, whose files take a fifth of what is left to read. (Where no memory is
    named hwloc puts it in by a copy onto itself.) */
-static void NeedNoOthers(void) {
+static const struct {
+  const char *name, *value;
+} alone[] = {{"OMPI_MCA_pml", "ob1"},
+             {"OMPI_MCA_btl", "self"}, /* shared memory would be left behind */
+             {"OMPI_MCA_ess_singleton_isolated", "1"},
+             {"OMPI_MCA_orte_create_session_dirs", "0"},
+             {"HWLOC_PLUGINS_PATH", "/dev/null"},
+             {"HWLOC_SYNTHETIC", "numa:1 core:1 pu:1"}};
+
+/* ProgramBeginMpi - MPI_Init(), of a process that may be alone. Returns 0 if all is well.
+
+   tidy  the environment is a host program's, and is then as it was */
+int ProgramBeginMpi(int *argc, char ***argv, PetscBool tidy) {
   static const char *const launched[] = {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK",
                                          "SLURM_PROCID"};
+  PetscBool mine[PETSC_STATIC_ARRAY_LENGTH(alone)] = {PETSC_FALSE}, others = PETSC_FALSE;
+  int failed;
 
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(launched); i++)
-    if (getenv(launched[i])) return;
-  (void)setenv("OMPI_MCA_pml", "ob1", PETSC_FALSE);  /* unless told otherwise */
-  (void)setenv("OMPI_MCA_btl", "self", PETSC_FALSE); /* shared memory would be left behind */
-  (void)setenv("OMPI_MCA_ess_singleton_isolated", "1", PETSC_FALSE);
-  (void)setenv("OMPI_MCA_orte_create_session_dirs", "0", PETSC_FALSE);
-  (void)setenv("HWLOC_PLUGINS_PATH", "/dev/null", PETSC_FALSE);
-  (void)setenv("HWLOC_SYNTHETIC", "numa:1 core:1 pu:1", PETSC_FALSE);
+    if (getenv(launched[i])) others = PETSC_TRUE;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(alone) && !others; i++) {
+    mine[i] = (PetscBool)!getenv(alone[i].name); /* unless told otherwise */
+    if (mine[i]) (void)setenv(alone[i].name, alone[i].value, PETSC_FALSE);
+  }
+  failed = MPI_Init(argc, argv) != MPI_SUCCESS;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(alone) && tidy; i++)
+    if (mine[i]) (void)unsetenv(alone[i].name);
+  return failed;
 }
 
 /*
-  TendrilInitialize - begins the program: MPI, PETSc and SLEPc with the command line's options.
-  Collective on all processes; the caller ends it with TendrilFinalize().
+  ProgramBegin - begins the program: MPI, PETSc and SLEPc with the command line's options.
+  Collective on all processes; the caller ends it with ProgramEnd().
 
+  self  is set; it lives until ProgramEnd()
   done  the command line asked for help or the version, or is wrong: there is nothing to run, and
         nothing to finalize
   returns 0, or 1 if the command line is wrong or PETSc does not begin (the line is out)
 */
-int TendrilInitialize(int *argc, char ***argv, PetscBool *done) {
+int ProgramBegin(Program *self, int *argc, char ***argv, PetscBool *done) {
   int begun, failed;
 
+  *self = (Program){0};
   signal(SIGPIPE, SIG_IGN); /* "| head" is no reason to lose a run */
   signal(SIGXFSZ, SIG_IGN); /* a file that may grow no more shows when it is written */
   HdfBegin();
   MPI_Initialized(&begun);
-  began_mpi = (PetscBool)!begun;
-  if (began_mpi) NeedNoOthers();
-  if (began_mpi) MPI_Init(argc, argv);
-  OptionsSetTable(PETSC_STATIC_ARRAY_LENGTH(table), table);
+  self->began_mpi = (PetscBool)!begun;
+  if (self->began_mpi) (void)ProgramBeginMpi(argc, argv, PETSC_FALSE);
+  ProgramSetTable();
   *done = Answered(*argc, *argv);
-  failed = *done ? 0 : OptionsTakeWords(argc, argv);
+  failed = *done ? 0 : OptionsTakeWords(&self->line, argc, argv);
   *done = (PetscBool)(*done || failed || Answered(*argc, *argv));
   if (!*done && SlepcInitialize(argc, argv, NULL, about)) *done = PETSC_TRUE, failed = 1;
   if (*done) {
-    if (began_mpi) MPI_Finalize();
-    OptionsFreeWords();
+    if (self->began_mpi) MPI_Finalize();
+    OptionsFreeWords(&self->line);
     return failed;
   }
   signal(SIGPIPE, SIG_IGN); /* once more: PETSc has handlers of its own */
   signal(SIGXFSZ, SIG_IGN);
-  failed = ErrorsBegin(PETSC_COMM_WORLD, PETSC_FALSE, &errors) ||
-           OptionsPush(PETSC_COMM_WORLD, NULL) || VBDFRegister();
+  failed = ErrorsBegin(PETSC_COMM_WORLD, PETSC_FALSE, &self->errors) ||
+           OptionsPush(PETSC_COMM_WORLD, NULL, &self->line) || VBDFRegister();
   return failed;
 }
 
-/* TendrilFinalize - ends what TendrilInitialize() began. Returns 0 if all is well. */
-int TendrilFinalize(void) {
+/* ProgramEnd - ends what ProgramBegin() began. Returns 0 if all is well. */
+int ProgramEnd(Program *self) {
   int failed = OptionsPop() != 0, ranks;
   PetscBool given;
 
@@ -147,9 +166,9 @@ int TendrilFinalize(void) {
   LocksEnd();
   failed |= ErrorsEnd() != 0;
   MPI_Comm_size(MPI_COMM_WORLD, &ranks);
-  if (errors.said && ranks > 1) ErrorsLastWords();
+  if (self->errors.said && ranks > 1) ErrorsLastWords();
   failed |= SlepcFinalize() != 0;
-  if (began_mpi) MPI_Finalize();
-  OptionsFreeWords();
+  if (self->began_mpi) MPI_Finalize();
+  OptionsFreeWords(&self->line);
   return failed;
 }

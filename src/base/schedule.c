@@ -1,4 +1,4 @@
-#include "world/schedule.h"
+#include "base/schedule.h"
 #include "base/hermite.h"
 #include "base/knots.h"
 #include "base/monotone.h"
@@ -128,34 +128,40 @@ static PetscErrorCode CheckRows(const char *option, const char *file, Table tabl
   PetscFunctionReturn(0);
 }
 
-/* Rate or angle from a table, its rows in self. */
-static PetscErrorCode Columns(const char *option, const char *file, const char *who, Table table,
-                              Schedule self, PetscBool *rate) {
+/* Rate or place from a table, its rows in self. */
+static PetscErrorCode Columns(const char *option, const char *file, const ScheduleWords *words,
+                              Table table, Schedule self, PetscBool *rate) {
   PetscBool timed = PETSC_FALSE, said = PETSC_FALSE;
 
   PetscFunctionBegin;
   for (PetscInt c = 0; c < TableColumns(table); c++) {
     const char *name = TableName(table, c);
-    const PetscBool time = (PetscBool)!strcmp(name, "t");
+    const PetscBool time = (PetscBool)!strcmp(name, "t"),
+                    fast = (PetscBool)!strcmp(name, words->rate);
     PetscBool *given = time ? &timed : &said;
 
-    UserCheck(time || !strcmp(name, "spin") || !strcmp(name, "turn"), OptionsComm(),
-              "%s %s: column %s: how %s turns is told by t and spin, or t and turn", option, file,
-              name, who);
-    UserCheck(!*given, OptionsComm(), "%s %s: has %s", option, file,
-              time ? "t twice" : "more than one of spin and turn; leave one out");
+    UserCheck(time || fast || !strcmp(name, words->place), OptionsComm(),
+              "%s %s: column %s: how %s is told by t and %s, or t and %s", option, file, name,
+              words->what, words->rate, words->place);
+    UserCheck(!*given || !time, OptionsComm(), "%s %s: has t twice", option, file);
+    UserCheck(!*given, OptionsComm(), "%s %s: has more than one of %s and %s; leave one out",
+              option, file, words->rate, words->place);
     *given = PETSC_TRUE;
-    PetscCall(TableQuantities(option, file, table, c, time ? UNIT_TIME : UNIT_ANGLE,
+    PetscCall(TableQuantities(option, file, table, c,
+                              time   ? UNIT_TIME
+                              : fast ? words->rate_in
+                                     : words->place_in,
                               time ? self->t : self->value));
-    if (!time) *rate = (PetscBool)!strcmp(name, "spin");
+    if (fast) *rate = PETSC_TRUE;
   }
   UserCheck(timed, OptionsComm(), "%s %s: has no column t", option, file);
-  UserCheck(said, OptionsComm(), "%s %s: has neither spin nor turn", option, file);
+  UserCheck(said, OptionsComm(), "%s %s: has neither %s nor %s", option, file, words->rate,
+            words->place);
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode OfTable(const char *option, const char *file, const char *who, Table table,
-                              Schedule *path) {
+static PetscErrorCode OfTable(const char *option, const char *file, const ScheduleWords *words,
+                              Table table, Schedule *path) {
   char what[PETSC_MAX_PATH_LEN];
   PetscBool rate = PETSC_FALSE;
 
@@ -163,29 +169,46 @@ static PetscErrorCode OfTable(const char *option, const char *file, const char *
   (void)snprintf(what, sizeof(what), "%s %s", option, file);
   PetscCall(CheckRows(option, file, table));
   PetscCall(ScheduleCreate(TableRows(table), path));
-  PetscCall(Columns(option, file, who, table, *path, &rate));
+  PetscCall(Columns(option, file, words, table, *path, &rate));
   PetscCall(ScheduleSetUp(what, rate, *path));
   PetscFunctionReturn(0);
 }
 
 /*
-  ScheduleRead - reads how something turns from a table, CSV or HDF5, with t and spin (radians per
-  unit of time) or turn (radians; what it is at t = 0 is taken off). Collective on OptionsComm();
-  the caller destroys it with ScheduleDestroy(), also after an error.
+  ScheduleReadAs - reads how something moves from a table, CSV or HDF5, with t and its rate, or
+  where it is. Collective on OptionsComm(); the caller destroys it with ScheduleDestroy(), also
+  after an error.
 
   option, file  which, and the option that named it
-  who           turns, for what is said of a table that is none: "a clamp"
+  words         names of the columns, and what they are measured in
 */
-PetscErrorCode ScheduleRead(const char *option, const char *file, const char *who, Schedule *path) {
+PetscErrorCode ScheduleReadAs(const char *option, const char *file, const ScheduleWords *words,
+                              Schedule *path) {
   PetscErrorCode error;
   Table table = NULL;
 
   PetscFunctionBegin;
   *path = NULL;
   error = TableReadPlain(option, file, &table);
-  if (!error) error = OfTable(option, file, who, table, path);
+  if (!error) error = OfTable(option, file, words, table, path);
   PetscCall(TableDestroy(&table));
   PetscCall(error);
+  PetscFunctionReturn(0);
+}
+
+/*
+  ScheduleRead - the same of what turns, with spin (radians per unit of time) or turn (radians; what
+  it is at t = 0 is taken off).
+
+  who   turns, for what is said of a table that is none: "a clamp"
+*/
+PetscErrorCode ScheduleRead(const char *option, const char *file, const char *who, Schedule *path) {
+  char what[64];
+  const ScheduleWords words = {what, "spin", "turn", UNIT_ANGLE, UNIT_ANGLE};
+
+  PetscFunctionBegin;
+  (void)snprintf(what, sizeof(what), "%s turns", who);
+  PetscCall(ScheduleReadAs(option, file, &words, path));
   PetscFunctionReturn(0);
 }
 
@@ -265,6 +288,11 @@ PetscErrorCode ScheduleDestroy(Schedule *path) {
 /* ScheduleValue - how far it has moved, or turned, since t = 0. */
 PetscReal ScheduleValue(Schedule self, PetscReal t) {
   return Place(self, t) - self->start;
+}
+
+/* ScheduleStart - where its rows say that it is at t = 0. */
+PetscReal ScheduleStart(Schedule self) {
+  return self->start;
 }
 
 /* ScheduleRate - how fast it moves. At the last row, where it may stop at once, as it has moved; at

@@ -1,7 +1,7 @@
 /* What moves or turns by rows: they are met, the rate is the slope, and beyond them it is what it
    is said to be; when it sets out, stops and turns back. */
 #include "harness.h"
-#include "world/schedule.h"
+#include "base/schedule.h"
 
 /* The rate against differences of the angle, away from rows. */
 static void Agrees(Schedule path, PetscReal t) {

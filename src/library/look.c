@@ -1,0 +1,260 @@
+/* What is seen of a simulation: its time, nodes, series. */
+#include "library/simulation.h"
+#include "rod/directors.h"
+#include <stdlib.h>
+
+/* ColumnsBegin - no values yet, of all series that a scene has. */
+PetscErrorCode ColumnsBegin(Columns *self, Scene scene) {
+  PetscFunctionBegin;
+  self->n = self->room = 0;
+  for (int k = 0; k < OBSERVED; k++) self->column[k] = NULL;
+  PetscFunctionReturn(0);
+}
+
+/* Room for one more. The blocks double, so that those left behind take no more than the last one.
+ */
+static PetscErrorCode Room(Columns *self) {
+  const PetscInt room = 2 * self->room + 64;
+  double **block, *columns;
+
+  PetscFunctionBegin;
+  if (self->n < self->room) PetscFunctionReturn(0);
+  block = (double **)realloc((void *)self->block, (size_t)(self->blocks + 1) * sizeof(*block));
+  if (block) self->block = block;
+  columns = (double *)malloc((size_t)(room * OBSERVED) * sizeof(*columns));
+  PetscCheck(block && columns, PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for series");
+  self->block[self->blocks++] = columns;
+  for (int k = 0; k < OBSERVED; k++) {
+    for (PetscInt i = 0; i < self->n; i++) columns[k * room + i] = self->column[k][i];
+    self->column[k] = columns + k * room;
+  }
+  self->room = room;
+  PetscFunctionReturn(0);
+}
+
+/* One more, without it counting. */
+static PetscErrorCode Put(Columns *self, const Observation *seen) {
+  PetscFunctionBegin;
+  PetscCall(Room(self));
+  for (int k = 0; k < OBSERVED; k++) self->column[k][self->n] = ((const PetscReal *)seen)[k];
+  PetscFunctionReturn(0);
+}
+
+/* ColumnsAdd - one more value of each series. */
+PetscErrorCode ColumnsAdd(Columns *self, const Observation *seen) {
+  PetscFunctionBegin;
+  PetscCall(Put(self, seen));
+  self->n++;
+  PetscFunctionReturn(0);
+}
+
+void ColumnsFree(Columns *self) {
+  for (PetscInt k = 0; k < self->blocks; k++) free(self->block[k]);
+  free((void *)self->block);
+  *self = (Columns){0};
+}
+
+/* Is the present time within a step, whose end waits to be looked at? */
+static PetscBool Within(const struct Tendril_ *self) {
+  return (PetscBool)(self->grow->waits && self->at > self->grow->seen.t);
+}
+
+/* The state and its rate at the present time; U NULL: as it begins. Borrowed from V where they are
+   between steps: the caller destroys that. */
+static PetscErrorCode State(Tendril self, Vec V[2], Vec *U, Vec *U_t) {
+  Grow *grow = self->grow;
+  PetscReal end;
+
+  PetscFunctionBegin;
+  V[0] = V[1] = *U = *U_t = NULL;
+  if (Within(self)) {
+    PetscCall(TSGetTime(grow->now->ts, &end));
+    for (int k = 0; k < 2; k++) PetscCall(VecDuplicate(grow->now->U, &V[k]));
+    PetscCall(LegInterpolate(grow->now, self->at, end, end - grow->seen.t, V[0], V[1]));
+    *U = V[0];
+    *U_t = V[1];
+  } else if (grow->seen.t > 0) {
+    *U = grow->now->U;
+    *U_t = grow->now->newton.latest.U_t;
+  }
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode LookWithin(Tendril self) {
+  Grow *grow = self->grow;
+  Vec V[2], U, U_t;
+
+  PetscFunctionBegin;
+  PetscCall(State(self, V, &U, &U_t));
+  PetscCall(ObserverLookMoving(grow->observer, grow->now->rod, self->at, U, U_t, &self->here));
+  self->here.energy_defect = grow->seen.energy_defect;
+  self->here.error_tip = grow->seen.error_tip;
+  self->here.error_norm_x2 = grow->seen.error_norm_x2;
+  self->here.error_energy = grow->seen.error_energy;
+  self->here.step = self->at - grow->seen.t;
+  self->here.model = grow->seen.model;
+  for (int k = 0; k < 2; k++) PetscCall(VecDestroy(&V[k]));
+  PetscFunctionReturn(0);
+}
+
+/* SimulationLook - brings up to date what is seen, behind all that moves the run. Collective. */
+PetscErrorCode SimulationLook(Tendril self) {
+  const Grow *grow = self->grow;
+  const Columns *series = &self->series;
+
+  PetscFunctionBegin;
+  if (!Within(self)) {
+    self->at = grow->seen.t;
+    if (!series->n || series->column[0][series->n - 1] < grow->seen.t)
+      PetscCall(ColumnsAdd(&self->series, &grow->seen));
+    PetscFunctionReturn(0);
+  }
+  PetscCall(LookWithin(self));
+  PetscCall(Put(&self->series, &self->here));
+  PetscFunctionReturn(0);
+}
+
+int TendrilTime(Tendril self, double *t) {
+  if (!self) return TENDRIL_USER;
+  *t = self->grow ? self->at : 0;
+  return self->code = TENDRIL_OK;
+}
+
+/* The k-th series that this simulation has; OBSERVED: there are no more. */
+static int Which(const struct Tendril_ *self, int k) {
+  for (int i = 0; i < OBSERVED; i++)
+    if (OutputHolds(self->grow->output, i) && k-- == 0) return i;
+  return OBSERVED;
+}
+
+const char *TendrilSeriesName(Tendril self, int k) {
+  const int i = self && self->grow && k >= 0 ? Which(self, k) : OBSERVED;
+
+  return i < OBSERVED ? observed_name[i] : NULL;
+}
+
+int TendrilSeries(Tendril self, const char *name, int *n, const double **values) {
+  if (!self) return TENDRIL_USER;
+  *n = 0;
+  *values = NULL;
+  if (!self->grow) return SimulationRefuse(self, TENDRIL_USER, "no series before TendrilSetUp()");
+  for (int i = 0; i < OBSERVED; i++) {
+    if (!name || strcmp(name, observed_name[i]) || !OutputHolds(self->grow->output, i)) continue;
+    *n = (int)self->series.n + (Within(self) ? 1 : 0);
+    *values = self->series.column[i];
+    return self->code = TENDRIL_OK;
+  }
+  return SimulationRefuse(self, TENDRIL_USER,
+                          "%s: this simulation has no such series; docs/results.md lists them",
+                          name ? name : "NULL");
+}
+
+/* A vector of the clamp's frame in the laboratory, of the plane. */
+static void Turn(Scene scene, const PetscReal v[2], double to[3]) {
+  const PetscReal c = PetscCosReal(scene->clamp_angle), s = PetscSinReal(scene->clamp_angle);
+
+  to[0] = c * v[0] - s * v[1];
+  to[1] = s * v[0] + c * v[1];
+  to[2] = 0;
+}
+
+static PetscErrorCode PlaneNodeOf(Scene scene, PetscReal t, const Node *node, PetscReal c,
+                                  TendrilNode *to) {
+  const PetscReal q[2] = {PetscCosReal(node->theta), PetscSinReal(node->theta)},
+                  across[2] = {-q[1], q[0]},
+                  v[2] = {node->x_t[0] + c * q[0], node->x_t[1] + c * q[1]};
+  PetscReal k0, B;
+
+  PetscFunctionBegin;
+  PetscCall(SceneCurvature(scene, to->s, t, &k0, NULL));
+  PetscCall(SceneStiffness(scene, to->s, t, &B, NULL));
+  to->theta = node->theta + scene->clamp_angle;
+  Turn(scene, node->x, to->x);
+  Turn(scene, v, to->v);
+  Turn(scene, q, to->d[0]);
+  Turn(scene, across, to->d[1]);
+  to->d[2][2] = 1;
+  to->curvature[2] = k0 + node->moment / B;
+  to->moment[2] = node->moment;
+  Turn(scene, node->force, to->force);
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode SpaceNodeOf(Scene scene, PetscReal t, const Node *node, PetscReal c,
+                                  TendrilNode *to) {
+  PetscReal d[3][3], u0[3], B, S[3], v[3];
+
+  PetscFunctionBegin;
+  Directors(node->p, QuaternionSize(node->p), d);
+  PetscCall(SceneStiffness(scene, to->s, t, &B, NULL));
+  SceneStiffnesses(scene, B, S);
+  PetscCall(CurvatureStrains(&scene->curvature, scene->growth, to->s, t, u0, NULL));
+  for (int k = 0; k < 3; k++) {
+    to->curvature[k] =
+        u0[k] + (d[k][0] * node->m3[0] + d[k][1] * node->m3[1] + d[k][2] * node->m3[2]) / S[k];
+    v[k] = node->x3_t[k] + c * d[0][k];
+    SpaceToLab(&scene->space, d[k], to->d[k]);
+  }
+  to->theta = node->theta;
+  SpaceToLab(&scene->space, node->x3, to->x);
+  SpaceToLab(&scene->space, v, to->v);
+  SpaceToLab(&scene->space, node->m3, to->moment);
+  SpaceToLab(&scene->space, node->n3, to->force);
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode TakeNodes(Tendril self, PetscReal t, const Node *nodes, int *n) {
+  const Scene scene = self->scene;
+  const PetscInt all = scene->mesh.cells + 1;
+
+  PetscFunctionBegin;
+  if (!self->node) self->node = (TendrilNode *)malloc((size_t)all * sizeof(*self->node));
+  PetscCheck(self->node, PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for nodes");
+  for (PetscInt i = 0; i < all; i++) {
+    TendrilNode *to = &self->node[i];
+    const PetscReal s = scene->mesh.s[i];
+    PetscReal g, c;
+    *to = (TendrilNode){.s = s};
+    PetscCall(GrowthStretch(scene->growth, 1, &s, t, &g, NULL, NULL));
+    c = GrowthSlide(scene->growth, s, t);
+    to->stretch = g;
+    if (scene->space.rod)
+      PetscCall(SpaceNodeOf(scene, t, &nodes[i], c, to));
+    else
+      PetscCall(PlaneNodeOf(scene, t, &nodes[i], c, to));
+  }
+  *n = (int)all;
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode GatherNodes(Tendril self, int *n) {
+  Grow *grow = self->grow;
+  const Node *nodes;
+  Vec V[2], U, U_t;
+
+  PetscFunctionBegin;
+  PetscCall(State(self, V, &U, &U_t));
+  PetscCall(ObserverGather(grow->observer, grow->now->rod, self->at, U, U_t, &nodes));
+  if (nodes) PetscCall(TakeNodes(self, self->at, nodes, n));
+  for (int k = 0; k < 2; k++) PetscCall(VecDestroy(&V[k]));
+  PetscFunctionReturn(0);
+}
+
+int TendrilNodes(Tendril self, int rod, int *n, const TendrilNode **nodes) {
+  PetscErrorCode error = (PetscErrorCode)0;
+  int code;
+
+  *n = 0;
+  *nodes = NULL;
+  code = SimulationEnter(self);
+  if (code) return code;
+  if (!self->grow || rod) {
+    (void)SimulationLeave(self, error);
+    return SimulationRefuse(self, TENDRIL_USER,
+                            rod ? "rod %d: there is one, 0" : "no nodes before TendrilSetUp()",
+                            rod);
+  }
+  error = GatherNodes(self, n);
+  *nodes = *n ? self->node : NULL;
+  return SimulationLeave(self, error);
+}
