@@ -75,7 +75,8 @@ static PetscErrorCode Handle(MPI_Comm comm, int line, const char *func, const ch
   number, say. Theirs prints a line and ends the program as if all were well; the linker takes this
   one in its place.
 */
-void xerbla_(const char *routine, const PetscBLASInt *which, int length);
+__attribute__((visibility("default"))) void xerbla_(const char *routine, const PetscBLASInt *which,
+                                                    int length);
 
 void xerbla_(const char *routine, const PetscBLASInt *which, int length) {
   const MPI_Comm comm = now ? now->comm : PETSC_COMM_WORLD;
