@@ -172,7 +172,7 @@ MUTATIONS = [
     # -- what is steered, or fed by a schedule
     ("kinks are no ends of steps", "material/actuation.c", "if (self->kinks[j]) self->turns[j] = PETSC_TRUE;", ";"),
     ("behind a kink as before", C, "  SetOutAnew(ts, self, f);", ""),
-    ("the first error behind a kink", C, "self->snapped || self->kinked ? change", "self->snapped ? change"),
+    ("the first error behind a kink", C, "self->kinked ? change", "0 ? change"),
     ("steered, but not in time", "material/curvature.c", "if (k_t) *k_t = rate + at_t * slope;", "if (k_t) *k_t = at_t * slope;"),
     ("steered along with what slides", "material/curvature.c", "if (k_t) *k_t = rate + at_t * slope;", "if (k_t) *k_t = rate;"),
     ("steering costs nothing", "record/observe.c", "seen->wall_power + seen->curvature_power -", "seen->wall_power -"),
