@@ -36,7 +36,8 @@
   X(friction_force_1, "N l", "force of the friction along the rod on it along x1")                 \
   X(friction_force_2, "N l", "force of the friction along the rod on it along x2")                 \
   X(contact_energy, "N l^2", "energy of contact, int U ds")                                        \
-  X(penetration, "l", "how deep the rod is in a wall or in itself, at most")                       \
+  X(penetration, "l",                                                                              \
+    "how deep the rod is in a wall or in itself, at most; below 0: what presses is so far off")    \
   X(contacts, "1", "zones of contact along the rod")                                               \
   X(inflections, "1", "sign changes of the curvature along the rod")                               \
   X(self_crossings, "1", "points in which the rod crosses itself")                                 \
@@ -102,7 +103,7 @@ enum { BALANCE_STATE = BALANCE_PARTS * BALANCE_POINTS + BALANCE_SUMS + 1 };
 PetscInt ObservedOf(Scene scene);
 PetscBool ObservedIn(Scene scene, PetscInt observed);
 PetscErrorCode ObserveSpace(Scene scene, PetscReal t, PetscInt first, PetscInt end,
-                            const Node node[], const PetscReal (*push)[PUSH],
+                            const Node node[], const SampleLaw law[], const PetscReal (*push)[PUSH],
                             const PetscReal contact[PUSH], PetscInt n, const TouchFeet feet[],
                             Observation *seen);
 PetscErrorCode ObserverCreate(Scene scene, Observer *observer);

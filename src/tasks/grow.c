@@ -276,6 +276,7 @@ static PetscErrorCode Observe(Grow *self, PetscReal t, Vec U, Vec U_t) {
   PetscCall(Neglect(self, U_t));
   Weigh(self, &last, self->folds - folds);
   self->depth = PetscMax(self->depth, self->seen.penetration);
+  self->off = PetscMax(self->off, -self->seen.penetration);
   if (self->seen.contact_force > 0) self->pressed = PETSC_TRUE;
   self->seen.step = t - before;
   self->seen.newton_iterations = iterations;

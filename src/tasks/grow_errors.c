@@ -89,6 +89,7 @@ void GrowKeepErrors(const Grow *self, PetscReal kept[RESTART_BESIDE]) {
   kept[10] = self->layered ? 1 : 0;
   kept[11] = self->event_at;
   kept[12] = self->event_is;
+  kept[RESTART_BESIDE - 1] = self->off;
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
     kept[13 + 3 * k] = self->largest[k];
     kept[14 + 3 * k] = self->error.when[k];
@@ -111,6 +112,7 @@ void GrowTakeErrors(Grow *self, const PetscReal kept[RESTART_BESIDE]) {
   self->layered = (PetscBool)(kept[10] != 0);
   self->event_at = kept[11];
   self->event_is = (int)kept[12];
+  self->off = kept[RESTART_BESIDE - 1];
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
     self->largest[k] = kept[13 + 3 * k];
     self->error.when[k] = kept[14 + 3 * k];

@@ -138,23 +138,34 @@ static PetscErrorCode TellRounded(const Grow *self) {
   PetscFunctionReturn(0);
 }
 
-/* What there is of contact. */
+/* A length, with the part of the diameter that it is. */
+static const char *Deep(const Grow *self, PetscReal length, char text[], size_t room) {
+  const PetscReal D = self->scene->contact.diameter;
+  char number[64];
+
+  OptionBoth(length, UNIT_LENGTH, number);
+  (void)snprintf(text, room, D > 0 ? "%s (%.2g %% of the diameter)" : "%s", number,
+                 (double)(D > 0 ? 100 * length / D : 0));
+  return text;
+}
+
+/* What there is of contact. How far off it holds a rod that it presses in nowhere is told, too. */
 static PetscErrorCode TellContact(const Grow *self) {
   const Contact *contact = &self->scene->contact;
-  char text[2][64], part[64] = "";
+  char deep[160], off[160], held[192] = "";
 
   PetscFunctionBegin;
   if (!contact->any) PetscFunctionReturn(0);
   PetscCall(SceneContactAt(self->scene, self->seen.t));
-  OptionBoth(self->depth, UNIT_LENGTH, text[0]);
-  if (contact->diameter > 0)
-    (void)snprintf(part, sizeof(part), " (%.2g %% of the diameter)",
-                   (double)(100 * self->depth / contact->diameter));
+  if (self->off > 0)
+    (void)snprintf(held, sizeof(held), ", held off by at most %s",
+                   Deep(self, self->off, off, sizeof(off)));
   PetscCall(PetscPrintf(self->scene->comm,
                         "contact of stiffness %.3g: at the end in %d zone%s, penetration at most "
                         "%s%s\n",
                         (double)contact->stiffness, (int)self->seen.contacts,
-                        self->seen.contacts == 1 ? "" : "s", text[0], part));
+                        self->seen.contacts == 1 ? "" : "s",
+                        Deep(self, self->depth, deep, sizeof(deep)), held));
   if (contact->diameter > 0 && self->depth > part_told * contact->diameter)
     PetscCall(PetscPrintf(self->scene->comm,
                           "The rod is pressed in by more than %.0f %% of its diameter: give "

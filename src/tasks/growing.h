@@ -58,9 +58,10 @@ typedef struct {
   PetscReal event_at;               /* when it last touched, let go or snapped; 0: never */
   int event_is;                     /* which, as WHY_TOUCH */
   PetscReal depth;                  /* largest penetration so far */
-  PetscInt snaps;                   /* of this run, and of what it goes on with */
-  PetscReal way;                    /* how far the run has come, in time and as the rod has moved */
-  PetscInt crossings;               /* of these, its start was crossed by */
+  PetscReal off;      /* largest distance at which it was held off, pressed in nowhere */
+  PetscInt snaps;     /* of this run, and of what it goes on with */
+  PetscReal way;      /* how far the run has come, in time and as the rod has moved */
+  PetscInt crossings; /* of these, its start was crossed by */
   PetscReal crossed;  /* what steps that cross its start have changed, see GrowCross() */
   PetscBool gave_way; /* its start did, at once: a jump in that layer */
   PetscBool layered;  /* steps have crossed the layer of its start, from here: */

@@ -62,7 +62,7 @@ static void TouchOf(const Contact *self, PetscInt which, const PetscReal y[3],
   t->friction = ContactSurfaceFriction(self, which);
   t->wall = which;
   t->again = PETSC_FALSE;
-  t->steep = self->surfaces.surface[which].kind->interpolated
+  t->steep = self->surfaces.surface[which].kind->known == SURFACE_ON_A_GRID
                  ? PetscSqrtReal(Dot3(point->normal, point->normal))
                  : 1;
   t->moves = (PetscBool)(self->surfaces.surface[which].motion.any && !self->surfaces.still);
@@ -174,7 +174,7 @@ PetscBool ContactBlurs(const Contact *self, int d) {
   if (self->walls.n && Sums(self->upright, d)) return PETSC_TRUE;
   if (self->surfaces.n && Sums(self->lab, d)) return PETSC_TRUE;
   for (PetscInt k = 0; k < self->surfaces.n; k++)
-    if (self->surfaces.surface[k].kind->made_of_points) return PETSC_TRUE;
+    if (self->surfaces.surface[k].kind->known != SURFACE_EXACT) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 

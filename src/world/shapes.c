@@ -192,13 +192,12 @@ const SurfaceKind surface_tube = {
     .make = TubeMake,
     .at = TubeSeen,
     .destroy = TubeFree,
-    .made_of_points = PETSC_TRUE};
+    .known = SURFACE_OF_POINTS};
 
 const SurfaceKind surface_body = {
     .name = "body",
     .form = "body FILE inside|outside, an HDF5 file with its distance on a grid",
-    .interpolated = PETSC_TRUE,
     .make = BodyMake,
     .at = BodySeen,
     .destroy = BodyFree,
-    .made_of_points = PETSC_TRUE};
+    .known = SURFACE_ON_A_GRID};

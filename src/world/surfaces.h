@@ -36,11 +36,16 @@ typedef struct {
   PetscReal radius; /* of the rod */
 } SurfaceLine;
 
+/* How well a surface's distance is known: to the last digit; from points, whose numbers mirror each
+   other to round-off only; or interpolated between those of a grid, too, so that n is not quite of
+   length 1. */
+typedef enum { SURFACE_EXACT, SURFACE_OF_POINTS, SURFACE_ON_A_GRID } SurfaceKnown;
+
 /* A kind of surface. */
 typedef struct {
   const char *name;
-  const char *form;       /* what it is given by, for who has it wrong */
-  PetscBool interpolated; /* its distance is: n is not quite of length 1 */
+  const char *form; /* what it is given by, for who has it wrong */
+  SurfaceKnown known;
   /* reads a line: sets data, box, smallest, core and what is to be drawn; collective. What it has
      set is destroyed also after an error. */
   PetscErrorCode (*make)(const SurfaceLine *line, Surface *surface);
@@ -48,7 +53,6 @@ typedef struct {
      surface, however deep, it is true. Not collective; called at every point of the rod. */
   PetscBool (*at)(const void *data, const PetscReal x[3], PetscReal within, SurfacePoint *point);
   PetscErrorCode (*destroy)(void **data);
-  PetscBool made_of_points; /* whose numbers mirror each other to round-off only */
 } SurfaceKind;
 
 struct _Surface {

@@ -792,7 +792,7 @@ def estimate():
         error, told = off_by(r, fine), sum(float(parts(r)[k]) for k in ("space", "time"))
         print(f"{cells} cells: off by {error:.1e}, estimated {told:.1e}")
         expect(error / 3 < told < 30 * error, f"off by {error:.1e}, estimated {told:.1e}")
-    stiff = Run(f"{rubs} -rod_cells 600 -ts_rtol 1e-7 -contact_stiffness 4e7")
+    fine, stiff = (Run(f"{rubs} -rod_cells 600 -ts_rtol 1e-7 -contact_stiffness {k}") for k in (5.4e4, 8e6))
     rigid, told = off_by(fine, stiff), parts(fine)["contact"]
     print(f"from rigid contact: off by {rigid:.1e}, estimated {told}")
     expect(rigid / 3 < float(told) < 10 * rigid, f"from rigid contact off by {rigid:.1e}, estimated {told}")
@@ -1120,7 +1120,7 @@ def many_walls():
     crowd = [f"circle {5 + 20 * a:.6f} {20 * b - 10:.6f} 0.2 outside" for a, b in draw.random((3000, 2))]
     for others in (far, crowd):
         r = Run(fed + walls(*others, plane))
-        expect(np.abs(r.penetration - one.penetration).max() < 1e-14 and r.contact_force[-1] > 0,
+        expect(np.abs(r.penetration - one.penetration).max() < 1e-12 and r.contact_force[-1] > 0,
                f"{len(others)} others: penetration {r.penetration[-1]}, not {one.penetration[-1]}")
     tendril(f"{fed} -stop_contact {walls(*far, plane)} -output {d}/far.h5")
     expect(read(f"{d}/far.h5")["kind"] == "contact", "does not stop")
@@ -1153,6 +1153,63 @@ def along_edges():
     print(f"{usual.steps} and {fine.steps} steps, tip off by {off:.1e}, of a penetration of {usual.penetration.max():.1e}")
     expect(usual.contacts.max() >= 2 and off < 4e-5, f"tip off by {off:.1e}")  # by machine, 2e-6 to 1.2e-5
     expect(usual.steps < 0.45 * fine.steps, f"{usual.steps} steps, {fine.steps} at a hundredth of the tolerance")
+
+
+@check
+def heavy():
+    """A heavy rod on a floor is not jammed, and it is the rod it is in other units: forces that press are what its weight makes,
+    and contact follows from them."""
+    def options(c, weight):
+        return (f"-growth_type feed -growth_initial_length {c!r} -contact_diameter {0.02 * c!r} -friction_mu 0.5 -rod_cells 100 "
+                f"-shape_type straight -friction_layers 0:{1 / c**3!r} -rod_weight 0,{-weight / c**3!r} -ts_max_time {0.1 * c!r} "
+                + walls(f"plane 0 {-0.15 * c!r} 0 1 friction 0.3"))
+    runs = []
+    for c in (1., 64., 2**-10):  # powers of 2: but for round-off of roots, the same to the last digit
+        r = Run(options(c, 1e5))
+        runs.append((r.steps, r.newton_iterations.sum(), r.tip / c, r.penetration.max() / c))
+        print(f"lengths times {c:.3g}: {r.steps} steps, {r.newton_iterations.sum():.0f} Newton, tip {r.tip / c}, deep {r.penetration.max() / c:.2e}")
+        expect("jammed" not in r.said and r.t[-1] > 0.0999 * c, r.said[-300:])
+        expect(0 < r.penetration.max() < 0.005 * 0.02 * c, f"pressed in by {r.penetration.max() / c}")
+    for steps, newton, at, _ in runs[1:]:
+        expect(abs(steps - runs[0][0]) <= max(3, 0.05 * runs[0][0]), f"{steps} and {runs[0][0]} steps")
+        expect(np.abs(at - runs[0][2]).max() < 1e-4, f"tip {at}, {runs[0][2]}")
+
+
+@check
+def tip_presses():
+    """A tip that presses on a wall is in contact with it, whatever its stiffness, and how far it is from there is told both ways:
+    pressed in, or held off by the layer in which contact sets in, which is thin (it was 11 % of the diameter)."""
+    rod = ("-growth_type feed -growth_initial_length 0.2 -contact_diameter 0.02 -rod_curvature 1 -shape_type straight -friction_mu 0 "
+           "-friction_layers 0:0.1 -ts_max_time 0.45 -rod_cells 100 " + walls("plane 0 0.1 0 -1"))
+    off = []
+    for k in ("1e3", "5e4", "1e5", "1e6", "1e8", ""):
+        r = Run(rod + (f"-contact_stiffness {k}" if k else ""))
+        depth, told = (r.tip[1] - 0.09) / 0.02, r.penetration[-1] / 0.02
+        off.append(abs(r.contact_force[-1] / 1.347 - 1))
+        print(f"k = {k or 'default'}: tip {depth:.2%} of the diameter in, told {told:.2%}, in {r.contacts[-1]:.0f} zones, force {r.contact_force[-1]:.4f}")
+        expect(abs(told - depth) < 1e-6 and r.contacts[-1] == 1 and "in 1 zone" in r.said, r.said[-300:])
+        expect(depth > -0.01 and ("held off by" in r.said) == (r.penetration.min() < 0), r.said[-300:])
+    expect(np.all(np.diff(off[:4]) < 0) and off[-1] < 1e-3, f"forces off by {off}")
+
+
+@check
+def knows_no_end():
+    """Contact is as stiff at a length whatever the end that is asked for: a fed thread, a rod that grows, one of which an
+    accuracy is asked, in the plane and in space."""
+    for name, options in (
+            ("thread", "-growth_type feed -growth_initial_length 0.5 -rod_curvature 0.05 -shape_type straight " + walls("plane 2 0 -1 0")),
+            ("post", "-growth_type feed -growth_initial_length 0.5 -rod_curvature 0.05 -shape_type straight " + walls("circle 2.2 0.1 0.05 outside")),
+            ("accuracy", "-growth_type feed -growth_initial_length 0.5 -rod_curvature 0.05 -shape_type straight -contact_diameter 0.1 "
+             "-accuracy 1e-3 -rod_cells 60 " + walls("plane 2 0 -1 0")),
+            ("space", "-rod_model space -growth_type feed -growth_initial_length 0.5 -rod_curvature 0.05 -shape_type straight "
+             + walls("plane 2 0 -1 0"))):
+        found = []
+        for end in (1.7, 2.6):
+            tendril(f"{options} -rod_cells 60 -stop_length 2.2 -ts_max_time {end} -output {scene.SCRATCH}/end.h5")
+            with h5py.File(f"{scene.SCRATCH}/end.h5") as f:
+                found.append((f.attrs["contact_stiffness"], f["series/length"][-1]))
+        print(f"{name}: k = {found[0][0]:.6g}, {found[1][0]:.6g}")
+        expect(abs(found[0][1] / found[1][1] - 1) < 1e-9 and abs(found[0][0] / found[1][0] - 1) < 1e-6, f"{name}: {found}")
 
 
 @check

@@ -418,9 +418,9 @@ def thin():
     for name, bound, more in (
             ("slants", 2e-4, POST + "-ts_rtol 1e-5 -rod_curvature 0.3 -rod_cells 100 "
              + walls("cylinder 3 1.1 0 0 0.3 1 0.001 outside friction 0.2")),
-            ("a table's edge", 1e-3, "-growth_type feed -growth_initial_length 1 -ts_max_time 1 -contact_diameter 0.02 "  # was 1.6e-2
+            ("a table's edge", 1e-3, "-growth_type feed -growth_initial_length 1 -ts_max_time 1 -ts_rtol 1e-5 -contact_diameter 0.02 "  # was 1.6e-2
              "-shape_type straight -rod_cells 60 -rod_weight 0,0,-3 " + walls("cylinder 0 0 -0.511 0 0 1 0.7 outside 0.5")),
-            ("a ring", 1e-3, "-growth_type feed -growth_initial_length 1 -ts_max_time 1 -contact_diameter 0.02 "  # 3.4e-2
+            ("a ring", 1e-3, "-growth_type feed -growth_initial_length 1 -ts_max_time 1 -ts_rtol 1e-5 -contact_diameter 0.02 "  # 3.4e-2
              "-shape_type straight -rod_cells 60 -rod_weight 0,0,-3 " + walls("torus 0.5 0 -0.0125 0 0 1 0.3 0.002 outside")),
             ("a wire that moves", 1e-4, "-growth_type none -growth_initial_length 2 -ts_max_time 1 -contact_diameter 0.02 "
              "-shape_type straight -rod_cells 60 "
