@@ -171,7 +171,6 @@ MUTATIONS = [
     ("rests, but for a start", "base/schedule.c", "return Place(self, t) - self->start;", "return Place(self, t);"),
     # -- what is steered, or fed by a schedule
     ("behind a kink as before", C, "  SetOutAnew(ts, self, f);", ""),
-    ("the first error behind a kink", C, "self->kinked ? change :", "0 ? change :"),
     ("steered, but not in time", "material/curvature.c", "if (k_t) *k_t = rate + at_t * slope;", "if (k_t) *k_t = at_t * slope;"),
     ("steered along with what slides", "material/curvature.c", "if (k_t) *k_t = rate + at_t * slope;", "if (k_t) *k_t = rate;"),
     ("steering costs nothing", "record/observe.c", "seen->wall_power + seen->curvature_power -", "seen->wall_power -"),
