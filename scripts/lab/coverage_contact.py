@@ -129,7 +129,7 @@ def summary(kind, rows):
     for which, told, true in (("at the end", told_end, true_end), ("over the run", told_most, true_most)):
         for of, a, b in (("all", told.max(1), true.max(1)), *((name, told[:, k], true[:, k]) for k, name in enumerate(SEEN))):
             ratio = np.minimum(a, 1) / np.maximum(np.minimum(b, 1), 1e-12)
-            good = ratio >= 1
+            good = (ratio >= 1) | (b < 1e-12)
             lines.append(f"{kind} {which}, {of}: {len(rows)} scenes, above {share(good)}, within 10 {share(good & (ratio <= 10))}, "
                          f"within 100 or below 1e-5 {share(good & ((ratio <= 100) | (a < 1.01e-5)))}; quartiles "
                          + ", ".join(f"{q:.2g}" for q in np.quantile(ratio, (0.05, .25, .5, .75, .95)))

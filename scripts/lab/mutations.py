@@ -25,8 +25,8 @@ ROOT = Path(__file__).resolve().parents[2]
 F, C, N, L, E = ("stepping/" + f for f in ("formula.c", "controller.c", "newton.c", "leg.c", "estimate.c"))
 MUTATIONS = [
     # -- steps: what is a jump
-    ("jump_persists, never", C, "jump_persists = 0.7,", "jump_persists = 1e9,"),
-    ("jump_persists, soon", C, "jump_persists = 0.7,", "jump_persists = 0.4,"),
+    ("jump_persists, never", C, "jump_persists = 0.7;", "jump_persists = 1e9;"),
+    ("jump_persists, soon", C, "jump_persists = 0.7;", "jump_persists = 0.4;"),
     ("jump_step, none", C, "jump_step = 1e-13,", "jump_step = 0,"),
     ("longest_jump, no doubling", C, "longest_jump = 1e-6;", "longest_jump = 1e-13;"),
     ("longest_jump, longer", C, "longest_jump = 1e-6;", "longest_jump = 1e-3;"),
@@ -56,8 +56,7 @@ MUTATIONS = [
     ("order, up at any time", C, "(self->since > k || f->n < self->most + 2)", "1"),
     ("order, up late", C, "(self->since > k || f->n < self->most + 2)", "self->since > k"),
     ("order, never down", C, "if (StepFactor(lower, k - 1) > *factor) {", "if (0) {"),
-    ("since, after a rejection", C, "ts->time_step *= factor;\n  self->since = 0;\n  if (attempt >= 3)",
-     "ts->time_step *= factor;\n  if (attempt >= 3)"),
+    ("since, after a rejection", C, "  self->since = 0;\n  if (attempt >= 3)", "  if (attempt >= 3)"),
     ("blind behind a mode", C, "if (outcome == TRY_CROSSES && f->n == 1) self->look = PETSC_TRUE;", ""),
     ("history kept", C, "if (attempt >= 3) {", "if (0) {"),
     ("history dropped at once", C, "if (attempt >= 3) {", "if (1) {"),
@@ -76,7 +75,6 @@ MUTATIONS = [
     ("cross, order and memory stay", C,
      "  self->order = order;\n  self->jumped = PETSC_FALSE;\n  self->rejected = PETSC_MAX_REAL;\n  PetscFunctionReturn(0);\n}\n\n/* Solves the",
      "  self->jumped = PETSC_FALSE;\n  PetscFunctionReturn(0);\n}\n\n/* Solves the"),
-    ("stays, never", S, "stays = 1e-6;", "stays = 0;"),
     ("cross, rubbing walls as others", L, "!(ContactWallsRub(contact) || ", "!("),
     ("cross, rubbing strands as others", L, "contact->friction > 0 ||", ""),
     ("cross, coupled as others", L, "rod->coupled ||\n", "\n"),
@@ -112,7 +110,7 @@ MUTATIONS = [
     ("patience, none", N, "PATIENCE = 8", "PATIENCE = 0"),
     ("patience, any", N, "PATIENCE = 8", "PATIENCE = 1000"),
     ("forces in a row, never", N, "minds && followed > floor ? 0", "0 && followed > floor ? 0"),
-    ("forces in a row, in any step", N, "(unseen < self->slow * step || Largest(residual) > self->guess)", "1"),
+    ("forces in a row, in any step", N, "(unseen < snapping * step || Largest(residual) > self->guess)", "1"),
     ("forces in a row, whatever the residual", N, " || Largest(residual) > self->guess", ""),
     ("settled, never", N, "self->settles >= SETTLED", "0"),
     ("settled, at once", N, "SETTLED = 2", "SETTLED = 1"),

@@ -23,7 +23,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 from .collection import Sweep, load_sweep
 from .command import Parser
 from .errors import RunError, TendrilError, arguments, path_of
-from .naming import unknown
+from .naming import options_in, unknown
 from .style import STYLE, InStyle, save
 from .titles import in_words
 from .units import DIMENSIONS, KINDS, in_laboratory, suited_to
@@ -41,7 +41,7 @@ LABELS = {"friction_mu": r"dry share $\mu$", "growth_width": r"growth width $a$"
 
 def point(path):
     """{'friction_mu': (0.5, ""), ...}, numbers with units, from friction_mu=0.5__growth_width=1.h5"""
-    return {k: number(v.replace("_", "/")) for k, v in (pair.split("=") for pair in path.stem.split("__"))}
+    return {k: number(v.replace("_", "/")) for k, v in options_in(path.stem).items()}
 
 
 def number(text):
@@ -98,7 +98,7 @@ def of_sweep(sweep, axes, quantity, si):
     points = [sweep.point(k) for k in range(len(sweep))]
     for axis in axes:
         if not points or axis not in points[0]:
-            raise ValueError(f"this sweep does not vary {axis}, but {', '.join(points[0] if points else ())}")
+            raise ValueError(f"this sweep does not vary {axis}{unknown(axis, points[0] if points else (), ', but')}")
     seen = set()
     for p in points:
         alone(axes, seen, place := tuple(p[axis] for axis in axes), p)

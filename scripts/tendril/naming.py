@@ -32,6 +32,11 @@ def stem(name):
     return ENDING.sub("", re.split(r"[\\/]", str(name).strip())[-1])
 
 
+def options_in(name):
+    """{option: value} of the name of a member of a sweep, friction_mu=0.5__growth_width=1; {}: it says none."""
+    return dict(pair.split("=", 1) for pair in str(name).split("__") if "=" in pair)
+
+
 def told_time(name):
     """Seconds, of root-20s.png or t=2.5h.csv; None: it says none."""
     found = WITH_UNIT.search(stem(name))

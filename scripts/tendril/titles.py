@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from .naming import options_in
 from .units import quantity
 
 IN_NO_TITLE = ("output", "output_interval", "output_shapes", "quiet", "options_file", "restart")
@@ -43,7 +44,7 @@ def valued(text) -> str:
 def told_by_sweep(runs):
     """Titles of members of a sweep, whose names are OPTION=VALUE__OPTION=VALUE: "friction 0.2 N/m", of what is not the same
     in all; none if these are no members of one."""
-    points = [dict(pair.split("=", 1) for pair in r.name.split("__") if "=" in pair) for r in runs]
+    points = [options_in(r.name) for r in runs]
     if len(runs) < 2 or not all(points) or any(point.keys() != points[0].keys() for point in points):
         return []
     points = [{name: r.options.get(name, value) for name, value in point.items()} for r, point in zip(runs, points)]

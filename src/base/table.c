@@ -252,10 +252,10 @@ static PetscErrorCode GiveUnits(Table self) {
   PetscFunctionBegin;
   for (PetscInt c = 0; c < self->columns; c++)
     if (self->unit[c]) longest = PetscMax(longest, strlen(self->unit[c]));
-  for (size_t k = 0; k < cells; k++)
-    for (const char *part = self->text + self->at[k]; part; part = strchr(part + 1, ','))
-      room += longest + (part == self->text + self->at[k] ? strlen(part) + 1 : 0);
-  PetscCall(PetscMalloc1(room + 1, &text));
+  if (!longest) PetscFunctionReturn(0);
+  for (size_t n = 0; n < self->size; n++)
+    room += !self->text[n] || self->text[n] == ',' ? longest + 1 : 1;
+  PetscCall(PetscMalloc1(room, &text));
   to = text;
   for (size_t k = 0; k < cells; k++) {
     const char *unit = k < (size_t)self->columns ? NULL : self->unit[k % self->columns],

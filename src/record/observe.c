@@ -48,6 +48,7 @@ struct _Observer {
   /* rank 0, in a scene with contact: NULL else */
   Touching touching;
   TouchSum contact;
+  SampleLaw *law;                /* of a rod in space that touches nothing, of this rank's part */
   RodForces forces;              /* what the stepper has kept of the state, of this rank's part */
   PetscBool linear;              /* they are of a rod of the linear model */
   PetscBool whole;               /* they are all forces, of all of the rod */
@@ -74,6 +75,7 @@ PetscErrorCode ObserverDestroy(Observer *observer) {
   PetscCall(VecScatterDestroy(&(*observer)->to_zero));
   PetscCall(VecDestroy(&(*observer)->all));
   PetscCall(TouchingDestroy(&(*observer)->touching));
+  PetscCall(PetscFree((*observer)->law));
   PetscCall(PetscFree((*observer)->gathered));
   PetscCall(PetscFree(*observer));
   PetscFunctionReturn(0);
@@ -390,6 +392,20 @@ static void MeasureForces(Observer self, const Piece *piece, Observation *seen) 
   seen->weight_force_3 = lab[2];
 }
 
+/* The laws of a piece of a rod in space: a look at contact has found them. */
+static PetscErrorCode LawsOf(Observer self, PetscReal t, const Piece *piece,
+                             const SampleLaw **law) {
+  PetscFunctionBegin;
+  if (self->touching)
+    *law = TouchingLaws(self->touching) + 2 * piece->first;
+  else {
+    if (!self->law) PetscCall(PetscMalloc1(2 * self->scene->mesh.cells + 1, &self->law));
+    PetscCall(SampleLaws(self->scene, t, piece->first, piece->end, self->law));
+    *law = self->law;
+  }
+  PetscFunctionReturn(0);
+}
+
 /* Integrals over a piece, and what is read at its ends. */
 static PetscErrorCode MeasureIntegrals(Observer self, PetscReal t, const Piece *piece,
                                        PetscReal lift, Observation *seen) {
@@ -397,7 +413,9 @@ static PetscErrorCode MeasureIntegrals(Observer self, PetscReal t, const Piece *
   if (piece->end >= piece->first && self->scene->space.rod) {
     const TouchFeet *of_cells = NULL;
     const PetscInt n = self->touching ? TouchingFeet(self->touching, &of_cells) : 0;
-    PetscCall(ObserveSpace(self->scene, t, piece->first, piece->end, piece->node, self->push,
+    const SampleLaw *law = NULL;
+    PetscCall(LawsOf(self, t, piece, &law));
+    PetscCall(ObserveSpace(self->scene, t, piece->first, piece->end, piece->node, law, self->push,
                            self->contact.tip, n, of_cells, seen));
   } else if (piece->end >= piece->first)
     PetscCall(MeasurePlane(self, t, piece, lift, seen));

@@ -103,7 +103,7 @@ enum { BALANCE_STATE = BALANCE_PARTS * BALANCE_POINTS + BALANCE_SUMS + 1 };
 PetscInt ObservedOf(Scene scene);
 PetscBool ObservedIn(Scene scene, PetscInt observed);
 PetscErrorCode ObserveSpace(Scene scene, PetscReal t, PetscInt first, PetscInt end,
-                            const Node node[], const PetscReal (*push)[PUSH],
+                            const Node node[], const SampleLaw law[], const PetscReal (*push)[PUSH],
                             const PetscReal contact[PUSH], PetscInt n, const TouchFeet feet[],
                             Observation *seen);
 PetscErrorCode ObserverCreate(Scene scene, Observer *observer);

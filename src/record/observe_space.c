@@ -9,7 +9,7 @@
 /* What a length of material costs: n.d1 + (u - u0).S(u - u0)/2 + u0.S(u - u0). */
 static PetscReal Tension3(const Sample3 *p) {
   PetscReal sum = Dot3(p->node.n3, p->d[0]);
-  for (int k = 0; k < 3; k++) sum += p->moment[k] * (p->moment[k] / p->S[k] / 2 + p->u0[k]);
+  for (int k = 0; k < 3; k++) sum += p->moment[k] * (p->moment[k] / p->law.S[k] / 2 + p->law.u0[k]);
   return sum;
 }
 
@@ -25,23 +25,23 @@ static PetscReal WritheRate(const Sample3 *p) {
 
 static void Integrate3(Scene scene, const Sample3 *p, PetscReal weight, Observation *sum) {
   const Space *space = &scene->space;
-  const PetscReal dl = weight * p->g;
+  const PetscReal dl = weight * p->law.g;
   const PetscBool steered = scene->curvature.steered;
   PetscReal lab[3], bending = 0, growth = 0;
 
   SpaceToLab(space, p->node.x3, lab);
   for (int k = 0; k < 3; k++) {
-    PetscReal elastic = PetscSqr(p->moment[k]) / p->S[k] / 2;
+    PetscReal elastic = PetscSqr(p->moment[k]) / p->law.S[k] / 2;
     bending += elastic;
-    growth += elastic / p->S[k] * p->S_t[k] - p->moment[k] * (steered ? 0 : p->u0_t[k]);
-    if (steered) sum->curvature_power -= dl * p->moment[k] * p->u0_t[k];
+    growth += elastic / p->law.S[k] * p->law.S_t[k] - p->moment[k] * (steered ? 0 : p->law.u0_t[k]);
+    if (steered) sum->curvature_power -= dl * p->moment[k] * p->law.u0_t[k];
   }
   sum->norm_x2 += weight * lab[1] * lab[1];
   sum->norm_x2_length += dl * lab[1] * lab[1];
   sum->norm_x3 += weight * lab[2] * lab[2];
   sum->energy += dl * bending;
-  sum->energy_twist += dl * PetscSqr(p->moment[0]) / p->S[0] / 2;
-  sum->growth_power += dl * growth - weight * p->strain * Tension3(p);
+  sum->energy_twist += dl * PetscSqr(p->moment[0]) / p->law.S[0] / 2;
+  sum->growth_power += dl * growth - weight * p->law.strain * Tension3(p);
   sum->dissipation += dl * (Dot3(p->F, p->at.W) + p->F[SPIN] * p->spin);
   sum->weight_power += dl * Dot3(scene->load.weight, p->at.W);
   sum->friction_force_1 -= dl * p->F[0]; /* in the clamp's frame, as in the plane */
@@ -80,7 +80,7 @@ static void MeasureClamp3(Scene scene, const Sample3 *p, Observation *seen) {
   PetscReal lab[3];
 
   seen->feed_force = -Tension3(p);
-  seen->growth_power += p->c * seen->feed_force;
+  seen->growth_power += p->law.c * seen->feed_force;
   SpaceToLab(&scene->space, p->node.n3, lab);
   seen->base_force_1 = -lab[0];
   seen->base_force_2 = -lab[1];
@@ -101,7 +101,7 @@ static void Omega(const Sample3 *p, PetscReal omega[3]) {
   for (int i = 0; i < 3; i++) {
     omega[i] = 0;
     for (int k = 0; k < 3; k++)
-      omega[i] += p->d[k][i] * (2 / QuaternionSize(p->node.p) * turn[1 + k] + p->c * p->u[k]);
+      omega[i] += p->d[k][i] * (2 / QuaternionSize(p->node.p) * turn[1 + k] + p->law.c * p->u[k]);
   }
 }
 
@@ -147,12 +147,13 @@ static void MeasureMiddle3(PetscReal z, const Sample3 *a, const Sample3 *mid, co
   is read at its ends, added to seen. Not collective.
 
   first, end  its nodes      node  that of first
+  law         at its nodes and between them
   push        of contact per length, at all nodes of the rod and between them; NULL: none
   contact     the same, of the tip
   n, feet     what those of cells add to the points of these alone, in their order
 */
 PetscErrorCode ObserveSpace(Scene scene, PetscReal t, PetscInt first, PetscInt end,
-                            const Node node[], const PetscReal (*push)[PUSH],
+                            const Node node[], const SampleLaw law[], const PetscReal (*push)[PUSH],
                             const PetscReal contact[PUSH], PetscInt n, const TouchFeet feet[],
                             Observation *seen) {
   const PetscReal *s = scene->mesh.s;
@@ -161,17 +162,17 @@ PetscErrorCode ObserveSpace(Scene scene, PetscReal t, PetscInt first, PetscInt e
   PetscFunctionBegin;
   b.node = node[0];
   b.push = push ? push[2 * first] : NULL;
-  PetscCall(SampleFill3(scene, s[first], t, &b));
+  SampleFill3(scene, t, law, &b);
   if (!first) MeasureClamp3(scene, &b, seen);
-  for (PetscInt i = first; i < end; i++) {
+  for (PetscInt i = first; i < end; i++, law += 2) {
     const PetscReal(*load)[FOOT3_LOAD] = NULL, h = s[i + 1] - s[i];
     for (; n > 0 && feet->cell < i; n--) feet++;
     if (n > 0 && feet->cell == i) load = feet->load3;
     a = b;
     b.node = node[i + 1 - first];
     b.push = push ? push[2 * i + 2] : NULL;
-    PetscCall(SampleFill3(scene, s[i + 1], t, &b));
-    PetscCall(SampleMid3(scene, s[i], s[i + 1], t, &a, &b, load, &mid));
+    SampleFill3(scene, t, law + 2, &b);
+    PetscCall(SampleMid3(scene, s[i], s[i + 1], t, law + 1, &a, &b, load, &mid));
     Integrate3(scene, &a, h / 6, seen);
     Integrate3(scene, &mid, 4 * h / 6, seen);
     Integrate3(scene, &b, h / 6, seen);

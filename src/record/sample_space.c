@@ -3,47 +3,56 @@
 #include "rod/directors.h"
 #include "rod/spin.h"
 
-/* What follows at a point from its node and its place s, but for friction. */
-static PetscErrorCode Fill(Scene scene, PetscReal s, PetscReal t, Sample3 *p) {
-  const Node *node = &p->node;
-  PetscReal B, B_t, size = QuaternionSize(node->p);
+/* SampleLaws - what the laws give at nodes from first to end, and between them. */
+PetscErrorCode SampleLaws(Scene scene, PetscReal t, PetscInt first, PetscInt end, SampleLaw law[]) {
+  const PetscReal *mesh = scene->mesh.s;
 
   PetscFunctionBegin;
-  PetscCall(GrowthStretch(scene->growth, 1, &s, t, &p->g, &p->g_t, NULL));
-  p->c = GrowthSlide(scene->growth, s, t);
-  p->strain = GrowthStrain(scene->growth, s, t, p->g_t);
-  PetscCall(SceneStiffness(scene, s, t, &B, &B_t));
-  SceneStiffnesses(scene, B, p->S);
-  SceneStiffnesses(scene, B_t, p->S_t);
-  PetscCall(CurvatureStrains(&scene->curvature, scene->growth, s, t, p->u0, p->u0_t));
+  for (PetscInt k = 2 * first; k <= 2 * end; k++, law++) {
+    const PetscReal s = k % 2 ? (mesh[k / 2] + mesh[k / 2 + 1]) / 2 : mesh[k / 2];
+    PetscReal B, B_t;
+    PetscCall(GrowthStretch(scene->growth, 1, &s, t, &law->g, &law->g_t, NULL));
+    law->c = GrowthSlide(scene->growth, s, t);
+    law->strain = GrowthStrain(scene->growth, s, t, law->g_t);
+    PetscCall(SceneStiffness(scene, s, t, &B, &B_t));
+    SceneStiffnesses(scene, B, law->S);
+    SceneStiffnesses(scene, B_t, law->S_t);
+    PetscCall(CurvatureStrains(&scene->curvature, scene->growth, s, t, law->u0, law->u0_t));
+  }
+  PetscFunctionReturn(0);
+}
+
+/* What follows at a point from its node and the laws, but for friction. */
+static void Fill(PetscReal t, const SampleLaw *law, Sample3 *p) {
+  const Node *node = &p->node;
+  PetscReal size = QuaternionSize(node->p);
+
+  p->law = *law;
   Directors(node->p, size, p->d);
   for (int k = 0; k < 3; k++) {
     p->moment[k] = Dot3(p->d[k], node->m3);
-    p->u[k] = p->moment[k] / p->S[k] + p->u0[k];
+    p->u[k] = p->moment[k] / p->law.S[k] + p->law.u0[k];
   }
   p->turns = QuaternionSpin(node->p, size, node->p_t);
   p->at.t = t;
   for (int k = 0; k < 3; k++) {
     p->at.x[k] = node->x3[k];
     p->at.q[k] = p->d[0][k];
-    p->at.W[k] = node->x3_t[k] + p->c * p->d[0][k];
+    p->at.W[k] = node->x3_t[k] + p->law.c * p->d[0][k];
   }
-  PetscFunctionReturn(0);
 }
 
 /* The friction at a point whose directors turn at p->turns. */
 static void Rub(Scene scene, Sample3 *p) {
-  p->spin = p->turns + p->c * p->u[0];
+  p->spin = p->turns + p->law.c * p->u[0];
   p->at.W[SPIN] = scene->load.arm * p->spin;
   LoadSeen3(&scene->load, &p->at, p->F);
 }
 
-/* SampleFill3 - what follows at a point from its node and its place s. */
-PetscErrorCode SampleFill3(Scene scene, PetscReal s, PetscReal t, Sample3 *p) {
-  PetscFunctionBegin;
-  PetscCall(Fill(scene, s, t, p));
+/* SampleFill3 - what follows at a point from its node and the laws. */
+void SampleFill3(Scene scene, PetscReal t, const SampleLaw *law, Sample3 *p) {
+  Fill(t, law, p);
   Rub(scene, p);
-  PetscFunctionReturn(0);
 }
 
 /* Adds what an end of a cell gives to its middle, y_mid = (y_a + y_b)/2 + k (y'_a - y'_b); turns:
@@ -58,26 +67,28 @@ static void AddEnd(Scene scene, const Sample3 *p, const TwistRate *rate, PetscRe
   QuaternionTurn(n->p, p->u, turn);
   DirectorSlope(n->p, size, q, 0, D);
   for (int i = 0; i < 4; i++) {
-    mid->p[i] += n->p[i] / 2 + k * p->g / 2 * turn[i];
+    mid->p[i] += n->p[i] / 2 + k * p->law.g / 2 * turn[i];
     mid->p_t[i] += n->p_t[i] / 2;
   }
   for (int i = 0; i < 3; i++) {
     int j = (i + 1) % 3, l = (i + 2) % 3;
     d1_t[i] = D[i][0] * n->p_t[0] + D[i][1] * n->p_t[1] + D[i][2] * n->p_t[2] + D[i][3] * n->p_t[3];
-    mid->x3[i] += n->x3[i] / 2 + k * p->g * q[i];
-    mid->x3_t[i] += n->x3_t[i] / 2 + k * (p->g_t * q[i] + p->g * d1_t[i]);
-    mid->m3[i] += n->m3[i] / 2 -
-                  k * p->g * (q[j] * n->n3[l] - q[l] * n->n3[j] - (p->F[SPIN] - push[SPIN]) * q[i]);
-    mid->n3[i] += n->n3[i] / 2 + k * p->g * (p->F[i] - push[i] - scene->load.weight[i]);
+    mid->x3[i] += n->x3[i] / 2 + k * p->law.g * q[i];
+    mid->x3_t[i] += n->x3_t[i] / 2 + k * (p->law.g_t * q[i] + p->law.g * d1_t[i]);
+    mid->m3[i] +=
+        n->m3[i] / 2 -
+        k * p->law.g * (q[j] * n->n3[l] - q[l] * n->n3[j] - (p->F[SPIN] - push[SPIN]) * q[i]);
+    mid->n3[i] += n->n3[i] / 2 + k * p->law.g * (p->F[i] - push[i] - scene->load.weight[i]);
   }
-  *turns += p->turns / 2 +
-            k * SpinSlope(p->g, p->g_t, rate, 1 / p->S[0], p->d, p->u, n->m3, n->m3_t, d1_t);
+  *turns += p->turns / 2 + k * SpinSlope(p->law.g, p->law.g_t, rate, 1 / p->law.S[0], p->d, p->u,
+                                         n->m3, n->m3_t, d1_t);
 }
 
 /* SampleMid3 - the point in the middle of the cell between two, with no push yet. feet: what they
    add to n' and m' at a, between and at b; NULL: none. */
-PetscErrorCode SampleMid3(Scene scene, PetscReal sa, PetscReal sb, PetscReal t, const Sample3 *a,
-                          const Sample3 *b, const PetscReal (*feet)[FOOT3_LOAD], Sample3 *mid) {
+PetscErrorCode SampleMid3(Scene scene, PetscReal sa, PetscReal sb, PetscReal t,
+                          const SampleLaw *law, const Sample3 *a, const Sample3 *b,
+                          const PetscReal (*feet)[FOOT3_LOAD], Sample3 *mid) {
   const PetscBool feels = (PetscBool)(scene->load.radius > 0);
   PetscReal h = sb - sa, turns = 0;
   TwistRate rate[2] = {{0, 0}, {0, 0}};
@@ -94,7 +105,7 @@ PetscErrorCode SampleMid3(Scene scene, PetscReal sa, PetscReal sb, PetscReal t, 
     mid->node.n3[i] += h / 8 * (feet[0][i] - feet[2][i]);
     mid->node.m3[i] += h / 8 * (feet[0][3 + i] - feet[2][3 + i]);
   }
-  PetscCall(Fill(scene, (sa + sb) / 2, t, mid));
+  Fill(t, law, mid);
   if (feels) mid->turns = turns;
   Rub(scene, mid);
   PetscFunctionReturn(0);

@@ -9,19 +9,26 @@ enum {
   PUSH = 4
 }; /* a force of contact per length: x1, x2, and in space x3 and the couple about d1 */
 
+/* What the laws give at a point. */
+typedef struct {
+  PetscReal g, g_t, c, strain; /* stretch, its rate, slide, rate of the material's stretch */
+  PetscReal S[3], S_t[3];      /* stiffnesses, and their rates in the material */
+  PetscReal u0[3], u0_t[3];    /* natural strains, likewise */
+} SampleLaw;
+
 typedef struct {
   Node node;
-  PetscReal g, g_t, c, strain;        /* stretch, its rate, slide, rate of the material's stretch */
-  PetscReal S[3], S_t[3];             /* stiffnesses, and their rates in the material */
-  PetscReal u0[3], u0_t[3];           /* natural strains, likewise */
+  SampleLaw law;
   PetscReal d[3][3], moment[3], u[3]; /* directors; moment and strains about them */
   PetscReal turns, spin, F[RUBS];     /* spin of the directors, of the material; load of friction */
   const PetscReal *push;              /* of contact, per length; NULL: none */
   Place3 at;
 } Sample3;
 
-PetscErrorCode SampleFill3(Scene scene, PetscReal s, PetscReal t, Sample3 *sample);
-PetscErrorCode SampleMid3(Scene scene, PetscReal sa, PetscReal sb, PetscReal t, const Sample3 *a,
-                          const Sample3 *b, const PetscReal (*feet)[FOOT3_LOAD], Sample3 *mid);
+PetscErrorCode SampleLaws(Scene scene, PetscReal t, PetscInt first, PetscInt end, SampleLaw law[]);
+void SampleFill3(Scene scene, PetscReal t, const SampleLaw *law, Sample3 *sample);
+PetscErrorCode SampleMid3(Scene scene, PetscReal sa, PetscReal sb, PetscReal t,
+                          const SampleLaw *law, const Sample3 *a, const Sample3 *b,
+                          const PetscReal (*feet)[FOOT3_LOAD], Sample3 *mid);
 
 #endif

@@ -7,6 +7,7 @@ struct _Touching {
   Strands strands;          /* of a rod in the plane, NULL: it does not touch itself */
   Strands3 strands3;        /* of a rod in space, likewise */
   PetscReal (*force)[PUSH]; /* per length, at nodes and middles of cells */
+  SampleLaw *law;           /* of a rod in space, at the time of the latest look, likewise */
   PetscInt likely;          /* the node that was nearest to a wall */
   PetscInt feet, room;      /* cells that have feet, in their order */
   TouchFeet *foot;
@@ -19,6 +20,7 @@ PetscErrorCode TouchingCreate(Scene scene, Touching *touching) {
   PetscCall(PetscNew(touching));
   (*touching)->scene = scene;
   PetscCall(PetscMalloc1(2 * scene->mesh.cells + 1, &(*touching)->force));
+  if (scene->space.rod) PetscCall(PetscMalloc1(2 * scene->mesh.cells + 1, &(*touching)->law));
   if (scene->contact.self && scene->space.rod)
     PetscCall(Strands3Create(scene, &(*touching)->strands3));
   else if (scene->contact.self)
@@ -32,6 +34,7 @@ PetscErrorCode TouchingDestroy(Touching *touching) {
   PetscCall(StrandsDestroy(&(*touching)->strands));
   PetscCall(Strands3Destroy(&(*touching)->strands3));
   PetscCall(PetscFree((*touching)->force));
+  PetscCall(PetscFree((*touching)->law));
   PetscCall(PetscFree((*touching)->foot));
   PetscCall(PetscFree(*touching));
   PetscFunctionReturn(0);
@@ -374,14 +377,22 @@ PetscErrorCode TouchingLook(Touching self, PetscReal t, const Node *nodes, Petsc
   PetscCall(PetscArrayzero(self->force, 2 * self->scene->mesh.cells + 1));
   sum->nearest = asks == TOUCHING_ALL ? PETSC_MAX_REAL : -PETSC_MAX_REAL;
   if (self->strands3) PetscCall(LookAtStrands3(self, t, nodes, moves, sum));
-  if (self->scene->space.rod)
-    PetscCall(TouchingWalls3(self, self->scene, t, nodes, moves, self->likely, self->force, sum));
-  else if (self->scene->contact.walls.n)
+  if (self->scene->space.rod) {
+    PetscCall(SampleLaws(self->scene, t, 0, self->scene->mesh.cells, self->law));
+    PetscCall(TouchingWalls3(self, self->scene, t, nodes, moves, self->likely, self->law,
+                             self->force, sum));
+  } else if (self->scene->contact.walls.n)
     PetscCall(LookAtWalls(self, t, nodes, moves, sum));
   if (self->strands) PetscCall(LookAtStrands(self, t, nodes, moves, sum));
   if (asks == TOUCHING_ALL) self->likely = NodeAt(&self->scene->mesh, sum->at[0]);
   *force = (const PetscReal(*)[PUSH])self->force;
   PetscFunctionReturn(0);
+}
+
+/* TouchingLaws - what the laws give at nodes and between them at the time of the latest look, of a
+   rod in space. Borrowed. */
+const SampleLaw *TouchingLaws(Touching self) {
+  return self->law;
 }
 
 /* TouchingFeet - the cells with feet that the latest look has found, in their order; their load is

@@ -41,10 +41,11 @@ typedef enum { TOUCHING_ALL, TOUCHING_POWERS } TouchingAsks;
 PetscErrorCode TouchingLook(Touching touching, PetscReal t, const Node *nodes, PetscBool moves,
                             TouchingAsks asks, TouchSum *sum, const PetscReal (**force)[PUSH]);
 PetscInt TouchingFeet(Touching touching, const TouchFeet **feet);
+const SampleLaw *TouchingLaws(Touching touching);
 PetscErrorCode TouchingAdd(Touching touching, PetscInt cell, TouchFeet **feet);
 PetscErrorCode TouchingWalls3(Touching touching, Scene scene, PetscReal t, const Node *nodes,
-                              PetscBool moves, PetscInt likely, PetscReal (*force)[PUSH],
-                              TouchSum *sum);
+                              PetscBool moves, PetscInt likely, const SampleLaw law[],
+                              PetscReal (*force)[PUSH], TouchSum *sum);
 PetscErrorCode TouchingShow(Touching touching, PetscReal t, const Node *nodes);
 
 #endif

@@ -64,9 +64,9 @@ static PetscBool Walls3(const Contact *contact, const Spot3 *spot, PetscReal bou
 static Spot3 SpotOf(const Sample3 *sample, PetscReal s, PetscReal weight, PetscBool moves) {
   Spot3 spot = {.sample = sample, .s = s, .moves = moves};
 
-  spot.length = sample->g * weight;
-  spot.length_t = sample->strain * weight;
-  if (s == 0 && moves) spot.length_t += sample->c; /* what comes in at the clamp */
+  spot.length = sample->law.g * weight;
+  spot.length_t = sample->law.strain * weight;
+  if (s == 0 && moves) spot.length_t += sample->law.c; /* what comes in at the clamp */
   return spot;
 }
 
@@ -88,14 +88,15 @@ static void FeetsCell(Scene scene, PetscReal t, PetscInt i, PetscBool moves, con
     const PetscReal *p_t = p->node.p_t, size = QuaternionSize(p->node.p);
     PetscReal D[3][4];
     DirectorSlope(p->node.p, size, p->d[0], 0, D);
-    cell->g[e] = p->g;
+    cell->g[e] = p->law.g;
     cell->spin[e] = p->spin;
     for (int d = 0; d < 3; d++) {
       cell->x[e][d] = p->node.x3[d];
       cell->q[e][d] = p->d[0][d];
       cell->x_t[e][d] = p->node.x3_t[d];
-      cell->slope_t[e][d] = p->g_t * p->d[0][d] + p->g * (D[d][0] * p_t[0] + D[d][1] * p_t[1] +
-                                                          D[d][2] * p_t[2] + D[d][3] * p_t[3]);
+      cell->slope_t[e][d] =
+          p->law.g_t * p->d[0][d] +
+          p->law.g * (D[d][0] * p_t[0] + D[d][1] * p_t[1] + D[d][2] * p_t[2] + D[d][3] * p_t[3]);
     }
   }
 }
@@ -155,11 +156,12 @@ static PetscErrorCode Feet(Touching self, Scene scene, PetscReal t, PetscInt i, 
   touching  takes what feet add to the points of their cells
   nodes  cells + 1 nodes, all of the rod    moves  their rates are known
   likely a node which may be nearest to a wall: what is farther than it is looked at no longer
+  law    at nodes and between them
   force  added to, per length: at nodes and between them, 2 cells + 1
 */
 PetscErrorCode TouchingWalls3(Touching self, Scene scene, PetscReal t, const Node *nodes,
-                              PetscBool moves, PetscInt likely, PetscReal (*force)[PUSH],
-                              TouchSum *sum) {
+                              PetscBool moves, PetscInt likely, const SampleLaw law[],
+                              PetscReal (*force)[PUSH], TouchSum *sum) {
   const PetscReal round_off = 1e-9, *s = scene->mesh.s;
   const PetscInt cells = scene->mesh.cells;
   PetscBool before = PETSC_FALSE;
@@ -177,7 +179,7 @@ PetscErrorCode TouchingWalls3(Touching self, Scene scene, PetscReal t, const Nod
     Spot3 spot;
     b.node = nodes[i];
     b.push = force[2 * i];
-    PetscCall(SampleFill3(scene, s[i], t, &b));
+    SampleFill3(scene, t, &law[2 * i], &b);
     spot = SpotOf(&b, s[i], (ahead + behind) / 6, moves);
     spot.tip = (PetscBool)(i == cells && scene->tip.type == TIP_FREE);
     touches = Walls3(&scene->contact, &spot, bound, force[2 * i], sum);
@@ -185,7 +187,7 @@ PetscErrorCode TouchingWalls3(Touching self, Scene scene, PetscReal t, const Nod
       const PetscReal(*feet)[FOOT3_LOAD];
       PetscBool between, at_feet;
       PetscCall(Feet(self, scene, t, i - 1, moves, &a, &b, sum, &at_feet, &feet));
-      PetscCall(SampleMid3(scene, s[i - 1], s[i], t, &a, &b, feet, &mid));
+      PetscCall(SampleMid3(scene, s[i - 1], s[i], t, &law[2 * i - 1], &a, &b, feet, &mid));
       spot = SpotOf(&mid, (s[i - 1] + s[i]) / 2, 4 * ahead / 6, moves);
       between = Walls3(&scene->contact, &spot, bound, force[2 * i - 1], sum);
       between = (PetscBool)(between || at_feet);

@@ -15,13 +15,14 @@ static PetscReal FrictionFactor(const struct _Scene *scene) {
 }
 
 /* The force per length of friction along the rod: its dry part, and its viscous one at the speed at
-   which the rod begins to grow. */
+   which the rod begins to grow, or a schedule feeds it at most. */
 static PetscErrorCode FrictionAlong(Scene scene, PetscReal *friction) {
   const Load *load = &scene->load;
   PetscReal length, speed;
 
   PetscFunctionBegin;
   PetscCall(GrowthLength(scene->growth, 0, &length, &speed));
+  if (scene->growth->fastest > 0) speed = scene->growth->fastest;
   *friction =
       FrictionFactor(scene) *
       (1 - load->viscous + load->viscous * (scene->growth->still ? 0 : PetscAbsReal(speed)));
