@@ -394,7 +394,8 @@ PetscErrorCode CurvatureBendsInTime(const Curvature *self, PetscReal tolerance, 
   PetscFunctionReturn(0);
 }
 
-static PetscReal Largest(const Curvature *self, int e) {
+/* CurvatureLargest - how large a strain is at most, at any place and time. */
+PetscReal CurvatureLargest(const Curvature *self, int e) {
   const Strain *strain = &self->strain[e];
   PetscReal most = PetscMax(PetscAbsReal(strain->constant), self->most[e]);
 
@@ -440,7 +441,7 @@ PetscReal CurvatureFinest(const Curvature *self) {
 /* CurvatureBends - is the rod bent by nature anywhere, and not only twisted? */
 PetscBool CurvatureBends(const Curvature *self) {
   for (int e = 0; e < STRAINS; e++)
-    if (e != TURN_1 && Largest(self, e) > 0) return PETSC_TRUE;
+    if (e != TURN_1 && CurvatureLargest(self, e) > 0) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
@@ -456,7 +457,7 @@ PetscBool CurvatureIsTable(const Curvature *self) {
 PetscReal CurvatureRounding(const Curvature *self, PetscReal length) {
   PetscReal most = 0;
 
-  for (int e = 0; e < STRAINS; e++) most = PetscMax(most, Largest(self, e));
+  for (int e = 0; e < STRAINS; e++) most = PetscMax(most, CurvatureLargest(self, e));
   return PETSC_MACHINE_EPSILON * PetscSqr(most) * length;
 }
 

@@ -38,6 +38,7 @@ PetscErrorCode CurvatureValue(const Curvature *curvature, Growth growth, PetscRe
 PetscReal CurvatureNextTurn(const Curvature *curvature, PetscReal t);
 PetscBool CurvatureJerks(const Curvature *curvature, PetscReal t0, PetscReal t1);
 PetscErrorCode CurvatureBendsInTime(const Curvature *curvature, PetscReal tolerance, Bends *bends);
+PetscReal CurvatureLargest(const Curvature *curvature, int strain);
 PetscReal CurvatureSteered(const Curvature *curvature, int strain);
 PetscReal CurvatureFinest(const Curvature *curvature);
 PetscBool CurvatureBends(const Curvature *curvature);

@@ -33,18 +33,14 @@ static PetscErrorCode FrictionAlong(Scene scene, PetscReal *friction) {
    gets longer, that of usual size. */
 static PetscErrorCode NaturalBend(Scene scene, PetscReal *bend) {
   static const char *const random[] = {"-rod_curvature_random", "-rod_curvature_random_2"};
-  PetscReal sum = 0, most, of_random;
+  PetscReal sum = 0, of_random;
   PetscBool given;
 
   PetscFunctionBegin;
   for (int b = BEND_3; b <= BEND_2; b++) {
-    const Strain *strain = &scene->curvature.strain[b];
     PetscCall(OptionReal(random[b], &of_random, &given));
-    most = given ? PetscAbsReal(of_random) : CurvatureSteered(&scene->curvature, b);
-    if (scene->curvature.own) most = scene->curvature.most[b];
-    for (PetscInt i = 0; i < strain->n && !given && !strain->steered; i++)
-      most = PetscMax(most, PetscAbsReal(strain->k[i]));
-    sum += PetscSqr(PetscAbsReal(strain->constant) + most);
+    sum += PetscSqr(given ? PetscAbsReal(scene->curvature.strain[b].constant) + of_random
+                          : CurvatureLargest(&scene->curvature, b));
   }
   *bend = PetscSqrtReal(sum);
   PetscFunctionReturn(0);
