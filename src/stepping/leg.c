@@ -519,7 +519,7 @@ static PetscErrorCode SetFirstStep(Leg *leg) {
   PetscFunctionBegin;
   if (LoadIsDry(&scene->load))
     PetscCall(VBDFSetAgain(leg->ts, units->own, PetscMin(first, own)));
-  else if (!(straight && scene->contact.any))
+  else
     first = PetscMin(first, PetscMax(own, first_of_brief * units->brief));
   PetscCall(TSSetTimeStep(leg->ts, first));
   PetscFunctionReturn(0);
