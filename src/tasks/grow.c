@@ -1057,7 +1057,7 @@ static void AdviseConduit(const Grow *self, char *advice, size_t room) {
 }
 
 /* Dry friction says nothing of how fast a rod falls that it does not hold: if no wall stops it, a
-   snap takes it without end. */
+   snap takes it without end, or at the speed of its least viscous share, which means nothing. */
 static void AdviseFall(const Grow *self, char *advice, size_t room) {
   const Load *load = &self->scene->load;
   const PetscReal *w = load->weight, weight = hypot(hypot(w[0], w[1]), w[2]);
@@ -1095,6 +1095,10 @@ static PetscErrorCode Verdict(Grow *self) {
             "-rod_model linear: stopped at t = %s, where an angle reached 1: a straight rod's "
             "model says nothing there; take -rod_model auto",
             text[0]);
+  advice[0] = 0;
+  if (reason == TS_CONVERGED_TIME && self->scene->falls > 0)
+    AdviseFall(self, advice, sizeof(advice));
+  UserCheck(!advice[0], comm, "at t = %s the rod is still falling: %s", text[0], advice);
   UserCheck(reason != TS_CONVERGED_ITS, comm,
             "-ts_max_steps: reached at t = %s before -ts_max_time %s", text[0], text[2]);
   UserCheck(
