@@ -208,3 +208,17 @@ void ShapeStrains(const Shape *shape, PetscReal s, PetscReal g, PetscReal u[3]) 
     for (int k = 0; k < 2 && shape->u[d]; k++)
       u[d] += value[k] * shape->u[d][i + k] + value[2 + k] * shape->u2[d][i + k];
 }
+
+/* ShapeLargest - how far it is bent at most, beside the natural bends, where a rod is of this
+   length; of one that is tabulated, at its knots. */
+PetscReal ShapeLargest(const Shape *shape, PetscReal length) {
+  enum { PLACES = 5 }; /* with those where a sag is bent most */
+  const PetscInt n = shape->n ? shape->n : PLACES;
+  PetscReal most = 0, u[3];
+
+  for (PetscInt i = 0; i < n; i++) {
+    ShapeStrains(shape, shape->n ? shape->s[i] : (PetscReal)i / (PLACES - 1), length, u);
+    most = PetscMax(most, hypot(u[1], u[2]));
+  }
+  return most;
+}

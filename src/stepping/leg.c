@@ -169,6 +169,7 @@ static PetscErrorCode AfterTry(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1
                                PetscBool *impossible) {
   const PetscReal round_off = 1.01; /* and the mesh's error */
   PetscReal size[MAX_FIELDS], length;
+  PetscInt step;
   Leg *leg;
 
   PetscFunctionBegin;
@@ -177,12 +178,16 @@ static PetscErrorCode AfterTry(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1
   PetscCall(GrowthLength(leg->rod->scene->growth, t1, &length, NULL));
   *impossible = (PetscBool) !(leg->rod->scene->clamp == CLAMP_FREE ||
                               Reach(leg->rod->model, size) <= round_off * length);
+  PetscCall(TSGetStepNumber(ts, &step));
+  leg->passed = (PetscBool)(leg->passed && step == leg->tried);
+  leg->tried = step;
   leg->passes = PETSC_FALSE;
   if (!*impossible && MindsTurns(leg->rod))
     PetscCall(leg->rod->model->turned(leg->rod, U0, U1, impossible));
   if (!*impossible) PetscCall(GetsFirm(leg->rod, impossible));
   if (*impossible) PetscFunctionReturn(0);
   PetscCall(GuardPasses(ts, t0, t1, U0, U1, impossible));
+  leg->passed = (PetscBool)(leg->passed || leg->passes);
   PetscCall(LookForKick(leg, t1, size));
   PetscFunctionReturn(0);
 }

@@ -27,6 +27,8 @@ typedef struct {
   PetscReal kick[MAX_FIELDS], kick_ends; /* least sizes, up to this time: see leg.c */
   PetscInt jumps;                        /* so far, VBDFGetJumps(); kept by the owner */
   PetscBool passes;  /* the latest try of a step ended beyond a wall, or with the rod crossed */
+  PetscBool passed;  /* ... or an earlier one of the same step, */
+  PetscInt tried;    /* this one */
   PetscBool crosses; /* it was cut, or not taken, for a mode that grows faster than the step sees */
   void *owner;
 } Leg;

@@ -1057,7 +1057,7 @@ static void AdviseConduit(const Grow *self, char *advice, size_t room) {
 }
 
 /* Dry friction says nothing of how fast a rod falls that it does not hold: if no wall stops it, a
-   snap takes it without end. */
+   snap takes it without end, or at the speed of its least viscous share, which means nothing. */
 static void AdviseFall(const Grow *self, char *advice, size_t room) {
   const Load *load = &self->scene->load;
   const PetscReal *w = load->weight, weight = hypot(hypot(w[0], w[1]), w[2]);
@@ -1080,7 +1080,7 @@ static PetscErrorCode Verdict(Grow *self) {
                            : self->by_steps ? "what was found up to there can be read and saved"
                                             : "nothing is stored without -output FILE";
   char text[3][64], jam[512] = "", crawl[768] = "", advice[512];
-  PetscBool waves;
+  PetscBool waves, passes;
   PetscReal dt;
 
   PetscFunctionBegin;
@@ -1095,6 +1095,10 @@ static PetscErrorCode Verdict(Grow *self) {
             "-rod_model linear: stopped at t = %s, where an angle reached 1: a straight rod's "
             "model says nothing there; take -rod_model auto",
             text[0]);
+  advice[0] = 0;
+  if (reason == TS_CONVERGED_TIME && self->scene->falls > 0)
+    AdviseFall(self, advice, sizeof(advice));
+  UserCheck(!advice[0], comm, "at t = %s the rod is still falling: %s", text[0], advice);
   UserCheck(reason != TS_CONVERGED_ITS, comm,
             "-ts_max_steps: reached at t = %s before -ts_max_time %s", text[0], text[2]);
   UserCheck(
@@ -1118,7 +1122,9 @@ static PetscErrorCode Verdict(Grow *self) {
             "%s, and it can hardly grow on; %s; end the run before with -stop_force, or, if this "
             "push is meant, give a higher -contact_stiffness",
             jam, kept);
-  UserCheck(reason == TS_CONVERGED_TIME || !self->now->passes, comm,
+  if (!waves) AdviseConduit(self, advice, sizeof(advice));
+  passes = (PetscBool)(self->now->passes || (self->now->passed && !advice[0]));
+  UserCheck(reason == TS_CONVERGED_TIME || !passes, comm,
             "gave up at t = %s with a step of %s: the rod would pass through itself or a wall; %s; "
             "give more -rod_cells or a higher -contact_stiffness",
             text[0], text[1], kept);
@@ -1128,7 +1134,6 @@ static PetscErrorCode Verdict(Grow *self) {
       "spin back, and where it then goes is not determined; %s; give the radius at which "
       "friction feels the spin, -friction_radius",
       text[0], kept);
-  if (!waves) AdviseConduit(self, advice, sizeof(advice));
   if (!advice[0]) AdviseGivingWay(self, advice, sizeof(advice));
   UserCheck(
       reason == TS_CONVERGED_TIME || !self->now->crosses, comm,

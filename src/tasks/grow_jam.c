@@ -116,7 +116,8 @@ PetscErrorCode GrowTellJam(Grow *self, PetscBool gave_up, char line[], size_t ro
 
   PetscFunctionBegin;
   line[0] = 0;
-  if (!self->jammed && !(gave_up && GrowPressedHard(self))) PetscFunctionReturn(0);
+  /* (One that has not left its start is pressed by how it was laid down.) */
+  if (!self->jammed && !(gave_up && seen->t > 0 && GrowPressedHard(self))) PetscFunctionReturn(0);
   PetscCall(ObserverGather(self->observer, self->now->rod, seen->t, self->now->U, NULL, &nodes));
   if (nodes) {
     PetscCall(ObserverTouch(self->observer, seen->t, nodes, &touch));

@@ -56,11 +56,17 @@ class Line:
         self.arc = np.append(0, np.cumsum(np.diff(s) * (g[1:] + g[:-1]) / 2))
         self.P = CubicSpline(self.arc, -(last["force"] * last["d1"]).sum(axis=1))
         self.M = CubicSpline(self.arc, (last["moment"] * last["d1"]).sum(axis=1))
+        self.d1 = last["d1"]
+
+    def turned(self, e, n):
+        """The angle of its direction in the plane of e and n."""
+        return CubicSpline(self.arc, np.unwrap(np.arctan2(self.d1 @ n, self.d1 @ e)))
 
 
 def capstan(turns, pull, tilt, stiffness, cells, drag=0.01):
     """A rope that slides over a pillar of any direction: by how much the ratio of its tensions, two rope's radii
-    and more from where it touches, is off e^(mu phi). (What the ground bears, drag, is taken off.)"""
+    and more from where it touches, is off e^(mu phi), phi what the rod itself has turned by between: it is held off,
+    by up to a hundredth of D, where it is pressed less than usual. (What the ground bears, drag, is taken off.)"""
     D, lead, room = 0.1, 2, 0.005
     length = 2 * lead + 2 * np.pi * turns
     s = np.linspace(0, 1, 4001)
@@ -73,16 +79,19 @@ def capstan(turns, pull, tilt, stiffness, cells, drag=0.01):
             f"-tip_force_vector {numbers(pull * end)} " + ALONE.format(file, drag)
             + walls("cylinder " + " ".join(map(repr, map(float, [lead, *n[1:], *axis, 1 - D / 2 - room])))
                     + f" outside friction {MU}"))
-    line, a, b, radius = Line(r), lead + 1, length - lead - 1, 1 - room
-    bare = drag * radius / MU
-    return r, (bare - line.P(b)) / (bare - line.P(a)) / np.exp(MU * (b - a) / radius) - 1
+    line, a, b = Line(r), lead + 1, length - lead - 1
+    angle = line.turned(np.array([1, 0, 0]), n)
+    phi = angle(b) - angle(a)
+    bare = drag * (b - a) / phi / MU
+    return r, (bare - line.P(b)) / (bare - line.P(a)) / np.exp(MU * phi) - 1
 
 
 @check
 def round_a_pillar():
-    """Euler's law to 1e-4 over a turn and a half, whichever way the pillar stands."""
+    """Euler's law to 1e-4 over a turn and a half, whichever way the pillar stands. (With k a tenth of that it is held off by
+    0.3 % of D more where it leaves than where it is pulled, and winds outwards by that, which the law does not know: 3e-4.)"""
     for tilt in (0, 0.7):
-        r, off = capstan(1.5, 60, tilt, 1e6, 160)
+        r, off = capstan(1.5, 60, tilt, 1e7, 160)
         print(f"turned by {tilt}: {r.steps} steps, ratio of tensions off by {off:.1e}")
         expect(abs(off) < 1e-4, f"turned by {tilt}: {off}")
 
