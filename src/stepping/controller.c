@@ -278,7 +278,7 @@ static const PetscReal met = 1e-12;
 
 /* Keeps the step within the limits and lets the last ones before a time at which a step has to end,
    the final one, say, end there. (One that is as long as what is left is the last: PETSc cuts the
-   step of a run that goes on to that.) */
+   step of a run that goes on to that, as the time tells it, which knows of nothing late.) */
 static PetscErrorCode LimitStep(TS ts, Controller *self) {
   const PetscBool match = (PetscBool)(ts->exact_final_time == TS_EXACTFINALTIME_MATCHSTEP);
   PetscReal least, most, end, left;
@@ -290,7 +290,7 @@ static PetscErrorCode LimitStep(TS ts, Controller *self) {
   if (self->next_end && !self->fixed)
     end = SmallerOf(end, self->next_end(ts, ts->ptime + met * ts->max_time));
   left = end - ts->ptime - self->late;
-  if (ts->time_step >= left)
+  if (ts->time_step >= PetscMin(left, end - ts->ptime))
     ts->time_step = left;
   else if (!self->fixed && ts->time_step > left / 2)
     ts->time_step = left / 2;
