@@ -22,8 +22,11 @@ static const PetscReal nearly_seen = 30;
    a step below this part of what short steps are part of, such an error is a jump, too. (That of a
    kink would fall like the step, to a third at most.) */
 static const PetscReal slip_persists = 0.25, slip_step = 1e-8;
-/* ... and below this part of it, or of the time that the rod itself takes, there is nothing but
-   round-off. */
+/* Where dry friction holds a part of the rod only, that takes the rod's own time, and the rest
+   none: an error that persists below this part of the time is of the rest, which jumps. */
+static const PetscReal unheld_step = 1e-6;
+/* Below this part of what short steps are part of, or of the time that the rod itself takes, there
+   is nothing but round-off. */
 static const PetscReal smallest = 1e-16;
 static const PetscReal shrink_most = 0.2, grow_most = 2;
 /* A step that cannot be, or that crosses a mode that grows, is cut to this. */
@@ -239,7 +242,7 @@ static PetscErrorCode Choose(TS ts, Controller *self, Formula *f, PetscBool *acc
   self->jumped = (PetscBool)(!*accept && k == 1 &&
                              (e > persists * self->rejected ||
                               (ts->time_step < self->layer && (f->n == 1 || e > nearly_seen))));
-  if (self->again > 0 ? !self->placed
+  if (self->again > 0 ? !self->placed && !(self->unheld && ts->time_step < unheld_step * self->own)
                       : self->resolves && ts->steps > 0 && ts->time_step >= self->layer) {
     self->snaps = self->jumped;
     self->jumped = PETSC_FALSE;
