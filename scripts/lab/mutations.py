@@ -145,7 +145,9 @@ MUTATIONS = [
     ("a start that snaps, as others", C, "self->again > 0 && self->snaps)", "0)"),
     ("the history's clock not kept", C, "self->late = step - (f->now - before);", "self->late = 0;"),
     ("progress, of time alone", "tasks/grow.c", "(1 + speed / counts_as)", "1"),
-    ("turns may not jump", C, "self->again > 0 ? !self->placed", "self->again > 0"),
+    ("turns may not jump", C, "self->again > 0 ? !self->placed", "self->again > 0 ? 1"),
+    ("what nothing holds may not jump", C, "self->unheld && ts", "0 && ts"),
+    ("the last step, of a run that goes on", C, "PetscMin(left, end - ts->ptime)", "left"),
     ("contact never gets firm", L, "  *firm = ContactGetsFirm(contact, deepest);", "  (void)deepest;"),
     # -- what snaps and sticking need of friction
     ("next to exact, never", "scene/scene.c", "if (self->growth->rests) LoadNextToExact(&self->load);", ""),

@@ -32,14 +32,16 @@ static const PetscReal brief_of_run = 1e-5;
    grows unless it is told. */
 static const PetscReal beta_of_growth = 1e-3;
 
-/* Least and mean of what friction is multiplied by along the initial shape. */
-static PetscErrorCode FactorAlong(Rod rod, PetscReal *factor) {
+/* Of its least and its mean: what friction is multiplied by along the initial shape. unheld: by 0
+   somewhere. */
+static PetscErrorCode FactorAlong(Rod rod, PetscReal *factor, PetscBool *unheld) {
   const Load *load = &rod->scene->load;
   PetscReal least = PETSC_MAX_REAL, sum = 0, slope[2];
   Node *nodes;
 
   PetscFunctionBegin;
   *factor = 1;
+  *unheld = PETSC_FALSE;
   if (!load->field) PetscFunctionReturn(0);
   PetscCall(PetscMalloc1(rod->end - rod->first, &nodes));
   PetscCall(RodInitialNodes(rod, 0, nodes));
@@ -53,6 +55,7 @@ static PetscErrorCode FactorAlong(Rod rod, PetscReal *factor) {
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &least, 1, MPIU_REAL, MPI_MIN, rod->scene->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPI_SUM, rod->scene->comm));
   *factor = PetscMax(least, least_part * sum / (PetscReal)(rod->last + 1));
+  *unheld = (PetscBool)(least <= 0);
   if (!(*factor > 0)) *factor = 1; /* there is no friction at all where it begins */
   PetscFunctionReturn(0);
 }
@@ -109,7 +112,7 @@ PetscErrorCode RodFindUnits(Rod rod) {
 
   PetscFunctionBegin;
   if (units->found) PetscFunctionReturn(0);
-  PetscCall(FactorAlong(rod, &N));
+  PetscCall(FactorAlong(rod, &N, &units->unheld));
   PetscCall(StiffnessAlong(scene, &B));
   PetscCall(GrowthLength(scene->growth, 0, &L, NULL));
   PetscCall(GrowthOf(scene, &speed));

@@ -22,8 +22,11 @@ static const PetscReal nearly_seen = 30;
    a step below this part of what short steps are part of, such an error is a jump, too. (That of a
    kink would fall like the step, to a third at most.) */
 static const PetscReal slip_persists = 0.25, slip_step = 1e-8;
-/* ... and below this part of it, or of the time that the rod itself takes, there is nothing but
-   round-off. */
+/* Where dry friction holds a part of the rod only, that takes the rod's own time, and the rest
+   none: an error that persists below this part of the time is of the rest, which jumps. */
+static const PetscReal unheld_step = 1e-6;
+/* Below this part of what short steps are part of, or of the time that the rod itself takes, there
+   is nothing but round-off. */
 static const PetscReal smallest = 1e-16;
 static const PetscReal shrink_most = 0.2, grow_most = 2;
 /* A step that cannot be, or that crosses a mode that grows, is cut to this. */
@@ -239,7 +242,7 @@ static PetscErrorCode Choose(TS ts, Controller *self, Formula *f, PetscBool *acc
   self->jumped = (PetscBool)(!*accept && k == 1 &&
                              (e > persists * self->rejected ||
                               (ts->time_step < self->layer && (f->n == 1 || e > nearly_seen))));
-  if (self->again > 0 ? !self->placed
+  if (self->again > 0 ? !self->placed && !(self->unheld && ts->time_step < unheld_step * self->own)
                       : self->resolves && ts->steps > 0 && ts->time_step >= self->layer) {
     self->snaps = self->jumped;
     self->jumped = PETSC_FALSE;
@@ -278,7 +281,7 @@ static const PetscReal met = 1e-12;
 
 /* Keeps the step within the limits and lets the last ones before a time at which a step has to end,
    the final one, say, end there. (One that is as long as what is left is the last: PETSc cuts the
-   step of a run that goes on to that.) */
+   step of a run that goes on to that, as the time tells it, which knows of nothing late.) */
 static PetscErrorCode LimitStep(TS ts, Controller *self) {
   const PetscBool match = (PetscBool)(ts->exact_final_time == TS_EXACTFINALTIME_MATCHSTEP);
   PetscReal least, most, end, left;
@@ -290,7 +293,7 @@ static PetscErrorCode LimitStep(TS ts, Controller *self) {
   if (self->next_end && !self->fixed)
     end = SmallerOf(end, self->next_end(ts, ts->ptime + met * ts->max_time));
   left = end - ts->ptime - self->late;
-  if (ts->time_step >= left)
+  if (ts->time_step >= PetscMin(left, end - ts->ptime))
     ts->time_step = left;
   else if (!self->fixed && ts->time_step > left / 2)
     ts->time_step = left / 2;

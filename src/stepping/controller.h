@@ -16,6 +16,7 @@ typedef struct {
   PetscReal layer;    /* a step this short is accepted whatever its error */
   PetscReal again;    /* a first step that snaps is tried again in this size; 0: as others */
   PetscReal own;      /* the time that what is followed takes itself, if it is less than scale */
+  PetscBool unheld;   /* nothing holds a part of it, in which any motion takes no time */
   Vec held;           /* tolerances of what something holds back, if that is not all; borrowed */
   PetscBool free;     /* nothing at all holds the rest; else but in a step as short as again */
   PetscBool placed;   /* the latest try was right in that, and wrong */

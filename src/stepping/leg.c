@@ -523,7 +523,7 @@ static PetscErrorCode SetFirstStep(Leg *leg) {
 
   PetscFunctionBegin;
   if (LoadIsDry(&scene->load))
-    PetscCall(VBDFSetAgain(leg->ts, units->own, PetscMin(first, own)));
+    PetscCall(VBDFSetAgain(leg->ts, units->own, PetscMin(first, own), units->unheld));
   else
     first = PetscMin(first, PetscMax(own, first_of_brief * units->brief));
   PetscCall(TSSetTimeStep(leg->ts, first));

@@ -220,14 +220,15 @@ PetscErrorCode VBDFSetScale(TS ts, PetscReal scale) {
 
 /* VBDFSetAgain - for what takes a time of its own that may be far less than the scale: the size in
    which a first step is tried again that has no solution, or an error that does not fall with its
-   size. No effect on other types. */
-PetscErrorCode VBDFSetAgain(TS ts, PetscReal own, PetscReal again) {
+   size; unheld: nothing holds a part of it, which may jump. No effect on other types. */
+PetscErrorCode VBDFSetAgain(TS ts, PetscReal own, PetscReal again, PetscBool unheld) {
   VBDF *self = NULL;
 
   PetscFunctionBegin;
   PetscCall(Self(ts, &self));
   if (self) self->controller.own = own;
   if (self) self->controller.again = again;
+  if (self) self->controller.unheld = unheld;
   PetscFunctionReturn(0);
 }
 

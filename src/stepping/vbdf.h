@@ -47,7 +47,7 @@ PetscErrorCode VBDFSetHighestOrder(TS ts, PetscInt order);
 PetscErrorCode VBDFSetOtherWay(TS ts, VBDFOtherWay other_way);
 PetscErrorCode VBDFSetResolves(TS ts, PetscBool resolves);
 PetscErrorCode VBDFSetScale(TS ts, PetscReal scale);
-PetscErrorCode VBDFSetAgain(TS ts, PetscReal own, PetscReal again);
+PetscErrorCode VBDFSetAgain(TS ts, PetscReal own, PetscReal again, PetscBool unheld);
 PetscErrorCode VBDFSetHeld(TS ts, Vec held, PetscBool free);
 PetscErrorCode VBDFSetCheck(TS ts, VBDFCheck check);
 PetscErrorCode VBDFSetCross(TS ts, VBDFCross cross);

@@ -504,6 +504,10 @@ def weights():
         f"{1000 / 20.03!r} {TUBE.replace('4.4907e-4', '3944.1')}-growth_initial_length 1m -friction_layers 0:0")]
     scale = (3944.1 / 20.03) ** (1 / 3)
     expect(abs(tips[0] / (tips[1] * scale) - 1) < 1e-7, f"it hangs to {tips[0]}, {tips[1] * scale}")
+    # of one that dry friction holds in part the rest falls at once, and all of it hangs there when that has given way
+    for layers in ("0:0,0.1:1", "0:1,0.1:0"):
+        r = Run(f"{sag}{1000 / 20.03!r} -growth_initial_length {1 / scale!r} -friction_layers {layers}")
+        expect(abs(np.hypot(*r.tip) / tips[1] - 1) < 1e-7, f"-friction_layers {layers}: it hangs to {r.tip}")
     for wrong, word in (("-rod_weight 1,-2N/m", "-rod_weight: some of its numbers have a unit"),
                         ("-rod_weight 0,-2N", "N/m, mN/m"), ("-friction_layers 0:2", "-friction_layers: has nothing to multiply"),
                         ("-friction_mu 0.5", "-friction_mu")):
