@@ -15,7 +15,8 @@ done
 libdir=$(dirname "$(find "$place/usr" -name libtendril.so)")
 headers=$(find "$place/usr/include" -type f)
 [ "$headers" = "$place/usr/include/tendril.h" ] || { echo "headers that are installed: $headers" && exit 1; }
-seen=$(nm -D --defined-only "$libdir/libtendril.so" | awk '$2 == "T" { print $3 }' | grep -v '^Tendril' || true)
+# (xerbla_ stands for LAPACK's own, which ends the program on a matrix that it refuses, with exit 0)
+seen=$(nm -D --defined-only "$libdir/libtendril.so" | awk '$2 == "T" { print $3 }' | grep -vE '^(Tendril|xerbla_$)' || true)
 [ -z "$seen" ] || { echo "seen from outside, and no part of the interface: $seen" && exit 1; }
 
 export PKG_CONFIG_PATH=$libdir/pkgconfig${PKG_CONFIG_PATH:+:$PKG_CONFIG_PATH} LD_LIBRARY_PATH=$libdir:${LD_LIBRARY_PATH:-}
