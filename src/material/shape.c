@@ -209,16 +209,21 @@ void ShapeStrains(const Shape *shape, PetscReal s, PetscReal g, PetscReal u[3]) 
       u[d] += value[k] * shape->u[d][i + k] + value[2 + k] * shape->u2[d][i + k];
 }
 
-/* ShapeLargest - how far it is bent at most, beside the natural bends, where a rod is of this
-   length; of one that is tabulated, at its knots. */
-PetscReal ShapeLargest(const Shape *shape, PetscReal length) {
-  enum { PLACES = 5 }; /* with those where a sag is bent most */
+/* ShapeMeanBend - how far it is bent on the whole, beside the natural bends, where a rod is of this
+   length: the root of the mean square; of one that is tabulated, by its knots. */
+PetscReal ShapeMeanBend(const Shape *shape, PetscReal length) {
+  enum { PLACES = 21 };
   const PetscInt n = shape->n ? shape->n : PLACES;
-  PetscReal most = 0, u[3];
+  PetscReal sum = 0, before[2] = {0}, u[3]; /* before: label, and square there */
 
   for (PetscInt i = 0; i < n; i++) {
-    ShapeStrains(shape, shape->n ? shape->s[i] : (PetscReal)i / (PLACES - 1), length, u);
-    most = PetscMax(most, hypot(u[1], u[2]));
+    const PetscReal s = shape->n ? shape->s[i] : (PetscReal)i / (PLACES - 1);
+    PetscReal square;
+    ShapeStrains(shape, s, length, u);
+    square = u[1] * u[1] + u[2] * u[2];
+    sum += (s - before[0]) * (square + before[1]) / 2;
+    before[0] = s;
+    before[1] = square;
   }
-  return most;
+  return PetscSqrtReal(sum);
 }

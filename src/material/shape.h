@@ -26,6 +26,6 @@ PetscErrorCode ShapeSetTable(Shape *shape, PetscInt n, const PetscReal s[],
 PetscErrorCode ShapeDestroy(Shape *shape);
 void ShapeAngle(const Shape *shape, PetscReal s, PetscReal *theta, PetscReal *theta_s);
 void ShapeStrains(const Shape *shape, PetscReal s, PetscReal g, PetscReal u[3]);
-PetscReal ShapeLargest(const Shape *shape, PetscReal length);
+PetscReal ShapeMeanBend(const Shape *shape, PetscReal length);
 
 #endif

@@ -50,9 +50,9 @@ static PetscErrorCode NaturalBend(Scene scene, PetscReal *bend) {
   SceneForce - the force of usual size with which a rod presses on what it touches, whatever its
   length and the end of the run: a load f per length, of friction or weight, bends it within
   (B/f)^(1/3), and is B^(1/3) f^(2/3) over that; a bend k that is natural to it is straightened by B
-  k^2, and one that is laid down in it (a knot) straightens itself by as much; what pushes its tip
-  goes through it. (A short one may be pressed harder:
-  ContactSetStiffness().) Collective.
+  k^2, and one that is laid down in it (a knot) straightens itself by as much, as it is bent on the
+  whole: where it is bent most it does so at once; what pushes its tip goes through it. (A short one
+  may be pressed harder: ContactSetStiffness().) Collective.
 */
 PetscErrorCode SceneForce(Scene scene, PetscReal *force) {
   const PetscReal B = scene->stiffness.most, *w = scene->load.weight, *push = scene->tip.push;
@@ -64,7 +64,7 @@ PetscErrorCode SceneForce(Scene scene, PetscReal *force) {
   PetscCall(FrictionAlong(scene, &load));
   load = PetscMax(load, hypot(hypot(w[0], w[1]), w[2]));
   PetscCall(NaturalBend(scene, &bend));
-  bend = PetscMax(bend, ShapeLargest(&scene->shape, scene->growth->initial_length));
+  bend = PetscMax(bend, ShapeMeanBend(&scene->shape, scene->growth->initial_length));
   *force = PetscMax(PetscPowReal(B * load * load, 1. / 3), B * bend * bend / 4);
   *force = PetscMax(*force, PetscAbsReal(scene->tip.force));
   *force = PetscMax(*force, hypot(hypot(push[0], push[1]), push[2]));

@@ -1011,8 +1011,14 @@ static void AdviseWaves(const Grow *self, char *advice, size_t room) {
                    About(wave, UNIT_LENGTH, text[2]), (double)PetscCeilReal(fine * length / wave));
 }
 
-/* What to try where a rod gives way faster than steps can follow. Cells that are longer than what
-   contact presses on see it at one node or at none. */
+/* Are cells longer than what contact presses on? They see it at one node or at none. */
+static PetscBool CoarseForContact(const Grow *self) {
+  const PetscReal cell = self->seen.length / self->scene->mesh.cells;
+
+  return (PetscBool)(self->scene->contact.any && cell > 2 * self->scene->contact.tip);
+}
+
+/* What to try where a rod gives way faster than steps can follow. */
 static void AdviseGivingWay(const Grow *self, char *advice, size_t room) {
   const PetscReal spread = self->scene->contact.tip,
                   cell = self->seen.length / self->scene->mesh.cells;
@@ -1020,7 +1026,7 @@ static void AdviseGivingWay(const Grow *self, char *advice, size_t room) {
       self->scene->load.friction.mu >= 0.9999 ? ", or a -friction_mu below 0.9999" : "";
   char text[2][64];
 
-  if (self->scene->contact.any && cell > 2 * spread)
+  if (CoarseForContact(self))
     (void)snprintf(advice, room,
                    "its cells of %s are too long for contact, which presses over %s: give "
                    "-rod_cells %.0f",
@@ -1123,7 +1129,8 @@ static PetscErrorCode Verdict(Grow *self) {
             "push is meant, give a higher -contact_stiffness",
             jam, kept);
   if (!waves) AdviseConduit(self, advice, sizeof(advice));
-  passes = (PetscBool)(self->now->passes || (self->now->passed && !advice[0]));
+  passes = (PetscBool)(self->now->passes ||
+                       (self->now->passed && !advice[0] && !CoarseForContact(self)));
   UserCheck(reason == TS_CONVERGED_TIME || !passes, comm,
             "gave up at t = %s with a step of %s: the rod would pass through itself or a wall; %s; "
             "give more -rod_cells or a higher -contact_stiffness",

@@ -166,18 +166,19 @@ def firm():
     deep, apart = [r.penetration.max() / 0.0575 for r in (itself, told, soft)], np.abs(tip(itself) - tip(told)).max()
     print(f"pressed in by {deep[0]:.2%}, told to {deep[1]:.2%}, soft {deep[2]:.2%}; tips apart by {apart:.1e}, of soft contact "
           f"{np.abs(tip(soft) - tip(told)).max():.1e}; iterations {[int(r.newton_iterations.sum()) for r in (itself, told, soft)]}")
-    expect(max(deep[:2]) < 0.01 < deep[2] and apart < 1e-5, f"{deep}, {apart}")
-    expect(np.abs(tip(soft) - tip(told)).max() > 1e-3, "soft contact is no other")
-    expect(firmness(cone) == 64 and firmness(cone + "-contact_firm false") == 1, "the result does not say so")
+    # (walls are six times stiffer than they were when soft ones let it in by 3.3 %, and get 16 times firmer, not 64)
+    expect(max(deep[:2]) < 0.0035 and deep[2] > 0.007 and apart < 1e-5, f"{deep}, {apart}")
+    expect(np.abs(tip(soft) - tip(told)).max() > 5e-4, "soft contact is no other")
+    expect(firmness(cone) == 16 and firmness(cone + "-contact_firm false") == 1, "the result does not say so")
     easy = FED + "-rod_curvature 0.5 -clamp_spin 2 " + walls("torus 0 1 0 0 0 1 1 0.2 inside friction 0.3")
     free, never = Run(easy), Run(easy + "-contact_firm false")
     expect((free.shapes["x"] == never.shapes["x"]).all() and free.newton_iterations.sum() == never.newton_iterations.sum(),
            "what is not pressed in pays for it")
     expect(free.penetration.max() > 0 and firmness(easy) == 1, "it became firm")
     # steps that cannot be taken back have it from the start
-    expect(firmness(easy + "-ts_type bdf -ts_max_time 1") == 64, "with bdf it is soft")
+    expect(firmness(easy + "-ts_type bdf -ts_max_time 1") == 16, "with bdf it is soft")
     expect_on_ranks(cone)
-    first = lambda run: int(np.argmax(run["series/penetration"] > 0.003 * 0.0575))
+    first = lambda run: int(np.argmax(run["series/penetration"] > 0.00075 * 0.0575))
     for name, step in {"before": lambda run: first(run) - 3, "behind": lambda run: first(run) + 3}.items():
         different = broken(cone + "-output_interval 0.2", step)[1]
         expect(not different, f"broken {name}: {different} differ")
