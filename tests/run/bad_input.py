@@ -209,7 +209,7 @@ CASES = [
     ("-shape_type file -shape_file {shape_lengths}", "-shape_file"),
     ("-shape_type file -shape_file {shape_turned}", "-shape_file"),
     # natural curvature
-    ("-rod_curvature 1e4", "-rod_curvature"),
+    ("-rod_curvature 1e10", "-rod_curvature"),
     ("-rod_curvature bent", "-rod_curvature"),
     ("-rod_curvature 0.1 -rod_model linear", "-rod_curvature"),
     ("-rod_curvature 0.1 -task critical", "-rod_curvature"),
