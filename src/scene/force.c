@@ -56,7 +56,7 @@ static PetscErrorCode NaturalBend(Scene scene, PetscReal *bend) {
 */
 PetscErrorCode SceneForce(Scene scene, PetscReal *force) {
   const PetscReal B = scene->stiffness.most, *w = scene->load.weight, *push = scene->tip.push;
-  PetscReal load, bend = 0;
+  PetscReal load = 0, bend = 0;
 
   PetscFunctionBegin;
   *force = 0;
