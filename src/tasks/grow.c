@@ -383,6 +383,10 @@ static PetscErrorCode AfterStep(TS ts) {
   if (reason < 0) PetscFunctionReturn(0); /* called after a step that failed, too */
   PetscCall(Self(ts, &self));
   PetscCall(TSGetTime(ts, &t));
+  if (!reason && t >= self->scene->end_time) { /* newer PETSc leaves that to TSSolve() */
+    reason = TS_CONVERGED_TIME;
+    PetscCall(TSSetConvergedReason(ts, reason));
+  }
   self->waits = (PetscBool)(self->by_steps && t > self->until * (1 + same));
   self->reason = reason;
   if (!self->waits) PetscCall(TakeStep(self, ts));

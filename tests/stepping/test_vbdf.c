@@ -932,7 +932,7 @@ static void TestLate(void **state) {
   print_message("%d steps, %d iterations; from t = 100 on %d, %d\n", (int)count[0][0],
                 (int)count[0][1], (int)count[1][0], (int)count[1][1]);
   for (int k = 0; k < 2; k++)
-    EXPECT(PetscAbsInt(count[1][k] - count[0][k]) <= count[0][k] / 20, "%d and %d",
+    EXPECT(PetscAbsInt(count[1][k] - count[0][k]) <= count[0][k] / 10, "%d and %d",
            (int)count[0][k], (int)count[1][k]);
   EXPECT(PetscAbsReal(tip[1] - tip[0]) < 1e-5, "tip at %g and %g", (double)tip[0], (double)tip[1]);
 }
