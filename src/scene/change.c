@@ -43,12 +43,12 @@ static PetscErrorCode ChangeFriction(Scene scene, PetscReal t) {
 
   PetscFunctionBegin;
   PetscCall(OptionReal("-friction_mu", &load.friction.mu, NULL));
+  load.viscous = load.friction.viscous = 1 - load.friction.mu;
   UserCheck(
       !LoadIsDry(&load), scene->comm,
       "-friction_mu %g: a run that began with viscous friction cannot go on with dry friction",
       (double)load.friction.mu);
-  scene->load.friction.mu = load.friction.mu;
-  scene->load.viscous = scene->load.friction.viscous = 1 - load.friction.mu;
+  scene->load = load;
   PetscFunctionReturn(0);
 }
 
@@ -71,8 +71,7 @@ static PetscErrorCode ChangeEnd(Scene scene, PetscReal t) {
             "run with the later end",
             text[0], OptionBoth(scene->end_time, UNIT_TIME, text[1]));
   scene->end_time = end;
-  PetscCall(GrowthLength(scene->growth, end, &scene->reach, NULL));
-  scene->reach = PetscMax(scene->reach, scene->growth->initial_length);
+  PetscCall(GrowthLongest(scene->growth, end, &scene->reach));
   PetscFunctionReturn(0);
 }
 

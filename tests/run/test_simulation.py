@@ -191,6 +191,10 @@ class Changed(unittest.TestCase):
                                   ("ts_max_time", 0.05, "already"), ("rod_weight", "1", "three numbers")):
             with self.subTest(name), self.assertRaisesRegex(tendril.RunError, line):
                 sim.set(name, value)
+        viscous = tendril.Simulation("feed", **FEW | {"friction_mu": 0.5})
+        viscous.advance(0.1)
+        with self.assertRaisesRegex(tendril.RunError, "cannot go on with dry friction"):
+            viscous.set("friction_mu", 1)
         straight = tendril.Simulation("feed", **FEW)
         self.assertEqual((sim.t, len(sim.series["t"])), before)
         sim.advance(), straight.advance()
