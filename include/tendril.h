@@ -5,7 +5,7 @@
   nodes and series can be read at any time. Any number of simulations live side by side in a
   process, each with its own options, errors and ranks; nothing is shared but PETSc itself.
   docs/library.md has an example; docs/options.md all options; all quantities are in the units of
-  docs/theory.md unless an option carries one.
+  docs/theory/README.md unless an option carries one.
 
   Every function returns 0 (TENDRIL_OK) or one of the codes below, and keeps a sentence for
   TendrilMessage(). None of them ends the program. Calls are collective on the simulation's ranks;

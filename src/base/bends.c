@@ -1,4 +1,5 @@
 #include "base/bends.h"
+#include "base/knots.h"
 
 /* A slope is as good as 0 if it changes the largest value by this part of it over all rows: spline
    of equal entries have round-off for slopes. */
@@ -218,16 +219,9 @@ PetscErrorCode BendsSort(Bends *self, PetscReal from, PetscReal to) {
 
 /* BendsNext - the first behind a place, PETSC_MAX_REAL if there is none. */
 PetscReal BendsNext(const Bends *self, PetscReal after) {
-  PetscInt low = 0, high = self->n;
+  const PetscInt k = KnotBehind(self->n, self->at, after);
 
-  while (low < high) {
-    const PetscInt mid = (low + high) / 2;
-    if (self->at[mid] > after)
-      high = mid;
-    else
-      low = mid + 1;
-  }
-  return low < self->n ? self->at[low] : PETSC_MAX_REAL;
+  return k < self->n ? self->at[k] : PETSC_MAX_REAL;
 }
 
 PetscErrorCode BendsDestroy(Bends *self) {

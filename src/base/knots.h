@@ -1,4 +1,4 @@
-/* Knots: the cell of a row of increasing places in which another lies. */
+/* Knots: where in a row of increasing places another lies. */
 #ifndef TENDRIL_KNOTS_H
 #define TENDRIL_KNOTS_H
 
@@ -21,6 +21,20 @@ static inline PetscInt KnotBefore(PetscInt n, const PetscReal x[], PetscReal at)
       high = mid;
     else
       low = mid;
+  }
+  return low;
+}
+
+/* KnotBehind - the first of n places x that is behind `at`; n if none is. */
+static inline PetscInt KnotBehind(PetscInt n, const PetscReal x[], PetscReal at) {
+  PetscInt low = 0, high = n;
+
+  while (low < high) {
+    const PetscInt mid = (low + high) / 2;
+    if (x[mid] > at)
+      high = mid;
+    else
+      low = mid + 1;
   }
   return low;
 }

@@ -333,16 +333,9 @@ PetscBool ScheduleJerks(Schedule self, PetscReal t0, PetscReal t1) {
 /* ScheduleNextTurn - the first time behind t at which it sets out, stops or turns back:
    PETSC_MAX_REAL if it does not. Steps that end there cannot leave out that it came and went. */
 PetscReal ScheduleNextTurn(Schedule self, PetscReal t) {
-  PetscInt low = 0, high = self->turns;
+  const PetscInt k = KnotBehind(self->turns, self->turn, t);
 
-  while (low < high) {
-    const PetscInt mid = (low + high) / 2;
-    if (self->turn[mid] > t)
-      high = mid;
-    else
-      low = mid + 1;
-  }
-  return low < self->turns ? self->turn[low] : PETSC_MAX_REAL;
+  return k < self->turns ? self->turn[k] : PETSC_MAX_REAL;
 }
 
 /* A BendsCurve. */

@@ -4,7 +4,7 @@
 #ifndef TENDRIL_TURNS_H
 #define TENDRIL_TURNS_H
 
-#include <petscsys.h>
+#include "base/knots.h"
 
 static inline int TurnsSign(PetscReal x) {
   return (x > 0) - (x < 0);
@@ -26,17 +26,10 @@ static inline void TurnsMark(PetscInt n, const PetscReal f[], PetscInt stride, P
 /* TurnsNext - the first time behind `after` at which a row is marked, PETSC_MAX_REAL if none is. */
 static inline PetscReal TurnsNext(PetscInt n, const PetscReal t[], const PetscBool at[],
                                   PetscReal after) {
-  PetscInt low = 0, high = n;
+  PetscInt row = KnotBehind(n, t, after);
 
-  while (low < high) { /* the first row behind it */
-    const PetscInt mid = (low + high) / 2;
-    if (t[mid] > after)
-      high = mid;
-    else
-      low = mid + 1;
-  }
-  while (low < n && !at[low]) low++;
-  return low < n ? t[low] : PETSC_MAX_REAL;
+  while (row < n && !at[row]) row++;
+  return row < n ? t[row] : PETSC_MAX_REAL;
 }
 
 #endif

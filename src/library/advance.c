@@ -10,8 +10,7 @@ static PetscErrorCode Again(Tendril self) {
             "changed in the run keeps it from beginning anew: give -contact_stiffness");
   PetscCall(GrowAnew(self->grow));
   PetscCall(GrowCreate(self->grow, "", ""));
-  PetscCall(ColumnsBegin(&self->series, self->scene));
-  self->at = 0;
+  ColumnsBegin(&self->series);
   PetscFunctionReturn(0);
 }
 
@@ -76,20 +75,22 @@ static int StepOn(Tendril self, PetscReal until) {
 }
 
 int TendrilStep(Tendril self, double *t) {
-  int code = self && !self->grow ? TendrilSetUp(self) : TENDRIL_OK;
+  int code;
 
-  if (!code && self && IsOver(self))
-    code = Over(self);
-  else if (!code)
-    code = StepOn(self, PETSC_MAX_REAL);
-  if (t) *t = self && self->grow ? self->at : 0;
+  if (t) *t = 0;
+  if (!self) return TENDRIL_USER;
+  code = self->grow ? TENDRIL_OK : TendrilSetUp(self);
+  if (!code) code = IsOver(self) ? Over(self) : StepOn(self, PETSC_MAX_REAL);
+  if (t && self->grow) *t = self->at;
   return code;
 }
 
 int TendrilAdvance(Tendril self, double until) {
-  int code = self && !self->grow ? TendrilSetUp(self) : TENDRIL_OK;
+  int code;
 
-  if (code || !self) return self ? code : TENDRIL_USER;
+  if (!self) return TENDRIL_USER;
+  code = self->grow ? TENDRIL_OK : TendrilSetUp(self);
+  if (code) return code;
   if (!(until >= self->at))
     return SimulationRefuse(self, TENDRIL_USER,
                             "t = %g: the run is at %g already, and goes forward", until,

@@ -3,12 +3,9 @@
 #include "rod/directors.h"
 #include <stdlib.h>
 
-/* ColumnsBegin - no values yet, of all series that a scene has. */
-PetscErrorCode ColumnsBegin(Columns *self, Scene scene) {
-  PetscFunctionBegin;
+/* ColumnsBegin - no values any more; blocks that were told stay. */
+void ColumnsBegin(Columns *self) {
   self->n = self->room = 0;
-  for (int k = 0; k < OBSERVED; k++) self->column[k] = NULL;
-  PetscFunctionReturn(0);
 }
 
 /* Room for one more. The blocks double, so that those left behind take no more than the last one.

@@ -163,28 +163,25 @@ static void NameOf(const char *option, char name[128]) {
   (void)snprintf(name, 128, "-%s", option);
 }
 
-/* Is it one that a simulation can have? */
-static PetscErrorCode CheckName(Tendril self, const char *name) {
-  const OptionRow *row = OptionFind(name);
-
-  PetscFunctionBegin;
-  UserCheck(isalpha((unsigned char)name[1]), self->comm, "%s: is no name of an option", name);
-  UserCheck(!row || !(row->flags & PROGRAM) || !strcmp(name, "-quiet"), self->comm,
-            "%s: is of the program, not of a simulation%s", name,
-            !strcmp(name, "-output")    ? "; call TendrilSave()"
-            : !strcmp(name, "-restart") ? "; call TendrilLoad()"
-                                        : "");
-  UserCheck(strcmp(name, "-sensitivity"), self->comm, "%s: is of the program, not of a simulation",
-            name);
-  if (!row) PetscCall(OptionsRefuseStrange(name));
-  PetscFunctionReturn(0);
-}
-
 /* What a file has that is of the program, as scenes have -output, is left out. */
 static PetscBool OfProgram(const char *name) {
   const OptionRow *row = OptionFind(name);
 
   return (PetscBool)(row && row->flags & PROGRAM && strcmp(name, "-quiet"));
+}
+
+/* Is it one that a simulation can have? */
+static PetscErrorCode CheckName(Tendril self, const char *name) {
+  PetscFunctionBegin;
+  UserCheck(isalpha((unsigned char)name[1]), self->comm, "%s: is no name of an option", name);
+  UserCheck(!OfProgram(name), self->comm, "%s: is of the program, not of a simulation%s", name,
+            !strcmp(name, "-output")    ? "; call TendrilSave()"
+            : !strcmp(name, "-restart") ? "; call TendrilLoad()"
+                                        : "");
+  UserCheck(strcmp(name, "-sensitivity"), self->comm, "%s: is of the program, not of a simulation",
+            name);
+  if (!OptionFind(name)) PetscCall(OptionsRefuseStrange(name));
+  PetscFunctionReturn(0);
 }
 
 static PetscErrorCode Add(Tendril self, const char *name, const char *value) {

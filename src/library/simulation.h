@@ -9,7 +9,7 @@
    them. */
 typedef struct {
   PetscInt n, room;
-  double *column[OBSERVED]; /* NULL: this scene has no such series */
+  double *column[OBSERVED]; /* of the latest block; none before the first row */
   PetscInt blocks;
   double **block; /* all that was ever allocated */
 } Columns;
@@ -54,7 +54,7 @@ PetscBool ProcessLives(void);
 PetscErrorCode SimulationChange(Tendril self, const char *name, const char *value);
 
 /* look.c */
-PetscErrorCode ColumnsBegin(Columns *self, Scene scene);
+void ColumnsBegin(Columns *self);
 PetscErrorCode ColumnsAdd(Columns *self, const Observation *seen);
 void ColumnsFree(Columns *self);
 PetscErrorCode SimulationLook(Tendril self);

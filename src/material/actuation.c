@@ -60,17 +60,11 @@ static void WeightsInTime(Actuation self, PetscReal t, PetscInt *j, PetscReal va
                           PetscReal slope[4]) {
   const PetscInt last = self->nt - 1;
   const PetscReal *row = self->t, inside = PetscMin(PetscMax(t, row[0]), row[last]);
-  PetscReal h, a, b;
+  PetscInt first;
 
   *j = KnotBefore(self->nt, row, inside);
   while (*j > 0 && row[*j] == inside) (*j)--;
-  h = row[*j + 1] - row[*j];
-  b = (inside - row[*j]) / h;
-  a = 1 - b;
-  value[0] = a, value[1] = b;
-  value[2] = (a * a * a - a) * h * h / 6, value[3] = (b * b * b - b) * h * h / 6;
-  slope[0] = -1 / h, slope[1] = 1 / h;
-  slope[2] = -(3 * a * a - 1) * h / 6, slope[3] = (3 * b * b - 1) * h / 6;
+  SplineWeights(2, row + *j, inside, &first, value, slope, NULL);
   if (t > row[last] || t < row[0] || (t == row[0] && t > 0))
     for (int i = 0; i < 4; i++) slope[i] = 0;
 }

@@ -112,7 +112,7 @@ static PetscErrorCode CheckLengths(Growth self, const char *file) {
   char text[2][64];
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; t < PETSC_MAX_REAL; k++, t = NextTurn(self, t)) {
+  for (; t < PETSC_MAX_REAL; t = NextTurn(self, t)) {
     L = LengthAt(self, t, &rate);
     UserCheck(L >= shortest, OptionsComm(),
               "%s %s: at t = %s the rod is %s long; it must stay longer than 0", option, file,

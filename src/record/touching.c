@@ -1,4 +1,5 @@
 #include "record/touching.h"
+#include "base/knots.h"
 #include "base/vectors.h"
 #include "rod/directors.h"
 
@@ -346,20 +347,6 @@ static PetscErrorCode LookAtStrands3(Touching self, PetscReal t, const Node *nod
   PetscFunctionReturn(0);
 }
 
-/* The last node that is not beyond a label. */
-static PetscInt NodeAt(const Mesh *mesh, PetscReal s) {
-  PetscInt low = 0, high = mesh->cells;
-
-  while (high > low) {
-    const PetscInt mid = (low + high + 1) / 2;
-    if (mesh->s[mid] <= s)
-      low = mid;
-    else
-      high = mid - 1;
-  }
-  return low;
-}
-
 /*
   TouchingLook - all that contact amounts to at one time. Not collective.
 
@@ -384,7 +371,8 @@ PetscErrorCode TouchingLook(Touching self, PetscReal t, const Node *nodes, Petsc
   } else if (self->scene->contact.walls.n)
     PetscCall(LookAtWalls(self, t, nodes, moves, sum));
   if (self->strands) PetscCall(LookAtStrands(self, t, nodes, moves, sum));
-  if (asks == TOUCHING_ALL) self->likely = NodeAt(&self->scene->mesh, sum->at[0]);
+  if (asks == TOUCHING_ALL)
+    self->likely = KnotBehind(self->scene->mesh.cells + 1, self->scene->mesh.s, sum->at[0]) - 1;
   *force = (const PetscReal(*)[PUSH])self->force;
   PetscFunctionReturn(0);
 }

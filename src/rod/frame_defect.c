@@ -44,23 +44,23 @@ static void Values(const Frame *frame, const Load *load, PetscInt k, PetscReal p
   }
 }
 
-/* Of the two cells of order 4 beside the node between them, whose first point is p[0]. */
-static void PairDefect(const Frame *frame, const Contact *contact, const Load *load, PetscInt k,
-                       const PetscReal s[3], const PetscReal turn[3],
+/* Of the two cells of order 4 beside the node between them, whose first point is p[0]. bare: the
+   load without what walls do. */
+static void PairDefect(const Frame *frame, const Contact *contact, const Load *load,
+                       const Load *bare, PetscInt k, const PetscReal s[3], const PetscReal turn[3],
                        PetscReal defect[MAX_FIELDS]) {
   const PetscReal h1 = s[1] - s[0], h2 = s[2] - s[1], h = h1 + h2;
   const Point *p = frame->point + k;
   const Law *law = frame->law + k;
   const PetscReal part = PairSees(contact, law[2].g * h / 2);
   PetscReal weight[PLACES], value[FIELDS][PLACES];
-  Load bare = *load;
+  const Load *seen = part < 1 ? bare : load;
   Point cubic;
 
-  if (part < 1) bare.walls = NULL;
   PairWeights(h1, h2, weight);
-  PointOnCubic(&bare, law, law + 2, law + 4, FrameDuals(frame, k + 2), h1 / h, h, p, p + 4, turn[0],
+  PointOnCubic(seen, law, law + 2, law + 4, FrameDuals(frame, k + 2), h1 / h, h, p, p + 4, turn[0],
                turn[2], p + 2, &cubic);
-  Values(frame, &bare, k, part, value);
+  Values(frame, seen, k, part, value);
   for (int f = 0; f < FIELDS; f++) {
     defect[f] = PairRule(h1, h2, weight, value[f]);
     if (f < N1 || (!frame->strands && part == 1))
@@ -93,9 +93,11 @@ PetscErrorCode FrameDefect(Rod rod, const RodState *at, PetscReal (*defect)[MAX_
   const Frame *frame = (const Frame *)rod->data;
   const PetscReal *s = rod->scene->mesh.s, (*rate)[FIELDS];
   PetscBool fourth = (PetscBool)(rod->order == 4);
+  Load bare = rod->scene->load;
   Vec local;
 
   PetscFunctionBegin;
+  bare.walls = NULL;
   PetscCall(PetscArrayzero(defect, rod->end - rod->first));
   PetscCall(RodOpen(rod, at->U_t, &local, &rate));
   for (PetscInt i = PetscMax(1, rod->first); i < PetscMin(rod->end, rod->last + !fourth); i++) {
@@ -105,7 +107,7 @@ PetscErrorCode FrameDefect(Rod rod, const RodState *at, PetscReal (*defect)[MAX_
       CellDefect(frame, &rod->scene->load, k, s + i - 1, turn, defect[i - rod->first]);
     else if (i % 2) {
       turn[2] = rate[i + 1][TH];
-      PairDefect(frame, &rod->scene->contact, &rod->scene->load, k, s + i - 1, turn,
+      PairDefect(frame, &rod->scene->contact, &rod->scene->load, &bare, k, s + i - 1, turn,
                  defect[i - rod->first]);
     }
   }

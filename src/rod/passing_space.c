@@ -225,7 +225,7 @@ static PetscBool CellIsBehind(const Look *look, PetscReal since, Bezier b0, Bezi
   for (one.moving = 0; one.moving < surfaces->n; one.moving++) {
     const Surface *surface = &surfaces->surface[one.moving];
     if (!surface->motion.any || surface->core == PETSC_MAX_REAL) continue;
-    if (IsSwept(&one, surfaces->still ? surfaces->time : since, b0, b1)) return PETSC_TRUE;
+    if (IsSwept(&one, since, b0, b1)) return PETSC_TRUE;
   }
   return PETSC_FALSE;
 }

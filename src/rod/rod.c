@@ -255,8 +255,7 @@ static void TurnEnds(Rod rod, PetscReal t, Node *nodes) {
   const Scene scene = rod->scene;
 
   if (scene->load.radius == 0 || !scene->growth->still) return;
-  if (rod->first == 0 && scene->clamp == CLAMP_HELD)
-    SpaceClampTurn(&scene->space, &scene->load, t, nodes->p);
+  if (rod->first == 0 && scene->clamp == CLAMP_HELD) SpaceClampTurn(&scene->space, t, nodes->p);
   if (rod->end == rod->last + 1) TipHeldFrame(&scene->tip, t, nodes[rod->last - rod->first].p);
 }
 

@@ -174,6 +174,8 @@ PetscErrorCode RodRestoreLocalNodes(Rod rod, Vec *local, const Node **with);
 PetscErrorCode RodInitialNodes(Rod rod, PetscReal t, Node *nodes);
 PetscErrorCode RodFindUnits(Rod rod);
 PetscReal RodFieldUnit(const Rod rod, PetscInt field);
+PetscBool RodIsPlace(const RodModel *model, PetscInt field);
+PetscReal RodReach(const RodModel *model, const PetscReal size[]);
 PetscErrorCode RodFit(Rod rod, PetscReal t, Vec U);
 PetscErrorCode RodBegin(Rod rod, Vec U);
 PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes);

@@ -185,16 +185,17 @@ PetscErrorCode RodFeelWalls(Rod rod, PetscReal t, Vec U) {
   PetscFunctionReturn(0);
 }
 
-static inline PetscBool IsPlace(const RodModel *model, PetscInt f) {
+/* RodIsPlace - is this field a place? */
+PetscBool RodIsPlace(const RodModel *model, PetscInt f) {
   return (PetscBool)(strchr("xy", model->field[f][0]) != NULL);
 }
 
-/* How far a rod reaches along any axis. */
-static PetscReal Reach(const RodModel *model, const PetscReal size[]) {
+/* RodReach - the largest along any axis of the sizes of places, or of their rates. */
+PetscReal RodReach(const RodModel *model, const PetscReal size[]) {
   PetscReal reach = 0;
 
   for (PetscInt f = 0; f < model->fields; f++)
-    if (IsPlace(model, f)) reach = PetscMax(reach, size[f]);
+    if (RodIsPlace(model, f)) reach = PetscMax(reach, size[f]);
   return reach;
 }
 
@@ -241,7 +242,7 @@ static void LeaveBlur(const Rod rod, const PetscReal axes[2], const PetscReal si
   PetscReal reach, across, part[GROUPS] = {0};
 
   if (!MayBlur(rod)) return;
-  reach = Reach(model, size);
+  reach = RodReach(model, size);
   across = Across(rod, reach, size);
   Blur(rod, axes, &part[ACROSS_2]);
   if (rubs) part[TWIST] = PetscMax(part[ACROSS_2], part[ACROSS_3]);
@@ -254,7 +255,7 @@ static void LeaveBlur(const Rod rod, const PetscReal axes[2], const PetscReal si
   for (PetscInt f = 0; f < model->fields; f++)
     if (model->followed[f])
       scale[f] =
-          PetscMax(scale[f], part[model->group[f]] * across * (IsPlace(model, f) ? reach : 1));
+          PetscMax(scale[f], part[model->group[f]] * across * (RodIsPlace(model, f) ? reach : 1));
 }
 
 /* RodBlurred - places across, by the coordinates, that are no larger are round-off of walls; 0:
@@ -269,7 +270,7 @@ PetscErrorCode RodBlurred(Rod rod, Vec U, PetscReal place[MIRRORS]) {
   Blur(rod, none, place);
   if (place[0] == 0 && place[1] == 0) PetscFunctionReturn(0);
   PetscCall(RodFieldSizes(rod, U, size));
-  reach = Reach(rod->model, size);
+  reach = RodReach(rod->model, size);
   for (int d = 0; d < MIRRORS; d++) place[d] *= Across(rod, reach, size) * reach;
   PetscFunctionReturn(0);
 }
@@ -283,15 +284,17 @@ static PetscReal Drives(const PetscReal drive[2], int group, const PetscReal axe
 
 /* How hard a group of fields is driven from 0, along the axes. */
 static PetscReal Driven(const Rod rod, int group, const PetscReal axes[2]) {
-  const Space *space = &rod->scene->space;
-  const SceneUnits *units = &rod->scene->units;
-  const PetscReal L = units->length, force = units->stiffness / (L * L),
-                  unit[DRIVES] = {force / L, force};
+  const Scene scene = rod->scene;
+  const Space *space = &scene->space;
+  const SceneUnits *units = &scene->units;
+  const PetscReal L = units->length, force = units->stiffness / (L * L);
   PetscReal sum =
       space->turned[group] + space->moved[group] / L + Drives(rod->oblique, group, axes);
 
-  for (int k = 0; k < DRIVES; k++) sum += Drives(space->drive[k], group, axes) / unit[k];
-  if (group == TWIST) sum += space->twisted / (force * L) + PetscAbsReal(space->spin) * units->time;
+  sum += Drives(scene->load.weight + 1, group, axes) / (force / L);
+  sum += Drives(scene->tip.push + 1, group, axes) / force;
+  if (group == TWIST)
+    sum += PetscAbsReal(scene->tip.torque) / (force * L) + PetscAbsReal(space->spin) * units->time;
   return sum;
 }
 
@@ -314,7 +317,7 @@ static void TwistAcross(const Rod rod, PetscReal part, PetscReal scale[]) {
    for it turns what is bent by nature, too. (p1 is the sine of half of it.) */
 static void RollByItsArm(const Rod rod, const PetscReal size[], PetscReal scale[]) {
   const Contact *contact = &rod->scene->contact;
-  const PetscReal reach = Reach(rod->model, size);
+  const PetscReal reach = RodReach(rod->model, size);
 
   if (!contact->any) return;
   for (PetscInt f = 0; f < rod->model->fields; f++)

@@ -91,7 +91,7 @@ static void ClampResidual(Scene scene, PetscReal t, const PetscReal u[FIELDS],
     r[LEFT - 1] = (QuaternionSize(u + P) - 1) / 2;
     return;
   }
-  SpaceClampTurn(&scene->space, &scene->load, t, p);
+  SpaceClampTurn(&scene->space, t, p);
   for (int f = 0; f < LEFT; f++) r[f] = u[f] - (f < P ? 0 : p[f - P]);
   if (scene->clamp == CLAMP_HINGED) HingeResidual(u, p, r + P);
 }
@@ -109,7 +109,7 @@ static void ClampBlock(Scene scene, PetscReal t, const PetscReal u[FIELDS],
   }
   for (int f = 0; f < (scene->clamp == CLAMP_HINGED ? P : LEFT); f++) by[f][f] = 1;
   if (scene->clamp != CLAMP_HINGED) return;
-  SpaceClampTurn(&scene->space, &scene->load, t, p);
+  SpaceClampTurn(&scene->space, t, p);
   HingeBlock(u, p, by + P);
 }
 
@@ -1108,7 +1108,7 @@ static PetscErrorCode SpaceInitial(Rod rod, PetscReal t, Node *nodes) {
   SpinPlace *place;
 
   PetscFunctionBegin;
-  SpaceClampTurn(&scene->space, &scene->load, t, at.p);
+  SpaceClampTurn(&scene->space, t, at.p);
   PetscCall(PetscMalloc3(rod->last + 1, &force, n, &place, n, &turn));
   PetscCall(StraightForce(scene, rod->last + 1, s, t, force));
   for (PetscInt i = 0; i < n; i++) {

@@ -431,7 +431,6 @@ static void AddToSum(Strands self, const Pair *pair) {
   if (!pair->point) sum->strain += self->c[0] / 2 * U; /* what is fed in comes with it */
   sum->normal += all * pair->p;
   sum->loss += all * self->contact->friction * pair->p * pair->w * pair->slip;
-  sum->depth = PetscMax(sum->depth, -pair->gap);
 }
 
 static void Nearest(Strands self, const Pair *pair) {

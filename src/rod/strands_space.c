@@ -550,7 +550,6 @@ static void AddToSum(Strands3 self, const Pair *pair) {
   if (!pair->sample) sum->strain += self->c[0] / 2 * U; /* what is fed in comes with it */
   sum->normal += share * pair->p;
   sum->loss += share * self->contact->friction * pair->p * Dot3(pair->w, pair->slip);
-  sum->depth = PetscMax(sum->depth, -pair->gap);
 }
 
 static void Nearest(Strands3 self, const Pair *pair) {

@@ -49,7 +49,6 @@ typedef struct {
   PetscReal normal;       /* sum of normal forces */
   PetscReal clamp[3];     /* what the clamp of a rod that is fed in bears of them */
   PetscReal sum[3];       /* of all forces, with that: 0 */
-  PetscReal depth;        /* deepest penetration */
   PetscReal strain;       /* power of material that is laid down where it is pressed, and of a law
                              that changes in time */
   PetscReal nearest;      /* the smallest gap, if any is small */

@@ -84,6 +84,15 @@ PetscReal SceneNextTurn(Scene scene, PetscReal t) {
   return next;
 }
 
+/* SceneJerks - does what feeds the rod, or bends it by nature, set out or stop at once between two
+   times? */
+PetscBool SceneJerks(Scene scene, PetscReal t0, PetscReal t1) {
+  const Growth growth = scene->growth;
+
+  return (PetscBool)((growth->jerks && growth->jerks(growth, t0, t1)) ||
+                     CurvatureJerks(&scene->curvature, t0, t1));
+}
+
 /* SceneContactAt - makes the law of contact that of time t. Whoever asks for forces of contact
    calls it first; it costs nothing where there is none. */
 PetscErrorCode SceneContactAt(Scene scene, PetscReal t) {

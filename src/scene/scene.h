@@ -61,6 +61,7 @@ void SceneAtSpeed(Scene scene, PetscReal speed);
 PetscErrorCode SceneForce(Scene scene, PetscReal *force);
 PetscErrorCode SceneContactAt(Scene scene, PetscReal t);
 PetscReal SceneNextTurn(Scene scene, PetscReal t);
+PetscBool SceneJerks(Scene scene, PetscReal t0, PetscReal t1);
 PetscErrorCode SceneBends(Scene scene, PetscReal tolerance, Bends *bends);
 PetscErrorCode SceneFewBends(Scene scene, PetscInt most, PetscReal *tolerance, Bends *bends);
 void SceneAtTolerance(Scene scene, PetscReal rtol);

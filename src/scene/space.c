@@ -138,7 +138,7 @@ const char *SpaceClampOption(const Space *self) {
 }
 
 /* SpaceClampTurn - the quaternion of the clamp at time t, in its own frame at the start. */
-void SpaceClampTurn(const Space *self, const Load *load, PetscReal t, PetscReal p[4]) {
+void SpaceClampTurn(const Space *self, PetscReal t, PetscReal p[4]) {
   const PetscReal turn = SpaceClampAngle(self, t);
 
   p[0] = PetscCosReal(turn / 2);
@@ -207,11 +207,6 @@ PetscErrorCode SpaceSetFromOptions(Space *self, Load *load, Tip *tip, const Curv
   FromLab(self, weight, clamp);
   LoadSetWeight(load, clamp);
   FromLab(self, force, tip->push);
-  for (int d = 0; d < 2; d++) {
-    self->drive[0][d] = clamp[1 + d];
-    self->drive[1][d] = tip->push[1 + d];
-  }
-  self->twisted = PetscAbsReal(tip->torque);
   if (tip->path) DrivenByPath(self, tip->path);
   if (tip->walls && tip->walls->surfaces.n) self->why = "-wall_file";
   LoadSetArm(load);
@@ -251,7 +246,6 @@ PetscErrorCode SpaceChangeTorque(Space *self, Tip *tip) {
   PetscCall(OptionReal("-tip_torque", &torque, NULL));
   PetscCall(CheckPlane(self, "-tip_torque", (PetscBool)(torque != 0)));
   tip->torque = torque;
-  self->twisted = PetscAbsReal(torque);
   PetscFunctionReturn(0);
 }
 
@@ -270,12 +264,8 @@ static PetscErrorCode NewVector(const Space *self, const char *name, Dimension d
 
 /* SpaceChangePush - the dead force on the tip is what -tip_force_vector has by now. */
 PetscErrorCode SpaceChangePush(Space *self, Tip *tip) {
-  PetscReal v[3];
-
   PetscFunctionBegin;
-  PetscCall(NewVector(self, "-tip_force_vector", UNIT_FORCE, v));
-  PetscCall(PetscArraycpy(tip->push, v, 3));
-  for (int d = 0; d < 2; d++) self->drive[1][d] = v[1 + d];
+  PetscCall(NewVector(self, "-tip_force_vector", UNIT_FORCE, tip->push));
   PetscFunctionReturn(0);
 }
 
@@ -286,7 +276,6 @@ PetscErrorCode SpaceChangeWeight(Space *self, Load *load) {
   PetscFunctionBegin;
   PetscCall(NewVector(self, "-rod_weight", UNIT_LOAD, v));
   LoadSetWeight(load, v);
-  for (int d = 0; d < 2; d++) self->drive[0][d] = v[1 + d];
   PetscFunctionReturn(0);
 }
 

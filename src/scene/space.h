@@ -9,8 +9,6 @@
 #include "world/tip.h"
 #include "base/schedule.h"
 
-enum { DRIVES = 2 };
-
 typedef struct {
   const char *why;     /* the option by which something acts out of the plane; NULL: none does */
   char refused[128];   /* the line that says so to who asks for a model of the plane */
@@ -23,10 +21,8 @@ typedef struct {
   PetscReal spins_from, spun; /* from this time on, when it had turned by so much */
   PetscReal
       turned[4]; /* angles that drive each group of fields (rod.h) from 0: along, x2, x3, twist */
-  PetscReal moved[4];         /* places that do */
-  PetscReal twisted;          /* a couple that twists it */
-  PetscReal drive[DRIVES][2]; /* vectors across that do: weight, push on the tip */
-  PetscReal lab[3][3];        /* from the clamp's frame to the laboratory */
+  PetscReal moved[4];  /* places that do */
+  PetscReal lab[3][3]; /* from the clamp's frame to the laboratory */
 } Space;
 
 extern const OptionGroup space_options;
@@ -36,7 +32,7 @@ PetscErrorCode SpaceSetFromOptions(Space *space, Load *load, Tip *tip, const Cur
                                    const Shape *shape);
 PetscErrorCode SpaceRelease(Space *space);
 void SpaceToLab(const Space *space, const PetscReal v[3], PetscReal lab[3]);
-void SpaceClampTurn(const Space *space, const Load *load, PetscReal t, PetscReal p[4]);
+void SpaceClampTurn(const Space *space, PetscReal t, PetscReal p[4]);
 PetscReal SpaceClampAngle(const Space *space, PetscReal t);
 PetscReal SpaceClampRate(const Space *space, PetscReal t);
 const char *SpaceClampOption(const Space *space);

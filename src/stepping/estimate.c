@@ -503,8 +503,8 @@ static PetscErrorCode TimesRate(Estimate self, PetscReal t) {
   PetscCall(PetscArrayzero(self->rhs, n));
   for (PetscInt i = 0; i < n; i++) most = PetscMax(most, PetscAbsReal(self->b[i]));
   if (most <= rod_vanished) PetscFunctionReturn(0);
-  for (PetscInt i = 0; i < n && IsViscous(self->scene); i++)
-    fastest = PetscMax(fastest, PetscAbsReal(self->all.rate[i]));
+  if (IsViscous(self->scene))
+    for (PetscInt i = 0; i < n; i++) fastest = PetscMax(fastest, PetscAbsReal(self->all.rate[i]));
   scale = nudge * PetscMax(fastest, PetscSqrtReal(beta > 0 ? beta : friction_tiny)) / most;
   PetscCall(VecCopy(self->rate, self->nudged));
   PetscCall(VecGetArray(self->nudged, (PetscScalar **)&rate));
@@ -656,7 +656,8 @@ static PetscErrorCode See(const Estimate self, PetscReal t, const PetscReal *e,
   PetscFunctionReturn(0);
 }
 
-static PetscBool IsEarly(const Estimate self, PetscReal t, int k) {
+/* EstimateIsEarly - is an error of this kind at t one of a start, which does not count? */
+PetscBool EstimateIsEarly(Estimate self, PetscReal t, int k) {
   return (PetscBool)(t - self->began[k] <= early * self->leg->rod->scene->end_time);
 }
 
@@ -680,11 +681,11 @@ static PetscErrorCode Keep(Estimate self, PetscReal t, int part) {
     PetscReal *worst = &self->worst[part][k], told;
     if (PetscIsInfOrNanReal(seen[k])) seen[k] = most = PETSC_MAX_REAL;
     if (seen[k] == none) self->began[k] = t;
-    if (began[k] == 0 || !IsEarly(self, t, k)) most = PetscMax(most, seen[k]);
+    if (began[k] == 0 || !EstimateIsEarly(self, t, k)) most = PetscMax(most, seen[k]);
     told = seen[k] == none ? 0 : PetscMin(1, seen[k]);
     if (seen[k] == none)
       start[k] = 0;
-    else if (IsEarly(self, t, k))
+    else if (EstimateIsEarly(self, t, k))
       start[k] = PetscMax(told, start[k] * (self->before - began[k]) / (t - began[k]));
     else
       *worst = PetscMax(*worst, told);
@@ -847,23 +848,18 @@ PetscErrorCode EstimateTold(Estimate self, PetscReal told[ESTIMATE_PARTS][ESTIMA
   PetscCallMPI(MPI_Bcast(self->began, ESTIMATE_SEEN, MPIU_REAL, 0, comm));
   for (int part = 0; part < ESTIMATE_PARTS; part++)
     for (int k = 0; k < ESTIMATE_SEEN; k++)
-      if (IsEarly(self, self->before, k))
+      if (EstimateIsEarly(self, self->before, k))
         told[part][k] = PetscMax(told[part][k], self->start[part][k]);
   PetscFunctionReturn(0);
 }
 
 /* EstimateLatest - the errors of the state when they were stepped last; and, of one that touches,
-   what makes rigid contact of its tip and its energy: k dU/dk. */
+   what makes rigid contact of its tip and its energy: k dU/dk. (rigid may be NULL.) */
 void EstimateLatest(Estimate self, PetscReal latest[ESTIMATE_PARTS][ESTIMATE_SEEN],
                     PetscReal rigid[RIGID_VALUES]) {
   for (int part = 0; part < ESTIMATE_PARTS; part++)
     for (int k = 0; k < ESTIMATE_SEEN; k++) latest[part][k] = self->now[part][k];
-  for (int k = 0; k < RIGID_VALUES; k++) rigid[k] = self->rigid[k];
-}
-
-/* EstimateIsEarly - is an error of this kind at t one of a start, which does not count? */
-PetscBool EstimateIsEarly(Estimate self, PetscReal t, int seen) {
-  return IsEarly(self, t, seen);
+  for (int k = 0; k < RIGID_VALUES && rigid; k++) rigid[k] = self->rigid[k];
 }
 
 /* EstimateGet - the largest errors so far beyond the start, for EstimateSet(). Collective. */

@@ -55,8 +55,7 @@ static PetscErrorCode SetTolerance(Leg *leg) {
   if (!leg->held) PetscFunctionReturn(0);
   PetscCall(VecGetArray(leg->held, &a));
   for (PetscInt i = 0; i < n; i += fields)
-    for (PetscInt f = 0; f < fields; f++)
-      a[i + f] = strchr("xy", leg->rod->model->field[f][0]) ? most[f] : -1;
+    for (PetscInt f = 0; f < fields; f++) a[i + f] = RodIsPlace(leg->rod->model, f) ? most[f] : -1;
   PetscCall(VecRestoreArray(leg->held, &a));
   PetscFunctionReturn(0);
 }
@@ -110,15 +109,6 @@ static PetscErrorCode LookForKick(Leg *leg, PetscReal end, const PetscReal size[
    round its cross-sections have turned must be known. */
 static PetscBool MindsTurns(const Rod rod) {
   return (PetscBool)(rod->model->turned && TipPoints(&rod->scene->tip));
-}
-
-/* How far a rod reaches along any axis, from the sizes of its fields. */
-static PetscReal Reach(const RodModel *model, const PetscReal size[]) {
-  PetscReal reach = 0;
-
-  for (PetscInt f = 0; f < model->fields; f++)
-    if (strchr("xy", model->field[f][0])) reach = PetscMax(reach, size[f]);
-  return reach;
 }
 
 /* A VBDFOtherWay of a rod that can touch. A full Newton step that leaves a wall where there was
@@ -177,7 +167,7 @@ static PetscErrorCode AfterTry(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1
   PetscCall(RodSizesAlong(leg->rod, U1, leg->axes, size));
   PetscCall(GrowthLength(leg->rod->scene->growth, t1, &length, NULL));
   *impossible = (PetscBool) !(leg->rod->scene->clamp == CLAMP_FREE ||
-                              Reach(leg->rod->model, size) <= round_off * length);
+                              RodReach(leg->rod->model, size) <= round_off * length);
   PetscCall(TSGetStepNumber(ts, &step));
   leg->passed = (PetscBool)(leg->passed && step == leg->tried);
   leg->tried = step;
@@ -405,15 +395,13 @@ static const PetscReal snaps_at = 1e3, snapped_at = 1.2;
   begins  a snap, with this step
 */
 PetscErrorCode LegSpeed(Leg *leg, PetscReal *speed, PetscBool *begins) {
-  const RodModel *model = leg->rod->model;
   const Scene scene = leg->rod->scene;
-  PetscReal rate[MAX_FIELDS], fastest = 0;
+  PetscReal rate[MAX_FIELDS], fastest;
   PetscBool falls;
 
   PetscFunctionBegin;
   PetscCall(RodFieldSizes(leg->rod, leg->newton.latest.U_t, rate));
-  for (PetscInt f = 0; f < model->fields; f++)
-    if (strchr("xy", model->field[f][0])) fastest = PetscMax(fastest, rate[f]);
+  fastest = RodReach(leg->rod->model, rate);
   *speed = fastest / scene->units.speed;
   falls =
       (PetscBool)(LoadIsDry(&scene->load) && *speed > (scene->falls > 0 ? snapped_at : snaps_at));
@@ -656,13 +644,10 @@ static PetscReal NextTurn(TS ts, PetscReal t) {
 static PetscBool Kinks(TS ts, PetscReal t) {
   PetscReal near = 1e-12; /* as steps end there */
   Leg *leg = NULL;
-  Growth growth;
 
   if (TSGetApplicationContext(ts, &leg)) return PETSC_FALSE;
-  growth = leg->rod->scene->growth;
   near *= leg->rod->scene->end_time;
-  return (PetscBool)(CurvatureJerks(&leg->rod->scene->curvature, t - near, t + near) ||
-                     (growth->jerks && growth->jerks(growth, t - near, t + near)));
+  return SceneJerks(leg->rod->scene, t - near, t + near);
 }
 
 /* LegEndAtTurns - lets steps end where what tables give in time sets out, stops or turns back: a

@@ -31,9 +31,9 @@ static PetscErrorCode Residuals(Rod rod, Vec U, Vec F, PetscReal residual[GROUPS
 
 /* Forces and moments do not control the step, but where the rod sticks they are all that Newton's
    method has to find: they must settle to this part of their size, or the next step starts from
-   noise. Not for ever: with a tiny
-   beta and a tiny step their round-off may lie above it: only for so many iterations; in steps in
-   which they matter (MindsForces()) for so many in a row that have moved nothing else. */
+   noise. Not for ever: with a tiny beta and a tiny step their round-off may lie above it: only for
+   so many iterations; in steps in which they matter (MindsForces()) for so many in a row that have
+   moved nothing else. */
 static const PetscReal loose = 1e-4, tight = 1e-5;
 enum { PATIENCE = 8, IN_A_SNAP = 16 };
 

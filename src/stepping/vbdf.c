@@ -226,9 +226,10 @@ PetscErrorCode VBDFSetAgain(TS ts, PetscReal own, PetscReal again, PetscBool unh
 
   PetscFunctionBegin;
   PetscCall(Self(ts, &self));
-  if (self) self->controller.own = own;
-  if (self) self->controller.again = again;
-  if (self) self->controller.unheld = unheld;
+  if (!self) PetscFunctionReturn(0);
+  self->controller.own = own;
+  self->controller.again = again;
+  self->controller.unheld = unheld;
   PetscFunctionReturn(0);
 }
 
@@ -240,8 +241,9 @@ PetscErrorCode VBDFSetHeld(TS ts, Vec held, PetscBool free) {
 
   PetscFunctionBegin;
   PetscCall(Self(ts, &self));
-  if (self) self->controller.held = held;
-  if (self) self->controller.free = free;
+  if (!self) PetscFunctionReturn(0);
+  self->controller.held = held;
+  self->controller.free = free;
   PetscFunctionReturn(0);
 }
 

@@ -36,6 +36,7 @@ typedef PetscErrorCode (*VBDFCross)(TS ts, Vec U, VBDFSight sight, PetscBool *cr
 /* The first time behind t at which a step has to end, whatever its error; PETSC_MAX_REAL: there is
    none. */
 typedef PetscReal (*VBDFNextEnd)(TS ts, PetscReal t);
+/* Does what drives it kink there? Then what was before says nothing of what comes. */
 typedef PetscBool (*VBDFKinks)(TS ts, PetscReal t);
 
 /* Turns an error, in place, into the axes along which the tolerances are. */

@@ -161,18 +161,14 @@ static PetscErrorCode Neglect(Grow *self, Vec U_t) {
 }
 
 /* Jumps before this part of what short steps are part of cross the layer of a start, and are no
-   snaps (controller.c). A first step that ends in it is one of a start
-   out of balance: what is lost on the way to its end goes by rates that nothing tells, for a start
-   has none. */
+   snaps (controller.c). A first step that ends in it is one of a start out of balance: what is lost
+   on the way to its end goes by rates that nothing tells, for a start has none. */
 static const PetscReal initial_layer = 1e-6;
 
 /* Does what leads tip or clamp, feeds the rod, or moves a surface that is touched set out or stop
    at once between two times? */
 static PetscBool LedRoundCorner(Scene scene, PetscBool touches, PetscReal t0, PetscReal t1) {
-  const Growth growth = scene->growth;
-
-  return (PetscBool)((growth->jerks && growth->jerks(growth, t0, t1)) ||
-                     CurvatureJerks(&scene->curvature, t0, t1) ||
+  return (PetscBool)(SceneJerks(scene, t0, t1) ||
                      (scene->tip.path && PathTurnsCorner(scene->tip.path, t0, t1)) ||
                      (scene->space.clamp_path && ScheduleJerks(scene->space.clamp_path, t0, t1)) ||
                      (touches && SurfacesJerk(&scene->contact.surfaces, t0, t1)));
@@ -232,12 +228,12 @@ static PetscErrorCode GetOn(Grow *self) {
 
 /* The estimate goes on, and the tolerance with it. */
 static PetscErrorCode FollowErrors(Grow *self, PetscBool jumped) {
-  PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEEN], rigid[RIGID_VALUES];
+  PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEEN];
 
   PetscFunctionBegin;
   PetscCall(EstimateStep(self->estimate, jumped, self->pressed));
   if (!self->estimate || self->now->ease.most <= 1 || !self->pressed) PetscFunctionReturn(0);
-  EstimateLatest(self->estimate, part, rigid);
+  EstimateLatest(self->estimate, part, NULL);
   ToleranceFollow(self->rtol, (const PetscReal(*)[ESTIMATE_SEEN])part, &self->now->ease);
   PetscFunctionReturn(0);
 }
@@ -816,8 +812,6 @@ PetscErrorCode GrowDestroy(Grow *self) {
   PetscFunctionReturn(0);
 }
 
-/* Steps to the end, from model to model. Where a rod in dry friction finds no step, it tries again
-   with a viscous share, or a larger one, in steps of grow_begins_again of the run on. */
 /* One step of a TS that solves already, as TSSolve() takes it: that would limit it once more. */
 static PetscErrorCode StepOn(TS ts) {
   PetscReal t;
@@ -836,7 +830,8 @@ static PetscErrorCode StepOn(TS ts) {
   PetscFunctionReturn(0);
 }
 
-/* What follows where the stepper has stopped. */
+/* What follows where the stepper has stopped. A rod in dry friction that finds no step tries again
+   with a viscous share, or a larger one, in steps of grow_begins_again of the run on. */
 static PetscErrorCode AfterSolve(Grow *self) {
   PetscFunctionBegin;
   PetscCall(TSGetConvergedReason(self->now->ts, &self->reason));
@@ -976,10 +971,10 @@ static PetscBool SpinsFreely(const Grow *self) {
 static PetscBool PressedStraight(const Grow *self) {
   const PetscReal straight = 0.01;
   const Scene scene = self->scene;
-  PetscBool loaded = PETSC_FALSE;
+  const PetscReal *weight = scene->load.weight, *push = scene->tip.push;
+  const PetscBool loaded =
+      (PetscBool)(weight[1] != 0 || weight[2] != 0 || push[1] != 0 || push[2] != 0);
 
-  for (int k = 0; k < DRIVES; k++)
-    if (scene->space.drive[k][0] != 0 || scene->space.drive[k][1] != 0) loaded = PETSC_TRUE;
   return (PetscBool)(self->seen.contacts > 0 && self->seen.max_angle <= straight && !loaded &&
                      !CurvatureBends(&scene->curvature));
 }

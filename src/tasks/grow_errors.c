@@ -2,12 +2,11 @@
 #include "tasks/accuracy.h"
 #include "tasks/growing.h"
 
-/* A start that one step has crossed was not
-   followed: it may be off by twice what that step has changed, and by no more than of_start; but
-   if that is far, the rod may have left it to another side, and nothing is known. Behind
-   a growth zone friction that is exact is taken for one with a beta, which moments that were laid
-   down feel by its sixth root, and little else does: so much where errors are not followed (at the
-   usual tolerance nothing is known). */
+/* A start that one step has crossed was not followed: it may be off by twice what that step has
+   changed, and by no more than of_start; but if that is far, the rod may have left it to another
+   side, and nothing is known. Behind a growth zone friction that is exact is taken for one with a
+   beta, which moments that were laid down feel by its sixth root, and little else does: so much
+   where errors are not followed (at the usual tolerance nothing is known). */
 static const PetscReal per_change = 2, of_start = 1e-2, far = 0.5, of_limit = 40;
 /* What a viscous share adds, over it: norms change by up to ten times that (LoadShareMore()),
    behind a snap by up to 20 times. */
@@ -181,13 +180,12 @@ static int Reason(const Grow *self, const PetscReal part[ESTIMATE_PARTS][ESTIMAT
   last  the state before     jumped  it was a jump
 */
 void GrowFollowErrors(Grow *self, const Observation *last, PetscBool jumped) {
-  PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEEN], rigid[RIGID_VALUES], least[ESTIMATE_SEEN],
-      t = self->seen.t;
+  PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEEN], least[ESTIMATE_SEEN], t = self->seen.t;
   ErrorEstimate *error = &self->error;
   int happens;
 
   if (!GrowFollowsErrors(self) || t == 0) return;
-  EstimateLatest(self->estimate, part, rigid);
+  EstimateLatest(self->estimate, part, NULL);
   Least(self, least);
   AccuracyMeasured(least, part, Beside(self), &error->end);
   self->seen.error_tip = error->end.seen[ESTIMATE_TIP];

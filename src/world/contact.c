@@ -15,11 +15,10 @@ static const OptionRow rows[] = {
         "-contact_stiffness", "", 1e-6, 1e30, UNIT_NONE, 0,
         "k, force per length and depth, in N/l; if not given it follows from the diameter and the "
         "forces that there are, and without one, or with -accuracy, from the length"),
-    ROW_BOOL(
-        "-contact_firm", "", 0,
-        "k that follows from the diameter grows, up to 64-fold, where the rod is pressed in "
-        "by more than 0.3 % of it (docs/contact.md); if not given it does, unless the run finds "
-        "no way so")};
+    ROW_BOOL("-contact_firm", "", 0,
+             "k that follows from the diameter grows, up to 16-fold, where the rod is pressed in "
+             "by more than 0.075 % of it; where it can touch itself up to 64-fold, from 0.3 % on "
+             "(docs/contact.md); if not given it does, unless the run finds no way so")};
 const OptionGroup contact_options = OPTION_GROUP("Contact", rows);
 
 /* ContactMayGetFirm - unless the user says whether it does, contact gets firmer where the rod is
@@ -66,10 +65,7 @@ PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
             "-contact_firm makes that stiffness grow which follows from the diameter; take %s out",
             contact->given ? "-contact_stiffness" : "-accuracy");
   PetscCall(ContactMayGetFirm(contact));
-  contact->rub = *friction;
-  contact->rub.mu = 1;
-  contact->rub.viscous = contact->rub.least = 0;
-  contact->rub.own = NULL;
+  contact->rub = FrictionDry(*friction);
   if (walls)
     PetscCall(WallsRead(file, contact->diameter / 2, contact->friction, clamp_angle,
                         &contact->walls, &contact->surfaces));

@@ -7,12 +7,13 @@
 
    C1, with the potential U, U' = -p. Rigid contact is the limit of large k. That which
    follows from D rises smoothly to contact_firm_times of it over the depths from contact_firm[0] w
-   to contact_firm[1] w (w is 2e-3 D where k follows from D), and is even again behind, so that no
-   overshoot of Newton's method meets forces without a bound. The law is the same all along, for one
-   that is switched on in the course of a run is another problem from there on; but a rod
-   need not know of it before it is pressed in by contact_firm[0] w (ContactGetsFirm()). All of it
-   scales with k and w, so that what is led to rigid contact by both is so here, too. Friction in
-   contact: mu_c p against the relative velocity along the surface, u, as -mu_c p u/r, r = sqrt(u^2
+   to contact_firm[1] w (w is 5e-4 D where k follows from D, and 2e-3 D of a rod that can touch
+   itself), and is even again behind, so that no overshoot of Newton's method meets forces without a
+   bound. The law is the same all along, for one that is switched on in the course of a run is
+   another problem from there on; but a rod need not know of it before it is pressed in by
+   contact_firm[0] w (ContactGetsFirm()). All of it scales with k and w, so that what is led to
+   rigid contact by both is so here, too. Friction in contact: mu_c p against the relative velocity
+   along the surface, u, as -mu_c p u/r, r = sqrt(u^2
    + beta). The end of the rod is a point contact of its own, of strength k l, l = (B/k)^(1/4): the
    length over which a point load spreads on such a foundation, B the rod's stiffness there. So is
    the place of the rod nearest to a post, or corner, that is not wider than the cells (rod/feet.h).

@@ -65,7 +65,7 @@ static void TouchOf(const Contact *self, PetscInt which, const PetscReal y[3],
   t->steep = self->surfaces.surface[which].kind->known == SURFACE_ON_A_GRID
                  ? PetscSqrtReal(Dot3(point->normal, point->normal))
                  : 1;
-  t->moves = (PetscBool)(self->surfaces.surface[which].motion.any && !self->surfaces.still);
+  t->moves = self->surfaces.surface[which].motion.any;
   TurnBack(self->lab, point->normal, t->normal);
   for (int d = 0; d < 3; d++) TurnBack(self->lab, point->bend[d], part[d]);
   for (int d = 0; d < 3; d++)

@@ -77,6 +77,14 @@ static inline PetscReal FrictionRadius(const Friction *law, const PetscReal v[2]
   return PetscSqrtReal(u[0] * u[0] + u[1] * u[1] + (law->beta > 0 ? law->beta : friction_tiny));
 }
 
+/* The dry part of a law alone. */
+static inline Friction FrictionDry(Friction law) {
+  law.mu = 1;
+  law.viscous = law.least = 0;
+  law.own = NULL;
+  return law;
+}
+
 /* Viscous friction, over v, given |v|^2; all of it, where the law is one's own. */
 static inline PetscReal FrictionViscous(const Friction *law, PetscReal v2) {
   if (law->own) return FrictionOwn(law, v2, 0);

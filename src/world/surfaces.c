@@ -273,12 +273,11 @@ static PetscBool MovedAt(const Surfaces *self, const Surface *surface, const voi
   return PETSC_TRUE;
 }
 
-/* SurfacesVelocity - the velocity of a surface's material at x, and its rate of turning; 0 where
-   time stands still. */
+/* SurfacesVelocity - the velocity of a surface's material at x, and its rate of turning. */
 void SurfacesVelocity(const Surfaces *self, PetscInt which, const PetscReal x[3],
                       PetscReal velocity[3], PetscReal spin[3]) {
   const SurfaceMotion *m = &self->surface[which].motion;
-  const PetscReal rate = self->still ? 0 : MotionRate(m, self->time);
+  const PetscReal rate = MotionRate(m, self->time);
   PetscReal shift[3], along[3], o[3];
 
   MotionShift(m, self->time, shift);
@@ -288,7 +287,7 @@ void SurfacesVelocity(const Surfaces *self, PetscInt which, const PetscReal x[3]
     spin[d] = rate * m->axis[d];
   }
   Cross3(spin, o, velocity);
-  for (int d = 0; d < 3 && !self->still; d++) velocity[d] += along[d];
+  for (int d = 0; d < 3; d++) velocity[d] += along[d];
 }
 
 /* SurfacesCarry - where that of a surface which was at x at another time, from, is now. */

@@ -84,7 +84,6 @@ typedef struct {
   Surface *surface;
   PetscBool rub;                  /* any has friction */
   PetscReal time;                 /* at which they are looked at: see SurfaceMotion */
-  PetscBool still;                /* time stands still, as in a snap */
   PetscReal smallest;             /* of all */
   Blocks near;                    /* those that are somewhere: item k is surface placed[k] */
   PetscInt *placed, *open, opens; /* the others are looked at from everywhere */

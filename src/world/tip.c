@@ -66,9 +66,7 @@ PetscErrorCode TipSetFromOptions(Tip *tip, const Load *load) {
             "-tip_force: a resistance is not negative");
   tip->per_turn = tip->per_place = 1;
   tip->resistance = *load;
-  tip->resistance.friction.mu = 1;
-  tip->resistance.friction.viscous = tip->resistance.friction.least = 0;
-  tip->resistance.friction.own = NULL;
+  tip->resistance.friction = FrictionDry(load->friction);
   tip->resistance.across = 1;
   tip->resistance.turns = PETSC_FALSE;
   tip->resistance.field = NULL;
