@@ -15,7 +15,7 @@ import time
 
 import numpy as np
 
-from tendril import results as tendril_results
+from tendril import load
 
 TENDRIL, BENCH = "build/tendril", "build/bench_newton"
 BEFORE = os.environ.get("TENDRIL_BEFORE")  # an earlier version, to stand beside this one
@@ -36,7 +36,7 @@ def run(options, output, repeat=3, program=TENDRIL):
         found = re.search(r"(\d+) steps, \d+ rejected, (\d+) Newton iterations, ([\d.]+) s", done.stdout)
         steps, iterations, seconds = int(found[1]), int(found[2]), float(found[3])
         best = min(best, seconds)
-    return best, iterations, steps, tendril_results.load(output)
+    return best, iterations, steps, load(output)
 
 
 def reference(name):

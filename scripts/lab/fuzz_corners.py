@@ -20,7 +20,7 @@ import tempfile
 import h5py
 import numpy as np
 
-from fuzz_walls import ENVIRONMENT
+from fuzz_walls import ENVIRONMENT, balance
 
 
 def corners(points):
@@ -111,7 +111,7 @@ def run(exe, o, wall, limit):
         pressed = f["series/contact_force"][:].max() > 0
     if done.returncode:
         return ("jammed" if "jammed at" in said else f"lost: {said[-300:]}"), tip, iterations, text
-    off, told = (float(v) for v in re.search(r"energy defect ([^\s,]+)[^$]*the largest of the run: \S+ (\S+)", done.stdout).groups())
+    off, told = balance(f"{folder}/run.h5")
     if off > told:
         return f"lost: energy is off by {off}, told is {told}", tip, iterations, text
     return ("touched" if pressed else "free"), tip, iterations, text

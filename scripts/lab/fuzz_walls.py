@@ -14,7 +14,6 @@ displaced and come back, as rows say."""
 
 import os
 import random
-import re
 import subprocess
 import sys
 import tempfile
@@ -173,10 +172,16 @@ def run(exe, o, walls, lines, limit, led):
     if done.returncode:
         deep /= o["contact_diameter"]
         return ("jammed" if "jammed at" in said else f"lost: {said[-200:]}"), deep, 0, " ".join(command)
-    off, told = (float(v) for v in re.search(r"energy defect ([^\s,]+)[^$]*the largest of the run: \S+ (\S+)", done.stdout).groups())
+    off, told = balance(file)
     if off > told:
         return f"lost: energy is off by {off}, told is {told}", deep, off, " ".join(command)
     return "touched" if pressed else "free", deep / o["contact_diameter"], off, " ".join(command)
+
+
+def balance(file):
+    """By how much the energies of a run are off, and the largest error that it is told."""
+    with h5py.File(file) as f:
+        return f["series/energy_defect"][-1], f.attrs["error_estimate"]
 
 
 def same(a, b):

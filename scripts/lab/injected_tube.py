@@ -31,7 +31,7 @@ PUSHES = 2.5, 3, 5, 10, 20, 40
 
 def stiffer(directory, k=1e5):
     """The tube for contact that much stiffer: as wide as it must be for the rod to lie on its bottom."""
-    smooth = 2 * k**-0.75 / np.sqrt(8)
+    smooth = 2 * W**(2 / 3) * k**-0.75 / np.sqrt(8)  # of a rod of 7 and more: a shorter one presses harder
     gap = smooth * (1 - 2 * np.sqrt(W / (k * smooth)))
     wall = directory / "stiffer.txt"
     wall.write_text(f"cylinder 0 0 {R} 1 0 0 {R + D / 2 + gap:.12g} inside friction {MU}\n")

@@ -59,7 +59,7 @@ def pipes(directory, data=ROOT / "options" / "data" / "maze.h5"):
 
 
 RUNS = {"left": "", "right": "-rod_curvature -0.3", "400 cells": "-rod_cells 400", "-ts_rtol 1e-6": "-ts_rtol 1e-6",
-        "contact 4 times as stiff": "-contact_stiffness 1.2e6"}
+        "-contact_stiffness 1.2e6": "-contact_stiffness 1.2e6"}
 
 
 def table(tendril, directory):

@@ -56,7 +56,7 @@ def run(program, name, directory, output, more=()):
 def references(program, name, directory):
     """The files of a scene's references, made if they are not there."""
     _, cells, stiffness = SCENES[name]
-    stiff = ["-contact_stiffness", str(stiffness)] + (["-contact_firm", "false"] if name == "cable-conduit" else [])
+    stiff = ["-contact_stiffness", str(stiffness)]
     kinds = {"a": ["-ts_rtol", "1e-7", *stiff], "b": ["-ts_rtol", "1e-5", "-rod_cells", str(2 * cells), *stiff]}
     for kind, more in kinds.items():
         file = directory / f"{name}.{kind}.h5"

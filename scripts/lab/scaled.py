@@ -24,7 +24,7 @@ ROOT = Path(__file__).resolve().parents[2]
 ENVIRONMENT = dict(os.environ, OMP_NUM_THREADS="1", OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
 SUMMARY = re.compile(r"(\d+) steps, \d+ rejected, (\d+) Newton iterations")
 PART, FEWEST, LIMIT = 0.01, 3, 120  # what may differ; seconds of a run
-PLACE = Path(tempfile.mkdtemp(prefix="scaled-"))
+PLACE = tempfile.TemporaryDirectory(prefix="scaled-")
 ROUND_OFF, TIMES = 3e-14, 4  # how far numbers are moved, and how often
 LENGTH, TIME, FORCE, PER_LENGTH, BEND = "length", "time", "force", "per length", "bend"
 
@@ -101,7 +101,7 @@ class Scene:
     def scaled(self, c, off=0):
         """The options with lengths times c, all numbers too large by a part; the walls go into a file."""
         lines = [" ".join([kind, *(f"{x * c * (1 + off):.17g}" for x in lengths), more]) for kind, lengths, more in self.walls]
-        file = PLACE / "walls.txt"
+        file = Path(PLACE.name) / "walls.txt"
         file.write_text("\n".join(lines) + "\n", encoding="utf-8")
         time = c**self.power
         unit = {LENGTH: c, TIME: time, FORCE: c**-2, PER_LENGTH: c**-3, BEND: 1 / c}

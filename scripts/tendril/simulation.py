@@ -129,6 +129,9 @@ class Series(Mapping):
             names.append(name.decode())
         return names
 
+    def __contains__(self, name):  # (Mapping would fetch all of it)
+        return name in self._names()
+
     def __getitem__(self, name):
         sim, n, values = self._of(), c_int(), c_void_p()
         if name not in self._names():
@@ -201,11 +204,12 @@ class Simulation:
         """Calls the library; what is wrong is raised. Returns the code of what is not: OK, ENDED or WATCH."""
         with LOCK:
             code = getattr(library(), name)(self._pointer, *arguments)
-            message = library().TendrilMessage(self._pointer).decode(errors="replace")
+            good = code in (OK, ENDED, WATCH)
+            message = "" if good else library().TendrilMessage(self._pointer).decode(errors="replace")
         raised, self._raised = self._raised, None
         if raised is not None and code in (WATCH, LAW):
             raise raised
-        if code not in (OK, ENDED, WATCH):
+        if not good:
             raise RunError(message)
         return code
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A fast part of the atlas of failure (scripts/atlas.py): the default is right where other methods
+"""A fast part of the atlas of failure (scripts/lab/atlas.py): the default is right where other methods
 fail, and each of these is shown to fail, so that the map stays true.
 
     atlas_cells.py build/tendril [CHECK...]      (no CHECK: all of them)"""

@@ -750,11 +750,6 @@ def pressed_in():
         expect(r.penetration.max() < 0.01 * 0.059 and "pressed in" not in r.said, r.said)
 
 
-def parts(r):
-    """Those of the estimate, by name."""
-    return r.told
-
-
 def off_by(r, fine):
     """The largest relative error of |x2| and energy at a run's steps, from its tenth part on, and of its tip."""
     late = r.t > 0.1 * r.t[-1]
@@ -789,13 +784,13 @@ def estimate():
     fine = Run(f"{rubs} -rod_cells 600 -ts_rtol 1e-7")
     for cells in (80, 200):
         r = Run(f"{rubs} -rod_cells {cells}")
-        error, told = off_by(r, fine), sum(float(parts(r)[k]) for k in ("space", "time"))
+        error, told = off_by(r, fine), sum(r.told[k] for k in ("space", "time"))
         print(f"{cells} cells: off by {error:.1e}, estimated {told:.1e}")
         expect(error / 3 < told < 30 * error, f"off by {error:.1e}, estimated {told:.1e}")
     fine, stiff = (Run(f"{rubs} -rod_cells 600 -ts_rtol 1e-7 -contact_stiffness {k}") for k in (5.4e4, 8e6))
-    rigid, told = off_by(fine, stiff), parts(fine)["contact"]
+    rigid, told = off_by(fine, stiff), fine.told["contact"]
     print(f"from rigid contact: off by {rigid:.1e}, estimated {told}")
-    expect(rigid / 3 < float(told) < 10 * rigid, f"from rigid contact off by {rigid:.1e}, estimated {told}")
+    expect(rigid / 3 < told < 10 * rigid, f"from rigid contact off by {rigid:.1e}, estimated {told}")
     soft = Run(f"{rubs} -rod_cells 600 -ts_rtol 1e-7 -contact_stiffness 3e5")
     for name in ("tip_x2", "energy"):  # beside the run's own values
         off, left = (abs(value / stiff.series[name][-1] - 1) for value in (soft.series[name][-1], soft.rigid[name]))

@@ -22,6 +22,7 @@ except ImportError as error:
 
 ROOT = Path(__file__).resolve().parents[2]
 TENDRIL = str(Path(sys.argv.pop(1)).resolve())
+ENVIRONMENT = os.environ | {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 PAGES = [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md"), *ROOT.glob("options/*.md")]
 NUMBER = re.compile(r"(?<![\w^])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?!\w)")
 # lines that are checked, by what all of them say
@@ -92,13 +93,12 @@ def shown(text):
 class Numbers(unittest.TestCase):
     def test_lines(self):
         """Every line of a result that a page shows is one that the program prints today."""
-        environment = os.environ | {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
         for page, commands in MADE.items():
             printed = []
             with tempfile.TemporaryDirectory(prefix="tendril-") as place:
                 for options, directory in commands:
                     done = subprocess.run([TENDRIL, *options.split(), "-output", f"{place}/run.h5"], check=True,
-                                          cwd=ROOT / directory, capture_output=True, text=True, env=environment)
+                                          cwd=ROOT / directory, capture_output=True, text=True, env=ENVIRONMENT)
                     printed += shown(done.stdout)
                 if page in ANSWERS:
                     self.answered(page, f"{place}/run.h5")
@@ -147,12 +147,11 @@ class Numbers(unittest.TestCase):
     def test_gallery(self):
         """The energy defects that the gallery tells are those of its scenes (the quick ones), to a factor of
         three."""
-        environment = os.environ | {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
         page = (ROOT / "options/README.md").read_text()
         for scene in ("uniform-half", "uniform-viscous", "feed", "gaussian", "snake", "against-wall"):
             said = float(re.search(rf"(?m)^\| \[{scene}\].*\| ([0-9.e-]+) \|$", page)[1])
             done = subprocess.run([TENDRIL, "-options_file", f"options/{scene}.opts"], check=True, cwd=ROOT,
-                                  capture_output=True, text=True, env=environment)
+                                  capture_output=True, text=True, env=ENVIRONMENT)
             found = float(re.search(r"energy defect (\S+),", done.stdout)[1])
             self.assertTrue(found / 3 < said < 3 * found, f"{scene}: {said} is said, {found} is")
 
@@ -164,7 +163,7 @@ class Numbers(unittest.TestCase):
         for options, length, by in rows:
             done = subprocess.run([TENDRIL, *f"-task critical -friction_beta 1e-6 -growth_initial_length 0.5 {options}".split()], check=True,
                                   capture_output=True, text=True,
-                                  env=os.environ | {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"})
+                                  env=ENVIRONMENT)
             found = float(re.search(r"critical length L = (\S+)", done.stdout)[1])
             self.assertLess(abs(found - float(length)), 0.6 * 10.0 ** -len(length.partition(".")[2]), f"{options}: {found}")
             self.assertIn(f"\n{by}", done.stdout, options)
@@ -307,7 +306,7 @@ class Users(unittest.TestCase):
         with tempfile.TemporaryDirectory(prefix="tendril-") as place:
             subprocess.run([TENDRIL, *"-ts_max_time 0.1 -rod_cells 20 -si_bending_stiffness 1 -si_friction_dry 1 -si_speed 1 "
                             "-contact_self true -contact_diameter 0.01 -output".split(), f"{place}/run.h5"], check=True, capture_output=True,
-                           env=os.environ | {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"})
+                           env=ENVIRONMENT)
             with h5py.File(f"{place}/run.h5") as file:
                 names = {name for name in file.attrs if "/" not in name}
         for path in ("output.c", "collection.c"):  # and those that this run has none of

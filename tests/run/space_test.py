@@ -653,7 +653,6 @@ def off_at_end(run, fine):
 def estimate():
     """The errors of a rod in space are measured: above what a finer mesh shows, of the mesh's order;
     a layer that falls between nodes is seen, and so is friction that feels a spin."""
-    part = lambda r, name: r.told[name]
     spins = ("-growth_initial_length 1.5 -shape_amplitude 0.3 -rod_curvature_2 1 -friction_radius 0.2 -clamp_spin 3 "
              "-friction_beta 0.05 -ts_max_time 0.3 ")
     layer = TWISTED + "-friction_layers 0:1,1:5 -friction_layer_width 0.02 -ts_max_time 1 "
@@ -692,7 +691,7 @@ def estimate():
     tendril(f"-restart {scene.SCRATCH}/layer.h5 -output {scene.SCRATCH}/layer.h5")
     expect(np.array_equal(read(f"{scene.SCRATCH}/layer.h5")["series/energy_defect"], run.energy_defect), "broken amid its layer")
     some, finer = (Run(TWISTED + f"-ts_max_time 0.3 -rod_cells {n}") for n in (24, 48))
-    order = np.log2(part(some, "space") / part(finer, "space"))
+    order = np.log2(some.told["space"] / finer.told["space"])
     print(f"order {order:.2f}")
     expect(3.5 < order < 5.5, f"order {order}")
 

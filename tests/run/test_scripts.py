@@ -258,7 +258,7 @@ class Scripts(unittest.TestCase):
                 self.assertIn(word, said)
 
     def test_options_page(self):
-        """docs/options.md is what scripts/options.py makes of this executable."""
+        """docs/options.md is what scripts/lab/options.py makes of this executable."""
         done = subprocess.run([sys.executable, str(SCRIPTS / "lab" / "options.py"), TENDRIL],
                               capture_output=True, text=True)
         page = (SCRIPTS.parent / "docs" / "options.md").read_text()

@@ -2,7 +2,7 @@
 """The method of Horvath, Sipos and Varkonyi, written anew on dolfin: mixed elements of degree 3 for
 x1, x2 and lambda, interior penalty for the bending, backward differences at a fixed step, Newton.
 
-    /usr/bin/python3 scripts/peers/paper_fem.py -growth_initial_length 2 -shape_amplitude 0.1 \
+    /usr/bin/python3 scripts/lab/peers/paper_fem.py -growth_initial_length 2 -shape_amplitude 0.1 \
         -ts_max_time 5 -times 1,5 -dt 0.01 -nel 64
 
 Takes tendril's options for the scene (uniform and gaussian growth, sag, beta > 0) and
