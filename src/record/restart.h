@@ -6,6 +6,7 @@
 #include "stepping/estimate.h"
 #include "stepping/vbdf.h"
 
+enum { RESTART_KICKS = 13 }; /* of the fields of the mechanics */
 enum {
   RESTART_BESIDE = 14 + 3 * ESTIMATE_SEEN,
   RESTART_STUCK = 9
@@ -20,7 +21,7 @@ typedef struct {
   PetscReal model, fields, steps;        /* models are numbered as in grow.c */
   PetscReal memory[VBDF_MEMORY];         /* of the stepper, beside its points */
   PetscReal wants, ease, others;         /* of the leg: its Ease */
-  PetscReal kick[MAX_FIELDS], kick_ends; /* of the leg: what a wall's kick is measured against */
+  PetscReal kick[RESTART_KICKS], kick_ends; /* of the leg: what a wall's kick is measured against */
   Observation seen, began;    /* at t; where steps began to cross the layer of the start */
   PetscReal folds, neglected; /* so far, for the estimate of the error */
   PetscReal falls;            /* speed of a rod that snaps, SceneAtSpeed(); 0: it does not */

@@ -1,5 +1,6 @@
 #include "stepping/leg.h"
 #include "base/lagrange.h"
+#include "rod/learned.h"
 #include "stepping/guard.h"
 #include "stepping/vbdf.h"
 
@@ -205,6 +206,17 @@ static PetscErrorCode TurnError(TS ts, Vec error) {
   PetscFunctionReturn(0);
 }
 
+/* A VBDFCarry of what the material has learned. */
+static PetscErrorCode CarryLearned(TS ts, PetscReal t, PetscInt m, const PetscReal times[],
+                                   const Vec points[], PetscReal weight[][VBDF_FIELDS], Vec sum) {
+  Leg *leg;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetApplicationContext(ts, &leg));
+  PetscCall(LearnedCarry(leg->rod, t, m, times, points, weight, sum));
+  PetscFunctionReturn(0);
+}
+
 /* Errors of fields across are measured along axes of their own, if the stepper can. */
 static PetscErrorCode MeasureAlongAxes(Leg *leg) {
   PetscFunctionBegin;
@@ -300,7 +312,7 @@ static PetscBool HasModes(const Rod rod) {
   const PetscBool twisted = (PetscBool)(scene->load.radius > 0 || scene->space.spin != 0);
 
   return (PetscBool) !(ContactWallsRub(contact) || contact->friction > 0 || rod->coupled ||
-                       twisted || scene->load.turns || scene->growth->rests);
+                       twisted || scene->tropism.any || scene->load.turns || scene->growth->rests);
 }
 
 /*
@@ -590,7 +602,8 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, Leg
   PetscCall(VBDFSetScale(leg->ts, scene->units.brief));
   PetscCall(VBDFSetResolves(leg->ts, (PetscBool)(LoadIsDry(&scene->load) || !scene->contact.any)));
   PetscCall(FreeTurns(leg));
-  PetscCall(VBDFSetFactored(leg->ts, model->fields, model->group));
+  PetscCall(VBDFSetFactored(leg->ts, leg->rod->model->fields, leg->rod->model->group));
+  if (leg->rod->learned && scene->growth->slides) PetscCall(VBDFSetCarry(leg->ts, CarryLearned));
   PetscCall(MeasureAlongAxes(leg));
   PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));
   PetscCall(VBDFSetCross(leg->ts, CrossesMode));

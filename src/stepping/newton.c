@@ -2,6 +2,7 @@
 #include "base/compat.h"
 #include "base/blocklu.h"
 #include "base/chain.h"
+#include "rod/learned.h"
 
 /* Newton's iteration stops when its update is this part of rtol: of the step's own tolerance, a
    fifteenth (leg.c). */
@@ -446,7 +447,10 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
       MatCreateShell(rod->scene->comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, newton, &newton->J));
   PetscCall(MatShellSetOperation(newton->J, MATOP_MULT, (void (*)(void))MultiplyDirection));
   PetscCall(SolverOf(ts, &ksp, &pc));
-  PetscCall(EliminationSetType(pc, newton->elimination));
+  if (rod->learned)
+    PetscCall(LearnedSetType(pc, rod, newton->elimination));
+  else
+    PetscCall(EliminationSetType(pc, newton->elimination));
   if ((rod->model->space && rod->scene->load.radius > 0) || TipHolds(&rod->scene->tip, 1))
     PetscCall(EliminationCreate(rod->scene->comm, nodes, rod->model->halves, &newton->counter));
   PetscFunctionReturn(0);
