@@ -1,7 +1,7 @@
 #include "rod/strands.h"
 #include "rod/curve.h"
 #include "base/hermite.h"
-#include "base/boxes.h"
+#include "base/blocks.h"
 #include "rod/spread.h"
 
 enum { A1, A2, ATH, B1, B2, BTH, SPOT_UNKNOWNS }; /* x and theta at both ends of a cell */
@@ -287,7 +287,7 @@ PetscErrorCode StrandsSearch(Strands self, const StrandState *state) {
   Looking look = {.self = self,
                   .state = state,
                   .reach = (1 + margin) * self->contact->diameter + self->contact->smooth};
-  Boxes boxes;
+  Blocks line;
 
   PetscFunctionBegin;
   PetscCall(LawsAt(self, state->t));
@@ -297,9 +297,9 @@ PetscErrorCode StrandsSearch(Strands self, const StrandState *state) {
   self->n = 0;
   for (PetscInt i = 0; i <= self->cells; i++)
     for (int d = 0; d < 2; d++) self->seen[2 * i + d] = state->u[i * state->stride + d];
-  PetscCall(BoxesCreate(self->cells, 2, self->seen, NULL, &boxes));
-  BoxesPairs(boxes, look.reach, SameStrand, Meet, &look);
-  PetscCall(BoxesDestroy(&boxes));
+  PetscCall(BlocksOfLine(2, self->cells, 2, self->seen, NULL, &line));
+  BlocksPairs(line, look.reach, SameStrand, Meet, &look);
+  PetscCall(BlocksDestroy(&line));
   PetscCall(look.error);
   self->searched = PETSC_TRUE;
   PetscFunctionReturn(0);

@@ -1,6 +1,6 @@
 #include "rod/strands_space.h"
 #include "rod/curve.h"
-#include "base/boxes.h"
+#include "base/blocks.h"
 #include "base/hermite.h"
 #include "base/vectors.h"
 #include "rod/directors.h"
@@ -340,16 +340,16 @@ static const PetscReal margin = 0.5;
 static PetscErrorCode Search(Strands3 self) {
   Looking look = {.self = self,
                   .reach = (1 + margin) * self->contact->diameter + self->contact->smooth};
-  Boxes boxes;
+  Blocks line;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->n; k++) self->first[self->pair[k].sample] = -1;
   self->n = 0;
   for (PetscInt i = 0; i <= self->cells; i++)
     for (int d = 0; d < 3; d++) self->seen[3 * i + d] = self->joint[i].x[d];
-  PetscCall(BoxesCreate3(self->cells, 3, self->seen, &boxes));
-  BoxesPairs(boxes, look.reach, SameStrand, Meet, &look);
-  PetscCall(BoxesDestroy(&boxes));
+  PetscCall(BlocksOfLine(3, self->cells, 3, self->seen, NULL, &line));
+  BlocksPairs(line, look.reach, SameStrand, Meet, &look);
+  PetscCall(BlocksDestroy(&line));
   PetscCall(look.error);
   PetscFunctionReturn(0);
 }
