@@ -18,7 +18,7 @@ enum {
 typedef struct {
   PetscReal t, step;                     /* where the run is, and the size of its next step */
   PetscReal points, order;               /* of the stepper's history; its next order */
-  PetscReal model, fields, steps;        /* models are numbered as in grow.c */
+  PetscReal model, fields, steps;        /* models are numbered as in growing.h */
   PetscReal memory[VBDF_MEMORY];         /* of the stepper, beside its points */
   PetscReal wants, ease, others;         /* of the leg: its Ease */
   PetscReal kick[RESTART_KICKS], kick_ends; /* of the leg: what a wall's kick is measured against */
