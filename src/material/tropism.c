@@ -139,6 +139,19 @@ void TropismPull(const Tropism *self, const PetscReal x[3], PetscReal pull[3],
   }
 }
 
+/* TropismDriveAt - TropismDrive() of a place, that goes by a signal unless it senses for itself, and
+   at once. */
+PetscReal TropismDriveAt(const Tropism *self, const TropismPlace *at, int bend, PetscReal t,
+                         PetscReal signal, PetscReal u0, PetscReal elastic) {
+  PetscReal pull[3], by_x[3][3], f = signal;
+
+  if (self->senses && !self->at_tip && self->memory == 0) {
+    TropismPull(self, at->x, pull, by_x);
+    f = TropismSensed(at, bend, pull);
+  }
+  return TropismDrive(self, f, u0, elastic, TropismNutation(self, bend, t));
+}
+
 /* TropismNearLamp - how far a place is from the lamp; PETSC_MAX_REAL: there is none. */
 PetscReal TropismNearLamp(const Tropism *self, const PetscReal x[3]) {
   PetscReal sum = 0;

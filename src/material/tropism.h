@@ -33,6 +33,8 @@ extern const OptionGroup tropism_options;
 
 PetscErrorCode TropismSetFromOptions(Tropism *tropism, Growth growth);
 void TropismFrame(Tropism *tropism, const PetscReal lab[3][3]);
+PetscReal TropismDriveAt(const Tropism *tropism, const TropismPlace *at, int bend, PetscReal t,
+                         PetscReal signal, PetscReal u0, PetscReal elastic);
 PetscReal TropismNearLamp(const Tropism *tropism, const PetscReal x[3]);
 
 /* The clock a of the law: how fast the material there stretches, or the rate that is given. */

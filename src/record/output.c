@@ -556,9 +556,11 @@ static PetscErrorCode WriteMemory(HdfFile file, Rod rod, PetscReal *sum) {
 /* What the run needs to go on from here, in the place of what stood there. Collective. */
 static PetscErrorCode WriteRestart(Output self, HdfFile file, Rod rod, RestartState *state,
                                    Vec points[], Vec errors[]) {
-  const PetscInt n = RESTART_STATE, scales = UNIT_ALL, two = 2;
+  const PetscInt scales = UNIT_ALL, two = 2;
   const Space *space = &self->scene->space;
   const PetscReal clamp[2] = {space->spun, space->spins_from};
+  PetscReal data[RESTART_STATE];
+  PetscInt n;
 
   PetscFunctionBegin;
   PetscCall(HdfDelete(file, "/restart"));
@@ -574,7 +576,8 @@ static PetscErrorCode WriteRestart(Output self, HdfFile file, Rod rod, RestartSt
     PetscCall(WriteVectors(file, "/restart/errors",
                            "the errors that are followed [part][node times fields]", ESTIMATE_KEPT,
                            errors, &state->errors_sum));
-  PetscCall(HdfWrite(file, "/restart/state", 1, &n, (const PetscReal *)state, "mixed",
+  n = RestartPack(self->scene, state, data);
+  PetscCall(HdfWrite(file, "/restart/state", 1, &n, data, "mixed",
                      "time, step and history of the stepper, for -restart"));
   if (space->spins_from > 0)
     PetscCall(HdfWrite(file, "/restart/clamp", 1, &two, clamp, "rad, l/V",

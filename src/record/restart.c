@@ -1,6 +1,8 @@
 #include "record/restart.h"
 #include "base/hdf.h"
 #include <ctype.h>
+#include <stddef.h>
+#include <string.h>
 
 static const OptionRow rows[] = {ROW_TEXT("-restart", INPUT_FILE | IN_PLACE | PASSING | PROGRAM,
                                           "result file of a run to go on with")};
@@ -113,6 +115,38 @@ static PetscErrorCode TakeClamp(const char *file, Scene scene) {
   PetscFunctionReturn(0);
 }
 
+/* The series that only a rod has whose material learns are stored of none else. */
+enum { OF_TROPISM = OBSERVED - OBSERVED_STEERED };
+
+/* How many reals a scene stores of a state. */
+static PetscInt StateReals(Scene scene) {
+  return RESTART_STATE - (scene->tropism.any ? 0 : 2 * OF_TROPISM);
+}
+
+/* Copies a state to or from what is stored. */
+static void CopyState(Scene scene, PetscReal *state, PetscReal *stored, PetscBool store) {
+  const size_t first = offsetof(RestartState, seen) / sizeof(PetscReal),
+               most = scene->tropism.any ? OBSERVED : OBSERVED_STEERED,
+               part[3] = {first + most, most, RESTART_STATE - first - 2 * OBSERVED},
+               skip[3] = {0, OBSERVED - most, OBSERVED - most};
+
+  for (int k = 0; k < 3; k++) {
+    state += skip[k];
+    if (store)
+      memcpy(stored, state, part[k] * sizeof(*state));
+    else
+      memcpy(state, stored, part[k] * sizeof(*state));
+    state += part[k];
+    stored += part[k];
+  }
+}
+
+/* RestartPack - what is stored of a state; returns how much. */
+PetscInt RestartPack(Scene scene, const RestartState *state, PetscReal data[RESTART_STATE]) {
+  CopyState(scene, (PetscReal *)state, data, PETSC_TRUE);
+  return StateReals(scene);
+}
+
 /*
   RestartRead - reads what is stored to go on from, and makes the scene that of the file.
   Collective.
@@ -131,9 +165,9 @@ PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, P
   UserCheck(result, scene->comm, "-restart %s: is the result of another task, not of a run", file);
   if (!*begun) PetscFunctionReturn(0);
   PetscCall(HdfRead("-restart", file, "/restart/state", 1, &n, &data));
-  if (n == RESTART_STATE) PetscCall(PetscMemcpy(state, data, sizeof(*state)));
+  if (n == StateReals(scene)) CopyState(scene, (PetscReal *)state, data, PETSC_FALSE);
   PetscCall(PetscFree(data));
-  UserCheck(n == RESTART_STATE, scene->comm, "-restart %s: is of another version of tendril", file);
+  UserCheck(n == StateReals(scene), scene->comm, "-restart %s: is of another version of tendril", file);
   PetscCall(CheckScales(file, scene));
   PetscCall(CheckLength(file, scene));
   PetscCall(TakeMesh(file, scene));

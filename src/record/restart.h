@@ -39,6 +39,8 @@ typedef struct {
 } RestartState;
 enum { RESTART_STATE = sizeof(RestartState) / sizeof(PetscReal) };
 
+PetscInt RestartPack(Scene scene, const RestartState *state, PetscReal data[RESTART_STATE]);
+
 extern const OptionGroup restart_options;
 
 PetscErrorCode RestartOptions(char file[PETSC_MAX_PATH_LEN], PetscBool *restart);
