@@ -8,7 +8,7 @@
 
 enum { RESTART_KICKS = 13 }; /* of the fields of the mechanics */
 enum {
-  RESTART_BESIDE = 14 + 3 * ESTIMATE_SEEN,
+  RESTART_BESIDE = 14 + 3 * ESTIMATE_SEEN + ASTRAY_NUMBERS,
   RESTART_STUCK = 9
 }; /* as grow_errors.c and grow_jam.c have them */
 
