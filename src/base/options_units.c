@@ -98,19 +98,23 @@ static const struct {
              {"1/d", UNIT_RATE, 1. / 86400, -1}};
 enum { UNITS = PETSC_STATIC_ARRAY_LENGTH(units) };
 
-static const char *const dimension_name[DIMENSIONS] = {
-    [UNIT_LENGTH] = "length",       [UNIT_FORCE] = "force",
-    [UNIT_TIME] = "time",           [UNIT_SPEED] = "speed",
-    [UNIT_ENERGY] = "energy",       [UNIT_POWER] = "power",
-    [UNIT_CURVATURE] = "curvature", [UNIT_LOAD] = "force per length",
-    [SI_STIFFNESS] = "stiffness",   [SI_DRY] = "force per length",
-    [SI_SPEED] = "speed",           [SI_VISCOUS] = "force per length and speed",
-    [UNIT_RATE] = "rate"};
+static const char *const dimension_name[DIMENSIONS] = {[UNIT_LENGTH] = "length",
+                                                       [UNIT_FORCE] = "force",
+                                                       [UNIT_TIME] = "time",
+                                                       [UNIT_SPEED] = "speed",
+                                                       [UNIT_ENERGY] = "energy",
+                                                       [UNIT_POWER] = "power",
+                                                       [UNIT_CURVATURE] = "curvature",
+                                                       [UNIT_LOAD] = "force per length",
+                                                       [SI_STIFFNESS] = "stiffness",
+                                                       [SI_DRY] = "force per length",
+                                                       [SI_SPEED] = "speed",
+                                                       [SI_VISCOUS] = "force per length and speed",
+                                                       [UNIT_RATE] = "rate"};
 /* what 1 of each is in tendril's own units, as result files have it */
 static const char *const own_unit[DIMENSIONS] = {
-    [UNIT_LENGTH] = "l",     [UNIT_FORCE] = "N l",   [UNIT_TIME] = "l/V",     [UNIT_SPEED] = "V",
-    [UNIT_ENERGY] = "N l^2", [UNIT_POWER] = "N l V", [UNIT_CURVATURE] = "1/l",
-    [UNIT_RATE] = "V/l"};
+    [UNIT_LENGTH] = "l",     [UNIT_FORCE] = "N l",   [UNIT_TIME] = "l/V",      [UNIT_SPEED] = "V",
+    [UNIT_ENERGY] = "N l^2", [UNIT_POWER] = "N l V", [UNIT_CURVATURE] = "1/l", [UNIT_RATE] = "V/l"};
 
 static PetscBool Known(const char *unit) {
   for (int i = 0; i < UNITS; i++)
@@ -165,7 +169,8 @@ PetscErrorCode OptionUnit(const char *what, const char *unit, Dimension dimensio
               "-si_friction_dry and the like%s",
               what, unit,
               dimension == UNIT_TIME || dimension == UNIT_SPEED || dimension == UNIT_RATE
-                  ? ", here also -si_speed" : "");
+                  ? ", here also -si_speed"
+                  : "");
     *factor = units[i].si / scale;
     PetscFunctionReturn(0);
   }

@@ -3,7 +3,7 @@
 
 /* OptionVector - reads a vector, "a,b,c" or "a,b" (c is then 0). Collective on OptionsComm(). */
 PetscErrorCode OptionVector(const char *name, Dimension dimension, PetscReal v[3],
-                             PetscBool *given) {
+                            PetscBool *given) {
   char text[PETSC_MAX_PATH_LEN] = "", *part, *rest, *end;
   PetscBool bare = PETSC_FALSE, units = PETSC_FALSE;
   int n = 0;

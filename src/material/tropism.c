@@ -79,8 +79,8 @@ static PetscErrorCode ReadSenses(Tropism *self) {
 }
 
 /*
-  TropismSetFromOptions - reads and checks the law, whose vectors are in the laboratory's frame until
-  TropismFrame(). Collective on OptionsComm().
+  TropismSetFromOptions - reads and checks the law, whose vectors are in the laboratory's frame
+  until TropismFrame(). Collective on OptionsComm().
 */
 PetscErrorCode TropismSetFromOptions(Tropism *self, Growth growth) {
   PetscBool nutates;
@@ -95,8 +95,7 @@ PetscErrorCode TropismSetFromOptions(Tropism *self, Growth growth) {
   PetscCall(OptionReal("-growth_ironing", &self->ironing, NULL));
   PetscCall(ReadSenses(self));
   nutates = (PetscBool)(self->nutation[0] != 0 || self->nutation[1] != 0);
-  self->any =
-      (PetscBool)(self->senses || nutates || self->proprioception > 0 || self->ironing > 0);
+  self->any = (PetscBool)(self->senses || nutates || self->proprioception > 0 || self->ironing > 0);
   if (!self->any) PetscFunctionReturn(0);
   if (nutates) PetscCall(OptionReal("-tropism_nutation_rate", &self->nutation_rate, NULL));
   if (self->nutation[1] != 0) self->why = "-tropism_nutation_2";
@@ -139,8 +138,8 @@ void TropismPull(const Tropism *self, const PetscReal x[3], PetscReal pull[3],
   }
 }
 
-/* TropismDriveAt - TropismDrive() of a place, that goes by a signal unless it senses for itself, and
-   at once. */
+/* TropismDriveAt - TropismDrive() of a place, that goes by a signal unless it senses for itself,
+   and at once. */
 PetscReal TropismDriveAt(const Tropism *self, const TropismPlace *at, int bend, PetscReal t,
                          PetscReal signal, PetscReal u0, PetscReal elastic) {
   PetscReal pull[3], by_x[3][3], f = signal;

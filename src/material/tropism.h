@@ -8,20 +8,20 @@
 enum { TROPISM_BENDS = 2 }; /* about d3, that of the plane, and about d2 */
 
 typedef struct {
-  PetscBool any;              /* there is such a curvature */
-  PetscReal gravity, light;   /* b, b_l */
-  PetscReal direction[3];     /* of gravity's pull, of length 1; in the clamp's frame, as is */
-  PetscReal source[3];        /* the place of the lamp */
-  PetscReal proprioception;   /* G */
-  PetscReal ironing;          /* I */
-  PetscReal nutation[2];      /* about d3, about d2 */
-  PetscReal nutation_rate;    /* radians per time */
-  PetscReal memory;           /* T; 0: none */
-  PetscReal rate;             /* r, in place of the strain rate of growth, if it is */
-  PetscBool by_rate;          /* given */
-  PetscBool senses;           /* gravity or light */
-  PetscBool at_tip;           /* ... at the tip, for all of the rod */
-  const char *why;            /* the option that takes the rod out of the plane; NULL: none */
+  PetscBool any;            /* there is such a curvature */
+  PetscReal gravity, light; /* b, b_l */
+  PetscReal direction[3];   /* of gravity's pull, of length 1; in the clamp's frame, as is */
+  PetscReal source[3];      /* the place of the lamp */
+  PetscReal proprioception; /* G */
+  PetscReal ironing;        /* I */
+  PetscReal nutation[2];    /* about d3, about d2 */
+  PetscReal nutation_rate;  /* radians per time */
+  PetscReal memory;         /* T; 0: none */
+  PetscReal rate;           /* r, in place of the strain rate of growth, if it is */
+  PetscBool by_rate;        /* given */
+  PetscBool senses;         /* gravity or light */
+  PetscBool at_tip;         /* ... at the tip, for all of the rod */
+  const char *why;          /* the option that takes the rod out of the plane; NULL: none */
 } Tropism;
 
 /* A place that senses, d2 and d3 its axes; in the plane x3, and all along e3, is 0. */

@@ -5,19 +5,16 @@
 #include <string.h>
 
 #define X(name, units, text) #name,
-const char *const observed_name[OBSERVED] = {
-    OBSERVABLES(X) OBSERVABLES_OF_WEIGHT(X) OBSERVABLES_IN_SPACE(X) OBSERVABLES_OF_STEERING(X)
-        OBSERVABLES_OF_TROPISM(X)};
+const char *const observed_name[OBSERVED] = {OBSERVABLES(X) OBSERVABLES_OF_WEIGHT(
+    X) OBSERVABLES_IN_SPACE(X) OBSERVABLES_OF_STEERING(X) OBSERVABLES_OF_TROPISM(X)};
 #undef X
 #define X(name, units, text) units,
-const char *const observed_units[OBSERVED] = {
-    OBSERVABLES(X) OBSERVABLES_OF_WEIGHT(X) OBSERVABLES_IN_SPACE(X) OBSERVABLES_OF_STEERING(X)
-        OBSERVABLES_OF_TROPISM(X)};
+const char *const observed_units[OBSERVED] = {OBSERVABLES(X) OBSERVABLES_OF_WEIGHT(
+    X) OBSERVABLES_IN_SPACE(X) OBSERVABLES_OF_STEERING(X) OBSERVABLES_OF_TROPISM(X)};
 #undef X
 #define X(name, units, text) text,
-const char *const observed_text[OBSERVED] = {
-    OBSERVABLES(X) OBSERVABLES_OF_WEIGHT(X) OBSERVABLES_IN_SPACE(X) OBSERVABLES_OF_STEERING(X)
-        OBSERVABLES_OF_TROPISM(X)};
+const char *const observed_text[OBSERVED] = {OBSERVABLES(X) OBSERVABLES_OF_WEIGHT(
+    X) OBSERVABLES_IN_SPACE(X) OBSERVABLES_OF_STEERING(X) OBSERVABLES_OF_TROPISM(X)};
 #undef X
 
 /* ObservedOf - up to how many of the series, from the first on, there may be in a scene. */
@@ -156,8 +153,8 @@ typedef struct {
   Place at;
 } Sample;
 
-/* What the material at a sample has learned, and how fast that changes; beside the natural curvature
-   that is given. */
+/* What the material at a sample has learned, and how fast that changes; beside the natural
+   curvature that is given. */
 static void SampleLearned(Scene scene, PetscReal s, PetscReal t, Sample *p) {
   const Tropism *law = &scene->tropism;
   const PetscReal clock = TropismClock(law, scene->growth, s, t, p->g, p->g_t),

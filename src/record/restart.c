@@ -167,7 +167,8 @@ PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, P
   PetscCall(HdfRead("-restart", file, "/restart/state", 1, &n, &data));
   if (n == StateReals(scene)) CopyState(scene, (PetscReal *)state, data, PETSC_FALSE);
   PetscCall(PetscFree(data));
-  UserCheck(n == StateReals(scene), scene->comm, "-restart %s: is of another version of tendril", file);
+  UserCheck(n == StateReals(scene), scene->comm, "-restart %s: is of another version of tendril",
+            file);
   PetscCall(CheckScales(file, scene));
   PetscCall(CheckLength(file, scene));
   PetscCall(TakeMesh(file, scene));

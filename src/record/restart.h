@@ -16,11 +16,11 @@ enum {
    latest first, [point][node times fields], what Newton's method remembers, /restart/memory, and
    the errors that are followed, /restart/errors, [part][node times fields]. */
 typedef struct {
-  PetscReal t, step;                     /* where the run is, and the size of its next step */
-  PetscReal points, order;               /* of the stepper's history; its next order */
-  PetscReal model, fields, steps;        /* models are numbered as in growing.h */
-  PetscReal memory[VBDF_MEMORY];         /* of the stepper, beside its points */
-  PetscReal wants, ease, others;         /* of the leg: its Ease */
+  PetscReal t, step;                        /* where the run is, and the size of its next step */
+  PetscReal points, order;                  /* of the stepper's history; its next order */
+  PetscReal model, fields, steps;           /* models are numbered as in growing.h */
+  PetscReal memory[VBDF_MEMORY];            /* of the stepper, beside its points */
+  PetscReal wants, ease, others;            /* of the leg: its Ease */
   PetscReal kick[RESTART_KICKS], kick_ends; /* of the leg: what a wall's kick is measured against */
   Observation seen, began;    /* at t; where steps began to cross the layer of the start */
   PetscReal folds, neglected; /* so far, for the estimate of the error */

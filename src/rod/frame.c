@@ -517,7 +517,7 @@ static void TipBlock(const Cell *cell, const Point *end, const PetscReal shift[]
 static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
   const PetscInt begin = PetscMax(rod->first - 1, 0);
   PetscReal left[FIELDS][FIELDS], right[FIELDS][FIELDS], of_begin[LINE_HALF][FIELDS] = {{0}},
-      by[TIP_ROWS][FIELDS], *room;
+                                                         by[TIP_ROWS][FIELDS], *room;
   LearnedCell learned;
   Cell cell;
 
@@ -538,8 +538,8 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
     TipBlock(&cell, cell.b, at->shift, by);
     LearnedNodeSlope(rod, rod->last, &learned.slope[2], at->shift);
     LearnedSignalSlope(rod, &learned.slope[2], at->shift);
-    PetscCall(LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[2], by[0], room,
-                            J));
+    PetscCall(
+        LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[2], by[0], room, J));
   }
   PetscCall(CellsClose(&cell));
   PetscCall(PetscFree(room));
@@ -662,8 +662,8 @@ static PetscErrorCode FrameEliminate(Rod rod, const RodState *at, Elimination el
     CellBlocks(&cell, i, (PetscBool)(from_tip || !k), (PetscBool)(!from_tip || !k), at->shift, left,
                right);
     if (rod->learned && !at->counts)
-      Condense(&cell, i, (PetscBool)(from_tip || !k), (PetscBool)(!from_tip || !k), at->shift,
-               left, right);
+      Condense(&cell, i, (PetscBool)(from_tip || !k), (PetscBool)(!from_tip || !k), at->shift, left,
+               right);
     if (i >= rod->first)
       EliminationCell(elimination, (const PetscReal(*)[FIELDS])left,
                       (const PetscReal(*)[FIELDS])right);
@@ -928,20 +928,15 @@ static PetscErrorCode FrameDestroy(Rod rod) {
 #define FIELDS_FOLLOWED PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_FALSE, PETSC_FALSE, PETSC_FALSE
 #define FIELDS_GROUPS ALONG, ACROSS_2, ACROSS_2, ACROSS_2, ALONG, ACROSS_2
 
-const RodModel rod_frame = {FRAME,
-                            .fields = FIELDS,
+const RodModel rod_frame = {FRAME, .fields = FIELDS,
                             .field = {"x1", "x2", "theta", "m", "n1", "n2"},
-                            .followed = {FIELDS_FOLLOWED},
-                            .group = {FIELDS_GROUPS}};
-const RodModel rod_frame_learns = {
-    FRAME,
-    .fields = FIELDS + 2,
-    .field = {"x1", "x2", "theta", "m", "n1", "n2", "k", "k_mid"},
-    .followed = {FIELDS_FOLLOWED, PETSC_TRUE, PETSC_TRUE},
-    .group = {FIELDS_GROUPS, ACROSS_2, ACROSS_2}};
+                            .followed = {FIELDS_FOLLOWED}, .group = {FIELDS_GROUPS}};
+const RodModel rod_frame_learns = {FRAME, .fields = FIELDS + 2,
+                                   .field = {"x1", "x2", "theta", "m", "n1", "n2", "k", "k_mid"},
+                                   .followed = {FIELDS_FOLLOWED, PETSC_TRUE, PETSC_TRUE},
+                                   .group = {FIELDS_GROUPS, ACROSS_2, ACROSS_2}};
 const RodModel rod_frame_remembers = {
-    FRAME,
-    .fields = FIELDS + 4,
+    FRAME, .fields = FIELDS + 4,
     .field = {"x1", "x2", "theta", "m", "n1", "n2", "k", "f", "k_mid", "f_mid"},
     .followed = {FIELDS_FOLLOWED, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE},
     .group = {FIELDS_GROUPS, ACROSS_2, ACROSS_2, ACROSS_2, ACROSS_2}};

@@ -1,5 +1,5 @@
-/* What the material of a rod in the plane learns (learned.h): its bend about d3, at nodes and in the
-   middles of cells. */
+/* What the material of a rod in the plane learns (learned.h): its bend about d3, at nodes and in
+   the middles of cells. */
 #include "rod/frame.h"
 #include "rod/learned.h"
 #include <string.h>

@@ -205,9 +205,9 @@ void LearnedResidual(Rod rod, PetscReal t, PetscInt place, const LearnedPoint *p
     const PetscReal f = self->at_tip      ? self->signal[b]
                         : self->remembers ? k[self->bends + b]
                                           : point->sensed[b];
-    row[b] = k_t[b] - self->clock[place] * TropismDrive(law, f, point->natural[b],
-                                                        point->elastic[b],
-                                                        TropismNutation(law, (int)b, t));
+    row[b] =
+        k_t[b] - self->clock[place] * TropismDrive(law, f, point->natural[b], point->elastic[b],
+                                                   TropismNutation(law, (int)b, t));
     if (self->remembers)
       row[self->bends + b] = law->memory * k_t[self->bends + b] + f - point->sensed[b];
   }
@@ -275,8 +275,8 @@ static inline void AddOuter(PetscInt n, const PetscReal column[], const PetscRea
 }
 
 /* The bends in the middle of a cell by the unknowns and the bends at both ends. */
-static void MakeMid(const Rod rod, PetscInt place, const LearnedCell *cell,
-                    const PetscReal shift[], LearnedFactor *factor) {
+static void MakeMid(const Rod rod, PetscInt place, const LearnedCell *cell, const PetscReal shift[],
+                    LearnedFactor *factor) {
   const Learned self = rod->learned;
   LearnedRow *row = &factor->at_mid;
 
@@ -318,8 +318,7 @@ void LearnedCondense(Rod rod, PetscInt i, const LearnedCell *cell, const PetscRe
     for (PetscInt b = 0; b < self->bends; b++) {
       PetscReal mid[LEARNED_MOST];
       memcpy(mid, factor->mid[e][b], sizeof(mid));
-      for (PetscInt c = 0; c < self->bends; c++)
-        Add(n, factor->chain[e][b][c], end->by[c], mid);
+      for (PetscInt c = 0; c < self->bends; c++) Add(n, factor->chain[e][b][c], end->by[c], mid);
       AddOuter(n, cell->column[2 * e][b], end->by[b], J[e]);
       AddOuter(n, cell->column[1][b], mid, J[e]);
     }
@@ -338,8 +337,7 @@ void LearnedSignalSlope(Rod rod, const LearnedSlope *slope, const PetscReal shif
   Learned self = rod->learned;
 
   for (PetscInt b = 0; b < self->bends; b++) {
-    const PetscReal own =
-        1 + rod->scene->tropism.memory * shift[self->mech + self->per + b];
+    const PetscReal own = 1 + rod->scene->tropism.memory * shift[self->mech + self->per + b];
     self->tip_own[b] = own;
     for (PetscInt f = 0; f < self->mech; f++) self->tip[b][f] = slope->sensed[b][f] / own;
   }
@@ -509,8 +507,8 @@ static void UnfoldMid(const Rod rod, PetscInt i, const PetscReal signal[], Petsc
   const Learned self = rod->learned;
   const PetscInt at = i - rod->first + 1, place = 2 * at + 1, n = self->mech, per = self->per;
   const LearnedFactor *cell = &self->cell[at];
-  const PetscReal *rhs = self->rhs + place * per, *x[2] = {self->beside + at * n,
-                                                          self->beside + (at + 1) * n},
+  const PetscReal *rhs = self->rhs + place * per,
+                  *x[2] = {self->beside + at * n, self->beside + (at + 1) * n},
                   *end[2] = {k, k + 2 * per};
   PetscReal *mid = k + per;
 
@@ -522,8 +520,7 @@ static void UnfoldMid(const Rod rod, PetscInt i, const PetscReal signal[], Petsc
       for (PetscInt c = 0; c < self->bends; c++) mid[b] += cell->chain[e][b][c] * end[e][c];
       if (!self->remembers) continue;
       sensed += Times(n, cell->sensed[e][b], x[e]);
-      for (PetscInt c = 0; c < self->bends; c++)
-        sensed += cell->sensed_chain[e][b][c] * end[e][c];
+      for (PetscInt c = 0; c < self->bends; c++) sensed += cell->sensed_chain[e][b][c] * end[e][c];
     }
     if (self->remembers)
       mid[self->bends + b] = (rhs[self->bends + b] + sensed) / cell->at_mid.own_memory[b];
@@ -566,8 +563,10 @@ PetscErrorCode LearnedSolve(Rod rod, Vec b, Vec x) {
   PetscCall(SolveBordered(rod, signal));
   PetscCall(Put(rod, self->x, NULL, x));
   PetscCall(PartMechanics(rod, x, self->beside));
-  for (PetscInt i = from; i <= to; i++) UnfoldNode(rod, i, signal, k + 2 * (i - rod->first + 1) * self->per);
-  for (PetscInt i = from; i < to; i++) UnfoldMid(rod, i, signal, k + 2 * (i - rod->first + 1) * self->per);
+  for (PetscInt i = from; i <= to; i++)
+    UnfoldNode(rod, i, signal, k + 2 * (i - rod->first + 1) * self->per);
+  for (PetscInt i = from; i < to; i++)
+    UnfoldMid(rod, i, signal, k + 2 * (i - rod->first + 1) * self->per);
   if (rod->end > rod->last)
     memcpy(k + SignalPlace(rod) * self->per,
            self->at_tip ? signal : self->rhs + SignalPlace(rod) * self->per,
@@ -816,8 +815,7 @@ static void PutNode(const Rod rod, PetscInt i, const LearnedSlope *slope, const 
     PetscReal of[2][LEARNED_MOST];
     OfPoint(rod, row->clock, slope, b, of[0], of[1]);
     for (int k = 0; k < (self->remembers ? 2 : 1); k++)
-      Add(self->mech, 1, of[k],
-          Entry(rod, rows, self->mech + k * self->bends + b, OWN, 0));
+      Add(self->mech, 1, of[k], Entry(rod, rows, self->mech + k * self->bends + b, OWN, 0));
   }
 }
 

@@ -15,8 +15,8 @@ typedef struct {
 } LearnedSlope;
 
 /* What a model tells of a cell between nodes a and b: its equations by the bends learned at a, in
-   its middle and at b; slopes at these three; the unknowns in its middle by those of a and b, and by
-   the bends learned there. */
+   its middle and at b; slopes at these three; the unknowns in its middle by those of a and b, and
+   by the bends learned there. */
 typedef struct {
   PetscReal column[3][TROPISM_BENDS][LEARNED_MOST];
   LearnedSlope slope[3];
@@ -31,16 +31,16 @@ typedef struct {
 /* How the states of a place follow from the unknowns: dk = free + by.d + signal d(signal). */
 typedef struct {
   PetscReal by[TROPISM_BENDS][LEARNED_MOST], signal[TROPISM_BENDS];
-  PetscReal sensed[TROPISM_BENDS][LEARNED_MOST]; /* of what it remembers */
+  PetscReal sensed[TROPISM_BENDS][LEARNED_MOST];                  /* of what it remembers */
   PetscReal clock, own[TROPISM_BENDS], own_memory[TROPISM_BENDS]; /* a; equations by themselves */
 } LearnedRow;
 
 /* Those of a cell, for right-hand sides. */
 typedef struct {
   PetscReal column[3][TROPISM_BENDS][LEARNED_MOST];
-  PetscReal mid[2][TROPISM_BENDS][LEARNED_MOST];          /* dk in the middle by both nodes */
-  PetscReal chain[2][TROPISM_BENDS][TROPISM_BENDS];       /* ... by dk of both */
-  PetscReal sensed[2][TROPISM_BENDS][LEARNED_MOST];       /* what is sensed there by both nodes */
+  PetscReal mid[2][TROPISM_BENDS][LEARNED_MOST];    /* dk in the middle by both nodes */
+  PetscReal chain[2][TROPISM_BENDS][TROPISM_BENDS]; /* ... by dk of both */
+  PetscReal sensed[2][TROPISM_BENDS][LEARNED_MOST]; /* what is sensed there by both nodes */
   PetscReal sensed_chain[2][TROPISM_BENDS][TROPISM_BENDS];
   LearnedRow at_mid;
 } LearnedFactor;
@@ -53,19 +53,19 @@ typedef struct Learned_ {
   PetscReal *u, *u_t;        /* mechanics of nodes first - 1 .. end; node i at i - first + 1 */
   PetscReal *k, *k_t;        /* states; places as of laws: 2 (i - first + 1) + half */
   PetscReal signal[TROPISM_BENDS], signal_t[TROPISM_BENDS];
-  PetscReal drive[2]; /* how much it bends a straight rod towards x2, x3 */
+  PetscReal drive[2];       /* how much it bends a straight rod towards x2, x3 */
   PetscReal *given, *clock; /* of places: natural bends that are given, a */
   PetscReal *row;           /* residual of owned nodes: mechanics; behind it those of states */
   PetscReal *rows;
   LearnedRow *node;
   LearnedFactor *cell;
   PetscReal tip[TROPISM_BENDS][LEARNED_MOST], tip_own[TROPISM_BENDS]; /* of the signal */
-  Elimination elimination;                             /* borrowed; what was condensed last */
-  PetscBool bordered;                                  /* border and inverse are of it */
+  Elimination elimination; /* borrowed; what was condensed last */
+  PetscBool bordered;      /* border and inverse are of it */
   PetscReal *border[TROPISM_BENDS], inverse[TROPISM_BENDS][TROPISM_BENDS]; /* J^-1 w */
   PetscReal *b, *x, *free; /* room: of owned nodes; free parts of the states of places */
   PetscReal *rhs, *beside; /* a right-hand side taken apart: its states, and mechanics */
-} *Learned;
+} * Learned;
 
 PetscErrorCode LearnedCreate(Rod rod, PetscInt mech, PetscInt bends);
 PetscErrorCode LearnedDestroy(Rod rod);

@@ -65,8 +65,8 @@ PetscErrorCode RodCreateMatrix(Rod rod, Mat *J) {
   PetscInt bs = rod->model->fields, w = rod->model->stencil, n = (rod->end - rod->first) * bs;
 
   PetscFunctionBegin;
-  PetscCall(MatCreateBAIJ(rod->scene->comm, bs, n, n, PETSC_DETERMINE, PETSC_DETERMINE, 2 * w + 1 + tip,
-                          NULL, w + tip, NULL, J));
+  PetscCall(MatCreateBAIJ(rod->scene->comm, bs, n, n, PETSC_DETERMINE, PETSC_DETERMINE,
+                          2 * w + 1 + tip, NULL, w + tip, NULL, J));
   PetscCall(MatSetOption(*J, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
   PetscFunctionReturn(0);
 }

@@ -161,11 +161,11 @@ struct _Rod {
   PetscReal oblique[2]; /* how much so walls are that press: RodFeelWalls() */
   struct {
     PetscReal t;
-    PetscBool whole; /* all of the sum, and not only what is left, */
-    RodForces sum;   /* of this rank's part */
-  } kept[2];         /* of the latest two states, the latest first: see RodKeepLeft() */
-  PetscReal finest;  /* what is told apart of a vector across that walls have part in, for
-                        RodFieldScales(): of the order of round-off over a step's tolerance */
+    PetscBool whole;        /* all of the sum, and not only what is left, */
+    RodForces sum;          /* of this rank's part */
+  } kept[2];                /* of the latest two states, the latest first: see RodKeepLeft() */
+  PetscReal finest;         /* what is told apart of a vector across that walls have part in, for
+                               RodFieldScales(): of the order of round-off over a step's tolerance */
   struct Learned_ *learned; /* natural curvature of its own (rod/learned.h); NULL: none */
   void *data;
 };

@@ -314,8 +314,8 @@ static void Across(const Estimate self, const PetscReal size[MAX_FIELDS],
   for (int k = 0; k < MIRRORS; k++) across[k] = k < self->mirrors ? size[1 + k] : 0;
 }
 
-/* Where the rod's vectors have a field of coarse node k; below 0: on another rank. What the material
-   has learned in the middle of a coarse cell is that of the place next to it. */
+/* Where the rod's vectors have a field of coarse node k; below 0: on another rank. What the
+   material has learned in the middle of a coarse cell is that of the place next to it. */
 static PetscInt EntryOf(const Estimate self, PetscInt k, PetscInt f) {
   const Rod rod = self->leg->rod;
   const Learned learned = rod->learned;
@@ -358,8 +358,7 @@ static PetscErrorCode AddLocal(Estimate self, PetscReal times_error,
       if (at < 0 || !HasRate(self, f)) continue;
       local[f] *= ratio[self->model->group[f]];
       skipped[f] *= ratio[self->model->group[f]];
-      for (PetscInt j = 0; j < n; j++)
-        local[f] += times_error * weight[j][f] * u[j][at];
+      for (PetscInt j = 0; j < n; j++) local[f] += times_error * weight[j][f] * u[j][at];
     }
   }
   for (PetscInt j = 0; j < n; j++) PetscCall(VecRestoreArrayRead(point[j], &u[j]));
