@@ -520,8 +520,8 @@ static PetscErrorCode SetUp(PC pc) {
 
   PetscFunctionBegin;
   PetscCall(PCShellGetContext(pc, &self));
-  PetscCall(PCSetFailedReason(pc, EliminationRegular(self) ? PC_NOERROR
-                                                           : PC_FACTOR_NUMERIC_ZEROPIVOT));
+  PetscCall(
+      PCSetFailedReason(pc, EliminationRegular(self) ? PC_NOERROR : PC_FACTOR_NUMERIC_ZEROPIVOT));
   PetscFunctionReturn(0);
 }
 
