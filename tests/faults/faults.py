@@ -14,23 +14,15 @@ import shlex
 import signal
 import subprocess
 import sys
-import tempfile
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
-from held import PAGE, Held, ended
-from scene_test import DRY, Failure, distance, expect
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import scene  # takes .venv's python if this one lacks numpy and h5py
+from held import PAGE, Held, ended, small_disk
+from scene import check, distance, DRY, expect, Failure, file
 
 import h5py
 import numpy as np
-
-CHECKS = {}
-
-
-def check(function):
-    CHECKS[function.__name__.replace("_", "-")] = function
-    return function
 
 
 def launch(ranks):
@@ -68,23 +60,10 @@ def read(file):
                 "tip": x[-1, -1], "restart": "restart" in f}
 
 
-@contextlib.contextmanager
-def small_disk(kilobytes):
-    """A file system of this size; None where one may not be made."""
-    with tempfile.TemporaryDirectory(prefix="tendril-") as place:
-        made = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={kilobytes}k", "tmpfs", place],
-                              capture_output=True).returncode == 0
-        try:
-            yield Path(place) if made else None
-        finally:
-            if made:
-                subprocess.run(["umount", "-l", place], check=False)
-
-
 FEED = f"-options_file {scene.ROOT}/options/feed.opts "
 
 
-@check
+@check(ranks=2)
 def full_disk():
     """One line that names the file and the reason; what was stored is whole; a restart elsewhere goes
     on to the same end."""
@@ -135,7 +114,7 @@ def file_size_limit_of_tasks():
             expect(not file.exists(), f"{task}, {limit} kB: half a file is left")
 
 
-@check
+@check(ranks=2)
 def restart_in_place():
     """On 1, 2 and 3 ranks, and from each number to each."""
     options = f"{DRY} -rod_cells 60 -output_interval 0.5 "
@@ -157,7 +136,7 @@ def restart_in_place():
         expect("-ts_max_time 2.2" in str(earlier) and "-ts_max_time 5" in str(now), str(earlier))
 
 
-@check
+@check(ranks=2)
 def table_that_dips():
     """Below 0 between its entries: refused before any work, on any number of ranks."""
     file = f"{scene.SCRATCH}/table.h5"
@@ -172,7 +151,7 @@ def table_that_dips():
     print(said[0])
 
 
-@check
+@check(ranks=2)
 def one_writer():
     """A second run, restart, task or sweep with the same file, or a sweep with the same directory, is
     refused; it names the process, and the first goes on as if nothing had been. One that was killed
@@ -211,7 +190,7 @@ def one_writer():
     expect(run(f"{options} -output {d}/b.h5")[0] == 0, "what a killed one held stays held")
 
 
-@check
+@check(ranks=2)
 def signal_through_mpiexec():
     """SIGUSR1 to mpiexec itself, which hands it on and goes on: run and sweep end in good order, and say so
     in one line. (Of SIGTERM some make an end of their own, in which that line is lost.)"""
@@ -345,7 +324,7 @@ def storm(count, seed):
     print(f"storm of {count}, seed {seed}:", ", ".join(f"{n} {o}" for o, n in outcomes.items()))
 
 
-@check
+@check(ranks=2)
 def small_storm():
     storm(6, 1)
 
@@ -354,6 +333,6 @@ if __name__ == "__main__":
     if "--storm" in sys.argv:
         at = sys.argv.index("--storm")
         numbers = [int(n) for n in sys.argv[at + 1:]]
-        CHECKS["storm"] = lambda: storm(numbers[0], numbers[1] if len(numbers) > 1 else 1)
+        scene.CHECKS["storm"] = lambda: storm(numbers[0], numbers[1] if len(numbers) > 1 else 1)
         sys.argv[at:] = ["storm"]
-    sys.exit(scene.main(CHECKS))
+    sys.exit(scene.main())

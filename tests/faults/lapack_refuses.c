@@ -1,7 +1,7 @@
 /* A matrix of which something is no number, given to LAPACK on the last rank: that is an error. */
 #include "base/errors.h"
 #include "base/wide.h"
-#include "tasks/program.h"
+#include "support/program.h"
 
 static PetscErrorCode Run(void) {
   PetscReal A[9] = {1, NAN, 2, 3, 4, 5, 6, 7, 9}, re[3], im[3], none = 0, work[64];
@@ -20,12 +20,4 @@ static PetscErrorCode Run(void) {
   PetscFunctionReturn(0);
 }
 
-int main(int argc, char **argv) {
-  Program program;
-  PetscBool done;
-  int failed = ProgramBegin(&program, &argc, &argv, &done);
-
-  if (done) return failed;
-  if (!failed) failed = Run() != 0;
-  return ProgramEnd(&program) || failed;
-}
+PROGRAM(Run)

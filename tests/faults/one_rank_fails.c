@@ -1,7 +1,7 @@
 /* A run in which one rank alone meets an error, in the midst of a Newton iteration: its line
    appears, and no rank is left waiting.   one_rank_fails RANK */
 #include "tasks/grow.h"
-#include "tasks/program.h"
+#include "support/program.h"
 
 static PetscErrorCode (*stretch)(Growth, PetscReal, PetscReal, PetscReal *, PetscReal *,
                                  PetscReal *);
@@ -31,12 +31,4 @@ static PetscErrorCode Run(void) {
   PetscFunctionReturn(0);
 }
 
-int main(int argc, char **argv) {
-  Program program;
-  PetscBool done;
-  int failed = ProgramBegin(&program, &argc, &argv, &done);
-
-  if (done) return failed;
-  if (!failed) failed = Run() != 0;
-  return ProgramEnd(&program) || failed;
-}
+PROGRAM(Run)

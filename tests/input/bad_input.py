@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# test: wrong input is refused in one line
 """Wrong input must be refused in one plain line, and a run that is stopped must leave its result.
 
     bad_input.py build/tendril [--mpiexec mpiexec] [--only WORD] [--verbose]
@@ -17,6 +18,7 @@ import tempfile
 from math import cos, sin
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from held import HANG, PAGE, Held
 from interpreter import from_venv
 

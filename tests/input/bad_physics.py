@@ -7,21 +7,15 @@ import subprocess
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import scene  # takes .venv's python if this one lacks numpy and h5py
 from held import HANG
-from scene_test import Failure, expect
+from scene import check, expect, Failure, file
 
 import h5py
 import numpy as np
 
-CHECKS = {}
 BENT = "-growth_initial_length 2 -shape_amplitude 0.1 "
-
-
-def check(function):
-    CHECKS[function.__name__.replace("_", "-")] = function
-    return function
 
 
 def tendril(options):
@@ -191,4 +185,4 @@ def clamp_at_pi():
 
 
 if __name__ == "__main__":
-    sys.exit(scene.main(CHECKS))
+    sys.exit(scene.main())

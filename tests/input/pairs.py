@@ -1,4 +1,6 @@
 #!/usr/bin/env python3
+# test: each option goes with each other or is refused in the plane
+# test: each option goes with each other or is refused in space | with --space
 """Every option with every other: each pair of settings alone, and all of them in random company, a few
 steps each. A run ends well or is refused in one line that names an option; none ends in a traceback,
 gives up, crashes or hangs.
@@ -18,8 +20,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import scene  # takes .venv's python if this one lacks numpy and h5py
 from held import HANG
 
 import h5py

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# test: a simulation that is stepped is the run of the program
 """Simulations in this process (tendril.Simulation), against runs of the program.
 
     test_simulation.py build/tendril        with .venv's python, or one that has what the package needs"""
@@ -10,6 +11,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from interpreter import ROOT, from_venv
 
 sys.path.insert(0, str(ROOT / "scripts"))

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# test: what people asked for in public can be had
 """What people asked for in public and what it gives here: docs/dev/public-cases.md, by its numbers.
 
     public_cases.py build/tendril"""
@@ -12,6 +13,7 @@ import unittest
 from importlib.util import find_spec
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from interpreter import ROOT, from_venv
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")

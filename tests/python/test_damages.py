@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# test: damaged files and calls end in one line
 """Commands and functions of the Python package, fed with damaged inputs: some of those of scripts/lab/damages.py.
 
     test_damages.py build/tendril        with .venv's python, or one that has what the package needs"""
@@ -14,6 +15,7 @@ from inspect import signature
 from pathlib import Path
 from unittest import mock
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from interpreter import ROOT, from_venv
 
 sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "scripts/lab")]

@@ -1,4 +1,6 @@
 #!/usr/bin/env python3
+# test: data are read, traced and reckoned with | with Reading Residuals Viewed Intervals Tracing Bars
+# test: rods are fitted to data | with Fitting
 """Fitting: what was measured is read as it is meant, residuals are distances, intervals hold what they
 say, a hidden truth is found again.
 
@@ -21,6 +23,7 @@ from pathlib import Path
 from threading import Thread
 from unittest import mock
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from held import HANG
 from interpreter import ROOT, from_venv
 

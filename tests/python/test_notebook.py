@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# test: the notebook runs and says what it should
 """The notebook of docs runs from top to bottom: in Jupyter where it is installed, else cell by cell in
 one namespace; and what its last cells leave is there.
 

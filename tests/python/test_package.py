@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# test: the package runs, reads, plots and sweeps
 """The Python package: runs, sweeps, what results can be turned into, pictures of several runs.
 
     test_package.py build/tendril        with .venv's python, or one that has what the package needs"""
@@ -19,6 +20,7 @@ from dataclasses import replace
 from pathlib import Path
 from unittest import mock
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from interpreter import ROOT, from_venv
 
 sys.path.insert(0, str(ROOT / "scripts"))
@@ -814,7 +816,7 @@ class Package(unittest.TestCase):
             for text in texts + [ax.get_legend()] * (ax.get_legend() is not None):
                 yield text, text.get_window_extent(renderer)
 
-    def test_errors(self):
+    def test_errors_of_runs(self):
         """What a run tells of its errors is what its series have, a band about their curves, and on its page; of a model
         that does not measure them there is none."""
         r = self.tube

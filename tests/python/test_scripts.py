@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# test:
 """The reader and the pictures, on results made by tendril itself.
 
     test_scripts.py build/tendril        with .venv's python, or one that has h5py and matplotlib"""
@@ -14,6 +15,7 @@ import unittest
 from pathlib import Path
 from unittest import mock
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from interpreter import ROOT, from_venv
 
 SCRIPTS = ROOT / "scripts"

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# test: meshes as people have them become tubes or are refused
 """Meshes as people have them, and what they become: which way they face, their open ends, what a file has that no surface
 needs, what a reader says; and tubes that the program takes.
 
@@ -12,9 +13,10 @@ import sys
 import unittest
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import test_surface
 from interpreter import ROOT, from_venv
-from test_surface import WRITERS, Mesh, cube, needs_vtk, pipe, sphere
+from made_meshes import cube, Mesh, needs_vtk, pipe, sphere, WRITERS
 
 try:
     import numpy as np

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# test: the page of a run shows what is in its file
 """The page of scripts/view.sh: what is in it, and, where Chromium is installed, what it does there.
 
     test_view.py build/tendril"""
@@ -17,6 +18,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from held import HANG
 from interpreter import ROOT, from_venv
 

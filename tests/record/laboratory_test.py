@@ -11,20 +11,13 @@ import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import scene  # takes .venv's python if this one lacks numpy and h5py
 from held import PAGE, Held
-from scene_test import DRY, Run, distance, expect
+from scene import broken, check, distance, DRY, expect, file, read, Run, tendril, walls
 
 import h5py
 import numpy as np
-
-CHECKS = {}
-
-
-def check(function):
-    CHECKS[function.__name__.replace("_", "-")] = function
-    return function
 
 
 CURVED = "-rod_curvature 0.02 -rod_curvature_random 0.1 -shape_type straight "
@@ -48,46 +41,6 @@ def natural_curvature():
     # a rod that nothing pushes keeps its natural curvature: at t = 0 it stores no energy
     expect(up.energy[0] < 1e-12, f"energy {up.energy[0]} at t = 0")
     expect(np.allclose(up.shapes["curvature"][0], 0.1, rtol=1e-9), "curvature at t = 0")
-
-
-def tendril(options, code=0):
-    """Runs it; exit code 0 or a refusal with one plain line, which is returned."""
-    done = subprocess.run([scene.TENDRIL, *shlex.split(options)], capture_output=True, text=True,
-                          env=scene.ENVIRONMENT)
-    expect((done.returncode != 0) == (code != 0), f"{options}: exit {done.returncode} {done.stderr}")
-    if code:
-        expect(done.stderr.startswith("tendril: ") and done.stderr.count("\n") == 1, done.stderr)
-    return done.stderr if code else done.stdout
-
-
-def read(file):
-    """Series and shapes by name; event, kind if there is one; the error told."""
-    with h5py.File(file) as f:
-        r = {f"{g}/{n}": d[()] for g in ("series", "shapes", "event") for n, d in
-             (f[g].items() if g in f else ())}
-        r["finished"] = f.attrs["finished"]
-        r["told"] = f.attrs.get("error_estimate", 0)
-        r |= {name: value for name, value in f.attrs.items() if name.startswith(("error_", "rigid_"))}
-        kind = f["event"].attrs["kind"] if "event" in f else ""
-        r["kind"] = kind.decode() if isinstance(kind, bytes) else kind
-    return r
-
-
-def broken(options, step):
-    """Runs it whole, then to a step (or to that of the whole run which step(whole) names), where it is broken and goes on:
-    the whole run and the names of what is not in both to the last bit; nor may another error be told."""
-    files = [f"{scene.SCRATCH}/{name}.h5" for name in ("whole", "broken")]
-    tendril(f"{options} -output {files[0]}")
-    whole = read(files[0])
-    tendril(f"{options} -output {files[1]} -ts_max_steps {step(whole) if callable(step) else step}", 1)
-    tendril(f"-restart {files[1]} -output {files[1]}")
-    on = read(files[1])
-    return whole, [k for k in whole if not np.array_equal(whole[k], on[k])]
-
-
-def pressed(run):
-    """The steps of a run that end in contact."""
-    return np.flatnonzero(run["series/contact_force"] > 0)
 
 
 FED = "-growth_type feed -growth_initial_length 2 -shape_amplitude 0.1 -ts_max_time 20 "
@@ -780,4 +733,4 @@ def restart_keeps_curvature():
 
 
 if __name__ == "__main__":
-    sys.exit(scene.main(CHECKS))
+    sys.exit(scene.main())

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# test: random scenes hold under mirrors, turns and units
 """A dozen of the random scenes of scripts/lab/invariances.py.
 
     invariances_test.py build/tendril"""
@@ -6,6 +7,7 @@
 import sys
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from interpreter import ROOT, from_venv
 
 sys.path.insert(0, str(ROOT / "scripts/lab"))

@@ -2,6 +2,7 @@
 at a time. So it is where its steps have it when it is looked at or sent a signal, and not where a
 fast or a slow machine happens to be."""
 
+import contextlib
 import fcntl
 import os
 import select
@@ -35,6 +36,19 @@ def ended(command, **more):
                 return 1, *process.communicate()
         process.kill()
     raise subprocess.TimeoutExpired(command, HANG)
+
+
+@contextlib.contextmanager
+def small_disk(kilobytes):
+    """A file system of this size; None where one may not be made."""
+    with tempfile.TemporaryDirectory(prefix="tendril-") as place:
+        made = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={kilobytes}k", "tmpfs", place],
+                              capture_output=True).returncode == 0
+        try:
+            yield Path(place) if made else None
+        finally:
+            if made:
+                subprocess.run(["umount", "-l", place], check=False)
 
 
 def alive(parent):

@@ -6,20 +6,14 @@
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
-from scene_test import Run, expect
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import scene  # takes .venv's python if this one lacks numpy and h5py
+from scene import check, expect, file, Run
 
 import h5py
 import numpy as np
 
-CHECKS = {}
 FEW = "-task stability -stability_points 7 -stability_vertices 150 "
-
-
-def check(function):
-    CHECKS[function.__name__.replace("_", "-")] = function
-    return function
 
 
 def stability(options):
@@ -83,4 +77,4 @@ def theorem():
 
 
 if __name__ == "__main__":
-    sys.exit(scene.main(CHECKS))
+    sys.exit(scene.main())

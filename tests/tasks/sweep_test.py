@@ -3,32 +3,28 @@
 
     sweep_test.py build/tendril [--mpiexec mpiexec] CHECK...      (no CHECK: all of them)"""
 
-import argparse
 import fcntl
 import re
 import shlex
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
-from scene_test import Failure, expect
-from faults import small_disk
-from held import HANG, MONITORS, Held, ended
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import scene  # takes .venv's python if this one lacks numpy and h5py
+from held import HANG, MONITORS, Held, ended, small_disk
+from scene import check, expect, Failure, file
 
 import h5py
 import numpy as np
 
-ROOT = Path(__file__).resolve().parent.parent.parent
+ROOT = scene.ROOT
 sys.path.insert(0, str(ROOT / "scripts"))
 from tendril import load
 from tendril.collection import load_sweep
 
-CHECKS = {}
 SHORT = "-growth_initial_length 2 -shape_amplitude 0.1 -rod_cells 40 -ts_max_time 0.1 -ts_rtol 1e-4"
 TABLE = """friction_mu, -rod_model, ts_max_time, friction_layers
 1, frame, 0.2, ""
@@ -39,11 +35,6 @@ TABLE = """friction_mu, -rod_model, ts_max_time, friction_layers
 1, frame, 0.1, 0:2
 """
 ALL = "-sweep_store series,shapes,final"
-
-
-def check(function):
-    CHECKS[function.__name__.replace("_", "-")] = function
-    return function
 
 
 def tendril(options, ranks=1, before=""):
@@ -102,7 +93,8 @@ def single(options, file="single.h5", base=SHORT):
     return load(Path(scene.SCRATCH) / file)
 
 
-def members_are_single_runs(ranks):
+@check(ranks=(1, 2, 3))
+def members(ranks):
     s, said = sweep(TABLE, f"{ALL} -output_interval 0.03", ranks)
     expect((s.status == 1).all() and s.finished, f"{ranks} ranks: status {s.status}, {s.line}")
     expect("6 runs: 6 finished, 0 failed" in said, said)
@@ -118,11 +110,7 @@ def members_are_single_runs(ranks):
     expect((s.seconds > 0).all() and (s.line == "").all(), "seconds, line")
 
 
-for n in (1, 2, 3):
-    CHECKS[f"members-{n}"] = lambda n=n: members_are_single_runs(n)
-
-
-@check
+@check(ranks=2)
 def teams():
     """A member on two ranks agrees to the solver's tolerance; two teams of two share the table."""
     table = "friction_mu\n1\n0.5\n0\n0.75\n"
@@ -153,7 +141,7 @@ def critical():
                 expect(s.critical[name][k] == r.critical[name], f"{row}: critical/{name}")
 
 
-@check
+@check(ranks=2)
 def failures():
     """They are recorded with the line of a single run, and the others go on."""
     table = """friction_mu,ts_max_steps,rod_model,growth_width,shape_file,ts_max_time
@@ -215,12 +203,17 @@ def stopped(ranks, number, ways):
         same(whole.member(k), s.member(k), f"member {k}")
 
 
-CHECKS["stopped-1"] = lambda: stopped(1, signal.SIGTERM, 2)
-CHECKS["stopped-3"] = lambda: stopped(3, signal.SIGTERM, 1)
-CHECKS["killed"] = lambda: stopped(1, signal.SIGKILL, 1)
+@check(ranks=(1, 3))
+def terminated(ranks):
+    stopped(ranks, signal.SIGTERM, 2 if ranks == 1 else 1)
 
 
 @check
+def killed():
+    stopped(1, signal.SIGKILL, 1)
+
+
+@check(ranks=2)
 def interrupted_from_python():
     """Ctrl-C of tendril.sweep on two ranks: what has come in is kept, and no rank goes on."""
     # with steps so short that no machine comes to the end
@@ -446,7 +439,7 @@ def script(command, code=0, cwd=ROOT):
     return done.stdout + done.stderr
 
 
-@check
+@check(ranks=2)
 def sweep_script():
     """In one job and a process a point."""
     d = scene.SCRATCH
@@ -513,24 +506,5 @@ def map_and_ensemble():
         expect((Path(d) / f"{name}.png").stat().st_size > 3000, f"{name}.png")
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("tendril")
-    parser.add_argument("--mpiexec", default="mpiexec")
-    parser.add_argument("checks", nargs="*", metavar="CHECK")
-    choice = parser.parse_intermixed_args()
-    scene.TENDRIL, scene.MPIEXEC = str(Path(choice.tendril).resolve()), choice.mpiexec
-    failed = 0
-    for name in choice.checks or CHECKS:
-        with tempfile.TemporaryDirectory(prefix="tendril-") as scene.SCRATCH:
-            try:
-                CHECKS[name]()
-                print(f"{name}: passed")
-            except Failure as failure:
-                failed += 1
-                print(f"{name}: {failure}")
-    return failed > 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(scene.main())

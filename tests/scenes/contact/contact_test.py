@@ -10,29 +10,13 @@ import subprocess
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+import scene  # takes .venv's python if this one lacks numpy and h5py
 from held import HANG
-from scene_test import Run, expect
-from laboratory_test import broken, pressed, read, tendril
-from world_test import file
+from scene import broken, check, distance, expect, file, pressed, read, Run, tendril, walls
 
 import h5py
 import numpy as np
-
-CHECKS = {}
-
-
-def check(function):
-    CHECKS[function.__name__.replace("_", "-")] = function
-    return function
-
-
-def walls(*lines):
-    """The options that give these walls."""
-    path = Path(scene.SCRATCH) / f"walls-{len(list(Path(scene.SCRATCH).glob('walls-*')))}.txt"
-    path.write_text("\n".join(lines) + "\n")
-    return f"-wall_file {path} "
 
 
 def falls(errors, factor):
@@ -444,7 +428,7 @@ def on_ranks(options, bound):
         expect(max(off.values()) < bound, f"{options}: {n} ranks differ, {off}")
 
 
-@check
+@check(ranks=2)
 def ranks():
     """1, 2 and 3 ranks agree: the rod on itself, on walls."""
     on_ranks(SMALL_TUBE + "-contact_friction 0.3", 1e-6)
@@ -649,7 +633,7 @@ def scaled():
     expect(np.hypot(*(soft - hard)) < 5e-3, f"a soft tip: {soft}, {hard}")
 
 
-@check
+@check(ranks=2)
 def held_tip():
     """A held tip and strands that touch: its equations need another order in the matrix; as with a
     solver that finds its own pivots, on 1, 2 and 3 ranks."""
@@ -775,7 +759,7 @@ def told_at_the_end(r, other):
         expect(error < r.told[f"end_{name}"] < 20 * error, f"{name} at the end: off by {error}, told {r.told}")
 
 
-@check
+@check(ranks=2)
 def estimate():
     """Errors are measured in contact, too: on coarse meshes and on finer ones, on any number of ranks; and the file
     says what they are."""
@@ -1025,7 +1009,7 @@ def deep_guess():
     expect(worst < 0.05, f"forces off by {worst:.1e}")
 
 
-@check
+@check(ranks=2)
 def brushed():
     """A tip that goes past a post brushes it, between the ends of a step that would not see it: it is pushed aside as by short
     steps, on two ranks as on one."""
@@ -1040,7 +1024,7 @@ def brushed():
         expect(off < 5e-5 and off < 3 * r.estimate, f"off by {off:.1e}, told {r.estimate:.1e}")
 
 
-@check
+@check(ranks=2)
 def thin_on_ranks():
     """... and so on any number of ranks, to the last bit in a restart; with exact friction, too."""
     post = LEANS + "-rod_curvature 0.6 -ts_max_time 3.3 -contact_diameter 0.01 -rod_cells 100 "
@@ -1090,7 +1074,7 @@ def closed_outlines():
     expect("line 1: of the polygon's corners only 2 are different; it needs 3" in line, line)
 
 
-@check
+@check(ranks=3)
 def guard_on_ranks():
     """A rank that alone sees the rod behind a wall does not wait for the others."""
     options = (LEANS + "-rod_curvature 0.01 -ts_max_time 4 -contact_stiffness 1e-3 -rod_cells 50 "
@@ -1295,4 +1279,4 @@ def first_touch():
 
 
 if __name__ == "__main__":
-    sys.exit(scene.main(CHECKS))
+    sys.exit(scene.main())

@@ -8,22 +8,15 @@ import re
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
-from contact_test import COIL, walls
-from laboratory_test import tendril
-from scene_test import Run, expect
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+import scene  # takes .venv's python if this one lacks numpy and h5py
+from contact_test import COIL
+from scene import check, expect, Run, tendril, walls
 
 import h5py
 import numpy as np
 
-CHECKS = {}
 WHO = ("base", "tip", "wall", "friction", "weight")
-
-
-def check(function):
-    CHECKS[function.__name__.replace("_", "-")] = function
-    return function
 
 
 def forces(r):
@@ -90,7 +83,7 @@ def balance(ranks=1):
             expect(("weight_force_1" in r.series) == ("weight" in options), f"{name}: weight")
 
 
-@check
+@check(ranks=3)
 def balance_ranks():
     """... on three ranks, every third of these scenes."""
     balance(3)
@@ -173,4 +166,4 @@ def iterations():
 
 
 if __name__ == "__main__":
-    sys.exit(scene.main(CHECKS))
+    sys.exit(scene.main())

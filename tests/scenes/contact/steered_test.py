@@ -7,24 +7,16 @@ over time, against exact answers and against what must hold always.
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
-from contact_test import walls
-from laboratory_test import broken, tendril
-from scene_test import Run, expect
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+import scene  # takes .venv's python if this one lacks numpy and h5py
+from scene import broken, check, expect, Run, tendril, walls
 
 import h5py
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-CHECKS = {}
 EVEN = "-ts_adapt_type none -ts_dt 0.01 "
 FED = "-growth_type feed -shape_type straight -rod_cells 20 "
-
-
-def check(function):
-    CHECKS[function.__name__.replace("_", "-")] = function
-    return function
 
 
 def rows(name, **columns):
@@ -44,7 +36,7 @@ def steers(name, **arrays):
     return f"-rod_curvature_file {path} "
 
 
-@check
+@check(ranks=3)
 def in_and_out():
     """A straight rod is pushed in, held and pulled out: the force of its clamp is that of friction on all of it, which
     turns round with it, and vanishes with the speed; in the plane and in space, on ranks. Friction takes what was put
@@ -164,7 +156,7 @@ def kinks():
     expect(np.abs(still[0].tip - still[1].tip).max() < 1e-6, "equal rows")
 
 
-@check
+@check(ranks=3)
 def restarts():
     """A run that is broken goes on as the whole, to the last bit, fed by a schedule and steered; ranks agree."""
     path = rows("back", t=[0, 1.2, 1.5, 3], length=[1, 2.2, 2.2, 1])
@@ -210,4 +202,4 @@ def refused():
 
 
 if __name__ == "__main__":
-    sys.exit(scene.main(CHECKS))
+    sys.exit(scene.main())

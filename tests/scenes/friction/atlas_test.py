@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# test: the default is right where other methods fail
 """A fast part of the atlas of failure (scripts/lab/atlas.py): the default is right where other methods
 fail, and each of these is shown to fail, so that the map stays true.
 
@@ -8,6 +9,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 from interpreter import ROOT, from_venv
 
 sys.path.insert(0, str(ROOT / "scripts/lab"))

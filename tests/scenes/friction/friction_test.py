@@ -1,158 +1,17 @@
 #!/usr/bin/env python3
-"""Scenes run through the executable and compared with reference solutions and exact answers.
+"""Growing rods that friction holds, compared with references and exact answers."""
 
-    scene_test.py build/tendril [--mpiexec mpiexec] CHECK...      (no CHECK: all of them)"""
-
-import argparse
-import json
-import os
 import re
-import shlex
-import subprocess
 import sys
-import tempfile
-from functools import partial
 from pathlib import Path
 
-from interpreter import ROOT, from_venv
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+import scene  # takes .venv's python if this one lacks numpy and h5py
+from references import against_reference, DECAY, expect_reference, REFERENCES, SMOOTH
+from scene import check, DRY, expect, Failure, lagrange, order, ROOT, Run, tip_in_space
 
-try:
-    import h5py
-    import numpy as np
-except ImportError as error:
-    from_venv(error)
-
-CHECKS = {}
-ENVIRONMENT = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
-                   OMPI_MCA_rmaps_base_oversubscribe="1", OMPI_MCA_mpi_yield_when_idle="1",
-                   OMPI_MCA_ess_singleton_isolated="1", OMP_NUM_THREADS="1")
-TENDRIL = MPIEXEC = SCRATCH = None
-
-DRY = "-growth_initial_length 2 -shape_amplitude 0.1 "  # the rod of v_short
-SMOOTH = DRY + "-friction_beta 0.05 "                   # no thin friction layers
-DECAY = "-growth_initial_length 0.5 -shape_amplitude 0.01 -ts_max_time 40 "
-REFERENCES = {  # file: options, -output_interval (a divisor of all its times)
-    "v_short": (DRY + "-ts_max_time 5", 1),
-    "v_gauss": ("-growth_type gaussian -growth_initial_length 1 -shape_amplitude 0.1 "
-                "-ts_max_time 10", 1),
-    "v_feed": ("-growth_type feed " + DRY + "-ts_max_time 8", 1),
-    "v_decay_mu1": (DECAY, 0.1),
-    "v_decay_mu05": (DECAY + "-friction_mu 0.5", 0.1),
-    "v_decay_mu0": (DECAY + "-friction_mu 0", 0.1),
-}
-
-
-def check(function):
-    CHECKS[function.__name__.replace("_", "-")] = function
-    return function
-
-
-class Failure(Exception):
-    pass
-
-
-def expect(condition, message):
-    if not condition:
-        raise Failure(message)
-
-
-class Run:
-    """A finished run: r.tip_x1 and so on are series, r.shapes['x'] and so on the stored shapes."""
-
-    def __init__(self, options, ranks=1, group="grow"):
-        file = Path(SCRATCH) / "run.h5"
-        command = [TENDRIL, *shlex.split(options), "-output", str(file)]
-        if ranks > 1:
-            command = [MPIEXEC, "-n", str(ranks), *command]
-        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                              env=ENVIRONMENT, cwd=ROOT)  # scenes name their data
-        expect(done.returncode == 0 and not done.stderr,
-               f"tendril {options}, {ranks} ranks: exit {done.returncode}, {done.stderr.strip()}")
-        self.said = done.stdout
-        with h5py.File(file) as f:
-            self.estimate = f.attrs.get("error_estimate")  # over the run
-            self.told = {k[6:]: f.attrs[k] for k in f.attrs if k.startswith("error_")}
-            self.rigid = {k[6:]: f.attrs[k] for k in f.attrs if k.startswith("rigid_")}
-            expect(f.attrs["finished"] == 1, f"{options}: not finished")
-            expect(f.attrs["ranks"] == ranks, f"{options}: ran on {f.attrs['ranks']} ranks")
-            if group != "grow":
-                expect(len(f[group]) > 1, f"{options}: no results in /{group}")
-                return
-            self.shapes = {name: d[:] for name, d in f["shapes"].items()}
-            self.series = {name: d[:] for name, d in f["series"].items()}
-            self.derivatives = {}
-            for name, by in f.get("sensitivity", {}).items():
-                by.visititems(lambda path, d: self.derivatives.update({(name, path): d[:]})
-                              if isinstance(d, h5py.Dataset) else None)
-        file.unlink()
-        self.__dict__.update(self.series)
-        self.tip = np.array([self.tip_x1[-1], self.tip_x2[-1]])
-        self.steps = len(self.t) - 1
-
-    def at(self, name, t):
-        """A positive series at any time: the polynomial of its logarithm through six steps."""
-        i = int(np.clip(np.searchsorted(self.t, t) - 3, 0, len(self.t) - 6))
-        times, values = self.t[i:i + 6] - t, np.log(self.series[name][i:i + 6])
-        return np.exp(lagrange(times, values))
-
-    def tip_at(self, t):
-        i = np.abs(self.shapes["t"] - t).argmin()
-        expect(abs(self.shapes["t"][i] - t) < 1e-9, f"no shape stored at t = {t}")
-        return self.shapes["x"][i, -1]
-
-
-def tip_in_space(r):
-    """Where the tip of a rod in space is at the end of a run."""
-    return np.array([*r.tip, r.tip_x3[-1]])
-
-
-def lagrange(times, values):
-    """At 0, the polynomial through these points."""
-    return sum(values[i] * np.prod([times[j] / (times[j] - times[i])
-                                    for j in range(len(times)) if j != i])
-               for i in range(len(times)))
-
-
-def order(errors, halvings=1):
-    """From the finest pair."""
-    return np.log2(errors[-2] / errors[-1]) / halvings
-
-
-def distance(a, b):
-    return np.hypot(*(a - b)) / np.hypot(*b)
-
-
-def against_reference(name, more):
-    """(the run, {quantity: its largest relative error up to t = 12, and after})"""
-    options, interval = REFERENCES[name]
-    r = Run(f"{options} {more} -output_interval {interval}")
-    worst = {k: [0, 0] for k in ("norm_x2", "energy", "tip")}
-    for line in (ROOT / "tests/reference" / f"{name}.json").read_text().splitlines():
-        ref = json.loads(line)
-        errors = {k: abs(r.at(k, ref["t"]) / ref[k] - 1) for k in ("norm_x2", "energy")}
-        errors["tip"] = distance(r.tip_at(ref["t"])[:2], np.array(ref["tip"]))  # (space has a third)
-        for k, e in errors.items():
-            late = ref["t"] > 12
-            worst[k][late] = max(worst[k][late], e)
-    return r, worst
-
-
-def expect_reference(name, more, defect):
-    r, worst = against_reference(name, more)
-    for k, (early, late) in worst.items():
-        expect(early < 1e-3 and late < 1e-2, f"{name} {more}: {k} off by {early:.1e}, {late:.1e}")
-    # the power at t = 0 is not known: the first step leaves a defect that later work outweighs
-    late = r.energy_defect[r.t > 0.01].max()
-    expect(late < defect and r.energy_defect.max() < 1e-3,
-           f"{name} {more}: energy defect {late:.1e}, {r.energy_defect.max():.1e} at first")
-    worst = {k: max(e) for k, e in worst.items()}
-    largest = max(worst.values())
-    # (it is of the whole run, the measured one of its second half and its end)
-    expect(largest <= r.estimate <= 120 * largest,
-           f"{name} {more}: estimated error {r.estimate:.1e}, measured {largest:.1e}")
-    print(f"{name:13} {more:40} {r.steps:5} steps, {r.newton_iterations.sum():5.0f} Newton, largest "
-          f"errors: |x2| {worst['norm_x2']:.1e}, energy {worst['energy']:.1e}, "
-          f"tip {worst['tip']:.1e}; estimated {r.estimate:.1e}; defect {late:.1e}")
+import h5py
+import numpy as np
 
 
 @check
@@ -321,17 +180,17 @@ def scales():
                         ("hook", dict(s=np.array([0, 0.2, 0.7, 0.9, 0.96, 0.98, 1]), curvature=np.array([0, 0, 0, 0, 0, 0.5, 0.5]))),
                         ("even", dict(s=np.linspace(0, 1, 500), curvature=np.sin(3 * np.linspace(0, 1, 500)))),
                         ("bulge", dict(s=s, t=t, g=1 + t[:, None] * np.exp(-((s - 0.5) / 0.03)**2)))):
-        with h5py.File(f"{SCRATCH}/{name}.h5", "w") as f:
+        with h5py.File(f"{scene.SCRATCH}/{name}.h5", "w") as f:
             for key, values in table.items():
                 f[key] = values
     for options, more, says in ((layer, "-rod_cells 150", "-friction_layer_width 0.0054"),
                                 (bell + "-growth_zone 0.05 ", "-rod_cells 40", "-growth_zone 0.05"),
                                 (bell + "-growth_zone 0.17 ", "-accuracy 1e-4", None),
-                                (f"{DRY}-ts_max_time 1 -rod_stiffness_file {SCRATCH}/notch.h5 ", "-rod_cells 15", "-rod_stiffness_file"),
-                                (f"{DRY}-ts_max_time 1 -rod_stiffness_file {SCRATCH}/smooth.h5 ", "-rod_cells 40", None),
-                                (f"-shape_amplitude 0.1 -ts_max_time 1 -growth_type table -growth_table {SCRATCH}/bulge.h5 ", "-rod_cells 10", "-growth_table"),
-                                (DRY + f"-ts_max_time 0.1 -rod_curvature_file {SCRATCH}/hook.h5 ", "-rod_cells 60", "bends of (in s) 0.02"),
-                                (DRY + f"-ts_max_time 0.1 -rod_curvature_file {SCRATCH}/even.h5 ", "-rod_cells 60", None),
+                                (f"{DRY}-ts_max_time 1 -rod_stiffness_file {scene.SCRATCH}/notch.h5 ", "-rod_cells 15", "-rod_stiffness_file"),
+                                (f"{DRY}-ts_max_time 1 -rod_stiffness_file {scene.SCRATCH}/smooth.h5 ", "-rod_cells 40", None),
+                                (f"-shape_amplitude 0.1 -ts_max_time 1 -growth_type table -growth_table {scene.SCRATCH}/bulge.h5 ", "-rod_cells 10", "-growth_table"),
+                                (DRY + f"-ts_max_time 0.1 -rod_curvature_file {scene.SCRATCH}/hook.h5 ", "-rod_cells 60", "bends of (in s) 0.02"),
+                                (DRY + f"-ts_max_time 0.1 -rod_curvature_file {scene.SCRATCH}/even.h5 ", "-rod_cells 60", None),
                                 (DRY + "-ts_max_time 3 ", "-rod_cells 60", None)):
         r = Run(options + more)
         fine = Run(options + "-rod_cells 2000 -ts_rtol 1e-7")
@@ -465,7 +324,7 @@ def petsc_bdf():
     expect(distance(r.tip, fine.tip) < 1e-6, f"tip off by {distance(r.tip, fine.tip):.1e}")
 
 
-@check
+@check(ranks=2)
 def ranks():
     """1, 2 and 3 ranks agree to 1e-7."""
     small = "-ts_max_time 1.2 -rod_cells 100"
@@ -609,7 +468,7 @@ def newton():
         print("primal gives up at beta = 1e-9")
 
 
-@check
+@check(ranks=2)
 def ways_of_newton():
     """PETSc's other ways to solve a step end in the same place, also those that need the matrix, which
     by default is not there."""
@@ -650,7 +509,7 @@ def task_of(file):
     return found.group(1) if found else "grow"
 
 
-@check
+@check(ranks=2)
 def snap():
     """Where dry friction cannot hold a bent rod, it takes the path of a vanishing viscous share: the
     limit of 1 - mu = 1e-3, 5e-4, 2e-4, which follow no snap. (A single step of backward Euler would miss the bent rod's tip by
@@ -710,7 +569,7 @@ def brink():
 def comes_and_goes():
     """What tables give in time, and comes and goes within what would be a step of a rod that rests: steps end where
     it sets out, and see it, as they do where it begins with the run."""
-    d, bump = Path(SCRATCH), np.array([0, 1, 0])
+    d, bump = Path(scene.SCRATCH), np.array([0, 1, 0])
     still = "-growth_type none -growth_initial_length 1 -shape_type straight -rod_curvature 0.2 "
 
     def csv(name, t, value, also=""):
@@ -832,6 +691,7 @@ def options_files():
         print(f"{file.name}: task {task}")
 
 
+@check(parts=3)
 def energy_balance(part):
     """Each scene of options/ that grows, to its end, but for those that take longest: every third."""
     shorter = {"injected-tube": "-rod_cells 150 -ts_max_time 20", "duct-bends": "-ts_max_time 1",
@@ -849,8 +709,6 @@ def energy_balance(part):
         if not re.search("wall_file|contact_self|tip_path", file.read_text()):  # nothing there is to be doubted
             expect(r.estimate < 1e-2, f"{file.name}: told {r.estimate:.1e}")
 
-
-CHECKS.update({f"energy-balance-{part + 1}": partial(energy_balance, part) for part in range(3)})
 
 SENSITIVE = {  # scene: what it is asked for, (number, unit) each
     "-growth_type uniform -friction_beta 1e-2":
@@ -916,7 +774,7 @@ def sensitivity_of_steps():
         expect(off < 1e-5, f"by {name}: {off:.1e}")
 
 
-@check
+@check(ranks=2)
 def sensitivity_on_ranks():
     """On two and three ranks as on one; behind a snap nothing is said."""
     options = "-growth_type uniform -rod_curvature 0.2 -friction_mu 0.7 -ts_max_time 1 -rod_cells 40 -sensitivity friction_mu,rod_curvature"
@@ -934,27 +792,5 @@ def sensitivity_on_ranks():
            f"a snap, and derivatives behind it: {snaps.said}")
 
 
-def main(available):
-    global TENDRIL, MPIEXEC, SCRATCH
-    parser = argparse.ArgumentParser()
-    parser.add_argument("tendril")
-    parser.add_argument("--mpiexec", default="mpiexec")
-    parser.add_argument("checks", nargs="*", metavar="CHECK", help=", ".join(available))
-    arguments = parser.parse_intermixed_args()
-    unknown = set(arguments.checks) - set(available)
-    if unknown:
-        parser.error(f"no check is named {', '.join(unknown)}")
-    TENDRIL, MPIEXEC = str(Path(arguments.tendril).resolve()), arguments.mpiexec
-    failed = 0
-    for name in arguments.checks or available:
-        with tempfile.TemporaryDirectory(prefix="tendril-") as SCRATCH:
-            try:
-                available[name]()
-            except Failure as failure:
-                failed += 1
-                print(f"{name} FAILED: {failure}")
-    return failed != 0
-
-
 if __name__ == "__main__":
-    sys.exit(main(CHECKS))
+    sys.exit(scene.main())

@@ -6,21 +6,13 @@
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
-from contact_test import walls
-from scene_test import Run, expect, tip_in_space
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+import scene  # takes .venv's python if this one lacks numpy and h5py
+from scene import check, expect, file, Run, tip_in_space, walls
 
 import h5py
 import numpy as np
 from scipy.interpolate import CubicSpline
-
-CHECKS = {}
-
-
-def check(function):
-    CHECKS[function.__name__.replace("_", "-")] = function
-    return function
 
 
 def helix(cells, more="", r=0.5, k=1.0, begun=0.9, length=24, D=0.05):
@@ -220,4 +212,4 @@ def turned_bend():
 
 
 if __name__ == "__main__":
-    sys.exit(scene.main(CHECKS))
+    sys.exit(scene.main())

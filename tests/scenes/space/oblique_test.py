@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# test: random walls in oblique frames are the same walls
 """Some of the random scenes of scripts/lab/oblique.py: walls of all kinds in frames oblique to the laboratory, and straight
 rods that sink onto cylinders and balls. (Meshes, if VTK is there.)
 
@@ -9,6 +10,7 @@ import tempfile
 from importlib.util import find_spec
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 from interpreter import ROOT, from_venv
 
 sys.path.insert(0, str(ROOT / "scripts/lab"))

@@ -9,11 +9,10 @@ import subprocess
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
-import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
-from contact_test import walls
-from scene_test import Run, expect
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "scripts"))
+import scene  # takes .venv's python if this one lacks numpy and h5py
+from scene import check, expect, file, Run, walls
 
 import h5py
 import numpy as np
@@ -24,14 +23,8 @@ from scipy.optimize import brentq
 
 from tendril.scene_data import overhand
 
-CHECKS = {}
 MU = 0.3
 ALONE = "-shape_type file -shape_file {} -friction_mu 0 -friction_layers 0:{:g} "
-
-
-def check(function):
-    CHECKS[function.__name__.replace("_", "-")] = function
-    return function
 
 
 def numbers(values):
@@ -270,4 +263,4 @@ def knot():
 
 
 if __name__ == "__main__":
-    sys.exit(scene.main(CHECKS))
+    sys.exit(scene.main())

@@ -9,16 +9,12 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
-from contact_test import walls
-from scene_test import Run, expect, tip_in_space as tip
-from laboratory_test import broken, pressed, read, tendril
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+import scene  # takes .venv's python if this one lacks numpy and h5py
+from scene import broken, check, expect, file, pressed, read, Run, tendril, tip_in_space as tip, walls
 
 import h5py
 import numpy as np
-
-CHECKS = {}
 
 
 def unit(v):
@@ -33,11 +29,6 @@ FED = ("-growth_type feed -growth_initial_length 0.5 -shape_type straight -conta
        "-ts_max_time 2 ")
 PILLAR = "circle 2 0.4 0.7 outside friction 0.4", "plane 3 0 -1 0"
 ALONE = "-friction_mu 0 -friction_layers 0:1e-9 -friction_beta 1e-12 "  # next to no friction but that of walls
-
-
-def check(function):
-    CHECKS[function.__name__.replace("_", "-")] = function
-    return function
 
 
 def expect_on_ranks(options):
@@ -156,7 +147,7 @@ def firmness(options):
         return f.attrs.get("contact_firm", 1)
 
 
-@check
+@check(ranks=3)
 def firm():
     """Contact gets firmer of itself where a rod is pressed in, as if it had been so from the start; what is not pressed
     in is computed as if there were no such thing; restart to the last bit from before and behind."""
@@ -224,7 +215,7 @@ def turns_over():
     expect(r.newton_iterations.sum() < 4000, "too many iterations")
 
 
-@check
+@check(ranks=3)
 def ranks_and_restart():
     """2 and 3 ranks agree; a run broken in the midst of contact goes on to the last bit."""
     d = scene.SCRATCH
@@ -332,7 +323,7 @@ def comes_and_goes():
             expect(0.1 < aside < 0.2, f"{moves}: aside by {aside}")
 
 
-@check
+@check(ranks=3)
 def in_time_on_ranks():
     """2 and 3 ranks agree on what a press and a drum that move as given in time do; a run broken in the midst of it, or where
     the press sets out at once, goes on to the last bit, with exact friction, too."""
@@ -431,7 +422,7 @@ def thin():
         expect(r.contact_force[-1] > 0.1 and r.energy_defect[-1] < bound, f"{name}: {r.energy_defect[-1]}")
 
 
-@check
+@check(ranks=3)
 def thin_rubs():
     """A rod that is turned and fed past a thin post: exact friction on one rank and on three, and a restart to the last bit; a rod
     that lies along a wire feels it by its points alone."""
@@ -475,7 +466,7 @@ def lengthways():
         expect(-0.01 * D < gap.min() and gap.max() < 0.02 * D and aside < 1e-6, f"{options}: {gap.min()}, {gap.max()}, {aside}")
 
 
-@check
+@check(ranks=3)
 def lengthways_on_ranks():
     rod = ("-growth_type none -clamp_type free -friction_radius 0.05 -contact_diameter 0.1 -ts_max_time 0.3 -rod_cells 12 "
            "-growth_initial_length 1 -shape_type straight -friction_mu 0 -rod_weight 0,0.2,-2 ")
@@ -577,7 +568,7 @@ def dip():
     """A wire with a hooked tip in an uneven vessel, that friction at a dip of the wall and its own dry friction hold at once:
     it comes through. (Being pressed in rubbed, too, where the gradient of the distance on a grid is not of length 1: the
     wire crawled.)"""
-    d, root = scene.SCRATCH, Path(__file__).resolve().parents[2]
+    d, root = scene.SCRATCH, scene.ROOT
     if not find_spec("vtkmodules"):
         return print("vtk is not installed")
     # a tube of 8 sides and 10 rings, radius 12, its corners off by up to 1.5 at random
@@ -599,4 +590,4 @@ def dip():
 
 
 if __name__ == "__main__":
-    sys.exit(scene.main(CHECKS))
+    sys.exit(scene.main())

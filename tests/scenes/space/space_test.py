@@ -9,28 +9,21 @@ import subprocess
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+import scene  # takes .venv's python if this one lacks numpy and h5py
 from held import HANG
-from scene_test import Run, expect, tip_in_space
-import world_test as world
-from laboratory_test import broken, read, tendril
+from scene import broken, check, expect, file, order, read, Run, tendril, tip_in_space
+from references import expect_reference, expect_references, REFERENCES
 
 import h5py
 import numpy as np
 
-CHECKS = {}
 GROWN = "-growth_initial_length 1 -shape_amplitude 0.3 -friction_mu 0.8 -rod_cells 60 "
 BENT = GROWN + "-rod_curvature 0.3 -rod_curvature_2 0.2 -rod_twist 0.4 "
 TWISTED = "-rod_model space -growth_type feed -shape_type straight -rod_curvature 0.3 -rod_twist 1 -growth_initial_length 0.8 "
 COIL = ("-growth_type feed -growth_initial_length 1 -tip_type clamped -shape_amplitude 0.01 -friction_mu 0 -contact_self "
         "-contact_diameter 0.05 -contact_friction 0.2 -friction_beta 1e-3 -ts_max_time 1 ")
 FIXED = "-ts_adapt_type none -ts_bdf_factor 0 -ts_dt 0.02 -ts_max_time 1 -ts_rtol 1e-10 "
-
-
-def check(function):
-    CHECKS[function.__name__.replace("_", "-")] = function
-    return function
 
 
 def bent():
@@ -102,11 +95,11 @@ def plane():
 @check
 def plane_references():
     """The plane's references by this model, to the plane's tolerances; x3 is 0 to the last bit."""
-    names = [*scene.REFERENCES]
+    names = [*REFERENCES]
     for name in names:
-        scene.expect_reference(name, "-rod_model space", 1e-5)
-    world.expect_references("-rod_model space", 6e-5, 6e-5)
-    expect(len(names) == 6 and len(scene.REFERENCES) == 12, f"{len(scene.REFERENCES)} references")
+        expect_reference(name, "-rod_model space", 1e-5)
+    expect_references("-rod_model space", 6e-5, 6e-5)
+    expect(len(names) == 6 and len(REFERENCES) == 12, f"{len(REFERENCES)} references")
 
 
 @check
@@ -333,7 +326,7 @@ def orders():
         expect(abs(seen - order) < 0.6, f"order {order} in time: {seen}")
 
 
-@check
+@check(ranks=2)
 def ranks_and_restart():
     """Ranks agree, in what they tell of their errors, too; a run that was broken goes on as if it had not been, exact
     friction and all."""
@@ -352,7 +345,7 @@ def ranks_and_restart():
     expect(len(whole["series/t"]) > 65 and not different, f"{different} differ")
 
 
-@check
+@check(ranks=2)
 def hinged():
     """A rod between two hinges rests as an elastica does, in both models. Twisted by M it bears the thrust
     pi^2 - M^2/4, and a pull beyond M = 2 pi (Greenhill), but for the square of its bow. A curved one that
@@ -391,7 +384,7 @@ def hinged():
     expect(len(whole["series/t"]) > 65 and not different, f"{different} differ")
 
 
-@check
+@check(ranks=2)
 def crawls():
     """A clamp that shakes so fast that a step sees next to nothing of the run: it does not go on like that for
     ever, on any number of ranks, but says so, and keeps what it has; with -ts_max_steps it goes on as long as
@@ -629,7 +622,7 @@ def strands():
     expect(not different, f"{different} differ")
 
 
-@check
+@check(ranks=2)
 def strands_on_ranks():
     """The same on ranks. (Its loop turns about the axis all but freely.)"""
     options = COIL + "-clamp_spin 16 -shape_turn 0.3 -rod_cells 30 -ts_max_time 0.9"
@@ -783,4 +776,4 @@ def refused():
 
 
 if __name__ == "__main__":
-    sys.exit(scene.main(CHECKS))
+    sys.exit(scene.main())

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# test: one surface given in several ways is the same
 """Rods in tubes and on bodies: one surface given in several ways is the same surface.
 
     tubes_test.py build/tendril"""
@@ -8,13 +9,14 @@ import sys
 import tempfile
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 from interpreter import from_venv
 
 try:
     import h5py
     import numpy as np
 
-    import test_surface
+    import made_meshes
     from tendril import surface
 except ImportError as error:
     from_venv(error)
@@ -53,8 +55,8 @@ def main():
         d = Path(scratch)
         ways = {"distance": "body distance.h5 outside"}
         write_distance(d / "distance.h5")
-        if test_surface.VTK:
-            test_surface.write_obj(d / "ball.obj", test_surface.sphere(71, CENTRE, RADIUS))
+        if made_meshes.VTK:
+            made_meshes.write_obj(d / "ball.obj", made_meshes.sphere(71, CENTRE, RADIUS))
             surface(d / "ball.obj", d / "mesh.h5", diameter=DIAMETER, spacing=SPACING)
             ways["mesh"] = "body mesh.h5 outside"
         x, steps, pressed = run(tendril, "sphere {:.17g} {:.17g} {:.17g} {} outside".format(*CENTRE, RADIUS), d)

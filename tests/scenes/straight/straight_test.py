@@ -8,11 +8,10 @@ import subprocess
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-sys.path.insert(1, str(Path(__file__).resolve().parents[2] / "scripts/lab"))
-import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
-from laboratory_test import tendril
-from scene_test import Run, expect
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+sys.path.insert(1, str(Path(__file__).resolve().parents[3] / "scripts/lab"))
+import scene  # takes .venv's python if this one lacks numpy and h5py
+from scene import check, expect, Run, tendril
 
 import fuzz_critical
 import h5py
@@ -20,13 +19,6 @@ import numpy as np
 import ring
 from scipy.interpolate import CubicSpline
 from scipy.special import erf
-
-CHECKS = {}
-
-
-def check(function):
-    CHECKS[function.__name__.replace("_", "-")] = function
-    return function
 
 
 def resting():
@@ -97,7 +89,7 @@ def leaves_the_axis():
             expect(abs(least / wanted - 1) < 0.03, f"{options}, {name}: {least}, not {wanted}")
 
 
-@check
+@check(ranks=2)
 def auto():
     """Linear in both directions while the rod is nearly straight, then in space: the answer of the
     model of space, on any number of ranks; from the start in space where twist joins the directions.
@@ -416,4 +408,4 @@ def refused():
 
 
 if __name__ == "__main__":
-    sys.exit(scene.main(CHECKS))
+    sys.exit(scene.main())

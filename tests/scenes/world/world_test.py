@@ -8,51 +8,14 @@ import re
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-import scene_test as scene  # takes .venv's python if this one lacks numpy and h5py
-from scene_test import Run, distance, expect, order
-from laboratory_test import broken, tendril
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+import scene  # takes .venv's python if this one lacks numpy and h5py
+from references import bowl, expect_references, field, SAG, stiffness
+from scene import broken, check, distance, expect, file, order, Run, tendril
 
 import h5py
 import numpy as np
 from numpy.polynomial import legendre
-
-CHECKS = {}
-SAG = "-shape_amplitude 0.1 -growth_initial_length "
-
-
-def check(function):
-    CHECKS[function.__name__.replace("_", "-")] = function
-    return function
-
-
-def file(name, **arrays):
-    """An HDF5 file for one check."""
-    path = f"{scene.SCRATCH}/{name}.h5"
-    with h5py.File(path, "w") as f:
-        for k, values in arrays.items():
-            f[k] = values
-    return path
-
-
-def field(factor, x1=(-3, 20), x2=(-8, 8), t=None, spacing=0.25):
-    """The file of factor(x1, x2) or factor(x1, x2, t); t: the end of its times. Its interpolant is
-    flat at the edges: a few entries further in, a cubic is exact."""
-    x1, x2 = (np.arange(a, b + spacing / 2, spacing) for a, b in (x1, x2))
-    if t is None:
-        return file("field", x1=x1, x2=x2, factor=factor(x1, x2[:, None]))
-    t = np.linspace(-1, t + 1, 9)
-    return file("field", x1=x1, x2=x2, t=t,
-                factor=factor(x1, x2[:, None], t[:, None, None]))
-
-
-def bowl(x1, x2):
-    return 1 + 0.3 * x1 + 0.2 * x2 ** 2
-
-
-def stiffness(factor, name="stiffness"):
-    d = np.linspace(0, 25, 1001)
-    return "-rod_stiffness_file " + file(name, distance=d, factor=factor(d))
 
 
 # --- the straight rod, independently -------------------------------------------------------------
@@ -388,41 +351,6 @@ def exact_at_rest():
 # --- references ----------------------------------------------------------------------------------
 
 
-def references():
-    """File: options, -output_interval (a divisor of all its times)."""
-    in_bowl = f"-friction_field {field(bowl)} "
-    scene.REFERENCES.update({
-        "w_across": (f"{SAG} 1 -friction_across 2 -ts_max_time 6", 2),
-        "w_field": (f"-growth_type feed {SAG} 1.5 -friction_mu 0.7 {in_bowl} -ts_max_time 6", 2),
-        "w_tip": (f"{SAG} 1 -friction_mu 0.5 -tip_law resistance -tip_force 0.5 -ts_max_time 4", 1),
-        "w_apical": ("-growth_type apical -growth_zone 0.6 -growth_initial_length 1 "
-                     "-shape_amplitude 0.2 -friction_mu 0.6 -tip_law resistance -tip_force 0.5 "
-                     "-ts_max_time 5", 1),
-        "w_stiff": ("-growth_type feed -growth_initial_length 2 -shape_amplitude 0.3 "
-                    f"-friction_mu 0.8 {stiffness(lambda d: 1 + 3 * np.exp(-d), 'three')} "
-                    "-ts_max_time 6", 2),
-        "w_all": (f"-growth_type feed {SAG} 1.2 -friction_mu 0.7 -friction_across 2 {in_bowl} "
-                  "-tip_law follower -tip_force 0.3 -rod_curvature 0.05 "
-                  f"{stiffness(lambda d: 1 + 2 * np.exp(-d), 'two')} -ts_max_time 6", 2)})
-    return [name for name in scene.REFERENCES if name.startswith("w_")]
-
-
-def expect_references(more, bound, defect, names=None):
-    """Each reference is met to the bound, and in the frame model the estimate of the error holds."""
-    known = references()
-    for name in names or known:
-        r, worst = scene.against_reference(name, more)
-        largest = max(max(e) for e in worst.values())
-        late = r.energy_defect[r.t > 0.01].max()
-        print(f"{name:9} {more}: {r.steps} steps, {r.newton_iterations.sum():.0f} Newton, "
-              f"{', '.join(f'{k} {max(e):.1e}' for k, e in worst.items())}, "
-              f"estimated {r.estimate:.1e}; defect {late:.1e}")
-        expect(largest < bound, f"{name} {more}: off by {largest:.1e}")
-        expect("mixed" in more or largest < r.estimate < 80 * largest,
-               f"{name} {more}: estimated error {r.estimate:.1e}, measured {largest:.1e}")
-        expect(late < defect, f"{name} {more}: energy defect {late:.1e}")
-
-
 @check
 def references_frame():
     expect_references("", 6e-5, 6e-5)
@@ -594,7 +522,6 @@ def held_still():
             expect(re.search(r"its cells of \S+ \(\S+ mm\) are .* the force \S+ \(\S+ N\), of \S+ \(\S+ cm\): give", line), line)
 
 
-
 def same_on_ranks(options, numbers=(2, 3)):
     one = Run(options)
     for n in numbers:
@@ -605,7 +532,7 @@ def same_on_ranks(options, numbers=(2, 3)):
         expect(max(off.values()) < 1e-8, f"{options}: {n} ranks differ, {off}")
 
 
-@check
+@check(ranks=2)
 def ranks():
     """1, 2 and 3 ranks agree."""
     for law in LAWS:
@@ -671,4 +598,4 @@ def restart():
 
 
 if __name__ == "__main__":
-    sys.exit(scene.main(CHECKS))
+    sys.exit(scene.main())
