@@ -189,6 +189,7 @@ MUTATIONS = [
     ("estimate: straight", E, "straight = 0.3;", "straight = 30;"),
     ("estimate: early", E, "early = 0.01;", "early = 0;"),
     ("estimate: nudge", E, "nudge = 1e-3;", "nudge = 1;"),
+    ("to which side, not asked", "tasks/grow_errors.c", "grown = 100;", "grown = 1e100;"),
     ("estimate: most folds", E, "most_folds = 30;", "most_folds = 0.3;"),
 ]
 

@@ -8,7 +8,7 @@
 #include "stepping/vbdf.h"
 
 enum {
-  RESTART_BESIDE = 14 + 3 * ESTIMATE_SEEN,
+  RESTART_BESIDE = 14 + 3 * ESTIMATE_SEEN + ASTRAY_NUMBERS,
   RESTART_STUCK = 9
 }; /* as grow_errors.c and grow_jam.c have them */
 
