@@ -312,7 +312,7 @@ class Users(unittest.TestCase):
                            env=ENVIRONMENT)
             with h5py.File(f"{place}/run.h5") as file:
                 names = {name for name in file.attrs if "/" not in name}
-        for path in ("output.c", "collection.c"):  # and those that this run has none of
+        for path in ("output.c", "output_run.c", "result.c", "restart.c", "collection.c"):  # and those that this run has none of
             names |= set(re.findall(r'Hdf(?:Real|Text|Int)\(file, "/", "(\w+)"', (ROOT / "src/record" / path).read_text()))
         text = (ROOT / "docs/results.md").read_text()
         self.assertGreater(len(names), 15)
