@@ -2,6 +2,7 @@
 #ifndef TENDRIL_RESTART_H
 #define TENDRIL_RESTART_H
 
+#include "base/hdf.h"
 #include "record/observe.h"
 #include "stepping/estimate.h"
 #include "stepping/vbdf.h"
@@ -39,14 +40,14 @@ typedef struct {
 } RestartState;
 enum { RESTART_STATE = sizeof(RestartState) / sizeof(PetscReal) };
 
-PetscInt RestartPack(Scene scene, const RestartState *state, PetscReal data[RESTART_STATE]);
-
 extern const OptionGroup restart_options;
 
 PetscErrorCode RestartOptions(char file[PETSC_MAX_PATH_LEN], PetscBool *restart);
 PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, PetscBool *begun);
 PetscErrorCode RestartTake(const char *file, const RestartState *state, Leg *leg);
 PetscErrorCode RestartTakeErrors(const char *file, const RestartState *state, Estimate estimate);
+PetscErrorCode RestartWrite(HdfFile file, Scene scene, Rod rod, RestartState *state, Vec points[],
+                            Vec errors[]);
 PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *state, Vec points[]);
 
 #endif
