@@ -1,4 +1,4 @@
-#include "base/boxes.h"
+#include "base/blocks.h"
 #include "curve/nearest.h"
 #include "rod/directors.h"
 #include "rod/strand_pairs.h"
@@ -252,7 +252,7 @@ static const PetscReal margin = 0.5;
 static PetscErrorCode Search(Strands self) {
   Looking look = {.self = self,
                   .reach = (1 + margin) * self->contact->diameter + self->contact->smooth};
-  Boxes boxes;
+  Blocks line;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->n; k++)
@@ -260,12 +260,9 @@ static PetscErrorCode Search(Strands self) {
   self->n = 0;
   for (PetscInt i = 0; i <= self->cells; i++)
     for (int d = 0; d < 3; d++) self->seen[3 * i + d] = self->joint[i].x[d];
-  if (self->dims == 2)
-    PetscCall(BoxesCreate(self->cells, 3, self->seen, NULL, &boxes));
-  else
-    PetscCall(BoxesCreate3(self->cells, 3, self->seen, &boxes));
-  BoxesPairs(boxes, look.reach, SameStrand, Meet, &look);
-  PetscCall(BoxesDestroy(&boxes));
+  PetscCall(BlocksOfLine(self->dims, self->cells, 3, self->seen, NULL, &line));
+  BlocksPairs(line, look.reach, SameStrand, Meet, &look);
+  PetscCall(BlocksDestroy(&line));
   PetscCall(look.error);
   PetscFunctionReturn(0);
 }
