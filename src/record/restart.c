@@ -1,6 +1,7 @@
 #include "record/restart.h"
-#include "base/hdf.h"
 #include <ctype.h>
+#include <stddef.h>
+#include <string.h>
 
 static const OptionRow rows[] = {ROW_TEXT("-restart", INPUT_FILE | IN_PLACE | PASSING | PROGRAM,
                                           "result file of a run to go on with")};
@@ -113,6 +114,32 @@ static PetscErrorCode TakeClamp(const char *file, Scene scene) {
   PetscFunctionReturn(0);
 }
 
+/* The series that only a rod has whose material learns are stored of none else. */
+enum { OF_TROPISM = OBSERVED - OBSERVED_STEERED };
+
+/* How many reals a scene stores of a state. */
+static PetscInt StateReals(Scene scene) {
+  return RESTART_STATE - (scene->tropism.any ? 0 : 2 * OF_TROPISM);
+}
+
+/* Copies a state to or from what is stored. */
+static void CopyState(Scene scene, PetscReal *state, PetscReal *stored, PetscBool store) {
+  const size_t first = offsetof(RestartState, seen) / sizeof(PetscReal),
+               most = scene->tropism.any ? OBSERVED : OBSERVED_STEERED,
+               part[3] = {first + most, most, RESTART_STATE - first - 2 * OBSERVED},
+               skip[3] = {0, OBSERVED - most, OBSERVED - most};
+
+  for (int k = 0; k < 3; k++) {
+    state += skip[k];
+    if (store)
+      memcpy(stored, state, part[k] * sizeof(*state));
+    else
+      memcpy(state, stored, part[k] * sizeof(*state));
+    state += part[k];
+    stored += part[k];
+  }
+}
+
 /*
   RestartRead - reads what is stored to go on from, and makes the scene that of the file.
   Collective.
@@ -131,9 +158,10 @@ PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, P
   UserCheck(result, scene->comm, "-restart %s: is the result of another task, not of a run", file);
   if (!*begun) PetscFunctionReturn(0);
   PetscCall(HdfRead("-restart", file, "/restart/state", 1, &n, &data));
-  if (n == RESTART_STATE) PetscCall(PetscMemcpy(state, data, sizeof(*state)));
+  if (n == StateReals(scene)) CopyState(scene, (PetscReal *)state, data, PETSC_FALSE);
   PetscCall(PetscFree(data));
-  UserCheck(n == RESTART_STATE, scene->comm, "-restart %s: is of another version of tendril", file);
+  UserCheck(n == StateReals(scene), scene->comm, "-restart %s: is of another version of tendril",
+            file);
   PetscCall(CheckScales(file, scene));
   PetscCall(CheckLength(file, scene));
   PetscCall(TakeMesh(file, scene));
@@ -233,7 +261,7 @@ PetscErrorCode RestartTake(const char *file, const RestartState *state, Leg *leg
   PetscCall(OptionGiven("-ts_dt", &given));
   if (!given) PetscCall(TSSetTimeStep(leg->ts, state->step));
   PetscCall(TSSetStepNumber(leg->ts, (PetscInt)state->steps));
-  PetscCall(PetscArraycpy(leg->kick, state->kick, MAX_FIELDS));
+  PetscCall(PetscArraycpy(leg->kick, state->kick, RESTART_KICKS));
   leg->kick_ends = state->kick_ends;
   leg->ease.times = PetscMin(state->ease, leg->ease.most);
   leg->ease.wants = PetscMin(state->wants, leg->ease.most);
@@ -293,7 +321,7 @@ PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *stat
   PetscCall(TSGetTimeStep(leg->ts, &state->step));
   PetscCall(TSGetStepNumber(leg->ts, &steps));
   PetscCall(VBDFGetMemory(leg->ts, state->memory));
-  PetscCall(PetscArraycpy(state->kick, leg->kick, MAX_FIELDS));
+  PetscCall(PetscArraycpy(state->kick, leg->kick, RESTART_KICKS));
   state->kick_ends = leg->kick_ends;
   state->wants = leg->ease.wants;
   state->ease = leg->ease.times;
@@ -305,5 +333,83 @@ PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *stat
   state->falls = leg->rod->scene->falls;
   state->shared = load->shared ? 1 - load->friction.mu : 0;
   state->firm = contact->firm ? 1 : contact->deepest ? 0 : -1;
+  PetscFunctionReturn(0);
+}
+
+/* Appends vectors, as rows, to a dataset made here: one at a time on rank 0, where all of them need
+   not fit; adds up the absolute values. Collective. */
+static PetscErrorCode WriteVectors(HdfFile file, const char *name, const char *text, PetscInt n,
+                                   Vec vectors[], PetscReal *sum) {
+  const PetscScalar *a;
+  VecScatter to_zero;
+  PetscInt length;
+  Vec all;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetSize(vectors[0], &length));
+  PetscCall(HdfAppendable(file, name, 1, &length, "mixed", text));
+  PetscCall(VecScatterCreateToZero(vectors[0], &to_zero, &all));
+  for (PetscInt i = 0; i < n; i++) {
+    PetscCall(VecScatterBegin(to_zero, vectors[i], all, INSERT_VALUES, SCATTER_FORWARD));
+    PetscCall(VecScatterEnd(to_zero, vectors[i], all, INSERT_VALUES, SCATTER_FORWARD));
+    if (!file) continue;
+    PetscCall(VecGetArrayRead(all, &a));
+    for (PetscInt k = 0; k < length; k++) *sum += PetscAbsReal(a[k]);
+    PetscCall(HdfAppend(file, name, 1, a));
+    PetscCall(VecRestoreArrayRead(all, &a));
+  }
+  PetscCall(VecScatterDestroy(&to_zero));
+  PetscCall(VecDestroy(&all));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode WriteMemory(HdfFile file, Rod rod, PetscReal *sum) {
+  Vec memory;
+  DM da;
+
+  PetscFunctionBegin;
+  if (!rod->memory) PetscFunctionReturn(0);
+  PetscCall(RodCreateMemory(rod, &da, &memory));
+  PetscCall(rod->model->remember(rod, memory));
+  PetscCall(WriteVectors(file, "/restart/memory",
+                         "what Newton's method remembers from step to step [1][node times values]",
+                         1, &memory, sum));
+  PetscCall(VecDestroy(&memory));
+  PetscCall(DMDestroy(&da));
+  PetscFunctionReturn(0);
+}
+
+/* RestartWrite - what the run needs to go on from here, in the place of what stood there; of
+   OutputStore(). Collective. */
+PetscErrorCode RestartWrite(HdfFile file, Scene scene, Rod rod, RestartState *state, Vec points[],
+                            Vec errors[]) {
+  const PetscInt scales = UNIT_ALL, two = 2;
+  const Space *space = &scene->space;
+  const PetscReal clamp[2] = {space->spun, space->spins_from};
+  const PetscInt n = StateReals(scene);
+  PetscReal data[RESTART_STATE];
+
+  PetscFunctionBegin;
+  PetscCall(HdfDelete(file, "/restart"));
+  if (!state) PetscFunctionReturn(0);
+  PetscCall(HdfGroup(file, "/restart"));
+  state->sum = 0;
+  PetscCall(WriteVectors(file, "/restart/points",
+                         "the stepper's past points, latest first [point][node times fields]",
+                         (PetscInt)state->points, points, &state->sum));
+  PetscCall(WriteMemory(file, rod, &state->sum));
+  state->errors_sum = 0;
+  if (errors)
+    PetscCall(WriteVectors(file, "/restart/errors",
+                           "the errors that are followed [part][node times fields]", ESTIMATE_KEPT,
+                           errors, &state->errors_sum));
+  CopyState(scene, (PetscReal *)state, data, PETSC_TRUE);
+  PetscCall(HdfWrite(file, "/restart/state", 1, &n, data, "mixed",
+                     "time, step and history of the stepper, for -restart"));
+  if (space->spins_from > 0)
+    PetscCall(HdfWrite(file, "/restart/clamp", 1, &two, clamp, "rad, l/V",
+                       "by how much the clamp had turned when its rate was changed, and when"));
+  PetscCall(HdfWrite(file, "/restart/scales", 1, &scales, scene->si.scale, "SI",
+                     "the scales of the rod in the laboratory, 0: none"));
   PetscFunctionReturn(0);
 }

@@ -6,7 +6,7 @@
 #include "rod/directors.h"
 #include "rod/feet_space.h"
 #include "rod/rod.h"
-#include "rod/space_strands.h"
+#include "rod/strand_rows.h"
 #include "rod/spin.h"
 
 enum { X, P = 3, M = 7, N = 10, FIELDS = 13, LEFT = M, RIGHT = FIELDS - LEFT };
@@ -36,8 +36,7 @@ typedef struct {
   PetscInt duals;
   FrictionDual4 *foot_dual; /* of cells, likewise: of their feet, WALL_SLOTS each; NULL: none */
   PetscBool *split; /* of cells, from that before node first on, in this Newton solve; NULL: none */
-  SpaceStrands strands; /* NULL: the rod does not touch itself */
-  SpaceCell *behind;    /* of each owned node, for what strands do; NULL without them */
+  StrandRows strands; /* NULL: the rod does not touch itself */
 } Space_;
 
 /* A walk along the cells that touch owned nodes. */
@@ -156,6 +155,28 @@ void SpaceCellsForget(Space_ *self);
 PetscErrorCode SpaceCellsOpen(Rod rod, const RodState *at, Cell *cell);
 void SpaceCellsNext(Cell *cell, PetscInt i);
 PetscErrorCode SpaceCellsClose(Cell *cell);
+
+/* space_ends.c */
+TipState3 SpaceTipOf(const Load *load, const Point *end);
+FrictionDual4 *SpaceTipDual(Rod rod);
+void SpaceClampResidual(Scene scene, PetscReal t, const PetscReal u[FIELDS], PetscReal r[FIELDS]);
+void SpaceClampBlock(Scene scene, PetscReal t, const PetscReal u[FIELDS],
+                     PetscReal by[LEFT][FIELDS]);
+
+/* space_slope.c */
+PetscErrorCode SpaceJacobian(Rod rod, const RodState *at, Mat J);
+PetscErrorCode SpaceEliminate(Rod rod, const RodState *at, Elimination elimination);
+
+/* space_memory.c */
+enum { OF_DUAL = sizeof(FrictionDual4) / sizeof(PetscReal) }; /* reals of one */
+PetscErrorCode SpaceBears(Rod rod, const RodState *at, RodForces *sum);
+PetscErrorCode SpaceHold(Rod rod, const RodState *at, PetscReal seen, PetscReal *creep);
+PetscInt SpaceRemembers(const Load *load);
+PetscErrorCode SpaceRemember(Rod rod, Vec memory);
+PetscErrorCode SpaceRecall(Rod rod, Vec memory);
+
+/* space_start.c */
+PetscErrorCode SpaceInitial(Rod rod, PetscReal t, Node *nodes);
 
 /* space_defect.c */
 PetscErrorCode SpaceDefect(Rod rod, const RodState *at, PetscReal (*defect)[MAX_FIELDS]);

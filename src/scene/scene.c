@@ -147,6 +147,28 @@ void SceneLinkWalls(Scene scene) {
   scene->tip.walls = scene->load.walls;
 }
 
+/* SceneMaterial - what the rod's own laws give at the label s and time t. */
+PetscErrorCode SceneMaterial(Scene scene, PetscReal s, PetscReal t, Material *at) {
+  PetscReal B, B_t;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(at, sizeof(*at)));
+  PetscCall(GrowthStretch(scene->growth, 1, &s, t, &at->g, &at->g_t, NULL));
+  at->c = GrowthSlide(scene->growth, s, t);
+  at->strain = GrowthStrain(scene->growth, s, t, at->g_t);
+  PetscCall(SceneStiffness(scene, s, t, &B, &B_t));
+  if (scene->space.rod) {
+    SceneStiffnesses(scene, B, at->S);
+    SceneStiffnesses(scene, B_t, at->S_t);
+    PetscCall(CurvatureStrains(&scene->curvature, scene->growth, s, t, at->u0, at->u0_t));
+  } else {
+    at->S[2] = B;
+    at->S_t[2] = B_t;
+    PetscCall(SceneCurvature(scene, s, t, &at->u0[2], &at->u0_t[2]));
+  }
+  PetscFunctionReturn(0);
+}
+
 /* SceneAtTolerance - tells a scene at which tolerance it is to be stepped: what exact friction of
    material at rest is taken for depends on it (LoadAtTolerance()). */
 void SceneAtTolerance(Scene scene, PetscReal rtol) {
@@ -213,12 +235,15 @@ PetscErrorCode SceneCreate(Scene *scene) {
             OptionBoth(self->growth->end_time, UNIT_TIME, text[1]));
   PetscCall(GrowthLongest(self->growth, self->end_time, &self->reach));
   PetscCall(CurvatureSetFromOptions(&self->curvature, self->growth, self->end_time));
+  PetscCall(TropismSetFromOptions(&self->tropism, self->growth));
   PetscCall(MeshCreate(cells, (PetscBool)grading, self->growth, self->end_time, &self->mesh));
   PetscCall(ContactSetFromOptions(&self->contact, &self->load.friction, self->clamp_angle));
   self->contact.time = PETSC_MIN_REAL;
   SceneLinkWalls(self);
   PetscCall(
       SpaceSetFromOptions(&self->space, &self->load, &self->tip, &self->curvature, &self->shape));
+  if (self->tropism.any) TropismFrame(&self->tropism, (const PetscReal(*)[3])self->space.lab);
+  if (self->tropism.why) self->space.why = self->tropism.why;
   PetscCall(CheckClamp(self));
   if (self->load.radius > 0 && self->clamp != CLAMP_FREE) LoadNextToExact(&self->load);
   if (ContactWallsRub(&self->contact) && self->clamp != CLAMP_FREE)

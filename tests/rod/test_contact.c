@@ -1,5 +1,6 @@
 /* Contact: Jacobians by rate with walls and with strands of the rod that press on each other,
-   forces that cancel, feet that are feet. */
+   forces that cancel, feet that are feet.
+   test: the Jacobian in contact is that of its differences and forces cancel | ranks 1 2 3 */
 #include "rod/by_rate.h"
 #include "rod/feet.h"
 #include "rod/strands.h"
@@ -384,7 +385,7 @@ static PetscReal PointAt(const PetscReal s[], PetscReal L, const Node *nodes, Pe
 static PetscReal WorkError(PetscInt cells) {
   const PetscReal t = 0.7, e = 1e-5;
   PetscReal energy[2], work = 0, L;
-  const PetscReal(*force)[2];
+  const PetscReal(*force)[3];
   Node *nodes[3];
   Strands strands;
   StrandSum sum;
