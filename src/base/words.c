@@ -1,4 +1,4 @@
-/* Options files. PETSc reads them, too, but what users need is not in it (as of 3.18 to 3.25): data
+/* Options files. PETSc reads them, too, but what users need is not in it (seen with 3.18): data
    that a file names count from its own place, a fault is one line with the remedy and not a
    traceback, the files read are known (no output goes over them). It crashes on a file that names
    itself, and takes --name for an option. */
