@@ -2,12 +2,13 @@
 #ifndef TENDRIL_RESTART_H
 #define TENDRIL_RESTART_H
 
+#include "base/hdf.h"
 #include "record/observe.h"
 #include "stepping/estimate.h"
 #include "stepping/vbdf.h"
 
 enum {
-  RESTART_BESIDE = 14 + 3 * ESTIMATE_SEEN,
+  RESTART_BESIDE = 14 + 3 * ESTIMATE_SEEN + ASTRAY_NUMBERS,
   RESTART_STUCK = 9
 }; /* as grow_errors.c and grow_jam.c have them */
 
@@ -44,6 +45,8 @@ PetscErrorCode RestartOptions(char file[PETSC_MAX_PATH_LEN], PetscBool *restart)
 PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, PetscBool *begun);
 PetscErrorCode RestartTake(const char *file, const RestartState *state, Leg *leg);
 PetscErrorCode RestartTakeErrors(const char *file, const RestartState *state, Estimate estimate);
+PetscErrorCode RestartWrite(HdfFile file, Scene scene, Rod rod, RestartState *state, Vec points[],
+                            Vec errors[]);
 PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *state, Vec points[]);
 
 #endif

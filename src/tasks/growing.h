@@ -55,6 +55,7 @@ typedef struct {
   PetscBool pressed;      /* there has been contact */
   ErrorEstimate error; /* as GrowErrors() has found it; when and why of what was largest so far */
   PetscReal largest[ESTIMATE_SEEN]; /* that error, beyond the start */
+  Astray astray;                    /* where it may have gone to another side */
   PetscReal event_at;               /* when it last touched, let go or snapped; 0: never */
   int event_is;                     /* which, as WHY_TOUCH */
   PetscReal depth;                  /* largest penetration so far */
