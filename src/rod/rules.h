@@ -1,5 +1,6 @@
-/* The constants of the models of the rod, and of what they touch: each with its reason, what it was measured on
-   and the test that fails without it, in rules.def; docs/dev/heuristics.md is made of these. */
+/* The constants of the models of the rod, and of what they touch: each with its reason, what it was
+   measured on and the test that fails without it, in rules.def; docs/dev/heuristics.md is made of
+   these. */
 #ifndef TENDRIL_ROD_RULES_H
 #define TENDRIL_ROD_RULES_H
 

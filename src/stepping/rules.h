@@ -1,5 +1,6 @@
-/* The constants of the time steps and of Newton's method: each with its reason, what it was measured on
-   and the test that fails without it, in rules.def; docs/dev/heuristics.md is made of these. */
+/* The constants of the time steps and of Newton's method: each with its reason, what it was
+   measured on and the test that fails without it, in rules.def; docs/dev/heuristics.md is made of
+   these. */
 #ifndef TENDRIL_STEPPING_RULES_H
 #define TENDRIL_STEPPING_RULES_H
 

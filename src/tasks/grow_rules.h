@@ -1,5 +1,6 @@
-/* The constants of -task grow: start, choice of model, end, errors: each with its reason, what it was measured on
-   and the test that fails without it, in grow_rules.def; docs/dev/heuristics.md is made of these. */
+/* The constants of -task grow: start, choice of model, end, errors: each with its reason, what it
+   was measured on and the test that fails without it, in grow_rules.def; docs/dev/heuristics.md is
+   made of these. */
 #ifndef TENDRIL_GROW_RULES_H
 #define TENDRIL_GROW_RULES_H
 
