@@ -3,8 +3,9 @@
 #include "base/blocklu.h"
 #include "base/chain.h"
 #include "rod/ask.h"
-#include "stepping/rules.h"
+#include "rod/learned.h"
 #include "rod/rules.h"
+#include "stepping/rules.h"
 
 /* The largest residual of each group of fields (rod.h), in the scene's units, along the axes of the
    state: they do not see each other on the straight rod, and one may be 1e-16 times another. */
@@ -419,7 +420,10 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
   PetscCall(MatCreateShell(rod->comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, newton, &newton->J));
   PetscCall(MatShellSetOperation(newton->J, MATOP_MULT, (void (*)(void))MultiplyDirection));
   PetscCall(SolverOf(ts, &ksp, &pc));
-  PetscCall(EliminationSetType(pc, newton->elimination));
+  if (rod->learned)
+    PetscCall(LearnedSetType(pc, rod, newton->elimination));
+  else
+    PetscCall(EliminationSetType(pc, newton->elimination));
   if ((rod->model->space && RodFeelsSpin(rod)) || RodEndsOf(rod).tip_rests)
     PetscCall(EliminationCreate(rod->comm, nodes, rod->model->halves, &newton->counter));
   PetscFunctionReturn(0);

@@ -289,7 +289,7 @@ static PetscErrorCode StepOn(TS ts) {
 }
 
 /* What follows where the stepper has stopped. A rod in dry friction that finds no step tries again
-   with a viscous share, or a larger one, in steps of grow_begins_again of the run on. */
+   with a viscous share, or a larger one, in steps of grow_rule.again_step of the run on. */
 static PetscErrorCode AfterSolve(Grow *self) {
   PetscFunctionBegin;
   PetscCall(TSGetConvergedReason(self->now->ts, &self->reason));
