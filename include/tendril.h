@@ -92,11 +92,9 @@ TENDRIL_API void TendrilDestroy(Tendril *simulation);
   TendrilSet - an option, with or without its dash: "friction_mu", "0.5". "options_file" takes the
   options of a scene's file, one after the other; a later one wins. value NULL: true.
 
-  Once the simulation is set up only what can change in a run is taken, from the present time on:
-
-    clamp_spin, tip_force, tip_torque, tip_force_vector, rod_weight, friction_mu, ts_max_time
-
-  (docs/library.md says when). Anything else is refused.
+  Once the simulation is set up only what can change in a run is taken, from the present time on, as
+  docs/live.md lists it: tip_force, feed_speed, friction_factor, wall_to ... Anything else is
+  refused.
 */
 TENDRIL_API int TendrilSet(Tendril simulation, const char *option, const char *value);
 

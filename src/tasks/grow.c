@@ -3,6 +3,7 @@
 #include "tasks/grow.h"
 #include "base/signals.h"
 #include "rod/passing.h"
+#include "scene/change.h"
 #include "tasks/growing.h"
 #include <signal.h>
 
@@ -368,6 +369,11 @@ static PetscErrorCode TakeStep(Grow *self, TS ts) {
   PetscFunctionReturn(0);
 }
 
+/* Is one step taken after the other, for between them something may be changed? */
+static PetscBool ByTurns(const Grow *self) {
+  return (PetscBool)(self->by_steps || self->scene->changes);
+}
+
 static PetscErrorCode AfterStep(TS ts) {
   const PetscReal same = 1e-12;
   TSConvergedReason reason;
@@ -383,11 +389,11 @@ static PetscErrorCode AfterStep(TS ts) {
     reason = TS_CONVERGED_TIME;
     PetscCall(TSSetConvergedReason(ts, reason));
   }
-  self->waits = (PetscBool)(self->by_steps && t > self->until * (1 + same));
+  self->waits = (PetscBool)(ByTurns(self) && t > self->until * (1 + same));
   self->reason = reason;
   if (!self->waits) PetscCall(TakeStep(self, ts));
-  if (self->by_steps) PetscCall(TSGetConvergedReason(ts, &reason));
-  if (self->waits || (self->by_steps && !reason))
+  if (ByTurns(self)) PetscCall(TSGetConvergedReason(ts, &reason));
+  if (self->waits || (ByTurns(self) && !reason))
     PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER)); /* the host has its turn */
   PetscFunctionReturn(0);
 }
@@ -789,10 +795,17 @@ PetscErrorCode GrowCreate(Grow *self, const char *output, const char *restart) {
       PetscCall(AddLeg(self, m));
   PetscCall(CrawlAllowed(OwnLeg(self)->ts, &self->crawl));
   PetscCall(RodHoldTip(OwnLeg(self)->rod));
+  if (begun) PetscCall(RestartChange(restart, self->scene));
+  for (PetscInt m = 0; m < MODELS && begun; m++)
+    if (self->leg[m].ts) PetscCall(LegEndAtTurns(&self->leg[m]));
   if (self->leg[WholeModel(self)].rod)
     PetscCall(EstimateCreate(&self->leg[WholeModel(self)], &self->estimate));
   PetscCall(GrowSensitivitiesCreate(self, output, restart));
   PetscCall(OptionsRefuseUnread());
+  PetscCall(SceneChangesCheck(self->scene));
+  UserCheck(!self->sensitivities || !self->scene->changes, self->scene->comm,
+            "-sensitivity: is not known of a run in which something is changed; take it, or "
+            "-change_file, out");
   PetscCall(ObserverCreate(self->scene, &self->observer));
   if (begun)
     PetscCall(GoOn(self, restart, &state, output));
@@ -853,6 +866,7 @@ static PetscErrorCode AfterSolve(Grow *self) {
 
 static PetscErrorCode Follow(Grow *self) {
   PetscFunctionBegin;
+  while (!self->over && self->scene->changes) PetscCall(GrowStepOn(self, PETSC_MAX_REAL));
   while (!self->over) {
     PetscCall(TSSolve(self->now->ts, self->now->U));
     PetscCall(AfterSolve(self));
@@ -917,7 +931,10 @@ PetscErrorCode GrowSettle(Grow *self, PetscReal t) {
 PetscErrorCode GrowChange(Grow *self, PetscBool acts) {
   PetscFunctionBegin;
   for (PetscInt m = 0; m < MODELS; m++)
-    if (self->leg[m].ts) PetscCall(TSSetMaxTime(self->leg[m].ts, self->scene->end_time));
+    if (self->leg[m].ts) {
+      PetscCall(TSSetMaxTime(self->leg[m].ts, self->scene->end_time));
+      PetscCall(LegEndAtTurns(&self->leg[m]));
+    }
   PetscCall(GrowFindEnd(self));
   if (!acts) PetscFunctionReturn(0);
   self->changed = PETSC_TRUE;
@@ -1164,6 +1181,7 @@ static PetscErrorCode Verdict(Grow *self) {
    that goes on from where another one ended. */
 static PetscBool FindsNoWay(const Grow *self) {
   return (PetscBool)(!self->stopped && self->start == 0 && GotFirm(&self->scene->contact) &&
+                     !(self->scene->changes && self->scene->changes->done) &&
                      (self->crawls || (self->reason < 0 && !GrowPressedHard(self))));
 }
 

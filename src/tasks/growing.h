@@ -108,6 +108,10 @@ PetscErrorCode GrowChange(Grow *self, PetscBool acts);
 PetscErrorCode GrowAnew(Grow *self);
 PetscErrorCode GrowDestroy(Grow *self);
 
+/* grow_changes.c */
+PetscErrorCode GrowApply(Grow *self, const char *name, const char *value, PetscReal t);
+PetscErrorCode GrowStepOn(Grow *self, PetscReal until);
+
 /* grow_errors.c */
 void GrowCross(Grow *self, const Observation *last, PetscReal before, PetscBool layered);
 void GrowKeepErrors(const Grow *self, PetscReal kept[RESTART_BESIDE]);

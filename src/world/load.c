@@ -43,6 +43,7 @@ PetscErrorCode LoadSetFromOptions(Load *load, PetscReal clamp_angle) {
   load->viscous = 1 - load->friction.mu;
   PetscCall(OptionReal("-friction_across", &load->across, NULL));
   PetscCall(ReadField(load));
+  load->factor = 1;
   load->clamp[0] = PetscCosReal(clamp_angle);
   load->clamp[1] = PetscSinReal(clamp_angle);
   load->turns = (PetscBool)(load->across != 1);
@@ -75,6 +76,13 @@ void LoadSetWeight(Load *load, const PetscReal weight[3]) {
   load->plain = (PetscBool)(load->plain && !load->weighs);
 }
 
+/* LoadSetFactor - multiplies all friction along the rod, and across it. */
+void LoadSetFactor(Load *load, PetscReal factor) {
+  load->factor = factor;
+  load->varied = PETSC_TRUE;
+  load->plain = PETSC_FALSE;
+}
+
 PetscErrorCode LoadDestroy(Load *load) {
   PetscFunctionBegin;
   PetscCall(FieldDestroy(&load->field));
@@ -89,28 +97,29 @@ static PetscReal FactorTilted(const Load *load, const PetscReal x[2], PetscReal 
   for (int d = 0; d < 3; d++) lab[d] = load->lab[d][0] * x[0] + load->lab[d][1] * x[1];
   FieldAt(load->field, lab, t, &factor, by);
   for (int d = 0; d < 2; d++)
-    slope[d] = load->lab[0][d] * by[0] + load->lab[1][d] * by[1] + load->lab[2][d] * by[2];
-  return factor;
+    slope[d] = load->factor *
+               (load->lab[0][d] * by[0] + load->lab[1][d] * by[1] + load->lab[2][d] * by[2]);
+  return load->factor * factor;
 }
 
 /* LoadFactor - N at a place in the clamp's frame, and its derivatives there. */
 PetscReal LoadFactor(const Load *load, const PetscReal x[2], PetscReal t, PetscReal slope[2]) {
   const PetscReal c = load->clamp[0], s = load->clamp[1];
-  PetscReal lab[3] = {c * x[0] - s * x[1], s * x[0] + c * x[1], 0}, by[3], factor = 1;
+  PetscReal lab[3] = {c * x[0] - s * x[1], s * x[0] + c * x[1], 0}, by[3], factor;
 
   slope[0] = slope[1] = 0;
-  if (!load->field) return factor;
+  if (!load->field) return load->factor;
   if (load->lab[2][0] != 0) return FactorTilted(load, x, t, slope);
   FieldAt(load->field, lab, t, &factor, by);
-  slope[0] = c * by[0] + s * by[1];
-  slope[1] = -s * by[0] + c * by[1];
-  return factor;
+  slope[0] = load->factor * (c * by[0] + s * by[1]);
+  slope[1] = load->factor * (-s * by[0] + c * by[1]);
+  return load->factor * factor;
 }
 
 /* LoadForceVaried - f <- N M f. */
 void LoadForceVaried(const Load *load, const Place *at, PetscReal f[2]) {
   const PetscReal *q = at->q;
-  PetscReal slope[2], N = load->moves ? LoadFactor(load, at->x, at->t, slope) : 1,
+  PetscReal slope[2], N = load->moves ? LoadFactor(load, at->x, at->t, slope) : load->factor,
                       along = q[0] * f[0] + q[1] * f[1], across = q[0] * f[1] - q[1] * f[0];
 
   across *= load->across;
@@ -125,8 +134,8 @@ void LoadForceVaried(const Load *load, const Place *at, PetscReal f[2]) {
 */
 void LoadSlopeVaried(const Load *load, const Place *at, const LoadDual *dual, LoadSlope *slope) {
   const PetscReal *q = at->q, perp[2] = {-at->q[1], at->q[0]}, a = load->across;
-  PetscReal by[2] = {0, 0}, N = load->moves ? LoadFactor(load, at->x, at->t, by) : 1, f[2], along,
-            across;
+  PetscReal by[2] = {0, 0}, N = load->moves ? LoadFactor(load, at->x, at->t, by) : load->factor,
+            f[2], along, across;
 
   for (int c = 0; c < 2; c++) {
     along = N * (q[0] * slope->v[0][c] + q[1] * slope->v[1][c]);

@@ -17,7 +17,8 @@
 typedef struct {
   Friction friction;
   PetscReal across;       /* a */
-  Field field;            /* N; NULL: 1 */
+  Field field;            /* N over factor; NULL: 1 */
+  PetscReal factor;       /* 1 but where a run has changed it */
   PetscReal clamp[2];     /* direction of the clamp in the laboratory, where N is given */
   const Contact *walls;   /* NULL: none; borrowed */
   PetscReal weight[3];    /* force per length, in the clamp's frame */
@@ -64,6 +65,7 @@ PetscBool LoadMaySlip(const Load *load);
 PetscBool LoadSharesMost(const Load *load);
 void LoadSetWalls(Load *load, const Contact *contact);
 void LoadSetWeight(Load *load, const PetscReal weight[3]);
+void LoadSetFactor(Load *load, PetscReal factor);
 PetscErrorCode LoadDestroy(Load *load);
 PetscBool LoadIsEven(const Load *load, PetscReal length, PetscReal end);
 void LoadForceVaried(const Load *load, const Place *at, PetscReal f[2]);

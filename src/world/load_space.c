@@ -9,8 +9,9 @@ static PetscReal Factor3(const Load *load, const Place3 *at, PetscReal slope[3])
     lab[d] = load->lab[d][0] * at->x[0] + load->lab[d][1] * at->x[1] + load->lab[d][2] * at->x[2];
   FieldAt(load->field, lab, at->t, &factor, by);
   for (int d = 0; d < 3; d++)
-    slope[d] = load->lab[0][d] * by[0] + load->lab[1][d] * by[1] + load->lab[2][d] * by[2];
-  return factor;
+    slope[d] = load->factor *
+               (load->lab[0][d] * by[0] + load->lab[1][d] * by[1] + load->lab[2][d] * by[2]);
+  return load->factor * factor;
 }
 
 /* LoadFactor3 - N at a place in the clamp's frame. */
@@ -18,12 +19,12 @@ PetscReal LoadFactor3(const Load *load, const PetscReal x[3], PetscReal t) {
   const Place3 at = {.t = t, .x = {x[0], x[1], x[2]}};
   PetscReal slope[3];
 
-  return load->field ? Factor3(load, &at, slope) : 1;
+  return load->field ? Factor3(load, &at, slope) : load->factor;
 }
 
 /* f <- N M f, and the couple */
 static void Vary(const Load *load, const Place3 *at, PetscReal f[RUBS]) {
-  PetscReal by[3], N = load->field ? Factor3(load, at, by) : 1, a = load->across,
+  PetscReal by[3], N = load->field ? Factor3(load, at, by) : load->factor, a = load->across,
                    more = (1 - a) * Dot3(at->q, f);
 
   for (int d = 0; d < 3; d++) f[d] = N * (a * f[d] + more * at->q[d]);
@@ -101,8 +102,8 @@ void LoadSeen3(const Load *load, const Place3 *at, PetscReal f[RUBS]) {
 /* dN M f: by W, as friction feels it, by q and by x. */
 static void SlopeVaried(const Load *load, const Place3 *at, const PetscReal W[RUBS],
                         const FrictionDual4 *dual, LoadSlope3 *slope) {
-  PetscReal by[3] = {0}, N = load->field ? Factor3(load, at, by) : 1, a = load->across, f[RUBS],
-            along;
+  PetscReal by[3] = {0}, N = load->field ? Factor3(load, at, by) : load->factor, a = load->across,
+            f[RUBS], along;
 
   for (int c = 0; c < RUBS; c++) {
     along = (1 - a) *
