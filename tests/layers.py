@@ -14,7 +14,7 @@ import re
 import sys
 from pathlib import Path
 
-ROOMS = ["base", "material", "world", "scene", "straight", "rod", "stepping", "record", "tasks", "library"]  # from below
+ROOMS = ["base", "curve", "material", "world", "scene", "straight", "rod", "stepping", "record", "tasks", "library"]  # from below
 STRANGERS = {("material", "world"), ("world", "material")}  # a rod's own, and what is around all rods
 # header: who may include it
 KEPT = {r"petsc/private/": {"stepping/vbdf.c", "stepping/controller.c", "rod/rod.c", "rod/coupled.c"},

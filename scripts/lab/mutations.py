@@ -121,7 +121,7 @@ MUTATIONS = [
     ("wild, once", N, "WILD = 4,", "WILD = 1,"),
     ("wild, early", N, "EARLIEST = 8,", "EARLIEST = 1,"),
     ("wild, to the last", N, "WILD = 4,", "WILD = 1000,"),
-    ("the limit, by the linear model", "tasks/grow.c", "(asked || LoadIsNextToExact(&self->scene->load))", "asked"),
+    ("the limit, by the linear model", "tasks/grow_begin.c", "(asked || LoadIsNextToExact(&self->scene->load))", "asked"),
     ("the limit, fitted", "tasks/grow_errors.c", "of_limit = 40;", "of_limit = 10;"),
     ("groups lumped", N, "    residual[rod->model->group[f]] =\n        PetscMax(residual[rod->model->group[f]], size[f] / RodFieldUnit(rod, f));",
      "    for (int g = 0; g < GROUPS; g++) residual[g] = PetscMax(residual[g], size[f] / RodFieldUnit(rod, f));"),
@@ -192,6 +192,7 @@ MUTATIONS = [
     ("estimate: straight", E, "straight = 0.3;", "straight = 30;"),
     ("estimate: early", E, "early = 0.01;", "early = 0;"),
     ("estimate: nudge", E, "nudge = 1e-3;", "nudge = 1;"),
+    ("to which side, not asked", "tasks/grow_errors.c", "grown = 100;", "grown = 1e100;"),
     ("estimate: most folds", E, "most_folds = 30;", "most_folds = 0.3;"),
 ]
 

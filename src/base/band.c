@@ -1,11 +1,19 @@
 #include "base/band.h"
 
-/* PETSc declares LAPACK's dense routines only; these are LAPACK's own for bands. */
+/* PETSc declares LAPACK's dense routines only; these are LAPACK's and BLAS's own for bands. */
 extern void dgbtrf_(const int *m, const int *n, const int *kl, const int *ku, double *ab,
                     const int *ldab, int *ipiv, int *info);
 extern void dgbtrs_(const char *trans, const int *n, const int *kl, const int *ku, const int *nrhs,
                     const double *ab, const int *ldab, const int *ipiv, double *b, const int *ldb,
                     int *info, size_t);
+extern void dpbtrf_(const char *uplo, const int *n, const int *kd, double *ab, const int *ldab,
+                    int *info, size_t);
+extern void dtbmv_(const char *uplo, const char *trans, const char *diag, const int *n,
+                   const int *k, const double *a, const int *lda, double *x, const int *incx,
+                   size_t, size_t, size_t);
+extern void dtbsv_(const char *uplo, const char *trans, const char *diag, const int *n,
+                   const int *k, const double *a, const int *lda, double *x, const int *incx,
+                   size_t, size_t, size_t);
 
 /* BandCreate - a zero matrix of n rows, lower and upper diagonals beside the main one. The caller
    frees it with BandDestroy(). */
@@ -84,53 +92,33 @@ PetscErrorCode BandSolve(const Band *band, PetscBool transpose, PetscInt columns
   BandCholesky - R with R^T R = A, A symmetric and positive.
 
   rows   [n][2 width + 1], entry (i, i - width + b) at b
-  R      [n][width + 1], entry (i, i + b) at b
+  R      [n][width + 1], entry (i, i + b) at b; to LAPACK, by columns, this is R^T, a lower band
 */
 PetscErrorCode BandCholesky(PetscInt n, PetscInt width, const PetscReal rows[], PetscReal R[]) {
-  const PetscInt m = width + 1;
+  const int order = (int)n, lower = (int)width, ld = lower + 1;
+  int info;
 
   PetscFunctionBegin;
   for (PetscInt i = 0; i < n; i++)
-    for (PetscInt b = 0; b < m; b++) {
-      PetscReal sum = i + b < n ? rows[i * (2 * width + 1) + width + b] : 0;
-      for (PetscInt k = PetscMax(0, i + b - width); k < i && i + b < n; k++)
-        sum -= R[k * m + i - k] * R[k * m + i + b - k];
-      if (!b) PetscCheck(sum > 0, PETSC_COMM_SELF, PETSC_ERR_MAT_CH_ZRPVT, "matrix not positive");
-      R[i * m + b] = b ? sum / R[i * m] : PetscSqrtReal(sum);
-    }
+    for (PetscInt b = 0; b <= width; b++)
+      R[i * (width + 1) + b] = i + b < n ? rows[i * (2 * width + 1) + width + b] : 0;
+  dpbtrf_("L", &order, &lower, R, &ld, &info, 1);
+  PetscCheck(!info, PETSC_COMM_SELF, PETSC_ERR_MAT_CH_ZRPVT, "matrix not positive");
   PetscFunctionReturn(0);
 }
 
 /* BandUpperMult - x <- R x or R^T x. */
 void BandUpperMult(PetscInt n, PetscInt upper, const PetscReal R[], PetscBool transpose,
                    PetscReal x[]) {
-  const PetscInt m = upper + 1;
-  if (!transpose)
-    for (PetscInt i = 0; i < n; i++) {
-      PetscReal sum = 0;
-      for (PetscInt b = 0; b < m && i + b < n; b++) sum += R[i * m + b] * x[i + b];
-      x[i] = sum;
-    }
-  else
-    for (PetscInt i = n - 1; i >= 0; i--) {
-      PetscReal sum = 0;
-      for (PetscInt b = 0; b < m && i - b >= 0; b++) sum += R[(i - b) * m + b] * x[i - b];
-      x[i] = sum;
-    }
+  const int order = (int)n, lower = (int)upper, ld = lower + 1, one = 1;
+
+  dtbmv_("L", transpose ? "N" : "T", "N", &order, &lower, R, &ld, x, &one, 1, 1, 1);
 }
 
 /* BandUpperSolve - x <- R^-1 x or R^-T x. */
 void BandUpperSolve(PetscInt n, PetscInt upper, const PetscReal R[], PetscBool transpose,
                     PetscReal x[]) {
-  const PetscInt m = upper + 1;
-  if (!transpose)
-    for (PetscInt i = n - 1; i >= 0; i--) {
-      for (PetscInt b = 1; b < m && i + b < n; b++) x[i] -= R[i * m + b] * x[i + b];
-      x[i] /= R[i * m];
-    }
-  else
-    for (PetscInt i = 0; i < n; i++) {
-      for (PetscInt b = 1; b < m && i - b >= 0; b++) x[i] -= R[(i - b) * m + b] * x[i - b];
-      x[i] /= R[i * m];
-    }
+  const int order = (int)n, lower = (int)upper, ld = lower + 1, one = 1;
+
+  dtbsv_("L", transpose ? "N" : "T", "N", &order, &lower, R, &ld, x, &one, 1, 1, 1);
 }

@@ -3,7 +3,7 @@
 struct _Blocks {
   int dims;
   PetscInt n;
-  PetscInt *item; /* as they stand in the leaves, from left to right */
+  PetscInt *item; /* as they stand in the leaves, from left to right; of a line NULL: in order */
   Block *block;   /* the children of block k are 2 k + 1 and 2 k + 2 */
 };
 
@@ -52,6 +52,58 @@ PetscErrorCode BlocksCreate(int dims, PetscInt n, const Block block[], Blocks *b
   PetscCall(PetscMalloc1(n, &key));
   PetscCall(Build(*blocks, block, key, (Branch){0, n, 0}));
   PetscCall(PetscFree(key));
+  PetscFunctionReturn(0);
+}
+
+/* A line whose tree is made. */
+typedef struct {
+  PetscInt stride;
+  const PetscReal *x, *angle;
+} Line;
+
+/* The block of a branch of a line: its leaves follow each other as they are, and need no sorting.
+ */
+static Block Along(Blocks self, const Line *line, Branch b) {
+  Block all;
+
+  if (b.last - b.first == 1)
+    for (int d = 0; d < 3; d++) {
+      const PetscReal *x = d < self->dims ? line->x + d : line->angle;
+      const PetscReal from = x ? x[b.first * line->stride] : 0;
+      const PetscReal to = x ? x[b.last * line->stride] : 0;
+      all.low[d] = PetscMin(from, to);
+      all.high[d] = PetscMax(from, to);
+    }
+  else {
+    const Block half[2] = {Along(self, line, BranchHalf(b, 0)),
+                           Along(self, line, BranchHalf(b, 1))};
+    for (int d = 0; d < 3; d++) {
+      all.low[d] = PetscMin(half[0].low[d], half[1].low[d]);
+      all.high[d] = PetscMax(half[0].high[d], half[1].high[d]);
+    }
+  }
+  return self->block[b.k] = all;
+}
+
+/*
+  BlocksOfLine - the tree over the segments of a polygon of segments + 1 points, for BlocksPairs().
+  Not collective; the caller destroys it with BlocksDestroy().
+
+  x      dims coordinates of point i at x[i * stride]
+  angle  in the plane, of point i at angle[i * stride]: the third side of each block; or NULL
+*/
+PetscErrorCode BlocksOfLine(int dims, PetscInt segments, PetscInt stride, const PetscReal *x,
+                            const PetscReal *angle, Blocks *blocks) {
+  const Line line = {stride, x, angle};
+  PetscInt size = 1;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(blocks));
+  (*blocks)->dims = dims;
+  (*blocks)->n = segments;
+  while (size < segments) size *= 2;
+  PetscCall(PetscMalloc1(2 * size, &(*blocks)->block));
+  (void)Along(*blocks, &line, (Branch){0, segments, 0});
   PetscFunctionReturn(0);
 }
 
@@ -140,4 +192,51 @@ void BlocksNearBehind(Blocks blocks, PetscInt before, const Block *place, PetscR
   Behind behind = {before, meet, ctx};
 
   BlocksNear(blocks, place, reach, MeetBehind, &behind);
+}
+
+/* ---- pairs of a line ---- */
+
+/* A search for pairs. */
+typedef struct {
+  const struct _Blocks *tree;
+  PetscReal reach;
+  BlocksSkip skip;
+  BlocksMeetPair meet;
+  void *ctx;
+} PairSearch;
+
+/* Pairs of a segment of a and one of b; a is b, or lies before it. */
+static void Pairs(const PairSearch *search, Branch a, Branch b) {
+  const Block *of_a = &search->tree->block[a.k], *of_b = &search->tree->block[b.k];
+  PetscInt in_a = a.last - a.first, in_b = b.last - b.first;
+
+  for (int d = 0; d < search->tree->dims; d++)
+    if (of_a->low[d] > of_b->high[d] + search->reach ||
+        of_b->low[d] > of_a->high[d] + search->reach)
+      return;
+  if (search->skip && search->skip(of_a, a.first, a.last, of_b, b.first, b.last, search->ctx))
+    return;
+  if (in_a == 1 && in_b == 1) {
+    if (a.k != b.k) search->meet(a.first, b.first, search->ctx);
+  } else if (a.k == b.k) {
+    Pairs(search, BranchHalf(a, 0), BranchHalf(a, 0));
+    Pairs(search, BranchHalf(a, 1), BranchHalf(a, 1));
+    Pairs(search, BranchHalf(a, 0), BranchHalf(a, 1));
+  } else if (in_a >= in_b) {
+    for (int w = 0; w < 2; w++) Pairs(search, BranchHalf(a, w), b);
+  } else
+    for (int w = 0; w < 2; w++) Pairs(search, a, BranchHalf(b, w));
+}
+
+/*
+  BlocksPairs - tells of all pairs of segments of a line whose blocks are within reach of each
+  other, and of some more.
+
+  skip   leaves out two blocks and all in them, or NULL
+*/
+void BlocksPairs(Blocks line, PetscReal reach, BlocksSkip skip, BlocksMeetPair meet, void *ctx) {
+  PairSearch search = {line, reach, skip, meet, ctx};
+  Branch all = {0, line->n, 0};
+
+  Pairs(&search, all, all);
 }

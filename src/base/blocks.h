@@ -1,5 +1,6 @@
-/* A binary tree over blocks that stand still, in the plane or in space: finds those near a place
-   without looking at all of them. */
+/* A binary tree over blocks in the plane or in space, which finds those near a place without
+   looking at all of them: over any that stand still, sorted; or over the segments of a line in
+   their order, of which it finds the pairs that are near each other. */
 #ifndef TENDRIL_BLOCKS_H
 #define TENDRIL_BLOCKS_H
 
@@ -15,11 +16,20 @@ typedef struct _Blocks *Blocks;
 /* Told of a block that is within reach; returns how far the search is to reach from now on. */
 typedef PetscReal (*BlocksMeet)(PetscInt item, PetscReal reach, void *ctx);
 
+/* Told of segments first .. last - 1 of each of two blocks of a line: may they be left out? */
+typedef PetscBool (*BlocksSkip)(const Block *a, PetscInt first_a, PetscInt last_a, const Block *b,
+                                PetscInt first_b, PetscInt last_b, void *ctx);
+/* Told of two segments i < j. */
+typedef void (*BlocksMeetPair)(PetscInt i, PetscInt j, void *ctx);
+
 PetscErrorCode BlocksCreate(int dims, PetscInt n, const Block block[], Blocks *blocks);
+PetscErrorCode BlocksOfLine(int dims, PetscInt segments, PetscInt stride, const PetscReal *x,
+                            const PetscReal *angle, Blocks *line);
 PetscErrorCode BlocksDestroy(Blocks *blocks);
 void BlocksNearBehind(Blocks blocks, PetscInt before, const Block *place, PetscReal reach,
                       BlocksMeet meet, void *ctx);
 void BlocksNear(Blocks blocks, const Block *place, PetscReal reach, BlocksMeet meet, void *ctx);
+void BlocksPairs(Blocks line, PetscReal reach, BlocksSkip skip, BlocksMeetPair meet, void *ctx);
 
 /* A block that holds nothing yet. */
 static inline Block BlockEmpty(int dims) {

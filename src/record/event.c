@@ -1,6 +1,6 @@
 #include "record/event.h"
 #include "rod/directors.h"
-#include "base/boxes.h"
+#include "base/blocks.h"
 
 static const OptionRow rows[] = {
     ROW_REAL(
@@ -122,7 +122,7 @@ static void Meet(PetscInt i, PetscInt j, void *ctx) {
 PetscErrorCode EventContact(PetscInt cells, const PetscReal s[], const Node *nodes,
                             PetscReal diameter, Event *event) {
   Approach self = {.nodes = nodes, .s = s, .diameter = diameter, .event = event};
-  Boxes boxes;
+  Blocks line;
 
   PetscFunctionBegin;
   event->kind = EVENT_NONE;
@@ -133,9 +133,9 @@ PetscErrorCode EventContact(PetscInt cells, const PetscReal s[], const Node *nod
   for (PetscInt i = 0; i < cells; i++)
     self.p[i + 1] =
         self.p[i] + hypot(nodes[i + 1].x[0] - nodes[i].x[0], nodes[i + 1].x[1] - nodes[i].x[1]);
-  PetscCall(BoxesCreate(cells, NODE_VALUES, nodes[0].x, NULL, &boxes));
-  BoxesPairs(boxes, diameter, TooNear, Meet, &self);
-  PetscCall(BoxesDestroy(&boxes));
+  PetscCall(BlocksOfLine(2, cells, NODE_VALUES, nodes[0].x, NULL, &line));
+  BlocksPairs(line, diameter, TooNear, Meet, &self);
+  PetscCall(BlocksDestroy(&line));
   PetscCall(PetscFree(self.p));
   PetscFunctionReturn(0);
 }

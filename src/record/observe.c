@@ -1,5 +1,6 @@
 #include "record/observe.h"
 #include "base/lagrange.h"
+#include "curve/cell.h"
 #include "rod/crossing.h"
 #include <string.h>
 
@@ -183,13 +184,13 @@ static PetscErrorCode SampleMid(Scene scene, PetscReal sa, PetscReal sb, PetscRe
     const PlaneNode *n = &p->node;
     const PetscReal *q = p->at.q;
     PetscReal k = e ? -h / 8 : h / 8;
-    mid->node.theta += n->theta / 2 + k * p->g * (n->moment / p->B + p->k0);
-    mid->node.moment += n->moment / 2 - k * p->g * (q[0] * n->force[1] - q[1] * n->force[0]);
+    mid->node.theta += CurveMidOf(k * p->g, n->theta, n->moment / p->B + p->k0);
+    mid->node.moment += CurveMidOf(-k * p->g, n->moment, q[0] * n->force[1] - q[1] * n->force[0]);
     for (int d = 0; d < 2; d++) {
       PetscReal perp = d ? q[0] : -q[1];
-      mid->node.x[d] += n->x[d] / 2 + k * p->g * q[d];
-      mid->node.x_t[d] += n->x_t[d] / 2 + k * (p->g_t * q[d] + p->g * n->theta_t * perp);
-      mid->node.force[d] += n->force[d] / 2 + k * p->g * (p->F[d] - (p->push ? p->push[d] : 0));
+      mid->node.x[d] += CurveMidOf(k * p->g, n->x[d], q[d]);
+      mid->node.x_t[d] += CurveMidOf(k, n->x_t[d], p->g_t * q[d] + p->g * n->theta_t * perp);
+      mid->node.force[d] += CurveMidOf(k * p->g, n->force[d], p->F[d] - (p->push ? p->push[d] : 0));
       if (scene->load.weighs) mid->node.force[d] -= k * p->g * scene->load.weight[d];
     }
   }
@@ -254,9 +255,9 @@ static void Integrate(Scene scene, const Sample *p, PetscReal weight, PetscReal 
 /* What is read at s = 1/2 of the cell that holds it: on the parabola through a, mid and b. */
 static void MeasureMiddle(PetscReal sa, PetscReal h, const Sample *a, const Sample *mid,
                           const Sample *b, Observation *seen) {
-  PetscReal z = (0.5 - sa) / h, w[3] = {(1 - z) * (1 - 2 * z), 4 * z * (1 - z), z * (2 * z - 1)};
-  PetscReal x[2], v[2];
+  PetscReal w[3], x[2], v[2];
 
+  CurveParabola((0.5 - sa) / h, w, NULL);
   for (int d = 0; d < 2; d++) {
     x[d] = w[0] * a->node.x[d] + w[1] * mid->node.x[d] + w[2] * b->node.x[d];
     v[d] = w[0] * a->at.v[d] + w[1] * mid->at.v[d] + w[2] * b->at.v[d];

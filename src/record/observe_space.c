@@ -2,7 +2,7 @@
  */
 #include "record/observe.h"
 #include "base/quaternion.h"
-#include "base/vectors.h"
+#include "curve/cell.h"
 #include "record/sample_space.h"
 #include "rod/directors.h"
 
@@ -131,9 +131,9 @@ static void MeasureTip3(Scene scene, const Sample3 *p, const PetscReal contact[P
 /* What is read at s = 1/2, on the parabola through the points of the cell that holds it. */
 static void MeasureMiddle3(PetscReal z, const Sample3 *a, const Sample3 *mid, const Sample3 *b,
                            Observation *seen) {
-  const PetscReal w[3] = {(1 - z) * (1 - 2 * z), 4 * z * (1 - z), z * (2 * z - 1)};
-  PetscReal x[3], v[3];
+  PetscReal w[3], x[3], v[3];
 
+  CurveParabola(z, w, NULL);
   for (int d = 0; d < 3; d++) {
     x[d] = w[0] * a->node.x3[d] + w[1] * mid->node.x3[d] + w[2] * b->node.x3[d];
     v[d] = w[0] * a->at.W[d] + w[1] * mid->at.W[d] + w[2] * b->at.W[d];

@@ -7,7 +7,7 @@
 #include "stepping/vbdf.h"
 
 enum {
-  RESTART_BESIDE = 14 + 3 * ESTIMATE_SEEN,
+  RESTART_BESIDE = 14 + 3 * ESTIMATE_SEEN + ASTRAY_NUMBERS,
   RESTART_STUCK = 9
 }; /* as grow_errors.c and grow_jam.c have them */
 
@@ -17,7 +17,7 @@ enum {
 typedef struct {
   PetscReal t, step;                     /* where the run is, and the size of its next step */
   PetscReal points, order;               /* of the stepper's history; its next order */
-  PetscReal model, fields, steps;        /* models are numbered as in grow.c */
+  PetscReal model, fields, steps;        /* models are numbered as in growing.h */
   PetscReal memory[VBDF_MEMORY];         /* of the stepper, beside its points */
   PetscReal wants, ease, others;         /* of the leg: its Ease */
   PetscReal kick[MAX_FIELDS], kick_ends; /* of the leg: what a wall's kick is measured against */

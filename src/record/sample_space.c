@@ -1,5 +1,5 @@
 #include "record/sample_space.h"
-#include "base/vectors.h"
+#include "curve/cell.h"
 #include "rod/directors.h"
 #include "rod/spin.h"
 
@@ -67,21 +67,21 @@ static void AddEnd(Scene scene, const Sample3 *p, const TwistRate *rate, PetscRe
   QuaternionTurn(n->p, p->u, turn);
   DirectorSlope(n->p, size, q, 0, D);
   for (int i = 0; i < 4; i++) {
-    mid->p[i] += n->p[i] / 2 + k * p->law.g / 2 * turn[i];
+    mid->p[i] += CurveMidOf(k * p->law.g / 2, n->p[i], turn[i]);
     mid->p_t[i] += n->p_t[i] / 2;
   }
   for (int i = 0; i < 3; i++) {
     int j = (i + 1) % 3, l = (i + 2) % 3;
     d1_t[i] = D[i][0] * n->p_t[0] + D[i][1] * n->p_t[1] + D[i][2] * n->p_t[2] + D[i][3] * n->p_t[3];
-    mid->x3[i] += n->x3[i] / 2 + k * p->law.g * q[i];
-    mid->x3_t[i] += n->x3_t[i] / 2 + k * (p->law.g_t * q[i] + p->law.g * d1_t[i]);
-    mid->m3[i] +=
-        n->m3[i] / 2 -
-        k * p->law.g * (q[j] * n->n3[l] - q[l] * n->n3[j] - (p->F[SPIN] - push[SPIN]) * q[i]);
-    mid->n3[i] += n->n3[i] / 2 + k * p->law.g * (p->F[i] - push[i] - scene->load.weight[i]);
+    mid->x3[i] += CurveMidOf(k * p->law.g, n->x3[i], q[i]);
+    mid->x3_t[i] += CurveMidOf(k, n->x3_t[i], p->law.g_t * q[i] + p->law.g * d1_t[i]);
+    mid->m3[i] += CurveMidOf(-k * p->law.g, n->m3[i],
+                             q[j] * n->n3[l] - q[l] * n->n3[j] - (p->F[SPIN] - push[SPIN]) * q[i]);
+    mid->n3[i] += CurveMidOf(k * p->law.g, n->n3[i], p->F[i] - push[i] - scene->load.weight[i]);
   }
-  *turns += p->turns / 2 + k * SpinSlope(p->law.g, p->law.g_t, rate, 1 / p->law.S[0], p->d, p->u,
-                                         n->m3, n->m3_t, d1_t);
+  *turns += CurveMidOf(
+      k, p->turns,
+      SpinSlope(p->law.g, p->law.g_t, rate, 1 / p->law.S[0], p->d, p->u, n->m3, n->m3_t, d1_t));
 }
 
 /* SampleMid3 - the point in the middle of the cell between two, with no push yet. feet: what they

@@ -1,6 +1,6 @@
 #include "record/touching.h"
 #include "base/knots.h"
-#include "base/vectors.h"
+#include "curve/cell.h"
 #include "rod/directors.h"
 
 struct _Touching {
@@ -96,8 +96,8 @@ static PetscErrorCode SpotOf(Scene scene, PetscReal t, const Node *nodes, PetscB
       const Node *n = &nodes[i + e];
       PetscReal q[2] = {PetscCosReal(n->theta), PetscSinReal(n->theta)}, k = e ? -h / 8 : h / 8;
       for (int d = 0; d < 2; d++) {
-        spot->x[d] += n->x[d] / 2 + k * g[e] * q[d];
-        x_t[d] += n->x_t[d] / 2 + k * (g_t[e] * q[d] + g[e] * n->theta_t * (d ? q[0] : -q[1]));
+        spot->x[d] += CurveMidOf(k * g[e], n->x[d], q[d]);
+        x_t[d] += CurveMidOf(k, n->x_t[d], g_t[e] * q[d] + g[e] * n->theta_t * (d ? q[0] : -q[1]));
       }
     }
   }

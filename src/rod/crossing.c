@@ -1,5 +1,5 @@
 #include "rod/crossing.h"
-#include "base/boxes.h"
+#include "base/blocks.h"
 #include "base/vectors.h"
 
 /* Does segment ab cross segment cd? Touching in an end point does not count twice: half-open. */
@@ -39,14 +39,14 @@ static void CountCrossing(PetscInt i, PetscInt j, void *ctx) {
  */
 PetscErrorCode RodCrossings(PetscInt n, const Node *nodes, PetscInt *count) {
   Crossings self = {nodes, 0};
-  Boxes boxes;
+  Blocks line;
 
   PetscFunctionBegin;
   *count = 0;
   if (n < 4) PetscFunctionReturn(0);
-  PetscCall(BoxesCreate(n - 1, NODE_VALUES, nodes[0].x, &nodes[0].theta, &boxes));
-  BoxesPairs(boxes, 0, CannotCross, CountCrossing, &self);
-  PetscCall(BoxesDestroy(&boxes));
+  PetscCall(BlocksOfLine(2, n - 1, NODE_VALUES, nodes[0].x, &nodes[0].theta, &line));
+  BlocksPairs(line, 0, CannotCross, CountCrossing, &self);
+  PetscCall(BlocksDestroy(&line));
   *count = self.count;
   PetscFunctionReturn(0);
 }
@@ -158,16 +158,16 @@ static void MeetMoving(PetscInt i, PetscInt j, void *ctx) {
 PetscErrorCode RodPassesItself(PetscInt n, const Node *from, const Node *to, PetscBool *passes) {
   Motion self = {from, to, PETSC_FALSE};
   PetscReal way = 0;
-  Boxes boxes;
+  Blocks line;
 
   PetscFunctionBegin;
   *passes = PETSC_FALSE;
   if (n < 4) PetscFunctionReturn(0);
   for (PetscInt i = 0; i < n; i++)
     for (int d = 0; d < 3; d++) way = PetscMax(way, PetscAbsReal(to[i].x3[d] - from[i].x3[d]));
-  PetscCall(BoxesCreate3(n - 1, NODE_VALUES, to[0].x3, &boxes));
-  BoxesPairs(boxes, 2 * way, NULL, MeetMoving, &self);
-  PetscCall(BoxesDestroy(&boxes));
+  PetscCall(BlocksOfLine(3, n - 1, NODE_VALUES, to[0].x3, NULL, &line));
+  BlocksPairs(line, 2 * way, NULL, MeetMoving, &self);
+  PetscCall(BlocksDestroy(&line));
   *passes = self.passes;
   PetscFunctionReturn(0);
 }

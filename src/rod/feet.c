@@ -1,6 +1,6 @@
 #include "rod/feet.h"
 #include "base/bezier.h"
-#include "base/hermite.h"
+#include "curve/cell.h"
 
 static PetscReal Dot(const PetscReal a[2], const PetscReal b[2]) {
   return a[0] * b[0] + a[1] * b[1];
@@ -159,8 +159,8 @@ static void MotionOf(const FootCell *cell, const Foot *foot, Motion *m) {
   Hermite(z, value, slope, bend);
   for (int e = 0; e < 2; e++) EndRate(cell, e, rate[e]);
   m->size = hypot(foot->slope[0], foot->slope[1]);
-  m->c = (1 - z) * (1 - 2 * z) * c[0] + 4 * z * (1 - z) * c[1] + z * (2 * z - 1) * c[2];
-  c_z = (4 * z - 3) * c[0] + (4 - 8 * z) * c[1] + (4 * z - 1) * c[2];
+  m->c = CurveBetween(c, z);
+  c_z = CurveBetweenSlope(c, z);
   for (int d = 0; d < 2; d++) m->t[d] = foot->slope[d] / m->size;
   along = Dot(m->t, foot->bend);
   for (int d = 0; d < 2; d++) {
@@ -205,13 +205,12 @@ void FootParts(PetscReal h, const PetscReal weight[FOOT_PARTS], PetscReal z,
                PetscReal part[FOOT_ROWS], PetscReal part_z[FOOT_ROWS]) {
   const PetscBool ends = (PetscBool)(weight[0] > 0);
 
-  part[0] = ends ? (1 - z) * (1 - 2 * z) : 0;
-  part[1] = ends ? 4 * z * (1 - z) : 1;
-  part[2] = ends ? z * (2 * z - 1) : 0;
-  part_z[0] = ends ? 4 * z - 3 : 0;
-  part_z[1] = ends ? 4 - 8 * z : 0;
-  part_z[2] = ends ? 4 * z - 1 : 0;
+  CurveParabola(z, part, part_z);
   for (int k = 0; k < FOOT_PARTS; k++) {
+    if (!ends) {
+      part[k] = k == 1;
+      part_z[k] = 0;
+    }
     PetscReal all = weight[k] > 0 ? -1 / (h * weight[k]) : 0;
     part[k] *= all;
     part_z[k] *= all;

@@ -1,7 +1,6 @@
 #include "rod/feet_space.h"
 #include "base/bezier.h"
-#include "base/hermite.h"
-#include "base/vectors.h"
+#include "curve/cell.h"
 
 /* ---- the curve ---- */
 
@@ -224,8 +223,8 @@ static void MotionOf(const FootCell3 *cell, Foot3 *foot, Motion *m) {
 
   Hermite(z, value, slope, bend);
   m->size = PetscSqrtReal(Dot3(foot->slope, foot->slope));
-  m->c = (1 - z) * (1 - 2 * z) * c[0] + 4 * z * (1 - z) * c[1] + z * (2 * z - 1) * c[2];
-  c_z = (4 * z - 3) * c[0] + (4 - 8 * z) * c[1] + (4 * z - 1) * c[2];
+  m->c = CurveBetween(c, z);
+  c_z = CurveBetweenSlope(c, z);
   m->spin_z = cell->spin[1] - cell->spin[0];
   foot->spin = cell->spin[0] + z * m->spin_z;
   for (int d = 0; d < 3; d++) foot->t[d] = foot->slope[d] / m->size;

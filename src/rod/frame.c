@@ -11,6 +11,7 @@
    equations of the cell on its right: so each diagonal block can be factored without looking
    elsewhere. */
 #include "rod/frame.h"
+#include "curve/cell.h"
 #include <string.h>
 
 static const OptionRow rows[] = {
@@ -60,17 +61,17 @@ static void PointAtMid(const Load *load, const Law law[3], const LoadDual *dual,
   PetscReal wa[2], wb[2];
   VelocitySlope(&law[0], a, ua_t[TH], wa);
   VelocitySlope(&law[2], b, ub_t[TH], wb);
-  const PetscReal theta = (a->theta + b->theta) / 2 + k * (a->f[TH] - b->f[TH]);
+  const PetscReal theta = CurveMid(k, a->theta, a->f[TH], b->theta, b->f[TH]);
   p->theta = theta;
-  p->m = (a->m + b->m) / 2 + k * (a->f[M] - b->f[M]);
+  p->m = CurveMid(k, a->m, a->f[M], b->m, b->f[M]);
   p->at.q[0] = PetscCosReal(theta);
   p->at.q[1] = PetscSinReal(theta);
   for (int d = 0; d < 2; d++) {
-    p->n[d] = (a->n[d] + b->n[d]) / 2 + k * (a->f[N1 + d] - b->f[N1 + d]);
-    p->at.v[d] = (ua_t[X1 + d] + ub_t[X1 + d]) / 2 + k * (wa[d] - wb[d]) + law[1].c * p->at.q[d];
+    p->n[d] = CurveMid(k, a->n[d], a->f[N1 + d], b->n[d], b->f[N1 + d]);
+    p->at.v[d] = CurveMid(k, ua_t[X1 + d], wa[d], ub_t[X1 + d], wb[d]) + law[1].c * p->at.q[d];
   }
   for (int d = 0; d < 2 && load->moves; d++)
-    p->at.x[d] = (a->at.x[d] + b->at.x[d]) / 2 + k * (a->f[X1 + d] - b->f[X1 + d]);
+    p->at.x[d] = CurveMid(k, a->at.x[d], a->f[X1 + d], b->at.x[d], b->f[X1 + d]);
   PointEvaluate(load, &law[1], dual, p);
 }
 

@@ -1,5 +1,5 @@
 #include "rod/space_cells.h"
-#include "base/vectors.h"
+#include "curve/cell.h"
 #include <string.h>
 
 static void PointAtNode(const Cell *cell, const Law *law, const FrictionDual4 *dual,
@@ -29,13 +29,13 @@ static void PointAtMid(Cell *cell, PetscReal k, const PetscReal *ua_t, const Pet
   VelocitySlope(&cell->law[0], a, wa);
   VelocitySlope(&cell->law[2], b, wb);
   for (int i = 0; i < 4; i++) {
-    p->p[i] = (a->p[i] + b->p[i]) / 2 + k * (a->f[P + i] - b->f[P + i]);
+    p->p[i] = CurveMid(k, a->p[i], a->f[P + i], b->p[i], b->f[P + i]);
     p->p_t[i] = (ua_t[P + i] + ub_t[P + i]) / 2;
   }
   for (int i = 0; i < 3; i++) {
-    p->m[i] = (a->m[i] + b->m[i]) / 2 + k * (a->f[M + i] - b->f[M + i]);
-    p->n[i] = (a->n[i] + b->n[i]) / 2 + k * (a->f[N + i] - b->f[N + i]);
-    p->at.x[i] = (a->at.x[i] + b->at.x[i]) / 2 + k * (a->f[X + i] - b->f[X + i]);
+    p->m[i] = CurveMid(k, a->m[i], a->f[M + i], b->m[i], b->f[M + i]);
+    p->n[i] = CurveMid(k, a->n[i], a->f[N + i], b->n[i], b->f[N + i]);
+    p->at.x[i] = CurveMid(k, a->at.x[i], a->f[X + i], b->at.x[i], b->f[X + i]);
   }
   for (int i = 0; i < 3 && cell->split; i++)
     p->m[i] += SplitBow(cell) * (a->couple[i] - b->couple[i]);
@@ -47,13 +47,12 @@ static void PointAtMid(Cell *cell, PetscReal k, const PetscReal *ua_t, const Pet
   if (cell->cubic)
     p->at.W[SPIN] =
         load->arm *
-        ((QuaternionSpin(a->p, a->size, a->p_t) + QuaternionSpin(b->p, b->size, b->p_t)) / 2 +
-         k * (NodeSpinSlope(&cell->law[0], a) - NodeSpinSlope(&cell->law[2], b)) +
+        (CurveMid(k, QuaternionSpin(a->p, a->size, a->p_t), NodeSpinSlope(&cell->law[0], a),
+                  QuaternionSpin(b->p, b->size, b->p_t), NodeSpinSlope(&cell->law[2], b)) +
          cell->law[1].c * p->u[0]);
   p->at.t = cell->t;
   for (int i = 0; i < 3; i++)
-    p->at.W[i] =
-        (ua_t[X + i] + ub_t[X + i]) / 2 + k * (wa[i] - wb[i]) + cell->law[1].c * p->d[0][i];
+    p->at.W[i] = CurveMid(k, ua_t[X + i], wa[i], ub_t[X + i], wb[i]) + cell->law[1].c * p->d[0][i];
   PointEvaluate(load, &cell->law[1], cell->dual[1], p);
   for (int i = 0; i < 3 && cell->split; i++)
     p->f[M + i] += (a->couple[i] + b->couple[i]) / 2 - p->couple[i];

@@ -157,6 +157,28 @@ PetscErrorCode SpaceCellsOpen(Rod rod, const RodState *at, Cell *cell);
 void SpaceCellsNext(Cell *cell, PetscInt i);
 PetscErrorCode SpaceCellsClose(Cell *cell);
 
+/* space_ends.c */
+TipState3 SpaceTipOf(const Load *load, const Point *end);
+FrictionDual4 *SpaceTipDual(Rod rod);
+void SpaceClampResidual(Scene scene, PetscReal t, const PetscReal u[FIELDS], PetscReal r[FIELDS]);
+void SpaceClampBlock(Scene scene, PetscReal t, const PetscReal u[FIELDS],
+                     PetscReal by[LEFT][FIELDS]);
+
+/* space_slope.c */
+PetscErrorCode SpaceJacobian(Rod rod, const RodState *at, Mat J);
+PetscErrorCode SpaceEliminate(Rod rod, const RodState *at, Elimination elimination);
+
+/* space_memory.c */
+enum { OF_DUAL = sizeof(FrictionDual4) / sizeof(PetscReal) }; /* reals of one */
+PetscErrorCode SpaceBears(Rod rod, const RodState *at, RodForces *sum);
+PetscErrorCode SpaceHold(Rod rod, const RodState *at, PetscReal seen, PetscReal *creep);
+PetscInt SpaceRemembers(const Load *load);
+PetscErrorCode SpaceRemember(Rod rod, Vec memory);
+PetscErrorCode SpaceRecall(Rod rod, Vec memory);
+
+/* space_start.c */
+PetscErrorCode SpaceInitial(Rod rod, PetscReal t, Node *nodes);
+
 /* space_defect.c */
 PetscErrorCode SpaceDefect(Rod rod, const RodState *at, PetscReal (*defect)[MAX_FIELDS]);
 

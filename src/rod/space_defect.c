@@ -77,7 +77,7 @@ static void AddTurning(const Cells *cells, int k, PetscReal defect[MAX_FIELDS]) 
 /*
   f at so many points without what strands do there. They press where they cross, over a cell or so,
   and of that no difference tells anything; but what they do is handed to the points so that force
-  and moments are kept, whatever the cells (rod/spread.h). Counted as what other loads are off by,
+  and moments are kept, whatever the cells (curve/spread.h). Counted as what other loads are off by,
   it left a part of each strand's pressure without its opposite. Of what walls do, a part counts.
 */
 static void Strip(Cells *cells, int points) {

@@ -1,8 +1,8 @@
 #include "rod/strands.h"
-#include "rod/curve.h"
-#include "base/hermite.h"
-#include "base/boxes.h"
-#include "rod/spread.h"
+#include "base/blocks.h"
+#include "curve/cell.h"
+#include "curve/nearest.h"
+#include "curve/spread.h"
 
 enum { A1, A2, ATH, B1, B2, BTH, SPOT_UNKNOWNS }; /* x and theta at both ends of a cell */
 
@@ -287,7 +287,7 @@ PetscErrorCode StrandsSearch(Strands self, const StrandState *state) {
   Looking look = {.self = self,
                   .state = state,
                   .reach = (1 + margin) * self->contact->diameter + self->contact->smooth};
-  Boxes boxes;
+  Blocks line;
 
   PetscFunctionBegin;
   PetscCall(LawsAt(self, state->t));
@@ -297,9 +297,9 @@ PetscErrorCode StrandsSearch(Strands self, const StrandState *state) {
   self->n = 0;
   for (PetscInt i = 0; i <= self->cells; i++)
     for (int d = 0; d < 2; d++) self->seen[2 * i + d] = state->u[i * state->stride + d];
-  PetscCall(BoxesCreate(self->cells, 2, self->seen, NULL, &boxes));
-  BoxesPairs(boxes, look.reach, SameStrand, Meet, &look);
-  PetscCall(BoxesDestroy(&boxes));
+  PetscCall(BlocksOfLine(2, self->cells, 2, self->seen, NULL, &line));
+  BlocksPairs(line, look.reach, SameStrand, Meet, &look);
+  PetscCall(BlocksDestroy(&line));
   PetscCall(look.error);
   self->searched = PETSC_TRUE;
   PetscFunctionReturn(0);
@@ -328,8 +328,8 @@ static void MotionOf(const struct _Strands *self, const StrandState *state, cons
   EndsOf(self, state, spot->cell, &e);
   Hermite(z, value, slope, bend);
   m->size = hypot(spot->slope[0], spot->slope[1]);
-  m->c = (1 - z) * (1 - 2 * z) * c[0] + 4 * z * (1 - z) * c[1] + z * (2 * z - 1) * c[2];
-  c_z = (4 * z - 3) * c[0] + (4 - 8 * z) * c[1] + (4 * z - 1) * c[2];
+  m->c = CurveBetween(c, z);
+  c_z = CurveBetweenSlope(c, z);
   for (int d = 0; d < 2; d++) m->t[d] = spot->slope[d] / m->size;
   along = Dot(m->t, spot->bend);
   for (int d = 0; d < 2; d++) {

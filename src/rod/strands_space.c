@@ -1,10 +1,9 @@
 #include "rod/strands_space.h"
-#include "rod/curve.h"
-#include "base/boxes.h"
-#include "base/hermite.h"
-#include "base/vectors.h"
+#include "base/blocks.h"
+#include "curve/cell.h"
+#include "curve/nearest.h"
 #include "rod/directors.h"
-#include "rod/spread.h"
+#include "curve/spread.h"
 
 /* Samples are no farther apart than this part of the diameter, where the rod is longest: strands
    that cross press on each other over half of it, and should feel no kink where one more sample
@@ -77,14 +76,12 @@ struct _Strands3 {
 
 /* What the laws give at a place of a cell, by the parabola through its three points. */
 static inline PetscReal Between(const PetscReal *at, PetscInt cell, PetscReal z) {
-  const PetscReal *v = at + 2 * cell;
-  return (1 - z) * (1 - 2 * z) * v[0] + 4 * z * (1 - z) * v[1] + z * (2 * z - 1) * v[2];
+  return CurveBetween(at + 2 * cell, z);
 }
 
 /* ... and its derivative by z. */
 static inline PetscReal BetweenSlope(const PetscReal *at, PetscInt cell, PetscReal z) {
-  const PetscReal *v = at + 2 * cell;
-  return (4 * z - 3) * v[0] + (4 - 8 * z) * v[1] + (4 * z - 1) * v[2];
+  return CurveBetweenSlope(at + 2 * cell, z);
 }
 
 /* ---- the curve ---- */
@@ -340,16 +337,16 @@ static const PetscReal margin = 0.5;
 static PetscErrorCode Search(Strands3 self) {
   Looking look = {.self = self,
                   .reach = (1 + margin) * self->contact->diameter + self->contact->smooth};
-  Boxes boxes;
+  Blocks line;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->n; k++) self->first[self->pair[k].sample] = -1;
   self->n = 0;
   for (PetscInt i = 0; i <= self->cells; i++)
     for (int d = 0; d < 3; d++) self->seen[3 * i + d] = self->joint[i].x[d];
-  PetscCall(BoxesCreate3(self->cells, 3, self->seen, &boxes));
-  BoxesPairs(boxes, look.reach, SameStrand, Meet, &look);
-  PetscCall(BoxesDestroy(&boxes));
+  PetscCall(BlocksOfLine(3, self->cells, 3, self->seen, NULL, &line));
+  BlocksPairs(line, look.reach, SameStrand, Meet, &look);
+  PetscCall(BlocksDestroy(&line));
   PetscCall(look.error);
   PetscFunctionReturn(0);
 }

@@ -5,8 +5,8 @@
      E = sum_i W_i U(gamma_i),   gamma = |x_i - x(foot)| - D,   foot: (x_i - x(foot)).x' = 0,
 
    and the forces are those of this energy: p W n on the sample, the opposite on the foot, each
-   handed to the four points around it (rod/spread.h). So they cancel, in force and moment. Friction
-   acts where the surfaces touch, against the velocity at which they slip by each other,
+   handed to the four points around it (curve/spread.h). So they cancel, in force and moment.
+   Friction acts where the surfaces touch, against the velocity at which they slip by each other,
 
      f = p n - mu p w(V),   V = (I - n n^T)(v_i - v_foot) + omega_i a_i + omega_foot a_foot,
      a = -D/2 t x n,   w as the law of friction has it,
@@ -37,7 +37,7 @@ enum { STRAND3_TAKERS = 8 };
 typedef struct {
   PetscInt cell[2]; /* of the sample, of the foot */
   PetscInt takers;
-  PetscInt taker[STRAND3_TAKERS]; /* points (rod/spread.h); the force on the tip is 2 cells + 1 */
+  PetscInt taker[STRAND3_TAKERS]; /* points (curve/spread.h); the force on the tip is 2 cells + 1 */
   PetscReal by[STRAND3_TAKERS][3][STRAND3_UNKNOWNS];
   PetscBool couples; /* there are: m' changes likewise */
   PetscReal couple_by[STRAND3_TAKERS][3][STRAND3_UNKNOWNS];

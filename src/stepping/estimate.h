@@ -37,6 +37,16 @@ typedef struct {
   PetscBool pressed; /* the rod has touched something: rigid is known */
 } ErrorEstimate;
 
+/* Where errors have become as large as all that is seen, of a mode that grows while nothing happens
+   to the rod: to which side it has gone with it is not known (tasks/grow_errors.c). */
+typedef struct {
+  PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEEN]; /* errors then; 0: they have not */
+  PetscReal at[ESTIMATE_SEEN];                   /* when */
+  PetscReal mark[2], before[2][ESTIMATE_SEEN];   /* times, the later one and one of half of it at
+                                                    most, and what errors were then */
+} Astray;
+enum { ASTRAY_NUMBERS = sizeof(Astray) / sizeof(PetscReal) };
+
 PetscErrorCode EstimateCreate(Leg *leg, Estimate *estimate);
 PetscErrorCode EstimateDestroy(Estimate *estimate);
 PetscErrorCode EstimateSceneChanged(Estimate estimate);

@@ -432,8 +432,8 @@ static PetscErrorCode SolverOf(TS ts, KSP *ksp, PC *pc) {
 }
 
 /* A matrix that is not there: its equations are eliminated as they are computed. Where friction
-   feels the spin of a rod modes are counted in another one (rod/space.c), and so they are where a
-   tip is held at rest, whose last cell else had no friction at one end alone. */
+   feels the spin of a rod modes are counted in another one (rod/space_cells.h), and so they are
+   where a tip is held at rest, whose last cell else had no friction at one end alone. */
 static PetscErrorCode SetElimination(TS ts, Newton *newton) {
   Rod rod = newton->rod;
   PetscInt nodes = rod->end - rod->first, n = nodes * rod->model->fields;

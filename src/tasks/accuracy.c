@@ -242,7 +242,7 @@ PetscErrorCode AccuracyTell(const ErrorEstimate *error, PetscReal rtol, Rod rod,
   folds  how often |x2| fell or grew e-fold
   weighed these, from the fewest on, as what was added in each weighs in the energy now
   linear was it of the linear model, for a part of the run at least?
-  error  out; of the linear model without what it neglects (grow.c)
+  error  out; of the linear model without what it neglects (grow_model.c)
 */
 PetscErrorCode AccuracyEstimate(Rod rod, PetscReal t, PetscReal rtol, PetscReal folds,
                                 PetscReal weighed, PetscBool linear, PetscReal *error) {

@@ -6,6 +6,7 @@
 #include "tasks/bent.h"
 #include "base/chain.h"
 #include "base/extremes.h"
+#include "base/root.h"
 #include "rod/directors.h"
 #include "stepping/leg.h"
 #include "tasks/growing.h"
@@ -13,7 +14,7 @@
 
 /* Eigenvalues nearest to 0 that are looked at: modes that are about to grow come through it, or
    past it. */
-enum { NEAREST = 6, SUBSPACE = 40, ROOT_STEPS = 60, CORRECTIONS = 2 };
+enum { NEAREST = 6, SUBSPACE = 40, CORRECTIONS = 2 };
 /* Steps that tables end, unless they bend farther than by their noise so often. */
 enum { MOST_BENDS = 2000 };
 
@@ -273,31 +274,30 @@ static PetscErrorCode StoreMode(const Bent *self) {
   PetscFunctionReturn(0);
 }
 
-/* Where the rate, fa < 0 at a, fb >= 0 at b, is 0 within the latest step, which ends at b: false
-   position with the stale end's value halved. */
-static PetscErrorCode Cross(Bent *self, PetscReal a, PetscReal fa, PetscReal b, PetscReal fb) {
-  const PetscReal t0 = a, t1 = b;
-  int stale = 0;
+/* A place within the latest step. */
+typedef struct {
+  Bent *self;
+  PetscReal t0, t1; /* its ends */
+} Within;
+
+/* A RootFunction: the rate. */
+static PetscErrorCode RateAt(void *within, PetscReal t, PetscReal *rate) {
+  const Within *in = (const Within *)within;
+  Bent *self = in->self;
 
   PetscFunctionBegin;
-  self->t = b;
-  for (int k = 0; k < ROOT_STEPS && b - a > root_found * b; k++) {
-    const PetscReal t = (a * fb - b * fa) / (fb - fa), old = self->t;
-    self->t = t > a && t < b ? t : (a + b) / 2;
-    PetscCall(LookAt(self, self->t, t0, t1, &self->growing));
-    if (self->growing.rate < 0) {
-      if (stale > 0) fb /= 2;
-      a = self->t;
-      fa = self->growing.rate;
-      stale = 1;
-    } else {
-      if (stale < 0) fa /= 2;
-      b = self->t;
-      fb = self->growing.rate;
-      stale = -1;
-    }
-    if (PetscAbsReal(self->t - old) <= root_found * self->t) break;
-  }
+  self->t = t;
+  PetscCall(LookAt(self, t, in->t0, in->t1, &self->growing));
+  *rate = self->growing.rate;
+  PetscFunctionReturn(0);
+}
+
+/* Where the rate, fa < 0 at a, fb >= 0 at b, is 0 within the latest step, which ends at b. */
+static PetscErrorCode Cross(Bent *self, PetscReal a, PetscReal fa, PetscReal b, PetscReal fb) {
+  Within in = {self, a, b};
+
+  PetscFunctionBegin;
+  PetscCall(RootFind(RateAt, &in, a, fa, b, fb, root_found, &self->t));
   PetscCall(StoreMode(self));
   PetscFunctionReturn(0);
 }

@@ -1,5 +1,6 @@
 #include "tasks/critical.h"
 #include "tasks/bent.h"
+#include "base/root.h"
 #include "record/output.h"
 #include "scene/scales.h"
 #include "straight/spectrum.h"
@@ -13,9 +14,12 @@ const char *const critical_name[] = {"t", "length", "error", "frequency"},
                                             "bound on the error of t and of length",
                                             "frequency of the flutter; 0: buckling"};
 
-enum { SHARED_CELLS = 5000, SCAN_CELLS = 64, SCAN_STEPS = 100, ROOT_STEPS = 60 };
+enum { SHARED_CELLS = 5000, SCAN_CELLS = 64, SCAN_STEPS = 100 };
 /* Where tables bend so often that looks are many, a mesh of so few cells looks first. */
 enum { MANY_BENDS = 2000, GLANCE_CELLS = 16 };
+
+/* A root is found to this part of the time. */
+static const PetscReal root_found = 2e-13;
 
 /* A growth factor as a function of t, negative while the straight rod is stable. */
 typedef struct {
@@ -64,8 +68,10 @@ static PetscBool ByRatio(const Factor *self) {
 }
 
 /* By ratio, ln(ratio) of SpectrumBuckling(), nearly straight over ln
-   L: L^3 times a constant for uniform growth. Else the largest real part of an eigenvalue. */
-static PetscErrorCode FactorAt(Factor *self, PetscReal t, PetscReal *f) {
+   L: L^3 times a constant for uniform growth. Else the largest real part of an eigenvalue. A
+   RootFunction. */
+static PetscErrorCode FactorAt(void *factor, PetscReal t, PetscReal *f) {
+  Factor *self = (Factor *)factor;
   Eigenvalue value;
 
   PetscFunctionBegin;
@@ -80,34 +86,6 @@ static PetscErrorCode FactorAt(Factor *self, PetscReal t, PetscReal *f) {
     *f = value.value;
   }
   self->frequency = value.frequency;
-  PetscFunctionReturn(0);
-}
-
-/* Root in [a, b], f(a) < 0 <= f(b): false position, the stale end's value scaled down (Anderson and
-   Bjoerck), with bisection where f is not finite. */
-static PetscErrorCode Root(Factor *self, PetscReal a, PetscReal fa, PetscReal b, PetscReal fb,
-                           PetscReal *root) {
-  PetscReal f = 0, t = b;
-
-  PetscFunctionBegin;
-  for (int k = 0; k < ROOT_STEPS && fb != 0; k++) {
-    PetscReal old = t;
-    t = fa > -1e300 ? (a * fb - b * fa) / (fb - fa) : (a + b) / 2;
-    if (!(t > a && t < b)) t = (a + b) / 2;
-    PetscCall(FactorAt(self, t, &f));
-    if (f == 0 || PetscAbsReal(t - old) <= 2e-13 * PetscAbsReal(t)) break;
-    if (f < 0) { /* b is stale if it was kept before too */
-      if (fb > 0 && fa > -1e300 && old <= a) fb *= f / fa < 1 ? 1 - f / fa : 0.5;
-      a = t;
-      fa = f;
-    } else {
-      if (old >= b && fa > -1e300) fa *= f / fb < 1 ? 1 - f / fb : 0.5;
-      b = t;
-      fb = f;
-    }
-    if (b - a <= 2e-13 * PetscAbsReal(b)) break;
-  }
-  *root = t;
   PetscFunctionReturn(0);
 }
 
@@ -282,7 +260,7 @@ static PetscErrorCode RootNear(Factor *self, PetscReal low, PetscReal high, Pets
   }
   *found = (PetscBool)(f_high >= 0);
   *root = high;
-  if (*found) PetscCall(Root(self, low, f_low, high, f_high, root));
+  if (*found) PetscCall(RootFind(FactorAt, self, low, f_low, high, f_high, root_found, root));
   PetscFunctionReturn(0);
 }
 

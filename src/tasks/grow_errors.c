@@ -14,6 +14,9 @@ static const PetscReal per_share = 10, per_snap = 20;
 
 /* What comes within this part of the time so far is the reason of an error. */
 static const PetscReal meanwhile = 0.02;
+/* What comes within this part of the time so far behind an error of 1 is what made it; else errors
+   that have grown so many times since half of the time so far are those of a mode that grows. */
+static const PetscReal at_once = 1e-3, grown = 100;
 /* A rod snaps that moves by its length within less than this part of the time so far. */
 static const PetscReal snappy = 0.02;
 /* Rigid contact is 1/k -> 0: depths go with k^(-3/4), and k dU/dk times this is the way there. */
@@ -94,6 +97,7 @@ void GrowKeepErrors(const Grow *self, PetscReal kept[RESTART_BESIDE]) {
     kept[14 + 3 * k] = self->error.when[k];
     kept[15 + 3 * k] = self->error.why[k];
   }
+  memcpy(&kept[13 + 3 * ESTIMATE_SEEN], &self->astray, sizeof(self->astray));
 }
 
 /* GrowTakeErrors - goes on with that. */
@@ -117,6 +121,7 @@ void GrowTakeErrors(Grow *self, const PetscReal kept[RESTART_BESIDE]) {
     self->error.when[k] = kept[14 + 3 * k];
     self->error.why[k] = (int)kept[15 + 3 * k];
   }
+  memcpy(&self->astray, &kept[13 + 3 * ESTIMATE_SEEN], sizeof(self->astray));
 }
 
 /* What comes beside the errors of mesh and steps, in each of what is seen. */
@@ -173,6 +178,48 @@ static int Reason(const Grow *self, const PetscReal part[ESTIMATE_PARTS][ESTIMAT
 }
 
 /*
+  LookForSide - has an error of 1 grown from next to nothing while nothing has happened to the rod?
+  A mode that grows does that. Its errors are larger by then than what it has moved itself, so they
+  say to which side the rod goes; it comes to rest there, and the errors that are carried along
+  fade, as if nothing had been. (A touch or a snap that comes a little too soon makes errors as
+  large, but those fade for good.) So what is told later is not less than these.
+*/
+static void LookForSide(Grow *self, const PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEEN],
+                        const PetscReal off[ESTIMATE_SEEN], PetscBool happens) {
+  Astray *astray = &self->astray;
+  const PetscReal t = self->seen.t;
+  const PetscBool explained = (PetscBool)(self->event_is && t - self->event_at <= meanwhile * t);
+
+  for (int k = 0; k < ESTIMATE_SEEN; k++) {
+    const PetscBool goes = (PetscBool)(!explained && !EstimateIsEarly(self->estimate, t, k) &&
+                                       off[k] >= 1 && off[k] >= grown * astray->before[1][k]);
+    if (happens && astray->at[k] > 0 && t - astray->at[k] <= at_once * t) astray->at[k] = 0;
+    if (goes && astray->at[k] == 0) astray->at[k] = t;
+    for (int i = 0; i < ESTIMATE_PARTS; i++)
+      if (astray->at[k] == 0)
+        astray->part[i][k] = 0;
+      else if (goes)
+        astray->part[i][k] = PetscMax(astray->part[i][k], part[i][k]);
+  }
+  if (t < 2 * astray->mark[0]) return;
+  astray->mark[1] = astray->mark[0];
+  astray->mark[0] = t;
+  for (int k = 0; k < ESTIMATE_SEEN; k++) {
+    astray->before[1][k] = astray->before[0][k];
+    astray->before[0][k] = off[k];
+  }
+}
+
+/* The errors of the latest state; by then it may have gone to another side. */
+static void Latest(const Grow *self, PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEEN],
+                   PetscReal change[RIGID_VALUES]) {
+  EstimateLatest(self->estimate, part, change);
+  for (int i = 0; i < ESTIMATE_PARTS; i++)
+    for (int k = 0; k < ESTIMATE_SEEN; k++)
+      part[i][k] = PetscMax(part[i][k], self->astray.part[i][k]);
+}
+
+/*
   GrowFollowErrors - how far off the latest state may be, as part of what is seen of it. The largest
   is kept with its time and its reason; what happens just behind it is the reason, too, for where
   something comes a little sooner or later errors are large on either side.
@@ -185,15 +232,18 @@ void GrowFollowErrors(Grow *self, const Observation *last, PetscBool jumped) {
   int happens;
 
   if (!GrowFollowsErrors(self) || t == 0) return;
-  EstimateLatest(self->estimate, part, NULL);
+  happens = Happens(self, last, jumped);
+  if (happens) self->event_at = t;
+  if (happens) self->event_is = happens;
   Least(self, least);
+  EstimateLatest(self->estimate, part, NULL);
+  AccuracyMeasured(least, part, Beside(self), &error->end);
+  LookForSide(self, part, error->end.seen, (PetscBool)happens);
+  Latest(self, part, NULL);
   AccuracyMeasured(least, part, Beside(self), &error->end);
   self->seen.error_tip = error->end.seen[ESTIMATE_TIP];
   self->seen.error_norm_x2 = error->end.seen[ESTIMATE_NORM];
   self->seen.error_energy = error->end.seen[ESTIMATE_ENERGY];
-  happens = Happens(self, last, jumped);
-  if (happens) self->event_at = t;
-  if (happens) self->event_is = happens;
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
     if (happens && error->why[k] < ESTIMATE_PARTS && t - error->when[k] <= meanwhile * t)
       error->why[k] = happens;
@@ -233,7 +283,7 @@ static PetscErrorCode Measure(Grow *self) {
     if (self->largest[k] > 0) error->most.seen[k] = self->largest[k];
     error->most.all = PetscMax(error->most.all, error->most.seen[k]);
   }
-  EstimateLatest(self->estimate, part, change);
+  Latest(self, part, change);
   AccuracyMeasured(least, part, Beside(self), &error->end);
   error->end.all = 0;
   for (int k = 0; k < ESTIMATE_SEEN; k++)

@@ -73,6 +73,40 @@ PetscBool GrowSlips(Grow *self) {
   return PETSC_TRUE;
 }
 
+/* Did contact get firm of itself? */
+static PetscBool GotFirm(const Contact *contact) {
+  return (PetscBool)(contact->deepest && contact->firm);
+}
+
+/* Is it in touch with a wall that rubs? */
+static PetscBool RubsOnWalls(const Grow *self) {
+  return (PetscBool)(self->seen.contact_force > 0 && ContactWallsRub(&self->scene->contact));
+}
+
+/* GrowHeldTwice - ... while dry friction holds it, too: see crawl_held. */
+PetscBool GrowHeldTwice(const Grow *self) {
+  return (PetscBool)(RubsOnWalls(self) && 1 - self->scene->load.friction.mu < 1e-3);
+}
+
+/* GrowCrawls - does the run advance too slowly to come to its end? The same on every rank. */
+PetscBool GrowCrawls(Grow *self) {
+  if (self->seen.t >= self->scene->end_time) return PETSC_FALSE;
+  self->crawl.counts = (PetscBool)(GotFirm(&self->scene->contact) || RubsOnWalls(self));
+  return (PetscBool)(CrawlStep(&self->crawl, self->seen.t, self->way,
+                               crawl_part * PetscMin(self->seen.length, self->end),
+                               (PetscInt)self->seen.newton_iterations) &&
+                     !self->crawl.allowed);
+}
+
+/* GrowFindsNoWay - has firm contact led it nowhere, so that it is to begin anew with soft contact?
+   Not if it gave up under great force: it is jammed, as it would be in soft contact a little later.
+   Nor can a run that goes on from where another one ended. */
+PetscBool GrowFindsNoWay(const Grow *self) {
+  return (PetscBool)(!self->stopped && self->start == 0 && GotFirm(&self->scene->contact) &&
+                     !(self->scene->changes && self->scene->changes->done) &&
+                     (self->crawls || (self->reason < 0 && !GrowPressedHard(self))));
+}
+
 /* GrowKeepStuck - for a restart: since when the run has got nowhere, and in how many steps. */
 void GrowKeepStuck(const Grow *self, PetscReal kept[RESTART_STUCK]) {
   kept[0] = self->crawl.way;

@@ -55,6 +55,7 @@ typedef struct {
   PetscBool pressed;      /* there has been contact */
   ErrorEstimate error; /* as GrowErrors() has found it; when and why of what was largest so far */
   PetscReal largest[ESTIMATE_SEEN]; /* that error, beyond the start */
+  Astray astray;                    /* where it may have gone to another side */
   PetscReal event_at;               /* when it last touched, let go or snapped; 0: never */
   int event_is;                     /* which, as WHY_TOUCH */
   PetscReal depth;                  /* largest penetration so far */
@@ -98,15 +99,37 @@ PetscErrorCode GrowMark(Grow *self, PetscReal t);
 PetscErrorCode GrowMarksDestroy(Grow *self);
 PetscErrorCode GrowSave(Grow *self, const char *path, PetscReal t, PetscReal now);
 
-/* grow.c: a run by steps */
-PetscErrorCode GrowStoreShape(Grow *self, PetscReal t, Vec U);
+/* grow_begin.c */
 PetscErrorCode GrowCreate(Grow *self, const char *output, const char *restart);
+PetscErrorCode GrowDestroy(Grow *self);
+
+/* grow_start.c */
+PetscErrorCode GrowCheckStart(Grow *self);
+
+/* grow_model.c */
+const RodModel *GrowModelOf(const Grow *self, PetscInt model);
+PetscInt GrowWholeModel(const Grow *self);
+PetscInt GrowBetterModel(const Grow *self);
+Leg *GrowOwnLeg(Grow *self);
+PetscErrorCode GrowAddLeg(Grow *self, PetscInt model);
+PetscErrorCode GrowHandOver(Grow *self, Leg *to);
+PetscErrorCode GrowNeglect(Grow *self, Vec U_t);
+void GrowWeigh(Grow *self, const Observation *last, PetscReal folds);
+
+/* grow.c: the loop, and a run by steps */
+PetscErrorCode GrowObserve(Grow *self, PetscReal t, Vec U, Vec U_t);
+PetscErrorCode GrowStore(Grow *self, PetscBool finished);
+PetscErrorCode GrowStoreShape(Grow *self, PetscReal t, Vec U);
+PetscErrorCode GrowAfterStep(TS ts);
 PetscErrorCode GrowStep(Grow *self, PetscReal until);
-PetscErrorCode GrowFinish(Grow *self, PetscBool *anew);
 PetscErrorCode GrowSettle(Grow *self, PetscReal t);
 PetscErrorCode GrowChange(Grow *self, PetscBool acts);
 PetscErrorCode GrowAnew(Grow *self);
-PetscErrorCode GrowDestroy(Grow *self);
+
+/* grow_end.c */
+PetscReal GrowBaseForce(const Observation *seen);
+PetscErrorCode GrowEnd(Grow *self, PetscBool finished);
+PetscErrorCode GrowFinish(Grow *self, PetscBool *anew);
 
 /* grow_changes.c */
 PetscErrorCode GrowApply(Grow *self, const char *name, const char *value, PetscReal t);
@@ -128,6 +151,9 @@ PetscErrorCode GrowLocateEvent(Grow *self, PetscReal *t, Vec U, Vec U_t);
 PetscBool GrowPressedHard(const Grow *self);
 PetscBool GrowIsJammed(Grow *self);
 PetscBool GrowSlips(Grow *self);
+PetscBool GrowHeldTwice(const Grow *self);
+PetscBool GrowCrawls(Grow *self);
+PetscBool GrowFindsNoWay(const Grow *self);
 void GrowKeepStuck(const Grow *self, PetscReal kept[RESTART_STUCK]);
 void GrowTakeStuck(Grow *self, const PetscReal kept[RESTART_STUCK]);
 PetscErrorCode GrowTellJam(Grow *self, PetscBool gave_up, char line[], size_t room);

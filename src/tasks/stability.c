@@ -1,5 +1,6 @@
 #include "tasks/stability.h"
 #include "tasks/critical.h"
+#include "base/root.h"
 #include "scene/scales.h"
 #include "straight/norm.h"
 #include "record/output.h"
@@ -11,7 +12,9 @@ enum { SHARED_VERTICES = 5000 };
 /* Where tables bend, between the points of the table of curves, a mesh of so many vertices looks.
  */
 enum { FEW_VERTICES = 65, MOST_BENDS = 5000 };
-enum { MODE_CELLS = 400, MOST_DENSE = 4000, ROOT_STEPS = 60, MARGIN_POINTS = 4 };
+enum { MODE_CELLS = 400, MOST_DENSE = 4000, MARGIN_POINTS = 4 };
+/* A change of sign is found to this part of the time: curves of norms are no better than that. */
+static const PetscReal crossing_found = 1e-11;
 
 static const OptionRow rows[] = {
     ROW_REAL("-stability_start", "0", 0, 1e6, UNIT_TIME, 0, "first time of the table"),
@@ -302,46 +305,30 @@ static PetscErrorCode Tabulate(Stability *self) {
   PetscFunctionReturn(0);
 }
 
-/* The sign change of a curve in [a, b], by false position (Illinois). */
-static PetscErrorCode Crossing(Stability *self, Curve curve, PetscReal a, PetscReal fa, PetscReal b,
-                               PetscReal fb, PetscReal *t) {
+/* One of the curves. */
+typedef struct {
+  Stability *self;
+  Curve curve;
+} OneCurve;
+
+/* A RootFunction, and a PeakLevel. */
+static PetscErrorCode OneCurveAt(void *of, PetscReal t, PetscReal *f) {
+  const OneCurve *one = (const OneCurve *)of;
   Eigenvalue value;
-  int side = 0;
 
   PetscFunctionBegin;
-  *t = b;
-  for (int k = 0; k < ROOT_STEPS && b - a > 1e-11 * PetscMax(1, b) && fb != 0; k++) {
-    PetscReal old = *t;
-    *t = (a * fb - b * fa) / (fb - fa);
-    PetscCall(CurveAt(self, curve, *t, &value, NULL));
-    if (PetscAbsReal(*t - old) < 1e-11 * PetscMax(1, b)) break;
-    if (value.value < 0) {
-      a = *t, fa = value.value;
-      if (side < 0) fb /= 2;
-      side = -1;
-    } else {
-      b = *t, fb = value.value;
-      if (side > 0) fa /= 2;
-      side = 1;
-    }
-  }
+  PetscCall(CurveAt(one->self, one->curve, t, &value, NULL));
+  *f = value.value;
   PetscFunctionReturn(0);
 }
 
-/* One curve of few vertices. */
-typedef struct {
-  Stability *few;
-  Curve curve;
-} FewOf;
-
-/* A PeakLevel. */
-static PetscErrorCode FewLevel(void *of, PetscReal t, PetscReal *level) {
-  const FewOf *self = (const FewOf *)of;
-  Eigenvalue value;
+/* The sign change of a curve in [a, b]. */
+static PetscErrorCode Crossing(Stability *self, Curve curve, PetscReal a, PetscReal fa, PetscReal b,
+                               PetscReal fb, PetscReal *t) {
+  OneCurve one = {self, curve};
 
   PetscFunctionBegin;
-  PetscCall(CurveAt(self->few, self->curve, t, &value, NULL));
-  *level = value.value;
+  PetscCall(RootFind(OneCurveAt, &one, a, fa, b, fb, crossing_found, t));
   PetscFunctionReturn(0);
 }
 
@@ -367,24 +354,24 @@ static PetscErrorCode Confirm(Stability *self, Curve curve, PetscReal a, PetscRe
    its sign where tables bend, or next to what stands out there? */
 static PetscErrorCode WhereTablesBend(Stability *self, Curve curve, PetscReal a, PetscReal fa,
                                       PetscReal b, PetscReal *t, PetscBool *found) {
-  FewOf of = {self->few, curve};
+  OneCurve of = {self->few, curve};
   PeakPlace at[3] = {{.t = a}, {.t = a}, {.t = a}}, across[2];
   PetscBool above;
 
   PetscFunctionBegin;
   *found = PETSC_FALSE;
   if (BendsNext(&self->bends, a) >= b) PetscFunctionReturn(0);
-  PetscCall(FewLevel(&of, a, &at[2].level));
+  PetscCall(OneCurveAt(&of, a, &at[2].level));
   while (at[2].t < b && !*found) {
     at[0] = at[1];
     at[1] = at[2];
     at[2].t = PetscMin(b, BendsNext(&self->bends, at[1].t));
-    PetscCall(FewLevel(&of, at[2].t, &at[2].level));
+    PetscCall(OneCurveAt(&of, at[2].t, &at[2].level));
     above = (PetscBool)(at[2].level >= 0 && at[2].t < b);
     across[0] = at[1];
     across[1] = at[2];
     if (!above && at[1].level < 0 && at[0].t < at[1].t)
-      PetscCall(PeakFind(FewLevel, &of, at, across, &above));
+      PetscCall(PeakFind(OneCurveAt, &of, at, across, &above));
     if (above) PetscCall(Confirm(self, curve, a, fa, across[0].t, across[1].t, t, found));
   }
   PetscFunctionReturn(0);

@@ -80,7 +80,41 @@ static void TestPivotsOfZero(void **state) {
   CHECK(BandDestroy(&A));
 }
 
-static const struct CMUnitTest tests[] = {cmocka_unit_test(TestSolve),
-                                          cmocka_unit_test(TestAtAnEigenvalue),
-                                          cmocka_unit_test(TestPivotsOfZero)};
+/* A symmetric positive band and its factor: R^T R is it, R^-1 undoes R, and R^-T R^T. */
+static void TestCholesky(void **state) {
+  enum { WIDE = 3, M = 12 };
+  PetscReal A[M][2 * WIDE + 1], R[M][WIDE + 1], x[M], error = 0;
+  PetscErrorCode code;
+
+  for (PetscInt i = 0; i < M; i++)
+    for (PetscInt b = -WIDE; b <= WIDE; b++)
+      A[i][WIDE + b] = b ? PetscSinReal((PetscReal)(2 * i + b)) : 4;
+  CHECK(BandCholesky(M, WIDE, A[0], R[0]));
+  for (PetscInt j = 0; j < M; j++) {
+    for (PetscInt i = 0; i < M; i++) x[i] = i == j;
+    BandUpperMult(M, WIDE, R[0], PETSC_FALSE, x);
+    BandUpperMult(M, WIDE, R[0], PETSC_TRUE, x);
+    for (PetscInt i = 0; i < M; i++) {
+      const PetscReal entry =
+          i > j + WIDE || j > i + WIDE ? 0 : A[PetscMin(i, j)][WIDE + PetscAbs(i - j)];
+      error = PetscMax(error, PetscAbsReal(x[i] - entry));
+    }
+    for (int transpose = 0; transpose < 2; transpose++) {
+      for (PetscInt i = 0; i < M; i++) x[i] = i == j;
+      BandUpperMult(M, WIDE, R[0], transpose != 0, x);
+      BandUpperSolve(M, WIDE, R[0], transpose != 0, x);
+      for (PetscInt i = 0; i < M; i++) error = PetscMax(error, PetscAbsReal(x[i] - (i == j)));
+    }
+  }
+  EXPECT(error < 1e-14, "off by %g", error);
+  A[5][WIDE] = -1;
+  CHECK(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
+  code = BandCholesky(M, WIDE, A[0], R[0]);
+  CHECK(PetscPopErrorHandler());
+  EXPECT(code == PETSC_ERR_MAT_CH_ZRPVT, "error %d", (int)code);
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(TestSolve), cmocka_unit_test(TestCholesky),
+    cmocka_unit_test(TestAtAnEigenvalue), cmocka_unit_test(TestPivotsOfZero)};
 MAIN(tests)

@@ -3,7 +3,7 @@
 #include "rod/by_rate.h"
 #include "rod/coupled.h"
 #include "rod/directors.h"
-#include "rod/spread.h"
+#include "curve/spread.h"
 #include "rod/strands_space.h"
 
 /* A helix whose coils lie on each other; and one that is wide, bent back so that a strand crosses

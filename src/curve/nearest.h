@@ -1,7 +1,6 @@
-/* Places on the curve of a rod that touches itself, cell and 0 <= z <= 1 in it: what strands in the
-   plane (rod/strands.c) and in space (rod/strands_space.c) share. */
-#ifndef TENDRIL_CURVE_H
-#define TENDRIL_CURVE_H
+/* The place of a rod's curve that is nearest to another place: cell and 0 <= z <= 1 in it. */
+#ifndef TENDRIL_NEAREST_H
+#define TENDRIL_NEAREST_H
 
 #include <petscsys.h>
 

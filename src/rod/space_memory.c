@@ -1,0 +1,146 @@
+/* Exact Coulomb friction of a rod in space: what is held, what the world bears, and what Newton's
+   method remembers of it from step to step. */
+#include "rod/space_cells.h"
+
+/* Adds what the points of a cell and its feet bear; end: what its first point does, and then its
+   last one. */
+static void AddForces(const Cell *cell, RodForces *end, RodForces *sum) {
+  const Space_ *self = (const Space_ *)cell->rod->data;
+  const Point *at[3] = {NULL, cell->mid, cell->b};
+  const PetscReal weight[3] = {self->end_weight, self->mid_weight, self->end_weight};
+
+  for (int k = 0; k < 3; k++) {
+    const PetscReal length = cell->h * weight[k] * cell->law[k].g;
+    if (at[k])
+      LoadParts3(cell->load, &at[k]->at, cell->dual[k], end->friction, end->walls, &end->moved);
+    for (int d = 0; d < 3; d++) {
+      sum->friction[d] += length * end->friction[d];
+      sum->walls[d] += length * end->walls[d];
+    }
+    sum->moved += length * end->moved;
+  }
+  for (PetscInt k = 0; k < cell->feet.n; k++)
+    for (int d = 0; d < 3; d++) {
+      const Touch3 *touch = &cell->feet.touch[k];
+      sum->walls[d] += cell->feet.foot[k].force[d];
+      if (touch->moves) sum->moved += cell->feet.foot[k].force[d] * touch->v[d];
+    }
+}
+
+/* Adds what the tip bears. */
+static void AddTip(const Cell *cell, RodForces *sum) {
+  Rod rod = cell->rod;
+  const TipState3 tip = SpaceTipOf(cell->load, cell->b);
+  const PetscInt last = 2 * rod->last + 1;
+
+  sum->moved += TipWalls3(&rod->scene->tip, &tip, SpaceTipDual(rod), sum->tip);
+  for (int d = 0; d < 3; d++) sum->walls[d] += sum->tip[d];
+  for (int d = 0; d < 3 && cell->push && rod->scene->tip.type == TIP_FREE; d++) {
+    sum->tip[d] += cell->push[last][d];
+    if (cell->couple) sum->tip[SPIN] += cell->couple[last][d] * cell->b->d[0][d];
+  }
+}
+
+/* SpaceBears - what the world does to the owned part of the rod. */
+PetscErrorCode SpaceBears(Rod rod, const RodState *at, RodForces *sum) {
+  RodForces end = {.moved = 0};
+  Cell cell;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(sum, sizeof(*sum)));
+  PetscCall(SpaceCellsOpen(rod, at, &cell));
+  for (PetscInt i = PetscMax(rod->first - 1, 0); i < PetscMin(rod->end, rod->last); i++) {
+    SpaceCellsNext(&cell, i);
+    if (i < rod->first) continue;
+    if (i == rod->first)
+      LoadParts3(cell.load, &cell.a->at, cell.dual[0], end.friction, end.walls, &end.moved);
+    AddForces(&cell, &end, sum);
+  }
+  if (rod->end == rod->last + 1) AddTip(&cell, sum);
+  PetscCall(SpaceCellsClose(&cell));
+  PetscFunctionReturn(0);
+}
+
+/* SpaceHold - moves the shifts of exact Coulomb friction; creep is the largest speed of what is
+   held. (The clamped end is not held unless it slides: see frame.c.) */
+PetscErrorCode SpaceHold(Rod rod, const RodState *at, PetscReal seen, PetscReal *creep) {
+  Space_ *self = (Space_ *)rod->data;
+  PetscBool ends = (PetscBool)(self->end_weight > 0);
+  PetscInt first = PetscMax(rod->first - 1, 0);
+  RodForces sum;
+  Cell cell;
+
+  PetscFunctionBegin;
+  *creep = 0;
+  PetscCall(SpaceBears(rod, at, &sum));
+  RodKeepBorne(rod, &sum);
+  PetscCall(SpaceCellsOpen(rod, at, &cell));
+  for (PetscInt i = first; i < PetscMin(rod->end, rod->last); i++) {
+    SpaceCellsNext(&cell, i);
+    if (i == first && ends && (i > 0 || cell.law->c != 0 || rod->scene->clamp == CLAMP_FREE))
+      *creep = LargerOf(*creep, LoadHold3(cell.load, &cell.a->at, seen, cell.dual[0]));
+    *creep = LargerOf(*creep, LoadHold3(cell.load, &cell.mid->at, seen, cell.dual[1]));
+    if (ends) *creep = LargerOf(*creep, LoadHold3(cell.load, &cell.b->at, seen, cell.dual[2]));
+    if (cell.feet.n && self->foot_dual)
+      *creep =
+          LargerOf(*creep, FeetHold3(&rod->scene->contact, &cell.feet, seen, FootDuals(&cell, i)));
+  }
+  if (rod->end == rod->last + 1) {
+    TipState3 tip = SpaceTipOf(cell.load, cell.b);
+    *creep = LargerOf(*creep, TipHold3(&rod->scene->tip, &tip, seen, SpaceTipDual(rod)));
+  }
+  PetscCall(SpaceCellsClose(&cell));
+  SpaceCellsForget(self);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, creep, 1, MPIU_REAL, MPI_MAX, rod->scene->comm));
+  PetscFunctionReturn(0);
+}
+
+/* SpaceRemembers - how many reals a node: its duals and those of the middle of the cell on its
+   right, as a whole, as the frame's (frame.c); the latter's of the last node is the tip's own.
+   Behind them those of the cell's feet. */
+PetscInt SpaceRemembers(const Load *load) {
+  return 2 * OF_DUAL * load->duals3;
+}
+
+static PetscReal *Remembered(Rod rod, PetscInt i, PetscInt k) {
+  const Space_ *self = (const Space_ *)rod->data;
+  const PetscInt of_points = SpaceRemembers(&rod->scene->load), cell = i - rod->first + 1;
+  FrictionDual4 *dual = Duals(self, 2 * cell) + k / OF_DUAL;
+
+  if (k >= of_points) dual = self->foot_dual + cell * WALL_SLOTS + (k - of_points) / OF_DUAL;
+  return (PetscReal *)dual + k % OF_DUAL;
+}
+
+/* SpaceRemember - what a restart is to find of it. */
+PetscErrorCode SpaceRemember(Rod rod, Vec memory) {
+  PetscReal *m;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArray(memory, &m));
+  for (PetscInt i = rod->first; i < rod->end; i++)
+    for (PetscInt k = 0; k < rod->memory; k++)
+      m[(i - rod->first) * rod->memory + k] = *Remembered(rod, i, k);
+  PetscCall(VecRestoreArray(memory, &m));
+  PetscFunctionReturn(0);
+}
+
+/* SpaceRecall - takes that back. (The cells beside the owned nodes are remembered here too.) */
+PetscErrorCode SpaceRecall(Rod rod, Vec memory) {
+  const PetscReal *m;
+  Vec local;
+  PetscInt from = PetscMax(rod->first - 1, 0);
+  DM da;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetDM(memory, &da));
+  PetscCall(DMGetLocalVector(da, &local));
+  PetscCall(DMGlobalToLocal(da, memory, INSERT_VALUES, local));
+  PetscCall(VecGetArrayRead(local, &m));
+  for (PetscInt i = from; i <= PetscMin(rod->end, rod->last); i++)
+    for (PetscInt k = 0; k < rod->memory; k++)
+      *Remembered(rod, i, k) = m[(i - from) * rod->memory + k];
+  PetscCall(VecRestoreArrayRead(local, &m));
+  PetscCall(DMRestoreLocalVector(da, &local));
+  SpaceCellsForget((Space_ *)rod->data);
+  PetscFunctionReturn(0);
+}

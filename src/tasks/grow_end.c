@@ -1,0 +1,267 @@
+/* -task grow: the end of a run, and the line for one that was not asked for. */
+#include "tasks/growing.h"
+
+/* Does a rod in space turn about itself far faster than anything drives it? Where friction does not
+ * feel the spin nothing says how it gives way. */
+static PetscBool SpinsFreely(const Grow *self) {
+  const Scene scene = self->scene;
+  const PetscReal driven = PetscAbsReal(scene->space.spin) + 1 / self->seen.length, far = 1e4;
+
+  return (PetscBool)(scene->space.rod && scene->load.radius == 0 &&
+                     PetscAbsReal(self->seen.tip_spin) > far * driven);
+}
+
+/* Is a rod that touches still straight, and does nothing say to which side it bends? (A load or a
+   natural bend across would.) */
+static PetscBool PressedStraight(const Grow *self) {
+  const PetscReal straight = 0.01;
+  const Scene scene = self->scene;
+  const PetscReal *weight = scene->load.weight, *push = scene->tip.push;
+  const PetscBool loaded =
+      (PetscBool)(weight[1] != 0 || weight[2] != 0 || push[1] != 0 || push[2] != 0);
+
+  return (PetscBool)(self->seen.contacts > 0 && self->seen.max_angle <= straight && !loaded &&
+                     !CurvatureBends(&scene->curvature));
+}
+
+/* About how much a number is, as OptionBoth() has it. */
+static const char *About(PetscReal value, Dimension dimension, char text[64]) {
+  PetscReal factor;
+  const char *unit = OptionShownIn(value, dimension, &factor);
+
+  (void)snprintf(text, 64, unit ? "%.3g (%.3g %s)" : "%.3g", (double)value,
+                 (double)(value * factor), unit);
+  return text;
+}
+
+/* GrowBaseForce - the size of the clamp's force. */
+PetscReal GrowBaseForce(const Observation *seen) {
+  return hypot(hypot(seen->base_force_1, seen->base_force_2), seen->base_force_3);
+}
+
+/* A rod that is held so that it cannot give way at large bends in waves of 2 pi sqrt(B/P) under the
+   force P: cells that are long beside these chatter. Tells how many would do; nothing if there are.
+ */
+static void AdviseWaves(const Grow *self, char *advice, size_t room) {
+  const PetscReal coarse = 6, fine = 12, B = self->scene->stiffness.most,
+                  P = PetscMax(self->force_before, GrowBaseForce(&self->seen)),
+                  length = self->seen.length, cell = length / self->scene->mesh.cells;
+  char text[3][64];
+  PetscReal wave;
+
+  advice[0] = 0;
+  if (!TipHolds(&self->scene->tip, 1) || !(P > 0)) return;
+  wave = 2 * PETSC_PI * PetscSqrtReal(B / P);
+  if (wave < coarse * cell)
+    (void)snprintf(advice, room,
+                   "its cells of %s are too long for the waves in which it bends under the force "
+                   "%s, of %s: give -rod_cells %.0f",
+                   About(cell, UNIT_LENGTH, text[0]), About(P, UNIT_FORCE, text[1]),
+                   About(wave, UNIT_LENGTH, text[2]), (double)PetscCeilReal(fine * length / wave));
+}
+
+/* Are cells longer than what contact presses on? They see it at one node or at none. */
+static PetscBool CoarseForContact(const Grow *self) {
+  const PetscReal cell = self->seen.length / self->scene->mesh.cells;
+
+  return (PetscBool)(self->scene->contact.any && cell > 2 * self->scene->contact.tip);
+}
+
+/* What to try where a rod gives way faster than steps can follow. */
+static void AdviseGivingWay(const Grow *self, char *advice, size_t room) {
+  const PetscReal spread = self->scene->contact.tip,
+                  cell = self->seen.length / self->scene->mesh.cells;
+  const char *const friction =
+      self->scene->load.friction.mu >= 0.9999 ? ", or a -friction_mu below 0.9999" : "";
+  char text[2][64];
+
+  if (CoarseForContact(self))
+    (void)snprintf(advice, room,
+                   "its cells of %s are too long for contact, which presses over %s: give "
+                   "-rod_cells %.0f",
+                   About(cell, UNIT_LENGTH, text[0]), About(spread, UNIT_LENGTH, text[1]),
+                   (double)PetscCeilReal(self->seen.length / spread));
+  else
+    (void)snprintf(advice, room,
+                   "take a shorter -ts_dt (without -ts_adapt_type none), more -rod_cells, another "
+                   "-ts_rtol%s",
+                   friction);
+}
+
+/* A conduit pushes what is out of it no way: a rod that comes beside one is stopped by nothing that
+   it could slide along. Tells of one that holds neither clamp nor tip; nothing if there is none. */
+static void AdviseConduit(const Grow *self, char *advice, size_t room) {
+  const Walls *walls = &self->scene->contact.walls;
+  const Surfaces *surfaces = &self->scene->contact.surfaces;
+  const PetscReal clamp[3] = {0, 0, 0},
+                  tip[3] = {self->seen.tip_x1, self->seen.tip_x2, self->seen.tip_x3};
+
+  for (PetscInt w = 0; w < walls->n && !advice[0]; w++)
+    if (!WallsHold(walls, w, clamp) && !WallsHold(walls, w, tip))
+      (void)snprintf(advice, room,
+                     "it may have come beside wall %d of -wall_file, a path that does not hold it: "
+                     "lead that to the clamp, or the rod into its mouth",
+                     (int)w + 1);
+  for (PetscInt k = 0; k < surfaces->n && !advice[0]; k++)
+    if (!SurfaceHolds(&surfaces->surface[k], clamp) && !SurfaceHolds(&surfaces->surface[k], tip))
+      (void)snprintf(
+          advice, room,
+          "it may have come beside the %s in line %d of -wall_file, which does not hold it: "
+          "lead that to the clamp, or the rod into its open end",
+          surfaces->surface[k].kind->name, surfaces->surface[k].line);
+}
+
+/* Dry friction says nothing of how fast a rod falls that it does not hold: if no wall stops it, a
+   snap takes it without end, or at the speed of its least viscous share, which means nothing. */
+static void AdviseFall(const Grow *self, char *advice, size_t room) {
+  const Load *load = &self->scene->load;
+  const PetscReal *w = load->weight, weight = hypot(hypot(w[0], w[1]), w[2]);
+  PetscBool dry = (PetscBool)(load->weighs && LoadIsDry(load) && !load->field &&
+                              weight > PetscMax(1, load->across));
+
+  if (dry && self->scene->clamp == CLAMP_FREE && self->scene->tip.type == TIP_FREE)
+    (void)snprintf(advice, room,
+                   "-rod_weight is %.3g times what dry friction holds, and the rod falls at once, "
+                   "without end if no wall stops it: give a -friction_mu below 1, by which it "
+                   "falls at a speed",
+                   (double)(weight / PetscMax(1, load->across)));
+}
+
+/* The line for an end that was not asked for. */
+static PetscErrorCode Verdict(Grow *self) {
+  const TSConvergedReason reason = self->reason;
+  MPI_Comm comm = self->scene->comm;
+  const char *const kept = OutputStores(self->output) ? "the results up to there are stored"
+                           : self->by_steps ? "what was found up to there can be read and saved"
+                                            : "nothing is stored without -output FILE";
+  char text[3][64], jam[512] = "", crawl[768] = "", advice[512];
+  PetscBool waves, passes;
+  PetscReal dt;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetTimeStep(self->now->ts, &dt));
+  OptionBoth(self->seen.t, UNIT_TIME, text[0]);
+  OptionBoth(dt, UNIT_TIME, text[1]);
+  OptionBoth(self->scene->end_time, UNIT_TIME, text[2]);
+  if (self->event.kind) PetscFunctionReturn(0);
+  UserCheck(!self->stopped, comm, "interrupted by signal %d at t = %s; %s", self->stopped, text[0],
+            kept);
+  UserCheck(!self->beyond, comm,
+            "-rod_model linear: stopped at t = %s, where an angle reached 1: a straight rod's "
+            "model says nothing there; take -rod_model auto",
+            text[0]);
+  advice[0] = 0;
+  if (reason == TS_CONVERGED_TIME && self->scene->falls > 0)
+    AdviseFall(self, advice, sizeof(advice));
+  UserCheck(!advice[0], comm, "at t = %s the rod is still falling: %s", text[0], advice);
+  UserCheck(reason != TS_CONVERGED_ITS, comm,
+            "-ts_max_steps: reached at t = %s before -ts_max_time %s", text[0], text[2]);
+  UserCheck(
+      self->jammed || reason == TS_CONVERGED_TIME || !PressedStraight(self), comm,
+      "gave up at t = %s: the rod is pressed straight against a wall, and nothing says to which "
+      "side it gives way; %s; give it a small -rod_curvature",
+      text[0], kept);
+  UserCheck(
+      !self->slips && !(reason < 0 && self->scene->load.shared && self->scene->load.across < 1),
+      comm,
+      "gave up at t = %s: with -friction_across %g dry friction does not say how fast so bent a "
+      "rod moves, and it slips and sticks in no time, again and again; %s; take a larger "
+      "-friction_across, or a lower -friction_mu: 0.99, or less",
+      text[0], (double)self->scene->load.across, kept);
+  CrawlTell(&self->crawl, self->scene->load.friction.beta, GrowHeldTwice(self), crawl,
+            sizeof(crawl));
+  AdviseWaves(self, advice, sizeof(advice));
+  waves = (PetscBool)(advice[0] != 0);
+  UserCheck(!self->crawls, comm, "%s; %s%s%s", crawl, kept, waves ? "; " : "", advice);
+  PetscCall(GrowTellJam(self, (PetscBool)(reason < 0), jam, sizeof(jam)));
+  UserCheck(!jam[0], comm,
+            "%s, and it can hardly grow on; %s; end the run before with -stop_force, or, if this "
+            "push is meant, give a higher -contact_stiffness",
+            jam, kept);
+  if (!waves) AdviseConduit(self, advice, sizeof(advice));
+  passes = (PetscBool)(self->now->passes ||
+                       (self->now->passed && !advice[0] && !CoarseForContact(self)));
+  UserCheck(reason == TS_CONVERGED_TIME || !passes, comm,
+            "gave up at t = %s with a step of %s: the rod would pass through itself or a wall; %s; "
+            "give more -rod_cells or a higher -contact_stiffness",
+            text[0], text[1], kept);
+  UserCheck(
+      reason == TS_CONVERGED_TIME || !SpinsFreely(self), comm,
+      "gave up at t = %s: the rod turns over about its own axis at once, for nothing holds its "
+      "spin back, and where it then goes is not determined; %s; give the radius at which "
+      "friction feels the spin, -friction_radius",
+      text[0], kept);
+  if (!advice[0]) AdviseGivingWay(self, advice, sizeof(advice));
+  UserCheck(
+      reason == TS_CONVERGED_TIME || !self->now->crosses, comm,
+      "gave up at t = %s: the rod gives way faster than a step of %s can follow, to which side "
+      "that step does not tell; %s; %s",
+      text[0], text[1], kept, advice);
+  if (!waves) {
+    advice[0] = 0;
+    AdviseFall(self, advice, sizeof(advice));
+    AdviseConduit(self, advice, sizeof(advice));
+  }
+  UserCheck(reason == TS_CONVERGED_TIME, comm, "gave up at t = %s with a step of %s (%s): %s; %s",
+            text[0], text[1], TSConvergedReasons[reason], kept,
+            advice[0] ? advice
+            : GrowHeldTwice(self)
+                ? crawl_held
+                : "try another -ts_rtol, more -rod_cells or a larger -friction_beta");
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode SumUp(Grow *self) {
+  PetscFunctionBegin;
+  PetscCall(GrowErrors(self));
+  PetscCall(GrowSummary(self));
+  PetscFunctionReturn(0);
+}
+
+/* GrowEnd - stores the last state, whatever the end. */
+PetscErrorCode GrowEnd(Grow *self, PetscBool finished) {
+  char text[2][64] = {""};
+
+  PetscFunctionBegin;
+  if (self->seen.t != self->stored_shape)
+    PetscCall(GrowStoreShape(self, self->seen.t, self->now->U));
+  PetscCall(OutputEvent(self->output, &self->event));
+  if (self->stopped)
+    (void)snprintf(text[0], sizeof(text[0]), "by signal %d at t = %.30s", self->stopped,
+                   OptionBoth(self->seen.t, UNIT_TIME, text[1]));
+  PetscCall(OutputInterrupted(self->output, text[0]));
+  PetscCall(OutputErrors(self->output, &self->error));
+  PetscCall(GrowSensitivitiesKeep(self));
+  PetscCall(GrowStore(self, finished));
+  PetscFunctionReturn(0);
+}
+
+/*
+  GrowFinish - what a run leaves that is over, and the line for an end that was not asked for.
+  Collective.
+
+  anew  it was in vain, and is to be run once more, with soft contact: see GrowAnew()
+*/
+PetscErrorCode GrowFinish(Grow *self, PetscBool *anew) {
+  PetscErrorCode error = (PetscErrorCode)0;
+  char text[64];
+
+  PetscFunctionBegin;
+  *anew = GrowFindsNoWay(self);
+  if (!*anew) error = SumUp(self);
+  if (error) (void)GrowEnd(self, PETSC_FALSE); /* what has been computed is not lost */
+  PetscCall(error);
+  if (*anew && !self->quiet)
+    PetscCall(PetscPrintf(self->scene->comm,
+                          "t = %s: no way is found in contact that gets firmer where the rod is "
+                          "pressed in: the run begins anew with contact that does not\n",
+                          OptionBoth(self->seen.t, UNIT_TIME, text)));
+  if (*anew) PetscFunctionReturn(0);
+  PetscCall(GrowEnd(self, (PetscBool)(self->reason == TS_CONVERGED_TIME || self->event.kind)));
+  if (self->member) self->member->stopped = (PetscBool)(self->stopped != 0);
+  PetscCall(Verdict(self));
+  if (self->member)
+    PetscCall(
+        OutputHarvest(self->output, &self->seen, self->member->values, &self->member->harvest));
+  PetscFunctionReturn(0);
+}
