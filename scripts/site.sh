@@ -28,7 +28,7 @@ pages=$place/site-pages
 rm -rf "$pages"
 mkdir -p "$pages"
 git ls-files -co --exclude-standard -- '*.md' '*.png' '*.gif' '*.ipynb' LICENSE CITATION.cff 'docs/*.csv' 'docs/*/*.csv' \
-  'docs/*/*.opts' 'docs/*/*.txt' 'options/*.opts' tests/run/public_cases.py ':!scripts/tendril' |
+  'docs/*/*.opts' 'docs/*/*.txt' 'options/*.opts' tests/python/public_cases.py ':!scripts/tendril' |
   while read -r file; do
     [ -f "$file" ] || continue
     mkdir -p "$pages/$(dirname "$file")"

@@ -104,9 +104,14 @@ def round_trips(graph):
             yield " -> ".join(round_trip)
 
 
+def modules(folder):
+    """Those of a folder; of tests, of all below it."""
+    return sorted(folder.rglob("*.py") if folder.name == "tests" else folder.glob("*.py"))
+
+
 def cycles(folder):
     """Imports of a folder's modules that come back to where they began."""
-    trees = {file.stem: ast.parse(file.read_text()) for file in sorted(folder.glob("*.py"))}
+    trees = {file.stem: ast.parse(file.read_text()) for file in modules(folder)}
     graph = {name: set(imported(tree, trees, folder.name)) for name, tree in trees.items()}
     yield from (f"{folder.name}: imports in a circle: {found}" for found in round_trips(graph))
     yield from (f"{folder.name}/{name}.py:{line}: imports a module by name" for name, tree in trees.items()
@@ -115,10 +120,10 @@ def cycles(folder):
 
 def main():
     root = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).resolve().parent.parent
-    src, python = root / "src", [root / name for name in ("scripts/tendril", "scripts/lab", "tests/run")]
+    src, python = root / "src", [root / name for name in ("scripts/tendril", "scripts/lab", "tests")]
     found = [*faults(src), *(fault for folder in python for fault in cycles(folder))]
     print("\n".join(found) or f"{len(list(src.rglob('*.[ch]')))} files of src keep the layers; no imports go round in "
-          f"{sum(len(list(folder.glob('*.py'))) for folder in python)} modules")
+          f"{sum(len(modules(folder)) for folder in python)} modules")
     return len(found) > 0
 
 

@@ -32,9 +32,9 @@ from scipy.optimize import brentq, root
 
 from measure import PEERS, ROOT, TENDRIL, Store, execute
 
-sys.path[:0] = [str(ROOT / "tests" / "run"), str(ROOT / "scripts")]
+sys.path[:0] = [str(ROOT / "tests/scenes/space"), str(ROOT / "tests/support"), str(ROOT / "scripts")]
 import ropes_test as ropes
-import scene_test as scene_runs
+import scene as scene_runs
 from tendril.style import STYLE
 
 TABLE = ROOT / "docs" / "notes" / "chart-space.csv"
@@ -46,7 +46,7 @@ TITLES = {"bend": "bend of 45°:\nplace of the tip", "twisted": "twisted by 27 t
           "helix": "helical capstan, two turns:\npush that comes out", "injected": "injected tube to lock-up:\nlength at six pushes"}
 # places of the tip over the radius: of a rod that neither stretches nor shears, and of Bathe's, which does
 KIRCHHOFF, REISSNER = ((0.471512944003, 0.156850781622, 0.534685984423), (0.471504385736, 0.156848005340, 0.534748787918))
-ANGLE = 47.65156384  # by shooting, as tests/run/space_test.py has it
+ANGLE = 47.65156384  # by shooting, as tests/scenes/space/space_test.py has it
 WEIGHT, HIGH, SEEN = 100.0, 0.1, 0.25
 PUSHES = 2.5, 3, 5, 10, 20, 40
 STEEP = 3**0.5 / 2  # the sine of 60 degrees
@@ -146,7 +146,7 @@ def laid(options):
 
 
 def rope(scene):
-    """The best of up to three runs of a scene of tests/run/ropes_test.py, which says (run, how far it is off)."""
+    """The best of up to three runs of a scene of tests/scenes/space/ropes_test.py, which says (run, how far it is off)."""
     best = {}
     scene_runs.TENDRIL = TENDRIL
     for _ in range(3):

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Measured errors of contact against the exact answers A (the tip on a plane) and B (inside a
-circle) of tests/run/contact_test.py: over the stiffness k of contact, and over the number of cells.
+circle) of tests/scenes/contact/contact_test.py: over the stiffness k of contact, and over the number of cells.
 
     contact.py build/tendril [--store docs/notes/contact.csv]"""
 
@@ -11,9 +11,9 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path.insert(0, str(ROOT / "tests" / "run"))
+sys.path[:0] = [str(ROOT / "tests/scenes/contact"), str(ROOT / "tests/support")]
 import contact_test as contact
-import scene_test as scene
+import scene
 
 CELLS, R = (125, 250, 500, 1000), 0.001
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Rods in round tubes against exact answers (tests/run/in_tube_test.py), as tables for docs/notes/tubes-measured.md.
+"""Rods in round tubes against exact answers (tests/scenes/space/in_tube_test.py), as tables for docs/notes/tubes-measured.md.
 
     PYTHONPATH=scripts .venv/bin/python scripts/lab/in_tube.py build/tendril [helix] [sinus] [spun]
         [beyond] [energies]"""
@@ -19,9 +19,9 @@ from tendril.scene_data import carried, rise
 from tendril.style import BLUE, GREY, ORANGE, STYLE
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tests" / "run"))
+sys.path[:0] = [str(ROOT / "tests/scenes/space"), str(ROOT / "tests/support")]
 import in_tube_test as tube
-import scene_test as scene
+import scene
 from scipy.interpolate import CubicSpline
 
 

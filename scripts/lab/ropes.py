@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The ropes of tests/run/ropes_test.py, finer and with more of them: the rows of the table in docs/notes/ropes-measured.md.
+"""The ropes of tests/scenes/space/ropes_test.py, finer and with more of them: the rows of the table in docs/notes/ropes-measured.md.
 
     ropes.py build/tendril [pillar|helix|upheaval|heavy|plectoneme|knot ...]"""
 
@@ -8,9 +8,9 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path[:0] = [str(ROOT / "tests" / "run"), str(ROOT / "scripts")]
+sys.path[:0] = [str(ROOT / "tests/scenes/space"), str(ROOT / "tests/support"), str(ROOT / "scripts")]
 import ropes_test as ropes
-import scene_test as scene
+import scene
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline, make_interp_spline

@@ -1,6 +1,5 @@
 /* What is seen of a simulation: its time, nodes, series. */
 #include "library/simulation.h"
-#include "rod/directors.h"
 #include <stdlib.h>
 
 /* ColumnsBegin - no values any more; blocks that were told stay. */
@@ -146,60 +145,6 @@ int TendrilSeries(Tendril self, const char *name, int *n, const double **values)
                           name ? name : "NULL");
 }
 
-/* A vector of the clamp's frame in the laboratory, of the plane. */
-static void Turn(Scene scene, const PetscReal v[2], double to[3]) {
-  const PetscReal c = PetscCosReal(scene->clamp_angle), s = PetscSinReal(scene->clamp_angle);
-
-  to[0] = c * v[0] - s * v[1];
-  to[1] = s * v[0] + c * v[1];
-  to[2] = 0;
-}
-
-static PetscErrorCode PlaneNodeOf(Scene scene, PetscReal t, const Node *node, PetscReal c,
-                                  TendrilNode *to) {
-  const PetscReal q[2] = {PetscCosReal(node->theta), PetscSinReal(node->theta)},
-                  across[2] = {-q[1], q[0]},
-                  v[2] = {node->x_t[0] + c * q[0], node->x_t[1] + c * q[1]};
-  PetscReal k0, B;
-
-  PetscFunctionBegin;
-  PetscCall(SceneCurvature(scene, to->s, t, &k0, NULL));
-  PetscCall(SceneStiffness(scene, to->s, t, &B, NULL));
-  to->theta = node->theta + scene->clamp_angle;
-  Turn(scene, node->x, to->x);
-  Turn(scene, v, to->v);
-  Turn(scene, q, to->d[0]);
-  Turn(scene, across, to->d[1]);
-  to->d[2][2] = 1;
-  to->curvature[2] = k0 + node->moment / B;
-  to->moment[2] = node->moment;
-  Turn(scene, node->force, to->force);
-  PetscFunctionReturn(0);
-}
-
-static PetscErrorCode SpaceNodeOf(Scene scene, PetscReal t, const Node *node, PetscReal c,
-                                  TendrilNode *to) {
-  PetscReal d[3][3], u0[3], B, S[3], v[3];
-
-  PetscFunctionBegin;
-  Directors(node->p, QuaternionSize(node->p), d);
-  PetscCall(SceneStiffness(scene, to->s, t, &B, NULL));
-  SceneStiffnesses(scene, B, S);
-  PetscCall(CurvatureStrains(&scene->curvature, scene->growth, to->s, t, u0, NULL));
-  for (int k = 0; k < 3; k++) {
-    to->curvature[k] =
-        u0[k] + (d[k][0] * node->m3[0] + d[k][1] * node->m3[1] + d[k][2] * node->m3[2]) / S[k];
-    v[k] = node->x3_t[k] + c * d[0][k];
-    SpaceToLab(&scene->space, d[k], to->d[k]);
-  }
-  to->theta = node->theta;
-  SpaceToLab(&scene->space, node->x3, to->x);
-  SpaceToLab(&scene->space, v, to->v);
-  SpaceToLab(&scene->space, node->m3, to->moment);
-  SpaceToLab(&scene->space, node->n3, to->force);
-  PetscFunctionReturn(0);
-}
-
 static PetscErrorCode TakeNodes(Tendril self, PetscReal t, const Node *nodes, int *n) {
   const Scene scene = self->scene;
   const PetscInt all = scene->mesh.cells + 1;
@@ -209,16 +154,17 @@ static PetscErrorCode TakeNodes(Tendril self, PetscReal t, const Node *nodes, in
   PetscCheck(self->node, PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for nodes");
   for (PetscInt i = 0; i < all; i++) {
     TendrilNode *to = &self->node[i];
-    const PetscReal s = scene->mesh.s[i];
-    PetscReal g, c;
-    *to = (TendrilNode){.s = s};
-    PetscCall(GrowthStretch(scene->growth, 1, &s, t, &g, NULL, NULL));
-    c = GrowthSlide(scene->growth, s, t);
-    to->stretch = g;
-    if (scene->space.rod)
-      PetscCall(SpaceNodeOf(scene, t, &nodes[i], c, to));
-    else
-      PetscCall(PlaneNodeOf(scene, t, &nodes[i], c, to));
+    LabNode lab;
+    PetscCall(LabNodeAt(scene, t, scene->mesh.s[i], &nodes[i], &lab));
+    *to = (TendrilNode){.s = scene->mesh.s[i], .stretch = lab.stretch, .theta = lab.theta};
+    for (int k = 0; k < 3; k++) {
+      to->x[k] = lab.x[k];
+      to->v[k] = lab.v[k];
+      to->curvature[k] = lab.strain[k];
+      to->moment[k] = lab.moment[k];
+      to->force[k] = lab.force[k];
+      for (int d = 0; d < 3; d++) to->d[k][d] = lab.d[k][d];
+    }
   }
   *n = (int)all;
   PetscFunctionReturn(0);

@@ -6,6 +6,7 @@
 #include "record/event.h"
 #include "record/observe.h"
 #include "record/restart.h"
+#include "record/shapes.h"
 
 typedef struct _Output *Output;
 
@@ -17,12 +18,6 @@ typedef struct {
   size_t n;
   PetscReal *data; /* [n]; the owner frees it (PetscFree) */
 } Harvest;
-
-enum { SHAPE_SETS = 8, CONTACT_SET = 7 }; /* contact is the last: only if the scene has any */
-extern const struct ShapeSet {
-  const char *name, *units, *text;
-  PetscInt components; /* per node; 0: one value a shape */
-} shape_sets[SHAPE_SETS];
 
 PetscErrorCode OutputCreate(const char *file, Scene scene, Output *output);
 PetscErrorCode OutputContinue(const char *file, const char *from, Scene scene, PetscReal t,

@@ -1,5 +1,4 @@
 #include "record/restart.h"
-#include "base/hdf.h"
 #include "scene/change.h"
 #include <ctype.h>
 
@@ -350,5 +349,80 @@ PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *stat
   state->falls = leg->rod->scene->falls;
   state->shared = load->shared ? 1 - load->friction.mu : 0;
   state->firm = contact->firm ? 1 : contact->deepest ? 0 : -1;
+  PetscFunctionReturn(0);
+}
+
+/* Appends vectors, as rows, to a dataset made here: one at a time on rank 0, where all of them need
+   not fit; adds up the absolute values. Collective. */
+static PetscErrorCode WriteVectors(HdfFile file, const char *name, const char *text, PetscInt n,
+                                   Vec vectors[], PetscReal *sum) {
+  const PetscScalar *a;
+  VecScatter to_zero;
+  PetscInt length;
+  Vec all;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetSize(vectors[0], &length));
+  PetscCall(HdfAppendable(file, name, 1, &length, "mixed", text));
+  PetscCall(VecScatterCreateToZero(vectors[0], &to_zero, &all));
+  for (PetscInt i = 0; i < n; i++) {
+    PetscCall(VecScatterBegin(to_zero, vectors[i], all, INSERT_VALUES, SCATTER_FORWARD));
+    PetscCall(VecScatterEnd(to_zero, vectors[i], all, INSERT_VALUES, SCATTER_FORWARD));
+    if (!file) continue;
+    PetscCall(VecGetArrayRead(all, &a));
+    for (PetscInt k = 0; k < length; k++) *sum += PetscAbsReal(a[k]);
+    PetscCall(HdfAppend(file, name, 1, a));
+    PetscCall(VecRestoreArrayRead(all, &a));
+  }
+  PetscCall(VecScatterDestroy(&to_zero));
+  PetscCall(VecDestroy(&all));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode WriteMemory(HdfFile file, Rod rod, PetscReal *sum) {
+  Vec memory;
+  DM da;
+
+  PetscFunctionBegin;
+  if (!rod->memory) PetscFunctionReturn(0);
+  PetscCall(RodCreateMemory(rod, &da, &memory));
+  PetscCall(rod->model->remember(rod, memory));
+  PetscCall(WriteVectors(file, "/restart/memory",
+                         "what Newton's method remembers from step to step [1][node times values]",
+                         1, &memory, sum));
+  PetscCall(VecDestroy(&memory));
+  PetscCall(DMDestroy(&da));
+  PetscFunctionReturn(0);
+}
+
+/* RestartWrite - what the run needs to go on from here, in the place of what stood there; of
+   OutputStore(). Collective. */
+PetscErrorCode RestartWrite(HdfFile file, Scene scene, Rod rod, RestartState *state, Vec points[],
+                            Vec errors[]) {
+  const PetscInt n = RESTART_STATE, scales = UNIT_ALL, two = 2;
+  const Space *space = &scene->space;
+  const PetscReal clamp[2] = {space->spun, space->spins_from};
+
+  PetscFunctionBegin;
+  PetscCall(HdfDelete(file, "/restart"));
+  if (!state) PetscFunctionReturn(0);
+  PetscCall(HdfGroup(file, "/restart"));
+  state->sum = 0;
+  PetscCall(WriteVectors(file, "/restart/points",
+                         "the stepper's past points, latest first [point][node times fields]",
+                         (PetscInt)state->points, points, &state->sum));
+  PetscCall(WriteMemory(file, rod, &state->sum));
+  state->errors_sum = 0;
+  if (errors)
+    PetscCall(WriteVectors(file, "/restart/errors",
+                           "the errors that are followed [part][node times fields]", ESTIMATE_KEPT,
+                           errors, &state->errors_sum));
+  PetscCall(HdfWrite(file, "/restart/state", 1, &n, (const PetscReal *)state, "mixed",
+                     "time, step and history of the stepper, for -restart"));
+  if (space->spins_from > 0)
+    PetscCall(HdfWrite(file, "/restart/clamp", 1, &two, clamp, "rad, l/V",
+                       "by how much the clamp had turned when its rate was changed, and when"));
+  PetscCall(HdfWrite(file, "/restart/scales", 1, &scales, scene->si.scale, "SI",
+                     "the scales of the rod in the laboratory, 0: none"));
   PetscFunctionReturn(0);
 }

@@ -2,6 +2,7 @@
 #ifndef TENDRIL_RESTART_H
 #define TENDRIL_RESTART_H
 
+#include "base/hdf.h"
 #include "record/observe.h"
 #include "stepping/estimate.h"
 #include "stepping/vbdf.h"
@@ -45,6 +46,8 @@ PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, P
 PetscErrorCode RestartChange(const char *file, Scene scene);
 PetscErrorCode RestartTake(const char *file, const RestartState *state, Leg *leg);
 PetscErrorCode RestartTakeErrors(const char *file, const RestartState *state, Estimate estimate);
+PetscErrorCode RestartWrite(HdfFile file, Scene scene, Rod rod, RestartState *state, Vec points[],
+                            Vec errors[]);
 PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *state, Vec points[]);
 
 #endif

@@ -150,6 +150,28 @@ void SceneLinkWalls(Scene scene) {
   scene->tip.walls = scene->load.walls;
 }
 
+/* SceneMaterial - what the rod's own laws give at the label s and time t. */
+PetscErrorCode SceneMaterial(Scene scene, PetscReal s, PetscReal t, Material *at) {
+  PetscReal B, B_t;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(at, sizeof(*at)));
+  PetscCall(GrowthStretch(scene->growth, 1, &s, t, &at->g, &at->g_t, NULL));
+  at->c = GrowthSlide(scene->growth, s, t);
+  at->strain = GrowthStrain(scene->growth, s, t, at->g_t);
+  PetscCall(SceneStiffness(scene, s, t, &B, &B_t));
+  if (scene->space.rod) {
+    SceneStiffnesses(scene, B, at->S);
+    SceneStiffnesses(scene, B_t, at->S_t);
+    PetscCall(CurvatureStrains(&scene->curvature, scene->growth, s, t, at->u0, at->u0_t));
+  } else {
+    at->S[2] = B;
+    at->S_t[2] = B_t;
+    PetscCall(SceneCurvature(scene, s, t, &at->u0[2], &at->u0_t[2]));
+  }
+  PetscFunctionReturn(0);
+}
+
 /* SceneAtTolerance - tells a scene at which tolerance it is to be stepped: what exact friction of
    material at rest is taken for depends on it (LoadAtTolerance()). */
 void SceneAtTolerance(Scene scene, PetscReal rtol) {

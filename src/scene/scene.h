@@ -28,6 +28,14 @@ typedef struct {
   PetscBool found;  /* else they are 1 */
 } SceneUnits;
 
+/* What the laws of the rod itself give at a label: SceneMaterial(). In the plane the bend is that
+   about d3, and the others are 0. */
+typedef struct {
+  PetscReal g, g_t, c, strain; /* stretch, its rate, slide, rate of the material's stretch */
+  PetscReal S[3], S_t[3];      /* stiffnesses, and their rates in the material */
+  PetscReal u0[3], u0_t[3];    /* natural strains, likewise */
+} Material;
+
 typedef struct _Scene *Scene;
 struct _Scene {
   MPI_Comm comm; /* the ranks that share it */
@@ -60,6 +68,7 @@ PetscErrorCode SceneShare(Scene scene, Scene *shared);
 PetscErrorCode SceneShareEnd(Scene *shared);
 void SceneLinkWalls(Scene scene);
 void SceneAtSpeed(Scene scene, PetscReal speed);
+PetscErrorCode SceneMaterial(Scene scene, PetscReal s, PetscReal t, Material *at);
 PetscErrorCode SceneForce(Scene scene, PetscReal *force);
 PetscErrorCode SceneContactAt(Scene scene, PetscReal t);
 PetscReal SceneNextTurn(Scene scene, PetscReal t);
@@ -70,6 +79,21 @@ void SceneAtTolerance(Scene scene, PetscReal rtol);
 PetscErrorCode SceneHoldTip(Scene scene, const PetscReal x[2], PetscReal theta);
 PetscErrorCode SceneHoldTip3(Scene scene, const PetscReal x[3], const PetscReal p[4]);
 PetscErrorCode SceneShapeAngle(Scene scene, PetscReal s, PetscReal *theta, PetscReal *theta_s);
+
+/* A vector of the clamp's frame in the laboratory; in the plane the third component is 0. */
+static inline void SceneToLab(const struct _Scene *scene, const PetscReal v[3], PetscReal lab[3]) {
+  PetscReal c, s;
+
+  if (scene->space.rod) {
+    SpaceToLab(&scene->space, v, lab);
+    return;
+  }
+  c = PetscCosReal(scene->clamp_angle);
+  s = PetscSinReal(scene->clamp_angle);
+  lab[0] = c * v[0] - s * v[1];
+  lab[1] = s * v[0] + c * v[1];
+  lab[2] = 0;
+}
 
 /* The natural curvature at the label s and time t, and the rate at which it changes for the
    material there (may be NULL). */

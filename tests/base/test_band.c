@@ -1,5 +1,6 @@
 /* Banded matrices: solved, with their transpose, too; refused where they are singular, or, shifted
-   to an eigenvalue, solved along its vector. */
+   to an eigenvalue, solved along its vector.
+   test: banded matrices are solved, also transposed and beside an eigenvalue */
 #include "harness.h"
 #include "base/band.h"
 

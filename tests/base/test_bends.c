@@ -1,4 +1,5 @@
-/* Where tables bend: a polygon through the bends is as near to what was given as was asked. */
+/* Where tables bend: a polygon through the bends is as near to what was given as was asked.
+   test: a polygon through the bends of a table is as near as asked */
 #include "base/bends.h"
 #include "harness.h"
 

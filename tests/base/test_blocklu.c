@@ -1,4 +1,5 @@
-/* LU of blocks: a line of nodes, some of which touch others far away, in the plane and in space. */
+/* LU of blocks: a line of nodes, some of which touch others far away, in the plane and in space.
+   test: a line of nodes that touch far away is solved */
 #include "base/blocklu.h"
 #include "harness.h"
 

@@ -1,5 +1,6 @@
 /* Blocks in a tree, in the plane and in space: those within reach of a place, and the nearest, as
-   when all are looked at. */
+   when all are looked at.
+   test: the nearest blocks of a tree are the nearest of all */
 #include "base/blocks.h"
 #include "base/squares.h"
 #include "harness.h"

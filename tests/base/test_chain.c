@@ -1,4 +1,5 @@
-/* The solver for chains gives what the matrix asks for: A x = b for the Jacobians of the models. */
+/* The solver for chains gives what the matrix asks for: A x = b for the Jacobians of the models.
+   test: chains of cells are solved | ranks 1 2 3 */
 #include "harness.h"
 #include "base/chain.h"
 #include "rod/by_rate.h"

@@ -1,4 +1,5 @@
-/* Cells eliminated one by one give what the assembled matrix does. */
+/* Cells eliminated one by one give what the assembled matrix does.
+   test: cells eliminated one by one give what the matrix does | ranks 1 2 3 */
 #include "harness.h"
 #include "base/chain.h"
 #include "rod/by_rate.h"

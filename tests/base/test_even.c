@@ -1,5 +1,6 @@
 /* Splines on even knots: through their values, exact for cubics up to the ends, of order 4 there,
-   too. */
+   too.
+   test: splines on even knots have order 4 up to the ends */
 #include "harness.h"
 #include "base/even.h"
 

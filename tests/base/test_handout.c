@@ -1,4 +1,5 @@
-/* Jobs handed out to teams: each is done once, whoever is slow; all ends in good order. */
+/* Jobs handed out to teams: each is done once, whoever is slow; all ends in good order.
+   test: each job is done once whoever is slow | ranks 1 2 3 */
 #include "harness.h"
 #include "base/handout.h"
 #include "base/signals.h"

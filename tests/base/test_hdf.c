@@ -1,4 +1,5 @@
-/* Files: what is written is read, a file is whole or as it was, one process at a time. */
+/* Files: what is written is read, a file is whole or as it was, one process at a time.
+   test: what is written is read and a file is whole or as it was */
 #include "harness.h"
 #include "base/lock.h"
 #include <sys/wait.h>

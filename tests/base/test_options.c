@@ -1,4 +1,5 @@
-/* Options: what a value may be, what is refused, files of options. */
+/* Options: what a value may be, what is refused, files of options.
+   test: values of options and of their files are taken or refused */
 #include "harness.h"
 #include "base/words.h"
 

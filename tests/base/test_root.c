@@ -1,5 +1,6 @@
 /* A root by false position: found in few looks, also of a function that is no straight line, and of
-   one that is no number at first. */
+   one that is no number at first.
+   test: roots are found to the last digit within their bounds */
 #include "harness.h"
 #include "base/root.h"
 

@@ -1,5 +1,6 @@
 /* What moves or turns by rows: they are met, the rate is the slope, and beyond them it is what it
-   is said to be; when it sets out, stops and turns back. */
+   is said to be; when it sets out, stops and turns back.
+   test: rows over time are met with their slopes and turns | ranks 1 2 */
 #include "harness.h"
 #include "base/schedule.h"
 

@@ -1,5 +1,6 @@
 /* Not-a-knot splines: exact for cubics on any knots, fourth order for smooth functions up to the
-   ends, rows and strides kept apart. */
+   ends, rows and strides kept apart.
+   test: splines are exact for cubics and of order 4 */
 #include "harness.h"
 #include "base/lagrange.h"
 #include "base/spline.h"

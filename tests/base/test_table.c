@@ -1,4 +1,5 @@
-/* A table of options: what is read of a file, and what is refused. */
+/* A table of options: what is read of a file, and what is refused.
+   test: a table of options is read and what is wrong in it refused | ranks 1 2 */
 #include "harness.h"
 #include "base/table.h"
 #include <math.h>

@@ -1,6 +1,7 @@
 /* A strain that is given over time: cubics of place and time are met exactly, with their slopes, on
    either side of a kink; beyond the rows it rests; when it turns, and where its rate jumps. And
-   what a rod makes of it: its rate for material that slides. */
+   what a rod makes of it: its rate for material that slides.
+   test: a strain over time is met with its slopes and kinks | ranks 1 2 */
 #include "harness.h"
 #include "base/hdf.h"
 #include "material/curvature.h"

@@ -1,5 +1,6 @@
 /* Growth laws: what they return is consistent (g = p_s, g_t, g_s and p_t by difference quotients),
-   the length grows as asked, and a table reproduces the law it was made of. */
+   the length grows as asked, and a table reproduces the law it was made of.
+   test: laws agree with their differences and integrals | ranks 1 3 */
 #include "harness.h"
 #include "material/growth.h"
 

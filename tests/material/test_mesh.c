@@ -1,5 +1,6 @@
 /* The nodes: even where growth is, and where it is not, equidistant in int (g/L + 1/2) ds; behind a
-   narrow zone cells become longer by little from one to the next. */
+   narrow zone cells become longer by little from one to the next.
+   test: nodes are even where growth is and where it is not */
 #include "harness.h"
 #include "material/mesh.h"
 

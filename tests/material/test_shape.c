@@ -1,4 +1,5 @@
-/* The initial shape and the scales of the laboratory. */
+/* The initial shape and the scales of the laboratory.
+   test: initial shapes and scales are those asked for | ranks 1 2 */
 #include "harness.h"
 #include "material/shape.h"
 #include "scene/si.h"

@@ -1,4 +1,5 @@
-/* Self-contact of a rod of some thickness: shapes whose gaps are known. */
+/* Self-contact of a rod of some thickness: shapes whose gaps are known.
+   test: a thick rod touches itself where its gap is known to close */
 #include "harness.h"
 #include "record/event.h"
 

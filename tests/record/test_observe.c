@@ -1,5 +1,6 @@
 /* What is measured: crossings of known curves, integrals of a known rod, the straight rod's forces,
-   the turn of the clamp. */
+   the turn of the clamp.
+   test: what is measured of known curves is right | ranks 1 2 3 */
 #include "harness.h"
 #include "record/observe.h"
 #include "rod/crossing.h"

@@ -1,4 +1,5 @@
-/* Newton's method in a step, and the result file of a run that goes on. */
+/* Newton's method in a step, and the result file of a run that goes on.
+   test: a result file holds what a run that goes on needs | ranks 1 2 */
 #include "harness.h"
 #include "record/output.h"
 

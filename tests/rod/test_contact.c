@@ -1,5 +1,6 @@
 /* Contact: Jacobians by rate with walls and with strands of the rod that press on each other,
-   forces that cancel, feet that are feet. */
+   forces that cancel, feet that are feet.
+   test: the Jacobian in contact is that of its differences and forces cancel | ranks 1 2 3 */
 #include "rod/by_rate.h"
 #include "rod/feet.h"
 #include "rod/strands.h"

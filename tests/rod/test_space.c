@@ -1,5 +1,6 @@
 /* The model of space: Jacobians by rate for every law, its elimination against a matrix, mirrors,
-   and a bend whose exact answer is known. */
+   and a bend whose exact answer is known.
+   test: the Jacobian in space is that of its differences and mirrors hold | ranks 1 2 3 */
 #include "base/chain.h"
 #include "base/hermite.h"
 #include "base/vectors.h"

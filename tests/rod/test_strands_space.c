@@ -1,5 +1,6 @@
 /* Strands of a rod in space that press on each other: Jacobians by rate, forces and moments that
-   cancel, and their work, which is that of the energy; and friction of strands that spin. */
+   cancel, and their work, which is that of the energy; and friction of strands that spin.
+   test: strands in space press with the differences of their energy | ranks 1 2 3 */
 #include "rod/by_rate.h"
 #include "rod/coupled.h"
 #include "rod/directors.h"

@@ -1,5 +1,6 @@
 /* The guard: what the rod's curve has swept between two states, on any number of ranks; and what
-   one rank alone sees. */
+   one rank alone sees.
+   test: what the rod has swept between two states is seen | ranks 1 2 3 */
 #include "harness.h"
 #include "rod/crossing.h"
 #include "rod/passing.h"

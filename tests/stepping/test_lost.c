@@ -1,6 +1,7 @@
 /* What comes out of the equations is no number, or far too large a one, in a single look at them
    and on one rank alone: all ranks reject the step, also one in a snap, and the run comes to where
-   it should. */
+   it should.
+   test: a step that is no number is rejected by all ranks | ranks 1 2 3 */
 #include "harness.h"
 #include "stepping/leg.h"
 #include "stepping/vbdf.h"

@@ -1,4 +1,5 @@
-/* The straight rod: its force, and the matrices D and K against integrals taken exactly. */
+/* The straight rod: its force, and the matrices D and K against integrals taken exactly.
+   test: matrices of the straight rod are exact integrals | ranks 1 2 3 */
 #include "harness.h"
 #include "straight/pencil.h"
 #include "straight/straight.h"

@@ -1,4 +1,5 @@
-/* When a run crawls, and what looks like it and does not. */
+/* When a run crawls, and what looks like it and does not.
+   test: a run that crawls is told from what looks like it */
 #include "harness.h"
 #include "tasks/crawl.h"
 

@@ -1,5 +1,6 @@
 /* The critical length against the table of docs/notes/exact-answers.md, its order of convergence
- * and its error bound. */
+ * and its error bound.
+   test: critical lengths are those of the table with their order and bound | ranks 1 3 */
 #include "harness.h"
 #include "tasks/critical.h"
 

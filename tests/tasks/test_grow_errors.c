@@ -1,4 +1,5 @@
-/* What is told of a start that steps have crossed unseen, and that a restart goes on with it. */
+/* What is told of a start that steps have crossed unseen, and that a restart goes on with it.
+   test: errors that are told are those of known histories */
 #include "harness.h"
 #include "tasks/growing.h"
 

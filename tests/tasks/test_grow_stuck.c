@@ -1,4 +1,5 @@
-/* When a run is called jammed, or to slip without end: by what its latest steps have come to. */
+/* When a run is called jammed, or to slip without end: by what its latest steps have come to.
+   test: a run that is stuck says why */
 #include "harness.h"
 #include "tasks/growing.h"
 

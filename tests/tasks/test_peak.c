@@ -1,5 +1,6 @@
 /* A peak between three places at which a level is below 0: found if it comes up to 0, and with few
-   looks given up if it cannot. */
+   looks given up if it cannot.
+   test: a peak is found between steps */
 #include "harness.h"
 #include "tasks/peak.h"
 

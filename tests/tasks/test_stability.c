@@ -1,4 +1,5 @@
-/* Norms and eigenvalues of the straight rod against theorems, and the propagator. */
+/* Norms and eigenvalues of the straight rod against theorems, and the propagator.
+   test: the stability of the straight rod is that of theorems | ranks 1 2 3 | apart */
 #include "harness.h"
 #include "tasks/critical.h"
 #include "straight/norm.h"
@@ -365,13 +366,13 @@ static void TestOptimal(void **state) {
 static const struct CMUnitTest tests[] = {cmocka_unit_test(TestTheorem),
                                           cmocka_unit_test(TestFeedNorm),
                                           cmocka_unit_test(TestBound),
-                                          cmocka_unit_test(TestLeftNorm),
-                                          cmocka_unit_test(TestLeftNormOfFeed),
+                                          cmocka_unit_test(TestLeftNorm),       /* ranks 1 2 */
+                                          cmocka_unit_test(TestLeftNormOfFeed), /* ranks 1 2 */
                                           cmocka_unit_test(TestSlowestMode),
-                                          cmocka_unit_test(TestPropagator),
-                                          cmocka_unit_test(TestPlainNorm),
+                                          cmocka_unit_test(TestPropagator), /* ranks 1 2 */
+                                          cmocka_unit_test(TestPlainNorm),  /* ranks 1 2 */
                                           cmocka_unit_test(TestMap),
                                           cmocka_unit_test(TestScaling),
-                                          cmocka_unit_test(TestOptimal)};
+                                          cmocka_unit_test(TestOptimal)}; /* ranks 1 2 */
 
 MAIN(tests)

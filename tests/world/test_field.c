@@ -1,5 +1,6 @@
 /* Fields and layers: the interpolant has continuous slopes, which its derivatives are, also at the
-   entries and the edges; its order; layers are what they are asked to be. And the stiffness. */
+   entries and the edges; its order; layers are what they are asked to be. And the stiffness.
+   test: fields are met with their slopes | ranks 1 2 */
 #include "harness.h"
 #include "world/field.h"
 #include "material/stiffness.h"

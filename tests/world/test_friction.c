@@ -1,4 +1,5 @@
-/* Friction: the law, its primal slope by rate, and the dual of Chan, Golub and Mulet. */
+/* Friction: the law, its primal slope by rate, and the dual of Chan, Golub and Mulet.
+   test: friction and its derivative are those of its law */
 #include "harness.h"
 #include "world/friction.h"
 

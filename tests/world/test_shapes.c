@@ -1,5 +1,6 @@
 /* Tubes and bodies: distances against surfaces that are written down, gradients and second
-   derivatives by differences, no jumps where pieces meet, orders; friction on a body. */
+   derivatives by differences, no jumps where pieces meet, orders; friction on a body.
+   test: surfaces of each shape have their distance, normal and bend | ranks 1 2 */
 #include "harness.h"
 #include "base/vectors.h"
 #include "world/body.h"

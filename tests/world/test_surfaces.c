@@ -1,6 +1,7 @@
 /* Surfaces in space: distances against formulas and against points strewn over them, gradients and
    curvatures against difference quotients, the search against looking at all, how they move against
-   their velocities and against what their text says. */
+   their velocities and against what their text says.
+   test: surfaces have the differences of their distance as normal and bend */
 #include "harness.h"
 #include "world/surfaces.h"
 

@@ -1,0 +1,327 @@
+#!/usr/bin/env python3
+# test: a simulation that is stepped is the run of the program
+"""Simulations in this process (tendril.Simulation), against runs of the program.
+
+    test_simulation.py build/tendril        with .venv's python, or one that has what the package needs"""
+
+import gc
+import os
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from interpreter import ROOT, from_venv
+
+sys.path.insert(0, str(ROOT / "scripts"))
+try:
+    import numpy as np
+
+    import tendril
+except ImportError as error:
+    from_venv(error)
+
+FEW = dict(rod_cells=60, ts_max_time=0.5, output_interval=0.1)
+SCENES = {"feed": {}, "uniform-dry": {}, "cable-conduit": {"ts_max_time": 0.3}, "root-helix": {"ts_max_time": 0.3}}
+
+
+def differing(series, others):
+    """The names of series that are not the same to the last digit."""
+    return [name for name in series if not np.array_equal(series[name], np.asarray(others[name]), equal_nan=True)]
+
+
+class AsTheProgram(unittest.TestCase):
+    def test_interleaved_runs_are_those_of_the_program_to_the_last_digit(self):
+        runs = {scene: tendril.run(scene, **FEW | more) for scene, more in SCENES.items()}
+        sims = {scene: tendril.Simulation(scene, **FEW | more) for scene, more in SCENES.items()}
+        going = dict(sims)
+        while going:
+            for scene, sim in list(going.items()):
+                if not sim.step():
+                    del going[scene]
+        for scene, sim in sims.items():
+            with self.subTest(scene):
+                self.assertEqual(differing(sim.series, runs[scene].series), [])
+                last = runs[scene].at(sim.t)
+                for name in ("x", "theta", "force"):
+                    np.testing.assert_array_equal(getattr(sim, name), getattr(last, name))
+
+    def test_looking_on_the_way_changes_nothing(self):
+        for scene in ("feed", "cable-conduit"):
+            with self.subTest(scene):
+                looked, straight = (tendril.Simulation(scene, **FEW) for _ in range(2))
+                straight.advance()
+                for t in np.linspace(0.013, 0.5, 17):
+                    self.assertTrue(looked.advance(t))
+                    self.assertEqual(looked.t, t)
+                    self.assertEqual(looked.series["t"][-1], t)
+                    looked.nodes
+                self.assertEqual(differing(looked.series, straight.series), [])
+                self.assertFalse(looked.step())
+                self.assertFalse(looked.advance(1))
+
+    def test_what_is_between_steps_is_that_of_stored_shapes(self):
+        run, sim = tendril.run("feed", **FEW), tendril.Simulation("feed", **FEW)
+        for t in (0.1, 0.2, 0.3):
+            sim.advance(t)
+            np.testing.assert_allclose(sim.x, run.at(t).x, rtol=0, atol=1e-14)
+
+
+class Handling(unittest.TestCase):
+    def test_mistakes_are_one_sentence_and_the_process_goes_on(self):
+        for options, line in (({"friction_mux": 1}, "did you mean friction_mu"), ({"friction_mu": 2}, "too large"),
+                              ({"output": "x.h5"}, "is of the program"), ({"rod_model": "steel"}, "give one of"),
+                              ({"load": "no-such.h5"}, "no-such.h5"), ({"stop_length": "1cm"}, "stop_length")):
+            with self.subTest(options), self.assertRaisesRegex(tendril.RunError, line) as caught:
+                tendril.Simulation("feed", **FEW | options)
+            self.assertNotIn("\n", str(caught.exception))
+        self.assertTrue(tendril.Simulation("feed", **FEW).step())
+
+    def test_a_run_that_gives_up_can_still_be_read(self):
+        sim = tendril.Simulation("feed", **FEW | {"ts_max_steps": 5})
+        with self.assertRaisesRegex(tendril.RunError, "ts_max_steps: reached"):
+            sim.advance()
+        self.assertEqual(len(sim.series["t"]), 6)
+        self.assertEqual(sim.series["t"][-1], sim.t)
+        with self.assertRaisesRegex(tendril.RunError, "given up"):
+            sim.set("tip_force", 1)
+
+    def test_arrays_stay_as_they_were_and_outlive_the_simulation(self):
+        sim = tendril.Simulation("feed", **FEW)
+        kept = []
+        while sim.step():
+            kept.append((sim.t, sim.x, sim.series["t"], sim.x.copy(), sim.series["t"].copy()))
+        sim.close()
+        del sim
+        gc.collect()
+        for t, x, times, x_then, times_then in kept:
+            np.testing.assert_array_equal(x, x_then)
+            np.testing.assert_array_equal(times, times_then)
+            self.assertEqual(times[-1], t)
+        with self.assertRaises(ValueError):
+            kept[0][2][0] = 1
+
+    def test_it_is_closed_once(self):
+        with tendril.Simulation("feed", **FEW) as sim:
+            self.assertIn("tip_x1", sim.series)
+            with self.assertRaisesRegex(KeyError, "no_such"):
+                sim.series["no_such"]
+        with self.assertRaisesRegex(tendril.TendrilError, "closed"):
+            sim.t
+
+    def test_a_watch_looks_and_stops(self):
+        sim, seen = tendril.Simulation("feed", **FEW), []
+        self.assertFalse(sim.advance(0.5, watch=lambda sim: seen.append(sim.x[-1, 0]) or len(seen) == 4))
+        self.assertEqual(len(sim.series["t"]), 5)
+
+        def interrupted(sim):
+            raise KeyboardInterrupt
+        with self.assertRaises(KeyboardInterrupt):
+            sim.advance(0.5, watch=interrupted)
+        self.assertTrue(sim.advance(0.5))
+
+
+class Laws(unittest.TestCase):
+    def test_friction_growth_and_curvature_of_ones_own(self):
+        sim = tendril.Simulation("uniform-dry", friction=lambda v2: (0.5 + 0.5 / np.sqrt(v2 + 1e-3), -0.25 * (v2 + 1e-3) ** -1.5),
+                                 **FEW | {"friction_mu": 0, "ts_max_time": 0.2})
+        run = tendril.run("uniform-dry", **FEW | {"friction_mu": 0.5, "ts_max_time": 0.2})
+        sim.advance()
+        self.assertAlmostEqual(sim.series["tip_x1"][-1], run.series["tip_x1"][-1], delta=1e-5)
+        self.assertAlmostEqual(sim.series["dissipation"][-1] / run.series["dissipation"][-1], 1, delta=1e-5)
+        sim = tendril.Simulation(growth=lambda s, t: (0.5 + t, 1, 0, s * (0.5 + t), s), curvature=lambda s, t: 0.3, **FEW)
+        sim.advance()
+        self.assertEqual(differing(sim.series, tendril.run(rod_curvature=0.3, **FEW).series), [])
+
+    def test_a_law_that_fails_says_so(self):
+        def law(v2):
+            raise ZeroDivisionError("mine")
+        with self.assertRaisesRegex(ZeroDivisionError, "mine"):
+            tendril.Simulation(friction=law, **FEW).advance()
+        with self.assertRaisesRegex(tendril.TendrilError, "gives 2 values, not 1"):
+            tendril.Simulation(friction=lambda v2: 1, **FEW).advance()
+        with self.assertRaisesRegex(tendril.RunError, "integral of g"):
+            tendril.Simulation(growth=lambda s, t: (1, 0, 0, 2 * s, 0), **FEW)
+        with self.assertRaisesRegex(tendril.RunError, "growth_type"):
+            tendril.Simulation("feed", growth=lambda s, t: (1, 0, 0, s, 0), **FEW)
+
+
+class Changed(unittest.TestCase):
+    def test_the_clamp_turns_from_now_on_and_so_does_what_was_saved(self):
+        sim = tendril.Simulation("root-helix", **FEW)
+        sim.advance(0.1)
+        sim.set("clamp_spin", 0.5)
+        self.assertEqual(sim.t, 0.1)
+        sim.advance(0.2)
+        np.testing.assert_allclose(sim.nodes["d"][0, 1], [0, np.cos(0.05), np.sin(0.05)], atol=1e-12)
+        sim.set("clamp_spin", -0.25)
+        sim.step()
+        with tempfile.TemporaryDirectory() as directory:
+            file = os.path.join(directory, "turned.h5")
+            sim.save(file)
+            on = tendril.Simulation.load(file)
+            sim.advance(), on.advance()
+            self.assertEqual(differing(on.series, sim.series), [])
+            np.testing.assert_allclose(on.nodes["d"][0, 1], [0, np.cos(0.025), np.sin(-0.025)], atol=1e-12)
+            more = tendril.run(restart=file, output=os.path.join(directory, "on.h5"))
+            self.assertEqual(differing(sim.series, more.series), [])
+        self.assertLess(sim.series["energy_defect"][-1], 1e-4)
+
+    def test_what_can_be_changed(self):
+        sim = tendril.Simulation("feed", **FEW | {"friction_mu": 0.5, "rod_model": "space"})
+        sim.advance(0.1)
+        for name, value in (("tip_force", 0.1), ("tip_torque", 0.01), ("tip_force_vector", "0,0,0.01"),
+                            ("rod_weight", "0,-0.1,0"), ("friction_mu", 0.3)):
+            sim.set(name, value)
+            self.assertTrue(sim.step())
+        self.assertAlmostEqual(sim.series["tip_force_3"][-1], 0.01, delta=1e-9)
+        self.assertAlmostEqual(sim.series["tip_force_1"][-1], -0.1, delta=1e-9)
+        self.assertAlmostEqual(sim.series["weight_force_2"][-1], -0.1 * sim.series["length"][-1], delta=1e-9)
+        sim.set("ts_max_time", 0.3)
+        self.assertTrue(sim.advance())
+        self.assertEqual(sim.t, 0.3)
+        sim.set("ts_max_time", 0.35)
+        self.assertTrue(sim.advance(0.35))
+
+    def test_what_cannot(self):
+        sim = tendril.Simulation("feed", **FEW)
+        sim.advance(0.1)
+        before = sim.t, len(sim.series["t"])
+        for name, value, line in (("rod_cells", 50, "cannot be changed"), ("clamp_spin", 1, "out of the plane"),
+                                  ("friction_mu", 0.5, "dry friction"), ("tip_force", "x", "give a number"),
+                                  ("ts_max_time", 0.05, "already"), ("rod_weight", "1", "three numbers")):
+            with self.subTest(name), self.assertRaisesRegex(tendril.RunError, line):
+                sim.set(name, value)
+        viscous = tendril.Simulation("feed", **FEW | {"friction_mu": 0.5})
+        viscous.advance(0.1)
+        with self.assertRaisesRegex(tendril.RunError, "cannot go on with dry friction"):
+            viscous.set("friction_mu", 1)
+        straight = tendril.Simulation("feed", **FEW)
+        self.assertEqual((sim.t, len(sim.series["t"])), before)
+        sim.advance(), straight.advance()
+        self.assertEqual(differing(sim.series, straight.series), [])
+
+
+PLAYED = {  # options; (behind so many steps, what, its new value, of which T is that much later)
+    "fed": (dict(growth_type="feed", growth_initial_length=1, shape_amplitude=0.1, ts_max_time=1),
+            [(0, "feed_speed", "0.5"), (40, "curvature_to", "T0.2 1"), (55, "curvature_to", "T0.1 -1"),
+             (80, "friction_factor", "2"), (90, "feed_speed", "-0.5"), (110, "tip_force_vector", "0.1,0.2")]),
+    "stones": (dict(growth_type="feed", growth_initial_length=1, shape_amplitude=0.05, contact_diameter=0.1, ts_max_time=1,
+                    rod_model="space", wall_file=["cylinder 0.6 -0.6 0  0 0 1  0.5 outside friction 0.2",
+                                                  "cylinder 30 10 0  0 0 1  0.3 outside friction 0.2"]),
+               [(0, "clamp_spin", "0.3"), (15, "wall_to", "1 T0.4 0 0.3"), (60, "wall_at", "2 -28.7 -9.55"),
+                (150, "wall_friction", "1 0.4"), (170, "wall_to", "1 T0.1 0.1 0.2 0")]),
+    "held": (dict(growth_type="none", growth_initial_length=1, shape_amplitude=0.5, tip_type="clamped", friction_mu=0.5, ts_max_time=1),
+             [(20, "tip_to", "T0.3 0.8 0.2"), (40, "tip_to", "T0.2 0.7 0.1"), (60, "tip_turn_to", "T0.2 -0.5"), (90, "friction_mu", "0.2")]),
+}
+
+
+class Played(unittest.TestCase):
+    """What was changed in a run is a table, with which the program does the same."""
+
+    def play(self, options, wanted, file=None, behind=0):
+        """The simulation at its end, and the rows of the table; saved behind so many steps."""
+        sim, rows, n = tendril.Simulation(**options), [], 0
+        wanted = list(wanted)
+        while True:
+            while wanted and n >= wanted[0][0]:
+                _, what, value = wanted.pop(0)
+                value = " ".join(repr(sim.t + float(word[1:])) if word[0] == "T" else word for word in value.split())
+                sim.set(what, value)
+                rows.append((sim.t, what, value))
+            if n == behind and file:
+                sim.save(file)
+            if not sim.step():
+                return sim, rows
+            n += 1
+
+    def test_the_program_does_the_same(self):
+        for name, (options, wanted) in PLAYED.items():
+            with self.subTest(name), tempfile.TemporaryDirectory() as directory:
+                options = options | dict(rod_cells=60, output_interval=0.1)
+                if "wall_file" in options:
+                    walls = Path(directory) / "walls.txt"
+                    walls.write_text("\n".join(options["wall_file"]))
+                    options["wall_file"] = str(walls)
+                file, table = os.path.join(directory, "saved.h5"), os.path.join(directory, "changes.txt")
+                sim, rows = self.play(options, wanted, file, 65)
+                Path(table).write_text("".join(f"{t!r} {what} {value}\n" for t, what, value in rows))
+                run = tendril.run(**options, change_file=table)
+                self.assertEqual(differing(sim.series, run.series), [])
+                self.assertEqual(len(run.attributes["changes"].splitlines()) if "changes" in run.attributes else 0, len(rows))
+                plain = tendril.run(**options)
+                self.assertGreater(np.abs(np.interp(0.7, plain.series["t"], plain.series["energy"]) - np.interp(0.7, run.series["t"], run.series["energy"])), 1e-6)
+                self.assertLess(np.abs(run.series["energy_defect"]).max(), 2e-4)
+                on = tendril.Simulation.load(file)  # in the midst of it
+                for t, what, value in rows:
+                    while t > on.t and on.step():
+                        pass
+                    if t >= on.t and t > tendril.load(file).series["t"][-1]:
+                        on.set(what, value)
+                on.advance()
+                self.assertEqual(differing(on.series, run.series), [])
+                Path(table).write_text("".join(f"{t!r} {what} {value}\n" for t, what, value in rows[:2]) + "0.777 ts_max_time 0.9\n")
+                within = tendril.run(**options, change_file=table)  # a step ends where no step of a run without it does
+                self.assertIn(0.777, within.series["t"])
+                self.assertEqual(within.series["t"][-1], 0.9)
+
+    def test_what_it_does(self):
+        (fed, _), (stones, _), (held, _) = (self.play(options | dict(rod_cells=60), wanted) for options, wanted in PLAYED.values())
+        self.assertAlmostEqual(np.diff(fed.series["length"])[-1] / np.diff(fed.series["t"])[-1], -0.5, delta=1e-9)
+        np.testing.assert_allclose(held.x[-1], [0.7, 0.1], atol=1e-9)
+        self.assertAlmostEqual(held.theta[-1], -0.5, delta=1e-9)
+        self.assertGreater(stones.series["wall_power"].max(), 0)
+
+    def test_what_is_refused(self):
+        options, _ = PLAYED["stones"]
+        sim = tendril.Simulation(**options | dict(rod_cells=60))
+        for name, value, line in (("wall_to", "3 1 0 0", "no wall in this line"), ("wall_to", "1 -1 0 0", "already"),
+                                  ("wall_to", "1 1", "give LINE T X1 X2 X3"), ("wall_at", "2 -29.4 -10", "the rod is there"),
+                                  ("tip_to", "1 1 0", "the tip is free"), ("friction_factor", "0", "0.001"),
+                                  ("feed_speed", "fast", "give a number")):
+            with self.subTest(name), self.assertRaisesRegex(tendril.RunError, line):
+                sim.set(name, value)
+        for text, line in (("1 rod_cells 5", "cannot be changed in a run"), ("1 tip_to 2 1 0", "the tip is free"), ("tip_force", "give a time"),
+                           ("2 tip_force 1\n1 tip_force 2", "must not decrease"), ("# none", "no change in it")):
+            with self.subTest(text), tempfile.TemporaryDirectory() as directory, self.assertRaisesRegex(tendril.RunError, line):
+                table = os.path.join(directory, "changes.txt")
+                Path(table).write_text(text + "\n")
+                tendril.run(**options | dict(rod_cells=60), change_file=table)
+
+
+class Saved(unittest.TestCase):
+    def test_to_the_last_digit_and_of_a_stored_time(self):
+        for scene in ("feed", "cable-conduit"):
+            with self.subTest(scene), tempfile.TemporaryDirectory() as directory:
+                file = os.path.join(directory, "saved.h5")
+                full, sim = (tendril.Simulation(scene, **FEW | SCENES[scene]) for _ in range(2))
+                full.advance()
+                while sim.t < 0.15:
+                    sim.step()
+                sim.save(file)
+                on = tendril.Simulation.load(file)
+                self.assertEqual(on.t, sim.t)
+                np.testing.assert_array_equal(on.x, sim.x)
+                on.advance(), sim.advance()
+                self.assertEqual(differing(on.series, full.series) + differing(sim.series, full.series), [])
+                full.save(file, t=0.1)
+                self.assertEqual(tendril.load(file).series["t"][-1], 0.1)
+                on = tendril.Simulation.load(file)
+                self.assertEqual(on.t, 0.1)
+                on.advance()
+                np.testing.assert_allclose(on.x, full.x, rtol=0, atol=1e-5)
+                with self.assertRaisesRegex(tendril.RunError, "multiples of 0.1"):
+                    full.save(file, t=0.12)
+                full.save(file)
+                run = tendril.run(scene, **FEW | SCENES[scene])
+                saved = tendril.load(file)
+                self.assertEqual(differing(saved.series, run.series), [])
+                np.testing.assert_array_equal(saved.shapes["x"], run.shapes["x"])
+
+
+if __name__ == "__main__":
+    program = Path(sys.argv.pop(1)).resolve()
+    os.environ["TENDRIL"] = str(program)
+    os.environ.setdefault("TENDRIL_LIBRARY", str(program.parent / "libtendril.so"))
+    unittest.main(verbosity=2)
