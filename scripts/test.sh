@@ -9,7 +9,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 scripts/setup.sh tests
 .venv/bin/python -c "import vtkmodules, nbclient, ipykernel, trimesh" 2>/dev/null ||
   .venv/bin/python -m pip install --disable-pip-version-check -q -r tests/requirements.txt ||
-  echo "test: tests/requirements.txt cannot be had: the test laboratory-paraview will be left out"
+  echo "test: tests/requirements.txt cannot be had: the test of ParaView will be left out"
 echo "test: building build-test/"
 build build-test all -DTENDRIL_WERROR="${TENDRIL_WERROR:-OFF}" -DPython3_EXECUTABLE="$PWD/.venv/bin/python"
 ctest --test-dir build-test --output-on-failure --parallel "$(cores)" "$@"

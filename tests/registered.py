@@ -138,11 +138,12 @@ def faults(build):
     yield from (f"not among those that ctest runs: {test.name} (build again)" for test in found
                 if test.name not in ran and not (test.label == "unit" and "NO_CMOCKA" in listed))
     yield from said_twice(re.findall(r"Test +#\d+: (\S+)", listed), "ctest has it twice")
+    yield from no_sentences(ran)
 
 
-def long_or_plain(names):
+def no_sentences(names):
     """A name is a sentence, or at least says more than its file's name; style and pages keep theirs."""
-    return [f"a name that says nothing: {name}" for name in sorted(names) if name.count("-") < 2
+    return [f"a name that is no sentence: {name}" for name in sorted(names) if name.count("-") < 3
             and name not in ("layers", "format", "docs", "scripts")]
 
 

@@ -201,7 +201,7 @@ TARGETS = ("tendril test_vbdf test_lost test_guard test_restart test_observe tes
            "test_friction test_crawl test_grow_errors test_grow_stuck test_schedule test_actuation").split()
 LEFT_OUT = ("base-(spline|even|band|blocks|bends|blocklu|chain|elimination|table|options|hdf|handout)|world-(field|surfaces|shapes)|"
             "material-(mesh|shape|growth)|record-event|rod-rod|straight-straight|tasks-(critical|stability)|stability|"
-            "world-(critical|straight|ranks|restart)|space-|laboratory-|sweep-|friction-options|.*-on-[23]$")
+            "world-(critical|the-clamp|several|a-restart)|space-|in-tube-|tubes-|oblique-|laboratory-|sweep-|friction-each-scene|.*-on-[23]$")
 SECONDS = 20  # of tests at a time: who shares the machine wants to have a turn
 
 

@@ -64,7 +64,7 @@ FEED = f"-options_file {scene.ROOT}/options/feed.opts "
 
 
 @check(ranks=2)
-def full_disk():
+def a_full_disk_leaves_what_was_stored_whole():
     """One line that names the file and the reason; what was stored is whole; a restart elsewhere goes
     on to the same end."""
     whole = f"{scene.SCRATCH}/whole.h5"
@@ -91,7 +91,7 @@ def full_disk():
 
 
 @check
-def file_size_limit():
+def a_limit_of_file_size_ends_a_run_in_one_line():
     code, said, stderr = run(f"{FEED} -output {scene.SCRATCH}/feed.h5", before="ulimit -f 600; ")
     print(f"exit {code}, {said}")
     expect(code > 0 and len(said) == 1 and "File too large" in said[0], f"exit {code}: {stderr}")
@@ -99,7 +99,7 @@ def file_size_limit():
 
 
 @check
-def file_size_limit_of_tasks():
+def a_limit_of_file_size_ends_each_task_in_one_line():
     """What a task cannot write is seen, also what goes to the disk only when its file is closed."""
     file = Path(scene.SCRATCH) / "task.h5"
     for task in ("critical -rod_cells 60", "stability -stability_points 3 -stability_vertices 60"):
@@ -115,7 +115,7 @@ def file_size_limit_of_tasks():
 
 
 @check(ranks=2)
-def restart_in_place():
+def a_restart_in_place_goes_on_from_any_number_of_ranks_to_any():
     """On 1, 2 and 3 ranks, and from each number to each."""
     options = f"{DRY} -rod_cells 60 -output_interval 0.5 "
     whole = f"{scene.SCRATCH}/whole.h5"
@@ -137,7 +137,7 @@ def restart_in_place():
 
 
 @check(ranks=2)
-def table_that_dips():
+def a_table_that_dips_below_0_is_refused_before_any_work():
     """Below 0 between its entries: refused before any work, on any number of ranks."""
     file = f"{scene.SCRATCH}/table.h5"
     s, t = np.linspace(0, 1, 9), np.linspace(0, 2, 9)
@@ -152,7 +152,7 @@ def table_that_dips():
 
 
 @check(ranks=2)
-def one_writer():
+def a_second_writer_of_a_file_is_refused():
     """A second run, restart, task or sweep with the same file, or a sweep with the same directory, is
     refused; it names the process, and the first goes on as if nothing had been. One that was killed
     keeps nobody from it."""
@@ -191,7 +191,7 @@ def one_writer():
 
 
 @check(ranks=2)
-def signal_through_mpiexec():
+def a_signal_to_mpiexec_ends_run_and_sweep_in_good_order():
     """SIGUSR1 to mpiexec itself, which hands it on and goes on: run and sweep end in good order, and say so
     in one line. (Of SIGTERM some make an end of their own, in which that line is lost.)"""
     d = Path(scene.SCRATCH)
@@ -210,7 +210,7 @@ def signal_through_mpiexec():
 
 
 @check
-def needs_no_others():
+def a_run_of_one_process_starts_no_daemon():
     """A run of one process has no shared memory, of which Open MPI 5 would leave a
     segment behind each time; no daemon, without which it starts in half the time; and it asks no X server."""
     plain = {k: v for k, v in scene.ENVIRONMENT.items() if not k.startswith(("OMPI_MCA_", "HWLOC_"))}
@@ -225,7 +225,7 @@ def needs_no_others():
 
 
 @check
-def another_laboratory():
+def a_restart_with_other_scales_is_refused():
     """A restart with other scales would give the past another length."""
     tube = "-si_bending_stiffness 4.4907e-4 -si_friction_dry 20.03 "
     file = f"{scene.SCRATCH}/tube.h5"
@@ -325,7 +325,7 @@ def storm(count, seed):
 
 
 @check(ranks=2)
-def small_storm():
+def runs_killed_at_random_moments_go_on():
     storm(6, 1)
 
 

@@ -70,7 +70,7 @@ def ramp(t, begin, end):
 
 
 @check
-def growth_that_stops():
+def a_rod_whose_growth_stops_comes_to_rest():
     """The rod comes to rest; what is left of its speed is the creep that beta allows."""
     times = np.linspace(0, 8, 81)
     r = grown(table("stops.h5", lambda s, t: 2 + 3 * ramp(t, 0, 3), times))
@@ -82,7 +82,7 @@ def growth_that_stops():
 
 
 @check
-def growth_that_shrinks():
+def a_rod_that_shrinks_is_as_long_as_it_should():
     """Grown to 5 and back to 2: the length is right, the energy balance holds. A straight rod ends
     where it began."""
     times = np.linspace(0, 8, 81)
@@ -100,7 +100,7 @@ def growth_that_shrinks():
 
 
 @check
-def growth_that_jumps():
+def a_rate_of_growth_may_jump():
     """From rate 0.2 to 4 within a hundredth of a unit of time."""
     times = np.concatenate((np.linspace(0, 2, 21), np.linspace(2.01, 3, 100)))
     for model in ("frame", "mixed"):
@@ -110,7 +110,7 @@ def growth_that_jumps():
 
 
 @check
-def noisy_table():
+def a_noisy_table_gives_the_smooth_rod_within_its_noise():
     """Half a part in a hundred of noise along the rod and in time: the tip stays within that of the
     smooth rod's."""
     noise = np.random.default_rng(1)
@@ -123,7 +123,7 @@ def noisy_table():
 
 
 @check
-def impossible_tables():
+def impossible_tables_are_refused_in_one_line():
     times = np.linspace(0, 1, 11)
     refused(table("negative.h5", lambda s, t: 1 - 2 * t, times), "-growth_table")
     refused(table("zero.h5", lambda s, t: 0 * s, times), "-growth_table")
@@ -133,7 +133,7 @@ def impossible_tables():
 
 
 @check
-def rod_shorter_than_a_cell():
+def a_rod_may_begin_shorter_than_a_grown_cell():
     """It starts at a hundredth, of which a grown cell is five times as long: straight at once, and
     stable until it has grown. Its x2 falls below the smallest number there is. A thousandth that begins
     bent pulls far harder than dry friction does: it is no longer let jump, nor do steps follow what its
@@ -158,7 +158,7 @@ def rod_shorter_than_a_cell():
 
 
 @check
-def crossed_initial_shape():
+def crossings_of_an_initial_loop_are_counted():
     """A full loop crosses itself: the run goes on and the crossings are counted. A spiral of more
     than a full turn does not cross (its curvature falls steadily), and runs as well."""
     s = np.linspace(0, 1, 101)
@@ -173,7 +173,7 @@ def crossed_initial_shape():
 
 
 @check
-def clamp_at_pi():
+def a_clamp_turned_by_pi_gives_the_same_rod_turned():
     """The whole rod turned round: the same numbers with the other sign."""
     ahead = grown(BENT + "-ts_max_time 3")
     for angle, sign in (("3.141592653589793", -1), ("6.283185307179586", 1),

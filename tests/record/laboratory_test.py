@@ -24,7 +24,7 @@ CURVED = "-rod_curvature 0.02 -rod_curvature_random 0.1 -shape_type straight "
 
 
 @check
-def natural_curvature():
+def a_naturally_curved_rod_balances_its_energy():
     """Energy is balanced, two models agree, and mirrored curvature gives the mirrored rod."""
     for law, length, end in (("uniform", 0.5, 20), ("gaussian", 0.5, 10), ("feed", 1, 8)):
         options = (f"-growth_type {law} -growth_initial_length {length} -ts_max_time {end} " + CURVED)
@@ -47,7 +47,7 @@ FED = "-growth_type feed -growth_initial_length 2 -shape_amplitude 0.1 -ts_max_t
 
 
 @check
-def events():
+def events_are_located_to_the_tolerance():
     """Located to the tolerance: against a run with a hundredth of it, and against what is known."""
     out = f"-output {scene.SCRATCH}/e.h5 "
     for stop, kind in (("-stop_self_contact 0", "self_contact"), ("-stop_angle 2", "angle"),
@@ -102,7 +102,7 @@ def told_of(file):
 
 
 @check
-def restart():
+def a_broken_run_goes_on_as_the_whole():
     """A run that was broken and goes on is the unbroken one; so is one that goes on past its end."""
     d = scene.SCRATCH
     for law, more in (("uniform", ""), ("gaussian", "-rod_model auto -shape_amplitude 1e-4"),
@@ -153,7 +153,7 @@ def restart():
 
 
 @check
-def restart_anywhere():
+def a_run_goes_on_to_the_last_bit_wherever_it_was_broken():
     """A run goes on to the last bit wherever it was broken: in its first steps, which are no time at which shapes are due, one
     step before its end, in the linear model, while a wall kicks a straight rod; and tells the same errors."""
     d = scene.SCRATCH
@@ -186,7 +186,7 @@ def restart_anywhere():
 
 
 @check
-def restart_after_a_signal():
+def a_run_stopped_by_a_signal_goes_on_as_the_whole():
     """Stopped between two stores, or killed behind one: it goes on to the end of the unbroken run."""
     d = scene.SCRATCH
     options = f"{DRY} -ts_max_time 12 -output_interval 0.05 -rod_cells 1000 "
@@ -215,7 +215,7 @@ def restart_after_a_signal():
 
 
 @check
-def said_at_the_end():
+def what_was_asked_for_and_did_not_happen_is_said_at_the_end():
     """What was asked for and did not happen, what is stored and what is not, where x2 is measured."""
     d, short = scene.SCRATCH, f"{DRY} -rod_cells 40 -ts_max_time 0.1 "
     text = tendril(f"{short} -stop_length 300 -stop_angle 2")
@@ -250,7 +250,7 @@ TUBE = "-si_bending_stiffness 4.4907e-4 -si_friction_dry 20.03 "
 
 
 @check
-def laboratory_units():
+def units_of_the_laboratory_go_there_and_back():
     """There and back; a rod of twice the size in metres is the same in numbers."""
     d = scene.SCRATCH
     table = {line.split()[0]: line.split()[1:] for line in
@@ -304,7 +304,7 @@ def spoken(units, leave=()):
 
 
 @check
-def units_everywhere():
+def a_scene_with_units_is_the_scene_of_numbers():
     """With units it is the same run as with numbers; also when it is broken and goes on; the file
     keeps what was said."""
     d = scene.SCRATCH
@@ -332,7 +332,7 @@ def units_everywhere():
 
 
 @check
-def customary_units():
+def inches_feet_mils_and_french_are_what_they_are_in_mm():
     """Inches, feet, mils and French are what they are in mm: in options, wall files, tables and HDF5; a blank before one is seen."""
     d = Path(scene.SCRATCH)
     said = {"mm": ("304.8mm", "2mm", "0.254mm", "25.4mm", "914.4mm", "0.0001/mm", "0.508mm/s"),
@@ -364,7 +364,7 @@ def customary_units():
 
 
 @check
-def units_of_columns():
+def a_table_may_say_units_in_its_columns():
     """A table says its units in the names of its columns, or by an attribute of HDF5: paths, tubes, growth tables, shapes."""
     d = Path(scene.SCRATCH)
     fed = f"{SI} -growth_type feed -growth_initial_length 2cm -rod_cells 20 -ts_max_time 1s -output {d}/u.h5 "
@@ -409,7 +409,7 @@ def units_of_columns():
 
 
 @check
-def accuracy_with_units():
+def an_accuracy_may_have_a_unit():
     d = scene.SCRATCH
     chosen = []
     for units in (True, False):
@@ -421,7 +421,7 @@ def accuracy_with_units():
 
 
 @check
-def units_of_the_rod():
+def a_rod_given_with_units_is_the_rod_of_numbers():
     """The rod itself may be given with units: the same table; a sliding law's correlation length."""
     table = tendril(f"-task units {SI}")
     for said in ("-si_bending_stiffness 2.209Nmm^2 -si_friction_dry 0.5mN/mm -si_speed 5mm/s",
@@ -442,7 +442,7 @@ FREE = "-si_bending_stiffness 3944.1 -si_friction_dry 0 -growth_initial_length 1
 
 
 @check
-def weights():
+def a_heavy_column_stands_as_high_as_greenhill_says():
     """A weight in N/m, kg/m and in its own unit is one; a rod without friction stands as high as Greenhill's column,
     L^3 = 7.837347 YI/w, and hangs as the elastica does, whatever the unit of length is."""
     pole = f"-task critical -growth_type uniform -clamp_direction 0,0,1 {FREE}-rod_weight 0,0,-"
@@ -470,7 +470,7 @@ def weights():
 
 
 @check
-def a_cable_on_a_floor():
+def a_cable_that_begins_on_a_floor_is_told_how():
     """A heavy cable that begins along the floor of a duct of 17 points, a spline, is told that the floor is taken off, and
     not also to leave more room. Of cells it is told for the length at which it stops, not for that of -ts_max_time."""
     arc = [(2000 + 500 * np.sin(a), 500 - 500 * np.cos(a)) for a in np.radians(np.arange(10, 91, 10))]
@@ -486,7 +486,7 @@ def a_cable_on_a_floor():
 
 
 @check
-def misplaced_units():
+def a_misplaced_unit_is_refused_by_the_option_and_its_units():
     """One line, which names the option and the units it takes."""
     for options, words in (
             ("-stop_length 3s", "-stop_length 3s m, cm, mm, um"),
@@ -510,7 +510,7 @@ def misplaced_units():
 
 
 @check
-def speaks_both():
+def with_scales_all_that_is_said_has_units_too():
     """Log, summary, event and errors have the laboratory's numbers, too; without one none of it."""
     run = f"{SI} -growth_type feed -growth_initial_length 1cm -friction_beta 1e-6 -shape_type " \
           "straight -rod_curvature 3/m -rod_cells 60 -ts_max_time 80s "
@@ -548,7 +548,7 @@ def speaks_both():
 
 
 @check
-def walls_without_units():
+def numbers_without_units_in_a_wall_file_are_told():
     """Numbers of a wall file, and of tables and grids that it names, that have no unit in a scene of the laboratory
     are told in one line: the first, with what it is there, and how many more. Of 0, of directions and of what has
     units nothing is told, nor of any number in a scene without the laboratory."""
@@ -586,7 +586,7 @@ def walls_without_units():
 
 
 @check
-def straight_is_told():
+def a_run_that_ends_straight_says_so():
     """A run that ends straight says so, and what to give: whether it began so or has become so, in every model
     and direction, but not where something bends it, nor where it was quiet or gave up for another reason that is told."""
     stayed, became = "The rod stayed straight: nothing bends it", "The rod has become straight, to an angle of "
@@ -612,7 +612,7 @@ def straight_is_told():
 
 
 @check
-def paraview():
+def paraview_plays_the_rod_in_time():
     """ParaView's own reader plays the rod in time."""
     try:
         from vtkmodules.util.numpy_support import vtk_to_numpy
@@ -651,7 +651,7 @@ def played(reader, vtk_to_numpy, name, r):
 
 
 @check
-def scales():
+def task_units_prints_the_scales_of_its_table():
     """The table of -task units is what README says: l = (YI/N)^(1/3), forces in N l, times in l/V."""
     YI, mu, nu, V = 3e-4, 15, 50, 0.1
     N = mu + nu * V
@@ -668,7 +668,7 @@ def scales():
 
 
 @check
-def xdmf():
+def each_array_of_the_xdmf_is_that_of_the_result():
     """Each array that the .xmf names is that of the .h5 (read without ParaView)."""
     d = scene.SCRATCH
     tendril(f"{DRY} -ts_max_time 1 -output_interval 0.5 -output {d}/rod.h5")
@@ -694,7 +694,7 @@ def xdmf():
 
 
 @check
-def curvature_at_rest():
+def a_rod_begins_with_its_natural_curvature():
     """At t = 0 the rod has the angle of its natural curvature; a random one has the root mean square
     and the correlation it was asked for."""
     for law in ("uniform", "gaussian"):
@@ -714,7 +714,7 @@ def curvature_at_rest():
 
 
 @check
-def restart_keeps_curvature():
+def a_restart_past_the_end_keeps_the_curvature_of_material():
     """Past its end, a fed rod keeps the natural curvature that its material has: in one go on or in
     two it is the same rod. Points that do not belong to their state are refused."""
     d = scene.SCRATCH

@@ -31,7 +31,7 @@ def stability(options):
 
 
 @check
-def verdicts():
+def norms_shrink_up_to_where_is_known():
     """Up to where a norm shrinks, known in closed form; with viscous friction, uniform growth and
     feed have one norm under two names, so its curve is twice the rate."""
     for law, mu, t_cr, until in (("uniform", 0, 1.671770067494, 1.671770067494),
@@ -49,7 +49,7 @@ def verdicts():
 
 
 @check
-def optimal_shape():
+def the_optimal_shape_grows_as_the_propagator_says():
     """The optimal shape, stepped in time, grows as the propagator says."""
     for law, length, t2 in (("gaussian -growth_width 0.3", 1.5, 1.5), ("feed", 2, 3)):
         d, options = scene.SCRATCH, f"-growth_type {law} -growth_initial_length {length} "
@@ -63,7 +63,7 @@ def optimal_shape():
 
 
 @check
-def theorem():
+def stability_up_to_critical_is_claimed_only_where_it_is_so():
     """That uniform growth is stable exactly up to t_cr is claimed where it is so, and only there."""
     layers = "-friction_layers 0:1,1:2"
     for options, holds in (("", True), ("-tip_force 0.5", True), ("-growth_type gaussian", False),

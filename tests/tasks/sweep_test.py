@@ -94,7 +94,7 @@ def single(options, file="single.h5", base=SHORT):
 
 
 @check(ranks=(1, 2, 3))
-def members(ranks):
+def members_are_single_runs(ranks):
     s, said = sweep(TABLE, f"{ALL} -output_interval 0.03", ranks)
     expect((s.status == 1).all() and s.finished, f"{ranks} ranks: status {s.status}, {s.line}")
     expect("6 runs: 6 finished, 0 failed" in said, said)
@@ -111,7 +111,7 @@ def members(ranks):
 
 
 @check(ranks=2)
-def teams():
+def members_of_teams_agree():
     """A member on two ranks agrees to the solver's tolerance; two teams of two share the table."""
     table = "friction_mu\n1\n0.5\n0\n0.75\n"
     alone, _ = sweep(table)
@@ -129,7 +129,7 @@ def teams():
 
 
 @check
-def critical():
+def critical_lengths_of_members_are_those_of_single_runs():
     table = "friction_mu,growth_type\n1,uniform\n0.5,uniform\n1,feed\n0.5,gaussian\n"
     for ranks in (1, 3):
         fresh()
@@ -142,7 +142,7 @@ def critical():
 
 
 @check(ranks=2)
-def failures():
+def members_that_fail_leave_their_line():
     """They are recorded with the line of a single run, and the others go on."""
     table = """friction_mu,ts_max_steps,rod_model,growth_width,shape_file,ts_max_time
 2,,,,,
@@ -204,17 +204,17 @@ def stopped(ranks, number, ways):
 
 
 @check(ranks=(1, 3))
-def terminated(ranks):
+def a_terminated_sweep_goes_on_as_the_whole(ranks):
     stopped(ranks, signal.SIGTERM, 2 if ranks == 1 else 1)
 
 
 @check
-def killed():
+def a_killed_sweep_goes_on_as_the_whole():
     stopped(1, signal.SIGKILL, 1)
 
 
 @check(ranks=2)
-def interrupted_from_python():
+def ctrl_c_in_python_keeps_what_has_come_in():
     """Ctrl-C of tendril.sweep on two ranks: what has come in is kept, and no rank goes on."""
     # with steps so short that no machine comes to the end
     code = ("import tendril; tendril.sweep({'growth_initial_length': 2, 'rod_cells': 40, 'ts_max_steps': 10**9, "
@@ -266,7 +266,7 @@ GOOD = "friction_mu\n1\n0.5\n"
 
 
 @check
-def refused_tables():  # the unit test has more of them
+def wrong_tables_are_refused():  # the unit test has more of them
     refuse([
         ("friction_mew\n1\n", "", "-friction_mew: unknown option, did you mean -friction_mu?"),
         ("friction_mu,rod_cells\n1\n", "", "line 2 has 1 cells"),
@@ -286,7 +286,7 @@ def refused_tables():  # the unit test has more of them
 
 
 @check
-def refused_options():
+def wrong_options_are_refused():
     refuse([
         (GOOD, "-restart out.h5", "-restart: a sweep goes on by itself"),
         (GOOD, "-sweep_store finals", "-sweep_store finals: unknown, give some of final"),
@@ -305,7 +305,7 @@ def refused_options():
 
 
 @check
-def refused_files():
+def files_of_another_sweep_stay():
     """What is there, and is not the same sweep, stays."""
     path = Path(scene.SCRATCH)
     sweep(GOOD)
@@ -330,7 +330,7 @@ def refused_files():
 
 
 @check
-def tables():
+def tables_of_hdf5_and_csv_say_the_same():
     """HDF5 and CSV say the same; units, files of options, and what these have beyond the task."""
     path = Path(scene.SCRATCH)
     with h5py.File(path / "table.h5", "w") as f:
@@ -368,7 +368,7 @@ def tables():
 
 
 @check
-def directory():
+def a_directory_has_each_run_as_a_single_run_writes_it():
     """-sweep_directory: each run's own file, as a single run writes it."""
     path = Path(scene.SCRATCH)
     table = "friction_mu,rod_model\n1,frame\n0.5,auto\n2,frame\n"
@@ -387,7 +387,7 @@ def directory():
 
 
 @check
-def full_disk():
+def a_full_disk_leaves_a_sweep_that_goes_on():
     """What was stored is whole, and the same command goes on when there is room."""
     table = "friction_mu\n" + "".join(f"{k / 60}\n" for k in range(60))
     (Path(scene.SCRATCH) / "table.csv").write_text(table)
@@ -407,7 +407,7 @@ def full_disk():
 
 
 @check
-def memory():
+def more_members_take_no_more_memory():
     """Many more members take no more of it, failing ones included, but for results that wait to be stored:
     of a fast machine those of all members do, half a kilobyte each; a member that left as little as two
     behind would show all the same."""
@@ -440,7 +440,7 @@ def script(command, code=0, cwd=ROOT):
 
 
 @check(ranks=2)
-def sweep_script():
+def sweep_sh_runs_in_one_job_and_a_process_a_point():
     """In one job and a process a point."""
     d = scene.SCRATCH
     command = f"scripts/sweep.sh {d}/a -j 2 {SHORT} -- friction_mu 0:1.5:4 friction_layers 0:1"
@@ -466,7 +466,7 @@ def sweep_script():
 
 
 @check
-def script_from_elsewhere():
+def sweep_sh_counts_files_from_where_one_is():
     """Files count from where one is; one sweep at a time is at work in a directory."""
     d = Path(scene.SCRATCH)
     (d / "a.opts").write_text(SHORT.replace(" -", "\n-") + "\n")
@@ -490,7 +490,7 @@ def script_from_elsewhere():
 
 
 @check
-def map_and_ensemble():
+def maps_and_ensembles_are_drawn_of_a_sweep():
     """Of the files of sweep.sh, and of a sweep's one."""
     d = scene.SCRATCH
     script(f"scripts/sweep.sh {d}/b -j 1 -options_file options/critical.opts -- friction_mu 0,1 "

@@ -65,7 +65,7 @@ def plane_errors(more="", end=0.0035):
 
 
 @check
-def plane():
+def a_tip_on_a_plane_bends_the_rod_as_the_elastica():
     """A: force and height, and their errors' fall with k."""
     for ratio, force, height in ((0.9, 2.5981410, 0.3898486), (0.5, 3.3296320, 0.7466129)):
         expect(np.allclose(on_plane(ratio), (force, height), rtol=2e-7), f"the test itself: {ratio}")
@@ -82,7 +82,7 @@ def plane():
 
 
 @check
-def flat_on_plane():
+def a_rod_lies_down_flat_along_a_plane():
     """A, beyond: the rod lies down along the wall; the feeding force goes through 0 and stays."""
     r = Run(f"{ON_PLANE} -ts_max_time 0.0165 {walls(f'plane {PLANE} 0 -1 0')}")
     lies = r.length > PLANE / 0.4569466 + 0.001
@@ -130,7 +130,7 @@ def circle_errors(r, R):
 
 
 @check
-def circle():
+def a_rod_fed_along_a_circle_leaves_and_meets_it_as_exact():
     """B: angles and forces, and how errors fall with k: as that of a point load or a pressure."""
     for R, bound in ((0.001, 1e-5), (0.01, 2e-5)):
         r = in_circle(R)
@@ -152,7 +152,7 @@ def circle():
 
 
 @check
-def coils():
+def wire_fed_on_lays_turn_on_turn_by_the_exact_force():
     """B, further: wire that is fed in above the wall lays turn on turn, each a diameter further in. The
     force to feed it is the energy of the innermost turn per length, B (1/R_n - k_0)^2/2."""
     R, D = 0.01, 0.01 / 30
@@ -200,7 +200,7 @@ def between_walls(s, theta, start, more):
 
 
 @check
-def parallel_walls():
+def a_rod_between_walls_touches_at_four_pi_squared():
     """C: it touches at 4 pi^2, in a point up to 16 pi^2."""
     for root in (2 * np.pi + 1e-9, 4 * np.pi - 1e-9):
         expect(abs(excess(root)[0] / (np.pi ** 2 / 4 if root < 7 else 3) - 1) < 1e-6, "the test itself")
@@ -239,7 +239,7 @@ def flat_between_walls(start, length):
 
 
 @check
-def flat_between():
+def a_rod_flat_between_walls_bears_the_exact_thrust():
     """C, flat contact, P from 16 to 36 pi^2: a rod that is laid down so has the exact P and reaction. It
     is indifferent there (docs/notes/exact-answers.md), and leaves for less P when round-off says so: its halves
     buckle, at 16 pi^2."""
@@ -262,7 +262,7 @@ NO_DRAG = "-friction_mu 0 -friction_layers 0:1e-8 -friction_beta 1e-12 "
 
 
 @check
-def capstan():
+def tension_round_a_half_circle_grows_as_exp_mu_phi():
     """D: round half a circle, pulled: tension grows as exp(mu phi); inside a circle, pushed: thrust."""
     mu, R, arm = 0.3, 10, 5
     length = 2 * arm + np.pi * R
@@ -329,7 +329,7 @@ def folds(span, h, mu, excess):
 
 
 @check
-def channel():
+def folds_in_a_channel_take_the_exact_thrust():
     """E: five folds between two walls: P and what the walls take, up to h P^2/(pi^2 B) times 1.257; with
     friction P falls along the channel, 1/P_out - 1/P_in = mu h x/(pi^2 B) times that."""
     expect(max(fold_load(u) for u in np.linspace(3.2, 6.2, 301)) < STEEPEST, "the test itself: bound")
@@ -369,7 +369,7 @@ COIL = ("-growth_type feed -growth_initial_length 0.5 -shape_type straight -cont
 
 
 @check
-def tube():
+def the_tube_of_the_paper_goes_on_beyond_its_experiment():
     """The paper's tube, beyond its experiment."""
     r = Run(TUBE + "-ts_max_time 19.5 -output_interval 0.5 -ts_rtol 1e-6")
     late = r.energy_defect[r.t > 0.01].max()
@@ -385,7 +385,7 @@ def tube():
 
 
 @check
-def cancel():
+def forces_of_the_rod_on_itself_cancel():
     """Forces of the rod on itself cancel: summed over the nodes, tip included, they are far below
     their size; and none is a wall's."""
     r = Run(TUBE + "-ts_max_time 18")
@@ -402,7 +402,7 @@ def cancel():
 
 
 @check
-def mirror():
+def a_mirrored_scene_gives_the_mirrored_rod():
     """Opposite natural curvature, mirrored walls: the mirrored rod, with contact friction too."""
     tips = []
     for sign in (1, -1):
@@ -429,7 +429,7 @@ def on_ranks(options, bound):
 
 
 @check(ranks=2)
-def ranks():
+def several_ranks_agree_in_contact():
     """1, 2 and 3 ranks agree: the rod on itself, on walls."""
     on_ranks(SMALL_TUBE + "-contact_friction 0.3", 1e-6)
     on_ranks("-growth_type feed -growth_initial_length 0.5 -rod_curvature 0.1 -shape_type straight "
@@ -442,7 +442,7 @@ def ranks():
 
 
 @check
-def restart():
+def a_restart_in_contact_goes_on_to_the_last_bit():
     """A run that was broken in the midst of contact goes on to the last bit; also where points begin to press while Newton's
     method iterates, which go on from where they pressed before it was broken (at the corner)."""
     pillar = walls("circle 2 0.4 0.7 outside friction 0.4", "plane 3 0 -1 0")
@@ -460,7 +460,7 @@ def restart():
 
 
 @check
-def energy_balance():
+def energy_is_balanced_in_contact():
     """With contact, its friction and material that is laid down under pressure."""
     for name, options in (
             ("coil", TUBE + "-ts_max_time 18 -contact_friction 0.3"),
@@ -483,7 +483,7 @@ def energy_balance():
 
 
 @check
-def begins_at_a_wall():
+def a_rod_that_begins_on_a_table_is_not_pushed_off():
     """A rod that lies on a table from the start, as a user sets it up, is not pushed off: the table is taken off by what
     contact sets in before it, which is said, with the distance; in the plane and in space, and behind a restart."""
     on = "-growth_type feed -growth_initial_length 1 -shape_type straight -contact_diameter 0.1 -rod_cells 60 -ts_max_time 0.4 "
@@ -512,7 +512,7 @@ def begins_at_a_wall():
 
 
 @check
-def robust():
+def stiff_contact_exact_friction_and_corners_are_got_through():
     """Stiff contact, friction next to exact and exact, corners, a thin rod, a snap in contact."""
     fed = ("-growth_type feed -growth_initial_length 0.5 -shape_type straight -rod_curvature 0.1 "
            "-ts_max_time 3 -rod_cells 100 ")
@@ -543,7 +543,7 @@ def robust():
 
 
 @check
-def kicked():
+def a_straight_rod_meets_an_oblique_wall_as_one_hardly_bent():
     """A rod that is straight, or as good as (x2 far below 1e-100), meets an oblique wall: it goes the way
     of one that is bent by a hundred thousandth, which has something its error can be a part of."""
     from scipy.interpolate import CubicSpline  # here: it takes longer to import than many a check takes
@@ -579,7 +579,7 @@ def kicked():
 
 
 @check
-def scaled():
+def a_stiffer_rod_in_a_larger_world_is_the_same_rod():
     """A rod c times as stiff in a world c^(1/3) times as large is the same rod: what contact makes of its
     own stiffness follows that of the rod (taken as 1, it was off by 2e-5 to 9e-4 here)."""
     factor = 2 - np.exp(-np.linspace(0, 3, 7))
@@ -634,7 +634,7 @@ def scaled():
 
 
 @check(ranks=2)
-def held_tip():
+def a_held_tip_and_strands_that_touch_are_solved_on_any_ranks():
     """A held tip and strands that touch: its equations need another order in the matrix; as with a
     solver that finds its own pivots, on 1, 2 and 3 ranks."""
     held = ("-contact_self -contact_diameter 0.1 -contact_friction 0.3 -shape_amplitude 0.5 "
@@ -650,7 +650,7 @@ def held_tip():
 
 
 @check
-def sticks_to_a_wall():
+def a_tip_that_sticks_to_a_wall_is_held_until_the_rod_snaps():
     """Exact Coulomb friction, a tip that sticks to a wall until the rod snaps: what holds it settles in
     time, not with each step; as many steps as friction next to exact takes, and the same end."""
     fed = ("-growth_type feed -contact_stiffness 1e6 -contact_friction 0.5 -ts_max_time 2.5 -ts_rtol 1e-6 "
@@ -674,7 +674,7 @@ def sticks_to_a_wall():
 
 
 @check
-def jammed():
+def a_jammed_run_says_where_and_by_which_push():
     """A cage in which there is no room: the run says so, where, and with which push; -stop_force ends it
     before, in newtons, too."""
     d = scene.SCRATCH
@@ -704,7 +704,7 @@ def jammed():
 
 
 @check
-def jammed_thin():
+def a_thin_rod_head_on_against_a_wall_does_not_go_through():
     """A straight rod without a thickness that grows head-on against a wall, in front or all round: it
     does not go through, and the run does not end as if nothing were."""
     d = scene.SCRATCH
@@ -717,7 +717,7 @@ def jammed_thin():
 
 
 @check
-def pressed_in():
+def a_rod_pressed_in_too_deep_is_told():
     """A cavity that a rod presses itself into by more than a hundredth of its diameter, were contact soft: the run then says so,
     its estimate has it, and with the stiffness that it names it is not so; nor with contact that gets firmer, as it does of itself."""
     cavity = ("-growth_type feed -friction_mu 0.63 -friction_beta 1e-4 -shape_type straight -rod_curvature_random 0.0173 "
@@ -760,7 +760,7 @@ def told_at_the_end(r, other):
 
 
 @check(ranks=2)
-def estimate():
+def errors_in_contact_are_measured_on_any_mesh_and_ranks():
     """Errors are measured in contact, too: on coarse meshes and on finer ones, on any number of ranks; and the file
     says what they are."""
     rubs = ("-growth_type feed -shape_type straight -rod_curvature 0.1 -contact_diameter 0.1 -contact_friction 0.3 "
@@ -794,7 +794,7 @@ def estimate():
 
 
 @check
-def turns_on_a_wall():
+def a_tip_that_turns_on_a_wall_is_that_of_friction_next_to_exact():
     """Exact Coulomb friction, a tip that is pressed against a wall and turns there, as friction next to
     exact has it."""
     turns = ("-growth_type uniform -shape_type straight -rod_curvature_random 0.041 -rod_curvature_seed 19 "
@@ -807,7 +807,7 @@ def turns_on_a_wall():
 
 
 @check
-def exact_with_each_law():
+def exact_friction_at_corners_is_the_limit_of_each_law():
     """Exact Coulomb friction at corners with another law each, as friction next to exact has it. Behind
     a growth zone it is that of a small beta, which moments that were laid down feel. At a corner each is off by 1e-4 at
     this tolerance, as rounding has it."""
@@ -829,7 +829,7 @@ def exact_with_each_law():
 
 
 @check
-def bend_radius():
+def a_corner_of_a_path_may_have_a_radius():
     """The corner of a path with a radius of its own: as a rod that is led through it feels it, and in the
     text that the result keeps."""
     d = scene.SCRATCH
@@ -852,7 +852,7 @@ def bend_radius():
 
 
 @check
-def points_along_a_bend():
+def points_along_a_bend_are_the_conduit_of_its_radius():
     """Points along a curve give the conduit that a radius does, also where the wide circles of their gentle
     corners go through its straight beginning (the run was refused: "starts in a wall")."""
     led = "-growth_type feed -contact_diameter 0.05 -ts_max_time 3 -shape_type straight -rod_curvature 0.1 -rod_cells 80 "
@@ -866,7 +866,7 @@ def points_along_a_bend():
 
 
 @check
-def guard():
+def a_rod_that_would_pass_through_a_wall_ends_the_run():
     """Contact that is far too soft: the rod would pass through. It ends in one plain line."""
     d = scene.SCRATCH
     for name, options in (
@@ -914,7 +914,7 @@ def side_of(x, c):
 
 
 @check
-def thin():
+def posts_thinner_than_a_cell_hold_the_rod():
     """Posts and corners a fifth of a cell wide and less hold the rod back, and the energy closes."""
     for name, wall, c, options in (
             ("post", "circle 3 1.1 0.001 outside", (3, 1.1), "-rod_curvature 0.3 -shape_type straight "
@@ -939,7 +939,7 @@ def thin():
 
 
 @check
-def snaps_on_a_wall():
+def an_arch_pressed_by_a_wall_snaps_along_itself():
     """An arch between clamps that a wall presses snaps, and slides along itself while it falls: in the fast time
     each of its places that came to rest was a kink, and at most tolerances the snap never ended. And before it,
     Newton's method fails in every other step (371 steps at 1e-4 while those that do made the short steps usual)."""
@@ -957,7 +957,7 @@ def snaps_on_a_wall():
 
 
 @check
-def brink():
+def a_rod_in_a_cage_snaps_from_next_to_rest():
     """A rod in a cage snaps in fast time, from next to rest: there Newton's method doubles velocities that are too
     small to be seen in x, and what fell back to them is not at rest while its forces do not balance. (Where it was taken
     for that the snap was not seen, and time crept on to it in steps of such noise: 11,000 iterations and more.)"""
@@ -971,7 +971,7 @@ def brink():
 
 
 @check
-def given_up():
+def hopeless_solves_are_given_up_early():
     """The tip of a vine meets a wall in a step whose guess lies deep in it: solves that have no hope left are given up
     before the last of their iterations, and the vine arrives where it does in small steps. (They ran wild, to
     residuals of 1e10, and crept, six in these runs to the 40th: 990 iterations in all.)"""
@@ -989,7 +989,7 @@ def given_up():
 
 
 @check
-def deep_guess():
+def a_guess_deep_in_a_wall_finds_its_way_out():
     """A first step that guesses the rod deep in a stiff wall that it all but touches: Newton's method must not take the way
     out for the end of the way. Forces are those of a tolerance at which it cannot,
     in each of nine (of which each was off by 80 % and more, where updates alone were believed)."""
@@ -1010,7 +1010,7 @@ def deep_guess():
 
 
 @check(ranks=2)
-def brushed():
+def a_tip_that_goes_past_a_post_brushes_it():
     """A tip that goes past a post brushes it, between the ends of a step that would not see it: it is pushed aside as by short
     steps, on two ranks as on one."""
     options = ("-growth_type feed -growth_initial_length 0.5 -shape_type straight -rod_curvature 0.264 -friction_mu 0 "
@@ -1025,7 +1025,7 @@ def brushed():
 
 
 @check(ranks=2)
-def thin_on_ranks():
+def posts_thinner_than_a_cell_hold_the_rod_on_any_ranks():
     """... and so on any number of ranks, to the last bit in a restart; with exact friction, too."""
     post = LEANS + "-rod_curvature 0.6 -ts_max_time 3.3 -contact_diameter 0.01 -rod_cells 100 "
     wall = walls("circle 2 0.6 1e-3 outside friction 0.3")
@@ -1041,7 +1041,7 @@ def thin_on_ranks():
 
 
 @check
-def starts():
+def a_rod_that_starts_in_a_solid_is_refused():
     """A rod that starts in a solid is refused, a conduit that does not hold the clamp is named."""
     for wall, said in (("polygon outside -5 -5 5 -5 5 5 -5 5", "the clamp is in wall 1, a polygon"),
                        ("polygon inside 5 -1 8 -1 8 1 5 1", "the clamp is out of wall 1, a polygon"),
@@ -1061,7 +1061,7 @@ def starts():
 
 
 @check
-def closed_outlines():
+def outlines_closed_once_more_are_the_same_walls():
     """Outlines as drawing programs write them, their first corner once more at the end, or a corner twice, are the same walls
     (it was said that they cross themselves)."""
     fed = "-growth_type feed -growth_initial_length 1 -shape_type straight -rod_curvature 0.05 -contact_diameter 0.1 -ts_max_time 1.5 -rod_cells 40 "
@@ -1075,7 +1075,7 @@ def closed_outlines():
 
 
 @check(ranks=3)
-def guard_on_ranks():
+def a_rank_that_alone_sees_the_rod_behind_a_wall_ends_all():
     """A rank that alone sees the rod behind a wall does not wait for the others."""
     options = (LEANS + "-rod_curvature 0.01 -ts_max_time 4 -contact_stiffness 1e-3 -rod_cells 50 "
                "-contact_diameter 0.1 -contact_self " + walls("plane 2 0 -1 0"))
@@ -1089,7 +1089,7 @@ def guard_on_ranks():
 
 
 @check
-def many_walls():
+def far_walls_hide_nothing_and_thousands_are_read():
     """Walls far off hide nothing; thousands are stored, read and gone on with; too many at one place
     are refused."""
     d = scene.SCRATCH
@@ -1123,7 +1123,7 @@ def many_walls():
 
 
 @check
-def along_edges():
+def a_cable_over_edges_of_a_duct_is_not_followed_in_each_jerk():
     """A cable that slides through a duct of arcs jerks for each place of the mesh that comes to an edge: the default
     does not follow that, and is as near as contact needs."""
     options = ("-growth_type feed -growth_initial_length 0.5 -shape_type straight -rod_curvature 0.02 -rod_cells 80 "
@@ -1137,7 +1137,7 @@ def along_edges():
 
 
 @check
-def heavy():
+def a_heavy_rod_on_a_floor_is_not_jammed():
     """A heavy rod on a floor is not jammed, and it is the rod it is in other units: forces that press are what its weight makes,
     and contact follows from them."""
     def options(c, weight):
@@ -1157,7 +1157,7 @@ def heavy():
 
 
 @check
-def tip_presses():
+def a_tip_that_presses_on_a_wall_is_told_how_far_off_it_is():
     """A tip that presses on a wall is in contact with it, whatever its stiffness, and how far it is from there is told both ways:
     pressed in, or held off by the layer in which contact sets in, which is thin (it was 11 % of the diameter)."""
     rod = ("-growth_type feed -growth_initial_length 0.2 -contact_diameter 0.02 -rod_curvature 1 -shape_type straight -friction_mu 0 "
@@ -1174,7 +1174,7 @@ def tip_presses():
 
 
 @check
-def knows_no_end():
+def contact_does_not_depend_on_the_end_asked_for():
     """Contact is as stiff at a length whatever the end that is asked for: a fed thread, a rod that grows, one of which an
     accuracy is asked, in the plane and in space."""
     for name, options in (
@@ -1194,7 +1194,7 @@ def knows_no_end():
 
 
 @check
-def later_end():
+def a_restart_to_a_later_end_keeps_the_law_of_contact():
     """A restart to a later end goes on with the same law of contact, which knows of no end."""
     d = scene.SCRATCH
     for name, options in (
@@ -1230,7 +1230,7 @@ def outline(side, points):
 
 
 @check
-def gentle_corners():
+def tips_and_nodes_slide_past_gentle_hollow_corners():
     """A tip, and nodes, that slide past hollow corners of few degrees (they had no equilibrium there): one corner beside two
     planes, a round cavity of many corners beside its circle, a bowl in a block, a hairpin; soft contact, friction, space."""
     def turned(middle, r, angles):
@@ -1267,7 +1267,7 @@ def gentle_corners():
 
 
 @check
-def first_touch():
+def stop_contact_ends_the_run_at_the_first_touch():
     """-stop_contact ends the run where the rod first touches."""
     d = scene.SCRATCH
     fed = "-growth_type feed -growth_initial_length 0.5 -shape_type straight -ts_max_time 4 -stop_contact "

@@ -68,8 +68,8 @@ def all_laws():
 BOUND = {"mixed": 1e-4, "pinned": 2e-5}
 
 
-@check
-def balance(ranks=1):
+@check(ranks=(1, 3))
+def all_forces_on_the_rod_add_up_to_0(ranks):
     """The forces of clamp, tip, walls, friction and weight add up to 0 in all steps, with exact friction, too."""
     for name, options in list(all_laws().items())[::1 if ranks == 1 else 3]:
         for beta in (1e-3, 0):
@@ -83,14 +83,8 @@ def balance(ranks=1):
             expect(("weight_force_1" in r.series) == ("weight" in options), f"{name}: weight")
 
 
-@check(ranks=3)
-def balance_ranks():
-    """... on three ranks, every third of these scenes."""
-    balance(3)
-
-
 @check
-def linear():
+def forces_of_the_linear_model_balance_to_its_order():
     """The linear model's balance holds to its own order, and at an event to what interpolation leaves."""
     for options, most in (("-rod_model linear -shape_amplitude 1e-4 -tip_force 0.3 ", 1e-6), ("-stop_length 1.77 ", 1e-5)):
         r = Run(SHORT + options)
@@ -104,7 +98,7 @@ REST = ("-growth_type none -clamp_type free -growth_initial_length 1 -shape_type
 
 
 @check
-def stick():
+def a_rod_that_sticks_bears_what_pushes_it():
     """What a rod bears that sticks: on a rough floor that rests, in the plane and in space, and on one that moves, and
     takes the rod along against the friction of the ground. Next to exact friction, in which it creeps, says the same."""
     flat, upright = walls("plane 0 -0.05 0 1 friction 0.5"), walls("plane 0 0 -0.05 0 0 1 friction 0.5")
@@ -128,7 +122,7 @@ def stick():
 
 
 @check
-def tip():
+def a_wall_that_pushes_the_tip_is_no_force_of_the_tip():
     """The force on a tip is none where a wall alone pushes it: what the wall does is the wall's. (It is what Newton's method
     leaves, and of steps of the usual tolerance that is 1.3e-6 of the push in the one step that meets the wall.)"""
     flat, ahead = walls("plane 0.9 0 -1 0"), walls("plane 0.9 0 0 -1 0 0")
@@ -142,7 +136,7 @@ def tip():
 
 
 @check
-def iterations():
+def all_iterations_of_newton_are_counted():
     """All of Newton's iterations are told, those of snaps too: as many as PETSc's solver says it has made; and so
     they are behind a restart, rejected steps with them."""
     d, options = scene.SCRATCH, "-tip_force 240 -growth_initial_length 0.2 -ts_max_time 0.01 -friction_mu 1 -rod_cells 100 "

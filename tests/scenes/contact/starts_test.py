@@ -56,7 +56,7 @@ def ends(r, what, value, part=1e-3, told=None):
 
 
 @check
-def waves():
+def five_half_waves_give_way_to_the_side_that_small_steps_take():
     """Five half waves: the first step had been taken for a snap, and had decided the side."""
     start = wave(5, 0.6547080143778274, 0.000344, -0.0006141549369480942)
     for cells in (100, 160):
@@ -66,7 +66,7 @@ def waves():
 
 
 @check
-def arch():
+def an_arch_in_exact_friction_sinks_evenly_and_stops():
     """In exact friction: the arch sinks evenly, stops and is held; it had turned over."""
     r = Run("-growth_type none -shape_type file " + shape("arch", 1.1 * np.sin(2 * np.pi * S)) +
             "-growth_initial_length 0.1 -tip_type clamped -friction_mu 0.9 -friction_beta 0 -rod_weight 0,-160000 "
@@ -76,7 +76,7 @@ def arch():
 
 
 @check
-def corridor():
+def a_rod_between_smooth_walls_gives_way_as_by_small_steps():
     """Between two smooth walls: resolved, a rod that gives way is off by 5 % from where long steps take it."""
     walls = Path(scene.SCRATCH) / "walls.txt"
     place, across = np.array([0.00329519393, 0.00320993009]), np.array([0.71631343, 0.697778668])
@@ -88,7 +88,7 @@ def corridor():
 
 
 @check
-def undecided():
+def a_side_that_errors_decide_is_told():
     """A rod between two walls with friction that gives way by a mode so small at first that errors of the steps turn it: it
     comes to rest elsewhere, 2.9 % of its length away, where errors that are carried along have long faded (told 2e-5)."""
     walls = Path(scene.SCRATCH) / "walls.txt"
@@ -111,7 +111,7 @@ def undecided():
 
 
 @check
-def hinge():
+def a_rod_in_a_hinge_takes_the_same_steps_at_any_length():
     """Viscous friction without growth has no scale but time, so all lengths take the same steps to the same side."""
     steps = {}
     for length in (1, 0.3, 0.1, 0.03, 0.001):
@@ -133,7 +133,7 @@ def hinge():
 
 
 @check
-def told():
+def errors_of_a_rod_in_a_hinge_are_told():
     """Errors of a rod in a hinge are those of a rod that tilts there: falling from a whole wave to the half one it is
     off by 1e-4 for a while, and had been told 1e-6."""
     options = (STILL + wave(2, 0.5, 1e-6) + "-growth_initial_length 1 -clamp_type hinged -tip_type pinned "
@@ -147,7 +147,7 @@ def told():
 
 
 @check(ranks=3)
-def ranks():
+def several_ranks_count_the_growing_modes_as_one():
     """Several ranks count the modes that grow as one does."""
     far = Path(scene.SCRATCH) / "far.txt"
     far.write_text("plane 0 -3 0 1\n")
@@ -162,7 +162,7 @@ def ranks():
 
 
 @check
-def plane():
+def an_upright_arch_in_space_does_not_crawl():
     """An arch in space that stands upright only because nothing pushes it out of its plane: it had crawled."""
     options = (STILL + shape("arch", 1.1 * np.sin(2 * np.pi * S)) + "-growth_initial_length 0.1 -tip_type clamped "
                "-rod_curvature_random 1e-5 -rod_curvature_length 0.3 -ts_max_time 3 -rod_weight 0,-140000 " + LAST)
@@ -182,7 +182,7 @@ def plane():
 
 
 @check
-def plane_waves():
+def plane_starts_in_space_end_as_in_the_plane():
     """Plane starts in space: each ends as in the plane."""
     dice = random.Random(7)
     for _ in range(5):
@@ -194,7 +194,7 @@ def plane_waves():
 
 
 @check
-def at_rest():
+def a_rod_that_goes_to_rest_in_weak_drag_does_not_snap():
     """A rod that goes to rest in a weak drag does not snap: there is no dry friction that could not hold it."""
     base = "-growth_type none -growth_initial_length 1 -shape_type straight -friction_mu 0 -ts_max_steps 2000 "
     path = Path(scene.SCRATCH) / "path.csv"
@@ -215,7 +215,7 @@ def at_rest():
 
 
 @check
-def scaled():
+def scenes_of_any_length_take_the_same_steps():
     """Scenes without units, their lengths times 1e-3 and 1e3 and all that follows: the same steps."""
     for seed in (1001, 1005, 1006, 1014, 1018, 1024, 1039, 77007, 77030, 79018, 79025):
         one = lab.Scene(random.Random(seed))
@@ -226,7 +226,7 @@ def scaled():
 
 
 @check
-def restart():
+def a_short_rod_is_short_behind_a_restart():
     """What is short for a rod is so behind a restart."""
     options = (STILL + wave(3, 0.5, 1e-4) + "-growth_initial_length 0.1 -tip_type pinned " + LAST).split()
     whole, broken = (f"{scene.SCRATCH}/{name}.h5" for name in ("whole", "broken"))

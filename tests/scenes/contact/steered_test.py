@@ -37,7 +37,7 @@ def steers(name, **arrays):
 
 
 @check(ranks=3)
-def in_and_out():
+def a_straight_rod_pushed_in_and_pulled_out_bears_its_friction():
     """A straight rod is pushed in, held and pulled out: the force of its clamp is that of friction on all of it, which
     turns round with it, and vanishes with the speed; in the plane and in space, on ranks. Friction takes what was put
     in: under dry friction L1^2 - L0^2 a loop."""
@@ -61,7 +61,7 @@ def in_and_out():
 
 
 @check
-def off_a_wall():
+def a_rod_pushed_against_a_wall_is_pulled_off_it():
     """Pushed against a wall and pulled off it: at a length the wall pushes alike both ways, friction 2 N L apart."""
     path = rows("wall", t=[0, 1, 1.5, 2.5], length=[0.09, 0.0991, 0.0991, 0.09])
     for more in ("", "-rod_model space "):
@@ -84,7 +84,7 @@ def arc(k, L):
 
 
 @check
-def stiff():
+def a_stiff_rod_is_bent_as_it_is_steered():
     """A short rod, against whose stiffness friction is nothing, is bent as it is steered: a circle at all times; while
     it is fed and pulled out, too, and about an axis that both bends make."""
     t, at = np.linspace(0, 1, 41), [0, 0.3, 0.6, 1]
@@ -107,7 +107,7 @@ def stiff():
 
 
 @check
-def snake():
+def waves_of_curvature_swim_at_the_speed_of_small_waves():
     """Waves of natural curvature along a free rod in drag that is twice as strong across: it swims against them, at
     the speed that small waves have, U/A^2 = (a - 1) <y_t y'>/A^2 (second order in A: by 1e-4 here)."""
     A, k, w, L, a = 0.02, 3, 2, 4, 2
@@ -135,7 +135,7 @@ BENT = FED + "-growth_initial_length 1 -rod_cells 60 -ts_max_time 3 "
 
 
 @check
-def kinks():
+def steps_end_at_kinks_of_what_steers():
     """Steps end at kinks; the balance of energy, with the power of who steers, falls with the tolerance; plane and
     space agree, and a file over time of equal rows is the one without."""
     r = Run(BENT + let_go())
@@ -157,7 +157,7 @@ def kinks():
 
 
 @check(ranks=3)
-def restarts():
+def a_steered_run_that_is_broken_goes_on_as_the_whole():
     """A run that is broken goes on as the whole, to the last bit, fed by a schedule and steered; ranks agree."""
     path = rows("back", t=[0, 1.2, 1.5, 3], length=[1, 2.2, 2.2, 1])
     driven = BENT + let_go() + f"-growth_path {path} -friction_beta 1e-6 -output_interval 0.5 "
@@ -171,7 +171,7 @@ def restarts():
 
 
 @check
-def refused():
+def what_cannot_be_steered_is_refused_in_one_line():
     """One line for what cannot be driven so."""
     d, s = np.linspace(0, 1, 5), [0, 0.2, 0.5, 1]
     go, one = rows("go", t=[0, 1], length=[1, 2]), np.ones(4)

@@ -15,7 +15,7 @@ import numpy as np
 
 
 @check
-def accuracy():
+def an_accuracy_that_is_asked_is_met():
     """-accuracy is met: the error is at most what was asked, and at least a hundredth of it."""
     for name in ("v_short", "v_gauss", "v_feed", "v_decay_mu1"):
         for asked in (1e-2, 1e-4):
@@ -28,7 +28,7 @@ def accuracy():
 
 
 @check
-def next_to_straight():
+def rods_next_to_straight_creep_as_they_are_bent():
     """Rods next to straight that are laid down under exact friction, taken as a limit, creep by as much as they are bent, and say
     so (5e-5 was told of linear ones, of which that is not measured); under one that is next to exact auto's steps see the short
     waves of the energy (off by 3e-3, told 1.3e-5, while they were those of the linear model)."""
@@ -60,7 +60,7 @@ def next_to_straight():
 
 
 @check
-def doubts():
+def an_accuracy_that_may_not_be_met_is_doubted():
     """An accuracy that may not be met is doubted, with what would do, and that does. Of friction that is exact where
     material comes to rest the estimate measures what it is off from its limit."""
     rod = "-growth_initial_length 2 -shape_amplitude 0.3 -ts_max_time 3 -accuracy 1e-6 "
@@ -138,7 +138,7 @@ def doubts():
 
 
 @check
-def doubts_linear():
+def errors_of_the_linear_model_are_told():
     """The linear model's errors: of its splines in a narrow zone of growth, of short waves that are what is left, and of what
     falls by many orders while |x2| is that of a clamp that leans."""
     for name, options, cells in (
@@ -158,7 +158,7 @@ def doubts_linear():
 
 
 @check
-def kinks():
+def what_steps_leave_at_kinks_is_in_the_estimate():
     """A fed arch whose material comes to rest and is torn off, each a kink in time: what steps leave there is in the
     estimate, though differences behind a kink cancel."""
     arch = ("-growth_type feed -growth_initial_length 1 -tip_type pinned -shape_amplitude 0.1 -clamp_angle -1.49 -friction_mu 0.8 "
@@ -170,7 +170,7 @@ def kinks():
 
 
 @check
-def scales():
+def lengths_too_short_for_the_cells_are_told():
     """Lengths that a scene gives: what cells are too long for is in the estimate, and said in a line."""
     layer = "-ts_max_time 3 -shape_amplitude 0.8 -friction_layers 0:1,1.1:0.34 -friction_layer_width 0.0054 "
     bell = "-growth_type apical -growth_initial_length 1 -rod_curvature_random 0.1 -ts_max_time 3 "
@@ -215,19 +215,19 @@ def scales():
 
 
 @check
-def references_frame():
+def the_frame_model_meets_the_references():
     for name in REFERENCES:
         expect_reference(name, "", 1e-5)
 
 
 @check
-def references_auto():
+def the_automatic_model_meets_the_references():
     for name in REFERENCES:
         expect_reference(name, "-rod_model auto", 1e-5)
 
 
 @check
-def factored():
+def the_factored_decay_takes_half_the_steps():
     """With the factor of the fields across taken out, the decay takes half the steps for a smaller
     error, in every model and law."""
     plain = "-ts_bdf_factor 0 -ts_bdf_order 5"
@@ -257,7 +257,7 @@ def factored():
 
 
 @check
-def no_seam():
+def what_is_seen_has_no_seam_between_the_models():
     """What is observed in the linear model, before it hands over, is what the frame model shows."""
     options = "-ts_max_time 13 -ts_rtol 1e-8 -rod_model"
     auto, frame = Run(options + " auto"), Run(options + " frame")
@@ -270,7 +270,7 @@ def no_seam():
 
 
 @check
-def references_mixed():
+def the_mixed_model_meets_the_references():
     for name in REFERENCES:
         expect_reference(name, "-rod_model mixed -rod_cells 2000 -ts_rtol 1e-6", 1e-3)
 
@@ -286,7 +286,7 @@ def errors(options, cells, fine):
 
 
 @check
-def orders_in_space():
+def errors_in_space_have_the_order_of_the_model():
     """From the finest pair, time error far below, against a finer run of another kind."""
     bent = SMOOTH + "-ts_max_time 1 -ts_rtol "
     small = SMOOTH.replace("0.1", "1e-6", 1) + "-ts_max_time 1 -ts_rtol "
@@ -303,7 +303,7 @@ def orders_in_space():
 
 
 @check
-def backward_euler():
+def backward_euler_is_of_first_order():
     """First order in time at fixed steps."""
     short = SMOOTH + "-ts_max_time 1 -rod_cells 100 "
     fine = Run(short + "-ts_rtol 1e-9")
@@ -317,7 +317,7 @@ def backward_euler():
 
 
 @check
-def petsc_bdf():
+def the_bdf_of_petsc_gives_the_same_rod():
     fine = Run(DRY + "-ts_max_time 1 -ts_rtol 1e-9")
     r = Run(DRY + "-ts_max_time 1 -ts_type bdf -ts_bdf_order 5")
     print(f"PETSc's bdf: tip off by {distance(r.tip, fine.tip):.1e} in {r.steps} steps")
@@ -325,7 +325,7 @@ def petsc_bdf():
 
 
 @check(ranks=2)
-def ranks():
+def several_ranks_agree():
     """1, 2 and 3 ranks agree to 1e-7."""
     small = "-ts_max_time 1.2 -rod_cells 100"
     for options in (DRY + "-ts_max_time 1 -rod_cells 100",
@@ -343,7 +343,7 @@ def ranks():
 
 
 @check
-def straight():
+def a_straight_rod_stays_straight_and_bears_its_exact_force():
     """x2 = 0 stays exactly 0, and the clamp bears what docs/notes/exact-answers.md says."""
     for model in ("frame", "mixed", "linear", "auto"):
         for law in ("uniform", "gaussian", "feed"):
@@ -362,7 +362,7 @@ def straight():
 
 
 @check
-def mirror():
+def a_mirrored_shape_gives_the_mirrored_rod():
     for model in ("frame", "mixed", "linear", "auto"):
         options = f"-growth_initial_length 2 -ts_max_time 6 -rod_cells 100 -rod_model {model}"
         a, b = (Run(f"{options} -shape_amplitude {e}") for e in ("0.1", "-0.1"))
@@ -374,7 +374,7 @@ def mirror():
 
 
 @check
-def clamp_angle():
+def the_whole_run_turns_with_the_clamp():
     """The whole run turns with the clamp; what has no direction stays."""
     options, angle = DRY + "-ts_max_time 6 -rod_cells 100", 0.7
     a, b = Run(options), Run(f"{options} -clamp_angle {angle}")
@@ -389,7 +389,7 @@ def clamp_angle():
 
 
 @check
-def small_amplitude():
+def amplitudes_of_any_size_decay_alike():
     """Amplitudes from 1e-13 to 1e-2 decay alike: x2 is followed relative to its own size."""
     for model in ("frame", "mixed", "linear"):
         decay = {}
@@ -403,7 +403,7 @@ def small_amplitude():
 
 
 @check
-def rates():
+def stored_rates_are_those_of_the_steps():
     """The rates that are stored are those of the steps: the tip's speed across the rod, of which
     tip_speed at a small deflection has just the square, against the change of tip_x2."""
     for model in ("frame", "linear"):
@@ -419,7 +419,7 @@ def rates():
 
 
 @check
-def exact_friction_in_the_small():
+def exact_friction_adds_no_noise_in_the_small():
     """Where |x2| falls to 1e-25, exact Coulomb friction adds no noise of its own."""
     r = Run("-growth_initial_length 0.389 -shape_type random -shape_amplitude 0.0432 -shape_seed 37 "
             "-ts_max_time 28 -friction_beta 0")
@@ -429,7 +429,7 @@ def exact_friction_in_the_small():
 
 
 @check
-def exact_friction_at_rest():
+def a_front_half_held_by_exact_friction_stands_still():
     """A fed rod whose front half rests, held by exact Coulomb friction: it stands still, and to hold
     it does not take many iterations."""
     r = Run(f"-options_file {ROOT}/options/feed.opts -friction_beta 0 -ts_max_time 16")
@@ -445,7 +445,7 @@ def exact_friction_at_rest():
 
 
 @check
-def newton():
+def both_linearisations_reach_one_solution():
     """Both linearisations reach one solution; the primal-dual one takes no more iterations, and few
     where the primal one takes many or fails."""
     for options in (DRY + "-ts_max_time 8", DRY + "-ts_max_time 4 -friction_beta 1e-5"):
@@ -469,7 +469,7 @@ def newton():
 
 
 @check(ranks=2)
-def ways_of_newton():
+def other_ways_to_solve_a_step_end_in_the_same_place():
     """PETSc's other ways to solve a step end in the same place, also those that need the matrix, which
     by default is not there."""
     options = f"-options_file {ROOT}/options/feed.opts -ts_max_time 3 -rod_cells 60 -ts_rtol 1e-7 "
@@ -486,7 +486,7 @@ def ways_of_newton():
 
 
 @check
-def nearly_exact_friction():
+def friction_may_be_nearly_exact():
     """beta from 1e-2 to 1e-12 with all else at its default."""
     before = {}
     for exponent in range(2, 13):
@@ -510,7 +510,7 @@ def task_of(file):
 
 
 @check(ranks=2)
-def snap():
+def a_bent_rod_that_friction_cannot_hold_snaps_by_the_viscous_path():
     """Where dry friction cannot hold a bent rod, it takes the path of a vanishing viscous share: the
     limit of 1 - mu = 1e-3, 5e-4, 2e-4, which follow no snap. (A single step of backward Euler would miss the bent rod's tip by
     0.2 %, the hairpin's by a quarter.)"""
@@ -537,7 +537,7 @@ def snap():
 
 
 @check
-def brink():
+def a_rod_at_the_brink_of_a_snap_is_asked_again():
     """A rod fed under a force comes to the brink of a snap in ever smaller steps. Asked too early it rests, and
     is left where it is, to be asked again: taken to where it rested it was lost, or not, as the tolerance had
     it. Asked too late, or not again, it came to steps of round-off. In the last one it barely sticks behind the first snap, and slips in steps that are as short. A start out of
@@ -566,7 +566,7 @@ def brink():
 
 
 @check
-def comes_and_goes():
+def what_comes_and_goes_within_a_step_is_seen():
     """What tables give in time, and comes and goes within what would be a step of a rod that rests: steps end where
     it sets out, and see it, as they do where it begins with the run."""
     d, bump = Path(scene.SCRATCH), np.array([0, 1, 0])
@@ -607,7 +607,7 @@ def comes_and_goes():
 
 
 @check
-def sides():
+def rods_beyond_critical_give_way_to_the_side_they_are_bent_to():
     """Rods beyond critical at the start give way to the side they are bent to, one half-way by the path
     of a vanishing viscous share: a first step longer than the time in which they grow would mirror them.
     The reference shares no snap and no such step: mu = 0.999 where friction is dry, and first steps of
@@ -641,7 +641,7 @@ def sides():
 
 
 @check
-def sides_of_others():
+def sides_are_kept_with_any_way_to_solve():
     """The same where the modes that grow are not counted by the way the equations are solved: with a
     matrix, with self-contact, in the mixed model, and with a held tip on two ranks."""
     ways = ("-pc_type lu", "-contact_self true -contact_diameter 0.001", "-rod_model mixed")
@@ -667,7 +667,7 @@ def sides_of_others():
 
 
 @check
-def tiny():
+def a_deflection_whose_square_is_no_number_is_followed():
     """|x2| below 1e-154, whose square is no number, and its e-folds in the estimate."""
     r = {a: Run(f"-ts_max_time 3 -shape_amplitude {a}") for a in ("1e-130", "1e-160")}
     a, b = r.values()
@@ -680,7 +680,7 @@ def tiny():
 
 
 @check
-def options_files():
+def each_scene_of_options_runs():
     """Each scene in options/ runs for a few steps as it stands, or as a small problem of its task."""
     small = {"stability": "-stability_points 3 -stability_vertices 60", "critical": "-rod_cells 60"}
     for file in sorted((ROOT / "options").glob("*.opts")):
@@ -692,7 +692,7 @@ def options_files():
 
 
 @check(parts=3)
-def energy_balance(part):
+def energy_is_balanced_in_the_scenes_of_options(part):
     """Each scene of options/ that grows, to its end, but for those that take longest: every third."""
     shorter = {"injected-tube": "-rod_cells 150 -ts_max_time 20", "duct-bends": "-ts_max_time 1",
                "injected-spun": "-rod_cells 40 -ts_max_time 2", "cable-conduit": "-ts_max_time 3",
@@ -742,7 +742,7 @@ def differences(scene, numbers, name, part=1e-4):
 
 
 @check
-def sensitivity():
+def sensitivities_are_differences_between_runs():
     """-sensitivity is what differences between runs are, to 1e-6; the run itself is what it was."""
     for scene, numbers in SENSITIVE.items():
         options = f"{scene}{FIXED}{words(numbers)}"
@@ -761,7 +761,7 @@ def sensitivity():
 
 
 @check
-def sensitivity_of_steps():
+def sensitivities_hold_with_chosen_steps():
     """With steps and factor as they are chosen: differences between runs of a tolerance of 1e-9."""
     scene, numbers = "-growth_type uniform -shape_amplitude 0.1 -ts_rtol 1e-9", {"friction_mu": (0.8, ""), "friction_across": (1.5, "")}
     more = " -ts_max_time 3 -rod_cells 40 -output_shapes 3 -growth_initial_length 1 "
@@ -775,7 +775,7 @@ def sensitivity_of_steps():
 
 
 @check(ranks=2)
-def sensitivity_on_ranks():
+def sensitivities_on_ranks_are_those_of_one():
     """On two and three ranks as on one; behind a snap nothing is said."""
     options = "-growth_type uniform -rod_curvature 0.2 -friction_mu 0.7 -ts_max_time 1 -rod_cells 40 -sensitivity friction_mu,rod_curvature"
     one = Run(options)

@@ -40,7 +40,7 @@ def helix(cells, more="", r=0.5, k=1.0, begun=0.9, length=24, D=0.05):
 
 
 @check
-def helix_in_tube():
+def a_helix_in_a_tube_bears_the_exact_thrust():
     """P = 2 B k^2 cos(alpha), N = B r k^4, exact at any slope; here 30 degrees. What the wall gives way by goes with the
     rod's diameter: of one that is 1/25 of the clearance, with the usual cells, N is right to 1e-4. (The 240 cells are four times
     as long as the layer of contact.)"""
@@ -121,7 +121,7 @@ def sinus(waves, P, end, cells=250, more=""):
 
 
 @check
-def sinus_in_tube():
+def a_heavy_rod_leaves_the_bottom_of_a_tube_as_a_wave():
     """A heavy rod that lies in a tube leaves its bottom as a wave at P = 2 sqrt(B w/r), wave length
     2 pi (B r/w)^(1/4); here one of four waves, whose ends are clamped: exactly at 2.0615654, and as fast as that."""
     run, force, shape, wave = sinus(4, 2.08, 40, cells=160)
@@ -135,7 +135,7 @@ INJECTED = "-options_file options/injected-tube.opts "
 
 
 @check
-def injected_straight():
+def a_straight_injected_rod_is_pushed_by_its_friction():
     """A rod that is fed into a lying tube is pushed by mu w L while it is straight, and leaves the bottom above 2; one
     that is spun, too, climbs, is pushed less, and takes the torque, its slip being that of what twists as it comes."""
     mu, w, a, beta, viscous, rate, C = 0.5, 0.1, 0.05, 1e-6, 1e-4, 30, 0.75
@@ -184,7 +184,7 @@ def spun(lengths, mu=0.5, w=0.1, r=0.1, D=0.1, k=1e4, beta=1e-6, viscous=1e-4, r
 
 
 @check
-def spun_straight():
+def a_spun_rod_shares_its_friction():
     """What a rod that slides and turns in a lying tube is pushed and turned by: friction is shared."""
     run, off = spun((10, 20))
     print(f"{run.steps} steps, push, torque, spin, pressure off by", *(np.array2string(e, precision=1) for e in off))
@@ -192,7 +192,7 @@ def spun_straight():
 
 
 @check
-def turned_bend():
+def a_bend_turned_about_its_axis_gives_the_same_rod():
     """A rod that is straight to the last digit is fed into a tube that bends: in the plane of x1 and x2, and turned about
     x1, the same rod. What is across begins with the wall's push, from nothing."""
     tips = []

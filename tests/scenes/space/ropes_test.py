@@ -80,7 +80,7 @@ def capstan(turns, pull, tilt, stiffness, cells, drag=0.01):
 
 
 @check
-def round_a_pillar():
+def tension_round_a_pillar_is_eulers():
     """Euler's law to 1e-4 over a turn and a half, whichever way the pillar stands. (With k a tenth of that it is held off by
     0.3 % of D more where it leaves than where it is pulled, and winds outwards by that, which the law does not know: 3e-4.)"""
     for tilt in (0, 0.7):
@@ -132,7 +132,7 @@ def helix_push(line, a, b):
 
 
 @check
-def starts_bent():
+def a_rod_laid_down_in_a_bent_duct_comes_to_rest():
     """A rod laid down along the bends of a rough duct, which is not at rest there: its first step goes far, and
     finds where it comes to rest. (By the modes that it counted beside rough walls, it crossed some, and gave up.)"""
     length, room, s = 8, 0.02, np.linspace(0, 1, 2001)
@@ -172,7 +172,7 @@ def upheaval(weight, stiffness, cells):
 
 
 @check
-def lifts_off():
+def a_pushed_pipe_lifts_off_as_hobbs_says():
     """Hobbs's upheaval, met to 1e-4 (what a slope of 0.01 is off the law for small ones is 1e-5)."""
     r, push, height = upheaval(1, 1e10, 800)
     print(f"{r.steps} steps; push off by {push:.1e}, height by {height:.1e}")
@@ -225,7 +225,7 @@ def heavy_rope(part, time, more="", weight=100, cells=120, stiffness=1e6, drag=1
 
 
 @check
-def heavy():
+def a_heavy_rope_overhangs_by_what_friction_bears():
     """With 0.999 of the overhang that friction bears a heavy rope stays where it is for good, with 1.001 it runs
     off: exact stick, of a rod that nothing else holds."""
     for more in ("", "-rod_model space -friction_radius 0.05 "):
@@ -240,7 +240,7 @@ def heavy():
 
 
 @check
-def knot():
+def an_overhand_knot_stays_one_and_is_pulled_alike():
     """An overhand knot that is pulled by its ends, frictionless: it stays one, its ends are pulled alike, the work at its
     tip is the rod's energy, and with R as the rod that is in it says, eps^2 = h/R, the pull is T R^2/B = 1/2 for loose
     ones: 1/2 + 0.4465 eps + 1.554 eps^2 by knots of two diameters and twice as fine (docs/notes/ropes-measured.md)."""

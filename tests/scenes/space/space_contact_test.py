@@ -42,7 +42,7 @@ def expect_on_ranks(options):
 
 
 @check
-def plane():
+def a_pillar_and_a_plane_are_those_of_the_plane():
     """A pillar and a plane: the plane's model, that of space, and the scene turned about the clamp's axis,
     its pillar a cylinder."""
     c, s = float(np.cos(0.7)), float(np.sin(0.7))
@@ -64,7 +64,7 @@ def plane():
 
 
 @check
-def grip():
+def a_turned_rod_climbs_its_tube_by_the_exact_angle():
     """A heavy rod that is fed and turned in a tube just wider than itself climbs by atan(mu a W/|(V, a W)|);
     friction is mu times the normal force, against the slip of the rod's surface."""
     D, R, w, mu, turn = 0.1, 0.051, 0.5, 0.3, 1.5
@@ -82,7 +82,7 @@ def grip():
 
 
 @check
-def rolls():
+def a_rod_that_twists_easily_rolls_on_a_plane():
     """A heavy rod that lies on a rough plane and is pushed aside: one that twists easily rolls; one that does not
     is held."""
     aside = {}
@@ -97,7 +97,7 @@ def rolls():
 
 
 @check
-def follower():
+def a_tip_that_meets_a_rough_cylinder_rolls_until_it_gives_way():
     """A rod under a force that turns with its tip meets a rough cylinder nearly head-on: the tip rolls on it, until the rod gives
     way (with a Jacobian that left out what the wall does to a tip that spins, 600 steps of 1e-7 took 25,000 iterations). A
     viscous share, by which nothing snaps, takes it to the same place. (In firm contact it snaps four times.)"""
@@ -114,7 +114,7 @@ def follower():
 
 
 @check
-def balance():
+def energy_is_balanced_in_rings_tubes_and_funnels():
     """Energy, and how deep it is pressed: a turned rod in a ring, one that lies in a tube, one in a funnel;
     with exact friction, too."""
     for options, wall in (
@@ -148,7 +148,7 @@ def firmness(options):
 
 
 @check(ranks=3)
-def firm():
+def contact_gets_firmer_where_a_rod_is_pressed_in():
     """Contact gets firmer of itself where a rod is pressed in, as if it had been so from the start; what is not pressed
     in is computed as if there were no such thing; restart to the last bit from before and behind."""
     cone = CONE + walls("cone -0.5 0 0 1 0 0 0.20665 0.15445 4 inside friction 0.3",
@@ -176,7 +176,7 @@ def firm():
 
 
 @check
-def anew():
+def a_wedged_rod_that_crawls_begins_again_in_softer_contact():
     """A rod that is fed round a ring and wedged between it and a plane by 900 of force crawls in firm contact, in solves that go to
     and fro: the run begins anew in soft contact, which lets it through, as if that had been asked for, and says so."""
     wedged = ("-growth_type feed -contact_diameter 0.1 -growth_initial_length 0.3622 -shape_type straight -ts_max_time 1.555 "
@@ -200,7 +200,7 @@ def anew():
 
 
 @check
-def turns_over():
+def a_rod_that_turns_over_about_itself_is_told_at_once():
     """A bent rod that is turned in a bent duct turns over about itself in no time, nor in the fast time of a snap: it is told
     at once, at any tolerance (two of three hung there, one crawled for 50,000 iterations). With a radius at which friction
     feels the spin, which it asks for, it comes through."""
@@ -216,7 +216,7 @@ def turns_over():
 
 
 @check(ranks=3)
-def ranks_and_restart():
+def ranks_and_restarts_agree_in_contact_in_space():
     """2 and 3 ranks agree; a run broken in the midst of contact goes on to the last bit."""
     d = scene.SCRATCH
     wall = walls("torus 0 1 0 0 0 1 1 0.2 inside friction 0.3", "cylinder 1.6 1.2 0 0 0 1 0.2 outside friction 0.2")
@@ -231,7 +231,7 @@ def ranks_and_restart():
 
 
 @check
-def moving():
+def walls_that_move_carry_the_rod_by_their_slip():
     """Walls that move: friction is against the slip between them, so that a tube that runs along twice as fast as the
     rod turns it round; their work is in the balance of energy, of a press and a drum, too."""
     D, R, mu = 0.1, 0.051, 0.3
@@ -255,7 +255,7 @@ def moving():
 
 
 @check
-def in_time():
+def walls_that_move_as_given_in_time_are_where_they_should_be():
     """Surfaces that move as given in time: even rows are an even motion; a press that comes, rests and goes is where its table
     says, felt by the rod that lies on it; a drum; their work is in the balance; rows are met by steps."""
     led = FED.replace("-ts_max_time 2", "-ts_max_time 1.2") + "-rod_curvature -0.3 -rod_curvature_2 0.4 -friction_mu 0.9 "
@@ -289,7 +289,7 @@ def in_time():
 
 
 @check
-def lifted():
+def a_lifted_table_has_the_rod_at_the_height_of_its_rows():
     """A heavy rod on a table that is lifted, rests, and comes down: where it lies it is at the height that the rows say, on
     their monotone cubic (scipy's), at rest to the bit."""
     from scipy.interpolate import PchipInterpolator
@@ -307,7 +307,7 @@ def lifted():
 
 
 @check
-def comes_and_goes():
+def a_wall_that_comes_and_goes_within_a_step_is_felt():
     """What comes and goes within a step that a rod at rest would take is not left out: a ball that pushes it aside and is back,
     whenever; by translation, by angle, and by a rate that turns back between two rows."""
     rod = ("-growth_type none -growth_initial_length 1 -shape_type straight -rod_curvature 0.01 -rod_model space "
@@ -324,7 +324,7 @@ def comes_and_goes():
 
 
 @check(ranks=3)
-def in_time_on_ranks():
+def walls_that_move_in_time_agree_on_ranks_and_behind_restarts():
     """2 and 3 ranks agree on what a press and a drum that move as given in time do; a run broken in the midst of it, or where
     the press sets out at once, goes on to the last bit, with exact friction, too."""
     wall = walls("plane 0 0 0.3 0 0 -1", "plane 0 0 -0.3 0 0 1 moves at 0.2 0 0 0  0.7 0 0 0.2  0.9 0 0 0.2  1.0 0 0 0.22 friction 0.3",
@@ -339,7 +339,7 @@ def in_time_on_ranks():
 
 
 @check
-def guard():
+def a_post_far_thinner_than_a_cell_is_not_stepped_over():
     """A post far thinner than a cell is not stepped over: it holds the rod, or the run says so; a jam is named."""
     d = scene.SCRATCH
     post = walls("cylinder 1.2 0.3 0 0 0.02 1 0.03 outside")
@@ -385,7 +385,7 @@ POST = "-shape_type straight -ts_max_time 6 -contact_diameter 0.005 -ts_rtol 1e-
 
 
 @check
-def thin():
+def a_post_of_a_thousandth_holds_the_rod_on_any_mesh():
     """A post of a thousandth, with cells 20 to 40 times as long as it and the rod are wide: the plane's answer, whatever the
     cells, also turned out of the plane; at a slant; a table's edge; a wire that moves."""
     c, s = float(np.cos(0.7)), float(np.sin(0.7))
@@ -423,7 +423,7 @@ def thin():
 
 
 @check(ranks=3)
-def thin_rubs():
+def a_rod_turned_past_a_thin_post_rubs_alike_on_any_ranks():
     """A rod that is turned and fed past a thin post: exact friction on one rank and on three, and a restart to the last bit; a rod
     that lies along a wire feels it by its points alone."""
     options = ("-growth_type feed -growth_initial_length 0.5 -shape_type straight -rod_curvature 0.5 -rod_curvature_2 0.1 "
@@ -446,7 +446,7 @@ def thin_rubs():
 
 
 @check
-def lengthways():
+def a_straight_rod_sinks_onto_a_cylinder_and_stays_straight():
     """A straight rod that nothing holds sinks onto a cylinder all along at once, and rests where it is lowest: out of the
     plane of its fall it is straight but for round-off, which is no size to measure errors by."""
     R, D = 0.3, 0.1
@@ -467,14 +467,14 @@ def lengthways():
 
 
 @check(ranks=3)
-def lengthways_on_ranks():
+def a_straight_rod_sinks_onto_a_cylinder_on_three_ranks():
     rod = ("-growth_type none -clamp_type free -friction_radius 0.05 -contact_diameter 0.1 -ts_max_time 0.3 -rod_cells 12 "
            "-growth_initial_length 1 -shape_type straight -friction_mu 0 -rod_weight 0,0.2,-2 ")
     expect_on_ranks(rod + walls("cylinder 0 0 0 1 0 0 0.3 inside friction 0.1"))
 
 
 @check
-def falls():
+def a_rod_that_falls_without_end_is_told():
     """What dry friction does not hold and no wall stops falls without end in no time: a line says so."""
     for model in "-rod_model frame", "-rod_model space -friction_radius 0.05":
         line = tendril("-growth_type none -clamp_type free -shape_type straight -rod_cells 6 -ts_max_time 1 -friction_mu 1 "
@@ -483,7 +483,7 @@ def falls():
 
 
 @check
-def great_circle():
+def a_rod_fed_into_a_ball_lies_on_a_great_circle():
     """A rod that is fed along the inside of a ball of radius 1 lies on a great circle, whatever the frame: the force that
     feeds it is 1/2, its tip meets the wall at 24.117 degrees."""
     fed = ("-growth_type feed -friction_mu 0 -friction_layers 0:1e-3 -growth_initial_length 0.1 -shape_amplitude 0.1 "
@@ -501,7 +501,7 @@ def great_circle():
 
 
 @check
-def refused():
+def wrong_walls_in_space_are_refused_with_the_remedy():
     """One line each, which names the remedy."""
     for wall, words in {
             "sphere 1 0 0 inside": "line 1: give sphere X Y Z R inside|outside",
@@ -531,7 +531,7 @@ def refused():
 
 
 @check
-def beside():
+def a_clamp_that_is_beside_its_tube_is_named():
     """What the rod is to be inside of and what does not hold its clamp is named: a rod may come in through its open end. One
     that comes beside it is told so when it cannot go on."""
     x, y = np.arange(0.5, 2, 0.1), np.arange(-1.2, 1.21, 0.1)
@@ -564,7 +564,7 @@ def beside():
 
 
 @check
-def dip():
+def a_hooked_wire_comes_through_an_uneven_vessel():
     """A wire with a hooked tip in an uneven vessel, that friction at a dip of the wall and its own dry friction hold at once:
     it comes through. (Being pressed in rubbed, too, where the gradient of the distance on a grid is not of length 1: the
     wire crawled.)"""

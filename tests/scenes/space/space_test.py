@@ -37,7 +37,7 @@ def bent():
 
 
 @check
-def references():
+def rods_of_an_independent_program_are_met():
     """An independent program's rods: shape by strains, natural twist and two stiffnesses, weight and
     feed, forces and torque on the tip."""
     for name, options in {
@@ -64,7 +64,7 @@ def references():
 
 
 @check
-def plane():
+def a_plane_scene_in_space_is_that_of_the_plane():
     """A plane scene by the model of space is the plane's, but for the error of the mesh, of order 4;
     x3 is 0 to the last bit; a rod almost straight keeps what it has across."""
     apart = []
@@ -93,7 +93,7 @@ def plane():
 
 
 @check
-def plane_references():
+def the_references_of_the_plane_are_met_in_space():
     """The plane's references by this model, to the plane's tolerances; x3 is 0 to the last bit."""
     names = [*REFERENCES]
     for name in names:
@@ -103,7 +103,7 @@ def plane_references():
 
 
 @check
-def symmetries():
+def a_turned_or_mirrored_rod_is_the_same_rod():
     """The rod turned about the clamp's axis, turned in the laboratory, and its mirror image."""
     rod = Run(BENT + FIXED + "-rod_weight 0.1,-0.3,-0.2 -tip_force_vector 0,0.1,0.05")
     x, c, s = rod.shapes["x"][-1], float(np.cos(1)), float(np.sin(1))
@@ -154,7 +154,7 @@ def symmetries():
 
 
 @check
-def sides():
+def rods_beyond_critical_give_way_to_their_side_in_space():
     """Rods beyond critical at the start give way to the side they are bent to, in a plane that is turned
     as in the plane, and where they are bent and twisted by nature: as with mu = 0.999 and a first step of
     1e-12, which neither snap nor cross a mode."""
@@ -186,7 +186,7 @@ def sides():
 
 
 @check
-def exact():
+def heavy_and_turned_rods_are_exact():
     """Rods of which the exact answer is known: bent by nature and heavy, by shooting, with order 4; turned
     at its clamp in exact friction, which it screws up from there on, at a torque that is the root of the
     angle."""
@@ -259,7 +259,7 @@ def exact():
 
 
 @check
-def spin():
+def a_straight_rod_that_is_spun_follows_diffusion():
     """A straight rod that its clamp turns in viscous friction, evenly, and first not at all, then faster
     and back, told by its rate and by its angle: the twist of the exact diffusion; energy is kept."""
     from scipy.integrate import solve_ivp
@@ -302,7 +302,7 @@ TURNED = ("-growth_initial_length 1 -shape_amplitude 0.3 -friction_mu 0.8 -frict
 
 
 @check
-def orders():
+def errors_have_their_orders_in_space_and_time():
     """Of a bent rod that friction along it holds from spinning: 4 in space (2 with -rod_order 2), the
     couple of friction as all else; in time 1 to 6, held to one order, by tolerances."""
     rod = TURNED + "-ts_rtol 1e-7 "
@@ -327,7 +327,7 @@ def orders():
 
 
 @check(ranks=2)
-def ranks_and_restart():
+def ranks_and_restarts_agree_in_space():
     """Ranks agree, in what they tell of their errors, too; a run that was broken goes on as if it had not been, exact
     friction and all."""
     options = BENT + ("-friction_beta 0 -friction_radius 0.1 -rod_weight 0,0,-0.2 -ts_max_time 1 "
@@ -346,7 +346,7 @@ def ranks_and_restart():
 
 
 @check(ranks=2)
-def hinged():
+def a_hinged_rod_buckles_as_greenhill_says():
     """A rod between two hinges rests as an elastica does, in both models. Twisted by M it bears the thrust
     pi^2 - M^2/4, and a pull beyond M = 2 pi (Greenhill), but for the square of its bow. A curved one that
     is spun there keeps its energy, is the same on two ranks and goes on as if it had not been broken."""
@@ -385,7 +385,7 @@ def hinged():
 
 
 @check(ranks=2)
-def crawls():
+def a_clamp_that_shakes_too_fast_ends_the_run():
     """A clamp that shakes so fast that a step sees next to nothing of the run: it does not go on like that for
     ever, on any number of ranks, but says so, and keeps what it has; with -ts_max_steps it goes on as long as
     that, also from where it ended."""
@@ -412,7 +412,7 @@ def crawls():
 
 
 @check
-def begins_to_slide():
+def rods_out_of_balance_begin_to_slide():
     """Rods that start out of balance in exact friction: each place begins to slide in steps of its own, of 1e-11 and
     less, and both gave up behind some 900 of them. They are where a rod is that has a larger viscous share. A restart
     in the midst of the snap goes on with it, to the last bit."""
@@ -434,7 +434,7 @@ def begins_to_slide():
 
 
 @check
-def no_snap():
+def exact_friction_that_feels_the_spin_is_no_snap():
     """Exact friction that feels the spin: the modes of a frozen rod are not those of the one that moves, and a step
     tried from the last point alone, behind three rejections, is none to be judged by them (it was followed as a
     snap, and behind snaps that were none the run gave up); nor is one failure behind four rejections a snap."""
@@ -484,7 +484,7 @@ def under_moment(M, C):
 
 
 @check
-def led():
+def a_tip_that_is_led_has_the_exact_force():
     """A tip that is led: a rod laid into an arc, in the plane and in space, and into a helix, whose
     energy and force are exact; into that of a dead moment M, with no force, which at M L/B = 2 pi is one turn, as
     Greenhill's rod buckles; what its tip does is work."""
@@ -567,7 +567,7 @@ def led():
 
 
 @check
-def twisted_rod():
+def a_rod_that_is_twisted_27_turns_is_the_exact_one():
     """The scene of the gallery on fewer cells: clamped at both ends, which come closer and turn 27
     times. The exact rod by shooting (Coyne's helix, at finite length)."""
     errors = []
@@ -588,7 +588,7 @@ def twisted_rod():
 
 
 @check
-def strands():
+def a_twisted_rod_winds_round_itself_and_keeps_its_energy():
     """A rod between two clamps that is fed and twisted winds round itself: forces cancel, energy is
     kept the better the finer the mesh, the mirror image is as it is to the last bit; restart."""
     coil, turning, other = COIL, "-clamp_spin 16 -shape_turn 0.3 ", "-clamp_spin -16 -shape_turn -0.3 "
@@ -623,7 +623,7 @@ def strands():
 
 
 @check(ranks=2)
-def strands_on_ranks():
+def a_twisted_rod_winds_round_itself_on_any_ranks():
     """The same on ranks. (Its loop turns about the axis all but freely.)"""
     options = COIL + "-clamp_spin 16 -shape_turn 0.3 -rod_cells 30 -ts_max_time 0.9"
     one = Run(options)
@@ -643,7 +643,7 @@ def off_at_end(run, fine):
 
 
 @check
-def estimate():
+def errors_in_space_are_measured():
     """The errors of a rod in space are measured: above what a finer mesh shows, of the mesh's order;
     a layer that falls between nodes is seen, and so is friction that feels a spin."""
     spins = ("-growth_initial_length 1.5 -shape_amplitude 0.3 -rod_curvature_2 1 -friction_radius 0.2 -clamp_spin 3 "
@@ -690,7 +690,7 @@ def estimate():
 
 
 @check
-def rests():
+def a_rod_that_gives_way_rests_where_friction_holds_it():
     """A rod that gives way at once rests where friction holds it, whatever the tolerance: it does not give way again,
     and again, in steps that end in round-off."""
     wound = ("-rod_model space -growth_initial_length 2 -shape_amplitude 0.1 -shape_turn 1 -friction_radius 0.1 -tip_torque 0.1 "
@@ -717,7 +717,7 @@ def rests():
 
 
 @check
-def refused():
+def what_means_nothing_in_space_is_refused_in_one_line():
     """What is wrong, or means nothing, ends in one line."""
     lead, far, odd, back, aside = (f"{scene.SCRATCH}/{k}.csv" for k in ("lead", "far", "odd", "back", "aside"))
     for file, text in {aside: "t,x2\n0,0.5\n1,0.4", lead: "t,turn\n0,0\n1,90deg", far: "t,x1\n0,0.3\n1,0.4", odd: "t,x4\n0,1\n1,2",

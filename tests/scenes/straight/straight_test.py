@@ -46,7 +46,7 @@ def rates_of(z, t):
 
 
 @check
-def eigenvalues():
+def a_rod_bends_back_and_whirls_at_its_largest_eigenvalue():
     """A rod in space that keeps its length bends back at the rate, and whirls at the frequency, that
     the straight rod's largest eigenvalue has: two stiffnesses, twisting moments of either sign with
     them, natural twist, a follower."""
@@ -68,7 +68,7 @@ def eigenvalues():
 
 
 @check
-def leaves_the_axis():
+def a_growing_rod_leaves_its_axis_at_the_critical_length():
     """What is across in a growing rod is smallest where -task critical has it: under weight in the
     plane and in space, in each direction of two stiffnesses, with a twisting moment, with a clamp that turns against a tip that may only slide."""
     for options, model, names in (
@@ -90,7 +90,7 @@ def leaves_the_axis():
 
 
 @check(ranks=2)
-def auto():
+def a_nearly_straight_rod_in_space_is_first_linear():
     """Linear in both directions while the rod is nearly straight, then in space: the answer of the
     model of space, on any number of ranks; from the start in space where twist joins the directions.
     The linear model of two directions is the plane's in each."""
@@ -122,7 +122,7 @@ def auto():
 
 
 @check
-def sweep():
+def members_in_space_are_single_runs():
     """Members in space leave what a run of their own has, beside members in the plane, which have no
     numbers of space; their critical lengths; and Python reads it."""
     d, base = scene.SCRATCH, "-rod_cells 40 -ts_max_time 0.5 -shape_amplitude 0.2 "
@@ -155,7 +155,7 @@ def sweep():
 
 
 @check
-def bent():
+def a_bent_rod_gives_way_out_of_its_plane_as_prandtl_says():
     """When a bent rod gives way out of its plane: a strip that bends under a force across (Prandtl; the
     digits are those of its linearised equations along the elastica, by an ODE solver at 1e-13), before
     and after which it does so in -task grow; a rod of natural curvature that is pulled straight
@@ -248,7 +248,7 @@ def bent():
 
 
 @check
-def bent_at_rest():
+def a_bent_rod_that_does_not_grow_is_stable():
     """A bent rod that does not grow up to t = 1: however small beta is, it is stable there, and gives way when it does in
     friction that is less exact. (Friction is 1/sqrt(beta) where it rests; modes of round-off were told at t = 0.6 to 1.2.)"""
     path, t = f"{scene.SCRATCH}/begins.h5", np.linspace(0, 3, 101)
@@ -282,7 +282,7 @@ def pulse(path, back, rate, width, mid, end):
 
 
 @check
-def windows():
+def short_windows_of_instability_are_told():
     """Rods that are unstable for a short time only, told wherever the search ends (they told the next time, t = 12.24 for
     4.949 with an error below 7e-11, or that the rod is stable up to there); by -task stability, too, and by a rod that is followed."""
     d = scene.SCRATCH
@@ -327,7 +327,7 @@ def windows():
 
 
 @check
-def windows_along():
+def windows_that_the_tip_comes_by_are_told():
     """What the tip comes by is a window in time, too: a thin bump of what resists it, a thin layer that a zone of growth
     passes. (Those of 0.01 and less were passed over: t = 12.68, or stable.)"""
     d = scene.SCRATCH
@@ -346,13 +346,13 @@ def windows_along():
 
 
 @check
-def windows_at_random():
+def random_windows_are_told():
     """Random windows in random tables (scripts/lab/fuzz_critical.py --windows), against another route."""
     expect(not fuzz_critical.look_for_windows(scene.TENDRIL, 7, 3), "a window is missed, or told wrong")
 
 
 @check
-def thin():
+def layers_thinner_than_a_cell_are_named():
     """Layers and zones of growth that are thinner than a cell: two meshes may miss them alike (told 1e-9 to 1e-1, it was
     up to 55 times that); they are named, and the error told holds within three times."""
     for options, cells in (("-friction_layers 0:1,0.7:3 -friction_layer_width 0.002", (6, 20, 60)),
@@ -378,7 +378,7 @@ def thin():
 
 
 @check
-def refused():
+def what_bends_the_straight_rod_is_refused():
     """What bends the straight rod, or has a history, ends in one line; weight that takes all thrust
     off the rod in one that says so."""
     path = f"{scene.SCRATCH}/path.csv"

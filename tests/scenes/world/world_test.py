@@ -133,7 +133,7 @@ EXACT = [  # options, critical length, frequency, tolerance
 
 
 @check
-def critical_exact():
+def critical_lengths_are_the_exact_ones():
     """Critical lengths that are known."""
     for options, exact, frequency, tolerance in EXACT:
         length, found = critical(options)
@@ -145,7 +145,7 @@ def critical_exact():
 
 
 @check
-def critical_pulled():
+def the_eigenvalue_of_a_pulled_tip_changes_sign_when_critical():
     """A tip that is pulled has its eigenvalues over time, too: their sign changes at the critical length."""
     text = tendril("-task stability -tip_force -5 -rod_cells 30 -stability_points 13 -stability_transient 0")
     rows = [[float(v) for v in line.split()] for line in text.splitlines()
@@ -156,7 +156,7 @@ def critical_pulled():
 
 
 @check
-def critical_tiny():
+def critical_lengths_hold_where_growth_is_slow():
     """Where the rod's own rates are up to 1e13 times that of growth."""
     for P in (1e4, 1e6, 1e8):
         exact = np.sqrt(37.69543 / P)
@@ -176,7 +176,7 @@ def bell(zone):
 
 
 @check
-def critical_independent():
+def critical_lengths_are_those_of_galerkins_method():
     """Critical lengths against Galerkin's method with polynomials: the real part changes its sign
     there, within a part in 1e8, and not before."""
     slope = lambda x1: 1 + x1 / 2
@@ -220,7 +220,7 @@ def critical_independent():
 
 
 @check
-def critical_scales():
+def a_stiffer_rod_has_the_scaled_critical_length():
     """Stiffness 8 everywhere doubles the critical length, friction 8 everywhere halves it."""
     stiff = stiffness(lambda d: 8 + 0 * d)
     for law in ("uniform", "feed"):
@@ -247,7 +247,7 @@ def straight_force(L, V, N, mu, beta, knots):
 
 
 @check
-def straight_forces():
+def the_clamp_of_a_straight_rod_bears_the_exact_force():
     """What the clamp bears of a straight rod at every time: against quadrature, and what is known in
     the limit of dry friction that is not rounded off."""
     slope = "-friction_field " + field(
@@ -309,7 +309,7 @@ def straight_forces():
 
 
 @check
-def tip_field():
+def a_resistance_has_the_factor_of_the_field_at_the_tip():
     """A resistance is multiplied by its field where the tip is: a fed straight rod's clamp bears
     L + P N(L); and of dry friction's least viscous share, 1e-6 far above ten times the speed at which it
     is fed, what there is of it at that speed."""
@@ -325,7 +325,7 @@ def tip_field():
 
 
 @check
-def exact_at_rest():
+def exact_friction_at_rest_is_the_limit_of_small_beta():
     """Exact friction behind a growth zone: its forces are those of the limit beta -> 0, within the
     bounds of friction, and not what the noise of the steps makes of them."""
     bent = ("-growth_type apical -growth_initial_length 1.1 -growth_zone 0.1 -rod_curvature 0.13 "
@@ -352,13 +352,13 @@ def exact_at_rest():
 
 
 @check
-def references_frame():
+def the_frame_model_meets_the_references_of_the_world():
     expect_references("", 6e-5, 6e-5)
     expect_references("-ts_rtol 1e-8", 2e-6, 2e-5, ("w_across", "w_apical", "w_all"))
 
 
 @check
-def references_mixed():
+def the_mixed_model_meets_the_references_of_the_world():
     expect_references("-rod_model mixed -rod_cells 1000", 1e-3, 1e-4)
 
 
@@ -380,7 +380,7 @@ LAWS = ("uniform", "feed", "apical")
 
 
 @check
-def linear_start():
+def what_begins_linear_goes_on_as_the_frame_model_says():
     """What begins in the linear model goes on as the frame model says: friction across, forces on the
     tip, growth at the tip, stiffness along the rod."""
     stiff = stiffness(lambda d: 1 + 2 * np.exp(-d))
@@ -412,7 +412,7 @@ def expect_order(what, options, more, cells, should, high, fine):
 
 
 @check
-def orders_in_space():
+def errors_with_all_laws_have_their_order_in_space():
     """Against a finer run; the end of the growth zone moves through the mesh."""
     for law in LAWS:
         options = everything(law) + SMOOTH
@@ -426,7 +426,7 @@ def orders_in_space():
 
 
 @check
-def order_of_curved_follower():
+def a_curved_rod_under_a_follower_has_its_order():
     """The mixed model of a naturally curved rod whose tip's force turns with it."""
     options = (f"-growth_type feed -rod_curvature 0.1 -tip_force 0.3 -tip_law follower {SAG} 1.5 "
                + SMOOTH)
@@ -435,7 +435,7 @@ def order_of_curved_follower():
 
 
 @check
-def orders_in_time():
+def errors_with_all_laws_have_their_order_in_time():
     """At fixed steps, held to one order."""
     for law in ("feed", "apical"):
         options = everything(law) + "-friction_beta 0.05 -ts_max_time 0.5 -rod_cells 60 "
@@ -448,7 +448,7 @@ def orders_in_time():
 
 
 @check
-def energy_balance():
+def energy_is_balanced_with_all_laws():
     """The work of growth and of the tip is what bending stores and friction takes, which never
     gives."""
     for law in LAWS:
@@ -463,7 +463,7 @@ def energy_balance():
 
 
 @check
-def held_tip():
+def a_pinned_tip_snaps_aside_in_steps_that_shrink():
     """A nearly straight rod whose tip is pinned snaps aside. That is seen by the steps that shrink
     before it; else Newton's method takes ten times the iterations."""
     for cells in (150, 200):
@@ -477,7 +477,7 @@ def held_tip():
 
 
 @check
-def held_still():
+def a_held_tip_does_not_move():
     """A tip that is held does not move, whatever round-off makes of it in a short step: with next to
     exact friction that was a direction, and coarse meshes crawled or gave up (3000 steps had come to
     t = 1e-4). Now friction may be as exact as one likes: |x2| stays the same, and so do the steps."""
@@ -533,7 +533,7 @@ def same_on_ranks(options, numbers=(2, 3)):
 
 
 @check(ranks=2)
-def ranks():
+def several_ranks_agree_with_all_laws():
     """1, 2 and 3 ranks agree."""
     for law in LAWS:
         same_on_ranks(everything(law) + "-ts_max_time 0.5 -rod_cells 60",
@@ -545,7 +545,7 @@ def ranks():
 
 
 @check
-def exact_coulomb():
+def rounded_friction_tends_to_exact_coulomb():
     """Rounded off less and less, dry friction becomes exact Coulomb friction."""
     in_bowl = f"-friction_field {field(bowl)} "
     for law in ("uniform", "feed"):
@@ -560,7 +560,7 @@ def exact_coulomb():
 
 
 @check
-def weak_across():
+def a_rod_held_less_across_snaps_by_a_viscous_share():
     """A bent rod that dry friction holds less across than along snaps, and no velocity follows from that
     friction alone: it goes on with a viscous share, says so, and is where the limit of ever less of it
     is (mu = 0.998 and 0.999, which follow no snap and have no such share). A restart keeps the share. Where that
@@ -588,7 +588,7 @@ def weak_across():
 
 
 @check
-def restart():
+def a_restart_with_all_laws_goes_on_to_the_last_bit():
     """A run that was broken and goes on is the unbroken one, to the last bit."""
     for law in LAWS:
         options = everything(law) + "-ts_max_time 3 -output_interval 0.5 -rod_cells 60 "
