@@ -54,6 +54,7 @@ typedef struct {
   double curvature[3]; /* twist about d1, bends about d2 and d3, natural ones included */
   double moment[3];    /* internal moment m */
   double force[3];     /* internal force n */
+  double contact[3];   /* force of contact on the rod per length, without friction */
 } TendrilNode;
 
 /* Where a law of one's own is asked for. */
