@@ -28,7 +28,7 @@ typedef struct {
   Vec local[2];
   Law *law;                   /* of nodes a, mid, b of the cell */
   LoadDual *dual[3];          /* likewise */
-  const PetscReal (*push)[2]; /* what strands add to n' at all points of the rod; NULL: none */
+  const PetscReal (*push)[3]; /* what strands add to n' at all points of the rod; NULL: none */
   PetscReal h;
   PetscBool known;  /* the points are: the state is that of the latest walk */
   PetscBool fresh;  /* a Newton solve begins here */
@@ -201,6 +201,7 @@ static Point *CellsNode(Cell *cell, PetscInt i) {
    at the tip. Collective. */
 static PetscErrorCode CellsOpen(Rod rod, const RodState *at, PetscBool from_tip, Cell *cell) {
   Frame *frame = (Frame *)rod->data;
+  const PetscReal(*couple)[3]; /* (none in the plane) */
 
   PetscFunctionBegin;
   PetscCall(LawsAt(rod, at->t));
@@ -214,7 +215,7 @@ static PetscErrorCode CellsOpen(Rod rod, const RodState *at, PetscBool from_tip,
   cell->s = rod->scene->mesh.s;
   PetscCall(RodOpen(rod, at->U, &cell->local[0], &cell->u));
   PetscCall(RodOpen(rod, at->U_t, &cell->local[1], &cell->u_t));
-  if (frame->strands) PetscCall(FrameStrandsLoad(rod, at, &cell->push));
+  if (frame->strands) PetscCall(StrandRowsLoad(rod, frame->strands, at, &cell->push, &couple));
   PetscCall(RodRecognise(at, &frame->seen, &cell->known));
   if (from_tip)
     cell->a = CellsNode(cell, rod->last);
@@ -497,7 +498,19 @@ static void TipBlock(const Cell *cell, const Point *end, const PetscReal shift[]
               TipDual(rod), by);
 }
 
+/* What strands need to know of the cell that is looked at. */
+static void KeepCell(const Cell *cell, StrandCell *kept) {
+  const Frame *frame = (const Frame *)cell->rod->data;
+
+  *kept = (StrandCell){.end_weight = cell->h * frame->end_weight,
+                       .mid_weight = cell->h * frame->mid_weight,
+                       .bow = cell->h * frame->bow,
+                       .g = cell->law[1].g,
+                       .q = {cell->mid->at.q[0], cell->mid->at.q[1]}};
+}
+
 static PetscErrorCode FrameJacobian(Rod rod, const RodState *at, Mat J) {
+  Frame *frame = (Frame *)rod->data;
   PetscInt first = rod->first, end = rod->end, begin = PetscMax(first - 1, 0);
   PetscReal left[FIELDS][FIELDS], right[FIELDS][FIELDS];
   Cell cell;
@@ -505,7 +518,7 @@ static PetscErrorCode FrameJacobian(Rod rod, const RodState *at, Mat J) {
 
   PetscFunctionBegin;
   PetscCall(CellsOpen(rod, at, PETSC_FALSE, &cell));
-  if (cell.push) PetscCall(FrameStrandsPattern(rod, at->fresh, J));
+  if (frame->strands) PetscCall(StrandRowsPattern(rod, frame->strands, at->fresh, J));
   PetscCall(PetscMemzero(row, sizeof(row)));
   if (first == 0)
     for (int f = X1; f <= TH; f++) row[f][FIELDS + OfClamp(rod, f)] = 1;
@@ -514,6 +527,7 @@ static PetscErrorCode FrameJacobian(Rod rod, const RodState *at, Mat J) {
     if (i < rod->last) {
       CellsNext(&cell, i);
       CellBlocks(&cell, i, (PetscBool)(i == begin), PETSC_TRUE, at->shift, left, right);
+      if (frame->strands && i >= first) KeepCell(&cell, StrandRowsCell(rod, frame->strands, i));
       PutRows(row, M, FIELDS, left);
       PutRows(row, M, 2 * FIELDS, right);
     } else {
@@ -530,7 +544,7 @@ static PetscErrorCode FrameJacobian(Rod rod, const RodState *at, Mat J) {
     }
   }
   PetscCall(CellsClose(&cell));
-  if (cell.push) PetscCall(FrameStrandsJacobian(rod, at, J));
+  if (frame->strands) PetscCall(StrandRowsJacobian(rod, frame->strands, at, J));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(0);
@@ -704,7 +718,7 @@ static PetscErrorCode FrameHold(Rod rod, const RodState *at, PetscReal seen, Pet
                                           TipDual(rod) + 1));
   PetscCall(CellsClose(&cell));
   Forget(frame);
-  if (frame->strands) PetscCall(FrameStrandsHold(rod, seen, creep));
+  if (frame->strands) PetscCall(StrandRowsHold(frame->strands, seen, creep));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, creep, 1, MPIU_REAL, MPI_MAX, rod->scene->comm));
   PetscFunctionReturn(0);
 }
@@ -718,7 +732,7 @@ static PetscReal *Remembered(Frame *frame, Rod rod, PetscInt i, PetscInt k) {
   LoadDual *dual;
 
   if (k >= 2 * frame->duals * REMEMBERED)
-    return FrameStrandsRemembered(rod, i, k - 2 * frame->duals * REMEMBERED);
+    return StrandRowsRemembered(frame->strands, i, k - 2 * frame->duals * REMEMBERED);
   dual = FrameDuals(frame, 2 * (i - rod->first + 1)) + k / REMEMBERED;
   return (PetscReal *)dual + k % REMEMBERED;
 }
@@ -760,7 +774,7 @@ static PetscErrorCode FrameRecall(Rod rod, Vec memory) {
   PetscCall(VecRestoreArrayRead(local, &m));
   PetscCall(DMRestoreLocalVector(da, &local));
   Forget(frame);
-  if (frame->strands) PetscCall(FrameStrandsRecalled(rod));
+  if (frame->strands) PetscCall(StrandRowsRecalled(rod, frame->strands));
   PetscFunctionReturn(0);
 }
 
@@ -825,8 +839,8 @@ static PetscErrorCode FrameCreate(Rod rod) {
   if (!rod->scene->contact.self) PetscFunctionReturn(0);
   UserCheck(rod->order == 4, rod->scene->comm, "-rod_order 2: -contact_self needs order 4");
   rod->coupled = PETSC_TRUE;
-  PetscCall(FrameStrandsCreate(rod, &frame->strands));
-  rod->memory += FrameStrandsMemory(rod);
+  PetscCall(StrandRowsCreate(rod, &frame->strands));
+  rod->memory += StrandRowsMemory(frame->strands);
   PetscFunctionReturn(0);
 }
 
@@ -834,7 +848,7 @@ static PetscErrorCode FrameDestroy(Rod rod) {
   Frame *frame = (Frame *)rod->data;
 
   PetscFunctionBegin;
-  PetscCall(FrameStrandsDestroy(&frame->strands));
+  PetscCall(StrandRowsDestroy(&frame->strands));
   PetscCall(PetscFree3(frame->law, frame->dual, frame->point));
   PetscCall(PetscFree(frame->feet));
   PetscCall(PetscFree(rod->data));

@@ -16,6 +16,11 @@ PetscErrorCode RodCreate(Scene scene, const RodModel *model, Rod *rod) {
   *rod = self; /* whole or not, the caller destroys it */
   self->model = model;
   self->scene = scene;
+  self->comm = scene->comm;
+  self->s = scene->mesh.s;
+  self->itself = self;
+  self->rods = 1;
+  self->each = &self->itself;
   self->last = scene->mesh.cells;
   self->kept[0].t = self->kept[1].t = PETSC_MIN_REAL;
   PetscCallMPI(MPI_Comm_size(scene->comm, &ranks));

@@ -143,6 +143,11 @@ typedef struct {
 struct _Rod {
   const RodModel *model;
   Scene scene;
+  MPI_Comm comm;      /* the ranks that share it */
+  const PetscReal *s; /* labels of its nodes, all of them */
+  PetscInt rods;      /* of several that go together, how many, */
+  Rod *each;          /* ... and these; of one, itself: see rod/ask.h */
+  Rod itself;
   DM da;                /* the unknowns: 1D DMDA over the nodes */
   DM nodes;             /* Node at each node, stencil 1 */
   PetscInt first, end;  /* owned nodes: first .. end - 1 */

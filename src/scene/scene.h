@@ -21,11 +21,12 @@ typedef enum { CLAMP_HELD, CLAMP_HINGED, CLAMP_FREE } ClampType;
 /* What a scene makes its own units of, for what has none: see rod/units.c. */
 typedef struct {
   PetscReal length, time, stiffness;
-  PetscReal speed;  /* at which the rod grows; else its length over the time of the run */
-  PetscReal own;    /* the rod's own time */
-  PetscReal brief;  /* of which short steps are a part */
-  PetscBool unheld; /* friction holds none of the rod where it begins, or not all of it */
-  PetscBool found;  /* else they are 1 */
+  PetscReal speed;    /* at which the rod grows; else its length over the time of the run */
+  PetscReal own;      /* the rod's own time */
+  PetscReal brief;    /* of which short steps are a part */
+  PetscBool unheld;   /* friction holds none of the rod where it begins, or not all of it */
+  PetscBool straight; /* it begins so */
+  PetscBool found;    /* else they are 1 */
 } SceneUnits;
 
 /* What the laws of the rod itself give at a label: SceneMaterial(). In the plane the bend is that
