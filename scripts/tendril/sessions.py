@@ -17,6 +17,7 @@ from .playing import Played, controls, may_lead_tip, save_scene
 from .simulation import BY_WORDS, Simulation
 
 KEEP_AT_MOST = 0.03  # of the time of computing, for states to go back to
+UNHURRIED = 20  # seconds that a run takes at first, if it can
 FRAMES = 240  # of a branch that are kept, to be looked at
 TOUCH = 0.35  # seconds in which what is dragged comes to where it was dragged
 SLOW = 0.7  # seconds: a step that takes longer is told
@@ -57,12 +58,13 @@ class Session:
         self.played, self.directory, self.publish = played, Path(directory), publish
         self.results = Path(results)
         self.commands: queue.Queue = queue.Queue()
-        self.running, self.pace, self.closing = False, None, False
+        self.running, self.closing = False, False
         self.written: dict[str, Path] = {}  # the files that a page may fetch
         self.branches: list[Branch] = []
         self.sim = Simulation(**played.options)
         self.setup = self.begun()
         self.end = float(self.setup.attributes.get("parameters/ts_max_time", 40))
+        self.pace = self.end / UNHURRIED
         self.names = list(self.sim.series)
         self.space = self.sim.space
         self.branch = Branch(0)

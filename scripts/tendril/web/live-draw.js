@@ -62,12 +62,12 @@ class Stage {
   }
 
   frameAll(scene) {
-    const [low, high] = this.reach.map((r) => [...r]);
+    const [low, high] = this.reach.map((r) => [...r]), [from, to] = this.reach;
     const size = Math.max(...[0, 1, 2].map((d) => high[d] - low[d]), 1e-9);
     for (const wall of scene.walls) {  // stones near the rod are seen whole
       if (!wall.circle || wall.inside) continue;
       const [x, y, r] = wall.circle;
-      if (x - r < high[0] + 0.7 * size && x + r > low[0] - 0.7 * size && y - r < high[1] + 0.7 * size && y + r > low[1] - 0.7 * size) {
+      if (x - r < to[0] + 0.5 * size && x + r > from[0] - 0.5 * size && y - r < to[1] + 0.5 * size && y + r > from[1] - 0.5 * size) {
         low[0] = Math.min(low[0], x - r); high[0] = Math.max(high[0], x + r);
         low[1] = Math.min(low[1], y - r); high[1] = Math.max(high[1], y + r);
       }
