@@ -112,12 +112,14 @@ def options_of(form, directory) -> dict:
     return options
 
 
-def field_of(text, form):
+def field_of(text):
     """Which field a line of tendril's is about, by the option that it names."""
+    if "wall_file" in text:
+        return "walls"
     for name, *_ in FIELDS:
         if re.search(rf"\b{name}\b", text):
             return name
-    return "walls" if "wall" in text else None
+    return None
 
 
 def drawing(options) -> dict:
@@ -166,5 +168,5 @@ def begin(server, command):
             return drawing(options)
         server.start(None, **options)
     except RunError as fault:
-        raise FieldError(str(fault), field_of(str(fault), form)) from None
+        raise FieldError(str(fault), field_of(str(fault))) from None
     return None
