@@ -1,8 +1,7 @@
 /* -task grow: what is changed in a run, by -change_file or by who takes it step by step. */
 #include "scene/change.h"
+#include "tasks/grow_rules.h"
 #include "tasks/growing.h"
-
-static const PetscReal same = 1e-12;
 
 /* The value that the options have of a name; "" if none. */
 static PetscErrorCode ValueOf(const char *name, char value[PETSC_MAX_PATH_LEN]) {
@@ -92,7 +91,7 @@ static PetscErrorCode TakeDue(Grow *self, PetscReal t) {
   char name[128];
 
   PetscFunctionBegin;
-  while (ChangesNext(list) <= t * (1 + same)) {
+  while (ChangesNext(list) <= t * (1 + grow_rule.same_time)) {
     const ChangeRow *row = &list->row[list->done];
     (void)snprintf(name, sizeof(name), "-%s", row->what);
     PetscCall(GrowApply(self, name, row->value, t));
@@ -110,13 +109,13 @@ PetscErrorCode GrowStepOn(Grow *self, PetscReal until) {
   const PetscReal next = ChangesNext(self->scene->changes);
 
   PetscFunctionBegin;
-  if (next <= self->seen.t * (1 + same)) {
+  if (next <= self->seen.t * (1 + grow_rule.same_time)) {
     PetscCall(TakeDue(self, self->seen.t));
     PetscFunctionReturn(0);
   }
   PetscCall(GrowStep(self, PetscMin(until, next)));
   if (self->over || until < next) PetscFunctionReturn(0);
-  if (self->waits || self->seen.t >= next * (1 - same))
+  if (self->waits || self->seen.t >= next * (1 - grow_rule.same_time))
     PetscCall(TakeDue(self, self->waits ? next : self->seen.t));
   PetscFunctionReturn(0);
 }

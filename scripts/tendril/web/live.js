@@ -1,4 +1,4 @@
-// The page of a run one can touch: what the server (tendril/live.py) sends is shown, what is done goes there.
+// The page of a run one can touch: what the server (tendril/live_server.py) sends is shown, what is done goes there.
 // mount(element, connection): in a page of its own, or in a notebook's cell.
 
 // A connection to the server, which comes again by itself when it was lost.
@@ -66,6 +66,9 @@ function mount(root, connection) {
 
   function hearScene(scene) {
     S.scene = scene;
+    S.names = null;
+    S.rows = [];
+    S.frames = [];
     S.lab = Object.keys(scene.units).length > 0;
     S.ghost = S.frame = S.before = null;
     S.looking = null;
@@ -92,7 +95,7 @@ function mount(root, connection) {
   }
 
   function hearFrame(m) {
-    if (m.branch !== S.branch) return;
+    if (!S.scene || !S.names || m.branch !== S.branch) return;
     S.rows.push(...m.rows);
     if (S.rows.length > 9000) S.rows = S.rows.filter((_, i) => i % 2 === 0 || i > S.rows.length - 1000);
     S.frames.push([m.t, m.frame]);
