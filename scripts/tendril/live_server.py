@@ -31,7 +31,7 @@ from .starting_page import first_scene, gallery, picture_file
 
 WEB = Path(__file__).resolve().parent / "web"
 LARGEST = 400_000  # bytes of a message: a wall file that is dropped on the page
-FRAMES_A_SECOND = 30
+FRAMES_A_SECOND = 60
 KINDS = {".h5": "application/x-hdf5", ".png": "image/png", ".gif": "image/gif", ".html": "text/html; charset=utf-8", ".opts": "text/plain; charset=utf-8",
          ".txt": "text/plain; charset=utf-8"}
 

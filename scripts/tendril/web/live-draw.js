@@ -61,7 +61,7 @@ class Stage {
       }
   }
 
-  frameAll(scene) {
+  frameAll(scene, x) {
     const [low, high] = this.reach.map((r) => [...r]), [from, to] = this.reach;
     const size = Math.max(...[0, 1, 2].map((d) => high[d] - low[d]), 1e-9);
     for (const wall of scene.walls) {  // stones near the rod are seen whole
@@ -72,6 +72,7 @@ class Stage {
         low[1] = Math.min(low[1], y - r); high[1] = Math.max(high[1], y + r);
       }
     }
+    if (!this.flat) return this.frameRod(x);
     const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((k) => [0, 1, 2].map((d) => (k >> d & 1 ? high : low)[d]));
     const [right, up] = this.now, span = (axis) => {
       const along = corners.map((c) => c[0] * axis[0] + c[1] * axis[1] + c[2] * axis[2]);
@@ -82,6 +83,24 @@ class Stage {
     const way = this.settled ? 0.12 : 1;
     this.scale *= (wanted / this.scale) ** way;
     for (let d = 0; d < 3; d++) this.middle[d] += way * (middle[d] - this.middle[d]);
+    this.settled = true;
+  }
+
+  // in space: as the rod is seen now
+  frameRod(x) {
+    const [right, up, back] = this.now, low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+    for (let i = 0; i + 2 < x.length; i += 3)
+      [right, up, back].forEach((axis, k) => {
+        const at = axis[0] * x[i] + axis[1] * x[i + 1] + axis[2] * x[i + 2];
+        low[k] = Math.min(low[k], at);
+        high[k] = Math.max(high[k], at);
+      });
+    if (!(high[0] > low[0])) return;
+    const size = Math.max(high[0] - low[0], high[1] - low[1], 1e-9), way = this.settled ? 0.15 : 1;
+    const wanted = 0.84 * Math.min(this.width / Math.max(high[0] - low[0], 0.1 * size), this.height / Math.max(high[1] - low[1], 0.1 * size));
+    this.scale *= (wanted / this.scale) ** way;
+    const mid = low.map((v, k) => (v + high[k]) / 2);
+    for (let d = 0; d < 3; d++) this.middle[d] += way * (right[d] * mid[0] + up[d] * mid[1] + back[d] * mid[2] - this.middle[d]);
     this.settled = true;
   }
 
@@ -101,7 +120,7 @@ class Stage {
     ctx.clearRect(0, 0, box.width, box.height);
     ctx.lineCap = ctx.lineJoin = "round";
     if (frame) this.see(frame.x);
-    if (this.fit) this.frameAll(scene);
+    if (this.fit) this.frameAll(scene, frame ? frame.x : []);
     for (const wall of scene.walls) this.drawWall(wall, (walls || {})[wall.line] || [0, 0, 0], grabbed === wall.line, scene);
     if (this.flat) this.drawRuler();
     if (ghost) this.drawRod(ghost, "#ccc", scene, null);
