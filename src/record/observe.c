@@ -172,8 +172,8 @@ static PetscErrorCode SampleFill(Scene scene, PetscReal s, PetscReal t, Sample *
 /* The middle of a cell by Hermite's formula y_mid = (y_a + y_b)/2 + h/8 (y'_a - y'_b); feet: what
    they add to n' at a, between and at b, NULL: none. */
 static PetscErrorCode SampleMid(Scene scene, PetscReal sa, PetscReal sb, PetscReal t,
-                                const Sample *a, const Sample *b, const PetscReal (*feet)[2],
-                                Sample *mid) {
+                                const Sample *a, const Sample *b,
+                                const PetscReal (*feet)[FOOT_LOAD], Sample *mid) {
   const Sample *end[2] = {a, b};
   PetscReal h = sb - sa;
 
@@ -318,12 +318,12 @@ static void MeasureTip(Scene scene, const Sample *p, const PetscReal contact[2],
 
 /* What feet on posts add to n' in cell i, NULL: nothing; cells are asked for one after the other, k
    is how many with feet are behind. */
-static const PetscReal (*FeetOf(Observer self, PetscInt i, PetscInt *k))[2] {
+static const PetscReal (*FeetOf(Observer self, PetscInt i, PetscInt *k))[FOOT_LOAD] {
   const TouchFeet *feet;
   PetscInt n = self->touching ? TouchingFeet(self->touching, &feet) : 0;
 
   if (*k >= n || feet[*k].cell != i) return NULL;
-  return (const PetscReal(*)[2])feet[(*k)++].load;
+  return (const PetscReal(*)[FOOT_LOAD])feet[(*k)++].load;
 }
 
 /* Integrals over a piece of a rod in the plane by Simpson's rule on each cell, and what is read at

@@ -165,9 +165,9 @@ PetscErrorCode ObserveSpace(Scene scene, PetscReal t, PetscInt first, PetscInt e
   SampleFill3(scene, t, law, &b);
   if (!first) MeasureClamp3(scene, &b, seen);
   for (PetscInt i = first; i < end; i++, law += 2) {
-    const PetscReal(*load)[FOOT3_LOAD] = NULL, h = s[i + 1] - s[i];
+    const PetscReal(*load)[FOOT_LOAD] = NULL, h = s[i + 1] - s[i];
     for (; n > 0 && feet->cell < i; n--) feet++;
-    if (n > 0 && feet->cell == i) load = feet->load3;
+    if (n > 0 && feet->cell == i) load = feet->load;
     a = b;
     b.node = node[i + 1 - first];
     b.push = push ? push[2 * i + 2] : NULL;

@@ -88,7 +88,7 @@ static void AddEnd(Scene scene, const Sample3 *p, const TwistRate *rate, PetscRe
    add to n' and m' at a, between and at b; NULL: none. */
 PetscErrorCode SampleMid3(Scene scene, PetscReal sa, PetscReal sb, PetscReal t,
                           const SampleLaw *law, const Sample3 *a, const Sample3 *b,
-                          const PetscReal (*feet)[FOOT3_LOAD], Sample3 *mid) {
+                          const PetscReal (*feet)[FOOT_LOAD], Sample3 *mid) {
   const PetscBool feels = (PetscBool)(scene->load.radius > 0);
   PetscReal h = sb - sa, turns = 0;
   TwistRate rate[2] = {{0, 0}, {0, 0}};

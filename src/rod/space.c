@@ -38,7 +38,7 @@ static void Kink(const Cell *cell, PetscReal K[4]) {
 /* Adds to the residual of a cell what its feet do at its ends alone, and the kink. */
 static void AddFeet(const Cell *cell, PetscReal r[FIELDS]) {
   const Space_ *self = (const Space_ *)cell->rod->data;
-  const PetscReal we = cell->h * self->end_weight, (*load)[FOOT3_LOAD] = cell->foot_load;
+  const PetscReal we = cell->h * self->end_weight, (*load)[FOOT_LOAD] = cell->foot_load;
   PetscReal K[4];
 
   Kink(cell, K);

@@ -99,23 +99,24 @@ static void FeetsCell(Cell *cell, PetscInt i) {
   const Space_ *self = (const Space_ *)cell->rod->data;
   const Point *end[2] = {cell->a, cell->b};
   const PetscReal arm = cell->load->arm;
-  FootCell3 *of = &cell->foot_cell;
+  FootCell *of = &cell->foot_cell;
+  CurveCell *curve = &of->curve;
 
-  *of = (FootCell3){.h = cell->h, .moves = PETSC_TRUE};
+  *of = (FootCell){.dims = 3, .curve = {.h = cell->h}, .moves = PETSC_TRUE};
   of->first = (PetscBool)(i == 0);
   of->last = (PetscBool)(i == cell->rod->last - 1);
   for (int k = 0; k < FOOT_PARTS; k++) {
-    of->c[k] = cell->law[k].c;
+    curve->c[k] = cell->law[k].c;
     of->weight[k] = k == 1 ? self->mid_weight : self->end_weight;
   }
   for (int e = 0; e < 2; e++) {
-    of->g[e] = cell->law[2 * e].g;
-    VelocitySlope(&cell->law[2 * e], end[e], of->slope_t[e]);
+    curve->g[e] = cell->law[2 * e].g;
+    VelocitySlope(&cell->law[2 * e], end[e], curve->slope_t[e]);
     if (arm > 0) of->spin[e] = end[e]->at.W[SPIN] / arm;
     for (int d = 0; d < 3; d++) {
-      of->x[e][d] = end[e]->at.x[d];
-      of->q[e][d] = end[e]->d[0][d];
-      of->x_t[e][d] = end[e]->at.W[d] - cell->law[2 * e].c * end[e]->d[0][d];
+      curve->x[e][d] = end[e]->at.x[d];
+      curve->q[e][d] = end[e]->d[0][d];
+      curve->x_t[e][d] = end[e]->at.W[d] - cell->law[2 * e].c * end[e]->d[0][d];
     }
   }
 }
@@ -125,11 +126,11 @@ static void FindFeet(Cell *cell, PetscInt i) {
   const Contact *contact = &cell->rod->scene->contact;
 
   FeetsCell(cell, i);
-  FeetFind3(contact, &cell->foot_cell, contact->smooth, &cell->feet);
+  FeetFind(contact, &cell->foot_cell, contact->smooth, &cell->feet);
   if (!cell->feet.n) return;
   memset(cell->foot_load, 0, sizeof(cell->foot_load));
-  FeetPush3(contact, &cell->foot_cell, FootDuals(cell, i), &cell->feet);
-  FeetHandOut3(&cell->foot_cell, &cell->feet, cell->foot_load);
+  FeetPush(contact, &cell->foot_cell, FeetHeldAt(cell, i), &cell->feet);
+  FeetHandOut(&cell->foot_cell, &cell->feet, cell->foot_load);
 }
 
 /* The point at node i. */

@@ -4,7 +4,7 @@
 #define TENDRIL_SPACE_CELLS_H
 
 #include "rod/directors.h"
-#include "rod/feet_space.h"
+#include "rod/feet.h"
 #include "rod/rod.h"
 #include "rod/strand_rows.h"
 #include "rod/spin.h"
@@ -58,10 +58,10 @@ typedef struct {
   const PetscReal (*couple)[3]; /* and to m' */
   PetscBool known;              /* the points are: the state is that of the latest walk */
   Point *a, *mid, *b;
-  PetscBool thin;      /* there may be feet */
-  FootCell3 foot_cell; /* of this cell, ... */
-  Feet3 feet;          /* ... what it is to what stands out, */
-  FootLoad3 foot_load; /* and what that adds to n' and m' at its points alone */
+  PetscBool thin;     /* there may be feet */
+  FootCell foot_cell; /* of this cell, ... */
+  Feet feet;          /* ... what it is to what stands out, */
+  FootLoad foot_load; /* and what that adds to n' and m' at its points alone */
 } Cell;
 
 /* What a cell that is split adds to the moment in its middle, times the couple at its beginning,
@@ -145,10 +145,11 @@ static inline FrictionDual4 *Duals(const Space_ *self, PetscInt k) {
   return self->dual + k * self->duals;
 }
 
-/* Those of the feet of the cell behind node i; NULL: none are remembered. */
-static inline FrictionDual4 *FootDuals(const Cell *cell, PetscInt i) {
+/* Those of the feet of the cell behind node i. */
+static inline FeetHeld FeetHeldAt(const Cell *cell, PetscInt i) {
   const Space_ *self = (const Space_ *)cell->rod->data;
-  return self->foot_dual ? self->foot_dual + (i - cell->rod->first + 1) * WALL_SLOTS : NULL;
+  if (!self->foot_dual) return (FeetHeld){.slots = NULL};
+  return (FeetHeld){.slots = self->foot_dual + (i - cell->rod->first + 1) * WALL_SLOTS};
 }
 
 void SpaceCellsForget(Space_ *self);

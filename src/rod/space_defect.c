@@ -14,7 +14,7 @@ typedef struct {
   const FrictionDual4 *dual[PLACES]; /* at the points */
   const PetscReal (*push)[3];        /* what strands add to n' at these points; NULL: none */
   const PetscReal (*couple)[3];      /* and to m'; NULL: none */
-  PetscReal feet[2][FOOT3_LOAD];     /* what feet add in the middle of each */
+  PetscReal feet[2][FOOT_LOAD];      /* what feet add in the middle of each */
   Point p[PLACES];
   PetscReal value[PLACES][FIELDS]; /* f at them, as the defect looks at it */
 } Cells;
@@ -144,7 +144,7 @@ static void Take(const Cell *cell, PetscInt i, int k, Cells *cells) {
   }
   for (int e = 0; e < 3; e++) cells->dual[2 * k + e] = cell->dual[e];
   cells->h[k] = cell->h;
-  for (int d = 0; d < FOOT3_LOAD; d++) cells->feet[k][d] = cell->feet.n ? cell->foot_load[1][d] : 0;
+  for (int d = 0; d < FOOT_LOAD; d++) cells->feet[k][d] = cell->feet.n ? cell->foot_load[1][d] : 0;
   cells->p[2 * k] = *cell->a;
   cells->p[2 * k + 1] = *cell->mid;
   cells->p[2 * k + 2] = *cell->b;

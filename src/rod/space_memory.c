@@ -82,8 +82,8 @@ PetscErrorCode SpaceHold(Rod rod, const RodState *at, PetscReal seen, PetscReal 
     *creep = LargerOf(*creep, LoadHold3(cell.load, &cell.mid->at, seen, cell.dual[1]));
     if (ends) *creep = LargerOf(*creep, LoadHold3(cell.load, &cell.b->at, seen, cell.dual[2]));
     if (cell.feet.n && self->foot_dual)
-      *creep =
-          LargerOf(*creep, FeetHold3(&rod->scene->contact, &cell.feet, seen, FootDuals(&cell, i)));
+      *creep = LargerOf(*creep, FeetHold(&rod->scene->contact, &cell.foot_cell, &cell.feet, seen,
+                                         FeetHeldAt(&cell, i)));
   }
   if (rod->end == rod->last + 1) {
     TipState3 tip = SpaceTipOf(cell.load, cell.b);
