@@ -161,6 +161,7 @@ static PetscErrorCode SampleFill(Scene scene, PetscReal s, PetscReal t, Sample *
   p->at.t = t;
   p->at.q[0] = PetscCosReal(p->node.theta);
   p->at.q[1] = PetscSinReal(p->node.theta);
+  p->at.x[2] = 0;
   for (int d = 0; d < 2; d++) {
     p->at.x[d] = p->node.x[d];
     p->at.v[d] = p->node.x_t[d] + p->c * p->at.q[d];
@@ -744,7 +745,7 @@ PetscErrorCode ObserverTouch(Observer observer, PetscReal t, const Node *nodes, 
 static PetscReal Lift(Scene scene, PetscReal most) {
   const PetscReal small = 1e-100;
 
-  return most < small && scene->load.clamp[1] == 0 ? 0x1p800 : 1;
+  return most < small && scene->load.lab[1][0] == 0 ? 0x1p800 : 1;
 }
 
 /* What all ranks have seen of their pieces, together: a number is a sum, or 0 on all but one. */

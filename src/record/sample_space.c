@@ -38,14 +38,14 @@ static void Fill(PetscReal t, const SampleLaw *law, Sample3 *p) {
   for (int k = 0; k < 3; k++) {
     p->at.x[k] = node->x3[k];
     p->at.q[k] = p->d[0][k];
-    p->at.W[k] = node->x3_t[k] + p->law.c * p->d[0][k];
+    p->at.v[k] = node->x3_t[k] + p->law.c * p->d[0][k];
   }
 }
 
 /* The friction at a point whose directors turn at p->turns. */
 static void Rub(Scene scene, Sample3 *p) {
   p->spin = p->turns + p->law.c * p->u[0];
-  p->at.W[SPIN] = scene->load.arm * p->spin;
+  p->at.v[SPIN] = scene->load.arm * p->spin;
   LoadSeen3(&scene->load, &p->at, p->F);
 }
 

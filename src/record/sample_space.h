@@ -22,7 +22,7 @@ typedef struct {
   PetscReal d[3][3], moment[3], u[3]; /* directors; moment and strains about them */
   PetscReal turns, spin, F[RUBS];     /* spin of the directors, of the material; load of friction */
   const PetscReal *push;              /* of contact, per length; NULL: none */
-  Place3 at;
+  Place at;
 } Sample3;
 
 PetscErrorCode SampleLaws(Scene scene, PetscReal t, PetscInt first, PetscInt end, SampleLaw law[]);

@@ -34,8 +34,8 @@ static void AddWall3(const Contact *contact, const Touch3 *touch, const Rubbed *
 static PetscBool Walls3(const Contact *contact, const Spot3 *spot, PetscReal bound,
                         PetscReal force[PUSH], TouchSum *sum) {
   const PetscReal rest[3] = {0};
-  const Place3 *place = &spot->sample->at;
-  const Rubbed at = {place->x, place->q, spot->moves ? place->W : rest,
+  const Place *place = &spot->sample->at;
+  const Rubbed at = {place->x, place->q, spot->moves ? place->v : rest,
                      spot->moves ? spot->sample->spin : 0};
   const PetscReal within = PetscMax(contact->smooth, PetscMin(sum->nearest, bound)),
                   gap = ContactGap3(contact, place->x, within);

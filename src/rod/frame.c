@@ -280,9 +280,8 @@ static void CellResidual(const Frame *frame, const Cell *cell, const PetscReal *
 
 /* What the tip's conditions are about. */
 static TipState TipOf(const Point *end) {
-  TipState tip = {
-      .at = end->at, .theta = end->theta, .moment = end->m, .force = {end->n[0], end->n[1]}};
-  return tip;
+  return (TipState){
+      .at = end->at, .theta = end->theta, .m = {0, 0, end->m}, .n = {end->n[0], end->n[1]}};
 }
 
 /* The tip's own dual stands where that of a cell behind the tip would. */

@@ -70,7 +70,7 @@ static PetscErrorCode SpaceResidual(Rod rod, const RodState *at, Vec F) {
   }
   if (rod->first == 0) SpaceClampResidual(scene, at->t, cell.u[0], F_[0]);
   if (rod->end == rod->last + 1) {
-    TipState3 tip = SpaceTipOf(cell.load, cell.b);
+    TipState tip = SpaceTipOf(cell.load, cell.b);
     TipResidual3(&scene->tip, &tip, SpaceTipDual(rod), &F_[rod->last][LEFT]);
     for (int d = 0; d < 3 && cell.push && scene->tip.type == TIP_FREE; d++) {
       F_[rod->last][N + d] -= cell.push[2 * rod->last + 1][d];

@@ -14,7 +14,7 @@ static void PointAtNode(const Cell *cell, const Law *law, const FrictionDual4 *d
   p->at.t = cell->t;
   for (int i = 0; i < 3; i++) {
     p->at.x[i] = u[X + i];
-    p->at.W[i] = u_t[X + i] + law->c * p->d[0][i];
+    p->at.v[i] = u_t[X + i] + law->c * p->d[0][i];
   }
   PointEvaluate(cell->load, law, dual, p);
 }
@@ -45,14 +45,14 @@ static void PointAtMid(Cell *cell, PetscReal k, const PetscReal *ua_t, const Pet
   }
   PointStrains(load, &cell->law[1], p);
   if (cell->cubic)
-    p->at.W[SPIN] =
+    p->at.v[SPIN] =
         load->arm *
         (CurveMid(k, QuaternionSpin(a->p, a->size, a->p_t), NodeSpinSlope(&cell->law[0], a),
                   QuaternionSpin(b->p, b->size, b->p_t), NodeSpinSlope(&cell->law[2], b)) +
          cell->law[1].c * p->u[0]);
   p->at.t = cell->t;
   for (int i = 0; i < 3; i++)
-    p->at.W[i] = CurveMid(k, ua_t[X + i], wa[i], ub_t[X + i], wb[i]) + cell->law[1].c * p->d[0][i];
+    p->at.v[i] = CurveMid(k, ua_t[X + i], wa[i], ub_t[X + i], wb[i]) + cell->law[1].c * p->d[0][i];
   PointEvaluate(load, &cell->law[1], cell->dual[1], p);
   for (int i = 0; i < 3 && cell->split; i++)
     p->f[M + i] += (a->couple[i] + b->couple[i]) / 2 - p->couple[i];
@@ -112,11 +112,11 @@ static void FeetsCell(Cell *cell, PetscInt i) {
   for (int e = 0; e < 2; e++) {
     curve->g[e] = cell->law[2 * e].g;
     VelocitySlope(&cell->law[2 * e], end[e], curve->slope_t[e]);
-    if (arm > 0) of->spin[e] = end[e]->at.W[SPIN] / arm;
+    if (arm > 0) of->spin[e] = end[e]->at.v[SPIN] / arm;
     for (int d = 0; d < 3; d++) {
       curve->x[e][d] = end[e]->at.x[d];
       curve->q[e][d] = end[e]->d[0][d];
-      curve->x_t[e][d] = end[e]->at.W[d] - cell->law[2 * e].c * end[e]->d[0][d];
+      curve->x_t[e][d] = end[e]->at.v[d] - cell->law[2 * e].c * end[e]->d[0][d];
     }
   }
 }
@@ -219,7 +219,7 @@ PetscErrorCode SpaceCellsClose(Cell *cell) {
 static PetscBool Splits(const Cell *cell, PetscInt i) {
   const Space_ *self = (const Space_ *)cell->rod->data;
   const Friction *law = &cell->load->friction;
-  const PetscReal *a = cell->a->at.W, *b = cell->b->at.W, *fast = b, resolved = 4, less = 1. / 16,
+  const PetscReal *a = cell->a->at.v, *b = cell->b->at.v, *fast = b, resolved = 4, less = 1. / 16,
                   beta = law->beta > 0 ? law->beta : friction_tiny;
   PetscBool *split = &self->split[i + 1 - cell->rod->first];
   PetscReal aa, bb;

@@ -22,7 +22,7 @@ typedef struct {
   PetscReal p[4], m[3], n[3], size, d[3][3], u[3], f[FIELDS];
   PetscReal couple[3];               /* of friction, in f */
   PetscReal p_t[4], m_t[3], d1_t[3]; /* rates, that of d1 at nodes */
-  Place3 at;
+  Place at;
 } Point;
 
 typedef struct {
@@ -100,9 +100,9 @@ static inline void PointStrains(const Load *load, const Law *law, Point *p) {
               law->u0[k];
     p->at.q[k] = p->d[0][k];
   }
-  p->at.W[SPIN] = 0;
+  p->at.v[SPIN] = 0;
   if (load->arm > 0)
-    p->at.W[SPIN] = load->arm * (QuaternionSpin(p->p, p->size, p->p_t) + law->c * p->u[0]);
+    p->at.v[SPIN] = load->arm * (QuaternionSpin(p->p, p->size, p->p_t) + law->c * p->u[0]);
 }
 
 /* d1_t at a node. */
@@ -158,7 +158,7 @@ void SpaceCellsNext(Cell *cell, PetscInt i);
 PetscErrorCode SpaceCellsClose(Cell *cell);
 
 /* space_ends.c */
-TipState3 SpaceTipOf(const Load *load, const Point *end);
+TipState SpaceTipOf(const Load *load, const Point *end);
 FrictionDual4 *SpaceTipDual(Rod rod);
 void SpaceClampResidual(Scene scene, PetscReal t, const PetscReal u[FIELDS], PetscReal r[FIELDS]);
 void SpaceClampBlock(Scene scene, PetscReal t, const PetscReal u[FIELDS],

@@ -41,17 +41,17 @@ static void PointOnCubic(const Cells *cells, int k, const Law *law_b, PetscReal 
   }
   PointStrains(load, law, p);
   if (load->radius > 0)
-    p->at.W[SPIN] =
+    p->at.v[SPIN] =
         load->arm *
         (HermiteAt(z, h, QuaternionSpin(a->p, a->size, a->p_t), NodeSpinSlope(cells->law, a),
                    QuaternionSpin(b->p, b->size, b->p_t), NodeSpinSlope(law_b, b)) +
          law->c * p->u[0]);
   p->at.t = at->at.t;
   for (int i = 0; i < 3; i++)
-    p->at.W[i] = HermiteAt(z, h, a->at.W[i] - cells->law->c * a->d[0][i], wa[i],
-                           b->at.W[i] - law_b->c * b->d[0][i], wb[i]) +
+    p->at.v[i] = HermiteAt(z, h, a->at.v[i] - cells->law->c * a->d[0][i], wa[i],
+                           b->at.v[i] - law_b->c * b->d[0][i], wb[i]) +
                  law->c * p->d[0][i];
-  for (int i = 0; i < RUBS && LoadSticks(load); i++) p->at.W[i] = at->at.W[i];
+  for (int i = 0; i < RUBS && LoadSticks(load); i++) p->at.v[i] = at->at.v[i];
   PointEvaluate(load, law, cells->dual[k], p);
 }
 

@@ -30,7 +30,7 @@ static void AddForces(const Cell *cell, RodForces *end, RodForces *sum) {
 /* Adds what the tip bears. */
 static void AddTip(const Cell *cell, RodForces *sum) {
   Rod rod = cell->rod;
-  const TipState3 tip = SpaceTipOf(cell->load, cell->b);
+  const TipState tip = SpaceTipOf(cell->load, cell->b);
   const PetscInt last = 2 * rod->last + 1;
 
   sum->moved += TipWalls3(&rod->scene->tip, &tip, SpaceTipDual(rod), sum->tip);
@@ -86,7 +86,7 @@ PetscErrorCode SpaceHold(Rod rod, const RodState *at, PetscReal seen, PetscReal 
                                          FeetHeldAt(&cell, i)));
   }
   if (rod->end == rod->last + 1) {
-    TipState3 tip = SpaceTipOf(cell.load, cell.b);
+    TipState tip = SpaceTipOf(cell.load, cell.b);
     *creep = LargerOf(*creep, TipHold3(&rod->scene->tip, &tip, seen, SpaceTipDual(rod)));
   }
   PetscCall(SpaceCellsClose(&cell));

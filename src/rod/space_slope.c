@@ -410,7 +410,7 @@ static void CellBlocks(Cell *cell, PetscInt i, PetscBool first, const PetscReal 
 static void TipBlock(const Cell *cell, const Slope *slope, const PetscReal shift[],
                      PetscReal by[RIGHT][FIELDS]) {
   Rod rod = cell->rod;
-  TipState3 tip = SpaceTipOf(cell->load, cell->b);
+  TipState tip = SpaceTipOf(cell->load, cell->b);
   PetscReal dW[RUBS][FIELDS] = {{0}}, still[FIELDS];
 
   RateSlope(cell->load, cell->b, 1, ShiftsAt(cell, rod->last, shift, still), dW);
