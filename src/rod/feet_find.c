@@ -1,6 +1,7 @@
 /* Where feet are. */
 #include "base/bezier.h"
 #include "rod/feet.h"
+#include "rod/rules.h"
 
 /* A search under way. */
 typedef struct {
@@ -55,13 +56,11 @@ static PetscReal Lean(const Foot *foot, const PetscReal c[2]) {
 /* The root of (x - c).x_z between 0 and 1, where it goes from below 0 to above: by Newton's method,
    or by halves where that leaves what is known to hold the root. */
 static void DescendToPost(const FootCell *cell, const PetscReal c[2], Foot *foot) {
-  enum { MOST = 80 };
-  const PetscReal enough = 1e-15;
   PetscReal low = 0, high = 1;
   CurvePlace *on = &foot->on;
 
   on->z = 0.5;
-  for (int k = 0; k < MOST; k++) {
+  for (int k = 0; k < rod_rule.nearest_iterations; k++) {
     PetscReal f, f_z, z, o[3] = {0};
     CurvePlaceAt(&cell->curve, on);
     f = Lean(foot, c);
@@ -70,7 +69,8 @@ static void DescendToPost(const FootCell *cell, const PetscReal c[2], Foot *foot
     f_z = Dot3(on->slope, on->slope) + Dot3(o, on->bend);
     z = f_z > 0 ? on->z - f / f_z : -1;
     if (!(z > low && z < high)) z = (low + high) / 2;
-    if (PetscAbsReal(z - on->z) < enough || high - low < enough) return;
+    if (PetscAbsReal(z - on->z) < rod_rule.nearest_found || high - low < rod_rule.nearest_found)
+      return;
     on->z = z;
   }
   CurvePlaceAt(&cell->curve, on);
@@ -159,11 +159,9 @@ static PetscBool LookFrom(const Looking *look, PetscInt item, Foot *foot, Touch3
    by halves where that leaves what is known to hold the root. */
 static PetscBool Descend(const Looking *look, PetscInt item, PetscReal low, PetscReal high,
                          Foot *foot, Touch3 *touch) {
-  enum { MOST = 80 };
-  const PetscReal enough = 1e-15;
 
   foot->on.z = (low + high) / 2;
-  for (int k = 0; k < MOST; k++) {
+  for (int k = 0; k < rod_rule.nearest_iterations; k++) {
     PetscReal f, f_z, z;
     if (!LookFrom(look, item, foot, touch)) return PETSC_FALSE;
     f = Dot3(touch->normal, foot->on.slope);
@@ -171,7 +169,9 @@ static PetscBool Descend(const Looking *look, PetscInt item, PetscReal low, Pets
     f_z = FootStiff(foot, touch);
     z = f_z > 0 ? foot->on.z - f / f_z : -1;
     if (!(z > low && z < high)) z = (low + high) / 2;
-    if (PetscAbsReal(z - foot->on.z) < enough || high - low < enough) return PETSC_TRUE;
+    if (PetscAbsReal(z - foot->on.z) < rod_rule.nearest_found ||
+        high - low < rod_rule.nearest_found)
+      return PETSC_TRUE;
     foot->on.z = z;
   }
   return LookFrom(look, item, foot, touch);

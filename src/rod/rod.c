@@ -1,7 +1,19 @@
 #include "rod/rod.h"
 #include "base/lagrange.h"
 #include "rod/directors.h"
+#include "rod/learned.h"
+#include "rod/rules.h"
 #include <petsc/private/petscimpl.h> /* PetscObjectStateGet() */
+
+/* RodModelFor - a model as it is of a scene: that whose material learns what it has to. */
+const RodModel *RodModelFor(Scene scene, const RodModel *model) {
+  const Tropism *law = &scene->tropism;
+  const PetscBool remembers = (PetscBool)(law->memory > 0 && !law->at_tip);
+
+  if (!law->any) return model;
+  if (model == &rod_frame) return remembers ? &rod_frame_remembers : &rod_frame_learns;
+  return model;
+}
 
 /*
   RodCreate - a rod of one model in a scene, which must outlive it. Collective; the caller destroys
@@ -14,8 +26,13 @@ PetscErrorCode RodCreate(Scene scene, const RodModel *model, Rod *rod) {
   PetscFunctionBegin;
   PetscCall(PetscNew(&self));
   *rod = self; /* whole or not, the caller destroys it */
-  self->model = model;
+  self->model = model = RodModelFor(scene, model);
   self->scene = scene;
+  self->comm = scene->comm;
+  self->s = scene->mesh.s;
+  self->itself = self;
+  self->rods = 1;
+  self->each = &self->itself;
   self->last = scene->mesh.cells;
   self->kept[0].t = self->kept[1].t = PETSC_MIN_REAL;
   PetscCallMPI(MPI_Comm_size(scene->comm, &ranks));
@@ -41,6 +58,7 @@ PetscErrorCode RodDestroy(Rod *rod) {
   PetscFunctionBegin;
   if (!*rod) PetscFunctionReturn(0);
   if ((*rod)->data && (*rod)->model->destroy) PetscCall((*rod)->model->destroy(*rod));
+  if ((*rod)->learned) PetscCall(LearnedDestroy(*rod));
   PetscCall(DMDestroy(&(*rod)->da));
   PetscCall(DMDestroy(&(*rod)->nodes));
   PetscCall(PetscFree(*rod));
@@ -49,11 +67,12 @@ PetscErrorCode RodDestroy(Rod *rod) {
 
 /* RodCreateMatrix - an empty matrix for the rod's Jacobian: blocks of one node, block-banded. */
 PetscErrorCode RodCreateMatrix(Rod rod, Mat *J) {
+  const PetscInt tip = rod->learned && rod->scene->tropism.at_tip; /* all of the rod sees that */
   PetscInt bs = rod->model->fields, w = rod->model->stencil, n = (rod->end - rod->first) * bs;
 
   PetscFunctionBegin;
-  PetscCall(MatCreateBAIJ(rod->scene->comm, bs, n, n, PETSC_DETERMINE, PETSC_DETERMINE, 2 * w + 1,
-                          NULL, w, NULL, J));
+  PetscCall(MatCreateBAIJ(rod->scene->comm, bs, n, n, PETSC_DETERMINE, PETSC_DETERMINE,
+                          2 * w + 1 + tip, NULL, w + tip, NULL, J));
   PetscCall(MatSetOption(*J, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
   PetscFunctionReturn(0);
 }
@@ -183,9 +202,6 @@ PetscErrorCode RodRestoreLocalNodes(Rod rod, Vec *local, const Node **with) {
   PetscFunctionReturn(0);
 }
 
-/* How far apart the labels are between which the slope of a moment is taken. */
-static const PetscReal beside = 1e-4;
-
 /* The moment of the initial shape at s. */
 static PetscErrorCode InitialMoment(Scene scene, PetscReal s, PetscReal t, PetscReal *moment) {
   PetscReal g, theta, slope, k0, B;
@@ -202,8 +218,8 @@ static PetscErrorCode InitialMoment(Scene scene, PetscReal s, PetscReal t, Petsc
 /* Its force across, of which m' = -g q x n: n = (n.q) q - m'/g q_perp. */
 static PetscErrorCode InitialShear(Scene scene, PetscReal s, PetscReal t, Node *node) {
   const PetscReal q[2] = {PetscCosReal(node->theta), PetscSinReal(node->theta)};
-  const PetscReal middle = PetscMax(beside, PetscMin(1 - beside, s));
-  const PetscReal at[3] = {middle - beside, middle, middle + beside};
+  const PetscReal middle = PetscMax(rod_rule.slope_step, PetscMin(1 - rod_rule.slope_step, s));
+  const PetscReal at[3] = {middle - rod_rule.slope_step, middle, middle + rod_rule.slope_step};
   PetscReal g, m, D[3], slope = 0, along, across;
 
   PetscFunctionBegin;

@@ -1,10 +1,6 @@
 #include "stepping/formula.h"
 #include "base/lagrange.h"
-
-/* A field smaller than this is round-off. */
-static const PetscReal vanished = 1e-280;
-/* Fields across in two directions are of like size up to this ratio. */
-static const PetscReal alike = 1e3;
+#include "stepping/rules.h"
 
 /* FormulaSetUp - makes the vectors, like U, that are not there yet. Collective. */
 PetscErrorCode FormulaSetUp(Formula *self, Vec U) {
@@ -57,9 +53,7 @@ static PetscReal FactorRate(const Formula *self, int k, PetscReal t) {
    them their polynomial says what is no number. (Steps change the factor by 4 folds at most,
    controller.c: what is beyond this is an error, and shows as one.) */
 static PetscReal Within(PetscReal folds) {
-  const PetscReal most = 100;
-
-  return PetscMax(-most, PetscMin(folds, most));
+  return PetscMax(-step_rule.factor_extrapolated, PetscMin(folds, step_rule.factor_extrapolated));
 }
 
 /* A(t)/A(t_j) of m points from first on */
@@ -87,7 +81,7 @@ static PetscBool Common(const Formula *self) {
   const PetscReal *size = self->size[1];
 
   return (PetscBool)(size[0] > PETSC_MIN_REAL && size[1] > PETSC_MIN_REAL &&
-                     PetscAbsReal(size[0] - size[1]) < PetscLogReal(alike));
+                     PetscAbsReal(size[0] - size[1]) < PetscLogReal(step_rule.alike_across));
 }
 
 /* Are the fields of a factor but round-off? The factor would be what that does. */
@@ -141,7 +135,7 @@ static PetscErrorCode SizeOfFactor(const Formula *self, Vec U, int k, PetscReal 
   PetscCall(VecGetArrayRead(U, &u));
   for (PetscInt i = f; i < n; i += self->fields) most = PetscMax(most, PetscAbsScalar(u[i]));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPI_MAX, comm));
-  for (PetscInt i = f; i < n && most > vanished; i += self->fields)
+  for (PetscInt i = f; i < n && most > step_rule.field_vanished; i += self->fields)
     sum += PetscSqr(PetscRealPart(u[i]) / most);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPI_SUM, comm));
   PetscCall(VecRestoreArrayRead(U, &u));
@@ -262,6 +256,18 @@ PetscErrorCode FormulaExtrapolate(Formula *self, PetscInt m, Vec X) {
   PetscFunctionReturn(0);
 }
 
+/* Makes of affine what it is along the material. */
+static PetscErrorCode Carry(Formula *self, PetscInt order, const PetscReal along[],
+                            PetscReal ratio[VBDF_FACTORS][VBDF_POINTS]) {
+  PetscReal c[VBDF_POINTS][VBDF_FIELDS], times[VBDF_POINTS];
+
+  PetscFunctionBegin;
+  Weights(self, VBDF_FIELDS, order, along, NULL, NULL, ratio, c);
+  for (PetscInt k = 0; k < order; k++) times[k] = self->now + (self->time[1 + k] - self->time[0]);
+  PetscCall(self->carry(self->ts, self->now, order, times, self->point + 1, c, self->affine));
+  PetscFunctionReturn(0);
+}
+
 /* FormulaBegin - shift and affine of a step of an order from the history to time[0]. */
 PetscErrorCode FormulaBegin(Formula *self, PetscInt order) {
   PetscReal D[VBDF_POINTS], ratio[VBDF_FACTORS][VBDF_POINTS];
@@ -271,6 +277,7 @@ PetscErrorCode FormulaBegin(Formula *self, PetscInt order) {
   self->shift = D[0];
   PastRatios(self, order, ratio);
   PetscCall(Combine(self, 1, order, D + 1, NULL, NULL, ratio, self->affine));
+  if (self->carry) PetscCall(Carry(self, order, D + 1, ratio));
   PetscFunctionReturn(0);
 }
 

@@ -1,33 +1,11 @@
 #include "stepping/leg.h"
 #include "base/lagrange.h"
+#include "rod/ask.h"
+#include "rod/learned.h"
 #include "stepping/guard.h"
 #include "stepping/vbdf.h"
-
-/* Local errors add up, in the decay and growth of x2 even with one sign: a step gets at most this
-   part of the tolerance, and aims at a fifth of it. */
-static const PetscReal share_of_step = 0.3;
-
-/* A rod in friction goes downhill: its rates are real, or nearly so, and the formula of order 6 is
-   stable for them. */
-enum { HIGHEST_ORDER = 6 };
-
-/* A rod that is steered sets out from a shape of no size, in a layer of no width: no step from
-   there, however short, is right to a part of what it was before, or of what it leads to. So its
-   fields count as at least this part of what the largest of its strains would make them. */
-static const PetscReal of_steering = 1e-6;
-
-static PetscReal Steered(const Leg *leg, PetscInt f) {
-  static const char *const moved[STRAINS] = {
-      [BEND_3] = "theta x2 p3", [BEND_2] = "x3 p2", [TURN_1] = "p1"};
-  const Scene scene = leg->rod->scene;
-  PetscReal most = 0;
-
-  for (int e = 0; e < STRAINS && scene->curvature.steered; e++)
-    if (strstr(moved[e], leg->rod->model->field[f]))
-      most =
-          CurvatureSteered(&scene->curvature, e) * scene->units.length * RodFieldUnit(leg->rod, f);
-  return of_steering * most;
-}
+#include "stepping/rules.h"
+#include "rod/rules.h"
 
 /* The tolerance of each entry: that part of rtol times the size of its field; -1 leaves out the
    fields that are not followed (forces and moments of an index-2 problem are not to control the
@@ -40,11 +18,13 @@ static PetscErrorCode SetTolerance(Leg *leg) {
 
   PetscFunctionBegin;
   for (PetscInt f = 0; f < fields; f++) {
-    const PetscReal least = rod_vanished * RodFieldUnit(leg->rod, f);
+    const PetscReal least = rod_rule.vanished * RodFieldUnit(leg->rod, f);
     most[f] = leg->rod->model->followed[f]
-                  ? share_of_step * PetscMax(leg->ease.times * leg->rtol *
-                                                 PetscMax(leg->size[f], Steered(leg, f)),
-                                             least)
+                  ? step_rule.step_share *
+                        PetscMax(leg->ease.times * leg->rtol *
+                                     PetscMax(leg->size[f],
+                                              step_rule.steering_floor * RodSteered(leg->rod, f)),
+                                 least)
                   : -1;
   }
   PetscCall(VecGetLocalSize(leg->tolerance, &n));
@@ -72,7 +52,7 @@ static PetscErrorCode BeforeStep(TS ts) {
   PetscCall(RodFieldScales(leg->rod, leg->U, leg->turns ? leg->axes : NULL, leg->size));
   PetscCall(RodBlurred(leg->rod, leg->U, least));
   for (int d = 0; d < MIRRORS; d++)
-    least[d] = PetscMax(least[d], rod_vanished * leg->rod->scene->units.length);
+    least[d] = PetscMax(least[d], rod_rule.vanished * RodUnits(leg->rod)->length);
   PetscCall(VBDFSetLeast(ts, least));
   for (PetscInt f = 0; f < leg->rod->model->fields; f++) {
     if (t >= leg->kick_ends) leg->kick[f] = 0;
@@ -84,20 +64,13 @@ static PetscErrorCode BeforeStep(TS ts) {
   PetscFunctionReturn(0);
 }
 
-/* What an oblique wall does to a rod that is straight, or all but, is no part of what it was
-   before: no step that ends behind such a kick is right to a part of that, however short. So where
-   a try of a step ends with a field this part of which is more than it was, it counts as if it had
-   been that, until the time is over that the try was to cross. (A mode that grows does so by e^4 in
-   a step at most.) */
-static const PetscReal kicked = 1e-4;
-
 static PetscErrorCode LookForKick(Leg *leg, PetscReal end, const PetscReal size[]) {
   PetscBool kick = PETSC_FALSE;
 
   PetscFunctionBegin;
   for (PetscInt f = 0; f < leg->rod->model->fields; f++) {
-    if (!leg->rod->model->followed[f] || kicked * size[f] <= leg->size[f]) continue;
-    leg->kick[f] = leg->size[f] = kicked * size[f];
+    if (!leg->rod->model->followed[f] || step_rule.wall_onset * size[f] <= leg->size[f]) continue;
+    leg->kick[f] = leg->size[f] = step_rule.wall_onset * size[f];
     leg->kick_ends = PetscMax(end, leg->kick_ends);
     kick = PETSC_TRUE;
   }
@@ -108,7 +81,7 @@ static PetscErrorCode LookForKick(Leg *leg, PetscReal end, const PetscReal size[
 /* A tip whose directors are held may be reached by any number of turns of a rod in space: which way
    round its cross-sections have turned must be known. */
 static PetscBool MindsTurns(const Rod rod) {
-  return (PetscBool)(rod->model->turned && TipPoints(&rod->scene->tip));
+  return (PetscBool)(rod->model->turned && RodEndsOf(rod).tip_points);
 }
 
 /* A VBDFOtherWay of a rod that can touch. A full Newton step that leaves a wall where there was
@@ -124,23 +97,9 @@ static PetscErrorCode CutSteps(TS ts, PetscBool other) {
   PetscFunctionReturn(0);
 }
 
-/* Is the state solved, whose residual was the last, in a wall, or in itself, where contact is to be
-   firmer than it was taken for? From now on it is. */
-static PetscErrorCode GetsFirm(Rod rod, PetscBool *firm) {
-  Contact *contact = &rod->scene->contact;
-  PetscReal deepest;
-
-  PetscFunctionBegin;
-  *firm = PETSC_FALSE;
-  if (!contact->deepest || contact->firm) PetscFunctionReturn(0);
-  PetscCallMPI(MPI_Allreduce(contact->deepest, &deepest, 1, MPIU_REAL, MPIU_MAX, rod->scene->comm));
-  *firm = ContactGetsFirm(contact, deepest);
-  PetscFunctionReturn(0);
-}
-
 /* Steps of fixed size, and PETSc's steppers, take no step back: with them contact is firm from the
    start. */
-static PetscErrorCode FirmFromTheStart(TS ts, Contact *contact) {
+static PetscErrorCode FirmFromTheStart(TS ts, Rod rod) {
   PetscBool vbdf, fixed;
   TSAdapt adapt;
 
@@ -148,7 +107,7 @@ static PetscErrorCode FirmFromTheStart(TS ts, Contact *contact) {
   PetscCall(TSGetAdapt(ts, &adapt));
   PetscCall(PetscObjectTypeCompare((PetscObject)ts, TSVBDF, &vbdf));
   PetscCall(PetscObjectTypeCompare((PetscObject)adapt, TSADAPTNONE, &fixed));
-  if (!vbdf || fixed) contact->firm = PETSC_TRUE;
+  if (!vbdf || fixed) RodStaysFirm(rod);
   PetscFunctionReturn(0);
 }
 
@@ -157,7 +116,6 @@ static PetscErrorCode FirmFromTheStart(TS ts, Contact *contact) {
    so deep in a wall that this is to be firmer; and was it kicked? */
 static PetscErrorCode AfterTry(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
                                PetscBool *impossible) {
-  const PetscReal round_off = 1.01; /* and the mesh's error */
   PetscReal size[MAX_FIELDS], length;
   PetscInt step;
   Leg *leg;
@@ -165,16 +123,16 @@ static PetscErrorCode AfterTry(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &leg));
   PetscCall(RodSizesAlong(leg->rod, U1, leg->axes, size));
-  PetscCall(GrowthLength(leg->rod->scene->growth, t1, &length, NULL));
-  *impossible = (PetscBool) !(leg->rod->scene->clamp == CLAMP_FREE ||
-                              RodReach(leg->rod->model, size) <= round_off * length);
+  PetscCall(RodLength(leg->rod, t1, &length));
+  *impossible = (PetscBool) !(RodEndsOf(leg->rod).begins_free ||
+                              RodReach(leg->rod->model, size) <= step_rule.reach_slack * length);
   PetscCall(TSGetStepNumber(ts, &step));
   leg->passed = (PetscBool)(leg->passed && step == leg->tried);
   leg->tried = step;
   leg->passes = PETSC_FALSE;
   if (!*impossible && MindsTurns(leg->rod))
     PetscCall(leg->rod->model->turned(leg->rod, U0, U1, impossible));
-  if (!*impossible) PetscCall(GetsFirm(leg->rod, impossible));
+  if (!*impossible) PetscCall(RodGetsFirm(leg->rod, impossible));
   if (*impossible) PetscFunctionReturn(0);
   PetscCall(GuardPasses(ts, t0, t1, U0, U1, impossible));
   leg->passed = (PetscBool)(leg->passed || leg->passes);
@@ -202,6 +160,17 @@ static PetscErrorCode TurnError(TS ts, Vec error) {
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &leg));
   PetscCall(RodTurn(leg->rod, leg->axes, error));
+  PetscFunctionReturn(0);
+}
+
+/* A VBDFCarry of what the material has learned. */
+static PetscErrorCode CarryLearned(TS ts, PetscReal t, PetscInt m, const PetscReal times[],
+                                   const Vec points[], PetscReal weight[][VBDF_FIELDS], Vec sum) {
+  Leg *leg;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetApplicationContext(ts, &leg));
+  PetscCall(LearnedCarry(leg->rod, t, m, times, points, weight, sum));
   PetscFunctionReturn(0);
 }
 
@@ -235,7 +204,8 @@ static PetscErrorCode IsBent(const Rod rod, Vec U, PetscBool *bent) {
   *bent = PETSC_FALSE;
   PetscCall(RodFieldSizes(rod, U, size));
   for (PetscInt f = 0; f < rod->model->fields; f++)
-    if (rod->model->group[f] != ALONG && rod->model->group[f] != TWIST && size[f] > rod_vanished)
+    if (rod->model->group[f] != ALONG && rod->model->group[f] != TWIST &&
+        size[f] > rod_rule.vanished)
       *bent = PETSC_TRUE;
   PetscFunctionReturn(0);
 }
@@ -252,7 +222,7 @@ static PetscErrorCode IsPlane(const Rod rod, Vec U, PetscBool *plane) {
   if (!*plane) PetscFunctionReturn(0);
   PetscCall(RodFieldSizes(rod, U, size));
   for (PetscInt f = 0; f < rod->model->fields; f++)
-    if (rod->model->group[f] & ACROSS_3 && size[f] > rod_vanished) *plane = PETSC_FALSE;
+    if (rod->model->group[f] & ACROSS_3 && size[f] > rod_rule.vanished) *plane = PETSC_FALSE;
   PetscFunctionReturn(0);
 }
 
@@ -280,27 +250,16 @@ static PetscErrorCode ModesCrossed(Leg *leg, Vec U, PetscBool *crosses, PetscBoo
   crosses  in: with friction they do
 */
 static PetscErrorCode CrossesSlippery(Leg *leg, Vec U, PetscBool *crosses) {
-  Contact *contact = &leg->rod->scene->contact;
   PetscBool known;
 
   PetscFunctionBegin;
-  if (!*crosses || !ContactWallsRub(contact) || !leg->newton.elimination) PetscFunctionReturn(0);
-  contact->slippery = PETSC_TRUE;
+  if (!*crosses || !RodRubsOnWalls(leg->rod) || !leg->newton.elimination) PetscFunctionReturn(0);
+  RodMakeSlippery(leg->rod, PETSC_TRUE);
   PetscCall(NewtonEliminate(&leg->newton, leg->newton.elimination));
   PetscCall(ModesCrossed(leg, U, crosses, &known));
-  contact->slippery = PETSC_FALSE;
+  RodMakeSlippery(leg->rod, PETSC_FALSE);
   PetscCall(NewtonEliminate(&leg->newton, leg->newton.elimination));
   PetscFunctionReturn(0);
-}
-
-/* Are the modes of the frozen rod those of the rod that moves on? See below. */
-static PetscBool HasModes(const Rod rod) {
-  const Scene scene = rod->scene;
-  const Contact *contact = &scene->contact;
-  const PetscBool twisted = (PetscBool)(scene->load.radius > 0 || scene->space.spin != 0);
-
-  return (PetscBool) !(ContactWallsRub(contact) || contact->friction > 0 || rod->coupled ||
-                       twisted || scene->load.turns || scene->growth->rests);
 }
 
 /*
@@ -325,7 +284,7 @@ static PetscErrorCode CrossesMode(TS ts, Vec U, VBDFSight sight, PetscBool *cros
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &leg));
   *crosses = leg->crosses = PETSC_FALSE;
-  if (sight == VBDF_SEEN && !HasModes(leg->rod)) PetscFunctionReturn(0);
+  if (sight == VBDF_SEEN && !RodHasModes(leg->rod)) PetscFunctionReturn(0);
   PetscCall(ModesCrossed(leg, U, crosses, &known));
   PetscCall(CrossesSlippery(leg, U, crosses));
   if (!known && sight == VBDF_JUMP) PetscCall(IsBent(leg->rod, U, crosses));
@@ -344,7 +303,7 @@ PetscErrorCode LegCrosses(Leg *leg, Vec U, PetscBool *crosses) {
   PetscFunctionBegin;
   *crosses = PETSC_FALSE;
   PetscCall(PetscObjectTypeCompare((PetscObject)leg->ts, TSVBDF, &vbdf));
-  if (!vbdf && HasModes(leg->rod)) PetscCall(ModesCrossed(leg, U, crosses, &known));
+  if (!vbdf && RodHasModes(leg->rod)) PetscCall(ModesCrossed(leg, U, crosses, &known));
   PetscFunctionReturn(0);
 }
 
@@ -375,7 +334,7 @@ static PetscErrorCode LetGo(Rod rod) {
   DM da;
 
   PetscFunctionBegin;
-  if (!rod->memory || !LoadSticks(&rod->scene->load)) PetscFunctionReturn(0);
+  if (!rod->memory || !RodSticks(rod)) PetscFunctionReturn(0);
   PetscCall(RodCreateMemory(rod, &da, &none));
   PetscCall(VecSet(none, 0));
   PetscCall(rod->model->recall(rod, none));
@@ -384,10 +343,6 @@ static PetscErrorCode LetGo(Rod rod) {
   PetscFunctionReturn(0);
 }
 
-/* Speeds at which a rod in dry friction snaps, and at which it has snapped, over that at which it
-   grows. */
-static const PetscReal snaps_at = 1e3, snapped_at = 1.2;
-
 /*
   LegSpeed - the speed of the fastest place behind an accepted step, over that at which the rod
   grows. While it snaps its friction is rounded off (SceneAtSpeed()). Collective.
@@ -395,19 +350,20 @@ static const PetscReal snaps_at = 1e3, snapped_at = 1.2;
   begins  a snap, with this step
 */
 PetscErrorCode LegSpeed(Leg *leg, PetscReal *speed, PetscBool *begins) {
-  const Scene scene = leg->rod->scene;
+  const Rod rod = leg->rod;
+  const PetscReal before = RodFalls(rod);
   PetscReal rate[MAX_FIELDS], fastest;
   PetscBool falls;
 
   PetscFunctionBegin;
-  PetscCall(RodFieldSizes(leg->rod, leg->newton.latest.U_t, rate));
-  fastest = RodReach(leg->rod->model, rate);
-  *speed = fastest / scene->units.speed;
-  falls =
-      (PetscBool)(LoadIsDry(&scene->load) && *speed > (scene->falls > 0 ? snapped_at : snaps_at));
-  *begins = (PetscBool)(falls && scene->falls == 0);
-  if (*begins) PetscCall(LetGo(leg->rod));
-  if (falls || scene->falls > 0) SceneAtSpeed(scene, falls ? fastest : 0);
+  PetscCall(RodFieldSizes(rod, leg->newton.latest.U_t, rate));
+  fastest = RodReach(rod->model, rate);
+  *speed = fastest / RodUnits(rod)->speed;
+  falls = (PetscBool)(RodIsDry(rod) &&
+                      *speed > (before > 0 ? step_rule.snapped_at : step_rule.snaps_at));
+  *begins = (PetscBool)(falls && before == 0);
+  if (*begins) PetscCall(LetGo(rod));
+  if (falls || before > 0) RodAtSpeed(rod, falls ? fastest : 0);
   PetscFunctionReturn(0);
 }
 
@@ -494,26 +450,17 @@ static PetscErrorCode RefuseAdapt(TS ts) {
   PetscFunctionReturn(0);
 }
 
-/* The first step, as parts of the scene's unit of time and of the rod's own: nothing that a rod out
-   of balance does at once may take less. (What a straight one does is small at first; one in dry
-   friction is in balance, or that is seen when the first step is tried.) But where
-   that is next to nothing, a part of the time that short steps are part of: there must be shorter
-   ones. */
-static const PetscReal first_of_unit = 1e-4, first_of_own = 1e-6, straight_of_own = 0.1,
-                       first_of_brief = 1e-13;
-
 static PetscErrorCode SetFirstStep(Leg *leg) {
-  const Scene scene = leg->rod->scene;
-  const SceneUnits *units = &scene->units;
-  const PetscBool straight = (PetscBool)(scene->shape.type == SHAPE_STRAIGHT);
-  PetscReal first = first_of_unit * units->time,
-            own = (straight ? straight_of_own : first_of_own) * units->own;
+  const SceneUnits *units = RodUnits(leg->rod);
+  PetscReal first = step_rule.first_of_unit * units->time,
+            own =
+                (units->straight ? step_rule.first_straight : step_rule.first_of_own) * units->own;
 
   PetscFunctionBegin;
-  if (LoadIsDry(&scene->load))
+  if (RodIsDry(leg->rod))
     PetscCall(VBDFSetAgain(leg->ts, units->own, PetscMin(first, own), units->unheld));
   else
-    first = PetscMin(first, PetscMax(own, first_of_brief * units->brief));
+    first = PetscMin(first, PetscMax(own, step_rule.first_of_brief * units->brief));
   PetscCall(TSSetTimeStep(leg->ts, first));
   PetscFunctionReturn(0);
 }
@@ -532,9 +479,9 @@ static PetscErrorCode TakeOptions(TS ts) {
    nothing else takes time, such turns may jump. */
 static PetscErrorCode FreeTurns(Leg *leg) {
   PetscFunctionBegin;
-  if (!leg->rod->model->space || !LoadIsDry(&leg->rod->scene->load)) PetscFunctionReturn(0);
+  if (!leg->rod->model->space || !RodIsDry(leg->rod)) PetscFunctionReturn(0);
   PetscCall(VecDuplicate(leg->U, &leg->held));
-  PetscCall(VBDFSetHeld(leg->ts, leg->held, (PetscBool)(leg->rod->scene->load.radius == 0)));
+  PetscCall(VBDFSetHeld(leg->ts, leg->held, (PetscBool)!RodFeelsSpin(leg->rod)));
   PetscFunctionReturn(0);
 }
 
@@ -547,7 +494,7 @@ static PetscErrorCode FreeTurns(Leg *leg) {
   The caller sets what is done after a step, and the end if it is not the scene's.
 */
 PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, Leg *leg) {
-  PetscBool fixed, given, full;
+  PetscBool fixed, given, full, touches;
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(leg, sizeof(*leg)));
@@ -555,18 +502,18 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, Leg
   leg->ease.most = leg->ease.wants = leg->ease.times = 1;
   PetscCall(RodCreate(scene, model, &leg->rod));
   PetscCall(RodFindUnits(leg->rod));
-  LoadShareLeast(&scene->load, scene->units.speed);
+  touches = RodTouches(leg->rod);
   PetscCall(DMCreateGlobalVector(leg->rod->da, &leg->U));
   PetscCall(VecDuplicate(leg->U, &leg->tolerance));
   PetscCall(VecDuplicate(leg->U, &leg->none));
-  PetscCall(TSCreate(scene->comm, &leg->ts));
+  PetscCall(TSCreate(leg->rod->comm, &leg->ts));
   PetscCall(TSSetDM(leg->ts, leg->rod->da));
   PetscCall(TSSetApplicationContext(leg->ts, leg));
   PetscCall(TSSetEquationType(leg->ts, TS_EQ_DAE_IMPLICIT_INDEX2));
   PetscCall(TSSetType(leg->ts, TSVBDF));
-  PetscCall(VBDFSetHighestOrder(leg->ts, HIGHEST_ORDER));
+  PetscCall(VBDFSetHighestOrder(leg->ts, step_rule.highest_order));
   PetscCall(TSSetTolerances(leg->ts, PETSC_DEFAULT, NULL, rtol, NULL));
-  PetscCall(TSSetMaxTime(leg->ts, scene->end_time));
+  PetscCall(TSSetMaxTime(leg->ts, RodEndTime(leg->rod)));
   PetscCall(TSSetMaxSteps(leg->ts, PETSC_MAX_INT));
   PetscCall(TSSetExactFinalTime(leg->ts, TS_EXACTFINALTIME_MATCHSTEP));
   PetscCall(SetFirstStep(leg));
@@ -587,17 +534,18 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, Leg
   PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_max_snes_failures", &given));
   if (fixed && !given)
     PetscCall(TSSetMaxSNESFailures(leg->ts, 10)); /* a fixed step does not help itself */
-  PetscCall(VBDFSetScale(leg->ts, scene->units.brief));
-  PetscCall(VBDFSetResolves(leg->ts, (PetscBool)(LoadIsDry(&scene->load) || !scene->contact.any)));
+  PetscCall(VBDFSetScale(leg->ts, RodUnits(leg->rod)->brief));
+  PetscCall(VBDFSetResolves(leg->ts, (PetscBool)(RodIsDry(leg->rod) || !touches)));
   PetscCall(FreeTurns(leg));
-  PetscCall(VBDFSetFactored(leg->ts, model->fields, model->group));
+  PetscCall(VBDFSetFactored(leg->ts, leg->rod->model->fields, leg->rod->model->group));
+  if (leg->rod->learned && scene->growth->slides) PetscCall(VBDFSetCarry(leg->ts, CarryLearned));
   PetscCall(MeasureAlongAxes(leg));
   PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));
   PetscCall(VBDFSetCross(leg->ts, CrossesMode));
   PetscCall(NewtonTakesFullSteps(&leg->newton, &full));
-  if (scene->contact.any && full) PetscCall(VBDFSetOtherWay(leg->ts, CutSteps));
-  if (scene->contact.deepest) PetscCall(FirmFromTheStart(leg->ts, &scene->contact));
-  if (scene->contact.any)
+  if (touches && full) PetscCall(VBDFSetOtherWay(leg->ts, CutSteps));
+  if (RodMayGetFirm(leg->rod)) PetscCall(FirmFromTheStart(leg->ts, leg->rod));
+  if (touches)
     PetscCall(VBDFSetCheck(leg->ts, AfterTry));
   else if (MindsTurns(leg->rod))
     PetscCall(VBDFSetCheck(leg->ts, AfterTurn));
@@ -638,7 +586,7 @@ static PetscReal NextTurn(TS ts, PetscReal t) {
   Leg *leg = NULL;
 
   if (TSGetApplicationContext(ts, &leg)) return PETSC_MAX_REAL;
-  return SceneNextTurn(leg->rod->scene, t);
+  return RodNextTurn(leg->rod, t);
 }
 
 static PetscBool Kinks(TS ts, PetscReal t) {
@@ -646,8 +594,8 @@ static PetscBool Kinks(TS ts, PetscReal t) {
   Leg *leg = NULL;
 
   if (TSGetApplicationContext(ts, &leg)) return PETSC_FALSE;
-  near *= leg->rod->scene->end_time;
-  return SceneJerks(leg->rod->scene, t - near, t + near);
+  near *= RodEndTime(leg->rod);
+  return RodJerks(leg->rod, t - near, t + near);
 }
 
 /* LegEndAtTurns - lets steps end where what tables give in time sets out, stops or turns back: a
@@ -655,10 +603,8 @@ static PetscBool Kinks(TS ts, PetscReal t) {
    and went. */
 PetscErrorCode LegEndAtTurns(Leg *leg) {
   PetscFunctionBegin;
-  if (SceneNextTurn(leg->rod->scene, 0) < PETSC_MAX_REAL)
-    PetscCall(VBDFSetNextEnd(leg->ts, NextTurn));
-  if (leg->rod->scene->curvature.steered || leg->rod->scene->growth->jerks)
-    PetscCall(VBDFSetKinks(leg->ts, Kinks));
+  if (RodNextTurn(leg->rod, 0) < PETSC_MAX_REAL) PetscCall(VBDFSetNextEnd(leg->ts, NextTurn));
+  if (RodMayJerk(leg->rod)) PetscCall(VBDFSetKinks(leg->ts, Kinks));
   PetscFunctionReturn(0);
 }
 
