@@ -58,4 +58,135 @@ static inline PetscReal CurveMidOf(PetscReal k, PetscReal a, PetscReal slope_a) 
   return a / 2 + k * slope_a;
 }
 
+/* The cubic of a cell, and how it moves. */
+typedef struct {
+  PetscReal h;                        /* length of its labels */
+  PetscReal g[2], x[2][3], q[2][3];   /* at its ends: stretch, place, direction; x' = g q */
+  PetscReal x_t[2][3], slope_t[2][3]; /* rates of x and x' at fixed labels */
+  PetscReal c[3]; /* the slide of the material past these: at the ends and between them */
+} CurveCell;
+
+/* A place 0 <= z <= 1 of it: x and its derivatives by z. */
+typedef struct {
+  PetscReal z, x[3], slope[3], bend[3];
+} CurvePlace;
+
+/* How fast the material there moves; its tangent t; both by z; the size of x_z, and the slide. */
+typedef struct {
+  PetscReal v[3], v_z[3], t[3], t_z[3], size, c;
+} CurveMotion;
+
+/* The sum of values at the ends and slopes there by z, by Hermite's polynomials. */
+static inline PetscReal CurveHermite(const PetscReal poly[4], PetscReal a, PetscReal a_z,
+                                     PetscReal b, PetscReal b_z) {
+  return poly[0] * a + poly[1] * a_z + poly[2] * b + poly[3] * b_z;
+}
+
+/* CurveAt - x, x_z and x_zz at place->z. */
+static inline void CurveAt(const CurveCell *cell, CurvePlace *place) {
+  const PetscReal *a = cell->x[0], *b = cell->x[1],
+                  length[2] = {cell->h * cell->g[0], cell->h * cell->g[1]};
+  PetscReal value[4], slope[4], bend[4];
+
+  Hermite(place->z, value, slope, bend);
+  for (int d = 0; d < 3; d++) {
+    const PetscReal a_z = length[0] * cell->q[0][d], b_z = length[1] * cell->q[1][d];
+    place->x[d] = CurveHermite(value, a[d], a_z, b[d], b_z);
+    place->slope[d] = CurveHermite(slope, a[d], a_z, b[d], b_z);
+    place->bend[d] = CurveHermite(bend, a[d], a_z, b[d], b_z);
+  }
+}
+
+/* CurveRates - x_t and x_zt at a place that stays where it is in the cell. */
+static inline void CurveRates(const CurveCell *cell, PetscReal z, PetscReal x_t[3],
+                              PetscReal slope_t[3]) {
+  PetscReal value[4], slope[4], bend[4];
+
+  Hermite(z, value, slope, bend);
+  for (int d = 0; d < 3; d++) {
+    const PetscReal a = cell->x_t[0][d], a_z = cell->h * cell->slope_t[0][d], b = cell->x_t[1][d],
+                    b_z = cell->h * cell->slope_t[1][d];
+    x_t[d] = CurveHermite(value, a, a_z, b, b_z);
+    slope_t[d] = CurveHermite(slope, a, a_z, b, b_z);
+  }
+}
+
+/* CurveMove - v = x_t + c t at a place that CurveAt() knows; t = x_z/|x_z|. */
+static inline void CurveMove(const CurveCell *cell, const CurvePlace *place, CurveMotion *m) {
+  const PetscReal c_z = CurveBetweenSlope(cell->c, place->z);
+  PetscReal along, x_t[3], slope_t[3];
+
+  CurveRates(cell, place->z, x_t, slope_t);
+  m->size = PetscSqrtReal(Dot3(place->slope, place->slope));
+  m->c = CurveBetween(cell->c, place->z);
+  for (int d = 0; d < 3; d++) m->t[d] = place->slope[d] / m->size;
+  along = Dot3(m->t, place->bend);
+  for (int d = 0; d < 3; d++) {
+    m->t_z[d] = (place->bend[d] - m->t[d] * along) / m->size;
+    m->v[d] = x_t[d] + m->c * m->t[d];
+    m->v_z[d] = slope_t[d] + c_z * m->t[d] + m->c * m->t_z[d];
+  }
+}
+
+/* How direction and rate of x' at an end change with what turns it, an angle in the plane, a
+   quaternion in space; shifts of the rates of x. */
+typedef struct {
+  PetscReal q[3][4], slope_t[3][4], shift[3];
+} CurveEnd;
+
+/* Derivatives by the unknowns of the nodes at both ends, those of the second behind the first's:
+   place, what turns, and as many more as a node has, on which the curve does not depend. */
+enum { CURVE_NODE = 10 };
+typedef PetscReal CurveBy[3][2 * CURVE_NODE];
+
+/* The dimension below is a constant of each call: in the plane a node has 2 + 1 unknowns, in space
+   3 + 4. */
+static inline int CurveTurns(int dims) {
+  return dims == 2 ? 1 : 4;
+}
+
+/* CurvePlaceBy - the derivatives of x and x_z at a fixed z; node: how many unknowns a node has. */
+static inline void CurvePlaceBy(int dims, int node, const CurveCell *cell,
+                                const CurveEnd *const end[2], PetscReal z, CurveBy x,
+                                CurveBy slope) {
+  PetscReal value[4], by[4], bend[4];
+
+  Hermite(z, value, by, bend);
+  for (int d = 0; d < dims; d++)
+    for (int e = 0; e < 2; e++) {
+      const PetscReal length = cell->h * cell->g[e], *turn = end[e]->q[d];
+      PetscReal *to = x[d] + node * e, *slope_to = slope[d] + node * e;
+      for (int f = 0; f < node; f++) to[f] = slope_to[f] = 0;
+      to[d] = value[2 * e];
+      slope_to[d] = by[2 * e];
+      for (int j = 0; j < CurveTurns(dims); j++) {
+        to[dims + j] = value[2 * e + 1] * (length * turn[j]);
+        slope_to[dims + j] = by[2 * e + 1] * (length * turn[j]);
+      }
+    }
+}
+
+/* CurveMotionBy - those of the tangent and of the velocity, after CurvePlaceBy():
+     dt = (I - t t^T) dx_z/|x_z|,   dv = dx_t + c dt  */
+static inline void CurveMotionBy(int dims, int node, const CurveCell *cell,
+                                 const CurveEnd *const end[2], PetscReal z, const CurveMotion *m,
+                                 CurveBy x, CurveBy slope, CurveBy t, CurveBy v) {
+  PetscReal value[4], by[4], bend[4];
+
+  Hermite(z, value, by, bend);
+  for (int u = 0; u < 2 * node; u++) {
+    const int e = u / node, f = u % node;
+    PetscReal along = 0;
+    for (int d = 0; d < dims; d++) along += m->t[d] * slope[d][u];
+    for (int d = 0; d < dims; d++) {
+      t[d][u] = (slope[d][u] - m->t[d] * along) / m->size;
+      v[d][u] = m->c * t[d][u];
+      if (f < dims)
+        v[d][u] += end[e]->shift[f] * x[d][u];
+      else if (f < dims + CurveTurns(dims))
+        v[d][u] += value[2 * e + 1] * cell->h * end[e]->slope_t[d][f - dims];
+    }
+  }
+}
+
 #endif

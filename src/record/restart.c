@@ -1,5 +1,7 @@
 #include "record/restart.h"
 #include <ctype.h>
+#include <stddef.h>
+#include <string.h>
 
 static const OptionRow rows[] = {ROW_TEXT("-restart", INPUT_FILE | IN_PLACE | PASSING | PROGRAM,
                                           "result file of a run to go on with")};
@@ -112,6 +114,32 @@ static PetscErrorCode TakeClamp(const char *file, Scene scene) {
   PetscFunctionReturn(0);
 }
 
+/* The series that only a rod has whose material learns are stored of none else. */
+enum { OF_TROPISM = OBSERVED - OBSERVED_STEERED };
+
+/* How many reals a scene stores of a state. */
+static PetscInt StateReals(Scene scene) {
+  return RESTART_STATE - (scene->tropism.any ? 0 : 2 * OF_TROPISM);
+}
+
+/* Copies a state to or from what is stored. */
+static void CopyState(Scene scene, PetscReal *state, PetscReal *stored, PetscBool store) {
+  const size_t first = offsetof(RestartState, seen) / sizeof(PetscReal),
+               most = scene->tropism.any ? OBSERVED : OBSERVED_STEERED,
+               part[3] = {first + most, most, RESTART_STATE - first - 2 * OBSERVED},
+               skip[3] = {0, OBSERVED - most, OBSERVED - most};
+
+  for (int k = 0; k < 3; k++) {
+    state += skip[k];
+    if (store)
+      memcpy(stored, state, part[k] * sizeof(*state));
+    else
+      memcpy(state, stored, part[k] * sizeof(*state));
+    state += part[k];
+    stored += part[k];
+  }
+}
+
 /*
   RestartRead - reads what is stored to go on from, and makes the scene that of the file.
   Collective.
@@ -130,9 +158,10 @@ PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, P
   UserCheck(result, scene->comm, "-restart %s: is the result of another task, not of a run", file);
   if (!*begun) PetscFunctionReturn(0);
   PetscCall(HdfRead("-restart", file, "/restart/state", 1, &n, &data));
-  if (n == RESTART_STATE) PetscCall(PetscMemcpy(state, data, sizeof(*state)));
+  if (n == StateReals(scene)) CopyState(scene, (PetscReal *)state, data, PETSC_FALSE);
   PetscCall(PetscFree(data));
-  UserCheck(n == RESTART_STATE, scene->comm, "-restart %s: is of another version of tendril", file);
+  UserCheck(n == StateReals(scene), scene->comm, "-restart %s: is of another version of tendril",
+            file);
   PetscCall(CheckScales(file, scene));
   PetscCall(CheckLength(file, scene));
   PetscCall(TakeMesh(file, scene));
@@ -232,7 +261,7 @@ PetscErrorCode RestartTake(const char *file, const RestartState *state, Leg *leg
   PetscCall(OptionGiven("-ts_dt", &given));
   if (!given) PetscCall(TSSetTimeStep(leg->ts, state->step));
   PetscCall(TSSetStepNumber(leg->ts, (PetscInt)state->steps));
-  PetscCall(PetscArraycpy(leg->kick, state->kick, MAX_FIELDS));
+  PetscCall(PetscArraycpy(leg->kick, state->kick, RESTART_KICKS));
   leg->kick_ends = state->kick_ends;
   leg->ease.times = PetscMin(state->ease, leg->ease.most);
   leg->ease.wants = PetscMin(state->wants, leg->ease.most);
@@ -292,7 +321,7 @@ PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *stat
   PetscCall(TSGetTimeStep(leg->ts, &state->step));
   PetscCall(TSGetStepNumber(leg->ts, &steps));
   PetscCall(VBDFGetMemory(leg->ts, state->memory));
-  PetscCall(PetscArraycpy(state->kick, leg->kick, MAX_FIELDS));
+  PetscCall(PetscArraycpy(state->kick, leg->kick, RESTART_KICKS));
   state->kick_ends = leg->kick_ends;
   state->wants = leg->ease.wants;
   state->ease = leg->ease.times;
@@ -354,9 +383,11 @@ static PetscErrorCode WriteMemory(HdfFile file, Rod rod, PetscReal *sum) {
    OutputStore(). Collective. */
 PetscErrorCode RestartWrite(HdfFile file, Scene scene, Rod rod, RestartState *state, Vec points[],
                             Vec errors[]) {
-  const PetscInt n = RESTART_STATE, scales = UNIT_ALL, two = 2;
+  const PetscInt scales = UNIT_ALL, two = 2;
   const Space *space = &scene->space;
   const PetscReal clamp[2] = {space->spun, space->spins_from};
+  const PetscInt n = StateReals(scene);
+  PetscReal data[RESTART_STATE];
 
   PetscFunctionBegin;
   PetscCall(HdfDelete(file, "/restart"));
@@ -372,7 +403,8 @@ PetscErrorCode RestartWrite(HdfFile file, Scene scene, Rod rod, RestartState *st
     PetscCall(WriteVectors(file, "/restart/errors",
                            "the errors that are followed [part][node times fields]", ESTIMATE_KEPT,
                            errors, &state->errors_sum));
-  PetscCall(HdfWrite(file, "/restart/state", 1, &n, (const PetscReal *)state, "mixed",
+  CopyState(scene, (PetscReal *)state, data, PETSC_TRUE);
+  PetscCall(HdfWrite(file, "/restart/state", 1, &n, data, "mixed",
                      "time, step and history of the stepper, for -restart"));
   if (space->spins_from > 0)
     PetscCall(HdfWrite(file, "/restart/clamp", 1, &two, clamp, "rad, l/V",

@@ -7,6 +7,7 @@
 #include "stepping/estimate.h"
 #include "stepping/vbdf.h"
 
+enum { RESTART_KICKS = 13 }; /* of the fields of the mechanics */
 enum {
   RESTART_BESIDE = 14 + 3 * ESTIMATE_SEEN + ASTRAY_NUMBERS,
   RESTART_STUCK = 9
@@ -16,12 +17,12 @@ enum {
    latest first, [point][node times fields], what Newton's method remembers, /restart/memory, and
    the errors that are followed, /restart/errors, [part][node times fields]. */
 typedef struct {
-  PetscReal t, step;                     /* where the run is, and the size of its next step */
-  PetscReal points, order;               /* of the stepper's history; its next order */
-  PetscReal model, fields, steps;        /* models are numbered as in growing.h */
-  PetscReal memory[VBDF_MEMORY];         /* of the stepper, beside its points */
-  PetscReal wants, ease, others;         /* of the leg: its Ease */
-  PetscReal kick[MAX_FIELDS], kick_ends; /* of the leg: what a wall's kick is measured against */
+  PetscReal t, step;                        /* where the run is, and the size of its next step */
+  PetscReal points, order;                  /* of the stepper's history; its next order */
+  PetscReal model, fields, steps;           /* models are numbered as in growing.h */
+  PetscReal memory[VBDF_MEMORY];            /* of the stepper, beside its points */
+  PetscReal wants, ease, others;            /* of the leg: its Ease */
+  PetscReal kick[RESTART_KICKS], kick_ends; /* of the leg: what a wall's kick is measured against */
   Observation seen, began;    /* at t; where steps began to cross the layer of the start */
   PetscReal folds, neglected; /* so far, for the estimate of the error */
   PetscReal falls;            /* speed of a rod that snaps, SceneAtSpeed(); 0: it does not */

@@ -5,8 +5,7 @@
 
 struct _Touching {
   Scene scene;
-  Strands strands;          /* of a rod in the plane, NULL: it does not touch itself */
-  Strands3 strands3;        /* of a rod in space, likewise */
+  Strands strands;          /* NULL: it does not touch itself */
   PetscReal (*force)[PUSH]; /* per length, at nodes and middles of cells */
   SampleLaw *law;           /* of a rod in space, at the time of the latest look, likewise */
   PetscInt likely;          /* the node that was nearest to a wall */
@@ -22,10 +21,7 @@ PetscErrorCode TouchingCreate(Scene scene, Touching *touching) {
   (*touching)->scene = scene;
   PetscCall(PetscMalloc1(2 * scene->mesh.cells + 1, &(*touching)->force));
   if (scene->space.rod) PetscCall(PetscMalloc1(2 * scene->mesh.cells + 1, &(*touching)->law));
-  if (scene->contact.self && scene->space.rod)
-    PetscCall(Strands3Create(scene, &(*touching)->strands3));
-  else if (scene->contact.self)
-    PetscCall(StrandsCreate(scene, &(*touching)->strands));
+  if (scene->contact.self) PetscCall(StrandsCreate(scene, &(*touching)->strands));
   PetscFunctionReturn(0);
 }
 
@@ -33,7 +29,6 @@ PetscErrorCode TouchingDestroy(Touching *touching) {
   PetscFunctionBegin;
   if (!*touching) PetscFunctionReturn(0);
   PetscCall(StrandsDestroy(&(*touching)->strands));
-  PetscCall(Strands3Destroy(&(*touching)->strands3));
   PetscCall(PetscFree((*touching)->force));
   PetscCall(PetscFree((*touching)->law));
   PetscCall(PetscFree((*touching)->foot));
@@ -257,45 +252,6 @@ static PetscErrorCode LookAtWalls(Touching self, PetscReal t, const Node *nodes,
   PetscFunctionReturn(0);
 }
 
-/* All of the rod's own strands. */
-static PetscErrorCode LookAtStrands(Touching self, PetscReal t, const Node *nodes, PetscBool moves,
-                                    TouchSum *sum) {
-  const PetscReal *s = self->scene->mesh.s;
-  const PetscInt points = 2 * self->scene->mesh.cells + 1;
-  const PetscReal(*force)[2];
-  StrandState state = {
-      .t = t, .stride = NODE_VALUES, .u = nodes[0].x, .u_t = moves ? nodes[0].x_t : NULL};
-  StrandSum strands;
-
-  PetscFunctionBegin;
-  PetscCall(StrandsSearch(self->strands, &state));
-  PetscCall(StrandsLoad(self->strands, &state));
-  StrandsSum(self->strands, &strands);
-  force = StrandsForces(self->strands);
-  for (PetscInt k = 0; k < points; k++) {
-    PetscReal g, z = k % 2 ? (s[k / 2] + s[k / 2 + 1]) / 2 : s[k / 2];
-    PetscCall(GrowthStretch(self->scene->growth, 1, &z, t, &g, NULL, NULL));
-    for (int d = 0; d < 2; d++) self->force[k][d] -= force[k][d] / g;
-  }
-  sum->energy += strands.energy;
-  sum->loss += strands.loss;
-  sum->strain += strands.strain;
-  sum->normal += strands.normal;
-  sum->zones += StrandsZones(self->strands);
-  for (int d = 0; d < 2; d++) {
-    sum->tip[d] += force[points][d];
-    sum->clamp[d] += strands.clamp[d];
-  }
-  if (strands.nearest < sum->nearest) {
-    sum->nearest = strands.nearest;
-    for (int k = 0; k < 2; k++) {
-      sum->at[k] = strands.at[k];
-      sum->x[k] = strands.x[k];
-    }
-  }
-  PetscFunctionReturn(0);
-}
-
 /* The part of a vector along the tangent at a node, or, half way, along the sum of those beside. */
 static PetscReal AboutTangent(const Node *nodes, PetscInt point, const PetscReal v[3]) {
   PetscReal q[3] = {0}, d[3][3];
@@ -307,22 +263,26 @@ static PetscReal AboutTangent(const Node *nodes, PetscInt point, const PetscReal
   return Dot3(q, v) / PetscSqrtReal(Dot3(q, q));
 }
 
-/* The same of a rod in space. */
-static PetscErrorCode LookAtStrands3(Touching self, PetscReal t, const Node *nodes, PetscBool moves,
-                                     TouchSum *sum) {
+/* All of the rod's own strands. */
+static PetscErrorCode LookAtStrands(Touching self, PetscReal t, const Node *nodes, PetscBool moves,
+                                    TouchSum *sum) {
   const PetscReal *s = self->scene->mesh.s;
   const PetscInt points = 2 * self->scene->mesh.cells + 1;
   const PetscReal(*force)[3], (*couple)[3];
-  StrandState3 state = {
-      .t = t, .stride = NODE_VALUES, .u = nodes[0].x3, .u_t = moves ? nodes[0].x3_t : NULL};
-  StrandSum3 strands;
+  const PetscBool space = self->scene->space.rod;
+  const PetscReal *u_t = space ? nodes[0].x3_t : nodes[0].x_t;
+  const StrandState state = {.t = t,
+                             .stride = NODE_VALUES,
+                             .u = space ? nodes[0].x3 : nodes[0].x,
+                             .u_t = moves ? u_t : NULL};
+  StrandSum strands;
 
   PetscFunctionBegin;
-  PetscCall(Strands3Search(self->strands3, &state));
-  PetscCall(Strands3Load(self->strands3, &state));
-  Strands3Sum(self->strands3, &strands);
-  force = Strands3Forces(self->strands3);
-  couple = Strands3Couples(self->strands3);
+  PetscCall(StrandsSearch(self->strands, &state));
+  PetscCall(StrandsLoad(self->strands, &state));
+  StrandsSum(self->strands, &strands);
+  force = StrandsForces(self->strands);
+  couple = StrandsCouples(self->strands);
   for (PetscInt k = 0; k < points; k++) {
     PetscReal g, z = k % 2 ? (s[k / 2] + s[k / 2 + 1]) / 2 : s[k / 2];
     PetscCall(GrowthStretch(self->scene->growth, 1, &z, t, &g, NULL, NULL));
@@ -363,14 +323,13 @@ PetscErrorCode TouchingLook(Touching self, PetscReal t, const Node *nodes, Petsc
   self->feet = 0;
   PetscCall(PetscArrayzero(self->force, 2 * self->scene->mesh.cells + 1));
   sum->nearest = asks == TOUCHING_ALL ? PETSC_MAX_REAL : -PETSC_MAX_REAL;
-  if (self->strands3) PetscCall(LookAtStrands3(self, t, nodes, moves, sum));
+  if (self->strands) PetscCall(LookAtStrands(self, t, nodes, moves, sum));
   if (self->scene->space.rod) {
     PetscCall(SampleLaws(self->scene, t, 0, self->scene->mesh.cells, self->law));
     PetscCall(TouchingWalls3(self, self->scene, t, nodes, moves, self->likely, self->law,
                              self->force, sum));
   } else if (self->scene->contact.walls.n)
     PetscCall(LookAtWalls(self, t, nodes, moves, sum));
-  if (self->strands) PetscCall(LookAtStrands(self, t, nodes, moves, sum));
   if (asks == TOUCHING_ALL)
     self->likely = KnotBehind(self->scene->mesh.cells + 1, self->scene->mesh.s, sum->at[0]) - 1;
   *force = (const PetscReal(*)[PUSH])self->force;

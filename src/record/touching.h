@@ -8,7 +8,6 @@
 #include "rod/rod.h"
 #include "rod/strands.h"
 #include "record/sample_space.h"
-#include "rod/strands_space.h"
 
 typedef struct {
   PetscReal energy, loss, strain; /* int U, power lost to friction, power of growth where pressed

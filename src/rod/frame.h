@@ -3,8 +3,9 @@
 #define TENDRIL_FRAME_H
 
 #include "rod/feet.h"
+#include "rod/learned.h"
 #include "rod/rod.h"
-#include "rod/strands.h"
+#include "rod/strand_rows.h"
 
 enum { X1, X2, TH, M, N1, N2, FIELDS };
 
@@ -27,8 +28,8 @@ typedef struct {
   RodSeen seen;
   LoadDual *dual; /* likewise, duals of them at each */
   PetscInt duals;
-  FootLoad *feet;               /* of each cell, from that before node first on; NULL: no posts */
-  struct FrameStrands *strands; /* NULL: the rod does not touch itself */
+  FootLoad *feet;     /* of each cell, from that before node first on; NULL: no posts */
+  StrandRows strands; /* NULL: the rod does not touch itself */
 } Frame;
 
 /* f at a point */
@@ -59,15 +60,13 @@ static inline LoadDual *FrameDuals(const Frame *frame, PetscInt k) {
 /* frame_defect.c */
 PetscErrorCode FrameDefect(Rod rod, const RodState *at, PetscReal (*defect)[MAX_FIELDS]);
 
-/* frame_strands.c */
-PetscErrorCode FrameStrandsCreate(Rod rod, struct FrameStrands **strands);
-PetscErrorCode FrameStrandsDestroy(struct FrameStrands **strands);
-PetscErrorCode FrameStrandsLoad(Rod rod, const RodState *at, const PetscReal (**force)[2]);
-PetscErrorCode FrameStrandsPattern(Rod rod, PetscBool fresh, Mat J);
-PetscErrorCode FrameStrandsJacobian(Rod rod, const RodState *at, Mat J);
-PetscErrorCode FrameStrandsHold(Rod rod, PetscReal seen, PetscReal *creep);
-PetscReal *FrameStrandsRemembered(Rod rod, PetscInt i, PetscInt k);
-PetscInt FrameStrandsMemory(Rod rod);
-PetscErrorCode FrameStrandsRecalled(Rod rod);
+/* frame_learned.c */
+void FrameLearnedLaws(Rod rod, PetscReal t);
+PetscErrorCode FrameLearnedOpen(Rod rod, const RodState *at);
+void FrameLearnedResidual(Rod rod, PetscReal t, PetscInt i, PetscReal h, const Point *p,
+                          const Point *mid, const Point *b);
+void FrameLearnedCell(Rod rod, PetscInt i, PetscReal h, const Point *a, const Point *mid,
+                      const Point *b, PetscReal left[FIELDS][FIELDS],
+                      PetscReal right[FIELDS][FIELDS], LearnedCell *cell);
 
 #endif

@@ -230,8 +230,7 @@ static PetscErrorCode SpaceCreate(Rod rod) {
   if (Kinks(rod->scene)) PetscCall(PetscCalloc1(rod->end - rod->first + 2, &self->split));
   if (rod->scene->contact.self) {
     rod->coupled = PETSC_TRUE;
-    PetscCall(SpaceStrandsCreate(rod, &self->strands));
-    PetscCall(PetscCalloc1(rod->end - rod->first, &self->behind));
+    PetscCall(StrandRowsCreate(rod, &self->strands));
   }
   PetscFunctionReturn(0);
 }
@@ -242,9 +241,8 @@ static PetscErrorCode SpaceDestroy(Rod rod) {
   PetscFunctionBegin;
   PetscCall(PetscFree3(self->law, self->dual, self->point));
   PetscCall(PetscFree(self->foot_dual));
-  PetscCall(SpaceStrandsDestroy(&self->strands));
+  PetscCall(StrandRowsDestroy(&self->strands));
   PetscCall(PetscFree(self->split));
-  PetscCall(PetscFree(self->behind));
   PetscCall(PetscFree(rod->data));
   PetscFunctionReturn(0);
 }

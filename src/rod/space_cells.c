@@ -184,8 +184,7 @@ PetscErrorCode SpaceCellsOpen(Rod rod, const RodState *at, Cell *cell) {
   cell->feet.n = 0;
   cell->load = &rod->scene->load;
   cell->push = cell->couple = NULL;
-  if (self->strands)
-    PetscCall(SpaceStrandsLoad(rod, self->strands, at, &cell->push, &cell->couple));
+  if (self->strands) PetscCall(StrandRowsLoad(rod, self->strands, at, &cell->push, &cell->couple));
   cell->s = rod->scene->mesh.s;
   PetscCall(RodOpen(rod, at->U, &cell->local[0], &cell->u));
   PetscCall(RodOpen(rod, at->U_t, &cell->local[1], &cell->u_t));

@@ -6,7 +6,7 @@
 #include "rod/directors.h"
 #include "rod/feet_space.h"
 #include "rod/rod.h"
-#include "rod/space_strands.h"
+#include "rod/strand_rows.h"
 #include "rod/spin.h"
 
 enum { X, P = 3, M = 7, N = 10, FIELDS = 13, LEFT = M, RIGHT = FIELDS - LEFT };
@@ -36,8 +36,7 @@ typedef struct {
   PetscInt duals;
   FrictionDual4 *foot_dual; /* of cells, likewise: of their feet, WALL_SLOTS each; NULL: none */
   PetscBool *split; /* of cells, from that before node first on, in this Newton solve; NULL: none */
-  SpaceStrands strands; /* NULL: the rod does not touch itself */
-  SpaceCell *behind;    /* of each owned node, for what strands do; NULL without them */
+  StrandRows strands; /* NULL: the rod does not touch itself */
 } Space_;
 
 /* A walk along the cells that touch owned nodes. */

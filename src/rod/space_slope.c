@@ -420,15 +420,15 @@ static void TipBlock(const Cell *cell, const Slope *slope, const PetscReal shift
 }
 
 /* What strands need to know of the cell behind a node. */
-static void KeepBehind(const Cell *cell, const Slope *mid, SpaceCell *behind) {
+static void KeepCell(const Cell *cell, const Slope *mid, StrandCell *kept) {
   const Space_ *self = (const Space_ *)cell->rod->data;
 
-  *behind = (SpaceCell){.end_weight = cell->h * self->end_weight,
-                        .mid_weight = cell->h * self->mid_weight,
-                        .bow = cell->h * self->bow,
-                        .g = cell->law[1].g};
-  memcpy(behind->q, cell->mid->d[0], sizeof(behind->q));
-  for (int i = 0; i < 4; i++) memcpy(behind->p_m[i], &mid->f[P + i][M], sizeof(behind->p_m[i]));
+  *kept = (StrandCell){.end_weight = cell->h * self->end_weight,
+                       .mid_weight = cell->h * self->mid_weight,
+                       .bow = cell->h * self->bow,
+                       .g = cell->law[1].g};
+  memcpy(kept->q, cell->mid->d[0], sizeof(kept->q));
+  for (int i = 0; i < 4; i++) memcpy(kept->p_m[i], &mid->f[P + i][M], sizeof(kept->p_m[i]));
 }
 
 /* The rows of a node, by itself (columns FIELDS ...) and its neighbours. */
@@ -450,7 +450,7 @@ PetscErrorCode SpaceJacobian(Rod rod, const RodState *at, Mat J) {
 
   PetscFunctionBegin;
   PetscCall(SpaceCellsOpen(rod, at, &cell));
-  if (self->strands) PetscCall(SpaceStrandsPattern(rod, self->strands, at->fresh, J));
+  if (self->strands) PetscCall(StrandRowsPattern(rod, self->strands, at->fresh, J));
   PetscCall(PetscMemzero(row, sizeof(row)));
   if (rod->first == 0) {
     SpaceClampBlock(rod->scene, at->t, cell.u[0], left);
@@ -461,8 +461,8 @@ PetscErrorCode SpaceJacobian(Rod rod, const RodState *at, Mat J) {
     if (i < rod->last) {
       SpaceCellsNext(&cell, i);
       CellBlocks(&cell, i, (PetscBool)(i == begin), at->shift, &slopes, left, right);
-      if (self->behind && i >= rod->first)
-        KeepBehind(&cell, &slopes.mid, &self->behind[i - rod->first]);
+      if (self->strands && i >= rod->first)
+        KeepCell(&cell, &slopes.mid, StrandRowsCell(rod, self->strands, i));
       PutRows(row, LEFT, FIELDS, FIELDS, left);
       PutRows(row, LEFT, FIELDS, 2 * FIELDS, right);
     } else {
@@ -479,7 +479,7 @@ PetscErrorCode SpaceJacobian(Rod rod, const RodState *at, Mat J) {
     }
   }
   PetscCall(SpaceCellsClose(&cell));
-  if (self->strands) PetscCall(SpaceStrandsJacobian(rod, self->strands, at, self->behind, J));
+  if (self->strands) PetscCall(StrandRowsJacobian(rod, self->strands, at, J));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(0);

@@ -1,164 +1,66 @@
-#include "rod/strands.h"
 #include "base/blocks.h"
-#include "curve/cell.h"
 #include "curve/nearest.h"
-#include "curve/spread.h"
+#include "rod/directors.h"
+#include "rod/strand_pairs.h"
 
-enum { A1, A2, ATH, B1, B2, BTH, SPOT_UNKNOWNS }; /* x and theta at both ends of a cell */
-
-/* A place on the curve of the rod: cell, and 0 <= z <= 1 in it. */
-typedef struct {
-  PetscInt cell;
-  PetscReal z;
-  PetscReal x[2], slope[2], bend[2]; /* x and its first and second derivative by z */
-} Spot;
-
-/* How fast a place moves, and by z; the rest is for its derivatives. */
-typedef struct {
-  PetscReal v[2], v_z[2], t[2], size, c; /* tangent, |x_z|, slide */
-} Motion;
-
-/* A point and what it is near to. */
-typedef struct {
-  PetscInt point;
-  int side;         /* 0 left, 1 right */
-  PetscBool ends;   /* the foot is an end of the rod */
-  PetscBool apart;  /* they are not the same strand */
-  PetscBool active; /* they press */
-  Spot at, foot;
-  PetscReal n[2], distance, gap;
-  PetscReal p, p_gap;        /* pressure and its derivative */
-  PetscReal slip, w, w_slip; /* relative velocity along the surface, friction over mu p */
-} Pair;
-
-struct _Strands {
-  Scene scene;
-  const Contact *contact;
-  PetscInt cells, points; /* points: 2 cells + 1 */
-  PetscReal apart;        /* what is nearer along the rod is the same strand */
-  PetscReal time;         /* of what follows: laws at the points */
-  PetscReal *g, *g_t, *c, *strain, *arc, *weight;
-  PetscInt n, room;
-  Pair *pair;
-  PetscInt *slot;        /* of a point's side: its pair, -1 none */
-  PetscReal (*q)[2];     /* directions at the nodes, in the state that is looked at */
-  Spot *spot;            /* where points are in it, as far as anyone has asked: */
-  PetscBool *placed;     /* ... has anyone? */
-  PetscBool searched;    /* it has been searched for pairs just now */
-  PetscReal *seen;       /* x at the nodes when pairs were looked for */
-  PetscReal (*force)[2]; /* StrandsForces() */
-  FrictionDual *dual;    /* of a point's side; NULL: no friction */
-  StrandSlope *slopes;
-  PetscInt slopes_room;
-  StrandSum sum;
-};
-
-static PetscReal Dot(const PetscReal a[2], const PetscReal b[2]) {
-  return a[0] * b[0] + a[1] * b[1];
-}
-
-static PetscReal Cross(const PetscReal a[2], const PetscReal b[2]) {
-  return a[0] * b[1] - a[1] * b[0];
-}
+/* In space samples are no farther apart than this part of the diameter, where the rod is longest:
+   strands that cross press on each other over half of it, and should feel no kink where one more
+   sample begins to. */
+static const PetscReal fine = 1. / 32;
+enum { MOST_SAMPLES = 32 }; /* of a cell */
 
 /* ---- the curve ---- */
 
-/* What a cell's curve is made of: x at its ends and x_z = h g q there, with q turned to the left.
- */
-typedef struct {
-  const PetscReal *u[2], *u_t[2];
-  PetscReal h, q[2][2], g[2], g_t[2];
-} Ends;
-
-static void EndsOf(const struct _Strands *self, const StrandState *state, PetscInt cell, Ends *e) {
-  const PetscReal *s = self->scene->mesh.s;
-  const PetscReal(*q)[2] = (const PetscReal(*)[2])self->q;
-
-  e->h = s[cell + 1] - s[cell];
-  for (int k = 0; k < 2; k++) {
-    e->u[k] = state->u + (cell + k) * state->stride;
-    e->u_t[k] = state->u_t ? state->u_t + (cell + k) * state->stride : NULL;
-    for (int d = 0; d < 2; d++) e->q[k][d] = q[cell + k][d];
-    e->g[k] = self->g[2 * (cell + k)];
-    e->g_t[k] = self->g_t[2 * (cell + k)];
-  }
+/* The length of a vector. (In the plane hypot() has another last digit.) */
+static inline PetscReal Length(const struct _Strands *self, const PetscReal v[3]) {
+  return self->dims == 2 ? hypot(v[0], v[1]) : PetscSqrtReal(Dot3(v, v));
 }
 
-/* x, x_z, x_zz at place z of a cell. */
-static void SpotOn(const Ends *e, Spot *spot) {
-  PetscReal value[4], slope[4], bend[4];
+/* Where a sample is in the state that is looked at. */
+static const Spot *SampleSpot(const struct _Strands *self, PetscInt sample) {
+  const PetscBool tip = SampleIsTip(self, sample);
+  Spot *spot = &self->spot[sample];
+  CurveCell cell;
 
-  Hermite(spot->z, value, slope, bend);
-  for (int d = 0; d < 2; d++) {
-    PetscReal y[4] = {e->u[0][d], e->h * e->g[0] * e->q[0][d], e->u[1][d],
-                      e->h * e->g[1] * e->q[1][d]};
-    spot->x[d] = spot->slope[d] = spot->bend[d] = 0;
-    for (int k = 0; k < 4; k++) {
-      spot->x[d] += value[k] * y[k];
-      spot->slope[d] += slope[k] * y[k];
-      spot->bend[d] += bend[k] * y[k];
-    }
-  }
-}
-
-static void SpotAt(const struct _Strands *self, const StrandState *state, PetscInt cell,
-                   PetscReal z, Spot *spot) {
-  Ends e;
-  EndsOf(self, state, cell, &e);
-  spot->cell = cell;
-  spot->z = z;
-  SpotOn(&e, spot);
-}
-
-/* Where a collocation point is. */
-static void PointCell(const struct _Strands *self, PetscInt point, PetscInt *cell, PetscReal *z) {
-  PetscBool tip = (PetscBool)(point == self->points - 1);
-  *cell = tip ? self->cells - 1 : point / 2;
-  *z = tip ? 1 : point % 2 ? 0.5 : 0;
-}
-
-/* Where a point is in the state that is looked at. */
-static const Spot *SpotOf(const struct _Strands *self, const StrandState *state, PetscInt point) {
-  Spot *spot = &self->spot[point];
-  PetscInt cell;
-  PetscReal z;
-
-  if (self->placed[point]) return spot;
-  PointCell(self, point, &cell, &z);
-  SpotAt(self, state, cell, z, spot);
-  self->placed[point] = PETSC_TRUE;
+  if (self->placed[sample]) return spot;
+  self->placed[sample] = PETSC_TRUE;
+  spot->cell = tip ? self->cells - 1 : sample / self->each;
+  spot->on.z = tip ? 1 : (sample % self->each + self->ahead) / self->each;
+  StrandCell(self, spot->cell, &cell);
+  CurveAt(&cell, &spot->on);
   return spot;
 }
 
 /* The arc length of a place. */
-static PetscReal ArcAt(const struct _Strands *self, PetscInt cell, PetscReal z) {
-  return self->arc[cell] + z * (self->arc[cell + 1] - self->arc[cell]);
+static PetscReal ArcAt(const struct _Strands *self, const Spot *spot) {
+  return self->arc[spot->cell] + spot->on.z * (self->arc[spot->cell + 1] - self->arc[spot->cell]);
 }
 
 /*
   FootFrom - the place of the curve nearest to x, by Newton's method on (x - y(z)).y_z = 0 from a
   place near it, on to the next cell where that is. ends: it is an end of the rod.
 */
-static void FootFrom(const struct _Strands *self, const StrandState *state, const PetscReal x[2],
-                     Spot *foot, PetscBool *ends) {
-  Ends e;
+static void FootFrom(const struct _Strands *self, const PetscReal x[3], Spot *foot,
+                     PetscBool *ends) {
+  CurvePlace *on = &foot->on;
+  CurveCell cell;
 
   *ends = PETSC_FALSE;
-  EndsOf(self, state, foot->cell, &e);
+  StrandCell(self, foot->cell, &cell);
   for (int k = 0; k < CURVE_MOST; k++) {
-    PetscReal o[2], step;
+    PetscReal o[3], step;
     CurveWay way;
-    SpotOn(&e, foot);
-    for (int d = 0; d < 2; d++) o[d] = x[d] - foot->x[d];
-    step = CurveStep(Dot(o, foot->slope), Dot(foot->slope, foot->slope), Dot(o, foot->bend));
-    way = CurveGo(self->cells, foot->z + step, &foot->cell, &foot->z, ends);
+    CurveAt(&cell, on);
+    for (int d = 0; d < 3; d++) o[d] = x[d] - on->x[d];
+    step = CurveStep(Dot3(o, on->slope), Dot3(on->slope, on->slope), Dot3(o, on->bend));
+    way = CurveGo(self->cells, on->z + step, &foot->cell, &on->z, ends);
     if (way == CURVE_ARRIVED) return;
-    if (way == CURVE_NEXT) EndsOf(self, state, foot->cell, &e);
+    if (way == CURVE_NEXT) StrandCell(self, foot->cell, &cell);
   }
-  SpotOn(&e, foot);
+  CurveAt(&cell, on);
 }
 
-/* ---- laws ---- */
+/* ---- laws, and the state ---- */
 
 /* What the laws give at time t: at the points, and the arc length at the nodes. */
 static PetscErrorCode LawsAt(Strands self, PetscReal t) {
@@ -169,32 +71,91 @@ static PetscErrorCode LawsAt(Strands self, PetscReal t) {
   PetscCall(SceneContactAt(self->scene, t));
   if (self->time == t) PetscFunctionReturn(0);
   for (PetscInt k = 0; k < self->points; k++) {
-    PetscReal z = k % 2 ? (s[k / 2] + s[k / 2 + 1]) / 2 : s[k / 2];
-    PetscCall(GrowthStretch(growth, 1, &z, t, &self->g[k], &self->g_t[k], NULL));
-    self->c[k] = GrowthSlide(growth, z, t);
-    self->strain[k] = GrowthStrain(growth, z, t, self->g_t[k]);
+    PetscReal at = k % 2 ? (s[k / 2] + s[k / 2 + 1]) / 2 : s[k / 2];
+    PetscCall(GrowthStretch(growth, 1, &at, t, &self->g[k], &self->g_t[k], NULL));
+    self->c[k] = GrowthSlide(growth, at, t);
+    self->strain[k] = GrowthStrain(growth, at, t, self->g_t[k]);
   }
   PetscCall(GrowthArc(growth, self->cells + 1, s, t, self->arc, NULL));
   self->time = t;
   PetscFunctionReturn(0);
 }
 
-/* The directions at the nodes; the places of points are those of another state. */
-static void DirectionsIn(Strands self, const StrandState *state) {
-  for (PetscInt i = 0; i <= self->cells; i++) {
-    const PetscReal theta = state->u[i * state->stride + 2];
-    self->q[i][0] = PetscCosReal(theta);
-    self->q[i][1] = PetscSinReal(theta);
-  }
-  for (PetscInt k = 0; k < self->points; k++) self->placed[k] = PETSC_FALSE;
+/* How the spin changes with p, and with p_t by its shift. */
+static void SpinSlopeAt(const Joint *joint, const PetscReal p_t[4], const PetscReal shift[4],
+                        PetscReal by[4]) {
+  const PetscReal *p = joint->p, by_rate[4] = {-p[1], p[0], p[3], -p[2]},
+                  by_p[4] = {p_t[1], -p_t[0], -p_t[3], p_t[2]};
+
+  for (int j = 0; j < 4; j++)
+    by[j] = 2 / joint->size * (shift[j] * by_rate[j] + by_p[j] - joint->spin * p[j]);
 }
 
-/* ---- which points are near to what ---- */
+/* A node in space, whose quaternion is p. */
+static void JointInSpace(const PetscReal p[4], const PetscReal p_t[4], PetscReal g, PetscReal g_t,
+                         const PetscReal *shift, Joint *joint) {
+  PetscReal d[3][3], D[3][4];
+
+  joint->p = p;
+  joint->size = QuaternionSize(p);
+  Directors(p, joint->size, d);
+  DirectorSlope(p, joint->size, d[0], 0, D);
+  joint->spin = QuaternionSpin(p, joint->size, p_t);
+  for (int c = 0; c < 3; c++) {
+    joint->q[c] = d[0][c];
+    joint->q_t[c] = D[c][0] * p_t[0] + D[c][1] * p_t[1] + D[c][2] * p_t[2] + D[c][3] * p_t[3];
+  }
+  if (!shift) return;
+  DirectorRateSlope(p, joint->size, d[0], joint->q_t, 0, D, p_t, joint->by.slope_t);
+  SpinSlopeAt(joint, p_t, shift, joint->spin_by);
+  for (int c = 0; c < 3; c++)
+    for (int j = 0; j < 4; j++) {
+      joint->by.q[c][j] = D[c][j];
+      joint->by.slope_t[c][j] = g_t * D[c][j] + g * (shift[j] * D[c][j] + joint->by.slope_t[c][j]);
+    }
+}
+
+/* One in the plane, at the angle theta; the derivatives are those of q, q_perp and -q. */
+static void JointInPlane(PetscReal theta, PetscReal theta_t, PetscReal g, PetscReal g_t,
+                         const PetscReal *shift, Joint *joint) {
+  const PetscReal q[2] = {PetscCosReal(theta), PetscSinReal(theta)}, perp[2] = {-q[1], q[0]};
+
+  for (int d = 0; d < 2; d++) {
+    joint->q[d] = q[d];
+    joint->q_t[d] = theta_t * perp[d];
+    joint->by.q[d][0] = perp[d];
+    if (shift) joint->by.slope_t[d][0] = g_t * perp[d] + g * (*shift * perp[d] - theta_t * q[d]);
+  }
+}
+
+/* StrandJoints - the nodes in a state; with their derivatives if there are shifts of the rates,
+   else it is a new one. */
+void StrandJoints(Strands self, const StrandState *state, const PetscReal *shift) {
+  const PetscReal still[STRAND_NODE] = {0};
+  const int dims = self->dims;
+
+  for (PetscInt k = 0; k < self->samples && !shift; k++) self->placed[k] = PETSC_FALSE;
+  for (PetscInt i = 0; i <= self->cells; i++) {
+    const PetscReal *u = state->u + i * state->stride, g = self->g[2 * i], g_t = self->g_t[2 * i],
+                    *u_t = state->u_t ? state->u_t + i * state->stride : still;
+    Joint *joint = &self->joint[i];
+    for (int d = 0; d < dims; d++) {
+      joint->x[d] = u[d];
+      joint->x_t[d] = u_t[d];
+      if (shift) joint->by.shift[d] = shift[d];
+    }
+    if (dims == 2)
+      JointInPlane(u[dims], u_t[dims], g, g_t, shift ? shift + dims : NULL, joint);
+    else
+      JointInSpace(u + dims, u_t + dims, g, g_t, shift ? shift + dims : NULL, joint);
+  }
+}
+
+/* ---- which samples are near to what ---- */
 
 /* A search under way. */
 typedef struct {
   Strands self;
-  const StrandState *state;
   PetscReal reach;
   PetscErrorCode error;
 } Looking;
@@ -206,65 +167,74 @@ static PetscBool SameStrand(const Block *a, PetscInt first_a, PetscInt last_a, c
 }
 
 /* Is the foot of x on this cell? 1 yes; 2 it is the end of the rod there; 0 no. */
-static int HasFoot(const struct _Strands *self, const StrandState *state, PetscInt cell,
-                   const PetscReal x[2]) {
-  PetscReal f[2], o[2];
+static int HasFoot(const struct _Strands *self, PetscInt cell, const PetscReal x[3]) {
+  const Joint *joint = self->joint + cell;
+  PetscReal f[2];
 
   for (int k = 0; k < 2; k++) {
-    const PetscReal *u = state->u + (cell + k) * state->stride;
-    for (int d = 0; d < 2; d++) o[d] = x[d] - u[d];
-    f[k] = Dot(o, self->q[cell + k]);
+    PetscReal o[3];
+    for (int d = 0; d < 3; d++) o[d] = x[d] - joint[k].x[d];
+    f[k] = Dot3(o, joint[k].q);
   }
   if (f[0] >= 0 && f[1] < 0) return 1;
   if ((cell == 0 && f[0] < 0) || (cell == self->cells - 1 && f[1] >= 0)) return 2;
   return 0;
 }
 
-/* A new pair, in the place of one of the same side that is farther away. */
+/* A new pair. Of two feet of a sample on one side, in space of those that are near each other along
+   the rod and so of one strand, the nearer counts. */
 static PetscErrorCode Keep(Strands self, const Pair *pair) {
-  PetscInt *slot = &self->slot[2 * pair->point + pair->side];
+  PetscInt *first = &self->first[self->sides * pair->sample + pair->side], next = *first;
+  const PetscReal at = ArcAt(self, &pair->foot);
 
   PetscFunctionBegin;
-  if (*slot >= 0) {
-    if (pair->distance < self->pair[*slot].distance) self->pair[*slot] = *pair;
+  for (PetscInt k = next; k >= 0; k = self->pair[k].next) {
+    Pair *other = &self->pair[k];
+    if (self->dims == 3 && PetscAbsReal(ArcAt(self, &other->foot) - at) >= self->apart) continue;
+    if (pair->distance < other->distance) {
+      PetscInt after = other->next;
+      *other = *pair;
+      other->next = after;
+    }
     PetscFunctionReturn(0);
   }
   if (self->n == self->room) {
     self->room = 2 * self->room + 64;
     PetscCall(PetscRealloc((size_t)self->room * sizeof(Pair), &self->pair));
   }
-  *slot = self->n;
-  self->pair[self->n++] = *pair;
+  *first = self->n;
+  self->pair[self->n] = *pair;
+  self->pair[self->n++].next = next;
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode LookAt(Looking *look, PetscInt point, PetscInt cell) {
+static PetscErrorCode LookAt(Looking *look, PetscInt sample, PetscInt cell) {
   Strands self = look->self;
-  const Spot *at = SpotOf(self, look->state, point);
-  const int foot = HasFoot(self, look->state, cell, at->x);
-  PetscReal o[2];
+  const Spot *at = SampleSpot(self, sample);
+  const int foot = HasFoot(self, cell, at->on.x);
+  PetscReal o[3];
   Pair pair;
 
   PetscFunctionBegin;
   if (!foot) PetscFunctionReturn(0);
-  pair = (Pair){.point = point, .at = *at};
+  pair = (Pair){.sample = sample, .at = *at};
   pair.foot.cell = cell;
-  pair.foot.z = foot == 1 ? 0.5 : cell ? 1 : 0;
-  FootFrom(self, look->state, pair.at.x, &pair.foot, &pair.ends);
-  for (int d = 0; d < 2; d++) o[d] = pair.foot.x[d] - pair.at.x[d];
-  pair.distance = hypot(o[0], o[1]);
-  if (pair.distance >= look->reach) PetscFunctionReturn(0);
-  pair.side = Cross(pair.at.slope, o) < 0;
-  PetscCall(Keep(self, &pair));
+  pair.foot.on.z = foot == 1 ? 0.5 : cell ? 1 : 0;
+  FootFrom(self, pair.at.on.x, &pair.foot, &pair.ends);
+  for (int d = 0; d < 3; d++) o[d] = pair.foot.on.x[d] - pair.at.on.x[d];
+  pair.distance = Length(self, o);
+  if (self->dims == 2) pair.side = at->on.slope[0] * o[1] - at->on.slope[1] * o[0] < 0;
+  if (pair.distance < look->reach) PetscCall(Keep(self, &pair));
   PetscFunctionReturn(0);
 }
 
-/* The points of one cell against another. */
+/* The samples of one cell against another. */
 static PetscErrorCode LookFrom(Looking *look, PetscInt from, PetscInt to) {
-  PetscInt last = 2 * from + (from == look->self->cells - 1 ? 2 : 1);
+  const Strands self = look->self;
+  PetscInt end = (from + 1) * self->each + (from == self->cells - 1);
 
   PetscFunctionBegin;
-  for (PetscInt point = 2 * from; point <= last; point++) PetscCall(LookAt(look, point, to));
+  for (PetscInt k = from * self->each; k < end; k++) PetscCall(LookAt(look, k, to));
   PetscFunctionReturn(0);
 }
 
@@ -279,158 +249,173 @@ static void Meet(PetscInt i, PetscInt j, void *ctx) {
    has moved by half of it. */
 static const PetscReal margin = 0.5;
 
+static PetscErrorCode Search(Strands self) {
+  Looking look = {.self = self,
+                  .reach = (1 + margin) * self->contact->diameter + self->contact->smooth};
+  Blocks line;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < self->n; k++)
+    self->first[self->sides * self->pair[k].sample + self->pair[k].side] = -1;
+  self->n = 0;
+  for (PetscInt i = 0; i <= self->cells; i++)
+    for (int d = 0; d < 3; d++) self->seen[3 * i + d] = self->joint[i].x[d];
+  PetscCall(BlocksOfLine(self->dims, self->cells, 3, self->seen, NULL, &line));
+  BlocksPairs(line, look.reach, SameStrand, Meet, &look);
+  PetscCall(BlocksDestroy(&line));
+  PetscCall(look.error);
+  PetscFunctionReturn(0);
+}
+
 /*
   StrandsSearch - looks for all pairs that are near to touching, in a state that StrandsLoad() is
   asked for next. Not collective: the same on every rank.
 */
 PetscErrorCode StrandsSearch(Strands self, const StrandState *state) {
-  Looking look = {.self = self,
-                  .state = state,
-                  .reach = (1 + margin) * self->contact->diameter + self->contact->smooth};
-  Blocks line;
-
   PetscFunctionBegin;
   PetscCall(LawsAt(self, state->t));
-  DirectionsIn(self, state);
-  for (PetscInt k = 0; k < self->n; k++)
-    self->slot[2 * self->pair[k].point + self->pair[k].side] = -1;
-  self->n = 0;
-  for (PetscInt i = 0; i <= self->cells; i++)
-    for (int d = 0; d < 2; d++) self->seen[2 * i + d] = state->u[i * state->stride + d];
-  PetscCall(BlocksOfLine(2, self->cells, 2, self->seen, NULL, &line));
-  BlocksPairs(line, look.reach, SameStrand, Meet, &look);
-  PetscCall(BlocksDestroy(&line));
-  PetscCall(look.error);
+  StrandJoints(self, state, NULL);
+  PetscCall(Search(self));
   self->searched = PETSC_TRUE;
   PetscFunctionReturn(0);
 }
 
 /* Has a node moved so far that there may be other pairs? */
-static PetscBool Moved(const struct _Strands *self, const StrandState *state) {
+static PetscBool Moved(const struct _Strands *self) {
   const PetscReal far = PetscSqr(margin * self->contact->diameter / 2);
 
   for (PetscInt i = 0; i <= self->cells; i++) {
-    const PetscReal *x = state->u + i * state->stride, *y = self->seen + 2 * i;
-    if (!(PetscSqr(x[0] - y[0]) + PetscSqr(x[1] - y[1]) < far)) return PETSC_TRUE;
+    const PetscReal *x = self->joint[i].x, *y = self->seen + 3 * i,
+                    way[3] = {x[0] - y[0], x[1] - y[1], x[2] - y[2]};
+    if (!(Dot3(way, way) < far)) return PETSC_TRUE;
   }
   return PETSC_FALSE;
 }
 
 /* ---- forces ---- */
 
-/* The velocity of a place, x_t + c t, and its derivative by z. */
-static void MotionOf(const struct _Strands *self, const StrandState *state, const Spot *spot,
-                     Motion *m) {
-  const PetscReal *c = self->c + 2 * spot->cell, z = spot->z;
-  PetscReal value[4], slope[4], bend[4], c_z, along;
-  Ends e;
-
-  EndsOf(self, state, spot->cell, &e);
-  Hermite(z, value, slope, bend);
-  m->size = hypot(spot->slope[0], spot->slope[1]);
-  m->c = CurveBetween(c, z);
-  c_z = CurveBetweenSlope(c, z);
-  for (int d = 0; d < 2; d++) m->t[d] = spot->slope[d] / m->size;
-  along = Dot(m->t, spot->bend);
-  for (int d = 0; d < 2; d++) {
-    PetscReal y[4];
-    for (int k = 0; k < 2; k++) {
-      PetscReal perp = d ? e.q[k][0] : -e.q[k][1];
-      y[2 * k] = e.u_t[k][d];
-      y[2 * k + 1] = e.h * (e.g_t[k] * e.q[k][d] + e.g[k] * e.u_t[k][2] * perp);
-    }
-    m->v[d] = m->c * m->t[d];
-    m->v_z[d] = c_z * m->t[d] + m->c * (spot->bend[d] - along * m->t[d]) / m->size;
-    for (int k = 0; k < 4; k++) {
-      m->v[d] += value[k] * y[k];
-      m->v_z[d] += slope[k] * y[k];
-    }
-  }
-}
-
-/* The lengths of rod that a pair stands for: of the point, and of the tip if it is one. */
-static void Shares(const struct _Strands *self, PetscInt point, PetscReal share[2]) {
-  share[0] = self->g[point] * self->weight[point] / 2;
-  share[1] = point == self->points - 1 ? self->contact->tip : 0;
-}
-
-static FrictionDual *DualOf(const struct _Strands *self, const Pair *pair) {
-  return self->dual ? &self->dual[2 * pair->point + pair->side] : NULL;
-}
-
 /* Where a pair is, and its gap. */
-static void PairPlace(const struct _Strands *self, const StrandState *state, Pair *pair) {
-  PetscReal o[2];
+static void PairPlace(const struct _Strands *self, Pair *pair) {
+  PetscReal o[3];
 
-  pair->at = *SpotOf(self, state, pair->point);
-  FootFrom(self, state, pair->at.x, &pair->foot, &pair->ends);
-  for (int d = 0; d < 2; d++) o[d] = pair->at.x[d] - pair->foot.x[d];
-  pair->distance = hypot(o[0], o[1]);
-  for (int d = 0; d < 2; d++) pair->n[d] = o[d] / pair->distance;
+  pair->at = *SampleSpot(self, pair->sample);
+  FootFrom(self, pair->at.on.x, &pair->foot, &pair->ends);
+  for (int d = 0; d < 3; d++) o[d] = pair->at.on.x[d] - pair->foot.on.x[d];
+  pair->distance = Length(self, o);
+  for (int d = 0; d < 3; d++) pair->n[d] = o[d] / pair->distance;
   pair->gap = pair->distance - self->contact->diameter;
   pair->apart =
-      (PetscBool)(PetscAbsReal(ArcAt(self, pair->at.cell, pair->at.z) -
-                               ArcAt(self, pair->foot.cell, pair->foot.z)) >= self->apart);
+      (PetscBool)(PetscAbsReal(ArcAt(self, &pair->at) - ArcAt(self, &pair->foot)) >= self->apart);
   pair->active =
       (PetscBool)(pair->gap < self->contact->smooth && pair->apart && pair->distance > 0);
 }
 
-/* The speed at which the point slips along its partner, to the left of the normal. */
-static void PairSlip(const struct _Strands *self, const StrandState *state, Pair *pair) {
-  Motion at, foot;
+/* What a density at the points, per label, is over the labels that a sample stands for. In the
+   plane the tip has a part of the last cell, too. */
+static PetscReal Over(const struct _Strands *self, const PetscReal *at, const Pair *pair) {
+  const PetscInt cell = pair->at.cell;
+  const PetscReal *s = self->scene->mesh.s;
 
-  MotionOf(self, state, &pair->at, &at);
-  MotionOf(self, state, &pair->foot, &foot);
-  pair->slip = pair->n[0] * (at.v[1] - foot.v[1]) - pair->n[1] * (at.v[0] - foot.v[0]);
+  if (self->dims == 2) return at[pair->sample] * self->weight[pair->sample] / 2;
+  if (SampleIsTip(self, pair->sample)) return 0;
+  return CurveBetween(at + 2 * cell, pair->at.on.z) * (s[cell + 1] - s[cell]) / (2 * self->each);
 }
 
-/* The force on the point, per length of rod that it stands for:  f = p n - mu p w t. */
-static void PairForce(const struct _Strands *self, const Pair *pair, PetscReal f[2]) {
-  PetscReal rub = self->contact->friction * pair->p * pair->w;
-  f[0] = pair->p * pair->n[0] + rub * pair->n[1];
-  f[1] = pair->p * pair->n[1] - rub * pair->n[0];
+/* PairShares - the lengths of rod that a pair stands for: of the sample; of the tip's point
+   contact, if it is that. */
+void PairShares(const struct _Strands *self, const Pair *pair, PetscReal share[2]) {
+  share[0] = Over(self, self->g, pair);
+  share[1] = SampleIsTip(self, pair->sample) ? self->contact->tip : 0;
 }
 
-/* What pushes the beginning of a rod that is fed in back along it, the clamp's direction x1: the
-   clamp bears that, for it is the clamp that is there, at rest, while the material moves on. */
-static PetscBool OnClamp(const struct _Strands *self, const Pair *pair) {
-  return (PetscBool)(pair->ends && pair->foot.cell == 0 && pair->foot.z == 0 && self->c[0] != 0);
+/* PairForce - on the sample, per length of rod that it stands for:  f = p (n - mu w). */
+void PairForce(const struct _Strands *self, const Pair *pair, PetscReal f[3]) {
+  for (int d = 0; d < 3; d++) f[d] = pair->p * (pair->n[d] - self->contact->friction * pair->w[d]);
 }
 
-/* Hands a force to who takes it: on points as load per label, n' = load. */
-static void HandOut(Strands self, const Pair *pair, const PetscReal f[2]) {
-  const PetscReal borne[2] = {OnClamp(self, pair) ? pair->p * pair->n[0] : 0, 0};
-  PetscReal share[2];
-  Spread spread;
+/* PairOnClamp - what pushes the beginning of a rod that is fed in back along it, the clamp's
+   direction x1: the clamp bears that, for it is the clamp that is there, at rest, while the
+   material moves on. */
+PetscBool PairOnClamp(const struct _Strands *self, const Pair *pair) {
+  return (PetscBool)(pair->ends && pair->foot.cell == 0 && pair->foot.on.z == 0 && self->c[0] != 0);
+}
 
-  Shares(self, pair->point, share);
-  SpreadAt(self->points, pair->foot.cell, pair->foot.z, &spread);
-  for (int d = 0; d < 2; d++) {
-    PetscReal all = (share[0] + share[1]) * f[d];
-    self->force[pair->point][d] -= share[0] * f[d] / self->weight[pair->point];
-    self->force[self->points][d] += share[1] * f[d];
-    self->sum.clamp[d] -= (share[0] + share[1]) * borne[d];
-    all -= (share[0] + share[1]) * borne[d];
-    for (int k = 0; k < 4; k++)
-      self->force[spread.point[k]][d] += all * spread.share[k] / self->weight[spread.point[k]];
+/* PairSpread - who takes what acts on the foot, or else on the sample (but for the tip's own).
+   Returns how many points that are. */
+int PairSpread(const struct _Strands *self, const Pair *pair, int of_foot, Spread *spread) {
+  const Spot *spot = of_foot ? &pair->foot : &pair->at;
+
+  if (self->dims == 2 && !of_foot) {
+    *spread = (Spread){.point = {pair->sample}, .share = {1}};
+    return 1;
   }
+  if (self->dims == 2)
+    SpreadAt(self->points, spot->cell, spot->on.z, spread);
+  else if (!of_foot && SampleIsTip(self, pair->sample))
+    return 0;
+  else
+    SpreadEvenly(self->points, spot->cell, spot->on.z, spread);
+  return 4;
+}
+
+/* Hands a force, or a couple, on a foot or a sample to the points around it, as load per label,
+   n' = load. */
+static void HandTo(const struct _Strands *self, const Pair *pair, int of_foot, PetscReal share,
+                   const PetscReal f[3], PetscReal (*load)[3]) {
+  Spread spread;
+  const int n = PairSpread(self, pair, of_foot, &spread);
+
+  for (int k = 0; k < n; k++)
+    for (int d = 0; d < 3; d++)
+      load[spread.point[k]][d] -= share * f[d] * spread.share[k] / self->weight[spread.point[k]];
+}
+
+/* What is on the sample, and what is on the foot. */
+static void HandBoth(const struct _Strands *self, const Pair *pair, const PetscReal on_sample[3],
+                     const PetscReal on_foot[3], PetscReal (*load)[3]) {
+  PetscReal share[2];
+
+  PairShares(self, pair, share);
+  HandTo(self, pair, 0, share[0], on_sample, load);
+  for (int d = 0; d < 3 && share[1] > 0; d++) load[self->points][d] += share[1] * on_sample[d];
+  HandTo(self, pair, 1, share[0] + share[1], on_foot, load);
+}
+
+static void HandOut(Strands self, const Pair *pair, const PetscReal f[3]) {
+  const PetscReal borne = PairOnClamp(self, pair) ? pair->p * pair->n[0] : 0,
+                  on_foot[3] = {borne - f[0], -f[1], -f[2]};
+  PetscReal share[2];
+
+  PairShares(self, pair, share);
+  self->sum.clamp[0] -= (share[0] + share[1]) * borne;
+  HandBoth(self, pair, f, on_foot, self->force);
+}
+
+/* The couples a.f t of friction on both strands. */
+static void HandCouples(const struct _Strands *self, const Pair *pair, const PetscReal f[3]) {
+  PetscReal couple[2][3];
+
+  for (int k = 0; k < 2; k++) {
+    const Turning *turning = &pair->turning[k];
+    for (int d = 0; d < 3; d++) couple[k][d] = Dot3(turning->a, f) * turning->t[d];
+  }
+  HandBoth(self, pair, couple[0], couple[1], self->couple);
 }
 
 static void AddToSum(Strands self, const Pair *pair) {
+  const PetscReal U = ContactEnergy(self->contact, pair->gap),
+                  U_t = ContactEnergyRate(self->contact, pair->gap);
   StrandSum *sum = &self->sum;
-  PetscReal share[2], all, U = ContactEnergy(self->contact, pair->gap);
+  PetscReal share[2], all;
 
-  Shares(self, pair->point, share);
+  PairShares(self, pair, share);
   all = share[0] + share[1];
   sum->energy += all * U;
-  sum->strain += self->strain[pair->point] * self->weight[pair->point] / 2 * U +
-                 share[0] * ContactEnergyRate(self->contact, pair->gap) +
-                 (share[1] > 0 ? self->contact->tip_t * U +
-                                     share[1] * ContactEnergyRate(self->contact, pair->gap)
-                               : 0);
-  if (!pair->point) sum->strain += self->c[0] / 2 * U; /* what is fed in comes with it */
+  sum->strain += Over(self, self->strain, pair) * U + share[0] * U_t +
+                 (share[1] > 0 ? self->contact->tip_t * U + share[1] * U_t : 0);
+  if (!pair->sample) sum->strain += self->c[0] / 2 * U; /* what is fed in comes with it */
   sum->normal += all * pair->p;
-  sum->loss += all * self->contact->friction * pair->p * pair->w * pair->slip;
+  sum->loss += all * self->contact->friction * pair->p * pair->rubs;
 }
 
 static void Nearest(Strands self, const Pair *pair) {
@@ -440,8 +425,25 @@ static void Nearest(Strands self, const Pair *pair) {
   if (!pair->apart || pair->gap >= self->sum.nearest) return;
   self->sum.nearest = pair->gap;
   for (int k = 0; k < 2; k++)
-    self->sum.at[k] = s[spot[k]->cell] + spot[k]->z * (s[spot[k]->cell + 1] - s[spot[k]->cell]);
-  for (int d = 0; d < 2; d++) self->sum.x[d] = (pair->at.x[d] + pair->foot.x[d]) / 2;
+    self->sum.at[k] = s[spot[k]->cell] + spot[k]->on.z * (s[spot[k]->cell + 1] - s[spot[k]->cell]);
+  for (int d = 0; d < 3; d++) self->sum.x[d] = (pair->at.on.x[d] + pair->foot.on.x[d]) / 2;
+}
+
+/* How many zones of contact there are: samples, one after the other, that touch on a side what lies
+   farther along the rod. */
+static PetscInt Zones(const struct _Strands *self) {
+  PetscInt zones = 0, before[2] = {-2, -2};
+
+  for (PetscInt head = 0; head < self->sides * self->samples; head++)
+    for (PetscInt k = self->first[head]; k >= 0; k = self->pair[k].next) {
+      const Pair *pair = &self->pair[k];
+      if (!pair->active || !ContactBears(self->contact, pair->gap) ||
+          pair->foot.cell < pair->at.cell)
+        continue;
+      zones += before[pair->side] < pair->sample - 1;
+      before[pair->side] = pair->sample;
+    }
+  return zones;
 }
 
 /*
@@ -449,32 +451,32 @@ static void Nearest(Strands self, const Pair *pair) {
   far since the last. Not collective: the same on every rank.
 */
 PetscErrorCode StrandsLoad(Strands self, const StrandState *state) {
-  PetscReal f[2];
+  const PetscBool rubs = (PetscBool)(self->contact->friction > 0 && state->u_t);
+  PetscReal f[3];
 
   PetscFunctionBegin;
   PetscCall(LawsAt(self, state->t));
-  if (!self->searched) DirectionsIn(self, state);
-  if (!self->searched && Moved(self, state)) PetscCall(StrandsSearch(self, state));
+  if (!self->searched) StrandJoints(self, state, NULL);
+  if (!self->searched && Moved(self)) PetscCall(Search(self));
   self->searched = PETSC_FALSE;
   PetscCall(PetscArrayzero(self->force, self->points + 1));
+  if (self->couple) PetscCall(PetscArrayzero(self->couple, self->points + 1));
   PetscCall(PetscMemzero(&self->sum, sizeof(self->sum)));
   self->sum.nearest = PETSC_MAX_REAL;
   for (PetscInt k = 0; k < self->n; k++) {
     Pair *pair = &self->pair[k];
-    PairPlace(self, state, pair);
+    PairPlace(self, pair);
     Nearest(self, pair);
     if (!pair->active) continue;
     pair->p = ContactPressure(self->contact, pair->gap, &pair->p_gap);
-    pair->slip = pair->w = pair->w_slip = 0;
-    if (self->dual && state->u_t) {
-      PairSlip(self, state, pair);
-      pair->w = ContactRub(self->contact, pair->slip, DualOf(self, pair), &pair->w_slip);
-    }
+    if (rubs) PairRub(self, pair);
     PairForce(self, pair, f);
     HandOut(self, pair, f);
+    if (rubs && self->couple) HandCouples(self, pair, f);
     AddToSum(self, pair);
   }
-  for (int d = 0; d < 2; d++) {
+  self->sum.zones = Zones(self);
+  for (int d = 0; d < 3; d++) {
     self->sum.sum[d] = self->sum.clamp[d] + self->force[self->points][d];
     for (PetscInt k = 0; k < self->points; k++)
       self->sum.sum[d] -= self->force[k][d] * self->weight[k];
@@ -484,8 +486,14 @@ PetscErrorCode StrandsLoad(Strands self, const StrandState *state) {
 
 /* StrandsForces - what StrandsLoad() has found: what contact adds to n' at each point (2 cells + 1
    of them), and behind them the force on the tip. Borrowed. */
-const PetscReal (*StrandsForces(Strands self))[2] {
-  return (const PetscReal(*)[2])self->force;
+const PetscReal (*StrandsForces(Strands self))[3] {
+  return (const PetscReal(*)[3])self->force;
+}
+
+/* StrandsCouples - the couples that belong to them, of friction in space: what contact adds to m';
+   NULL: there are none. Borrowed. */
+const PetscReal (*StrandsCouples(Strands self))[3] {
+  return (const PetscReal(*)[3])self->couple;
 }
 
 /* StrandsSum - the sums over all places in contact that StrandsLoad() has found. */
@@ -493,248 +501,60 @@ void StrandsSum(Strands self, StrandSum *sum) {
   *sum = self->sum;
 }
 
-/* ---- derivatives ---- */
-
-/* The derivatives of a place at fixed z, and of x_z, by the unknowns of its cell. */
-static void SpotSlope(const Ends *e, PetscReal z, PetscReal by[2][SPOT_UNKNOWNS],
-                      PetscReal slope_by[2][SPOT_UNKNOWNS]) {
-  PetscReal value[4], slope[4], bend[4];
-
-  Hermite(z, value, slope, bend);
-  for (int d = 0; d < 2; d++)
-    for (int k = 0; k < 2; k++) {
-      PetscReal turn = e->h * e->g[k] * (d ? e->q[k][0] : -e->q[k][1]);
-      for (int c = 0; c < 2; c++) {
-        by[d][3 * k + c] = c == d ? value[2 * k] : 0;
-        slope_by[d][3 * k + c] = c == d ? slope[2 * k] : 0;
-      }
-      by[d][3 * k + ATH] = value[2 * k + 1] * turn;
-      slope_by[d][3 * k + ATH] = slope[2 * k + 1] * turn;
-    }
-}
-
-/* The derivatives of its velocity at fixed z. */
-static void MotionSlope(const struct _Strands *self, const StrandState *state, const Spot *spot,
-                        const PetscReal shift[3], PetscReal by[2][SPOT_UNKNOWNS]) {
-  PetscReal value[4], slope[4], bend[4], x_by[2][SPOT_UNKNOWNS], z_by[2][SPOT_UNKNOWNS];
-  Motion m;
-  Ends e;
-
-  EndsOf(self, state, spot->cell, &e);
-  Hermite(spot->z, value, slope, bend);
-  SpotSlope(&e, spot->z, x_by, z_by);
-  MotionOf(self, state, spot, &m);
-  for (int d = 0; d < 2; d++)
-    for (int f = 0; f < SPOT_UNKNOWNS; f++) {
-      PetscReal turned = m.t[0] * z_by[1][f] - m.t[1] * z_by[0][f]; /* t turned to the left . x_z */
-      by[d][f] = shift[f % 3] * x_by[d][f] + m.c * (d ? m.t[0] : -m.t[1]) * turned / m.size;
-    }
-  for (int d = 0; d < 2; d++)
-    for (int k = 0; k < 2; k++) {
-      PetscReal perp = d ? e.q[k][0] : -e.q[k][1];
-      by[d][3 * k + ATH] +=
-          value[2 * k + 1] * e.h * (e.g_t[k] * perp - e.g[k] * e.u_t[k][2] * e.q[k][d]);
-    }
-}
-
-/* How the pair's normal, distance, foot and slip change. */
-typedef struct {
-  PetscReal z[STRAND_UNKNOWNS], n[2][STRAND_UNKNOWNS], gap[STRAND_UNKNOWNS], slip[STRAND_UNKNOWNS];
-} PairSlope;
-
-/*
-  With r = x - y the way from the foot to the point, y_z and y_zz at the foot:
-    dz = (y_z.(dx - dy) + r.dy_z) / (y_z.y_z - r.y_zz),    dr = dx - dy - y_z dz,
-    dgap = n.dr,    dn = (dr - n dgap)/|r|.
-*/
-static void PlaceSlope(const struct _Strands *self, const StrandState *state, const Pair *pair,
-                       PairSlope *by) {
-  PetscReal x[2][SPOT_UNKNOWNS], y[2][SPOT_UNKNOWNS], y_z[2][SPOT_UNKNOWNS], skip[2][SPOT_UNKNOWNS];
-  const PetscReal *slope = pair->foot.slope,
-                  r[2] = {pair->distance * pair->n[0], pair->distance * pair->n[1]};
-  const PetscReal stiff = Dot(slope, slope) - Dot(r, pair->foot.bend);
-  Ends e;
-
-  EndsOf(self, state, pair->at.cell, &e);
-  SpotSlope(&e, pair->at.z, x, skip);
-  EndsOf(self, state, pair->foot.cell, &e);
-  SpotSlope(&e, pair->foot.z, y, y_z);
-  for (int f = 0; f < STRAND_UNKNOWNS; f++) {
-    PetscBool of_foot = (PetscBool)(f >= SPOT_UNKNOWNS);
-    int g = f % SPOT_UNKNOWNS;
-    PetscReal dr[2];
-    for (int d = 0; d < 2; d++) dr[d] = of_foot ? -y[d][g] : x[d][g];
-    by->z[f] = 0;
-    if (!pair->ends)
-      by->z[f] = (Dot(slope, dr) + (of_foot ? r[0] * y_z[0][g] + r[1] * y_z[1][g] : 0)) / stiff;
-    for (int d = 0; d < 2; d++) dr[d] -= slope[d] * by->z[f];
-    by->gap[f] = Dot(pair->n, dr);
-    for (int d = 0; d < 2; d++) by->n[d][f] = (dr[d] - pair->n[d] * by->gap[f]) / pair->distance;
-  }
-}
-
-/* slip = t.V, V the relative velocity, t = n turned to the left: d slip = t.dV + V.dt */
-static void SlipSlope(const struct _Strands *self, const StrandState *state, const Pair *pair,
-                      const PetscReal shift[3], PairSlope *by) {
-  PetscReal v[2][2][SPOT_UNKNOWNS], V[2];
-  const PetscReal t[2] = {-pair->n[1], pair->n[0]};
-  Motion at, foot;
-
-  MotionOf(self, state, &pair->at, &at);
-  MotionOf(self, state, &pair->foot, &foot);
-  MotionSlope(self, state, &pair->at, shift, v[0]);
-  MotionSlope(self, state, &pair->foot, shift, v[1]);
-  for (int d = 0; d < 2; d++) V[d] = at.v[d] - foot.v[d];
-  for (int f = 0; f < STRAND_UNKNOWNS; f++) {
-    int of_foot = f >= SPOT_UNKNOWNS, g = f % SPOT_UNKNOWNS;
-    PetscReal sign = of_foot ? -1 : 1;
-    by->slip[f] = V[1] * by->n[0][f] - V[0] * by->n[1][f] - Dot(t, foot.v_z) * by->z[f];
-    for (int d = 0; d < 2; d++) by->slip[f] += sign * t[d] * v[of_foot][d][g];
-  }
-}
-
-/* The derivatives of what each taker takes, from those of the force f per length:
-     df = dp (n - mu w t) + p (dn - mu w dt) - mu p w' t dslip,   dt = dn turned to the left. */
-static void TakersSlope(const struct _Strands *self, const Pair *pair, const PairSlope *by,
-                        StrandSlope *slope) {
-  const PetscReal mu = self->contact->friction, p = pair->p, w = pair->w;
-  const PetscBool clamp = OnClamp(self, pair);
-  PetscReal share[2], f[2];
-  Spread spread;
-
-  Shares(self, pair->point, share);
-  SpreadAt(self->points, pair->foot.cell, pair->foot.z, &spread);
-  PairForce(self, pair, f);
-  slope->cell[0] = pair->at.cell;
-  slope->cell[1] = pair->foot.cell;
-  slope->takers = 5 + (share[1] > 0);
-  slope->taker[4] = pair->point;
-  slope->taker[5] = self->points;
-  for (int k = 0; k < 4; k++) slope->taker[k] = spread.point[k];
-  for (int d = 0; d < 2; d++) {
-    const PetscReal n = pair->n[d], t = d ? pair->n[0] : -pair->n[1], all = share[0] + share[1];
-    for (int u = 0; u < STRAND_UNKNOWNS; u++) {
-      PetscReal dt = d ? by->n[0][u] : -by->n[1][u],
-                df = pair->p_gap * by->gap[u] * (n - mu * w * t) + p * (by->n[d][u] - mu * w * dt) -
-                     mu * p * pair->w_slip * t * by->slip[u],
-                borne = clamp && d == 0 ? pair->p_gap * by->gap[u] * n + p * by->n[0][u] : 0;
-      for (int k = 0; k < 4; k++)
-        slope->by[k][d][u] =
-            all * ((df - borne) * spread.share[k] + f[d] * spread.share_z[k] * by->z[u]) /
-            self->weight[spread.point[k]];
-      slope->by[4][d][u] = -share[0] * df / self->weight[pair->point];
-      slope->by[5][d][u] = share[1] * df;
-    }
-  }
-}
-
-/* Brings the dual of a pair up to its slip. */
-static void Advance(Strands self, Pair *pair, PetscBool fresh) {
-  const PetscReal v[2] = {pair->slip, 0};
-  FrictionDual *dual = DualOf(self, pair);
-
-  if (fresh)
-    FrictionDualReset(&self->contact->rub, v, dual);
-  else
-    FrictionDualAdvance(&self->contact->rub, v, dual);
-  pair->w = ContactRub(self->contact, pair->slip, dual, &pair->w_slip);
-}
-
-/* What does not touch when a Newton solve begins, and may before it ends, begins from nothing: what
-   is left of earlier solves a run that is restarted does not have. (Shifts stay.) */
-static void Forget(Strands self) {
-  for (PetscInt k = 0; k < 2 * self->points; k++) {
-    FrictionDual *dual = &self->dual[k];
-    if (self->slot[k] >= 0 && self->pair[self->slot[k]].active) continue;
-    for (int d = 0; d < 2; d++) dual->v[d] = dual->w[d] = 0;
-  }
-}
-
-/*
-  StrandsLinearise - the derivatives of the forces that StrandsLoad() found in the same state. Not
-  collective: the same on every rank.
-
-  shift   of the rates of x1, x2, theta: du_t/du
-  fresh   a Newton solve begins
-  n       how many contacts there are; slopes: of each, borrowed
-*/
-PetscErrorCode StrandsLinearise(Strands self, const StrandState *state, const PetscReal shift[3],
-                                PetscBool fresh, PetscInt *n, const StrandSlope **slopes) {
-  PetscFunctionBegin;
-  if (self->slopes_room < self->n) {
-    self->slopes_room = self->room;
-    PetscCall(PetscFree(self->slopes));
-    PetscCall(PetscMalloc1(self->slopes_room, &self->slopes));
-  }
-  *n = 0;
-  *slopes = self->slopes;
-  if (fresh && self->dual) Forget(self);
-  for (PetscInt k = 0; k < self->n; k++) {
-    Pair *pair = &self->pair[k];
-    PairSlope by = {.z = {0}};
-    if (!pair->active) continue;
-    PlaceSlope(self, state, pair, &by);
-    if (self->dual) {
-      Advance(self, pair, fresh);
-      SlipSlope(self, state, pair, shift, &by);
-    }
-    TakersSlope(self, pair, &by, &self->slopes[(*n)++]);
-  }
-  PetscFunctionReturn(0);
-}
-
-/* StrandsNear - the cells of all pairs that are near to touching: of the point, of the foot. The
-   caller frees them. */
+/* StrandsNear - the cells of all pairs that are near to touching: of the sample, of the foot, each
+   once. The caller frees them. */
 PetscErrorCode StrandsNear(Strands self, PetscInt *n, PetscInt (**cells)[2]) {
+  PetscInt m = 0;
+
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(self->n, cells));
-  *n = self->n;
   for (PetscInt k = 0; k < self->n; k++) {
-    (*cells)[k][0] = self->pair[k].at.cell;
-    (*cells)[k][1] = self->pair[k].foot.cell;
+    const PetscInt a = self->pair[k].at.cell, b = self->pair[k].foot.cell;
+    PetscInt seen = m - 1;
+    while (seen >= 0 && m - seen <= 2 * self->each &&
+           ((*cells)[seen][0] != a || (*cells)[seen][1] != b))
+      seen--;
+    if (seen >= 0 && (*cells)[seen][0] == a && (*cells)[seen][1] == b) continue;
+    (*cells)[m][0] = a;
+    (*cells)[m++][1] = b;
   }
+  *n = m;
   PetscFunctionReturn(0);
-}
-
-/* StrandsHold - moves what holds strands that stick to each other (exact Coulomb friction); creep
-   is the largest speed of a place that is held, which counts the less the less it is pressed. */
-PetscErrorCode StrandsHold(Strands self, PetscReal seen, PetscReal *creep) {
-  PetscFunctionBegin;
-  for (PetscInt k = 0; self->dual && k < self->n; k++) {
-    const Pair *pair = &self->pair[k];
-    const PetscReal v[2] = {pair->slip, 0};
-    if (!pair->active || pair->p == 0) continue;
-    *creep = LargerOf(*creep, PetscMin(1, self->contact->friction * pair->p) *
-                                  FrictionDualHold(v, seen, friction_hold, DualOf(self, pair)));
-  }
-  PetscFunctionReturn(0);
-}
-
-/* StrandsZones - how many zones of contact there are: points in contact with what lies farther
-   along the rod, one after the other. */
-PetscInt StrandsZones(Strands self) {
-  PetscInt zones = 0, before[2] = {-2, -2};
-
-  for (PetscInt point = 0; point < self->points; point++)
-    for (int side = 0; side < 2; side++) {
-      PetscInt k = self->slot[2 * point + side];
-      const Pair *pair = k < 0 ? NULL : &self->pair[k];
-      if (!pair || !pair->active || !ContactBears(self->contact, pair->gap) ||
-          pair->foot.cell < pair->at.cell)
-        continue;
-      zones += before[side] < point - 1;
-      before[side] = point;
-    }
-  return zones;
-}
-
-/* StrandsDuals - what Newton's method remembers: 2 of each point, 0: nothing. Borrowed. */
-PetscInt StrandsDuals(Strands self, FrictionDual **duals) {
-  *duals = self->dual;
-  return self->dual ? 2 * self->points : 0;
 }
 
 /* ---- life ---- */
+
+/* How many samples a cell in space has, so that they are close when the rod is longest. */
+static PetscErrorCode SamplesOf(Scene scene, PetscInt *each) {
+  const PetscInt cells = scene->mesh.cells;
+  PetscReal *arc, longest = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(cells + 1, &arc));
+  PetscCall(GrowthArc(scene->growth, cells + 1, scene->mesh.s, scene->end_time, arc, NULL));
+  for (PetscInt i = 0; i < cells; i++) longest = PetscMax(longest, arc[i + 1] - arc[i]);
+  PetscCall(PetscFree(arc));
+  *each = 1 + (PetscInt)PetscMin(MOST_SAMPLES - 1, longest / (fine * scene->contact.diameter));
+  PetscFunctionReturn(0);
+}
+
+/* Where samples are, and what is kept of them. */
+static PetscErrorCode Sample(Strands self) {
+  const PetscBool plane = (PetscBool)(self->dims == 2), rubs = self->contact->friction > 0;
+
+  PetscFunctionBegin;
+  self->sides = plane ? 2 : 1;
+  self->ahead = plane ? 0 : 0.5;
+  self->each = 2;
+  if (!plane) PetscCall(SamplesOf(self->scene, &self->each));
+  self->samples = self->cells * self->each + 1;
+  PetscCall(PetscMalloc1(self->sides * self->samples, &self->first));
+  for (PetscInt k = 0; k < self->sides * self->samples; k++) self->first[k] = -1;
+  PetscCall(PetscCalloc2(self->samples, &self->spot, self->samples, &self->placed));
+  if (rubs && plane) PetscCall(PetscCalloc1(self->sides * self->samples, &self->dual));
+  if (rubs && !plane) PetscCall(PetscCalloc1(self->points + 1, &self->couple));
+  PetscFunctionReturn(0);
+}
 
 /* StrandsCreate - for a rod of a scene that has -contact_self, which must outlive it. Not
    collective; the caller destroys it with StrandsDestroy(). */
@@ -747,18 +567,17 @@ PetscErrorCode StrandsCreate(Scene scene, Strands *strands) {
   *strands = self;
   self->scene = scene;
   self->contact = &scene->contact;
+  self->dims = scene->space.rod ? 3 : 2;
   self->cells = cells;
   self->points = n;
   self->apart = PETSC_PI / 2 * scene->contact.diameter;
   self->time = PETSC_MIN_REAL;
   PetscCall(PetscCalloc6(n, &self->g, n, &self->g_t, n, &self->c, n, &self->strain, cells + 1,
                          &self->arc, n, &self->weight));
-  PetscCall(PetscCalloc4(2 * n, &self->slot, 2 * (cells + 1), &self->seen, n + 1, &self->force,
-                         cells + 1, &self->q));
-  PetscCall(PetscCalloc2(n, &self->spot, n, &self->placed));
-  if (scene->contact.friction > 0) PetscCall(PetscCalloc1(2 * n, &self->dual));
-  for (PetscInt k = 0; k < 2 * n; k++) self->slot[k] = -1;
-  for (PetscInt k = 0; k < 2 * (cells + 1); k++) self->seen[k] = PETSC_MAX_REAL;
+  PetscCall(
+      PetscCalloc3(3 * (cells + 1), &self->seen, n + 1, &self->force, cells + 1, &self->joint));
+  PetscCall(Sample(self));
+  for (PetscInt k = 0; k < 3 * (cells + 1); k++) self->seen[k] = PETSC_MAX_REAL;
   CurveWeights(cells, scene->mesh.s, self->weight);
   PetscFunctionReturn(0);
 }
@@ -769,9 +588,11 @@ PetscErrorCode StrandsDestroy(Strands *strands) {
   PetscFunctionBegin;
   if (!self) PetscFunctionReturn(0);
   PetscCall(PetscFree6(self->g, self->g_t, self->c, self->strain, self->arc, self->weight));
-  PetscCall(PetscFree4(self->slot, self->seen, self->force, self->q));
+  PetscCall(PetscFree3(self->seen, self->force, self->joint));
   PetscCall(PetscFree2(self->spot, self->placed));
+  PetscCall(PetscFree(self->first));
   PetscCall(PetscFree(self->dual));
+  PetscCall(PetscFree(self->couple));
   PetscCall(PetscFree(self->pair));
   PetscCall(PetscFree(self->slopes));
   PetscCall(PetscFree(*strands));

@@ -1,13 +1,17 @@
-/* Strands: the rod touches itself. Every collocation point (nodes and middles of cells,
-   docs/theory/cells.md) looks for the nearest place of another strand on the smooth curve of the
-   rod, at most one on either side. With W its share of the rod's length, twice halved because both
-   strands look,
+/* Strands: the rod touches itself. Samples of it look for the nearest places of other strands on
+   its smooth curve. With W a sample's share of the rod's length, halved because both strands look,
 
      E = sum_i W_i U(gamma_i),   gamma = |x_i - x(foot)| - D,   foot: (x_i - x(foot)).x' = 0,
 
-   and the forces are those of this energy: p W n on the point, the opposite on the foot, handed to
-   the four points around it. So they cancel, and do no work in a circle. Friction acts likewise, on
-   point and foot, against their relative velocity. */
+   and the forces are those of this energy: p W n on the sample, the opposite on the foot, each
+   handed to points of the rod (curve/spread.h). So they cancel, in force and moment, and do no work
+   in a circle. Friction acts likewise, against the velocity at which the strands slip by each other
+   (strand_friction.c); in space it bears couples about the tangents, too.
+
+   What differs is the sampling. In the plane samples are the collocation points (nodes and middles
+   of cells, docs/theory/cells.md), each with one foot at most on either side. In space they are
+   spread evenly over each cell, close enough for strands that cross, and each has a foot on every
+   other strand. */
 #ifndef TENDRIL_STRANDS_H
 #define TENDRIL_STRANDS_H
 
@@ -15,48 +19,54 @@
 
 typedef struct _Strands *Strands;
 
-/* The state of the rod at its nodes: unknowns and rates as the frame model has them. */
+/* The state of the whole rod: of node i, at u[i * stride], its place and what turns it (x1, x2,
+   theta in the plane; x and the quaternion in space); rates likewise, or NULL. */
 typedef struct {
   PetscReal t;
-  PetscInt stride;          /* from node to node */
-  const PetscReal *u, *u_t; /* x1, x2, theta of node i at u[i * stride]; rates likewise */
+  PetscInt stride;
+  const PetscReal *u, *u_t;
 } StrandState;
 
-enum { STRAND_UNKNOWNS = 12, STRAND_TAKERS = 6 };
+/* Of these at a node, and of both nodes of two cells: at most, as in space. */
+enum { STRAND_NODE = 7, STRAND_UNKNOWNS = 4 * STRAND_NODE, STRAND_TAKERS = 8 };
+typedef PetscReal StrandBy[3][STRAND_UNKNOWNS];
 
-/* One contact: the unknowns it depends on are x1, x2, theta of nodes a and b of two cells, that of
-   the point and that of the foot; the points that take its force: n' = -load of point k changes by
-   `by` times them. */
+/* One contact: it depends on the unknowns of nodes a and b of two cells, that of the sample and
+   that of the foot; the points that take its force: n' = -load of point k changes by `by` times
+   them. */
 typedef struct {
-  PetscInt cell[2]; /* of the point, of the foot */
+  PetscInt cell[2]; /* of the sample, of the foot */
   PetscInt takers;
   PetscInt taker[STRAND_TAKERS]; /* points: node i is 2 i, the middle behind it 2 i + 1; the force
                                     on the tip is 2 cells + 1 */
-  PetscReal by[STRAND_TAKERS][2][STRAND_UNKNOWNS];
+  StrandBy by[STRAND_TAKERS];
+  PetscBool couples; /* there are: m' changes likewise */
+  StrandBy couple_by[STRAND_TAKERS];
 } StrandSlope;
 
 /* What all contacts amount to. */
 typedef struct {
   PetscReal energy, loss; /* int U, power lost to friction */
   PetscReal normal;       /* sum of normal forces */
-  PetscReal clamp[2];     /* what the clamp of a rod that is fed in bears of them */
-  PetscReal sum[2];       /* of all forces, with that: 0 */
+  PetscReal clamp[3];     /* what the clamp of a rod that is fed in bears of them */
+  PetscReal sum[3];       /* of all forces, with that: 0 */
   PetscReal strain;       /* power of material that is laid down where it is pressed, and of a law
                              that changes in time */
   PetscReal nearest;      /* the smallest gap, if any is small */
-  PetscReal at[2], x[2];  /* the labels where it is, and the place between them */
+  PetscReal at[2], x[3];  /* the labels where it is, and the place between them */
+  PetscInt zones;         /* stretches of the rod that touch what lies farther along it */
 } StrandSum;
 
 PetscErrorCode StrandsCreate(Scene scene, Strands *strands);
 PetscErrorCode StrandsDestroy(Strands *strands);
 PetscErrorCode StrandsSearch(Strands strands, const StrandState *state);
 PetscErrorCode StrandsLoad(Strands strands, const StrandState *state);
-const PetscReal (*StrandsForces(Strands strands))[2];
-PetscErrorCode StrandsLinearise(Strands strands, const StrandState *state, const PetscReal shift[3],
-                                PetscBool fresh, PetscInt *n, const StrandSlope **slopes);
+const PetscReal (*StrandsForces(Strands strands))[3];
+const PetscReal (*StrandsCouples(Strands strands))[3];
+PetscErrorCode StrandsLinearise(Strands strands, const StrandState *state, const PetscReal shift[],
+                                PetscBool fresh, PetscInt *n, StrandSlope **slopes);
 PetscErrorCode StrandsHold(Strands strands, PetscReal seen, PetscReal *creep);
 void StrandsSum(Strands strands, StrandSum *sum);
-PetscInt StrandsZones(Strands strands);
 PetscInt StrandsDuals(Strands strands, FrictionDual **duals);
 PetscErrorCode StrandsNear(Strands strands, PetscInt *n, PetscInt (**cells)[2]);
 

@@ -102,8 +102,7 @@ static PetscReal Brief(const struct _Scene *scene, PetscReal own, PetscReal leng
   return PetscMin(T, brief);
 }
 
-/* RodFindUnits - finds them for the rod's scene, unless that is done. Collective. */
-PetscErrorCode RodFindUnits(Rod rod) {
+static PetscErrorCode Find(Rod rod) {
   const Scene scene = rod->scene;
   const Load *load = &scene->load;
   const PetscReal T = scene->end_time, beta = load->friction.beta;
@@ -111,7 +110,7 @@ PetscErrorCode RodFindUnits(Rod rod) {
   PetscReal N, B, L, speed;
 
   PetscFunctionBegin;
-  if (units->found) PetscFunctionReturn(0);
+  units->straight = (PetscBool)(scene->shape.type == SHAPE_STRAIGHT);
   PetscCall(FactorAlong(rod, &N, &units->unheld));
   PetscCall(StiffnessAlong(scene, &B));
   PetscCall(GrowthLength(scene->growth, 0, &L, NULL));
@@ -136,6 +135,17 @@ PetscErrorCode RodFindUnits(Rod rod) {
   PetscFunctionReturn(0);
 }
 
+/* RodFindUnits - finds them for the rod's scene, unless that is done, and gives dry friction the
+   least viscous share that goes with them. Collective. */
+PetscErrorCode RodFindUnits(Rod rod) {
+  Scene scene = rod->scene;
+
+  PetscFunctionBegin;
+  if (!scene->units.found) PetscCall(Find(rod));
+  LoadShareLeast(&scene->load, scene->units.speed);
+  PetscFunctionReturn(0);
+}
+
 /* RodFieldUnit - the scene's unit of a field, and of the equations that are its rows. */
 PetscReal RodFieldUnit(const Rod rod, PetscInt field) {
   const SceneUnits *units = &rod->scene->units;
@@ -150,6 +160,9 @@ PetscReal RodFieldUnit(const Rod rod, PetscInt field) {
   case 'n':
   case 'l': /* lambda, a force */
     return B / (L * L);
+  case 'k':
+  case 'f': /* what sets a bend */
+    return 1 / L;
   default:
     return 1;
   }

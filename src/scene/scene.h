@@ -11,6 +11,7 @@
 #include "scene/si.h"
 #include "scene/space.h"
 #include "material/stiffness.h"
+#include "material/tropism.h"
 #include "world/tip.h"
 
 /* s = 0: held in the clamp; in a hinge that holds its place, and keeps it from spinning, but lets
@@ -20,11 +21,12 @@ typedef enum { CLAMP_HELD, CLAMP_HINGED, CLAMP_FREE } ClampType;
 /* What a scene makes its own units of, for what has none: see rod/units.c. */
 typedef struct {
   PetscReal length, time, stiffness;
-  PetscReal speed;  /* at which the rod grows; else its length over the time of the run */
-  PetscReal own;    /* the rod's own time */
-  PetscReal brief;  /* of which short steps are a part */
-  PetscBool unheld; /* friction holds none of the rod where it begins, or not all of it */
-  PetscBool found;  /* else they are 1 */
+  PetscReal speed;    /* at which the rod grows; else its length over the time of the run */
+  PetscReal own;      /* the rod's own time */
+  PetscReal brief;    /* of which short steps are a part */
+  PetscBool unheld;   /* friction holds none of the rod where it begins, or not all of it */
+  PetscBool straight; /* it begins so */
+  PetscBool found;    /* else they are 1 */
 } SceneUnits;
 
 /* What the laws of the rod itself give at a label: SceneMaterial(). In the plane the bend is that
@@ -45,6 +47,7 @@ struct _Scene {
   Contact contact; /* load and tip know its walls */
   Shape shape;
   Curvature curvature; /* natural, k0 */
+  Tropism tropism;     /* ... that the material learns */
   Space space;         /* what there is out of the plane */
   Mesh mesh;
   Si si;

@@ -1,4 +1,5 @@
 #include "stepping/guard.h"
+#include "rod/ask.h"
 #include "rod/brushing.h"
 #include "rod/crossing.h"
 #include "rod/passing.h"
@@ -20,7 +21,7 @@ static PetscErrorCode NodesOnZero(Rod rod, PetscReal t, Vec U, Node **nodes) {
     PetscCall(rod->model->get(rod, t, U, NULL, *nodes));
     PetscFunctionReturn(0);
   }
-  PetscCallMPI(MPI_Comm_rank(rod->scene->comm, &rank));
+  PetscCallMPI(MPI_Comm_rank(rod->comm, &rank));
   PetscCall(DMGetGlobalVector(rod->nodes, &v));
   PetscCall(VecGetArray(v, &local));
   PetscCall(rod->model->get(rod, t, U, NULL, (Node *)local));
@@ -85,7 +86,7 @@ static PetscErrorCode Brushes(TS ts, Leg *leg, PetscReal t0, PetscReal t1, Vec U
   PetscFunctionBegin;
   PetscCall(BrushBegin(rod, t0, t1, U0, U1, &brush));
   if (brush.any) {
-    PetscCall(GrowthLength(rod->scene->growth, t1, &length, NULL));
+    PetscCall(RodLength(rod, t1, &length));
     PetscCall(DMGetGlobalVector(rod->da, &U));
     PetscCall(DMGetGlobalVector(rod->da, &U_t));
     for (int k = 1; k <= BETWEEN && !*brushes; k++) {
@@ -96,7 +97,7 @@ static PetscErrorCode Brushes(TS ts, Leg *leg, PetscReal t0, PetscReal t1, Vec U
     }
     PetscCall(DMRestoreGlobalVector(rod->da, &U_t));
     PetscCall(DMRestoreGlobalVector(rod->da, &U));
-    PetscCall(SceneContactAt(rod->scene, t1));
+    PetscCall(RodContactAt(rod, t1));
   }
   PetscCall(BrushEnd(&brush));
   PetscFunctionReturn(0);
@@ -107,23 +108,21 @@ static PetscErrorCode Brushes(TS ts, Leg *leg, PetscReal t0, PetscReal t1, Vec U
   states, or brushed a wall? Collective; what is asked next depends on what all ranks know.
 */
 PetscErrorCode GuardPasses(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1, PetscBool *passes) {
-  const Contact *contact;
   Leg *leg;
 
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &leg));
-  contact = &leg->rod->scene->contact;
   *passes = PETSC_FALSE;
-  if (contact->walls.n || contact->surfaces.n) {
+  if (RodMeetsWalls(leg->rod)) {
     PetscCall(RodPassesWalls(leg->rod, t0, t1, U0, U1, passes));
     if (!*passes) PetscCall(Brushes(ts, leg, t0, t1, U0, U1, passes));
   }
-  if (contact->self && !*passes) {
+  if (RodMeetsItself(leg->rod) && !*passes) {
     if (leg->rod->model->space)
       PetscCall(PassesItself(leg->rod, t0, t1, U0, U1, passes));
     else
       PetscCall(CrossesItself(leg->rod, t1, U1, passes));
-    PetscCallMPI(MPI_Bcast(passes, 1, MPIU_BOOL, 0, leg->rod->scene->comm));
+    PetscCallMPI(MPI_Bcast(passes, 1, MPIU_BOOL, 0, leg->rod->comm));
   }
   leg->passes = *passes;
   PetscFunctionReturn(0);

@@ -1,5 +1,7 @@
 #include "stepping/leg.h"
 #include "base/lagrange.h"
+#include "rod/ask.h"
+#include "rod/learned.h"
 #include "stepping/guard.h"
 #include "stepping/vbdf.h"
 
@@ -16,19 +18,6 @@ enum { HIGHEST_ORDER = 6 };
    fields count as at least this part of what the largest of its strains would make them. */
 static const PetscReal of_steering = 1e-6;
 
-static PetscReal Steered(const Leg *leg, PetscInt f) {
-  static const char *const moved[STRAINS] = {
-      [BEND_3] = "theta x2 p3", [BEND_2] = "x3 p2", [TURN_1] = "p1"};
-  const Scene scene = leg->rod->scene;
-  PetscReal most = 0;
-
-  for (int e = 0; e < STRAINS && scene->curvature.steered; e++)
-    if (strstr(moved[e], leg->rod->model->field[f]))
-      most =
-          CurvatureSteered(&scene->curvature, e) * scene->units.length * RodFieldUnit(leg->rod, f);
-  return of_steering * most;
-}
-
 /* The tolerance of each entry: that part of rtol times the size of its field; -1 leaves out the
    fields that are not followed (forces and moments of an index-2 problem are not to control the
    step). */
@@ -42,9 +31,10 @@ static PetscErrorCode SetTolerance(Leg *leg) {
   for (PetscInt f = 0; f < fields; f++) {
     const PetscReal least = rod_vanished * RodFieldUnit(leg->rod, f);
     most[f] = leg->rod->model->followed[f]
-                  ? share_of_step * PetscMax(leg->ease.times * leg->rtol *
-                                                 PetscMax(leg->size[f], Steered(leg, f)),
-                                             least)
+                  ? share_of_step *
+                        PetscMax(leg->ease.times * leg->rtol *
+                                     PetscMax(leg->size[f], of_steering * RodSteered(leg->rod, f)),
+                                 least)
                   : -1;
   }
   PetscCall(VecGetLocalSize(leg->tolerance, &n));
@@ -72,7 +62,7 @@ static PetscErrorCode BeforeStep(TS ts) {
   PetscCall(RodFieldScales(leg->rod, leg->U, leg->turns ? leg->axes : NULL, leg->size));
   PetscCall(RodBlurred(leg->rod, leg->U, least));
   for (int d = 0; d < MIRRORS; d++)
-    least[d] = PetscMax(least[d], rod_vanished * leg->rod->scene->units.length);
+    least[d] = PetscMax(least[d], rod_vanished * RodUnits(leg->rod)->length);
   PetscCall(VBDFSetLeast(ts, least));
   for (PetscInt f = 0; f < leg->rod->model->fields; f++) {
     if (t >= leg->kick_ends) leg->kick[f] = 0;
@@ -108,7 +98,7 @@ static PetscErrorCode LookForKick(Leg *leg, PetscReal end, const PetscReal size[
 /* A tip whose directors are held may be reached by any number of turns of a rod in space: which way
    round its cross-sections have turned must be known. */
 static PetscBool MindsTurns(const Rod rod) {
-  return (PetscBool)(rod->model->turned && TipPoints(&rod->scene->tip));
+  return (PetscBool)(rod->model->turned && RodEndsOf(rod).tip_points);
 }
 
 /* A VBDFOtherWay of a rod that can touch. A full Newton step that leaves a wall where there was
@@ -124,23 +114,9 @@ static PetscErrorCode CutSteps(TS ts, PetscBool other) {
   PetscFunctionReturn(0);
 }
 
-/* Is the state solved, whose residual was the last, in a wall, or in itself, where contact is to be
-   firmer than it was taken for? From now on it is. */
-static PetscErrorCode GetsFirm(Rod rod, PetscBool *firm) {
-  Contact *contact = &rod->scene->contact;
-  PetscReal deepest;
-
-  PetscFunctionBegin;
-  *firm = PETSC_FALSE;
-  if (!contact->deepest || contact->firm) PetscFunctionReturn(0);
-  PetscCallMPI(MPI_Allreduce(contact->deepest, &deepest, 1, MPIU_REAL, MPIU_MAX, rod->scene->comm));
-  *firm = ContactGetsFirm(contact, deepest);
-  PetscFunctionReturn(0);
-}
-
 /* Steps of fixed size, and PETSc's steppers, take no step back: with them contact is firm from the
    start. */
-static PetscErrorCode FirmFromTheStart(TS ts, Contact *contact) {
+static PetscErrorCode FirmFromTheStart(TS ts, Rod rod) {
   PetscBool vbdf, fixed;
   TSAdapt adapt;
 
@@ -148,7 +124,7 @@ static PetscErrorCode FirmFromTheStart(TS ts, Contact *contact) {
   PetscCall(TSGetAdapt(ts, &adapt));
   PetscCall(PetscObjectTypeCompare((PetscObject)ts, TSVBDF, &vbdf));
   PetscCall(PetscObjectTypeCompare((PetscObject)adapt, TSADAPTNONE, &fixed));
-  if (!vbdf || fixed) contact->firm = PETSC_TRUE;
+  if (!vbdf || fixed) RodStaysFirm(rod);
   PetscFunctionReturn(0);
 }
 
@@ -165,8 +141,8 @@ static PetscErrorCode AfterTry(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &leg));
   PetscCall(RodSizesAlong(leg->rod, U1, leg->axes, size));
-  PetscCall(GrowthLength(leg->rod->scene->growth, t1, &length, NULL));
-  *impossible = (PetscBool) !(leg->rod->scene->clamp == CLAMP_FREE ||
+  PetscCall(RodLength(leg->rod, t1, &length));
+  *impossible = (PetscBool) !(RodEndsOf(leg->rod).begins_free ||
                               RodReach(leg->rod->model, size) <= round_off * length);
   PetscCall(TSGetStepNumber(ts, &step));
   leg->passed = (PetscBool)(leg->passed && step == leg->tried);
@@ -174,7 +150,7 @@ static PetscErrorCode AfterTry(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1
   leg->passes = PETSC_FALSE;
   if (!*impossible && MindsTurns(leg->rod))
     PetscCall(leg->rod->model->turned(leg->rod, U0, U1, impossible));
-  if (!*impossible) PetscCall(GetsFirm(leg->rod, impossible));
+  if (!*impossible) PetscCall(RodGetsFirm(leg->rod, impossible));
   if (*impossible) PetscFunctionReturn(0);
   PetscCall(GuardPasses(ts, t0, t1, U0, U1, impossible));
   leg->passed = (PetscBool)(leg->passed || leg->passes);
@@ -202,6 +178,17 @@ static PetscErrorCode TurnError(TS ts, Vec error) {
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &leg));
   PetscCall(RodTurn(leg->rod, leg->axes, error));
+  PetscFunctionReturn(0);
+}
+
+/* A VBDFCarry of what the material has learned. */
+static PetscErrorCode CarryLearned(TS ts, PetscReal t, PetscInt m, const PetscReal times[],
+                                   const Vec points[], PetscReal weight[][VBDF_FIELDS], Vec sum) {
+  Leg *leg;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetApplicationContext(ts, &leg));
+  PetscCall(LearnedCarry(leg->rod, t, m, times, points, weight, sum));
   PetscFunctionReturn(0);
 }
 
@@ -280,27 +267,16 @@ static PetscErrorCode ModesCrossed(Leg *leg, Vec U, PetscBool *crosses, PetscBoo
   crosses  in: with friction they do
 */
 static PetscErrorCode CrossesSlippery(Leg *leg, Vec U, PetscBool *crosses) {
-  Contact *contact = &leg->rod->scene->contact;
   PetscBool known;
 
   PetscFunctionBegin;
-  if (!*crosses || !ContactWallsRub(contact) || !leg->newton.elimination) PetscFunctionReturn(0);
-  contact->slippery = PETSC_TRUE;
+  if (!*crosses || !RodRubsOnWalls(leg->rod) || !leg->newton.elimination) PetscFunctionReturn(0);
+  RodMakeSlippery(leg->rod, PETSC_TRUE);
   PetscCall(NewtonEliminate(&leg->newton, leg->newton.elimination));
   PetscCall(ModesCrossed(leg, U, crosses, &known));
-  contact->slippery = PETSC_FALSE;
+  RodMakeSlippery(leg->rod, PETSC_FALSE);
   PetscCall(NewtonEliminate(&leg->newton, leg->newton.elimination));
   PetscFunctionReturn(0);
-}
-
-/* Are the modes of the frozen rod those of the rod that moves on? See below. */
-static PetscBool HasModes(const Rod rod) {
-  const Scene scene = rod->scene;
-  const Contact *contact = &scene->contact;
-  const PetscBool twisted = (PetscBool)(scene->load.radius > 0 || scene->space.spin != 0);
-
-  return (PetscBool) !(ContactWallsRub(contact) || contact->friction > 0 || rod->coupled ||
-                       twisted || scene->load.turns || scene->growth->rests);
 }
 
 /*
@@ -325,7 +301,7 @@ static PetscErrorCode CrossesMode(TS ts, Vec U, VBDFSight sight, PetscBool *cros
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &leg));
   *crosses = leg->crosses = PETSC_FALSE;
-  if (sight == VBDF_SEEN && !HasModes(leg->rod)) PetscFunctionReturn(0);
+  if (sight == VBDF_SEEN && !RodHasModes(leg->rod)) PetscFunctionReturn(0);
   PetscCall(ModesCrossed(leg, U, crosses, &known));
   PetscCall(CrossesSlippery(leg, U, crosses));
   if (!known && sight == VBDF_JUMP) PetscCall(IsBent(leg->rod, U, crosses));
@@ -344,7 +320,7 @@ PetscErrorCode LegCrosses(Leg *leg, Vec U, PetscBool *crosses) {
   PetscFunctionBegin;
   *crosses = PETSC_FALSE;
   PetscCall(PetscObjectTypeCompare((PetscObject)leg->ts, TSVBDF, &vbdf));
-  if (!vbdf && HasModes(leg->rod)) PetscCall(ModesCrossed(leg, U, crosses, &known));
+  if (!vbdf && RodHasModes(leg->rod)) PetscCall(ModesCrossed(leg, U, crosses, &known));
   PetscFunctionReturn(0);
 }
 
@@ -375,7 +351,7 @@ static PetscErrorCode LetGo(Rod rod) {
   DM da;
 
   PetscFunctionBegin;
-  if (!rod->memory || !LoadSticks(&rod->scene->load)) PetscFunctionReturn(0);
+  if (!rod->memory || !RodSticks(rod)) PetscFunctionReturn(0);
   PetscCall(RodCreateMemory(rod, &da, &none));
   PetscCall(VecSet(none, 0));
   PetscCall(rod->model->recall(rod, none));
@@ -395,19 +371,19 @@ static const PetscReal snaps_at = 1e3, snapped_at = 1.2;
   begins  a snap, with this step
 */
 PetscErrorCode LegSpeed(Leg *leg, PetscReal *speed, PetscBool *begins) {
-  const Scene scene = leg->rod->scene;
+  const Rod rod = leg->rod;
+  const PetscReal before = RodFalls(rod);
   PetscReal rate[MAX_FIELDS], fastest;
   PetscBool falls;
 
   PetscFunctionBegin;
-  PetscCall(RodFieldSizes(leg->rod, leg->newton.latest.U_t, rate));
-  fastest = RodReach(leg->rod->model, rate);
-  *speed = fastest / scene->units.speed;
-  falls =
-      (PetscBool)(LoadIsDry(&scene->load) && *speed > (scene->falls > 0 ? snapped_at : snaps_at));
-  *begins = (PetscBool)(falls && scene->falls == 0);
-  if (*begins) PetscCall(LetGo(leg->rod));
-  if (falls || scene->falls > 0) SceneAtSpeed(scene, falls ? fastest : 0);
+  PetscCall(RodFieldSizes(rod, leg->newton.latest.U_t, rate));
+  fastest = RodReach(rod->model, rate);
+  *speed = fastest / RodUnits(rod)->speed;
+  falls = (PetscBool)(RodIsDry(rod) && *speed > (before > 0 ? snapped_at : snaps_at));
+  *begins = (PetscBool)(falls && before == 0);
+  if (*begins) PetscCall(LetGo(rod));
+  if (falls || before > 0) RodAtSpeed(rod, falls ? fastest : 0);
   PetscFunctionReturn(0);
 }
 
@@ -503,14 +479,12 @@ static const PetscReal first_of_unit = 1e-4, first_of_own = 1e-6, straight_of_ow
                        first_of_brief = 1e-13;
 
 static PetscErrorCode SetFirstStep(Leg *leg) {
-  const Scene scene = leg->rod->scene;
-  const SceneUnits *units = &scene->units;
-  const PetscBool straight = (PetscBool)(scene->shape.type == SHAPE_STRAIGHT);
+  const SceneUnits *units = RodUnits(leg->rod);
   PetscReal first = first_of_unit * units->time,
-            own = (straight ? straight_of_own : first_of_own) * units->own;
+            own = (units->straight ? straight_of_own : first_of_own) * units->own;
 
   PetscFunctionBegin;
-  if (LoadIsDry(&scene->load))
+  if (RodIsDry(leg->rod))
     PetscCall(VBDFSetAgain(leg->ts, units->own, PetscMin(first, own), units->unheld));
   else
     first = PetscMin(first, PetscMax(own, first_of_brief * units->brief));
@@ -532,9 +506,9 @@ static PetscErrorCode TakeOptions(TS ts) {
    nothing else takes time, such turns may jump. */
 static PetscErrorCode FreeTurns(Leg *leg) {
   PetscFunctionBegin;
-  if (!leg->rod->model->space || !LoadIsDry(&leg->rod->scene->load)) PetscFunctionReturn(0);
+  if (!leg->rod->model->space || !RodIsDry(leg->rod)) PetscFunctionReturn(0);
   PetscCall(VecDuplicate(leg->U, &leg->held));
-  PetscCall(VBDFSetHeld(leg->ts, leg->held, (PetscBool)(leg->rod->scene->load.radius == 0)));
+  PetscCall(VBDFSetHeld(leg->ts, leg->held, (PetscBool)!RodFeelsSpin(leg->rod)));
   PetscFunctionReturn(0);
 }
 
@@ -547,7 +521,7 @@ static PetscErrorCode FreeTurns(Leg *leg) {
   The caller sets what is done after a step, and the end if it is not the scene's.
 */
 PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, Leg *leg) {
-  PetscBool fixed, given, full;
+  PetscBool fixed, given, full, touches;
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(leg, sizeof(*leg)));
@@ -555,18 +529,18 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, Leg
   leg->ease.most = leg->ease.wants = leg->ease.times = 1;
   PetscCall(RodCreate(scene, model, &leg->rod));
   PetscCall(RodFindUnits(leg->rod));
-  LoadShareLeast(&scene->load, scene->units.speed);
+  touches = RodTouches(leg->rod);
   PetscCall(DMCreateGlobalVector(leg->rod->da, &leg->U));
   PetscCall(VecDuplicate(leg->U, &leg->tolerance));
   PetscCall(VecDuplicate(leg->U, &leg->none));
-  PetscCall(TSCreate(scene->comm, &leg->ts));
+  PetscCall(TSCreate(leg->rod->comm, &leg->ts));
   PetscCall(TSSetDM(leg->ts, leg->rod->da));
   PetscCall(TSSetApplicationContext(leg->ts, leg));
   PetscCall(TSSetEquationType(leg->ts, TS_EQ_DAE_IMPLICIT_INDEX2));
   PetscCall(TSSetType(leg->ts, TSVBDF));
   PetscCall(VBDFSetHighestOrder(leg->ts, HIGHEST_ORDER));
   PetscCall(TSSetTolerances(leg->ts, PETSC_DEFAULT, NULL, rtol, NULL));
-  PetscCall(TSSetMaxTime(leg->ts, scene->end_time));
+  PetscCall(TSSetMaxTime(leg->ts, RodEndTime(leg->rod)));
   PetscCall(TSSetMaxSteps(leg->ts, PETSC_MAX_INT));
   PetscCall(TSSetExactFinalTime(leg->ts, TS_EXACTFINALTIME_MATCHSTEP));
   PetscCall(SetFirstStep(leg));
@@ -587,17 +561,18 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, Leg
   PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_max_snes_failures", &given));
   if (fixed && !given)
     PetscCall(TSSetMaxSNESFailures(leg->ts, 10)); /* a fixed step does not help itself */
-  PetscCall(VBDFSetScale(leg->ts, scene->units.brief));
-  PetscCall(VBDFSetResolves(leg->ts, (PetscBool)(LoadIsDry(&scene->load) || !scene->contact.any)));
+  PetscCall(VBDFSetScale(leg->ts, RodUnits(leg->rod)->brief));
+  PetscCall(VBDFSetResolves(leg->ts, (PetscBool)(RodIsDry(leg->rod) || !touches)));
   PetscCall(FreeTurns(leg));
-  PetscCall(VBDFSetFactored(leg->ts, model->fields, model->group));
+  PetscCall(VBDFSetFactored(leg->ts, leg->rod->model->fields, leg->rod->model->group));
+  if (leg->rod->learned && scene->growth->slides) PetscCall(VBDFSetCarry(leg->ts, CarryLearned));
   PetscCall(MeasureAlongAxes(leg));
   PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));
   PetscCall(VBDFSetCross(leg->ts, CrossesMode));
   PetscCall(NewtonTakesFullSteps(&leg->newton, &full));
-  if (scene->contact.any && full) PetscCall(VBDFSetOtherWay(leg->ts, CutSteps));
-  if (scene->contact.deepest) PetscCall(FirmFromTheStart(leg->ts, &scene->contact));
-  if (scene->contact.any)
+  if (touches && full) PetscCall(VBDFSetOtherWay(leg->ts, CutSteps));
+  if (RodMayGetFirm(leg->rod)) PetscCall(FirmFromTheStart(leg->ts, leg->rod));
+  if (touches)
     PetscCall(VBDFSetCheck(leg->ts, AfterTry));
   else if (MindsTurns(leg->rod))
     PetscCall(VBDFSetCheck(leg->ts, AfterTurn));
@@ -638,7 +613,7 @@ static PetscReal NextTurn(TS ts, PetscReal t) {
   Leg *leg = NULL;
 
   if (TSGetApplicationContext(ts, &leg)) return PETSC_MAX_REAL;
-  return SceneNextTurn(leg->rod->scene, t);
+  return RodNextTurn(leg->rod, t);
 }
 
 static PetscBool Kinks(TS ts, PetscReal t) {
@@ -646,8 +621,8 @@ static PetscBool Kinks(TS ts, PetscReal t) {
   Leg *leg = NULL;
 
   if (TSGetApplicationContext(ts, &leg)) return PETSC_FALSE;
-  near *= leg->rod->scene->end_time;
-  return SceneJerks(leg->rod->scene, t - near, t + near);
+  near *= RodEndTime(leg->rod);
+  return RodJerks(leg->rod, t - near, t + near);
 }
 
 /* LegEndAtTurns - lets steps end where what tables give in time sets out, stops or turns back: a
@@ -655,10 +630,8 @@ static PetscBool Kinks(TS ts, PetscReal t) {
    and went. */
 PetscErrorCode LegEndAtTurns(Leg *leg) {
   PetscFunctionBegin;
-  if (SceneNextTurn(leg->rod->scene, 0) < PETSC_MAX_REAL)
-    PetscCall(VBDFSetNextEnd(leg->ts, NextTurn));
-  if (leg->rod->scene->curvature.steered || leg->rod->scene->growth->jerks)
-    PetscCall(VBDFSetKinks(leg->ts, Kinks));
+  if (RodNextTurn(leg->rod, 0) < PETSC_MAX_REAL) PetscCall(VBDFSetNextEnd(leg->ts, NextTurn));
+  if (RodMayJerk(leg->rod)) PetscCall(VBDFSetKinks(leg->ts, Kinks));
   PetscFunctionReturn(0);
 }
 

@@ -2,6 +2,8 @@
 #include "base/compat.h"
 #include "base/blocklu.h"
 #include "base/chain.h"
+#include "rod/ask.h"
+#include "rod/learned.h"
 
 /* Newton's iteration stops when its update is this part of rtol: of the step's own tolerance, a
    fifteenth (leg.c). */
@@ -105,14 +107,14 @@ static PetscErrorCode MindsForces(const Newton *self, PetscReal unseen,
 
   PetscFunctionBegin;
   PetscCall(TSGetTimeStep(self->ts, &step));
-  *minds = (PetscBool)(self->rod->scene->contact.any &&
+  *minds = (PetscBool)(RodTouches(self->rod) &&
                        (unseen < snapping * step || Largest(residual) > self->guess));
   PetscFunctionReturn(0);
 }
 
 /* What an update of forces counts, relative to their size, beside those of the fields followed. */
 static PetscReal WeightOfForces(const Newton *self, PetscReal floor) {
-  const PetscBool falls = (PetscBool)(self->rod->scene->falls > 0);
+  const PetscBool falls = (PetscBool)(RodFalls(self->rod) > 0);
 
   if (self->waits >= (falls ? IN_A_SNAP : PATIENCE)) return 0;
   return PetscMin(1, floor / (falls ? tight : loose));
@@ -128,8 +130,7 @@ static const PetscReal motionless = 1e-12, settled = 0.5;
 enum { SETTLED = 2 };
 
 static PetscBool Settled(Newton *self, PetscReal followed, PetscReal rate) {
-  const Scene scene = self->rod->scene;
-  const PetscBool still = (PetscBool)(scene->contact.any && !LoadSticks(&scene->load) &&
+  const PetscBool still = (PetscBool)(RodTouches(self->rod) && !RodSticks(self->rod) &&
                                       followed <= motionless && rate > settled);
 
   self->settles = still ? self->settles + 1 : 0;
@@ -153,7 +154,7 @@ static PetscBool Hopeless(Newton *self, PetscInt it, PetscReal residual, PetscBo
   if (begins || halves) self->halved = residual;
   self->creeps = begins || halves ? 0 : self->creeps + 1;
   self->wild = !begins && residual > wild * self->guess ? self->wild + 1 : 0;
-  return (PetscBool)(self->rod->scene->contact.any &&
+  return (PetscBool)(RodTouches(self->rod) &&
                      (cut ? self->creeps >= CREEP : it >= EARLIEST && self->wild >= WILD));
 }
 
@@ -171,7 +172,7 @@ enum { MOST_HOLDS = 2 };
 static PetscReal SpeedSeen(const Newton *self, PetscReal step, const PetscReal size[]) {
   PetscReal least = PETSC_MAX_REAL;
 
-  if (!self->rod->scene->contact.any) return 0;
+  if (!RodTouches(self->rod)) return 0;
   for (PetscInt f = 0; f < self->rod->model->fields; f++)
     if (self->rod->model->followed[f] && size[f] > 0) least = PetscMin(least, size[f]);
   return self->tolerance * least / step;
@@ -259,7 +260,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
       left = LargerSize(left, update[g]);
     }
     if (Settled(self, followed, rate)) left = followed;
-    if (it > 1 && !self->rod->scene->contact.any) rate = PetscMin(rate, left / self->update);
+    if (it > 1 && !RodTouches(self->rod)) rate = PetscMin(rate, left / self->update);
     self->update = left;
     PetscCall(SNESGetLineSearch(snes, &search));
     PetscCall(SNESLineSearchGetLambda(search, &part));
@@ -277,7 +278,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
   hopeless = Hopeless(self, it, Largest(residual), (PetscBool)(part < whole));
   if (!*reason && hopeless) *reason = SNES_DIVERGED_LINE_SEARCH;
   if (*reason > 0) PetscCall(KeepForces(self, F));
-  if (*reason > 0 && LoadSticks(&self->rod->scene->load) && self->rod->model->hold)
+  if (*reason > 0 && RodSticks(self->rod) && self->rod->model->hold)
     PetscCall(Hold(self, snes, U, F, reason));
   PetscCall(PetscArraycpy(self->residual, residual, GROUPS));
   PetscFunctionReturn(0);
@@ -291,7 +292,7 @@ static PetscErrorCode Residual(TS ts, PetscReal t, Vec U, Vec U_t, Vec F, void *
   PetscFunctionBegin;
   (void)ts;
   self->latest = (RodState){.t = t, .U = U, .U_t = U_t};
-  if (self->rod->scene->contact.deepest) *self->rod->scene->contact.deepest = 0;
+  RodForgetDepth(self->rod);
   PetscCall(self->rod->model->residual(self->rod, &at, F));
   PetscFunctionReturn(0);
 }
@@ -355,9 +356,8 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   PetscCall(SNESGetKSP(snes, &ksp));
   PetscCall(KSPSetType(ksp, KSPPREONLY));
   PetscCall(KSPGetPC(ksp, &pc));
-  PetscCall(ChainSetType(pc, rod->coupled
-                                 ? ChainFolded((PetscBool)(rod->scene->tip.type != TIP_FREE))
-                                 : MATORDERINGNATURAL));
+  PetscCall(
+      ChainSetType(pc, rod->coupled ? ChainFolded(RodEndsOf(rod).tip_held) : MATORDERINGNATURAL));
   PetscFunctionReturn(0);
 }
 
@@ -382,13 +382,13 @@ static PetscErrorCode MatrixAsked(TS ts, PetscBool *wanted) {
 /* Can the equations of neighbours be eliminated as they are computed? Not if the rod's beginning is
    free, nor on several ranks if the tip is held. */
 static PetscErrorCode HasChain(Rod rod, PetscBool *has) {
+  const RodEnds ends = RodEndsOf(rod);
   PetscMPIInt ranks;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_size(rod->scene->comm, &ranks));
+  PetscCallMPI(MPI_Comm_size(rod->comm, &ranks));
   *has = (PetscBool)(rod->model->eliminate && EliminationCan(rod->model->halves, ranks) &&
-                     rod->scene->clamp == CLAMP_HELD &&
-                     (ranks == 1 || rod->scene->tip.type == TIP_FREE));
+                     ends.clamped && (ranks == 1 || !ends.tip_held));
   PetscFunctionReturn(0);
 }
 
@@ -398,9 +398,9 @@ static PetscErrorCode HasCount(Rod rod, PetscBool *has) {
   PetscMPIInt ranks;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_size(rod->scene->comm, &ranks));
+  PetscCallMPI(MPI_Comm_size(rod->comm, &ranks));
   *has = (PetscBool)(rod->model->eliminate && EliminationCounts(rod->model->halves, ranks) &&
-                     rod->scene->clamp != CLAMP_FREE);
+                     !RodEndsOf(rod).begins_free);
   PetscFunctionReturn(0);
 }
 
@@ -441,14 +441,16 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
   PC pc;
 
   PetscFunctionBegin;
-  PetscCall(EliminationCreate(rod->scene->comm, nodes, rod->model->halves, &newton->elimination));
-  PetscCall(
-      MatCreateShell(rod->scene->comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, newton, &newton->J));
+  PetscCall(EliminationCreate(rod->comm, nodes, rod->model->halves, &newton->elimination));
+  PetscCall(MatCreateShell(rod->comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, newton, &newton->J));
   PetscCall(MatShellSetOperation(newton->J, MATOP_MULT, (void (*)(void))MultiplyDirection));
   PetscCall(SolverOf(ts, &ksp, &pc));
-  PetscCall(EliminationSetType(pc, newton->elimination));
-  if ((rod->model->space && rod->scene->load.radius > 0) || TipHolds(&rod->scene->tip, 1))
-    PetscCall(EliminationCreate(rod->scene->comm, nodes, rod->model->halves, &newton->counter));
+  if (rod->learned)
+    PetscCall(LearnedSetType(pc, rod, newton->elimination));
+  else
+    PetscCall(EliminationSetType(pc, newton->elimination));
+  if ((rod->model->space && RodFeelsSpin(rod)) || RodEndsOf(rod).tip_rests)
+    PetscCall(EliminationCreate(rod->comm, nodes, rod->model->halves, &newton->counter));
   PetscFunctionReturn(0);
 }
 
@@ -459,8 +461,7 @@ static PetscErrorCode SetBlockLU(TS ts, Newton *newton) {
   PC pc;
 
   PetscFunctionBegin;
-  PetscCall(BlockLUCreate(rod->last + 1, rod->model->fields,
-                          (PetscBool)(rod->scene->tip.type != TIP_FREE), &newton->J));
+  PetscCall(BlockLUCreate(rod->last + 1, rod->model->fields, RodEndsOf(rod).tip_held, &newton->J));
   PetscCall(SolverOf(ts, &ksp, &pc));
   PetscCall(BlockLUSetSolver(ksp));
   PetscFunctionReturn(0);
@@ -489,7 +490,7 @@ PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton) {
     else
       PetscCall(RodCreateMatrix(rod, &newton->J));
     if (counts)
-      PetscCall(EliminationCreate(rod->scene->comm, rod->end - rod->first, rod->model->halves,
+      PetscCall(EliminationCreate(rod->comm, rod->end - rod->first, rod->model->halves,
                                   &newton->counter));
   }
   PetscCall(TSSetIJacobian(ts, newton->J, newton->J, Jacobian, newton));
@@ -543,7 +544,7 @@ PetscErrorCode NewtonIndex(Newton *newton, PetscInt *index, PetscBool *known) {
 
   PetscFunctionBegin;
   *known = (PetscBool)(counted && (!newton->counter || newton->linearised.U) &&
-                       !(EliminationWide(counted) && LoadSticks(&rod->scene->load)));
+                       !(EliminationWide(counted) && RodSticks(rod)));
   *index = 0;
   if (!*known) PetscFunctionReturn(0);
   if (counted == newton->counter) PetscCall(NewtonEliminate(newton, counted));
@@ -562,7 +563,7 @@ PetscErrorCode NewtonOutOfPlane(Newton *newton, PetscReal rate, PetscInt *modes)
 
   PetscFunctionBegin;
   *modes = 0;
-  if (!counted || !linearised.U || LoadSticks(&newton->rod->scene->load)) PetscFunctionReturn(0);
+  if (!counted || !linearised.U || RodSticks(newton->rod)) PetscFunctionReturn(0);
   for (PetscInt f = 0; f < newton->rod->model->fields; f++) newton->linearised.shift[f] = rate;
   PetscCall(NewtonEliminate(newton, counted));
   newton->linearised = linearised;

@@ -385,7 +385,7 @@ static PetscReal PointAt(const PetscReal s[], PetscReal L, const Node *nodes, Pe
 static PetscReal WorkError(PetscInt cells) {
   const PetscReal t = 0.7, e = 1e-5;
   PetscReal energy[2], work = 0, L;
-  const PetscReal(*force)[2];
+  const PetscReal(*force)[3];
   Node *nodes[3];
   Strands strands;
   StrandSum sum;

@@ -5,7 +5,7 @@
 #include "rod/coupled.h"
 #include "rod/directors.h"
 #include "curve/spread.h"
-#include "rod/strands_space.h"
+#include "rod/strands.h"
 
 /* A helix whose coils lie on each other; and one that is wide, bent back so that a strand crosses
    others. */
@@ -127,27 +127,27 @@ static PetscReal WorkError(PetscInt cells) {
   PetscReal energy[3], work = 0, moment[3] = {0}, lever = 0, *g, *g_t;
   const PetscReal(*force)[3] = NULL;
   Node *nodes[3];
-  Strands3 strands;
-  StrandSum3 sum;
+  Strands strands;
+  StrandSum sum;
   Scene scene;
   Rod rod;
 
   Create("-contact_friction 0", cells, &scene, &rod);
-  CHECK(Strands3Create(scene, &strands));
+  CHECK(StrandsCreate(scene, &strands));
   CHECK(PetscMalloc2(cells + 1, &g, cells + 1, &g_t));
   CHECK(GrowthStretch(scene->growth, cells + 1, scene->mesh.s, t, g, g_t, NULL));
   for (int k = 0; k < 3; k++) {
     int which = k == 2 ? 1 : 2 * k; /* the forces of the one between are seen last */
-    StrandState3 state = {.t = t, .stride = NODE_VALUES};
+    StrandState state = {.t = t, .stride = NODE_VALUES};
     CHECK(PetscCalloc1(cells + 1, &nodes[which]));
     Coils(rod, t, (which - 1) * e, nodes[which]);
     state.u = nodes[which][0].x3;
-    CHECK(Strands3Search(strands, &state));
-    CHECK(Strands3Load(strands, &state));
-    Strands3Sum(strands, &sum);
+    CHECK(StrandsSearch(strands, &state));
+    CHECK(StrandsLoad(strands, &state));
+    StrandsSum(strands, &sum);
     energy[which] = sum.energy;
   }
-  force = Strands3Forces(strands);
+  force = StrandsForces(strands);
   EXPECT(sum.normal > 0.01, "nothing touches: %g", sum.normal);
   for (PetscInt k = 0; k <= 2 * cells + 1; k++) {
     const PetscReal *s = scene->mesh.s;
@@ -173,7 +173,7 @@ static PetscReal WorkError(PetscInt cells) {
   }
   for (int k = 0; k < 3; k++) CHECK(PetscFree(nodes[k]));
   CHECK(PetscFree2(g, g_t));
-  CHECK(Strands3Destroy(&strands));
+  CHECK(StrandsDestroy(&strands));
   Destroy(&scene, &rod);
   return PetscAbsReal(work / (energy[0] - energy[2]) - 1);
 }
@@ -226,8 +226,8 @@ static void TestSpins(void **state) {
   const PetscReal omega = 0.8, speed = 0.09 * omega, rubbed = speed / hypot(speed, sqrt(0.1));
   const PetscReal(*couple)[3];
   PetscReal power = 0;
-  Strands3 strands;
-  StrandSum3 sum;
+  Strands strands;
+  StrandSum sum;
   PetscMPIInt ranks;
   Node *nodes;
   Scene scene;
@@ -236,7 +236,7 @@ static void TestSpins(void **state) {
   MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
   if (ranks > 1) return;
   Create("-contact_friction 0.6 -growth_type none", 100, &scene, &rod);
-  CHECK(Strands3Create(scene, &strands));
+  CHECK(StrandsCreate(scene, &strands));
   CHECK(PetscCalloc1(rod->last + 1, &nodes));
   CHECK(RodInitialNodes(rod, 0, nodes));
   for (PetscInt i = 0; i <= rod->last; i++) {
@@ -244,11 +244,11 @@ static void TestSpins(void **state) {
     QuaternionTurn(nodes[i].p, about, nodes[i].p_t);
     for (int d = 0; d < 3; d++) nodes[i].x3_t[d] = 0;
   }
-  StrandState3 at = {.t = 0, .stride = NODE_VALUES, .u = nodes[0].x3, .u_t = nodes[0].x3_t};
-  CHECK(Strands3Search(strands, &at));
-  CHECK(Strands3Load(strands, &at));
-  Strands3Sum(strands, &sum);
-  couple = Strands3Couples(strands);
+  StrandState at = {.t = 0, .stride = NODE_VALUES, .u = nodes[0].x3, .u_t = nodes[0].x3_t};
+  CHECK(StrandsSearch(strands, &at));
+  CHECK(StrandsLoad(strands, &at));
+  StrandsSum(strands, &sum);
+  couple = StrandsCouples(strands);
   for (PetscInt k = 0; k < 2 * rod->last + 1; k++) {
     const PetscReal *s = scene->mesh.s;
     const PetscInt i = k / 2;
@@ -272,7 +272,7 @@ static void TestSpins(void **state) {
   for (int d = 0; d < 3; d++)
     EXPECT(PetscAbsReal(sum.sum[d]) < 1e-12 * sum.normal, "sum %g of %g", sum.sum[d], sum.normal);
   CHECK(PetscFree(nodes));
-  CHECK(Strands3Destroy(&strands));
+  CHECK(StrandsDestroy(&strands));
   Destroy(&scene, &rod);
 }
 

@@ -1,0 +1,244 @@
+#include "rod/ask.h"
+#include <string.h>
+
+/* Is it so of any rod? */
+static PetscBool Any(const Rod rod, PetscBool (*is)(const struct _Scene *)) {
+  for (PetscInt k = 0; k < rod->rods; k++)
+    if (is(rod->each[k]->scene)) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* ---- ends, length, units ---- */
+
+/* RodEndsOf - what holds the ends. */
+RodEnds RodEndsOf(const Rod rod) {
+  RodEnds ends = {.clamped = PETSC_TRUE};
+
+  for (PetscInt k = 0; k < rod->rods; k++) {
+    const struct _Scene *scene = rod->each[k]->scene;
+    if (scene->clamp != CLAMP_HELD) ends.clamped = PETSC_FALSE;
+    if (scene->clamp == CLAMP_FREE) ends.begins_free = PETSC_TRUE;
+    if (scene->tip.type != TIP_FREE) ends.tip_held = PETSC_TRUE;
+    if (TipHolds(&scene->tip, 1)) ends.tip_rests = PETSC_TRUE;
+    if (TipPoints(&scene->tip)) ends.tip_points = PETSC_TRUE;
+  }
+  return ends;
+}
+
+/* RodLength - how long the rod is at time t; the longest of several. */
+PetscErrorCode RodLength(const Rod rod, PetscReal t, PetscReal *length) {
+  PetscReal one;
+
+  PetscFunctionBegin;
+  *length = 0;
+  for (PetscInt k = 0; k < rod->rods; k++) {
+    PetscCall(GrowthLength(rod->each[k]->scene->growth, t, &one, NULL));
+    *length = PetscMax(*length, one);
+  }
+  PetscFunctionReturn(0);
+}
+
+/* RodEndTime - when its run ends, as its scene has it. */
+PetscReal RodEndTime(const Rod rod) {
+  return rod->each[0]->scene->end_time;
+}
+
+/* RodUnits - the units that its scene makes for itself: those of the first, which all share.
+   Borrowed. */
+const SceneUnits *RodUnits(const Rod rod) {
+  return &rod->each[0]->scene->units;
+}
+
+/* ---- contact ---- */
+
+static PetscBool Touches(const struct _Scene *scene) {
+  return scene->contact.any;
+}
+
+static PetscBool MeetsWalls(const struct _Scene *scene) {
+  return (PetscBool)(scene->contact.walls.n || scene->contact.surfaces.n);
+}
+
+static PetscBool MeetsItself(const struct _Scene *scene) {
+  return scene->contact.self;
+}
+
+static PetscBool RubsOnWalls(const struct _Scene *scene) {
+  return ContactWallsRub(&scene->contact);
+}
+
+static PetscBool MayGetFirm(const struct _Scene *scene) {
+  return (PetscBool)(scene->contact.deepest != NULL);
+}
+
+/* RodTouches - can anything press on it, a wall, or itself? */
+PetscBool RodTouches(const Rod rod) {
+  return Any(rod, Touches);
+}
+
+/* RodMeetsWalls - can a wall? */
+PetscBool RodMeetsWalls(const Rod rod) {
+  return Any(rod, MeetsWalls);
+}
+
+/* RodMeetsItself - can another part of it, or another rod? */
+PetscBool RodMeetsItself(const Rod rod) {
+  return Any(rod, MeetsItself);
+}
+
+/* RodRubsOnWalls - does a wall have friction? */
+PetscBool RodRubsOnWalls(const Rod rod) {
+  return Any(rod, RubsOnWalls);
+}
+
+/* RodMakeSlippery - from now on it is as if no wall had friction, or they have theirs again: to
+   count modes. */
+void RodMakeSlippery(Rod rod, PetscBool slippery) {
+  for (PetscInt k = 0; k < rod->rods; k++) rod->each[k]->scene->contact.slippery = slippery;
+}
+
+/* RodContactAt - makes its laws of contact those of time t: SceneContactAt(). */
+PetscErrorCode RodContactAt(Rod rod, PetscReal t) {
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < rod->rods; k++) PetscCall(SceneContactAt(rod->each[k]->scene, t));
+  PetscFunctionReturn(0);
+}
+
+/* RodMayGetFirm - may its contact become firmer in the course of a run? */
+PetscBool RodMayGetFirm(const Rod rod) {
+  return Any(rod, MayGetFirm);
+}
+
+/* RodForgetDepth - a residual is asked for: how deep the rod is pressed in begins at 0. */
+void RodForgetDepth(Rod rod) {
+  for (PetscInt k = 0; k < rod->rods; k++) {
+    PetscReal *deepest = rod->each[k]->scene->contact.deepest;
+    if (deepest) *deepest = 0;
+  }
+}
+
+/* RodGetsFirm - is the state whose residual was the last in a wall, or in itself, where contact is
+   to be firmer than it was taken for? From now on it is. Collective. */
+PetscErrorCode RodGetsFirm(Rod rod, PetscBool *firm) {
+  PetscReal deepest;
+
+  PetscFunctionBegin;
+  *firm = PETSC_FALSE;
+  for (PetscInt k = 0; k < rod->rods; k++) {
+    Contact *contact = &rod->each[k]->scene->contact;
+    if (!contact->deepest || contact->firm) continue;
+    PetscCallMPI(MPI_Allreduce(contact->deepest, &deepest, 1, MPIU_REAL, MPIU_MAX, rod->comm));
+    if (ContactGetsFirm(contact, deepest)) *firm = PETSC_TRUE;
+  }
+  PetscFunctionReturn(0);
+}
+
+/* RodStaysFirm - contact that may become firmer is so from the start. */
+void RodStaysFirm(Rod rod) {
+  for (PetscInt k = 0; k < rod->rods; k++) {
+    Contact *contact = &rod->each[k]->scene->contact;
+    if (contact->deepest) contact->firm = PETSC_TRUE;
+  }
+}
+
+/* ---- friction ---- */
+
+static PetscBool IsDry(const struct _Scene *scene) {
+  return LoadIsDry(&scene->load);
+}
+
+static PetscBool Sticks(const struct _Scene *scene) {
+  return LoadSticks(&scene->load);
+}
+
+static PetscBool FeelsSpin(const struct _Scene *scene) {
+  return (PetscBool)(scene->load.radius > 0);
+}
+
+/* RodIsDry - is its friction dry, so that it may snap? */
+PetscBool RodIsDry(const Rod rod) {
+  return Any(rod, IsDry);
+}
+
+/* RodSticks - is there exact Coulomb friction, by which places stick? */
+PetscBool RodSticks(const Rod rod) {
+  return Any(rod, Sticks);
+}
+
+/* RodFeelsSpin - has friction a radius at which it feels that the rod turns about its tangent? */
+PetscBool RodFeelsSpin(const Rod rod) {
+  return Any(rod, FeelsSpin);
+}
+
+/* Is no energy behind the equations? By friction on walls or strands, by that which is weaker
+   across than along, or feels a spin; where material learns its natural curvature; and where it
+   comes to rest: see stepping/leg.c. */
+static PetscBool HasNoModes(const struct _Scene *scene) {
+  const Contact *contact = &scene->contact;
+  const Load *load = &scene->load;
+
+  if (scene->tropism.any) return PETSC_TRUE;
+  return (PetscBool)(ContactWallsRub(contact) || contact->friction > 0 || load->radius > 0 ||
+                     scene->space.spin != 0 || load->turns || scene->growth->rests);
+}
+
+/* RodHasModes - are the modes of a state that is frozen those of the rod that moves on? */
+PetscBool RodHasModes(const Rod rod) {
+  return (PetscBool) !(rod->coupled || Any(rod, HasNoModes));
+}
+
+/* ---- snaps ---- */
+
+/* RodFalls - the speed at which it snaps: RodAtSpeed(); 0: it does not. */
+PetscReal RodFalls(const Rod rod) {
+  return rod->each[0]->scene->falls;
+}
+
+/* RodAtSpeed - it snaps at this speed, all of it, or no more: SceneAtSpeed(). */
+void RodAtSpeed(Rod rod, PetscReal speed) {
+  for (PetscInt k = 0; k < rod->rods; k++) SceneAtSpeed(rod->each[k]->scene, speed);
+}
+
+/* ---- what drives it ---- */
+
+/* RodSteered - how large what steers the rod, a natural curvature that changes, may make a field;
+   0: nothing does. */
+PetscReal RodSteered(const Rod rod, PetscInt field) {
+  static const char *const moved[STRAINS] = {
+      [BEND_3] = "theta x2 p3", [BEND_2] = "x3 p2", [TURN_1] = "p1"};
+  PetscReal most = 0;
+
+  for (PetscInt k = 0; k < rod->rods; k++) {
+    const Curvature *curvature = &rod->each[k]->scene->curvature;
+    for (int e = 0; e < STRAINS && curvature->steered; e++)
+      if (strstr(moved[e], rod->model->field[field]))
+        most = CurvatureSteered(curvature, e) * RodUnits(rod)->length * RodFieldUnit(rod, field);
+  }
+  return most;
+}
+
+/* RodNextTurn - the first time behind t at which what tables give sets out, stops or turns back:
+   SceneNextTurn(). */
+PetscReal RodNextTurn(const Rod rod, PetscReal t) {
+  PetscReal next = PETSC_MAX_REAL;
+
+  for (PetscInt k = 0; k < rod->rods; k++)
+    next = PetscMin(next, SceneNextTurn(rod->each[k]->scene, t));
+  return next;
+}
+
+static PetscBool MayJerk(const struct _Scene *scene) {
+  return (PetscBool)(scene->curvature.steered || scene->growth->jerks);
+}
+
+/* RodMayJerk - is it fed, or bent by nature, in a way that may set out or stop at once? */
+PetscBool RodMayJerk(const Rod rod) {
+  return Any(rod, MayJerk);
+}
+
+/* RodJerks - does that happen between two times? */
+PetscBool RodJerks(const Rod rod, PetscReal t0, PetscReal t1) {
+  for (PetscInt k = 0; k < rod->rods; k++)
+    if (SceneJerks(rod->each[k]->scene, t0, t1)) return PETSC_TRUE;
+  return PETSC_FALSE;
+}

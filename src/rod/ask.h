@@ -1,0 +1,48 @@
+/* What steppers ask of a rod, or of several that go together: each question is answered for all of
+   them at once. */
+#ifndef TENDRIL_ASK_H
+#define TENDRIL_ASK_H
+
+#include "rod/rod.h"
+
+/* What holds the ends. Of several rods: held and bound where any is, free where any is. */
+typedef struct {
+  PetscBool clamped, begins_free; /* the beginning neither tilts nor moves; nothing holds it */
+  PetscBool tip_held, tip_rests, tip_points; /* the tip; at rest; its directors, too */
+} RodEnds;
+
+/* its ends, length and units */
+RodEnds RodEndsOf(const Rod rod);
+PetscErrorCode RodLength(const Rod rod, PetscReal t, PetscReal *length);
+PetscReal RodEndTime(const Rod rod);
+const SceneUnits *RodUnits(const Rod rod);
+
+/* what it can touch */
+PetscBool RodTouches(const Rod rod);
+PetscBool RodMeetsWalls(const Rod rod);
+PetscBool RodMeetsItself(const Rod rod);
+PetscBool RodRubsOnWalls(const Rod rod);
+void RodMakeSlippery(Rod rod, PetscBool slippery);
+PetscErrorCode RodContactAt(Rod rod, PetscReal t);
+PetscBool RodMayGetFirm(const Rod rod);
+void RodForgetDepth(Rod rod);
+PetscErrorCode RodGetsFirm(Rod rod, PetscBool *firm);
+void RodStaysFirm(Rod rod);
+
+/* its friction */
+PetscBool RodIsDry(const Rod rod);
+PetscBool RodSticks(const Rod rod);
+PetscBool RodFeelsSpin(const Rod rod);
+PetscBool RodHasModes(const Rod rod);
+
+/* how it snaps */
+PetscReal RodFalls(const Rod rod);
+void RodAtSpeed(Rod rod, PetscReal speed);
+
+/* what drives it */
+PetscReal RodSteered(const Rod rod, PetscInt field);
+PetscReal RodNextTurn(const Rod rod, PetscReal t);
+PetscBool RodMayJerk(const Rod rod);
+PetscBool RodJerks(const Rod rod, PetscReal t0, PetscReal t1);
+
+#endif

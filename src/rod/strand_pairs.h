@@ -1,0 +1,131 @@
+/* What the files of strands share: the nodes in a state, and pairs of what is near. */
+#ifndef TENDRIL_STRAND_PAIRS_H
+#define TENDRIL_STRAND_PAIRS_H
+
+#include "curve/cell.h"
+#include "curve/spread.h"
+#include "rod/strands.h"
+
+/* A node in the state that is looked at: place, direction and their rates, how they change with
+   what turns it; in space its quaternion, and the spin of the material about d1. */
+typedef struct {
+  PetscReal x[3], x_t[3], q[3], q_t[3];
+  CurveEnd by;
+  const PetscReal *p;
+  PetscReal size, spin, spin_by[4];
+} Joint;
+
+/* A place on the curve of the rod. */
+typedef struct {
+  PetscInt cell;
+  CurvePlace on;
+} Spot;
+
+/* How a strand in space turns where it is touched: its tangent, the lever a by which its surface
+   moves with its spin, and that spin and its derivative by z. */
+typedef struct {
+  PetscReal t[3], a[3], spin, spin_z;
+} Turning;
+
+/* A sample and what it is near to. */
+typedef struct {
+  PetscInt sample, next;
+  int side;         /* of a sample in the plane: 0 left, 1 right; else 0 */
+  PetscBool ends;   /* the foot is an end of the rod */
+  PetscBool apart;  /* they are not the same strand */
+  PetscBool active; /* they press */
+  Spot at, foot;
+  PetscReal n[3], distance, gap;
+  PetscReal p, p_gap;       /* pressure and its derivative */
+  PetscReal w[3], rubs;     /* friction over mu p, and its power */
+  PetscReal slip, w_slip;   /* in the plane: speed along the surface, and how |w| changes with it */
+  PetscReal V[4], by[4][4]; /* in space: slip of the surfaces, and how w changes with it */
+  Turning turning[2];       /* ... of the sample, of the foot; where there is friction */
+  FrictionDual4 dual;       /* ... and what Newton's method remembers */
+} Pair;
+
+struct _Strands {
+  Scene scene;
+  const Contact *contact;
+  int dims;               /* 2 in the plane, 3 in space */
+  PetscInt cells, points; /* points: 2 cells + 1 */
+  PetscInt each, samples; /* of a cell; of the rod, with the tip at the end */
+  PetscReal ahead;        /* where the first of a cell is, in parts of the way to the next */
+  PetscReal apart;        /* what is nearer along the rod is the same strand */
+  PetscReal time;         /* of what follows: laws at the points */
+  PetscReal *g, *g_t, *c, *strain, *arc, *weight;
+  PetscInt n, room;
+  Pair *pair;
+  PetscInt *first;        /* of a sample, of each side that it has: its first pair, -1 none */
+  PetscInt sides;         /* 2 in the plane, 1 in space */
+  Joint *joint;           /* of each node */
+  Spot *spot;             /* where samples are in the state that is looked at, */
+  PetscBool *placed;      /* ... if anyone has asked */
+  PetscBool searched;     /* it has been searched for pairs just now */
+  PetscReal *seen;        /* x at the nodes when pairs were looked for */
+  PetscReal (*force)[3];  /* StrandsForces() */
+  PetscReal (*couple)[3]; /* StrandsCouples(); NULL: there are none */
+  FrictionDual *dual;     /* of a sample's side in the plane; NULL: no friction */
+  StrandSlope *slopes;
+  PetscInt slopes_room;
+  StrandSum sum;
+};
+
+/* How the pair's foot, normal, distance and friction change; in space slip, tangents and levers. */
+typedef struct {
+  PetscReal z[STRAND_UNKNOWNS], gap[STRAND_UNKNOWNS];
+  StrandBy n, w, slip, t[2], a[2];
+} PairSlope;
+
+/* How many unknowns a node has, of both nodes of a cell and of two of these: constants of a call,
+   as the dimension is. */
+static inline int NodeOf(int dims) {
+  return dims + CurveTurns(dims);
+}
+
+/* Is a sample that of the tip? */
+static inline PetscBool SampleIsTip(const struct _Strands *self, PetscInt sample) {
+  return (PetscBool)(sample == self->samples - 1);
+}
+
+/* The curve of a cell, without its rates. */
+static inline void StrandCell(const struct _Strands *self, PetscInt cell, CurveCell *of) {
+  const PetscReal *s = self->scene->mesh.s;
+
+  of->h = s[cell + 1] - s[cell];
+  for (int e = 0; e < 2; e++) {
+    const Joint *joint = &self->joint[cell + e];
+    of->g[e] = self->g[2 * (cell + e)];
+    for (int d = 0; d < 3; d++) {
+      of->x[e][d] = joint->x[d];
+      of->q[e][d] = joint->q[d];
+    }
+  }
+}
+
+/* ... and with them. */
+static inline void StrandCellMoving(const struct _Strands *self, PetscInt cell, CurveCell *of) {
+  StrandCell(self, cell, of);
+  for (int e = 0; e < 2; e++) {
+    const Joint *joint = &self->joint[cell + e];
+    for (int d = 0; d < 3; d++) {
+      of->x_t[e][d] = joint->x_t[d];
+      of->slope_t[e][d] = self->g_t[2 * (cell + e)] * joint->q[d] + of->g[e] * joint->q_t[d];
+    }
+  }
+  for (int k = 0; k < 3; k++) of->c[k] = self->c[2 * cell + k];
+}
+
+/* strand_friction.c */
+void PairRub(const struct _Strands *self, Pair *pair);
+void PairRubSlope(const struct _Strands *self, Pair *pair, PetscBool fresh, PairSlope *by);
+void PairsForget(Strands self);
+
+/* strands.c */
+void StrandJoints(Strands self, const StrandState *state, const PetscReal *shift);
+void PairShares(const struct _Strands *self, const Pair *pair, PetscReal share[2]);
+PetscBool PairOnClamp(const struct _Strands *self, const Pair *pair);
+void PairForce(const struct _Strands *self, const Pair *pair, PetscReal f[3]);
+int PairSpread(const struct _Strands *self, const Pair *pair, int of_foot, Spread *spread);
+
+#endif
