@@ -27,7 +27,7 @@ try:
     import tendril
     from tendril import meshes, openings
     from tendril.meshes import Mesh, SurfaceError
-    from made_meshes import cube, needs_vtk, pipe, sphere, WRITERS
+    from made_meshes import WRITERS, cube, needs_vtk, pipe, sphere
 except ImportError as error:
     from_venv(error)
 

@@ -16,7 +16,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import test_surface
 from interpreter import ROOT, from_venv
-from made_meshes import cube, Mesh, needs_vtk, pipe, sphere, WRITERS
+from made_meshes import WRITERS, Mesh, cube, needs_vtk, pipe, sphere
 
 try:
     import numpy as np

@@ -12,8 +12,8 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import scene  # takes .venv's python if this one lacks numpy and h5py
 from held import HANG
-from scene import broken, check, expect, file, order, read, Run, tendril, tip_in_space
-from references import expect_reference, expect_references, REFERENCES
+from scene import Run, broken, check, expect, file, order, read, tendril, tip_in_space
+from references import REFERENCES, expect_reference, expect_references
 
 import h5py
 import numpy as np

@@ -10,8 +10,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import scene  # takes .venv's python if this one lacks numpy and h5py
-from references import bowl, expect_references, field, SAG, stiffness
-from scene import broken, check, distance, expect, file, order, Run, tendril
+from references import SAG, bowl, expect_references, field, stiffness
+from scene import Run, broken, check, distance, expect, file, order, tendril
 
 import h5py
 import numpy as np
