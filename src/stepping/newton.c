@@ -36,8 +36,8 @@ static PetscErrorCode Residuals(Rod rod, Vec U, Vec F, PetscReal residual[GROUPS
    noise. Not for ever: with a tiny beta and a tiny step their round-off may lie above it: only for
    so many iterations; in steps in which they matter (MindsForces()) for so many in a row that have
    moved nothing else. */
-static const PetscReal loose = 1e-4, tight = 1e-5;
-enum { PATIENCE = 8, IN_A_SNAP = 16 };
+static const PetscReal of_forces = 1e-4;
+enum { PATIENCE = 8 };
 
 /* Forces and moments of a rod at rest may be all but none, and what is found of them is round-off
    of what bends it: below this part of the unit in which a rod so bent has them nothing is to
@@ -114,27 +114,8 @@ static PetscErrorCode MindsForces(const Newton *self, PetscReal unseen,
 
 /* What an update of forces counts, relative to their size, beside those of the fields followed. */
 static PetscReal WeightOfForces(const Newton *self, PetscReal floor) {
-  const PetscBool falls = (PetscBool)(RodFalls(self->rod) > 0);
-
-  if (self->waits >= (falls ? IN_A_SNAP : PATIENCE)) return 0;
-  return PetscMin(1, floor / (falls ? tight : loose));
-}
-
-/*
-  Settled - has a rod that can touch arrived as far as it can? Nor is there anything to wait for
-  where nothing moves by more than round-off (part of a field) and the residual has not fallen to
-  this part, so many times in a row: what is left of it is round-off, too, of velocities in a short
-  step. (In exact friction it may be that places stick one after the other.)
-*/
-static const PetscReal motionless = 1e-12, settled = 0.5;
-enum { SETTLED = 2 };
-
-static PetscBool Settled(Newton *self, PetscReal followed, PetscReal rate) {
-  const PetscBool still = (PetscBool)(RodTouches(self->rod) && !RodSticks(self->rod) &&
-                                      followed <= motionless && rate > settled);
-
-  self->settles = still ? self->settles + 1 : 0;
-  return (PetscBool)(self->settles >= SETTLED);
+  if (self->waits >= PATIENCE) return 0;
+  return PetscMin(1, floor / of_forces);
 }
 
 /*
@@ -248,7 +229,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
   PetscCall(SNESGetSolution(snes, &U));
   PetscCall(Residuals(self->rod, U, F, residual));
   if (!it) {
-    self->waits = self->settles = self->holds = 0;
+    self->waits = self->holds = 0;
     self->guess = Largest(residual);
   } else {
     PetscCall(SNESGetSolutionUpdate(snes, &dU));
@@ -259,7 +240,6 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
       if (update[g] > floor) rate = PetscMax(rate, residual[g] / self->residual[g]);
       left = LargerSize(left, update[g]);
     }
-    if (Settled(self, followed, rate)) left = followed;
     if (it > 1 && !RodTouches(self->rod)) rate = PetscMin(rate, left / self->update);
     self->update = left;
     PetscCall(SNESGetLineSearch(snes, &search));
