@@ -158,7 +158,7 @@ void WideSpring(WideLine line, const PetscReal gives[TOP][OWN]) {
     for (int j = 0; j < OWN; j++) line->link[0].T[i][TOP + j] = -gives[i][j];
 }
 
-/* WideKeep - keeps the next cell as it is, to be eliminated elsewhere: see WideCopy(). */
+/* WideKeep - keeps the next cell as it is, to be eliminated elsewhere. */
 void WideKeep(WideLine line) {
   line->n++;
 }
