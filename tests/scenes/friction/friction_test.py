@@ -8,7 +8,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import scene  # takes .venv's python if this one lacks numpy and h5py
 from references import against_reference, DECAY, expect_reference, REFERENCES, SMOOTH
-from scene import check, DRY, expect, Failure, lagrange, order, ROOT, Run, tip_in_space
+from scene import check, distance, DRY, expect, Failure, lagrange, order, ROOT, Run, tip_in_space
 
 import h5py
 import numpy as np
