@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from .errors import RunError, TendrilError
-from .playing import Played, controls, may_lead_tip, save_scene
+from .playing import NUMBER, Played, controls, may_lead_tip, save_scene
 from .simulation import BY_WORDS, Simulation
 
 KEEP_AT_MOST = 0.03  # of the time of computing, for states to go back to
@@ -108,7 +108,7 @@ class Session:
         upright = all(not wall.in_space or wall.kind == "cylinder" and wall.numbers[3:6] == ["0", "0", "1"] or
                       wall.kind == "plane" and wall.numbers[5:6] == ["0"] for wall in self.played.walls)
         weight = get("rod_weight", "0,0").split(",")
-        return not self.space or upright and not any(name in self.played.options for name in out) and (len(weight) < 3 or weight[2] == "0")
+        return not self.space or self.played.lifted and upright and not any(name in self.played.options for name in out) and (len(weight) < 3 or weight[2] == "0")
 
     def begin(self):
         self.thread.start()
@@ -595,14 +595,16 @@ def drawn_walls(session):
     for wall, line in zip(order, lines):
         words = line.split()
         one = {"line": wall.line, "kind": wall.kind, "moves": wall.in_space, "inside": "inside" in words}
-        numbers = [float(w) for w in words[1:8] if w not in ("inside", "outside", "friction") and not w[:1].isalpha()]
-        if wall.kind == "circle":
+        numbers = [float(w) for w in words[1:8] if NUMBER.fullmatch(w)]
+        if wall.kind in ("tube", "body"):
+            pass
+        elif wall.kind == "circle":
             one |= {"circle": numbers[:3]}
         elif wall.kind == "cylinder" and abs(numbers[5]) > 0.999:
             one |= {"circle": [numbers[0], numbers[1], numbers[6]]}
         elif wall.kind == "sphere":
             one |= {"circle": [numbers[0], numbers[1], numbers[3]], "height": numbers[2]}
-        elif not wall.in_space or wall.kind == "plane" and len(numbers) >= 6 and numbers[5] == 0:
+        elif not wall.in_space or wall.kind == "plane" and wall.in_space and len(numbers) >= 6 and numbers[5] == 0:
             text = line if not wall.in_space else "plane {} {} {} {} friction 0".format(*numbers[:2], *numbers[3:5])
             body, edges = solid(parse(text)[0], (-reach, reach, -reach, reach))
             one |= {"rings": [np.ravel(ring).tolist() for ring in (body.to_polygons(closed_only=False) if body else [])],
