@@ -463,7 +463,7 @@ class Session:
             if at.get("self_crossings", 0) > last.get("self_crossings", 0):
                 self.happened("it crosses itself")
             fast = max(at.get("tip_speed", 0), at.get("mid_speed", 0)) > FAST
-            if fast and not self.snapping(last):
+            if fast and not self.snapping(last) and at["t"] > 1e-6 * self.end:  # (a start out of balance gives way at once)
                 self.happened("it snaps")
         if took > SLOW:
             self.happened(f"a step took {took:.1f} s: {self.why(at, last)}")
@@ -612,8 +612,11 @@ def drawn_walls(session):
         if session.space and not session.flat():
             r.attributes["walls"] = line
             for surface in solids(r):
-                one |= {"vertices": np.round(np.ravel(surface.vertices), 5).tolist()[:60000], "lines3": [np.round(np.ravel(edge), 5).tolist() for edge in surface.lines],
-                        "triangles": np.ravel(surface.triangles).tolist()[:120000]}
+                some = surface.triangles[np.unique(np.linspace(0, len(surface.triangles) - 1, min(len(surface.triangles), MOST_TRIANGLES)).astype(int))] \
+                    if len(surface.triangles) else surface.triangles
+                used, places = np.unique(some, return_inverse=True)
+                one |= {"vertices": np.round(np.ravel(surface.vertices[used]), 5).tolist(), "triangles": np.ravel(places).tolist(),
+                        "lines3": [np.round(np.ravel(edge), 5).tolist() for edge in surface.lines]}
         found.append(one)
     r.attributes["walls"] = "\n".join(lines)
     return found
@@ -668,6 +671,7 @@ def number_of(value, what):
 
 
 MOST_NODES, PIECES = 301, 28
+MOST_TRIANGLES = 3000  # of a surface, as a page draws it
 
 
 def frame_of(sim, before=None, t=0.0):
