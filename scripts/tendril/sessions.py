@@ -611,12 +611,19 @@ def drawn_walls(session):
                     "lines": [np.ravel(edge).tolist() for edge in edges]}
         if session.space and not session.flat():
             r.attributes["walls"] = line
-            for surface in solids(r):
-                some = surface.triangles[np.unique(np.linspace(0, len(surface.triangles) - 1, min(len(surface.triangles), MOST_TRIANGLES)).astype(int))] \
-                    if len(surface.triangles) else surface.triangles
+            x = r.shapes["x"]
+            far = np.linspace(-reach, reach, x.shape[1])[None, :, None] * np.ones(x.shape[2])
+            r.shapes["x"] = np.concatenate([x, far])  # surfaces are drawn as far as the rod may come
+            pieces = solids(r)
+            r.shapes["x"] = x
+            if pieces:
+                before = np.cumsum([0] + [len(piece.vertices) for piece in pieces])
+                corners = np.concatenate([piece.vertices for piece in pieces])
+                triangles = np.concatenate([np.asarray(piece.triangles, int).reshape(-1, 3) + k for piece, k in zip(pieces, before)])
+                some = triangles[np.unique(np.linspace(0, max(len(triangles) - 1, 0), min(len(triangles), MOST_TRIANGLES)).astype(int))]
                 used, places = np.unique(some, return_inverse=True)
-                one |= {"vertices": np.round(np.ravel(surface.vertices[used]), 5).tolist(), "triangles": np.ravel(places).tolist(),
-                        "lines3": [np.round(np.ravel(edge), 5).tolist() for edge in surface.lines]}
+                one |= {"vertices": np.round(np.ravel(corners[used]), 5).tolist(), "triangles": np.ravel(places).tolist(),
+                        "lines3": [np.round(np.ravel(edge), 5).tolist() for piece in pieces for edge in piece.lines]}
         found.append(one)
     r.attributes["walls"] = "\n".join(lines)
     return found
