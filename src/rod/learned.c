@@ -183,6 +183,9 @@ PetscErrorCode LearnedFilled(Rod rod, Vec F) {
   PetscReal *f;
 
   PetscFunctionBegin;
+  if (rod->end > rod->last && !self->at_tip) /* places that are none: they stay 0 */
+    PetscCall(PetscArraycpy(self->rows + SignalPlace(rod) * self->per,
+                            self->k + SignalPlace(rod) * self->per, self->per));
   PetscCall(VecGetArrayWrite(F, (PetscScalar **)&f));
   for (PetscInt n = 0; n < rod->end - rod->first; n++) {
     memcpy(f + n * fields, self->row + n * self->mech, (size_t)self->mech * sizeof(*f));
@@ -715,6 +718,29 @@ static void StatesAt(const Rod rod, const PetscReal *label, const PetscReal *all
     k[c] = 0;
     for (int i = 0; i < STENCIL; i++) k[c] += sign * w[i] * all[(first + i) * per + c];
   }
+}
+
+/* LearnedCarries - do states go along with material that slides past the labels? */
+PetscBool LearnedCarries(const Rod rod) {
+  return (PetscBool)(rod->learned && rod->scene->growth->slides);
+}
+
+/* LearnedTimesRate - V, a change of rates, becomes what it changes the equations of states by. */
+PetscErrorCode LearnedTimesRate(Rod rod, Vec V) {
+  const Learned self = rod->learned;
+  const PetscInt fields = rod->model->fields;
+  PetscScalar *v;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArray(V, &v));
+  for (PetscInt i = 0; i < rod->end - rod->first; i++)
+    for (PetscInt f = 0; f < fields; f++)
+      v[i * fields + f] *= f < self->mech ? 0
+                           : self->remembers && (f - self->mech) % self->per >= self->bends
+                               ? rod->scene->tropism.memory
+                               : 1;
+  PetscCall(VecRestoreArray(V, &v));
+  PetscFunctionReturn(0);
 }
 
 /*

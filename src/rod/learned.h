@@ -90,6 +90,8 @@ PetscErrorCode LearnedMatrix(Rod rod, PetscInt i, const PetscReal *begin, const 
                              const LearnedSlope *slope, const PetscReal *own, PetscReal *room,
                              Mat J);
 void LearnedRows(Rod rod, PetscInt i, const LearnedCell *cell, const PetscReal shift[]);
+PetscBool LearnedCarries(const Rod rod);
+PetscErrorCode LearnedTimesRate(Rod rod, Vec V);
 PetscErrorCode LearnedCarry(Rod rod, PetscReal t, PetscInt m, const PetscReal times[],
                             const Vec points[], PetscReal weight[][MAX_FIELDS], Vec sum);
 

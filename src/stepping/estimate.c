@@ -740,7 +740,7 @@ static PetscErrorCode CarryErrors(Estimate self, PetscReal t, int part) {
   PetscReal weight[1][MAX_FIELDS], *e;
 
   PetscFunctionBegin;
-  if (!self->rod->learned || !self->scene->growth->slides) PetscFunctionReturn(0);
+  if (!LearnedCarries(self->rod)) PetscFunctionReturn(0);
   for (int f = 0; f < MAX_FIELDS; f++) weight[0][f] = 1;
   PetscCall(VecGetArrayWrite(self->nudged, (PetscScalar **)&e));
   PetscCall(PetscArraycpy(e, self->e[part], self->nodes * self->fields));

@@ -565,7 +565,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, Leg
   PetscCall(VBDFSetResolves(leg->ts, (PetscBool)(RodIsDry(leg->rod) || !touches)));
   PetscCall(FreeTurns(leg));
   PetscCall(VBDFSetFactored(leg->ts, leg->rod->model->fields, leg->rod->model->group));
-  if (leg->rod->learned && scene->growth->slides) PetscCall(VBDFSetCarry(leg->ts, CarryLearned));
+  if (LearnedCarries(leg->rod)) PetscCall(VBDFSetCarry(leg->ts, CarryLearned));
   PetscCall(MeasureAlongAxes(leg));
   PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));
   PetscCall(VBDFSetCross(leg->ts, CrossesMode));
