@@ -558,8 +558,9 @@ PetscErrorCode LearnedSolve(Rod rod, Vec b, Vec x) {
   PetscFunctionBegin;
   if (self->at_tip && !self->bordered) PetscCall(Border(rod));
   PetscCall(Part(rod, b, self->beside, self->rhs));
+  for (PetscInt c = 0; c < self->bends && self->at_tip && rod->end > rod->last; c++)
+    self->rhs[SignalPlace(rod) * self->per + c] /= self->tip_own[c];
   PetscCall(ShareSignal(rod, self->rhs, signal));
-  for (PetscInt c = 0; c < self->bends && self->at_tip; c++) signal[c] /= self->tip_own[c];
   FreeOf(rod, self->rhs);
   PetscCall(PetscArraycpy(self->b, self->beside + self->mech, owned));
   Fold(rod, self->b);
