@@ -152,6 +152,19 @@ static PetscErrorCode ShareSignal(Rod rod, const PetscReal *states, PetscReal si
   PetscFunctionReturn(0);
 }
 
+/* Is a place that where material comes in? */
+static PetscBool IsBorn(const Rod rod, PetscInt place) {
+  return (PetscBool)(rod->learned->born && place == 2);
+}
+
+/* LearnedFront - does a front go along the rod, between what was there at first and what has come
+   in, in which what is learned has a corner? */
+PetscBool LearnedFront(const Rod rod) {
+  const Growth growth = rod->scene->growth;
+
+  return (PetscBool)(rod->learned && growth->slides && !growth->rests);
+}
+
 /* LearnedOpen - takes a state and its rates apart. Collective. */
 PetscErrorCode LearnedOpen(Rod rod, const RodState *at) {
   Learned self = rod->learned;
@@ -159,6 +172,8 @@ PetscErrorCode LearnedOpen(Rod rod, const RodState *at) {
   PetscFunctionBegin;
   PetscCall(Part(rod, at->U, self->u, self->k));
   PetscCall(Part(rod, at->U_t, self->u_t, self->k_t));
+  self->born = (PetscBool)(rod->first == 0 && rod->scene->growth->slides &&
+                           GrowthSpeed(rod->scene->growth, 0, at->t, 0) > 0);
   PetscCall(ShareSignal(rod, self->k, self->signal));
   PetscCall(ShareSignal(rod, self->k_t, self->signal_t));
   PetscFunctionReturn(0);
@@ -204,6 +219,8 @@ void LearnedResidual(Rod rod, PetscReal t, PetscInt place, const LearnedPoint *p
   const PetscReal *k = self->k + place * self->per, *k_t = self->k_t + place * self->per;
   PetscReal *row = self->rows + place * self->per;
 
+  for (PetscInt c = 0; c < self->per && IsBorn(rod, place); c++) row[c] = k[c];
+  if (IsBorn(rod, place)) return;
   for (PetscInt b = 0; b < self->bends; b++) {
     const PetscReal f = self->at_tip      ? self->signal[b]
                         : self->remembers ? k[self->bends + b]
@@ -234,6 +251,10 @@ static void MakeRow(const Rod rod, PetscInt place, const LearnedSlope *slope,
   const Tropism *law = &rod->scene->tropism;
   const PetscReal a = self->clock[place];
 
+  if (IsBorn(rod, place)) {
+    *row = (LearnedRow){.own = {1, 1}, .own_memory = {1, 1}};
+    return;
+  }
   row->clock = a;
   for (PetscInt b = 0; b < self->bends; b++) {
     const PetscReal memory = self->remembers ? 1 + law->memory * shift[self->bends + b] : 1,
@@ -664,12 +685,21 @@ static PetscReal Label(const Rod rod, PetscInt place) {
 
 enum { STENCIL = 6 };
 
+/* Beyond the clamp of a rod that is fed the field goes on oddly: what is fed in has learned
+ * nothing.
+ */
+static PetscReal LabelOf(const PetscReal *label, PetscInt place) {
+  return place < 0 ? -label[-place] : label[place];
+}
+
 /* The weights of places first .. first + STENCIL - 1 for a value at a label. */
 static void Weights(const PetscReal *label, PetscInt first, PetscReal at, PetscReal w[STENCIL]) {
   for (int i = 0; i < STENCIL; i++) {
     w[i] = 1;
     for (int j = 0; j < STENCIL; j++)
-      if (j != i) w[i] *= (at - label[first + j]) / (label[first + i] - label[first + j]);
+      if (j != i)
+        w[i] *= (at - LabelOf(label, first + j)) /
+                (LabelOf(label, first + i) - LabelOf(label, first + j));
   }
 }
 
@@ -700,11 +730,10 @@ static PetscErrorCode AllStates(Rod rod, Vec V, PetscReal *all) {
   PetscFunctionReturn(0);
 }
 
-/* The states of one place where the material was that is at a label: what is fed in is straight,
-   and the field goes on oddly to there, so that it is 0 at the clamp. place: one at or before it,
-   where to look. */
-static void StatesAt(const Rod rod, const PetscReal *label, const PetscReal *all, PetscReal at,
-                     PetscInt *place, PetscReal k[]) {
+/* The states of one place where the material was that is at a label. place: one at or before it,
+   where to look; least: the first place there is, below 0 where material comes in. */
+static void StatesAt(const Rod rod, const PetscReal *label, const PetscReal *all, PetscInt least,
+                     PetscReal at, PetscInt *place, PetscReal k[]) {
   const PetscInt per = rod->learned->per, last = 2 * rod->last;
   const PetscReal sign = at < 0 ? -1 : 1;
   PetscReal w[STENCIL];
@@ -713,11 +742,14 @@ static void StatesAt(const Rod rod, const PetscReal *label, const PetscReal *all
   at = PetscMin(1, PetscAbsReal(at));
   if (label[*place] > at) *place = 0;
   while (*place + 1 < last && label[*place + 1] <= at) (*place)++;
-  first = PetscMax(0, PetscMin(*place - (STENCIL / 2 - 1), last + 1 - STENCIL));
+  first = PetscMax(least, PetscMin(*place - (STENCIL / 2 - 1), last + 1 - STENCIL));
   Weights(label, first, at, w);
   for (PetscInt c = 0; c < per; c++) {
     k[c] = 0;
-    for (int i = 0; i < STENCIL; i++) k[c] += sign * w[i] * all[(first + i) * per + c];
+    for (int i = 0; i < STENCIL; i++) {
+      const PetscInt j = first + i;
+      k[c] += sign * w[i] * (j < 0 ? -all[-j * per + c] : all[j * per + c]);
+    }
   }
 }
 
@@ -756,7 +788,9 @@ PetscErrorCode LearnedCarry(Rod rod, PetscReal t, PetscInt m, const PetscReal ti
   const Learned self = rod->learned;
   const Growth growth = rod->scene->growth;
   const PetscInt fields = rod->model->fields, per = self->per, last = 2 * rod->last,
-                 begin = 2 * rod->first, end = PetscMin(2 * rod->end, last + 1);
+                 begin = 2 * rod->first, end = PetscMin(2 * rod->end, last + 1),
+                 least =
+                     LearnedFront(rod) && GrowthSpeed(growth, 0, t, 0) > 0 ? 1 - STENCIL / 2 : 0;
   PetscReal *label, *from, *all, k[2 * TROPISM_BENDS];
   PetscScalar *x;
 
@@ -772,7 +806,7 @@ PetscErrorCode LearnedCarry(Rod rod, PetscReal t, PetscInt m, const PetscReal ti
     for (PetscInt i = begin; i < end; i++) {
       PetscScalar *to = x + (i / 2 - rod->first) * fields + self->mech + i % 2 * per;
       const PetscReal *w = weight[j] + self->mech + i % 2 * per;
-      StatesAt(rod, label, all, from[i - begin], &at, k);
+      StatesAt(rod, label, all, least, from[i - begin], &at, k);
       for (PetscInt c = 0; c < per; c++) to[c] += w[c] * (k[c] - all[i * per + c]);
     }
   }
@@ -838,6 +872,7 @@ static void PutNode(const Rod rod, PetscInt i, const LearnedSlope *slope, const 
   const LearnedRow *row = &self->node[i - rod->first + 1];
 
   PutOwn(rod, i, 0, row, rows);
+  if (IsBorn(rod, 2 * (i - rod->first + 1))) return;
   for (PetscInt b = 0; b < self->bends; b++) {
     PetscReal of[2][LEARNED_MOST];
     OfPoint(rod, row->clock, slope, b, of[0], of[1]);

@@ -53,7 +53,8 @@ typedef struct Learned_ {
   PetscReal *u, *u_t;        /* mechanics of nodes first - 1 .. end; node i at i - first + 1 */
   PetscReal *k, *k_t;        /* states; places as of laws: 2 (i - first + 1) + half */
   PetscReal signal[TROPISM_BENDS], signal_t[TROPISM_BENDS];
-  PetscReal drive[2];       /* how much it bends a straight rod towards x2, x3 */
+  PetscBool born;     /* node 0 is here, and material comes in there: it has learned nothing */
+  PetscReal drive[2]; /* how much it bends a straight rod towards x2, x3 */
   PetscReal *given, *clock; /* of places: natural bends that are given, a */
   PetscReal *row;           /* residual of owned nodes: mechanics; behind it those of states */
   PetscReal *rows;
@@ -90,6 +91,7 @@ PetscErrorCode LearnedMatrix(Rod rod, PetscInt i, const PetscReal *begin, const 
                              const LearnedSlope *slope, const PetscReal *own, PetscReal *room,
                              Mat J);
 void LearnedRows(Rod rod, PetscInt i, const LearnedCell *cell, const PetscReal shift[]);
+PetscBool LearnedFront(const Rod rod);
 PetscBool LearnedCarries(const Rod rod);
 PetscErrorCode LearnedTimesRate(Rod rod, Vec V);
 PetscErrorCode LearnedCarry(Rod rod, PetscReal t, PetscInt m, const PetscReal times[],
