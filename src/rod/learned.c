@@ -1,4 +1,5 @@
 #include "rod/learned.h"
+#include "base/clones.h"
 #include <string.h>
 
 /* By what part of a turn the law bends a straight rod, as long as it becomes, towards x2 and x3. */
@@ -51,6 +52,8 @@ PetscErrorCode LearnedDestroy(Rod rod) {
   PetscCall(PetscFree2(self->node, self->cell));
   PetscCall(PetscFree5(self->b, self->x, self->free, self->rhs, self->beside));
   for (int b = 0; b < TROPISM_BENDS; b++) PetscCall(PetscFree(self->border[b]));
+  PetscCall(PetscFree(self->label));
+  PetscCall(PetscFree(self->over));
   PetscCall(PetscFree(rod->learned));
   PetscFunctionReturn(0);
 }
@@ -279,11 +282,11 @@ void LearnedNodeSlope(Rod rod, PetscInt i, const LearnedSlope *slope, const Pets
 }
 
 /* y += s x, of the mechanics' unknowns. */
-static inline void Add(PetscInt n, PetscReal s, const PetscReal x[], PetscReal y[]) {
+ALWAYS_INLINE void Add(PetscInt n, PetscReal s, const PetscReal x[], PetscReal y[]) {
   for (PetscInt f = 0; f < n; f++) y[f] += s * x[f];
 }
 
-static inline PetscReal Times(PetscInt n, const PetscReal x[], const PetscReal y[]) {
+ALWAYS_INLINE PetscReal Times(PetscInt n, const PetscReal x[], const PetscReal y[]) {
   PetscReal sum = 0;
 
   for (PetscInt f = 0; f < n; f++) sum += x[f] * y[f];
@@ -291,7 +294,7 @@ static inline PetscReal Times(PetscInt n, const PetscReal x[], const PetscReal y
 }
 
 /* J += column row, of n unknowns. */
-static inline void AddOuter(PetscInt n, const PetscReal column[], const PetscReal row[],
+ALWAYS_INLINE void AddOuter(PetscInt n, const PetscReal column[], const PetscReal row[],
                             PetscReal *J) {
   for (PetscInt i = 0; i < n; i++)
     if (column[i] != 0)
@@ -322,6 +325,27 @@ static void MakeMid(const Rod rod, PetscInt place, const LearnedCell *cell, cons
     }
 }
 
+ALWAYS_INLINE void Condense(Rod rod, PetscInt i, const LearnedCell *cell, const PetscReal shift[],
+                            PetscInt n, PetscInt bends, PetscReal *left, PetscReal *right) {
+  const Learned self = rod->learned;
+  const PetscInt at = i - rod->first + 1;
+  LearnedFactor *factor = &self->cell[at];
+  PetscReal *const J[2] = {left, right};
+
+  MakeMid(rod, 2 * at + 1, cell, shift, factor);
+  memcpy(factor->column, cell->column, sizeof(factor->column));
+  for (int e = 0; e < 2; e++) {
+    const LearnedRow *end = &self->node[at + e];
+    for (PetscInt b = 0; b < bends; b++) {
+      PetscReal mid[LEARNED_MOST];
+      memcpy(mid, factor->mid[e][b], sizeof(mid));
+      for (PetscInt c = 0; c < bends; c++) Add(n, factor->chain[e][b][c], end->by[c], mid);
+      AddOuter(n, cell->column[2 * e][b], end->by[b], J[e]);
+      AddOuter(n, cell->column[1][b], mid, J[e]);
+    }
+  }
+}
+
 /*
   LearnedCondense - adds to the derivatives of the equations of the cell behind node i by its nodes
   what comes of the bends learned in it: with dk = free + by.d,
@@ -330,23 +354,10 @@ static void MakeMid(const Rod rod, PetscInt place, const LearnedCell *cell, cons
 */
 void LearnedCondense(Rod rod, PetscInt i, const LearnedCell *cell, const PetscReal shift[],
                      PetscReal *left, PetscReal *right) {
-  const Learned self = rod->learned;
-  const PetscInt n = self->mech, at = i - rod->first + 1;
-  LearnedFactor *factor = &self->cell[at];
-  PetscReal *const J[2] = {left, right};
-
-  MakeMid(rod, 2 * at + 1, cell, shift, factor);
-  memcpy(factor->column, cell->column, sizeof(factor->column));
-  for (int e = 0; e < 2; e++) {
-    const LearnedRow *end = &self->node[at + e];
-    for (PetscInt b = 0; b < self->bends; b++) {
-      PetscReal mid[LEARNED_MOST];
-      memcpy(mid, factor->mid[e][b], sizeof(mid));
-      for (PetscInt c = 0; c < self->bends; c++) Add(n, factor->chain[e][b][c], end->by[c], mid);
-      AddOuter(n, cell->column[2 * e][b], end->by[b], J[e]);
-      AddOuter(n, cell->column[1][b], mid, J[e]);
-    }
-  }
+  if (rod->learned->mech == LINE_FIELDS)
+    Condense(rod, i, cell, shift, LINE_FIELDS, 1, left, right); /* (the compiler unrolls it) */
+  else
+    Condense(rod, i, cell, shift, WIDE_FIELDS, TROPISM_BENDS, left, right);
 }
 
 /* LearnedRows - what LearnedCondense() finds of the middle of a cell, for LearnedMatrix(). */
@@ -683,7 +694,7 @@ static PetscReal Label(const Rod rod, PetscInt place) {
   return place % 2 ? (s[place / 2] + s[place / 2 + 1]) / 2 : s[place / 2];
 }
 
-enum { STENCIL = 6 };
+enum { STENCIL = LEARNED_STENCIL };
 
 /* Beyond the clamp of a rod that is fed the field goes on oddly: what is fed in has learned
  * nothing.
@@ -692,15 +703,45 @@ static PetscReal LabelOf(const PetscReal *label, PetscInt place) {
   return place < 0 ? -label[-place] : label[place];
 }
 
+/* What the weights of places first .. first + STENCIL - 1 are divided by, for all first places from
+   1 - STENCIL / 2 on. */
+static void FindDivisors(const PetscReal *label, PetscInt last, PetscReal (*over)[STENCIL]) {
+  for (PetscInt first = 1 - STENCIL / 2; first + STENCIL <= last + 1; first++)
+    for (int i = 0; i < STENCIL; i++) {
+      PetscReal product = 1;
+      for (int j = 0; j < STENCIL; j++)
+        if (j != i) product *= LabelOf(label, first + i) - LabelOf(label, first + j);
+      over[first - (1 - STENCIL / 2)][i] = 1 / product;
+    }
+}
+
 /* The weights of places first .. first + STENCIL - 1 for a value at a label. */
-static void Weights(const PetscReal *label, PetscInt first, PetscReal at, PetscReal w[STENCIL]) {
+static void Weights(const PetscReal *label, const PetscReal over[STENCIL], PetscInt first,
+                    PetscReal at, PetscReal w[STENCIL]) {
+  PetscReal away[STENCIL], before = 1, behind = 1;
+
   for (int i = 0; i < STENCIL; i++) {
-    w[i] = 1;
-    for (int j = 0; j < STENCIL; j++)
-      if (j != i)
-        w[i] *= (at - LabelOf(label, first + j)) /
-                (LabelOf(label, first + i) - LabelOf(label, first + j));
+    away[i] = at - LabelOf(label, first + i);
+    w[i] = over[i] * before;
+    before *= away[i];
   }
+  for (int i = STENCIL - 1; i >= 0; i--) {
+    w[i] *= behind;
+    behind *= away[i];
+  }
+}
+
+/* The labels of all places, and what goes with them: once, for the mesh stays. */
+static PetscErrorCode FindLabels(Rod rod) {
+  Learned self = rod->learned;
+  const PetscInt last = 2 * rod->last;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(last + 1, &self->label));
+  PetscCall(PetscMalloc1((last + 1) * STENCIL, (PetscReal **)&self->over));
+  for (PetscInt i = 0; i <= last; i++) self->label[i] = Label(rod, i);
+  FindDivisors(self->label, last, self->over);
+  PetscFunctionReturn(0);
 }
 
 /* All places of a vector's states, node after node, on every rank. */
@@ -743,7 +784,7 @@ static void StatesAt(const Rod rod, const PetscReal *label, const PetscReal *all
   if (label[*place] > at) *place = 0;
   while (*place + 1 < last && label[*place + 1] <= at) (*place)++;
   first = PetscMax(least, PetscMin(*place - (STENCIL / 2 - 1), last + 1 - STENCIL));
-  Weights(label, first, at, w);
+  Weights(label, rod->learned->over[first - (1 - STENCIL / 2)], first, at, w);
   for (PetscInt c = 0; c < per; c++) {
     k[c] = 0;
     for (int i = 0; i < STENCIL; i++) {
@@ -791,13 +832,15 @@ PetscErrorCode LearnedCarry(Rod rod, PetscReal t, PetscInt m, const PetscReal ti
                  begin = 2 * rod->first, end = PetscMin(2 * rod->end, last + 1),
                  least =
                      LearnedFront(rod) && GrowthSpeed(growth, 0, t, 0) > 0 ? 1 - STENCIL / 2 : 0;
-  PetscReal *label, *from, *all, k[2 * TROPISM_BENDS];
+  const PetscReal *label;
+  PetscReal *from, *all, k[2 * TROPISM_BENDS];
   PetscScalar *x;
 
   PetscFunctionBegin;
   if (!growth->slides) PetscFunctionReturn(0);
-  PetscCall(PetscMalloc3(last + 1, &label, last + 1, &from, (last + 2) * per, &all));
-  for (PetscInt i = 0; i <= last; i++) label[i] = Label(rod, i);
+  PetscCall(PetscMalloc2(last + 1, &from, (last + 2) * per, &all));
+  if (!self->label) PetscCall(FindLabels(rod));
+  label = self->label;
   PetscCall(VecGetArray(sum, &x));
   for (PetscInt j = 0; j < m; j++) {
     PetscInt at = 0;
@@ -811,7 +854,7 @@ PetscErrorCode LearnedCarry(Rod rod, PetscReal t, PetscInt m, const PetscReal ti
     }
   }
   PetscCall(VecRestoreArray(sum, &x));
-  PetscCall(PetscFree3(label, from, all));
+  PetscCall(PetscFree2(from, all));
   PetscFunctionReturn(0);
 }
 

@@ -7,7 +7,7 @@
 
 #include "rod/rod.h"
 
-enum { LEARNED_MOST = 13 }; /* unknowns of the mechanics of a node, at most */
+enum { LEARNED_MOST = 13, LEARNED_STENCIL = 6 }; /* unknowns of the mechanics of a node, at most */
 
 /* By the unknowns of a point: what is sensed there, and its elastic bends. */
 typedef struct {
@@ -65,6 +65,7 @@ typedef struct Learned_ {
   PetscBool bordered;      /* border and inverse are of it */
   PetscReal *border[TROPISM_BENDS], inverse[TROPISM_BENDS][TROPISM_BENDS]; /* J^-1 w */
   PetscReal *b, *x, *free; /* room: of owned nodes; free parts of the states of places */
+  PetscReal *label, (*over)[LEARNED_STENCIL]; /* of all places: see LearnedCarry(); NULL: not yet */
   PetscReal *rhs, *beside; /* a right-hand side taken apart: its states, and mechanics */
 } * Learned;
 
