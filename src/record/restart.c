@@ -96,8 +96,9 @@ static PetscErrorCode TakeMesh(const char *file, Scene scene) {
   PetscFunctionReturn(0);
 }
 
-/* The clamp goes on from where it has turned to, if its rate was changed in the run. */
-static PetscErrorCode TakeClamp(const char *file, Scene scene) {
+/* Files without names have it beside: the clamp goes on from where it has turned to, if its rate
+   was changed in the run. */
+static PetscErrorCode TakeClamp(const char *file, SceneMemory *laws) {
   PetscReal *clamp;
   PetscBool has;
   PetscInt n;
@@ -106,8 +107,8 @@ static PetscErrorCode TakeClamp(const char *file, Scene scene) {
   PetscCall(HdfHas(file, "/restart/clamp", &has));
   if (!has) PetscFunctionReturn(0);
   PetscCall(HdfRead("-restart", file, "/restart/clamp", 1, &n, &clamp));
-  if (n == 2) scene->space.spun = clamp[0];
-  if (n == 2) scene->space.spins_from = clamp[1];
+  if (n == 2) laws->spun = clamp[0];
+  if (n == 2) laws->spins_from = clamp[1];
   PetscCall(PetscFree(clamp));
   PetscFunctionReturn(0);
 }
@@ -120,8 +121,6 @@ static PetscErrorCode TakeClamp(const char *file, Scene scene) {
 */
 PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, PetscBool *begun) {
   PetscBool result;
-  PetscReal *data;
-  PetscInt n;
   char text[64];
 
   PetscFunctionBegin;
@@ -129,18 +128,12 @@ PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, P
   PetscCall(HdfHas(file, "/shapes/x", &result));
   UserCheck(result, scene->comm, "-restart %s: is the result of another task, not of a run", file);
   if (!*begun) PetscFunctionReturn(0);
-  PetscCall(HdfRead("-restart", file, "/restart/state", 1, &n, &data));
-  if (n == RESTART_STATE) PetscCall(PetscMemcpy(state, data, sizeof(*state)));
-  PetscCall(PetscFree(data));
-  UserCheck(n == RESTART_STATE, scene->comm, "-restart %s: is of another version of tendril", file);
+  PetscCall(RememberedRead(file, scene->comm, state));
   PetscCall(CheckScales(file, scene));
   PetscCall(CheckLength(file, scene));
   PetscCall(TakeMesh(file, scene));
-  PetscCall(TakeClamp(file, scene));
-  if (state->shared != 0) LoadShare(&scene->load, state->shared);
-  if (!scene->contact.told && state->firm < 0) PetscCall(ContactStaysSoft(&scene->contact));
-  if (!scene->contact.told) scene->contact.firm = (PetscBool)(state->firm > 0);
-  scene->contact.time = PETSC_MIN_REAL; /* its law may follow from the cells */
+  PetscCall(TakeClamp(file, &state->laws));
+  PetscCall(SceneRecall(scene, &state->laws));
   UserCheck(scene->end_time > state->t * (1 + 1e-12), scene->comm,
             "-restart %s: is at t = %s already; give a later -ts_max_time", file,
             OptionBoth(state->t, UNIT_TIME, text));
@@ -276,8 +269,6 @@ PetscErrorCode RestartTakeErrors(const char *file, const RestartState *state, Es
   points  borrowed, at most VBDF_POINTS, latest first
 */
 PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *state, Vec points[]) {
-  const Load *load = &leg->rod->scene->load;
-  const Contact *contact = &leg->rod->scene->contact;
   PetscInt n, order, steps;
   PetscReal now;
 
@@ -301,9 +292,7 @@ PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *stat
   state->order = order;
   state->steps = steps;
   state->fields = leg->rod->model->fields;
-  state->falls = leg->rod->scene->falls;
-  state->shared = load->shared ? 1 - load->friction.mu : 0;
-  state->firm = contact->firm ? 1 : contact->deepest ? 0 : -1;
+  SceneRemember(leg->rod->scene, &state->laws);
   PetscFunctionReturn(0);
 }
 
@@ -354,9 +343,7 @@ static PetscErrorCode WriteMemory(HdfFile file, Rod rod, PetscReal *sum) {
    OutputStore(). Collective. */
 PetscErrorCode RestartWrite(HdfFile file, Scene scene, Rod rod, RestartState *state, Vec points[],
                             Vec errors[]) {
-  const PetscInt n = RESTART_STATE, scales = UNIT_ALL, two = 2;
-  const Space *space = &scene->space;
-  const PetscReal clamp[2] = {space->spun, space->spins_from};
+  const PetscInt scales = UNIT_ALL;
 
   PetscFunctionBegin;
   PetscCall(HdfDelete(file, "/restart"));
@@ -372,11 +359,7 @@ PetscErrorCode RestartWrite(HdfFile file, Scene scene, Rod rod, RestartState *st
     PetscCall(WriteVectors(file, "/restart/errors",
                            "the errors that are followed [part][node times fields]", ESTIMATE_KEPT,
                            errors, &state->errors_sum));
-  PetscCall(HdfWrite(file, "/restart/state", 1, &n, (const PetscReal *)state, "mixed",
-                     "time, step and history of the stepper, for -restart"));
-  if (space->spins_from > 0)
-    PetscCall(HdfWrite(file, "/restart/clamp", 1, &two, clamp, "rad, l/V",
-                       "by how much the clamp had turned when its rate was changed, and when"));
+  PetscCall(RememberedWrite(file, state));
   PetscCall(HdfWrite(file, "/restart/scales", 1, &scales, scene->si.scale, "SI",
                      "the scales of the rod in the laboratory, 0: none"));
   PetscFunctionReturn(0);

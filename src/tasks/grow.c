@@ -96,7 +96,7 @@ static PetscBool IsThin(const Grow *self, PetscReal t) {
   const Mesh *mesh = &self->scene->mesh;
   PetscReal longest = 0, width;
 
-  if (!self->gave_way || t > most * self->scene->end_time) return PETSC_FALSE;
+  if (!self->kept.gave_way || t > most * self->scene->end_time) return PETSC_FALSE;
   for (PetscInt i = 0; i < mesh->cells; i++)
     longest = PetscMax(longest, mesh->s[i + 1] - mesh->s[i]);
   width = cells_wide * longest * self->scene->growth->initial_length;
@@ -124,8 +124,8 @@ static PetscErrorCode GetOn(Grow *self) {
 
   PetscFunctionBegin;
   PetscCall(LegSpeed(self->now, &speed, &begins));
-  self->way += self->seen.step * (1 + speed / counts_as);
-  self->snaps += begins;
+  self->kept.way += self->seen.step * (1 + speed / counts_as);
+  self->kept.snaps += begins;
   if (begins && !self->scene->load.shared) (void)LoadShareMore(&self->scene->load);
   PetscFunctionReturn(0);
 }
@@ -135,8 +135,8 @@ static PetscErrorCode FollowErrors(Grow *self, PetscBool jumped) {
   PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEEN];
 
   PetscFunctionBegin;
-  PetscCall(EstimateStep(self->estimate, jumped, self->pressed));
-  if (!self->estimate || self->now->ease.most <= 1 || !self->pressed) PetscFunctionReturn(0);
+  PetscCall(EstimateStep(self->estimate, jumped, self->kept.pressed));
+  if (!self->estimate || self->now->ease.most <= 1 || !self->kept.pressed) PetscFunctionReturn(0);
   EstimateLatest(self->estimate, part, NULL);
   ToleranceFollow(self->rtol, (const PetscReal(*)[ESTIMATE_SEEN])part, &self->now->ease);
   PetscFunctionReturn(0);
@@ -145,7 +145,7 @@ static PetscErrorCode FollowErrors(Grow *self, PetscBool jumped) {
 /* GrowObserve - measures the state at a time, and follows what is followed; U NULL: as it begins.
    Collective. */
 PetscErrorCode GrowObserve(Grow *self, PetscReal t, Vec U, Vec U_t) {
-  PetscReal before = self->seen.t, norm = self->seen.norm_x2, folds = self->folds;
+  PetscReal before = self->seen.t, norm = self->seen.norm_x2, folds = self->kept.folds;
   PetscInt iterations = 0, jumps = 0;
   PetscBool jumped = PETSC_FALSE, layered, broken;
   Observation last = self->seen;
@@ -156,16 +156,16 @@ PetscErrorCode GrowObserve(Grow *self, PetscReal t, Vec U, Vec U_t) {
     PetscCall(CountIterations(self, &iterations));
     PetscCall(VBDFGetJumps(self->now->ts, &jumps));
     jumped = (PetscBool)(jumps > self->now->jumps);
-    if (jumped && layered) self->gave_way = PETSC_TRUE;
+    if (jumped && layered) self->kept.gave_way = PETSC_TRUE;
     broken =
-        (PetscBool)(jumped || self->changed ||
+        (PetscBool)(jumped || self->kept.changed ||
                     LedRoundCorner(self->scene, (PetscBool)(last.contact_force > 0), before, t));
     if (broken || IsThin(self, before) || (layered && before == 0))
       ObserverClose(self->observer, &last, broken);
-    self->changed = PETSC_FALSE;
+    self->kept.changed = PETSC_FALSE;
     if (self->now == &self->leg[GrowWholeModel(self)]) PetscCall(FollowErrors(self, jumped));
     self->now->jumps = jumps;
-    if (jumped && !layered) self->snaps++;
+    if (jumped && !layered) self->kept.snaps++;
   }
   if (self->by_steps) PetscCall(ObserverGetBalance(self->observer, self->balance));
   PetscCall(ObserverMeasure(self->observer, self->now->rod, t, U, U_t, U ? self->now->ts : NULL,
@@ -173,13 +173,13 @@ PetscErrorCode GrowObserve(Grow *self, PetscReal t, Vec U, Vec U_t) {
   self->force_before = GrowBaseForce(&last);
   if (jumped) GrowCross(self, &last, before, layered);
   if (norm > rod_vanished && self->seen.norm_x2 > rod_vanished)
-    self->folds += PetscAbsReal(PetscLogReal(self->seen.norm_x2 / norm));
-  if (norm > rod_vanished && self->seen.norm_x2 <= rod_vanished) self->vanished = PETSC_TRUE;
+    self->kept.folds += PetscAbsReal(PetscLogReal(self->seen.norm_x2 / norm));
+  if (norm > rod_vanished && self->seen.norm_x2 <= rod_vanished) self->kept.vanished = PETSC_TRUE;
   PetscCall(GrowNeglect(self, U_t));
-  GrowWeigh(self, &last, self->folds - folds);
-  self->depth = PetscMax(self->depth, self->seen.penetration);
-  self->off = PetscMax(self->off, -self->seen.penetration);
-  if (self->seen.contact_force > 0) self->pressed = PETSC_TRUE;
+  GrowWeigh(self, &last, self->kept.folds - folds);
+  self->kept.depth = PetscMax(self->kept.depth, self->seen.penetration);
+  self->kept.off = PetscMax(self->kept.off, -self->seen.penetration);
+  if (self->seen.contact_force > 0) self->kept.pressed = PETSC_TRUE;
   self->seen.step = t - before;
   self->seen.newton_iterations = iterations;
   self->seen.model = self->now - self->leg;
@@ -242,7 +242,7 @@ static PetscErrorCode TakeStep(Grow *self, TS ts) {
   if (self->event.kind) PetscCall(VecCopy(U, self->now->U)); /* the run ends there */
   for (int k = 0; k < 2; k++) PetscCall(VecDestroy(&here[k]));
   PetscCall(LegCrosses(self->now, U, &crosses));
-  self->blind += crosses;
+  self->kept.blind += crosses;
   PetscCall(GrowShared(self, t));
   PetscCall(GrowProgress(self, PETSC_FALSE));
   PetscCall(Agree(self, &store));
@@ -385,7 +385,7 @@ PetscErrorCode GrowChange(Grow *self, PetscBool acts) {
     if (self->leg[m].ts) PetscCall(TSSetMaxTime(self->leg[m].ts, self->scene->end_time));
   PetscCall(GrowFindEnd(self));
   if (!acts) PetscFunctionReturn(0);
-  self->changed = PETSC_TRUE;
+  self->kept.changed = PETSC_TRUE;
   self->can[LINEAR] = (PetscBool)(self->can[LINEAR] && self->model == LINEAR);
   if (self->now != &self->leg[GrowBetterModel(self)]) {
     PetscCall(GrowHandOver(self, &self->leg[GrowBetterModel(self)]));

@@ -11,14 +11,12 @@ typedef struct GrowMark {
 /* What is known of the run besides its stepper. Collective. */
 static PetscErrorCode KeepRun(Grow *self, RestartState *state) {
   PetscFunctionBegin;
-  *state = (RestartState){.model = self->now - self->leg,
-                          .seen = self->seen,
-                          .began = self->began,
-                          .folds = self->folds,
-                          .neglected = self->neglected};
+  *state = (RestartState){.model = self->now - self->leg, .seen = self->seen, .kept = self->kept};
+  state->kept.crawl_way = self->crawl.way;
+  state->kept.crawl_half = self->crawl.half;
+  state->kept.crawl_steps = (PetscReal)self->crawl.steps;
+  state->kept.crawl_at = self->crawl.at;
   PetscCall(ObserverGetBalance(self->observer, state->balance));
-  GrowKeepErrors(self, state->beside);
-  GrowKeepStuck(self, state->stuck);
   PetscCall(GrowCount(self, state->counted));
   PetscFunctionReturn(0);
 }
@@ -46,6 +44,7 @@ static void FromOnePoint(const Grow *self, PetscReal t, RestartState *state) {
   state->time[0] = 0;
   state->points = state->order = 1;
   state->step = grow_begins_again * self->scene->end_time;
+  state->kept.changed = 1;
   state->memory[0] = state->memory[2] = state->memory[3] = 0;
 }
 
@@ -57,7 +56,7 @@ PetscErrorCode GrowKeep(Grow *self, RestartState *state, Vec points[], Vec error
   PetscFunctionBegin;
   PetscCall(KeepRun(self, state));
   PetscCall(RestartKeep(self->now, self->seen.t, self->now->U, state, points));
-  if (self->changed) FromOnePoint(self, self->seen.t, state);
+  if (self->kept.changed) FromOnePoint(self, self->seen.t, state);
   PetscCall(KeepErrors(self, state, errors));
   PetscFunctionReturn(0);
 }

@@ -3,6 +3,7 @@
 
     laboratory_test.py build/tendril [--mpiexec mpiexec] CHECK...      (no CHECK: all of them)"""
 
+import gzip
 import re
 import shlex
 import signal
@@ -145,6 +146,14 @@ def a_broken_run_goes_on_as_the_whole():
     tendril(f"-restart {d}/a.h5")
     tendril(f"{FED} -output_interval 0.5 -output {d}/whole.h5")
     same_run(read(f"{d}/a.h5"), read(f"{d}/whole.h5"), "past an event", 1e-4)
+    # made by version 0.2, whose numbers to go on from had no names (gzip): -growth_type uniform -ts_max_time 3 -rod_cells 16
+    # -clamp_angle 0.3 -rod_curvature 0.2 -output_shapes 2
+    Path(f"{d}/old.h5").write_bytes(gzip.decompress((Path(__file__).parent / "before_names.h5.gz").read_bytes()))
+    tendril(f"-restart {d}/old.h5 -ts_max_time 4 -output {d}/a.h5")
+    tendril(f"-growth_type uniform -ts_max_time 3 -rod_cells 16 -clamp_angle 0.3 -rod_curvature 0.2 -output_shapes 2 -output {d}/b.h5")
+    tendril(f"-restart {d}/b.h5 -ts_max_time 4")
+    same_run(read(f"{d}/a.h5"), read(f"{d}/b.h5"), "of a file without names", 1e-9)
+    expect(abs(told_of(f"{d}/a.h5") / told_of(f"{d}/b.h5") - 1) < 1e-9, "errors of a file without names")
     for options in (f"-restart {d}/none.h5", f"-restart {scene.TENDRIL}", "-restart",
                     f"-restart {d}/whole.h5 -ts_max_time 30 -rod_cells 20",
                     f"-restart {d}/whole.h5 -ts_max_time 30 -rod_model mixed",
