@@ -10,7 +10,7 @@ typedef struct {
   PetscInt at, n; /* in a RestartState */
 } Number;
 
-#define REALS(size) ((PetscInt)((size) / sizeof(PetscReal)))
+#define REALS(size) ((PetscInt)((size) / (sizeof(PetscReal))))
 #define ROW(type, name, many, text)                                                                \
   {#name, REALS(offsetof(RestartState, name)), REALS(sizeof(type many))},
 #define KEPT_ROW(type, name, many, text)                                                           \
@@ -32,65 +32,17 @@ static const char *const unnamed =
     "vanished 1 depth 1 energy_folds 1 weighed 1 gave_way 1 pressed 1 blind 1 layered 1 event_at 1 "
     "event_is 1 worst 9 off 1 crawl_way 1 crawl_half 1 crawl_steps 1 slips_at 1 slips_steps 1 "
     "window 1 window_steps 1 way 1 crawl_at 1 time 9 balance 28 sum 1";
-static const char *const unnamed_series[] = {"t",
-                                             "length",
-                                             "tip_x1",
-                                             "tip_x2",
-                                             "norm_x2",
-                                             "norm_x2_length",
-                                             "max_angle",
-                                             "energy",
-                                             "growth_power",
-                                             "dissipation",
-                                             "energy_defect",
-                                             "end_distance",
-                                             "mid_distance",
-                                             "width",
-                                             "tip_speed",
-                                             "mid_speed",
-                                             "base_force_1",
-                                             "base_force_2",
-                                             "feed_force",
-                                             "tip_force_1",
-                                             "tip_force_2",
-                                             "tip_power",
-                                             "contact_force",
-                                             "wall_force_1",
-                                             "wall_force_2",
-                                             "friction_force_1",
-                                             "friction_force_2",
-                                             "contact_energy",
-                                             "penetration",
-                                             "contacts",
-                                             "inflections",
-                                             "self_crossings",
-                                             "step",
-                                             "newton_iterations",
-                                             "model",
-                                             "error_tip",
-                                             "error_norm_x2",
-                                             "error_energy",
-                                             "weight_power",
-                                             "weight_force_1",
-                                             "weight_force_2",
-                                             "tip_x3",
-                                             "norm_x3",
-                                             "twist",
-                                             "writhe",
-                                             "link",
-                                             "energy_twist",
-                                             "base_force_3",
-                                             "base_moment_1",
-                                             "base_moment_2",
-                                             "base_moment_3",
-                                             "tip_force_3",
-                                             "wall_force_3",
-                                             "friction_force_3",
-                                             "weight_force_3",
-                                             "wall_power",
-                                             "tip_spin",
-                                             "clamp_power",
-                                             "curvature_power"};
+static const char *const unnamed_series =
+    "t length tip_x1 tip_x2 norm_x2 norm_x2_length max_angle energy growth_power dissipation "
+    "energy_defect end_distance mid_distance width tip_speed mid_speed base_force_1 "
+    "base_force_2 feed_force tip_force_1 tip_force_2 tip_power contact_force wall_force_1 "
+    "wall_force_2 friction_force_1 friction_force_2 contact_energy penetration contacts "
+    "inflections self_crossings step newton_iterations model error_tip error_norm_x2 "
+    "error_energy weight_power weight_force_1 weight_force_2 tip_x3 norm_x3 twist writhe link "
+    "energy_twist base_force_3 base_moment_1 base_moment_2 base_moment_3 tip_force_3 "
+    "wall_force_3 friction_force_3 weight_force_3 wall_power tip_spin clamp_power "
+    "curvature_power";
+enum { UNNAMED_SERIES = 59 };
 
 /* Finds a name that a file has, and how many reals it is; NULL: none is called so. */
 static PetscReal *Find(RestartState *state, const char *name, PetscInt *n) {
@@ -119,15 +71,16 @@ static PetscBool Take(RestartState *state, const char *name, PetscInt n, const P
   return PETSC_TRUE;
 }
 
-/* An observation of a file without names. */
+/* Of a file without names: an observation has as many reals as it had series. */
 static PetscBool TakeUnnamed(RestartState *state, const char *name, PetscInt n,
                              const PetscReal *from) {
   PetscBool known = PETSC_TRUE;
+  const char *series = unnamed_series;
   char part[64];
 
-  if (n != (PetscInt)PETSC_STATIC_ARRAY_LENGTH(unnamed_series)) return Take(state, name, n, from);
-  for (PetscInt k = 0; k < n; k++) {
-    (void)snprintf(part, sizeof(part), "%s.%s", name, unnamed_series[k]);
+  if (n != UNNAMED_SERIES) return Take(state, name, n, from);
+  for (PetscInt k = 0; k < n; k++, series += strcspn(series, " ") + 1) {
+    (void)snprintf(part, sizeof(part), "%s.%.*s", name, (int)strcspn(series, " "), series);
     known = (PetscBool)(known && Take(state, part, 1, from + k));
   }
   return known;
