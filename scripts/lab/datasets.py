@@ -22,6 +22,7 @@ RUNS = {  # so that each dataset is in one of them
     "space": WALLED + "-rod_curvature_2 0.1 -ts_max_time 0.2",
     "heavy": WALLED + "-rod_weight 0,0,-0.01 -ts_max_time 0.2",
     "steered": SHORT + "-rod_curvature_file bend.h5 -ts_max_time 0.2",
+    "learns": SHORT + "-growth_ironing 5 -ts_max_time 0.2",
     "critical": "-task critical " + STRAIGHT,
     "across": "-task critical -rod_bend_ratio 0.5 " + STRAIGHT,
     "stability": "-task stability -rod_bend_ratio 0.5 -stability_points 3 -stability_vertices 20 -stability_end 1 "
@@ -35,6 +36,7 @@ PARTS = [
      ("space", "heavy"), "series/"),
     ("Series of a rod that is steered", "Besides, where natural curvature is [given over time](guide.md#steered).", ("steered",),
      "series/"),
+    ("Series of a rod whose material learns", "Besides, of -tropism_ options and -growth_ironing.", ("learns",), "series/"),
     ("Shapes", "The rod at the stored times, under /shapes: k counts them, n the nodes.", ("plane",), "shapes/"),
     ("Shapes of a rod in space", "Where they differ.", ("space",), "shapes/"),
     ("The event", "If one ended the run. The attribute `kind` says which.", ("plane",), "event/"),

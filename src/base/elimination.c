@@ -509,17 +509,19 @@ PetscErrorCode EliminationSolve(Elimination self, const PetscReal (*b)[FIELDS],
   PetscFunctionReturn(0);
 }
 
+/* EliminationRegular - could all that was eliminated be divided by? */
+PetscBool EliminationRegular(Elimination self) {
+  if (self->wide) return WideRegular(self->wide);
+  return self->ranks == 1 ? self->own.regular : self->joint.regular;
+}
+
 static PetscErrorCode SetUp(PC pc) {
   Elimination self;
-  PetscBool regular;
 
   PetscFunctionBegin;
   PetscCall(PCShellGetContext(pc, &self));
-  if (self->wide)
-    regular = WideRegular(self->wide);
-  else
-    regular = self->ranks == 1 ? self->own.regular : self->joint.regular;
-  PetscCall(PCSetFailedReason(pc, regular ? PC_NOERROR : PC_FACTOR_NUMERIC_ZEROPIVOT));
+  PetscCall(
+      PCSetFailedReason(pc, EliminationRegular(self) ? PC_NOERROR : PC_FACTOR_NUMERIC_ZEROPIVOT));
   PetscFunctionReturn(0);
 }
 

@@ -28,6 +28,7 @@ PetscErrorCode EliminationEnd(Elimination self, const LineRows tip);
 PetscErrorCode EliminationIndex(Elimination self, PetscInt *index);
 PetscErrorCode EliminationSolve(Elimination self, const PetscReal (*b)[LINE_FIELDS],
                                 PetscReal (*x)[LINE_FIELDS]);
+PetscBool EliminationRegular(Elimination self);
 PetscErrorCode EliminationSetType(PC pc, Elimination self);
 
 #endif

@@ -159,6 +159,8 @@ PetscErrorCode OptionsSetScales(const PetscReal scale[UNIT_ALL]) {
 
 /* OptionsScale - what 1 of a dimension is in SI units; 0: not known. */
 PetscReal OptionsScale(Dimension dimension) {
+  if (dimension == UNIT_RATE)
+    return now && now->scale[UNIT_TIME] > 0 ? 1 / now->scale[UNIT_TIME] : 0;
   if (dimension == UNIT_ANGLE || dimension >= UNIT_ALL)
     return 1; /* radians; the -si_ options are in SI as they are */
   return now ? now->scale[dimension] : 0;

@@ -28,6 +28,7 @@ typedef enum {
   SI_DRY,
   SI_VISCOUS,
   SI_SPEED,
+  UNIT_RATE, /* 1 over UNIT_TIME, radians as they are */
   DIMENSIONS
 } Dimension;
 
@@ -130,6 +131,10 @@ PetscErrorCode OptionUnit(const char *what, const char *unit, Dimension dimensio
 const char *OptionShownIn(PetscReal value, Dimension dimension, PetscReal *factor);
 const char *OptionInLaboratory(PetscReal value, Dimension dimension, char text[32]);
 const char *OptionBoth(PetscReal value, Dimension dimension, char text[64]);
+
+/* options_vector.c */
+PetscErrorCode OptionVector(const char *name, Dimension dimension, PetscReal v[3],
+                            PetscBool *given);
 
 /* options_use.c: what was given, as a whole */
 PetscErrorCode OptionsCheckPetsc(void);

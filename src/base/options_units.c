@@ -87,20 +87,34 @@ static const struct {
              {"Ns/m^2", SI_VISCOUS, 1, -1},
              {"mNs/m^2", SI_VISCOUS, 1e-3, -1},
              {"Pas", SI_VISCOUS, 1, -1},
-             {"mPas", SI_VISCOUS, 1e-3, -1}};
+             {"mPas", SI_VISCOUS, 1e-3, -1},
+             {"/s", UNIT_RATE, 1, 0},
+             {"1/s", UNIT_RATE, 1, -1},
+             {"/min", UNIT_RATE, 1. / 60, -1},
+             {"1/min", UNIT_RATE, 1. / 60, -1},
+             {"/h", UNIT_RATE, 1. / 3600, -1},
+             {"1/h", UNIT_RATE, 1. / 3600, -1},
+             {"/d", UNIT_RATE, 1. / 86400, -1},
+             {"1/d", UNIT_RATE, 1. / 86400, -1}};
 enum { UNITS = PETSC_STATIC_ARRAY_LENGTH(units) };
 
-static const char *const dimension_name[DIMENSIONS] = {
-    [UNIT_LENGTH] = "length",       [UNIT_FORCE] = "force",
-    [UNIT_TIME] = "time",           [UNIT_SPEED] = "speed",
-    [UNIT_ENERGY] = "energy",       [UNIT_POWER] = "power",
-    [UNIT_CURVATURE] = "curvature", [UNIT_LOAD] = "force per length",
-    [SI_STIFFNESS] = "stiffness",   [SI_DRY] = "force per length",
-    [SI_SPEED] = "speed",           [SI_VISCOUS] = "force per length and speed"};
+static const char *const dimension_name[DIMENSIONS] = {[UNIT_LENGTH] = "length",
+                                                       [UNIT_FORCE] = "force",
+                                                       [UNIT_TIME] = "time",
+                                                       [UNIT_SPEED] = "speed",
+                                                       [UNIT_ENERGY] = "energy",
+                                                       [UNIT_POWER] = "power",
+                                                       [UNIT_CURVATURE] = "curvature",
+                                                       [UNIT_LOAD] = "force per length",
+                                                       [SI_STIFFNESS] = "stiffness",
+                                                       [SI_DRY] = "force per length",
+                                                       [SI_SPEED] = "speed",
+                                                       [SI_VISCOUS] = "force per length and speed",
+                                                       [UNIT_RATE] = "rate"};
 /* what 1 of each is in tendril's own units, as result files have it */
 static const char *const own_unit[DIMENSIONS] = {
-    [UNIT_LENGTH] = "l",     [UNIT_FORCE] = "N l",   [UNIT_TIME] = "l/V",     [UNIT_SPEED] = "V",
-    [UNIT_ENERGY] = "N l^2", [UNIT_POWER] = "N l V", [UNIT_CURVATURE] = "1/l"};
+    [UNIT_LENGTH] = "l",     [UNIT_FORCE] = "N l",   [UNIT_TIME] = "l/V",      [UNIT_SPEED] = "V",
+    [UNIT_ENERGY] = "N l^2", [UNIT_POWER] = "N l V", [UNIT_CURVATURE] = "1/l", [UNIT_RATE] = "V/l"};
 
 static PetscBool Known(const char *unit) {
   for (int i = 0; i < UNITS; i++)
@@ -154,7 +168,9 @@ PetscErrorCode OptionUnit(const char *what, const char *unit, Dimension dimensio
               "%s%s: a unit needs the rod in the laboratory: -si_bending_stiffness, "
               "-si_friction_dry and the like%s",
               what, unit,
-              dimension == UNIT_TIME || dimension == UNIT_SPEED ? ", here also -si_speed" : "");
+              dimension == UNIT_TIME || dimension == UNIT_SPEED || dimension == UNIT_RATE
+                  ? ", here also -si_speed"
+                  : "");
     *factor = units[i].si / scale;
     PetscFunctionReturn(0);
   }

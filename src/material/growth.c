@@ -65,6 +65,18 @@ static PetscErrorCode OriginFeed(Growth self, PetscReal s, PetscReal t, PetscRea
   return 0;
 }
 
+/* GrowthDepartFed - for laws that feed: material keeps its distance from the tip. */
+PetscErrorCode GrowthDepartFed(Growth self, PetscReal t, PetscReal before, PetscInt n,
+                               const PetscReal s[], PetscReal from[]) {
+  PetscReal now, then;
+
+  PetscFunctionBegin;
+  PetscCall(GrowthLength(self, t, &now, NULL));
+  PetscCall(GrowthLength(self, before, &then, NULL));
+  for (PetscInt i = 0; i < n; i++) from[i] = 1 - (1 - s[i]) * (now / then);
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode CreateFeed(Growth self) {
   PetscFunctionBegin;
   PetscCall(CreateUniform(self));
@@ -73,6 +85,7 @@ static PetscErrorCode CreateFeed(Growth self) {
   self->speed = SpeedFeed;
   self->strain = StrainFeed;
   self->origin = OriginFeed;
+  self->depart = GrowthDepartFed;
   PetscFunctionReturn(0);
 }
 
@@ -111,6 +124,41 @@ static PetscErrorCode OriginApical(Growth self, PetscReal s, PetscReal t, PetscR
   return 0;
 }
 
+/* How fast the distance from the tip grows with the length, of what is so far from it. */
+static PetscReal Recedes(PetscReal distance, PetscReal length, PetscReal zone) {
+  const PetscReal z = PetscMin(1, distance / PetscMin(zone, length));
+
+  return z * z * z * (10 - 15 * z + 6 * z * z);
+}
+
+/* Distances from the tip that material had, by the classical method of Runge and Kutta: behind the
+   zone it rests. */
+static PetscErrorCode DepartApical(Growth self, PetscReal t, PetscReal before, PetscInt n,
+                                   const PetscReal s[], PetscReal from[]) {
+  const PetscReal zone = *(PetscReal *)self->data, longest = 0.02, /* step, in zones */
+      L = self->initial_length + t, then = self->initial_length + before;
+  const PetscInt steps = PetscMax(1, (PetscInt)PetscCeilReal((L - then) / (longest * zone)));
+  const PetscReal h = (then - L) / steps;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < n; i++) {
+    PetscReal d = (1 - s[i]) * L;
+    if (d >= PetscMin(zone, L) + (L - then)) {
+      from[i] = s[i] * L / then;
+      continue;
+    }
+    for (PetscInt k = 0; k < steps; k++) {
+      const PetscReal at = L + k * h;
+      const PetscReal k1 = Recedes(d, at, zone), k2 = Recedes(d + h / 2 * k1, at + h / 2, zone),
+                      k3 = Recedes(d + h / 2 * k2, at + h / 2, zone),
+                      k4 = Recedes(d + h * k3, at + h, zone);
+      d += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+    }
+    from[i] = PetscMax(0, 1 - d / then);
+  }
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode CreateApical(Growth self) {
   PetscReal *zone;
 
@@ -126,6 +174,7 @@ static PetscErrorCode CreateApical(Growth self) {
   self->speed = SpeedApical;
   self->strain = StrainApical;
   self->origin = OriginApical;
+  self->depart = DepartApical;
   self->finest = *zone;
   self->rests = PETSC_TRUE;
   PetscFunctionReturn(0);

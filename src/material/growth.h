@@ -28,6 +28,9 @@ struct _Growth {
   PetscReal (*speed)(Growth, PetscReal s, PetscReal t);
   PetscReal (*strain)(Growth, PetscReal s, PetscReal t);
   PetscErrorCode (*origin)(Growth, PetscReal s, PetscReal t, PetscReal *d, PetscReal *d_t);
+  /* the labels at an earlier time of the material that is at n labels at t; below 0: not in yet */
+  PetscErrorCode (*depart)(Growth, PetscReal t, PetscReal before, PetscInt n, const PetscReal s[],
+                           PetscReal from[]);
   /* the first time behind t at which its length sets out, stops or turns back; NULL: never */
   PetscReal (*next_turn)(Growth, PetscReal t);
   /* adds the times at which it bends (base/bends.h); NULL: nothing is given by rows in time */
@@ -50,6 +53,8 @@ PetscErrorCode GrowthLength(Growth growth, PetscReal t, PetscReal *length, Petsc
 PetscErrorCode GrowthLongest(Growth growth, PetscReal end, PetscReal *length);
 const char *GrowthOutlook(Growth growth);
 PetscErrorCode GrowthDestroyData(Growth growth);
+PetscErrorCode GrowthDepartFed(Growth growth, PetscReal t, PetscReal before, PetscInt n,
+                               const PetscReal s[], PetscReal from[]);
 
 /* creators that have a file of their own */
 PetscErrorCode GrowthCreateTable(Growth growth);

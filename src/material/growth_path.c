@@ -160,6 +160,7 @@ PetscErrorCode GrowthFeedByPath(Growth self) {
   self->slide = SlidePath;
   self->strain = StrainPath;
   self->origin = OriginPath;
+  self->depart = GrowthDepartFed;
   PetscCall(CheckLengths(self, file));
   PetscFunctionReturn(0);
 }

@@ -5,21 +5,22 @@
 #include <string.h>
 
 #define X(name, units, text) #name,
-const char *const observed_name[OBSERVED] = {
-    OBSERVABLES(X) OBSERVABLES_OF_WEIGHT(X) OBSERVABLES_IN_SPACE(X) OBSERVABLES_OF_STEERING(X)};
+const char *const observed_name[OBSERVED] = {OBSERVABLES(X) OBSERVABLES_OF_WEIGHT(
+    X) OBSERVABLES_IN_SPACE(X) OBSERVABLES_OF_STEERING(X) OBSERVABLES_OF_TROPISM(X)};
 #undef X
 #define X(name, units, text) units,
-const char *const observed_units[OBSERVED] = {
-    OBSERVABLES(X) OBSERVABLES_OF_WEIGHT(X) OBSERVABLES_IN_SPACE(X) OBSERVABLES_OF_STEERING(X)};
+const char *const observed_units[OBSERVED] = {OBSERVABLES(X) OBSERVABLES_OF_WEIGHT(
+    X) OBSERVABLES_IN_SPACE(X) OBSERVABLES_OF_STEERING(X) OBSERVABLES_OF_TROPISM(X)};
 #undef X
 #define X(name, units, text) text,
-const char *const observed_text[OBSERVED] = {
-    OBSERVABLES(X) OBSERVABLES_OF_WEIGHT(X) OBSERVABLES_IN_SPACE(X) OBSERVABLES_OF_STEERING(X)};
+const char *const observed_text[OBSERVED] = {OBSERVABLES(X) OBSERVABLES_OF_WEIGHT(
+    X) OBSERVABLES_IN_SPACE(X) OBSERVABLES_OF_STEERING(X) OBSERVABLES_OF_TROPISM(X)};
 #undef X
 
 /* ObservedOf - up to how many of the series, from the first on, there may be in a scene. */
 PetscInt ObservedOf(Scene scene) {
-  if (scene->curvature.steered) return OBSERVED;
+  if (scene->tropism.any) return OBSERVED;
+  if (scene->curvature.steered) return OBSERVED_STEERED;
   if (scene->space.rod) return OBSERVED_IN_SPACE;
   return OBSERVED_ALWAYS + (scene->load.weighs ? OBSERVED_OF_WEIGHT : 0);
 }
@@ -27,7 +28,8 @@ PetscInt ObservedOf(Scene scene) {
 /* ObservedIn - is a series one of a scene? Of a rod that weighs nothing there is no weight. */
 PetscBool ObservedIn(Scene scene, PetscInt observed) {
   if (observed >= ObservedOf(scene)) return PETSC_FALSE;
-  if (observed < OBSERVED_ALWAYS || observed >= OBSERVED_IN_SPACE) return PETSC_TRUE;
+  if (observed < OBSERVED_ALWAYS || observed >= OBSERVED_STEERED) return PETSC_TRUE;
+  if (observed >= OBSERVED_IN_SPACE) return scene->curvature.steered;
   if (!scene->space.rod)
     return (PetscBool)(scene->load.weighs && observed < OBSERVED_ALWAYS + OBSERVED_OF_WEIGHT);
   return (PetscBool)(scene->load.weighs || strncmp(observed_name[observed], "weight_force", 12));
@@ -146,8 +148,25 @@ typedef struct {
   PetscReal k0, k0_t, B, B_t; /* natural curvature and stiffness, and their rates in the material */
   PetscReal F[2];             /* the load of friction along the rod */
   const PetscReal *push;      /* the force of contact per length, NULL: none */
+  const NodeLearned *learned; /* of the material there */
+  PetscReal drive, ironing;   /* Dk/Dt of that, and the part of ironing */
   Place at;
 } Sample;
+
+/* What the material at a sample has learned, and how fast that changes; beside the natural
+   curvature that is given. */
+static void SampleLearned(Scene scene, PetscReal s, PetscReal t, Sample *p) {
+  const Tropism *law = &scene->tropism;
+  const PetscReal clock = TropismClock(law, scene->growth, s, t, p->g, p->g_t),
+                  elastic = p->node.moment / p->B;
+  const TropismPlace at = {.x = {p->node.x[0], p->node.x[1], 0},
+                           .d2 = {-PetscSinReal(p->node.theta), PetscCosReal(p->node.theta), 0},
+                           .d3 = {0, 0, 1}};
+
+  p->k0 += p->learned->bend[0];
+  p->drive = clock * TropismDriveAt(law, &at, 0, t, p->learned->signal[0], p->k0, elastic);
+  p->ironing = clock * law->ironing * elastic;
+}
 
 static PetscErrorCode SampleFill(Scene scene, PetscReal s, PetscReal t, Sample *p) {
   Growth growth = scene->growth;
@@ -158,6 +177,7 @@ static PetscErrorCode SampleFill(Scene scene, PetscReal s, PetscReal t, Sample *
   p->strain = GrowthStrain(growth, s, t, p->g_t);
   PetscCall(SceneCurvature(scene, s, t, &p->k0, &p->k0_t));
   PetscCall(SceneStiffness(scene, s, t, &p->B, &p->B_t));
+  if (scene->tropism.any) SampleLearned(scene, s, t, p);
   p->at.t = t;
   p->at.q[0] = PetscCosReal(p->node.theta);
   p->at.q[1] = PetscSinReal(p->node.theta);
@@ -179,6 +199,7 @@ static PetscErrorCode SampleMid(Scene scene, PetscReal sa, PetscReal sb, PetscRe
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(mid, sizeof(*mid)));
+  mid->learned = a->learned + 1;
   for (int e = 0; e < 2; e++) {
     const Sample *p = end[e];
     const PlaneNode *n = &p->node;
@@ -241,6 +262,12 @@ static void Integrate(Scene scene, const Sample *p, PetscReal weight, PetscReal 
   sum->growth_power += weight * (-p->strain * Tension(p) - p->node.moment * k0_t * p->g +
                                  m2 / p->B * p->B_t * p->g / 2);
   if (scene->curvature.steered) sum->curvature_power -= weight * p->node.moment * p->k0_t * p->g;
+  if (scene->tropism.any) {
+    sum->natural_angle += weight * p->g * p->k0;
+    sum->natural_bend += weight * p->g * p->k0 * p->k0;
+    sum->tropism_power -= weight * p->g * p->node.moment * p->drive;
+    sum->ironing_power -= weight * p->g * p->node.moment * p->ironing;
+  }
   sum->dissipation += weight * p->g * (p->F[0] * p->at.v[0] + p->F[1] * p->at.v[1]);
   sum->friction_force_1 -= weight * p->g * p->F[0]; /* in the clamp's frame so far */
   sum->friction_force_2 -= weight * p->g * p->F[1];
@@ -308,6 +335,7 @@ static void MeasureTip(Scene scene, const Sample *p, const PetscReal contact[2],
   seen->tip_power =
       (tip->force[0] - contact[0]) * p->at.v[0] + (tip->force[1] - contact[1]) * p->at.v[1];
   if (scene->tip.path) seen->tip_power += tip->moment * tip->theta_t;
+  seen->tip_angle = scene->clamp_angle + tip->theta;
   seen->tip_x1 = LabX1(scene, tip->x);
   seen->tip_x2 = LabX2(scene, tip->x);
   seen->end_distance = hypot(tip->x[0], tip->x[1]);
@@ -337,6 +365,7 @@ static PetscErrorCode MeasurePlane(Observer self, PetscReal t, const Piece *piec
 
   PetscFunctionBegin;
   PlanePart(&piece->node[0], &b.node);
+  b.learned = piece->node[0].learned;
   b.push = self->push ? self->push[2 * piece->first] : NULL;
   PetscCall(SampleFill(scene, s[piece->first], t, &b));
   if (!piece->first) MeasureClamp(scene, &b, seen);
@@ -344,6 +373,7 @@ static PetscErrorCode MeasurePlane(Observer self, PetscReal t, const Piece *piec
     PetscReal h = s[i + 1] - s[i];
     a = b;
     PlanePart(&piece->node[i + 1 - piece->first], &b.node);
+    b.learned = piece->node[i + 1 - piece->first].learned;
     b.push = self->push ? self->push[2 * i + 2] : NULL;
     PetscCall(SampleFill(scene, s[i + 1], t, &b));
     PetscCall(SampleMid(scene, s[i], s[i + 1], t, &a, &b, FeetOf(self, i, &feet), &mid));
@@ -459,6 +489,7 @@ static PetscErrorCode MeasureInflections(Observer self, PetscReal t, const Piece
   for (PetscInt i = piece->first; i <= piece->end; i++) {
     PetscReal k, B;
     PetscCall(SceneCurvature(scene, scene->mesh.s[i], t, &k, NULL));
+    if (scene->tropism.any) k += piece->node[i - piece->first].learned[0].bend[0];
     PetscCall(SceneStiffness(scene, scene->mesh.s[i], t, &B, NULL));
     k += piece->node[i - piece->first].moment / B;
     if (PetscAbsReal(k) <= 1e-6 * moment) continue;
@@ -585,7 +616,7 @@ typedef struct {
 /* The power of all that acts less what is lost, and the loss. */
 static PetscReal NetPower(const Observation *seen) {
   return seen->growth_power + seen->tip_power + seen->weight_power + seen->clamp_power +
-         seen->wall_power + seen->curvature_power - seen->dissipation;
+         seen->wall_power + seen->curvature_power + seen->tropism_power - seen->dissipation;
 }
 
 /* A power that is not known; a number, for a restart file holds no others. */
@@ -766,7 +797,8 @@ static PetscErrorCode Measure(Observer self, PetscReal t, const Piece *piece, Ob
   seen->width = most.high + most.low;
   seen->max_angle = most.angle;
   seen->t = t;
-  PetscCall(GrowthLength(self->scene->growth, t, &seen->length, NULL));
+  PetscCall(GrowthLength(self->scene->growth, t, &seen->length, &seen->growth_rate));
+  seen->natural_bend = PetscSqrtReal(seen->natural_bend);
   PetscFunctionReturn(0);
 }
 

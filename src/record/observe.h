@@ -76,12 +76,23 @@
 #define OBSERVABLES_OF_STEERING(X)                                                                 \
   X(curvature_power, "N l V", "power of a natural curvature that changes over time")
 
+/* Of one whose material learns its natural curvature. */
+#define OBSERVABLES_OF_TROPISM(X)                                                                  \
+  X(tip_angle, "rad", "angle of the tip against x1; in space against the clamp")                   \
+  X(natural_angle, "rad", "natural bend about d3 along the rod, int u0 g ds")                      \
+  X(natural_angle_2, "rad", "the same about d2, in space")                                         \
+  X(natural_bend, "l^(-1/2)", "sqrt(int u0^2 g ds), of both bends")                                \
+  X(tropism_power, "N l V", "power of the bend that the material learns against its load")         \
+  X(ironing_power, "N l V", "the part of it by which moments are ironed out, lost")                \
+  X(growth_rate, "V", "how fast the rod lengthens, L_t")
+
 typedef struct {
 #define X(name, units, text) PetscReal name;
   OBSERVABLES(X)
   OBSERVABLES_OF_WEIGHT(X)
   OBSERVABLES_IN_SPACE(X)
   OBSERVABLES_OF_STEERING(X)
+  OBSERVABLES_OF_TROPISM(X)
 #undef X
 } Observation;
 
@@ -90,7 +101,8 @@ enum {
   OBSERVED = sizeof(Observation) / sizeof(PetscReal),
   OBSERVED_ALWAYS = 0 OBSERVABLES(X),
   OBSERVED_OF_WEIGHT = 0 OBSERVABLES_OF_WEIGHT(X),
-  OBSERVED_IN_SPACE = OBSERVED_ALWAYS + OBSERVED_OF_WEIGHT OBSERVABLES_IN_SPACE(X)
+  OBSERVED_IN_SPACE = OBSERVED_ALWAYS + OBSERVED_OF_WEIGHT OBSERVABLES_IN_SPACE(X),
+  OBSERVED_STEERED = OBSERVED_IN_SPACE OBSERVABLES_OF_STEERING(X)
 };
 #undef X
 extern const char *const observed_name[OBSERVED], *const observed_units[OBSERVED],

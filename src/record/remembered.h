@@ -46,6 +46,8 @@ typedef struct {
   X(PetscReal, changed, , "something has been, since the latest step; -1: a file does not say")    \
   X(Observation, began, , "where steps began to cross the layer of its start")
 
+enum { RESTART_KICKS = 13 }; /* of the fields of the mechanics */
+
 /* ... of its stepper, and of what its laws have become. */
 #define REMEMBERED_BY_STEPS(X)                                                                     \
   X(PetscReal, t, , "where the run is")                                                            \
@@ -59,7 +61,7 @@ typedef struct {
   X(PetscReal, wants, , "of the leg: its Ease")                                                    \
   X(PetscReal, ease, , "likewise")                                                                 \
   X(PetscReal, others, , "likewise")                                                               \
-  X(PetscReal, kick, [MAX_FIELDS], "what a wall's kick is measured against")                       \
+  X(PetscReal, kick, [RESTART_KICKS], "what a wall's kick is measured against")                    \
   X(PetscReal, kick_ends, , "until when")                                                          \
   X(PetscReal, counted, [2], "so far: Newton iterations, rejected tries of steps")                 \
   X(PetscReal, errors, [ESTIMATE_PARTS][ESTIMATE_SEEN], "followed so far")                         \

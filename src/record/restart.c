@@ -225,7 +225,7 @@ PetscErrorCode RestartTake(const char *file, const RestartState *state, Leg *leg
   PetscCall(OptionGiven("-ts_dt", &given));
   if (!given) PetscCall(TSSetTimeStep(leg->ts, state->step));
   PetscCall(TSSetStepNumber(leg->ts, (PetscInt)state->steps));
-  PetscCall(PetscArraycpy(leg->kick, state->kick, MAX_FIELDS));
+  PetscCall(PetscArraycpy(leg->kick, state->kick, RESTART_KICKS));
   leg->kick_ends = state->kick_ends;
   leg->ease.times = PetscMin(state->ease, leg->ease.most);
   leg->ease.wants = PetscMin(state->wants, leg->ease.most);
@@ -283,7 +283,7 @@ PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *stat
   PetscCall(TSGetTimeStep(leg->ts, &state->step));
   PetscCall(TSGetStepNumber(leg->ts, &steps));
   PetscCall(VBDFGetMemory(leg->ts, state->memory));
-  PetscCall(PetscArraycpy(state->kick, leg->kick, MAX_FIELDS));
+  PetscCall(PetscArraycpy(state->kick, leg->kick, RESTART_KICKS));
   state->kick_ends = leg->kick_ends;
   state->wants = leg->ease.wants;
   state->ease = leg->ease.times;

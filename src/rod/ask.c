@@ -225,11 +225,13 @@ PetscBool RodFeelsSpin(const Rod rod) {
 }
 
 /* Is no energy behind the equations? By friction on walls or strands, by that which is weaker
-   across than along, or feels a spin; and where material comes to rest: see stepping/leg.c. */
+   across than along, or feels a spin; where material learns its natural curvature; and where it
+   comes to rest: see stepping/leg.c. */
 static PetscBool HasNoModes(const struct _Scene *scene) {
   const Contact *contact = &scene->contact;
   const Load *load = &scene->load;
 
+  if (scene->tropism.any) return PETSC_TRUE;
   return (PetscBool)(ContactWallsRub(contact) || contact->friction > 0 || load->radius > 0 ||
                      scene->space.spin != 0 || load->turns || scene->growth->rests);
 }
@@ -252,6 +254,15 @@ void RodAtSpeed(Rod rod, PetscReal speed) {
 }
 
 /* ---- what drives it ---- */
+
+static PetscBool Slides(const struct _Scene *scene) {
+  return scene->growth->slides;
+}
+
+/* RodSlides - does material slide past labels? */
+PetscBool RodSlides(const Rod rod) {
+  return Any(rod, Slides);
+}
 
 /* RodSteered - how large what steers the rod, a natural curvature that changes, may make a field;
    0: nothing does. */

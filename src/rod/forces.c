@@ -24,6 +24,7 @@ static PetscInt FirstForce(const RodModel *model) {
 */
 PetscErrorCode RodKeepLeft(Rod rod, PetscReal t, Vec F) {
   const PetscInt fields = rod->model->fields, n = FirstForce(rod->model),
+                 forces = rod->model->space ? 3 : PetscMin(2, fields - n),
                  last = PetscMin(rod->end, rod->last);
   RodForces sum = {.moved = 0};
   const PetscScalar *r;
@@ -32,7 +33,7 @@ PetscErrorCode RodKeepLeft(Rod rod, PetscReal t, Vec F) {
   if (n == fields) PetscFunctionReturn(0);
   PetscCall(VecGetArrayRead(F, &r));
   for (PetscInt i = 0; i < last - rod->first; i++)
-    for (PetscInt d = 0; n + d < fields; d++) sum.left[d] += r[i * fields + n + d];
+    for (PetscInt d = 0; d < forces; d++) sum.left[d] += r[i * fields + n + d];
   PetscCall(VecRestoreArrayRead(F, &r));
   if (rod->kept[0].t < t) rod->kept[1] = rod->kept[0];
   rod->kept[0].t = t;

@@ -96,6 +96,7 @@ static PetscErrorCode LawsAt(Rod rod, PetscReal t) {
       PetscCall(SceneCurvature(scene, law->s, t, &law->k0, NULL));
     }
   frame->time = t;
+  if (rod->learned) FrameLearnedLaws(rod, t);
   PetscFunctionReturn(0);
 }
 
@@ -213,8 +214,14 @@ static PetscErrorCode CellsOpen(Rod rod, const RodState *at, PetscBool from_tip,
   cell->counts = at->counts;
   cell->load = &rod->scene->load;
   cell->s = rod->scene->mesh.s;
-  PetscCall(RodOpen(rod, at->U, &cell->local[0], &cell->u));
-  PetscCall(RodOpen(rod, at->U_t, &cell->local[1], &cell->u_t));
+  if (rod->learned) {
+    PetscCall(FrameLearnedOpen(rod, at));
+    cell->u = (const PetscReal(*)[FIELDS])rod->learned->u + 1 - rod->first;
+    cell->u_t = (const PetscReal(*)[FIELDS])rod->learned->u_t + 1 - rod->first;
+  } else {
+    PetscCall(RodOpen(rod, at->U, &cell->local[0], &cell->u));
+    PetscCall(RodOpen(rod, at->U_t, &cell->local[1], &cell->u_t));
+  }
   if (frame->strands) PetscCall(StrandRowsLoad(rod, frame->strands, at, &cell->push, &couple));
   PetscCall(RodRecognise(at, &frame->seen, &cell->known));
   if (from_tip)
@@ -226,6 +233,7 @@ static PetscErrorCode CellsOpen(Rod rod, const RodState *at, PetscBool from_tip,
 
 static PetscErrorCode CellsClose(Cell *cell) {
   PetscFunctionBegin;
+  if (cell->rod->learned) PetscFunctionReturn(0);
   PetscCall(RodClose(cell->rod, &cell->local[0], &cell->u));
   PetscCall(RodClose(cell->rod, &cell->local[1], &cell->u_t));
   PetscFunctionReturn(0);
@@ -311,10 +319,14 @@ static PetscErrorCode FrameResidual(Rod rod, const RodState *at, Vec F) {
 
   PetscFunctionBegin;
   PetscCall(CellsOpen(rod, at, PETSC_FALSE, &cell));
-  PetscCall(DMDAVecGetArray(rod->da, F, &F_));
+  if (rod->learned)
+    PetscCall(LearnedFill(rod, F, &F_));
+  else
+    PetscCall(DMDAVecGetArray(rod->da, F, &F_));
   for (PetscInt i = PetscMax(first - 1, 0); i < PetscMin(end, rod->last); i++) {
     PetscReal r[FIELDS];
     CellsNext(&cell, i);
+    if (rod->learned) FrameLearnedResidual(rod, at->t, i, cell.h, cell.a, cell.mid, cell.b);
     CellResidual(frame, &cell, cell.u[i], cell.u[i + 1],
                  frame->feet ? (const PetscReal(*)[2])frame->feet[i - first + 1] : NULL, r);
     if (i >= first) PetscCall(PetscArraycpy(&F_[i][M], &r[M], 3));
@@ -326,8 +338,12 @@ static PetscErrorCode FrameResidual(Rod rod, const RodState *at, Vec F) {
     TipResidual(&rod->scene->tip, &tip, TipDual(rod), &F_[rod->last][M]);
     for (int d = 0; d < 2 && cell.push && rod->scene->tip.type == TIP_FREE; d++)
       F_[rod->last][N1 + d] -= cell.push[2 * rod->last + 1][d];
+    if (rod->learned) FrameLearnedResidual(rod, at->t, rod->last, 0, cell.b, NULL, NULL);
   }
-  PetscCall(DMDAVecRestoreArray(rod->da, F, &F_));
+  if (rod->learned)
+    PetscCall(LearnedFilled(rod, F));
+  else
+    PetscCall(DMDAVecRestoreArray(rod->da, F, &F_));
   PetscCall(CellsClose(&cell));
   PetscFunctionReturn(0);
 }
@@ -498,6 +514,41 @@ static void TipBlock(const Cell *cell, const Point *end, const PetscReal shift[]
               TipDual(rod), by);
 }
 
+/* ... of a rod whose material learns its natural curvature. */
+static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
+  const PetscInt begin = PetscMax(rod->first - 1, 0);
+  PetscReal left[FIELDS][FIELDS], right[FIELDS][FIELDS], of_begin[LINE_HALF][FIELDS] = {{0}},
+                                                         by[TIP_ROWS][FIELDS], *room;
+  LearnedCell learned;
+  Cell cell;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(8 * PetscSqr(rod->model->fields), &room));
+  PetscCall(CellsOpen(rod, at, PETSC_FALSE, &cell));
+  for (int f = X1; f <= TH; f++) of_begin[f][OfClamp(rod, f)] = 1;
+  for (PetscInt i = begin; i < PetscMin(rod->end, rod->last); i++) {
+    CellsNext(&cell, i);
+    CellBlocks(&cell, i, (PetscBool)(i == begin), PETSC_TRUE, at->shift, left, right);
+    FrameLearnedCell(rod, i, cell.h, cell.a, cell.mid, cell.b, left, right, &learned);
+    LearnedNodeSlope(rod, i, &learned.slope[0], at->shift);
+    LearnedRows(rod, i, &learned, at->shift);
+    PetscCall(LearnedMatrix(rod, i, i == 0 ? of_begin[0] : NULL, &learned, left[0], right[0],
+                            &learned.slope[0], NULL, room, J));
+  }
+  if (rod->end > rod->last) {
+    TipBlock(&cell, cell.b, at->shift, by);
+    LearnedNodeSlope(rod, rod->last, &learned.slope[2], at->shift);
+    LearnedSignalSlope(rod, &learned.slope[2], at->shift);
+    PetscCall(
+        LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[2], by[0], room, J));
+  }
+  PetscCall(CellsClose(&cell));
+  PetscCall(PetscFree(room));
+  PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(0);
+}
+
 /* What strands need to know of the cell that is looked at. */
 static void KeepCell(const Cell *cell, StrandCell *kept) {
   const Frame *frame = (const Frame *)cell->rod->data;
@@ -517,6 +568,10 @@ static PetscErrorCode FrameJacobian(Rod rod, const RodState *at, Mat J) {
   Rows row;
 
   PetscFunctionBegin;
+  if (rod->learned) {
+    PetscCall(LearnedJacobian(rod, at, J));
+    PetscFunctionReturn(0);
+  }
   PetscCall(CellsOpen(rod, at, PETSC_FALSE, &cell));
   if (frame->strands) PetscCall(StrandRowsPattern(rod, frame->strands, at->fresh, J));
   PetscCall(PetscMemzero(row, sizeof(row)));
@@ -587,6 +642,20 @@ static PetscErrorCode BeginSprings(Rod rod, PetscReal t, Elimination elimination
   PetscFunctionReturn(0);
 }
 
+/* Condenses what the material of a cell has learned. new_a, new_b: as for CellBlocks(). */
+static void Condense(Cell *cell, PetscInt i, PetscBool new_a, PetscBool new_b,
+                     const PetscReal shift[], PetscReal left[FIELDS][FIELDS],
+                     PetscReal right[FIELDS][FIELDS]) {
+  Rod rod = cell->rod;
+  LearnedCell learned;
+
+  FrameLearnedCell(rod, i, cell->h, cell->a, cell->mid, cell->b, left, right, &learned);
+  if (new_a) LearnedNodeSlope(rod, i, &learned.slope[0], shift);
+  if (new_b) LearnedNodeSlope(rod, i + 1, &learned.slope[2], shift);
+  LearnedCondense(rod, i, &learned, shift, left[0], right[0]);
+  if (i + 1 == rod->last) LearnedSignalSlope(rod, &learned.slope[2], shift);
+}
+
 /* The same matrix, not assembled: each cell is eliminated as soon as it is known. The last of
    several ranks goes from the tip towards the clamp. */
 static PetscErrorCode FrameEliminate(Rod rod, const RodState *at, Elimination elimination) {
@@ -606,12 +675,16 @@ static PetscErrorCode FrameEliminate(Rod rod, const RodState *at, Elimination el
     CellsGo(&cell, i, from_tip);
     CellBlocks(&cell, i, (PetscBool)(from_tip || !k), (PetscBool)(!from_tip || !k), at->shift, left,
                right);
+    if (rod->learned && !at->counts)
+      Condense(&cell, i, (PetscBool)(from_tip || !k), (PetscBool)(!from_tip || !k), at->shift, left,
+               right);
     if (i >= rod->first)
       EliminationCell(elimination, (const PetscReal(*)[FIELDS])left,
                       (const PetscReal(*)[FIELDS])right);
   }
   if (rod->end > rod->last && !from_tip) TipBlock(&cell, cell.b, at->shift, by);
   PetscCall(CellsClose(&cell));
+  if (rod->learned && !at->counts) LearnedCondensed(rod, elimination);
   PetscCall(EliminationEnd(elimination, (const PetscReal(*)[FIELDS])by));
   PetscFunctionReturn(0);
 }
@@ -779,13 +852,15 @@ static PetscErrorCode FrameRecall(Rod rod, Vec memory) {
 }
 
 static PetscErrorCode FrameSet(Rod rod, PetscReal t, const Node *nodes, Vec U) {
-  PetscReal(*u)[FIELDS];
+  const PetscInt fields = rod->model->fields;
+  PetscReal *u;
 
   PetscFunctionBegin;
-  PetscCall(DMDAVecGetArray(rod->da, U, &u));
-  for (PetscInt i = rod->first; i < rod->end; i++)
-    PetscCall(PetscMemcpy(u[i], &nodes[i - rod->first], sizeof(u[i])));
-  PetscCall(DMDAVecRestoreArray(rod->da, U, &u));
+  PetscCall(VecGetArray(U, (PetscScalar **)&u));
+  for (PetscInt i = 0; i < rod->end - rod->first; i++)
+    PetscCall(PetscMemcpy(u + i * fields, &nodes[i], FIELDS * sizeof(*u)));
+  PetscCall(VecRestoreArray(U, (PetscScalar **)&u));
+  if (rod->learned) PetscCall(LearnedSet(rod, nodes, U));
   PetscFunctionReturn(0);
 }
 
@@ -797,21 +872,22 @@ static void FrameMoments(const PetscReal u[], const PetscReal change[], PetscRea
 }
 
 static PetscErrorCode FrameGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes) {
-  const PetscReal(*u)[FIELDS], (*u_t)[FIELDS];
+  const PetscInt fields = rod->model->fields, n = rod->end - rod->first;
+  const PetscReal *u;
 
   PetscFunctionBegin;
-  PetscCall(DMDAVecGetArrayRead(rod->da, U, &u));
-  for (PetscInt i = rod->first; i < rod->end; i++) {
-    Node *node = &nodes[i - rod->first];
-    PetscCall(PetscMemzero(node, sizeof(PlaneNode)));
-    PetscCall(PetscMemcpy(node, u[i], sizeof(u[i])));
+  PetscCall(VecGetArrayRead(U, (const PetscScalar **)&u));
+  for (PetscInt i = 0; i < n; i++) {
+    PetscCall(PetscMemzero(&nodes[i], sizeof(PlaneNode)));
+    PetscCall(PetscMemcpy(&nodes[i], u + i * fields, FIELDS * sizeof(*u)));
   }
-  PetscCall(DMDAVecRestoreArrayRead(rod->da, U, &u));
+  PetscCall(VecRestoreArrayRead(U, (const PetscScalar **)&u));
+  if (rod->learned) PetscCall(LearnedGet(rod, U, nodes));
   if (!U_t) PetscFunctionReturn(0);
-  PetscCall(DMDAVecGetArrayRead(rod->da, U_t, &u_t));
-  for (PetscInt i = rod->first; i < rod->end; i++)
-    PetscCall(PetscMemcpy(nodes[i - rod->first].x_t, u_t[i], 3 * sizeof(PetscReal)));
-  PetscCall(DMDAVecRestoreArrayRead(rod->da, U_t, &u_t));
+  PetscCall(VecGetArrayRead(U_t, (const PetscScalar **)&u));
+  for (PetscInt i = 0; i < n; i++)
+    PetscCall(PetscMemcpy(nodes[i].x_t, u + i * fields, 3 * sizeof(*u)));
+  PetscCall(VecRestoreArrayRead(U_t, (const PetscScalar **)&u));
   PetscFunctionReturn(0);
 }
 
@@ -835,6 +911,7 @@ static PetscErrorCode FrameCreate(Rod rod) {
   PetscCall(PetscCalloc3(points, &frame->law, points * frame->duals, &frame->dual, points,
                          &frame->point));
   rod->data = frame;
+  if (rod->model->fields > FIELDS) PetscCall(LearnedCreate(rod, FIELDS, 1));
   if (rod->scene->contact.walls.posts) PetscCall(PetscCalloc1(points / 2, &frame->feet));
   if (!rod->scene->contact.self) PetscFunctionReturn(0);
   UserCheck(rod->order == 4, rod->scene->comm, "-rod_order 2: -contact_self needs order 4");
@@ -855,24 +932,25 @@ static PetscErrorCode FrameDestroy(Rod rod) {
   PetscFunctionReturn(0);
 }
 
-const RodModel rod_frame = {.name = "frame",
-                            .fields = FIELDS,
-                            .stencil = 1,
+/* What the model is, whatever its material learns. */
+#define FRAME                                                                                      \
+  .name = "frame", .stencil = 1, .halves = {3, 3}, .refuses = RodRefusesSpace,                     \
+  .create = FrameCreate, .destroy = FrameDestroy, .set = FrameSet, .get = FrameGet,                \
+  .residual = FrameResidual, .hold = FrameHold, .bears = FrameBears, .remember = FrameRemember,    \
+  .recall = FrameRecall, .defect = FrameDefect, .moments = FrameMoments,                           \
+  .jacobian = FrameJacobian, .eliminate = FrameEliminate
+#define FIELDS_FOLLOWED PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_FALSE, PETSC_FALSE, PETSC_FALSE
+#define FIELDS_GROUPS ALONG, ACROSS_2, ACROSS_2, ACROSS_2, ALONG, ACROSS_2
+
+const RodModel rod_frame = {FRAME, .fields = FIELDS,
                             .field = {"x1", "x2", "theta", "m", "n1", "n2"},
-                            .followed = {PETSC_TRUE, PETSC_TRUE, PETSC_TRUE},
-                            .group = {ALONG, ACROSS_2, ACROSS_2, ACROSS_2, ALONG, ACROSS_2},
-                            .halves = {3, 3},
-                            .refuses = RodRefusesSpace,
-                            .create = FrameCreate,
-                            .destroy = FrameDestroy,
-                            .set = FrameSet,
-                            .get = FrameGet,
-                            .residual = FrameResidual,
-                            .hold = FrameHold,
-                            .bears = FrameBears,
-                            .remember = FrameRemember,
-                            .recall = FrameRecall,
-                            .defect = FrameDefect,
-                            .moments = FrameMoments,
-                            .jacobian = FrameJacobian,
-                            .eliminate = FrameEliminate};
+                            .followed = {FIELDS_FOLLOWED}, .group = {FIELDS_GROUPS}};
+const RodModel rod_frame_learns = {FRAME, .fields = FIELDS + 2,
+                                   .field = {"x1", "x2", "theta", "m", "n1", "n2", "k", "k_mid"},
+                                   .followed = {FIELDS_FOLLOWED, PETSC_TRUE, PETSC_TRUE},
+                                   .group = {FIELDS_GROUPS, ACROSS_2, ACROSS_2}};
+const RodModel rod_frame_remembers = {
+    FRAME, .fields = FIELDS + 4,
+    .field = {"x1", "x2", "theta", "m", "n1", "n2", "k", "f", "k_mid", "f_mid"},
+    .followed = {FIELDS_FOLLOWED, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE},
+    .group = {FIELDS_GROUPS, ACROSS_2, ACROSS_2, ACROSS_2, ACROSS_2}};

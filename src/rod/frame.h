@@ -3,6 +3,7 @@
 #define TENDRIL_FRAME_H
 
 #include "rod/feet.h"
+#include "rod/learned.h"
 #include "rod/rod.h"
 #include "rod/strand_rows.h"
 
@@ -58,5 +59,14 @@ static inline LoadDual *FrameDuals(const Frame *frame, PetscInt k) {
 
 /* frame_defect.c */
 PetscErrorCode FrameDefect(Rod rod, const RodState *at, PetscReal (*defect)[MAX_FIELDS]);
+
+/* frame_learned.c */
+void FrameLearnedLaws(Rod rod, PetscReal t);
+PetscErrorCode FrameLearnedOpen(Rod rod, const RodState *at);
+void FrameLearnedResidual(Rod rod, PetscReal t, PetscInt i, PetscReal h, const Point *p,
+                          const Point *mid, const Point *b);
+void FrameLearnedCell(Rod rod, PetscInt i, PetscReal h, const Point *a, const Point *mid,
+                      const Point *b, PetscReal left[FIELDS][FIELDS],
+                      PetscReal right[FIELDS][FIELDS], LearnedCell *cell);
 
 #endif

@@ -91,7 +91,8 @@ static void CellDefect(const Frame *frame, const Load *load, PetscInt k, const P
 */
 PetscErrorCode FrameDefect(Rod rod, const RodState *at, PetscReal (*defect)[MAX_FIELDS]) {
   const Frame *frame = (const Frame *)rod->data;
-  const PetscReal *s = rod->scene->mesh.s, (*rate)[FIELDS];
+  const PetscInt fields = rod->model->fields;
+  const PetscReal *s = rod->scene->mesh.s, *rate;
   PetscBool fourth = (PetscBool)(rod->order == 4);
   Load bare = rod->scene->load;
   Vec local;
@@ -102,11 +103,11 @@ PetscErrorCode FrameDefect(Rod rod, const RodState *at, PetscReal (*defect)[MAX_
   PetscCall(RodOpen(rod, at->U_t, &local, &rate));
   for (PetscInt i = PetscMax(1, rod->first); i < PetscMin(rod->end, rod->last + !fourth); i++) {
     PetscInt k = 2 * (i - rod->first);
-    PetscReal turn[3] = {rate[i - 1][TH], rate[i][TH], 0};
+    PetscReal turn[3] = {rate[(i - 1) * fields + TH], rate[i * fields + TH], 0};
     if (!fourth)
       CellDefect(frame, &rod->scene->load, k, s + i - 1, turn, defect[i - rod->first]);
     else if (i % 2) {
-      turn[2] = rate[i + 1][TH];
+      turn[2] = rate[(i + 1) * fields + TH];
       PairDefect(frame, &rod->scene->contact, &rod->scene->load, &bare, k, s + i - 1, turn,
                  defect[i - rod->first]);
     }

@@ -567,6 +567,8 @@ static const char *MixedRefuses(Scene scene) {
   if (scene->space.why) return RodRefusesSpace(scene);
   if (LoadSticks(&scene->load))
     return "-friction_beta 0: the mixed model has no exact Coulomb friction; give a value above 0";
+  if (scene->tropism.any)
+    return "-tropism_, -growth_ironing: the mixed model has no natural curvature that it learns";
   if (scene->contact.any) return "-wall_file, -contact_self: the mixed model has no contact";
   if (scene->clamp != CLAMP_HELD) return "-clamp_type: the mixed model's rod is held by a clamp";
   if (scene->tip.type != TIP_FREE) return "-tip_type: the mixed model's tip is free";

@@ -1,7 +1,18 @@
 #include "rod/rod.h"
 #include "base/lagrange.h"
 #include "rod/directors.h"
+#include "rod/learned.h"
 #include <petsc/private/petscimpl.h> /* PetscObjectStateGet() */
+
+/* RodModelFor - a model as it is of a scene: that whose material learns what it has to. */
+const RodModel *RodModelFor(Scene scene, const RodModel *model) {
+  const Tropism *law = &scene->tropism;
+  const PetscBool remembers = (PetscBool)(law->memory > 0 && !law->at_tip);
+
+  if (!law->any) return model;
+  if (model == &rod_frame) return remembers ? &rod_frame_remembers : &rod_frame_learns;
+  return model;
+}
 
 /*
   RodCreate - a rod of one model in a scene, which must outlive it. Collective; the caller destroys
@@ -14,7 +25,7 @@ PetscErrorCode RodCreate(Scene scene, const RodModel *model, Rod *rod) {
   PetscFunctionBegin;
   PetscCall(PetscNew(&self));
   *rod = self; /* whole or not, the caller destroys it */
-  self->model = model;
+  self->model = model = RodModelFor(scene, model);
   self->scene = scene;
   self->comm = scene->comm;
   self->s = scene->mesh.s;
@@ -46,6 +57,7 @@ PetscErrorCode RodDestroy(Rod *rod) {
   PetscFunctionBegin;
   if (!*rod) PetscFunctionReturn(0);
   if ((*rod)->data && (*rod)->model->destroy) PetscCall((*rod)->model->destroy(*rod));
+  if ((*rod)->learned) PetscCall(LearnedDestroy(*rod));
   PetscCall(DMDestroy(&(*rod)->da));
   PetscCall(DMDestroy(&(*rod)->nodes));
   PetscCall(PetscFree(*rod));
@@ -54,11 +66,12 @@ PetscErrorCode RodDestroy(Rod *rod) {
 
 /* RodCreateMatrix - an empty matrix for the rod's Jacobian: blocks of one node, block-banded. */
 PetscErrorCode RodCreateMatrix(Rod rod, Mat *J) {
+  const PetscInt tip = rod->learned && rod->scene->tropism.at_tip; /* all of the rod sees that */
   PetscInt bs = rod->model->fields, w = rod->model->stencil, n = (rod->end - rod->first) * bs;
 
   PetscFunctionBegin;
-  PetscCall(MatCreateBAIJ(rod->scene->comm, bs, n, n, PETSC_DETERMINE, PETSC_DETERMINE, 2 * w + 1,
-                          NULL, w, NULL, J));
+  PetscCall(MatCreateBAIJ(rod->scene->comm, bs, n, n, PETSC_DETERMINE, PETSC_DETERMINE,
+                          2 * w + 1 + tip, NULL, w + tip, NULL, J));
   PetscCall(MatSetOption(*J, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
   PetscFunctionReturn(0);
 }

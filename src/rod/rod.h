@@ -9,7 +9,7 @@
 #include "straight/straight.h"
 #include <petscdmda.h>
 
-enum { MAX_FIELDS = 13 };
+enum { MAX_FIELDS = 21 };
 
 /* The mirrors of a rod that is nearly straight: x2 -> -x2 and, in space, x3 -> -x3. Fields fall
    into groups by the mirrors in which they change sign, as do their equations: on the straight rod
@@ -31,6 +31,12 @@ typedef struct {
 } Pair;
 enum { MOST_PAIRS = 4 };
 
+/* What the material has learned at a place, about d3 and d2: bends, and the signal that it goes by
+   where it remembers one, or the tip sends it. */
+typedef struct {
+  PetscReal bend[TROPISM_BENDS], signal[TROPISM_BENDS];
+} NodeLearned;
+
 /* What is known at a node, for any model. */
 typedef struct {
   PetscReal x[2], theta, moment, force[2]; /* position, tangent angle, m = curvature - k0, n */
@@ -38,6 +44,7 @@ typedef struct {
   /* of the model of space, whose theta is the angle between d1 and the clamp's axis: position,
      quaternion of the directors, moment and force, all in the clamp's frame, and rates */
   PetscReal x3[3], p[4], m3[3], n3[3], x3_t[3], p_t[4], m3_t[3];
+  NodeLearned learned[2]; /* at the node, and in the middle of the cell behind it */
 } Node;
 enum { NODE_VALUES = sizeof(Node) / sizeof(PetscReal) };
 
@@ -159,17 +166,21 @@ struct _Rod {
   PetscReal oblique[2]; /* how much so walls are that press: RodFeelWalls() */
   struct {
     PetscReal t;
-    PetscBool whole; /* all of the sum, and not only what is left, */
-    RodForces sum;   /* of this rank's part */
-  } kept[2];         /* of the latest two states, the latest first: see RodKeepLeft() */
-  PetscReal finest;  /* what is told apart of a vector across that walls have part in, for
-                        RodFieldScales(): of the order of round-off over a step's tolerance */
+    PetscBool whole;        /* all of the sum, and not only what is left, */
+    RodForces sum;          /* of this rank's part */
+  } kept[2];                /* of the latest two states, the latest first: see RodKeepLeft() */
+  PetscReal finest;         /* what is told apart of a vector across that walls have part in, for
+                               RodFieldScales(): of the order of round-off over a step's tolerance */
+  struct Learned_ *learned; /* natural curvature of its own (rod/learned.h); NULL: none */
   void *data;
 };
 
 extern const RodModel rod_frame, rod_mixed, rod_linear, rod_linear_space, rod_space;
+/* the same, whose material learns its natural curvature; that also remembers what it senses */
+extern const RodModel rod_frame_learns, rod_frame_remembers;
 extern const OptionGroup frame_options;
 
+const RodModel *RodModelFor(Scene scene, const RodModel *model);
 PetscErrorCode RodCreate(Scene scene, const RodModel *model, Rod *rod);
 PetscErrorCode RodDestroy(Rod *rod);
 PetscErrorCode RodCreateMatrix(Rod rod, Mat *J);

@@ -1,5 +1,5 @@
 /* How large the fields of a rod are, and by what changes of them are measured. */
-#include "rod/rod.h"
+#include "rod/learned.h"
 
 /* RodFieldSizes - max |U| of each field over the rod (LargerSize()). Collective. */
 PetscErrorCode RodFieldSizes(Rod rod, Vec U, PetscReal size[MAX_FIELDS]) {
@@ -284,6 +284,7 @@ static PetscReal Drives(const PetscReal drive[2], int group, const PetscReal axe
 
 /* How hard a group of fields is driven from 0, along the axes. */
 static PetscReal Driven(const Rod rod, int group, const PetscReal axes[2]) {
+  static const PetscReal none[2] = {0, 0};
   const Scene scene = rod->scene;
   const Space *space = &scene->space;
   const SceneUnits *units = &scene->units;
@@ -291,6 +292,7 @@ static PetscReal Driven(const Rod rod, int group, const PetscReal axes[2]) {
   PetscReal sum =
       space->turned[group] + space->moved[group] / L + Drives(rod->oblique, group, axes);
 
+  if (scene->tropism.any) sum += Drives(rod->learned ? rod->learned->drive : none, group, axes);
   sum += Drives(scene->load.weight + 1, group, axes) / (force / L);
   sum += Drives(scene->tip.push + 1, group, axes) / force;
   if (group == TWIST)
@@ -362,5 +364,6 @@ PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal axes[2], PetscReal scale
   TwistAcross(rod, part, scale);
   if (rod->model->scale) rod->model->scale(scale);
   RollByItsArm(rod, size, scale);
+  if (rod->learned) LearnedScale(rod, scale);
   PetscFunctionReturn(0);
 }

@@ -1,4 +1,4 @@
-#include "rod/rod.h"
+#include "rod/learned.h"
 
 /*
   RodFit - moves the places of a state into line with its angles and moments on the mesh that it is
@@ -49,6 +49,7 @@ PetscErrorCode RodBegin(Rod rod, Vec U) {
   PetscCall(RodInitialNodes(rod, 0, nodes));
   PetscCall(rod->model->set(rod, 0, nodes, U));
   PetscCall(PetscFree(nodes));
+  if (rod->learned) PetscCall(LearnedBegin(rod, U));
   if (rod->scene->tip.type == TIP_FREE) PetscCall(RodFit(rod, 0, U));
   PetscFunctionReturn(0);
 }

@@ -160,6 +160,9 @@ PetscReal RodFieldUnit(const Rod rod, PetscInt field) {
   case 'n':
   case 'l': /* lambda, a force */
     return B / (L * L);
+  case 'k':
+  case 'f': /* what sets a bend */
+    return 1 / L;
   default:
     return 1;
   }

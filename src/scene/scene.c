@@ -270,12 +270,15 @@ PetscErrorCode SceneCreate(Scene *scene) {
             OptionBoth(self->growth->end_time, UNIT_TIME, text[1]));
   PetscCall(GrowthLongest(self->growth, self->end_time, &self->reach));
   PetscCall(CurvatureSetFromOptions(&self->curvature, self->growth, self->end_time));
+  PetscCall(TropismSetFromOptions(&self->tropism, self->growth));
   PetscCall(MeshCreate(cells, (PetscBool)grading, self->growth, self->end_time, &self->mesh));
   PetscCall(ContactSetFromOptions(&self->contact, &self->load.friction, self->clamp_angle));
   self->contact.time = PETSC_MIN_REAL;
   SceneLinkWalls(self);
   PetscCall(
       SpaceSetFromOptions(&self->space, &self->load, &self->tip, &self->curvature, &self->shape));
+  if (self->tropism.any) TropismFrame(&self->tropism, (const PetscReal(*)[3])self->space.lab);
+  if (self->tropism.why) self->space.why = self->tropism.why;
   PetscCall(CheckClamp(self));
   if (self->load.radius > 0 && self->clamp != CLAMP_FREE) LoadNextToExact(&self->load);
   if (ContactWallsRub(&self->contact) && self->clamp != CLAMP_FREE)

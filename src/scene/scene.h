@@ -11,6 +11,7 @@
 #include "scene/si.h"
 #include "scene/space.h"
 #include "material/stiffness.h"
+#include "material/tropism.h"
 #include "world/tip.h"
 
 /* s = 0: held in the clamp; in a hinge that holds its place, and keeps it from spinning, but lets
@@ -55,6 +56,7 @@ struct _Scene {
   Contact contact; /* load and tip know its walls */
   Shape shape;
   Curvature curvature; /* natural, k0 */
+  Tropism tropism;     /* ... that the material learns */
   Space space;         /* what there is out of the plane */
   Mesh mesh;
   Si si;

@@ -24,35 +24,6 @@ static const OptionRow rows[] = {
              "a,b,c: direction of d1 at the clamp in the laboratory, instead of -clamp_angle")};
 const OptionGroup space_options = OPTION_GROUP("Space", rows);
 
-/* A vector option, "a,b,c" or "a,b" (c is then 0). */
-static PetscErrorCode Vector(const char *name, Dimension dimension, PetscReal v[3],
-                             PetscBool *given) {
-  char text[PETSC_MAX_PATH_LEN] = "", *part, *rest, *end;
-  PetscBool bare = PETSC_FALSE, units = PETSC_FALSE;
-  int n = 0;
-
-  PetscFunctionBegin;
-  v[0] = v[1] = v[2] = 0;
-  PetscCall(OptionText(name, text, given));
-  if (!*given) PetscFunctionReturn(0);
-  UserCheck(text[0] != ',' && !strstr(text, ",,") && text[strlen(text) - 1] != ',', OptionsComm(),
-            "%s %s: a number is missing at a comma; give a,b,c", name, text);
-  for (part = strtok_r(text, ",", &rest); part; part = strtok_r(NULL, ",", &rest)) {
-    UserCheck(n < 3, OptionsComm(), "%s: more than three numbers; give a,b,c", name);
-    PetscCall(OptionQuantity(name, part, dimension, &v[n]));
-    (void)strtod(part, &end);
-    if (*end)
-      units = PETSC_TRUE;
-    else if (v[n] != 0)
-      bare = PETSC_TRUE;
-    n++;
-  }
-  UserCheck(!(bare && units), OptionsComm(),
-            "%s: some of its numbers have a unit and some have none; give all of them one", name);
-  UserCheck(n >= 2, OptionsComm(), "%s: give three numbers, a,b,c, or two in the plane, a,b", name);
-  PetscFunctionReturn(0);
-}
-
 /* The smallest rotation that takes e1 to the direction d, of length 1; half a turn about e3 before
    it, to -e1, if d is all but that. */
 static void SmallestTurn(const PetscReal d[3], PetscReal R[3][3]) {
@@ -85,7 +56,7 @@ PetscErrorCode SpaceClampDirection(PetscReal *angle, Space *self) {
   PetscBool direction, turned;
 
   PetscFunctionBegin;
-  PetscCall(Vector("-clamp_direction", UNIT_NONE, d, &direction));
+  PetscCall(OptionVector("-clamp_direction", UNIT_NONE, d, &direction));
   PetscCall(OptionGiven("-clamp_angle", &turned));
   UserCheck(!direction || !turned, OptionsComm(),
             "-clamp_angle and -clamp_direction: give one of them");
@@ -184,8 +155,8 @@ PetscErrorCode SpaceSetFromOptions(Space *self, Load *load, Tip *tip, const Curv
   PetscBool given, torsion, radius;
 
   PetscFunctionBegin;
-  PetscCall(Vector("-rod_weight", UNIT_LOAD, weight, &given));
-  PetscCall(Vector("-tip_force_vector", UNIT_FORCE, force, &given));
+  PetscCall(OptionVector("-rod_weight", UNIT_LOAD, weight, &given));
+  PetscCall(OptionVector("-tip_force_vector", UNIT_FORCE, force, &given));
   PetscCall(OptionReal("-rod_torsion", &self->torsion, &torsion));
   PetscCall(OptionReal("-rod_bend_ratio", &self->ratio, NULL));
   PetscCall(OptionReal("-friction_radius", &load->radius, &radius));
@@ -256,7 +227,7 @@ static PetscErrorCode NewVector(const Space *self, const char *name, Dimension d
   PetscBool given;
 
   PetscFunctionBegin;
-  PetscCall(Vector(name, dimension, lab, &given));
+  PetscCall(OptionVector(name, dimension, lab, &given));
   PetscCall(CheckPlane(self, name, (PetscBool)(lab[2] != 0)));
   FromLab(self, lab, v);
   PetscFunctionReturn(0);

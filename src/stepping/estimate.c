@@ -3,6 +3,7 @@
 #include "base/chain.h"
 #include "rod/ask.h"
 #include "rod/coarse.h"
+#include "rod/learned.h"
 #include "stepping/vbdf.h"
 
 /*
@@ -43,7 +44,9 @@ typedef struct {
 struct _Estimate {
   Leg *leg;
   const RodModel *model;
-  PetscInt fields, followed, mirrors; /* of a node; those that have rates; of those across */
+  PetscInt fields, followed, mirrors; /* of a node; those that have rates, first, or all that may;
+                                         of those across */
+  PetscInt left;                      /* equations of a cell that are rows of the node behind it */
   PetscBool touches;                  /* the rod does, or did */
   PetscInt stride, nodes;             /* of the coarse mesh */
   PetscInt since;                     /* steps */
@@ -187,7 +190,8 @@ PetscErrorCode EstimateCreate(Leg *leg, Estimate *estimate) {
   self->leg = leg;
   self->model = leg->rod->model;
   self->fields = self->model->fields;
-  self->followed = self->model->halves[0];
+  self->left = self->model->halves[0];
+  self->followed = leg->rod->learned ? self->fields : self->left;
   self->mirrors = self->model->space ? 2 : 1;
   PetscCall(PetscCalloc1(leg->rod->end - leg->rod->first, &self->defect));
   PetscCall(ChooseMesh(self, Stride(self, RodLongest(leg->rod))));
@@ -287,6 +291,28 @@ static void Across(const Estimate self, const PetscReal size[MAX_FIELDS],
   for (int k = 0; k < MIRRORS; k++) across[k] = k < self->mirrors ? size[1 + k] : 0;
 }
 
+/* Where the rod's vectors have a field of coarse node k; below 0: on another rank. What the
+   material has learned in the middle of a coarse cell is that of the place next to it. */
+static PetscInt EntryOf(const Estimate self, PetscInt k, PetscInt f) {
+  const Rod rod = self->leg->rod;
+  const Learned learned = rod->learned;
+  PetscInt node = FineNode(self, k), field = f;
+
+  if (learned && f >= learned->mech + learned->per && k + 1 < self->nodes) {
+    const PetscInt both = node + FineNode(self, k + 1);
+    node = both / 2;
+    if (both % 2 == 0) field -= learned->per;
+  }
+  return node < rod->first || node >= rod->end ? -1 : (node - rod->first) * self->fields + field;
+}
+
+/* Has a field a rate? Not moments and forces. */
+static PetscBool HasRate(const Estimate self, PetscInt f) {
+  const Learned learned = self->leg->rod->learned;
+
+  return (PetscBool)(f < self->left || (learned && f >= learned->mech));
+}
+
 /* The step's local error at the coarse nodes of this rank comes on top of those before, which have
    changed meanwhile. times_error: it may be so many times that. */
 static PetscErrorCode AddLocal(Estimate self, PetscReal times_error,
@@ -294,7 +320,6 @@ static PetscErrorCode AddLocal(Estimate self, PetscReal times_error,
   PetscReal weight[VBDF_POINTS][VBDF_FIELDS], times[VBDF_POINTS];
   const PetscInt fields = self->fields, followed = self->followed;
   const PetscScalar *u[VBDF_POINTS];
-  const Rod rod = self->leg->rod;
   PetscInt n, points, order;
   Vec point[VBDF_POINTS];
 
@@ -304,14 +329,13 @@ static PetscErrorCode AddLocal(Estimate self, PetscReal times_error,
   if (n > points) n = 0;
   for (PetscInt j = 0; j < n; j++) PetscCall(VecGetArrayRead(point[j], &u[j]));
   for (PetscInt k = 0; k < self->nodes; k++) {
-    PetscInt i = FineNode(self, k) - rod->first;
     PetscReal *local = self->own.local + k * followed, *skipped = self->own.skipped + k * followed;
-    if (i < 0 || i >= rod->end - rod->first) continue;
     for (PetscInt f = 0; f < followed; f++) {
+      const PetscInt at = EntryOf(self, k, f);
+      if (at < 0 || !HasRate(self, f)) continue;
       local[f] *= ratio[self->model->group[f]];
       skipped[f] *= ratio[self->model->group[f]];
-      for (PetscInt j = 0; j < n; j++)
-        local[f] += times_error * weight[j][f] * u[j][i * fields + f];
+      for (PetscInt j = 0; j < n; j++) local[f] += times_error * weight[j][f] * u[j][at];
     }
   }
   for (PetscInt j = 0; j < n; j++) PetscCall(VecRestoreArrayRead(point[j], &u[j]));
@@ -357,12 +381,13 @@ static PetscErrorCode Gather(Estimate self, const PetscReal across[MIRRORS]) {
   PetscCall(MeasureDefect(self, across));
   PetscCall(VecGetArrayRead(self->leg->U, &u));
   PetscCall(VecGetArrayRead(rates, &rate));
-  for (PetscInt k = 0; k < self->nodes; k++) {
-    PetscInt i = FineNode(self, k) - rod->first;
-    if (i < 0 || i >= rod->end - rod->first) continue;
-    PetscCall(PetscArraycpy(self->own.u + k * fields, u + i * fields, fields));
-    PetscCall(PetscArraycpy(self->own.rate + k * fields, rate + i * fields, fields));
-  }
+  for (PetscInt k = 0; k < self->nodes; k++)
+    for (PetscInt f = 0; f < fields; f++) {
+      const PetscInt at = EntryOf(self, k, f);
+      if (at < 0) continue;
+      self->own.u[k * fields + f] = u[at];
+      self->own.rate[k * fields + f] = rate[at];
+    }
   PetscCall(VecRestoreArrayRead(self->leg->U, &u));
   PetscCall(VecRestoreArrayRead(rates, &rate));
   PetscCallMPI(
@@ -434,6 +459,14 @@ static PetscErrorCode Solve(Estimate self, PetscReal *e) {
   PetscReal *b;
 
   PetscFunctionBegin;
+  if (self->rod->learned) {
+    PetscCall(VecPlaceArray(self->nudged, self->rhs));
+    PetscCall(VecPlaceArray(self->G, e));
+    PetscCall(LearnedSolve(self->rod, self->nudged, self->G));
+    PetscCall(VecResetArray(self->nudged));
+    PetscCall(VecResetArray(self->G));
+    PetscFunctionReturn(0);
+  }
   if (self->elimination) {
     PetscCall(EliminationSolve(self->elimination, (const PetscReal(*)[LINE_FIELDS])self->rhs,
                                (PetscReal(*)[LINE_FIELDS])e));
@@ -483,7 +516,7 @@ static void SubtractDefect(Estimate self) {
 
   for (PetscInt k = 0; k + 1 < self->nodes; k++)
     for (PetscInt f = 0; f < fields; f++)
-      self->rhs[(f < self->followed ? k + 1 : k) * fields + f] -= self->all.defect[k * fields + f];
+      self->rhs[(f < self->left ? k + 1 : k) * fields + f] -= self->all.defect[k * fields + f];
 }
 
 /* rhs -= by what the residual changes while a number of the scene grows by a part of itself. */
@@ -562,7 +595,7 @@ static PetscErrorCode SeeEnergy(const Estimate self, PetscReal t, const PetscRea
   *change = 0;
   for (PetscInt k = 0; k <= last; k++)
     for (PetscInt d = 0; d < moments; d++)
-      size = PetscMax(size, PetscAbsReal(self->all.u[k * fields + self->followed + d]));
+      size = PetscMax(size, PetscAbsReal(self->all.u[k * fields + self->left + d]));
   for (PetscInt k = 0; k <= last; k++) {
     PetscReal w = (s[PetscMin(k + 1, last)] - s[PetscMax(k - 1, 0)]) / 2, g, S[3], m[3], dm[3];
     PetscCall(RodStiffnessAt(self->rod, k, t, &g, S));
@@ -649,12 +682,29 @@ static PetscReal Limited(PetscReal ratio) {
   return PetscExpReal(PetscMax(-most_folds, PetscMin(most_folds, PetscLogReal(ratio))));
 }
 
+/* The errors of a part as they are at t, if they go along with the material: in place. */
+static PetscErrorCode CarryErrors(Estimate self, PetscReal t, int part) {
+  PetscReal weight[1][MAX_FIELDS], *e;
+
+  PetscFunctionBegin;
+  if (!self->rod->learned || !RodSlides(self->rod)) PetscFunctionReturn(0);
+  for (int f = 0; f < MAX_FIELDS; f++) weight[0][f] = 1;
+  PetscCall(VecGetArrayWrite(self->nudged, (PetscScalar **)&e));
+  PetscCall(PetscArraycpy(e, self->e[part], self->nodes * self->fields));
+  PetscCall(VecRestoreArrayWrite(self->nudged, (PetscScalar **)&e));
+  PetscCall(VecPlaceArray(self->G, self->e[part]));
+  PetscCall(LearnedCarry(self->rod, t, 1, &self->before, &self->nudged, weight, self->G));
+  PetscCall(VecResetArray(self->G));
+  PetscFunctionReturn(0);
+}
+
 /* b = minus the errors that the step begins with, over its length. */
 static void TakeErrors(Estimate self, int part, const PetscReal ratio[GROUPS], PetscReal step) {
   const PetscInt fields = self->fields, followed = self->followed;
 
   for (PetscInt k = 0; k < self->nodes; k++)
     for (PetscInt f = 0; f < followed; f++) {
+      if (!HasRate(self, f)) continue;
       PetscReal e = self->e[part][k * fields + f] * Limited(ratio[self->model->group[f]]);
       if (part == ESTIMATE_TIME)
         e += self->all.local[k * followed + f] + self->all.skipped[k * followed + f];
@@ -681,6 +731,7 @@ static PetscErrorCode Advance(Estimate self, PetscReal t) {
   PetscCall(Linearise(self, t, shift));
   for (int part = 0; part < ESTIMATE_PARTS; part++) {
     if (!Errs(self, part)) continue;
+    PetscCall(CarryErrors(self, t, part));
     TakeErrors(self, part, ratio, step);
     PetscCall(TimesRate(self, t));
     PetscCall(SubtractSource(self, t, part));
@@ -693,7 +744,7 @@ static PetscErrorCode Advance(Estimate self, PetscReal t) {
 /* How far the rod is from straight: the angle of its steepest place. */
 static PetscReal Angle(const Estimate self, const PetscReal size[MAX_FIELDS]) {
   const PetscInt p2 = 5; /* x, and p0 and p1 before it */
-  return self->model->space ? 2 * hypot(size[p2], size[p2 + 1]) : size[self->followed - 1];
+  return self->model->space ? 2 * hypot(size[p2], size[p2 + 1]) : size[self->left - 1];
 }
 
 /*

@@ -262,6 +262,18 @@ PetscErrorCode FormulaExtrapolate(Formula *self, PetscInt m, Vec X) {
   PetscFunctionReturn(0);
 }
 
+/* Makes of affine what it is along the material. */
+static PetscErrorCode Carry(Formula *self, PetscInt order, const PetscReal along[],
+                            PetscReal ratio[VBDF_FACTORS][VBDF_POINTS]) {
+  PetscReal c[VBDF_POINTS][VBDF_FIELDS], times[VBDF_POINTS];
+
+  PetscFunctionBegin;
+  Weights(self, VBDF_FIELDS, order, along, NULL, NULL, ratio, c);
+  for (PetscInt k = 0; k < order; k++) times[k] = self->now + (self->time[1 + k] - self->time[0]);
+  PetscCall(self->carry(self->ts, self->now, order, times, self->point + 1, c, self->affine));
+  PetscFunctionReturn(0);
+}
+
 /* FormulaBegin - shift and affine of a step of an order from the history to time[0]. */
 PetscErrorCode FormulaBegin(Formula *self, PetscInt order) {
   PetscReal D[VBDF_POINTS], ratio[VBDF_FACTORS][VBDF_POINTS];
@@ -271,6 +283,7 @@ PetscErrorCode FormulaBegin(Formula *self, PetscInt order) {
   self->shift = D[0];
   PastRatios(self, order, ratio);
   PetscCall(Combine(self, 1, order, D + 1, NULL, NULL, ratio, self->affine));
+  if (self->carry) PetscCall(Carry(self, order, D + 1, ratio));
   PetscFunctionReturn(0);
 }
 

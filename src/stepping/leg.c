@@ -1,6 +1,7 @@
 #include "stepping/leg.h"
 #include "base/lagrange.h"
 #include "rod/ask.h"
+#include "rod/learned.h"
 #include "stepping/guard.h"
 #include "stepping/vbdf.h"
 
@@ -177,6 +178,17 @@ static PetscErrorCode TurnError(TS ts, Vec error) {
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &leg));
   PetscCall(RodTurn(leg->rod, leg->axes, error));
+  PetscFunctionReturn(0);
+}
+
+/* A VBDFCarry of what the material has learned. */
+static PetscErrorCode CarryLearned(TS ts, PetscReal t, PetscInt m, const PetscReal times[],
+                                   const Vec points[], PetscReal weight[][VBDF_FIELDS], Vec sum) {
+  Leg *leg;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetApplicationContext(ts, &leg));
+  PetscCall(LearnedCarry(leg->rod, t, m, times, points, weight, sum));
   PetscFunctionReturn(0);
 }
 
@@ -552,7 +564,8 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, Leg
   PetscCall(VBDFSetScale(leg->ts, RodUnits(leg->rod)->brief));
   PetscCall(VBDFSetResolves(leg->ts, (PetscBool)(RodIsDry(leg->rod) || !touches)));
   PetscCall(FreeTurns(leg));
-  PetscCall(VBDFSetFactored(leg->ts, model->fields, model->group));
+  PetscCall(VBDFSetFactored(leg->ts, leg->rod->model->fields, leg->rod->model->group));
+  if (leg->rod->learned && RodSlides(leg->rod)) PetscCall(VBDFSetCarry(leg->ts, CarryLearned));
   PetscCall(MeasureAlongAxes(leg));
   PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));
   PetscCall(VBDFSetCross(leg->ts, CrossesMode));

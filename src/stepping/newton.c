@@ -3,6 +3,7 @@
 #include "base/blocklu.h"
 #include "base/chain.h"
 #include "rod/ask.h"
+#include "rod/learned.h"
 
 /* Newton's iteration stops when its update is this part of rtol: of the step's own tolerance, a
    fifteenth (leg.c). */
@@ -444,7 +445,10 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
   PetscCall(MatCreateShell(rod->comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, newton, &newton->J));
   PetscCall(MatShellSetOperation(newton->J, MATOP_MULT, (void (*)(void))MultiplyDirection));
   PetscCall(SolverOf(ts, &ksp, &pc));
-  PetscCall(EliminationSetType(pc, newton->elimination));
+  if (rod->learned)
+    PetscCall(LearnedSetType(pc, rod, newton->elimination));
+  else
+    PetscCall(EliminationSetType(pc, newton->elimination));
   if ((rod->model->space && RodFeelsSpin(rod)) || RodEndsOf(rod).tip_rests)
     PetscCall(EliminationCreate(rod->comm, nodes, rod->model->halves, &newton->counter));
   PetscFunctionReturn(0);

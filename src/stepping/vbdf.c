@@ -290,6 +290,18 @@ PetscErrorCode VBDFSetKinks(TS ts, VBDFKinks kinks) {
   PetscFunctionReturn(0);
 }
 
+/* VBDFSetCarry - sets how fields of the material go along with it. No effect on other types. */
+PetscErrorCode VBDFSetCarry(TS ts, VBDFCarry carry) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(Self(ts, &self));
+  if (!self) PetscFunctionReturn(0);
+  self->formula.carry = carry;
+  self->formula.ts = ts;
+  PetscFunctionReturn(0);
+}
+
 /* VBDFSetMeasure - sets how errors are turned before they are held against the tolerances. No
    effect on other types. */
 PetscErrorCode VBDFSetMeasure(TS ts, VBDFMeasure measure) {

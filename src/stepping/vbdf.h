@@ -11,7 +11,7 @@
 
 #define TSVBDF "vbdf"
 enum { VBDF_POINTS = 9 };  /* the new one and up to 8 past ones */
-enum { VBDF_FIELDS = 13 }; /* most unknowns of a node */
+enum { VBDF_FIELDS = 21 }; /* most unknowns of a node */
 enum { VBDF_FACTORS = 2 };
 enum { VBDF_MEMORY = 4 }; /* what it remembers besides */
 
@@ -39,6 +39,11 @@ typedef PetscReal (*VBDFNextEnd)(TS ts, PetscReal t);
 /* Does what drives it kink there? Then what was before says nothing of what comes. */
 typedef PetscBool (*VBDFKinks)(TS ts, PetscReal t);
 
+/* Makes of a sum of m points at earlier times, each times its weights for the fields of a node, at
+   fixed labels, that along the material: of fields that belong to it U_t is then its own rate. */
+typedef PetscErrorCode (*VBDFCarry)(TS ts, PetscReal t, PetscInt m, const PetscReal times[],
+                                    const Vec points[], PetscReal weight[][VBDF_FIELDS], Vec sum);
+
 /* Turns an error, in place, into the axes along which the tolerances are. */
 typedef PetscErrorCode (*VBDFMeasure)(TS ts, Vec error);
 
@@ -54,6 +59,7 @@ PetscErrorCode VBDFSetCheck(TS ts, VBDFCheck check);
 PetscErrorCode VBDFSetCross(TS ts, VBDFCross cross);
 PetscErrorCode VBDFSetNextEnd(TS ts, VBDFNextEnd next_end);
 PetscErrorCode VBDFSetKinks(TS ts, VBDFKinks kinks);
+PetscErrorCode VBDFSetCarry(TS ts, VBDFCarry carry);
 PetscErrorCode VBDFSetMeasure(TS ts, VBDFMeasure measure);
 PetscErrorCode VBDFSetFactored(TS ts, PetscInt fields, const int factored[]);
 PetscErrorCode VBDFSetLeast(TS ts, const PetscReal least[VBDF_FACTORS]);

@@ -1,0 +1,73 @@
+/* Natural curvature that the material learns while it grows: it turns towards gravity or a lamp,
+   straightens, nutates, gives way to its moments (docs/theory/growth.md). */
+#ifndef TENDRIL_TROPISM_H
+#define TENDRIL_TROPISM_H
+
+#include "material/growth.h"
+
+enum { TROPISM_BENDS = 2 }; /* about d3, that of the plane, and about d2 */
+
+typedef struct {
+  PetscBool any;            /* there is such a curvature */
+  PetscReal gravity, light; /* b, b_l */
+  PetscReal direction[3];   /* of gravity's pull, of length 1; in the clamp's frame, as is */
+  PetscReal source[3];      /* the place of the lamp */
+  PetscReal proprioception; /* G */
+  PetscReal ironing;        /* I */
+  PetscReal nutation[2];    /* about d3, about d2 */
+  PetscReal nutation_rate;  /* radians per time */
+  PetscReal memory;         /* T; 0: none */
+  PetscReal rate;           /* r, in place of the strain rate of growth, if it is */
+  PetscBool by_rate;        /* given */
+  PetscBool senses;         /* gravity or light */
+  PetscBool at_tip;         /* ... at the tip, for all of the rod */
+  const char *why;          /* the option that takes the rod out of the plane; NULL: none */
+} Tropism;
+
+/* A place that senses, d2 and d3 its axes; in the plane x3, and all along e3, is 0. */
+typedef struct {
+  PetscReal x[3], d2[3], d3[3];
+} TropismPlace;
+
+extern const OptionGroup tropism_options;
+
+PetscErrorCode TropismSetFromOptions(Tropism *tropism, Growth growth);
+void TropismFrame(Tropism *tropism, const PetscReal lab[3][3]);
+PetscReal TropismDriveAt(const Tropism *tropism, const TropismPlace *at, int bend, PetscReal t,
+                         PetscReal signal, PetscReal u0, PetscReal elastic);
+PetscReal TropismNearLamp(const Tropism *tropism, const PetscReal x[3]);
+
+/* The clock a of the law: how fast the material there stretches, or the rate that is given. */
+static inline PetscReal TropismClock(const Tropism *tropism, Growth growth, PetscReal s,
+                                     PetscReal t, PetscReal g, PetscReal g_t) {
+  return tropism->by_rate ? tropism->rate : GrowthStrain(growth, s, t, g_t) / g;
+}
+
+/* What sets the bend about d3 (0) or d2 (1) beside what is sensed: n cos(om t), -n2 sin(om t). */
+static inline PetscReal TropismNutation(const Tropism *tropism, int bend, PetscReal t) {
+  const PetscReal angle = tropism->nutation_rate * t;
+
+  return bend ? -tropism->nutation[1] * PetscSinReal(angle)
+              : tropism->nutation[0] * PetscCosReal(angle);
+}
+
+/* The direction, times its strength, towards which a place turns, and its derivatives by x. */
+void TropismPull(const Tropism *tropism, const PetscReal x[3], PetscReal pull[3],
+                 PetscReal by_x[3][3]);
+
+/* What is sensed along d3, pull.d2, and along d2, -pull.d3. */
+static inline PetscReal TropismSensed(const TropismPlace *at, int bend, const PetscReal pull[3]) {
+  const PetscReal *d = bend ? at->d3 : at->d2;
+  const PetscReal along = pull[0] * d[0] + pull[1] * d[1] + pull[2] * d[2];
+
+  return bend ? -along : along;
+}
+
+/* What Dk/Dt/a is of one bend: f - G u + I m/B + nutation, at a natural curvature u0 (with k) and
+   the elastic bend m/B. */
+static inline PetscReal TropismDrive(const Tropism *tropism, PetscReal f, PetscReal u0,
+                                     PetscReal elastic, PetscReal nutation) {
+  return f - tropism->proprioception * (elastic + u0) + tropism->ironing * elastic + nutation;
+}
+
+#endif

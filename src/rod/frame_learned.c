@@ -1,0 +1,152 @@
+/* What the material of a rod in the plane learns (learned.h): its bend about d3, at nodes and in
+   the middles of cells. */
+#include "rod/frame.h"
+#include "rod/learned.h"
+#include <string.h>
+
+/* The place of a point, as it senses. */
+static void PlaceOf(const PetscReal x[2], const PetscReal q[2], TropismPlace *place) {
+  *place = (TropismPlace){.x = {x[0], x[1], 0}, .d2 = {-q[1], q[0], 0}, .d3 = {0, 0, 1}};
+}
+
+/* x in the middle of a cell, of which a point that does not feel it knows none; k = bow h. */
+static void MidPlace(PetscReal k, const Point *a, const Point *b, PetscReal x[2]) {
+  for (int d = 0; d < 2; d++)
+    x[d] = (a->at.x[d] + b->at.x[d]) / 2 + k * (a->f[X1 + d] - b->f[X1 + d]);
+}
+
+static void Sense(const Tropism *law, const TropismPlace *at, PetscReal sensed[]) {
+  PetscReal pull[3], by_x[3][3];
+
+  sensed[0] = 0;
+  if (!law->senses) return;
+  TropismPull(law, at->x, pull, by_x);
+  sensed[0] = TropismSensed(at, 0, pull);
+}
+
+/* What a point senses, and its bends. */
+static void SeePoint(const Rod rod, const Law *law, const PetscReal x[2], const Point *p,
+                     LearnedPoint *point) {
+  TropismPlace at;
+
+  PlaceOf(x, p->at.q, &at);
+  Sense(&rod->scene->tropism, &at, point->sensed);
+  point->natural[0] = law->k0;
+  point->elastic[0] = p->m * law->flex;
+}
+
+/* ... and how these change with x, theta and m there: d2 turns by -d1. */
+static void SeeSlope(const Rod rod, const Law *law, const PetscReal x[2], const Point *p,
+                     LearnedSlope *slope) {
+  const Tropism *tropism = &rod->scene->tropism;
+  const PetscReal *q = p->at.q;
+  PetscReal pull[3], by_x[3][3];
+
+  memset(slope, 0, sizeof(*slope));
+  slope->elastic[0][M] = law->flex;
+  if (!tropism->senses) return;
+  TropismPull(tropism, (const PetscReal[3]){x[0], x[1], 0}, pull, by_x);
+  slope->sensed[0][TH] = -(pull[0] * q[0] + pull[1] * q[1]);
+  for (int d = 0; d < 2; d++) slope->sensed[0][X1 + d] = q[0] * by_x[1][d] - q[1] * by_x[0][d];
+}
+
+/* FrameLearnedLaws - keeps what laws are at a time, before the state adds to them. */
+void FrameLearnedLaws(Rod rod, PetscReal t) {
+  const Frame *frame = (const Frame *)rod->data;
+  Learned self = rod->learned;
+  const PetscInt from = 2 * (PetscMax(rod->first - 1, 0) - rod->first + 1),
+                 to = 2 * (PetscMin(rod->end, rod->last) - rod->first + 1);
+
+  for (PetscInt k = from; k <= to; k++) {
+    const Law *law = &frame->law[k];
+    self->given[k] = law->k0;
+    self->clock[k] =
+        TropismClock(&rod->scene->tropism, rod->scene->growth, law->s, t, law->g, law->g_t);
+  }
+}
+
+/* FrameLearnedOpen - takes a state apart: natural curvatures are those that it has learned, too.
+   Collective. */
+PetscErrorCode FrameLearnedOpen(Rod rod, const RodState *at) {
+  const Frame *frame = (const Frame *)rod->data;
+  Learned self = rod->learned;
+  const PetscInt from = 2 * (PetscMax(rod->first - 1, 0) - rod->first + 1),
+                 to = 2 * (PetscMin(rod->end, rod->last) - rod->first + 1);
+
+  PetscFunctionBegin;
+  PetscCall(LearnedOpen(rod, at));
+  for (PetscInt k = from; k <= to; k++) frame->law[k].k0 = self->given[k] + *LearnedAt(self, k);
+  PetscFunctionReturn(0);
+}
+
+/* FrameLearnedResidual - of node i, which is p; mid: of the cell behind it, between it and b; NULL:
+   it is the last. */
+void FrameLearnedResidual(Rod rod, PetscReal t, PetscInt i, PetscReal h, const Point *p,
+                          const Point *mid, const Point *b) {
+  const Frame *frame = (const Frame *)rod->data;
+  const PetscInt place = 2 * (i - rod->first + 1);
+  LearnedPoint point;
+  PetscReal x[2];
+
+  SeePoint(rod, &frame->law[place], p->at.x, p, &point);
+  LearnedResidual(rod, t, place, &point);
+  if (!mid) {
+    if (rod->learned->at_tip) LearnedSignalResidual(rod, point.sensed);
+    return;
+  }
+  MidPlace(frame->bow * h, p, b, x);
+  SeePoint(rod, &frame->law[place + 1], x, mid, &point);
+  LearnedResidual(rod, t, place + 1, &point);
+}
+
+/* The unknowns in the middle by those of one end, and by the bend learned there; k = bow h, -bow h
+   of the end towards the tip. */
+static void MidByEnd(PetscReal k, const Law *law, const Point *p,
+                     PetscReal by[LEARNED_MOST][LEARNED_MOST], PetscReal by_bend[LEARNED_MOST]) {
+  const PetscReal kg = k * law->g, *q = p->at.q;
+
+  memset(by, 0, LEARNED_MOST * sizeof(*by));
+  memset(by_bend, 0, LEARNED_MOST * sizeof(*by_bend));
+  for (int d = 0; d < 2; d++) {
+    by[X1 + d][X1 + d] = 0.5;
+    by[X1 + d][TH] = kg * (d ? q[0] : -q[1]);
+  }
+  by[TH][TH] = 0.5;
+  by[TH][M] = kg * law->flex;
+  by[M][M] = 0.5;
+  by[M][TH] = kg * (q[0] * p->n[0] + q[1] * p->n[1]);
+  by[M][N1] = kg * q[1];
+  by[M][N2] = -kg * q[0];
+  by_bend[TH] = kg;
+}
+
+/* A cell's equations by the bend learned at one of its nodes: all that the moment there does by the
+   elastic bend, and not by itself. */
+static void ColumnOf(PetscReal J[FIELDS][FIELDS], PetscReal own, PetscReal in_mid, PetscReal flex,
+                     PetscReal column[]) {
+  for (int r = 0; r < FIELDS; r++) {
+    const PetscReal itself = r == M ? own : r == TH ? in_mid : 0;
+    column[r] = (J[r][M] - itself) / flex;
+  }
+}
+
+/* FrameLearnedCell - a cell's part, from its equations by its nodes. */
+void FrameLearnedCell(Rod rod, PetscInt i, PetscReal h, const Point *a, const Point *mid,
+                      const Point *b, PetscReal left[FIELDS][FIELDS],
+                      PetscReal right[FIELDS][FIELDS], LearnedCell *cell) {
+  const Frame *frame = (const Frame *)rod->data;
+  const Law *law = frame->law + 2 * (i - rod->first + 1);
+  const PetscReal k = frame->bow * h, wm = h * frame->mid_weight * law[1].g;
+  PetscReal x[2];
+
+  MidPlace(k, a, b, x);
+  SeeSlope(rod, law, a->at.x, a, &cell->slope[0]);
+  SeeSlope(rod, law + 1, x, mid, &cell->slope[1]);
+  SeeSlope(rod, law + 2, b->at.x, b, &cell->slope[2]);
+  MidByEnd(k, law, a, cell->by_node[0], cell->by_bend[0][0]);
+  MidByEnd(-k, law + 2, b, cell->by_node[1], cell->by_bend[1][0]);
+  ColumnOf(left, -1, -wm * law[1].flex / 2, law[0].flex, cell->column[0][0]);
+  ColumnOf(right, 1, -wm * law[1].flex / 2, law[2].flex, cell->column[2][0]);
+  memset(cell->column[1], 0, sizeof(cell->column[1]));
+  cell->column[1][0][TH] = -wm;
+}

@@ -1,0 +1,101 @@
+/* Natural curvature that the material of a rod learns (material/tropism.h), as a model of the rod
+   has it: states of the nodes and of the middles of cells beside the unknowns of its mechanics.
+   They see only what is at their own place, so a linear solve eliminates them there, and that of
+   the mechanics stays as wide as it is. */
+#ifndef TENDRIL_LEARNED_H
+#define TENDRIL_LEARNED_H
+
+#include "rod/rod.h"
+
+enum { LEARNED_MOST = 13 }; /* unknowns of the mechanics of a node, at most */
+
+/* By the unknowns of a point: what is sensed there, and its elastic bends. */
+typedef struct {
+  PetscReal sensed[TROPISM_BENDS][LEARNED_MOST], elastic[TROPISM_BENDS][LEARNED_MOST];
+} LearnedSlope;
+
+/* What a model tells of a cell between nodes a and b: its equations by the bends learned at a, in
+   its middle and at b; slopes at these three; the unknowns in its middle by those of a and b, and
+   by the bends learned there. */
+typedef struct {
+  PetscReal column[3][TROPISM_BENDS][LEARNED_MOST];
+  LearnedSlope slope[3];
+  PetscReal by_node[2][LEARNED_MOST][LEARNED_MOST], by_bend[2][TROPISM_BENDS][LEARNED_MOST];
+} LearnedCell;
+
+/* What is sensed at a point, its natural and its elastic bends. */
+typedef struct {
+  PetscReal sensed[TROPISM_BENDS], natural[TROPISM_BENDS], elastic[TROPISM_BENDS];
+} LearnedPoint;
+
+/* How the states of a place follow from the unknowns: dk = free + by.d + signal d(signal). */
+typedef struct {
+  PetscReal by[TROPISM_BENDS][LEARNED_MOST], signal[TROPISM_BENDS];
+  PetscReal sensed[TROPISM_BENDS][LEARNED_MOST];                  /* of what it remembers */
+  PetscReal clock, own[TROPISM_BENDS], own_memory[TROPISM_BENDS]; /* a; equations by themselves */
+} LearnedRow;
+
+/* Those of a cell, for right-hand sides. */
+typedef struct {
+  PetscReal column[3][TROPISM_BENDS][LEARNED_MOST];
+  PetscReal mid[2][TROPISM_BENDS][LEARNED_MOST];    /* dk in the middle by both nodes */
+  PetscReal chain[2][TROPISM_BENDS][TROPISM_BENDS]; /* ... by dk of both */
+  PetscReal sensed[2][TROPISM_BENDS][LEARNED_MOST]; /* what is sensed there by both nodes */
+  PetscReal sensed_chain[2][TROPISM_BENDS][TROPISM_BENDS];
+  LearnedRow at_mid;
+} LearnedFactor;
+
+typedef struct Learned_ {
+  PetscInt mech, bends, per; /* unknowns of the mechanics, bends, states of a place */
+  PetscBool remembers;       /* each place remembers what it senses; behind the bends */
+  PetscBool at_tip;          /* the signal is the tip's: the last node's own, where others have the
+                                middle of the cell behind them */
+  PetscReal *u, *u_t;        /* mechanics of nodes first - 1 .. end; node i at i - first + 1 */
+  PetscReal *k, *k_t;        /* states; places as of laws: 2 (i - first + 1) + half */
+  PetscReal signal[TROPISM_BENDS], signal_t[TROPISM_BENDS];
+  PetscReal drive[2];       /* how much it bends a straight rod towards x2, x3 */
+  PetscReal *given, *clock; /* of places: natural bends that are given, a */
+  PetscReal *row;           /* residual of owned nodes: mechanics; behind it those of states */
+  PetscReal *rows;
+  LearnedRow *node;
+  LearnedFactor *cell;
+  PetscReal tip[TROPISM_BENDS][LEARNED_MOST], tip_own[TROPISM_BENDS]; /* of the signal */
+  Elimination elimination; /* borrowed; what was condensed last */
+  PetscBool bordered;      /* border and inverse are of it */
+  PetscReal *border[TROPISM_BENDS], inverse[TROPISM_BENDS][TROPISM_BENDS]; /* J^-1 w */
+  PetscReal *b, *x, *free; /* room: of owned nodes; free parts of the states of places */
+  PetscReal *rhs, *beside; /* a right-hand side taken apart: its states, and mechanics */
+} * Learned;
+
+PetscErrorCode LearnedCreate(Rod rod, PetscInt mech, PetscInt bends);
+PetscErrorCode LearnedDestroy(Rod rod);
+PetscErrorCode LearnedBegin(Rod rod, Vec U);
+void LearnedScale(Rod rod, PetscReal scale[]);
+PetscErrorCode LearnedOpen(Rod rod, const RodState *at);
+PetscErrorCode LearnedFill(Rod rod, Vec F, void *array);
+PetscErrorCode LearnedFilled(Rod rod, Vec F);
+void LearnedResidual(Rod rod, PetscReal t, PetscInt place, const LearnedPoint *point);
+void LearnedSignalResidual(Rod rod, const PetscReal sensed[]);
+void LearnedNodeSlope(Rod rod, PetscInt i, const LearnedSlope *slope, const PetscReal shift[]);
+void LearnedCondense(Rod rod, PetscInt i, const LearnedCell *cell, const PetscReal shift[],
+                     PetscReal *left, PetscReal *right);
+void LearnedSignalSlope(Rod rod, const LearnedSlope *slope, const PetscReal shift[]);
+void LearnedCondensed(Rod rod, Elimination elimination);
+PetscErrorCode LearnedSolve(Rod rod, Vec b, Vec x);
+PetscErrorCode LearnedSetType(PC pc, Rod rod, Elimination elimination);
+PetscErrorCode LearnedGet(Rod rod, Vec U, Node *nodes);
+PetscErrorCode LearnedSet(Rod rod, const Node *nodes, Vec U);
+PetscErrorCode LearnedMatrix(Rod rod, PetscInt i, const PetscReal *begin, const LearnedCell *cell,
+                             const PetscReal *left, const PetscReal *right,
+                             const LearnedSlope *slope, const PetscReal *own, PetscReal *room,
+                             Mat J);
+void LearnedRows(Rod rod, PetscInt i, const LearnedCell *cell, const PetscReal shift[]);
+PetscErrorCode LearnedCarry(Rod rod, PetscReal t, PetscInt m, const PetscReal times[],
+                            const Vec points[], PetscReal weight[][MAX_FIELDS], Vec sum);
+
+/* The states of a place, and their rates. */
+static inline PetscReal *LearnedAt(const struct Learned_ *self, PetscInt place) {
+  return self->k + place * self->per;
+}
+
+#endif
