@@ -42,7 +42,7 @@ PetscErrorCode RestartOptions(char file[PETSC_MAX_PATH_LEN], PetscBool *restart)
 
 /* The scales of the earlier run must be those of this one: its numbers stand for other lengths
    otherwise. */
-static PetscErrorCode CheckScales(const char *file, Scene scene) {
+static PetscErrorCode CheckScales(const char *file, Scene scene, MPI_Comm comm) {
   PetscBool same = PETSC_TRUE;
   PetscReal *scale;
   PetscInt n;
@@ -53,7 +53,7 @@ static PetscErrorCode CheckScales(const char *file, Scene scene) {
     if (PetscAbsReal(scale[k] - scene->si.scale[k]) > 1e-12 * PetscAbsReal(scale[k]))
       same = PETSC_FALSE;
   PetscCall(PetscFree(scale));
-  UserCheck(same, scene->comm,
+  UserCheck(same, comm,
             "-si_: the run in -restart %s is of another rod in the laboratory; leave these options "
             "out, they are taken from there",
             file);
@@ -61,7 +61,7 @@ static PetscErrorCode CheckScales(const char *file, Scene scene) {
 }
 
 /* A rod goes on as long as it was: the lengths that the file tells are those of this scene. */
-static PetscErrorCode CheckLength(const char *file, Scene scene) {
+static PetscErrorCode CheckLength(const char *file, Scene scene, MPI_Comm comm) {
   const PetscReal alike = 1e-9;
   PetscReal *t, *length, now;
   PetscInt n, rows;
@@ -70,9 +70,9 @@ static PetscErrorCode CheckLength(const char *file, Scene scene) {
   PetscCall(HdfRead("-restart", file, "/series/t", 1, &n, &t));
   PetscCall(HdfRead("-restart", file, "/series/length", 1, &rows, &length));
   n = PetscMin(n, rows) - 1;
-  UserCheck(n >= 0, scene->comm, "-restart %s: holds no series", file);
-  PetscCall(GrowthLength(scene->growth, t[n], &now, NULL));
-  UserCheck(PetscAbsReal(now - length[n]) <= alike * length[n], scene->comm,
+  UserCheck(n >= 0, comm, "-restart %s: holds no series", file);
+  PetscCall(SceneLength(scene, t[n], &now));
+  UserCheck(PetscAbsReal(now - length[n]) <= alike * length[n], comm,
             "-growth_: the rod in -restart %s is %.6g long at t = %.6g, and would be %.6g as it is "
             "said to grow now; leave -growth_initial_length and the like out, they are taken from "
             "there",
@@ -83,16 +83,16 @@ static PetscErrorCode CheckLength(const char *file, Scene scene) {
 }
 
 /* Gives the scene the file's mesh, which may depend on the end time the run had. */
-static PetscErrorCode TakeMesh(const char *file, Scene scene) {
+static PetscErrorCode TakeMesh(const char *file, Mesh *mesh, MPI_Comm comm) {
   PetscReal *s;
   PetscInt n;
 
   PetscFunctionBegin;
   PetscCall(HdfRead("-restart", file, "/shapes/s", 1, &n, &s));
-  if (n == scene->mesh.cells + 1) PetscCall(PetscArraycpy(scene->mesh.s, s, n));
+  if (n == mesh->cells + 1) PetscCall(PetscArraycpy(mesh->s, s, n));
   PetscCall(PetscFree(s));
-  UserCheck(n == scene->mesh.cells + 1, scene->comm, "-rod_cells %d: the run in -restart %s has %d",
-            (int)scene->mesh.cells, file, (int)n - 1);
+  UserCheck(n == mesh->cells + 1, comm, "-rod_cells %d: the run in -restart %s has %d",
+            (int)mesh->cells, file, (int)n - 1);
   PetscFunctionReturn(0);
 }
 
@@ -120,21 +120,22 @@ static PetscErrorCode TakeClamp(const char *file, SceneMemory *laws) {
   begun  false if the earlier run had not taken a step: state is then not set, the run begins anew
 */
 PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, PetscBool *begun) {
+  const MPI_Comm comm = scene->comm;
   PetscBool result;
   char text[64];
 
   PetscFunctionBegin;
   PetscCall(HdfHas(file, "/restart/points", begun));
   PetscCall(HdfHas(file, "/shapes/x", &result));
-  UserCheck(result, scene->comm, "-restart %s: is the result of another task, not of a run", file);
+  UserCheck(result, comm, "-restart %s: is the result of another task, not of a run", file);
   if (!*begun) PetscFunctionReturn(0);
-  PetscCall(RememberedRead(file, scene->comm, state));
-  PetscCall(CheckScales(file, scene));
-  PetscCall(CheckLength(file, scene));
-  PetscCall(TakeMesh(file, scene));
+  PetscCall(RememberedRead(file, comm, state));
+  PetscCall(CheckScales(file, scene, comm));
+  PetscCall(CheckLength(file, scene, comm));
+  PetscCall(TakeMesh(file, &scene->mesh, comm));
   PetscCall(TakeClamp(file, &state->laws));
   PetscCall(SceneRecall(scene, &state->laws));
-  UserCheck(scene->end_time > state->t * (1 + 1e-12), scene->comm,
+  UserCheck(scene->end_time > state->t * (1 + 1e-12), comm,
             "-restart %s: is at t = %s already; give a later -ts_max_time", file,
             OptionBoth(state->t, UNIT_TIME, text));
   PetscFunctionReturn(0);
@@ -196,7 +197,7 @@ static PetscErrorCode Recall(Reader *reader, Rod rod) {
 
 /* RestartTake - gives a leg the state, the history and the memory of an earlier run. Collective. */
 PetscErrorCode RestartTake(const char *file, const RestartState *state, Leg *leg) {
-  MPI_Comm comm = leg->rod->scene->comm;
+  MPI_Comm comm = leg->rod->comm;
   PetscInt n = (PetscInt)state->points;
   Reader reader = {.file = file};
   PetscMPIInt rank;

@@ -182,6 +182,26 @@ void SceneLinkWalls(Scene scene) {
   scene->tip.walls = scene->load.walls;
 }
 
+/* SceneLabels - the labels of the rod's nodes, and how many there are. Borrowed. */
+const PetscReal *SceneLabels(Scene scene, PetscInt *nodes) {
+  *nodes = scene->mesh.cells + 1;
+  return scene->mesh.s;
+}
+
+/* SceneLength - how long the rod is at time t. */
+PetscErrorCode SceneLength(Scene scene, PetscReal t, PetscReal *length) {
+  PetscFunctionBegin;
+  PetscCall(GrowthLength(scene->growth, t, length, NULL));
+  PetscFunctionReturn(0);
+}
+
+/* SceneStretch - g at the label s and time t. */
+PetscErrorCode SceneStretch(Scene scene, PetscReal s, PetscReal t, PetscReal *g) {
+  PetscFunctionBegin;
+  PetscCall(GrowthStretch(scene->growth, 1, &s, t, g, NULL, NULL));
+  PetscFunctionReturn(0);
+}
+
 /* SceneMaterial - what the rod's own laws give at the label s and time t. */
 PetscErrorCode SceneMaterial(Scene scene, PetscReal s, PetscReal t, Material *at) {
   PetscReal B, B_t;
