@@ -24,6 +24,12 @@
   moves far in one. The parts, in space, in time and so on, are carried along each for itself. What
   is told is the error that they make in the tip's place (over its distance), |x2| and the energy
   (each over itself): that of the latest state, and the largest so far.
+
+  An error that grows as exp(gamma t) grows by 1/(1 - gamma h) in a step h of backward Euler,
+  without bound where h is 1/gamma; in m parts of it by (1 - gamma h/m)^-m, which is near exp(gamma
+  h) there, and has its pole elsewhere. So in contact, where modes grow between two such steps (a
+  wave that buckles in a tube), a step by which an error grows much is taken again in parts, and
+  what is less of both counts.
 */
 
 /* What is gathered of the coarse nodes, node after node: the state, its rate, the defect of the
@@ -61,6 +67,7 @@ struct _Estimate {
   KSP ksp;
   Vec U, rate, nudged, F, G;
   PetscReal *e[ESTIMATE_PARTS], *rhs, *b;
+  PetscReal *begun[ESTIMATE_PARTS], *once[ESTIMATE_PARTS]; /* before a step, behind it as a whole */
 };
 
 static PetscErrorCode CreateGathered(const Estimate self, Gathered *g) {
@@ -115,6 +122,8 @@ static PetscErrorCode CreateMatrix(Estimate self) {
 
 /* The coarse rod, on rank 0. Itself it touches only from the first contact on. */
 static PetscErrorCode CreateCoarse(Estimate self) {
+  const PetscInt n = self->nodes * self->fields;
+
   PetscFunctionBegin;
   PetscCall(RodCoarsen(self->leg->rod, self->nodes, self->stride, self->touches, &self->rod));
   if (self->rod->coupled)
@@ -128,9 +137,8 @@ static PetscErrorCode CreateCoarse(Estimate self) {
   PetscCall(VecDuplicate(self->U, &self->F));
   PetscCall(VecDuplicate(self->U, &self->G));
   for (int part = 0; part < ESTIMATE_PARTS; part++)
-    PetscCall(PetscCalloc1(self->nodes * self->fields, &self->e[part]));
-  PetscCall(
-      PetscCalloc2(self->nodes * self->fields, &self->rhs, self->nodes * self->fields, &self->b));
+    PetscCall(PetscCalloc3(n, &self->e[part], n, &self->begun[part], n, &self->once[part]));
+  PetscCall(PetscCalloc2(n, &self->rhs, n, &self->b));
   PetscCall(CreateGathered(self, &self->all));
   PetscFunctionReturn(0);
 }
@@ -142,7 +150,8 @@ static PetscErrorCode DestroyCoarse(Estimate self) {
   PetscCall(VecDestroy(&self->nudged));
   PetscCall(VecDestroy(&self->F));
   PetscCall(VecDestroy(&self->G));
-  for (int part = 0; part < ESTIMATE_PARTS; part++) PetscCall(PetscFree(self->e[part]));
+  for (int part = 0; part < ESTIMATE_PARTS; part++)
+    PetscCall(PetscFree3(self->e[part], self->begun[part], self->once[part]));
   PetscCall(PetscFree2(self->rhs, self->b));
   PetscCall(PetscFree(self->all.u));
   PetscCall(EliminationDestroy(&self->elimination));
@@ -692,24 +701,103 @@ static PetscErrorCode CarryErrors(Estimate self, PetscReal t, int part) {
   PetscFunctionReturn(0);
 }
 
-/* b = minus the errors that the step begins with, over its length. */
-static void TakeErrors(Estimate self, int part, const PetscReal ratio[GROUPS], PetscReal step) {
+/* b = minus the errors that a part of a step begins with, over its length; those of the run's steps
+   come in the first. */
+static void TakeErrors(Estimate self, int part, const PetscReal ratio[GROUPS], PetscReal step,
+                       PetscBool first) {
   const PetscInt fields = self->fields, followed = self->followed;
 
   for (PetscInt k = 0; k < self->nodes; k++)
     for (PetscInt f = 0; f < followed; f++) {
       if (!HasRate(self, f)) continue;
-      PetscReal e = self->e[part][k * fields + f] * Limited(ratio[self->model->group[f]]);
-      if (part == ESTIMATE_TIME)
+      PetscReal e = self->e[part][k * fields + f] * ratio[self->model->group[f]];
+      if (part == ESTIMATE_TIME && first)
         e += self->all.local[k * followed + f] + self->all.skipped[k * followed + f];
       self->b[k * fields + f] = -e / step;
     }
 }
 
-/* A step of backward Euler from before to t. (A'/A is that at t: with its mean over the step, which
-   is another where the rate changes, errors would rise or fall against x2.) */
+/* All errors, over a step to t in equal parts; rate and ratio: of |x2| and |x3|, at its end and
+   over it. (A'/A is that at t: with its mean over the step, which is another where the rate
+   changes, errors would rise or fall against x2.) */
+static PetscErrorCode StepErrors(Estimate self, PetscReal t, PetscInt parts,
+                                 const PetscReal rate[MIRRORS], const PetscReal ratio[GROUPS]) {
+  const PetscReal step = (t - self->before) / (PetscReal)parts;
+  PetscReal shift[MAX_FIELDS], each[GROUPS];
+
+  PetscFunctionBegin;
+  for (PetscInt f = 0; f < self->fields; f++) {
+    shift[f] = 1 / step;
+    for (int k = 0; k < MIRRORS; k++)
+      if (self->model->group[f] & 1 << k) shift[f] += rate[k];
+  }
+  for (int g = 0; g < GROUPS; g++)
+    each[g] =
+        parts == 1 ? Limited(ratio[g]) : PetscPowReal(Limited(ratio[g]), 1 / (PetscReal)parts);
+  PetscCall(Linearise(self, t, shift));
+  for (int part = 0; part < ESTIMATE_PARTS; part++)
+    for (PetscInt i = 0; i < parts && Errs(self, part); i++) {
+      if (i == 0) PetscCall(CarryErrors(self, t, part));
+      TakeErrors(self, part, each, step, (PetscBool)(i == 0));
+      PetscCall(TimesRate(self, t));
+      PetscCall(SubtractSource(self, t, part));
+      PetscCall(Solve(self, self->e[part]));
+    }
+  PetscFunctionReturn(0);
+}
+
+/* The largest error at t, and does any grow much, to more than is asked of a step? */
+static PetscErrorCode Largest(const Estimate self, PetscReal t, PetscReal *largest,
+                              PetscBool *grows) {
+  PetscReal seen[ESTIMATE_SEEN] = {0}, change[RIGID_VALUES];
+
+  PetscFunctionBegin;
+  *largest = 0;
+  *grows = PETSC_FALSE;
+  for (int part = 0; part < ESTIMATE_PARTS; part++) {
+    if (!Errs(self, part)) continue;
+    PetscCall(See(self, t, self->e[part], seen, change));
+    for (int k = 0; k < ESTIMATE_SEEN; k++) {
+      if (PetscIsInfOrNanReal(seen[k])) seen[k] = PETSC_MAX_REAL;
+      if (seen[k] > PetscMax(step_rule.estimate_growth * self->now[part][k], self->leg->rtol))
+        *grows = PETSC_TRUE;
+      *largest = PetscMax(*largest, seen[k]);
+    }
+  }
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode CopyErrors(const Estimate self, PetscReal *const from[ESTIMATE_PARTS],
+                                 PetscReal *const to[ESTIMATE_PARTS]) {
+  PetscFunctionBegin;
+  for (int part = 0; part < ESTIMATE_PARTS; part++)
+    PetscCall(PetscArraycpy(to[part], from[part], self->nodes * self->fields));
+  PetscFunctionReturn(0);
+}
+
+/* ... in which none grows by more than it may (see above). */
+static PetscErrorCode StepWhatGrows(Estimate self, PetscReal t, const PetscReal rate[MIRRORS],
+                                    const PetscReal ratio[GROUPS]) {
+  PetscReal once, again;
+  PetscBool grows;
+
+  PetscFunctionBegin;
+  if (self->touches) PetscCall(CopyErrors(self, self->e, self->begun));
+  PetscCall(StepErrors(self, t, 1, rate, ratio));
+  if (!self->touches) PetscFunctionReturn(0);
+  PetscCall(Largest(self, t, &once, &grows));
+  if (!grows) PetscFunctionReturn(0);
+  PetscCall(CopyErrors(self, self->e, self->once));
+  PetscCall(CopyErrors(self, self->begun, self->e));
+  PetscCall(StepErrors(self, t, step_rule.estimate_parts, rate, ratio));
+  PetscCall(Largest(self, t, &again, &grows));
+  if (again > once) PetscCall(CopyErrors(self, self->once, self->e));
+  PetscFunctionReturn(0);
+}
+
+/* From before to t. */
 static PetscErrorCode Advance(Estimate self, PetscReal t) {
-  PetscReal size[MIRRORS], rate[MIRRORS], ratio[GROUPS], step = t - self->before, shift[MAX_FIELDS];
+  PetscReal size[MIRRORS], rate[MIRRORS], ratio[GROUPS];
 
   PetscFunctionBegin;
   Sizes(self, size, rate);
@@ -717,21 +805,9 @@ static PetscErrorCode Advance(Estimate self, PetscReal t) {
   PetscCall(PetscArraycpy(self->size, size, MIRRORS));
   RodCoarseFollow(self->rod, self->leg->rod);
   PetscCall(PutState(self));
-  for (PetscInt f = 0; f < self->fields; f++) {
-    shift[f] = 1 / step;
-    for (int k = 0; k < MIRRORS; k++)
-      if (self->model->group[f] & 1 << k) shift[f] += rate[k];
-  }
-  PetscCall(Linearise(self, t, shift));
-  for (int part = 0; part < ESTIMATE_PARTS; part++) {
-    if (!Errs(self, part)) continue;
-    PetscCall(CarryErrors(self, t, part));
-    TakeErrors(self, part, ratio, step);
-    PetscCall(TimesRate(self, t));
-    PetscCall(SubtractSource(self, t, part));
-    PetscCall(Solve(self, self->e[part]));
-    PetscCall(Keep(self, t, part));
-  }
+  PetscCall(StepWhatGrows(self, t, rate, ratio));
+  for (int part = 0; part < ESTIMATE_PARTS; part++)
+    if (Errs(self, part)) PetscCall(Keep(self, t, part));
   PetscFunctionReturn(0);
 }
 
