@@ -32,6 +32,9 @@
   what is less of both counts.
 */
 
+/* Of an error over what it is an error of, where that is not. */
+static const PetscReal unknown = -1;
+
 /* What is gathered of the coarse nodes, node after node: the state, its rate, the defect of the
    cell behind; of the fields that have rates, which come first, local errors since the errors were
    stepped last, and those before the latest step if that is looked at by itself. */
@@ -571,7 +574,7 @@ static PetscReal SeeNorm(const Estimate self, PetscReal length, const PetscReal 
   for (PetscInt k = 0; k <= last; k++)
     for (PetscInt d = 1; d <= self->mirrors; d++)
       size = PetscMax(size, PetscAbsReal(u[k * fields + d]));
-  if (size == least) return step_rule.error_of_nothing;
+  if (size == least) return unknown;
   for (PetscInt k = 0; k <= last; k++)
     for (PetscInt d = 0; d < self->mirrors; d++) {
       const PetscReal w = (s[PetscMin(k + 1, last)] - s[PetscMax(k - 1, 0)]) / 2,
@@ -612,7 +615,7 @@ static PetscErrorCode SeeEnergy(const Estimate self, PetscReal t, const PetscRea
       energy / 2 * size * size <
           PetscMax(RodRounding(self->rod, length),
                    step_rule.steering_at_first * PetscSqr(RodSteeredTo(self->rod)) * length)) {
-    *seen = step_rule.error_of_nothing;
+    *seen = unknown;
     PetscFunctionReturn(0);
   }
   *seen = PetscAbsReal(by / energy);
@@ -663,10 +666,10 @@ static PetscErrorCode Keep(Estimate self, PetscReal t, int part) {
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
     PetscReal *worst = &self->worst[part][k], told;
     if (PetscIsInfOrNanReal(seen[k])) seen[k] = most = PETSC_MAX_REAL;
-    if (seen[k] == step_rule.error_of_nothing) self->began[k] = t;
+    if (seen[k] == unknown) self->began[k] = t;
     if (began[k] == 0 || !EstimateIsEarly(self, t, k)) most = PetscMax(most, seen[k]);
-    told = seen[k] == step_rule.error_of_nothing ? 0 : PetscMin(1, seen[k]);
-    if (seen[k] == step_rule.error_of_nothing)
+    told = seen[k] == unknown ? 0 : PetscMin(1, seen[k]);
+    if (seen[k] == unknown)
       start[k] = 0;
     else if (EstimateIsEarly(self, t, k))
       start[k] = PetscMax(told, start[k] * (self->before - began[k]) / (t - began[k]));
@@ -813,8 +816,8 @@ static PetscErrorCode Advance(Estimate self, PetscReal t) {
 
 /* How far the rod is from straight: the angle of its steepest place. */
 static PetscReal Angle(const Estimate self, const PetscReal size[MAX_FIELDS]) {
-  const PetscInt p2 = 5; /* x, and p0 and p1 before it */
-  return self->model->space ? 2 * hypot(size[p2], size[p2 + 1]) : size[self->left - 1];
+  enum { P2 = 5 }; /* x, and p0 and p1 before it */
+  return self->model->space ? 2 * hypot(size[P2], size[P2 + 1]) : size[self->left - 1];
 }
 
 /*
